@@ -1,0 +1,123 @@
+// A device draws: it owns one OpenGL context, on a thread of its own, so that the context of the
+// calling thread (EGL, GLX or OSMesa) is never touched.
+//
+// Thread-safety: any thread may use a device; calls are served one after another.
+#ifndef QUICKCULLIDE_DEVICE_H
+#define QUICKCULLIDE_DEVICE_H
+
+#include "base.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef enum qcDeviceKind
+{
+    /// The first of the following four that works here. Never fails: the last one always works.
+    qc_deviceAuto = 0,
+    /// A hardware GPU, through EGL's device platform: no window system needed.
+    qc_deviceEgl = 1,
+    /// Software GL in memory; libOSMesa is opened at run time.
+    qc_deviceOsmesa = 2,
+    /// Software (or any) GL through EGL's surfaceless platform.
+    qc_deviceSurfaceless = 3,
+    /// No GL: every query is answered on the CPU.
+    qc_deviceNone = 4
+} qcDeviceKind;
+
+typedef struct qcDevice qcDevice;
+
+typedef struct qcDeviceDef
+{
+    uint32_t structSize;
+    qcDeviceKind kind;
+} qcDeviceDef;
+
+static inline qcDeviceDef qcDefaultDeviceDef(void)
+{
+    qcDeviceDef def;
+    def.structSize = (uint32_t)sizeof(qcDeviceDef);
+    def.kind = qc_deviceAuto;
+    return def;
+}
+
+typedef struct qcDeviceInfo
+{
+    /// What was opened; never qc_deviceAuto.
+    qcDeviceKind kind;
+    /// "egl", "osmesa", "surfaceless" or "none".
+    const char* name;
+    /// GL_RENDERER and GL_VERSION; empty for none. They live as long as the device.
+    const char* renderer;
+    const char* version;
+    /// Pixels on a side of the largest square image; 0 for none.
+    uint32_t maxResolution;
+    /// The renderer runs on the CPU.
+    bool software;
+} qcDeviceInfo;
+
+/// Opens a device. qc_statusDevice: the named kind does not work here; the message says why.
+QC_API qcStatus qcDevice_Create(const qcDeviceDef* def, qcDevice** device);
+
+/// Closes a device after the last scene that uses it. Null is allowed.
+QC_API void qcDevice_Destroy(qcDevice* device);
+
+QC_API qcStatus qcDevice_GetInfo(const qcDevice* device, qcDeviceInfo* info);
+
+/// One coloured triangle soup in a picture.
+typedef struct qcPictureMesh
+{
+    /// `vertexCount` positions of three floats, tightly packed.
+    const float* positions;
+    uint32_t vertexCount;
+    /// 3 * `triangleCount` indices.
+    const uint32_t* indices;
+    uint32_t triangleCount;
+    /// Linear RGB in 0..1; the back of a triangle is drawn in `backColor`.
+    float color[3];
+    float backColor[3];
+    /// `triangleCount` flags, or null: a triangle with a flag other than 0 is drawn in `markColor`.
+    const uint8_t* marked;
+    float markColor[3];
+    /// Shade with normals averaged over the triangles around a vertex, otherwise flat.
+    bool smooth;
+    /// Draw the edges of the triangles as thin darker lines.
+    bool wireframe;
+} qcPictureMesh;
+
+/// A perspective picture of some meshes over a plain background, lit from above the eye.
+typedef struct qcPictureDef
+{
+    uint32_t structSize;
+    uint32_t width, height; ///< pixels, 1..8192
+    /// Eye, the point looked at, up direction; vertical field of view in degrees.
+    float eye[3], target[3], up[3], fieldOfView;
+    float background[3]; ///< linear RGB
+    const qcPictureMesh* meshes;
+    uint32_t meshCount;
+} qcPictureDef;
+
+static inline qcPictureDef qcDefaultPictureDef(void)
+{
+    qcPictureDef def = {(uint32_t)sizeof(qcPictureDef),
+                        1280,
+                        720,
+                        {0.0f, 0.0f, 5.0f},
+                        {0.0f, 0.0f, 0.0f},
+                        {0.0f, 1.0f, 0.0f},
+                        35.0f,
+                        {0.93f, 0.94f, 0.95f},
+                        NULL,
+                        0};
+    return def;
+}
+
+/// Draws a picture with antialiasing into `rgb`: width * height * 3 bytes, sRGB, top row first.
+/// qc_statusDevice on the device `none`.
+QC_API qcStatus qcDevice_DrawPicture(qcDevice* device, const qcPictureDef* def, uint8_t* rgb);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

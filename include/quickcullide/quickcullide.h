@@ -1,0 +1,10 @@
+// The C ABI of Quick-CULLIDE for Bullet, in the order in which data travels.
+#ifndef QUICKCULLIDE_QUICKCULLIDE_H
+#define QUICKCULLIDE_QUICKCULLIDE_H
+
+#include "base.h"
+#include "device.h"
+#include "scene.h"
+#include "boxes.h"
+
+#endif

@@ -1,0 +1,311 @@
+// A scene holds bodies, each a triangle soup, and answers which of their triangles meet.
+//
+//     qcScene* scene;                              qcSceneDef sceneDef = qcDefaultSceneDef();
+//     qcScene_Create(&sceneDef, &scene);           qcBodyDef bodyDef = qcDefaultBodyDef();
+//     bodyDef.positions = ...;                     qcScene_AddBody(scene, &bodyDef, &id);
+//     qcDetectDef def = qcDefaultDetectDef();      qcScene_Detect(scene, &def, &result);
+//
+// Thread-safety: a scene belongs to one thread at a time; two scenes are independent, also when they
+// share a device.
+#ifndef QUICKCULLIDE_SCENE_H
+#define QUICKCULLIDE_SCENE_H
+
+#include "device.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef struct qcScene qcScene;
+
+typedef struct qcSceneDef
+{
+    uint32_t structSize;
+    /// Draws for the methods that need GL; null is the same as a device of kind none.
+    /// Must outlive the scene.
+    qcDevice* device;
+} qcSceneDef;
+
+static inline qcSceneDef qcDefaultSceneDef(void)
+{
+    qcSceneDef def = {(uint32_t)sizeof(qcSceneDef), NULL};
+    return def;
+}
+
+QC_API qcStatus qcScene_Create(const qcSceneDef* def, qcScene** scene);
+/// Null is allowed.
+QC_API void qcScene_Destroy(qcScene* scene);
+
+//  ---- geometry in ---------------------------------------------------------------------------------
+
+/// Names a body for as long as it lives: an id of a removed body is refused, also after its slot is
+/// taken again. All zero is no body.
+typedef struct qcBodyId
+{
+    /// A small number, reused after a removal; results name bodies by it. First body: 0.
+    uint32_t slot;
+    /// 1 or more.
+    uint32_t generation;
+} qcBodyId;
+
+typedef enum qcPositionType
+{
+    qc_positionF32 = 0, ///< three floats
+    qc_positionF64 = 1  ///< three doubles
+} qcPositionType;
+
+typedef enum qcActivity
+{
+    qc_activityMoving = 0,
+    /// A pair of two sleeping bodies is skipped, and so are both with themselves.
+    qc_activitySleeping = 1,
+    /// As sleeping; and a static body is skipped with a sleeping one too.
+    qc_activityStatic = 2
+} qcActivity;
+
+/// World position = linear * local position + translation, computed in double, in this order, without
+/// contraction. The result is what "exact" refers to.
+typedef struct qcTransform
+{
+    double linear[9]; ///< row by row
+    double translation[3];
+} qcTransform;
+
+static inline qcTransform qcIdentityTransform(void)
+{
+    qcTransform t = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}};
+    return t;
+}
+
+/// A triangle soup. Everything is copied; nothing is kept of the caller's memory.
+typedef struct qcBodyDef
+{
+    uint32_t structSize;
+    /// `vertexCount` positions, `positionStride` bytes apart (0: tightly packed).
+    const void* positions;
+    qcPositionType positionType;
+    size_t positionStride;
+    uint32_t vertexCount;
+    /// 3 * `triangleCount` vertex indices, each below `vertexCount`.
+    const uint32_t* indices;
+    uint32_t triangleCount;
+    /// Deforming bodies get new vertices (world space) each step; rigid ones a new transform.
+    bool deforming;
+    /// Rigid bodies: from local to world space.
+    qcTransform transform;
+    qcActivity activity;
+    /// Two bodies meet if (a.group & b.mask) and (b.group & a.mask) are both other than 0.
+    uint32_t group;
+    uint32_t mask;
+    /// Report triangles of this body that meet each other.
+    bool selfCollision;
+} qcBodyDef;
+
+static inline qcBodyDef qcDefaultBodyDef(void)
+{
+    qcBodyDef def = {(uint32_t)sizeof(qcBodyDef),
+                     NULL,
+                     qc_positionF32,
+                     0,
+                     0,
+                     NULL,
+                     0,
+                     false,
+                     {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}},
+                     qc_activityMoving,
+                     1u,
+                     0xffffffffu,
+                     true};
+    return def;
+}
+
+/// Adds a body. qc_statusBadInput names the index out of range or the vertex that is not finite.
+QC_API qcStatus qcScene_AddBody(qcScene* scene, const qcBodyDef* def, qcBodyId* id);
+QC_API qcStatus qcScene_RemoveBody(qcScene* scene, qcBodyId id);
+/// Moves a rigid body.
+QC_API qcStatus qcScene_SetTransform(qcScene* scene, qcBodyId id, const qcTransform* transform);
+/// Gives a deforming body new positions, as many as it has vertices.
+QC_API qcStatus qcScene_SetVertices(qcScene* scene, qcBodyId id, const void* positions, qcPositionType type,
+                                    size_t stride);
+QC_API qcStatus qcScene_SetActivity(qcScene* scene, qcBodyId id, qcActivity activity);
+QC_API qcStatus qcScene_SetFilter(qcScene* scene, qcBodyId id, uint32_t group, uint32_t mask);
+QC_API qcStatus qcScene_SetSelfCollision(qcScene* scene, qcBodyId id, bool selfCollision);
+QC_API bool qcScene_IsValid(const qcScene* scene, qcBodyId id);
+QC_API uint32_t qcScene_GetBodyCount(const qcScene* scene);
+
+//  ---- pairs and contacts out ----------------------------------------------------------------------
+
+typedef enum qcMethod
+{
+    /// The planner chooses among the methods that never miss.
+    qc_methodAuto = 0,
+    /// Every pair of triangles through the exact test: O(n^2).
+    qc_methodBrute = 1,
+    /// CULLIDE, 2003: image precision, misses what falls between samples. Needs GL.
+    qc_methodCullide = 2,
+    /// Quick-CULLIDE, VR 2005: as above with its four sets. Needs GL.
+    qc_methodQuick = 3,
+    /// Object space on the CPU.
+    qc_methodSweep = 4
+} qcMethod;
+
+/// "auto", "brute", "cullide", "quick", "sweep".
+QC_API const char* qcMethod_Name(qcMethod method);
+
+typedef enum qcRelation
+{
+    qc_relationDisjoint = 0,
+    /// The closed triangles meet, but only in boundary points of one of them.
+    qc_relationTouching = 1,
+    /// Their relative interiors meet.
+    qc_relationPenetrating = 2
+} qcRelation;
+
+/// "disjoint", "touching", "penetrating".
+QC_API const char* qcRelation_Name(qcRelation relation);
+
+/// The exact relation of two triangles, nine doubles each, degenerate ones included.
+/// Exact for any finite coordinates; O(1). Any thread.
+QC_API qcRelation qcRelateTriangles(const double a[9], const double b[9]);
+
+typedef struct qcDetectDef
+{
+    uint32_t structSize;
+    qcMethod method;
+    /// Report touching pairs too.
+    bool touching;
+    /// Test triangles of one body that share a vertex index too.
+    bool neighbours;
+    /// Compute the intersection segment of each penetrating pair.
+    bool segments;
+    /// 0: no contacts. Otherwise also report contacts between features (vertex and face, edge and edge)
+    /// of two triangles no further apart than this, in scene units. Only `auto`, `sweep` and `brute`.
+    double contactMargin;
+    /// Threads to use; 0: one per core. The result does not depend on it.
+    uint32_t threads;
+    //  What follows speaks to `cullide` and `quick` only.
+    /// Axes to look along, in this order: 1 to 3 different letters of "xyz", ended by a zero.
+    char views[4];
+    /// Pixels on a side, 1..4096; the device's limit where that is lower.
+    uint32_t resolution;
+    /// Rounds over the views; 0: until nothing changes.
+    uint32_t iterations;
+} qcDetectDef;
+
+static inline qcDetectDef qcDefaultDetectDef(void)
+{
+    qcDetectDef def = {(uint32_t)sizeof(qcDetectDef), qc_methodAuto, false, false, false, 0.0, 0, {'x', 'y', 'z', 0}, 4096, 0};
+    return def;
+}
+
+/// bodyA, triangleA < bodyB, triangleB, in dictionary order; pairs are sorted by the four numbers.
+typedef struct qcPair
+{
+    uint32_t bodyA, triangleA; ///< slot of the body, index of the triangle in it
+    uint32_t bodyB, triangleB;
+    qcRelation relation;
+} qcPair;
+
+/// Ends of A ∩ B in world space, rounded; where coplanar triangles overlap, its two farthest corners.
+/// Zeros for pairs that only touch.
+typedef struct qcSegment
+{
+    double p[3], q[3];
+} qcSegment;
+
+typedef struct qcTriangleRef
+{
+    uint32_t body, triangle;
+} qcTriangleRef;
+
+/// Two features within the contact margin that share no vertex. The closest points are the sums of the
+/// named vertices by weight: vertex-face has weightsA = {1, 0, 0}, edge-edge a zero third weight in both.
+/// Each pair of features is reported once, however many triangles share it. Rounded in double.
+typedef struct qcContact
+{
+    uint32_t bodyA, bodyB; ///< slots
+    uint32_t verticesA[3], verticesB[3];
+    double weightsA[3], weightsB[3];
+    /// Unit vector from B's point to A's; the face's or the edges' normal where they coincide.
+    double normal[3];
+    double distance; ///< 0 or more, scene units
+} qcContact;
+
+typedef enum qcCullLevel
+{
+    qc_levelObjects = 0,   ///< bodies against bodies
+    qc_levelTriangles = 1, ///< triangles against the triangles of other bodies
+    qc_levelSelf = 2       ///< triangles of one body against each other
+} qcCullLevel;
+
+/// One pass of one view of the visibility culling: what it cost, and the sets after it (section 4.1).
+typedef struct qcPassRecord
+{
+    qcCullLevel level;
+    uint32_t body; ///< slot; qc_levelSelf only
+    char axis;     ///< 'x', 'y' or 'z'
+    uint32_t iteration, pass; ///< from 1; pass 1 or 2
+    uint32_t queries, rendered; ///< primitives tested, primitives drawn into the depth buffer
+    uint32_t bfv, ffv, sfv, nfv; ///< set sizes after the pass; bfv counts from the start of the level
+    uint32_t pcs; ///< ffv + sfv + nfv
+} qcPassRecord;
+
+/// What a step did, in the order of the line of data. Times are wall-clock milliseconds.
+typedef struct qcProfile
+{
+    qcMethod method; ///< what ran; never qc_methodAuto
+    const char* device; ///< name of the device that was used; "none" when the CPU answered alone
+    /// Why another method than the one asked for ran, or null.
+    const char* fallback;
+    /// The last result was still right and is given again; all counters are those of that step.
+    bool reused;
+
+    double planMs, cullObjectsMs, sweepObjectsMs, cullTrianglesMs, sweepTrianglesMs, exactMs, contactMs, totalMs;
+
+    uint32_t bodies, triangles;
+    uint32_t objectPcs;         ///< bodies left after object-level culling
+    uint64_t bodyPairs;         ///< pairs of bodies whose boxes overlap and that may meet
+    uint32_t selfBodies;        ///< bodies tested with themselves
+    uint32_t trianglePcs;       ///< triangles left before the sweep over triangles
+    uint64_t candidates;        ///< pairs of triangles that reached the exact test
+    uint64_t exactFallbacks;    ///< of these, pairs the floating-point filter could not decide
+    uint64_t pairs, contacts;   ///< reported
+    uint32_t resolution;        ///< used; 0: no image
+    uint64_t queries, rendered; ///< sums over the passes
+    const qcPassRecord* passes;
+    size_t passCount;
+
+    //  Skips.
+    uint64_t skippedStaticPairs;    ///< overlapping pairs of bodies at rest
+    uint64_t skippedFilteredPairs;  ///< overlapping pairs whose groups don't meet
+    uint64_t skippedSetPairs;       ///< overlapping pairs inside one collision-free set (lemma 2)
+    uint32_t skippedBodies;         ///< bodies that overlap nothing and are not tested with themselves
+    uint32_t skippedTriangles;      ///< triangles outside the overlaps of their body's box with others
+    uint64_t skippedSetCandidates;  ///< triangle pairs inside one collision-free set
+    uint64_t skippedNeighbours;     ///< triangle pairs that share a vertex index
+} qcProfile;
+
+/// Owned by the scene; valid until the next call on this scene that changes it or detects again.
+typedef struct qcResult
+{
+    const qcPair* pairs;
+    size_t pairCount;
+    /// pairCount segments, or null if they were not asked for.
+    const qcSegment* segments;
+    /// The potentially colliding set: triangles that reach the sweep over triangles (`cullide`, `quick`)
+    /// or that are in a candidate pair (`sweep`, `brute`); sorted.
+    const qcTriangleRef* pcs;
+    size_t pcsCount;
+    const qcContact* contacts;
+    size_t contactCount;
+    qcProfile profile;
+} qcResult;
+
+/// Runs the line of data once. O(n log n + candidates) for `sweep`.
+QC_API qcStatus qcScene_Detect(qcScene* scene, const qcDetectDef* def, const qcResult** result);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

@@ -1,0 +1,136 @@
+// Sweep over the triangles of the PCS, and the rules that turn overlapping boxes into candidates.
+#include "candidates.h"
+
+#include "status.h"
+
+#include <string.h>
+
+qcStatus qcCandidates_Begin(qcCandidates* candidates, uint32_t threads)
+{
+    size_t old = candidates->sinks.count;
+    if (threads > old)
+    {
+        QC_TRY(qcArray_Resize(&candidates->sinks, threads, sizeof(qcCandidateSink), "candidates"));
+        memset(&QC_AT(qcCandidateSink, candidates->sinks, old), 0, (threads - old) * sizeof(qcCandidateSink));
+    }
+    for (size_t i = 0; i < candidates->sinks.count; i++)
+    {
+        qcCandidateSink* sink = &QC_AT(qcCandidateSink, candidates->sinks, i);
+        sink->keys.count = 0;
+        sink->neighbours = sink->setPairs = 0;
+        sink->status = qc_statusOk;
+    }
+    return qc_statusOk;
+}
+
+void qcCandidates_Offer(const qcCandidateRules* rules, qcCandidateSink* sink, uint32_t bodyA, uint32_t rankA,
+                        uint32_t bodyB, uint32_t rankB)
+{
+    const qcTriangles* t = rules->triangles;
+    uint8_t a = QC_AT(uint8_t, t->pcs, rankA), b = QC_AT(uint8_t, t->pcs, rankB);
+    bool self = bodyA == bodyB;
+    unsigned setA = self ? qcTriangles_SelfSet(a) : qcTriangles_InterSet(a);
+    unsigned setB = self ? qcTriangles_SelfSet(b) : qcTriangles_InterSet(b);
+    if (setA == qc_setBfv || setB == qc_setBfv)
+        return; // one of them takes part for the sake of others
+    if (self)
+    {
+        uint32_t first = qcTriangles_First(t, bodyA);
+        if (qcBody_AreNeighbours(qcTriangles_Body(t, bodyA), rankA - first, rankB - first))
+        {
+            sink->neighbours++;
+            if (!rules->keepNeighbours)
+                return;
+        }
+    }
+    else if (qcObjects_Meet(t, bodyA, bodyB) != qc_meetingYes)
+        return; // counted once, as a pair of bodies
+    if (!qcVisibilitySet_MayCollide(setA, setB))
+    {
+        sink->setPairs++;
+        return;
+    }
+    if (sink->status != qc_statusOk)
+        return;
+    sink->status = qcArray_Reserve(&sink->keys, sink->keys.count + 1, sizeof(uint64_t), "candidate pairs");
+    if (sink->status != qc_statusOk)
+        return;
+    uint64_t low = rankA < rankB ? rankA : rankB, high = rankA < rankB ? rankB : rankA;
+    QC_AT(uint64_t, sink->keys, sink->keys.count++) = low << 32 | high;
+}
+
+qcStatus qcCandidates_End(qcCandidates* candidates, qcProfile* profile)
+{
+    size_t total = 0;
+    for (size_t i = 0; i < candidates->sinks.count; i++)
+    {
+        const qcCandidateSink* sink = &QC_AT(qcCandidateSink, candidates->sinks, i);
+        // The message is the worker's own; say it again on this thread.
+        if (sink->status != qc_statusOk)
+            return qcFailMemory(sink->keys.capacity * 3 / 2, "candidate pairs");
+        total += sink->keys.count;
+        profile->skippedNeighbours += sink->neighbours;
+        profile->skippedSetCandidates += sink->setPairs;
+    }
+    QC_TRY(qcArray_Resize(&candidates->keys, total, sizeof(uint64_t), "candidate pairs"));
+    size_t at = 0;
+    for (size_t i = 0; i < candidates->sinks.count; i++)
+    {
+        const qcCandidateSink* sink = &QC_AT(qcCandidateSink, candidates->sinks, i);
+        if (sink->keys.count != 0)
+            memcpy(&QC_AT(uint64_t, candidates->keys, at), sink->keys.data, sink->keys.count * sizeof(uint64_t));
+        at += sink->keys.count;
+    }
+    return qc_statusOk;
+}
+
+typedef struct Search
+{
+    const qcCandidateRules* rules;
+    qcCandidates* candidates;
+} Search;
+
+static void OfferBoxes(void* context, const qcSweepBox* a, const qcSweepBox* b, uint32_t worker)
+{
+    const Search* search = context;
+    qcCandidates_Offer(search->rules, &QC_AT(qcCandidateSink, search->candidates->sinks, worker), a->body, a->item, b->body,
+                       b->item);
+}
+
+qcStatus qcCandidates_Sweep(qcCandidates* candidates, const qcCandidateRules* rules, qcProfile* profile)
+{
+    const qcTriangles* t = rules->triangles;
+    QC_TRY(qcCandidates_Begin(candidates, rules->threads));
+    QC_TRY(qcArray_Resize(&candidates->boxes, t->count, sizeof(qcSweepBox), "boxes of triangles"));
+    qcSweepFrame frame = {{0.0, 0.0, 0.0}, rules->margin};
+    uint32_t count = 0;
+    for (uint32_t body = 0; body < t->bodyCount; body++)
+    {
+        const qcBody* b = qcTriangles_Body(t, body);
+        uint32_t first = qcTriangles_First(t, body);
+        for (uint32_t i = 0; i < b->triangleCount; i++)
+        {
+            if (QC_AT(uint8_t, t->pcs, first + i) == 0)
+                continue;
+            double lower[3], upper[3];
+            qcBody_GetTriangleBox(b, i, lower, upper);
+            // Any origin is right; one in the scene keeps what single precision can tell apart.
+            if (count == 0)
+                memcpy(frame.origin, lower, sizeof frame.origin);
+            QC_AT(qcSweepBox, candidates->boxes, count++) = qcSweepFrame_Map(&frame, lower, upper, body, first + i);
+        }
+    }
+    Search search = {rules, candidates};
+    QC_TRY(qcSweep_FindPairs(&candidates->sweep, candidates->boxes.data, count, rules->threads, OfferBoxes, &search));
+    return qcCandidates_End(candidates, profile);
+}
+
+void qcCandidates_Free(qcCandidates* candidates)
+{
+    for (size_t i = 0; i < candidates->sinks.count; i++)
+        qcArray_Free(&QC_AT(qcCandidateSink, candidates->sinks, i).keys);
+    qcSweep_Free(&candidates->sweep);
+    qcArray_Free(&candidates->boxes);
+    qcArray_Free(&candidates->sinks);
+    qcArray_Free(&candidates->keys);
+}

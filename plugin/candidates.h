@@ -1,0 +1,52 @@
+// Triangle pairs that reach the exact test: collected by worker, filtered by the same rules whoever finds them.
+#ifndef QC_PLUGIN_CANDIDATES_H
+#define QC_PLUGIN_CANDIDATES_H
+
+#include "objects.h"
+#include "parallel.h"
+#include "sweep.h"
+
+/// What one worker found.
+typedef struct qcCandidateSink
+{
+    qcArray keys; ///< uint64_t: lower rank << 32 | higher rank
+    uint64_t neighbours, setPairs;
+    qcStatus status;
+    char apart[64]; ///< keeps the counters of two workers off one cache line
+} qcCandidateSink;
+
+typedef struct qcCandidates
+{
+    qcSweep sweep;
+    qcArray boxes;  ///< of qcSweepBox (sweep) or six rows of double (brute)
+    qcArray sinks;  ///< of qcCandidateSink
+    qcArray keys;   ///< uint64_t: the result, in no order
+} qcCandidates;
+
+typedef struct qcCandidateRules
+{
+    const qcTriangles* triangles;
+    double margin;       ///< boxes this far apart still count as overlapping
+    bool keepNeighbours; ///< triangles of one body that share a vertex are candidates too
+    uint32_t threads;
+} qcCandidateRules;
+
+/// By sweep and prune over the triangles of the PCS.
+qcStatus qcCandidates_Sweep(qcCandidates* candidates, const qcCandidateRules* rules, qcProfile* profile);
+
+/// By comparing every box with every other: O(n^2).
+qcStatus qcCandidates_Brute(qcCandidates* candidates, const qcCandidateRules* rules, qcProfile* profile);
+
+void qcCandidates_Free(qcCandidates* candidates);
+
+//  ---- for the two ways of finding -----------------------------------------------------------------------
+
+/// Empties the sinks of as many workers.
+qcStatus qcCandidates_Begin(qcCandidates* candidates, uint32_t threads);
+/// Keeps the pair if the rules let it; `bodyA`, `bodyB` as in qcTriangles.
+void qcCandidates_Offer(const qcCandidateRules* rules, qcCandidateSink* sink, uint32_t bodyA, uint32_t rankA,
+                        uint32_t bodyB, uint32_t rankB);
+/// Puts the sinks together.
+qcStatus qcCandidates_End(qcCandidates* candidates, qcProfile* profile);
+
+#endif

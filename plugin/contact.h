@@ -1,0 +1,23 @@
+// Contacts: features of two triangles that come within a margin.
+#ifndef QC_PLUGIN_CONTACT_H
+#define QC_PLUGIN_CONTACT_H
+
+#include "bodies.h"
+
+enum
+{
+    /// Three corners against a face both ways, three edges against three.
+    qc_maxContactsPerPair = 15
+};
+
+/// One triangle of a body, named by its slot.
+typedef struct qcContactSide
+{
+    const qcBody* body; ///< with owners
+    uint32_t slot, triangle;
+} qcContactSide;
+
+/// Writes the contacts between the features that the two triangles stand for; returns their number.
+int qcContact_Find(const qcContactSide* a, const qcContactSide* b, double margin, qcContact* contacts);
+
+#endif

@@ -1,0 +1,29 @@
+// The whole line, once: what a scene keeps between steps, and the step.
+#ifndef QC_PLUGIN_DETECT_H
+#define QC_PLUGIN_DETECT_H
+
+#include "candidates.h"
+#include "cull.h"
+#include "narrow.h"
+#include "objects.h"
+
+typedef struct qcDetector
+{
+    qcTriangles triangles;
+    qcCull cull;
+    qcObjects objects;
+    qcCandidates candidates;
+    qcNarrow narrow;
+    qcArray pcs, marks;
+    qcResult result;
+    //  What the result answers; valid: there is one.
+    bool valid;
+    uint64_t revision;
+    qcDetectDef def;
+} qcDetector;
+
+/// `def` has been checked. `device` may be null.
+qcStatus qcDetector_Run(qcDetector* detector, qcBodies* bodies, qcDevice* device, const qcDetectDef* def);
+void qcDetector_Free(qcDetector* detector);
+
+#endif

@@ -1,0 +1,17 @@
+// A device inside the library: one GL context on one thread, and jobs that run there.
+#ifndef QC_PLUGIN_GL_DEVICE_H
+#define QC_PLUGIN_GL_DEVICE_H
+
+#include "quickcullide/device.h"
+
+struct qcGlTable;
+
+/// A job; it runs on the device's thread, with the device's context current and its function table.
+/// Its return value, and the message it left, reach the caller of qcDevice_Run.
+typedef qcStatus qcDeviceJob(const struct qcGlTable* gl, void* context);
+
+/// Runs a job and waits for it. Any thread. qc_statusDevice on a device without GL.
+/// When the job left a GL error behind, qc_statusDevice, naming the error and `purpose`.
+qcStatus qcDevice_Run(qcDevice* device, qcDeviceJob* job, void* context, const char* purpose);
+
+#endif

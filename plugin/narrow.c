@@ -1,0 +1,242 @@
+// The narrow phase. Workers take candidates in blocks; sorting by candidate key afterwards makes the result the same for
+// any number of threads.
+#include "narrow.h"
+
+#include "clock.h"
+#include "contact.h"
+#include "exact.h"
+#include "sort.h"
+#include "status.h"
+
+#include <string.h>
+
+enum
+{
+    // Large beside the cost of taking a block, small beside all candidates of a small scene.
+    qc_blockSize = 512
+};
+
+typedef struct Job
+{
+    qcNarrow* narrow;
+    const qcTriangles* triangles;
+    const uint64_t* keys;
+    size_t keyCount;
+    const qcDetectDef* def;
+} Job;
+
+typedef struct Side
+{
+    uint32_t body, triangle; ///< numbers of the step, index in the body
+} Side;
+
+static Side SideOf(const qcTriangles* t, uint32_t rank)
+{
+    uint32_t body = qcTriangles_BodyOf(t, rank);
+    return (Side){body, rank - qcTriangles_First(t, body)};
+}
+
+static void Corners(const qcTriangles* t, Side side, double corners[3][3])
+{
+    qcBody_GetTriangle(qcTriangles_Body(t, side.body), side.triangle, corners);
+}
+
+static void Relate(const Job* job, qcNarrowSink* sink, uint64_t key, Side a, Side b)
+{
+    double p[3][3], q[3][3];
+    Corners(job->triangles, a, p);
+    Corners(job->triangles, b, q);
+    uint64_t undecided = 0;
+    qcRelation relation = qcExact_Relate((const double(*)[3])p, (const double(*)[3])q, &undecided);
+    sink->tests++;
+    sink->fallbacks += undecided != 0;
+    if (relation == qc_relationDisjoint || (relation == qc_relationTouching && !job->def->touching))
+        return;
+    sink->status = qcArray_Reserve(&sink->found, sink->found.count + 1, sizeof(qcSortItem), "pairs");
+    if (sink->status == qc_statusOk)
+        QC_AT(qcSortItem, sink->found, sink->found.count++) = (qcSortItem){key, (uint64_t)relation};
+}
+
+static void FindContacts(const Job* job, qcNarrowSink* sink, uint64_t key, Side a, Side b)
+{
+    qcContactSide p = {qcTriangles_Body(job->triangles, a.body), qcTriangles_Slot(job->triangles, a.body), a.triangle};
+    qcContactSide q = {qcTriangles_Body(job->triangles, b.body), qcTriangles_Slot(job->triangles, b.body), b.triangle};
+    qcContact found[qc_maxContactsPerPair];
+    int count = qcContact_Find(&p, &q, job->def->contactMargin, found);
+    if (count == 0)
+        return;
+    size_t first = sink->contacts.count;
+    sink->status = qcArray_Reserve(&sink->contacts, first + (size_t)count, sizeof(qcContact), "contacts");
+    if (sink->status == qc_statusOk)
+        sink->status = qcArray_Reserve(&sink->contactKeys, first + (size_t)count, sizeof(qcSortItem), "contacts");
+    if (sink->status != qc_statusOk)
+        return;
+    memcpy(&QC_AT(qcContact, sink->contacts, first), found, (size_t)count * sizeof(qcContact));
+    for (int i = 0; i < count; i++)
+        QC_AT(qcSortItem, sink->contactKeys, first + (size_t)i) = (qcSortItem){key, first + (size_t)i};
+    sink->contacts.count = sink->contactKeys.count = first + (size_t)count;
+}
+
+static void TakeBlock(void* context, size_t block, uint32_t worker)
+{
+    const Job* job = context;
+    qcNarrowSink* sink = &QC_AT(qcNarrowSink, job->narrow->sinks, worker);
+    size_t first = block * qc_blockSize;
+    size_t end = first + qc_blockSize < job->keyCount ? first + qc_blockSize : job->keyCount;
+    for (size_t i = first; i < end && sink->status == qc_statusOk; i++)
+    {
+        Side a = SideOf(job->triangles, (uint32_t)(job->keys[i] >> 32));
+        Side b = SideOf(job->triangles, (uint32_t)job->keys[i]);
+        // With contacts wanted, neighbours are candidates for these alone.
+        if (job->def->contactMargin == 0.0 || job->def->neighbours || a.body != b.body ||
+            !qcBody_AreNeighbours(qcTriangles_Body(job->triangles, a.body), a.triangle, b.triangle))
+            Relate(job, sink, job->keys[i], a, b);
+    }
+    if (job->def->contactMargin == 0.0)
+        return;
+    double start = qcClock_Now();
+    for (size_t i = first; i < end && sink->status == qc_statusOk; i++)
+        FindContacts(job, sink, job->keys[i], SideOf(job->triangles, (uint32_t)(job->keys[i] >> 32)),
+                     SideOf(job->triangles, (uint32_t)job->keys[i]));
+    sink->contactMs += qcClock_Now() - start;
+}
+
+static qcStatus EmptySinks(qcNarrow* narrow, uint32_t threads)
+{
+    size_t old = narrow->sinks.count;
+    if (threads > old)
+    {
+        QC_TRY(qcArray_Resize(&narrow->sinks, threads, sizeof(qcNarrowSink), "pairs"));
+        memset(&QC_AT(qcNarrowSink, narrow->sinks, old), 0, (threads - old) * sizeof(qcNarrowSink));
+    }
+    for (size_t i = 0; i < narrow->sinks.count; i++)
+    {
+        qcNarrowSink* sink = &QC_AT(qcNarrowSink, narrow->sinks, i);
+        sink->found.count = sink->contacts.count = sink->contactKeys.count = 0;
+        sink->tests = sink->fallbacks = 0;
+        sink->contactMs = 0.0;
+        sink->status = qc_statusOk;
+    }
+    return qc_statusOk;
+}
+
+static qcStatus CollectPairs(qcNarrow* narrow, const qcTriangles* t)
+{
+    size_t total = 0, at = 0;
+    for (size_t i = 0; i < narrow->sinks.count; i++)
+        total += QC_AT(qcNarrowSink, narrow->sinks, i).found.count;
+    QC_TRY(qcArray_Resize(&narrow->order, total, sizeof(qcSortItem), "pairs"));
+    QC_TRY(qcArray_Resize(&narrow->pairs, total, sizeof(qcPair), "pairs"));
+    for (size_t i = 0; i < narrow->sinks.count; i++)
+    {
+        const qcArray* found = &QC_AT(qcNarrowSink, narrow->sinks, i).found;
+        if (found->count != 0)
+            memcpy(&QC_AT(qcSortItem, narrow->order, at), found->data, found->count * sizeof(qcSortItem));
+        at += found->count;
+    }
+    QC_TRY(qcSort_Items(narrow->order.data, total, &narrow->scratch));
+    for (size_t i = 0; i < total; i++)
+    {
+        qcSortItem item = QC_AT(qcSortItem, narrow->order, i);
+        Side a = SideOf(t, (uint32_t)(item.key >> 32)), b = SideOf(t, (uint32_t)item.key);
+        QC_AT(qcPair, narrow->pairs, i) =
+            (qcPair){.bodyA = qcTriangles_Slot(t, a.body), .triangleA = a.triangle, .bodyB = qcTriangles_Slot(t, b.body),
+                     .triangleB = b.triangle, .relation = (qcRelation)item.value};
+    }
+    return qc_statusOk;
+}
+
+static void ComputeSegment(void* context, size_t i, uint32_t worker)
+{
+    (void)worker;
+    const Job* job = context;
+    qcSegment* segment = &QC_AT(qcSegment, job->narrow->segments, i);
+    *segment = (qcSegment){{0}, {0}};
+    qcSortItem item = QC_AT(qcSortItem, job->narrow->order, i);
+    if (item.value != qc_relationPenetrating)
+        return;
+    double p[3][3], q[3][3];
+    Corners(job->triangles, SideOf(job->triangles, (uint32_t)(item.key >> 32)), p);
+    Corners(job->triangles, SideOf(job->triangles, (uint32_t)item.key), q);
+    qcExact_Segment((const double(*)[3])p, (const double(*)[3])q, segment);
+}
+
+static qcStatus CollectContacts(qcNarrow* narrow)
+{
+    size_t total = 0, at = 0;
+    for (size_t i = 0; i < narrow->sinks.count; i++)
+        total += QC_AT(qcNarrowSink, narrow->sinks, i).contacts.count;
+    QC_TRY(qcArray_Resize(&narrow->order, total, sizeof(qcSortItem), "contacts"));
+    QC_TRY(qcArray_Resize(&narrow->contacts, total, sizeof(qcContact), "contacts"));
+    for (size_t i = 0; i < narrow->sinks.count; i++)
+    {
+        const qcNarrowSink* sink = &QC_AT(qcNarrowSink, narrow->sinks, i);
+        for (size_t k = 0; k < sink->contactKeys.count; k++, at++)
+        {
+            // The place names the worker too. Contacts of one key lie together in one worker, and the sort is stable.
+            qcSortItem item = QC_AT(qcSortItem, sink->contactKeys, k);
+            item.value |= (uint64_t)i << 48;
+            QC_AT(qcSortItem, narrow->order, at) = item;
+        }
+    }
+    QC_TRY(qcSort_Items(narrow->order.data, total, &narrow->scratch));
+    for (size_t i = 0; i < total; i++)
+    {
+        uint64_t place = QC_AT(qcSortItem, narrow->order, i).value;
+        QC_AT(qcContact, narrow->contacts, i) =
+            QC_AT(qcContact, QC_AT(qcNarrowSink, narrow->sinks, place >> 48).contacts, place & 0xffffffffffffULL);
+    }
+    return qc_statusOk;
+}
+
+qcStatus qcNarrow_Run(qcNarrow* narrow, const qcTriangles* triangles, const qcArray* candidates, const qcDetectDef* def,
+                      uint32_t threads, qcProfile* profile)
+{
+    double start = qcClock_Now();
+    narrow->pairs.count = narrow->segments.count = narrow->contacts.count = 0;
+    QC_TRY(EmptySinks(narrow, threads));
+    Job job = {narrow, triangles, candidates->data, candidates->count, def};
+    qcParallel_For(threads, (job.keyCount + qc_blockSize - 1) / qc_blockSize, TakeBlock, &job);
+    double contactMs = 0.0;
+    for (size_t i = 0; i < narrow->sinks.count; i++)
+    {
+        const qcNarrowSink* sink = &QC_AT(qcNarrowSink, narrow->sinks, i);
+        // The message is the worker's own; say it again on this thread.
+        if (sink->status != qc_statusOk)
+            return qcFailMemory(sink->found.capacity + sink->contacts.capacity, "pairs and contacts");
+        profile->candidates += sink->tests;
+        profile->exactFallbacks += sink->fallbacks;
+        contactMs += sink->contactMs / threads;
+    }
+    QC_TRY(CollectPairs(narrow, triangles));
+    profile->pairs = narrow->pairs.count;
+    if (def->segments)
+    {
+        QC_TRY(qcArray_Resize(&narrow->segments, narrow->pairs.count, sizeof(qcSegment), "segments"));
+        qcParallel_For(threads, narrow->pairs.count, ComputeSegment, &job);
+    }
+    double middle = qcClock_Now();
+    if (def->contactMargin > 0.0)
+        QC_TRY(CollectContacts(narrow));
+    profile->contacts = narrow->contacts.count;
+    profile->contactMs = contactMs + qcClock_Now() - middle;
+    profile->exactMs = middle - start - contactMs;
+    return qc_statusOk;
+}
+
+void qcNarrow_Free(qcNarrow* narrow)
+{
+    for (size_t i = 0; i < narrow->sinks.count; i++)
+    {
+        qcNarrowSink* sink = &QC_AT(qcNarrowSink, narrow->sinks, i);
+        qcArray_Free(&sink->found);
+        qcArray_Free(&sink->contacts);
+        qcArray_Free(&sink->contactKeys);
+    }
+    qcArray_Free(&narrow->sinks);
+    qcArray_Free(&narrow->order);
+    qcArray_Free(&narrow->scratch);
+    qcArray_Free(&narrow->pairs);
+    qcArray_Free(&narrow->segments);
+    qcArray_Free(&narrow->contacts);
+}

@@ -1,0 +1,46 @@
+// Bodies against bodies: which pairs may meet, which triangles of theirs take part.
+#ifndef QC_PLUGIN_OBJECTS_H
+#define QC_PLUGIN_OBJECTS_H
+
+#include "sweep.h"
+#include "triangles.h"
+
+/// Two bodies of a step (numbers, not slots) whose boxes overlap and that may meet; a < b.
+typedef struct qcBodyPair
+{
+    uint32_t a, b;
+} qcBodyPair;
+
+typedef enum qcMeeting
+{
+    qc_meetingYes,
+    qc_meetingAtRest,   ///< neither moves
+    qc_meetingFiltered, ///< group and mask
+    qc_meetingSameSet   ///< inside one collision-free set (lemma 2)
+} qcMeeting;
+
+/// May two different bodies meet, as far as their definitions and sets tell?
+qcMeeting qcObjects_Meet(const qcTriangles* triangles, uint32_t a, uint32_t b);
+
+/// Is a body tested with itself?
+bool qcObjects_MeetsItself(const qcTriangles* triangles, uint32_t body);
+
+/// Memory that the stage keeps between steps.
+typedef struct qcObjects
+{
+    qcSweep sweep;
+    qcArray boxes;
+    qcArray pairs; ///< of qcBodyPair
+} qcObjects;
+
+/// Finds the pairs of bodies, and counts what was skipped into the profile.
+qcStatus qcObjects_FindPairs(qcObjects* objects, const qcTriangles* triangles, double margin, qcProfile* profile);
+
+/// Puts into NFV the triangles that take part: `wholeBodies` all triangles of every body in a pair, otherwise those
+/// whose boxes meet the (grown) box of a body that theirs is paired with; and all triangles of a body that is tested
+/// with itself.
+void qcObjects_MarkTriangles(const qcObjects* objects, qcTriangles* triangles, double margin, bool wholeBodies,
+                             qcProfile* profile);
+void qcObjects_Free(qcObjects* objects);
+
+#endif

@@ -1,0 +1,22 @@
+// Loops over threads. Which thread runs what is not determined: callers collect by worker and sort.
+#ifndef QC_PLUGIN_PARALLEL_H
+#define QC_PLUGIN_PARALLEL_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+enum
+{
+    qc_maxWorkers = 256
+};
+
+/// `worker` is below the number of threads asked for, and no two calls at the same time have the same.
+typedef void qcParallelFunction(void* context, size_t index, uint32_t worker);
+
+/// The number of threads to use where `requested` are wished for: 0 means one per core; at most qc_maxWorkers.
+uint32_t qcParallel_Threads(uint32_t requested);
+
+/// Calls the function once for each index below `count` and returns when all calls have.
+void qcParallel_For(uint32_t threads, size_t count, qcParallelFunction* function, void* context);
+
+#endif
