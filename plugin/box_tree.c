@@ -59,6 +59,14 @@ static double AreaOfUnion(const qcTreeNode* a, const qcTreeNode* b)
     return Area(extent[0], extent[1], extent[2]);
 }
 
+static bool Contains(const qcTreeNode* outer, const qcTreeNode* inner)
+{
+    bool inside = true;
+    for (int k = 0; k < 3; k++)
+        inside = inside && outer->lower[k] <= inner->lower[k] && inner->upper[k] <= outer->upper[k];
+    return inside;
+}
+
 static bool InBalance(uint32_t heightA, uint32_t heightB)
 {
     return heightA <= heightB + qc_treeSlack && heightB <= heightA + qc_treeSlack;
@@ -149,15 +157,15 @@ typedef struct Branch
     double inherited;
 } Branch;
 
-/// The node whose union with the box, and the growth of the nodes above it, adds the least area to the tree.
-static uint32_t FindSibling(const qcBoxTree* tree, const qcTreeNode* box)
+/// The node at or below `top` whose union with the box, and the growth of the nodes above it, adds the least area.
+static uint32_t FindSibling(const qcBoxTree* tree, uint32_t top, const qcTreeNode* box)
 {
     Branch stack[qc_treeStack];
     uint32_t count = 0, best = QC_NO_NODE, bestHeight = UINT32_MAX;
     double bestCost = DBL_MAX, area = AreaOf(box);
-    // Four times the height: the search rarely needs more, and the cost of an insertion stays O(log n).
-    uint32_t left = 4 * (qcBoxTree_Node(tree, tree->root)->height + 1);
-    stack[count++] = (Branch){tree->root, 0.0};
+    // One descent, and what its pruning left over: looking further gains queries less than it costs (bench boxes).
+    uint32_t left = qcBoxTree_Node(tree, top)->height + 1;
+    stack[count++] = (Branch){top, 0.0};
     while (count > 0 && (left > 0 || best == QC_NO_NODE))
     {
         Branch branch = stack[--count];
@@ -201,7 +209,8 @@ static void GiveNode(qcBoxTree* tree, uint32_t node)
     tree->firstFree = node;
 }
 
-static void Attach(qcBoxTree* tree, uint32_t leaf)
+/// Hangs a leaf in at or below `top`.
+static void Attach(qcBoxTree* tree, uint32_t leaf, uint32_t top)
 {
     qcTreeNode* box = Node(tree, leaf);
     box->parent = QC_NO_NODE;
@@ -210,7 +219,7 @@ static void Attach(qcBoxTree* tree, uint32_t leaf)
         tree->root = leaf;
         return;
     }
-    uint32_t sibling = FindSibling(tree, box), parent = TakeNode(tree);
+    uint32_t sibling = FindSibling(tree, top, box), parent = TakeNode(tree);
     qcTreeNode *s = Node(tree, sibling), *p = Node(tree, parent);
     *p = (qcTreeNode){.parent = s->parent, .child = {sibling, leaf}, .height = s->height};
     if (s->parent == QC_NO_NODE)
@@ -225,13 +234,14 @@ static void Attach(qcBoxTree* tree, uint32_t leaf)
     Repair(tree, parent);
 }
 
-static void Detach(qcBoxTree* tree, uint32_t leaf)
+/// Takes a leaf out and returns the node above the gap, or the root.
+static uint32_t Detach(qcBoxTree* tree, uint32_t leaf)
 {
     uint32_t parent = Node(tree, leaf)->parent;
     if (parent == QC_NO_NODE)
     {
         tree->root = QC_NO_NODE;
-        return;
+        return QC_NO_NODE;
     }
     const qcTreeNode* p = Node(tree, parent);
     uint32_t sibling = p->child[p->child[0] == leaf], above = p->parent;
@@ -242,6 +252,7 @@ static void Detach(qcBoxTree* tree, uint32_t leaf)
         Node(tree, above)->child[Node(tree, above)->child[1] == parent] = sibling;
     GiveNode(tree, parent);
     Repair(tree, above);
+    return above == QC_NO_NODE ? sibling : above;
 }
 
 static void SetBounds(qcTreeNode* node, const double lower[3], const double upper[3])
@@ -279,7 +290,7 @@ uint32_t qcBoxTree_Insert(qcBoxTree* tree, const double lower[3], const double u
     node->child[0] = id;
     node->child[1] = QC_NO_NODE;
     node->height = 0;
-    Attach(tree, leaf);
+    Attach(tree, leaf, tree->root);
     return leaf;
 }
 
@@ -293,6 +304,9 @@ void qcBoxTree_Move(qcBoxTree* tree, uint32_t leaf, const double lower[3], const
 {
     qcTreeNode* node = Node(tree, leaf);
     SetBounds(node, lower, upper);
-    Detach(tree, leaf);
-    Attach(tree, leaf);
+    uint32_t top = Detach(tree, leaf);
+    // Above a node that holds the box nothing would grow: no need to go down from the root.
+    while (top != QC_NO_NODE && !Contains(Node(tree, top), node) && Node(tree, top)->parent != QC_NO_NODE)
+        top = Node(tree, top)->parent;
+    Attach(tree, leaf, top);
 }

@@ -12,6 +12,7 @@
 //   the box.
 #include "quickcullide/boxes.h"
 
+#include "box_neighbours.h"
 #include "box_tree.h"
 #include "memory.h"
 #include "sort.h"
@@ -21,22 +22,25 @@
 #include <math.h>
 #include <string.h>
 
-/// One cache line.
 typedef struct Box
 {
     double lower[3], upper[3];
-    void* userData;
-    uint32_t leaf;   ///< QC_NO_NODE: the id is free
-    uint32_t mover;  ///< place in the list of moved boxes, or QC_NO_NODE
+    uint32_t leaf;  ///< QC_NO_NODE: the id is free
+    uint32_t mover; ///< place in the list of moved boxes, or QC_NO_NODE
+    bool restless;  ///< a mover whose leaf is new or changed: its neighbours are not known
+    bool still;     ///< has not moved since it was added
 } Box;
 
 struct qcBoxes
 {
     qcBoxTree tree;
-    qcArray boxes;   ///< Box, by id
+    qcNeighbours neighbours; ///< pairs of leaves that meet, unless both boxes are still, or one is restless
+    qcArray boxes;           ///< Box, by id
+    qcArray userData;        ///< void*, by id
     qcArray freeIds; ///< uint32_t, a heap with the lowest id on top
     qcArray movers;  ///< uint32_t, ids added or moved since the last search for pairs
     qcArray found;   ///< qcSortItem, a pair as a key
+    qcArray flags;   ///< uint8_t, by node; all zero between two calls
     qcArray scratch;
     qcArray pairs; ///< qcBoxPair
 };
@@ -111,12 +115,22 @@ static void UnmarkMoved(qcBoxes* set, uint32_t id)
 
 //  ---- fat boxes -------------------------------------------------------------------------------------
 
+static double Lower(double a, double b)
+{
+    return a < b ? a : b;
+}
+
+static double Upper(double a, double b)
+{
+    return a > b ? a : b;
+}
+
 /// The longest edge, or 0 when it is infinite: what fattening is measured by.
 static double LongestEdge(const double lower[3], const double upper[3])
 {
     double longest = 0.0;
     for (int k = 0; k < 3; k++)
-        longest = fmax(longest, upper[k] - lower[k]);
+        longest = Upper(longest, upper[k] - lower[k]);
     return longest <= DBL_MAX / 8.0 ? longest : 0.0;
 }
 
@@ -129,26 +143,34 @@ static bool LeafFits(const qcTreeNode* leaf, const double lower[3], const double
         if (lower[k] < leaf->lower[k] || upper[k] > leaf->upper[k])
             return false;
         // Twice what FattenBounds adds at most.
-        if (upper[k] - lower[k] + 3.0 * longest < leaf->upper[k] - leaf->lower[k])
+        if (upper[k] - lower[k] + 5.0 * longest < leaf->upper[k] - leaf->lower[k])
             return false;
     }
     return true;
 }
 
-/// Room for jitter all around, and for a few more steps like the last one.
-static void FattenBounds(const double oldLower[3], const double lower[3], const double upper[3], double fatLower[3],
+/// Room for jitter on all sides, and for a number of steps like the last one where a side moves outwards.
+static void FattenBounds(const Box* old, const double lower[3], const double upper[3], double steps, double fatLower[3],
                          double fatUpper[3])
 {
     double longest = LongestEdge(lower, upper);
     for (int k = 0; k < 3; k++)
     {
-        // A twentieth of the edge and four steps: beyond that, queries lose more than moves gain (bench boxes).
-        double margin = fmin(0.05 * (upper[k] - lower[k]), 0.05 * longest);
-        double ahead = 4.0 * (lower[k] - oldLower[k]);
-        ahead = fabs(ahead) <= longest ? ahead : 0.0;
-        fatLower[k] = fmin(lower[k], lower[k] - margin + fmin(ahead, 0.0));
-        fatUpper[k] = fmax(upper[k], upper[k] + margin + fmax(ahead, 0.0));
+        // A fiftieth of the edge: more makes queries slower than it saves moves (bench boxes).
+        double margin = Lower(0.02 * (upper[k] - lower[k]), longest);
+        // A jump longer than the box says nothing about the next step.
+        double down = Lower(steps * (old->lower[k] - lower[k]), longest);
+        double up = Lower(steps * (upper[k] - old->upper[k]), longest);
+        fatLower[k] = Lower(lower[k], lower[k] - Upper(down, 0.0) - margin);
+        fatUpper[k] = Upper(upper[k], upper[k] + Upper(up, 0.0) + margin);
     }
+}
+
+/// How many steps ahead a leaf is made: 5 to 12, eight on average (bench boxes). It differs from box to box so that
+/// boxes which set out together don't all leave their leaves in the same step.
+static double StepsAhead(uint32_t id)
+{
+    return 5.0 + (double)(id * 2654435769u >> 29);
 }
 
 //  ---- the set ---------------------------------------------------------------------------------------
@@ -161,6 +183,7 @@ qcStatus qcBoxes_Create(qcBoxes** boxes)
     if (set == NULL)
         return qcFailMemory(sizeof *set, "a set of boxes");
     qcBoxTree_Clear(&set->tree);
+    qcNeighbours_Clear(&set->neighbours);
     *boxes = set;
     return qc_statusOk;
 }
@@ -170,9 +193,12 @@ void qcBoxes_Destroy(qcBoxes* boxes)
     if (boxes == NULL)
         return;
     qcBoxTree_Free(&boxes->tree);
+    qcNeighbours_Free(&boxes->neighbours);
     qcArray_Free(&boxes->boxes);
+    qcArray_Free(&boxes->userData);
     qcArray_Free(&boxes->freeIds);
     qcArray_Free(&boxes->movers);
+    qcArray_Free(&boxes->flags);
     qcArray_Free(&boxes->found);
     qcArray_Free(&boxes->scratch);
     qcArray_Free(&boxes->pairs);
@@ -184,6 +210,7 @@ void qcBoxes_Clear(qcBoxes* boxes)
     if (boxes == NULL)
         return;
     qcBoxTree_Clear(&boxes->tree);
+    qcNeighbours_Clear(&boxes->neighbours);
     boxes->boxes.count = 0;
     boxes->freeIds.count = 0;
     boxes->movers.count = 0;
@@ -196,9 +223,15 @@ static qcStatus ReserveOneMore(qcBoxes* set)
     if (count > UINT32_MAX / 2)
         return qcFailMemory(SIZE_MAX, "more than 2^31 boxes");
     QC_TRY(qcArray_Reserve(&set->boxes, count, sizeof(Box), "boxes"));
+    QC_TRY(qcArray_Reserve(&set->userData, count, sizeof(void*), "user data of boxes"));
+    QC_TRY(qcNeighbours_Reserve(&set->neighbours, count));
     QC_TRY(qcArray_Reserve(&set->freeIds, count, sizeof(uint32_t), "free ids of boxes"));
     QC_TRY(qcArray_Reserve(&set->movers, count, sizeof(uint32_t), "moved boxes"));
-    return qcBoxTree_Reserve(&set->tree, (uint32_t)count);
+    QC_TRY(qcBoxTree_Reserve(&set->tree, (uint32_t)count));
+    size_t flagged = set->flags.count;
+    QC_TRY(qcArray_Resize(&set->flags, 2 * count, 1, "flags of nodes"));
+    memset(&QC_AT(uint8_t, set->flags, flagged), 0, set->flags.count - flagged);
+    return qc_statusOk;
 }
 
 qcStatus qcBoxes_Add(qcBoxes* boxes, const double lower[3], const double upper[3], void* userData, uint32_t* id)
@@ -211,10 +244,12 @@ qcStatus qcBoxes_Add(qcBoxes* boxes, const double lower[3], const double upper[3
     Box* box = &QC_AT(Box, boxes->boxes, *id);
     memcpy(box->lower, lower, sizeof box->lower);
     memcpy(box->upper, upper, sizeof box->upper);
-    box->userData = userData;
+    QC_AT(void*, boxes->userData, *id) = userData;
     // Not fattened: most boxes never move.
     box->leaf = qcBoxTree_Insert(&boxes->tree, lower, upper, *id);
     box->mover = QC_NO_NODE;
+    box->restless = true;
+    box->still = true;
     MarkMoved(boxes, *id);
     return qc_statusOk;
 }
@@ -224,6 +259,7 @@ qcStatus qcBoxes_Remove(qcBoxes* boxes, uint32_t id)
     if (GetBox(boxes, id) == NULL)
         return qcFail(qc_statusBadInput, "qcBoxes_Remove: there is no box %u", id);
     UnmarkMoved(boxes, id);
+    qcNeighbours_Part(&boxes->neighbours, id);
     qcBoxTree_Remove(&boxes->tree, QC_AT(Box, boxes->boxes, id).leaf);
     QC_AT(Box, boxes->boxes, id).leaf = QC_NO_NODE;
     PushFreeId(boxes, id);
@@ -244,8 +280,10 @@ qcStatus qcBoxes_Move(qcBoxes* boxes, uint32_t id, const double lower[3], const 
     if (!LeafFits(qcBoxTree_Node(&boxes->tree, box->leaf), lower, upper))
     {
         double fatLower[3], fatUpper[3];
-        FattenBounds(box->lower, lower, upper, fatLower, fatUpper);
+        FattenBounds(box, lower, upper, StepsAhead(id), fatLower, fatUpper);
         qcBoxTree_Move(&boxes->tree, box->leaf, fatLower, fatUpper);
+        box->restless = true;
+        box->still = false;
     }
     memcpy(box->lower, lower, sizeof box->lower);
     memcpy(box->upper, upper, sizeof box->upper);
@@ -260,8 +298,7 @@ uint32_t qcBoxes_GetCount(const qcBoxes* boxes)
 
 void* qcBoxes_GetUserData(const qcBoxes* boxes, uint32_t id)
 {
-    const Box* box = GetBox(boxes, id);
-    return box == NULL ? NULL : box->userData;
+    return GetBox(boxes, id) == NULL ? NULL : QC_AT(void*, boxes->userData, id);
 }
 
 void qcBoxes_GetBounds(const qcBoxes* boxes, uint32_t id, double lower[3], double upper[3])
@@ -308,8 +345,8 @@ void qcBoxes_GetTotalBounds(const qcBoxes* boxes, double lower[3], double upper[
         const Box* box = &QC_AT(Box, boxes->boxes, node->child[0]);
         for (int k = 0; k < 3; k++)
         {
-            lower[k] = fmin(lower[k], box->lower[k]);
-            upper[k] = fmax(upper[k], box->upper[k]);
+            lower[k] = Lower(lower[k], box->lower[k]);
+            upper[k] = Upper(upper[k], box->upper[k]);
         }
     }
 }
@@ -319,40 +356,160 @@ void qcBoxes_GetTotalBounds(const qcBoxes* boxes, double lower[3], double upper[
 /// Closed boxes; a NaN counts as unbounded.
 static bool Meets(const double lowerA[3], const double upperA[3], const double lowerB[3], const double upperB[3])
 {
-    return !(lowerA[0] > upperB[0]) && !(upperA[0] < lowerB[0]) && !(lowerA[1] > upperB[1]) &&
-           !(upperA[1] < lowerB[1]) && !(lowerA[2] > upperB[2]) && !(upperA[2] < lowerB[2]);
+    // One branch instead of six: which one turns a pair away is as good as random.
+    return !((lowerA[0] > upperB[0]) | (upperA[0] < lowerB[0]) | (lowerA[1] > upperB[1]) | (upperA[1] < lowerB[1]) |
+             (lowerA[2] > upperB[2]) | (upperA[2] < lowerB[2]));
+}
+
+/// A pair as one number, whose order is the order of the pairs; the fewer digits, the faster it is sorted.
+static uint64_t PairKey(const qcBoxes* set, uint32_t a, uint32_t b)
+{
+    return (a < b ? a : b) * (uint64_t)set->boxes.count + (a < b ? b : a);
 }
 
 static qcStatus PushPair(qcBoxes* set, uint32_t a, uint32_t b)
 {
     QC_TRY(qcArray_Reserve(&set->found, set->found.count + 1, sizeof(qcSortItem), "pairs of boxes"));
-    uint64_t low = a < b ? a : b, high = a < b ? b : a;
-    QC_AT(qcSortItem, set->found, set->found.count++) = (qcSortItem){low << 32 | high, 0};
+    QC_AT(qcSortItem, set->found, set->found.count++) =
+        (qcSortItem){PairKey(set, a, b), a < b ? (uint64_t)a << 32 | b : (uint64_t)b << 32 | a};
     return qc_statusOk;
 }
 
-/// The pairs of a moved box; a pair of two movers is the lower one's.
-static qcStatus FindPairsOf(qcBoxes* set, uint32_t id)
+/// Two leaves meet, one of them restless.
+static qcStatus MeetLeaves(qcBoxes* set, uint32_t a, uint32_t b)
 {
-    const Box* box = &QC_AT(Box, set->boxes, id);
-    uint32_t stack[qc_treeStack], count = 0;
-    stack[count++] = set->tree.root;
+    const Box *x = &QC_AT(Box, set->boxes, a), *y = &QC_AT(Box, set->boxes, b);
+    if (!x->still || !y->still)
+        return qcNeighbours_Join(&set->neighbours, a, b);
+    // Not kept: scenery costs nothing once its pairs are known.
+    return Meets(x->lower, x->upper, y->lower, y->upper) ? PushPair(set, a, b) : qc_statusOk;
+}
+
+/// Flags the leaves of the movers and all nodes above them, or takes the flags away.
+static void FlagMovers(qcBoxes* set, uint8_t flag)
+{
+    uint8_t* flags = set->flags.data;
+    for (size_t i = 0; i < set->movers.count; i++)
+    {
+        const Box* box = &QC_AT(Box, set->boxes, QC_AT(uint32_t, set->movers, i));
+        uint32_t node = box->restless ? box->leaf : QC_NO_NODE;
+        for (; node != QC_NO_NODE && flags[node] != flag; node = qcBoxTree_Node(&set->tree, node)->parent)
+            flags[node] = flag;
+    }
+}
+
+typedef struct NodePair
+{
+    uint32_t a, b;
+} NodePair;
+
+/// Pairs of boxes below two nodes that are not above each other, one of them a mover.
+static qcStatus MeetBelow(qcBoxes* set, NodePair start)
+{
+    const uint8_t* flags = set->flags.data;
+    // A step takes one pair and leaves four at most, one level down in both trees.
+    NodePair stack[3 * qc_treeStack + 1];
+    uint32_t count = 0;
+    stack[count++] = start;
     while (count > 0)
     {
-        const qcTreeNode* node = qcBoxTree_Node(&set->tree, stack[--count]);
-        if (!Meets(node->lower, node->upper, box->lower, box->upper))
-            continue;
-        if (node->height != 0)
+        NodePair pair = stack[--count];
+        const qcTreeNode *a = qcBoxTree_Node(&set->tree, pair.a), *b = qcBoxTree_Node(&set->tree, pair.b);
+        if (a->height == 0 && b->height == 0)
         {
-            stack[count++] = node->child[0];
-            stack[count++] = node->child[1];
+            QC_TRY(MeetLeaves(set, a->child[0], b->child[0]));
             continue;
         }
-        uint32_t other = node->child[0];
-        const Box* b = &QC_AT(Box, set->boxes, other);
-        if (other == id || (b->mover != QC_NO_NODE && other < id) || !Meets(b->lower, b->upper, box->lower, box->upper))
+        uint32_t below[2][2] = {{pair.a, pair.a}, {pair.b, pair.b}};
+        int many[2] = {1, 1};
+        if (a->height != 0)
+        {
+            below[0][0] = a->child[0];
+            below[0][1] = a->child[1];
+            many[0] = 2;
+        }
+        if (b->height != 0)
+        {
+            below[1][0] = b->child[0];
+            below[1][1] = b->child[1];
+            many[1] = 2;
+        }
+        for (int i = 0; i < many[0]; i++)
+            for (int j = 0; j < many[1]; j++)
+            {
+                const qcTreeNode *x = qcBoxTree_Node(&set->tree, below[0][i]), *y = qcBoxTree_Node(&set->tree, below[1][j]);
+                // Pushed without a branch: whether two nodes meet is as good as random.
+                stack[count] = (NodePair){below[0][i], below[1][j]};
+                count += Meets(x->lower, x->upper, y->lower, y->upper) & (flags[below[0][i]] | flags[below[1][j]]);
+            }
+    }
+    return qc_statusOk;
+}
+
+/// Every pair is found at the node where the paths of its two leaves part.
+static qcStatus MeetAll(qcBoxes* set)
+{
+    const uint8_t* flags = set->flags.data;
+    uint32_t stack[qc_treeStack], count = 0;
+    if (set->tree.root != QC_NO_NODE)
+        stack[count++] = set->tree.root;
+    while (count > 0)
+    {
+        uint32_t at = stack[--count];
+        const qcTreeNode* node = qcBoxTree_Node(&set->tree, at);
+        if (!flags[at] || node->height == 0)
             continue;
-        QC_TRY(PushPair(set, id, other));
+        QC_TRY(MeetBelow(set, (NodePair){node->child[0], node->child[1]}));
+        stack[count++] = node->child[0];
+        stack[count++] = node->child[1];
+    }
+    return qc_statusOk;
+}
+
+/// Brings the neighbours of the restless up to date. When it fails, they stay restless.
+static qcStatus FindNeighbours(qcBoxes* set)
+{
+    for (size_t i = 0; i < set->movers.count; i++)
+    {
+        uint32_t id = QC_AT(uint32_t, set->movers, i);
+        if (QC_AT(Box, set->boxes, id).restless)
+            qcNeighbours_Part(&set->neighbours, id);
+    }
+    FlagMovers(set, 1);
+    qcStatus status = MeetAll(set);
+    FlagMovers(set, 0);
+    return status;
+}
+
+/// Keeps the pair if the boxes meet and one has moved.
+static qcStatus MeetBoxes(qcBoxes* set, uint32_t a, uint32_t b)
+{
+    const Box *x = &QC_AT(Box, set->boxes, a), *y = &QC_AT(Box, set->boxes, b);
+    bool moved = (x->mover & y->mover) != QC_NO_NODE;
+    return moved & Meets(x->lower, x->upper, y->lower, y->upper) ? PushPair(set, a, b) : qc_statusOk;
+}
+
+static qcStatus FindPairs(qcBoxes* set)
+{
+    const qcEdgeEnd* ends = set->neighbours.ends.data;
+    if (set->movers.count > set->boxes.count / 4)
+    {
+        // Most pairs are asked for: in memory order, not in the order of lists.
+        for (size_t end = 0; end < set->neighbours.ends.count; end += 2)
+            if (ends[end].other != QC_NO_EDGE)
+                QC_TRY(MeetBoxes(set, ends[end].other, ends[end + 1].other));
+        return qc_statusOk;
+    }
+    for (size_t i = 0; i < set->movers.count; i++)
+    {
+        uint32_t id = QC_AT(uint32_t, set->movers, i);
+        for (uint32_t end = QC_AT(uint32_t, set->neighbours.first, id); end != QC_NO_EDGE; end = ends[end].next)
+        {
+            // A pair of two movers is the lower one's.
+            uint32_t other = ends[end].other;
+            if (id < other || QC_AT(Box, set->boxes, other).mover == QC_NO_NODE)
+                QC_TRY(MeetBoxes(set, id, other));
+        }
     }
     return qc_statusOk;
 }
@@ -362,17 +519,21 @@ qcStatus qcBoxes_FindMovedPairs(qcBoxes* boxes, const qcBoxPair** pairs, size_t*
     if (boxes == NULL || pairs == NULL || count == NULL)
         return qcFail(qc_statusBadInput, "qcBoxes_FindMovedPairs: boxes, pairs or count is null");
     boxes->found.count = 0;
-    for (size_t i = 0; i < boxes->movers.count; i++)
-        QC_TRY(FindPairsOf(boxes, QC_AT(uint32_t, boxes->movers, i)));
+    QC_TRY(FindNeighbours(boxes));
+    QC_TRY(FindPairs(boxes));
     QC_TRY(qcSort_Items(boxes->found.data, boxes->found.count, &boxes->scratch));
     QC_TRY(qcArray_Resize(&boxes->pairs, boxes->found.count, sizeof(qcBoxPair), "pairs of boxes"));
     for (size_t i = 0; i < boxes->found.count; i++)
     {
-        uint64_t key = QC_AT(qcSortItem, boxes->found, i).key;
-        QC_AT(qcBoxPair, boxes->pairs, i) = (qcBoxPair){(uint32_t)(key >> 32), (uint32_t)key};
+        uint64_t pair = QC_AT(qcSortItem, boxes->found, i).value;
+        QC_AT(qcBoxPair, boxes->pairs, i) = (qcBoxPair){(uint32_t)(pair >> 32), (uint32_t)pair};
     }
     for (size_t i = 0; i < boxes->movers.count; i++)
-        QC_AT(Box, boxes->boxes, QC_AT(uint32_t, boxes->movers, i)).mover = QC_NO_NODE;
+    {
+        Box* box = &QC_AT(Box, boxes->boxes, QC_AT(uint32_t, boxes->movers, i));
+        box->mover = QC_NO_NODE;
+        box->restless = false;
+    }
     boxes->movers.count = 0;
     *pairs = boxes->pairs.data;
     *count = boxes->pairs.count;
@@ -397,7 +558,7 @@ void qcBoxes_QueryBox(const qcBoxes* boxes, const double lower[3], const double 
             continue;
         }
         const Box* box = &QC_AT(Box, boxes->boxes, node->child[0]);
-        if (Meets(box->lower, box->upper, lower, upper) && !function(node->child[0], box->userData, context))
+        if (Meets(box->lower, box->upper, lower, upper) && !function(node->child[0], QC_AT(void*, boxes->userData, node->child[0]), context))
             return;
     }
 }
@@ -441,7 +602,7 @@ static Cast PrepareCast(const double from[3], const double to[3], const double c
         cast.wayUpper[k] = UpperOrNan(from[k], to[k]) + castUpper[k];
         double direction = to[k] - from[k], length = fabs(direction);
         cast.inverse[k] = length >= DBL_MIN && length <= 0x1p1021 ? 1.0 / direction : 0.0;
-        cast.reach[k] = fabs(from[k]) + fmax(fabs(castLower[k]), fabs(castUpper[k]));
+        cast.reach[k] = fabs(from[k]) + Upper(fabs(castLower[k]), fabs(castUpper[k]));
     }
     return cast;
 }
@@ -494,7 +655,7 @@ void qcBoxes_CastBox(const qcBoxes* boxes, const double from[3], const double to
         {
             const Box* box = &QC_AT(Box, boxes->boxes, node->child[0]);
             if (CastMeets(&cast, box->lower, box->upper, &stop.entry) &&
-                !function(node->child[0], box->userData, context))
+                !function(node->child[0], QC_AT(void*, boxes->userData, node->child[0]), context))
                 return;
             continue;
         }

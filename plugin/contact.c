@@ -124,16 +124,50 @@ static Vector VertexOf(const qcBody* body, uint32_t vertex)
     return Load(body->world + 3 * (size_t)vertex);
 }
 
-static bool VertexFace(const qcContactSide* vertexSide, int corner, const qcContactSide* faceSide, double margin,
+/// A triangle with its corners at hand.
+typedef struct Facet
+{
+    const qcContactSide* side;
+    const uint32_t* index;
+    Vector corner[3];
+} Facet;
+
+static Facet FacetOf(const qcContactSide* side)
+{
+    Facet facet;
+    facet.side = side;
+    facet.index = side->body->indices + 3 * (size_t)side->triangle;
+    for (int c = 0; c < 3; c++)
+        facet.corner[c] = VertexOf(side->body, facet.index[c]);
+    return facet;
+}
+
+/// Is one interval, ends in any order, farther than `reach` from the other?
+static bool AreApart(double a, double b, double c, double d, double reach)
+{
+    double aLow = a < b ? a : b, aHigh = a < b ? b : a, cLow = c < d ? c : d, cHigh = c < d ? d : c;
+    return aLow - cHigh > reach || cLow - aHigh > reach;
+}
+
+/// Is x farther than `reach` from the interval of the three?
+static bool IsApart(double x, double a, double b, double c, double reach)
+{
+    return (x - a > reach && x - b > reach && x - c > reach) || (a - x > reach && b - x > reach && c - x > reach);
+}
+
+static bool VertexFace(const Facet* vertexFacet, int corner, const Facet* face, double margin, double reach,
                        qcContact* contact)
 {
-    uint32_t vertex = vertexSide->body->indices[3 * (size_t)vertexSide->triangle + corner];
-    const uint32_t* face = faceSide->body->indices + 3 * (size_t)faceSide->triangle;
-    if (vertexSide->slot == faceSide->slot && HasVertex(face, vertex))
+    const qcContactSide *vertexSide = vertexFacet->side, *faceSide = face->side;
+    uint32_t vertex = vertexFacet->index[corner];
+    if (vertexSide->slot == faceSide->slot && HasVertex(face->index, vertex))
         return false;
-    Vector x = VertexOf(vertexSide->body, vertex), corners[3];
-    for (int c = 0; c < 3; c++)
-        corners[c] = VertexOf(faceSide->body, face[c]);
+    Vector x = vertexFacet->corner[corner];
+    const Vector* corners = face->corner;
+    if (IsApart(x.x, corners[0].x, corners[1].x, corners[2].x, reach) ||
+        IsApart(x.y, corners[0].y, corners[1].y, corners[2].y, reach) ||
+        IsApart(x.z, corners[0].z, corners[1].z, corners[2].z, reach))
+        return false;
     double weights[3];
     ClosestOnTriangle(corners, x, weights);
     // Differences first: far from the origin a sum of weighted corners would round away what lies between.
@@ -146,30 +180,30 @@ static bool VertexFace(const qcContactSide* vertexSide, int corner, const qcCont
     *contact = (qcContact){.bodyA = vertexSide->slot,
                            .bodyB = faceSide->slot,
                            .verticesA = {vertex, vertex, vertex},
-                           .verticesB = {face[0], face[1], face[2]},
+                           .verticesB = {face->index[0], face->index[1], face->index[2]},
                            .weightsA = {1.0, 0.0, 0.0},
                            .weightsB = {weights[0], weights[1], weights[2]}};
     SetNormal(contact, d, distance, Cross(Minus(corners[1], corners[0]), Minus(corners[2], corners[0])));
     return true;
 }
 
-static bool EdgeEdge(const qcContactSide* a, int edgeA, const qcContactSide* b, int edgeB, double margin, qcContact* contact)
+static bool EdgeEdge(const Facet* a, int edgeA, const Facet* b, int edgeB, double margin, double reach, qcContact* contact)
 {
-    const uint32_t* indexA = a->body->indices + 3 * (size_t)a->triangle;
-    const uint32_t* indexB = b->body->indices + 3 * (size_t)b->triangle;
-    uint32_t p = indexA[edgeA], q = indexA[(edgeA + 1) % 3], r = indexB[edgeB], s = indexB[(edgeB + 1) % 3];
-    if (a->slot == b->slot && (p == r || p == s || q == r || q == s))
+    int nextA = (edgeA + 1) % 3, nextB = (edgeB + 1) % 3;
+    uint32_t p = a->index[edgeA], q = a->index[nextA], r = b->index[edgeB], s = b->index[nextB];
+    if (a->side->slot == b->side->slot && (p == r || p == s || q == r || q == s))
         return false;
-    Vector vp = VertexOf(a->body, p), vq = VertexOf(a->body, q), vr = VertexOf(b->body, r), vs = VertexOf(b->body, s);
+    Vector vp = a->corner[edgeA], vq = a->corner[nextA], vr = b->corner[edgeB], vs = b->corner[nextB];
     double t, u;
-    if (!ClosestOfSegments(vp, vq, vr, vs, &t, &u))
+    if (AreApart(vp.x, vq.x, vr.x, vs.x, reach) || AreApart(vp.y, vq.y, vr.y, vs.y, reach) ||
+        AreApart(vp.z, vq.z, vr.z, vs.z, reach) || !ClosestOfSegments(vp, vq, vr, vs, &t, &u))
         return false;
     Vector d = PlusScaled(PlusScaled(Minus(vp, vr), Minus(vq, vp), t), Minus(vs, vr), -u);
     double distance = sqrt(Dot(d, d));
     if (!(distance <= margin))
         return false;
-    *contact = (qcContact){.bodyA = a->slot,
-                           .bodyB = b->slot,
+    *contact = (qcContact){.bodyA = a->side->slot,
+                           .bodyB = b->side->slot,
                            .verticesA = {p, q, q},
                            .verticesB = {r, s, s},
                            .weightsA = {1.0 - t, t, 0.0},
@@ -180,18 +214,21 @@ static bool EdgeEdge(const qcContactSide* a, int edgeA, const qcContactSide* b, 
 
 int qcContact_Find(const qcContactSide* a, const qcContactSide* b, double margin, qcContact* contacts)
 {
+    Facet p = FacetOf(a), q = FacetOf(b);
     qcOwnedFeatures ownedA = a->body->owned[a->triangle], ownedB = b->body->owned[b->triangle];
+    // The boxes only spare work: a little wider than the margin, so that their rounding decides nothing.
+    double reach = margin * (1.0 + 1e-9);
     int count = 0;
     for (int c = 0; c < 3; c++)
     {
         if (ownedA >> c & 1)
-            count += VertexFace(a, c, b, margin, contacts + count);
+            count += VertexFace(&p, c, &q, margin, reach, contacts + count);
         if (ownedB >> c & 1)
-            count += VertexFace(b, c, a, margin, contacts + count);
+            count += VertexFace(&q, c, &p, margin, reach, contacts + count);
     }
     for (int e = 0; e < 3; e++)
         for (int f = 0; f < 3; f++)
             if ((ownedA >> (3 + e) & 1) && (ownedB >> (3 + f) & 1))
-                count += EdgeEdge(a, e, b, f, margin, contacts + count);
+                count += EdgeEdge(&p, e, &q, f, margin, reach, contacts + count);
     return count;
 }

@@ -258,7 +258,7 @@ qcRelation qcExact_Relate(const double a[3][3], const double b[3][3], uint64_t* 
     return OnLine(a, b, sideA, sideB, undecided);
 }
 
-qcRelation qcRelateTriangles(const double a[9], const double b[9])
+qcRelation qcRelateTriangles(const double* a, const double* b)
 {
     double corners[2][3][3];
     for (int i = 0; i < 9; i++)

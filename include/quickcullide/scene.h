@@ -164,9 +164,9 @@ typedef enum qcRelation
 /// "disjoint", "touching", "penetrating".
 QC_API const char* qcRelation_Name(qcRelation relation);
 
-/// The exact relation of two triangles, nine doubles each, degenerate ones included.
+/// The exact relation of two triangles, nine doubles each (corner by corner), degenerate ones included.
 /// Exact for any finite coordinates; O(1). Any thread.
-QC_API qcRelation qcRelateTriangles(const double a[9], const double b[9]);
+QC_API qcRelation qcRelateTriangles(const double* a, const double* b);
 
 typedef struct qcDetectDef
 {

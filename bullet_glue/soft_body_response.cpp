@@ -1,0 +1,159 @@
+// Contact response of soft bodies: projections on positions, as Bullet's own soft-body constraints are.
+// The side of a contact is the one on which its points were at the start of the step, when nothing penetrated: Bridson,
+// Fedkiw, Anderson: Robust Treatment of Collisions, Contact and Friction for Cloth Animation, 2002, section 6.
+#include "soft_body_response.h"
+
+#include <algorithm>
+
+namespace
+{
+// Of a gap that is too small at the start of the step, the part made up for in one step: all at once would throw the
+// surfaces apart, since positions become velocities.
+constexpr btScalar s_recovery = btScalar(0.2);
+
+void AddNodes(qcSceneSoftBody& body, const uint32_t vertices[3], const double weights[3], btScalar sign,
+              qcSoftConstraint* constraint)
+{
+    for (int i = 0; i < 3; i++)
+    {
+        if (weights[i] == 0.0)
+            continue;
+        btSoftBody::Node* node = &body.body->m_nodes[int(vertices[i])];
+        btScalar weight = sign * btScalar(weights[i]);
+        constraint->node[constraint->nodeCount] = node;
+        constraint->weight[constraint->nodeCount++] = weight;
+        constraint->inverseEffectiveMass += weight * weight * node->m_im;
+        constraint->startOffset += weight * body.start[vertices[i]];
+    }
+}
+
+btVector3 Offset(const qcSoftConstraint& constraint)
+{
+    btVector3 offset(0, 0, 0);
+    for (int i = 0; i < constraint.nodeCount; i++)
+        offset += constraint.weight[i] * constraint.node[i]->m_x;
+    return offset;
+}
+
+void Push(const qcSoftConstraint& constraint, const btVector3& correction)
+{
+    for (int i = 0; i < constraint.nodeCount; i++)
+        constraint.node[i]->m_x += constraint.weight[i] * constraint.node[i]->m_im * correction;
+}
+
+void Solve(const qcSoftConstraint& constraint)
+{
+    btVector3 offset = Offset(constraint);
+    btScalar missing = constraint.distance - constraint.normal.dot(offset);
+    if (missing <= 0)
+        return;
+    Push(constraint, constraint.normal * (missing / constraint.inverseEffectiveMass));
+    // Coulomb: what the normal push was, times the coefficient, may take back of the sliding since the start.
+    btVector3 motion = offset - constraint.startOffset;
+    btVector3 sliding = motion - constraint.normal * constraint.normal.dot(motion);
+    btScalar length = sliding.length();
+    if (length <= SIMD_EPSILON)
+        return;
+    btScalar taken = std::min(length, constraint.friction * missing);
+    Push(constraint, sliding * (-taken / length / constraint.inverseEffectiveMass));
+}
+
+void Triangle(const qcSceneSoftBody& body, uint32_t triangle, bool atStart, double corners[9])
+{
+    const btSoftBody::Face& face = body.body->m_faces[int(triangle)];
+    for (int i = 0; i < 9; i++)
+    {
+        const btSoftBody::Node* node = face.m_n[i / 3];
+        const btVector3& x = atStart ? body.start[size_t(node - &body.body->m_nodes[0])] : node->m_x;
+        corners[i] = double(x[i % 3]);
+    }
+}
+
+int PutBack(qcSceneSoftBody& body, uint32_t triangle)
+{
+    int moved = 0;
+    for (btSoftBody::Node* node : body.body->m_faces[int(triangle)].m_n)
+    {
+        const btVector3& start = body.start[size_t(node - &body.body->m_nodes[0])];
+        moved += node->m_x != start;
+        node->m_x = start;
+    }
+    return moved;
+}
+} // namespace
+
+void qcMakeSoftConstraints(qcSoftBodyScene& scene, const qcResult& result, qcMayPush* mayPush, const void* context,
+                           std::vector<qcSoftConstraint>* constraints, std::vector<size_t>* contactOf)
+{
+    constraints->clear();
+    contactOf->clear();
+    for (size_t i = 0; i < result.contactCount; i++)
+    {
+        const qcContact& contact = result.contacts[i];
+        qcSceneSoftBody *a = scene.Find(contact.bodyA), *b = scene.Find(contact.bodyB);
+        btScalar thickness = (a->thickness + b->thickness) / 2;
+        if (btScalar(contact.distance) > thickness || !mayPush(*a, *b, context))
+            continue;
+        qcSoftConstraint constraint{};
+        constraint.startOffset.setZero();
+        AddNodes(*a, contact.verticesA, contact.weightsA, 1, &constraint);
+        AddNodes(*b, contact.verticesB, contact.weightsB, -1, &constraint);
+        if (constraint.inverseEffectiveMass <= 0)
+            continue;
+        constraint.normal.setValue(btScalar(contact.normal[0]), btScalar(contact.normal[1]), btScalar(contact.normal[2]));
+        btScalar startDistance = constraint.normal.dot(constraint.startOffset);
+        if (startDistance < 0)
+        {
+            // They have passed each other since: back to the side from which they came.
+            constraint.normal = -constraint.normal;
+            startDistance = -startDistance;
+        }
+        constraint.distance =
+            startDistance >= thickness ? thickness : startDistance + s_recovery * (thickness - startDistance);
+        constraint.friction = (a->settings.friction + b->settings.friction) / 2;
+        constraints->push_back(constraint);
+        contactOf->push_back(i);
+    }
+}
+
+void qcSolveSoftConstraints(const std::vector<qcSoftConstraint>& constraints, int iterations)
+{
+    for (int i = 0; i < iterations; i++)
+        for (const qcSoftConstraint& constraint : constraints)
+            Solve(constraint);
+}
+
+int qcFreezePenetrating(qcSoftBodyScene& scene, const qcResult& result, qcMayPush* mayPush, const void* context)
+{
+    int moved = 0;
+    for (size_t i = 0; i < result.pairCount; i++)
+    {
+        const qcPair& pair = result.pairs[i];
+        qcSceneSoftBody *a = scene.Find(pair.bodyA), *b = scene.Find(pair.bodyB);
+        if (!mayPush(*a, *b, context))
+            continue;
+        double before[2][9];
+        Triangle(*a, pair.triangleA, true, before[0]);
+        Triangle(*b, pair.triangleB, true, before[1]);
+        if (qcRelateTriangles(before[0], before[1]) == qc_relationPenetrating)
+            continue;
+        moved += PutBack(*a, pair.triangleA);
+        moved += PutBack(*b, pair.triangleB);
+    }
+    return moved;
+}
+
+void qcUpdateVelocities(qcSoftBodyScene& scene, const std::vector<std::vector<btVector3>>& solved)
+{
+    for (size_t b = 0; b < scene.Bodies().size(); b++)
+    {
+        const qcSceneSoftBody& known = scene.Bodies()[b];
+        const btScalar perDistance = known.body->m_sst.isdt * (1 - known.body->m_cfg.kDP);
+        for (int i = 0; i < known.nodeCount; i++)
+        {
+            btSoftBody::Node& node = known.body->m_nodes[i];
+            if (node.m_x != solved[b][size_t(i)])
+                node.m_v = (node.m_x - known.start[size_t(i)]) * perDistance;
+        }
+    }
+}

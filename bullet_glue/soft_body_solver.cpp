@@ -1,0 +1,228 @@
+// The soft-body solver: Bullet's constraints, then contacts in rounds, then the exact check.
+#include "quickcullide/bullet_soft_body.h"
+
+#include "manifolds.h"
+#include "soft_body_response.h"
+#include "soft_body_scene.h"
+
+#include <algorithm>
+#include <chrono>
+
+namespace
+{
+// Sweeps over all contacts in a round. On the falling cloth of the main demo, 4 leave penetrating pairs for the next round
+// in most steps with deep folds, 8 seldom.
+constexpr int s_iterations = 8;
+// Rounds before nodes are frozen, and rounds of freezing before all nodes are.
+constexpr int s_contactRounds = 4;
+constexpr int s_freezeRounds = 16;
+
+double Now()
+{
+    using namespace std::chrono;
+    return duration<double, std::milli>(steady_clock::now().time_since_epoch()).count();
+}
+
+typedef std::pair<const btSoftBody*, const btSoftBody*> BodyPair;
+
+BodyPair Ordered(const btSoftBody* a, const btSoftBody* b)
+{
+    return std::less<const btSoftBody*>()(a, b) ? BodyPair(a, b) : BodyPair(b, a);
+}
+} // namespace
+
+struct qcSoftBodySolver::Implementation
+{
+    qcSoftBodyScene scene;
+    qcManifolds manifolds;
+    qcSoftBodyStatistics statistics;
+    std::vector<BodyPair> pairs; ///< that the world wants to collide, in this step
+    std::vector<qcSoftConstraint> constraints;
+    std::vector<size_t> contactOf;
+    std::vector<std::vector<btVector3>> solved; ///< positions after Bullet's own constraints
+
+    static bool MayPush(const qcSceneSoftBody& a, const qcSceneSoftBody& b, const void* context)
+    {
+        const auto* self = static_cast<const Implementation*>(context);
+        if (a.body == b.body)
+            return true; // the scene reports only what has self-collision on
+        return std::binary_search(self->pairs.begin(), self->pairs.end(), Ordered(a.body, b.body));
+    }
+
+    void KeepPositions();
+    qcStatus Detect(btScalar contactMargin, const qcResult** result);
+    int CountPenetrating(const qcResult& result);
+    qcStatus SolveContacts();
+    qcStatus FreezeRest();
+    qcStatus Resolve();
+    void Restore();
+};
+
+void qcSoftBodySolver::Implementation::KeepPositions()
+{
+    solved.resize(scene.Bodies().size());
+    for (size_t b = 0; b < scene.Bodies().size(); b++)
+    {
+        const qcSceneSoftBody& known = scene.Bodies()[b];
+        solved[b].resize(size_t(known.nodeCount));
+        for (int i = 0; i < known.nodeCount; i++)
+            solved[b][size_t(i)] = known.body->m_nodes[i].m_x;
+    }
+}
+
+qcStatus qcSoftBodySolver::Implementation::Detect(btScalar contactMargin, const qcResult** result)
+{
+    double start = Now();
+    qcStatus status = scene.UpdateVertices();
+    if (status == qc_statusOk)
+        status = scene.Detect(contactMargin, result);
+    statistics.detectMs += Now() - start;
+    return status;
+}
+
+int qcSoftBodySolver::Implementation::CountPenetrating(const qcResult& result)
+{
+    return int(std::count_if(result.pairs, result.pairs + result.pairCount, [&](const qcPair& pair) {
+        return MayPush(*scene.Find(pair.bodyA), *scene.Find(pair.bodyB), this);
+    }));
+}
+
+/// Rounds of detection and projection until nothing penetrates, or rounds are up.
+qcStatus qcSoftBodySolver::Implementation::SolveContacts()
+{
+    btScalar margin = scene.Thickness();
+    for (int round = 0; round < s_contactRounds; round++)
+    {
+        const qcResult* result;
+        qcStatus status = Detect(margin, &result);
+        if (status != qc_statusOk)
+            return status;
+        statistics.remaining = CountPenetrating(*result);
+        qcMakeSoftConstraints(scene, *result, MayPush, this, &constraints, &contactOf);
+        if (round == 0)
+        {
+            statistics.contacts = int(constraints.size());
+            statistics.penetrating = statistics.remaining;
+            manifolds.Publish(scene, *result, contactOf);
+        }
+        if (constraints.empty())
+            return qc_statusOk;
+        double start = Now();
+        qcSolveSoftConstraints(constraints, s_iterations);
+        statistics.respondMs += Now() - start;
+        statistics.rounds++;
+        status = Detect(0, &result);
+        if (status != qc_statusOk)
+            return status;
+        statistics.remaining = CountPenetrating(*result);
+        if (statistics.remaining == 0)
+            return qc_statusOk;
+    }
+    return qc_statusOk;
+}
+
+/// Whatever still penetrates and did not at the start goes back there; in the end everything does, if need be.
+qcStatus qcSoftBodySolver::Implementation::FreezeRest()
+{
+    for (int round = 0; round < s_freezeRounds; round++)
+    {
+        const qcResult* result;
+        qcStatus status = Detect(0, &result);
+        if (status != qc_statusOk)
+            return status;
+        statistics.remaining = CountPenetrating(*result);
+        int moved = qcFreezePenetrating(scene, *result, MayPush, this);
+        statistics.frozenNodes += moved;
+        if (moved == 0)
+            return qc_statusOk;
+    }
+    for (const qcSceneSoftBody& known : scene.Bodies())
+        for (int i = 0; i < known.nodeCount; i++)
+            known.body->m_nodes[i].m_x = known.start[size_t(i)];
+    const qcResult* result;
+    qcStatus status = Detect(0, &result);
+    if (status == qc_statusOk)
+        statistics.remaining = CountPenetrating(*result);
+    return status;
+}
+
+qcStatus qcSoftBodySolver::Implementation::Resolve()
+{
+    qcStatus status = SolveContacts();
+    return status == qc_statusOk && statistics.remaining > 0 ? FreezeRest() : status;
+}
+
+/// Bullet's own positions again, after a query failed.
+void qcSoftBodySolver::Implementation::Restore()
+{
+    for (size_t b = 0; b < scene.Bodies().size(); b++)
+        for (int i = 0; i < scene.Bodies()[b].nodeCount; i++)
+            scene.Bodies()[b].body->m_nodes[i].m_x = solved[b][size_t(i)];
+}
+
+qcSoftBodySolver::qcSoftBodySolver() : m_implementation(new Implementation)
+{
+}
+
+qcSoftBodySolver::~qcSoftBodySolver() = default;
+
+void qcSoftBodySolver::setSettings(const btSoftBody* body, const qcSoftBodySettings& settings)
+{
+    m_implementation->scene.Settings(body) = settings;
+}
+
+qcSoftBodySettings qcSoftBodySolver::getSettings(const btSoftBody* body) const
+{
+    return m_implementation->scene.Settings(body);
+}
+
+const qcSoftBodyStatistics& qcSoftBodySolver::getStatistics() const
+{
+    return m_implementation->statistics;
+}
+
+void qcSoftBodySolver::setThreadCount(unsigned threads)
+{
+    m_implementation->scene.threads = threads;
+}
+
+void qcSoftBodySolver::optimize(btAlignedObjectArray<btSoftBody*>& softBodies, bool forceUpdate)
+{
+    // The first call of a step, before collision detection: nothing of the last step may be seen there.
+    m_implementation->manifolds.Release();
+    m_implementation->pairs.clear();
+    btDefaultSoftBodySolver::optimize(softBodies, forceUpdate);
+}
+
+void qcSoftBodySolver::processCollision(btSoftBody* body, btSoftBody* other)
+{
+    // Solved with all others after Bullet's own constraints, when positions are known.
+    if (body != other)
+        m_implementation->pairs.push_back(Ordered(body, other));
+}
+
+void qcSoftBodySolver::solveConstraints(btScalar timeStep)
+{
+    Implementation& my = *m_implementation;
+    std::sort(my.pairs.begin(), my.pairs.end());
+    my.statistics = qcSoftBodyStatistics();
+    my.statistics.status = my.scene.Synchronize(m_softBodySet);
+    for (qcSceneSoftBody& known : my.scene.Bodies())
+    {
+        known.start.resize(size_t(known.nodeCount));
+        for (int i = 0; i < known.nodeCount; i++)
+            known.start[size_t(i)] = known.body->m_nodes[i].m_q;
+    }
+
+    btDefaultSoftBodySolver::solveConstraints(timeStep);
+    if (my.statistics.status != qc_statusOk)
+        return;
+    my.KeepPositions();
+    my.statistics.status = my.Resolve();
+    if (my.statistics.status != qc_statusOk)
+    {
+        my.Restore();
+        return;
+    }
+    qcUpdateVelocities(my.scene, my.solved);
+}

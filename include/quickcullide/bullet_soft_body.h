@@ -1,0 +1,78 @@
+// Self-collision of soft bodies, and contact among them, for btSoftRigidDynamicsWorld, without a patch to Bullet.
+//
+//     qcSoftBodySolver softSolver;
+//     btSoftRigidDynamicsWorld world(&dispatcher, &broadphase, &solver, &configuration, &softSolver);
+//
+// Bullet's classic soft bodies have no self-collision (VF_SS skips a body with itself, CL_SELF is dead since 2.89), and
+// VF_SS between two bodies is vertex against face only. This solver runs Bullet's own constraints first, then moves the
+// nodes apart: vertex-face and edge-edge contacts within the thickness, decided on the side from which they came. It ends
+// a step only when no two triangles penetrate that did not penetrate before it, by the exact test.
+#ifndef QUICKCULLIDE_BULLET_SOFT_BODY_H
+#define QUICKCULLIDE_BULLET_SOFT_BODY_H
+
+#include "scene.h"
+
+#include <BulletSoftBody/btDefaultSoftBodySolver.h>
+#include <BulletSoftBody/btSoftBody.h>
+
+#include <memory>
+
+/// How one soft body meets itself and other soft bodies.
+struct qcSoftBodySettings
+{
+    bool selfCollision = true;
+    /// Surfaces are kept this far apart, in world units. 0: half the mean length of the links of its faces, or the collision
+    /// shape's margin where that is less. More than half the shortest edge makes cloth stiff.
+    btScalar thickness = 0;
+    /// Coulomb friction between two soft surfaces: the mean of both bodies'.
+    btScalar friction = btScalar(0.3);
+};
+
+/// What the last step did.
+struct qcSoftBodyStatistics
+{
+    /// Anything but qc_statusOk: a query failed (say, a node is not finite), and the step kept Bullet's own positions.
+    qcStatus status = qc_statusOk;
+    int contacts = 0;    ///< contacts within the thickness after Bullet's own constraints
+    int penetrating = 0; ///< pairs of triangles that penetrated then
+    int rounds = 0;      ///< times that contacts were solved
+    int frozenNodes = 0; ///< nodes put back to where they started, because nothing else helped
+    int remaining = 0;   ///< pairs that penetrate at the end of the step: those that did at its start, too
+    double detectMs = 0, respondMs = 0;
+};
+
+/// A drop-in for btDefaultSoftBodySolver.
+///
+/// After a step every contact also stands in manifolds of the world's dispatcher, four points each, with both bodies being
+/// soft (the same one, for self-collision); they are released when the next step begins. Destroy the solver after the
+/// world and before the dispatcher.
+///
+/// Cost: two to five runs of qcScene_Detect a step. Thread-safety: as the world's.
+class QC_API qcSoftBodySolver : public btDefaultSoftBodySolver
+{
+  public:
+    qcSoftBodySolver();
+    ~qcSoftBodySolver() override;
+    qcSoftBodySolver(const qcSoftBodySolver&) = delete;
+    qcSoftBodySolver& operator=(const qcSoftBodySolver&) = delete;
+
+    /// Applies from the next step on, for as long as the body is in the world.
+    void setSettings(const btSoftBody* body, const qcSoftBodySettings& settings);
+    qcSoftBodySettings getSettings(const btSoftBody* body) const;
+    const qcSoftBodyStatistics& getStatistics() const;
+
+    /// Threads of the queries; 0: one per core.
+    void setThreadCount(unsigned threads);
+
+    void optimize(btAlignedObjectArray<btSoftBody*>& softBodies, bool forceUpdate = false) override;
+    void solveConstraints(btScalar timeStep) override;
+    /// A pair of soft bodies that the world wants to collide. Soft bodies against rigid ones: as Bullet does it.
+    void processCollision(btSoftBody* body, btSoftBody* other) override;
+    using btDefaultSoftBodySolver::processCollision;
+
+  private:
+    struct Implementation;
+    std::unique_ptr<Implementation> m_implementation;
+};
+
+#endif

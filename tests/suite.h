@@ -1,0 +1,30 @@
+// The main function of a test program with one case of several tests.
+#ifndef QC_TESTS_SUITE_H
+#define QC_TESTS_SUITE_H
+
+#include <check.h>
+
+/// Runs the tests; the program's exit status.
+static inline int qcRunTests(const char* name, const TTest* const* tests, int count)
+{
+    Suite* suite = suite_create(name);
+    TCase* testCase = tcase_create(name);
+    tcase_set_timeout(testCase, 300); // a bound against hanging, not a claim about speed
+    for (int i = 0; i < count; i++)
+        tcase_add_test(testCase, tests[i]);
+    suite_add_tcase(suite, testCase);
+    SRunner* runner = srunner_create(suite);
+    srunner_run_all(runner, CK_NORMAL);
+    int failed = srunner_ntests_failed(runner);
+    srunner_free(runner);
+    return failed != 0;
+}
+
+#define QC_RUN_TESTS(name, ...)                                                                                        \
+    int main(void)                                                                                                     \
+    {                                                                                                                  \
+        const TTest* const tests[] = {__VA_ARGS__};                                                                    \
+        return qcRunTests(name, tests, (int)(sizeof tests / sizeof tests[0]));                                         \
+    }
+
+#endif

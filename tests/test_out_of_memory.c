@@ -1,0 +1,115 @@
+// Every allocation fails once: a status each time, the scene as before, nothing leaked, and the next try succeeds.
+#include "scenes.h"
+#include "suite.h"
+
+typedef struct Heap
+{
+    size_t live, calls, failAt; ///< failAt: the number of the call that fails; 0: none
+} Heap;
+
+static void* Allocate(size_t size, void* context)
+{
+    Heap* heap = context;
+    if (++heap->calls == heap->failAt)
+        return NULL;
+    heap->live += size;
+    return aligned_alloc(64, (size + 63) / 64 * 64);
+}
+
+static void Release(void* memory, size_t size, void* context)
+{
+    Heap* heap = context;
+    heap->live -= size;
+    free(memory);
+}
+
+/// One whole use of the library; stops at the first status that is not ok.
+static qcStatus UseScene(const qcSoup* soup, qcMethod method, double margin, size_t* pairs)
+{
+    qcSceneDef sceneDef = qcDefaultSceneDef();
+    qcScene* scene = NULL;
+    qcStatus status = qcScene_Create(&sceneDef, &scene);
+    qcBodyDef bodyDef = qcBodyDefOf(soup);
+    qcBodyId id;
+    if (status == qc_statusOk)
+        status = qcScene_AddBody(scene, &bodyDef, &id);
+    bodyDef.deforming = true;
+    if (status == qc_statusOk)
+        status = qcScene_AddBody(scene, &bodyDef, &id);
+    if (status == qc_statusOk)
+        status = qcScene_SetVertices(scene, id, soup->positions, qc_positionF64, 0);
+    qcDetectDef def = qcDefaultDetectDef();
+    def.method = method;
+    def.touching = def.segments = true;
+    def.contactMargin = margin;
+    def.threads = 1;
+    const qcResult* result;
+    if (status == qc_statusOk)
+        status = qcScene_Detect(scene, &def, &result);
+    if (status == qc_statusOk)
+        *pairs = result->pairCount;
+    else if (scene != NULL && qcScene_GetBodyCount(scene) == 2)
+    {
+        // The scene is whole: the same call, with memory, succeeds.
+        CHECK_OK(qcScene_Detect(scene, &def, &result));
+        *pairs = result->pairCount;
+    }
+    qcScene_Destroy(scene);
+    return status;
+}
+
+static void FailEach(qcMethod method, double margin)
+{
+    qcSoup soup = qcSoup_MakeFoldedCloth(2, 12, 0.02, 0.03);
+    Heap heap = {0, 0, 0};
+    CHECK_OK(qcSetAllocator(Allocate, Release, &heap));
+    size_t expected = 0;
+    CHECK_OK(UseScene(&soup, method, margin, &expected));
+    ck_assert_uint_gt(expected, 0);
+    size_t calls = heap.calls;
+    ck_assert_uint_gt(calls, 20);
+    for (size_t i = 1; i <= calls; i++)
+    {
+        size_t pairs = expected;
+        heap = (Heap){0, 0, i};
+        ck_assert_int_eq(UseScene(&soup, method, margin, &pairs), qc_statusOutOfMemory);
+        ck_assert_ptr_nonnull(strstr(qcLastMessage(), "out of memory"));
+        ck_assert_uint_eq(pairs, expected);
+        ck_assert_uint_eq(heap.live, 0);
+        ck_assert_uint_eq(qcGetByteCount(), 0);
+    }
+    CHECK_OK(qcSetAllocator(NULL, NULL, NULL));
+    qcSoup_Free(&soup);
+}
+
+START_TEST(a_failed_allocation_in_sweep_leaves_the_scene_whole)
+{
+    FailEach(qc_methodSweep, 0.0);
+}
+END_TEST
+
+START_TEST(a_failed_allocation_in_brute_force_leaves_the_scene_whole)
+{
+    FailEach(qc_methodBrute, 0.0);
+}
+END_TEST
+
+START_TEST(a_failed_allocation_among_contacts_leaves_the_scene_whole)
+{
+    FailEach(qc_methodSweep, 0.03);
+}
+END_TEST
+
+START_TEST(the_allocator_cannot_change_while_bytes_are_held)
+{
+    Heap heap = {0, 0, 0};
+    qcScene* scene = qcMakeScene(NULL);
+    ck_assert_int_eq(qcSetAllocator(Allocate, Release, &heap), qc_statusBadInput);
+    ck_assert_int_eq(qcSetAllocator(Allocate, NULL, &heap), qc_statusBadInput);
+    qcScene_Destroy(scene);
+}
+END_TEST
+
+QC_RUN_TESTS("out of memory", a_failed_allocation_in_sweep_leaves_the_scene_whole,
+             a_failed_allocation_in_brute_force_leaves_the_scene_whole,
+             a_failed_allocation_among_contacts_leaves_the_scene_whole, the_allocator_cannot_change_while_bytes_are_held)
