@@ -64,7 +64,8 @@ qcStatus qcNeighbours_Join(qcNeighbours* graph, uint32_t a, uint32_t b)
         if (graph->ends.count >= QC_NO_EDGE - 1)
             return qcFailMemory(SIZE_MAX, "more than 2^31 pairs of boxes near each other");
         end = (uint32_t)graph->ends.count;
-        QC_TRY(qcArray_Resize(&graph->ends, graph->ends.count + 2, sizeof(qcEdgeEnd), "pairs of boxes near each other"));
+        QC_TRY(
+            qcArray_Resize(&graph->ends, graph->ends.count + 2, sizeof(qcEdgeEnd), "pairs of boxes near each other"));
     }
     Link(graph, end, a, b);
     Link(graph, end ^ 1u, b, a);

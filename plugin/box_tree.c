@@ -5,15 +5,15 @@
 // contain every box below; areas, which round, only choose where a box goes.
 //
 // Infinite boxes: an extent counts as 1e100 at most (also infinity minus infinity, which is NaN), so that areas and
-// their sums stay finite and comparable. Beside such an area that of normal boxes vanishes, so they cost nothing
-// where the infinite ones already are, and are sorted among themselves further down.
+// their sums stay finite and comparable. Infinite boxes gather on one path from the root, as balance allows no branch
+// shorter; all else is sorted among itself below that path.
 //
-// Boxes in one place: areas tie, and the lower of two subtrees is taken. Whatever the areas say, the heights of siblings
-// never differ by more than qc_treeSlack: a leaf is only paired with a node no higher than that, so each insertion or
-// removal changes the height of a subtree by at most one, rotations that would do more are not taken, and then one
-// rotation restores the balance of the parent: with h(B) = h(C) + slack + 1, exchange C and the higher child F of B;
-// G, B's other child, has h(C) <= h(G) <= h(F) = h(C) + slack, so both pairs (C, G) and (F, B) are in balance again,
-// and the subtree's height is within one of what it was.
+// Boxes in one place: areas tie, and the lower of two subtrees is taken. Whatever the areas say, the heights of
+// siblings never differ by more than qc_treeSlack: a leaf is only paired with a node no higher than that, so each
+// insertion or removal changes the height of a subtree by at most one, rotations that would do more are not taken, and
+// then one rotation restores the balance of the parent: with h(B) = h(C) + slack + 1, exchange C and the higher child F
+// of B; G, B's other child, has h(C) <= h(G) <= h(F) = h(C) + slack, so both pairs (C, G) and (F, B) are in balance
+// again, and the subtree's height is within one of what it was.
 #include "box_tree.h"
 
 #include <assert.h>
@@ -41,30 +41,12 @@ static double AreaOf(const qcTreeNode* a)
     return Area(Extent(a->lower[0], a->upper[0]), Extent(a->lower[1], a->upper[1]), Extent(a->lower[2], a->upper[2]));
 }
 
-static double Lower(double a, double b)
-{
-    return a < b ? a : b;
-}
-
-static double Upper(double a, double b)
-{
-    return a > b ? a : b;
-}
-
 static double AreaOfUnion(const qcTreeNode* a, const qcTreeNode* b)
 {
     double extent[3];
     for (int k = 0; k < 3; k++)
-        extent[k] = Extent(Lower(a->lower[k], b->lower[k]), Upper(a->upper[k], b->upper[k]));
+        extent[k] = Extent(qcLower(a->lower[k], b->lower[k]), qcUpper(a->upper[k], b->upper[k]));
     return Area(extent[0], extent[1], extent[2]);
-}
-
-static bool Contains(const qcTreeNode* outer, const qcTreeNode* inner)
-{
-    bool inside = true;
-    for (int k = 0; k < 3; k++)
-        inside = inside && outer->lower[k] <= inner->lower[k] && inner->upper[k] <= outer->upper[k];
-    return inside;
 }
 
 static bool InBalance(uint32_t heightA, uint32_t heightB)
@@ -117,8 +99,8 @@ static bool Rotate(qcBoxTree* tree, qcTreeNode* a, uint32_t nodeA, uint32_t oldH
     c->parent = nodeB;
     for (int k = 0; k < 3; k++)
     {
-        b->lower[k] = Lower(c->lower[k], g->lower[k]);
-        b->upper[k] = Upper(c->upper[k], g->upper[k]);
+        b->lower[k] = qcLower(c->lower[k], g->lower[k]);
+        b->upper[k] = qcUpper(c->upper[k], g->upper[k]);
     }
     b->height = HeightAbove(c->height, g->height);
     a->height = HeightAbove(f->height, b->height);
@@ -138,7 +120,7 @@ static void Repair(qcBoxTree* tree, uint32_t node)
         changed = false;
         for (int k = 0; k < 3; k++)
         {
-            double lower = Lower(x->lower[k], y->lower[k]), upper = Upper(x->upper[k], y->upper[k]);
+            double lower = qcLower(x->lower[k], y->lower[k]), upper = qcUpper(x->upper[k], y->upper[k]);
             changed |= lower != a->lower[k] || upper != a->upper[k];
             a->lower[k] = lower;
             a->upper[k] = upper;
@@ -185,7 +167,9 @@ static uint32_t FindSibling(const qcBoxTree* tree, uint32_t top, const qcTreeNod
         if (node->height == 0)
             continue;
         const qcTreeNode *x = qcBoxTree_Node(tree, node->child[0]), *y = qcBoxTree_Node(tree, node->child[1]);
-        double growthX = AreaOfUnion(x, box) - AreaOf(x), growthY = AreaOfUnion(y, box) - AreaOf(y);
+        // Down the child that grows least, and rather down a small one: into one that holds everything, as a ground or
+        // an infinite box makes it, nothing grows, but nothing good comes after (bench boxes).
+        double growthX = AreaOfUnion(x, box) - 0.95 * AreaOf(x), growthY = AreaOfUnion(y, box) - 0.95 * AreaOf(y);
         int first = growthX < growthY || (growthX == growthY && x->height <= y->height) ? 0 : 1;
         double inherited = branch.inherited + direct - AreaOf(node);
         stack[count++] = (Branch){node->child[1 - first], inherited};
@@ -306,7 +290,8 @@ void qcBoxTree_Move(qcBoxTree* tree, uint32_t leaf, const double lower[3], const
     SetBounds(node, lower, upper);
     uint32_t top = Detach(tree, leaf);
     // Above a node that holds the box nothing would grow: no need to go down from the root.
-    while (top != QC_NO_NODE && !Contains(Node(tree, top), node) && Node(tree, top)->parent != QC_NO_NODE)
+    while (top != QC_NO_NODE && Node(tree, top)->parent != QC_NO_NODE &&
+           !qcBounds_Contain(Node(tree, top)->lower, Node(tree, top)->upper, lower, upper))
         top = Node(tree, top)->parent;
     Attach(tree, leaf, top);
 }

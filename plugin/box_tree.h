@@ -7,6 +7,25 @@
 
 #define QC_NO_NODE UINT32_MAX
 
+static inline double qcLower(double a, double b)
+{
+    return a < b ? a : b;
+}
+
+static inline double qcUpper(double a, double b)
+{
+    return a > b ? a : b;
+}
+
+static inline bool qcBounds_Contain(const double lower[3], const double upper[3], const double innerLower[3],
+                                    const double innerUpper[3])
+{
+    bool inside = true;
+    for (int k = 0; k < 3; k++)
+        inside = inside && lower[k] <= innerLower[k] && innerUpper[k] <= upper[k];
+    return inside;
+}
+
 enum
 {
     /// Heights of siblings differ by this much at most. More lets big boxes stay near the root, less bounds the height.

@@ -1,5 +1,6 @@
 // The segment in which two triangles meet, rounded to double. Callers have decided exactly that they penetrate; here
-// only places are computed, from determinants that are right to 20 bits more than their signs.
+// signs are exact too, so that every end is a true corner of the intersection, and its place along an edge comes from
+// determinants that are right to 20 bits more than their signs. Nothing is squared before it is scaled: no overflow.
 #include "exact.h"
 
 #include <math.h>
@@ -12,21 +13,19 @@ typedef struct Point
 
 enum
 {
-    // A triangle clipped by three lines gains at most one corner for each.
-    qc_maxCorners = 6
+    // Three corners of either and the crossings of nine pairs of edges: never all, but room for all.
+    qc_maxPoints = 15
 };
 
-typedef struct Polygon
+typedef struct Points
 {
     int count;
-    Point corner[qc_maxCorners + 1];
-} Polygon;
+    Point point[qc_maxPoints];
+} Points;
 
-static Point At(const double* p)
+static void Push(Points* points, const double* p)
 {
-    Point point;
-    memcpy(point.x, p, sizeof point.x);
-    return point;
+    memcpy(points->point[points->count++].x, p, sizeof points->point[0].x);
 }
 
 /// p + s (q - p) for s in 0..1, from the nearer end, so that an end is met without rounding.
@@ -52,20 +51,36 @@ static double Crossing(qcScaled p, qcScaled q)
     return 1.0 / (1.0 + ldexp(fabs(q.mantissa / p.mantissa), q.exponent - p.exponent));
 }
 
-static double Distance(const Point* a, const Point* b)
+/// det(b - a, c - a) in (u, v): the volume over it of height one.
+static qcScaled Height2d(const double* a, const double* b, const double* c, int u, int v)
 {
-    return hypot(hypot(a->x[0] - b->x[0], a->x[1] - b->x[1]), a->x[2] - b->x[2]);
+    const double p[4][3] = {{a[u], a[v], 0}, {b[u], b[v], 0}, {c[u], c[v], 0}, {a[u], a[v], 1}};
+    return qcOrient3dValue(p[0], p[1], p[2], p[3]);
+}
+
+static double ScaledDistance(const Point* a, const Point* b, int exponent)
+{
+    double difference[3];
+    for (int axis = 0; axis < 3; axis++)
+        difference[axis] = ldexp(a->x[axis], -exponent) - ldexp(b->x[axis], -exponent);
+    return hypot(hypot(difference[0], difference[1]), difference[2]);
 }
 
 /// The two points farthest from each other.
-static void Farthest(const Polygon* polygon, qcSegment* segment)
+static void Farthest(const Points* points, qcSegment* segment)
 {
+    double size = 0.0;
+    for (int i = 0; i < points->count; i++)
+        for (int axis = 0; axis < 3; axis++)
+            size = fmax(size, fabs(points->point[i].x[axis]));
+    int exponent;
+    frexp(size, &exponent);
     int first = 0, second = 0;
     double largest = -1.0;
-    for (int i = 0; i < polygon->count; i++)
-        for (int j = i; j < polygon->count; j++)
+    for (int i = 0; i < points->count; i++)
+        for (int j = i; j < points->count; j++)
         {
-            double distance = Distance(&polygon->corner[i], &polygon->corner[j]);
+            double distance = ScaledDistance(&points->point[i], &points->point[j], exponent);
             if (distance > largest)
             {
                 largest = distance;
@@ -73,38 +88,63 @@ static void Farthest(const Polygon* polygon, qcSegment* segment)
                 second = j;
             }
         }
-    memcpy(segment->p, polygon->corner[first].x, sizeof segment->p);
-    memcpy(segment->q, polygon->corner[second].x, sizeof segment->q);
+    memcpy(segment->p, points->point[first].x, sizeof segment->p);
+    memcpy(segment->q, points->point[second].x, sizeof segment->q);
 }
 
-/// The part of `polygon` on one side of the line a-b in (u, v): Sutherland and Hodgman's step.
-static void Clip(Polygon* polygon, const double* a, const double* b, int u, int v, int sign)
+//  ---- in a plane, on a line -----------------------------------------------------------------------------------
+
+static int EdgeCount(const qcSimplex* s)
 {
-    Polygon kept = {0};
-    for (int i = 0; i < polygon->count; i++)
+    return s->dimension == 2 ? 3 : s->dimension;
+}
+
+/// In the closed triangle or segment, seen in (u, v), in which it is not flat unless it is a segment.
+static bool Contains(const qcSimplex* s, const double* p, int u, int v)
+{
+    int signs[3] = {0, 0, 0};
+    for (int e = 0; e < EdgeCount(s); e++)
+        signs[e] = qcOrient2d(s->point[e], s->point[(e + 1) % 3], p, u, v, NULL);
+    if (s->dimension == 2)
     {
-        const Point* p = &polygon->corner[i];
-        const Point* q = &polygon->corner[(i + 1) % polygon->count];
-        double heightP = sign * ((b[u] - a[u]) * (p->x[v] - a[v]) - (b[v] - a[v]) * (p->x[u] - a[u]));
-        double heightQ = sign * ((b[u] - a[u]) * (q->x[v] - a[v]) - (b[v] - a[v]) * (q->x[u] - a[u]));
-        if (heightP >= 0.0 && kept.count < qc_maxCorners)
-            kept.corner[kept.count++] = *p;
-        if ((heightP > 0.0) != (heightQ > 0.0) && heightP != 0.0 && heightQ != 0.0 && kept.count < qc_maxCorners)
-            kept.corner[kept.count++] = Blend(p->x, q->x, fabs(heightP) / (fabs(heightP) + fabs(heightQ)));
+        bool left = signs[0] > 0 || signs[1] > 0 || signs[2] > 0;
+        bool right = signs[0] < 0 || signs[1] < 0 || signs[2] < 0;
+        return !left || !right;
     }
-    // Rounding may clip away what exact arithmetic has found to be there: then the last polygon stands for it.
-    if (kept.count > 0)
-        *polygon = kept;
+    double low = fmin(s->point[0][s->u], s->point[1][s->u]), high = fmax(s->point[0][s->u], s->point[1][s->u]);
+    return signs[0] == 0 && low <= p[s->u] && p[s->u] <= high;
 }
 
-static void InPlane(const qcSimplex* triangle, const qcSimplex* other, qcSegment* segment)
+static void PushEdgeCrossing(Points* points, const double* const a[2], const double* const b[2], int u, int v)
 {
-    Polygon polygon = {.count = other->dimension + 1};
-    for (int i = 0; i <= other->dimension; i++)
-        polygon.corner[i] = At(other->point[i]);
-    for (int e = 0; e < 3; e++)
-        Clip(&polygon, triangle->point[e], triangle->point[(e + 1) % 3], triangle->u, triangle->v, triangle->sign);
-    Farthest(&polygon, segment);
+    int side[4];
+    for (int i = 0; i < 2; i++)
+    {
+        side[i] = qcOrient2d(b[0], b[1], a[i], u, v, NULL);
+        side[2 + i] = qcOrient2d(a[0], a[1], b[i], u, v, NULL);
+    }
+    if (side[0] * side[1] >= 0 || side[2] * side[3] >= 0)
+        return;
+    double s = Crossing(Height2d(b[0], b[1], a[0], u, v), Height2d(b[0], b[1], a[1], u, v));
+    Point crossing = Blend(a[0], a[1], s);
+    Push(points, crossing.x);
+}
+
+/// Both in one plane or line, seen one to one in (u, v): corners of either in the other, and crossings of edges.
+static void InPlane(const qcSimplex* a, const qcSimplex* b, int u, int v, qcSegment* segment)
+{
+    Points points = {.count = 0};
+    for (int i = 0; i <= a->dimension; i++)
+        if (Contains(b, a->point[i], u, v))
+            Push(&points, a->point[i]);
+    for (int i = 0; i <= b->dimension; i++)
+        if (Contains(a, b->point[i], u, v))
+            Push(&points, b->point[i]);
+    for (int i = 0; i < EdgeCount(a); i++)
+        for (int j = 0; j < EdgeCount(b); j++)
+            PushEdgeCrossing(&points, (const double* const[]){a->point[i], a->point[(i + 1) % 3]},
+                             (const double* const[]){b->point[j], b->point[(j + 1) % 3]}, u, v);
+    Farthest(&points, segment);
 }
 
 static void SegmentTriangle(const qcSimplex* s, const qcSimplex* t, qcSegment* segment)
@@ -113,7 +153,7 @@ static void SegmentTriangle(const qcSimplex* s, const qcSimplex* t, qcSegment* s
     qcScaled q = qcOrient3dValue(t->point[0], t->point[1], t->point[2], s->point[1]);
     if (p.mantissa == 0.0 && q.mantissa == 0.0)
     {
-        InPlane(t, s, segment);
+        InPlane(s, t, t->u, t->v, segment);
         return;
     }
     Point crossing = Blend(s->point[0], s->point[1], Crossing(p, q));
@@ -124,97 +164,68 @@ static void SegmentTriangle(const qcSimplex* s, const qcSimplex* t, qcSegment* s
 /// Two segments that cross in a point, or overlap on a line.
 static void SegmentSegment(const qcSimplex* a, const qcSimplex* b, qcSegment* segment)
 {
-    // The plane in which they are seen largest.
-    int u = 0, v = 0;
-    double largest = 0.0, left = 0.0, right = 0.0;
     for (int axis = 0; axis < 3; axis++)
     {
-        int i = (axis + 1) % 3, j = (axis + 2) % 3;
-        const double *p = b->point[0], *q = b->point[1];
-        double heights[2];
-        for (int end = 0; end < 2; end++)
+        int u = (axis + 1) % 3, v = (axis + 2) % 3;
+        if (qcOrient2d(b->point[0], b->point[1], a->point[0], u, v, NULL) != 0)
         {
-            const double* x = a->point[end];
-            heights[end] = (q[i] - p[i]) * (x[j] - p[j]) - (q[j] - p[j]) * (x[i] - p[i]);
-        }
-        if (fabs(heights[0] - heights[1]) > largest)
-        {
-            largest = fabs(heights[0] - heights[1]);
-            left = fabs(heights[0]);
-            right = fabs(heights[1]);
-            u = i;
-            v = j;
+            InPlane(a, b, u, v, segment);
+            return;
         }
     }
-    if (u != v && qcOrient2d(a->point[0], a->point[1], b->point[0], u, v, NULL) *
-                          qcOrient2d(a->point[0], a->point[1], b->point[1], u, v, NULL) < 0)
-    {
-        Point crossing = Blend(a->point[0], a->point[1], left / (left + right));
-        memcpy(segment->p, crossing.x, sizeof segment->p);
-        memcpy(segment->q, crossing.x, sizeof segment->q);
-        return;
-    }
-    // On one line: the higher of the lower ends and the lower of the higher ends.
-    int axis = a->u;
-    const double* ends[2][2];
-    const qcSimplex* sides[2] = {a, b};
-    for (int i = 0; i < 2; i++)
-    {
-        bool rising = sides[i]->point[0][axis] <= sides[i]->point[1][axis];
-        ends[i][0] = sides[i]->point[rising ? 0 : 1];
-        ends[i][1] = sides[i]->point[rising ? 1 : 0];
-    }
-    memcpy(segment->p, ends[ends[0][0][axis] < ends[1][0][axis]][0], sizeof segment->p);
-    memcpy(segment->q, ends[ends[0][1][axis] > ends[1][1][axis]][1], sizeof segment->q);
+    InPlane(a, b, a->u, a->u, segment);
 }
 
+//  ---- general position --------------------------------------------------------------------------------------
+
 /// Where the edges of a cross the plane of b: the ends of a's interval.
-static int Crossings(const double a[3][3], const double b[3][3], Point* points)
+static void PushCrossings(Points* points, const double a[3][3], const double b[3][3])
 {
     qcScaled height[3];
     for (int i = 0; i < 3; i++)
         height[i] = qcOrient3dValue(b[0], b[1], b[2], a[i]);
-    int count = 0;
     for (int i = 0; i < 3; i++)
     {
         int j = (i + 1) % 3;
         if (height[i].mantissa == 0.0)
-            points[count++] = At(a[i]);
+            Push(points, a[i]);
         else if (height[i].mantissa * height[j].mantissa < 0.0)
-            points[count++] = Blend(a[i], a[j], Crossing(height[i], height[j]));
+        {
+            Point crossing = Blend(a[i], a[j], Crossing(height[i], height[j]));
+            Push(points, crossing.x);
+        }
     }
-    return count;
 }
 
-/// The middle two of the four ends on the common line.
-static bool OnLine(const double a[3][3], const double b[3][3], qcSegment* segment)
+/// The middle two of the four ends on the common line, in the coordinate in which they lie farthest apart.
+static void MiddleTwo(Points* ends, qcSegment* segment)
 {
-    Point ends[6];
-    int countA = Crossings(a, b, ends);
-    int count = countA == 2 ? countA + Crossings(b, a, ends + 2) : 0;
-    if (count != 4)
-        return false;
-    int longer = Distance(&ends[0], &ends[1]) >= Distance(&ends[2], &ends[3]) ? 0 : 2;
-    double direction[3], place[4];
+    int longest = 0;
+    double largest = -1.0;
     for (int axis = 0; axis < 3; axis++)
-        direction[axis] = ends[longer + 1].x[axis] - ends[longer].x[axis];
-    int order[4] = {0, 1, 2, 3};
-    for (int i = 0; i < 4; i++)
     {
-        place[i] = 0.0;
-        for (int axis = 0; axis < 3; axis++)
-            place[i] += (ends[i].x[axis] - ends[longer].x[axis]) * direction[axis];
+        double low = INFINITY, high = -INFINITY;
+        for (int i = 0; i < 4; i++)
+        {
+            low = fmin(low, ends->point[i].x[axis]);
+            high = fmax(high, ends->point[i].x[axis]);
+        }
+        // Halves: the difference of two large coordinates may overflow.
+        if (0.5 * high - 0.5 * low > largest)
+        {
+            largest = 0.5 * high - 0.5 * low;
+            longest = axis;
+        }
     }
     for (int i = 1; i < 4; i++)
-        for (int j = i; j > 0 && place[order[j]] < place[order[j - 1]]; j--)
+        for (int j = i; j > 0 && ends->point[j].x[longest] < ends->point[j - 1].x[longest]; j--)
         {
-            int swap = order[j];
-            order[j] = order[j - 1];
-            order[j - 1] = swap;
+            Point swap = ends->point[j];
+            ends->point[j] = ends->point[j - 1];
+            ends->point[j - 1] = swap;
         }
-    memcpy(segment->p, ends[order[1]].x, sizeof segment->p);
-    memcpy(segment->q, ends[order[2]].x, sizeof segment->q);
-    return true;
+    memcpy(segment->p, ends->point[1].x, sizeof segment->p);
+    memcpy(segment->q, ends->point[2].x, sizeof segment->q);
 }
 
 void qcExact_Segment(const double a[3][3], const double b[3][3], qcSegment* segment)
@@ -229,8 +240,15 @@ void qcExact_Segment(const double a[3][3], const double b[3][3], qcSegment* segm
     }
     else if (small->dimension == 2)
     {
-        if (!OnLine(a, b, segment))
-            InPlane(large, small, segment);
+        Points ends = {.count = 0};
+        PushCrossings(&ends, a, b);
+        if (ends.count == 2)
+        {
+            PushCrossings(&ends, b, a);
+            MiddleTwo(&ends, segment);
+        }
+        else
+            InPlane(small, large, large->u, large->v, segment);
     }
     else if (large->dimension == 2)
         SegmentTriangle(small, large, segment);

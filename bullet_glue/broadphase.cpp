@@ -1,0 +1,368 @@
+// The proxies of a Bullet world as a qcBoxes, and the questions to it.
+//
+// Boxes: a proxy's box in the tree has NaN bounds opened to infinity and inverted ones put in order. It then meets
+// every box that TestAabbAgainstAabb2 lets the proxy meet: a comparison with NaN is never true there, and two boxes of
+// which one is inverted overlap there only if the other one holds it. So the tree's answer is filtered by
+// TestAabbAgainstAabb2.
+#include "broadphase_proxy.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <limits>
+#include <new>
+
+namespace
+{
+/// Returns false if the bounds are NaN or inverted somewhere.
+bool Order(const btVector3& aabbMin, const btVector3& aabbMax, double lower[3], double upper[3])
+{
+    bool ordered = true;
+    for (int k = 0; k < 3; k++)
+    {
+        lower[k] = std::isnan(aabbMin[k]) ? -std::numeric_limits<double>::infinity() : double(aabbMin[k]);
+        upper[k] = std::isnan(aabbMax[k]) ? std::numeric_limits<double>::infinity() : double(aabbMax[k]);
+        ordered = ordered && aabbMin[k] <= aabbMax[k];
+        if (lower[k] > upper[k])
+            std::swap(lower[k], upper[k]);
+    }
+    return ordered;
+}
+
+/// The fourth component means nothing, but Bullet's own operator compares it.
+bool Same(const btVector3& a, const btVector3& b)
+{
+    return a.x() == b.x() && a.y() == b.y() && a.z() == b.z();
+}
+
+/// What rayTest is asked for: from here to there, with these extents.
+struct Way
+{
+    double from[3], to[3], castLower[3], castUpper[3];
+};
+
+/// Bullet's tree goes along the callback's direction to its largest lambda and ignores rayTo; others do the reverse.
+/// The longer of the two ways, swept by the largest difference between the two, contains both.
+Way MakeWay(const btVector3& rayFrom, const btVector3& rayTo, const btBroadphaseRayCallback& callback,
+            const btVector3& aabbMin, const btVector3& aabbMax)
+{
+    Way way;
+    double far[3], near[3], farLength = 0, nearLength = 0, along = 0;
+    for (int k = 0; k < 3; k++)
+    {
+        way.from[k] = double(rayFrom[k]);
+        way.to[k] = double(rayTo[k]);
+        way.castLower[k] = double(aabbMin[k]);
+        way.castUpper[k] = double(aabbMax[k]);
+        double inverse = double(callback.m_rayDirectionInverse[k]);
+        double direction = std::fabs(inverse) >= double(BT_LARGE_FLOAT) ? 0.0 : 1.0 / inverse;
+        near[k] = way.to[k] - way.from[k];
+        far[k] = direction * double(callback.m_lambda_max);
+        nearLength += near[k] * near[k];
+        farLength += far[k] * far[k];
+    }
+    if (!std::isfinite(farLength) || !std::isfinite(nearLength))
+        return way;
+    if (nearLength > farLength)
+    {
+        std::swap(near, far);
+        std::swap(nearLength, farLength);
+    }
+    for (int k = 0; k < 3; k++)
+        along += near[k] * far[k];
+    double share = farLength > 0 ? std::min(std::max(along / farLength, 0.0), 1.0) : 0.0;
+    for (int k = 0; k < 3; k++)
+    {
+        // The second term is for the rounding of the first, and of the new end.
+        double apart = std::fabs(near[k] - share * far[k]) +
+                       1e-15 * (std::fabs(way.from[k]) + std::fabs(near[k]) + std::fabs(far[k]));
+        way.to[k] = way.from[k] + far[k];
+        way.castLower[k] -= apart;
+        way.castUpper[k] += apart;
+    }
+    return way;
+}
+} // namespace
+
+//  ---- proxies ---------------------------------------------------------------------------------------
+
+/// Puts a proxy into the list and into the tree, if there is room.
+void qcBroadphase::List(Proxy* proxy)
+{
+    proxy->previous = m_last;
+    (m_last != nullptr ? m_last->next : m_first) = proxy;
+    m_last = proxy;
+    m_proxyCount++;
+    m_outsideCount++;
+    proxy->listed = true;
+    proxy->created = m_interval;
+    Touch(proxy);
+    AddBox(proxy);
+}
+
+void qcBroadphase::AddBox(Proxy* proxy)
+{
+    double lower[3], upper[3];
+    if (!Order(proxy->m_aabbMin, proxy->m_aabbMax, lower, upper))
+        proxy->sought = m_interval;
+    qcStatus status = m_boxes != nullptr ? qc_statusOk : qcBoxes_Create(&m_boxes);
+    if (status == qc_statusOk)
+        status = qcBoxes_Add(m_boxes, lower, upper, proxy, &proxy->box);
+    if (status == qc_statusOk)
+        m_outsideCount--;
+    else
+        m_status = status;
+}
+
+void qcBroadphase::Free(Proxy* proxy)
+{
+    if (proxy->listed)
+    {
+        (proxy->previous != nullptr ? proxy->previous->next : m_first) = proxy->next;
+        (proxy->next != nullptr ? proxy->next->previous : m_last) = proxy->previous;
+        m_proxyCount--;
+        if (proxy->box == qc_noBox)
+            m_outsideCount--;
+        else
+            qcBoxes_Remove(m_boxes, proxy->box);
+    }
+    int kept = 0;
+    for (int i = 0; i < m_rejected.size(); i += 2)
+    {
+        if (m_rejected[i] == proxy || m_rejected[i + 1] == proxy)
+            continue;
+        m_rejected[kept++] = m_rejected[i];
+        m_rejected[kept++] = m_rejected[i + 1];
+    }
+    m_rejected.resize(kept);
+    proxy->~Proxy();
+    btAlignedFree(proxy);
+}
+
+void qcBroadphase::Touch(Proxy* proxy)
+{
+    m_anythingTouched = true;
+    if (proxy->touched == m_interval)
+        return;
+    proxy->touched = m_interval;
+    proxy->oldMin = proxy->m_aabbMin;
+    proxy->oldMax = proxy->m_aabbMax;
+}
+
+void qcBroadphase::MoveProxy(Proxy* proxy, const btVector3& aabbMin, const btVector3& aabbMax)
+{
+    Touch(proxy);
+    double lower[3], upper[3];
+    bool wasOrdered = Order(proxy->m_aabbMin, proxy->m_aabbMax, lower, upper);
+    proxy->m_aabbMin = aabbMin;
+    proxy->m_aabbMax = aabbMax;
+    // The box in the tree may be the same as before, and other proxies overlap nevertheless.
+    if (!Order(aabbMin, aabbMax, lower, upper) || !wasOrdered)
+        proxy->sought = m_interval;
+    if (proxy->box != qc_noBox)
+        qcBoxes_Move(m_boxes, proxy->box, lower, upper);
+}
+
+void qcBroadphase::Pend(Proxy* proxy)
+{
+    if (proxy->pending)
+        return;
+    proxy->pending = true;
+    proxy->nextPending = m_pending;
+    m_pending = proxy;
+}
+
+void qcBroadphase::ApplyPending()
+{
+    while (m_pending != nullptr)
+    {
+        Proxy* proxy = m_pending;
+        m_pending = proxy->nextPending;
+        proxy->pending = false;
+        if (proxy->destroyed)
+        {
+            Free(proxy);
+            continue;
+        }
+        if (!proxy->listed)
+            List(proxy);
+        if (proxy->moves)
+            MoveProxy(proxy, proxy->wantedMin, proxy->wantedMax);
+        proxy->moves = false;
+    }
+}
+
+qcBroadphase::qcBroadphase(btOverlappingPairCache* pairCache)
+    : m_pairCache(pairCache), m_ownsPairCache(pairCache == nullptr), m_pairsAtOnce(qc_pairsAtOnce)
+{
+    if (m_ownsPairCache)
+        m_pairCache = new (btAlignedAlloc(sizeof(btHashedOverlappingPairCache), 16)) btHashedOverlappingPairCache();
+    m_knownPairCount = m_pairCache->getNumOverlappingPairs();
+}
+
+qcBroadphase::~qcBroadphase()
+{
+    while (m_first != nullptr)
+        Free(m_first);
+    qcBoxes_Destroy(m_boxes);
+    if (m_ownsPairCache)
+    {
+        m_pairCache->~btOverlappingPairCache();
+        btAlignedFree(m_pairCache);
+    }
+}
+
+btBroadphaseProxy* qcBroadphase::createProxy(const btVector3& aabbMin, const btVector3& aabbMax, int /*shapeType*/,
+                                             void* userPtr, int collisionFilterGroup, int collisionFilterMask,
+                                             btDispatcher* /*dispatcher*/)
+{
+    void* memory = btAlignedAlloc(sizeof(Proxy), 16);
+    if (memory == nullptr)
+    {
+        m_status = qc_statusOutOfMemory;
+        return nullptr;
+    }
+    Proxy* proxy = new (memory) Proxy(aabbMin, aabbMax, userPtr, collisionFilterGroup, collisionFilterMask);
+    proxy->m_uniqueId = ++m_lastUniqueId;
+    if (m_walks > 0)
+    {
+        Pend(proxy);
+        return proxy;
+    }
+    List(proxy);
+    AddPairsNow(proxy);
+    return proxy;
+}
+
+void qcBroadphase::destroyProxy(btBroadphaseProxy* proxy, btDispatcher* dispatcher)
+{
+    Proxy* mine = static_cast<Proxy*>(proxy);
+    if (mine == nullptr || mine->destroyed)
+        return;
+    int before = m_pairCache->getNumOverlappingPairs();
+    // Not later: a ghost-pair callback looks at the object, which its owner is about to delete.
+    m_pairCache->removeOverlappingPairsContainingProxy(mine, dispatcher);
+    m_knownPairCount += m_pairCache->getNumOverlappingPairs() - before;
+    m_destroyCount++;
+    if (m_walks == 0)
+    {
+        Free(mine);
+        return;
+    }
+    mine->destroyed = true;
+    Pend(mine);
+}
+
+void qcBroadphase::setAabb(btBroadphaseProxy* proxy, const btVector3& aabbMin, const btVector3& aabbMax,
+                           btDispatcher* /*dispatcher*/)
+{
+    Proxy* mine = static_cast<Proxy*>(proxy);
+    if (mine == nullptr)
+        return;
+    if (m_walks > 0)
+    {
+        mine->moves = true;
+        mine->wantedMin = aabbMin;
+        mine->wantedMax = aabbMax;
+        Pend(mine);
+        return;
+    }
+    if (Same(aabbMin, mine->m_aabbMin) && Same(aabbMax, mine->m_aabbMax))
+        return;
+    MoveProxy(mine, aabbMin, aabbMax);
+    AddPairsNow(mine);
+}
+
+void qcBroadphase::getAabb(btBroadphaseProxy* proxy, btVector3& aabbMin, btVector3& aabbMax) const
+{
+    aabbMin = proxy->m_aabbMin;
+    aabbMax = proxy->m_aabbMax;
+}
+
+//  ---- queries ---------------------------------------------------------------------------------------
+
+void qcBroadphase::aabbTest(const btVector3& aabbMin, const btVector3& aabbMax, btBroadphaseAabbCallback& callback)
+{
+    Walk walk(*this);
+    VisitBox(aabbMin, aabbMax, [&](Proxy* proxy) { callback.process(proxy); });
+}
+
+void qcBroadphase::rayTest(const btVector3& rayFrom, const btVector3& rayTo, btBroadphaseRayCallback& rayCallback,
+                           const btVector3& aabbMin, const btVector3& aabbMax)
+{
+    Walk walk(*this);
+    struct Cast
+    {
+        btBroadphaseRayCallback* callback;
+        btScalar lambda;
+        double fraction;
+    } cast = {&rayCallback, rayCallback.m_lambda_max, 1.0};
+    auto function = [](uint32_t, void* userData, void* context)
+    {
+        Cast* cast = static_cast<Cast*>(context);
+        if (!static_cast<Proxy*>(userData)->destroyed)
+            cast->callback->process(static_cast<Proxy*>(userData));
+        if (cast->callback->m_lambda_max < cast->lambda)
+            cast->fraction = double(cast->callback->m_lambda_max) / double(cast->lambda);
+        return true;
+    };
+    Way way = MakeWay(rayFrom, rayTo, rayCallback, aabbMin, aabbMax);
+    qcBoxes_CastBox(m_boxes, way.from, way.to, way.castLower, way.castUpper, &cast.fraction, function, &cast);
+    for (Proxy* proxy = m_outsideCount > 0 ? m_first : nullptr; proxy != nullptr; proxy = proxy->next)
+        if (proxy->box == qc_noBox && !proxy->destroyed)
+            rayCallback.process(proxy);
+}
+
+//  ---- the rest --------------------------------------------------------------------------------------
+
+btOverlappingPairCache* qcBroadphase::getOverlappingPairCache()
+{
+    return m_pairCache;
+}
+
+const btOverlappingPairCache* qcBroadphase::getOverlappingPairCache() const
+{
+    return m_pairCache;
+}
+
+void qcBroadphase::getBroadphaseAabb(btVector3& aabbMin, btVector3& aabbMax) const
+{
+    double lower[3], upper[3];
+    qcBoxes_GetTotalBounds(m_boxes, lower, upper);
+    bool any = qcBoxes_GetCount(m_boxes) > 0;
+    for (Proxy* proxy = m_outsideCount > 0 ? m_first : nullptr; proxy != nullptr; proxy = proxy->next)
+    {
+        double proxyLower[3], proxyUpper[3];
+        if (proxy->box != qc_noBox)
+            continue;
+        Order(proxy->m_aabbMin, proxy->m_aabbMax, proxyLower, proxyUpper);
+        for (int k = 0; k < 3; k++)
+        {
+            lower[k] = any ? std::min(lower[k], proxyLower[k]) : proxyLower[k];
+            upper[k] = any ? std::max(upper[k], proxyUpper[k]) : proxyUpper[k];
+        }
+        any = true;
+    }
+    aabbMin.setValue(btScalar(lower[0]), btScalar(lower[1]), btScalar(lower[2]));
+    aabbMax.setValue(btScalar(upper[0]), btScalar(upper[1]), btScalar(upper[2]));
+}
+
+void qcBroadphase::resetPool(btDispatcher* /*dispatcher*/)
+{
+    if (m_first != nullptr || m_walks > 0)
+        return;
+    qcBoxes_Clear(m_boxes);
+    m_lastUniqueId = 0;
+    m_pairsAtOnce = qc_pairsAtOnce;
+}
+
+void qcBroadphase::printStats()
+{
+    std::printf("qcBroadphase: %d proxies, %d of them outside of the tree; %d pairs\n", m_proxyCount, m_outsideCount,
+                m_pairCache->getNumOverlappingPairs());
+}
+
+qcStatus qcBroadphase::getStatus() const
+{
+    return m_status;
+}

@@ -1,0 +1,36 @@
+// Triangle meshes from files: PLY in its three encodings, Wavefront OBJ.
+// Sources: Turk, The PLY Polygon File Format, 1994. Wavefront Technologies, Advanced Visualizer Manual, appendix B1.
+//
+// Thread-safety: any thread, no state is kept; the locale does not matter.
+#ifndef QC_DEMOS_MESH_FILE_H
+#define QC_DEMOS_MESH_FILE_H
+
+#include "message.h"
+
+#include <stddef.h>
+#include <stdint.h>
+
+/// Vertices are numbered exactly as in the file: triangles are neighbours if they share an index.
+typedef struct qcMesh
+{
+    /// Three doubles a vertex where the file declares more than a float holds (PLY: double, int, uint), otherwise
+    /// three floats; each is the one nearest to the number in the file. All are finite.
+    void* positions;
+    bool isDouble;
+    uint32_t vertexCount;
+    /// Three a triangle, each below `vertexCount`. A polygon is a fan around its first corner.
+    uint32_t* indices;
+    uint32_t triangleCount;
+} qcMesh;
+
+/// Reads a file. On failure the mesh is empty and the message names the file and the line, or in a binary file the
+/// element. Never takes more memory than a small multiple of the file's size.
+bool qcMesh_ReadFile(const char* path, qcMesh* mesh, qcMessage* message);
+
+/// As qcMesh_ReadFile, from bytes in memory; `name` stands for the path.
+bool qcMesh_ReadBytes(const char* name, const char* bytes, size_t size, qcMesh* mesh, qcMessage* message);
+
+/// Frees the arrays and empties the mesh.
+void qcMesh_Free(qcMesh* mesh);
+
+#endif

@@ -1,0 +1,34 @@
+// Values of command-line options. One that is not understood ends the program with a message that names the option and
+// what it may be, by argp_error.
+#ifndef QC_DEMOS_OPTION_VALUES_H
+#define QC_DEMOS_OPTION_VALUES_H
+
+#include "quickcullide/quickcullide.h"
+
+#include <argp.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/// A word and what it stands for; a null name ends a list.
+typedef struct qcWord
+{
+    const char* name;
+    int value;
+} qcWord;
+
+/// The kinds of devices.
+extern const qcWord qcDeviceWords[];
+
+int qcOption_ReadWord(const struct argp_state* state, const char* option, const char* text, const qcWord* words);
+uint32_t qcOption_ReadNumber(const struct argp_state* state, const char* option, const char* text, uint32_t lowest,
+                             uint32_t highest);
+/// 1 to 3 different letters of x, y, z.
+void qcOption_ReadViews(const struct argp_state* state, const char* option, const char* text, char views[4]);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

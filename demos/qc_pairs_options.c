@@ -1,0 +1,172 @@
+// The command line of qc-pairs. A word that is not known is refused with the words that are.
+#include "qc_pairs.h"
+
+#include <argp.h>
+#include <errno.h>
+#include <stdlib.h>
+#include <string.h>
+#include <strings.h>
+
+enum
+{
+    qc_maxResolution = 4096,
+    qc_maxReps = 1000000
+};
+
+typedef enum OptionKey
+{
+    // Beyond every character: no option has a short name.
+    key_method = 256,
+    key_device,
+    key_out,
+    key_picture,
+    key_views,
+    key_resolution,
+    key_iterations,
+    key_noSelf,
+    key_touching,
+    key_neighbours,
+    key_threads,
+    key_reps,
+    key_json
+} OptionKey;
+
+typedef struct Word
+{
+    const char* name;
+    int value;
+} Word;
+
+static const Word s_methods[] = {{"brute", qc_methodBrute},     {"sweep", qc_methodSweep}, {"quick", qc_methodQuick},
+                                 {"cullide", qc_methodCullide}, {"auto", qc_methodAuto},   {NULL, 0}};
+
+static const Word s_devices[] = {{"auto", qc_deviceAuto},     {"egl", qc_deviceEgl},
+                                 {"osmesa", qc_deviceOsmesa}, {"surfaceless", qc_deviceSurfaceless},
+                                 {"none", qc_deviceNone},     {NULL, 0}};
+
+static int ReadWord(const struct argp_state* state, const char* option, const char* text, const Word* words)
+{
+    char allowed[128] = "";
+    for (const Word* word = words; word->name != NULL; ++word)
+    {
+        if (strcmp(word->name, text) == 0)
+            return word->value;
+        strcat(strcat(allowed, word == words ? "" : ", "), word->name);
+    }
+    argp_error(state, "%s: '%s' is not one of %s", option, text, allowed);
+    return 0;
+}
+
+static uint32_t ReadNumber(const struct argp_state* state, const char* option, const char* text, uint32_t lowest,
+                           uint32_t highest)
+{
+    char* end;
+    errno = 0;
+    unsigned long value = strtoul(text, &end, 10);
+    // strtoul takes "-1" and " 1" too.
+    if (text[0] < '0' || text[0] > '9' || *end != 0 || errno != 0 || value < lowest || value > highest)
+        argp_error(state, "%s: '%s' is not a whole number in %u..%u", option, text, lowest, highest);
+    return (uint32_t)value;
+}
+
+static void ReadViews(const struct argp_state* state, const char* text, char views[4])
+{
+    size_t length = strlen(text);
+    bool valid = length >= 1 && length <= 3 && strspn(text, "xyz") == length;
+    for (size_t i = 0; valid && i < length; ++i)
+        valid = strchr(text + i + 1, text[i]) == NULL;
+    if (!valid)
+        argp_error(state, "--views: '%s' is not 1 to 3 different letters of x, y and z", text);
+    memset(views, 0, 4);
+    memcpy(views, text, length);
+}
+
+static bool HasEnding(const char* name, const char* ending)
+{
+    size_t length = strlen(name);
+    return length > strlen(ending) && strcasecmp(name + length - strlen(ending), ending) == 0;
+}
+
+static void CheckTogether(const struct argp_state* state, const qcPairsOptions* options)
+{
+    // "--out a.ply b.ply" forgot the output's name; it would replace the mesh.
+    if (options->out != NULL && (HasEnding(options->out, ".ply") || HasEnding(options->out, ".obj")))
+        argp_error(state, "--out: '%s' is named as a mesh; it would be overwritten with pairs", options->out);
+    if (options->picture != NULL && !HasEnding(options->picture, ".png"))
+        argp_error(state, "--picture: '%s' does not end in .png", options->picture);
+    if (options->out != NULL && options->picture != NULL && strcmp(options->out, options->picture) == 0)
+        argp_error(state, "--out and --picture name the same file");
+}
+
+static error_t ReadOption(int key, char* text, struct argp_state* state)
+{
+    qcPairsOptions* options = state->input;
+    switch (key)
+    {
+        case key_method: options->detect.method = (qcMethod)ReadWord(state, "--method", text, s_methods); return 0;
+        case key_device:
+            options->device = (qcDeviceKind)ReadWord(state, "--device", text, s_devices);
+            options->deviceNamed = true;
+            return 0;
+        case key_views: ReadViews(state, text, options->detect.views); return 0;
+        case key_resolution:
+            options->detect.resolution = ReadNumber(state, "--resolution", text, 1, qc_maxResolution);
+            return 0;
+        case key_iterations:
+            options->detect.iterations = ReadNumber(state, "--iterations", text, 0, UINT32_MAX);
+            return 0;
+        case key_noSelf: options->selfCollision = false; return 0;
+        case key_touching: options->detect.touching = true; return 0;
+        case key_neighbours: options->detect.neighbours = true; return 0;
+        case key_threads: options->detect.threads = ReadNumber(state, "--threads", text, 0, 1024); return 0;
+        case key_reps: options->reps = ReadNumber(state, "--reps", text, 1, qc_maxReps); return 0;
+        case key_json: options->json = true; return 0;
+        case key_out: options->out = text; return 0;
+        case key_picture: options->picture = text; return 0;
+        case ARGP_KEY_ARGS:
+            options->paths = state->argv + state->next;
+            options->pathCount = (uint32_t)(state->argc - state->next);
+            return 0;
+        case ARGP_KEY_NO_ARGS: argp_error(state, "no MESH is named"); return 0;
+        case ARGP_KEY_END: CheckTogether(state, options); return 0;
+        default: return ARGP_ERR_UNKNOWN;
+    }
+}
+
+static const struct argp_option s_options[] = {
+    {"method", key_method, "METHOD", 0,
+     "brute, sweep, quick (Quick-CULLIDE), cullide (CULLIDE) or auto (the default: picks one that never misses)", 1},
+    {"no-self", key_noSelf, NULL, 0, "Leave out triangles of one mesh that meet each other", 1},
+    {"touching", key_touching, NULL, 0, "Report pairs that only touch too", 1},
+    {"neighbours", key_neighbours, NULL, 0, "Test triangles of one mesh that share a vertex too", 1},
+    {"threads", key_threads, "N", 0, "Threads; 0, the default: one per core", 1},
+    {NULL, 0, NULL, 0, "For quick and cullide:", 2},
+    {"device", key_device, "DEVICE", 0,
+     "auto (the default), egl (a GPU), osmesa or surfaceless (software), or none (quick and cullide then fall back on "
+     "sweep)",
+     2},
+    {"views", key_views, "LETTERS", 0, "Axes to look along, in this order; xyz by default", 2},
+    {"resolution", key_resolution, "N", 0, "Pixels on a side, 1..4096; 4096 by default", 2},
+    {"iterations", key_iterations, "N", 0, "Rounds over the views; 0, the default: until nothing changes", 2},
+    {NULL, 0, NULL, 0, "Output:", 3},
+    {"out", key_out, "FILE", 0,
+     "Write the pairs, a line each, sorted: bodyA triangleA bodyB triangleB penetrating|touching. A body is the "
+     "number of its MESH, a triangle its number in the file, both from 0; a polygon counts as the triangles of its fan",
+     3},
+    {"picture", key_picture, "FILE.png", 0, "Draw the meshes, the potentially colliding set in red", 3},
+    {"json", key_json, NULL, 0, "Report as one JSON object", 3},
+    {"reps", key_reps, "N", 0, "Detect N times, and report the least and the median time of each stage", 3},
+    {0}};
+
+static const char s_help[] =
+    "Finds the triangles of some meshes (PLY or OBJ) that intersect, within each mesh and among them.\v"
+    "Exit status: 0 done; 1 output could not be written, or out of memory; 2 a mistake on the command line; 3 a mesh "
+    "can't be read: file, line or element are named; 4 the device does not work here, or none can draw the picture.";
+
+void qcPairs_ReadOptions(int argumentCount, char** arguments, qcPairsOptions* options)
+{
+    static const struct argp parser = {s_options, ReadOption, "MESH...", s_help, NULL, NULL, NULL};
+    *options = (qcPairsOptions){.detect = qcDefaultDetectDef(), .selfCollision = true, .reps = 1};
+    argp_err_exit_status = qc_exitUsage;
+    argp_parse(&parser, argumentCount, arguments, 0, NULL, options);
+}

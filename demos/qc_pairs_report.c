@@ -1,0 +1,211 @@
+// What qc-pairs says of a run: the pairs as lines, the profile for a reader or as JSON.
+// The names in the JSON object are those of qcProfile and qcPassRecord.
+#include "qc_pairs.h"
+
+#include "output_file.h"
+
+#include <errno.h>
+#include <inttypes.h>
+#include <json-c/json.h>
+#include <stdio.h>
+#include <string.h>
+
+bool qcPairs_WritePairs(const qcPairsRun* run, qcMessage* message)
+{
+    qcOutput output;
+    if (!qcOutput_Open(run->options->out, &output, message))
+        return false;
+    for (size_t i = 0; i < run->result->pairCount; ++i)
+    {
+        const qcPair* pair = &run->result->pairs[i];
+        fprintf(output.stream, "%" PRIu32 " %" PRIu32 " %" PRIu32 " %" PRIu32 " %s\n", pair->bodyA, pair->triangleA,
+                pair->bodyB, pair->triangleB, qcRelation_Name(pair->relation));
+    }
+    return qcOutput_Commit(&output, message);
+}
+
+//  ---- for a reader --------------------------------------------------------------------------------
+
+static void PrintMeshes(const qcPairsRun* run)
+{
+    for (uint32_t i = 0; i < run->options->pathCount; ++i)
+        printf("%-12s %s: %" PRIu32 " triangles, %" PRIu32 " vertices\n", i == 0 ? "meshes" : "",
+               run->options->paths[i], run->meshes[i].triangleCount, run->meshes[i].vertexCount);
+}
+
+static void PrintStages(const qcPairsRun* run)
+{
+    uint32_t reps = run->options->reps;
+    for (size_t i = 0; i < qc_stageCount; ++i)
+    {
+        const qcPairsStage* stage = &run->stages[i];
+        // A stage that did not run is no news; the total always is.
+        if (stage->median < 0.0005 && i + 1 < qc_stageCount)
+            continue;
+        printf("  %-14s %10.3f ms", stage->name, stage->median);
+        if (reps > 1)
+            printf(" median, %10.3f ms least of %" PRIu32, stage->least, reps);
+        putchar('\n');
+    }
+}
+
+static void PrintText(const qcPairsRun* run)
+{
+    const qcProfile* profile = &run->result->profile;
+    PrintMeshes(run);
+    printf("%-12s %s", "method", qcMethod_Name(profile->method));
+    if (profile->fallback != NULL)
+        printf(" instead of %s: %s", qcMethod_Name(run->options->detect.method), profile->fallback);
+    printf("\n%-12s %s", "device", profile->device);
+    if (strcmp(profile->device, run->deviceInfo.name) == 0 && run->deviceInfo.renderer[0] != 0)
+        printf(" (%s)", run->deviceInfo.renderer);
+    if (profile->resolution != 0)
+        printf(", %" PRIu32 " x %" PRIu32 " pixels", profile->resolution, profile->resolution);
+    printf("\n%-12s %" PRIu32 " of %" PRIu32 " bodies, %zu of %" PRIu32 " triangles\n", "PCS", profile->objectPcs,
+           profile->bodies, run->result->pcsCount, profile->triangles);
+    printf("%-12s %" PRIu64 " pairs of triangles, %" PRIu64 " of them decided in exact arithmetic\n", "candidates",
+           profile->candidates, profile->exactFallbacks);
+    printf("%-12s %zu: %" PRIu64 " penetrating", "pairs", run->result->pairCount, run->penetrating);
+    if (run->options->detect.touching)
+        printf(", %" PRIu64 " touching", run->touching);
+    printf("\ntime\n");
+    PrintStages(run);
+}
+
+//  ---- JSON ----------------------------------------------------------------------------------------
+
+static void AddNumber(json_object* object, const char* name, uint64_t value)
+{
+    json_object_object_add(object, name, json_object_new_uint64(value));
+}
+
+static void AddText(json_object* object, const char* name, const char* text)
+{
+    json_object_object_add(object, name, text != NULL ? json_object_new_string(text) : NULL);
+}
+
+static void AddMs(json_object* object, const char* name, double ms)
+{
+    // Nanoseconds: a clock tells no more.
+    char text[32];
+    snprintf(text, sizeof text, "%.6f", ms);
+    json_object_object_add(object, name, json_object_new_double_s(ms, text));
+}
+
+static json_object* DescribeMeshes(const qcPairsRun* run)
+{
+    json_object* meshes = json_object_new_array();
+    for (uint32_t i = 0; i < run->options->pathCount; ++i)
+    {
+        json_object* mesh = json_object_new_object();
+        AddText(mesh, "file", run->options->paths[i]);
+        AddNumber(mesh, "vertices", run->meshes[i].vertexCount);
+        AddNumber(mesh, "triangles", run->meshes[i].triangleCount);
+        AddText(mesh, "positions", run->meshes[i].isDouble ? "double" : "float");
+        json_object_array_add(meshes, mesh);
+    }
+    return meshes;
+}
+
+static json_object* DescribeStages(const qcPairsRun* run)
+{
+    json_object* stages = json_object_new_object();
+    for (size_t i = 0; i < qc_stageCount; ++i)
+    {
+        json_object* stage = json_object_new_object();
+        AddMs(stage, "min", run->stages[i].least);
+        AddMs(stage, "median", run->stages[i].median);
+        json_object_object_add(stages, run->stages[i].name, stage);
+    }
+    return stages;
+}
+
+static json_object* DescribeSkips(const qcProfile* profile)
+{
+    json_object* skips = json_object_new_object();
+    AddNumber(skips, "skippedStaticPairs", profile->skippedStaticPairs);
+    AddNumber(skips, "skippedFilteredPairs", profile->skippedFilteredPairs);
+    AddNumber(skips, "skippedSetPairs", profile->skippedSetPairs);
+    AddNumber(skips, "skippedBodies", profile->skippedBodies);
+    AddNumber(skips, "skippedTriangles", profile->skippedTriangles);
+    AddNumber(skips, "skippedSetCandidates", profile->skippedSetCandidates);
+    AddNumber(skips, "skippedNeighbours", profile->skippedNeighbours);
+    return skips;
+}
+
+static json_object* DescribePass(const qcPassRecord* record)
+{
+    static const char* levels[] = {"objects", "triangles", "self"};
+    json_object* pass = json_object_new_object();
+    AddText(pass, "level", levels[record->level]);
+    if (record->level == qc_levelSelf)
+        AddNumber(pass, "body", record->body);
+    AddText(pass, "axis", (const char[]){record->axis, 0});
+    AddNumber(pass, "iteration", record->iteration);
+    AddNumber(pass, "pass", record->pass);
+    AddNumber(pass, "queries", record->queries);
+    AddNumber(pass, "rendered", record->rendered);
+    AddNumber(pass, "bfv", record->bfv);
+    AddNumber(pass, "ffv", record->ffv);
+    AddNumber(pass, "sfv", record->sfv);
+    AddNumber(pass, "nfv", record->nfv);
+    AddNumber(pass, "pcs", record->pcs);
+    return pass;
+}
+
+static json_object* DescribeRun(const qcPairsRun* run)
+{
+    const qcProfile* profile = &run->result->profile;
+    json_object* object = json_object_new_object();
+    json_object_object_add(object, "meshes", DescribeMeshes(run));
+    AddText(object, "methodAsked", qcMethod_Name(run->options->detect.method));
+    AddText(object, "method", qcMethod_Name(profile->method));
+    AddText(object, "fallback", profile->fallback);
+    AddText(object, "device", profile->device);
+    AddText(object, "renderer", run->deviceInfo.renderer);
+    AddNumber(object, "bodies", profile->bodies);
+    AddNumber(object, "triangles", profile->triangles);
+    AddNumber(object, "objectPcs", profile->objectPcs);
+    AddNumber(object, "bodyPairs", profile->bodyPairs);
+    AddNumber(object, "selfBodies", profile->selfBodies);
+    AddNumber(object, "trianglePcs", profile->trianglePcs);
+    AddNumber(object, "pcs", run->result->pcsCount);
+    AddNumber(object, "candidates", profile->candidates);
+    AddNumber(object, "exactFallbacks", profile->exactFallbacks);
+    AddNumber(object, "pairs", run->result->pairCount);
+    AddNumber(object, "penetrating", run->penetrating);
+    AddNumber(object, "touching", run->touching);
+    AddNumber(object, "resolution", profile->resolution);
+    AddNumber(object, "queries", profile->queries);
+    AddNumber(object, "rendered", profile->rendered);
+    AddNumber(object, "reps", run->options->reps);
+    json_object_object_add(object, "milliseconds", DescribeStages(run));
+    json_object_object_add(object, "skips", DescribeSkips(profile));
+    json_object* passes = json_object_new_array();
+    for (size_t i = 0; i < profile->passCount; ++i)
+        json_object_array_add(passes, DescribePass(&profile->passes[i]));
+    json_object_object_add(object, "passes", passes);
+    return object;
+}
+
+bool qcPairs_WriteReport(const qcPairsRun* run, qcMessage* message)
+{
+    if (run->options->json)
+    {
+        json_object* object = DescribeRun(run);
+        int flags = JSON_C_TO_STRING_PRETTY | JSON_C_TO_STRING_NOSLASHESCAPE;
+        const char* text = json_object_to_json_string_ext(object, flags);
+        bool described = text != NULL;
+        if (described)
+            puts(text);
+        json_object_put(object);
+        if (!described)
+            return qcMessage_Fail(message, "out of memory for the report");
+    }
+    else
+        PrintText(run);
+    errno = 0;
+    if (fflush(stdout) != 0 || ferror(stdout))
+        return qcMessage_Fail(message, "standard output: %s", errno != 0 ? strerror(errno) : "not written");
+    return true;
+}

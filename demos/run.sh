@@ -1,0 +1,67 @@
+#!/bin/sh
+# Installs what is missing (Debian, Ubuntu), builds into build/, runs a demo. demos/run.sh --help lists them.
+set -eu
+
+show_help()
+{
+    cat <<'END'
+Usage: demos/run.sh [DEMO] [ARGUMENT...]
+
+Demos:
+  cloth   A cloth falls over a table, folds and meets itself (the default). Pictures, and a film where
+          ffmpeg is installed, go to out/cloth/.
+  pairs   Finds the triangles of meshes that intersect: demos/run.sh pairs MESH...
+
+Arguments are the demo's own; "demos/run.sh DEMO --help" explains them.
+END
+}
+
+run_cloth()
+{
+    out=$root/out/cloth
+    mkdir -p "$out"
+    # Frames of a longer run before would end up in the film.
+    rm -f "$out"/frame_*.png "$out/cloth.mp4"
+    "$root/build/demos/qc-cloth" --out "$out" "$@"
+    if [ -f "$out/frame_0000.png" ] && command -v ffmpeg >/dev/null; then
+        ffmpeg -loglevel error -y -framerate 25 -i "$out/frame_%04d.png" -c:v libx264 -pix_fmt yuv420p \
+            -vf 'pad=ceil(iw/2)*2:ceil(ih/2)*2' "$out/cloth.mp4"
+        echo "The film is $out/cloth.mp4"
+    fi
+}
+
+demo=cloth
+case ${1-} in
+    -h | --help)
+        show_help
+        exit 0
+        ;;
+    cloth | pairs)
+        demo=$1
+        shift
+        ;;
+    '' | -*) ;;
+    *)
+        echo "demos/run.sh: there is no demo '$1'; try --help" >&2
+        exit 2
+        ;;
+esac
+
+root=$(CDPATH='' cd -- "$(dirname -- "$0")/.." && pwd)
+# shellcheck source=/dev/null
+. "$root/tests/setup.sh"
+
+case $demo in
+    cloth) qc_install build demos ;;
+    *) qc_install build ;;
+esac
+# The tests need more packages: they are built where tests/run.sh has been.
+if [ -f "$root/build/CMakeCache.txt" ]; then
+    qc_build "$root" "qc-$demo"
+else
+    qc_build "$root" "qc-$demo" -DQC_BUILD_TESTS=OFF
+fi
+case $demo in
+    cloth) run_cloth "$@" ;;
+    pairs) "$root/build/demos/qc-pairs" "$@" ;;
+esac

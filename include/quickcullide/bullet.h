@@ -1,0 +1,9 @@
+// Quick-CULLIDE inside Bullet. Link quickcullide::bullet, or quickcullide::bullet_double where Bullet is built with
+// BT_USE_DOUBLE_PRECISION.
+#ifndef QUICKCULLIDE_BULLET_H
+#define QUICKCULLIDE_BULLET_H
+
+#include "bullet_broadphase.h"
+#include "bullet_soft_body.h"
+
+#endif

@@ -1,0 +1,131 @@
+// The broadphase of a Bullet world, in the place of btDbvtBroadphase:
+//
+//     qcBroadphase broadphase;
+//     btDiscreteDynamicsWorld world(&dispatcher, &broadphase, &solver, &configuration);
+//
+// Cost follows what moved: a proxy whose box is the same as before costs a comparison, a step in which nothing moved
+// one look at each proxy's filter.
+#ifndef QUICKCULLIDE_BULLET_BROADPHASE_H
+#define QUICKCULLIDE_BULLET_BROADPHASE_H
+
+#include "boxes.h"
+
+#include <BulletCollision/BroadphaseCollision/btOverlappingPairCache.h>
+
+#include <atomic>
+
+/// After each calculateOverlappingPairs the pair cache holds exactly the pairs whose boxes overlap (closed, as
+/// TestAabbAgainstAabb2 says) and whose filters agree. Pairs that no longer do are removed with the dispatcher, which
+/// destroys their algorithms and manifolds. Pairs come in an order that depends on the calls made and on nothing else.
+///
+/// Filters may change at any time: groups and masks are looked at in each step, and while there is a filter callback it
+/// is asked about every overlapping pair in each step. A pair cache of your own that overrides needsBroadphaseCollision
+/// without having a filter callback is asked when one of the two moved.
+///
+/// Bounds that are NaN count as unbounded, so the object meets everything rather than nothing.
+///
+/// Out of memory: proxies that find no room in the tree are compared with every other one until there is room again;
+/// nothing is missed. A proxy that cannot be allocated itself is null: Bullet then holds an object that collides with
+/// nothing. getStatus tells. (Memory that Bullet's pair cache cannot get is Bullet's affair.)
+///
+/// Thread-safety: rayTest and aabbTest may run on several threads at once while nothing else does. The rest belongs to
+/// one thread. Callbacks of all kinds may create, move and destroy proxies; what they change while a query or
+/// calculateOverlappingPairs runs takes effect at its end, except that a destroyed proxy is not seen again.
+class QC_API qcBroadphase : public btBroadphaseInterface
+{
+  public:
+    /// Null: makes a btHashedOverlappingPairCache and owns it. Any other pair cache must outlive the broadphase.
+    explicit qcBroadphase(btOverlappingPairCache* pairCache = nullptr);
+    /// Frees the proxies that are left; their pairs stay in the cache if it is not owned.
+    ~qcBroadphase() override;
+    qcBroadphase(const qcBroadphase&) = delete;
+    qcBroadphase& operator=(const qcBroadphase&) = delete;
+
+    /// O(log n). Its pairs are in the cache after the next calculateOverlappingPairs; see setAabb.
+    btBroadphaseProxy* createProxy(const btVector3& aabbMin, const btVector3& aabbMax, int shapeType, void* userPtr,
+                                   int collisionFilterGroup, int collisionFilterMask,
+                                   btDispatcher* dispatcher) override;
+    /// Removes the proxy's pairs at once. O(pairs in the cache), as with any of Bullet's broadphases. Null is allowed.
+    void destroyProxy(btBroadphaseProxy* proxy, btDispatcher* dispatcher) override;
+    /// The same box again costs nothing; otherwise O(log n). The first boxes that change after a step find their new
+    /// pairs at once, since a character controller or a sensor moved by hand reads them before the next step.
+    void setAabb(btBroadphaseProxy* proxy, const btVector3& aabbMin, const btVector3& aabbMax,
+                 btDispatcher* dispatcher) override;
+    void getAabb(btBroadphaseProxy* proxy, btVector3& aabbMin, btVector3& aabbMax) const override;
+
+    /// Reports every proxy whose box is met on the way from `rayFrom` to `rayTo` by a box of the given extents, nearer
+    /// ones first as far as the tree can tell, and few others. The way goes on beyond `rayTo`, or another way, where
+    /// the callback's m_rayDirectionInverse and m_lambda_max say so. The callback may lower its m_lambda_max to shorten
+    /// what is left of the way. What `process` returns is ignored, as by Bullet's broadphases.
+    void rayTest(const btVector3& rayFrom, const btVector3& rayTo, btBroadphaseRayCallback& rayCallback,
+                 const btVector3& aabbMin = btVector3(0, 0, 0), const btVector3& aabbMax = btVector3(0, 0, 0)) override;
+    /// Reports every proxy whose box meets the given one. What `process` returns is ignored.
+    void aabbTest(const btVector3& aabbMin, const btVector3& aabbMax, btBroadphaseAabbCallback& callback) override;
+
+    /// O(moved log n + pairs). Does nothing when called by a callback of its own.
+    void calculateOverlappingPairs(btDispatcher* dispatcher) override;
+
+    btOverlappingPairCache* getOverlappingPairCache() override;
+    const btOverlappingPairCache* getOverlappingPairCache() const override;
+
+    /// The smallest box around all proxies; zeros when there are none.
+    void getBroadphaseAabb(btVector3& aabbMin, btVector3& aabbMax) const override;
+    /// When there are no proxies, unique ids start again and the same calls give the same results as on a new
+    /// broadphase.
+    void resetPool(btDispatcher* dispatcher) override;
+    /// Prints the numbers of proxies and pairs.
+    void printStats() override;
+
+    /// qc_statusOutOfMemory after an allocation failed, until no proxy is left outside of the tree.
+    qcStatus getStatus() const;
+
+  private:
+    struct Proxy;
+    class Walk;
+
+    void List(Proxy* proxy);
+    void AddBox(Proxy* proxy);
+    void Free(Proxy* proxy);
+    void Touch(Proxy* proxy);
+    void MoveProxy(Proxy* proxy, const btVector3& aabbMin, const btVector3& aabbMax);
+    void Pend(Proxy* proxy);
+    void ApplyPending();
+    template <class Visit> void VisitBox(const btVector3& aabbMin, const btVector3& aabbMax, Visit visit) const;
+    bool Judge(Proxy* a, Proxy* b);
+    void AddPairsNow(Proxy* proxy);
+    bool IsDecided(const Proxy* a, const Proxy* b) const;
+    void Consider(Proxy* a, Proxy* b);
+    void LookForChanges();
+    void JudgeRejected();
+    void FindPairs();
+    bool IsStillWanted(const btBroadphasePair& pair);
+    void RemovePair(int index, btDispatcher* dispatcher);
+    void RemovePairs(btDispatcher* dispatcher);
+    void RemoveDuplicates();
+
+    btOverlappingPairCache* m_pairCache;
+    bool m_ownsPairCache;
+    qcBoxes* m_boxes = nullptr;
+    qcStatus m_status = qc_statusOk;
+
+    Proxy* m_first = nullptr; ///< all proxies, a doubly linked list
+    Proxy* m_last = nullptr;
+    int m_proxyCount = 0;
+    int m_outsideCount = 0; ///< proxies without a box in the tree
+    int m_lastUniqueId = 0;
+
+    std::atomic<int> m_walks{0}; ///< queries and searches that are running: the tree must stay as it is
+    Proxy* m_pending = nullptr;  ///< proxies whose changes wait for the last walk to end
+    unsigned m_destroyCount = 0; ///< tells a loop over pairs that a callback has removed some
+
+    long long m_interval = 1; ///< between two searches for pairs
+    bool m_anythingTouched = false;
+    bool m_judgeAll = false;  ///< someone else changed the cache: every pair is looked for again
+    int m_pairsAtOnce;        ///< how many proxies may still look for their pairs at once
+    int m_knownPairCount = 0; ///< size of the cache when we last touched it
+    const btOverlapFilterCallback* m_filter = nullptr;
+    /// While there is a filter callback: overlapping pairs that it did not want, two entries each.
+    btAlignedObjectArray<Proxy*> m_rejected;
+};
+
+#endif

@@ -1,0 +1,212 @@
+// EGL contexts without a window system: a hardware GPU (EXT_platform_device) or MESA_platform_surfaceless.
+// libEGL is opened at run time, so that the library runs where it is missing.
+#define _POSIX_C_SOURCE 200809L
+#include "gl/context.h"
+
+#include "status.h"
+
+#include <epoxy/egl.h>
+
+#include <dlfcn.h>
+#include <pthread.h>
+#include <stdio.h>
+#include <string.h>
+
+/// What libEGL exports.
+#define QC_EGL_FUNCTIONS(X)                                                                                            \
+    X(PFNEGLBINDAPIPROC, BindAPI)                                                                                      \
+    X(PFNEGLCHOOSECONFIGPROC, ChooseConfig)                                                                            \
+    X(PFNEGLCREATECONTEXTPROC, CreateContext)                                                                          \
+    X(PFNEGLDESTROYCONTEXTPROC, DestroyContext)                                                                        \
+    X(PFNEGLGETERRORPROC, GetError)                                                                                    \
+    X(PFNEGLGETPROCADDRESSPROC, GetProcAddress)                                                                        \
+    X(PFNEGLINITIALIZEPROC, Initialize)                                                                                \
+    X(PFNEGLMAKECURRENTPROC, MakeCurrent)                                                                              \
+    X(PFNEGLQUERYSTRINGPROC, QueryString)                                                                              \
+    X(PFNEGLRELEASETHREADPROC, ReleaseThread)
+
+static struct
+{
+#define QC_EGL_FIELD(Type, Name) Type Name;
+    QC_EGL_FUNCTIONS(QC_EGL_FIELD)
+#undef QC_EGL_FIELD
+    PFNEGLGETPLATFORMDISPLAYEXTPROC GetPlatformDisplayEXT;
+    PFNEGLQUERYDEVICESEXTPROC QueryDevicesEXT;
+    PFNEGLQUERYDEVICESTRINGEXTPROC QueryDeviceStringEXT;
+    const char* extensions; ///< of the client, not of a display
+    char error[256];        ///< why the library can't be used; empty when it can
+} s_egl;
+
+static pthread_once_t s_once = PTHREAD_ONCE_INIT;
+
+static bool HasWord(const char* words, const char* word)
+{
+    size_t length = strlen(word);
+    for (const char* found = words; found != NULL && (found = strstr(found, word)) != NULL; found += length)
+    {
+        bool begins = found == words || found[-1] == ' ';
+        bool ends = found[length] == ' ' || found[length] == 0;
+        if (begins && ends)
+            return true;
+    }
+    return false;
+}
+
+static void LoadLibrary(void)
+{
+    // Local: its symbols must not come before those of a host's own EGL. Never closed: drivers have exit handlers
+    // and thread-local data whose code would be gone.
+    void* library = dlopen("libEGL.so.1", RTLD_NOW | RTLD_LOCAL);
+    if (library == NULL)
+    {
+        const char* reason = dlerror();
+        snprintf(s_egl.error, sizeof s_egl.error, "no libEGL: %s", reason != NULL ? reason : "not found");
+        return;
+    }
+#define QC_EGL_LOAD(Type, Name)                                                                                        \
+    s_egl.Name = (Type)dlsym(library, "egl" #Name);                                                                    \
+    if (s_egl.Name == NULL)                                                                                            \
+    {                                                                                                                  \
+        snprintf(s_egl.error, sizeof s_egl.error, "libEGL lacks egl" #Name);                                           \
+        return;                                                                                                        \
+    }
+    QC_EGL_FUNCTIONS(QC_EGL_LOAD)
+#undef QC_EGL_LOAD
+
+    s_egl.extensions = s_egl.QueryString(EGL_NO_DISPLAY, EGL_EXTENSIONS);
+    if (!HasWord(s_egl.extensions, "EGL_EXT_platform_base"))
+    {
+        snprintf(s_egl.error, sizeof s_egl.error, "libEGL lacks EGL_EXT_platform_base");
+        return;
+    }
+    s_egl.GetPlatformDisplayEXT = (PFNEGLGETPLATFORMDISPLAYEXTPROC)s_egl.GetProcAddress("eglGetPlatformDisplayEXT");
+    s_egl.QueryDevicesEXT = (PFNEGLQUERYDEVICESEXTPROC)s_egl.GetProcAddress("eglQueryDevicesEXT");
+    s_egl.QueryDeviceStringEXT = (PFNEGLQUERYDEVICESTRINGEXTPROC)s_egl.GetProcAddress("eglQueryDeviceStringEXT");
+}
+
+static EGLContext CreateContext(EGLDisplay display, EGLConfig config)
+{
+    static const struct
+    {
+        EGLint major, minor;
+        bool reportsLoss;
+    } wishes[] = {{4, 5, true}, {4, 5, false}, {3, 3, true}, {3, 3, false}};
+    for (size_t i = 0; i < sizeof wishes / sizeof wishes[0]; ++i)
+    {
+        // A context that doesn't report its loss goes on answering, with nonsense: a query that reads zero means
+        // "visible", and a collision would be missed without a word.
+        const EGLint attributes[] = {EGL_CONTEXT_MAJOR_VERSION_KHR,
+                                     wishes[i].major,
+                                     EGL_CONTEXT_MINOR_VERSION_KHR,
+                                     wishes[i].minor,
+                                     EGL_CONTEXT_OPENGL_PROFILE_MASK_KHR,
+                                     EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT_KHR,
+                                     wishes[i].reportsLoss ? EGL_CONTEXT_OPENGL_RESET_NOTIFICATION_STRATEGY_KHR
+                                                           : EGL_NONE,
+                                     EGL_LOSE_CONTEXT_ON_RESET_KHR,
+                                     EGL_NONE};
+        EGLContext handle = s_egl.CreateContext(display, config, EGL_NO_CONTEXT, attributes);
+        if (handle != EGL_NO_CONTEXT)
+            return handle;
+    }
+    return EGL_NO_CONTEXT;
+}
+
+// The display stays initialised, on failure and after the last context: the process has one display for each
+// platform and native device, a host may be using the same one, and eglTerminate would end the host's contexts too.
+static qcStatus OpenOnDisplay(EGLDisplay display, qcContext* context)
+{
+    if (display == EGL_NO_DISPLAY)
+        return qcFail(qc_statusDevice, "no EGL display (error 0x%x)", (unsigned)s_egl.GetError());
+    if (!s_egl.Initialize(display, NULL, NULL))
+        return qcFail(qc_statusDevice, "eglInitialize failed (error 0x%x)", (unsigned)s_egl.GetError());
+    const char* extensions = s_egl.QueryString(display, EGL_EXTENSIONS);
+    if (!HasWord(extensions, "EGL_KHR_surfaceless_context") || !HasWord(extensions, "EGL_KHR_create_context"))
+        return qcFail(qc_statusDevice, "the EGL display lacks EGL_KHR_surfaceless_context or EGL_KHR_create_context");
+    if (!s_egl.BindAPI(EGL_OPENGL_API))
+        return qcFail(qc_statusDevice, "EGL has no desktop GL (error 0x%x)", (unsigned)s_egl.GetError());
+
+    EGLConfig config = NULL;
+    if (!HasWord(extensions, "EGL_KHR_no_config_context"))
+    {
+        // Pbuffers, as the default asks for windows, which these platforms don't have.
+        const EGLint attributes[] = {EGL_RENDERABLE_TYPE, EGL_OPENGL_BIT, EGL_SURFACE_TYPE, EGL_PBUFFER_BIT, EGL_NONE};
+        EGLint count = 0;
+        if (!s_egl.ChooseConfig(display, attributes, &config, 1, &count) || count == 0)
+            return qcFail(qc_statusDevice, "EGL has no configuration for desktop GL");
+    }
+    EGLContext handle = CreateContext(display, config);
+    if (handle == EGL_NO_CONTEXT)
+        return qcFail(qc_statusDevice, "EGL gives no context of GL 3.3 core (error 0x%x)", (unsigned)s_egl.GetError());
+    if (!s_egl.MakeCurrent(display, EGL_NO_SURFACE, EGL_NO_SURFACE, handle))
+    {
+        EGLint error = s_egl.GetError();
+        s_egl.DestroyContext(display, handle);
+        return qcFail(qc_statusDevice, "eglMakeCurrent failed (error 0x%x)", (unsigned)error);
+    }
+    *context = (qcContext){.getFunction = s_egl.GetProcAddress, .display = display, .handle = handle};
+    return qc_statusOk;
+}
+
+static qcStatus OpenOnDevice(EGLDeviceEXT device, qcContext* context)
+{
+    if (HasWord(s_egl.QueryDeviceStringEXT(device, EGL_EXTENSIONS), "EGL_MESA_device_software"))
+        return qcFail(qc_statusDevice, "it draws in software");
+    QC_TRY(OpenOnDisplay(s_egl.GetPlatformDisplayEXT(EGL_PLATFORM_DEVICE_EXT, device, NULL), context));
+
+    // A driver may fall back to software behind a hardware device.
+    PFNGLGETSTRINGPROC getString = (PFNGLGETSTRINGPROC)s_egl.GetProcAddress("glGetString");
+    const char* renderer = getString != NULL ? (const char*)getString(GL_RENDERER) : NULL;
+    if (renderer != NULL && !qcIsSoftwareRenderer(renderer))
+        return qc_statusOk;
+    qcStatus status = qcFail(qc_statusDevice, "it draws in software (%s)", renderer != NULL ? renderer : "no renderer");
+    qcCloseEglContext(context);
+    return status;
+}
+
+qcStatus qcOpenEglContext(qcContext* context)
+{
+    pthread_once(&s_once, LoadLibrary);
+    if (s_egl.error[0] != 0)
+        return qcFail(qc_statusDevice, "%s", s_egl.error);
+    bool listsDevices =
+        HasWord(s_egl.extensions, "EGL_EXT_device_base") ||
+        (HasWord(s_egl.extensions, "EGL_EXT_device_enumeration") && HasWord(s_egl.extensions, "EGL_EXT_device_query"));
+    if (!listsDevices || !HasWord(s_egl.extensions, "EGL_EXT_platform_device"))
+        return qcFail(qc_statusDevice, "libEGL lacks EGL_EXT_device_base or EGL_EXT_platform_device");
+
+    enum
+    {
+        maxDevices = 64
+    };
+    EGLDeviceEXT devices[maxDevices];
+    EGLint count = 0;
+    if (!s_egl.QueryDevicesEXT(maxDevices, devices, &count) || count == 0)
+        return qcFail(qc_statusDevice, "EGL lists no device");
+    for (EGLint i = 0; i < count; ++i)
+    {
+        if (OpenOnDevice(devices[i], context) == qc_statusOk)
+            return qc_statusOk;
+    }
+    char reason[256];
+    snprintf(reason, sizeof reason, "%s", qcLastMessage());
+    return qcFail(qc_statusDevice, "none of %d EGL devices is a usable GPU; the last: %s", (int)count, reason);
+}
+
+qcStatus qcOpenSurfacelessContext(qcContext* context)
+{
+    pthread_once(&s_once, LoadLibrary);
+    if (s_egl.error[0] != 0)
+        return qcFail(qc_statusDevice, "%s", s_egl.error);
+    if (!HasWord(s_egl.extensions, "EGL_MESA_platform_surfaceless"))
+        return qcFail(qc_statusDevice, "libEGL lacks EGL_MESA_platform_surfaceless");
+    return OpenOnDisplay(s_egl.GetPlatformDisplayEXT(EGL_PLATFORM_SURFACELESS_MESA, EGL_DEFAULT_DISPLAY, NULL),
+                         context);
+}
+
+void qcCloseEglContext(qcContext* context)
+{
+    s_egl.MakeCurrent(context->display, EGL_NO_SURFACE, EGL_NO_SURFACE, EGL_NO_CONTEXT);
+    s_egl.DestroyContext(context->display, context->handle);
+    s_egl.ReleaseThread();
+}

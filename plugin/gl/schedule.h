@@ -1,0 +1,53 @@
+// The order in which a visibility pass is drawn: tile by tile, and within a tile in batches of tests that may go
+// together, each followed by one draw. Same answers as the steps one by one, far fewer changes of GL state.
+#ifndef QC_PLUGIN_GL_SCHEDULE_H
+#define QC_PLUGIN_GL_SCHEDULE_H
+
+#include "gl/visibility.h"
+#include "memory.h"
+
+/// One query: a run of the index list.
+typedef struct qcScheduleTest
+{
+    uint32_t step;
+    uint32_t triangleCount;
+    size_t firstTriangle; ///< in the index list
+} qcScheduleTest;
+
+/// Tests that see the same depth buffer as in their turn, then what is drawn after them.
+typedef struct qcScheduleBatch
+{
+    size_t firstTest, testCount;
+    size_t firstTriangle, triangleCount; ///< in the index list
+} qcScheduleBatch;
+
+typedef struct qcScheduleTile
+{
+    uint32_t x, y; ///< of its first pixel in the image
+    size_t firstBatch, batchCount;
+    size_t firstTest, testCount;
+} qcScheduleTile;
+
+/// All zero at first; keeps its memory between passes.
+typedef struct qcSchedule
+{
+    qcArray indices; ///< three uint32_t a triangle
+    qcArray tests, batches, tiles;
+    qcArray tileFirst, entries, runs, order, keys, cells; // scratch
+} qcSchedule;
+
+/// Where the triangles are, and the image they are seen in.
+typedef struct qcScheduleView
+{
+    const float* corners; ///< nine floats a triangle, within [-1, 1]
+    uint32_t resolution;  ///< pixels on a side of the image
+    uint32_t tileSize;    ///< pixels on a side of a tile
+    int axis;             ///< looked along; the image's x is the next axis in cyclic order
+} qcScheduleView;
+
+/// O(triangles times tiles that each touches), plus O(runs times cells that each touches).
+qcStatus qcSchedule_Build(qcSchedule* schedule, const qcScheduleView* view, const qcVisibilityStep* steps,
+                          uint32_t stepCount);
+void qcSchedule_Free(qcSchedule* schedule);
+
+#endif

@@ -1,0 +1,111 @@
+// Loads a device's GL functions and keeps its programs.
+// One table for each device: OSMesa and EGL answer the same name with different functions.
+#include "gl/table.h"
+
+#include "status.h"
+
+#include <assert.h>
+#include <string.h>
+
+static qcStatus CompileShader(const struct qcGlTable* gl, const char* name, GLenum stage, const char* source,
+                              GLuint* shader)
+{
+    *shader = gl->CreateShader(stage);
+    gl->ShaderSource(*shader, 1, &source, NULL);
+    gl->CompileShader(*shader);
+    GLint compiled = GL_FALSE;
+    gl->GetShaderiv(*shader, GL_COMPILE_STATUS, &compiled);
+    if (compiled == GL_TRUE)
+        return qc_statusOk;
+    char log[256] = "";
+    gl->GetShaderInfoLog(*shader, sizeof log, NULL, log);
+    return qcFail(qc_statusDevice, "%s: the %s shader does not compile: %s", name,
+                  stage == GL_VERTEX_SHADER ? "vertex" : "fragment", log);
+}
+
+static qcStatus LinkProgram(const struct qcGlTable* gl, const char* name, GLuint vertexShader, GLuint fragmentShader,
+                            GLuint* program)
+{
+    *program = gl->CreateProgram();
+    gl->AttachShader(*program, vertexShader);
+    gl->AttachShader(*program, fragmentShader);
+    gl->BindAttribLocation(*program, 0, "position");
+    gl->BindAttribLocation(*program, 1, "normal");
+    gl->LinkProgram(*program);
+    GLint linked = GL_FALSE;
+    gl->GetProgramiv(*program, GL_LINK_STATUS, &linked);
+    if (linked == GL_TRUE)
+        return qc_statusOk;
+    char log[256] = "";
+    gl->GetProgramInfoLog(*program, sizeof log, NULL, log);
+    gl->DeleteProgram(*program);
+    return qcFail(qc_statusDevice, "%s: the program does not link: %s", name, log);
+}
+
+qcStatus qcGlTable_Load(struct qcGlTable* gl, qcGlGetFunction* getFunction)
+{
+#define QC_GL_LOAD(Type, Name)                                                                                         \
+    gl->Name = (Type)getFunction("gl" #Name);                                                                          \
+    if (gl->Name == NULL)                                                                                              \
+        return qcFail(qc_statusDevice, "the GL function gl" #Name " is missing");
+    QC_GL_FUNCTIONS(QC_GL_LOAD)
+#undef QC_GL_LOAD
+
+    GLint major = 0, minor = 0;
+    gl->GetIntegerv(GL_MAJOR_VERSION, &major);
+    gl->GetIntegerv(GL_MINOR_VERSION, &minor);
+    // Asked for by version, as EGL hands out stubs for names that it doesn't support.
+    if (major * 10 + minor >= 45)
+        gl->GetGraphicsResetStatus = (PFNGLGETGRAPHICSRESETSTATUSPROC)getFunction("glGetGraphicsResetStatus");
+    return qc_statusOk;
+}
+
+void qcGlTable_ResetState(const struct qcGlTable* gl)
+{
+    gl->BindFramebuffer(GL_FRAMEBUFFER, 0);
+    gl->BindRenderbuffer(GL_RENDERBUFFER, 0);
+    gl->BindVertexArray(0);
+    gl->BindBuffer(GL_ARRAY_BUFFER, 0);
+    gl->UseProgram(0);
+    gl->Disable(GL_DEPTH_TEST);
+    gl->DepthMask(GL_TRUE);
+    gl->DepthFunc(GL_LESS);
+    gl->Disable(GL_FRAMEBUFFER_SRGB);
+    gl->Disable(GL_POLYGON_OFFSET_FILL);
+    gl->PolygonMode(GL_FRONT_AND_BACK, GL_FILL);
+    gl->FrontFace(GL_CCW);
+    gl->PixelStorei(GL_PACK_ALIGNMENT, 4);
+    gl->PixelStorei(GL_PACK_ROW_LENGTH, 0);
+}
+
+qcStatus qcGlTable_GetProgram(const struct qcGlTable* gl, const char* name, const char* vertexSource,
+                              const char* fragmentSource, GLuint* program)
+{
+    struct qcGlPrograms* programs = gl->programs;
+    for (uint32_t i = 0; i < programs->count; ++i)
+    {
+        if (strcmp(programs->items[i].name, name) == 0)
+        {
+            *program = programs->items[i].program;
+            return qc_statusOk;
+        }
+    }
+    assert(programs->count < qc_maxPrograms);
+
+    GLuint vertexShader = 0, fragmentShader = 0;
+    qcStatus status = CompileShader(gl, name, GL_VERTEX_SHADER, vertexSource, &vertexShader);
+    if (status == qc_statusOk)
+        status = CompileShader(gl, name, GL_FRAGMENT_SHADER, fragmentSource, &fragmentShader);
+    if (status == qc_statusOk)
+        status = LinkProgram(gl, name, vertexShader, fragmentShader, program);
+    // A linked program keeps what it needs of its shaders; zero is ignored.
+    gl->DeleteShader(vertexShader);
+    gl->DeleteShader(fragmentShader);
+    if (status == qc_statusOk)
+    {
+        programs->items[programs->count].name = name;
+        programs->items[programs->count].program = *program;
+        ++programs->count;
+    }
+    return status;
+}

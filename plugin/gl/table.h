@@ -1,0 +1,116 @@
+// The GL functions of one device. epoxy's headers give the types and the enums; its functions are never
+// called: they abort the process where libEGL is missing, and with an OSMesa context.
+#ifndef QC_PLUGIN_GL_TABLE_H
+#define QC_PLUGIN_GL_TABLE_H
+
+#include "quickcullide/base.h"
+
+#include <epoxy/gl.h>
+
+/// Everything that a job may call: type, name without "gl". All are in GL 3.3 core.
+#define QC_GL_FUNCTIONS(X)                                                                                             \
+    X(PFNGLATTACHSHADERPROC, AttachShader)                                                                             \
+    X(PFNGLBEGINQUERYPROC, BeginQuery)                                                                                 \
+    X(PFNGLBINDATTRIBLOCATIONPROC, BindAttribLocation)                                                                 \
+    X(PFNGLBINDBUFFERPROC, BindBuffer)                                                                                 \
+    X(PFNGLBINDFRAMEBUFFERPROC, BindFramebuffer)                                                                       \
+    X(PFNGLBINDRENDERBUFFERPROC, BindRenderbuffer)                                                                     \
+    X(PFNGLBINDVERTEXARRAYPROC, BindVertexArray)                                                                       \
+    X(PFNGLBLITFRAMEBUFFERPROC, BlitFramebuffer)                                                                       \
+    X(PFNGLBUFFERDATAPROC, BufferData)                                                                                 \
+    X(PFNGLCHECKFRAMEBUFFERSTATUSPROC, CheckFramebufferStatus)                                                         \
+    X(PFNGLCLEARPROC, Clear)                                                                                           \
+    X(PFNGLCLEARCOLORPROC, ClearColor)                                                                                 \
+    X(PFNGLCOMPILESHADERPROC, CompileShader)                                                                           \
+    X(PFNGLCREATEPROGRAMPROC, CreateProgram)                                                                           \
+    X(PFNGLCREATESHADERPROC, CreateShader)                                                                             \
+    X(PFNGLDELETEBUFFERSPROC, DeleteBuffers)                                                                           \
+    X(PFNGLDELETEFRAMEBUFFERSPROC, DeleteFramebuffers)                                                                 \
+    X(PFNGLDELETEPROGRAMPROC, DeleteProgram)                                                                           \
+    X(PFNGLDELETEQUERIESPROC, DeleteQueries)                                                                           \
+    X(PFNGLDELETERENDERBUFFERSPROC, DeleteRenderbuffers)                                                               \
+    X(PFNGLDELETESHADERPROC, DeleteShader)                                                                             \
+    X(PFNGLDELETEVERTEXARRAYSPROC, DeleteVertexArrays)                                                                 \
+    X(PFNGLDEPTHFUNCPROC, DepthFunc)                                                                                   \
+    X(PFNGLDEPTHMASKPROC, DepthMask)                                                                                   \
+    X(PFNGLDISABLEPROC, Disable)                                                                                       \
+    X(PFNGLDRAWBUFFERPROC, DrawBuffer)                                                                                 \
+    X(PFNGLDRAWELEMENTSPROC, DrawElements)                                                                             \
+    X(PFNGLENABLEPROC, Enable)                                                                                         \
+    X(PFNGLENABLEVERTEXATTRIBARRAYPROC, EnableVertexAttribArray)                                                       \
+    X(PFNGLENDQUERYPROC, EndQuery)                                                                                     \
+    X(PFNGLFLUSHPROC, Flush)                                                                                           \
+    X(PFNGLFRAMEBUFFERRENDERBUFFERPROC, FramebufferRenderbuffer)                                                       \
+    X(PFNGLFRONTFACEPROC, FrontFace)                                                                                   \
+    X(PFNGLGENBUFFERSPROC, GenBuffers)                                                                                 \
+    X(PFNGLGENFRAMEBUFFERSPROC, GenFramebuffers)                                                                       \
+    X(PFNGLGENQUERIESPROC, GenQueries)                                                                                 \
+    X(PFNGLGENRENDERBUFFERSPROC, GenRenderbuffers)                                                                     \
+    X(PFNGLGENVERTEXARRAYSPROC, GenVertexArrays)                                                                       \
+    X(PFNGLGETERRORPROC, GetError)                                                                                     \
+    X(PFNGLGETINTEGERVPROC, GetIntegerv)                                                                               \
+    X(PFNGLGETPROGRAMINFOLOGPROC, GetProgramInfoLog)                                                                   \
+    X(PFNGLGETPROGRAMIVPROC, GetProgramiv)                                                                             \
+    X(PFNGLGETQUERYOBJECTUIVPROC, GetQueryObjectuiv)                                                                   \
+    X(PFNGLGETSHADERINFOLOGPROC, GetShaderInfoLog)                                                                     \
+    X(PFNGLGETSHADERIVPROC, GetShaderiv)                                                                               \
+    X(PFNGLGETSTRINGPROC, GetString)                                                                                   \
+    X(PFNGLGETUNIFORMLOCATIONPROC, GetUniformLocation)                                                                 \
+    X(PFNGLLINKPROGRAMPROC, LinkProgram)                                                                               \
+    X(PFNGLPIXELSTOREIPROC, PixelStorei)                                                                               \
+    X(PFNGLPOLYGONMODEPROC, PolygonMode)                                                                               \
+    X(PFNGLPOLYGONOFFSETPROC, PolygonOffset)                                                                           \
+    X(PFNGLREADPIXELSPROC, ReadPixels)                                                                                 \
+    X(PFNGLRENDERBUFFERSTORAGEPROC, RenderbufferStorage)                                                               \
+    X(PFNGLRENDERBUFFERSTORAGEMULTISAMPLEPROC, RenderbufferStorageMultisample)                                         \
+    X(PFNGLSHADERSOURCEPROC, ShaderSource)                                                                             \
+    X(PFNGLUNIFORM1FPROC, Uniform1f)                                                                                   \
+    X(PFNGLUNIFORM1IPROC, Uniform1i)                                                                                   \
+    X(PFNGLUNIFORM3FVPROC, Uniform3fv)                                                                                 \
+    X(PFNGLUNIFORMMATRIX4FVPROC, UniformMatrix4fv)                                                                     \
+    X(PFNGLUSEPROGRAMPROC, UseProgram)                                                                                 \
+    X(PFNGLVERTEXATTRIBPOINTERPROC, VertexAttribPointer)                                                               \
+    X(PFNGLVIEWPORTPROC, Viewport)
+
+enum
+{
+    // A handful: one for each way of drawing that the library has.
+    qc_maxPrograms = 16
+};
+
+/// Programs live as long as their device: compiling one takes longer than drawing with it.
+struct qcGlPrograms
+{
+    uint32_t count;
+    struct
+    {
+        const char* name;
+        GLuint program;
+    } items[qc_maxPrograms];
+};
+
+struct qcGlTable
+{
+#define QC_GL_FIELD(Type, Name) Type Name;
+    QC_GL_FUNCTIONS(QC_GL_FIELD)
+#undef QC_GL_FIELD
+    /// Null below GL 4.5.
+    PFNGLGETGRAPHICSRESETSTATUSPROC GetGraphicsResetStatus;
+    struct qcGlPrograms* programs;
+};
+
+typedef void qcGlFunction(void);
+/// eglGetProcAddress or OSMesaGetProcAddress.
+typedef qcGlFunction* qcGlGetFunction(const char* name);
+
+/// Fills the functions. qc_statusDevice names the first that is missing.
+qcStatus qcGlTable_Load(struct qcGlTable* gl, qcGlGetFunction* getFunction);
+
+/// Brings back the initial values of the state that jobs change, so that each job may rely on them.
+void qcGlTable_ResetState(const struct qcGlTable* gl);
+
+/// The program of this name (a literal), compiled at its first use. Attribute 0 is `position`, attribute 1 `normal`.
+qcStatus qcGlTable_GetProgram(const struct qcGlTable* gl, const char* name, const char* vertexSource,
+                              const char* fragmentSource, GLuint* program);
+
+#endif

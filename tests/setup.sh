@@ -1,0 +1,78 @@
+# Sourced by tests/run.sh and demos/run.sh: the packages that each needs, named here only, and the build.
+# shellcheck shell=sh
+
+# qc_packages GROUP...: the packages of the groups.
+qc_packages()
+{
+    for group in "$@"; do
+        case $group in
+            build) echo build-essential cmake pkg-config libepoxy-dev libbullet-dev libpng-dev libjson-c-dev ;;
+            tests) echo check libgmp-dev glmark2-data ;;
+            demos) echo ffmpeg ;;
+            # Software GL, opened at run time: a system that no longer has one of them does without.
+            optional) echo libosmesa6 libegl1 libgl1-mesa-dri ;;
+        esac
+    done
+}
+
+qc_missing()
+{
+    for package in "$@"; do
+        if ! dpkg-query -W -f '${Status}\n' "$package" 2>/dev/null | grep -q '^install ok installed$'; then
+            printf ' %s' "$package"
+        fi
+    done
+}
+
+qc_known()
+{
+    for package in "$@"; do
+        if apt-cache show "$package" >/dev/null 2>&1; then
+            printf ' %s' "$package"
+        fi
+    done
+}
+
+# qc_install GROUP...: installs what is missing of the groups, and of the optional packages.
+# shellcheck disable=SC2046,SC2086 # Package lists are words.
+qc_install()
+{
+    set -- $(qc_packages "$@")
+    if ! command -v apt-get >/dev/null || ! command -v dpkg-query >/dev/null; then
+        echo "Neither Debian nor Ubuntu. What these packages hold must be here: $*" >&2
+        return 0
+    fi
+    needed=$(qc_missing "$@")
+    optional=$(qc_known $(qc_missing $(qc_packages optional)))
+    if [ -z "$needed$optional" ]; then
+        return 0
+    fi
+    if [ "$(id -u)" -eq 0 ]; then
+        as_root=
+    elif sudo -n true 2>/dev/null; then
+        as_root='sudo -n'
+    else
+        echo "Packages are missing. As root: apt-get update && apt-get install -y$needed$optional" >&2
+        [ -z "$needed" ] || exit 1
+        return 0
+    fi
+    echo "Installing$needed$optional"
+    $as_root apt-get update -q || echo "apt-get update failed: going on with the old package lists" >&2
+    # A fresh machine knows them only now.
+    optional=$(qc_known $(qc_missing $(qc_packages optional)))
+    $as_root env DEBIAN_FRONTEND=noninteractive apt-get install -y -q --no-install-recommends $needed $optional
+}
+
+# qc_build ROOT TARGET [CMAKE_OPTION...]: configures and builds in ROOT/build.
+qc_build()
+{
+    root=$1
+    target=$2
+    shift 2
+    # A build folder keeps the generator that it was made with.
+    if [ ! -f "$root/build/CMakeCache.txt" ] && command -v ninja >/dev/null; then
+        set -- -G Ninja "$@"
+    fi
+    cmake -S "$root" -B "$root/build" -DCMAKE_BUILD_TYPE=Release "$@"
+    cmake --build "$root/build" --parallel "$(nproc)" --target "$target"
+}

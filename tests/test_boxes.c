@@ -1,0 +1,528 @@
+// A set of moving boxes: pairs and queries against brute force, whatever is added, moved and removed.
+#include "box_model.h"
+#include "suite.h"
+
+#include <pthread.h>
+#include <stdio.h>
+
+typedef struct Visits
+{
+    const qcModel* model;
+    uint8_t times[qc_modelRoom];
+    uint32_t total, limit; ///< limit: stop after so many
+} Visits;
+
+static bool Count(uint32_t id, void* userData, void* context)
+{
+    Visits* visits = context;
+    CHECK_QUICKLY(userData == &visits->model->boxes[id]);
+    visits->times[id]++;
+    return ++visits->total < visits->limit;
+}
+
+static void CheckQuery(const qcModel* model, const double lower[3], const double upper[3])
+{
+    Visits visits = {.model = model, .limit = UINT32_MAX};
+    qcBoxes_QueryBox(model->set, lower, upper, Count, &visits);
+    for (uint32_t id = 0; id < model->ends; id++)
+    {
+        const qcModelBox* box = &model->boxes[id];
+        CHECK_QUICKLY(visits.times[id] == (box->alive && qcModel_Meet(box->lower, box->upper, lower, upper)));
+    }
+}
+
+static void CheckList(const qcModel* model)
+{
+    double lower[3], upper[3], totalLower[3] = {INFINITY, INFINITY, INFINITY},
+                               totalUpper[3] = {-INFINITY, -INFINITY, -INFINITY};
+    uint32_t count = 0;
+    for (uint32_t id = 0; id < model->ends; id++)
+    {
+        const qcModelBox* box = &model->boxes[id];
+        if (!box->alive)
+            continue;
+        count++;
+        CHECK_QUICKLY(qcBoxes_GetUserData(model->set, id) == box);
+        qcBoxes_GetBounds(model->set, id, lower, upper);
+        CHECK_QUICKLY(memcmp(lower, box->lower, sizeof lower) == 0);
+        CHECK_QUICKLY(memcmp(upper, box->upper, sizeof upper) == 0);
+        for (int k = 0; k < 3; k++)
+        {
+            totalLower[k] = fmin(totalLower[k], lower[k]);
+            totalUpper[k] = fmax(totalUpper[k], upper[k]);
+        }
+    }
+    ck_assert_uint_eq(qcBoxes_GetCount(model->set), count);
+    qcBoxes_GetTotalBounds(model->set, lower, upper);
+    for (int k = 0; k < 3; k++)
+    {
+        ck_assert_double_eq(lower[k], count > 0 ? totalLower[k] : 0.0);
+        ck_assert_double_eq(upper[k], count > 0 ? totalUpper[k] : 0.0);
+    }
+}
+
+//  ---- random lives ----------------------------------------------------------------------------------
+
+typedef struct World
+{
+    uint64_t seed;
+    int room;      ///< boxes lie within 0 .. room
+    bool integers; ///< many touch, many are flat, segments or points
+    bool infinite; ///< some reach to infinity, or to where Bullet's planes do
+    double restless;
+} World;
+
+static void RandomBox(qcRandom* random, const World* world, double lower[3], double upper[3])
+{
+    for (int k = 0; k < 3; k++)
+    {
+        if (world->integers)
+        {
+            lower[k] = qcRandom_Integer(random, 0, world->room);
+            upper[k] = lower[k] + qcRandom_Integer(random, 0, 2);
+        }
+        else
+        {
+            lower[k] = qcRandom_Uniform(random, 0.0, world->room);
+            upper[k] = lower[k] + qcRandom_Uniform(random, 0.0, 2.0);
+        }
+        if (!world->infinite)
+            continue;
+        uint32_t dice = qcRandom_Below(random, 60);
+        if (dice < 2)
+            lower[k] = dice == 0 ? -INFINITY : -1e18;
+        else if (dice < 4)
+            upper[k] = dice == 2 ? INFINITY : 1e18;
+        else if (dice == 4)
+            lower[k] = upper[k] = INFINITY;
+        else if (dice == 5)
+            lower[k] = upper[k] = -INFINITY;
+    }
+}
+
+static void StepOne(qcModel* model, qcRandom* random, const World* world, uint32_t id)
+{
+    qcModelBox* box = &model->boxes[id];
+    double lower[3], upper[3];
+    switch (qcRandom_Below(random, 8))
+    {
+        case 0: RandomBox(random, world, lower, upper); break;
+        case 1: // the same again
+            memcpy(lower, box->lower, sizeof lower);
+            memcpy(upper, box->upper, sizeof upper);
+            break;
+        case 2: // smaller, in place
+            for (int k = 0; k < 3; k++)
+            {
+                lower[k] = box->lower[k];
+                upper[k] = world->integers || !isfinite(box->upper[k] - box->lower[k])
+                               ? box->lower[k]
+                               : box->lower[k] + 0.5 * (box->upper[k] - box->lower[k]);
+            }
+            break;
+        default: // a small step
+            for (int k = 0; k < 3; k++)
+            {
+                double step = world->integers ? qcRandom_Integer(random, -1, 1) : qcRandom_Uniform(random, -0.1, 0.1);
+                lower[k] = box->lower[k] + step;
+                upper[k] = box->upper[k] + step;
+            }
+    }
+    qcModel_Move(model, id, lower, upper);
+}
+
+static void LiveThrough(const World* world)
+{
+    qcRandom random = {world->seed};
+    qcModel* model = qcModel_Make();
+    double lower[3], upper[3];
+    size_t found = 0;
+    for (int step = 0; step < 120; step++)
+    {
+        uint32_t additions = qcRandom_Below(&random, step < 20 ? 25 : 6);
+        for (uint32_t i = 0; i < additions; i++)
+        {
+            RandomBox(&random, world, lower, upper);
+            qcModel_Add(model, lower, upper);
+        }
+        for (uint32_t id = 0; id < model->ends; id++)
+        {
+            if (!model->boxes[id].alive)
+                continue;
+            if (qcRandom_Uniform(&random, 0.0, 1.0) < world->restless)
+                StepOne(model, &random, world, id);
+            if (qcRandom_Below(&random, 60) == 0)
+                qcModel_Remove(model, id);
+        }
+        if (step == 80)
+        {
+            qcBoxes_Clear(model->set);
+            memset(model->boxes, 0, sizeof model->boxes);
+            model->ends = 0;
+        }
+        qcModel_CheckTree(model);
+        CheckList(model);
+        for (int i = 0; i < 5; i++)
+        {
+            RandomBox(&random, world, lower, upper);
+            CheckQuery(model, lower, upper);
+        }
+        // Now and then changes gather over two steps.
+        if (qcRandom_Below(&random, 4) != 0)
+            found += qcModel_CheckMovedPairs(model);
+    }
+    ck_assert_uint_gt(found, 1000);
+    qcModel_Free(model);
+}
+
+START_TEST(pairs_and_queries_equal_brute_force_whatever_changes)
+{
+    for (uint64_t seed = 1; seed <= 3; seed++)
+    {
+        LiveThrough(&(World){.seed = seed, .room = 10, .restless = 0.9});
+        LiveThrough(&(World){.seed = seed, .room = 8, .restless = 0.05});
+        LiveThrough(&(World){.seed = seed, .room = 8, .integers = true, .restless = 0.5});
+        LiveThrough(&(World){.seed = seed, .room = 12, .infinite = true, .restless = 0.5});
+        LiveThrough(&(World){.seed = seed, .room = 8, .integers = true, .infinite = true, .restless = 0.1});
+    }
+}
+END_TEST
+
+//  ---- pairs -----------------------------------------------------------------------------------------
+
+START_TEST(boxes_that_share_a_face_an_edge_or_a_corner_are_pairs)
+{
+    for (int x = -1; x <= 1; x++)
+        for (int y = -1; y <= 1; y++)
+            for (int z = -1; z <= 1; z++)
+                for (int apart = 0; apart <= 1; apart++)
+                {
+                    qcModel* model = qcModel_Make();
+                    double lower[3] = {x, y, z}, upper[3] = {x + 1, y + 1, z + 1};
+                    // As far away as a double can be without touching.
+                    if (apart)
+                        lower[0] = nextafter(1.0, 2.0), upper[0] = 2.0;
+                    qcModel_Add(model, (double[3]){0, 0, 0}, (double[3]){1, 1, 1});
+                    qcModel_Add(model, lower, upper);
+                    ck_assert_uint_eq(qcModel_CheckMovedPairs(model), !apart);
+                    qcModel_Free(model);
+                }
+}
+END_TEST
+
+START_TEST(a_pair_is_reported_only_when_one_of_the_two_moved)
+{
+    qcModel* model = qcModel_Make();
+    const double zero[3] = {0, 0, 0}, one[3] = {1, 1, 1}, half[3] = {0.5, 0.5, 0.5}, most[3] = {0.9, 0.9, 0.9};
+    qcModel_Add(model, zero, one);
+    qcModel_Add(model, zero, half);
+    qcModel_Add(model, half, one);
+    ck_assert_uint_eq(qcModel_CheckMovedPairs(model), 3);
+    ck_assert_uint_eq(qcModel_CheckMovedPairs(model), 0);
+    qcModel_Move(model, 1, zero, half);
+    ck_assert_uint_eq(qcModel_CheckMovedPairs(model), 0);
+    // Smaller, within the place that it had: a move like any other.
+    qcModel_Move(model, 2, half, most);
+    ck_assert_uint_eq(qcModel_CheckMovedPairs(model), 2);
+    qcModel_Move(model, 2, half, most);
+    ck_assert_uint_eq(qcModel_CheckMovedPairs(model), 0);
+    qcModel_Free(model);
+}
+END_TEST
+
+START_TEST(a_removed_box_is_in_no_pair)
+{
+    qcModel* model = qcModel_Make();
+    const double zero[3] = {0, 0, 0}, one[3] = {1, 1, 1}, two[3] = {2, 2, 2}, three[3] = {3, 3, 3};
+    for (int i = 0; i < 4; i++)
+        qcModel_Add(model, zero, one);
+    qcModel_Remove(model, 1);
+    ck_assert_uint_eq(qcModel_CheckMovedPairs(model), 3);
+    qcModel_Move(model, 0, one, two);
+    qcModel_Remove(model, 0);
+    ck_assert_uint_eq(qcModel_CheckMovedPairs(model), 0);
+    // Id 0 again, far away: it must not inherit neighbours.
+    qcModel_Add(model, two, three);
+    ck_assert_uint_eq(qcModel_CheckMovedPairs(model), 0);
+    qcModel_Free(model);
+}
+END_TEST
+
+START_TEST(thousands_of_boxes_in_one_place_make_a_low_tree)
+{
+    qcModel* model = qcModel_Make();
+    const double zero[3] = {0, 0, 0}, one[3] = {1, 1, 1}, far[3] = {5, 5, 5};
+    for (uint32_t i = 0; i < 2000; i++)
+        qcModel_Add(model, zero, one);
+    qcModel_CheckTree(model);
+    ck_assert_uint_eq(qcModel_CheckMovedPairs(model), 2000 * 1999 / 2);
+    // A complete tree of 2000 leaves has height 11.
+    ck_assert_uint_le(qcBoxTree_Node(&model->set->tree, model->set->tree.root)->height, 16);
+    for (uint32_t i = 0; i < 1990; i++)
+        qcModel_Move(model, i, i % 2 ? zero : far, far);
+    qcModel_CheckTree(model);
+    qcModel_CheckMovedPairs(model);
+    for (uint32_t i = 0; i < 2000; i++)
+        qcModel_Remove(model, i);
+    qcModel_CheckTree(model);
+    ck_assert_uint_eq(qcModel_CheckMovedPairs(model), 0);
+    qcModel_Free(model);
+}
+END_TEST
+
+START_TEST(points_in_one_line_and_in_one_place_are_found)
+{
+    qcModel* model = qcModel_Make();
+    for (uint32_t i = 0; i < 1000; i++)
+    {
+        double point[3] = {i / 2, 0, 0};
+        qcModel_Add(model, point, point);
+    }
+    qcModel_CheckTree(model);
+    ck_assert_uint_eq(qcModel_CheckMovedPairs(model), 500);
+    // A line has no surface, but the tree must tell its parts apart: a query sees few of a thousand.
+    CheckQuery(model, (double[3]){250, 0, 0}, (double[3]){251, 0, 0});
+    ck_assert_uint_le(qcBoxTree_Node(&model->set->tree, model->set->tree.root)->height, 16);
+    qcModel_Free(model);
+}
+END_TEST
+
+/// How many nodes a point query looks at.
+static uint32_t CountNodes(const qcBoxTree* tree, const double point[3])
+{
+    uint32_t stack[qc_treeStack], count = 0, seen = 0;
+    stack[count++] = tree->root;
+    while (count > 0)
+    {
+        const qcTreeNode* node = qcBoxTree_Node(tree, stack[--count]);
+        seen++;
+        if (node->height == 0 || !qcBounds_Meet(node->lower, node->upper, point, point))
+            continue;
+        stack[count++] = node->child[0];
+        stack[count++] = node->child[1];
+    }
+    return seen;
+}
+
+START_TEST(infinite_boxes_do_not_spoil_the_tree)
+{
+    qcModel* model = qcModel_Make();
+    qcRandom random = {7};
+    const double minus[3] = {-INFINITY, -INFINITY, -INFINITY}, plus[3] = {INFINITY, INFINITY, INFINITY};
+    for (uint32_t i = 0; i < 3000; i++)
+    {
+        double lower[3], upper[3];
+        for (int k = 0; k < 3; k++)
+        {
+            lower[k] = qcRandom_Uniform(&random, 0.0, 100.0);
+            upper[k] = lower[k] + 1.0;
+        }
+        if (i % 600 == 0)
+            qcModel_Add(model, minus, plus);
+        qcModel_Add(model, lower, upper);
+    }
+    qcModel_CheckTree(model);
+    qcModel_CheckMovedPairs(model);
+    // 5 infinite boxes and 12 levels: a path with a branch or two; without care thousands would be seen.
+    const double point[3] = {50, 50, 50}, outside[3] = {1e9, 0, 0};
+    ck_assert_uint_le(CountNodes(&model->set->tree, point), 200);
+    ck_assert_uint_le(CountNodes(&model->set->tree, outside), 100);
+    qcModel_Free(model);
+}
+END_TEST
+
+//  ---- the contract ----------------------------------------------------------------------------------
+
+START_TEST(ids_are_reused_lowest_first)
+{
+    qcModel* model = qcModel_Make();
+    const double zero[3] = {0, 0, 0};
+    for (uint32_t i = 0; i < 100; i++)
+        ck_assert_uint_eq(qcModel_Add(model, zero, zero), i);
+    static const uint32_t freed[] = {50, 3, 99, 7, 0, 64, 12};
+    static const uint32_t expected[] = {0, 3, 7, 12, 50, 64, 99, 100};
+    for (size_t i = 0; i < sizeof freed / sizeof *freed; i++)
+        qcModel_Remove(model, freed[i]);
+    for (size_t i = 0; i < sizeof expected / sizeof *expected; i++)
+        ck_assert_uint_eq(qcModel_Add(model, zero, zero), expected[i]);
+    qcModel_Free(model);
+}
+END_TEST
+
+static void Refused(qcStatus status, const char* place)
+{
+    ck_assert_int_eq(status, qc_statusBadInput);
+    ck_assert_msg(strstr(qcLastMessage(), place) != NULL, "\"%s\" does not name \"%s\"", qcLastMessage(), place);
+}
+
+START_TEST(bad_input_is_refused_and_changes_nothing)
+{
+    qcModel* model = qcModel_Make();
+    const double zero[3] = {0, 0, 0}, one[3] = {1, 1, 1};
+    qcModel_Add(model, zero, one);
+    qcModel_Add(model, zero, one);
+    qcModel_CheckMovedPairs(model);
+    uint32_t id = 77;
+    for (int k = 0; k < 3; k++)
+        for (int kind = 0; kind < 3; kind++)
+        {
+            double lower[3] = {0, 0, 0}, upper[3] = {1, 1, 1};
+            char place[32];
+            snprintf(place, sizeof place, "lower[%d]", k);
+            if (kind < 2)
+                (kind == 0 ? lower : upper)[k] = NAN;
+            else
+                lower[k] = 2.0;
+            Refused(qcBoxes_Add(model->set, lower, upper, NULL, &id), place);
+            Refused(qcBoxes_Move(model->set, 0, lower, upper), place);
+        }
+    Refused(qcBoxes_Create(NULL), "boxes is null");
+    Refused(qcBoxes_Add(NULL, zero, one, NULL, &id), "null");
+    Refused(qcBoxes_Add(model->set, zero, one, NULL, NULL), "null");
+    Refused(qcBoxes_Add(model->set, NULL, one, NULL, &id), "null");
+    Refused(qcBoxes_Move(model->set, 0, zero, NULL), "null");
+    Refused(qcBoxes_Move(model->set, 2, zero, one), "box 2");
+    Refused(qcBoxes_Remove(model->set, 2), "box 2");
+    Refused(qcBoxes_Remove(NULL, 0), "box 0");
+    Refused(qcBoxes_FindMovedPairs(model->set, NULL, NULL), "null");
+    ck_assert_uint_eq(id, 77);
+    ck_assert_ptr_null(qcBoxes_GetUserData(model->set, 2));
+    CheckList(model);
+    qcModel_CheckTree(model);
+    ck_assert_uint_eq(qcModel_CheckMovedPairs(model), 0);
+    qcModel_Free(model);
+    qcBoxes_Destroy(NULL);
+    qcBoxes_Clear(NULL);
+}
+END_TEST
+
+START_TEST(a_query_ends_when_the_function_says_so)
+{
+    qcModel* model = qcModel_Make();
+    const double zero[3] = {0, 0, 0}, one[3] = {1, 1, 1};
+    for (uint32_t i = 0; i < 50; i++)
+        qcModel_Add(model, zero, one);
+    Visits visits = {.model = model, .limit = 7};
+    qcBoxes_QueryBox(model->set, zero, one, Count, &visits);
+    ck_assert_uint_eq(visits.total, 7);
+    visits = (Visits){.model = model, .limit = 9};
+    qcBoxes_CastBox(model->set, zero, one, zero, zero, NULL, Count, &visits);
+    ck_assert_uint_eq(visits.total, 9);
+    qcModel_Free(model);
+}
+END_TEST
+
+static void* AskMany(void* context)
+{
+    const qcModel* model = context;
+    qcRandom random = {11};
+    for (int i = 0; i < 300; i++)
+    {
+        double lower[3], upper[3];
+        RandomBox(&random, &(World){.room = 10}, lower, upper);
+        CheckQuery(model, lower, upper);
+    }
+    return NULL;
+}
+
+START_TEST(several_threads_may_ask_at_once)
+{
+    qcModel* model = qcModel_Make();
+    qcRandom random = {5};
+    for (int i = 0; i < 500; i++)
+    {
+        double lower[3], upper[3];
+        RandomBox(&random, &(World){.room = 10}, lower, upper);
+        qcModel_Add(model, lower, upper);
+    }
+    pthread_t threads[4];
+    for (int i = 0; i < 4; i++)
+        ck_assert_int_eq(pthread_create(&threads[i], NULL, AskMany, model), 0);
+    for (int i = 0; i < 4; i++)
+        pthread_join(threads[i], NULL);
+    qcModel_Free(model);
+}
+END_TEST
+
+typedef struct Heap
+{
+    size_t calls, failAt; ///< failAt: the number of the call that fails; 0: none
+} Heap;
+
+static void* Allocate(size_t size, void* context)
+{
+    Heap* heap = context;
+    return ++heap->calls == heap->failAt ? NULL : aligned_alloc(64, (size + 63) / 64 * 64);
+}
+
+static void Release(void* memory, size_t size, void* context)
+{
+    (void)size;
+    (void)context;
+    free(memory);
+}
+
+START_TEST(out_of_memory_is_a_status_and_the_next_try_finds_everything)
+{
+    Heap heap = {0, 0};
+    CHECK_OK(qcSetAllocator(Allocate, Release, &heap));
+    size_t failures = 0;
+    for (size_t failAt = 1;; failAt++)
+    {
+        heap = (Heap){0, failAt};
+        qcBoxes* set;
+        bool failed = qcBoxes_Create(&set) != qc_statusOk;
+        if (failed)
+        {
+            ck_assert_uint_eq(qcGetByteCount(), 0);
+            CHECK_OK(qcBoxes_Create(&set));
+        }
+        // A cloud of moving boxes: enough for every array to grow.
+        for (uint32_t step = 0; step < 2; step++)
+        {
+            const qcBoxPair* pairs;
+            size_t count;
+            for (uint32_t i = 0; i < 300; i++)
+            {
+                double lower[3] = {i % 30 + step * 0.25, i / 30, 0}, upper[3] = {lower[0] + 1, lower[1] + 1, 1};
+                uint32_t id = i;
+                qcStatus status =
+                    step == 0 ? qcBoxes_Add(set, lower, upper, NULL, &id) : qcBoxes_Move(set, i, lower, upper);
+                if (status != qc_statusOk)
+                {
+                    failed = true;
+                    ck_assert_int_eq(status, qc_statusOutOfMemory);
+                    ck_assert_uint_eq(qcBoxes_GetCount(set), i);
+                    ck_assert_uint_eq(step, 0); // moving needs no memory
+                    CHECK_OK(qcBoxes_Add(set, lower, upper, NULL, &id));
+                }
+                CHECK_QUICKLY(id == i);
+            }
+            qcStatus status = qcBoxes_FindMovedPairs(set, &pairs, &count);
+            if (status != qc_statusOk)
+            {
+                failed = true;
+                ck_assert_int_eq(status, qc_statusOutOfMemory);
+                CHECK_OK(qcBoxes_FindMovedPairs(set, &pairs, &count));
+            }
+            // Neighbours in a grid of 30 by 10, corners too.
+            ck_assert_uint_eq(count, 29 * 10 + 30 * 9 + 2 * 29 * 9);
+        }
+        qcBoxes_Destroy(set);
+        ck_assert_uint_eq(qcGetByteCount(), 0);
+        if (!failed)
+            break;
+        failures++;
+    }
+    ck_assert_uint_gt(failures, 15);
+    CHECK_OK(qcSetAllocator(NULL, NULL, NULL));
+}
+END_TEST
+
+QC_RUN_TESTS("boxes", pairs_and_queries_equal_brute_force_whatever_changes,
+             boxes_that_share_a_face_an_edge_or_a_corner_are_pairs, a_pair_is_reported_only_when_one_of_the_two_moved,
+             a_removed_box_is_in_no_pair, thousands_of_boxes_in_one_place_make_a_low_tree,
+             points_in_one_line_and_in_one_place_are_found, infinite_boxes_do_not_spoil_the_tree,
+             ids_are_reused_lowest_first, bad_input_is_refused_and_changes_nothing,
+             a_query_ends_when_the_function_says_so, several_threads_may_ask_at_once,
+             out_of_memory_is_a_status_and_the_next_try_finds_everything)

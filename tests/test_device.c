@@ -1,0 +1,548 @@
+// Devices: what opens and what says why not, jobs and their errors, and the contexts of the host that stay untouched.
+// The host of these tests opens OSMesa and EGL by itself, as an application would.
+#define _POSIX_C_SOURCE 200809L
+#include "devices.h"
+#include "gl/device.h"
+#include "gl/table.h"
+#include "status.h"
+#include "suite.h"
+
+#include <dlfcn.h>
+#include <pthread.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const char* const s_names[] = {"auto", "egl", "osmesa", "surfaceless", "none"};
+
+//  ---- opening -------------------------------------------------------------------------------------
+
+static qcStatus Open(qcDeviceKind kind, qcDevice** device)
+{
+    qcDeviceDef def = qcDefaultDeviceDef();
+    def.kind = kind;
+    return qcDevice_Create(&def, device);
+}
+
+START_TEST(a_named_kind_opens_or_says_why_not)
+{
+    for (int kind = qc_deviceEgl; kind <= qc_deviceNone; ++kind)
+    {
+        qcDevice* device = NULL;
+        qcStatus status = Open((qcDeviceKind)kind, &device);
+        if (status == qc_statusOk)
+        {
+            qcDeviceInfo info;
+            ck_assert_int_eq(qcDevice_GetInfo(device, &info), qc_statusOk);
+            ck_assert_int_eq(info.kind, kind);
+            ck_assert_str_eq(info.name, s_names[kind]);
+        }
+        else
+        {
+            ck_assert_int_eq(status, qc_statusDevice);
+            ck_assert_ptr_null(device);
+            char start[32];
+            snprintf(start, sizeof start, "device %s: ", s_names[kind]);
+            ck_assert_int_eq(strncmp(qcLastMessage(), start, strlen(start)), 0);
+            ck_assert_uint_gt(strlen(qcLastMessage()), strlen(start));
+        }
+        qcDevice_Destroy(device);
+        ck_assert_uint_eq(qcGetByteCount(), 0);
+    }
+}
+END_TEST
+
+START_TEST(the_device_none_always_opens_and_has_no_gl)
+{
+    qcDevice* device = NULL;
+    ck_assert_int_eq(Open(qc_deviceNone, &device), qc_statusOk);
+    qcDeviceInfo info;
+    ck_assert_int_eq(qcDevice_GetInfo(device, &info), qc_statusOk);
+    ck_assert_int_eq(info.kind, qc_deviceNone);
+    ck_assert_str_eq(info.renderer, "");
+    ck_assert_str_eq(info.version, "");
+    ck_assert_uint_eq(info.maxResolution, 0);
+    ck_assert_int_eq(qcDevice_Run(device, NULL, NULL, "a test"), qc_statusDevice);
+    ck_assert_str_eq(qcLastMessage(), "a test: the device none has no GL");
+    qcDevice_Destroy(device);
+    ck_assert_uint_eq(qcGetByteCount(), 0);
+}
+END_TEST
+
+static void CountSkipped(const char* line, void* context)
+{
+    // "device KIND skipped: REASON"
+    ck_assert_ptr_nonnull(strstr(line, " skipped: "));
+    ++*(int*)context;
+}
+
+START_TEST(auto_opens_the_first_kind_that_works_and_logs_the_others)
+{
+    int skipped = 0;
+    qcSetLog(CountSkipped, &skipped);
+    qcDevice* device = NULL;
+    ck_assert_int_eq(Open(qc_deviceAuto, &device), qc_statusOk);
+    qcSetLog(NULL, NULL);
+    qcDeviceInfo info;
+    ck_assert_int_eq(qcDevice_GetInfo(device, &info), qc_statusOk);
+    ck_assert_int_ne(info.kind, qc_deviceAuto);
+    ck_assert_int_eq(skipped, (int)info.kind - (int)qc_deviceEgl);
+    for (int kind = qc_deviceEgl; kind < (int)info.kind; ++kind)
+    {
+        qcDevice* other = NULL;
+        ck_assert_int_eq(Open((qcDeviceKind)kind, &other), qc_statusDevice);
+    }
+    qcDevice_Destroy(device);
+    ck_assert_uint_eq(qcGetByteCount(), 0);
+}
+END_TEST
+
+START_TEST(a_bad_definition_is_refused_by_name)
+{
+    qcDevice* device = NULL;
+    qcDeviceDef def = qcDefaultDeviceDef();
+    ck_assert_int_eq(qcDevice_Create(NULL, &device), qc_statusBadInput);
+    ck_assert_int_eq(qcDevice_Create(&def, NULL), qc_statusBadInput);
+    def.structSize = 3;
+    ck_assert_int_eq(qcDevice_Create(&def, &device), qc_statusBadInput);
+    ck_assert_ptr_nonnull(strstr(qcLastMessage(), "structSize"));
+    def = qcDefaultDeviceDef();
+    def.kind = (qcDeviceKind)17;
+    ck_assert_int_eq(qcDevice_Create(&def, &device), qc_statusBadInput);
+    ck_assert_ptr_nonnull(strstr(qcLastMessage(), "17"));
+    qcDeviceInfo info;
+    ck_assert_int_eq(qcDevice_GetInfo(NULL, &info), qc_statusBadInput);
+    ck_assert_ptr_null(device);
+    qcDevice_Destroy(NULL);
+    ck_assert_uint_eq(qcGetByteCount(), 0);
+}
+END_TEST
+
+START_TEST(software_devices_say_what_they_are)
+{
+    QC_FOR_EACH_DEVICE(device)
+    {
+        qcDeviceInfo info;
+        ck_assert_int_eq(qcDevice_GetInfo(device, &info), qc_statusOk);
+        ck_assert_uint_gt(strlen(info.renderer), 0);
+        ck_assert_uint_gt(strlen(info.version), 0);
+        ck_assert_uint_ge(info.maxResolution, 1024); // the least that GL 3.3 asks for
+        if (info.kind == qc_deviceOsmesa)
+            ck_assert(info.software);
+    }
+    ck_assert_uint_eq(qcGetByteCount(), 0);
+}
+END_TEST
+
+static void* RefuseMemory(size_t size, void* context)
+{
+    (void)size;
+    (void)context;
+    return NULL;
+}
+
+static void FreeMemory(void* memory, size_t size, void* context)
+{
+    (void)size;
+    (void)context;
+    free(memory);
+}
+
+START_TEST(no_memory_for_a_device_is_a_status)
+{
+    ck_assert_int_eq(qcSetAllocator(RefuseMemory, FreeMemory, NULL), qc_statusOk);
+    qcDevice* device = NULL;
+    ck_assert_int_eq(Open(qc_deviceAuto, &device), qc_statusOutOfMemory);
+    ck_assert_ptr_null(device);
+    ck_assert_int_eq(qcSetAllocator(NULL, NULL, NULL), qc_statusOk);
+}
+END_TEST
+
+START_TEST(devices_open_and_close_many_times_and_side_by_side)
+{
+    qcDevice* devices[6] = {NULL};
+    for (int round = 0; round < 5; ++round)
+    {
+        for (int i = 0; i < 6; ++i)
+        {
+            if (Open(qc_softwareKinds[i % 2], &devices[i]) != qc_statusOk)
+                devices[i] = NULL;
+        }
+        // Not in the order in which they were opened.
+        for (int i = 0; i < 6; ++i)
+        {
+            qcDevice_Destroy(devices[(5 * i + round) % 6]);
+            devices[(5 * i + round) % 6] = NULL;
+        }
+        ck_assert_uint_eq(qcGetByteCount(), 0);
+    }
+}
+END_TEST
+
+//  ---- jobs ----------------------------------------------------------------------------------------
+
+static qcStatus CheckVersion(const struct qcGlTable* gl, void* context)
+{
+    GLint major = 0, minor = 0;
+    gl->GetIntegerv(GL_MAJOR_VERSION, &major);
+    gl->GetIntegerv(GL_MINOR_VERSION, &minor);
+    *(int*)context = 10 * major + minor;
+    return qc_statusOk;
+}
+
+START_TEST(a_job_finds_a_context_of_gl_3_3_or_more)
+{
+    QC_FOR_EACH_DEVICE(device)
+    {
+        int version = 0;
+        ck_assert_int_eq(qcDevice_Run(device, CheckVersion, &version, "a test"), qc_statusOk);
+        ck_assert_int_ge(version, 33);
+    }
+}
+END_TEST
+
+static qcStatus FailJob(const struct qcGlTable* gl, void* context)
+{
+    (void)gl;
+    return qcFail(qc_statusOutOfMemory, "the job says %s", (const char*)context);
+}
+
+static qcStatus MakeGlErrors(const struct qcGlTable* gl, void* context)
+{
+    (void)context;
+    gl->Enable(0xdead);
+    gl->DepthFunc(0xbeef);
+    gl->Viewport(0, 0, -1, -1);
+    return qc_statusOk;
+}
+
+START_TEST(status_and_message_of_a_job_reach_the_caller)
+{
+    QC_FOR_EACH_DEVICE(device)
+    {
+        ck_assert_int_eq(qcDevice_Run(device, FailJob, "no", "a test"), qc_statusOutOfMemory);
+        ck_assert_str_eq(qcLastMessage(), "the job says no");
+    }
+}
+END_TEST
+
+START_TEST(a_gl_error_is_a_status_and_the_device_goes_on)
+{
+    QC_FOR_EACH_DEVICE(device)
+    {
+        ck_assert_int_eq(qcDevice_Run(device, MakeGlErrors, NULL, "bad drawing"), qc_statusDevice);
+        ck_assert_str_eq(qcLastMessage(), "bad drawing: GL_INVALID_ENUM (0x500)");
+        // Nothing of it is left for the next job.
+        int version = 0;
+        ck_assert_int_eq(qcDevice_Run(device, CheckVersion, &version, "a test"), qc_statusOk);
+    }
+}
+END_TEST
+
+static qcStatus LeaveStateBehind(const struct qcGlTable* gl, void* context)
+{
+    (void)context;
+    gl->Enable(GL_DEPTH_TEST);
+    gl->Enable(GL_POLYGON_OFFSET_FILL);
+    gl->Enable(GL_FRAMEBUFFER_SRGB);
+    gl->DepthMask(GL_FALSE);
+    gl->DepthFunc(GL_GREATER);
+    gl->FrontFace(GL_CW);
+    gl->PolygonMode(GL_FRONT_AND_BACK, GL_LINE);
+    gl->PixelStorei(GL_PACK_ROW_LENGTH, 77);
+    return qc_statusOk;
+}
+
+static qcStatus FindInitialState(const struct qcGlTable* gl, void* context)
+{
+    (void)context;
+    const struct
+    {
+        GLenum name;
+        GLint initial;
+    } states[] = {{GL_DEPTH_TEST, 0},      {GL_POLYGON_OFFSET_FILL, 0}, {GL_FRAMEBUFFER_SRGB, 0},
+                  {GL_DEPTH_WRITEMASK, 1}, {GL_DEPTH_FUNC, GL_LESS},    {GL_FRONT_FACE, GL_CCW},
+                  {GL_PACK_ROW_LENGTH, 0}};
+    for (size_t i = 0; i < sizeof states / sizeof states[0]; ++i)
+    {
+        GLint value = -1;
+        gl->GetIntegerv(states[i].name, &value);
+        if (value != states[i].initial)
+            return qcFail(qc_statusBadInput, "state 0x%x is 0x%x", states[i].name, (unsigned)value);
+    }
+    GLint modes[2] = {0, 0};
+    gl->GetIntegerv(GL_POLYGON_MODE, modes);
+    return modes[0] == GL_FILL ? qc_statusOk
+                               : qcFail(qc_statusBadInput, "the polygon mode is 0x%x", (unsigned)modes[0]);
+}
+
+START_TEST(a_job_finds_the_initial_state)
+{
+    QC_FOR_EACH_DEVICE(device)
+    {
+        ck_assert_int_eq(qcDevice_Run(device, FindInitialState, NULL, "a test"), qc_statusOk);
+        ck_assert_int_eq(qcDevice_Run(device, LeaveStateBehind, NULL, "a test"), qc_statusOk);
+        qcStatus status = qcDevice_Run(device, FindInitialState, NULL, "a test");
+        ck_assert_msg(status == qc_statusOk, "%s", qcLastMessage());
+    }
+}
+END_TEST
+
+enum
+{
+    qc_jobsPerCaller = 200
+};
+
+typedef struct Caller
+{
+    qcDevice* device;
+    int* count; ///< no lock: jobs of one device never overlap
+    int number;
+    int wrongMessages;
+} Caller;
+
+static qcStatus CountJob(const struct qcGlTable* gl, void* context)
+{
+    (void)gl;
+    Caller* caller = context;
+    ++*caller->count;
+    return qcFail(qc_statusBadInput, "caller %d", caller->number);
+}
+
+static void* CallOften(void* argument)
+{
+    Caller* caller = argument;
+    char expected[32];
+    snprintf(expected, sizeof expected, "caller %d", caller->number);
+    for (int i = 0; i < qc_jobsPerCaller; ++i)
+    {
+        if (qcDevice_Run(caller->device, CountJob, caller, "a test") != qc_statusBadInput ||
+            strcmp(qcLastMessage(), expected) != 0)
+            ++caller->wrongMessages;
+    }
+    return NULL;
+}
+
+START_TEST(many_callers_are_served_one_after_another_each_with_its_own_message)
+{
+    QC_FOR_EACH_DEVICE(device)
+    {
+        int count = 0;
+        Caller callers[4];
+        pthread_t threads[4];
+        for (int i = 0; i < 4; ++i)
+        {
+            callers[i] = (Caller){device, &count, i, 0};
+            ck_assert_int_eq(pthread_create(&threads[i], NULL, CallOften, &callers[i]), 0);
+        }
+        for (int i = 0; i < 4; ++i)
+        {
+            ck_assert_int_eq(pthread_join(threads[i], NULL), 0);
+            ck_assert_int_eq(callers[i].wrongMessages, 0);
+        }
+        ck_assert_int_eq(count, 4 * qc_jobsPerCaller);
+    }
+}
+END_TEST
+
+/// Clears a small image to a colour and reads it back.
+static qcStatus ClearAndRead(const struct qcGlTable* gl, void* context)
+{
+    uint8_t* rgba = context;
+    GLuint framebuffer = 0, color = 0;
+    gl->GenFramebuffers(1, &framebuffer);
+    gl->GenRenderbuffers(1, &color);
+    gl->BindFramebuffer(GL_FRAMEBUFFER, framebuffer);
+    gl->BindRenderbuffer(GL_RENDERBUFFER, color);
+    gl->RenderbufferStorage(GL_RENDERBUFFER, GL_RGBA8, 4, 4);
+    gl->FramebufferRenderbuffer(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_RENDERBUFFER, color);
+    gl->ClearColor((float)rgba[0] / 255.0f, (float)rgba[1] / 255.0f, (float)rgba[2] / 255.0f, 1.0f);
+    gl->Clear(GL_COLOR_BUFFER_BIT);
+    memset(rgba, 0, 4);
+    gl->ReadPixels(1, 1, 1, 1, GL_RGBA, GL_UNSIGNED_BYTE, rgba);
+    gl->DeleteFramebuffers(1, &framebuffer);
+    gl->DeleteRenderbuffers(1, &color);
+    return qc_statusOk;
+}
+
+typedef struct Drawer
+{
+    qcDeviceKind kind;
+    uint8_t color;
+    int wrong;
+} Drawer;
+
+static void* DrawOften(void* argument)
+{
+    Drawer* drawer = argument;
+    for (int round = 0; round < 5; ++round)
+    {
+        qcDevice* device = NULL;
+        if (Open(drawer->kind, &device) != qc_statusOk)
+            return NULL;
+        for (int i = 0; i < 20; ++i)
+        {
+            uint8_t rgba[4] = {drawer->color, (uint8_t)i, 0, 0};
+            if (qcDevice_Run(device, ClearAndRead, rgba, "a test") != qc_statusOk || rgba[0] != drawer->color ||
+                rgba[1] != i || rgba[3] != 255)
+                ++drawer->wrong;
+        }
+        qcDevice_Destroy(device);
+    }
+    return NULL;
+}
+
+START_TEST(devices_on_several_threads_do_not_disturb_each_other)
+{
+    Drawer drawers[4];
+    pthread_t threads[4];
+    for (int i = 0; i < 4; ++i)
+    {
+        drawers[i] = (Drawer){qc_softwareKinds[i % 2], (uint8_t)(50 * i + 20), 0};
+        ck_assert_int_eq(pthread_create(&threads[i], NULL, DrawOften, &drawers[i]), 0);
+    }
+    for (int i = 0; i < 4; ++i)
+    {
+        ck_assert_int_eq(pthread_join(threads[i], NULL), 0);
+        ck_assert_int_eq(drawers[i].wrong, 0);
+    }
+    ck_assert_uint_eq(qcGetByteCount(), 0);
+}
+END_TEST
+
+//  ---- the host's contexts -------------------------------------------------------------------------
+
+/// Opens, uses and closes each kind of device, as the library would during a step.
+static void UseEveryKind(void)
+{
+    for (int kind = qc_deviceAuto; kind <= qc_deviceNone; ++kind)
+    {
+        qcDevice* device = NULL;
+        if (Open((qcDeviceKind)kind, &device) != qc_statusOk)
+            continue;
+        uint8_t rgba[4] = {10, 20, 30, 0};
+        qcStatus status = qcDevice_Run(device, ClearAndRead, rgba, "a test");
+        qcDeviceInfo info;
+        qcDevice_GetInfo(device, &info);
+        ck_assert_int_eq(status, info.kind == qc_deviceNone ? qc_statusDevice : qc_statusOk);
+        qcDevice_Destroy(device);
+    }
+}
+
+static void* FindFunction(void* library, const char* name)
+{
+    void* function = dlsym(library, name);
+    ck_assert_msg(function != NULL, "%s is missing", name);
+    return function;
+}
+
+START_TEST(an_osmesa_context_of_the_host_stays_current_and_draws)
+{
+    void* library = dlopen("libOSMesa.so.8", RTLD_NOW | RTLD_LOCAL);
+    if (library == NULL)
+        library = dlopen("libOSMesa.so.6", RTLD_NOW | RTLD_LOCAL);
+    if (library == NULL)
+    {
+        printf("skipped: no libOSMesa\n");
+        return;
+    }
+    void* (*create)(GLenum, void*) = (void* (*)(GLenum, void*))FindFunction(library, "OSMesaCreateContext");
+    GLboolean (*makeCurrent)(void*, void*, GLenum, GLsizei, GLsizei) =
+        (GLboolean(*)(void*, void*, GLenum, GLsizei, GLsizei))FindFunction(library, "OSMesaMakeCurrent");
+    void* (*getCurrent)(void) = (void* (*)(void))FindFunction(library, "OSMesaGetCurrentContext");
+    void (*destroy)(void*) = (void (*)(void*))FindFunction(library, "OSMesaDestroyContext");
+    qcGlGetFunction* getFunction = (qcGlGetFunction*)FindFunction(library, "OSMesaGetProcAddress");
+
+    uint8_t image[8 * 8 * 4] = {0};
+    void* context = create(GL_RGBA, NULL);
+    ck_assert_ptr_nonnull(context);
+    ck_assert(makeCurrent(context, image, GL_UNSIGNED_BYTE, 8, 8));
+    PFNGLCLEARCOLORPROC clearColor = (PFNGLCLEARCOLORPROC)getFunction("glClearColor");
+    PFNGLCLEARPROC clear = (PFNGLCLEARPROC)getFunction("glClear");
+    PFNGLFINISHPROC finish = (PFNGLFINISHPROC)getFunction("glFinish");
+    PFNGLGETERRORPROC getError = (PFNGLGETERRORPROC)getFunction("glGetError");
+    clearColor(1.0f, 0.0f, 0.0f, 1.0f);
+    clear(GL_COLOR_BUFFER_BIT);
+
+    UseEveryKind();
+
+    ck_assert_ptr_eq(getCurrent(), context);
+    finish();
+    ck_assert_uint_eq(image[0], 255);
+    ck_assert_uint_eq(image[1], 0);
+    clearColor(0.0f, 1.0f, 0.0f, 1.0f);
+    clear(GL_COLOR_BUFFER_BIT);
+    finish();
+    ck_assert_uint_eq(image[0], 0);
+    ck_assert_uint_eq(image[1], 255);
+    ck_assert_uint_eq(getError(), GL_NO_ERROR);
+    makeCurrent(NULL, NULL, 0, 0, 0);
+    destroy(context);
+}
+END_TEST
+
+// EGL's interface, as far as the host needs it.
+enum
+{
+    egl_none = 0x3038,
+    egl_openglApi = 0x30A2,
+    egl_platformSurfaceless = 0x31DD
+};
+
+START_TEST(a_surfaceless_egl_context_of_the_host_stays_current_and_draws)
+{
+    void* library = dlopen("libEGL.so.1", RTLD_NOW | RTLD_LOCAL);
+    if (library == NULL)
+    {
+        printf("skipped: no libEGL\n");
+        return;
+    }
+    qcGlGetFunction* getFunction = (qcGlGetFunction*)FindFunction(library, "eglGetProcAddress");
+    unsigned (*initialize)(void*, int*, int*) = (unsigned (*)(void*, int*, int*))FindFunction(library, "eglInitialize");
+    unsigned (*bindApi)(unsigned) = (unsigned (*)(unsigned))FindFunction(library, "eglBindAPI");
+    void* (*create)(void*, void*, void*, const int*) =
+        (void* (*)(void*, void*, void*, const int*))FindFunction(library, "eglCreateContext");
+    unsigned (*makeCurrent)(void*, void*, void*, void*) =
+        (unsigned (*)(void*, void*, void*, void*))FindFunction(library, "eglMakeCurrent");
+    void* (*getCurrent)(void) = (void* (*)(void))FindFunction(library, "eglGetCurrentContext");
+    unsigned (*queryApi)(void) = (unsigned (*)(void))FindFunction(library, "eglQueryAPI");
+    unsigned (*destroy)(void*, void*) = (unsigned (*)(void*, void*))FindFunction(library, "eglDestroyContext");
+    void* (*getDisplay)(unsigned, void*, const int*) =
+        (void* (*)(unsigned, void*, const int*))getFunction("eglGetPlatformDisplayEXT");
+
+    void* display = getDisplay != NULL ? getDisplay(egl_platformSurfaceless, NULL, NULL) : NULL;
+    const int attributes[] = {egl_none};
+    void* context = NULL;
+    if (display != NULL && initialize(display, NULL, NULL) && bindApi(egl_openglApi))
+        context = create(display, NULL, NULL, attributes);
+    if (context == NULL)
+    {
+        printf("skipped: no surfaceless EGL\n");
+        return;
+    }
+    ck_assert(makeCurrent(display, NULL, NULL, context));
+
+    UseEveryKind();
+
+    ck_assert_ptr_eq(getCurrent(), context);
+    ck_assert_uint_eq(queryApi(), egl_openglApi);
+    struct qcGlTable gl = {0};
+    ck_assert_int_eq(qcGlTable_Load(&gl, getFunction), qc_statusOk);
+    uint8_t rgba[4] = {200, 100, 50, 0};
+    ck_assert_int_eq(ClearAndRead(&gl, rgba), qc_statusOk);
+    ck_assert_uint_eq(rgba[0], 200);
+    ck_assert_uint_eq(rgba[1], 100);
+    ck_assert_uint_eq(gl.GetError(), GL_NO_ERROR);
+    ck_assert(makeCurrent(display, NULL, NULL, NULL));
+    destroy(display, context);
+}
+END_TEST
+
+QC_RUN_TESTS("device", a_named_kind_opens_or_says_why_not, the_device_none_always_opens_and_has_no_gl,
+             auto_opens_the_first_kind_that_works_and_logs_the_others, a_bad_definition_is_refused_by_name,
+             software_devices_say_what_they_are, no_memory_for_a_device_is_a_status,
+             devices_open_and_close_many_times_and_side_by_side, a_job_finds_a_context_of_gl_3_3_or_more,
+             status_and_message_of_a_job_reach_the_caller, a_gl_error_is_a_status_and_the_device_goes_on,
+             a_job_finds_the_initial_state, many_callers_are_served_one_after_another_each_with_its_own_message,
+             devices_on_several_threads_do_not_disturb_each_other,
+             an_osmesa_context_of_the_host_stays_current_and_draws,
+             a_surfaceless_egl_context_of_the_host_stays_current_and_draws)

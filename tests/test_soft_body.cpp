@@ -1,0 +1,299 @@
+// The soft-body solver in Bullet's soft-rigid world: what penetrates without it does not with it, in both precisions.
+#include "quickcullide/bullet.h"
+
+#include <BulletSoftBody/btSoftBodyHelpers.h>
+#include <BulletSoftBody/btSoftBodyRigidBodyCollisionConfiguration.h>
+#include <BulletSoftBody/btSoftRigidDynamicsWorld.h>
+#include <btBulletDynamicsCommon.h>
+
+#include <cmath>
+#include <limits>
+#include <algorithm>
+#include <cstring>
+#include <vector>
+
+// After the standard headers: check defines a macro named fail.
+#include "suite.h"
+
+namespace
+{
+/// A floor, a small box on it, and whatever is added.
+struct World
+{
+    btSoftBodyRigidBodyCollisionConfiguration configuration;
+    btCollisionDispatcher dispatcher{&configuration};
+    qcBroadphase broadphase;
+    btSequentialImpulseConstraintSolver solver;
+    qcSoftBodySolver softSolver;
+    btSoftRigidDynamicsWorld world{&dispatcher, &broadphase, &solver, &configuration, &softSolver};
+    btStaticPlaneShape floorShape{btVector3(0, 1, 0), 0};
+    btRigidBody floor{btRigidBody::btRigidBodyConstructionInfo(0, nullptr, &floorShape)};
+    std::vector<btSoftBody*> cloths;
+
+    World()
+    {
+        world.getWorldInfo().m_gravity = world.getGravity();
+        world.addRigidBody(&floor);
+        softSolver.setThreadCount(1);
+    }
+
+    ~World()
+    {
+        for (btSoftBody* cloth : cloths)
+        {
+            world.removeSoftBody(cloth);
+            delete cloth;
+        }
+        world.removeRigidBody(&floor);
+    }
+
+    /// A patch of side * side squares with the given corners.
+    btSoftBody* AddCloth(const btVector3& a, const btVector3& b, const btVector3& c, const btVector3& d, int side,
+                         int group = btBroadphaseProxy::DefaultFilter, int mask = btBroadphaseProxy::AllFilter)
+    {
+        btSoftBody* cloth =
+            btSoftBodyHelpers::CreatePatch(world.getWorldInfo(), a, b, c, d, side + 1, side + 1, 0, true);
+        cloth->getCollisionShape()->setMargin(btScalar(0.01));
+        cloth->m_cfg.piterations = 6;
+        cloth->m_cfg.collisions = btSoftBody::fCollision::SDF_RS | btSoftBody::fCollision::VF_SS;
+        cloth->m_cfg.kKHR = 1;
+        cloth->setTotalMass(btScalar(0.5));
+        world.addSoftBody(cloth, group, mask);
+        cloths.push_back(cloth);
+        return cloth;
+    }
+
+    /// A cloth hanging upright over the floor: it falls into a heap of folds.
+    btSoftBody* AddUprightCloth(int side)
+    {
+        return AddCloth(btVector3(-0.5, 0.05, 0), btVector3(0.5, 0.05, 0.02), btVector3(-0.5, 1.05, 0.03),
+                        btVector3(0.5, 1.05, -0.02), side);
+    }
+
+    void Step()
+    {
+        world.stepSimulation(btScalar(1.0 / 120), 0);
+    }
+};
+
+/// Penetrating pairs of all cloths, counted without the solver under test; `between`: only pairs of different cloths.
+size_t CountPenetrating(const World& world, bool between = false)
+{
+    qcSceneDef sceneDef = qcDefaultSceneDef();
+    qcScene* scene = nullptr;
+    ck_assert_int_eq(qcScene_Create(&sceneDef, &scene), qc_statusOk);
+    for (const btSoftBody* cloth : world.cloths)
+    {
+        std::vector<double> positions;
+        std::vector<uint32_t> indices;
+        for (int i = 0; i < cloth->m_nodes.size(); i++)
+            for (int axis = 0; axis < 3; axis++)
+                positions.push_back(double(cloth->m_nodes[i].m_x[axis]));
+        for (int i = 0; i < cloth->m_faces.size(); i++)
+            for (const btSoftBody::Node* node : cloth->m_faces[i].m_n)
+                indices.push_back(uint32_t(node - &cloth->m_nodes[0]));
+        qcBodyDef def = qcDefaultBodyDef();
+        def.positions = positions.data();
+        def.positionType = qc_positionF64;
+        def.vertexCount = uint32_t(positions.size() / 3);
+        def.indices = indices.data();
+        def.triangleCount = uint32_t(indices.size() / 3);
+        def.selfCollision = !between;
+        qcBodyId id;
+        ck_assert_int_eq(qcScene_AddBody(scene, &def, &id), qc_statusOk);
+    }
+    qcDetectDef def = qcDefaultDetectDef();
+    const qcResult* result = nullptr;
+    ck_assert_int_eq(qcScene_Detect(scene, &def, &result), qc_statusOk);
+    size_t pairs = result->pairCount;
+    qcScene_Destroy(scene);
+    return pairs;
+}
+
+/// The most penetrating pairs after any step.
+size_t MostPenetrating(World& world, int steps)
+{
+    size_t most = 0;
+    for (int i = 0; i < steps; i++)
+    {
+        world.Step();
+        ck_assert_int_eq(world.softSolver.getStatistics().status, qc_statusOk);
+        most = std::max(most, CountPenetrating(world));
+        ck_assert_uint_eq(size_t(world.softSolver.getStatistics().remaining), most);
+    }
+    return most;
+}
+
+START_TEST(a_falling_cloth_never_penetrates_itself)
+{
+    World world;
+    world.AddUprightCloth(24);
+    ck_assert_uint_eq(MostPenetrating(world, 150), 0);
+    ck_assert_int_gt(world.softSolver.getStatistics().contacts, 20);
+}
+END_TEST
+
+START_TEST(the_same_cloth_does_without_self_collision)
+{
+    World world;
+    btSoftBody* cloth = world.AddUprightCloth(24);
+    qcSoftBodySettings settings;
+    settings.selfCollision = false;
+    world.softSolver.setSettings(cloth, settings);
+    ck_assert(!world.softSolver.getSettings(cloth).selfCollision);
+    for (int i = 0; i < 150; i++)
+        world.Step();
+    ck_assert_int_eq(world.softSolver.getStatistics().contacts, 0);
+    ck_assert_uint_gt(CountPenetrating(world), 20);
+}
+END_TEST
+
+btSoftBody* AddSheet(World& world, btScalar y, btScalar turn, int group, int mask)
+{
+    btScalar c = std::cos(turn) / 2, s = std::sin(turn) / 2;
+    return world.AddCloth(btVector3(-c + s, y, -s - c), btVector3(c + s, y, s - c), btVector3(-c - s, y, -s + c),
+                          btVector3(c - s, y, s + c), 14, group, mask);
+}
+
+START_TEST(cloths_that_fall_on_each_other_stay_apart)
+{
+    World world;
+    AddSheet(world, btScalar(0.02), 0, 1, -1);
+    AddSheet(world, btScalar(0.10), btScalar(0.4), 1, -1);
+    AddSheet(world, btScalar(0.20), btScalar(0.9), 1, -1);
+    ck_assert_uint_eq(MostPenetrating(world, 120), 0);
+    // In the order in which they fell.
+    for (int i = 0; i + 1 < 3; i++)
+    {
+        btVector3 low, high, lowNext, highNext;
+        world.cloths[size_t(i)]->getAabb(low, high);
+        world.cloths[size_t(i) + 1]->getAabb(lowNext, highNext);
+        ck_assert(lowNext.y() > low.y());
+    }
+}
+END_TEST
+
+START_TEST(cloths_that_the_broadphase_filters_do_not_touch)
+{
+    World world;
+    AddSheet(world, btScalar(0.02), 0, 1, ~2);
+    AddSheet(world, btScalar(0.10), btScalar(0.4), 2, ~1);
+    for (int i = 0; i < 120; i++)
+    {
+        world.Step();
+        ck_assert_int_eq(world.softSolver.getStatistics().contacts, 0);
+    }
+}
+END_TEST
+
+START_TEST(self_contacts_stand_in_manifolds_until_the_next_step)
+{
+    World world;
+    btSoftBody* cloth = world.AddUprightCloth(16);
+    int seen = 0;
+    for (int i = 0; i < 120; i++)
+    {
+        world.Step();
+        int points = 0;
+        for (int m = 0; m < world.dispatcher.getNumManifolds(); m++)
+        {
+            const btPersistentManifold* manifold = world.dispatcher.getManifoldByIndexInternal(m);
+            if (manifold->getBody0() != cloth || manifold->getBody1() != cloth)
+                continue;
+            for (int p = 0; p < manifold->getNumContacts(); p++, points++)
+            {
+                const btManifoldPoint& point = manifold->getContactPoint(p);
+                ck_assert(std::abs(point.m_normalWorldOnB.length() - 1) < btScalar(1e-3));
+                ck_assert(point.getDistance() <= 0);
+                // The points are as far apart as the distance between surfaces and the thickness say.
+                btScalar apart = (point.getPositionWorldOnA() - point.getPositionWorldOnB()).length();
+                ck_assert(apart <= btScalar(0.01) + btScalar(1e-4));
+            }
+        }
+        ck_assert_int_eq(points, world.softSolver.getStatistics().contacts);
+        seen += points;
+    }
+    ck_assert_int_gt(seen, 100);
+    // A body may go between two steps.
+    world.world.removeSoftBody(cloth);
+    world.cloths.clear();
+    delete cloth;
+    world.Step();
+    ck_assert_int_eq(world.dispatcher.getNumManifolds(), 0);
+}
+END_TEST
+
+START_TEST(a_node_that_is_not_finite_is_named_and_nothing_crashes)
+{
+    World world;
+    btSoftBody* cloth = world.AddUprightCloth(6);
+    world.Step();
+    ck_assert_int_eq(world.softSolver.getStatistics().status, qc_statusOk);
+    cloth->m_nodes[5].m_x.setX(std::numeric_limits<btScalar>::quiet_NaN());
+    cloth->m_nodes[5].m_v.setX(std::numeric_limits<btScalar>::quiet_NaN());
+    world.Step();
+    ck_assert_int_eq(world.softSolver.getStatistics().status, qc_statusBadInput);
+    ck_assert_ptr_nonnull(std::strstr(qcLastMessage(), "of body 0 is not finite"));
+}
+END_TEST
+
+START_TEST(a_new_topology_is_taken_over)
+{
+    World world;
+    btSoftBody* cloth = world.AddUprightCloth(12);
+    for (int i = 0; i < 60; i++)
+        world.Step();
+    int before = cloth->m_faces.size();
+    // Tear: the faces of the upper half are gone.
+    for (int i = before - 1; i >= before / 2; i--)
+    {
+        cloth->m_faces.swap(i, cloth->m_faces.size() - 1);
+        cloth->m_faces.pop_back();
+    }
+    for (int i = 0; i < 60; i++)
+    {
+        world.Step();
+        ck_assert_int_eq(world.softSolver.getStatistics().status, qc_statusOk);
+        ck_assert_int_eq(world.softSolver.getStatistics().remaining, 0);
+    }
+}
+END_TEST
+
+START_TEST(two_runs_agree_bit_by_bit_for_any_number_of_threads)
+{
+    std::vector<btVector3> expected;
+    for (unsigned threads = 1; threads <= 3; threads++)
+    {
+        World world;
+        btSoftBody* cloth = world.AddUprightCloth(14);
+        world.softSolver.setThreadCount(threads);
+        for (int i = 0; i < 100; i++)
+            world.Step();
+        for (int i = 0; i < cloth->m_nodes.size(); i++)
+        {
+            if (threads == 1)
+                expected.push_back(cloth->m_nodes[i].m_x);
+            ck_assert(expected[size_t(i)] == cloth->m_nodes[i].m_x);
+        }
+    }
+}
+END_TEST
+
+START_TEST(everything_is_given_back)
+{
+    {
+        World world;
+        world.AddUprightCloth(10);
+        for (int i = 0; i < 40; i++)
+            world.Step();
+        ck_assert_uint_gt(qcGetByteCount(), 0);
+    }
+    ck_assert_uint_eq(qcGetByteCount(), 0);
+}
+END_TEST
+} // namespace
+
+QC_RUN_TESTS("soft body", a_falling_cloth_never_penetrates_itself, the_same_cloth_does_without_self_collision,
+             cloths_that_fall_on_each_other_stay_apart, cloths_that_the_broadphase_filters_do_not_touch,
+             self_contacts_stand_in_manifolds_until_the_next_step, a_node_that_is_not_finite_is_named_and_nothing_crashes,
+             a_new_topology_is_taken_over, two_runs_agree_bit_by_bit_for_any_number_of_threads, everything_is_given_back)
