@@ -1,7 +1,7 @@
 // Contacts of soft bodies as Bullet manifolds.
 //
-// They live from the end of one step to the beginning of the next: before the next collision detection they are gone, so
-// the rigid-body solver never sees a body that was removed in between.
+// They live from the end of one step to the beginning of the next: before the next collision detection they are gone,
+// so the rigid-body solver never sees a body that was removed in between.
 #include "manifolds.h"
 
 #include <BulletCollision/BroadphaseCollision/btDispatcher.h>
@@ -59,8 +59,8 @@ void qcManifolds::Publish(qcSoftBodyScene& scene, const qcResult& result, const 
         btVector3 pointB = PointOf(b.body, contact.verticesB, contact.weightsB);
         btVector3 normal(btScalar(contact.normal[0]), btScalar(contact.normal[1]), btScalar(contact.normal[2]));
         btScalar depth = btScalar(contact.distance) - (a.thickness + b.thickness) / 2;
-        btManifoldPoint point(a.body->getWorldTransform().invXform(pointA), b.body->getWorldTransform().invXform(pointB),
-                              normal, depth);
+        btManifoldPoint point(a.body->getWorldTransform().invXform(pointA),
+                              b.body->getWorldTransform().invXform(pointB), normal, depth);
         point.m_positionWorldOnA = pointA;
         point.m_positionWorldOnB = pointB;
         point.m_combinedFriction = (a.settings.friction + b.settings.friction) / 2;

@@ -82,7 +82,7 @@ int PutBack(qcSceneSoftBody& body, uint32_t triangle)
 }
 } // namespace
 
-void qcMakeSoftConstraints(qcSoftBodyScene& scene, const qcResult& result, qcMayPush* mayPush, const void* context,
+void qcMakeSoftConstraints(qcSoftBodyScene& scene, const qcResult& result, qcMayPush* mayPush,
                            std::vector<qcSoftConstraint>* constraints, std::vector<size_t>* contactOf)
 {
     constraints->clear();
@@ -92,7 +92,7 @@ void qcMakeSoftConstraints(qcSoftBodyScene& scene, const qcResult& result, qcMay
         const qcContact& contact = result.contacts[i];
         qcSceneSoftBody *a = scene.Find(contact.bodyA), *b = scene.Find(contact.bodyB);
         btScalar thickness = (a->thickness + b->thickness) / 2;
-        if (btScalar(contact.distance) > thickness || !mayPush(*a, *b, context))
+        if (btScalar(contact.distance) > thickness || !mayPush(*a, *b))
             continue;
         qcSoftConstraint constraint{};
         constraint.startOffset.setZero();
@@ -100,7 +100,8 @@ void qcMakeSoftConstraints(qcSoftBodyScene& scene, const qcResult& result, qcMay
         AddNodes(*b, contact.verticesB, contact.weightsB, -1, &constraint);
         if (constraint.inverseEffectiveMass <= 0)
             continue;
-        constraint.normal.setValue(btScalar(contact.normal[0]), btScalar(contact.normal[1]), btScalar(contact.normal[2]));
+        constraint.normal.setValue(btScalar(contact.normal[0]), btScalar(contact.normal[1]),
+                                   btScalar(contact.normal[2]));
         btScalar startDistance = constraint.normal.dot(constraint.startOffset);
         if (startDistance < 0)
         {
@@ -123,14 +124,14 @@ void qcSolveSoftConstraints(const std::vector<qcSoftConstraint>& constraints, in
             Solve(constraint);
 }
 
-int qcFreezePenetrating(qcSoftBodyScene& scene, const qcResult& result, qcMayPush* mayPush, const void* context)
+int qcFreezePenetrating(qcSoftBodyScene& scene, const qcResult& result, qcMayPush* mayPush)
 {
     int moved = 0;
     for (size_t i = 0; i < result.pairCount; i++)
     {
         const qcPair& pair = result.pairs[i];
         qcSceneSoftBody *a = scene.Find(pair.bodyA), *b = scene.Find(pair.bodyB);
-        if (!mayPush(*a, *b, context))
+        if (!mayPush(*a, *b))
             continue;
         double before[2][9];
         Triangle(*a, pair.triangleA, true, before[0]);

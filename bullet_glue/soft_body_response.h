@@ -18,11 +18,11 @@ struct qcSoftConstraint
 };
 
 /// May contacts between these two bodies (or of one with itself) push?
-typedef bool qcMayPush(const qcSceneSoftBody& a, const qcSceneSoftBody& b, const void* context);
+typedef bool qcMayPush(const qcSceneSoftBody& a, const qcSceneSoftBody& b);
 
 /// One constraint for each contact of the result within its bodies' thickness; `slots` receives for each the contact's
 /// index in the result.
-void qcMakeSoftConstraints(qcSoftBodyScene& scene, const qcResult& result, qcMayPush* mayPush, const void* context,
+void qcMakeSoftConstraints(qcSoftBodyScene& scene, const qcResult& result, qcMayPush* mayPush,
                            std::vector<qcSoftConstraint>* constraints, std::vector<size_t>* contactOf);
 
 /// Gauss-Seidel over the constraints, in their order, some times.
@@ -30,10 +30,10 @@ void qcSolveSoftConstraints(const std::vector<qcSoftConstraint>& constraints, in
 
 /// Puts the nodes of penetrating pairs back to the start of the step, unless the pair penetrated there already.
 /// Returns the number of nodes moved.
-int qcFreezePenetrating(qcSoftBodyScene& scene, const qcResult& result, qcMayPush* mayPush, const void* context);
+int qcFreezePenetrating(qcSoftBodyScene& scene, const qcResult& result, qcMayPush* mayPush);
 
-/// The velocity that leads from the start of the step to the present position, as btSoftBody::solveConstraints sets it, for
-/// every node that is not where Bullet's own constraints left it.
+/// The velocity that leads from the start of the step to the present position, as btSoftBody::solveConstraints sets it,
+/// for every node that is not where Bullet's own constraints left it.
 void qcUpdateVelocities(qcSoftBodyScene& scene, const std::vector<std::vector<btVector3>>& solved);
 
 #endif

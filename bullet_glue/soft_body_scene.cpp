@@ -59,7 +59,8 @@ qcStatus qcSoftBodyScene::Add(btSoftBody* body)
 
 qcStatus qcSoftBodyScene::Synchronize(const btAlignedObjectArray<btSoftBody*>& bodies)
 {
-    auto isGone = [&](const qcSceneSoftBody& known) {
+    auto isGone = [&](const qcSceneSoftBody& known)
+    {
         bool present = bodies.findLinearSearch(known.body) < bodies.size();
         if (present && known.nodeCount == known.body->m_nodes.size() && known.faceCount == known.body->m_faces.size())
             return false;
@@ -122,7 +123,8 @@ qcSceneSoftBody* qcSoftBodyScene::Find(uint32_t slot)
 
 qcSceneSoftBody* qcSoftBodyScene::Find(const btSoftBody* body)
 {
-    auto found = std::find_if(m_bodies.begin(), m_bodies.end(), [&](const qcSceneSoftBody& b) { return b.body == body; });
+    auto found =
+        std::find_if(m_bodies.begin(), m_bodies.end(), [&](const qcSceneSoftBody& b) { return b.body == body; });
     return found != m_bodies.end() ? &*found : nullptr;
 }
 

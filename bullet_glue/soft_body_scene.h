@@ -15,9 +15,9 @@ struct qcSceneSoftBody
     qcBodyId id{};
     int nodeCount = 0, faceCount = 0; ///< as given to the scene: a change means a new topology
     qcSoftBodySettings settings;
-    btScalar thickness = 0; ///< settings.thickness, or what stands for its zero
+    btScalar thickness = 0;       ///< settings.thickness, or what stands for its zero
     std::vector<btVector3> start; ///< node positions at the start of the step
-    std::vector<char> touched; ///< nodes that were moved this step
+    std::vector<char> touched;    ///< nodes that were moved this step
 };
 
 class qcSoftBodyScene
@@ -38,9 +38,15 @@ class qcSoftBodyScene
     /// The body of a slot, or null.
     qcSceneSoftBody* Find(uint32_t slot);
     qcSceneSoftBody* Find(const btSoftBody* body);
-    std::vector<qcSceneSoftBody>& Bodies() { return m_bodies; }
+    std::vector<qcSceneSoftBody>& Bodies()
+    {
+        return m_bodies;
+    }
 
-    qcSoftBodySettings& Settings(const btSoftBody* body) { return m_settings[body]; }
+    qcSoftBodySettings& Settings(const btSoftBody* body)
+    {
+        return m_settings[body];
+    }
     /// The largest thickness of all bodies.
     btScalar Thickness() const;
 

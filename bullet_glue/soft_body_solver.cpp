@@ -5,13 +5,17 @@
 #include "soft_body_response.h"
 #include "soft_body_scene.h"
 
+#include <BulletCollision/BroadphaseCollision/btBroadphaseInterface.h>
+#include <BulletCollision/BroadphaseCollision/btDispatcher.h>
+#include <BulletCollision/BroadphaseCollision/btOverlappingPairCache.h>
+
 #include <algorithm>
 #include <chrono>
 
 namespace
 {
-// Sweeps over all contacts in a round. On the falling cloth of the main demo, 4 leave penetrating pairs for the next round
-// in most steps with deep folds, 8 seldom.
+// Sweeps over all contacts in a round. On the falling cloth of the main demo, 4 leave penetrating pairs for the next
+// round in most steps with deep folds, 8 seldom.
 constexpr int s_iterations = 8;
 // Rounds before nodes are frozen, and rounds of freezing before all nodes are.
 constexpr int s_contactRounds = 4;
@@ -23,11 +27,16 @@ double Now()
     return duration<double, std::milli>(steady_clock::now().time_since_epoch()).count();
 }
 
-typedef std::pair<const btSoftBody*, const btSoftBody*> BodyPair;
-
-BodyPair Ordered(const btSoftBody* a, const btSoftBody* b)
+/// Does the world want them to collide? Asked here and not gathered from processCollision: Bullet overlaps boxes of
+/// predicted positions, and its own constraints may bring together what was apart there.
+bool WantsCollision(btSoftBody* a, btSoftBody* b)
 {
-    return std::less<const btSoftBody*>()(a, b) ? BodyPair(a, b) : BodyPair(b, a);
+    const btSoftBodyWorldInfo* info = a->getWorldInfo();
+    btBroadphaseProxy *proxyA = a->getBroadphaseHandle(), *proxyB = b->getBroadphaseHandle();
+    if (info->m_dispatcher == nullptr || info->m_broadphase == nullptr || proxyA == nullptr || proxyB == nullptr)
+        return false;
+    return info->m_dispatcher->needsCollision(a, b) &&
+           info->m_broadphase->getOverlappingPairCache()->needsBroadphaseCollision(proxyA, proxyB);
 }
 } // namespace
 
@@ -36,17 +45,14 @@ struct qcSoftBodySolver::Implementation
     qcSoftBodyScene scene;
     qcManifolds manifolds;
     qcSoftBodyStatistics statistics;
-    std::vector<BodyPair> pairs; ///< that the world wants to collide, in this step
     std::vector<qcSoftConstraint> constraints;
     std::vector<size_t> contactOf;
     std::vector<std::vector<btVector3>> solved; ///< positions after Bullet's own constraints
 
-    static bool MayPush(const qcSceneSoftBody& a, const qcSceneSoftBody& b, const void* context)
+    /// A body with itself: the scene reports only what has self-collision on.
+    static bool MayPush(const qcSceneSoftBody& a, const qcSceneSoftBody& b)
     {
-        const auto* self = static_cast<const Implementation*>(context);
-        if (a.body == b.body)
-            return true; // the scene reports only what has self-collision on
-        return std::binary_search(self->pairs.begin(), self->pairs.end(), Ordered(a.body, b.body));
+        return a.body == b.body || WantsCollision(a.body, b.body);
     }
 
     void KeepPositions();
@@ -82,9 +88,9 @@ qcStatus qcSoftBodySolver::Implementation::Detect(btScalar contactMargin, const 
 
 int qcSoftBodySolver::Implementation::CountPenetrating(const qcResult& result)
 {
-    return int(std::count_if(result.pairs, result.pairs + result.pairCount, [&](const qcPair& pair) {
-        return MayPush(*scene.Find(pair.bodyA), *scene.Find(pair.bodyB), this);
-    }));
+    return int(std::count_if(result.pairs, result.pairs + result.pairCount,
+                             [this](const qcPair& pair)
+                             { return MayPush(*scene.Find(pair.bodyA), *scene.Find(pair.bodyB)); }));
 }
 
 /// Rounds of detection and projection until nothing penetrates, or rounds are up.
@@ -98,7 +104,7 @@ qcStatus qcSoftBodySolver::Implementation::SolveContacts()
         if (status != qc_statusOk)
             return status;
         statistics.remaining = CountPenetrating(*result);
-        qcMakeSoftConstraints(scene, *result, MayPush, this, &constraints, &contactOf);
+        qcMakeSoftConstraints(scene, *result, MayPush, &constraints, &contactOf);
         if (round == 0)
         {
             statistics.contacts = int(constraints.size());
@@ -131,7 +137,7 @@ qcStatus qcSoftBodySolver::Implementation::FreezeRest()
         if (status != qc_statusOk)
             return status;
         statistics.remaining = CountPenetrating(*result);
-        int moved = qcFreezePenetrating(scene, *result, MayPush, this);
+        int moved = qcFreezePenetrating(scene, *result, MayPush);
         statistics.frozenNodes += moved;
         if (moved == 0)
             return qc_statusOk;
@@ -190,21 +196,17 @@ void qcSoftBodySolver::optimize(btAlignedObjectArray<btSoftBody*>& softBodies, b
 {
     // The first call of a step, before collision detection: nothing of the last step may be seen there.
     m_implementation->manifolds.Release();
-    m_implementation->pairs.clear();
     btDefaultSoftBodySolver::optimize(softBodies, forceUpdate);
 }
 
-void qcSoftBodySolver::processCollision(btSoftBody* body, btSoftBody* other)
+void qcSoftBodySolver::processCollision(btSoftBody*, btSoftBody*)
 {
     // Solved with all others after Bullet's own constraints, when positions are known.
-    if (body != other)
-        m_implementation->pairs.push_back(Ordered(body, other));
 }
 
 void qcSoftBodySolver::solveConstraints(btScalar timeStep)
 {
     Implementation& my = *m_implementation;
-    std::sort(my.pairs.begin(), my.pairs.end());
     my.statistics = qcSoftBodyStatistics();
     my.statistics.status = my.scene.Synchronize(m_softBodySet);
     for (qcSceneSoftBody& known : my.scene.Bodies())

