@@ -422,11 +422,11 @@ START_TEST(random_passes_agree_with_a_rasteriser_on_the_cpu_in_tiles_of_any_size
 }
 END_TEST
 
-START_TEST(thousands_of_queries_in_one_pass_lose_none)
+START_TEST(over_a_thousand_queries_in_one_pass_lose_none)
 {
     enum
     {
-        side = 40,
+        side = 20,
         layer = 2 * side * side
     };
     // Two flat grids; every triangle of the far one is behind the near one, and nothing else hides anything. In turns,
@@ -453,10 +453,10 @@ START_TEST(thousands_of_queries_in_one_pass_lose_none)
     QC_FOR_EACH_DEVICE(device)
     {
         // Untiled, too: there each query takes most of a software device's memory for commands.
-        for (uint32_t tileSize = 512; tileSize <= 2048; tileSize += 1536)
+        for (uint32_t tileSize = 512; tileSize <= 4096; tileSize *= 8)
         {
             qcVisibility* visibility = NULL;
-            ck_assert_int_eq(qcVisibility_CreateTiled(device, corners, 2 * layer, 2048, tileSize, &visibility),
+            ck_assert_int_eq(qcVisibility_CreateTiled(device, corners, 2 * layer, 4096, tileSize, &visibility),
                              qc_statusOk);
             ck_assert_int_eq(qcVisibility_RunPass(visibility, 2, qc_compareGreater, steps, 2 * layer, visible),
                              qc_statusOk);
@@ -567,5 +567,5 @@ QC_RUN_TESTS("visibility", what_is_drawn_before_hides_what_lies_behind_it_only,
              a_step_that_tests_and_renders_does_not_hide_itself, the_nearest_depth_is_kept,
              one_hidden_triangle_hides_its_whole_object, a_step_without_triangles_is_visible_and_without_a_test_is_not,
              a_triangle_without_area_is_visible, random_passes_agree_with_a_rasteriser_on_the_cpu_in_tiles_of_any_size,
-             thousands_of_queries_in_one_pass_lose_none, bad_resolutions_and_devices_are_refused,
+             over_a_thousand_queries_in_one_pass_lose_none, bad_resolutions_and_devices_are_refused,
              any_allocation_may_fail_and_the_next_pass_succeeds)

@@ -7,6 +7,7 @@
 struct qcGlTable;
 
 /// A job; it runs on the device's thread, with the device's context current and its function table.
+/// It finds GL's initial bindings and switches, and may leave them as it likes.
 /// Its return value, and the message it left, reach the caller of qcDevice_Run.
 typedef qcStatus qcDeviceJob(const struct qcGlTable* gl, void* context);
 

@@ -106,7 +106,8 @@ typedef qcGlFunction* qcGlGetFunction(const char* name);
 /// Fills the functions. qc_statusDevice names the first that is missing.
 qcStatus qcGlTable_Load(struct qcGlTable* gl, qcGlGetFunction* getFunction);
 
-/// Brings back the initial values of the state that jobs change, so that each job may rely on them.
+/// Brings back GL's initial bindings and switches, as far as jobs change them. Plain values, such as the viewport and
+/// the clear colour, are set by whoever uses them.
 void qcGlTable_ResetState(const struct qcGlTable* gl);
 
 /// The program of this name (a literal), compiled at its first use. Attribute 0 is `position`, attribute 1 `normal`.

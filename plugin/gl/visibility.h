@@ -29,7 +29,8 @@ typedef enum qcVisibilityCompare
 /// `resolution`: pixels on a side, at most the device's limit.
 qcStatus qcVisibility_Create(qcDevice* device, const float* corners, uint32_t triangleCount, uint32_t resolution,
                              qcVisibility** visibility);
-/// As qcVisibility_Create, with the image cut into tiles of this many pixels on a side, on any device. Same answers.
+/// As qcVisibility_Create, with the image cut into tiles of this many pixels on a side, on any device.
+/// The samples are the same; corners and depths may be rounded differently in the last bit.
 qcStatus qcVisibility_CreateTiled(qcDevice* device, const float* corners, uint32_t triangleCount, uint32_t resolution,
                                   uint32_t tileSize, qcVisibility** visibility);
 void qcVisibility_Destroy(qcVisibility* visibility);
