@@ -33,8 +33,8 @@ static bool IsFinite(const double p[3])
 }
 
 /// Reads positions into scratch. Nothing else is changed.
-static qcStatus ReadPositions(qcBodies* bodies, uint32_t slot, const void* positions, qcPositionType type, size_t stride,
-                              uint32_t vertexCount)
+static qcStatus ReadPositions(qcBodies* bodies, uint32_t slot, const void* positions, qcPositionType type,
+                              size_t stride, uint32_t vertexCount)
 {
     if (type != qc_positionF32 && type != qc_positionF64)
         return qcFail(qc_statusBadInput, "body %u: unknown position type %d", slot, (int)type);
@@ -95,7 +95,8 @@ static qcStatus Transform(uint32_t slot, const double* local, uint32_t vertexCou
             q[axis] = row[0] * p[0] + row[1] * p[1] + row[2] * p[2] + t->translation[axis];
         }
         if (!IsFinite(q))
-            return qcFail(qc_statusBadInput, "the transform of body %u takes vertex %u beyond all finite numbers", slot, v);
+            return qcFail(qc_statusBadInput, "the transform of body %u takes vertex %u beyond all finite numbers", slot,
+                          v);
         memcpy(world + 3 * (size_t)v, q, sizeof q);
     }
     return qc_statusOk;
@@ -131,20 +132,23 @@ static qcStatus CheckDef(const qcBodyDef* def, uint32_t slot)
 {
     if (def->indices == NULL && def->triangleCount != 0)
         return qcFail(qc_statusBadInput, "body %u: indices is null", slot);
-    if (def->activity != qc_activityMoving && def->activity != qc_activitySleeping && def->activity != qc_activityStatic)
+    if (def->activity != qc_activityMoving && def->activity != qc_activitySleeping &&
+        def->activity != qc_activityStatic)
         return qcFail(qc_statusBadInput, "body %u: unknown activity %d", slot, (int)def->activity);
     for (uint32_t t = 0; t < def->triangleCount; t++)
         for (int c = 0; c < 3; c++)
             if (def->indices[3 * (size_t)t + c] >= def->vertexCount)
-                return qcFail(qc_statusBadInput, "triangle %u of body %u: corner %d has index %u, but there are %u vertices",
-                              t, slot, c, def->indices[3 * (size_t)t + c], def->vertexCount);
+                return qcFail(qc_statusBadInput,
+                              "triangle %u of body %u: corner %d has index %u, but there are %u vertices", t, slot, c,
+                              def->indices[3 * (size_t)t + c], def->vertexCount);
     return CheckTransform(slot, &def->transform);
 }
 
 /// The new body's own memory, all or nothing.
 static qcStatus AllocateBody(qcBody* body)
 {
-    size_t positionBytes = 3 * sizeof(double) * body->vertexCount, indexBytes = 3 * sizeof(uint32_t) * body->triangleCount;
+    size_t positionBytes = 3 * sizeof(double) * body->vertexCount,
+           indexBytes = 3 * sizeof(uint32_t) * body->triangleCount;
     body->world = qcAllocate(positionBytes);
     body->indices = qcAllocate(indexBytes);
     if (!body->deforming)
@@ -239,7 +243,8 @@ qcStatus qcBodies_SetTransform(qcBodies* bodies, uint32_t slot, const qcTransfor
     return qc_statusOk;
 }
 
-qcStatus qcBodies_SetVertices(qcBodies* bodies, uint32_t slot, const void* positions, qcPositionType type, size_t stride)
+qcStatus qcBodies_SetVertices(qcBodies* bodies, uint32_t slot, const void* positions, qcPositionType type,
+                              size_t stride)
 {
     qcBody* body = &QC_AT(qcBody, bodies->slots, slot);
     QC_TRY(ReadPositions(bodies, slot, positions, type, stride, body->vertexCount));

@@ -21,7 +21,7 @@ typedef struct qcBody
     double* local; ///< three a vertex; null for deforming bodies
     double* world;
     uint32_t* indices;
-    qcOwnedFeatures* owned; ///< one a triangle; null until contacts are asked for
+    qcOwnedFeatures* owned;    ///< one a triangle; null until contacts are asked for
     double lower[3], upper[3]; ///< around all vertices; lower > upper when there are none
 } qcBody;
 
@@ -30,7 +30,7 @@ typedef struct qcBodies
     qcArray slots; ///< of qcBody
     uint32_t count;
     uint32_t lowestFree; ///< no free slot lies below it
-    uint64_t revision; ///< grows with every change
+    uint64_t revision;   ///< grows with every change
     qcArray scratch;
 } qcBodies;
 
@@ -39,7 +39,8 @@ qcStatus qcBodies_Add(qcBodies* bodies, const qcBodyDef* def, qcBodyId* id);
 qcBody* qcBodies_Find(const qcBodies* bodies, qcBodyId id, const char* caller);
 void qcBodies_Remove(qcBodies* bodies, qcBodyId id);
 qcStatus qcBodies_SetTransform(qcBodies* bodies, uint32_t slot, const qcTransform* transform);
-qcStatus qcBodies_SetVertices(qcBodies* bodies, uint32_t slot, const void* positions, qcPositionType type, size_t stride);
+qcStatus qcBodies_SetVertices(qcBodies* bodies, uint32_t slot, const void* positions, qcPositionType type,
+                              size_t stride);
 /// Makes body->owned. O(triangles).
 qcStatus qcBody_FindOwners(qcBody* body, qcArray* scratch);
 void qcBodies_Free(qcBodies* bodies);

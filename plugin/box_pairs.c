@@ -140,8 +140,9 @@ static qcStatus FindNeighbours(qcBoxes* set)
 static qcStatus MeetBoxes(qcBoxes* set, uint32_t a, uint32_t b)
 {
     const qcBox *x = &QC_AT(qcBox, set->boxes, a), *y = &QC_AT(qcBox, set->boxes, b);
-    bool moved = (x->mover & y->mover) != QC_NO_NODE;
-    return moved & qcBounds_Meet(x->lower, x->upper, y->lower, y->upper) ? PushPair(set, a, b) : qc_statusOk;
+    if ((x->mover & y->mover) == QC_NO_NODE || !qcBounds_Meet(x->lower, x->upper, y->lower, y->upper))
+        return qc_statusOk;
+    return PushPair(set, a, b);
 }
 
 static qcStatus FindPairs(qcBoxes* set)

@@ -25,7 +25,8 @@ static void CompareRow(void* context, size_t i, uint32_t worker)
         bool apart = (s->lower[0][j] > ux) | (s->lower[1][j] > uy) | (s->lower[2][j] > uz) | (s->upper[0][j] < lx) |
                      (s->upper[1][j] < ly) | (s->upper[2][j] < lz);
         if (!apart)
-            qcCandidates_Offer(s->rules, sink, body, rank, qcTriangles_BodyOf(s->rules->triangles, s->ranks[j]), s->ranks[j]);
+            qcCandidates_Offer(s->rules, sink, body, rank, qcTriangles_BodyOf(s->rules->triangles, s->ranks[j]),
+                               s->ranks[j]);
     }
 }
 
@@ -57,6 +58,7 @@ qcStatus qcCandidates_Brute(qcCandidates* candidates, const qcCandidateRules* ru
         }
         ranks[at] = rank;
     }
-    qcParallel_For(rules->threads, search.count, CompareRow, &search);
+    // 256 rows: 32 896 comparisons.
+    qcParallel_For(rules->threads, search.count, 256, CompareRow, &search);
     return qcCandidates_End(candidates, profile);
 }

@@ -16,7 +16,7 @@ qcStatus qcCandidates_Begin(qcCandidates* candidates, uint32_t threads)
     for (size_t i = 0; i < candidates->sinks.count; i++)
     {
         qcCandidateSink* sink = &QC_AT(qcCandidateSink, candidates->sinks, i);
-        sink->keys.count = 0;
+        sink->keys.count = sink->neighbourKeys.count = 0;
         sink->neighbours = sink->setPairs = 0;
         sink->status = qc_statusOk;
     }
@@ -33,14 +33,17 @@ void qcCandidates_Offer(const qcCandidateRules* rules, qcCandidateSink* sink, ui
     unsigned setB = self ? qcTriangles_SelfSet(b) : qcTriangles_InterSet(b);
     if (setA == qc_setBfv || setB == qc_setBfv)
         return; // one of them takes part for the sake of others
+    qcArray* keys = &sink->keys;
     if (self)
     {
         uint32_t first = qcTriangles_First(t, bodyA);
         if (qcBody_AreNeighbours(qcTriangles_Body(t, bodyA), rankA - first, rankB - first))
         {
             sink->neighbours++;
-            if (!rules->keepNeighbours)
+            if (!rules->testNeighbours && !rules->listNeighbours)
                 return;
+            if (!rules->testNeighbours)
+                keys = &sink->neighbourKeys;
         }
     }
     else if (qcObjects_Meet(t, bodyA, bodyB) != qc_meetingYes)
@@ -52,34 +55,42 @@ void qcCandidates_Offer(const qcCandidateRules* rules, qcCandidateSink* sink, ui
     }
     if (sink->status != qc_statusOk)
         return;
-    sink->status = qcArray_Reserve(&sink->keys, sink->keys.count + 1, sizeof(uint64_t), "candidate pairs");
+    sink->status = qcArray_Reserve(keys, keys->count + 1, sizeof(uint64_t), "candidate pairs");
     if (sink->status != qc_statusOk)
         return;
     uint64_t low = rankA < rankB ? rankA : rankB, high = rankA < rankB ? rankB : rankA;
-    QC_AT(uint64_t, sink->keys, sink->keys.count++) = low << 32 | high;
+    QC_AT(uint64_t, *keys, keys->count++) = low << 32 | high;
+}
+
+/// Adds the keys of one sink to the result.
+static void Append(qcArray* keys, const qcArray* found)
+{
+    if (found->count != 0)
+        memcpy(&QC_AT(uint64_t, *keys, keys->count), found->data, found->count * sizeof(uint64_t));
+    keys->count += found->count;
 }
 
 qcStatus qcCandidates_End(qcCandidates* candidates, qcProfile* profile)
 {
-    size_t total = 0;
+    size_t total = 0, neighbours = 0;
     for (size_t i = 0; i < candidates->sinks.count; i++)
     {
         const qcCandidateSink* sink = &QC_AT(qcCandidateSink, candidates->sinks, i);
         // The message is the worker's own; say it again on this thread.
         if (sink->status != qc_statusOk)
-            return qcFailMemory(sink->keys.capacity * 3 / 2, "candidate pairs");
+            return qcFailMemory((sink->keys.capacity + sink->neighbourKeys.capacity) * 3 / 2, "candidate pairs");
         total += sink->keys.count;
+        neighbours += sink->neighbourKeys.count;
         profile->skippedNeighbours += sink->neighbours;
         profile->skippedSetCandidates += sink->setPairs;
     }
-    QC_TRY(qcArray_Resize(&candidates->keys, total, sizeof(uint64_t), "candidate pairs"));
-    size_t at = 0;
+    candidates->keys.count = candidates->neighbourKeys.count = 0;
+    QC_TRY(qcArray_Reserve(&candidates->keys, total, sizeof(uint64_t), "candidate pairs"));
+    QC_TRY(qcArray_Reserve(&candidates->neighbourKeys, neighbours, sizeof(uint64_t), "candidate pairs"));
     for (size_t i = 0; i < candidates->sinks.count; i++)
     {
-        const qcCandidateSink* sink = &QC_AT(qcCandidateSink, candidates->sinks, i);
-        if (sink->keys.count != 0)
-            memcpy(&QC_AT(uint64_t, candidates->keys, at), sink->keys.data, sink->keys.count * sizeof(uint64_t));
-        at += sink->keys.count;
+        Append(&candidates->keys, &QC_AT(qcCandidateSink, candidates->sinks, i).keys);
+        Append(&candidates->neighbourKeys, &QC_AT(qcCandidateSink, candidates->sinks, i).neighbourKeys);
     }
     return qc_statusOk;
 }
@@ -93,8 +104,8 @@ typedef struct Search
 static void OfferBoxes(void* context, const qcSweepBox* a, const qcSweepBox* b, uint32_t worker)
 {
     const Search* search = context;
-    qcCandidates_Offer(search->rules, &QC_AT(qcCandidateSink, search->candidates->sinks, worker), a->body, a->item, b->body,
-                       b->item);
+    qcCandidates_Offer(search->rules, &QC_AT(qcCandidateSink, search->candidates->sinks, worker), a->body, a->item,
+                       b->body, b->item);
 }
 
 qcStatus qcCandidates_Sweep(qcCandidates* candidates, const qcCandidateRules* rules, qcProfile* profile)
@@ -128,9 +139,13 @@ qcStatus qcCandidates_Sweep(qcCandidates* candidates, const qcCandidateRules* ru
 void qcCandidates_Free(qcCandidates* candidates)
 {
     for (size_t i = 0; i < candidates->sinks.count; i++)
+    {
         qcArray_Free(&QC_AT(qcCandidateSink, candidates->sinks, i).keys);
+        qcArray_Free(&QC_AT(qcCandidateSink, candidates->sinks, i).neighbourKeys);
+    }
     qcSweep_Free(&candidates->sweep);
     qcArray_Free(&candidates->boxes);
     qcArray_Free(&candidates->sinks);
     qcArray_Free(&candidates->keys);
+    qcArray_Free(&candidates->neighbourKeys);
 }

@@ -10,6 +10,7 @@
 typedef struct qcCandidateSink
 {
     qcArray keys; ///< uint64_t: lower rank << 32 | higher rank
+    qcArray neighbourKeys;
     uint64_t neighbours, setPairs;
     qcStatus status;
     char apart[64]; ///< keeps the counters of two workers off one cache line
@@ -18,16 +19,18 @@ typedef struct qcCandidateSink
 typedef struct qcCandidates
 {
     qcSweep sweep;
-    qcArray boxes;  ///< of qcSweepBox (sweep) or six rows of double (brute)
-    qcArray sinks;  ///< of qcCandidateSink
-    qcArray keys;   ///< uint64_t: the result, in no order
+    qcArray boxes;         ///< of qcSweepBox (sweep) or six rows of double (brute)
+    qcArray sinks;         ///< of qcCandidateSink
+    qcArray keys;          ///< uint64_t: the result, in no order
+    qcArray neighbourKeys; ///< as keys: neighbours, which only contacts ask for
 } qcCandidates;
 
 typedef struct qcCandidateRules
 {
     const qcTriangles* triangles;
     double margin;       ///< boxes this far apart still count as overlapping
-    bool keepNeighbours; ///< triangles of one body that share a vertex are candidates too
+    bool testNeighbours; ///< triangles of one body that share a vertex are candidates too
+    bool listNeighbours; ///< and otherwise a list of their own
     uint32_t threads;
 } qcCandidateRules;
 

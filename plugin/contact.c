@@ -1,8 +1,8 @@
 // Vertex against face and edge against edge, by the closest points of the two features.
 //
-// A vertex meets the whole closed face, so corner and border cases are found here; two edges meet only where the closest
-// points lie inside both, since an end of an edge is a vertex. Distances are rounded in double: a contact is reported
-// when the rounded distance is within the margin.
+// A vertex meets the whole closed face, so corner and border cases are found here; two edges meet only where the
+// closest points lie inside both, since an end of an edge is a vertex. Distances are rounded in double: a contact is
+// reported when the rounded distance is within the margin.
 #include "contact.h"
 
 #include <math.h>
@@ -187,7 +187,8 @@ static bool VertexFace(const Facet* vertexFacet, int corner, const Facet* face, 
     return true;
 }
 
-static bool EdgeEdge(const Facet* a, int edgeA, const Facet* b, int edgeB, double margin, double reach, qcContact* contact)
+static bool EdgeEdge(const Facet* a, int edgeA, const Facet* b, int edgeB, double margin, double reach,
+                     qcContact* contact)
 {
     int nextA = (edgeA + 1) % 3, nextB = (edgeB + 1) % 3;
     uint32_t p = a->index[edgeA], q = a->index[nextA], r = b->index[edgeB], s = b->index[nextB];
@@ -219,16 +220,12 @@ int qcContact_Find(const qcContactSide* a, const qcContactSide* b, double margin
     // The boxes only spare work: a little wider than the margin, so that their rounding decides nothing.
     double reach = margin * (1.0 + 1e-9);
     int count = 0;
-    for (int c = 0; c < 3; c++)
-    {
-        if (ownedA >> c & 1)
-            count += VertexFace(&p, c, &q, margin, reach, contacts + count);
-        if (ownedB >> c & 1)
-            count += VertexFace(&q, c, &p, margin, reach, contacts + count);
-    }
-    for (int e = 0; e < 3; e++)
-        for (int f = 0; f < 3; f++)
-            if ((ownedA >> (3 + e) & 1) && (ownedB >> (3 + f) & 1))
-                count += EdgeEdge(&p, e, &q, f, margin, reach, contacts + count);
+    for (unsigned corners = ownedA & 7u; corners != 0; corners &= corners - 1)
+        count += VertexFace(&p, __builtin_ctz(corners), &q, margin, reach, contacts + count);
+    for (unsigned corners = ownedB & 7u; corners != 0; corners &= corners - 1)
+        count += VertexFace(&q, __builtin_ctz(corners), &p, margin, reach, contacts + count);
+    for (unsigned edgesA = ownedA >> 3; edgesA != 0; edgesA &= edgesA - 1)
+        for (unsigned edgesB = ownedB >> 3; edgesB != 0; edgesB &= edgesB - 1)
+            count += EdgeEdge(&p, __builtin_ctz(edgesA), &q, __builtin_ctz(edgesB), margin, reach, contacts + count);
     return count;
 }

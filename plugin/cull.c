@@ -123,7 +123,8 @@ static qcStatus TakeBody(qcCull* cull, uint32_t body)
     return qc_statusOk;
 }
 
-qcStatus qcCull_Objects(qcCull* cull, qcTriangles* triangles, qcDevice* device, const qcPlan* plan, const qcDetectDef* def)
+qcStatus qcCull_Objects(qcCull* cull, qcTriangles* triangles, qcDevice* device, const qcPlan* plan,
+                        const qcDetectDef* def)
 {
     cull->records.count = cull->bodies.count = 0;
     for (uint32_t body = 0; body < triangles->bodyCount; body++)
@@ -131,7 +132,8 @@ qcStatus qcCull_Objects(qcCull* cull, qcTriangles* triangles, qcDevice* device, 
             QC_TRY(TakeBody(cull, body));
     QC_TRY(RunLevel(cull, triangles, qc_levelObjects, DrawAll, 0, device, plan, def));
     for (size_t i = 0; i < cull->bodies.count; i++)
-        QC_AT(uint8_t, triangles->bodySet, QC_AT(uint32_t, cull->bodies, i)) = (uint8_t)QC_AT(qcVisibilitySet, cull->sets, i);
+        QC_AT(uint8_t, triangles->bodySet, QC_AT(uint32_t, cull->bodies, i)) =
+            (uint8_t)QC_AT(qcVisibilitySet, cull->sets, i);
     return qc_statusOk;
 }
 

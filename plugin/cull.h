@@ -10,13 +10,14 @@
 typedef struct qcCull
 {
     qcArray corners, primitives, sets;
-    qcArray bodies; ///< uint32_t: bodies that take part in a level
+    qcArray bodies;  ///< uint32_t: bodies that take part in a level
     qcArray records; ///< of qcPassRecord: of all levels of the step
     qcCullScratch scratch;
 } qcCull;
 
 /// Finds the set of each body among the bodies (qcTriangles::bodySet).
-qcStatus qcCull_Objects(qcCull* cull, qcTriangles* triangles, qcDevice* device, const qcPlan* plan, const qcDetectDef* def);
+qcStatus qcCull_Objects(qcCull* cull, qcTriangles* triangles, qcDevice* device, const qcPlan* plan,
+                        const qcDetectDef* def);
 
 /// Finds the sets of the triangles in the PCS: against other bodies (all together), against their own (body by body).
 qcStatus qcCull_Triangles(qcCull* cull, qcTriangles* triangles, qcDevice* device, const qcPlan* plan,

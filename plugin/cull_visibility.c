@@ -17,7 +17,8 @@ typedef struct Pass
     qcArray* records;
 } Pass;
 
-static qcStatus AddStep(qcCullScratch* scratch, const qcCullPrimitive* primitive, uint32_t index, bool test, bool render)
+static qcStatus AddStep(qcCullScratch* scratch, const qcCullPrimitive* primitive, uint32_t index, bool test,
+                        bool render)
 {
     QC_TRY(qcArray_Reserve(&scratch->steps, scratch->steps.count + 1, sizeof(qcVisibilityStep), "visibility steps"));
     QC_TRY(qcArray_Reserve(&scratch->stepOf, scratch->stepOf.count + 1, sizeof(uint32_t), "visibility steps"));
@@ -58,7 +59,8 @@ static qcStatus AddSteps(const Pass* p, int pass)
     {
         for (uint32_t first = 0, end; first < job->primitiveCount; first = end)
         {
-            for (end = first + 1; end < job->primitiveCount && job->primitives[end].group == job->primitives[first].group;)
+            for (end = first + 1;
+                 end < job->primitiveCount && job->primitives[end].group == job->primitives[first].group;)
                 end++;
             QC_TRY(AddGroup(p, pass, first, end));
         }

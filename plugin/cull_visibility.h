@@ -18,10 +18,10 @@ typedef struct qcCullPrimitive
 typedef struct qcCullJob
 {
     qcDevice* device;
-    bool quick;      ///< quick or cullide
-    qcCullLevel level; ///< decides the depth comparison, and names the records
-    uint32_t body;     ///< names the records of qc_levelSelf
-    const char* views; ///< letters, ended by a zero
+    bool quick;                      ///< quick or cullide
+    qcCullLevel level;               ///< decides the depth comparison, and names the records
+    uint32_t body;                   ///< names the records of qc_levelSelf
+    const char* views;               ///< letters, ended by a zero
     uint32_t resolution, iterations; ///< 0 iterations: until nothing changes
     const float* corners;            ///< nine a triangle, within [-1, 1]
     uint32_t triangleCount;

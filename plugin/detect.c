@@ -79,7 +79,11 @@ static qcStatus CullAndSweepTriangles(Step* step)
     step->profile.cullTrianglesMs = Lap(step);
 
     double margin = step->def->contactMargin;
-    qcCandidateRules rules = {&d->triangles, margin, step->def->neighbours || margin > 0.0, step->threads};
+    qcCandidateRules rules = {.triangles = &d->triangles,
+                              .margin = margin,
+                              .testNeighbours = step->def->neighbours,
+                              .listNeighbours = margin > 0.0,
+                              .threads = step->threads};
     if (step->plan.method == qc_methodBrute)
         QC_TRY(qcCandidates_Brute(&d->candidates, &rules, &step->profile));
     else
@@ -153,7 +157,7 @@ static qcStatus RunStages(Step* step)
     QC_TRY(CullAndSweepObjects(step));
     QC_TRY(CullAndSweepTriangles(step));
     QC_TRY(CollectPcs(step));
-    QC_TRY(qcNarrow_Run(&d->narrow, &d->triangles, &d->candidates.keys, step->def, step->threads, &step->profile));
+    QC_TRY(qcNarrow_Run(&d->narrow, &d->triangles, &d->candidates, step->def, step->threads, &step->profile));
     step->profile.totalMs = qcClock_Now() - start;
     FillResult(step);
     return qc_statusOk;
@@ -181,7 +185,10 @@ qcStatus qcDetector_Run(qcDetector* detector, qcBodies* bodies, qcDevice* device
         Reuse(&detector->result.profile);
         return qc_statusOk;
     }
-    Step step = {.detector = detector, .bodies = bodies, .device = device, .def = def,
+    Step step = {.detector = detector,
+                 .bodies = bodies,
+                 .device = device,
+                 .def = def,
                  .threads = qcParallel_Threads(def->threads)};
     detector->valid = false;
     QC_TRY(RunStages(&step));

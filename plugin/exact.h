@@ -28,7 +28,7 @@ int qcOrient2d(const double a[3], const double b[3], const double c[3], int u, i
 /// What a triangle really is: a point, a segment or a triangle. The corners are the caller's.
 typedef struct qcSimplex
 {
-    int dimension;         ///< 0, 1 or 2
+    int dimension;          ///< 0, 1 or 2
     const double* point[3]; ///< dimension + 1 corners, affinely independent
     /// Triangle: two coordinates in which it is not flat; `sign` is its orientation there.
     /// Segment: u is a coordinate in which its ends differ.

@@ -121,7 +121,8 @@ static Separation ByEdges(const qcSimplex* t, const qcSimplex* points, uint64_t*
         bool inside = false, on = false;
         for (int i = 0; i <= points->dimension; i++)
         {
-            int side = t->sign * qcOrient2d(t->point[e], t->point[(e + 1) % 3], points->point[i], t->u, t->v, undecided);
+            int side =
+                t->sign * qcOrient2d(t->point[e], t->point[(e + 1) % 3], points->point[i], t->u, t->v, undecided);
             inside = inside || side > 0;
             on = on || side == 0;
         }

@@ -40,7 +40,8 @@ qcStatus qcSetAllocator(qcAllocateFunction* allocate, qcFreeFunction* release, v
     if ((allocate == NULL) != (release == NULL))
         return qcFail(qc_statusBadInput, "qcSetAllocator: allocate and release must both be given, or neither");
     if (qcGetByteCount() != 0)
-        return qcFail(qc_statusBadInput, "qcSetAllocator: %zu bytes are still held from the old allocator", qcGetByteCount());
+        return qcFail(qc_statusBadInput, "qcSetAllocator: %zu bytes are still held from the old allocator",
+                      qcGetByteCount());
     s_allocate = allocate != NULL ? allocate : DefaultAllocate;
     s_free = release != NULL ? release : DefaultFree;
     s_context = context;

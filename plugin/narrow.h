@@ -7,8 +7,8 @@
 /// What one worker found.
 typedef struct qcNarrowSink
 {
-    qcArray found;      ///< of qcSortItem: candidate key, relation
-    qcArray contacts;   ///< of qcContact
+    qcArray found;       ///< of qcSortItem: candidate key, relation
+    qcArray contacts;    ///< of qcContact
     qcArray contactKeys; ///< of qcSortItem: candidate key, place in `contacts`
     uint64_t tests, fallbacks;
     double contactMs;
@@ -25,8 +25,8 @@ typedef struct qcNarrow
 } qcNarrow;
 
 /// `def` says what is reported. Adds to the profile's counters and to exactMs and contactMs.
-qcStatus qcNarrow_Run(qcNarrow* narrow, const qcTriangles* triangles, const qcArray* candidates, const qcDetectDef* def,
-                      uint32_t threads, qcProfile* profile);
+qcStatus qcNarrow_Run(qcNarrow* narrow, const qcTriangles* triangles, const qcCandidates* candidates,
+                      const qcDetectDef* def, uint32_t threads, qcProfile* profile);
 void qcNarrow_Free(qcNarrow* narrow);
 
 #endif

@@ -1,7 +1,7 @@
 // Sweep and prune over the boxes of bodies, and the triangles inside the overlaps.
 //
-// Rounding: a margin is added to upper ends only, so that lower(A) <= upper(B) + margin, true in real numbers, stays true
-// when the sum is rounded (see sweep.c).
+// Rounding: a margin is added to upper ends only, so that lower(A) <= upper(B) + margin, true in real numbers, stays
+// true when the sum is rounded (see sweep.c).
 #include "objects.h"
 
 #include "status.h"

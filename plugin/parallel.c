@@ -16,10 +16,10 @@ uint32_t qcParallel_Threads(uint32_t requested)
 #endif
 }
 
-void qcParallel_For(uint32_t threads, size_t count, qcParallelFunction* function, void* context)
+void qcParallel_For(uint32_t threads, size_t count, size_t least, qcParallelFunction* function, void* context)
 {
 #ifdef _OPENMP
-    if (threads > 1 && count > 1)
+    if (threads > 1 && count >= least)
     {
 #pragma omp parallel for schedule(dynamic, 1) num_threads(threads)
         for (size_t i = 0; i < count; i++)
@@ -28,6 +28,7 @@ void qcParallel_For(uint32_t threads, size_t count, qcParallelFunction* function
     }
 #endif
     (void)threads;
+    (void)least;
     for (size_t i = 0; i < count; i++)
         function(context, i, 0);
 }

@@ -16,7 +16,9 @@ typedef void qcParallelFunction(void* context, size_t index, uint32_t worker);
 /// The number of threads to use where `requested` are wished for: 0 means one per core; at most qc_maxWorkers.
 uint32_t qcParallel_Threads(uint32_t requested);
 
-/// Calls the function once for each index below `count` and returns when all calls have.
-void qcParallel_For(uint32_t threads, size_t count, qcParallelFunction* function, void* context);
+/// Calls the function once for each index below `count` and returns when all calls have. With fewer than `least`
+/// indices (2 or more) on one thread alone: waking another and waiting for it costs some 10 microseconds, and on a busy
+/// machine milliseconds.
+void qcParallel_For(uint32_t threads, size_t count, size_t least, qcParallelFunction* function, void* context);
 
 #endif

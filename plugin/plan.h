@@ -7,7 +7,7 @@
 
 typedef struct qcPlanInput
 {
-    qcMethod method; ///< asked for
+    qcMethod method;     ///< asked for
     uint32_t resolution; ///< asked for
     bool haveGl;
     uint32_t maxResolution; ///< of the device
@@ -15,9 +15,9 @@ typedef struct qcPlanInput
 
 typedef struct qcPlan
 {
-    qcMethod method; ///< never qc_methodAuto
-    bool useImage; ///< visibility culling at object and triangle level
-    uint32_t resolution; ///< 0 without an image
+    qcMethod method;      ///< never qc_methodAuto
+    bool useImage;        ///< visibility culling at object and triangle level
+    uint32_t resolution;  ///< 0 without an image
     const char* fallback; ///< why another method than the one asked for, or null
 } qcPlan;
 

@@ -16,8 +16,8 @@ static qcStatus CheckSize(uint32_t structSize, size_t expected, const char* func
 {
     if (structSize == expected)
         return qc_statusOk;
-    return qcFail(qc_statusBadInput, "%s: structSize of %s is %u, expected %zu (start from its default function)", function,
-                  type, structSize, expected);
+    return qcFail(qc_statusBadInput, "%s: structSize of %s is %u, expected %zu (start from its default function)",
+                  function, type, structSize, expected);
 }
 
 static qcStatus CheckPointer(const void* pointer, const char* function, const char* argument)
@@ -164,7 +164,8 @@ static qcStatus CheckDetectDef(const qcDetectDef* def)
     if ((unsigned)def->method > qc_methodSweep)
         return qcFail(qc_statusBadInput, "qcScene_Detect: unknown method %d", (int)def->method);
     if (!(def->contactMargin >= 0.0) || isinf(def->contactMargin))
-        return qcFail(qc_statusBadInput, "qcScene_Detect: contactMargin is %g; it must be 0 or more", def->contactMargin);
+        return qcFail(qc_statusBadInput, "qcScene_Detect: contactMargin is %g; it must be 0 or more",
+                      def->contactMargin);
     bool image = def->method == qc_methodCullide || def->method == qc_methodQuick;
     if (image && def->contactMargin > 0.0)
         return qcFail(qc_statusBadInput, "qcScene_Detect: %s culls what does not intersect, so it has no contactMargin",
@@ -172,7 +173,8 @@ static qcStatus CheckDetectDef(const qcDetectDef* def)
     if (!image)
         return qc_statusOk;
     if (def->resolution < 1 || def->resolution > 4096)
-        return qcFail(qc_statusBadInput, "qcScene_Detect: resolution is %u; it must be within 1..4096", def->resolution);
+        return qcFail(qc_statusBadInput, "qcScene_Detect: resolution is %u; it must be within 1..4096",
+                      def->resolution);
     return CheckViews(def->views);
 }
 

@@ -65,7 +65,9 @@ static Layout Plan(const qcSweepBox* boxes, uint32_t count)
     // How many boxes fit beside each other in an axis: the more, the better it separates.
     double room[3];
     for (int axis = 0; axis < 3; axis++)
-        room[axis] = size[axis] > 0.0 && isfinite(range[axis]) ? range[axis] / size[axis] : range[axis] > 0.0 ? count : 1.0;
+        room[axis] = size[axis] > 0.0 && isfinite(range[axis]) ? range[axis] / size[axis]
+                     : range[axis] > 0.0                       ? count
+                                                               : 1.0;
     Layout layout = {.sweepAxis = 0};
     for (int axis = 1; axis < 3; axis++)
         if (room[axis] > room[layout.sweepAxis])
@@ -150,7 +152,8 @@ qcStatus qcSweep_FindPairs(qcSweep* sweep, const qcSweepBox* boxes, uint32_t cou
     Layout layout = Plan(boxes, count);
     QC_TRY(FillStrips(sweep, boxes, count, &layout));
     Job job = {layout, sweep->entries.data, sweep->stripFirst.data, function, context};
-    qcParallel_For(threads, layout.stripCount, SweepStrip, &job);
+    // Below 4096 boxes all strips together take less than 0.5 ms.
+    qcParallel_For(count < 4096 ? 1 : threads, layout.stripCount, 2, SweepStrip, &job);
     return qc_statusOk;
 }
 

@@ -5,8 +5,8 @@
 #include "bodies.h"
 #include "visibility_sets.h"
 
-/// Bodies are numbered by slot without gaps, triangles by body, then by index in it: the rank. Pairs sorted by ranks are
-/// sorted as the ABI promises.
+/// Bodies are numbered by slot without gaps, triangles by body, then by index in it: the rank. Pairs sorted by ranks
+/// are sorted as the ABI promises.
 typedef struct qcTriangles
 {
     const qcBodies* bodies;

@@ -165,7 +165,8 @@ END_TEST
 
 START_TEST(methods_and_threads_give_the_same_contacts_in_the_same_order)
 {
-    qcSoup soup = qcSoup_MakeFoldedCloth(4, 24, 0.02, 0.01), ball = qcSoup_MakeSphere(2, 0.1);
+    // Large enough for more than one thread to be used.
+    qcSoup soup = qcSoup_MakeFoldedCloth(4, 52, 0.02, 0.01), ball = qcSoup_MakeSphere(2, 0.1);
     qcSoup_Translate(&ball, 0.5, 0.1, 0.0);
     qcScene* scene = qcMakeScene(NULL);
     qcAddSoup(scene, &soup);

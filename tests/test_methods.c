@@ -61,7 +61,8 @@ END_TEST
 
 START_TEST(sweep_equals_brute_force_on_folded_cloth)
 {
-    ck_assert_uint_gt(CompareOn(qcSoup_MakeFoldedCloth(5, 36, 0.01, 0.02), "folded cloth"), 10);
+    // Large enough for more than one thread to be used.
+    ck_assert_uint_gt(CompareOn(qcSoup_MakeFoldedCloth(5, 56, 0.01, 0.02), "folded cloth"), 10);
 }
 END_TEST
 

@@ -1,27 +1,10 @@
 // CULLIDE and Quick-CULLIDE on real GL: hand-made scenes whose sets are known, and the invariants of the paper on others.
 // Each test runs on every software device that is there.
+#include "devices.h"
 #include "scenes.h"
 #include "suite.h"
 
 #include <math.h>
-#include <stdio.h>
-
-static const qcDeviceKind s_kinds[] = {qc_deviceOsmesa, qc_deviceSurfaceless};
-
-/// Opens a device, or says that the test is skipped on it.
-static qcDevice* Open(qcDeviceKind kind)
-{
-    qcDeviceDef def = qcDefaultDeviceDef();
-    def.kind = kind;
-    qcDevice* device = NULL;
-    if (qcDevice_Create(&def, &device) != qc_statusOk)
-        fprintf(stderr, "skipped: %s\n", qcLastMessage());
-    return device;
-}
-
-#define FOR_EACH_DEVICE(device)                                                                                        \
-    for (size_t kind = 0; kind < sizeof s_kinds / sizeof s_kinds[0]; kind++)                                           \
-        for (qcDevice* device = Open(s_kinds[kind]); device != NULL; qcDevice_Destroy(device), device = NULL)
 
 static qcDetectDef Request(qcMethod method, const char* views, uint32_t resolution, uint32_t iterations)
 {
@@ -61,7 +44,7 @@ static const qcResult* Detect(qcScene* scene, const qcDetectDef* def)
 
 START_TEST(the_nearer_of_two_objects_is_pruned_in_the_first_view)
 {
-    FOR_EACH_DEVICE(device)
+    QC_FOR_EACH_DEVICE(device)
     {
         for (int nearer = 0; nearer < 2; nearer++)
         {
@@ -103,7 +86,7 @@ END_TEST
 
 START_TEST(objects_side_by_side_are_pruned_at_once)
 {
-    FOR_EACH_DEVICE(device)
+    QC_FOR_EACH_DEVICE(device)
     {
         qcScene* scene = qcMakeScene(device);
         for (int body = 0; body < 5; body++)
@@ -129,7 +112,7 @@ static void AddCycle(qcScene* scene)
 
 START_TEST(quick_prunes_a_cycle_that_stops_cullide)
 {
-    FOR_EACH_DEVICE(device)
+    QC_FOR_EACH_DEVICE(device)
     {
         qcScene* scene = qcMakeScene(device);
         AddCycle(scene);
@@ -160,7 +143,7 @@ static void AddComb(qcScene* scene)
 
 START_TEST(a_pair_inside_one_collision_free_set_is_not_swept)
 {
-    FOR_EACH_DEVICE(device)
+    QC_FOR_EACH_DEVICE(device)
     {
         qcScene* scene = qcMakeScene(device);
         AddComb(scene);
@@ -183,7 +166,7 @@ END_TEST
 
 START_TEST(sets_save_queries_and_renders)
 {
-    FOR_EACH_DEVICE(device)
+    QC_FOR_EACH_DEVICE(device)
     {
         qcScene* scene = qcMakeScene(device);
         AddComb(scene);
@@ -205,7 +188,7 @@ END_TEST
 
 START_TEST(crossing_objects_stay_and_their_pair_is_found)
 {
-    FOR_EACH_DEVICE(device)
+    QC_FOR_EACH_DEVICE(device)
     {
         for (int method = qc_methodCullide; method <= qc_methodQuick; method++)
         {
@@ -228,7 +211,7 @@ END_TEST
 
 START_TEST(neighbours_that_share_an_edge_are_fully_visible_for_self_collision)
 {
-    FOR_EACH_DEVICE(device)
+    QC_FOR_EACH_DEVICE(device)
     {
         qcSoup grid = qcSoup_MakeGrid(6);
         for (uint32_t v = 0; v < grid.vertexCount; v++) // a ridge: same depths along shared edges, nothing in front
@@ -248,7 +231,7 @@ END_TEST
 
 START_TEST(triangles_that_cross_within_one_object_are_found)
 {
-    FOR_EACH_DEVICE(device)
+    QC_FOR_EACH_DEVICE(device)
     {
         qcSoup soup = qcSoup_MakeRandom(5, 60, 0.5);
         qcScene* scene = qcMakeScene(device);
@@ -314,7 +297,7 @@ static void CheckInvariants(qcScene* scene, const char* views, uint32_t resoluti
 START_TEST(quick_keeps_a_subset_of_cullide_and_reports_only_real_pairs)
 {
     const char* const views[] = {"x", "zy", "xyz", "zxy"};
-    FOR_EACH_DEVICE(device)
+    QC_FOR_EACH_DEVICE(device)
     {
         for (uint64_t seed = 1; seed <= 4; seed++)
         {
@@ -336,7 +319,7 @@ END_TEST
 
 START_TEST(many_objects_keep_the_invariants_at_both_levels)
 {
-    FOR_EACH_DEVICE(device)
+    QC_FOR_EACH_DEVICE(device)
     {
         qcScene* scene = qcMakeScene(device);
         qcRandom random = {17};
@@ -388,7 +371,7 @@ END_TEST
 
 START_TEST(two_scenes_share_one_device)
 {
-    FOR_EACH_DEVICE(device)
+    QC_FOR_EACH_DEVICE(device)
     {
         qcScene *first = qcMakeScene(device), *second = qcMakeScene(device);
         AddCycle(first);
