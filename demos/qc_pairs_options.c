@@ -1,9 +1,8 @@
 // The command line of qc-pairs. A word that is not known is refused with the words that are.
 #include "qc_pairs.h"
 
-#include <argp.h>
-#include <errno.h>
-#include <stdlib.h>
+#include "option_values.h"
+
 #include <string.h>
 #include <strings.h>
 
@@ -31,55 +30,8 @@ typedef enum OptionKey
     key_json
 } OptionKey;
 
-typedef struct Word
-{
-    const char* name;
-    int value;
-} Word;
-
-static const Word s_methods[] = {{"brute", qc_methodBrute},     {"sweep", qc_methodSweep}, {"quick", qc_methodQuick},
-                                 {"cullide", qc_methodCullide}, {"auto", qc_methodAuto},   {NULL, 0}};
-
-static const Word s_devices[] = {{"auto", qc_deviceAuto},     {"egl", qc_deviceEgl},
-                                 {"osmesa", qc_deviceOsmesa}, {"surfaceless", qc_deviceSurfaceless},
-                                 {"none", qc_deviceNone},     {NULL, 0}};
-
-static int ReadWord(const struct argp_state* state, const char* option, const char* text, const Word* words)
-{
-    char allowed[128] = "";
-    for (const Word* word = words; word->name != NULL; ++word)
-    {
-        if (strcmp(word->name, text) == 0)
-            return word->value;
-        strcat(strcat(allowed, word == words ? "" : ", "), word->name);
-    }
-    argp_error(state, "%s: '%s' is not one of %s", option, text, allowed);
-    return 0;
-}
-
-static uint32_t ReadNumber(const struct argp_state* state, const char* option, const char* text, uint32_t lowest,
-                           uint32_t highest)
-{
-    char* end;
-    errno = 0;
-    unsigned long value = strtoul(text, &end, 10);
-    // strtoul takes "-1" and " 1" too.
-    if (text[0] < '0' || text[0] > '9' || *end != 0 || errno != 0 || value < lowest || value > highest)
-        argp_error(state, "%s: '%s' is not a whole number in %u..%u", option, text, lowest, highest);
-    return (uint32_t)value;
-}
-
-static void ReadViews(const struct argp_state* state, const char* text, char views[4])
-{
-    size_t length = strlen(text);
-    bool valid = length >= 1 && length <= 3 && strspn(text, "xyz") == length;
-    for (size_t i = 0; valid && i < length; ++i)
-        valid = strchr(text + i + 1, text[i]) == NULL;
-    if (!valid)
-        argp_error(state, "--views: '%s' is not 1 to 3 different letters of x, y and z", text);
-    memset(views, 0, 4);
-    memcpy(views, text, length);
-}
+static const qcWord s_methods[] = {{"brute", qc_methodBrute},     {"sweep", qc_methodSweep}, {"quick", qc_methodQuick},
+                                   {"cullide", qc_methodCullide}, {"auto", qc_methodAuto},   {NULL, 0}};
 
 static bool HasEnding(const char* name, const char* ending)
 {
@@ -103,23 +55,25 @@ static error_t ReadOption(int key, char* text, struct argp_state* state)
     qcPairsOptions* options = state->input;
     switch (key)
     {
-        case key_method: options->detect.method = (qcMethod)ReadWord(state, "--method", text, s_methods); return 0;
+        case key_method:
+            options->detect.method = (qcMethod)qcOption_ReadWord(state, "--method", text, s_methods);
+            return 0;
         case key_device:
-            options->device = (qcDeviceKind)ReadWord(state, "--device", text, s_devices);
+            options->device = (qcDeviceKind)qcOption_ReadWord(state, "--device", text, qcDeviceWords);
             options->deviceNamed = true;
             return 0;
-        case key_views: ReadViews(state, text, options->detect.views); return 0;
+        case key_views: qcOption_ReadViews(state, "--views", text, options->detect.views); return 0;
         case key_resolution:
-            options->detect.resolution = ReadNumber(state, "--resolution", text, 1, qc_maxResolution);
+            options->detect.resolution = qcOption_ReadNumber(state, "--resolution", text, 1, qc_maxResolution);
             return 0;
         case key_iterations:
-            options->detect.iterations = ReadNumber(state, "--iterations", text, 0, UINT32_MAX);
+            options->detect.iterations = qcOption_ReadNumber(state, "--iterations", text, 0, UINT32_MAX);
             return 0;
         case key_noSelf: options->selfCollision = false; return 0;
         case key_touching: options->detect.touching = true; return 0;
         case key_neighbours: options->detect.neighbours = true; return 0;
-        case key_threads: options->detect.threads = ReadNumber(state, "--threads", text, 0, 1024); return 0;
-        case key_reps: options->reps = ReadNumber(state, "--reps", text, 1, qc_maxReps); return 0;
+        case key_threads: options->detect.threads = qcOption_ReadNumber(state, "--threads", text, 0, 1024); return 0;
+        case key_reps: options->reps = qcOption_ReadNumber(state, "--reps", text, 1, qc_maxReps); return 0;
         case key_json: options->json = true; return 0;
         case key_out: options->out = text; return 0;
         case key_picture: options->picture = text; return 0;

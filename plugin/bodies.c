@@ -81,8 +81,9 @@ static qcStatus Transform(uint32_t slot, const double* local, uint32_t vertexCou
 {
     if (IsIdentity(t))
     {
-        // Not by multiplication: 0 * x would lose the sign of a zero, and time.
-        memmove(world, local, 3 * sizeof(double) * vertexCount);
+        // Not by multiplication: 0 * x would lose the sign of a zero, and time. Null is no array, not even an empty one.
+        if (vertexCount != 0)
+            memmove(world, local, 3 * sizeof(double) * vertexCount);
         return qc_statusOk;
     }
     for (uint32_t v = 0; v < vertexCount; v++)
