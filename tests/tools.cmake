@@ -12,6 +12,9 @@ if(TARGET qc-pairs)
     add_test(NAME test_bunny_is_read_whole COMMAND qc-pairs --method sweep ${QC_BUNNY})
     set_tests_properties(test_bunny_is_read_whole PROPERTIES
       PASS_REGULAR_EXPRESSION "69666 triangles, 34835 vertices.*pairs        0:")
+    add_executable(test_bunny test_bunny.c)
+    target_link_libraries(test_bunny PRIVATE quickcullide::core qc_demo_support qc_oracle PkgConfig::CHECK)
+    add_test(NAME test_bunny COMMAND test_bunny ${QC_BUNNY})
   endif()
 endif()
 
