@@ -104,7 +104,7 @@ void qcBroadphase::AddBox(Proxy* proxy)
 {
     double lower[3], upper[3];
     if (!Order(proxy->m_aabbMin, proxy->m_aabbMax, lower, upper))
-        proxy->sought = m_interval;
+        Seek(proxy);
     qcStatus status = m_boxes != nullptr ? qc_statusOk : qcBoxes_Create(&m_boxes);
     if (status == qc_statusOk)
         status = qcBoxes_Add(m_boxes, lower, upper, proxy, &proxy->box);
@@ -149,6 +149,12 @@ void qcBroadphase::Touch(Proxy* proxy)
     proxy->oldMax = proxy->m_aabbMax;
 }
 
+void qcBroadphase::Seek(Proxy* proxy)
+{
+    m_anythingSought = true;
+    proxy->sought = m_interval;
+}
+
 void qcBroadphase::MoveProxy(Proxy* proxy, const btVector3& aabbMin, const btVector3& aabbMax)
 {
     Touch(proxy);
@@ -158,7 +164,7 @@ void qcBroadphase::MoveProxy(Proxy* proxy, const btVector3& aabbMin, const btVec
     proxy->m_aabbMax = aabbMax;
     // The box in the tree may be the same as before, and other proxies overlap nevertheless.
     if (!Order(aabbMin, aabbMax, lower, upper) || !wasOrdered)
-        proxy->sought = m_interval;
+        Seek(proxy);
     if (proxy->box != qc_noBox)
         qcBoxes_Move(m_boxes, proxy->box, lower, upper);
 }

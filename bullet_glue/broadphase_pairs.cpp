@@ -41,10 +41,19 @@ void qcBroadphase::AddPairsNow(Proxy* proxy)
     VisitBox(proxy->m_aabbMin, proxy->m_aabbMax,
              [&](Proxy* other)
              {
-                 if (other != proxy && !proxy->destroyed)
+                 if (other != proxy && !proxy->destroyed && !IsDecided(proxy, other))
                      Judge(proxy, other);
              });
     m_knownPairCount += m_pairCache->getNumOverlappingPairs() - before;
+}
+
+/// A pair to ask the filter callback about again.
+void qcBroadphase::Reject(Proxy* a, Proxy* b)
+{
+    if (m_filter == nullptr || a->destroyed || b->destroyed)
+        return;
+    m_rejected.push_back(a);
+    m_rejected.push_back(b);
 }
 
 void qcBroadphase::Consider(Proxy* a, Proxy* b)
@@ -52,10 +61,8 @@ void qcBroadphase::Consider(Proxy* a, Proxy* b)
     if (a->destroyed || b->destroyed || IsDecided(a, b) ||
         !TestAabbAgainstAabb2(a->m_aabbMin, a->m_aabbMax, b->m_aabbMin, b->m_aabbMax))
         return;
-    if (Judge(a, b) || m_filter == nullptr)
-        return;
-    m_rejected.push_back(a);
-    m_rejected.push_back(b);
+    if (!Judge(a, b))
+        Reject(a, b);
 }
 
 /// Looks for what changed by other hands than ours: filters, and the pair cache itself.
@@ -73,7 +80,7 @@ void qcBroadphase::LookForChanges()
         proxy->seenGroup = proxy->m_collisionFilterGroup;
         proxy->seenMask = proxy->m_collisionFilterMask;
         Touch(proxy);
-        proxy->sought = m_interval;
+        Seek(proxy);
     }
 }
 
@@ -107,6 +114,8 @@ void qcBroadphase::FindPairs()
     for (size_t i = 0; i < count; i++)
         Consider(static_cast<Proxy*>(qcBoxes_GetUserData(m_boxes, pairs[i].a)),
                  static_cast<Proxy*>(qcBoxes_GetUserData(m_boxes, pairs[i].b)));
+    if (!m_judgeAll && !m_anythingSought && m_outsideCount == 0)
+        return;
     for (Proxy* proxy = m_first; proxy != nullptr; proxy = proxy->next)
     {
         if (!m_judgeAll && proxy->sought != m_interval && proxy->box != qc_noBox)
@@ -129,8 +138,12 @@ bool qcBroadphase::IsStillWanted(const btBroadphasePair& pair)
         return false;
     if (!m_judgeAll && m_filter == nullptr && a->touched != m_interval && b->touched != m_interval)
         return true;
-    return TestAabbAgainstAabb2(a->m_aabbMin, a->m_aabbMax, b->m_aabbMin, b->m_aabbMax) &&
-           m_pairCache->needsBroadphaseCollision(a, b);
+    if (!TestAabbAgainstAabb2(a->m_aabbMin, a->m_aabbMax, b->m_aabbMin, b->m_aabbMax))
+        return false;
+    if (m_pairCache->needsBroadphaseCollision(a, b))
+        return true;
+    Reject(a, b);
+    return false;
 }
 
 void qcBroadphase::RemovePair(int index, btDispatcher* dispatcher)
@@ -195,7 +208,7 @@ void qcBroadphase::calculateOverlappingPairs(btDispatcher* dispatcher)
         RemovePairs(dispatcher);
     }
     m_interval++;
-    m_anythingTouched = false;
+    m_anythingTouched = m_anythingSought = false;
     m_judgeAll = false;
     m_pairsAtOnce = qc_pairsAtOnce;
     m_knownPairCount = m_pairCache->getNumOverlappingPairs();

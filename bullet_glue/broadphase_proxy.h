@@ -8,8 +8,8 @@
 
 constexpr uint32_t qc_noBox = UINT32_MAX;
 
-// Enough for the characters and sensors of a scene, little beside a step in which thousands of boxes move.
-constexpr int qc_pairsAtOnce = 32;
+// Enough for a character or sensor, nothing beside a step in which many boxes move.
+constexpr int qc_pairsAtOnce = 8;
 
 struct qcBroadphase::Proxy : btBroadphaseProxy
 {

@@ -24,7 +24,7 @@ run_cloth()
     rm -f "$out"/frame_*.png "$out/cloth.mp4"
     "$root/build/demos/qc-cloth" --out "$out" "$@"
     if [ -f "$out/frame_0000.png" ] && command -v ffmpeg >/dev/null; then
-        ffmpeg -loglevel error -y -framerate 25 -i "$out/frame_%04d.png" -c:v libx264 -pix_fmt yuv420p \
+        ffmpeg -loglevel error -y -framerate 12 -i "$out/frame_%04d.png" -c:v libx264 -pix_fmt yuv420p \
             -vf 'pad=ceil(iw/2)*2:ceil(ih/2)*2' "$out/cloth.mp4"
         echo "The film is $out/cloth.mp4"
     fi

@@ -76,7 +76,7 @@ class QC_API qcBroadphase : public btBroadphaseInterface
     /// Prints the numbers of proxies and pairs.
     void printStats() override;
 
-    /// qc_statusOutOfMemory after an allocation failed, until no proxy is left outside of the tree.
+    /// qc_statusOutOfMemory after an allocation failed, until a calculateOverlappingPairs finds room for everything.
     qcStatus getStatus() const;
 
   private:
@@ -87,6 +87,7 @@ class QC_API qcBroadphase : public btBroadphaseInterface
     void AddBox(Proxy* proxy);
     void Free(Proxy* proxy);
     void Touch(Proxy* proxy);
+    void Seek(Proxy* proxy);
     void MoveProxy(Proxy* proxy, const btVector3& aabbMin, const btVector3& aabbMax);
     void Pend(Proxy* proxy);
     void ApplyPending();
@@ -94,6 +95,7 @@ class QC_API qcBroadphase : public btBroadphaseInterface
     bool Judge(Proxy* a, Proxy* b);
     void AddPairsNow(Proxy* proxy);
     bool IsDecided(const Proxy* a, const Proxy* b) const;
+    void Reject(Proxy* a, Proxy* b);
     void Consider(Proxy* a, Proxy* b);
     void LookForChanges();
     void JudgeRejected();
@@ -119,7 +121,7 @@ class QC_API qcBroadphase : public btBroadphaseInterface
     unsigned m_destroyCount = 0; ///< tells a loop over pairs that a callback has removed some
 
     long long m_interval = 1; ///< between two searches for pairs
-    bool m_anythingTouched = false;
+    bool m_anythingTouched = false, m_anythingSought = false;
     bool m_judgeAll = false;  ///< someone else changed the cache: every pair is looked for again
     int m_pairsAtOnce;        ///< how many proxies may still look for their pairs at once
     int m_knownPairCount = 0; ///< size of the cache when we last touched it
