@@ -20,13 +20,26 @@ btVector3 PointOf(const btSoftBody* body, const uint32_t vertices[3], const doub
 
 qcManifolds::~qcManifolds()
 {
-    Release();
+    // The world is gone, and its bodies may be.
+    Release(btAlignedObjectArray<btSoftBody*>());
 }
 
-void qcManifolds::Release()
+void qcManifolds::Release(const btAlignedObjectArray<btSoftBody*>& alive)
 {
+    auto isAlive = [&](const btCollisionObject* body)
+    {
+        for (int i = 0; i < alive.size(); i++)
+            if (alive[i] == body)
+                return true;
+        return false;
+    };
     for (auto& [dispatcher, manifold] : m_manifolds)
+    {
+        // Bullet tells gContactEndedCallback of a manifold with points, which would look at its bodies.
+        if (!isAlive(manifold->getBody0()) || !isAlive(manifold->getBody1()))
+            manifold->setNumContacts(0);
         dispatcher->releaseManifold(manifold);
+    }
     m_manifolds.clear();
 }
 

@@ -12,8 +12,9 @@ class qcManifolds
   public:
     ~qcManifolds();
 
-    /// Gives all manifolds back.
-    void Release();
+    /// Gives all manifolds back. `alive`: the bodies that are still in the world; nobody is told of the end of others'
+    /// contacts.
+    void Release(const btAlignedObjectArray<btSoftBody*>& alive);
 
     /// Reports the contacts that became constraints. Distances are between surfaces of the bodies' thickness: negative
     /// where they press into each other. Bodies whose world has no dispatcher are left out.

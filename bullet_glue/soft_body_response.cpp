@@ -20,9 +20,11 @@ void AddNodes(qcSceneSoftBody& body, const uint32_t vertices[3], const double we
             continue;
         btSoftBody::Node* node = &body.body->m_nodes[int(vertices[i])];
         btScalar weight = sign * btScalar(weights[i]);
+        btScalar inverseMass = body.moves ? node->m_im : btScalar(0);
         constraint->node[constraint->nodeCount] = node;
+        constraint->inverseMass[constraint->nodeCount] = inverseMass;
         constraint->weight[constraint->nodeCount++] = weight;
-        constraint->inverseEffectiveMass += weight * weight * node->m_im;
+        constraint->inverseEffectiveMass += weight * weight * inverseMass;
         constraint->startOffset += weight * body.start[vertices[i]];
     }
 }
@@ -35,10 +37,15 @@ btVector3 Offset(const qcSoftConstraint& constraint)
     return offset;
 }
 
-void Push(const qcSoftConstraint& constraint, const btVector3& correction)
+/// What the constraint lacks, shared out by weight and mass so that it then holds; but no node moves further than is
+/// lacking: where only one with a small weight can move, it would be thrown away.
+void Push(const qcSoftConstraint& constraint, const btVector3& lack)
 {
+    btScalar largest = constraint.inverseEffectiveMass;
     for (int i = 0; i < constraint.nodeCount; i++)
-        constraint.node[i]->m_x += constraint.weight[i] * constraint.node[i]->m_im * correction;
+        largest = std::max(largest, btFabs(constraint.weight[i]) * constraint.inverseMass[i]);
+    for (int i = 0; i < constraint.nodeCount; i++)
+        constraint.node[i]->m_x += lack * (constraint.weight[i] * constraint.inverseMass[i] / largest);
 }
 
 void Solve(const qcSoftConstraint& constraint)
@@ -47,7 +54,7 @@ void Solve(const qcSoftConstraint& constraint)
     btScalar missing = constraint.distance - constraint.normal.dot(offset);
     if (missing <= 0)
         return;
-    Push(constraint, constraint.normal * (missing / constraint.inverseEffectiveMass));
+    Push(constraint, constraint.normal * missing);
     // Coulomb: what the normal push was, times the coefficient, may take back of the sliding since the start.
     btVector3 motion = offset - constraint.startOffset;
     btVector3 sliding = motion - constraint.normal * constraint.normal.dot(motion);
@@ -55,29 +62,34 @@ void Solve(const qcSoftConstraint& constraint)
     if (length <= SIMD_EPSILON)
         return;
     btScalar taken = std::min(length, constraint.friction * missing);
-    Push(constraint, sliding * (-taken / length / constraint.inverseEffectiveMass));
+    Push(constraint, sliding * (-taken / length));
 }
 
-void Triangle(const qcSceneSoftBody& body, uint32_t triangle, bool atStart, double corners[9])
+/// The corners at the start of the step.
+void StartOf(const qcSceneSoftBody& body, uint32_t triangle, double corners[9])
 {
-    const btSoftBody::Face& face = body.body->m_faces[int(triangle)];
     for (int i = 0; i < 9; i++)
-    {
-        const btSoftBody::Node* node = face.m_n[i / 3];
-        const btVector3& x = atStart ? body.start[size_t(node - &body.body->m_nodes[0])] : node->m_x;
-        corners[i] = double(x[i % 3]);
-    }
+        corners[i] = double(body.start[body.indices[3 * size_t(triangle) + size_t(i / 3)]][i % 3]);
 }
 
-int PutBack(qcSceneSoftBody& body, uint32_t triangle)
+int PutNodeBack(qcSceneSoftBody& body, uint32_t node)
+{
+    btVector3& x = body.body->m_nodes[int(node)].m_x;
+    if (x == body.start[node])
+        return 0;
+    x = body.start[node];
+    return 1;
+}
+
+int PutBack(qcSceneSoftBody& body, uint32_t triangle, bool wholeBody)
 {
     int moved = 0;
-    for (btSoftBody::Node* node : body.body->m_faces[int(triangle)].m_n)
-    {
-        const btVector3& start = body.start[size_t(node - &body.body->m_nodes[0])];
-        moved += node->m_x != start;
-        node->m_x = start;
-    }
+    if (wholeBody)
+        for (int i = 0; i < body.NodeCount(); i++)
+            moved += PutNodeBack(body, uint32_t(i));
+    else
+        for (size_t c = 0; c < 3; c++)
+            moved += PutNodeBack(body, body.indices[3 * size_t(triangle) + c]);
     return moved;
 }
 } // namespace
@@ -124,7 +136,7 @@ void qcSolveSoftConstraints(const std::vector<qcSoftConstraint>& constraints, in
             Solve(constraint);
 }
 
-int qcFreezePenetrating(qcSoftBodyScene& scene, const qcResult& result, qcMayPush* mayPush)
+int qcFreezePenetrating(qcSoftBodyScene& scene, const qcResult& result, qcMayPush* mayPush, bool wholeBodies)
 {
     int moved = 0;
     for (size_t i = 0; i < result.pairCount; i++)
@@ -134,12 +146,12 @@ int qcFreezePenetrating(qcSoftBodyScene& scene, const qcResult& result, qcMayPus
         if (!mayPush(*a, *b))
             continue;
         double before[2][9];
-        Triangle(*a, pair.triangleA, true, before[0]);
-        Triangle(*b, pair.triangleB, true, before[1]);
+        StartOf(*a, pair.triangleA, before[0]);
+        StartOf(*b, pair.triangleB, before[1]);
         if (qcRelateTriangles(before[0], before[1]) == qc_relationPenetrating)
             continue;
-        moved += PutBack(*a, pair.triangleA);
-        moved += PutBack(*b, pair.triangleB);
+        moved += PutBack(*a, pair.triangleA, wholeBodies);
+        moved += PutBack(*b, pair.triangleB, wholeBodies);
     }
     return moved;
 }
@@ -150,7 +162,7 @@ void qcUpdateVelocities(qcSoftBodyScene& scene, const std::vector<std::vector<bt
     {
         const qcSceneSoftBody& known = scene.Bodies()[b];
         const btScalar perDistance = known.body->m_sst.isdt * (1 - known.body->m_cfg.kDP);
-        for (int i = 0; i < known.nodeCount; i++)
+        for (int i = 0; i < known.NodeCount(); i++)
         {
             btSoftBody::Node& node = known.body->m_nodes[i];
             if (node.m_x != solved[b][size_t(i)])

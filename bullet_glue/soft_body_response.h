@@ -9,7 +9,8 @@ struct qcSoftConstraint
 {
     int nodeCount;
     btSoftBody::Node* node[6];
-    btScalar weight[6]; ///< positive on the side to which the normal points, negative on the other; sums to 0
+    btScalar inverseMass[6]; ///< 0: pinned, or of a body that does not move
+    btScalar weight[6];      ///< positive on the side to which the normal points, negative on the other; sums to 0
     btScalar inverseEffectiveMass; ///< sum of weight^2 * inverse mass; 0: nothing can move
     btVector3 normal;
     btVector3 startOffset; ///< the same weighted sum over the start of the step
@@ -20,8 +21,8 @@ struct qcSoftConstraint
 /// May contacts between these two bodies (or of one with itself) push?
 typedef bool qcMayPush(const qcSceneSoftBody& a, const qcSceneSoftBody& b);
 
-/// One constraint for each contact of the result within its bodies' thickness; `slots` receives for each the contact's
-/// index in the result.
+/// One constraint for each contact of the result within its bodies' thickness; `contactOf` receives for each the
+/// contact's index in the result.
 void qcMakeSoftConstraints(qcSoftBodyScene& scene, const qcResult& result, qcMayPush* mayPush,
                            std::vector<qcSoftConstraint>* constraints, std::vector<size_t>* contactOf);
 
@@ -29,8 +30,8 @@ void qcMakeSoftConstraints(qcSoftBodyScene& scene, const qcResult& result, qcMay
 void qcSolveSoftConstraints(const std::vector<qcSoftConstraint>& constraints, int iterations);
 
 /// Puts the nodes of penetrating pairs back to the start of the step, unless the pair penetrated there already.
-/// Returns the number of nodes moved.
-int qcFreezePenetrating(qcSoftBodyScene& scene, const qcResult& result, qcMayPush* mayPush);
+/// `wholeBodies`: all nodes of their bodies. Returns the number of nodes moved.
+int qcFreezePenetrating(qcSoftBodyScene& scene, const qcResult& result, qcMayPush* mayPush, bool wholeBodies);
 
 /// The velocity that leads from the start of the step to the present position, as btSoftBody::solveConstraints sets it,
 /// for every node that is not where Bullet's own constraints left it.

@@ -7,24 +7,33 @@ namespace
 {
 constexpr qcPositionType s_positionType = sizeof(btScalar) == sizeof(double) ? qc_positionF64 : qc_positionF32;
 
-btScalar DefaultThickness(const btSoftBody* body)
+btScalar HalfMeanEdge(const btSoftBody* body)
 {
     btScalar sum = 0;
     int count = 0;
     for (int i = 0; i < body->m_faces.size(); i++)
         for (int c = 0; c < 3; c++, count++)
             sum += (body->m_faces[i].m_n[c]->m_x - body->m_faces[i].m_n[(c + 1) % 3]->m_x).length();
-    btScalar half = count > 0 ? sum / count / 2 : btScalar(0);
-    return std::min(half, body->getCollisionShape()->getMargin());
+    return count > 0 ? sum / btScalar(count) / 2 : btScalar(0);
+}
+
+std::vector<uint32_t> IndicesOf(const btSoftBody* body)
+{
+    std::vector<uint32_t> indices;
+    indices.reserve(3 * size_t(body->m_faces.size()));
+    for (int i = 0; i < body->m_faces.size(); i++)
+        for (const btSoftBody::Node* node : body->m_faces[i].m_n)
+            indices.push_back(uint32_t(node - &body->m_nodes[0]));
+    return indices;
+}
+
+/// -1 for a body that is in no world.
+int AdditionOf(const btSoftBody* body)
+{
+    const btBroadphaseProxy* proxy = body->getBroadphaseHandle();
+    return proxy != nullptr ? proxy->m_uniqueId : -1;
 }
 } // namespace
-
-qcSoftBodyScene::qcSoftBodyScene()
-{
-    qcSceneDef def = qcDefaultSceneDef();
-    // Out of memory leaves m_scene null; every call on it then fails with a status.
-    qcScene_Create(&def, &m_scene);
-}
 
 qcSoftBodyScene::~qcSoftBodyScene()
 {
@@ -33,46 +42,69 @@ qcSoftBodyScene::~qcSoftBodyScene()
 
 qcStatus qcSoftBodyScene::Add(btSoftBody* body)
 {
-    std::vector<uint32_t> indices;
-    indices.reserve(3 * size_t(body->m_faces.size()));
-    for (int i = 0; i < body->m_faces.size(); i++)
-        for (const btSoftBody::Node* node : body->m_faces[i].m_n)
-            indices.push_back(uint32_t(node - &body->m_nodes[0]));
-
+    qcSceneSoftBody added;
+    added.body = body;
+    added.addition = AdditionOf(body);
+    added.indices = IndicesOf(body);
+    added.halfEdge = HalfMeanEdge(body);
     qcBodyDef def = qcDefaultBodyDef();
     def.positions = body->m_nodes.size() > 0 ? &body->m_nodes[0].m_x : nullptr;
     def.positionType = s_positionType;
     def.positionStride = sizeof(btSoftBody::Node);
     def.vertexCount = uint32_t(body->m_nodes.size());
-    def.indices = indices.data();
+    def.indices = added.indices.data();
     def.triangleCount = uint32_t(body->m_faces.size());
     def.deforming = true;
-    qcSceneSoftBody added;
-    added.body = body;
-    added.nodeCount = body->m_nodes.size();
-    added.faceCount = body->m_faces.size();
     qcStatus status = qcScene_AddBody(m_scene, &def, &added.id);
     if (status == qc_statusOk)
         m_bodies.push_back(std::move(added));
     return status;
 }
 
-qcStatus qcSoftBodyScene::Synchronize(const btAlignedObjectArray<btSoftBody*>& bodies)
+void qcSoftBodyScene::DropGone(const btAlignedObjectArray<btSoftBody*>& bodies)
 {
     auto isGone = [&](const qcSceneSoftBody& known)
     {
-        bool present = bodies.findLinearSearch(known.body) < bodies.size();
-        if (present && known.nodeCount == known.body->m_nodes.size() && known.faceCount == known.body->m_faces.size())
+        bool same = bodies.findLinearSearch(known.body) < bodies.size() && known.addition == AdditionOf(known.body);
+        if (same && known.start.size() == size_t(known.NodeCount()) && known.indices == IndicesOf(known.body))
             return false;
         qcScene_RemoveBody(m_scene, known.id);
-        if (!present)
-            m_settings.erase(known.body);
+        auto setting = m_settings.find(known.body);
+        if (!same && setting != m_settings.end() && setting->second.addition == known.addition)
+            m_settings.erase(setting);
         return true;
     };
     m_bodies.erase(std::remove_if(m_bodies.begin(), m_bodies.end(), isGone), m_bodies.end());
+}
+
+void qcSoftBodyScene::TakeSettings(qcSceneSoftBody& known)
+{
+    auto found = m_settings.find(known.body);
+    if (found != m_settings.end() && found->second.addition == -1)
+        found->second.addition = known.addition;
+    known.settings = GetSettings(known.body);
+    known.thickness = known.settings.thickness > 0
+                          ? known.settings.thickness
+                          : std::min(known.halfEdge, known.body->getCollisionShape()->getMargin());
+    known.moves = known.body->isActive();
+    qcScene_SetSelfCollision(m_scene, known.id, known.settings.selfCollision);
+    qcScene_SetActivity(m_scene, known.id, known.moves ? qc_activityMoving : qc_activitySleeping);
+}
+
+qcStatus qcSoftBodyScene::Synchronize(const btAlignedObjectArray<btSoftBody*>& bodies)
+{
+    if (m_scene == nullptr)
+    {
+        qcSceneDef def = qcDefaultSceneDef();
+        qcStatus status = qcScene_Create(&def, &m_scene);
+        if (status != qc_statusOk)
+            return status;
+    }
+    DropGone(bodies);
     for (int i = 0; i < bodies.size(); i++)
     {
-        if (Find(bodies[i]) != nullptr)
+        auto isIt = [&](const qcSceneSoftBody& known) { return known.body == bodies[i]; };
+        if (std::any_of(m_bodies.begin(), m_bodies.end(), isIt))
             continue;
         qcStatus status = Add(bodies[i]);
         if (status != qc_statusOk)
@@ -85,11 +117,11 @@ qcStatus qcSoftBodyScene::Synchronize(const btAlignedObjectArray<btSoftBody*>& b
         if (known.id.slot >= m_bodyOfSlot.size())
             m_bodyOfSlot.resize(known.id.slot + 1, SIZE_MAX);
         m_bodyOfSlot[known.id.slot] = i;
-        const qcSoftBodySettings& settings = m_settings[known.body];
-        if (known.thickness == 0 || settings.thickness != known.settings.thickness)
-            known.thickness = settings.thickness > 0 ? settings.thickness : DefaultThickness(known.body);
-        known.settings = settings;
-        qcScene_SetSelfCollision(m_scene, known.id, settings.selfCollision);
+        TakeSettings(known);
+        known.start.resize(size_t(known.NodeCount()));
+        // Bullet moves on from m_q; a body that it does not simulate stays where it is.
+        for (int n = 0; n < known.NodeCount(); n++)
+            known.start[size_t(n)] = known.moves ? known.body->m_nodes[n].m_q : known.body->m_nodes[n].m_x;
     }
     return qc_statusOk;
 }
@@ -98,7 +130,7 @@ qcStatus qcSoftBodyScene::UpdateVertices()
 {
     for (const qcSceneSoftBody& known : m_bodies)
     {
-        if (known.nodeCount == 0)
+        if (known.NodeCount() == 0)
             continue;
         qcStatus status = qcScene_SetVertices(m_scene, known.id, &known.body->m_nodes[0].m_x, s_positionType,
                                               sizeof(btSoftBody::Node));
@@ -121,11 +153,16 @@ qcSceneSoftBody* qcSoftBodyScene::Find(uint32_t slot)
     return slot < m_bodyOfSlot.size() && m_bodyOfSlot[slot] != SIZE_MAX ? &m_bodies[m_bodyOfSlot[slot]] : nullptr;
 }
 
-qcSceneSoftBody* qcSoftBodyScene::Find(const btSoftBody* body)
+void qcSoftBodyScene::SetSettings(const btSoftBody* body, const qcSoftBodySettings& settings)
 {
-    auto found =
-        std::find_if(m_bodies.begin(), m_bodies.end(), [&](const qcSceneSoftBody& b) { return b.body == body; });
-    return found != m_bodies.end() ? &*found : nullptr;
+    m_settings[body] = {AdditionOf(body), settings};
+}
+
+qcSoftBodySettings qcSoftBodyScene::GetSettings(const btSoftBody* body) const
+{
+    auto found = m_settings.find(body);
+    bool isIts = found != m_settings.end() && found->second.addition == AdditionOf(body);
+    return isIts ? found->second.settings : qcSoftBodySettings();
 }
 
 btScalar qcSoftBodyScene::Thickness() const

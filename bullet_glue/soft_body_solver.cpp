@@ -17,9 +17,9 @@ namespace
 // Sweeps over all contacts in a round. On the falling cloth of the main demo, 4 leave penetrating pairs for the next
 // round in most steps with deep folds, 8 seldom.
 constexpr int s_iterations = 8;
-// Rounds before nodes are frozen, and rounds of freezing before all nodes are.
+// Rounds before nodes are frozen, and rounds of that before whole bodies are.
 constexpr int s_contactRounds = 4;
-constexpr int s_freezeRounds = 16;
+constexpr size_t s_freezeRounds = 16;
 
 double Now()
 {
@@ -70,8 +70,8 @@ void qcSoftBodySolver::Implementation::KeepPositions()
     for (size_t b = 0; b < scene.Bodies().size(); b++)
     {
         const qcSceneSoftBody& known = scene.Bodies()[b];
-        solved[b].resize(size_t(known.nodeCount));
-        for (int i = 0; i < known.nodeCount; i++)
+        solved[b].resize(size_t(known.NodeCount()));
+        for (int i = 0; i < known.NodeCount(); i++)
             solved[b][size_t(i)] = known.body->m_nodes[i].m_x;
     }
 }
@@ -127,29 +127,23 @@ qcStatus qcSoftBodySolver::Implementation::SolveContacts()
     return qc_statusOk;
 }
 
-/// Whatever still penetrates and did not at the start goes back there; in the end everything does, if need be.
+/// Whatever still penetrates and did not at the start goes back there: first the nodes of the triangles alone; when
+/// that does not end it, whole bodies, of which each round takes one more at least.
 qcStatus qcSoftBodySolver::Implementation::FreezeRest()
 {
-    for (int round = 0; round < s_freezeRounds; round++)
+    for (size_t round = 0; round < s_freezeRounds + scene.Bodies().size() + 1; round++)
     {
         const qcResult* result;
         qcStatus status = Detect(0, &result);
         if (status != qc_statusOk)
             return status;
         statistics.remaining = CountPenetrating(*result);
-        int moved = qcFreezePenetrating(scene, *result, MayPush);
+        int moved = qcFreezePenetrating(scene, *result, MayPush, round >= s_freezeRounds);
         statistics.frozenNodes += moved;
         if (moved == 0)
             return qc_statusOk;
     }
-    for (const qcSceneSoftBody& known : scene.Bodies())
-        for (int i = 0; i < known.nodeCount; i++)
-            known.body->m_nodes[i].m_x = known.start[size_t(i)];
-    const qcResult* result;
-    qcStatus status = Detect(0, &result);
-    if (status == qc_statusOk)
-        statistics.remaining = CountPenetrating(*result);
-    return status;
+    return qc_statusOk;
 }
 
 qcStatus qcSoftBodySolver::Implementation::Resolve()
@@ -162,7 +156,7 @@ qcStatus qcSoftBodySolver::Implementation::Resolve()
 void qcSoftBodySolver::Implementation::Restore()
 {
     for (size_t b = 0; b < scene.Bodies().size(); b++)
-        for (int i = 0; i < scene.Bodies()[b].nodeCount; i++)
+        for (int i = 0; i < scene.Bodies()[b].NodeCount(); i++)
             scene.Bodies()[b].body->m_nodes[i].m_x = solved[b][size_t(i)];
 }
 
@@ -174,12 +168,12 @@ qcSoftBodySolver::~qcSoftBodySolver() = default;
 
 void qcSoftBodySolver::setSettings(const btSoftBody* body, const qcSoftBodySettings& settings)
 {
-    m_implementation->scene.Settings(body) = settings;
+    m_implementation->scene.SetSettings(body, settings);
 }
 
 qcSoftBodySettings qcSoftBodySolver::getSettings(const btSoftBody* body) const
 {
-    return m_implementation->scene.Settings(body);
+    return m_implementation->scene.GetSettings(body);
 }
 
 const qcSoftBodyStatistics& qcSoftBodySolver::getStatistics() const
@@ -195,7 +189,7 @@ void qcSoftBodySolver::setThreadCount(unsigned threads)
 void qcSoftBodySolver::optimize(btAlignedObjectArray<btSoftBody*>& softBodies, bool forceUpdate)
 {
     // The first call of a step, before collision detection: nothing of the last step may be seen there.
-    m_implementation->manifolds.Release();
+    m_implementation->manifolds.Release(softBodies);
     btDefaultSoftBodySolver::optimize(softBodies, forceUpdate);
 }
 
@@ -209,13 +203,6 @@ void qcSoftBodySolver::solveConstraints(btScalar timeStep)
     Implementation& my = *m_implementation;
     my.statistics = qcSoftBodyStatistics();
     my.statistics.status = my.scene.Synchronize(m_softBodySet);
-    for (qcSceneSoftBody& known : my.scene.Bodies())
-    {
-        known.start.resize(size_t(known.nodeCount));
-        for (int i = 0; i < known.nodeCount; i++)
-            known.start[size_t(i)] = known.body->m_nodes[i].m_q;
-    }
-
     btDefaultSoftBodySolver::solveConstraints(timeStep);
     if (my.statistics.status != qc_statusOk)
         return;

@@ -55,6 +55,7 @@ bool qcClothMeasure::Ask(qcMethod method, qcClothAnswer* answer)
     answer->pcs = uint32_t(result->pcsCount);
     answer->pairs = result->pairCount;
     answer->ms = result->profile.totalMs;
+    answer->resolution = result->profile.resolution;
     answer->marked.assign(m_triangleCount, 0);
     for (size_t i = 0; i < result->pcsCount; i++)
         answer->marked[result->pcs[i].triangle] = 1;

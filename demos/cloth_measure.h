@@ -13,6 +13,7 @@ struct qcClothAnswer
     uint32_t pcs = 0;
     size_t pairs = 0; ///< penetrating pairs it found; all of them are real
     double ms = 0;
+    uint32_t resolution = 0;     ///< pixels on a side, as used
     std::vector<uint8_t> marked; ///< a flag a triangle: in the PCS
 };
 
@@ -31,7 +32,10 @@ class qcClothMeasure
     bool CountPenetrating(size_t* pairs);
     bool Ask(qcMethod method, qcClothAnswer* answer);
 
-    const std::string& Message() const { return m_message; }
+    const std::string& Message() const
+    {
+        return m_message;
+    }
 
   private:
     bool Check(qcStatus status);

@@ -3,7 +3,8 @@
 
 #include "cloth_world.h"
 
-extern "C" {
+extern "C"
+{
 #include "png_file.h"
 }
 
@@ -47,7 +48,8 @@ qcClothPicture::qcClothPicture()
     // Bullet keeps the nodes of a soft body off the table, not the faces between them: these cut across its rim.
     constexpr float inset = 0.015f;
     constexpr float bottom = qcClothTable::height - qcClothTable::thickness;
-    AddCylinder(qcClothTable::radius - inset, bottom, qcClothTable::height - inset, &m_furniturePositions, &m_tableIndices);
+    AddCylinder(qcClothTable::radius - inset, bottom, qcClothTable::height - inset, &m_furniturePositions,
+                &m_tableIndices);
     AddCylinder(0.05f, 0.0f, bottom, &m_furniturePositions, &m_tableIndices);
     auto corner = uint32_t(m_furniturePositions.size() / 3);
     const float floor[] = {-40, 0, -40, 40, 0, -40, 40, 0, 40, -40, 0, 40};
@@ -92,7 +94,7 @@ bool qcClothPicture::Draw(qcDevice* device, const qcPictureMesh& cloth, uint32_t
 }
 
 bool qcClothPicture::Write(qcDevice* device, const std::vector<float>& positions, const std::vector<uint32_t>& indices,
-                         const std::vector<uint8_t>& marked, const std::string& path, std::string* message)
+                           const std::vector<uint8_t>& marked, const std::string& path, std::string* message)
 {
     m_width = marked.empty() ? s_halfWidth : 2 * s_halfWidth;
     m_image.assign(size_t(m_width) * s_height * 3, 0);

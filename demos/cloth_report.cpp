@@ -1,7 +1,8 @@
 // CSV and closing table of the cloth demo.
 #include "cloth_report.h"
 
-extern "C" {
+extern "C"
+{
 #include "output_file.h"
 }
 
@@ -16,13 +17,13 @@ void WriteRows(FILE* stream, const qcClothRun& run, double stepSeconds)
     {
         const qcClothStep& step = run.steps[i];
         const qcSoftBodyStatistics& s = step.statistics;
-        std::fprintf(stream, "%s,%zu,%.4f,%.3f,%.3f,%.3f,%d,%d,%d,%d,%d,%zu", run.selfCollision ? "with" : "without", i + 1,
-                     double(i + 1) * stepSeconds, step.stepMs, s.detectMs, s.respondMs, s.contacts, s.penetrating, s.rounds,
-                     s.frozenNodes, step.manifolds, step.penetrating);
+        std::fprintf(stream, "%s,%zu,%.4f,%.3f,%.3f,%.3f,%d,%d,%d,%d,%d,%zu", run.selfCollision ? "with" : "without",
+                     i + 1, double(i + 1) * stepSeconds, step.stepMs, s.detectMs, s.respondMs, s.contacts,
+                     s.penetrating, s.rounds, s.frozenNodes, step.manifolds, step.penetrating);
         const qcClothComparison& c = step.comparison;
         if (step.compared)
-            std::fprintf(stream, ",%" PRIu32 ",%" PRIu32 ",%zu,%zu,%.3f,%.3f\n", c.cullide.pcs, c.quick.pcs, c.cullide.pairs,
-                         c.quick.pairs, c.cullide.ms, c.quick.ms);
+            std::fprintf(stream, ",%" PRIu32 ",%" PRIu32 ",%zu,%zu,%.3f,%.3f\n", c.cullide.pcs, c.quick.pcs,
+                         c.cullide.pairs, c.quick.pairs, c.cullide.ms, c.quick.ms);
         else
             std::fprintf(stream, ",,,,,,\n");
     }
@@ -48,6 +49,7 @@ template <typename Value> double Largest(const qcClothRun& run, Value value)
 struct Compared
 {
     size_t steps = 0, exactPairs = 0;
+    uint32_t resolution = 0;
     double cullidePcs = 0, quickPcs = 0, cullideMs = 0, quickMs = 0;
     size_t cullidePairs = 0, quickPairs = 0;
 };
@@ -61,6 +63,7 @@ Compared Sum(const qcClothRun& run)
             continue;
         sum.steps++;
         sum.exactPairs += step.penetrating;
+        sum.resolution = step.comparison.quick.resolution;
         sum.cullidePcs += step.comparison.cullide.pcs;
         sum.quickPcs += step.comparison.quick.pcs;
         sum.cullideMs += step.comparison.cullide.ms;
@@ -82,8 +85,8 @@ void PrintCompared(const char* label, const qcClothRun& run)
     double n = sum.steps != 0 ? double(sum.steps) : 1;
     std::printf("  %s (%zu frames)\n", label, sum.steps);
     std::printf("    %-10s %14s %14s %10s %10s\n", "", "PCS, mean", "ms, mean", "found", "missed");
-    std::printf("    %-10s %14.0f %14.0f %10zu %10zu\n", "cullide", sum.cullidePcs / n, sum.cullideMs / n, sum.cullidePairs,
-                sum.exactPairs - sum.cullidePairs);
+    std::printf("    %-10s %14.0f %14.0f %10zu %10zu\n", "cullide", sum.cullidePcs / n, sum.cullideMs / n,
+                sum.cullidePairs, sum.exactPairs - sum.cullidePairs);
     std::printf("    %-10s %14.0f %14.0f %10zu %10zu\n", "quick", sum.quickPcs / n, sum.quickMs / n, sum.quickPairs,
                 sum.exactPairs - sum.quickPairs);
     std::printf("    %-10s %14s %14s %10zu %10d\n", "exact", "", "", sum.exactPairs, 0);
@@ -100,9 +103,10 @@ bool qcWriteClothCsv(const std::string& path, const qcClothRun& with, const qcCl
         *message = failure.text;
         return false;
     }
-    std::fprintf(output.stream, "self_collision,step,seconds,step_ms,detect_ms,respond_ms,contacts,penetrating_before,rounds,"
-                                "frozen_nodes,manifolds,penetrating_after,pcs_cullide,pcs_quick,pairs_cullide,pairs_quick,"
-                                "cullide_ms,quick_ms\n");
+    std::fprintf(output.stream,
+                 "self_collision,step,seconds,step_ms,detect_ms,respond_ms,contacts,penetrating_before,rounds,"
+                 "frozen_nodes,manifolds,penetrating_after,pcs_cullide,pcs_quick,pairs_cullide,pairs_quick,"
+                 "cullide_ms,quick_ms\n");
     WriteRows(output.stream, with, stepSeconds);
     WriteRows(output.stream, without, stepSeconds);
     if (qcOutput_Commit(&output, &failure))
@@ -139,8 +143,9 @@ void qcPrintClothTable(const qcClothRun& with, const qcClothRun& without, size_t
         std::printf("\n  No GL on this machine: cullide and quick were not asked.\n");
         return;
     }
-    std::printf("\nThe paper's methods on the same frames: views %s, %u x %u pixels, ", request.views, request.resolution,
-                request.resolution);
+    const uint32_t resolution = Sum(with).resolution;
+    std::printf("\nThe paper's methods on the same frames: views %s, %u x %u pixels, ", request.views, resolution,
+                resolution);
     if (request.iterations == 0)
         std::printf("until nothing changes");
     else

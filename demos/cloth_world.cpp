@@ -31,8 +31,8 @@ qcClothWorld::qcClothWorld(unsigned triangleCount, bool selfCollision, unsigned 
     m_world.addRigidBody(&m_floor);
     btSoftBodyWorldInfo& info = m_world.getWorldInfo();
     info.m_gravity = m_world.getGravity();
-    // Bullet samples shapes on a grid for soft bodies; the default of 0.25 m makes a round table square. Only Reset takes
-    // the new size over.
+    // Bullet samples shapes on a grid for soft bodies; the default of 0.25 m makes a round table square. Only Reset
+    // takes the new size over.
     info.m_sparsesdf.setDefaultVoxelsz(btScalar(0.03));
     info.m_sparsesdf.Reset();
     m_softSolver.setThreadCount(threads);
@@ -52,9 +52,9 @@ void qcClothWorld::AddCloth(unsigned triangleCount, bool selfCollision)
     int side = int(std::ceil(std::sqrt(triangleCount / 2.0)));
     // A little off the middle, so that the folds are not all alike.
     btScalar x = btScalar(0.06), z = btScalar(-0.04), y = qcClothTable::height + btScalar(0.05);
-    m_cloth = btSoftBodyHelpers::CreatePatch(m_world.getWorldInfo(), btVector3(x - 1, y, z - 1), btVector3(x + 1, y, z - 1),
-                                             btVector3(x - 1, y, z + 1), btVector3(x + 1, y, z + 1), side + 1, side + 1, 0,
-                                             true);
+    m_cloth = btSoftBodyHelpers::CreatePatch(m_world.getWorldInfo(), btVector3(x - 1, y, z - 1),
+                                             btVector3(x + 1, y, z - 1), btVector3(x - 1, y, z + 1),
+                                             btVector3(x + 1, y, z + 1), side + 1, side + 1, 0, true);
     m_cloth->getCollisionShape()->setMargin(s_margin);
     btSoftBody::Material* bending = m_cloth->appendMaterial();
     bending->m_kLST = btScalar(0.5);

@@ -30,11 +30,20 @@ class qcClothWorld
     double Step();
     static constexpr double stepSeconds = 1.0 / 120;
 
-    const qcSoftBodyStatistics& Statistics() const { return m_softSolver.getStatistics(); }
-    int ManifoldCount() const { return m_dispatcher.getNumManifolds(); }
+    const qcSoftBodyStatistics& Statistics() const
+    {
+        return m_softSolver.getStatistics();
+    }
+    int ManifoldCount() const
+    {
+        return m_dispatcher.getNumManifolds();
+    }
     /// Three floats a vertex, of this moment.
     const std::vector<float>& Positions();
-    const std::vector<uint32_t>& Indices() const { return m_indices; }
+    const std::vector<uint32_t>& Indices() const
+    {
+        return m_indices;
+    }
 
   private:
     void AddCloth(unsigned triangleCount, bool selfCollision);

@@ -1,11 +1,12 @@
-// qc-cloth, the main demo: the paper's cloth scene in Bullet, with our broadphase and our self-collision, and again without
-// self-collision; pictures, a CSV, a table.
+// qc-cloth, the main demo: the paper's cloth scene in Bullet, with our broadphase and our self-collision, and again
+// without self-collision; pictures, a CSV, a table.
 #include "cloth_measure.h"
 #include "cloth_picture.h"
 #include "cloth_report.h"
 #include "cloth_world.h"
 
-extern "C" {
+extern "C"
+{
 #include "option_values.h"
 #include "progress.h"
 }
@@ -32,7 +33,7 @@ struct Options
 {
     std::string out = "out/cloth";
     unsigned triangles = 20000, steps = 360;
-    unsigned frameEvery = 10; ///< steps from frame to frame; 120 steps a second: 12 frames
+    unsigned frameEvery = 10;  ///< steps from frame to frame; 120 steps a second: 12 frames
     unsigned compareEvery = 4; ///< frames from one on which cullide is asked to the next
     qcDeviceKind device = qc_deviceAuto;
     qcDetectDef request = qcDefaultDetectDef();
@@ -61,7 +62,9 @@ error_t ReadOption(int key, char* text, argp_state* state)
         case key_out: options->out = text; return 0;
         case key_triangles: options->triangles = qcOption_ReadNumber(state, "--triangles", text, 2, 2000000); return 0;
         case key_steps: options->steps = qcOption_ReadNumber(state, "--steps", text, 1, 1000000); return 0;
-        case key_frameEvery: options->frameEvery = qcOption_ReadNumber(state, "--frame-every", text, 1, 1000000); return 0;
+        case key_frameEvery:
+            options->frameEvery = qcOption_ReadNumber(state, "--frame-every", text, 1, 1000000);
+            return 0;
         case key_compareEvery:
             options->compareEvery = qcOption_ReadNumber(state, "--compare-every", text, 1, 1000000);
             return 0;
@@ -86,7 +89,8 @@ const argp_option s_options[] = {
     {"triangles", key_triangles, "N", 0, "Triangles of the cloth, at least; 20000 by default", 1},
     {"steps", key_steps, "N", 0, "Steps of 1/120 s; 360 by default", 1},
     {"frame-every", key_frameEvery, "N", 0, "Steps from frame to frame; 10 by default", 1},
-    {"compare-every", key_compareEvery, "N", 0, "Frames from one on which cullide is asked to the next; 4 by default", 1},
+    {"compare-every", key_compareEvery, "N", 0, "Frames from one on which cullide is asked to the next; 4 by default",
+     1},
     {"threads", key_threads, "N", 0, "Threads of the collision queries; 0, the default: one per core", 1},
     {nullptr, 0, nullptr, 0, "For the pictures, and for quick and cullide:", 2},
     {"device", key_device, "DEVICE", 0, "auto (the default), egl, osmesa, surfaceless, or none (no pictures then)", 2},
@@ -95,9 +99,10 @@ const argp_option s_options[] = {
     {"iterations", key_iterations, "N", 0, "Rounds over the views; 2 by default, 0: until nothing changes", 2},
     {nullptr, 0, nullptr, 0, nullptr, 0}};
 
-const char s_help[] = "A cloth falls over a round table and folds on itself: twice, with and without self-collision.\v"
-                      "Exit status: 0 done; 1 output could not be written, or a query failed; 2 a mistake on the command "
-                      "line; 4 the device does not work here.";
+const char s_help[] =
+    "A cloth falls over a round table and folds on itself: twice, with and without self-collision.\v"
+    "Exit status: 0 done; 1 output could not be written, or a query failed; 2 a mistake on the command "
+    "line; 4 the device does not work here.";
 
 bool MakeFolder(const std::string& path)
 {
@@ -161,15 +166,15 @@ bool Demo::Look(qcClothWorld& world, size_t step, qcClothRun* run)
     if (run->selfCollision)
     {
         std::snprintf(name, sizeof name, "/frame_%04zu.png", frame);
-        if (!m_picture.Write(m_device, world.Positions(), world.Indices(), comparison.quick.marked, m_options.out + name,
-                             &message))
+        if (!m_picture.Write(m_device, world.Positions(), world.Indices(), comparison.quick.marked,
+                             m_options.out + name, &message))
             return Fail(message);
     }
     if (measured.compared)
     {
         std::snprintf(name, sizeof name, "/%s_cullide_%04zu.png", run->selfCollision ? "with" : "without", frame);
-        if (!m_picture.Write(m_device, world.Positions(), world.Indices(), comparison.cullide.marked, m_options.out + name,
-                             &message))
+        if (!m_picture.Write(m_device, world.Positions(), world.Indices(), comparison.cullide.marked,
+                             m_options.out + name, &message))
             return Fail(message);
     }
     return true;

@@ -81,7 +81,8 @@ static qcStatus Transform(uint32_t slot, const double* local, uint32_t vertexCou
 {
     if (IsIdentity(t))
     {
-        // Not by multiplication: 0 * x would lose the sign of a zero, and time. Null is no array, not even an empty one.
+        // Not by multiplication: 0 * x would lose the sign of a zero, and time. Null is no array, not even an empty
+        // one.
         if (vertexCount != 0)
             memmove(world, local, 3 * sizeof(double) * vertexCount);
         return qc_statusOk;
@@ -103,6 +104,15 @@ static qcStatus Transform(uint32_t slot, const double* local, uint32_t vertexCou
     return qc_statusOk;
 }
 
+static void Include(qcBody* body, const double p[3])
+{
+    for (int axis = 0; axis < 3; axis++)
+    {
+        body->lower[axis] = p[axis] < body->lower[axis] ? p[axis] : body->lower[axis];
+        body->upper[axis] = p[axis] > body->upper[axis] ? p[axis] : body->upper[axis];
+    }
+}
+
 static void FindBounds(qcBody* body)
 {
     for (int axis = 0; axis < 3; axis++)
@@ -110,13 +120,27 @@ static void FindBounds(qcBody* body)
         body->lower[axis] = DBL_MAX;
         body->upper[axis] = -DBL_MAX;
     }
-    for (uint32_t v = 0; v < body->vertexCount; v++)
-        for (int axis = 0; axis < 3; axis++)
-        {
-            double x = body->world[3 * (size_t)v + axis];
-            body->lower[axis] = x < body->lower[axis] ? x : body->lower[axis];
-            body->upper[axis] = x > body->upper[axis] ? x : body->upper[axis];
-        }
+    // Vertices are fewer than corners, but one that no triangle has would spoil the box, and the image with it.
+    for (uint32_t v = 0; v < body->vertexCount && body->allUsed; v++)
+        Include(body, body->world + 3 * (size_t)v);
+    for (size_t i = 0; i < 3 * (size_t)body->triangleCount && !body->allUsed; i++)
+        Include(body, body->world + 3 * (size_t)body->indices[i]);
+}
+
+static qcStatus FindUnused(qcBody* body)
+{
+    uint8_t* used = qcAllocateZeroed(body->vertexCount);
+    if (used == NULL && body->vertexCount != 0)
+        return qcFailMemory(body->vertexCount, "marking vertices");
+    size_t count = 0;
+    for (size_t i = 0; i < 3 * (size_t)body->triangleCount; i++)
+    {
+        count += !used[body->indices[i]];
+        used[body->indices[i]] = 1;
+    }
+    body->allUsed = count == body->vertexCount;
+    qcFree(used, body->vertexCount);
+    return qc_statusOk;
 }
 
 static void FreeBody(qcBody* body)
@@ -185,13 +209,15 @@ qcStatus qcBodies_Add(qcBodies* bodies, const qcBodyDef* def, qcBodyId* id)
         memcpy(body.local, read, positionBytes);
     qcTransform identity = qcIdentityTransform();
     qcStatus status = Transform(slot, read, body.vertexCount, body.deforming ? &identity : &def->transform, body.world);
+    if (body.triangleCount != 0)
+        memcpy(body.indices, def->indices, 3 * sizeof(uint32_t) * body.triangleCount);
+    if (status == qc_statusOk)
+        status = FindUnused(&body);
     if (status != qc_statusOk)
     {
         FreeBody(&body);
         return status;
     }
-    if (body.triangleCount != 0)
-        memcpy(body.indices, def->indices, 3 * sizeof(uint32_t) * body.triangleCount);
     FindBounds(&body);
 
     if (slot == bodies->slots.count)

@@ -22,7 +22,8 @@ typedef struct qcBody
     double* world;
     uint32_t* indices;
     qcOwnedFeatures* owned;    ///< one a triangle; null until contacts are asked for
-    double lower[3], upper[3]; ///< around all vertices; lower > upper when there are none
+    bool allUsed;              ///< every vertex is a corner of some triangle
+    double lower[3], upper[3]; ///< around all triangles; lower > upper when there are none
 } qcBody;
 
 typedef struct qcBodies

@@ -1,5 +1,5 @@
-// The reference: every triangle of the step against every other, by their boxes as given, then the exact test.
-// It shares no box arithmetic with the sweep, so that it can find the sweep's mistakes.
+// The reference: every triangle of bodies that may meet against every other, by their boxes as given, then the exact
+// test. It shares no box arithmetic with the sweep, so that it can find the sweep's mistakes; see also objects.c.
 #include "candidates.h"
 
 #include "status.h"
@@ -34,10 +34,10 @@ qcStatus qcCandidates_Brute(qcCandidates* candidates, const qcCandidateRules* ru
 {
     const qcTriangles* t = rules->triangles;
     QC_TRY(qcCandidates_Begin(candidates, rules->threads));
-    // Six rows of doubles, then the ranks.
-    QC_TRY(qcArray_Resize(&candidates->boxes, 7 * (size_t)t->count, sizeof(double), "boxes of triangles"));
-    double* rows = candidates->boxes.data;
-    uint32_t* ranks = (uint32_t*)(rows + 6 * (size_t)t->count);
+    QC_TRY(qcArray_Resize(&candidates->rows, 6 * (size_t)t->count, sizeof(double), "boxes of triangles"));
+    QC_TRY(qcArray_Resize(&candidates->ranks, t->count, sizeof(uint32_t), "boxes of triangles"));
+    double* rows = candidates->rows.data;
+    uint32_t* ranks = candidates->ranks.data;
     Search search = {.rules = rules, .candidates = candidates, .ranks = ranks};
     for (int axis = 0; axis < 3; axis++)
     {

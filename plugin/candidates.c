@@ -39,7 +39,7 @@ void qcCandidates_Offer(const qcCandidateRules* rules, qcCandidateSink* sink, ui
         uint32_t first = qcTriangles_First(t, bodyA);
         if (qcBody_AreNeighbours(qcTriangles_Body(t, bodyA), rankA - first, rankB - first))
         {
-            sink->neighbours++;
+            sink->neighbours += !rules->testNeighbours;
             if (!rules->testNeighbours && !rules->listNeighbours)
                 return;
             if (!rules->testNeighbours)
@@ -78,7 +78,7 @@ qcStatus qcCandidates_End(qcCandidates* candidates, qcProfile* profile)
         const qcCandidateSink* sink = &QC_AT(qcCandidateSink, candidates->sinks, i);
         // The message is the worker's own; say it again on this thread.
         if (sink->status != qc_statusOk)
-            return qcFailMemory((sink->keys.capacity + sink->neighbourKeys.capacity) * 3 / 2, "candidate pairs");
+            return qcArray_FailAgain(&sink->keys, "candidate pairs");
         total += sink->keys.count;
         neighbours += sink->neighbourKeys.count;
         profile->skippedNeighbours += sink->neighbours;
@@ -145,6 +145,8 @@ void qcCandidates_Free(qcCandidates* candidates)
     }
     qcSweep_Free(&candidates->sweep);
     qcArray_Free(&candidates->boxes);
+    qcArray_Free(&candidates->rows);
+    qcArray_Free(&candidates->ranks);
     qcArray_Free(&candidates->sinks);
     qcArray_Free(&candidates->keys);
     qcArray_Free(&candidates->neighbourKeys);

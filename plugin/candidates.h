@@ -19,7 +19,8 @@ typedef struct qcCandidateSink
 typedef struct qcCandidates
 {
     qcSweep sweep;
-    qcArray boxes;         ///< of qcSweepBox (sweep) or six rows of double (brute)
+    qcArray boxes;         ///< of qcSweepBox: sweep
+    qcArray rows, ranks;   ///< of double, of uint32_t: brute
     qcArray sinks;         ///< of qcCandidateSink
     qcArray keys;          ///< uint64_t: the result, in no order
     qcArray neighbourKeys; ///< as keys: neighbours, which only contacts ask for

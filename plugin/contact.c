@@ -54,22 +54,9 @@ static double ClosestOnSegment(Vector p, Vector q, Vector x)
 /// Weights of the corners at the point of a triangle closest to x.
 static void ClosestOnTriangle(const Vector corner[3], Vector x, double weights[3])
 {
-    Vector u = Minus(corner[1], corner[0]), v = Minus(corner[2], corner[0]), w = Minus(x, corner[0]);
-    Vector n = Cross(u, v);
-    double n2 = Dot(n, n);
-    if (n2 > 0.0)
-    {
-        double b = Dot(Cross(w, v), n) / n2, c = Dot(Cross(u, w), n) / n2;
-        if (b >= 0.0 && c >= 0.0 && b + c <= 1.0)
-        {
-            weights[0] = 1.0 - b - c;
-            weights[1] = b;
-            weights[2] = c;
-            return;
-        }
-    }
-    // Outside, or the triangle is flat: then the closest point lies on the border.
     double best = INFINITY;
+    weights[0] = 1.0;
+    weights[1] = weights[2] = 0.0;
     for (int e = 0; e < 3; e++)
     {
         int f = (e + 1) % 3;
@@ -83,19 +70,35 @@ static void ClosestOnTriangle(const Vector corner[3], Vector x, double weights[3
             weights[f] = t;
         }
     }
+    Vector u = Minus(corner[1], corner[0]), v = Minus(corner[2], corner[0]), w = Minus(x, corner[0]);
+    Vector n = Cross(u, v);
+    double n2 = Dot(n, n);
+    double b = Dot(Cross(w, v), n) / n2, c = Dot(Cross(u, w), n) / n2;
+    if (!(b >= 0.0 && c >= 0.0 && b + c <= 1.0))
+        return; // outside, or nothing but a line
+    // Nearer than the border, too: on a sliver the normal, and all that came of it, may be nothing but rounding.
+    Vector d = PlusScaled(PlusScaled(w, u, -b), v, -c);
+    if (Dot(d, d) < best)
+    {
+        weights[0] = 1.0 - b - c;
+        weights[1] = b;
+        weights[2] = c;
+    }
 }
 
 /// Parameters of the closest points of two segments' lines, when both lie strictly inside.
 static bool ClosestOfSegments(Vector p, Vector q, Vector r, Vector s, double* t, double* u)
 {
-    Vector d = Minus(q, p), e = Minus(s, r), w = Minus(p, r);
-    double a = Dot(d, d), b = Dot(d, e), c = Dot(e, e), f = Dot(d, w), g = Dot(e, w);
-    double determinant = a * c - b * b;
-    // Parallel edges: their ends, as vertices, say all.
-    if (!(determinant > 1e-12 * a * c))
+    Vector d = Minus(q, p), e = Minus(s, r), w = Minus(r, p);
+    Vector n = Cross(d, e);
+    double n2 = Dot(n, n), d2 = Dot(d, d), e2 = Dot(e, e);
+    // Parallel edges, as far as rounding lets us see (1e-14 radians): their ends, as vertices, say all.
+    if (!(n2 > 1e-28 * d2 * e2))
         return false;
-    *t = (b * g - c * f) / determinant;
-    *u = (a * g - b * f) / determinant;
+    *t = Dot(Cross(w, e), n) / n2;
+    // The closest to that point, not computed apart from it: nearly parallel edges forgive an error in t that both
+    // share.
+    *u = (*t * Dot(d, e) - Dot(w, e)) / e2;
     return *t > 0.0 && *t < 1.0 && *u > 0.0 && *u < 1.0;
 }
 
@@ -217,7 +220,8 @@ int qcContact_Find(const qcContactSide* a, const qcContactSide* b, double margin
 {
     Facet p = FacetOf(a), q = FacetOf(b);
     qcOwnedFeatures ownedA = a->body->owned[a->triangle], ownedB = b->body->owned[b->triangle];
-    // The boxes only spare work: a little wider than the margin, so that their rounding decides nothing.
+    // Boxes only spare work: wider than the margin, so that their rounding decides nothing; and narrower than those
+    // that found the pair (qcContact_Reach), so that who found it decides nothing either.
     double reach = margin * (1.0 + 1e-9);
     int count = 0;
     for (unsigned corners = ownedA & 7u; corners != 0; corners &= corners - 1)

@@ -3,6 +3,7 @@
 #include "detect.h"
 
 #include "clock.h"
+#include "contact.h"
 #include "status.h"
 
 #include <string.h>
@@ -58,13 +59,19 @@ static qcStatus CullAndSweepObjects(Step* step)
     if (step->plan.useImage)
         QC_TRY(qcCull_Objects(&d->cull, &d->triangles, step->device, &step->plan, step->def));
     for (uint32_t body = 0; body < d->triangles.bodyCount; body++)
-        step->profile.objectPcs += QC_AT(uint8_t, d->triangles.bodySet, body) != qc_setBfv;
+        step->profile.objectPcs += QC_AT(uint8_t, d->triangles.bodySet, body) != qc_setBfv &&
+                                   qcTriangles_Body(&d->triangles, body)->triangleCount != 0;
     step->profile.cullObjectsMs = Lap(step);
 
-    double margin = step->def->contactMargin;
-    QC_TRY(qcObjects_FindPairs(&d->objects, &d->triangles, margin, &step->profile));
-    // The paper culls whole objects at the sub-object level.
-    qcObjects_MarkTriangles(&d->objects, &d->triangles, margin, step->plan.useImage, &step->profile);
+    double margin = qcContact_Reach(step->def->contactMargin);
+    bool brute = step->plan.method == qc_methodBrute;
+    if (brute)
+        QC_TRY(qcObjects_FindPairsBrute(&d->objects, &d->triangles, margin, &step->profile));
+    else
+        QC_TRY(qcObjects_FindPairs(&d->objects, &d->triangles, margin, &step->profile));
+    // The paper culls whole objects at the sub-object level; brute force leaves out nothing.
+    bool wholeBodies = step->plan.useImage || brute;
+    QC_TRY(qcObjects_MarkTriangles(&d->objects, &d->triangles, margin, wholeBodies, &step->profile));
     step->profile.sweepObjectsMs = Lap(step);
     return qc_statusOk;
 }
@@ -78,7 +85,7 @@ static qcStatus CullAndSweepTriangles(Step* step)
         step->profile.trianglePcs += QC_AT(uint8_t, d->triangles.pcs, r) != 0;
     step->profile.cullTrianglesMs = Lap(step);
 
-    double margin = step->def->contactMargin;
+    double margin = qcContact_Reach(step->def->contactMargin);
     qcCandidateRules rules = {.triangles = &d->triangles,
                               .margin = margin,
                               .testNeighbours = step->def->neighbours,

@@ -80,19 +80,25 @@ void qcFree(void* memory, size_t size)
     s_free(memory, size, s_context);
 }
 
+/// Half as much again, so that n pushes cost O(n).
+static size_t GrownCapacity(const qcArray* array)
+{
+    size_t capacity = array->capacity + array->capacity / 2;
+    return capacity < 4096 ? 4096 : capacity;
+}
+
 qcStatus qcArray_Reserve(qcArray* array, size_t count, size_t elementSize, const char* purpose)
 {
     if (count > SIZE_MAX / 2 / elementSize)
         return qcFailMemory(SIZE_MAX, purpose);
     size_t needed = count * elementSize;
+    // An array holds elements of one size as long as it lives.
+    assert(array->count * elementSize <= array->capacity);
     if (needed <= array->capacity)
         return qc_statusOk;
-    // Half as much again, so that n pushes cost O(n).
-    size_t capacity = array->capacity + array->capacity / 2;
+    size_t capacity = GrownCapacity(array);
     if (capacity < needed)
         capacity = needed;
-    if (capacity < 4096)
-        capacity = 4096;
     void* data = qcAllocate(capacity);
     if (data == NULL)
         return qcFailMemory(capacity, purpose);
@@ -115,4 +121,9 @@ void qcArray_Free(qcArray* array)
 {
     qcFree(array->data, array->capacity);
     *array = (qcArray){0};
+}
+
+qcStatus qcArray_FailAgain(const qcArray* array, const char* purpose)
+{
+    return qcFailMemory(GrownCapacity(array), purpose);
 }

@@ -24,6 +24,8 @@ qcStatus qcArray_Reserve(qcArray* array, size_t count, size_t elementSize, const
 /// Reserves, then sets the count; new elements are not cleared.
 qcStatus qcArray_Resize(qcArray* array, size_t count, size_t elementSize, const char* purpose);
 void qcArray_Free(qcArray* array);
+/// The status of a worker thread whose array could not grow, said again on this thread: messages are each thread's own.
+qcStatus qcArray_FailAgain(const qcArray* array, const char* purpose);
 
 /// array[i] as a T; no check.
 #define QC_AT(T, array, i) (((T*)(array).data)[i])

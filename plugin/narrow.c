@@ -219,7 +219,7 @@ qcStatus qcNarrow_Run(qcNarrow* narrow, const qcTriangles* triangles, const qcCa
         const qcNarrowSink* sink = &QC_AT(qcNarrowSink, narrow->sinks, i);
         // The message is the worker's own; say it again on this thread.
         if (sink->status != qc_statusOk)
-            return qcFailMemory(sink->found.capacity + sink->contacts.capacity, "pairs and contacts");
+            return qcArray_FailAgain(&sink->found, "pairs and contacts");
         profile->candidates += sink->tests;
         profile->exactFallbacks += sink->fallbacks;
         contactMs += sink->contactMs / threads;

@@ -30,17 +30,19 @@ typedef struct qcObjects
 {
     qcSweep sweep;
     qcArray boxes;
-    qcArray pairs; ///< of qcBodyPair
+    qcArray pairs;    ///< of qcBodyPair
+    qcArray partners; ///< of uint32_t: how many pairs a body is in
 } qcObjects;
 
 /// Finds the pairs of bodies, and counts what was skipped into the profile.
 qcStatus qcObjects_FindPairs(qcObjects* objects, const qcTriangles* triangles, double margin, qcProfile* profile);
+/// The same pairs by comparing every box with every other, as given: O(bodies^2), and nothing of the sweep.
+qcStatus qcObjects_FindPairsBrute(qcObjects* objects, const qcTriangles* triangles, double margin, qcProfile* profile);
 
-/// Puts into NFV the triangles that take part: `wholeBodies` all triangles of every body in a pair, otherwise those
-/// whose boxes meet the (grown) box of a body that theirs is paired with; and all triangles of a body that is tested
-/// with itself.
-void qcObjects_MarkTriangles(const qcObjects* objects, qcTriangles* triangles, double margin, bool wholeBodies,
-                             qcProfile* profile);
+/// Puts into NFV the triangles that take part: of a body that is tested with itself all; of a body with one to a few
+/// partners those whose boxes come within the margin of a partner's; of one with many, or with `wholeBodies`, all.
+qcStatus qcObjects_MarkTriangles(qcObjects* objects, qcTriangles* triangles, double margin, bool wholeBodies,
+                                 qcProfile* profile);
 void qcObjects_Free(qcObjects* objects);
 
 #endif

@@ -213,6 +213,66 @@ START_TEST(image_methods_refuse_a_contact_margin)
 }
 END_TEST
 
+/// Contacts between two bodies of one triangle each.
+static size_t CountBetween(qcMethod method, const double* a, const double* b, double margin)
+{
+    static const uint32_t indices[] = {0, 1, 2};
+    qcScene* scene = qcMakeScene(NULL);
+    qcBodyDef def = qcDefaultBodyDef();
+    def.positionType = qc_positionF64;
+    def.triangleCount = 1;
+    qcBodyId id;
+    def.positions = a;
+    def.vertexCount = 3;
+    def.indices = indices;
+    CHECK_OK(qcScene_AddBody(scene, &def, &id));
+    def.positions = b;
+    CHECK_OK(qcScene_AddBody(scene, &def, &id));
+    size_t count = DetectContacts(scene, method, margin)->contactCount;
+    qcScene_Destroy(scene);
+    return count;
+}
+
+START_TEST(a_vertex_on_a_sliver_is_in_contact)
+{
+    qcRandom random = {3};
+    for (int exponent = 10; exponent <= 18; exponent++)
+        for (int i = 0; i < 200; i++)
+        {
+            double width = pow(10.0, -exponent), place = qcRandom_Uniform(&random, 0.1, 0.9);
+            double tilt = qcRandom_Uniform(&random, -1.0, 1.0), rise = qcRandom_Uniform(&random, -1.0, 1.0);
+            double sliver[9] = {0, 0, 0, 1, tilt, rise, 0.4, 0.4 * tilt + width, 0.4 * rise};
+            double spike[9] = {place, place * tilt, place * rise, place, 5, 5, place, 5, 6};
+            ck_assert_uint_ge(CountBetween(qc_methodSweep, spike, sliver, 0.01), 1);
+        }
+}
+END_TEST
+
+START_TEST(nearly_parallel_edges_meet_where_they_cross)
+{
+    for (double angle = 1e-3; angle > 1e-12; angle /= 10)
+    {
+        double a[9] = {-1, 0, 0, 1, 0, 0, 0, 0, -3}, b[9] = {-1, -angle, angle / 100, 1, angle, angle / 100, 0, 0, 3};
+        // The crossing is angle / 100 apart, the ends angle: only two edges are that close.
+        ck_assert_uint_eq(CountBetween(qc_methodSweep, a, b, angle / 50), 1);
+        ck_assert_uint_eq(CountBetween(qc_methodSweep, a, b, angle / 200), 0);
+    }
+}
+END_TEST
+
+START_TEST(methods_agree_at_the_margin_itself)
+{
+    // Rounded, the difference of the two is the margin, though their sum with it falls short.
+    const double a = -0.56757292929057535, x = 0.94435921705577208, margin = 1.5119321463463473;
+    double first[9] = {a, 0, 0, a, 1, 0, a, 0, 1}, second[9] = {x, 0.2, 0.2, x + 1, 3, 0, x + 1, 0, 3};
+    ck_assert_uint_eq(CountBetween(qc_methodSweep, first, second, margin),
+                      CountBetween(qc_methodBrute, first, second, margin));
+    ck_assert_uint_ge(CountBetween(qc_methodSweep, first, second, margin), 1);
+}
+END_TEST
+
 QC_RUN_TESTS("contacts", every_vertex_near_a_face_is_reported_once,
              distance_normal_and_weights_agree_with_the_closest_points, no_pair_of_edges_is_reported_twice,
-             methods_and_threads_give_the_same_contacts_in_the_same_order, image_methods_refuse_a_contact_margin)
+             methods_and_threads_give_the_same_contacts_in_the_same_order, image_methods_refuse_a_contact_margin,
+             a_vertex_on_a_sliver_is_in_contact, nearly_parallel_edges_meet_where_they_cross,
+             methods_agree_at_the_margin_itself)

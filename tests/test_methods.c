@@ -232,14 +232,75 @@ START_TEST(a_segment_is_given_for_each_penetrating_pair)
 }
 END_TEST
 
-QC_RUN_TESTS("methods", sweep_equals_brute_force_on_random_soups,
-             sweep_equals_brute_force_on_degenerate_soups,
-             sweep_equals_brute_force_on_folded_cloth,
-             sweep_equals_brute_force_on_a_flat_grid_and_on_sheets,
-             sweep_equals_brute_force_far_from_the_origin,
-             sweep_equals_brute_force_at_extreme_scales,
-             sweep_equals_brute_force_when_sizes_differ_wildly,
-             sweep_equals_brute_force_among_bodies,
-             brute_force_reports_exactly_the_related_pairs,
-             rotated_rigid_bodies_meet_as_their_transformed_vertices_do,
-             a_segment_is_given_for_each_penetrating_pair)
+START_TEST(a_scene_that_grows_between_methods_is_answered_by_each)
+{
+    // Each method keeps memory of its own sizes from step to step.
+    qcScene* scene = qcMakeScene(NULL);
+    for (int round = 0; round < 4; round++)
+    {
+        qcSoup soup = qcSoup_MakeRandom((uint64_t)round + 1, 100u << round, 0.15);
+        qcAddSoup(scene, &soup);
+        qcSoup_Free(&soup);
+        CompareMethods(scene, "growing scene");
+    }
+    qcScene_Destroy(scene);
+    ck_assert_uint_eq(qcGetByteCount(), 0);
+}
+END_TEST
+
+START_TEST(a_vertex_that_no_triangle_has_changes_nothing)
+{
+    qcSoup soup = qcSoup_MakeRandom(6, 300, 0.2);
+    qcScene* scene = qcMakeScene(NULL);
+    qcBodyDef def = qcBodyDefOf(&soup);
+    // The same, and the last triangle's corners unused.
+    def.triangleCount--;
+    memset(soup.positions + 9 * (size_t)(soup.triangleCount - 1), 0, 9 * sizeof(double));
+    soup.positions[9 * (size_t)soup.triangleCount - 1] = 1e30;
+    qcBodyId id;
+    CHECK_OK(qcScene_AddBody(scene, &def, &id));
+    soup.positions[9 * (size_t)soup.triangleCount - 1] = 0.0;
+    soup.triangleCount = 200;
+    def = qcBodyDefOf(&soup);
+    def.transform.translation[2] = 1e6;
+    CHECK_OK(qcScene_AddBody(scene, &def, &id));
+    qcDetectDef detect = qcDefaultDetectDef();
+    const qcResult* result;
+    CHECK_OK(qcScene_Detect(scene, &detect, &result));
+    ck_assert_uint_eq(result->profile.bodyPairs, 0);
+    ck_assert_uint_gt(result->pairCount, 10);
+    qcScene_Destroy(scene);
+    qcSoup_Free(&soup);
+}
+END_TEST
+
+START_TEST(sweep_equals_brute_force_under_many_partners)
+{
+    // A grid with more bodies above it than are looked at one by one, and a few.
+    for (int partners = 3; partners <= 12; partners += 9)
+    {
+        qcScene* scene = qcMakeScene(NULL);
+        qcSoup grid = qcSoup_MakeGrid(20);
+        qcAddSoup(scene, &grid);
+        qcRandom random = {5};
+        for (int i = 0; i < partners; i++)
+        {
+            qcSoup ball = qcSoup_MakeSphere(1, 0.08);
+            qcSoup_Translate(&ball, qcRandom_Uniform(&random, 0, 1), qcRandom_Uniform(&random, 0, 1), 0.02);
+            qcAddSoup(scene, &ball);
+            qcSoup_Free(&ball);
+        }
+        ck_assert_uint_gt(CompareMethods(scene, "grid and balls"), 10);
+        qcSoup_Free(&grid);
+        qcScene_Destroy(scene);
+    }
+}
+END_TEST
+
+QC_RUN_TESTS("methods", sweep_equals_brute_force_on_random_soups, sweep_equals_brute_force_on_degenerate_soups,
+             sweep_equals_brute_force_on_folded_cloth, sweep_equals_brute_force_on_a_flat_grid_and_on_sheets,
+             sweep_equals_brute_force_far_from_the_origin, sweep_equals_brute_force_at_extreme_scales,
+             sweep_equals_brute_force_when_sizes_differ_wildly, sweep_equals_brute_force_among_bodies,
+             brute_force_reports_exactly_the_related_pairs, rotated_rigid_bodies_meet_as_their_transformed_vertices_do,
+             a_segment_is_given_for_each_penetrating_pair, a_scene_that_grows_between_methods_is_answered_by_each,
+             a_vertex_that_no_triangle_has_changes_nothing, sweep_equals_brute_force_under_many_partners)

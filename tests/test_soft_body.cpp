@@ -259,6 +259,119 @@ START_TEST(a_new_topology_is_taken_over)
 }
 END_TEST
 
+START_TEST(faces_wired_anew_without_a_change_of_number_are_taken_over)
+{
+    World world;
+    btSoftBody* cloth = world.AddUprightCloth(12);
+    world.Step();
+    for (int i = 0; i + 1 < cloth->m_faces.size(); i += 2)
+        for (int c = 0; c < 3; c++)
+            std::swap(cloth->m_faces[i].m_n[c], cloth->m_faces[i + 1].m_n[c]);
+    cloth->m_faces[0].m_n[0] = &cloth->m_nodes[cloth->m_nodes.size() - 1];
+    world.Step();
+    ck_assert_int_eq(world.softSolver.getStatistics().status, qc_statusOk);
+    ck_assert_uint_eq(size_t(world.softSolver.getStatistics().remaining), CountPenetrating(world));
+}
+END_TEST
+
+START_TEST(settings_end_with_the_body_and_wait_for_one_that_is_not_there_yet)
+{
+    World world;
+    btSoftBody* cloth = world.AddUprightCloth(4);
+    qcSoftBodySettings settings;
+    settings.friction = 7;
+    world.softSolver.setSettings(cloth, settings);
+    world.Step();
+    ck_assert(world.softSolver.getSettings(cloth).friction == 7);
+    // The same address again, as a body allocated after another was deleted may have: added anew, it is another body.
+    world.world.removeSoftBody(cloth);
+    world.world.addSoftBody(cloth);
+    ck_assert(world.softSolver.getSettings(cloth).friction != 7);
+    world.Step();
+    ck_assert(world.softSolver.getSettings(cloth).friction != 7);
+
+    world.world.removeSoftBody(cloth);
+    world.Step();
+    world.softSolver.setSettings(cloth, settings);
+    world.world.addSoftBody(cloth);
+    world.Step();
+    ck_assert(world.softSolver.getSettings(cloth).friction == 7);
+}
+END_TEST
+
+/// A small sheet that falls on a pinned one, whose nodes are all fixed but one corner.
+START_TEST(a_face_with_one_free_corner_is_not_thrown_away)
+{
+    World world;
+    btSoftBody* pinned =
+        world.AddCloth(btVector3(-1, 1, -1), btVector3(1, 1, -1), btVector3(-1, 1, 1), btVector3(1, 1, 1), 1);
+    for (int i = 0; i < 3; i++)
+        pinned->setMass(i, 0);
+    btScalar y = btScalar(1.03);
+    world.AddCloth(btVector3(-0.9, y, -0.9), btVector3(-0.6, y, -0.9), btVector3(-0.9, y, -0.6),
+                   btVector3(-0.6, y, -0.6), 4);
+    int contacts = 0;
+    for (int i = 0; i < 60; i++)
+    {
+        world.Step();
+        contacts += world.softSolver.getStatistics().contacts;
+        // It hangs from its neighbours by links; falling freely it would be at 5 m/s by now.
+        for (int n = 0; n < pinned->m_nodes.size(); n++)
+            ck_assert(pinned->m_nodes[n].m_v.length() < 8);
+    }
+    ck_assert_int_gt(contacts, 0);
+}
+END_TEST
+
+START_TEST(a_body_that_is_not_simulated_stays_where_it_is_and_holds_others_up)
+{
+    World world;
+    AddSheet(world, btScalar(0.30), 0, 1, -1);
+    AddSheet(world, btScalar(0.34), btScalar(0.4), 1, -1);
+    btSoftBody* lower = world.cloths[0];
+    lower->forceActivationState(DISABLE_SIMULATION);
+    std::vector<btVector3> before;
+    for (int i = 0; i < lower->m_nodes.size(); i++)
+        before.push_back(lower->m_nodes[i].m_x);
+    ck_assert_uint_eq(MostPenetrating(world, 60), 0);
+    for (int i = 0; i < lower->m_nodes.size(); i++)
+        ck_assert(lower->m_nodes[i].m_x == before[size_t(i)]);
+    btVector3 low, high;
+    world.cloths[1]->getAabb(low, high);
+    ck_assert(high.y() > btScalar(0.30));
+}
+END_TEST
+
+/// Manifolds whose end Bullet told us of, and the bodies they named.
+std::vector<const void*> s_ended;
+
+void NoteEnded(btPersistentManifold* const& manifold)
+{
+    s_ended.push_back(manifold->getBody0());
+}
+
+START_TEST(nobody_is_told_of_the_end_of_contacts_of_a_body_that_is_gone)
+{
+    World world;
+    btSoftBody* cloth = world.AddUprightCloth(16);
+    for (int i = 0; i < 100 && world.softSolver.getStatistics().contacts == 0; i++)
+        world.Step();
+    ck_assert_int_gt(world.dispatcher.getNumManifolds(), 0);
+    s_ended.clear();
+    gContactEndedCallback = NoteEnded;
+    world.Step();
+    ck_assert_uint_gt(s_ended.size(), 0);
+    ck_assert_int_gt(world.dispatcher.getNumManifolds(), 0);
+    world.world.removeSoftBody(cloth);
+    world.cloths.clear();
+    delete cloth;
+    s_ended.clear();
+    world.Step();
+    ck_assert_uint_eq(s_ended.size(), 0);
+    gContactEndedCallback = nullptr;
+}
+END_TEST
+
 START_TEST(two_runs_agree_bit_by_bit_for_any_number_of_threads)
 {
     std::vector<btVector3> expected;
@@ -295,5 +408,11 @@ END_TEST
 
 QC_RUN_TESTS("soft body", a_falling_cloth_never_penetrates_itself, the_same_cloth_does_without_self_collision,
              cloths_that_fall_on_each_other_stay_apart, cloths_that_the_broadphase_filters_do_not_touch,
-             self_contacts_stand_in_manifolds_until_the_next_step, a_node_that_is_not_finite_is_named_and_nothing_crashes,
-             a_new_topology_is_taken_over, two_runs_agree_bit_by_bit_for_any_number_of_threads, everything_is_given_back)
+             self_contacts_stand_in_manifolds_until_the_next_step,
+             a_node_that_is_not_finite_is_named_and_nothing_crashes, a_new_topology_is_taken_over,
+             faces_wired_anew_without_a_change_of_number_are_taken_over,
+             settings_end_with_the_body_and_wait_for_one_that_is_not_there_yet,
+             a_face_with_one_free_corner_is_not_thrown_away,
+             a_body_that_is_not_simulated_stays_where_it_is_and_holds_others_up,
+             nobody_is_told_of_the_end_of_contacts_of_a_body_that_is_gone,
+             two_runs_agree_bit_by_bit_for_any_number_of_threads, everything_is_given_back)

@@ -220,7 +220,7 @@ typedef struct qcTriangleRef
 
 /// Two features within the contact margin that share no vertex. The closest points are the sums of the
 /// named vertices by weight: vertex-face has weightsA = {1, 0, 0}, edge-edge a zero third weight in both.
-/// Each pair of features is reported once, however many triangles share it. Rounded in double.
+/// Each pair of features is reported once, however many triangles share it. Rounded in double; lengths of 1e-70 to 1e70.
 typedef struct qcContact
 {
     uint32_t bodyA, bodyB; ///< slots

@@ -234,11 +234,8 @@ qcStatus qcVisibility_CreateTiled(qcDevice* device, const float* corners, uint32
     }
     if (status != qc_statusOk)
     {
-        // The message of the first failure is the one to keep.
-        char message[512];
-        snprintf(message, sizeof message, "%s", qcLastMessage());
         qcVisibility_Destroy(v);
-        return qcFail(status, "%s", message);
+        return status;
     }
     *visibility = v;
     return qc_statusOk;
@@ -248,7 +245,11 @@ void qcVisibility_Destroy(qcVisibility* v)
 {
     if (v == NULL)
         return;
-    qcDevice_Run(v->device, DeleteObjects, v, "visibility queries, release");
+    // It is called after failures too: the message of the first is the one to keep.
+    char message[512];
+    snprintf(message, sizeof message, "%s", qcLastMessage());
+    if (qcDevice_Run(v->device, DeleteObjects, v, "visibility queries, release") != qc_statusOk)
+        qcFail(qc_statusDevice, "%s", message);
     qcArray_Free(&v->corners);
     qcArray_Free(&v->queries);
     qcSchedule_Free(&v->schedule);
