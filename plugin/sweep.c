@@ -45,41 +45,53 @@ static uint32_t StripOf(const Layout* layout, float x)
     return place < (float)layout->stripCount ? (uint32_t)place : layout->stripCount - 1;
 }
 
+/// How boxes lie along one axis.
+typedef struct Extent
+{
+    double low, range; ///< of all boxes
+    double size;       ///< of a box, mean
+    double room; ///< how many boxes fit beside each other where most of them are: the more, the better it separates
+} Extent;
+
+static Extent FindExtent(const qcSweepBox* boxes, uint32_t count, int axis)
+{
+    float low = boxes[0].lower[axis], high = boxes[0].upper[axis];
+    double size = 0.0, sum = 0.0, squares = 0.0;
+    for (uint32_t i = 0; i < count; i++)
+    {
+        low = fminf(low, boxes[i].lower[axis]);
+        high = fmaxf(high, boxes[i].upper[axis]);
+        size += (double)boxes[i].upper[axis] - (double)boxes[i].lower[axis];
+        double place = (double)boxes[i].lower[axis] - (double)boxes[0].lower[axis];
+        sum += place;
+        squares += place * place;
+    }
+    Extent e = {.low = low, .range = (double)high - (double)low, .size = size / count};
+    // Not the range: some boxes high over a flat crowd would make it look wide. A uniform crowd as wide as sqrt(12)
+    // standard deviations; infinite boxes leave no number.
+    double mean = sum / count, spread = sqrt(12.0 * fmax(squares / count - mean * mean, 0.0)) + e.size;
+    e.room = e.size > 0.0 && isfinite(spread) ? spread / e.size : e.range > 0.0 ? count : 1.0;
+    return e;
+}
+
 static Layout Plan(const qcSweepBox* boxes, uint32_t count)
 {
-    double range[3], size[3] = {0.0, 0.0, 0.0};
-    float low[3], high[3];
+    Extent extent[3];
     for (int axis = 0; axis < 3; axis++)
-    {
-        low[axis] = boxes[0].lower[axis];
-        high[axis] = boxes[0].upper[axis];
-        for (uint32_t i = 0; i < count; i++)
-        {
-            low[axis] = fminf(low[axis], boxes[i].lower[axis]);
-            high[axis] = fmaxf(high[axis], boxes[i].upper[axis]);
-            size[axis] += (double)boxes[i].upper[axis] - (double)boxes[i].lower[axis];
-        }
-        range[axis] = (double)high[axis] - (double)low[axis];
-        size[axis] /= count;
-    }
-    // How many boxes fit beside each other in an axis: the more, the better it separates.
-    double room[3];
-    for (int axis = 0; axis < 3; axis++)
-        room[axis] = size[axis] > 0.0 && isfinite(range[axis]) ? range[axis] / size[axis]
-                     : range[axis] > 0.0                       ? count
-                                                               : 1.0;
+        extent[axis] = FindExtent(boxes, count, axis);
     Layout layout = {.sweepAxis = 0};
     for (int axis = 1; axis < 3; axis++)
-        if (room[axis] > room[layout.sweepAxis])
+        if (extent[axis].room > extent[layout.sweepAxis].room)
             layout.sweepAxis = axis;
     int u = (layout.sweepAxis + 1) % 3, v = (layout.sweepAxis + 2) % 3;
-    layout.stripAxis = room[u] >= room[v] ? u : v;
-    layout.otherAxis = room[u] >= room[v] ? v : u;
-    // Strips as wide as two boxes: with n boxes there are at most n + n / 2 entries on average, whatever their sizes.
-    double strips = fmin(room[layout.stripAxis] / 2.0, (double)count);
+    layout.stripAxis = extent[u].room >= extent[v].room ? u : v;
+    layout.otherAxis = extent[u].room >= extent[v].room ? v : u;
+    const Extent* across = &extent[layout.stripAxis];
+    // Strips as wide as two boxes: with n boxes there are at most n + n / 2 entries, whatever their sizes.
+    double strips = fmin(across->range / across->size / 2.0, (double)count);
     layout.stripCount = strips >= 1.0 ? (uint32_t)strips : 1;
-    layout.stripOrigin = low[layout.stripAxis];
-    double perUnit = layout.stripCount / range[layout.stripAxis];
+    layout.stripOrigin = (float)across->low;
+    double perUnit = layout.stripCount / across->range;
     layout.stripsPerUnit = isfinite(perUnit) && perUnit <= 3e38 ? (float)perUnit : 0.0f;
     return layout;
 }
