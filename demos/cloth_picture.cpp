@@ -3,8 +3,7 @@
 
 #include "cloth_world.h"
 
-extern "C"
-{
+extern "C" {
 #include "png_file.h"
 }
 

@@ -1,8 +1,7 @@
 // CSV and closing table of the cloth demo.
 #include "cloth_report.h"
 
-extern "C"
-{
+extern "C" {
 #include "output_file.h"
 }
 

@@ -5,8 +5,7 @@
 #include "cloth_report.h"
 #include "cloth_world.h"
 
-extern "C"
-{
+extern "C" {
 #include "option_values.h"
 #include "progress.h"
 }

@@ -3,19 +3,13 @@
 #define QC_TESTS_BOX_MODEL_H
 
 #include "box_set.h"
+#include "check_ok.h"
 #include "soups.h"
 
 #include <check.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-
-#define CHECK_OK(call)                                                                                                 \
-    do                                                                                                                 \
-    {                                                                                                                  \
-        qcStatus checked = (call);                                                                                     \
-        ck_assert_msg(checked == qc_statusOk, "%s: %s", #call, qcLastMessage());                                       \
-    } while (0)
 
 /// For loops that run a million times: ck_assert writes to a file each time that it is passed.
 #define CHECK_QUICKLY(claim)                                                                                           \

@@ -6,37 +6,36 @@
 #include "quickcullide/scene.h"
 
 #ifdef __cplusplus
-extern "C"
-{
+extern "C" {
 #endif
 
-    enum
-    {
-        // Bases of a system in six unknowns: at most 6 over 3.
-        qc_oracleMaxPoints = 20
-    };
+enum
+{
+    // Bases of a system in six unknowns: at most 6 over 3.
+    qc_oracleMaxPoints = 20
+};
 
-    typedef struct qcOracleAnswer
-    {
-        qcRelation relation;
-        /// Points that differ as doubles; 0 for a disjoint pair.
-        int pointCount;
-        /// Each coordinate is the exact one, cut off toward zero to a double. The corners of A ∩ B are all among them;
-        /// degenerate triangles may add points between the corners.
-        double points[qc_oracleMaxPoints][3];
-    } qcOracleAnswer;
+typedef struct qcOracleAnswer
+{
+    qcRelation relation;
+    /// Points that differ as doubles; 0 for a disjoint pair.
+    int pointCount;
+    /// Each coordinate is the exact one, cut off toward zero to a double. The corners of A ∩ B are all among them;
+    /// degenerate triangles may add points between the corners.
+    double points[qc_oracleMaxPoints][3];
+} qcOracleAnswer;
 
-    /// The relation of two closed triangles, degenerate ones included, for any finite coordinates.
-    qcRelation qcOracle_Relate(const double a[3][3], const double b[3][3]);
+/// The relation of two closed triangles, degenerate ones included, for any finite coordinates.
+qcRelation qcOracle_Relate(const double a[3][3], const double b[3][3]);
 
-    /// The relation, and the points that span A ∩ B.
-    void qcOracle_Intersect(const double a[3][3], const double b[3][3], qcOracleAnswer* answer);
+/// The relation, and the points that span A ∩ B.
+void qcOracle_Intersect(const double a[3][3], const double b[3][3], qcOracleAnswer* answer);
 
-    /// Sign of det(b - a, c - a, d - a).
-    int qcOracle_Orient3d(const double a[3], const double b[3], const double c[3], const double d[3]);
+/// Sign of det(b - a, c - a, d - a).
+int qcOracle_Orient3d(const double a[3], const double b[3], const double c[3], const double d[3]);
 
-    /// Sign of det(b - a, c - a) in the coordinates (u, v).
-    int qcOracle_Orient2d(const double a[3], const double b[3], const double c[3], int u, int v);
+/// Sign of det(b - a, c - a) in the coordinates (u, v).
+int qcOracle_Orient2d(const double a[3], const double b[3], const double c[3], int u, int v);
 
 #ifdef __cplusplus
 }

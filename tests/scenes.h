@@ -2,19 +2,13 @@
 #ifndef QC_TESTS_SCENES_H
 #define QC_TESTS_SCENES_H
 
+#include "check_ok.h"
 #include "quickcullide/quickcullide.h"
 #include "soups.h"
 
 #include <check.h>
 #include <stdlib.h>
 #include <string.h>
-
-#define CHECK_OK(call)                                                                                                 \
-    do                                                                                                                 \
-    {                                                                                                                  \
-        qcStatus checked = (call);                                                                                     \
-        ck_assert_msg(checked == qc_statusOk, "%s: %s", #call, qcLastMessage());                                       \
-    } while (0)
 
 static inline qcBodyDef qcBodyDefOf(const qcSoup* soup)
 {
@@ -79,9 +73,9 @@ static inline void qcCheckSamePairs(const qcPairList* expected, const qcPairList
     {
         const qcPair *e = &expected->pairs[i], *f = &found->pairs[i];
         ck_assert_msg(qcComparePairs(e, f) == 0 && e->relation == f->relation,
-                      "%s: pair %zu is %u %u %u %u %s, expected %u %u %u %u %s", what, i, f->bodyA, f->triangleA, f->bodyB,
-                      f->triangleB, qcRelation_Name(f->relation), e->bodyA, e->triangleA, e->bodyB, e->triangleB,
-                      qcRelation_Name(e->relation));
+                      "%s: pair %zu is %u %u %u %u %s, expected %u %u %u %u %s", what, i, f->bodyA, f->triangleA,
+                      f->bodyB, f->triangleB, qcRelation_Name(f->relation), e->bodyA, e->triangleA, e->bodyB,
+                      e->triangleB, qcRelation_Name(e->relation));
     }
     ck_assert_msg(expected->count == found->count, "%s: %zu pairs, expected %zu", what, found->count, expected->count);
 }

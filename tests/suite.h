@@ -4,7 +4,17 @@
 
 #include <check.h>
 
-/// Runs the tests; the program's exit status.
+/// Runs a suite that is put together by hand, and frees it; the program's exit status.
+static inline int qcRunSuite(Suite* suite)
+{
+    SRunner* runner = srunner_create(suite);
+    srunner_run_all(runner, CK_NORMAL);
+    int failed = srunner_ntests_failed(runner);
+    srunner_free(runner);
+    return failed != 0;
+}
+
+/// Runs the tests as one case; the program's exit status.
 static inline int qcRunTests(const char* name, const TTest* const* tests, int count)
 {
     Suite* suite = suite_create(name);
@@ -13,11 +23,7 @@ static inline int qcRunTests(const char* name, const TTest* const* tests, int co
     for (int i = 0; i < count; i++)
         tcase_add_test(testCase, tests[i]);
     suite_add_tcase(suite, testCase);
-    SRunner* runner = srunner_create(suite);
-    srunner_run_all(runner, CK_NORMAL);
-    int failed = srunner_ntests_failed(runner);
-    srunner_free(runner);
-    return failed != 0;
+    return qcRunSuite(suite);
 }
 
 #define QC_RUN_TESTS(name, ...)                                                                                        \

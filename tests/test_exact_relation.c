@@ -3,6 +3,7 @@
 #include "exact.h"
 #include "oracle.h"
 #include "pairs.h"
+#include "suite.h"
 
 #include <check.h>
 #include <math.h>
@@ -331,9 +332,5 @@ int main(void)
     tcase_add_test(tcase, noise_makes_the_layers_of_a_folded_cloth_penetrate);
     tcase_add_test(tcase, pairs_of_random_soups_have_the_relation_of_the_oracle);
     suite_add_tcase(suite, tcase);
-    SRunner* runner = srunner_create(suite);
-    srunner_run_all(runner, CK_NORMAL);
-    int failed = srunner_ntests_failed(runner);
-    srunner_free(runner);
-    return failed == 0 ? EXIT_SUCCESS : EXIT_FAILURE;
+    return qcRunSuite(suite);
 }

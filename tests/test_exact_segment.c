@@ -3,6 +3,7 @@
 #include "exact.h"
 #include "oracle.h"
 #include "pairs.h"
+#include "suite.h"
 
 #include <check.h>
 #include <math.h>
@@ -186,9 +187,5 @@ int main(void)
     tcase_add_test(tcase, a_point_gives_itself_twice);
     tcase_add_loop_test(tcase, ends_are_the_farthest_corners_of_the_exact_intersection, 0, qc_pairKindCount);
     suite_add_tcase(suite, tcase);
-    SRunner* runner = srunner_create(suite);
-    srunner_run_all(runner, CK_NORMAL);
-    int failed = srunner_ntests_failed(runner);
-    srunner_free(runner);
-    return failed == 0 ? EXIT_SUCCESS : EXIT_FAILURE;
+    return qcRunSuite(suite);
 }

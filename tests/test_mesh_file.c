@@ -1,6 +1,7 @@
 // The mesh readers: what they accept, what they keep, and where they say that a file is wrong.
 #define _DEFAULT_SOURCE
 #include "mesh_file.h"
+#include "suite.h"
 
 #include <check.h>
 #include <float.h>
@@ -605,9 +606,5 @@ int main(void)
     tcase_add_test(damage, damaged_files_are_refused_or_give_sound_meshes);
     tcase_set_timeout(damage, 60);
     suite_add_tcase(suite, damage);
-    SRunner* runner = srunner_create(suite);
-    srunner_run_all(runner, CK_ENV);
-    int failed = srunner_ntests_failed(runner);
-    srunner_free(runner);
-    return failed == 0 ? 0 : 1;
+    return qcRunSuite(suite);
 }

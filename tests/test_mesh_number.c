@@ -1,5 +1,6 @@
 // Numbers in mesh files: each becomes the float or the double nearest to it. The oracle is the C library.
 #include "mesh_parse.h"
+#include "suite.h"
 
 #include <check.h>
 #include <math.h>
@@ -134,9 +135,5 @@ int main(void)
     tcase_add_test(numbers, exponents_of_any_length_end_at_zero_or_infinity);
     tcase_add_test(numbers, what_is_no_decimal_number_is_no_number);
     suite_add_tcase(suite, numbers);
-    SRunner* runner = srunner_create(suite);
-    srunner_run_all(runner, CK_ENV);
-    int failed = srunner_ntests_failed(runner);
-    srunner_free(runner);
-    return failed == 0 ? 0 : 1;
+    return qcRunSuite(suite);
 }

@@ -112,4 +112,5 @@ END_TEST
 
 QC_RUN_TESTS("out of memory", a_failed_allocation_in_sweep_leaves_the_scene_whole,
              a_failed_allocation_in_brute_force_leaves_the_scene_whole,
-             a_failed_allocation_among_contacts_leaves_the_scene_whole, the_allocator_cannot_change_while_bytes_are_held)
+             a_failed_allocation_among_contacts_leaves_the_scene_whole,
+             the_allocator_cannot_change_while_bytes_are_held)

@@ -5,6 +5,7 @@
 #include "png_file.h"
 #include "progress.h"
 #include "run_program.h"
+#include "suite.h"
 
 #include <check.h>
 #include <png.h>
@@ -240,9 +241,5 @@ int main(void)
     tcase_add_test(tests, long_work_shows_its_share_and_short_work_nothing);
     tcase_set_timeout(tests, 60);
     suite_add_tcase(suite, tests);
-    SRunner* runner = srunner_create(suite);
-    srunner_run_all(runner, CK_ENV);
-    int failed = srunner_ntests_failed(runner);
-    srunner_free(runner);
-    return failed == 0 ? 0 : 1;
+    return qcRunSuite(suite);
 }

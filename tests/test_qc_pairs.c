@@ -2,6 +2,7 @@
 // pair of triangles through the exact test.
 #define _POSIX_C_SOURCE 200809L
 #include "run_program.h"
+#include "suite.h"
 
 #include <quickcullide/quickcullide.h>
 
@@ -434,9 +435,5 @@ int main(void)
     tcase_add_test(tests, meshes_without_triangles_meet_nothing);
     tcase_set_timeout(tests, 60);
     suite_add_tcase(suite, tests);
-    SRunner* runner = srunner_create(suite);
-    srunner_run_all(runner, CK_ENV);
-    int failed = srunner_ntests_failed(runner);
-    srunner_free(runner);
-    return failed == 0 ? 0 : 1;
+    return qcRunSuite(suite);
 }

@@ -5,7 +5,8 @@
 #include <math.h>
 
 /// Two crossing triangles and one far away.
-static const double s_positions[] = {0, 0, 0, 1, 0, 0, 0, 1, 0, 0.2, 0.2, -1, 0.2, 0.2, 1, 0.3, 0.9, 1, 9, 9, 9, 9, 9, 8, 8, 9, 9};
+static const double s_positions[] = {0, 0,   0,   1, 0, 0, 0, 1, 0, 0.2, 0.2, -1, 0.2, 0.2,
+                                     1, 0.3, 0.9, 1, 9, 9, 9, 9, 9, 8,   8,   9,  9};
 static const uint32_t s_indices[] = {0, 1, 2, 3, 4, 5, 6, 7, 8};
 
 static qcBodyDef Crossing(void)

@@ -1,5 +1,5 @@
-// CULLIDE and Quick-CULLIDE on real GL: hand-made scenes whose sets are known, and the invariants of the paper on others.
-// Each test runs on every software device that is there.
+// CULLIDE and Quick-CULLIDE on real GL: hand-made scenes whose sets are known, and the invariants of the paper on
+// others. Each test runs on every software device that is there.
 #include "devices.h"
 #include "scenes.h"
 #include "suite.h"
@@ -302,7 +302,8 @@ START_TEST(quick_keeps_a_subset_of_cullide_and_reports_only_real_pairs)
         for (uint64_t seed = 1; seed <= 4; seed++)
         {
             qcScene* scene = qcMakeScene(device);
-            qcSoup soup = qcSoup_MakeRandom(seed, 150, 0.08 * (double)seed), cloth = qcSoup_MakeFoldedCloth(seed, 14, 0.02, 0.02);
+            qcSoup soup = qcSoup_MakeRandom(seed, 150, 0.08 * (double)seed),
+                   cloth = qcSoup_MakeFoldedCloth(seed, 14, 0.02, 0.02);
             qcSoup_Translate(&cloth, 0.0, 0.0, 0.5);
             qcAddSoup(scene, &soup);
             qcAddSoup(scene, &cloth);

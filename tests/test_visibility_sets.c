@@ -101,7 +101,8 @@ START_TEST(only_quick_keeps_sets_from_view_to_view)
 END_TEST
 
 QC_RUN_TESTS("visibility sets", the_first_pass_tests_sfv_and_nfv_and_renders_ffv_and_nfv,
-             the_second_pass_tests_ffv_and_nfv_and_renders_sfv_and_nfv, a_pruned_primitive_is_neither_tested_nor_rendered,
+             the_second_pass_tests_ffv_and_nfv_and_renders_sfv_and_nfv,
+             a_pruned_primitive_is_neither_tested_nor_rendered,
              cullide_tests_and_renders_whatever_is_left_in_both_passes,
              visible_in_the_first_pass_moves_nfv_to_ffv_and_prunes_sfv,
              visible_in_the_second_pass_moves_nfv_to_sfv_and_prunes_ffv, visible_in_both_passes_of_one_view_prunes_nfv,

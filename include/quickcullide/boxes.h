@@ -54,9 +54,8 @@ QC_API void qcBoxes_QueryBox(const qcBoxes* boxes, const double lower[3], const 
 /// on its way from `from` to `to`. Never misses; boxes beyond may be visited too. Nearer boxes first, as far as
 /// the tree can tell. `*fraction` (1: the whole way) may be lowered by the function to shorten the rest of
 /// the way; null: the whole way.
-QC_API void qcBoxes_CastBox(const qcBoxes* boxes, const double from[3], const double to[3],
-                            const double castLower[3], const double castUpper[3], const double* fraction,
-                            qcBoxFunction* function, void* context);
+QC_API void qcBoxes_CastBox(const qcBoxes* boxes, const double from[3], const double to[3], const double castLower[3],
+                            const double castUpper[3], const double* fraction, qcBoxFunction* function, void* context);
 
 #ifdef __cplusplus
 }

@@ -3,11 +3,12 @@
 //     qcSoftBodySolver softSolver;
 //     btSoftRigidDynamicsWorld world(&dispatcher, &broadphase, &solver, &configuration, &softSolver);
 //
-// Bullet's classic soft bodies have no self-collision (VF_SS skips a body with itself, CL_SELF is dead since 2.89), and VF_SS
-// between two bodies is vertex against face only. This solver runs Bullet's own constraints first, then moves the nodes apart:
-// vertex-face and edge-edge contacts within the thickness, decided on the side from which they came. At the end of a step no
-// two triangles without a common node penetrate that did not at its start, by the exact test. Positions between the start and
-// the end of a step are not looked at: what moves by more than the thickness, relative to what it meets, may pass it.
+// Bullet's classic soft bodies have no self-collision (VF_SS skips a body with itself, CL_SELF is dead since 2.89), and
+// VF_SS between two bodies is vertex against face only. This solver runs Bullet's own constraints first, then moves the
+// nodes apart: vertex-face and edge-edge contacts within the thickness, decided on the side from which they came. At
+// the end of a step no two triangles without a common node penetrate that did not at its start, by the exact test.
+// Positions between the start and the end of a step are not looked at: what moves by more than the thickness, relative
+// to what it meets, may pass it.
 #ifndef QUICKCULLIDE_BULLET_SOFT_BODY_H
 #define QUICKCULLIDE_BULLET_SOFT_BODY_H
 
@@ -22,8 +23,9 @@
 struct qcSoftBodySettings
 {
     bool selfCollision = true;
-    /// Surfaces are kept this far apart, in world units. 0: half the mean length of the edges of its faces when it came into the
-    /// world, or the collision shape's margin where that is less. More than half the shortest edge makes cloth stiff.
+    /// Surfaces are kept this far apart, in world units. 0: half the mean length of the edges of its faces when it came
+    /// into the world, or the collision shape's margin where that is less. More than half the shortest edge makes cloth
+    /// stiff.
     btScalar thickness = 0;
     /// Coulomb friction between two soft surfaces: the mean of both bodies'.
     btScalar friction = btScalar(0.3);
@@ -44,15 +46,15 @@ struct qcSoftBodyStatistics
 
 /// A drop-in for btDefaultSoftBodySolver.
 ///
-/// After a step the contacts found in it, as they were before the response, also stand in manifolds of the world's dispatcher,
-/// four points each, with both bodies being soft (the same one, for self-collision). They are released when the next step
-/// begins: until then they may name a body that was removed in between. Destroy the solver after the world and before the
-/// dispatcher.
+/// After a step the contacts found in it, as they were before the response, also stand in manifolds of the world's
+/// dispatcher, four points each, with both bodies being soft (the same one, for self-collision). They are released when
+/// the next step begins: until then they may name a body that was removed in between. Destroy the solver after the
+/// world and before the dispatcher.
 ///
 /// Bodies that Bullet does not simulate at present (isActive() is false) stay where they are; others are kept off them.
 ///
-/// Cost: one run of qcScene_Detect a step without contacts, two with, and a few more in steps in which they don't suffice.
-/// Thread-safety: as the world's.
+/// Cost: one run of qcScene_Detect a step without contacts, two with, and a few more in steps in which they don't
+/// suffice. Thread-safety: as the world's.
 class QC_API qcSoftBodySolver : public btDefaultSoftBodySolver
 {
   public:
@@ -61,8 +63,8 @@ class QC_API qcSoftBodySolver : public btDefaultSoftBodySolver
     qcSoftBodySolver(const qcSoftBodySolver&) = delete;
     qcSoftBodySolver& operator=(const qcSoftBodySolver&) = delete;
 
-    /// Applies from the next step on, until the body is removed from the world. It may be called before it is added; a body that
-    /// is never added should not be deleted while its settings wait.
+    /// Applies from the next step on, until the body is removed from the world. It may be called before it is added; a
+    /// body that is never added should not be deleted while its settings wait.
     void setSettings(const btSoftBody* body, const qcSoftBodySettings& settings);
     qcSoftBodySettings getSettings(const btSoftBody* body) const;
     const qcSoftBodyStatistics& getStatistics() const;
@@ -72,8 +74,8 @@ class QC_API qcSoftBodySolver : public btDefaultSoftBodySolver
 
     void optimize(btAlignedObjectArray<btSoftBody*>& softBodies, bool forceUpdate = false) override;
     void solveConstraints(btScalar timeStep) override;
-    /// Two soft bodies: nothing yet, solveConstraints sees to them if the filters of broadphase and dispatcher agree. A soft
-    /// body and a rigid one: as Bullet does it.
+    /// Two soft bodies: nothing yet, solveConstraints sees to them if the filters of broadphase and dispatcher agree. A
+    /// soft body and a rigid one: as Bullet does it.
     void processCollision(btSoftBody* body, btSoftBody* other) override;
     using btDefaultSoftBodySolver::processCollision;
 

@@ -99,16 +99,9 @@ typedef struct qcPictureDef
 
 static inline qcPictureDef qcDefaultPictureDef(void)
 {
-    qcPictureDef def = {(uint32_t)sizeof(qcPictureDef),
-                        1280,
-                        720,
-                        {0.0f, 0.0f, 5.0f},
-                        {0.0f, 0.0f, 0.0f},
-                        {0.0f, 1.0f, 0.0f},
-                        35.0f,
-                        {0.93f, 0.94f, 0.95f},
-                        NULL,
-                        0};
+    qcPictureDef def = {
+        (uint32_t)sizeof(qcPictureDef), 1280, 720, {0.0f, 0.0f, 5.0f}, {0.0f, 0.0f, 0.0f}, {0.0f, 1.0f, 0.0f}, 35.0f,
+        {0.93f, 0.94f, 0.95f},          NULL, 0};
     return def;
 }
 

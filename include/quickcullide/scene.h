@@ -194,7 +194,8 @@ typedef struct qcDetectDef
 
 static inline qcDetectDef qcDefaultDetectDef(void)
 {
-    qcDetectDef def = {(uint32_t)sizeof(qcDetectDef), qc_methodAuto, false, false, false, 0.0, 0, {'x', 'y', 'z', 0}, 4096, 0};
+    qcDetectDef def = {
+        (uint32_t)sizeof(qcDetectDef), qc_methodAuto, false, false, false, 0.0, 0, {'x', 'y', 'z', 0}, 4096, 0};
     return def;
 }
 
@@ -220,7 +221,8 @@ typedef struct qcTriangleRef
 
 /// Two features within the contact margin that share no vertex. The closest points are the sums of the
 /// named vertices by weight: vertex-face has weightsA = {1, 0, 0}, edge-edge a zero third weight in both.
-/// Each pair of features is reported once, however many triangles share it. Rounded in double; lengths of 1e-70 to 1e70.
+/// Each pair of features is reported once, however many triangles share it. Rounded in double; lengths of 1e-70 to
+/// 1e70.
 typedef struct qcContact
 {
     uint32_t bodyA, bodyB; ///< slots
@@ -242,18 +244,18 @@ typedef enum qcCullLevel
 typedef struct qcPassRecord
 {
     qcCullLevel level;
-    uint32_t body; ///< slot; qc_levelSelf only
-    char axis;     ///< 'x', 'y' or 'z'
-    uint32_t iteration, pass; ///< from 1; pass 1 or 2
-    uint32_t queries, rendered; ///< primitives tested, primitives drawn into the depth buffer
+    uint32_t body;               ///< slot; qc_levelSelf only
+    char axis;                   ///< 'x', 'y' or 'z'
+    uint32_t iteration, pass;    ///< from 1; pass 1 or 2
+    uint32_t queries, rendered;  ///< primitives tested, primitives drawn into the depth buffer
     uint32_t bfv, ffv, sfv, nfv; ///< set sizes after the pass; bfv counts from the start of the level
-    uint32_t pcs; ///< ffv + sfv + nfv
+    uint32_t pcs;                ///< ffv + sfv + nfv
 } qcPassRecord;
 
 /// What a step did, in the order of the line of data. Times are wall-clock milliseconds.
 typedef struct qcProfile
 {
-    qcMethod method; ///< what ran; never qc_methodAuto
+    qcMethod method;    ///< what ran; never qc_methodAuto
     const char* device; ///< name of the device that was used; "none" when the CPU answered alone
     /// Why another method than the one asked for ran, or null.
     const char* fallback;
@@ -276,13 +278,13 @@ typedef struct qcProfile
     size_t passCount;
 
     //  Skips.
-    uint64_t skippedStaticPairs;    ///< overlapping pairs of bodies at rest
-    uint64_t skippedFilteredPairs;  ///< overlapping pairs whose groups don't meet
-    uint64_t skippedSetPairs;       ///< overlapping pairs inside one collision-free set (lemma 2)
-    uint32_t skippedBodies;         ///< bodies that overlap nothing and are not tested with themselves
-    uint32_t skippedTriangles;      ///< triangles outside the overlaps of their body's box with others
-    uint64_t skippedSetCandidates;  ///< triangle pairs inside one collision-free set
-    uint64_t skippedNeighbours;     ///< triangle pairs that share a vertex index
+    uint64_t skippedStaticPairs;   ///< overlapping pairs of bodies at rest
+    uint64_t skippedFilteredPairs; ///< overlapping pairs whose groups don't meet
+    uint64_t skippedSetPairs;      ///< overlapping pairs inside one collision-free set (lemma 2)
+    uint32_t skippedBodies;        ///< bodies that overlap nothing and are not tested with themselves
+    uint32_t skippedTriangles;     ///< triangles outside the overlaps of their body's box with others
+    uint64_t skippedSetCandidates; ///< triangle pairs inside one collision-free set
+    uint64_t skippedNeighbours;    ///< triangle pairs that share a vertex index
 } qcProfile;
 
 /// Owned by the scene; valid until the next call on this scene that changes it or detects again.
