@@ -83,6 +83,13 @@ qcStatus qcSoftBodySolver::Implementation::Detect(btScalar contactMargin, const 
     if (status == qc_statusOk)
         status = scene.Detect(contactMargin, result);
     statistics.detectMs += Now() - start;
+    if (status == qc_statusOk)
+    {
+        const qcProfile& profile = (*result)->profile;
+        statistics.sweepMs += profile.sweepObjectsMs + profile.sweepTrianglesMs;
+        statistics.exactMs += profile.exactMs;
+        statistics.contactMs += profile.contactMs;
+    }
     return status;
 }
 

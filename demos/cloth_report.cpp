@@ -16,9 +16,10 @@ void WriteRows(FILE* stream, const qcClothRun& run, double stepSeconds)
     {
         const qcClothStep& step = run.steps[i];
         const qcSoftBodyStatistics& s = step.statistics;
-        std::fprintf(stream, "%s,%zu,%.4f,%.3f,%.3f,%.3f,%d,%d,%d,%d,%d,%zu", run.selfCollision ? "with" : "without",
-                     i + 1, double(i + 1) * stepSeconds, step.stepMs, s.detectMs, s.respondMs, s.contacts,
-                     s.penetrating, s.rounds, s.frozenNodes, step.manifolds, step.penetrating);
+        std::fprintf(stream, "%s,%zu,%.4f,%.3f,%.3f,%.3f,%.3f,%.3f,%.3f,%d,%d,%d,%d,%d,%zu",
+                     run.selfCollision ? "with" : "without", i + 1, double(i + 1) * stepSeconds, step.stepMs,
+                     s.detectMs, s.sweepMs, s.exactMs, s.contactMs, s.respondMs, s.contacts, s.penetrating, s.rounds,
+                     s.frozenNodes, step.manifolds, step.penetrating);
         const qcClothComparison& c = step.comparison;
         if (step.compared)
             std::fprintf(stream, ",%" PRIu32 ",%" PRIu32 ",%zu,%zu,%.3f,%.3f\n", c.cullide.pcs, c.quick.pcs,
@@ -103,7 +104,8 @@ bool qcWriteClothCsv(const std::string& path, const qcClothRun& with, const qcCl
         return false;
     }
     std::fprintf(output.stream,
-                 "self_collision,step,seconds,step_ms,detect_ms,respond_ms,contacts,penetrating_before,rounds,"
+                 "self_collision,step,seconds,step_ms,detect_ms,sweep_ms,exact_ms,contact_ms,respond_ms,contacts,"
+                 "penetrating_before,rounds,"
                  "frozen_nodes,manifolds,penetrating_after,pcs_cullide,pcs_quick,pairs_cullide,pairs_quick,"
                  "cullide_ms,quick_ms\n");
     WriteRows(output.stream, with, stepSeconds);
@@ -118,6 +120,9 @@ void qcPrintClothTable(const qcClothRun& with, const qcClothRun& without, size_t
                        const qcDeviceInfo& device)
 {
     auto detect = [](const qcClothStep& s) { return s.statistics.detectMs; };
+    auto sweep = [](const qcClothStep& s) { return s.statistics.sweepMs; };
+    auto exact = [](const qcClothStep& s) { return s.statistics.exactMs; };
+    auto contact = [](const qcClothStep& s) { return s.statistics.contactMs; };
     auto respond = [](const qcClothStep& s) { return s.statistics.respondMs; };
     auto rest = [](const qcClothStep& s) { return s.stepMs - s.statistics.detectMs - s.statistics.respondMs; };
     auto contacts = [](const qcClothStep& s) { return s.statistics.contacts; };
@@ -127,7 +132,10 @@ void qcPrintClothTable(const qcClothRun& with, const qcClothRun& without, size_t
     std::printf("\nCloth over a table: %zu triangles, %zu steps\n\n", triangles, with.steps.size());
     std::printf("  %-46s %12s %12s\n", "self-collision:", "on", "off");
     PrintTwo("Bullet's own step, ms, mean", Mean(with, rest), Mean(without, rest), 2);
-    PrintTwo("detection (sweep, exact, contacts), ms, mean", Mean(with, detect), Mean(without, detect), 2);
+    PrintTwo("detection, ms, mean", Mean(with, detect), Mean(without, detect), 2);
+    PrintTwo("  of it: sweep", Mean(with, sweep), Mean(without, sweep), 2);
+    PrintTwo("  of it: exact test", Mean(with, exact), Mean(without, exact), 2);
+    PrintTwo("  of it: contacts", Mean(with, contact), Mean(without, contact), 2);
     PrintTwo("response, ms, mean", Mean(with, respond), Mean(without, respond), 2);
     PrintTwo("self-contacts in a step, mean", Mean(with, contacts), Mean(without, contacts), 0);
     PrintTwo("self-contacts in a step, most", Largest(with, contacts), Largest(without, contacts), 0);
