@@ -15,7 +15,7 @@
 static char s_output[1 << 18];
 static char s_errors[1 << 18];
 
-static char s_folder[] = "/tmp/qc_test.XXXXXX";
+static char s_folder[512];
 
 const char* GetOutput(void)
 {
@@ -29,15 +29,16 @@ const char* GetErrors(void)
 
 void EnterFolder(void)
 {
-    strcpy(s_folder + strlen(s_folder) - 6, "XXXXXX");
+    const char* place = getenv("TMPDIR");
+    snprintf(s_folder, sizeof s_folder, "%s/qc_test.XXXXXX", place != NULL ? place : P_tmpdir);
     ck_assert_ptr_nonnull(mkdtemp(s_folder));
     ck_assert_int_eq(chdir(s_folder), 0);
 }
 
 void LeaveFolder(void)
 {
-    char command[64];
-    snprintf(command, sizeof command, "rm -r %s", s_folder);
+    char command[sizeof s_folder + 16];
+    snprintf(command, sizeof command, "rm -r '%s'", s_folder);
     ck_assert_int_eq(chdir("/"), 0);
     ck_assert_int_eq(system(command), 0);
 }

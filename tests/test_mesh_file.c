@@ -1,6 +1,7 @@
 // The mesh readers: what they accept, what they keep, and where they say that a file is wrong.
 #define _DEFAULT_SOURCE
 #include "mesh_file.h"
+#include "run_program.h"
 #include "suite.h"
 
 #include <check.h>
@@ -508,10 +509,10 @@ START_TEST(a_file_on_disk_is_read_as_its_bytes_are)
     {
         faceCount = 20000
     };
-    char path[] = "/tmp/test_mesh_file.XXXXXX.obj";
-    int descriptor = mkstemps(path, 4);
-    ck_assert_int_ge(descriptor, 0);
-    FILE* stream = fdopen(descriptor, "w");
+    const char* path = "faces.obj";
+    EnterFolder();
+    FILE* stream = fopen(path, "w");
+    ck_assert_ptr_nonnull(stream);
     fprintf(stream, "v 0 0 0\nv 1 0 0\nv 0 1 0.5\n");
     for (int i = 0; i < faceCount; ++i)
         fprintf(stream, "f 1 2 3\n");
@@ -519,7 +520,7 @@ START_TEST(a_file_on_disk_is_read_as_its_bytes_are)
     qcMesh mesh;
     qcMessage message;
     bool read = qcMesh_ReadFile(path, &mesh, &message);
-    remove(path);
+    LeaveFolder();
     ck_assert_msg(read, "%s", message.text);
     ck_assert_uint_eq(mesh.triangleCount, faceCount);
     ck_assert_uint_eq(mesh.indices[3 * faceCount - 1], 2);
