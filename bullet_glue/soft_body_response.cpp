@@ -3,6 +3,10 @@
 // Fedkiw, Anderson: Robust Treatment of Collisions, Contact and Friction for Cloth Animation, 2002, section 6.
 #include "soft_body_response.h"
 
+#include <BulletCollision/BroadphaseCollision/btBroadphaseInterface.h>
+#include <BulletCollision/BroadphaseCollision/btDispatcher.h>
+#include <BulletCollision/BroadphaseCollision/btOverlappingPairCache.h>
+
 #include <algorithm>
 
 namespace
@@ -94,8 +98,22 @@ int PutBack(qcSceneSoftBody& body, uint32_t triangle, bool wholeBody)
 }
 } // namespace
 
-void qcMakeSoftConstraints(qcSoftBodyScene& scene, const qcResult& result, qcMayPush* mayPush,
-                           std::vector<qcSoftConstraint>* constraints, std::vector<size_t>* contactOf)
+bool qcMayPush(const qcSceneSoftBody& a, const qcSceneSoftBody& b)
+{
+    if (a.body == b.body)
+        return true; // the scene reports only what has self-collision on
+    // Asked here and not gathered from processCollision: Bullet overlaps boxes of predicted positions, and its own
+    // constraints may bring together what was apart there.
+    const btSoftBodyWorldInfo* info = a.body->getWorldInfo();
+    btBroadphaseProxy *proxyA = a.body->getBroadphaseHandle(), *proxyB = b.body->getBroadphaseHandle();
+    if (info->m_dispatcher == nullptr || info->m_broadphase == nullptr || proxyA == nullptr || proxyB == nullptr)
+        return false;
+    return info->m_dispatcher->needsCollision(a.body, b.body) &&
+           info->m_broadphase->getOverlappingPairCache()->needsBroadphaseCollision(proxyA, proxyB);
+}
+
+void qcMakeSoftConstraints(qcSoftBodyScene& scene, const qcResult& result, std::vector<qcSoftConstraint>* constraints,
+                           std::vector<size_t>* contactOf)
 {
     constraints->clear();
     contactOf->clear();
@@ -104,7 +122,7 @@ void qcMakeSoftConstraints(qcSoftBodyScene& scene, const qcResult& result, qcMay
         const qcContact& contact = result.contacts[i];
         qcSceneSoftBody *a = scene.Find(contact.bodyA), *b = scene.Find(contact.bodyB);
         btScalar thickness = (a->thickness + b->thickness) / 2;
-        if (btScalar(contact.distance) > thickness || !mayPush(*a, *b))
+        if (btScalar(contact.distance) > thickness || !qcMayPush(*a, *b))
             continue;
         qcSoftConstraint constraint{};
         constraint.startOffset.setZero();
@@ -136,14 +154,14 @@ void qcSolveSoftConstraints(const std::vector<qcSoftConstraint>& constraints, in
             Solve(constraint);
 }
 
-int qcFreezePenetrating(qcSoftBodyScene& scene, const qcResult& result, qcMayPush* mayPush, bool wholeBodies)
+int qcFreezePenetrating(qcSoftBodyScene& scene, const qcResult& result, bool wholeBodies)
 {
     int moved = 0;
     for (size_t i = 0; i < result.pairCount; i++)
     {
         const qcPair& pair = result.pairs[i];
         qcSceneSoftBody *a = scene.Find(pair.bodyA), *b = scene.Find(pair.bodyB);
-        if (!mayPush(*a, *b))
+        if (!qcMayPush(*a, *b))
             continue;
         double before[2][9];
         StartOf(*a, pair.triangleA, before[0]);

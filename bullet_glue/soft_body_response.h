@@ -19,19 +19,19 @@ struct qcSoftConstraint
 };
 
 /// May contacts between these two bodies (or of one with itself) push?
-typedef bool qcMayPush(const qcSceneSoftBody& a, const qcSceneSoftBody& b);
+bool qcMayPush(const qcSceneSoftBody& a, const qcSceneSoftBody& b);
 
 /// One constraint for each contact of the result within its bodies' thickness; `contactOf` receives for each the
 /// contact's index in the result.
-void qcMakeSoftConstraints(qcSoftBodyScene& scene, const qcResult& result, qcMayPush* mayPush,
-                           std::vector<qcSoftConstraint>* constraints, std::vector<size_t>* contactOf);
+void qcMakeSoftConstraints(qcSoftBodyScene& scene, const qcResult& result, std::vector<qcSoftConstraint>* constraints,
+                           std::vector<size_t>* contactOf);
 
 /// Gauss-Seidel over the constraints, in their order, some times.
 void qcSolveSoftConstraints(const std::vector<qcSoftConstraint>& constraints, int iterations);
 
 /// Puts the nodes of penetrating pairs back to the start of the step, unless the pair penetrated there already.
 /// `wholeBodies`: all nodes of their bodies. Returns the number of nodes moved.
-int qcFreezePenetrating(qcSoftBodyScene& scene, const qcResult& result, qcMayPush* mayPush, bool wholeBodies);
+int qcFreezePenetrating(qcSoftBodyScene& scene, const qcResult& result, bool wholeBodies);
 
 /// The velocity that leads from the start of the step to the present position, as btSoftBody::solveConstraints sets it,
 /// for every node that is not where Bullet's own constraints left it.

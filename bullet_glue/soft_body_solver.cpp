@@ -5,10 +5,6 @@
 #include "soft_body_response.h"
 #include "soft_body_scene.h"
 
-#include <BulletCollision/BroadphaseCollision/btBroadphaseInterface.h>
-#include <BulletCollision/BroadphaseCollision/btDispatcher.h>
-#include <BulletCollision/BroadphaseCollision/btOverlappingPairCache.h>
-
 #include <algorithm>
 #include <chrono>
 
@@ -26,18 +22,6 @@ double Now()
     using namespace std::chrono;
     return duration<double, std::milli>(steady_clock::now().time_since_epoch()).count();
 }
-
-/// Does the world want them to collide? Asked here and not gathered from processCollision: Bullet overlaps boxes of
-/// predicted positions, and its own constraints may bring together what was apart there.
-bool WantsCollision(btSoftBody* a, btSoftBody* b)
-{
-    const btSoftBodyWorldInfo* info = a->getWorldInfo();
-    btBroadphaseProxy *proxyA = a->getBroadphaseHandle(), *proxyB = b->getBroadphaseHandle();
-    if (info->m_dispatcher == nullptr || info->m_broadphase == nullptr || proxyA == nullptr || proxyB == nullptr)
-        return false;
-    return info->m_dispatcher->needsCollision(a, b) &&
-           info->m_broadphase->getOverlappingPairCache()->needsBroadphaseCollision(proxyA, proxyB);
-}
 } // namespace
 
 struct qcSoftBodySolver::Implementation
@@ -48,16 +32,10 @@ struct qcSoftBodySolver::Implementation
     std::vector<qcSoftConstraint> constraints;
     std::vector<size_t> contactOf;
     std::vector<std::vector<btVector3>> solved; ///< positions after Bullet's own constraints
-
-    /// A body with itself: the scene reports only what has self-collision on.
-    static bool MayPush(const qcSceneSoftBody& a, const qcSceneSoftBody& b)
-    {
-        return a.body == b.body || WantsCollision(a.body, b.body);
-    }
+    const qcResult* result = nullptr;           ///< of the last detection
 
     void KeepPositions();
-    qcStatus Detect(btScalar contactMargin, const qcResult** result);
-    int CountPenetrating(const qcResult& result);
+    qcStatus Detect(btScalar contactMargin);
     qcStatus SolveContacts();
     qcStatus FreezeRest();
     qcStatus Resolve();
@@ -76,28 +54,22 @@ void qcSoftBodySolver::Implementation::KeepPositions()
     }
 }
 
-qcStatus qcSoftBodySolver::Implementation::Detect(btScalar contactMargin, const qcResult** result)
+/// Fills result, and the statistics with what it cost and what penetrates.
+qcStatus qcSoftBodySolver::Implementation::Detect(btScalar contactMargin)
 {
     double start = Now();
     qcStatus status = scene.UpdateVertices();
     if (status == qc_statusOk)
-        status = scene.Detect(contactMargin, result);
+        status = scene.Detect(contactMargin, &result);
     statistics.detectMs += Now() - start;
-    if (status == qc_statusOk)
-    {
-        const qcProfile& profile = (*result)->profile;
-        statistics.sweepMs += profile.sweepObjectsMs + profile.sweepTrianglesMs;
-        statistics.exactMs += profile.exactMs;
-        statistics.contactMs += profile.contactMs;
-    }
-    return status;
-}
-
-int qcSoftBodySolver::Implementation::CountPenetrating(const qcResult& result)
-{
-    return int(std::count_if(result.pairs, result.pairs + result.pairCount,
-                             [this](const qcPair& pair)
-                             { return MayPush(*scene.Find(pair.bodyA), *scene.Find(pair.bodyB)); }));
+    if (status != qc_statusOk)
+        return status;
+    statistics.sweepMs += result->profile.sweepObjectsMs + result->profile.sweepTrianglesMs;
+    statistics.exactMs += result->profile.exactMs;
+    statistics.contactMs += result->profile.contactMs;
+    auto isWanted = [this](const qcPair& pair) { return qcMayPush(*scene.Find(pair.bodyA), *scene.Find(pair.bodyB)); };
+    statistics.remaining = int(std::count_if(result->pairs, result->pairs + result->pairCount, isWanted));
+    return qc_statusOk;
 }
 
 /// Rounds of detection and projection until nothing penetrates, or rounds are up.
@@ -106,12 +78,10 @@ qcStatus qcSoftBodySolver::Implementation::SolveContacts()
     btScalar margin = scene.Thickness();
     for (int round = 0; round < s_contactRounds; round++)
     {
-        const qcResult* result;
-        qcStatus status = Detect(margin, &result);
+        qcStatus status = Detect(margin);
         if (status != qc_statusOk)
             return status;
-        statistics.remaining = CountPenetrating(*result);
-        qcMakeSoftConstraints(scene, *result, MayPush, &constraints, &contactOf);
+        qcMakeSoftConstraints(scene, *result, &constraints, &contactOf);
         if (round == 0)
         {
             statistics.contacts = int(constraints.size());
@@ -124,12 +94,9 @@ qcStatus qcSoftBodySolver::Implementation::SolveContacts()
         qcSolveSoftConstraints(constraints, s_iterations);
         statistics.respondMs += Now() - start;
         statistics.rounds++;
-        status = Detect(0, &result);
-        if (status != qc_statusOk)
+        status = Detect(0);
+        if (status != qc_statusOk || statistics.remaining == 0)
             return status;
-        statistics.remaining = CountPenetrating(*result);
-        if (statistics.remaining == 0)
-            return qc_statusOk;
     }
     return qc_statusOk;
 }
@@ -140,15 +107,13 @@ qcStatus qcSoftBodySolver::Implementation::FreezeRest()
 {
     for (size_t round = 0; round < s_freezeRounds + scene.Bodies().size() + 1; round++)
     {
-        const qcResult* result;
-        qcStatus status = Detect(0, &result);
-        if (status != qc_statusOk)
-            return status;
-        statistics.remaining = CountPenetrating(*result);
-        int moved = qcFreezePenetrating(scene, *result, MayPush, round >= s_freezeRounds);
+        int moved = qcFreezePenetrating(scene, *result, round >= s_freezeRounds);
         statistics.frozenNodes += moved;
         if (moved == 0)
             return qc_statusOk;
+        qcStatus status = Detect(0);
+        if (status != qc_statusOk)
+            return status;
     }
     return qc_statusOk;
 }
