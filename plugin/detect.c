@@ -173,9 +173,12 @@ static qcStatus RunStages(Step* step)
 /// Would the same question be asked again? Fields, not bytes: padding has no meaning.
 static bool IsSameQuestion(const qcDetectDef* a, const qcDetectDef* b)
 {
-    return a->method == b->method && a->touching == b->touching && a->neighbours == b->neighbours &&
-           a->segments == b->segments && a->contactMargin == b->contactMargin && strncmp(a->views, b->views, 4) == 0 &&
-           a->resolution == b->resolution && a->iterations == b->iterations;
+    return a->method == b->method && a->margin == b->margin && a->touching == b->touching &&
+           a->neighbours == b->neighbours && a->segments == b->segments && a->proximities == b->proximities &&
+           a->manifolds == b->manifolds && a->contactMargin == b->contactMargin && a->layerColumns == b->layerColumns &&
+           strncmp(a->layerViews, b->layerViews, 4) == 0 && strncmp(a->views, b->views, 4) == 0 &&
+           a->resolution == b->resolution && a->iterations == b->iterations && a->backToFront == b->backToFront &&
+           a->secondPassFromBack == b->secondPassFromBack && a->reliable == b->reliable;
 }
 
 static void Reuse(qcProfile* profile)

@@ -31,6 +31,6 @@ qcPlan qcPlan_Make(const qcPlanInput* input)
 
 const char* qcMethod_Name(qcMethod method)
 {
-    static const char* const s_names[] = {"auto", "brute", "cullide", "quick", "sweep"};
-    return (unsigned)method < 5 ? s_names[method] : "unknown method";
+    static const char* const s_names[] = {"auto", "brute", "cullide", "quick", "sweep", "layers"};
+    return (unsigned)method < 6 ? s_names[method] : "unknown method";
 }

@@ -146,10 +146,12 @@ typedef enum qcMethod
     /// Quick-CULLIDE, VR 2005: as above with its four sets. Needs GL.
     qc_methodQuick = 3,
     /// Object space on the CPU.
-    qc_methodSweep = 4
+    qc_methodSweep = 4,
+    /// Image space made exact: conservative coverage, depth intervals, a list per pixel. Needs GL with compute shaders.
+    qc_methodLayers = 5
 } qcMethod;
 
-/// "auto", "brute", "cullide", "quick", "sweep".
+/// "auto", "brute", "cullide", "quick", "sweep", "layers".
 QC_API const char* qcMethod_Name(qcMethod method);
 
 typedef enum qcRelation
@@ -158,31 +160,65 @@ typedef enum qcRelation
     /// The closed triangles meet, but only in boundary points of one of them.
     qc_relationTouching = 1,
     /// Their relative interiors meet.
-    qc_relationPenetrating = 2
+    qc_relationPenetrating = 2,
+    /// They don't meet, but are no further apart than the margin that was asked for.
+    qc_relationNear = 3
 } qcRelation;
 
-/// "disjoint", "touching", "penetrating".
+/// "disjoint", "touching", "penetrating", "near".
 QC_API const char* qcRelation_Name(qcRelation relation);
 
 /// The exact relation of two triangles, nine doubles each (corner by corner), degenerate ones included.
 /// Exact for any finite coordinates; O(1). Any thread.
 QC_API qcRelation qcRelateTriangles(const double* a, const double* b);
 
+/// Where two triangles come nearest, and how to part them where they meet.
+typedef struct qcProximity
+{
+    /// In A and in B; the same point, of A ∩ B, where they meet.
+    double pointA[3], pointB[3];
+    /// Unit vector, from B towards A: along it A moves away from B. Pairs that are apart: from pointB to pointA.
+    double normal[3];
+    /// 0 where they meet.
+    double distance;
+    /// How far A has to move along the normal until it only touches B: the least such move over the directions of the
+    /// separating axes (both faces, nine edge pairs). 0 unless they penetrate, and for coplanar triangles.
+    double depth;
+} qcProximity;
+
+/// Is the distance of two triangles at most `margin`? Exact for any finite coordinates and margin >= 0; O(1).
+/// `proximity` (may be null) is filled when the answer is yes: rounded in double, distance and points to a relative
+/// error of about 1e-12 of the triangles' extent. Any thread.
+QC_API bool qcTrianglesWithin(const double* a, const double* b, double margin, qcProximity* proximity);
+
 typedef struct qcDetectDef
 {
     uint32_t structSize;
     qcMethod method;
+    /// Report all pairs no further apart than this, in scene units, touching ones too: decided exactly. 0: pairs that
+    /// meet. `cullide` and `quick` refuse it unless `reliable` is set.
+    double margin;
     /// Report touching pairs too.
     bool touching;
     /// Test triangles of one body that share a vertex index too.
     bool neighbours;
     /// Compute the intersection segment of each penetrating pair.
     bool segments;
+    /// Compute closest points, distance and depth of each reported pair.
+    bool proximities;
+    /// Merge the reported pairs of two bodies, or of a body with itself, into clean contact points.
+    bool manifolds;
     /// 0: no contacts. Otherwise also report contacts between features (vertex and face, edge and edge)
-    /// of two triangles no further apart than this, in scene units. Only `auto`, `sweep` and `brute`.
+    /// of two triangles no further apart than this, in scene units. Not `cullide` and `quick`.
     double contactMargin;
     /// Threads to use; 0: one per core. The result does not depend on it.
     uint32_t threads;
+    //  What follows speaks to `layers` only; it changes the cost, never the answer.
+    /// Columns of the image, 1..65536; 0: from the sizes of the triangles.
+    uint32_t layerColumns;
+    /// 1 to 3 different letters of "xyz", ended by a zero: the depth axis of the image, then further axes along which a
+    /// candidate must survive too. Empty: chosen by the planner.
+    char layerViews[4];
     //  What follows speaks to `cullide` and `quick` only.
     /// Axes to look along, in this order: 1 to 3 different letters of "xyz", ended by a zero.
     char views[4];
@@ -190,12 +226,36 @@ typedef struct qcDetectDef
     uint32_t resolution;
     /// Rounds over the views; 0: until nothing changes.
     uint32_t iterations;
+    //  Beyond the paper; all off is the paper.
+    /// Draw back to front along the view: what lies in front is drawn last, and is fully visible more often.
+    bool backToFront;
+    /// Reverse the depth comparison in the second pass: fully behind is as good a separating surface as fully in front.
+    bool secondPassFromBack;
+    /// Grow each primitive by half a pixel and by the margin before it is tested, so that what is nearer than that is
+    /// not culled.
+    bool reliable;
 } qcDetectDef;
 
 static inline qcDetectDef qcDefaultDetectDef(void)
 {
-    qcDetectDef def = {
-        (uint32_t)sizeof(qcDetectDef), qc_methodAuto, false, false, false, 0.0, 0, {'x', 'y', 'z', 0}, 4096, 0};
+    qcDetectDef def = {(uint32_t)sizeof(qcDetectDef),
+                       qc_methodAuto,
+                       0.0,
+                       false,
+                       false,
+                       false,
+                       false,
+                       false,
+                       0.0,
+                       0,
+                       0,
+                       {0, 0, 0, 0},
+                       {'x', 'y', 'z', 0},
+                       4096,
+                       0,
+                       false,
+                       false,
+                       false};
     return def;
 }
 
@@ -233,6 +293,25 @@ typedef struct qcContact
     double distance; ///< 0 or more, scene units
 } qcContact;
 
+/// One clean contact point: what several pairs of triangles say of the same place, once.
+typedef struct qcManifoldPoint
+{
+    double pointA[3], pointB[3];
+    /// Unit vector, from B towards A. Points of one manifold agree: no two of them that come from neighbouring
+    /// triangles point opposite ways.
+    double normal[3];
+    /// Below 0: penetration depth.
+    double distance;
+    uint32_t triangleA, triangleB; ///< of the pair that it was taken from
+} qcManifoldPoint;
+
+/// The contact points of one connected region of contact of two bodies, or of a body with itself.
+typedef struct qcManifold
+{
+    uint32_t bodyA, bodyB; ///< slots, bodyA <= bodyB
+    uint32_t firstPoint, pointCount;
+} qcManifold;
+
 typedef enum qcCullLevel
 {
     qc_levelObjects = 0,   ///< bodies against bodies
@@ -262,7 +341,8 @@ typedef struct qcProfile
     /// The last result was still right and is given again; all counters are those of that step.
     bool reused;
 
-    double planMs, cullObjectsMs, sweepObjectsMs, cullTrianglesMs, sweepTrianglesMs, exactMs, contactMs, totalMs;
+    double planMs, cullObjectsMs, sweepObjectsMs, cullTrianglesMs, sweepTrianglesMs, exactMs, contactMs, manifoldMs,
+        totalMs;
 
     uint32_t bodies, triangles;
     uint32_t objectPcs;         ///< bodies left after object-level culling
@@ -274,6 +354,13 @@ typedef struct qcProfile
     uint64_t pairs, contacts;   ///< reported
     uint32_t resolution;        ///< used; 0: no image
     uint64_t queries, rendered; ///< sums over the passes
+    uint32_t columns;           ///< of the image of `layers`; 0: none
+    uint64_t fragments;         ///< entries of its lists
+    uint64_t listPairs;         ///< pairs of entries whose intervals overlap in all axes, neighbours left out
+    uint32_t reruns;            ///< times a device buffer was too small, grew, and the step ran again
+    uint64_t uploadedBytes;     ///< to the device in this step
+    uint64_t deviceBytes;       ///< held on the device
+    bool softwareDevice;        ///< the device draws on the CPU
     const qcPassRecord* passes;
     size_t passCount;
 
@@ -294,12 +381,19 @@ typedef struct qcResult
     size_t pairCount;
     /// pairCount segments, or null if they were not asked for.
     const qcSegment* segments;
+    /// pairCount proximities, or null if they were not asked for.
+    const qcProximity* proximities;
     /// The potentially colliding set: triangles that reach the sweep over triangles (`cullide`, `quick`)
-    /// or that are in a candidate pair (`sweep`, `brute`); sorted.
+    /// or that are in a candidate pair (the others); sorted.
     const qcTriangleRef* pcs;
     size_t pcsCount;
     const qcContact* contacts;
     size_t contactCount;
+    /// Sorted by bodies; empty if they were not asked for.
+    const qcManifold* manifolds;
+    size_t manifoldCount;
+    const qcManifoldPoint* manifoldPoints;
+    size_t manifoldPointCount;
     qcProfile profile;
 } qcResult;
 
