@@ -1,0 +1,302 @@
+// Nodes that share a vertex, and a table of 64 x 64 bits for each two: ones, then for each vertex zeros where both
+// triangles have it, by words. Node pairs all of whose triangles are neighbours, as in a fan, have one table together.
+#include "clusters.h"
+
+#include "cluster_order.h"
+#include "sort.h"
+#include "status.h"
+
+#include <stdbool.h>
+#include <string.h>
+
+enum
+{
+    qc_tableWords = 64,
+    qc_clustersOfNode = qc_nodeSize / qc_clusterSize
+};
+
+/// A vertex in a node: which of the node's places have it.
+typedef struct Share
+{
+    uint64_t places;
+    uint32_t node;
+} Share;
+
+typedef struct Builder
+{
+    qcClusters* clusters;
+    const uint32_t* indices;
+    uint32_t vertexCount;
+    uint32_t usedCount; ///< vertices that triangles name
+    qcArray corners;    ///< uint32_t, three a place: the vertices of its triangle, if it has one
+    qcArray filled;     ///< uint64_t of each node: places that have a triangle
+    qcArray first;      ///< uint32_t of each vertex and one more: where its shares begin
+    qcArray next;       ///< uint32_t of each vertex: its first share that no visit has come to
+    qcArray shares;     ///< of Share, each vertex's ordered by node
+    qcArray seen;  ///< uint32_t of each node: the last link to it, plus 1; then the table of the node that is visited
+    qcArray items; ///< of qcSortItem: node and other node, whether all their triangles are neighbours
+    uint32_t firstOwnTable; ///< of one link; 1 if there are links that have table 0, all zero, together
+} Builder;
+
+/// Two nodes, the same or in order, that have a vertex at these places.
+typedef qcStatus Visit(Builder* b, const Share* share, const Share* other);
+
+static void Free(Builder* b)
+{
+    qcArray_Free(&b->corners);
+    qcArray_Free(&b->filled);
+    qcArray_Free(&b->first);
+    qcArray_Free(&b->next);
+    qcArray_Free(&b->shares);
+    qcArray_Free(&b->seen);
+    qcArray_Free(&b->items);
+}
+
+static bool HasTriangle(const Builder* b, size_t place)
+{
+    return QC_AT(uint32_t, b->clusters->triangles, place) != QC_NO_TRIANGLE;
+}
+
+/// Names vertices in the order in which the nodes meet them: what is kept of near ones then lies together.
+static qcStatus NameVertices(Builder* b)
+{
+    const qcClusters* c = b->clusters;
+    qcArray names = {0};
+    QC_TRY(qcArray_Resize(&b->corners, 3 * c->triangles.count, sizeof(uint32_t), "vertices of nodes"));
+    QC_TRY(qcArray_Resize(&names, b->vertexCount, sizeof(uint32_t), "vertices of nodes"));
+    if (b->vertexCount != 0)
+        memset(names.data, 0xff, b->vertexCount * sizeof(uint32_t));
+    for (size_t i = 0; i < c->triangles.count; i++)
+    {
+        uint32_t t = QC_AT(uint32_t, c->triangles, i);
+        for (int k = 0; k < 3 && t != QC_NO_TRIANGLE; k++)
+        {
+            uint32_t* name = &QC_AT(uint32_t, names, b->indices[3 * (size_t)t + k]);
+            if (*name == UINT32_MAX)
+                *name = b->usedCount++;
+            QC_AT(uint32_t, b->corners, 3 * i + k) = *name;
+        }
+    }
+    qcArray_Free(&names);
+    return qc_statusOk;
+}
+
+/// Gives each vertex its shares, node by node, so that they come ordered.
+static qcStatus FindShares(Builder* b)
+{
+    const qcClusters* c = b->clusters;
+    size_t bytes = ((size_t)b->usedCount + 1) * sizeof(uint32_t);
+    QC_TRY(qcArray_Resize(&b->filled, c->nodeCount, sizeof(uint64_t), "nodes of triangles"));
+    QC_TRY(qcArray_Resize(&b->seen, c->nodeCount, sizeof(uint32_t), "nodes of triangles"));
+    QC_TRY(qcArray_Resize(&b->first, (size_t)b->usedCount + 1, sizeof(uint32_t), "vertices of nodes"));
+    QC_TRY(qcArray_Resize(&b->next, (size_t)b->usedCount + 1, sizeof(uint32_t), "vertices of nodes"));
+    uint32_t *first = b->first.data, *next = b->next.data;
+    memset(first, 0, bytes);
+    memset(next, 0, bytes); // for now: the last node that had the vertex, plus 1
+    for (size_t i = 0; i < c->triangles.count; i++)
+        for (int k = 0; k < 3 && HasTriangle(b, i); k++)
+        {
+            uint32_t v = QC_AT(uint32_t, b->corners, 3 * i + k), stamp = (uint32_t)(i / qc_nodeSize) + 1;
+            first[v] += next[v] != stamp;
+            next[v] = stamp;
+        }
+    uint32_t total = 0;
+    for (uint32_t v = 0; v <= b->usedCount; v++)
+    {
+        uint32_t count = first[v];
+        first[v] = next[v] = total;
+        total += count;
+    }
+    QC_TRY(qcArray_Resize(&b->shares, total, sizeof(Share), "vertices of nodes"));
+    for (size_t i = 0; i < c->triangles.count; i++)
+    {
+        uint32_t node = (uint32_t)(i / qc_nodeSize);
+        uint64_t bit = UINT64_C(1) << i % qc_nodeSize, *filled = &QC_AT(uint64_t, b->filled, node);
+        *filled = (i % qc_nodeSize != 0 ? *filled : 0) | (HasTriangle(b, i) ? bit : 0);
+        for (int k = 0; k < 3 && HasTriangle(b, i); k++)
+        {
+            uint32_t v = QC_AT(uint32_t, b->corners, 3 * i + k);
+            if (next[v] == first[v] || QC_AT(Share, b->shares, next[v] - 1).node != node)
+                QC_AT(Share, b->shares, next[v]++) = (Share){0, node};
+            QC_AT(Share, b->shares, next[v] - 1).places |= bit;
+        }
+    }
+    return qc_statusOk;
+}
+
+/// Visits the node with itself and with later ones, once for each vertex that they have. For nodes in order: each visit
+/// takes the node's shares off their vertices, so that a vertex met again at another triangle is known.
+static qcStatus VisitNode(Builder* b, uint32_t node, Visit* visit)
+{
+    const Share* shares = b->shares.data;
+    size_t place = (size_t)node * qc_nodeSize;
+    for (size_t end = place + qc_nodeSize; place < end; place++)
+        for (int k = 0; k < 3 && HasTriangle(b, place); k++)
+        {
+            uint32_t v = QC_AT(uint32_t, b->corners, 3 * place + k), own = QC_AT(uint32_t, b->next, v);
+            uint32_t endOfShares = QC_AT(uint32_t, b->first, v + 1);
+            if (own == endOfShares || shares[own].node != node)
+                continue;
+            QC_AT(uint32_t, b->next, v)++;
+            for (uint32_t s = own; s < endOfShares; s++)
+                QC_TRY(visit(b, &shares[own], &shares[s]));
+        }
+    return qc_statusOk;
+}
+
+static void RewindVisits(Builder* b)
+{
+    memcpy(b->next.data, b->first.data, b->first.count * sizeof(uint32_t));
+}
+
+static qcStatus AddLink(Builder* b, const Share* share, const Share* other)
+{
+    uint32_t* seen = &QC_AT(uint32_t, b->seen, other->node);
+    uint64_t key = (uint64_t)share->node << 32 | other->node;
+    if (*seen == 0 || QC_AT(qcSortItem, b->items, *seen - 1).key != key)
+    {
+        if (b->items.count == UINT32_MAX - 1)
+            return qcFailMemory(SIZE_MAX, "more than 2^32 - 2 links of nodes");
+        QC_TRY(qcArray_Resize(&b->items, b->items.count + 1, sizeof(qcSortItem), "links of nodes"));
+        *seen = (uint32_t)b->items.count;
+        QC_AT(qcSortItem, b->items, *seen - 1) = (qcSortItem){key, false};
+    }
+    if (share->places == QC_AT(uint64_t, b->filled, share->node) &&
+        other->places == QC_AT(uint64_t, b->filled, other->node))
+        QC_AT(qcSortItem, b->items, *seen - 1).value = true;
+    return qc_statusOk;
+}
+
+/// Links in order, tables numbered.
+static qcStatus FindLinks(Builder* b, uint32_t* tableCount)
+{
+    qcClusters* c = b->clusters;
+    RewindVisits(b);
+    if (c->nodeCount != 0)
+        memset(b->seen.data, 0, c->nodeCount * sizeof(uint32_t));
+    for (uint32_t node = 0; node < c->nodeCount; node++)
+        QC_TRY(VisitNode(b, node, AddLink));
+
+    qcArray scratch = {0};
+    qcStatus status = qcSort_Items(b->items.data, b->items.count, &scratch);
+    qcArray_Free(&scratch);
+    QC_TRY(status);
+
+    QC_TRY(qcArray_Resize(&c->firstLink, (size_t)c->nodeCount + 1, sizeof(uint32_t), "links of nodes"));
+    QC_TRY(qcArray_Resize(&c->links, b->items.count, sizeof(qcNodeLink), "links of nodes"));
+    const qcSortItem* items = b->items.data;
+    uint32_t node = 0;
+    for (size_t i = 0; i < b->items.count && b->firstOwnTable == 0; i++)
+        b->firstOwnTable = items[i].value ? 1 : 0;
+    uint32_t tables = b->firstOwnTable;
+    QC_AT(uint32_t, c->firstLink, 0) = 0;
+    for (size_t i = 0; i < b->items.count; i++)
+    {
+        while (node < items[i].key >> 32)
+            QC_AT(uint32_t, c->firstLink, ++node) = (uint32_t)i;
+        QC_AT(qcNodeLink, c->links, i) = (qcNodeLink){(uint32_t)items[i].key, items[i].value ? 0 : tables++};
+    }
+    while (node < c->nodeCount)
+        QC_AT(uint32_t, c->firstLink, ++node) = (uint32_t)b->items.count;
+    *tableCount = tables;
+    return qc_statusOk;
+}
+
+/// A word of a table: pairs of these places of two clusters.
+static uint64_t Product(unsigned placesA, unsigned placesB)
+{
+    // Bit v of placesB to bit 8 v: seven bits by one multiplication, without carries; then a copy of placesA at each.
+    uint64_t spread = ((placesB & 0x7fu) * UINT64_C(0x0002040810204081) & UINT64_C(0x0001010101010101)) |
+                      (uint64_t)(placesB >> 7) << 56;
+    return spread * placesA;
+}
+
+static unsigned ClusterOf(uint64_t places, int cluster)
+{
+    return (unsigned)(places >> qc_clusterSize * cluster & 0xffu);
+}
+
+/// The pairs that a table is about: both triangles exist and, in one node, are in order.
+static void FillTable(uint64_t* table, uint64_t filledA, uint64_t filledB, bool isSame)
+{
+    const uint64_t inOrder = UINT64_C(0x7f3f1f0f07030100); // u < v
+    for (int j = 0; j < qc_clustersOfNode; j++)
+        for (int i = 0; i < qc_clustersOfNode; i++)
+        {
+            uint64_t all = isSame && i > j ? 0 : Product(ClusterOf(filledA, i), ClusterOf(filledB, j));
+            table[i + j * qc_clustersOfNode] = isSame && i == j ? all & inOrder : all;
+        }
+}
+
+static qcStatus ClearNeighbours(Builder* b, const Share* share, const Share* other)
+{
+    const qcArray* tables = &b->clusters->tables;
+    uint32_t number = QC_AT(uint32_t, b->seen, other->node);
+    if (number < b->firstOwnTable)
+        return qc_statusOk;
+    uint64_t* table = &QC_AT(uint64_t, *tables, (size_t)number * qc_tableWords);
+    for (int j = 0; j < qc_clustersOfNode; j++)
+    {
+        unsigned placesB = ClusterOf(other->places, j);
+        for (int i = 0; i < qc_clustersOfNode && placesB != 0; i++)
+            table[i + j * qc_clustersOfNode] &= ~Product(ClusterOf(share->places, i), placesB);
+    }
+    return qc_statusOk;
+}
+
+static qcStatus FillTables(Builder* b, uint32_t tableCount)
+{
+    qcClusters* c = b->clusters;
+    const uint64_t* filled = b->filled.data;
+    const uint32_t* firstLink = c->firstLink.data;
+    QC_TRY(qcArray_Resize(&c->tables, (size_t)tableCount * qc_tableWords, sizeof(uint64_t), "pairs of near nodes"));
+    if (b->firstOwnTable != 0)
+        memset(c->tables.data, 0, qc_tableWords * sizeof(uint64_t));
+    RewindVisits(b);
+    for (uint32_t node = 0; node < c->nodeCount; node++)
+    {
+        for (uint32_t l = firstLink[node]; l < firstLink[node + 1]; l++)
+        {
+            qcNodeLink link = QC_AT(qcNodeLink, c->links, l);
+            QC_AT(uint32_t, b->seen, link.other) = link.table;
+            if (link.table >= b->firstOwnTable)
+                FillTable(&QC_AT(uint64_t, c->tables, (size_t)link.table * qc_tableWords), filled[node],
+                          filled[link.other], link.other == node);
+        }
+        QC_TRY(VisitNode(b, node, ClearNeighbours));
+    }
+    return qc_statusOk;
+}
+
+static qcStatus Build(Builder* b, uint32_t triangleCount, const double* positions)
+{
+    qcClusters* c = b->clusters;
+    QC_TRY(qcClusterOrder_Make(&c->triangles, b->indices, triangleCount, positions, b->vertexCount));
+    c->nodeCount = (uint32_t)(c->triangles.count / qc_nodeSize);
+    QC_TRY(NameVertices(b));
+    QC_TRY(FindShares(b));
+    uint32_t tableCount = 0;
+    QC_TRY(FindLinks(b, &tableCount));
+    return FillTables(b, tableCount);
+}
+
+qcStatus qcClusters_Build(qcClusters* clusters, const uint32_t* indices, uint32_t triangleCount,
+                          const double* positions, uint32_t vertexCount)
+{
+    Builder builder = {.clusters = clusters, .indices = indices, .vertexCount = vertexCount};
+    *clusters = (qcClusters){0};
+    qcStatus status = Build(&builder, triangleCount, positions);
+    Free(&builder);
+    if (status != qc_statusOk)
+        qcClusters_Free(clusters);
+    return status;
+}
+
+void qcClusters_Free(qcClusters* clusters)
+{
+    qcArray_Free(&clusters->triangles);
+    qcArray_Free(&clusters->firstLink);
+    qcArray_Free(&clusters->links);
+    qcArray_Free(&clusters->tables);
+    clusters->nodeCount = 0;
+}

@@ -1,0 +1,42 @@
+// The triangles of a body laid together: clusters of 8 near triangles, nodes of 8 near clusters; and for each two nodes
+// that share a vertex, which pairs of their triangles are no neighbours. Depends on the indices alone for what it says,
+// on positions only for what lies near: made once per topology.
+#ifndef QC_PLUGIN_CLUSTERS_H
+#define QC_PLUGIN_CLUSTERS_H
+
+#include "memory.h"
+
+enum
+{
+    qc_clusterSize = 8, ///< triangles
+    qc_nodeSize = 64    ///< triangles: 8 clusters
+};
+
+/// In place of a triangle: none.
+#define QC_NO_TRIANGLE UINT32_MAX
+
+/// A node that shares a vertex with another, or is the same, and the pairs between them.
+typedef struct qcNodeLink
+{
+    uint32_t other; ///< not below the node that has the link
+    uint32_t table;
+} qcNodeLink;
+
+typedef struct qcClusters
+{
+    uint32_t nodeCount;
+    qcArray triangles; ///< uint32_t, qc_nodeSize a node: each triangle of the body once, or QC_NO_TRIANGLE
+    qcArray firstLink; ///< uint32_t, nodeCount + 1: where a node's links begin
+    qcArray links;     ///< of qcNodeLink: each node's ordered by `other`, itself first
+    /// uint64_t, 64 a table. Word i + 8 j is about cluster i of the node and cluster j of the other, its bit u + 8 v
+    /// about triangle u of the one and v of the other: set where both exist, share no vertex index and, within one
+    /// node, come in this order (i < j, or i == j and u < v).
+    qcArray tables;
+} qcClusters;
+
+/// `positions`: three doubles a vertex. O(triangles log triangles + pairs of neighbours). On failure nothing is left.
+qcStatus qcClusters_Build(qcClusters* clusters, const uint32_t* indices, uint32_t triangleCount,
+                          const double* positions, uint32_t vertexCount);
+void qcClusters_Free(qcClusters* clusters);
+
+#endif
