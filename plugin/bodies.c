@@ -200,6 +200,7 @@ qcStatus qcBodies_Add(qcBodies* bodies, const qcBodyDef* def, qcBodyId* id)
                    .activity = def->activity,
                    .group = def->group,
                    .mask = def->mask,
+                   .transform = def->deforming ? qcIdentityTransform() : def->transform,
                    .vertexCount = def->vertexCount,
                    .triangleCount = def->triangleCount};
     QC_TRY(AllocateBody(&body));
@@ -226,10 +227,10 @@ qcStatus qcBodies_Add(qcBodies* bodies, const qcBodyDef* def, qcBodyId* id)
         QC_AT(qcBody, bodies->slots, slot).generation = 0;
     }
     body.generation = QC_AT(qcBody, bodies->slots, slot).generation + 1;
+    body.moved = ++bodies->revision;
     QC_AT(qcBody, bodies->slots, slot) = body;
     bodies->lowestFree = slot + 1;
     bodies->count++;
-    bodies->revision++;
     *id = (qcBodyId){slot, body.generation};
     return qc_statusOk;
 }
@@ -265,8 +266,9 @@ qcStatus qcBodies_SetTransform(qcBodies* bodies, uint32_t slot, const qcTransfor
     QC_TRY(Transform(slot, body->local, body->vertexCount, transform, bodies->scratch.data));
     if (body->vertexCount != 0)
         memcpy(body->world, bodies->scratch.data, 3 * sizeof(double) * body->vertexCount);
+    body->transform = *transform;
     FindBounds(body);
-    bodies->revision++;
+    body->moved = ++bodies->revision;
     return qc_statusOk;
 }
 
@@ -278,7 +280,7 @@ qcStatus qcBodies_SetVertices(qcBodies* bodies, uint32_t slot, const void* posit
     if (body->vertexCount != 0)
         memcpy(body->world, bodies->scratch.data, 3 * sizeof(double) * body->vertexCount);
     FindBounds(body);
-    bodies->revision++;
+    body->moved = ++bodies->revision;
     return qc_statusOk;
 }
 

@@ -23,6 +23,8 @@ typedef struct qcBody
     uint32_t* indices;
     qcOwnedFeatures* owned;    ///< one a triangle; null until contacts are asked for
     bool allUsed;              ///< every vertex is a corner of some triangle
+    uint64_t moved;            ///< qcBodies::revision when positions last changed
+    qcTransform transform;     ///< of rigid bodies
     double lower[3], upper[3]; ///< around all triangles; lower > upper when there are none
 } qcBody;
 
@@ -49,6 +51,12 @@ void qcBodies_Free(qcBodies* bodies);
 static inline bool qcBody_IsUsed(const qcBody* body)
 {
     return (body->generation & 1) != 0;
+}
+
+/// Is it tested with itself?
+static inline bool qcBody_MeetsItself(const qcBody* body)
+{
+    return body->selfCollision && body->activity == qc_activityMoving && body->triangleCount > 1;
 }
 
 static inline void qcBody_GetTriangle(const qcBody* body, uint32_t triangle, double corners[3][3])

@@ -25,17 +25,27 @@ static bool DrawSelf(uint8_t pcs)
     return qcTriangles_SelfSet(pcs) != qc_setBfv;
 }
 
+// Far below it doubles are denormal, and halves of them are rounded.
+static const double s_leastExtent = 0x1p-960;
+
 /// From world to image space: the box around the bodies of the level becomes [-1, 1] in each axis.
 typedef struct Frame
 {
     double lower[3], upper[3];
 } Frame;
 
-static float ToImage(const Frame* frame, int axis, double x)
+/// Half the size of the box in an axis; 0 where it is too small to tell places apart: then all are at the same one.
+static double HalfExtent(const Frame* frame, int axis)
 {
     // Halves, so that the extent of a scene as large as double allows is still finite.
-    double extent = 0.5 * frame->upper[axis] - 0.5 * frame->lower[axis];
-    double place = extent > 0.0 ? (0.5 * x - 0.5 * frame->lower[axis]) / extent * 2.0 - 1.0 : 0.0;
+    double half = 0.5 * frame->upper[axis] - 0.5 * frame->lower[axis];
+    return half > s_leastExtent ? half : 0.0;
+}
+
+static float ToImage(const Frame* frame, int axis, double x)
+{
+    double half = HalfExtent(frame, axis);
+    double place = half > 0.0 ? (0.5 * x - 0.5 * frame->lower[axis]) / half * 2.0 - 1.0 : 0.0;
     return (float)(place < -1.0 ? -1.0 : place > 1.0 ? 1.0 : place);
 }
 
@@ -62,11 +72,10 @@ static qcStatus AddPrimitive(qcCull* cull, uint32_t firstTriangle, uint32_t tria
     return qc_statusOk;
 }
 
-/// Fills corners and primitives with the triangles of the level's bodies.
-static qcStatus Gather(qcCull* cull, const qcTriangles* triangles, qcCullLevel level, IsDrawn* isDrawn)
+/// The box around the level's bodies.
+static Frame FindFrame(const qcCull* cull, const qcTriangles* triangles)
 {
-    cull->corners.count = cull->primitives.count = cull->sets.count = 0;
-    Frame frame;
+    Frame frame = {{0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}};
     for (size_t i = 0; i < cull->bodies.count; i++)
     {
         const qcBody* body = qcTriangles_Body(triangles, QC_AT(uint32_t, cull->bodies, i));
@@ -76,6 +85,14 @@ static qcStatus Gather(qcCull* cull, const qcTriangles* triangles, qcCullLevel l
             frame.upper[axis] = i == 0 || body->upper[axis] > frame.upper[axis] ? body->upper[axis] : frame.upper[axis];
         }
     }
+    return frame;
+}
+
+/// Fills corners and primitives with the triangles of the level's bodies.
+static qcStatus Gather(qcCull* cull, const qcTriangles* triangles, const Frame* frame, qcCullLevel level,
+                       IsDrawn* isDrawn)
+{
+    cull->corners.count = cull->primitives.count = cull->sets.count = 0;
     for (size_t i = 0; i < cull->bodies.count; i++)
     {
         uint32_t number = QC_AT(uint32_t, cull->bodies, i), first = qcTriangles_First(triangles, number);
@@ -86,7 +103,7 @@ static qcStatus Gather(qcCull* cull, const qcTriangles* triangles, qcCullLevel l
             if (!isDrawn(QC_AT(uint8_t, triangles->pcs, first + t)))
                 continue;
             uint32_t place = (uint32_t)(cull->corners.count / 9);
-            QC_TRY(AddCorners(cull, &frame, body, t));
+            QC_TRY(AddCorners(cull, frame, body, t));
             if (level != qc_levelObjects)
                 QC_TRY(AddPrimitive(cull, place, 1, level == qc_levelSelf ? place : (uint32_t)i));
         }
@@ -96,10 +113,18 @@ static qcStatus Gather(qcCull* cull, const qcTriangles* triangles, qcCullLevel l
     return qc_statusOk;
 }
 
+/// Half the margin in image space, a little more than less.
+static double FindGrowth(const Frame* frame, int axis, double margin)
+{
+    double half = HalfExtent(frame, axis);
+    return half > 0.0 ? 0.5 * margin / half * (1.0 + 0x1p-40) : 0.0;
+}
+
 static qcStatus RunLevel(qcCull* cull, const qcTriangles* triangles, qcCullLevel level, IsDrawn* isDrawn, uint32_t slot,
                          qcDevice* device, const qcPlan* plan, const qcDetectDef* def)
 {
-    QC_TRY(Gather(cull, triangles, level, isDrawn));
+    Frame frame = FindFrame(cull, triangles);
+    QC_TRY(Gather(cull, triangles, &frame, level, isDrawn));
     if (cull->primitives.count < 2)
         return qc_statusOk; // nothing to collide with; the caller leaves it in NFV
     qcCullJob job = {.device = device,
@@ -109,10 +134,15 @@ static qcStatus RunLevel(qcCull* cull, const qcTriangles* triangles, qcCullLevel
                      .views = def->views,
                      .resolution = plan->resolution,
                      .iterations = def->iterations,
+                     .backToFront = def->backToFront,
+                     .secondPassFromBack = def->secondPassFromBack,
+                     .reliable = def->reliable,
                      .corners = cull->corners.data,
                      .triangleCount = (uint32_t)(cull->corners.count / 9),
                      .primitives = cull->primitives.data,
                      .primitiveCount = (uint32_t)cull->primitives.count};
+    for (int axis = 0; axis < 3; axis++)
+        job.growth[axis] = FindGrowth(&frame, axis, def->margin);
     return qcCullVisibility_Run(&job, &cull->scratch, cull->sets.data, &cull->records);
 }
 
@@ -179,6 +209,9 @@ qcStatus qcCull_Triangles(qcCull* cull, qcTriangles* triangles, qcDevice* device
         QC_TRY(RunLevel(cull, triangles, qc_levelTriangles, DrawInter, 0, device, plan, def));
         KeepSets(cull, triangles, false);
     }
+    // Grown, neighbours meet in every view, and nothing of a mesh would be fully visible.
+    if (def->reliable)
+        return qc_statusOk;
     for (uint32_t body = 0; body < triangles->bodyCount; body++)
     {
         if (!TakesPart(triangles, body, true))

@@ -1,12 +1,24 @@
 // Two-pass visibility culling. CULLIDE (Govindaraju, Redon, Lin, Manocha, 2003) as told in section 3.1 of Quick-CULLIDE
 // (VR 2005), self-collision of its section 3.2, sets and lemmas of its section 4.1.
 //
-// This method has image precision: what falls between samples is lost, as in the paper. What it prunes from the samples
-// is sound: a primitive is tested against a subset of what the lemmas ask for, never less.
+// What a pass shows: a primitive that is fully visible does not collide with what was rendered before it in the pass.
+// The paper's lemmas use no more than that, and hold for any order of the primitives, as long as it is one order: FFV
+// holds those that collide with none before them, SFV those that collide with none after them, and of two in one set
+// one comes before the other. Back to front, each view has an order of its own, and with it its own FFV and SFV; only
+// BFV, which speaks of no order, goes from view to view. CULLIDE begins each view afresh anyway.
+//
+// Which side a pass looks from makes no difference to that: a surface of unit depth complexity parts a primitive from
+// what it is fully in front of, and from what it is fully behind.
+//
+// At samples this has image precision: what falls between them is lost, as in the paper. Grown primitives (gl/growth.c)
+// lose nothing: two that come within the margin somewhere have a pixel in common in which the depths that each may have
+// overlap, and there neither is in front of the other or behind it, by the comparison between objects.
 #include "cull_visibility.h"
 
 #include "gl/visibility.h"
 #include "status.h"
+
+#include <string.h>
 
 typedef struct Pass
 {
@@ -33,8 +45,9 @@ static qcStatus AddGroup(const Pass* p, int pass, uint32_t first, uint32_t end)
 {
     const qcCullJob* job = p->job;
     for (int round = 0; round < 2; round++)
-        for (uint32_t i = first; i < end; i++)
+        for (uint32_t place = first; place < end; place++)
         {
+            uint32_t i = QC_AT(uint32_t, p->scratch->order.primitives, place);
             bool test = qcVisibilitySet_IsTested(p->sets[i], pass, job->quick);
             bool render = qcVisibilitySet_IsRendered(p->sets[i], pass, job->quick);
             bool alone = end == first + 1;
@@ -49,6 +62,11 @@ static qcStatus AddGroup(const Pass* p, int pass, uint32_t first, uint32_t end)
     return qc_statusOk;
 }
 
+static uint32_t GroupAt(const Pass* p, uint32_t place)
+{
+    return p->job->primitives[QC_AT(uint32_t, p->scratch->order.primitives, place)].group;
+}
+
 /// First pass: in order; second pass: groups in reverse order.
 static qcStatus AddSteps(const Pass* p, int pass)
 {
@@ -59,8 +77,7 @@ static qcStatus AddSteps(const Pass* p, int pass)
     {
         for (uint32_t first = 0, end; first < job->primitiveCount; first = end)
         {
-            for (end = first + 1;
-                 end < job->primitiveCount && job->primitives[end].group == job->primitives[first].group;)
+            for (end = first + 1; end < job->primitiveCount && GroupAt(p, end) == GroupAt(p, first);)
                 end++;
             QC_TRY(AddGroup(p, pass, first, end));
         }
@@ -68,7 +85,7 @@ static qcStatus AddSteps(const Pass* p, int pass)
     }
     for (uint32_t end = job->primitiveCount, first; end > 0; end = first)
     {
-        for (first = end - 1; first > 0 && job->primitives[first - 1].group == job->primitives[end - 1].group;)
+        for (first = end - 1; first > 0 && GroupAt(p, first - 1) == GroupAt(p, end - 1);)
             first--;
         QC_TRY(AddGroup(p, pass, first, end));
     }
@@ -116,9 +133,10 @@ static qcStatus RunPass(const Pass* p, char axis, uint32_t iteration, int pass, 
     if (!anyTest)
         return qc_statusOk; // nobody asks, so nothing needs to be drawn
     QC_TRY(qcArray_Resize(&scratch->visible, stepCount, 1, "visibility results"));
-    QC_TRY(qcVisibility_RunPass(p->visibility, axis - 'x',
-                                job->level == qc_levelSelf ? qc_compareGreater : qc_compareGreaterEqual,
-                                scratch->steps.data, stepCount, scratch->visible.data));
+    qcVisibilityPass look = {.axis = axis - 'x',
+                             .compare = job->level == qc_levelSelf ? qc_compareGreater : qc_compareGreaterEqual,
+                             .fromBack = job->secondPassFromBack && pass == 2};
+    QC_TRY(qcVisibility_RunPass(p->visibility, &look, scratch->steps.data, stepCount, scratch->visible.data));
     for (uint32_t i = 0; i < stepCount; i++)
     {
         if (!QC_AT(qcVisibilityStep, scratch->steps, i).test)
@@ -132,18 +150,61 @@ static qcStatus RunPass(const Pass* p, char axis, uint32_t iteration, int pass, 
     return AddRecord(p, axis, iteration, pass);
 }
 
+/// Whether FFV and SFV are kept for each view, and not handed from view to view.
+static bool HasSetsOfViews(const qcCullJob* job)
+{
+    return job->quick && job->backToFront;
+}
+
+/// The sets with which a view's next round begins, all views' one after another.
+static qcStatus ResetViews(const Pass* p)
+{
+    size_t count = HasSetsOfViews(p->job) ? strlen(p->job->views) * p->job->primitiveCount : 0;
+    QC_TRY(qcArray_Resize(&p->scratch->setsOfViews, count, sizeof(qcVisibilitySet), "visibility sets"));
+    for (size_t i = 0; i < count; i++)
+        QC_AT(qcVisibilitySet, p->scratch->setsOfViews, i) = qc_setNfv;
+    return qc_statusOk;
+}
+
+/// The order and the sets of a view, before its two passes.
+static qcStatus BeginView(const Pass* p, const char* axis)
+{
+    const qcCullJob* job = p->job;
+    if (!job->backToFront)
+        return qc_statusOk;
+    for (uint32_t i = 0; HasSetsOfViews(job) && i < job->primitiveCount; i++)
+        if (p->sets[i] != qc_setBfv)
+            p->sets[i] =
+                QC_AT(qcVisibilitySet, p->scratch->setsOfViews, (size_t)(axis - job->views) * job->primitiveCount + i);
+    return qcCullOrder_BackToFront(&p->scratch->order, job->primitives, job->primitiveCount, job->corners, *axis - 'x');
+}
+
+static void EndView(const Pass* p, const char* axis)
+{
+    const qcCullJob* job = p->job;
+    for (uint32_t i = 0; i < job->primitiveCount; i++)
+    {
+        p->sets[i] = qcVisibilitySet_NextView(p->sets[i], job->quick);
+        if (HasSetsOfViews(job))
+            QC_AT(qcVisibilitySet, p->scratch->setsOfViews, (size_t)(axis - job->views) * job->primitiveCount + i) =
+                p->sets[i];
+    }
+}
+
 static qcStatus RunViews(const Pass* p)
 {
     const qcCullJob* job = p->job;
+    QC_TRY(qcCullOrder_ByNumber(&p->scratch->order, job->primitiveCount));
+    QC_TRY(ResetViews(p));
     for (uint32_t iteration = 1; job->iterations == 0 || iteration <= job->iterations; iteration++)
     {
         bool changed = false;
         for (const char* axis = job->views; *axis != 0; axis++)
         {
+            QC_TRY(BeginView(p, axis));
             for (int pass = 1; pass <= 2; pass++)
                 QC_TRY(RunPass(p, *axis, iteration, pass, &changed));
-            for (uint32_t i = 0; i < job->primitiveCount; i++)
-                p->sets[i] = qcVisibilitySet_NextView(p->sets[i], job->quick);
+            EndView(p, axis);
         }
         // A round that changes nothing is the last that could: the next would see the same.
         if (!changed)
@@ -155,7 +216,13 @@ static qcStatus RunViews(const Pass* p)
 qcStatus qcCullVisibility_Run(const qcCullJob* job, qcCullScratch* scratch, qcVisibilitySet* sets, qcArray* records)
 {
     Pass p = {job, NULL, scratch, sets, records};
-    QC_TRY(qcVisibility_Create(job->device, job->corners, job->triangleCount, job->resolution, &p.visibility));
+    qcVisibilityDef def = {.device = job->device,
+                           .corners = job->corners,
+                           .triangleCount = job->triangleCount,
+                           .resolution = job->resolution,
+                           .grown = job->reliable,
+                           .growth = {job->growth[0], job->growth[1], job->growth[2]}};
+    QC_TRY(qcVisibility_Create(&def, &p.visibility));
     qcStatus status = RunViews(&p);
     qcVisibility_Destroy(p.visibility);
     return status;
@@ -166,4 +233,6 @@ void qcCullScratch_Free(qcCullScratch* scratch)
     qcArray_Free(&scratch->steps);
     qcArray_Free(&scratch->visible);
     qcArray_Free(&scratch->stepOf);
+    qcArray_Free(&scratch->setsOfViews);
+    qcCullOrder_Free(&scratch->order);
 }

@@ -2,28 +2,21 @@
 #ifndef QC_PLUGIN_CULL_VISIBILITY_H
 #define QC_PLUGIN_CULL_VISIBILITY_H
 
-#include "memory.h"
+#include "cull_order.h"
 #include "quickcullide/scene.h"
 #include "visibility_sets.h"
-
-/// A run of triangles that is tested and drawn as one.
-typedef struct qcCullPrimitive
-{
-    uint32_t firstTriangle, triangleCount; ///< in qcCullJob::corners
-    /// Primitives of one group don't hide each other: the triangles of one body, seen by other bodies. Groups are
-    /// numbered from 0 in rendering order and lie together.
-    uint32_t group;
-} qcCullPrimitive;
 
 typedef struct qcCullJob
 {
     qcDevice* device;
-    bool quick;                      ///< quick or cullide
-    qcCullLevel level;               ///< decides the depth comparison, and names the records
-    uint32_t body;                   ///< names the records of qc_levelSelf
-    const char* views;               ///< letters, ended by a zero
-    uint32_t resolution, iterations; ///< 0 iterations: until nothing changes
-    const float* corners;            ///< nine a triangle, within [-1, 1]
+    bool quick;                                     ///< quick or cullide
+    qcCullLevel level;                              ///< decides the depth comparison, and names the records
+    uint32_t body;                                  ///< names the records of qc_levelSelf
+    const char* views;                              ///< letters, ended by a zero
+    uint32_t resolution, iterations;                ///< 0 iterations: until nothing changes
+    bool backToFront, secondPassFromBack, reliable; ///< as in qcDetectDef
+    double growth[3];                               ///< reliable: half the margin in each axis of the image
+    const float* corners;                           ///< nine a triangle, within [-1, 1]
     uint32_t triangleCount;
     const qcCullPrimitive* primitives;
     uint32_t primitiveCount;
@@ -32,7 +25,8 @@ typedef struct qcCullJob
 /// Memory that culling keeps between steps.
 typedef struct qcCullScratch
 {
-    qcArray steps, visible, stepOf;
+    qcArray steps, visible, stepOf, setsOfViews;
+    qcCullOrder order;
 } qcCullScratch;
 
 /// sets: one a primitive, in and out; all qc_setNfv to begin with. `records` (of qcPassRecord) grows by one a pass.

@@ -1,4 +1,5 @@
-// plan, cull objects, sweep objects, cull triangles, sweep triangles, exact, contacts: the line that data travels.
+// plan, cull objects, sweep objects, cull triangles, sweep triangles, exact, contacts, manifolds: the line that data
+// travels.
 // Quick-CULLIDE, VR 2005, section 4.2, for the image methods; the others leave the cull stages out.
 #include "detect.h"
 
@@ -6,6 +7,7 @@
 #include "contact.h"
 #include "status.h"
 
+#include <stdio.h>
 #include <string.h>
 
 typedef struct Step
@@ -33,12 +35,15 @@ static void Plan(Step* step)
     qcDeviceInfo info = {.kind = qc_deviceNone, .name = "none"};
     if (step->device != NULL)
         qcDevice_GetInfo(step->device, &info);
-    qcPlanInput input = {step->def->method, step->def->resolution, info.kind != qc_deviceNone, info.maxResolution};
+    qcPlanInput input = {step->def->method, step->def->resolution, info.kind != qc_deviceNone, info.compute,
+                         info.maxResolution};
     step->plan = qcPlan_Make(&input);
     step->profile.method = step->plan.method;
     step->profile.fallback = step->plan.fallback;
     step->profile.resolution = step->plan.resolution;
-    step->profile.device = step->plan.useImage ? info.name : "none";
+    bool usesDevice = step->plan.useImage || step->plan.useLayers;
+    step->profile.device = usesDevice ? info.name : "none";
+    step->profile.softwareDevice = usesDevice && info.software;
     if (step->plan.fallback != NULL)
         qcLog("%s", step->plan.fallback);
 }
@@ -52,6 +57,23 @@ static qcStatus FindOwners(Step* step)
     return qc_statusOk;
 }
 
+/// How far apart boxes may be whose triangles count. Boxes are compared as lower > upper + reach: rounding is monotone,
+/// so that two boxes no further apart than the reach are never parted by it.
+static double Reach(const qcDetectDef* def)
+{
+    double contacts = qcContact_Reach(def->contactMargin);
+    return def->margin > contacts ? def->margin : contacts;
+}
+
+/// The triangles that take part, marked on the CPU.
+static qcStatus MarkTriangles(Step* step)
+{
+    qcDetector* d = step->detector;
+    // The paper culls whole objects at the sub-object level; brute force leaves out nothing.
+    bool wholeBodies = step->plan.useImage || step->plan.method == qc_methodBrute;
+    return qcObjects_MarkTriangles(&d->objects, &d->triangles, Reach(step->def), wholeBodies, &step->profile);
+}
+
 static qcStatus CullAndSweepObjects(Step* step)
 {
     qcDetector* d = step->detector;
@@ -63,33 +85,65 @@ static qcStatus CullAndSweepObjects(Step* step)
                                    qcTriangles_Body(&d->triangles, body)->triangleCount != 0;
     step->profile.cullObjectsMs = Lap(step);
 
-    double margin = qcContact_Reach(step->def->contactMargin);
+    double margin = Reach(step->def);
     bool brute = step->plan.method == qc_methodBrute;
     if (brute)
         QC_TRY(qcObjects_FindPairsBrute(&d->objects, &d->triangles, margin, &step->profile));
     else
         QC_TRY(qcObjects_FindPairs(&d->objects, &d->triangles, margin, &step->profile));
-    // The paper culls whole objects at the sub-object level; brute force leaves out nothing.
-    bool wholeBodies = step->plan.useImage || brute;
-    QC_TRY(qcObjects_MarkTriangles(&d->objects, &d->triangles, margin, wholeBodies, &step->profile));
+    if (!step->plan.useLayers)
+        QC_TRY(MarkTriangles(step));
     step->profile.sweepObjectsMs = Lap(step);
     return qc_statusOk;
+}
+
+/// The device from bodies to candidates. What it can't do, the sweep does.
+static qcStatus CullLayers(Step* step)
+{
+    qcDetector* d = step->detector;
+    qcCullLayersJob job = {.device = step->device,
+                           .triangles = &d->triangles,
+                           .meetings = d->objects.pairs.data,
+                           .meetingCount = d->objects.pairs.count,
+                           .reach = Reach(step->def),
+                           .testNeighbours = step->def->neighbours,
+                           .listNeighbours = step->def->contactMargin > 0.0,
+                           .columns = step->def->layerColumns,
+                           .depthAxis = step->def->layerDepthAxis,
+                           .threads = step->threads};
+    qcStatus status =
+        qcCullLayers_Run(&d->cullLayers, &job, &d->candidates.keys, &d->candidates.neighbourKeys, &step->profile);
+    if (status == qc_statusDevice)
+    {
+        snprintf(d->fallback, sizeof d->fallback, "%s: sweep answered on the CPU", qcLastMessage());
+        qcLog("%s", d->fallback);
+        step->plan = (qcPlan){.method = qc_methodSweep, .fallback = d->fallback};
+        step->profile.method = qc_methodSweep;
+        step->profile.fallback = d->fallback;
+        step->profile.device = "none";
+        step->profile.softwareDevice = false;
+        status = MarkTriangles(step);
+    }
+    return status;
 }
 
 static qcStatus CullAndSweepTriangles(Step* step)
 {
     qcDetector* d = step->detector;
+    if (step->plan.useLayers)
+        QC_TRY(CullLayers(step));
     if (step->plan.useImage)
         QC_TRY(qcCull_Triangles(&d->cull, &d->triangles, step->device, &step->plan, step->def));
-    for (uint32_t r = 0; r < d->triangles.count; r++)
+    for (uint32_t r = 0; r < d->triangles.count && !step->plan.useLayers; r++)
         step->profile.trianglePcs += QC_AT(uint8_t, d->triangles.pcs, r) != 0;
     step->profile.cullTrianglesMs = Lap(step);
+    if (step->plan.useLayers)
+        return qc_statusOk;
 
-    double margin = qcContact_Reach(step->def->contactMargin);
     qcCandidateRules rules = {.triangles = &d->triangles,
-                              .margin = margin,
+                              .margin = Reach(step->def),
                               .testNeighbours = step->def->neighbours,
-                              .listNeighbours = margin > 0.0,
+                              .listNeighbours = step->def->contactMargin > 0.0,
                               .threads = step->threads};
     if (step->plan.method == qc_methodBrute)
         QC_TRY(qcCandidates_Brute(&d->candidates, &rules, &step->profile));
@@ -129,6 +183,17 @@ static qcStatus CollectPcs(Step* step)
     return qc_statusOk;
 }
 
+static qcStatus BuildManifolds(Step* step)
+{
+    qcDetector* d = step->detector;
+    step->clock = qcClock_Now();
+    size_t count = step->def->manifolds ? d->narrow.pairs.count : 0;
+    QC_TRY(qcManifolds_Build(&d->manifolds, &d->triangles, d->narrow.pairs.data, d->narrow.proximities.data, count,
+                             step->def->margin, step->threads));
+    step->profile.manifoldMs = Lap(step);
+    return qc_statusOk;
+}
+
 static void FillResult(Step* step)
 {
     qcDetector* d = step->detector;
@@ -144,10 +209,15 @@ static void FillResult(Step* step)
     d->result = (qcResult){.pairs = d->narrow.pairs.data,
                            .pairCount = d->narrow.pairs.count,
                            .segments = step->def->segments ? d->narrow.segments.data : NULL,
+                           .proximities = step->def->proximities ? d->narrow.proximities.data : NULL,
                            .pcs = d->pcs.data,
                            .pcsCount = d->pcs.count,
                            .contacts = d->narrow.contacts.data,
                            .contactCount = d->narrow.contacts.count,
+                           .manifolds = d->manifolds.manifolds.data,
+                           .manifoldCount = d->manifolds.manifolds.count,
+                           .manifoldPoints = d->manifolds.points.data,
+                           .manifoldPointCount = d->manifolds.points.count,
                            .profile = *profile};
 }
 
@@ -165,6 +235,7 @@ static qcStatus RunStages(Step* step)
     QC_TRY(CullAndSweepTriangles(step));
     QC_TRY(CollectPcs(step));
     QC_TRY(qcNarrow_Run(&d->narrow, &d->triangles, &d->candidates, step->def, step->threads, &step->profile));
+    QC_TRY(BuildManifolds(step));
     step->profile.totalMs = qcClock_Now() - start;
     FillResult(step);
     return qc_statusOk;
@@ -176,7 +247,7 @@ static bool IsSameQuestion(const qcDetectDef* a, const qcDetectDef* b)
     return a->method == b->method && a->margin == b->margin && a->touching == b->touching &&
            a->neighbours == b->neighbours && a->segments == b->segments && a->proximities == b->proximities &&
            a->manifolds == b->manifolds && a->contactMargin == b->contactMargin && a->layerColumns == b->layerColumns &&
-           strncmp(a->layerViews, b->layerViews, 4) == 0 && strncmp(a->views, b->views, 4) == 0 &&
+           a->layerDepthAxis == b->layerDepthAxis && strncmp(a->views, b->views, 4) == 0 &&
            a->resolution == b->resolution && a->iterations == b->iterations && a->backToFront == b->backToFront &&
            a->secondPassFromBack == b->secondPassFromBack && a->reliable == b->reliable;
 }
@@ -185,7 +256,8 @@ static void Reuse(qcProfile* profile)
 {
     profile->reused = true;
     profile->planMs = profile->cullObjectsMs = profile->sweepObjectsMs = profile->cullTrianglesMs = 0.0;
-    profile->sweepTrianglesMs = profile->exactMs = profile->contactMs = profile->totalMs = 0.0;
+    profile->sweepTrianglesMs = profile->exactMs = profile->contactMs = profile->manifoldMs = 0.0;
+    profile->totalMs = 0.0;
 }
 
 qcStatus qcDetector_Run(qcDetector* detector, qcBodies* bodies, qcDevice* device, const qcDetectDef* def)
@@ -212,9 +284,11 @@ void qcDetector_Free(qcDetector* detector)
 {
     qcTriangles_Free(&detector->triangles);
     qcCull_Free(&detector->cull);
+    qcCullLayers_Free(&detector->cullLayers);
     qcObjects_Free(&detector->objects);
     qcCandidates_Free(&detector->candidates);
     qcNarrow_Free(&detector->narrow);
+    qcManifolds_Free(&detector->manifolds);
     qcArray_Free(&detector->pcs);
     qcArray_Free(&detector->marks);
 }

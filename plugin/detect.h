@@ -4,6 +4,8 @@
 
 #include "candidates.h"
 #include "cull.h"
+#include "cull_layers.h"
+#include "manifold.h"
 #include "narrow.h"
 #include "objects.h"
 
@@ -11,11 +13,14 @@ typedef struct qcDetector
 {
     qcTriangles triangles;
     qcCull cull;
+    qcCullLayers cullLayers;
     qcObjects objects;
     qcCandidates candidates;
     qcNarrow narrow;
+    qcManifolds manifolds;
     qcArray pcs, marks;
     qcResult result;
+    char fallback[256]; ///< what the profile points at
     //  What the result answers; valid: there is one.
     bool valid;
     uint64_t revision;

@@ -2,12 +2,16 @@
 #ifndef QC_PLUGIN_EXACT_H
 #define QC_PLUGIN_EXACT_H
 
-#include "exact_integer.h"
+#include "exact_determinant.h"
 #include "quickcullide/scene.h"
 
 /// As qcRelateTriangles; `*undecided` (may be null) grows by the predicates that the floating-point filter could not
 /// decide.
 qcRelation qcExact_Relate(const double a[3][3], const double b[3][3], uint64_t* undecided);
+
+/// As qcExact_Relate, and qc_relationNear for triangles that do not meet but are no further apart than `margin`, 0 or
+/// more. A pair that the filter for distances could not decide counts as one more predicate in `*undecided`.
+qcRelation qcExact_Within(const double a[3][3], const double b[3][3], double margin, uint64_t* undecided);
 
 /// The ends of the intersection of two penetrating triangles, rounded; see qcSegment.
 void qcExact_Segment(const double a[3][3], const double b[3][3], qcSegment* segment);

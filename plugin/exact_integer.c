@@ -1,32 +1,18 @@
-// Determinants in integers of fixed size: all coordinates are scaled by one power of two until each is an
-// integer, which loses nothing, and a determinant of integers is an integer.
+// Integers of a fixed number of words that cannot overflow where they are used: all coordinates are scaled by one power
+// of two until each is an integer, which loses nothing, and then nothing is rounded, nothing underflows, and there is
+// no error bound.
 //
-// Why this can't overflow: a finite double is an integer multiple of 2^-1074 below 2^1024, so a scaled coordinate
-// has at most 2098 bits, a difference 2099, a product of three 6297, and a sum of six such products 6300 bits:
-// 99 words of 64. Nothing is rounded, so there is no underflow and no error bound. Usual coordinates (single
-// precision, one scene) take one or two words; the cost grows with the square of the words in use.
+// Why this can't overflow: a finite double is an integer multiple of 2^-1074 below 2^1024, so a scaled coordinate or
+// margin has at most 2098 bits and a difference 2099. The largest polynomials here are those of exact_distance.c, of
+// degree six: a cross product of differences has 4199 bits, its product with a third one, summed over the axes, 6300,
+// and the square of that 12600: 197 words of 64. Usual coordinates (single precision, one scene) take one or two words;
+// the cost grows with the square of the words in use.
 #include "exact_integer.h"
 
 #include <assert.h>
-#include <math.h>
-#include <stdbool.h>
-#include <stdint.h>
 #include <string.h>
 
-enum
-{
-    qc_maxWords = 99
-};
-
 __extension__ typedef unsigned __int128 Wide;
-
-/// Sign and magnitude; words beyond `count` are not set.
-typedef struct Integer
-{
-    bool negative;
-    int count; ///< words in use; 0: the number is zero
-    uint64_t word[qc_maxWords];
-} Integer;
 
 /// value = mantissa * 2^exponent, mantissa an integer.
 static uint64_t Split(double value, int* exponent)
@@ -39,8 +25,7 @@ static uint64_t Split(double value, int* exponent)
     return biased == 0 ? mantissa : mantissa | 1ULL << 52;
 }
 
-/// The largest e for which each of the values is an integer multiple of 2^e.
-static int CommonExponent(const double* values, int count)
+int qcInteger_CommonExponent(const double* values, int count)
 {
     int common = 2048;
     for (int i = 0; i < count; i++)
@@ -56,7 +41,7 @@ static int CommonExponent(const double* values, int count)
     return common;
 }
 
-static void SetDouble(Integer* x, double value, int commonExponent)
+void qcInteger_Set(qcInteger* x, double value, int commonExponent)
 {
     int exponent;
     uint64_t mantissa = Split(value, &exponent);
@@ -77,7 +62,7 @@ static void SetDouble(Integer* x, double value, int commonExponent)
         x->word[x->count++] = high;
 }
 
-static int CompareMagnitude(const Integer* a, const Integer* b)
+static int CompareMagnitude(const qcInteger* a, const qcInteger* b)
 {
     if (a->count != b->count)
         return a->count < b->count ? -1 : 1;
@@ -87,10 +72,10 @@ static int CompareMagnitude(const Integer* a, const Integer* b)
     return 0;
 }
 
-static void AddMagnitude(const Integer* a, const Integer* b, Integer* sum)
+static void AddMagnitude(const qcInteger* a, const qcInteger* b, qcInteger* sum)
 {
-    const Integer* large = a->count >= b->count ? a : b;
-    const Integer* small = a->count >= b->count ? b : a;
+    const qcInteger* large = a->count >= b->count ? a : b;
+    const qcInteger* small = a->count >= b->count ? b : a;
     Wide carry = 0;
     int n = large->count;
     for (int i = 0; i < n; i++)
@@ -103,14 +88,14 @@ static void AddMagnitude(const Integer* a, const Integer* b, Integer* sum)
     }
     if (carry != 0)
     {
-        assert(n < qc_maxWords);
+        assert(n < qc_integerWords);
         sum->word[n++] = (uint64_t)carry;
     }
     sum->count = n;
 }
 
 /// |a| >= |b|
-static void SubtractMagnitude(const Integer* a, const Integer* b, Integer* difference)
+static void SubtractMagnitude(const qcInteger* a, const qcInteger* b, qcInteger* difference)
 {
     uint64_t borrow = 0;
     int n = a->count;
@@ -127,10 +112,9 @@ static void SubtractMagnitude(const Integer* a, const Integer* b, Integer* diffe
     difference->count = n;
 }
 
-/// sum = a + b, or a - b. `sum` may be a or b.
-static void Add(const Integer* a, const Integer* b, bool subtract, Integer* sum)
+static void AddSigned(const qcInteger* a, const qcInteger* b, bool bNegative, qcInteger* sum)
 {
-    bool aNegative = a->negative, bNegative = b->negative != subtract;
+    bool aNegative = a->negative;
     if (aNegative == bNegative)
     {
         AddMagnitude(a, b, sum);
@@ -145,16 +129,25 @@ static void Add(const Integer* a, const Integer* b, bool subtract, Integer* sum)
     sum->negative = aLarger ? aNegative : bNegative;
 }
 
-/// `product` is neither a nor b.
-static void Multiply(const Integer* a, const Integer* b, Integer* product)
+void qcInteger_Add(const qcInteger* a, const qcInteger* b, qcInteger* sum)
+{
+    AddSigned(a, b, b->negative, sum);
+}
+
+void qcInteger_Subtract(const qcInteger* a, const qcInteger* b, qcInteger* difference)
+{
+    AddSigned(a, b, !b->negative, difference);
+}
+
+void qcInteger_Multiply(const qcInteger* a, const qcInteger* b, qcInteger* product)
 {
     product->negative = a->negative != b->negative;
     product->count = 0;
     if (a->count == 0 || b->count == 0)
         return;
     int n = a->count + b->count;
-    assert(n <= qc_maxWords + 1);
-    memset(product->word, 0, (size_t)(n < qc_maxWords ? n : qc_maxWords) * sizeof product->word[0]);
+    assert(n <= qc_integerWords + 1);
+    memset(product->word, 0, (size_t)(n < qc_integerWords ? n : qc_integerWords) * sizeof product->word[0]);
     for (int i = 0; i < a->count; i++)
     {
         Wide carry = 0;
@@ -167,88 +160,14 @@ static void Multiply(const Integer* a, const Integer* b, Integer* product)
         if (carry != 0)
             product->word[i + b->count] = (uint64_t)carry;
         else
-            assert(i + b->count >= qc_maxWords || product->word[i + b->count] == 0);
+            assert(i + b->count >= qc_integerWords || product->word[i + b->count] == 0);
     }
-    if (n > qc_maxWords || product->word[n - 1] == 0)
+    if (n > qc_integerWords || product->word[n - 1] == 0)
         n--;
     product->count = n;
 }
 
-static int Sign(const Integer* x)
+int qcInteger_Sign(const qcInteger* x)
 {
     return x->count == 0 ? 0 : x->negative ? -1 : 1;
-}
-
-/// x * 2^exponent, its highest 64 bits rounded to 53: the bits below change the rounding only.
-static qcScaled ToScaled(const Integer* x, int exponent)
-{
-    qcScaled scaled = {0.0, 0};
-    if (x->count == 0)
-        return scaled;
-    uint64_t top = x->word[x->count - 1];
-    int zeros = __builtin_clzll(top);
-    top <<= zeros;
-    if (zeros > 0 && x->count > 1)
-        top |= x->word[x->count - 2] >> (64 - zeros);
-    int binary;
-    scaled.mantissa = frexp((double)top, &binary);
-    if (x->negative)
-        scaled.mantissa = -scaled.mantissa;
-    scaled.exponent = binary + exponent + (x->count - 1) * 64 - zeros;
-    return scaled;
-}
-
-/// out = a * b - c * d
-static void Minor(const Integer* a, const Integer* b, const Integer* c, const Integer* d, Integer* out)
-{
-    Integer other;
-    Multiply(a, b, out);
-    Multiply(c, d, &other);
-    Add(out, &other, true, out);
-}
-
-qcScaled qcExactDeterminant3(const double a[3], const double b[3], const double c[3], const double d[3])
-{
-    double values[12];
-    const double* points[4] = {a, b, c, d};
-    for (int p = 0; p < 4; p++)
-        memcpy(values + 3 * p, points[p], 3 * sizeof(double));
-    int common = CommonExponent(values, 12);
-
-    Integer row[3][3]; // the differences to a
-    for (int axis = 0; axis < 3; axis++)
-    {
-        Integer origin;
-        SetDouble(&origin, a[axis], common);
-        for (int r = 0; r < 3; r++)
-        {
-            Integer end;
-            SetDouble(&end, points[r + 1][axis], common);
-            Add(&end, &origin, true, &row[r][axis]);
-        }
-    }
-    Integer determinant = {.negative = false, .count = 0};
-    for (int axis = 0; axis < 3; axis++)
-    {
-        int u = (axis + 1) % 3, v = (axis + 2) % 3;
-        Integer minor, term;
-        Minor(&row[1][u], &row[2][v], &row[1][v], &row[2][u], &minor);
-        Multiply(&row[0][axis], &minor, &term);
-        Add(&determinant, &term, false, &determinant);
-    }
-    return ToScaled(&determinant, 3 * common);
-}
-
-int qcExactSign2(double ax, double ay, double bx, double by, double cx, double cy)
-{
-    double values[6] = {ax, ay, bx, by, cx, cy};
-    int common = CommonExponent(values, 6);
-    Integer x[6];
-    for (int i = 0; i < 6; i++)
-        SetDouble(&x[i], values[i], common);
-    for (int i = 2; i < 6; i++)
-        Add(&x[i], &x[i % 2], true, &x[i]);
-    Integer determinant;
-    Minor(&x[2], &x[5], &x[3], &x[4], &determinant);
-    return Sign(&determinant);
 }

@@ -1,18 +1,32 @@
-// Signs and values of small determinants in integer arithmetic: what the floating-point filter falls back on.
+// Integers large enough for every polynomial in coordinates whose sign is asked for.
 #ifndef QC_PLUGIN_EXACT_INTEGER_H
 #define QC_PLUGIN_EXACT_INTEGER_H
 
-/// A real number as mantissa * 2^exponent; the mantissa is 0 or within [1/2, 1) in magnitude.
-typedef struct qcScaled
+#include <stdbool.h>
+#include <stdint.h>
+
+enum
 {
-    double mantissa;
-    int exponent;
-} qcScaled;
+    qc_integerWords = 197
+};
 
-/// det(b - a, c - a, d - a), its sign exact, its value within 2^-52 relative. Any finite coordinates.
-qcScaled qcExactDeterminant3(const double a[3], const double b[3], const double c[3], const double d[3]);
+/// Sign and magnitude; words beyond `count` are not set.
+typedef struct qcInteger
+{
+    bool negative;
+    int count; ///< words in use; 0: the number is zero
+    uint64_t word[qc_integerWords];
+} qcInteger;
 
-/// Sign of det(b - a, c - a) in two coordinates. Any finite coordinates.
-int qcExactSign2(double ax, double ay, double bx, double by, double cx, double cy);
+/// The largest e for which each of the values is an integer multiple of 2^e; any finite values.
+int qcInteger_CommonExponent(const double* values, int count);
+/// x = value / 2^commonExponent.
+void qcInteger_Set(qcInteger* x, double value, int commonExponent);
+/// `sum` and `difference` may be a or b.
+void qcInteger_Add(const qcInteger* a, const qcInteger* b, qcInteger* sum);
+void qcInteger_Subtract(const qcInteger* a, const qcInteger* b, qcInteger* difference);
+/// `product` is neither a nor b.
+void qcInteger_Multiply(const qcInteger* a, const qcInteger* b, qcInteger* product);
+int qcInteger_Sign(const qcInteger* x);
 
 #endif

@@ -9,7 +9,7 @@
 // sign that passes the filter is the true one.
 #include "exact.h"
 
-#include "exact_integer.h"
+#include "exact_determinant.h"
 
 #include <float.h>
 #include <math.h>

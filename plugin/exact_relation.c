@@ -273,5 +273,5 @@ qcRelation qcRelateTriangles(const double* a, const double* b)
 const char* qcRelation_Name(qcRelation relation)
 {
     static const char* const s_names[] = {"disjoint", "touching", "penetrating", "near"};
-    return (unsigned)relation < 3 ? s_names[relation] : "unknown relation";
+    return (unsigned)relation < 4 ? s_names[relation] : "unknown relation";
 }

@@ -5,6 +5,7 @@
 #include "clock.h"
 #include "contact.h"
 #include "exact.h"
+#include "proximity.h"
 #include "sort.h"
 #include "status.h"
 
@@ -16,7 +17,9 @@ enum
     qc_blockSize = 512,
     // 4096 pairs take about 0.4 ms.
     qc_leastBlocks = 8,
-    qc_leastSegments = 1024
+    qc_leastSegments = 1024,
+    // 256 pairs take about 0.2 ms.
+    qc_leastProximities = 256
 };
 
 typedef struct Job
@@ -39,21 +42,25 @@ static Side SideOf(const qcTriangles* t, uint32_t rank)
     return (Side){body, rank - qcTriangles_First(t, body)};
 }
 
-static void Corners(const qcTriangles* t, Side side, double corners[3][3])
+/// The corners of both triangles of a pair.
+static void CornersOfPair(const Job* job, uint64_t key, double p[3][3], double q[3][3])
 {
-    qcBody_GetTriangle(qcTriangles_Body(t, side.body), side.triangle, corners);
+    Side a = SideOf(job->triangles, (uint32_t)(key >> 32)), b = SideOf(job->triangles, (uint32_t)key);
+    qcBody_GetTriangle(qcTriangles_Body(job->triangles, a.body), a.triangle, p);
+    qcBody_GetTriangle(qcTriangles_Body(job->triangles, b.body), b.triangle, q);
 }
 
-static void Relate(const Job* job, qcNarrowSink* sink, uint64_t key, Side a, Side b)
+static void Relate(const Job* job, qcNarrowSink* sink, uint64_t key)
 {
     double p[3][3], q[3][3];
-    Corners(job->triangles, a, p);
-    Corners(job->triangles, b, q);
+    CornersOfPair(job, key, p, q);
     uint64_t undecided = 0;
-    qcRelation relation = qcExact_Relate((const double(*)[3])p, (const double(*)[3])q, &undecided);
+    double margin = job->def->margin;
+    qcRelation relation = qcExact_Within((const double(*)[3])p, (const double(*)[3])q, margin, &undecided);
     sink->tests++;
     sink->fallbacks += undecided != 0;
-    if (relation == qc_relationDisjoint || (relation == qc_relationTouching && !job->def->touching))
+    bool touching = job->def->touching || margin > 0.0;
+    if (relation == qc_relationDisjoint || (relation == qc_relationTouching && !touching))
         return;
     sink->status = qcArray_Reserve(&sink->found, sink->found.count + 1, sizeof(qcSortItem), "pairs");
     if (sink->status == qc_statusOk)
@@ -94,10 +101,7 @@ static void TakeBlock(void* context, size_t block, uint32_t worker)
     size_t first = (neighbours ? block - job->keyBlocks : block) * qc_blockSize;
     size_t end = first + qc_blockSize < keys->count ? first + qc_blockSize : keys->count;
     for (size_t i = first; i < end && !neighbours && sink->status == qc_statusOk; i++)
-    {
-        uint64_t key = QC_AT(uint64_t, *keys, i);
-        Relate(job, sink, key, SideOf(job->triangles, (uint32_t)(key >> 32)), SideOf(job->triangles, (uint32_t)key));
-    }
+        Relate(job, sink, QC_AT(uint64_t, *keys, i));
     if (job->def->contactMargin == 0.0)
         return;
     double start = qcClock_Now();
@@ -167,9 +171,19 @@ static void ComputeSegment(void* context, size_t i, uint32_t worker)
     if (item.value != qc_relationPenetrating)
         return;
     double p[3][3], q[3][3];
-    Corners(job->triangles, SideOf(job->triangles, (uint32_t)(item.key >> 32)), p);
-    Corners(job->triangles, SideOf(job->triangles, (uint32_t)item.key), q);
+    CornersOfPair(job, item.key, p, q);
     qcExact_Segment((const double(*)[3])p, (const double(*)[3])q, segment);
+}
+
+static void ComputeProximity(void* context, size_t i, uint32_t worker)
+{
+    (void)worker;
+    const Job* job = context;
+    qcSortItem item = QC_AT(qcSortItem, job->narrow->order, i);
+    double p[3][3], q[3][3];
+    CornersOfPair(job, item.key, p, q);
+    qcProximity_Of((const double(*)[3])p, (const double(*)[3])q, (qcRelation)item.value,
+                   &QC_AT(qcProximity, job->narrow->proximities, i));
 }
 
 static qcStatus CollectContacts(qcNarrow* narrow)
@@ -204,7 +218,7 @@ qcStatus qcNarrow_Run(qcNarrow* narrow, const qcTriangles* triangles, const qcCa
                       const qcDetectDef* def, uint32_t threads, qcProfile* profile)
 {
     double start = qcClock_Now();
-    narrow->pairs.count = narrow->segments.count = narrow->contacts.count = 0;
+    narrow->pairs.count = narrow->segments.count = narrow->proximities.count = narrow->contacts.count = 0;
     QC_TRY(EmptySinks(narrow, threads));
     Job job = {.narrow = narrow,
                .triangles = triangles,
@@ -231,6 +245,11 @@ qcStatus qcNarrow_Run(qcNarrow* narrow, const qcTriangles* triangles, const qcCa
         QC_TRY(qcArray_Resize(&narrow->segments, narrow->pairs.count, sizeof(qcSegment), "segments"));
         qcParallel_For(threads, narrow->pairs.count, qc_leastSegments, ComputeSegment, &job);
     }
+    if (def->proximities || def->manifolds)
+    {
+        QC_TRY(qcArray_Resize(&narrow->proximities, narrow->pairs.count, sizeof(qcProximity), "proximities"));
+        qcParallel_For(threads, narrow->pairs.count, qc_leastProximities, ComputeProximity, &job);
+    }
     double middle = qcClock_Now();
     if (def->contactMargin > 0.0)
         QC_TRY(CollectContacts(narrow));
@@ -254,5 +273,6 @@ void qcNarrow_Free(qcNarrow* narrow)
     qcArray_Free(&narrow->scratch);
     qcArray_Free(&narrow->pairs);
     qcArray_Free(&narrow->segments);
+    qcArray_Free(&narrow->proximities);
     qcArray_Free(&narrow->contacts);
 }

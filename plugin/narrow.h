@@ -1,4 +1,4 @@
-// Candidates through the exact test, in parallel; pairs, segments and contacts out, sorted.
+// Candidates through the exact test, in parallel; pairs, segments, proximities and contacts out, sorted.
 #ifndef QC_PLUGIN_NARROW_H
 #define QC_PLUGIN_NARROW_H
 
@@ -22,6 +22,7 @@ typedef struct qcNarrow
     qcArray order, scratch;
     //  results
     qcArray pairs, segments, contacts;
+    qcArray proximities; ///< of qcProximity, one a pair; if proximities or manifolds were asked for
 } qcNarrow;
 
 /// `def` says what is reported. Adds to the profile's counters and to exactMs and contactMs.

@@ -27,12 +27,6 @@ qcMeeting qcObjects_Meet(const qcTriangles* triangles, uint32_t a, uint32_t b)
     return qc_meetingYes;
 }
 
-bool qcObjects_MeetsItself(const qcTriangles* triangles, uint32_t body)
-{
-    const qcBody* b = qcTriangles_Body(triangles, body);
-    return b->selfCollision && b->activity == qc_activityMoving && b->triangleCount > 1;
-}
-
 typedef struct Search
 {
     const qcTriangles* triangles;
@@ -172,7 +166,7 @@ qcStatus qcObjects_MarkTriangles(qcObjects* objects, qcTriangles* triangles, dou
     }
     for (uint32_t body = 0; body < triangles->bodyCount; body++)
     {
-        bool self = qcObjects_MeetsItself(triangles, body);
+        bool self = qcBody_MeetsItself(qcTriangles_Body(triangles, body));
         if (self)
             MarkAll(triangles, body, qcTriangles_Pcs(qc_setBfv, qc_setNfv));
         profile->selfBodies += self;

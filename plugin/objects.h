@@ -22,9 +22,6 @@ typedef enum qcMeeting
 /// May two different bodies meet, as far as their definitions and sets tell?
 qcMeeting qcObjects_Meet(const qcTriangles* triangles, uint32_t a, uint32_t b);
 
-/// Is a body tested with itself?
-bool qcObjects_MeetsItself(const qcTriangles* triangles, uint32_t body);
-
 /// Memory that the stage keeps between steps.
 typedef struct qcObjects
 {

@@ -23,6 +23,14 @@ qcPlan qcPlan_Make(const qcPlanInput* input)
             plan.useImage = true;
             plan.resolution = input->resolution < input->maxResolution ? input->resolution : input->maxResolution;
             break;
+        case qc_methodLayers:
+            plan.useLayers = input->haveCompute;
+            if (!plan.useLayers)
+            {
+                plan.method = qc_methodSweep;
+                plan.fallback = "no compute shaders on this device: sweep answered on the CPU";
+            }
+            break;
         case qc_methodBrute:
         case qc_methodSweep: break;
     }

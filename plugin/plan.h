@@ -9,7 +9,7 @@ typedef struct qcPlanInput
 {
     qcMethod method;     ///< asked for
     uint32_t resolution; ///< asked for
-    bool haveGl;
+    bool haveGl, haveCompute;
     uint32_t maxResolution; ///< of the device
 } qcPlanInput;
 
@@ -17,6 +17,7 @@ typedef struct qcPlan
 {
     qcMethod method;      ///< never qc_methodAuto
     bool useImage;        ///< visibility culling at object and triangle level
+    bool useLayers;       ///< culling to candidates on the device
     uint32_t resolution;  ///< 0 without an image
     const char* fallback; ///< why another method than the one asked for, or null
 } qcPlan;

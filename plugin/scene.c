@@ -158,17 +158,31 @@ static qcStatus CheckViews(const char views[4])
     return qcFail(qc_statusBadInput, "qcScene_Detect: views must be 1 to 3 different letters of \"xyz\"");
 }
 
+static qcStatus CheckMargin(double margin, const char* name)
+{
+    if (!(margin >= 0.0) || isinf(margin))
+        return qcFail(qc_statusBadInput, "qcScene_Detect: %s is %g; it must be 0 or more", name, margin);
+    return qc_statusOk;
+}
+
 static qcStatus CheckDetectDef(const qcDetectDef* def)
 {
     QC_TRY(CheckSize(def->structSize, sizeof *def, "qcScene_Detect", "qcDetectDef"));
-    if ((unsigned)def->method > qc_methodSweep)
+    if ((unsigned)def->method > qc_methodLayers)
         return qcFail(qc_statusBadInput, "qcScene_Detect: unknown method %d", (int)def->method);
-    if (!(def->contactMargin >= 0.0) || isinf(def->contactMargin))
-        return qcFail(qc_statusBadInput, "qcScene_Detect: contactMargin is %g; it must be 0 or more",
-                      def->contactMargin);
+    QC_TRY(CheckMargin(def->margin, "margin"));
+    QC_TRY(CheckMargin(def->contactMargin, "contactMargin"));
+    if (def->layerColumns > 4096)
+        return qcFail(qc_statusBadInput, "qcScene_Detect: layerColumns is %u; it must be within 0..4096",
+                      def->layerColumns);
+    if (def->layerDepthAxis != 0 && (def->layerDepthAxis < 'x' || def->layerDepthAxis > 'z'))
+        return qcFail(qc_statusBadInput, "qcScene_Detect: layerDepthAxis is none of 'x', 'y', 'z' and 0");
     bool image = def->method == qc_methodCullide || def->method == qc_methodQuick;
     if (image && def->contactMargin > 0.0)
         return qcFail(qc_statusBadInput, "qcScene_Detect: %s culls what does not intersect, so it has no contactMargin",
+                      qcMethod_Name(def->method));
+    if (image && def->margin > 0.0 && !def->reliable)
+        return qcFail(qc_statusBadInput, "qcScene_Detect: %s has a margin only if it is reliable",
                       qcMethod_Name(def->method));
     if (!image)
         return qc_statusOk;

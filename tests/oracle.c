@@ -11,7 +11,8 @@
 //   - The corners of A ∩ B, an image of P under a linear map, are images of vertices of P.
 #include "oracle.h"
 
-#include <gmp.h>
+#include "oracle_integers.h"
+
 #include <math.h>
 
 enum
@@ -49,11 +50,10 @@ static void Tableau_Clear(Tableau* t)
     mpz_clears(t->divisor, t->factor, t->product, NULL);
 }
 
-// integers[i] * 2^result = values[i * stride], as small as a common power of two allows.
-static int ToIntegers(mpz_t* const integers[], const double* const values[], int count)
+int qcOracle_ToIntegers(mpz_t* const integers[], const double* const values[], int count)
 {
-    int exponents[qc_unknowns];
-    double mantissas[qc_unknowns];
+    int exponents[qc_oracleMaxIntegers];
+    double mantissas[qc_oracleMaxIntegers];
     int smallest = 0;
     bool any = false;
     for (int i = 0; i < count; ++i)
@@ -235,7 +235,7 @@ static void SetEquations(Tableau* t, Corners* corners, const double a[3][3], con
         mpz_t* row = t->entry[2 + axis];
         const double* values[] = {&a[0][axis], &a[1][axis], &a[2][axis], &b[0][axis], &b[1][axis], &b[2][axis]};
         mpz_t* integers[] = {&row[0], &row[1], &row[2], &row[3], &row[4], &row[5]};
-        corners->exponent[axis] = ToIntegers(integers, values, 6);
+        corners->exponent[axis] = qcOracle_ToIntegers(integers, values, 6);
         for (int i = 0; i < 3; ++i)
         {
             mpz_set(corners->coordinate[i][axis], row[i]);
@@ -289,7 +289,7 @@ void qcOracle_Intersect(const double a[3][3], const double b[3][3], qcOracleAnsw
 // Each axis may have a scale of its own: it changes a determinant by a positive factor.
 static void SetDifferences(mpz_t* const differences[], const double* const values[], int count)
 {
-    ToIntegers(differences, values, count);
+    qcOracle_ToIntegers(differences, values, count);
     for (int i = 1; i < count; ++i)
         mpz_sub(*differences[i], *differences[i], *differences[0]);
 }

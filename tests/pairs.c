@@ -324,7 +324,7 @@ static void ScaleToExtreme(qcRandom* random, qcTrianglePair* pair, double larges
     Scale(pair, 1, magnitude - ilogb(largest));
 }
 
-static void MoveByUlps(qcRandom* random, qcTrianglePair* pair)
+void qcTrianglePair_MoveByUlps(qcRandom* random, qcTrianglePair* pair)
 {
     double largest = qcTrianglePair_GetLargest(pair);
     double ulp = largest - nextafter(largest, 0);
@@ -357,13 +357,82 @@ void qcTrianglePair_Disturb(qcRandom* random, qcTrianglePair* pair)
             ScaleToExtreme(random, pair, qcTrianglePair_GetLargest(pair));
     }
     if (qcRandom_Below(random, 2) == 0)
-        MoveByUlps(random, pair);
+        qcTrianglePair_MoveByUlps(random, pair);
 }
 
 void qcTrianglePair_MakeAny(qcRandom* random, qcTrianglePair* pair)
 {
     qcTrianglePair_Make(random, (qcPairKind)qcRandom_Below(random, qc_pairKindCount), pair);
     qcTrianglePair_Disturb(random, pair);
+}
+
+//  ---- apart -------------------------------------------------------------------------------------------------
+
+// Corners 0 .. count - 1 in the plane h = 0 with the origin in their hull, the others on it or on the side of `side`.
+static void SetAround(qcRandom* random, double corners[3][3], int count, int side)
+{
+    for (int i = 0; i < 3; ++i)
+    {
+        corners[i][0] = qcRandom_Integer(random, -6, 6);
+        corners[i][1] = qcRandom_Integer(random, -6, 6);
+        corners[i][2] = i < count ? 0 : side * qcRandom_Integer(random, 0, 6);
+    }
+    double first = qcRandom_Integer(random, 0, 3), second = qcRandom_Integer(random, 0, 3);
+    for (int axis = 0; axis < 2; ++axis)
+    {
+        if (count == 1)
+            corners[0][axis] = 0;
+        if (count == 2)
+            corners[1][axis] = -first * corners[0][axis];
+        if (count == 3)
+            corners[2][axis] = -first * corners[0][axis] - second * corners[1][axis];
+    }
+}
+
+// Three perpendicular integer axes of the same integer length, which is returned: a turn by an integer quaternion.
+static double SetTurn(qcRandom* random, double frame[3][3])
+{
+    double q[4], length = 0;
+    while (length == 0)
+    {
+        length = 0;
+        for (int i = 0; i < 4; ++i)
+        {
+            q[i] = qcRandom_Below(random, 3) == 0 ? 0 : qcRandom_Integer(random, -3, 3);
+            length += q[i] * q[i];
+        }
+    }
+    for (int i = 0; i < 3; ++i)
+    {
+        int j = (i + 1) % 3, k = (i + 2) % 3;
+        frame[i][i] = q[3] * q[3] + q[i] * q[i] - q[j] * q[j] - q[k] * q[k];
+        frame[i][j] = 2 * (q[i] * q[j] - q[3] * q[k]);
+        frame[i][k] = 2 * (q[i] * q[k] + q[3] * q[j]);
+    }
+    return length;
+}
+
+void qcTrianglePair_MakeApart(qcRandom* random, int cornersA, int cornersB, qcTrianglePair* pair, double* distance)
+{
+    double frame[3][3];
+    pair->kind = qc_pairKindCount;
+    *distance = qcRandom_Integer(random, 1, 12);
+    SetAround(random, pair->a, cornersA, -1);
+    SetAround(random, pair->b, cornersB, 1);
+    for (int i = 0; i < 3; ++i)
+        pair->b[i][2] += *distance;
+    *distance *= SetTurn(random, frame);
+    ApplyFrame((const double(*)[3])frame, pair->a);
+    ApplyFrame((const double(*)[3])frame, pair->b);
+    Shuffle(random, pair->a);
+    Shuffle(random, pair->b);
+    if (qcRandom_Below(random, 2) == 0)
+        Move(random, pair, true);
+    int exponent = (int)qcRandom_Integer(random, -20, 20);
+    if (qcRandom_Below(random, 10) == 0)
+        exponent = (const int[]){990, 500, -500, -1022, -1074}[qcRandom_Below(random, 5)];
+    Scale(pair, 1, exponent);
+    *distance = ldexp(*distance, exponent);
 }
 
 char* qcTrianglePair_Print(const qcTrianglePair* pair, char text[1024])

@@ -45,6 +45,14 @@ void qcTrianglePair_Make(qcRandom* random, qcPairKind kind, qcTrianglePair* pair
 /// moves up to three coordinates by up to three ulps; each with a chance to be left out. All stay finite.
 void qcTrianglePair_Disturb(qcRandom* random, qcTrianglePair* pair);
 
+/// A pair exactly `distance` apart: a point of A's hull of `cornersA` (1..3) corners and one of B's of `cornersB` lie
+/// this far from each other, on the two planes of an empty slab. Then scaled by a power of two, for a tenth of all
+/// pairs an extreme one, and moved by up to 1e7 times that, without rounding.
+void qcTrianglePair_MakeApart(qcRandom* random, int cornersA, int cornersB, qcTrianglePair* pair, double* distance);
+
+/// Moves up to three coordinates by up to three ulps, their own or those of the largest.
+void qcTrianglePair_MoveByUlps(qcRandom* random, qcTrianglePair* pair);
+
 /// A pair of any kind, disturbed.
 void qcTrianglePair_MakeAny(qcRandom* random, qcTrianglePair* pair);
 

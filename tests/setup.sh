@@ -9,6 +9,7 @@ qc_packages()
             build) echo build-essential cmake pkg-config libepoxy-dev libbullet-dev libpng-dev libjson-c-dev ;;
             tests) echo check libgmp-dev glmark2-data ;;
             demos) echo ffmpeg ;;
+            bench) echo gnuplot-nox glmark2-data ;;
             # Software GL, opened at run time: a system that no longer has one of them does without.
             optional) echo libosmesa6 libegl1 libgl1-mesa-dri ;;
         esac

@@ -21,7 +21,7 @@ static qcScene* MakeScene(qcDevice* device)
 {
     qcMesh mesh;
     qcMessage message;
-    ck_assert_msg(qcMesh_ReadFile(s_path, &mesh, &message), "%s", message.text);
+    ck_assert_msg(qcMesh_ReadFile(s_path, qc_meshAsDeclared, &mesh, &message), "%s", message.text);
     ck_assert_uint_eq(mesh.triangleCount, 69666);
     ck_assert(!mesh.isDouble);
     Crumple(&mesh, 0.009f);

@@ -40,7 +40,7 @@ static qcStatus UseScene(const qcSoup* soup, qcMethod method, double margin, siz
         status = qcScene_SetVertices(scene, id, soup->positions, qc_positionF64, 0);
     qcDetectDef def = qcDefaultDetectDef();
     def.method = method;
-    def.touching = def.segments = true;
+    def.touching = def.segments = def.proximities = true;
     def.contactMargin = margin;
     def.threads = 1;
     const qcResult* result;

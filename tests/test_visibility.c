@@ -51,28 +51,57 @@ static void TurnToAxis(const float* image, size_t triangleCount, int axis, float
 
 static const qcVisibilityCompare s_compares[2] = {qc_compareGreaterEqual, qc_compareGreater};
 
-/// Runs a pass on every device, along every axis, tiled and not, and checks the answers to both comparisons: a
-/// string of '1' (visible) and '0' for each.
+/// In tiles of `tileSize` pixels; 0: as the device likes it.
+static qcVisibility* Open(qcDevice* device, const float* corners, uint32_t triangleCount, uint32_t resolution,
+                          uint32_t tileSize)
+{
+    qcVisibilityDef def = {.device = device,
+                           .corners = corners,
+                           .triangleCount = triangleCount,
+                           .resolution = resolution,
+                           .tileSize = tileSize};
+    qcVisibility* visibility = NULL;
+    qcStatus status = qcVisibility_Create(&def, &visibility);
+    ck_assert_msg(status == qc_statusOk, "%s", qcLastMessage());
+    return visibility;
+}
+
+static void RunPass(qcVisibility* visibility, int axis, qcVisibilityCompare compare, bool fromBack,
+                    const qcVisibilityStep* steps, uint32_t stepCount, uint8_t* visible)
+{
+    qcVisibilityPass pass = {axis, compare, fromBack};
+    qcStatus status = qcVisibility_RunPass(visibility, &pass, steps, stepCount, visible);
+    ck_assert_msg(status == qc_statusOk, "%s", qcLastMessage());
+}
+
+/// What is seen from the back in their place.
+static void MirrorDepths(float* corners, size_t triangleCount, int axis)
+{
+    for (size_t i = 0; i < 3 * triangleCount; ++i)
+        corners[3 * i + (size_t)axis] = -corners[3 * i + (size_t)axis];
+}
+
+/// Runs a pass on every device, along every axis, tiled and not, from the front and (mirrored) from the back, and
+/// checks the answers to both comparisons: a string of '1' (visible) and '0' for each.
 static void ExpectVisible(const Scene* scene, const qcVisibilityStep* steps, uint32_t stepCount,
                           const char* greaterEqual, const char* greater)
 {
     QC_FOR_EACH_DEVICE(device)
     {
-        for (int variant = 0; variant < 6; ++variant)
+        for (int variant = 0; variant < 12; ++variant)
         {
             int axis = variant % 3;
+            bool fromBack = variant >= 6;
             float world[9 * qc_maxTriangles];
             TurnToAxis(scene->corners, scene->count, axis, world);
-            qcVisibility* visibility = NULL;
-            ck_assert_int_eq(
-                qcVisibility_CreateTiled(device, world, scene->count, 100, variant < 3 ? 100 : 23, &visibility),
-                qc_statusOk);
+            if (fromBack)
+                MirrorDepths(world, scene->count, axis);
+            qcVisibility* visibility = Open(device, world, scene->count, 100, variant % 6 < 3 ? 100 : 23);
             for (int i = 0; i < 2; ++i)
             {
                 uint8_t visible[qc_maxTriangles];
                 memset(visible, 9, sizeof visible);
-                qcStatus status = qcVisibility_RunPass(visibility, axis, s_compares[i], steps, stepCount, visible);
-                ck_assert_msg(status == qc_statusOk, "%s", qcLastMessage());
+                RunPass(visibility, axis, s_compares[i], fromBack, steps, stepCount, visible);
                 for (uint32_t k = 0; k < stepCount; ++k)
                     ck_assert_msg(visible[k] == (i == 0 ? greaterEqual : greater)[k] - '0',
                                   "step %u, axis %d, variant %d, comparison %d: %u", k, axis, variant, i, visible[k]);
@@ -391,31 +420,31 @@ START_TEST(random_passes_agree_with_a_rasteriser_on_the_cpu_in_tiles_of_any_size
         {
             static uint8_t visible[2][qc_soupSteps], untiled[2][qc_soupSteps];
             const uint32_t tileSizes[4] = {qc_resolution, 64, 32, 7};
-            for (int t = 0; t < 4; ++t)
+            for (int t = 0; t < 8; ++t)
             {
-                qcVisibility* visibility = NULL;
-                ck_assert_int_eq(
-                    qcVisibility_CreateTiled(device, world, qc_soupSize, qc_resolution, tileSizes[t], &visibility),
-                    qc_statusOk);
+                bool fromBack = t >= 4;
+                if (t == 4)
+                    MirrorDepths(world, qc_soupSize, axis);
+                qcVisibility* visibility = Open(device, world, qc_soupSize, qc_resolution, tileSizes[t % 4]);
                 for (int c = 0; c < 2; ++c)
                 {
-                    ck_assert_int_eq(
-                        qcVisibility_RunPass(visibility, axis, s_compares[c], steps, qc_soupSteps, visible[c]),
-                        qc_statusOk);
+                    RunPass(visibility, axis, s_compares[c], fromBack, steps, qc_soupSteps, visible[c]);
                     for (int i = 0; i < qc_soupSteps; ++i)
                     {
                         // A step that meets its own triangles at equal depth is open, so both comparisons agree here.
                         char seen = !steps[i].test ? ' ' : (visible[c][i] ? '1' : '0');
                         ck_assert_msg(expected[i] == '?' || expected[i] == seen,
-                                      "seed %d, tile size %u, comparison %d, step %d: %c instead of %c", (int)seed,
-                                      tileSizes[t], c, i, seen, expected[i]);
+                                      "seed %d, variant %d, comparison %d, step %d: %c instead of %c", (int)seed, t, c,
+                                      i, seen, expected[i]);
                     }
                 }
-                if (t == 0)
+                // A depth is rounded differently from the back.
+                if (t % 4 == 0)
                     memcpy(untiled, visible, sizeof visible);
                 ck_assert_mem_eq(visible, untiled, sizeof visible);
                 qcVisibility_Destroy(visibility);
             }
+            MirrorDepths(world, qc_soupSize, axis);
         }
     }
     ck_assert_uint_eq(qcGetByteCount(), 0);
@@ -455,11 +484,8 @@ START_TEST(over_a_thousand_queries_in_one_pass_lose_none)
         // Untiled, too: there each query takes most of a software device's memory for commands.
         for (uint32_t tileSize = 512; tileSize <= 4096; tileSize *= 8)
         {
-            qcVisibility* visibility = NULL;
-            ck_assert_int_eq(qcVisibility_CreateTiled(device, corners, 2 * layer, 4096, tileSize, &visibility),
-                             qc_statusOk);
-            ck_assert_int_eq(qcVisibility_RunPass(visibility, 2, qc_compareGreater, steps, 2 * layer, visible),
-                             qc_statusOk);
+            qcVisibility* visibility = Open(device, corners, 2 * layer, 4096, tileSize);
+            RunPass(visibility, 2, qc_compareGreater, false, steps, 2 * layer, visible);
             for (int i = 0; i < 2 * layer; ++i)
                 ck_assert_msg(visible[i] == (i % 2 == 0 ? 1 : 0), "tile size %u, step %d: %u", tileSize, i, visible[i]);
             qcVisibility_Destroy(visibility);
@@ -479,21 +505,26 @@ START_TEST(bad_resolutions_and_devices_are_refused)
     {
         qcDeviceInfo info;
         ck_assert_int_eq(qcDevice_GetInfo(device, &info), qc_statusOk);
-        ck_assert_int_eq(qcVisibility_Create(device, corners, 1, 0, &visibility), qc_statusBadInput);
-        ck_assert_int_eq(qcVisibility_Create(device, corners, 1, info.maxResolution + 1, &visibility),
-                         qc_statusBadInput);
-        ck_assert_int_eq(qcVisibility_Create(device, corners, 0x80000000u, 64, &visibility), qc_statusBadInput);
+        qcVisibilityDef def = {.device = device, .corners = corners, .triangleCount = 1};
+        ck_assert_int_eq(qcVisibility_Create(&def, &visibility), qc_statusBadInput);
+        def.resolution = info.maxResolution + 1;
+        ck_assert_int_eq(qcVisibility_Create(&def, &visibility), qc_statusBadInput);
+        def.resolution = 64;
+        def.triangleCount = 0x80000000u;
+        ck_assert_int_eq(qcVisibility_Create(&def, &visibility), qc_statusBadInput);
+        // Grown, each becomes five.
+        def.triangleCount = 0x7fffffff / 15 + 1;
+        def.grown = true;
+        ck_assert_int_eq(qcVisibility_Create(&def, &visibility), qc_statusBadInput);
         // The limit itself is fine; tiled, so that no GPU runs out of memory here.
-        ck_assert_int_eq(qcVisibility_CreateTiled(device, corners, 1, info.maxResolution, 512, &visibility),
-                         qc_statusOk);
-        qcVisibility_Destroy(visibility);
-        visibility = NULL;
+        qcVisibility_Destroy(Open(device, corners, 1, info.maxResolution, 512));
     }
-    qcDeviceDef def = qcDefaultDeviceDef();
-    def.kind = qc_deviceNone;
+    qcDeviceDef deviceDef = qcDefaultDeviceDef();
+    deviceDef.kind = qc_deviceNone;
     qcDevice* none = NULL;
-    ck_assert_int_eq(qcDevice_Create(&def, &none), qc_statusOk);
-    ck_assert_int_eq(qcVisibility_Create(none, corners, 1, 64, &visibility), qc_statusDevice);
+    ck_assert_int_eq(qcDevice_Create(&deviceDef, &none), qc_statusOk);
+    qcVisibilityDef def = {.device = none, .corners = corners, .triangleCount = 1, .resolution = 64};
+    ck_assert_int_eq(qcVisibility_Create(&def, &visibility), qc_statusDevice);
     ck_assert_ptr_null(visibility);
     qcVisibility_Destroy(NULL);
     qcDevice_Destroy(none);
@@ -519,41 +550,54 @@ static void Release(void* memory, size_t size, void* context)
     free(memory);
 }
 
-START_TEST(any_allocation_may_fail_and_the_next_pass_succeeds)
+/// Allows one allocation more each time, until a pass succeeds.
+static void FailEachAllocation(qcDevice* device, Heap* heap, bool grown)
 {
     Scene scene = {.count = 0};
     AddSquare(&scene, -0.5f, -0.5f, 0.5f, 0.5f, -0.3f, -0.3f);
     AddSquare(&scene, -0.4f, -0.4f, 0.6f, 0.6f, 0.3f, 0.3f);
     const qcVisibilityStep steps[2] = {{0, 2, Y, Y}, {2, 2, Y, Y}};
+    const qcVisibilityPass pass = {2, qc_compareGreaterEqual, false};
+    const qcVisibilityDef def = {.device = device,
+                                 .corners = scene.corners,
+                                 .triangleCount = scene.count,
+                                 .resolution = 64,
+                                 .tileSize = 17,
+                                 .grown = grown};
+    size_t before = qcGetByteCount();
+    int failures = 0;
+    qcStatus status = qc_statusOutOfMemory;
+    for (int allowed = 0; status != qc_statusOk; ++allowed)
+    {
+        qcVisibility* visibility = NULL;
+        uint8_t visible[2];
+        heap->left = allowed;
+        status = qcVisibility_Create(&def, &visibility);
+        if (status == qc_statusOk)
+        {
+            status = qcVisibility_RunPass(visibility, &pass, steps, 2, visible);
+            heap->left = 1 << 30;
+            ck_assert_int_eq(qcVisibility_RunPass(visibility, &pass, steps, 2, visible), qc_statusOk);
+            ck_assert_uint_eq(visible[0], 1);
+            ck_assert_uint_eq(visible[1], 0);
+        }
+        ck_assert(status == qc_statusOk || status == qc_statusOutOfMemory);
+        failures += status != qc_statusOk ? 1 : 0;
+        qcVisibility_Destroy(visibility);
+        ck_assert_uint_eq(qcGetByteCount(), before);
+    }
+    ck_assert_int_gt(failures, 5);
+    heap->left = 1 << 30;
+}
+
+START_TEST(any_allocation_may_fail_and_the_next_pass_succeeds)
+{
     Heap heap = {1 << 30};
     ck_assert_int_eq(qcSetAllocator(Allocate, Release, &heap), qc_statusOk);
     QC_FOR_EACH_DEVICE(device)
     {
-        size_t before = qcGetByteCount();
-        int failures = 0;
-        qcStatus status = qc_statusOutOfMemory;
-        for (int allowed = 0; status != qc_statusOk; ++allowed)
-        {
-            qcVisibility* visibility = NULL;
-            uint8_t visible[2];
-            heap.left = allowed;
-            status = qcVisibility_CreateTiled(device, scene.corners, scene.count, 64, 17, &visibility);
-            if (status == qc_statusOk)
-            {
-                status = qcVisibility_RunPass(visibility, 2, qc_compareGreater, steps, 2, visible);
-                heap.left = 1 << 30;
-                ck_assert_int_eq(qcVisibility_RunPass(visibility, 2, qc_compareGreater, steps, 2, visible),
-                                 qc_statusOk);
-                ck_assert_uint_eq(visible[0], 1);
-                ck_assert_uint_eq(visible[1], 0);
-            }
-            ck_assert(status == qc_statusOk || status == qc_statusOutOfMemory);
-            failures += status != qc_statusOk ? 1 : 0;
-            qcVisibility_Destroy(visibility);
-            ck_assert_uint_eq(qcGetByteCount(), before);
-        }
-        ck_assert_int_gt(failures, 5);
-        heap.left = 1 << 30;
+        for (int grown = 0; grown < 2; ++grown)
+            FailEachAllocation(device, &heap, grown == 1);
     }
     ck_assert_int_eq(qcSetAllocator(NULL, NULL, NULL), qc_statusOk);
 }

@@ -54,6 +54,8 @@ typedef struct qcDeviceInfo
     uint32_t maxResolution;
     /// The renderer runs on the CPU.
     bool software;
+    /// Compute shaders (GL 4.3): what the method `layers` takes.
+    bool compute;
 } qcDeviceInfo;
 
 /// Opens a device. qc_statusDevice: the named kind does not work here; the message says why.

@@ -214,11 +214,11 @@ typedef struct qcDetectDef
     /// Threads to use; 0: one per core. The result does not depend on it.
     uint32_t threads;
     //  What follows speaks to `layers` only; it changes the cost, never the answer.
-    /// Columns of the image, 1..65536; 0: from the sizes of the triangles.
+    /// Pixels on a side of the image, rounded down to a power of two, up to 4096; 0: from the number of triangles.
     uint32_t layerColumns;
-    /// 1 to 3 different letters of "xyz", ended by a zero: the depth axis of the image, then further axes along which a
-    /// candidate must survive too. Empty: chosen by the planner.
-    char layerViews[4];
+    /// 'x', 'y' or 'z': the axis that the image looks along; 0: the one along which the scene is thinnest. One view is all
+    /// it takes: intervals are compared along all axes at once, so that a further view has nothing left to cut.
+    char layerDepthAxis;
     //  What follows speaks to `cullide` and `quick` only.
     /// Axes to look along, in this order: 1 to 3 different letters of "xyz", ended by a zero.
     char views[4];
@@ -249,7 +249,7 @@ static inline qcDetectDef qcDefaultDetectDef(void)
                        0.0,
                        0,
                        0,
-                       {0, 0, 0, 0},
+                       0,
                        {'x', 'y', 'z', 0},
                        4096,
                        0,
@@ -293,23 +293,33 @@ typedef struct qcContact
     double distance; ///< 0 or more, scene units
 } qcContact;
 
-/// One clean contact point: what several pairs of triangles say of the same place, once.
+/// One clean contact point: what several pairs of triangles say of the same place, once. A corner of what two triangles
+/// have in common, seen along the normal: a vertex over a face, or two edges that cross.
 typedef struct qcManifoldPoint
 {
+    /// One over the other: pointA = pointB + distance * normal, rounded.
     double pointA[3], pointB[3];
-    /// Unit vector, from B towards A. Points of one manifold agree: no two of them that come from neighbouring
-    /// triangles point opposite ways.
+    /// Unit vector, from B towards A. Neighbouring points agree: none points back into what another one parts, unless
+    /// the triangles of both are apart and really lie so, as a sheet in a slit does.
     double normal[3];
-    /// Below 0: penetration depth.
+    /// At most the margin. Below 0: penetration depth, here.
     double distance;
     uint32_t triangleA, triangleB; ///< of the pair that it was taken from
+    /// What touches, by vertex index: {v, v} a vertex, {v, w} with v < w an edge, {UINT32_MAX, UINT32_MAX} the face of
+    /// the triangle. A point with the same features as one of the step before is the same contact.
+    uint32_t featureA[2], featureB[2];
 } qcManifoldPoint;
 
-/// The contact points of one connected region of contact of two bodies, or of a body with itself.
+/// The contact points of one connected region of contact of two bodies, or of a body with itself: pairs of triangles
+/// are connected if they have one triangle in common and the other two share a vertex. Vertices at the same position
+/// count as shared. No two points are at the same place with the same normal: nearer than 1/64 of the triangles' size.
+/// Each pair has a point, or one beside it has, or lies in a flat patch between two bodies that don't deform: of that
+/// only the corners are reported. In a body with itself A and B are the two sides of the region, each triangleA
+/// connected with the others, whichever has the lower index.
 typedef struct qcManifold
 {
-    uint32_t bodyA, bodyB; ///< slots, bodyA <= bodyB
-    uint32_t firstPoint, pointCount;
+    uint32_t bodyA, bodyB;           ///< slots, bodyA <= bodyB
+    uint32_t firstPoint, pointCount; ///< deepest first; at least one
 } qcManifold;
 
 typedef enum qcCullLevel

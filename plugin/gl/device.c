@@ -294,7 +294,8 @@ qcStatus qcDevice_GetInfo(const qcDevice* device, qcDeviceInfo* info)
                            .renderer = device->renderer,
                            .version = device->version,
                            .maxResolution = device->maxResolution,
-                           .software = device->software};
+                           .software = device->software,
+                           .compute = device->gl.DispatchCompute != NULL};
     return qc_statusOk;
 }
 

@@ -70,11 +70,11 @@ static PixelBox FindBox(const qcScheduleView* view, uint32_t triangle)
         }
     }
     // One pixel wider: rasterisers round corners to a grid of their own, of 1/256 pixel or so.
-    float half = 0.5f * (float)view->resolution;
-    return (PixelBox){ClampPixel((lower[0] + 1.0f) * half - 1.0f, view->resolution),
-                      ClampPixel((lower[1] + 1.0f) * half - 1.0f, view->resolution),
-                      ClampPixel((upper[0] + 1.0f) * half + 1.0f, view->resolution),
-                      ClampPixel((upper[1] + 1.0f) * half + 1.0f, view->resolution)};
+    float half = 0.5f * (float)view->resolution, reachX = view->reach[0] + 1.0f, reachY = view->reach[1] + 1.0f;
+    return (PixelBox){ClampPixel((lower[0] + 1.0f) * half - reachX, view->resolution),
+                      ClampPixel((lower[1] + 1.0f) * half - reachY, view->resolution),
+                      ClampPixel((upper[0] + 1.0f) * half + reachX, view->resolution),
+                      ClampPixel((upper[1] + 1.0f) * half + reachY, view->resolution)};
 }
 
 /// Entries sorted by tile, in the order of the steps within a tile. tileFirst has one element more than there are
@@ -219,13 +219,26 @@ static qcStatus SortRuns(qcSchedule* s, const qcVisibilityStep* steps, uint32_t 
     return qc_statusOk;
 }
 
+/// Writes the fan of a triangle's polygon. Returns the end of what is written.
+static uint32_t* WriteFan(uint32_t* indices, uint32_t triangle, uint32_t polygonCorners)
+{
+    uint32_t first = triangle * polygonCorners;
+    for (uint32_t c = 2; c < polygonCorners; ++c)
+    {
+        *indices++ = first;
+        *indices++ = first + c - 1;
+        *indices++ = first + c;
+    }
+    return indices;
+}
+
 /// Writes the sorted runs as index list, tests and batches. The arrays have room.
-static void WriteBatches(qcSchedule* s, const qcVisibilityStep* steps, qcScheduleTile* tile)
+static void WriteBatches(qcSchedule* s, const qcVisibilityStep* steps, uint32_t polygonCorners, qcScheduleTile* tile)
 {
     const Run* runs = s->order.data;
     const Entry* entries = s->entries.data;
-    uint32_t* indices = s->indices.data;
-    size_t triangle = s->indices.count / 3;
+    size_t polygon = s->indices.count / qcSchedule_GetIndexCount(polygonCorners);
+    uint32_t* index = &QC_AT(uint32_t, s->indices, s->indices.count);
     qcScheduleBatch* batch = NULL;
     for (size_t i = 0; i < s->order.count; ++i)
     {
@@ -233,27 +246,25 @@ static void WriteBatches(qcSchedule* s, const qcVisibilityStep* steps, qcSchedul
         if (batch == NULL || run->level != runs[i - 1].level)
         {
             batch = &QC_AT(qcScheduleBatch, s->batches, s->batches.count++);
-            *batch = (qcScheduleBatch){s->tests.count, 0, triangle, 0};
+            *batch = (qcScheduleBatch){s->tests.count, 0, polygon, 0};
         }
         if (steps[run->step].test)
         {
             QC_AT(qcScheduleTest, s->tests, s->tests.count++) =
-                (qcScheduleTest){run->step, run->triangleCount, triangle};
+                (qcScheduleTest){run->step, run->triangleCount, polygon};
             ++batch->testCount;
         }
         if (steps[run->step].render)
         {
-            if (batch->triangleCount == 0)
-                batch->firstTriangle = triangle;
-            batch->triangleCount += run->triangleCount;
+            if (batch->polygonCount == 0)
+                batch->firstPolygon = polygon;
+            batch->polygonCount += run->triangleCount;
         }
-        for (uint32_t k = 0; k < run->triangleCount; ++k, ++triangle)
-        {
-            for (uint32_t c = 0; c < 3; ++c)
-                indices[3 * triangle + c] = 3 * entries[run->firstEntry + k].triangle + c;
-        }
+        polygon += run->triangleCount;
+        for (uint32_t k = 0; k < run->triangleCount; ++k)
+            index = WriteFan(index, entries[run->firstEntry + k].triangle, polygonCorners);
     }
-    s->indices.count = 3 * triangle;
+    s->indices.count = (size_t)(index - (uint32_t*)s->indices.data);
     tile->batchCount = s->batches.count - tile->firstBatch;
     tile->testCount = s->tests.count - tile->firstTest;
 }
@@ -268,7 +279,7 @@ static qcStatus AddTile(qcSchedule* s, const qcScheduleView* view, const qcVisib
     QC_TRY(qcArray_Reserve(&s->tests, s->tests.count + s->runs.count, sizeof(qcScheduleTest), "visibility tests"));
     QC_TRY(qcArray_Reserve(&s->batches, s->batches.count + levelCount, sizeof(qcScheduleBatch), "visibility batches"));
     QC_TRY(qcArray_Reserve(&s->tiles, s->tiles.count + 1, sizeof(qcScheduleTile), "visibility tiles"));
-    WriteBatches(s, steps, &tile);
+    WriteBatches(s, steps, view->polygonCorners, &tile);
     QC_AT(qcScheduleTile, s->tiles, s->tiles.count++) = tile;
     return qc_statusOk;
 }
@@ -278,7 +289,8 @@ qcStatus qcSchedule_Build(qcSchedule* s, const qcScheduleView* view, const qcVis
     uint32_t tilesPerSide = (view->resolution + view->tileSize - 1) / view->tileSize;
     s->indices.count = s->tests.count = s->batches.count = s->tiles.count = 0;
     QC_TRY(BinTriangles(s, view, steps, stepCount, tilesPerSide));
-    QC_TRY(qcArray_Reserve(&s->indices, 3 * s->entries.count, sizeof(uint32_t), "visibility indices"));
+    size_t indexCount = qcSchedule_GetIndexCount(view->polygonCorners);
+    QC_TRY(qcArray_Reserve(&s->indices, indexCount * s->entries.count, sizeof(uint32_t), "visibility indices"));
     const size_t* tileFirst = s->tileFirst.data;
     for (uint32_t ty = 0; ty < tilesPerSide; ++ty)
     {

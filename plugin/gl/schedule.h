@@ -10,15 +10,15 @@
 typedef struct qcScheduleTest
 {
     uint32_t step;
-    uint32_t triangleCount;
-    size_t firstTriangle; ///< in the index list
+    uint32_t polygonCount;
+    size_t firstPolygon; ///< in the index list
 } qcScheduleTest;
 
 /// Tests that see the same depth buffer as in their turn, then what is drawn after them.
 typedef struct qcScheduleBatch
 {
     size_t firstTest, testCount;
-    size_t firstTriangle, triangleCount; ///< in the index list
+    size_t firstPolygon, polygonCount; ///< in the index list
 } qcScheduleBatch;
 
 typedef struct qcScheduleTile
@@ -31,7 +31,7 @@ typedef struct qcScheduleTile
 /// All zero at first; keeps its memory between passes.
 typedef struct qcSchedule
 {
-    qcArray indices; ///< three uint32_t a triangle
+    qcArray indices; ///< uint32_t: a fan of triangles a polygon
     qcArray tests, batches, tiles;
     qcArray tileFirst, entries, runs, order, keys, cells; // scratch
 } qcSchedule;
@@ -43,7 +43,16 @@ typedef struct qcScheduleView
     uint32_t resolution;  ///< pixels on a side of the image
     uint32_t tileSize;    ///< pixels on a side of a tile
     int axis;             ///< looked along; the image's x is the next axis in cyclic order
+    float reach[2];       ///< pixels by which a triangle's fragments may lie beyond it, in the image's x and y
+    /// What is drawn for a triangle is a polygon of this many corners, which lie together: 3 or more.
+    uint32_t polygonCorners;
 } qcScheduleView;
+
+/// Indices of a polygon drawn as triangles.
+static inline size_t qcSchedule_GetIndexCount(uint32_t polygonCorners)
+{
+    return 3 * ((size_t)polygonCorners - 2);
+}
 
 /// O(triangles times tiles that each touches), plus O(runs times cells that each touches).
 qcStatus qcSchedule_Build(qcSchedule* schedule, const qcScheduleView* view, const qcVisibilityStep* steps,

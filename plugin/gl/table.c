@@ -7,11 +7,16 @@
 #include <assert.h>
 #include <string.h>
 
-static qcStatus CompileShader(const struct qcGlTable* gl, const char* name, GLenum stage, const char* source,
-                              GLuint* shader)
+static const char* StageName(GLenum stage)
+{
+    return stage == GL_VERTEX_SHADER ? "vertex" : stage == GL_FRAGMENT_SHADER ? "fragment" : "compute";
+}
+
+static qcStatus CompileShader(const struct qcGlTable* gl, const char* name, GLenum stage, const char* const* sources,
+                              int sourceCount, GLuint* shader)
 {
     *shader = gl->CreateShader(stage);
-    gl->ShaderSource(*shader, 1, &source, NULL);
+    gl->ShaderSource(*shader, sourceCount, sources, NULL);
     gl->CompileShader(*shader);
     GLint compiled = GL_FALSE;
     gl->GetShaderiv(*shader, GL_COMPILE_STATUS, &compiled);
@@ -19,16 +24,15 @@ static qcStatus CompileShader(const struct qcGlTable* gl, const char* name, GLen
         return qc_statusOk;
     char log[256] = "";
     gl->GetShaderInfoLog(*shader, sizeof log, NULL, log);
-    return qcFail(qc_statusDevice, "%s: the %s shader does not compile: %s", name,
-                  stage == GL_VERTEX_SHADER ? "vertex" : "fragment", log);
+    return qcFail(qc_statusDevice, "%s: the %s shader does not compile: %s", name, StageName(stage), log);
 }
 
-static qcStatus LinkProgram(const struct qcGlTable* gl, const char* name, GLuint vertexShader, GLuint fragmentShader,
+static qcStatus LinkProgram(const struct qcGlTable* gl, const char* name, const GLuint* shaders, int shaderCount,
                             GLuint* program)
 {
     *program = gl->CreateProgram();
-    gl->AttachShader(*program, vertexShader);
-    gl->AttachShader(*program, fragmentShader);
+    for (int i = 0; i < shaderCount; i++)
+        gl->AttachShader(*program, shaders[i]);
     gl->BindAttribLocation(*program, 0, "position");
     gl->BindAttribLocation(*program, 1, "normal");
     gl->LinkProgram(*program);
@@ -57,6 +61,12 @@ qcStatus qcGlTable_Load(struct qcGlTable* gl, qcGlGetFunction* getFunction)
     // Asked for by version, as EGL hands out stubs for names that it doesn't support.
     if (major * 10 + minor >= 45)
         gl->GetGraphicsResetStatus = (PFNGLGETGRAPHICSRESETSTATUSPROC)getFunction("glGetGraphicsResetStatus");
+    if (major * 10 + minor >= 43)
+    {
+        gl->DispatchCompute = (PFNGLDISPATCHCOMPUTEPROC)getFunction("glDispatchCompute");
+        gl->MemoryBarrier = (PFNGLMEMORYBARRIERPROC)getFunction("glMemoryBarrier");
+        gl->ClearBufferData = (PFNGLCLEARBUFFERDATAPROC)getFunction("glClearBufferData");
+    }
     return qc_statusOk;
 }
 
@@ -78,29 +88,31 @@ void qcGlTable_ResetState(const struct qcGlTable* gl)
     gl->PixelStorei(GL_PACK_ROW_LENGTH, 0);
 }
 
-qcStatus qcGlTable_GetProgram(const struct qcGlTable* gl, const char* name, const char* vertexSource,
-                              const char* fragmentSource, GLuint* program)
+/// The program of this name if it is there, otherwise 0.
+static GLuint FindProgram(const struct qcGlTable* gl, const char* name)
+{
+    const struct qcGlPrograms* programs = gl->programs;
+    for (uint32_t i = 0; i < programs->count; ++i)
+        if (strcmp(programs->items[i].name, name) == 0)
+            return programs->items[i].program;
+    return 0;
+}
+
+/// Compiles, links and keeps a program; a linked program keeps what it needs of its shaders.
+static qcStatus BuildProgram(const struct qcGlTable* gl, const char* name, const GLenum* stages,
+                             const char* const* const* sources, const int* sourceCounts, int stageCount,
+                             GLuint* program)
 {
     struct qcGlPrograms* programs = gl->programs;
-    for (uint32_t i = 0; i < programs->count; ++i)
-    {
-        if (strcmp(programs->items[i].name, name) == 0)
-        {
-            *program = programs->items[i].program;
-            return qc_statusOk;
-        }
-    }
-    assert(programs->count < qc_maxPrograms);
-
-    GLuint vertexShader = 0, fragmentShader = 0;
-    qcStatus status = CompileShader(gl, name, GL_VERTEX_SHADER, vertexSource, &vertexShader);
+    assert(programs->count < qc_maxPrograms && stageCount <= 2);
+    GLuint shaders[2] = {0, 0};
+    qcStatus status = qc_statusOk;
+    for (int i = 0; i < stageCount && status == qc_statusOk; i++)
+        status = CompileShader(gl, name, stages[i], sources[i], sourceCounts[i], &shaders[i]);
     if (status == qc_statusOk)
-        status = CompileShader(gl, name, GL_FRAGMENT_SHADER, fragmentSource, &fragmentShader);
-    if (status == qc_statusOk)
-        status = LinkProgram(gl, name, vertexShader, fragmentShader, program);
-    // A linked program keeps what it needs of its shaders; zero is ignored.
-    gl->DeleteShader(vertexShader);
-    gl->DeleteShader(fragmentShader);
+        status = LinkProgram(gl, name, shaders, stageCount, program);
+    for (int i = 0; i < stageCount; i++)
+        gl->DeleteShader(shaders[i]); // zero is ignored
     if (status == qc_statusOk)
     {
         programs->items[programs->count].name = name;
@@ -108,4 +120,26 @@ qcStatus qcGlTable_GetProgram(const struct qcGlTable* gl, const char* name, cons
         ++programs->count;
     }
     return status;
+}
+
+qcStatus qcGlTable_GetProgram(const struct qcGlTable* gl, const char* name, const char* vertexSource,
+                              const char* fragmentSource, GLuint* program)
+{
+    *program = FindProgram(gl, name);
+    if (*program != 0)
+        return qc_statusOk;
+    const GLenum stages[] = {GL_VERTEX_SHADER, GL_FRAGMENT_SHADER};
+    const char* const* sources[] = {&vertexSource, &fragmentSource};
+    const int sourceCounts[] = {1, 1};
+    return BuildProgram(gl, name, stages, sources, sourceCounts, 2, program);
+}
+
+qcStatus qcGlTable_GetComputeProgram(const struct qcGlTable* gl, const char* name, const char* const* sources,
+                                     int sourceCount, GLuint* program)
+{
+    *program = FindProgram(gl, name);
+    if (*program != 0)
+        return qc_statusOk;
+    const GLenum stage = GL_COMPUTE_SHADER;
+    return BuildProgram(gl, name, &stage, &sources, &sourceCount, 1, program);
 }

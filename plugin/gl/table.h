@@ -9,15 +9,19 @@
 
 /// Everything that a job may call: type, name without "gl". All are in GL 3.3 core.
 #define QC_GL_FUNCTIONS(X)                                                                                             \
+    X(PFNGLACTIVETEXTUREPROC, ActiveTexture)                                                                           \
     X(PFNGLATTACHSHADERPROC, AttachShader)                                                                             \
     X(PFNGLBEGINQUERYPROC, BeginQuery)                                                                                 \
     X(PFNGLBINDATTRIBLOCATIONPROC, BindAttribLocation)                                                                 \
     X(PFNGLBINDBUFFERPROC, BindBuffer)                                                                                 \
+    X(PFNGLBINDBUFFERBASEPROC, BindBufferBase)                                                                         \
     X(PFNGLBINDFRAMEBUFFERPROC, BindFramebuffer)                                                                       \
     X(PFNGLBINDRENDERBUFFERPROC, BindRenderbuffer)                                                                     \
+    X(PFNGLBINDTEXTUREPROC, BindTexture)                                                                               \
     X(PFNGLBINDVERTEXARRAYPROC, BindVertexArray)                                                                       \
     X(PFNGLBLITFRAMEBUFFERPROC, BlitFramebuffer)                                                                       \
     X(PFNGLBUFFERDATAPROC, BufferData)                                                                                 \
+    X(PFNGLBUFFERSUBDATAPROC, BufferSubData)                                                                           \
     X(PFNGLCHECKFRAMEBUFFERSTATUSPROC, CheckFramebufferStatus)                                                         \
     X(PFNGLCLEARPROC, Clear)                                                                                           \
     X(PFNGLCLEARCOLORPROC, ClearColor)                                                                                 \
@@ -30,6 +34,7 @@
     X(PFNGLDELETEQUERIESPROC, DeleteQueries)                                                                           \
     X(PFNGLDELETERENDERBUFFERSPROC, DeleteRenderbuffers)                                                               \
     X(PFNGLDELETESHADERPROC, DeleteShader)                                                                             \
+    X(PFNGLDELETETEXTURESPROC, DeleteTextures)                                                                         \
     X(PFNGLDELETEVERTEXARRAYSPROC, DeleteVertexArrays)                                                                 \
     X(PFNGLDEPTHFUNCPROC, DepthFunc)                                                                                   \
     X(PFNGLDEPTHMASKPROC, DepthMask)                                                                                   \
@@ -46,7 +51,9 @@
     X(PFNGLGENFRAMEBUFFERSPROC, GenFramebuffers)                                                                       \
     X(PFNGLGENQUERIESPROC, GenQueries)                                                                                 \
     X(PFNGLGENRENDERBUFFERSPROC, GenRenderbuffers)                                                                     \
+    X(PFNGLGENTEXTURESPROC, GenTextures)                                                                               \
     X(PFNGLGENVERTEXARRAYSPROC, GenVertexArrays)                                                                       \
+    X(PFNGLGETBUFFERSUBDATAPROC, GetBufferSubData)                                                                     \
     X(PFNGLGETERRORPROC, GetError)                                                                                     \
     X(PFNGLGETINTEGERVPROC, GetIntegerv)                                                                               \
     X(PFNGLGETPROGRAMINFOLOGPROC, GetProgramInfoLog)                                                                   \
@@ -64,9 +71,12 @@
     X(PFNGLRENDERBUFFERSTORAGEPROC, RenderbufferStorage)                                                               \
     X(PFNGLRENDERBUFFERSTORAGEMULTISAMPLEPROC, RenderbufferStorageMultisample)                                         \
     X(PFNGLSHADERSOURCEPROC, ShaderSource)                                                                             \
+    X(PFNGLTEXBUFFERPROC, TexBuffer)                                                                                   \
     X(PFNGLUNIFORM1FPROC, Uniform1f)                                                                                   \
     X(PFNGLUNIFORM1IPROC, Uniform1i)                                                                                   \
+    X(PFNGLUNIFORM1UIPROC, Uniform1ui)                                                                                 \
     X(PFNGLUNIFORM3FVPROC, Uniform3fv)                                                                                 \
+    X(PFNGLUNIFORM4FVPROC, Uniform4fv)                                                                                 \
     X(PFNGLUNIFORMMATRIX4FVPROC, UniformMatrix4fv)                                                                     \
     X(PFNGLUSEPROGRAMPROC, UseProgram)                                                                                 \
     X(PFNGLVERTEXATTRIBPOINTERPROC, VertexAttribPointer)                                                               \
@@ -96,6 +106,10 @@ struct qcGlTable
 #undef QC_GL_FIELD
     /// Null below GL 4.5.
     PFNGLGETGRAPHICSRESETSTATUSPROC GetGraphicsResetStatus;
+    /// Compute shaders; all null below GL 4.3.
+    PFNGLDISPATCHCOMPUTEPROC DispatchCompute;
+    PFNGLMEMORYBARRIERPROC MemoryBarrier;
+    PFNGLCLEARBUFFERDATAPROC ClearBufferData;
     struct qcGlPrograms* programs;
 };
 
@@ -113,5 +127,9 @@ void qcGlTable_ResetState(const struct qcGlTable* gl);
 /// The program of this name (a literal), compiled at its first use. Attribute 0 is `position`, attribute 1 `normal`.
 qcStatus qcGlTable_GetProgram(const struct qcGlTable* gl, const char* name, const char* vertexSource,
                               const char* fragmentSource, GLuint* program);
+
+/// As above, for a compute shader whose source comes in parts.
+qcStatus qcGlTable_GetComputeProgram(const struct qcGlTable* gl, const char* name, const char* const* sources,
+                                     int sourceCount, GLuint* program);
 
 #endif

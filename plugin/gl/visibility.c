@@ -3,12 +3,14 @@
 #include "gl/visibility.h"
 
 #include "gl/device.h"
+#include "gl/growth.h"
 #include "gl/schedule.h"
 #include "gl/table.h"
 #include "status.h"
 
 #include <assert.h>
 #include <limits.h>
+#include <stddef.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -29,20 +31,26 @@ struct qcVisibility
     qcDevice* device;
     uint32_t triangleCount;
     uint32_t resolution, tileSize;
+    bool isGrown;
+    double growth[3];
     qcArray corners; ///< of float
+    qcArray grown;   ///< of qcGrownCorner: for one axis
+    int grownAxis;   ///< the axis they lie on the device for, or -1
     qcSchedule schedule;
     GLuint program, vertexArray, vertexBuffer, indexBuffer, framebuffer, depthBuffer;
     qcArray queries; ///< of GLuint
 };
 
-// 0.9: every depth stays off the ends of the range, so that the cleared depth is behind everything.
+// `scale`: 0.9, so that every depth stays off the ends of the range and the cleared depth is behind everything; -0.9 to
+// look from the other side, with the same comparison.
 static const char* const s_vertexShader =
     "#version 330 core\n"
     "in vec3 position;\n"
     "uniform int axis;\n"
+    "uniform float scale;\n"
     "void main()\n"
     "{\n"
-    "    gl_Position = vec4(position[(axis + 1) % 3], position[(axis + 2) % 3], 0.9 * position[axis], 1.0);\n"
+    "    gl_Position = vec4(position[(axis + 1) % 3], position[(axis + 2) % 3], scale * position[axis], 1.0);\n"
     "}\n";
 
 static const char* const s_fragmentShader = "#version 330 core\n"
@@ -50,10 +58,57 @@ static const char* const s_fragmentShader = "#version 330 core\n"
                                             "{\n"
                                             "}\n";
 
+// Grown triangles: a depth is computed from flat values where it is needed. Interpolated ones would be off by more than
+// any bound where a triangle is seen nearly edge-on.
+static const char* const s_grownVertexShader = "#version 330 core\n"
+                                               "layout(location = 0) in vec4 position;\n"
+                                               "layout(location = 1) in vec4 plane;\n"
+                                               "flat out vec2 range;\n"
+                                               "flat out vec4 face;\n"
+                                               "void main()\n"
+                                               "{\n"
+                                               "    range = position.zw;\n"
+                                               "    face = plane;\n"
+                                               "    gl_Position = vec4(position.xy, 0.0, 1.0);\n"
+                                               "}\n";
+
+// `place`: first pixel of the tile in the image, then -1 for the nearest depth a triangle may have, 1 for the farthest.
+static const char* const s_grownFragmentShader =
+    "#version 330 core\n"
+    "flat in vec2 range;\n"
+    "flat in vec4 face;\n"
+    "uniform vec3 place;\n"
+    "uniform float scale;\n"
+    "void main()\n"
+    "{\n"
+    "    vec2 pixel = gl_FragCoord.xy + place.xy;\n"
+    "    float depth = face.x + face.y * pixel.x + face.z * pixel.y + place.z * face.w;\n"
+    "    gl_FragDepth = 0.5 + 0.5 * scale * clamp(depth, range.x, range.y);\n"
+    "}\n";
+
+/// The layout of what is drawn: corners as they came, uploaded once, or grown, uploaded for each axis.
+static void LayOutVertices(const struct qcGlTable* gl, const qcVisibility* v)
+{
+    gl->EnableVertexAttribArray(0);
+    if (!v->isGrown)
+    {
+        gl->BufferData(GL_ARRAY_BUFFER, (GLsizeiptr)(v->corners.count * sizeof(float)), v->corners.data,
+                       GL_STATIC_DRAW);
+        gl->VertexAttribPointer(0, 3, GL_FLOAT, GL_FALSE, 0, NULL);
+        return;
+    }
+    gl->VertexAttribPointer(0, 4, GL_FLOAT, GL_FALSE, sizeof(qcGrownCorner), (void*)offsetof(qcGrownCorner, x));
+    gl->EnableVertexAttribArray(1);
+    gl->VertexAttribPointer(1, 4, GL_FLOAT, GL_FALSE, sizeof(qcGrownCorner), (void*)offsetof(qcGrownCorner, base));
+}
+
 static qcStatus CreateObjects(const struct qcGlTable* gl, void* context)
 {
     qcVisibility* v = context;
-    QC_TRY(qcGlTable_GetProgram(gl, "visibility", s_vertexShader, s_fragmentShader, &v->program));
+    if (v->isGrown)
+        QC_TRY(qcGlTable_GetProgram(gl, "grown visibility", s_grownVertexShader, s_grownFragmentShader, &v->program));
+    else
+        QC_TRY(qcGlTable_GetProgram(gl, "visibility", s_vertexShader, s_fragmentShader, &v->program));
 
     gl->GenBuffers(1, &v->vertexBuffer);
     gl->GenBuffers(1, &v->indexBuffer);
@@ -61,9 +116,7 @@ static qcStatus CreateObjects(const struct qcGlTable* gl, void* context)
     gl->BindVertexArray(v->vertexArray);
     gl->BindBuffer(GL_ELEMENT_ARRAY_BUFFER, v->indexBuffer);
     gl->BindBuffer(GL_ARRAY_BUFFER, v->vertexBuffer);
-    gl->BufferData(GL_ARRAY_BUFFER, (GLsizeiptr)(v->corners.count * sizeof(float)), v->corners.data, GL_STATIC_DRAW);
-    gl->VertexAttribPointer(0, 3, GL_FLOAT, GL_FALSE, 0, NULL);
-    gl->EnableVertexAttribArray(0);
+    LayOutVertices(gl, v);
 
     GLsizei size = (GLsizei)v->tileSize;
     gl->GenRenderbuffers(1, &v->depthBuffer);
@@ -94,16 +147,23 @@ static qcStatus DeleteObjects(const struct qcGlTable* gl, void* context)
 typedef struct PassJob
 {
     qcVisibility* visibility;
-    int axis;
-    GLenum compare;
+    const qcVisibilityPass* pass;
+    GLint place; ///< of the uniform; grown triangles only
     uint8_t* visible;
     size_t firstPending, endPending; ///< tests that were issued and not read yet
     size_t unflushed;
 } PassJob;
 
-static void DrawTriangles(const struct qcGlTable* gl, size_t first, size_t count)
+static uint32_t GetPolygonCorners(const qcVisibility* v)
 {
-    gl->DrawElements(GL_TRIANGLES, (GLsizei)(3 * count), GL_UNSIGNED_INT, (const void*)(first * 3 * sizeof(uint32_t)));
+    return v->isGrown ? qc_grownCorners : 3;
+}
+
+static void DrawPolygons(const struct qcGlTable* gl, const qcVisibility* v, size_t first, size_t count)
+{
+    size_t indexCount = qcSchedule_GetIndexCount(GetPolygonCorners(v));
+    gl->DrawElements(GL_TRIANGLES, (GLsizei)(indexCount * count), GL_UNSIGNED_INT,
+                     (const void*)(first * indexCount * sizeof(uint32_t)));
 }
 
 static qcStatus GrowQueries(const struct qcGlTable* gl, qcArray* queries, size_t count)
@@ -125,9 +185,18 @@ static void IssueTest(const struct qcGlTable* gl, PassJob* job, const qcSchedule
         job->unflushed = 1;
     }
     gl->BeginQuery(GL_ANY_SAMPLES_PASSED, QC_AT(GLuint, job->visibility->queries, job->endPending - job->firstPending));
-    DrawTriangles(gl, test->firstTriangle, test->triangleCount);
+    DrawPolygons(gl, job->visibility, test->firstPolygon, test->polygonCount);
     gl->EndQuery(GL_ANY_SAMPLES_PASSED);
     ++job->endPending;
+}
+
+/// A grown triangle hides with the depth towards the eye, and is tested with the one away from it.
+static void PickDepth(const struct qcGlTable* gl, const PassJob* job, const qcScheduleTile* tile, bool test)
+{
+    if (!job->visibility->isGrown)
+        return;
+    const float place[3] = {(float)tile->x, (float)tile->y, test == job->pass->fromBack ? -1.0f : 1.0f};
+    gl->Uniform3fv(job->place, 1, place);
 }
 
 static void DrawTile(const struct qcGlTable* gl, PassJob* job, const qcScheduleTile* tile)
@@ -141,15 +210,19 @@ static void DrawTile(const struct qcGlTable* gl, PassJob* job, const qcScheduleT
     {
         if (batch->testCount > 0)
         {
-            gl->DepthFunc(job->compare);
+            gl->DepthFunc(job->pass->compare == qc_compareGreater ? GL_GREATER : GL_GEQUAL);
             gl->DepthMask(GL_FALSE);
+            PickDepth(gl, job, tile, true);
             for (size_t i = 0; i < batch->testCount; ++i)
                 IssueTest(gl, job, &QC_AT(qcScheduleTest, v->schedule.tests, batch->firstTest + i));
             gl->DepthFunc(GL_LESS);
             gl->DepthMask(GL_TRUE);
         }
-        if (batch->triangleCount > 0)
-            DrawTriangles(gl, batch->firstTriangle, batch->triangleCount);
+        if (batch->polygonCount > 0)
+        {
+            PickDepth(gl, job, tile, false);
+            DrawPolygons(gl, v, batch->firstPolygon, batch->polygonCount);
+        }
     }
 }
 
@@ -167,14 +240,31 @@ static void ReadPending(const struct qcGlTable* gl, PassJob* job)
     job->firstPending = job->endPending;
 }
 
+static void UploadGrown(const struct qcGlTable* gl, qcVisibility* v, int axis)
+{
+    if (v->grownAxis == axis)
+        return;
+    gl->BindBuffer(GL_ARRAY_BUFFER, v->vertexBuffer);
+    gl->BufferData(GL_ARRAY_BUFFER, (GLsizeiptr)(v->grown.count * sizeof(qcGrownCorner)), v->grown.data,
+                   GL_STREAM_DRAW);
+    v->grownAxis = axis;
+}
+
 static qcStatus DrawPass(const struct qcGlTable* gl, void* context)
 {
     PassJob* job = context;
     qcVisibility* v = job->visibility;
     const qcSchedule* schedule = &v->schedule;
     gl->UseProgram(v->program);
-    gl->Uniform1i(gl->GetUniformLocation(v->program, "axis"), job->axis);
+    gl->Uniform1f(gl->GetUniformLocation(v->program, "scale"), job->pass->fromBack ? -0.9f : 0.9f);
     gl->BindVertexArray(v->vertexArray);
+    if (!v->isGrown)
+        gl->Uniform1i(gl->GetUniformLocation(v->program, "axis"), job->pass->axis);
+    else
+    {
+        job->place = gl->GetUniformLocation(v->program, "place");
+        UploadGrown(gl, v, job->pass->axis);
+    }
     gl->BufferData(GL_ELEMENT_ARRAY_BUFFER, (GLsizeiptr)(schedule->indices.count * sizeof(uint32_t)),
                    schedule->indices.data, GL_STREAM_DRAW);
     gl->BindFramebuffer(GL_FRAMEBUFFER, v->framebuffer);
@@ -193,44 +283,44 @@ static qcStatus DrawPass(const struct qcGlTable* gl, void* context)
     return qc_statusOk;
 }
 
-qcStatus qcVisibility_Create(qcDevice* device, const float* corners, uint32_t triangleCount, uint32_t resolution,
-                             qcVisibility** visibility)
+static qcStatus CheckDef(const qcVisibilityDef* def, const qcDeviceInfo* info)
 {
-    qcDeviceInfo info;
-    QC_TRY(qcDevice_GetInfo(device, &info));
-    uint32_t tileSize = info.software ? qc_softwareTileSize : resolution;
-    return qcVisibility_CreateTiled(device, corners, triangleCount, resolution, tileSize, visibility);
+    if (info->kind == qc_deviceNone)
+        return qcFail(qc_statusDevice, "visibility queries: the device none has no GL");
+    if (def->resolution == 0 || def->resolution > info->maxResolution)
+        return qcFail(qc_statusBadInput, "visibility queries: resolution %u is not in 1..%u, the limit of device %s",
+                      def->resolution, info->maxResolution, info->name);
+    // GL counts the indices of a draw in an int.
+    uint32_t most = (uint32_t)(INT_MAX / qcSchedule_GetIndexCount(def->grown ? qc_grownCorners : 3));
+    if (def->triangleCount > most)
+        return qcFail(qc_statusBadInput, "visibility queries: %u triangles are more than %u", def->triangleCount, most);
+    return qc_statusOk;
 }
 
-qcStatus qcVisibility_CreateTiled(qcDevice* device, const float* corners, uint32_t triangleCount, uint32_t resolution,
-                                  uint32_t tileSize, qcVisibility** visibility)
+qcStatus qcVisibility_Create(const qcVisibilityDef* def, qcVisibility** visibility)
 {
     qcDeviceInfo info;
-    QC_TRY(qcDevice_GetInfo(device, &info));
-    if (info.kind == qc_deviceNone)
-        return qcFail(qc_statusDevice, "visibility queries: the device none has no GL");
-    if (resolution == 0 || resolution > info.maxResolution || tileSize == 0)
-        return qcFail(qc_statusBadInput, "visibility queries: resolution %u is not in 1..%u, the limit of device %s",
-                      resolution, info.maxResolution, info.name);
-    // GL counts the corners of a draw in an int.
-    if (triangleCount > INT_MAX / 3)
-        return qcFail(qc_statusBadInput, "visibility queries: %u triangles are more than %d", triangleCount,
-                      INT_MAX / 3);
-
+    QC_TRY(qcDevice_GetInfo(def->device, &info));
+    QC_TRY(CheckDef(def, &info));
     qcVisibility* v = qcAllocateZeroed(sizeof *v);
     if (v == NULL)
         return qcFailMemory(sizeof *v, "visibility queries");
-    v->device = device;
-    v->triangleCount = triangleCount;
-    v->resolution = resolution;
-    v->tileSize = tileSize < resolution ? tileSize : resolution;
-    size_t floatCount = (size_t)9 * triangleCount;
+    uint32_t best = info.software ? qc_softwareTileSize : def->resolution;
+    uint32_t tileSize = def->tileSize != 0 ? def->tileSize : best;
+    v->device = def->device;
+    v->triangleCount = def->triangleCount;
+    v->resolution = def->resolution;
+    v->tileSize = tileSize < def->resolution ? tileSize : def->resolution;
+    v->isGrown = def->grown;
+    v->grownAxis = -1;
+    memcpy(v->growth, def->growth, sizeof v->growth);
+    size_t floatCount = (size_t)9 * def->triangleCount;
     qcStatus status = qcArray_Resize(&v->corners, floatCount, sizeof(float), "triangles of visibility queries");
     if (status == qc_statusOk)
     {
         if (floatCount > 0)
-            memcpy(v->corners.data, corners, floatCount * sizeof(float));
-        status = qcDevice_Run(device, CreateObjects, v, "visibility queries, upload");
+            memcpy(v->corners.data, def->corners, floatCount * sizeof(float));
+        status = qcDevice_Run(def->device, CreateObjects, v, "visibility queries, upload");
     }
     if (status != qc_statusOk)
     {
@@ -251,26 +341,45 @@ void qcVisibility_Destroy(qcVisibility* v)
     if (qcDevice_Run(v->device, DeleteObjects, v, "visibility queries, release") != qc_statusOk)
         qcFail(qc_statusDevice, "%s", message);
     qcArray_Free(&v->corners);
+    qcArray_Free(&v->grown);
     qcArray_Free(&v->queries);
     qcSchedule_Free(&v->schedule);
     qcFree(v, sizeof *v);
 }
 
-qcStatus qcVisibility_RunPass(qcVisibility* v, int axis, qcVisibilityCompare compare, const qcVisibilityStep* steps,
+/// Makes the polygons of an axis, unless they are on the device, and says how far they reach.
+static qcStatus Grow(qcVisibility* v, int axis, float reach[2])
+{
+    qcGrowth growth = {.axis = axis, .resolution = v->resolution};
+    memcpy(growth.size, v->growth, sizeof growth.size);
+    for (int i = 0; i < 2; ++i)
+        reach[i] = (float)qcGrowth_GetReach(&growth, (axis + 1 + i) % 3);
+    if (v->grownAxis == axis)
+        return qc_statusOk;
+    size_t count = (size_t)v->triangleCount * qc_grownCorners;
+    QC_TRY(qcArray_Resize(&v->grown, count, sizeof(qcGrownCorner), "grown triangles"));
+    qcGrowth_Apply(&growth, v->corners.data, v->triangleCount, v->grown.data);
+    return qc_statusOk;
+}
+
+qcStatus qcVisibility_RunPass(qcVisibility* v, const qcVisibilityPass* pass, const qcVisibilityStep* steps,
                               uint32_t stepCount, uint8_t* visible)
 {
-    assert(axis >= 0 && axis < 3);
+    assert(pass->axis >= 0 && pass->axis < 3);
     for (uint32_t i = 0; i < stepCount; ++i)
     {
         assert(steps[i].firstTriangle <= v->triangleCount &&
                steps[i].triangleCount <= v->triangleCount - steps[i].firstTriangle);
         visible[i] = steps[i].test ? 1 : 0;
     }
-    qcScheduleView view = {v->corners.data, v->resolution, v->tileSize, axis};
+    qcScheduleView view = {.corners = v->corners.data,
+                           .resolution = v->resolution,
+                           .tileSize = v->tileSize,
+                           .axis = pass->axis,
+                           .polygonCorners = GetPolygonCorners(v)};
+    if (v->isGrown)
+        QC_TRY(Grow(v, pass->axis, view.reach));
     QC_TRY(qcSchedule_Build(&v->schedule, &view, steps, stepCount));
-    PassJob job = {.visibility = v,
-                   .axis = axis,
-                   .compare = compare == qc_compareGreater ? GL_GREATER : GL_GEQUAL,
-                   .visible = visible};
+    PassJob job = {.visibility = v, .pass = pass, .visible = visible};
     return qcDevice_Run(v->device, DrawPass, &job, "visibility queries, pass");
 }

@@ -25,20 +25,36 @@ typedef enum qcVisibilityCompare
     qc_compareGreater = 1
 } qcVisibilityCompare;
 
-/// `corners`: nine floats a triangle, every coordinate within [-1, 1] (x, y, z as in the world).
-/// `resolution`: pixels on a side, at most the device's limit.
-qcStatus qcVisibility_Create(qcDevice* device, const float* corners, uint32_t triangleCount, uint32_t resolution,
-                             qcVisibility** visibility);
-/// As qcVisibility_Create, with the image cut into tiles of this many pixels on a side, on any device.
-/// The samples are the same; corners and depths may be rounded differently in the last bit.
-qcStatus qcVisibility_CreateTiled(qcDevice* device, const float* corners, uint32_t triangleCount, uint32_t resolution,
-                                  uint32_t tileSize, qcVisibility** visibility);
+typedef struct qcVisibilityDef
+{
+    qcDevice* device;
+    const float* corners; ///< nine floats a triangle, every coordinate within [-1, 1] (x, y, z as in the world)
+    uint32_t triangleCount;
+    uint32_t resolution; ///< pixels on a side, at most the device's limit
+    /// The image is cut into tiles of this many pixels on a side; 0: as is best on the device. The samples are the
+    /// same; corners and depths may be rounded differently in the last bit.
+    uint32_t tileSize;
+    /// Grow each triangle by half a pixel and by a box of these half sizes: what is fully visible then has no point
+    /// within the half sizes of both it and what was rendered (see growth.c).
+    bool grown;
+    double growth[3];
+} qcVisibilityDef;
+
+qcStatus qcVisibility_Create(const qcVisibilityDef* def, qcVisibility** visibility);
 void qcVisibility_Destroy(qcVisibility* visibility);
 
-/// Runs one pass from an empty buffer, looking along `axis` (0, 1, 2). The steps take effect in their order.
+typedef struct qcVisibilityPass
+{
+    int axis; ///< looked along: 0, 1, 2
+    qcVisibilityCompare compare;
+    /// Look from the other side: rendering keeps the farthest depth, and fully visible means fully behind.
+    bool fromBack;
+} qcVisibilityPass;
+
+/// Runs one pass from an empty buffer. The steps take effect in their order.
 /// visible[i] = 1 when step i has its test flag and no fragment of it fails; else 0.
 /// Queries are issued all together and read afterwards.
-qcStatus qcVisibility_RunPass(qcVisibility* visibility, int axis, qcVisibilityCompare compare,
-                              const qcVisibilityStep* steps, uint32_t stepCount, uint8_t* visible);
+qcStatus qcVisibility_RunPass(qcVisibility* visibility, const qcVisibilityPass* pass, const qcVisibilityStep* steps,
+                              uint32_t stepCount, uint8_t* visible);
 
 #endif

@@ -1,0 +1,225 @@
+// Which bodies take part, where they can meet, and what the device's answer means.
+#include "cull_layers.h"
+
+#include "status.h"
+
+#include <float.h>
+#include <string.h>
+
+typedef struct Step
+{
+    qcCullLayers* cull;
+    const qcCullLayersJob* job;
+    qcLayersView view;
+} Step;
+
+static void IncludeBox(double lower[3], double upper[3], const qcBody* body)
+{
+    for (int axis = 0; axis < 3; axis++)
+    {
+        lower[axis] = body->lower[axis] < lower[axis] ? body->lower[axis] : lower[axis];
+        upper[axis] = body->upper[axis] > upper[axis] ? body->upper[axis] : upper[axis];
+    }
+}
+
+/// Bodies with a partner, or that meet themselves; and the view that holds them. False: none.
+static bool FindParticipants(Step* step)
+{
+    const qcTriangles* t = step->job->triangles;
+    uint8_t *takesPart = step->cull->takesPart.data, *self = step->cull->meetsItself.data;
+    for (uint32_t body = 0; body < t->bodyCount; body++)
+        takesPart[body] = self[body] = qcBody_MeetsItself(qcTriangles_Body(t, body));
+    for (size_t i = 0; i < 2 * step->job->meetingCount; i++)
+        takesPart[step->job->meetings[i]] = 1;
+    step->view = (qcLayersView){.lower = {DBL_MAX, DBL_MAX, DBL_MAX},
+                                .upper = {-DBL_MAX, -DBL_MAX, -DBL_MAX},
+                                .reach = step->job->reach,
+                                .depthAxis = step->job->depthAxis};
+    bool any = false;
+    for (uint32_t body = 0; body < t->bodyCount; body++)
+    {
+        const qcBody* b = qcTriangles_Body(t, body);
+        QC_AT(uint32_t, step->cull->numberOf, qcTriangles_Slot(t, body)) = body;
+        if (!takesPart[body])
+            continue;
+        any = true;
+        IncludeBox(step->view.lower, step->view.upper, b);
+        step->view.transforms = step->view.transforms || !b->deforming;
+    }
+    return any;
+}
+
+/// A body that meets itself has interest in all of itself; another only in the boxes of its partners, taken together.
+static qcStatus FindInterests(Step* step)
+{
+    qcCullLayers* cull = step->cull;
+    const qcTriangles* t = step->job->triangles;
+    QC_TRY(qcArray_Resize(&cull->partners, t->bodyCount, sizeof(qcLayersView), "interests of bodies"));
+    qcLayersView* around = cull->partners.data;
+    for (uint32_t body = 0; body < t->bodyCount; body++)
+        around[body] = (qcLayersView){.lower = {DBL_MAX, DBL_MAX, DBL_MAX}, .upper = {-DBL_MAX, -DBL_MAX, -DBL_MAX}};
+    for (size_t i = 0; i < step->job->meetingCount; i++)
+    {
+        uint32_t a = step->job->meetings[2 * i], b = step->job->meetings[2 * i + 1];
+        IncludeBox(around[a].lower, around[a].upper, qcTriangles_Body(t, b));
+        IncludeBox(around[b].lower, around[b].upper, qcTriangles_Body(t, a));
+    }
+    for (uint32_t body = 0; body < t->bodyCount; body++)
+    {
+        bool all = QC_AT(uint8_t, cull->meetsItself, body) || !QC_AT(uint8_t, cull->takesPart, body);
+        qcLayersFrame_MapBox(&cull->frame, all ? step->view.lower : around[body].lower,
+                             all ? step->view.upper : around[body].upper,
+                             &QC_AT(uint32_t, cull->interests, 4 * (size_t)body));
+    }
+    return qc_statusOk;
+}
+
+/// About four nodes a pixel, were they spread evenly over a surface: fewer entries for nodes that cover several pixels,
+/// and lists that are still short (folded cloths of 20 K and 250 K, llvmpipe).
+static uint32_t ChooseColumnsLog2(uint32_t nodes)
+{
+    uint32_t log2 = 0;
+    while (log2 < 12 && (uint64_t)16 << 2 * log2 <= nodes)
+        log2++;
+    return log2;
+}
+
+static uint32_t FloorLog2(uint32_t x)
+{
+    uint32_t log2 = 0;
+    while (x >> (log2 + 1) != 0)
+        log2++;
+    return log2;
+}
+
+static qcStatus OpenDevice(qcCullLayers* cull, qcDevice* device)
+{
+    if (cull->layers != NULL && cull->device == device)
+        return qc_statusOk;
+    qcLayers_Destroy(cull->layers);
+    cull->layers = NULL;
+    qcLayersBodies_Forget(&cull->bodies);
+    QC_TRY(qcLayers_Create(device, &cull->layers));
+    cull->device = device;
+    return qc_statusOk;
+}
+
+/// From places on the device to ranks of the step.
+static qcStatus MapPairs(const Step* step, const qcLayersAnswer* answer, qcArray* keys)
+{
+    const qcCullLayers* cull = step->cull;
+    const qcTriangles* t = step->job->triangles;
+    QC_TRY(qcArray_Resize(keys, answer->pairCount, sizeof(uint64_t), "candidates"));
+    for (size_t i = 0; i < answer->pairCount; i++)
+    {
+        uint32_t rank[2];
+        for (int side = 0; side < 2; side++)
+        {
+            uint32_t slot, triangle = qcLayersBodies_TriangleAt(&cull->bodies, answer->pairs[2 * i + side], &slot);
+            rank[side] = qcTriangles_First(t, QC_AT(uint32_t, cull->numberOf, slot)) + triangle;
+        }
+        uint32_t low = rank[0] < rank[1] ? rank[0] : rank[1], high = rank[0] < rank[1] ? rank[1] : rank[0];
+        QC_AT(uint64_t, *keys, i) = (uint64_t)low << 32 | high;
+    }
+    return qc_statusOk;
+}
+
+static void FillProfile(const Step* step, const qcLayersStep* device, const qcLayersAnswer* answer, qcProfile* profile)
+{
+    const qcTriangles* t = step->job->triangles;
+    for (uint32_t body = 0; body < t->bodyCount; body++)
+    {
+        bool takesPart = QC_AT(uint8_t, step->cull->takesPart, body);
+        profile->selfBodies += QC_AT(uint8_t, step->cull->meetsItself, body);
+        profile->skippedBodies += !takesPart;
+        profile->trianglePcs += takesPart ? qcTriangles_Body(t, body)->triangleCount : 0;
+    }
+    profile->skippedTriangles = (uint32_t)(answer->skippedNodes * qc_nodeSize);
+    profile->columns = answer->entries != 0 ? 1u << device->columnsLog2 : 0;
+    profile->fragments = answer->entries;
+    profile->listPairs = answer->trianglePairs;
+    profile->reruns = answer->reruns;
+    profile->uploadedBytes = answer->uploadedBytes;
+    profile->deviceBytes = answer->deviceBytes;
+}
+
+/// Pairs of neighbours of the bodies that meet themselves: their boxes overlap, whatever the step.
+static qcStatus ListNeighbours(const Step* step, qcArray* keys)
+{
+    const qcTriangles* t = step->job->triangles;
+    for (uint32_t body = 0; body < t->bodyCount; body++)
+    {
+        if (!QC_AT(uint8_t, step->cull->meetsItself, body))
+            continue;
+        const qcArray* pairs;
+        QC_TRY(qcLayersBodies_FindNeighbours(&step->cull->bodies, qcTriangles_Slot(t, body), &pairs));
+        QC_TRY(qcArray_Reserve(keys, keys->count + pairs->count, sizeof(uint64_t), "neighbours"));
+        uint64_t first = qcTriangles_First(t, body), offset = first << 32 | first;
+        for (size_t i = 0; i < pairs->count; i++)
+            QC_AT(uint64_t, *keys, keys->count++) = QC_AT(uint64_t, *pairs, i) + offset;
+    }
+    return qc_statusOk;
+}
+
+static qcStatus RunOnDevice(Step* step, qcArray* keys, qcArray* neighbourKeys, qcProfile* profile)
+{
+    qcCullLayers* cull = step->cull;
+    const qcCullLayersJob* job = step->job;
+    if (!qcLayersFrame_Fit(&cull->frame, &step->view))
+        return qcFail(qc_statusDevice, "layers: the scene is too large for a frame");
+    QC_TRY(OpenDevice(cull, job->device));
+    QC_TRY(FindInterests(step));
+    QC_TRY(qcLayersBodies_Prepare(&cull->bodies, job->triangles, &cull->frame, cull->takesPart.data,
+                                  cull->interests.data, cull->meetsItself.data, job->threads));
+    qcLayersStep device = {
+        .pointError = cull->frame.pointError, .reach = cull->frame.reach, .testNeighbours = job->testNeighbours};
+    qcLayersBodies_FillStep(&cull->bodies, &device);
+    device.columnsLog2 = job->columns != 0 ? FloorLog2(job->columns) : ChooseColumnsLog2(device.activeNodes);
+    memcpy(device.scale, cull->frame.scale, sizeof device.scale);
+    memcpy(device.slack, cull->frame.slack, sizeof device.slack);
+    qcLayersAnswer answer;
+    QC_TRY(qcLayers_Run(cull->layers, &device, &answer));
+    QC_TRY(MapPairs(step, &answer, keys));
+    if (job->listNeighbours && !job->testNeighbours)
+        QC_TRY(ListNeighbours(step, neighbourKeys));
+    FillProfile(step, &device, &answer, profile);
+    return qc_statusOk;
+}
+
+qcStatus qcCullLayers_Run(qcCullLayers* cull, const qcCullLayersJob* job, qcArray* keys, qcArray* neighbourKeys,
+                          qcProfile* profile)
+{
+    const qcTriangles* t = job->triangles;
+    keys->count = neighbourKeys->count = 0;
+    QC_TRY(qcArray_Resize(&cull->takesPart, t->bodyCount, 1, "bodies that take part"));
+    QC_TRY(qcArray_Resize(&cull->meetsItself, t->bodyCount, 1, "bodies that take part"));
+    QC_TRY(qcArray_Resize(&cull->interests, 4 * (size_t)t->bodyCount, sizeof(uint32_t), "interests of bodies"));
+    QC_TRY(qcArray_Resize(&cull->numberOf, t->bodies->slots.count, sizeof(uint32_t), "bodies that take part"));
+    Step step = {.cull = cull, .job = job};
+    if (!FindParticipants(&step))
+    {
+        profile->skippedBodies = t->bodyCount;
+        return qc_statusOk;
+    }
+    qcStatus status = RunOnDevice(&step, keys, neighbourKeys, profile);
+    if (status != qc_statusOk)
+    {
+        // What the device holds is unknown: start again next time.
+        keys->count = neighbourKeys->count = 0;
+        qcLayersBodies_Forget(&cull->bodies);
+        qcLayers_Destroy(cull->layers);
+        cull->layers = NULL;
+    }
+    return status;
+}
+
+void qcCullLayers_Free(qcCullLayers* cull)
+{
+    qcLayers_Destroy(cull->layers);
+    qcLayersBodies_Free(&cull->bodies);
+    qcArray_Free(&cull->takesPart);
+    qcArray_Free(&cull->meetsItself);
+    qcArray_Free(&cull->interests);
+    qcArray_Free(&cull->partners);
+    qcArray_Free(&cull->numberOf);
+}

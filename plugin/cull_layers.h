@@ -1,0 +1,40 @@
+// The method `layers`: from bodies and their pairs to triangle pairs that may be within reach, on the device.
+#ifndef QC_PLUGIN_CULL_LAYERS_H
+#define QC_PLUGIN_CULL_LAYERS_H
+
+#include "layers_bodies.h"
+#include "quickcullide/scene.h"
+
+typedef struct qcCullLayers
+{
+    qcLayers* layers; ///< made at first use
+    qcDevice* device; ///< of it
+    qcLayersFrame frame;
+    qcLayersBodies bodies;
+    qcArray takesPart, meetsItself; ///< uint8_t, by body of the step
+    qcArray interests;              ///< uint32_t, four by body
+    qcArray partners;               ///< of qcLayersView: around the partners of a body
+    qcArray numberOf;               ///< uint32_t, by slot: body of the step
+} qcCullLayers;
+
+typedef struct qcCullLayersJob
+{
+    qcDevice* device;
+    const qcTriangles* triangles;
+    const uint32_t* meetings; ///< pairs of bodies of the step that may meet: two numbers each
+    size_t meetingCount;      ///< pairs
+    double reach;
+    bool testNeighbours; ///< triangles of one body that share a vertex are candidates too
+    bool listNeighbours; ///< and otherwise a list of their own
+    uint32_t columns;    ///< 0: chosen
+    char depthAxis;      ///< 0: chosen
+    uint32_t threads;
+} qcCullLayersJob;
+
+/// Writes the keys of the pairs (lower rank << 32 | higher rank), in no order; as candidates.h has them.
+/// qc_statusDevice: the device can't, and a method that needs none has to answer; the message says why.
+qcStatus qcCullLayers_Run(qcCullLayers* cull, const qcCullLayersJob* job, qcArray* keys, qcArray* neighbourKeys,
+                          qcProfile* profile);
+void qcCullLayers_Free(qcCullLayers* cull);
+
+#endif

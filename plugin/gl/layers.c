@@ -1,0 +1,510 @@
+// `layers` on the device: compute kernels from vertices to pairs of triangles. Where the paper asks whether a fragment
+// is visible, the image here keeps, for each pixel, a list of all that covers it with its interval in depth, and asks
+// which intervals overlap. After per-pixel linked lists (Yang et al.: Real-Time Concurrent Linked List Construction on
+// the GPU, 2010).
+//
+//   vertices        rigid bodies into the frame
+//   boxes           triangles and clusters of 8, rounded outward to 15-bit levels
+//   nodes           nodes of 64; each into the list of every pixel it covers
+//   node_pairs      entries of one list that overlap, once, in the first pixel both cover
+//   cluster_pairs   8 x 8 boxes, in registers
+//   triangle_pairs  8 x 8 boxes, neighbours masked out by table
+//   filter          separating axes
+//
+// Why no pair within the reach r is lost. All lengths are in units of the frame; t is the true coordinate of a vertex,
+// x the one in the buffer, |x - t| <= e (pointError). Floating-point operations are taken to be right to one unit in
+// the last place, which any rounding mode gives, fused or not, and denormals to be zero.
+//
+// - Levels. g = x * scale is at most 2^15, so that the product is wrong by at most 2^-8. If A and B are within r, then
+// for
+//   every axis there are points of both whose coordinates differ by at most r. So lower(A) <= upper(B) in g's units as
+//   soon as both boxes have grown by slack = (e + r / 2) * scale + 2^-8 and by the rounding of that growth itself,
+//   2^-8; the caller adds 2^-6 in all. The diagonal (gx + gy) / 2 moves by at most half the sum of what x and y move;
+//   its sum rounds once more. Clamping and truncation to whole levels are monotone and the same for both, so that lower
+//   <= upper stays.
+// - Boxes of clusters and nodes are least and greatest levels of what they hold: overlap of parts is overlap of wholes.
+// - Pixels are runs of 2^pixelShift levels: overlapping boxes share the pixel of the greater of their lower ends in x
+//   and y, both have an entry in its list, and there the pair is met: the entry that comes first in the list finds the
+//   other further on. In any other pixel the two are not this pair's first, so it is found once.
+// - The masks leave out the pairs that the rules leave out (a table is of the topology alone) and nothing else.
+// - Filter. For any vector w, if the projections on w of all points of A and all points of B are further apart than
+//   r |w|, so are the triangles. The vertices are taken relative to one of them and scaled by a power of two s,
+//   exactly, so that the largest coordinate is in [1, 2): each is wrong by 2 e s + 2^-22. A product of three terms with
+//   w is then wrong by at most |w|_1 (2 e s + 2^-22 + 4 * 2 * 2^-23), the difference of two such by twice that and its
+//   own rounding |w|_1 2^-21: together |w|_1 (4 e s + 2.9e-6). The kernel asks for a gap of |w|_1 ((4 e + r) s 1.0001 +
+//   4e-6), and |w|_1 >= |w|. Axes shorter than 1e-20, where products could vanish, don't count.
+// - Lists. Each kernel counts what it would write, whether it fits or not; what was too small grows, and the kernels
+// run
+//   again. Loops that an implementation stopped early are noticed (see common.glsl) and run again with more
+//   invocations.
+#include "gl/layers.h"
+
+#include "gl/device.h"
+#include "gl/table.h"
+#include "layers_shaders.h"
+#include "status.h"
+
+#include <assert.h>
+#include <stdio.h>
+#include <string.h>
+
+typedef enum WorkBuffer
+{
+    work_boxes = qc_layersInputCount,
+    work_clusterBoxes,
+    work_nodeBoxes,
+    work_entries,
+    work_nodePairs,
+    work_clusterPairs,
+    work_trianglePairs,
+    work_survivors,
+    work_heads,
+    work_counters,
+    work_end
+} WorkBuffer;
+
+typedef struct BufferShape
+{
+    const char* sampler; ///< name in the kernels; null: not sampled
+    uint32_t elementSize;
+    GLenum format;
+} BufferShape;
+
+static const BufferShape s_shapes[work_end] = {
+    [qc_layersVertices] = {"vertices", 16, GL_RGBA32F},
+    [qc_layersLocals] = {"locals", 16, GL_RGBA32F},
+    [qc_layersTriangles] = {"triangles", 16, GL_RGBA32UI},
+    [qc_layersNodes] = {"nodes", 16, GL_RGBA32UI},
+    [qc_layersLinks] = {"links", 8, GL_RG32UI},
+    [qc_layersTables] = {"tables", 8, GL_RG32UI},
+    [qc_layersBodies] = {"bodies", 16, GL_RGBA32UI},
+    [qc_layersActiveNodes] = {"activeNodes", 4, GL_R32UI},
+    [qc_layersChunks] = {"chunks", 4, GL_R32UI},
+    [work_boxes] = {"boxes", 16, GL_RGBA32UI},
+    [work_clusterBoxes] = {"clusterBoxes", 16, GL_RGBA32UI},
+    [work_nodeBoxes] = {"nodeBoxes", 16, GL_RGBA32UI},
+    [work_entries] = {"entries", 16, GL_RGBA32UI},
+    [work_nodePairs] = {"nodePairs", 16, GL_RGBA32UI},
+    [work_clusterPairs] = {"clusterPairs", 4, GL_R32UI},
+    [work_trianglePairs] = {"trianglePairs", 4, GL_R32UI},
+    [work_survivors] = {NULL, 8, 0},
+    [work_heads] = {NULL, 4, 0},
+    [work_counters] = {NULL, 4, 0},
+};
+
+typedef enum Kernel
+{
+    kernel_vertices,
+    kernel_boxes,
+    kernel_nodes,
+    kernel_nodePairs,
+    kernel_clusterPairs,
+    kernel_trianglePairs,
+    kernel_filter,
+    kernel_count
+} Kernel;
+
+typedef struct KernelShape
+{
+    const char *name, *source;
+    WorkBuffer outputs[3]; ///< bindings 1 to 3; work_end: none
+} KernelShape;
+
+static const KernelShape s_kernels[kernel_count] = {
+    [kernel_vertices] = {"layers, vertices", s_layersVertices, {(WorkBuffer)qc_layersVertices, work_end, work_end}},
+    [kernel_boxes] = {"layers, boxes", s_layersBoxes, {work_boxes, work_clusterBoxes, work_end}},
+    [kernel_nodes] = {"layers, nodes", s_layersNodes, {work_nodeBoxes, work_heads, work_entries}},
+    [kernel_nodePairs] = {"layers, node pairs", s_layersNodePairs, {work_nodePairs, work_end, work_end}},
+    [kernel_clusterPairs] = {"layers, cluster pairs", s_layersClusterPairs, {work_clusterPairs, work_end, work_end}},
+    [kernel_trianglePairs] = {"layers, triangle pairs",
+                              s_layersTrianglePairs,
+                              {work_trianglePairs, work_end, work_end}},
+    [kernel_filter] = {"layers, filter", s_layersFilter, {work_survivors, work_end, work_end}},
+};
+
+typedef enum UniformName
+{
+    uniform_chunkCount,
+    uniform_nodeCount,
+    uniform_pixelShift,
+    uniform_columnShift,
+    uniform_entryCapacity,
+    uniform_nodePairCapacity,
+    uniform_clusterPairCapacity,
+    uniform_trianglePairCapacity,
+    uniform_survivorCapacity,
+    uniform_testNeighbours,
+    uniform_integers, ///< those above are
+    uniform_scale = uniform_integers,
+    uniform_slack,
+    uniform_pointError,
+    uniform_reach,
+    uniform_count
+} UniformName;
+
+static const char* const s_uniforms[uniform_count] = {"chunkCount",
+                                                      "nodeCount",
+                                                      "pixelShift",
+                                                      "columnShift",
+                                                      "entryCapacity",
+                                                      "nodePairCapacity",
+                                                      "clusterPairCapacity",
+                                                      "trianglePairCapacity",
+                                                      "survivorCapacity",
+                                                      "testNeighbours",
+                                                      "scale",
+                                                      "slack",
+                                                      "pointError",
+                                                      "reach"};
+
+enum
+{
+    qc_localSize = 64, ///< invocations of a workgroup
+    // Counters stand on cache lines of their own; see common.glsl.
+    qc_counterStride = 16,
+    qc_counterWords = 8 * qc_counterStride,
+    // A list's word holds the item before it and six bits; and an item makes at most 64 of the next list, so that no
+    // counter runs over. (What can, entries and pairs of nodes, is watched by its kernel.)
+    qc_mostItems = 1 << 25,
+    qc_mostGroups = 1 << 15, ///< in a row
+    qc_mostReruns = 64
+};
+
+/// The counters, in their order.
+typedef enum Counter
+{
+    counter_entries,
+    counter_nodePairs,
+    counter_clusterPairs,
+    counter_trianglePairs,
+    counter_survivors,
+    counter_skipped,
+    counter_stopped,
+    counter_overflow
+} Counter;
+
+/// Which buffer a counter counts.
+static const WorkBuffer s_counted[counter_survivors + 1] = {work_entries, work_nodePairs, work_clusterPairs,
+                                                            work_trianglePairs, work_survivors};
+
+struct qcLayers
+{
+    qcDevice* device;
+    GLuint buffers[work_end], textures[work_end], programs[kernel_count];
+    GLint uniforms[kernel_count][uniform_count];
+    size_t capacity[work_end];          ///< elements
+    size_t largestBuffer;               ///< bytes that a kernel can see
+    size_t largestTexture;              ///< elements
+    uint32_t counters[qc_counterWords]; ///< of the last run
+    uint64_t started[kernel_count];     ///< invocations, at least; of the last run
+    qcArray pairs;
+    const qcLayersStep* step;
+    qcLayersAnswer* answer;
+};
+
+static qcStatus Resize(const struct qcGlTable* gl, qcLayers* layers, int buffer, size_t count)
+{
+    const BufferShape* shape = &s_shapes[buffer];
+    size_t bytes = count * shape->elementSize;
+    if (bytes > layers->largestBuffer || (shape->sampler != NULL && count > layers->largestTexture))
+        return qcFail(qc_statusDevice, "layers: %zu %s are more than the device's buffers hold", count,
+                      shape->sampler != NULL ? shape->sampler : "pairs");
+    gl->BindBuffer(GL_SHADER_STORAGE_BUFFER, layers->buffers[buffer]);
+    gl->BufferData(GL_SHADER_STORAGE_BUFFER, (GLsizeiptr)bytes, NULL, GL_DYNAMIC_COPY);
+    GLenum error = gl->GetError();
+    if (error == GL_OUT_OF_MEMORY)
+    {
+        layers->capacity[buffer] = 0;
+        return qcFail(qc_statusDevice, "layers: no memory for %zu bytes on the device", bytes);
+    }
+    layers->capacity[buffer] = count;
+    if (shape->sampler != NULL)
+    {
+        gl->ActiveTexture(GL_TEXTURE0 + (GLenum)buffer);
+        gl->BindTexture(GL_TEXTURE_BUFFER, layers->textures[buffer]);
+        gl->TexBuffer(GL_TEXTURE_BUFFER, shape->format, layers->buffers[buffer]);
+    }
+    return qc_statusOk;
+}
+
+static qcStatus Reserve(const struct qcGlTable* gl, qcLayers* layers, int buffer, size_t count)
+{
+    // Never empty: a texture wants a buffer behind it.
+    count = count > 0 ? count : 1;
+    return count <= layers->capacity[buffer] ? qc_statusOk : Resize(gl, layers, buffer, count + count / 4);
+}
+
+static void Upload(const struct qcGlTable* gl, qcLayers* layers, int buffer, size_t first, size_t count,
+                   const void* data)
+{
+    size_t size = s_shapes[buffer].elementSize;
+    assert(first + count <= layers->capacity[buffer]);
+    if (count == 0)
+        return;
+    gl->BindBuffer(GL_SHADER_STORAGE_BUFFER, layers->buffers[buffer]);
+    gl->BufferSubData(GL_SHADER_STORAGE_BUFFER, (GLintptr)(first * size), (GLsizeiptr)(count * size), data);
+    layers->answer->uploadedBytes += count * size;
+}
+
+static qcStatus GetProgram(const struct qcGlTable* gl, qcLayers* layers, int kernel)
+{
+    char constants[64];
+    snprintf(constants, sizeof constants, "#version 430 core\n#define BODY_TEXELS %d\n", qc_layersBodyTexels);
+    const char* sources[] = {constants, s_layersCommon, s_kernels[kernel].source};
+    GLuint program;
+    QC_TRY(qcGlTable_GetComputeProgram(gl, s_kernels[kernel].name, sources, 3, &program));
+    layers->programs[kernel] = program;
+    gl->UseProgram(program);
+    for (int buffer = 0; buffer < work_end; buffer++)
+        if (s_shapes[buffer].sampler != NULL)
+            gl->Uniform1i(gl->GetUniformLocation(program, s_shapes[buffer].sampler), buffer);
+    for (int i = 0; i < uniform_count; i++)
+        layers->uniforms[kernel][i] = gl->GetUniformLocation(program, s_uniforms[i]);
+    return qc_statusOk;
+}
+
+static qcStatus CreateObjects(const struct qcGlTable* gl, void* context)
+{
+    qcLayers* layers = context;
+    if (gl->DispatchCompute == NULL)
+        return qcFail(qc_statusDevice, "layers: the device has no compute shaders (GL below 4.3)");
+    GLint bytes = 0, texels = 0;
+    gl->GetIntegerv(GL_MAX_SHADER_STORAGE_BLOCK_SIZE, &bytes);
+    gl->GetIntegerv(GL_MAX_TEXTURE_BUFFER_SIZE, &texels);
+    layers->largestBuffer = bytes > 0 ? (size_t)bytes : 0;
+    layers->largestTexture = texels > 0 ? (size_t)texels : 0;
+    gl->GenBuffers(work_end, layers->buffers);
+    gl->GenTextures(work_end, layers->textures);
+    for (int kernel = 0; kernel < kernel_count; kernel++)
+        QC_TRY(GetProgram(gl, layers, kernel));
+    return Resize(gl, layers, work_counters, qc_counterWords);
+}
+
+static qcStatus DeleteObjects(const struct qcGlTable* gl, void* context)
+{
+    qcLayers* layers = context;
+    gl->DeleteTextures(work_end, layers->textures);
+    gl->DeleteBuffers(work_end, layers->buffers);
+    return qc_statusOk;
+}
+
+static void BindAll(const struct qcGlTable* gl, const qcLayers* layers)
+{
+    for (int buffer = 0; buffer < work_end; buffer++)
+        if (s_shapes[buffer].sampler != NULL)
+        {
+            gl->ActiveTexture(GL_TEXTURE0 + (GLenum)buffer);
+            gl->BindTexture(GL_TEXTURE_BUFFER, layers->textures[buffer]);
+        }
+    gl->BindBufferBase(GL_SHADER_STORAGE_BUFFER, 0, layers->buffers[work_counters]);
+}
+
+static void SetUniforms(const struct qcGlTable* gl, const qcLayers* layers, int kernel, uint32_t nodeCount)
+{
+    const qcLayersStep* step = layers->step;
+    const GLint* at = layers->uniforms[kernel];
+    const GLuint values[uniform_integers] = {
+        [uniform_chunkCount] = step->chunkCount,
+        [uniform_nodeCount] = nodeCount,
+        [uniform_pixelShift] = 15 - step->columnsLog2,
+        [uniform_columnShift] = step->columnsLog2,
+        [uniform_entryCapacity] = (GLuint)layers->capacity[work_entries],
+        [uniform_nodePairCapacity] = (GLuint)layers->capacity[work_nodePairs],
+        [uniform_clusterPairCapacity] = (GLuint)layers->capacity[work_clusterPairs],
+        [uniform_trianglePairCapacity] = (GLuint)layers->capacity[work_trianglePairs],
+        [uniform_survivorCapacity] = (GLuint)layers->capacity[work_survivors],
+        [uniform_testNeighbours] = step->testNeighbours,
+    };
+    for (int i = 0; i < uniform_integers; i++)
+        if (at[i] >= 0)
+            gl->Uniform1ui(at[i], values[i]);
+    if (at[uniform_scale] >= 0)
+        gl->Uniform3fv(at[uniform_scale], 1, step->scale);
+    if (at[uniform_slack] >= 0)
+        gl->Uniform4fv(at[uniform_slack], 1, step->slack);
+    if (at[uniform_pointError] >= 0)
+        gl->Uniform1f(at[uniform_pointError], step->pointError);
+    if (at[uniform_reach] >= 0)
+        gl->Uniform1f(at[uniform_reach], step->reach);
+}
+
+/// One invocation an item, or more.
+static void RunKernel(const struct qcGlTable* gl, qcLayers* layers, int kernel, uint64_t items, uint32_t nodeCount)
+{
+    const KernelShape* shape = &s_kernels[kernel];
+    gl->UseProgram(layers->programs[kernel]);
+    for (GLuint i = 0; i < 3 && shape->outputs[i] != work_end; i++)
+        gl->BindBufferBase(GL_SHADER_STORAGE_BUFFER, i + 1, layers->buffers[shape->outputs[i]]);
+    SetUniforms(gl, layers, kernel, nodeCount);
+    uint64_t groups = (items + qc_localSize - 1) / qc_localSize;
+    uint64_t rows = (groups + qc_mostGroups - 1) / qc_mostGroups;
+    uint64_t columns = rows > 1 ? qc_mostGroups : groups;
+    layers->started[kernel] = rows * columns * qc_localSize;
+    if (groups != 0)
+        gl->DispatchCompute((GLuint)columns, (GLuint)rows, 1);
+    gl->MemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_TEXTURE_FETCH_BARRIER_BIT | GL_BUFFER_UPDATE_BARRIER_BIT);
+}
+
+static uint32_t Count(const qcLayers* layers, Counter counter)
+{
+    return layers->counters[counter * qc_counterStride];
+}
+
+/// The kernels from nodes on; they may run again.
+static void RunLists(const struct qcGlTable* gl, qcLayers* layers)
+{
+    const qcLayersStep* step = layers->step;
+    const GLuint zero = 0, none = UINT32_MAX;
+    gl->BindBuffer(GL_SHADER_STORAGE_BUFFER, layers->buffers[work_counters]);
+    gl->ClearBufferData(GL_SHADER_STORAGE_BUFFER, GL_R32UI, GL_RED_INTEGER, GL_UNSIGNED_INT, &zero);
+    gl->BindBuffer(GL_SHADER_STORAGE_BUFFER, layers->buffers[work_heads]);
+    gl->ClearBufferData(GL_SHADER_STORAGE_BUFFER, GL_R32UI, GL_RED_INTEGER, GL_UNSIGNED_INT, &none);
+    RunKernel(gl, layers, kernel_nodes, step->activeNodes, step->activeNodes);
+    for (int i = 0; i < kernel_count - kernel_nodePairs; i++)
+    {
+        // How long the list before is stays on the device until the end. An eighth more than it was is mostly enough.
+        uint64_t before = Count(layers, (Counter)i);
+        RunKernel(gl, layers, kernel_nodePairs + i, before + before / 8 + 4 * qc_localSize, step->activeNodes);
+    }
+    gl->BindBuffer(GL_SHADER_STORAGE_BUFFER, layers->buffers[work_counters]);
+    gl->GetBufferSubData(GL_SHADER_STORAGE_BUFFER, 0, sizeof layers->counters, layers->counters);
+}
+
+/// Makes room for what did not fit; `*again` says whether something did not.
+static qcStatus GrowLists(const struct qcGlTable* gl, qcLayers* layers, bool* again)
+{
+    *again = false;
+    for (int counter = 0; counter <= counter_survivors; counter++)
+    {
+        uint32_t count = Count(layers, (Counter)counter);
+        // small.
+        if (count > qc_mostItems || Count(layers, counter_overflow) != 0)
+            return qcFail(qc_statusDevice, "layers: more than %d pairs in one list", qc_mostItems);
+        if (count <= layers->capacity[s_counted[counter]])
+            continue;
+        QC_TRY(Resize(gl, layers, s_counted[counter], count + count / 4));
+        *again = true;
+    }
+    for (int i = 0; i < kernel_count - kernel_nodePairs; i++)
+        *again = *again || Count(layers, (Counter)i) > layers->started[kernel_nodePairs + i];
+    if (Count(layers, counter_stopped) != 0)
+        return qcFail(qc_statusDevice, "layers: a pixel's list is too long for the device");
+    return qc_statusOk;
+}
+
+static qcStatus ReadPairs(const struct qcGlTable* gl, qcLayers* layers)
+{
+    size_t count = Count(layers, counter_survivors);
+    QC_TRY(qcArray_Resize(&layers->pairs, 2 * count, sizeof(uint32_t), "pairs from the device"));
+    if (count != 0)
+    {
+        gl->BindBuffer(GL_SHADER_STORAGE_BUFFER, layers->buffers[work_survivors]);
+        gl->GetBufferSubData(GL_SHADER_STORAGE_BUFFER, 0, (GLsizeiptr)(2 * count * sizeof(uint32_t)),
+                             layers->pairs.data);
+    }
+    qcLayersAnswer* answer = layers->answer;
+    answer->pairs = layers->pairs.data;
+    answer->pairCount = count;
+    answer->entries = Count(layers, counter_entries);
+    answer->nodePairs = Count(layers, counter_nodePairs);
+    answer->clusterPairs = Count(layers, counter_clusterPairs);
+    answer->trianglePairs = Count(layers, counter_trianglePairs);
+    answer->skippedNodes = Count(layers, counter_skipped);
+    for (int buffer = 0; buffer < work_end; buffer++)
+        answer->deviceBytes += layers->capacity[buffer] * s_shapes[buffer].elementSize;
+    return qc_statusOk;
+}
+
+/// Room for the step, as far as it can be known before.
+static qcStatus ReserveAll(const struct qcGlTable* gl, qcLayers* layers)
+{
+    const qcLayersStep* step = layers->step;
+    size_t nodes = step->capacity[qc_layersNodes];
+    for (int buffer = 0; buffer < qc_layersInputCount; buffer++)
+        QC_TRY(Reserve(gl, layers, buffer, step->capacity[buffer]));
+    QC_TRY(Reserve(gl, layers, work_boxes, 64 * nodes));
+    QC_TRY(Reserve(gl, layers, work_clusterBoxes, 8 * nodes));
+    QC_TRY(Reserve(gl, layers, work_nodeBoxes, nodes));
+    // Cleared as a whole: no larger than the image.
+    size_t pixels = (size_t)1 << 2 * step->columnsLog2;
+    if (layers->capacity[work_heads] != pixels)
+        QC_TRY(Resize(gl, layers, work_heads, pixels));
+    // A folded cloth's needs; a scene that needs more runs once more.
+    QC_TRY(Reserve(gl, layers, work_entries, 4 * nodes + 64));
+    QC_TRY(Reserve(gl, layers, work_nodePairs, 12 * nodes + 64));
+    QC_TRY(Reserve(gl, layers, work_clusterPairs, 64 * nodes + 64));
+    QC_TRY(Reserve(gl, layers, work_trianglePairs, 64 * nodes + 64));
+    return Reserve(gl, layers, work_survivors, 8 * nodes + 64);
+}
+
+static qcStatus RunStep(const struct qcGlTable* gl, void* context)
+{
+    qcLayers* layers = context;
+    const qcLayersStep* step = layers->step;
+    QC_TRY(ReserveAll(gl, layers));
+    for (size_t i = 0; i < step->uploadCount; i++)
+    {
+        const qcLayersUpload* upload = &step->uploads[i];
+        Upload(gl, layers, upload->buffer, upload->first, upload->count, upload->data);
+    }
+    BindAll(gl, layers);
+    if (step->chunkCount != 0)
+        RunKernel(gl, layers, kernel_vertices, 64 * (uint64_t)step->chunkCount, step->activeNodes);
+    if (step->changedNodes != 0)
+        RunKernel(gl, layers, kernel_boxes, 8 * (uint64_t)step->changedNodes, step->changedNodes);
+    bool again = true;
+    for (uint32_t run = 0; again; run++)
+    {
+        if (run == qc_mostReruns)
+            return qcFail(qc_statusDevice, "layers: the device does not finish");
+        layers->answer->reruns = run;
+        RunLists(gl, layers);
+        QC_TRY(GrowLists(gl, layers, &again));
+    }
+    return ReadPairs(gl, layers);
+}
+
+qcStatus qcLayers_Create(qcDevice* device, qcLayers** result)
+{
+    qcLayers* layers = qcAllocateZeroed(sizeof *layers);
+    if (layers == NULL)
+        return qcFailMemory(sizeof *layers, "layers");
+    layers->device = device;
+    qcStatus status = qcDevice_Run(device, CreateObjects, layers, "layers, set-up");
+    if (status != qc_statusOk)
+    {
+        qcLayers_Destroy(layers);
+        return status;
+    }
+    *result = layers;
+    return qc_statusOk;
+}
+
+void qcLayers_Destroy(qcLayers* layers)
+{
+    if (layers == NULL)
+        return;
+    // It is called after failures too: the message of the first is the one to keep.
+    char message[512];
+    snprintf(message, sizeof message, "%s", qcLastMessage());
+    if (qcDevice_Run(layers->device, DeleteObjects, layers, "layers, release") != qc_statusOk)
+        qcFail(qc_statusDevice, "%s", message);
+    qcArray_Free(&layers->pairs);
+    qcFree(layers, sizeof *layers);
+}
+
+qcStatus qcLayers_Run(qcLayers* layers, const qcLayersStep* step, qcLayersAnswer* answer)
+{
+    assert(step->columnsLog2 <= 12);
+    *answer = (qcLayersAnswer){0};
+    layers->step = step;
+    layers->answer = answer;
+    if (Count(layers, counter_entries) == 0)
+    {
+        // What a folded cloth needs, for want of a last run.
+        const uint32_t guess[] = {2, 5, 48, 48};
+        for (int i = 0; i < 4; i++)
+            layers->counters[i * qc_counterStride] = guess[i] * step->activeNodes;
+    }
+    return qcDevice_Run(layers->device, RunStep, layers, "layers");
+}

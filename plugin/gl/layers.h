@@ -1,0 +1,100 @@
+// The device's part of `layers`: from vertices to pairs of triangles that may be within reach of each other.
+// The image is a grid of pixels over two axes; each pixel has a list of the nodes (64 triangles) that cover it, with
+// their intervals in all axes. Nodes that share a pixel and overlap are taken apart into clusters (8) and triangles.
+#ifndef QC_PLUGIN_GL_LAYERS_H
+#define QC_PLUGIN_GL_LAYERS_H
+
+#include "memory.h"
+#include "quickcullide/device.h"
+
+/// What stays on the device; elements are 16 bytes where nothing else is said.
+typedef enum qcLayersBuffer
+{
+    /// Four floats: the vertex in the frame, within [0, 1], each coordinate within `pointError` of the true one; the
+    /// fourth unused.
+    qc_layersVertices,
+    /// Four floats: a rigid body's vertex about its centre, within [-1, 1], then the bits of the body's place.
+    qc_layersLocals,
+    /// A triangle's place holds three places of vertices; QC_NO_TRIANGLE first: none.
+    qc_layersTriangles,
+    /// A node's place: the body's place, its first link, the end of its links.
+    qc_layersNodes,
+    /// 8 bytes: a node's place that is not below, a table's place.
+    qc_layersLinks,
+    /// 8 bytes, 64 of them a table: qcClusters::tables.
+    qc_layersTables,
+    /// qc_layersBodyTexels of them a body: see qcLayersBody.
+    qc_layersBodies,
+    /// 4 bytes: nodes that take part in the step, changed ones first.
+    qc_layersActiveNodes,
+    /// 4 bytes: vertices of rigid bodies that moved, 64 a chunk.
+    qc_layersChunks,
+    qc_layersInputCount
+} qcLayersBuffer;
+
+enum
+{
+    qc_layersLevels = 32767, ///< the highest level
+    qc_layersBodyTexels = 5,
+    qc_layersIsMoving = 1,
+    qc_layersMeetsItself = 2
+};
+
+typedef struct qcLayersBody
+{
+    uint32_t group, mask, flags, unused;
+    uint32_t interest[4]; ///< a box of levels, see qcLayers_PackBox: what lies outside is left out
+    float transform[3][4];
+} qcLayersBody;
+
+typedef struct qcLayersUpload
+{
+    qcLayersBuffer buffer;
+    size_t first, count; ///< elements
+    const void* data;
+} qcLayersUpload;
+
+typedef struct qcLayersStep
+{
+    /// Elements of each input buffer; where it is more than there are, the buffer grows and loses what it held.
+    size_t capacity[qc_layersInputCount];
+    const qcLayersUpload* uploads;
+    size_t uploadCount;
+    uint32_t chunkCount;                ///< rigid vertices to transform first
+    uint32_t changedNodes, activeNodes; ///< of qc_layersActiveNodes
+    float scale[3];                     ///< levels = coordinate * scale
+    float slack[4];          ///< levels by which a box is too small otherwise; the fourth: along the diagonal
+    uint32_t columnsLog2;    ///< pixels on a side of the image, 0..12
+    float pointError, reach; ///< in the frame
+    bool testNeighbours;
+} qcLayersStep;
+
+typedef struct qcLayersAnswer
+{
+    const uint32_t* pairs; ///< two places of triangles each, in no order; valid until the next step
+    size_t pairCount;
+    uint64_t entries, nodePairs, clusterPairs, trianglePairs; ///< before the separating axes
+    uint64_t skippedNodes;                                    ///< outside their body's interest
+    uint32_t reruns;
+    uint64_t uploadedBytes, deviceBytes;
+} qcLayersAnswer;
+
+typedef struct qcLayers qcLayers;
+
+/// qc_statusDevice on a device without compute shaders.
+qcStatus qcLayers_Create(qcDevice* device, qcLayers** layers);
+/// Null is allowed.
+void qcLayers_Destroy(qcLayers* layers);
+/// qc_statusDevice where the device's buffers can't hold the scene, or the device fails.
+qcStatus qcLayers_Run(qcLayers* layers, const qcLayersStep* step, qcLayersAnswer* answer);
+
+/// Levels 0..qc_layersLevels: x, y, depth, (x + y) / 2.
+static inline void qcLayers_PackBox(const uint32_t lower[4], const uint32_t upper[4], uint32_t box[4])
+{
+    box[0] = lower[0] | lower[1] << 16;
+    box[1] = lower[2] | lower[3] << 16;
+    box[2] = upper[0] | upper[1] << 16 | 0x80008000u;
+    box[3] = upper[2] | upper[3] << 16 | 0x80008000u;
+}
+
+#endif

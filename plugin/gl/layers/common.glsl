@@ -1,0 +1,78 @@
+// What the kernels of `layers` share. See layers.c for the way through them and for the proof.
+layout(local_size_x = 64) in;
+
+// Resident: written when bodies come or move.
+uniform samplerBuffer vertices;           // in the frame; see layers.h
+uniform usamplerBuffer triangles;         // three places of vertices; x = none: no triangle
+uniform usamplerBuffer nodes, links, tables;
+uniform usamplerBuffer bodies;            // BODY_TEXELS each
+uniform usamplerBuffer activeNodes;
+// Made in this step.
+uniform usamplerBuffer boxes, clusterBoxes, nodeBoxes, entries, nodePairs, clusterPairs, trianglePairs;
+
+layout(std430, binding = 0) buffer Counters { uint counters[]; };
+
+const uint none = 0xffffffffu;
+
+// Where the counters stand, each on a cache line of its own.
+const int entryCounter = 0, nodePairCounter = 16, clusterPairCounter = 32, trianglePairCounter = 48,
+          survivorCounter = 64, skippedCounter = 80, stoppedCounter = 96, overflowCounter = 112;
+
+// A box of 15-bit levels: lower ends (x | y << 16, z | d << 16), upper ends likewise with the top bit of each half set.
+// d is the diagonal (x + y) / 2. Two boxes overlap if no subtraction borrows from a top bit: upper - lower >= 0.
+const uint guards = 0x80008000u;
+const uvec4 emptyBox = uvec4(0x7fff7fffu, 0x7fff7fffu, guards, guards);
+
+#define OVERLAP(p, q) (((p.z - q.x) & (q.z - p.x) & (p.w - q.y) & (q.w - p.y) & guards) == guards)
+
+uvec4 packBox(uvec4 lower, uvec4 upper)
+{
+    return uvec4(lower.x | lower.y << 16, lower.z | lower.w << 16, upper.x | upper.y << 16 | guards,
+                 upper.z | upper.w << 16 | guards);
+}
+
+uvec4 lowerEnds(uvec4 box)
+{
+    return uvec4(box.x & 0x7fffu, box.x >> 16, box.y & 0x7fffu, box.y >> 16);
+}
+
+uvec4 upperEnds(uvec4 box)
+{
+    return uvec4(box.z & 0x7fffu, box.z >> 16 & 0x7fffu, box.w & 0x7fffu, box.w >> 16 & 0x7fffu);
+}
+
+// Eight boxes against eight: bit u + 8 v of the mask (low, high word) says that u of the one meets v of the other.
+#define MEET(p, q, bit) (OVERLAP(p, q) ? 1u << (bit) : 0u)
+#define ROW(q, bit)                                                                                                    \
+    (MEET(p0, q, bit) | MEET(p1, q, bit + 1) | MEET(p2, q, bit + 2) | MEET(p3, q, bit + 3) | MEET(p4, q, bit + 4) |     \
+     MEET(p5, q, bit + 5) | MEET(p6, q, bit + 6) | MEET(p7, q, bit + 7))
+#define EIGHT_AGAINST_EIGHT(source, first, second, mask)                                                               \
+    uvec4 p0 = texelFetch(source, first), p1 = texelFetch(source, first + 1), p2 = texelFetch(source, first + 2),      \
+          p3 = texelFetch(source, first + 3), p4 = texelFetch(source, first + 4), p5 = texelFetch(source, first + 5),  \
+          p6 = texelFetch(source, first + 6), p7 = texelFetch(source, first + 7);                                      \
+    uvec4 q0 = texelFetch(source, second), q1 = texelFetch(source, second + 1), q2 = texelFetch(source, second + 2),   \
+          q3 = texelFetch(source, second + 3);                                                                         \
+    mask.x &= ROW(q0, 0) | ROW(q1, 8) | ROW(q2, 16) | ROW(q3, 24);                                                     \
+    q0 = texelFetch(source, second + 4), q1 = texelFetch(source, second + 5), q2 = texelFetch(source, second + 6),     \
+    q3 = texelFetch(source, second + 7);                                                                               \
+    mask.y &= ROW(q0, 0) | ROW(q1, 8) | ROW(q2, 16) | ROW(q3, 24);
+
+// Writes item << 6 | bit for each bit of the mask. One atomic an invocation: they are what costs most on a CPU.
+#define WRITE_BITS(list, capacity, counter, item, mask)                                                                \
+    uint count = uint(bitCount(mask.x) + bitCount(mask.y));                                                            \
+    if (count != 0u)                                                                                                   \
+    {                                                                                                                  \
+        uint place = atomicAdd(counters[counter], count);                                                              \
+        for (; (mask.x | mask.y) != 0u; place++)                                                                       \
+        {                                                                                                              \
+            bool isLow = mask.x != 0u;                                                                                 \
+            uint word = isLow ? mask.x : mask.y, bit = uint(findLSB(word)) + (isLow ? 0u : 32u);                       \
+            word &= word - 1u;                                                                                         \
+            mask = isLow ? uvec2(word, mask.y) : uvec2(0u, word);                                                      \
+            if (place < capacity)                                                                                      \
+                list[place] = item << 6 | bit;                                                                         \
+        }                                                                                                              \
+    }
+
+// One invocation an item. (A loop in the kernel over more items than invocations takes twice as long on llvmpipe.)
+#define ITEM (gl_GlobalInvocationID.y * gl_NumWorkGroups.x * gl_WorkGroupSize.x + gl_GlobalInvocationID.x)

@@ -1,0 +1,126 @@
+// From pairs of triangles to contact points, step by step; each step is a file of its own.
+#include "manifold.h"
+
+#include "manifold_parts.h"
+#include "sort.h"
+#include "status.h"
+
+#include <math.h>
+
+// Points nearer than this share of the triangles' size are one: in a region, the longest edge of a pair's smaller
+// triangle, on average.
+static const double s_tolerance = 1.0 / 64.0;
+
+/// By bodies, then by first pairs. Each pair learns the number of its region.
+static qcStatus NumberRegions(qcManifolds* m)
+{
+    size_t count = m->work.count;
+    m->order.count = 0;
+    QC_TRY(qcArray_Reserve(&m->order, count, sizeof(qcSortItem), "regions of contact"));
+    for (uint32_t p = 0; p < count; p++)
+    {
+        const qcManifoldPair* pair = qcManifolds_Pair(m, p);
+        if (pair->region == p)
+            QC_AT(qcSortItem, m->order, m->order.count++) =
+                (qcSortItem){(uint64_t)pair->slot[0] << 32 | pair->slot[1], p};
+    }
+    QC_TRY(qcSort_Items(m->order.data, m->order.count, &m->scratch));
+    QC_TRY(qcArray_Resize(&m->numbered, m->order.count, sizeof(qcContactRegion), "regions of contact"));
+    QC_TRY(qcArray_Resize(&m->nodes, count, sizeof(uint32_t), "regions of contact"));
+    for (uint32_t r = 0; r < m->order.count; r++)
+    {
+        uint64_t first = QC_AT(qcSortItem, m->order, r).value;
+        const qcManifoldPair* pair = &QC_AT(qcManifoldPair, m->work, first);
+        QC_AT(uint32_t, m->nodes, first) = r;
+        QC_AT(qcContactRegion, m->numbered, r) = (qcContactRegion){
+            .slot = {pair->slot[0], pair->slot[1]}, .rigid = !pair->body[0]->deforming && !pair->body[1]->deforming};
+    }
+    for (uint32_t p = 0; p < count; p++)
+    {
+        qcManifoldPair* pair = qcManifolds_Pair(m, p);
+        pair->region = QC_AT(uint32_t, m->nodes, pair->region);
+        qcContactRegion* region = &QC_AT(qcContactRegion, m->numbered, pair->region);
+        region->tolerance +=
+            s_tolerance * fmin(qcManifoldPair_LongestEdge(pair, 0), qcManifoldPair_LongestEdge(pair, 1));
+        region->pairs++;
+    }
+    for (uint32_t r = 0; r < m->numbered.count; r++)
+        QC_AT(qcContactRegion, m->numbered, r).tolerance /= QC_AT(qcContactRegion, m->numbered, r).pairs;
+    return qc_statusOk;
+}
+
+static void Store(qcVector v, double out[3])
+{
+    out[0] = v.x;
+    out[1] = v.y;
+    out[2] = v.z;
+}
+
+static qcManifoldPoint PointOf(const qcManifolds* m, const qcRawPoint* raw)
+{
+    const qcManifoldPair* pair = qcManifolds_Pair(m, raw->pair);
+    qcManifoldPoint point = {.distance = raw->distance,
+                             .triangleA = pair->triangle[0],
+                             .triangleB = pair->triangle[1],
+                             .featureA = {raw->feature[0][0], raw->feature[0][1]},
+                             .featureB = {raw->feature[1][0], raw->feature[1][1]}};
+    Store(raw->end[0], point.pointA);
+    Store(raw->end[1], point.pointB);
+    Store(pair->normal, point.normal);
+    return point;
+}
+
+/// Every region has a point: its first pair is heard, and of the points of a region the deepest stays.
+static qcStatus WriteResult(qcManifolds* m)
+{
+    QC_TRY(qcArray_Resize(&m->manifolds, m->numbered.count, sizeof(qcManifold), "manifolds"));
+    for (uint32_t r = 0; r < m->numbered.count; r++)
+    {
+        const qcContactRegion* region = &QC_AT(qcContactRegion, m->numbered, r);
+        QC_AT(qcManifold, m->manifolds, r) = (qcManifold){.bodyA = region->slot[0], .bodyB = region->slot[1]};
+    }
+    size_t count = 0;
+    for (size_t i = 0; i < m->raw.count; i++)
+        count += QC_AT(uint32_t, m->keepers, i) == i;
+    QC_TRY(qcArray_Resize(&m->points, count, sizeof(qcManifoldPoint), "manifolds"));
+    uint32_t at = 0;
+    for (size_t i = 0; i < m->order.count; i++)
+    {
+        qcSortItem item = QC_AT(qcSortItem, m->order, i);
+        if (QC_AT(uint32_t, m->keepers, item.value) != item.value)
+            continue;
+        qcManifold* manifold = &QC_AT(qcManifold, m->manifolds, item.key >> 32);
+        if (manifold->pointCount++ == 0)
+            manifold->firstPoint = at;
+        QC_AT(qcManifoldPoint, m->points, at++) = PointOf(m, &QC_AT(qcRawPoint, m->raw, item.value));
+    }
+    return qc_statusOk;
+}
+
+qcStatus qcManifolds_Build(qcManifolds* m, const qcTriangles* triangles, const qcPair* pairs,
+                           const qcProximity* proximities, size_t count, double margin, uint32_t threads)
+{
+    m->manifolds.count = m->points.count = 0;
+    if (count == 0)
+        return qc_statusOk;
+    if (count > qc_maxManifoldPairs)
+        return qcFail(qc_statusOutOfMemory, "out of memory: manifolds of %zu pairs", count);
+    QC_TRY(qcManifolds_FindRegions(m, triangles, pairs, proximities, count));
+    QC_TRY(qcManifolds_ChooseNormals(m, proximities, threads));
+    QC_TRY(qcManifolds_ChooseSigns(m, proximities, margin));
+    QC_TRY(NumberRegions(m));
+    QC_TRY(qcManifolds_FindPoints(m, proximities, margin, threads));
+    QC_TRY(qcManifolds_MergePoints(m));
+    qcManifolds_DropBetween(m);
+    return WriteResult(m);
+}
+
+void qcManifolds_Free(qcManifolds* m)
+{
+    qcManifolds_FreeSinks(m);
+    qcArray* arrays[] = {&m->work,    &m->vertices, &m->table,  &m->items,   &m->at,       &m->choices,   &m->nodes,
+                         &m->regions, &m->numbered, &m->blocks, &m->raw,     &m->firstRaw, &m->unheard,   &m->order,
+                         &m->scratch, &m->heads,    &m->links,  &m->keepers, &m->members,  &m->manifolds, &m->points};
+    for (size_t i = 0; i < sizeof arrays / sizeof arrays[0]; i++)
+        qcArray_Free(arrays[i]);
+}

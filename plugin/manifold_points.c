@@ -1,0 +1,225 @@
+// The points of each pair: the corners of what the two triangles have in common, seen along the pair's normal. In
+// parallel.
+//
+// They are what a resting box stands on, where the closest points of the pair would be just one point somewhere in
+// between. A corner farther apart than the margin is no contact.
+//
+// A pair without corners (all beyond the margin, seen edge-on, or one that took its normal from a neighbour and lies
+// beside it rather than over it) leaves its place to the pairs around it; if these have no point either, its closest
+// points speak. So every pair is heard: by a point of its own, or of a pair beside it, or of one that says the same.
+#include "manifold_parts.h"
+#include "parallel.h"
+#include "status.h"
+
+#include <math.h>
+#include <string.h>
+
+enum
+{
+    qc_pointBlock = 128,
+    // A block takes some 50 microseconds.
+    qc_leastPointBlocks = 8
+};
+
+typedef struct Sink
+{
+    qcArray points; ///< of qcRawPoint
+    qcStatus status;
+    char apart[64]; ///< keeps the counts of two workers off one cache line
+} Sink;
+
+/// Where the points of a block of pairs are.
+typedef struct Block
+{
+    uint32_t worker;
+    size_t first;
+} Block;
+
+typedef struct Job
+{
+    qcManifolds* manifolds;
+    const qcProximity* proximities;
+    double margin;
+} Job;
+
+/// The points of a pair so far.
+typedef struct Found
+{
+    qcVector normal;
+    double tolerance, rounding;
+    qcRawPoint points[qc_maxCommonCorners + 1];
+    int count;
+} Found;
+
+/// Of corners over the same place the deepest stays; of equals the first.
+static void Keep(Found* found, const qcRawPoint* point)
+{
+    for (int i = 0; i < found->count; i++)
+    {
+        qcRawPoint* other = &found->points[i];
+        if (!qcRawPoint_AreSame(point, other, found->normal, found->normal, found->tolerance))
+            continue;
+        if (point->distance < other->distance - found->rounding)
+            *other = *point;
+        return;
+    }
+    found->points[found->count++] = *point;
+}
+
+/// The closest points of the pair. Where the normal is not theirs, its ends lie on it around their middle.
+static qcRawPoint Witness(const qcManifoldPair* pair, const qcProximity* proximity)
+{
+    qcRawPoint point = {.end = {qcVector_Load(proximity->pointA), qcVector_Load(proximity->pointB)},
+                        .feature = {{UINT32_MAX, UINT32_MAX}, {UINT32_MAX, UINT32_MAX}}};
+    if (pair->swapped)
+    {
+        qcVector swap = point.end[0];
+        point.end[0] = point.end[1];
+        point.end[1] = swap;
+    }
+    qcVector d = qcMinus(point.end[0], point.end[1]);
+    point.distance = qcDot(d, pair->normal);
+    if (!pair->own)
+    {
+        qcVector middle = qcPlusScaled(point.end[1], d, 0.5);
+        point.end[0] = qcPlusScaled(middle, pair->normal, 0.5 * point.distance);
+        point.end[1] = qcPlusScaled(middle, pair->normal, -0.5 * point.distance);
+    }
+    return point;
+}
+
+static void FindPoints(const Job* job, uint32_t index, Found* found)
+{
+    const qcManifoldPair* pair = qcManifolds_Pair(job->manifolds, index);
+    found->normal = pair->normal;
+    found->tolerance = QC_AT(qcContactRegion, job->manifolds->numbered, pair->region).tolerance;
+    found->rounding =
+        QC_MANIFOLD_ROUNDING * fmax(qcManifoldPair_LongestEdge(pair, 0), qcManifoldPair_LongestEdge(pair, 1));
+    found->count = 0;
+    qcRawPoint corners[qc_maxCommonCorners];
+    int count = qcManifoldPair_FindCommonPart(pair, pair->normal, corners);
+    double limit = job->margin * (1.0 + QC_MANIFOLD_ROUNDING) + found->rounding, least = INFINITY;
+    for (int i = 0; i < count; i++)
+    {
+        least = fmin(least, corners[i].distance);
+        if (corners[i].distance <= limit)
+            Keep(found, &corners[i]);
+    }
+    // Nothing comes nearer than the closest points, which are over each other along their own normal: some corner is
+    // as near, unless rounding or a face seen edge-on has hidden it.
+    bool hidden = least > pair->gap + 1e3 * found->rounding;
+    if (pair->apart && pair->own && !pair->turned && hidden && found->count != 0)
+        found->points[found->count++] = Witness(pair, &job->proximities[pair->source]);
+}
+
+static void TakeBlock(void* context, size_t block, uint32_t worker)
+{
+    const Job* job = context;
+    qcManifolds* m = job->manifolds;
+    Sink* sink = &QC_AT(Sink, m->sinks, worker);
+    size_t end = (block + 1) * qc_pointBlock;
+    end = end < m->work.count ? end : m->work.count;
+    QC_AT(Block, m->blocks, block) = (Block){worker, sink->points.count};
+    for (size_t p = block * qc_pointBlock; p < end && sink->status == qc_statusOk; p++)
+    {
+        Found found;
+        FindPoints(job, (uint32_t)p, &found);
+        QC_AT(size_t, m->firstRaw, p) = (size_t)found.count;
+        size_t count = sink->points.count + (size_t)found.count;
+        sink->status = qcArray_Reserve(&sink->points, count, sizeof(qcRawPoint), "contact points");
+        if (sink->status != qc_statusOk)
+            return;
+        for (int i = 0; i < found.count; i++)
+        {
+            found.points[i].pair = (uint32_t)p;
+            QC_AT(qcRawPoint, sink->points, sink->points.count++) = found.points[i];
+        }
+    }
+}
+
+static qcStatus EmptySinks(qcManifolds* m, uint32_t threads)
+{
+    size_t old = m->sinks.count;
+    if (threads > old)
+    {
+        QC_TRY(qcArray_Resize(&m->sinks, threads, sizeof(Sink), "contact points"));
+        memset(&QC_AT(Sink, m->sinks, old), 0, (threads - old) * sizeof(Sink));
+    }
+    for (size_t i = 0; i < m->sinks.count; i++)
+    {
+        QC_AT(Sink, m->sinks, i).points.count = 0;
+        QC_AT(Sink, m->sinks, i).status = qc_statusOk;
+    }
+    return qc_statusOk;
+}
+
+/// Neither the pair nor one beside it has a point. `counts`: points by pair.
+static bool IsUnheard(const qcManifolds* m, uint32_t pair, const size_t* counts)
+{
+    if (counts[pair] != 0)
+        return false;
+    qcBeside ring[qc_maxRing];
+    uint32_t count = qcManifolds_CollectRing(m, pair, ring);
+    for (uint32_t i = 0; i < count; i++)
+        if (counts[ring[i].pair] != 0)
+            return false;
+    return true;
+}
+
+/// All points in the order of their pairs; in firstRaw, where those of each pair begin.
+static qcStatus Gather(const Job* job)
+{
+    qcManifolds* m = job->manifolds;
+    size_t* counts = m->firstRaw.data;
+    m->raw.count = 0;
+    // Room for all the workers' points, and for one of each pair that has none.
+    size_t total = m->work.count;
+    for (size_t i = 0; i < m->sinks.count; i++)
+        total += QC_AT(Sink, m->sinks, i).points.count;
+    QC_TRY(qcArray_Reserve(&m->raw, total, sizeof(qcRawPoint), "contact points"));
+    QC_TRY(qcArray_Resize(&m->unheard, m->work.count, 1, "contact points"));
+    for (uint32_t p = 0; p < m->work.count; p++)
+        QC_AT(bool, m->unheard, p) = IsUnheard(m, p, counts);
+    for (uint32_t p = 0; p < m->work.count; p++)
+    {
+        Block* block = &QC_AT(Block, m->blocks, p / qc_pointBlock);
+        size_t count = counts[p];
+        QC_AT(size_t, m->firstRaw, p) = m->raw.count;
+        if (QC_AT(bool, m->unheard, p))
+        {
+            qcRawPoint point = Witness(qcManifolds_Pair(m, p), &job->proximities[qcManifolds_Pair(m, p)->source]);
+            point.pair = p;
+            QC_AT(qcRawPoint, m->raw, m->raw.count++) = point;
+        }
+        if (count != 0)
+            memcpy(&QC_AT(qcRawPoint, m->raw, m->raw.count),
+                   &QC_AT(qcRawPoint, QC_AT(Sink, m->sinks, block->worker).points, block->first),
+                   count * sizeof(qcRawPoint));
+        m->raw.count += count;
+        block->first += count;
+    }
+    QC_AT(size_t, m->firstRaw, m->work.count) = m->raw.count;
+    return qc_statusOk;
+}
+
+qcStatus qcManifolds_FindPoints(qcManifolds* m, const qcProximity* proximities, double margin, uint32_t threads)
+{
+    size_t blocks = (m->work.count + qc_pointBlock - 1) / qc_pointBlock;
+    QC_TRY(EmptySinks(m, threads));
+    QC_TRY(qcArray_Resize(&m->blocks, blocks, sizeof(Block), "contact points"));
+    QC_TRY(qcArray_Resize(&m->firstRaw, m->work.count + 1, sizeof(size_t), "contact points"));
+    Job job = {m, proximities, margin};
+    qcParallel_For(threads, blocks, qc_leastPointBlocks, TakeBlock, &job);
+    for (size_t i = 0; i < m->sinks.count; i++)
+        // The message is the worker's own; say it again on this thread.
+        if (QC_AT(Sink, m->sinks, i).status != qc_statusOk)
+            return qcArray_FailAgain(&QC_AT(Sink, m->sinks, i).points, "contact points");
+    return Gather(&job);
+}
+
+void qcManifolds_FreeSinks(qcManifolds* m)
+{
+    for (size_t i = 0; i < m->sinks.count; i++)
+        qcArray_Free(&QC_AT(Sink, m->sinks, i).points);
+    qcArray_Free(&m->sinks);
+}

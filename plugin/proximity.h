@@ -1,0 +1,10 @@
+// Closest points, distance, depth and direction of two triangles, rounded in double.
+#ifndef QC_PLUGIN_PROXIMITY_H
+#define QC_PLUGIN_PROXIMITY_H
+
+#include "quickcullide/scene.h"
+
+/// `relation` is what qcExact_Relate or qcExact_Within says; any but disjoint, which counts as near.
+void qcProximity_Of(const double a[3][3], const double b[3][3], qcRelation relation, qcProximity* proximity);
+
+#endif
