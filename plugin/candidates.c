@@ -136,6 +136,17 @@ qcStatus qcCandidates_Sweep(qcCandidates* candidates, const qcCandidateRules* ru
     return qcCandidates_End(candidates, profile);
 }
 
+qcStatus qcCandidates_Add(qcCandidates* candidates, const qcArray* keys, const qcArray* neighbourKeys)
+{
+    qcArray *own = &candidates->keys, *ownNeighbours = &candidates->neighbourKeys;
+    QC_TRY(qcArray_Reserve(own, own->count + keys->count, sizeof(uint64_t), "candidate pairs"));
+    QC_TRY(qcArray_Reserve(ownNeighbours, ownNeighbours->count + neighbourKeys->count, sizeof(uint64_t),
+                           "candidate pairs"));
+    Append(own, keys);
+    Append(ownNeighbours, neighbourKeys);
+    return qc_statusOk;
+}
+
 void qcCandidates_Free(qcCandidates* candidates)
 {
     for (size_t i = 0; i < candidates->sinks.count; i++)

@@ -41,6 +41,9 @@ qcStatus qcCandidates_Sweep(qcCandidates* candidates, const qcCandidateRules* ru
 /// By comparing every box with every other: O(n^2).
 qcStatus qcCandidates_Brute(qcCandidates* candidates, const qcCandidateRules* rules, qcProfile* profile);
 
+/// Adds keys that were found elsewhere.
+qcStatus qcCandidates_Add(qcCandidates* candidates, const qcArray* keys, const qcArray* neighbourKeys);
+
 void qcCandidates_Free(qcCandidates* candidates);
 
 //  ---- for the two ways of finding -----------------------------------------------------------------------

@@ -28,9 +28,9 @@ static bool FindParticipants(Step* step)
     const qcTriangles* t = step->job->triangles;
     uint8_t *takesPart = step->cull->takesPart.data, *self = step->cull->meetsItself.data;
     for (uint32_t body = 0; body < t->bodyCount; body++)
-        takesPart[body] = self[body] = qcBody_MeetsItself(qcTriangles_Body(t, body));
+        takesPart[body] = self[body] = step->job->bodies[body] && qcBody_MeetsItself(qcTriangles_Body(t, body));
     for (size_t i = 0; i < 2 * step->job->meetingCount; i++)
-        takesPart[step->job->meetings[i]] = 1;
+        takesPart[step->job->meetings[i]] = step->job->bodies[step->job->meetings[i]];
     step->view = (qcLayersView){.lower = {DBL_MAX, DBL_MAX, DBL_MAX},
                                 .upper = {-DBL_MAX, -DBL_MAX, -DBL_MAX},
                                 .reach = step->job->reach,
@@ -109,7 +109,8 @@ static qcStatus MapPairs(const Step* step, const qcLayersAnswer* answer, qcArray
 {
     const qcCullLayers* cull = step->cull;
     const qcTriangles* t = step->job->triangles;
-    QC_TRY(qcArray_Resize(keys, answer->pairCount, sizeof(uint64_t), "candidates"));
+    size_t at = keys->count;
+    QC_TRY(qcArray_Resize(keys, at + answer->pairCount, sizeof(uint64_t), "candidates"));
     for (size_t i = 0; i < answer->pairCount; i++)
     {
         uint32_t rank[2];
@@ -119,7 +120,7 @@ static qcStatus MapPairs(const Step* step, const qcLayersAnswer* answer, qcArray
             rank[side] = qcTriangles_First(t, QC_AT(uint32_t, cull->numberOf, slot)) + triangle;
         }
         uint32_t low = rank[0] < rank[1] ? rank[0] : rank[1], high = rank[0] < rank[1] ? rank[1] : rank[0];
-        QC_AT(uint64_t, *keys, i) = (uint64_t)low << 32 | high;
+        QC_AT(uint64_t, *keys, at + i) = (uint64_t)low << 32 | high;
     }
     return qc_statusOk;
 }
@@ -129,12 +130,11 @@ static void FillProfile(const Step* step, const qcLayersStep* device, const qcLa
     const qcTriangles* t = step->job->triangles;
     for (uint32_t body = 0; body < t->bodyCount; body++)
     {
-        bool takesPart = QC_AT(uint8_t, step->cull->takesPart, body);
         profile->selfBodies += QC_AT(uint8_t, step->cull->meetsItself, body);
-        profile->skippedBodies += !takesPart;
-        profile->trianglePcs += takesPart ? qcTriangles_Body(t, body)->triangleCount : 0;
+        if (QC_AT(uint8_t, step->cull->takesPart, body))
+            profile->trianglePcs += qcTriangles_Body(t, body)->triangleCount;
     }
-    profile->skippedTriangles = (uint32_t)(answer->skippedNodes * qc_nodeSize);
+    profile->skippedTriangles += (uint32_t)(answer->skippedNodes * qc_nodeSize);
     profile->columns = answer->entries != 0 ? 1u << device->columnsLog2 : 0;
     profile->fragments = answer->entries;
     profile->listPairs = answer->trianglePairs;
@@ -190,22 +190,20 @@ qcStatus qcCullLayers_Run(qcCullLayers* cull, const qcCullLayersJob* job, qcArra
                           qcProfile* profile)
 {
     const qcTriangles* t = job->triangles;
-    keys->count = neighbourKeys->count = 0;
+    size_t keyCount = keys->count, neighbourKeyCount = neighbourKeys->count;
     QC_TRY(qcArray_Resize(&cull->takesPart, t->bodyCount, 1, "bodies that take part"));
     QC_TRY(qcArray_Resize(&cull->meetsItself, t->bodyCount, 1, "bodies that take part"));
     QC_TRY(qcArray_Resize(&cull->interests, 4 * (size_t)t->bodyCount, sizeof(uint32_t), "interests of bodies"));
     QC_TRY(qcArray_Resize(&cull->numberOf, t->bodies->slots.count, sizeof(uint32_t), "bodies that take part"));
     Step step = {.cull = cull, .job = job};
     if (!FindParticipants(&step))
-    {
-        profile->skippedBodies = t->bodyCount;
         return qc_statusOk;
-    }
     qcStatus status = RunOnDevice(&step, keys, neighbourKeys, profile);
     if (status != qc_statusOk)
     {
         // What the device holds is unknown: start again next time.
-        keys->count = neighbourKeys->count = 0;
+        keys->count = keyCount;
+        neighbourKeys->count = neighbourKeyCount;
         qcLayersBodies_Forget(&cull->bodies);
         qcLayers_Destroy(cull->layers);
         cull->layers = NULL;

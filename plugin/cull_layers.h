@@ -21,6 +21,7 @@ typedef struct qcCullLayersJob
 {
     qcDevice* device;
     const qcTriangles* triangles;
+    const uint8_t* bodies;    ///< by body of the step: whether it is asked about. Whoever meets it is too.
     const uint32_t* meetings; ///< pairs of bodies of the step that may meet: two numbers each
     size_t meetingCount;      ///< pairs
     double reach;
@@ -31,7 +32,7 @@ typedef struct qcCullLayersJob
     uint32_t threads;
 } qcCullLayersJob;
 
-/// Writes the keys of the pairs (lower rank << 32 | higher rank), in no order; as candidates.h has them.
+/// Adds the keys of the pairs (lower rank << 32 | higher rank), in no order; as candidates.h has them.
 /// qc_statusDevice: the device can't, and a method that needs none has to answer; the message says why.
 qcStatus qcCullLayers_Run(qcCullLayers* cull, const qcCullLayersJob* job, qcArray* keys, qcArray* neighbourKeys,
                           qcProfile* profile);

@@ -3,6 +3,7 @@
 // Quick-CULLIDE, VR 2005, section 4.2, for the image methods; the others leave the cull stages out.
 #include "detect.h"
 
+#include "calibrate.h"
 #include "clock.h"
 #include "contact.h"
 #include "status.h"
@@ -30,6 +31,15 @@ static double Lap(Step* step)
     return ms;
 }
 
+/// The device has a share in the answer.
+static void UseDevice(Step* step)
+{
+    qcDeviceInfo info = {.name = "none"};
+    qcDevice_GetInfo(step->device, &info);
+    step->profile.device = info.name;
+    step->profile.softwareDevice = info.software;
+}
+
 static void Plan(Step* step)
 {
     qcDeviceInfo info = {.kind = qc_deviceNone, .name = "none"};
@@ -41,9 +51,9 @@ static void Plan(Step* step)
     step->profile.method = step->plan.method;
     step->profile.fallback = step->plan.fallback;
     step->profile.resolution = step->plan.resolution;
-    bool usesDevice = step->plan.useImage || step->plan.useLayers;
-    step->profile.device = usesDevice ? info.name : "none";
-    step->profile.softwareDevice = usesDevice && info.software;
+    step->profile.device = "none";
+    if (step->plan.useImage)
+        UseDevice(step);
     if (step->plan.fallback != NULL)
         qcLog("%s", step->plan.fallback);
 }
@@ -65,15 +75,6 @@ static double Reach(const qcDetectDef* def)
     return def->margin > contacts ? def->margin : contacts;
 }
 
-/// The triangles that take part, marked on the CPU.
-static qcStatus MarkTriangles(Step* step)
-{
-    qcDetector* d = step->detector;
-    // The paper culls whole objects at the sub-object level; brute force leaves out nothing.
-    bool wholeBodies = step->plan.useImage || step->plan.method == qc_methodBrute;
-    return qcObjects_MarkTriangles(&d->objects, &d->triangles, Reach(step->def), wholeBodies, &step->profile);
-}
-
 static qcStatus CullAndSweepObjects(Step* step)
 {
     qcDetector* d = step->detector;
@@ -91,9 +92,39 @@ static qcStatus CullAndSweepObjects(Step* step)
         QC_TRY(qcObjects_FindPairsBrute(&d->objects, &d->triangles, margin, &step->profile));
     else
         QC_TRY(qcObjects_FindPairs(&d->objects, &d->triangles, margin, &step->profile));
-    if (!step->plan.useLayers)
-        QC_TRY(MarkTriangles(step));
     step->profile.sweepObjectsMs = Lap(step);
+    return qc_statusOk;
+}
+
+/// Which bodies the device answers for: all that take part, or those of the parts that the planner sends there.
+static qcStatus ChooseParts(Step* step)
+{
+    qcDetector* d = step->detector;
+    uint32_t bodyCount = d->triangles.bodyCount;
+    QC_TRY(qcArray_Resize(&d->onDevice, bodyCount, 1, "parts of the scene"));
+    if (bodyCount != 0)
+        memset(d->onDevice.data, 0, bodyCount);
+    if (!step->plan.useLayers && !step->plan.chooseParts)
+        return qc_statusOk;
+    QC_TRY(qcParts_Find(&d->parts, &d->triangles, &d->objects));
+    qcPlanPart* parts = d->parts.parts.data;
+    size_t count = d->parts.parts.count;
+    step->profile.parts = (uint32_t)count;
+    if (step->plan.useLayers)
+        for (size_t i = 0; i < count; i++)
+            parts[i].onDevice = true;
+    else if (qcPlan_IsWorthADevice(parts, count))
+    {
+        qcPlanCosts costs = qcCalibrate(step->device, step->threads);
+        qcPlan_ChooseParts(&costs, parts, count);
+    }
+    for (size_t i = 0; i < count; i++)
+        step->profile.partsOnDevice += parts[i].onDevice;
+    for (uint32_t body = 0; body < bodyCount; body++)
+    {
+        uint32_t part = QC_AT(uint32_t, d->parts.partOf, body);
+        QC_AT(uint8_t, d->onDevice, body) = part != QC_NO_PART && parts[part].onDevice;
+    }
     return qc_statusOk;
 }
 
@@ -101,8 +132,12 @@ static qcStatus CullAndSweepObjects(Step* step)
 static qcStatus CullLayers(Step* step)
 {
     qcDetector* d = step->detector;
+    d->layersKeys.count = d->layersNeighbourKeys.count = 0;
+    if (step->profile.partsOnDevice == 0)
+        return qc_statusOk;
     qcCullLayersJob job = {.device = step->device,
                            .triangles = &d->triangles,
+                           .bodies = d->onDevice.data,
                            .meetings = d->objects.pairs.data,
                            .meetingCount = d->objects.pairs.count,
                            .reach = Reach(step->def),
@@ -111,35 +146,27 @@ static qcStatus CullLayers(Step* step)
                            .columns = step->def->layerColumns,
                            .depthAxis = step->def->layerDepthAxis,
                            .threads = step->threads};
-    qcStatus status =
-        qcCullLayers_Run(&d->cullLayers, &job, &d->candidates.keys, &d->candidates.neighbourKeys, &step->profile);
-    if (status == qc_statusDevice)
+    qcStatus status = qcCullLayers_Run(&d->cullLayers, &job, &d->layersKeys, &d->layersNeighbourKeys, &step->profile);
+    if (status == qc_statusOk)
     {
-        snprintf(d->fallback, sizeof d->fallback, "%s: sweep answered on the CPU", qcLastMessage());
-        qcLog("%s", d->fallback);
-        step->plan = (qcPlan){.method = qc_methodSweep, .fallback = d->fallback};
-        step->profile.method = qc_methodSweep;
-        step->profile.fallback = d->fallback;
-        step->profile.device = "none";
-        step->profile.softwareDevice = false;
-        status = MarkTriangles(step);
+        UseDevice(step);
+        step->profile.method = qc_methodLayers;
+        return qc_statusOk;
     }
-    return status;
+    if (status != qc_statusDevice)
+        return status;
+    snprintf(d->fallback, sizeof d->fallback, "%s: sweep answered on the CPU", qcLastMessage());
+    qcLog("%s", d->fallback);
+    memset(d->onDevice.data, 0, d->onDevice.count);
+    step->profile.partsOnDevice = 0;
+    step->profile.method = qc_methodSweep;
+    step->profile.fallback = d->fallback;
+    return qc_statusOk;
 }
 
-static qcStatus CullAndSweepTriangles(Step* step)
+static qcStatus SweepTriangles(Step* step)
 {
     qcDetector* d = step->detector;
-    if (step->plan.useLayers)
-        QC_TRY(CullLayers(step));
-    if (step->plan.useImage)
-        QC_TRY(qcCull_Triangles(&d->cull, &d->triangles, step->device, &step->plan, step->def));
-    for (uint32_t r = 0; r < d->triangles.count && !step->plan.useLayers; r++)
-        step->profile.trianglePcs += QC_AT(uint8_t, d->triangles.pcs, r) != 0;
-    step->profile.cullTrianglesMs = Lap(step);
-    if (step->plan.useLayers)
-        return qc_statusOk;
-
     qcCandidateRules rules = {.triangles = &d->triangles,
                               .margin = Reach(step->def),
                               .testNeighbours = step->def->neighbours,
@@ -149,6 +176,24 @@ static qcStatus CullAndSweepTriangles(Step* step)
         QC_TRY(qcCandidates_Brute(&d->candidates, &rules, &step->profile));
     else
         QC_TRY(qcCandidates_Sweep(&d->candidates, &rules, &step->profile));
+    return qcCandidates_Add(&d->candidates, &d->layersKeys, &d->layersNeighbourKeys);
+}
+
+static qcStatus CullAndSweepTriangles(Step* step)
+{
+    qcDetector* d = step->detector;
+    QC_TRY(ChooseParts(step));
+    QC_TRY(CullLayers(step));
+    // The paper culls whole objects at the sub-object level; brute force leaves out nothing.
+    bool wholeBodies = step->plan.useImage || step->plan.method == qc_methodBrute;
+    QC_TRY(qcObjects_MarkTriangles(&d->objects, &d->triangles, Reach(step->def), wholeBodies, d->onDevice.data,
+                                   &step->profile));
+    if (step->plan.useImage)
+        QC_TRY(qcCull_Triangles(&d->cull, &d->triangles, step->device, &step->plan, step->def));
+    for (uint32_t r = 0; r < d->triangles.count; r++)
+        step->profile.trianglePcs += QC_AT(uint8_t, d->triangles.pcs, r) != 0;
+    step->profile.cullTrianglesMs = Lap(step);
+    QC_TRY(SweepTriangles(step));
     step->profile.sweepTrianglesMs = Lap(step);
     return qc_statusOk;
 }
@@ -286,6 +331,10 @@ void qcDetector_Free(qcDetector* detector)
     qcCull_Free(&detector->cull);
     qcCullLayers_Free(&detector->cullLayers);
     qcObjects_Free(&detector->objects);
+    qcParts_Free(&detector->parts);
+    qcArray_Free(&detector->onDevice);
+    qcArray_Free(&detector->layersKeys);
+    qcArray_Free(&detector->layersNeighbourKeys);
     qcCandidates_Free(&detector->candidates);
     qcNarrow_Free(&detector->narrow);
     qcManifolds_Free(&detector->manifolds);

@@ -7,7 +7,7 @@
 #include "cull_layers.h"
 #include "manifold.h"
 #include "narrow.h"
-#include "objects.h"
+#include "parts.h"
 
 typedef struct qcDetector
 {
@@ -15,6 +15,9 @@ typedef struct qcDetector
     qcCull cull;
     qcCullLayers cullLayers;
     qcObjects objects;
+    qcParts parts;
+    qcArray onDevice;                        ///< uint8_t, by body of the step: answered by the device
+    qcArray layersKeys, layersNeighbourKeys; ///< uint64_t: the device's candidates
     qcCandidates candidates;
     qcNarrow narrow;
     qcManifolds manifolds;

@@ -5,28 +5,27 @@
 // If F and G had a direction in common, x and y could both move along it, keeping their difference, until one of them
 // leaves its feature over the border: a closest pair of less dimension. So they have none, dim F + dim G <= 3; and not
 // 3, because x - y is perpendicular to both and not zero. What is left: vertex and vertex (9), vertex and edge (18),
-// two edges that are not parallel (9), vertex and face (6); a corner lies on one line of three of a degenerate
-// triangle, whose edges say all. In each case x and y are the feet of the perpendicular, within the closed features. On
-// the other hand, any such feet within the closed features are points of A and B. So the distance is at most d exactly
-// if A and B meet (qcExact_Relate) or one of the 42 pairs has its feet and says, in polynomials of differences p - q of
-// corners:
+// two edges that are not parallel (9), vertex and face (6); degenerate triangles are the unions of their edges and have
+// no face. In each case x and y are the feet of the perpendicular. On the other hand, any such feet within the closed
+// features are points of A and B. So the distance is at most d exactly if A and B meet (qcExact_Relate) or one of the 42
+// pairs has its feet and says so, in polynomials of differences of corners:
 //   vertex, vertex:  |w|^2 <= d^2                                                      w from one to the other
 //   vertex, edge:    |w x e|^2 <= d^2 |e|^2,  0 <= w.e <= |e|^2,  e not 0             w from an end to the vertex
 //   edge, edge:      (n.w)^2 <= d^2 |n|^2, 0 <= (w x e).n, (w x d).n <= |n|^2, n not 0 n = d x e, w from start to start
 //   vertex, face:    (n.w)^2 <= d^2 |n|^2, 0 <= (w x v).n, (u x w).n, their sum <= |n|^2, n not 0          n = u x v
 //
 // The filter works in the frame of the pair (closest.h), where coordinates are below 2, corners within 3.47 of the
-// origin, and any two points of A and B within 7 of each other. It believes nothing but two kinds of certificate, in
-// units of 2^-53:
-//   - Any two points of the triangles are no nearer than A and B. qcClosest_OfTriangles gives a difference whose
-//     components sum seven products and differences of magnitude below 12 with weights that sum to 1: off by less than
-//     70 each, 122 in all. Its length is off by less than 3 times 7 more.
-//   - For any vector v, whatever it came from, no two points are nearer than (min a.v - max b.v) / |v|. A dot product
-//     is off by less than 10.5 |v|, the difference of two by 21 + 7, the quotient with the length by 26 more. Where
-//     |v| is 2^-100 or more no underflow comes near that.
-//   - The frame moves a corner by up to 3.5, so that distances change by up to 7, and the comparison rounds by 8.
-// Together below 170 in either case; the filter keeps a distance of 512. The margin in the frame is exact, or below
-// 2^-1022, or so large that it says yes rightly.
+// origin, and any two points of A and B within 7 of each other. It believes nothing but two kinds of certificate. Their
+// errors in units of 2^-53:
+//   - No points are nearer than A and B. The difference of two corners, or of the points of qcClosest_OfTriangles, is a
+//     sum of up to three differences of coordinates, times weights: off by less than 50 in each component, 90 in all.
+//     Its square, compared with that of the distance, is as good as off by 14 more.
+//   - For any vector v, whatever it came from, no points are nearer than (min a.v - max b.v) / |v|. A dot product is off
+//     by less than 10.5 |v|, the difference of two by 21 + 7, the comparison of squares by 21 more. Where |v| is 2^-100
+//     or more no underflow comes near that.
+//   - The frame moves a corner by up to 3.5, so that distances change by up to 7, and adding the slack rounds by 7.
+// Together below 130 in either case; the slack is 512. The margin in the frame is exact, or below 2^-1022, or so large
+// that it says yes rightly.
 #include "exact.h"
 
 #include "closest.h"

@@ -118,9 +118,10 @@ qcStatus qcManifolds_Build(qcManifolds* m, const qcTriangles* triangles, const q
 void qcManifolds_Free(qcManifolds* m)
 {
     qcManifolds_FreeSinks(m);
-    qcArray* arrays[] = {&m->work,    &m->vertices, &m->table,  &m->items,   &m->at,       &m->choices,   &m->nodes,
-                         &m->regions, &m->numbered, &m->blocks, &m->raw,     &m->firstRaw, &m->unheard,   &m->order,
-                         &m->scratch, &m->heads,    &m->links,  &m->keepers, &m->members,  &m->manifolds, &m->points};
+    qcArray* arrays[] = {&m->work,     &m->vertices, &m->table,     &m->items,    &m->at,     &m->choices,
+                         &m->nodes,    &m->regions,  &m->parts,     &m->numbered, &m->blocks, &m->raw,
+                         &m->firstRaw, &m->unheard,  &m->order,     &m->scratch,  &m->heads,  &m->links,
+                         &m->keepers,  &m->members,  &m->manifolds, &m->points};
     for (size_t i = 0; i < sizeof arrays / sizeof arrays[0]; i++)
         qcArray_Free(arrays[i]);
 }

@@ -11,7 +11,8 @@ typedef struct qcManifolds
     qcArray items, at;          ///< pairs by key, and where in that list a pair's keys stand
     qcArray choices;            ///< a normal for each pair
     qcArray nodes;              ///< trees of regions, later of signs
-    qcArray regions, numbered;  ///< regions while their signs are looked for, and in the order of the result
+    qcArray regions, parts;     ///< while signs are looked for
+    qcArray numbered;           ///< regions in the order of the result
     qcArray sinks, blocks, raw; ///< points as the pairs see them: of one worker, of one block of pairs, all
     qcArray firstRaw;           ///< of each pair, and one more
     qcArray unheard;            ///< bool: neither the pair nor one beside it has a point

@@ -1,21 +1,26 @@
-// The signs of the normals, looked at in each region.
+// The signs of the normals. Only regions in which some pair is not apart have a choice.
 //
-// Relative signs: along a tree that reaches every pair of the region over the links that are surest, the next normal
-// is turned to agree with the one before. Surest: two pairs that are apart and agree already; then the links in order
-// of how parallel the two normals are. After Hoppe, DeRose, Duchamp, McDonald,
-// Stuetzle: Surface reconstruction from unorganized points, SIGGRAPH 1992, section 3.3. Where nothing in a region
-// crosses, the pairs that are apart keep their signs whatever the tree says: they are facts, also where a sheet in a
-// slit has facts that are opposite. Where something crosses, a pair that is apart may lie behind the sheet that it
-// crossed: then it is turned, and its distance becomes a depth.
+// Relative signs: along trees of the surest links between neighbours, each normal is turned to agree with the one
+// before. Surest: two pairs that are apart and agree already; then the links in order of how parallel the two normals
+// are. After Hoppe, DeRose, Duchamp, McDonald, Stuetzle: Surface reconstruction from unorganized points, SIGGRAPH 1992,
+// section 3.3. Normals more than 60 degrees from each other and from each other's opposite say nothing of each other's
+// sign (a floor and a wall): what no other links connect has signs of its own, and is a part.
 //
-// The sign of the region: that with the shorter way out: so far one side has to move along the normals until it lies
-// above the other in all pairs, or against them until it lies below. The pairs
-// know both sides no farther than the margin. Where the shorter way is longer than that (or both are the same, as in
-// one plane), the bodies decide: each lies on the side on which the centre of its box is, the smaller body weighing
-// more, since a large one is often concave around the contact. A body with itself has no such sides.
+// Where nothing in a region crosses, the pairs that are apart keep their signs whatever the tree says: they are facts,
+// also where a sheet in a slit has facts that are opposite. Where something crosses, a pair that is apart may lie
+// behind the sheet that it crossed: then it is turned, and its distance becomes a depth.
 //
-// Limits: with no margin and triangles smaller than the depth, two concave bodies hooked into each other can be told
-// to go the wrong way; and a one-sided region (a Moebius strip of contact) has an edge at which signs flip.
+// The sign of a part: that with the shorter way out, so far side 0 has to move along the normals until it lies above
+// side 1 in all pairs, or against them until it lies below. The pairs know both sides of a crossing no farther than the
+// margin: they are asked first, and believed if the shorter way is within the margin, and clearly shorter. Otherwise
+// two bodies decide: each lies on the side on which the centre of its box is, the smaller body weighing more, since a
+// large one is often concave around the contact. If these say nothing either, as of a body with itself, the sum of the
+// ways out of all pairs decides, which is less sure than the longest one (of a box sunk into a floor, the bottom has
+// more pairs than the walls), but not at the mercy of a single pair.
+//
+// Limits: where bodies have sunk into each other deeper than the margin, two concave ones that are hooked into each
+// other can be told to go the wrong way; and a one-sided part (a Moebius strip of contact) has an edge at which signs
+// flip.
 #include "manifold_parts.h"
 #include "sort.h"
 #include "status.h"
@@ -23,23 +28,31 @@
 #include <math.h>
 #include <string.h>
 
-// Normals of pairs that are apart and less than 60 degrees from each other go on around a corner.
+// The cosine of 60 degrees: normals nearer to each other, or to each other's opposite, are one surface's.
 static const double s_agree = 0.5;
-// Ways out that differ by less are the same but for rounding.
-static const double s_sameWay = 1e-6;
+// A way out is clearly shorter than another one by this factor.
+static const double s_shorter = 0.75;
 // A centre that lies nearer to the contact, by the size of the smaller box, is on no side.
 static const double s_noSide = 0.01;
 
-/// What is known of a region while its sign is looked for; by its first pair.
+/// A region, by its first pair.
 typedef struct Region
 {
     bool unsettled; ///< some pair is not a fact
-    bool crossing, wrongWay;
+    bool crossing;
     uint32_t fact; ///< its first pair that is apart, or UINT32_MAX
-    double along, against;
-    qcVector normal, place; ///< sums
-    uint32_t count;
 } Region;
+
+/// A part of a region, by its first pair.
+typedef struct Part
+{
+    uint32_t count;
+    bool wrongWay;
+    double along, against;       ///< the longest ways out of its pairs
+    double sumAlong, sumAgainst; ///< of the ways out
+    double size;                 ///< the longest edge
+    qcVector normal, place;      ///< sums
+} Part;
 
 static Region* RegionOf(const qcManifolds* m, uint32_t pair)
 {
@@ -66,17 +79,6 @@ static qcStatus LookAtRegions(qcManifolds* m, bool* unsettled)
     return qc_statusOk;
 }
 
-/// The pairs that are apart hold together in regions in which nothing crosses.
-static void UniteFacts(qcManifolds* m)
-{
-    uint32_t* nodes = m->nodes.data;
-    for (uint32_t p = 0; p < m->work.count; p++)
-        nodes[p] = p << 1;
-    for (uint32_t p = 0; p < m->work.count; p++)
-        if (qcManifolds_Pair(m, p)->apart && !RegionOf(m, p)->crossing)
-            qcSigned_Unite(nodes, RegionOf(m, p)->fact, p, 0);
-}
-
 /// Links of the pairs that have a key in common, each with the one before; the surest first.
 static qcStatus ListLinks(qcManifolds* m)
 {
@@ -89,12 +91,30 @@ static qcStatus ListLinks(qcManifolds* m)
             continue;
         const qcManifoldPair *a = qcManifolds_Pair(m, p), *b = qcManifolds_Pair(m, q);
         double dot = qcDot(a->normal, b->normal);
-        float doubt = a->apart && b->apart && dot > s_agree ? -1.0f : (float)(1.0 - fabs(dot));
+        if (!(fabs(dot) >= s_agree))
+            continue;
+        float doubt = a->apart && b->apart && dot > 0.0 ? -1.0f : (float)(1.0 - fabs(dot));
         QC_TRY(qcArray_Reserve(&m->order, m->order.count + 1, sizeof(qcSortItem), "signs of normals"));
         QC_AT(qcSortItem, m->order, m->order.count++) =
             (qcSortItem){(uint64_t)qcSort_FloatKey(doubt) << 1 | (dot < 0.0), (uint64_t)p << 32 | q};
     }
     return qcSort_Items(m->order.data, m->order.count, &m->scratch);
+}
+
+/// Trees of pairs that are equal or opposite. The facts of a region in which nothing crosses are one from the start.
+static void GrowTrees(qcManifolds* m)
+{
+    uint32_t* nodes = m->nodes.data;
+    for (uint32_t p = 0; p < m->work.count; p++)
+        nodes[p] = p << 1;
+    for (uint32_t p = 0; p < m->work.count; p++)
+        if (qcManifolds_Pair(m, p)->apart && !RegionOf(m, p)->crossing)
+            qcSigned_Unite(nodes, RegionOf(m, p)->fact, p, 0);
+    for (size_t i = 0; i < m->order.count; i++)
+    {
+        qcSortItem link = QC_AT(qcSortItem, m->order, i);
+        qcSigned_Unite(nodes, (uint32_t)(link.value >> 32), (uint32_t)link.value, link.key & 1u);
+    }
 }
 
 static void Turn(qcManifoldPair* pair)
@@ -103,48 +123,51 @@ static void Turn(qcManifoldPair* pair)
     pair->turned = !pair->turned;
 }
 
-/// Turns pairs so that those of a region agree with its first one; or, where facts hold, with these.
-static void Agree(qcManifolds* m)
+static void AddToPart(Part* part, const qcManifoldPair* pair, const qcProximity* proximity)
+{
+    qcRawPoint corners[qc_maxCommonCorners];
+    int count = qcManifoldPair_FindCommonPart(pair, pair->normal, corners);
+    double along = 0.0, against = 0.0;
+    for (int i = 0; i < count; i++)
+    {
+        along = fmax(along, -corners[i].distance);
+        against = fmax(against, corners[i].distance);
+    }
+    part->along = fmax(part->along, along);
+    part->against = fmax(part->against, against);
+    part->sumAlong += along;
+    part->sumAgainst += against;
+    part->size = fmax(part->size, qcManifoldPair_LongestEdge(pair, 0));
+    part->size = fmax(part->size, qcManifoldPair_LongestEdge(pair, 1));
+    part->normal = qcPlusScaled(part->normal, pair->normal, 1.0);
+    part->place = qcPlusScaled(part->place, qcVector_Load(proximity->pointA), 0.5);
+    part->place = qcPlusScaled(part->place, qcVector_Load(proximity->pointB), 0.5);
+    part->count++;
+}
+
+/// Turns each pair so that it agrees with the first of its part; or with the facts of its region, if it hangs together
+/// with them. Parts without them are summed up.
+static qcStatus Agree(qcManifolds* m, const qcProximity* proximities)
 {
     uint32_t* nodes = m->nodes.data;
-    for (size_t i = 0; i < m->order.count; i++)
-    {
-        qcSortItem link = QC_AT(qcSortItem, m->order, i);
-        qcSigned_Unite(nodes, (uint32_t)(link.value >> 32), (uint32_t)link.value, link.key & 1u);
-    }
+    QC_TRY(qcArray_Resize(&m->parts, m->work.count, sizeof(Part), "signs of normals"));
+    memset(m->parts.data, 0, m->work.count * sizeof(Part));
     for (uint32_t p = 0; p < m->work.count; p++)
     {
         const Region* region = RegionOf(m, p);
         if (!region->unsettled)
             continue;
-        uint32_t opposite = qcSigned_Find(nodes, p) & 1u;
+        qcManifoldPair* pair = qcManifolds_Pair(m, p);
+        uint32_t root = qcSigned_Find(nodes, p), fact = UINT32_MAX;
         if (!region->crossing && region->fact != UINT32_MAX)
-            opposite ^= qcSigned_Find(nodes, region->fact) & 1u;
-        if (opposite)
-            Turn(qcManifolds_Pair(m, p));
+            fact = qcSigned_Find(nodes, region->fact);
+        bool withFacts = fact >> 1 == root >> 1;
+        if ((withFacts ? root ^ fact : root) & 1u)
+            Turn(pair);
+        if (!withFacts)
+            AddToPart(&QC_AT(Part, m->parts, root >> 1), pair, &proximities[pair->source]);
     }
-}
-
-static void SumUp(qcManifolds* m, const qcProximity* proximities)
-{
-    for (uint32_t p = 0; p < m->work.count; p++)
-    {
-        const qcManifoldPair* pair = qcManifolds_Pair(m, p);
-        Region* region = RegionOf(m, p);
-        if (!region->unsettled)
-            continue;
-        qcRawPoint corners[qc_maxCommonCorners];
-        int count = qcManifoldPair_FindCommonPart(pair, pair->normal, corners);
-        for (int i = 0; i < count; i++)
-        {
-            region->along = fmax(region->along, -corners[i].distance);
-            region->against = fmax(region->against, corners[i].distance);
-        }
-        region->normal = qcPlusScaled(region->normal, pair->normal, 1.0);
-        region->place = qcPlusScaled(region->place, qcVector_Load(proximities[pair->source].pointA), 0.5);
-        region->place = qcPlusScaled(region->place, qcVector_Load(proximities[pair->source].pointB), 0.5);
-        region->count++;
-    }
+    return qc_statusOk;
 }
 
 static qcVector CentreOf(const qcBody* body)
@@ -160,17 +183,17 @@ static double Size2(const qcBody* body)
 }
 
 /// Above 0: the bodies lie as the normals say; below: the other way round; 0: they don't say.
-static double SideOfBodies(const Region* region, const qcManifoldPair* pair)
+static double SideOfBodies(const Part* part, const qcManifoldPair* pair)
 {
-    double length = sqrt(qcDot(region->normal, region->normal));
+    double length = sqrt(qcDot(part->normal, part->normal));
     // Normals all around a body have no common side.
-    if (pair->slot[0] == pair->slot[1] || !(length > 0.5 * region->count))
+    if (pair->slot[0] == pair->slot[1] || !(length > 0.5 * part->count))
         return 0.0;
     qcVector zero = {0.0, 0.0, 0.0};
-    qcVector place = qcPlusScaled(zero, region->place, 1.0 / region->count);
+    qcVector place = qcPlusScaled(zero, part->place, 1.0 / part->count);
     double a2 = Size2(pair->body[0]), b2 = Size2(pair->body[1]);
-    double a = qcDot(qcMinus(CentreOf(pair->body[0]), place), region->normal) / length;
-    double b = qcDot(qcMinus(CentreOf(pair->body[1]), place), region->normal) / length;
+    double a = qcDot(qcMinus(CentreOf(pair->body[0]), place), part->normal) / length;
+    double b = qcDot(qcMinus(CentreOf(pair->body[1]), place), part->normal) / length;
     double smaller = sqrt(fmin(a2, b2));
     // Each as a share of the body's size, and the shares weighed by one over the size.
     double side = (a2 > 0.0 ? a / a2 : 0.0) - (b2 > 0.0 ? b / b2 : 0.0);
@@ -182,14 +205,18 @@ static bool PointsDown(qcVector n)
     return n.x != 0.0 ? n.x < 0.0 : n.y != 0.0 ? n.y < 0.0 : n.z < 0.0;
 }
 
-static bool IsWrongWay(const Region* region, const qcManifoldPair* first, double margin)
+static bool IsWrongWay(const Part* part, const qcManifoldPair* first, double margin)
 {
-    double shorter = fmin(region->along, region->against), longer = fmax(region->along, region->against);
-    bool differ = longer - shorter > s_sameWay * longer;
-    double bodies = SideOfBodies(region, first);
-    if (bodies != 0.0 && !(differ && shorter <= margin + s_sameWay * longer))
+    double shorter = fmin(part->along, part->against), longer = fmax(part->along, part->against);
+    double rounding = QC_MANIFOLD_ROUNDING * part->size;
+    if (shorter <= margin + rounding && shorter < s_shorter * longer - rounding)
+        return part->against < part->along;
+    double bodies = SideOfBodies(part, first);
+    if (bodies != 0.0)
         return bodies < 0.0;
-    return differ ? region->against < region->along : PointsDown(first->normal);
+    if (fabs(part->sumAlong - part->sumAgainst) > rounding * part->count)
+        return part->sumAgainst < part->sumAlong;
+    return PointsDown(first->normal);
 }
 
 qcStatus qcManifolds_ChooseSigns(qcManifolds* m, const qcProximity* proximities, double margin)
@@ -199,18 +226,16 @@ qcStatus qcManifolds_ChooseSigns(qcManifolds* m, const qcProximity* proximities,
     if (!unsettled)
         return qc_statusOk;
     QC_TRY(qcArray_Resize(&m->nodes, m->work.count, sizeof(uint32_t), "signs of normals"));
-    UniteFacts(m);
     QC_TRY(ListLinks(m));
-    Agree(m);
-    SumUp(m, proximities);
+    GrowTrees(m);
+    QC_TRY(Agree(m, proximities));
     for (uint32_t p = 0; p < m->work.count; p++)
     {
-        Region* region = &QC_AT(Region, m->regions, p);
-        bool factsDecide = !region->crossing && region->fact != UINT32_MAX;
-        region->wrongWay = region->unsettled && !factsDecide && IsWrongWay(region, qcManifolds_Pair(m, p), margin);
+        Part* part = &QC_AT(Part, m->parts, p);
+        part->wrongWay = part->count != 0 && IsWrongWay(part, qcManifolds_Pair(m, p), margin);
     }
     for (uint32_t p = 0; p < m->work.count; p++)
-        if (RegionOf(m, p)->wrongWay)
+        if (QC_AT(Part, m->parts, qcSigned_Find(m->nodes.data, p) >> 1).wrongWay)
             Turn(qcManifolds_Pair(m, p));
     return qc_statusOk;
 }

@@ -142,7 +142,7 @@ static void MarkFor(const qcObjects* objects, qcTriangles* triangles, uint32_t b
 }
 
 qcStatus qcObjects_MarkTriangles(qcObjects* objects, qcTriangles* triangles, double margin, bool wholeBodies,
-                                 qcProfile* profile)
+                                 const uint8_t* elsewhere, qcProfile* profile)
 {
     QC_TRY(qcArray_Resize(&objects->partners, triangles->bodyCount, sizeof(uint32_t), "pairs of bodies"));
     if (triangles->bodyCount != 0)
@@ -155,17 +155,21 @@ qcStatus qcObjects_MarkTriangles(qcObjects* objects, qcTriangles* triangles, dou
     for (uint32_t body = 0; body < triangles->bodyCount; body++)
     {
         uint32_t partners = QC_AT(uint32_t, objects->partners, body);
-        if (partners > qc_mostPartners || (partners > 0 && wholeBodies))
+        if ((elsewhere == NULL || !elsewhere[body]) && (partners > qc_mostPartners || (partners > 0 && wholeBodies)))
             MarkAll(triangles, body, qcTriangles_Pcs(qc_setNfv, qc_setBfv));
     }
     for (size_t i = 0; i < objects->pairs.count && !wholeBodies; i++)
     {
         qcBodyPair pair = QC_AT(qcBodyPair, objects->pairs, i);
+        if (elsewhere != NULL && elsewhere[pair.a])
+            continue;
         MarkFor(objects, triangles, pair.a, pair.b, margin);
         MarkFor(objects, triangles, pair.b, pair.a, margin);
     }
     for (uint32_t body = 0; body < triangles->bodyCount; body++)
     {
+        if (elsewhere != NULL && elsewhere[body])
+            continue;
         bool self = qcBody_MeetsItself(qcTriangles_Body(triangles, body));
         if (self)
             MarkAll(triangles, body, qcTriangles_Pcs(qc_setBfv, qc_setNfv));

@@ -38,8 +38,9 @@ qcStatus qcObjects_FindPairsBrute(qcObjects* objects, const qcTriangles* triangl
 
 /// Puts into NFV the triangles that take part: of a body that is tested with itself all; of a body with one to a few
 /// partners those whose boxes come within the margin of a partner's; of one with many, or with `wholeBodies`, all.
+/// `elsewhere`: a flag a body; those set, and so all whom they meet, are answered elsewhere and left out. May be null.
 qcStatus qcObjects_MarkTriangles(qcObjects* objects, qcTriangles* triangles, double margin, bool wholeBodies,
-                                 qcProfile* profile);
+                                 const uint8_t* elsewhere, qcProfile* profile);
 void qcObjects_Free(qcObjects* objects);
 
 #endif

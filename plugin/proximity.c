@@ -24,10 +24,10 @@ static const double s_rounding = 0x1p-44;
 // A direction that loses more than this against the distance asks for a better one.
 static const double s_loss = 0x1p-40;
 
-enum
+static double Length(qcVector v)
 {
-    qc_mostRounds = 32
-};
+    return sqrt(qcDot(v, v));
+}
 
 typedef struct Axis
 {
@@ -49,7 +49,7 @@ static double Gap(const qcPairFrame* frame, qcVector n)
 /// Tries a direction of any length, both ways.
 static void TryAxis(const qcPairFrame* frame, qcVector v, Axis* best)
 {
-    double length = sqrt(qcDot(v, v));
+    double length = Length(v);
     if (length < 0x1p-500)
         return;
     for (int way = 0; way < 2; way++)
@@ -72,7 +72,7 @@ static void TryCross(const qcPairFrame* frame, qcVector d, qcVector e, Axis* bes
 {
     qcVector n = qcCross(d, e);
     double d2 = qcDot(d, d), e2 = qcDot(e, e);
-    if (!(qcDot(n, n) > s_rounding * s_rounding * d2 * e2))
+    if (!(d2 > 0x1p-200 && e2 > 0x1p-200 && qcDot(n, n) > s_rounding * s_rounding * d2 * e2))
         return;
     // Nearly parallel: the cross product is not across them as well as it could be, and slivers are long.
     n = d2 < e2 ? WithoutPart(WithoutPart(n, d), e) : WithoutPart(WithoutPart(n, e), d);
@@ -176,42 +176,38 @@ static void SetMiddle(const double p[3], const double q[3], double middle[3])
         middle[axis] = p[axis] == q[axis] ? p[axis] : 0.5 * p[axis] + 0.5 * q[axis];
 }
 
-/// Where a point of world space has its feet on both triangles; how far these are apart.
-static double FindFeet(const qcPairFrame* frame, const double point[3], qcClosestPoints* feet)
+/// How far a point of world space is from the triangle farther from it, in the frame.
+static double FarFromBoth(const qcPairFrame* frame, const double point[3])
 {
     double local[3];
     for (int axis = 0; axis < 3; axis++)
         local[axis] = qcPairFrame_Length(frame, point[axis] - frame->origin[axis]);
     qcVector x = qcVector_Load(local);
-    qcClosest_OnTriangle(frame->a, x, feet->weightsA);
-    qcClosest_OnTriangle(frame->b, x, feet->weightsB);
-    qcVector d = {0.0, 0.0, 0.0};
-    for (int i = 0; i < 3; i++)
-        d = qcPlusScaled(qcPlusScaled(d, frame->a[i], feet->weightsA[i]), frame->b[i], -feet->weightsB[i]);
-    return sqrt(qcDot(d, d));
+    return fmax(Length(qcClosest_FromTriangle(frame->a, x)), Length(qcClosest_FromTriangle(frame->b, x)));
 }
 
-/// The middle of the segment in which the two meet. Its ends are right to 20 bits along nearly parallel planes: the
-/// feet of such a point are closer, and so are the feet of the point between them.
-static void SetCommonPoint(const qcPairFrame* frame, const double a[3][3], const double b[3][3], qcProximity* proximity)
+/// The middle of the segment in which the two meet. Where they are nearly parallel its ends are right to 20 bits only,
+/// and it may lie outside: then an end, or the point between the closest points of features (`between`), is nearer.
+static void SetCommonPoint(const qcPairFrame* frame, const double a[3][3], const double b[3][3],
+                           const double between[3], double point[3])
 {
     qcSegment segment;
     qcExact_Segment(a, b, &segment);
     double middle[3];
     SetMiddle(segment.p, segment.q, middle);
-    qcClosestPoints feet;
-    double apart = FindFeet(frame, middle, &feet);
+    const double* candidates[4] = {middle, segment.p, segment.q, between};
     // Points of world space cannot tell less than an ulp.
     double size = fmax(fmax(fabs(middle[0]), fabs(middle[1])), fabs(middle[2]));
-    double least = s_rounding + 0x1p-50 * qcPairFrame_Length(frame, size);
-    for (int round = 0; round < qc_mostRounds && apart > least; round++)
+    double enough = s_rounding + 0x1p-50 * qcPairFrame_Length(frame, size), nearest = INFINITY;
+    for (int i = 0; i < 4 && nearest > enough; i++)
     {
-        SetPoint(a, frame->a, feet.weightsA, frame->exponent, proximity->pointA);
-        SetPoint(b, frame->b, feet.weightsB, frame->exponent, proximity->pointB);
-        SetMiddle(proximity->pointA, proximity->pointB, middle);
-        apart = FindFeet(frame, middle, &feet);
+        double far = FarFromBoth(frame, candidates[i]);
+        if (i == 0 || far < nearest)
+        {
+            nearest = far;
+            memcpy(point, candidates[i], 3 * sizeof(double));
+        }
     }
-    memcpy(proximity->pointA, middle, sizeof middle);
 }
 
 /// As qcProximity_Of, for triangles in the order of their corners.
@@ -222,15 +218,18 @@ static void Compute(const double a[3][3], const double b[3][3], qcRelation relat
     qcPairFrame_Set(&frame, a, b);
     qcClosestPoints closest;
     qcClosest_OfTriangles(frame.a, frame.b, &closest);
-    double distance = meet ? 0.0 : sqrt(qcDot(closest.difference, closest.difference));
+    double distance = meet ? 0.0 : Length(closest.difference);
     SetPoint(a, frame.a, closest.weightsA, frame.exponent, proximity->pointA);
     SetPoint(b, frame.b, closest.weightsB, frame.exponent, proximity->pointB);
-    if (relation == qc_relationPenetrating)
-        SetCommonPoint(&frame, a, b, proximity);
-    if (relation == qc_relationTouching)
-        SetMiddle(proximity->pointA, proximity->pointB, proximity->pointA);
     if (meet)
+    {
+        double between[3];
+        SetMiddle(proximity->pointA, proximity->pointB, between);
+        memcpy(proximity->pointA, between, sizeof between);
+        if (relation == qc_relationPenetrating)
+            SetCommonPoint(&frame, a, b, between, proximity->pointA);
         memcpy(proximity->pointB, proximity->pointA, sizeof proximity->pointB);
+    }
     Axis axis = FindAxis(&frame, &closest, distance);
     memcpy(proximity->normal, (double[]){axis.direction.x, axis.direction.y, axis.direction.z},
            sizeof proximity->normal);

@@ -1,6 +1,7 @@
 # The scene, its methods against each other, sets and lemmas, contacts, memory.
 qc_test(test_scene test_scene.c LIBRARIES qc_oracle)
 qc_test(test_methods test_methods.c LIBRARIES qc_oracle)
+qc_test(test_far_away test_far_away.c LIBRARIES qc_oracle)
 qc_test(test_clusters INTERNAL test_clusters.c LIBRARIES qc_oracle)
 qc_test(test_visibility_sets INTERNAL test_visibility_sets.c)
 qc_test(test_visibility_culling test_visibility_culling.c LIBRARIES qc_oracle)

@@ -44,7 +44,7 @@ deny 'the C ABI includes its own headers and the C library only' "${include}(\"[
     include/quickcullide/quickcullide.h include/quickcullide/scene.h
 
 # A stage includes no header of a stage after it; scene.c and detect.c see the whole line.
-line='bodies plan visibility_sets triangles cull_visibility cull sweep objects candidates exact contact narrow manifold detect'
+line='bodies plan visibility_sets triangles cull_visibility cull sweep objects parts candidates exact contact narrow manifold detect'
 after=$line
 for stage in $line; do
     after=${after#"$stage"}

@@ -137,7 +137,8 @@ QC_API uint32_t qcScene_GetBodyCount(const qcScene* scene);
 
 typedef enum qcMethod
 {
-    /// The planner chooses among the methods that never miss.
+    /// The planner chooses among the methods that never miss: `layers` on the device where that is measured to be
+    /// quicker, `sweep` for the rest. The answer is the same.
     qc_methodAuto = 0,
     /// Every pair of triangles through the exact test: O(n^2).
     qc_methodBrute = 1,
@@ -177,18 +178,20 @@ typedef struct qcProximity
 {
     /// In A and in B; the same point, of A ∩ B, where they meet.
     double pointA[3], pointB[3];
-    /// Unit vector, from B towards A: along it A moves away from B. Pairs that are apart: from pointB to pointA.
+    /// Unit vector, from B towards A: along it A moves away from B. Pairs that are apart: from pointB to pointA. Pairs
+    /// that meet: the direction in which the least move parts them, of a face rather than of edges where both do.
     double normal[3];
-    /// 0 where they meet.
+    /// 0 where they meet; infinity beyond the largest double.
     double distance;
     /// How far A has to move along the normal until it only touches B: the least such move over the directions of the
     /// separating axes (both faces, nine edge pairs). 0 unless they penetrate, and for coplanar triangles.
     double depth;
 } qcProximity;
 
-/// Is the distance of two triangles at most `margin`? Exact for any finite coordinates and margin >= 0; O(1).
-/// `proximity` (may be null) is filled when the answer is yes: rounded in double, distance and points to a relative
-/// error of about 1e-12 of the triangles' extent. Any thread.
+/// Is the distance of two triangles at most `margin`? Exact for any finite coordinates and margin >= 0; O(1). False for
+/// a margin below 0 or NaN. `proximity` (may be null) is filled when the answer is yes: rounded in double, distance,
+/// depth and points to 1e-12 of the triangles' extent, however far from the origin they lie, the normal to 1e-15 times
+/// extent / distance. Exchanging A and B gives the mirror image to the last bit. Any thread.
 QC_API bool qcTrianglesWithin(const double* a, const double* b, double margin, qcProximity* proximity);
 
 typedef struct qcDetectDef
@@ -216,8 +219,8 @@ typedef struct qcDetectDef
     //  What follows speaks to `layers` only; it changes the cost, never the answer.
     /// Pixels on a side of the image, rounded down to a power of two, up to 4096; 0: from the number of triangles.
     uint32_t layerColumns;
-    /// 'x', 'y' or 'z': the axis that the image looks along; 0: the one along which the scene is thinnest. One view is all
-    /// it takes: intervals are compared along all axes at once, so that a further view has nothing left to cut.
+    /// 'x', 'y' or 'z': the axis that the image looks along; 0: the one along which the scene is thinnest. One view is
+    /// all it takes: intervals are compared along all axes at once, so that a further view has nothing left to cut.
     char layerDepthAxis;
     //  What follows speaks to `cullide` and `quick` only.
     /// Axes to look along, in this order: 1 to 3 different letters of "xyz", ended by a zero.
@@ -344,7 +347,7 @@ typedef struct qcPassRecord
 /// What a step did, in the order of the line of data. Times are wall-clock milliseconds.
 typedef struct qcProfile
 {
-    qcMethod method;    ///< what ran; never qc_methodAuto
+    qcMethod method;    ///< what ran; never qc_methodAuto: `layers` as soon as the device answered for a part
     const char* device; ///< name of the device that was used; "none" when the CPU answered alone
     /// Why another method than the one asked for ran, or null.
     const char* fallback;
@@ -355,6 +358,8 @@ typedef struct qcProfile
         totalMs;
 
     uint32_t bodies, triangles;
+    uint32_t parts;             ///< groups of bodies that can meet; counted where the device may take some
+    uint32_t partsOnDevice;     ///< of these, answered by `layers`; the sweep answered the others
     uint32_t objectPcs;         ///< bodies left after object-level culling
     uint64_t bodyPairs;         ///< pairs of bodies whose boxes overlap and that may meet
     uint32_t selfBodies;        ///< bodies tested with themselves

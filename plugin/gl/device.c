@@ -20,8 +20,16 @@ enum
     // glGetError can go on for ever once a context is lost.
     qc_maxGlErrors = 64,
     // Drivers compile shaders here; some C libraries give threads only 128 KiB.
-    qc_stackSize = 8 << 20
+    qc_stackSize = 8 << 20,
+    // Numbers of threads that one process uses with one device.
+    qc_keptCosts = 8
 };
+
+typedef struct KeptCosts
+{
+    uint32_t threads; ///< 0: none
+    qcPlanCosts costs;
+} KeptCosts;
 
 typedef enum TurnState
 {
@@ -44,7 +52,9 @@ struct qcDevice
 
     pthread_t thread;
     pthread_mutex_t callers; ///< held by the one caller that is being served
-    pthread_mutex_t mutex;   ///< guards the rest
+    KeptCosts costs[qc_keptCosts];
+    pthread_mutex_t costsMutex; ///< guards them
+    pthread_mutex_t mutex;      ///< guards the rest
     pthread_cond_t changed;
     TurnState turn;
     qcDeviceJob* job;
@@ -231,6 +241,7 @@ static void FreeDevice(qcDevice* device)
 {
     pthread_cond_destroy(&device->changed);
     pthread_mutex_destroy(&device->mutex);
+    pthread_mutex_destroy(&device->costsMutex);
     pthread_mutex_destroy(&device->callers);
     qcFree(device, sizeof *device);
 }
@@ -250,6 +261,7 @@ qcStatus qcDevice_Create(const qcDeviceDef* def, qcDevice** result)
         return qcFailMemory(sizeof *device, "a device");
     pthread_mutex_init(&device->callers, NULL);
     pthread_mutex_init(&device->mutex, NULL);
+    pthread_mutex_init(&device->costsMutex, NULL);
     pthread_cond_init(&device->changed, NULL);
 
     qcDeviceKind kind = def->kind == qc_deviceAuto ? qc_deviceEgl : def->kind;
@@ -319,4 +331,28 @@ qcStatus qcDevice_Run(qcDevice* device, qcDeviceJob* job, void* context, const c
     pthread_mutex_unlock(&device->mutex);
     pthread_mutex_unlock(&device->callers);
     return status;
+}
+
+bool qcDevice_FindCosts(qcDevice* device, uint32_t threads, qcPlanCosts* costs)
+{
+    bool found = false;
+    pthread_mutex_lock(&device->costsMutex);
+    for (int i = 0; i < qc_keptCosts && !found; i++)
+    {
+        found = device->costs[i].threads == threads;
+        if (found)
+            *costs = device->costs[i].costs;
+    }
+    pthread_mutex_unlock(&device->costsMutex);
+    return found;
+}
+
+void qcDevice_KeepCosts(qcDevice* device, uint32_t threads, const qcPlanCosts* costs)
+{
+    pthread_mutex_lock(&device->costsMutex);
+    int place = 0;
+    while (place < qc_keptCosts - 1 && device->costs[place].threads != 0 && device->costs[place].threads != threads)
+        place++;
+    device->costs[place] = (KeptCosts){threads, *costs};
+    pthread_mutex_unlock(&device->costsMutex);
 }

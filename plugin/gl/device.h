@@ -2,6 +2,7 @@
 #ifndef QC_PLUGIN_GL_DEVICE_H
 #define QC_PLUGIN_GL_DEVICE_H
 
+#include "costs.h"
 #include "quickcullide/device.h"
 
 struct qcGlTable;
@@ -14,5 +15,9 @@ typedef qcStatus qcDeviceJob(const struct qcGlTable* gl, void* context);
 /// Runs a job and waits for it. Any thread. qc_statusDevice on a device without GL.
 /// When the job left a GL error behind, qc_statusDevice, naming the error and `purpose`.
 qcStatus qcDevice_Run(qcDevice* device, qcDeviceJob* job, void* context, const char* purpose);
+
+/// Costs that were measured on the device with as many threads are kept with it. False: there are none yet. Any thread.
+bool qcDevice_FindCosts(qcDevice* device, uint32_t threads, qcPlanCosts* costs);
+void qcDevice_KeepCosts(qcDevice* device, uint32_t threads, const qcPlanCosts* costs);
 
 #endif

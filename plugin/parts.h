@@ -1,0 +1,22 @@
+// The parts of a scene: bodies that can meet each other, directly or by way of others. What is found in one part is
+// independent of all others, so that each may be answered by another method.
+#ifndef QC_PLUGIN_PARTS_H
+#define QC_PLUGIN_PARTS_H
+
+#include "objects.h"
+#include "plan.h"
+
+typedef struct qcParts
+{
+    qcArray parts;  ///< of qcPlanPart
+    qcArray partOf; ///< uint32_t, by body of the step: its part, or QC_NO_PART
+    qcArray parents;
+} qcParts;
+
+/// The body meets nothing.
+#define QC_NO_PART UINT32_MAX
+
+qcStatus qcParts_Find(qcParts* parts, const qcTriangles* triangles, const qcObjects* objects);
+void qcParts_Free(qcParts* parts);
+
+#endif
