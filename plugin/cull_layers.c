@@ -74,12 +74,12 @@ static qcStatus FindInterests(Step* step)
     return qc_statusOk;
 }
 
-/// About four nodes a pixel, were they spread evenly over a surface: fewer entries for nodes that cover several pixels,
-/// and lists that are still short (folded cloths of 20 K and 250 K, llvmpipe).
+/// About one node a pixel, were they spread evenly over a surface: with fewer pixels lists grow long, with more a node
+/// has many entries (folded cloths of 20 K and 250 K: 16 and 32 columns are best on llvmpipe).
 static uint32_t ChooseColumnsLog2(uint32_t nodes)
 {
     uint32_t log2 = 0;
-    while (log2 < 12 && (uint64_t)16 << 2 * log2 <= nodes)
+    while (log2 < 12 && (uint64_t)4 << 2 * log2 <= nodes)
         log2++;
     return log2;
 }

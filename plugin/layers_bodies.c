@@ -219,7 +219,9 @@ static qcStatus UploadLocals(qcLayersBodies* bodies, qcLayersPlace* place, uint3
     place->exponent = 0;
     if (half > 0.0)
         frexp(half, &place->exponent);
-    double unit = ldexp(1.0, place->exponent < -960 ? 960 : -place->exponent);
+    // So that the inverse is finite too.
+    place->exponent = place->exponent < -960 ? -960 : place->exponent;
+    double unit = ldexp(1.0, -place->exponent);
     Vertex* staged = Stage(&bodies->locals, body->vertexCount, sizeof(Vertex));
     for (uint32_t v = 0; v < body->vertexCount; v++)
     {
@@ -272,7 +274,7 @@ static qcStatus UploadTopology(qcLayersBodies* bodies, qcLayersPlace* place, uin
 static bool FindTransform(const qcLayersPlace* place, const qcBody* body, const qcLayersFrame* frame,
                           float transform[3][4])
 {
-    double size = ldexp(1.0, place->exponent), error = 0.0;
+    double size = ldexp(1.0, place->exponent);
     for (int i = 0; i < 3; i++)
     {
         const double* row = body->transform.linear + 3 * frame->axes[i];
@@ -287,11 +289,13 @@ static bool FindTransform(const qcLayersPlace* place, const qcBody* body, const 
         }
         transform[i][3] = (float)(at * frame->unit);
         // The sums that make `at` are in double: as exact as world positions are.
-        error = fmax(error, (10.0 * rho + 5.0 * fabs(at * frame->unit)) * 0x1p-24 +
-                                0x1p-49 * (world + fabs(frame->origin[i])) * frame->unit);
+        double error = (10.0 * rho + 5.0 * fabs(at * frame->unit)) * 0x1p-24 +
+                       0x1p-49 * (world + fabs(frame->origin[i])) * frame->unit;
+        // Not a number when something overflowed on the way. Below the smallest float, products would be lost.
+        if (!(error + 0x1p-60 <= frame->pointError))
+            return false;
     }
-    // Also false when something overflowed on the way. Below the smallest float, products would be lost.
-    return error + 0x1p-60 <= frame->pointError;
+    return true;
 }
 
 typedef struct Conversion

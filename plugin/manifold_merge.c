@@ -14,6 +14,8 @@
 
 // Cells of this many tolerances: a place next to a border is looked for on both sides, most places are in one cell.
 static const double s_cell = 8.0;
+// What is one distance, by the tolerance: a hundred millionth of the size of the triangles.
+static const double s_step = 0x1p-20;
 
 /// A point that stays, in the lists of the cells of its two ends.
 typedef struct Link
@@ -22,6 +24,7 @@ typedef struct Link
     uint32_t next; ///< one more than the next link; 0: none
 } Link;
 
+/// Distances that differ by rounding only are equal, so that what lies in one plane keeps the order of its pairs.
 static qcStatus SortDeepestFirst(qcManifolds* m)
 {
     QC_TRY(qcArray_Resize(&m->order, m->raw.count, sizeof(qcSortItem), "contact points"));
@@ -29,8 +32,9 @@ static qcStatus SortDeepestFirst(qcManifolds* m)
     {
         const qcRawPoint* point = &QC_AT(qcRawPoint, m->raw, i);
         uint64_t region = qcManifolds_Pair(m, point->pair)->region;
-        QC_AT(qcSortItem, m->order, i) =
-            (qcSortItem){region << 32 | qcSort_FloatKey((float)point->distance), (uint64_t)i};
+        double step = s_step * QC_AT(qcContactRegion, m->numbered, region).tolerance;
+        double distance = step > 0.0 ? rint(point->distance / step) : point->distance;
+        QC_AT(qcSortItem, m->order, i) = (qcSortItem){region << 32 | qcSort_FloatKey((float)distance), (uint64_t)i};
     }
     return qcSort_Items(m->order.data, m->order.count, &m->scratch);
 }

@@ -46,23 +46,30 @@ typedef struct Job
 typedef struct Found
 {
     qcVector normal;
-    double tolerance, rounding;
+    double tolerance;
     qcRawPoint points[qc_maxCommonCorners + 1];
     int count;
 } Found;
 
-/// Of corners over the same place the deepest stays; of equals the first.
+/// The deepest first; those that differ by rounding only in the order in which they were found.
+static void SortByDepth(qcRawPoint* points, int count, double rounding)
+{
+    for (int i = 1; i < count; i++)
+    {
+        qcRawPoint point = points[i];
+        int at = i;
+        for (; at > 0 && points[at - 1].distance > point.distance + rounding; at--)
+            points[at] = points[at - 1];
+        points[at] = point;
+    }
+}
+
+/// Of points over the same place the first stays.
 static void Keep(Found* found, const qcRawPoint* point)
 {
     for (int i = 0; i < found->count; i++)
-    {
-        qcRawPoint* other = &found->points[i];
-        if (!qcRawPoint_AreSame(point, other, found->normal, found->normal, found->tolerance))
-            continue;
-        if (point->distance < other->distance - found->rounding)
-            *other = *point;
-        return;
-    }
+        if (qcRawPoint_AreSame(point, &found->points[i], found->normal, found->normal, found->tolerance))
+            return;
     found->points[found->count++] = *point;
 }
 
@@ -93,22 +100,19 @@ static void FindPoints(const Job* job, uint32_t index, Found* found)
     const qcManifoldPair* pair = qcManifolds_Pair(job->manifolds, index);
     found->normal = pair->normal;
     found->tolerance = QC_AT(qcContactRegion, job->manifolds->numbered, pair->region).tolerance;
-    found->rounding =
-        QC_MANIFOLD_ROUNDING * fmax(qcManifoldPair_LongestEdge(pair, 0), qcManifoldPair_LongestEdge(pair, 1));
     found->count = 0;
+    double size = fmax(qcManifoldPair_LongestEdge(pair, 0), qcManifoldPair_LongestEdge(pair, 1));
+    double rounding = QC_MANIFOLD_ROUNDING * size, limit = job->margin * (1.0 + QC_MANIFOLD_ROUNDING) + rounding;
     qcRawPoint corners[qc_maxCommonCorners];
     int count = qcManifoldPair_FindCommonPart(pair, pair->normal, corners);
-    double limit = job->margin * (1.0 + QC_MANIFOLD_ROUNDING) + found->rounding, least = INFINITY;
+    SortByDepth(corners, count, rounding);
     for (int i = 0; i < count; i++)
-    {
-        least = fmin(least, corners[i].distance);
         if (corners[i].distance <= limit)
             Keep(found, &corners[i]);
-    }
     // Nothing comes nearer than the closest points, which are over each other along their own normal: some corner is
     // as near, unless rounding or a face seen edge-on has hidden it.
-    bool hidden = least > pair->gap + 1e3 * found->rounding;
-    if (pair->apart && pair->own && !pair->turned && hidden && found->count != 0)
+    bool hidden = found->count != 0 && found->points[0].distance > pair->gap + 1e3 * rounding;
+    if (pair->apart && pair->own && !pair->turned && hidden)
         found->points[found->count++] = Witness(pair, &job->proximities[pair->source]);
 }
 

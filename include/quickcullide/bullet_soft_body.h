@@ -41,8 +41,13 @@ struct qcSoftBodyStatistics
     int rounds = 0;      ///< times that contacts were solved
     int frozenNodes = 0; ///< nodes put back to where they started, because nothing else helped
     int remaining = 0;   ///< pairs that penetrate at the end of the step: those that did at its start, too
+    /// What answered the last query of the step: never qc_methodAuto, `layers` as soon as the device had a share.
+    qcMethod method = qc_methodSweep;
+    const char* device = "none"; ///< name of the device that had a share, "none" where the CPU answered alone
+    /// Why another method than the one asked for ran in this step, or null. Valid until the next step.
+    const char* fallback = nullptr;
     /// Milliseconds of all queries of the step, and what their stages took of it.
-    double detectMs = 0, sweepMs = 0, exactMs = 0, contactMs = 0;
+    double detectMs = 0, cullMs = 0, sweepMs = 0, exactMs = 0, contactMs = 0;
     double respondMs = 0; ///< moving nodes apart
 };
 
@@ -60,7 +65,9 @@ struct qcSoftBodyStatistics
 class QC_API qcSoftBodySolver : public btDefaultSoftBodySolver
 {
   public:
-    qcSoftBodySolver();
+    /// `device` draws for the methods that need GL; null is the same as a device of kind none. It must outlive the
+    /// solver, and may serve others meanwhile.
+    explicit qcSoftBodySolver(qcDevice* device = nullptr);
     ~qcSoftBodySolver() override;
     qcSoftBodySolver(const qcSoftBodySolver&) = delete;
     qcSoftBodySolver& operator=(const qcSoftBodySolver&) = delete;
@@ -73,6 +80,10 @@ class QC_API qcSoftBodySolver : public btDefaultSoftBodySolver
 
     /// Threads of the queries; 0: one per core.
     void setThreadCount(unsigned threads);
+    /// The method of the queries, from the next one on; qc_methodAuto if this is never called. The simulation does not
+    /// depend on it, its cost does. `cullide` and `quick` know no contacts: with them each step keeps Bullet's own
+    /// positions, status qc_statusBadInput.
+    void setMethod(qcMethod method);
 
     void optimize(btAlignedObjectArray<btSoftBody*>& softBodies, bool forceUpdate = false) override;
     void solveConstraints(btScalar timeStep) override;

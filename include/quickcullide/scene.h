@@ -230,12 +230,15 @@ typedef struct qcDetectDef
     /// Rounds over the views; 0: until nothing changes.
     uint32_t iterations;
     //  Beyond the paper; all off is the paper.
-    /// Draw back to front along the view: what lies in front is drawn last, and is fully visible more often.
+    /// Draw back to front along the view: what lies in front is drawn last, and is fully visible more often. Each view
+    /// has its own order, and so its own sets.
     bool backToFront;
     /// Reverse the depth comparison in the second pass: fully behind is as good a separating surface as fully in front.
+    /// Pays back to front; in another order it prunes less than without.
     bool secondPassFromBack;
-    /// Grow each primitive by half a pixel and by the margin before it is tested, so that what is nearer than that is
-    /// not culled.
+    /// Grow each primitive by half a pixel and by half the margin in x, y and z before it is drawn and tested: nothing
+    /// is missed, at any resolution. For bodies and for triangles of different bodies; self-collision is left to the
+    /// sweep, since neighbours, grown, meet in every view.
     bool reliable;
 } qcDetectDef;
 

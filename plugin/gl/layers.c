@@ -35,8 +35,7 @@
 //   4e-6), and |w|_1 >= |w|. Axes shorter than 1e-20, where products could vanish, don't count.
 // - Lists. Each kernel counts what it would write, whether it fits or not; what was too small grows, and the kernels
 // run
-//   again. Loops that an implementation stopped early are noticed (see common.glsl) and run again with more
-//   invocations.
+//   again. Loops that an implementation stopped early are noticed: then the step fails, and the sweep answers.
 #include "gl/layers.h"
 
 #include "gl/device.h"
@@ -89,7 +88,7 @@ static const BufferShape s_shapes[work_end] = {
     [work_trianglePairs] = {"trianglePairs", 4, GL_R32UI},
     [work_survivors] = {NULL, 8, 0},
     [work_heads] = {NULL, 4, 0},
-    [work_counters] = {NULL, 4, 0},
+    [work_counters] = {"counted", 4, GL_R32UI},
 };
 
 typedef enum Kernel
@@ -299,6 +298,12 @@ static void BindAll(const struct qcGlTable* gl, const qcLayers* layers)
     gl->BindBufferBase(GL_SHADER_STORAGE_BUFFER, 0, layers->buffers[work_counters]);
 }
 
+/// One less than there is room for; see common.glsl.
+static GLuint ListCapacity(const qcLayers* layers, int buffer)
+{
+    return (GLuint)(layers->capacity[buffer] - 1);
+}
+
 static void SetUniforms(const struct qcGlTable* gl, const qcLayers* layers, int kernel, uint32_t nodeCount)
 {
     const qcLayersStep* step = layers->step;
@@ -308,11 +313,11 @@ static void SetUniforms(const struct qcGlTable* gl, const qcLayers* layers, int 
         [uniform_nodeCount] = nodeCount,
         [uniform_pixelShift] = 15 - step->columnsLog2,
         [uniform_columnShift] = step->columnsLog2,
-        [uniform_entryCapacity] = (GLuint)layers->capacity[work_entries],
-        [uniform_nodePairCapacity] = (GLuint)layers->capacity[work_nodePairs],
-        [uniform_clusterPairCapacity] = (GLuint)layers->capacity[work_clusterPairs],
-        [uniform_trianglePairCapacity] = (GLuint)layers->capacity[work_trianglePairs],
-        [uniform_survivorCapacity] = (GLuint)layers->capacity[work_survivors],
+        [uniform_entryCapacity] = ListCapacity(layers, work_entries),
+        [uniform_nodePairCapacity] = ListCapacity(layers, work_nodePairs),
+        [uniform_clusterPairCapacity] = ListCapacity(layers, work_clusterPairs),
+        [uniform_trianglePairCapacity] = ListCapacity(layers, work_trianglePairs),
+        [uniform_survivorCapacity] = ListCapacity(layers, work_survivors),
         [uniform_testNeighbours] = step->testNeighbours,
     };
     for (int i = 0; i < uniform_integers; i++)
@@ -374,21 +379,22 @@ static void RunLists(const struct qcGlTable* gl, qcLayers* layers)
 static qcStatus GrowLists(const struct qcGlTable* gl, qcLayers* layers, bool* again)
 {
     *again = false;
+    if (Count(layers, counter_stopped) != 0)
+        return qcFail(qc_statusDevice,
+                      "layers: a pixel's list, or a node's pixels, are more than the device's loops do");
     for (int counter = 0; counter <= counter_survivors; counter++)
     {
         uint32_t count = Count(layers, (Counter)counter);
         // small.
         if (count > qc_mostItems || Count(layers, counter_overflow) != 0)
             return qcFail(qc_statusDevice, "layers: more than %d pairs in one list", qc_mostItems);
-        if (count <= layers->capacity[s_counted[counter]])
+        if (count <= ListCapacity(layers, s_counted[counter]))
             continue;
         QC_TRY(Resize(gl, layers, s_counted[counter], count + count / 4));
         *again = true;
     }
     for (int i = 0; i < kernel_count - kernel_nodePairs; i++)
         *again = *again || Count(layers, (Counter)i) > layers->started[kernel_nodePairs + i];
-    if (Count(layers, counter_stopped) != 0)
-        return qcFail(qc_statusDevice, "layers: a pixel's list is too long for the device");
     return qc_statusOk;
 }
 

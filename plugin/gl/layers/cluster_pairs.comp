@@ -4,7 +4,7 @@ uniform uint nodePairCapacity, clusterPairCapacity;
 
 void main()
 {
-    uint total = min(counters[nodePairCounter], nodePairCapacity);
+    uint total = countOf(nodePairCounter, nodePairCapacity);
     uint i = ITEM;
     if (i >= total)
         return;

@@ -11,6 +11,13 @@ uniform usamplerBuffer activeNodes;
 uniform usamplerBuffer boxes, clusterBoxes, nodeBoxes, entries, nodePairs, clusterPairs, trianglePairs;
 
 layout(std430, binding = 0) buffer Counters { uint counters[]; };
+uniform usamplerBuffer counted; // the same; reading it as a texture takes a tenth of the time on llvmpipe
+
+// Items in a list that another kernel has counted.
+uint countOf(int counter, uint capacity)
+{
+    return min(texelFetch(counted, counter).x, capacity);
+}
 
 const uint none = 0xffffffffu;
 
@@ -57,7 +64,8 @@ uvec4 upperEnds(uvec4 box)
     q3 = texelFetch(source, second + 7);                                                                               \
     mask.y &= ROW(q0, 0) | ROW(q1, 8) | ROW(q2, 16) | ROW(q3, 24);
 
-// Writes item << 6 | bit for each bit of the mask. One atomic an invocation: they are what costs most on a CPU.
+// Writes item << 6 | bit for each bit of the mask. One atomic an invocation: they are what costs most on a CPU. A list
+// has room for one more than its capacity: what does not fit goes there, without a branch.
 #define WRITE_BITS(list, capacity, counter, item, mask)                                                                \
     uint count = uint(bitCount(mask.x) + bitCount(mask.y));                                                            \
     if (count != 0u)                                                                                                   \
@@ -69,8 +77,7 @@ uvec4 upperEnds(uvec4 box)
             uint word = isLow ? mask.x : mask.y, bit = uint(findLSB(word)) + (isLow ? 0u : 32u);                       \
             word &= word - 1u;                                                                                         \
             mask = isLow ? uvec2(word, mask.y) : uvec2(0u, word);                                                      \
-            if (place < capacity)                                                                                      \
-                list[place] = item << 6 | bit;                                                                         \
+            list[min(place, capacity)] = item << 6 | bit;                                                              \
         }                                                                                                              \
     }
 

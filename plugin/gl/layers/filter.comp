@@ -18,7 +18,7 @@ bool separates(vec3 axis)
 
 void main()
 {
-    uint total = min(counters[trianglePairCounter], trianglePairCapacity);
+    uint total = countOf(trianglePairCounter, trianglePairCapacity);
     uint i = ITEM;
     if (i >= total)
         return;
@@ -41,28 +41,28 @@ void main()
     b *= up, c *= up, d *= up, e *= up, f *= up;
     gap = (4.0 * pointError + reach) * up * 1.0001 + 4e-6;
 
-    // Edges and normals of both; a third of the axes a time, since most are done after the first.
-    vec3 p0 = b, p1 = c, p2 = c - b, q0 = e - d, q1 = f - d, q2 = f - e, n = cross(p0, p1), m = cross(q0, q1);
+    vec3 bc = c - b, de = e - d, df = f - d, ef = f - e, n = cross(b, c), m = cross(de, df);
+    // No short cuts: arithmetic costs less than branches.
     bool apart = separates(n);
     apart = separates(m) || apart;
-    int third = 0;
-    do
-    {
-        apart = separates(cross(p0, q0)) || apart;
-        apart = separates(cross(p0, q1)) || apart;
-        apart = separates(cross(p0, q2)) || apart;
-        apart = separates(cross(n, p0)) || apart;
-        apart = separates(cross(m, q0)) || apart;
-        vec3 first = p0;
-        p0 = p1, p1 = p2, p2 = first;
-        first = q0;
-        q0 = q1, q1 = q2, q2 = first;
-        third++;
-    } while (!apart && third < 3);
+    apart = separates(cross(b, de)) || apart;
+    apart = separates(cross(b, df)) || apart;
+    apart = separates(cross(b, ef)) || apart;
+    apart = separates(cross(c, de)) || apart;
+    apart = separates(cross(c, df)) || apart;
+    apart = separates(cross(c, ef)) || apart;
+    apart = separates(cross(bc, de)) || apart;
+    apart = separates(cross(bc, df)) || apart;
+    apart = separates(cross(bc, ef)) || apart;
+    apart = separates(cross(n, b)) || apart;
+    apart = separates(cross(n, c)) || apart;
+    apart = separates(cross(n, bc)) || apart;
+    apart = separates(cross(m, de)) || apart;
+    apart = separates(cross(m, df)) || apart;
+    apart = separates(cross(m, ef)) || apart;
     if (!apart)
     {
         uint place = atomicAdd(counters[survivorCounter], 1u);
-        if (place < survivorCapacity)
-            outSurvivors[place] = uvec2(s, t);
+        outSurvivors[min(place, survivorCapacity)] = uvec2(s, t);
     }
 }

@@ -13,7 +13,7 @@ bool mayMeet(uint a, uint b)
 
 void main()
 {
-    uint total = min(counters[entryCounter], entryCapacity);
+    uint total = countOf(entryCounter, entryCapacity);
     uint i = ITEM;
     if (i >= total)
         return;
@@ -21,7 +21,7 @@ void main()
     uvec4 entry = texelFetch(entries, int(i));
     uvec4 p = texelFetch(nodeBoxes, int(entry.x));
     uint next = i;
-    // Some implementations stop a loop after 65 535 trips.
+    bool stopped = false; // some implementations do it, after 65 535 trips of both loops
     while (next != none)
     {
         uvec2 other = texelFetch(entries, int(next)).xy;
@@ -35,12 +35,13 @@ void main()
             uvec4 node = texelFetch(nodes, int(a)); // body, first link, end of links
             if (mayMeet(node.x, texelFetch(nodes, int(b)).x))
             {
-                uint table = none;
-                for (uint k = node.y; k < node.z; k++)
+                uint table = none, k = node.y;
+                for (; k < node.z; k++)
                 {
                     uvec2 link = texelFetch(links, int(k)).xy;
                     table = link.x == b ? link.y : table;
                 }
+                stopped = stopped || k < node.z;
                 uint place = atomicAdd(counters[nodePairCounter], 1u);
                 if (place < nodePairCapacity)
                     outNodePairs[place] = uvec4(a, b, table, 0u);
@@ -49,6 +50,6 @@ void main()
             }
         }
     }
-    if (next != none)
+    if (stopped || next != none)
         counters[stoppedCounter] = 1u;
 }

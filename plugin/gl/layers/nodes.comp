@@ -25,7 +25,7 @@ void main()
     if (OVERLAP(box, interest))
     {
         uvec2 first = lower.xy >> pixelShift, last = upper.xy >> pixelShift, size = last - first + 1u;
-        uint place = atomicAdd(counters[entryCounter], size.x * size.y);
+        uint place = atomicAdd(counters[entryCounter], size.x * size.y), end = place + size.x * size.y;
         for (uint y = first.y; y <= last.y; y++)
             for (uint x = first.x; x <= last.x; x++, place++)
                 if (place < entryCapacity)
@@ -35,6 +35,9 @@ void main()
                 }
                 else if (place >= 0x80000000u)
                     counters[overflowCounter] = 1u;
+        // Some implementations stop the loops of an invocation after 65 535 trips in all.
+        if (place != end)
+            counters[stoppedCounter] = 1u;
     }
     else
         atomicAdd(counters[skippedCounter], 1u);

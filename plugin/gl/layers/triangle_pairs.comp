@@ -4,7 +4,7 @@ uniform uint clusterPairCapacity, trianglePairCapacity, testNeighbours;
 
 void main()
 {
-    uint total = min(counters[clusterPairCounter], clusterPairCapacity);
+    uint total = countOf(clusterPairCounter, clusterPairCapacity);
     uint i = ITEM;
     if (i >= total)
         return;
