@@ -7,8 +7,8 @@
 // 3, because x - y is perpendicular to both and not zero. What is left: vertex and vertex (9), vertex and edge (18),
 // two edges that are not parallel (9), vertex and face (6); degenerate triangles are the unions of their edges and have
 // no face. In each case x and y are the feet of the perpendicular. On the other hand, any such feet within the closed
-// features are points of A and B. So the distance is at most d exactly if A and B meet (qcExact_Relate) or one of the 42
-// pairs has its feet and says so, in polynomials of differences of corners:
+// features are points of A and B. So the distance is at most d exactly if A and B meet (qcExact_Relate) or one of the
+// 42 pairs has its feet and says so, in polynomials of differences of corners:
 //   vertex, vertex:  |w|^2 <= d^2                                                      w from one to the other
 //   vertex, edge:    |w x e|^2 <= d^2 |e|^2,  0 <= w.e <= |e|^2,  e not 0             w from an end to the vertex
 //   edge, edge:      (n.w)^2 <= d^2 |n|^2, 0 <= (w x e).n, (w x d).n <= |n|^2, n not 0 n = d x e, w from start to start
@@ -20,9 +20,9 @@
 //   - No points are nearer than A and B. The difference of two corners, or of the points of qcClosest_OfTriangles, is a
 //     sum of up to three differences of coordinates, times weights: off by less than 50 in each component, 90 in all.
 //     Its square, compared with that of the distance, is as good as off by 14 more.
-//   - For any vector v, whatever it came from, no points are nearer than (min a.v - max b.v) / |v|. A dot product is off
-//     by less than 10.5 |v|, the difference of two by 21 + 7, the comparison of squares by 21 more. Where |v| is 2^-100
-//     or more no underflow comes near that.
+//   - For any vector v, whatever it came from, no points are nearer than (min a.v - max b.v) / |v|. A dot product is
+//     off by less than 10.5 |v|, the difference of two by 21 + 7, the comparison of squares by 21 more. Where |v| is
+//     2^-100 or more no underflow comes near that.
 //   - The frame moves a corner by up to 3.5, so that distances change by up to 7, and adding the slack rounds by 7.
 // Together below 130 in either case; the slack is 512. The margin in the frame is exact, or below 2^-1022, or so large
 // that it says yes rightly.

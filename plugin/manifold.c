@@ -42,6 +42,7 @@ static qcStatus NumberRegions(qcManifolds* m)
         qcContactRegion* region = &QC_AT(qcContactRegion, m->numbered, pair->region);
         region->tolerance +=
             s_tolerance * fmin(qcManifoldPair_LongestEdge(pair, 0), qcManifoldPair_LongestEdge(pair, 1));
+        region->crossing = region->crossing || pair->crossing;
         region->pairs++;
     }
     for (uint32_t r = 0; r < m->numbered.count; r++)
@@ -66,7 +67,7 @@ static qcManifoldPoint PointOf(const qcManifolds* m, const qcRawPoint* raw)
                              .featureB = {raw->feature[1][0], raw->feature[1][1]}};
     Store(raw->end[0], point.pointA);
     Store(raw->end[1], point.pointB);
-    Store(pair->normal, point.normal);
+    Store(raw->normal, point.normal);
     return point;
 }
 

@@ -46,7 +46,7 @@ static void CornersOverFace(Sight* sight, int side)
         if (!inside)
             continue;
         uint32_t vertex = qcManifoldPair_Vertex(sight->pair, side, c);
-        qcRawPoint point = {.distance = side == 0 ? height : -height};
+        qcRawPoint point = {.normal = n, .distance = side == 0 ? height : -height};
         point.end[side] = x;
         point.end[1 - side] = foot;
         point.feature[side][0] = point.feature[side][1] = vertex;
@@ -81,7 +81,7 @@ static void EdgeOverEdge(Sight* sight, int e, int f)
     double s = qcDot(w, sight->across[1][f]) / cross, t = qcDot(w, sight->across[0][e]) / cross;
     if (!ClampToEdge(&s) || !ClampToEdge(&t))
         return;
-    qcRawPoint point = {.end = {qcPlusScaled(a, u, s), qcPlusScaled(b, v, t)}};
+    qcRawPoint point = {.end = {qcPlusScaled(a, u, s), qcPlusScaled(b, v, t)}, .normal = sight->normal};
     point.distance = qcDot(qcMinus(point.end[0], point.end[1]), sight->normal);
     NameEdge(sight->pair, 0, e, point.feature[0]);
     NameEdge(sight->pair, 1, f, point.feature[1]);

@@ -57,7 +57,7 @@ static uint32_t* HeadOf(qcManifolds* m, uint32_t region, int end, double x, doub
 typedef struct Search
 {
     const qcRawPoint* point;
-    const qcManifoldPair* pair;
+    uint32_t region;
     double tolerance;
 } Search;
 
@@ -67,9 +67,8 @@ static uint32_t FindInCell(const qcManifolds* m, const Search* search, uint32_t 
     {
         uint32_t raw = QC_AT(Link, m->links, at - 1).raw;
         const qcRawPoint* other = &QC_AT(qcRawPoint, m->raw, raw);
-        const qcManifoldPair* pair = qcManifolds_Pair(m, other->pair);
-        if (pair->region == search->pair->region &&
-            qcRawPoint_AreSame(search->point, other, search->pair->normal, pair->normal, search->tolerance))
+        if (qcManifolds_Pair(m, other->pair)->region == search->region &&
+            qcRawPoint_AreSame(search->point, other, search->tolerance))
             return raw;
     }
     return UINT32_MAX;
@@ -91,7 +90,7 @@ static uint32_t Find(qcManifolds* m, const Search* search, double scale)
                 {
                     if ((i && x[1] == x[0]) || (j && y[1] == y[0]) || (k && z[1] == z[0]))
                         continue;
-                    uint32_t found = FindInCell(m, search, *HeadOf(m, search->pair->region, end, x[i], y[j], z[k]));
+                    uint32_t found = FindInCell(m, search, *HeadOf(m, search->region, end, x[i], y[j], z[k]));
                     if (found != UINT32_MAX)
                         return found;
                 }
@@ -104,8 +103,7 @@ static void Insert(qcManifolds* m, const Search* search, uint32_t raw, double sc
     for (int end = 0; end < 2; end++)
     {
         qcVector p = search->point->end[end];
-        uint32_t* head =
-            HeadOf(m, search->pair->region, end, floor(p.x * scale), floor(p.y * scale), floor(p.z * scale));
+        uint32_t* head = HeadOf(m, search->region, end, floor(p.x * scale), floor(p.y * scale), floor(p.z * scale));
         QC_AT(Link, m->links, m->links.count++) = (Link){raw, *head};
         *head = (uint32_t)m->links.count;
     }
@@ -129,8 +127,8 @@ qcStatus qcManifolds_MergePoints(qcManifolds* m)
     {
         uint32_t raw = (uint32_t)QC_AT(qcSortItem, m->order, i).value;
         Search search = {.point = &QC_AT(qcRawPoint, m->raw, raw)};
-        search.pair = qcManifolds_Pair(m, search.point->pair);
-        search.tolerance = QC_AT(qcContactRegion, m->numbered, search.pair->region).tolerance;
+        search.region = qcManifolds_Pair(m, search.point->pair)->region;
+        search.tolerance = QC_AT(qcContactRegion, m->numbered, search.region).tolerance;
         double scale = search.tolerance > 0.0 ? 1.0 / (s_cell * search.tolerance) : 1.0;
         uint32_t keeper = Find(m, &search, scale);
         QC_AT(uint32_t, m->members, raw) = UINT32_MAX;

@@ -30,6 +30,7 @@ typedef struct qcManifoldPair
     uint32_t slot[2], triangle[2];
     uint32_t vertex[2][3]; ///< corners: the numbers of their positions among those of all pairs
     qcVector normal;       ///< unit, from side 1 towards side 0
+    qcVector reported;     ///< the pair's own, as it came
     double gap;            ///< the pair's own distance, or minus its depth
     uint32_t region;       ///< its first pair; later its number
     uint32_t source;       ///< the reported pair
@@ -37,7 +38,8 @@ typedef struct qcManifoldPair
     bool own;              ///< the normal is the one of the report, up to its sign
     bool turned;           ///< the normal was turned around to agree with its region
     bool apart;            ///< before that, side 0 lies above side 1 along it: a fact, not a choice
-    bool surpassed;        ///< apart, and a pair beside it comes nearer from the same feet
+    bool parted;           ///< the reported normal parts the two triangles
+    bool surpassed;        ///< parted, and a pair beside it comes nearer from the same feet
     bool crossing;         ///< penetrating, other than in one plane
 } qcManifoldPair;
 
@@ -45,6 +47,7 @@ typedef struct qcManifoldPair
 typedef struct qcRawPoint
 {
     qcVector end[2];
+    qcVector normal;
     double distance;
     uint32_t pair;
     uint32_t feature[2][2]; ///< see qcManifoldPoint
@@ -90,7 +93,8 @@ typedef struct qcContactRegion
     uint32_t slot[2];
     double tolerance; ///< points no farther apart than this are one
     uint32_t pairs;
-    bool rigid; ///< neither side deforms
+    bool rigid;    ///< neither side deforms
+    bool crossing; ///< some pair is
 } qcContactRegion;
 
 //  ---- trees with a sign at every branch -------------------------------------------------------------------
@@ -149,13 +153,12 @@ void qcManifolds_FreeSinks(qcManifolds* manifolds);
 
 /// Do two points say the same of the same place: one end of theirs nearly the same, and their normals too? Then only
 /// the deeper one counts; the other is the same feature found from another triangle, or lies behind it.
-static inline bool qcRawPoint_AreSame(const qcRawPoint* p, const qcRawPoint* q, qcVector normalP, qcVector normalQ,
-                                      double tolerance)
+static inline bool qcRawPoint_AreSame(const qcRawPoint* p, const qcRawPoint* q, double tolerance)
 {
     qcVector d = qcMinus(p->end[0], q->end[0]), e = qcMinus(p->end[1], q->end[1]);
     double limit = tolerance * tolerance;
     // 30 degrees: a corner on a floor and against a wall is two contacts.
-    return (qcDot(d, d) <= limit || qcDot(e, e) <= limit) && qcDot(normalP, normalQ) >= 0.866;
+    return (qcDot(d, d) <= limit || qcDot(e, e) <= limit) && qcDot(p->normal, q->normal) >= 0.866;
 }
 
 static inline qcManifoldPair* qcManifolds_Pair(const qcManifolds* manifolds, uint32_t pair)

@@ -4,9 +4,10 @@
 // They are what a resting box stands on, where the closest points of the pair would be just one point somewhere in
 // between. A corner farther apart than the margin is no contact.
 //
-// A pair without corners (all beyond the margin, seen edge-on, or one that took its normal from a neighbour and lies
-// beside it rather than over it) leaves its place to the pairs around it; if these have no point either, its closest
-// points speak. So every pair is heard: by a point of its own, or of a pair beside it, or of one that says the same.
+// A pair without corners (all beyond the margin, seen edge-on, or one that took its normal from its faces or a
+// neighbour and lies beside it rather than over it) leaves its place to the pairs around it, or to the one that
+// surpassed it, which comes nearer. If these have no point either, what it said itself is the point. So every pair is
+// heard: by a point of its own, or of a pair beside it, or of one that says the same; or something comes nearer.
 #include "manifold_parts.h"
 #include "parallel.h"
 #include "status.h"
@@ -45,7 +46,6 @@ typedef struct Job
 /// The points of a pair so far.
 typedef struct Found
 {
-    qcVector normal;
     double tolerance;
     qcRawPoint points[qc_maxCommonCorners + 1];
     int count;
@@ -68,15 +68,19 @@ static void SortByDepth(qcRawPoint* points, int count, double rounding)
 static void Keep(Found* found, const qcRawPoint* point)
 {
     for (int i = 0; i < found->count; i++)
-        if (qcRawPoint_AreSame(point, &found->points[i], found->normal, found->normal, found->tolerance))
+        if (qcRawPoint_AreSame(point, &found->points[i], found->tolerance))
             return;
     found->points[found->count++] = *point;
 }
 
-/// The closest points of the pair. Where the normal is not theirs, its ends lie on it around their middle.
-static qcRawPoint Witness(const qcManifoldPair* pair, const qcProximity* proximity)
+/// What the pair said itself, turned if that is how the pairs around a crossing agreed.
+static qcRawPoint Witness(const qcManifolds* m, uint32_t index, const qcProximity* proximities)
 {
+    const qcManifoldPair* pair = qcManifolds_Pair(m, index);
+    const qcProximity* proximity = &proximities[pair->source];
     qcRawPoint point = {.end = {qcVector_Load(proximity->pointA), qcVector_Load(proximity->pointB)},
+                        .normal = pair->reported,
+                        .pair = index,
                         .feature = {{UINT32_MAX, UINT32_MAX}, {UINT32_MAX, UINT32_MAX}}};
     if (pair->swapped)
     {
@@ -84,21 +88,16 @@ static qcRawPoint Witness(const qcManifoldPair* pair, const qcProximity* proximi
         point.end[0] = point.end[1];
         point.end[1] = swap;
     }
-    qcVector d = qcMinus(point.end[0], point.end[1]);
-    point.distance = qcDot(d, pair->normal);
-    if (!pair->own)
-    {
-        qcVector middle = qcPlusScaled(point.end[1], d, 0.5);
-        point.end[0] = qcPlusScaled(middle, pair->normal, 0.5 * point.distance);
-        point.end[1] = qcPlusScaled(middle, pair->normal, -0.5 * point.distance);
-    }
+    bool isFree = !pair->parted || QC_AT(qcContactRegion, m->numbered, pair->region).crossing;
+    if (isFree && qcDot(pair->reported, pair->normal) < 0.0)
+        point.normal = qcNegated(point.normal);
+    point.distance = qcDot(qcMinus(point.end[0], point.end[1]), point.normal);
     return point;
 }
 
 static void FindPoints(const Job* job, uint32_t index, Found* found)
 {
     const qcManifoldPair* pair = qcManifolds_Pair(job->manifolds, index);
-    found->normal = pair->normal;
     found->tolerance = QC_AT(qcContactRegion, job->manifolds->numbered, pair->region).tolerance;
     found->count = 0;
     double size = fmax(qcManifoldPair_LongestEdge(pair, 0), qcManifoldPair_LongestEdge(pair, 1));
@@ -113,7 +112,7 @@ static void FindPoints(const Job* job, uint32_t index, Found* found)
     // as near, unless rounding or a face seen edge-on has hidden it.
     bool hidden = found->count != 0 && found->points[0].distance > pair->gap + 1e3 * rounding;
     if (pair->apart && pair->own && !pair->turned && hidden)
-        found->points[found->count++] = Witness(pair, &job->proximities[pair->source]);
+        found->points[found->count++] = Witness(job->manifolds, index, job->proximities);
 }
 
 static void TakeBlock(void* context, size_t block, uint32_t worker)
@@ -157,10 +156,10 @@ static qcStatus EmptySinks(qcManifolds* m, uint32_t threads)
     return qc_statusOk;
 }
 
-/// Neither the pair nor one beside it has a point. `counts`: points by pair.
+/// Neither the pair nor one beside it has a point, and none comes nearer. `counts`: points by pair.
 static bool IsUnheard(const qcManifolds* m, uint32_t pair, const size_t* counts)
 {
-    if (counts[pair] != 0)
+    if (counts[pair] != 0 || qcManifolds_Pair(m, pair)->surpassed)
         return false;
     qcBeside ring[qc_maxRing];
     uint32_t count = qcManifolds_CollectRing(m, pair, ring);
@@ -191,9 +190,7 @@ static qcStatus Gather(const Job* job)
         QC_AT(size_t, m->firstRaw, p) = m->raw.count;
         if (QC_AT(bool, m->unheard, p))
         {
-            qcRawPoint point = Witness(qcManifolds_Pair(m, p), &job->proximities[qcManifolds_Pair(m, p)->source]);
-            point.pair = p;
-            QC_AT(qcRawPoint, m->raw, m->raw.count++) = point;
+            QC_AT(qcRawPoint, m->raw, m->raw.count++) = Witness(m, p, job->proximities);
         }
         if (count != 0)
             memcpy(&QC_AT(qcRawPoint, m->raw, m->raw.count),

@@ -94,12 +94,13 @@ static qcStatus TakePairs(qcManifolds* m, const qcTriangles* t, const qcPair* pa
             .source = (uint32_t)i,
             .own = true,
             .crossing = pair->relation == qc_relationPenetrating && proximity->depth > 0.0};
+        work.reported = work.normal;
         // A seam, or neighbours that were asked for: that they hang together is no contact.
         if (pair->relation == qc_relationTouching && pair->bodyA == pair->bodyB && ShareCorner(&work))
             continue;
         qcWaysOut ways = qcManifoldPair_WaysOut(&work, work.normal);
         double rounding = QC_MANIFOLD_ROUNDING * (ways.along + ways.against);
-        work.apart = pair->relation == qc_relationNear && ways.along < -rounding;
+        work.apart = work.parted = pair->relation == qc_relationNear && ways.along < -rounding;
         QC_AT(qcManifoldPair, m->work, m->work.count++) = work;
     }
     return qc_statusOk;
@@ -255,6 +256,7 @@ static void SwapSides(qcManifoldPair* pair)
         memcpy(pair->vertex[side], other.vertex[1 - side], sizeof pair->vertex[side]);
     }
     pair->normal = qcNegated(pair->normal);
+    pair->reported = pair->normal;
     pair->swapped = true;
 }
 

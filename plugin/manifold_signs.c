@@ -1,4 +1,4 @@
-// The signs of the normals. Only regions in which some pair is not apart have a choice.
+// The signs of the normals. Only regions in which some pair touches or penetrates have a choice.
 //
 // Relative signs: along trees of the surest links between neighbours, each normal is turned to agree with the one
 // before. Surest: two pairs that are apart and agree already; then the links in order of how parallel the two normals
@@ -38,7 +38,7 @@ static const double s_noSide = 0.01;
 /// A region, by its first pair.
 typedef struct Region
 {
-    bool unsettled; ///< some pair is not a fact
+    bool unsettled; ///< some pair meets
     bool crossing;
     uint32_t fact; ///< its first pair that is apart, or UINT32_MAX
 } Region;
@@ -71,9 +71,9 @@ static qcStatus LookAtRegions(qcManifolds* m, bool* unsettled)
         const qcManifoldPair* pair = qcManifolds_Pair(m, p);
         Region* region = RegionOf(m, p);
         region->crossing = region->crossing || pair->crossing;
-        if (!pair->apart)
+        if (!pair->parted)
             region->unsettled = *unsettled = true;
-        else if (region->fact == UINT32_MAX)
+        if (pair->apart && region->fact == UINT32_MAX)
             region->fact = p;
     }
     return qc_statusOk;

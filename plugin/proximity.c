@@ -22,7 +22,7 @@
 // equals wins: a face before edges.
 static const double s_rounding = 0x1p-44;
 // A direction that loses more than this against the distance asks for a better one.
-static const double s_loss = 0x1p-40;
+static const double s_loss = 0x1p-42;
 
 static double Length(qcVector v)
 {

@@ -24,7 +24,7 @@ static void Release(void* memory, size_t size, void* context)
 }
 
 /// One whole use of the library; stops at the first status that is not ok.
-static qcStatus UseScene(const qcSoup* soup, qcMethod method, double margin, size_t* pairs)
+static qcStatus UseScene(const qcSoup* soup, qcMethod method, double margin, bool manifolds, size_t* pairs)
 {
     qcSceneDef sceneDef = qcDefaultSceneDef();
     qcScene* scene = NULL;
@@ -41,6 +41,7 @@ static qcStatus UseScene(const qcSoup* soup, qcMethod method, double margin, siz
     qcDetectDef def = qcDefaultDetectDef();
     def.method = method;
     def.touching = def.segments = def.proximities = true;
+    def.manifolds = manifolds;
     def.contactMargin = margin;
     def.threads = 1;
     const qcResult* result;
@@ -58,13 +59,13 @@ static qcStatus UseScene(const qcSoup* soup, qcMethod method, double margin, siz
     return status;
 }
 
-static void FailEach(qcMethod method, double margin)
+static void FailEach(qcMethod method, double margin, bool manifolds, uint32_t side)
 {
-    qcSoup soup = qcSoup_MakeFoldedCloth(2, 12, 0.02, 0.03);
+    qcSoup soup = qcSoup_MakeFoldedCloth(2, side, 0.02, 0.03);
     Heap heap = {0, 0, 0};
     CHECK_OK(qcSetAllocator(Allocate, Release, &heap));
     size_t expected = 0;
-    CHECK_OK(UseScene(&soup, method, margin, &expected));
+    CHECK_OK(UseScene(&soup, method, margin, manifolds, &expected));
     ck_assert_uint_gt(expected, 0);
     size_t calls = heap.calls;
     ck_assert_uint_gt(calls, 20);
@@ -72,7 +73,7 @@ static void FailEach(qcMethod method, double margin)
     {
         size_t pairs = expected;
         heap = (Heap){0, 0, i};
-        ck_assert_int_eq(UseScene(&soup, method, margin, &pairs), qc_statusOutOfMemory);
+        ck_assert_int_eq(UseScene(&soup, method, margin, manifolds, &pairs), qc_statusOutOfMemory);
         ck_assert_ptr_nonnull(strstr(qcLastMessage(), "out of memory"));
         ck_assert_uint_eq(pairs, expected);
         ck_assert_uint_eq(heap.live, 0);
@@ -84,19 +85,25 @@ static void FailEach(qcMethod method, double margin)
 
 START_TEST(a_failed_allocation_in_sweep_leaves_the_scene_whole)
 {
-    FailEach(qc_methodSweep, 0.0);
+    FailEach(qc_methodSweep, 0.0, false, 12);
 }
 END_TEST
 
 START_TEST(a_failed_allocation_in_brute_force_leaves_the_scene_whole)
 {
-    FailEach(qc_methodBrute, 0.0);
+    FailEach(qc_methodBrute, 0.0, false, 12);
 }
 END_TEST
 
 START_TEST(a_failed_allocation_among_contacts_leaves_the_scene_whole)
 {
-    FailEach(qc_methodSweep, 0.03);
+    FailEach(qc_methodSweep, 0.03, false, 12);
+}
+END_TEST
+
+START_TEST(a_failed_allocation_among_manifolds_leaves_the_scene_whole)
+{
+    FailEach(qc_methodSweep, 0.0, true, 5);
 }
 END_TEST
 
@@ -113,4 +120,5 @@ END_TEST
 QC_RUN_TESTS("out of memory", a_failed_allocation_in_sweep_leaves_the_scene_whole,
              a_failed_allocation_in_brute_force_leaves_the_scene_whole,
              a_failed_allocation_among_contacts_leaves_the_scene_whole,
+             a_failed_allocation_among_manifolds_leaves_the_scene_whole,
              the_allocator_cannot_change_while_bytes_are_held)

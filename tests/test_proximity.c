@@ -11,8 +11,8 @@
 #include <math.h>
 #include <string.h>
 
-// Of the extent: what scene.h promises. Common points of slivers in nearly parallel planes: they converge slowly.
-static const double s_relative = 1e-12, s_relativeOfSlivers = 1e-9;
+// Of the extent: what scene.h promises.
+static const double s_relative = 1e-12;
 
 static qcProximity Find(const double a[3][3], const double b[3][3])
 {
@@ -200,9 +200,9 @@ static double GetGap(const qcTrianglePair* pair, const double normal[3])
                          qcTrianglePair_Print(pair, text));                                                            \
     } while (0)
 
-static void CheckPoints(const qcTrianglePair* pair, const qcProximity* p, double relative)
+static void CheckPoints(const qcTrianglePair* pair, const qcProximity* p)
 {
-    double tolerance = relative * GetExtent(pair) + GetWorldRounding(pair);
+    double tolerance = s_relative * GetExtent(pair) + GetWorldRounding(pair);
     double offA = GetDistanceTo(p->pointA, pair->a), offB = GetDistanceTo(p->pointB, pair->b);
     CHECK(offA <= tolerance, "the point of A is off A", offA, 0.0);
     CHECK(offB <= tolerance, "the point of B is off B", offB, 0.0);
@@ -217,7 +217,7 @@ static void CheckApart(const qcTrianglePair* pair, const qcProximity* p)
     double off = fabs(p->distance - distance);
     CHECK(off <= s_relative * extent + rounding, "distance", p->distance, distance);
     CHECK(p->depth == 0, "depth", p->depth, 0.0);
-    CheckPoints(pair, p, s_relative);
+    CheckPoints(pair, p);
     double apart =
         sqrt(pow((p->pointA[0] - p->pointB[0]) / extent, 2) + pow((p->pointA[1] - p->pointB[1]) / extent, 2) +
              pow((p->pointA[2] - p->pointB[2]) / extent, 2));
@@ -253,7 +253,7 @@ static void CheckMeeting(const qcTrianglePair* pair, const qcProximity* p, qcRel
     const double extent = GetExtent(pair);
     CHECK(p->distance == 0, "distance", p->distance, 0.0);
     CHECK(memcmp(p->pointA, p->pointB, sizeof p->pointA) == 0, "points differ", p->pointA[0], p->pointB[0]);
-    CheckPoints(pair, p, s_relativeOfSlivers);
+    CheckPoints(pair, p);
     double depth = relation == qc_relationPenetrating ? qcOracle_Depth(pair->a, pair->b) : 0;
     double tolerance = s_relative * extent + 4 * 0x1p-1074;
     CHECK(fabs(p->depth - depth) <= tolerance, "depth", p->depth, depth);
@@ -374,6 +374,35 @@ START_TEST(scale_changes_lengths_by_the_scale_and_nothing_else)
 }
 END_TEST
 
+START_TEST(a_vertex_over_a_sliver_is_as_near_as_it_is)
+{
+    // One of 10^-9 in width, 220 long, with a vertex of the other 8 * 10^-12 above it.
+    const qcTrianglePair sliver = {{{0x1.637d26db38f6bp+18, -0x1.16e37524d69ep+23, -0x1.1151c8e3dc169p+22},
+                                    {0x1.6396d36bba4f4p+18, -0x1.16e41b09b76bap+23, -0x1.1150cc1960f5cp+22},
+                                    {0x1.638c751dad755p+18, -0x1.16e3d3f0c4ca5p+23, -0x1.1150fb7f580bdp+22}},
+                                   {{0x1.639dbcf51835dp+18, -0x1.16e44a6fae81cp+23, -0x1.1150ac8011918p+22},
+                                    {0x1.637443bce4ce3p+18, -0x1.16e32e0be3fccp+23, -0x1.11516a17edea4p+22},
+                                    {0x1.637443bce4cep+18, -0x1.16e32e0be3fc9p+23, -0x1.11516a17edea4p+22}},
+                                   qc_pairKindCount};
+    CheckPair(&sliver);
+}
+END_TEST
+
+START_TEST(points_of_the_largest_triangles_are_finite)
+{
+    const double most = DBL_MAX;
+    const double a[3][3] = {{-most, 0, -most}, {most, 0, -most}, {most, 0, most}};
+    const double x[3] = {0.32 * most, most / 16, -0.34 * most};
+    const double b[3][3] = {{x[0], x[1], x[2]}, {x[0], x[1], x[2]}, {x[0], x[1], x[2]}};
+    qcProximity p = Find(a, b);
+    ck_assert_double_eq_tol(p.pointA[0] / most, 0.32, 1e-15);
+    ck_assert_double_eq_tol(p.pointA[1] / most, 0, 1e-15);
+    ck_assert_double_eq_tol(p.pointA[2] / most, -0.34, 1e-15);
+    ck_assert_double_eq_tol(p.distance / most, 1.0 / 16, 1e-15);
+    ck_assert_double_eq_tol(p.normal[1], -1, 1e-15);
+}
+END_TEST
+
 int main(void)
 {
     Suite* suite = suite_create("proximity");
@@ -389,6 +418,8 @@ int main(void)
     tcase_add_loop_test(tcase, generated_pairs_have_the_distance_and_the_depth_of_the_oracle, 0, qc_pairKindCount + 1);
     tcase_add_test(tcase, exchanging_the_two_gives_the_mirror_image);
     tcase_add_test(tcase, far_from_the_origin_nothing_is_lost);
+    tcase_add_test(tcase, a_vertex_over_a_sliver_is_as_near_as_it_is);
+    tcase_add_test(tcase, points_of_the_largest_triangles_are_finite);
     tcase_add_test(tcase, scale_changes_lengths_by_the_scale_and_nothing_else);
     suite_add_tcase(suite, tcase);
     return qcRunSuite(suite);
