@@ -29,6 +29,9 @@ fi
 found=$(wc -l <"$models/dragon.sweep")
 echo "pairs: $found, expected: 13940"
 [ "$found" -eq 13940 ]
+"$pairs" --method layers --touching --out "$models/dragon.layers" "$dragon"
+cmp "$models/dragon.sweep" "$models/dragon.layers"
+echo "layers list the same pairs"
 if [ "${1-}" = --brute ]; then
     "$pairs" --method brute --touching --out "$models/dragon.brute" "$dragon"
     cmp "$models/dragon.sweep" "$models/dragon.brute"
