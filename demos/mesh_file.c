@@ -4,6 +4,7 @@
 #include "mesh_parse.h"
 
 #include <errno.h>
+#include <math.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -95,16 +96,29 @@ bool qcMeshParser_PushTriangle(qcMeshParser* parser, uint32_t a, uint32_t b, uin
     return true;
 }
 
+bool qcMeshParser_ParseCoordinate(const qcMeshParser* parser, bool isDouble, const char* text, const char* end,
+                                  double* value)
+{
+    if (isDouble || parser->precision == qc_meshDouble)
+        return qcParseDouble(text, end, value) && isfinite(*value);
+    float single;
+    if (!qcParseFloat(text, end, &single))
+        return false;
+    *value = single;
+    return isfinite(single);
+}
+
 static bool HasEnding(const char* name, const char* ending)
 {
     size_t length = strlen(name), endingLength = strlen(ending);
     return length >= endingLength && strcasecmp(name + length - endingLength, ending) == 0;
 }
 
-bool qcMesh_ReadBytes(const char* name, const char* bytes, size_t size, qcMesh* mesh, qcMessage* message)
+bool qcMesh_ReadBytes(const char* name, const char* bytes, size_t size, qcMeshPrecision precision, qcMesh* mesh,
+                      qcMessage* message)
 {
-    *mesh = (qcMesh){0};
-    qcMeshParser parser = {name, bytes, bytes + size, 1, mesh, 0, 0, message};
+    *mesh = (qcMesh){.isDouble = precision == qc_meshDouble};
+    qcMeshParser parser = {name, bytes, bytes + size, 1, precision, mesh, 0, 0, message};
     bool isPly = size >= 4 && memcmp(bytes, "ply", 3) == 0 && (bytes[3] == '\n' || bytes[3] == '\r');
     bool read;
     if (isPly || HasEnding(name, ".ply"))
@@ -134,7 +148,7 @@ static bool ReadStream(FILE* stream, char** bytes, size_t* size)
     return ferror(stream) == 0;
 }
 
-bool qcMesh_ReadFile(const char* path, qcMesh* mesh, qcMessage* message)
+bool qcMesh_ReadFile(const char* path, qcMeshPrecision precision, qcMesh* mesh, qcMessage* message)
 {
     *mesh = (qcMesh){0};
     FILE* stream = fopen(path, "rb");
@@ -146,7 +160,7 @@ bool qcMesh_ReadFile(const char* path, qcMesh* mesh, qcMessage* message)
     if (!read)
         qcMessage_Fail(message, "%s: %s", path, strerror(errno));
     fclose(stream);
-    read = read && qcMesh_ReadBytes(path, bytes, size, mesh, message);
+    read = read && qcMesh_ReadBytes(path, bytes, size, precision, mesh, message);
     free(bytes);
     return read;
 }

@@ -13,8 +13,7 @@
 /// Vertices are numbered exactly as in the file: triangles are neighbours if they share an index.
 typedef struct qcMesh
 {
-    /// Three doubles a vertex where the file declares more than a float holds (PLY: double, int, uint), otherwise
-    /// three floats; each is the one nearest to the number in the file. All are finite.
+    /// Three doubles or three floats a vertex; each is the one nearest to the number in the file. All are finite.
     void* positions;
     bool isDouble;
     uint32_t vertexCount;
@@ -23,12 +22,22 @@ typedef struct qcMesh
     uint32_t triangleCount;
 } qcMesh;
 
+typedef enum qcMeshPrecision
+{
+    /// Doubles where the file declares more than a float holds (PLY: double, int, uint), otherwise floats. OBJ declares
+    /// nothing: floats.
+    qc_meshAsDeclared = 0,
+    /// Doubles; of numbers in a text all digits count, whatever is declared.
+    qc_meshDouble = 1
+} qcMeshPrecision;
+
 /// Reads a file. On failure the mesh is empty and the message names the file and the line, or in a binary file the
 /// element. Never takes more memory than a small multiple of the file's size.
-bool qcMesh_ReadFile(const char* path, qcMesh* mesh, qcMessage* message);
+bool qcMesh_ReadFile(const char* path, qcMeshPrecision precision, qcMesh* mesh, qcMessage* message);
 
 /// As qcMesh_ReadFile, from bytes in memory; `name` stands for the path.
-bool qcMesh_ReadBytes(const char* name, const char* bytes, size_t size, qcMesh* mesh, qcMessage* message);
+bool qcMesh_ReadBytes(const char* name, const char* bytes, size_t size, qcMeshPrecision precision, qcMesh* mesh,
+                      qcMessage* message);
 
 /// Frees the arrays and empties the mesh.
 void qcMesh_Free(qcMesh* mesh);

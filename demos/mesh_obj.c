@@ -2,7 +2,6 @@
 // Wavefront Technologies, Advanced Visualizer Manual, appendix B1, Object Files.
 #include "mesh_parse.h"
 
-#include <math.h>
 #include <string.h>
 
 typedef struct ObjReader
@@ -58,8 +57,8 @@ static bool ReadVertex(qcMeshParser* parser)
     // A weight or a colour may follow the position; what is no number at all is a damaged line.
     for (; NextWord(parser, &word, &wordEnd); ++count)
     {
-        float value;
-        if (!qcParseFloat(word, wordEnd, &value) || !isfinite(value))
+        double value;
+        if (!qcMeshParser_ParseCoordinate(parser, false, word, wordEnd, &value))
             return FailWord(parser, word, wordEnd, "is not a finite number");
         if (count < 3)
             position[count] = value;

@@ -10,6 +10,7 @@ typedef struct qcMeshParser
     const char* cursor;
     const char* end;
     uint64_t line; ///< of the cursor, from 1; 0 in binary data
+    qcMeshPrecision precision;
     qcMesh* mesh;
     size_t vertexCapacity, triangleCapacity;
     qcMessage* message;
@@ -23,6 +24,11 @@ bool qcMeshParser_ReserveVertices(qcMeshParser* parser, size_t count);
 bool qcMeshParser_ReserveTriangles(qcMeshParser* parser, size_t count);
 bool qcMeshParser_PushVertex(qcMeshParser* parser, const double position[3]);
 bool qcMeshParser_PushTriangle(qcMeshParser* parser, uint32_t a, uint32_t b, uint32_t c);
+
+/// A number that fills [text, end), as a double if it is declared as one or all are wanted, otherwise as a float.
+/// False: something else, or not finite.
+bool qcMeshParser_ParseCoordinate(const qcMeshParser* parser, bool isDouble, const char* text, const char* end,
+                                  double* value);
 
 bool qcReadPly(qcMeshParser* parser);
 bool qcReadObj(qcMeshParser* parser);

@@ -421,16 +421,13 @@ static bool NextReal(PlyReader* reader, const PlyType* type, double* value)
         return true;
     }
     bool isDouble = type->size == sizeof(double);
-    float single = 0.0f;
     if (reader->format == ply_ascii)
     {
         Word word;
         if (!NextWord(reader, &word))
             return false;
-        bool parsed = isDouble ? qcParseDouble(word.text, word.end, value) : qcParseFloat(word.text, word.end, &single);
-        if (!isDouble)
-            *value = single;
-        return (parsed && isfinite(*value)) || FailWord(reader, word, "is not a finite number");
+        bool parsed = qcMeshParser_ParseCoordinate(reader->parser, isDouble, word.text, word.end, value);
+        return parsed || FailWord(reader, word, "is not a finite number");
     }
     uint64_t bits = 0;
     if (!NextBits(reader, type, &bits))
@@ -439,6 +436,7 @@ static bool NextReal(PlyReader* reader, const PlyType* type, double* value)
         memcpy(value, &bits, sizeof *value);
     else
     {
+        float single;
         uint32_t singleBits = (uint32_t)bits;
         memcpy(&single, &singleBits, sizeof single);
         *value = single;

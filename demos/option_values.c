@@ -2,6 +2,7 @@
 #include "option_values.h"
 
 #include <errno.h>
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -32,6 +33,16 @@ uint32_t qcOption_ReadNumber(const struct argp_state* state, const char* option,
     if (text[0] < '0' || text[0] > '9' || *end != 0 || errno != 0 || value < lowest || value > highest)
         argp_error(state, "%s: '%s' is not a whole number in %u..%u", option, text, lowest, highest);
     return (uint32_t)value;
+}
+
+double qcOption_ReadLength(const struct argp_state* state, const char* option, const char* text)
+{
+    char* end;
+    double value = strtod(text, &end);
+    // strtod takes " 1", "nan" and "0x1" too.
+    if (strspn(text, "0123456789.eE+-") != strlen(text) || end == text || *end != 0 || !(value >= 0.0) || isinf(value))
+        argp_error(state, "%s: '%s' is not a number of 0 or more", option, text);
+    return value;
 }
 
 void qcOption_ReadViews(const struct argp_state* state, const char* option, const char* text, char views[4])

@@ -24,6 +24,8 @@ extern const qcWord qcDeviceWords[];
 int qcOption_ReadWord(const struct argp_state* state, const char* option, const char* text, const qcWord* words);
 uint32_t qcOption_ReadNumber(const struct argp_state* state, const char* option, const char* text, uint32_t lowest,
                              uint32_t highest);
+/// A finite number of 0 or more, in decimal.
+double qcOption_ReadLength(const struct argp_state* state, const char* option, const char* text);
 /// 1 to 3 different letters of x, y, z.
 void qcOption_ReadViews(const struct argp_state* state, const char* option, const char* text, char views[4]);
 

@@ -15,7 +15,8 @@ static bool ReadMeshes(qcPairsRun* run, qcMessage* message)
         char label[256];
         snprintf(label, sizeof label, "reading %s", options->paths[i]);
         qcProgress_Begin(0, label);
-        bool read = qcMesh_ReadFile(options->paths[i], &run->meshes[i], message);
+        bool read = qcMesh_ReadFile(options->paths[i], options->f64 ? qc_meshDouble : qc_meshAsDeclared,
+                                    &run->meshes[i], message);
         qcProgress_End();
         if (!read)
             return false;
@@ -35,7 +36,8 @@ static qcStatus OpenDevice(qcDeviceKind kind, qcDevice** device, qcDeviceInfo* i
 static qcPairsExit OpenDevices(qcPairsRun* run, qcMessage* message)
 {
     const qcPairsOptions* options = run->options;
-    bool draws = options->detect.method == qc_methodQuick || options->detect.method == qc_methodCullide;
+    bool draws = options->detect.method == qc_methodQuick || options->detect.method == qc_methodCullide ||
+                 options->detect.method == qc_methodLayers;
     qcStatus status = qc_statusOk;
     run->deviceInfo = (qcDeviceInfo){.kind = qc_deviceNone, .name = "none", .renderer = "", .version = ""};
     if (draws || options->deviceNamed)
@@ -100,12 +102,7 @@ static void Summarize(qcPairsRun* run, double* times)
         run->stages[i] = (qcPairsStage){names[i], stage[0], 0.5 * (stage[(reps - 1) / 2] + stage[reps / 2])};
     }
     for (size_t i = 0; i < run->result->pairCount; ++i)
-    {
-        if (run->result->pairs[i].relation == qc_relationPenetrating)
-            ++run->penetrating;
-        else
-            ++run->touching;
-    }
+        ++run->relations[run->result->pairs[i].relation];
 }
 
 static qcStatus Detect(qcPairsRun* run, const qcBodyId* ids, double* times)

@@ -22,6 +22,7 @@ typedef struct qcPairsOptions
     qcDeviceKind device;
     bool deviceNamed; ///< on the command line
     bool selfCollision;
+    bool f64;
     uint32_t reps;
     bool json;
     const char* out;     ///< or null
@@ -53,7 +54,7 @@ typedef struct qcPairsRun
     qcScene* scene;
     const qcResult* result; ///< of the last repetition
     qcPairsStage stages[qc_stageCount];
-    uint64_t penetrating, touching; ///< pairs
+    uint64_t relations[4]; ///< pairs of each qcRelation
 } qcPairsRun;
 
 /// Reads the command line; ends the program after --help and on a mistake.

@@ -25,13 +25,24 @@ typedef enum OptionKey
     key_noSelf,
     key_touching,
     key_neighbours,
+    key_margin,
+    key_proximities,
+    key_f64,
+    key_backToFront,
+    key_secondPassFromBack,
+    key_reliable,
     key_threads,
     key_reps,
     key_json
 } OptionKey;
 
-static const qcWord s_methods[] = {{"brute", qc_methodBrute},     {"sweep", qc_methodSweep}, {"quick", qc_methodQuick},
-                                   {"cullide", qc_methodCullide}, {"auto", qc_methodAuto},   {NULL, 0}};
+static const qcWord s_methods[] = {{"brute", qc_methodBrute},
+                                   {"sweep", qc_methodSweep},
+                                   {"layers", qc_methodLayers},
+                                   {"quick", qc_methodQuick},
+                                   {"cullide", qc_methodCullide},
+                                   {"auto", qc_methodAuto},
+                                   {NULL, 0}};
 
 static bool HasEnding(const char* name, const char* ending)
 {
@@ -48,6 +59,11 @@ static void CheckTogether(const struct argp_state* state, const qcPairsOptions* 
         argp_error(state, "--picture: '%s' does not end in .png", options->picture);
     if (options->out != NULL && options->picture != NULL && strcmp(options->out, options->picture) == 0)
         argp_error(state, "--out and --picture name the same file");
+    if (options->detect.proximities && options->out == NULL)
+        argp_error(state, "--proximities: they are written with the pairs; name a file with --out");
+    bool samples = options->detect.method == qc_methodQuick || options->detect.method == qc_methodCullide;
+    if (samples && options->detect.margin > 0.0 && !options->detect.reliable)
+        argp_error(state, "--margin: %s needs --reliable for it", qcMethod_Name(options->detect.method));
 }
 
 static error_t ReadOption(int key, char* text, struct argp_state* state)
@@ -72,6 +88,12 @@ static error_t ReadOption(int key, char* text, struct argp_state* state)
         case key_noSelf: options->selfCollision = false; return 0;
         case key_touching: options->detect.touching = true; return 0;
         case key_neighbours: options->detect.neighbours = true; return 0;
+        case key_margin: options->detect.margin = qcOption_ReadLength(state, "--margin", text); return 0;
+        case key_proximities: options->detect.proximities = true; return 0;
+        case key_f64: options->f64 = true; return 0;
+        case key_backToFront: options->detect.backToFront = true; return 0;
+        case key_secondPassFromBack: options->detect.secondPassFromBack = true; return 0;
+        case key_reliable: options->detect.reliable = true; return 0;
         case key_threads: options->detect.threads = qcOption_ReadNumber(state, "--threads", text, 0, 1024); return 0;
         case key_reps: options->reps = qcOption_ReadNumber(state, "--reps", text, 1, qc_maxReps); return 0;
         case key_json: options->json = true; return 0;
@@ -89,23 +111,48 @@ static error_t ReadOption(int key, char* text, struct argp_state* state)
 
 static const struct argp_option s_options[] = {
     {"method", key_method, "METHOD", 0,
-     "brute, sweep, quick (Quick-CULLIDE), cullide (CULLIDE) or auto (the default: picks one that never misses)", 1},
+     "brute, sweep, layers, quick (Quick-CULLIDE), cullide (CULLIDE) or auto (the default: picks one that never "
+     "misses)",
+     1},
     {"no-self", key_noSelf, NULL, 0, "Leave out triangles of one mesh that meet each other", 1},
     {"touching", key_touching, NULL, 0, "Report pairs that only touch too", 1},
     {"neighbours", key_neighbours, NULL, 0, "Test triangles of one mesh that share a vertex too", 1},
+    {"margin", key_margin, "D", 0,
+     "Report all pairs no further apart than D, touching ones too, decided exactly; D is in the units of the meshes. "
+     "0, the default: pairs that meet",
+     1},
+    {"f64", key_f64, NULL, 0,
+     "Keep every digit of the positions, for meshes far from the origin. By default OBJ is read as float, PLY as what "
+     "it "
+     "declares",
+     1},
     {"threads", key_threads, "N", 0, "Threads; 0, the default: one per core", 1},
-    {NULL, 0, NULL, 0, "For quick and cullide:", 2},
     {"device", key_device, "DEVICE", 0,
-     "auto (the default), egl (a GPU), osmesa or surfaceless (software), or none (quick and cullide then fall back on "
-     "sweep)",
-     2},
+     "What layers, quick and cullide draw with: auto (the default), egl (a GPU), osmesa or surfaceless (software), or "
+     "none (sweep then answers for them)",
+     1},
+    {NULL, 0, NULL, 0, "For quick and cullide:", 2},
     {"views", key_views, "LETTERS", 0, "Axes to look along, in this order; xyz by default", 2},
     {"resolution", key_resolution, "N", 0, "Pixels on a side, 1..4096; 4096 by default", 2},
     {"iterations", key_iterations, "N", 0, "Rounds over the views; 0, the default: until nothing changes", 2},
+    {"back-to-front", key_backToFront, NULL, 0, "Draw back to front along the view, and not in the order of the file",
+     2},
+    {"second-pass-from-back", key_secondPassFromBack, NULL, 0,
+     "Look from the other side in the second pass: what is fully behind is culled too", 2},
+    {"reliable", key_reliable, NULL, 0,
+     "Grow triangles by half a pixel and the margin before they are tested, so that nothing is missed. Self-collision "
+     "is "
+     "left to the sweep",
+     2},
     {NULL, 0, NULL, 0, "Output:", 3},
     {"out", key_out, "FILE", 0,
-     "Write the pairs, a line each, sorted: bodyA triangleA bodyB triangleB penetrating|touching. A body is the "
+     "Write the pairs, a line each, sorted: bodyA triangleA bodyB triangleB penetrating|touching|near. A body is the "
      "number of its MESH, a triangle its number in the file, both from 0; a polygon counts as the triangles of its fan",
+     3},
+    {"proximities", key_proximities, NULL, 0,
+     "Write behind each pair: distance depth pointA pointB normal, three numbers a point. The points are the closest "
+     "of "
+     "A and B; depth is how far A has to move along the normal, which points from B to A, until they only touch",
      3},
     {"picture", key_picture, "FILE.png", 0, "Draw the meshes, the potentially colliding set in red", 3},
     {"json", key_json, NULL, 0, "Report as one JSON object", 3},

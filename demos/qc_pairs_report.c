@@ -10,6 +10,15 @@
 #include <stdio.h>
 #include <string.h>
 
+static void WriteProximity(FILE* stream, const qcProximity* proximity)
+{
+    // 17 digits: each number can be read back as it is.
+    fprintf(stream, " %.17g %.17g", proximity->distance, proximity->depth);
+    const double* const vectors[] = {proximity->pointA, proximity->pointB, proximity->normal};
+    for (int i = 0; i < 9; ++i)
+        fprintf(stream, " %.17g", vectors[i / 3][i % 3]);
+}
+
 bool qcPairs_WritePairs(const qcPairsRun* run, qcMessage* message)
 {
     qcOutput output;
@@ -18,8 +27,11 @@ bool qcPairs_WritePairs(const qcPairsRun* run, qcMessage* message)
     for (size_t i = 0; i < run->result->pairCount; ++i)
     {
         const qcPair* pair = &run->result->pairs[i];
-        fprintf(output.stream, "%" PRIu32 " %" PRIu32 " %" PRIu32 " %" PRIu32 " %s\n", pair->bodyA, pair->triangleA,
+        fprintf(output.stream, "%" PRIu32 " %" PRIu32 " %" PRIu32 " %" PRIu32 " %s", pair->bodyA, pair->triangleA,
                 pair->bodyB, pair->triangleB, qcRelation_Name(pair->relation));
+        if (run->result->proximities != NULL)
+            WriteProximity(output.stream, &run->result->proximities[i]);
+        putc('\n', output.stream);
     }
     return qcOutput_Commit(&output, message);
 }
@@ -61,13 +73,20 @@ static void PrintText(const qcPairsRun* run)
         printf(" (%s)", run->deviceInfo.renderer);
     if (profile->resolution != 0)
         printf(", %" PRIu32 " x %" PRIu32 " pixels", profile->resolution, profile->resolution);
+    if (profile->columns != 0)
+        printf("\n%-12s %" PRIu32 " columns, %" PRIu64 " fragments, %" PRIu64 " pairs of them; %.1f MiB on the device",
+               "image", profile->columns, profile->fragments, profile->listPairs,
+               (double)profile->deviceBytes / (1 << 20));
     printf("\n%-12s %" PRIu32 " of %" PRIu32 " bodies, %zu of %" PRIu32 " triangles\n", "PCS", profile->objectPcs,
            profile->bodies, run->result->pcsCount, profile->triangles);
     printf("%-12s %" PRIu64 " pairs of triangles, %" PRIu64 " of them decided in exact arithmetic\n", "candidates",
            profile->candidates, profile->exactFallbacks);
-    printf("%-12s %zu: %" PRIu64 " penetrating", "pairs", run->result->pairCount, run->penetrating);
-    if (run->options->detect.touching)
-        printf(", %" PRIu64 " touching", run->touching);
+    printf("%-12s %zu: %" PRIu64 " penetrating", "pairs", run->result->pairCount,
+           run->relations[qc_relationPenetrating]);
+    if (run->options->detect.touching || run->options->detect.margin > 0.0)
+        printf(", %" PRIu64 " touching", run->relations[qc_relationTouching]);
+    if (run->options->detect.margin > 0.0)
+        printf(", %" PRIu64 " near", run->relations[qc_relationNear]);
     printf("\ntime\n");
     PrintStages(run);
 }
@@ -82,6 +101,18 @@ static void AddNumber(json_object* object, const char* name, uint64_t value)
 static void AddText(json_object* object, const char* name, const char* text)
 {
     json_object_object_add(object, name, text != NULL ? json_object_new_string(text) : NULL);
+}
+
+static void AddFlag(json_object* object, const char* name, bool value)
+{
+    json_object_object_add(object, name, json_object_new_boolean(value));
+}
+
+static void AddReal(json_object* object, const char* name, double value)
+{
+    char text[32];
+    snprintf(text, sizeof text, "%.17g", value);
+    json_object_object_add(object, name, json_object_new_double_s(value, text));
 }
 
 static void AddMs(json_object* object, const char* name, double ms)
@@ -161,6 +192,10 @@ static json_object* DescribeRun(const qcPairsRun* run)
     AddText(object, "methodAsked", qcMethod_Name(run->options->detect.method));
     AddText(object, "method", qcMethod_Name(profile->method));
     AddText(object, "fallback", profile->fallback);
+    AddReal(object, "margin", run->options->detect.margin);
+    AddFlag(object, "backToFront", run->options->detect.backToFront);
+    AddFlag(object, "secondPassFromBack", run->options->detect.secondPassFromBack);
+    AddFlag(object, "reliable", run->options->detect.reliable);
     AddText(object, "device", profile->device);
     AddText(object, "renderer", run->deviceInfo.renderer);
     AddNumber(object, "bodies", profile->bodies);
@@ -173,11 +208,19 @@ static json_object* DescribeRun(const qcPairsRun* run)
     AddNumber(object, "candidates", profile->candidates);
     AddNumber(object, "exactFallbacks", profile->exactFallbacks);
     AddNumber(object, "pairs", run->result->pairCount);
-    AddNumber(object, "penetrating", run->penetrating);
-    AddNumber(object, "touching", run->touching);
+    AddNumber(object, "penetrating", run->relations[qc_relationPenetrating]);
+    AddNumber(object, "touching", run->relations[qc_relationTouching]);
+    AddNumber(object, "near", run->relations[qc_relationNear]);
     AddNumber(object, "resolution", profile->resolution);
     AddNumber(object, "queries", profile->queries);
     AddNumber(object, "rendered", profile->rendered);
+    AddNumber(object, "columns", profile->columns);
+    AddNumber(object, "fragments", profile->fragments);
+    AddNumber(object, "listPairs", profile->listPairs);
+    AddNumber(object, "reruns", profile->reruns);
+    AddNumber(object, "uploadedBytes", profile->uploadedBytes);
+    AddNumber(object, "deviceBytes", profile->deviceBytes);
+    AddFlag(object, "softwareDevice", profile->softwareDevice);
     AddNumber(object, "reps", run->options->reps);
     json_object_object_add(object, "milliseconds", DescribeStages(run));
     json_object_object_add(object, "skips", DescribeSkips(profile));

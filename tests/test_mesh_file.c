@@ -104,15 +104,21 @@ static void BeginPly(Bytes* bytes, Encoding encoding, const char* declarations)
 }
 
 /// From memory of exactly this size, so that a checker of memory sees a read beyond the end.
-static bool Read(const char* name, const char* data, size_t size, qcMesh* mesh, qcMessage* message)
+static bool ReadAs(qcMeshPrecision precision, const char* name, const char* data, size_t size, qcMesh* mesh,
+                   qcMessage* message)
 {
     char* copy = malloc(size == 0 ? 1 : size);
     ck_assert_ptr_nonnull(copy);
     if (size != 0)
         memcpy(copy, data, size);
-    bool read = qcMesh_ReadBytes(name, copy, size, mesh, message);
+    bool read = qcMesh_ReadBytes(name, copy, size, precision, mesh, message);
     free(copy);
     return read;
+}
+
+static bool Read(const char* name, const char* data, size_t size, qcMesh* mesh, qcMessage* message)
+{
+    return ReadAs(qc_meshAsDeclared, name, data, size, mesh, message);
 }
 
 static qcMesh MustRead(const char* name, const char* data, size_t size)
@@ -494,9 +500,9 @@ START_TEST(what_is_no_mesh_file_is_refused_by_name)
 {
     qcMesh mesh;
     qcMessage message;
-    ck_assert(!qcMesh_ReadFile("there/is/no.ply", &mesh, &message));
+    ck_assert(!qcMesh_ReadFile("there/is/no.ply", qc_meshAsDeclared, &mesh, &message));
     ck_assert_str_eq(message.text, "there/is/no.ply: No such file or directory");
-    ck_assert(!qcMesh_ReadFile("/", &mesh, &message));
+    ck_assert(!qcMesh_ReadFile("/", qc_meshAsDeclared, &mesh, &message));
     ck_assert_str_eq(message.text, "/: Is a directory");
     MustFail("a.stl", "solid", 5, "a.stl: not a mesh");
 }
@@ -519,12 +525,54 @@ START_TEST(a_file_on_disk_is_read_as_its_bytes_are)
     ck_assert_int_eq(fclose(stream), 0);
     qcMesh mesh;
     qcMessage message;
-    bool read = qcMesh_ReadFile(path, &mesh, &message);
+    bool read = qcMesh_ReadFile(path, qc_meshAsDeclared, &mesh, &message);
     LeaveFolder();
     ck_assert_msg(read, "%s", message.text);
     ck_assert_uint_eq(mesh.triangleCount, faceCount);
     ck_assert_uint_eq(mesh.indices[3 * faceCount - 1], 2);
     qcMesh_Free(&mesh);
+}
+END_TEST
+
+START_TEST(where_doubles_are_wanted_all_digits_of_a_text_count)
+{
+    static const char* const texts[][2] = {
+        {"a.obj", "v 10000000.1 1e300 -0.1\nv 0 0 0\nv 1 1 1\nf 1 2 3\n"},
+        {"a.ply", "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
+                  "element face 1\nproperty list uchar int vertex_indices\nend_header\n"
+                  "10000000.1 1e300 -0.1\n0 0 0\n1 1 1\n3 0 1 2\n"}};
+    for (int i = 0; i < 2; ++i)
+    {
+        qcMesh mesh;
+        qcMessage message;
+        const char *name = texts[i][0], *text = texts[i][1];
+        ck_assert_msg(ReadAs(qc_meshDouble, name, text, strlen(text), &mesh, &message), "%s", message.text);
+        ck_assert(mesh.isDouble);
+        ck_assert_mem_eq(mesh.positions, ((const double[]){10000000.1, 1e300, -0.1, 0, 0, 0, 1, 1, 1}),
+                         9 * sizeof(double));
+        AssertIndices(&mesh, 1, (const uint32_t[]){0, 1, 2});
+        qcMesh_Free(&mesh);
+        MustFail(name, text, strlen(text), "'1e300' is not a finite number");
+    }
+}
+END_TEST
+
+START_TEST(where_doubles_are_wanted_binary_floats_become_doubles)
+{
+    for (Encoding encoding = encoding_little; encoding <= encoding_big; ++encoding)
+    {
+        Bytes bytes;
+        BuildBinary(&bytes, encoding);
+        qcMesh mesh;
+        qcMessage message;
+        ck_assert_msg(ReadAs(qc_meshDouble, "a.ply", bytes.data, bytes.size, &mesh, &message), "%s", message.text);
+        ck_assert(mesh.isDouble);
+        for (int i = 0; i < 9; ++i)
+            ck_assert_double_eq(((double*)mesh.positions)[i], i);
+        qcMesh_Free(&mesh);
+        ck_assert(!ReadAs(qc_meshDouble, "a.ply", bytes.data, bytes.size - 1, &mesh, &message));
+        ck_assert_ptr_null(mesh.positions);
+    }
 }
 END_TEST
 
@@ -602,6 +650,8 @@ int main(void)
     TCase* files = tcase_create("files");
     tcase_add_test(files, what_is_no_mesh_file_is_refused_by_name);
     tcase_add_test(files, a_file_on_disk_is_read_as_its_bytes_are);
+    tcase_add_test(files, where_doubles_are_wanted_all_digits_of_a_text_count);
+    tcase_add_test(files, where_doubles_are_wanted_binary_floats_become_doubles);
     suite_add_tcase(suite, files);
     TCase* damage = tcase_create("damage");
     tcase_add_test(damage, damaged_files_are_refused_or_give_sound_meshes);

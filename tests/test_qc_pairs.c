@@ -92,9 +92,8 @@ static bool AreNeighbours(const uint32_t a[3], const uint32_t b[3])
     return false;
 }
 
-static qcRelation Relate(uint32_t bodyA, uint32_t a, uint32_t bodyB, uint32_t b)
+static void GetTriangles(uint32_t bodyA, uint32_t a, uint32_t bodyB, uint32_t b, double triangles[2][9])
 {
-    double triangles[2][9];
     for (int corner = 0; corner < 3; ++corner)
     {
         memcpy(triangles[0] + 3 * corner, s_meshes[bodyA].positions[s_meshes[bodyA].indices[a][corner]],
@@ -102,13 +101,24 @@ static qcRelation Relate(uint32_t bodyA, uint32_t a, uint32_t bodyB, uint32_t b)
         memcpy(triangles[1] + 3 * corner, s_meshes[bodyB].positions[s_meshes[bodyB].indices[b][corner]],
                3 * sizeof(double));
     }
-    return qcRelateTriangles(triangles[0], triangles[1]);
+}
+
+/// Near: not further apart than the margin.
+static qcRelation Relate(uint32_t bodyA, uint32_t a, uint32_t bodyB, uint32_t b, double margin)
+{
+    double triangles[2][9];
+    GetTriangles(bodyA, a, bodyB, b, triangles);
+    qcRelation relation = qcRelateTriangles(triangles[0], triangles[1]);
+    bool isNear =
+        relation == qc_relationDisjoint && margin > 0.0 && qcTrianglesWithin(triangles[0], triangles[1], margin, NULL);
+    return isNear ? qc_relationNear : relation;
 }
 
 typedef struct Asked
 {
     const char* options;
     bool self, touching, neighbours;
+    double margin;
 } Asked;
 
 /// The lines that --out must hold.
@@ -124,11 +134,13 @@ static size_t WriteExpected(const Asked* asked, char* text, size_t size)
             if (bodyA == bodyB && (!asked->self || (!asked->neighbours && AreNeighbours(s_meshes[bodyA].indices[a],
                                                                                         s_meshes[bodyB].indices[b]))))
                 continue;
-            qcRelation relation = Relate(bodyA, a, bodyB, b);
+            qcRelation relation = Relate(bodyA, a, bodyB, b, asked->margin);
             if (relation == qc_relationDisjoint || (relation == qc_relationTouching && !asked->touching))
                 continue;
             length += (size_t)snprintf(text + length, size - length, "%u %u %u %u %s\n", bodyA, a, bodyB, b,
-                                       relation == qc_relationTouching ? "touching" : "penetrating");
+                                       relation == qc_relationTouching ? "touching"
+                                       : relation == qc_relationNear   ? "near"
+                                                                       : "penetrating");
             ck_assert_uint_lt(length, size);
             ++pairs;
         }
@@ -137,15 +149,28 @@ static size_t WriteExpected(const Asked* asked, char* text, size_t size)
 }
 
 static const Asked s_asked[] = {
-    {"", true, false, false},
-    {"--method=brute", true, false, false},
-    {"--method sweep --touching", true, true, false},
-    {"--touching --neighbours", true, true, true},
-    {"--neighbours --threads 2", true, false, true},
-    {"--no-self", false, false, false},
-    {"--no-self --touching --method brute --reps 3", false, true, false},
-    {"--method quick --device none", true, false, false},
-    {"--method cullide --device none --touching", true, true, false},
+    {"", true, false, false, 0.0},
+    {"--method=brute", true, false, false, 0.0},
+    {"--method sweep --touching", true, true, false, 0.0},
+    {"--touching --neighbours", true, true, true, 0.0},
+    {"--neighbours --threads 2", true, false, true, 0.0},
+    {"--no-self", false, false, false, 0.0},
+    {"--no-self --touching --method brute --reps 3", false, true, false, 0.0},
+    {"--method quick --device none", true, false, false, 0.0},
+    {"--method cullide --device none --touching", true, true, false, 0.0},
+    {"--method layers --touching", true, true, false, 0.0},
+    {"--method layers --device none", true, false, false, 0.0},
+    {"--method quick --reliable --resolution 200", true, false, false, 0.0},
+    {"--method quick --reliable --back-to-front --second-pass-from-back --resolution 100 --no-self --touching", false,
+     true, false, 0.0},
+    {"--method cullide --reliable --views zx --resolution 64 --neighbours", true, false, true, 0.0},
+    {"--margin 0 --f64", true, false, false, 0.0},
+    // Margins that some pairs on the lattice are apart exactly.
+    {"--margin 0.25", true, true, false, 0.25},
+    {"--margin=.5 --method brute --no-self", false, true, false, 0.5},
+    {"--margin 1e-3 --method sweep --neighbours", true, true, true, 1e-3},
+    {"--margin 0.25 --method layers --touching", true, true, false, 0.25},
+    {"--margin 0.25 --method quick --reliable --resolution 128", true, true, false, 0.25},
 };
 
 static char s_expected[1 << 19], s_written[1 << 19];
@@ -165,8 +190,6 @@ START_TEST(out_holds_exactly_the_pairs_that_brute_force_finds)
 }
 END_TEST
 
-//  ---- the report ----------------------------------------------------------------------------------
-
 static json_object* Parse(const char* text)
 {
     enum json_tokener_error error;
@@ -181,6 +204,99 @@ static json_object* Get(json_object* object, const char* name)
     ck_assert_msg(json_object_object_get_ex(object, name, &member), "no %s", name);
     return member;
 }
+
+START_TEST(proximities_stand_behind_their_pairs)
+{
+    const double margin = 0.1;
+    ck_assert_int_eq(Run("%s --margin %g --proximities --out found 0.ply 1.ply", PAIRS, margin), 0);
+    ck_assert(ReadText("found", s_written, sizeof s_written));
+    size_t count[4] = {0, 0, 0, 0};
+    for (char* line = s_written; *line != 0; line = strchr(line, '\n') + 1)
+    {
+        uint32_t bodyA, a, bodyB, b;
+        char word[16], end;
+        double distance, depth, p[3], q[3], n[3];
+        ck_assert_int_eq(sscanf(line, "%u %u %u %u %15s %lf %lf %lf %lf %lf %lf %lf %lf %lf %lf %lf%c", &bodyA, &a,
+                                &bodyB, &b, word, &distance, &depth, &p[0], &p[1], &p[2], &q[0], &q[1], &q[2], &n[0],
+                                &n[1], &n[2], &end),
+                         17);
+        ck_assert_int_eq(end, '\n');
+        double triangles[2][9];
+        qcProximity expected;
+        GetTriangles(bodyA, a, bodyB, b, triangles);
+        ck_assert(qcTrianglesWithin(triangles[0], triangles[1], margin, &expected));
+        // 17 digits give back the same doubles.
+        ck_assert_double_eq(distance, expected.distance);
+        ck_assert_double_eq(depth, expected.depth);
+        ck_assert_mem_eq(p, expected.pointA, sizeof p);
+        ck_assert_mem_eq(q, expected.pointB, sizeof q);
+        ck_assert_mem_eq(n, expected.normal, sizeof n);
+        qcRelation relation = Relate(bodyA, a, bodyB, b, margin);
+        ck_assert_str_eq(word, qcRelation_Name(relation));
+        ck_assert((distance > 0.0) == (relation == qc_relationNear));
+        ++count[relation];
+    }
+    ck_assert_uint_gt(count[qc_relationNear], 10);
+    ck_assert_uint_gt(count[qc_relationTouching], 10);
+    ck_assert_uint_gt(count[qc_relationPenetrating], 10);
+}
+END_TEST
+
+/// A mesh of the set, each vertex moved along x, as text with every digit; a ".ply" declares floats.
+static void WriteMoved(const char* name, double offset, bool ply)
+{
+    FILE* stream = fopen(name, "w");
+    ck_assert_ptr_nonnull(stream);
+    if (ply)
+        fprintf(stream,
+                "ply\nformat ascii 1.0\nelement vertex %d\nproperty float x\nproperty float y\nproperty float z\n"
+                "element face %d\nproperty list uchar int vertex_indices\nend_header\n",
+                qc_vertexCount, qc_triangleCount);
+    for (int i = 0; i < qc_vertexCount; ++i)
+    {
+        const double* p = s_meshes[0].positions[i];
+        // An eighth more: off the lattice that floats still hold there.
+        fprintf(stream, "%s%.17g %.17g %.17g\n", ply ? "" : "v ", p[0] + 0.125 * (i % 8) + offset, p[1], p[2]);
+    }
+    for (int t = 0; t < qc_triangleCount; ++t)
+    {
+        const uint32_t* index = s_meshes[0].indices[t];
+        uint32_t first = ply ? 0 : 1;
+        fprintf(stream, "%s %u %u %u\n", ply ? "3" : "f", index[0] + first, index[1] + first, index[2] + first);
+    }
+    ck_assert_int_eq(fclose(stream), 0);
+}
+
+START_TEST(f64_keeps_a_mesh_far_away_as_it_is_at_the_origin)
+{
+    static const char* const options[] = {"--touching", "--margin 0.125 --touching", "--method brute --touching"};
+    for (int ply = 0; ply < 2; ++ply)
+    {
+        const char *near = ply ? "near.ply" : "near.obj", *far = ply ? "far.ply" : "far.obj";
+        WriteMoved(near, 0.0, ply == 1);
+        WriteMoved(far, 1e7, ply == 1);
+        for (int i = 0; i < 3; ++i)
+        {
+            ck_assert_int_eq(Run("%s %s --out near %s", PAIRS, options[i], near), 0);
+            ck_assert_int_eq(Run("%s %s --f64 --out far --json %s", PAIRS, options[i], far), 0);
+            json_object* object = Parse(GetOutput());
+            json_object* mesh = json_object_array_get_idx(Get(object, "meshes"), 0);
+            ck_assert_str_eq(json_object_get_string(Get(mesh, "positions")), "double");
+            json_object_put(object);
+            ck_assert(ReadText("near", s_expected, sizeof s_expected));
+            ck_assert(ReadText("far", s_written, sizeof s_written));
+            ck_assert_uint_gt(strlen(s_expected), 1000);
+            ck_assert_str_eq(s_written, s_expected);
+            // As floats they are other meshes there.
+            ck_assert_int_eq(Run("%s %s --out far %s", PAIRS, options[i], far), 0);
+            ck_assert(ReadText("far", s_written, sizeof s_written));
+            ck_assert_str_ne(s_written, s_expected);
+        }
+    }
+}
+END_TEST
+
+//  ---- the report ----------------------------------------------------------------------------------
 
 static uint64_t GetNumber(json_object* object, const char* name)
 {
@@ -203,6 +319,7 @@ START_TEST(json_tells_what_was_found_and_what_it_cost)
     ck_assert_uint_eq(GetNumber(object, "pairs"), lines);
     ck_assert_uint_eq(GetNumber(object, "touching"), touching);
     ck_assert_uint_eq(GetNumber(object, "penetrating"), lines - touching);
+    ck_assert_uint_eq(GetNumber(object, "near"), 0);
     ck_assert_uint_eq(GetNumber(object, "bodies"), 2);
     ck_assert_uint_eq(GetNumber(object, "triangles"), 2 * qc_triangleCount);
     ck_assert_uint_eq(GetNumber(object, "reps"), 4);
@@ -271,6 +388,39 @@ END_TEST
 
 //  ---- the picture ---------------------------------------------------------------------------------
 
+START_TEST(layers_reports_its_image_and_its_memory)
+{
+    ck_assert_int_eq(Run("%s --method layers --json 0.ply 1.ply", PAIRS), 0);
+    json_object* object = Parse(GetOutput());
+    bool ran = strcmp(json_object_get_string(Get(object, "method")), "layers") == 0;
+    static const char* const counts[] = {"columns", "fragments", "listPairs", "uploadedBytes", "deviceBytes"};
+    for (int i = 0; i < 5; ++i)
+        ck_assert_int_eq(GetNumber(object, counts[i]) > 0, ran);
+    GetNumber(object, "reruns");
+    ck_assert_int_eq(json_object_get_boolean(Get(object, "softwareDevice")) && !ran, false);
+    ck_assert_int_eq(Get(object, "fallback") == NULL, ran);
+    json_object_put(object);
+}
+END_TEST
+
+START_TEST(the_report_says_what_was_asked)
+{
+    ck_assert_int_eq(Run("%s --json --margin 0.125 --back-to-front 0.ply", PAIRS), 0);
+    json_object* object = Parse(GetOutput());
+    ck_assert_double_eq(json_object_get_double(Get(object, "margin")), 0.125);
+    ck_assert(json_object_get_boolean(Get(object, "backToFront")));
+    ck_assert(!json_object_get_boolean(Get(object, "secondPassFromBack")));
+    ck_assert(!json_object_get_boolean(Get(object, "reliable")));
+    uint64_t near = GetNumber(object, "near"), touching = GetNumber(object, "touching");
+    ck_assert_uint_eq(GetNumber(object, "pairs"), near + touching + GetNumber(object, "penetrating"));
+    json_object_put(object);
+    char line[64];
+    snprintf(line, sizeof line, " %" PRIu64 " touching, %" PRIu64 " near\n", touching, near);
+    ck_assert_int_eq(Run("%s --margin 0.125 0.ply", PAIRS), 0);
+    ck_assert_msg(strstr(GetOutput(), line) != NULL, "'%s' is not in: %s", line, GetOutput());
+}
+END_TEST
+
 START_TEST(the_picture_shows_the_potentially_colliding_set_in_red)
 {
     // Two crossing triangles, and one apart.
@@ -321,7 +471,7 @@ typedef struct Refusal
 static const Refusal s_refusals[] = {
     {"", 2, "no MESH is named"},
     {"--json", 2, "no MESH is named"},
-    {"--method quik 0.ply", 2, "--method: 'quik' is not one of brute, sweep, quick, cullide, auto"},
+    {"--method quik 0.ply", 2, "--method: 'quik' is not one of brute, sweep, layers, quick, cullide, auto"},
     {"--device gpu 0.ply", 2, "--device: 'gpu' is not one of auto, egl, osmesa, surfaceless, none"},
     {"--views xx 0.ply", 2, "--views: 'xx' is not 1 to 3 different letters of x, y and z"},
     {"--views xyzx 0.ply", 2, "--views: 'xyzx'"},
@@ -335,6 +485,15 @@ static const Refusal s_refusals[] = {
     {"--resolution 18446744073709551617 0.ply", 2, "--resolution: '18446744073709551617'"},
     {"--iterations -1 0.ply", 2, "--iterations: '-1' is not a whole number in 0..4294967295"},
     {"--threads many 0.ply", 2, "--threads: 'many' is not a whole number in 0..1024"},
+    {"--margin -1 0.ply", 2, "--margin: '-1' is not a number of 0 or more"},
+    {"--margin nan 0.ply", 2, "--margin: 'nan' is not a number"},
+    {"--margin 1e999 0.ply", 2, "--margin: '1e999' is not a number"},
+    {"--margin 0x1 0.ply", 2, "--margin: '0x1' is not a number"},
+    {"--margin '1 ' 0.ply", 2, "--margin: '1 ' is not a number"},
+    {"--margin '' 0.ply", 2, "--margin: '' is not a number"},
+    {"--margin 1 --method quick 0.ply", 2, "--margin: quick needs --reliable"},
+    {"--method cullide 0.ply --margin 1", 2, "--margin: cullide needs --reliable"},
+    {"--proximities 0.ply", 2, "--proximities: they are written with the pairs; name a file with --out"},
     {"--reps 0 0.ply", 2, "--reps: '0' is not a whole number in 1.."},
     {"--touchign 0.ply", 2, "unrecognized option '--touchign'"},
     {"--out", 2, "option '--out' requires an argument"},
@@ -394,10 +553,13 @@ END_TEST
 
 START_TEST(help_names_every_option_and_exit_status)
 {
-    static const char* words[] = {"--method",  "--device",   "--views",      "--resolution",   "--iterations",
-                                  "--no-self", "--touching", "--neighbours", "--threads",      "--reps",
-                                  "--json",    "--out",      "--picture",    "brute",          "sweep",
-                                  "quick",     "cullide",    "auto",         "Exit status: 0", "MESH"};
+    static const char* words[] = {
+        "--method",   "--device",       "--views",       "--resolution",    "--iterations",
+        "--no-self",  "--touching",     "--neighbours",  "--threads",       "--reps",
+        "--json",     "--out",          "--picture",     "brute",           "sweep",
+        "--margin",   "--f64",          "--proximities", "--back-to-front", "--second-pass-from-back",
+        "--reliable", "layers",         "near",          "quick",           "cullide",
+        "auto",       "Exit status: 0", "MESH"};
     ck_assert_int_eq(Run("%s --help", PAIRS), 0);
     for (size_t i = 0; i < sizeof words / sizeof words[0]; ++i)
         ck_assert_msg(strstr(GetOutput(), words[i]) != NULL, "%s", words[i]);
@@ -423,9 +585,13 @@ int main(void)
     tcase_add_checked_fixture(tests, Enter, LeaveFolder);
     tcase_add_loop_test(tests, out_holds_exactly_the_pairs_that_brute_force_finds, 0,
                         sizeof s_asked / sizeof s_asked[0]);
+    tcase_add_test(tests, proximities_stand_behind_their_pairs);
+    tcase_add_test(tests, f64_keeps_a_mesh_far_away_as_it_is_at_the_origin);
     tcase_add_test(tests, json_tells_what_was_found_and_what_it_cost);
     tcase_add_test(tests, a_method_that_cannot_draw_says_which_one_answered);
     tcase_add_test(tests, visibility_methods_report_their_passes);
+    tcase_add_test(tests, layers_reports_its_image_and_its_memory);
+    tcase_add_test(tests, the_report_says_what_was_asked);
     tcase_add_test(tests, the_picture_shows_the_potentially_colliding_set_in_red);
     tcase_add_loop_test(tests, a_refusal_says_why_and_leaves_the_old_output, 0,
                         sizeof s_refusals / sizeof s_refusals[0]);
