@@ -96,6 +96,7 @@ qcStatus qcSoftBodyScene::Synchronize(const btAlignedObjectArray<btSoftBody*>& b
     if (m_scene == nullptr)
     {
         qcSceneDef def = qcDefaultSceneDef();
+        def.device = m_device;
         qcStatus status = qcScene_Create(&def, &m_scene);
         if (status != qc_statusOk)
             return status;
@@ -143,6 +144,7 @@ qcStatus qcSoftBodyScene::UpdateVertices()
 qcStatus qcSoftBodyScene::Detect(btScalar contactMargin, const qcResult** result)
 {
     qcDetectDef def = qcDefaultDetectDef();
+    def.method = method;
     def.contactMargin = double(contactMargin);
     def.threads = threads;
     return qcScene_Detect(m_scene, &def, result);

@@ -31,7 +31,10 @@ struct qcSceneSoftBody
 class qcSoftBodyScene
 {
   public:
-    qcSoftBodyScene() = default;
+    /// `device` may be null; it must outlive the scene.
+    explicit qcSoftBodyScene(qcDevice* device) : m_device(device)
+    {
+    }
     ~qcSoftBodyScene();
     qcSoftBodyScene(const qcSoftBodyScene&) = delete;
     qcSoftBodyScene& operator=(const qcSoftBodyScene&) = delete;
@@ -56,6 +59,7 @@ class qcSoftBodyScene
     btScalar Thickness() const;
 
     unsigned threads = 0;
+    qcMethod method = qc_methodAuto;
 
   private:
     struct Setting
@@ -68,6 +72,7 @@ class qcSoftBodyScene
     void DropGone(const btAlignedObjectArray<btSoftBody*>& bodies);
     void TakeSettings(qcSceneSoftBody& known);
 
+    qcDevice* m_device;
     qcScene* m_scene = nullptr;
     std::vector<qcSceneSoftBody> m_bodies;
     std::vector<size_t> m_bodyOfSlot;

@@ -26,6 +26,10 @@ double Now()
 
 struct qcSoftBodySolver::Implementation
 {
+    explicit Implementation(qcDevice* device) : scene(device)
+    {
+    }
+
     qcSoftBodyScene scene;
     qcManifolds manifolds;
     qcSoftBodyStatistics statistics;
@@ -35,6 +39,7 @@ struct qcSoftBodySolver::Implementation
     const qcResult* result = nullptr;           ///< of the last detection
 
     void KeepPositions();
+    void NoteProfile();
     qcStatus Detect(btScalar contactMargin);
     qcStatus SolveContacts();
     qcStatus FreezeRest();
@@ -54,6 +59,20 @@ void qcSoftBodySolver::Implementation::KeepPositions()
     }
 }
 
+/// What the last detection ran, and what its stages took.
+void qcSoftBodySolver::Implementation::NoteProfile()
+{
+    const qcProfile& profile = result->profile;
+    statistics.method = profile.method;
+    statistics.device = profile.device;
+    if (profile.fallback != nullptr)
+        statistics.fallback = profile.fallback;
+    statistics.cullMs += profile.cullObjectsMs + profile.cullTrianglesMs;
+    statistics.sweepMs += profile.sweepObjectsMs + profile.sweepTrianglesMs;
+    statistics.exactMs += profile.exactMs;
+    statistics.contactMs += profile.contactMs;
+}
+
 /// Fills result, and the statistics with what it cost and what penetrates.
 qcStatus qcSoftBodySolver::Implementation::Detect(btScalar contactMargin)
 {
@@ -64,9 +83,7 @@ qcStatus qcSoftBodySolver::Implementation::Detect(btScalar contactMargin)
     statistics.detectMs += Now() - start;
     if (status != qc_statusOk)
         return status;
-    statistics.sweepMs += result->profile.sweepObjectsMs + result->profile.sweepTrianglesMs;
-    statistics.exactMs += result->profile.exactMs;
-    statistics.contactMs += result->profile.contactMs;
+    NoteProfile();
     auto isWanted = [this](const qcPair& pair) { return qcMayPush(*scene.Find(pair.bodyA), *scene.Find(pair.bodyB)); };
     statistics.remaining = int(std::count_if(result->pairs, result->pairs + result->pairCount, isWanted));
     return qc_statusOk;
@@ -132,7 +149,7 @@ void qcSoftBodySolver::Implementation::Restore()
             scene.Bodies()[b].body->m_nodes[i].m_x = solved[b][size_t(i)];
 }
 
-qcSoftBodySolver::qcSoftBodySolver() : m_implementation(new Implementation)
+qcSoftBodySolver::qcSoftBodySolver(qcDevice* device) : m_implementation(new Implementation(device))
 {
 }
 
@@ -156,6 +173,11 @@ const qcSoftBodyStatistics& qcSoftBodySolver::getStatistics() const
 void qcSoftBodySolver::setThreadCount(unsigned threads)
 {
     m_implementation->scene.threads = threads;
+}
+
+void qcSoftBodySolver::setMethod(qcMethod method)
+{
+    m_implementation->scene.method = method;
 }
 
 void qcSoftBodySolver::optimize(btAlignedObjectArray<btSoftBody*>& softBodies, bool forceUpdate)

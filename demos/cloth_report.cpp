@@ -10,22 +10,34 @@ extern "C" {
 
 namespace
 {
+void WriteHeading(FILE* stream)
+{
+    std::fprintf(stream, "self_collision,step,seconds,step_ms,method,device,detect_ms,cull_ms,sweep_ms,exact_ms,"
+                         "contact_ms,respond_ms,contacts,penetrating_before,rounds,frozen_nodes,manifolds,"
+                         "penetrating_after");
+    for (const qcClothQuestionDef& question : qcClothQuestions)
+        std::fprintf(stream, ",%s_pcs,%s_found,%s_missed,%s_ms", question.column, question.column, question.column,
+                     question.column);
+    std::fprintf(stream, "\n");
+}
+
 void WriteRows(FILE* stream, const qcClothRun& run, double stepSeconds)
 {
     for (size_t i = 0; i < run.steps.size(); i++)
     {
         const qcClothStep& step = run.steps[i];
         const qcSoftBodyStatistics& s = step.statistics;
-        std::fprintf(stream, "%s,%zu,%.4f,%.3f,%.3f,%.3f,%.3f,%.3f,%.3f,%d,%d,%d,%d,%d,%zu",
+        std::fprintf(stream, "%s,%zu,%.4f,%.3f,%s,%s,%.3f,%.3f,%.3f,%.3f,%.3f,%.3f,%d,%d,%d,%d,%d,%zu",
                      run.selfCollision ? "with" : "without", i + 1, double(i + 1) * stepSeconds, step.stepMs,
-                     s.detectMs, s.sweepMs, s.exactMs, s.contactMs, s.respondMs, s.contacts, s.penetrating, s.rounds,
-                     s.frozenNodes, step.manifolds, step.penetrating);
-        const qcClothComparison& c = step.comparison;
-        if (step.compared)
-            std::fprintf(stream, ",%" PRIu32 ",%" PRIu32 ",%zu,%zu,%.3f,%.3f\n", c.cullide.pcs, c.quick.pcs,
-                         c.cullide.pairs, c.quick.pairs, c.cullide.ms, c.quick.ms);
-        else
-            std::fprintf(stream, ",,,,,,\n");
+                     qcMethod_Name(s.method), s.device, s.detectMs, s.cullMs, s.sweepMs, s.exactMs, s.contactMs,
+                     s.respondMs, s.contacts, s.penetrating, s.rounds, s.frozenNodes, step.manifolds,
+                     step.Penetrating());
+        for (const qcClothAnswer& answer : step.answers)
+            if (step.compared)
+                std::fprintf(stream, ",%" PRIu32 ",%zu,%zu,%.3f", answer.pcs, answer.found, answer.missed, answer.ms);
+            else
+                std::fprintf(stream, ",,,,");
+        std::fprintf(stream, "\n");
     }
 }
 
@@ -45,51 +57,53 @@ template <typename Value> double Largest(const qcClothRun& run, Value value)
     return largest;
 }
 
-/// Sums over the steps that were compared.
-struct Compared
-{
-    size_t steps = 0, exactPairs = 0;
-    uint32_t resolution = 0;
-    double cullidePcs = 0, quickPcs = 0, cullideMs = 0, quickMs = 0;
-    size_t cullidePairs = 0, quickPairs = 0;
-};
-
-Compared Sum(const qcClothRun& run)
-{
-    Compared sum;
-    for (const qcClothStep& step : run.steps)
-    {
-        if (!step.compared)
-            continue;
-        sum.steps++;
-        sum.exactPairs += step.penetrating;
-        sum.resolution = step.comparison.quick.resolution;
-        sum.cullidePcs += step.comparison.cullide.pcs;
-        sum.quickPcs += step.comparison.quick.pcs;
-        sum.cullideMs += step.comparison.cullide.ms;
-        sum.quickMs += step.comparison.quick.ms;
-        sum.cullidePairs += step.comparison.cullide.pairs;
-        sum.quickPairs += step.comparison.quick.pairs;
-    }
-    return sum;
-}
-
 void PrintTwo(const char* label, double with, double without, int digits)
 {
     std::printf("  %-46s %12.*f %12.*f\n", label, digits, with, digits, without);
 }
 
+/// Means and sums over the steps that were compared.
 void PrintCompared(const char* label, const qcClothRun& run)
 {
-    Compared sum = Sum(run);
-    double n = sum.steps != 0 ? double(sum.steps) : 1;
-    std::printf("  %s (%zu frames)\n", label, sum.steps);
-    std::printf("    %-10s %14s %14s %10s %10s\n", "", "PCS, mean", "ms, mean", "found", "missed");
-    std::printf("    %-10s %14.0f %14.0f %10zu %10zu\n", "cullide", sum.cullidePcs / n, sum.cullideMs / n,
-                sum.cullidePairs, sum.exactPairs - sum.cullidePairs);
-    std::printf("    %-10s %14.0f %14.0f %10zu %10zu\n", "quick", sum.quickPcs / n, sum.quickMs / n, sum.quickPairs,
-                sum.exactPairs - sum.quickPairs);
-    std::printf("    %-10s %14s %14s %10zu %10d\n", "exact", "", "", sum.exactPairs, 0);
+    size_t steps = 0;
+    for (const qcClothStep& step : run.steps)
+        steps += step.compared;
+    std::printf("  %s: %zu frame%s\n", label, steps, steps == 1 ? "" : "s");
+    std::printf("    %-34s %10s %10s %8s %8s %10s\n", "", "PCS, mean", "ms, mean", "found", "missed", "by device");
+    for (size_t i = 0; i < qcClothQuestions.size() && steps != 0; i++)
+    {
+        double pcs = 0, ms = 0;
+        size_t found = 0, missed = 0, byDevice = 0;
+        for (const qcClothStep& step : run.steps)
+        {
+            const qcClothAnswer& answer = step.answers[i];
+            if (!step.compared)
+                continue;
+            pcs += double(answer.pcs) / double(steps);
+            ms += answer.ms / double(steps);
+            found += answer.found;
+            missed += answer.missed;
+            byDevice += answer.byDevice;
+        }
+        std::printf("    %-34s %10.0f %10.1f %8zu %8zu %10zu\n", qcClothQuestions[i].label, pcs, ms, found, missed,
+                    byDevice);
+    }
+}
+
+/// What the simulation asked, and what answered.
+void PrintLoop(const qcClothRun& run, qcMethod method, const qcDeviceInfo& device)
+{
+    size_t byDevice = 0;
+    for (const qcClothStep& step : run.steps)
+        byDevice += step.statistics.method == qc_methodLayers;
+    std::printf("  Self-collisions by %s: ", qcMethod_Name(method));
+    if (byDevice != 0)
+        std::printf("on %s (%s) in %zu of %zu steps\n", device.name, device.renderer, byDevice, run.steps.size());
+    else
+        std::printf("on the CPU\n");
+    if (!run.fallback.empty())
+        std::printf("  (%s)\n", run.fallback.c_str());
+    std::printf("\n");
 }
 } // namespace
 
@@ -103,11 +117,7 @@ bool qcWriteClothCsv(const std::string& path, const qcClothRun& with, const qcCl
         *message = failure.text;
         return false;
     }
-    std::fprintf(output.stream,
-                 "self_collision,step,seconds,step_ms,detect_ms,sweep_ms,exact_ms,contact_ms,respond_ms,contacts,"
-                 "penetrating_before,rounds,"
-                 "frozen_nodes,manifolds,penetrating_after,pcs_cullide,pcs_quick,pairs_cullide,pairs_quick,"
-                 "cullide_ms,quick_ms\n");
+    WriteHeading(output.stream);
     WriteRows(output.stream, with, stepSeconds);
     WriteRows(output.stream, without, stepSeconds);
     if (qcOutput_Commit(&output, &failure))
@@ -116,23 +126,26 @@ bool qcWriteClothCsv(const std::string& path, const qcClothRun& with, const qcCl
     return false;
 }
 
-void qcPrintClothTable(const qcClothRun& with, const qcClothRun& without, size_t triangles, const qcDetectDef& request,
-                       const qcDeviceInfo& device)
+void qcPrintClothTable(const qcClothRun& with, const qcClothRun& without, size_t triangles, qcMethod method,
+                       const qcDetectDef& request, const qcDeviceInfo& device)
 {
     auto detect = [](const qcClothStep& s) { return s.statistics.detectMs; };
+    auto cull = [](const qcClothStep& s) { return s.statistics.cullMs; };
     auto sweep = [](const qcClothStep& s) { return s.statistics.sweepMs; };
     auto exact = [](const qcClothStep& s) { return s.statistics.exactMs; };
     auto contact = [](const qcClothStep& s) { return s.statistics.contactMs; };
     auto respond = [](const qcClothStep& s) { return s.statistics.respondMs; };
     auto rest = [](const qcClothStep& s) { return s.stepMs - s.statistics.detectMs - s.statistics.respondMs; };
     auto contacts = [](const qcClothStep& s) { return s.statistics.contacts; };
-    auto penetrating = [](const qcClothStep& s) { return s.penetrating; };
+    auto penetrating = [](const qcClothStep& s) { return s.Penetrating(); };
     auto frozen = [](const qcClothStep& s) { return s.statistics.frozenNodes; };
 
     std::printf("\nCloth over a table: %zu triangles, %zu steps\n\n", triangles, with.steps.size());
+    PrintLoop(with, method, device);
     std::printf("  %-46s %12s %12s\n", "self-collision:", "on", "off");
     PrintTwo("Bullet's own step, ms, mean", Mean(with, rest), Mean(without, rest), 2);
     PrintTwo("detection, ms, mean", Mean(with, detect), Mean(without, detect), 2);
+    PrintTwo("  of it: culling", Mean(with, cull), Mean(without, cull), 2);
     PrintTwo("  of it: sweep", Mean(with, sweep), Mean(without, sweep), 2);
     PrintTwo("  of it: exact test", Mean(with, exact), Mean(without, exact), 2);
     PrintTwo("  of it: contacts", Mean(with, contact), Mean(without, contact), 2);
@@ -140,24 +153,23 @@ void qcPrintClothTable(const qcClothRun& with, const qcClothRun& without, size_t
     PrintTwo("self-contacts in a step, mean", Mean(with, contacts), Mean(without, contacts), 0);
     PrintTwo("self-contacts in a step, most", Largest(with, contacts), Largest(without, contacts), 0);
     PrintTwo("self-penetrating pairs after a step, most", Largest(with, penetrating), Largest(without, penetrating), 0);
-    PrintTwo("self-penetrating pairs at the end", double(with.steps.empty() ? 0 : with.steps.back().penetrating),
-             double(without.steps.empty() ? 0 : without.steps.back().penetrating), 0);
+    PrintTwo("self-penetrating pairs at the end", double(with.steps.empty() ? 0 : with.steps.back().Penetrating()),
+             double(without.steps.empty() ? 0 : without.steps.back().Penetrating()), 0);
     PrintTwo("nodes put back to the start of a step, in all", Mean(with, frozen) * double(with.steps.size()),
              Mean(without, frozen) * double(without.steps.size()), 0);
 
     if (device.kind == qc_deviceNone)
     {
-        std::printf("\n  No GL on this machine: cullide and quick were not asked.\n");
+        std::printf("\n  No GL on this machine: no pictures, and the methods were not compared.\n");
         return;
     }
-    const uint32_t resolution = Sum(with).resolution;
-    std::printf("\nThe paper's methods on the same frames: views %s, %u x %u pixels, ", request.views, resolution,
-                resolution);
+    const uint32_t resolution = with.steps.back().answers[qc_clothQuick].resolution;
+    std::printf("\nAll methods on the same frames, %s (%s); cullide and quick: views %s, %u x %u pixels, ", device.name,
+                device.renderer, request.views, resolution, resolution);
     if (request.iterations == 0)
-        std::printf("until nothing changes");
+        std::printf("until nothing changes\n\n");
     else
-        std::printf("%u round%s", request.iterations, request.iterations == 1 ? "" : "s");
-    std::printf("; %s (%s)\n\n", device.name, device.renderer);
+        std::printf("%u round%s\n\n", request.iterations, request.iterations == 1 ? "" : "s");
     PrintCompared("with self-collision", with);
     PrintCompared("without", without);
 }

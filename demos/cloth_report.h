@@ -8,26 +8,26 @@
 #include <string>
 #include <vector>
 
-/// The image methods on the cloth of one step.
-struct qcClothComparison
-{
-    qcClothAnswer cullide, quick;
-};
-
 struct qcClothStep
 {
     double stepMs = 0;
-    size_t penetrating = 0; ///< exactly, at the end of the step
     int manifolds = 0;
     qcSoftBodyStatistics statistics;
-    bool compared = false; ///< `comparison` is filled
-    qcClothComparison comparison;
+    qcClothAnswers answers;
+    bool compared = false; ///< all answers are there; otherwise that of the sweep, which each step is asked
+
+    /// Exactly, at the end of the step.
+    size_t Penetrating() const
+    {
+        return answers[qc_clothSweep].found;
+    }
 };
 
 /// One simulation from start to end.
 struct qcClothRun
 {
     bool selfCollision = false;
+    std::string fallback; ///< why another method than the one asked for ran, the last time; empty if none did
     std::vector<qcClothStep> steps;
 };
 
@@ -35,8 +35,9 @@ struct qcClothRun
 bool qcWriteClothCsv(const std::string& path, const qcClothRun& with, const qcClothRun& without, double stepSeconds,
                      std::string* message);
 
-/// Prints the closing table to standard output. `request`: how the image methods were asked; `device`: on what.
-void qcPrintClothTable(const qcClothRun& with, const qcClothRun& without, size_t triangles, const qcDetectDef& request,
-                       const qcDeviceInfo& device);
+/// Prints the closing table to standard output. `method`: what the simulation asked for; `request`: how the sampled
+/// methods were asked; `device`: on what.
+void qcPrintClothTable(const qcClothRun& with, const qcClothRun& without, size_t triangles, qcMethod method,
+                       const qcDetectDef& request, const qcDeviceInfo& device);
 
 #endif

@@ -19,8 +19,10 @@ btRigidBody::btRigidBodyConstructionInfo Fixed(btCollisionShape* shape, const bt
 }
 } // namespace
 
-qcClothWorld::qcClothWorld(unsigned triangleCount, bool selfCollision, unsigned threads)
-    : m_dispatcher(&m_configuration), m_world(&m_dispatcher, &m_broadphase, &m_solver, &m_configuration, &m_softSolver),
+qcClothWorld::qcClothWorld(unsigned triangleCount, bool selfCollision, qcDevice* device, qcMethod method,
+                           unsigned threads)
+    : m_dispatcher(&m_configuration), m_softSolver(device),
+      m_world(&m_dispatcher, &m_broadphase, &m_solver, &m_configuration, &m_softSolver),
       m_tableShape(btVector3(qcClothTable::radius, qcClothTable::thickness / 2, qcClothTable::radius)),
       m_floorShape(btVector3(0, 1, 0), 0),
       m_table(Fixed(&m_tableShape, btVector3(0, qcClothTable::height - qcClothTable::thickness / 2, 0))),
@@ -35,6 +37,7 @@ qcClothWorld::qcClothWorld(unsigned triangleCount, bool selfCollision, unsigned 
     // takes the new size over.
     info.m_sparsesdf.setDefaultVoxelsz(btScalar(0.03));
     info.m_sparsesdf.Reset();
+    m_softSolver.setMethod(method);
     m_softSolver.setThreadCount(threads);
     AddCloth(triangleCount, selfCollision);
 }

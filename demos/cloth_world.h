@@ -20,8 +20,9 @@ struct qcClothTable
 class qcClothWorld
 {
   public:
-    /// A square cloth of 2 m with at least `triangleCount` triangles.
-    qcClothWorld(unsigned triangleCount, bool selfCollision, unsigned threads);
+    /// A square cloth of 2 m with at least `triangleCount` triangles. `device`, `method` and `threads` find its
+    /// self-collisions; the device, which may be null, must outlive the world.
+    qcClothWorld(unsigned triangleCount, bool selfCollision, qcDevice* device, qcMethod method, unsigned threads);
     ~qcClothWorld();
     qcClothWorld(const qcClothWorld&) = delete;
     qcClothWorld& operator=(const qcClothWorld&) = delete;

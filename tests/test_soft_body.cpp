@@ -13,6 +13,7 @@
 #include <vector>
 
 // After the standard headers: check defines a macro named fail.
+#include "devices.h"
 #include "suite.h"
 
 namespace
@@ -30,7 +31,7 @@ struct World
     btRigidBody floor{btRigidBody::btRigidBodyConstructionInfo(0, nullptr, &floorShape)};
     std::vector<btSoftBody*> cloths;
 
-    World()
+    explicit World(qcDevice* device = nullptr) : softSolver(device)
     {
         world.getWorldInfo().m_gravity = world.getGravity();
         world.addRigidBody(&floor);
@@ -392,10 +393,97 @@ START_TEST(two_runs_agree_bit_by_bit_for_any_number_of_threads)
 }
 END_TEST
 
+/// A cloth that falls into folds on another one, for some steps; the positions after each.
+std::vector<btVector3> Trail(World& world, qcMethod method, qcMethod answers, const char* device)
+{
+    world.AddUprightCloth(14);
+    AddSheet(world, btScalar(0.02), 0, 1, -1);
+    world.softSolver.setMethod(method);
+    std::vector<btVector3> trail;
+    int contacts = 0;
+    for (int step = 0; step < 50; step++)
+    {
+        world.Step();
+        const qcSoftBodyStatistics& statistics = world.softSolver.getStatistics();
+        ck_assert_int_eq(statistics.status, qc_statusOk);
+        ck_assert_int_eq(statistics.method, answers);
+        ck_assert_str_eq(statistics.device, device);
+        ck_assert(statistics.cullMs + statistics.sweepMs + statistics.exactMs + statistics.contactMs <=
+                  statistics.detectMs);
+        contacts += statistics.contacts;
+        for (const btSoftBody* cloth : world.cloths)
+            for (int i = 0; i < cloth->m_nodes.size(); i++)
+                trail.push_back(cloth->m_nodes[i].m_x);
+    }
+    ck_assert_int_gt(contacts, 500);
+    return trail;
+}
+
+START_TEST(layers_simulates_what_sweep_does_bit_by_bit)
+{
+    World plain;
+    const std::vector<btVector3> expected = Trail(plain, qc_methodSweep, qc_methodSweep, "none");
+    ck_assert_ptr_null(plain.softSolver.getStatistics().fallback);
+    QC_FOR_EACH_DEVICE(device)
+    {
+        qcDeviceInfo info;
+        qcDevice_GetInfo(device, &info);
+        if (!info.compute)
+            continue;
+        // One device for both.
+        World world(device), other(device);
+        other.AddUprightCloth(6);
+        other.softSolver.setMethod(qc_methodLayers);
+        other.Step();
+        const std::vector<btVector3> trail = Trail(world, qc_methodLayers, qc_methodLayers, info.name);
+        ck_assert_ptr_null(world.softSolver.getStatistics().fallback);
+        ck_assert_uint_eq(trail.size(), expected.size());
+        for (size_t i = 0; i < trail.size(); i++)
+            ck_assert(trail[i] == expected[i]);
+        other.Step();
+        ck_assert_int_eq(other.softSolver.getStatistics().method, qc_methodLayers);
+    }
+}
+END_TEST
+
+START_TEST(layers_without_a_device_falls_back_and_says_so)
+{
+    World world;
+    Trail(world, qc_methodLayers, qc_methodSweep, "none");
+    ck_assert_ptr_nonnull(world.softSolver.getStatistics().fallback);
+    ck_assert_ptr_nonnull(std::strstr(world.softSolver.getStatistics().fallback, "sweep answered on the CPU"));
+}
+END_TEST
+
+START_TEST(a_method_without_contacts_leaves_a_step_to_bullet)
+{
+    World world, plain;
+    btSoftBody* cloth = world.AddUprightCloth(6);
+    btSoftBody* same = plain.AddUprightCloth(6);
+    qcSoftBodySettings settings;
+    settings.selfCollision = false;
+    plain.softSolver.setSettings(same, settings);
+    world.softSolver.setMethod(qc_methodQuick);
+    for (int i = 0; i < 60; i++)
+    {
+        world.Step();
+        plain.Step();
+        ck_assert_int_eq(world.softSolver.getStatistics().status, qc_statusBadInput);
+    }
+    for (int i = 0; i < cloth->m_nodes.size(); i++)
+        ck_assert(cloth->m_nodes[i].m_x == same->m_nodes[i].m_x);
+    world.softSolver.setMethod(qc_methodAuto);
+    world.Step();
+    ck_assert_int_eq(world.softSolver.getStatistics().status, qc_statusOk);
+}
+END_TEST
+
 START_TEST(everything_is_given_back)
 {
+    QC_FOR_EACH_DEVICE(device)
     {
-        World world;
+        World world(device);
+        world.softSolver.setMethod(qc_methodLayers);
         world.AddUprightCloth(10);
         for (int i = 0; i < 40; i++)
             world.Step();
@@ -415,4 +503,6 @@ QC_RUN_TESTS("soft body", a_falling_cloth_never_penetrates_itself, the_same_clot
              a_face_with_one_free_corner_is_not_thrown_away,
              a_body_that_is_not_simulated_stays_where_it_is_and_holds_others_up,
              nobody_is_told_of_the_end_of_contacts_of_a_body_that_is_gone,
-             two_runs_agree_bit_by_bit_for_any_number_of_threads, everything_is_given_back)
+             two_runs_agree_bit_by_bit_for_any_number_of_threads, layers_simulates_what_sweep_does_bit_by_bit,
+             layers_without_a_device_falls_back_and_says_so, a_method_without_contacts_leaves_a_step_to_bullet,
+             everything_is_given_back)
