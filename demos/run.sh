@@ -11,6 +11,7 @@ Demos:
   cloth   A cloth falls over a table, folds and meets itself (the default). Pictures, and a film where
           ffmpeg is installed, go to out/cloth/.
   pairs   Finds the triangles of meshes that intersect: demos/run.sh pairs MESH...
+  bench   Compares the methods: demos/run.sh bench [accuracy]. Tables and pictures go to out/bench/.
 
 Arguments are the demo's own; "demos/run.sh DEMO --help" explains them.
 END
@@ -30,13 +31,36 @@ run_cloth()
     fi
 }
 
+run_bench()
+{
+    bench=$root/build/demos/qc-bench
+    case ${1-} in
+        -h | --help) "$bench" --help ;;
+        '' | -*) run_benchmark accuracy "$@" ;;
+        *) run_benchmark "$@" ;;
+    esac
+}
+
+# run_benchmark NAME [ARGUMENT...]
+run_benchmark()
+{
+    name=$1
+    shift
+    # tests/dragon.sh leaves it there.
+    dragon=$root/build/models/dragon_vrip.ply
+    if [ "$name" = accuracy ] && [ -f "$dragon" ]; then
+        set -- --dragon "$dragon" "$@"
+    fi
+    "$bench" "$name" --out "$root/out/bench" "$@"
+}
+
 demo=cloth
 case ${1-} in
     -h | --help)
         show_help
         exit 0
         ;;
-    cloth | pairs)
+    cloth | pairs | bench)
         demo=$1
         shift
         ;;
@@ -53,6 +77,7 @@ root=$(CDPATH='' cd -- "$(dirname -- "$0")/.." && pwd)
 
 case $demo in
     cloth) qc_install build demos ;;
+    bench) qc_install build bench ;;
     *) qc_install build ;;
 esac
 # The tests need more packages: they are built where tests/run.sh has been.
@@ -64,4 +89,5 @@ fi
 case $demo in
     cloth) run_cloth "$@" ;;
     pairs) "$root/build/demos/qc-pairs" "$@" ;;
+    bench) run_bench "$@" ;;
 esac

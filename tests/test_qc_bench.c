@@ -19,12 +19,12 @@ static char s_text[1 << 18];
 
 static const char s_header[] =
     "scene,bodies,triangles,margin,touching,reference,exact,method,ran,resolution,views,rounds,order,second_pass,"
-    "reliable,device,threads,image,runs,ms,ms_least,pcs,candidates,found,missed,extra,missed_share,note";
+    "reliable,device,threads,image,queries,runs,ms,ms_least,pcs,candidates,found,missed,extra,missed_share,note";
 
 enum
 {
     qc_maxFields = 32,
-    qc_fieldCount = 28
+    qc_fieldCount = 29
 };
 
 typedef struct Row

@@ -1,0 +1,18 @@
+// What the benchmarks of qc-bench share: how they end, and the list of them.
+#ifndef QC_DEMOS_QC_BENCH_H
+#define QC_DEMOS_QC_BENCH_H
+
+/// Exit statuses, part of what the tool promises.
+typedef enum qcBenchExit
+{
+    qc_benchDone = 0,
+    qc_benchBroken = 1, ///< output could not be written, out of memory, or a method broke its promise
+    qc_benchUsage = 2,
+    qc_benchBadModel = 3,
+    qc_benchDevice = 4
+} qcBenchExit;
+
+/// Run time against error. `arguments[0]` is "qc-bench accuracy"; ends the program after --help and on a mistake.
+qcBenchExit qcBench_RunAccuracy(int argumentCount, char** arguments);
+
+#endif
