@@ -5,3 +5,5 @@ foreach(name device visibility growth picture)
   qc_test(test_${name} INTERNAL test_${name}.c LIBRARIES qc_oracle)
   target_include_directories(test_${name} SYSTEM PRIVATE ${EPOXY_INCLUDE_DIRS})
 endforeach()
+# `layers`: on each software device; its frame needs none.
+qc_test(test_layers_frame INTERNAL test_layers_frame.c LIBRARIES qc_oracle)
