@@ -16,9 +16,8 @@
 // the last place, which any rounding mode gives, fused or not, and denormals to be zero.
 //
 // - Levels. g = x * scale is at most 2^15, so that the product is wrong by at most 2^-8. If A and B are within r, then
-// for
-//   every axis there are points of both whose coordinates differ by at most r. So lower(A) <= upper(B) in g's units as
-//   soon as both boxes have grown by slack = (e + r / 2) * scale + 2^-8 and by the rounding of that growth itself,
+//   for every axis there are points of both whose coordinates differ by at most r. So lower(A) <= upper(B) in g's units
+//   as soon as both boxes have grown by slack = (e + r / 2) * scale + 2^-8 and by the rounding of that growth itself,
 //   2^-8; the caller adds 2^-6 in all. The diagonal (gx + gy) / 2 moves by at most half the sum of what x and y move;
 //   its sum rounds once more. Clamping and truncation to whole levels are monotone and the same for both, so that lower
 //   <= upper stays.
@@ -34,8 +33,8 @@
 //   own rounding |w|_1 2^-21: together |w|_1 (4 e s + 2.9e-6). The kernel asks for a gap of |w|_1 ((4 e + r) s 1.0001 +
 //   4e-6), and |w|_1 >= |w|. Axes shorter than 1e-20, where products could vanish, don't count.
 // - Lists. Each kernel counts what it would write, whether it fits or not; what was too small grows, and the kernels
-// run
-//   again. Loops that an implementation stopped early are noticed: then the step fails, and the sweep answers.
+//   run again. Loops that an implementation stopped early are noticed: then the step fails, and the sweep answers.
+//   The counters also make the number of workgroups that the next kernel starts.
 #include "gl/layers.h"
 
 #include "gl/device.h"
@@ -44,6 +43,7 @@
 #include "status.h"
 
 #include <assert.h>
+#include <stddef.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -106,19 +106,24 @@ typedef enum Kernel
 typedef struct KernelShape
 {
     const char *name, *source;
+    int localSize;         ///< invocations of a workgroup; fewer where items are few, for all threads to have some
     WorkBuffer outputs[3]; ///< bindings 1 to 3; work_end: none
 } KernelShape;
 
 static const KernelShape s_kernels[kernel_count] = {
-    [kernel_vertices] = {"layers, vertices", s_layersVertices, {(WorkBuffer)qc_layersVertices, work_end, work_end}},
-    [kernel_boxes] = {"layers, boxes", s_layersBoxes, {work_boxes, work_clusterBoxes, work_end}},
-    [kernel_nodes] = {"layers, nodes", s_layersNodes, {work_nodeBoxes, work_heads, work_entries}},
-    [kernel_nodePairs] = {"layers, node pairs", s_layersNodePairs, {work_nodePairs, work_end, work_end}},
-    [kernel_clusterPairs] = {"layers, cluster pairs", s_layersClusterPairs, {work_clusterPairs, work_end, work_end}},
+    [kernel_vertices] = {"layers, vertices", s_layersVertices, 64, {(WorkBuffer)qc_layersVertices, work_end, work_end}},
+    [kernel_boxes] = {"layers, boxes", s_layersBoxes, 64, {work_boxes, work_clusterBoxes, work_end}},
+    [kernel_nodes] = {"layers, nodes", s_layersNodes, 16, {work_nodeBoxes, work_heads, work_entries}},
+    [kernel_nodePairs] = {"layers, node pairs", s_layersNodePairs, 16, {work_nodePairs, work_end, work_end}},
+    [kernel_clusterPairs] = {"layers, cluster pairs",
+                             s_layersClusterPairs,
+                             16,
+                             {work_clusterPairs, work_end, work_end}},
     [kernel_trianglePairs] = {"layers, triangle pairs",
                               s_layersTrianglePairs,
+                              64,
                               {work_trianglePairs, work_end, work_end}},
-    [kernel_filter] = {"layers, filter", s_layersFilter, {work_survivors, work_end, work_end}},
+    [kernel_filter] = {"layers, filter", s_layersFilter, 64, {work_survivors, work_end, work_end}},
 };
 
 typedef enum UniformName
@@ -158,44 +163,47 @@ static const char* const s_uniforms[uniform_count] = {"chunkCount",
 
 enum
 {
-    qc_localSize = 64, ///< invocations of a workgroup
-    // Counters stand on cache lines of their own; see common.glsl.
-    qc_counterStride = 16,
-    qc_counterWords = 8 * qc_counterStride,
+    qc_groupsInRow = 1 << 15, ///< workgroups, of a dispatch
     // A list's word holds the item before it and six bits; and an item makes at most 64 of the next list, so that no
     // counter runs over. (What can, entries and pairs of nodes, is watched by its kernel.)
     qc_mostItems = 1 << 25,
-    qc_mostGroups = 1 << 15, ///< in a row
     qc_mostReruns = 64
 };
 
-/// The counters, in their order.
-typedef enum Counter
+/// The lists whose items are counted.
+typedef enum List
 {
-    counter_entries,
-    counter_nodePairs,
-    counter_clusterPairs,
-    counter_trianglePairs,
-    counter_survivors,
-    counter_skipped,
-    counter_stopped,
-    counter_overflow
+    list_entries,
+    list_nodePairs,
+    list_clusterPairs,
+    list_trianglePairs,
+    list_survivors,
+    list_count
+} List;
+
+static const WorkBuffer s_lists[list_count] = {work_entries, work_nodePairs, work_clusterPairs, work_trianglePairs,
+                                               work_survivors};
+
+/// The counters as the kernels know them, each on a cache line of its own.
+typedef struct Counter
+{
+    uint32_t count, groups[3], unused[12]; ///< groups: of a list, the workgroups of the kernel that takes it
 } Counter;
 
-/// Which buffer a counter counts.
-static const WorkBuffer s_counted[counter_survivors + 1] = {work_entries, work_nodePairs, work_clusterPairs,
-                                                            work_trianglePairs, work_survivors};
+typedef struct Counters
+{
+    Counter lists[list_count], skippedNodes, stopped, overflow;
+} Counters;
 
 struct qcLayers
 {
     qcDevice* device;
     GLuint buffers[work_end], textures[work_end], programs[kernel_count];
     GLint uniforms[kernel_count][uniform_count];
-    size_t capacity[work_end];          ///< elements
-    size_t largestBuffer;               ///< bytes that a kernel can see
-    size_t largestTexture;              ///< elements
-    uint32_t counters[qc_counterWords]; ///< of the last run
-    uint64_t started[kernel_count];     ///< invocations, at least; of the last run
+    size_t capacity[work_end]; ///< elements
+    size_t largestBuffer;      ///< bytes that a kernel can see
+    size_t largestTexture;     ///< elements
+    Counters counters;         ///< of the last run
     qcArray pairs;
     const qcLayersStep* step;
     qcLayersAnswer* answer;
@@ -247,8 +255,12 @@ static void Upload(const struct qcGlTable* gl, qcLayers* layers, int buffer, siz
 
 static qcStatus GetProgram(const struct qcGlTable* gl, qcLayers* layers, int kernel)
 {
-    char constants[64];
-    snprintf(constants, sizeof constants, "#version 430 core\n#define BODY_TEXELS %d\n", qc_layersBodyTexels);
+    char constants[200];
+    int taker = kernel + 1 < kernel_count ? kernel + 1 : kernel;
+    snprintf(constants, sizeof constants,
+             "#version 430 core\n#define BODY_TEXELS %d\n#define GROUPS_IN_ROW %du\n#define LOCAL_SIZE %d\n"
+             "#define TAKER_SIZE %du\n",
+             qc_layersBodyTexels, qc_groupsInRow, s_kernels[kernel].localSize, s_kernels[taker].localSize);
     const char* sources[] = {constants, s_layersCommon, s_kernels[kernel].source};
     GLuint program;
     QC_TRY(qcGlTable_GetComputeProgram(gl, s_kernels[kernel].name, sources, 3, &program));
@@ -276,7 +288,7 @@ static qcStatus CreateObjects(const struct qcGlTable* gl, void* context)
     gl->GenTextures(work_end, layers->textures);
     for (int kernel = 0; kernel < kernel_count; kernel++)
         QC_TRY(GetProgram(gl, layers, kernel));
-    return Resize(gl, layers, work_counters, qc_counterWords);
+    return Resize(gl, layers, work_counters, sizeof(Counters) / s_shapes[work_counters].elementSize);
 }
 
 static qcStatus DeleteObjects(const struct qcGlTable* gl, void* context)
@@ -333,74 +345,88 @@ static void SetUniforms(const struct qcGlTable* gl, const qcLayers* layers, int 
         gl->Uniform1f(at[uniform_reach], step->reach);
 }
 
-/// One invocation an item, or more.
-static void RunKernel(const struct qcGlTable* gl, qcLayers* layers, int kernel, uint64_t items, uint32_t nodeCount)
+/// Makes a kernel the one to dispatch.
+static void UseKernel(const struct qcGlTable* gl, const qcLayers* layers, int kernel, uint32_t nodeCount)
 {
     const KernelShape* shape = &s_kernels[kernel];
     gl->UseProgram(layers->programs[kernel]);
     for (GLuint i = 0; i < 3 && shape->outputs[i] != work_end; i++)
         gl->BindBufferBase(GL_SHADER_STORAGE_BUFFER, i + 1, layers->buffers[shape->outputs[i]]);
     SetUniforms(gl, layers, kernel, nodeCount);
-    uint64_t groups = (items + qc_localSize - 1) / qc_localSize;
-    uint64_t rows = (groups + qc_mostGroups - 1) / qc_mostGroups;
-    uint64_t columns = rows > 1 ? qc_mostGroups : groups;
-    layers->started[kernel] = rows * columns * qc_localSize;
-    if (groups != 0)
-        gl->DispatchCompute((GLuint)columns, (GLuint)rows, 1);
-    gl->MemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_TEXTURE_FETCH_BARRIER_BIT | GL_BUFFER_UPDATE_BARRIER_BIT);
 }
 
-static uint32_t Count(const qcLayers* layers, Counter counter)
+static void FinishKernel(const struct qcGlTable* gl)
 {
-    return layers->counters[counter * qc_counterStride];
+    gl->MemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_TEXTURE_FETCH_BARRIER_BIT | GL_BUFFER_UPDATE_BARRIER_BIT |
+                      GL_COMMAND_BARRIER_BIT);
+}
+
+/// One invocation an item, or more.
+static void RunKernel(const struct qcGlTable* gl, const qcLayers* layers, int kernel, uint64_t items,
+                      uint32_t nodeCount)
+{
+    uint64_t localSize = (uint64_t)s_kernels[kernel].localSize, groups = (items + localSize - 1) / localSize;
+    UseKernel(gl, layers, kernel, nodeCount);
+    gl->DispatchCompute((GLuint)(groups < qc_groupsInRow ? groups : qc_groupsInRow),
+                        (GLuint)((groups + qc_groupsInRow - 1) / qc_groupsInRow), 1);
+    FinishKernel(gl);
+}
+
+/// One invocation for each item of a list: how many those are stays on the device until the end.
+static void TakeList(const struct qcGlTable* gl, const qcLayers* layers, List list)
+{
+    UseKernel(gl, layers, kernel_nodePairs + (int)list, 0);
+    gl->DispatchComputeIndirect((GLintptr)(list * sizeof(Counter) + offsetof(Counter, groups)));
+    FinishKernel(gl);
+}
+
+static uint32_t Count(const qcLayers* layers, List list)
+{
+    return layers->counters.lists[list].count;
 }
 
 /// The kernels from nodes on; they may run again.
 static void RunLists(const struct qcGlTable* gl, qcLayers* layers)
 {
-    const qcLayersStep* step = layers->step;
-    const GLuint zero = 0, none = UINT32_MAX;
+    const GLuint none = UINT32_MAX;
+    layers->counters = (Counters){0};
+    for (int list = 0; list < list_survivors; list++)
+        layers->counters.lists[list].groups[1] = layers->counters.lists[list].groups[2] = 1;
     gl->BindBuffer(GL_SHADER_STORAGE_BUFFER, layers->buffers[work_counters]);
-    gl->ClearBufferData(GL_SHADER_STORAGE_BUFFER, GL_R32UI, GL_RED_INTEGER, GL_UNSIGNED_INT, &zero);
+    gl->BufferSubData(GL_SHADER_STORAGE_BUFFER, 0, sizeof layers->counters, &layers->counters);
     gl->BindBuffer(GL_SHADER_STORAGE_BUFFER, layers->buffers[work_heads]);
     gl->ClearBufferData(GL_SHADER_STORAGE_BUFFER, GL_R32UI, GL_RED_INTEGER, GL_UNSIGNED_INT, &none);
-    RunKernel(gl, layers, kernel_nodes, step->activeNodes, step->activeNodes);
-    for (int i = 0; i < kernel_count - kernel_nodePairs; i++)
-    {
-        // How long the list before is stays on the device until the end. An eighth more than it was is mostly enough.
-        uint64_t before = Count(layers, (Counter)i);
-        RunKernel(gl, layers, kernel_nodePairs + i, before + before / 8 + 4 * qc_localSize, step->activeNodes);
-    }
+    gl->BindBuffer(GL_DISPATCH_INDIRECT_BUFFER, layers->buffers[work_counters]);
+    RunKernel(gl, layers, kernel_nodes, layers->step->activeNodes, layers->step->activeNodes);
+    for (int list = 0; list < list_survivors; list++)
+        TakeList(gl, layers, (List)list);
     gl->BindBuffer(GL_SHADER_STORAGE_BUFFER, layers->buffers[work_counters]);
-    gl->GetBufferSubData(GL_SHADER_STORAGE_BUFFER, 0, sizeof layers->counters, layers->counters);
+    gl->GetBufferSubData(GL_SHADER_STORAGE_BUFFER, 0, sizeof layers->counters, &layers->counters);
 }
 
 /// Makes room for what did not fit; `*again` says whether something did not.
 static qcStatus GrowLists(const struct qcGlTable* gl, qcLayers* layers, bool* again)
 {
     *again = false;
-    if (Count(layers, counter_stopped) != 0)
+    if (layers->counters.stopped.count != 0)
         return qcFail(qc_statusDevice,
                       "layers: a pixel's list, or a node's pixels, are more than the device's loops do");
-    for (int counter = 0; counter <= counter_survivors; counter++)
+    for (int list = 0; list < list_count; list++)
     {
-        uint32_t count = Count(layers, (Counter)counter);
-        // small.
-        if (count > qc_mostItems || Count(layers, counter_overflow) != 0)
+        uint32_t count = Count(layers, (List)list);
+        if (count > qc_mostItems || layers->counters.overflow.count != 0)
             return qcFail(qc_statusDevice, "layers: more than %d pairs in one list", qc_mostItems);
-        if (count <= ListCapacity(layers, s_counted[counter]))
+        if (count <= ListCapacity(layers, s_lists[list]))
             continue;
-        QC_TRY(Resize(gl, layers, s_counted[counter], count + count / 4));
+        QC_TRY(Resize(gl, layers, s_lists[list], count + count / 4 + 2));
         *again = true;
     }
-    for (int i = 0; i < kernel_count - kernel_nodePairs; i++)
-        *again = *again || Count(layers, (Counter)i) > layers->started[kernel_nodePairs + i];
     return qc_statusOk;
 }
 
 static qcStatus ReadPairs(const struct qcGlTable* gl, qcLayers* layers)
 {
-    size_t count = Count(layers, counter_survivors);
+    size_t count = Count(layers, list_survivors);
     QC_TRY(qcArray_Resize(&layers->pairs, 2 * count, sizeof(uint32_t), "pairs from the device"));
     if (count != 0)
     {
@@ -411,11 +437,11 @@ static qcStatus ReadPairs(const struct qcGlTable* gl, qcLayers* layers)
     qcLayersAnswer* answer = layers->answer;
     answer->pairs = layers->pairs.data;
     answer->pairCount = count;
-    answer->entries = Count(layers, counter_entries);
-    answer->nodePairs = Count(layers, counter_nodePairs);
-    answer->clusterPairs = Count(layers, counter_clusterPairs);
-    answer->trianglePairs = Count(layers, counter_trianglePairs);
-    answer->skippedNodes = Count(layers, counter_skipped);
+    answer->entries = Count(layers, list_entries);
+    answer->nodePairs = Count(layers, list_nodePairs);
+    answer->clusterPairs = Count(layers, list_clusterPairs);
+    answer->trianglePairs = Count(layers, list_trianglePairs);
+    answer->skippedNodes = layers->counters.skippedNodes.count;
     for (int buffer = 0; buffer < work_end; buffer++)
         answer->deviceBytes += layers->capacity[buffer] * s_shapes[buffer].elementSize;
     return qc_statusOk;
@@ -436,11 +462,10 @@ static qcStatus ReserveAll(const struct qcGlTable* gl, qcLayers* layers)
     if (layers->capacity[work_heads] != pixels)
         QC_TRY(Resize(gl, layers, work_heads, pixels));
     // A folded cloth's needs; a scene that needs more runs once more.
-    QC_TRY(Reserve(gl, layers, work_entries, 4 * nodes + 64));
-    QC_TRY(Reserve(gl, layers, work_nodePairs, 12 * nodes + 64));
-    QC_TRY(Reserve(gl, layers, work_clusterPairs, 64 * nodes + 64));
-    QC_TRY(Reserve(gl, layers, work_trianglePairs, 64 * nodes + 64));
-    return Reserve(gl, layers, work_survivors, 8 * nodes + 64);
+    static const size_t s_needs[list_count] = {4, 12, 64, 64, 8};
+    for (int list = 0; list < list_count; list++)
+        QC_TRY(Reserve(gl, layers, s_lists[list], s_needs[list] * nodes + 64));
+    return qc_statusOk;
 }
 
 static qcStatus RunStep(const struct qcGlTable* gl, void* context)
@@ -505,12 +530,5 @@ qcStatus qcLayers_Run(qcLayers* layers, const qcLayersStep* step, qcLayersAnswer
     *answer = (qcLayersAnswer){0};
     layers->step = step;
     layers->answer = answer;
-    if (Count(layers, counter_entries) == 0)
-    {
-        // What a folded cloth needs, for want of a last run.
-        const uint32_t guess[] = {2, 5, 48, 48};
-        for (int i = 0; i < 4; i++)
-            layers->counters[i * qc_counterStride] = guess[i] * step->activeNodes;
-    }
     return qcDevice_Run(layers->device, RunStep, layers, "layers");
 }

@@ -64,6 +64,7 @@ qcStatus qcGlTable_Load(struct qcGlTable* gl, qcGlGetFunction* getFunction)
     if (major * 10 + minor >= 43)
     {
         gl->DispatchCompute = (PFNGLDISPATCHCOMPUTEPROC)getFunction("glDispatchCompute");
+        gl->DispatchComputeIndirect = (PFNGLDISPATCHCOMPUTEINDIRECTPROC)getFunction("glDispatchComputeIndirect");
         gl->MemoryBarrier = (PFNGLMEMORYBARRIERPROC)getFunction("glMemoryBarrier");
         gl->ClearBufferData = (PFNGLCLEARBUFFERDATAPROC)getFunction("glClearBufferData");
     }

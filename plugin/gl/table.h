@@ -108,6 +108,7 @@ struct qcGlTable
     PFNGLGETGRAPHICSRESETSTATUSPROC GetGraphicsResetStatus;
     /// Compute shaders; all null below GL 4.3.
     PFNGLDISPATCHCOMPUTEPROC DispatchCompute;
+    PFNGLDISPATCHCOMPUTEINDIRECTPROC DispatchComputeIndirect;
     PFNGLMEMORYBARRIERPROC MemoryBarrier;
     PFNGLCLEARBUFFERDATAPROC ClearBufferData;
     struct qcGlPrograms* programs;

@@ -4,9 +4,8 @@ uniform uint nodePairCapacity, clusterPairCapacity;
 
 void main()
 {
-    uint total = countOf(nodePairCounter, nodePairCapacity);
     uint i = ITEM;
-    if (i >= total)
+    if (i >= countOf(nodePairCounter, nodePairCapacity))
         return;
 
     uvec2 pair = texelFetch(nodePairs, int(i)).xy;

@@ -1,5 +1,5 @@
 // What the kernels of `layers` share. See layers.c for the way through them and for the proof.
-layout(local_size_x = 64) in;
+layout(local_size_x = LOCAL_SIZE) in;
 
 // Resident: written when bodies come or move.
 uniform samplerBuffer vertices;           // in the frame; see layers.h
@@ -13,17 +13,34 @@ uniform usamplerBuffer boxes, clusterBoxes, nodeBoxes, entries, nodePairs, clust
 layout(std430, binding = 0) buffer Counters { uint counters[]; };
 uniform usamplerBuffer counted; // the same; reading it as a texture takes a tenth of the time on llvmpipe
 
+const uint none = 0xffffffffu;
+
+// One invocation an item. (A loop in the kernel over more items than invocations takes twice as long on llvmpipe.)
+#define ITEM ((gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x) * gl_WorkGroupSize.x + gl_LocalInvocationID.x)
+
+// Where the counters stand, each on a cache line of its own: of a list, items and, next to them, the workgroups that its
+// taker is dispatched with.
+const int entryCounter = 0, nodePairCounter = 16, clusterPairCounter = 32, trianglePairCounter = 48,
+          survivorCounter = 64, skippedCounter = 80, stoppedCounter = 96, overflowCounter = 112;
+
 // Items in a list that another kernel has counted.
 uint countOf(int counter, uint capacity)
 {
     return min(texelFetch(counted, counter).x, capacity);
 }
 
-const uint none = 0xffffffffu;
-
-// Where the counters stand, each on a cache line of its own.
-const int entryCounter = 0, nodePairCounter = 16, clusterPairCounter = 32, trianglePairCounter = 48,
-          survivorCounter = 64, skippedCounter = 80, stoppedCounter = 96, overflowCounter = 112;
+// Counts more items of a list, and the workgroups for those that fit; returns how many items there were.
+uint append(int counter, uint count, uint capacity)
+{
+    uint place = atomicAdd(counters[counter], count);
+    uint groups = (min(place + count, capacity) + TAKER_SIZE - 1u) / TAKER_SIZE;
+    if (groups > (place + TAKER_SIZE - 1u) / TAKER_SIZE)
+    {
+        atomicMax(counters[counter + 1], min(groups, GROUPS_IN_ROW));
+        atomicMax(counters[counter + 2], (groups + GROUPS_IN_ROW - 1u) / GROUPS_IN_ROW);
+    }
+    return place;
+}
 
 // A box of 15-bit levels: lower ends (x | y << 16, z | d << 16), upper ends likewise with the top bit of each half set.
 // d is the diagonal (x + y) / 2. Two boxes overlap if no subtraction borrows from a top bit: upper - lower >= 0.
@@ -70,7 +87,7 @@ uvec4 upperEnds(uvec4 box)
     uint count = uint(bitCount(mask.x) + bitCount(mask.y));                                                            \
     if (count != 0u)                                                                                                   \
     {                                                                                                                  \
-        uint place = atomicAdd(counters[counter], count);                                                              \
+        uint place = append(counter, count, capacity);                                                                 \
         for (; (mask.x | mask.y) != 0u; place++)                                                                       \
         {                                                                                                              \
             bool isLow = mask.x != 0u;                                                                                 \
@@ -80,6 +97,3 @@ uvec4 upperEnds(uvec4 box)
             list[min(place, capacity)] = item << 6 | bit;                                                              \
         }                                                                                                              \
     }
-
-// One invocation an item. (A loop in the kernel over more items than invocations takes twice as long on llvmpipe.)
-#define ITEM (gl_GlobalInvocationID.y * gl_NumWorkGroups.x * gl_WorkGroupSize.x + gl_GlobalInvocationID.x)

@@ -18,9 +18,8 @@ bool separates(vec3 axis)
 
 void main()
 {
-    uint total = countOf(trianglePairCounter, trianglePairCapacity);
     uint i = ITEM;
-    if (i >= total)
+    if (i >= countOf(trianglePairCounter, trianglePairCapacity))
         return;
 
     uint word = texelFetch(trianglePairs, int(i)).x, above = texelFetch(clusterPairs, int(word >> 6)).x;

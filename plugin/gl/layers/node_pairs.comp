@@ -13,9 +13,8 @@ bool mayMeet(uint a, uint b)
 
 void main()
 {
-    uint total = countOf(entryCounter, entryCapacity);
     uint i = ITEM;
-    if (i >= total)
+    if (i >= countOf(entryCounter, entryCapacity))
         return;
 
     uvec4 entry = texelFetch(entries, int(i));
@@ -42,7 +41,7 @@ void main()
                     table = link.x == b ? link.y : table;
                 }
                 stopped = stopped || k < node.z;
-                uint place = atomicAdd(counters[nodePairCounter], 1u);
+                uint place = append(nodePairCounter, 1u, nodePairCapacity);
                 if (place < nodePairCapacity)
                     outNodePairs[place] = uvec4(a, b, table, 0u);
                 else if (place >= 0x80000000u)

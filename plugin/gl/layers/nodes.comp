@@ -25,7 +25,7 @@ void main()
     if (OVERLAP(box, interest))
     {
         uvec2 first = lower.xy >> pixelShift, last = upper.xy >> pixelShift, size = last - first + 1u;
-        uint place = atomicAdd(counters[entryCounter], size.x * size.y), end = place + size.x * size.y;
+        uint place = append(entryCounter, size.x * size.y, entryCapacity), end = place + size.x * size.y;
         for (uint y = first.y; y <= last.y; y++)
             for (uint x = first.x; x <= last.x; x++, place++)
                 if (place < entryCapacity)

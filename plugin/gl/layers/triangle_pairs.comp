@@ -4,9 +4,8 @@ uniform uint clusterPairCapacity, trianglePairCapacity, testNeighbours;
 
 void main()
 {
-    uint total = countOf(clusterPairCounter, clusterPairCapacity);
     uint i = ITEM;
-    if (i >= total)
+    if (i >= countOf(clusterPairCounter, clusterPairCapacity))
         return;
 
     uint word = texelFetch(clusterPairs, int(i)).x, bit = word & 63u;
