@@ -31,7 +31,7 @@ typedef enum qcBenchMade
 
 enum
 {
-    qc_benchSceneCount = 11
+    qc_benchSceneCount = 12
 };
 
 /// "cloth-20k"; `index` below qc_benchSceneCount.

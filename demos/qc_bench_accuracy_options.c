@@ -162,8 +162,9 @@ static error_t ReadOption(int key, char* text, struct argp_state* state)
 static const struct argp_option s_options[] = {
     {NULL, 0, NULL, 0, "What is tried; all of it by default:", 1},
     {"scenes", key_scenes, "LIST", 0,
-     "Of cloth-20k, cloth-250k, pile (three bunnies), dragon (with itself), sheets-1e-1 to sheets-1e-6 (two sheets, "
-     "their gap as a share of the extent), slivers; \"cloth\" and \"sheets\" are all of their kind",
+     "Of cloth-20k, cloth-250k, cloth-2m (all but cullide and quick), pile (three bunnies), dragon (with itself), "
+     "sheets-1e-1 to sheets-1e-6 (two sheets, their gap as a share of the extent), slivers; \"cloth\" and \"sheets\" "
+     "are all of their kind",
      1},
     {"methods", key_methods, "LIST", 0, "Of auto, brute, cullide, quick, sweep, layers", 1},
     {"resolutions", key_resolutions, "LIST", 0,

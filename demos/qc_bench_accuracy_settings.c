@@ -11,7 +11,8 @@ enum
     qc_bruteTrianglesFull = 300000,
     // On software GL a view of `quick` costs 10 s and more for a million triangles.
     qc_someTriangles = 100000,
-    qc_fewTriangles = 500000
+    qc_fewTriangles = 500000,
+    qc_noneTriangles = 1000000
 };
 
 bool qcAccuracy_IsSampled(qcMethod method)
@@ -35,6 +36,8 @@ static bool IsKept(int scene, uint32_t triangleCount, uint32_t resolution, const
     size_t viewCount = strlen(views);
     if (scene == 0)
         return true;
+    if (triangleCount > qc_noneTriangles)
+        return false;
     if (triangleCount > qc_fewTriangles)
         return viewCount == 1 && resolution == 4096;
     if (triangleCount > qc_someTriangles)

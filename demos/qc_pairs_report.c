@@ -74,9 +74,11 @@ static void PrintText(const qcPairsRun* run)
     if (profile->resolution != 0)
         printf(", %" PRIu32 " x %" PRIu32 " pixels", profile->resolution, profile->resolution);
     if (profile->columns != 0)
-        printf("\n%-12s %" PRIu32 " columns, %" PRIu64 " fragments, %" PRIu64 " pairs of them; %.1f MiB on the device",
-               "image", profile->columns, profile->fragments, profile->listPairs,
-               (double)profile->deviceBytes / (1 << 20));
+        printf("\n%-12s %" PRIu32 " columns, %" PRIu64 " fragments, %" PRIu64 " pairs of triangles", "image",
+               profile->columns, profile->fragments, profile->listPairs);
+    if (profile->triangles != 0)
+        printf("\n%-12s %.1f bytes a triangle on the host, %.1f on the device", "memory",
+               (double)qcGetByteCount() / profile->triangles, (double)profile->deviceBytes / profile->triangles);
     printf("\n%-12s %" PRIu32 " of %" PRIu32 " bodies, %zu of %" PRIu32 " triangles\n", "PCS", profile->objectPcs,
            profile->bodies, run->result->pcsCount, profile->triangles);
     printf("%-12s %" PRIu64 " pairs of triangles, %" PRIu64 " of them decided in exact arithmetic\n", "candidates",
@@ -219,6 +221,7 @@ static json_object* DescribeRun(const qcPairsRun* run)
     AddNumber(object, "listPairs", profile->listPairs);
     AddNumber(object, "reruns", profile->reruns);
     AddNumber(object, "uploadedBytes", profile->uploadedBytes);
+    AddNumber(object, "hostBytes", qcGetByteCount());
     AddNumber(object, "deviceBytes", profile->deviceBytes);
     AddFlag(object, "softwareDevice", profile->softwareDevice);
     AddNumber(object, "reps", run->options->reps);

@@ -397,6 +397,7 @@ START_TEST(layers_reports_its_image_and_its_memory)
     for (int i = 0; i < 5; ++i)
         ck_assert_int_eq(GetNumber(object, counts[i]) > 0, ran);
     GetNumber(object, "reruns");
+    ck_assert_uint_gt(GetNumber(object, "hostBytes"), 0);
     ck_assert_int_eq(json_object_get_boolean(Get(object, "softwareDevice")) && !ran, false);
     ck_assert_int_eq(Get(object, "fallback") == NULL, ran);
     json_object_put(object);
