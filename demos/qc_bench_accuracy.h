@@ -62,6 +62,24 @@ uint32_t qcAccuracy_ListSettings(const qcAccuracyOptions* options, int scene, ui
 /// hold equal to brute force.
 qcMethod qcAccuracy_ChooseReference(const qcAccuracyOptions* options, uint32_t triangleCount);
 
+/// The settings that differ by their image alone: a line of the report, and of the plot's legend.
+typedef struct qcAccuracySeries
+{
+    qcAccuracySetting setting; ///< without image
+    const char* title;
+    unsigned color; ///< red, green, blue: a byte each
+} qcAccuracySeries;
+
+enum
+{
+    qc_accuracySeriesCount = 12
+};
+
+/// All but that of `auto`.
+extern const qcAccuracySeries qcAccuracySeries_all[qc_accuracySeriesCount];
+
+bool qcAccuracy_IsOf(const qcAccuracySeries* series, const qcAccuracySetting* setting);
+
 /// `cullide` and `quick`, which see what their pixels see.
 bool qcAccuracy_IsSampled(qcMethod method);
 

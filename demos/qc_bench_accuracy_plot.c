@@ -15,46 +15,6 @@ enum
     qc_notFound = 127 // as a shell says it
 };
 
-/// A line of the legend: rows of the CSV that share a colour.
-typedef struct Series
-{
-    qcAccuracySetting setting; ///< without image
-    const char* title;
-    unsigned color; ///< red, green, blue: a byte each
-} Series;
-
-static const Series s_series[] = {
-    {{.method = qc_methodCullide}, "cullide", 0x8c6d31},
-    {{.method = qc_methodQuick}, "quick, as published", 0xe7298a},
-    {{.method = qc_methodQuick, .backToFront = true}, "quick, back to front", 0xd95f02},
-    {{.method = qc_methodQuick, .backToFront = true, .secondPassFromBack = true},
-     "... and 2nd pass from the back",
-     0xe6ab02},
-    {{.method = qc_methodQuick, .backToFront = true, .secondPassFromBack = true, .reliable = true},
-     "... and reliable",
-     0x7570b3},
-    {{.method = qc_methodQuick, .secondPassFromBack = true}, "quick, only 2nd pass from the back", 0xa6761d},
-    {{.method = qc_methodQuick, .reliable = true}, "quick, only reliable", 0xb3a2d6},
-    {{.method = qc_methodQuick, .backToFront = true, .reliable = true}, "quick, back to front, reliable", 0xf4a582},
-    {{.method = qc_methodQuick, .secondPassFromBack = true, .reliable = true},
-     "quick, 2nd pass from the back, reliable",
-     0x9e9ac8},
-    {{.method = qc_methodLayers}, "layers", 0x1b9e77},
-    {{.method = qc_methodSweep}, "sweep", 0x1f78b4},
-    {{.method = qc_methodBrute}, "brute", 0x555555},
-};
-
-enum
-{
-    qc_seriesCount = sizeof s_series / sizeof s_series[0]
-};
-
-static bool IsOf(const Series* series, const qcAccuracySetting* s)
-{
-    return series->setting.method == s->method && series->setting.backToFront == s->backToFront &&
-           series->setting.secondPassFromBack == s->secondPassFromBack && series->setting.reliable == s->reliable;
-}
-
 static bool AnyRan(const qcAccuracyTable* tables, uint32_t tableCount)
 {
     for (uint32_t t = 0; t < tableCount; ++t)
@@ -68,13 +28,13 @@ static bool AnyRan(const qcAccuracyTable* tables, uint32_t tableCount)
     return false;
 }
 
-static bool Occurs(const Series* series, const qcAccuracyTable* tables, uint32_t tableCount)
+static bool Occurs(const qcAccuracySeries* series, const qcAccuracyTable* tables, uint32_t tableCount)
 {
     for (uint32_t t = 0; t < tableCount; ++t)
     {
         for (uint32_t r = 0; r < tables[t].rowCount; ++r)
         {
-            if (tables[t].rows[r].skipped[0] == 0 && IsOf(series, &tables[t].rows[r].setting))
+            if (tables[t].rows[r].skipped[0] == 0 && qcAccuracy_IsOf(series, &tables[t].rows[r].setting))
                 return true;
         }
     }
@@ -109,21 +69,21 @@ static void WriteScenes(FILE* stream, const qcAccuracyOptions* options, const qc
 static void WriteSeries(FILE* stream, const qcAccuracyTable* tables, uint32_t tableCount)
 {
     int count = 0;
-    for (int i = 0; i < qc_seriesCount; ++i)
-        count += Occurs(&s_series[i], tables, tableCount);
+    for (int i = 0; i < qc_accuracySeriesCount; ++i)
+        count += Occurs(&qcAccuracySeries_all[i], tables, tableCount);
     int size = count > 0 ? count : 1; // gnuplot has no empty arrays
     fprintf(stream, "seriesCount = %d\narray series[%d]\narray names[%d]\narray colors[%d]\n", count, size, size, size);
     count = 0;
-    for (int i = 0; i < qc_seriesCount; ++i)
+    for (int i = 0; i < qc_accuracySeriesCount; ++i)
     {
-        const qcAccuracySetting* s = &s_series[i].setting;
-        if (!Occurs(&s_series[i], tables, tableCount))
+        const qcAccuracySetting* s = &qcAccuracySeries_all[i].setting;
+        if (!Occurs(&qcAccuracySeries_all[i], tables, tableCount))
             continue;
         ++count;
         fprintf(stream, "series[%d] = '%s/%s/%s/%d'; names[%d] = '%s'; colors[%d] = 0x%06x\n", count,
                 qcMethod_Name(s->method), s->backToFront ? "back-to-front" : "index",
-                s->secondPassFromBack ? "back" : "front", s->reliable, count, s_series[i].title, count,
-                s_series[i].color);
+                s->secondPassFromBack ? "back" : "front", s->reliable, count, qcAccuracySeries_all[i].title, count,
+                qcAccuracySeries_all[i].color);
     }
 }
 

@@ -74,18 +74,30 @@ bool qcAccuracy_WriteCsv(const qcAccuracyOptions* options, const qcAccuracyTable
 
 //  ---- for a reader --------------------------------------------------------------------------------
 
-/// Consecutive rows of one method.
+/// Consecutive rows of one series.
 typedef struct Family
 {
+    const char* title;
     const qcAccuracyRow* rows;
     uint32_t count, ran;
     const qcAccuracyRow *quickest, *slowest, *best, *worst; ///< of those that ran
+    uint64_t leastPcs, mostPcs;
 } Family;
+
+static const char* TitleOf(const qcAccuracySetting* setting)
+{
+    for (int i = 0; i < qc_accuracySeriesCount; ++i)
+    {
+        if (qcAccuracy_IsOf(&qcAccuracySeries_all[i], setting))
+            return qcAccuracySeries_all[i].title;
+    }
+    return qcMethod_Name(setting->method);
+}
 
 static Family FindFamily(const qcAccuracyTable* table, uint32_t first)
 {
-    Family f = {.rows = &table->rows[first]};
-    for (; first + f.count < table->rowCount && f.rows[f.count].setting.method == f.rows[0].setting.method; ++f.count)
+    Family f = {.title = TitleOf(&table->rows[first].setting), .rows = &table->rows[first], .leastPcs = UINT64_MAX};
+    for (; first + f.count < table->rowCount && TitleOf(&f.rows[f.count].setting) == f.title; ++f.count)
     {
         const qcAccuracyRow* row = &f.rows[f.count];
         if (row->skipped[0] != 0)
@@ -95,17 +107,19 @@ static Family FindFamily(const qcAccuracyTable* table, uint32_t first)
         f.slowest = f.slowest == NULL || row->ms > f.slowest->ms ? row : f.slowest;
         f.best = f.best == NULL || row->missed < f.best->missed ? row : f.best;
         f.worst = f.worst == NULL || row->missed > f.worst->missed ? row : f.worst;
+        f.leastPcs = row->pcs < f.leastPcs ? row->pcs : f.leastPcs;
+        f.mostPcs = row->pcs > f.mostPcs ? row->pcs : f.mostPcs;
     }
     return f;
 }
 
-static void PrintRow(const qcAccuracyRow* row)
+static void PrintRow(const Family* f, const qcAccuracyRow* row)
 {
-    char name[32];
-    snprintf(name, sizeof name, "%s", qcMethod_Name(row->setting.method));
+    char name[48];
+    snprintf(name, sizeof name, "%s", f->title);
     if (row->ran != row->setting.method)
-        snprintf(name, sizeof name, "%s (%s)", qcMethod_Name(row->setting.method), qcMethod_Name(row->ran));
-    printf("  %-16s %10.3f %9" PRIu64 " %11" PRIu64 " %8" PRIu64 " %8" PRIu64 " %8" PRIu64 "\n", name, row->ms,
+        snprintf(name, sizeof name, "%s (%s)", f->title, qcMethod_Name(row->ran));
+    printf("  %-30s %10.3f %9" PRIu64 " %11" PRIu64 " %8" PRIu64 " %8" PRIu64 " %8" PRIu64 "\n", name, row->ms,
            row->pcs, row->candidates, row->found, row->missed, row->extra);
 }
 
@@ -117,22 +131,23 @@ static int CountDecimals(double ms)
 
 static void PrintFamily(const qcAccuracyTable* table, const Family* f)
 {
-    const char* name = qcMethod_Name(f->rows[0].setting.method);
     // The first row of a method that never misses is the one that a user gets.
     if (f->ran != 0 && !qcAccuracy_IsSampled(f->rows[0].setting.method))
-        PrintRow(f->rows[0].skipped[0] == 0 ? f->rows : f->quickest);
+        PrintRow(f, f->rows[0].skipped[0] == 0 ? f->rows : f->quickest);
     if (f->ran > 1)
-        printf("  %-16s %" PRIu32 " settings: %.*f to %.*f ms, %.1f to %.1f %% missed\n", name, f->ran,
-               CountDecimals(f->quickest->ms), f->quickest->ms, CountDecimals(f->slowest->ms), f->slowest->ms,
-               100.0 * qcAccuracy_MissedShare(table, f->best), 100.0 * qcAccuracy_MissedShare(table, f->worst));
+        printf("  %-30s %" PRIu32 " settings: %.*f to %.*f ms, PCS %" PRIu64 " to %" PRIu64
+               ", %.1f to %.1f %% missed\n",
+               f->title, f->ran, CountDecimals(f->quickest->ms), f->quickest->ms, CountDecimals(f->slowest->ms),
+               f->slowest->ms, f->leastPcs, f->mostPcs, 100.0 * qcAccuracy_MissedShare(table, f->best),
+               100.0 * qcAccuracy_MissedShare(table, f->worst));
     else if (f->ran == 1 && qcAccuracy_IsSampled(f->rows[0].setting.method))
-        PrintRow(f->quickest);
+        PrintRow(f, f->quickest);
     if (f->ran == f->count)
         return;
     const qcAccuracyRow* skipped = f->rows;
     while (skipped->skipped[0] == 0)
         ++skipped;
-    printf("  %-16s %" PRIu32 " of %" PRIu32 " settings skipped: %s\n", name, f->count - f->ran, f->count,
+    printf("  %-30s %" PRIu32 " of %" PRIu32 " settings skipped: %s\n", f->title, f->count - f->ran, f->count,
            skipped->skipped);
 }
 
@@ -170,7 +185,7 @@ void qcAccuracy_PrintTable(const qcAccuracyTable* table)
 {
     printf("\n%s: %s, %" PRIu32 " triangles, %" PRIu64 " pairs (%s)\n", qcBenchScene_Name(table->scene),
            qcBenchScene_Title(table->scene), table->triangleCount, table->exact, qcMethod_Name(table->reference));
-    printf("  %-16s %10s %9s %11s %8s %8s %8s\n", "", "ms", "PCS", "candidates", "found", "missed", "too many");
+    printf("  %-30s %10s %9s %11s %8s %8s %8s\n", "", "ms", "PCS", "candidates", "found", "missed", "too many");
     for (uint32_t i = 0; i < table->rowCount;)
     {
         Family family = FindFamily(table, i);

@@ -15,6 +15,34 @@ enum
     qc_noneTriangles = 1000000
 };
 
+const qcAccuracySeries qcAccuracySeries_all[qc_accuracySeriesCount] = {
+    {{.method = qc_methodCullide}, "cullide", 0x8c6d31},
+    {{.method = qc_methodQuick}, "quick, as published", 0xe7298a},
+    {{.method = qc_methodQuick, .backToFront = true}, "quick, back to front", 0xd95f02},
+    {{.method = qc_methodQuick, .backToFront = true, .secondPassFromBack = true},
+     "... and 2nd pass from the back",
+     0xe6ab02},
+    {{.method = qc_methodQuick, .backToFront = true, .secondPassFromBack = true, .reliable = true},
+     "... and reliable",
+     0x7570b3},
+    {{.method = qc_methodQuick, .secondPassFromBack = true}, "quick, only 2nd pass from the back", 0xa6761d},
+    {{.method = qc_methodQuick, .reliable = true}, "quick, only reliable", 0xb3a2d6},
+    {{.method = qc_methodQuick, .backToFront = true, .reliable = true}, "quick, back to front, reliable", 0xf4a582},
+    {{.method = qc_methodQuick, .secondPassFromBack = true, .reliable = true},
+     "quick, 2nd pass from the back, reliable",
+     0x9e9ac8},
+    {{.method = qc_methodLayers}, "layers", 0x1b9e77},
+    {{.method = qc_methodSweep}, "sweep", 0x1f78b4},
+    {{.method = qc_methodBrute}, "brute", 0x555555},
+};
+
+bool qcAccuracy_IsOf(const qcAccuracySeries* series, const qcAccuracySetting* setting)
+{
+    const qcAccuracySetting* s = &series->setting;
+    return s->method == setting->method && s->backToFront == setting->backToFront &&
+           s->secondPassFromBack == setting->secondPassFromBack && s->reliable == setting->reliable;
+}
+
 bool qcAccuracy_IsSampled(qcMethod method)
 {
     return method == qc_methodCullide || method == qc_methodQuick;

@@ -12,6 +12,7 @@ qc_test(test_margin test_margin.c LIBRARIES qc_oracle)
 # Their own roundings are those of the core: no fused multiply-add.
 qc_test(test_never_miss test_never_miss.c LIBRARIES qc_oracle)
 target_compile_options(test_never_miss PRIVATE -ffp-contract=off)
+qc_test(test_layers test_layers.c LIBRARIES qc_oracle)
 qc_test(test_manifolds test_manifolds.c LIBRARIES qc_oracle)
 qc_test(test_manifold_rules test_manifold_rules.c LIBRARIES qc_oracle)
 qc_test(test_out_of_memory test_out_of_memory.c LIBRARIES qc_oracle)
