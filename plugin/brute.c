@@ -34,6 +34,8 @@ qcStatus qcCandidates_Brute(qcCandidates* candidates, const qcCandidateRules* ru
 {
     const qcTriangles* t = rules->triangles;
     QC_TRY(qcCandidates_Begin(candidates, rules->threads));
+    if (t->count == 0)
+        return qcCandidates_End(candidates, profile);
     QC_TRY(qcArray_Resize(&candidates->rows, 6 * (size_t)t->count, sizeof(double), "boxes of triangles"));
     QC_TRY(qcArray_Resize(&candidates->ranks, t->count, sizeof(uint32_t), "boxes of triangles"));
     double* rows = candidates->rows.data;

@@ -201,10 +201,9 @@ qcStatus qcCullLayers_Run(qcCullLayers* cull, const qcCullLayersJob* job, qcArra
     qcStatus status = RunOnDevice(&step, keys, neighbourKeys, profile);
     if (status != qc_statusOk)
     {
-        // What the device holds is unknown: start again next time.
+        // What the device holds is unknown: the next step opens it anew.
         keys->count = keyCount;
         neighbourKeys->count = neighbourKeyCount;
-        qcLayersBodies_Forget(&cull->bodies);
         qcLayers_Destroy(cull->layers);
         cull->layers = NULL;
     }

@@ -130,11 +130,9 @@ static qcStatus AssignPlaces(const Prepare* p)
             bodies->capacity[i] = bodies->used[i] + bodies->used[i] / 4;
             grown = true;
         }
-    // A buffer that grows loses what it held.
+    // A buffer that grows loses what it held. (The bodies' own grows with their number, and then they are sent anyway.)
     for (uint32_t slot = 0; grown && slot < bodies->places.count; slot++)
         PlaceAt(bodies, slot)->frame = 0;
-    if (grown)
-        bodies->sentBodies.count = 0;
     return qc_statusOk;
 }
 

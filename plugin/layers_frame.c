@@ -93,7 +93,7 @@ void qcLayersFrame_Map(const qcLayersFrame* frame, const double world[3], double
 
 static uint32_t ToLevel(double x)
 {
-    return x <= 0.0 ? 0 : x >= qc_layersLevels ? qc_layersLevels : (uint32_t)x;
+    return x <= 1.0 ? 1 : x >= qc_layersLevels ? qc_layersLevels : (uint32_t)x;
 }
 
 void qcLayersFrame_MapBox(const qcLayersFrame* frame, const double lower[3], const double upper[3], uint32_t box[4])

@@ -1,5 +1,6 @@
 // A set of moving boxes: pairs and queries against brute force, whatever is added, moved and removed.
 #include "box_model.h"
+#include "failing_heap.h"
 #include "suite.h"
 
 #include <pthread.h>
@@ -444,32 +445,14 @@ START_TEST(several_threads_may_ask_at_once)
 }
 END_TEST
 
-typedef struct Heap
-{
-    size_t calls, failAt; ///< failAt: the number of the call that fails; 0: none
-} Heap;
-
-static void* Allocate(size_t size, void* context)
-{
-    Heap* heap = context;
-    return ++heap->calls == heap->failAt ? NULL : aligned_alloc(64, (size + 63) / 64 * 64);
-}
-
-static void Release(void* memory, size_t size, void* context)
-{
-    (void)size;
-    (void)context;
-    free(memory);
-}
-
 START_TEST(out_of_memory_is_a_status_and_the_next_try_finds_everything)
 {
-    Heap heap = {0, 0};
-    CHECK_OK(qcSetAllocator(Allocate, Release, &heap));
+    qcFailingHeap heap = {0, 0, 0};
+    CHECK_OK(qcSetAllocator(qcFailingHeap_Allocate, qcFailingHeap_Release, &heap));
     size_t failures = 0;
     for (size_t failAt = 1;; failAt++)
     {
-        heap = (Heap){0, failAt};
+        heap = (qcFailingHeap){heap.live, 0, failAt};
         qcBoxes* set;
         bool failed = qcBoxes_Create(&set) != qc_statusOk;
         if (failed)

@@ -1,6 +1,7 @@
 // Clusters say of each pair of a body's triangles what a loop over all pairs says.
 #include "check_ok.h"
 #include "clusters.h"
+#include "failing_heap.h"
 #include "soups.h"
 #include "suite.h"
 
@@ -417,39 +418,18 @@ END_TEST
 
 //  ---- out of memory -------------------------------------------------------------------------------
 
-typedef struct Heap
-{
-    size_t live, calls, failAt; ///< failAt: the number of the call that fails; 0: none
-} Heap;
-
-static void* AllocateOrFail(size_t size, void* context)
-{
-    Heap* heap = context;
-    if (++heap->calls == heap->failAt)
-        return NULL;
-    heap->live += size;
-    return aligned_alloc(64, (size + 63) / 64 * 64);
-}
-
-static void Release(void* memory, size_t size, void* context)
-{
-    Heap* heap = context;
-    heap->live -= size;
-    free(memory);
-}
-
 START_TEST(a_failed_allocation_leaves_nothing)
 {
     qcSoup soup = Join(qcSoup_MakeFoldedCloth(2, 30, 0.02, 0.03), MakeFans(1, 1100));
-    Heap heap = {0, 0, 0};
-    CHECK_OK(qcSetAllocator(AllocateOrFail, Release, &heap));
+    qcFailingHeap heap = {0, 0, 0};
+    CHECK_OK(qcSetAllocator(qcFailingHeap_Allocate, qcFailingHeap_Release, &heap));
     qcClusters clusters = Build(&soup);
     qcClusters_Free(&clusters);
     size_t calls = heap.calls;
     ck_assert_uint_gt(calls, 20);
     for (size_t i = 1; i <= calls; i++)
     {
-        heap = (Heap){0, 0, i};
+        heap = (qcFailingHeap){0, 0, i};
         memset(&clusters, 0xff, sizeof clusters);
         qcStatus status =
             qcClusters_Build(&clusters, soup.indices, soup.triangleCount, soup.positions, soup.vertexCount);

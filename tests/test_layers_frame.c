@@ -134,7 +134,7 @@ static float Misplace(double exact, double pointError, int direction)
 
 static uint32_t ToLevel(float x)
 {
-    return x <= 0.0f ? 0 : x >= (float)qc_layersLevels ? qc_layersLevels : (uint32_t)x;
+    return x <= 1.0f ? 1 : x >= (float)qc_layersLevels ? qc_layersLevels : (uint32_t)x;
 }
 
 /// One end of the box of a point, as boxes.comp makes it: -1 lower, 1 upper; all errors away from the other end's side.

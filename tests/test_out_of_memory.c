@@ -1,32 +1,15 @@
 // Every allocation fails once: a status each time, the scene as before, nothing leaked, and the next try succeeds.
+#include "devices.h"
+#include "failing_heap.h"
 #include "scenes.h"
 #include "suite.h"
 
-typedef struct Heap
-{
-    size_t live, calls, failAt; ///< failAt: the number of the call that fails; 0: none
-} Heap;
-
-static void* Allocate(size_t size, void* context)
-{
-    Heap* heap = context;
-    if (++heap->calls == heap->failAt)
-        return NULL;
-    heap->live += size;
-    return aligned_alloc(64, (size + 63) / 64 * 64);
-}
-
-static void Release(void* memory, size_t size, void* context)
-{
-    Heap* heap = context;
-    heap->live -= size;
-    free(memory);
-}
-
 /// One whole use of the library; stops at the first status that is not ok.
-static qcStatus UseScene(const qcSoup* soup, qcMethod method, double margin, bool manifolds, size_t* pairs)
+static qcStatus UseScene(qcDevice* device, const qcSoup* soup, qcMethod method, double margin, bool manifolds,
+                         size_t* pairs)
 {
     qcSceneDef sceneDef = qcDefaultSceneDef();
+    sceneDef.device = device;
     qcScene* scene = NULL;
     qcStatus status = qcScene_Create(&sceneDef, &scene);
     qcBodyDef bodyDef = qcBodyDefOf(soup);
@@ -54,33 +37,45 @@ static qcStatus UseScene(const qcSoup* soup, qcMethod method, double margin, boo
         // The scene is whole: the same call, with memory, succeeds.
         CHECK_OK(qcScene_Detect(scene, &def, &result));
         *pairs = result->pairCount;
+        ck_assert_int_eq(result->profile.method, method);
     }
     qcScene_Destroy(scene);
     return status;
 }
 
-static void FailEach(qcMethod method, double margin, bool manifolds, uint32_t side)
+/// Opening the device is not among what fails: see test_device.c.
+static void FailEachOn(qcDeviceKind kind, qcMethod method, double margin, bool manifolds, uint32_t side)
 {
+    qcFailingHeap heap = {0, 0, 0};
+    CHECK_OK(qcSetAllocator(qcFailingHeap_Allocate, qcFailingHeap_Release, &heap));
+    qcDevice* device = qcOpenOrSkip(kind);
     qcSoup soup = qcSoup_MakeFoldedCloth(2, side, 0.02, 0.03);
-    Heap heap = {0, 0, 0};
-    CHECK_OK(qcSetAllocator(Allocate, Release, &heap));
-    size_t expected = 0;
-    CHECK_OK(UseScene(&soup, method, margin, manifolds, &expected));
-    ck_assert_uint_gt(expected, 0);
-    size_t calls = heap.calls;
-    ck_assert_uint_gt(calls, 20);
-    for (size_t i = 1; i <= calls; i++)
+    size_t expected = 0, live = heap.live, bytes = qcGetByteCount();
+    heap.calls = 0;
+    if (device != NULL)
+    {
+        CHECK_OK(UseScene(device, &soup, method, margin, manifolds, &expected));
+        ck_assert_uint_gt(expected, 0);
+        ck_assert_uint_gt(heap.calls, 20);
+    }
+    for (size_t i = 1, calls = heap.calls; i <= calls; i++)
     {
         size_t pairs = expected;
-        heap = (Heap){0, 0, i};
-        ck_assert_int_eq(UseScene(&soup, method, margin, manifolds, &pairs), qc_statusOutOfMemory);
+        heap = (qcFailingHeap){live, 0, i};
+        ck_assert_int_eq(UseScene(device, &soup, method, margin, manifolds, &pairs), qc_statusOutOfMemory);
         ck_assert_ptr_nonnull(strstr(qcLastMessage(), "out of memory"));
         ck_assert_uint_eq(pairs, expected);
-        ck_assert_uint_eq(heap.live, 0);
-        ck_assert_uint_eq(qcGetByteCount(), 0);
+        ck_assert_uint_eq(heap.live, live);
+        ck_assert_uint_eq(qcGetByteCount(), bytes);
     }
-    CHECK_OK(qcSetAllocator(NULL, NULL, NULL));
     qcSoup_Free(&soup);
+    qcDevice_Destroy(device);
+    CHECK_OK(qcSetAllocator(NULL, NULL, NULL));
+}
+
+static void FailEach(qcMethod method, double margin, bool manifolds, uint32_t side)
+{
+    FailEachOn(qc_deviceNone, method, margin, manifolds, side);
 }
 
 START_TEST(a_failed_allocation_in_sweep_leaves_the_scene_whole)
@@ -107,11 +102,19 @@ START_TEST(a_failed_allocation_among_manifolds_leaves_the_scene_whole)
 }
 END_TEST
 
+START_TEST(a_failed_allocation_in_layers_leaves_the_scene_whole)
+{
+    // With contacts: neighbours are listed too.
+    FailEachOn(qc_deviceOsmesa, qc_methodLayers, 0.0, false, 6);
+    FailEachOn(qc_deviceSurfaceless, qc_methodLayers, 0.03, false, 6);
+}
+END_TEST
+
 START_TEST(the_allocator_cannot_change_while_bytes_are_held)
 {
-    Heap heap = {0, 0, 0};
+    qcFailingHeap heap = {0, 0, 0};
     qcScene* scene = qcMakeScene(NULL);
-    ck_assert_int_eq(qcSetAllocator(Allocate, Release, &heap), qc_statusBadInput);
+    ck_assert_int_eq(qcSetAllocator(qcFailingHeap_Allocate, qcFailingHeap_Release, &heap), qc_statusBadInput);
     ck_assert_int_eq(qcSetAllocator(Allocate, NULL, &heap), qc_statusBadInput);
     qcScene_Destroy(scene);
 }
@@ -121,4 +124,4 @@ QC_RUN_TESTS("out of memory", a_failed_allocation_in_sweep_leaves_the_scene_whol
              a_failed_allocation_in_brute_force_leaves_the_scene_whole,
              a_failed_allocation_among_contacts_leaves_the_scene_whole,
              a_failed_allocation_among_manifolds_leaves_the_scene_whole,
-             the_allocator_cannot_change_while_bytes_are_held)
+             a_failed_allocation_in_layers_leaves_the_scene_whole, the_allocator_cannot_change_while_bytes_are_held)

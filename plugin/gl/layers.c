@@ -20,7 +20,8 @@
 //   as soon as both boxes have grown by slack = (e + r / 2) * scale + 2^-8 and by the rounding of that growth itself,
 //   2^-8; the caller adds 2^-6 in all. The diagonal (gx + gy) / 2 moves by at most half the sum of what x and y move;
 //   its sum rounds once more. Clamping and truncation to whole levels are monotone and the same for both, so that lower
-//   <= upper stays.
+//   <= upper stays. Where there is no triangle, the box has lower ends 32767 and upper ends 0: it meets no box, since
+//   none is clamped below 1.
 // - Boxes of clusters and nodes are least and greatest levels of what they hold: overlap of parts is overlap of wholes.
 // - Pixels are runs of 2^pixelShift levels: overlapping boxes share the pixel of the greater of their lower ends in x
 //   and y, both have an entry in its list, and there the pair is met: the entry that comes first in the list finds the

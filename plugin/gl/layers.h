@@ -34,7 +34,7 @@ typedef enum qcLayersBuffer
 
 enum
 {
-    qc_layersLevels = 32767, ///< the highest level
+    qc_layersLevels = 32767, ///< the highest level; the least is 1, below all of which an empty box ends
     qc_layersBodyTexels = 5,
     qc_layersIsMoving = 1,
     qc_layersMeetsItself = 2
@@ -88,7 +88,7 @@ void qcLayers_Destroy(qcLayers* layers);
 /// qc_statusDevice where the device's buffers can't hold the scene, or the device fails.
 qcStatus qcLayers_Run(qcLayers* layers, const qcLayersStep* step, qcLayersAnswer* answer);
 
-/// Levels 0..qc_layersLevels: x, y, depth, (x + y) / 2.
+/// Levels 1..qc_layersLevels, or 0: x, y, depth, (x + y) / 2.
 static inline void qcLayers_PackBox(const uint32_t lower[4], const uint32_t upper[4], uint32_t box[4])
 {
     box[0] = lower[0] | lower[1] << 16;

@@ -5,9 +5,10 @@ uniform uint nodeCount; // changed nodes: the first of activeNodes
 uniform vec3 scale;
 uniform vec4 slack;     // levels; w: of the diagonal
 
+// Level 0 is the empty box's: its lower ends are the highest level, and what reaches to both ends would meet it.
 uvec4 toLevels(vec4 x)
 {
-    return uvec4(clamp(x, 0.0, 32767.0));
+    return uvec4(clamp(x, 1.0, 32767.0));
 }
 
 void main()
