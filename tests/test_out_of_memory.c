@@ -115,7 +115,7 @@ START_TEST(the_allocator_cannot_change_while_bytes_are_held)
     qcFailingHeap heap = {0, 0, 0};
     qcScene* scene = qcMakeScene(NULL);
     ck_assert_int_eq(qcSetAllocator(qcFailingHeap_Allocate, qcFailingHeap_Release, &heap), qc_statusBadInput);
-    ck_assert_int_eq(qcSetAllocator(Allocate, NULL, &heap), qc_statusBadInput);
+    ck_assert_int_eq(qcSetAllocator(qcFailingHeap_Allocate, NULL, &heap), qc_statusBadInput);
     qcScene_Destroy(scene);
 }
 END_TEST
