@@ -10,6 +10,7 @@
 #include "exact_integer.h"
 
 #include <assert.h>
+#include <math.h>
 #include <string.h>
 
 __extension__ typedef unsigned __int128 Wide;
@@ -39,6 +40,22 @@ int qcInteger_CommonExponent(const double* values, int count)
             common = exponent;
     }
     return common;
+}
+
+bool qcInteger_AreShort(const double* values, int count, int commonExponent, int64_t* shorts)
+{
+    double limit = ldexp(1.0, commonExponent + 60);
+    for (int i = 0; i < count; i++)
+    {
+        if (!(fabs(values[i]) < limit))
+            return false;
+        int exponent;
+        uint64_t mantissa = Split(values[i], &exponent);
+        int shift = mantissa != 0 ? exponent - commonExponent : 0;
+        int64_t magnitude = (int64_t)(shift < 0 ? mantissa >> -shift : mantissa << shift);
+        shorts[i] = values[i] < 0.0 ? -magnitude : magnitude;
+    }
+    return true;
 }
 
 void qcInteger_Set(qcInteger* x, double value, int commonExponent)
@@ -137,6 +154,20 @@ void qcInteger_Add(const qcInteger* a, const qcInteger* b, qcInteger* sum)
 void qcInteger_Subtract(const qcInteger* a, const qcInteger* b, qcInteger* difference)
 {
     AddSigned(a, b, !b->negative, difference);
+}
+
+void qcInteger_MultiplyWide(int64_t a, qcWide b, qcInteger* product)
+{
+    uint64_t x = a < 0 ? 0 - (uint64_t)a : (uint64_t)a;
+    Wide y = b < 0 ? 0 - (Wide)b : (Wide)b;
+    Wide low = (Wide)x * (uint64_t)y, high = (Wide)x * (uint64_t)(y >> 64) + (low >> 64);
+    product->negative = (a < 0) != (b < 0);
+    product->word[0] = (uint64_t)low;
+    product->word[1] = (uint64_t)high;
+    product->word[2] = (uint64_t)(high >> 64);
+    product->count = 3;
+    while (product->count > 0 && product->word[product->count - 1] == 0)
+        product->count--;
 }
 
 void qcInteger_Multiply(const qcInteger* a, const qcInteger* b, qcInteger* product)

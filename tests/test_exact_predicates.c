@@ -109,6 +109,35 @@ START_TEST(the_largest_and_the_smallest_double_may_meet_in_one_call)
 }
 END_TEST
 
+/// Integers of up to 63 bits times a power of two, many in one plane.
+START_TEST(signs_are_exact_where_integers_are_short_and_just_beyond)
+{
+    qcRandom random = {17};
+    int zeros = 0;
+    for (int i = 0; i < 50000; ++i)
+    {
+        double p[4][3];
+        int bits = 2 + (int)qcRandom_Below(&random, 62), exponent = (int)qcRandom_Integer(&random, -1074, 900);
+        for (int j = 0; j < 12; ++j)
+        {
+            int own = qcRandom_Below(&random, 3) == 0 ? (int)qcRandom_Below(&random, (uint32_t)bits) : bits;
+            p[j / 3][j % 3] = trunc(ldexp(qcRandom_Uniform(&random, -1.0, 1.0), own));
+        }
+        // The last in the plane of the others, as far as doubles go, or nearly.
+        double s = (double)qcRandom_Integer(&random, -1, 2), t = (double)qcRandom_Integer(&random, -1, 2);
+        for (int axis = 0; axis < 3 && i % 4 != 0; ++axis)
+            p[3][axis] = p[0][axis] + s * (p[1][axis] - p[0][axis]) + t * (p[2][axis] - p[0][axis]) +
+                         (i % 4 == 1 ? (double)qcRandom_Integer(&random, -1, 1) : 0.0);
+        for (int j = 0; j < 12; ++j)
+            p[j / 3][j % 3] = ldexp(p[j / 3][j % 3], exponent);
+        CheckOrient3d(p);
+        CheckOrient2d(p);
+        zeros += qcOracle_Orient3d(p[0], p[1], p[2], p[3]) == 0;
+    }
+    ck_assert_int_gt(zeros, 5000);
+}
+END_TEST
+
 START_TEST(signs_near_zero_are_exact)
 {
     qcRandom random = {11};
@@ -177,5 +206,6 @@ END_TEST
 QC_RUN_TESTS("exact predicates", a_point_on_the_side_of_the_normal_is_positive,
              a_left_turn_is_positive_in_the_named_coordinates, one_ulp_off_a_plane_is_seen_at_every_scale,
              one_ulp_off_a_line_is_seen_at_every_scale, the_largest_and_the_smallest_double_may_meet_in_one_call,
-             signs_near_zero_are_exact, exchanging_two_points_changes_the_sign,
-             the_filter_decides_points_in_general_position, what_the_filter_can_not_decide_is_counted)
+             signs_are_exact_where_integers_are_short_and_just_beyond, signs_near_zero_are_exact,
+             exchanging_two_points_changes_the_sign, the_filter_decides_points_in_general_position,
+             what_the_filter_can_not_decide_is_counted)
