@@ -32,3 +32,11 @@ void qcParallel_For(uint32_t threads, size_t count, size_t least, qcParallelFunc
     for (size_t i = 0; i < count; i++)
         function(context, i, 0);
 }
+
+void qcParallel_Rest(void)
+{
+#ifdef _OPENMP
+    // Refused inside a parallel region of the caller's, whose threads aren't ours to stop.
+    (void)omp_pause_resource(omp_pause_soft, omp_get_initial_device());
+#endif
+}

