@@ -296,12 +296,16 @@ static int LongestAxis(const Item* items, uint32_t count)
     return longest;
 }
 
-/// Until no more than `size` are together. Only the last part is not full.
+/// Until no more than `size` are together. Only the last part is not full. Cuts are at multiples of the greatest
+/// size * 8^k, so that what eight nodes hold, and eight times eight, lies together too.
 static void Halve(Order* o, Item* items, uint32_t count, uint32_t size)
 {
     if (count <= size)
         return;
-    uint32_t lower = ((count - 1) / size + 2) / 2 * size;
+    uint32_t whole = size;
+    while (whole < (count + 7) / 8)
+        whole *= 8;
+    uint32_t lower = ((count - 1) / whole + 2) / 2 * whole;
     Part(o, items, count, lower, LongestAxis(items, count));
     Halve(o, items, lower, size);
     Halve(o, items + lower, count - lower, size);

@@ -268,6 +268,31 @@ static qcStatus FillTables(Builder* b, uint32_t tableCount)
     return qc_statusOk;
 }
 
+static int CountBits(uint64_t word)
+{
+    int count = 0;
+    for (; word != 0; word &= word - 1)
+        count++;
+    return count;
+}
+
+/// Pairs that a table could have, and hasn't.
+static void CountNeighbours(Builder* b)
+{
+    qcClusters* c = b->clusters;
+    for (uint32_t node = 0; node < c->nodeCount; node++)
+        for (uint32_t l = QC_AT(uint32_t, c->firstLink, node); l < QC_AT(uint32_t, c->firstLink, node + 1); l++)
+        {
+            qcNodeLink link = QC_AT(qcNodeLink, c->links, l);
+            uint64_t n = (uint64_t)CountBits(QC_AT(uint64_t, b->filled, node)),
+                     m = (uint64_t)CountBits(QC_AT(uint64_t, b->filled, link.other));
+            c->neighbourCount += link.other == node ? n * (n - 1) / 2 : n * m;
+            for (int i = 0; i < qc_tableWords; i++)
+                c->neighbourCount -=
+                    (uint64_t)CountBits(QC_AT(uint64_t, c->tables, (size_t)link.table * qc_tableWords + i));
+        }
+}
+
 static qcStatus Build(Builder* b, uint32_t triangleCount, const double* positions)
 {
     qcClusters* c = b->clusters;
@@ -277,7 +302,9 @@ static qcStatus Build(Builder* b, uint32_t triangleCount, const double* position
     QC_TRY(FindShares(b));
     uint32_t tableCount = 0;
     QC_TRY(FindLinks(b, &tableCount));
-    return FillTables(b, tableCount);
+    QC_TRY(FillTables(b, tableCount));
+    CountNeighbours(b);
+    return qc_statusOk;
 }
 
 qcStatus qcClusters_Build(qcClusters* clusters, const uint32_t* indices, uint32_t triangleCount,
@@ -292,11 +319,42 @@ qcStatus qcClusters_Build(qcClusters* clusters, const uint32_t* indices, uint32_
     return status;
 }
 
+/// What a table leaves out though both triangles exist and come in order. There is room.
+static void AddNeighbours(qcClusters* clusters, uint32_t node, qcNodeLink link)
+{
+    const uint32_t* a = &QC_AT(uint32_t, clusters->triangles, (size_t)node * qc_nodeSize);
+    const uint32_t* b = &QC_AT(uint32_t, clusters->triangles, (size_t)link.other * qc_nodeSize);
+    for (uint32_t i = 0; i < qc_nodeSize; i++)
+        for (uint32_t j = node == link.other ? i + 1 : 0; j < qc_nodeSize; j++)
+        {
+            uint32_t word = i / qc_clusterSize + j / qc_clusterSize * qc_clustersOfNode,
+                     bit = i % qc_clusterSize + j % qc_clusterSize * qc_clusterSize;
+            uint64_t row = QC_AT(uint64_t, clusters->tables, (size_t)link.table * qc_tableWords + word);
+            if (a[i] != QC_NO_TRIANGLE && b[j] != QC_NO_TRIANGLE && (row >> bit & 1) == 0)
+                QC_AT(uint64_t, clusters->neighbours, clusters->neighbours.count++) =
+                    a[i] < b[j] ? (uint64_t)a[i] << 32 | b[j] : (uint64_t)b[j] << 32 | a[i];
+        }
+}
+
+qcStatus qcClusters_ListNeighbours(qcClusters* clusters)
+{
+    if (clusters->neighbours.count == clusters->neighbourCount)
+        return qc_statusOk;
+    QC_TRY(qcArray_Reserve(&clusters->neighbours, clusters->neighbourCount, sizeof(uint64_t), "neighbours"));
+    for (uint32_t node = 0; node < clusters->nodeCount; node++)
+        for (uint32_t i = QC_AT(uint32_t, clusters->firstLink, node);
+             i < QC_AT(uint32_t, clusters->firstLink, node + 1); i++)
+            AddNeighbours(clusters, node, QC_AT(qcNodeLink, clusters->links, i));
+    return qc_statusOk;
+}
+
 void qcClusters_Free(qcClusters* clusters)
 {
     qcArray_Free(&clusters->triangles);
     qcArray_Free(&clusters->firstLink);
     qcArray_Free(&clusters->links);
     qcArray_Free(&clusters->tables);
+    qcArray_Free(&clusters->neighbours);
     clusters->nodeCount = 0;
+    clusters->neighbourCount = 0;
 }

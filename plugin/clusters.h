@@ -32,11 +32,15 @@ typedef struct qcClusters
     /// about triangle u of the one and v of the other: set where both exist, share no vertex index and, within one
     /// node, come in this order (i < j, or i == j and u < v).
     qcArray tables;
+    uint64_t neighbourCount; ///< pairs of triangles that share a vertex index
+    qcArray neighbours;      ///< uint64_t, once they are asked for: lower triangle << 32 | higher, in no order
 } qcClusters;
 
 /// `positions`: three doubles a vertex. O(triangles log triangles + pairs of neighbours). On failure nothing is left.
 qcStatus qcClusters_Build(qcClusters* clusters, const uint32_t* indices, uint32_t triangleCount,
                           const double* positions, uint32_t vertexCount);
+/// Fills `neighbours`, if it isn't yet. O(pairs of nodes that share a vertex + pairs of neighbours).
+qcStatus qcClusters_ListNeighbours(qcClusters* clusters);
 void qcClusters_Free(qcClusters* clusters);
 
 #endif

@@ -104,9 +104,9 @@ static qcStatus ChooseParts(Step* step)
     QC_TRY(qcArray_Resize(&d->onDevice, bodyCount, 1, "parts of the scene"));
     if (bodyCount != 0)
         memset(d->onDevice.data, 0, bodyCount);
+    QC_TRY(qcParts_Find(&d->parts, &d->triangles, &d->objects));
     if (!step->plan.useLayers && !step->plan.chooseParts)
         return qc_statusOk;
-    QC_TRY(qcParts_Find(&d->parts, &d->triangles, &d->objects));
     qcPlanPart* parts = d->parts.parts.data;
     size_t count = d->parts.parts.count;
     step->profile.parts = (uint32_t)count;
@@ -164,6 +164,40 @@ static qcStatus CullLayers(Step* step)
     return qc_statusOk;
 }
 
+/// Bodies whose surfaces are swept: all of a part of the scene, or none.
+static qcStatus PrepareSurfaces(Step* step)
+{
+    qcDetector* d = step->detector;
+    uint32_t bodyCount = d->triangles.bodyCount;
+    QC_TRY(qcArray_Resize(&d->onSurfaces, bodyCount, 1, "parts of the scene"));
+    QC_TRY(qcArray_Resize(&d->elsewhere, bodyCount, 1, "parts of the scene"));
+    uint8_t *onSurfaces = d->onSurfaces.data, *elsewhere = d->elsewhere.data;
+    const uint8_t* onDevice = d->onDevice.data;
+    bool use = !step->plan.useImage && step->plan.method != qc_methodBrute;
+    for (uint32_t body = 0; body < bodyCount; body++)
+        onSurfaces[body] = use && QC_AT(uint32_t, d->parts.partOf, body) != QC_NO_PART && !onDevice[body];
+    if (use)
+        QC_TRY(qcSweepSurfaces_Prepare(&d->surfaces, &d->triangles, Reach(step->def), step->threads, onSurfaces));
+    qcParts_Unite(&d->parts, onSurfaces);
+    for (uint32_t body = 0; body < bodyCount; body++)
+        elsewhere[body] = onDevice[body] || onSurfaces[body];
+    return qc_statusOk;
+}
+
+static qcStatus SweepSurfaces(Step* step)
+{
+    qcDetector* d = step->detector;
+    qcSweepSurfacesJob job = {.triangles = &d->triangles,
+                              .objects = &d->objects,
+                              .bodies = d->onSurfaces.data,
+                              .margin = Reach(step->def),
+                              .testNeighbours = step->def->neighbours,
+                              .listNeighbours = step->def->contactMargin > 0.0,
+                              .threads = step->threads};
+    QC_TRY(qcSweepSurfaces_Run(&d->surfaces, &job, &step->profile));
+    return qcCandidates_Add(&d->candidates, &d->surfaces.keys, &d->surfaces.neighbourKeys);
+}
+
 static qcStatus SweepTriangles(Step* step)
 {
     qcDetector* d = step->detector;
@@ -176,6 +210,7 @@ static qcStatus SweepTriangles(Step* step)
         QC_TRY(qcCandidates_Brute(&d->candidates, &rules, &step->profile));
     else
         QC_TRY(qcCandidates_Sweep(&d->candidates, &rules, &step->profile));
+    QC_TRY(SweepSurfaces(step));
     return qcCandidates_Add(&d->candidates, &d->layersKeys, &d->layersNeighbourKeys);
 }
 
@@ -184,9 +219,10 @@ static qcStatus CullAndSweepTriangles(Step* step)
     qcDetector* d = step->detector;
     QC_TRY(ChooseParts(step));
     QC_TRY(CullLayers(step));
+    QC_TRY(PrepareSurfaces(step));
     // The paper culls whole objects at the sub-object level; brute force leaves out nothing.
     bool wholeBodies = step->plan.useImage || step->plan.method == qc_methodBrute;
-    QC_TRY(qcObjects_MarkTriangles(&d->objects, &d->triangles, Reach(step->def), wholeBodies, d->onDevice.data,
+    QC_TRY(qcObjects_MarkTriangles(&d->objects, &d->triangles, Reach(step->def), wholeBodies, d->elsewhere.data,
                                    &step->profile));
     if (step->plan.useImage)
         QC_TRY(qcCull_Triangles(&d->cull, &d->triangles, step->device, &step->plan, step->def));
@@ -332,7 +368,10 @@ void qcDetector_Free(qcDetector* detector)
     qcCullLayers_Free(&detector->cullLayers);
     qcObjects_Free(&detector->objects);
     qcParts_Free(&detector->parts);
+    qcSweepSurfaces_Free(&detector->surfaces);
     qcArray_Free(&detector->onDevice);
+    qcArray_Free(&detector->onSurfaces);
+    qcArray_Free(&detector->elsewhere);
     qcArray_Free(&detector->layersKeys);
     qcArray_Free(&detector->layersNeighbourKeys);
     qcCandidates_Free(&detector->candidates);

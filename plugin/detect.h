@@ -8,6 +8,7 @@
 #include "manifold.h"
 #include "narrow.h"
 #include "parts.h"
+#include "sweep_surfaces.h"
 
 typedef struct qcDetector
 {
@@ -16,7 +17,10 @@ typedef struct qcDetector
     qcCullLayers cullLayers;
     qcObjects objects;
     qcParts parts;
+    qcSweepSurfaces surfaces;
     qcArray onDevice;                        ///< uint8_t, by body of the step: answered by the device
+    qcArray onSurfaces;                      ///< uint8_t, by body of the step: answered by the sweep of surfaces
+    qcArray elsewhere;                       ///< uint8_t, by body of the step: either
     qcArray layersKeys, layersNeighbourKeys; ///< uint64_t: the device's candidates
     qcCandidates candidates;
     qcNarrow narrow;

@@ -79,7 +79,6 @@ static void Release(qcLayersBodies* bodies, qcLayersPlace* place)
 {
     bodies->goneNodes += place->placed ? place->clusters.nodeCount : 0;
     qcClusters_Free(&place->clusters);
-    qcArray_Free(&place->neighbours);
     *place = (qcLayersPlace){0};
 }
 
@@ -420,43 +419,6 @@ void qcLayersBodies_FillStep(const qcLayersBodies* bodies, qcLayersStep* step)
     step->chunkCount = (uint32_t)bodies->chunks.count;
     step->changedNodes = bodies->changedNodes;
     step->activeNodes = (uint32_t)bodies->activeNodes.count;
-}
-
-/// What a table leaves out though both triangles exist and come in order.
-static qcStatus AddNeighbours(qcLayersPlace* place, uint32_t node, qcNodeLink link)
-{
-    const qcClusters* clusters = &place->clusters;
-    const uint32_t* a = &QC_AT(uint32_t, clusters->triangles, (size_t)node * qc_nodeSize);
-    const uint32_t* b = &QC_AT(uint32_t, clusters->triangles, (size_t)link.other * qc_nodeSize);
-    for (uint32_t i = 0; i < qc_nodeSize; i++)
-        for (uint32_t j = node == link.other ? i + 1 : 0; j < qc_nodeSize; j++)
-        {
-            uint32_t word = i / qc_clusterSize + j / qc_clusterSize * qc_clusterSize,
-                     bit = i % qc_clusterSize + j % qc_clusterSize * qc_clusterSize;
-            uint64_t row = QC_AT(uint64_t, clusters->tables, (size_t)link.table * qc_nodeSize + word);
-            if (a[i] == QC_NO_TRIANGLE || b[j] == QC_NO_TRIANGLE || (row >> bit & 1) != 0)
-                continue;
-            QC_TRY(qcArray_Reserve(&place->neighbours, place->neighbours.count + 1, sizeof(uint64_t), "neighbours"));
-            QC_AT(uint64_t, place->neighbours, place->neighbours.count++) =
-                a[i] < b[j] ? (uint64_t)a[i] << 32 | b[j] : (uint64_t)b[j] << 32 | a[i];
-        }
-    return qc_statusOk;
-}
-
-qcStatus qcLayersBodies_FindNeighbours(qcLayersBodies* bodies, uint32_t slot, const qcArray** pairs)
-{
-    qcLayersPlace* place = PlaceAt(bodies, slot);
-    const qcClusters* clusters = &place->clusters;
-    *pairs = &place->neighbours;
-    if (place->neighboursListed)
-        return qc_statusOk;
-    place->neighbours.count = 0;
-    for (uint32_t node = 0; node < clusters->nodeCount; node++)
-        for (uint32_t i = QC_AT(uint32_t, clusters->firstLink, node);
-             i < QC_AT(uint32_t, clusters->firstLink, node + 1); i++)
-            QC_TRY(AddNeighbours(place, node, QC_AT(qcNodeLink, clusters->links, i)));
-    place->neighboursListed = true;
-    return qc_statusOk;
 }
 
 void qcLayersBodies_Forget(qcLayersBodies* bodies)

@@ -12,8 +12,6 @@ typedef struct qcLayersPlace
 {
     uint32_t generation; ///< of the body whose clusters these are; 0: none
     qcClusters clusters;
-    qcArray neighbours; ///< uint64_t: pairs of neighbours, lower triangle << 32 | higher
-    bool neighboursListed;
     bool placed; ///< what follows has been given out
     uint32_t firstVertex, firstNode, firstLink, firstTable;
     bool transformed;      ///< by the device; otherwise its vertices are uploaded
@@ -55,8 +53,11 @@ static inline uint32_t qcLayersBodies_TriangleAt(const qcLayersBodies* bodies, u
     return QC_AT(uint32_t, at->clusters.triangles, place - at->firstNode * qc_nodeSize);
 }
 
-/// The pairs of triangles of a body that share a vertex, of a body that took part in the last step.
-qcStatus qcLayersBodies_FindNeighbours(qcLayersBodies* bodies, uint32_t slot, const qcArray** pairs);
+/// The clusters of a body that took part in the last step.
+static inline qcClusters* qcLayersBodies_Clusters(const qcLayersBodies* bodies, uint32_t slot)
+{
+    return &QC_AT(qcLayersPlace, bodies->places, slot).clusters;
+}
 
 /// After a failure: places are given out and everything is uploaded again in the next step.
 void qcLayersBodies_Forget(qcLayersBodies* bodies);

@@ -62,6 +62,19 @@ qcStatus qcParts_Find(qcParts* parts, const qcTriangles* triangles, const qcObje
     return qc_statusOk;
 }
 
+void qcParts_Unite(qcParts* parts, uint8_t* flags)
+{
+    uint32_t* isWhole = parts->parents.data; // of each part; they are no more than bodies
+    const uint32_t* partOf = parts->partOf.data;
+    for (size_t i = 0; i < parts->parts.count; i++)
+        isWhole[i] = 1;
+    for (size_t body = 0; body < parts->partOf.count; body++)
+        if (partOf[body] != QC_NO_PART && !flags[body])
+            isWhole[partOf[body]] = 0;
+    for (size_t body = 0; body < parts->partOf.count; body++)
+        flags[body] = partOf[body] != QC_NO_PART && isWhole[partOf[body]];
+}
+
 void qcParts_Free(qcParts* parts)
 {
     qcArray_Free(&parts->parts);

@@ -17,6 +17,9 @@ typedef struct qcParts
 #define QC_NO_PART UINT32_MAX
 
 qcStatus qcParts_Find(qcParts* parts, const qcTriangles* triangles, const qcObjects* objects);
+/// Clears the flags (by body) of parts that have a body whose flag is not set, and of bodies that meet nothing. After
+/// qcParts_Find.
+void qcParts_Unite(qcParts* parts, uint8_t* flags);
 void qcParts_Free(qcParts* parts);
 
 #endif

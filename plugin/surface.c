@@ -1,0 +1,235 @@
+// Topology once, boxes and points for each new position.
+//
+// Rounding. A level is trunc((x - origin) * scale): a subtraction, a product and a truncation, all monotone; an upper
+// end is that of x + margin, rounded. So lower(A) <= upper(B) + margin in real numbers, where lower(A) is a double,
+// stays true in levels. Boxes around boxes are least and greatest levels. The origin is the body's lower end, so that
+// no product is negative, and the scale takes the body's upper end to 65533 at most, below qc_emptyEnd.
+//
+// A point is (x - origin) * 2^-k with the greatest extent in (1/2, 1]: wrong by at most 2^-53 in double and 2^-25 by
+// rounding to float, together below 2^-24.
+#include "surface.h"
+
+#include "parallel.h"
+#include "status.h"
+
+#include <math.h>
+#include <string.h>
+
+enum
+{
+    // Vertices, and clusters: a block takes some 20 microseconds.
+    qc_vertexBlock = 4096,
+    qc_clusterBlock = 512,
+    qc_leastBlocks = 4,
+    // Beyond these a power of two, or its inverse, or a product with one, may leave the range of double.
+    qc_largestExponent = 960
+};
+
+//  ---- topology ------------------------------------------------------------------------------------
+
+/// Names vertices in the order in which places have them.
+static qcStatus NameVertices(qcSurface* surface, const qcBody* body)
+{
+    const qcClusters* clusters = &surface->clusters;
+    size_t places = clusters->triangles.count;
+    QC_TRY(qcArray_Resize(&surface->corners, places, sizeof(qcCorners), "corners of a surface"));
+    QC_TRY(qcArray_Reserve(&surface->vertexOf, body->vertexCount, sizeof(uint32_t), "vertices of a surface"));
+    qcArray names = {0};
+    QC_TRY(qcArray_Resize(&names, body->vertexCount, sizeof(uint32_t), "vertices of a surface"));
+    memset(names.data, 0xff, body->vertexCount * sizeof(uint32_t));
+    for (size_t i = 0; i < places; i++)
+    {
+        uint32_t t = QC_AT(uint32_t, clusters->triangles, i);
+        for (int c = 0; c < 3 && t != QC_NO_TRIANGLE; c++)
+        {
+            uint32_t vertex = body->indices[3 * (size_t)t + c], *name = &QC_AT(uint32_t, names, vertex);
+            if (*name == UINT32_MAX)
+            {
+                *name = (uint32_t)surface->vertexOf.count;
+                QC_AT(uint32_t, surface->vertexOf, surface->vertexOf.count++) = vertex;
+            }
+            QC_AT(qcCorners, surface->corners, i).vertex[c] = *name;
+        }
+    }
+    qcArray_Free(&names);
+    surface->vertexCount = (uint32_t)surface->vertexOf.count;
+    for (size_t i = 0; i < places; i++)
+        for (int c = 0; c < 3 && QC_AT(uint32_t, clusters->triangles, i) == QC_NO_TRIANGLE; c++)
+            QC_AT(qcCorners, surface->corners, i).vertex[c] = surface->vertexCount;
+    return qc_statusOk;
+}
+
+/// Groups of eight on each level, up to one.
+static qcStatus LayLevels(qcSurface* surface)
+{
+    size_t count = (size_t)surface->clusters.nodeCount * qc_groupSize, total = 0;
+    do
+    {
+        surface->firstGroup[surface->levels] = total;
+        surface->groupCount[surface->levels++] = count;
+        total += count;
+        count = (count + qc_groupSize - 1) / qc_groupSize;
+    } while (surface->groupCount[surface->levels - 1] > 1);
+    return qcArray_Resize(&surface->groups, total, sizeof(qcBoxGroup), "boxes of a surface");
+}
+
+static qcStatus Build(qcSurface* surface, const qcBody* body)
+{
+    QC_TRY(qcClusters_Build(&surface->clusters, body->indices, body->triangleCount, body->world, body->vertexCount));
+    QC_TRY(NameVertices(surface, body));
+    QC_TRY(LayLevels(surface));
+    QC_TRY(qcArray_Resize(&surface->points, (size_t)surface->vertexCount + 1, sizeof(qcPoint), "points of a surface"));
+    QC_AT(qcPoint, surface->points, surface->vertexCount) = (qcPoint){{0}};
+    surface->generation = body->generation;
+    return qc_statusOk;
+}
+
+qcStatus qcSurface_Build(qcSurface* surface, const qcBody* body)
+{
+    *surface = (qcSurface){0};
+    qcStatus status = Build(surface, body);
+    if (status != qc_statusOk)
+        qcSurface_Free(surface);
+    return status;
+}
+
+//  ---- positions -----------------------------------------------------------------------------------
+
+static bool FindMap(qcLatticeMap* map, const qcBody* body, double margin)
+{
+    double widest = 0.0, extent[3];
+    *map = (qcLatticeMap){.origin = {0.0}};
+    for (int axis = 0; axis < 3; axis++)
+    {
+        map->origin[axis] = body->lower[axis];
+        map->margin[axis] = margin;
+        // As the kernels compute it.
+        extent[axis] = body->upper[axis] + margin - body->lower[axis];
+        widest = fmax(widest, extent[axis]);
+    }
+    int exponent = 0;
+    if (widest > 0.0)
+        frexp(widest, &exponent);
+    if (!isfinite(widest) || exponent > qc_largestExponent)
+        return false;
+    exponent = exponent < -qc_largestExponent ? -qc_largestExponent : exponent;
+    for (int axis = 0; axis < 3; axis++)
+    {
+        map->unit[axis] = ldexp(1.0, -exponent);
+        // A flat body's thin axis doesn't get levels finer than coordinates are.
+        double levels = 65533.0 * (1.0 - 0x1p-50) / fmax(extent[axis], widest * 0x1p-30);
+        map->scale[axis] = widest > 0.0 ? fmin(levels, 0x1p1000) : 1.0;
+    }
+    return true;
+}
+
+typedef struct Fitting
+{
+    qcSurface* surface;
+    const qcSurfaceKernels* kernels;
+    qcVertexRange range;
+    qcBoxRow *vertices, *rows;
+} Fitting;
+
+static void MapBlock(void* context, size_t block, uint32_t worker)
+{
+    (void)worker;
+    const Fitting* f = context;
+    qcVertexRange range = f->range;
+    range.first = block * qc_vertexBlock;
+    range.end = range.end - range.first < qc_vertexBlock ? range.end : range.first + qc_vertexBlock;
+    f->kernels->map(&f->surface->map, &range, f->surface->points.data, f->vertices);
+}
+
+/// Clusters, and the nodes that have them.
+static void FitBlock(void* context, size_t block, uint32_t worker)
+{
+    (void)worker;
+    const Fitting* f = context;
+    const qcSurface* s = f->surface;
+    size_t first = block * qc_clusterBlock, end = first + qc_clusterBlock;
+    end = end < s->groupCount[0] ? end : s->groupCount[0];
+    qcBoxGroup* groups = s->groups.data;
+    f->kernels->fitTriangles(s->corners.data, f->vertices, first, end, groups, f->rows);
+    f->kernels->fitGroups(f->rows, first / qc_groupSize, end / qc_groupSize, groups + s->firstGroup[1],
+                          f->rows + s->groupCount[0]);
+}
+
+static size_t BlockCount(size_t count, size_t size)
+{
+    return (count + size - 1) / size;
+}
+
+/// Rows of a level begin at a multiple of eight and are followed by empty ones up to the next.
+static void FillUp(qcBoxRow* rows, size_t count)
+{
+    for (; count % qc_groupSize != 0; count++)
+        for (int k = 0; k < 8; k++)
+            rows[count].ends[k] = qc_emptyEnd;
+}
+
+static void FitUpperLevels(const Fitting* f)
+{
+    qcSurface* s = f->surface;
+    qcBoxRow* rows = f->rows + s->groupCount[0];
+    size_t count = s->groupCount[1];
+    for (uint32_t level = 2; level < s->levels; level++)
+    {
+        FillUp(rows, count);
+        qcBoxRow* next = rows + BlockCount(count, qc_groupSize) * qc_groupSize;
+        count = s->groupCount[level];
+        f->kernels->fitGroups(rows, 0, count, (qcBoxGroup*)s->groups.data + s->firstGroup[level], next);
+        rows = next;
+    }
+    qcBoxRow around;
+    FillUp(rows, 1);
+    f->kernels->fitGroups(rows, 0, 1, &s->whole, &around);
+}
+
+qcStatus qcSurface_Fit(qcSurface* surface, const qcBody* body, double margin, const qcSurfaceKernels* kernels,
+                       uint32_t threads, qcSurfaceScratch* scratch, bool* fits)
+{
+    *fits = true;
+    if (surface->fitted && surface->moved == body->moved && surface->margin == margin)
+        return qc_statusOk;
+    surface->fitted = false;
+    *fits = FindMap(&surface->map, body, margin);
+    if (!*fits)
+        return qc_statusOk;
+    size_t rowCount = 2 * qc_groupSize;
+    for (uint32_t level = 0; level < surface->levels; level++)
+        rowCount += surface->groupCount[level] + qc_groupSize;
+    QC_TRY(qcArray_Resize(&scratch->vertices, (size_t)surface->vertexCount + 1, sizeof(qcBoxRow), "fitting a surface"));
+    QC_TRY(qcArray_Resize(&scratch->rows, rowCount, sizeof(qcBoxRow), "fitting a surface"));
+    Fitting fitting = {.surface = surface,
+                       .kernels = kernels,
+                       .range = {body->world, surface->vertexOf.data, 0, surface->vertexCount},
+                       .vertices = scratch->vertices.data,
+                       .rows = scratch->rows.data};
+    for (int k = 0; k < 8; k++)
+        fitting.vertices[surface->vertexCount].ends[k] = qc_emptyEnd;
+    qcParallel_For(threads, BlockCount(surface->vertexCount, qc_vertexBlock), qc_leastBlocks, MapBlock, &fitting);
+    qcParallel_For(threads, BlockCount(surface->groupCount[0], qc_clusterBlock), qc_leastBlocks, FitBlock, &fitting);
+    FitUpperLevels(&fitting);
+    surface->pointError = 0x1p-24f;
+    surface->moved = body->moved;
+    surface->margin = margin;
+    surface->fitted = true;
+    return qc_statusOk;
+}
+
+void qcSurface_Free(qcSurface* surface)
+{
+    qcClusters_Free(&surface->clusters);
+    qcArray_Free(&surface->vertexOf);
+    qcArray_Free(&surface->corners);
+    qcArray_Free(&surface->points);
+    qcArray_Free(&surface->groups);
+    *surface = (qcSurface){0};
+}
+
+void qcSurfaceScratch_Free(qcSurfaceScratch* scratch)
+{
+    qcArray_Free(&scratch->vertices);
+    qcArray_Free(&scratch->rows);
+}

@@ -1,0 +1,63 @@
+// What the sweep over triangles keeps of a body: its triangles laid together (clusters.h), boxes around them on several
+// levels, and its vertices in single precision. Made once per topology, fitted whenever the body has moved.
+#ifndef QC_PLUGIN_SURFACE_H
+#define QC_PLUGIN_SURFACE_H
+
+#include "bodies.h"
+#include "clusters.h"
+#include "surface_kernels.h"
+
+enum
+{
+    // 2^32 triangles by 8 a level, and one level more for nodes that are not full.
+    qc_mostLevels = 12
+};
+
+typedef struct qcSurface
+{
+    uint32_t generation; ///< of the body that this is; 0: none
+    qcClusters clusters;
+    uint32_t vertexCount; ///< that triangles have
+    qcArray vertexOf;     ///< uint32_t: the body's number of each, in the order in which clusters have them
+    qcArray corners;      ///< of qcCorners by place; where there is no triangle, the vertex vertexCount
+    qcArray points;       ///< of qcPoint by vertex; one more, at 0
+    qcArray groups;       ///< of qcBoxGroup: triangles of clusters, clusters of nodes, and so on
+    uint32_t levels;      ///< of groups; the last has one group
+    size_t firstGroup[qc_mostLevels];
+    size_t groupCount[qc_mostLevels];
+    qcBoxGroup whole; ///< one box, around all
+    bool fitted;
+    uint64_t moved; ///< what was fitted, and with which margin
+    double margin;
+    qcLatticeMap map;
+    float pointError; ///< of coordinates of points
+} qcSurface;
+
+/// Memory that fitting takes, for all surfaces one after another.
+typedef struct qcSurfaceScratch
+{
+    qcArray vertices; ///< of qcBoxRow
+    qcArray rows;     ///< of qcBoxRow: of the groups of all levels
+} qcSurfaceScratch;
+
+/// For a body with triangles. O(triangles log triangles). On failure nothing is left.
+qcStatus qcSurface_Build(qcSurface* surface, const qcBody* body);
+
+/// Boxes and points of where the body is now; nothing is done where they are that already. Boxes are larger by the
+/// margin at their upper ends. `fits` is false where no lattice can hold the body (it is too large for doubles).
+/// O(triangles).
+qcStatus qcSurface_Fit(qcSurface* surface, const qcBody* body, double margin, const qcSurfaceKernels* kernels,
+                       uint32_t threads, qcSurfaceScratch* scratch, bool* fits);
+
+/// The group at a level. Above the last level is one box alone.
+static inline const qcBoxGroup* qcSurface_Group(const qcSurface* surface, uint32_t level, uint32_t i)
+{
+    if (level >= surface->levels)
+        return &surface->whole;
+    return &QC_AT(qcBoxGroup, surface->groups, surface->firstGroup[level] + i);
+}
+
+void qcSurface_Free(qcSurface* surface);
+void qcSurfaceScratch_Free(qcSurfaceScratch* scratch);
+
+#endif

@@ -1,0 +1,133 @@
+// The inner loops of the sweep over triangles, compiled once for each instruction set and chosen at run time. What each
+// computes does not depend on the instruction set, but for the filter, which may keep more pairs or fewer that are
+// apart.
+//
+// Boxes are in a surface's own lattice (surface.h): 16-bit levels. An upper end is kept as its complement, ~upper, so
+// that the box around boxes is one minimum, and two boxes overlap unless one of two such numbers is the greater.
+#ifndef QC_PLUGIN_SURFACE_KERNELS_H
+#define QC_PLUGIN_SURFACE_KERNELS_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+enum
+{
+    qc_groupSize = 8,
+    // What no level reaches: a box of it alone meets nothing, and adds nothing to a box around it.
+    qc_emptyEnd = INT16_MAX
+};
+
+/// Eight boxes side by side. By axis: lower ends, then complements of upper ends.
+typedef struct qcBoxGroup
+{
+    int16_t ends[3][2 * qc_groupSize];
+} qcBoxGroup;
+
+/// One box, or one vertex: lower ends, 0, complements of upper ends, 0.
+typedef struct qcBoxRow
+{
+    int16_t ends[8];
+} qcBoxRow;
+
+/// A vertex in its surface's frame.
+typedef struct qcPoint
+{
+    float x[4]; ///< the last is 0
+} qcPoint;
+
+typedef struct qcCorners
+{
+    uint32_t vertex[3];
+} qcCorners;
+
+/// From world positions to a surface's frame and lattice.
+typedef struct qcLatticeMap
+{
+    double origin[4]; ///< the last of each four is 0
+    double unit[4];   ///< of points: (x - origin) * unit
+    double scale[4];  ///< of levels: (x - origin) * scale, from 0 to 65533
+    double margin[4]; ///< upper ends are those of x + margin
+} qcLatticeMap;
+
+/// Which vertices are mapped: vertexOf[i] is the place of vertex i in `positions`, three doubles each.
+typedef struct qcVertexRange
+{
+    const double* positions;
+    const uint32_t* vertexOf;
+    size_t first, end;
+} qcVertexRange;
+
+/// What pairs are found among: groups of triangles, and of the clusters of nodes.
+typedef struct qcSurfaceBoxes
+{
+    const qcBoxGroup *clusters, *nodes;
+} qcSurfaceBoxes;
+
+/// Two places of triangles.
+typedef struct qcPlacePair
+{
+    uint32_t a, b;
+} qcPlacePair;
+
+/// Triangles to be compared: corners by place, points by vertex.
+typedef struct qcFilterSide
+{
+    const qcCorners* corners;
+    const qcPoint* points;
+} qcFilterSide;
+
+/// In the frame of the first side. Points p of the second are at linear p + shift there.
+typedef struct qcFilterBound
+{
+    float pointError; ///< of a coordinate, of either side, once there
+    float reach;      ///< how far apart triangles count
+    bool mapped;      ///< otherwise both sides have one frame
+    float linear[3][3], shift[3];
+} qcFilterBound;
+
+/// From the lattice of one surface to another's. Levels count from 0 there, and begin at -32768 here: a point at x, in
+/// levels of the one, is within `grow` of linear x + shift in levels of the other, counted from 0.
+typedef struct qcGroupMap
+{
+    float linear[3][3], shift[3], grow[3];
+} qcGroupMap;
+
+typedef struct qcSurfaceKernels
+{
+    const char* name;
+    /// Vertices into points and rows.
+    void (*map)(const qcLatticeMap* map, const qcVertexRange* range, qcPoint* points, qcBoxRow* rows);
+    /// Groups first .. end of eight triangles each, and a row around each group. `vertices` are rows too.
+    void (*fitTriangles)(const qcCorners* corners, const qcBoxRow* vertices, size_t first, size_t end,
+                         qcBoxGroup* groups, qcBoxRow* rows);
+    /// Groups first .. end of eight rows each, and a row around each group.
+    void (*fitGroups)(const qcBoxRow* children, size_t first, size_t end, qcBoxGroup* groups, qcBoxRow* rows);
+    /// Bit i + 8 j: box i of a and box j of b overlap.
+    uint64_t (*compare)(const qcBoxGroup* a, const qcBoxGroup* b);
+    /// Adds the pairs of triangles of two nodes whose boxes overlap, and whose bit is set in `words` (as in a table of
+    /// qcClusters; null: all are). Returns the new end of `pairs`, which has room for qc_nodeSize^2.
+    qcPlacePair* (*collect)(const qcSurfaceBoxes* a, uint32_t nodeA, const qcSurfaceBoxes* b, uint32_t nodeB,
+                            const uint64_t* words, qcPlacePair* pairs);
+    /// The boxes of a group in another lattice, rounded outward. What the map can't tell is unbounded.
+    void (*mapGroup)(const qcBoxGroup* group, const qcGroupMap* map, qcBoxGroup* mapped);
+    /// As collect, for two surfaces; the map is from b's lattice to a's.
+    qcPlacePair* (*collectMapped)(const qcSurfaceBoxes* a, uint32_t nodeA, const qcSurfaceBoxes* b, uint32_t nodeB,
+                                  const qcGroupMap* map, qcPlacePair* pairs);
+    /// Keeps of `pairs` those that may be within the reach; their number is returned. The order stays.
+    size_t (*filter)(const qcFilterSide* a, const qcFilterSide* b, const qcFilterBound* bound, qcPlacePair* pairs,
+                     size_t count);
+} qcSurfaceKernels;
+
+extern const qcSurfaceKernels qcSurfaceKernels_plain;
+#ifdef QC_KERNELS_X86
+extern const qcSurfaceKernels qcSurfaceKernels_avx2, qcSurfaceKernels_avx512;
+#endif
+
+/// The best that this machine runs. The environment's QC_KERNELS (plain, avx2, avx512) names another.
+const qcSurfaceKernels* qcSurfaceKernels_Get(void);
+
+/// All that this machine runs, for tests: the i-th, or null.
+const qcSurfaceKernels* qcSurfaceKernels_Nth(size_t i);
+
+#endif

@@ -1,0 +1,225 @@
+// From the tops of two surfaces downwards: eight boxes against eight at a time, on all levels alike, down to triangles.
+// (Two trees at once: Brinkhoff, Kriegel, Seeger: Efficient Processing of Spatial Joins Using R-Trees, 1993.)
+//
+// Why no pair is lost. Boxes within the margin of each other overlap in the lattice (surface.c), and then so do the
+// boxes around them on every level. Boxes of another surface come from its own lattice: see qcGroupMap. The tables
+// leave out neighbours and nothing else, and the filter what is surely apart (surface_kernels_body.h).
+#include "surface_pairs.h"
+
+#include "parallel.h"
+#include "status.h"
+
+#include <math.h>
+#include <string.h>
+
+enum
+{
+    // Pairs of groups that are given to threads: enough that no thread waits long for the last.
+    qc_itemsPerThread = 64,
+    qc_queueRoom = qc_queueFull + qc_nodeSize * qc_nodeSize
+};
+
+typedef struct Item
+{
+    uint32_t a, b;
+} Item;
+
+typedef struct Search
+{
+    const qcSurfacePairsJob* job;
+    qcSurfacePairs* memory;
+    uint32_t level; ///< of the items
+    qcGroupMap map; ///< from b's lattice to a's
+    qcFilterSide sides[2];
+    qcFilterBound bound;
+    bool same;
+    bool filters; ///< the bound is of use
+} Search;
+
+/// What one worker has found and not yet given away.
+typedef struct Queue
+{
+    const Search* search;
+    qcPlacePair *pairs, *end;
+    uint32_t worker;
+    bool wanted;
+} Queue;
+
+/// Bits i + 8 j with i <= j.
+static const uint64_t s_inOrder = UINT64_C(0xff7f3f1f0f070301);
+
+static void Flush(Queue* queue)
+{
+    const Search* s = queue->search;
+    size_t count = (size_t)(queue->end - queue->pairs);
+    queue->end = queue->pairs;
+    if (count == 0 || !queue->wanted)
+        return;
+    if (s->filters)
+        count = s->job->kernels->filter(&s->sides[0], &s->sides[1], &s->bound, queue->pairs, count);
+    queue->wanted = count == 0 || s->job->function(s->job->context, queue->pairs, count, queue->worker);
+}
+
+/// The table of two nodes of one surface, or null: they share no vertex.
+static const uint64_t* FindTable(const qcClusters* clusters, uint32_t a, uint32_t b)
+{
+    const qcNodeLink* links = clusters->links.data;
+    for (uint32_t i = QC_AT(uint32_t, clusters->firstLink, a); i < QC_AT(uint32_t, clusters->firstLink, a + 1); i++)
+        if (links[i].other == b)
+            return &QC_AT(uint64_t, clusters->tables, (size_t)links[i].table * qc_nodeSize);
+    return NULL;
+}
+
+/// As the table of a node with itself, had no two of its triangles a common vertex.
+static const uint64_t* OrderTable(void)
+{
+    static const uint64_t b = UINT64_C(0x7f3f1f0f07030100), x = UINT64_MAX;
+    static const uint64_t table[qc_nodeSize] = {b, 0, 0, 0, 0, 0, 0, 0, x, b, 0, 0, 0, 0, 0, 0, x, x, b, 0, 0, 0,
+                                                0, 0, x, x, x, b, 0, 0, 0, 0, x, x, x, x, b, 0, 0, 0, x, x, x, x,
+                                                x, b, 0, 0, x, x, x, x, x, x, b, 0, x, x, x, x, x, x, x, b};
+    return table;
+}
+
+static void CompareNodes(Queue* queue, uint32_t a, uint32_t b)
+{
+    const Search* s = queue->search;
+    const qcSurfacePairsJob* job = s->job;
+    if (job->reachedA != NULL)
+        __atomic_store_n(&job->reachedA[a], 1, __ATOMIC_RELAXED);
+    if (job->reachedB != NULL)
+        __atomic_store_n(&job->reachedB[b], 1, __ATOMIC_RELAXED);
+    if (queue->end - queue->pairs >= qc_queueFull)
+        Flush(queue);
+    const qcBoxGroup *boxesA = job->a->groups.data, *boxesB = job->b->groups.data;
+    qcSurfaceBoxes sideA = {boxesA, boxesA + job->a->firstGroup[1]}, sideB = {boxesB, boxesB + job->b->firstGroup[1]};
+    if (!s->same)
+    {
+        queue->end = job->kernels->collectMapped(&sideA, a, &sideB, b, &s->map, queue->end);
+        return;
+    }
+    const uint64_t* words = !job->neighbours ? FindTable(&job->a->clusters, a, b) : a == b ? OrderTable() : NULL;
+    queue->end = job->kernels->collect(&sideA, a, &sideB, b, words, queue->end);
+}
+
+/// The groups of the level below that meet: bit i + 8 j.
+static uint64_t CompareGroups(const Search* s, uint32_t level, Item item)
+{
+    const qcBoxGroup* a = qcSurface_Group(s->job->a, level, item.a);
+    const qcBoxGroup* b = qcSurface_Group(s->job->b, level, item.b);
+    if (!s->same)
+    {
+        qcBoxGroup mapped;
+        s->job->kernels->mapGroup(b, &s->map, &mapped);
+        return s->job->kernels->compare(a, &mapped);
+    }
+    uint64_t meet = s->job->kernels->compare(a, b);
+    return item.a == item.b ? meet & s_inOrder : meet;
+}
+
+static Item Child(Item item, uint32_t bit)
+{
+    return (Item){item.a * qc_groupSize + bit % qc_groupSize, item.b * qc_groupSize + bit / qc_groupSize};
+}
+
+static void Descend(Queue* queue, uint32_t level, Item item)
+{
+    if (level == 1)
+    {
+        CompareNodes(queue, item.a, item.b);
+        return;
+    }
+    for (uint64_t meet = CompareGroups(queue->search, level, item); meet != 0; meet &= meet - 1)
+        Descend(queue, level - 1, Child(item, (uint32_t)__builtin_ctzll(meet)));
+}
+
+static void TakeItem(void* context, size_t i, uint32_t worker)
+{
+    const Search* s = context;
+    Queue queue = {.search = s, .worker = worker, .wanted = true};
+    queue.pairs = queue.end = &QC_AT(qcPlacePair, s->memory->queues, (size_t)worker * qc_queueRoom);
+    size_t count = s->memory->items.count, share = s->job->threads > 1 ? 4 : count;
+    for (size_t k = i * share; k < count && k < (i + 1) * share; k++)
+        Descend(&queue, s->level, QC_AT(Item, s->memory->items, k));
+    Flush(&queue);
+}
+
+/// From the tops down, level by level, until there is enough for all threads to do.
+static qcStatus FindItems(Search* s)
+{
+    qcSurfacePairs* memory = s->memory;
+    const qcSurfacePairsJob* job = s->job;
+    s->level = job->a->levels > job->b->levels ? job->a->levels : job->b->levels;
+    QC_TRY(qcArray_Resize(&memory->items, 1, sizeof(Item), "pairs of groups"));
+    QC_AT(Item, memory->items, 0) = (Item){0, 0};
+    size_t enough = job->threads > 1 ? (size_t)job->threads * qc_itemsPerThread : 1;
+    while (s->level > 1 && memory->items.count != 0 && memory->items.count < enough)
+    {
+        memory->next.count = 0;
+        for (size_t i = 0; i < memory->items.count; i++)
+        {
+            Item item = QC_AT(Item, memory->items, i);
+            size_t at = memory->next.count;
+            QC_TRY(qcArray_Reserve(&memory->next, at + 64, sizeof(Item), "pairs of groups"));
+            for (uint64_t meet = CompareGroups(s, s->level, item); meet != 0; meet &= meet - 1)
+                QC_AT(Item, memory->next, at++) = Child(item, (uint32_t)__builtin_ctzll(meet));
+            memory->next.count = at;
+        }
+        qcArray items = memory->items;
+        memory->items = memory->next;
+        memory->next = items;
+        s->level--;
+    }
+    return qc_statusOk;
+}
+
+/// From b's lattice and frame to a's: along each axis x -> (x / from + originB - originA) * to. Floats round each
+/// number and each operation by 2^-24 of what goes in, six times at most; 16 times are allowed for. The double numbers
+/// are beyond 2^-20 of that.
+static void FindMaps(Search* s)
+{
+    const qcLatticeMap *a = &s->job->a->map, *b = &s->job->b->map;
+    const double half = 32768.0;
+    for (int axis = 0; axis < 3; axis++)
+    {
+        double shift = b->origin[axis] - a->origin[axis];
+        // Levels. Numbers too large for floats make boxes that meet everything.
+        double scale = a->scale[axis] / b->scale[axis], offset = shift * a->scale[axis];
+        s->map.linear[axis][axis] = (float)scale;
+        s->map.shift[axis] = (float)(offset + half * scale);
+        s->map.grow[axis] = (float)(0x1p-20 * (fabs(offset) + 2.0 * half * scale) + 0x1p-4);
+        // Points.
+        double ratio = a->unit[axis] / b->unit[axis], at = shift * a->unit[axis];
+        s->bound.linear[axis][axis] = (float)ratio;
+        s->bound.shift[axis] = (float)at;
+        double error = (12.0 * ratio + 6.0 * fabs(at)) * 0x1p-24;
+        s->bound.pointError = fmaxf(s->bound.pointError, nextafterf((float)error, INFINITY));
+        s->filters = s->filters && error < 1e6;
+    }
+    s->bound.mapped = true;
+}
+
+qcStatus qcSurfacePairs_Find(qcSurfacePairs* pairs, const qcSurfacePairsJob* job)
+{
+    Search search = {.job = job, .memory = pairs, .same = job->a == job->b, .filters = true};
+    const qcSurface* sides[2] = {job->a, job->b};
+    for (int i = 0; i < 2; i++)
+        search.sides[i] = (qcFilterSide){sides[i]->corners.data, sides[i]->points.data};
+    search.bound.pointError = job->a->pointError;
+    search.bound.reach = nextafterf((float)(job->margin * job->a->map.unit[0]), INFINITY);
+    if (!search.same)
+        FindMaps(&search);
+    QC_TRY(qcArray_Resize(&pairs->queues, (size_t)job->threads * qc_queueRoom, sizeof(qcPlacePair), "pairs of places"));
+    QC_TRY(FindItems(&search));
+    size_t count = pairs->items.count;
+    if (count == 0)
+        return qc_statusOk;
+    qcParallel_For(job->threads, job->threads > 1 ? (count + 3) / 4 : 1, 2, TakeItem, &search);
+    return qc_statusOk;
+}
+
+void qcSurfacePairs_Free(qcSurfacePairs* pairs)
+{
+    qcArray_Free(&pairs->items);
+    qcArray_Free(&pairs->next);
+    qcArray_Free(&pairs->queues);
+}

@@ -1,0 +1,39 @@
+// Pairs of triangles whose boxes overlap and that no axis separates: of a surface with itself, or of two.
+#ifndef QC_PLUGIN_SURFACE_PAIRS_H
+#define QC_PLUGIN_SURFACE_PAIRS_H
+
+#include "surface.h"
+
+enum
+{
+    // A worker's queue is filtered when it holds so many pairs: 16 KiB, and the room that two nodes may need.
+    qc_queueFull = 2048
+};
+
+/// Takes pairs of places, in no order: `a` of the first surface, `b` of the second. False: no more are wanted.
+typedef bool qcSurfacePairsFunction(void* context, const qcPlacePair* pairs, size_t count, uint32_t worker);
+
+typedef struct qcSurfacePairsJob
+{
+    const qcSurfaceKernels* kernels;
+    const qcSurface *a, *b; ///< the same: pairs within it, each once
+    double margin;          ///< as both were fitted
+    bool neighbours;        ///< of one surface: pairs that share a vertex index are found too
+    uint32_t threads;
+    uint8_t *reachedA, *reachedB; ///< by node: set where it was compared with a node of the other. May be null
+    qcSurfacePairsFunction* function;
+    void* context;
+} qcSurfacePairsJob;
+
+/// Memory that is kept between steps.
+typedef struct qcSurfacePairs
+{
+    qcArray items, next; ///< of Item: pairs of groups
+    qcArray queues;      ///< of qcPlacePair, room for each worker
+} qcSurfacePairs;
+
+/// Both surfaces have been fitted, with the same margin.
+qcStatus qcSurfacePairs_Find(qcSurfacePairs* pairs, const qcSurfacePairsJob* job);
+void qcSurfacePairs_Free(qcSurfacePairs* pairs);
+
+#endif

@@ -1,0 +1,259 @@
+// Which bodies have surfaces, and what pairs of places mean.
+#include "sweep_surfaces.h"
+
+#include "parallel.h"
+#include "status.h"
+
+#include <string.h>
+
+enum
+{
+    // A body no larger is laid together at once, in about a millisecond.
+    qc_smallBody = 4096
+};
+
+static qcSurface* SurfaceAt(const qcSweepSurfaces* sweep, uint32_t slot)
+{
+    return &QC_AT(qcSurface, sweep->surfaces, slot);
+}
+
+/// Room for all slots; surfaces of bodies that are gone are freed.
+static qcStatus SyncSlots(qcSweepSurfaces* sweep, const qcTriangles* t)
+{
+    const qcArray* slots = &t->bodies->slots;
+    size_t old = sweep->surfaces.count;
+    if (slots->count > old)
+    {
+        QC_TRY(qcArray_Resize(&sweep->surfaces, slots->count, sizeof(qcSurface), "surfaces"));
+        memset(SurfaceAt(sweep, (uint32_t)old), 0, (slots->count - old) * sizeof(qcSurface));
+    }
+    size_t oldSeen = sweep->seen.count;
+    if (slots->count > oldSeen)
+    {
+        QC_TRY(qcArray_Resize(&sweep->seen, slots->count, sizeof(uint32_t), "surfaces"));
+        memset(&QC_AT(uint32_t, sweep->seen, oldSeen), 0, (slots->count - oldSeen) * sizeof(uint32_t));
+    }
+    for (uint32_t slot = 0; slot < old; slot++)
+    {
+        qcSurface* surface = SurfaceAt(sweep, slot);
+        if (surface->generation != 0 && surface->generation != QC_AT(qcBody, *slots, slot).generation)
+            qcSurface_Free(surface);
+    }
+    return qc_statusOk;
+}
+
+qcStatus qcSweepSurfaces_Prepare(qcSweepSurfaces* sweep, const qcTriangles* triangles, double margin, uint32_t threads,
+                                 uint8_t* wanted)
+{
+    if (sweep->kernels == NULL)
+        sweep->kernels = qcSurfaceKernels_Get();
+    QC_TRY(SyncSlots(sweep, triangles));
+    for (uint32_t body = 0; body < triangles->bodyCount; body++)
+    {
+        uint32_t slot = qcTriangles_Slot(triangles, body), *seen = &QC_AT(uint32_t, sweep->seen, slot);
+        const qcBody* b = qcTriangles_Body(triangles, body);
+        bool isNew = *seen != b->generation;
+        *seen = b->generation;
+        if (!wanted[body])
+            continue;
+        qcSurface* surface = SurfaceAt(sweep, slot);
+        wanted[body] = surface->generation != 0 || !isNew || b->triangleCount <= qc_smallBody;
+        if (!wanted[body])
+            continue;
+        if (surface->generation == 0)
+            QC_TRY(qcSurface_Build(surface, b));
+        bool fits;
+        QC_TRY(qcSurface_Fit(surface, b, margin, sweep->kernels, threads, &sweep->scratch, &fits));
+        wanted[body] = fits;
+    }
+    return qc_statusOk;
+}
+
+//  ---- pairs ---------------------------------------------------------------------------------------
+
+typedef struct Run
+{
+    qcSweepSurfaces* sweep;
+    const qcSweepSurfacesJob* job;
+    //  the two bodies that are looked at
+    const uint32_t* triangles[2];
+    uint32_t first[2];
+} Run;
+
+static bool AddKeys(void* context, const qcPlacePair* pairs, size_t count, uint32_t worker)
+{
+    const Run* run = context;
+    qcSurfaceSink* sink = &QC_AT(qcSurfaceSink, run->sweep->sinks, worker);
+    size_t at = sink->keys.count;
+    if (sink->status == qc_statusOk)
+        sink->status = qcArray_Reserve(&sink->keys, at + count, sizeof(uint64_t), "candidate pairs");
+    if (sink->status != qc_statusOk)
+        return false;
+    for (size_t i = 0; i < count; i++)
+    {
+        uint64_t a = run->first[0] + run->triangles[0][pairs[i].a], b = run->first[1] + run->triangles[1][pairs[i].b];
+        QC_AT(uint64_t, sink->keys, at + i) = a < b ? a << 32 | b : b << 32 | a;
+    }
+    sink->keys.count = at + count;
+    return true;
+}
+
+static qcStatus EmptySinks(qcSweepSurfaces* sweep, uint32_t threads)
+{
+    size_t old = sweep->sinks.count;
+    if (threads > old)
+    {
+        QC_TRY(qcArray_Resize(&sweep->sinks, threads, sizeof(qcSurfaceSink), "candidate pairs"));
+        memset(&QC_AT(qcSurfaceSink, sweep->sinks, old), 0, (threads - old) * sizeof(qcSurfaceSink));
+    }
+    for (size_t i = 0; i < sweep->sinks.count; i++)
+    {
+        QC_AT(qcSurfaceSink, sweep->sinks, i).keys.count = 0;
+        QC_AT(qcSurfaceSink, sweep->sinks, i).status = qc_statusOk;
+    }
+    sweep->keys.count = sweep->neighbourKeys.count = 0;
+    return qc_statusOk;
+}
+
+/// Flags for the nodes of bodies whose triangles need not all take part.
+static qcStatus ClearReached(const Run* run)
+{
+    qcSweepSurfaces* sweep = run->sweep;
+    const qcTriangles* t = run->job->triangles;
+    size_t nodes = 0;
+    QC_TRY(qcArray_Resize(&sweep->firstReached, t->bodyCount, sizeof(size_t), "nodes that are reached"));
+    for (uint32_t body = 0; body < t->bodyCount; body++)
+    {
+        bool some = run->job->bodies[body] && !qcBody_MeetsItself(qcTriangles_Body(t, body));
+        QC_AT(size_t, sweep->firstReached, body) = some ? nodes : SIZE_MAX;
+        nodes += some ? SurfaceAt(sweep, qcTriangles_Slot(t, body))->clusters.nodeCount : 0;
+    }
+    QC_TRY(qcArray_Resize(&sweep->reached, nodes, 1, "nodes that are reached"));
+    if (nodes != 0)
+        memset(sweep->reached.data, 0, nodes);
+    return qc_statusOk;
+}
+
+static uint8_t* ReachedOf(const qcSweepSurfaces* sweep, uint32_t body)
+{
+    size_t first = QC_AT(size_t, sweep->firstReached, body);
+    return first != SIZE_MAX ? &QC_AT(uint8_t, sweep->reached, first) : NULL;
+}
+
+static qcStatus FindPairs(Run* run, uint32_t a, uint32_t b)
+{
+    qcSweepSurfaces* sweep = run->sweep;
+    const qcSweepSurfacesJob* job = run->job;
+    qcSurfacePairsJob pairs = {.kernels = sweep->kernels,
+                               .a = SurfaceAt(sweep, qcTriangles_Slot(job->triangles, a)),
+                               .b = SurfaceAt(sweep, qcTriangles_Slot(job->triangles, b)),
+                               .margin = job->margin,
+                               .neighbours = job->testNeighbours,
+                               .threads = job->threads,
+                               .reachedA = ReachedOf(sweep, a),
+                               .reachedB = ReachedOf(sweep, b),
+                               .function = AddKeys,
+                               .context = run};
+    run->first[0] = qcTriangles_First(job->triangles, a);
+    run->first[1] = qcTriangles_First(job->triangles, b);
+    run->triangles[0] = pairs.a->clusters.triangles.data;
+    run->triangles[1] = pairs.b->clusters.triangles.data;
+    return qcSurfacePairs_Find(&sweep->pairs, &pairs);
+}
+
+static qcStatus AddNeighbours(const Run* run, uint32_t body, qcProfile* profile)
+{
+    qcSweepSurfaces* sweep = run->sweep;
+    qcClusters* clusters = &SurfaceAt(sweep, qcTriangles_Slot(run->job->triangles, body))->clusters;
+    if (run->job->testNeighbours)
+        return qc_statusOk;
+    profile->skippedNeighbours += clusters->neighbourCount;
+    if (!run->job->listNeighbours)
+        return qc_statusOk;
+    QC_TRY(qcClusters_ListNeighbours(clusters));
+    qcArray* keys = &sweep->neighbourKeys;
+    QC_TRY(qcArray_Reserve(keys, keys->count + clusters->neighbours.count, sizeof(uint64_t), "neighbours"));
+    uint64_t first = qcTriangles_First(run->job->triangles, body), offset = first << 32 | first;
+    for (size_t i = 0; i < clusters->neighbours.count; i++)
+        QC_AT(uint64_t, *keys, keys->count++) = QC_AT(uint64_t, clusters->neighbours, i) + offset;
+    return qc_statusOk;
+}
+
+static void CountTriangles(const Run* run, uint32_t body, qcProfile* profile)
+{
+    const qcBody* b = qcTriangles_Body(run->job->triangles, body);
+    const uint8_t* reached = ReachedOf(run->sweep, body);
+    uint32_t left = b->triangleCount;
+    if (reached != NULL)
+    {
+        const qcClusters* clusters = &SurfaceAt(run->sweep, qcTriangles_Slot(run->job->triangles, body))->clusters;
+        left = 0;
+        for (uint32_t node = 0; node < clusters->nodeCount; node++)
+            left += reached[node] ? qc_nodeSize : 0;
+        left = left < b->triangleCount ? left : b->triangleCount;
+    }
+    profile->selfBodies += reached == NULL;
+    profile->trianglePcs += left;
+    profile->skippedTriangles += b->triangleCount - left;
+}
+
+static qcStatus CollectKeys(qcSweepSurfaces* sweep)
+{
+    size_t total = 0;
+    for (size_t i = 0; i < sweep->sinks.count; i++)
+    {
+        const qcSurfaceSink* sink = &QC_AT(qcSurfaceSink, sweep->sinks, i);
+        // The message is the worker's own; say it again on this thread.
+        if (sink->status != qc_statusOk)
+            return qcArray_FailAgain(&sink->keys, "candidate pairs");
+        total += sink->keys.count;
+    }
+    QC_TRY(qcArray_Reserve(&sweep->keys, total, sizeof(uint64_t), "candidate pairs"));
+    for (size_t i = 0; i < sweep->sinks.count; i++)
+    {
+        const qcArray* found = &QC_AT(qcSurfaceSink, sweep->sinks, i).keys;
+        if (found->count != 0)
+            memcpy(&QC_AT(uint64_t, sweep->keys, sweep->keys.count), found->data, found->count * sizeof(uint64_t));
+        sweep->keys.count += found->count;
+    }
+    return qc_statusOk;
+}
+
+qcStatus qcSweepSurfaces_Run(qcSweepSurfaces* sweep, const qcSweepSurfacesJob* job, qcProfile* profile)
+{
+    const qcTriangles* t = job->triangles;
+    Run run = {.sweep = sweep, .job = job};
+    QC_TRY(EmptySinks(sweep, job->threads));
+    QC_TRY(ClearReached(&run));
+    for (size_t i = 0; i < job->objects->pairs.count; i++)
+    {
+        qcBodyPair pair = QC_AT(qcBodyPair, job->objects->pairs, i);
+        if (job->bodies[pair.a])
+            QC_TRY(FindPairs(&run, pair.a, pair.b));
+    }
+    for (uint32_t body = 0; body < t->bodyCount; body++)
+    {
+        if (!job->bodies[body])
+            continue;
+        CountTriangles(&run, body, profile);
+        if (!qcBody_MeetsItself(qcTriangles_Body(t, body)))
+            continue;
+        QC_TRY(FindPairs(&run, body, body));
+        QC_TRY(AddNeighbours(&run, body, profile));
+    }
+    return CollectKeys(sweep);
+}
+
+void qcSweepSurfaces_Free(qcSweepSurfaces* sweep)
+{
+    for (uint32_t slot = 0; slot < sweep->surfaces.count; slot++)
+        qcSurface_Free(SurfaceAt(sweep, slot));
+    for (size_t i = 0; i < sweep->sinks.count; i++)
+        qcArray_Free(&QC_AT(qcSurfaceSink, sweep->sinks, i).keys);
+    qcSurfacePairs_Free(&sweep->pairs);
+    qcSurfaceScratch_Free(&sweep->scratch);
+    qcArray* arrays[] = {&sweep->surfaces,     &sweep->seen, &sweep->sinks,        &sweep->reached,
+                         &sweep->firstReached, &sweep->keys, &sweep->neighbourKeys};
+    for (size_t i = 0; i < sizeof arrays / sizeof arrays[0]; i++)
+        qcArray_Free(arrays[i]);
+}

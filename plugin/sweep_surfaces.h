@@ -1,0 +1,50 @@
+// The sweep over triangles by the surfaces of bodies: each with itself, and the two of each pair of bodies.
+#ifndef QC_PLUGIN_SWEEP_SURFACES_H
+#define QC_PLUGIN_SWEEP_SURFACES_H
+
+#include "objects.h"
+#include "surface_pairs.h"
+
+/// What one worker found.
+typedef struct qcSurfaceSink
+{
+    qcArray keys; ///< uint64_t: lower rank << 32 | higher rank
+    qcStatus status;
+    char apart[64]; ///< keeps two workers off one cache line
+} qcSurfaceSink;
+
+/// Memory that the stage keeps between steps.
+typedef struct qcSweepSurfaces
+{
+    const qcSurfaceKernels* kernels; ///< chosen at first use
+    qcArray surfaces;                ///< of qcSurface, by slot
+    qcArray seen;                    ///< uint32_t, by slot: generation of the body that the last step saw there
+    qcSurfaceScratch scratch;
+    qcSurfacePairs pairs;
+    qcArray sinks;               ///< of qcSurfaceSink
+    qcArray reached;             ///< uint8_t, by node, of bodies that are not tested with themselves
+    qcArray firstReached;        ///< size_t, by body of the step: where its nodes begin, or SIZE_MAX
+    qcArray keys, neighbourKeys; ///< uint64_t: the result, in no order
+} qcSweepSurfaces;
+
+typedef struct qcSweepSurfacesJob
+{
+    const qcTriangles* triangles;
+    const qcObjects* objects;
+    const uint8_t* bodies; ///< by body of the step: whether it is asked about. Whoever meets it is too.
+    double margin;
+    bool testNeighbours; ///< triangles of one body that share a vertex are candidates too
+    bool listNeighbours; ///< and otherwise a list of their own
+    uint32_t threads;
+} qcSweepSurfacesJob;
+
+/// Makes surfaces of the bodies whose flag in `wanted` is set, and clears the flags of those that have none this time:
+/// large ones that are new, whose topology may not live for another step, and what no lattice can hold.
+qcStatus qcSweepSurfaces_Prepare(qcSweepSurfaces* sweep, const qcTriangles* triangles, double margin, uint32_t threads,
+                                 uint8_t* wanted);
+
+/// Fills keys and neighbourKeys; all bodies that are asked about are prepared.
+qcStatus qcSweepSurfaces_Run(qcSweepSurfaces* sweep, const qcSweepSurfacesJob* job, qcProfile* profile);
+void qcSweepSurfaces_Free(qcSweepSurfaces* sweep);
+
+#endif
