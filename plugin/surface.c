@@ -21,6 +21,10 @@ enum
     qc_vertexBlock = 4096,
     qc_clusterBlock = 512,
     qc_leastBlocks = 4,
+    // Large discs, and the small ones in them.
+    qc_discBlock = 16,
+    // A disc that is not flat is asked again after so many fits.
+    qc_restFits = 7,
     // Beyond these a power of two, or its inverse, or a product with one, may leave the range of double.
     qc_largestExponent = 960
 };
@@ -80,6 +84,10 @@ static qcStatus Build(qcSurface* surface, const qcBody* body)
     QC_TRY(LayLevels(surface));
     QC_TRY(qcArray_Resize(&surface->points, (size_t)surface->vertexCount + 1, sizeof(qcPoint), "points of a surface"));
     QC_AT(qcPoint, surface->points, surface->vertexCount) = (qcPoint){{0}};
+    QC_TRY(qcDiscs_Build(&surface->discs, &surface->clusters, surface->corners.data, surface->vertexCount));
+    QC_TRY(qcArray_Resize(&surface->flat, surface->discs.discs.count, 1, "discs of a surface"));
+    QC_TRY(qcArray_Resize(&surface->rest, surface->discs.discs.count, 1, "discs of a surface"));
+    memset(surface->rest.data, 0, surface->rest.count);
     surface->generation = body->generation;
     return qc_statusOk;
 }
@@ -215,12 +223,73 @@ qcStatus qcSurface_Fit(qcSurface* surface, const qcBody* body, double margin, co
     surface->moved = body->moved;
     surface->margin = margin;
     surface->fitted = true;
+    surface->flatKnown = false;
     return qc_statusOk;
+}
+
+//  ---- flat discs ----------------------------------------------------------------------------------
+
+static bool AskDisc(const Fitting* f, uint32_t disc)
+{
+    qcSurface* s = f->surface;
+    const qcDisc* d = &QC_AT(qcDisc, s->discs.discs, disc);
+    uint8_t *flat = &QC_AT(uint8_t, s->flat, disc), *rest = &QC_AT(uint8_t, s->rest, disc);
+    *flat = 0;
+    if (d->placeCount == 0)
+        return false;
+    if (*rest > 0)
+    {
+        (*rest)--;
+        return false;
+    }
+    qcFlatDisc what = {.corners = s->corners.data,
+                       .points = s->points.data,
+                       .places = &QC_AT(uint32_t, s->discs.places, d->firstPlace),
+                       .loop = &QC_AT(uint32_t, s->discs.loops, d->firstLoop),
+                       .placeCount = d->placeCount,
+                       .loopCount = d->loopCount,
+                       .pointError = s->pointError};
+    *flat = f->kernels->isFlat(&what);
+    *rest = *flat ? 0 : qc_restFits;
+    return *flat;
+}
+
+/// Large discs first: where one is flat, the small ones around its nodes have little to add.
+static void AskBlock(void* context, size_t block, uint32_t worker)
+{
+    (void)worker;
+    const Fitting* f = context;
+    const qcSurface* s = f->surface;
+    uint32_t nodes = s->discs.nodeCount, first = (uint32_t)block * qc_discBlock * qc_discNodes;
+    uint32_t end = nodes - first < qc_discBlock * qc_discNodes ? nodes : first + qc_discBlock * qc_discNodes;
+    for (uint32_t node = first; node < end; node++)
+    {
+        uint32_t large = qcDiscs_Large(&s->discs, node);
+        if (node % qc_discNodes == 0)
+            (void)AskDisc(f, large);
+        if (!qcSurface_IsFlat(s, large))
+            (void)AskDisc(f, node);
+        else
+            QC_AT(uint8_t, s->flat, node) = 0;
+    }
+}
+
+void qcSurface_FindFlat(qcSurface* surface, const qcSurfaceKernels* kernels, uint32_t threads)
+{
+    if (surface->flatKnown)
+        return;
+    Fitting fitting = {.surface = surface, .kernels = kernels};
+    size_t blocks = BlockCount(surface->discs.nodeCount, (size_t)qc_discBlock * qc_discNodes);
+    qcParallel_For(threads, blocks, qc_leastBlocks, AskBlock, &fitting);
+    surface->flatKnown = true;
 }
 
 void qcSurface_Free(qcSurface* surface)
 {
     qcClusters_Free(&surface->clusters);
+    qcDiscs_Free(&surface->discs);
+    qcArray_Free(&surface->flat);
+    qcArray_Free(&surface->rest);
     qcArray_Free(&surface->vertexOf);
     qcArray_Free(&surface->corners);
     qcArray_Free(&surface->points);

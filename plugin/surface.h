@@ -5,6 +5,7 @@
 
 #include "bodies.h"
 #include "clusters.h"
+#include "discs.h"
 #include "surface_kernels.h"
 
 enum
@@ -21,12 +22,16 @@ typedef struct qcSurface
     qcArray vertexOf;     ///< uint32_t: the body's number of each, in the order in which clusters have them
     qcArray corners;      ///< of qcCorners by place; where there is no triangle, the vertex vertexCount
     qcArray points;       ///< of qcPoint by vertex; one more, at 0
-    qcArray groups;       ///< of qcBoxGroup: triangles of clusters, clusters of nodes, and so on
-    uint32_t levels;      ///< of groups; the last has one group
+    qcDiscs discs;
+    qcArray flat;    ///< uint8_t by disc: whether it is known to be flat where the body is
+    qcArray rest;    ///< uint8_t by disc: how many more times it need not be asked
+    qcArray groups;  ///< of qcBoxGroup: triangles of clusters, clusters of nodes, and so on
+    uint32_t levels; ///< of groups; the last has one group
     size_t firstGroup[qc_mostLevels];
     size_t groupCount[qc_mostLevels];
     qcBoxGroup whole; ///< one box, around all
     bool fitted;
+    bool flatKnown; ///< of this fit
     uint64_t moved; ///< what was fitted, and with which margin
     double margin;
     qcLatticeMap map;
@@ -48,6 +53,14 @@ qcStatus qcSurface_Build(qcSurface* surface, const qcBody* body);
 /// O(triangles).
 qcStatus qcSurface_Fit(qcSurface* surface, const qcBody* body, double margin, const qcSurfaceKernels* kernels,
                        uint32_t threads, qcSurfaceScratch* scratch, bool* fits);
+
+/// Finds out which discs are flat, once for each fit. O(triangles).
+void qcSurface_FindFlat(qcSurface* surface, const qcSurfaceKernels* kernels, uint32_t threads);
+
+static inline bool qcSurface_IsFlat(const qcSurface* surface, uint32_t disc)
+{
+    return QC_AT(uint8_t, surface->flat, disc) != 0;
+}
 
 /// The group at a level. Above the last level is one box alone.
 static inline const qcBoxGroup* qcSurface_Group(const qcSurface* surface, uint32_t level, uint32_t i)

@@ -15,7 +15,9 @@ enum
 {
     qc_groupSize = 8,
     // What no level reaches: a box of it alone meets nothing, and adds nothing to a box around it.
-    qc_emptyEnd = INT16_MAX
+    qc_emptyEnd = INT16_MAX,
+    qc_mostLoop = 256, ///< vertices around a disc
+    qc_mostSkips = 4
 };
 
 /// Eight boxes side by side. By axis: lower ends, then complements of upper ends.
@@ -93,6 +95,22 @@ typedef struct qcGroupMap
     float linear[3][3], shift[3], grow[3];
 } qcGroupMap;
 
+/// Triangles that make a disc, and the vertices of the loop around it, in its direction.
+typedef struct qcFlatDisc
+{
+    const qcCorners* corners;
+    const qcPoint* points;
+    const uint32_t *places, *loop;
+    size_t placeCount, loopCount; ///< 3 to qc_mostLoop
+    float pointError;
+} qcFlatDisc;
+
+/// Pairs of places of two nodes that need not be compared: those in both masks.
+typedef struct qcPlaceSkip
+{
+    uint64_t a, b;
+} qcPlaceSkip;
+
 typedef struct qcSurfaceKernels
 {
     const char* name;
@@ -106,9 +124,12 @@ typedef struct qcSurfaceKernels
     /// Bit i + 8 j: box i of a and box j of b overlap.
     uint64_t (*compare)(const qcBoxGroup* a, const qcBoxGroup* b);
     /// Adds the pairs of triangles of two nodes whose boxes overlap, and whose bit is set in `words` (as in a table of
-    /// qcClusters; null: all are). Returns the new end of `pairs`, which has room for qc_nodeSize^2.
+    /// qcClusters; null: all are), and that none of the `skipCount` skips has. Returns the new end of `pairs`, which
+    /// has room for qc_nodeSize^2.
     qcPlacePair* (*collect)(const qcSurfaceBoxes* a, uint32_t nodeA, const qcSurfaceBoxes* b, uint32_t nodeB,
-                            const uint64_t* words, qcPlacePair* pairs);
+                            const uint64_t* words, const qcPlaceSkip* skips, int skipCount, qcPlacePair* pairs);
+    /// True: no two triangles of the disc that share no vertex have a common point.
+    bool (*isFlat)(const qcFlatDisc* disc);
     /// The boxes of a group in another lattice, rounded outward. What the map can't tell is unbounded.
     void (*mapGroup)(const qcBoxGroup* group, const qcGroupMap* map, qcBoxGroup* mapped);
     /// As collect, for two surfaces; the map is from b's lattice to a's.

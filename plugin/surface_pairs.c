@@ -60,14 +60,34 @@ static void Flush(Queue* queue)
     queue->wanted = count == 0 || s->job->function(s->job->context, queue->pairs, count, queue->worker);
 }
 
-/// The table of two nodes of one surface, or null: they share no vertex.
-static const uint64_t* FindTable(const qcClusters* clusters, uint32_t a, uint32_t b)
+#define QC_NO_LINK UINT32_MAX
+
+/// The link of two nodes of one surface, or QC_NO_LINK: they share no vertex.
+static uint32_t FindLink(const qcClusters* clusters, uint32_t a, uint32_t b)
 {
     const qcNodeLink* links = clusters->links.data;
     for (uint32_t i = QC_AT(uint32_t, clusters->firstLink, a); i < QC_AT(uint32_t, clusters->firstLink, a + 1); i++)
         if (links[i].other == b)
-            return &QC_AT(uint64_t, clusters->tables, (size_t)links[i].table * qc_nodeSize);
-    return NULL;
+            return i;
+    return QC_NO_LINK;
+}
+
+/// What flat discs prove of two nodes that share a vertex: the pairs of their triangles that both lie in one disc.
+static int FindSkips(const qcSurface* surface, uint32_t a, uint32_t b, uint32_t link, qcPlaceSkip skips[qc_mostSkips])
+{
+    const qcDiscs* discs = &surface->discs;
+    const qcDiscRing* ring = &QC_AT(qcDiscRing, discs->rings, link);
+    const uint64_t* own = discs->own.data;
+    int count = 0;
+    for (int size = 0; size < qc_discSizes; size++)
+    {
+        uint32_t discA = size == 0 ? a : qcDiscs_Large(discs, a), discB = size == 0 ? b : qcDiscs_Large(discs, b);
+        if (qcSurface_IsFlat(surface, discA) && ring->ofNode[size] != 0)
+            skips[count++] = (qcPlaceSkip){own[qc_discSizes * (size_t)a + size], ring->ofNode[size]};
+        if (discA != discB && qcSurface_IsFlat(surface, discB) && ring->ofOther[size] != 0)
+            skips[count++] = (qcPlaceSkip){ring->ofOther[size], own[qc_discSizes * (size_t)b + size]};
+    }
+    return count;
 }
 
 /// As the table of a node with itself, had no two of its triangles a common vertex.
@@ -97,8 +117,24 @@ static void CompareNodes(Queue* queue, uint32_t a, uint32_t b)
         queue->end = job->kernels->collectMapped(&sideA, a, &sideB, b, &s->map, queue->end);
         return;
     }
-    const uint64_t* words = !job->neighbours ? FindTable(&job->a->clusters, a, b) : a == b ? OrderTable() : NULL;
-    queue->end = job->kernels->collect(&sideA, a, &sideB, b, words, queue->end);
+    qcPlaceSkip skips[qc_mostSkips];
+    int skipCount = 0;
+    const uint64_t* words = NULL;
+    if (job->neighbours)
+        words = a == b ? OrderTable() : NULL;
+    else
+    {
+        uint32_t link = FindLink(&job->a->clusters, a, b);
+        if (link != QC_NO_LINK)
+            words = &QC_AT(uint64_t, job->a->clusters.tables,
+                           (size_t)QC_AT(qcNodeLink, job->a->clusters.links, link).table * qc_nodeSize);
+        if (link != QC_NO_LINK && job->flatDiscs)
+            skipCount = FindSkips(job->a, a, b, link, skips);
+        for (int i = 0; i < skipCount; i++)
+            if ((skips[i].a & skips[i].b) == UINT64_MAX)
+                return;
+    }
+    queue->end = job->kernels->collect(&sideA, a, &sideB, b, words, skips, skipCount, queue->end);
 }
 
 /// The groups of the level below that meet: bit i + 8 j.
@@ -182,11 +218,12 @@ static void FindMaps(Search* s)
     for (int axis = 0; axis < 3; axis++)
     {
         double shift = b->origin[axis] - a->origin[axis];
-        // Levels. Numbers too large for floats make boxes that meet everything.
+        // Levels. Numbers with which products may leave the range of floats make boxes that meet everything.
         double scale = a->scale[axis] / b->scale[axis], offset = shift * a->scale[axis];
         s->map.linear[axis][axis] = (float)scale;
         s->map.shift[axis] = (float)(offset + half * scale);
-        s->map.grow[axis] = (float)(0x1p-20 * (fabs(offset) + 2.0 * half * scale) + 0x1p-4);
+        double grow = 0x1p-20 * (fabs(offset) + 2.0 * half * scale) + 0x1p-4;
+        s->map.grow[axis] = grow < 0x1p80 ? (float)grow : INFINITY;
         // Points.
         double ratio = a->unit[axis] / b->unit[axis], at = shift * a->unit[axis];
         s->bound.linear[axis][axis] = (float)ratio;

@@ -19,6 +19,7 @@ typedef struct qcSurfacePairsJob
     const qcSurface *a, *b; ///< the same: pairs within it, each once
     double margin;          ///< as both were fitted
     bool neighbours;        ///< of one surface: pairs that share a vertex index are found too
+    bool flatDiscs;         ///< of one surface at margin 0: what qcSurface_FindFlat found is made use of
     uint32_t threads;
     uint8_t *reachedA, *reachedB; ///< by node: set where it was compared with a node of the other. May be null
     qcSurfacePairsFunction* function;

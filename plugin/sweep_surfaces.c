@@ -75,6 +75,7 @@ typedef struct Run
 {
     qcSweepSurfaces* sweep;
     const qcSweepSurfacesJob* job;
+    bool flatDiscs; ///< what is flat doesn't meet itself, but comes within a margin of itself
     //  the two bodies that are looked at
     const uint32_t* triangles[2];
     uint32_t first[2];
@@ -149,6 +150,7 @@ static qcStatus FindPairs(Run* run, uint32_t a, uint32_t b)
                                .b = SurfaceAt(sweep, qcTriangles_Slot(job->triangles, b)),
                                .margin = job->margin,
                                .neighbours = job->testNeighbours,
+                               .flatDiscs = run->flatDiscs && a == b,
                                .threads = job->threads,
                                .reachedA = ReachedOf(sweep, a),
                                .reachedB = ReachedOf(sweep, b),
@@ -222,7 +224,7 @@ static qcStatus CollectKeys(qcSweepSurfaces* sweep)
 qcStatus qcSweepSurfaces_Run(qcSweepSurfaces* sweep, const qcSweepSurfacesJob* job, qcProfile* profile)
 {
     const qcTriangles* t = job->triangles;
-    Run run = {.sweep = sweep, .job = job};
+    Run run = {.sweep = sweep, .job = job, .flatDiscs = job->margin == 0.0 && !job->testNeighbours};
     QC_TRY(EmptySinks(sweep, job->threads));
     QC_TRY(ClearReached(&run));
     for (size_t i = 0; i < job->objects->pairs.count; i++)
@@ -238,6 +240,8 @@ qcStatus qcSweepSurfaces_Run(qcSweepSurfaces* sweep, const qcSweepSurfacesJob* j
         CountTriangles(&run, body, profile);
         if (!qcBody_MeetsItself(qcTriangles_Body(t, body)))
             continue;
+        if (run.flatDiscs)
+            qcSurface_FindFlat(SurfaceAt(sweep, qcTriangles_Slot(t, body)), sweep->kernels, job->threads);
         QC_TRY(FindPairs(&run, body, body));
         QC_TRY(AddNeighbours(&run, body, profile));
     }
