@@ -1,34 +1,99 @@
-// Loops over threads, by OpenMP; without it, one after another.
+// Loops over threads, of the host or of OpenMP: each thread gets one task, which draws indices until none is left. So
+// worker numbers need not come from the host, and the result can't depend on which of its threads run, how many or
+// when.
 #include "parallel.h"
+
+#include "status.h"
+
+#include <fenv.h>
+#include <stdatomic.h>
 
 #ifdef _OPENMP
 #include <omp.h>
 #endif
 
+typedef struct Loop
+{
+    qcParallelFunction* function;
+    void* context;
+    size_t count;
+    /// Of the calling thread. Threads of a host may flush subnormals, which the error bounds don't allow for.
+    fenv_t environment;
+    /// On a cache line of its own: it is written for each index, the rest is only read.
+    _Alignas(64) atomic_size_t next;
+} Loop;
+
+static qcParallelForFunction* s_parallelFor;
+static uint32_t s_workers;
+static void* s_context;
+
+qcStatus qcSetParallelFor(qcParallelForFunction* parallelFor, uint32_t workers, void* context)
+{
+    if (parallelFor != NULL && workers == 0)
+        return qcFail(qc_statusBadInput, "qcSetParallelFor: parallelFor is given, but workers is 0");
+    s_parallelFor = parallelFor;
+    s_workers = workers;
+    s_context = context;
+    return qc_statusOk;
+}
+
 uint32_t qcParallel_Threads(uint32_t requested)
 {
+    uint32_t threads = 1;
+    if (s_parallelFor != NULL)
+        threads = requested != 0 && requested < s_workers ? requested : s_workers;
 #ifdef _OPENMP
-    uint32_t threads = requested != 0 ? requested : (uint32_t)omp_get_num_procs();
+    else
+        threads = requested != 0 ? requested : (uint32_t)omp_get_num_procs();
+#endif
     return threads < qc_maxWorkers ? threads : qc_maxWorkers;
-#else
-    (void)requested;
-    return 1;
+}
+
+static void DrawIndices(Loop* loop, uint32_t worker)
+{
+    for (;;)
+    {
+        size_t i = atomic_fetch_add_explicit(&loop->next, 1, memory_order_relaxed);
+        if (i >= loop->count)
+            return;
+        loop->function(loop->context, i, worker);
+    }
+}
+
+static void RunTask(uint32_t index, void* taskContext)
+{
+    Loop* loop = taskContext;
+    fenv_t own;
+    fegetenv(&own);
+    fesetenv(&loop->environment);
+    DrawIndices(loop, index);
+    fesetenv(&own);
+}
+
+static void RunTasks(uint32_t count, Loop* loop)
+{
+    if (s_parallelFor != NULL)
+        s_parallelFor(count, RunTask, loop, s_context);
+#ifdef _OPENMP
+    else
+    {
+        // Inside a parallel region of the host's this may be one thread.
+#pragma omp parallel num_threads(count)
+        RunTask((uint32_t)omp_get_thread_num(), loop);
+    }
 #endif
 }
 
 void qcParallel_For(uint32_t threads, size_t count, size_t least, qcParallelFunction* function, void* context)
 {
-#ifdef _OPENMP
     if (threads > 1 && count >= least)
     {
-#pragma omp parallel for schedule(dynamic, 1) num_threads(threads)
-        for (size_t i = 0; i < count; i++)
-            function(context, i, (uint32_t)omp_get_thread_num());
+        Loop loop = {.function = function, .context = context, .count = count};
+        fegetenv(&loop.environment);
+        RunTasks(count < threads ? (uint32_t)count : threads, &loop);
+        DrawIndices(&loop, 0);
         return;
     }
-#endif
-    (void)threads;
-    (void)least;
     for (size_t i = 0; i < count; i++)
         function(context, i, 0);
 }
@@ -37,6 +102,7 @@ void qcParallel_Rest(void)
 {
 #ifdef _OPENMP
     // Refused inside a parallel region of the caller's, whose threads aren't ours to stop.
-    (void)omp_pause_resource(omp_pause_soft, omp_get_initial_device());
+    if (s_parallelFor == NULL)
+        (void)omp_pause_resource(omp_pause_soft, omp_get_initial_device());
 #endif
 }

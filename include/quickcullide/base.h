@@ -1,7 +1,7 @@
 // Statuses, messages, hooks: what every part of the C ABI shares.
 //
-// Thread-safety: the hooks are set before anything else is called; everything else here may be
-// called from any thread.
+// Thread-safety: the hooks are set before anything else is called, that for threads also later, while no
+// other call runs; everything else here may be called from any thread.
 #ifndef QUICKCULLIDE_BASE_H
 #define QUICKCULLIDE_BASE_H
 
@@ -49,7 +49,7 @@ typedef void* qcAllocateFunction(size_t size, void* context);
 /// Frees what the allocate function returned for this `size`.
 typedef void qcFreeFunction(void* memory, size_t size, void* context);
 
-/// Replaces the heap of the library. Null functions bring the default back.
+/// Replaces the heap of the library. Null functions bring the default back. Any thread may call them, several at once.
 /// Call it while qcGetByteCount() is zero; otherwise qc_statusBadInput.
 QC_API qcStatus qcSetAllocator(qcAllocateFunction* allocate, qcFreeFunction* release, void* context);
 
@@ -61,6 +61,22 @@ typedef void qcLogFunction(const char* line, void* context);
 
 /// Sets where log lines go. Null (the default): nowhere.
 QC_API void qcSetLog(qcLogFunction* log, void* context);
+
+/// A thread's share of a loop of the library: it takes what is left to do, piece by piece, and returns when nothing is.
+typedef void qcTask(uint32_t index, void* taskContext);
+
+/// Calls task(index, taskContext) for each index below `count`, none twice, in any order and on any threads, at the
+/// same time or not, and returns when all calls have. Calls not begun when another one has returned may be left out:
+/// they would find nothing to do. If all are, the calling thread does the work after the return. Must not throw. It is
+/// called on the thread that uses the scene: on several at once if several scenes are used so.
+typedef void qcParallelForFunction(uint32_t count, qcTask* task, void* taskContext, void* context);
+
+/// Runs the library's loops on the host's threads: at most one task for each of `workers` threads (1 or more; beyond
+/// 256 as 256), fewer where a query asks for fewer. Loops too short to be worth it stay on the calling thread. Null
+/// brings the default back: OpenMP where the library was built with it, otherwise no threads. Results don't depend on
+/// any of it, nor on floating-point modes of the host's threads: tasks run in those of the thread that uses the scene.
+/// `context` is in use until the next call of this. qc_statusBadInput: a function without workers; nothing changes.
+QC_API qcStatus qcSetParallelFor(qcParallelForFunction* parallelFor, uint32_t workers, void* context);
 
 #ifdef __cplusplus
 }

@@ -5,5 +5,6 @@
 
 #include "bullet_broadphase.h"
 #include "bullet_soft_body.h"
+#include "bullet_threads.h"
 
 #endif

@@ -214,7 +214,7 @@ typedef struct qcDetectDef
     /// 0: no contacts. Otherwise also report contacts between features (vertex and face, edge and edge)
     /// of two triangles no further apart than this, in scene units. Not `cullide` and `quick`.
     double contactMargin;
-    /// Threads to use; 0: one per core. The result does not depend on it.
+    /// Threads to use; 0: one per core, or as many as qcSetParallelFor was given. The result does not depend on it.
     uint32_t threads;
     //  What follows speaks to `layers` only; it changes the cost, never the answer.
     /// Pixels on a side of the image, rounded down to a power of two, up to 4096; 0: from the number of triangles.
