@@ -13,23 +13,42 @@ static size_t PositionSize(qcPositionType type)
     return type == qc_positionF64 ? 3 * sizeof(double) : 3 * sizeof(float);
 }
 
-static void ReadPosition(const void* positions, qcPositionType type, size_t stride, uint32_t vertex, double out[3])
-{
-    const char* at = (const char*)positions + stride * vertex;
-    if (type == qc_positionF64)
-    {
-        memcpy(out, at, 3 * sizeof(double));
-        return;
-    }
-    float values[3];
-    memcpy(values, at, sizeof values);
-    for (int axis = 0; axis < 3; axis++)
-        out[axis] = (double)values[axis];
-}
-
 static bool IsFinite(const double p[3])
 {
     return isfinite(p[0]) && isfinite(p[1]) && isfinite(p[2]);
+}
+
+/// Positions as doubles. Returns 0, or something that is not a number if one isn't finite: 0 * x, added up.
+static double ReadFloats(const void* positions, size_t stride, size_t vertexCount, double* out)
+{
+    double check[3] = {0.0, 0.0, 0.0};
+    for (size_t v = 0; v < vertexCount; v++)
+    {
+        float x[3];
+        memcpy(x, (const char*)positions + stride * v, sizeof x);
+        for (int axis = 0; axis < 3; axis++)
+        {
+            out[3 * v + axis] = (double)x[axis];
+            check[axis] += 0.0 * (double)x[axis];
+        }
+    }
+    return check[0] + check[1] + check[2];
+}
+
+static double ReadDoubles(const void* positions, size_t stride, size_t vertexCount, double* out)
+{
+    double check[3] = {0.0, 0.0, 0.0};
+    for (size_t v = 0; v < vertexCount; v++)
+    {
+        double x[3];
+        memcpy(x, (const char*)positions + stride * v, sizeof x);
+        for (int axis = 0; axis < 3; axis++)
+        {
+            out[3 * v + axis] = x[axis];
+            check[axis] += 0.0 * x[axis];
+        }
+    }
+    return check[0] + check[1] + check[2];
 }
 
 /// Reads positions into scratch. Nothing else is changed.
@@ -47,12 +66,11 @@ static qcStatus ReadPositions(qcBodies* bodies, uint32_t slot, const void* posit
                       PositionSize(type));
     QC_TRY(qcArray_Resize(&bodies->scratch, 3 * (size_t)vertexCount, sizeof(double), "new positions"));
     double* out = bodies->scratch.data;
-    for (uint32_t v = 0; v < vertexCount; v++)
-    {
-        ReadPosition(positions, type, stride, v, out + 3 * (size_t)v);
+    double check = type == qc_positionF64 ? ReadDoubles(positions, stride, vertexCount, out)
+                                          : ReadFloats(positions, stride, vertexCount, out);
+    for (uint32_t v = 0; v < vertexCount && check != 0.0; v++)
         if (!IsFinite(out + 3 * (size_t)v))
             return qcFail(qc_statusBadInput, "vertex %u of body %u is not finite", v, slot);
-    }
     return qc_statusOk;
 }
 
@@ -104,12 +122,36 @@ static qcStatus Transform(uint32_t slot, const double* local, uint32_t vertexCou
     return qc_statusOk;
 }
 
-static void Include(qcBody* body, const double p[3])
+enum
 {
-    for (int axis = 0; axis < 3; axis++)
+    qc_boundsRun = 12 ///< numbers: four vertices
+};
+
+/// Least and greatest of each coordinate, four vertices side by side.
+static void FindBoundsOfVertices(const double* x, size_t vertexCount, double lower[3], double upper[3])
+{
+    double least[qc_boundsRun], most[qc_boundsRun];
+    size_t count = 3 * vertexCount, i = 0;
+    for (int k = 0; k < qc_boundsRun; k++)
     {
-        body->lower[axis] = p[axis] < body->lower[axis] ? p[axis] : body->lower[axis];
-        body->upper[axis] = p[axis] > body->upper[axis] ? p[axis] : body->upper[axis];
+        least[k] = DBL_MAX;
+        most[k] = -DBL_MAX;
+    }
+    for (; i + qc_boundsRun <= count; i += qc_boundsRun)
+        for (int k = 0; k < qc_boundsRun; k++)
+        {
+            least[k] = x[i + k] < least[k] ? x[i + k] : least[k];
+            most[k] = x[i + k] > most[k] ? x[i + k] : most[k];
+        }
+    for (int k = 0; i < count; i++, k++)
+    {
+        least[k] = x[i] < least[k] ? x[i] : least[k];
+        most[k] = x[i] > most[k] ? x[i] : most[k];
+    }
+    for (int k = 0; k < qc_boundsRun; k++)
+    {
+        lower[k % 3] = least[k] < lower[k % 3] ? least[k] : lower[k % 3];
+        upper[k % 3] = most[k] > upper[k % 3] ? most[k] : upper[k % 3];
     }
 }
 
@@ -121,10 +163,10 @@ static void FindBounds(qcBody* body)
         body->upper[axis] = -DBL_MAX;
     }
     // Vertices are fewer than corners, but one that no triangle has would spoil the box, and the image with it.
-    for (uint32_t v = 0; v < body->vertexCount && body->allUsed; v++)
-        Include(body, body->world + 3 * (size_t)v);
+    if (body->allUsed)
+        FindBoundsOfVertices(body->world, body->vertexCount, body->lower, body->upper);
     for (size_t i = 0; i < 3 * (size_t)body->triangleCount && !body->allUsed; i++)
-        Include(body, body->world + 3 * (size_t)body->indices[i]);
+        FindBoundsOfVertices(body->world + 3 * (size_t)body->indices[i], 1, body->lower, body->upper);
 }
 
 static qcStatus FindUnused(qcBody* body)
@@ -227,7 +269,7 @@ qcStatus qcBodies_Add(qcBodies* bodies, const qcBodyDef* def, qcBodyId* id)
         QC_AT(qcBody, bodies->slots, slot).generation = 0;
     }
     body.generation = QC_AT(qcBody, bodies->slots, slot).generation + 1;
-    body.moved = ++bodies->revision;
+    body.moved = bodies->added = ++bodies->revision;
     QC_AT(qcBody, bodies->slots, slot) = body;
     bodies->lowestFree = slot + 1;
     bodies->count++;
@@ -255,7 +297,7 @@ void qcBodies_Remove(qcBodies* bodies, qcBodyId id)
     bodies->count--;
     if (id.slot < bodies->lowestFree)
         bodies->lowestFree = id.slot;
-    bodies->revision++;
+    bodies->added = ++bodies->revision;
 }
 
 qcStatus qcBodies_SetTransform(qcBodies* bodies, uint32_t slot, const qcTransform* transform)

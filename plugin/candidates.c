@@ -112,14 +112,17 @@ qcStatus qcCandidates_Sweep(qcCandidates* candidates, const qcCandidateRules* ru
 {
     const qcTriangles* t = rules->triangles;
     QC_TRY(qcCandidates_Begin(candidates, rules->threads));
-    QC_TRY(qcArray_Resize(&candidates->boxes, t->count, sizeof(qcSweepBox), "boxes of triangles"));
+    size_t most = 0;
+    for (uint32_t body = 0; body < t->bodyCount; body++)
+        most += rules->elsewhere[body] ? 0 : qcTriangles_Body(t, body)->triangleCount;
+    QC_TRY(qcArray_Resize(&candidates->boxes, most, sizeof(qcSweepBox), "boxes of triangles"));
     qcSweepFrame frame = {{0.0, 0.0, 0.0}, rules->margin};
     uint32_t count = 0;
     for (uint32_t body = 0; body < t->bodyCount; body++)
     {
         const qcBody* b = qcTriangles_Body(t, body);
         uint32_t first = qcTriangles_First(t, body);
-        for (uint32_t i = 0; i < b->triangleCount; i++)
+        for (uint32_t i = 0; i < b->triangleCount && !rules->elsewhere[body]; i++)
         {
             if (QC_AT(uint8_t, t->pcs, first + i) == 0)
                 continue;

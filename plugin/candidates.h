@@ -29,6 +29,7 @@ typedef struct qcCandidates
 typedef struct qcCandidateRules
 {
     const qcTriangles* triangles;
+    const uint8_t* elsewhere; ///< by body: whose triangles another part of the line answers for
     double margin;       ///< boxes this far apart still count as overlapping
     bool testNeighbours; ///< triangles of one body that share a vertex are candidates too
     bool listNeighbours; ///< and otherwise a list of their own

@@ -202,6 +202,7 @@ static qcStatus SweepTriangles(Step* step)
 {
     qcDetector* d = step->detector;
     qcCandidateRules rules = {.triangles = &d->triangles,
+                              .elsewhere = d->elsewhere.data,
                               .margin = Reach(step->def),
                               .testNeighbours = step->def->neighbours,
                               .listNeighbours = step->def->contactMargin > 0.0,
@@ -212,6 +213,14 @@ static qcStatus SweepTriangles(Step* step)
         QC_TRY(qcCandidates_Sweep(&d->candidates, &rules, &step->profile));
     QC_TRY(SweepSurfaces(step));
     return qcCandidates_Add(&d->candidates, &d->layersKeys, &d->layersNeighbourKeys);
+}
+
+static uint32_t CountMarked(const uint8_t* marks, uint32_t count)
+{
+    uint32_t marked = 0;
+    for (uint32_t i = 0; i < count; i++)
+        marked += marks[i] != 0;
+    return marked;
 }
 
 static qcStatus CullAndSweepTriangles(Step* step)
@@ -226,8 +235,7 @@ static qcStatus CullAndSweepTriangles(Step* step)
                                    &step->profile));
     if (step->plan.useImage)
         QC_TRY(qcCull_Triangles(&d->cull, &d->triangles, step->device, &step->plan, step->def));
-    for (uint32_t r = 0; r < d->triangles.count; r++)
-        step->profile.trianglePcs += QC_AT(uint8_t, d->triangles.pcs, r) != 0;
+    step->profile.trianglePcs += CountMarked(d->triangles.pcs.data, d->triangles.count);
     step->profile.cullTrianglesMs = Lap(step);
     QC_TRY(SweepTriangles(step));
     step->profile.sweepTrianglesMs = Lap(step);
@@ -241,25 +249,30 @@ static qcStatus CollectPcs(Step* step)
     const qcTriangles* t = &d->triangles;
     QC_TRY(qcArray_Resize(&d->marks, t->count, 1, "the PCS"));
     uint8_t* marks = d->marks.data;
-    for (uint32_t r = 0; r < t->count; r++)
-        marks[r] = step->plan.useImage && QC_AT(uint8_t, t->pcs, r) != 0;
+    if (step->plan.useImage && t->count != 0)
+        memcpy(marks, t->pcs.data, t->count);
+    if (!step->plan.useImage && t->count != 0)
+        memset(marks, 0, t->count);
     if (!step->plan.useImage)
         for (size_t i = 0; i < d->candidates.keys.count; i++)
         {
             uint64_t key = QC_AT(uint64_t, d->candidates.keys, i);
             marks[key >> 32] = marks[(uint32_t)key] = 1;
         }
-    size_t count = 0;
-    for (uint32_t r = 0; r < t->count; r++)
-        count += marks[r];
+    size_t count = CountMarked(marks, t->count), at = 0;
     QC_TRY(qcArray_Resize(&d->pcs, count, sizeof(qcTriangleRef), "the PCS"));
-    size_t at = 0;
-    for (uint32_t r = 0; r < t->count; r++)
+    for (uint32_t body = 0, r = 0; body < t->bodyCount; body++)
     {
-        if (!marks[r])
-            continue;
-        uint32_t body = qcTriangles_BodyOf(t, r);
-        QC_AT(qcTriangleRef, d->pcs, at++) = (qcTriangleRef){qcTriangles_Slot(t, body), r - qcTriangles_First(t, body)};
+        uint32_t first = r, end = qcTriangles_First(t, body + 1), slot = qcTriangles_Slot(t, body);
+        for (; r < end; r++)
+        {
+            // Most are not marked: eight at a time.
+            uint64_t eight;
+            while (end - r >= 8 && (memcpy(&eight, marks + r, 8), eight == 0))
+                r += 8;
+            if (r < end && marks[r] != 0)
+                QC_AT(qcTriangleRef, d->pcs, at++) = (qcTriangleRef){slot, r - first};
+        }
     }
     return qc_statusOk;
 }

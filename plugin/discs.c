@@ -132,15 +132,16 @@ static void Begin(Builder* b, uint32_t seed)
     b->start = v[0];
 }
 
-/// Changes the loop so that the triangle is inside; false: it would not be a disc with one loop.
-static bool Join(Builder* b, uint32_t place)
+/// Changes the loop so that the triangle is inside; false: it would not be a disc with one loop, or it is no notch and
+/// only those are wanted.
+static bool Join(Builder* b, uint32_t place, bool notchesOnly)
 {
     const uint32_t *v = b->corners[place].vertex, *across = &QC_AT(uint32_t, b->across, 3 * (size_t)place);
     bool shared[3];
     int count = 0;
     for (int c = 0; c < 3; c++)
         count += shared[c] = IsInDisc(b, across[c]);
-    if (count == 1)
+    if (count == 1 && !notchesOnly)
     {
         int c = shared[0] ? 0 : shared[1] ? 1 : 2;
         // The loop has the edge in the other direction.
@@ -206,25 +207,33 @@ static qcStatus Add(Builder* b, uint32_t place)
     return PushAcross(b, place);
 }
 
-/// From a seed, over the block alone and then over the ring around it. Breadth first: the disc stays round.
+typedef enum Phase
+{
+    phase_block,   ///< over the block alone
+    phase_ring,    ///< over all that shares a vertex with it
+    phase_notches, ///< what makes the loop smoother: it is told quicker that a smooth one is simple
+    phase_end
+} Phase;
+
+/// From a seed. Breadth first: the disc stays round.
 static qcStatus Grow(Builder* b, uint32_t seed, qcDisc* disc)
 {
     disc->firstPlace = (uint32_t)b->discs->places.count;
     b->queue.count = 0;
     Begin(b, seed);
     QC_TRY(Add(b, seed));
-    for (int ring = 0; ring < 2; ring++)
+    for (Phase phase = phase_block; phase < phase_end; phase++)
     {
         for (size_t at = 0; at < b->queue.count; at++)
         {
             uint32_t place = QC_AT(uint32_t, b->queue, at);
-            bool allowed = IsOfBlock(b, place) || (ring == 1 && IsOfRing(b, place));
-            if (allowed && !IsInDisc(b, place) && Join(b, place))
+            bool allowed = phase == phase_notches || IsOfBlock(b, place) || (phase == phase_ring && IsOfRing(b, place));
+            if (allowed && !IsInDisc(b, place) && Join(b, place, phase == phase_notches))
                 QC_TRY(Add(b, place));
         }
         b->queue.count = 0;
         size_t end = b->discs->places.count;
-        for (size_t i = disc->firstPlace; i < end && ring == 0; i++)
+        for (size_t i = disc->firstPlace; i < end; i++)
             QC_TRY(PushAcross(b, QC_AT(uint32_t, b->discs->places, i)));
     }
     disc->placeCount = (uint32_t)(b->discs->places.count - disc->firstPlace);

@@ -9,7 +9,7 @@
 
 enum
 {
-    qc_discNodes = 4, ///< of a large disc
+    qc_discNodes = 8, ///< of a large disc
     qc_discSizes = 2  ///< small, large
 };
 

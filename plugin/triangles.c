@@ -5,9 +5,8 @@
 
 #include <string.h>
 
-qcStatus qcTriangles_Number(qcTriangles* t, const qcBodies* bodies)
+static qcStatus Number(qcTriangles* t, const qcBodies* bodies)
 {
-    t->bodies = bodies;
     uint64_t total = 0;
     for (size_t slot = 0; slot < bodies->slots.count; slot++)
         if (qcBody_IsUsed(&QC_AT(qcBody, bodies->slots, slot)))
@@ -30,12 +29,25 @@ qcStatus qcTriangles_Number(qcTriangles* t, const qcBodies* bodies)
             continue;
         QC_AT(uint32_t, t->slots, body) = slot;
         QC_AT(uint32_t, t->first, body) = rank;
-        QC_AT(uint8_t, t->bodySet, body) = qc_setNfv;
         for (uint32_t i = 0; i < b->triangleCount; i++)
             QC_AT(uint32_t, t->bodyOf, rank++) = body;
         body++;
     }
     QC_AT(uint32_t, t->first, body) = rank;
+    return qc_statusOk;
+}
+
+qcStatus qcTriangles_Number(qcTriangles* t, const qcBodies* bodies)
+{
+    t->bodies = bodies;
+    if (t->numbered == 0 || t->numbered != bodies->added)
+    {
+        t->numbered = 0;
+        QC_TRY(Number(t, bodies));
+        t->numbered = bodies->added;
+    }
+    if (t->bodyCount != 0)
+        memset(t->bodySet.data, qc_setNfv, t->bodyCount);
     if (t->count != 0)
         memset(t->pcs.data, qcTriangles_Pcs(qc_setBfv, qc_setBfv), t->count);
     return qc_statusOk;

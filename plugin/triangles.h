@@ -11,6 +11,7 @@ typedef struct qcTriangles
 {
     const qcBodies* bodies;
     uint32_t bodyCount, count;
+    uint64_t numbered; ///< qcBodies::added of what the arrays say; 0: nothing
     qcArray slots;   ///< uint32_t: slot of a body
     qcArray first;   ///< uint32_t: rank of a body's first triangle; one more at the end
     qcArray bodyOf;  ///< uint32_t: body of a rank
