@@ -94,34 +94,6 @@ static bool IsIdentity(const qcTransform* t)
     return t->translation[0] == 0.0 && t->translation[1] == 0.0 && t->translation[2] == 0.0;
 }
 
-/// Local positions to world positions; the two may be the same memory.
-static qcStatus Transform(uint32_t slot, const double* local, uint32_t vertexCount, const qcTransform* t, double* world)
-{
-    if (IsIdentity(t))
-    {
-        // Not by multiplication: 0 * x would lose the sign of a zero, and time. Null is no array, not even an empty
-        // one.
-        if (vertexCount != 0)
-            memmove(world, local, 3 * sizeof(double) * vertexCount);
-        return qc_statusOk;
-    }
-    for (uint32_t v = 0; v < vertexCount; v++)
-    {
-        const double* p = local + 3 * (size_t)v;
-        double q[3];
-        for (int axis = 0; axis < 3; axis++)
-        {
-            const double* row = t->linear + 3 * axis;
-            q[axis] = row[0] * p[0] + row[1] * p[1] + row[2] * p[2] + t->translation[axis];
-        }
-        if (!IsFinite(q))
-            return qcFail(qc_statusBadInput, "the transform of body %u takes vertex %u beyond all finite numbers", slot,
-                          v);
-        memcpy(world + 3 * (size_t)v, q, sizeof q);
-    }
-    return qc_statusOk;
-}
-
 enum
 {
     qc_boundsRun = 12 ///< numbers: four vertices
@@ -155,21 +127,89 @@ static void FindBoundsOfVertices(const double* x, size_t vertexCount, double low
     }
 }
 
-static void FindBounds(qcBody* body)
+static void Include(const double p[3], double lower[3], double upper[3])
 {
     for (int axis = 0; axis < 3; axis++)
     {
-        body->lower[axis] = DBL_MAX;
-        body->upper[axis] = -DBL_MAX;
+        lower[axis] = p[axis] < lower[axis] ? p[axis] : lower[axis];
+        upper[axis] = p[axis] > upper[axis] ? p[axis] : upper[axis];
     }
-    // Vertices are fewer than corners, but one that no triangle has would spoil the box, and the image with it.
-    if (body->allUsed)
-        FindBoundsOfVertices(body->world, body->vertexCount, body->lower, body->upper);
-    for (size_t i = 0; i < 3 * (size_t)body->triangleCount && !body->allUsed; i++)
-        FindBoundsOfVertices(body->world + 3 * (size_t)body->indices[i], 1, body->lower, body->upper);
 }
 
-static qcStatus FindUnused(qcBody* body)
+static void EmptyBox(double lower[3], double upper[3])
+{
+    for (int axis = 0; axis < 3; axis++)
+    {
+        lower[axis] = DBL_MAX;
+        upper[axis] = -DBL_MAX;
+    }
+}
+
+/// Around all triangles as `positions` has them. A vertex that no triangle has would spoil the box, and the image with
+/// it.
+static void FindBounds(const qcBody* body, const double* positions, double lower[3], double upper[3])
+{
+    EmptyBox(lower, upper);
+    if (body->used == NULL)
+        FindBoundsOfVertices(positions, body->vertexCount, lower, upper);
+    for (uint32_t v = 0; v < body->vertexCount && body->used != NULL; v++)
+        if (body->used[v])
+            Include(positions + 3 * (size_t)v, lower, upper);
+}
+
+/// The box that holds what a box goes to. Each operation is monotone in each operand, so that the same operations on
+/// the right ends bound what qcBody_GetVertex returns, roundings included. False: something overflows.
+static bool TransformBox(const double lower[3], const double upper[3], const qcTransform* t, double lowerOut[3],
+                         double upperOut[3])
+{
+    bool finite = true;
+    for (int axis = 0; axis < 3; axis++)
+    {
+        double low[3], high[3];
+        for (int k = 0; k < 3; k++)
+        {
+            double a = t->linear[3 * axis + k] * lower[k], b = t->linear[3 * axis + k] * upper[k];
+            low[k] = a < b ? a : b;
+            high[k] = a < b ? b : a;
+        }
+        lowerOut[axis] = low[0] + low[1] + low[2] + t->translation[axis];
+        upperOut[axis] = high[0] + high[1] + high[2] + t->translation[axis];
+        finite = finite && isfinite(lowerOut[axis]) && isfinite(upperOut[axis]);
+    }
+    return finite;
+}
+
+/// Sets the body's transform and its box; refused transforms leave the body as it was. O(1), but for those near the
+/// end of all numbers.
+static qcStatus Place(qcBody* body, uint32_t slot, const qcTransform* transform)
+{
+    qcBody placed = *body;
+    placed.transform = *transform;
+    placed.isIdentity = IsIdentity(transform);
+    memcpy(placed.lower, body->localLower, sizeof placed.lower);
+    memcpy(placed.upper, body->localUpper, sizeof placed.upper);
+    bool hasBox = placed.lower[0] <= placed.upper[0], known = placed.isIdentity || placed.vertexCount == 0;
+    double lower[3], upper[3];
+    if (!known)
+        known = TransformBox(body->vertexLower, body->vertexUpper, transform, lower, upper) &&
+                (!hasBox || TransformBox(body->localLower, body->localUpper, transform, placed.lower, placed.upper));
+    if (!known && hasBox)
+        EmptyBox(placed.lower, placed.upper);
+    for (uint32_t v = 0; v < placed.vertexCount && !known; v++)
+    {
+        double p[3];
+        qcBody_GetVertex(&placed, v, p);
+        if (!IsFinite(p))
+            return qcFail(qc_statusBadInput, "the transform of body %u takes vertex %u beyond all finite numbers", slot,
+                          v);
+        if (placed.used == NULL || placed.used[v])
+            Include(p, placed.lower, placed.upper);
+    }
+    *body = placed;
+    return qc_statusOk;
+}
+
+static qcStatus FindUsed(qcBody* body)
 {
     uint8_t* used = qcAllocateZeroed(body->vertexCount);
     if (used == NULL && body->vertexCount != 0)
@@ -180,8 +220,10 @@ static qcStatus FindUnused(qcBody* body)
         count += !used[body->indices[i]];
         used[body->indices[i]] = 1;
     }
-    body->allUsed = count == body->vertexCount;
-    qcFree(used, body->vertexCount);
+    if (count != body->vertexCount)
+        body->used = used;
+    else
+        qcFree(used, body->vertexCount);
     return qc_statusOk;
 }
 
@@ -190,6 +232,7 @@ static void FreeBody(qcBody* body)
     qcFree(body->local, 3 * sizeof(double) * body->vertexCount);
     qcFree(body->world, 3 * sizeof(double) * body->vertexCount);
     qcFree(body->indices, 3 * sizeof(uint32_t) * body->triangleCount);
+    qcFree(body->used, body->vertexCount);
     qcFree(body->owned, sizeof(qcOwnedFeatures) * body->triangleCount);
     uint32_t generation = body->generation;
     *body = (qcBody){.generation = generation};
@@ -216,16 +259,15 @@ static qcStatus AllocateBody(qcBody* body)
 {
     size_t positionBytes = 3 * sizeof(double) * body->vertexCount,
            indexBytes = 3 * sizeof(uint32_t) * body->triangleCount;
-    body->world = qcAllocate(positionBytes);
+    double** positions = body->deforming ? &body->world : &body->local;
+    *positions = qcAllocate(positionBytes);
     body->indices = qcAllocate(indexBytes);
-    if (!body->deforming)
-        body->local = qcAllocate(positionBytes);
-    bool missing = (body->vertexCount != 0 && (body->world == NULL || (!body->deforming && body->local == NULL))) ||
-                   (body->triangleCount != 0 && body->indices == NULL);
+    bool missing =
+        (body->vertexCount != 0 && *positions == NULL) || (body->triangleCount != 0 && body->indices == NULL);
     if (!missing)
         return qc_statusOk;
     FreeBody(body);
-    return qcFailMemory(2 * positionBytes + indexBytes, "a body");
+    return qcFailMemory(positionBytes + indexBytes, "a body");
 }
 
 qcStatus qcBodies_Add(qcBodies* bodies, const qcBodyDef* def, qcBodyId* id)
@@ -248,20 +290,24 @@ qcStatus qcBodies_Add(qcBodies* bodies, const qcBodyDef* def, qcBodyId* id)
     QC_TRY(AllocateBody(&body));
     const double* read = bodies->scratch.data;
     size_t positionBytes = 3 * sizeof(double) * body.vertexCount;
-    if (body.vertexCount != 0 && !body.deforming)
-        memcpy(body.local, read, positionBytes);
-    qcTransform identity = qcIdentityTransform();
-    qcStatus status = Transform(slot, read, body.vertexCount, body.deforming ? &identity : &def->transform, body.world);
+    double* positions = body.deforming ? body.world : body.local;
+    if (body.vertexCount != 0)
+        memcpy(positions, read, positionBytes);
     if (body.triangleCount != 0)
         memcpy(body.indices, def->indices, 3 * sizeof(uint32_t) * body.triangleCount);
+    qcStatus status = FindUsed(&body);
     if (status == qc_statusOk)
-        status = FindUnused(&body);
+    {
+        FindBounds(&body, positions, body.localLower, body.localUpper);
+        EmptyBox(body.vertexLower, body.vertexUpper);
+        FindBoundsOfVertices(positions, body.vertexCount, body.vertexLower, body.vertexUpper);
+        status = Place(&body, slot, &body.transform);
+    }
     if (status != qc_statusOk)
     {
         FreeBody(&body);
         return status;
     }
-    FindBounds(&body);
 
     if (slot == bodies->slots.count)
     {
@@ -304,12 +350,7 @@ qcStatus qcBodies_SetTransform(qcBodies* bodies, uint32_t slot, const qcTransfor
 {
     qcBody* body = &QC_AT(qcBody, bodies->slots, slot);
     QC_TRY(CheckTransform(slot, transform));
-    QC_TRY(qcArray_Resize(&bodies->scratch, 3 * (size_t)body->vertexCount, sizeof(double), "new positions"));
-    QC_TRY(Transform(slot, body->local, body->vertexCount, transform, bodies->scratch.data));
-    if (body->vertexCount != 0)
-        memcpy(body->world, bodies->scratch.data, 3 * sizeof(double) * body->vertexCount);
-    body->transform = *transform;
-    FindBounds(body);
+    QC_TRY(Place(body, slot, transform));
     body->moved = ++bodies->revision;
     return qc_statusOk;
 }
@@ -321,7 +362,7 @@ qcStatus qcBodies_SetVertices(qcBodies* bodies, uint32_t slot, const void* posit
     QC_TRY(ReadPositions(bodies, slot, positions, type, stride, body->vertexCount));
     if (body->vertexCount != 0)
         memcpy(body->world, bodies->scratch.data, 3 * sizeof(double) * body->vertexCount);
-    FindBounds(body);
+    FindBounds(body, body->world, body->lower, body->upper);
     body->moved = ++bodies->revision;
     return qc_statusOk;
 }

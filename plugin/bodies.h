@@ -18,14 +18,17 @@ typedef struct qcBody
     qcActivity activity;
     uint32_t group, mask;
     uint32_t vertexCount, triangleCount;
-    double* local; ///< three a vertex; null for deforming bodies
-    double* world;
+    double* local; ///< three a vertex, of rigid bodies; null for deforming ones
+    double* world; ///< three a vertex, of deforming bodies; null for rigid ones: see qcBody_GetVertex
     uint32_t* indices;
-    qcOwnedFeatures* owned;    ///< one a triangle; null until contacts are asked for
-    bool allUsed;              ///< every vertex is a corner of some triangle
-    uint64_t moved;            ///< qcBodies::revision when positions last changed
-    qcTransform transform;     ///< of rigid bodies
-    double lower[3], upper[3]; ///< around all triangles; lower > upper when there are none
+    qcOwnedFeatures* owned;                ///< one a triangle; null until contacts are asked for
+    uint8_t* used;                         ///< by vertex: is it a corner of some triangle? Null: all are
+    uint64_t moved;                        ///< qcBodies::revision when positions last changed
+    qcTransform transform;                 ///< of rigid bodies
+    bool isIdentity;                       ///< the transform: positions are taken as they are
+    double lower[3], upper[3];             ///< around all triangles; lower > upper when there are none
+    double localLower[3], localUpper[3];   ///< the same of `local`
+    double vertexLower[3], vertexUpper[3]; ///< of `local`, around all vertices
 } qcBody;
 
 typedef struct qcBodies
@@ -60,12 +63,26 @@ static inline bool qcBody_MeetsItself(const qcBody* body)
     return body->selfCollision && body->activity == qc_activityMoving && body->triangleCount > 1;
 }
 
+/// In the world. A rigid body's is computed whenever it is asked for, in the same way: it moves without a look at its
+/// vertices.
+static inline void qcBody_GetVertex(const qcBody* body, uint32_t vertex, double position[3])
+{
+    const double* p = (body->world != NULL ? body->world : body->local) + 3 * (size_t)vertex;
+    for (int axis = 0; axis < 3; axis++)
+    {
+        const double* row = body->transform.linear + 3 * axis;
+        // Not by multiplication where nothing changes: 0 * x would lose the sign of a zero.
+        position[axis] = body->isIdentity
+                             ? p[axis]
+                             : row[0] * p[0] + row[1] * p[1] + row[2] * p[2] + body->transform.translation[axis];
+    }
+}
+
 static inline void qcBody_GetTriangle(const qcBody* body, uint32_t triangle, double corners[3][3])
 {
     const uint32_t* index = body->indices + 3 * (size_t)triangle;
     for (int c = 0; c < 3; c++)
-        for (int axis = 0; axis < 3; axis++)
-            corners[c][axis] = body->world[3 * (size_t)index[c] + axis];
+        qcBody_GetVertex(body, index[c], corners[c]);
 }
 
 static inline void qcBody_GetTriangleBox(const qcBody* body, uint32_t triangle, double lower[3], double upper[3])

@@ -115,6 +115,13 @@ qcStatus qcCandidates_Sweep(qcCandidates* candidates, const qcCandidateRules* ru
     size_t most = 0;
     for (uint32_t body = 0; body < t->bodyCount; body++)
         most += rules->elsewhere[body] ? 0 : qcTriangles_Body(t, body)->triangleCount;
+    if (most == 0)
+    {
+        // Bodies are swept this way when they are new: what that took is not needed again.
+        qcSweep_Free(&candidates->sweep);
+        qcArray_Free(&candidates->boxes);
+        return qcCandidates_End(candidates, profile);
+    }
     QC_TRY(qcArray_Resize(&candidates->boxes, most, sizeof(qcSweepBox), "boxes of triangles"));
     qcSweepFrame frame = {{0.0, 0.0, 0.0}, rules->margin};
     uint32_t count = 0;

@@ -32,7 +32,9 @@ static bool HasVertex(const uint32_t* index, uint32_t vertex)
 
 static qcVector VertexOf(const qcBody* body, uint32_t vertex)
 {
-    return qcVector_Load(body->world + 3 * (size_t)vertex);
+    double position[3];
+    qcBody_GetVertex(body, vertex, position);
+    return qcVector_Load(position);
 }
 
 /// A triangle with its corners at hand.

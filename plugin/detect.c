@@ -261,17 +261,19 @@ static qcStatus CollectPcs(Step* step)
         }
     size_t count = CountMarked(marks, t->count), at = 0;
     QC_TRY(qcArray_Resize(&d->pcs, count, sizeof(qcTriangleRef), "the PCS"));
-    for (uint32_t body = 0, r = 0; body < t->bodyCount; body++)
+    for (uint32_t body = 0; body < t->bodyCount; body++)
     {
-        uint32_t first = r, end = qcTriangles_First(t, body + 1), slot = qcTriangles_Slot(t, body);
-        for (; r < end; r++)
+        uint32_t first = qcTriangles_First(t, body), end = qcTriangles_First(t, body + 1);
+        for (uint32_t r = first; r < end; r++)
         {
             // Most are not marked: eight at a time.
-            uint64_t eight;
-            while (end - r >= 8 && (memcpy(&eight, marks + r, 8), eight == 0))
-                r += 8;
-            if (r < end && marks[r] != 0)
-                QC_AT(qcTriangleRef, d->pcs, at++) = (qcTriangleRef){slot, r - first};
+            uint64_t eight = 0;
+            if (end - r >= 8)
+                memcpy(&eight, marks + r, 8);
+            if (end - r >= 8 && eight == 0)
+                r += 7;
+            else if (marks[r] != 0)
+                QC_AT(qcTriangleRef, d->pcs, at++) = (qcTriangleRef){qcTriangles_Slot(t, body), r - first};
         }
     }
     return qc_statusOk;

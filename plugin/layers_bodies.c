@@ -115,7 +115,8 @@ static qcStatus AssignPlaces(const Prepare* p)
         if (!p->takesPart[body] || place->placed)
             continue;
         if (place->generation == 0)
-            QC_TRY(qcClusters_Build(&place->clusters, b->indices, b->triangleCount, b->world, b->vertexCount));
+            QC_TRY(qcClusters_Build(&place->clusters, b->indices, b->triangleCount, b->deforming ? b->world : b->local,
+                                    b->vertexCount));
         place->generation = b->generation;
         Assign(bodies, place, b);
     }
@@ -297,10 +298,9 @@ static bool FindTransform(const qcLayersPlace* place, const qcBody* body, const 
 
 typedef struct Conversion
 {
-    const double* world;
+    const qcBody* body;
     const qcLayersFrame* frame;
     Vertex* staged;
-    uint32_t count;
 } Conversion;
 
 static void Convert(void* context, size_t block, uint32_t worker)
@@ -309,18 +309,19 @@ static void Convert(void* context, size_t block, uint32_t worker)
     const Conversion* c = context;
     const qcLayersFrame* frame = c->frame;
     uint32_t first = (uint32_t)block * qc_vertexBlock;
-    uint32_t end = c->count - first < qc_vertexBlock ? c->count : first + qc_vertexBlock;
+    uint32_t count = c->body->vertexCount, end = count - first < qc_vertexBlock ? count : first + qc_vertexBlock;
     for (uint32_t v = first; v < end; v++)
     {
-        double x[3];
-        qcLayersFrame_Map(frame, c->world + 3 * (size_t)v, x);
+        double world[3], x[3];
+        qcBody_GetVertex(c->body, v, world);
+        qcLayersFrame_Map(frame, world, x);
         c->staged[v] = (Vertex){{(float)x[0], (float)x[1], (float)x[2]}, 0};
     }
 }
 
 static qcStatus UploadVertices(const Prepare* p, const qcLayersPlace* place, const qcBody* body)
 {
-    Conversion c = {body->world, p->frame, NULL, body->vertexCount};
+    Conversion c = {body, p->frame, NULL};
     c.staged = Stage(&p->bodies->vertices, body->vertexCount, sizeof(Vertex));
     qcParallel_For(p->threads, (body->vertexCount + (size_t)qc_vertexBlock - 1) / qc_vertexBlock, qc_leastBlocks,
                    Convert, &c);

@@ -56,9 +56,10 @@ typedef struct qcRawPoint
 static inline void qcManifoldPair_GetCorners(const qcManifoldPair* pair, int side, qcVector corner[3])
 {
     const qcBody* body = pair->body[side];
-    const uint32_t* index = body->indices + 3 * (size_t)pair->triangle[side];
+    double position[3][3];
+    qcBody_GetTriangle(body, pair->triangle[side], position);
     for (int c = 0; c < 3; c++)
-        corner[c] = qcVector_Load(body->world + 3 * (size_t)index[c]);
+        corner[c] = qcVector_Load(position[c]);
 }
 
 /// Of the triangle of one side.

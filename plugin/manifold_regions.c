@@ -108,9 +108,9 @@ static qcStatus TakePairs(qcManifolds* m, const qcTriangles* t, const qcPair* pa
 
 //  ---- vertices -------------------------------------------------------------------------------------------
 
-static const double* PositionOf(const qcTriangles* t, Vertex v)
+static void GetPosition(const qcTriangles* t, Vertex v, double position[3])
 {
-    return QC_AT(qcBody, t->bodies->slots, v.slot).world + 3 * (size_t)v.index;
+    qcBody_GetVertex(&QC_AT(qcBody, t->bodies->slots, v.slot), v.index, position);
 }
 
 static uint64_t Mix(uint64_t hash, uint64_t bits)
@@ -151,7 +151,8 @@ static qcStatus EmptyTable(qcManifolds* m, const qcTriangles* t, size_t pairCoun
 /// The number of a vertex of a body among those at different positions.
 static uint32_t Weld(qcManifolds* m, const qcTriangles* t, Vertex vertex)
 {
-    const double* p = PositionOf(t, vertex);
+    double p[3], q[3];
+    GetPosition(t, vertex, p);
     size_t mask = m->table.count - 1;
     for (size_t place = Hash(vertex.slot, p) & mask;; place = (place + 1) & mask)
     {
@@ -163,7 +164,7 @@ static uint32_t Weld(qcManifolds* m, const qcTriangles* t, Vertex vertex)
             return *entry - 1;
         }
         Vertex other = QC_AT(Vertex, m->vertices, *entry - 1);
-        const double* q = PositionOf(t, other);
+        GetPosition(t, other, q);
         if (other.slot == vertex.slot && p[0] == q[0] && p[1] == q[1] && p[2] == q[2])
             return *entry - 1;
     }

@@ -10,6 +10,7 @@
 #include "surface.h"
 
 #include "parallel.h"
+#include "placement.h"
 #include "status.h"
 
 #include <math.h>
@@ -79,7 +80,8 @@ static qcStatus LayLevels(qcSurface* surface)
 
 static qcStatus Build(qcSurface* surface, const qcBody* body)
 {
-    QC_TRY(qcClusters_Build(&surface->clusters, body->indices, body->triangleCount, body->world, body->vertexCount));
+    QC_TRY(qcClusters_Build(&surface->clusters, body->indices, body->triangleCount,
+                            body->deforming ? body->world : body->local, body->vertexCount));
     QC_TRY(NameVertices(surface, body));
     QC_TRY(LayLevels(surface));
     QC_TRY(qcArray_Resize(&surface->points, (size_t)surface->vertexCount + 1, sizeof(qcPoint), "points of a surface"));
@@ -103,16 +105,16 @@ qcStatus qcSurface_Build(qcSurface* surface, const qcBody* body)
 
 //  ---- positions -----------------------------------------------------------------------------------
 
-static bool FindMap(qcLatticeMap* map, const qcBody* body, double margin)
+static bool FindMap(qcLatticeMap* map, const double lower[3], const double upper[3], double margin)
 {
     double widest = 0.0, extent[3];
     *map = (qcLatticeMap){.origin = {0.0}};
     for (int axis = 0; axis < 3; axis++)
     {
-        map->origin[axis] = body->lower[axis];
+        map->origin[axis] = lower[axis];
         map->margin[axis] = margin;
         // As the kernels compute it.
-        extent[axis] = body->upper[axis] + margin - body->lower[axis];
+        extent[axis] = upper[axis] + margin - lower[axis];
         widest = fmax(widest, extent[axis]);
     }
     int exponent = 0;
@@ -198,12 +200,25 @@ qcStatus qcSurface_Fit(qcSurface* surface, const qcBody* body, double margin, co
                        uint32_t threads, qcSurfaceScratch* scratch, bool* fits)
 {
     *fits = true;
-    if (surface->fitted && surface->moved == body->moved && surface->margin == margin)
+    bool isLocal = !body->deforming && !qcBody_MeetsItself(body) && qcTransform_IsInvertible(&body->transform);
+    if (surface->fitted && surface->isLocal == isLocal &&
+        (isLocal || (surface->moved == body->moved && surface->margin == margin)))
         return qc_statusOk;
     surface->fitted = false;
-    *fits = FindMap(&surface->map, body, margin);
+    surface->isLocal = isLocal;
+    margin = isLocal ? 0.0 : margin;
+    *fits = FindMap(&surface->map, isLocal ? body->localLower : body->lower, isLocal ? body->localUpper : body->upper,
+                    margin);
     if (!*fits)
         return qc_statusOk;
+    const double* positions = isLocal ? body->local : body->world;
+    if (positions == NULL && body->vertexCount != 0)
+    {
+        QC_TRY(qcArray_Resize(&scratch->positions, 3 * (size_t)body->vertexCount, sizeof(double), "fitting a surface"));
+        for (uint32_t v = 0; v < body->vertexCount; v++)
+            qcBody_GetVertex(body, v, &QC_AT(double, scratch->positions, 3 * (size_t)v));
+        positions = scratch->positions.data;
+    }
     size_t rowCount = 2 * qc_groupSize;
     for (uint32_t level = 0; level < surface->levels; level++)
         rowCount += surface->groupCount[level] + qc_groupSize;
@@ -211,7 +226,7 @@ qcStatus qcSurface_Fit(qcSurface* surface, const qcBody* body, double margin, co
     QC_TRY(qcArray_Resize(&scratch->rows, rowCount, sizeof(qcBoxRow), "fitting a surface"));
     Fitting fitting = {.surface = surface,
                        .kernels = kernels,
-                       .range = {body->world, surface->vertexOf.data, 0, surface->vertexCount},
+                       .range = {positions, surface->vertexOf.data, 0, surface->vertexCount},
                        .vertices = scratch->vertices.data,
                        .rows = scratch->rows.data};
     for (int k = 0; k < 8; k++)
@@ -299,6 +314,7 @@ void qcSurface_Free(qcSurface* surface)
 
 void qcSurfaceScratch_Free(qcSurfaceScratch* scratch)
 {
+    qcArray_Free(&scratch->positions);
     qcArray_Free(&scratch->vertices);
     qcArray_Free(&scratch->rows);
 }

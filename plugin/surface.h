@@ -31,6 +31,7 @@ typedef struct qcSurface
     size_t groupCount[qc_mostLevels];
     qcBoxGroup whole; ///< one box, around all
     bool fitted;
+    bool isLocal;   ///< fitted to the local positions of a rigid body, without a margin: valid wherever it goes
     bool flatKnown; ///< of this fit
     uint64_t moved; ///< what was fitted, and with which margin
     double margin;
@@ -41,15 +42,17 @@ typedef struct qcSurface
 /// Memory that fitting takes, for all surfaces one after another.
 typedef struct qcSurfaceScratch
 {
-    qcArray vertices; ///< of qcBoxRow
-    qcArray rows;     ///< of qcBoxRow: of the groups of all levels
+    qcArray positions; ///< double, three a vertex: of a rigid body in the world
+    qcArray vertices;  ///< of qcBoxRow
+    qcArray rows;      ///< of qcBoxRow: of the groups of all levels
 } qcSurfaceScratch;
 
 /// For a body with triangles. O(triangles log triangles). On failure nothing is left.
 qcStatus qcSurface_Build(qcSurface* surface, const qcBody* body);
 
 /// Boxes and points of where the body is now; nothing is done where they are that already. Boxes are larger by the
-/// margin at their upper ends. `fits` is false where no lattice can hold the body (it is too large for doubles).
+/// margin at their upper ends. A rigid body that isn't tested with itself is fitted once, in local coordinates, unless
+/// its transform nearly flattens it. `fits` is false where no lattice can hold the body (it is too large for doubles).
 /// O(triangles).
 qcStatus qcSurface_Fit(qcSurface* surface, const qcBody* body, double margin, const qcSurfaceKernels* kernels,
                        uint32_t threads, qcSurfaceScratch* scratch, bool* fits);

@@ -26,7 +26,7 @@ typedef struct qcBoxGroup
     int16_t ends[3][2 * qc_groupSize];
 } qcBoxGroup;
 
-/// One box, or one vertex: lower ends, 0, complements of upper ends, 0.
+/// One box, or one vertex: three lower ends, one end that means nothing, three complements of upper ends, another.
 typedef struct qcBoxRow
 {
     int16_t ends[8];

@@ -25,7 +25,8 @@
 // triangle's image has the same orientation and the image of the loop is a simple curve, then f is injective:
 // - The images of the oriented triangles add up to a chain whose boundary is the image of the loop, since inner edges
 //   cancel. So a point off all edges lies in as many images as the loop winds around it: for a simple curve 0 or 1.
-// - Suppose f(p) = f(q) with p != q. On the loop f is injective; so p, say, is inside. There f is open: in a triangle and
+// - Suppose f(p) = f(q) with p != q. On the loop f is injective; so p, say, is inside. There f is open: in a triangle
+// and
 //   on an edge between two that is plain; around a vertex the images go round it once, as going round more often would
 //   cover points nearby more than once. So f of a neighbourhood of p holds a neighbourhood of f(q); any neighbourhood
 //   of q has a part of a triangle whose image is near f(q): points there are covered twice. A contradiction.
@@ -33,12 +34,13 @@
 // a vertex. The normals alone don't do: a spiral ramp faces one way everywhere, and its contour crosses itself.
 // (Volino, Magnenat-Thalmann: Efficient Self-Collision Detection on Smoothly Discretized Surface Animations, 1994.)
 //
-// Rounding there. Points are wrong by e, and |d| = (p, q, 1) with |p|, |q| <= 1 is exact: whatever it is will do. With
-// edges up to m in any coordinate: a triangle's normal is wrong by 8 e m + 8 m^2 2^-24, and times d, rounded, by
-// 24 e m + 38 m^2 2^-24. The loop is taken relative to one point, in coordinates up to 1: u and v are wrong by
+// Rounding there. Points are wrong by e, and d = (p, q, 1) with |p|, |q| <= 1 is exact: whatever it is will do. With
+// edges up to m in any coordinate, a triangle's normal is wrong by 8 e m + 8 m^2 2^-24 + 8 e^2, and times d, rounded,
+// by 24 e m + 38 m^2 2^-24 + 24 e^2. The kernel asks for 32 e m + 44 m^2 2^-24: no less where m >= 3 e, and below that
+// more than there can be, 6 m^2. The loop is taken relative to one point, in coordinates up to 1: u and v are wrong by
 // D = 2 e + 4 * 2^-24. With M twice the greatest of them, products of two differences of them, and what is made of two
-// such products, are wrong by 8 M D + 8 M^2 2^-24, which for M <= 4 is below the bound that IsSimple uses. Triangles
-// without area, and loops whose edges have no length with them, never pass.
+// such products, are wrong by 8 M D + 8 M^2 2^-24 + 8 D^2. For M <= 4 the bound of IsSimple is no less where M >= 6 D,
+// and below that more than there can be. Triangles without area never pass.
 #ifndef QC_PLUGIN_SURFACE_KERNELS_BODY_H
 #define QC_PLUGIN_SURFACE_KERNELS_BODY_H
 
@@ -557,7 +559,7 @@ static Arc MakeArc(const Loop* loop, size_t first, size_t end)
 static bool IsSimple(const qcFlatDisc* disc, const Loop* loop)
 {
     size_t count = disc->loopCount, arcCount = (count + qc_arcEdges - 1) / qc_arcEdges;
-    float least = (32.0f * disc->pointError + 128.0f * 0x1p-24f) * loop->size;
+    float least = (48.0f * disc->pointError + 160.0f * 0x1p-24f) * loop->size;
     float gap = 5.0f * disc->pointError + 10.0f * 0x1p-24f;
     Arc arcs[qc_mostLoop / qc_arcEdges];
     for (size_t a = 0; a < arcCount; a++)
@@ -603,7 +605,7 @@ static bool FacesOneWay(const qcFlatDisc* disc, const Loop* loop)
         Floats normal[3] = {cross.x, cross.y, cross.z}, size = MostFloats(Largest(e), Largest(f));
         Floats facing =
             (normal[loop->axes[0]] * loop->p + normal[loop->axes[1]] * loop->q + normal[loop->axes[2]]) * loop->sign;
-        Floats least = size * (26.0f * disc->pointError + 44.0f * 0x1p-24f * size);
+        Floats least = size * (32.0f * disc->pointError + 44.0f * 0x1p-24f * size);
         if (SignBits(~(facing > least)) != 0)
             return false;
     }

@@ -7,6 +7,7 @@
 #include "surface_pairs.h"
 
 #include "parallel.h"
+#include "placement.h"
 #include "status.h"
 
 #include <math.h>
@@ -208,30 +209,53 @@ static qcStatus FindItems(Search* s)
     return qc_statusOk;
 }
 
-/// From b's lattice and frame to a's: along each axis x -> (x / from + originB - originA) * to. Floats round each
-/// number and each operation by 2^-24 of what goes in, six times at most; 16 times are allowed for. The double numbers
-/// are beyond 2^-20 of that.
+static qcPlacement PlacementOf(const qcSurface* surface, const qcBody* body)
+{
+    qcPlacement p = {.transform = surface->isLocal ? body->transform : qcIdentityTransform()};
+    memcpy(p.lower, surface->isLocal ? body->localLower : body->lower, sizeof p.lower);
+    memcpy(p.upper, surface->isLocal ? body->localUpper : body->upper, sizeof p.upper);
+    return p;
+}
+
+/// From b's lattice and frame to a's: back to b's coordinates, from there to a's, and on. Floats round each number and
+/// each operation by 2^-24 of what goes in, eight times at most; 16 times are allowed for, and 2^-4 of a level for
+/// levels as the kernels compute them.
 static void FindMaps(Search* s)
 {
-    const qcLatticeMap *a = &s->job->a->map, *b = &s->job->b->map;
+    const qcSurface *a = s->job->a, *b = s->job->b;
+    qcPlacement placementA = PlacementOf(a, s->job->bodyA), placementB = PlacementOf(b, s->job->bodyB);
+    qcRelativePlacement r = qcRelativePlacement_Find(&placementA, &placementB);
+    // Boxes in the world have the margin. Local ones don't: then b's get it, on both sides.
+    double margin = a->isLocal || b->isLocal ? s->job->margin : 0.0;
     const double half = 32768.0;
-    for (int axis = 0; axis < 3; axis++)
+    for (int i = 0; i < 3; i++)
     {
-        double shift = b->origin[axis] - a->origin[axis];
-        // Levels. Numbers with which products may leave the range of floats make boxes that meet everything.
-        double scale = a->scale[axis] / b->scale[axis], offset = shift * a->scale[axis];
-        s->map.linear[axis][axis] = (float)scale;
-        s->map.shift[axis] = (float)(offset + half * scale);
-        double grow = 0x1p-20 * (fabs(offset) + 2.0 * half * scale) + 0x1p-4;
-        s->map.grow[axis] = grow < 0x1p80 ? (float)grow : INFINITY;
-        // Points.
-        double ratio = a->unit[axis] / b->unit[axis], at = shift * a->unit[axis];
-        s->bound.linear[axis][axis] = (float)ratio;
-        s->bound.shift[axis] = (float)at;
-        double error = (12.0 * ratio + 6.0 * fabs(at)) * 0x1p-24;
+        double origin = r.shift[i] - a->map.origin[i], level = 0.0, sizes = 0.0, rho = 0.0;
+        for (int k = 0; k < 3; k++)
+            origin += r.linear[i][k] * b->map.origin[k];
+        for (int k = 0; k < 3; k++)
+        {
+            double scale = a->map.scale[i] * r.linear[i][k] / b->map.scale[k];
+            double ratio = a->map.unit[i] * r.linear[i][k] / b->map.unit[k];
+            s->map.linear[i][k] = (float)scale;
+            s->bound.linear[i][k] = (float)ratio;
+            level += half * scale;
+            sizes += 2.0 * half * fabs(scale);
+            rho += fabs(ratio);
+        }
+        // Numbers too large for floats make boxes that meet everything.
+        double offset = origin * a->map.scale[i], at = origin * a->map.unit[i];
+        s->map.shift[i] = (float)(offset + level);
+        double grow = 0x1p-20 * (fabs(offset) + sizes) + 0x1p-4 +
+                      a->map.scale[i] * (r.error[i] + margin * r.reach[i] * (1.0 + 1e-9));
+        // Where products may leave the range of floats too.
+        s->map.grow[i] = grow < 0x1p80 ? nextafterf((float)grow, INFINITY) : INFINITY;
+        s->bound.shift[i] = (float)at;
+        double error = (12.0 * rho + 6.0 * fabs(at)) * 0x1p-24 + r.error[i] * a->map.unit[i];
         s->bound.pointError = fmaxf(s->bound.pointError, nextafterf((float)error, INFINITY));
         s->filters = s->filters && error < 1e6;
     }
+    s->bound.reach = nextafterf((float)(s->job->margin * r.stretch * a->map.unit[0]), INFINITY);
     s->bound.mapped = true;
 }
 
@@ -242,8 +266,9 @@ qcStatus qcSurfacePairs_Find(qcSurfacePairs* pairs, const qcSurfacePairsJob* job
     for (int i = 0; i < 2; i++)
         search.sides[i] = (qcFilterSide){sides[i]->corners.data, sides[i]->points.data};
     search.bound.pointError = job->a->pointError;
-    search.bound.reach = nextafterf((float)(job->margin * job->a->map.unit[0]), INFINITY);
-    if (!search.same)
+    if (search.same)
+        search.bound.reach = nextafterf((float)(job->margin * job->a->map.unit[0]), INFINITY);
+    else
         FindMaps(&search);
     QC_TRY(qcArray_Resize(&pairs->queues, (size_t)job->threads * qc_queueRoom, sizeof(qcPlacePair), "pairs of places"));
     QC_TRY(FindItems(&search));

@@ -17,9 +17,10 @@ typedef struct qcSurfacePairsJob
 {
     const qcSurfaceKernels* kernels;
     const qcSurface *a, *b; ///< the same: pairs within it, each once
-    double margin;          ///< as both were fitted
-    bool neighbours;        ///< of one surface: pairs that share a vertex index are found too
-    bool flatDiscs;         ///< of one surface at margin 0: what qcSurface_FindFlat found is made use of
+    const qcBody *bodyA, *bodyB;
+    double margin;   ///< with which both were fitted
+    bool neighbours; ///< of one surface: pairs that share a vertex index are found too
+    bool flatDiscs;  ///< of one surface at margin 0: what qcSurface_FindFlat found is made use of
     uint32_t threads;
     uint8_t *reachedA, *reachedB; ///< by node: set where it was compared with a node of the other. May be null
     qcSurfacePairsFunction* function;

@@ -145,9 +145,19 @@ static qcStatus FindPairs(Run* run, uint32_t a, uint32_t b)
 {
     qcSweepSurfaces* sweep = run->sweep;
     const qcSweepSurfacesJob* job = run->job;
+    // What is in the world comes first: the other goes to its coordinates, and nothing has to be inverted.
+    if (SurfaceAt(sweep, qcTriangles_Slot(job->triangles, a))->isLocal &&
+        !SurfaceAt(sweep, qcTriangles_Slot(job->triangles, b))->isLocal)
+    {
+        uint32_t first = b;
+        b = a;
+        a = first;
+    }
     qcSurfacePairsJob pairs = {.kernels = sweep->kernels,
                                .a = SurfaceAt(sweep, qcTriangles_Slot(job->triangles, a)),
                                .b = SurfaceAt(sweep, qcTriangles_Slot(job->triangles, b)),
+                               .bodyA = qcTriangles_Body(job->triangles, a),
+                               .bodyB = qcTriangles_Body(job->triangles, b),
                                .margin = job->margin,
                                .neighbours = job->testNeighbours,
                                .flatDiscs = run->flatDiscs && a == b,

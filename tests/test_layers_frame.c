@@ -320,14 +320,14 @@ static uint32_t CheckTransforms(qcRandom* random, uint32_t bodyCount)
             continue;
         transformed++;
         const qcLayersBody* entry = &QC_AT(qcLayersBody, onDevice.sentBodies, slot);
-        const double* world = QC_AT(qcBody, bodies.slots, slot).world;
         for (size_t i = 0; i < 9 * upload->count; i++)
         {
             size_t v = i / 9;
             int c = (int)(i / 3 % 3), direction = (int)(i % 3) - 1;
             float x = TransformCoordinate(entry->transform[c], locals[v], direction);
-            ck_assert(
-                IsWithin(x, world[3 * v + (size_t)frame.axes[c]], frame.origin[c], frame.exponent, frame.pointError));
+            double world[3];
+            qcBody_GetVertex(&QC_AT(qcBody, bodies.slots, slot), (uint32_t)v, world);
+            ck_assert(IsWithin(x, world[frame.axes[c]], frame.origin[c], frame.exponent, frame.pointError));
         }
     }
     qcLayersBodies_Free(&onDevice);
