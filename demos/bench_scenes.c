@@ -1,9 +1,10 @@
 // The scenes of the benchmarks, by name: shapes made by rule, bunnies piled up, a model as it is.
 #include "bench_scenes.h"
 
+#include "bench_files.h"
 #include "bench_shapes.h"
+#include "mesh_box.h"
 
-#include <errno.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -66,47 +67,6 @@ bool qcBenchScene_Mark(const char* name, bool marks[qc_benchSceneCount])
 
 //  ---- models --------------------------------------------------------------------------------------
 
-static bool IsThere(const char* path)
-{
-    FILE* stream = fopen(path, "rb");
-    if (stream != NULL)
-        fclose(stream);
-    return stream != NULL || errno != ENOENT;
-}
-
-static void GetVertex(const qcMesh* mesh, size_t vertex, double p[3])
-{
-    for (size_t i = 0; i < 3; ++i)
-        p[i] = mesh->isDouble ? ((const double*)mesh->positions)[3 * vertex + i]
-                              : ((const float*)mesh->positions)[3 * vertex + i];
-}
-
-static double FindBox(const qcMesh* meshes, uint32_t count, double lower[3], double upper[3])
-{
-    for (int i = 0; i < 3; ++i)
-    {
-        lower[i] = HUGE_VAL;
-        upper[i] = -HUGE_VAL;
-    }
-    for (uint32_t mesh = 0; mesh < count; ++mesh)
-    {
-        for (size_t vertex = 0; vertex < meshes[mesh].vertexCount; ++vertex)
-        {
-            double p[3];
-            GetVertex(&meshes[mesh], vertex, p);
-            for (int i = 0; i < 3; ++i)
-            {
-                lower[i] = p[i] < lower[i] ? p[i] : lower[i];
-                upper[i] = p[i] > upper[i] ? p[i] : upper[i];
-            }
-        }
-    }
-    double extent = 0.0;
-    for (int i = 0; i < 3; ++i)
-        extent = upper[i] - lower[i] > extent ? upper[i] - lower[i] : extent;
-    return extent;
-}
-
 /// Where a bunny of extent 1 lies: turned about the vertical axis, then about x, then moved.
 typedef struct Place
 {
@@ -131,7 +91,7 @@ static bool PutBunny(const qcMesh* model, const Place* place, const double lower
     for (size_t vertex = 0; vertex < model->vertexCount; ++vertex, out += 3)
     {
         double p[3];
-        GetVertex(model, vertex, p);
+        qcMesh_GetVertex(model, vertex, p);
         for (int i = 0; i < 3; ++i)
             p[i] = (p[i] - lower[i]) / extent - 0.5;
         double x = c * p[0] + s * p[2], z = c * p[2] - s * p[0];
@@ -144,7 +104,7 @@ static bool PutBunny(const qcMesh* model, const Place* place, const double lower
 
 static qcBenchMade MakePile(const char* path, qcBenchScene* scene, qcMessage* message)
 {
-    if (!IsThere(path))
+    if (!qcBenchFiles_IsThere(path))
     {
         qcMessage_Fail(message, "%s is not there; the package glmark2-data has it", path);
         return qc_benchSkipped;
@@ -152,7 +112,7 @@ static qcBenchMade MakePile(const char* path, qcBenchScene* scene, qcMessage* me
     qcMesh model;
     if (!qcMesh_ReadFile(path, qc_meshAsDeclared, &model, message))
         return qc_benchFailed;
-    double lower[3], upper[3], extent = FindBox(&model, 1, lower, upper);
+    double lower[3], upper[3], extent = qcMesh_FindBox(&model, 1, lower, upper);
     bool made = extent > 0.0 || qcMessage_Fail(message, "%s: all its vertices are one point", path);
     for (uint32_t i = 0; made && i < scene->bodyCount; ++i)
     {
@@ -214,7 +174,7 @@ qcBenchMade qcBenchScene_Make(int index, const qcBenchModels* models, qcBenchSce
         return made;
     }
     double lower[3], upper[3];
-    scene->extent = FindBox(scene->bodies, scene->bodyCount, lower, upper);
+    scene->extent = qcMesh_FindBox(scene->bodies, scene->bodyCount, lower, upper);
     for (uint32_t i = 0; i < scene->bodyCount; ++i)
         scene->triangleCount += scene->bodies[i].triangleCount;
     return made;

@@ -1,4 +1,5 @@
 // Values of command-line options, read strictly.
+#define _POSIX_C_SOURCE 200809L
 #include "option_values.h"
 
 #include <errno.h>
@@ -43,6 +44,15 @@ double qcOption_ReadLength(const struct argp_state* state, const char* option, c
     if (strspn(text, "0123456789.eE+-") != strlen(text) || end == text || *end != 0 || !(value >= 0.0) || isinf(value))
         argp_error(state, "%s: '%s' is not a number of 0 or more", option, text);
     return value;
+}
+
+void qcOption_ReadList(const struct argp_state* state, const char* option, char* text, qcTakeWord* take)
+{
+    if (*text == 0 || *text == ',' || text[strlen(text) - 1] == ',' || strstr(text, ",,") != NULL)
+        argp_error(state, "%s: '%s' is not a list such as a,b,c", option, text);
+    char* rest = NULL;
+    for (char* word = strtok_r(text, ",", &rest); word != NULL; word = strtok_r(NULL, ",", &rest))
+        take(state, word, state->input);
 }
 
 void qcOption_ReadViews(const struct argp_state* state, const char* option, const char* text, char views[4])

@@ -26,6 +26,10 @@ uint32_t qcOption_ReadNumber(const struct argp_state* state, const char* option,
                              uint32_t highest);
 /// A finite number of 0 or more, in decimal.
 double qcOption_ReadLength(const struct argp_state* state, const char* option, const char* text);
+/// Receives a word of a list; the context is the parser's input.
+typedef void qcTakeWord(const struct argp_state* state, const char* word, void* context);
+/// Gives each word of "a,b,c" to a function; the text is taken apart.
+void qcOption_ReadList(const struct argp_state* state, const char* option, char* text, qcTakeWord* take);
 /// 1 to 3 different letters of x, y, z.
 void qcOption_ReadViews(const struct argp_state* state, const char* option, const char* text, char views[4]);
 

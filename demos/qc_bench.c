@@ -12,7 +12,13 @@ typedef struct Benchmark
     qcBenchExit (*run)(int argumentCount, char** arguments);
 } Benchmark;
 
-static const Benchmark s_benchmarks[] = {{"accuracy", "qc-bench accuracy", qcBench_RunAccuracy}};
+static const Benchmark s_benchmarks[] = {{"accuracy", "qc-bench accuracy", qcBench_RunAccuracy},
+                                         {"peers", "qc-bench peers", qcBench_RunPeers},
+                                         {"scaling", "qc-bench scaling", qcBench_RunScaling},
+#ifdef QC_HAS_BULLET
+                                         {"broadphase", "qc-bench broadphase", qcBench_RunBroadphase},
+#endif
+};
 
 enum
 {
@@ -55,11 +61,16 @@ static error_t ReadOption(int key, char* text, struct argp_state* state)
 }
 
 static const char s_help[] =
-    "Measures the methods of the library against each other.\n\n"
-    "  accuracy   run time against error: each method, resolution, views and order over scenes with known answers"
+    "Measures the methods of the library against each other, against other libraries, and against size.\n\n"
+    "  accuracy   run time against error: each method, resolution, views and order over scenes with known answers\n"
+    "  peers      run time beside Embree, Bullet and CGAL, on the same meshes in the same run\n"
+    "  scaling    run time and memory of 1 K to 4 M triangles and of 100 to 200 K boxes\n"
+    "  broadphase moving boxes inside Bullet, beside its own broadphases"
     "\v\"qc-bench BENCHMARK --help\" lists the options of one.\n\n"
     "Exit status: 0 done; 1 output could not be written, out of memory, or a method that never misses missed; 2 a "
-    "mistake on the command line; 3 a model can't be read; 4 the device does not work here.";
+    "mistake on the command line; 3 a model can't be read; 4 the device does not work here; 5 no peer library was "
+    "there "
+    "when this was built.";
 
 int main(int argumentCount, char** arguments)
 {

@@ -1,15 +1,11 @@
 // Run time against error: every setting on every scene, held against the exact pairs.
-#define _POSIX_C_SOURCE 200809L
 #include "qc_bench_accuracy.h"
 
-#include "output_file.h"
+#include "bench_files.h"
 #include "progress.h"
 
-#include <errno.h>
 #include <inttypes.h>
 #include <stdlib.h>
-#include <string.h>
-#include <sys/stat.h>
 
 typedef struct Run
 {
@@ -20,35 +16,11 @@ typedef struct Run
     uint32_t tableCount;
 } Run;
 
-/// With all folders above it.
-static bool MakeFolder(const char* path, qcMessage* message)
-{
-    char* part = strdup(path);
-    if (part == NULL)
-        return qcMessage_Fail(message, "out of memory");
-    bool made = true;
-    for (char* end = part + 1; made; ++end)
-    {
-        if (*end != '/' && *end != 0)
-            continue;
-        char rest = *end;
-        *end = 0;
-        made = mkdir(part, 0777) == 0 || errno == EEXIST || qcMessage_Fail(message, "%s: %s", part, strerror(errno));
-        *end = rest;
-        if (rest == 0)
-            break;
-    }
-    free(part);
-    return made;
-}
-
 static qcBenchExit Prepare(Run* run, qcMessage* message)
 {
     const qcAccuracyOptions* options = &run->options;
-    char path[4096];
-    snprintf(path, sizeof path, "%s/accuracy.csv", options->out);
     // Better now than after minutes of work.
-    if (!MakeFolder(options->out, message) || !qcOutput_Check(path, message))
+    if (!qcBenchFiles_Check(options->out, "accuracy.csv", message))
         return qc_benchBroken;
     qcDeviceDef def = qcDefaultDeviceDef();
     def.kind = options->device;

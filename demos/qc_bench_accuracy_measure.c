@@ -2,16 +2,15 @@
 //
 // A timed run is what a step of a deforming scene costs: new vertices for each body, then the detection. Before it the
 // scene was in another pose, so that no result is left to be used again.
-#define _POSIX_C_SOURCE 200809L
 #include "qc_bench_accuracy.h"
 
 #include "bench_shapes.h"
+#include "bench_time.h"
 #include "progress.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
 
 enum
 {
@@ -32,13 +31,6 @@ typedef struct Bench
     qcPair* exact;
     qcAccuracyTable* table;
 } Bench;
-
-static double NowMs(void)
-{
-    struct timespec now;
-    clock_gettime(CLOCK_MONOTONIC, &now);
-    return 1e3 * (double)now.tv_sec + 1e-6 * (double)now.tv_nsec;
-}
 
 //  ---- the scene -----------------------------------------------------------------------------------
 
@@ -153,11 +145,11 @@ static qcDetectDef MakeDef(const Bench* bench, const qcAccuracySetting* setting)
 /// New vertices in, pairs out.
 static qcStatus Step(Bench* bench, const qcDetectDef* def, bool pose, double* ms)
 {
-    double start = NowMs();
+    double start = qcBenchTime_NowMs();
     qcStatus status = SetVertices(bench, pose);
     if (status == qc_statusOk)
         status = qcScene_Detect(bench->scene, def, &bench->result);
-    *ms = NowMs() - start;
+    *ms = qcBenchTime_NowMs() - start;
     return status;
 }
 
@@ -208,12 +200,6 @@ static void TakeAnswer(const Bench* bench, qcAccuracyRow* row)
                  profile->fallback);
 }
 
-static int CompareTimes(const void* a, const void* b)
-{
-    double x = *(const double*)a, y = *(const double*)b;
-    return (x > y) - (x < y);
-}
-
 /// A first run slower than this is not repeated: noise is small beside it.
 static double SlowMs(const qcAccuracySetting* setting)
 {
@@ -241,9 +227,8 @@ static qcStatus Time(Bench* bench, const qcDetectDef* def, double firstMs, qcAcc
             spent += times[row->runs] + other;
         }
     }
-    qsort(times, row->runs, sizeof times[0], CompareTimes);
+    row->ms = qcBenchTime_Median(times, row->runs);
     row->leastMs = times[0];
-    row->ms = 0.5 * (times[(row->runs - 1) / 2] + times[row->runs / 2]);
     return qc_statusOk;
 }
 

@@ -1,10 +1,8 @@
 // The command line of `qc-bench accuracy`. A word that is not known is refused with the words that are.
-#define _POSIX_C_SOURCE 200809L
 #include "qc_bench_accuracy.h"
 
 #include "option_values.h"
 
-#include <stdlib.h>
 #include <string.h>
 
 typedef enum OptionKey
@@ -31,20 +29,9 @@ static const uint32_t s_resolutions[] = {256, 512, 1024, 2048, 4096};
 static const uint32_t s_layerResolutions[] = {4, 16, 64, 256};
 static const char s_views[][4] = {"z", "xz", "xyz"};
 
-typedef void TakeWord(const struct argp_state* state, const char* word, qcAccuracyOptions* options);
-
-/// Gives each word of "a,b,c" to a function.
-static void ReadList(const struct argp_state* state, const char* option, char* text, TakeWord* take)
+static void TakeScene(const struct argp_state* state, const char* word, void* context)
 {
-    if (*text == 0 || *text == ',' || text[strlen(text) - 1] == ',' || strstr(text, ",,") != NULL)
-        argp_error(state, "%s: '%s' is not a list such as a,b,c", option, text);
-    char* rest = NULL;
-    for (char* word = strtok_r(text, ",", &rest); word != NULL; word = strtok_r(NULL, ",", &rest))
-        take(state, word, state->input);
-}
-
-static void TakeScene(const struct argp_state* state, const char* word, qcAccuracyOptions* options)
-{
+    qcAccuracyOptions* options = context;
     char known[512] = "all";
     if (strcmp(word, "all") == 0)
     {
@@ -61,24 +48,27 @@ static void TakeScene(const struct argp_state* state, const char* word, qcAccura
     argp_error(state, "--scenes: '%s' is not one of %s", word, known);
 }
 
-static void TakeMethod(const struct argp_state* state, const char* word, qcAccuracyOptions* options)
+static void TakeMethod(const struct argp_state* state, const char* word, void* context)
 {
+    qcAccuracyOptions* options = context;
     qcWord words[qc_methodCount + 1] = {{NULL, 0}};
     for (int i = 0; i < qc_methodCount; ++i)
         words[i] = (qcWord){qcMethod_Name((qcMethod)i), i};
     options->methods[qcOption_ReadWord(state, "--methods", word, words)] = true;
 }
 
-static void TakeResolution(const struct argp_state* state, const char* word, qcAccuracyOptions* options)
+static void TakeResolution(const struct argp_state* state, const char* word, void* context)
 {
+    qcAccuracyOptions* options = context;
     uint32_t resolution = qcOption_ReadNumber(state, "--resolutions", word, 1, 4096);
     if (options->resolutionCount == qc_maxResolutions)
         argp_error(state, "--resolutions: more than %d of them", qc_maxResolutions);
     options->resolutions[options->resolutionCount++] = resolution;
 }
 
-static void TakeViews(const struct argp_state* state, const char* word, qcAccuracyOptions* options)
+static void TakeViews(const struct argp_state* state, const char* word, void* context)
 {
+    qcAccuracyOptions* options = context;
     char views[4];
     qcOption_ReadViews(state, "--views", word, views);
     if (options->viewCount == qc_maxViews)
@@ -133,10 +123,10 @@ static error_t ReadOption(int key, char* text, struct argp_state* state)
     qcAccuracyOptions* options = state->input;
     switch (key)
     {
-        case key_scenes: ReadList(state, "--scenes", text, TakeScene); return 0;
-        case key_methods: ReadList(state, "--methods", text, TakeMethod); return 0;
-        case key_resolutions: ReadList(state, "--resolutions", text, TakeResolution); return 0;
-        case key_views: ReadList(state, "--views", text, TakeViews); return 0;
+        case key_scenes: qcOption_ReadList(state, "--scenes", text, TakeScene); return 0;
+        case key_methods: qcOption_ReadList(state, "--methods", text, TakeMethod); return 0;
+        case key_resolutions: qcOption_ReadList(state, "--resolutions", text, TakeResolution); return 0;
+        case key_views: qcOption_ReadList(state, "--views", text, TakeViews); return 0;
         case key_runs: options->runs = qcOption_ReadNumber(state, "--runs", text, 1, qc_maxRuns); return 0;
         case key_rounds: options->rounds = qcOption_ReadNumber(state, "--rounds", text, 0, UINT32_MAX); return 0;
         case key_full: options->full = true; return 0;

@@ -1,19 +1,10 @@
 // Draws the CSV: gnuplot does it, from a script that stays beside the CSV, so that its reader can change the picture.
-#define _POSIX_C_SOURCE 200809L
 #include "qc_bench_accuracy.h"
 
+#include "bench_files.h"
 #include "output_file.h"
 
-#include <errno.h>
 #include <inttypes.h>
-#include <string.h>
-#include <sys/wait.h>
-#include <unistd.h>
-
-enum
-{
-    qc_notFound = 127 // as a shell says it
-};
 
 static bool AnyRan(const qcAccuracyTable* tables, uint32_t tableCount)
 {
@@ -236,31 +227,6 @@ static bool WriteScript(const qcAccuracyOptions* options, const qcAccuracyTable*
     return qcOutput_Commit(&output, message);
 }
 
-//  ---- gnuplot -------------------------------------------------------------------------------------
-
-/// Runs gnuplot in the folder; its exit status, qc_notFound where there is none, or -1.
-static int RunGnuplot(const char* folder)
-{
-    // Or the child would write once more what is waiting.
-    fflush(stdout);
-    pid_t child = fork();
-    if (child < 0)
-        return -1;
-    if (child == 0)
-    {
-        if (chdir(folder) == 0)
-            execlp("gnuplot", "gnuplot", "accuracy.gp", (char*)NULL);
-        _exit(errno == ENOENT ? qc_notFound : 126);
-    }
-    int status;
-    while (waitpid(child, &status, 0) < 0)
-    {
-        if (errno != EINTR)
-            return -1;
-    }
-    return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
-}
-
 bool qcAccuracy_Plot(const qcAccuracyOptions* options, const qcAccuracyTable* tables, uint32_t tableCount,
                      qcMessage* message)
 {
@@ -271,12 +237,5 @@ bool qcAccuracy_Plot(const qcAccuracyOptions* options, const qcAccuracyTable* ta
     }
     if (!WriteScript(options, tables, tableCount, message))
         return false;
-    int status = RunGnuplot(options->out);
-    if (status == qc_notFound)
-    {
-        fprintf(stderr, "gnuplot is not installed: no pictures; \"gnuplot accuracy.gp\" in %s draws them\n",
-                options->out);
-        return true;
-    }
-    return status == 0 || qcMessage_Fail(message, "gnuplot could not draw %s/accuracy.gp", options->out);
+    return qcBenchFiles_Draw(options->out, "accuracy.gp", message);
 }

@@ -1,6 +1,7 @@
 // What was measured, as CSV with a row a setting, and in short for a reader.
 #include "qc_bench_accuracy.h"
 
+#include "bench_files.h"
 #include "output_file.h"
 
 #include <inttypes.h>
@@ -12,18 +13,6 @@ double qcAccuracy_MissedShare(const qcAccuracyTable* table, const qcAccuracyRow*
 }
 
 //  ---- CSV -----------------------------------------------------------------------------------------
-
-static void WriteQuoted(FILE* stream, const char* text)
-{
-    fputc('"', stream);
-    for (; *text != 0; ++text)
-    {
-        if (*text == '"')
-            fputc('"', stream);
-        fputc(*text == '\n' ? ' ' : *text, stream);
-    }
-    fputc('"', stream);
-}
 
 static void WriteRow(FILE* stream, const qcAccuracyOptions* options, const qcAccuracyTable* table,
                      const qcAccuracyRow* row)
@@ -48,7 +37,7 @@ static void WriteRow(FILE* stream, const qcAccuracyOptions* options, const qcAcc
         fputs(",,,,,,,,,,,", stream);
     char note[sizeof row->skipped + 16];
     snprintf(note, sizeof note, "%s%s", ran ? "" : "skipped: ", ran ? row->note : row->skipped);
-    WriteQuoted(stream, note);
+    qcBenchFiles_WriteQuoted(stream, note);
     fputc('\n', stream);
 }
 

@@ -11,7 +11,8 @@ Demos:
   cloth   A cloth falls over a table, folds and meets itself (the default). Pictures, and a film where
           ffmpeg is installed, go to out/cloth/.
   pairs   Finds the triangles of meshes that intersect: demos/run.sh pairs MESH...
-  bench   Compares the methods: demos/run.sh bench [accuracy]. Tables and pictures go to out/bench/.
+  bench   Measures: demos/run.sh bench [accuracy] compares the methods, "bench peers" other libraries
+          (which it installs), "bench scaling" sizes. Tables and pictures go to out/bench/.
 
 Arguments are the demo's own; "demos/run.sh DEMO --help" explains them.
 END
@@ -48,8 +49,10 @@ run_benchmark()
     shift
     # tests/dragon.sh leaves it there.
     dragon=$root/build/models/dragon_vrip.ply
-    if [ "$name" = accuracy ] && [ -f "$dragon" ]; then
-        set -- --dragon "$dragon" "$@"
+    if [ -f "$dragon" ]; then
+        case $name in
+            accuracy | peers) set -- --dragon "$dragon" "$@" ;;
+        esac
     fi
     "$bench" "$name" --out "$root/out/bench" "$@"
 }
@@ -77,7 +80,13 @@ root=$(CDPATH='' cd -- "$(dirname -- "$0")/.." && pwd)
 
 case $demo in
     cloth) qc_install build demos ;;
-    bench) qc_install build bench ;;
+    bench)
+        if [ "${1-}" = peers ]; then
+            qc_install build bench peers
+        else
+            qc_install build bench
+        fi
+        ;;
     *) qc_install build ;;
 esac
 # The tests need more packages: they are built where tests/run.sh has been.

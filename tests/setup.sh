@@ -10,6 +10,8 @@ qc_packages()
             tests) echo check libgmp-dev glmark2-data ;;
             demos) echo ffmpeg ;;
             bench) echo gnuplot-nox glmark2-data ;;
+            # Built into modules for "qc-bench peers", and nothing else.
+            peers) echo libembree-dev libcgal-dev libtbb-dev ;;
             # Software GL, opened at run time: a system that no longer has one of them does without.
             optional) echo libosmesa6 libegl1 libgl1-mesa-dri ;;
         esac

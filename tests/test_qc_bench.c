@@ -1,6 +1,7 @@
 // The benchmark as its users meet it: what a row of its CSV says, what it skips, draws and refuses. The oracle is every
 // pair of triangles through the exact test.
 #include "bench_scenes.h"
+#include "csv_rows.h"
 #include "run_program.h"
 #include "scenes.h"
 #include "suite.h"
@@ -13,93 +14,15 @@
 
 #define BENCH QC_BENCH_PROGRAM
 
-static char s_text[1 << 18];
-
 //  ---- the CSV -------------------------------------------------------------------------------------
 
 static const char s_header[] =
     "scene,bodies,triangles,margin,touching,reference,exact,method,ran,resolution,views,rounds,order,second_pass,"
     "reliable,device,threads,image,queries,runs,ms,ms_least,pcs,candidates,found,missed,extra,missed_share,note";
 
-enum
-{
-    qc_maxFields = 32,
-    qc_fieldCount = 29
-};
-
-typedef struct Row
-{
-    char line[1024];
-    const char* fields[qc_maxFields];
-} Row;
-
-/// Takes a line apart; the last field is quoted.
-static void Split(const char* text, Row* row)
-{
-    size_t length = strcspn(text, "\n"), count = 0;
-    ck_assert_uint_lt(length, sizeof row->line);
-    memcpy(row->line, text, length);
-    row->line[length] = 0;
-    bool quoted = false;
-    row->fields[count++] = row->line;
-    for (char* c = row->line; *c != 0; ++c)
-    {
-        quoted ^= *c == '"';
-        if (*c != ',' || quoted)
-            continue;
-        ck_assert_uint_lt(count, qc_maxFields);
-        *c = 0;
-        row->fields[count++] = c + 1;
-    }
-    ck_assert_uint_eq(count, qc_fieldCount);
-}
-
-static const char* Get(const Row* row, const char* column)
-{
-    Row header;
-    Split(s_header, &header);
-    for (int i = 0; i < qc_fieldCount; ++i)
-    {
-        if (strcmp(header.fields[i], column) == 0)
-            return row->fields[i];
-    }
-    ck_abort_msg("no column %s", column);
-    return NULL;
-}
-
-static double GetNumber(const Row* row, const char* column)
-{
-    char* end;
-    const char* text = Get(row, column);
-    double value = strtod(text, &end);
-    ck_assert_msg(end != text && *end == 0, "%s is '%s'", column, text);
-    return value;
-}
-
-static bool Is(const Row* row, const char* column, const char* value)
-{
-    return strcmp(Get(row, column), value) == 0;
-}
-
 static bool IsSkipped(const Row* row)
 {
     return strncmp(Get(row, "note"), "\"skipped: ", 10) == 0;
-}
-
-/// Calls a function for each row of the file; returns how many there are.
-static int ForEachRow(const char* path, void (*take)(const Row* row, void* context), void* context)
-{
-    ck_assert(ReadText(path, s_text, sizeof s_text));
-    ck_assert_uint_eq(strcspn(s_text, "\n"), sizeof s_header - 1);
-    ck_assert_int_eq(strncmp(s_text, s_header, sizeof s_header - 1), 0);
-    int count = 0;
-    for (const char* line = strchr(s_text, '\n') + 1; *line != 0; line = strchr(line, '\n') + 1, ++count)
-    {
-        Row row;
-        Split(line, &row);
-        take(&row, context);
-    }
-    return count;
 }
 
 static void GetTriangle(const qcMesh* mesh, uint32_t triangle, double corners[9], double lower[3], double upper[3])
@@ -203,7 +126,7 @@ START_TEST(each_row_accounts_for_every_pair_of_the_scene)
     ck_assert_int_eq(
         Run("%s accuracy --scenes sheets-1e-2 --resolutions 32,64 --views z,yx --runs 1 --out deep/er", BENCH), 0);
     // auto, sweep, brute; layers once and over 2 images; cullide over 2 * 2, quick in four orders.
-    ck_assert_int_eq(ForEachRow("deep/er/accuracy.csv", CheckRow, &seen), 3 + 3 + 4 + 16);
+    ck_assert_int_eq(ForEachRow("deep/er/accuracy.csv", s_header, CheckRow, &seen), 3 + 3 + 4 + 16);
     ck_assert_int_ge(seen.ran, 3);
     // Of 64 * 64 pixels over triangles of half a pixel, some come to lie beside a crossing: the count is no constant 0.
     ck_assert(seen.sampled == 0 || (seen.sampled == 20 && seen.leastMissed < seen.exact));
@@ -227,7 +150,7 @@ START_TEST(what_the_device_cannot_do_is_skipped_with_a_reason)
                          BENCH),
                      0);
     int skipped = 0;
-    ck_assert_int_eq(ForEachRow("accuracy.csv", CheckSkipped, &skipped), 6);
+    ck_assert_int_eq(ForEachRow("accuracy.csv", s_header, CheckSkipped, &skipped), 6);
     ck_assert_int_eq(skipped, 5);
     ck_assert_ptr_nonnull(strstr(GetOutput(), "dragon is skipped: --dragon names no file"));
     ck_assert_ptr_nonnull(strstr(GetOutput(), "quick, as published            1 of 1 settings skipped: "));
@@ -361,7 +284,7 @@ typedef struct Refused
 
 static const Refused s_refused[] = {
     {"", 2, "no BENCHMARK is named"},
-    {"acuracy", 2, "there is no benchmark 'acuracy', only: accuracy"},
+    {"acuracy", 2, "there is no benchmark 'acuracy', only: accuracy, peers, scaling"},
     {"--scenes sheets accuracy", 2, "unrecognized option '--scenes'"},
     {"accuracy sheets", 2, "'sheets': options only"},
     {"accuracy --scene sheet", 2, "--scenes: 'sheet' is not one of all, cloth-20k,"},
@@ -385,6 +308,13 @@ static const Refused s_refused[] = {
     {"accuracy --out file/below", 1, "file/below: Not a directory"},
     {"accuracy --out file", 1, "file/accuracy.csv: Not a directory"},
     {"accuracy --scenes dragon --dragon none.ply", 3, "none.ply"},
+    {"scaling cloth", 2, "'cloth': options only"},
+    {"scaling --triangles -1", 2, "--triangles: '-1' is not a whole number"},
+    {"scaling --boxes 1e3", 2, "--boxes: '1e3' is not a whole number"},
+    {"scaling --threads 0", 2, "--threads: '0' is not a whole number in 1..1024"},
+    {"scaling --threads 1,2,1", 2, "--threads: '1' is named twice"},
+    {"scaling --out ''", 2, "--out: no folder is named"},
+    {"scaling --out file", 1, "file/scaling_meshes.csv: Not a directory"},
     {"accuracy --scenes pile --bunny file", 3, "file"},
 };
 
@@ -412,6 +342,10 @@ START_TEST(help_explains_each_level)
     ck_assert_int_eq(Run("%s accuracy --help", BENCH), 0);
     ck_assert_ptr_nonnull(strstr(GetOutput(), "Usage: qc-bench accuracy "));
     ck_assert_ptr_nonnull(strstr(GetOutput(), "--resolutions"));
+    ck_assert_int_eq(Run("%s peers --help", BENCH), 0);
+    ck_assert_ptr_nonnull(strstr(GetOutput(), "Usage: qc-bench peers "));
+    ck_assert_int_eq(Run("%s scaling --help", BENCH), 0);
+    ck_assert_ptr_nonnull(strstr(GetOutput(), "Usage: qc-bench scaling "));
 }
 END_TEST
 

@@ -9,6 +9,19 @@ if(TARGET qc-pairs)
   qc_test(test_qc_bench test_qc_bench.c run_program.c LIBRARIES qc_demo_support)
   target_compile_definitions(test_qc_bench PRIVATE QC_BENCH_PROGRAM="$<TARGET_FILE:qc-bench>")
   add_dependencies(test_qc_bench qc-bench)
+  # As a user's build: beside the peers that were found; and a peer that errs, as a module like theirs.
+  add_library(liar_peer MODULE liar_peer.c)
+  target_include_directories(liar_peer PRIVATE ${PROJECT_SOURCE_DIR}/demos)
+  qc_test(test_qc_bench_peers test_qc_bench_peers.c run_program.c LIBRARIES qc_demo_support qc_oracle)
+  get_property(peers GLOBAL PROPERTY QC_PEERS)
+  list(LENGTH peers peerCount)
+  target_compile_definitions(test_qc_bench_peers PRIVATE
+    QC_BENCH_PROGRAM="$<TARGET_FILE:qc-bench>" QC_LIAR_PEER="$<TARGET_FILE:liar_peer>" QC_BENCH_PEERS=${peerCount})
+  add_dependencies(test_qc_bench_peers qc-bench liar_peer)
+  qc_test(test_qc_bench_scaling test_qc_bench_scaling.c ${PROJECT_SOURCE_DIR}/demos/qc_bench_scaling_report.c
+          run_program.c LIBRARIES qc_demo_support)
+  target_compile_definitions(test_qc_bench_scaling PRIVATE QC_BENCH_PROGRAM="$<TARGET_FILE:qc-bench>")
+  add_dependencies(test_qc_bench_scaling qc-bench)
   # A file that others wrote, from the package glmark2-data.
   find_file(QC_BUNNY glmark2/models/bunny.obj PATHS /usr/share /usr/local/share)
   if(QC_BUNNY)
