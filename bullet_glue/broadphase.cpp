@@ -1,8 +1,8 @@
 // The proxies of a Bullet world as a qcBoxes, and the questions to it.
 //
-// Boxes: a proxy's box in the tree has NaN bounds opened to infinity and inverted ones put in order. It then meets
+// Boxes: a proxy's box in the set has NaN bounds opened to infinity and inverted ones put in order. It then meets
 // every box that TestAabbAgainstAabb2 lets the proxy meet: a comparison with NaN is never true there, and two boxes of
-// which one is inverted overlap there only if the other one holds it. So the tree's answer is filtered by
+// which one is inverted overlap there only if the other one holds it. So the set's answer is filtered by
 // TestAabbAgainstAabb2.
 #include "broadphase_proxy.h"
 
@@ -86,25 +86,20 @@ Way MakeWay(const btVector3& rayFrom, const btVector3& rayTo, const btBroadphase
 
 //  ---- proxies ---------------------------------------------------------------------------------------
 
-/// Puts a proxy into the list and into the tree, if there is room.
+/// Puts a proxy into the list and into the set, if there is room.
 void qcBroadphase::List(Proxy* proxy)
 {
-    proxy->previous = m_last;
-    (m_last != nullptr ? m_last->next : m_first) = proxy;
-    m_last = proxy;
-    m_proxyCount++;
+    proxy->place = m_proxies.size();
+    m_proxies.push_back({proxy, proxy->m_collisionFilterGroup, proxy->m_collisionFilterMask});
     m_outsideCount++;
-    proxy->listed = true;
-    proxy->created = m_interval;
-    Touch(proxy);
+    m_anythingTouched = true;
     AddBox(proxy);
 }
 
 void qcBroadphase::AddBox(Proxy* proxy)
 {
     double lower[3], upper[3];
-    if (!Order(proxy->m_aabbMin, proxy->m_aabbMax, lower, upper))
-        Seek(proxy);
+    SetOdd(proxy, !Order(proxy->m_aabbMin, proxy->m_aabbMax, lower, upper));
     qcStatus status = m_boxes != nullptr ? qc_statusOk : qcBoxes_Create(&m_boxes);
     if (status == qc_statusOk)
         status = qcBoxes_Add(m_boxes, lower, upper, proxy, &proxy->box);
@@ -114,57 +109,52 @@ void qcBroadphase::AddBox(Proxy* proxy)
         m_status = status;
 }
 
+void qcBroadphase::SetOdd(Proxy* proxy, bool odd)
+{
+    m_oddCount += int(odd) - int(proxy->odd);
+    proxy->odd = odd;
+}
+
 void qcBroadphase::Free(Proxy* proxy)
 {
-    if (proxy->listed)
+    if (proxy->place >= 0)
     {
-        (proxy->previous != nullptr ? proxy->previous->next : m_first) = proxy->next;
-        (proxy->next != nullptr ? proxy->next->previous : m_last) = proxy->previous;
-        m_proxyCount--;
+        m_lookedCount = std::min(m_lookedCount, proxy->place);
+        m_proxies.swap(proxy->place, m_proxies.size() - 1);
+        m_proxies[proxy->place].proxy->place = proxy->place;
+        m_proxies.pop_back();
+        SetOdd(proxy, false);
         if (proxy->box == qc_noBox)
             m_outsideCount--;
         else
             qcBoxes_Remove(m_boxes, proxy->box);
     }
-    int kept = 0;
-    for (int i = 0; i < m_rejected.size(); i += 2)
-    {
-        if (m_rejected[i] == proxy || m_rejected[i + 1] == proxy)
-            continue;
-        m_rejected[kept++] = m_rejected[i];
-        m_rejected[kept++] = m_rejected[i + 1];
-    }
-    m_rejected.resize(kept);
+    if (proxy->addedPairs)
+        RemoveFrom(m_addedPairs, proxy);
+    RemoveFrom(m_rejected, proxy);
     proxy->~Proxy();
     btAlignedFree(proxy);
 }
 
-void qcBroadphase::Touch(Proxy* proxy)
-{
-    m_anythingTouched = true;
-    if (proxy->touched == m_interval)
-        return;
-    proxy->touched = m_interval;
-    proxy->oldMin = proxy->m_aabbMin;
-    proxy->oldMax = proxy->m_aabbMax;
-}
-
 void qcBroadphase::Seek(Proxy* proxy)
 {
-    m_anythingSought = true;
+    m_anythingTouched = m_anythingSought = true;
     proxy->sought = m_interval;
 }
 
 void qcBroadphase::MoveProxy(Proxy* proxy, const btVector3& aabbMin, const btVector3& aabbMax)
 {
-    Touch(proxy);
+    m_anythingTouched = true;
     double lower[3], upper[3];
-    bool wasOrdered = Order(proxy->m_aabbMin, proxy->m_aabbMax, lower, upper);
     proxy->m_aabbMin = aabbMin;
     proxy->m_aabbMax = aabbMax;
-    // The box in the tree may be the same as before, and other proxies overlap nevertheless.
-    if (!Order(aabbMin, aabbMax, lower, upper) || !wasOrdered)
+    bool odd = !Order(aabbMin, aabbMax, lower, upper);
+    // The box in the set may be the same as before, and other proxies overlap nevertheless.
+    if (odd || proxy->odd)
+    {
         Seek(proxy);
+        SetOdd(proxy, odd);
+    }
     if (proxy->box != qc_noBox)
         qcBoxes_Move(m_boxes, proxy->box, lower, upper);
 }
@@ -190,7 +180,7 @@ void qcBroadphase::ApplyPending()
             Free(proxy);
             continue;
         }
-        if (!proxy->listed)
+        if (proxy->place < 0)
             List(proxy);
         if (proxy->moves)
             MoveProxy(proxy, proxy->wantedMin, proxy->wantedMax);
@@ -208,8 +198,8 @@ qcBroadphase::qcBroadphase(btOverlappingPairCache* pairCache)
 
 qcBroadphase::~qcBroadphase()
 {
-    while (m_first != nullptr)
-        Free(m_first);
+    while (m_proxies.size() > 0)
+        Free(m_proxies[m_proxies.size() - 1].proxy);
     qcBoxes_Destroy(m_boxes);
     if (m_ownsPairCache)
     {
@@ -222,7 +212,7 @@ btBroadphaseProxy* qcBroadphase::createProxy(const btVector3& aabbMin, const btV
                                              void* userPtr, int collisionFilterGroup, int collisionFilterMask,
                                              btDispatcher* /*dispatcher*/)
 {
-    void* memory = btAlignedAlloc(sizeof(Proxy), 16);
+    void* memory = btAlignedAlloc(sizeof(Proxy), alignof(Proxy));
     if (memory == nullptr)
     {
         m_status = qc_statusOutOfMemory;
@@ -273,6 +263,10 @@ void qcBroadphase::setAabb(btBroadphaseProxy* proxy, const btVector3& aabbMin, c
         Pend(mine);
         return;
     }
+    // A world sets all boxes in the order in which the objects came, which is that of the list: then the filter can be
+    // looked at here, where the proxy is at hand.
+    if (m_lookedCount < m_proxies.size() && m_proxies[m_lookedCount].proxy == mine)
+        LookAt(m_proxies[m_lookedCount++]);
     if (Same(aabbMin, mine->m_aabbMin) && Same(aabbMax, mine->m_aabbMax))
         return;
     MoveProxy(mine, aabbMin, aabbMax);
@@ -314,9 +308,9 @@ void qcBroadphase::rayTest(const btVector3& rayFrom, const btVector3& rayTo, btB
     };
     Way way = MakeWay(rayFrom, rayTo, rayCallback, aabbMin, aabbMax);
     qcBoxes_CastBox(m_boxes, way.from, way.to, way.castLower, way.castUpper, &cast.fraction, function, &cast);
-    for (Proxy* proxy = m_outsideCount > 0 ? m_first : nullptr; proxy != nullptr; proxy = proxy->next)
-        if (proxy->box == qc_noBox && !proxy->destroyed)
-            rayCallback.process(proxy);
+    for (int i = 0; m_outsideCount > 0 && i < m_proxies.size(); i++)
+        if (m_proxies[i].proxy->box == qc_noBox && !m_proxies[i].proxy->destroyed)
+            rayCallback.process(m_proxies[i].proxy);
 }
 
 //  ---- the rest --------------------------------------------------------------------------------------
@@ -336,9 +330,10 @@ void qcBroadphase::getBroadphaseAabb(btVector3& aabbMin, btVector3& aabbMax) con
     double lower[3], upper[3];
     qcBoxes_GetTotalBounds(m_boxes, lower, upper);
     bool any = qcBoxes_GetCount(m_boxes) > 0;
-    for (Proxy* proxy = m_outsideCount > 0 ? m_first : nullptr; proxy != nullptr; proxy = proxy->next)
+    for (int i = 0; m_outsideCount > 0 && i < m_proxies.size(); i++)
     {
         double proxyLower[3], proxyUpper[3];
+        const Proxy* proxy = m_proxies[i].proxy;
         if (proxy->box != qc_noBox)
             continue;
         Order(proxy->m_aabbMin, proxy->m_aabbMax, proxyLower, proxyUpper);
@@ -355,7 +350,7 @@ void qcBroadphase::getBroadphaseAabb(btVector3& aabbMin, btVector3& aabbMax) con
 
 void qcBroadphase::resetPool(btDispatcher* /*dispatcher*/)
 {
-    if (m_first != nullptr || m_walks > 0)
+    if (m_proxies.size() > 0 || m_walks > 0)
         return;
     qcBoxes_Clear(m_boxes);
     m_lastUniqueId = 0;
@@ -364,7 +359,7 @@ void qcBroadphase::resetPool(btDispatcher* /*dispatcher*/)
 
 void qcBroadphase::printStats()
 {
-    std::printf("qcBroadphase: %d proxies, %d of them outside of the tree; %d pairs\n", m_proxyCount, m_outsideCount,
+    std::printf("qcBroadphase: %d proxies, %d of them outside of the set; %d pairs\n", m_proxies.size(), m_outsideCount,
                 m_pairCache->getNumOverlappingPairs());
 }
 

@@ -1,7 +1,9 @@
-// The pair cache is kept equal to "boxes overlap and filters agree". What may have changed comes from qcBoxes.
+// The pair cache is kept equal to "boxes overlap and filters agree". What changed comes from qcBoxes; the cache is
+// touched for nothing else.
 //
-// What was decided stays: a pair that overlapped at the last search and still does is in the cache, or was rejected by
-// the groups and masks of proxies that have not changed them; only the others are judged.
+// A pair that overlapped at the last search and still does is in the cache, or was rejected by the groups and masks of
+// proxies that have not changed them. All pairs are looked at where that is not known: someone else changed the cache,
+// a filter changed, there is a filter callback, the cache removes nothing itself, a proxy has odd bounds.
 #include "broadphase_proxy.h"
 
 #include <utility>
@@ -20,15 +22,28 @@ bool qcBroadphase::Judge(Proxy* a, Proxy* b)
     return true;
 }
 
-/// The pair overlapped at the last search and was decided then.
-bool qcBroadphase::IsDecided(const Proxy* a, const Proxy* b) const
+void qcBroadphase::RemoveFrom(btAlignedObjectArray<Proxy*>& pairs, const Proxy* proxy)
 {
-    if (m_judgeAll || m_filter != nullptr || a->created == m_interval || b->created == m_interval ||
-        a->sought == m_interval || b->sought == m_interval)
-        return false;
-    bool movedA = a->touched == m_interval, movedB = b->touched == m_interval;
-    return TestAabbAgainstAabb2(movedA ? a->oldMin : a->m_aabbMin, movedA ? a->oldMax : a->m_aabbMax,
-                                movedB ? b->oldMin : b->m_aabbMin, movedB ? b->oldMax : b->m_aabbMax);
+    int kept = 0;
+    for (int i = 0; i < pairs.size(); i += 2)
+    {
+        if (pairs[i] == proxy || pairs[i + 1] == proxy)
+            continue;
+        pairs[kept++] = pairs[i];
+        pairs[kept++] = pairs[i + 1];
+    }
+    pairs.resize(kept);
+}
+
+/// A pair may end before the next search, which then knows nothing of it.
+void qcBroadphase::AddPairNow(Proxy* a, Proxy* b)
+{
+    int before = m_pairCache->getNumOverlappingPairs();
+    if (a->destroyed || b->destroyed || !Judge(a, b) || m_pairCache->getNumOverlappingPairs() <= before)
+        return;
+    a->addedPairs = b->addedPairs = true;
+    m_addedPairs.push_back(a);
+    m_addedPairs.push_back(b);
 }
 
 void qcBroadphase::AddPairsNow(Proxy* proxy)
@@ -38,12 +53,22 @@ void qcBroadphase::AddPairsNow(Proxy* proxy)
     m_pairsAtOnce--;
     Walk walk(*this);
     int before = m_pairCache->getNumOverlappingPairs();
-    VisitBox(proxy->m_aabbMin, proxy->m_aabbMax,
-             [&](Proxy* other)
-             {
-                 if (other != proxy && !proxy->destroyed && !IsDecided(proxy, other))
-                     Judge(proxy, other);
-             });
+    auto visit = [&](Proxy* other)
+    {
+        if (other != proxy)
+            AddPairNow(proxy, other);
+    };
+    if (m_oddCount > 0 || m_outsideCount > 0)
+        VisitBox(proxy->m_aabbMin, proxy->m_aabbMax, visit);
+    else
+    {
+        auto function = [](uint32_t, void* other, void* context)
+        {
+            (*static_cast<decltype(visit)*>(context))(static_cast<Proxy*>(other));
+            return true;
+        };
+        qcBoxes_QueryBegun(m_boxes, proxy->box, function, &visit);
+    }
     m_knownPairCount += m_pairCache->getNumOverlappingPairs() - before;
 }
 
@@ -58,8 +83,7 @@ void qcBroadphase::Reject(Proxy* a, Proxy* b)
 
 void qcBroadphase::Consider(Proxy* a, Proxy* b)
 {
-    if (a->destroyed || b->destroyed || IsDecided(a, b) ||
-        !TestAabbAgainstAabb2(a->m_aabbMin, a->m_aabbMax, b->m_aabbMin, b->m_aabbMax))
+    if (a->destroyed || b->destroyed || !Overlap(a, b))
         return;
     if (!Judge(a, b))
         Reject(a, b);
@@ -71,27 +95,27 @@ void qcBroadphase::LookForChanges()
     const btOverlapFilterCallback* filter = m_pairCache->getOverlapFilterCallback();
     m_judgeAll = m_judgeAll || filter != m_filter || m_pairCache->getNumOverlappingPairs() != m_knownPairCount;
     m_filter = filter;
-    for (Proxy* proxy = m_first; proxy != nullptr; proxy = proxy->next)
-    {
-        if (proxy->box == qc_noBox)
-            AddBox(proxy);
-        if (proxy->seenGroup == proxy->m_collisionFilterGroup && proxy->seenMask == proxy->m_collisionFilterMask)
-            continue;
-        proxy->seenGroup = proxy->m_collisionFilterGroup;
-        proxy->seenMask = proxy->m_collisionFilterMask;
-        Touch(proxy);
-        Seek(proxy);
-    }
+    for (int i = 0; m_outsideCount > 0 && i < m_proxies.size(); i++)
+        if (m_proxies[i].proxy->box == qc_noBox)
+        {
+            AddBox(m_proxies[i].proxy);
+            // The set does not know what it overlapped before.
+            Seek(m_proxies[i].proxy);
+        }
+    const int count = m_proxies.size();
+    for (int i = m_lookedCount; i < count; i++)
+        LookAt(m_proxies[i]);
 }
 
-/// The callback may want now what it did not want before. Pairs of touched proxies are found anew.
+/// The callback may want now what it did not want before.
 void qcBroadphase::JudgeRejected()
 {
     int kept = 0;
     for (int i = 0; i < m_rejected.size() && !m_judgeAll && m_filter != nullptr; i += 2)
     {
         Proxy *a = m_rejected[i], *b = m_rejected[i + 1];
-        if (a->destroyed || b->destroyed || a->touched == m_interval || b->touched == m_interval || Judge(a, b))
+        // Pairs of those that look for theirs are found anew.
+        if (a->destroyed || b->destroyed || IsSeeking(a) || IsSeeking(b) || !Overlap(a, b) || Judge(a, b))
             continue;
         m_rejected[kept++] = a;
         m_rejected[kept++] = b;
@@ -99,36 +123,84 @@ void qcBroadphase::JudgeRejected()
     m_rejected.resize(kept);
 }
 
-void qcBroadphase::FindPairs()
+/// Its overlaps don't follow from what changed between boxes.
+bool qcBroadphase::IsSeeking(const Proxy* proxy) const
 {
-    const qcBoxPair* pairs = nullptr;
-    size_t count = 0;
-    qcStatus status = m_boxes != nullptr ? qcBoxes_FindMovedPairs(m_boxes, &pairs, &count) : qc_statusOk;
-    if (status != qc_statusOk)
+    return proxy->sought == m_interval || proxy->odd || proxy->box == qc_noBox;
+}
+
+void qcBroadphase::SeekPairs()
+{
+    for (int i = 0; i < m_proxies.size(); i++)
     {
-        m_status = status;
-        m_judgeAll = true;
-        m_rejected.resize(0);
-        count = 0;
-    }
-    for (size_t i = 0; i < count; i++)
-        Consider(static_cast<Proxy*>(qcBoxes_GetUserData(m_boxes, pairs[i].a)),
-                 static_cast<Proxy*>(qcBoxes_GetUserData(m_boxes, pairs[i].b)));
-    if (!m_judgeAll && !m_anythingSought && m_outsideCount == 0)
-        return;
-    for (Proxy* proxy = m_first; proxy != nullptr; proxy = proxy->next)
-    {
-        if (!m_judgeAll && proxy->sought != m_interval && proxy->box != qc_noBox)
+        Proxy* proxy = m_proxies[i].proxy;
+        if (!m_judgeAll && !IsSeeking(proxy))
             continue;
         VisitBox(proxy->m_aabbMin, proxy->m_aabbMax,
                  [&](Proxy* other)
                  {
                      // Of two that look for pairs, one finds this one.
-                     bool both = m_judgeAll || other->sought == m_interval || other->box == qc_noBox;
+                     bool both = m_judgeAll || IsSeeking(other);
                      if (other != proxy && (!both || proxy->m_uniqueId < other->m_uniqueId))
                          Consider(proxy, other);
                  });
     }
+}
+
+qcBroadphase::Proxy* qcBroadphase::ProxyOf(uint32_t box) const
+{
+    return static_cast<Proxy*>(qcBoxes_GetUserData(m_boxes, box));
+}
+
+void qcBroadphase::AddBegun(const qcBoxChanges& changes)
+{
+    for (size_t i = 0; i < changes.beganCount; i++)
+    {
+        Proxy *a = ProxyOf(changes.began[i].a), *b = ProxyOf(changes.began[i].b);
+        // Pairs of those that look for theirs are found by them.
+        if (m_judgeAll || (m_seeking && (IsSeeking(a) || IsSeeking(b))))
+            continue;
+        Consider(a, b);
+    }
+}
+
+/// Pairs that are known to overlap no more.
+void qcBroadphase::RemoveEnded(const qcBoxChanges& changes, btDispatcher* dispatcher)
+{
+    for (size_t i = 0; i < changes.endedCount; i++)
+    {
+        Proxy *a = ProxyOf(changes.ended[i].a), *b = ProxyOf(changes.ended[i].b);
+        if (!a->destroyed && !b->destroyed)
+            m_pairCache->removeOverlappingPair(a, b, dispatcher);
+    }
+    for (int i = 0; i < m_addedPairs.size(); i += 2)
+    {
+        Proxy *a = m_addedPairs[i], *b = m_addedPairs[i + 1];
+        if (!a->destroyed && !b->destroyed && !Overlap(a, b))
+            m_pairCache->removeOverlappingPair(a, b, dispatcher);
+    }
+}
+
+/// Brings the cache up to date.
+void qcBroadphase::FindPairs(btDispatcher* dispatcher)
+{
+    qcBoxChanges changes = {};
+    qcStatus status = m_boxes != nullptr ? qcBoxes_FindChangedPairs(m_boxes, &changes) : qc_statusOk;
+    if (status != qc_statusOk)
+    {
+        m_status = status;
+        changes = {};
+    }
+    m_judgeAll = m_judgeAll || status != qc_statusOk || changes.all;
+    m_seeking = m_anythingSought || m_oddCount > 0 || m_outsideCount > 0;
+    JudgeRejected();
+    AddBegun(changes);
+    if (m_judgeAll || m_seeking)
+        SeekPairs();
+    if (m_judgeAll || m_seeking || m_filter != nullptr || m_pairCache->hasDeferredRemoval())
+        RemovePairs(dispatcher);
+    else
+        RemoveEnded(changes, dispatcher);
 }
 
 bool qcBroadphase::IsStillWanted(const btBroadphasePair& pair)
@@ -136,9 +208,7 @@ bool qcBroadphase::IsStillWanted(const btBroadphasePair& pair)
     Proxy *a = static_cast<Proxy*>(pair.m_pProxy0), *b = static_cast<Proxy*>(pair.m_pProxy1);
     if (a == nullptr || b == nullptr || a->destroyed || b->destroyed)
         return false;
-    if (!m_judgeAll && m_filter == nullptr && a->touched != m_interval && b->touched != m_interval)
-        return true;
-    if (!TestAabbAgainstAabb2(a->m_aabbMin, a->m_aabbMax, b->m_aabbMin, b->m_aabbMax))
+    if (!Overlap(a, b))
         return false;
     if (m_pairCache->needsBroadphaseCollision(a, b))
         return true;
@@ -202,12 +272,12 @@ void qcBroadphase::calculateOverlappingPairs(btDispatcher* dispatcher)
     m_status = qc_statusOk;
     LookForChanges();
     if (m_anythingTouched || m_judgeAll || m_filter != nullptr)
-    {
-        JudgeRejected();
-        FindPairs();
-        RemovePairs(dispatcher);
-    }
+        FindPairs(dispatcher);
+    for (int i = 0; i < m_addedPairs.size(); i++)
+        m_addedPairs[i]->addedPairs = false;
+    m_addedPairs.resize(0);
     m_interval++;
+    m_lookedCount = 0;
     m_anythingTouched = m_anythingSought = false;
     m_judgeAll = false;
     m_pairsAtOnce = qc_pairsAtOnce;

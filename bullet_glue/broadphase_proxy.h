@@ -11,28 +11,27 @@ constexpr uint32_t qc_noBox = UINT32_MAX;
 // Enough for a character or sensor, nothing beside a step in which many boxes move.
 constexpr int qc_pairsAtOnce = 8;
 
-struct qcBroadphase::Proxy : btBroadphaseProxy
+/// With floats, what Bullet sees of it is one cache line, and all that a box that stays needs.
+struct alignas(64) qcBroadphase::Proxy : btBroadphaseProxy
 {
     Proxy(const btVector3& aabbMin, const btVector3& aabbMax, void* userPtr, int group, int mask)
-        : btBroadphaseProxy(aabbMin, aabbMax, userPtr, group, mask), seenGroup(group), seenMask(mask)
+        : btBroadphaseProxy(aabbMin, aabbMax, userPtr, group, mask)
     {
     }
 
-    Proxy *previous = nullptr, *next = nullptr, *nextPending = nullptr;
     uint32_t box = qc_noBox;
-    bool listed = false;    ///< and in the tree, or counted as outside of it
-    bool pending = false;   ///< changes wait for the last walk to end
-    bool destroyed = false; ///< freed when the last walk ends
-    bool moves = false;     ///< to wantedMin, wantedMax when the last walk ends
-    int seenGroup, seenMask;
-    long long created = 0;    ///< the interval in which it was created,
-    long long touched = 0;    ///< last moved or got another filter,
-    long long sought = 0;     ///< last had to look for pairs although its box in the tree did not change
-    btVector3 oldMin, oldMax; ///< bounds at the last search, if touched since
+    int place = -1;          ///< in the list of all proxies; negative: not there yet
+    long long sought = 0;    ///< the interval in which it last had to look for all its pairs
+    bool odd = false;        ///< bounds are NaN or inverted: what it overlaps is not what its box overlaps
+    bool addedPairs = false; ///< is in the list of pairs that were added at once
+    bool pending = false;    ///< changes wait for the last walk to end
+    bool destroyed = false;  ///< freed when the last walk ends
+    bool moves = false;      ///< to wantedMin, wantedMax when the last walk ends
+    Proxy* nextPending = nullptr;
     btVector3 wantedMin, wantedMax;
 };
 
-/// While one lives the tree stays as it is.
+/// While one lives the set stays as it is.
 class qcBroadphase::Walk
 {
   public:
@@ -49,6 +48,21 @@ class qcBroadphase::Walk
   private:
     qcBroadphase& m_broadphase;
 };
+
+template <class Box> inline bool Overlap(const Box* a, const Box* b)
+{
+    return TestAabbAgainstAabb2(a->m_aabbMin, a->m_aabbMax, b->m_aabbMin, b->m_aabbMax);
+}
+
+/// Looks whether the filter is still what it was.
+inline void qcBroadphase::LookAt(Listed& listed)
+{
+    if (listed.group == listed.proxy->m_collisionFilterGroup && listed.mask == listed.proxy->m_collisionFilterMask)
+        return;
+    listed.group = listed.proxy->m_collisionFilterGroup;
+    listed.mask = listed.proxy->m_collisionFilterMask;
+    Seek(listed.proxy);
+}
 
 /// Calls visit(Proxy*) for each proxy whose box meets the given one.
 template <class Visit>
@@ -67,9 +81,9 @@ void qcBroadphase::VisitBox(const btVector3& aabbMin, const btVector3& aabbMax, 
     const double lower[3] = {double(aabbMin[0]), double(aabbMin[1]), double(aabbMin[2])};
     const double upper[3] = {double(aabbMax[0]), double(aabbMax[1]), double(aabbMax[2])};
     qcBoxes_QueryBox(m_boxes, lower, upper, function, &offer);
-    for (Proxy* proxy = m_outsideCount > 0 ? m_first : nullptr; proxy != nullptr; proxy = proxy->next)
-        if (proxy->box == qc_noBox)
-            offer(proxy);
+    for (int i = 0; m_outsideCount > 0 && i < m_proxies.size(); i++)
+        if (m_proxies[i].proxy->box == qc_noBox)
+            offer(m_proxies[i].proxy);
 }
 
 #endif

@@ -1,13 +1,24 @@
-// The overlapping pairs of moved boxes. Pairs of leaves that meet are kept (see qcNeighbours) until one of the two
-// leaves changes, so that the tree is only asked for boxes that left their leaves. Fat boxes: Catto, Box2D.
+// The overlapping pairs of moved boxes. Pairs of boxes of the forest that meet are kept (see qcNeighbours) until one of
+// the two changes, so that the forest is only asked for boxes that left their place in it. Fat boxes: Catto, Box2D.
 //
-// Why no pair is missed: a leaf contains its box, so boxes that meet have leaves that meet. Such a pair of leaves is
-// found when the younger of the two states of the leaves is new, and is then kept, unless both boxes are still: then it
-// is reported at once, and one of them looks again when it first moves.
+// Why no pair is missed: the forest's box contains the box itself, so boxes that meet have boxes there that meet. Such
+// a pair is found when the younger of the two is young, and is then kept, unless both boxes are still: then it is
+// reported at once, and one of them looks again when it first moves.
+//
+// What changed: each pair that is kept is marked if it overlapped at the last search. A pair that was not kept then and
+// overlapped is one of two still boxes; if one has moved since, it was marked when that began to move.
 #include "box_set.h"
 
 #include "sort.h"
 #include "status.h"
+
+#include <string.h>
+
+typedef enum Wanted
+{
+    MOVED,  ///< pairs that overlap, one of the two moved
+    CHANGED ///< pairs that began or ended to overlap
+} Wanted;
 
 /// A pair as one number, whose order is the order of the pairs; the fewer digits, the faster it is sorted.
 static uint64_t PairKey(const qcBoxes* set, uint32_t a, uint32_t b)
@@ -15,158 +26,236 @@ static uint64_t PairKey(const qcBoxes* set, uint32_t a, uint32_t b)
     return (a < b ? a : b) * (uint64_t)set->boxes.count + (a < b ? b : a);
 }
 
-static qcStatus PushPair(qcBoxes* set, uint32_t a, uint32_t b)
+static qcStatus PushPair(qcBoxes* set, qcArray* list, uint32_t a, uint32_t b)
 {
-    QC_TRY(qcArray_Reserve(&set->found, set->found.count + 1, sizeof(qcSortItem), "pairs of boxes"));
-    QC_AT(qcSortItem, set->found, set->found.count++) =
+    QC_TRY(qcArray_Reserve(list, list->count + 1, sizeof(qcSortItem), "pairs of boxes"));
+    QC_AT(qcSortItem, *list, list->count++) =
         (qcSortItem){PairKey(set, a, b), a < b ? (uint64_t)a << 32 | b : (uint64_t)b << 32 | a};
     return qc_statusOk;
 }
 
-/// Two leaves meet, one of them restless.
-static qcStatus MeetLeaves(qcBoxes* set, uint32_t a, uint32_t b)
+/// The box at the last search, if it was there.
+static bool GetBefore(const qcBoxes* set, uint32_t id, qcBounds* before)
 {
-    const qcBox *x = &QC_AT(qcBox, set->boxes, a), *y = &QC_AT(qcBox, set->boxes, b);
+    uint32_t mover = qcBoxes_Box(set, id)->mover;
+    *before = mover == QC_NO_MOVER ? qcBoxes_Bounds(set, id) : QC_AT(qcMover, set->movers, mover).before;
+    return mover == QC_NO_MOVER || !QC_AT(qcMover, set->movers, mover).added;
+}
+
+bool qcBoxes_Met(const qcBoxes* set, uint32_t a, uint32_t b)
+{
+    qcBounds x, y;
+    return !set->forgotten && GetBefore(set, a, &x) && GetBefore(set, b, &y) && qcBounds_Meet(&x, &y);
+}
+
+//  ---- neighbours ------------------------------------------------------------------------------------
+
+/// The forest's boxes of two boxes meet, one of them young, and the pair is not kept.
+static qcStatus MeetInForest(qcBoxes* set, Wanted wanted, uint32_t a, uint32_t b)
+{
+    const qcBox *x = qcBoxes_Box(set, a), *y = qcBoxes_Box(set, b);
     if (!x->still || !y->still)
-        return qcNeighbours_Join(&set->neighbours, a, b);
-    // Not kept: scenery costs nothing once its pairs are known.
-    return qcBounds_Meet(x->lower, x->upper, y->lower, y->upper) ? PushPair(set, a, b) : qc_statusOk;
+        return qcNeighbours_Join(&set->neighbours, a, b, false);
+    // Not kept: scenery costs nothing once its pairs are known. Unless all is forgotten, one of the two is new.
+    bool asked = wanted == CHANGED || (x->mover & y->mover) != QC_NO_MOVER;
+    return asked && qcBoxes_Meet(set, a, b) ? PushPair(set, &set->began, a, b) : qc_statusOk;
 }
 
-/// Flags the leaves of the restless and all nodes above them, or takes the flags away.
-static void FlagRestless(qcBoxes* set, uint8_t flag)
+/// Where the boxes of one tree lie in the list of hits.
+typedef struct HitRange
 {
-    uint8_t* flags = set->flags.data;
-    for (size_t i = 0; i < set->movers.count; i++)
+    const uint32_t* ids;
+    size_t first, end;
+} HitRange;
+
+typedef struct HitRanges
+{
+    HitRange range[qc_forestTrees];
+    uint32_t count;
+} HitRanges;
+
+/// What in the whole forest meets an octet of the young tree.
+static void SeekOctet(qcBoxes* set, uint32_t young, uint32_t octet, HitRanges* ranges)
+{
+    // Rows and columns of the same octet: each pair once.
+    static const uint64_t above = 0x0080c0e0f0f8fcfe;
+    const qcForest* forest = &set->forest;
+    const qcOctet* sought = &forest->trees[young].shape.octets[octet];
+    qcOctetHit* hits = set->hits.data;
+    size_t count = 0;
+    ranges->count = 0;
+    for (uint64_t trees = forest->old | forest->young; trees != 0;)
     {
-        const qcBox* box = &QC_AT(qcBox, set->boxes, QC_AT(uint32_t, set->movers, i));
-        uint32_t node = box->restless ? box->leaf : QC_NO_NODE;
-        for (; node != QC_NO_NODE && flags[node] != flag; node = qcBoxTree_Node(&set->tree, node)->parent)
-            flags[node] = flag;
+        uint32_t t = qcForest_NextTree(&trees);
+        const qcBoxTree* tree = &forest->trees[t];
+        size_t first = count;
+        count += forest->kernels->seek(sought, &tree->shape, t == young ? octet : 0, hits + first);
+        for (size_t i = first; t == young && i < count; i++)
+            hits[i].lanes &= hits[i].octet == octet ? above : UINT64_MAX;
+        ranges->range[ranges->count++] = (HitRange){tree->ids.data, first, count};
     }
 }
 
-typedef struct NodePair
+/// Marks the neighbours that are kept of a young box.
+static uint32_t StampNeighbours(qcBoxes* set, uint32_t id)
 {
-    uint32_t a, b;
-} NodePair;
-
-/// Whether two nodes meet and one of them has a restless leaf.
-static bool MayMeet(const qcBoxes* set, NodePair pair)
-{
-    const qcTreeNode *a = qcBoxTree_Node(&set->tree, pair.a), *b = qcBoxTree_Node(&set->tree, pair.b);
-    const uint8_t* flags = set->flags.data;
-    return qcBounds_Meet(a->lower, a->upper, b->lower, b->upper) & (flags[pair.a] | flags[pair.b]);
-}
-
-/// The node, if it is a leaf, or its children.
-static uint32_t Unfold(const qcTreeNode* node, uint32_t self, uint32_t below[2])
-{
-    if (node->height == 0)
+    uint32_t* stamps = set->stamps.data;
+    if (++set->stamp == 0)
     {
-        below[0] = self;
-        return 1;
+        memset(stamps, 0, set->stamps.count * sizeof *stamps);
+        set->stamp = 1;
     }
-    below[0] = node->child[0];
-    below[1] = node->child[1];
-    return 2;
+    uint32_t end = qcNeighbours_First(&set->neighbours, id);
+    for (; end != QC_NO_EDGE; end = qcNeighbours_Next(&set->neighbours, end))
+        stamps[qcNeighbours_Other(&set->neighbours, end)] = set->stamp;
+    return set->stamp;
 }
 
-/// Meets the leaves below two nodes that are not above each other.
-static qcStatus MeetBelow(qcBoxes* set, NodePair start)
+static qcStatus MeetHits(qcBoxes* set, Wanted wanted, uint32_t id, uint32_t row, const HitRanges* ranges)
 {
-    // A step takes one pair and leaves four at most, which are one level down; one more is written in vain.
-    NodePair stack[3 * qc_treeStack + 1];
-    uint32_t count = 0;
-    stack[count] = start;
-    count += MayMeet(set, start);
-    while (count > 0)
-    {
-        NodePair pair = stack[--count];
-        const qcTreeNode *a = qcBoxTree_Node(&set->tree, pair.a), *b = qcBoxTree_Node(&set->tree, pair.b);
-        if (a->height == 0 && b->height == 0)
-        {
-            QC_TRY(MeetLeaves(set, a->child[0], b->child[0]));
-            continue;
-        }
-        uint32_t belowA[2], belowB[2], countA = Unfold(a, pair.a, belowA), countB = Unfold(b, pair.b, belowB);
-        for (uint32_t i = 0; i < countA; i++)
-            for (uint32_t j = 0; j < countB; j++)
+    const qcOctetHit* hits = set->hits.data;
+    const uint32_t *stamps = set->stamps.data, stamp = StampNeighbours(set, id);
+    for (uint32_t r = 0; r < ranges->count; r++)
+        for (size_t i = ranges->range[r].first; i < ranges->range[r].end; i++)
+            for (uint32_t lanes = hits[i].lanes >> qc_lanes * row & 0xff; lanes != 0; lanes &= lanes - 1)
             {
-                // Written without a branch: whether two nodes meet is as good as random.
-                stack[count] = (NodePair){belowA[i], belowB[j]};
-                count += MayMeet(set, stack[count]);
+                uint32_t lane = (uint32_t)__builtin_ctz(lanes);
+                uint32_t found = ranges->range[r].ids[qc_lanes * hits[i].octet + lane];
+                if (stamps[found] != stamp)
+                    QC_TRY(MeetInForest(set, wanted, id, found));
             }
-    }
     return qc_statusOk;
 }
 
-/// Every pair is found at the node where the paths of its two leaves part.
-static qcStatus MeetAll(qcBoxes* set)
+/// Parts a young box from neighbours that it has left in the forest.
+static qcStatus LeaveNeighbours(qcBoxes* set, Wanted wanted, uint32_t id)
 {
-    const uint8_t* flags = set->flags.data;
-    uint32_t stack[qc_treeStack], count = 0;
-    if (set->tree.root != QC_NO_NODE)
-        stack[count++] = set->tree.root;
-    while (count > 0)
+    const qcFloatBox *boxes = set->forest.boxes.data, *box = &boxes[id];
+    uint32_t end = qcNeighbours_First(&set->neighbours, id);
+    while (end != QC_NO_EDGE)
     {
-        uint32_t at = stack[--count];
-        const qcTreeNode* node = qcBoxTree_Node(&set->tree, at);
-        if (!flags[at] || node->height == 0)
+        uint32_t other = qcNeighbours_Other(&set->neighbours, end), edge = end / 2;
+        end = qcNeighbours_Next(&set->neighbours, end);
+        if (qcFloatBox_Meet(box, &boxes[other]))
             continue;
-        QC_TRY(MeetBelow(set, (NodePair){node->child[0], node->child[1]}));
-        stack[count++] = node->child[0];
-        stack[count++] = node->child[1];
+        if (wanted == CHANGED && (qcNeighbours_Edge(&set->neighbours, edge)->box[0] & QC_EDGE_MARK) != 0)
+            QC_TRY(PushPair(set, &set->ended, id, other));
+        qcNeighbours_Cut(&set->neighbours, edge);
     }
     return qc_statusOk;
 }
 
-/// Brings the neighbours of the restless up to date. When it fails, they stay restless.
-static qcStatus FindNeighbours(qcBoxes* set)
+/// Brings the neighbours of the young up to date.
+static qcStatus FindNeighbours(qcBoxes* set, Wanted wanted)
 {
-    for (size_t i = 0; i < set->movers.count; i++)
+    uint32_t young;
+    HitRanges ranges;
+    ranges.count = 0;
+    if (set->forgotten)
     {
-        uint32_t id = QC_AT(uint32_t, set->movers, i);
-        if (QC_AT(qcBox, set->boxes, id).restless)
-            qcNeighbours_Part(&set->neighbours, id);
+        qcNeighbours_PartAll(&set->neighbours);
+        qcForest_Rejuvenate(&set->forest);
     }
-    FlagRestless(set, 1);
-    qcStatus status = MeetAll(set);
-    FlagRestless(set, 0);
-    return status;
+    QC_TRY(qcForest_GatherYoung(&set->forest, &young));
+    if (young == qc_inNoTree)
+        return qc_statusOk;
+    const qcBoxTree* tree = &set->forest.trees[young];
+    const uint32_t* ids = tree->ids.data;
+    set->profile.sought = tree->boxCount;
+    for (uint32_t lane = 0; lane < tree->laneCount; lane++)
+        if (ids[lane] != QC_NO_BOX)
+            QC_TRY(LeaveNeighbours(set, wanted, ids[lane]));
+    size_t room = 0;
+    for (uint64_t trees = set->forest.old | set->forest.young; trees != 0;)
+        room += set->forest.trees[qcForest_NextTree(&trees)].laneCount / qc_lanes + 1;
+    QC_TRY(qcArray_Reserve(&set->hits, room, sizeof(qcOctetHit), "boxes that meet"));
+    for (uint32_t lane = 0; lane < tree->laneCount; lane++)
+    {
+        if (lane % qc_lanes == 0)
+            SeekOctet(set, young, lane / qc_lanes, &ranges);
+        if (ids[lane] != QC_NO_BOX)
+            QC_TRY(MeetHits(set, wanted, ids[lane], lane % qc_lanes, &ranges));
+    }
+    qcForest_Age(&set->forest, young);
+    return qc_statusOk;
 }
 
-/// Keeps the pair if the boxes meet and one has moved.
-static qcStatus MeetBoxes(qcBoxes* set, uint32_t a, uint32_t b)
+//  ---- pairs -----------------------------------------------------------------------------------------
+
+/// Reports what is wanted of a pair that is kept, and marks it.
+static inline qcStatus MeetBoxes(qcBoxes* set, Wanted wanted, qcEdge* edge)
 {
-    const qcBox *x = &QC_AT(qcBox, set->boxes, a), *y = &QC_AT(qcBox, set->boxes, b);
-    if ((x->mover & y->mover) == QC_NO_NODE || !qcBounds_Meet(x->lower, x->upper, y->lower, y->upper))
+    uint32_t a = edge->box[0] & ~QC_EDGE_MARK, b = edge->box[1];
+    const qcBox *x = qcBoxes_Box(set, a), *y = qcBoxes_Box(set, b);
+    bool moved = (x->mover & y->mover) != QC_NO_MOVER;
+    if (!moved && !set->forgotten)
         return qc_statusOk;
-    return PushPair(set, a, b);
+    set->profile.compared++;
+    bool meet = qcBoxes_Meet(set, a, b), met = (edge->box[0] & QC_EDGE_MARK) != 0;
+    edge->box[0] = meet ? a | QC_EDGE_MARK : a;
+    if (wanted == MOVED ? !(moved && meet) : meet == met)
+        return qc_statusOk;
+    return PushPair(set, meet ? &set->began : &set->ended, a, b);
 }
 
-static qcStatus FindPairs(qcBoxes* set)
+/// The pairs of one box that has moved; a pair of two such is the lower one's.
+static qcStatus FindPairsOf(qcBoxes* set, Wanted wanted, uint32_t id)
 {
-    const qcEdgeEnd* ends = set->neighbours.ends.data;
-    if (set->movers.count > set->boxes.count / 4)
+    uint32_t end = qcNeighbours_First(&set->neighbours, id);
+    for (; end != QC_NO_EDGE; end = qcNeighbours_Next(&set->neighbours, end))
     {
-        // Most pairs are asked for: in memory order, not in the order of lists.
-        for (size_t end = 0; end < set->neighbours.ends.count; end += 2)
-            if (ends[end].other != QC_NO_EDGE)
-                QC_TRY(MeetBoxes(set, ends[end].other, ends[end + 1].other));
-        return qc_statusOk;
+        uint32_t other = qcNeighbours_Other(&set->neighbours, end);
+        if (id < other || qcBoxes_Box(set, other)->mover == QC_NO_MOVER)
+            QC_TRY(MeetBoxes(set, wanted, qcNeighbours_Edge(&set->neighbours, end / 2)));
     }
+    return qc_statusOk;
+}
+
+static qcStatus FindPairs(qcBoxes* set, Wanted wanted)
+{
+    // Where most pairs are asked for, in memory order and not in the order of lists.
+    bool most = set->forgotten || set->movers.count > set->boxes.count / 4;
+    for (size_t i = 0; !most && i < set->movers.count; i++)
+        QC_TRY(FindPairsOf(set, wanted, QC_AT(qcMover, set->movers, i).id));
+    qcEdge* edges = set->neighbours.edges.data;
+    for (size_t i = 0; most && i < set->neighbours.edges.count; i++)
+        if (edges[i].box[1] != QC_NO_EDGE)
+            QC_TRY(MeetBoxes(set, wanted, &edges[i]));
+    return qc_statusOk;
+}
+
+static void StoreSorted(const qcArray* items, qcBoxPair* pairs)
+{
+    for (size_t i = 0; i < items->count; i++)
+    {
+        uint64_t pair = QC_AT(qcSortItem, *items, i).value;
+        pairs[i] = (qcBoxPair){(uint32_t)(pair >> 32), (uint32_t)pair};
+    }
+}
+
+/// Leaves in `pairs` those that began, then those that ended.
+static qcStatus Search(qcBoxes* set, Wanted wanted)
+{
+    set->began.count = 0;
+    set->ended.count = 0;
+    set->profile = (qcBoxProfile){.moved = set->movers.count};
+    QC_TRY(FindNeighbours(set, wanted));
+    QC_TRY(FindPairs(set, wanted));
+    QC_TRY(qcSort_Items(set->began.data, set->began.count, &set->scratch));
+    QC_TRY(qcSort_Items(set->ended.data, set->ended.count, &set->scratch));
+    QC_TRY(qcArray_Resize(&set->pairs, set->began.count + set->ended.count, sizeof(qcBoxPair), "pairs of boxes"));
+    set->profile.sorted = set->forest.sortedCount;
+    set->forest.sortedCount = 0;
+    StoreSorted(&set->began, set->pairs.data);
+    if (set->ended.count != 0)
+        StoreSorted(&set->ended, &QC_AT(qcBoxPair, set->pairs, set->began.count));
     for (size_t i = 0; i < set->movers.count; i++)
     {
-        uint32_t id = QC_AT(uint32_t, set->movers, i);
-        for (uint32_t end = QC_AT(uint32_t, set->neighbours.first, id); end != QC_NO_EDGE; end = ends[end].next)
-        {
-            // A pair of two movers is the lower one's.
-            uint32_t other = ends[end].other;
-            if (id < other || QC_AT(qcBox, set->boxes, other).mover == QC_NO_NODE)
-                QC_TRY(MeetBoxes(set, id, other));
-        }
+        qcBox* box = qcBoxes_Box(set, QC_AT(qcMover, set->movers, i).id);
+        box->mover = QC_NO_MOVER;
+        box->young = false;
     }
+    set->movers.count = 0;
     return qc_statusOk;
 }
 
@@ -174,24 +263,30 @@ qcStatus qcBoxes_FindMovedPairs(qcBoxes* boxes, const qcBoxPair** pairs, size_t*
 {
     if (boxes == NULL || pairs == NULL || count == NULL)
         return qcFail(qc_statusBadInput, "qcBoxes_FindMovedPairs: boxes, pairs or count is null");
-    boxes->found.count = 0;
-    QC_TRY(FindNeighbours(boxes));
-    QC_TRY(FindPairs(boxes));
-    QC_TRY(qcSort_Items(boxes->found.data, boxes->found.count, &boxes->scratch));
-    QC_TRY(qcArray_Resize(&boxes->pairs, boxes->found.count, sizeof(qcBoxPair), "pairs of boxes"));
-    for (size_t i = 0; i < boxes->found.count; i++)
-    {
-        uint64_t pair = QC_AT(qcSortItem, boxes->found, i).value;
-        QC_AT(qcBoxPair, boxes->pairs, i) = (qcBoxPair){(uint32_t)(pair >> 32), (uint32_t)pair};
-    }
-    for (size_t i = 0; i < boxes->movers.count; i++)
-    {
-        qcBox* box = &QC_AT(qcBox, boxes->boxes, QC_AT(uint32_t, boxes->movers, i));
-        box->mover = QC_NO_NODE;
-        box->restless = false;
-    }
-    boxes->movers.count = 0;
+    qcStatus status = Search(boxes, MOVED);
+    boxes->forgotten = status != qc_statusOk;
+    QC_TRY(status);
     *pairs = boxes->pairs.data;
     *count = boxes->pairs.count;
     return qc_statusOk;
+}
+
+qcStatus qcBoxes_FindChangedPairs(qcBoxes* boxes, qcBoxChanges* changes)
+{
+    if (boxes == NULL || changes == NULL)
+        return qcFail(qc_statusBadInput, "qcBoxes_FindChangedPairs: boxes or changes is null");
+    bool all = boxes->forgotten;
+    qcStatus status = Search(boxes, CHANGED);
+    boxes->forgotten = status != qc_statusOk;
+    QC_TRY(status);
+    const qcBoxPair* pairs = boxes->pairs.data;
+    *changes = (qcBoxChanges){.began = pairs, .beganCount = boxes->began.count, .endedCount = boxes->ended.count};
+    changes->ended = pairs != NULL ? pairs + boxes->began.count : NULL;
+    changes->all = all;
+    return qc_statusOk;
+}
+
+qcBoxProfile qcBoxes_GetProfile(const qcBoxes* boxes)
+{
+    return boxes != NULL ? boxes->profile : (qcBoxProfile){0};
 }

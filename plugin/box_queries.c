@@ -17,58 +17,181 @@
 
 void qcBoxes_GetTotalBounds(const qcBoxes* boxes, double lower[3], double upper[3])
 {
-    uint32_t stack[qc_treeStack], count = 0;
-    bool any = boxes != NULL && boxes->tree.root != QC_NO_NODE;
+    bool any = qcBoxes_GetCount(boxes) > 0;
     for (int k = 0; k < 3; k++)
     {
         lower[k] = any ? INFINITY : 0.0;
         upper[k] = any ? -INFINITY : 0.0;
     }
-    if (any)
-        stack[count++] = boxes->tree.root;
-    while (count > 0)
+    for (size_t id = 0; any && id < boxes->boxes.count; id++)
     {
-        const qcTreeNode* node = qcBoxTree_Node(&boxes->tree, stack[--count]);
-        if (qcBounds_Contain(lower, upper, node->lower, node->upper))
+        if (!qcBoxes_Box(boxes, (uint32_t)id)->alive)
             continue;
-        if (node->height != 0)
-        {
-            stack[count++] = node->child[0];
-            stack[count++] = node->child[1];
-            continue;
-        }
-        const qcBox* box = &QC_AT(qcBox, boxes->boxes, node->child[0]);
+        qcBounds bounds = qcBoxes_Bounds(boxes, (uint32_t)id);
         for (int k = 0; k < 3; k++)
         {
-            lower[k] = qcLower(lower[k], box->lower[k]);
-            upper[k] = qcUpper(upper[k], box->upper[k]);
+            lower[k] = qcLower(lower[k], bounds.lower[k]);
+            upper[k] = qcUpper(upper[k], bounds.upper[k]);
         }
     }
+}
+
+//  ---- all boxes in a box ----------------------------------------------------------------------------
+
+typedef struct Question
+{
+    const qcBoxes* set;
+    qcBounds bounds;
+    qcFloatBox box; ///< around the bounds
+    qcBoxFunction* function;
+    void* context;
+    uint32_t self; ///< left out, and with it what it met at the last search; QC_NO_BOX: none
+} Question;
+
+/// NaN counts as unbounded.
+static Question Ask(const qcBoxes* set, const double lower[3], const double upper[3], qcBoxFunction* function,
+                    void* context)
+{
+    Question question = {.set = set, .function = function, .context = context, .self = QC_NO_BOX};
+    for (int k = 0; k < 3; k++)
+    {
+        question.bounds.lower[k] = isnan(lower[k]) ? -INFINITY : lower[k];
+        question.bounds.upper[k] = isnan(upper[k]) ? INFINITY : upper[k];
+    }
+    question.box = qcFloatBox_Around(question.bounds.lower, question.bounds.upper);
+    return question;
+}
+
+/// Returns false if the function wants no more.
+static bool Offer(const Question* question, uint32_t id)
+{
+    qcBounds bounds = qcBoxes_Bounds(question->set, id);
+    if (!qcBounds_Meet(&bounds, &question->bounds))
+        return true;
+    if (question->self != QC_NO_BOX && (id == question->self || qcBoxes_Met(question->set, id, question->self)))
+        return true;
+    return question->function(id, QC_AT(void*, question->set->userData, id), question->context);
+}
+
+static bool OfferLanes(const Question* question, const qcOctet* octet, const uint32_t* ids)
+{
+    uint32_t lanes = question->set->forest.kernels->meet(octet, &question->box);
+    for (; lanes != 0; lanes &= lanes - 1)
+        if (!Offer(question, ids[__builtin_ctz(lanes)]))
+            return false;
+    return true;
+}
+
+static bool OfferList(const Question* question)
+{
+    const qcForest* forest = &question->set->forest;
+    for (size_t i = 0; i < forest->listIds.count; i += qc_lanes)
+        if (!OfferLanes(question, &QC_AT(qcOctet, forest->listOctets, i / qc_lanes),
+                        &QC_AT(uint32_t, forest->listIds, i)))
+            return false;
+    return true;
+}
+
+typedef struct Stop
+{
+    uint32_t level, octet;
+} Stop;
+
+static bool OfferTree(const Question* question, const qcBoxTree* tree)
+{
+    const qcOctetTree* shape = &tree->shape;
+    Stop stack[7 * qc_treeLevels + 1] = {{shape->levelCount - 1, 0}};
+    uint32_t stops = 1;
+    while (stops > 0)
+    {
+        Stop stop = stack[--stops];
+        const qcOctet* octet = &shape->octets[shape->first[stop.level] + stop.octet];
+        if (stop.level == 0)
+        {
+            if (!OfferLanes(question, octet, &QC_AT(uint32_t, tree->ids, qc_lanes * stop.octet)))
+                return false;
+            continue;
+        }
+        uint32_t lanes = question->set->forest.kernels->meet(octet, &question->box);
+        for (; lanes != 0; lanes &= lanes - 1)
+            stack[stops++] = (Stop){stop.level - 1, qc_lanes * stop.octet + (uint32_t)__builtin_ctz(lanes)};
+    }
+    return true;
+}
+
+typedef enum Part
+{
+    YOUNG = 1, ///< what was put into the forest since the last search
+    OLD = 2
+} Part;
+
+static void OfferForest(const Question* question, unsigned parts)
+{
+    const qcForest* forest = &question->set->forest;
+    bool more = (parts & YOUNG) == 0 || OfferList(question);
+    uint64_t trees = ((parts & YOUNG) != 0 ? forest->young : 0) | ((parts & OLD) != 0 ? forest->old : 0);
+    while (more && trees != 0)
+        more = OfferTree(question, &forest->trees[qcForest_NextTree(&trees)]);
 }
 
 void qcBoxes_QueryBox(const qcBoxes* boxes, const double lower[3], const double upper[3], qcBoxFunction* function,
                       void* context)
 {
-    uint32_t stack[qc_treeStack], count = 0;
-    if (boxes != NULL && boxes->tree.root != QC_NO_NODE)
-        stack[count++] = boxes->tree.root;
-    while (count > 0)
+    if (qcBoxes_GetCount(boxes) == 0)
+        return;
+    Question question = Ask(boxes, lower, upper, function, context);
+    OfferForest(&question, YOUNG | OLD);
+}
+
+void qcBoxes_QueryBegun(const qcBoxes* boxes, uint32_t id, qcBoxFunction* function, void* context)
+{
+    if (boxes == NULL || id >= boxes->boxes.count || !qcBoxes_Box(boxes, id)->alive)
+        return;
+    qcBounds bounds = qcBoxes_Bounds(boxes, id);
+    Question question = Ask(boxes, bounds.lower, bounds.upper, function, context);
+    question.self = id;
+    // A still box has neighbours that are not kept.
+    const qcBox* box = qcBoxes_Box(boxes, id);
+    bool known = !box->still && !box->young && !boxes->forgotten;
+    uint32_t end = known ? qcNeighbours_First(&boxes->neighbours, id) : QC_NO_EDGE;
+    for (; end != QC_NO_EDGE; end = qcNeighbours_Next(&boxes->neighbours, end))
     {
-        const qcTreeNode* node = qcBoxTree_Node(&boxes->tree, stack[--count]);
-        if (!qcBounds_Meet(node->lower, node->upper, lower, upper))
-            continue;
-        if (node->height != 0)
-        {
-            stack[count++] = node->child[0];
-            stack[count++] = node->child[1];
-            continue;
-        }
-        const qcBox* box = &QC_AT(qcBox, boxes->boxes, node->child[0]);
-        if (qcBounds_Meet(box->lower, box->upper, lower, upper) &&
-            !function(node->child[0], QC_AT(void*, boxes->userData, node->child[0]), context))
+        uint32_t other = qcNeighbours_Other(&boxes->neighbours, end);
+        if (!qcBoxes_Box(boxes, other)->young && !Offer(&question, other))
             return;
     }
+    OfferForest(&question, known ? YOUNG : YOUNG | OLD);
 }
+
+typedef struct StillBox
+{
+    qcBoxes* set;
+    uint32_t id;
+} StillBox;
+
+/// The box found is still, and was at the last search.
+static bool KeepStillPair(uint32_t id, void* userData, void* context)
+{
+    (void)userData;
+    const StillBox* moving = context;
+    const qcBox* box = qcBoxes_Box(moving->set, id);
+    if (id == moving->id || !box->still || box->mover != QC_NO_MOVER)
+        return true;
+    // Without memory the next search begins from nothing.
+    moving->set->forgotten = qcNeighbours_Join(&moving->set->neighbours, moving->id, id, true) != qc_statusOk;
+    return !moving->set->forgotten;
+}
+
+void qcBoxes_KeepStillPairs(qcBoxes* set, uint32_t id)
+{
+    StillBox moving = {set, id};
+    qcBounds bounds = qcBoxes_Bounds(set, id);
+    Question question = Ask(set, bounds.lower, bounds.upper, KeepStillPair, &moving);
+    if (!set->forgotten)
+        OfferForest(&question, OLD);
+}
+
+//  ---- all boxes on a way ----------------------------------------------------------------------------
 
 /// 16 u (see the file's head).
 #define QC_CAST_TOLERANCE 0x1p-49
@@ -77,6 +200,7 @@ typedef struct Cast
 {
     double from[3], castLower[3], castUpper[3];
     double wayLower[3], wayUpper[3]; ///< the box around the whole way
+    qcFloatBox wayBox;               ///< around that
     double inverse[3];               ///< of the direction; 0: no slab in this axis
     double reach[3];                 ///< |from| + the larger cast extent
     const double* fraction;
@@ -98,6 +222,7 @@ static Cast PrepareCast(const double from[3], const double to[3], const double c
 {
     static const double wholeWay = 1.0;
     Cast cast = {.fraction = fraction != NULL ? fraction : &wholeWay};
+    qcBounds unbounded; ///< the way, but NaN turns no box away
     for (int k = 0; k < 3; k++)
     {
         cast.from[k] = from[k];
@@ -108,7 +233,10 @@ static Cast PrepareCast(const double from[3], const double to[3], const double c
         double direction = to[k] - from[k], length = fabs(direction);
         cast.inverse[k] = length >= DBL_MIN && length <= 0x1p1021 ? 1.0 / direction : 0.0;
         cast.reach[k] = fabs(from[k]) + qcUpper(fabs(castLower[k]), fabs(castUpper[k]));
+        unbounded.lower[k] = isnan(cast.wayLower[k]) ? -INFINITY : cast.wayLower[k];
+        unbounded.upper[k] = isnan(cast.wayUpper[k]) ? INFINITY : cast.wayUpper[k];
     }
+    cast.wayBox = qcFloatBox_Around(unbounded.lower, unbounded.upper);
     return cast;
 }
 
@@ -135,50 +263,120 @@ static bool CastMeets(const Cast* cast, const double lower[3], const double uppe
     return !(enter > leave + QC_CAST_TOLERANCE);
 }
 
+/// A node of a tree, or a box, that is met on the way.
 typedef struct CastStop
 {
-    uint32_t node;
+    const qcBoxTree* tree; ///< null: a box
+    uint32_t level, octet; ///< a box: its id in `octet`
     double entry;
 } CastStop;
+
+enum
+{
+    // Of the list, so many boxes are brought into order at a time.
+    qc_listStep = 64,
+    qc_castStack = 7 * qc_treeLevels + qc_forestTrees + qc_listStep + qc_lanes
+};
+
+typedef struct CastStack
+{
+    CastStop stops[qc_castStack];
+    uint32_t count;
+} CastStack;
+
+/// Brings the stops from `first` on into order: the nearest is taken first.
+static void NearestLast(CastStack* stack, uint32_t first)
+{
+    for (uint32_t i = first + 1; i < stack->count; i++)
+    {
+        CastStop stop = stack->stops[i];
+        uint32_t at = i;
+        for (; at > first && stack->stops[at - 1].entry < stop.entry; at--)
+            stack->stops[at] = stack->stops[at - 1];
+        stack->stops[at] = stop;
+    }
+}
+
+/// A box of the forest contains the box itself, but where that is may be further along the way.
+static void PushBox(const qcBoxes* boxes, const Cast* cast, CastStack* stack, uint32_t id)
+{
+    qcBounds bounds = qcBoxes_Bounds(boxes, id);
+    CastStop stop = {NULL, 0, id, 0.0};
+    if (CastMeets(cast, bounds.lower, bounds.upper, &stop.entry))
+        stack->stops[stack->count++] = stop;
+}
+
+/// Pushes what is met of one octet.
+static void PushLanes(const qcBoxes* boxes, const Cast* cast, CastStack* stack, const CastStop* at)
+{
+    const qcOctetTree* shape = &at->tree->shape;
+    const qcOctet* octet = &shape->octets[shape->first[at->level] + at->octet];
+    uint32_t lanes = boxes->forest.kernels->meet(octet, &cast->wayBox), first = stack->count;
+    for (; lanes != 0; lanes &= lanes - 1)
+    {
+        uint32_t lane = (uint32_t)__builtin_ctz(lanes), below = qc_lanes * at->octet + lane;
+        if (at->level == 0)
+        {
+            PushBox(boxes, cast, stack, QC_AT(uint32_t, at->tree->ids, below));
+            continue;
+        }
+        double lower[3], upper[3];
+        for (int k = 0; k < 3; k++)
+        {
+            lower[k] = (double)octet->lower[k][lane];
+            upper[k] = (double)octet->upper[k][lane];
+        }
+        CastStop stop = {at->tree, at->level - 1, below, 0.0};
+        if (CastMeets(cast, lower, upper, &stop.entry))
+            stack->stops[stack->count++] = stop;
+    }
+    NearestLast(stack, first);
+}
+
+/// Visits what is on the stack. Returns false if the function wants no more.
+static bool VisitStack(const qcBoxes* boxes, const Cast* cast, CastStack* stack, qcBoxFunction* function, void* context)
+{
+    while (stack->count > 0)
+    {
+        CastStop stop = stack->stops[--stack->count];
+        // The fraction may have been lowered since.
+        if (stop.entry > *cast->fraction + QC_CAST_TOLERANCE)
+            continue;
+        if (stop.tree != NULL)
+            PushLanes(boxes, cast, stack, &stop);
+        else if (!function(stop.octet, QC_AT(void*, boxes->userData, stop.octet), context))
+            return false;
+    }
+    return true;
+}
 
 void qcBoxes_CastBox(const qcBoxes* boxes, const double from[3], const double to[3], const double castLower[3],
                      const double castUpper[3], const double* fraction, qcBoxFunction* function, void* context)
 {
+    if (qcBoxes_GetCount(boxes) == 0)
+        return;
+    const qcForest* forest = &boxes->forest;
     Cast cast = PrepareCast(from, to, castLower, castUpper, fraction);
-    CastStop stack[qc_treeStack];
-    uint32_t count = 0;
-    if (boxes != NULL && boxes->tree.root != QC_NO_NODE)
-        stack[count++] = (CastStop){boxes->tree.root, 0.0};
-    while (count > 0)
+    CastStack stack;
+    stack.count = 0;
+    for (uint64_t trees = forest->old | forest->young; trees != 0;)
     {
-        CastStop stop = stack[--count];
-        // The fraction may have been lowered since.
-        if (stop.entry > *cast.fraction + QC_CAST_TOLERANCE)
+        const qcBoxTree* tree = &forest->trees[qcForest_NextTree(&trees)];
+        CastStop stop = {tree, tree->shape.levelCount - 1, 0, 0.0};
+        qcFloatBox around = qcOctet_Around(&tree->shape.octets[tree->shape.first[stop.level]]);
+        double lower[3] = {(double)around.lower[0], (double)around.lower[1], (double)around.lower[2]};
+        double upper[3] = {(double)around.upper[0], (double)around.upper[1], (double)around.upper[2]};
+        if (CastMeets(&cast, lower, upper, &stop.entry))
+            stack.stops[stack.count++] = stop;
+    }
+    NearestLast(&stack, 0);
+    bool more = VisitStack(boxes, &cast, &stack, function, context);
+    for (size_t i = 0; more && i < forest->listIds.count; i++)
+    {
+        PushBox(boxes, &cast, &stack, QC_AT(uint32_t, forest->listIds, i));
+        if ((i + 1) % qc_listStep != 0 && i + 1 < forest->listIds.count)
             continue;
-        const qcTreeNode* node = qcBoxTree_Node(&boxes->tree, stop.node);
-        if (node->height == 0)
-        {
-            const qcBox* box = &QC_AT(qcBox, boxes->boxes, node->child[0]);
-            if (CastMeets(&cast, box->lower, box->upper, &stop.entry) &&
-                !function(node->child[0], QC_AT(void*, boxes->userData, node->child[0]), context))
-                return;
-            continue;
-        }
-        CastStop hit[2];
-        int hits = 0;
-        for (int i = 0; i < 2; i++)
-        {
-            const qcTreeNode* child = qcBoxTree_Node(&boxes->tree, node->child[i]);
-            hit[hits].node = node->child[i];
-            hits += CastMeets(&cast, child->lower, child->upper, &hit[hits].entry);
-        }
-        if (hits == 2 && hit[0].entry < hit[1].entry)
-        {
-            CastStop nearer = hit[0];
-            hit[0] = hit[1];
-            hit[1] = nearer;
-        }
-        for (int i = 0; i < hits; i++)
-            stack[count++] = hit[i];
+        NearestLast(&stack, 0);
+        more = VisitStack(boxes, &cast, &stack, function, context);
     }
 }

@@ -1,4 +1,4 @@
-// A set of moving boxes over a tree of fattened boxes, so that a box that moves a little costs nothing in the tree.
+// A set of moving boxes over a forest of fattened boxes, so that a box that moves a little costs nothing there.
 // Fat boxes: Catto, Box2D.
 #include "box_set.h"
 
@@ -7,11 +7,11 @@
 #include <float.h>
 #include <string.h>
 
-static const qcBox* GetBox(const qcBoxes* set, uint32_t id)
+static qcBox* GetBox(const qcBoxes* set, uint32_t id)
 {
-    if (set == NULL || id >= set->boxes.count || QC_AT(qcBox, set->boxes, id).leaf == QC_NO_NODE)
+    if (set == NULL || id >= set->boxes.count || !qcBoxes_Box(set, id)->alive)
         return NULL;
-    return &QC_AT(qcBox, set->boxes, id);
+    return qcBoxes_Box(set, id);
 }
 
 static qcStatus CheckBounds(const char* where, const double lower[3], const double upper[3])
@@ -55,71 +55,74 @@ static uint32_t PopFreeId(qcBoxes* set)
 
 //  ---- movers ----------------------------------------------------------------------------------------
 
-static void MarkMoved(qcBoxes* set, uint32_t id)
+/// To be called before the box changes.
+static void MarkMoved(qcBoxes* set, uint32_t id, bool added)
 {
-    qcBox* box = &QC_AT(qcBox, set->boxes, id);
-    if (box->mover != QC_NO_NODE)
+    qcBox* box = qcBoxes_Box(set, id);
+    if (box->mover != QC_NO_MOVER)
         return;
     box->mover = (uint32_t)set->movers.count;
-    QC_AT(uint32_t, set->movers, set->movers.count++) = id;
+    QC_AT(qcMover, set->movers, set->movers.count++) = (qcMover){id, added, qcBoxes_Bounds(set, id)};
 }
 
 static void UnmarkMoved(qcBoxes* set, uint32_t id)
 {
-    qcBox* box = &QC_AT(qcBox, set->boxes, id);
-    if (box->mover == QC_NO_NODE)
+    qcBox* box = qcBoxes_Box(set, id);
+    if (box->mover == QC_NO_MOVER)
         return;
-    uint32_t last = QC_AT(uint32_t, set->movers, --set->movers.count);
-    QC_AT(uint32_t, set->movers, box->mover) = last;
-    QC_AT(qcBox, set->boxes, last).mover = box->mover;
-    box->mover = QC_NO_NODE;
+    qcMover last = QC_AT(qcMover, set->movers, --set->movers.count);
+    QC_AT(qcMover, set->movers, box->mover) = last;
+    qcBoxes_Box(set, last.id)->mover = box->mover;
+    box->mover = QC_NO_MOVER;
 }
 
 //  ---- fat boxes -------------------------------------------------------------------------------------
 
 /// The longest edge, or 0 when it is infinite: what fattening is measured by.
-static double LongestEdge(const double lower[3], const double upper[3])
+static double LongestEdge(const qcBounds* bounds)
 {
     double longest = 0.0;
     for (int k = 0; k < 3; k++)
-        longest = qcUpper(longest, upper[k] - lower[k]);
+        longest = qcUpper(longest, bounds->upper[k] - bounds->lower[k]);
     return longest <= DBL_MAX / 8.0 ? longest : 0.0;
 }
 
-/// The leaf still holds the box, and not too loosely.
-static bool LeafFits(const qcTreeNode* leaf, const double lower[3], const double upper[3])
+/// The fat box still holds the box, and not too loosely.
+static bool Fits(const qcFloatBox* fat, const qcBounds* bounds)
 {
-    double longest = LongestEdge(lower, upper);
+    double longest = LongestEdge(bounds);
+    bool fits = true;
     for (int k = 0; k < 3; k++)
     {
-        if (lower[k] < leaf->lower[k] || upper[k] > leaf->upper[k])
-            return false;
-        // More than twice what FattenBounds adds at most.
-        if (upper[k] - lower[k] + 5.0 * longest < leaf->upper[k] - leaf->lower[k])
-            return false;
+        double lower = (double)fat->lower[k], upper = (double)fat->upper[k];
+        // Five edges: more than twice what Fatten adds at most. Floats may be infinite where the box is not.
+        fits = fits & (bounds->lower[k] >= lower) & (bounds->upper[k] <= upper) &
+               !(bounds->upper[k] - bounds->lower[k] + 5.0 * longest < upper - lower);
     }
-    return true;
+    return fits;
 }
 
 /// Room for jitter on all sides, and for a number of steps like the last one where a side moves outwards.
-static void FattenBounds(const qcBox* old, const double lower[3], const double upper[3], double steps,
-                         double fatLower[3], double fatUpper[3])
+static qcFloatBox Fatten(const qcBounds* old, const qcBounds* bounds, double steps)
 {
-    double longest = LongestEdge(lower, upper);
+    qcBounds fat;
+    double longest = LongestEdge(bounds);
     for (int k = 0; k < 3; k++)
     {
+        double lower = bounds->lower[k], upper = bounds->upper[k];
         // A fiftieth of the edge. With 10 000 boxes that move a fifteenth of theirs, a tenth costs a quarter more time.
-        double margin = qcLower(0.02 * (upper[k] - lower[k]), longest);
+        double margin = qcLower(0.02 * (upper - lower), longest);
         // At most the box's length: a jump says nothing about the next step.
-        double down = qcLower(steps * (old->lower[k] - lower[k]), longest);
-        double up = qcLower(steps * (upper[k] - old->upper[k]), longest);
-        fatLower[k] = qcLower(lower[k], lower[k] - qcUpper(down, 0.0) - margin);
-        fatUpper[k] = qcUpper(upper[k], upper[k] + qcUpper(up, 0.0) + margin);
+        double down = qcLower(steps * (old->lower[k] - lower), longest);
+        double up = qcLower(steps * (upper - old->upper[k]), longest);
+        fat.lower[k] = qcLower(lower, lower - qcUpper(down, 0.0) - margin);
+        fat.upper[k] = qcUpper(upper, upper + qcUpper(up, 0.0) + margin);
     }
+    return qcFloatBox_Around(fat.lower, fat.upper);
 }
 
-/// How many steps ahead a leaf is made: 5 to 12. On the scene above, 4 for all cost a sixth more time than 8 or 12. It
-/// differs from box to box so that boxes which set out together don't all leave their leaves in the same step.
+/// How many steps ahead a fat box is made: 5 to 12. On the scene above, 4 for all cost a sixth more time than 8 or 12.
+/// It differs from box to box so that boxes which set out together don't all leave their fat boxes in the same step.
 static double StepsAhead(uint32_t id)
 {
     return 5.0 + (double)(id * 2654435769u >> 29);
@@ -134,7 +137,6 @@ qcStatus qcBoxes_Create(qcBoxes** boxes)
     qcBoxes* set = qcAllocateZeroed(sizeof *set);
     if (set == NULL)
         return qcFailMemory(sizeof *set, "a set of boxes");
-    qcBoxTree_Clear(&set->tree);
     qcNeighbours_Clear(&set->neighbours);
     *boxes = set;
     return qc_statusOk;
@@ -144,14 +146,17 @@ void qcBoxes_Destroy(qcBoxes* boxes)
 {
     if (boxes == NULL)
         return;
-    qcBoxTree_Free(&boxes->tree);
+    qcForest_Free(&boxes->forest);
     qcNeighbours_Free(&boxes->neighbours);
     qcArray_Free(&boxes->boxes);
+    qcArray_Free(&boxes->bounds);
     qcArray_Free(&boxes->userData);
     qcArray_Free(&boxes->freeIds);
     qcArray_Free(&boxes->movers);
-    qcArray_Free(&boxes->flags);
-    qcArray_Free(&boxes->found);
+    qcArray_Free(&boxes->hits);
+    qcArray_Free(&boxes->stamps);
+    qcArray_Free(&boxes->began);
+    qcArray_Free(&boxes->ended);
     qcArray_Free(&boxes->scratch);
     qcArray_Free(&boxes->pairs);
     qcFree(boxes, sizeof *boxes);
@@ -161,31 +166,62 @@ void qcBoxes_Clear(qcBoxes* boxes)
 {
     if (boxes == NULL)
         return;
-    qcBoxTree_Clear(&boxes->tree);
+    qcForest_Clear(&boxes->forest);
     qcNeighbours_Clear(&boxes->neighbours);
     boxes->boxes.count = 0;
+    boxes->stamps.count = 0;
+    boxes->stamp = 0;
     boxes->freeIds.count = 0;
     boxes->movers.count = 0;
+    boxes->forgotten = false;
 }
 
 /// Room for one more box in every list that a box may come to be in, so that only adding can run out of memory.
 static qcStatus ReserveOneMore(qcBoxes* set)
 {
     size_t count = set->boxes.count + (set->freeIds.count == 0);
-    if (count > UINT32_MAX / 2)
+    if (count > QC_EDGE_MARK)
         return qcFailMemory(SIZE_MAX, "more than 2^31 boxes");
     QC_TRY(qcArray_Reserve(&set->boxes, count, sizeof(qcBox), "boxes"));
+    QC_TRY(qcArray_Resize(&set->bounds, count, sizeof(qcBounds), "bounds of boxes"));
     QC_TRY(qcArray_Resize(&set->userData, count, sizeof(void*), "user data of boxes"));
+    while (set->stamps.count < count)
+    {
+        QC_TRY(qcArray_Resize(&set->stamps, set->stamps.count + 1, sizeof(uint32_t), "stamps of boxes"));
+        QC_AT(uint32_t, set->stamps, set->stamps.count - 1) = 0;
+    }
+    QC_TRY(qcForest_Reserve(&set->forest, count));
     QC_TRY(qcNeighbours_Reserve(&set->neighbours, count));
     QC_TRY(qcArray_Reserve(&set->freeIds, count, sizeof(uint32_t), "free ids of boxes"));
-    QC_TRY(qcArray_Reserve(&set->movers, count, sizeof(uint32_t), "moved boxes"));
-    QC_TRY(qcBoxTree_Reserve(&set->tree, (uint32_t)count));
-    size_t flagged = set->flags.count;
-    if (flagged >= 2 * count)
-        return qc_statusOk;
-    QC_TRY(qcArray_Resize(&set->flags, 2 * count, 1, "flags of nodes"));
-    memset(&QC_AT(uint8_t, set->flags, flagged), 0, set->flags.count - flagged);
-    return qc_statusOk;
+    return qcArray_Reserve(&set->movers, count, sizeof(qcMover), "moved boxes");
+}
+
+static bool IsSame(const qcBounds* a, const qcBounds* b)
+{
+    bool same = true;
+    for (int k = 0; k < 3; k++)
+        same = same & (a->lower[k] == b->lower[k]) & (a->upper[k] == b->upper[k]);
+    return same;
+}
+
+static qcBounds MakeBounds(const double lower[3], const double upper[3])
+{
+    return (qcBounds){{lower[0], lower[1], lower[2]}, {upper[0], upper[1], upper[2]}};
+}
+
+static void StoreBounds(qcBoxes* set, uint32_t id, const qcBounds* bounds, const qcFloatBox* around)
+{
+    qcBox* box = qcBoxes_Box(set, id);
+    bool exact = true;
+    for (int k = 0; k < 3; k++)
+    {
+        box->lower[k] = around->lower[k];
+        box->upper[k] = around->upper[k];
+        exact = exact & ((double)box->lower[k] == bounds->lower[k]) & ((double)box->upper[k] == bounds->upper[k]);
+    }
+    box->exact = exact;
+    if (!exact)
+        QC_AT(qcBounds, set->bounds, id) = *bounds;
 }
 
 qcStatus qcBoxes_Add(qcBoxes* boxes, const double lower[3], const double upper[3], void* userData, uint32_t* id)
@@ -195,16 +231,14 @@ qcStatus qcBoxes_Add(qcBoxes* boxes, const double lower[3], const double upper[3
     QC_TRY(CheckBounds("qcBoxes_Add", lower, upper));
     QC_TRY(ReserveOneMore(boxes));
     *id = boxes->freeIds.count != 0 ? PopFreeId(boxes) : (uint32_t)boxes->boxes.count++;
-    qcBox* box = &QC_AT(qcBox, boxes->boxes, *id);
-    memcpy(box->lower, lower, sizeof box->lower);
-    memcpy(box->upper, upper, sizeof box->upper);
+    qcBounds bounds = MakeBounds(lower, upper);
+    qcFloatBox around = qcFloatBox_Around(lower, upper);
+    *qcBoxes_Box(boxes, *id) = (qcBox){.mover = QC_NO_MOVER, .alive = true, .young = true, .still = true};
+    StoreBounds(boxes, *id, &bounds, &around);
+    MarkMoved(boxes, *id, true);
     QC_AT(void*, boxes->userData, *id) = userData;
     // Not fattened: most boxes never move.
-    box->leaf = qcBoxTree_Insert(&boxes->tree, lower, upper, *id);
-    box->mover = QC_NO_NODE;
-    box->restless = true;
-    box->still = true;
-    MarkMoved(boxes, *id);
+    qcForest_Put(&boxes->forest, *id, &around);
     return qc_statusOk;
 }
 
@@ -214,35 +248,43 @@ qcStatus qcBoxes_Remove(qcBoxes* boxes, uint32_t id)
         return qcFail(qc_statusBadInput, "qcBoxes_Remove: there is no box %u", id);
     UnmarkMoved(boxes, id);
     qcNeighbours_Part(&boxes->neighbours, id);
-    qcBoxTree_Remove(&boxes->tree, QC_AT(qcBox, boxes->boxes, id).leaf);
-    QC_AT(qcBox, boxes->boxes, id).leaf = QC_NO_NODE;
+    qcForest_Remove(&boxes->forest, id);
+    qcBoxes_Box(boxes, id)->alive = false;
     PushFreeId(boxes, id);
     return qc_statusOk;
 }
 
+/// Pairs of still boxes are not kept: when the first of the two moves, the search must know that they overlapped.
+static void BeginToMove(qcBoxes* set, uint32_t id)
+{
+    qcBox* box = qcBoxes_Box(set, id);
+    box->still = false;
+    if (!QC_AT(qcMover, set->movers, box->mover).added)
+        qcBoxes_KeepStillPairs(set, id);
+}
+
 qcStatus qcBoxes_Move(qcBoxes* boxes, uint32_t id, const double lower[3], const double upper[3])
 {
-    if (GetBox(boxes, id) == NULL)
+    qcBox* box = GetBox(boxes, id);
+    if (box == NULL)
         return qcFail(qc_statusBadInput, "qcBoxes_Move: there is no box %u", id);
     QC_TRY(CheckBounds("qcBoxes_Move", lower, upper));
-    qcBox* box = &QC_AT(qcBox, boxes->boxes, id);
-    bool same = true;
-    for (int k = 0; k < 3; k++)
-        same = same && box->lower[k] == lower[k] && box->upper[k] == upper[k];
-    if (same)
+    qcBounds bounds = MakeBounds(lower, upper), old = qcBoxes_Bounds(boxes, id);
+    if (IsSame(&bounds, &old))
         return qc_statusOk;
+    MarkMoved(boxes, id, false);
+    bool wasStill = box->still;
     // A still box may have still neighbours, which are not kept: it has to look for them.
-    if (box->still || !LeafFits(qcBoxTree_Node(&boxes->tree, box->leaf), lower, upper))
+    if (wasStill)
+        BeginToMove(boxes, id);
+    if (wasStill || !Fits(&QC_AT(qcFloatBox, boxes->forest.boxes, id), &bounds))
     {
-        double fatLower[3], fatUpper[3];
-        FattenBounds(box, lower, upper, StepsAhead(id), fatLower, fatUpper);
-        qcBoxTree_Move(&boxes->tree, box->leaf, fatLower, fatUpper);
-        box->restless = true;
-        box->still = false;
+        qcFloatBox fat = Fatten(&old, &bounds, StepsAhead(id));
+        qcForest_Put(&boxes->forest, id, &fat);
+        box->young = true;
     }
-    memcpy(box->lower, lower, sizeof box->lower);
-    memcpy(box->upper, upper, sizeof box->upper);
-    MarkMoved(boxes, id);
+    qcFloatBox around = qcFloatBox_Around(lower, upper);
+    StoreBounds(boxes, id, &bounds, &around);
     return qc_statusOk;
 }
 
@@ -253,15 +295,15 @@ uint32_t qcBoxes_GetCount(const qcBoxes* boxes)
 
 void* qcBoxes_GetUserData(const qcBoxes* boxes, uint32_t id)
 {
-    return GetBox(boxes, id) == NULL ? NULL : QC_AT(void*, boxes->userData, id);
+    const qcBox* box = GetBox(boxes, id);
+    return box == NULL ? NULL : QC_AT(void*, boxes->userData, id);
 }
 
 void qcBoxes_GetBounds(const qcBoxes* boxes, uint32_t id, double lower[3], double upper[3])
 {
-    const qcBox* box = GetBox(boxes, id);
-    for (int k = 0; k < 3; k++)
-    {
-        lower[k] = box == NULL ? 0.0 : box->lower[k];
-        upper[k] = box == NULL ? 0.0 : box->upper[k];
-    }
+    qcBounds bounds = {{0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}};
+    if (GetBox(boxes, id) != NULL)
+        bounds = qcBoxes_Bounds(boxes, id);
+    memcpy(lower, bounds.lower, sizeof bounds.lower);
+    memcpy(upper, bounds.upper, sizeof bounds.upper);
 }

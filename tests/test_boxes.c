@@ -32,6 +32,22 @@ static void CheckQuery(const qcModel* model, const double lower[3], const double
     }
 }
 
+/// What a box has come to overlap since the last search for changes.
+static void CheckBegun(const qcModel* model, uint32_t id)
+{
+    Visits visits = {.model = model, .limit = UINT32_MAX};
+    const qcModelBox* box = &model->boxes[id];
+    qcBoxes_QueryBegun(model->set, id, Count, &visits);
+    for (uint32_t other = 0; other < model->ends; other++)
+    {
+        const qcModelBox* y = &model->boxes[other];
+        bool met = qcModel_Met(model, other < id ? other : id, other < id ? id : other);
+        bool begun =
+            box->alive && y->alive && other != id && !met && qcModel_Meet(box->lower, box->upper, y->lower, y->upper);
+        CHECK_QUICKLY(visits.times[other] == begun);
+    }
+}
+
 static void CheckList(const qcModel* model)
 {
     double lower[3], upper[3], totalLower[3] = {INFINITY, INFINITY, INFINITY},
@@ -71,6 +87,7 @@ typedef struct World
     bool integers; ///< many touch, many are flat, segments or points
     bool infinite; ///< some reach to infinity, or to where Bullet's planes do
     double restless;
+    bool changes; ///< what changed is asked for, not what moved
 } World;
 
 static void RandomBox(qcRandom* random, const World* world, double lower[3], double upper[3])
@@ -159,33 +176,51 @@ static void LiveThrough(const World* world)
         {
             qcBoxes_Clear(model->set);
             memset(model->boxes, 0, sizeof model->boxes);
+            memset(model->met, 0, sizeof model->met);
             model->ends = 0;
         }
-        qcModel_CheckTree(model);
+        qcModel_CheckForest(model);
         CheckList(model);
         for (int i = 0; i < 5; i++)
         {
             RandomBox(&random, world, lower, upper);
             CheckQuery(model, lower, upper);
         }
+        for (int i = 0; world->changes && i < 20; i++)
+            CheckBegun(model, qcRandom_Below(&random, model->ends + 2));
         // Now and then changes gather over two steps.
         if (qcRandom_Below(&random, 4) != 0)
-            found += qcModel_CheckMovedPairs(model);
+            found += world->changes ? qcModel_CheckChangedPairs(model) : qcModel_CheckMovedPairs(model);
     }
-    ck_assert_uint_gt(found, 1000);
+    ck_assert_uint_gt(found, world->changes ? 500 : 1000);
     qcModel_Free(model);
+}
+
+static void LiveThroughAll(bool changes)
+{
+    for (uint64_t seed = 1; seed <= 3; seed++)
+    {
+        const World worlds[] = {
+            {.seed = seed, .room = 10, .restless = 0.9, .changes = changes},
+            {.seed = seed, .room = 8, .restless = 0.05, .changes = changes},
+            {.seed = seed, .room = 8, .integers = true, .restless = 0.5, .changes = changes},
+            {.seed = seed, .room = 12, .infinite = true, .restless = 0.5, .changes = changes},
+            {.seed = seed, .room = 8, .integers = true, .infinite = true, .restless = 0.1, .changes = changes},
+        };
+        for (size_t i = 0; i < sizeof worlds / sizeof *worlds; i++)
+            LiveThrough(&worlds[i]);
+    }
 }
 
 START_TEST(pairs_and_queries_equal_brute_force_whatever_changes)
 {
-    for (uint64_t seed = 1; seed <= 3; seed++)
-    {
-        LiveThrough(&(World){.seed = seed, .room = 10, .restless = 0.9});
-        LiveThrough(&(World){.seed = seed, .room = 8, .restless = 0.05});
-        LiveThrough(&(World){.seed = seed, .room = 8, .integers = true, .restless = 0.5});
-        LiveThrough(&(World){.seed = seed, .room = 12, .infinite = true, .restless = 0.5});
-        LiveThrough(&(World){.seed = seed, .room = 8, .integers = true, .infinite = true, .restless = 0.1});
-    }
+    LiveThroughAll(false);
+}
+END_TEST
+
+START_TEST(what_began_and_what_ended_equals_brute_force_whatever_changes)
+{
+    LiveThroughAll(true);
 }
 END_TEST
 
@@ -249,27 +284,41 @@ START_TEST(a_removed_box_is_in_no_pair)
 }
 END_TEST
 
-START_TEST(thousands_of_boxes_in_one_place_make_a_low_tree)
+START_TEST(thousands_of_boxes_in_one_place_are_all_pairs)
 {
     qcModel* model = qcModel_Make();
     const double zero[3] = {0, 0, 0}, one[3] = {1, 1, 1}, far[3] = {5, 5, 5};
     for (uint32_t i = 0; i < 2000; i++)
         qcModel_Add(model, zero, one);
-    qcModel_CheckTree(model);
+    qcModel_CheckForest(model);
     ck_assert_uint_eq(qcModel_CheckMovedPairs(model), 2000 * 1999 / 2);
-    // A complete tree of 2000 leaves has height 11.
-    ck_assert_uint_le(qcBoxTree_Node(&model->set->tree, model->set->tree.root)->height, 16);
     for (uint32_t i = 0; i < 1990; i++)
         qcModel_Move(model, i, i % 2 ? zero : far, far);
-    qcModel_CheckTree(model);
+    qcModel_CheckForest(model);
     qcModel_CheckMovedPairs(model);
     for (uint32_t i = 0; i < 2000; i++)
         qcModel_Remove(model, i);
-    qcModel_CheckTree(model);
+    qcModel_CheckForest(model);
     ck_assert_uint_eq(qcModel_CheckMovedPairs(model), 0);
     qcModel_Free(model);
 }
 END_TEST
+
+/// How many octets a point query looks at.
+static uint32_t CountOctets(const qcForest* forest, const double point[3])
+{
+    uint32_t seen = (uint32_t)(forest->listIds.count + qc_lanes - 1) / qc_lanes;
+    qcFloatBox box = qcFloatBox_Around(point, point);
+    for (uint64_t trees = forest->old | forest->young; trees != 0;)
+    {
+        const qcBoxTree* tree = &forest->trees[qcForest_NextTree(&trees)];
+        seen++; // the top
+        uint32_t levels = tree->shape.levelCount;
+        for (uint32_t at = tree->shape.first[1]; levels > 1 && at <= tree->shape.first[levels - 1]; at++)
+            seen += (uint32_t)__builtin_popcount(forest->kernels->meet(&tree->shape.octets[at], &box));
+    }
+    return seen;
+}
 
 START_TEST(points_in_one_line_and_in_one_place_are_found)
 {
@@ -279,31 +328,14 @@ START_TEST(points_in_one_line_and_in_one_place_are_found)
         double point[3] = {i / 2, 0, 0};
         qcModel_Add(model, point, point);
     }
-    qcModel_CheckTree(model);
+    qcModel_CheckForest(model);
     ck_assert_uint_eq(qcModel_CheckMovedPairs(model), 500);
-    // A line has no surface, but the tree must tell its parts apart: a query sees few of a thousand.
     CheckQuery(model, (double[3]){250, 0, 0}, (double[3]){251, 0, 0});
-    ck_assert_uint_le(qcBoxTree_Node(&model->set->tree, model->set->tree.root)->height, 16);
+    // A query sees few of a thousand.
+    ck_assert_uint_le(CountOctets(&model->set->forest, (double[3]){250, 0, 0}), 12);
     qcModel_Free(model);
 }
 END_TEST
-
-/// How many nodes a point query looks at.
-static uint32_t CountNodes(const qcBoxTree* tree, const double point[3])
-{
-    uint32_t stack[qc_treeStack], count = 0, seen = 0;
-    stack[count++] = tree->root;
-    while (count > 0)
-    {
-        const qcTreeNode* node = qcBoxTree_Node(tree, stack[--count]);
-        seen++;
-        if (node->height == 0 || !qcBounds_Meet(node->lower, node->upper, point, point))
-            continue;
-        stack[count++] = node->child[0];
-        stack[count++] = node->child[1];
-    }
-    return seen;
-}
 
 START_TEST(infinite_boxes_do_not_spoil_the_tree)
 {
@@ -322,12 +354,12 @@ START_TEST(infinite_boxes_do_not_spoil_the_tree)
             qcModel_Add(model, minus, plus);
         qcModel_Add(model, lower, upper);
     }
-    qcModel_CheckTree(model);
+    qcModel_CheckForest(model);
     qcModel_CheckMovedPairs(model);
-    // 5 infinite boxes and 12 levels: a path with a branch or two; without care thousands would be seen.
+    // 5 infinite boxes share an octet; without care they would open most of 400.
     const double point[3] = {50, 50, 50}, outside[3] = {1e9, 0, 0};
-    ck_assert_uint_le(CountNodes(&model->set->tree, point), 200);
-    ck_assert_uint_le(CountNodes(&model->set->tree, outside), 100);
+    ck_assert_uint_le(CountOctets(&model->set->forest, point), 25);
+    ck_assert_uint_le(CountOctets(&model->set->forest, outside), 10);
     qcModel_Free(model);
 }
 END_TEST
@@ -386,10 +418,11 @@ START_TEST(bad_input_is_refused_and_changes_nothing)
     Refused(qcBoxes_Remove(model->set, 2), "box 2");
     Refused(qcBoxes_Remove(NULL, 0), "box 0");
     Refused(qcBoxes_FindMovedPairs(model->set, NULL, NULL), "null");
+    Refused(qcBoxes_FindChangedPairs(model->set, NULL), "null");
     ck_assert_uint_eq(id, 77);
     ck_assert_ptr_null(qcBoxes_GetUserData(model->set, 2));
     CheckList(model);
-    qcModel_CheckTree(model);
+    qcModel_CheckForest(model);
     ck_assert_uint_eq(qcModel_CheckMovedPairs(model), 0);
     qcModel_Free(model);
     qcBoxes_Destroy(NULL);
@@ -445,66 +478,94 @@ START_TEST(several_threads_may_ask_at_once)
 }
 END_TEST
 
+/// A cloud of boxes: enough for every array to grow. Returns whether a call ran out of memory.
+static bool GrowCloud(qcBoxes* set, uint32_t step)
+{
+    bool failed = false;
+    for (uint32_t i = 0; i < 300; i++)
+    {
+        double lower[3] = {i % 30 + step * 0.25, i / 30, 0}, upper[3] = {lower[0] + 1, lower[1] + 1, 1};
+        uint32_t id = i;
+        qcStatus status = step == 0 ? qcBoxes_Add(set, lower, upper, NULL, &id) : qcBoxes_Move(set, i, lower, upper);
+        if (status != qc_statusOk)
+        {
+            failed = true;
+            ck_assert_int_eq(status, qc_statusOutOfMemory);
+            ck_assert_uint_eq(qcBoxes_GetCount(set), i);
+            ck_assert_uint_eq(step, 0); // moving needs no memory
+            CHECK_OK(qcBoxes_Add(set, lower, upper, NULL, &id));
+        }
+        CHECK_QUICKLY(id == i);
+    }
+    return failed;
+}
+
+/// Returns whether a search ran out of memory; the next one finds what is there.
+static bool SearchCloud(qcBoxes* set, uint32_t step, bool changes)
+{
+    // Neighbours in a grid of 30 by 10, corners too.
+    const size_t expected = 29 * 10 + 30 * 9 + 2 * 29 * 9;
+    const qcBoxPair* pairs;
+    qcBoxChanges found;
+    size_t count;
+    bool failed = false;
+    qcStatus status = changes ? qcBoxes_FindChangedPairs(set, &found) : qcBoxes_FindMovedPairs(set, &pairs, &count);
+    if (status != qc_statusOk)
+    {
+        failed = true;
+        ck_assert_int_eq(status, qc_statusOutOfMemory);
+        CHECK_OK(changes ? qcBoxes_FindChangedPairs(set, &found) : qcBoxes_FindMovedPairs(set, &pairs, &count));
+        ck_assert(!changes || found.all);
+    }
+    if (!changes)
+        ck_assert_uint_eq(count, expected);
+    else
+    {
+        // All move together: nothing changes in the second step.
+        ck_assert_uint_eq(found.beganCount, step == 0 || found.all ? expected : 0);
+        ck_assert_uint_eq(found.endedCount, 0);
+    }
+    return failed;
+}
+
 START_TEST(out_of_memory_is_a_status_and_the_next_try_finds_everything)
 {
     qcFailingHeap heap = {0, 0, 0};
     CHECK_OK(qcSetAllocator(qcFailingHeap_Allocate, qcFailingHeap_Release, &heap));
-    size_t failures = 0;
-    for (size_t failAt = 1;; failAt++)
+    for (int changes = 0; changes <= 1; changes++)
     {
-        heap = (qcFailingHeap){heap.live, 0, failAt};
-        qcBoxes* set;
-        bool failed = qcBoxes_Create(&set) != qc_statusOk;
-        if (failed)
+        size_t failures = 0, quiet = 0;
+        // Some failures are no failure: trees stay apart, lists long.
+        for (size_t failAt = 1; quiet < 5; failAt++)
         {
+            heap = (qcFailingHeap){heap.live, 0, failAt};
+            qcBoxes* set;
+            bool failed = qcBoxes_Create(&set) != qc_statusOk;
+            if (failed)
+            {
+                ck_assert_uint_eq(qcGetByteCount(), 0);
+                CHECK_OK(qcBoxes_Create(&set));
+            }
+            for (uint32_t step = 0; step < 2; step++)
+            {
+                failed = GrowCloud(set, step) || failed;
+                failed = SearchCloud(set, step, changes) || failed;
+            }
+            qcBoxes_Destroy(set);
             ck_assert_uint_eq(qcGetByteCount(), 0);
-            CHECK_OK(qcBoxes_Create(&set));
+            failures += failed;
+            quiet = failed ? 0 : quiet + 1;
         }
-        // A cloud of moving boxes: enough for every array to grow.
-        for (uint32_t step = 0; step < 2; step++)
-        {
-            const qcBoxPair* pairs;
-            size_t count;
-            for (uint32_t i = 0; i < 300; i++)
-            {
-                double lower[3] = {i % 30 + step * 0.25, i / 30, 0}, upper[3] = {lower[0] + 1, lower[1] + 1, 1};
-                uint32_t id = i;
-                qcStatus status =
-                    step == 0 ? qcBoxes_Add(set, lower, upper, NULL, &id) : qcBoxes_Move(set, i, lower, upper);
-                if (status != qc_statusOk)
-                {
-                    failed = true;
-                    ck_assert_int_eq(status, qc_statusOutOfMemory);
-                    ck_assert_uint_eq(qcBoxes_GetCount(set), i);
-                    ck_assert_uint_eq(step, 0); // moving needs no memory
-                    CHECK_OK(qcBoxes_Add(set, lower, upper, NULL, &id));
-                }
-                CHECK_QUICKLY(id == i);
-            }
-            qcStatus status = qcBoxes_FindMovedPairs(set, &pairs, &count);
-            if (status != qc_statusOk)
-            {
-                failed = true;
-                ck_assert_int_eq(status, qc_statusOutOfMemory);
-                CHECK_OK(qcBoxes_FindMovedPairs(set, &pairs, &count));
-            }
-            // Neighbours in a grid of 30 by 10, corners too.
-            ck_assert_uint_eq(count, 29 * 10 + 30 * 9 + 2 * 29 * 9);
-        }
-        qcBoxes_Destroy(set);
-        ck_assert_uint_eq(qcGetByteCount(), 0);
-        if (!failed)
-            break;
-        failures++;
+        ck_assert_uint_gt(failures, 15);
     }
-    ck_assert_uint_gt(failures, 15);
     CHECK_OK(qcSetAllocator(NULL, NULL, NULL));
 }
 END_TEST
 
 QC_RUN_TESTS("boxes", pairs_and_queries_equal_brute_force_whatever_changes,
+             what_began_and_what_ended_equals_brute_force_whatever_changes,
              boxes_that_share_a_face_an_edge_or_a_corner_are_pairs, a_pair_is_reported_only_when_one_of_the_two_moved,
-             a_removed_box_is_in_no_pair, thousands_of_boxes_in_one_place_make_a_low_tree,
+             a_removed_box_is_in_no_pair, thousands_of_boxes_in_one_place_are_all_pairs,
              points_in_one_line_and_in_one_place_are_found, infinite_boxes_do_not_spoil_the_tree,
              ids_are_reused_lowest_first, bad_input_is_refused_and_changes_nothing,
              a_query_ends_when_the_function_says_so, several_threads_may_ask_at_once,

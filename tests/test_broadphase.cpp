@@ -134,15 +134,17 @@ size_t LiveThrough(const Life& life, btOverlappingPairCache* given = nullptr, Gh
             int group = life.filters ? int(qcRandom_Below(&random, 8)) : 1;
             model.Create(aabbMin, aabbMax, group, life.filters ? int(qcRandom_Below(&random, 8)) : -1);
         }
-        bool quiet = qcRandom_Below(&random, 4) == 0;
+        // All are set now and then, as a world does it.
+        bool quiet = qcRandom_Below(&random, 4) == 0, inOrder = qcRandom_Below(&random, 3) == 0;
         for (size_t i = 0; i < model.proxies.size(); i++)
         {
-            if (!quiet && qcRandom_Below(&random, 2) == 0)
+            // Before the box is set, or it would be seen one step later.
+            if (life.filters && qcRandom_Below(&random, 20) == 0)
+                model.proxies[i].proxy->m_collisionFilterMask = int(qcRandom_Below(&random, 8));
+            if (!quiet && (inOrder || qcRandom_Below(&random, 2) == 0))
                 MoveOne(model, &random, life, i);
             if (qcRandom_Below(&random, 50) == 0)
                 model.Destroy(i);
-            else if (life.filters && qcRandom_Below(&random, 20) == 0)
-                model.proxies[i].proxy->m_collisionFilterMask = int(qcRandom_Below(&random, 8));
         }
         if (life.moody && qcRandom_Below(&random, 5) == 0)
             model.cache->setOverlapFilterCallback(qcRandom_Below(&random, 3) == 0 ? nullptr : &moody);
@@ -296,6 +298,110 @@ START_TEST(what_moves_first_after_a_step_finds_its_pairs_at_once)
     ck_assert_uint_eq(model.Check(), 1);
     btBroadphaseProxy* created = model.proxies[model.Create(btVector3(0, 0, 0), btVector3(1, 1, 1))].proxy;
     ck_assert_ptr_nonnull(model.cache->findPair(created, model.proxies[0].proxy));
+}
+END_TEST
+
+namespace
+{
+/// Counts what is asked of it.
+struct CountingCache : btHashedOverlappingPairCache
+{
+    int added = 0, removed = 0;
+
+    btBroadphasePair* addOverlappingPair(btBroadphaseProxy* a, btBroadphaseProxy* b) override
+    {
+        added++;
+        return btHashedOverlappingPairCache::addOverlappingPair(a, b);
+    }
+    void* removeOverlappingPair(btBroadphaseProxy* a, btBroadphaseProxy* b, btDispatcher* dispatcher) override
+    {
+        removed++;
+        return btHashedOverlappingPairCache::removeOverlappingPair(a, b, dispatcher);
+    }
+};
+} // namespace
+
+START_TEST(the_cache_is_touched_only_for_pairs_that_begin_and_end)
+{
+    CountingCache cache;
+    qcBroadphaseModel model(&cache);
+    qcRandom random = {8};
+    for (int i = 0; i < 1000; i++)
+    {
+        btVector3 aabbMin = qcRandomPoint(&random, 15);
+        model.Create(aabbMin, aabbMin + btVector3(1, 1, 1));
+    }
+    std::vector<qcIdPair> before;
+    int begun = 0, ended = 0;
+    for (int step = 0; step < 20; step++)
+    {
+        // Asleep at first, as a world does it: each box is set, and is the same.
+        for (size_t i = 0; i < model.proxies.size(); i++)
+        {
+            btVector3 way(0, step < 5 ? btScalar(0) : btScalar(0.01) * btScalar(i % 9), 0);
+            model.Move(i, model.proxies[i].aabbMin + way, model.proxies[i].aabbMax + way);
+        }
+        model.Check();
+        std::vector<qcIdPair> now = qcPairsIn(model.cache), changed;
+        std::set_difference(now.begin(), now.end(), before.begin(), before.end(), std::back_inserter(changed));
+        begun += int(changed.size());
+        changed.clear();
+        std::set_difference(before.begin(), before.end(), now.begin(), now.end(), std::back_inserter(changed));
+        ended += int(changed.size());
+        before = now;
+        // The first eight that move after a step are added at once, and again by the search, unless it removes them.
+        ck_assert_int_ge(cache.added, begun);
+        ck_assert_int_le(cache.added, begun + 8 * 20 * (step + 1));
+        ck_assert_int_ge(cache.removed, ended);
+        ck_assert_int_le(cache.removed - ended, cache.added - begun);
+        if (step == 4)
+            ck_assert_int_eq(cache.removed, 0);
+    }
+    ck_assert_int_gt(ended, 100);
+}
+END_TEST
+
+START_TEST(ten_thousand_sleeping_boxes_cost_no_pair_anything)
+{
+    CountingCache cache;
+    qcBroadphaseModel model(&cache);
+    for (int i = 0; i < 10000; i++)
+    {
+        btVector3 aabbMin(btScalar(i % 100), btScalar(i / 100), 0);
+        model.Create(aabbMin, aabbMin + btVector3(btScalar(1.5), btScalar(0.5), 1));
+    }
+    model.broadphase.calculateOverlappingPairs(&model.dispatcher);
+    int added = cache.added;
+    ck_assert_int_gt(added, 9000);
+    for (int step = 0; step < 3; step++)
+    {
+        for (size_t i = 0; i < model.proxies.size(); i++)
+            model.Move(i, model.proxies[i].aabbMin, model.proxies[i].aabbMax);
+        model.broadphase.calculateOverlappingPairs(&model.dispatcher);
+        ck_assert_int_eq(cache.added, added);
+        ck_assert_int_eq(cache.removed, 0);
+    }
+    // Each by each it would take long: Bullet's cache looks through all pairs.
+    model.proxies.clear();
+}
+END_TEST
+
+START_TEST(a_filter_that_changes_after_the_box_was_set_is_seen_in_the_next_step)
+{
+    qcBroadphaseModel model;
+    for (int i = 0; i < 3; i++)
+        model.Create(btVector3(0, 0, 0), btVector3(1, 1, 1));
+    ck_assert_uint_eq(model.Check(), 3);
+    for (int mask : {0, -1})
+    {
+        for (size_t i = 0; i < 3; i++)
+            model.Move(i, btVector3(0, 0, 0), btVector3(1, 1, 1));
+        model.proxies[1].proxy->m_collisionFilterMask = mask;
+        model.broadphase.calculateOverlappingPairs(&model.dispatcher);
+        for (size_t i = 0; i < 3; i++)
+            model.Move(i, btVector3(0, 0, 0), btVector3(1, 1, 1));
+        ck_assert_uint_eq(model.Check(), mask == 0 ? 1 : 3);
+    }
 }
 END_TEST
 
@@ -577,6 +683,8 @@ QC_RUN_TESTS("broadphase", the_cache_holds_exactly_the_pairs_that_overlap_and_ag
              a_ghost_pair_callback_is_told_of_each_pair_that_comes_and_goes, a_null_cache_is_left_alone,
              boxes_that_touch_are_a_pair_and_boxes_one_step_of_a_scalar_apart_are_none,
              a_pair_lives_as_long_as_its_boxes_overlap, what_moves_first_after_a_step_finds_its_pairs_at_once,
+             the_cache_is_touched_only_for_pairs_that_begin_and_end, ten_thousand_sleeping_boxes_cost_no_pair_anything,
+             a_filter_that_changes_after_the_box_was_set_is_seen_in_the_next_step,
              a_thousand_new_boxes_in_one_place_are_all_pairs, the_same_calls_give_the_same_pairs_in_the_same_order,
              unique_ids_are_not_used_twice, the_broadphase_box_is_the_smallest_around_all, null_proxies_are_ignored,
              a_filter_may_create_move_and_destroy_proxies,

@@ -1,6 +1,6 @@
 // A set of moving boxes: overlapping pairs, rays, swept boxes. What a broadphase is made of.
 //
-// Cost follows what moved: a move is O(log n), finding pairs O(moved * log n + found).
+// Cost follows what moved: a move is O(log n), counted over many, finding pairs O(moved * log n + found).
 // Thread-safety: the const functions may be called from several threads at once while no other
 // function runs.
 #ifndef QUICKCULLIDE_BOXES_H
@@ -43,12 +43,42 @@ typedef struct qcBoxPair
 /// the next call on it that is not const.
 QC_API qcStatus qcBoxes_FindMovedPairs(qcBoxes* boxes, const qcBoxPair** pairs, size_t* count);
 
+/// What changed since the last search for pairs, by either function.
+typedef struct qcBoxChanges
+{
+    const qcBoxPair *began, *ended; ///< sorted by a, then b; valid until the next call on the set that is not const
+    size_t beganCount, endedCount;
+    /// Memory ran out in the last search: what overlapped before it is not known any more. `began` holds all pairs that
+    /// overlap, `ended` none.
+    bool all;
+} qcBoxChanges;
+
+/// The pairs that overlap now and did not at the last search, and the pairs that did and no longer do. Pairs of a box
+/// that was removed since are not reported; a new box with an old id has no past.
+/// O(n log n + pairs) where everything moves, and nothing where nothing does.
+QC_API qcStatus qcBoxes_FindChangedPairs(qcBoxes* boxes, qcBoxChanges* changes);
+
+/// What the last search for pairs did. Where nothing moved, all are 0.
+typedef struct qcBoxProfile
+{
+    size_t moved;    ///< boxes added or moved since the search before
+    size_t sought;   ///< of these, boxes that looked for neighbours: a small move does not
+    size_t compared; ///< pairs of boxes near each other that were compared
+    size_t sorted;   ///< boxes, moved or not, that were put in order for that, now or when they were added or moved
+} qcBoxProfile;
+
+QC_API qcBoxProfile qcBoxes_GetProfile(const qcBoxes* boxes);
+
 /// Called for a box; returns false to stop the query.
 typedef bool qcBoxFunction(uint32_t id, void* userData, void* context);
 
 /// Visits every box that meets the closed box.
 QC_API void qcBoxes_QueryBox(const qcBoxes* boxes, const double lower[3], const double upper[3],
                              qcBoxFunction* function, void* context);
+
+/// Visits every box that overlaps this one and did not at the last search for pairs. There is nothing to visit for an
+/// id that has no box.
+QC_API void qcBoxes_QueryBegun(const qcBoxes* boxes, uint32_t id, qcBoxFunction* function, void* context);
 
 /// Visits every box that a box of the given extents (relative to the moving point; zeros for a ray) meets
 /// on its way from `from` to `to`. Never misses; boxes beyond may be visited too. Nearer boxes first, as far as

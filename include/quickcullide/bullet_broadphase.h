@@ -3,8 +3,8 @@
 //     qcBroadphase broadphase;
 //     btDiscreteDynamicsWorld world(&dispatcher, &broadphase, &solver, &configuration);
 //
-// Cost follows what moved: a proxy whose box is the same as before costs a comparison, a step in which nothing moved
-// one look at each proxy's filter.
+// Cost follows what moved: a proxy whose box is the same as before costs a comparison and a look at its filter, a step
+// in which nothing moved nothing else.
 #ifndef QUICKCULLIDE_BULLET_BROADPHASE_H
 #define QUICKCULLIDE_BULLET_BROADPHASE_H
 
@@ -18,13 +18,14 @@
 /// TestAabbAgainstAabb2 says) and whose filters agree. Pairs that no longer do are removed with the dispatcher, which
 /// destroys their algorithms and manifolds. Pairs come in an order that depends on the calls made and on nothing else.
 ///
-/// Filters may change at any time: groups and masks are looked at in each step, and while there is a filter callback it
-/// is asked about every overlapping pair in each step. A pair cache of your own that overrides needsBroadphaseCollision
-/// without having a filter callback is asked when one of the two moved.
+/// Filters may change at any time: groups and masks are looked at once in each step, when the box is set or else when
+/// pairs are calculated; what changes between the two is seen in the next step. While there is a filter callback it is
+/// asked about every overlapping pair in each step. A pair cache of your own that overrides needsBroadphaseCollision
+/// without having a filter callback is asked when two begin to overlap, or a group or mask has changed.
 ///
 /// Bounds that are NaN count as unbounded, so the object meets everything rather than nothing.
 ///
-/// Out of memory: proxies that find no room in the tree are compared with every other one until there is room again;
+/// Out of memory: proxies that find no room in the set are compared with every other one until there is room again;
 /// nothing is missed. A proxy that cannot be allocated itself is null: Bullet then holds an object that collides with
 /// nothing. getStatus tells. (Memory that Bullet's pair cache cannot get is Bullet's affair.)
 ///
@@ -82,24 +83,37 @@ class QC_API qcBroadphase : public btBroadphaseInterface
   private:
     struct Proxy;
     class Walk;
+    /// A proxy, and its filter when it was last looked at.
+    struct Listed
+    {
+        Proxy* proxy;
+        int group, mask;
+    };
 
     void List(Proxy* proxy);
     void AddBox(Proxy* proxy);
+    void SetOdd(Proxy* proxy, bool odd);
     void Free(Proxy* proxy);
-    void Touch(Proxy* proxy);
     void Seek(Proxy* proxy);
     void MoveProxy(Proxy* proxy, const btVector3& aabbMin, const btVector3& aabbMax);
     void Pend(Proxy* proxy);
     void ApplyPending();
     template <class Visit> void VisitBox(const btVector3& aabbMin, const btVector3& aabbMax, Visit visit) const;
     bool Judge(Proxy* a, Proxy* b);
+    static void RemoveFrom(btAlignedObjectArray<Proxy*>& pairs, const Proxy* proxy);
+    void AddPairNow(Proxy* a, Proxy* b);
     void AddPairsNow(Proxy* proxy);
-    bool IsDecided(const Proxy* a, const Proxy* b) const;
     void Reject(Proxy* a, Proxy* b);
     void Consider(Proxy* a, Proxy* b);
+    void LookAt(Listed& listed);
     void LookForChanges();
     void JudgeRejected();
-    void FindPairs();
+    bool IsSeeking(const Proxy* proxy) const;
+    void SeekPairs();
+    Proxy* ProxyOf(uint32_t box) const;
+    void AddBegun(const qcBoxChanges& changes);
+    void RemoveEnded(const qcBoxChanges& changes, btDispatcher* dispatcher);
+    void FindPairs(btDispatcher* dispatcher);
     bool IsStillWanted(const btBroadphasePair& pair);
     void RemovePair(int index, btDispatcher* dispatcher);
     void RemovePairs(btDispatcher* dispatcher);
@@ -110,24 +124,27 @@ class QC_API qcBroadphase : public btBroadphaseInterface
     qcBoxes* m_boxes = nullptr;
     qcStatus m_status = qc_statusOk;
 
-    Proxy* m_first = nullptr; ///< all proxies, a doubly linked list
-    Proxy* m_last = nullptr;
-    int m_proxyCount = 0;
-    int m_outsideCount = 0; ///< proxies without a box in the tree
+    btAlignedObjectArray<Listed> m_proxies;
+    int m_lookedCount = 0;  ///< the first so many filters were looked at since the last search
+    int m_outsideCount = 0; ///< proxies without a box in the set
+    int m_oddCount = 0;     ///< proxies whose bounds are NaN or inverted
     int m_lastUniqueId = 0;
 
-    std::atomic<int> m_walks{0}; ///< queries and searches that are running: the tree must stay as it is
+    std::atomic<int> m_walks{0}; ///< queries and searches that are running: the set must stay as it is
     Proxy* m_pending = nullptr;  ///< proxies whose changes wait for the last walk to end
     unsigned m_destroyCount = 0; ///< tells a loop over pairs that a callback has removed some
 
     long long m_interval = 1; ///< between two searches for pairs
     bool m_anythingTouched = false, m_anythingSought = false;
+    bool m_seeking = false;   ///< some proxies look for all their pairs
     bool m_judgeAll = false;  ///< someone else changed the cache: every pair is looked for again
     int m_pairsAtOnce;        ///< how many proxies may still look for their pairs at once
     int m_knownPairCount = 0; ///< size of the cache when we last touched it
     const btOverlapFilterCallback* m_filter = nullptr;
     /// While there is a filter callback: overlapping pairs that it did not want, two entries each.
     btAlignedObjectArray<Proxy*> m_rejected;
+    /// Pairs that were added to the cache since the last search, two entries each.
+    btAlignedObjectArray<Proxy*> m_addedPairs;
 };
 
 #endif
