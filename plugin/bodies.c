@@ -1,6 +1,7 @@
 // Bodies come in here: checked first, then copied, so that a refused call leaves everything as it was.
 #include "bodies.h"
 
+#include "positions.h"
 #include "sort.h"
 #include "status.h"
 
@@ -8,70 +9,9 @@
 #include <math.h>
 #include <string.h>
 
-static size_t PositionSize(qcPositionType type)
-{
-    return type == qc_positionF64 ? 3 * sizeof(double) : 3 * sizeof(float);
-}
-
 static bool IsFinite(const double p[3])
 {
     return isfinite(p[0]) && isfinite(p[1]) && isfinite(p[2]);
-}
-
-/// Positions as doubles. Returns 0, or something that is not a number if one isn't finite: 0 * x, added up.
-static double ReadFloats(const void* positions, size_t stride, size_t vertexCount, double* out)
-{
-    double check[3] = {0.0, 0.0, 0.0};
-    for (size_t v = 0; v < vertexCount; v++)
-    {
-        float x[3];
-        memcpy(x, (const char*)positions + stride * v, sizeof x);
-        for (int axis = 0; axis < 3; axis++)
-        {
-            out[3 * v + axis] = (double)x[axis];
-            check[axis] += 0.0 * (double)x[axis];
-        }
-    }
-    return check[0] + check[1] + check[2];
-}
-
-static double ReadDoubles(const void* positions, size_t stride, size_t vertexCount, double* out)
-{
-    double check[3] = {0.0, 0.0, 0.0};
-    for (size_t v = 0; v < vertexCount; v++)
-    {
-        double x[3];
-        memcpy(x, (const char*)positions + stride * v, sizeof x);
-        for (int axis = 0; axis < 3; axis++)
-        {
-            out[3 * v + axis] = x[axis];
-            check[axis] += 0.0 * x[axis];
-        }
-    }
-    return check[0] + check[1] + check[2];
-}
-
-/// Reads positions into scratch. Nothing else is changed.
-static qcStatus ReadPositions(qcBodies* bodies, uint32_t slot, const void* positions, qcPositionType type,
-                              size_t stride, uint32_t vertexCount)
-{
-    if (type != qc_positionF32 && type != qc_positionF64)
-        return qcFail(qc_statusBadInput, "body %u: unknown position type %d", slot, (int)type);
-    if (positions == NULL && vertexCount != 0)
-        return qcFail(qc_statusBadInput, "body %u: positions is null", slot);
-    if (stride == 0)
-        stride = PositionSize(type);
-    if (stride < PositionSize(type))
-        return qcFail(qc_statusBadInput, "body %u: a stride of %zu bytes is less than a position's %zu", slot, stride,
-                      PositionSize(type));
-    QC_TRY(qcArray_Resize(&bodies->scratch, 3 * (size_t)vertexCount, sizeof(double), "new positions"));
-    double* out = bodies->scratch.data;
-    double check = type == qc_positionF64 ? ReadDoubles(positions, stride, vertexCount, out)
-                                          : ReadFloats(positions, stride, vertexCount, out);
-    for (uint32_t v = 0; v < vertexCount && check != 0.0; v++)
-        if (!IsFinite(out + 3 * (size_t)v))
-            return qcFail(qc_statusBadInput, "vertex %u of body %u is not finite", v, slot);
-    return qc_statusOk;
 }
 
 static qcStatus CheckTransform(uint32_t slot, const qcTransform* transform)
@@ -276,7 +216,8 @@ qcStatus qcBodies_Add(qcBodies* bodies, const qcBodyDef* def, qcBodyId* id)
     while (slot < bodies->slots.count && qcBody_IsUsed(&QC_AT(qcBody, bodies->slots, slot)))
         slot++;
     QC_TRY(CheckDef(def, slot));
-    QC_TRY(ReadPositions(bodies, slot, def->positions, def->positionType, def->positionStride, def->vertexCount));
+    qcPositions source = {def->positions, def->positionType, def->positionStride, def->vertexCount};
+    QC_TRY(qcPositions_Check(&source, slot));
     QC_TRY(qcArray_Reserve(&bodies->slots, slot + 1, sizeof(qcBody), "the list of bodies"));
 
     qcBody body = {.deforming = def->deforming,
@@ -288,11 +229,8 @@ qcStatus qcBodies_Add(qcBodies* bodies, const qcBodyDef* def, qcBodyId* id)
                    .vertexCount = def->vertexCount,
                    .triangleCount = def->triangleCount};
     QC_TRY(AllocateBody(&body));
-    const double* read = bodies->scratch.data;
-    size_t positionBytes = 3 * sizeof(double) * body.vertexCount;
     double* positions = body.deforming ? body.world : body.local;
-    if (body.vertexCount != 0)
-        memcpy(positions, read, positionBytes);
+    qcPositions_Read(&source, positions);
     if (body.triangleCount != 0)
         memcpy(body.indices, def->indices, 3 * sizeof(uint32_t) * body.triangleCount);
     qcStatus status = FindUsed(&body);
@@ -359,9 +297,9 @@ qcStatus qcBodies_SetVertices(qcBodies* bodies, uint32_t slot, const void* posit
                               size_t stride)
 {
     qcBody* body = &QC_AT(qcBody, bodies->slots, slot);
-    QC_TRY(ReadPositions(bodies, slot, positions, type, stride, body->vertexCount));
-    if (body->vertexCount != 0)
-        memcpy(body->world, bodies->scratch.data, 3 * sizeof(double) * body->vertexCount);
+    qcPositions source = {positions, type, stride, body->vertexCount};
+    QC_TRY(qcPositions_Check(&source, slot));
+    qcPositions_Read(&source, body->world);
     FindBounds(body, body->world, body->lower, body->upper);
     body->moved = ++bodies->revision;
     return qc_statusOk;
@@ -412,5 +350,4 @@ void qcBodies_Free(qcBodies* bodies)
     for (size_t i = 0; i < bodies->slots.count; i++)
         FreeBody(&QC_AT(qcBody, bodies->slots, i));
     qcArray_Free(&bodies->slots);
-    qcArray_Free(&bodies->scratch);
 }

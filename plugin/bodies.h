@@ -38,7 +38,6 @@ typedef struct qcBodies
     uint32_t lowestFree; ///< no free slot lies below it
     uint64_t revision;   ///< grows with every change
     uint64_t added;      ///< the revision in which a body last came or went
-    qcArray scratch;
 } qcBodies;
 
 qcStatus qcBodies_Add(qcBodies* bodies, const qcBodyDef* def, qcBodyId* id);

@@ -12,3 +12,12 @@ endfunction()
 
 qc_test_broadphase(bullet float)
 qc_test_broadphase(bullet_double double)
+
+# The benchmark measures something, and what it measures is right.
+if(TARGET qc-bench AND TARGET qc_bullet)
+  add_test(NAME test_qc_bench_broadphase COMMAND qc-bench broadphase --boxes 300 --moving 0,50 --frames 3
+    --out ${CMAKE_CURRENT_BINARY_DIR}/bench_broadphase)
+  set_tests_properties(test_qc_bench_broadphase PROPERTIES
+    PASS_REGULAR_EXPRESSION "300 boxes, 50 % moving, setAabb for all; 3 frames, [1-9][0-9]* pairs overlap"
+    FAIL_REGULAR_EXPRESSION "qcBroadphase holds")
+endif()
