@@ -1,7 +1,6 @@
 // Which bodies take part, where they can meet, and what the device's answer means.
 #include "cull_layers.h"
 
-#include "parallel.h"
 #include "status.h"
 
 #include <float.h>
@@ -179,11 +178,6 @@ static qcStatus RunOnDevice(Step* step, qcArray* keys, qcArray* neighbourKeys, q
     device.columnsLog2 = job->columns != 0 ? FloorLog2(job->columns) : ChooseColumnsLog2(device.activeNodes);
     memcpy(device.scale, cull->frame.scale, sizeof device.scale);
     memcpy(device.slack, cull->frame.slack, sizeof device.slack);
-    // Software GL draws on the cores that threads of ours would keep busy, waiting for their next loop.
-    qcDeviceInfo info;
-    qcDevice_GetInfo(job->device, &info);
-    if (info.software)
-        qcParallel_Rest();
     qcLayersAnswer answer;
     QC_TRY(qcLayers_Run(cull->layers, &device, &answer));
     QC_TRY(MapPairs(step, &answer, keys));

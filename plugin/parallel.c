@@ -1,16 +1,13 @@
-// Loops over threads, of the host or of OpenMP: each thread gets one task, which draws indices until none is left. So
-// worker numbers need not come from the host, and the result can't depend on which of its threads run, how many or
-// when.
+// Loops over threads, of the host or of our own pool: each thread gets one task, which draws indices until none is
+// left. So worker numbers need not come from the host, and the result can't depend on which of its threads run, how
+// many or when.
 #include "parallel.h"
 
+#include "pool.h"
 #include "status.h"
 
 #include <fenv.h>
 #include <stdatomic.h>
-
-#ifdef _OPENMP
-#include <omp.h>
-#endif
 
 typedef struct Loop
 {
@@ -39,13 +36,11 @@ qcStatus qcSetParallelFor(qcParallelForFunction* parallelFor, uint32_t workers, 
 
 uint32_t qcParallel_Threads(uint32_t requested)
 {
-    uint32_t threads = 1;
-    if (s_parallelFor != NULL)
-        threads = requested != 0 && requested < s_workers ? requested : s_workers;
-#ifdef _OPENMP
-    else
-        threads = requested != 0 ? requested : (uint32_t)omp_get_num_procs();
-#endif
+    uint32_t threads = requested;
+    if (s_parallelFor != NULL && (requested == 0 || requested > s_workers))
+        threads = s_workers;
+    if (threads == 0)
+        threads = qcPool_CoreCount();
     return threads < qc_maxWorkers ? threads : qc_maxWorkers;
 }
 
@@ -70,39 +65,20 @@ static void RunTask(uint32_t index, void* taskContext)
     fesetenv(&own);
 }
 
-static void RunTasks(uint32_t count, Loop* loop)
-{
-    if (s_parallelFor != NULL)
-        s_parallelFor(count, RunTask, loop, s_context);
-#ifdef _OPENMP
-    else
-    {
-        // Inside a parallel region of the host's this may be one thread.
-#pragma omp parallel num_threads(count)
-        RunTask((uint32_t)omp_get_thread_num(), loop);
-    }
-#endif
-}
-
 void qcParallel_For(uint32_t threads, size_t count, size_t least, qcParallelFunction* function, void* context)
 {
     if (threads > 1 && count >= least)
     {
         Loop loop = {.function = function, .context = context, .count = count};
         fegetenv(&loop.environment);
-        RunTasks(count < threads ? (uint32_t)count : threads, &loop);
+        uint32_t tasks = count < threads ? (uint32_t)count : threads;
+        if (s_parallelFor != NULL)
+            s_parallelFor(tasks, RunTask, &loop, s_context);
+        else
+            qcPool_Run(tasks, RunTask, &loop);
         DrawIndices(&loop, 0);
         return;
     }
     for (size_t i = 0; i < count; i++)
         function(context, i, 0);
-}
-
-void qcParallel_Rest(void)
-{
-#ifdef _OPENMP
-    // Refused inside a parallel region of the caller's, whose threads aren't ours to stop.
-    if (s_parallelFor == NULL)
-        (void)omp_pause_resource(omp_pause_soft, omp_get_initial_device());
-#endif
 }

@@ -1,4 +1,4 @@
-// Loops over threads, those of OpenMP or of the host (qcSetParallelFor). Which thread runs what is not determined:
+// Loops over threads, our own (pool.h) or the host's (qcSetParallelFor). Which thread runs what is not determined:
 // callers collect by worker and sort.
 #ifndef QC_PLUGIN_PARALLEL_H
 #define QC_PLUGIN_PARALLEL_H
@@ -19,14 +19,7 @@ typedef void qcParallelFunction(void* context, size_t index, uint32_t worker);
 uint32_t qcParallel_Threads(uint32_t requested);
 
 /// Calls the function once for each index below `count` and returns when all calls have. With fewer than `least`
-/// indices (2 or more) on one thread alone. What a loop costs beyond its work (OpenMP of gcc 12, two cores): 1 to 4
-/// microseconds while its threads still wait, 100 when they have gone to sleep, 4 to 16 milliseconds, a time slice,
-/// when the system wakes one on the caller's core: after a sleep of the caller's, or on a busy machine.
+/// indices (2 or more) on one thread alone: waking another takes 20 to 100 microseconds, in which the caller goes on.
 void qcParallel_For(uint32_t threads, size_t count, size_t least, qcParallelFunction* function, void* context);
-
-/// Lets go of OpenMP's threads of loops before, which wait for the next loop by spinning, some milliseconds long
-/// (libgomp; folded cloth of 250 K on llvmpipe with two cores: 39 ms a step, 32 without them). The next loop starts new
-/// ones, in some 50 microseconds.
-void qcParallel_Rest(void);
 
 #endif

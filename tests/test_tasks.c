@@ -303,7 +303,7 @@ static uint64_t Step(World* world, uint64_t seed, const Question* question, uint
     return HashOf(result);
 }
 
-/// Step by step on another host, and on OpenMP, what a scene beside it finds on one thread.
+/// Step by step on another host, and on the library's own threads, what a scene beside it finds on one thread.
 static void CheckQuestion(qcDevice* device, const Question* question)
 {
     World world = MakeWorld(device), serial = MakeWorld(device);
@@ -314,7 +314,7 @@ static void CheckQuestion(qcDevice* device, const Question* question)
         uint32_t loops = host != NULL ? host->loops : 0;
         Use(host);
         ck_assert_msg(Step(&world, (uint64_t)step, question, host != NULL ? 0 : 3) == expected, "%s: %s",
-                      question->name, host != NULL ? host->name : "OpenMP");
+                      question->name, host != NULL ? host->name : "none");
         if (step != 0 && host != NULL && host->workers > 1)
             ck_assert_msg(host->loops - loops >= question->loops, "%s: %s: %u loops", question->name, host->name,
                           host->loops - loops);

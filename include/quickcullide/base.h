@@ -73,8 +73,8 @@ typedef void qcParallelForFunction(uint32_t count, qcTask* task, void* taskConte
 
 /// Runs the library's loops on the host's threads: at most one task for each of `workers` threads (1 or more; beyond
 /// 256 as 256), fewer where a query asks for fewer. Loops too short to be worth it stay on the calling thread. Null
-/// brings the default back: OpenMP where the library was built with it, otherwise no threads. Results don't depend on
-/// any of it, nor on floating-point modes of the host's threads: tasks run in those of the thread that uses the scene.
+/// brings the default back: threads of the library's own, asleep between loops. Results don't depend on any of it, nor
+/// on floating-point modes of the host's threads: tasks run in those of the thread that uses the scene.
 /// `context` is in use until the next call of this. qc_statusBadInput: a function without workers; nothing changes.
 QC_API qcStatus qcSetParallelFor(qcParallelForFunction* parallelFor, uint32_t workers, void* context);
 
