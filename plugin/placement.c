@@ -33,8 +33,8 @@ static double Invert(const double m[9], double inverse[9])
         inverse[i] /= determinant;
     double condition = RowSum(m) * RowSum(inverse);
     // Scales at the ends of double would overflow, or lose the determinant. What is nearly flat in two directions has a
-    // determinant of roundings alone, some 2^-50 of the cube, and the inverse made of it may look harmless; at the worst
-    // condition there is 2^-30.
+    // determinant of roundings alone, some 2^-50 of the cube, and an inverse made of it may look harmless; what passes
+    // has 2^-30 or more.
     double size = RowSum(m);
     bool usable = size > 1e-60 && size < 1e60 && condition <= s_worstCondition &&
                   fabs(determinant) > 0x1p-36 * size * size * size;
