@@ -163,6 +163,8 @@ static json_object* DescribeSkips(const qcProfile* profile)
     AddNumber(skips, "skippedTriangles", profile->skippedTriangles);
     AddNumber(skips, "skippedSetCandidates", profile->skippedSetCandidates);
     AddNumber(skips, "skippedNeighbours", profile->skippedNeighbours);
+    AddNumber(skips, "fittedTriangles", profile->fittedTriangles);
+    AddNumber(skips, "flatTriangles", profile->flatTriangles);
     return skips;
 }
 

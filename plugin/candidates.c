@@ -84,7 +84,7 @@ qcStatus qcCandidates_End(qcCandidates* candidates, qcProfile* profile)
         profile->skippedNeighbours += sink->neighbours;
         profile->skippedSetCandidates += sink->setPairs;
     }
-    candidates->keys.count = candidates->neighbourKeys.count = 0;
+    candidates->keys.count = candidates->neighbourKeys.count = candidates->sure.count = 0;
     QC_TRY(qcArray_Reserve(&candidates->keys, total, sizeof(uint64_t), "candidate pairs"));
     QC_TRY(qcArray_Reserve(&candidates->neighbourKeys, neighbours, sizeof(uint64_t), "candidate pairs"));
     for (size_t i = 0; i < candidates->sinks.count; i++)
@@ -118,8 +118,11 @@ qcStatus qcCandidates_Sweep(qcCandidates* candidates, const qcCandidateRules* ru
     if (most == 0)
     {
         // Bodies are swept this way when they are new: what that took is not needed again.
-        qcSweep_Free(&candidates->sweep);
-        qcArray_Free(&candidates->boxes);
+        if (candidates->boxes.capacity != 0)
+        {
+            qcCandidates_Free(candidates);
+            QC_TRY(qcCandidates_Begin(candidates, rules->threads));
+        }
         return qcCandidates_End(candidates, profile);
     }
     QC_TRY(qcArray_Resize(&candidates->boxes, most, sizeof(qcSweepBox), "boxes of triangles"));
@@ -157,6 +160,15 @@ qcStatus qcCandidates_Add(qcCandidates* candidates, const qcArray* keys, const q
     return qc_statusOk;
 }
 
+qcStatus qcCandidates_AddSure(qcCandidates* candidates, const qcArray* sure)
+{
+    size_t at = candidates->sure.count;
+    QC_TRY(qcArray_Resize(&candidates->sure, at + sure->count, sizeof(qcSortItem), "candidate pairs"));
+    if (sure->count != 0)
+        memcpy(&QC_AT(qcSortItem, candidates->sure, at), sure->data, sure->count * sizeof(qcSortItem));
+    return qc_statusOk;
+}
+
 void qcCandidates_Free(qcCandidates* candidates)
 {
     for (size_t i = 0; i < candidates->sinks.count; i++)
@@ -171,4 +183,5 @@ void qcCandidates_Free(qcCandidates* candidates)
     qcArray_Free(&candidates->sinks);
     qcArray_Free(&candidates->keys);
     qcArray_Free(&candidates->neighbourKeys);
+    qcArray_Free(&candidates->sure);
 }

@@ -4,6 +4,7 @@
 
 #include "objects.h"
 #include "parallel.h"
+#include "sort.h"
 #include "sweep.h"
 
 /// What one worker found.
@@ -24,15 +25,16 @@ typedef struct qcCandidates
     qcArray sinks;         ///< of qcCandidateSink
     qcArray keys;          ///< uint64_t: the result, in no order
     qcArray neighbourKeys; ///< as keys: neighbours, which only contacts ask for
+    qcArray sure;          ///< of qcSortItem: key and relation, of pairs that need no other test; not among the keys
 } qcCandidates;
 
 typedef struct qcCandidateRules
 {
     const qcTriangles* triangles;
     const uint8_t* elsewhere; ///< by body: whose triangles another part of the line answers for
-    double margin;       ///< boxes this far apart still count as overlapping
-    bool testNeighbours; ///< triangles of one body that share a vertex are candidates too
-    bool listNeighbours; ///< and otherwise a list of their own
+    double margin;            ///< boxes this far apart still count as overlapping
+    bool testNeighbours;      ///< triangles of one body that share a vertex are candidates too
+    bool listNeighbours;      ///< and otherwise a list of their own
     uint32_t threads;
 } qcCandidateRules;
 
@@ -41,6 +43,9 @@ qcStatus qcCandidates_Sweep(qcCandidates* candidates, const qcCandidateRules* ru
 
 /// By comparing every box with every other: O(n^2).
 qcStatus qcCandidates_Brute(qcCandidates* candidates, const qcCandidateRules* rules, qcProfile* profile);
+
+/// Adds pairs that need no other test, found elsewhere.
+qcStatus qcCandidates_AddSure(qcCandidates* candidates, const qcArray* sure);
 
 /// Adds keys that were found elsewhere.
 qcStatus qcCandidates_Add(qcCandidates* candidates, const qcArray* keys, const qcArray* neighbourKeys);

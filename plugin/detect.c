@@ -195,6 +195,7 @@ static qcStatus SweepSurfaces(Step* step)
                               .listNeighbours = step->def->contactMargin > 0.0,
                               .threads = step->threads};
     QC_TRY(qcSweepSurfaces_Run(&d->surfaces, &job, &step->profile));
+    QC_TRY(qcCandidates_AddSure(&d->candidates, &d->surfaces.sure));
     return qcCandidates_Add(&d->candidates, &d->surfaces.keys, &d->surfaces.neighbourKeys);
 }
 
@@ -259,6 +260,11 @@ static qcStatus CollectPcs(Step* step)
             uint64_t key = QC_AT(uint64_t, d->candidates.keys, i);
             marks[key >> 32] = marks[(uint32_t)key] = 1;
         }
+    for (size_t i = 0; i < d->candidates.sure.count; i++)
+    {
+        uint64_t key = QC_AT(qcSortItem, d->candidates.sure, i).key;
+        marks[key >> 32] = marks[(uint32_t)key] = 1;
+    }
     size_t count = CountMarked(marks, t->count), at = 0;
     QC_TRY(qcArray_Resize(&d->pcs, count, sizeof(qcTriangleRef), "the PCS"));
     for (uint32_t body = 0; body < t->bodyCount; body++)

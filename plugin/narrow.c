@@ -133,9 +133,9 @@ static qcStatus EmptySinks(qcNarrow* narrow, uint32_t threads)
     return qc_statusOk;
 }
 
-static qcStatus CollectPairs(qcNarrow* narrow, const qcTriangles* t)
+static qcStatus CollectPairs(qcNarrow* narrow, const qcTriangles* t, const qcArray* sure)
 {
-    size_t total = 0, at = 0;
+    size_t total = sure->count, at = 0;
     for (size_t i = 0; i < narrow->sinks.count; i++)
         total += QC_AT(qcNarrowSink, narrow->sinks, i).found.count;
     QC_TRY(qcArray_Resize(&narrow->order, total, sizeof(qcSortItem), "pairs"));
@@ -147,6 +147,8 @@ static qcStatus CollectPairs(qcNarrow* narrow, const qcTriangles* t)
             memcpy(&QC_AT(qcSortItem, narrow->order, at), found->data, found->count * sizeof(qcSortItem));
         at += found->count;
     }
+    if (sure->count != 0)
+        memcpy(&QC_AT(qcSortItem, narrow->order, at), sure->data, sure->count * sizeof(qcSortItem));
     QC_TRY(qcSort_Items(narrow->order.data, total, &narrow->scratch));
     for (size_t i = 0; i < total; i++)
     {
@@ -238,7 +240,9 @@ qcStatus qcNarrow_Run(qcNarrow* narrow, const qcTriangles* triangles, const qcCa
         profile->exactFallbacks += sink->fallbacks;
         contactMs += sink->contactMs / threads;
     }
-    QC_TRY(CollectPairs(narrow, triangles));
+    QC_TRY(CollectPairs(narrow, triangles, &candidates->sure));
+    profile->candidates += candidates->sure.count;
+    profile->filterHits = candidates->sure.count;
     profile->pairs = narrow->pairs.count;
     if (def->segments)
     {

@@ -72,7 +72,8 @@ qcRelativePlacement qcRelativePlacement_Find(const qcPlacement* a, const qcPlace
             for (int k = 0; k < 3; k++)
                 r.linear[i][k] += row[j] * b->transform.linear[3 * j + k];
         }
-        r.error[i] = 0x1p-46 * condition * size;
+        // Products may vanish too, each by 2^-1074 and then times the inverse, 2^212 at most.
+        r.error[i] = 0x1p-46 * condition * size + 1e-200;
         // The 2-norm of the inverse squared is that of its product with its transpose.
         double product = 0.0;
         for (int k = 0; k < 3; k++)

@@ -238,6 +238,7 @@ qcStatus qcSurface_Fit(qcSurface* surface, const qcBody* body, double margin, co
     surface->moved = body->moved;
     surface->margin = margin;
     surface->fitted = true;
+    surface->fits++;
     surface->flatKnown = false;
     return qc_statusOk;
 }
@@ -297,6 +298,20 @@ void qcSurface_FindFlat(qcSurface* surface, const qcSurfaceKernels* kernels, uin
     size_t blocks = BlockCount(surface->discs.nodeCount, (size_t)qc_discBlock * qc_discNodes);
     qcParallel_For(threads, blocks, qc_leastBlocks, AskBlock, &fitting);
     surface->flatKnown = true;
+}
+
+uint64_t qcSurface_CountFlat(const qcSurface* surface)
+{
+    const qcDiscs* discs = &surface->discs;
+    uint64_t count = 0;
+    for (uint32_t node = 0; node < discs->nodeCount; node++)
+    {
+        const uint64_t* own = &QC_AT(uint64_t, discs->own, qc_discSizes * (size_t)node);
+        uint64_t flat = (qcSurface_IsFlat(surface, node) ? own[0] : 0) |
+                        (qcSurface_IsFlat(surface, qcDiscs_Large(discs, node)) ? own[1] : 0);
+        count += (uint64_t)__builtin_popcountll(flat);
+    }
+    return count;
 }
 
 void qcSurface_Free(qcSurface* surface)

@@ -31,6 +31,7 @@ typedef struct qcSurface
     size_t groupCount[qc_mostLevels];
     qcBoxGroup whole; ///< one box, around all
     bool fitted;
+    uint64_t fits;  ///< how many times
     bool isLocal;   ///< fitted to the local positions of a rigid body, without a margin: valid wherever it goes
     bool flatKnown; ///< of this fit
     uint64_t moved; ///< what was fitted, and with which margin
@@ -59,6 +60,9 @@ qcStatus qcSurface_Fit(qcSurface* surface, const qcBody* body, double margin, co
 
 /// Finds out which discs are flat, once for each fit. O(triangles).
 void qcSurface_FindFlat(qcSurface* surface, const qcSurfaceKernels* kernels, uint32_t threads);
+
+/// Triangles in discs that are known to be flat.
+uint64_t qcSurface_CountFlat(const qcSurface* surface);
 
 static inline bool qcSurface_IsFlat(const qcSurface* surface, uint32_t disc)
 {

@@ -138,6 +138,9 @@ typedef struct qcSurfaceKernels
     /// Keeps of `pairs` those that may be within the reach; their number is returned. The order stays.
     size_t (*filter)(const qcFilterSide* a, const qcFilterSide* b, const qcFilterBound* bound, qcPlacePair* pairs,
                      size_t count);
+    /// Puts first those of `pairs` that surely penetrate, whatever the reach; their number is returned.
+    size_t (*findPiercing)(const qcFilterSide* a, const qcFilterSide* b, const qcFilterBound* bound, qcPlacePair* pairs,
+                           size_t count);
 } qcSurfaceKernels;
 
 extern const qcSurfaceKernels qcSurfaceKernels_plain;

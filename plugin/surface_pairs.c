@@ -58,7 +58,10 @@ static void Flush(Queue* queue)
         return;
     if (s->filters)
         count = s->job->kernels->filter(&s->sides[0], &s->sides[1], &s->bound, queue->pairs, count);
-    queue->wanted = count == 0 || s->job->function(s->job->context, queue->pairs, count, queue->worker);
+    size_t sureCount = 0;
+    if (s->filters && s->job->findSure)
+        sureCount = s->job->kernels->findPiercing(&s->sides[0], &s->sides[1], &s->bound, queue->pairs, count);
+    queue->wanted = count == 0 || s->job->function(s->job->context, queue->pairs, count, sureCount, queue->worker);
 }
 
 #define QC_NO_LINK UINT32_MAX

@@ -10,8 +10,10 @@ enum
     qc_queueFull = 2048
 };
 
-/// Takes pairs of places, in no order: `a` of the first surface, `b` of the second. False: no more are wanted.
-typedef bool qcSurfacePairsFunction(void* context, const qcPlacePair* pairs, size_t count, uint32_t worker);
+/// Takes pairs of places, in no order: `a` of the first surface, `b` of the second. The first `sureCount` of them are
+/// known to penetrate. False: no more are wanted.
+typedef bool qcSurfacePairsFunction(void* context, const qcPlacePair* pairs, size_t count, size_t sureCount,
+                                    uint32_t worker);
 
 typedef struct qcSurfacePairsJob
 {
@@ -21,6 +23,7 @@ typedef struct qcSurfacePairsJob
     double margin;   ///< with which both were fitted
     bool neighbours; ///< of one surface: pairs that share a vertex index are found too
     bool flatDiscs;  ///< of one surface at margin 0: what qcSurface_FindFlat found is made use of
+    bool findSure;   ///< pairs are looked at for sure hits
     uint32_t threads;
     uint8_t *reachedA, *reachedB; ///< by node: set where it was compared with a node of the other. May be null
     qcSurfacePairsFunction* function;

@@ -48,6 +48,7 @@ qcStatus qcSweepSurfaces_Prepare(qcSweepSurfaces* sweep, const qcTriangles* tria
     if (sweep->kernels == NULL)
         sweep->kernels = qcSurfaceKernels_Get();
     QC_TRY(SyncSlots(sweep, triangles));
+    sweep->fittedTriangles = 0;
     for (uint32_t body = 0; body < triangles->bodyCount; body++)
     {
         uint32_t slot = qcTriangles_Slot(triangles, body), *seen = &QC_AT(uint32_t, sweep->seen, slot);
@@ -63,7 +64,9 @@ qcStatus qcSweepSurfaces_Prepare(qcSweepSurfaces* sweep, const qcTriangles* tria
         if (surface->generation == 0)
             QC_TRY(qcSurface_Build(surface, b));
         bool fits;
+        uint64_t before = surface->fits;
         QC_TRY(qcSurface_Fit(surface, b, margin, sweep->kernels, threads, &sweep->scratch, &fits));
+        sweep->fittedTriangles += surface->fits != before ? b->triangleCount : 0;
         wanted[body] = fits;
     }
     return qc_statusOk;
@@ -81,21 +84,27 @@ typedef struct Run
     uint32_t first[2];
 } Run;
 
-static bool AddKeys(void* context, const qcPlacePair* pairs, size_t count, uint32_t worker)
+static uint64_t KeyOf(const Run* run, qcPlacePair pair)
+{
+    uint64_t a = run->first[0] + run->triangles[0][pair.a], b = run->first[1] + run->triangles[1][pair.b];
+    return a < b ? a << 32 | b : b << 32 | a;
+}
+
+static bool AddKeys(void* context, const qcPlacePair* pairs, size_t count, size_t sureCount, uint32_t worker)
 {
     const Run* run = context;
     qcSurfaceSink* sink = &QC_AT(qcSurfaceSink, run->sweep->sinks, worker);
-    size_t at = sink->keys.count;
     if (sink->status == qc_statusOk)
-        sink->status = qcArray_Reserve(&sink->keys, at + count, sizeof(uint64_t), "candidate pairs");
+        sink->status = qcArray_Reserve(&sink->keys, sink->keys.count + count, sizeof(uint64_t), "candidate pairs");
+    if (sink->status == qc_statusOk)
+        sink->status =
+            qcArray_Reserve(&sink->sure, sink->sure.count + sureCount, sizeof(qcSortItem), "candidate pairs");
     if (sink->status != qc_statusOk)
         return false;
-    for (size_t i = 0; i < count; i++)
-    {
-        uint64_t a = run->first[0] + run->triangles[0][pairs[i].a], b = run->first[1] + run->triangles[1][pairs[i].b];
-        QC_AT(uint64_t, sink->keys, at + i) = a < b ? a << 32 | b : b << 32 | a;
-    }
-    sink->keys.count = at + count;
+    for (size_t i = 0; i < sureCount; i++)
+        QC_AT(qcSortItem, sink->sure, sink->sure.count++) = (qcSortItem){KeyOf(run, pairs[i]), qc_relationPenetrating};
+    for (size_t i = sureCount; i < count; i++)
+        QC_AT(uint64_t, sink->keys, sink->keys.count++) = KeyOf(run, pairs[i]);
     return true;
 }
 
@@ -109,10 +118,10 @@ static qcStatus EmptySinks(qcSweepSurfaces* sweep, uint32_t threads)
     }
     for (size_t i = 0; i < sweep->sinks.count; i++)
     {
-        QC_AT(qcSurfaceSink, sweep->sinks, i).keys.count = 0;
+        QC_AT(qcSurfaceSink, sweep->sinks, i).keys.count = QC_AT(qcSurfaceSink, sweep->sinks, i).sure.count = 0;
         QC_AT(qcSurfaceSink, sweep->sinks, i).status = qc_statusOk;
     }
-    sweep->keys.count = sweep->neighbourKeys.count = 0;
+    sweep->keys.count = sweep->neighbourKeys.count = sweep->sure.count = 0;
     return qc_statusOk;
 }
 
@@ -161,6 +170,8 @@ static qcStatus FindPairs(Run* run, uint32_t a, uint32_t b)
                                .margin = job->margin,
                                .neighbours = job->testNeighbours,
                                .flatDiscs = run->flatDiscs && a == b,
+                               // Contacts are made of candidates, whatever their relation.
+                               .findSure = !job->listNeighbours,
                                .threads = job->threads,
                                .reachedA = ReachedOf(sweep, a),
                                .reachedB = ReachedOf(sweep, b),
@@ -209,24 +220,26 @@ static void CountTriangles(const Run* run, uint32_t body, qcProfile* profile)
     profile->skippedTriangles += b->triangleCount - left;
 }
 
+/// Adds what a worker found to the result.
+static qcStatus Append(qcArray* all, const qcArray* found, size_t elementSize)
+{
+    QC_TRY(qcArray_Reserve(all, all->count + found->count, elementSize, "candidate pairs"));
+    if (found->count != 0)
+        memcpy((char*)all->data + all->count * elementSize, found->data, found->count * elementSize);
+    all->count += found->count;
+    return qc_statusOk;
+}
+
 static qcStatus CollectKeys(qcSweepSurfaces* sweep)
 {
-    size_t total = 0;
     for (size_t i = 0; i < sweep->sinks.count; i++)
     {
         const qcSurfaceSink* sink = &QC_AT(qcSurfaceSink, sweep->sinks, i);
         // The message is the worker's own; say it again on this thread.
         if (sink->status != qc_statusOk)
             return qcArray_FailAgain(&sink->keys, "candidate pairs");
-        total += sink->keys.count;
-    }
-    QC_TRY(qcArray_Reserve(&sweep->keys, total, sizeof(uint64_t), "candidate pairs"));
-    for (size_t i = 0; i < sweep->sinks.count; i++)
-    {
-        const qcArray* found = &QC_AT(qcSurfaceSink, sweep->sinks, i).keys;
-        if (found->count != 0)
-            memcpy(&QC_AT(uint64_t, sweep->keys, sweep->keys.count), found->data, found->count * sizeof(uint64_t));
-        sweep->keys.count += found->count;
+        QC_TRY(Append(&sweep->keys, &sink->keys, sizeof(uint64_t)));
+        QC_TRY(Append(&sweep->sure, &sink->sure, sizeof(qcSortItem)));
     }
     return qc_statusOk;
 }
@@ -250,11 +263,16 @@ qcStatus qcSweepSurfaces_Run(qcSweepSurfaces* sweep, const qcSweepSurfacesJob* j
         CountTriangles(&run, body, profile);
         if (!qcBody_MeetsItself(qcTriangles_Body(t, body)))
             continue;
+        qcSurface* surface = SurfaceAt(sweep, qcTriangles_Slot(t, body));
         if (run.flatDiscs)
-            qcSurface_FindFlat(SurfaceAt(sweep, qcTriangles_Slot(t, body)), sweep->kernels, job->threads);
+        {
+            qcSurface_FindFlat(surface, sweep->kernels, job->threads);
+            profile->flatTriangles += qcSurface_CountFlat(surface);
+        }
         QC_TRY(FindPairs(&run, body, body));
         QC_TRY(AddNeighbours(&run, body, profile));
     }
+    profile->fittedTriangles += sweep->fittedTriangles;
     return CollectKeys(sweep);
 }
 
@@ -263,11 +281,14 @@ void qcSweepSurfaces_Free(qcSweepSurfaces* sweep)
     for (uint32_t slot = 0; slot < sweep->surfaces.count; slot++)
         qcSurface_Free(SurfaceAt(sweep, slot));
     for (size_t i = 0; i < sweep->sinks.count; i++)
+    {
         qcArray_Free(&QC_AT(qcSurfaceSink, sweep->sinks, i).keys);
+        qcArray_Free(&QC_AT(qcSurfaceSink, sweep->sinks, i).sure);
+    }
     qcSurfacePairs_Free(&sweep->pairs);
     qcSurfaceScratch_Free(&sweep->scratch);
-    qcArray* arrays[] = {&sweep->surfaces,     &sweep->seen, &sweep->sinks,        &sweep->reached,
-                         &sweep->firstReached, &sweep->keys, &sweep->neighbourKeys};
+    qcArray* arrays[] = {&sweep->surfaces,     &sweep->seen, &sweep->sinks,         &sweep->reached,
+                         &sweep->firstReached, &sweep->keys, &sweep->neighbourKeys, &sweep->sure};
     for (size_t i = 0; i < sizeof arrays / sizeof arrays[0]; i++)
         qcArray_Free(arrays[i]);
 }

@@ -3,12 +3,14 @@
 #define QC_PLUGIN_SWEEP_SURFACES_H
 
 #include "objects.h"
+#include "sort.h"
 #include "surface_pairs.h"
 
 /// What one worker found.
 typedef struct qcSurfaceSink
 {
     qcArray keys; ///< uint64_t: lower rank << 32 | higher rank
+    qcArray sure; ///< of qcSortItem: key and relation, of pairs that need no other test
     qcStatus status;
     char apart[64]; ///< keeps two workers off one cache line
 } qcSurfaceSink;
@@ -25,6 +27,8 @@ typedef struct qcSweepSurfaces
     qcArray reached;             ///< uint8_t, by node, of bodies that are not tested with themselves
     qcArray firstReached;        ///< size_t, by body of the step: where its nodes begin, or SIZE_MAX
     qcArray keys, neighbourKeys; ///< uint64_t: the result, in no order
+    qcArray sure;                ///< as of a sink
+    uint64_t fittedTriangles;    ///< in this step
 } qcSweepSurfaces;
 
 typedef struct qcSweepSurfacesJob
@@ -43,7 +47,8 @@ typedef struct qcSweepSurfacesJob
 qcStatus qcSweepSurfaces_Prepare(qcSweepSurfaces* sweep, const qcTriangles* triangles, double margin, uint32_t threads,
                                  uint8_t* wanted);
 
-/// Fills keys and neighbourKeys; all bodies that are asked about are prepared.
+/// Fills keys, neighbourKeys and, if no neighbours are to be listed, sure: each pair is in one of them; all bodies that
+/// are asked about are prepared.
 qcStatus qcSweepSurfaces_Run(qcSweepSurfaces* sweep, const qcSweepSurfacesJob* job, qcProfile* profile);
 void qcSweepSurfaces_Free(qcSweepSurfaces* sweep);
 

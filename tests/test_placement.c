@@ -5,74 +5,12 @@
 #include "status.h"
 #include "suite.h"
 #include "surfaces.h"
+#include "transforms.h"
 
 #include <float.h>
 #include <math.h>
-#include <stdio.h>
 
-//  ---- transforms ----------------------------------------------------------------------------------
-
-typedef enum Shape
-{
-    shapeTurned,
-    shapeScaled,  ///< along its own axes
-    shapeSheared, ///< by small integers, exactly
-    shapeMirrored,
-    shapePlate,  ///< flattened in one direction, down to a share
-    shapeNeedle, ///< in two
-    shapeCount
-} Shape;
-
-static void Multiply(const double a[9], const double b[9], double product[9])
-{
-    for (int i = 0; i < 9; i++)
-        product[i] = a[i / 3 * 3] * b[i % 3] + a[i / 3 * 3 + 1] * b[i % 3 + 3] + a[i / 3 * 3 + 2] * b[i % 3 + 6];
-}
-
-static void MakeRotation(qcRandom* random, double m[9])
-{
-    double q[4], length = 0.0;
-    for (int i = 0; i < 4; i++)
-    {
-        q[i] = qcRandom_Uniform(random, -1.0, 1.0);
-        length += q[i] * q[i];
-    }
-    double s = 2.0 / length, x = q[0], y = q[1], z = q[2], w = q[3];
-    const double r[9] = {1.0 - s * (y * y + z * z), s * (x * y - z * w), s * (x * z + y * w),
-                         s * (x * y + z * w), 1.0 - s * (x * x + z * z), s * (y * z - x * w),
-                         s * (x * z - y * w), s * (y * z + x * w), 1.0 - s * (x * x + y * y)};
-    memcpy(m, r, sizeof r);
-}
-
-static void MakeLinear(qcRandom* random, Shape shape, double share, double scale, double m[9])
-{
-    double left[9], right[9], half[9], middle[9] = {0.0};
-    MakeRotation(random, left);
-    MakeRotation(random, right);
-    for (int k = 0; k < 3; k++)
-    {
-        bool flat = (shape == shapePlate && k == 0) || (shape == shapeNeedle && k != 0);
-        middle[4 * k] = flat ? share : shape == shapeTurned ? 1.0 : qcRandom_Uniform(random, 0.2, 2.0);
-    }
-    middle[0] = shape == shapeMirrored ? -middle[0] : middle[0];
-    Multiply(left, middle, half);
-    Multiply(half, right, m);
-    for (int i = 0; i < 9 && (shape == shapeScaled || shape == shapeSheared); i++)
-        m[i] = shape == shapeScaled ? middle[i]
-               : i % 4 == 0         ? 1.0
-               : i % 3 > i / 3      ? qcRandom_Integer(random, -3, 3)
-                                    : 0.0;
-    for (int i = 0; i < 9; i++)
-        m[i] *= scale;
-}
-
-/// Of any shape; 2^-k as large.
-static void MakeAnyLinear(qcRandom* random, int leastExponent, int mostExponent, double m[9])
-{
-    double share = exp2(-qcRandom_Uniform(random, 0.0, 11.0));
-    double scale = ldexp(1.0, (int)qcRandom_Integer(random, leastExponent, mostExponent));
-    MakeLinear(random, (Shape)qcRandom_Below(random, shapeCount), share, scale, m);
-}
+//  ---- what is true --------------------------------------------------------------------------------
 
 static void GetWorld(const qcTransform* transform, const double x[3], double world[3])
 {
@@ -80,8 +18,6 @@ static void GetWorld(const qcTransform* transform, const double x[3], double wor
     qcBody body = {.local = local, .transform = *transform};
     qcBody_GetVertex(&body, 0, world);
 }
-
-//  ---- what is true --------------------------------------------------------------------------------
 
 static long double RowSum(const long double m[9])
 {
@@ -91,8 +27,8 @@ static long double RowSum(const long double m[9])
     return largest;
 }
 
-/// The condition number by row sums, or infinity where even long double finds no inverse: its product with the matrix is
-/// looked at.
+/// The condition number by row sums, or infinity where even long double finds no inverse: its product with the matrix
+/// is looked at.
 static long double InvertWell(const double m[9], long double inverse[9])
 {
     long double wide[9], rest[9];
@@ -125,7 +61,7 @@ START_TEST(a_transform_is_invertible_up_to_a_condition_number_of_4096)
     {
         qcTransform t = qcIdentityTransform();
         double share = exp2(-qcRandom_Uniform(&random, 0.0, i % 2 == 0 ? 16.0 : 70.0));
-        MakeLinear(&random, (Shape)qcRandom_Below(&random, shapeCount), share, 1.0, t.linear);
+        qcMakeLinear(&random, (qcShape)qcRandom_Below(&random, qc_shapeCount), share, 1.0, t.linear);
         for (int k = 0; k < 9 && i % 16 == 0; k++)
             t.linear[k] = qcRandom_Integer(&random, -1, 1);
         long double inverse[9], condition = InvertWell(t.linear, inverse);
@@ -225,7 +161,7 @@ static bool Meet(qcRandom* random, Meeting* m)
         qcTransform* t = &m->placement[side].transform;
         *t = qcIdentityTransform();
         if (qcRandom_Below(random, 6) != 0)
-            MakeAnyLinear(random, -range, range, t->linear);
+            qcMakeAnyLinear(random, -range, range, t->linear);
         scale[side] = fabs(t->linear[0]) + fabs(t->linear[1]) + fabs(t->linear[2]);
         for (int axis = 0; axis < 3; axis++)
             t->translation[axis] = size * (side == 0 ? away * qcRandom_Uniform(random, -1.0, 1.0)
@@ -266,7 +202,7 @@ START_TEST(points_that_meet_in_the_world_meet_in_coordinates_of_either)
 {
     qcRandom random = {2};
     size_t same = 0;
-    double worst = 0.0, worstFar = 0.0;
+    double worst = 0.0;
     for (int i = 0; i < 100000; i++)
     {
         Meeting m;
@@ -282,13 +218,9 @@ START_TEST(points_that_meet_in_the_world_meet_in_coordinates_of_either)
             double off = (double)fabsl(at);
             CHECK_THAT(off <= r.error[axis] + r.reach[axis] * m.apart, "meeting %d: %a off, %a allowed", i, off,
                        r.error[axis]);
-            if (m.apart == 0.0 && r.error[axis] > 0.0)
-                worst = fmax(worst, off / r.error[axis]);
-            else if (r.error[axis] > 0.0)
-                worstFar = fmax(worstFar, off / (r.error[axis] + r.reach[axis] * m.apart));
+            worst = m.apart == 0.0 ? fmax(worst, off / r.error[axis]) : worst;
         }
     }
-    printf("same %zu worst 2^%g %g\n", same, log2(worst), log2(worstFar));
     ck_assert_uint_gt(same, 10000);
     // Nor is the bound out of proportion.
     ck_assert(worst > 0x1p-12);
@@ -298,12 +230,11 @@ END_TEST
 START_TEST(reach_and_stretch_are_those_of_the_inverse)
 {
     qcRandom random = {3};
-    double over = 0.0, under = 0.0;
     for (int i = 0; i < 30000; i++)
     {
         qcPlacement a = {.transform = qcIdentityTransform()}, b = a;
-        MakeAnyLinear(&random, -100, 100, a.transform.linear);
-        MakeAnyLinear(&random, -100, 100, b.transform.linear);
+        qcMakeAnyLinear(&random, -100, 100, a.transform.linear);
+        qcMakeAnyLinear(&random, -100, 100, b.transform.linear);
         long double inverse[9];
         if (!isfinite(InvertWell(a.transform.linear, inverse)) || !qcTransform_IsInvertible(&a.transform))
             continue;
@@ -320,7 +251,6 @@ START_TEST(reach_and_stretch_are_those_of_the_inverse)
             stretch = fmaxl(stretch, hypotl(w[0], hypotl(w[1], w[2])));
             memcpy(v, u, sizeof v);
         }
-        under = fmax(under, (double)(stretch / (long double)r.stretch) - 1.0);
         CHECK_THAT((double)stretch <= r.stretch, "transform %d: vectors grow %La times, not %a", i, stretch, r.stretch);
         CHECK_THAT((double)stretch > 0.57 * r.stretch, "transform %d: vectors grow only %La times", i, stretch);
         for (int axis = 0; axis < 3; axis++)
@@ -328,14 +258,259 @@ START_TEST(reach_and_stretch_are_those_of_the_inverse)
             const long double* row = inverse + 3 * axis;
             long double reach = fabsl(row[0]) + fabsl(row[1]) + fabsl(row[2]);
             double off = fabs((double)(reach / (long double)r.reach[axis]) - 1.0);
-            over = fmax(over, off);
             CHECK_THAT(off < 1e-9, "transform %d: reach wrong by %g", i, off);
         }
     }
-    printf("reach off %g stretch under %g\n", over, under);
+}
+END_TEST
+
+//  ---- boxes ---------------------------------------------------------------------------------------
+
+static uint32_t AddRigid(qcBodies* bodies, const qcSoup* soup)
+{
+    qcBodyDef def = qcDefaultBodyDef();
+    def.positions = soup->positions;
+    def.positionType = qc_positionF64;
+    def.vertexCount = soup->vertexCount;
+    def.indices = soup->indices;
+    def.triangleCount = soup->triangleCount;
+    qcBodyId id;
+    CHECK_OK(qcBodies_Add(bodies, &def, &id));
+    return id.slot;
+}
+
+/// A soup of some kind; `spare` vertices more that no triangle has, far outside.
+static qcSoup MakeWithSpare(qcRandom* random, uint32_t spare)
+{
+    qcSoup soup = qcMakeSoup((qcSoupKind)qcRandom_Below(random, qc_soupKindCount), qcRandom_Next(random));
+    soup.positions = realloc(soup.positions, 3 * sizeof(double) * (soup.vertexCount + spare));
+    ck_assert_ptr_nonnull(soup.positions);
+    for (size_t i = 3 * (size_t)soup.vertexCount; i < 3 * (size_t)(soup.vertexCount + spare); i++)
+        soup.positions[i] = 7.0;
+    soup.vertexCount += spare;
+    return soup;
+}
+
+static void FindWorldBox(const qcBody* body, double lower[3], double upper[3])
+{
+    for (int axis = 0; axis < 3; axis++)
+    {
+        lower[axis] = DBL_MAX;
+        upper[axis] = -DBL_MAX;
+    }
+    for (uint32_t t = 0; t < body->triangleCount; t++)
+    {
+        double low[3], high[3];
+        qcBody_GetTriangleBox(body, t, low, high);
+        for (int axis = 0; axis < 3; axis++)
+        {
+            lower[axis] = fmin(lower[axis], low[axis]);
+            upper[axis] = fmax(upper[axis], high[axis]);
+        }
+    }
+}
+
+START_TEST(the_box_of_a_moved_body_holds_its_vertices_as_they_are_rounded)
+{
+    qcRandom random = {4};
+    size_t larger = 0;
+    for (int i = 0; i < 300; i++)
+    {
+        qcBodies bodies = {0};
+        qcSoup soup = MakeWithSpare(&random, qcRandom_Below(&random, 3));
+        qcSoup_Place(&soup, 1.0, qcRandom_Uniform(&random, -2.0, 2.0), 0.0, qcRandom_Uniform(&random, -1e3, 1e3));
+        const qcBody* body = qcBodyAt(&bodies, AddRigid(&bodies, &soup));
+        for (int move = 0; move < 10; move++)
+        {
+            // Along the axes, the ends of the box are those of vertices.
+            bool tight = move % 2 == 0;
+            qcTransform t = qcIdentityTransform();
+            if (!tight)
+                qcMakeAnyLinear(&random, -100, 100, t.linear);
+            else if (move % 4 == 0)
+                qcMakeLinear(&random, qc_shapeScaled, 1.0, move == 0 ? 1.0 : -3.0, t.linear);
+            double far = move < 2 ? 0.0 : pow(10.0, qcRandom_Integer(&random, -3, 12));
+            for (int axis = 0; axis < 3; axis++)
+                t.translation[axis] = far * qcRandom_Uniform(&random, -1.0, 1.0);
+            CHECK_OK(qcBodies_SetTransform(&bodies, 0, &t));
+            double lower[3], upper[3];
+            FindWorldBox(body, lower, upper);
+            for (int axis = 0; axis < 3; axis++)
+            {
+                bool same = body->lower[axis] == lower[axis] && body->upper[axis] == upper[axis];
+                CHECK_THAT(body->lower[axis] <= lower[axis] && body->upper[axis] >= upper[axis],
+                           "body %d, move %d: %a %a outside %a %a", i, move, lower[axis], upper[axis],
+                           body->lower[axis], body->upper[axis]);
+                CHECK_THAT(!tight || same, "body %d, move %d: %a %a around %a %a", i, move, body->lower[axis],
+                           body->upper[axis], lower[axis], upper[axis]);
+                larger += !same;
+            }
+        }
+        qcBodies_Free(&bodies);
+        qcSoup_Free(&soup);
+    }
+    ck_assert_uint_gt(larger, 1000);
+    ck_assert_uint_eq(qcGetByteCount(), 0);
+}
+END_TEST
+
+START_TEST(zeros_of_either_sign_are_an_identity)
+{
+    qcBodies bodies = {0};
+    qcSoup soup = qcSoup_MakeGrid(2);
+    for (uint32_t i = 0; i < 3 * soup.vertexCount; i += 2)
+        soup.positions[i] = -soup.positions[i];
+    const qcBody* body = qcBodyAt(&bodies, AddRigid(&bodies, &soup));
+    qcTransform t = qcIdentityTransform();
+    for (int i = 0; i < 3; i++)
+        t.linear[i == 2 ? 6 : 4 * i + 1] = t.translation[i] = -0.0;
+    CHECK_OK(qcBodies_SetTransform(&bodies, 0, &t));
+    for (uint32_t v = 0; v < soup.vertexCount; v++)
+    {
+        double p[3];
+        qcBody_GetVertex(body, v, p);
+        ck_assert_mem_eq(p, soup.positions + 3 * v, sizeof p);
+    }
+    ck_assert_mem_eq(body->lower, body->localLower, sizeof body->lower);
+    ck_assert_mem_eq(body->upper, body->localUpper, sizeof body->upper);
+    qcBodies_Free(&bodies);
+    qcSoup_Free(&soup);
+}
+END_TEST
+
+static void CheckRefused(qcBodies* bodies, const qcTransform* transform, const char* expected)
+{
+    qcBody before = *qcBodyAt(bodies, 0);
+    uint64_t revision = bodies->revision;
+    ck_assert_int_eq(qcBodies_SetTransform(bodies, 0, transform), qc_statusBadInput);
+    CHECK_THAT(strstr(qcLastMessage(), expected) != NULL, "%s", qcLastMessage());
+    ck_assert_mem_eq(&before, qcBodyAt(bodies, 0), sizeof before);
+    ck_assert_uint_eq(bodies->revision, revision);
+}
+
+START_TEST(a_transform_that_takes_a_vertex_beyond_all_numbers_is_refused)
+{
+    // The last vertex is no triangle's.
+    double positions[15] = {1e308, 0.0, 0.0, 0.0, 1e308, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.5e308};
+    uint32_t indices[6] = {0, 1, 2, 1, 2, 3};
+    qcSoup soup = {positions, 5, indices, 2};
+    for (uint32_t triangles = 0; triangles <= 2; triangles += 2)
+    {
+        qcBodies bodies = {0};
+        soup.triangleCount = triangles;
+        const qcBody* body = qcBodyAt(&bodies, AddRigid(&bodies, &soup));
+        // The sum of all greatest coordinates is too large, but no vertex is: the box is that of vertices.
+        qcTransform t = qcIdentityTransform();
+        t.linear[1] = -1.0;
+        t.linear[2] = 1.0;
+        CHECK_OK(qcBodies_SetTransform(&bodies, 0, &t));
+        const double lower[3] = {-1e308, 0.0, 0.0}, upper[3] = {1e308, 1e308, 1.0};
+        for (int axis = 0; axis < 3 && triangles != 0; axis++)
+            ck_assert(body->lower[axis] == lower[axis] && body->upper[axis] == upper[axis]);
+        ck_assert(triangles != 0 || body->lower[0] > body->upper[0]);
+        t.linear[2] = 1.5;
+        CheckRefused(&bodies, &t, "vertex 4");
+        t.linear[1] = 2.0;
+        CheckRefused(&bodies, &t, "vertex 1");
+        t.linear[1] = 0.0;
+        t.linear[2] = NAN;
+        CheckRefused(&bodies, &t, "linear[2]");
+        t.linear[2] = 0.0;
+        t.translation[1] = INFINITY;
+        CheckRefused(&bodies, &t, "translation[1]");
+        qcBodies_Free(&bodies);
+    }
+}
+END_TEST
+
+START_TEST(a_body_without_triangles_has_an_empty_box_wherever_it_goes)
+{
+    double positions[3] = {1.0, 2.0, 3.0};
+    for (uint32_t vertexCount = 0; vertexCount < 2; vertexCount++)
+    {
+        qcBodies bodies = {0};
+        qcSoup soup = {positions, vertexCount, NULL, 0};
+        const qcBody* body = qcBodyAt(&bodies, AddRigid(&bodies, &soup));
+        qcTransform t = qcIdentityTransform();
+        for (int move = 0; move < 3; move++)
+        {
+            t.translation[1] = 1e300 * move;
+            t.linear[0] = move;
+            CHECK_OK(qcBodies_SetTransform(&bodies, 0, &t));
+            for (int axis = 0; axis < 3; axis++)
+                ck_assert(body->lower[axis] > body->upper[axis]);
+        }
+        qcBodies_Free(&bodies);
+    }
+    ck_assert_uint_eq(qcGetByteCount(), 0);
+}
+END_TEST
+
+//  ---- surfaces ------------------------------------------------------------------------------------
+
+/// Was it fitted anew? Every fit writes all points; the last is marked.
+static bool FitsAnew(qcSurface* surface, const qcBody* body, double margin)
+{
+    qcSurfaceScratch scratch = {0};
+    bool fits;
+    float* mark = &QC_AT(qcPoint, surface->points, 0).x[0];
+    *mark = -5.0f;
+    CHECK_OK(qcSurface_Fit(surface, body, margin, qcSurfaceKernels_Get(), 1, &scratch, &fits));
+    ck_assert(fits);
+    qcSurfaceScratch_Free(&scratch);
+    bool anew = *mark != -5.0f;
+    *mark = 0.0f;
+    return anew;
+}
+
+START_TEST(a_rigid_body_is_fitted_once_while_it_is_turned_and_not_tested_with_itself)
+{
+    qcRandom random = {6};
+    qcBodies bodies = {0};
+    qcSoup soup = qcSoup_MakeSphere(2, 1.0);
+    AddRigid(&bodies, &soup);
+    qcBody* body = &QC_AT(qcBody, bodies.slots, 0);
+    qcSurface surface;
+    CHECK_OK(qcSurface_Build(&surface, body));
+    qcTransform t = qcIdentityTransform(), flat = t;
+    flat.linear[8] = 0.0;
+    body->selfCollision = false;
+    ck_assert(FitsAnew(&surface, body, 0.0) && surface.isLocal);
+    for (int i = 0; i < 20; i++)
+    {
+        qcMakeAnyLinear(&random, -10, 10, t.linear);
+        if (!qcTransform_IsInvertible(&t))
+            continue;
+        CHECK_OK(qcBodies_SetTransform(&bodies, 0, &t));
+        ck_assert(!FitsAnew(&surface, body, 0.01 * i) && surface.isLocal);
+    }
+    for (int i = 0; i < 2; i++)
+    {
+        CHECK_OK(qcBodies_SetTransform(&bodies, 0, &flat));
+        ck_assert(FitsAnew(&surface, body, 0.0) && !surface.isLocal);
+        ck_assert(!FitsAnew(&surface, body, 0.0));
+        ck_assert(FitsAnew(&surface, body, 0.5));
+        CHECK_OK(qcBodies_SetTransform(&bodies, 0, &t));
+        ck_assert(FitsAnew(&surface, body, 0.5) && surface.isLocal && surface.margin == 0.0);
+        body->selfCollision = true;
+        ck_assert(FitsAnew(&surface, body, 0.5) && !surface.isLocal && surface.margin == 0.5);
+        body->activity = qc_activitySleeping;
+        ck_assert(FitsAnew(&surface, body, 0.5) && surface.isLocal);
+        body->activity = qc_activityMoving;
+        body->selfCollision = false;
+        ck_assert(!FitsAnew(&surface, body, 0.5));
+    }
+    qcSurface_Free(&surface);
+    qcBodies_Free(&bodies);
+    qcSoup_Free(&soup);
+    ck_assert_uint_eq(qcGetByteCount(), 0);
 }
 END_TEST
 
 QC_RUN_TESTS("placement", a_transform_is_invertible_up_to_a_condition_number_of_4096,
              what_has_no_inverse_in_double_is_not_invertible,
-             points_that_meet_in_the_world_meet_in_coordinates_of_either, reach_and_stretch_are_those_of_the_inverse)
+             points_that_meet_in_the_world_meet_in_coordinates_of_either, reach_and_stretch_are_those_of_the_inverse,
+             the_box_of_a_moved_body_holds_its_vertices_as_they_are_rounded, zeros_of_either_sign_are_an_identity,
+             a_transform_that_takes_a_vertex_beyond_all_numbers_is_refused,
+             a_body_without_triangles_has_an_empty_box_wherever_it_goes,
+             a_rigid_body_is_fitted_once_while_it_is_turned_and_not_tested_with_itself)

@@ -134,6 +134,80 @@ START_TEST(the_filter_keeps_what_meets)
 }
 END_TEST
 
+/// Is the last pair called a sure hit?
+static bool IsSure(const qcSurfaceKernels* k, const Batch* batch, const qcFilterBound* bound)
+{
+    qcFilterSide a = {batch->corners, batch->points[0]}, b = {batch->corners, batch->points[1]};
+    qcPlacePair pairs[qc_mostInBatch];
+    uint8_t times[qc_mostInBatch] = {0};
+    for (uint32_t i = 0; i < batch->count; i++)
+        pairs[i].a = pairs[i].b = i;
+    size_t sure = k->findPiercing(&a, &b, bound, pairs, batch->count);
+    CHECK_THAT(sure <= batch->count, "%s: %zu of %zu sure", k->name, sure, batch->count);
+    bool isSure = false;
+    for (size_t i = 0; i < batch->count; i++)
+    {
+        CHECK_THAT(pairs[i].a == pairs[i].b && pairs[i].a < batch->count && times[pairs[i].a]++ == 0,
+                   "%s: pair %zu is lost or twice there", k->name, i);
+        isSure = isSure || (i < sure && pairs[i].a + 1 == batch->count);
+    }
+    return isSure;
+}
+
+/// Random triangles, some of which only just reach each other.
+static void MakeNearlyPiercing(qcRandom* random, qcTrianglePair* pair)
+{
+    for (int c = 0; c < 3; c++)
+        for (int axis = 0; axis < 3; axis++)
+        {
+            pair->a[c][axis] = qcRandom_Uniform(random, -1.0, 1.0);
+            pair->b[c][axis] = qcRandom_Uniform(random, -1.0, 1.0);
+        }
+    // A corner of B close to a point of A, one side or the other.
+    if (qcRandom_Below(random, 2) == 0)
+        return;
+    double u = qcRandom_Uniform(random, 0.0, 0.6), v = qcRandom_Uniform(random, 0.0, 0.4);
+    double off = qcRandom_Uniform(random, -1.0, 1.0) * (qcRandom_Below(random, 2) == 0 ? 0.1 : 0x1p-22);
+    for (int axis = 0; axis < 3; axis++)
+        pair->b[0][axis] = pair->a[0][axis] + u * (pair->a[1][axis] - pair->a[0][axis]) +
+                           v * (pair->a[2][axis] - pair->a[0][axis]) + off;
+}
+
+START_TEST(a_sure_hit_penetrates)
+{
+    qcRandom random = {19};
+    Batch batch = {.count = 0};
+    int sure = 0, penetrating = 0, count = qcGetTestPairCount(12000);
+    for (int i = 0; i < count; i++)
+    {
+        qcTrianglePair pair;
+        if (i % 2 == 0)
+            qcTrianglePair_MakeAny(&random, &pair);
+        else
+            MakeNearlyPiercing(&random, &pair);
+        bool penetrates = qcOracle_Relate(pair.a, pair.b) == qc_relationPenetrating;
+        double unit, origin[3], a[3][3], b[3][3];
+        if (!FrameOf(&pair, 0.0, &unit, origin))
+            continue;
+        ToFrame(pair.a, origin, unit, a);
+        ToFrame(pair.b, origin, unit, b);
+        Push(&batch, a, b);
+        qcFilterBound bound = {.pointError = 0x1p-24f, .reach = Up(0.0)};
+        penetrating += penetrates && i % 2 == 1;
+        char text[1024];
+        FOR_EACH_KERNELS(k)
+        {
+            bool isSure = IsSure(k, &batch, &bound);
+            CHECK_THAT(!isSure || penetrates, "%s: %s", k->name, qcTrianglePair_Print(&pair, text));
+            sure += isSure && i % 2 == 1 && k == qcSurfaceKernels_Get();
+        }
+    }
+    // Nearly all that aren't built to be on the border.
+    ck_assert_int_gt(penetrating, count / 20);
+    ck_assert_int_gt(sure, penetrating * 8 / 10);
+}
+END_TEST
+
 START_TEST(the_filter_keeps_what_is_exactly_the_reach_apart)
 {
     qcRandom random = {10};
@@ -379,7 +453,8 @@ START_TEST(the_filter_parts_triangles_in_one_plane)
 }
 END_TEST
 
-QC_RUN_TESTS("surface_filter", the_filter_keeps_what_meets, the_filter_keeps_what_is_exactly_the_reach_apart,
-             the_filter_keeps_what_meets_in_exact_coordinates, the_filter_keeps_what_errors_of_points_part,
-             the_filter_keeps_what_meets_in_the_first_side_s_frame, the_filter_keeps_what_it_cannot_tell,
-             the_filter_drops_nearly_all_that_is_clearly_apart, the_filter_parts_triangles_in_one_plane)
+QC_RUN_TESTS("surface_filter", a_sure_hit_penetrates, the_filter_keeps_what_meets,
+             the_filter_keeps_what_is_exactly_the_reach_apart, the_filter_keeps_what_meets_in_exact_coordinates,
+             the_filter_keeps_what_errors_of_points_part, the_filter_keeps_what_meets_in_the_first_side_s_frame,
+             the_filter_keeps_what_it_cannot_tell, the_filter_drops_nearly_all_that_is_clearly_apart,
+             the_filter_parts_triangles_in_one_plane)

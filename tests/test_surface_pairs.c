@@ -60,10 +60,10 @@ typedef struct Found
     const uint8_t *reachedA, *reachedB;
 } Found;
 
-static bool Take(void* context, const qcPlacePair* pairs, size_t count, uint32_t worker)
+static bool Take(void* context, const qcPlacePair* pairs, size_t count, size_t sureCount, uint32_t worker)
 {
     Found* found = context;
-    CHECK_THAT(worker < qc_mostThreads && count != 0, "worker %u, %zu pairs", worker, count);
+    CHECK_THAT(worker < qc_mostThreads && count != 0 && sureCount <= count, "worker %u, %zu pairs", worker, count);
     for (size_t i = 0; i < count; i++)
     {
         uint32_t t = QC_AT(uint32_t, found->a->surface.clusters.triangles, pairs[i].a),
@@ -368,10 +368,11 @@ START_TEST(two_surfaces_have_each_pair_within_the_margin_once)
 }
 END_TEST
 
-static bool TakeNoMore(void* context, const qcPlacePair* pairs, size_t count, uint32_t worker)
+static bool TakeNoMore(void* context, const qcPlacePair* pairs, size_t count, size_t sureCount, uint32_t worker)
 {
     (void)pairs;
     (void)count;
+    (void)sureCount;
     (void)worker;
     ++*(size_t*)context;
     return false;

@@ -367,8 +367,9 @@ typedef struct qcProfile
     uint64_t bodyPairs;         ///< pairs of bodies whose boxes overlap and that may meet
     uint32_t selfBodies;        ///< bodies tested with themselves
     uint32_t trianglePcs;       ///< triangles left before the sweep over triangles
-    uint64_t candidates;        ///< pairs of triangles that reached the exact test
-    uint64_t exactFallbacks;    ///< of these, pairs the floating-point filter could not decide
+    uint64_t candidates;        ///< pairs of triangles that reached the exact test, or were proven before
+    uint64_t filterHits;        ///< of these, pairs that single precision has proven to penetrate
+    uint64_t exactFallbacks;    ///< and pairs that double precision could not decide
     uint64_t pairs, contacts;   ///< reported
     uint32_t resolution;        ///< used; 0: no image
     uint64_t queries, rendered; ///< sums over the passes
@@ -390,6 +391,8 @@ typedef struct qcProfile
     uint32_t skippedTriangles;     ///< triangles outside the overlaps of their body's box with others
     uint64_t skippedSetCandidates; ///< triangle pairs inside one collision-free set
     uint64_t skippedNeighbours;    ///< triangle pairs that share a vertex index
+    uint64_t fittedTriangles;      ///< of bodies whose boxes the sweep had to make anew: not of those that didn't move
+    uint64_t flatTriangles;        ///< inside patches that were proven not to meet themselves
 } qcProfile;
 
 /// Owned by the scene; valid until the next call on this scene that changes it or detects again.
