@@ -12,7 +12,8 @@ Demos:
           ffmpeg is installed, go to out/cloth/.
   pairs   Finds the triangles of meshes that intersect: demos/run.sh pairs MESH...
   bench   Measures: demos/run.sh bench [accuracy] compares the methods, "bench peers" other libraries
-          (which it installs), "bench scaling" sizes. Tables and pictures go to out/bench/.
+          (which it installs), "bench scaling" sizes, "bench broadphase" the broadphase with Bullet's own.
+          Tables and pictures go to out/bench/.
 
 Arguments are the demo's own; "demos/run.sh DEMO --help" explains them.
 END

@@ -180,20 +180,15 @@ static bool IsOfRing(const Builder* b, uint32_t place)
            JointAt(b, v[2])->block == b->disc;
 }
 
-static qcStatus Push(Builder* b, uint32_t place)
-{
-    QC_TRY(qcArray_Reserve(&b->queue, b->queue.count + 1, sizeof(uint32_t), "discs of triangles"));
-    QC_AT(uint32_t, b->queue, b->queue.count++) = place;
-    return qc_statusOk;
-}
-
+/// What lies over its edges may join next.
 static qcStatus PushAcross(Builder* b, uint32_t place)
 {
+    QC_TRY(qcArray_Reserve(&b->queue, b->queue.count + 3, sizeof(uint32_t), "discs of triangles"));
     for (int c = 0; c < 3; c++)
     {
         uint32_t other = QC_AT(uint32_t, b->across, 3 * (size_t)place + c);
         if (other != QC_NO_PLACE && !IsInDisc(b, other))
-            QC_TRY(Push(b, other));
+            QC_AT(uint32_t, b->queue, b->queue.count++) = other;
     }
     return qc_statusOk;
 }
@@ -224,17 +219,20 @@ static qcStatus Grow(Builder* b, uint32_t seed, qcDisc* disc)
     QC_TRY(Add(b, seed));
     for (Phase phase = phase_block; phase < phase_end; phase++)
     {
+        size_t refused = 0;
         for (size_t at = 0; at < b->queue.count; at++)
         {
             uint32_t place = QC_AT(uint32_t, b->queue, at);
+            if (IsInDisc(b, place))
+                continue;
             bool allowed = phase == phase_notches || IsOfBlock(b, place) || (phase == phase_ring && IsOfRing(b, place));
-            if (allowed && !IsInDisc(b, place) && Join(b, place, phase == phase_notches))
+            if (allowed && Join(b, place, phase == phase_notches))
                 QC_TRY(Add(b, place));
+            else
+                QC_AT(uint32_t, b->queue, refused++) = place;
         }
-        b->queue.count = 0;
-        size_t end = b->discs->places.count;
-        for (size_t i = disc->firstPlace; i < end; i++)
-            QC_TRY(PushAcross(b, QC_AT(uint32_t, b->discs->places, i)));
+        // The next phase may take them.
+        b->queue.count = refused;
     }
     disc->placeCount = (uint32_t)(b->discs->places.count - disc->firstPlace);
     return qc_statusOk;
