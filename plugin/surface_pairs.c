@@ -248,13 +248,15 @@ static void FindMaps(Search* s)
         }
         // Numbers too large for floats make boxes that meet everything.
         double offset = origin * a->map.scale[i], at = origin * a->map.unit[i];
+        // Of two bodies in the world nothing has been rounded on the way.
+        double rounding = a->isLocal || b->isLocal ? r.error[i] : 0.0;
         s->map.shift[i] = (float)(offset + level);
         double grow = 0x1p-20 * (fabs(offset) + sizes) + 0x1p-4 +
-                      a->map.scale[i] * (r.error[i] + margin * r.reach[i] * (1.0 + 1e-9));
+                      a->map.scale[i] * (rounding + margin * r.reach[i] * (1.0 + 1e-8));
         // Where products may leave the range of floats too.
         s->map.grow[i] = grow < 0x1p80 ? nextafterf((float)grow, INFINITY) : INFINITY;
         s->bound.shift[i] = (float)at;
-        double error = (12.0 * rho + 6.0 * fabs(at)) * 0x1p-24 + r.error[i] * a->map.unit[i];
+        double error = (12.0 * rho + 6.0 * fabs(at)) * 0x1p-24 + rounding * a->map.unit[i];
         s->bound.pointError = fmaxf(s->bound.pointError, nextafterf((float)error, INFINITY));
         s->filters = s->filters && error < 1e6;
     }

@@ -403,8 +403,9 @@ START_TEST(a_transform_that_takes_a_vertex_beyond_all_numbers_is_refused)
         qcTransform t = qcIdentityTransform();
         t.linear[1] = -1.0;
         t.linear[2] = 1.0;
+        t.translation[2] = 5.0;
         CHECK_OK(qcBodies_SetTransform(&bodies, 0, &t));
-        const double lower[3] = {-1e308, 0.0, 0.0}, upper[3] = {1e308, 1e308, 1.0};
+        const double lower[3] = {-1e308, 0.0, 5.0}, upper[3] = {1e308, 1e308, 6.0};
         for (int axis = 0; axis < 3 && triangles != 0; axis++)
             ck_assert(body->lower[axis] == lower[axis] && body->upper[axis] == upper[axis]);
         ck_assert(triangles != 0 || body->lower[0] > body->upper[0]);
@@ -448,7 +449,7 @@ END_TEST
 
 //  ---- surfaces ------------------------------------------------------------------------------------
 
-/// Was it fitted anew? Every fit writes all points; the last is marked.
+/// Was it fitted anew? Every fit writes all points; the first is marked before.
 static bool FitsAnew(qcSurface* surface, const qcBody* body, double margin)
 {
     qcSurfaceScratch scratch = {0};

@@ -1,7 +1,6 @@
 // Worlds of rigid bodies, turned, sheared and flattened, near and far, by surfaces and by brute force.
 #define _POSIX_C_SOURCE 200809L // setenv
 #include "bodies.h"
-#include "placement.h"
 #include "scenes.h"
 #include "suite.h"
 #include "surfaces.h"
@@ -165,7 +164,7 @@ START_TEST(rigid_bodies_meet_as_by_brute_force_wherever_they_are)
     const double away[] = {0.0, 1e3, 1e9, 1e12};
     const int exponents[] = {0, -40, 60};
     Totals totals = {0};
-    for (uint64_t seed = 0; seed < 16; seed++)
+    for (uint64_t seed = 0; seed < 12; seed++)
         PlayWorld(seed, seed % 5 == 0, away[seed % 4], exponents[seed / 4 % 3], &totals);
     ck_assert(totals.pairs > 10000 && totals.contacts > 1000);
 }
@@ -238,7 +237,7 @@ START_TEST(a_vertex_that_stands_on_another_body_touches_it)
     qcRandom random = {5};
     size_t standing = 0;
     const char* kernels[] = {"plain", "avx2", "avx512"};
-    for (int i = 0; i < 600; i++)
+    for (int i = 0; i < 400; i++)
     {
         setenv("QC_KERNELS", kernels[i % 3], 1);
         bool onFace = i % 2 == 0;
@@ -269,7 +268,7 @@ START_TEST(a_vertex_that_stands_on_another_body_touches_it)
             qcSoup_Free(&soups[side]);
     }
     unsetenv("QC_KERNELS");
-    ck_assert_uint_gt(standing, 300);
+    ck_assert_uint_gt(standing, 200);
 }
 END_TEST
 
