@@ -18,12 +18,12 @@
 
 enum
 {
-    // Vertices, and clusters: a block takes some 20 microseconds.
-    qc_vertexBlock = 4096,
-    qc_clusterBlock = 512,
+    // Vertices, and clusters: a block takes some 10 microseconds.
+    qc_vertexBlock = 2048,
+    qc_clusterBlock = 256,
     qc_leastBlocks = 4,
     // Large discs, and the small ones in them.
-    qc_discBlock = 16,
+    qc_discBlock = 4,
     // A disc that is not flat is asked again after so many fits.
     qc_restFits = 7,
     // Beyond these a power of two, or its inverse, or a product with one, may leave the range of double.
