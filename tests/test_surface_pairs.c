@@ -374,7 +374,7 @@ static bool TakeNoMore(void* context, const qcPlacePair* pairs, size_t count, si
     (void)count;
     (void)sureCount;
     (void)worker;
-    ++*(size_t*)context;
+    __atomic_fetch_add((size_t*)context, 1, __ATOMIC_RELAXED);
     return false;
 }
 

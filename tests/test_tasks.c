@@ -10,6 +10,8 @@
 #include <pthread.h>
 #include <stdatomic.h>
 #include <stdio.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 //  ---- hosts -------------------------------------------------------------------------------------------------------
 
@@ -360,6 +362,12 @@ static void* StepOnHost(void* user)
     return NULL;
 }
 
+static void* StepOnOwnThreads(void* user)
+{
+    StepOften(user, 3);
+    return NULL;
+}
+
 START_TEST(scenes_on_two_threads_share_a_host)
 {
     User one, users[2];
@@ -373,6 +381,40 @@ START_TEST(scenes_on_two_threads_share_a_host)
         ck_assert_mem_eq(users[i].hashes, one.hashes, sizeof one.hashes);
     }
     ck_assert_uint_gt(s_hosts[0].loops, 0);
+}
+END_TEST
+
+START_TEST(scenes_on_two_threads_share_the_librarys_own_threads)
+{
+    User one, users[2];
+    StepOften(&one, 1);
+    for (int i = 0; i < 2; i++)
+        ck_assert_int_eq(pthread_create(&users[i].thread, NULL, StepOnOwnThreads, &users[i]), 0);
+    for (int i = 0; i < 2; i++)
+    {
+        ck_assert_int_eq(pthread_join(users[i].thread, NULL), 0);
+        ck_assert_mem_eq(users[i].hashes, one.hashes, sizeof one.hashes);
+    }
+}
+END_TEST
+
+START_TEST(a_child_process_has_threads_of_its_own)
+{
+    User parent, child;
+    StepOften(&parent, 3);
+    pid_t pid = fork();
+    ck_assert_int_ge(pid, 0);
+    if (pid == 0)
+    {
+        StepOften(&child, 3);
+        // The threads of the library end in exit().
+        exit(memcmp(child.hashes, parent.hashes, sizeof child.hashes) == 0 ? 0 : 1);
+    }
+    int status = 0;
+    ck_assert_int_eq(waitpid(pid, &status, 0), pid);
+    ck_assert(WIFEXITED(status) && WEXITSTATUS(status) == 0);
+    StepOften(&child, 3);
+    ck_assert_mem_eq(child.hashes, parent.hashes, sizeof child.hashes);
 }
 END_TEST
 
@@ -410,6 +452,8 @@ int main(void)
     tcase_add_loop_test(tests, tasks_run_in_the_rounding_mode_of_the_caller, 0, qc_hostCount);
     tcase_add_loop_test(tests, hosts_that_change_step_by_step_give_the_results_of_one_thread, 0, qc_questionCount);
     tcase_add_test(tests, scenes_on_two_threads_share_a_host);
+    tcase_add_test(tests, scenes_on_two_threads_share_the_librarys_own_threads);
+    tcase_add_test(tests, a_child_process_has_threads_of_its_own);
     tcase_add_test(tests, a_host_without_workers_is_refused_and_the_old_one_stays);
     tcase_add_test(tests, workers_beyond_the_most_are_as_many_as_the_most);
     suite_add_tcase(suite, tests);
