@@ -3,7 +3,7 @@
 //
 // Why no pair is lost. Boxes within the margin of each other overlap in the lattice (surface.c), and then so do the
 // boxes around them on every level. Boxes of another surface come from its own lattice: see qcGroupMap. The tables
-// leave out neighbours and nothing else, and the filter what is surely apart (surface_kernels_body.h).
+// leave out neighbours and nothing else, and the filter what is surely apart (surface_kernels_filter.h).
 #include "surface_pairs.h"
 
 #include "parallel.h"
