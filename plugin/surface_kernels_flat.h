@@ -4,10 +4,11 @@
 // triangle's image has the same orientation and the image of the loop is a simple curve, then f is injective:
 // - The images of the oriented triangles add up to a chain whose boundary is the image of the loop, since inner edges
 //   cancel. So a point off all edges lies in as many images as the loop winds around it: for a simple curve 0 or 1.
-// - Suppose f(p) = f(q) with p != q. On the loop f is injective; so p, say, is inside. There f is open: that is plain in
-//   a triangle and on an edge between two; around a vertex the images go round it once, as going round more often would
-//   cover points nearby more than once. So f of a neighbourhood of p holds a neighbourhood of f(q); any neighbourhood
-//   of q has a part of a triangle whose image is near f(q): points there are covered twice. A contradiction.
+// - Suppose f(p) = f(q) with p != q. On the loop f is injective; so p, say, is inside. There f is open. In a triangle
+//   and on an edge between two that is plain; around a vertex the images go round it once, as going round more often
+//   would cover points nearby more than once. So f of a neighbourhood of p holds a neighbourhood of f(q); and each
+//   neighbourhood of q has a part of a triangle whose image is near f(q): points there are covered twice. A
+//   contradiction.
 // Where two triangles of D have a common point in space, that is one point of D by this, in both triangles: they share
 // a vertex. The normals alone don't do: a spiral ramp faces one way everywhere, and its contour crosses itself.
 // (Volino, Magnenat-Thalmann: Efficient Self-Collision Detection on Smoothly Discretized Surface Animations, 1994.)
