@@ -12,11 +12,12 @@ typedef struct Benchmark
     qcBenchExit (*run)(int argumentCount, char** arguments);
 } Benchmark;
 
-static const Benchmark s_benchmarks[] = {{"accuracy", "qc-bench accuracy", qcBench_RunAccuracy},
-                                         {"peers", "qc-bench peers", qcBench_RunPeers},
-                                         {"scaling", "qc-bench scaling", qcBench_RunScaling},
+static const Benchmark s_benchmarks[] = {
+    {"accuracy", "qc-bench accuracy", qcBench_RunAccuracy},
+    {"peers", "qc-bench peers", qcBench_RunPeers},
+    {"scaling", "qc-bench scaling", qcBench_RunScaling},
 #ifdef QC_HAS_BULLET
-                                         {"broadphase", "qc-bench broadphase", qcBench_RunBroadphase},
+    {"broadphase", "qc-bench broadphase", qcBench_RunBroadphase},
 #endif
 };
 

@@ -12,11 +12,11 @@ typedef struct qcTriangles
     const qcBodies* bodies;
     uint32_t bodyCount, count;
     uint64_t numbered; ///< qcBodies::added of what the arrays say; 0: nothing
-    qcArray slots;   ///< uint32_t: slot of a body
-    qcArray first;   ///< uint32_t: rank of a body's first triangle; one more at the end
-    qcArray bodyOf;  ///< uint32_t: body of a rank
-    qcArray bodySet; ///< uint8_t: qcVisibilitySet of a body among bodies
-    qcArray pcs;     ///< uint8_t: of a rank, see qcTriangles_InterSet
+    qcArray slots;     ///< uint32_t: slot of a body
+    qcArray first;     ///< uint32_t: rank of a body's first triangle; one more at the end
+    qcArray bodyOf;    ///< uint32_t: body of a rank
+    qcArray bodySet;   ///< uint8_t: qcVisibilitySet of a body among bodies
+    qcArray pcs;       ///< uint8_t: of a rank, see qcTriangles_InterSet
 } qcTriangles;
 
 /// Numbers bodies and triangles; every body is in NFV, every triangle in BFV.
