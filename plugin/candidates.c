@@ -62,14 +62,6 @@ void qcCandidates_Offer(const qcCandidateRules* rules, qcCandidateSink* sink, ui
     QC_AT(uint64_t, *keys, keys->count++) = low << 32 | high;
 }
 
-/// Adds the keys of one sink to the result.
-static void Append(qcArray* keys, const qcArray* found)
-{
-    if (found->count != 0)
-        memcpy(&QC_AT(uint64_t, *keys, keys->count), found->data, found->count * sizeof(uint64_t));
-    keys->count += found->count;
-}
-
 qcStatus qcCandidates_End(qcCandidates* candidates, qcProfile* profile)
 {
     size_t total = 0, neighbours = 0;
@@ -89,8 +81,9 @@ qcStatus qcCandidates_End(qcCandidates* candidates, qcProfile* profile)
     QC_TRY(qcArray_Reserve(&candidates->neighbourKeys, neighbours, sizeof(uint64_t), "candidate pairs"));
     for (size_t i = 0; i < candidates->sinks.count; i++)
     {
-        Append(&candidates->keys, &QC_AT(qcCandidateSink, candidates->sinks, i).keys);
-        Append(&candidates->neighbourKeys, &QC_AT(qcCandidateSink, candidates->sinks, i).neighbourKeys);
+        const qcCandidateSink* sink = &QC_AT(qcCandidateSink, candidates->sinks, i);
+        QC_TRY(qcArray_Append(&candidates->keys, &sink->keys, sizeof(uint64_t), "candidate pairs"));
+        QC_TRY(qcArray_Append(&candidates->neighbourKeys, &sink->neighbourKeys, sizeof(uint64_t), "candidate pairs"));
     }
     return qc_statusOk;
 }
@@ -151,22 +144,8 @@ qcStatus qcCandidates_Sweep(qcCandidates* candidates, const qcCandidateRules* ru
 
 qcStatus qcCandidates_Add(qcCandidates* candidates, const qcArray* keys, const qcArray* neighbourKeys)
 {
-    qcArray *own = &candidates->keys, *ownNeighbours = &candidates->neighbourKeys;
-    QC_TRY(qcArray_Reserve(own, own->count + keys->count, sizeof(uint64_t), "candidate pairs"));
-    QC_TRY(qcArray_Reserve(ownNeighbours, ownNeighbours->count + neighbourKeys->count, sizeof(uint64_t),
-                           "candidate pairs"));
-    Append(own, keys);
-    Append(ownNeighbours, neighbourKeys);
-    return qc_statusOk;
-}
-
-qcStatus qcCandidates_AddSure(qcCandidates* candidates, const qcArray* sure)
-{
-    size_t at = candidates->sure.count;
-    QC_TRY(qcArray_Resize(&candidates->sure, at + sure->count, sizeof(qcSortItem), "candidate pairs"));
-    if (sure->count != 0)
-        memcpy(&QC_AT(qcSortItem, candidates->sure, at), sure->data, sure->count * sizeof(qcSortItem));
-    return qc_statusOk;
+    QC_TRY(qcArray_Append(&candidates->keys, keys, sizeof(uint64_t), "candidate pairs"));
+    return qcArray_Append(&candidates->neighbourKeys, neighbourKeys, sizeof(uint64_t), "candidate pairs");
 }
 
 void qcCandidates_Free(qcCandidates* candidates)

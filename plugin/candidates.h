@@ -44,9 +44,6 @@ qcStatus qcCandidates_Sweep(qcCandidates* candidates, const qcCandidateRules* ru
 /// By comparing every box with every other: O(n^2).
 qcStatus qcCandidates_Brute(qcCandidates* candidates, const qcCandidateRules* rules, qcProfile* profile);
 
-/// Adds pairs that need no other test, found elsewhere.
-qcStatus qcCandidates_AddSure(qcCandidates* candidates, const qcArray* sure);
-
 /// Adds keys that were found elsewhere.
 qcStatus qcCandidates_Add(qcCandidates* candidates, const qcArray* keys, const qcArray* neighbourKeys);
 

@@ -27,8 +27,9 @@ typedef struct Builder
     qcClusters* clusters;
     const uint32_t* indices;
     uint32_t vertexCount;
-    uint32_t usedCount; ///< vertices that triangles name
-    qcArray corners;    ///< uint32_t, three a place: the vertices of its triangle, if it has one
+    uint32_t usedCount; ///< vertices that triangles have
+    qcArray corners;    ///< of qcCorners, by place
+    qcArray vertexOf;   ///< uint32_t, of each vertex that is used
     qcArray filled;     ///< uint64_t of each node: places that have a triangle
     qcArray first;      ///< uint32_t of each vertex and one more: where its shares begin
     qcArray next;       ///< uint32_t of each vertex: its first share that no visit has come to
@@ -44,6 +45,7 @@ typedef qcStatus Visit(Builder* b, const Share* share, const Share* other);
 static void Free(Builder* b)
 {
     qcArray_Free(&b->corners);
+    qcArray_Free(&b->vertexOf);
     qcArray_Free(&b->filled);
     qcArray_Free(&b->first);
     qcArray_Free(&b->next);
@@ -57,27 +59,34 @@ static bool HasTriangle(const Builder* b, size_t place)
     return QC_AT(uint32_t, b->clusters->triangles, place) != QC_NO_TRIANGLE;
 }
 
-/// Names vertices in the order in which the nodes meet them: what is kept of near ones then lies together.
-static qcStatus NameVertices(Builder* b)
+qcStatus qcClusters_NameVertices(const qcClusters* c, const uint32_t* indices, uint32_t vertexCount, qcArray* corners,
+                                 qcArray* vertexOf)
 {
-    const qcClusters* c = b->clusters;
     qcArray names = {0};
-    QC_TRY(qcArray_Resize(&b->corners, 3 * c->triangles.count, sizeof(uint32_t), "vertices of nodes"));
-    QC_TRY(qcArray_Resize(&names, b->vertexCount, sizeof(uint32_t), "vertices of nodes"));
-    if (b->vertexCount != 0)
-        memset(names.data, 0xff, b->vertexCount * sizeof(uint32_t));
+    vertexOf->count = 0;
+    QC_TRY(qcArray_Resize(corners, c->triangles.count, sizeof(qcCorners), "vertices of nodes"));
+    QC_TRY(qcArray_Reserve(vertexOf, vertexCount, sizeof(uint32_t), "vertices of nodes"));
+    QC_TRY(qcArray_Resize(&names, vertexCount, sizeof(uint32_t), "vertices of nodes"));
+    if (vertexCount != 0)
+        memset(names.data, 0xff, vertexCount * sizeof(uint32_t));
     for (size_t i = 0; i < c->triangles.count; i++)
     {
         uint32_t t = QC_AT(uint32_t, c->triangles, i);
         for (int k = 0; k < 3 && t != QC_NO_TRIANGLE; k++)
         {
-            uint32_t* name = &QC_AT(uint32_t, names, b->indices[3 * (size_t)t + k]);
+            uint32_t vertex = indices[3 * (size_t)t + k], *name = &QC_AT(uint32_t, names, vertex);
             if (*name == UINT32_MAX)
-                *name = b->usedCount++;
-            QC_AT(uint32_t, b->corners, 3 * i + k) = *name;
+            {
+                *name = (uint32_t)vertexOf->count;
+                QC_AT(uint32_t, *vertexOf, vertexOf->count++) = vertex;
+            }
+            QC_AT(qcCorners, *corners, i).vertex[k] = *name;
         }
     }
     qcArray_Free(&names);
+    for (size_t i = 0; i < c->triangles.count; i++)
+        for (int k = 0; k < 3 && QC_AT(uint32_t, c->triangles, i) == QC_NO_TRIANGLE; k++)
+            QC_AT(qcCorners, *corners, i).vertex[k] = (uint32_t)vertexOf->count;
     return qc_statusOk;
 }
 
@@ -96,7 +105,7 @@ static qcStatus FindShares(Builder* b)
     for (size_t i = 0; i < c->triangles.count; i++)
         for (int k = 0; k < 3 && HasTriangle(b, i); k++)
         {
-            uint32_t v = QC_AT(uint32_t, b->corners, 3 * i + k), stamp = (uint32_t)(i / qc_nodeSize) + 1;
+            uint32_t v = QC_AT(qcCorners, b->corners, i).vertex[k], stamp = (uint32_t)(i / qc_nodeSize) + 1;
             first[v] += next[v] != stamp;
             next[v] = stamp;
         }
@@ -115,7 +124,7 @@ static qcStatus FindShares(Builder* b)
         *filled = (i % qc_nodeSize != 0 ? *filled : 0) | (HasTriangle(b, i) ? bit : 0);
         for (int k = 0; k < 3 && HasTriangle(b, i); k++)
         {
-            uint32_t v = QC_AT(uint32_t, b->corners, 3 * i + k);
+            uint32_t v = QC_AT(qcCorners, b->corners, i).vertex[k];
             if (next[v] == first[v] || QC_AT(Share, b->shares, next[v] - 1).node != node)
                 QC_AT(Share, b->shares, next[v]++) = (Share){0, node};
             QC_AT(Share, b->shares, next[v] - 1).places |= bit;
@@ -133,7 +142,7 @@ static qcStatus VisitNode(Builder* b, uint32_t node, Visit* visit)
     for (size_t end = place + qc_nodeSize; place < end; place++)
         for (int k = 0; k < 3 && HasTriangle(b, place); k++)
         {
-            uint32_t v = QC_AT(uint32_t, b->corners, 3 * place + k), own = QC_AT(uint32_t, b->next, v);
+            uint32_t v = QC_AT(qcCorners, b->corners, place).vertex[k], own = QC_AT(uint32_t, b->next, v);
             uint32_t endOfShares = QC_AT(uint32_t, b->first, v + 1);
             if (own == endOfShares || shares[own].node != node)
                 continue;
@@ -202,20 +211,6 @@ static qcStatus FindLinks(Builder* b, uint32_t* tableCount)
     return qc_statusOk;
 }
 
-/// A word of a table: pairs of these places of two clusters.
-static uint64_t Product(unsigned placesA, unsigned placesB)
-{
-    // Bit v of placesB to bit 8 v: seven bits by one multiplication, without carries; then a copy of placesA at each.
-    uint64_t spread = ((placesB & 0x7fu) * UINT64_C(0x0002040810204081) & UINT64_C(0x0001010101010101)) |
-                      (uint64_t)(placesB >> 7) << 56;
-    return spread * placesA;
-}
-
-static unsigned ClusterOf(uint64_t places, int cluster)
-{
-    return (unsigned)(places >> qc_clusterSize * cluster & 0xffu);
-}
-
 /// The pairs that a table is about: both triangles exist and, in one node, are in order.
 static void FillTable(uint64_t* table, uint64_t filledA, uint64_t filledB, bool isSame)
 {
@@ -223,7 +218,9 @@ static void FillTable(uint64_t* table, uint64_t filledA, uint64_t filledB, bool 
     for (int j = 0; j < qc_clustersOfNode; j++)
         for (int i = 0; i < qc_clustersOfNode; i++)
         {
-            uint64_t all = isSame && i > j ? 0 : Product(ClusterOf(filledA, i), ClusterOf(filledB, j));
+            uint64_t all = isSame && i > j ? 0
+                                           : qcClusters_Product(qcClusters_PlacesOf(filledA, (uint32_t)i),
+                                                                qcClusters_PlacesOf(filledB, (uint32_t)j));
             table[i + j * qc_clustersOfNode] = isSame && i == j ? all & inOrder : all;
         }
 }
@@ -237,9 +234,10 @@ static qcStatus ClearNeighbours(Builder* b, const Share* share, const Share* oth
     uint64_t* table = &QC_AT(uint64_t, *tables, (size_t)number * qc_tableWords);
     for (int j = 0; j < qc_clustersOfNode; j++)
     {
-        unsigned placesB = ClusterOf(other->places, j);
+        unsigned placesB = qcClusters_PlacesOf(other->places, (uint32_t)j);
         for (int i = 0; i < qc_clustersOfNode && placesB != 0; i++)
-            table[i + j * qc_clustersOfNode] &= ~Product(ClusterOf(share->places, i), placesB);
+            table[i + j * qc_clustersOfNode] &=
+                ~qcClusters_Product(qcClusters_PlacesOf(share->places, (uint32_t)i), placesB);
     }
     return qc_statusOk;
 }
@@ -268,14 +266,6 @@ static qcStatus FillTables(Builder* b, uint32_t tableCount)
     return qc_statusOk;
 }
 
-static int CountBits(uint64_t word)
-{
-    int count = 0;
-    for (; word != 0; word &= word - 1)
-        count++;
-    return count;
-}
-
 /// Pairs that a table could have, and hasn't.
 static void CountNeighbours(Builder* b)
 {
@@ -284,12 +274,12 @@ static void CountNeighbours(Builder* b)
         for (uint32_t l = QC_AT(uint32_t, c->firstLink, node); l < QC_AT(uint32_t, c->firstLink, node + 1); l++)
         {
             qcNodeLink link = QC_AT(qcNodeLink, c->links, l);
-            uint64_t n = (uint64_t)CountBits(QC_AT(uint64_t, b->filled, node)),
-                     m = (uint64_t)CountBits(QC_AT(uint64_t, b->filled, link.other));
+            uint64_t n = (uint64_t)__builtin_popcountll(QC_AT(uint64_t, b->filled, node)),
+                     m = (uint64_t)__builtin_popcountll(QC_AT(uint64_t, b->filled, link.other));
             c->neighbourCount += link.other == node ? n * (n - 1) / 2 : n * m;
             for (int i = 0; i < qc_tableWords; i++)
                 c->neighbourCount -=
-                    (uint64_t)CountBits(QC_AT(uint64_t, c->tables, (size_t)link.table * qc_tableWords + i));
+                    (uint64_t)__builtin_popcountll(QC_AT(uint64_t, c->tables, (size_t)link.table * qc_tableWords + i));
         }
 }
 
@@ -298,7 +288,8 @@ static qcStatus Build(Builder* b, uint32_t triangleCount, const double* position
     qcClusters* c = b->clusters;
     QC_TRY(qcClusterOrder_Make(&c->triangles, b->indices, triangleCount, positions, b->vertexCount));
     c->nodeCount = (uint32_t)(c->triangles.count / qc_nodeSize);
-    QC_TRY(NameVertices(b));
+    QC_TRY(qcClusters_NameVertices(c, b->indices, b->vertexCount, &b->corners, &b->vertexOf));
+    b->usedCount = (uint32_t)b->vertexOf.count;
     QC_TRY(FindShares(b));
     uint32_t tableCount = 0;
     QC_TRY(FindLinks(b, &tableCount));
@@ -320,7 +311,7 @@ qcStatus qcClusters_Build(qcClusters* clusters, const uint32_t* indices, uint32_
 }
 
 /// What a table leaves out though both triangles exist and come in order. There is room.
-static void AddNeighbours(qcClusters* clusters, uint32_t node, qcNodeLink link)
+static void ListNeighboursOf(qcClusters* clusters, uint32_t node, qcNodeLink link)
 {
     const uint32_t* a = &QC_AT(uint32_t, clusters->triangles, (size_t)node * qc_nodeSize);
     const uint32_t* b = &QC_AT(uint32_t, clusters->triangles, (size_t)link.other * qc_nodeSize);
@@ -336,7 +327,7 @@ static void AddNeighbours(qcClusters* clusters, uint32_t node, qcNodeLink link)
         }
 }
 
-qcStatus qcClusters_ListNeighbours(qcClusters* clusters)
+static qcStatus ListNeighbours(qcClusters* clusters)
 {
     if (clusters->neighbours.count == clusters->neighbourCount)
         return qc_statusOk;
@@ -344,7 +335,17 @@ qcStatus qcClusters_ListNeighbours(qcClusters* clusters)
     for (uint32_t node = 0; node < clusters->nodeCount; node++)
         for (uint32_t i = QC_AT(uint32_t, clusters->firstLink, node);
              i < QC_AT(uint32_t, clusters->firstLink, node + 1); i++)
-            AddNeighbours(clusters, node, QC_AT(qcNodeLink, clusters->links, i));
+            ListNeighboursOf(clusters, node, QC_AT(qcNodeLink, clusters->links, i));
+    return qc_statusOk;
+}
+
+qcStatus qcClusters_AddNeighbours(qcClusters* clusters, uint32_t first, qcArray* keys)
+{
+    QC_TRY(ListNeighbours(clusters));
+    size_t at = keys->count;
+    QC_TRY(qcArray_Append(keys, &clusters->neighbours, sizeof(uint64_t), "neighbours"));
+    for (; at < keys->count; at++)
+        QC_AT(uint64_t, *keys, at) += (uint64_t)first << 32 | first;
     return qc_statusOk;
 }
 

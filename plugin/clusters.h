@@ -12,6 +12,21 @@ enum
     qc_nodeSize = 64    ///< triangles: 8 clusters
 };
 
+/// A word of a table: the pairs of these triangles of two clusters, a bit for each triangle.
+static inline uint64_t qcClusters_Product(unsigned a, unsigned b)
+{
+    // Bit v of b to bit 8 v: seven bits by one multiplication, without carries; then a copy of a at each.
+    uint64_t spread = ((b & 0x7fu) * UINT64_C(0x0002040810204081) & UINT64_C(0x0001010101010101)) | (uint64_t)(b >> 7)
+                                                                                                        << 56;
+    return spread * a;
+}
+
+/// Of the triangles of a node, those of one of its clusters.
+static inline unsigned qcClusters_PlacesOf(uint64_t places, uint32_t cluster)
+{
+    return (unsigned)(places >> qc_clusterSize * cluster & 0xffu);
+}
+
 /// In place of a triangle: none.
 #define QC_NO_TRIANGLE UINT32_MAX
 
@@ -21,6 +36,12 @@ typedef struct qcNodeLink
     uint32_t other; ///< not below the node that has the link
     uint32_t table;
 } qcNodeLink;
+
+/// Of a triangle.
+typedef struct qcCorners
+{
+    uint32_t vertex[3];
+} qcCorners;
 
 typedef struct qcClusters
 {
@@ -39,8 +60,15 @@ typedef struct qcClusters
 /// `positions`: three doubles a vertex. O(triangles log triangles + pairs of neighbours). On failure nothing is left.
 qcStatus qcClusters_Build(qcClusters* clusters, const uint32_t* indices, uint32_t triangleCount,
                           const double* positions, uint32_t vertexCount);
-/// Fills `neighbours`, if it isn't yet. O(pairs of nodes that share a vertex + pairs of neighbours).
-qcStatus qcClusters_ListNeighbours(qcClusters* clusters);
+/// Names the vertices that triangles have in the order in which places have them: what is kept of near ones then lies
+/// together. Fills `corners` (of qcCorners, by place; where there is no triangle, the number of names) and `vertexOf`
+/// (uint32_t: the body's number of each name).
+qcStatus qcClusters_NameVertices(const qcClusters* clusters, const uint32_t* indices, uint32_t vertexCount,
+                                 qcArray* corners, qcArray* vertexOf);
+
+/// Adds the keys of all pairs of neighbours (lower rank << 32 | higher), where the body's triangles have ranks from
+/// `first` on. O(pairs of nodes that share a vertex + pairs of neighbours), later O(pairs of neighbours).
+qcStatus qcClusters_AddNeighbours(qcClusters* clusters, uint32_t first, qcArray* keys);
 void qcClusters_Free(qcClusters* clusters);
 
 #endif

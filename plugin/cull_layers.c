@@ -152,12 +152,7 @@ static qcStatus ListNeighbours(const Step* step, qcArray* keys)
         if (!QC_AT(uint8_t, step->cull->meetsItself, body))
             continue;
         qcClusters* clusters = qcLayersBodies_Clusters(&step->cull->bodies, qcTriangles_Slot(t, body));
-        QC_TRY(qcClusters_ListNeighbours(clusters));
-        const qcArray* pairs = &clusters->neighbours;
-        QC_TRY(qcArray_Reserve(keys, keys->count + pairs->count, sizeof(uint64_t), "neighbours"));
-        uint64_t first = qcTriangles_First(t, body), offset = first << 32 | first;
-        for (size_t i = 0; i < pairs->count; i++)
-            QC_AT(uint64_t, *keys, keys->count++) = QC_AT(uint64_t, *pairs, i) + offset;
+        QC_TRY(qcClusters_AddNeighbours(clusters, qcTriangles_First(t, body), keys));
     }
     return qc_statusOk;
 }

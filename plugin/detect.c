@@ -96,6 +96,12 @@ static qcStatus CullAndSweepObjects(Step* step)
     return qc_statusOk;
 }
 
+/// The paper's methods sweep what their own culling leaves; brute force sweeps nothing.
+static bool SweepsSurfaces(const Step* step)
+{
+    return !step->plan.useImage && step->plan.method != qc_methodBrute;
+}
+
 /// Which bodies the device answers for: all that take part, or those of the parts that the planner sends there.
 static qcStatus ChooseParts(Step* step)
 {
@@ -104,7 +110,8 @@ static qcStatus ChooseParts(Step* step)
     QC_TRY(qcArray_Resize(&d->onDevice, bodyCount, 1, "parts of the scene"));
     if (bodyCount != 0)
         memset(d->onDevice.data, 0, bodyCount);
-    QC_TRY(qcParts_Find(&d->parts, &d->triangles, &d->objects));
+    if (SweepsSurfaces(step) || step->plan.useLayers || step->plan.chooseParts)
+        QC_TRY(qcParts_Find(&d->parts, &d->triangles, &d->objects));
     if (!step->plan.useLayers && !step->plan.chooseParts)
         return qc_statusOk;
     qcPlanPart* parts = d->parts.parts.data;
@@ -173,12 +180,15 @@ static qcStatus PrepareSurfaces(Step* step)
     QC_TRY(qcArray_Resize(&d->elsewhere, bodyCount, 1, "parts of the scene"));
     uint8_t *onSurfaces = d->onSurfaces.data, *elsewhere = d->elsewhere.data;
     const uint8_t* onDevice = d->onDevice.data;
-    bool use = !step->plan.useImage && step->plan.method != qc_methodBrute;
     for (uint32_t body = 0; body < bodyCount; body++)
-        onSurfaces[body] = use && QC_AT(uint32_t, d->parts.partOf, body) != QC_NO_PART && !onDevice[body];
-    if (use)
+        onSurfaces[body] = SweepsSurfaces(step) && !onDevice[body];
+    if (SweepsSurfaces(step))
+    {
+        // What meets nothing needs no surface.
+        qcParts_Unite(&d->parts, onSurfaces);
         QC_TRY(qcSweepSurfaces_Prepare(&d->surfaces, &d->triangles, Reach(step->def), step->threads, onSurfaces));
-    qcParts_Unite(&d->parts, onSurfaces);
+        qcParts_Unite(&d->parts, onSurfaces);
+    }
     for (uint32_t body = 0; body < bodyCount; body++)
         elsewhere[body] = onDevice[body] || onSurfaces[body];
     return qc_statusOk;
@@ -193,10 +203,9 @@ static qcStatus SweepSurfaces(Step* step)
                               .margin = Reach(step->def),
                               .testNeighbours = step->def->neighbours,
                               .listNeighbours = step->def->contactMargin > 0.0,
-                              .threads = step->threads};
-    QC_TRY(qcSweepSurfaces_Run(&d->surfaces, &job, &step->profile));
-    QC_TRY(qcCandidates_AddSure(&d->candidates, &d->surfaces.sure));
-    return qcCandidates_Add(&d->candidates, &d->surfaces.keys, &d->surfaces.neighbourKeys);
+                              .threads = step->threads,
+                              .candidates = &d->candidates};
+    return qcSweepSurfaces_Run(&d->surfaces, &job, &step->profile);
 }
 
 static qcStatus SweepTriangles(Step* step)

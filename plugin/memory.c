@@ -117,6 +117,16 @@ qcStatus qcArray_Resize(qcArray* array, size_t count, size_t elementSize, const 
     return qc_statusOk;
 }
 
+qcStatus qcArray_Append(qcArray* array, const qcArray* other, size_t elementSize, const char* purpose)
+{
+    QC_TRY(qcArray_Reserve(array, array->count + other->count, elementSize, purpose));
+    // Null is no array, not even an empty one.
+    if (other->count != 0)
+        memcpy((char*)array->data + array->count * elementSize, other->data, other->count * elementSize);
+    array->count += other->count;
+    return qc_statusOk;
+}
+
 void qcArray_Free(qcArray* array)
 {
     qcFree(array->data, array->capacity);

@@ -32,38 +32,6 @@ enum
 
 //  ---- topology ------------------------------------------------------------------------------------
 
-/// Names vertices in the order in which places have them.
-static qcStatus NameVertices(qcSurface* surface, const qcBody* body)
-{
-    const qcClusters* clusters = &surface->clusters;
-    size_t places = clusters->triangles.count;
-    QC_TRY(qcArray_Resize(&surface->corners, places, sizeof(qcCorners), "corners of a surface"));
-    QC_TRY(qcArray_Reserve(&surface->vertexOf, body->vertexCount, sizeof(uint32_t), "vertices of a surface"));
-    qcArray names = {0};
-    QC_TRY(qcArray_Resize(&names, body->vertexCount, sizeof(uint32_t), "vertices of a surface"));
-    memset(names.data, 0xff, body->vertexCount * sizeof(uint32_t));
-    for (size_t i = 0; i < places; i++)
-    {
-        uint32_t t = QC_AT(uint32_t, clusters->triangles, i);
-        for (int c = 0; c < 3 && t != QC_NO_TRIANGLE; c++)
-        {
-            uint32_t vertex = body->indices[3 * (size_t)t + c], *name = &QC_AT(uint32_t, names, vertex);
-            if (*name == UINT32_MAX)
-            {
-                *name = (uint32_t)surface->vertexOf.count;
-                QC_AT(uint32_t, surface->vertexOf, surface->vertexOf.count++) = vertex;
-            }
-            QC_AT(qcCorners, surface->corners, i).vertex[c] = *name;
-        }
-    }
-    qcArray_Free(&names);
-    surface->vertexCount = (uint32_t)surface->vertexOf.count;
-    for (size_t i = 0; i < places; i++)
-        for (int c = 0; c < 3 && QC_AT(uint32_t, clusters->triangles, i) == QC_NO_TRIANGLE; c++)
-            QC_AT(qcCorners, surface->corners, i).vertex[c] = surface->vertexCount;
-    return qc_statusOk;
-}
-
 /// Groups of eight on each level, up to one.
 static qcStatus LayLevels(qcSurface* surface)
 {
@@ -82,7 +50,9 @@ static qcStatus Build(qcSurface* surface, const qcBody* body)
 {
     QC_TRY(qcClusters_Build(&surface->clusters, body->indices, body->triangleCount,
                             body->deforming ? body->world : body->local, body->vertexCount));
-    QC_TRY(NameVertices(surface, body));
+    QC_TRY(qcClusters_NameVertices(&surface->clusters, body->indices, body->vertexCount, &surface->corners,
+                                   &surface->vertexOf));
+    surface->vertexCount = (uint32_t)surface->vertexOf.count;
     QC_TRY(LayLevels(surface));
     QC_TRY(qcArray_Resize(&surface->points, (size_t)surface->vertexCount + 1, sizeof(qcPoint), "points of a surface"));
     QC_AT(qcPoint, surface->points, surface->vertexCount) = (qcPoint){{0}};

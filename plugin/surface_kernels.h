@@ -7,6 +7,8 @@
 #ifndef QC_PLUGIN_SURFACE_KERNELS_H
 #define QC_PLUGIN_SURFACE_KERNELS_H
 
+#include "clusters.h"
+
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
@@ -37,11 +39,6 @@ typedef struct qcPoint
 {
     float x[4]; ///< the last is 0
 } qcPoint;
-
-typedef struct qcCorners
-{
-    uint32_t vertex[3];
-} qcCorners;
 
 /// From world positions to a surface's frame and lattice.
 typedef struct qcLatticeMap

@@ -15,7 +15,6 @@
 #ifndef QC_PLUGIN_SURFACE_KERNELS_BODY_H
 #define QC_PLUGIN_SURFACE_KERNELS_BODY_H
 
-#include "clusters.h"
 #include "surface_kernels.h"
 
 #include <math.h>
@@ -97,12 +96,7 @@ QC_INLINE qcPlacePair* AddPairs(uint64_t triangles, size_t clusterA, size_t clus
 /// The pairs of a word that a skip of these two clusters leaves.
 QC_INLINE uint64_t Leave(uint64_t word, const qcPlaceSkip* skip, uint32_t i, uint32_t j)
 {
-    unsigned a = (unsigned)(skip->a >> qc_clusterSize * i) & 0xffu,
-             b = (unsigned)(skip->b >> qc_clusterSize * j) & 0xffu;
-    // Bit v of b to bit 8 v: seven bits by one multiplication, without carries; then a copy of a at each.
-    uint64_t spread = ((b & 0x7fu) * UINT64_C(0x0002040810204081) & UINT64_C(0x0001010101010101)) | (uint64_t)(b >> 7)
-                                                                                                        << 56;
-    return word & ~(spread * a);
+    return word & ~qcClusters_Product(qcClusters_PlacesOf(skip->a, i), qcClusters_PlacesOf(skip->b, j));
 }
 
 static qcPlacePair* Collect(const qcSurfaceBoxes* a, uint32_t nodeA, const qcSurfaceBoxes* b, uint32_t nodeB,

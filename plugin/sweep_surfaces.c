@@ -121,7 +121,6 @@ static qcStatus EmptySinks(qcSweepSurfaces* sweep, uint32_t threads)
         QC_AT(qcSurfaceSink, sweep->sinks, i).keys.count = QC_AT(qcSurfaceSink, sweep->sinks, i).sure.count = 0;
         QC_AT(qcSurfaceSink, sweep->sinks, i).status = qc_statusOk;
     }
-    sweep->keys.count = sweep->neighbourKeys.count = sweep->sure.count = 0;
     return qc_statusOk;
 }
 
@@ -186,20 +185,14 @@ static qcStatus FindPairs(Run* run, uint32_t a, uint32_t b)
 
 static qcStatus AddNeighbours(const Run* run, uint32_t body, qcProfile* profile)
 {
-    qcSweepSurfaces* sweep = run->sweep;
-    qcClusters* clusters = &SurfaceAt(sweep, qcTriangles_Slot(run->job->triangles, body))->clusters;
+    qcClusters* clusters = &SurfaceAt(run->sweep, qcTriangles_Slot(run->job->triangles, body))->clusters;
     if (run->job->testNeighbours)
         return qc_statusOk;
     profile->skippedNeighbours += clusters->neighbourCount;
     if (!run->job->listNeighbours)
         return qc_statusOk;
-    QC_TRY(qcClusters_ListNeighbours(clusters));
-    qcArray* keys = &sweep->neighbourKeys;
-    QC_TRY(qcArray_Reserve(keys, keys->count + clusters->neighbours.count, sizeof(uint64_t), "neighbours"));
-    uint64_t first = qcTriangles_First(run->job->triangles, body), offset = first << 32 | first;
-    for (size_t i = 0; i < clusters->neighbours.count; i++)
-        QC_AT(uint64_t, *keys, keys->count++) = QC_AT(uint64_t, clusters->neighbours, i) + offset;
-    return qc_statusOk;
+    return qcClusters_AddNeighbours(clusters, qcTriangles_First(run->job->triangles, body),
+                                    &run->job->candidates->neighbourKeys);
 }
 
 static void CountTriangles(const Run* run, uint32_t body, qcProfile* profile)
@@ -220,17 +213,7 @@ static void CountTriangles(const Run* run, uint32_t body, qcProfile* profile)
     profile->skippedTriangles += b->triangleCount - left;
 }
 
-/// Adds what a worker found to the result.
-static qcStatus Append(qcArray* all, const qcArray* found, size_t elementSize)
-{
-    QC_TRY(qcArray_Reserve(all, all->count + found->count, elementSize, "candidate pairs"));
-    if (found->count != 0)
-        memcpy((char*)all->data + all->count * elementSize, found->data, found->count * elementSize);
-    all->count += found->count;
-    return qc_statusOk;
-}
-
-static qcStatus CollectKeys(qcSweepSurfaces* sweep)
+static qcStatus CollectKeys(const qcSweepSurfaces* sweep, qcCandidates* candidates)
 {
     for (size_t i = 0; i < sweep->sinks.count; i++)
     {
@@ -238,8 +221,8 @@ static qcStatus CollectKeys(qcSweepSurfaces* sweep)
         // The message is the worker's own; say it again on this thread.
         if (sink->status != qc_statusOk)
             return qcArray_FailAgain(&sink->keys, "candidate pairs");
-        QC_TRY(Append(&sweep->keys, &sink->keys, sizeof(uint64_t)));
-        QC_TRY(Append(&sweep->sure, &sink->sure, sizeof(qcSortItem)));
+        QC_TRY(qcArray_Append(&candidates->keys, &sink->keys, sizeof(uint64_t), "candidate pairs"));
+        QC_TRY(qcArray_Append(&candidates->sure, &sink->sure, sizeof(qcSortItem), "candidate pairs"));
     }
     return qc_statusOk;
 }
@@ -273,7 +256,7 @@ qcStatus qcSweepSurfaces_Run(qcSweepSurfaces* sweep, const qcSweepSurfacesJob* j
         QC_TRY(AddNeighbours(&run, body, profile));
     }
     profile->fittedTriangles += sweep->fittedTriangles;
-    return CollectKeys(sweep);
+    return CollectKeys(sweep, job->candidates);
 }
 
 void qcSweepSurfaces_Free(qcSweepSurfaces* sweep)
@@ -287,8 +270,7 @@ void qcSweepSurfaces_Free(qcSweepSurfaces* sweep)
     }
     qcSurfacePairs_Free(&sweep->pairs);
     qcSurfaceScratch_Free(&sweep->scratch);
-    qcArray* arrays[] = {&sweep->surfaces,     &sweep->seen, &sweep->sinks,         &sweep->reached,
-                         &sweep->firstReached, &sweep->keys, &sweep->neighbourKeys, &sweep->sure};
+    qcArray* arrays[] = {&sweep->surfaces, &sweep->seen, &sweep->sinks, &sweep->reached, &sweep->firstReached};
     for (size_t i = 0; i < sizeof arrays / sizeof arrays[0]; i++)
         qcArray_Free(arrays[i]);
 }

@@ -2,8 +2,7 @@
 #ifndef QC_PLUGIN_SWEEP_SURFACES_H
 #define QC_PLUGIN_SWEEP_SURFACES_H
 
-#include "objects.h"
-#include "sort.h"
+#include "candidates.h"
 #include "surface_pairs.h"
 
 /// What one worker found.
@@ -23,12 +22,10 @@ typedef struct qcSweepSurfaces
     qcArray seen;                    ///< uint32_t, by slot: generation of the body that the last step saw there
     qcSurfaceScratch scratch;
     qcSurfacePairs pairs;
-    qcArray sinks;               ///< of qcSurfaceSink
-    qcArray reached;             ///< uint8_t, by node, of bodies that are not tested with themselves
-    qcArray firstReached;        ///< size_t, by body of the step: where its nodes begin, or SIZE_MAX
-    qcArray keys, neighbourKeys; ///< uint64_t: the result, in no order
-    qcArray sure;                ///< as of a sink
-    uint64_t fittedTriangles;    ///< in this step
+    qcArray sinks;            ///< of qcSurfaceSink
+    qcArray reached;          ///< uint8_t, by node, of bodies that are not tested with themselves
+    qcArray firstReached;     ///< size_t, by body of the step: where its nodes begin, or SIZE_MAX
+    uint64_t fittedTriangles; ///< in this step
 } qcSweepSurfaces;
 
 typedef struct qcSweepSurfacesJob
@@ -40,6 +37,7 @@ typedef struct qcSweepSurfacesJob
     bool testNeighbours; ///< triangles of one body that share a vertex are candidates too
     bool listNeighbours; ///< and otherwise a list of their own
     uint32_t threads;
+    qcCandidates* candidates; ///< what is found is added there
 } qcSweepSurfacesJob;
 
 /// Makes surfaces of the bodies whose flag in `wanted` is set, and clears the flags of those that have none this time:
@@ -47,8 +45,8 @@ typedef struct qcSweepSurfacesJob
 qcStatus qcSweepSurfaces_Prepare(qcSweepSurfaces* sweep, const qcTriangles* triangles, double margin, uint32_t threads,
                                  uint8_t* wanted);
 
-/// Fills keys, neighbourKeys and, if no neighbours are to be listed, sure: each pair is in one of them; all bodies that
-/// are asked about are prepared.
+/// Adds pairs to the keys, the neighbours' keys and, if no neighbours are to be listed, those that are sure: each to
+/// one of them. All bodies that are asked about are prepared.
 qcStatus qcSweepSurfaces_Run(qcSweepSurfaces* sweep, const qcSweepSurfacesJob* job, qcProfile* profile);
 void qcSweepSurfaces_Free(qcSweepSurfaces* sweep);
 

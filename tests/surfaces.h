@@ -3,6 +3,7 @@
 #define QC_TESTS_SURFACES_H
 
 #include "check_ok.h"
+#include "scenes.h"
 #include "soups.h"
 #include "surface.h"
 
@@ -101,12 +102,7 @@ static inline void qcSoup_Place(qcSoup* soup, double scale, double x, double y, 
 /// Returns the slot.
 static inline uint32_t qcAddToBodies(qcBodies* bodies, const qcSoup* soup)
 {
-    qcBodyDef def = qcDefaultBodyDef();
-    def.positions = soup->positions;
-    def.positionType = qc_positionF64;
-    def.vertexCount = soup->vertexCount;
-    def.indices = soup->indices;
-    def.triangleCount = soup->triangleCount;
+    qcBodyDef def = qcBodyDefOf(soup);
     def.deforming = true;
     qcBodyId id;
     CHECK_OK(qcBodies_Add(bodies, &def, &id));

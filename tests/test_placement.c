@@ -268,12 +268,7 @@ END_TEST
 
 static uint32_t AddRigid(qcBodies* bodies, const qcSoup* soup)
 {
-    qcBodyDef def = qcDefaultBodyDef();
-    def.positions = soup->positions;
-    def.positionType = qc_positionF64;
-    def.vertexCount = soup->vertexCount;
-    def.indices = soup->indices;
-    def.triangleCount = soup->triangleCount;
+    qcBodyDef def = qcBodyDefOf(soup);
     qcBodyId id;
     CHECK_OK(qcBodies_Add(bodies, &def, &id));
     return id.slot;
