@@ -74,8 +74,9 @@ static void PrintText(const qcPairsRun* run)
     if (profile->resolution != 0)
         printf(", %" PRIu32 " x %" PRIu32 " pixels", profile->resolution, profile->resolution);
     if (profile->columns != 0)
-        printf("\n%-12s %" PRIu32 " columns, %" PRIu64 " fragments, %" PRIu64 " pairs of triangles", "image",
-               profile->columns, profile->fragments, profile->listPairs);
+        printf("\n%-12s %" PRIu32 " x %" PRIu32 " pixels, %" PRIu32 " slices of depth, %" PRIu64 " fragments, %" PRIu64
+               " pairs of triangles",
+               "image", profile->columns, profile->rows, profile->slices, profile->fragments, profile->listPairs);
     if (profile->triangles != 0)
         printf("\n%-12s %.1f bytes a triangle on the host, %.1f on the device", "memory",
                (double)qcGetByteCount() / profile->triangles, (double)profile->deviceBytes / profile->triangles);
@@ -219,6 +220,8 @@ static json_object* DescribeRun(const qcPairsRun* run)
     AddNumber(object, "queries", profile->queries);
     AddNumber(object, "rendered", profile->rendered);
     AddNumber(object, "columns", profile->columns);
+    AddNumber(object, "rows", profile->rows);
+    AddNumber(object, "slices", profile->slices);
     AddNumber(object, "fragments", profile->fragments);
     AddNumber(object, "listPairs", profile->listPairs);
     AddNumber(object, "reruns", profile->reruns);

@@ -1,6 +1,7 @@
 // Which bodies take part, where they can meet, and what the device's answer means.
 #include "cull_layers.h"
 
+#include "layers_image.h"
 #include "status.h"
 
 #include <float.h>
@@ -74,24 +75,6 @@ static qcStatus FindInterests(Step* step)
     return qc_statusOk;
 }
 
-/// About one node a pixel, were they spread evenly over a surface: with fewer pixels lists grow long, with more a node
-/// has many entries (folded cloths of 20 K and 250 K: 16 and 32 columns are best on llvmpipe).
-static uint32_t ChooseColumnsLog2(uint32_t nodes)
-{
-    uint32_t log2 = 0;
-    while (log2 < 12 && (uint64_t)4 << 2 * log2 <= nodes)
-        log2++;
-    return log2;
-}
-
-static uint32_t FloorLog2(uint32_t x)
-{
-    uint32_t log2 = 0;
-    while (x >> (log2 + 1) != 0)
-        log2++;
-    return log2;
-}
-
 static qcStatus OpenDevice(qcCullLayers* cull, qcDevice* device)
 {
     if (cull->layers != NULL && cull->device == device)
@@ -135,7 +118,12 @@ static void FillProfile(const Step* step, const qcLayersStep* device, const qcLa
             profile->trianglePcs += qcTriangles_Body(t, body)->triangleCount;
     }
     profile->skippedTriangles += (uint32_t)(answer->skippedNodes * qc_nodeSize);
-    profile->columns = answer->entries != 0 ? 1u << device->columnsLog2 : 0;
+    if (answer->entries != 0)
+    {
+        profile->columns = 1u << device->cellsLog2[0];
+        profile->rows = 1u << device->cellsLog2[1];
+        profile->slices = 1u << device->cellsLog2[2];
+    }
     profile->fragments = answer->entries;
     profile->listPairs = answer->trianglePairs;
     profile->reruns = answer->reruns;
@@ -170,7 +158,8 @@ static qcStatus RunOnDevice(Step* step, qcArray* keys, qcArray* neighbourKeys, q
     qcLayersStep device = {
         .pointError = cull->frame.pointError, .reach = cull->frame.reach, .testNeighbours = job->testNeighbours};
     qcLayersBodies_FillStep(&cull->bodies, &device);
-    device.columnsLog2 = job->columns != 0 ? FloorLog2(job->columns) : ChooseColumnsLog2(device.activeNodes);
+    qcLayersImage_Choose(&cull->bodies, job->triangles, &cull->frame, cull->numberOf.data, job->columns,
+                         device.cellsLog2);
     memcpy(device.scale, cull->frame.scale, sizeof device.scale);
     memcpy(device.slack, cull->frame.slack, sizeof device.slack);
     qcLayersAnswer answer;

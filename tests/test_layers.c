@@ -5,6 +5,7 @@
 #include "scenes.h"
 #include "suite.h"
 
+#include <inttypes.h>
 #include <pthread.h>
 #include <stdio.h>
 
@@ -444,10 +445,55 @@ START_TEST(the_pairs_do_not_depend_on_device_columns_or_depth_axis)
 }
 END_TEST
 
+/// Is the number of cells along each axis what is said? 0: more than one.
+static void CheckCells(const qcResult* result, uint32_t columns, uint32_t rows, uint32_t slices, const char* what)
+{
+    const uint32_t cells[3] = {result->profile.columns, result->profile.rows, result->profile.slices},
+                   expected[3] = {columns, rows, slices};
+    for (int i = 0; i < 3; i++)
+        ck_assert_msg(expected[i] == 0 ? cells[i] > 1 : cells[i] == expected[i],
+                      "%s: %" PRIu32 " x %" PRIu32 " x %" PRIu32 " cells", what, cells[0], cells[1], cells[2]);
+}
+
+START_TEST(cells_are_as_large_as_what_lies_in_them)
+{
+    qcSoup small = qcSoup_MakeRandom(3, 20000, 0.01), large = qcSoup_MakeRandom(3, 300, 2.0),
+           flat = qcSoup_MakeRandom(3, 20000, 0.01);
+    for (uint32_t i = 0; i < flat.vertexCount; i++)
+        flat.positions[3 * i + 2] *= 1e-3;
+    QC_FOR_EACH_DEVICE(device)
+    {
+        struct
+        {
+            const char* what;
+            const qcSoup* soup;
+            uint32_t columns, expected[3];
+        } cases[] = {{"small in all axes", &small, 0, {0, 0, 0}},
+                     {"small, image given", &small, 16, {16, 16, 0}},
+                     {"large", &large, 0, {1, 1, 1}},
+                     {"flat", &flat, 0, {0, 0, 1}}};
+        for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++)
+        {
+            qcScene* scene = qcMakeScene(device);
+            qcAddSoup(scene, cases[i].soup);
+            qcDetectDef def = qcDefaultDetectDef();
+            def.layerColumns = cases[i].columns;
+            const uint32_t* expected = cases[i].expected;
+            CheckCells(CheckLayers(scene, &def, cases[i].what), expected[0], expected[1], expected[2], cases[i].what);
+            qcScene_Destroy(scene);
+        }
+    }
+    qcSoup_Free(&small);
+    qcSoup_Free(&large);
+    qcSoup_Free(&flat);
+    ck_assert_uint_eq(qcGetByteCount(), 0);
+}
+END_TEST
+
 QC_RUN_TESTS("layers", a_scene_that_collapses_runs_again_once_and_then_no_more, only_what_has_changed_is_uploaded,
              without_compute_shaders_the_sweep_answers_and_says_so,
              what_does_not_fit_the_frame_or_the_loops_is_swept_and_the_next_step_is_on_the_device_again,
              scenes_of_nothing_of_points_and_of_degenerate_triangles_are_answered,
              a_margin_as_wide_as_the_scene_finds_all_pairs_and_no_triangle_that_is_not_there,
              two_scenes_share_a_device_in_turn_and_on_two_threads,
-             the_pairs_do_not_depend_on_device_columns_or_depth_axis)
+             the_pairs_do_not_depend_on_device_columns_or_depth_axis, cells_are_as_large_as_what_lies_in_them)

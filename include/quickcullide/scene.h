@@ -148,7 +148,8 @@ typedef enum qcMethod
     qc_methodQuick = 3,
     /// Object space on the CPU.
     qc_methodSweep = 4,
-    /// Image space made exact: conservative coverage, depth intervals, a list per pixel. Needs GL with compute shaders.
+    /// Image space made exact: conservative coverage, depth intervals, a list per pixel and slice. Needs GL with
+    /// compute shaders.
     qc_methodLayers = 5
 } qcMethod;
 
@@ -217,7 +218,7 @@ typedef struct qcDetectDef
     /// Threads to use; 0: one per core, or as many as qcSetParallelFor was given. The result does not depend on it.
     uint32_t threads;
     //  What follows speaks to `layers` only; it changes the cost, never the answer.
-    /// Pixels on a side of the image, rounded down to a power of two, up to 4096; 0: from the number of triangles.
+    /// Pixels on a side of the image, rounded down to a power of two, up to 4096; 0: from the triangles' sizes.
     uint32_t layerColumns;
     /// 'x', 'y' or 'z': the axis that the image looks along; 0: the one along which the scene is thinnest. One view is
     /// all it takes: intervals are compared along all axes at once, so that a further view has nothing left to cut.
@@ -373,13 +374,14 @@ typedef struct qcProfile
     uint64_t pairs, contacts;   ///< reported
     uint32_t resolution;        ///< used; 0: no image
     uint64_t queries, rendered; ///< sums over the passes
-    uint32_t columns;           ///< of the image of `layers`; 0: none
-    uint64_t fragments;         ///< entries of its lists
-    uint64_t listPairs;         ///< pairs of entries whose intervals overlap in all axes, neighbours left out
-    uint32_t reruns;            ///< times a device buffer was too small, grew, and the step ran again
-    uint64_t uploadedBytes;     ///< to the device in this step
-    uint64_t deviceBytes;       ///< held on the device
-    bool softwareDevice;        ///< the device draws on the CPU
+    /// Of the image of `layers`, whose pixels are cut into slices of depth; 0: none.
+    uint32_t columns, rows, slices;
+    uint64_t fragments;     ///< entries of its lists
+    uint64_t listPairs;     ///< pairs of entries whose intervals overlap in all axes, neighbours left out
+    uint32_t reruns;        ///< times a device buffer was too small, grew, and the step ran again
+    uint64_t uploadedBytes; ///< to the device in this step
+    uint64_t deviceBytes;   ///< held on the device
+    bool softwareDevice;    ///< the device draws on the CPU
     const qcPassRecord* passes;
     size_t passCount;
 

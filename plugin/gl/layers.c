@@ -1,12 +1,12 @@
 // `layers` on the device: compute kernels from vertices to pairs of triangles. Where the paper asks whether a fragment
-// is visible, the image here keeps, for each pixel, a list of all that covers it with its interval in depth, and asks
-// which intervals overlap. After per-pixel linked lists (Yang et al.: Real-Time Concurrent Linked List Construction on
-// the GPU, 2010).
+// is visible, the image here keeps, for each pixel and slice of depth, a list of all that covers it with its intervals,
+// and asks which of them overlap. After per-pixel linked lists (Yang et al.: Real-Time Concurrent Linked List
+// Construction on the GPU, 2010).
 //
 //   vertices        rigid bodies into the frame
 //   boxes           triangles and clusters of 8, rounded outward to 15-bit levels
-//   nodes           nodes of 64; each into the list of every pixel it covers
-//   node_pairs      entries of one list that overlap, once, in the first pixel both cover
+//   nodes           nodes of 64; each into the list of every cell (a slice of a pixel) it covers
+//   node_pairs      entries of one list that overlap, once, in the first cell both cover
 //   cluster_pairs   8 x 8 boxes, in registers
 //   triangle_pairs  8 x 8 boxes, neighbours masked out by table
 //   filter          separating axes
@@ -23,9 +23,11 @@
 //   <= upper stays. Where there is no triangle, the box has lower ends 32767 and upper ends 0: it meets no box, since
 //   none is clamped below 1.
 // - Boxes of clusters and nodes are least and greatest levels of what they hold: overlap of parts is overlap of wholes.
-// - Pixels are runs of 2^pixelShift levels: overlapping boxes share the pixel of the greater of their lower ends in x
-//   and y, both have an entry in its list, and there the pair is met: the entry that comes first in the list finds the
-//   other further on. In any other pixel the two are not this pair's first, so it is found once.
+// - Cells are runs of 2^cellShift levels along each axis: overlapping boxes share the cell of the greater of their
+// lower
+//   ends in x, y and z, both have an entry in its list, and there the pair is met: the entry that comes first in the
+//   list finds the other further on. In any other cell the two are not this pair's first, so it is found once. A node
+//   with itself needs no list.
 // - The masks leave out the pairs that the rules leave out (a table is of the topology alone) and nothing else.
 // - Filter. For any vector w, if the projections on w of all points of A and all points of B are further apart than
 //   r |w|, so are the triangles. The vertices are taken relative to one of them and scaled by a power of two s,
@@ -55,6 +57,7 @@ typedef enum WorkBuffer
     work_nodeBoxes,
     work_entries,
     work_nodePairs,
+    work_nodePairTables,
     work_clusterPairs,
     work_trianglePairs,
     work_survivors,
@@ -84,7 +87,8 @@ static const BufferShape s_shapes[work_end] = {
     [work_clusterBoxes] = {"clusterBoxes", 16, GL_RGBA32UI},
     [work_nodeBoxes] = {"nodeBoxes", 16, GL_RGBA32UI},
     [work_entries] = {"entries", 16, GL_RGBA32UI},
-    [work_nodePairs] = {"nodePairs", 16, GL_RGBA32UI},
+    [work_nodePairs] = {"nodePairs", 8, GL_RG32UI},
+    [work_nodePairTables] = {"nodePairTables", 4, GL_R32UI},
     [work_clusterPairs] = {"clusterPairs", 4, GL_R32UI},
     [work_trianglePairs] = {"trianglePairs", 4, GL_R32UI},
     [work_survivors] = {NULL, 8, 0},
@@ -108,31 +112,32 @@ typedef struct KernelShape
 {
     const char *name, *source;
     int localSize;         ///< invocations of a workgroup; fewer where items are few, for all threads to have some
-    WorkBuffer outputs[3]; ///< bindings 1 to 3; work_end: none
+    WorkBuffer outputs[4]; ///< bindings 1 to 4; work_end: none
 } KernelShape;
 
 static const KernelShape s_kernels[kernel_count] = {
-    [kernel_vertices] = {"layers, vertices", s_layersVertices, 64, {(WorkBuffer)qc_layersVertices, work_end, work_end}},
-    [kernel_boxes] = {"layers, boxes", s_layersBoxes, 64, {work_boxes, work_clusterBoxes, work_end}},
-    [kernel_nodes] = {"layers, nodes", s_layersNodes, 16, {work_nodeBoxes, work_heads, work_entries}},
-    [kernel_nodePairs] = {"layers, node pairs", s_layersNodePairs, 16, {work_nodePairs, work_end, work_end}},
+    [kernel_vertices] = {"layers, vertices",
+                         s_layersVertices,
+                         64,
+                         {(WorkBuffer)qc_layersVertices, work_end, work_end, work_end}},
+    [kernel_boxes] = {"layers, boxes", s_layersBoxes, 64, {work_boxes, work_clusterBoxes, work_end, work_end}},
+    [kernel_nodes] = {"layers, nodes", s_layersNodes, 16, {work_nodeBoxes, work_heads, work_entries, work_nodePairs}},
+    [kernel_nodePairs] = {"layers, node pairs", s_layersNodePairs, 16, {work_nodePairs, work_end, work_end, work_end}},
     [kernel_clusterPairs] = {"layers, cluster pairs",
                              s_layersClusterPairs,
                              16,
-                             {work_clusterPairs, work_end, work_end}},
+                             {work_clusterPairs, work_nodePairTables, work_end, work_end}},
     [kernel_trianglePairs] = {"layers, triangle pairs",
                               s_layersTrianglePairs,
                               64,
-                              {work_trianglePairs, work_end, work_end}},
-    [kernel_filter] = {"layers, filter", s_layersFilter, 64, {work_survivors, work_end, work_end}},
+                              {work_trianglePairs, work_end, work_end, work_end}},
+    [kernel_filter] = {"layers, filter", s_layersFilter, 64, {work_survivors, work_end, work_end, work_end}},
 };
 
 typedef enum UniformName
 {
     uniform_chunkCount,
     uniform_nodeCount,
-    uniform_pixelShift,
-    uniform_columnShift,
     uniform_entryCapacity,
     uniform_nodePairCapacity,
     uniform_clusterPairCapacity,
@@ -140,7 +145,8 @@ typedef enum UniformName
     uniform_survivorCapacity,
     uniform_testNeighbours,
     uniform_integers, ///< those above are
-    uniform_scale = uniform_integers,
+    uniform_cellShift = uniform_integers,
+    uniform_scale,
     uniform_slack,
     uniform_pointError,
     uniform_reach,
@@ -149,14 +155,13 @@ typedef enum UniformName
 
 static const char* const s_uniforms[uniform_count] = {"chunkCount",
                                                       "nodeCount",
-                                                      "pixelShift",
-                                                      "columnShift",
                                                       "entryCapacity",
                                                       "nodePairCapacity",
                                                       "clusterPairCapacity",
                                                       "trianglePairCapacity",
                                                       "survivorCapacity",
                                                       "testNeighbours",
+                                                      "cellShift",
                                                       "scale",
                                                       "slack",
                                                       "pointError",
@@ -256,12 +261,13 @@ static void Upload(const struct qcGlTable* gl, qcLayers* layers, int buffer, siz
 
 static qcStatus GetProgram(const struct qcGlTable* gl, qcLayers* layers, int kernel)
 {
-    char constants[200];
-    int taker = kernel + 1 < kernel_count ? kernel + 1 : kernel;
+    char constants[256];
     snprintf(constants, sizeof constants,
              "#version 430 core\n#define BODY_TEXELS %d\n#define GROUPS_IN_ROW %du\n#define LOCAL_SIZE %d\n"
-             "#define TAKER_SIZE %du\n",
-             qc_layersBodyTexels, qc_groupsInRow, s_kernels[kernel].localSize, s_kernels[taker].localSize);
+             "#define TAKER_SIZES uint[4](%du, %du, %du, %du)\n",
+             qc_layersBodyTexels, qc_groupsInRow, s_kernels[kernel].localSize, s_kernels[kernel_nodePairs].localSize,
+             s_kernels[kernel_clusterPairs].localSize, s_kernels[kernel_trianglePairs].localSize,
+             s_kernels[kernel_filter].localSize);
     const char* sources[] = {constants, s_layersCommon, s_kernels[kernel].source};
     GLuint program;
     QC_TRY(qcGlTable_GetComputeProgram(gl, s_kernels[kernel].name, sources, 3, &program));
@@ -324,8 +330,6 @@ static void SetUniforms(const struct qcGlTable* gl, const qcLayers* layers, int 
     const GLuint values[uniform_integers] = {
         [uniform_chunkCount] = step->chunkCount,
         [uniform_nodeCount] = nodeCount,
-        [uniform_pixelShift] = 15 - step->columnsLog2,
-        [uniform_columnShift] = step->columnsLog2,
         [uniform_entryCapacity] = ListCapacity(layers, work_entries),
         [uniform_nodePairCapacity] = ListCapacity(layers, work_nodePairs),
         [uniform_clusterPairCapacity] = ListCapacity(layers, work_clusterPairs),
@@ -336,6 +340,9 @@ static void SetUniforms(const struct qcGlTable* gl, const qcLayers* layers, int 
     for (int i = 0; i < uniform_integers; i++)
         if (at[i] >= 0)
             gl->Uniform1ui(at[i], values[i]);
+    if (at[uniform_cellShift] >= 0)
+        gl->Uniform3ui(at[uniform_cellShift], 15 - step->cellsLog2[0], 15 - step->cellsLog2[1],
+                       15 - step->cellsLog2[2]);
     if (at[uniform_scale] >= 0)
         gl->Uniform3fv(at[uniform_scale], 1, step->scale);
     if (at[uniform_slack] >= 0)
@@ -351,7 +358,7 @@ static void UseKernel(const struct qcGlTable* gl, const qcLayers* layers, int ke
 {
     const KernelShape* shape = &s_kernels[kernel];
     gl->UseProgram(layers->programs[kernel]);
-    for (GLuint i = 0; i < 3 && shape->outputs[i] != work_end; i++)
+    for (GLuint i = 0; i < 4 && shape->outputs[i] != work_end; i++)
         gl->BindBufferBase(GL_SHADER_STORAGE_BUFFER, i + 1, layers->buffers[shape->outputs[i]]);
     SetUniforms(gl, layers, kernel, nodeCount);
 }
@@ -411,7 +418,7 @@ static qcStatus GrowLists(const struct qcGlTable* gl, qcLayers* layers, bool* ag
     *again = false;
     if (layers->counters.stopped.count != 0)
         return qcFail(qc_statusDevice,
-                      "layers: a pixel's list, or a node's pixels, are more than the device's loops do");
+                      "layers: a cell's list, a node's cells or its links are more than the device's loops do");
     for (int list = 0; list < list_count; list++)
     {
         uint32_t count = Count(layers, (List)list);
@@ -459,9 +466,9 @@ static qcStatus ReserveAll(const struct qcGlTable* gl, qcLayers* layers)
     QC_TRY(Reserve(gl, layers, work_clusterBoxes, 8 * nodes));
     QC_TRY(Reserve(gl, layers, work_nodeBoxes, nodes));
     // Cleared as a whole: no larger than the image.
-    size_t pixels = (size_t)1 << 2 * step->columnsLog2;
-    if (layers->capacity[work_heads] != pixels)
-        QC_TRY(Resize(gl, layers, work_heads, pixels));
+    size_t cells = (size_t)1 << (step->cellsLog2[0] + step->cellsLog2[1] + step->cellsLog2[2]);
+    if (layers->capacity[work_heads] != cells)
+        QC_TRY(Resize(gl, layers, work_heads, cells));
     // A folded cloth's needs; a scene that needs more runs once more.
     static const size_t s_needs[list_count] = {4, 12, 64, 64, 8};
     for (int list = 0; list < list_count; list++)
@@ -490,6 +497,7 @@ static qcStatus RunStep(const struct qcGlTable* gl, void* context)
         if (run == qc_mostReruns)
             return qcFail(qc_statusDevice, "layers: the device does not finish");
         layers->answer->reruns = run;
+        QC_TRY(Reserve(gl, layers, work_nodePairTables, layers->capacity[work_nodePairs]));
         RunLists(gl, layers);
         QC_TRY(GrowLists(gl, layers, &again));
     }
@@ -527,7 +535,8 @@ void qcLayers_Destroy(qcLayers* layers)
 
 qcStatus qcLayers_Run(qcLayers* layers, const qcLayersStep* step, qcLayersAnswer* answer)
 {
-    assert(step->columnsLog2 <= 12);
+    assert(step->cellsLog2[0] <= 12 && step->cellsLog2[1] <= 12 && step->cellsLog2[2] <= 12);
+    assert(step->cellsLog2[0] + step->cellsLog2[1] + step->cellsLog2[2] <= 24);
     *answer = (qcLayersAnswer){0};
     layers->step = step;
     layers->answer = answer;

@@ -1,6 +1,7 @@
 // The device's part of `layers`: from vertices to pairs of triangles that may be within reach of each other.
-// The image is a grid of pixels over two axes; each pixel has a list of the nodes (64 triangles) that cover it, with
-// their intervals in all axes. Nodes that share a pixel and overlap are taken apart into clusters (8) and triangles.
+// The image is a grid of pixels over two axes, each cut into slices of depth; each such cell has a list of the nodes (64
+// triangles) that cover it, with their intervals in all axes. Nodes that share a cell and overlap are taken apart into
+// clusters (8) and triangles.
 #ifndef QC_PLUGIN_GL_LAYERS_H
 #define QC_PLUGIN_GL_LAYERS_H
 
@@ -64,7 +65,7 @@ typedef struct qcLayersStep
     uint32_t changedNodes, activeNodes; ///< of qc_layersActiveNodes
     float scale[3];                     ///< levels = coordinate * scale
     float slack[4];          ///< levels by which a box is too small otherwise; the fourth: along the diagonal
-    uint32_t columnsLog2;    ///< pixels on a side of the image, 0..12
+    uint32_t cellsLog2[3];   ///< columns, rows and slices of the image: 0..12 each, 0..24 in all
     float pointError, reach; ///< in the frame
     bool testNeighbours;
 } qcLayersStep;

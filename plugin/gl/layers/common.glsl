@@ -8,12 +8,20 @@ uniform usamplerBuffer nodes, links, tables;
 uniform usamplerBuffer bodies;            // BODY_TEXELS each
 uniform usamplerBuffer activeNodes;
 // Made in this step.
-uniform usamplerBuffer boxes, clusterBoxes, nodeBoxes, entries, nodePairs, clusterPairs, trianglePairs;
+uniform usamplerBuffer boxes, clusterBoxes, nodeBoxes, entries, nodePairs, nodePairTables, clusterPairs, trianglePairs;
 
 layout(std430, binding = 0) buffer Counters { uint counters[]; };
 uniform usamplerBuffer counted; // the same; reading it as a texture takes a tenth of the time on llvmpipe
 
 const uint none = 0xffffffffu;
+
+// The image's cells: pixels, each cut into slices of depth. A cell is 2^shift levels of each axis.
+uniform uvec3 cellShift;
+
+uint cellAt(uvec3 at)
+{
+    return (at.z << 15u - cellShift.y | at.y) << 15u - cellShift.x | at.x;
+}
 
 // One invocation an item. (A loop in the kernel over more items than invocations takes twice as long on llvmpipe.)
 #define ITEM ((gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x) * gl_WorkGroupSize.x + gl_LocalInvocationID.x)
@@ -22,6 +30,14 @@ const uint none = 0xffffffffu;
 // taker is dispatched with.
 const int entryCounter = 0, nodePairCounter = 16, clusterPairCounter = 32, trianglePairCounter = 48,
           survivorCounter = 64, skippedCounter = 80, stoppedCounter = 96, overflowCounter = 112;
+
+// Of a body: group, mask, flags.
+const uint isMoving = 1u, meetsItself = 2u;
+
+bool bodyMeetsItself(uint body)
+{
+    return (texelFetch(bodies, int(body) * BODY_TEXELS).z & meetsItself) != 0u;
+}
 
 // Items in a list that another kernel has counted.
 uint countOf(int counter, uint capacity)
@@ -33,8 +49,8 @@ uint countOf(int counter, uint capacity)
 uint append(int counter, uint count, uint capacity)
 {
     uint place = atomicAdd(counters[counter], count);
-    uint groups = (min(place + count, capacity) + TAKER_SIZE - 1u) / TAKER_SIZE;
-    if (groups > (place + TAKER_SIZE - 1u) / TAKER_SIZE)
+    uint takerSize = TAKER_SIZES[counter / 16], groups = (min(place + count, capacity) + takerSize - 1u) / takerSize;
+    if (groups > (place + takerSize - 1u) / takerSize)
     {
         atomicMax(counters[counter + 1], min(groups, GROUPS_IN_ROW));
         atomicMax(counters[counter + 2], (groups + GROUPS_IN_ROW - 1u) / GROUPS_IN_ROW);

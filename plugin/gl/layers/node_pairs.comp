@@ -1,15 +1,6 @@
-// Pairs of nodes in one pixel's list whose intervals overlap, each once, as the rules of their bodies let them.
-layout(std430, binding = 1) buffer NodePairs { uvec4 outNodePairs[]; }; // node, node not below it, table or none
-uniform uint entryCapacity, nodePairCapacity, pixelShift, columnShift;
-
-const uint isMoving = 1u, meetsItself = 2u;
-
-bool mayMeet(uint a, uint b)
-{
-    uvec4 p = texelFetch(bodies, int(a) * BODY_TEXELS), q = texelFetch(bodies, int(b) * BODY_TEXELS); // group, mask, flags
-    return a == b ? (p.z & meetsItself) != 0u
-                  : ((p.z | q.z) & isMoving) != 0u && (p.x & q.y) != 0u && (q.x & p.y) != 0u;
-}
+// Pairs of nodes in one cell's list whose intervals overlap, each once; not of one body that does not meet itself.
+layout(std430, binding = 1) buffer NodePairs { uvec2 outNodePairs[]; }; // node, node not below it
+uniform uint entryCapacity, nodePairCapacity;
 
 void main()
 {
@@ -19,36 +10,33 @@ void main()
 
     uvec4 entry = texelFetch(entries, int(i));
     uvec4 p = texelFetch(nodeBoxes, int(entry.x));
-    uint next = i;
-    bool stopped = false; // some implementations do it, after 65 535 trips of both loops
+    bool meetsItself = bodyMeetsItself(entry.w);
+    uint next = entry.y;
     while (next != none)
     {
-        uvec2 other = texelFetch(entries, int(next)).xy;
-        next = other.y;
-        uvec4 q = texelFetch(nodeBoxes, int(other.x));
-        // In the first pixel that both cover, and in no other.
-        uvec2 first = max(lowerEnds(p).xy, lowerEnds(q).xy) >> pixelShift;
-        if (OVERLAP(p, q) && (first.y << columnShift | first.x) == entry.z)
+        // Four at a time: where an implementation takes all branches, writing costs more than walking.
+        uvec4 met = uvec4(0u);
+        uint count = 0u;
+        while (next != none && count < 4u)
         {
-            uint a = min(entry.x, other.x), b = max(entry.x, other.x);
-            uvec4 node = texelFetch(nodes, int(a)); // body, first link, end of links
-            if (mayMeet(node.x, texelFetch(nodes, int(b)).x))
-            {
-                uint table = none, k = node.y;
-                for (; k < node.z; k++)
-                {
-                    uvec2 link = texelFetch(links, int(k)).xy;
-                    table = link.x == b ? link.y : table;
-                }
-                stopped = stopped || k < node.z;
-                uint place = append(nodePairCounter, 1u, nodePairCapacity);
-                if (place < nodePairCapacity)
-                    outNodePairs[place] = uvec4(a, b, table, 0u);
-                else if (place >= 0x80000000u)
-                    counters[overflowCounter] = 1u; // before it starts again from zero
-            }
+            uvec4 other = texelFetch(entries, int(next)), q = texelFetch(nodeBoxes, int(other.x));
+            // In the first cell that both cover, and in no other.
+            bool meets = OVERLAP(p, q) && cellAt(max(lowerEnds(p).xyz, lowerEnds(q).xyz) >> cellShift) == entry.z &&
+                         (meetsItself || entry.w != other.w);
+            met = meets ? uvec4(other.x, met.xyz) : met;
+            count += uint(meets);
+            next = other.y;
+        }
+        if (count != 0u)
+        {
+            uint place = append(nodePairCounter, count, nodePairCapacity);
+            for (uint k = 0u; k < count; k++, met = met.yzwx)
+                outNodePairs[min(place + k, nodePairCapacity)] =
+                    uvec2(min(entry.x, met.x), max(entry.x, met.x));
+            if (place >= 0x80000000u)
+                counters[overflowCounter] = 1u; // before it starts again from zero
         }
     }
-    if (stopped || next != none)
+    if (next != none)
         counters[stoppedCounter] = 1u;
 }

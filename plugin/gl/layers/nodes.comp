@@ -1,8 +1,9 @@
-// Boxes of nodes, and the image: each node goes into the list of every pixel that its box covers.
+// Boxes of nodes, and the image: each node goes into the list of every cell that its box covers.
 layout(std430, binding = 1) buffer NodeBoxes { uvec4 outNodeBoxes[]; };
 layout(std430, binding = 2) buffer Heads { uint heads[]; };
-layout(std430, binding = 3) buffer Entries { uvec4 outEntries[]; }; // node, next entry, pixel
-uniform uint nodeCount, pixelShift, columnShift, entryCapacity;
+layout(std430, binding = 3) buffer Entries { uvec4 outEntries[]; }; // node, next entry, cell, body
+layout(std430, binding = 4) buffer NodePairs { uvec2 outNodePairs[]; };
+uniform uint nodeCount, entryCapacity, nodePairCapacity;
 
 void main()
 {
@@ -21,23 +22,29 @@ void main()
     uvec4 box = packBox(lower, upper);
     outNodeBoxes[node] = box;
     // Only what lies where its body can meet another takes part.
-    uvec4 interest = texelFetch(bodies, int(texelFetch(nodes, node).x) * BODY_TEXELS + 1);
+    uint body = texelFetch(nodes, node).x;
+    uvec4 interest = texelFetch(bodies, int(body) * BODY_TEXELS + 1);
     if (OVERLAP(box, interest))
     {
-        uvec2 first = lower.xy >> pixelShift, last = upper.xy >> pixelShift, size = last - first + 1u;
-        uint place = append(entryCounter, size.x * size.y, entryCapacity), end = place + size.x * size.y;
-        for (uint y = first.y; y <= last.y; y++)
-            for (uint x = first.x; x <= last.x; x++, place++)
-                if (place < entryCapacity)
-                {
-                    uint pixel = y << columnShift | x, next = atomicExchange(heads[pixel], place);
-                    outEntries[place] = uvec4(uint(node), next, pixel, 0u);
-                }
-                else if (place >= 0x80000000u)
-                    counters[overflowCounter] = 1u;
+        uvec3 first = lower.xyz >> cellShift, last = upper.xyz >> cellShift, size = last - first + 1u;
+        uint count = size.x * size.y * size.z;
+        uint place = append(entryCounter, count, entryCapacity), end = place + count;
+        for (uvec3 at = first; place != end && place < entryCapacity; place++)
+        {
+            uint cell = cellAt(at), next = atomicExchange(heads[cell], place);
+            outEntries[place] = uvec4(uint(node), next, cell, body);
+            at.x++;
+            at = at.x > last.x ? uvec3(first.x, at.y + 1u, at.z) : at;
+            at = at.y > last.y ? uvec3(first.xy, at.z + 1u) : at;
+        }
         // Some implementations stop the loops of an invocation after 65 535 trips in all.
-        if (place != end)
+        if (place < min(end, entryCapacity))
             counters[stoppedCounter] = 1u;
+        // With itself: here, and so next to each other, since they are taken apart into more than others.
+        if (bodyMeetsItself(body))
+            outNodePairs[min(append(nodePairCounter, 1u, nodePairCapacity), nodePairCapacity)] = uvec2(node);
+        if (end >= 0x80000000u)
+            counters[overflowCounter] = 1u;
     }
     else
         atomicAdd(counters[skippedCounter], 1u);
