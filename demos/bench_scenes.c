@@ -147,7 +147,7 @@ static qcBenchMade MakeBodies(const Recipe* recipe, const qcBenchModels* models,
     bool made = false;
     switch (recipe->kind)
     {
-        case kind_cloth: made = qcBenchShapes_MakeCloth((uint32_t)recipe->size, &scene->bodies[0]); break;
+        case kind_cloth: made = qcBenchShapes_MakeCloth((uint32_t)recipe->size, 1.0, &scene->bodies[0]); break;
         case kind_sheets: made = qcBenchShapes_MakeSheets(recipe->size, scene->bodies); break;
         case kind_slivers: made = qcBenchShapes_MakeSlivers((uint32_t)recipe->size, &scene->bodies[0]); break;
         case kind_pile: return MakePile(models->bunny, scene, message);

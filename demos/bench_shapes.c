@@ -138,12 +138,12 @@ static void Turn(double p[3])
     }
 }
 
-bool qcBenchShapes_MakeCloth(uint32_t side, qcMesh* mesh)
+bool qcBenchShapes_MakeCloth(uint32_t side, double wrinkles, qcMesh* mesh)
 {
     // A sheet of about 1 by 1. 0.014: 4 panels are 0.084 high, and the second fold goes around that.
     static const Fold first = {4, 0.014, 0.2}, second = {3, 0.058, 0.21};
     double lengths[2] = {4 * first.length + 3 * s_pi * first.radius, 3 * second.length + 2 * s_pi * second.radius};
-    Wrinkles wrinkles = MakeWrinkles(2005, 0.0112);
+    Wrinkles waves = MakeWrinkles(2005, 0.0112 * wrinkles);
     if (!AllocateLattice(mesh, side))
         return false;
     for (uint32_t j = 0; j <= side; ++j)
@@ -155,7 +155,7 @@ bool qcBenchShapes_MakeCloth(uint32_t side, qcMesh* mesh)
             LayInPanels(&second, v * lengths[1], inner[1] - 3.0 * first.radius, outer);
             double p[3] = {inner[0], outer[0], outer[1]};
             for (int axis = 0; axis < 3; ++axis)
-                p[axis] += SumWaves(&wrinkles, axis, u, v);
+                p[axis] += SumWaves(&waves, axis, u, v);
             Turn(p);
             PutVertex(mesh, j * (side + 1) + i, p[0], p[1], p[2]);
         }

@@ -8,9 +8,9 @@
 /// A random number in lower .. upper; the state is the seed.
 double qcBenchShapes_Random(uint64_t* state, double lower, double upper);
 
-/// A cloth of 2 * side * side triangles, folded into four panels and these into three, 12 layers with wrinkles deep
-/// enough that some layers cross. False: out of memory.
-bool qcBenchShapes_MakeCloth(uint32_t side, qcMesh* mesh);
+/// A cloth of 2 * side * side triangles, folded into four panels and these into three, 12 layers with wrinkles.
+/// `wrinkles`: their depth; at 1 some layers cross, at 2.5 (a tangle) most do. False: out of memory.
+bool qcBenchShapes_MakeCloth(uint32_t side, double wrinkles, qcMesh* mesh);
 
 /// Two wavy sheets over the unit square, `gap` apart; in some places the upper one dips through the lower one, by up
 /// to the gap.

@@ -11,7 +11,7 @@
 
 enum
 {
-    qc_peerWorkCount = 10,
+    qc_peerWorkCount = 11,
     qc_peerLibraryCount = 3,
     qc_peerLibraryMethods = 4, // of one library, at most
     qc_maxPeerMethods = 2 + qc_peerLibraryCount * qc_peerLibraryMethods,

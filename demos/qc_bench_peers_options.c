@@ -101,9 +101,9 @@ static error_t ReadOption(int key, char* text, struct argp_state* state)
 static const struct argp_option s_options[] = {
     {NULL, 0, NULL, 0, "What is tried; all of it by default:", 1},
     {"scenes", key_scenes, "LIST", 0,
-     "Of cloth-1k, cloth-20k, cloth-250k, cloth-1m, bunny, dragon: each with itself; bunnies-27 (of 5000 triangles: "
-     "the "
-     "model's vertices in each cell of a grid become one) and bunnies-8 (as they are): with each other, all vertices "
+     "Of cloth-1k, cloth-20k, tangle-20k (crossing itself in thousands of places), cloth-250k, cloth-1m, bunny, "
+     "dragon: each with itself; bunnies-27 (of 5000 triangles: the model's vertices in each cell of a grid become one) "
+     "and bunnies-8 (as they are): with each other, all vertices "
      "new in each frame; rigid-27, rigid-8: the same bodies, transforms new in each frame",
      1},
     {"peers", key_peers, "LIST", 0, "Of embree, bullet, cgal", 1},

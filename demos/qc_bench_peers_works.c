@@ -23,19 +23,21 @@ typedef struct Recipe
     Source source;
     uint32_t size; ///< cells on a side of a cloth, or about how many triangles to leave a model; 0: all
     uint32_t bodyCount;
+    double wrinkles; ///< of a cloth
 } Recipe;
 
 static const Recipe s_recipes[qc_peerWorkCount] = {
-    {"cloth-1k", "folded cloth with itself", qc_peerSelf, source_cloth, 22, 1},
-    {"cloth-20k", "folded cloth with itself", qc_peerSelf, source_cloth, 100, 1},
-    {"cloth-250k", "folded cloth with itself", qc_peerSelf, source_cloth, 354, 1},
-    {"cloth-1m", "folded cloth with itself", qc_peerSelf, source_cloth, 707, 1},
-    {"bunny", "bunny with itself", qc_peerSelf, source_bunny, 0, 1},
-    {"dragon", "dragon with itself", qc_peerSelf, source_dragon, 0, 1},
-    {"bunnies-27", "27 decimated bunnies, deforming", qc_peerDeforming, source_bunny, 5000, 27},
-    {"bunnies-8", "8 bunnies, deforming", qc_peerDeforming, source_bunny, 0, 8},
-    {"rigid-27", "27 decimated bunnies, rigid", qc_peerRigid, source_bunny, 5000, 27},
-    {"rigid-8", "8 bunnies, rigid", qc_peerRigid, source_bunny, 0, 8},
+    {"cloth-1k", "folded cloth with itself", qc_peerSelf, source_cloth, 22, 1, 1.0},
+    {"cloth-20k", "folded cloth with itself", qc_peerSelf, source_cloth, 100, 1, 1.0},
+    {"tangle-20k", "tangled cloth with itself", qc_peerSelf, source_cloth, 100, 1, 2.5},
+    {"cloth-250k", "folded cloth with itself", qc_peerSelf, source_cloth, 354, 1, 1.0},
+    {"cloth-1m", "folded cloth with itself", qc_peerSelf, source_cloth, 707, 1, 1.0},
+    {"bunny", "bunny with itself", qc_peerSelf, source_bunny, 0, 1, 0.0},
+    {"dragon", "dragon with itself", qc_peerSelf, source_dragon, 0, 1, 0.0},
+    {"bunnies-27", "27 decimated bunnies, deforming", qc_peerDeforming, source_bunny, 5000, 27, 0.0},
+    {"bunnies-8", "8 bunnies, deforming", qc_peerDeforming, source_bunny, 0, 8, 0.0},
+    {"rigid-27", "27 decimated bunnies, rigid", qc_peerRigid, source_bunny, 5000, 27, 0.0},
+    {"rigid-8", "8 bunnies, rigid", qc_peerRigid, source_bunny, 0, 8, 0.0},
 };
 
 const char* qcPeerWork_Name(int index)
@@ -74,7 +76,8 @@ static qcBenchMade MakeModel(const Recipe* recipe, const qcBenchModels* models, 
     switch (recipe->source)
     {
         case source_cloth:
-            return qcBenchShapes_MakeCloth(recipe->size, body) || qcMessage_Fail(message, "out of memory")
+            return qcBenchShapes_MakeCloth(recipe->size, recipe->wrinkles, body) ||
+                           qcMessage_Fail(message, "out of memory")
                        ? qc_benchMade
                        : qc_benchFailed;
         case source_bunny:

@@ -50,7 +50,7 @@ static void FreeCloth(Cloth* cloth)
 static bool MakeCloth(uint32_t triangles, Cloth* cloth)
 {
     *cloth = (Cloth){.frames = {NULL}};
-    if (!qcBenchShapes_MakeCloth((uint32_t)lround(sqrt(0.5 * triangles)), &cloth->mesh))
+    if (!qcBenchShapes_MakeCloth((uint32_t)lround(sqrt(0.5 * triangles)), 1.0, &cloth->mesh))
         return false;
     qcBenchMotion motion = qcBenchMotion_Make(&cloth->mesh, 1, qc_frameCount);
     for (uint32_t i = 0; i < qc_frameCount; ++i)

@@ -57,7 +57,7 @@ enum
 
 static void MakeFrame(uint32_t frame, qcMesh* mesh, float* positions, qcBenchMotion* motion)
 {
-    ck_assert(qcBenchShapes_MakeCloth(22, mesh));
+    ck_assert(qcBenchShapes_MakeCloth(22, 1.0, mesh));
     *motion = qcBenchMotion_Make(mesh, 1, qc_frames);
     qcBenchMotion_Deform(motion, mesh, frame, positions);
 }
@@ -92,7 +92,7 @@ END_TEST
 START_TEST(a_decimated_mesh_has_about_as_many_triangles_as_asked)
 {
     qcMesh mesh, coarse;
-    ck_assert(qcBenchShapes_MakeCloth(60, &mesh));
+    ck_assert(qcBenchShapes_MakeCloth(60, 1.0, &mesh));
     ck_assert(qcMesh_Decimate(&mesh, 2000, &coarse));
     ck_assert_uint_le(coarse.triangleCount, 2000);
     ck_assert_uint_gt(coarse.triangleCount, 1000);
