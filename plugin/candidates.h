@@ -24,7 +24,7 @@ typedef struct qcCandidates
     qcArray rows, ranks;   ///< of double, of uint32_t: brute
     qcArray sinks;         ///< of qcCandidateSink
     qcArray keys;          ///< uint64_t: the result, in no order
-    qcArray neighbourKeys; ///< as keys: neighbours, which only contacts ask for
+    qcArray neighbourKeys; ///< as keys: what only contacts ask for, neighbours and pairs whose relation is known
     qcArray sure;          ///< of qcSortItem: key and relation, of pairs that need no other test; not among the keys
 } qcCandidates;
 

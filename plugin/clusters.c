@@ -310,42 +310,62 @@ qcStatus qcClusters_Build(qcClusters* clusters, const uint32_t* indices, uint32_
     return status;
 }
 
-/// What a table leaves out though both triangles exist and come in order. There is room.
-static void ListNeighboursOf(qcClusters* clusters, uint32_t node, qcNodeLink link)
+static uint64_t FilledPlaces(const uint32_t* triangles)
 {
-    const uint32_t* a = &QC_AT(uint32_t, clusters->triangles, (size_t)node * qc_nodeSize);
-    const uint32_t* b = &QC_AT(uint32_t, clusters->triangles, (size_t)link.other * qc_nodeSize);
+    uint64_t filled = 0;
     for (uint32_t i = 0; i < qc_nodeSize; i++)
-        for (uint32_t j = node == link.other ? i + 1 : 0; j < qc_nodeSize; j++)
+        filled |= (uint64_t)(triangles[i] != QC_NO_TRIANGLE) << i;
+    return filled;
+}
+
+/// As a word of a table: pairs of a node's own triangles that come in order.
+static uint64_t InOrder(uint32_t i, uint32_t j)
+{
+    return i < j ? UINT64_MAX : i == j ? UINT64_C(0x7f3f1f0f07030100) : 0;
+}
+
+/// What the table leaves out though both triangles exist and come in order.
+qcPlacePair* qcClusters_FindNeighbours(const qcClusters* clusters, uint32_t node, uint32_t link,
+                                       const qcPlaceSkip* skips, int skipCount, qcPlacePair* pairs)
+{
+    qcNodeLink to = QC_AT(qcNodeLink, clusters->links, link);
+    const uint32_t *triangles = clusters->triangles.data, a = node * qc_nodeSize, b = to.other * qc_nodeSize;
+    const uint64_t* table = &QC_AT(uint64_t, clusters->tables, (size_t)to.table * qc_tableWords);
+    uint64_t filledA = FilledPlaces(triangles + a), filledB = FilledPlaces(triangles + b);
+    for (uint32_t word = 0; word < qc_tableWords; word++)
+    {
+        uint32_t i = word % qc_clustersOfNode, j = word / qc_clustersOfNode;
+        uint64_t left = node == to.other ? InOrder(i, j) & ~table[word] : ~table[word];
+        if (left != 0 && (filledA & filledB) != UINT64_MAX)
+            left &= qcClusters_Product(qcClusters_PlacesOf(filledA, i), qcClusters_PlacesOf(filledB, j));
+        for (int k = 0; k < skipCount && left != 0; k++)
+            left &= ~qcClusters_Product(qcClusters_PlacesOf(skips[k].a, i), qcClusters_PlacesOf(skips[k].b, j));
+        for (; left != 0; left &= left - 1)
         {
-            uint32_t word = i / qc_clusterSize + j / qc_clusterSize * qc_clustersOfNode,
-                     bit = i % qc_clusterSize + j % qc_clusterSize * qc_clusterSize;
-            uint64_t row = QC_AT(uint64_t, clusters->tables, (size_t)link.table * qc_tableWords + word);
-            if (a[i] != QC_NO_TRIANGLE && b[j] != QC_NO_TRIANGLE && (row >> bit & 1) == 0)
-                QC_AT(uint64_t, clusters->neighbours, clusters->neighbours.count++) =
-                    a[i] < b[j] ? (uint64_t)a[i] << 32 | b[j] : (uint64_t)b[j] << 32 | a[i];
+            uint32_t bit = (uint32_t)__builtin_ctzll(left);
+            *pairs++ = (qcPlacePair){a + i * qc_clusterSize + bit % qc_clusterSize,
+                                     b + j * qc_clusterSize + bit / qc_clusterSize};
         }
+    }
+    return pairs;
 }
 
-static qcStatus ListNeighbours(qcClusters* clusters)
+qcStatus qcClusters_AddNeighbours(const qcClusters* clusters, uint32_t first, qcArray* keys)
 {
-    if (clusters->neighbours.count == clusters->neighbourCount)
-        return qc_statusOk;
-    QC_TRY(qcArray_Reserve(&clusters->neighbours, clusters->neighbourCount, sizeof(uint64_t), "neighbours"));
+    const uint32_t* triangles = clusters->triangles.data;
+    QC_TRY(qcArray_Reserve(keys, keys->count + clusters->neighbourCount, sizeof(uint64_t), "neighbours"));
     for (uint32_t node = 0; node < clusters->nodeCount; node++)
-        for (uint32_t i = QC_AT(uint32_t, clusters->firstLink, node);
-             i < QC_AT(uint32_t, clusters->firstLink, node + 1); i++)
-            ListNeighboursOf(clusters, node, QC_AT(qcNodeLink, clusters->links, i));
-    return qc_statusOk;
-}
-
-qcStatus qcClusters_AddNeighbours(qcClusters* clusters, uint32_t first, qcArray* keys)
-{
-    QC_TRY(ListNeighbours(clusters));
-    size_t at = keys->count;
-    QC_TRY(qcArray_Append(keys, &clusters->neighbours, sizeof(uint64_t), "neighbours"));
-    for (; at < keys->count; at++)
-        QC_AT(uint64_t, *keys, at) += (uint64_t)first << 32 | first;
+        for (uint32_t link = QC_AT(uint32_t, clusters->firstLink, node);
+             link < QC_AT(uint32_t, clusters->firstLink, node + 1); link++)
+        {
+            qcPlacePair pairs[qc_nodeSize * qc_nodeSize];
+            const qcPlacePair* end = qcClusters_FindNeighbours(clusters, node, link, NULL, 0, pairs);
+            for (const qcPlacePair* pair = pairs; pair < end; pair++)
+            {
+                uint64_t s = first + triangles[pair->a], t = first + triangles[pair->b];
+                QC_AT(uint64_t, *keys, keys->count++) = s < t ? s << 32 | t : t << 32 | s;
+            }
+        }
     return qc_statusOk;
 }
 
@@ -355,7 +375,6 @@ void qcClusters_Free(qcClusters* clusters)
     qcArray_Free(&clusters->firstLink);
     qcArray_Free(&clusters->links);
     qcArray_Free(&clusters->tables);
-    qcArray_Free(&clusters->neighbours);
     clusters->nodeCount = 0;
     clusters->neighbourCount = 0;
 }

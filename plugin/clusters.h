@@ -27,6 +27,23 @@ static inline unsigned qcClusters_PlacesOf(uint64_t places, uint32_t cluster)
     return (unsigned)(places >> qc_clusterSize * cluster & 0xffu);
 }
 
+/// Two places of triangles.
+typedef struct qcPlacePair
+{
+    uint32_t a, b;
+} qcPlacePair;
+
+enum
+{
+    qc_mostSkips = 4
+};
+
+/// Pairs of places of two nodes that need not be compared: those in both masks.
+typedef struct qcPlaceSkip
+{
+    uint64_t a, b;
+} qcPlaceSkip;
+
 /// In place of a triangle: none.
 #define QC_NO_TRIANGLE UINT32_MAX
 
@@ -54,7 +71,6 @@ typedef struct qcClusters
     /// node, come in this order (i < j, or i == j and u < v).
     qcArray tables;
     uint64_t neighbourCount; ///< pairs of triangles that share a vertex index
-    qcArray neighbours;      ///< uint64_t, once they are asked for: lower triangle << 32 | higher, in no order
 } qcClusters;
 
 /// `positions`: three doubles a vertex. O(triangles log triangles + pairs of neighbours). On failure nothing is left.
@@ -66,9 +82,14 @@ qcStatus qcClusters_Build(qcClusters* clusters, const uint32_t* indices, uint32_
 qcStatus qcClusters_NameVertices(const qcClusters* clusters, const uint32_t* indices, uint32_t vertexCount,
                                  qcArray* corners, qcArray* vertexOf);
 
+/// Writes the pairs of neighbours of a node and the other of its link that no skip has, in no order but each once;
+/// there is room for qc_nodeSize^2. Returns the new end.
+qcPlacePair* qcClusters_FindNeighbours(const qcClusters* clusters, uint32_t node, uint32_t link,
+                                       const qcPlaceSkip* skips, int skipCount, qcPlacePair* pairs);
+
 /// Adds the keys of all pairs of neighbours (lower rank << 32 | higher), where the body's triangles have ranks from
-/// `first` on. O(pairs of nodes that share a vertex + pairs of neighbours), later O(pairs of neighbours).
-qcStatus qcClusters_AddNeighbours(qcClusters* clusters, uint32_t first, qcArray* keys);
+/// `first` on. O(pairs of nodes that share a vertex + pairs of neighbours).
+qcStatus qcClusters_AddNeighbours(const qcClusters* clusters, uint32_t first, qcArray* keys);
 void qcClusters_Free(qcClusters* clusters);
 
 #endif

@@ -139,7 +139,7 @@ static qcStatus ListNeighbours(const Step* step, qcArray* keys)
     {
         if (!QC_AT(uint8_t, step->cull->meetsItself, body))
             continue;
-        qcClusters* clusters = qcLayersBodies_Clusters(&step->cull->bodies, qcTriangles_Slot(t, body));
+        const qcClusters* clusters = qcLayersBodies_Clusters(&step->cull->bodies, qcTriangles_Slot(t, body));
         QC_TRY(qcClusters_AddNeighbours(clusters, qcTriangles_First(t, body), keys));
     }
     return qc_statusOk;

@@ -201,6 +201,7 @@ static qcStatus SweepSurfaces(Step* step)
                               .objects = &d->objects,
                               .bodies = d->onSurfaces.data,
                               .margin = Reach(step->def),
+                              .nearest = step->def->margin,
                               .testNeighbours = step->def->neighbours,
                               .listNeighbours = step->def->contactMargin > 0.0,
                               .threads = step->threads,

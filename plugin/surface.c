@@ -215,6 +215,12 @@ qcStatus qcSurface_Fit(qcSurface* surface, const qcBody* body, double margin, co
 
 //  ---- flat discs ----------------------------------------------------------------------------------
 
+float qcSurface_Reach(const qcSurface* surface)
+{
+    double reach = surface->margin * surface->map.unit[0];
+    return reach > 0.0 ? nextafterf((float)reach, INFINITY) : 0.0f;
+}
+
 static bool AskDisc(const Fitting* f, uint32_t disc)
 {
     qcSurface* s = f->surface;
@@ -234,7 +240,8 @@ static bool AskDisc(const Fitting* f, uint32_t disc)
                        .loop = &QC_AT(uint32_t, s->discs.loops, d->firstLoop),
                        .placeCount = d->placeCount,
                        .loopCount = d->loopCount,
-                       .pointError = s->pointError};
+                       .pointError = s->pointError,
+                       .reach = qcSurface_Reach(s)};
     *flat = f->kernels->isFlat(&what);
     *rest = *flat ? 0 : qc_restFits;
     return *flat;
@@ -280,6 +287,25 @@ uint64_t qcSurface_CountFlat(const qcSurface* surface)
         uint64_t flat = (qcSurface_IsFlat(surface, node) ? own[0] : 0) |
                         (qcSurface_IsFlat(surface, qcDiscs_Large(discs, node)) ? own[1] : 0);
         count += (uint64_t)__builtin_popcountll(flat);
+    }
+    return count;
+}
+
+int qcSurface_FindSkips(const qcSurface* surface, uint32_t node, uint32_t link, qcPlaceSkip skips[qc_mostSkips])
+{
+    const qcDiscs* discs = &surface->discs;
+    const qcDiscRing* ring = &QC_AT(qcDiscRing, discs->rings, link);
+    const uint64_t* own = discs->own.data;
+    uint32_t other = QC_AT(qcNodeLink, surface->clusters.links, link).other;
+    int count = 0;
+    for (int size = 0; size < qc_discSizes; size++)
+    {
+        uint32_t disc = size == 0 ? node : qcDiscs_Large(discs, node),
+                 discOfOther = size == 0 ? other : qcDiscs_Large(discs, other);
+        if (qcSurface_IsFlat(surface, disc) && ring->ofNode[size] != 0)
+            skips[count++] = (qcPlaceSkip){own[qc_discSizes * (size_t)node + size], ring->ofNode[size]};
+        if (disc != discOfOther && qcSurface_IsFlat(surface, discOfOther) && ring->ofOther[size] != 0)
+            skips[count++] = (qcPlaceSkip){ring->ofOther[size], own[qc_discSizes * (size_t)other + size]};
     }
     return count;
 }

@@ -58,11 +58,18 @@ qcStatus qcSurface_Build(qcSurface* surface, const qcBody* body);
 qcStatus qcSurface_Fit(qcSurface* surface, const qcBody* body, double margin, const qcSurfaceKernels* kernels,
                        uint32_t threads, qcSurfaceScratch* scratch, bool* fits);
 
+/// The margin in the surface's frame, rounded up.
+float qcSurface_Reach(const qcSurface* surface);
+
 /// Finds out which discs are flat, once for each fit. O(triangles).
 void qcSurface_FindFlat(qcSurface* surface, const qcSurfaceKernels* kernels, uint32_t threads);
 
 /// Triangles in discs that are known to be flat.
 uint64_t qcSurface_CountFlat(const qcSurface* surface);
+
+/// What flat discs prove of a node and the other of its link: the pairs of their triangles that both lie in one disc.
+/// Returns how many skips there are.
+int qcSurface_FindSkips(const qcSurface* surface, uint32_t node, uint32_t link, qcPlaceSkip skips[qc_mostSkips]);
 
 static inline bool qcSurface_IsFlat(const qcSurface* surface, uint32_t disc)
 {

@@ -18,8 +18,7 @@ enum
     qc_groupSize = 8,
     // What no level reaches: a box of it alone meets nothing, and adds nothing to a box around it.
     qc_emptyEnd = INT16_MAX,
-    qc_mostLoop = 256, ///< vertices around a disc
-    qc_mostSkips = 4
+    qc_mostLoop = 256 ///< vertices around a disc
 };
 
 /// Eight boxes side by side. By axis: lower ends, then complements of upper ends.
@@ -63,12 +62,6 @@ typedef struct qcSurfaceBoxes
     const qcBoxGroup *clusters, *nodes;
 } qcSurfaceBoxes;
 
-/// Two places of triangles.
-typedef struct qcPlacePair
-{
-    uint32_t a, b;
-} qcPlacePair;
-
 /// Triangles to be compared: corners by place, points by vertex.
 typedef struct qcFilterSide
 {
@@ -81,6 +74,7 @@ typedef struct qcFilterBound
 {
     float pointError; ///< of a coordinate, of either side, once there
     float reach;      ///< how far apart triangles count
+    float margin;     ///< rounded down: what is no further apart is near. Below 0: not told
     bool mapped;      ///< otherwise both sides have one frame
     float linear[3][3], shift[3];
 } qcFilterBound;
@@ -99,14 +93,14 @@ typedef struct qcFlatDisc
     const qcPoint* points;
     const uint32_t *places, *loop;
     size_t placeCount, loopCount; ///< 3 to qc_mostLoop
-    float pointError;
+    float pointError, reach;
 } qcFlatDisc;
 
-/// Pairs of places of two nodes that need not be compared: those in both masks.
-typedef struct qcPlaceSkip
+/// Of pairs that lie in this order: near ones, those that are farther apart than the margin, and all others.
+typedef struct qcApartCounts
 {
-    uint64_t a, b;
-} qcPlaceSkip;
+    size_t near, apart, count; ///< the last: of all that are kept
+} qcApartCounts;
 
 typedef struct qcSurfaceKernels
 {
@@ -125,7 +119,8 @@ typedef struct qcSurfaceKernels
     /// has room for qc_nodeSize^2.
     qcPlacePair* (*collect)(const qcSurfaceBoxes* a, uint32_t nodeA, const qcSurfaceBoxes* b, uint32_t nodeB,
                             const uint64_t* words, const qcPlaceSkip* skips, int skipCount, qcPlacePair* pairs);
-    /// True: no two triangles of the disc that share no vertex have a common point.
+    /// True: no two features (vertices, edges, triangles) of the disc that have no vertex in common come within the
+    /// reach of each other; with none, no two triangles that share no vertex have a common point.
     bool (*isFlat)(const qcFlatDisc* disc);
     /// The boxes of a group in another lattice, rounded outward. What the map can't tell is unbounded.
     void (*mapGroup)(const qcBoxGroup* group, const qcGroupMap* map, qcBoxGroup* mapped);
@@ -135,6 +130,14 @@ typedef struct qcSurfaceKernels
     /// Keeps of `pairs` those that may be within the reach; their number is returned. The order stays.
     size_t (*filter)(const qcFilterSide* a, const qcFilterSide* b, const qcFilterBound* bound, qcPlacePair* pairs,
                      size_t count);
+    /// Puts first those of `pairs` that surely are apart by no more than the margin, next those that surely are by
+    /// more, and drops what surely is farther apart than the reach.
+    qcApartCounts (*part)(const qcFilterSide* a, const qcFilterSide* b, const qcFilterBound* bound, qcPlacePair* pairs,
+                          size_t count);
+    /// Keeps of pairs of one side, all of which share vertices, those whose other features (vertices, edges, triangles
+    /// without a common vertex) may be within the reach of each other. No more than qc_nodeSize^2 pairs.
+    size_t (*keepNearNeighbours)(const qcFilterSide* side, const qcFilterBound* bound, qcPlacePair* pairs,
+                                 size_t count);
     /// Puts first those of `pairs` that surely penetrate, whatever the reach; their number is returned.
     size_t (*findPiercing)(const qcFilterSide* a, const qcFilterSide* b, const qcFilterBound* bound, qcPlacePair* pairs,
                            size_t count);

@@ -11,6 +11,11 @@ static inline __m256 LeastFloats(__m256 a, __m256 b)
     return _mm256_min_ps(a, b);
 }
 
+static inline __m256 Root(__m256 a)
+{
+    return _mm256_sqrt_ps(a);
+}
+
 static inline __m256 MostFloats(__m256 a, __m256 b)
 {
     return _mm256_max_ps(a, b);

@@ -11,6 +11,11 @@ static inline __m512 LeastFloats(__m512 a, __m512 b)
     return _mm512_min_ps(a, b);
 }
 
+static inline __m512 Root(__m512 a)
+{
+    return _mm512_sqrt_ps(a);
+}
+
 static inline __m512 MostFloats(__m512 a, __m512 b)
 {
     return _mm512_max_ps(a, b);

@@ -184,12 +184,14 @@ static qcPlacePair* CollectMapped(const qcSurfaceBoxes* a, uint32_t nodeA, const
 #include "surface_kernels_filter.h"
 
 #include "surface_kernels_flat.h"
+#include "surface_kernels_near.h"
+#include "surface_kernels_neighbours.h"
 
 #define QC_KERNELS(title)                                                                                              \
     {                                                                                                                  \
         .name = title, .map = Map, .fitTriangles = FitTriangles, .fitGroups = FitGroups, .compare = Compare,           \
         .collect = Collect, .isFlat = IsFlat, .mapGroup = MapGroup, .collectMapped = CollectMapped, .filter = Filter,  \
-        .findPiercing = FindPiercing                                                                                   \
+        .part = Part, .keepNearNeighbours = KeepNearNeighbours, .findPiercing = FindPiercing                           \
     }
 
 #endif

@@ -32,8 +32,9 @@ typedef struct Vectors
 typedef struct Lanes
 {
     Vectors b, c, d, e, f;
-    Floats gap;
+    Floats up;    ///< what they were scaled by
     Floats error; ///< of a coordinate, before they were taken relative to another
+    Floats gap;   ///< least distance of projections on an axis, by the sum of its sizes
 } Lanes;
 
 QC_INLINE Vectors LoadPoints(const qcPoint* points, const uint32_t vertex[QC_LANES]);
@@ -119,6 +120,7 @@ QC_INLINE Lanes LoadLanes(const qcFilterSide* a, const qcFilterSide* b, const qc
     // 2^-k for a size in [2^k, 2^(k+1)), by exponents: exact.
     Floats up = (Floats)(0x7f000000 - ((Ints)size & 0x7f800000));
     l.b = Times(l.b, up), l.c = Times(l.c, up), l.d = Times(l.d, up), l.e = Times(l.e, up), l.f = Times(l.f, up);
+    l.up = up;
     l.error = bound->pointError * up;
     l.gap = (4.0f * bound->pointError + bound->reach) * up * 1.0001f + 4e-6f;
     return l;
@@ -130,18 +132,24 @@ QC_INLINE Ints SeparatedByPlane(const Lanes* l)
     return Separates(l, Cross(l->b, l->c)) | Separates(l, Cross(Subtract(l->e, l->d), Subtract(l->f, l->d)));
 }
 
-/// Pairs of edges; and, for triangles that lie in a plane, edges within it.
+/// Edges within the planes: what triangles of one smooth surface are apart by.
+QC_INLINE Ints SeparatedWithinPlane(const Lanes* l)
+{
+    Vectors bc = Subtract(l->c, l->b), de = Subtract(l->e, l->d), df = Subtract(l->f, l->d), ef = Subtract(l->f, l->e);
+    Vectors n = Cross(l->b, l->c), m = Cross(de, df);
+    return Separates(l, Cross(n, l->b)) | Separates(l, Cross(n, l->c)) | Separates(l, Cross(n, bc)) |
+           Separates(l, Cross(m, de)) | Separates(l, Cross(m, df)) | Separates(l, Cross(m, ef));
+}
+
+/// Pairs of edges; and, for triangles that lie in one plane, edges within it.
 QC_INLINE Ints SeparatedByEdges(const Lanes* l)
 {
     Vectors bc = Subtract(l->c, l->b), de = Subtract(l->e, l->d), df = Subtract(l->f, l->d), ef = Subtract(l->f, l->e);
-    Vectors edgeA[3] = {l->b, l->c, bc}, edgeB[3] = {de, df, ef}, n = Cross(l->b, l->c), m = Cross(de, df);
-    Ints apart = {0};
+    Vectors edgeA[3] = {l->b, l->c, bc}, edgeB[3] = {de, df, ef};
+    Ints apart = SeparatedWithinPlane(l);
     for (int i = 0; i < 3; i++)
-    {
         for (int j = 0; j < 3; j++)
             apart |= Separates(l, Cross(edgeA[i], edgeB[j]));
-        apart |= Separates(l, Cross(n, edgeA[i])) | Separates(l, Cross(m, edgeB[i]));
-    }
     return apart;
 }
 
@@ -165,6 +173,9 @@ QC_INLINE size_t Keep(const qcFilterSide* a, const qcFilterSide* b, const qcFilt
 static size_t Filter(const qcFilterSide* a, const qcFilterSide* b, const qcFilterBound* bound, qcPlacePair* pairs,
                      size_t count)
 {
+    // Most that come within a reach are of one smooth surface, most others lie in layers.
+    if (bound->reach > 0.0f)
+        return Keep(a, b, bound, pairs, Keep(a, b, bound, pairs, count, SeparatedWithinPlane), SeparatedByPlane);
     count = Keep(a, b, bound, pairs, count, SeparatedByPlane);
     return Keep(a, b, bound, pairs, count, SeparatedByEdges);
 }

@@ -1,4 +1,5 @@
-// The kernel that proves patches free of collisions with themselves: normals and contour together.
+// The kernel that proves patches free of collisions with themselves, and of all that comes within a reach: normals and
+// contour together.
 //
 // Flat discs. The disc is a triangulation D of a closed disc (discs.h); f projects it along a direction d. If every
 // triangle's image has the same orientation and the image of the loop is a simple curve, then f is injective:
@@ -12,6 +13,30 @@
 // Where two triangles of D have a common point in space, that is one point of D by this, in both triangles: they share
 // a vertex. The normals alone don't do: a spiral ramp faces one way everywhere, and its contour crosses itself.
 // (Volino, Magnenat-Thalmann: Efficient Self-Collision Detection on Smoothly Discretized Surface Animations, 1994.)
+//
+// Reach. Let D be flat as above. Two features of D (vertices, edges, triangles) that have no vertex in common are
+// further apart than r in the image if there every altitude of a triangle is above r, and every vertex of the loop is
+// further than r from each edge of the loop that it is no end of. Take the shortest segment s between them; it may be
+// moved a little, so that it meets no vertex in between and no edge twice. It crosses edges f1, f2, ... Between two of
+// them it is in a triangle, or outside of D. Outside, from one edge of the loop to another: if these have no common
+// vertex, they are further than r apart, since the distance of two edges is that of an end of one from the other. So
+// let each two that follow each other have a common vertex. If one vertex is common to all, it is in the features at
+// both ends of s (a feature's last edge before s leaves its triangles is opposite to it, or has no vertex of it: then
+// that is the case below, with an altitude or the loop's condition between the feature and f1). Otherwise there are
+// three, f1 = (v, p), f2 = (v, q), f3 = (q, t). The part of s from f1 to f3 is no shorter than the least distance of
+// points of f1 and f3 whose segment crosses f2. That is attained where it passes v or q, or at an end of f1 or f3:
+// - from v to f3, from q to f1: an altitude of a triangle; or of the loop's vertex q from the loop's edge f1, where s
+// is
+//   outside between f1 and f2. (Not between f2 and f3 as well: behind f2 is inside.)
+// - from t to f1: if the nearest point is v, the length of an edge, which is at least an altitude. Otherwise the angle
+//   at v between p and t, over f2, is below 90 degrees and at least that between q and t: so the distance is at least
+//   that of t from the line of f2, an altitude (if s is inside there), or t's from f2 (if it is outside: t and f2 are
+//   on the loop, and the nearest point of f2 may be v or q only where the angle is not below 90).
+// - from p to f3: the same with v and q exchanged. Outside between f1 and f2, p may see v q under more than 90 degrees;
+//   then its distance from f3, at least |v q| times the sine of the angle of the triangle at q, is above an altitude.
+// The image along (p, q, 1) is K = sqrt(1 + p^2 + q^2) times as long as what it shows, at most: so r is K times the
+// reach. An altitude is twice the area through the longest edge, normal . d / (K times its length): the kernel asks for
+// normal . d > K^2 reach length. Bounds that hold relatively are 1.001 times as large, which covers their rounding.
 //
 // Rounding there. Points are wrong by e, and d = (p, q, 1) with |p|, |q| <= 1 is exact: whatever it is will do. With
 // edges up to m in any coordinate, a triangle's normal is wrong by 8 e m + 8 m^2 2^-24 + 8 e^2, and times d, rounded,
@@ -37,8 +62,12 @@ typedef struct Loop
     float x[3][qc_mostLoop + 2 * QC_LANES];
     int axes[3]; ///< which axis is which of d's; the last is 1 there
     float p, q;
-    float sign; ///< of d's last axis in the direction that the disc faces
-    float size; ///< of the greatest coordinate u or v
+    float sign;  ///< of d's last axis in the direction that the disc faces
+    float size;  ///< of the greatest coordinate u or v
+    float reach; ///< in the image
+    //  What comparisons have to exceed for their rounding.
+    float least; ///< of products of two lengths
+    float gap;   ///< of coordinates
 } Loop;
 
 QC_INLINE Floats LoadFloats(const float* from)
@@ -133,12 +162,20 @@ static void Project(size_t count, Loop* loop)
         loop->size = largest[lane] > loop->size ? largest[lane] : loop->size;
 }
 
-/// Are both ends of edge k surely on the same side of edge i: of the line through it, or of one of the two across it at
-/// its ends?
-static bool IsOneSided(const Loop* loop, size_t i, size_t k, float least)
+/// What a product of a length along (u, v) and a distance has to exceed for the distance to exceed the reach.
+static float LeastAlong(const Loop* loop, float u, float v)
+{
+    // Without a reach no root is taken.
+    return loop->reach > 0.0f ? loop->least + loop->reach * (__builtin_sqrtf(u * u + v * v) + loop->gap) : loop->least;
+}
+
+/// Are both ends of edge k surely beyond the reach on the same side of edge i: of the line through it, or of one of the
+/// two across it at its ends?
+static bool IsOneSided(const Loop* loop, size_t i, size_t k)
 {
     float u = loop->u[i], v = loop->v[i], endU = loop->u[i + 1], endV = loop->v[i + 1];
     float alongU = endU - u, alongV = endV - v, left[2], beyond[2], before[2];
+    float least = LeastAlong(loop, alongU, alongV);
     for (size_t end = 0; end < 2; end++)
     {
         float otherU = loop->u[k + end], otherV = loop->v[k + end];
@@ -150,8 +187,8 @@ static bool IsOneSided(const Loop* loop, size_t i, size_t k, float least)
            (beyond[0] > least && beyond[1] > least) || (before[0] > least && before[1] > least);
 }
 
-/// Do edges i and k meet at most where they join?
-static bool AreEdgesApart(const Loop* loop, size_t count, size_t i, size_t k, float least)
+/// Do edges i and k meet at most where they join, and is no end of one within the reach of the other, but for that?
+static bool AreEdgesApart(const Loop* loop, size_t count, size_t i, size_t k)
 {
     if (k == (i + 1) % count || i == (k + 1) % count)
     {
@@ -160,9 +197,11 @@ static bool AreEdgesApart(const Loop* loop, size_t count, size_t i, size_t k, fl
         float u = loop->u[first + 1] - loop->u[first], v = loop->v[first + 1] - loop->v[first];
         float nextU = loop->u[first + 2] - loop->u[first + 1], nextV = loop->v[first + 2] - loop->v[first + 1];
         float turn = u * nextV - v * nextU, ahead = u * nextU + v * nextV;
-        return turn > least || turn < -least || ahead > least;
+        float least = LeastAlong(loop, u, v), leastNext = LeastAlong(loop, nextU, nextV);
+        // Ahead, the nearest point is the common one, and edges are longer than the reach (FacesOneWay).
+        return ahead > loop->least || __builtin_fabsf(turn) > (least > leastNext ? least : leastNext);
     }
-    return IsOneSided(loop, i, k, least) || IsOneSided(loop, k, i, least);
+    return IsOneSided(loop, i, k) || IsOneSided(loop, k, i);
 }
 
 /// Some edges that follow each other, and a box around them.
@@ -172,17 +211,18 @@ typedef struct Arc
     float lower[2], upper[2];
 } Arc;
 
-static bool AreArcsApart(const Loop* loop, size_t count, const Arc* a, const Arc* b, float least)
+static bool AreArcsApart(const Loop* loop, size_t count, const Arc* a, const Arc* b)
 {
     for (size_t i = a->first; i < a->end; i++)
         for (size_t k = b->first; k < b->end; k++)
-            if (i != k && !AreEdgesApart(loop, count, i, k, least))
+            if (i != k && !AreEdgesApart(loop, count, i, k))
                 return false;
     return true;
 }
 
-/// Do all edges of two arcs, the one behind the other, go forward in one direction? Then none meets another.
-static bool GoForward(const Loop* loop, const Arc* a, const Arc* b, float least)
+/// Do all edges of two arcs, the one behind the other, go forward in one direction by more than the reach? Then none
+/// meets another, or comes within the reach of what is no end of it.
+static bool GoForward(const Loop* loop, const Arc* a, const Arc* b)
 {
     float u = loop->u[b->end] - loop->u[a->first], v = loop->v[b->end] - loop->v[a->first];
     float slowest = INFINITY;
@@ -193,7 +233,7 @@ static bool GoForward(const Loop* loop, const Arc* a, const Arc* b, float least)
             float step = u * (loop->u[i + 1] - loop->u[i]) + v * (loop->v[i + 1] - loop->v[i]);
             slowest = step < slowest ? step : slowest;
         }
-    return slowest > least;
+    return slowest > LeastAlong(loop, u, v);
 }
 
 static Arc MakeArc(const Loop* loop, size_t first, size_t end)
@@ -215,8 +255,7 @@ static Arc MakeArc(const Loop* loop, size_t first, size_t end)
 static bool IsSimple(const qcFlatDisc* disc, const Loop* loop)
 {
     size_t count = disc->loopCount, arcCount = (count + qc_arcEdges - 1) / qc_arcEdges;
-    float least = (48.0f * disc->pointError + 160.0f * 0x1p-24f) * loop->size;
-    float gap = 5.0f * disc->pointError + 10.0f * 0x1p-24f;
+    float gap = loop->gap + loop->reach;
     Arc arcs[qc_mostLoop / qc_arcEdges];
     for (size_t a = 0; a < arcCount; a++)
     {
@@ -226,24 +265,25 @@ static bool IsSimple(const qcFlatDisc* disc, const Loop* loop)
     for (size_t a = 0; a < arcCount; a++)
     {
         const Arc *arc = &arcs[a], *next = &arcs[(a + 1) % arcCount];
-        if (!GoForward(loop, arc, next, least) &&
-            !(AreArcsApart(loop, count, arc, arc, least) && AreArcsApart(loop, count, arc, next, least)))
+        if (!GoForward(loop, arc, next) &&
+            !(AreArcsApart(loop, count, arc, arc) && AreArcsApart(loop, count, arc, next)))
             return false;
         for (size_t b = a + 2; b < arcCount; b++)
         {
             const Arc* other = &arcs[b];
             bool apart = arc->lower[0] > other->upper[0] + gap || other->lower[0] > arc->upper[0] + gap ||
                          arc->lower[1] > other->upper[1] + gap || other->lower[1] > arc->upper[1] + gap;
-            if (!apart && (a != 0 || b != arcCount - 1) && !AreArcsApart(loop, count, arc, other, least))
+            if (!apart && (a != 0 || b != arcCount - 1) && !AreArcsApart(loop, count, arc, other))
                 return false;
         }
     }
     return true;
 }
 
-/// Do all triangles face d's way?
+/// Do all triangles face d's way, with altitudes above the reach?
 static bool FacesOneWay(const qcFlatDisc* disc, const Loop* loop)
 {
+    float thick = 1.001f * disc->reach * (1.0f + loop->p * loop->p + loop->q * loop->q);
     for (size_t at = 0; at < disc->placeCount; at += QC_LANES)
     {
         size_t count = disc->placeCount - at < QC_LANES ? disc->placeCount - at : QC_LANES;
@@ -264,6 +304,14 @@ static bool FacesOneWay(const qcFlatDisc* disc, const Loop* loop)
         Floats least = size * (32.0f * disc->pointError + 44.0f * 0x1p-24f * size);
         if (SignBits(~(facing > least)) != 0)
             return false;
+        if (disc->reach > 0.0f)
+        {
+            Vectors g = Subtract(e, f);
+            Floats longest2 = MostFloats(MostFloats(Dot(e, e), Dot(f, f)), Dot(g, g));
+            Floats more = facing - least - 4.0f * disc->pointError * thick;
+            if (SignBits(~((more > 1e-15f) & (more * more > thick * thick * longest2))) != 0)
+                return false;
+        }
     }
     return true;
 }
@@ -275,6 +323,10 @@ static bool IsFlat(const qcFlatDisc* disc)
     if (!ChooseDirection(disc->loopCount, &loop))
         return false;
     Project(disc->loopCount, &loop);
+    loop.reach =
+        disc->reach > 0.0f ? 1.001f * disc->reach * __builtin_sqrtf(1.0f + loop.p * loop.p + loop.q * loop.q) : 0.0f;
+    loop.least = (48.0f * disc->pointError + 160.0f * 0x1p-24f) * loop.size;
+    loop.gap = 6.0f * disc->pointError + 12.0f * 0x1p-24f;
     return FacesOneWay(disc, &loop) && IsSimple(disc, &loop);
 }
 

@@ -22,6 +22,11 @@ static inline FourFloats LeastFloats(FourFloats a, FourFloats b)
     return (FourFloats)(((FourInts)a & less) | ((FourInts)b & ~less));
 }
 
+static inline FourFloats Root(FourFloats a)
+{
+    return (FourFloats){__builtin_sqrtf(a[0]), __builtin_sqrtf(a[1]), __builtin_sqrtf(a[2]), __builtin_sqrtf(a[3])};
+}
+
 static inline FourFloats MostFloats(FourFloats a, FourFloats b)
 {
     FourInts less = a < b;

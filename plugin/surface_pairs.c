@@ -49,6 +49,22 @@ typedef struct Queue
 /// Bits i + 8 j with i <= j.
 static const uint64_t s_inOrder = UINT64_C(0xff7f3f1f0f070301);
 
+static void FilterPairs(const Search* s, qcPlacePair* pairs, qcFoundPairs* found)
+{
+    const qcSurfaceKernels* kernels = s->job->kernels;
+    const qcFilterSide *a = &s->sides[0], *b = &s->sides[1];
+    found->count = kernels->filter(a, b, &s->bound, pairs, found->count);
+    if (s->job->margin > 0.0)
+    {
+        qcApartCounts counts = kernels->part(a, b, &s->bound, pairs, found->count);
+        found->near = counts.near;
+        found->apart = counts.apart;
+        found->count = counts.count;
+    }
+    size_t known = found->near + found->apart;
+    found->penetrating = kernels->findPiercing(a, b, &s->bound, pairs + known, found->count - known);
+}
+
 static void Flush(Queue* queue)
 {
     const Search* s = queue->search;
@@ -56,12 +72,10 @@ static void Flush(Queue* queue)
     queue->end = queue->pairs;
     if (count == 0 || !queue->wanted)
         return;
+    qcFoundPairs found = {.pairs = queue->pairs, .count = count};
     if (s->filters)
-        count = s->job->kernels->filter(&s->sides[0], &s->sides[1], &s->bound, queue->pairs, count);
-    size_t sureCount = 0;
-    if (s->filters && s->job->findSure)
-        sureCount = s->job->kernels->findPiercing(&s->sides[0], &s->sides[1], &s->bound, queue->pairs, count);
-    queue->wanted = count == 0 || s->job->function(s->job->context, queue->pairs, count, sureCount, queue->worker);
+        FilterPairs(s, queue->pairs, &found);
+    queue->wanted = found.count == 0 || s->job->function(s->job->context, &found, queue->worker);
 }
 
 #define QC_NO_LINK UINT32_MAX
@@ -74,24 +88,6 @@ static uint32_t FindLink(const qcClusters* clusters, uint32_t a, uint32_t b)
         if (links[i].other == b)
             return i;
     return QC_NO_LINK;
-}
-
-/// What flat discs prove of two nodes that share a vertex: the pairs of their triangles that both lie in one disc.
-static int FindSkips(const qcSurface* surface, uint32_t a, uint32_t b, uint32_t link, qcPlaceSkip skips[qc_mostSkips])
-{
-    const qcDiscs* discs = &surface->discs;
-    const qcDiscRing* ring = &QC_AT(qcDiscRing, discs->rings, link);
-    const uint64_t* own = discs->own.data;
-    int count = 0;
-    for (int size = 0; size < qc_discSizes; size++)
-    {
-        uint32_t discA = size == 0 ? a : qcDiscs_Large(discs, a), discB = size == 0 ? b : qcDiscs_Large(discs, b);
-        if (qcSurface_IsFlat(surface, discA) && ring->ofNode[size] != 0)
-            skips[count++] = (qcPlaceSkip){own[qc_discSizes * (size_t)a + size], ring->ofNode[size]};
-        if (discA != discB && qcSurface_IsFlat(surface, discB) && ring->ofOther[size] != 0)
-            skips[count++] = (qcPlaceSkip){ring->ofOther[size], own[qc_discSizes * (size_t)b + size]};
-    }
-    return count;
 }
 
 /// As the table of a node with itself, had no two of its triangles a common vertex.
@@ -133,7 +129,7 @@ static void CompareNodes(Queue* queue, uint32_t a, uint32_t b)
             words = &QC_AT(uint64_t, job->a->clusters.tables,
                            (size_t)QC_AT(qcNodeLink, job->a->clusters.links, link).table * qc_nodeSize);
         if (link != QC_NO_LINK && job->flatDiscs)
-            skipCount = FindSkips(job->a, a, b, link, skips);
+            skipCount = qcSurface_FindSkips(job->a, a, link, skips);
         for (int i = 0; i < skipCount; i++)
             if ((skips[i].a & skips[i].b) == UINT64_MAX)
                 return;
@@ -212,6 +208,11 @@ static qcStatus FindItems(Search* s)
     return qc_statusOk;
 }
 
+static float RoundUp(double reach)
+{
+    return reach > 0.0 ? nextafterf((float)reach, INFINITY) : 0.0f;
+}
+
 static qcPlacement PlacementOf(const qcSurface* surface, const qcBody* body)
 {
     qcPlacement p = {.transform = surface->isLocal ? body->transform : qcIdentityTransform()};
@@ -260,7 +261,7 @@ static void FindMaps(Search* s)
         s->bound.pointError = fmaxf(s->bound.pointError, nextafterf((float)error, INFINITY));
         s->filters = s->filters && error < 1e6;
     }
-    s->bound.reach = nextafterf((float)(s->job->margin * r.stretch * a->map.unit[0]), INFINITY);
+    s->bound.reach = RoundUp(s->job->margin * r.stretch * a->map.unit[0]);
     s->bound.mapped = true;
 }
 
@@ -271,8 +272,10 @@ qcStatus qcSurfacePairs_Find(qcSurfacePairs* pairs, const qcSurfacePairsJob* job
     for (int i = 0; i < 2; i++)
         search.sides[i] = (qcFilterSide){sides[i]->corners.data, sides[i]->points.data};
     search.bound.pointError = job->a->pointError;
+    // Where bodies are in the world, lengths are as they are there.
+    search.bound.margin = job->a->isLocal ? -1.0f : nextafterf((float)(job->nearest * job->a->map.unit[0]), 0.0f);
     if (search.same)
-        search.bound.reach = nextafterf((float)(job->margin * job->a->map.unit[0]), INFINITY);
+        search.bound.reach = RoundUp(job->margin * job->a->map.unit[0]);
     else
         FindMaps(&search);
     QC_TRY(qcArray_Resize(&pairs->queues, (size_t)job->threads * qc_queueRoom, sizeof(qcPlacePair), "pairs of places"));

@@ -10,10 +10,19 @@ enum
     qc_queueFull = 2048
 };
 
-/// Takes pairs of places, in no order: `a` of the first surface, `b` of the second. The first `sureCount` of them are
-/// known to penetrate. False: no more are wanted.
-typedef bool qcSurfacePairsFunction(void* context, const qcPlacePair* pairs, size_t count, size_t sureCount,
-                                    uint32_t worker);
+/// Pairs of places, in no order but that those come first whose relation is known: `a` of the first surface, `b` of the
+/// second.
+typedef struct qcFoundPairs
+{
+    const qcPlacePair* pairs;
+    /// In this order: those that are apart by no more than the margin that is told, those that are apart by more, those
+    /// that penetrate.
+    size_t near, apart, penetrating;
+    size_t count; ///< in all
+} qcFoundPairs;
+
+/// Takes what has been found. False: no more is wanted.
+typedef bool qcSurfacePairsFunction(void* context, const qcFoundPairs* found, uint32_t worker);
 
 typedef struct qcSurfacePairsJob
 {
@@ -21,9 +30,9 @@ typedef struct qcSurfacePairsJob
     const qcSurface *a, *b; ///< the same: pairs within it, each once
     const qcBody *bodyA, *bodyB;
     double margin;   ///< with which both were fitted
+    double nearest;  ///< pairs that are apart by no more than this are near
     bool neighbours; ///< of one surface: pairs that share a vertex index are found too
-    bool flatDiscs;  ///< of one surface at margin 0: what qcSurface_FindFlat found is made use of
-    bool findSure;   ///< pairs are looked at for sure hits
+    bool flatDiscs;  ///< of one surface: what qcSurface_FindFlat found is made use of
     uint32_t threads;
     uint8_t *reachedA, *reachedB; ///< by node: set where it was compared with a node of the other. May be null
     qcSurfacePairsFunction* function;

@@ -78,7 +78,7 @@ typedef struct Run
 {
     qcSweepSurfaces* sweep;
     const qcSweepSurfacesJob* job;
-    bool flatDiscs; ///< what is flat doesn't meet itself, but comes within a margin of itself
+    bool flatDiscs; ///< what is flat doesn't come near itself, but where it is neighbour of itself
     //  the two bodies that are looked at
     const uint32_t* triangles[2];
     uint32_t first[2];
@@ -90,21 +90,37 @@ static uint64_t KeyOf(const Run* run, qcPlacePair pair)
     return a < b ? a << 32 | b : b << 32 | a;
 }
 
-static bool AddKeys(void* context, const qcPlacePair* pairs, size_t count, size_t sureCount, uint32_t worker)
+static void AddKey(qcArray* keys, uint64_t key)
+{
+    QC_AT(uint64_t, *keys, keys->count++) = key;
+}
+
+/// What is known needs no exact test; who asks for contacts makes them of all that is near.
+static bool AddKeys(void* context, const qcFoundPairs* found, uint32_t worker)
 {
     const Run* run = context;
     qcSurfaceSink* sink = &QC_AT(qcSurfaceSink, run->sweep->sinks, worker);
-    if (sink->status == qc_statusOk)
-        sink->status = qcArray_Reserve(&sink->keys, sink->keys.count + count, sizeof(uint64_t), "candidate pairs");
+    qcArray* keyArrays[2] = {&sink->keys, &sink->contactKeys};
+    for (int i = 0; i < 2 && sink->status == qc_statusOk; i++)
+        sink->status =
+            qcArray_Reserve(keyArrays[i], keyArrays[i]->count + found->count, sizeof(uint64_t), "candidate pairs");
     if (sink->status == qc_statusOk)
         sink->status =
-            qcArray_Reserve(&sink->sure, sink->sure.count + sureCount, sizeof(qcSortItem), "candidate pairs");
+            qcArray_Reserve(&sink->sure, sink->sure.count + found->count, sizeof(qcSortItem), "candidate pairs");
     if (sink->status != qc_statusOk)
         return false;
-    for (size_t i = 0; i < sureCount; i++)
-        QC_AT(qcSortItem, sink->sure, sink->sure.count++) = (qcSortItem){KeyOf(run, pairs[i]), qc_relationPenetrating};
-    for (size_t i = sureCount; i < count; i++)
-        QC_AT(uint64_t, sink->keys, sink->keys.count++) = KeyOf(run, pairs[i]);
+    size_t known = found->near + found->apart + found->penetrating;
+    for (size_t i = 0; i < found->count; i++)
+    {
+        uint64_t key = KeyOf(run, found->pairs[i]);
+        if (i >= known)
+            AddKey(&sink->keys, key);
+        else if (i < found->near || i >= found->near + found->apart)
+            QC_AT(qcSortItem, sink->sure, sink->sure.count++) =
+                (qcSortItem){key, i < found->near ? qc_relationNear : qc_relationPenetrating};
+        if (i < known && run->job->listNeighbours)
+            AddKey(&sink->contactKeys, key);
+    }
     return true;
 }
 
@@ -118,8 +134,9 @@ static qcStatus EmptySinks(qcSweepSurfaces* sweep, uint32_t threads)
     }
     for (size_t i = 0; i < sweep->sinks.count; i++)
     {
-        QC_AT(qcSurfaceSink, sweep->sinks, i).keys.count = QC_AT(qcSurfaceSink, sweep->sinks, i).sure.count = 0;
-        QC_AT(qcSurfaceSink, sweep->sinks, i).status = qc_statusOk;
+        qcSurfaceSink* sink = &QC_AT(qcSurfaceSink, sweep->sinks, i);
+        sink->keys.count = sink->contactKeys.count = sink->sure.count = 0;
+        sink->status = qc_statusOk;
     }
     return qc_statusOk;
 }
@@ -167,10 +184,9 @@ static qcStatus FindPairs(Run* run, uint32_t a, uint32_t b)
                                .bodyA = qcTriangles_Body(job->triangles, a),
                                .bodyB = qcTriangles_Body(job->triangles, b),
                                .margin = job->margin,
+                               .nearest = job->nearest,
                                .neighbours = job->testNeighbours,
                                .flatDiscs = run->flatDiscs && a == b,
-                               // Contacts are made of candidates, whatever their relation.
-                               .findSure = !job->listNeighbours,
                                .threads = job->threads,
                                .reachedA = ReachedOf(sweep, a),
                                .reachedB = ReachedOf(sweep, b),
@@ -185,14 +201,17 @@ static qcStatus FindPairs(Run* run, uint32_t a, uint32_t b)
 
 static qcStatus AddNeighbours(const Run* run, uint32_t body, qcProfile* profile)
 {
-    qcClusters* clusters = &SurfaceAt(run->sweep, qcTriangles_Slot(run->job->triangles, body))->clusters;
+    const qcSurface* surface = SurfaceAt(run->sweep, qcTriangles_Slot(run->job->triangles, body));
     if (run->job->testNeighbours)
         return qc_statusOk;
-    profile->skippedNeighbours += clusters->neighbourCount;
+    profile->skippedNeighbours += surface->clusters.neighbourCount;
     if (!run->job->listNeighbours)
         return qc_statusOk;
-    return qcClusters_AddNeighbours(clusters, qcTriangles_First(run->job->triangles, body),
-                                    &run->job->candidates->neighbourKeys);
+    qcSurfaceNeighboursJob job = {.kernels = run->sweep->kernels,
+                                  .surface = surface,
+                                  .first = qcTriangles_First(run->job->triangles, body),
+                                  .threads = run->job->threads};
+    return qcSurfaceNeighbours_Add(&run->sweep->neighbours, &job, &run->job->candidates->neighbourKeys);
 }
 
 static void CountTriangles(const Run* run, uint32_t body, qcProfile* profile)
@@ -222,6 +241,7 @@ static qcStatus CollectKeys(const qcSweepSurfaces* sweep, qcCandidates* candidat
         if (sink->status != qc_statusOk)
             return qcArray_FailAgain(&sink->keys, "candidate pairs");
         QC_TRY(qcArray_Append(&candidates->keys, &sink->keys, sizeof(uint64_t), "candidate pairs"));
+        QC_TRY(qcArray_Append(&candidates->neighbourKeys, &sink->contactKeys, sizeof(uint64_t), "candidate pairs"));
         QC_TRY(qcArray_Append(&candidates->sure, &sink->sure, sizeof(qcSortItem), "candidate pairs"));
     }
     return qc_statusOk;
@@ -230,7 +250,7 @@ static qcStatus CollectKeys(const qcSweepSurfaces* sweep, qcCandidates* candidat
 qcStatus qcSweepSurfaces_Run(qcSweepSurfaces* sweep, const qcSweepSurfacesJob* job, qcProfile* profile)
 {
     const qcTriangles* t = job->triangles;
-    Run run = {.sweep = sweep, .job = job, .flatDiscs = job->margin == 0.0 && !job->testNeighbours};
+    Run run = {.sweep = sweep, .job = job, .flatDiscs = !job->testNeighbours};
     QC_TRY(EmptySinks(sweep, job->threads));
     QC_TRY(ClearReached(&run));
     for (size_t i = 0; i < job->objects->pairs.count; i++)
@@ -266,9 +286,11 @@ void qcSweepSurfaces_Free(qcSweepSurfaces* sweep)
     for (size_t i = 0; i < sweep->sinks.count; i++)
     {
         qcArray_Free(&QC_AT(qcSurfaceSink, sweep->sinks, i).keys);
+        qcArray_Free(&QC_AT(qcSurfaceSink, sweep->sinks, i).contactKeys);
         qcArray_Free(&QC_AT(qcSurfaceSink, sweep->sinks, i).sure);
     }
     qcSurfacePairs_Free(&sweep->pairs);
+    qcSurfaceNeighbours_Free(&sweep->neighbours);
     qcSurfaceScratch_Free(&sweep->scratch);
     qcArray* arrays[] = {&sweep->surfaces, &sweep->seen, &sweep->sinks, &sweep->reached, &sweep->firstReached};
     for (size_t i = 0; i < sizeof arrays / sizeof arrays[0]; i++)

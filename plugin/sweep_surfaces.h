@@ -3,13 +3,15 @@
 #define QC_PLUGIN_SWEEP_SURFACES_H
 
 #include "candidates.h"
+#include "surface_neighbours.h"
 #include "surface_pairs.h"
 
 /// What one worker found.
 typedef struct qcSurfaceSink
 {
-    qcArray keys; ///< uint64_t: lower rank << 32 | higher rank
-    qcArray sure; ///< of qcSortItem: key and relation, of pairs that need no other test
+    qcArray keys;        ///< uint64_t: lower rank << 32 | higher rank
+    qcArray contactKeys; ///< uint64_t: of those whose relation is known, for contacts
+    qcArray sure;        ///< of qcSortItem: key and relation, of pairs that need no other test
     qcStatus status;
     char apart[64]; ///< keeps two workers off one cache line
 } qcSurfaceSink;
@@ -22,6 +24,7 @@ typedef struct qcSweepSurfaces
     qcArray seen;                    ///< uint32_t, by slot: generation of the body that the last step saw there
     qcSurfaceScratch scratch;
     qcSurfacePairs pairs;
+    qcSurfaceNeighbours neighbours;
     qcArray sinks;            ///< of qcSurfaceSink
     qcArray reached;          ///< uint8_t, by node, of bodies that are not tested with themselves
     qcArray firstReached;     ///< size_t, by body of the step: where its nodes begin, or SIZE_MAX
@@ -33,9 +36,10 @@ typedef struct qcSweepSurfacesJob
     const qcTriangles* triangles;
     const qcObjects* objects;
     const uint8_t* bodies; ///< by body of the step: whether it is asked about. Whoever meets it is too.
-    double margin;
-    bool testNeighbours; ///< triangles of one body that share a vertex are candidates too
-    bool listNeighbours; ///< and otherwise a list of their own
+    double margin;         ///< pairs that are no further apart are candidates
+    double nearest;        ///< pairs that are no further apart are near; no more than the margin
+    bool testNeighbours;   ///< triangles of one body that share a vertex are candidates too
+    bool listNeighbours;   ///< and otherwise a list of their own
     uint32_t threads;
     qcCandidates* candidates; ///< what is found is added there
 } qcSweepSurfacesJob;
@@ -45,8 +49,8 @@ typedef struct qcSweepSurfacesJob
 qcStatus qcSweepSurfaces_Prepare(qcSweepSurfaces* sweep, const qcTriangles* triangles, double margin, uint32_t threads,
                                  uint8_t* wanted);
 
-/// Adds pairs to the keys, the neighbours' keys and, if no neighbours are to be listed, those that are sure: each to
-/// one of them. All bodies that are asked about are prepared.
+/// Adds pairs to the keys, or to those that are sure; where neighbours are listed, pairs whose relation is known are
+/// among these too. All bodies that are asked about are prepared.
 qcStatus qcSweepSurfaces_Run(qcSweepSurfaces* sweep, const qcSweepSurfacesJob* job, qcProfile* profile);
 void qcSweepSurfaces_Free(qcSweepSurfaces* sweep);
 

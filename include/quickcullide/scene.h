@@ -394,7 +394,7 @@ typedef struct qcProfile
     uint64_t skippedSetCandidates; ///< triangle pairs inside one collision-free set
     uint64_t skippedNeighbours;    ///< triangle pairs that share a vertex index
     uint64_t fittedTriangles;      ///< of bodies whose boxes the sweep had to make anew: not of those that didn't move
-    uint64_t flatTriangles;        ///< inside patches that were proven not to meet themselves
+    uint64_t flatTriangles;        ///< inside patches that were proven not to come near themselves
 } qcProfile;
 
 /// Owned by the scene; valid until the next call on this scene that changes it or detects again.
