@@ -235,10 +235,14 @@ void qcBroadphase::destroyProxy(btBroadphaseProxy* proxy, btDispatcher* dispatch
     Proxy* mine = static_cast<Proxy*>(proxy);
     if (mine == nullptr || mine->destroyed)
         return;
-    int before = m_pairCache->getNumOverlappingPairs();
-    // Not later: a ghost-pair callback looks at the object, which its owner is about to delete.
-    m_pairCache->removeOverlappingPairsContainingProxy(mine, dispatcher);
-    m_knownPairCount += m_pairCache->getNumOverlappingPairs() - before;
+    {
+        // A ghost-pair callback may create and move others: their pairs have to wait until the cache is whole again.
+        Walk walk(*this);
+        int before = m_pairCache->getNumOverlappingPairs();
+        // Not later: a ghost-pair callback looks at the object, which its owner is about to delete.
+        m_pairCache->removeOverlappingPairsContainingProxy(mine, dispatcher);
+        m_knownPairCount += m_pairCache->getNumOverlappingPairs() - before;
+    }
     m_destroyCount++;
     if (m_walks == 0)
     {
@@ -264,8 +268,14 @@ void qcBroadphase::setAabb(btBroadphaseProxy* proxy, const btVector3& aabbMin, c
         return;
     }
     // A world sets all boxes in the order in which the objects came, which is that of the list: then the filter can be
-    // looked at here, where the proxy is at hand.
-    if (m_lookedCount < m_proxies.size() && m_proxies[m_lookedCount].proxy == mine)
+    // looked at here, where the proxy is at hand. Who sets them once more may have changed filters in between.
+    bool next = m_lookedCount < m_proxies.size() && m_proxies[m_lookedCount].proxy == mine;
+    if (!next && mine->place < m_lookedCount)
+    {
+        m_lookedCount = 0;
+        next = mine->place == 0;
+    }
+    if (next)
         LookAt(m_proxies[m_lookedCount++]);
     if (Same(aabbMin, mine->m_aabbMin) && Same(aabbMax, mine->m_aabbMax))
         return;

@@ -16,9 +16,12 @@ bool qcBroadphase::Judge(Proxy* a, Proxy* b)
         std::swap(a, b);
     if (!m_pairCache->needsBroadphaseCollision(a, b))
         return false;
-    // The callback may have destroyed one.
+    // The callback may have destroyed one, and may do so now: Bullet's caches ask it once more.
     if (!a->destroyed && !b->destroyed)
         m_pairCache->addOverlappingPair(a, b);
+    for (Proxy* proxy : {a, b})
+        if (proxy->destroyed)
+            m_pairCache->removeOverlappingPairsContainingProxy(proxy, nullptr);
     return true;
 }
 

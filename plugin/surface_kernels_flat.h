@@ -14,29 +14,21 @@
 // a vertex. The normals alone don't do: a spiral ramp faces one way everywhere, and its contour crosses itself.
 // (Volino, Magnenat-Thalmann: Efficient Self-Collision Detection on Smoothly Discretized Surface Animations, 1994.)
 //
-// Reach. Let D be flat as above. Two features of D (vertices, edges, triangles) that have no vertex in common are
-// further apart than r in the image if there every altitude of a triangle is above r, and every vertex of the loop is
-// further than r from each edge of the loop that it is no end of. Take the shortest segment s between them; it may be
-// moved a little, so that it meets no vertex in between and no edge twice. It crosses edges f1, f2, ... Between two of
-// them it is in a triangle, or outside of D. Outside, from one edge of the loop to another: if these have no common
-// vertex, they are further than r apart, since the distance of two edges is that of an end of one from the other. So
-// let each two that follow each other have a common vertex. If one vertex is common to all, it is in the features at
-// both ends of s (a feature's last edge before s leaves its triangles is opposite to it, or has no vertex of it: then
-// that is the case below, with an altitude or the loop's condition between the feature and f1). Otherwise there are
-// three, f1 = (v, p), f2 = (v, q), f3 = (q, t). The part of s from f1 to f3 is no shorter than the least distance of
-// points of f1 and f3 whose segment crosses f2. That is attained where it passes v or q, or at an end of f1 or f3:
-// - from v to f3, from q to f1: an altitude of a triangle; or of the loop's vertex q from the loop's edge f1, where s
-// is
-//   outside between f1 and f2. (Not between f2 and f3 as well: behind f2 is inside.)
-// - from t to f1: if the nearest point is v, the length of an edge, which is at least an altitude. Otherwise the angle
-//   at v between p and t, over f2, is below 90 degrees and at least that between q and t: so the distance is at least
-//   that of t from the line of f2, an altitude (if s is inside there), or t's from f2 (if it is outside: t and f2 are
-//   on the loop, and the nearest point of f2 may be v or q only where the angle is not below 90).
-// - from p to f3: the same with v and q exchanged. Outside between f1 and f2, p may see v q under more than 90 degrees;
-//   then its distance from f3, at least |v q| times the sine of the angle of the triangle at q, is above an altitude.
-// The image along (p, q, 1) is K = sqrt(1 + p^2 + q^2) times as long as what it shows, at most: so r is K times the
-// reach. An altitude is twice the area through the longest edge, normal . d / (K times its length): the kernel asks for
-// normal . d > K^2 reach length. Bounds that hold relatively are 1.001 times as large, which covers their rounding.
+// Reach. Let D be flat as above, and let its image be the one at right angles to d. Two features of D (vertices, edges,
+// triangles) without a common vertex are further than r apart there, and so in space, if each altitude of each
+// triangle's image is above r, and each two edges of the loop without a common vertex are further than r apart. The
+// images of such features don't meet, so their distance is that of a vertex v of one from an edge e of the other, which
+// doesn't end in v. Let x be a point of e, no further than r from v.
+// - Around v its triangles hold all points up to r away, in the angles that they span: the edges opposite to v are
+//   further away. e meets none of them but in such an opposite edge. So x is in no such angle, and v is on the loop.
+// - So the way from v straight to x begins outside of D. Let y be the first point of D on it: on an edge g of the loop,
+//   no further than r from v. g doesn't end in v, as the way leaves the lines of v's own edges at v. If the loop has
+//   more than three vertices, one of v's two edges there has no vertex in common with g: they are further than r apart.
+//   If it has three, D's image is a triangle, and no way leaves it and comes back. A contradiction.
+// With K = |d| = sqrt(1 + p^2 + q^2): along (u, v) things look at most K times as long as at right angles to d, so edges
+// of the loop have to be K r apart there. An altitude at right angles to d is normal . d / K, through the length of an
+// edge, which is no longer there than in space: the kernel asks for normal . d > K r length. Bounds that hold relatively
+// are 1.001 times as large, which covers their rounding.
 //
 // Rounding there. Points are wrong by e, and d = (p, q, 1) with |p|, |q| <= 1 is exact: whatever it is will do. With
 // edges up to m in any coordinate, a triangle's normal is wrong by 8 e m + 8 m^2 2^-24 + 8 e^2, and times d, rounded,
@@ -187,7 +179,7 @@ static bool IsOneSided(const Loop* loop, size_t i, size_t k)
            (beyond[0] > least && beyond[1] > least) || (before[0] > least && before[1] > least);
 }
 
-/// Do edges i and k meet at most where they join, and is no end of one within the reach of the other, but for that?
+/// Do edges i and k meet at most where they join, or are they further apart than the reach?
 static bool AreEdgesApart(const Loop* loop, size_t count, size_t i, size_t k)
 {
     if (k == (i + 1) % count || i == (k + 1) % count)
@@ -197,9 +189,7 @@ static bool AreEdgesApart(const Loop* loop, size_t count, size_t i, size_t k)
         float u = loop->u[first + 1] - loop->u[first], v = loop->v[first + 1] - loop->v[first];
         float nextU = loop->u[first + 2] - loop->u[first + 1], nextV = loop->v[first + 2] - loop->v[first + 1];
         float turn = u * nextV - v * nextU, ahead = u * nextU + v * nextV;
-        float least = LeastAlong(loop, u, v), leastNext = LeastAlong(loop, nextU, nextV);
-        // Ahead, the nearest point is the common one, and edges are longer than the reach (FacesOneWay).
-        return ahead > loop->least || __builtin_fabsf(turn) > (least > leastNext ? least : leastNext);
+        return turn > loop->least || turn < -loop->least || ahead > loop->least;
     }
     return IsOneSided(loop, i, k) || IsOneSided(loop, k, i);
 }
@@ -221,7 +211,7 @@ static bool AreArcsApart(const Loop* loop, size_t count, const Arc* a, const Arc
 }
 
 /// Do all edges of two arcs, the one behind the other, go forward in one direction by more than the reach? Then none
-/// meets another, or comes within the reach of what is no end of it.
+/// meets another, and those that don't follow each other are further apart.
 static bool GoForward(const Loop* loop, const Arc* a, const Arc* b)
 {
     float u = loop->u[b->end] - loop->u[a->first], v = loop->v[b->end] - loop->v[a->first];
@@ -280,10 +270,9 @@ static bool IsSimple(const qcFlatDisc* disc, const Loop* loop)
     return true;
 }
 
-/// Do all triangles face d's way, with altitudes above the reach?
+/// Do all triangles face d's way, with altitudes above the reach? Lengths of edges are wrong by up to 4 e.
 static bool FacesOneWay(const qcFlatDisc* disc, const Loop* loop)
 {
-    float thick = 1.001f * disc->reach * (1.0f + loop->p * loop->p + loop->q * loop->q);
     for (size_t at = 0; at < disc->placeCount; at += QC_LANES)
     {
         size_t count = disc->placeCount - at < QC_LANES ? disc->placeCount - at : QC_LANES;
@@ -308,8 +297,8 @@ static bool FacesOneWay(const qcFlatDisc* disc, const Loop* loop)
         {
             Vectors g = Subtract(e, f);
             Floats longest2 = MostFloats(MostFloats(Dot(e, e), Dot(f, f)), Dot(g, g));
-            Floats more = facing - least - 4.0f * disc->pointError * thick;
-            if (SignBits(~((more > 1e-15f) & (more * more > thick * thick * longest2))) != 0)
+            Floats more = facing - least - 4.0f * disc->pointError * loop->reach;
+            if (SignBits(~((more > 1e-15f) & (more * more > loop->reach * loop->reach * longest2))) != 0)
                 return false;
         }
     }

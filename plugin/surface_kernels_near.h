@@ -4,10 +4,10 @@
 // The shortest of fifteen differences w of points, one of A and one of B, is looked for: between each two edges, and
 // between corners and the insides of faces. However badly it was chosen, it tells two things.
 // - Its points are in A and in B: weights are clamped, or checked, before they are used. So A and B are no further
-// apart
-//   than w is long. Each of its coordinates is wrong by at most 4 e s + 8e-6: corners, relative to the first, are wrong
-//   by 2 e s + 2^-22 each (surface_kernels_filter.h); a dozen roundings of numbers below 8 are the rest, and weights
-//   that add up to a little more than 1. The kernel asks for |w| below 0.9999 m s less twice that, for a margin m.
+//   apart than w is long. Each of its coordinates is wrong by at most 4 e s + 8e-6: corners, relative to the first, are
+//   wrong by 2 e s + 2^-22 each (surface_kernels_filter.h); a dozen roundings of numbers below 8 are the rest, and
+//   weights that add up to a little more than 1. The kernel asks for |w| below 0.9999 m s less twice that, for a margin
+//   m.
 // - It is a direction: where the projections of A and B on it leave a gap, they are apart by the gap over |w|. The
 //   rounding of the gap is that of the filter: |w|_1 (4 e s + 2.9e-6).
 // What is apart and within the margin is near; what is apart by more than the reach is dropped.

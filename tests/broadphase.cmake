@@ -4,10 +4,20 @@ function(qc_test_broadphase component precision)
     return()
   endif()
   qc_test(test_broadphase_${precision} test_broadphase.cpp LIBRARIES quickcullide::${component} qc_oracle)
+  qc_test(test_broadphase_work_${precision} test_broadphase_work.cpp
+          LIBRARIES quickcullide::${component} qc_oracle)
+  qc_test(test_broadphase_callbacks_${precision} test_broadphase_callbacks.cpp
+          LIBRARIES quickcullide::${component} qc_oracle)
   qc_test(test_broadphase_queries_${precision} test_broadphase_queries.cpp
           LIBRARIES quickcullide::${component} qc_oracle)
   qc_test(test_broadphase_world_${precision} test_broadphase_world.cpp
           LIBRARIES quickcullide::${component} qc_oracle)
+  qc_test(test_broadphase_kinds_${precision} test_broadphase_kinds.cpp world_kinds.cpp
+          LIBRARIES quickcullide::${component} qc_oracle)
+  qc_test(test_broadphase_rest_${precision} test_broadphase_rest.cpp world_kinds.cpp
+          LIBRARIES quickcullide::${component} qc_oracle)
+  qc_test(test_broadphase_random_worlds_${precision} test_broadphase_random_worlds.cpp random_worlds.cpp
+          world_kinds.cpp LIBRARIES quickcullide::${component} qc_oracle)
 endfunction()
 
 qc_test_broadphase(bullet float)

@@ -82,9 +82,10 @@ struct qcBroadphaseModel
 
     void Move(size_t i, const btVector3& aabbMin, const btVector3& aabbMax)
     {
-        broadphase.setAabb(proxies[i].proxy, aabbMin, aabbMax, &dispatcher);
+        // First, since a callback may move it once more.
         proxies[i].aabbMin = aabbMin;
         proxies[i].aabbMax = aabbMax;
+        broadphase.setAabb(proxies[i].proxy, aabbMin, aabbMax, &dispatcher);
     }
 
     void Destroy(size_t i)

@@ -6,7 +6,8 @@ qc_packages()
 {
     for group in "$@"; do
         case $group in
-            build) echo build-essential cmake pkg-config libepoxy-dev libbullet-dev libpng-dev libjson-c-dev ;;
+            build) echo build-essential cmake pkg-config libepoxy-dev libbullet-dev libpng-dev libjson-c-dev \
+                voro++-dev libglu1-mesa-dev ;;
             tests) echo check libgmp-dev glmark2-data ;;
             demos) echo ffmpeg ;;
             bench) echo gnuplot-nox glmark2-data ;;
@@ -14,6 +15,8 @@ qc_packages()
             peers) echo libembree-dev libcgal-dev libtbb-dev ;;
             # Software GL, opened at run time: a system that no longer has one of them does without.
             optional) echo libosmesa6 libegl1 libgl1-mesa-dri ;;
+            # A client of libBulletCollision, to be run with qc-preload; without it that test is skipped.
+            clients) echo libdart-dev libdart-collision-bullet-dev ;;
         esac
     done
 }
@@ -36,7 +39,8 @@ qc_known()
     done
 }
 
-# qc_install GROUP...: installs what is missing of the groups, and of the optional packages.
+# qc_install GROUP...: installs what is missing of the groups, and, as far as the system knows them, of the optional
+# packages and of the groups that $qc_wishes names.
 # shellcheck disable=SC2046,SC2086 # Package lists are words.
 qc_install()
 {
@@ -46,7 +50,7 @@ qc_install()
         return 0
     fi
     needed=$(qc_missing "$@")
-    optional=$(qc_known $(qc_missing $(qc_packages optional)))
+    optional=$(qc_known $(qc_missing $(qc_packages optional ${qc_wishes-})))
     if [ -z "$needed$optional" ]; then
         return 0
     fi
@@ -62,7 +66,7 @@ qc_install()
     echo "Installing$needed$optional"
     $as_root apt-get update -q || echo "apt-get update failed: going on with the old package lists" >&2
     # A fresh machine knows them only now.
-    optional=$(qc_known $(qc_missing $(qc_packages optional)))
+    optional=$(qc_known $(qc_missing $(qc_packages optional ${qc_wishes-})))
     $as_root env DEBIAN_FRONTEND=noninteractive apt-get install -y -q --no-install-recommends $needed $optional
 }
 

@@ -1,9 +1,10 @@
 // The pairs of qcBroadphase: after each step the cache holds exactly those that overlap and whose filters agree.
-#include "broadphase_model.h"
+#include "broadphase_moves.h"
 
 #include <cstdlib>
 #include <cstring>
 #include <map>
+#include <unistd.h>
 
 namespace
 {
@@ -47,56 +48,11 @@ struct Ghosts : btOverlappingPairCallback
 struct Life
 {
     uint64_t seed;
-    bool grid = false;    ///< many boxes touch or are flat
-    bool strange = false; ///< planes, NaN, inverted boxes
+    qcBoxKinds kinds;
     bool filters = false; ///< groups and masks change
     bool moody = false;   ///< a filter callback comes, goes, and changes its mind
     bool meddle = false;  ///< the cache is changed by others
 };
-
-void RandomBounds(qcRandom* random, const Life& life, btVector3* aabbMin, btVector3* aabbMax)
-{
-    *aabbMin = life.grid ? qcRandomGridPoint(random, 6) : qcRandomPoint(random, 7);
-    *aabbMax = *aabbMin + (life.grid ? qcRandomGridPoint(random, 2) : qcRandomPoint(random, 2));
-    if (!life.strange)
-        return;
-    const btScalar nan = std::numeric_limits<btScalar>::quiet_NaN();
-    switch (qcRandom_Below(random, 25))
-    {
-        case 0:
-            aabbMin->setValue(-BT_LARGE_FLOAT, -BT_LARGE_FLOAT, -BT_LARGE_FLOAT);
-            aabbMax->setValue(BT_LARGE_FLOAT, BT_LARGE_FLOAT, BT_LARGE_FLOAT);
-            break;
-        case 1: aabbMin->setValue(nan, nan, nan); break;
-        case 2: aabbMax->setY(nan); break;
-        case 3: std::swap(*aabbMin, *aabbMax); break;
-        case 4: aabbMin->setZ(aabbMax->z() + 1); break;
-        case 5: aabbMax->setX(SIMD_INFINITY); break;
-        default: break;
-    }
-}
-
-void MoveOne(qcBroadphaseModel& model, qcRandom* random, const Life& life, size_t i)
-{
-    btVector3 aabbMin = model.proxies[i].aabbMin, aabbMax = model.proxies[i].aabbMax;
-    switch (qcRandom_Below(random, 8))
-    {
-        case 0: RandomBounds(random, life, &aabbMin, &aabbMax); break;
-        case 1: break;                                              // the same again
-        case 2: std::swap(aabbMin, aabbMax); break;                 // inverted, and back
-        case 3: aabbMax = aabbMin + (aabbMax - aabbMin) / 2; break; // smaller, in place
-        default:
-        {
-            btVector3 step = life.grid ? qcRandomGridPoint(random, 2) - btVector3(1, 1, 1)
-                                       : (qcRandomPoint(random, 1) - btVector3(0.5, 0.5, 0.5)) * btScalar(0.3);
-            aabbMin += step;
-            aabbMax += step;
-        }
-    }
-    if (!life.strange && aabbMin.x() > aabbMax.x())
-        std::swap(aabbMin, aabbMax);
-    model.Move(i, aabbMin, aabbMax);
-}
 
 void Meddle(qcBroadphaseModel& model, qcRandom* random)
 {
@@ -130,7 +86,7 @@ size_t LiveThrough(const Life& life, btOverlappingPairCache* given = nullptr, Gh
         for (uint32_t additions = qcRandom_Below(&random, step < 10 ? 20 : 5); additions > 0; additions--)
         {
             btVector3 aabbMin, aabbMax;
-            RandomBounds(&random, life, &aabbMin, &aabbMax);
+            qcRandomBounds(&random, life.kinds, &aabbMin, &aabbMax);
             int group = life.filters ? int(qcRandom_Below(&random, 8)) : 1;
             model.Create(aabbMin, aabbMax, group, life.filters ? int(qcRandom_Below(&random, 8)) : -1);
         }
@@ -142,7 +98,7 @@ size_t LiveThrough(const Life& life, btOverlappingPairCache* given = nullptr, Gh
             if (life.filters && qcRandom_Below(&random, 20) == 0)
                 model.proxies[i].proxy->m_collisionFilterMask = int(qcRandom_Below(&random, 8));
             if (!quiet && (inOrder || qcRandom_Below(&random, 2) == 0))
-                MoveOne(model, &random, life, i);
+                qcMoveOne(model, &random, life.kinds, i);
             if (qcRandom_Below(&random, 50) == 0)
                 model.Destroy(i);
         }
@@ -175,8 +131,8 @@ std::vector<Life> Lives(uint64_t seeds = 1)
         {
             Life life;
             life.seed = seed;
-            life.grid = kinds & 1;
-            life.strange = kinds & 2;
+            life.kinds.grid = kinds & 1;
+            life.kinds.strange = kinds & 2;
             life.filters = kinds & 4;
             life.moody = kinds & 8;
             lives.push_back(life);
@@ -301,91 +257,6 @@ START_TEST(what_moves_first_after_a_step_finds_its_pairs_at_once)
 }
 END_TEST
 
-namespace
-{
-/// Counts what is asked of it.
-struct CountingCache : btHashedOverlappingPairCache
-{
-    int added = 0, removed = 0;
-
-    btBroadphasePair* addOverlappingPair(btBroadphaseProxy* a, btBroadphaseProxy* b) override
-    {
-        added++;
-        return btHashedOverlappingPairCache::addOverlappingPair(a, b);
-    }
-    void* removeOverlappingPair(btBroadphaseProxy* a, btBroadphaseProxy* b, btDispatcher* dispatcher) override
-    {
-        removed++;
-        return btHashedOverlappingPairCache::removeOverlappingPair(a, b, dispatcher);
-    }
-};
-} // namespace
-
-START_TEST(the_cache_is_touched_only_for_pairs_that_begin_and_end)
-{
-    CountingCache cache;
-    qcBroadphaseModel model(&cache);
-    qcRandom random = {8};
-    for (int i = 0; i < 1000; i++)
-    {
-        btVector3 aabbMin = qcRandomPoint(&random, 15);
-        model.Create(aabbMin, aabbMin + btVector3(1, 1, 1));
-    }
-    std::vector<qcIdPair> before;
-    int begun = 0, ended = 0;
-    for (int step = 0; step < 20; step++)
-    {
-        // Asleep at first, as a world does it: each box is set, and is the same.
-        for (size_t i = 0; i < model.proxies.size(); i++)
-        {
-            btVector3 way(0, step < 5 ? btScalar(0) : btScalar(0.01) * btScalar(i % 9), 0);
-            model.Move(i, model.proxies[i].aabbMin + way, model.proxies[i].aabbMax + way);
-        }
-        model.Check();
-        std::vector<qcIdPair> now = qcPairsIn(model.cache), changed;
-        std::set_difference(now.begin(), now.end(), before.begin(), before.end(), std::back_inserter(changed));
-        begun += int(changed.size());
-        changed.clear();
-        std::set_difference(before.begin(), before.end(), now.begin(), now.end(), std::back_inserter(changed));
-        ended += int(changed.size());
-        before = now;
-        // The first eight that move after a step are added at once, and again by the search, unless it removes them.
-        ck_assert_int_ge(cache.added, begun);
-        ck_assert_int_le(cache.added, begun + 8 * 20 * (step + 1));
-        ck_assert_int_ge(cache.removed, ended);
-        ck_assert_int_le(cache.removed - ended, cache.added - begun);
-        if (step == 4)
-            ck_assert_int_eq(cache.removed, 0);
-    }
-    ck_assert_int_gt(ended, 100);
-}
-END_TEST
-
-START_TEST(ten_thousand_sleeping_boxes_cost_no_pair_anything)
-{
-    CountingCache cache;
-    qcBroadphaseModel model(&cache);
-    for (int i = 0; i < 10000; i++)
-    {
-        btVector3 aabbMin(btScalar(i % 100), btScalar(i / 100), 0);
-        model.Create(aabbMin, aabbMin + btVector3(btScalar(1.5), btScalar(0.5), 1));
-    }
-    model.broadphase.calculateOverlappingPairs(&model.dispatcher);
-    int added = cache.added;
-    ck_assert_int_gt(added, 9000);
-    for (int step = 0; step < 3; step++)
-    {
-        for (size_t i = 0; i < model.proxies.size(); i++)
-            model.Move(i, model.proxies[i].aabbMin, model.proxies[i].aabbMax);
-        model.broadphase.calculateOverlappingPairs(&model.dispatcher);
-        ck_assert_int_eq(cache.added, added);
-        ck_assert_int_eq(cache.removed, 0);
-    }
-    // Each by each it would take long: Bullet's cache looks through all pairs.
-    model.proxies.clear();
-}
-END_TEST
-
 START_TEST(a_filter_that_changes_after_the_box_was_set_is_seen_in_the_next_step)
 {
     qcBroadphaseModel model;
@@ -401,6 +272,28 @@ START_TEST(a_filter_that_changes_after_the_box_was_set_is_seen_in_the_next_step)
         for (size_t i = 0; i < 3; i++)
             model.Move(i, btVector3(0, 0, 0), btVector3(1, 1, 1));
         ck_assert_uint_eq(model.Check(), mask == 0 ? 1 : 3);
+    }
+}
+END_TEST
+
+START_TEST(a_filter_that_changes_before_boxes_are_set_once_more_is_seen_at_once)
+{
+    // All are set again, or one of them after the one that changed, as a world does it that leaves out what sleeps.
+    for (size_t first : {size_t(0), size_t(2)})
+    {
+        qcBroadphaseModel model;
+        for (int i = 0; i < 4; i++)
+            model.Create(btVector3(0, 0, 0), btVector3(1, 1, 1));
+        ck_assert_uint_eq(model.Check(), 6);
+        for (int mask : {0, -1})
+        {
+            for (size_t i = 0; i < 4; i++)
+                model.Move(i, btVector3(0, 0, 0), btVector3(1, 1, 1));
+            model.proxies[1].proxy->m_collisionFilterMask = mask;
+            for (size_t i = first; i < 4; i++)
+                model.Move(i, btVector3(0, 0, 0), btVector3(1, 1, 1));
+            ck_assert_uint_eq(model.Check(), mask == 0 ? 3 : 6);
+        }
     }
 }
 END_TEST
@@ -441,13 +334,13 @@ START_TEST(the_same_calls_give_the_same_pairs_in_the_same_order)
             for (int i = 0; i < 10; i++)
             {
                 btVector3 aabbMin, aabbMax;
-                RandomBounds(&random, Life{1}, &aabbMin, &aabbMax);
+                qcRandomBounds(&random, qcBoxKinds(), &aabbMin, &aabbMax);
                 size_t created = model->Create(aabbMin, aabbMax);
                 if (step == 0 && i == 0)
                     ck_assert_int_eq(model->proxies[created].proxy->m_uniqueId, 1);
             }
             for (size_t i = 0; i < model->proxies.size(); i += 2)
-                MoveOne(*model, &random, Life{1}, i);
+                qcMoveOne(*model, &random, qcBoxKinds(), i);
             model->Destroy(qcRandom_Below(&random, uint32_t(model->proxies.size())));
             model->Check();
             const btBroadphasePairArray& pairs = model->cache->getOverlappingPairArray();
@@ -493,84 +386,35 @@ START_TEST(the_broadphase_box_is_the_smallest_around_all)
 }
 END_TEST
 
+START_TEST(statistics_name_the_numbers_of_proxies_and_pairs)
+{
+    qcBroadphaseModel model;
+    for (int i = 0; i < 7; i++)
+        model.Create(btVector3(0, 0, 0), btVector3(1, 1, 1));
+    model.Check();
+    FILE* file = tmpfile();
+    fflush(stdout);
+    const int standardOutput = dup(STDOUT_FILENO);
+    dup2(fileno(file), STDOUT_FILENO);
+    model.broadphase.printStats();
+    fflush(stdout);
+    dup2(standardOutput, STDOUT_FILENO);
+    close(standardOutput);
+    rewind(file);
+    char line[200] = "";
+    ck_assert_ptr_nonnull(fgets(line, sizeof line, file));
+    fclose(file);
+    ck_assert_ptr_nonnull(strstr(line, "7 proxies"));
+    ck_assert_ptr_nonnull(strstr(line, "21 pairs"));
+}
+END_TEST
+
 START_TEST(null_proxies_are_ignored)
 {
     qcBroadphaseModel model;
     model.broadphase.destroyProxy(nullptr, &model.dispatcher);
     model.broadphase.setAabb(nullptr, btVector3(0, 0, 0), btVector3(1, 1, 1), &model.dispatcher);
     ck_assert_uint_eq(model.Check(), 0);
-}
-END_TEST
-
-//  ---- changes from inside ---------------------------------------------------------------------------
-
-namespace
-{
-/// A filter that, once, destroys one of the proxies it is asked about, another one, moves a third and creates a fourth.
-struct Vandal : btOverlapFilterCallback
-{
-    qcBroadphaseModel* model;
-    mutable int countdown = 0;
-
-    bool needBroadphaseCollision(btBroadphaseProxy* a, btBroadphaseProxy*) const override
-    {
-        if (--countdown != 0)
-            return true;
-        for (size_t i = 0; i < model->proxies.size(); i++)
-            if (model->proxies[i].proxy == a)
-            {
-                model->Destroy(i);
-                break;
-            }
-        model->Destroy(model->proxies.size() / 2);
-        model->Move(0, btVector3(2, 2, 2), btVector3(5, 5, 5));
-        model->Create(btVector3(0, 0, 0), btVector3(3, 3, 3));
-        return true;
-    }
-};
-} // namespace
-
-START_TEST(a_filter_may_create_move_and_destroy_proxies)
-{
-    for (int moment = 1; moment < 400; moment += 7)
-        for (int sorted = 0; sorted <= 1; sorted++)
-        {
-            btHashedOverlappingPairCache hashedCache;
-            btSortedOverlappingPairCache sortedCache;
-            qcBroadphaseModel model(sorted ? static_cast<btOverlappingPairCache*>(&sortedCache) : &hashedCache);
-            qcRandom random = {uint64_t(moment)};
-            for (int i = 0; i < 40; i++)
-            {
-                btVector3 aabbMin = qcRandomPoint(&random, 4);
-                model.Create(aabbMin, aabbMin + btVector3(1, 1, 1));
-            }
-            Vandal vandal;
-            vandal.model = &model;
-            model.cache->setOverlapFilterCallback(&vandal);
-            model.Check();
-            for (size_t i = 0; i < model.proxies.size(); i++)
-                MoveOne(model, &random, Life{1}, i);
-            vandal.countdown = moment;
-            model.broadphase.calculateOverlappingPairs(&model.dispatcher);
-            vandal.countdown = 0;
-            // What came and moved meanwhile is seen by the next step; of the rest, no pair that is gone was left over.
-            std::map<int, const qcModelProxy*> alive;
-            for (const qcModelProxy& p : model.proxies)
-                alive[p.proxy->m_uniqueId] = &p;
-            for (const qcIdPair& pair : qcPairsIn(model.cache))
-            {
-                const qcModelProxy *a = alive[pair.first], *b = alive[pair.second];
-                CHECK_QUICKLY(a != nullptr && b != nullptr);
-                CHECK_QUICKLY(TestAabbAgainstAabb2(a->aabbMin, a->aabbMax, b->aabbMin, b->aabbMax) ||
-                              a == &model.proxies[0] || b == &model.proxies[0]);
-            }
-            model.Check();
-            for (size_t i = 0; i < model.proxies.size(); i++)
-                MoveOne(model, &random, Life{1}, i);
-            model.Check();
-            model.cache->setOverlapFilterCallback(nullptr);
-            model.Check();
-        }
 }
 END_TEST
 
@@ -618,7 +462,7 @@ START_TEST(out_of_memory_loses_no_pair_and_is_over_when_there_is_memory_again)
                     trouble = trouble || model.broadphase.getStatus() != qc_statusOk;
                 }
                 for (size_t i = 0; i < model.proxies.size(); i += 2)
-                    MoveOne(model, &random, Life{1}, i);
+                    qcMoveOne(model, &random, qcBoxKinds(), i);
                 model.Check();
                 trouble = trouble || model.broadphase.getStatus() != qc_statusOk;
                 model.Destroy(qcRandom_Below(&random, uint32_t(model.proxies.size())));
@@ -683,10 +527,10 @@ QC_RUN_TESTS("broadphase", the_cache_holds_exactly_the_pairs_that_overlap_and_ag
              a_ghost_pair_callback_is_told_of_each_pair_that_comes_and_goes, a_null_cache_is_left_alone,
              boxes_that_touch_are_a_pair_and_boxes_one_step_of_a_scalar_apart_are_none,
              a_pair_lives_as_long_as_its_boxes_overlap, what_moves_first_after_a_step_finds_its_pairs_at_once,
-             the_cache_is_touched_only_for_pairs_that_begin_and_end, ten_thousand_sleeping_boxes_cost_no_pair_anything,
              a_filter_that_changes_after_the_box_was_set_is_seen_in_the_next_step,
+             a_filter_that_changes_before_boxes_are_set_once_more_is_seen_at_once,
              a_thousand_new_boxes_in_one_place_are_all_pairs, the_same_calls_give_the_same_pairs_in_the_same_order,
-             unique_ids_are_not_used_twice, the_broadphase_box_is_the_smallest_around_all, null_proxies_are_ignored,
-             a_filter_may_create_move_and_destroy_proxies,
+             unique_ids_are_not_used_twice, the_broadphase_box_is_the_smallest_around_all,
+             statistics_name_the_numbers_of_proxies_and_pairs, null_proxies_are_ignored,
              out_of_memory_loses_no_pair_and_is_over_when_there_is_memory_again,
              a_proxy_that_bullet_has_no_memory_for_is_null)

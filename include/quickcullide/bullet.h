@@ -4,6 +4,7 @@
 #define QUICKCULLIDE_BULLET_H
 
 #include "bullet_broadphase.h"
+#include "bullet_mesh.h"
 #include "bullet_soft_body.h"
 #include "bullet_threads.h"
 

@@ -18,7 +18,7 @@
 /// TestAabbAgainstAabb2 says) and whose filters agree. Pairs that no longer do are removed with the dispatcher, which
 /// destroys their algorithms and manifolds. Pairs come in an order that depends on the calls made and on nothing else.
 ///
-/// Filters may change at any time: groups and masks are looked at once in each step, when the box is set or else when
+/// Filters may change at any time: groups and masks are looked at in each step, when the boxes are set or else when
 /// pairs are calculated; what changes between the two is seen in the next step. While there is a filter callback it is
 /// asked about every overlapping pair in each step. A pair cache of your own that overrides needsBroadphaseCollision
 /// without having a filter callback is asked when two begin to overlap, or a group or mask has changed.
@@ -30,8 +30,9 @@
 /// nothing. getStatus tells. (Memory that Bullet's pair cache cannot get is Bullet's affair.)
 ///
 /// Thread-safety: rayTest and aabbTest may run on several threads at once while nothing else does. The rest belongs to
-/// one thread. Callbacks of all kinds may create, move and destroy proxies; what they change while a query or
-/// calculateOverlappingPairs runs takes effect at its end, except that a destroyed proxy is not seen again.
+/// one thread. Callbacks of all kinds may create, move and destroy proxies; what they change while a query,
+/// destroyProxy or calculateOverlappingPairs runs takes effect at its end, except that a destroyed proxy is not seen
+/// again. Only a ghost-pair callback must not destroy any: Bullet's pair caches call it in the midst of a change.
 class QC_API qcBroadphase : public btBroadphaseInterface
 {
   public:

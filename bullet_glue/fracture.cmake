@@ -1,0 +1,28 @@
+# The fracture helper: a library of its own, since nothing else needs voro++ and GLU (of which it takes the tesselator).
+find_path(VORO_INCLUDE_DIR voro++/voro++.hh)
+find_library(VORO_LIBRARY voro++)
+pkg_check_modules(GLU QUIET IMPORTED_TARGET GLOBAL glu)
+
+# qc_add_fracture(name glue): the library quickcullide_NAME over the glue of one precision.
+function(qc_add_fracture name glue)
+  if(NOT TARGET qc_${glue})
+    return()
+  endif()
+  if(NOT VORO_INCLUDE_DIR OR NOT VORO_LIBRARY OR NOT GLU_FOUND)
+    message(STATUS "No voro++ or no GLU: quickcullide::${name} is left out")
+    return()
+  endif()
+  add_library(qc_${name} fracture.cpp fracture_clip.cpp)
+  add_library(quickcullide::${name} ALIAS qc_${name})
+  set_target_properties(qc_${name} PROPERTIES
+    OUTPUT_NAME quickcullide_${name} EXPORT_NAME ${name} INSTALL_RPATH "$ORIGIN"
+    VERSION ${PROJECT_VERSION} SOVERSION ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR})
+  target_include_directories(qc_${name} SYSTEM PRIVATE ${VORO_INCLUDE_DIR})
+  target_link_libraries(qc_${name} PUBLIC quickcullide::${glue} PRIVATE ${VORO_LIBRARY} PkgConfig::GLU)
+  install(TARGETS qc_${name} EXPORT quickcullide_${name})
+  install(EXPORT quickcullide_${name} NAMESPACE quickcullide:: DESTINATION ${QC_PACKAGE_DIR}
+          FILE quickcullide_${name}Targets.cmake)
+endfunction()
+
+qc_add_fracture(fracture bullet)
+qc_add_fracture(fracture_double bullet_double)

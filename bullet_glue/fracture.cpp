@@ -1,0 +1,331 @@
+// Voronoi cells by voro++ (Rycroft: Voro++: a three-dimensional Voronoi cell library in C++, 2009), which tells the
+// neighbours of each; a cell is what is left of the mesh when the bisector with each neighbour has cut it.
+#include "quickcullide/bullet_fracture.h"
+
+#include "fracture_clip.h"
+
+#include <BulletDynamics/Dynamics/btRigidBody.h>
+#include <voro++/voro++.hh>
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+namespace
+{
+constexpr double s_leastShare = 1e-9; ///< of the mesh's volume, that a piece has
+
+qcClipPoint PointOf(const btVector3& v)
+{
+    return {double(v.x()), double(v.y()), double(v.z())};
+}
+
+bool IsFinite(const btVector3& v)
+{
+    return std::isfinite(double(v.x())) && std::isfinite(double(v.y())) && std::isfinite(double(v.z()));
+}
+
+double Dot(const qcClipPoint& a, const qcClipPoint& b)
+{
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+qcFracture Fail(const std::string& message)
+{
+    qcFracture failed;
+    failed.status = qc_statusBadInput;
+    failed.message = "qcFracture_Split: " + message;
+    return failed;
+}
+
+//  ---- input -----------------------------------------------------------------------------------------
+
+/// What is wrong with it, or nothing.
+std::string FindFault(const qcFractureDef& def)
+{
+    if (def.indices.empty() || def.indices.size() % 3 != 0)
+        return std::to_string(def.indices.size()) + " indices: there must be three a triangle, and a triangle";
+    for (size_t i = 0; i < def.indices.size(); i++)
+        if (def.indices[i] >= def.vertices.size())
+            return "index " + std::to_string(i) + " is " + std::to_string(def.indices[i]) + " of " +
+                   std::to_string(def.vertices.size()) + " vertices";
+    for (size_t i = 0; i < def.vertices.size(); i++)
+        if (!IsFinite(def.vertices[i]))
+            return "vertex " + std::to_string(i) + " is not finite";
+    if (def.sites.empty())
+        return "there is no site";
+    for (size_t i = 0; i < def.sites.size(); i++)
+        if (!IsFinite(def.sites[i]))
+            return "site " + std::to_string(i) + " is not finite";
+    std::vector<std::pair<qcClipPoint, size_t>> sites;
+    for (size_t i = 0; i < def.sites.size(); i++)
+        sites.emplace_back(PointOf(def.sites[i]), i);
+    std::sort(sites.begin(), sites.end());
+    for (size_t i = 1; i < sites.size(); i++)
+        if (sites[i].first == sites[i - 1].first)
+            return "sites " + std::to_string(sites[i - 1].second) + " and " + std::to_string(sites[i].second) +
+                   " are at the same place";
+    return "";
+}
+
+qcClipMesh MeshOf(const qcFractureDef& def)
+{
+    qcClipMesh mesh;
+    for (const btVector3& vertex : def.vertices)
+        mesh.points.push_back(PointOf(vertex));
+    for (size_t i = 0; i < def.indices.size(); i += 3)
+        mesh.triangles.push_back({{def.indices[i], def.indices[i + 1], def.indices[i + 2]}, false});
+    return mesh;
+}
+
+//  ---- cells -----------------------------------------------------------------------------------------
+
+/// The plane in the middle of two sites; what is outside is nearer to the second. With the sites exchanged it is the
+/// same plane with other signs.
+qcClipPlane BisectorOf(const qcClipPoint& a, const qcClipPoint& b)
+{
+    qcClipPlane plane;
+    double length = 0;
+    for (size_t i = 0; i < 3; i++)
+        length += (b[i] - a[i]) * (b[i] - a[i]);
+    length = std::sqrt(length);
+    qcClipPoint middle;
+    for (size_t i = 0; i < 3; i++)
+    {
+        plane.normal[i] = (b[i] - a[i]) / length;
+        middle[i] = (a[i] + b[i]) / 2;
+    }
+    plane.distance = Dot(plane.normal, middle);
+    return plane;
+}
+
+/// Of each cell the sites of its neighbours, nearest first.
+std::vector<std::vector<int>> FindNeighbours(const qcClipMesh& mesh, const std::vector<qcClipPoint>& sites)
+{
+    double lower[3], upper[3];
+    for (size_t i = 0; i < 3; i++)
+    {
+        lower[i] = upper[i] = sites[0][i];
+        for (const std::vector<qcClipPoint>* points : {&mesh.points, &sites})
+            for (const qcClipPoint& p : *points)
+            {
+                lower[i] = std::min(lower[i], p[i]);
+                upper[i] = std::max(upper[i], p[i]);
+            }
+        double room = (upper[i] - lower[i]) / 16 + 1e-30;
+        lower[i] -= room;
+        upper[i] += room;
+    }
+    // About five sites a block, as the manual advises.
+    int blocks = std::max(1, int(std::cbrt(double(sites.size()) / 5)));
+    voro::container container(lower[0], upper[0], lower[1], upper[1], lower[2], upper[2], blocks, blocks, blocks, false,
+                              false, false, 8);
+    for (size_t i = 0; i < sites.size(); i++)
+        container.put(int(i), sites[i][0], sites[i][1], sites[i][2]);
+    std::vector<std::vector<int>> neighbours(sites.size());
+    voro::voronoicell_neighbor cell;
+    voro::c_loop_all loop(container);
+    if (loop.start())
+        do
+        {
+            size_t site = size_t(loop.pid());
+            if (!container.compute_cell(cell, loop))
+                continue;
+            std::vector<int> found;
+            cell.neighbors(found);
+            for (int other : found)
+                if (other >= 0) // the others are walls
+                    neighbours[site].push_back(other);
+            auto distance2 = [&](int other)
+            {
+                qcClipPoint d;
+                for (size_t i = 0; i < 3; i++)
+                    d[i] = sites[size_t(other)][i] - sites[site][i];
+                return Dot(d, d);
+            };
+            std::sort(neighbours[site].begin(), neighbours[site].end(),
+                      [&](int a, int b) { return std::make_pair(distance2(a), a) < std::make_pair(distance2(b), b); });
+        } while (loop.inc());
+    return neighbours;
+}
+
+//  ---- pieces ----------------------------------------------------------------------------------------
+
+/// What is connected over vertices, one after another.
+std::vector<qcClipMesh> SplitParts(const qcClipMesh& mesh)
+{
+    std::vector<uint32_t> root(mesh.points.size());
+    std::iota(root.begin(), root.end(), 0u);
+    auto find = [&](uint32_t v)
+    {
+        while (root[v] != v)
+            v = root[v] = root[root[v]];
+        return v;
+    };
+    for (const qcClipTriangle& triangle : mesh.triangles)
+        for (size_t c = 1; c < 3; c++)
+            root[find(triangle.corner[c])] = find(triangle.corner[0]);
+    std::vector<qcClipMesh> parts;
+    std::vector<size_t> partOf(mesh.points.size(), SIZE_MAX);
+    for (const qcClipTriangle& triangle : mesh.triangles)
+    {
+        size_t& part = partOf[find(triangle.corner[0])];
+        if (part == SIZE_MAX)
+        {
+            part = parts.size();
+            parts.emplace_back();
+        }
+        parts[part].triangles.push_back(triangle);
+    }
+    for (qcClipMesh& part : parts)
+    {
+        part.points = mesh.points;
+        qcClipMesh_Weld(&part);
+    }
+    return parts;
+}
+
+/// A hollow in a piece is a part of its own, inside out: it goes to the part around it, the first of those whose box
+/// holds it.
+void JoinHollows(std::vector<qcClipMesh>* parts)
+{
+    auto holds = [](const qcClipMesh& outer, const qcClipMesh& inner)
+    {
+        for (size_t axis = 0; axis < 3; axis++)
+        {
+            auto less = [axis](const qcClipPoint& a, const qcClipPoint& b) { return a[axis] < b[axis]; };
+            auto o = std::minmax_element(outer.points.begin(), outer.points.end(), less);
+            auto i = std::minmax_element(inner.points.begin(), inner.points.end(), less);
+            if ((*o.first)[axis] > (*i.first)[axis] || (*o.second)[axis] < (*i.second)[axis])
+                return false;
+        }
+        return true;
+    };
+    for (size_t i = 0; i < parts->size(); i++)
+    {
+        qcClipPoint first;
+        if (qcClipMesh_Measure((*parts)[i], &first) >= 0)
+            continue;
+        for (size_t k = 0; k < parts->size(); k++)
+        {
+            qcClipMesh &outer = (*parts)[k], &inner = (*parts)[i];
+            if (k == i || qcClipMesh_Measure(outer, &first) <= 0 || !holds(outer, inner))
+                continue;
+            uint32_t offset = uint32_t(outer.points.size());
+            outer.points.insert(outer.points.end(), inner.points.begin(), inner.points.end());
+            for (qcClipTriangle triangle : inner.triangles)
+            {
+                for (uint32_t& corner : triangle.corner)
+                    corner += offset;
+                outer.triangles.push_back(triangle);
+            }
+            inner = qcClipMesh();
+            break;
+        }
+    }
+}
+
+void AddPiece(qcClipMesh& part, uint32_t site, qcFracture* fracture)
+{
+    qcClipPoint first;
+    double volume = qcClipMesh_Measure(part, &first);
+    if (!(volume > s_leastShare * double(fracture->volume)))
+    {
+        fracture->lostVolume += btScalar(std::fabs(volume));
+        return;
+    }
+    qcPiece piece;
+    piece.site = site;
+    piece.volume = btScalar(volume);
+    piece.center = btVector3(btScalar(first[0] / volume), btScalar(first[1] / volume), btScalar(first[2] / volume));
+    for (const qcClipPoint& p : part.points)
+        piece.vertices.emplace_back(btScalar(p[0] - double(piece.center.x())),
+                                    btScalar(p[1] - double(piece.center.y())),
+                                    btScalar(p[2] - double(piece.center.z())));
+    std::stable_partition(part.triangles.begin(), part.triangles.end(),
+                          [](const qcClipTriangle& t) { return !t.isCut; });
+    for (const qcClipTriangle& triangle : part.triangles)
+    {
+        piece.firstCutTriangle += !triangle.isCut;
+        piece.indices.insert(piece.indices.end(), triangle.corner.begin(), triangle.corner.end());
+    }
+    fracture->pieces.push_back(std::move(piece));
+}
+
+double Random(uint64_t* state)
+{
+    // splitmix64 (Steele, Lea, Flood: Fast splittable pseudorandom number generators, 2014).
+    uint64_t z = *state += 0x9e3779b97f4a7c15u;
+    z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
+    z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
+    return double((z ^ (z >> 31)) >> 11) * 0x1p-53;
+}
+} // namespace
+
+qcFracture qcFracture_Split(const qcFractureDef& def)
+{
+    std::string fault = FindFault(def);
+    if (!fault.empty())
+        return Fail(fault);
+    qcClipMesh mesh = MeshOf(def);
+    qcClipMesh_Weld(&mesh);
+    size_t open = qcClipMesh_FindOpenTriangle(mesh);
+    if (open < mesh.triangles.size())
+    {
+        const qcClipPoint& p = mesh.points[mesh.triangles[open].corner[0]];
+        return Fail("the mesh is not closed: of the triangle at " + std::to_string(p[0]) + ", " + std::to_string(p[1]) +
+                    ", " + std::to_string(p[2]) + " an edge is not passed as often one way as the other");
+    }
+    qcFracture fracture;
+    qcClipPoint first;
+    fracture.volume = btScalar(qcClipMesh_Measure(mesh, &first));
+    if (!(fracture.volume > 0))
+        return Fail("the volume is not positive: triangles must be counterclockwise as seen from outside");
+    std::vector<qcClipPoint> sites;
+    for (const btVector3& site : def.sites)
+        sites.push_back(PointOf(site));
+    std::vector<std::vector<int>> neighbours = FindNeighbours(mesh, sites);
+    for (size_t site = 0; site < sites.size(); site++)
+    {
+        qcClipMesh cell = mesh;
+        for (int other : neighbours[site])
+            qcClipMesh_Cut(&cell, BisectorOf(sites[site], sites[size_t(other)]));
+        std::vector<qcClipMesh> parts = SplitParts(cell);
+        JoinHollows(&parts);
+        for (qcClipMesh& part : parts)
+            if (!part.triangles.empty())
+                AddPiece(part, uint32_t(site), &fracture);
+    }
+    return fracture;
+}
+
+std::vector<btVector3> qcScatterSites(const btVector3& lower, const btVector3& upper, uint32_t count, uint64_t seed,
+                                      const btVector3* impact)
+{
+    std::vector<btVector3> sites;
+    for (uint32_t i = 0; i < count; i++)
+    {
+        btVector3 site;
+        for (int axis = 0; axis < 3; axis++)
+            site[axis] = lower[axis] + btScalar(Random(&seed)) * (upper[axis] - lower[axis]);
+        site.setW(0);
+        // Towards the point by a random share: densities fall as the square of the distance.
+        sites.push_back(impact != nullptr ? impact->lerp(site, btScalar(Random(&seed))) : site);
+    }
+    return sites;
+}
+
+qcPieceMotion qcMotionOfPiece(const btRigidBody& body, const qcFracture& fracture, const qcPiece& piece)
+{
+    btScalar total = 0;
+    for (const qcPiece& other : fracture.pieces)
+        total += other.volume;
+    qcPieceMotion motion;
+    const btTransform& transform = body.getWorldTransform();
+    btVector3 arm = transform.getBasis() * piece.center;
+    motion.mass = body.getInvMass() > 0 ? piece.volume / total / body.getInvMass() : btScalar(0);
+    motion.transform = btTransform(transform.getBasis(), transform.getOrigin() + arm);
+    motion.linearVelocity = body.getLinearVelocity() + body.getAngularVelocity().cross(arm);
+    motion.angularVelocity = body.getAngularVelocity();
+    return motion;
+}

@@ -1,0 +1,291 @@
+// The face that closes a cut is bounded by the edges that have lost their other triangle: these are found by index, so
+// that it closes whatever rounding did to the points. What the tesselator leaves open (loops without area, or that
+// cross themselves) is closed by fans. It is triangulated by GLU's tesselator (it needs no GL context), which takes
+// holes and islands alike.
+#include "fracture_clip.h"
+
+#include <GL/glu.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <unordered_map>
+
+namespace
+{
+uint64_t EdgeKey(uint32_t a, uint32_t b)
+{
+    return uint64_t(std::min(a, b)) << 32 | std::max(a, b);
+}
+
+double SideOf(const qcClipPlane& plane, const qcClipPoint& p)
+{
+    return plane.normal[0] * p[0] + plane.normal[1] * p[1] + plane.normal[2] * p[2] - plane.distance;
+}
+
+/// Edges by their key: how much more often they are passed from the lower index to the higher one.
+std::unordered_map<uint64_t, int> CountEdges(const qcClipMesh& mesh, const std::vector<uint8_t>* counts)
+{
+    std::unordered_map<uint64_t, int> edges;
+    for (const qcClipTriangle& triangle : mesh.triangles)
+        for (int c = 0; c < 3; c++)
+        {
+            uint32_t a = triangle.corner[size_t(c)], b = triangle.corner[size_t(c + 1) % 3];
+            if (counts == nullptr || ((*counts)[a] && (*counts)[b]))
+                edges[EdgeKey(a, b)] += a < b ? 1 : a > b ? -1 : 0;
+        }
+    return edges;
+}
+
+//  ---- the cut ---------------------------------------------------------------------------------------
+
+struct Cutter
+{
+    qcClipMesh* mesh;
+    std::vector<double> side; ///< of points; 0: of those that were made
+    std::vector<qcClipTriangle> kept;
+    std::unordered_map<uint64_t, uint32_t> crossings;
+
+    bool IsOutside(uint32_t point) const
+    {
+        return side[point] > 0;
+    }
+
+    /// Where an edge meets the plane. Always from the lower index on: both triangles get one point.
+    uint32_t Crossing(uint32_t a, uint32_t b)
+    {
+        auto found = crossings.try_emplace(EdgeKey(a, b), uint32_t(mesh->points.size()));
+        if (!found.second)
+            return found.first->second;
+        uint32_t low = std::min(a, b), high = std::max(a, b);
+        double t = side[low] / (side[low] - side[high]);
+        qcClipPoint p;
+        for (size_t i = 0; i < 3; i++)
+            p[i] = mesh->points[low][i] + t * (mesh->points[high][i] - mesh->points[low][i]);
+        mesh->points.push_back(p);
+        side.push_back(0);
+        return found.first->second;
+    }
+
+    void Take(const qcClipTriangle& triangle)
+    {
+        const std::array<uint32_t, 3>& v = triangle.corner;
+        int outside = IsOutside(v[0]) + IsOutside(v[1]) + IsOutside(v[2]);
+        if (outside == 0)
+            kept.push_back(triangle);
+        if (outside == 0 || outside == 3)
+            return;
+        // From the corner that is alone on its side.
+        size_t first = 0;
+        while (IsOutside(v[first]) != (outside == 1))
+            first++;
+        uint32_t a = v[first], b = v[(first + 1) % 3], c = v[(first + 2) % 3];
+        uint32_t ab = Crossing(a, b), ca = Crossing(c, a);
+        if (outside == 2)
+        {
+            kept.push_back({{a, ab, ca}, triangle.isCut});
+            return;
+        }
+        kept.push_back({{ab, b, c}, triangle.isCut});
+        kept.push_back({{ab, c, ca}, triangle.isCut});
+    }
+};
+
+//  ---- the face --------------------------------------------------------------------------------------
+
+/// Loops of edges that are passed too often: the other way round they bound the face.
+std::vector<std::vector<uint32_t>> FindLoops(const qcClipMesh& mesh, const std::vector<uint8_t>& onPlane)
+{
+    std::multimap<uint32_t, uint32_t> next;
+    for (const auto& edge : CountEdges(mesh, &onPlane))
+    {
+        uint32_t low = uint32_t(edge.first >> 32), high = uint32_t(edge.first);
+        for (int k = 0; k < std::abs(edge.second); k++)
+            next.emplace(edge.second > 0 ? high : low, edge.second > 0 ? low : high);
+    }
+    std::vector<std::vector<uint32_t>> loops;
+    while (!next.empty())
+    {
+        std::vector<uint32_t> loop;
+        for (auto edge = next.begin(); edge != next.end(); edge = next.find(loop.back()))
+        {
+            if (loop.empty())
+                loop.push_back(edge->first);
+            loop.push_back(edge->second);
+            next.erase(edge);
+        }
+        // Its first vertex again: each is as often begun as ended.
+        loop.pop_back();
+        if (loop.size() >= 3)
+            loops.push_back(std::move(loop));
+    }
+    return loops;
+}
+
+struct Face
+{
+    qcClipMesh* mesh;
+    std::vector<uint32_t> corners;
+    bool failed = false;
+};
+
+void* DataOf(uint32_t point)
+{
+    return reinterpret_cast<void*>(uintptr_t(point) + 1);
+}
+
+uint32_t PointOf(const void* data)
+{
+    return uint32_t(reinterpret_cast<uintptr_t>(data) - 1);
+}
+
+void APIENTRY OnVertex(void* data, void* face)
+{
+    static_cast<Face*>(face)->corners.push_back(PointOf(data));
+}
+
+void APIENTRY OnEdge(GLboolean, void*)
+{
+    // That it is there makes the tesselator give single triangles.
+}
+
+void APIENTRY OnError(GLenum, void* face)
+{
+    static_cast<Face*>(face)->failed = true;
+}
+
+/// Where edges of the loops cross or touch.
+void APIENTRY OnCombine(GLdouble position[3], void* data[4], GLfloat[4], void** out, void* context)
+{
+    Face* face = static_cast<Face*>(context);
+    qcClipPoint p = {position[0], position[1], position[2]};
+    for (int i = 0; i < 4; i++)
+        if (data[i] != nullptr && face->mesh->points[PointOf(data[i])] == p)
+        {
+            *out = data[i];
+            return;
+        }
+    face->mesh->points.push_back(p);
+    *out = DataOf(uint32_t(face->mesh->points.size() - 1));
+}
+
+template <typename Function> void SetCallback(GLUtesselator* tesselator, GLenum which, Function function)
+{
+    gluTessCallback(tesselator, which, reinterpret_cast<void(APIENTRY*)()>(function));
+}
+
+void AddFace(qcClipMesh* mesh, const qcClipPlane& plane, const std::vector<std::vector<uint32_t>>& loops)
+{
+    GLUtesselator* tesselator = loops.empty() ? nullptr : gluNewTess();
+    if (tesselator == nullptr)
+        return;
+    Face face{mesh, {}, false};
+    SetCallback(tesselator, GLU_TESS_VERTEX_DATA, OnVertex);
+    SetCallback(tesselator, GLU_TESS_EDGE_FLAG_DATA, OnEdge);
+    SetCallback(tesselator, GLU_TESS_ERROR_DATA, OnError);
+    SetCallback(tesselator, GLU_TESS_COMBINE_DATA, OnCombine);
+    gluTessProperty(tesselator, GLU_TESS_WINDING_RULE, GLU_TESS_WINDING_POSITIVE);
+    gluTessNormal(tesselator, plane.normal[0], plane.normal[1], plane.normal[2]);
+    gluTessBeginPolygon(tesselator, &face);
+    for (const std::vector<uint32_t>& loop : loops)
+    {
+        gluTessBeginContour(tesselator);
+        for (uint32_t point : loop)
+        {
+            GLdouble position[3] = {mesh->points[point][0], mesh->points[point][1], mesh->points[point][2]};
+            gluTessVertex(tesselator, position, DataOf(point));
+        }
+        gluTessEndContour(tesselator);
+    }
+    gluTessEndPolygon(tesselator);
+    gluDeleteTess(tesselator);
+    for (size_t i = 0; i + 2 < face.corners.size() && !face.failed; i += 3)
+        mesh->triangles.push_back({{face.corners[i], face.corners[i + 1], face.corners[i + 2]}, true});
+}
+
+/// Closed whatever the loops look like, with the right signed volume.
+void AddFans(qcClipMesh* mesh, const std::vector<std::vector<uint32_t>>& loops)
+{
+    for (const std::vector<uint32_t>& loop : loops)
+        for (size_t i = 2; i < loop.size(); i++)
+            mesh->triangles.push_back({{loop[0], loop[i - 1], loop[i]}, true});
+}
+} // namespace
+
+void qcClipMesh_Weld(qcClipMesh* mesh)
+{
+    std::map<qcClipPoint, uint32_t> places;
+    std::vector<qcClipPoint> points;
+    for (qcClipTriangle& triangle : mesh->triangles)
+        for (uint32_t& corner : triangle.corner)
+        {
+            auto found = places.try_emplace(mesh->points[corner], uint32_t(points.size()));
+            if (found.second)
+                points.push_back(mesh->points[corner]);
+            corner = found.first->second;
+        }
+    mesh->points = std::move(points);
+    auto isNothing = [](const qcClipTriangle& t)
+    { return t.corner[0] == t.corner[1] || t.corner[1] == t.corner[2] || t.corner[2] == t.corner[0]; };
+    mesh->triangles.erase(std::remove_if(mesh->triangles.begin(), mesh->triangles.end(), isNothing),
+                          mesh->triangles.end());
+}
+
+size_t qcClipMesh_FindOpenTriangle(const qcClipMesh& mesh)
+{
+    std::unordered_map<uint64_t, int> edges = CountEdges(mesh, nullptr);
+    for (size_t i = 0; i < mesh.triangles.size(); i++)
+        for (size_t c = 0; c < 3; c++)
+            if (edges[EdgeKey(mesh.triangles[i].corner[c], mesh.triangles[i].corner[(c + 1) % 3])] != 0)
+                return i;
+    return mesh.triangles.size();
+}
+
+double qcClipMesh_Measure(const qcClipMesh& mesh, qcClipPoint* first)
+{
+    double volume = 0;
+    *first = {0, 0, 0};
+    if (mesh.points.empty())
+        return 0;
+    // Tetrahedra from a point of the mesh: from far away they would cancel.
+    const qcClipPoint& from = mesh.points[0];
+    for (const qcClipTriangle& triangle : mesh.triangles)
+    {
+        qcClipPoint e[3];
+        for (size_t c = 0; c < 3; c++)
+            for (size_t i = 0; i < 3; i++)
+                e[c][i] = mesh.points[triangle.corner[c]][i] - from[i];
+        double six = e[0][0] * (e[1][1] * e[2][2] - e[1][2] * e[2][1]) +
+                     e[0][1] * (e[1][2] * e[2][0] - e[1][0] * e[2][2]) +
+                     e[0][2] * (e[1][0] * e[2][1] - e[1][1] * e[2][0]);
+        volume += six / 6;
+        for (size_t i = 0; i < 3; i++)
+            (*first)[i] += six / 24 * (e[0][i] + e[1][i] + e[2][i]);
+    }
+    for (size_t i = 0; i < 3; i++)
+        (*first)[i] += volume * from[i];
+    return volume;
+}
+
+void qcClipMesh_Cut(qcClipMesh* mesh, const qcClipPlane& plane)
+{
+    Cutter cutter{mesh, {}, {}, {}};
+    bool anyOutside = false;
+    for (const qcClipPoint& point : mesh->points)
+    {
+        cutter.side.push_back(SideOf(plane, point));
+        anyOutside = anyOutside || cutter.side.back() > 0;
+    }
+    if (!anyOutside)
+        return;
+    for (const qcClipTriangle& triangle : mesh->triangles)
+        cutter.Take(triangle);
+    mesh->triangles = std::move(cutter.kept);
+    std::vector<uint8_t> onPlane;
+    for (double side : cutter.side)
+        onPlane.push_back(side == 0);
+    AddFace(mesh, plane, FindLoops(*mesh, onPlane));
+    onPlane.resize(mesh->points.size(), true);
+    AddFans(mesh, FindLoops(*mesh, onPlane));
+    qcClipMesh_Weld(mesh);
+}

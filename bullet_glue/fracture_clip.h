@@ -1,0 +1,44 @@
+// Cuts closed meshes by planes and closes them again.
+#ifndef QC_BULLET_GLUE_FRACTURE_CLIP_H
+#define QC_BULLET_GLUE_FRACTURE_CLIP_H
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+using qcClipPoint = std::array<double, 3>;
+
+struct qcClipTriangle
+{
+    std::array<uint32_t, 3> corner;
+    bool isCut; ///< lies in a plane that the mesh was cut by
+};
+
+struct qcClipMesh
+{
+    std::vector<qcClipPoint> points;
+    std::vector<qcClipTriangle> triangles;
+};
+
+/// What is outside has normal . x > distance.
+struct qcClipPlane
+{
+    qcClipPoint normal;
+    double distance;
+};
+
+/// Vertices at the same position become one, those that no triangle has are dropped, and triangles that have one twice.
+void qcClipMesh_Weld(qcClipMesh* mesh);
+
+/// A triangle with an edge that is passed more often one way than the other, or the number of triangles.
+size_t qcClipMesh_FindOpenTriangle(const qcClipMesh& mesh);
+
+/// Volume, and the integral of positions over it.
+double qcClipMesh_Measure(const qcClipMesh& mesh, qcClipPoint* first);
+
+/// Takes away what is outside of the plane, and puts a face there. Points where the plane cuts an edge are the same for
+/// the plane and for its mirror image (the same numbers with other signs), bit by bit.
+void qcClipMesh_Cut(qcClipMesh* mesh, const qcClipPlane& plane);
+
+#endif

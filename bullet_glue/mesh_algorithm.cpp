@@ -1,0 +1,229 @@
+// From contact points to Bullet's manifolds.
+//
+// Points are found anew in each step, so nothing old is kept but impulses: a point of the manifold that has no
+// successor is removed, the others are replaced by addContactPoint, which hands the impulses of the nearest one on.
+#include "mesh_algorithm.h"
+
+#include "mesh_points.h"
+
+#include <BulletCollision/CollisionDispatch/btCollisionObjectWrapper.h>
+#include <BulletCollision/CollisionDispatch/btManifoldResult.h>
+#include <BulletCollision/CollisionShapes/btStaticPlaneShape.h>
+
+namespace
+{
+/// The manifold's points seen from the body whose frame it compares them in.
+struct Local
+{
+    btVector3 at[4];
+    int count;
+};
+
+Local LocalPoints(const qcPointGroup& group, const btTransform& bodyA)
+{
+    Local local;
+    local.count = group.count;
+    for (int i = 0; i < group.count; i++)
+        local.at[i] = bodyA.invXform(group.points[i]->onB + group.points[i]->normal * group.points[i]->distance);
+    return local;
+}
+
+/// How many points of a manifold have a successor in the group.
+int CountSuccessors(const btPersistentManifold& manifold, const Local& local)
+{
+    int count = 0;
+    for (int i = 0; i < local.count; i++)
+    {
+        btManifoldPoint probe;
+        probe.m_localPointA = local.at[i];
+        count += manifold.getCacheEntry(probe) >= 0;
+    }
+    return count;
+}
+
+void RemoveWithoutSuccessor(btPersistentManifold* manifold, const Local& local)
+{
+    bool kept[MANIFOLD_CACHE_SIZE] = {};
+    for (int i = 0; i < local.count; i++)
+    {
+        btManifoldPoint probe;
+        probe.m_localPointA = local.at[i];
+        int entry = manifold->getCacheEntry(probe);
+        if (entry >= 0)
+            kept[entry] = true;
+    }
+    for (int i = manifold->getNumContacts() - 1; i >= 0; i--)
+        if (!kept[i])
+            manifold->removeContactPoint(i);
+}
+
+void Report(const qcMeshPoint& point, const btCollisionObjectWrapper& body0, btManifoldResult* result)
+{
+    // The result may have its bodies the other way around, and wants to know the triangles of its own.
+    bool swapped = result->getBody0Internal() != body0.getCollisionObject();
+    const qcTriangleSource &first = swapped ? point.sourceB : point.sourceA,
+                           &second = swapped ? point.sourceA : point.sourceB;
+    result->setShapeIdentifiersA(first.part, first.index);
+    result->setShapeIdentifiersB(second.part, second.index);
+    result->addContactPoint(point.normal, point.onB, point.distance);
+}
+
+qcPlacedMesh PlacedMesh(const btCollisionObjectWrapper& body)
+{
+    return {body.getCollisionObject(), body.getCollisionShape(), body.getWorldTransform()};
+}
+} // namespace
+
+qcPointsAlgorithm::qcPointsAlgorithm(const btCollisionAlgorithmConstructionInfo& info, qcMeshBatch* batch, bool query)
+    : btCollisionAlgorithm(info), m_batch(batch), m_query(query), m_shared(info.m_manifold != nullptr)
+{
+    m_manifolds[0] = info.m_manifold;
+}
+
+qcPointsAlgorithm::~qcPointsAlgorithm()
+{
+    for (int i = 0; i < s_groups && !m_shared; i++)
+        if (m_manifolds[i] != nullptr)
+            m_dispatcher->releaseManifold(m_manifolds[i]);
+}
+
+btPersistentManifold* qcPointsAlgorithm::Manifold(int i, const btCollisionObjectWrapper& body0,
+                                                  const btCollisionObjectWrapper& body1)
+{
+    if (m_manifolds[i] == nullptr)
+        m_manifolds[i] = m_dispatcher->getNewManifold(body0.getCollisionObject(), body1.getCollisionObject());
+    return m_manifolds[i];
+}
+
+void qcPointsAlgorithm::processCollision(const btCollisionObjectWrapper* body0, const btCollisionObjectWrapper* body1,
+                                         const btDispatcherInfo&, btManifoldResult* result)
+{
+    std::vector<qcMeshPoint> points;
+    btScalar marginA = MarginOf(body0->getCollisionShape()), marginB = MarginOf(body1->getCollisionShape());
+    btScalar reach = m_batch->Reach(body0->getCollisionShape(), body1->getCollisionShape()) +
+                     result->m_closestPointDistanceThreshold;
+    FindPoints(*body0, *body1, reach, &points);
+    if ((points.empty() && m_manifolds[0] == nullptr) || Manifold(0, *body0, *body1) == nullptr)
+        return;
+    for (qcMeshPoint& point : points)
+    {
+        point.onA -= point.normal * marginA;
+        point.onB += point.normal * marginB;
+        point.distance -= marginA + marginB;
+    }
+    if (m_query)
+    {
+        result->setPersistentManifold(m_manifolds[0]);
+        for (const qcMeshPoint& point : points)
+            if (point.distance <= reach)
+                Report(point, *body0, result);
+        return;
+    }
+    btScalar threshold = m_manifolds[0]->getContactBreakingThreshold();
+    qcPointGroup groups[s_groups];
+    int groupCount = qcGroupPoints(&points, std::min(reach, threshold), threshold, m_shared ? 1 : s_groups, groups);
+    bool used[s_groups] = {};
+    for (int g = 0; g < groupCount; g++)
+    {
+        Local local = LocalPoints(groups[g], body0->getCollisionObject()->getWorldTransform());
+        int best = -1, most = -1;
+        for (int i = 0; i < s_groups; i++)
+        {
+            int count = used[i] ? -1 : m_manifolds[i] != nullptr ? CountSuccessors(*m_manifolds[i], local) : 0;
+            if (count > most)
+            {
+                most = count;
+                best = i;
+            }
+        }
+        used[best] = true;
+        btPersistentManifold* manifold = Manifold(best, *body0, *body1);
+        if (manifold == nullptr)
+            continue;
+        RemoveWithoutSuccessor(manifold, local);
+        result->setPersistentManifold(manifold);
+        for (int i = 0; i < groups[g].count; i++)
+            Report(*groups[g].points[i], *body0, result);
+        result->refreshContactPoints();
+    }
+    for (int i = 0; i < s_groups; i++)
+        if (!used[i] && m_manifolds[i] != nullptr && m_manifolds[i]->getNumContacts() > 0)
+            RemoveWithoutSuccessor(m_manifolds[i], Local{{}, 0});
+}
+
+btScalar qcPointsAlgorithm::calculateTimeOfImpact(btCollisionObject*, btCollisionObject*, const btDispatcherInfo&,
+                                                  btManifoldResult*)
+{
+    return 1;
+}
+
+void qcPointsAlgorithm::getAllContactManifolds(btManifoldArray& manifolds)
+{
+    for (btPersistentManifold* manifold : m_manifolds)
+        if (manifold != nullptr)
+            manifolds.push_back(manifold);
+}
+
+void qcMeshMeshAlgorithm::FindPoints(const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1,
+                                     btScalar reach, std::vector<qcMeshPoint>* points)
+{
+    qcPlacedMesh a = PlacedMesh(body0), b = PlacedMesh(body1);
+    if (m_query)
+        m_batch->Query(a, b, reach + MarginOf(a.shape) + MarginOf(b.shape), points);
+    else
+        m_batch->Find(a, b, points);
+}
+
+btScalar qcMeshMeshAlgorithm::MarginOf(const btCollisionShape* shape) const
+{
+    return shape->getMargin();
+}
+
+void qcMeshPlaneAlgorithm::FindPoints(const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1,
+                                      btScalar reach, std::vector<qcMeshPoint>* points)
+{
+    bool swapped = body0.getCollisionShape()->getShapeType() == STATIC_PLANE_PROXYTYPE;
+    const btCollisionObjectWrapper &meshBody = swapped ? body1 : body0, &planeBody = swapped ? body0 : body1;
+    const auto* mesh = static_cast<const qcMeshShape*>(meshBody.getCollisionShape());
+    const auto* plane = static_cast<const btStaticPlaneShape*>(planeBody.getCollisionShape());
+
+    struct Collector : btTriangleCallback
+    {
+        btTransform transform;
+        btVector3 normal;
+        btScalar offset, limit;
+        bool swapped;
+        std::vector<qcMeshPoint>* points;
+
+        void processTriangle(btVector3* triangle, int part, int index) override
+        {
+            for (int c = 0; c < 3; c++)
+            {
+                btVector3 corner = transform * triangle[c];
+                btScalar distance = normal.dot(corner) - offset;
+                if (distance > limit)
+                    continue;
+                btVector3 foot = corner - normal * distance;
+                if (swapped)
+                    points->push_back({foot, corner, -normal, distance, {-1, -1}, {part, index}});
+                else
+                    points->push_back({corner, foot, normal, distance, {part, index}, {-1, -1}});
+            }
+        }
+    } collector;
+    collector.transform = meshBody.getWorldTransform();
+    collector.normal = planeBody.getWorldTransform().getBasis() * plane->getPlaneNormal();
+    collector.offset = plane->getPlaneConstant() + collector.normal.dot(planeBody.getWorldTransform().getOrigin());
+    collector.limit = reach + mesh->getMargin();
+    collector.swapped = swapped;
+    collector.points = points;
+    btVector3 localNormal = collector.transform.getBasis().transpose() * collector.normal;
+    btScalar localOffset = collector.offset - collector.normal.dot(collector.transform.getOrigin());
+    mesh->processTrianglesBelow(&collector, localNormal, localOffset + collector.limit);
+}
+
+btScalar qcMeshPlaneAlgorithm::MarginOf(const btCollisionShape* shape) const
+{
+    // Bullet's planes have no shell for convex shapes either.
+    return shape->getShapeType() == STATIC_PLANE_PROXYTYPE ? btScalar(0) : shape->getMargin();
+}

@@ -1,0 +1,68 @@
+// The collision algorithms of a pair with a mesh: from contact points to Bullet's manifolds.
+#ifndef QC_BULLET_GLUE_MESH_ALGORITHM_H
+#define QC_BULLET_GLUE_MESH_ALGORITHM_H
+
+#include "mesh_batch.h"
+
+#include <BulletCollision/BroadphaseCollision/btCollisionAlgorithm.h>
+
+/// What all algorithms for points found at once do: group them, and keep a manifold for each group.
+class qcPointsAlgorithm : public btCollisionAlgorithm
+{
+  public:
+    /// `query`: the algorithm lives for one question (contactTest, contactPairTest): every point is reported, and
+    /// nothing is read from a batch.
+    qcPointsAlgorithm(const btCollisionAlgorithmConstructionInfo& info, qcMeshBatch* batch, bool query);
+    ~qcPointsAlgorithm() override;
+
+    void processCollision(const btCollisionObjectWrapper* body0, const btCollisionObjectWrapper* body1,
+                          const btDispatcherInfo& dispatchInfo, btManifoldResult* result) override;
+    /// Meshes have no continuous collision detection: 1.
+    btScalar calculateTimeOfImpact(btCollisionObject* body0, btCollisionObject* body1,
+                                   const btDispatcherInfo& dispatchInfo, btManifoldResult* result) override;
+    void getAllContactManifolds(btManifoldArray& manifolds) override;
+
+  protected:
+    /// Points from body 1 towards body 0, at least all whose shells are no further apart than `reach`.
+    virtual void FindPoints(const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1,
+                            btScalar reach, std::vector<qcMeshPoint>* points) = 0;
+    /// What the shells take of a distance.
+    virtual btScalar MarginOf(const btCollisionShape* shape) const = 0;
+
+    qcMeshBatch* m_batch;
+    bool m_query;
+
+  private:
+    static constexpr int s_groups = 4;
+
+    btPersistentManifold* Manifold(int i, const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1);
+
+    bool m_shared; ///< the manifold is that of a parent: one, not ours to release
+    btPersistentManifold* m_manifolds[s_groups] = {};
+};
+
+/// Two meshes.
+class qcMeshMeshAlgorithm : public qcPointsAlgorithm
+{
+  public:
+    using qcPointsAlgorithm::qcPointsAlgorithm;
+
+  protected:
+    void FindPoints(const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1, btScalar reach,
+                    std::vector<qcMeshPoint>* points) override;
+    btScalar MarginOf(const btCollisionShape* shape) const override;
+};
+
+/// A qcMeshShape and a btStaticPlaneShape, in either order: the mesh's vertices.
+class qcMeshPlaneAlgorithm : public qcPointsAlgorithm
+{
+  public:
+    using qcPointsAlgorithm::qcPointsAlgorithm;
+
+  protected:
+    void FindPoints(const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1, btScalar reach,
+                    std::vector<qcMeshPoint>* points) override;
+    btScalar MarginOf(const btCollisionShape* shape) const override;
+};
+
+#endif

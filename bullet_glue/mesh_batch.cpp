@@ -1,0 +1,415 @@
+// The batch: gathering the meshes of a world, one query, reading a pair.
+#include "mesh_batch.h"
+
+#include <BulletCollision/CollisionDispatch/btCollisionDispatcher.h>
+#include <BulletCollision/CollisionShapes/btCompoundShape.h>
+
+#include <algorithm>
+#include <chrono>
+
+namespace
+{
+// A body counts as where it was until a point of it has moved by this part of its contact breaking threshold: meshes at
+// rest, which creep by a thousandth of that in each step, need no query. The query reaches as much further.
+constexpr btScalar s_slack = btScalar(0.05);
+
+double Now()
+{
+    using namespace std::chrono;
+    return duration<double, std::milli>(steady_clock::now().time_since_epoch()).count();
+}
+
+btVector3 VectorOf(const double v[3])
+{
+    return btVector3(btScalar(v[0]), btScalar(v[1]), btScalar(v[2]));
+}
+
+/// How far a point of a body moves at most from one place to another one, if it is no further than `radius` from the
+/// body's origin.
+btScalar Motion(const btTransform& from, const btTransform& to, btScalar radius)
+{
+    btScalar turn = 0;
+    for (int row = 0; row < 3; row++)
+    {
+        const btVector3 &x = from.getBasis()[row], &y = to.getBasis()[row];
+        turn +=
+            (x.x() - y.x()) * (x.x() - y.x()) + (x.y() - y.y()) * (x.y() - y.y()) + (x.z() - y.z()) * (x.z() - y.z());
+    }
+    return from.getOrigin().distance(to.getOrigin()) + btSqrt(turn) * radius;
+}
+
+btScalar RadiusOf(const btCollisionShape* shape)
+{
+    btVector3 lower, upper;
+    shape->getAabb(btTransform::getIdentity(), lower, upper);
+    btVector3 far = lower.absolute();
+    far.setMax(upper.absolute());
+    return far.length();
+}
+
+/// -1 for an object that is in no world.
+int AdditionOf(const btCollisionObject* object)
+{
+    const btBroadphaseProxy* proxy = object->getBroadphaseHandle();
+    return proxy != nullptr ? proxy->m_uniqueId : -1;
+}
+
+/// Roots that hold no mesh, so that most objects of a world cost no more than this.
+bool MayHoldMeshes(const btCollisionShape* shape)
+{
+    return shape->isConcave() || shape->isCompound();
+}
+
+qcTriangleSource SourceOf(const std::vector<qcTriangleSource>& sources, uint32_t triangle)
+{
+    return sources.empty() ? qcTriangleSource{0, int(triangle)} : sources[triangle];
+}
+
+/// The points of two bodies, seen from the first.
+void AppendPoints(const qcResult& result, qcBodyId a, const std::vector<qcTriangleSource>& sourcesA, qcBodyId b,
+                  const std::vector<qcTriangleSource>& sourcesB, std::vector<qcMeshPoint>* points)
+{
+    bool swapped = a.slot > b.slot;
+    uint32_t low = std::min(a.slot, b.slot), high = std::max(a.slot, b.slot);
+    const qcManifold* end = result.manifolds + result.manifoldCount;
+    auto isBefore = [](const qcManifold& manifold, const std::pair<uint32_t, uint32_t>& bodies)
+    { return std::make_pair(manifold.bodyA, manifold.bodyB) < bodies; };
+    const qcManifold* m = std::lower_bound(result.manifolds, end, std::make_pair(low, high), isBefore);
+    for (; m != end && m->bodyA == low && m->bodyB == high; m++)
+        for (uint32_t i = 0; i < m->pointCount; i++)
+        {
+            const qcManifoldPoint& point = result.manifoldPoints[m->firstPoint + i];
+            qcMeshPoint mine;
+            mine.onA = VectorOf(swapped ? point.pointB : point.pointA);
+            mine.onB = VectorOf(swapped ? point.pointA : point.pointB);
+            mine.normal = swapped ? -VectorOf(point.normal) : VectorOf(point.normal);
+            mine.distance = btScalar(point.distance);
+            mine.sourceA = SourceOf(sourcesA, swapped ? point.triangleB : point.triangleA);
+            mine.sourceB = SourceOf(sourcesB, swapped ? point.triangleA : point.triangleB);
+            points->push_back(mine);
+        }
+}
+
+/// The box of a mesh, in the frame of another one, grown.
+void BoxIn(const qcPlacedMesh& mesh, const qcPlacedMesh& frame, btScalar reach, btVector3 box[2])
+{
+    mesh.shape->getAabb(frame.transform.inverse() * mesh.transform, box[0], box[1]);
+    // The normals of contact points are looked at with what is around them: as much again on each side.
+    btVector3 grow = (box[1] - box[0]) / 2 + btVector3(reach, reach, reach);
+    box[0] -= grow;
+    box[1] += grow;
+}
+} // namespace
+
+qcMeshBatch::~qcMeshBatch()
+{
+    qcScene_Destroy(m_scene);
+}
+
+void qcMeshBatch::Note(qcStatus status)
+{
+    if (status != qc_statusOk)
+        statistics.status = status;
+}
+
+qcDetectDef qcMeshBatch::DetectDef(btScalar margin) const
+{
+    qcDetectDef def = qcDefaultDetectDef();
+    def.method = method;
+    def.margin = double(margin);
+    def.manifolds = true;
+    def.threads = threads;
+    return def;
+}
+
+btScalar qcMeshBatch::Reach(const btCollisionShape* a, const btCollisionShape* b) const
+{
+    // Bullet's broadphase boxes are grown by one threshold each: what is further apart is not a pair.
+    btScalar reach = 2 * gContactBreakingThreshold;
+    return std::min({reach, a->getContactBreakingThreshold(gContactBreakingThreshold),
+                     b->getContactBreakingThreshold(gContactBreakingThreshold)});
+}
+
+/// The meshes of a shape, where Bullet's compound algorithms would place them, to the last bit.
+void qcMeshBatch::CollectMeshes(const btCollisionShape* shape, const btTransform& transform,
+                                std::vector<Mesh>* meshes) const
+{
+    if (shape->isCompound())
+    {
+        const auto* compound = static_cast<const btCompoundShape*>(shape);
+        for (int i = 0; i < compound->getNumChildShapes(); i++)
+            CollectMeshes(compound->getChildShape(i), transform * compound->getChildTransform(i), meshes);
+    }
+    else if (qcIsMesh(shape))
+    {
+        meshes->emplace_back();
+        meshes->back().shape = shape;
+        meshes->back().transform = transform;
+    }
+}
+
+/// Has the scene the mesh at this place, or so near that its contact points serve?
+bool qcMeshBatch::IsAt(const Mesh& mesh, const btTransform& transform)
+{
+    return mesh.placed && Motion(mesh.transform, transform, mesh.radius) <= mesh.slack;
+}
+
+/// Takes the object's present meshes, keeping what the scene has of them.
+void qcMeshBatch::Refresh(const btCollisionObject* object, Object* known)
+{
+    m_collected.clear();
+    CollectMeshes(object->getCollisionShape(), object->getWorldTransform(), &m_collected);
+    for (Mesh& mesh : m_collected)
+        mesh.revision = qcMeshRevision(mesh.shape);
+    auto isSame = [](const Mesh& a, const Mesh& b) { return a.shape == b.shape && a.revision == b.revision; };
+    bool same = std::equal(m_collected.begin(), m_collected.end(), known->meshes.begin(), known->meshes.end(), isSame);
+    for (size_t i = 0; same && i < m_collected.size(); i++)
+    {
+        Mesh& mesh = known->meshes[i];
+        if (IsAt(mesh, m_collected[i].transform))
+            continue;
+        mesh.placed = false;
+        mesh.transform = m_collected[i].transform;
+    }
+    if (same && known->threshold > 0)
+        return;
+    if (!same)
+    {
+        Forget(known);
+        known->meshes.swap(m_collected);
+    }
+    known->threshold = std::min(object->getCollisionShape()->getContactBreakingThreshold(gContactBreakingThreshold),
+                                2 * gContactBreakingThreshold);
+    known->ours = false;
+    known->margin = 0;
+    for (Mesh& mesh : known->meshes)
+    {
+        mesh.slack = s_slack * known->threshold;
+        mesh.radius = RadiusOf(mesh.shape);
+        known->ours = known->ours || qcAsMeshShape(mesh.shape) != nullptr ||
+                      (gimpact && mesh.shape->getShapeType() == GIMPACT_SHAPE_PROXYTYPE);
+        known->margin = std::max(known->margin, mesh.shape->getMargin() + mesh.slack);
+    }
+}
+
+/// Takes the object's meshes out of the scene.
+void qcMeshBatch::Forget(Object* known)
+{
+    for (Mesh& mesh : known->meshes)
+        if (mesh.inScene)
+            qcScene_RemoveBody(m_scene, mesh.id);
+    known->meshes.clear();
+}
+
+/// The object, as it is in this gathering.
+qcMeshBatch::Object* qcMeshBatch::Know(const btCollisionObject* object)
+{
+    Object& known = m_objects[object];
+    if (known.seen == m_gathering)
+        return &known;
+    known.addition = AdditionOf(object);
+    known.seen = known.present = m_gathering;
+    Refresh(object, &known);
+    return &known;
+}
+
+/// Marks the objects of pairs that are ours, and finds out how far contact reaches.
+void qcMeshBatch::WantPairs()
+{
+    m_margin = 0;
+    const btBroadphasePairArray& pairs = world->getPairCache()->getOverlappingPairArray();
+    for (int i = 0; i < pairs.size(); i++)
+    {
+        const auto* object0 = static_cast<const btCollisionObject*>(pairs[i].m_pProxy0->m_clientObject);
+        const auto* object1 = static_cast<const btCollisionObject*>(pairs[i].m_pProxy1->m_clientObject);
+        if (!MayHoldMeshes(object0->getCollisionShape()) || !MayHoldMeshes(object1->getCollisionShape()))
+            continue;
+        Object &known0 = *Know(object0), &known1 = *Know(object1);
+        if (known0.meshes.empty() || known1.meshes.empty() || !(known0.ours || known1.ours))
+            continue;
+        known0.wanted = known1.wanted = true;
+        btScalar reach = std::min(known0.threshold, known1.threshold);
+        m_margin = std::max(m_margin, reach + known0.margin + known1.margin);
+    }
+}
+
+/// Brings the scene up to date with an object.
+void qcMeshBatch::Place(const btCollisionObject* object, Object* known)
+{
+    qcActivity activity = object->isActive()         ? qc_activityMoving
+                          : object->isStaticObject() ? qc_activityStatic
+                                                     : qc_activitySleeping;
+    for (Mesh& mesh : known->meshes)
+    {
+        qcStatus status = qc_statusOk;
+        if (!mesh.inScene)
+        {
+            status = qcAddMesh(m_scene, mesh.shape, mesh.transform, activity, nullptr, &mesh.id, &mesh.sources);
+            mesh.inScene = status == qc_statusOk;
+        }
+        else
+        {
+            if (activity != known->activity)
+                status = qcScene_SetActivity(m_scene, mesh.id, activity);
+            if (!mesh.placed && status == qc_statusOk)
+            {
+                qcTransform transform = qcTransformOf(mesh.transform);
+                status = qcScene_SetTransform(m_scene, mesh.id, &transform);
+            }
+        }
+        mesh.placed = status == qc_statusOk;
+        Note(status);
+        statistics.bodies += mesh.inScene;
+    }
+    known->activity = activity;
+}
+
+qcStatus qcMeshBatch::Detect()
+{
+    qcDetectDef def = DetectDef(m_margin);
+    qcStatus status = qcScene_Detect(m_scene, &def, &m_result);
+    if (status != qc_statusOk)
+        return status;
+    statistics.manifolds = int(m_result->manifoldCount);
+    statistics.points = int(m_result->manifoldPointCount);
+    statistics.method = m_result->profile.method;
+    statistics.device = m_result->profile.device;
+    statistics.fallback = m_result->profile.fallback;
+    return qc_statusOk;
+}
+
+/// Drops what left the world, in the order in which it came: what takes its slots next must not depend on addresses.
+void qcMeshBatch::ForgetGone()
+{
+    const btCollisionObjectArray& objects = world->getCollisionObjectArray();
+    for (int i = 0; i < objects.size(); i++)
+    {
+        if (!MayHoldMeshes(objects[i]->getCollisionShape()))
+            continue;
+        auto found = m_objects.find(objects[i]);
+        if (found != m_objects.end() && found->second.addition == AdditionOf(objects[i]))
+            found->second.present = m_gathering;
+    }
+    std::vector<std::pair<int, const btCollisionObject*>> gone;
+    for (const auto& [object, known] : m_objects)
+        if (known.present != m_gathering)
+            gone.emplace_back(known.addition, object);
+    std::sort(gone.begin(), gone.end());
+    for (const auto& [addition, object] : gone)
+    {
+        Forget(&m_objects[object]);
+        m_objects.erase(object);
+    }
+}
+
+/// One query for all pairs of the world.
+void qcMeshBatch::Run()
+{
+    double start = Now();
+    uint64_t batches = statistics.batches, queries = statistics.queries;
+    statistics = qcMeshContactStatistics();
+    statistics.batches = batches + 1;
+    statistics.queries = queries;
+    m_result = nullptr;
+    if (m_scene == nullptr)
+    {
+        qcSceneDef def = qcDefaultSceneDef();
+        def.device = m_device;
+        Note(qcScene_Create(&def, &m_scene));
+        if (m_scene == nullptr)
+            return;
+    }
+    m_gathering++;
+    ForgetGone();
+    WantPairs();
+    const btCollisionObjectArray& objects = world->getCollisionObjectArray();
+    for (int i = 0; i < objects.size(); i++)
+    {
+        if (!MayHoldMeshes(objects[i]->getCollisionShape()) || m_objects.find(objects[i]) == m_objects.end())
+            continue;
+        Object* known = Know(objects[i]);
+        if (known->wanted)
+            Place(objects[i], known);
+    }
+    double gathered = Now();
+    qcStatus status = Detect();
+    if (status != qc_statusOk)
+        m_result = nullptr;
+    Note(status);
+    statistics.gatherMs = gathered - start;
+    statistics.detectMs = Now() - gathered;
+}
+
+/// The mesh, if the last query saw it at this place.
+const qcMeshBatch::Mesh* qcMeshBatch::Held(const qcPlacedMesh& mesh, bool* moving) const
+{
+    auto found = m_objects.find(mesh.object);
+    if (found == m_objects.end() || found->second.seen != m_gathering)
+        return nullptr;
+    if (found->second.addition != AdditionOf(mesh.object))
+        return nullptr;
+    *moving = *moving || found->second.activity == qc_activityMoving;
+    for (const Mesh& held : found->second.meshes)
+        if (held.shape == mesh.shape && IsAt(held, mesh.transform))
+            return &held;
+    return nullptr;
+}
+
+/// The pair's points of the last query; false if it did not look at this pair.
+bool qcMeshBatch::Read(const qcPlacedMesh& a, const qcPlacedMesh& b, std::vector<qcMeshPoint>* points) const
+{
+    bool moving = false;
+    const Mesh *meshA = Held(a, &moving), *meshB = Held(b, &moving);
+    if (m_result == nullptr || meshA == nullptr || meshB == nullptr || !moving)
+        return false;
+    AppendPoints(*m_result, meshA->id, meshA->sources, meshB->id, meshB->sources, points);
+    // Each point moves with its body since the query, as those of a btPersistentManifold do.
+    for (qcMeshPoint& point : *points)
+    {
+        point.onA = a.transform * meshA->transform.invXform(point.onA);
+        point.onB = b.transform * meshB->transform.invXform(point.onB);
+        point.distance = (point.onA - point.onB).dot(point.normal);
+    }
+    return true;
+}
+
+void qcMeshBatch::Find(const qcPlacedMesh& a, const qcPlacedMesh& b, std::vector<qcMeshPoint>* points)
+{
+    {
+        std::lock_guard<std::mutex> lock(m_mutex);
+        if (Read(a, b, points))
+            return;
+        Run();
+        if (Read(a, b, points))
+            return;
+    }
+    Query(a, b, Reach(a.shape, b.shape) + a.shape->getMargin() + b.shape->getMargin(), points);
+}
+
+void qcMeshBatch::Query(const qcPlacedMesh& a, const qcPlacedMesh& b, btScalar reach, std::vector<qcMeshPoint>* points)
+{
+    qcSceneDef def = qcDefaultSceneDef();
+    qcScene* scene = nullptr;
+    qcBodyId idA, idB;
+    std::vector<qcTriangleSource> sourcesA, sourcesB;
+    btVector3 boxA[2], boxB[2];
+    BoxIn(b, a, reach, boxA);
+    BoxIn(a, b, reach, boxB);
+    qcDetectDef detectDef = DetectDef(reach);
+    // The planner has no history here, and the device none of the geometry.
+    detectDef.method = qc_methodSweep;
+    const qcResult* result = nullptr;
+    qcStatus status = qcScene_Create(&def, &scene);
+    if (status == qc_statusOk)
+        status = qcAddMesh(scene, a.shape, a.transform, qc_activityMoving, boxA, &idA, &sourcesA);
+    if (status == qc_statusOk)
+        status = qcAddMesh(scene, b.shape, b.transform, qc_activityMoving, boxB, &idB, &sourcesB);
+    if (status == qc_statusOk)
+        status = qcScene_Detect(scene, &detectDef, &result);
+    if (status == qc_statusOk)
+        AppendPoints(*result, idA, sourcesA, idB, sourcesB, points);
+    qcScene_Destroy(scene);
+    std::lock_guard<std::mutex> lock(m_mutex);
+    statistics.queries++;
+    Note(status);
+}

@@ -1,0 +1,106 @@
+// All meshes of a world in one scene: one query a step, whose result the algorithms of the pairs read.
+#ifndef QC_BULLET_GLUE_MESH_BATCH_H
+#define QC_BULLET_GLUE_MESH_BATCH_H
+
+#include "mesh_geometry.h"
+
+#include <mutex>
+#include <unordered_map>
+
+/// A mesh at the place where an algorithm is asked about it: a child of a compound has a place of its own.
+struct qcPlacedMesh
+{
+    const btCollisionObject* object;
+    const btCollisionShape* shape;
+    btTransform transform;
+};
+
+/// Where two triangles come near each other, or cross.
+struct qcMeshPoint
+{
+    btVector3 onA, onB; ///< in world space
+    btVector3 normal;   ///< from B towards A
+    btScalar distance;  ///< between the triangles; the margins of the shapes are not part of it
+    qcTriangleSource sourceA, sourceB;
+};
+
+class qcMeshBatch
+{
+  public:
+    explicit qcMeshBatch(qcDevice* device) : m_device(device)
+    {
+    }
+    ~qcMeshBatch();
+    qcMeshBatch(const qcMeshBatch&) = delete;
+    qcMeshBatch& operator=(const qcMeshBatch&) = delete;
+
+    /// The points of a pair, as far as contact breaking thresholds and margins reach: from the last query if both were
+    /// there at these places, else from a new one. Any thread.
+    void Find(const qcPlacedMesh& a, const qcPlacedMesh& b, std::vector<qcMeshPoint>* points);
+    /// The points of a pair no further apart than `reach`, from a query for it alone. Any thread.
+    void Query(const qcPlacedMesh& a, const qcPlacedMesh& b, btScalar reach, std::vector<qcMeshPoint>* points);
+
+    /// How far beyond its shells a pair of shapes has contact points.
+    btScalar Reach(const btCollisionShape* a, const btCollisionShape* b) const;
+
+    btCollisionWorld* world = nullptr;
+    bool gimpact = false; ///< GImpact meshes among each other are ours, too
+    unsigned threads = 0;
+    qcMethod method = qc_methodAuto;
+    qcMeshContactStatistics statistics;
+
+  private:
+    /// A mesh of an object.
+    struct Mesh
+    {
+        const btCollisionShape* shape;
+        btTransform transform;
+        uint64_t revision = 0;
+        bool inScene = false;
+        bool placed = false; ///< the scene has it at this transform
+        btScalar radius = 0; ///< of its points, from its origin
+        btScalar slack = 0;  ///< how far a point may move before the scene is told
+        qcBodyId id{};
+        std::vector<qcTriangleSource> sources;
+    };
+    /// What the batch knows of a collision object. The same address may be another object later: what the broadphase
+    /// numbers anew when an object is added tells them apart.
+    struct Object
+    {
+        int addition = -1;
+        unsigned seen = 0;    ///< the last gathering that looked at it
+        unsigned present = 0; ///< the last gathering that found it in the world
+        bool ours = false;    ///< one of its meshes is contact of this kind with any other
+        bool wanted = false;  ///< it was in a pair that is ours
+        qcActivity activity = qc_activityMoving;
+        btScalar threshold = 0; ///< how far beyond its shells it has contact points
+        btScalar margin = 0;    ///< of its shells, slack included
+        std::vector<Mesh> meshes;
+    };
+
+    void CollectMeshes(const btCollisionShape* shape, const btTransform& transform, std::vector<Mesh>* meshes) const;
+    static bool IsAt(const Mesh& mesh, const btTransform& transform);
+    void Refresh(const btCollisionObject* object, Object* known);
+    Object* Know(const btCollisionObject* object);
+    void WantPairs();
+    void Place(const btCollisionObject* object, Object* known);
+    void Forget(Object* known);
+    void ForgetGone();
+    qcStatus Detect();
+    void Run();
+    const Mesh* Held(const qcPlacedMesh& mesh, bool* moving) const;
+    bool Read(const qcPlacedMesh& a, const qcPlacedMesh& b, std::vector<qcMeshPoint>* points) const;
+    void Note(qcStatus status);
+    qcDetectDef DetectDef(btScalar margin) const;
+
+    qcDevice* m_device;
+    qcScene* m_scene = nullptr;
+    const qcResult* m_result = nullptr; ///< null: none, or the last query failed
+    std::unordered_map<const btCollisionObject*, Object> m_objects;
+    std::vector<Mesh> m_collected;
+    unsigned m_gathering = 0;
+    btScalar m_margin = 0; ///< of the next query
+    std::mutex m_mutex;
+};
+
+#endif

@@ -1,0 +1,111 @@
+// Reading the triangles of Bullet's concave shapes.
+#include "mesh_geometry.h"
+
+#include <BulletCollision/Gimpact/btGImpactShape.h>
+
+namespace
+{
+constexpr qcPositionType s_positionType = sizeof(btScalar) == sizeof(double) ? qc_positionF64 : qc_positionF32;
+
+class Reader : public btTriangleCallback
+{
+  public:
+    std::vector<btVector3> points;
+    std::vector<uint32_t> indices;
+    std::vector<qcTriangleSource>* sources;
+
+    void processTriangle(btVector3* triangle, int part, int index) override
+    {
+        for (int c = 0; c < 3; c++)
+        {
+            indices.push_back(uint32_t(points.size()));
+            points.push_back(triangle[c]);
+        }
+        sources->push_back({part, index});
+    }
+};
+} // namespace
+
+bool qcIsGImpactMesh(const btCollisionShape* shape)
+{
+    return shape->getShapeType() == GIMPACT_SHAPE_PROXYTYPE &&
+           static_cast<const btGImpactShapeInterface*>(shape)->getGImpactShapeType() != CONST_GIMPACT_COMPOUND_SHAPE;
+}
+
+bool qcIsMesh(const btCollisionShape* shape)
+{
+    int type = shape->getShapeType();
+    if (type == GIMPACT_SHAPE_PROXYTYPE)
+        return qcIsGImpactMesh(shape);
+    return shape->isConcave() && type != STATIC_PLANE_PROXYTYPE && type != EMPTY_SHAPE_PROXYTYPE;
+}
+
+const qcMeshShape* qcAsMeshShape(const btCollisionShape* shape)
+{
+    // Somebody else may use the type, too.
+    return shape->getShapeType() == FAST_CONCAVE_MESH_PROXYTYPE ? dynamic_cast<const qcMeshShape*>(shape) : nullptr;
+}
+
+uint64_t qcMeshRevision(const btCollisionShape* shape)
+{
+    if (const qcMeshShape* ours = qcAsMeshShape(shape))
+        return ours->getRevision();
+    // FNV-1a over the scaling's bytes.
+    uint64_t hash = 14695981039346656037u;
+    const btVector3& scaling = shape->getLocalScaling();
+    for (int axis = 0; axis < 3; axis++)
+    {
+        btScalar scale = scaling[axis];
+        for (size_t i = 0; i < sizeof scale; i++)
+            hash = (hash ^ reinterpret_cast<const unsigned char*>(&scale)[i]) * 1099511628211u;
+    }
+    return hash;
+}
+
+qcStatus qcAddMesh(qcScene* scene, const btCollisionShape* shape, const btTransform& transform, qcActivity activity,
+                   const btVector3* box, qcBodyId* id, std::vector<qcTriangleSource>* sources)
+{
+    qcBodyDef def = qcDefaultBodyDef();
+    Reader reader;
+    sources->clear();
+    reader.sources = sources;
+    if (const qcMeshShape* ours = qcAsMeshShape(shape))
+    {
+        def.positions = ours->getVertices();
+        def.vertexCount = ours->getVertexCount();
+        def.indices = ours->getIndices();
+        def.triangleCount = ours->getTriangleCount();
+    }
+    else
+    {
+        btVector3 lower, upper;
+        shape->getAabb(btTransform::getIdentity(), lower, upper);
+        // Nothing may be lost to rounding at the faces of the box.
+        btVector3 slack = (upper - lower) * btScalar(0.01) + btVector3(1, 1, 1);
+        bool whole = box == nullptr || shape->getShapeType() == GIMPACT_SHAPE_PROXYTYPE;
+        static_cast<const btConcaveShape*>(shape)->processAllTriangles(&reader, whole ? lower - slack : box[0],
+                                                                       whole ? upper + slack : box[1]);
+        def.positions = reader.points.data();
+        def.vertexCount = uint32_t(reader.points.size());
+        def.indices = reader.indices.data();
+        def.triangleCount = uint32_t(sources->size());
+    }
+    def.positionType = s_positionType;
+    def.positionStride = sizeof(btVector3);
+    def.transform = qcTransformOf(transform);
+    def.activity = activity;
+    def.selfCollision = false;
+    return qcScene_AddBody(scene, &def, id);
+}
+
+qcTransform qcTransformOf(const btTransform& transform)
+{
+    qcTransform result;
+    for (int row = 0; row < 3; row++)
+    {
+        for (int column = 0; column < 3; column++)
+            result.linear[3 * row + column] = double(transform.getBasis()[row][column]);
+        result.translation[row] = double(transform.getOrigin()[row]);
+    }
+    return result;
+}

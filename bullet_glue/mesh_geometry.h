@@ -1,0 +1,33 @@
+// The triangles of Bullet's concave shapes.
+#ifndef QC_BULLET_GLUE_MESH_GEOMETRY_H
+#define QC_BULLET_GLUE_MESH_GEOMETRY_H
+
+#include "quickcullide/bullet_mesh.h"
+
+#include <vector>
+
+/// Which triangle of a shape this is, as Bullet counts them.
+struct qcTriangleSource
+{
+    int part, index;
+};
+
+/// Does the shape consist of triangles? Planes, which have none of their own, and compounds do not.
+bool qcIsMesh(const btCollisionShape* shape);
+
+/// The shape as ours, or null.
+const qcMeshShape* qcAsMeshShape(const btCollisionShape* shape);
+bool qcIsGImpactMesh(const btCollisionShape* shape);
+
+/// Differs between two meshes that are not the same, as far as can be told without reading them.
+uint64_t qcMeshRevision(const btCollisionShape* shape);
+
+/// Adds the shape's triangles to a scene. `box` (may be null): those of Bullet's own static shapes that do not meet it,
+/// in the shape's frame, may be left out. `sources` receives what each triangle is; nothing for a qcMeshShape, whose
+/// triangles keep their numbers.
+qcStatus qcAddMesh(qcScene* scene, const btCollisionShape* shape, const btTransform& transform, qcActivity activity,
+                   const btVector3* box, qcBodyId* id, std::vector<qcTriangleSource>* sources);
+
+qcTransform qcTransformOf(const btTransform& transform);
+
+#endif

@@ -1,0 +1,103 @@
+// Choosing contact points: groups by normal, and in each the deepest point and those that span the largest area with
+// it.
+#include "mesh_points.h"
+
+#include <algorithm>
+
+namespace
+{
+// The cosine of 45 degrees: walls of a corner are groups of their own, a round hollow is a few.
+constexpr btScalar s_sameGroup = btScalar(0.7071);
+
+/// Of a group while it is chosen from.
+struct Members
+{
+    btVector3 normal;
+    std::vector<const qcMeshPoint*> points;
+};
+
+/// What a point adds to those chosen: its distance from the first, from the line of two, from the triangle of three.
+btScalar Reaches(const qcPointGroup& group, const btVector3& normal, const btVector3& point)
+{
+    btVector3 a = group.points[0]->onB;
+    if (group.count == 1)
+        return (point - a).length();
+    btVector3 b = group.points[1]->onB;
+    if (group.count == 2)
+    {
+        btVector3 along = b - a;
+        btScalar length = along.length();
+        return length > 0 ? (point - a).cross(along).length() / length : btScalar(0);
+    }
+    // Outside of the triangle's edges, as seen along the normal.
+    btVector3 corner[3] = {a, b, group.points[2]->onB};
+    btScalar turn = (b - a).cross(corner[2] - a).dot(normal) >= 0 ? btScalar(1) : btScalar(-1);
+    btScalar outside = 0;
+    for (int c = 0; c < 3; c++)
+    {
+        btVector3 edge = corner[(c + 1) % 3] - corner[c];
+        btScalar length = edge.length();
+        if (length > 0)
+            outside = std::max(outside, -turn * edge.cross(point - corner[c]).dot(normal) / length);
+    }
+    return outside;
+}
+
+bool IsNear(const qcPointGroup& group, const btVector3& point, btScalar apart)
+{
+    for (int i = 0; i < group.count; i++)
+        if ((group.points[i]->onB - point).length2() < apart * apart)
+            return true;
+    return false;
+}
+
+void Choose(const Members& members, btScalar reach, btScalar apart, qcPointGroup* group)
+{
+    group->count = 1;
+    group->points[0] = members.points[0];
+    btScalar deepest = members.points[0]->distance;
+    btScalar span = std::max(reach - deepest, SIMD_EPSILON);
+    while (group->count < 4)
+    {
+        const qcMeshPoint* best = nullptr;
+        btScalar most = 0;
+        for (const qcMeshPoint* point : members.points)
+        {
+            // What is not yet touching will carry nothing soon: a wide but distant point must not take the place of
+            // those that the body stands on.
+            btScalar open = std::min(std::max(point->distance, btScalar(0)) - std::max(deepest, btScalar(0)), span);
+            btScalar weight = (1 - open / span) * (1 - open / span);
+            btScalar gain = weight * Reaches(*group, members.normal, point->onB);
+            if (gain > most && !IsNear(*group, point->onB, apart))
+            {
+                most = gain;
+                best = point;
+            }
+        }
+        if (best == nullptr)
+            return;
+        group->points[group->count++] = best;
+    }
+}
+} // namespace
+
+int qcGroupPoints(std::vector<qcMeshPoint>* points, btScalar reach, btScalar apart, int most, qcPointGroup* groups)
+{
+    auto isFar = [&](const qcMeshPoint& point) { return point.distance > reach; };
+    points->erase(std::remove_if(points->begin(), points->end(), isFar), points->end());
+    std::stable_sort(points->begin(), points->end(),
+                     [](const qcMeshPoint& a, const qcMeshPoint& b) { return a.distance < b.distance; });
+    std::vector<Members> members;
+    for (const qcMeshPoint& point : *points)
+    {
+        auto isNearer = [&](const Members& a, const Members& b)
+        { return a.normal.dot(point.normal) < b.normal.dot(point.normal); };
+        auto nearest = std::max_element(members.begin(), members.end(), isNearer);
+        if (nearest == members.end() || (nearest->normal.dot(point.normal) < s_sameGroup && int(members.size()) < most))
+            nearest = members.insert(members.end(), Members{point.normal, {}});
+        nearest->points.push_back(&point);
+    }
+    for (size_t g = 0; g < members.size(); g++)
+        Choose(members[g], reach, apart, &groups[g]);
+    return int(members.size());
+}

@@ -1,0 +1,238 @@
+// The functions of btDbvtBroadphase over a qcBroadphase. Preloaded, they take the place of those in the distribution's
+// libBulletCollision, for programs that know nothing of it:
+//
+//     LD_PRELOAD=libqc-preload.so QC_PRELOAD_STATISTICS=1 PROGRAM
+//
+// Why that is safe: the class is Bullet's own, compiled from the header of the Bullet that is linked, so objects have
+// its size and layout, and the constructors, destructors, vtable, type and functions that a program sees are all of
+// this file. Bullet reaches into a btDbvtBroadphase nowhere else: of its libraries only libBulletCollision names it at
+// all, in btAxisSweep3, which makes one for its rays, sets m_deferedcollide and calls its functions. In the headers
+// that programs compile, setVelocityPrediction and getVelocityPrediction use m_prediction, and nothing else is inline.
+//
+// What is left: a program that looks at the trees (m_sets) or casts a proxy to btDbvtProxy finds the trees empty, and
+// something else behind the proxy. It must not be run with this. Bullet linked statically is not reached.
+#include "quickcullide/bullet_broadphase.h"
+
+#include <BulletCollision/BroadphaseCollision/btDbvtBroadphase.h>
+
+#include <dlfcn.h>
+#include <link.h>
+
+#include <atomic>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <string>
+#include <vector>
+
+namespace
+{
+/// What a process did with broadphases; queries may come from several threads.
+struct Statistics
+{
+    std::atomic<long long> broadphases{0}, proxies{0}, boxes{0}, searches{0}, pairs{0}, rays{0}, boxTests{0};
+
+    ~Statistics()
+    {
+        const char* wanted = std::getenv("QC_PRELOAD_STATISTICS");
+        if (wanted == nullptr || std::strcmp(wanted, "1") != 0)
+            return;
+        std::fprintf(stderr,
+                     "qc-preload: %lld broadphases, %lld proxies, %lld boxes set, %lld searches for pairs that found "
+                     "%lld, %lld rays, %lld box tests\n",
+                     broadphases.load(), proxies.load(), boxes.load(), searches.load(), pairs.load(), rays.load(),
+                     boxTests.load());
+    }
+};
+
+Statistics s_statistics;
+
+int AppendName(dl_phdr_info* info, size_t, void* names)
+{
+    static_cast<std::vector<std::string>*>(names)->push_back(info->dlpi_name);
+    return 0;
+}
+
+/// The file that has a symbol for who looks from that file on, or an empty name.
+std::string DefinerSeenFrom(const std::string& file, const char* symbol)
+{
+    std::string definer;
+    void* handle = dlopen(file.c_str(), RTLD_LAZY | RTLD_NOLOAD);
+    if (handle == nullptr)
+        return definer;
+    Dl_info info;
+    void* address = dlsym(handle, symbol);
+    if (address != nullptr && dladdr(address, &info) != 0 && info.dli_fbase != nullptr)
+        definer = info.dli_fname;
+    dlclose(handle);
+    return definer;
+}
+
+/// Bullet's libraries of both precisions, of all versions, and those inside of other libraries, have the same names
+/// for objects that differ. The one that this file was built with is there, so any other one is one too many. Looked
+/// for at start, and whenever a broadphase is made, since libraries may have been opened meanwhile.
+__attribute__((constructor)) void CheckLibraries()
+{
+    std::vector<std::string> files;
+    dl_iterate_phdr(AppendName, &files);
+    Dl_info self;
+    if (dladdr(reinterpret_cast<void*>(CheckLibraries), &self) == 0)
+        return;
+    std::string bullet;
+    for (const std::string& file : files)
+    {
+        // The program has no name there, and sees us first.
+        if (file.empty() || file == self.dli_fname)
+            continue;
+        const std::string definer = DefinerSeenFrom(file, "_ZN16btDbvtBroadphaseC1EP22btOverlappingPairCache");
+        if (definer.empty() || definer == self.dli_fname || definer == bullet)
+            continue;
+        if (bullet.empty())
+        {
+            bullet = definer;
+            continue;
+        }
+        std::fprintf(
+            stderr,
+            "qc-preload: both %s and %s have a btDbvtBroadphase, and %s was built for one of them. The process "
+            "ends here, since their objects differ.\n",
+            bullet.c_str(), definer.c_str(), self.dli_fname);
+        std::_Exit(EXIT_FAILURE);
+    }
+}
+
+/// It stands where the list of resting proxies would begin.
+qcBroadphase& BroadphaseOf(const btDbvtBroadphase* face)
+{
+    return *reinterpret_cast<qcBroadphase*>(face->m_stageRoots[btDbvtBroadphase::STAGECOUNT]);
+}
+} // namespace
+
+btDbvtBroadphase::btDbvtBroadphase(btOverlappingPairCache* paircache)
+{
+    CheckLibraries();
+    qcBroadphase* broadphase = new qcBroadphase(paircache);
+    for (btDbvtProxy*& root : m_stageRoots)
+        root = nullptr;
+    m_stageRoots[STAGECOUNT] = reinterpret_cast<btDbvtProxy*>(broadphase);
+    m_paircache = broadphase->getOverlappingPairCache();
+    m_releasepaircache = paircache == nullptr;
+    // What Bullet's own begins with, for who reads it; nothing here does.
+    m_prediction = 0;
+    m_stageCurrent = 0;
+    m_fupdates = 1;
+    m_dupdates = 0;
+    m_cupdates = 10;
+    m_newpairs = 1;
+    m_fixedleft = 0;
+    m_updates_call = m_updates_done = 0;
+    m_updates_ratio = 0;
+    m_pid = m_cid = m_gid = 0;
+    m_deferedcollide = false;
+    m_needcleanup = true;
+    s_statistics.broadphases++;
+}
+
+btDbvtBroadphase::~btDbvtBroadphase()
+{
+    delete &BroadphaseOf(this);
+}
+
+btBroadphaseProxy* btDbvtBroadphase::createProxy(const btVector3& aabbMin, const btVector3& aabbMax, int shapeType,
+                                                 void* userPtr, int collisionFilterGroup, int collisionFilterMask,
+                                                 btDispatcher* dispatcher)
+{
+    s_statistics.proxies++;
+    return BroadphaseOf(this).createProxy(aabbMin, aabbMax, shapeType, userPtr, collisionFilterGroup,
+                                          collisionFilterMask, dispatcher);
+}
+
+void btDbvtBroadphase::destroyProxy(btBroadphaseProxy* proxy, btDispatcher* dispatcher)
+{
+    BroadphaseOf(this).destroyProxy(proxy, dispatcher);
+}
+
+void btDbvtBroadphase::setAabb(btBroadphaseProxy* proxy, const btVector3& aabbMin, const btVector3& aabbMax,
+                               btDispatcher* dispatcher)
+{
+    s_statistics.boxes++;
+    BroadphaseOf(this).setAabb(proxy, aabbMin, aabbMax, dispatcher);
+}
+
+void btDbvtBroadphase::setAabbForceUpdate(btBroadphaseProxy* proxy, const btVector3& aabbMin, const btVector3& aabbMax,
+                                          btDispatcher* dispatcher)
+{
+    s_statistics.boxes++;
+    BroadphaseOf(this).setAabb(proxy, aabbMin, aabbMax, dispatcher);
+}
+
+void btDbvtBroadphase::getAabb(btBroadphaseProxy* proxy, btVector3& aabbMin, btVector3& aabbMax) const
+{
+    BroadphaseOf(this).getAabb(proxy, aabbMin, aabbMax);
+}
+
+void btDbvtBroadphase::rayTest(const btVector3& rayFrom, const btVector3& rayTo, btBroadphaseRayCallback& rayCallback,
+                               const btVector3& aabbMin, const btVector3& aabbMax)
+{
+    s_statistics.rays++;
+    BroadphaseOf(this).rayTest(rayFrom, rayTo, rayCallback, aabbMin, aabbMax);
+}
+
+void btDbvtBroadphase::aabbTest(const btVector3& aabbMin, const btVector3& aabbMax, btBroadphaseAabbCallback& callback)
+{
+    s_statistics.boxTests++;
+    BroadphaseOf(this).aabbTest(aabbMin, aabbMax, callback);
+}
+
+/// Bullet's two halves of calculateOverlappingPairs: all of it is in the first.
+void btDbvtBroadphase::collide(btDispatcher* dispatcher)
+{
+    BroadphaseOf(this).calculateOverlappingPairs(dispatcher);
+    s_statistics.searches++;
+    s_statistics.pairs += m_paircache->getNumOverlappingPairs();
+}
+
+void btDbvtBroadphase::performDeferredRemoval(btDispatcher*)
+{
+}
+
+void btDbvtBroadphase::calculateOverlappingPairs(btDispatcher* dispatcher)
+{
+    collide(dispatcher);
+    performDeferredRemoval(dispatcher);
+}
+
+/// Of trees, of which there are none.
+void btDbvtBroadphase::optimize()
+{
+}
+
+btOverlappingPairCache* btDbvtBroadphase::getOverlappingPairCache()
+{
+    return m_paircache;
+}
+
+const btOverlappingPairCache* btDbvtBroadphase::getOverlappingPairCache() const
+{
+    return m_paircache;
+}
+
+void btDbvtBroadphase::getBroadphaseAabb(btVector3& aabbMin, btVector3& aabbMax) const
+{
+    BroadphaseOf(this).getBroadphaseAabb(aabbMin, aabbMax);
+}
+
+void btDbvtBroadphase::resetPool(btDispatcher* dispatcher)
+{
+    BroadphaseOf(this).resetPool(dispatcher);
+}
+
+void btDbvtBroadphase::printStats()
+{
+    BroadphaseOf(this).printStats();
+}
+
+/// Empty in Bullet as it is distributed, too.
+void btDbvtBroadphase::benchmark(btBroadphaseInterface*)
+{
+}

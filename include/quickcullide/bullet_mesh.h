@@ -1,0 +1,160 @@
+// Triangle meshes that move and touch each other, in any Bullet world:
+//
+//     qcMeshContact meshContact;
+//     btDiscreteDynamicsWorld world(&dispatcher, &broadphase, &solver, &configuration);
+//     meshContact.addTo(&world);
+//     qcMeshShape shape(positions, qc_positionF32, 0, vertexCount, indices, triangleCount);
+//
+// Bullet has no contact among btConcaveShapes, but for btGImpactMeshShape, pair of triangles by pair of triangles. Here
+// all pairs of meshes of a step are found in one run of qcScene_Detect, and their contact points are those of whole
+// regions of contact: a mesh slides over the inner edges of another one without a bump.
+#ifndef QUICKCULLIDE_BULLET_MESH_H
+#define QUICKCULLIDE_BULLET_MESH_H
+
+#include "scene.h"
+
+#include <BulletCollision/CollisionDispatch/btCollisionWorld.h>
+#include <BulletCollision/CollisionShapes/btConcaveShape.h>
+
+#include <memory>
+
+class btStridingMeshInterface;
+
+/// What a mesh of homogeneous material weighs, and where.
+struct qcMassProperties
+{
+    /// Each edge, of vertices at the same positions, is passed as often one way as the other, and there is an inside.
+    /// Otherwise the mesh counts as a thin shell.
+    bool closed = false;
+    btScalar area = 0;
+    btScalar volume = 0; ///< 0 unless closed
+    btVector3 center{0, 0, 0};
+    /// Of a body of mass 1, about its centre of mass, in the mesh's axes. Multiply by the mass.
+    btMatrix3x3 inertia = btMatrix3x3::getIdentity();
+    /// The centre and the principal axes: a mesh moved by the inverse of this has a diagonal tensor about its origin.
+    btTransform principalFrame = btTransform::getIdentity();
+    /// That diagonal, of a body of mass 1: what btRigidBody wants, times the mass.
+    btVector3 principalInertia{0, 0, 0};
+};
+
+/// A triangle soup, moving or static. Positions and indices are copied. Any soup will do: it need not be closed, its
+/// triangles may cross, lie on top of each other, or be degenerate. O(n), no preprocessing: a tree over the triangles is
+/// built when something first asks for one (convex shapes, rays, soft bodies), in O(n log n).
+///
+/// Convex shapes, rays, swept shapes and soft bodies meet it through Bullet's own algorithms; meshes and planes, once a
+/// qcMeshContact was added to the world. The shape type is FAST_CONCAVE_MESH_PROXYTYPE: CUSTOM_CONCAVE_SHAPE_TYPE is
+/// the same number as SDF_SHAPE_PROXYTYPE, and Bullet's convex-concave algorithm casts what bears it to
+/// btSdfCollisionShape.
+///
+/// The margin is a shell on both sides of each triangle; 0.01 unless setMargin says otherwise. Two meshes rest with
+/// their shells touching: their triangles then don't, which is what makes their contact points dependable.
+///
+/// Thread-safety: the const functions may be called from several threads at once while no other function runs.
+ATTRIBUTE_ALIGNED16(class) QC_API qcMeshShape : public btConcaveShape
+{
+  public:
+    BT_DECLARE_ALIGNED_ALLOCATOR();
+
+    /// `vertexCount` positions, `stride` bytes apart (0: tightly packed); 3 * `triangleCount` indices.
+    qcMeshShape(const void* positions, qcPositionType type, size_t stride, uint32_t vertexCount,
+                const uint32_t* indices, uint32_t triangleCount);
+    /// All parts of a mesh interface of Bullet's, with its scaling. Nothing is kept of it.
+    explicit qcMeshShape(const btStridingMeshInterface* mesh);
+    ~qcMeshShape() override;
+    qcMeshShape(const qcMeshShape&) = delete;
+    qcMeshShape& operator=(const qcMeshShape&) = delete;
+
+    /// qc_statusBadInput: an index was out of range, or a position not finite; the mesh is empty. qcLastMessage does
+    /// not tell more.
+    qcStatus getStatus() const;
+
+    uint32_t getVertexCount() const;
+    uint32_t getTriangleCount() const;
+    /// In the shape's frame, scaled. Valid until the next scaling.
+    const btVector3* getVertices() const;
+    const uint32_t* getIndices() const;
+    /// Differs between any two shapes, and before and after a scaling.
+    uint64_t getRevision() const;
+
+    /// O(n log n).
+    qcMassProperties getMassProperties() const;
+    /// The diagonal of the tensor about the shape's origin, which Bullet takes for the centre of mass, in its axes. For
+    /// meshes that lie otherwise, see qcMassProperties::principalFrame.
+    void calculateLocalInertia(btScalar mass, btVector3 & inertia) const override;
+
+    void getAabb(const btTransform& transform, btVector3& aabbMin, btVector3& aabbMax) const override;
+    void setLocalScaling(const btVector3& scaling) override;
+    const btVector3& getLocalScaling() const override;
+    const char* getName() const override;
+
+    /// Every triangle whose box meets the closed box. A btTriangleRaycastCallback gets only those that its ray may
+    /// still hit, nearer ones first as far as the tree can tell.
+    void processAllTriangles(btTriangleCallback * callback, const btVector3& aabbMin, const btVector3& aabbMax)
+        const override;
+    /// The vertices of every triangle that reaches below the plane normal . x = distance, as triangles.
+    void processTrianglesBelow(btTriangleCallback * callback, const btVector3& normal, btScalar distance) const;
+
+  private:
+    struct Implementation;
+    std::unique_ptr<Implementation> m_implementation;
+};
+
+/// What the last batch did.
+struct qcMeshContactStatistics
+{
+    /// Anything but qc_statusOk: a query failed (say, a transform is not finite); the pairs concerned have no contact.
+    qcStatus status = qc_statusOk;
+    uint64_t batches = 0; ///< runs for all pairs, since the beginning: one a step in which a mesh moved
+    uint64_t queries = 0; ///< runs for one pair alone, since the beginning: contactTest, contactPairTest
+    int bodies = 0;       ///< meshes that the scene holds; a compound has one for each mesh in it
+    int manifolds = 0;    ///< regions of contact
+    int points = 0;       ///< contact points of these
+    /// What answered: never qc_methodAuto, `layers` as soon as the device had a share.
+    qcMethod method = qc_methodSweep;
+    const char* device = "none";
+    const char* fallback = nullptr; ///< why another method than the one asked for ran, or null
+    double gatherMs = 0;            ///< reading from Bullet
+    double detectMs = 0;            ///< the query
+};
+
+/// Contact of the meshes of a world: qcMeshShape with qcMeshShape, btGImpactMeshShape, static triangle meshes, terrains
+/// and planes, also as children of compounds.
+///
+/// The first pair of meshes that a step asks for starts one query for all pairs in the world's pair cache; all others
+/// read its result. So it works with any broadphase and any dispatcher. A pair that is asked for elsewhere
+/// (contactTest, contactPairTest, or with a transform of its own) is computed alone.
+///
+/// Contact points: those within Bullet's contact breaking threshold, beyond both margins. They are grouped by normal,
+/// and each group, up to four of them, has a manifold of its own with the four points that span it, the deepest always
+/// among them. A point near one of the step before keeps its impulses.
+///
+/// Must outlive the world. Thread-safety: the algorithms may run on several threads at once.
+class QC_API qcMeshContact
+{
+  public:
+    /// `device` draws for the methods that need GL; null is the same as a device of kind none. It must outlive this.
+    explicit qcMeshContact(qcDevice* device = nullptr);
+    ~qcMeshContact();
+    qcMeshContact(const qcMeshContact&) = delete;
+    qcMeshContact& operator=(const qcMeshContact&) = delete;
+
+    /// Registers with the world's dispatcher, which must be a btCollisionDispatcher. One world; before it has objects.
+    /// After btGImpactCollisionAlgorithm::registerAlgorithm, which would take the pairs with btGImpactMeshShape back.
+    void addTo(btCollisionWorld* world);
+    /// From the next pairs on, btGImpactMeshShape with itself and with static triangle meshes is contact of this kind
+    /// too. Compounds of GImpact, and its contact with convex shapes and planes, stay as they are. After addTo.
+    void takeOverGImpact();
+
+    /// Threads of the queries; 0: one per core.
+    void setThreadCount(unsigned threads);
+    /// The method of the queries; qc_methodAuto if this is never called. `cullide` and `quick` are refused, since they
+    /// miss: qc_statusBadInput.
+    qcStatus setMethod(qcMethod method);
+    const qcMeshContactStatistics& getStatistics() const;
+
+  private:
+    struct Implementation;
+    std::unique_ptr<Implementation> m_implementation;
+};
+
+#endif

@@ -1,0 +1,10 @@
+# Fracture, for each precision, where voro++ and GLU are.
+foreach(precision float double)
+  set(suffix "")
+  if(precision STREQUAL double)
+    set(suffix _double)
+  endif()
+  if(TARGET quickcullide::fracture${suffix})
+    qc_test(test_fracture_${precision} test_fracture.cpp LIBRARIES quickcullide::fracture${suffix})
+  endif()
+endforeach()

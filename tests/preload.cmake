@@ -1,0 +1,41 @@
+# qc-preload under programs that know nothing of it: one of ours, for each precision, and DART with its Bullet plugin.
+function(qc_add_preload_client name package)
+  add_executable(${name} preload_client.cpp)
+  target_link_libraries(${name} PRIVATE PkgConfig::${package})
+endfunction()
+
+function(qc_test_preload name client preload)
+  add_test(NAME ${name} COMMAND sh ${CMAKE_CURRENT_SOURCE_DIR}/test_preload.sh $<TARGET_FILE:${client}>
+           $<TARGET_FILE:${preload}>)
+endfunction()
+
+if(TARGET qc-preload)
+  qc_add_preload_client(preload_client_float BULLET)
+  qc_test_preload(test_preload_float preload_client_float qc-preload)
+endif()
+if(TARGET qc-preload-double)
+  qc_add_preload_client(preload_client_double BULLET_DOUBLE)
+  qc_test_preload(test_preload_double preload_client_double qc-preload-double)
+endif()
+if(TARGET qc-preload AND TARGET qc-preload-double)
+  add_test(NAME test_preload_precision COMMAND sh ${CMAKE_CURRENT_SOURCE_DIR}/test_preload_precision.sh
+    $<TARGET_FILE:qc-preload> $<TARGET_FILE:preload_client_float> $<TARGET_FILE:preload_client_double>)
+endif()
+
+if(TARGET qc-preload)
+  pkg_check_modules(EIGEN QUIET IMPORTED_TARGET eigen3)
+  find_path(QC_DART_INCLUDE dart/collision/bullet/BulletCollisionDetector.hpp)
+  find_library(QC_DART dart)
+  find_library(QC_DART_BULLET dart-collision-bullet)
+  mark_as_advanced(QC_DART_INCLUDE QC_DART QC_DART_BULLET)
+  if(EIGEN_FOUND AND QC_DART_INCLUDE AND QC_DART AND QC_DART_BULLET)
+    add_executable(preload_dart preload_dart.cpp)
+    target_include_directories(preload_dart SYSTEM PRIVATE ${QC_DART_INCLUDE})
+    target_link_libraries(preload_dart PRIVATE ${QC_DART_BULLET} ${QC_DART} PkgConfig::EIGEN PkgConfig::BULLET)
+    qc_test_preload(test_preload_dart preload_dart qc-preload)
+  else()
+    add_test(NAME test_preload_dart COMMAND ${CMAKE_COMMAND} -E echo
+      "Skipped: no DART with its Bullet plugin (libdart-collision-bullet-dev)")
+    set_tests_properties(test_preload_dart PROPERTIES SKIP_REGULAR_EXPRESSION "^Skipped")
+  endif()
+endif()

@@ -1,0 +1,234 @@
+// The contact of meshes in Bullet worlds: what it asks, tells, and survives.
+#include "mesh_world.h"
+
+namespace
+{
+/// What contactTest and its kind report.
+struct Gatherer : btCollisionWorld::ContactResultCallback
+{
+    int points = 0;
+    double deepest = 1e9;
+    btVector3 towardsFirst{0, 0, 0}; ///< the normal of the deepest, if it pushes the first body
+    const btCollisionObject* first = nullptr;
+
+    btScalar addSingleResult(btManifoldPoint& point, const btCollisionObjectWrapper* body0, int, int,
+                             const btCollisionObjectWrapper*, int, int) override
+    {
+        points++;
+        if (double(point.getDistance()) < deepest)
+        {
+            deepest = double(point.getDistance());
+            bool same = body0->getCollisionObject() == first;
+            towardsFirst = same ? point.m_normalWorldOnB : -point.m_normalWorldOnB;
+        }
+        return 0;
+    }
+};
+
+START_TEST(contact_tests_see_where_bodies_are_now)
+{
+    qcMeshWorld world;
+    btRigidBody* floor = world.Add(world.StaticMesh(qcFloorModel(4, 8)), 0, btVector3(0, 0, 0));
+    btCollisionShape* shape = world.Keep(qcCubeModel().MakeShape());
+    btRigidBody* low = world.Add(shape, 1, btVector3(0, btScalar(0.51), 0));
+    btRigidBody* high = world.Add(shape, 1, btVector3(0, btScalar(1.53), 0));
+    world.Step();
+    uint64_t batches = world.contact.getStatistics().batches;
+    // Moved by hand: 2 mm into each other, 3 cm beyond both margins, apart.
+    const double gaps[] = {0.018, -0.03, 0.5};
+    for (double gap : gaps)
+    {
+        btTransform place = low->getWorldTransform();
+        place.getOrigin() += btVector3(btScalar(0.1), btScalar(1 + gap), btScalar(0.2));
+        high->setWorldTransform(place);
+        btRigidBody* orders[2][2] = {{low, high}, {high, low}};
+        for (auto& order : orders)
+        {
+            Gatherer gatherer;
+            gatherer.first = high;
+            world.world.contactPairTest(order[0], order[1], gatherer);
+            ck_assert_int_eq(gatherer.points > 0, gap < 0.1);
+            if (gap > 0.1)
+                continue;
+            ck_assert_double_eq_tol(gatherer.deepest, gap - 0.02, 1e-3);
+            ck_assert_double_gt(double(gatherer.towardsFirst.y()), 0.99);
+        }
+    }
+    Gatherer far;
+    far.first = high;
+    far.m_closestDistanceThreshold = 1;
+    world.world.contactPairTest(low, high, far);
+    ck_assert_double_eq_tol(far.deepest, 0.48, 1e-3);
+    Gatherer all;
+    all.first = low;
+    world.world.contactTest(low, all);
+    ck_assert_int_ge(all.points, 4);
+    ck_assert_double_eq_tol(all.deepest, double(low->getWorldTransform().getOrigin().y()) - 0.51, 1e-3);
+    ck_assert_double_gt(double(all.towardsFirst.y()), 0.99);
+    // Also something that is in no world.
+    btCollisionObject probe;
+    probe.setCollisionShape(shape);
+    probe.setWorldTransform(btTransform(btQuaternion::getIdentity(), btVector3(3, btScalar(0.5), 3)));
+    Gatherer found;
+    found.first = &probe;
+    world.world.contactPairTest(&probe, floor, found);
+    ck_assert_double_eq_tol(found.deepest, -0.01, 1e-3);
+    ck_assert_uint_eq(world.contact.getStatistics().batches, batches);
+    ck_assert_int_eq(world.contact.getStatistics().status, qc_statusOk);
+}
+END_TEST
+
+START_TEST(normals_point_from_the_second_body_to_the_first)
+{
+    // The floor before and after the cube, and above it.
+    for (int order = 0; order < 2; order++)
+        for (int plane = 0; plane < 2; plane++)
+        {
+            qcMeshWorld world;
+            if (order == 0)
+                qcAddFloor(world, plane ? qc_floorPlane : qc_floorStatic);
+            world.Add(world.Keep(qcCubeModel().MakeShape()), 1, btVector3(0, btScalar(0.51), 0));
+            if (order == 1)
+                qcAddFloor(world, plane ? qc_floorPlane : qc_floorStatic);
+            world.Step(2);
+            ck_assert_int_eq(world.dispatcher.getNumManifolds(), 1);
+            const btPersistentManifold* manifold = world.dispatcher.getManifoldByIndexInternal(0);
+            ck_assert_int_eq(manifold->getNumContacts(), 4);
+            for (int i = 0; i < 4; i++)
+            {
+                const btManifoldPoint& point = manifold->getContactPoint(i);
+                double up = manifold->getBody0()->isStaticObject() ? -1 : 1;
+                ck_assert_double_eq_tol(double(point.m_normalWorldOnB.y()), up, 1e-3);
+                btVector3 gap = point.m_positionWorldOnA - point.m_positionWorldOnB;
+                ck_assert_double_eq_tol(double(gap.dot(point.m_normalWorldOnB)), double(point.getDistance()), 1e-5);
+                ck_assert_int_eq(point.getLifeTime(), 2);
+            }
+        }
+}
+END_TEST
+
+START_TEST(gimpact_pairs_can_be_taken_over)
+{
+    qcMeshWorld world;
+    world.contact.takeOverGImpact();
+    qcAddFloor(world, qc_floorStatic);
+    btCollisionShape* shape = world.GImpact(qcCubeModel(), btScalar(0.01));
+    for (int i = 0; i < 3; i++)
+        world.Add(shape, 1, btVector3(btScalar(0.05 * i), btScalar(0.6 + 1.1 * i), 0));
+    world.Step(240);
+    ck_assert_uint_gt(world.contact.getStatistics().batches, 5);
+    for (int i = 0; i < 3; i++)
+        ck_assert_double_eq_tol(double(world.bodies[size_t(1 + i)]->getWorldTransform().getOrigin().y()),
+                                0.51 + 1.02 * i, 3e-3);
+    Gatherer gatherer;
+    gatherer.first = world.bodies[2].get();
+    world.world.contactPairTest(world.bodies[1].get(), world.bodies[2].get(), gatherer);
+    ck_assert_int_ge(gatherer.points, 4);
+    ck_assert_double_eq_tol(gatherer.deepest, 0, 1e-3);
+}
+END_TEST
+
+START_TEST(one_query_a_step_sees_all_pairs)
+{
+    qcMeshWorld world;
+    qcAddFloor(world, qc_floorStatic);
+    btCollisionShape* shape = world.Keep(qcCubeModel(1).MakeShape());
+    for (int i = 0; i < 40; i++)
+        world.Add(shape, 1, btVector3(btScalar(i % 5) - 2, btScalar(0.6 + 1.05 * (i / 5)), 0))
+            ->setActivationState(DISABLE_DEACTIVATION);
+    for (int i = 1; i <= 30; i++)
+    {
+        world.Step();
+        ck_assert_uint_le(world.contact.getStatistics().batches, uint64_t(i));
+    }
+    ck_assert_uint_eq(world.contact.getStatistics().queries, 0);
+    ck_assert_int_eq(world.contact.getStatistics().bodies, 41);
+}
+END_TEST
+
+START_TEST(a_body_replaced_by_pieces_between_two_steps_costs_one_query)
+{
+    qcMeshWorld world;
+    qcAddFloor(world, qc_floorStatic);
+    world.Add(world.Keep(qcCubeModel().MakeShape()), 1, btVector3(0, 2, 0));
+    world.Step(20);
+    btVector3 center = world.bodies.back()->getWorldTransform().getOrigin();
+    world.world.removeRigidBody(world.bodies.back().get());
+    world.bodies.pop_back();
+    world.shapes.pop_back(); // the shape goes, too; the pieces' may come to lie where it was
+    btVector3 half(btScalar(0.09), btScalar(0.09), btScalar(0.09));
+    for (int i = 0; i < 64; i++)
+    {
+        btVector3 place = btVector3(btScalar(i % 4), btScalar(i / 4 % 4), btScalar(i / 16)) * btScalar(0.2);
+        btCollisionShape* shape = world.Keep(qcBoxModel(half, 1).MakeShape());
+        world.Add(shape, btScalar(0.008), center + place)->setActivationState(DISABLE_DEACTIVATION);
+    }
+    uint64_t batches = world.contact.getStatistics().batches;
+    world.Step();
+    ck_assert_uint_eq(world.contact.getStatistics().batches, batches + 1);
+    ck_assert_int_eq(world.contact.getStatistics().bodies, 64); // the floor is far
+    // Each of the 144 inner faces has its contact.
+    ck_assert_int_ge(world.dispatcher.getNumManifolds(), 144);
+    world.Step(60);
+    for (size_t i = 1; i < world.bodies.size(); i++)
+        ck_assert_double_gt(double(world.bodies[i]->getWorldTransform().getOrigin().y()), 0.05);
+}
+END_TEST
+
+START_TEST(a_shape_may_be_scaled_while_it_rests)
+{
+    qcMeshWorld world;
+    qcAddFloor(world, qc_floorStatic);
+    btCollisionShape* shape = world.Keep(qcCubeModel().MakeShape());
+    btRigidBody* cube = world.Add(shape, 1, btVector3(0, btScalar(0.6), 0));
+    cube->setActivationState(DISABLE_DEACTIVATION);
+    world.Step(60);
+    shape->setLocalScaling(btVector3(2, btScalar(0.5), 2));
+    world.Step(120);
+    ck_assert_double_eq_tol(double(cube->getWorldTransform().getOrigin().y()), 0.26, 1e-3);
+}
+END_TEST
+
+START_TEST(the_same_calls_give_the_same_trajectories)
+{
+    std::vector<btVector3> places[2];
+    for (auto& out : places)
+    {
+        qcMeshWorld world;
+        world.Add(world.StaticMesh(qcBinModel(btScalar(0.9), 4)), 0, btVector3(0, 0, 0));
+        btCollisionShape* shape = world.Keep(qcTorusModel(0.4, 0.15, 16, 8).MakeShape());
+        for (int i = 0; i < 6; i++)
+        {
+            world.Add(shape, 1, btVector3(btScalar(0.1 * i), btScalar(0.7 + 0.5 * i), 0));
+            world.Step(20);
+            if (i == 3)
+            {
+                world.world.removeRigidBody(world.bodies[2].get());
+                world.bodies.erase(world.bodies.begin() + 2);
+            }
+        }
+        world.Step(60);
+        for (auto& body : world.bodies)
+            out.push_back(body->getWorldTransform().getOrigin());
+    }
+    ck_assert_uint_eq(places[0].size(), 6);
+    for (size_t i = 0; i < places[0].size(); i++)
+        for (int axis = 0; axis < 3; axis++)
+            ck_assert(places[0][i][axis] == places[1][i][axis]);
+}
+END_TEST
+
+START_TEST(methods_that_miss_are_refused)
+{
+    qcMeshContact contact;
+    ck_assert_int_eq(contact.setMethod(qc_methodQuick), qc_statusBadInput);
+    ck_assert_int_eq(contact.setMethod(qc_methodCullide), qc_statusBadInput);
+    ck_assert_int_eq(contact.setMethod(qc_methodSweep), qc_statusOk);
+}
+END_TEST
+} // namespace
+
+QC_RUN_TESTS("mesh_contact", contact_tests_see_where_bodies_are_now, normals_point_from_the_second_body_to_the_first,
+             gimpact_pairs_can_be_taken_over, one_query_a_step_sees_all_pairs,
+             a_body_replaced_by_pieces_between_two_steps_costs_one_query, a_shape_may_be_scaled_while_it_rests,
+             the_same_calls_give_the_same_trajectories, methods_that_miss_are_refused)

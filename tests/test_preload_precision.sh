@@ -1,0 +1,28 @@
+#!/bin/sh
+# qc-preload of one precision ends a program of the other one at once, and says why, and leaves alone what has no Bullet.
+# It shows the functions of btDbvtBroadphase that Bullet's library shows, and nothing else.
+# test_preload_precision.sh PRELOAD PROGRAM_OF_THE_SAME_PRECISION PROGRAM_OF_THE_OTHER
+set -eu
+
+preload=$1
+same=$2
+other=$3
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+
+if LD_PRELOAD=$preload "$other" >"$work/output" 2>"$work/messages"; then
+    echo "$other ran with $preload" >&2
+    exit 1
+fi
+cat "$work/messages"
+grep -q '^qc-preload: both .* and .* have a btDbvtBroadphase' "$work/messages"
+[ ! -s "$work/output" ]
+
+[ "$(LD_PRELOAD=$preload sh -c 'echo fine')" = fine ]
+
+bullet=$(ldd "$same" | awk '$1 ~ /^libBulletCollision/ { print $3 }')
+nm -D --defined-only "$bullet" | awk '/16btDbvtBroadphase/ { print $3 }' | sort >"$work/theirs"
+nm -D --defined-only "$preload" | awk '{ print $3 }' | sort >"$work/ours"
+[ -s "$work/theirs" ]
+cmp "$work/theirs" "$work/ours"
+echo "$(wc -l <"$work/ours") symbols, those of $bullet"
