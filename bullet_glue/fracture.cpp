@@ -74,7 +74,7 @@ qcClipMesh MeshOf(const qcFractureDef& def)
     for (const btVector3& vertex : def.vertices)
         mesh.points.push_back(PointOf(vertex));
     for (size_t i = 0; i < def.indices.size(); i += 3)
-        mesh.triangles.push_back({{def.indices[i], def.indices[i + 1], def.indices[i + 2]}, false});
+        mesh.triangles.push_back({{def.indices[i], def.indices[i + 1], def.indices[i + 2]}, uint32_t(i / 3)});
     return mesh;
 }
 
@@ -82,9 +82,10 @@ qcClipMesh MeshOf(const qcFractureDef& def)
 
 /// The plane in the middle of two sites; what is outside is nearer to the second. With the sites exchanged it is the
 /// same plane with other signs.
-qcClipPlane BisectorOf(const qcClipPoint& a, const qcClipPoint& b)
+qcClipPlane BisectorOf(const qcClipPoint& a, const qcClipPoint& b, uint32_t face)
 {
     qcClipPlane plane;
+    plane.face = face;
     double length = 0;
     for (size_t i = 0; i < 3; i++)
         length += (b[i] - a[i]) * (b[i] - a[i]);
@@ -225,7 +226,7 @@ void JoinHollows(std::vector<qcClipMesh>* parts)
     }
 }
 
-void AddPiece(qcClipMesh& part, uint32_t site, qcFracture* fracture)
+void AddPiece(qcClipMesh& part, uint32_t site, uint32_t firstCut, qcFracture* fracture)
 {
     qcClipPoint first;
     double volume = qcClipMesh_Measure(part, &first);
@@ -243,10 +244,10 @@ void AddPiece(qcClipMesh& part, uint32_t site, qcFracture* fracture)
                                     btScalar(p[1] - double(piece.center.y())),
                                     btScalar(p[2] - double(piece.center.z())));
     std::stable_partition(part.triangles.begin(), part.triangles.end(),
-                          [](const qcClipTriangle& t) { return !t.isCut; });
+                          [firstCut](const qcClipTriangle& t) { return t.face < firstCut; });
     for (const qcClipTriangle& triangle : part.triangles)
     {
-        piece.firstCutTriangle += !triangle.isCut;
+        piece.firstCutTriangle += triangle.face < firstCut;
         piece.indices.insert(piece.indices.end(), triangle.corner.begin(), triangle.corner.end());
     }
     fracture->pieces.push_back(std::move(piece));
@@ -285,16 +286,19 @@ qcFracture qcFracture_Split(const qcFractureDef& def)
     for (const btVector3& site : def.sites)
         sites.push_back(PointOf(site));
     std::vector<std::vector<int>> neighbours = FindNeighbours(mesh, sites);
+    // The faces: triangles of the mesh, then cuts by the site on their other side.
+    uint32_t firstCut = uint32_t(def.indices.size() / 3);
     for (size_t site = 0; site < sites.size(); site++)
     {
         qcClipMesh cell = mesh;
         for (int other : neighbours[site])
-            qcClipMesh_Cut(&cell, BisectorOf(sites[site], sites[size_t(other)]));
+            qcClipMesh_Cut(&cell, BisectorOf(sites[site], sites[size_t(other)], firstCut + uint32_t(other)));
+        qcClipMesh_Simplify(&cell);
         std::vector<qcClipMesh> parts = SplitParts(cell);
         JoinHollows(&parts);
         for (qcClipMesh& part : parts)
             if (!part.triangles.empty())
-                AddPiece(part, uint32_t(site), &fracture);
+                AddPiece(part, uint32_t(site), firstCut, &fracture);
     }
     return fracture;
 }

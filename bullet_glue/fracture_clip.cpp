@@ -23,15 +23,17 @@ double SideOf(const qcClipPlane& plane, const qcClipPoint& p)
     return plane.normal[0] * p[0] + plane.normal[1] * p[1] + plane.normal[2] * p[2] - plane.distance;
 }
 
-/// Edges by their key: how much more often they are passed from the lower index to the higher one.
-std::unordered_map<uint64_t, int> CountEdges(const qcClipMesh& mesh, const std::vector<uint8_t>* counts)
+/// Edges by their key: how much more often they are passed from the lower index to the higher one. Among all points, or
+/// those with a flag.
+std::unordered_map<uint64_t, int> CountEdges(const std::vector<qcClipTriangle>& triangles,
+                                             const std::vector<uint8_t>* among)
 {
     std::unordered_map<uint64_t, int> edges;
-    for (const qcClipTriangle& triangle : mesh.triangles)
+    for (const qcClipTriangle& triangle : triangles)
         for (int c = 0; c < 3; c++)
         {
             uint32_t a = triangle.corner[size_t(c)], b = triangle.corner[size_t(c + 1) % 3];
-            if (counts == nullptr || ((*counts)[a] && (*counts)[b]))
+            if (among == nullptr || ((*among)[a] && (*among)[b]))
                 edges[EdgeKey(a, b)] += a < b ? 1 : a > b ? -1 : 0;
         }
     return edges;
@@ -83,43 +85,50 @@ struct Cutter
         uint32_t ab = Crossing(a, b), ca = Crossing(c, a);
         if (outside == 2)
         {
-            kept.push_back({{a, ab, ca}, triangle.isCut});
+            kept.push_back({{a, ab, ca}, triangle.face});
             return;
         }
-        kept.push_back({{ab, b, c}, triangle.isCut});
-        kept.push_back({{ab, c, ca}, triangle.isCut});
+        kept.push_back({{ab, b, c}, triangle.face});
+        kept.push_back({{ab, c, ca}, triangle.face});
     }
 };
 
 //  ---- the face --------------------------------------------------------------------------------------
 
-/// Loops of edges that are passed too often: the other way round they bound the face.
-std::vector<std::vector<uint32_t>> FindLoops(const qcClipMesh& mesh, const std::vector<uint8_t>& onPlane)
+using Loops = std::vector<std::vector<uint32_t>>;
+
+/// Each edge begins where another ends.
+Loops ChainEdges(std::multimap<uint32_t, uint32_t>* next)
 {
-    std::multimap<uint32_t, uint32_t> next;
-    for (const auto& edge : CountEdges(mesh, &onPlane))
-    {
-        uint32_t low = uint32_t(edge.first >> 32), high = uint32_t(edge.first);
-        for (int k = 0; k < std::abs(edge.second); k++)
-            next.emplace(edge.second > 0 ? high : low, edge.second > 0 ? low : high);
-    }
-    std::vector<std::vector<uint32_t>> loops;
-    while (!next.empty())
+    Loops loops;
+    while (!next->empty())
     {
         std::vector<uint32_t> loop;
-        for (auto edge = next.begin(); edge != next.end(); edge = next.find(loop.back()))
+        for (auto edge = next->begin(); edge != next->end(); edge = next->find(loop.back()))
         {
             if (loop.empty())
                 loop.push_back(edge->first);
             loop.push_back(edge->second);
-            next.erase(edge);
+            next->erase(edge);
         }
-        // Its first vertex again: each is as often begun as ended.
+        // Its first vertex again.
         loop.pop_back();
-        if (loop.size() >= 3)
-            loops.push_back(std::move(loop));
+        loops.push_back(std::move(loop));
     }
     return loops;
+}
+
+/// Loops of edges that are passed more often one way than the other: `turned`, in the way that is missing.
+Loops FindLoops(const std::vector<qcClipTriangle>& triangles, const std::vector<uint8_t>* among, bool turned)
+{
+    std::multimap<uint32_t, uint32_t> next;
+    for (const auto& edge : CountEdges(triangles, among))
+    {
+        uint32_t low = uint32_t(edge.first >> 32), high = uint32_t(edge.first);
+        for (int k = 0; k < std::abs(edge.second); k++)
+            next.emplace((edge.second > 0) == turned ? high : low, (edge.second > 0) == turned ? low : high);
+    }
+    return ChainEdges(&next);
 }
 
 struct Face
@@ -174,7 +183,8 @@ template <typename Function> void SetCallback(GLUtesselator* tesselator, GLenum 
     gluTessCallback(tesselator, which, reinterpret_cast<void(APIENTRY*)()>(function));
 }
 
-void AddFace(qcClipMesh* mesh, const qcClipPlane& plane, const std::vector<std::vector<uint32_t>>& loops)
+/// Triangles over what the loops go round counterclockwise, as the normal sees it.
+void AddFace(qcClipMesh* mesh, const qcClipPoint& normal, uint32_t number, const Loops& loops)
 {
     GLUtesselator* tesselator = loops.empty() ? nullptr : gluNewTess();
     if (tesselator == nullptr)
@@ -185,7 +195,7 @@ void AddFace(qcClipMesh* mesh, const qcClipPlane& plane, const std::vector<std::
     SetCallback(tesselator, GLU_TESS_ERROR_DATA, OnError);
     SetCallback(tesselator, GLU_TESS_COMBINE_DATA, OnCombine);
     gluTessProperty(tesselator, GLU_TESS_WINDING_RULE, GLU_TESS_WINDING_POSITIVE);
-    gluTessNormal(tesselator, plane.normal[0], plane.normal[1], plane.normal[2]);
+    gluTessNormal(tesselator, normal[0], normal[1], normal[2]);
     gluTessBeginPolygon(tesselator, &face);
     for (const std::vector<uint32_t>& loop : loops)
     {
@@ -200,15 +210,57 @@ void AddFace(qcClipMesh* mesh, const qcClipPlane& plane, const std::vector<std::
     gluTessEndPolygon(tesselator);
     gluDeleteTess(tesselator);
     for (size_t i = 0; i + 2 < face.corners.size() && !face.failed; i += 3)
-        mesh->triangles.push_back({{face.corners[i], face.corners[i + 1], face.corners[i + 2]}, true});
+        mesh->triangles.push_back({{face.corners[i], face.corners[i + 1], face.corners[i + 2]}, number});
 }
 
 /// Closed whatever the loops look like, with the right signed volume.
-void AddFans(qcClipMesh* mesh, const std::vector<std::vector<uint32_t>>& loops)
+void AddFans(qcClipMesh* mesh, uint32_t number, const Loops& loops)
 {
     for (const std::vector<uint32_t>& loop : loops)
         for (size_t i = 2; i < loop.size(); i++)
-            mesh->triangles.push_back({{loop[0], loop[i - 1], loop[i]}, true});
+            mesh->triangles.push_back({{loop[0], loop[i - 1], loop[i]}, number});
+}
+
+//  ---- faces made anew -------------------------------------------------------------------------------
+
+/// Points that three faces have, or more. Where there are two, they meet in a line through the point.
+std::vector<uint8_t> FindVertices(const qcClipMesh& mesh)
+{
+    constexpr uint32_t none = UINT32_MAX;
+    std::vector<std::array<uint32_t, 2>> faces(mesh.points.size(), {none, none});
+    std::vector<uint8_t> isVertex(mesh.points.size(), false);
+    for (const qcClipTriangle& triangle : mesh.triangles)
+        for (uint32_t corner : triangle.corner)
+        {
+            std::array<uint32_t, 2>& known = faces[corner];
+            if (known[0] == triangle.face || known[1] == triangle.face)
+                continue;
+            if (known[0] == none)
+                known[0] = triangle.face;
+            else if (known[1] == none)
+                known[1] = triangle.face;
+            else
+                isVertex[corner] = true;
+        }
+    return isVertex;
+}
+
+/// The direction that the loops face, by twice their area.
+qcClipPoint NormalOf(const qcClipMesh& mesh, const Loops& loops)
+{
+    qcClipPoint normal = {0, 0, 0};
+    for (const std::vector<uint32_t>& loop : loops)
+        for (size_t i = 0; i < loop.size(); i++)
+        {
+            const qcClipPoint &from = mesh.points[loop[0]], &a = mesh.points[loop[i]],
+                              &b = mesh.points[loop[(i + 1) % loop.size()]];
+            for (size_t k = 0; k < 3; k++)
+            {
+                size_t u = (k + 1) % 3, v = (k + 2) % 3;
+                normal[k] += (a[u] - from[u]) * (b[v] - from[v]) - (a[v] - from[v]) * (b[u] - from[u]);
+            }
+        }
+    return normal;
 }
 } // namespace
 
@@ -233,7 +285,7 @@ void qcClipMesh_Weld(qcClipMesh* mesh)
 
 size_t qcClipMesh_FindOpenTriangle(const qcClipMesh& mesh)
 {
-    std::unordered_map<uint64_t, int> edges = CountEdges(mesh, nullptr);
+    std::unordered_map<uint64_t, int> edges = CountEdges(mesh.triangles, nullptr);
     for (size_t i = 0; i < mesh.triangles.size(); i++)
         for (size_t c = 0; c < 3; c++)
             if (edges[EdgeKey(mesh.triangles[i].corner[c], mesh.triangles[i].corner[(c + 1) % 3])] != 0)
@@ -284,8 +336,30 @@ void qcClipMesh_Cut(qcClipMesh* mesh, const qcClipPlane& plane)
     std::vector<uint8_t> onPlane;
     for (double side : cutter.side)
         onPlane.push_back(side == 0);
-    AddFace(mesh, plane, FindLoops(*mesh, onPlane));
+    AddFace(mesh, plane.normal, plane.face, FindLoops(mesh->triangles, &onPlane, true));
     onPlane.resize(mesh->points.size(), true);
-    AddFans(mesh, FindLoops(*mesh, onPlane));
+    AddFans(mesh, plane.face, FindLoops(mesh->triangles, &onPlane, true));
     qcClipMesh_Weld(mesh);
+}
+
+void qcClipMesh_Simplify(qcClipMesh* mesh)
+{
+    std::vector<uint8_t> isVertex = FindVertices(*mesh);
+    std::map<uint32_t, std::vector<qcClipTriangle>> faces;
+    for (const qcClipTriangle& triangle : mesh->triangles)
+        faces[triangle.face].push_back(triangle);
+    qcClipMesh made;
+    made.points = mesh->points;
+    for (const auto& face : faces)
+    {
+        Loops loops = FindLoops(face.second, nullptr, false);
+        for (std::vector<uint32_t>& loop : loops)
+            loop.erase(std::remove_if(loop.begin(), loop.end(), [&](uint32_t point) { return !isVertex[point]; }),
+                       loop.end());
+        AddFace(&made, NormalOf(made, loops), face.first, loops);
+    }
+    qcClipMesh_Weld(&made);
+    // Where rounding has bent an outline, splinters do no harm.
+    if (qcClipMesh_FindOpenTriangle(made) == made.triangles.size())
+        *mesh = std::move(made);
 }

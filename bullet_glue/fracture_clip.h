@@ -12,7 +12,7 @@ using qcClipPoint = std::array<double, 3>;
 struct qcClipTriangle
 {
     std::array<uint32_t, 3> corner;
-    bool isCut; ///< lies in a plane that the mesh was cut by
+    uint32_t face; ///< what it is a part of: triangles of one face lie in one plane, and two faces meet in a line
 };
 
 struct qcClipMesh
@@ -26,6 +26,7 @@ struct qcClipPlane
 {
     qcClipPoint normal;
     double distance;
+    uint32_t face; ///< of the triangles that close the cut
 };
 
 /// Vertices at the same position become one, those that no triangle has are dropped, and triangles that have one twice.
@@ -40,5 +41,8 @@ double qcClipMesh_Measure(const qcClipMesh& mesh, qcClipPoint* first);
 /// Takes away what is outside of the plane, and puts a face there. Points where the plane cuts an edge are the same for
 /// the plane and for its mirror image (the same numbers with other signs), bit by bit.
 void qcClipMesh_Cut(qcClipMesh* mesh, const qcClipPlane& plane);
+
+/// Cuts leave splinters: makes each face anew from its outline. A closed mesh stays closed.
+void qcClipMesh_Simplify(qcClipMesh* mesh);
 
 #endif

@@ -4,57 +4,57 @@
 // successor is removed, the others are replaced by addContactPoint, which hands the impulses of the nearest one on.
 #include "mesh_algorithm.h"
 
-#include "mesh_points.h"
-
+#include <BulletCollision/CollisionDispatch/btCollisionDispatcher.h>
 #include <BulletCollision/CollisionDispatch/btCollisionObjectWrapper.h>
 #include <BulletCollision/CollisionDispatch/btManifoldResult.h>
 #include <BulletCollision/CollisionShapes/btStaticPlaneShape.h>
 
+#include <algorithm>
+
 namespace
 {
-/// The manifold's points seen from the body whose frame it compares them in.
-struct Local
+/// The manifold's point that would hand its impulses on to this one, or -1.
+int Predecessor(const btPersistentManifold& manifold, const qcMeshPoint& point, const btTransform& bodyA)
 {
-    btVector3 at[4];
-    int count;
-};
-
-Local LocalPoints(const qcPointGroup& group, const btTransform& bodyA)
-{
-    Local local;
-    local.count = group.count;
-    for (int i = 0; i < group.count; i++)
-        local.at[i] = bodyA.invXform(group.points[i]->onB + group.points[i]->normal * group.points[i]->distance);
-    return local;
+    btManifoldPoint probe;
+    probe.m_localPointA = bodyA.invXform(point.onB + point.normal * point.distance);
+    return manifold.getCacheEntry(probe);
 }
 
-/// How many points of a manifold have a successor in the group.
-int CountSuccessors(const btPersistentManifold& manifold, const Local& local)
+/// How many points of a group have one.
+int CountSuccessors(const btPersistentManifold& manifold, const qcPointGroup& group, const btTransform& bodyA)
 {
     int count = 0;
-    for (int i = 0; i < local.count; i++)
-    {
-        btManifoldPoint probe;
-        probe.m_localPointA = local.at[i];
-        count += manifold.getCacheEntry(probe) >= 0;
-    }
+    for (int i = 0; i < group.count; i++)
+        count += Predecessor(manifold, *group.points[i], bodyA) >= 0;
     return count;
 }
 
-void RemoveWithoutSuccessor(btPersistentManifold* manifold, const Local& local)
+void RemoveWithoutSuccessor(btPersistentManifold* manifold, const qcPointGroup& group, const btTransform& bodyA)
 {
     bool kept[MANIFOLD_CACHE_SIZE] = {};
-    for (int i = 0; i < local.count; i++)
+    for (int i = 0; i < group.count; i++)
     {
-        btManifoldPoint probe;
-        probe.m_localPointA = local.at[i];
-        int entry = manifold->getCacheEntry(probe);
+        int entry = Predecessor(*manifold, *group.points[i], bodyA);
         if (entry >= 0)
             kept[entry] = true;
     }
     for (int i = manifold->getNumContacts() - 1; i >= 0; i--)
         if (!kept[i])
             manifold->removeContactPoint(i);
+}
+
+/// As getNewManifold finds it.
+btScalar BreakingThreshold(const btDispatcher* dispatcher, const btCollisionObjectWrapper& body0,
+                           const btCollisionObjectWrapper& body1)
+{
+    int flags = static_cast<const btCollisionDispatcher*>(dispatcher)->getDispatcherFlags();
+    if ((flags & btCollisionDispatcher::CD_USE_RELATIVE_CONTACT_BREAKING_THRESHOLD) == 0)
+        return gContactBreakingThreshold;
+    const btCollisionShape* shape0 = body0.getCollisionObject()->getCollisionShape();
+    const btCollisionShape* shape1 = body1.getCollisionObject()->getCollisionShape();
+    return std::min(shape0->getContactBreakingThreshold(gContactBreakingThreshold),
+                    shape1->getContactBreakingThreshold(gContactBreakingThreshold));
 }
 
 void Report(const qcMeshPoint& point, const btCollisionObjectWrapper& body0, btManifoldResult* result)
@@ -95,6 +95,54 @@ btPersistentManifold* qcPointsAlgorithm::Manifold(int i, const btCollisionObject
     return m_manifolds[i];
 }
 
+/// The manifold for a group: one that has points near those of the group, or else an empty one.
+int qcPointsAlgorithm::Successor(const qcPointGroup& group, const btTransform& bodyA, const bool used[s_groups]) const
+{
+    int best = -1, most = -1;
+    for (int i = 0; i < s_groups; i++)
+    {
+        int count = used[i] ? -1 : m_manifolds[i] != nullptr ? CountSuccessors(*m_manifolds[i], group, bodyA) : 0;
+        if (count > most)
+        {
+            most = count;
+            best = i;
+        }
+    }
+    return best;
+}
+
+/// Empties the manifolds that no group has, and gives back those that were empty before: one that was made in this
+/// dispatch has points, so none is made and released in the same one.
+void qcPointsAlgorithm::Clear(const bool used[s_groups])
+{
+    for (int i = 0; i < s_groups; i++)
+    {
+        btPersistentManifold* manifold = m_manifolds[i];
+        if (used[i] || manifold == nullptr)
+            continue;
+        if (manifold->getNumContacts() == 0 && !m_shared)
+        {
+            m_dispatcher->releaseManifold(manifold);
+            m_manifolds[i] = nullptr;
+        }
+        for (int k = manifold->getNumContacts() - 1; m_manifolds[i] != nullptr && k >= 0; k--)
+            manifold->removeContactPoint(k);
+    }
+}
+
+void qcPointsAlgorithm::ReportAll(const std::vector<qcMeshPoint>& points, btScalar reach,
+                                  const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1,
+                                  btManifoldResult* result)
+{
+    btPersistentManifold* manifold = points.empty() ? nullptr : Manifold(0, body0, body1);
+    if (manifold == nullptr)
+        return;
+    result->setPersistentManifold(manifold);
+    for (const qcMeshPoint& point : points)
+        if (point.distance <= reach)
+            Report(point, body0, result);
+}
+
 void qcPointsAlgorithm::processCollision(const btCollisionObjectWrapper* body0, const btCollisionObjectWrapper* body1,
                                          const btDispatcherInfo&, btManifoldResult* result)
 {
@@ -103,8 +151,6 @@ void qcPointsAlgorithm::processCollision(const btCollisionObjectWrapper* body0, 
     btScalar reach = m_batch->Reach(body0->getCollisionShape(), body1->getCollisionShape()) +
                      result->m_closestPointDistanceThreshold;
     FindPoints(*body0, *body1, reach, &points);
-    if ((points.empty() && m_manifolds[0] == nullptr) || Manifold(0, *body0, *body1) == nullptr)
-        return;
     for (qcMeshPoint& point : points)
     {
         point.onA -= point.normal * marginA;
@@ -113,42 +159,28 @@ void qcPointsAlgorithm::processCollision(const btCollisionObjectWrapper* body0, 
     }
     if (m_query)
     {
-        result->setPersistentManifold(m_manifolds[0]);
-        for (const qcMeshPoint& point : points)
-            if (point.distance <= reach)
-                Report(point, *body0, result);
+        ReportAll(points, reach, *body0, *body1, result);
         return;
     }
-    btScalar threshold = m_manifolds[0]->getContactBreakingThreshold();
+    btScalar threshold = BreakingThreshold(m_dispatcher, *body0, *body1);
     qcPointGroup groups[s_groups];
     int groupCount = qcGroupPoints(&points, std::min(reach, threshold), threshold, m_shared ? 1 : s_groups, groups);
+    const btTransform& bodyA = body0->getCollisionObject()->getWorldTransform();
     bool used[s_groups] = {};
     for (int g = 0; g < groupCount; g++)
     {
-        Local local = LocalPoints(groups[g], body0->getCollisionObject()->getWorldTransform());
-        int best = -1, most = -1;
-        for (int i = 0; i < s_groups; i++)
-        {
-            int count = used[i] ? -1 : m_manifolds[i] != nullptr ? CountSuccessors(*m_manifolds[i], local) : 0;
-            if (count > most)
-            {
-                most = count;
-                best = i;
-            }
-        }
-        used[best] = true;
-        btPersistentManifold* manifold = Manifold(best, *body0, *body1);
+        int i = Successor(groups[g], bodyA, used);
+        used[i] = true;
+        btPersistentManifold* manifold = Manifold(i, *body0, *body1);
         if (manifold == nullptr)
             continue;
-        RemoveWithoutSuccessor(manifold, local);
+        RemoveWithoutSuccessor(manifold, groups[g], bodyA);
         result->setPersistentManifold(manifold);
-        for (int i = 0; i < groups[g].count; i++)
-            Report(*groups[g].points[i], *body0, result);
+        for (int k = 0; k < groups[g].count; k++)
+            Report(*groups[g].points[k], *body0, result);
         result->refreshContactPoints();
     }
-    for (int i = 0; i < s_groups; i++)
-        if (!used[i] && m_manifolds[i] != nullptr && m_manifolds[i]->getNumContacts() > 0)
-            RemoveWithoutSuccessor(m_manifolds[i], Local{{}, 0});
+    Clear(used);
 }
 
 btScalar qcPointsAlgorithm::calculateTimeOfImpact(btCollisionObject*, btCollisionObject*, const btDispatcherInfo&,

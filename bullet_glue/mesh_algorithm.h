@@ -3,6 +3,7 @@
 #define QC_BULLET_GLUE_MESH_ALGORITHM_H
 
 #include "mesh_batch.h"
+#include "mesh_points.h"
 
 #include <BulletCollision/BroadphaseCollision/btCollisionAlgorithm.h>
 
@@ -36,6 +37,10 @@ class qcPointsAlgorithm : public btCollisionAlgorithm
     static constexpr int s_groups = 4;
 
     btPersistentManifold* Manifold(int i, const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1);
+    int Successor(const qcPointGroup& group, const btTransform& bodyA, const bool used[s_groups]) const;
+    void Clear(const bool used[s_groups]);
+    void ReportAll(const std::vector<qcMeshPoint>& points, btScalar reach, const btCollisionObjectWrapper& body0,
+                   const btCollisionObjectWrapper& body1, btManifoldResult* result);
 
     bool m_shared; ///< the manifold is that of a parent: one, not ours to release
     btPersistentManifold* m_manifolds[s_groups] = {};

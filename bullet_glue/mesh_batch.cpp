@@ -154,42 +154,51 @@ bool qcMeshBatch::IsAt(const Mesh& mesh, const btTransform& transform)
     return mesh.placed && Motion(mesh.transform, transform, mesh.radius) <= mesh.slack;
 }
 
-/// Takes the object's present meshes, keeping what the scene has of them.
-void qcMeshBatch::Refresh(const btCollisionObject* object, Object* known)
+/// What depends on the shape only.
+void qcMeshBatch::Measure(const btCollisionShape& root, Object* known) const
 {
-    m_collected.clear();
-    CollectMeshes(object->getCollisionShape(), object->getWorldTransform(), &m_collected);
-    for (Mesh& mesh : m_collected)
-        mesh.revision = qcMeshRevision(mesh.shape);
-    auto isSame = [](const Mesh& a, const Mesh& b) { return a.shape == b.shape && a.revision == b.revision; };
-    bool same = std::equal(m_collected.begin(), m_collected.end(), known->meshes.begin(), known->meshes.end(), isSame);
-    for (size_t i = 0; same && i < m_collected.size(); i++)
-    {
-        Mesh& mesh = known->meshes[i];
-        if (IsAt(mesh, m_collected[i].transform))
-            continue;
-        mesh.placed = false;
-        mesh.transform = m_collected[i].transform;
-    }
-    if (same && known->threshold > 0)
-        return;
-    if (!same)
-    {
-        Forget(known);
-        known->meshes.swap(m_collected);
-    }
-    known->threshold = std::min(object->getCollisionShape()->getContactBreakingThreshold(gContactBreakingThreshold),
-                                2 * gContactBreakingThreshold);
+    known->threshold =
+        std::min(root.getContactBreakingThreshold(gContactBreakingThreshold), 2 * gContactBreakingThreshold);
     known->ours = false;
-    known->margin = 0;
     for (Mesh& mesh : known->meshes)
     {
         mesh.slack = s_slack * known->threshold;
         mesh.radius = RadiusOf(mesh.shape);
         known->ours = known->ours || qcAsMeshShape(mesh.shape) != nullptr ||
                       (gimpact && mesh.shape->getShapeType() == GIMPACT_SHAPE_PROXYTYPE);
-        known->margin = std::max(known->margin, mesh.shape->getMargin() + mesh.slack);
     }
+}
+
+/// Takes the object's present meshes, keeping what the scene has of them.
+void qcMeshBatch::Refresh(const btCollisionObject* object, Object* known)
+{
+    m_collected.clear();
+    CollectMeshes(object->getCollisionShape(), object->getWorldTransform(), &m_collected);
+    for (Mesh& mesh : m_collected)
+    {
+        mesh.revision = qcMeshRevision(mesh.shape);
+        mesh.margin = mesh.shape->getMargin();
+    }
+    auto isSame = [](const Mesh& a, const Mesh& b) { return a.shape == b.shape && a.revision == b.revision; };
+    bool same = std::equal(m_collected.begin(), m_collected.end(), known->meshes.begin(), known->meshes.end(), isSame);
+    for (size_t i = 0; same && i < m_collected.size(); i++)
+    {
+        Mesh& mesh = known->meshes[i];
+        mesh.margin = m_collected[i].margin;
+        if (IsAt(mesh, m_collected[i].transform))
+            continue;
+        mesh.placed = false;
+        mesh.transform = m_collected[i].transform;
+    }
+    if (!same)
+    {
+        Forget(known);
+        known->meshes.swap(m_collected);
+        Measure(*object->getCollisionShape(), known);
+    }
+    known->margin = 0;
+    for (const Mesh& mesh : known->meshes)
+        known->margin = std::max(known->margin, mesh.margin + mesh.slack);
 }
 
 /// Takes the object's meshes out of the scene.
@@ -350,7 +359,7 @@ const qcMeshBatch::Mesh* qcMeshBatch::Held(const qcPlacedMesh& mesh, bool* movin
         return nullptr;
     *moving = *moving || found->second.activity == qc_activityMoving;
     for (const Mesh& held : found->second.meshes)
-        if (held.shape == mesh.shape && IsAt(held, mesh.transform))
+        if (held.shape == mesh.shape && held.margin == mesh.shape->getMargin() && IsAt(held, mesh.transform))
             return &held;
     return nullptr;
 }

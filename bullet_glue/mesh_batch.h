@@ -56,6 +56,7 @@ class qcMeshBatch
         const btCollisionShape* shape;
         btTransform transform;
         uint64_t revision = 0;
+        btScalar margin = 0;
         bool inScene = false;
         bool placed = false; ///< the scene has it at this transform
         btScalar radius = 0; ///< of its points, from its origin
@@ -80,6 +81,7 @@ class qcMeshBatch
 
     void CollectMeshes(const btCollisionShape* shape, const btTransform& transform, std::vector<Mesh>* meshes) const;
     static bool IsAt(const Mesh& mesh, const btTransform& transform);
+    void Measure(const btCollisionShape& root, Object* known) const;
     void Refresh(const btCollisionObject* object, Object* known);
     Object* Know(const btCollisionObject* object);
     void WantPairs();

@@ -1,4 +1,8 @@
 // The contact of meshes in Bullet worlds: what it asks, tells, and survives.
+#include <BulletSoftBody/btSoftBodyHelpers.h>
+#include <BulletSoftBody/btSoftBodyRigidBodyCollisionConfiguration.h>
+#include <BulletSoftBody/btSoftRigidDynamicsWorld.h>
+
 #include "mesh_world.h"
 
 namespace
@@ -65,6 +69,15 @@ START_TEST(contact_tests_see_where_bodies_are_now)
     ck_assert_int_ge(all.points, 4);
     ck_assert_double_eq_tol(all.deepest, double(low->getWorldTransform().getOrigin().y()) - 0.51, 1e-3);
     ck_assert_double_gt(double(all.towardsFirst.y()), 0.99);
+    // A convex shape is Bullet's affair.
+    btBoxShape box(btVector3(1, 1, 1));
+    btCollisionObject convex;
+    convex.setCollisionShape(&box);
+    convex.setWorldTransform(btTransform(btQuaternion::getIdentity(),
+                                         low->getWorldTransform().getOrigin() + btVector3(0, btScalar(1.5), 0)));
+    Gatherer touching;
+    world.world.contactPairTest(&convex, low, touching);
+    ck_assert_double_eq_tol(touching.deepest, -0.01, 1e-3);
     // Also something that is in no world.
     btCollisionObject probe;
     probe.setCollisionShape(shape);
@@ -78,6 +91,20 @@ START_TEST(contact_tests_see_where_bodies_are_now)
 }
 END_TEST
 
+/// Of a point from the box around a triangle.
+double DistanceFromBox(const qcModel& model, uint32_t triangle, const btVector3& point)
+{
+    btVector3 lower = model.Corner(triangle, 0), upper = lower, nearest = point;
+    for (uint32_t c = 1; c < 3; c++)
+    {
+        lower.setMin(model.Corner(triangle, c));
+        upper.setMax(model.Corner(triangle, c));
+    }
+    nearest.setMax(lower);
+    nearest.setMin(upper);
+    return double((point - nearest).length());
+}
+
 START_TEST(normals_point_from_the_second_body_to_the_first)
 {
     // The floor before and after the cube, and above it.
@@ -87,7 +114,8 @@ START_TEST(normals_point_from_the_second_body_to_the_first)
             qcMeshWorld world;
             if (order == 0)
                 qcAddFloor(world, plane ? qc_floorPlane : qc_floorStatic);
-            world.Add(world.Keep(qcCubeModel().MakeShape()), 1, btVector3(0, btScalar(0.51), 0));
+            qcModel model = qcCubeModel();
+            btRigidBody* cube = world.Add(world.Keep(model.MakeShape()), 1, btVector3(0, btScalar(0.51), 0));
             if (order == 1)
                 qcAddFloor(world, plane ? qc_floorPlane : qc_floorStatic);
             world.Step(2);
@@ -102,6 +130,13 @@ START_TEST(normals_point_from_the_second_body_to_the_first)
                 btVector3 gap = point.m_positionWorldOnA - point.m_positionWorldOnB;
                 ck_assert_double_eq_tol(double(gap.dot(point.m_normalWorldOnB)), double(point.getDistance()), 1e-5);
                 ck_assert_int_eq(point.getLifeTime(), 2);
+                // The triangle that is named has the point at its shell.
+                bool cubeFirst = !manifold->getBody0()->isStaticObject();
+                int triangle = cubeFirst ? point.m_index0 : point.m_index1;
+                btVector3 onCube = cubeFirst ? point.m_positionWorldOnA : point.m_positionWorldOnB;
+                ck_assert_int_ge(triangle, 0);
+                ck_assert_double_lt(
+                    DistanceFromBox(model, uint32_t(triangle), cube->getWorldTransform().invXform(onCube)), 0.0101);
             }
         }
 }
@@ -189,6 +224,65 @@ START_TEST(a_shape_may_be_scaled_while_it_rests)
 }
 END_TEST
 
+START_TEST(margins_may_change_while_bodies_rest)
+{
+    qcMeshWorld world;
+    qcAddFloor(world, qc_floorStatic);
+    btCollisionShape* shape = world.Keep(qcCubeModel().MakeShape());
+    btRigidBody* cube = world.Add(shape, 1, btVector3(0, btScalar(0.51), 0));
+    cube->setActivationState(DISABLE_DEACTIVATION);
+    world.Step(60);
+    shape->setMargin(btScalar(0.1));
+    world.Step(120);
+    ck_assert_double_eq_tol(double(cube->getWorldTransform().getOrigin().y()), 0.6, 1e-3);
+}
+END_TEST
+
+/// The lowest node ever of a cloth that falls on a floor at height 0.
+double LowestNode(btCollisionShape* floor)
+{
+    qcMeshContact contact;
+    btSoftBodyRigidBodyCollisionConfiguration configuration;
+    btCollisionDispatcher dispatcher(&configuration);
+    qcBroadphase broadphase;
+    btSequentialImpulseConstraintSolver solver;
+    btSoftRigidDynamicsWorld world(&dispatcher, &broadphase, &solver, &configuration);
+    contact.addTo(&world);
+    world.getWorldInfo().m_gravity = world.getGravity();
+    btRigidBody body(btRigidBody::btRigidBodyConstructionInfo(0, nullptr, floor));
+    world.addRigidBody(&body);
+    btScalar h = btScalar(0.8), y = btScalar(0.3);
+    btSoftBody* cloth = btSoftBodyHelpers::CreatePatch(world.getWorldInfo(), btVector3(-h, y, -h), btVector3(h, y, -h),
+                                                       btVector3(-h, y, h), btVector3(h, y, h), 20, 20, 0, true);
+    cloth->getCollisionShape()->setMargin(btScalar(0.1));
+    cloth->setTotalMass(btScalar(0.5));
+    world.addSoftBody(cloth);
+    double lowest = 1e9;
+    for (int i = 0; i < 120; i++)
+    {
+        world.stepSimulation(qcStep / 2, 0);
+        for (int n = 0; n < cloth->m_nodes.size(); n++)
+            lowest = std::min(lowest, double(cloth->m_nodes[n].m_x.y()));
+    }
+    world.removeSoftBody(cloth);
+    delete cloth;
+    world.removeRigidBody(&body);
+    return lowest;
+}
+
+START_TEST(a_soft_body_lies_on_a_mesh_as_on_bullets_static_mesh)
+{
+    // Large triangles: Bullet's signed distances have cells of 0.25.
+    qcModel model = qcFloorModel(2, 2);
+    auto ours = model.MakeShape(0);
+    auto mesh = model.MakeInterface();
+    btBvhTriangleMeshShape bullets(mesh.get(), true);
+    double expected = LowestNode(&bullets);
+    ck_assert_double_gt(expected, -0.1);
+    ck_assert_double_eq_tol(LowestNode(ours.get()), expected, 0.01);
+}
+END_TEST
+
 START_TEST(the_same_calls_give_the_same_trajectories)
 {
     std::vector<btVector3> places[2];
@@ -231,4 +325,5 @@ END_TEST
 QC_RUN_TESTS("mesh_contact", contact_tests_see_where_bodies_are_now, normals_point_from_the_second_body_to_the_first,
              gimpact_pairs_can_be_taken_over, one_query_a_step_sees_all_pairs,
              a_body_replaced_by_pieces_between_two_steps_costs_one_query, a_shape_may_be_scaled_while_it_rests,
+             margins_may_change_while_bodies_rest, a_soft_body_lies_on_a_mesh_as_on_bullets_static_mesh,
              the_same_calls_give_the_same_trajectories, methods_that_miss_are_refused)
