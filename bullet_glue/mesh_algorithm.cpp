@@ -144,13 +144,13 @@ void qcPointsAlgorithm::ReportAll(const std::vector<qcMeshPoint>& points, btScal
 }
 
 void qcPointsAlgorithm::processCollision(const btCollisionObjectWrapper* body0, const btCollisionObjectWrapper* body1,
-                                         const btDispatcherInfo&, btManifoldResult* result)
+                                         const btDispatcherInfo& dispatchInfo, btManifoldResult* result)
 {
     std::vector<qcMeshPoint> points;
     btScalar marginA = MarginOf(body0->getCollisionShape()), marginB = MarginOf(body1->getCollisionShape());
     btScalar reach = m_batch->Reach(body0->getCollisionShape(), body1->getCollisionShape()) +
                      result->m_closestPointDistanceThreshold;
-    FindPoints(*body0, *body1, reach, &points);
+    FindPoints(*body0, *body1, reach, dispatchInfo.m_timeStep, &points);
     for (qcMeshPoint& point : points)
     {
         point.onA -= point.normal * marginA;
@@ -197,13 +197,13 @@ void qcPointsAlgorithm::getAllContactManifolds(btManifoldArray& manifolds)
 }
 
 void qcMeshMeshAlgorithm::FindPoints(const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1,
-                                     btScalar reach, std::vector<qcMeshPoint>* points)
+                                     btScalar reach, btScalar timeStep, std::vector<qcMeshPoint>* points)
 {
     qcPlacedMesh a = PlacedMesh(body0), b = PlacedMesh(body1);
     if (m_query)
         m_batch->Query(a, b, reach + MarginOf(a.shape) + MarginOf(b.shape), points);
     else
-        m_batch->Find(a, b, points);
+        m_batch->Find(a, b, timeStep, points);
 }
 
 btScalar qcMeshMeshAlgorithm::MarginOf(const btCollisionShape* shape) const
@@ -212,7 +212,7 @@ btScalar qcMeshMeshAlgorithm::MarginOf(const btCollisionShape* shape) const
 }
 
 void qcMeshPlaneAlgorithm::FindPoints(const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1,
-                                      btScalar reach, std::vector<qcMeshPoint>* points)
+                                      btScalar reach, btScalar, std::vector<qcMeshPoint>* points)
 {
     bool swapped = body0.getCollisionShape()->getShapeType() == STATIC_PLANE_PROXYTYPE;
     const btCollisionObjectWrapper &meshBody = swapped ? body1 : body0, &planeBody = swapped ? body0 : body1;

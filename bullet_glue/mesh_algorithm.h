@@ -24,9 +24,10 @@ class qcPointsAlgorithm : public btCollisionAlgorithm
     void getAllContactManifolds(btManifoldArray& manifolds) override;
 
   protected:
-    /// Points from body 1 towards body 0, at least all whose shells are no further apart than `reach`.
+    /// Points from body 1 towards body 0: all whose shells are no further apart than `reach`, or than a step brings
+    /// them together.
     virtual void FindPoints(const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1,
-                            btScalar reach, std::vector<qcMeshPoint>* points) = 0;
+                            btScalar reach, btScalar timeStep, std::vector<qcMeshPoint>* points) = 0;
     /// What the shells take of a distance.
     virtual btScalar MarginOf(const btCollisionShape* shape) const = 0;
 
@@ -54,7 +55,7 @@ class qcMeshMeshAlgorithm : public qcPointsAlgorithm
 
   protected:
     void FindPoints(const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1, btScalar reach,
-                    std::vector<qcMeshPoint>* points) override;
+                    btScalar timeStep, std::vector<qcMeshPoint>* points) override;
     btScalar MarginOf(const btCollisionShape* shape) const override;
 };
 
@@ -66,7 +67,7 @@ class qcMeshPlaneAlgorithm : public qcPointsAlgorithm
 
   protected:
     void FindPoints(const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1, btScalar reach,
-                    std::vector<qcMeshPoint>* points) override;
+                    btScalar timeStep, std::vector<qcMeshPoint>* points) override;
     btScalar MarginOf(const btCollisionShape* shape) const override;
 };
 

@@ -34,9 +34,9 @@ class qcMeshBatch
     qcMeshBatch(const qcMeshBatch&) = delete;
     qcMeshBatch& operator=(const qcMeshBatch&) = delete;
 
-    /// The points of a pair, as far as contact breaking thresholds and margins reach: from the last query if both were
-    /// there at these places, else from a new one. Any thread.
-    void Find(const qcPlacedMesh& a, const qcPlacedMesh& b, std::vector<qcMeshPoint>* points);
+    /// The points of a pair, as far as margins and the motion of a step reach, within the contact breaking threshold:
+    /// from the last query if both were there at these places, else from a new one. Any thread.
+    void Find(const qcPlacedMesh& a, const qcPlacedMesh& b, btScalar timeStep, std::vector<qcMeshPoint>* points);
     /// The points of a pair no further apart than `reach`, from a query for it alone. Any thread.
     void Query(const qcPlacedMesh& a, const qcPlacedMesh& b, btScalar reach, std::vector<qcMeshPoint>* points);
 
@@ -76,6 +76,8 @@ class qcMeshBatch
         qcActivity activity = qc_activityMoving;
         btScalar threshold = 0; ///< how far beyond its shells it has contact points
         btScalar margin = 0;    ///< of its shells, slack included
+        btScalar radius = 0;    ///< of its shape
+        btScalar approach = 0;  ///< how far it may come in a step
         std::vector<Mesh> meshes;
     };
 
@@ -101,7 +103,8 @@ class qcMeshBatch
     std::unordered_map<const btCollisionObject*, Object> m_objects;
     std::vector<Mesh> m_collected;
     unsigned m_gathering = 0;
-    btScalar m_margin = 0; ///< of the next query
+    btScalar m_margin = 0;   ///< of the next query
+    btScalar m_timeStep = 0; ///< of the dispatch; 0: not known
     std::mutex m_mutex;
 };
 

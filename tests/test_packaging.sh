@@ -1,6 +1,6 @@
 #!/bin/sh
 # What is installed can be used from outside, through CMake and through pkg-config, and brings no GL along.
-# test_packaging.sh BUILD_FOLDER SOURCE_FOLDER LIBRARY_FOLDER CC CXX [bullet] [bullet_double]
+# test_packaging.sh BUILD_FOLDER SOURCE_FOLDER LIBRARY_FOLDER CC CXX [bullet] [bullet_double] [fracture] ...
 set -eu
 
 build=$1
@@ -42,7 +42,7 @@ for header in "$prefix"/include/quickcullide/*.h; do
     esac
     for component in "$@"; do
         case $component in
-            bullet) package=bullet ;;
+            bullet | fracture) package=bullet ;;
             *) package=bullet-float64 ;;
         esac
         # Bullet's own headers are not held to our warnings.
@@ -95,5 +95,7 @@ static=
 [ -f "$lib/libquickcullide.so" ] || static=--static
 use core.c "$CC" quickcullide
 for component in "$@"; do
-    use bullet.cpp "$CXX" "quickcullide_$component"
+    case $component in
+        bullet*) use bullet.cpp "$CXX" "quickcullide_$component" ;;
+    esac
 done
