@@ -163,19 +163,44 @@ void APIENTRY OnError(GLenum, void* face)
     static_cast<Face*>(face)->failed = true;
 }
 
-/// Where edges of the loops cross or touch.
-void APIENTRY OnCombine(GLdouble position[3], void* data[4], GLfloat[4], void** out, void* context)
+double DotOf(const qcClipPoint& a, const qcClipPoint& b)
+{
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+qcClipPoint Minus(const qcClipPoint& a, const qcClipPoint& b)
+{
+    return {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
+}
+
+/// The point of the first segment that is nearest to the line through the second.
+qcClipPoint Crossing(const qcClipPoint& a, const qcClipPoint& b, const qcClipPoint& c, const qcClipPoint& d)
+{
+    qcClipPoint u = Minus(b, a), v = Minus(d, c), w = Minus(a, c);
+    double uu = DotOf(u, u), uv = DotOf(u, v), vv = DotOf(v, v), den = uu * vv - uv * uv;
+    double t = den > 0 ? (uv * DotOf(v, w) - vv * DotOf(u, w)) / den : 0;
+    t = std::min(std::max(t, 0.0), 1.0);
+    return {a[0] + t * u[0], a[1] + t * u[1], a[2] + t * u[2]};
+}
+
+/// Where edges of the loops cross or touch. The position that the tesselator gives is of single precision.
+void APIENTRY OnCombine(GLdouble[3], void* data[4], GLfloat[4], void** out, void* context)
 {
     Face* face = static_cast<Face*>(context);
-    qcClipPoint p = {position[0], position[1], position[2]};
+    std::vector<qcClipPoint>& points = face->mesh->points;
+    *out = data[0];
+    if (data[2] == nullptr || data[3] == nullptr)
+        return;
+    qcClipPoint p = Crossing(points[PointOf(data[0])], points[PointOf(data[1])], points[PointOf(data[2])],
+                             points[PointOf(data[3])]);
     for (int i = 0; i < 4; i++)
-        if (data[i] != nullptr && face->mesh->points[PointOf(data[i])] == p)
+        if (points[PointOf(data[i])] == p)
         {
             *out = data[i];
             return;
         }
-    face->mesh->points.push_back(p);
-    *out = DataOf(uint32_t(face->mesh->points.size() - 1));
+    points.push_back(p);
+    *out = DataOf(uint32_t(points.size() - 1));
 }
 
 template <typename Function> void SetCallback(GLUtesselator* tesselator, GLenum which, Function function)

@@ -13,9 +13,10 @@ namespace
 // A body counts as where it was until a point of it has moved by this part of its contact breaking threshold: meshes at
 // rest, which creep by a thousandth of that in each step, need no query. The query reaches as much further.
 constexpr btScalar s_slack = btScalar(0.03);
-// Points are looked for as far as bodies may come in this step, and this part of the threshold further. All of the
-// threshold would be too much for fine meshes: within 4 cm of a triangle of 1 cm lie a hundred others.
+// Points are looked for as far as bodies may come in this step, and this part of the threshold further; of fine meshes
+// no further than this part of an edge. More would be too much: within 4 cm of a triangle of 1 cm lie a hundred others.
 constexpr btScalar s_rest = btScalar(0.05);
+constexpr btScalar s_edge = btScalar(0.5);
 
 double Now()
 {
@@ -52,6 +53,16 @@ btScalar Approach(const btCollisionObject* object, btScalar radius, btScalar tim
         return limit; // not known
     return std::min(limit,
                     (body->getLinearVelocity().length() + body->getAngularVelocity().length() * radius) * timeStep);
+}
+
+/// About how long the edges of a mesh are, if its area is that of its box.
+btScalar EdgeOf(const btCollisionShape* shape, size_t triangleCount)
+{
+    btVector3 lower, upper;
+    shape->getAabb(btTransform::getIdentity(), lower, upper);
+    btVector3 size = upper - lower;
+    btScalar area = 2 * (size.x() * size.y() + size.y() * size.z() + size.z() * size.x());
+    return triangleCount > 0 ? btScalar(1.5) * btSqrt(area / btScalar(triangleCount)) : BT_LARGE_FLOAT;
 }
 
 btScalar RadiusOf(const btCollisionShape* shape)
@@ -181,6 +192,8 @@ void qcMeshBatch::Measure(const btCollisionShape& root, Object* known) const
     {
         mesh.slack = s_slack * known->threshold;
         mesh.radius = RadiusOf(mesh.shape);
+        if (const qcMeshShape* ours = qcAsMeshShape(mesh.shape))
+            mesh.edge = EdgeOf(ours, ours->getTriangleCount());
         known->ours = known->ours || qcAsMeshShape(mesh.shape) != nullptr ||
                       (gimpact && mesh.shape->getShapeType() == GIMPACT_SHAPE_PROXYTYPE);
     }
@@ -213,7 +226,11 @@ void qcMeshBatch::Refresh(const btCollisionObject* object, Object* known)
         known->meshes.swap(m_collected);
         Measure(*object->getCollisionShape(), known);
     }
-    known->approach = Approach(object, known->radius, m_timeStep, known->threshold);
+    btScalar edge = BT_LARGE_FLOAT;
+    for (const Mesh& mesh : known->meshes)
+        edge = std::min(edge, mesh.edge);
+    known->limit = std::min(known->threshold, std::max(s_rest * known->threshold, s_edge * edge));
+    known->approach = Approach(object, known->radius, m_timeStep, known->limit);
     known->margin = 0;
     for (const Mesh& mesh : known->meshes)
         known->margin = std::max(known->margin, mesh.margin + mesh.slack);
@@ -255,8 +272,8 @@ void qcMeshBatch::WantPairs()
         if (known0.meshes.empty() || known1.meshes.empty() || !(known0.ours || known1.ours))
             continue;
         known0.wanted = known1.wanted = true;
-        btScalar threshold = std::min(known0.threshold, known1.threshold);
-        btScalar reach = std::min(threshold, s_rest * threshold + known0.approach + known1.approach);
+        btScalar rest = s_rest * std::min(known0.threshold, known1.threshold);
+        btScalar reach = std::min({known0.limit, known1.limit, rest + known0.approach + known1.approach});
         m_margin = std::max(m_margin, reach + known0.margin + known1.margin);
     }
 }
@@ -274,6 +291,8 @@ void qcMeshBatch::Place(const btCollisionObject* object, Object* known)
         {
             status = qcAddMesh(m_scene, mesh.shape, mesh.transform, activity, nullptr, &mesh.id, &mesh.sources);
             mesh.inScene = status == qc_statusOk;
+            if (!mesh.sources.empty())
+                mesh.edge = EdgeOf(mesh.shape, mesh.sources.size());
         }
         else
         {
@@ -378,7 +397,7 @@ const qcMeshBatch::Mesh* qcMeshBatch::Held(const qcPlacedMesh& mesh, bool* movin
     if (known.addition != AdditionOf(mesh.object))
         return nullptr;
     // Pushed since then, it may come further than the query looked.
-    btScalar approach = Approach(mesh.object, known.radius, m_timeStep, known.threshold);
+    btScalar approach = Approach(mesh.object, known.radius, m_timeStep, known.limit);
     if (approach > known.approach + s_rest * known.threshold / 2)
         return nullptr;
     *moving = *moving || known.activity == qc_activityMoving;

@@ -58,9 +58,10 @@ class qcMeshBatch
         uint64_t revision = 0;
         btScalar margin = 0;
         bool inScene = false;
-        bool placed = false; ///< the scene has it at this transform
-        btScalar radius = 0; ///< of its points, from its origin
-        btScalar slack = 0;  ///< how far a point may move before the scene is told
+        bool placed = false;            ///< the scene has it at this transform
+        btScalar radius = 0;            ///< of its points, from its origin
+        btScalar edge = BT_LARGE_FLOAT; ///< about; this while the triangles of Bullet's own shapes are not yet counted
+        btScalar slack = 0;             ///< how far a point may move before the scene is told
         qcBodyId id{};
         std::vector<qcTriangleSource> sources;
     };
@@ -74,9 +75,10 @@ class qcMeshBatch
         bool ours = false;    ///< one of its meshes is contact of this kind with any other
         bool wanted = false;  ///< it was in a pair that is ours
         qcActivity activity = qc_activityMoving;
-        btScalar threshold = 0; ///< how far beyond its shells it has contact points
+        btScalar threshold = 0; ///< how far beyond its shells it may have contact points
         btScalar margin = 0;    ///< of its shells, slack included
         btScalar radius = 0;    ///< of its shape
+        btScalar limit = 0;     ///< how far beyond its shells contact points are looked for at most
         btScalar approach = 0;  ///< how far it may come in a step
         std::vector<Mesh> meshes;
     };

@@ -8,6 +8,7 @@
 #include <BulletCollision/NarrowPhaseCollision/btRaycastCallback.h>
 #include <LinearMath/btAabbUtil2.h>
 
+#include <algorithm>
 #include <atomic>
 #include <cmath>
 #include <cstring>
@@ -17,6 +18,14 @@
 namespace
 {
 std::atomic<uint64_t> s_lastRevision{0};
+
+btScalar MeanEdge(const std::vector<btVector3>& points, const std::vector<uint32_t>& indices)
+{
+    double sum = 0;
+    for (size_t i = 0; i < indices.size(); i++)
+        sum += double(points[indices[i]].distance(points[indices[i % 3 == 2 ? i - 2 : i + 1]]));
+    return indices.empty() ? btScalar(0) : btScalar(sum / double(indices.size()));
+}
 
 class TriangleReader : public btInternalTriangleIndexCallback
 {
@@ -58,6 +67,7 @@ struct qcMeshShape::Implementation
     /// Refuses what is not a mesh.
     void Check();
     void Changed();
+    btScalar DefaultMargin() const;
     /// Built by whoever asks first.
     const qcMeshTree& Tree() const;
     void Report(btTriangleCallback* callback, uint32_t triangle) const;
@@ -111,6 +121,12 @@ void qcMeshShape::Implementation::Changed()
     }
 }
 
+/// Shells much thicker than the triangles are long make each triangle the neighbour of many.
+btScalar qcMeshShape::Implementation::DefaultMargin() const
+{
+    return std::min(btScalar(0.01), MeanEdge(points, indices) / 4);
+}
+
 const qcMeshTree& qcMeshShape::Implementation::Tree() const
 {
     const qcMeshTree* built = tree.load(std::memory_order_acquire);
@@ -135,22 +151,22 @@ qcMeshShape::qcMeshShape(const void* positions, qcPositionType type, size_t stri
     : m_implementation(new Implementation)
 {
     m_shapeType = FAST_CONCAVE_MESH_PROXYTYPE;
-    m_collisionMargin = btScalar(0.01);
     m_implementation->ReadPositions(positions, type, stride, vertexCount);
     m_implementation->indices.assign(indices, indices + 3 * size_t(triangleCount));
     m_implementation->Check();
     m_implementation->Changed();
+    m_collisionMargin = m_implementation->DefaultMargin();
 }
 
 qcMeshShape::qcMeshShape(const btStridingMeshInterface* mesh) : m_implementation(new Implementation)
 {
     m_shapeType = FAST_CONCAVE_MESH_PROXYTYPE;
-    m_collisionMargin = btScalar(0.01);
     TriangleReader reader(&m_implementation->points, &m_implementation->indices);
     btVector3 far(BT_LARGE_FLOAT, BT_LARGE_FLOAT, BT_LARGE_FLOAT);
     mesh->InternalProcessAllTriangles(&reader, -far, far);
     m_implementation->Check();
     m_implementation->Changed();
+    m_collisionMargin = m_implementation->DefaultMargin();
 }
 
 qcMeshShape::~qcMeshShape() = default;

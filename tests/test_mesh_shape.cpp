@@ -442,6 +442,20 @@ START_TEST(a_mesh_interface_of_bullets_makes_the_same_shape)
 }
 END_TEST
 
+START_TEST(the_margin_is_a_centimetre_or_a_quarter_of_an_edge)
+{
+    qcModel models[] = {qcFloorModel(1, 1), qcFloorModel(1, 200)}; // edges of 1 and, some of them, of its diagonal
+    const double expected[] = {0.01, 0.01 * (2 + std::sqrt(2.0)) / 3 / 4};
+    for (int i = 0; i < 2; i++)
+    {
+        qcModel& model = models[i];
+        qcMeshShape shape(model.positions.data(), sizeof(btScalar) == sizeof(double) ? qc_positionF64 : qc_positionF32,
+                          0, uint32_t(model.positions.size() / 3), model.indices.data(), model.TriangleCount());
+        ck_assert_double_eq_tol(double(shape.getMargin()), expected[i], 1e-6);
+    }
+}
+END_TEST
+
 START_TEST(threads_may_ask_first_at_the_same_time)
 {
     qcModel model = qcSphereModel(1, 4);
@@ -469,4 +483,5 @@ QC_RUN_TESTS("mesh_shape", a_box_gets_the_triangles_whose_boxes_meet_it_and_no_o
              principal_axes_of_a_turned_and_moved_box_are_its_sides, a_mesh_turned_inside_out_weighs_the_same,
              an_open_mesh_weighs_as_a_shell, a_scaled_shape_is_the_shape_of_the_scaled_mesh,
              what_is_no_mesh_is_refused_and_empty, positions_come_in_both_precisions_with_any_stride,
-             a_mesh_interface_of_bullets_makes_the_same_shape, threads_may_ask_first_at_the_same_time)
+             a_mesh_interface_of_bullets_makes_the_same_shape, the_margin_is_a_centimetre_or_a_quarter_of_an_edge,
+             threads_may_ask_first_at_the_same_time)

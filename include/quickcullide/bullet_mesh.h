@@ -38,16 +38,17 @@ struct qcMassProperties
 };
 
 /// A triangle soup, moving or static. Positions and indices are copied. Any soup will do: it need not be closed, its
-/// triangles may cross, lie on top of each other, or be degenerate. O(n), no preprocessing: a tree over the triangles is
-/// built when something first asks for one (convex shapes, rays, soft bodies), in O(n log n).
+/// triangles may cross, lie on top of each other, or be degenerate. O(n), no preprocessing: a tree over the triangles
+/// is built when something first asks for one (convex shapes, rays, soft bodies), in O(n log n).
 ///
 /// Convex shapes, rays, swept shapes and soft bodies meet it through Bullet's own algorithms; meshes and planes, once a
 /// qcMeshContact was added to the world. The shape type is FAST_CONCAVE_MESH_PROXYTYPE: CUSTOM_CONCAVE_SHAPE_TYPE is
 /// the same number as SDF_SHAPE_PROXYTYPE, and Bullet's convex-concave algorithm casts what bears it to
 /// btSdfCollisionShape.
 ///
-/// The margin is a shell on both sides of each triangle; 0.01 unless setMargin says otherwise. Two meshes rest with
-/// their shells touching: their triangles then don't, which is what makes their contact points dependable.
+/// The margin is a shell on both sides of each triangle; unless setMargin says otherwise 0.01, or a quarter of the mean
+/// edge where that is less. Two meshes rest with their shells touching: their triangles then don't, which is what makes
+/// their contact points dependable. Thick shells around small triangles cost time.
 ///
 /// Thread-safety: the const functions may be called from several threads at once while no other function runs.
 ATTRIBUTE_ALIGNED16(class) QC_API qcMeshShape : public btConcaveShape
@@ -91,7 +92,7 @@ ATTRIBUTE_ALIGNED16(class) QC_API qcMeshShape : public btConcaveShape
     /// still hit, nearer ones first as far as the tree can tell.
     void processAllTriangles(btTriangleCallback * callback, const btVector3& aabbMin, const btVector3& aabbMax)
         const override;
-    /// The vertices of every triangle that reaches below the plane normal . x = distance, as triangles.
+    /// Every triangle that reaches below the plane normal . x = distance, and a few others.
     void processTrianglesBelow(btTriangleCallback * callback, const btVector3& normal, btScalar distance) const;
 
   private:
@@ -104,7 +105,7 @@ struct qcMeshContactStatistics
 {
     /// Anything but qc_statusOk: a query failed (say, a transform is not finite); the pairs concerned have no contact.
     qcStatus status = qc_statusOk;
-    uint64_t batches = 0; ///< runs for all pairs, since the beginning: one a step in which a mesh moved
+    uint64_t batches = 0; ///< runs for all pairs, since the beginning: at most one a step
     uint64_t queries = 0; ///< runs for one pair alone, since the beginning: contactTest, contactPairTest
     int bodies = 0;       ///< meshes that the scene holds; a compound has one for each mesh in it
     int manifolds = 0;    ///< regions of contact
@@ -124,9 +125,11 @@ struct qcMeshContactStatistics
 /// read its result. So it works with any broadphase and any dispatcher. A pair that is asked for elsewhere
 /// (contactTest, contactPairTest, or with a transform of its own) is computed alone.
 ///
-/// Contact points: those within Bullet's contact breaking threshold, beyond both margins. They are grouped by normal,
-/// and each group, up to four of them, has a manifold of its own with the four points that span it, the deepest always
-/// among them. A point near one of the step before keeps its impulses.
+/// Contact points: those that the bodies' motion in the step may bring into touch, within Bullet's contact breaking
+/// threshold and, for fine meshes, half an edge, beyond both margins. They are grouped by normal, and each group, up to
+/// four of them, has a manifold of its own with the four points that span it, the deepest always among them. A point
+/// near one of the step before keeps its impulses. While no point of a body has moved by 3 % of that threshold, its
+/// contact points move with it and nothing is searched: meshes at rest cost next to nothing.
 ///
 /// Must outlive the world. Thread-safety: the algorithms may run on several threads at once.
 class QC_API qcMeshContact
