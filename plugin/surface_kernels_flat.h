@@ -25,10 +25,10 @@
 //   no further than r from v. g doesn't end in v, as the way leaves the lines of v's own edges at v. If the loop has
 //   more than three vertices, one of v's two edges there has no vertex in common with g: they are further than r apart.
 //   If it has three, D's image is a triangle, and no way leaves it and comes back. A contradiction.
-// With K = |d| = sqrt(1 + p^2 + q^2): along (u, v) things look at most K times as long as at right angles to d, so edges
-// of the loop have to be K r apart there. An altitude at right angles to d is normal . d / K, through the length of an
-// edge, which is no longer there than in space: the kernel asks for normal . d > K r length. Bounds that hold relatively
-// are 1.001 times as large, which covers their rounding.
+// With K = |d| = sqrt(1 + p^2 + q^2): along (u, v) things look at most K times as long as at right angles to d, so
+// edges of the loop have to be K r apart there. An altitude at right angles to d is normal . d / K, through the length
+// of an edge, which is no longer there than in space: the kernel asks for normal . d > K r length. Bounds that hold
+// relatively are 1.001 times as large, which covers their rounding.
 //
 // Rounding there. Points are wrong by e, and d = (p, q, 1) with |p|, |q| <= 1 is exact: whatever it is will do. With
 // edges up to m in any coordinate, a triangle's normal is wrong by 8 e m + 8 m^2 2^-24 + 8 e^2, and times d, rounded,

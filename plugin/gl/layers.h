@@ -1,7 +1,7 @@
 // The device's part of `layers`: from vertices to pairs of triangles that may be within reach of each other.
-// The image is a grid of pixels over two axes, each cut into slices of depth; each such cell has a list of the nodes (64
-// triangles) that cover it, with their intervals in all axes. Nodes that share a cell and overlap are taken apart into
-// clusters (8) and triangles.
+// The image is a grid of pixels over two axes, each cut into slices of depth; each such cell has a list of the nodes
+// (64 triangles) that cover it, with their intervals in all axes. Nodes that share a cell and overlap are taken apart
+// into clusters (8) and triangles.
 #ifndef QC_PLUGIN_GL_LAYERS_H
 #define QC_PLUGIN_GL_LAYERS_H
 
