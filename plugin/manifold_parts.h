@@ -22,25 +22,33 @@ enum
 /// What rounding may do to a length, beside the size of the triangles.
 #define QC_MANIFOLD_ROUNDING 1e-9
 
+/// A vertex of one body, or several at one position.
+typedef struct qcManifoldVertex
+{
+    uint32_t slot;
+    qcVector position;
+} qcManifoldVertex;
+
 /// One reported pair. Side 0 is A, side 1 is B; in a pair of one body with itself the sides may be named the other way
 /// round than in the report.
 typedef struct qcManifoldPair
 {
     const qcBody* body[2];
     uint32_t slot[2], triangle[2];
-    uint32_t vertex[2][3]; ///< corners: the numbers of their positions among those of all pairs
-    qcVector normal;       ///< unit, from side 1 towards side 0
-    qcVector reported;     ///< the pair's own, as it came
-    double gap;            ///< the pair's own distance, or minus its depth
-    uint32_t region;       ///< its first pair; later its number
-    uint32_t source;       ///< the reported pair
-    bool swapped;          ///< side 0 is the report's B
-    bool own;              ///< the normal is the one of the report, up to its sign
-    bool turned;           ///< the normal was turned around to agree with its region
-    bool apart;            ///< before that, side 0 lies above side 1 along it: a fact, not a choice
-    bool parted;           ///< the reported normal parts the two triangles
-    bool surpassed;        ///< parted, and a pair beside it comes nearer from the same feet
-    bool crossing;         ///< penetrating, other than in one plane
+    uint32_t vertex[2][3];            ///< corners: the numbers of their positions among those of all pairs
+    const qcManifoldVertex* vertices; ///< of these numbers; null: not numbered yet
+    qcVector normal;                  ///< unit, from side 1 towards side 0
+    qcVector reported;                ///< the pair's own, as it came
+    double gap;                       ///< the pair's own distance, or minus its depth
+    uint32_t region;                  ///< its first pair; later its number
+    uint32_t source;                  ///< the reported pair
+    bool swapped;                     ///< side 0 is the report's B
+    bool own;                         ///< the normal is the one of the report, up to its sign
+    bool turned;                      ///< the normal was turned around to agree with its region
+    bool apart;                       ///< before that, side 0 lies above side 1 along it: a fact, not a choice
+    bool parted;                      ///< the reported normal parts the two triangles
+    bool surpassed;                   ///< parted, and a pair beside it comes nearer from the same feet
+    bool crossing;                    ///< penetrating, other than in one plane
 } qcManifoldPair;
 
 /// A possible contact point, as one pair sees it.
@@ -56,6 +64,11 @@ typedef struct qcRawPoint
 static inline void qcManifoldPair_GetCorners(const qcManifoldPair* pair, int side, qcVector corner[3])
 {
     const qcBody* body = pair->body[side];
+    // Rigid bodies would have to be transformed again and again.
+    for (int c = 0; c < 3 && pair->vertices != NULL; c++)
+        corner[c] = pair->vertices[pair->vertex[side][c]].position;
+    if (pair->vertices != NULL)
+        return;
     double position[3][3];
     qcBody_GetTriangle(body, pair->triangle[side], position);
     for (int c = 0; c < 3; c++)

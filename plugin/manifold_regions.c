@@ -17,11 +17,6 @@
 #include <math.h>
 #include <string.h>
 
-typedef struct Vertex
-{
-    uint32_t slot, index;
-} Vertex;
-
 qcWaysOut qcManifoldPair_WaysOut(const qcManifoldPair* pair, qcVector direction)
 {
     qcVector corner[2][3];
@@ -108,11 +103,6 @@ static qcStatus TakePairs(qcManifolds* m, const qcTriangles* t, const qcPair* pa
 
 //  ---- vertices -------------------------------------------------------------------------------------------
 
-static void GetPosition(const qcTriangles* t, Vertex v, double position[3])
-{
-    qcBody_GetVertex(&QC_AT(qcBody, t->bodies->slots, v.slot), v.index, position);
-}
-
 static uint64_t Mix(uint64_t hash, uint64_t bits)
 {
     hash = (hash ^ bits) * 0x9e3779b97f4a7c15ULL;
@@ -143,29 +133,28 @@ static qcStatus EmptyTable(qcManifolds* m, const qcTriangles* t, size_t pairCoun
         size *= 2;
     QC_TRY(qcArray_Resize(&m->table, size, sizeof(uint32_t), "vertices of manifolds"));
     memset(m->table.data, 0, size * sizeof(uint32_t));
-    QC_TRY(qcArray_Reserve(&m->vertices, bound, sizeof(Vertex), "vertices of manifolds"));
+    QC_TRY(qcArray_Reserve(&m->vertices, bound, sizeof(qcManifoldVertex), "vertices of manifolds"));
     m->vertices.count = 0;
     return qc_statusOk;
 }
 
 /// The number of a vertex of a body among those at different positions.
-static uint32_t Weld(qcManifolds* m, const qcTriangles* t, Vertex vertex)
+static uint32_t Weld(qcManifolds* m, const qcBody* body, uint32_t slot, uint32_t index)
 {
-    double p[3], q[3];
-    GetPosition(t, vertex, p);
+    double p[3];
+    qcBody_GetVertex(body, index, p);
     size_t mask = m->table.count - 1;
-    for (size_t place = Hash(vertex.slot, p) & mask;; place = (place + 1) & mask)
+    for (size_t place = Hash(slot, p) & mask;; place = (place + 1) & mask)
     {
         uint32_t* entry = &QC_AT(uint32_t, m->table, place);
         if (*entry == 0)
         {
-            QC_AT(Vertex, m->vertices, m->vertices.count++) = vertex;
+            QC_AT(qcManifoldVertex, m->vertices, m->vertices.count++) = (qcManifoldVertex){slot, qcVector_Load(p)};
             *entry = (uint32_t)m->vertices.count;
             return *entry - 1;
         }
-        Vertex other = QC_AT(Vertex, m->vertices, *entry - 1);
-        GetPosition(t, other, q);
-        if (other.slot == vertex.slot && p[0] == q[0] && p[1] == q[1] && p[2] == q[2])
+        const qcManifoldVertex* other = &QC_AT(qcManifoldVertex, m->vertices, *entry - 1);
+        if (other->slot == slot && p[0] == other->position.x && p[1] == other->position.y && p[2] == other->position.z)
             return *entry - 1;
     }
 }
@@ -189,7 +178,8 @@ static qcStatus ListByKey(qcManifolds* m, const qcTriangles* t)
         qcManifoldPair* pair = qcManifolds_Pair(m, p);
         for (int c = 0; c < 6; c++)
             pair->vertex[c / 3][c % 3] =
-                Weld(m, t, (Vertex){pair->slot[c / 3], qcManifoldPair_Vertex(pair, c / 3, c % 3)});
+                Weld(m, pair->body[c / 3], pair->slot[c / 3], qcManifoldPair_Vertex(pair, c / 3, c % 3));
+        pair->vertices = m->vertices.data; // there is room for all: they stay where they are
         for (int k = 0; k < qc_besideKeys; k++, item++)
         {
             int side = k / 3;
