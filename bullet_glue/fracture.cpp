@@ -25,11 +25,6 @@ bool IsFinite(const btVector3& v)
     return std::isfinite(double(v.x())) && std::isfinite(double(v.y())) && std::isfinite(double(v.z()));
 }
 
-double Dot(const qcClipPoint& a, const qcClipPoint& b)
-{
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
 qcFracture Fail(const std::string& message)
 {
     qcFracture failed;
@@ -96,7 +91,7 @@ qcClipPlane BisectorOf(const qcClipPoint& a, const qcClipPoint& b, uint32_t face
         plane.normal[i] = (b[i] - a[i]) / length;
         middle[i] = (a[i] + b[i]) / 2;
     }
-    plane.distance = Dot(plane.normal, middle);
+    plane.distance = qcDotOf(plane.normal, middle);
     return plane;
 }
 
@@ -142,7 +137,7 @@ std::vector<std::vector<int>> FindNeighbours(const qcClipMesh& mesh, const std::
                 qcClipPoint d;
                 for (size_t i = 0; i < 3; i++)
                     d[i] = sites[size_t(other)][i] - sites[site][i];
-                return Dot(d, d);
+                return qcDotOf(d, d);
             };
             std::sort(neighbours[site].begin(), neighbours[site].end(),
                       [&](int a, int b) { return std::make_pair(distance2(a), a) < std::make_pair(distance2(b), b); });

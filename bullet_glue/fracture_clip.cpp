@@ -20,7 +20,7 @@ uint64_t EdgeKey(uint32_t a, uint32_t b)
 
 double SideOf(const qcClipPlane& plane, const qcClipPoint& p)
 {
-    return plane.normal[0] * p[0] + plane.normal[1] * p[1] + plane.normal[2] * p[2] - plane.distance;
+    return qcDotOf(plane.normal, p) - plane.distance;
 }
 
 /// Edges by their key: how much more often they are passed from the lower index to the higher one. Among all points, or
@@ -163,11 +163,6 @@ void APIENTRY OnError(GLenum, void* face)
     static_cast<Face*>(face)->failed = true;
 }
 
-double DotOf(const qcClipPoint& a, const qcClipPoint& b)
-{
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
 qcClipPoint Minus(const qcClipPoint& a, const qcClipPoint& b)
 {
     return {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
@@ -177,8 +172,8 @@ qcClipPoint Minus(const qcClipPoint& a, const qcClipPoint& b)
 qcClipPoint Crossing(const qcClipPoint& a, const qcClipPoint& b, const qcClipPoint& c, const qcClipPoint& d)
 {
     qcClipPoint u = Minus(b, a), v = Minus(d, c), w = Minus(a, c);
-    double uu = DotOf(u, u), uv = DotOf(u, v), vv = DotOf(v, v), den = uu * vv - uv * uv;
-    double t = den > 0 ? (uv * DotOf(v, w) - vv * DotOf(u, w)) / den : 0;
+    double uu = qcDotOf(u, u), uv = qcDotOf(u, v), vv = qcDotOf(v, v), den = uu * vv - uv * uv;
+    double t = den > 0 ? (uv * qcDotOf(v, w) - vv * qcDotOf(u, w)) / den : 0;
     t = std::min(std::max(t, 0.0), 1.0);
     return {a[0] + t * u[0], a[1] + t * u[1], a[2] + t * u[2]};
 }

@@ -9,6 +9,11 @@
 
 using qcClipPoint = std::array<double, 3>;
 
+inline double qcDotOf(const qcClipPoint& a, const qcClipPoint& b)
+{
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
 struct qcClipTriangle
 {
     std::array<uint32_t, 3> corner;

@@ -55,6 +55,13 @@ void qcOption_ReadList(const struct argp_state* state, const char* option, char*
         take(state, word, state->input);
 }
 
+const char* qcOption_ReadFolder(const struct argp_state* state, const char* option, const char* text)
+{
+    if (*text == 0)
+        argp_error(state, "%s: no folder is named", option);
+    return text;
+}
+
 void qcOption_ReadViews(const struct argp_state* state, const char* option, const char* text, char views[4])
 {
     size_t length = strlen(text);

@@ -30,6 +30,8 @@ double qcOption_ReadLength(const struct argp_state* state, const char* option, c
 typedef void qcTakeWord(const struct argp_state* state, const char* word, void* context);
 /// Gives each word of "a,b,c" to a function; the text is taken apart.
 void qcOption_ReadList(const struct argp_state* state, const char* option, char* text, qcTakeWord* take);
+/// Any text but an empty one.
+const char* qcOption_ReadFolder(const struct argp_state* state, const char* option, const char* text);
 /// 1 to 3 different letters of x, y, z.
 void qcOption_ReadViews(const struct argp_state* state, const char* option, const char* text, char views[4]);
 

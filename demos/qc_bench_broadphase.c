@@ -62,11 +62,7 @@ static error_t ReadOption(int key, char* text, struct argp_state* state)
         case key_boxes: qcOption_ReadList(state, "--boxes", text, TakeBoxes); return 0;
         case key_moving: qcOption_ReadList(state, "--moving", text, TakePercent); return 0;
         case key_frames: options->frames = qcOption_ReadNumber(state, "--frames", text, 1, 100000); return 0;
-        case key_out:
-            if (*text == 0)
-                argp_error(state, "--out: no folder is named");
-            options->out = text;
-            return 0;
+        case key_out: options->out = qcOption_ReadFolder(state, "--out", text); return 0;
         case ARGP_KEY_ARG: argp_error(state, "'%s': options only, please", text); return 0;
         default: return ARGP_ERR_UNKNOWN;
     }

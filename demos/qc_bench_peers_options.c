@@ -87,11 +87,7 @@ static error_t ReadOption(int key, char* text, struct argp_state* state)
             return 0;
         case key_bunny: options->models.bunny = text; return 0;
         case key_dragon: options->models.dragon = text; return 0;
-        case key_out:
-            if (*text == 0)
-                argp_error(state, "--out: no folder is named");
-            options->out = text;
-            return 0;
+        case key_out: options->out = qcOption_ReadFolder(state, "--out", text); return 0;
         case ARGP_KEY_ARG: argp_error(state, "'%s': options only, please; scenes follow --scenes", text); return 0;
         case ARGP_KEY_END: Complete(options); return 0;
         default: return ARGP_ERR_UNKNOWN;

@@ -45,11 +45,7 @@ static error_t ReadOption(int key, char* text, struct argp_state* state)
             return 0;
         case key_boxes: options->mostBoxes = qcOption_ReadNumber(state, "--boxes", text, 0, UINT32_MAX); return 0;
         case key_threads: qcOption_ReadList(state, "--threads", text, TakeThreads); return 0;
-        case key_out:
-            if (*text == 0)
-                argp_error(state, "--out: no folder is named");
-            options->out = text;
-            return 0;
+        case key_out: options->out = qcOption_ReadFolder(state, "--out", text); return 0;
         case ARGP_KEY_ARG: argp_error(state, "'%s': options only, please", text); return 0;
         case ARGP_KEY_END: Complete(options); return 0;
         default: return ARGP_ERR_UNKNOWN;

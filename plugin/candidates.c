@@ -58,8 +58,7 @@ void qcCandidates_Offer(const qcCandidateRules* rules, qcCandidateSink* sink, ui
     sink->status = qcArray_Reserve(keys, keys->count + 1, sizeof(uint64_t), "candidate pairs");
     if (sink->status != qc_statusOk)
         return;
-    uint64_t low = rankA < rankB ? rankA : rankB, high = rankA < rankB ? rankB : rankA;
-    QC_AT(uint64_t, *keys, keys->count++) = low << 32 | high;
+    QC_AT(uint64_t, *keys, keys->count++) = qcTriangles_Key(rankA, rankB);
 }
 
 qcStatus qcCandidates_End(qcCandidates* candidates, qcProfile* profile)

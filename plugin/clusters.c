@@ -211,18 +211,20 @@ static qcStatus FindLinks(Builder* b, uint32_t* tableCount)
     return qc_statusOk;
 }
 
-/// The pairs that a table is about: both triangles exist and, in one node, are in order.
+/// The pairs that a word of a table is about: both triangles exist and, in one node, are in order.
+static uint64_t PairsOfWord(uint32_t word, uint64_t filledA, uint64_t filledB, bool isSame)
+{
+    uint32_t i = word % qc_clustersOfNode, j = word / qc_clustersOfNode;
+    uint64_t all = qcClusters_Product(qcClusters_PlacesOf(filledA, i), qcClusters_PlacesOf(filledB, j));
+    if (!isSame || i < j)
+        return all;
+    return i == j ? all & QC_IN_ORDER : 0;
+}
+
 static void FillTable(uint64_t* table, uint64_t filledA, uint64_t filledB, bool isSame)
 {
-    const uint64_t inOrder = UINT64_C(0x7f3f1f0f07030100); // u < v
-    for (int j = 0; j < qc_clustersOfNode; j++)
-        for (int i = 0; i < qc_clustersOfNode; i++)
-        {
-            uint64_t all = isSame && i > j ? 0
-                                           : qcClusters_Product(qcClusters_PlacesOf(filledA, (uint32_t)i),
-                                                                qcClusters_PlacesOf(filledB, (uint32_t)j));
-            table[i + j * qc_clustersOfNode] = isSame && i == j ? all & inOrder : all;
-        }
+    for (uint32_t word = 0; word < qc_tableWords; word++)
+        table[word] = PairsOfWord(word, filledA, filledB, isSame);
 }
 
 static qcStatus ClearNeighbours(Builder* b, const Share* share, const Share* other)
@@ -318,12 +320,6 @@ static uint64_t FilledPlaces(const uint32_t* triangles)
     return filled;
 }
 
-/// As a word of a table: pairs of a node's own triangles that come in order.
-static uint64_t InOrder(uint32_t i, uint32_t j)
-{
-    return i < j ? UINT64_MAX : i == j ? UINT64_C(0x7f3f1f0f07030100) : 0;
-}
-
 /// What the table leaves out though both triangles exist and come in order.
 qcPlacePair* qcClusters_FindNeighbours(const qcClusters* clusters, uint32_t node, uint32_t link,
                                        const qcPlaceSkip* skips, int skipCount, qcPlacePair* pairs)
@@ -335,9 +331,9 @@ qcPlacePair* qcClusters_FindNeighbours(const qcClusters* clusters, uint32_t node
     for (uint32_t word = 0; word < qc_tableWords; word++)
     {
         uint32_t i = word % qc_clustersOfNode, j = word / qc_clustersOfNode;
-        uint64_t left = node == to.other ? InOrder(i, j) & ~table[word] : ~table[word];
-        if (left != 0 && (filledA & filledB) != UINT64_MAX)
-            left &= qcClusters_Product(qcClusters_PlacesOf(filledA, i), qcClusters_PlacesOf(filledB, j));
+        uint64_t left = ~table[word];
+        if (left != 0)
+            left &= PairsOfWord(word, filledA, filledB, node == to.other);
         for (int k = 0; k < skipCount && left != 0; k++)
             left &= ~qcClusters_Product(qcClusters_PlacesOf(skips[k].a, i), qcClusters_PlacesOf(skips[k].b, j));
         for (; left != 0; left &= left - 1)
@@ -348,25 +344,6 @@ qcPlacePair* qcClusters_FindNeighbours(const qcClusters* clusters, uint32_t node
         }
     }
     return pairs;
-}
-
-qcStatus qcClusters_AddNeighbours(const qcClusters* clusters, uint32_t first, qcArray* keys)
-{
-    const uint32_t* triangles = clusters->triangles.data;
-    QC_TRY(qcArray_Reserve(keys, keys->count + clusters->neighbourCount, sizeof(uint64_t), "neighbours"));
-    for (uint32_t node = 0; node < clusters->nodeCount; node++)
-        for (uint32_t link = QC_AT(uint32_t, clusters->firstLink, node);
-             link < QC_AT(uint32_t, clusters->firstLink, node + 1); link++)
-        {
-            qcPlacePair pairs[qc_nodeSize * qc_nodeSize];
-            const qcPlacePair* end = qcClusters_FindNeighbours(clusters, node, link, NULL, 0, pairs);
-            for (const qcPlacePair* pair = pairs; pair < end; pair++)
-            {
-                uint64_t s = first + triangles[pair->a], t = first + triangles[pair->b];
-                QC_AT(uint64_t, *keys, keys->count++) = s < t ? s << 32 | t : t << 32 | s;
-            }
-        }
-    return qc_statusOk;
 }
 
 void qcClusters_Free(qcClusters* clusters)

@@ -27,6 +27,9 @@ static inline unsigned qcClusters_PlacesOf(uint64_t places, uint32_t cluster)
     return (unsigned)(places >> qc_clusterSize * cluster & 0xffu);
 }
 
+/// Of the pairs of a cluster with itself: bits u + 8 v with u < v.
+#define QC_IN_ORDER UINT64_C(0x7f3f1f0f07030100)
+
 /// Two places of triangles.
 typedef struct qcPlacePair
 {
@@ -86,10 +89,6 @@ qcStatus qcClusters_NameVertices(const qcClusters* clusters, const uint32_t* ind
 /// there is room for qc_nodeSize^2. Returns the new end.
 qcPlacePair* qcClusters_FindNeighbours(const qcClusters* clusters, uint32_t node, uint32_t link,
                                        const qcPlaceSkip* skips, int skipCount, qcPlacePair* pairs);
-
-/// Adds the keys of all pairs of neighbours (lower rank << 32 | higher), where the body's triangles have ranks from
-/// `first` on. O(pairs of nodes that share a vertex + pairs of neighbours).
-qcStatus qcClusters_AddNeighbours(const qcClusters* clusters, uint32_t first, qcArray* keys);
 void qcClusters_Free(qcClusters* clusters);
 
 #endif

@@ -102,8 +102,7 @@ static qcStatus MapPairs(const Step* step, const qcLayersAnswer* answer, qcArray
             uint32_t slot, triangle = qcLayersBodies_TriangleAt(&cull->bodies, answer->pairs[2 * i + side], &slot);
             rank[side] = qcTriangles_First(t, QC_AT(uint32_t, cull->numberOf, slot)) + triangle;
         }
-        uint32_t low = rank[0] < rank[1] ? rank[0] : rank[1], high = rank[0] < rank[1] ? rank[1] : rank[0];
-        QC_AT(uint64_t, *keys, at + i) = (uint64_t)low << 32 | high;
+        QC_AT(uint64_t, *keys, at + i) = qcTriangles_Key(rank[0], rank[1]);
     }
     return qc_statusOk;
 }
@@ -131,6 +130,15 @@ static void FillProfile(const Step* step, const qcLayersStep* device, const qcLa
     profile->deviceBytes = answer->deviceBytes;
 }
 
+static void ListNeighboursOf(const qcClusters* clusters, uint32_t first, uint32_t node, uint32_t link, qcArray* keys)
+{
+    const uint32_t* triangles = clusters->triangles.data;
+    qcPlacePair pairs[qc_nodeSize * qc_nodeSize];
+    const qcPlacePair* end = qcClusters_FindNeighbours(clusters, node, link, NULL, 0, pairs);
+    for (const qcPlacePair* pair = pairs; pair < end; pair++)
+        QC_AT(uint64_t, *keys, keys->count++) = qcTriangles_Key(first + triangles[pair->a], first + triangles[pair->b]);
+}
+
 /// Pairs of neighbours of the bodies that meet themselves: their boxes overlap, whatever the step.
 static qcStatus ListNeighbours(const Step* step, qcArray* keys)
 {
@@ -140,7 +148,11 @@ static qcStatus ListNeighbours(const Step* step, qcArray* keys)
         if (!QC_AT(uint8_t, step->cull->meetsItself, body))
             continue;
         const qcClusters* clusters = qcLayersBodies_Clusters(&step->cull->bodies, qcTriangles_Slot(t, body));
-        QC_TRY(qcClusters_AddNeighbours(clusters, qcTriangles_First(t, body), keys));
+        const uint32_t* links = clusters->firstLink.data;
+        QC_TRY(qcArray_Reserve(keys, keys->count + clusters->neighbourCount, sizeof(uint64_t), "neighbours"));
+        for (uint32_t node = 0; node < clusters->nodeCount; node++)
+            for (uint32_t link = links[node]; link < links[node + 1]; link++)
+                ListNeighboursOf(clusters, qcTriangles_First(t, body), node, link, keys);
     }
     return qc_statusOk;
 }

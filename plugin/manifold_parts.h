@@ -63,16 +63,13 @@ typedef struct qcRawPoint
 
 static inline void qcManifoldPair_GetCorners(const qcManifoldPair* pair, int side, qcVector corner[3])
 {
-    const qcBody* body = pair->body[side];
-    // Rigid bodies would have to be transformed again and again.
-    for (int c = 0; c < 3 && pair->vertices != NULL; c++)
-        corner[c] = pair->vertices[pair->vertex[side][c]].position;
-    if (pair->vertices != NULL)
-        return;
     double position[3][3];
-    qcBody_GetTriangle(body, pair->triangle[side], position);
+    // Rigid bodies would have to be transformed again and again.
+    if (pair->vertices == NULL)
+        qcBody_GetTriangle(pair->body[side], pair->triangle[side], position);
     for (int c = 0; c < 3; c++)
-        corner[c] = qcVector_Load(position[c]);
+        corner[c] =
+            pair->vertices == NULL ? qcVector_Load(position[c]) : pair->vertices[pair->vertex[side][c]].position;
 }
 
 /// Of the triangle of one side.

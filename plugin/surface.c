@@ -215,9 +215,9 @@ qcStatus qcSurface_Fit(qcSurface* surface, const qcBody* body, double margin, co
 
 //  ---- flat discs ----------------------------------------------------------------------------------
 
-float qcSurface_Reach(const qcSurface* surface)
+float qcSurface_Reach(const qcSurface* surface, double margin)
 {
-    double reach = surface->margin * surface->map.unit[0];
+    double reach = margin * surface->map.unit[0];
     return reach > 0.0 ? nextafterf((float)reach, INFINITY) : 0.0f;
 }
 
@@ -241,7 +241,7 @@ static bool AskDisc(const Fitting* f, uint32_t disc)
                        .placeCount = d->placeCount,
                        .loopCount = d->loopCount,
                        .pointError = s->pointError,
-                       .reach = qcSurface_Reach(s)};
+                       .reach = qcSurface_Reach(s, s->margin)};
     *flat = f->kernels->isFlat(&what);
     *rest = *flat ? 0 : qc_restFits;
     return *flat;

@@ -58,8 +58,8 @@ qcStatus qcSurface_Build(qcSurface* surface, const qcBody* body);
 qcStatus qcSurface_Fit(qcSurface* surface, const qcBody* body, double margin, const qcSurfaceKernels* kernels,
                        uint32_t threads, qcSurfaceScratch* scratch, bool* fits);
 
-/// The margin in the surface's frame, rounded up.
-float qcSurface_Reach(const qcSurface* surface);
+/// A margin in the surface's frame, rounded up.
+float qcSurface_Reach(const qcSurface* surface, double margin);
 
 /// Finds out which discs are flat, once for each fit. O(triangles).
 void qcSurface_FindFlat(qcSurface* surface, const qcSurfaceKernels* kernels, uint32_t threads);

@@ -5,23 +5,20 @@
 
 #include "surface.h"
 
+/// Takes pairs of places, in no order.
+typedef void qcSurfaceNeighboursFunction(void* context, const qcPlacePair* pairs, size_t count, uint32_t worker);
+
 typedef struct qcSurfaceNeighboursJob
 {
     const qcSurfaceKernels* kernels;
     const qcSurface* surface; ///< fitted with the margin; what is flat is known
-    uint32_t first;           ///< rank of the body's first triangle
     uint32_t threads;
+    qcSurfaceNeighboursFunction* function;
+    void* context;
 } qcSurfaceNeighboursJob;
 
-/// Memory that is kept between steps.
-typedef struct qcSurfaceNeighbours
-{
-    qcArray sinks; ///< by worker
-} qcSurfaceNeighbours;
-
-/// Adds the keys (lower rank << 32 | higher), in no order: at least all pairs with features (vertices, edges,
-/// triangles) that have no vertex in common and are within the surface's margin of each other. O(pairs of neighbours).
-qcStatus qcSurfaceNeighbours_Add(qcSurfaceNeighbours* neighbours, const qcSurfaceNeighboursJob* job, qcArray* keys);
-void qcSurfaceNeighbours_Free(qcSurfaceNeighbours* neighbours);
+/// Finds, each once, at least all pairs with features (vertices, edges, triangles) that have no vertex in common and
+/// are within the surface's margin of each other. O(pairs of neighbours).
+void qcSurfaceNeighbours_Find(const qcSurfaceNeighboursJob* job);
 
 #endif

@@ -93,7 +93,7 @@ static uint32_t FindLink(const qcClusters* clusters, uint32_t a, uint32_t b)
 /// As the table of a node with itself, had no two of its triangles a common vertex.
 static const uint64_t* OrderTable(void)
 {
-    static const uint64_t b = UINT64_C(0x7f3f1f0f07030100), x = UINT64_MAX;
+    static const uint64_t b = QC_IN_ORDER, x = UINT64_MAX;
     static const uint64_t table[qc_nodeSize] = {b, 0, 0, 0, 0, 0, 0, 0, x, b, 0, 0, 0, 0, 0, 0, x, x, b, 0, 0, 0,
                                                 0, 0, x, x, x, b, 0, 0, 0, 0, x, x, x, x, b, 0, 0, 0, x, x, x, x,
                                                 x, b, 0, 0, x, x, x, x, x, x, b, 0, x, x, x, x, x, x, x, b};
@@ -208,11 +208,6 @@ static qcStatus FindItems(Search* s)
     return qc_statusOk;
 }
 
-static float RoundUp(double reach)
-{
-    return reach > 0.0 ? nextafterf((float)reach, INFINITY) : 0.0f;
-}
-
 static qcPlacement PlacementOf(const qcSurface* surface, const qcBody* body)
 {
     qcPlacement p = {.transform = surface->isLocal ? body->transform : qcIdentityTransform()};
@@ -261,7 +256,7 @@ static void FindMaps(Search* s)
         s->bound.pointError = fmaxf(s->bound.pointError, nextafterf((float)error, INFINITY));
         s->filters = s->filters && error < 1e6;
     }
-    s->bound.reach = RoundUp(s->job->margin * r.stretch * a->map.unit[0]);
+    s->bound.reach = qcSurface_Reach(a, s->job->margin * r.stretch);
     s->bound.mapped = true;
 }
 
@@ -275,7 +270,7 @@ qcStatus qcSurfacePairs_Find(qcSurfacePairs* pairs, const qcSurfacePairsJob* job
     // Where bodies are in the world, lengths are as they are there.
     search.bound.margin = job->a->isLocal ? -1.0f : nextafterf((float)(job->nearest * job->a->map.unit[0]), 0.0f);
     if (search.same)
-        search.bound.reach = RoundUp(job->margin * job->a->map.unit[0]);
+        search.bound.reach = qcSurface_Reach(job->a, job->margin);
     else
         FindMaps(&search);
     QC_TRY(qcArray_Resize(&pairs->queues, (size_t)job->threads * qc_queueRoom, sizeof(qcPlacePair), "pairs of places"));

@@ -86,8 +86,7 @@ typedef struct Run
 
 static uint64_t KeyOf(const Run* run, qcPlacePair pair)
 {
-    uint64_t a = run->first[0] + run->triangles[0][pair.a], b = run->first[1] + run->triangles[1][pair.b];
-    return a < b ? a << 32 | b : b << 32 | a;
+    return qcTriangles_Key(run->first[0] + run->triangles[0][pair.a], run->first[1] + run->triangles[1][pair.b]);
 }
 
 static void AddKey(qcArray* keys, uint64_t key)
@@ -199,19 +198,31 @@ static qcStatus FindPairs(Run* run, uint32_t a, uint32_t b)
     return qcSurfacePairs_Find(&sweep->pairs, &pairs);
 }
 
-static qcStatus AddNeighbours(const Run* run, uint32_t body, qcProfile* profile)
+static void AddContactKeys(void* context, const qcPlacePair* pairs, size_t count, uint32_t worker)
+{
+    const Run* run = context;
+    qcSurfaceSink* sink = &QC_AT(qcSurfaceSink, run->sweep->sinks, worker);
+    if (sink->status == qc_statusOk)
+        sink->status =
+            qcArray_Reserve(&sink->contactKeys, sink->contactKeys.count + count, sizeof(uint64_t), "neighbours");
+    for (size_t i = 0; i < count && sink->status == qc_statusOk; i++)
+        AddKey(&sink->contactKeys, KeyOf(run, pairs[i]));
+}
+
+/// Of the body whose pairs with itself have been found last.
+static void AddNeighbours(Run* run, uint32_t body, qcProfile* profile)
 {
     const qcSurface* surface = SurfaceAt(run->sweep, qcTriangles_Slot(run->job->triangles, body));
     if (run->job->testNeighbours)
-        return qc_statusOk;
+        return;
     profile->skippedNeighbours += surface->clusters.neighbourCount;
-    if (!run->job->listNeighbours)
-        return qc_statusOk;
     qcSurfaceNeighboursJob job = {.kernels = run->sweep->kernels,
                                   .surface = surface,
-                                  .first = qcTriangles_First(run->job->triangles, body),
-                                  .threads = run->job->threads};
-    return qcSurfaceNeighbours_Add(&run->sweep->neighbours, &job, &run->job->candidates->neighbourKeys);
+                                  .threads = run->job->threads,
+                                  .function = AddContactKeys,
+                                  .context = run};
+    if (run->job->listNeighbours)
+        qcSurfaceNeighbours_Find(&job);
 }
 
 static void CountTriangles(const Run* run, uint32_t body, qcProfile* profile)
@@ -273,7 +284,7 @@ qcStatus qcSweepSurfaces_Run(qcSweepSurfaces* sweep, const qcSweepSurfacesJob* j
             profile->flatTriangles += qcSurface_CountFlat(surface);
         }
         QC_TRY(FindPairs(&run, body, body));
-        QC_TRY(AddNeighbours(&run, body, profile));
+        AddNeighbours(&run, body, profile);
     }
     profile->fittedTriangles += sweep->fittedTriangles;
     return CollectKeys(sweep, job->candidates);
@@ -290,7 +301,6 @@ void qcSweepSurfaces_Free(qcSweepSurfaces* sweep)
         qcArray_Free(&QC_AT(qcSurfaceSink, sweep->sinks, i).sure);
     }
     qcSurfacePairs_Free(&sweep->pairs);
-    qcSurfaceNeighbours_Free(&sweep->neighbours);
     qcSurfaceScratch_Free(&sweep->scratch);
     qcArray* arrays[] = {&sweep->surfaces, &sweep->seen, &sweep->sinks, &sweep->reached, &sweep->firstReached};
     for (size_t i = 0; i < sizeof arrays / sizeof arrays[0]; i++)

@@ -10,7 +10,7 @@
 typedef struct qcSurfaceSink
 {
     qcArray keys;        ///< uint64_t: lower rank << 32 | higher rank
-    qcArray contactKeys; ///< uint64_t: of those whose relation is known, for contacts
+    qcArray contactKeys; ///< uint64_t: for contacts: neighbours, and pairs whose relation is known
     qcArray sure;        ///< of qcSortItem: key and relation, of pairs that need no other test
     qcStatus status;
     char apart[64]; ///< keeps two workers off one cache line
@@ -24,7 +24,6 @@ typedef struct qcSweepSurfaces
     qcArray seen;                    ///< uint32_t, by slot: generation of the body that the last step saw there
     qcSurfaceScratch scratch;
     qcSurfacePairs pairs;
-    qcSurfaceNeighbours neighbours;
     qcArray sinks;            ///< of qcSurfaceSink
     qcArray reached;          ///< uint8_t, by node, of bodies that are not tested with themselves
     qcArray firstReached;     ///< size_t, by body of the step: where its nodes begin, or SIZE_MAX

@@ -38,6 +38,12 @@ static inline uint32_t qcTriangles_First(const qcTriangles* t, uint32_t body)
     return QC_AT(uint32_t, t->first, body);
 }
 
+/// Of a pair of ranks, whichever comes first: lower << 32 | higher.
+static inline uint64_t qcTriangles_Key(uint32_t a, uint32_t b)
+{
+    return a < b ? (uint64_t)a << 32 | b : (uint64_t)b << 32 | a;
+}
+
 static inline uint32_t qcTriangles_BodyOf(const qcTriangles* t, uint32_t rank)
 {
     return QC_AT(uint32_t, t->bodyOf, rank);

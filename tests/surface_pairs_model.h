@@ -110,6 +110,19 @@ static inline bool qcTakeNoMore(void* context, const qcFoundPairs* found, uint32
     return false;
 }
 
+/// A surface with itself, for who takes nothing; `calls` counts what is offered.
+static inline qcSurfacePairsJob qcJobWithItself(const qcSide* side, uint32_t threads, size_t* calls)
+{
+    return (qcSurfacePairsJob){.kernels = qcSurfaceKernels_Get(),
+                               .a = &side->surface,
+                               .b = &side->surface,
+                               .bodyA = qcBodyAt(&side->bodies, 0),
+                               .bodyB = qcBodyAt(&side->bodies, 0),
+                               .threads = threads,
+                               .function = qcTakeNoMore,
+                               .context = calls};
+}
+
 static inline bool qcAreBoxesWithin(const double a[3][3], const double b[3][3], double margin)
 {
     for (int axis = 0; axis < 3; axis++)

@@ -5,13 +5,13 @@
 #include "suite.h"
 #include "surface_neighbours.h"
 #include "surfaces.h"
+#include "triangles.h"
 
 #include <math.h>
 #include <stdio.h>
 
 enum
 {
-    qc_first = 7,   ///< rank of a surface's first triangle
     qc_checked = 11 ///< of so many pairs that are left out one goes through rational arithmetic
 };
 
@@ -267,6 +267,29 @@ static int CompareKeys(const void* a, const void* b)
     return x < y ? -1 : x > y;
 }
 
+enum
+{
+    qc_mostThreads = 4
+};
+
+/// What each worker was given.
+typedef struct Given
+{
+    const qcSurface* surface;
+    qcArray keys[qc_mostThreads];
+} Given;
+
+static void Take(void* context, const qcPlacePair* pairs, size_t count, uint32_t worker)
+{
+    Given* given = context;
+    const uint32_t* triangles = given->surface->clusters.triangles.data;
+    CHECK_THAT(worker < qc_mostThreads, "worker %u", worker);
+    qcArray* keys = &given->keys[worker];
+    CHECK_THAT(qcArray_Reserve(keys, keys->count + count, sizeof(uint64_t), "keys") == qc_statusOk, "no memory");
+    for (size_t i = 0; i < count; i++)
+        QC_AT(uint64_t, *keys, keys->count++) = qcTriangles_Key(triangles[pairs[i].a], triangles[pairs[i].b]);
+}
+
 static Found FindKeys(const qcSurfaceKernels* kernels, const qcSoup* soup, double margin, uint32_t threads)
 {
     Found found = {.keys = {0}};
@@ -278,12 +301,17 @@ static Found FindKeys(const qcSurfaceKernels* kernels, const qcSoup* soup, doubl
     CHECK_OK(qcSurface_Fit(&surface, found.body, margin, kernels, threads, &scratch, &fits));
     ck_assert(fits);
     qcSurface_FindFlat(&surface, kernels, threads);
-    qcSurfaceNeighbours neighbours = {0};
-    qcSurfaceNeighboursJob job = {.kernels = kernels, .surface = &surface, .first = qc_first, .threads = threads};
-    CHECK_OK(qcSurfaceNeighbours_Add(&neighbours, &job, &found.keys));
+    Given given = {.surface = &surface};
+    qcSurfaceNeighboursJob job = {
+        .kernels = kernels, .surface = &surface, .threads = threads, .function = Take, .context = &given};
+    qcSurfaceNeighbours_Find(&job);
+    for (int worker = 0; worker < qc_mostThreads; worker++)
+    {
+        CHECK_OK(qcArray_Append(&found.keys, &given.keys[worker], sizeof(uint64_t), "keys"));
+        qcArray_Free(&given.keys[worker]);
+    }
     if (found.keys.count != 0)
         qsort(found.keys.data, found.keys.count, sizeof(uint64_t), CompareKeys);
-    qcSurfaceNeighbours_Free(&neighbours);
     qcSurfaceScratch_Free(&scratch);
     qcSurface_Free(&surface);
     return found;
@@ -319,7 +347,7 @@ static size_t CheckListed(const Found* found, double margin, const char* what)
         for (uint32_t b = a + 1; b < found->body->triangleCount; b++)
         {
             Neighbours n = NeighboursOf(found->body, a, b);
-            uint64_t key = (uint64_t)(a + qc_first) << 32 | (b + qc_first);
+            uint64_t key = (uint64_t)a << 32 | b;
             bool isListed = at < found->keys.count && QC_AT(uint64_t, found->keys, at) == key;
             at += isListed;
             if (n.common == 0)

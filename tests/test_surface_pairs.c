@@ -159,14 +159,7 @@ START_TEST(who_wants_no_more_gets_no_more)
     qcSide_Fit(&a, 0.0, qcSurfaceKernels_Get(), 1);
     size_t calls = 0;
     qcSurfacePairs pairs = {0};
-    qcSurfacePairsJob job = {.kernels = qcSurfaceKernels_Get(),
-                             .a = &a.surface,
-                             .b = &a.surface,
-                             .bodyA = qcBodyAt(&a.bodies, 0),
-                             .bodyB = qcBodyAt(&a.bodies, 0),
-                             .threads = 1,
-                             .function = qcTakeNoMore,
-                             .context = &calls};
+    qcSurfacePairsJob job = qcJobWithItself(&a, 1, &calls);
     CHECK_OK(qcSurfacePairs_Find(&pairs, &job));
     ck_assert_uint_eq(calls, 1);
     qcSurfacePairs_Free(&pairs);
@@ -186,14 +179,7 @@ START_TEST(a_failed_allocation_finds_nothing_and_leaves_nothing)
         heap = (qcFailingHeap){live, 0, i};
         taken = 0;
         qcSurfacePairs pairs = {0};
-        qcSurfacePairsJob job = {.kernels = qcSurfaceKernels_Get(),
-                                 .a = &a.surface,
-                                 .b = &a.surface,
-                                 .bodyA = qcBodyAt(&a.bodies, 0),
-                                 .bodyB = qcBodyAt(&a.bodies, 0),
-                                 .threads = 2,
-                                 .function = qcTakeNoMore,
-                                 .context = &taken};
+        qcSurfacePairsJob job = qcJobWithItself(&a, 2, &taken);
         ck_assert_int_eq(qcSurfacePairs_Find(&pairs, &job), i == 0 ? qc_statusOk : qc_statusOutOfMemory);
         ck_assert_int_eq(taken > 0, i == 0);
         calls = i == 0 ? heap.calls : calls;

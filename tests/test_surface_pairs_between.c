@@ -43,14 +43,7 @@ START_TEST(a_large_fan_has_its_pairs_with_others_and_none_with_itself)
     qcSide_Fit(&a, 0.0, qcSurfaceKernels_Get(), 1);
     size_t calls = 0;
     qcSurfacePairs pairs = {0};
-    qcSurfacePairsJob job = {.kernels = qcSurfaceKernels_Get(),
-                             .a = &a.surface,
-                             .b = &a.surface,
-                             .bodyA = qcBodyAt(&a.bodies, 0),
-                             .bodyB = qcBodyAt(&a.bodies, 0),
-                             .threads = 1,
-                             .function = qcTakeNoMore,
-                             .context = &calls};
+    qcSurfacePairsJob job = qcJobWithItself(&a, 1, &calls);
     CHECK_OK(qcSurfacePairs_Find(&pairs, &job));
     ck_assert_uint_eq(calls, 0);
     qcSurfacePairs_Free(&pairs);

@@ -24,10 +24,9 @@
 //   none is clamped below 1.
 // - Boxes of clusters and nodes are least and greatest levels of what they hold: overlap of parts is overlap of wholes.
 // - Cells are runs of 2^cellShift levels along each axis: overlapping boxes share the cell of the greater of their
-// lower
-//   ends in x, y and z, both have an entry in its list, and there the pair is met: the entry that comes first in the
-//   list finds the other further on. In any other cell the two are not this pair's first, so it is found once. A node
-//   with itself needs no list.
+//   lower ends in x, y and z, both have an entry in its list, and there the pair is met: the entry that comes first in
+//   the list finds the other further on. In any other cell the two are not this pair's first, so it is found once. A
+//   node with itself needs no list.
 // - The masks leave out the pairs that the rules leave out (a table is of the topology alone) and nothing else.
 // - Filter. For any vector w, if the projections on w of all points of A and all points of B are further apart than
 //   r |w|, so are the triangles. The vertices are taken relative to one of them and scaled by a power of two s,
