@@ -130,34 +130,7 @@ static void FillProfile(const Step* step, const qcLayersStep* device, const qcLa
     profile->deviceBytes = answer->deviceBytes;
 }
 
-static void ListNeighboursOf(const qcClusters* clusters, uint32_t first, uint32_t node, uint32_t link, qcArray* keys)
-{
-    const uint32_t* triangles = clusters->triangles.data;
-    qcPlacePair pairs[qc_nodeSize * qc_nodeSize];
-    const qcPlacePair* end = qcClusters_FindNeighbours(clusters, node, link, NULL, 0, pairs);
-    for (const qcPlacePair* pair = pairs; pair < end; pair++)
-        QC_AT(uint64_t, *keys, keys->count++) = qcTriangles_Key(first + triangles[pair->a], first + triangles[pair->b]);
-}
-
-/// Pairs of neighbours of the bodies that meet themselves: their boxes overlap, whatever the step.
-static qcStatus ListNeighbours(const Step* step, qcArray* keys)
-{
-    const qcTriangles* t = step->job->triangles;
-    for (uint32_t body = 0; body < t->bodyCount; body++)
-    {
-        if (!QC_AT(uint8_t, step->cull->meetsItself, body))
-            continue;
-        const qcClusters* clusters = qcLayersBodies_Clusters(&step->cull->bodies, qcTriangles_Slot(t, body));
-        const uint32_t* links = clusters->firstLink.data;
-        QC_TRY(qcArray_Reserve(keys, keys->count + clusters->neighbourCount, sizeof(uint64_t), "neighbours"));
-        for (uint32_t node = 0; node < clusters->nodeCount; node++)
-            for (uint32_t link = links[node]; link < links[node + 1]; link++)
-                ListNeighboursOf(clusters, qcTriangles_First(t, body), node, link, keys);
-    }
-    return qc_statusOk;
-}
-
-static qcStatus RunOnDevice(Step* step, qcArray* keys, qcArray* neighbourKeys, qcProfile* profile)
+static qcStatus RunOnDevice(Step* step, qcArray* keys, qcProfile* profile)
 {
     qcCullLayers* cull = step->cull;
     const qcCullLayersJob* job = step->job;
@@ -177,17 +150,23 @@ static qcStatus RunOnDevice(Step* step, qcArray* keys, qcArray* neighbourKeys, q
     qcLayersAnswer answer;
     QC_TRY(qcLayers_Run(cull->layers, &device, &answer));
     QC_TRY(MapPairs(step, &answer, keys));
-    if (job->listNeighbours && !job->testNeighbours)
-        QC_TRY(ListNeighbours(step, neighbourKeys));
     FillProfile(step, &device, &answer, profile);
     return qc_statusOk;
 }
 
-qcStatus qcCullLayers_Run(qcCullLayers* cull, const qcCullLayersJob* job, qcArray* keys, qcArray* neighbourKeys,
-                          qcProfile* profile)
+static void ListNeighboursOf(const qcClusters* clusters, uint32_t first, uint32_t node, uint32_t link, qcArray* keys)
+{
+    const uint32_t* triangles = clusters->triangles.data;
+    qcPlacePair pairs[qc_nodeSize * qc_nodeSize];
+    const qcPlacePair* end = qcClusters_FindNeighbours(clusters, node, link, NULL, 0, pairs);
+    for (const qcPlacePair* pair = pairs; pair < end; pair++)
+        QC_AT(uint64_t, *keys, keys->count++) = qcTriangles_Key(first + triangles[pair->a], first + triangles[pair->b]);
+}
+
+qcStatus qcCullLayers_Run(qcCullLayers* cull, const qcCullLayersJob* job, qcArray* keys, qcProfile* profile)
 {
     const qcTriangles* t = job->triangles;
-    size_t keyCount = keys->count, neighbourKeyCount = neighbourKeys->count;
+    size_t keyCount = keys->count;
     QC_TRY(qcArray_Resize(&cull->takesPart, t->bodyCount, 1, "bodies that take part"));
     QC_TRY(qcArray_Resize(&cull->meetsItself, t->bodyCount, 1, "bodies that take part"));
     QC_TRY(qcArray_Resize(&cull->interests, 4 * (size_t)t->bodyCount, sizeof(uint32_t), "interests of bodies"));
@@ -195,16 +174,27 @@ qcStatus qcCullLayers_Run(qcCullLayers* cull, const qcCullLayersJob* job, qcArra
     Step step = {.cull = cull, .job = job};
     if (!FindParticipants(&step))
         return qc_statusOk;
-    qcStatus status = RunOnDevice(&step, keys, neighbourKeys, profile);
+    qcStatus status = RunOnDevice(&step, keys, profile);
     if (status != qc_statusOk)
     {
         // What the device holds is unknown: the next step opens it anew.
         keys->count = keyCount;
-        neighbourKeys->count = neighbourKeyCount;
         qcLayers_Destroy(cull->layers);
         cull->layers = NULL;
     }
     return status;
+}
+
+qcStatus qcCullLayers_ListNeighbours(const qcCullLayers* cull, const qcTriangles* triangles, uint32_t body,
+                                     qcArray* keys)
+{
+    const qcClusters* clusters = qcLayersBodies_Clusters(&cull->bodies, qcTriangles_Slot(triangles, body));
+    const uint32_t* links = clusters->firstLink.data;
+    QC_TRY(qcArray_Reserve(keys, keys->count + clusters->neighbourCount, sizeof(uint64_t), "neighbours"));
+    for (uint32_t node = 0; node < clusters->nodeCount; node++)
+        for (uint32_t link = links[node]; link < links[node + 1]; link++)
+            ListNeighboursOf(clusters, qcTriangles_First(triangles, body), node, link, keys);
+    return qc_statusOk;
 }
 
 void qcCullLayers_Free(qcCullLayers* cull)

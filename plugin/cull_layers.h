@@ -26,7 +26,6 @@ typedef struct qcCullLayersJob
     size_t meetingCount;      ///< pairs
     double reach;
     bool testNeighbours; ///< triangles of one body that share a vertex are candidates too
-    bool listNeighbours; ///< and otherwise a list of their own
     uint32_t columns;    ///< 0: chosen
     char depthAxis;      ///< 0: chosen
     uint32_t threads;
@@ -34,8 +33,11 @@ typedef struct qcCullLayersJob
 
 /// Adds the keys of the pairs (lower rank << 32 | higher rank), in no order; as candidates.h has them.
 /// qc_statusDevice: the device can't, and a method that needs none has to answer; the message says why.
-qcStatus qcCullLayers_Run(qcCullLayers* cull, const qcCullLayersJob* job, qcArray* keys, qcArray* neighbourKeys,
-                          qcProfile* profile);
+qcStatus qcCullLayers_Run(qcCullLayers* cull, const qcCullLayersJob* job, qcArray* keys, qcProfile* profile);
+
+/// Adds the keys of all pairs of neighbours of a body that met itself in the last step.
+qcStatus qcCullLayers_ListNeighbours(const qcCullLayers* cull, const qcTriangles* triangles, uint32_t body,
+                                     qcArray* keys);
 void qcCullLayers_Free(qcCullLayers* cull);
 
 #endif

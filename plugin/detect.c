@@ -149,11 +149,10 @@ static qcStatus CullLayers(Step* step)
                            .meetingCount = d->objects.pairs.count,
                            .reach = Reach(step->def),
                            .testNeighbours = step->def->neighbours,
-                           .listNeighbours = step->def->contactMargin > 0.0,
                            .columns = step->def->layerColumns,
                            .depthAxis = step->def->layerDepthAxis,
                            .threads = step->threads};
-    qcStatus status = qcCullLayers_Run(&d->cullLayers, &job, &d->layersKeys, &d->layersNeighbourKeys, &step->profile);
+    qcStatus status = qcCullLayers_Run(&d->cullLayers, &job, &d->layersKeys, &step->profile);
     if (status == qc_statusOk)
     {
         UseDevice(step);
@@ -171,26 +170,56 @@ static qcStatus CullLayers(Step* step)
     return qc_statusOk;
 }
 
-/// Bodies whose surfaces are swept: all of a part of the scene, or none.
+/// Contacts are looked for between neighbours, too: a list apart from the others.
+static bool ListsNeighbours(const Step* step)
+{
+    return step->def->contactMargin > 0.0 && !step->def->neighbours;
+}
+
+/// Bodies whose surfaces are swept: all of a part of the scene, or none. And those that the device answers for, but for
+/// their neighbours.
 static qcStatus PrepareSurfaces(Step* step)
 {
     qcDetector* d = step->detector;
     uint32_t bodyCount = d->triangles.bodyCount;
-    QC_TRY(qcArray_Resize(&d->onSurfaces, bodyCount, 1, "parts of the scene"));
-    QC_TRY(qcArray_Resize(&d->elsewhere, bodyCount, 1, "parts of the scene"));
-    uint8_t *onSurfaces = d->onSurfaces.data, *elsewhere = d->elsewhere.data;
+    qcArray* flags[] = {&d->onSurfaces, &d->neighboursOnSurfaces, &d->elsewhere};
+    for (int i = 0; i < 3; i++)
+        QC_TRY(qcArray_Resize(flags[i], bodyCount, 1, "parts of the scene"));
+    uint8_t *onSurfaces = d->onSurfaces.data, *neighbours = d->neighboursOnSurfaces.data, *either = d->elsewhere.data;
     const uint8_t* onDevice = d->onDevice.data;
     for (uint32_t body = 0; body < bodyCount; body++)
-        onSurfaces[body] = SweepsSurfaces(step) && !onDevice[body];
-    if (SweepsSurfaces(step))
     {
-        // What meets nothing needs no surface.
-        qcParts_Unite(&d->parts, onSurfaces);
-        QC_TRY(qcSweepSurfaces_Prepare(&d->surfaces, &d->triangles, Reach(step->def), step->threads, onSurfaces));
-        qcParts_Unite(&d->parts, onSurfaces);
+        onSurfaces[body] = SweepsSurfaces(step) && !onDevice[body];
+        neighbours[body] =
+            onDevice[body] && ListsNeighbours(step) && qcBody_MeetsItself(qcTriangles_Body(&d->triangles, body));
     }
+    // What meets nothing needs no surface.
+    if (SweepsSurfaces(step))
+        qcParts_Unite(&d->parts, onSurfaces);
     for (uint32_t body = 0; body < bodyCount; body++)
-        elsewhere[body] = onDevice[body] || onSurfaces[body];
+        either[body] = onSurfaces[body] || neighbours[body];
+    if (SweepsSurfaces(step))
+        QC_TRY(qcSweepSurfaces_Prepare(&d->surfaces, &d->triangles, Reach(step->def), step->threads, either));
+    for (uint32_t body = 0; body < bodyCount; body++)
+    {
+        onSurfaces[body] = onSurfaces[body] && either[body];
+        neighbours[body] = neighbours[body] && either[body];
+    }
+    if (SweepsSurfaces(step))
+        qcParts_Unite(&d->parts, onSurfaces);
+    for (uint32_t body = 0; body < bodyCount; body++)
+        either[body] = onDevice[body] || onSurfaces[body];
+    return qc_statusOk;
+}
+
+/// Neighbours, all of them, of bodies that the device answers for and that have no surface yet.
+static qcStatus ListNeighbours(Step* step)
+{
+    qcDetector* d = step->detector;
+    for (uint32_t body = 0; ListsNeighbours(step) && body < d->triangles.bodyCount; body++)
+        if (QC_AT(uint8_t, d->onDevice, body) && !QC_AT(uint8_t, d->neighboursOnSurfaces, body) &&
+            qcBody_MeetsItself(qcTriangles_Body(&d->triangles, body)))
+            QC_TRY(qcCullLayers_ListNeighbours(&d->cullLayers, &d->triangles, body, &d->layersNeighbourKeys));
     return qc_statusOk;
 }
 
@@ -200,6 +229,7 @@ static qcStatus SweepSurfaces(Step* step)
     qcSweepSurfacesJob job = {.triangles = &d->triangles,
                               .objects = &d->objects,
                               .bodies = d->onSurfaces.data,
+                              .neighbourBodies = d->neighboursOnSurfaces.data,
                               .margin = Reach(step->def),
                               .nearest = step->def->margin,
                               .testNeighbours = step->def->neighbours,
@@ -223,6 +253,7 @@ static qcStatus SweepTriangles(Step* step)
     else
         QC_TRY(qcCandidates_Sweep(&d->candidates, &rules, &step->profile));
     QC_TRY(SweepSurfaces(step));
+    QC_TRY(ListNeighbours(step));
     return qcCandidates_Add(&d->candidates, &d->layersKeys, &d->layersNeighbourKeys);
 }
 
@@ -300,8 +331,9 @@ static qcStatus BuildManifolds(Step* step)
     qcDetector* d = step->detector;
     step->clock = qcClock_Now();
     size_t count = step->def->manifolds ? d->narrow.pairs.count : 0;
-    QC_TRY(qcManifolds_Build(&d->manifolds, &d->triangles, d->narrow.pairs.data, d->narrow.proximities.data, count,
-                             step->def->margin, step->threads));
+    qcManifoldInput input = {d->narrow.pairs.data, d->narrow.proximities.data, d->narrow.feet.data, count,
+                             step->def->margin};
+    QC_TRY(qcManifolds_Build(&d->manifolds, &d->triangles, &input, step->threads));
     step->profile.manifoldMs = Lap(step);
     return qc_statusOk;
 }
@@ -403,6 +435,7 @@ void qcDetector_Free(qcDetector* detector)
     qcArray_Free(&detector->onDevice);
     qcArray_Free(&detector->onSurfaces);
     qcArray_Free(&detector->elsewhere);
+    qcArray_Free(&detector->neighboursOnSurfaces);
     qcArray_Free(&detector->layersKeys);
     qcArray_Free(&detector->layersNeighbourKeys);
     qcCandidates_Free(&detector->candidates);

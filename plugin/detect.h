@@ -18,9 +18,10 @@ typedef struct qcDetector
     qcObjects objects;
     qcParts parts;
     qcSweepSurfaces surfaces;
-    qcArray onDevice;                        ///< uint8_t, by body of the step: answered by the device
-    qcArray onSurfaces;                      ///< uint8_t, by body of the step: answered by the sweep of surfaces
-    qcArray elsewhere;                       ///< uint8_t, by body of the step: either
+    qcArray onDevice;             ///< uint8_t, by body of the step: answered by the device
+    qcArray onSurfaces;           ///< uint8_t, by body of the step: answered by the sweep of surfaces
+    qcArray elsewhere;            ///< uint8_t, by body of the step: either
+    qcArray neighboursOnSurfaces; ///< uint8_t, by body of the step: answered by the device, its neighbours by the sweep
     qcArray layersKeys, layersNeighbourKeys; ///< uint64_t: the device's candidates
     qcCandidates candidates;
     qcNarrow narrow;

@@ -165,21 +165,36 @@ static uint8_t* ReachedOf(const qcSweepSurfaces* sweep, uint32_t body)
     return first != SIZE_MAX ? &QC_AT(uint8_t, sweep->reached, first) : NULL;
 }
 
+static qcSurface* SurfaceOf(const Run* run, uint32_t body)
+{
+    return SurfaceAt(run->sweep, qcTriangles_Slot(run->job->triangles, body));
+}
+
+/// What pairs of places are of from now on.
+static void LookAt(Run* run, uint32_t a, uint32_t b)
+{
+    const uint32_t bodies[2] = {a, b};
+    for (int i = 0; i < 2; i++)
+    {
+        run->first[i] = qcTriangles_First(run->job->triangles, bodies[i]);
+        run->triangles[i] = SurfaceOf(run, bodies[i])->clusters.triangles.data;
+    }
+}
+
 static qcStatus FindPairs(Run* run, uint32_t a, uint32_t b)
 {
     qcSweepSurfaces* sweep = run->sweep;
     const qcSweepSurfacesJob* job = run->job;
     // What is in the world comes first: the other goes to its coordinates, and nothing has to be inverted.
-    if (SurfaceAt(sweep, qcTriangles_Slot(job->triangles, a))->isLocal &&
-        !SurfaceAt(sweep, qcTriangles_Slot(job->triangles, b))->isLocal)
+    if (SurfaceOf(run, a)->isLocal && !SurfaceOf(run, b)->isLocal)
     {
         uint32_t first = b;
         b = a;
         a = first;
     }
     qcSurfacePairsJob pairs = {.kernels = sweep->kernels,
-                               .a = SurfaceAt(sweep, qcTriangles_Slot(job->triangles, a)),
-                               .b = SurfaceAt(sweep, qcTriangles_Slot(job->triangles, b)),
+                               .a = SurfaceOf(run, a),
+                               .b = SurfaceOf(run, b),
                                .bodyA = qcTriangles_Body(job->triangles, a),
                                .bodyB = qcTriangles_Body(job->triangles, b),
                                .margin = job->margin,
@@ -191,10 +206,7 @@ static qcStatus FindPairs(Run* run, uint32_t a, uint32_t b)
                                .reachedB = ReachedOf(sweep, b),
                                .function = AddKeys,
                                .context = run};
-    run->first[0] = qcTriangles_First(job->triangles, a);
-    run->first[1] = qcTriangles_First(job->triangles, b);
-    run->triangles[0] = pairs.a->clusters.triangles.data;
-    run->triangles[1] = pairs.b->clusters.triangles.data;
+    LookAt(run, a, b);
     return qcSurfacePairs_Find(&sweep->pairs, &pairs);
 }
 
@@ -209,13 +221,13 @@ static void AddContactKeys(void* context, const qcPlacePair* pairs, size_t count
         AddKey(&sink->contactKeys, KeyOf(run, pairs[i]));
 }
 
-/// Of the body whose pairs with itself have been found last.
 static void AddNeighbours(Run* run, uint32_t body, qcProfile* profile)
 {
-    const qcSurface* surface = SurfaceAt(run->sweep, qcTriangles_Slot(run->job->triangles, body));
+    const qcSurface* surface = SurfaceOf(run, body);
     if (run->job->testNeighbours)
         return;
     profile->skippedNeighbours += surface->clusters.neighbourCount;
+    LookAt(run, body, body);
     qcSurfaceNeighboursJob job = {.kernels = run->sweep->kernels,
                                   .surface = surface,
                                   .threads = run->job->threads,
@@ -232,7 +244,7 @@ static void CountTriangles(const Run* run, uint32_t body, qcProfile* profile)
     uint32_t left = b->triangleCount;
     if (reached != NULL)
     {
-        const qcClusters* clusters = &SurfaceAt(run->sweep, qcTriangles_Slot(run->job->triangles, body))->clusters;
+        const qcClusters* clusters = &SurfaceOf(run, body)->clusters;
         left = 0;
         for (uint32_t node = 0; node < clusters->nodeCount; node++)
             left += reached[node] ? qc_nodeSize : 0;
@@ -241,6 +253,15 @@ static void CountTriangles(const Run* run, uint32_t body, qcProfile* profile)
     profile->selfBodies += reached == NULL;
     profile->trianglePcs += left;
     profile->skippedTriangles += b->triangleCount - left;
+}
+
+static void FindFlat(const Run* run, uint32_t body, qcProfile* profile)
+{
+    qcSurface* surface = SurfaceOf(run, body);
+    if (!run->flatDiscs)
+        return;
+    qcSurface_FindFlat(surface, run->sweep->kernels, run->job->threads);
+    profile->flatTriangles += qcSurface_CountFlat(surface);
 }
 
 static qcStatus CollectKeys(const qcSweepSurfaces* sweep, qcCandidates* candidates)
@@ -272,18 +293,15 @@ qcStatus qcSweepSurfaces_Run(qcSweepSurfaces* sweep, const qcSweepSurfacesJob* j
     }
     for (uint32_t body = 0; body < t->bodyCount; body++)
     {
-        if (!job->bodies[body])
+        if (!job->bodies[body] && !job->neighbourBodies[body])
             continue;
-        CountTriangles(&run, body, profile);
+        if (job->bodies[body])
+            CountTriangles(&run, body, profile);
         if (!qcBody_MeetsItself(qcTriangles_Body(t, body)))
             continue;
-        qcSurface* surface = SurfaceAt(sweep, qcTriangles_Slot(t, body));
-        if (run.flatDiscs)
-        {
-            qcSurface_FindFlat(surface, sweep->kernels, job->threads);
-            profile->flatTriangles += qcSurface_CountFlat(surface);
-        }
-        QC_TRY(FindPairs(&run, body, body));
+        FindFlat(&run, body, profile);
+        if (job->bodies[body])
+            QC_TRY(FindPairs(&run, body, body));
         AddNeighbours(&run, body, profile);
     }
     profile->fittedTriangles += sweep->fittedTriangles;
