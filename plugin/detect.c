@@ -284,45 +284,57 @@ static qcStatus CullAndSweepTriangles(Step* step)
     return qc_statusOk;
 }
 
-/// The PCS as the result reports it: for the image methods what culling left, otherwise what is in a candidate pair.
+static void Mark(uint64_t* marks, uint32_t rank)
+{
+    marks[rank / 64] |= UINT64_C(1) << rank % 64;
+}
+
+/// The PCS: what culling left, for the image methods, otherwise what is in a candidate pair. A bit a triangle: of most
+/// scenes most are not marked.
+static void MarkPcs(const Step* step, uint64_t* marks)
+{
+    const qcDetector* d = step->detector;
+    for (uint32_t rank = 0; step->plan.useImage && rank < d->triangles.count; rank++)
+        if (QC_AT(uint8_t, d->triangles.pcs, rank) != 0)
+            Mark(marks, rank);
+    const uint64_t* keys = d->candidates.keys.data;
+    for (size_t i = 0; !step->plan.useImage && i < d->candidates.keys.count; i++)
+    {
+        Mark(marks, (uint32_t)(keys[i] >> 32));
+        Mark(marks, (uint32_t)keys[i]);
+    }
+    const qcSortItem* sure = d->candidates.sure.data;
+    for (size_t i = 0; i < d->candidates.sure.count; i++)
+    {
+        Mark(marks, (uint32_t)(sure[i].key >> 32));
+        Mark(marks, (uint32_t)sure[i].key);
+    }
+}
+
+/// The PCS as the result reports it.
 static qcStatus CollectPcs(Step* step)
 {
     qcDetector* d = step->detector;
     const qcTriangles* t = &d->triangles;
-    QC_TRY(qcArray_Resize(&d->marks, t->count, 1, "the PCS"));
-    uint8_t* marks = d->marks.data;
-    if (step->plan.useImage && t->count != 0)
-        memcpy(marks, t->pcs.data, t->count);
-    if (!step->plan.useImage && t->count != 0)
-        memset(marks, 0, t->count);
-    if (!step->plan.useImage)
-        for (size_t i = 0; i < d->candidates.keys.count; i++)
-        {
-            uint64_t key = QC_AT(uint64_t, d->candidates.keys, i);
-            marks[key >> 32] = marks[(uint32_t)key] = 1;
-        }
-    for (size_t i = 0; i < d->candidates.sure.count; i++)
-    {
-        uint64_t key = QC_AT(qcSortItem, d->candidates.sure, i).key;
-        marks[key >> 32] = marks[(uint32_t)key] = 1;
-    }
-    size_t count = CountMarked(marks, t->count), at = 0;
+    size_t words = ((size_t)t->count + 63) / 64, count = 0, at = 0;
+    QC_TRY(qcArray_Resize(&d->marks, words, sizeof(uint64_t), "the PCS"));
+    uint64_t* marks = d->marks.data;
+    if (words != 0)
+        memset(marks, 0, words * sizeof *marks);
+    MarkPcs(step, marks);
+    for (size_t w = 0; w < words; w++)
+        count += marks[w] != 0 ? (size_t)__builtin_popcountll(marks[w]) : 0;
     QC_TRY(qcArray_Resize(&d->pcs, count, sizeof(qcTriangleRef), "the PCS"));
-    for (uint32_t body = 0; body < t->bodyCount; body++)
-    {
-        uint32_t first = qcTriangles_First(t, body), end = qcTriangles_First(t, body + 1);
-        for (uint32_t r = first; r < end; r++)
+    uint32_t body = 0;
+    for (size_t w = 0; w < words; w++)
+        for (uint64_t left = marks[w]; left != 0; left &= left - 1)
         {
-            // Most are not marked: eight at a time.
-            uint64_t eight = 0;
-            if (end - r >= 8)
-                memcpy(&eight, marks + r, 8);
-            if (end - r >= 8 && eight == 0)
-                r += 7;
-            else if (marks[r] != 0)
-                QC_AT(qcTriangleRef, d->pcs, at++) = (qcTriangleRef){qcTriangles_Slot(t, body), r - first};
+            uint32_t rank = (uint32_t)(64 * w) + (uint32_t)__builtin_ctzll(left);
+            while (rank >= qcTriangles_First(t, body + 1))
+                body++;
+            QC_AT(qcTriangleRef, d->pcs, at++) =
+                (qcTriangleRef){qcTriangles_Slot(t, body), rank - qcTriangles_First(t, body)};
         }
-    }
     return qc_statusOk;
 }
 

@@ -79,12 +79,21 @@ typedef struct qcFilterBound
     float linear[3][3], shift[3];
 } qcFilterBound;
 
-/// From the lattice of one surface to another's. Levels count from 0 there, and begin at -32768 here: a point at x, in
-/// levels of the one, is within `grow` of linear x + shift in levels of the other, counted from 0.
+/// From the lattice of one surface (levels begin at -32768 here), or from its points, to another's lattice (where
+/// levels count from 0): what is at x here is within `grow` of linear x + shift there.
 typedef struct qcGroupMap
 {
     float linear[3][3], shift[3], grow[3];
 } qcGroupMap;
+
+/// Another surface than the first, which pairs are found with.
+typedef struct qcMappedSurface
+{
+    qcSurfaceBoxes boxes;
+    qcFilterSide triangles;
+    qcGroupMap levels; ///< from its lattice to the first's
+    qcGroupMap points; ///< from its points to the first's lattice
+} qcMappedSurface;
 
 /// Triangles that make a disc, and the vertices of the loop around it, in its direction.
 typedef struct qcFlatDisc
@@ -124,9 +133,12 @@ typedef struct qcSurfaceKernels
     bool (*isFlat)(const qcFlatDisc* disc);
     /// The boxes of a group in another lattice, rounded outward. What the map can't tell is unbounded.
     void (*mapGroup)(const qcBoxGroup* group, const qcGroupMap* map, qcBoxGroup* mapped);
-    /// As collect, for two surfaces; the map is from b's lattice to a's.
-    qcPlacePair* (*collectMapped)(const qcSurfaceBoxes* a, uint32_t nodeA, const qcSurfaceBoxes* b, uint32_t nodeB,
-                                  const qcGroupMap* map, qcPlacePair* pairs);
+    /// The boxes of a cluster's triangles in another lattice, from their corners, rounded outward: smaller than those
+    /// that mapGroup makes of boxes.
+    void (*mapTriangles)(const qcMappedSurface* surface, uint32_t cluster, qcBoxGroup* mapped);
+    /// As collect, for two surfaces.
+    qcPlacePair* (*collectMapped)(const qcSurfaceBoxes* a, uint32_t nodeA, const qcMappedSurface* b, uint32_t nodeB,
+                                  qcPlacePair* pairs);
     /// Keeps of `pairs` those that may be within the reach; their number is returned. The order stays.
     size_t (*filter)(const qcFilterSide* a, const qcFilterSide* b, const qcFilterBound* bound, qcPlacePair* pairs,
                      size_t count);

@@ -1,5 +1,6 @@
-// What the kernels have in common: boxes here, triangles in surface_kernels_filter.h, flat discs in
-// surface_kernels_flat.h. The file of an instruction set defines, before it includes this one:
+// What the kernels have in common: boxes here and, of another surface, in surface_kernels_mapped.h, triangles in
+// surface_kernels_filter.h, flat discs in surface_kernels_flat.h. The file of an instruction set defines, before it
+// includes this one:
 //
 //   QC_LANES                   floats in a vector
 //   Shorts                     eight int16_t
@@ -119,79 +120,19 @@ static qcPlacePair* Collect(const qcSurfaceBoxes* a, uint32_t nodeA, const qcSur
     return pairs;
 }
 
-/// From 0 to 65533; not a number is `unknown`.
-QC_INLINE float Clamp(float level, float unknown)
-{
-    if (unknown == 0.0f)
-    {
-        level = level > 0.0f ? level : 0.0f;
-        return level < 65533.0f ? level : 65533.0f;
-    }
-    level = level < 65533.0f ? level : 65533.0f;
-    return level > 0.0f ? level : 0.0f;
-}
-
-/// A box with centre c and half extents e goes to one around linear c + shift, with |linear| e.
-static void MapGroup(const qcBoxGroup* group, const qcGroupMap* map, qcBoxGroup* mapped)
-{
-    float centre[3][qc_groupSize], half[3][qc_groupSize];
-    for (int axis = 0; axis < 3; axis++)
-        for (int i = 0; i < qc_groupSize; i++)
-        {
-            // A level is an interval: up to where the next begins.
-            int lower = group->ends[axis][i], end = ~group->ends[axis][qc_groupSize + i] + 1;
-            centre[axis][i] = 0.5f * (float)(lower + end);
-            half[axis][i] = 0.5f * (float)(end - lower);
-        }
-    for (int axis = 0; axis < 3; axis++)
-    {
-        const float* row = map->linear[axis];
-        float size[3] = {__builtin_fabsf(row[0]), __builtin_fabsf(row[1]), __builtin_fabsf(row[2])};
-        for (int i = 0; i < qc_groupSize; i++)
-        {
-            float at = row[0] * centre[0][i] + row[1] * centre[1][i] + row[2] * centre[2][i] + map->shift[axis];
-            float around = size[0] * half[0][i] + size[1] * half[1][i] + size[2] * half[2][i] + map->grow[axis];
-            int lower = (int)Clamp(at - around, 0.0f) - 32768, upper = (int)Clamp(at + around, 1.0f) - 32768;
-            bool empty = group->ends[0][i] == qc_emptyEnd;
-            mapped->ends[axis][i] = (int16_t)(empty ? qc_emptyEnd : lower);
-            mapped->ends[axis][qc_groupSize + i] = (int16_t)(empty ? qc_emptyEnd : ~upper);
-        }
-    }
-}
-
-static qcPlacePair* CollectMapped(const qcSurfaceBoxes* a, uint32_t nodeA, const qcSurfaceBoxes* b, uint32_t nodeB,
-                                  const qcGroupMap* map, qcPlacePair* pairs)
-{
-    qcBoxGroup mapped;
-    MapGroup(&b->nodes[nodeB], map, &mapped);
-    uint64_t clusters = CompareGroups(&a->nodes[nodeA], &mapped);
-    for (uint32_t j = 0; j < qc_groupSize; j++)
-    {
-        uint32_t row = (uint32_t)(clusters >> qc_groupSize * j) & 0xffu;
-        if (row == 0)
-            continue;
-        size_t clusterB = (size_t)nodeB * qc_groupSize + j;
-        MapGroup(&b->clusters[clusterB], map, &mapped);
-        for (; row != 0; row &= row - 1)
-        {
-            size_t clusterA = (size_t)nodeA * qc_groupSize + (uint32_t)__builtin_ctz(row);
-            pairs = AddPairs(CompareGroups(&a->clusters[clusterA], &mapped), clusterA, clusterB, pairs);
-        }
-    }
-    return pairs;
-}
-
 #include "surface_kernels_filter.h"
 
 #include "surface_kernels_flat.h"
+#include "surface_kernels_mapped.h"
 #include "surface_kernels_near.h"
 #include "surface_kernels_neighbours.h"
 
 #define QC_KERNELS(title)                                                                                              \
     {                                                                                                                  \
         .name = title, .map = Map, .fitTriangles = FitTriangles, .fitGroups = FitGroups, .compare = Compare,           \
-        .collect = Collect, .isFlat = IsFlat, .mapGroup = MapGroup, .collectMapped = CollectMapped, .filter = Filter,  \
-        .part = Part, .keepNearNeighbours = KeepNearNeighbours, .findPiercing = FindPiercing                           \
+        .collect = Collect, .isFlat = IsFlat, .mapGroup = MapGroup, .mapTriangles = MapTriangles,                      \
+        .collectMapped = CollectMapped, .filter = Filter, .part = Part, .keepNearNeighbours = KeepNearNeighbours,      \
+        .findPiercing = FindPiercing                                                                                   \
     }
 
 #endif

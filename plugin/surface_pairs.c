@@ -29,8 +29,8 @@ typedef struct Search
 {
     const qcSurfacePairsJob* job;
     qcSurfacePairs* memory;
-    uint32_t level; ///< of the items
-    qcGroupMap map; ///< from b's lattice to a's
+    uint32_t level;         ///< of the items
+    qcMappedSurface mapped; ///< b, as a sees it
     qcFilterSide sides[2];
     qcFilterBound bound;
     bool same;
@@ -100,6 +100,12 @@ static const uint64_t* OrderTable(void)
     return table;
 }
 
+static qcSurfaceBoxes BoxesOf(const qcSurface* surface)
+{
+    const qcBoxGroup* groups = surface->groups.data;
+    return (qcSurfaceBoxes){groups, groups + surface->firstGroup[1]};
+}
+
 static void CompareNodes(Queue* queue, uint32_t a, uint32_t b)
 {
     const Search* s = queue->search;
@@ -110,13 +116,13 @@ static void CompareNodes(Queue* queue, uint32_t a, uint32_t b)
         __atomic_store_n(&job->reachedB[b], 1, __ATOMIC_RELAXED);
     if (queue->end - queue->pairs >= qc_queueFull)
         Flush(queue);
-    const qcBoxGroup *boxesA = job->a->groups.data, *boxesB = job->b->groups.data;
-    qcSurfaceBoxes sideA = {boxesA, boxesA + job->a->firstGroup[1]}, sideB = {boxesB, boxesB + job->b->firstGroup[1]};
+    qcSurfaceBoxes sideA = BoxesOf(job->a);
     if (!s->same)
     {
-        queue->end = job->kernels->collectMapped(&sideA, a, &sideB, b, &s->map, queue->end);
+        queue->end = job->kernels->collectMapped(&sideA, a, &s->mapped, b, queue->end);
         return;
     }
+    qcSurfaceBoxes sideB = BoxesOf(job->b);
     qcPlaceSkip skips[qc_mostSkips];
     int skipCount = 0;
     const uint64_t* words = NULL;
@@ -145,7 +151,7 @@ static uint64_t CompareGroups(const Search* s, uint32_t level, Item item)
     if (!s->same)
     {
         qcBoxGroup mapped;
-        s->job->kernels->mapGroup(b, &s->map, &mapped);
+        s->job->kernels->mapGroup(b, &s->mapped.levels, &mapped);
         return s->job->kernels->compare(a, &mapped);
     }
     uint64_t meet = s->job->kernels->compare(a, b);
@@ -216,41 +222,53 @@ static qcPlacement PlacementOf(const qcSurface* surface, const qcBody* body)
     return p;
 }
 
-/// From b's lattice and frame to a's: back to b's coordinates, from there to a's, and on. Floats round each number and
-/// each operation by 2^-24 of what goes in, eight times at most; 16 times are allowed for, and 2^-4 of a level for
-/// levels as the kernels compute them.
+/// What a map's errors come to, in levels: floats round each number and each operation by 2^-24 of what goes in, eight
+/// times at most; 16 times are allowed for, and 2^-4 of a level for levels as the kernels compute them.
+static float FindGrowth(double sizes, double error)
+{
+    double grow = 0x1p-20 * sizes + 0x1p-4 + error;
+    // Numbers too large for floats, and products that may leave their range, make boxes that meet everything.
+    return grow < 0x1p80 ? nextafterf((float)grow, INFINITY) : INFINITY;
+}
+
+/// From b's lattice and frame to a's: back to b's coordinates, from there to a's, and on. Coordinates of points, in
+/// units of b's frame, are 1 at most.
 static void FindMaps(Search* s)
 {
     const qcSurface *a = s->job->a, *b = s->job->b;
     qcPlacement placementA = PlacementOf(a, s->job->bodyA), placementB = PlacementOf(b, s->job->bodyB);
     qcRelativePlacement r = qcRelativePlacement_Find(&placementA, &placementB);
-    // Boxes in the world have the margin. Local ones don't: then b's get it, on both sides.
-    double margin = a->isLocal || b->isLocal ? s->job->margin : 0.0;
+    qcGroupMap *levels = &s->mapped.levels, *points = &s->mapped.points;
     const double half = 32768.0;
     for (int i = 0; i < 3; i++)
     {
-        double origin = r.shift[i] - a->map.origin[i], level = 0.0, sizes = 0.0, rho = 0.0;
+        double origin = r.shift[i] - a->map.origin[i], level = 0.0, levelSizes = 0.0, pointSizes = 0.0, rho = 0.0;
         for (int k = 0; k < 3; k++)
             origin += r.linear[i][k] * b->map.origin[k];
         for (int k = 0; k < 3; k++)
         {
             double scale = a->map.scale[i] * r.linear[i][k] / b->map.scale[k];
+            double pointScale = a->map.scale[i] * r.linear[i][k] / b->map.unit[k];
             double ratio = a->map.unit[i] * r.linear[i][k] / b->map.unit[k];
-            s->map.linear[i][k] = (float)scale;
+            levels->linear[i][k] = (float)scale;
+            points->linear[i][k] = (float)pointScale;
             s->bound.linear[i][k] = (float)ratio;
             level += half * scale;
-            sizes += 2.0 * half * fabs(scale);
+            levelSizes += 2.0 * half * fabs(scale);
+            pointSizes += fabs(pointScale);
             rho += fabs(ratio);
         }
-        // Numbers too large for floats make boxes that meet everything.
         double offset = origin * a->map.scale[i], at = origin * a->map.unit[i];
         // Of two bodies in the world nothing has been rounded on the way.
         double rounding = a->isLocal || b->isLocal ? r.error[i] : 0.0;
-        s->map.shift[i] = (float)(offset + level);
-        double grow = 0x1p-20 * (fabs(offset) + sizes) + 0x1p-4 +
-                      a->map.scale[i] * (rounding + margin * r.reach[i] * (1.0 + 1e-8));
-        // Where products may leave the range of floats too.
-        s->map.grow[i] = grow < 0x1p80 ? nextafterf((float)grow, INFINITY) : INFINITY;
+        // Boxes in the world have the margin. Local ones don't, nor do points: then b's boxes get it, on both sides.
+        double margin = s->job->margin * r.reach[i] * (1.0 + 1e-8);
+        levels->shift[i] = (float)(offset + level);
+        levels->grow[i] = FindGrowth(fabs(offset) + levelSizes,
+                                     a->map.scale[i] * (rounding + (a->isLocal || b->isLocal ? margin : 0.0)));
+        points->shift[i] = (float)offset;
+        points->grow[i] = FindGrowth(fabs(offset) + pointSizes,
+                                     a->map.scale[i] * (rounding + margin) + pointSizes * (double)b->pointError);
         s->bound.shift[i] = (float)at;
         double error = (12.0 * rho + 6.0 * fabs(at)) * 0x1p-24 + rounding * a->map.unit[i];
         s->bound.pointError = fmaxf(s->bound.pointError, nextafterf((float)error, INFINITY));
@@ -258,6 +276,8 @@ static void FindMaps(Search* s)
     }
     s->bound.reach = qcSurface_Reach(a, s->job->margin * r.stretch);
     s->bound.mapped = true;
+    s->mapped.boxes = BoxesOf(b);
+    s->mapped.triangles = s->sides[1];
 }
 
 qcStatus qcSurfacePairs_Find(qcSurfacePairs* pairs, const qcSurfacePairsJob* job)
