@@ -232,11 +232,19 @@ static bool IsNoCloser(const Search* s, double gap)
     return lost <= 0.0 || lost * lost <= s_loss * s_loss * s->distance2;
 }
 
+/// No points of the two are.
+static bool AreNoneCloser(const Search* s)
+{
+    double nearestA = Smaller(Smaller(s->alongA[0], s->alongA[1]), s->alongA[2]);
+    double nearestB = Larger(Larger(s->alongB[0], s->alongB[1]), s->alongB[2]);
+    return IsNoCloser(s, nearestA - nearestB);
+}
+
 /// The closest points of edge i of A and edge j of B. True: no others are closer.
 static bool TryEdges(Search* s, int i, int j)
 {
     const qcVector *a = s->a, *b = s->b;
-    int nextA = (i + 1) % 3, nextB = (j + 1) % 3;
+    int nextA = i < 2 ? i + 1 : 0, nextB = j < 2 ? j + 1 : 0;
     double nearestA = Smaller(s->alongA[i], s->alongA[nextA]), nearestB = Larger(s->alongB[j], s->alongB[nextB]);
     if (IsNoCloser(s, nearestA - nearestB))
         return false;
@@ -249,9 +257,7 @@ static bool TryEdges(Search* s, int i, int j)
     s->closest->weightsA[nextA] = t;
     s->closest->weightsB[j] = 1.0 - u;
     s->closest->weightsB[nextB] = u;
-    nearestA = Smaller(Smaller(s->alongA[0], s->alongA[1]), s->alongA[2]);
-    nearestB = Larger(Larger(s->alongB[0], s->alongB[1]), s->alongB[2]);
-    return IsNoCloser(s, nearestA - nearestB);
+    return AreNoneCloser(s);
 }
 
 /// Corners of one triangle over the face of the other; `sign` is -1 if the face is A's.
@@ -298,11 +304,13 @@ void qcClosest_OfTriangles(const qcVector a[3], const qcVector b[3], qcClosestPo
         }
     IsBest(&search, qcMinus(a[nearA], b[nearB]));
     closest->weightsA[nearA] = closest->weightsB[nearB] = 1.0;
+    if (AreNoneCloser(&search))
+        return;
     // Edges of the two corners that are nearest first: mostly one of them has the answer.
-    static const int s_turn[3] = {0, 2, 1};
+    static const int s_turned[3][3] = {{0, 2, 1}, {1, 0, 2}, {2, 1, 0}};
     for (int i = 0; i < 3; i++)
         for (int j = 0; j < 3; j++)
-            if (TryEdges(&search, (nearA + s_turn[i]) % 3, (nearB + s_turn[j]) % 3))
+            if (TryEdges(&search, s_turned[nearA][i], s_turned[nearB][j]))
                 return;
     TryFace(&search, a, b, 1.0);
     TryFace(&search, b, a, -1.0);

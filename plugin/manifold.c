@@ -5,7 +5,7 @@
 #include "sort.h"
 #include "status.h"
 
-#include <math.h>
+#include <string.h>
 
 // Points nearer than this share of the triangles' size are one: in a region, the longest edge of a pair's smaller
 // triangle, on average.
@@ -22,7 +22,7 @@ static qcStatus NumberRegions(qcManifolds* m)
         const qcManifoldPair* pair = qcManifolds_Pair(m, p);
         if (pair->region == p)
             QC_AT(qcSortItem, m->order, m->order.count++) =
-                (qcSortItem){(uint64_t)pair->slot[0] << 32 | pair->slot[1], p};
+                (qcSortItem){(uint64_t)pair->side[0]->slot << 32 | pair->side[1]->slot, p};
     }
     QC_TRY(qcSort_Items(m->order.data, m->order.count, &m->scratch));
     QC_TRY(qcArray_Resize(&m->numbered, m->order.count, sizeof(qcContactRegion), "regions of contact"));
@@ -32,16 +32,17 @@ static qcStatus NumberRegions(qcManifolds* m)
         uint64_t first = QC_AT(qcSortItem, m->order, r).value;
         const qcManifoldPair* pair = &QC_AT(qcManifoldPair, m->work, first);
         QC_AT(uint32_t, m->nodes, first) = r;
-        QC_AT(qcContactRegion, m->numbered, r) = (qcContactRegion){
-            .slot = {pair->slot[0], pair->slot[1]}, .rigid = !pair->body[0]->deforming && !pair->body[1]->deforming};
+        QC_AT(qcContactRegion, m->numbered, r) =
+            (qcContactRegion){.slot = {pair->side[0]->slot, pair->side[1]->slot},
+                              .rigid = !pair->side[0]->body->deforming && !pair->side[1]->body->deforming};
     }
     for (uint32_t p = 0; p < count; p++)
     {
         qcManifoldPair* pair = qcManifolds_Pair(m, p);
         pair->region = QC_AT(uint32_t, m->nodes, pair->region);
         qcContactRegion* region = &QC_AT(qcContactRegion, m->numbered, pair->region);
-        region->tolerance +=
-            s_tolerance * fmin(qcManifoldPair_LongestEdge(pair, 0), qcManifoldPair_LongestEdge(pair, 1));
+        double a = pair->side[0]->longestEdge, b = pair->side[1]->longestEdge;
+        region->tolerance += s_tolerance * (a < b ? a : b);
         region->crossing = region->crossing || pair->crossing;
         region->pairs++;
     }
@@ -61,8 +62,8 @@ static qcManifoldPoint PointOf(const qcManifolds* m, const qcRawPoint* raw)
 {
     const qcManifoldPair* pair = qcManifolds_Pair(m, raw->pair);
     qcManifoldPoint point = {.distance = raw->distance,
-                             .triangleA = pair->triangle[0],
-                             .triangleB = pair->triangle[1],
+                             .triangleA = pair->side[0]->index,
+                             .triangleB = pair->side[1]->index,
                              .featureA = {raw->feature[0][0], raw->feature[0][1]},
                              .featureB = {raw->feature[1][0], raw->feature[1][1]}};
     Store(raw->end[0], point.pointA);
@@ -98,31 +99,72 @@ static qcStatus WriteResult(qcManifolds* m)
     return qc_statusOk;
 }
 
-qcStatus qcManifolds_Build(qcManifolds* m, const qcTriangles* triangles, const qcPair* pairs,
-                           const qcProximity* proximities, size_t count, double margin, uint32_t threads)
+static qcStatus EmptyWorkers(qcManifolds* m, uint32_t threads)
+{
+    size_t old = m->workers.count;
+    if (threads > old)
+    {
+        QC_TRY(qcArray_Resize(&m->workers, threads, sizeof(qcManifoldWorker), "contact points"));
+        memset(&QC_AT(qcManifoldWorker, m->workers, old), 0, (threads - old) * sizeof(qcManifoldWorker));
+    }
+    for (size_t i = 0; i < m->workers.count; i++)
+    {
+        qcManifoldWorker* worker = &QC_AT(qcManifoldWorker, m->workers, i);
+        worker->rings.count = worker->points.count = 0;
+        worker->status = qc_statusOk;
+    }
+    return qc_statusOk;
+}
+
+qcStatus qcManifolds_LoopStatus(const qcManifolds* m)
+{
+    for (size_t i = 0; i < m->workers.count; i++)
+        // The message is the worker's own; say it again on this thread.
+        if (QC_AT(qcManifoldWorker, m->workers, i).status != qc_statusOk)
+            return qcArray_FailAgain(&QC_AT(qcManifoldWorker, m->workers, i).points, "neighbours and contact points");
+    return qc_statusOk;
+}
+
+qcStatus qcManifolds_Build(qcManifolds* m, const qcTriangles* triangles, const qcManifoldInput* input, uint32_t threads)
 {
     m->manifolds.count = m->points.count = 0;
-    if (count == 0)
+    if (input->count == 0)
         return qc_statusOk;
-    if (count > qc_maxManifoldPairs)
-        return qcFail(qc_statusOutOfMemory, "out of memory: manifolds of %zu pairs", count);
-    QC_TRY(qcManifolds_FindRegions(m, triangles, pairs, proximities, count));
-    QC_TRY(qcManifolds_ChooseNormals(m, proximities, threads));
-    QC_TRY(qcManifolds_ChooseSigns(m, proximities, margin));
+    if (input->count > qc_maxManifoldPairs)
+        return qcFail(qc_statusOutOfMemory, "out of memory: manifolds of %zu pairs", input->count);
+    QC_TRY(EmptyWorkers(m, threads));
+    QC_TRY(qcManifolds_TakePairs(m, triangles, input));
+    QC_TRY(qcManifolds_FindRings(m, threads));
+    QC_TRY(qcManifolds_JoinRegions(m));
+    QC_TRY(qcManifolds_ChooseNormals(m, input, threads));
+    QC_TRY(qcManifolds_ChooseSigns(m, input));
     QC_TRY(NumberRegions(m));
-    QC_TRY(qcManifolds_FindPoints(m, proximities, margin, threads));
+    QC_TRY(qcManifolds_FindPoints(m, input, threads));
     QC_TRY(qcManifolds_MergePoints(m));
     qcManifolds_DropBetween(m);
     return WriteResult(m);
 }
 
+static void FreeWorkers(qcManifolds* m)
+{
+    for (size_t i = 0; i < m->workers.count; i++)
+    {
+        qcManifoldWorker* worker = &QC_AT(qcManifoldWorker, m->workers, i);
+        qcArray* arrays[] = {&worker->rings, &worker->points, &worker->listOf,
+                             &worker->lists, &worker->fans,   &worker->seen};
+        for (size_t k = 0; k < sizeof arrays / sizeof arrays[0]; k++)
+            qcArray_Free(arrays[k]);
+    }
+    qcArray_Free(&m->workers);
+}
+
 void qcManifolds_Free(qcManifolds* m)
 {
-    qcManifolds_FreeSinks(m);
-    qcArray* arrays[] = {&m->work,     &m->vertices, &m->table,     &m->items,    &m->at,     &m->choices,
-                         &m->nodes,    &m->regions,  &m->parts,     &m->numbered, &m->blocks, &m->raw,
-                         &m->firstRaw, &m->unheard,  &m->order,     &m->scratch,  &m->heads,  &m->links,
-                         &m->keepers,  &m->members,  &m->manifolds, &m->points};
+    FreeWorkers(m);
+    qcArray* arrays[] = {&m->work,    &m->triangles, &m->numbers,   &m->vertices,  &m->table,    &m->places,
+                         &m->choices, &m->nodes,     &m->regions,   &m->parts,     &m->numbered, &m->corners,
+                         &m->raw,     &m->firstRaw,  &m->witnessed, &m->order,     &m->scratch,  &m->heads,
+                         &m->links,   &m->keepers,   &m->members,   &m->manifolds, &m->points};
     for (size_t i = 0; i < sizeof arrays / sizeof arrays[0]; i++)
         qcArray_Free(arrays[i]);
 }

@@ -2,20 +2,25 @@
 #ifndef QC_PLUGIN_MANIFOLD_H
 #define QC_PLUGIN_MANIFOLD_H
 
+#include "proximity.h"
 #include "triangles.h"
 
 typedef struct qcManifolds
 {
-    qcArray work;               ///< of qcManifoldPair, in the order of the reported pairs
-    qcArray vertices, table;    ///< welded vertices by position, and their hash table
-    qcArray items, at;          ///< pairs by key, and where in that list a pair's keys stand
-    qcArray choices;            ///< a normal for each pair
-    qcArray nodes;              ///< trees of regions, later of signs
-    qcArray regions, parts;     ///< while signs are looked for
-    qcArray numbered;           ///< regions in the order of the result
-    qcArray sinks, blocks, raw; ///< points as the pairs see them: of one worker, of one block of pairs, all
-    qcArray firstRaw;           ///< of each pair, and one more
-    qcArray unheard;            ///< bool: neither the pair nor one beside it has a point
+    qcArray work;      ///< of qcManifoldPair, in the order of the reported pairs
+    qcArray triangles; ///< of qcManifoldTriangle: those of the pairs
+    qcArray numbers;   ///< of each triangle of the step: one more than its place among these; all 0 between builds
+    qcArray vertices, table; ///< welded vertices by position, and their hash table
+    qcArray places;          ///< of qcManifoldPlace: by triangle, the pairs that it is in
+    qcArray choices;         ///< a normal for each pair
+    qcArray nodes;           ///< trees of regions, later of signs
+    qcArray regions, parts;  ///< while signs are looked for
+    qcArray numbered;        ///< regions in the order of the result
+    qcArray workers;         ///< of qcManifoldWorker
+    qcArray corners;         ///< of qcPairCorners, one a pair
+    qcArray raw;             ///< points as the pairs see them, in the order of the pairs
+    qcArray firstRaw;        ///< of each pair, and one more
+    qcArray witnessed;       ///< bool: what the pair said itself is a point
     qcArray order, scratch;
     qcArray heads, links; ///< a hash table of the points that stay, by place
     qcArray keepers;      ///< of each raw point: the one that stands for it
@@ -24,9 +29,19 @@ typedef struct qcManifolds
     qcArray manifolds, points; ///< of qcManifold, of qcManifoldPoint
 } qcManifolds;
 
-/// Builds the manifolds of the pairs of a result. `margin`: no point lies farther apart than this. O(n log n).
-qcStatus qcManifolds_Build(qcManifolds* manifolds, const qcTriangles* triangles, const qcPair* pairs,
-                           const qcProximity* proximities, size_t count, double margin, uint32_t threads);
+/// The pairs of a result, with what is known of each.
+typedef struct qcManifoldInput
+{
+    const qcPair* pairs;
+    const qcProximity* proximities;
+    const qcFeet* feet; ///< of the proximities
+    size_t count;
+    double margin; ///< no point lies farther apart than this
+} qcManifoldInput;
+
+/// Builds the manifolds of the pairs of a result. O(n log n).
+qcStatus qcManifolds_Build(qcManifolds* manifolds, const qcTriangles* triangles, const qcManifoldInput* input,
+                           uint32_t threads);
 void qcManifolds_Free(qcManifolds* manifolds);
 
 #endif

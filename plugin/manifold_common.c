@@ -9,13 +9,17 @@
 
 // A face steeper than this along the direction (89.9 degrees) has no inside to stand over.
 static const double s_edgeOn = 1e-3;
+
 /// Two triangles and the corners found so far.
 typedef struct Sight
 {
     const qcManifoldPair* pair;
-    qcVector corner[2][3], edge[2][3]; ///< edge c: from corner c to the next
-    qcVector across[2][3];             ///< an edge x the direction
-    qcVector face[2];                  ///< normals, not of unit length
+    const qcVector* corner[2];
+    qcVector edge[2][3];    ///< edge e: from corner e to the next
+    qcVector across[2][3];  ///< an edge x the direction
+    double beyond[2][3][3]; ///< across edge e of a side, from it: corner c of the other side
+    double facing[2];       ///< a face's normal, not of unit length, along the direction
+    qcVector face[2];
     qcVector normal;
     qcRawPoint* found;
     int count;
@@ -27,25 +31,51 @@ static void Keep(Sight* sight, const qcRawPoint* point)
         sight->found[sight->count++] = *point;
 }
 
+static uint32_t VertexOf(const Sight* sight, int side, int corner)
+{
+    const qcManifoldTriangle* triangle = sight->pair->side[side];
+    return triangle->body->indices[3 * (size_t)triangle->index + (unsigned)corner];
+}
+
+/// Is corner c of a side surely outside of the other's face, as seen along the direction? Settles most.
+static bool IsOutsideFace(const Sight* sight, int side, int c)
+{
+    double facing = sight->facing[1 - side], border = 2.0 * QC_MANIFOLD_ROUNDING * fabs(facing);
+    for (int e = 0; e < 3; e++)
+        if ((facing > 0.0 ? sight->beyond[1 - side][e][c] : -sight->beyond[1 - side][e][c]) > border)
+            return true;
+    return false;
+}
+
+/// Is a foot in the plane of a side's face within it? A corner over the common edge of two faces is found over at least
+/// one of them, in spite of rounding.
+static bool IsInside(const Sight* sight, int side, qcVector foot)
+{
+    qcVector m = sight->face[side];
+    double border = -QC_MANIFOLD_ROUNDING * qcDot(m, m);
+    for (int e = 0; e < 3; e++)
+        if (!(qcDot(m, qcCross(sight->edge[side][e], qcMinus(foot, sight->corner[side][e]))) >= border))
+            return false;
+    return true;
+}
+
 static void CornersOverFace(Sight* sight, int side)
 {
-    const qcVector *face = sight->corner[1 - side], *edges = sight->edge[1 - side];
+    const qcVector* face = sight->corner[1 - side];
     qcVector n = sight->normal, m = sight->face[1 - side];
-    double m2 = qcDot(m, m), facing = qcDot(m, n);
-    if (!(facing * facing > s_edgeOn * s_edgeOn * m2))
+    double facing = sight->facing[1 - side];
+    if (!(facing * facing > s_edgeOn * s_edgeOn * qcDot(m, m)))
         return;
     for (int c = 0; c < 3; c++)
     {
+        if (IsOutsideFace(sight, side, c))
+            continue;
         qcVector x = sight->corner[side][c];
         double height = qcDot(m, qcMinus(x, face[0])) / facing;
         qcVector foot = qcPlusScaled(x, n, -height);
-        // A corner over the common edge of two faces is found over at least one of them, in spite of rounding.
-        bool inside = true;
-        for (int e = 0; e < 3 && inside; e++)
-            inside = qcDot(m, qcCross(edges[e], qcMinus(foot, face[e]))) >= -QC_MANIFOLD_ROUNDING * m2;
-        if (!inside)
+        if (!IsInside(sight, 1 - side, foot))
             continue;
-        uint32_t vertex = qcManifoldPair_Vertex(sight->pair, side, c);
+        uint32_t vertex = VertexOf(sight, side, c);
         qcRawPoint point = {.normal = n, .distance = side == 0 ? height : -height};
         point.end[side] = x;
         point.end[1 - side] = foot;
@@ -55,11 +85,18 @@ static void CornersOverFace(Sight* sight, int side)
     }
 }
 
-static void NameEdge(const qcManifoldPair* pair, int side, int e, uint32_t feature[2])
+static void NameEdge(const Sight* sight, int side, int e, uint32_t feature[2])
 {
-    uint32_t v = qcManifoldPair_Vertex(pair, side, e), w = qcManifoldPair_Vertex(pair, side, (e + 1) % 3);
+    uint32_t v = VertexOf(sight, side, e), w = VertexOf(sight, side, (e + 1) % 3);
     feature[0] = v < w ? v : w;
     feature[1] = v < w ? w : v;
+}
+
+/// Surely no parameter of an edge? Settles most without a division.
+static bool IsOutsideEdge(double numerator, double denominator)
+{
+    double n = denominator < 0.0 ? -numerator : numerator, d = fabs(denominator);
+    return n < -2.0 * QC_MANIFOLD_ROUNDING * d || n > d + 2.0 * QC_MANIFOLD_ROUNDING * d;
 }
 
 static bool ClampToEdge(double* t)
@@ -72,35 +109,44 @@ static bool ClampToEdge(double* t)
 
 static void EdgeOverEdge(Sight* sight, int e, int f)
 {
-    qcVector a = sight->corner[0][e], b = sight->corner[1][f], u = sight->edge[0][e], v = sight->edge[1][f];
+    qcVector u = sight->edge[0][e], v = sight->edge[1][f];
     double cross = qcDot(u, sight->across[1][f]);
+    double s = -sight->beyond[1][f][e], t = sight->beyond[0][e][f];
+    if (IsOutsideEdge(s, cross) || IsOutsideEdge(t, cross))
+        return;
     double parallel = QC_MANIFOLD_ROUNDING * QC_MANIFOLD_ROUNDING * qcDot(u, u) * qcDot(v, v);
     if (!(cross * cross > parallel))
         return;
-    qcVector w = qcMinus(b, a);
-    double s = qcDot(w, sight->across[1][f]) / cross, t = qcDot(w, sight->across[0][e]) / cross;
+    s /= cross;
+    t /= cross;
     if (!ClampToEdge(&s) || !ClampToEdge(&t))
         return;
-    qcRawPoint point = {.end = {qcPlusScaled(a, u, s), qcPlusScaled(b, v, t)}, .normal = sight->normal};
+    qcRawPoint point = {.end = {qcPlusScaled(sight->corner[0][e], u, s), qcPlusScaled(sight->corner[1][f], v, t)},
+                        .normal = sight->normal};
     point.distance = qcDot(qcMinus(point.end[0], point.end[1]), sight->normal);
-    NameEdge(sight->pair, 0, e, point.feature[0]);
-    NameEdge(sight->pair, 1, f, point.feature[1]);
+    NameEdge(sight, 0, e, point.feature[0]);
+    NameEdge(sight, 1, f, point.feature[1]);
     Keep(sight, &point);
 }
 
-/// Seen along the direction, is the other triangle beyond the line through an edge of this side's?
-static bool AreBeside(const Sight* sight, int side)
+/// Seen along the direction, is the other triangle beyond the line through an edge of this side's? Fills what is known
+/// of this side until it says so.
+static bool AreBeside(Sight* sight, int side)
 {
     const qcVector *corner = sight->corner[side], *other = sight->corner[1 - side];
     for (int e = 0; e < 3; e++)
     {
-        qcVector across = sight->across[side][e];
+        sight->edge[side][e] = qcMinus(corner[(e + 1) % 3], corner[e]);
+        qcVector across = qcCross(sight->edge[side][e], sight->normal);
+        double* beyond = sight->beyond[side][e];
+        for (int c = 0; c < 3; c++)
+            beyond[c] = qcDot(across, qcMinus(other[c], corner[e]));
         double inner = qcDot(across, qcMinus(corner[(e + 2) % 3], corner[e]));
-        double x = qcDot(across, qcMinus(other[0], corner[e])), y = qcDot(across, qcMinus(other[1], corner[e]));
-        double z = qcDot(across, qcMinus(other[2], corner[e])), border = QC_MANIFOLD_ROUNDING * fabs(inner);
+        double x = beyond[0], y = beyond[1], z = beyond[2], border = QC_MANIFOLD_ROUNDING * fabs(inner);
         if ((inner > 0.0 && x < -border && y < -border && z < -border) ||
             (inner < 0.0 && x > border && y > border && z > border))
             return true;
+        sight->across[side][e] = across;
     }
     return false;
 }
@@ -112,19 +158,15 @@ int qcManifoldPair_FindCommonPart(const qcManifoldPair* pair, qcVector normal, q
     sight.normal = normal;
     sight.found = corners;
     sight.count = 0;
-    for (int side = 0; side < 2; side++)
-    {
-        qcVector* corner = sight.corner[side];
-        qcManifoldPair_GetCorners(pair, side, corner);
-        for (int c = 0; c < 3; c++)
-        {
-            sight.edge[side][c] = qcMinus(corner[(c + 1) % 3], corner[c]);
-            sight.across[side][c] = qcCross(sight.edge[side][c], normal);
-        }
-        sight.face[side] = qcCross(sight.edge[side][0], sight.edge[side][1]);
-    }
+    sight.corner[0] = pair->side[0]->corner;
+    sight.corner[1] = pair->side[1]->corner;
     if (AreBeside(&sight, 0) || AreBeside(&sight, 1))
         return 0;
+    for (int side = 0; side < 2; side++)
+    {
+        sight.face[side] = qcCross(sight.edge[side][0], sight.edge[side][1]);
+        sight.facing[side] = qcDot(sight.face[side], normal);
+    }
     // Corners of triangles first: where one also lies on an edge of the other, a vertex is the steadier name.
     CornersOverFace(&sight, 0);
     CornersOverFace(&sight, 1);

@@ -89,11 +89,7 @@ static bool ConeOf(const qcManifolds* m, const Basis* basis, uint32_t raw, Cone*
     cone->middle = reference + 0.5 * (lower + upper);
     cone->half = 0.5 * (upper - lower);
     for (int side = 0; side < 2; side++)
-    {
-        qcVector corner[3];
-        qcManifoldPair_GetCorners(pair, side, corner);
-        cone->face[side] = Unit(qcCross(qcMinus(corner[1], corner[0]), qcMinus(corner[2], corner[0])));
-    }
+        cone->face[side] = pair->side[side]->normal;
     return any;
 }
 

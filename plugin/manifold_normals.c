@@ -1,4 +1,5 @@
-// The direction of each pair, looked at with its neighbourhood, in parallel.
+// The direction of each pair, looked at with its neighbourhood, and what its triangles have in common along it. In
+// parallel.
 //
 // What a pair of triangles says alone may be wrong for the surfaces that they are part of, in two ways:
 //
@@ -20,7 +21,6 @@
 // Limits: this looks one neighbour far. Where a surface has sunk in deeper than about half a triangle, all pairs may
 // agree on a way out that is no way out. Along the rim of such a neighbourhood a direction may jump by the angle
 // between the faces there.
-#include "closest.h"
 #include "manifold_parts.h"
 #include "parallel.h"
 #include "status.h"
@@ -45,140 +45,187 @@ typedef struct Neighbourhood
 {
     const qcManifolds* manifolds;
     const qcManifoldPair* pair;
-    qcBeside ring[qc_maxRing];
-    uint32_t count;
+    qcRing ring[2];  ///< by the side whose triangle is the common one
+    double rounding; ///< of a cost
 } Neighbourhood;
+
+/// What a pair's triangles have in common, seen along a direction.
+typedef struct Look
+{
+    int count; ///< below 0: not looked
+    double low, high;
+    qcRawPoint corners[qc_maxCommonCorners];
+} Look;
+
+/// The best direction so far.
+typedef struct Best
+{
+    qcVector normal;
+    double cost;
+    bool own;      ///< nothing else was better
+    bool opposite; ///< the look is along the opposite direction
+    Look *look, *spare;
+} Best;
 
 typedef struct Choice
 {
     qcVector normal;
-    double cost;
     bool apart; ///< as qcManifoldPair's
 } Choice;
 
-typedef struct Cost
+/// A direction to try.
+typedef struct Trial
 {
-    double along, against, rounding;
-} Cost;
+    qcVector normal;
+    int face; ///< the side whose face's normal it is, or -1
+    double along, against;
+    qcWaysOut ways; ///< of the pair itself
+    Look* look;
+} Trial;
 
 static double Positive(double x)
 {
     return x > 0.0 ? x : 0.0;
 }
 
-static Cost CostOf(const Neighbourhood* n, qcVector direction)
+static void AddWays(Trial* trial, qcWaysOut ways, double weight)
 {
-    qcWaysOut own = qcManifoldPair_WaysOut(n->pair, direction);
-    Cost cost = {s_self * Positive(own.along), s_self * Positive(own.against), 0.0};
-    double extent = s_self * (own.along + own.against);
-    for (uint32_t i = 0; i < n->count; i++)
+    trial->along += weight * Positive(ways.along);
+    trial->against += weight * Positive(ways.against);
+}
+
+/// A cost must be below this to be cheaper than the best.
+static double LimitOf(const Neighbourhood* n, double best)
+{
+    return s_cheaper * best - n->rounding;
+}
+
+/// The pairs beside this one whose common triangle, at these heights, is that of a side.
+static void AddRing(const Neighbourhood* n, int side, qcHeights common, qcVector origin, Trial* trial)
+{
+    qcRing ring = n->ring[side];
+    qcVector direction = trial->normal;
+    for (uint32_t i = 0; i < ring.count; i++)
     {
-        qcWaysOut ways = qcManifoldPair_WaysOut(qcManifolds_Pair(n->manifolds, n->ring[i].pair), direction);
-        double shared = n->ring[i].shared;
-        cost.along += shared * Positive(ways.along);
-        cost.against += shared * Positive(ways.against);
-        extent += shared * (ways.along + ways.against);
+        const qcManifoldPlace* place = qcManifolds_Beside(n->manifolds, ring.entries[i]);
+        qcHeights h =
+            side == trial->face ? place->heights : qcManifoldTriangle_Heights(place->moved, origin, direction);
+        AddWays(trial, side == 0 ? qcWaysOut_Of(common, h) : qcWaysOut_Of(h, common),
+                (double)(ring.entries[i] & qc_ringShared));
     }
-    cost.rounding = QC_MANIFOLD_ROUNDING * extent;
-    return cost;
 }
 
-/// Does the direction make no contact where there is none? What can be said of a pair that is apart: seen along it,
-/// its triangles lie beside each other, or side 0 above side 1.
-static bool Agrees(const Neighbourhood* n, qcVector normal, bool* above)
+/// False: neither way costs less than `limit`, however much is still to be added.
+static bool FindCost(const Neighbourhood* n, double limit, Trial* trial)
 {
-    qcRawPoint corners[qc_maxCommonCorners];
-    int count = qcManifoldPair_FindCommonPart(n->pair, normal, corners);
-    double rounding = QC_MANIFOLD_ROUNDING * qcManifoldPair_LongestEdge(n->pair, 0);
-    rounding += QC_MANIFOLD_ROUNDING * qcManifoldPair_LongestEdge(n->pair, 1);
-    for (int i = 0; i < count; i++)
-        if (!(corners[i].distance >= -rounding))
-            return false;
-    *above = count != 0;
-    return true;
+    const qcManifoldPair* pair = n->pair;
+    qcVector origin = pair->side[trial->face == 0 ? 0 : 1]->corner[0];
+    const qcHeights heights[2] = {qcManifoldTriangle_Heights(pair->side[0], origin, trial->normal),
+                                  qcManifoldTriangle_Heights(pair->side[1], origin, trial->normal)};
+    trial->along = trial->against = 0.0;
+    trial->ways = qcWaysOut_Of(heights[0], heights[1]);
+    AddWays(trial, trial->ways, s_self);
+    // What the places know already comes first.
+    int first = trial->face == 1 ? 1 : 0;
+    for (int k = 0; k < 2 && (trial->along < limit || trial->against < limit); k++)
+        AddRing(n, k == 0 ? first : 1 - first, heights[k == 0 ? first : 1 - first], origin, trial);
+    return trial->along < limit || trial->against < limit;
 }
 
-static void ConsiderWay(const Neighbourhood* n, qcVector normal, double cost, double rounding, Choice* best)
+static void LookAlong(const qcManifoldPair* pair, qcVector normal, Look* look)
 {
-    bool above = false;
-    if (cost < s_cheaper * best->cost - rounding && (!n->pair->apart || Agrees(n, normal, &above)))
-        *best = (Choice){normal, cost, above};
+    if (look->count >= 0)
+        return;
+    look->count = qcManifoldPair_FindCommonPart(pair, normal, look->corners);
+    look->low = INFINITY;
+    look->high = -INFINITY;
+    for (int i = 0; i < look->count; i++)
+    {
+        double distance = look->corners[i].distance;
+        look->low = distance < look->low ? distance : look->low;
+        look->high = distance > look->high ? distance : look->high;
+    }
 }
 
-static void Consider(const Neighbourhood* n, qcVector normal, Choice* best)
+/// Does the direction, or its opposite, make no contact where there is none? What can be said of a pair that is apart:
+/// seen along it, its triangles lie beside each other, or side 0 above side 1.
+static bool Agrees(const Neighbourhood* n, const Trial* trial, bool opposite)
 {
-    Cost cost = CostOf(n, normal);
-    ConsiderWay(n, normal, cost.along, cost.rounding, best);
-    ConsiderWay(n, qcNegated(normal), cost.against, cost.rounding, best);
+    if (!n->pair->apart || (opposite ? trial->ways.against : trial->ways.along) <= 0.0)
+        return true;
+    LookAlong(n->pair, trial->normal, trial->look);
+    double rounding = qcManifoldPair_Rounding(n->pair);
+    return opposite ? trial->look->high <= rounding : trial->look->low >= -rounding;
 }
 
-static qcVector FaceNormal(const qcManifoldPair* pair, int side)
+static void ConsiderWay(const Neighbourhood* n, const Trial* trial, bool opposite, Best* best)
 {
-    qcVector corner[3];
-    qcManifoldPair_GetCorners(pair, side, corner);
-    qcVector normal = qcCross(qcMinus(corner[1], corner[0]), qcMinus(corner[2], corner[0]));
-    double length = sqrt(qcDot(normal, normal));
-    if (!(length > 0.0) || !isfinite(length))
-        return pair->normal;
-    return (qcVector){normal.x / length, normal.y / length, normal.z / length};
+    double cost = opposite ? trial->against : trial->along;
+    if (!(cost < LimitOf(n, best->cost)) || !Agrees(n, trial, opposite))
+        return;
+    best->normal = opposite ? qcNegated(trial->normal) : trial->normal;
+    best->cost = cost;
+    best->own = false;
+    best->opposite = opposite;
+    if (best->look != trial->look)
+    {
+        best->spare = best->look;
+        best->look = trial->look;
+    }
+}
+
+/// Tries a direction and its opposite.
+static void Consider(const Neighbourhood* n, qcVector normal, int face, Best* best)
+{
+    Trial trial = {.normal = normal, .face = face, .look = best->spare};
+    double limit = LimitOf(n, best->cost);
+    if (!(limit > 0.0) || !FindCost(n, limit, &trial))
+        return;
+    trial.look->count = -1;
+    ConsiderWay(n, &trial, false, best);
+    ConsiderWay(n, &trial, true, best);
 }
 
 /// The two faces, that more along the pair's own direction first, so that the order of the sides decides nothing.
-static void ConsiderFaces(const Neighbourhood* n, Choice* best)
+static void ConsiderFaces(const Neighbourhood* n, Best* best)
 {
     const qcManifoldPair* pair = n->pair;
-    qcVector faces[2] = {FaceNormal(pair, 0), FaceNormal(pair, 1)};
-    int first = fabs(qcDot(faces[1], pair->normal)) > fabs(qcDot(faces[0], pair->normal));
-    Consider(n, faces[first], best);
-    Consider(n, faces[1 - first], best);
-}
-
-/// The feet of a pair's closest points: of each side the corners between which it lies, as bits.
-typedef struct Feet
-{
-    unsigned corners[2];
-} Feet;
-
-static Feet FeetOf(const qcManifoldPair* pair, const qcProximity* proximity)
-{
-    Feet feet = {{0, 0}};
+    qcVector faces[2];
+    bool known[2];
     for (int side = 0; side < 2; side++)
     {
-        qcVector corner[3];
-        qcManifoldPair_GetCorners(pair, side, corner);
-        bool isA = (side == 0) != pair->swapped;
-        double weights[3];
-        qcClosest_OnTriangle(corner, qcVector_Load(isA ? proximity->pointA : proximity->pointB), weights);
-        for (unsigned c = 0; c < 3; c++)
-            feet.corners[side] |= (unsigned)(weights[c] > QC_MANIFOLD_ROUNDING) << c;
+        faces[side] = pair->side[side]->normal;
+        known[side] = qcDot(faces[side], faces[side]) > 0.0;
+        if (!known[side])
+            faces[side] = pair->normal;
     }
-    return feet;
+    int first = fabs(qcDot(faces[1], pair->normal)) > fabs(qcDot(faces[0], pair->normal)), second = 1 - first;
+    Consider(n, faces[first], known[first] ? first : -1, best);
+    Consider(n, faces[second], known[second] ? second : -1, best);
 }
 
-static bool HasVertex(const uint32_t vertex[3], uint32_t v)
+static bool HasVertex(const qcManifoldTriangle* triangle, uint32_t v)
 {
-    return vertex[0] == v || vertex[1] == v || vertex[2] == v;
+    return triangle->vertex[0] == v || triangle->vertex[1] == v || triangle->vertex[2] == v;
 }
 
-/// Do both feet of a pair stand on one beside it too?
-static bool StandOn(const qcManifoldPair* pair, Feet feet, const qcManifoldPair* other)
+/// Does a pair beside this one, that both its feet stand on too, come nearer? One foot stands on the common triangle.
+static bool IsSurpassed(const Neighbourhood* n, const qcFeet* feet)
 {
-    int moved = other->triangle[0] == pair->triangle[0] ? 1 : 0;
-    for (unsigned c = 0; c < 3; c++)
-        if ((feet.corners[moved] >> c & 1u) && !HasVertex(other->vertex[moved], pair->vertex[moved][c]))
-            return false;
-    return true;
-}
-
-/// Does a pair beside this one, that both its feet stand on too, come nearer?
-static bool IsSurpassed(const Neighbourhood* n, const qcProximity* proximity)
-{
-    Feet feet = FeetOf(n->pair, proximity);
-    for (uint32_t i = 0; i < n->count; i++)
+    double nearer = s_nearer * n->pair->gap;
+    for (int side = 0; side < 2; side++)
     {
-        const qcManifoldPair* other = qcManifolds_Pair(n->manifolds, n->ring[i].pair);
-        if (other->gap < s_nearer * n->pair->gap && StandOn(n->pair, feet, other))
-            return true;
+        const qcManifoldTriangle* mine = n->pair->side[1 - side];
+        unsigned corners = feet->corners[(side == 0) != n->pair->swapped ? 1 : 0];
+        for (uint32_t i = 0; i < n->ring[side].count; i++)
+        {
+            const qcManifoldPlace* place = qcManifolds_Beside(n->manifolds, n->ring[side].entries[i]);
+            bool stands = place->gap < nearer;
+            for (unsigned c = 0; c < 3 && stands; c++)
+                stands = !(corners >> c & 1u) || HasVertex(place->moved, mine->vertex[c]);
+            if (stands)
+                return true;
+        }
     }
     return false;
 }
@@ -186,14 +233,15 @@ static bool IsSurpassed(const Neighbourhood* n, const qcProximity* proximity)
 typedef struct Job
 {
     qcManifolds* manifolds;
-    const qcProximity* proximities;
+    const qcManifoldInput* input;
     Choice* choices;
 } Job;
 
 static Neighbourhood NeighbourhoodOf(const qcManifolds* m, uint32_t index)
 {
-    Neighbourhood n = {.manifolds = m, .pair = qcManifolds_Pair(m, index)};
-    n.count = qcManifolds_CollectRing(m, index, n.ring);
+    const qcManifoldPair* pair = qcManifolds_Pair(m, index);
+    Neighbourhood n = {m, pair, {qcManifolds_Ring(m, pair, 0), qcManifolds_Ring(m, pair, 1)}, 0.0};
+    n.rounding = qcManifoldPair_Rounding(pair) * (s_self + n.ring[0].count + n.ring[1].count);
     return n;
 }
 
@@ -202,33 +250,68 @@ static Neighbourhood NeighbourhoodOf(const qcManifolds* m, uint32_t index)
 static const qcManifoldPair* LeaderOf(const Neighbourhood* n)
 {
     const qcManifoldPair* leader = n->pair;
-    for (uint32_t i = 0; i < n->count; i++)
-    {
-        const qcManifoldPair* other = qcManifolds_Pair(n->manifolds, n->ring[i].pair);
-        bool nearer = other->gap < leader->gap || (other->gap == leader->gap && other < leader);
-        if (nearer && !other->surpassed && (other->apart || !n->pair->apart))
-            leader = other;
-    }
+    for (int side = 0; side < 2; side++)
+        for (uint32_t i = 0; i < n->ring[side].count; i++)
+        {
+            const qcManifoldPlace* place = qcManifolds_Beside(n->manifolds, n->ring[side].entries[i]);
+            if (place->gap > leader->gap)
+                continue;
+            const qcManifoldPair* other = qcManifolds_Pair(n->manifolds, place->pair);
+            bool nearer = place->gap < leader->gap || other < leader;
+            if (nearer && !other->surpassed && (other->apart || !n->pair->apart))
+                leader = other;
+        }
     return leader;
 }
 
-static void Choose(const Job* job, uint32_t index, Choice* choice)
+static void Choose(const Job* job, uint32_t index, Best* best)
 {
     Neighbourhood n = NeighbourhoodOf(job->manifolds, index);
     const qcManifoldPair* pair = n.pair;
-    *choice = (Choice){pair->normal, INFINITY, pair->apart};
+    best->normal = pair->normal;
+    best->cost = INFINITY;
+    best->own = true;
+    best->opposite = false;
+    best->look->count = -1;
     if (!pair->surpassed)
     {
-        Cost own = CostOf(&n, pair->normal);
-        if (own.along <= own.rounding)
+        Trial own = {.normal = pair->normal, .face = -1, .look = best->look};
+        FindCost(&n, INFINITY, &own);
+        if (own.along <= n.rounding)
             return;
-        choice->cost = own.along;
-        ConsiderWay(&n, qcNegated(pair->normal), own.against, own.rounding, choice);
+        best->cost = own.along;
+        ConsiderWay(&n, &own, true, best);
     }
-    ConsiderFaces(&n, choice);
-    const qcManifoldPair* leader = LeaderOf(&n);
+    ConsiderFaces(&n, best);
+    const qcManifoldPair* leader = LimitOf(&n, best->cost) > 0.0 ? LeaderOf(&n) : pair;
     if (leader != pair)
-        Consider(&n, leader->normal, choice);
+        Consider(&n, leader->normal, -1, best);
+}
+
+/// Corners that can become points; there is room for them. If the normal may be turned around still, all of them.
+static void KeepCorners(const Job* job, uint32_t index, uint32_t worker, const Best* best)
+{
+    const Look* look = best->look;
+    qcManifolds* m = job->manifolds;
+    const qcManifoldPair* pair = qcManifolds_Pair(m, index);
+    qcArray* points = &QC_AT(qcManifoldWorker, m->workers, worker).points;
+    double limit = qcManifoldPair_Limit(pair, job->input->margin);
+    if (qcManifolds_SignRegion(m, pair)->unsettled)
+        limit = INFINITY;
+    qcPairCorners* kept = &QC_AT(qcPairCorners, m->corners, index);
+    *kept = (qcPairCorners){points->count, (uint16_t)worker, 0};
+    for (int i = 0; i < look->count; i++)
+    {
+        double distance = best->opposite ? -look->corners[i].distance : look->corners[i].distance;
+        if (!(distance <= limit))
+            continue;
+        qcRawPoint* point = &QC_AT(qcRawPoint, *points, points->count++);
+        *point = look->corners[i];
+        point->normal = best->normal;
+        point->distance = distance;
+        point->pair = index;
+        kept->count++;
+    }
 }
 
 static size_t EndOf(const Job* job, size_t block)
@@ -247,16 +330,29 @@ static void CompareBlock(void* context, size_t block, uint32_t worker)
         if (!pair->apart)
             continue;
         Neighbourhood n = NeighbourhoodOf(job->manifolds, (uint32_t)p);
-        pair->surpassed = IsSurpassed(&n, &job->proximities[pair->source]);
+        pair->surpassed = IsSurpassed(&n, &job->input->feet[pair->source]);
     }
 }
 
 static void ChooseBlock(void* context, size_t block, uint32_t worker)
 {
-    (void)worker;
     const Job* job = context;
-    for (size_t p = block * qc_normalBlock; p < EndOf(job, block); p++)
-        Choose(job, (uint32_t)p, &job->choices[p]);
+    qcManifolds* m = job->manifolds;
+    qcStatus* status = &QC_AT(qcManifoldWorker, m->workers, worker).status;
+    Look looks[2];
+    Best best = {.look = &looks[0], .spare = &looks[1]};
+    qcArray* points = &QC_AT(qcManifoldWorker, m->workers, worker).points;
+    if (*status == qc_statusOk)
+        *status = qcArray_Reserve(points, points->count + qc_normalBlock * qc_maxCommonCorners, sizeof(qcRawPoint),
+                                  "contact points");
+    for (size_t p = block * qc_normalBlock; p < EndOf(job, block) && *status == qc_statusOk; p++)
+    {
+        const qcManifoldPair* pair = qcManifolds_Pair(m, (uint32_t)p);
+        Choose(job, (uint32_t)p, &best);
+        LookAlong(pair, best.opposite ? qcNegated(best.normal) : best.normal, best.look);
+        job->choices[p] = (Choice){best.normal, pair->apart && (best.own || best.look->count != 0)};
+        KeepCorners(job, (uint32_t)p, worker, &best);
+    }
 }
 
 static bool AreEqual(qcVector a, qcVector b)
@@ -264,15 +360,17 @@ static bool AreEqual(qcVector a, qcVector b)
     return a.x == b.x && a.y == b.y && a.z == b.z;
 }
 
-qcStatus qcManifolds_ChooseNormals(qcManifolds* m, const qcProximity* proximities, uint32_t threads)
+qcStatus qcManifolds_ChooseNormals(qcManifolds* m, const qcManifoldInput* input, uint32_t threads)
 {
     size_t count = m->work.count;
     // All look at what the pairs themselves say, none at what another has chosen: the order does not matter.
     QC_TRY(qcArray_Resize(&m->choices, count, sizeof(Choice), "normals of manifolds"));
-    Job job = {m, proximities, m->choices.data};
+    QC_TRY(qcArray_Resize(&m->corners, count, sizeof(qcPairCorners), "normals of manifolds"));
+    Job job = {m, input, m->choices.data};
     size_t blocks = (count + qc_normalBlock - 1) / qc_normalBlock;
     qcParallel_For(threads, blocks, qc_leastNormalBlocks, CompareBlock, &job);
     qcParallel_For(threads, blocks, qc_leastNormalBlocks, ChooseBlock, &job);
+    QC_TRY(qcManifolds_LoopStatus(m));
     for (size_t p = 0; p < count; p++)
     {
         qcManifoldPair* pair = &QC_AT(qcManifoldPair, m->work, p);

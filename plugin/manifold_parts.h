@@ -7,15 +7,14 @@
 
 enum
 {
-    /// Keys of a pair: each triangle with each corner of the other.
-    qc_besideKeys = 6,
-    /// Pairs looked at before and after in a list of pairs that have a key in common: enough for a fan of seventeen
-    /// triangles, and a bound for one of a hundred thousand.
+    /// Pairs looked at before and after in a list of pairs that have a triangle and a vertex of the other in common:
+    /// enough for a fan of seventeen triangles, and a bound for one of a hundred thousand.
     qc_besideReach = 8,
-    qc_maxRing = qc_besideKeys * 2 * qc_besideReach,
+    /// Pairs beside one that have one of its triangles in common: through each corner of the other.
+    qc_maxRing = 3 * 2 * qc_besideReach,
     /// Six corners over a face, nine crossings of edges.
     qc_maxCommonCorners = 15,
-    /// Far above the memory of any machine; pairs are numbered in 32 bits with room for their keys.
+    /// Far above the memory of any machine; their places are numbered in 32 bits with room for three more.
     qc_maxManifoldPairs = 1 << 28
 };
 
@@ -29,26 +28,66 @@ typedef struct qcManifoldVertex
     qcVector position;
 } qcManifoldVertex;
 
+/// The heights of a triangle along a direction.
+typedef struct qcHeights
+{
+    double low, high;
+} qcHeights;
+
+/// A triangle that is in some pair. What many pairs ask of it is computed once.
+typedef struct qcManifoldTriangle
+{
+    qcVector corner[3];
+    qcVector normal; ///< unit; of no length if the triangle is a line or a point
+    double longestEdge;
+    const qcBody* body;
+    uint32_t slot, index;  ///< of the body; in the body
+    uint32_t vertex[3];    ///< corners: the numbers of their positions among those of all pairs
+    uint32_t first, count; ///< its places
+} qcManifoldTriangle;
+
+/// Seen from a point: far from the origin of the world the products would round away what lies between.
+static inline qcHeights qcManifoldTriangle_Heights(const qcManifoldTriangle* t, qcVector origin, qcVector direction)
+{
+    double x = qcDot(qcMinus(t->corner[0], origin), direction);
+    double y = qcDot(qcMinus(t->corner[1], origin), direction);
+    double z = qcDot(qcMinus(t->corner[2], origin), direction);
+    double low = x < y ? x : y, high = x < y ? y : x;
+    return (qcHeights){z < low ? z : low, z > high ? z : high};
+}
+
+/// One pair, as one of its triangles sees it: with what the pairs beside it ask of it, and with those beside it that
+/// have this triangle too.
+typedef struct qcManifoldPlace
+{
+    const qcManifoldTriangle* moved; ///< the other triangle
+    qcHeights heights;               ///< its, along the normal of this one, from the first corner of this one
+    double gap;                      ///< the pair's
+    uint32_t pair;
+    uint16_t worker;    ///< who found the ring
+    uint8_t side;       ///< of the triangle in the pair, as reported
+    uint8_t ringCount;  ///< see qcRing
+    uint64_t ringFirst; ///< in the worker's list
+} qcManifoldPlace;
+
 /// One reported pair. Side 0 is A, side 1 is B; in a pair of one body with itself the sides may be named the other way
 /// round than in the report.
 typedef struct qcManifoldPair
 {
-    const qcBody* body[2];
-    uint32_t slot[2], triangle[2];
-    uint32_t vertex[2][3];            ///< corners: the numbers of their positions among those of all pairs
-    const qcManifoldVertex* vertices; ///< of these numbers; null: not numbered yet
-    qcVector normal;                  ///< unit, from side 1 towards side 0
-    qcVector reported;                ///< the pair's own, as it came
-    double gap;                       ///< the pair's own distance, or minus its depth
-    uint32_t region;                  ///< its first pair; later its number
-    uint32_t source;                  ///< the reported pair
-    bool swapped;                     ///< side 0 is the report's B
-    bool own;                         ///< the normal is the one of the report, up to its sign
-    bool turned;                      ///< the normal was turned around to agree with its region
-    bool apart;                       ///< before that, side 0 lies above side 1 along it: a fact, not a choice
-    bool parted;                      ///< the reported normal parts the two triangles
-    bool surpassed;                   ///< parted, and a pair beside it comes nearer from the same feet
-    bool crossing;                    ///< penetrating, other than in one plane
+    const qcManifoldTriangle* side[2];
+    uint32_t place[2];
+    qcVector normal;   ///< unit, from side 1 towards side 0
+    qcVector reported; ///< the pair's own, as it came
+    double gap;        ///< the pair's own distance, or minus its depth
+    uint32_t region;   ///< its first pair; later its number
+    uint32_t source;   ///< the reported pair
+    bool swapped;      ///< side 0 is the report's B
+    bool own;          ///< the normal is the one of the report, up to its sign
+    bool turned;       ///< the normal was turned around to agree with its region
+    bool apart;        ///< before that, side 0 lies above side 1 along it: a fact, not a choice
+    bool parted;       ///< the reported normal parts the two triangles
+    bool surpassed;    ///< parted, and a pair beside it comes nearer from the same feet
+    bool crossing;     ///< penetrating, other than in one plane
 } qcManifoldPair;
 
 /// A possible contact point, as one pair sees it.
@@ -61,24 +100,23 @@ typedef struct qcRawPoint
     uint32_t feature[2][2]; ///< see qcManifoldPoint
 } qcRawPoint;
 
-static inline void qcManifoldPair_GetCorners(const qcManifoldPair* pair, int side, qcVector corner[3])
+/// Where the corners of what a pair's triangles have in common are, and later its points: a worker's.
+typedef struct qcPairCorners
 {
-    double position[3][3];
-    // Rigid bodies would have to be transformed again and again.
-    if (pair->vertices == NULL)
-        qcBody_GetTriangle(pair->body[side], pair->triangle[side], position);
-    for (int c = 0; c < 3; c++)
-        corner[c] =
-            pair->vertices == NULL ? qcVector_Load(position[c]) : pair->vertices[pair->vertex[side][c]].position;
-}
+    uint64_t first;
+    uint16_t worker;
+    uint8_t count;
+} qcPairCorners;
 
-/// Of the triangle of one side.
-double qcManifoldPair_LongestEdge(const qcManifoldPair* pair, int side);
-
-static inline uint32_t qcManifoldPair_Vertex(const qcManifoldPair* pair, int side, int corner)
+/// What one worker found, and its tables.
+typedef struct qcManifoldWorker
 {
-    return pair->body[side]->indices[3 * (size_t)pair->triangle[side] + (unsigned)corner];
-}
+    qcArray rings;                     ///< of qcRing entries
+    qcArray points;                    ///< of qcRawPoint
+    qcArray listOf, lists, fans, seen; ///< while rings are looked for
+    qcStatus status;
+    char apart[64]; ///< keeps the counts of two workers off one cache line
+} qcManifoldWorker;
 
 static inline qcVector qcNegated(qcVector v)
 {
@@ -92,10 +130,26 @@ typedef struct qcWaysOut
     double along, against;
 } qcWaysOut;
 
-qcWaysOut qcManifoldPair_WaysOut(const qcManifoldPair* pair, qcVector direction);
+static inline qcWaysOut qcWaysOut_Of(qcHeights side0, qcHeights side1)
+{
+    return (qcWaysOut){side1.high - side0.low, side0.high - side1.low};
+}
+
+/// What rounding may do to the heights of a pair's triangles.
+static inline double qcManifoldPair_Rounding(const qcManifoldPair* pair)
+{
+    return QC_MANIFOLD_ROUNDING * pair->side[0]->longestEdge + QC_MANIFOLD_ROUNDING * pair->side[1]->longestEdge;
+}
+
+/// Points farther apart than this are beyond the margin, whatever rounding does.
+static inline double qcManifoldPair_Limit(const qcManifoldPair* pair, double margin)
+{
+    double a = pair->side[0]->longestEdge, b = pair->side[1]->longestEdge;
+    return margin * (1.0 + QC_MANIFOLD_ROUNDING) + QC_MANIFOLD_ROUNDING * (a > b ? a : b);
+}
 
 /// Corners of what the two triangles have in common seen along a direction, with their gaps; none where they lie beside
-/// each other. Returns their number.
+/// each other. Returns their number. Along the opposite direction the gaps are opposite, and all else is the same.
 int qcManifoldPair_FindCommonPart(const qcManifoldPair* pair, qcVector normal, qcRawPoint corners[qc_maxCommonCorners]);
 
 /// A region in the order of the result.
@@ -107,6 +161,14 @@ typedef struct qcContactRegion
     bool rigid;    ///< neither side deforms
     bool crossing; ///< some pair is
 } qcContactRegion;
+
+/// A region while signs are looked for, by its first pair.
+typedef struct qcSignRegion
+{
+    bool unsettled; ///< some pair meets
+    bool crossing;
+    uint32_t fact; ///< its first pair that is apart, or UINT32_MAX
+} qcSignRegion;
 
 //  ---- trees with a sign at every branch -------------------------------------------------------------------
 
@@ -138,29 +200,25 @@ static inline void qcSigned_Unite(uint32_t* nodes, uint32_t i, uint32_t j, uint3
 
 //  ---- the parts, in the order in which they run ------------------------------------------------------------
 
-/// Takes the pairs in, lists who lies beside whom, and joins neighbours to regions.
-qcStatus qcManifolds_FindRegions(qcManifolds* manifolds, const qcTriangles* triangles, const qcPair* pairs,
-                                 const qcProximity* proximities, size_t count);
-/// A pair beside another one: they have one triangle in common, and the other two share a vertex.
-typedef struct qcBeside
-{
-    uint32_t pair;
-    uint32_t shared; ///< number of these vertices
-} qcBeside;
+/// The status of a loop over the workers: their first failure, said again on this thread.
+qcStatus qcManifolds_LoopStatus(const qcManifolds* manifolds);
 
-/// Each once. In a list too long for qc_besideReach some are left out.
-uint32_t qcManifolds_CollectRing(const qcManifolds* manifolds, uint32_t pair, qcBeside ring[qc_maxRing]);
-/// The direction of each pair, looked at with its neighbourhood.
-qcStatus qcManifolds_ChooseNormals(qcManifolds* manifolds, const qcProximity* proximities, uint32_t threads);
+/// Takes the pairs in, with their triangles.
+qcStatus qcManifolds_TakePairs(qcManifolds* manifolds, const qcTriangles* triangles, const qcManifoldInput* input);
+/// Lists who lies beside whom.
+qcStatus qcManifolds_FindRings(qcManifolds* manifolds, uint32_t threads);
+/// Joins neighbours to regions.
+qcStatus qcManifolds_JoinRegions(qcManifolds* manifolds);
+/// The direction of each pair, looked at with its neighbourhood, and the corners of what its triangles have in common
+/// along it.
+qcStatus qcManifolds_ChooseNormals(qcManifolds* manifolds, const qcManifoldInput* input, uint32_t threads);
 /// Their signs, looked at in each region.
-qcStatus qcManifolds_ChooseSigns(qcManifolds* manifolds, const qcProximity* proximities, double margin);
-/// Needs numbered regions.
-qcStatus qcManifolds_FindPoints(qcManifolds* manifolds, const qcProximity* proximities, double margin,
-                                uint32_t threads);
+qcStatus qcManifolds_ChooseSigns(qcManifolds* manifolds, const qcManifoldInput* input);
+/// From corners to points. Needs numbered regions.
+qcStatus qcManifolds_FindPoints(qcManifolds* manifolds, const qcManifoldInput* input, uint32_t threads);
 qcStatus qcManifolds_MergePoints(qcManifolds* manifolds);
 /// Of flat patches between rigid bodies only the corners stay.
 void qcManifolds_DropBetween(qcManifolds* manifolds);
-void qcManifolds_FreeSinks(qcManifolds* manifolds);
 
 /// Do two points say the same of the same place: one end of theirs nearly the same, and their normals too? Then only
 /// the deeper one counts; the other is the same feature found from another triangle, or lies behind it.
@@ -175,6 +233,49 @@ static inline bool qcRawPoint_AreSame(const qcRawPoint* p, const qcRawPoint* q, 
 static inline qcManifoldPair* qcManifolds_Pair(const qcManifolds* manifolds, uint32_t pair)
 {
     return &QC_AT(qcManifoldPair, manifolds->work, pair);
+}
+
+/// Before regions are numbered.
+static inline qcSignRegion* qcManifolds_SignRegion(const qcManifolds* manifolds, const qcManifoldPair* pair)
+{
+    return &QC_AT(qcSignRegion, manifolds->regions, pair->region);
+}
+
+/// The raw points of a pair that a worker holds.
+static inline qcRawPoint* qcManifolds_Corners(const qcManifolds* manifolds, uint32_t pair)
+{
+    const qcPairCorners* corners = &QC_AT(qcPairCorners, manifolds->corners, pair);
+    return &QC_AT(qcRawPoint, QC_AT(qcManifoldWorker, manifolds->workers, corners->worker).points, corners->first);
+}
+
+//  ---- who lies beside whom --------------------------------------------------------------------------------
+
+/// The pairs beside a pair that have its triangle of one side too, and whose other triangles share a vertex. Each once.
+/// Of fans too large for qc_besideReach some are left out.
+typedef struct qcRing
+{
+    const uint32_t* entries;
+    uint32_t count;
+} qcRing;
+
+static inline qcRing qcManifolds_Ring(const qcManifolds* manifolds, const qcManifoldPair* pair, int side)
+{
+    const qcManifoldPlace* place = &QC_AT(qcManifoldPlace, manifolds->places, pair->place[side]);
+    const qcArray* rings = &QC_AT(qcManifoldWorker, manifolds->workers, place->worker).rings;
+    return (qcRing){(const uint32_t*)rings->data + place->ringFirst, place->ringCount};
+}
+
+enum
+{
+    qc_ringOne = 1 << 3,    ///< of a place's number
+    qc_ringTurned = 1 << 2, ///< the common triangle is on the other side there, as reported
+    qc_ringShared = 3       ///< the number of shared vertices
+};
+
+/// A pair in a ring, as the common triangle sees it.
+static inline const qcManifoldPlace* qcManifolds_Beside(const qcManifolds* manifolds, uint32_t entry)
+{
+    return &QC_AT(qcManifoldPlace, manifolds->places, entry / qc_ringOne);
 }
 
 #endif

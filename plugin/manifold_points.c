@@ -12,44 +12,20 @@
 #include "parallel.h"
 #include "status.h"
 
-#include <math.h>
 #include <string.h>
 
 enum
 {
-    qc_pointBlock = 128,
-    // A block takes some 50 microseconds.
+    // A block takes some 30 microseconds.
+    qc_pointBlock = 256,
     qc_leastPointBlocks = 8
 };
-
-typedef struct Sink
-{
-    qcArray points; ///< of qcRawPoint
-    qcStatus status;
-    char apart[64]; ///< keeps the counts of two workers off one cache line
-} Sink;
-
-/// Where the points of a block of pairs are.
-typedef struct Block
-{
-    uint32_t worker;
-    size_t first;
-} Block;
 
 typedef struct Job
 {
     qcManifolds* manifolds;
-    const qcProximity* proximities;
-    double margin;
+    const qcManifoldInput* input;
 } Job;
-
-/// The points of a pair so far.
-typedef struct Found
-{
-    double tolerance;
-    qcRawPoint points[qc_maxCommonCorners + 1];
-    int count;
-} Found;
 
 /// The deepest first; those that differ by rounding only in the order in which they were found.
 static void SortByDepth(qcRawPoint* points, int count, double rounding)
@@ -64,20 +40,12 @@ static void SortByDepth(qcRawPoint* points, int count, double rounding)
     }
 }
 
-/// Of points over the same place the first stays.
-static void Keep(Found* found, const qcRawPoint* point)
-{
-    for (int i = 0; i < found->count; i++)
-        if (qcRawPoint_AreSame(point, &found->points[i], found->tolerance))
-            return;
-    found->points[found->count++] = *point;
-}
-
 /// What the pair said itself, turned if that is how the pairs around a crossing agreed.
-static qcRawPoint Witness(const qcManifolds* m, uint32_t index, const qcProximity* proximities)
+static qcRawPoint Witness(const Job* job, uint32_t index)
 {
+    const qcManifolds* m = job->manifolds;
     const qcManifoldPair* pair = qcManifolds_Pair(m, index);
-    const qcProximity* proximity = &proximities[pair->source];
+    const qcProximity* proximity = &job->input->proximities[pair->source];
     qcRawPoint point = {.end = {qcVector_Load(proximity->pointA), qcVector_Load(proximity->pointB)},
                         .normal = pair->reported,
                         .pair = index,
@@ -95,77 +63,64 @@ static qcRawPoint Witness(const qcManifolds* m, uint32_t index, const qcProximit
     return point;
 }
 
-static void FindPoints(const Job* job, uint32_t index, Found* found)
+/// Of points over the same place the first stays.
+static bool IsAnyAsGood(const qcRawPoint* points, int count, const qcRawPoint* point, double tolerance)
 {
-    const qcManifoldPair* pair = qcManifolds_Pair(job->manifolds, index);
-    found->tolerance = QC_AT(qcContactRegion, job->manifolds->numbered, pair->region).tolerance;
-    found->count = 0;
-    double size = fmax(qcManifoldPair_LongestEdge(pair, 0), qcManifoldPair_LongestEdge(pair, 1));
-    double rounding = QC_MANIFOLD_ROUNDING * size, limit = job->margin * (1.0 + QC_MANIFOLD_ROUNDING) + rounding;
-    qcRawPoint corners[qc_maxCommonCorners];
-    int count = qcManifoldPair_FindCommonPart(pair, pair->normal, corners);
-    SortByDepth(corners, count, rounding);
     for (int i = 0; i < count; i++)
-        if (corners[i].distance <= limit)
-            Keep(found, &corners[i]);
+        if (qcRawPoint_AreSame(point, &points[i], tolerance))
+            return true;
+    return false;
+}
+
+/// Of the corners of what the triangles have in common those that are points stay.
+static void FindPoints(const Job* job, uint32_t index)
+{
+    qcManifolds* m = job->manifolds;
+    const qcManifoldPair* pair = qcManifolds_Pair(m, index);
+    qcPairCorners* corners = &QC_AT(qcPairCorners, m->corners, index);
+    qcRawPoint* points = qcManifolds_Corners(m, index);
+    double tolerance = QC_AT(qcContactRegion, m->numbered, pair->region).tolerance;
+    double a = pair->side[0]->longestEdge, b = pair->side[1]->longestEdge;
+    double rounding = QC_MANIFOLD_ROUNDING * (a > b ? a : b), limit = qcManifoldPair_Limit(pair, job->input->margin);
+    for (int i = 0; i < corners->count && pair->turned; i++)
+    {
+        points[i].normal = pair->normal;
+        points[i].distance = -points[i].distance;
+    }
+    SortByDepth(points, corners->count, rounding);
+    uint8_t kept = 0;
+    for (int i = 0; i < corners->count; i++)
+        if (points[i].distance <= limit && !IsAnyAsGood(points, kept, &points[i], tolerance))
+            points[kept++] = points[i];
+    corners->count = kept;
     // Nothing comes nearer than the closest points, which are over each other along their own normal: some corner is
     // as near, unless rounding or a face seen edge-on has hidden it.
-    bool hidden = found->count != 0 && found->points[0].distance > pair->gap + 1e3 * rounding;
-    if (pair->apart && pair->own && !pair->turned && hidden)
-        found->points[found->count++] = Witness(job->manifolds, index, job->proximities);
+    bool hidden = kept != 0 && points[0].distance > pair->gap + 1e3 * rounding;
+    QC_AT(bool, m->witnessed, index) = pair->apart && pair->own && !pair->turned && hidden;
 }
 
 static void TakeBlock(void* context, size_t block, uint32_t worker)
 {
+    (void)worker;
     const Job* job = context;
-    qcManifolds* m = job->manifolds;
-    Sink* sink = &QC_AT(Sink, m->sinks, worker);
-    size_t end = (block + 1) * qc_pointBlock;
-    end = end < m->work.count ? end : m->work.count;
-    QC_AT(Block, m->blocks, block) = (Block){worker, sink->points.count};
-    for (size_t p = block * qc_pointBlock; p < end && sink->status == qc_statusOk; p++)
-    {
-        Found found;
-        FindPoints(job, (uint32_t)p, &found);
-        QC_AT(size_t, m->firstRaw, p) = (size_t)found.count;
-        size_t count = sink->points.count + (size_t)found.count;
-        sink->status = qcArray_Reserve(&sink->points, count, sizeof(qcRawPoint), "contact points");
-        if (sink->status != qc_statusOk)
-            return;
-        for (int i = 0; i < found.count; i++)
-        {
-            found.points[i].pair = (uint32_t)p;
-            QC_AT(qcRawPoint, sink->points, sink->points.count++) = found.points[i];
-        }
-    }
+    size_t end = (block + 1) * qc_pointBlock, count = job->manifolds->work.count;
+    for (size_t p = block * qc_pointBlock; p < (end < count ? end : count); p++)
+        FindPoints(job, (uint32_t)p);
 }
 
-static qcStatus EmptySinks(qcManifolds* m, uint32_t threads)
+/// Neither the pair nor one beside it has a point, and none comes nearer.
+static bool IsUnheard(const qcManifolds* m, uint32_t index)
 {
-    size_t old = m->sinks.count;
-    if (threads > old)
-    {
-        QC_TRY(qcArray_Resize(&m->sinks, threads, sizeof(Sink), "contact points"));
-        memset(&QC_AT(Sink, m->sinks, old), 0, (threads - old) * sizeof(Sink));
-    }
-    for (size_t i = 0; i < m->sinks.count; i++)
-    {
-        QC_AT(Sink, m->sinks, i).points.count = 0;
-        QC_AT(Sink, m->sinks, i).status = qc_statusOk;
-    }
-    return qc_statusOk;
-}
-
-/// Neither the pair nor one beside it has a point, and none comes nearer. `counts`: points by pair.
-static bool IsUnheard(const qcManifolds* m, uint32_t pair, const size_t* counts)
-{
-    if (counts[pair] != 0 || qcManifolds_Pair(m, pair)->surpassed)
+    const qcManifoldPair* pair = qcManifolds_Pair(m, index);
+    if (QC_AT(qcPairCorners, m->corners, index).count != 0 || pair->surpassed)
         return false;
-    qcBeside ring[qc_maxRing];
-    uint32_t count = qcManifolds_CollectRing(m, pair, ring);
-    for (uint32_t i = 0; i < count; i++)
-        if (counts[ring[i].pair] != 0)
-            return false;
+    for (int side = 0; side < 2; side++)
+    {
+        qcRing ring = qcManifolds_Ring(m, pair, side);
+        for (uint32_t i = 0; i < ring.count; i++)
+            if (QC_AT(qcPairCorners, m->corners, qcManifolds_Beside(m, ring.entries[i])->pair).count != 0)
+                return false;
+    }
     return true;
 }
 
@@ -173,54 +128,35 @@ static bool IsUnheard(const qcManifolds* m, uint32_t pair, const size_t* counts)
 static qcStatus Gather(const Job* job)
 {
     qcManifolds* m = job->manifolds;
-    size_t* counts = m->firstRaw.data;
-    m->raw.count = 0;
-    // Room for all the workers' points, and for one of each pair that has none.
-    size_t total = m->work.count;
-    for (size_t i = 0; i < m->sinks.count; i++)
-        total += QC_AT(Sink, m->sinks, i).points.count;
-    QC_TRY(qcArray_Reserve(&m->raw, total, sizeof(qcRawPoint), "contact points"));
-    QC_TRY(qcArray_Resize(&m->unheard, m->work.count, 1, "contact points"));
-    for (uint32_t p = 0; p < m->work.count; p++)
-        QC_AT(bool, m->unheard, p) = IsUnheard(m, p, counts);
+    size_t total = 0;
     for (uint32_t p = 0; p < m->work.count; p++)
     {
-        Block* block = &QC_AT(Block, m->blocks, p / qc_pointBlock);
-        size_t count = counts[p];
+        bool* witnessed = &QC_AT(bool, m->witnessed, p);
+        *witnessed = *witnessed || IsUnheard(m, p);
+        total += QC_AT(qcPairCorners, m->corners, p).count + (size_t)*witnessed;
+    }
+    QC_TRY(qcArray_Reserve(&m->raw, total, sizeof(qcRawPoint), "contact points"));
+    m->raw.count = 0;
+    for (uint32_t p = 0; p < m->work.count; p++)
+    {
+        size_t count = QC_AT(qcPairCorners, m->corners, p).count;
         QC_AT(size_t, m->firstRaw, p) = m->raw.count;
-        if (QC_AT(bool, m->unheard, p))
-        {
-            QC_AT(qcRawPoint, m->raw, m->raw.count++) = Witness(m, p, job->proximities);
-        }
         if (count != 0)
-            memcpy(&QC_AT(qcRawPoint, m->raw, m->raw.count),
-                   &QC_AT(qcRawPoint, QC_AT(Sink, m->sinks, block->worker).points, block->first),
-                   count * sizeof(qcRawPoint));
+            memcpy(&QC_AT(qcRawPoint, m->raw, m->raw.count), qcManifolds_Corners(m, p), count * sizeof(qcRawPoint));
         m->raw.count += count;
-        block->first += count;
+        if (QC_AT(bool, m->witnessed, p))
+            QC_AT(qcRawPoint, m->raw, m->raw.count++) = Witness(job, p);
     }
     QC_AT(size_t, m->firstRaw, m->work.count) = m->raw.count;
     return qc_statusOk;
 }
 
-qcStatus qcManifolds_FindPoints(qcManifolds* m, const qcProximity* proximities, double margin, uint32_t threads)
+qcStatus qcManifolds_FindPoints(qcManifolds* m, const qcManifoldInput* input, uint32_t threads)
 {
-    size_t blocks = (m->work.count + qc_pointBlock - 1) / qc_pointBlock;
-    QC_TRY(EmptySinks(m, threads));
-    QC_TRY(qcArray_Resize(&m->blocks, blocks, sizeof(Block), "contact points"));
+    QC_TRY(qcArray_Resize(&m->witnessed, m->work.count, sizeof(bool), "contact points"));
     QC_TRY(qcArray_Resize(&m->firstRaw, m->work.count + 1, sizeof(size_t), "contact points"));
-    Job job = {m, proximities, margin};
+    Job job = {m, input};
+    size_t blocks = (m->work.count + qc_pointBlock - 1) / qc_pointBlock;
     qcParallel_For(threads, blocks, qc_leastPointBlocks, TakeBlock, &job);
-    for (size_t i = 0; i < m->sinks.count; i++)
-        // The message is the worker's own; say it again on this thread.
-        if (QC_AT(Sink, m->sinks, i).status != qc_statusOk)
-            return qcArray_FailAgain(&QC_AT(Sink, m->sinks, i).points, "contact points");
     return Gather(&job);
-}
-
-void qcManifolds_FreeSinks(qcManifolds* m)
-{
-    for (size_t i = 0; i < m->sinks.count; i++)
-        qcArray_Free(&QC_AT(Sink, m->sinks, i).points);
-    qcArray_Free(&m->sinks);
 }

@@ -2,9 +2,11 @@
 //
 // Relative signs: along trees of the surest links between neighbours, each normal is turned to agree with the one
 // before. Surest: two pairs that are apart and agree already; then the links in order of how parallel the two normals
-// are. After Hoppe, DeRose, Duchamp, McDonald, Stuetzle: Surface reconstruction from unorganized points, SIGGRAPH 1992,
-// section 3.3. Normals more than 60 degrees from each other and from each other's opposite say nothing of each other's
-// sign (a floor and a wall): what no other links connect has signs of its own, and is a part.
+// are. Every pair is linked to all those beside it: trees along a few of these links cross where a surer way leads
+// around. Most links need no place in the order, since their ends are joined before. After Hoppe, DeRose, Duchamp,
+// McDonald, Stuetzle: Surface reconstruction from unorganized points, SIGGRAPH 1992, section 3.3. Normals more than 60
+// degrees from each other and from each other's opposite say nothing of each other's sign (a floor and a wall): what no
+// other links connect has signs of its own, and is a part.
 //
 // Where nothing in a region crosses, the pairs that are apart keep their signs whatever the tree says: they are facts,
 // also where a sheet in a slit has facts that are opposite. Where something crosses, a pair that is apart may lie
@@ -28,20 +30,20 @@
 #include <math.h>
 #include <string.h>
 
+enum
+{
+    // Room is made for the links of so many pairs at once.
+    qc_linkRoom = 64
+};
+
 // The cosine of 60 degrees: normals nearer to each other, or to each other's opposite, are one surface's.
 static const double s_agree = 0.5;
+// One less a cosine that is nothing but rounding.
+static const double s_same = 1e-12;
 // A way out is clearly shorter than another one by this factor.
 static const double s_shorter = 0.75;
 // A centre that lies nearer to the contact, by the size of the smaller box, is on no side.
 static const double s_noSide = 0.01;
-
-/// A region, by its first pair.
-typedef struct Region
-{
-    bool unsettled; ///< some pair meets
-    bool crossing;
-    uint32_t fact; ///< its first pair that is apart, or UINT32_MAX
-} Region;
 
 /// A part of a region, by its first pair.
 typedef struct Part
@@ -54,67 +56,103 @@ typedef struct Part
     qcVector normal, place;      ///< sums
 } Part;
 
-static Region* RegionOf(const qcManifolds* m, uint32_t pair)
+/// False: nothing has a choice.
+static bool FindFacts(qcManifolds* m)
 {
-    return &QC_AT(Region, m->regions, qcManifolds_Pair(m, pair)->region);
-}
-
-static qcStatus LookAtRegions(qcManifolds* m, bool* unsettled)
-{
-    size_t count = m->work.count;
-    QC_TRY(qcArray_Resize(&m->regions, count, sizeof(Region), "regions of contact"));
-    *unsettled = false;
-    for (uint32_t p = 0; p < count; p++)
-        QC_AT(Region, m->regions, p) = (Region){.fact = UINT32_MAX};
-    for (uint32_t p = 0; p < count; p++)
+    bool unsettled = false;
+    for (uint32_t p = 0; p < m->work.count; p++)
     {
         const qcManifoldPair* pair = qcManifolds_Pair(m, p);
-        Region* region = RegionOf(m, p);
-        region->crossing = region->crossing || pair->crossing;
-        if (!pair->parted)
-            region->unsettled = *unsettled = true;
+        qcSignRegion* region = qcManifolds_SignRegion(m, pair);
+        unsettled = unsettled || region->unsettled;
         if (pair->apart && region->fact == UINT32_MAX)
             region->fact = p;
     }
-    return qc_statusOk;
+    return unsettled;
 }
 
-/// Links of the pairs that have a key in common, each with the one before; the surest first.
-static qcStatus ListLinks(qcManifolds* m)
+/// The surer, the lower; the last bit says that the two are opposite.
+static uint64_t LinkKey(double dot)
 {
-    m->order.count = 0;
-    const qcSortItem* items = m->items.data;
-    for (size_t i = 1; i < m->items.count; i++)
-    {
-        uint32_t p = (uint32_t)(items[i - 1].value / qc_besideKeys), q = (uint32_t)(items[i].value / qc_besideKeys);
-        if (items[i].key != items[i - 1].key || !RegionOf(m, p)->unsettled)
-            continue;
-        const qcManifoldPair *a = qcManifolds_Pair(m, p), *b = qcManifolds_Pair(m, q);
-        double dot = qcDot(a->normal, b->normal);
-        if (!(fabs(dot) >= s_agree))
-            continue;
-        float doubt = a->apart && b->apart && dot > 0.0 ? -1.0f : (float)(1.0 - fabs(dot));
-        QC_TRY(qcArray_Reserve(&m->order, m->order.count + 1, sizeof(qcSortItem), "signs of normals"));
-        QC_AT(qcSortItem, m->order, m->order.count++) =
-            (qcSortItem){(uint64_t)qcSort_FloatKey(doubt) << 1 | (dot < 0.0), (uint64_t)p << 32 | q};
-    }
-    return qcSort_Items(m->order.data, m->order.count, &m->scratch);
+    double doubt = 1.0 - fabs(dot);
+    return (uint64_t)qcSort_FloatKey(doubt > s_same ? (float)doubt : 0.0f) << 1 | (dot < 0.0);
 }
 
-/// Trees of pairs that are equal or opposite. The facts of a region in which nothing crosses are one from the start.
-static void GrowTrees(qcManifolds* m)
+/// Unites a pair with those before it beside it where that is sure, and lists the other links; there is room for them.
+static void TakeLinks(qcManifolds* m, uint32_t p, int side)
+{
+    uint32_t *nodes = m->nodes.data, root = qcSigned_Find(nodes, p) >> 1;
+    const qcManifoldPair* pair = qcManifolds_Pair(m, p);
+    qcRing ring = qcManifolds_Ring(m, pair, side);
+    for (uint32_t i = 0; i < ring.count; i++)
+    {
+        uint32_t q = qcManifolds_Beside(m, ring.entries[i])->pair;
+        if (q >= p || nodes[q] >> 1 == root || qcSigned_Find(nodes, q) >> 1 == root)
+            continue;
+        const qcManifoldPair* other = qcManifolds_Pair(m, q);
+        double dot = qcDot(pair->normal, other->normal);
+        if (dot >= s_agree && pair->apart && other->apart)
+        {
+            qcSigned_Unite(nodes, q, p, 0);
+            root = qcSigned_Find(nodes, p) >> 1;
+        }
+        else if (fabs(dot) >= s_agree)
+            QC_AT(qcSortItem, m->order, m->order.count++) = (qcSortItem){LinkKey(dot), (uint64_t)q << 32 | p};
+    }
+}
+
+static void UniteLink(qcManifolds* m, qcSortItem link)
+{
+    qcSigned_Unite(m->nodes.data, (uint32_t)(link.value >> 32), (uint32_t)link.value, link.key & 1u);
+}
+
+/// Of the links that were listed, unites those of one and the same normal, which come first in their order. Of the
+/// others those stay that still join something.
+static void DropLinks(qcManifolds* m)
+{
+    uint32_t* nodes = m->nodes.data;
+    uint64_t same = LinkKey(1.0);
+    size_t stay = 0;
+    for (size_t i = 0; i < m->order.count; i++)
+        if (QC_AT(qcSortItem, m->order, i).key == same)
+            UniteLink(m, QC_AT(qcSortItem, m->order, i));
+    for (size_t i = 0; i < m->order.count; i++)
+    {
+        qcSortItem link = QC_AT(qcSortItem, m->order, i);
+        if (qcSigned_Find(nodes, (uint32_t)(link.value >> 32)) >> 1 != qcSigned_Find(nodes, (uint32_t)link.value) >> 1)
+            QC_AT(qcSortItem, m->order, stay++) = link;
+    }
+    m->order.count = stay;
+}
+
+/// Trees of pairs that are equal or opposite. The facts of a region in which nothing crosses are one from the start;
+/// then come the sure links, and of the others those that still join something, the surest first.
+static qcStatus GrowTrees(qcManifolds* m)
 {
     uint32_t* nodes = m->nodes.data;
     for (uint32_t p = 0; p < m->work.count; p++)
         nodes[p] = p << 1;
     for (uint32_t p = 0; p < m->work.count; p++)
-        if (qcManifolds_Pair(m, p)->apart && !RegionOf(m, p)->crossing)
-            qcSigned_Unite(nodes, RegionOf(m, p)->fact, p, 0);
-    for (size_t i = 0; i < m->order.count; i++)
     {
-        qcSortItem link = QC_AT(qcSortItem, m->order, i);
-        qcSigned_Unite(nodes, (uint32_t)(link.value >> 32), (uint32_t)link.value, link.key & 1u);
+        const qcManifoldPair* pair = qcManifolds_Pair(m, p);
+        const qcSignRegion* region = qcManifolds_SignRegion(m, pair);
+        if (pair->apart && region->unsettled && !region->crossing)
+            qcSigned_Unite(nodes, region->fact, p, 0);
     }
+    m->order.count = 0;
+    for (uint32_t p = 0; p < m->work.count; p++)
+    {
+        if (p % qc_linkRoom == 0)
+            QC_TRY(qcArray_Reserve(&m->order, m->order.count + 2 * qc_linkRoom * qc_maxRing, sizeof(qcSortItem),
+                                   "signs of normals"));
+        for (int side = 0; side < 2 && qcManifolds_SignRegion(m, qcManifolds_Pair(m, p))->unsettled; side++)
+            TakeLinks(m, p, side);
+    }
+    DropLinks(m);
+    QC_TRY(qcSort_Items(m->order.data, m->order.count, &m->scratch));
+    for (size_t i = 0; i < m->order.count; i++)
+        UniteLink(m, QC_AT(qcSortItem, m->order, i));
+    return qc_statusOk;
 }
 
 static void Turn(qcManifoldPair* pair)
@@ -123,22 +161,23 @@ static void Turn(qcManifoldPair* pair)
     pair->turned = !pair->turned;
 }
 
-static void AddToPart(Part* part, const qcManifoldPair* pair, const qcProximity* proximity)
+static void AddToPart(Part* part, const qcManifolds* m, uint32_t p, const qcProximity* proximity)
 {
-    qcRawPoint corners[qc_maxCommonCorners];
-    int count = qcManifoldPair_FindCommonPart(pair, pair->normal, corners);
+    const qcManifoldPair* pair = qcManifolds_Pair(m, p);
+    const qcRawPoint* corners = qcManifolds_Corners(m, p);
     double along = 0.0, against = 0.0;
-    for (int i = 0; i < count; i++)
+    for (int i = 0; i < QC_AT(qcPairCorners, m->corners, p).count; i++)
     {
-        along = fmax(along, -corners[i].distance);
-        against = fmax(against, corners[i].distance);
+        double distance = pair->turned ? -corners[i].distance : corners[i].distance;
+        along = -distance > along ? -distance : along;
+        against = distance > against ? distance : against;
     }
-    part->along = fmax(part->along, along);
-    part->against = fmax(part->against, against);
+    part->along = along > part->along ? along : part->along;
+    part->against = against > part->against ? against : part->against;
     part->sumAlong += along;
     part->sumAgainst += against;
-    part->size = fmax(part->size, qcManifoldPair_LongestEdge(pair, 0));
-    part->size = fmax(part->size, qcManifoldPair_LongestEdge(pair, 1));
+    for (int side = 0; side < 2; side++)
+        part->size = pair->side[side]->longestEdge > part->size ? pair->side[side]->longestEdge : part->size;
     part->normal = qcPlusScaled(part->normal, pair->normal, 1.0);
     part->place = qcPlusScaled(part->place, qcVector_Load(proximity->pointA), 0.5);
     part->place = qcPlusScaled(part->place, qcVector_Load(proximity->pointB), 0.5);
@@ -147,17 +186,17 @@ static void AddToPart(Part* part, const qcManifoldPair* pair, const qcProximity*
 
 /// Turns each pair so that it agrees with the first of its part; or with the facts of its region, if it hangs together
 /// with them. Parts without them are summed up.
-static qcStatus Agree(qcManifolds* m, const qcProximity* proximities)
+static qcStatus Agree(qcManifolds* m, const qcManifoldInput* input)
 {
     uint32_t* nodes = m->nodes.data;
     QC_TRY(qcArray_Resize(&m->parts, m->work.count, sizeof(Part), "signs of normals"));
     memset(m->parts.data, 0, m->work.count * sizeof(Part));
     for (uint32_t p = 0; p < m->work.count; p++)
     {
-        const Region* region = RegionOf(m, p);
+        qcManifoldPair* pair = qcManifolds_Pair(m, p);
+        const qcSignRegion* region = qcManifolds_SignRegion(m, pair);
         if (!region->unsettled)
             continue;
-        qcManifoldPair* pair = qcManifolds_Pair(m, p);
         uint32_t root = qcSigned_Find(nodes, p), fact = UINT32_MAX;
         if (!region->crossing && region->fact != UINT32_MAX)
             fact = qcSigned_Find(nodes, region->fact);
@@ -165,7 +204,7 @@ static qcStatus Agree(qcManifolds* m, const qcProximity* proximities)
         if ((withFacts ? root ^ fact : root) & 1u)
             Turn(pair);
         if (!withFacts)
-            AddToPart(&QC_AT(Part, m->parts, root >> 1), pair, &proximities[pair->source]);
+            AddToPart(&QC_AT(Part, m->parts, root >> 1), m, p, &input->proximities[pair->source]);
     }
     return qc_statusOk;
 }
@@ -187,13 +226,14 @@ static double SideOfBodies(const Part* part, const qcManifoldPair* pair)
 {
     double length = sqrt(qcDot(part->normal, part->normal));
     // Normals all around a body have no common side.
-    if (pair->slot[0] == pair->slot[1] || !(length > 0.5 * part->count))
+    const qcBody *bodyA = pair->side[0]->body, *bodyB = pair->side[1]->body;
+    if (bodyA == bodyB || !(length > 0.5 * part->count))
         return 0.0;
     qcVector zero = {0.0, 0.0, 0.0};
     qcVector place = qcPlusScaled(zero, part->place, 1.0 / part->count);
-    double a2 = Size2(pair->body[0]), b2 = Size2(pair->body[1]);
-    double a = qcDot(qcMinus(CentreOf(pair->body[0]), place), part->normal) / length;
-    double b = qcDot(qcMinus(CentreOf(pair->body[1]), place), part->normal) / length;
+    double a2 = Size2(bodyA), b2 = Size2(bodyB);
+    double a = qcDot(qcMinus(CentreOf(bodyA), place), part->normal) / length;
+    double b = qcDot(qcMinus(CentreOf(bodyB), place), part->normal) / length;
     double smaller = sqrt(fmin(a2, b2));
     // Each as a share of the body's size, and the shares weighed by one over the size.
     double side = (a2 > 0.0 ? a / a2 : 0.0) - (b2 > 0.0 ? b / b2 : 0.0);
@@ -219,20 +259,17 @@ static bool IsWrongWay(const Part* part, const qcManifoldPair* first, double mar
     return PointsDown(first->normal);
 }
 
-qcStatus qcManifolds_ChooseSigns(qcManifolds* m, const qcProximity* proximities, double margin)
+qcStatus qcManifolds_ChooseSigns(qcManifolds* m, const qcManifoldInput* input)
 {
-    bool unsettled = false;
-    QC_TRY(LookAtRegions(m, &unsettled));
-    if (!unsettled)
+    if (!FindFacts(m))
         return qc_statusOk;
     QC_TRY(qcArray_Resize(&m->nodes, m->work.count, sizeof(uint32_t), "signs of normals"));
-    QC_TRY(ListLinks(m));
-    GrowTrees(m);
-    QC_TRY(Agree(m, proximities));
+    QC_TRY(GrowTrees(m));
+    QC_TRY(Agree(m, input));
     for (uint32_t p = 0; p < m->work.count; p++)
     {
         Part* part = &QC_AT(Part, m->parts, p);
-        part->wrongWay = part->count != 0 && IsWrongWay(part, qcManifolds_Pair(m, p), margin);
+        part->wrongWay = part->count != 0 && IsWrongWay(part, qcManifolds_Pair(m, p), input->margin);
     }
     for (uint32_t p = 0; p < m->work.count; p++)
         if (QC_AT(Part, m->parts, qcSigned_Find(m->nodes.data, p) >> 1).wrongWay)

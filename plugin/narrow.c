@@ -185,7 +185,7 @@ static void ComputeProximity(void* context, size_t i, uint32_t worker)
     double p[3][3], q[3][3];
     CornersOfPair(job, item.key, p, q);
     qcProximity_Of((const double(*)[3])p, (const double(*)[3])q, (qcRelation)item.value,
-                   &QC_AT(qcProximity, job->narrow->proximities, i));
+                   &QC_AT(qcProximity, job->narrow->proximities, i), &QC_AT(qcFeet, job->narrow->feet, i));
 }
 
 static qcStatus CollectContacts(qcNarrow* narrow)
@@ -252,6 +252,7 @@ qcStatus qcNarrow_Run(qcNarrow* narrow, const qcTriangles* triangles, const qcCa
     if (def->proximities || def->manifolds)
     {
         QC_TRY(qcArray_Resize(&narrow->proximities, narrow->pairs.count, sizeof(qcProximity), "proximities"));
+        QC_TRY(qcArray_Resize(&narrow->feet, narrow->pairs.count, sizeof(qcFeet), "proximities"));
         qcParallel_For(threads, narrow->pairs.count, qc_leastProximities, ComputeProximity, &job);
     }
     double middle = qcClock_Now();
@@ -278,5 +279,6 @@ void qcNarrow_Free(qcNarrow* narrow)
     qcArray_Free(&narrow->pairs);
     qcArray_Free(&narrow->segments);
     qcArray_Free(&narrow->proximities);
+    qcArray_Free(&narrow->feet);
     qcArray_Free(&narrow->contacts);
 }

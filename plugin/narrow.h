@@ -23,6 +23,7 @@ typedef struct qcNarrow
     //  results
     qcArray pairs, segments, contacts;
     qcArray proximities; ///< of qcProximity, one a pair; if proximities or manifolds were asked for
+    qcArray feet;        ///< of qcFeet, of the proximities
 } qcNarrow;
 
 /// `def` says what is reported. Adds to the profile's counters and to exactMs and contactMs.

@@ -35,15 +35,13 @@ typedef struct Axis
     double gap;
 } Axis;
 
-static double Gap(const qcPairFrame* frame, qcVector n)
+/// The lowest and the highest corner along a direction.
+static void FindRange(const qcVector corner[3], qcVector n, double range[2])
 {
-    double low = INFINITY, high = -INFINITY;
-    for (int i = 0; i < 3; i++)
-    {
-        low = fmin(low, qcDot(frame->a[i], n));
-        high = fmax(high, qcDot(frame->b[i], n));
-    }
-    return low - high;
+    double x = qcDot(corner[0], n), y = qcDot(corner[1], n), z = qcDot(corner[2], n);
+    double low = x < y ? x : y, high = x < y ? y : x;
+    range[0] = z < low ? z : low;
+    range[1] = z > high ? z : high;
 }
 
 /// Tries a direction of any length, both ways.
@@ -52,14 +50,14 @@ static void TryAxis(const qcPairFrame* frame, qcVector v, Axis* best)
     double length = Length(v);
     if (length < 0x1p-500)
         return;
-    for (int way = 0; way < 2; way++)
-    {
-        double scale = (way == 0 ? 1.0 : -1.0) / length;
-        qcVector n = {v.x * scale, v.y * scale, v.z * scale};
-        double gap = Gap(frame, n);
-        if (gap > best->gap + s_rounding)
-            *best = (Axis){n, gap};
-    }
+    double scale = 1.0 / length, a[2], b[2];
+    qcVector n = {v.x * scale, v.y * scale, v.z * scale};
+    FindRange(frame->a, n, a);
+    FindRange(frame->b, n, b);
+    if (a[0] - b[1] > best->gap + s_rounding)
+        *best = (Axis){n, a[0] - b[1]};
+    if (b[0] - a[1] > best->gap + s_rounding)
+        *best = (Axis){{-n.x, -n.y, -n.z}, b[0] - a[1]};
 }
 
 static qcVector WithoutPart(qcVector n, qcVector along)
@@ -79,19 +77,23 @@ static void TryCross(const qcPairFrame* frame, qcVector d, qcVector e, Axis* bes
     TryAxis(frame, n, best);
 }
 
-static void TryFacesAndEdges(const qcPairFrame* frame, Axis* best)
+static void TryFace(const qcPairFrame* frame, const qcVector corner[3], Axis* best)
 {
-    qcVector edgeA[3], edgeB[3];
-    for (int i = 0; i < 3; i++)
-    {
-        edgeA[i] = qcMinus(frame->a[(i + 1) % 3], frame->a[i]);
-        edgeB[i] = qcMinus(frame->b[(i + 1) % 3], frame->b[i]);
-    }
-    TryCross(frame, edgeA[0], edgeA[1], best);
-    TryCross(frame, edgeB[0], edgeB[1], best);
+    TryCross(frame, qcMinus(corner[1], corner[0]), qcMinus(corner[2], corner[1]), best);
+}
+
+static void TryFaces(const qcPairFrame* frame, Axis* best)
+{
+    TryFace(frame, frame->a, best);
+    TryFace(frame, frame->b, best);
+}
+
+static void TryEdges(const qcPairFrame* frame, Axis* best)
+{
     for (int i = 0; i < 3; i++)
         for (int j = 0; j < 3; j++)
-            TryCross(frame, edgeA[i], edgeB[j], best);
+            TryCross(frame, qcMinus(frame->a[(i + 1) % 3], frame->a[i]), qcMinus(frame->b[(j + 1) % 3], frame->b[j]),
+                     best);
 }
 
 /// For triangles that are apart: their distance is that of two of their features, even if others are as near as far as
@@ -132,10 +134,13 @@ static Axis FindAxis(const qcPairFrame* frame, const qcClosestPoints* closest, d
     bool apart = distance > s_rounding;
     if (apart)
         TryAxis(frame, closest->difference, &best);
+    // Faces first: what comes so near mostly lies flat on the other, and two axes say so.
+    if (!apart || best.gap < distance - s_loss)
+        TryFaces(frame, &best);
     if (apart && best.gap < distance - s_loss)
         TryFeatures(frame, &best);
     if (!apart || best.gap < distance - s_loss)
-        TryFacesAndEdges(frame, &best);
+        TryEdges(frame, &best);
     if (best.gap == -INFINITY)
         TryAcrossLine(frame, &best);
     return best;
@@ -210,14 +215,27 @@ static void SetCommonPoint(const qcPairFrame* frame, const double a[3][3], const
     }
 }
 
+// A weight below is rounding.
+static const double s_noWeight = 1e-9;
+
+static uint8_t FootOf(const double weights[3])
+{
+    uint8_t foot = 0;
+    for (int c = 0; c < 3; c++)
+        foot |= (uint8_t)((weights[c] > s_noWeight) << c);
+    return foot;
+}
+
 /// As qcProximity_Of, for triangles in the order of their corners.
-static void Compute(const double a[3][3], const double b[3][3], qcRelation relation, qcProximity* proximity)
+static void Compute(const double a[3][3], const double b[3][3], qcRelation relation, qcProximity* proximity,
+                    qcFeet* feet)
 {
     bool meet = relation == qc_relationTouching || relation == qc_relationPenetrating;
     qcPairFrame frame;
     qcPairFrame_Set(&frame, a, b);
     qcClosestPoints closest;
     qcClosest_OfTriangles(frame.a, frame.b, &closest);
+    *feet = (qcFeet){{FootOf(closest.weightsA), FootOf(closest.weightsB)}};
     double distance = meet ? 0.0 : Length(closest.difference);
     SetPoint(a, frame.a, closest.weightsA, frame.exponent, proximity->pointA);
     SetPoint(b, frame.b, closest.weightsB, frame.exponent, proximity->pointB);
@@ -249,15 +267,18 @@ static bool IsBefore(const double b[3][3], const double a[3][3])
     return false;
 }
 
-void qcProximity_Of(const double a[3][3], const double b[3][3], qcRelation relation, qcProximity* proximity)
+void qcProximity_Of(const double a[3][3], const double b[3][3], qcRelation relation, qcProximity* proximity,
+                    qcFeet* feet)
 {
     if (!IsBefore(b, a))
     {
-        Compute(a, b, relation, proximity);
+        Compute(a, b, relation, proximity, feet);
         return;
     }
     qcProximity mirror;
-    Compute(b, a, relation, &mirror);
+    qcFeet mirrorFeet;
+    Compute(b, a, relation, &mirror, &mirrorFeet);
+    *feet = (qcFeet){{mirrorFeet.corners[1], mirrorFeet.corners[0]}};
     *proximity = mirror;
     memcpy(proximity->pointA, mirror.pointB, sizeof mirror.pointB);
     memcpy(proximity->pointB, mirror.pointA, sizeof mirror.pointA);
@@ -277,7 +298,8 @@ bool qcTrianglesWithin(const double* a, const double* b, double margin, qcProxim
     qcRelation relation = qcExact_Within(p, q, margin, NULL);
     if (relation == qc_relationDisjoint)
         return false;
+    qcFeet feet;
     if (proximity != NULL)
-        qcProximity_Of(p, q, relation, proximity);
+        qcProximity_Of(p, q, relation, proximity, &feet);
     return true;
 }

@@ -207,7 +207,9 @@ static void CheckNormals(const qcResult* result, const double direction[3], doub
 START_TEST(balls_touch_along_the_line_of_their_centres)
 {
     static const double gaps[] = {0.01, 0.002, -0.005, -0.02, -0.05};
-    const double gap = gaps[_i % 5], margin = _i < 5 ? 0.03 : 0.0;
+    // The last is wider than the triangles: hundreds of pairs are apart for each that meets.
+    static const double margins[] = {0.03, 0.0, 0.12};
+    const double gap = gaps[_i % 5], margin = margins[_i / 5];
     if (gap > margin)
         return;
     // A chord of the mesh lies at most this below the ball: edges of 0.08 on a radius of 1.
@@ -277,6 +279,36 @@ START_TEST(a_ball_in_a_socket_is_pushed_inwards_from_all_sides)
     qcManifoldScene_Free(&m);
     qcSoup_Free(&ball);
     qcSoup_Free(&socket);
+}
+END_TEST
+
+START_TEST(a_fan_of_any_size_is_one_contact)
+{
+    // A flat cone whose tip reaches through a floor of two triangles: each of these meets hundreds that share the tip.
+    static const uint32_t sizes[] = {7, 17, 40, 400};
+    const uint32_t size = sizes[_i];
+    const double turn = 2.0 * 3.14159265358979323846, deep = 0.01;
+    qcSoup cone = qcMakeEmptySoup(size + 1, size), floor = qcMakeFloor(1, -2.0, -2.0, 4.0);
+    memset(cone.positions, 0, 3 * sizeof(double));
+    cone.positions[2] = -deep;
+    for (uint32_t i = 0; i < size; i++)
+    {
+        const double rim[3] = {cos(turn * i / size), sin(turn * i / size), 0.05};
+        const uint32_t triangle[3] = {0, i + 1, (i + 1) % size + 1};
+        memcpy(cone.positions + 3 * (size_t)(i + 1), rim, sizeof rim);
+        memcpy(cone.indices + 3 * (size_t)i, triangle, sizeof triangle);
+    }
+    qcShuffle(&cone, 7);
+    qcManifoldScene m = qcFindManifolds(&cone, &floor, qc_bodyRigid, 0.1, 1);
+    ck_assert_uint_ge(m.result->pairCount, size);
+    ck_assert_uint_eq(m.result->manifoldCount, 1);
+    const double up[3] = {0.0, 0.0, 1.0};
+    CheckNormals(m.result, up, 0.99);
+    ck_assert_double_eq_tol(m.result->manifoldPoints[0].distance, -deep, 1e-4);
+    ck_assert_uint_eq(qcCountPointsAt(m.result, cone.positions, 1e-12), 1);
+    qcManifoldScene_Free(&m);
+    qcSoup_Free(&cone);
+    qcSoup_Free(&floor);
 }
 END_TEST
 
@@ -413,9 +445,10 @@ int main(void)
     tcase_add_test(testCase, tiles_beside_a_box_are_no_contact);
     tcase_add_test(testCase, a_plate_on_the_edge_of_another_one_has_a_point);
     tcase_add_test(testCase, a_seam_is_no_contact);
-    LOOP(balls_touch_along_the_line_of_their_centres, 10);
+    LOOP(balls_touch_along_the_line_of_their_centres, 15);
     LOOP(linked_rings_push_each_other_back_into_the_link, 5);
     tcase_add_test(testCase, a_ball_in_a_socket_is_pushed_inwards_from_all_sides);
+    LOOP(a_fan_of_any_size_is_one_contact, 4);
     tcase_add_test(testCase, a_sheet_in_a_slit_is_held_from_both_sides);
     tcase_add_test(testCase, a_sheet_that_touches_the_bottom_of_a_groove_is_held_from_both_sides);
     LOOP(layers_of_a_folded_cloth_part_the_same_way_everywhere, 4);

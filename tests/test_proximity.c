@@ -18,7 +18,8 @@ static qcProximity Find(const double a[3][3], const double b[3][3])
 {
     qcRelation relation = qcExact_Relate(a, b, NULL);
     qcProximity p;
-    qcProximity_Of(a, b, relation, &p);
+    qcFeet feet;
+    qcProximity_Of(a, b, relation, &p, &feet);
     return p;
 }
 
@@ -266,11 +267,31 @@ static void CheckMeeting(const qcTrianglePair* pair, const qcProximity* p, qcRel
     CHECK(within != qc_relationDisjoint || p->depth <= tolerance, "moved by less than the depth", p->depth, depth);
 }
 
+/// Does the point lie between the corners that are its foot?
+static void CheckFoot(const qcTrianglePair* pair, const double triangle[3][3], const double point[3], unsigned foot)
+{
+    CHECK(foot > 0 && foot < 8, "corners of a foot", (double)foot, 7.0);
+    double between[3][3];
+    int first = foot & 1u ? 0 : foot & 2u ? 1 : 2;
+    for (int c = 0; c < 3; c++)
+        memcpy(between[c], triangle[foot >> c & 1u ? c : first], sizeof between[c]);
+    // A corner of a weight below 1e-9 is none.
+    double away = GetDistanceTo(point, (const double(*)[3])between);
+    double tolerance = 4e-9 * GetExtent(pair) + 2 * GetWorldRounding(pair);
+    CHECK(away <= tolerance, "away from the foot", away, 0.0);
+}
+
 static void CheckPair(const qcTrianglePair* pair)
 {
     qcRelation relation = qcExact_Relate(pair->a, pair->b, NULL);
     qcProximity p;
-    qcProximity_Of(pair->a, pair->b, relation, &p);
+    qcFeet feet;
+    qcProximity_Of(pair->a, pair->b, relation, &p, &feet);
+    if (relation == qc_relationDisjoint)
+    {
+        CheckFoot(pair, pair->a, p.pointA, feet.corners[0]);
+        CheckFoot(pair, pair->b, p.pointB, feet.corners[1]);
+    }
     double length = sqrt(p.normal[0] * p.normal[0] + p.normal[1] * p.normal[1] + p.normal[2] * p.normal[2]);
     CHECK(fabs(length - 1) <= 1e-15, "length of the normal", length, 1.0);
     if (relation == qc_relationDisjoint)
