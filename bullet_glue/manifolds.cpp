@@ -7,17 +7,6 @@
 #include <BulletCollision/BroadphaseCollision/btDispatcher.h>
 #include <BulletCollision/NarrowPhaseCollision/btPersistentManifold.h>
 
-namespace
-{
-btVector3 PointOf(const btSoftBody* body, const uint32_t vertices[3], const double weights[3])
-{
-    btVector3 point(0, 0, 0);
-    for (int i = 0; i < 3; i++)
-        point += btScalar(weights[i]) * body->m_nodes[int(vertices[i])].m_x;
-    return point;
-}
-} // namespace
-
 qcManifolds::~qcManifolds()
 {
     // The world is gone, and its bodies may be.
@@ -44,7 +33,8 @@ void qcManifolds::Release(const btAlignedObjectArray<btSoftBody*>& alive)
 }
 
 /// The last manifold if it is of these bodies and has room, else a new one.
-btPersistentManifold* qcManifolds::Next(btDispatcher* dispatcher, btSoftBody* a, btSoftBody* b)
+btPersistentManifold* qcManifolds::Next(btDispatcher* dispatcher, const btCollisionObject* a,
+                                        const btCollisionObject* b)
 {
     if (!m_manifolds.empty())
     {
@@ -62,21 +52,19 @@ void qcManifolds::Publish(qcSoftBodyScene& scene, const qcResult& result, const 
 {
     for (size_t index : contacts)
     {
-        const qcContact& contact = result.contacts[index];
-        const qcSceneSoftBody &a = *scene.Find(contact.bodyA), &b = *scene.Find(contact.bodyB);
-        btDispatcher* dispatcher = a.body->getWorldInfo()->m_dispatcher;
-        btPersistentManifold* manifold = dispatcher != nullptr ? Next(dispatcher, a.body, b.body) : nullptr;
+        qcSoftTouch touch;
+        qcReadTouch(scene, result.contacts[index], &touch);
+        btSoftBody* a = touch.a->body;
+        const btCollisionObject* b = touch.b != nullptr ? touch.b->body : touch.rigid->object;
+        btDispatcher* dispatcher = a->getWorldInfo()->m_dispatcher;
+        btPersistentManifold* manifold = dispatcher != nullptr ? Next(dispatcher, a, b) : nullptr;
         if (manifold == nullptr)
             continue;
-        btVector3 pointA = PointOf(a.body, contact.verticesA, contact.weightsA);
-        btVector3 pointB = PointOf(b.body, contact.verticesB, contact.weightsB);
-        btVector3 normal(btScalar(contact.normal[0]), btScalar(contact.normal[1]), btScalar(contact.normal[2]));
-        btScalar depth = btScalar(contact.distance) - (a.thickness + b.thickness) / 2;
-        btManifoldPoint point(a.body->getWorldTransform().invXform(pointA),
-                              b.body->getWorldTransform().invXform(pointB), normal, depth);
-        point.m_positionWorldOnA = pointA;
-        point.m_positionWorldOnB = pointB;
-        point.m_combinedFriction = (a.settings.friction + b.settings.friction) / 2;
+        btManifoldPoint point(a->getWorldTransform().invXform(touch.onA), b->getWorldTransform().invXform(touch.onB),
+                              touch.normal, touch.distance - touch.thickness);
+        point.m_positionWorldOnA = touch.onA;
+        point.m_positionWorldOnB = touch.onB;
+        point.m_combinedFriction = touch.friction;
         manifold->addManifoldPoint(point);
     }
 }

@@ -12,8 +12,8 @@ class qcManifolds
   public:
     ~qcManifolds();
 
-    /// Gives all manifolds back. `alive`: the bodies that are still in the world; nobody is told of the end of others'
-    /// contacts.
+    /// Gives all manifolds back. `alive`: the soft bodies that are still in the world; nobody is told of the end of
+    /// contacts of others, nor with meshes, of which that is not known.
     void Release(const btAlignedObjectArray<btSoftBody*>& alive);
 
     /// Reports the contacts that became constraints. Distances are between surfaces of the bodies' thickness: negative
@@ -21,7 +21,7 @@ class qcManifolds
     void Publish(qcSoftBodyScene& scene, const qcResult& result, const std::vector<size_t>& contacts);
 
   private:
-    btPersistentManifold* Next(btDispatcher* dispatcher, btSoftBody* a, btSoftBody* b);
+    btPersistentManifold* Next(btDispatcher* dispatcher, const btCollisionObject* a, const btCollisionObject* b);
 
     /// A manifold and the dispatcher that it came from.
     std::vector<std::pair<btDispatcher*, btPersistentManifold*>> m_manifolds;

@@ -317,11 +317,20 @@ qcStatus qcMeshBatch::Detect()
     qcStatus status = qcScene_Detect(m_scene, &def, &m_result);
     if (status != qc_statusOk)
         return status;
+    const qcProfile& profile = m_result->profile;
     statistics.manifolds = int(m_result->manifoldCount);
     statistics.points = int(m_result->manifoldPointCount);
-    statistics.method = m_result->profile.method;
-    statistics.device = m_result->profile.device;
-    statistics.fallback = m_result->profile.fallback;
+    statistics.method = profile.method;
+    statistics.device = profile.device;
+    statistics.fallback = profile.fallback;
+    // A result that is given again has the times of the step that it is from.
+    if (!profile.reused)
+    {
+        statistics.cullMs = profile.cullObjectsMs + profile.cullTrianglesMs;
+        statistics.sweepMs = profile.sweepObjectsMs + profile.sweepTrianglesMs;
+        statistics.exactMs = profile.exactMs;
+        statistics.manifoldMs = profile.manifoldMs;
+    }
     return qc_statusOk;
 }
 

@@ -15,7 +15,7 @@ namespace
 // surfaces apart, since positions become velocities.
 constexpr btScalar s_recovery = btScalar(0.2);
 
-void AddNodes(qcSceneSoftBody& body, const uint32_t vertices[3], const double weights[3], btScalar sign,
+void AddNodes(const qcSceneSoftBody& body, const uint32_t vertices[3], const double weights[3], btScalar sign,
               qcSoftConstraint* constraint)
 {
     for (int i = 0; i < 3; i++)
@@ -24,7 +24,8 @@ void AddNodes(qcSceneSoftBody& body, const uint32_t vertices[3], const double we
             continue;
         btSoftBody::Node* node = &body.body->m_nodes[int(vertices[i])];
         btScalar weight = sign * btScalar(weights[i]);
-        btScalar inverseMass = body.moves ? node->m_im : btScalar(0);
+        bool held = !body.held.empty() && body.held[vertices[i]];
+        btScalar inverseMass = body.moves && !held ? node->m_im : btScalar(0);
         constraint->node[constraint->nodeCount] = node;
         constraint->inverseMass[constraint->nodeCount] = inverseMass;
         constraint->weight[constraint->nodeCount++] = weight;
@@ -38,6 +39,8 @@ btVector3 Offset(const qcSoftConstraint& constraint)
     btVector3 offset(0, 0, 0);
     for (int i = 0; i < constraint.nodeCount; i++)
         offset += constraint.weight[i] * constraint.node[i]->m_x;
+    if (const qcSceneRigid* rigid = constraint.rigid)
+        offset -= constraint.point + rigid->linear + rigid->angular.cross(constraint.arm);
     return offset;
 }
 
@@ -46,10 +49,16 @@ btVector3 Offset(const qcSoftConstraint& constraint)
 void Push(const qcSoftConstraint& constraint, const btVector3& lack)
 {
     btScalar largest = constraint.inverseEffectiveMass;
+    if (constraint.rigid != nullptr && lack.length2() > 0)
+        largest += constraint.rigid->Yield(constraint.arm, lack).dot(lack) / lack.length2();
     for (int i = 0; i < constraint.nodeCount; i++)
         largest = std::max(largest, btFabs(constraint.weight[i]) * constraint.inverseMass[i]);
+    if (largest <= 0)
+        return;
     for (int i = 0; i < constraint.nodeCount; i++)
         constraint.node[i]->m_x += lack * (constraint.weight[i] * constraint.inverseMass[i] / largest);
+    if (constraint.rigid != nullptr)
+        constraint.rigid->Push(constraint.arm, -lack / largest);
 }
 
 void Solve(const qcSoftConstraint& constraint)
@@ -69,47 +78,186 @@ void Solve(const qcSoftConstraint& constraint)
     Push(constraint, sliding * (-taken / length));
 }
 
-/// The corners at the start of the step.
-void StartOf(const qcSceneSoftBody& body, uint32_t triangle, double corners[9])
+/// Which way, and how far: what was apart at the start of the step stays on the side on which it was.
+void Orient(btScalar thickness, const btVector3& normal, qcSoftConstraint* constraint)
 {
-    for (int i = 0; i < 9; i++)
-        corners[i] = double(body.start[body.indices[3 * size_t(triangle) + size_t(i / 3)]][i % 3]);
+    constraint->normal = normal;
+    btScalar startDistance = normal.dot(constraint->startOffset);
+    if (startDistance < 0)
+    {
+        // They have passed each other since.
+        constraint->normal = -normal;
+        startDistance = -startDistance;
+    }
+    constraint->distance =
+        startDistance >= thickness ? thickness : startDistance + s_recovery * (thickness - startDistance);
 }
 
-int PutNodeBack(qcSceneSoftBody& body, uint32_t node)
+btVector3 VectorOf(const double v[3])
+{
+    return btVector3(btScalar(v[0]), btScalar(v[1]), btScalar(v[2]));
+}
+
+btVector3 PointOf(const qcSceneSoftBody& soft, const uint32_t vertices[3], const double weights[3])
+{
+    btVector3 point(0, 0, 0);
+    for (int i = 0; i < 3; i++)
+        point += btScalar(weights[i]) * soft.body->m_nodes[int(vertices[i])].m_x;
+    return point;
+}
+
+btVector3 PointOf(const qcSceneMesh& mesh, const uint32_t vertices[3], const double weights[3])
+{
+    btVector3 point(0, 0, 0);
+    for (int i = 0; i < 3; i++)
+        point += btScalar(weights[i]) * mesh.shape->getVertices()[vertices[i]];
+    return mesh.placed * point;
+}
+
+/// The corners at the start of the step.
+void StartOf(qcSoftBodyScene& scene, uint32_t slot, uint32_t triangle, double corners[9])
+{
+    const qcSceneSoftBody* soft = scene.Find(slot);
+    qcSceneRigid* rigid = nullptr;
+    const qcSceneMesh* mesh = soft == nullptr ? scene.meshes.Find(slot, &rigid) : nullptr;
+    for (size_t c = 0; c < 3; c++)
+    {
+        size_t corner = 3 * size_t(triangle) + c;
+        if (mesh != nullptr)
+        {
+            uint32_t vertex = mesh->shape->getIndices()[corner];
+            qcPlaceVertex(*mesh, rigid->start * mesh->local, vertex, &corners[3 * c]);
+            continue;
+        }
+        const btVector3& point = soft->start[soft->indices[corner]];
+        for (size_t axis = 0; axis < 3; axis++)
+            corners[3 * c + axis] = double(point[int(axis)]);
+    }
+}
+
+int PutNodeBack(qcSceneSoftBody& body, uint32_t node, const btTransform& carried)
 {
     btVector3& x = body.body->m_nodes[int(node)].m_x;
-    if (x == body.start[node])
+    btVector3 back = carried == btTransform::getIdentity() ? body.start[node] : carried * body.start[node];
+    if (x == back)
         return 0;
-    x = body.start[node];
+    x = back;
     return 1;
 }
 
-int PutBack(qcSceneSoftBody& body, uint32_t triangle, bool wholeBody)
+/// `carried`: how what they penetrate moved in the step.
+int PutBack(qcSceneSoftBody& body, uint32_t triangle, bool wholeBody, const btTransform& carried)
 {
     int moved = 0;
     if (wholeBody)
         for (int i = 0; i < body.NodeCount(); i++)
-            moved += PutNodeBack(body, uint32_t(i));
+            moved += PutNodeBack(body, uint32_t(i), carried);
     else
         for (size_t c = 0; c < 3; c++)
-            moved += PutNodeBack(body, body.indices[3 * size_t(triangle) + c]);
+            moved += PutNodeBack(body, body.indices[3 * size_t(triangle) + c], carried);
     return moved;
+}
+
+/// Puts back what a penetrating pair is of.
+int PutBack(qcSoftBodyScene& scene, const qcPair& pair, bool wholeBodies)
+{
+    qcSceneSoftBody *a = scene.Find(pair.bodyA), *b = scene.Find(pair.bodyB);
+    qcSceneRigid* rigid = nullptr;
+    if (a == nullptr || b == nullptr)
+        scene.meshes.Find(a == nullptr ? pair.bodyA : pair.bodyB, &rigid);
+    int moved = rigid != nullptr && wholeBodies && scene.meshes.PutBack(*rigid) ? 1 : 0;
+    btTransform carried = btTransform::getIdentity();
+    if (rigid != nullptr && !(rigid->object->getWorldTransform() == rigid->start))
+        carried = rigid->object->getWorldTransform() * rigid->start.inverse();
+    if (a != nullptr)
+        moved += PutBack(*a, pair.triangleA, wholeBodies, carried);
+    if (b != nullptr)
+        moved += PutBack(*b, pair.triangleB, wholeBodies, carried);
+    return moved;
+}
+
+/// Do Bullet's filters let them meet?
+bool AreFiltered(const btSoftBody* soft, const btCollisionObject* other)
+{
+    const btSoftBodyWorldInfo* info = const_cast<btSoftBody*>(soft)->getWorldInfo();
+    auto* proxyA = const_cast<btBroadphaseProxy*>(soft->getBroadphaseHandle());
+    auto* proxyB = const_cast<btBroadphaseProxy*>(other->getBroadphaseHandle());
+    if (info->m_dispatcher == nullptr || info->m_broadphase == nullptr || proxyA == nullptr || proxyB == nullptr)
+        return true;
+    return !info->m_dispatcher->needsCollision(soft, other) ||
+           !info->m_broadphase->getOverlappingPairCache()->needsBroadphaseCollision(proxyA, proxyB);
 }
 } // namespace
 
-bool qcMayPush(const qcSceneSoftBody& a, const qcSceneSoftBody& b)
+bool qcMayPush(const qcSceneSoftBody& soft, const qcSceneRigid& rigid)
 {
-    if (a.body == b.body)
-        return true; // the scene reports only what has self-collision on
+    const auto& disabled = soft.body->m_collisionDisabledObjects;
+    return soft.MeetsRigidBodies() && rigid.object->hasContactResponse() && !AreFiltered(soft.body, rigid.object) &&
+           disabled.findLinearSearch(rigid.object) == disabled.size();
+}
+
+bool qcMayPush(qcSoftBodyScene& scene, uint32_t slotA, uint32_t slotB)
+{
+    const qcSceneSoftBody *a = scene.Find(slotA), *b = scene.Find(slotB);
+    qcSceneRigid* rigid = nullptr;
+    if (a == nullptr || b == nullptr)
+    {
+        scene.meshes.Find(a == nullptr ? slotA : slotB, &rigid);
+        return qcMayPush(a == nullptr ? *b : *a, *rigid);
+    }
+    // With itself: the scene reports only what has self-collision on.
     // Asked here and not gathered from processCollision: Bullet overlaps boxes of predicted positions, and its own
     // constraints may bring together what was apart there.
-    const btSoftBodyWorldInfo* info = a.body->getWorldInfo();
-    btBroadphaseProxy *proxyA = a.body->getBroadphaseHandle(), *proxyB = b.body->getBroadphaseHandle();
-    if (info->m_dispatcher == nullptr || info->m_broadphase == nullptr || proxyA == nullptr || proxyB == nullptr)
-        return false;
-    return info->m_dispatcher->needsCollision(a.body, b.body) &&
-           info->m_broadphase->getOverlappingPairCache()->needsBroadphaseCollision(proxyA, proxyB);
+    return a == b || !AreFiltered(a->body, b->body);
+}
+
+bool qcReadTouch(qcSoftBodyScene& scene, const qcContact& contact, qcSoftTouch* touch)
+{
+    bool swapped = scene.Find(contact.bodyA) == nullptr;
+    uint32_t slotA = swapped ? contact.bodyB : contact.bodyA, slotB = swapped ? contact.bodyA : contact.bodyB;
+    touch->a = scene.Find(slotA);
+    touch->b = scene.Find(slotB);
+    touch->verticesA = swapped ? contact.verticesB : contact.verticesA;
+    touch->verticesB = swapped ? contact.verticesA : contact.verticesB;
+    touch->weightsA = swapped ? contact.weightsB : contact.weightsA;
+    touch->weightsB = swapped ? contact.weightsA : contact.weightsB;
+    touch->normal = swapped ? -VectorOf(contact.normal) : VectorOf(contact.normal);
+    touch->distance = btScalar(contact.distance);
+    touch->onA = PointOf(*touch->a, touch->verticesA, touch->weightsA);
+    if (touch->b != nullptr)
+    {
+        touch->thickness = (touch->a->thickness + touch->b->thickness) / 2;
+        touch->friction = (touch->a->settings.friction + touch->b->settings.friction) / 2;
+        touch->onB = PointOf(*touch->b, touch->verticesB, touch->weightsB);
+    }
+    else
+    {
+        const qcSceneMesh& mesh = *scene.meshes.Find(slotB, &touch->rigid);
+        touch->thickness = touch->a->thickness / 2 + mesh.shape->getMargin();
+        touch->friction = (touch->a->settings.friction + touch->rigid->object->getFriction()) / 2;
+        touch->onB = PointOf(mesh, touch->verticesB, touch->weightsB);
+    }
+    return touch->distance <= touch->thickness && qcMayPush(scene, slotA, slotB);
+}
+
+bool qcMakeMeshConstraint(const qcSceneSoftBody& soft, const uint32_t vertices[3], const double weights[3],
+                          qcSceneRigid& rigid, const btVector3& point, const btVector3& normal, btScalar thickness,
+                          qcSoftConstraint* constraint)
+{
+    *constraint = qcSoftConstraint{};
+    constraint->startOffset.setZero();
+    AddNodes(soft, vertices, weights, 1, constraint);
+    const btTransform& now = rigid.object->getWorldTransform();
+    constraint->rigid = &rigid;
+    constraint->point = now * point;
+    constraint->arm = constraint->point - now.getOrigin();
+    constraint->startOffset -= rigid.start * point;
+    constraint->friction = (soft.settings.friction + rigid.object->getFriction()) / 2;
+    Orient(thickness, normal, constraint);
+    // As Bullet's own contact of soft bodies wakes what it touches; it is moved from the next step on.
+    if (soft.moves && !rigid.object->isActive() && !rigid.object->isStaticOrKinematicObject())
+        rigid.object->activate();
+    return constraint->inverseEffectiveMass > 0 || rigid.body != nullptr;
 }
 
 void qcMakeSoftConstraints(qcSoftBodyScene& scene, const qcResult& result, std::vector<qcSoftConstraint>* constraints,
@@ -119,39 +267,45 @@ void qcMakeSoftConstraints(qcSoftBodyScene& scene, const qcResult& result, std::
     contactOf->clear();
     for (size_t i = 0; i < result.contactCount; i++)
     {
-        const qcContact& contact = result.contacts[i];
-        qcSceneSoftBody *a = scene.Find(contact.bodyA), *b = scene.Find(contact.bodyB);
-        btScalar thickness = (a->thickness + b->thickness) / 2;
-        if (btScalar(contact.distance) > thickness || !qcMayPush(*a, *b))
+        qcSoftTouch touch;
+        if (!qcReadTouch(scene, result.contacts[i], &touch))
             continue;
         qcSoftConstraint constraint{};
-        constraint.startOffset.setZero();
-        AddNodes(*a, contact.verticesA, contact.weightsA, 1, &constraint);
-        AddNodes(*b, contact.verticesB, contact.weightsB, -1, &constraint);
-        if (constraint.inverseEffectiveMass <= 0)
-            continue;
-        constraint.normal.setValue(btScalar(contact.normal[0]), btScalar(contact.normal[1]),
-                                   btScalar(contact.normal[2]));
-        btScalar startDistance = constraint.normal.dot(constraint.startOffset);
-        if (startDistance < 0)
+        if (touch.rigid != nullptr)
         {
-            // They have passed each other since: back to the side from which they came.
-            constraint.normal = -constraint.normal;
-            startDistance = -startDistance;
+            btVector3 point = touch.rigid->object->getWorldTransform().invXform(touch.onB);
+            if (!qcMakeMeshConstraint(*touch.a, touch.verticesA, touch.weightsA, *touch.rigid, point, touch.normal,
+                                      touch.thickness, &constraint))
+                continue;
         }
-        constraint.distance =
-            startDistance >= thickness ? thickness : startDistance + s_recovery * (thickness - startDistance);
-        constraint.friction = (a->settings.friction + b->settings.friction) / 2;
+        else
+        {
+            constraint.startOffset.setZero();
+            AddNodes(*touch.a, touch.verticesA, touch.weightsA, 1, &constraint);
+            AddNodes(*touch.b, touch.verticesB, touch.weightsB, -1, &constraint);
+            if (constraint.inverseEffectiveMass <= 0)
+                continue;
+            constraint.friction = touch.friction;
+            Orient(touch.thickness, touch.normal, &constraint);
+        }
         constraints->push_back(constraint);
         contactOf->push_back(i);
     }
 }
 
-void qcSolveSoftConstraints(const std::vector<qcSoftConstraint>& constraints, int iterations)
+void qcSolveSoftConstraints(const std::vector<qcSoftConstraint>& constraints, std::vector<qcSoftSupport>* supports,
+                            int iterations)
 {
+    size_t held = 0;
     for (int i = 0; i < iterations; i++)
+    {
         for (const qcSoftConstraint& constraint : constraints)
             Solve(constraint);
+        // Few of all nodes that lie on something are in a contact: they show in the first sweep, or in the last one.
+        if (i == 0)
+            held = qcMovedSupports(supports);
+        qcHoldSupports(supports, i + 1 < iterations ? held : supports->size());
+    }
 }
 
 int qcFreezePenetrating(qcSoftBodyScene& scene, const qcResult& result, bool wholeBodies)
@@ -160,31 +314,13 @@ int qcFreezePenetrating(qcSoftBodyScene& scene, const qcResult& result, bool who
     for (size_t i = 0; i < result.pairCount; i++)
     {
         const qcPair& pair = result.pairs[i];
-        qcSceneSoftBody *a = scene.Find(pair.bodyA), *b = scene.Find(pair.bodyB);
-        if (!qcMayPush(*a, *b))
+        if (!qcMayPush(scene, pair.bodyA, pair.bodyB))
             continue;
         double before[2][9];
-        StartOf(*a, pair.triangleA, before[0]);
-        StartOf(*b, pair.triangleB, before[1]);
-        if (qcRelateTriangles(before[0], before[1]) == qc_relationPenetrating)
-            continue;
-        moved += PutBack(*a, pair.triangleA, wholeBodies);
-        moved += PutBack(*b, pair.triangleB, wholeBodies);
+        StartOf(scene, pair.bodyA, pair.triangleA, before[0]);
+        StartOf(scene, pair.bodyB, pair.triangleB, before[1]);
+        if (qcRelateTriangles(before[0], before[1]) != qc_relationPenetrating)
+            moved += PutBack(scene, pair, wholeBodies);
     }
     return moved;
-}
-
-void qcUpdateVelocities(qcSoftBodyScene& scene, const std::vector<std::vector<btVector3>>& solved)
-{
-    for (size_t b = 0; b < scene.Bodies().size(); b++)
-    {
-        const qcSceneSoftBody& known = scene.Bodies()[b];
-        const btScalar perDistance = known.body->m_sst.isdt * (1 - known.body->m_cfg.kDP);
-        for (int i = 0; i < known.NodeCount(); i++)
-        {
-            btSoftBody::Node& node = known.body->m_nodes[i];
-            if (node.m_x != solved[b][size_t(i)])
-                node.m_v = (node.m_x - known.start[size_t(i)]) * perDistance;
-        }
-    }
 }

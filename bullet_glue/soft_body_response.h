@@ -1,40 +1,70 @@
-// Moves nodes of soft bodies apart along contacts, and back to where they started where that does not help.
+// Moves nodes of soft bodies, and meshes, apart along contacts, and back to where they started where that does not
+// help.
 #ifndef QC_BULLET_GLUE_SOFT_BODY_RESPONSE_H
 #define QC_BULLET_GLUE_SOFT_BODY_RESPONSE_H
 
 #include "soft_body_scene.h"
+#include "soft_body_supports.h"
 
-/// A contact as a constraint on up to six nodes: normal . (sum of weight * node) >= distance.
+/// A contact of the result, as the response sees it: side A is a soft body, side B another one, itself, or a mesh.
+struct qcSoftTouch
+{
+    qcSceneSoftBody *a = nullptr, *b = nullptr; ///< b: null for a mesh
+    qcSceneRigid* rigid = nullptr;              ///< and this then is not
+    const uint32_t *verticesA, *verticesB;
+    const double *weightsA, *weightsB;
+    btVector3 normal; ///< towards A
+    btVector3 onA, onB;
+    btScalar distance;  ///< between the triangles
+    btScalar thickness; ///< at which they push
+    btScalar friction;
+};
+
+/// False for a contact that does not push: further apart than the thickness, or filtered by Bullet.
+bool qcReadTouch(qcSoftBodyScene& scene, const qcContact& contact, qcSoftTouch* touch);
+
+/// A contact as a constraint on up to six nodes, or three and a mesh: normal . (sum of weight * node) >= distance, the
+/// point of the mesh taken off the sum.
 struct qcSoftConstraint
 {
     int nodeCount;
     btSoftBody::Node* node[6];
-    btScalar inverseMass[6]; ///< 0: pinned, or of a body that does not move
-    btScalar weight[6];      ///< positive on the side to which the normal points, negative on the other; sums to 0
-    btScalar inverseEffectiveMass; ///< sum of weight^2 * inverse mass; 0: nothing can move
+    btScalar inverseMass[6];       ///< 0: pinned, or of a body that does not move
+    btScalar weight[6];            ///< positive on the side to which the normal points, negative on the other
+    btScalar inverseEffectiveMass; ///< sum of weight^2 * inverse mass
+    qcSceneRigid* rigid;           ///< the mesh's, or null
+    btVector3 point, arm;          ///< of the mesh, and from the rigid body's centre there
     btVector3 normal;
     btVector3 startOffset; ///< the same weighted sum over the start of the step
     btScalar distance;
     btScalar friction;
 };
 
-/// May contacts between these two bodies (or of one with itself) push?
-bool qcMayPush(const qcSceneSoftBody& a, const qcSceneSoftBody& b);
+/// May contacts between the bodies of these two slots (or of one with itself) push?
+bool qcMayPush(qcSoftBodyScene& scene, uint32_t slotA, uint32_t slotB);
+bool qcMayPush(const qcSceneSoftBody& soft, const qcSceneRigid& rigid);
+
+/// A constraint between a soft body and a mesh's point, which is given in the object's frame. False: nothing can move.
+bool qcMakeMeshConstraint(const qcSceneSoftBody& soft, const uint32_t vertices[3], const double weights[3],
+                          qcSceneRigid& rigid, const btVector3& point, const btVector3& normal, btScalar thickness,
+                          qcSoftConstraint* constraint);
 
 /// One constraint for each contact of the result within its bodies' thickness; `contactOf` receives for each the
 /// contact's index in the result.
 void qcMakeSoftConstraints(qcSoftBodyScene& scene, const qcResult& result, std::vector<qcSoftConstraint>* constraints,
                            std::vector<size_t>* contactOf);
 
-/// Gauss-Seidel over the constraints, in their order, some times.
-void qcSolveSoftConstraints(const std::vector<qcSoftConstraint>& constraints, int iterations);
+/// One constraint for each node that went through a mesh in the step, and further than contacts reach: it is kept on
+/// the side of the triangle that it went through first.
+void qcMakeSweptConstraints(qcSoftBodyScene& scene, std::vector<qcSoftConstraint>* constraints);
 
-/// Puts the nodes of penetrating pairs back to the start of the step, unless the pair penetrated there already.
-/// `wholeBodies`: all nodes of their bodies. Returns the number of nodes moved.
+/// Gauss-Seidel over the constraints, in their order, and the supports, some times. Meshes move with the next Commit.
+void qcSolveSoftConstraints(const std::vector<qcSoftConstraint>& constraints, std::vector<qcSoftSupport>* supports,
+                            int iterations);
+
+/// Puts the nodes of penetrating pairs back to the start of the step, unless the pair penetrated there already: where a
+/// mesh penetrates, to where they were beside it. `wholeBodies`: all nodes of their bodies, and the meshes that can be
+/// moved. Returns the number of nodes and meshes moved.
 int qcFreezePenetrating(qcSoftBodyScene& scene, const qcResult& result, bool wholeBodies);
-
-/// The velocity that leads from the start of the step to the present position, as btSoftBody::solveConstraints sets it,
-/// for every node that is not where Bullet's own constraints left it.
-void qcUpdateVelocities(qcSoftBodyScene& scene, const std::vector<std::vector<btVector3>>& solved);
 
 #endif

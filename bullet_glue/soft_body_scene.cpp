@@ -1,7 +1,8 @@
-// Soft bodies as bodies of a qcScene.
+// Soft bodies, and the meshes near them, as bodies of a qcScene.
 #include "soft_body_scene.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace
 {
@@ -25,6 +26,42 @@ std::vector<uint32_t> IndicesOf(const btSoftBody* body)
         for (const btSoftBody::Node* node : body->m_faces[i].m_n)
             indices.push_back(uint32_t(node - &body->m_nodes[0]));
     return indices;
+}
+
+/// Nodes that Bullet puts to their anchors at the end of each step, or where the reduced model has them.
+void NoteHeld(qcSceneSoftBody& known)
+{
+    known.held.clear();
+    if (known.body->m_reducedModel)
+        known.held.resize(size_t(known.NodeCount()), true);
+    for (int i = 0; i < known.body->m_deformableAnchors.size(); i++)
+    {
+        known.held.resize(size_t(known.NodeCount()), false);
+        known.held[size_t(known.body->m_deformableAnchors[i].m_node - &known.body->m_nodes[0])] = true;
+    }
+}
+
+/// The box of a soft body from the start of the step to now; false if it has none.
+bool BoxOf(const qcSceneSoftBody& known, btVector3 box[2])
+{
+    if (known.NodeCount() == 0)
+        return false;
+    box[0] = box[1] = known.start[0];
+    btVector3 sum(0, 0, 0);
+    for (int i = 0; i < known.NodeCount(); i++)
+    {
+        const btVector3 &start = known.start[size_t(i)], &x = known.body->m_nodes[i].m_x;
+        box[0].setMin(start);
+        box[0].setMin(x);
+        box[1].setMax(start);
+        box[1].setMax(x);
+        sum += start + x;
+    }
+    btVector3 reach(known.thickness, known.thickness, known.thickness);
+    box[0] -= reach;
+    box[1] += reach;
+    // A node that is not finite is the query's to name; a broadphase should not see it.
+    return std::isfinite(sum.x() + sum.y() + sum.z());
 }
 
 /// -1 for a body that is in no world.
@@ -55,6 +92,8 @@ qcStatus qcSoftBodyScene::Add(btSoftBody* body)
     def.indices = added.indices.data();
     def.triangleCount = uint32_t(body->m_faces.size());
     def.deforming = true;
+    def.group = qcSoftGroup;
+    def.mask = qcSoftGroup | qcMeshGroup;
     qcStatus status = qcScene_AddBody(m_scene, &def, &added.id);
     if (status == qc_statusOk)
         m_bodies.push_back(std::move(added));
@@ -91,7 +130,8 @@ void qcSoftBodyScene::TakeSettings(qcSceneSoftBody& known)
     qcScene_SetActivity(m_scene, known.id, known.moves ? qc_activityMoving : qc_activitySleeping);
 }
 
-qcStatus qcSoftBodyScene::Synchronize(const btAlignedObjectArray<btSoftBody*>& bodies)
+qcStatus qcSoftBodyScene::Synchronize(const btAlignedObjectArray<btSoftBody*>& bodies,
+                                      btVector3 btSoftBody::Node::*start)
 {
     if (m_scene == nullptr)
     {
@@ -120,14 +160,27 @@ qcStatus qcSoftBodyScene::Synchronize(const btAlignedObjectArray<btSoftBody*>& b
         m_bodyOfSlot[known.id.slot] = i;
         TakeSettings(known);
         known.start.resize(size_t(known.NodeCount()));
-        // Bullet moves on from m_q; a body that it does not simulate stays where it is.
+        // A body that Bullet does not simulate stays where it is.
         for (int n = 0; n < known.NodeCount(); n++)
-            known.start[size_t(n)] = known.moves ? known.body->m_nodes[n].m_q : known.body->m_nodes[n].m_x;
+            known.start[size_t(n)] = known.moves ? known.body->m_nodes[n].*start : known.body->m_nodes[n].m_x;
+        NoteHeld(known);
     }
     return qc_statusOk;
 }
 
-qcStatus qcSoftBodyScene::UpdateVertices()
+qcStatus qcSoftBodyScene::SynchronizeMeshes(btScalar timeStep)
+{
+    for (const qcSceneSoftBody& known : m_bodies)
+    {
+        const btSoftBodyWorldInfo* info = known.body->getWorldInfo();
+        btVector3 box[2];
+        if (known.MeetsRigidBodies() && info->m_broadphase != nullptr && BoxOf(known, box))
+            meshes.Seek(info->m_broadphase, box[0], box[1]);
+    }
+    return meshes.Synchronize(m_scene, timeStep);
+}
+
+qcStatus qcSoftBodyScene::UpdatePlaces()
 {
     for (const qcSceneSoftBody& known : m_bodies)
     {
@@ -138,7 +191,7 @@ qcStatus qcSoftBodyScene::UpdateVertices()
         if (status != qc_statusOk)
             return status;
     }
-    return qc_statusOk;
+    return meshes.Place(m_scene);
 }
 
 qcStatus qcSoftBodyScene::Detect(btScalar contactMargin, const qcResult** result)
@@ -167,10 +220,13 @@ qcSoftBodySettings qcSoftBodyScene::GetSettings(const btSoftBody* body) const
     return isIts ? found->second.settings : qcSoftBodySettings();
 }
 
-btScalar qcSoftBodyScene::Thickness() const
+btScalar qcSoftBodyScene::Reach() const
 {
-    btScalar largest = 0;
+    btScalar soft = 0, rigid = 0;
     for (const qcSceneSoftBody& known : m_bodies)
-        largest = std::max(largest, known.thickness);
-    return largest;
+        soft = std::max(soft, known.thickness);
+    for (const std::unique_ptr<qcSceneRigid>& known : meshes.Rigids())
+        for (const qcSceneMesh& mesh : known->meshes)
+            rigid = std::max(rigid, mesh.shape->getMargin());
+    return std::max(soft, soft / 2 + rigid);
 }

@@ -1,6 +1,9 @@
-// Soft bodies as bodies of a qcScene: the scene reads node positions in place and in Bullet's own precision.
+// Soft bodies, and the meshes near them, as bodies of a qcScene: it reads node positions in place and in Bullet's own
+// precision.
 #ifndef QC_BULLET_GLUE_SOFT_BODY_SCENE_H
 #define QC_BULLET_GLUE_SOFT_BODY_SCENE_H
+
+#include "soft_body_meshes.h"
 
 #include "quickcullide/bullet_soft_body.h"
 
@@ -21,10 +24,15 @@ struct qcSceneSoftBody
     btScalar thickness = 0;       ///< settings.thickness, or what stands for its zero
     bool moves = true;            ///< false: Bullet does not simulate it at present, and neither do contacts
     std::vector<btVector3> start; ///< node positions at the start of the step
+    std::vector<bool> held;       ///< nodes that contacts don't move; empty if there are none
 
     int NodeCount() const
     {
         return body->m_nodes.size();
+    }
+    bool MeetsRigidBodies() const
+    {
+        return (body->m_cfg.collisions & btSoftBody::fCollision::RVSmask) != 0;
     }
 };
 
@@ -39,10 +47,13 @@ class qcSoftBodyScene
     qcSoftBodyScene(const qcSoftBodyScene&) = delete;
     qcSoftBodyScene& operator=(const qcSoftBodyScene&) = delete;
 
-    /// Makes the scene's bodies those of the array, and notes where they start this step.
-    qcStatus Synchronize(const btAlignedObjectArray<btSoftBody*>& bodies);
-    /// Gives the scene the nodes' present positions.
-    qcStatus UpdateVertices();
+    /// Makes the scene's soft bodies those of the array, and notes where they start this step: at this member of their
+    /// nodes.
+    qcStatus Synchronize(const btAlignedObjectArray<btSoftBody*>& bodies, btVector3 btSoftBody::Node::*start);
+    /// Makes the scene's meshes those near its soft bodies, between the start of the step and now.
+    qcStatus SynchronizeMeshes(btScalar timeStep);
+    /// Gives the scene the present positions of nodes and meshes.
+    qcStatus UpdatePlaces();
     /// Runs the line of data.
     qcStatus Detect(btScalar contactMargin, const qcResult** result);
 
@@ -55,9 +66,10 @@ class qcSoftBodyScene
 
     void SetSettings(const btSoftBody* body, const qcSoftBodySettings& settings);
     qcSoftBodySettings GetSettings(const btSoftBody* body) const;
-    /// The largest thickness of all bodies.
-    btScalar Thickness() const;
+    /// The largest distance at which two of the bodies push each other.
+    btScalar Reach() const;
 
+    qcSoftBodyMeshes meshes;
     unsigned threads = 0;
     qcMethod method = qc_methodAuto;
 

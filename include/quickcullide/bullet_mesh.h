@@ -41,10 +41,10 @@ struct qcMassProperties
 /// triangles may cross, lie on top of each other, or be degenerate. O(n), no preprocessing: a tree over the triangles
 /// is built when something first asks for one (convex shapes, rays, soft bodies), in O(n log n).
 ///
-/// Convex shapes, rays, swept shapes and soft bodies meet it through Bullet's own algorithms; meshes and planes, once a
-/// qcMeshContact was added to the world. The shape type is FAST_CONCAVE_MESH_PROXYTYPE: CUSTOM_CONCAVE_SHAPE_TYPE is
-/// the same number as SDF_SHAPE_PROXYTYPE, and Bullet's convex-concave algorithm casts what bears it to
-/// btSdfCollisionShape.
+/// Convex shapes, rays and swept shapes meet it through Bullet's own algorithms; meshes and planes, once a
+/// qcMeshContact was added to the world; soft bodies through qcSoftBodySolver and qcDeformableWorld, else Bullet's own.
+/// The shape type is FAST_CONCAVE_MESH_PROXYTYPE: CUSTOM_CONCAVE_SHAPE_TYPE is the same number as SDF_SHAPE_PROXYTYPE,
+/// and Bullet's convex-concave algorithm casts what bears it to btSdfCollisionShape.
 ///
 /// The margin is a shell on both sides of each triangle; unless setMargin says otherwise 0.01, or a quarter of the mean
 /// edge where that is less. Two meshes rest with their shells touching: their triangles then don't, which is what makes
@@ -114,8 +114,9 @@ struct qcMeshContactStatistics
     qcMethod method = qc_methodSweep;
     const char* device = "none";
     const char* fallback = nullptr; ///< why another method than the one asked for ran, or null
-    double gatherMs = 0;            ///< reading from Bullet
-    double detectMs = 0;            ///< the query
+    double gatherMs = 0;            ///< milliseconds of reading from Bullet
+    /// Milliseconds of the query, and what its stages took of it.
+    double detectMs = 0, cullMs = 0, sweepMs = 0, exactMs = 0, manifoldMs = 0;
 };
 
 /// Contact of the meshes of a world: qcMeshShape with qcMeshShape, btGImpactMeshShape, static triangle meshes, terrains

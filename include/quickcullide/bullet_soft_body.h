@@ -1,4 +1,5 @@
-// Self-collision of soft bodies, and contact among them, for btSoftRigidDynamicsWorld, without a patch to Bullet.
+// Self-collision of soft bodies, and contact among them and with qcMeshShape, for btSoftRigidDynamicsWorld, without a
+// patch to Bullet. For the deformable world see bullet_deformable.h.
 //
 //     qcSoftBodySolver softSolver;
 //     btSoftRigidDynamicsWorld world(&dispatcher, &broadphase, &solver, &configuration, &softSolver);
@@ -6,9 +7,9 @@
 // Bullet's classic soft bodies have no self-collision (VF_SS skips a body with itself, CL_SELF is dead since 2.89), and
 // VF_SS between two bodies is vertex against face only. This solver runs Bullet's own constraints first, then moves the
 // nodes apart: vertex-face and edge-edge contacts within the thickness, decided on the side from which they came. At
-// the end of a step no two triangles without a common node penetrate that did not at its start, by the exact test.
-// Positions between the start and the end of a step are not looked at: what moves by more than the thickness, relative
-// to what it meets, may pass it.
+// the end of a step no two triangles without a common node penetrate that did not at its start, by the exact test; only
+// kinematic meshes may leave no room for that. Of positions between the start and the end of a step only nodes that go
+// through meshes are noticed: what else moves by more than the thickness, relative to what it meets, may pass it.
 #ifndef QUICKCULLIDE_BULLET_SOFT_BODY_H
 #define QUICKCULLIDE_BULLET_SOFT_BODY_H
 
@@ -19,15 +20,15 @@
 
 #include <memory>
 
-/// How one soft body meets itself and other soft bodies.
+/// How one soft body meets itself, other soft bodies and meshes.
 struct qcSoftBodySettings
 {
     bool selfCollision = true;
     /// Surfaces are kept this far apart, in world units. 0: half the mean length of the edges of its faces when it came
     /// into the world, or the collision shape's margin where that is less. More than half the shortest edge makes cloth
-    /// stiff.
+    /// stiff. Between two bodies it is the mean; from a mesh, half of it and the mesh's margin.
     btScalar thickness = 0;
-    /// Coulomb friction between two soft surfaces: the mean of both bodies'.
+    /// Coulomb friction between two surfaces: the mean of both bodies'. Of a rigid body it is btRigidBody's own.
     btScalar friction = btScalar(0.3);
 };
 
@@ -39,8 +40,10 @@ struct qcSoftBodyStatistics
     int contacts = 0;    ///< contacts within the thickness after Bullet's own constraints
     int penetrating = 0; ///< pairs of triangles that penetrated then
     int rounds = 0;      ///< times that contacts were solved
-    int frozenNodes = 0; ///< nodes put back to where they started, because nothing else helped
+    int frozenNodes = 0; ///< nodes (and meshes) put back to where they started, because nothing else helped
     int remaining = 0;   ///< pairs that penetrate at the end of the step: those that did at its start, too
+    int meshes = 0;      ///< bodies with a qcMeshShape that a soft body may have met in the step
+    int sweptNodes = 0;  ///< nodes that went through one of these, and were held back
     /// What answered the last query of the step: never qc_methodAuto, `layers` as soon as the device had a share.
     qcMethod method = qc_methodSweep;
     const char* device = "none"; ///< name of the device that had a share, "none" where the CPU answered alone
@@ -51,27 +54,24 @@ struct qcSoftBodyStatistics
     double respondMs = 0; ///< moving nodes apart
 };
 
-/// A drop-in for btDefaultSoftBodySolver.
+/// What a world's soft bodies do when they touch: settings, and what came of them.
 ///
 /// After a step the contacts found in it, as they were before the response, also stand in manifolds of the world's
-/// dispatcher, four points each, with both bodies being soft (the same one, for self-collision). They are released when
-/// the next step begins: until then they may name a body that was removed in between. Destroy the solver after the
-/// world and before the dispatcher.
+/// dispatcher, four points each: body 0 is soft, body 1 another soft one, the same (self-collision), or one with a
+/// qcMeshShape. They are released when the next step begins: until then they may name a body that was removed in
+/// between.
 ///
 /// Bodies that Bullet does not simulate at present (isActive() is false) stay where they are; others are kept off them.
 ///
+/// Meshes: a soft body meets each qcMeshShape, static, kinematic or moving, also in compounds, unless its collision
+/// flags have none of fCollision::RVSmask. Both move, by mass; the links of a multibody don't. What has passed the mesh
+/// within the step is brought back, as far as nodes of the soft body went through triangles.
+///
 /// Cost: one run of qcScene_Detect a step without contacts, two with, and a few more in steps in which they don't
 /// suffice. Thread-safety: as the world's.
-class QC_API qcSoftBodySolver : public btDefaultSoftBodySolver
+class QC_API qcSoftBodyContact
 {
   public:
-    /// `device` draws for the methods that need GL; null is the same as a device of kind none. It must outlive the
-    /// solver, and may serve others meanwhile.
-    explicit qcSoftBodySolver(qcDevice* device = nullptr);
-    ~qcSoftBodySolver() override;
-    qcSoftBodySolver(const qcSoftBodySolver&) = delete;
-    qcSoftBodySolver& operator=(const qcSoftBodySolver&) = delete;
-
     /// Applies from the next step on, until the body is removed from the world. It may be called before it is added; a
     /// body that is never added should not be deleted while its settings wait.
     void setSettings(const btSoftBody* body, const qcSoftBodySettings& settings);
@@ -85,16 +85,31 @@ class QC_API qcSoftBodySolver : public btDefaultSoftBodySolver
     /// positions, status qc_statusBadInput.
     void setMethod(qcMethod method);
 
+  protected:
+    /// `device` draws for the methods that need GL; null is the same as a device of kind none. It must outlive this,
+    /// and may serve others meanwhile.
+    explicit qcSoftBodyContact(qcDevice* device);
+    ~qcSoftBodyContact();
+    qcSoftBodyContact(const qcSoftBodyContact&) = delete;
+    qcSoftBodyContact& operator=(const qcSoftBodyContact&) = delete;
+
+    struct Implementation;
+    std::unique_ptr<Implementation> m_implementation;
+};
+
+/// A drop-in for btDefaultSoftBodySolver. Destroy it after the world and before the dispatcher.
+class QC_API qcSoftBodySolver : public btDefaultSoftBodySolver, public qcSoftBodyContact
+{
+  public:
+    explicit qcSoftBodySolver(qcDevice* device = nullptr);
+    ~qcSoftBodySolver() override;
+
     void optimize(btAlignedObjectArray<btSoftBody*>& softBodies, bool forceUpdate = false) override;
     void solveConstraints(btScalar timeStep) override;
     /// Two soft bodies: nothing yet, solveConstraints sees to them if the filters of broadphase and dispatcher agree. A
     /// soft body and a rigid one: as Bullet does it.
     void processCollision(btSoftBody* body, btSoftBody* other) override;
     using btDefaultSoftBodySolver::processCollision;
-
-  private:
-    struct Implementation;
-    std::unique_ptr<Implementation> m_implementation;
 };
 
 #endif

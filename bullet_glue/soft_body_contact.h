@@ -1,0 +1,46 @@
+// Contact of the soft bodies of a world in one step: what qcSoftBodySolver and qcDeformableWorld have in common.
+#ifndef QC_BULLET_GLUE_SOFT_BODY_CONTACT_H
+#define QC_BULLET_GLUE_SOFT_BODY_CONTACT_H
+
+#include "manifolds.h"
+#include "soft_body_response.h"
+#include "soft_body_takeover.h"
+
+/// The step of the world calls Begin first, then Start where node positions still are those of the start of the step,
+/// then Resolve where Bullet has moved everything.
+struct qcSoftBodyContact::Implementation
+{
+    explicit Implementation(qcDevice* device) : scene(device)
+    {
+    }
+
+    /// Nothing of the last step may be seen by collision detection.
+    void Begin(const btAlignedObjectArray<btSoftBody*>& bodies);
+    /// `start`: the member of their nodes that holds these positions.
+    void Start(const btAlignedObjectArray<btSoftBody*>& bodies, btVector3 btSoftBody::Node::*start);
+    /// Moves nodes and meshes apart. False: a query failed, and everything is where Bullet left it.
+    bool Resolve(btScalar timeStep);
+
+    qcSoftBodyScene scene;
+    qcManifolds manifolds;
+    qcSoftMeshTakeOver takeOver;
+    qcSoftBodyStatistics statistics;
+    std::vector<std::vector<btVector3>> solved; ///< of each of the scene's soft bodies: positions as Bullet left them
+
+  private:
+    void KeepPositions();
+    void NoteProfile();
+    qcStatus Detect(btScalar contactMargin);
+    void Solve();
+    qcStatus SolveContacts();
+    qcStatus FreezeRest();
+    qcStatus TryResolve(btScalar timeStep);
+    void Restore();
+
+    std::vector<qcSoftConstraint> m_constraints;
+    std::vector<size_t> m_contactOf;
+    std::vector<qcSoftSupport> m_supports;
+    const qcResult* m_result = nullptr; ///< of the last detection
+};
+
+#endif
