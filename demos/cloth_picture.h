@@ -21,7 +21,7 @@ class qcClothPicture
 
     std::vector<float> m_furniturePositions; ///< table and floor
     std::vector<uint32_t> m_tableIndices, m_floorIndices;
-    std::vector<uint8_t> m_half, m_image;
+    std::vector<uint8_t> m_image;
     uint32_t m_width = 0; ///< of the image
 };
 

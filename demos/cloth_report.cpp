@@ -28,7 +28,7 @@ void WriteRows(FILE* stream, const qcClothRun& run, double stepSeconds)
         const qcClothStep& step = run.steps[i];
         const qcSoftBodyStatistics& s = step.statistics;
         std::fprintf(stream, "%s,%zu,%.4f,%.3f,%s,%s,%.3f,%.3f,%.3f,%.3f,%.3f,%.3f,%d,%d,%d,%d,%d,%zu",
-                     run.selfCollision ? "with" : "without", i + 1, double(i + 1) * stepSeconds, step.stepMs,
+                     run.selfCollision ? "with" : "without", i + 1, double(i + 1) * stepSeconds, step.costs.Total(),
                      qcMethod_Name(s.method), s.device, s.detectMs, s.cullMs, s.sweepMs, s.exactMs, s.contactMs,
                      s.respondMs, s.contacts, s.penetrating, s.rounds, s.frozenNodes, step.manifolds,
                      step.Penetrating());
@@ -47,6 +47,14 @@ template <typename Value> double Mean(const qcClothRun& run, Value value)
     for (const qcClothStep& step : run.steps)
         sum += double(value(step));
     return run.steps.empty() ? 0 : sum / double(run.steps.size());
+}
+
+qcStepCosts MeanCosts(const qcClothRun& run)
+{
+    qcStepCosts mean;
+    for (const qcClothStep& step : run.steps)
+        mean.Add(step.costs, 1 / double(run.steps.size()));
+    return mean;
 }
 
 template <typename Value> double Largest(const qcClothRun& run, Value value)
@@ -129,27 +137,15 @@ bool qcWriteClothCsv(const std::string& path, const qcClothRun& with, const qcCl
 void qcPrintClothTable(const qcClothRun& with, const qcClothRun& without, size_t triangles, qcMethod method,
                        const qcDetectDef& request, const qcDeviceInfo& device)
 {
-    auto detect = [](const qcClothStep& s) { return s.statistics.detectMs; };
-    auto cull = [](const qcClothStep& s) { return s.statistics.cullMs; };
-    auto sweep = [](const qcClothStep& s) { return s.statistics.sweepMs; };
-    auto exact = [](const qcClothStep& s) { return s.statistics.exactMs; };
-    auto contact = [](const qcClothStep& s) { return s.statistics.contactMs; };
-    auto respond = [](const qcClothStep& s) { return s.statistics.respondMs; };
-    auto rest = [](const qcClothStep& s) { return s.stepMs - s.statistics.detectMs - s.statistics.respondMs; };
     auto contacts = [](const qcClothStep& s) { return s.statistics.contacts; };
     auto penetrating = [](const qcClothStep& s) { return s.Penetrating(); };
     auto frozen = [](const qcClothStep& s) { return s.statistics.frozenNodes; };
 
     std::printf("\nCloth over a table: %zu triangles, %zu steps\n\n", triangles, with.steps.size());
     PrintLoop(with, method, device);
-    std::printf("  %-46s %12s %12s\n", "self-collision:", "on", "off");
-    PrintTwo("Bullet's own step, ms, mean", Mean(with, rest), Mean(without, rest), 2);
-    PrintTwo("detection, ms, mean", Mean(with, detect), Mean(without, detect), 2);
-    PrintTwo("  of it: culling", Mean(with, cull), Mean(without, cull), 2);
-    PrintTwo("  of it: sweep", Mean(with, sweep), Mean(without, sweep), 2);
-    PrintTwo("  of it: exact test", Mean(with, exact), Mean(without, exact), 2);
-    PrintTwo("  of it: contacts", Mean(with, contact), Mean(without, contact), 2);
-    PrintTwo("response, ms, mean", Mean(with, respond), Mean(without, respond), 2);
+    qcPrintStepCosts("self-collision; mean milliseconds of a step:",
+                     {{"on", MeanCosts(with)}, {"off", MeanCosts(without)}});
+    std::printf("\n");
     PrintTwo("self-contacts in a step, mean", Mean(with, contacts), Mean(without, contacts), 0);
     PrintTwo("self-contacts in a step, most", Largest(with, contacts), Largest(without, contacts), 0);
     PrintTwo("self-penetrating pairs after a step, most", Largest(with, penetrating), Largest(without, penetrating), 0);
@@ -163,7 +159,7 @@ void qcPrintClothTable(const qcClothRun& with, const qcClothRun& without, size_t
         std::printf("\n  No GL on this machine: no pictures, and the methods were not compared.\n");
         return;
     }
-    const uint32_t resolution = with.steps.back().answers[qc_clothQuick].resolution;
+    auto resolution = uint32_t(Largest(with, [](const qcClothStep& s) { return s.answers[qc_clothQuick].resolution; }));
     std::printf("\nAll methods on the same frames, %s (%s); cullide and quick: views %s, %u x %u pixels, ", device.name,
                 device.renderer, request.views, resolution, resolution);
     if (request.iterations == 0)

@@ -3,6 +3,8 @@
 #define QC_DEMOS_CLOTH_REPORT_H
 
 #include "cloth_measure.h"
+#include "step_costs.h"
+
 #include "quickcullide/bullet_soft_body.h"
 
 #include <string>
@@ -10,7 +12,7 @@
 
 struct qcClothStep
 {
-    double stepMs = 0;
+    qcStepCosts costs;
     int manifolds = 0;
     qcSoftBodyStatistics statistics;
     qcClothAnswers answers;

@@ -3,6 +3,8 @@
 #ifndef QC_DEMOS_CLOTH_WORLD_H
 #define QC_DEMOS_CLOTH_WORLD_H
 
+#include "step_costs.h"
+
 #include "quickcullide/bullet.h"
 
 #include <BulletSoftBody/btSoftBodyRigidBodyCollisionConfiguration.h>
@@ -27,8 +29,8 @@ class qcClothWorld
     qcClothWorld(const qcClothWorld&) = delete;
     qcClothWorld& operator=(const qcClothWorld&) = delete;
 
-    /// One step of `stepSeconds`. Returns its milliseconds.
-    double Step();
+    /// One step of `stepSeconds`.
+    qcStepCosts Step();
     static constexpr double stepSeconds = 1.0 / 120;
 
     const qcSoftBodyStatistics& Statistics() const
@@ -47,13 +49,22 @@ class qcClothWorld
     }
 
   private:
+    /// Tells how long the step was in it.
+    class Solver : public qcSoftBodySolver
+    {
+      public:
+        using qcSoftBodySolver::qcSoftBodySolver;
+        void solveConstraints(btScalar timeStep) override;
+        double ms = 0;
+    };
+
     void AddCloth(unsigned triangleCount, bool selfCollision);
 
     btSoftBodyRigidBodyCollisionConfiguration m_configuration;
     btCollisionDispatcher m_dispatcher;
     qcBroadphase m_broadphase;
     btSequentialImpulseConstraintSolver m_solver;
-    qcSoftBodySolver m_softSolver;
+    Solver m_softSolver;
     btSoftRigidDynamicsWorld m_world;
     btCylinderShape m_tableShape;
     btStaticPlaneShape m_floorShape;

@@ -8,29 +8,40 @@ show_help()
 Usage: demos/run.sh [DEMO] [ARGUMENT...]
 
 Demos:
-  cloth   A cloth falls over a table, folds and meets itself (the default). Pictures, and a film where
-          ffmpeg is installed, go to out/cloth/.
-  pairs   Finds the triangles of meshes that intersect: demos/run.sh pairs MESH...
-  bench   Measures: demos/run.sh bench [accuracy] compares the methods, "bench peers" other libraries
-          (which it installs), "bench scaling" sizes, "bench broadphase" the broadphase with Bullet's own.
-          Tables and pictures go to out/bench/.
+  cloth     A cloth falls over a table, folds and meets itself (the default). Pictures, and a film where
+            ffmpeg is installed, go to out/cloth/.
+  fracture  A bunny falls and breaks in the midst of a step, and its pieces come to rest. Pictures, and a film,
+            go to out/fracture/.
+  pairs     Finds the triangles of meshes that intersect: demos/run.sh pairs MESH...
+  bench     Measures: demos/run.sh bench [accuracy] compares the methods, "bench peers" other libraries
+            (which it installs), "bench scaling" sizes, "bench broadphase" the broadphase with Bullet's own.
+            Tables and pictures go to out/bench/.
 
 Arguments are the demo's own; "demos/run.sh DEMO --help" explains them.
 END
 }
 
-run_cloth()
+# run_filmed NAME FRAMES_A_SECOND [ARGUMENT...]: a demo that draws, and a film of its frames.
+run_filmed()
 {
-    out=$root/out/cloth
+    name=$1
+    rate=$2
+    shift 2
+    out=$root/out/$name
     mkdir -p "$out"
     # Frames of a longer run before would end up in the film.
-    rm -f "$out"/frame_*.png "$out/cloth.mp4"
-    "$root/build/demos/qc-cloth" --out "$out" "$@"
+    rm -f "$out"/frame_*.png "$out/$name.mp4"
+    # Ctrl-C ends the demo, not this script: what was drawn becomes a film.
+    trap : INT
+    status=0
+    "$root/build/demos/qc-$name" --out "$out" "$@" || status=$?
+    trap - INT
     if [ -f "$out/frame_0000.png" ] && command -v ffmpeg >/dev/null; then
-        ffmpeg -loglevel error -y -framerate 12 -i "$out/frame_%04d.png" -c:v libx264 -pix_fmt yuv420p \
-            -vf 'pad=ceil(iw/2)*2:ceil(ih/2)*2' "$out/cloth.mp4"
-        echo "The film is $out/cloth.mp4"
+        ffmpeg -loglevel error -y -framerate "$rate" -i "$out/frame_%04d.png" -c:v libx264 -pix_fmt yuv420p \
+            -vf 'pad=ceil(iw/2)*2:ceil(ih/2)*2' "$out/$name.mp4"
+        echo "The film is $out/$name.mp4"
     fi
+    return "$status"
 }
 
 run_bench()
@@ -64,7 +75,7 @@ case ${1-} in
         show_help
         exit 0
         ;;
-    cloth | pairs | bench)
+    cloth | fracture | pairs | bench)
         demo=$1
         shift
         ;;
@@ -81,6 +92,7 @@ root=$(CDPATH='' cd -- "$(dirname -- "$0")/.." && pwd)
 
 case $demo in
     cloth) qc_install build demos ;;
+    fracture) qc_install build demos models ;;
     bench)
         if [ "${1-}" = peers ]; then
             qc_install build bench peers
@@ -97,7 +109,9 @@ else
     qc_build "$root" "qc-$demo" -DQC_BUILD_TESTS=OFF
 fi
 case $demo in
-    cloth) run_cloth "$@" ;;
+    # 120 steps a second, a frame every 10; 240 steps.
+    cloth) run_filmed cloth 12 "$@" ;;
+    fracture) run_filmed fracture 24 "$@" ;;
     pairs) "$root/build/demos/qc-pairs" "$@" ;;
     bench) run_bench "$@" ;;
 esac

@@ -10,6 +10,7 @@ qc_packages()
                 voro++-dev libglu1-mesa-dev ;;
             tests) echo check libgmp-dev glmark2-data ;;
             demos) echo ffmpeg ;;
+            models) echo glmark2-data ;;
             bench) echo gnuplot-nox glmark2-data ;;
             # Built into modules for "qc-bench peers", and nothing else.
             peers) echo libembree-dev libcgal-dev libtbb-dev ;;

@@ -34,8 +34,15 @@ if(TARGET qc-pairs)
   endif()
 endif()
 
+if(TARGET qc-fracture)
+  qc_test(test_demos test_demos.c run_program.c)
+  target_compile_definitions(test_demos PRIVATE
+    QC_CLOTH_PROGRAM="$<TARGET_FILE:qc-cloth>" QC_FRACTURE_PROGRAM="$<TARGET_FILE:qc-fracture>")
+  add_dependencies(test_demos qc-cloth qc-fracture)
+endif()
+
 add_test(NAME test_layout COMMAND sh ${CMAKE_CURRENT_SOURCE_DIR}/test_layout.sh ${PROJECT_SOURCE_DIR})
 add_test(NAME test_demos_help COMMAND sh ${PROJECT_SOURCE_DIR}/demos/run.sh --help)
-set_tests_properties(test_demos_help PROPERTIES PASS_REGULAR_EXPRESSION "cloth .*pairs ")
+set_tests_properties(test_demos_help PROPERTIES PASS_REGULAR_EXPRESSION "cloth .*fracture.*pairs ")
 add_test(NAME test_demos_refuse_what_is_none COMMAND sh ${PROJECT_SOURCE_DIR}/demos/run.sh coth)
 set_tests_properties(test_demos_refuse_what_is_none PROPERTIES PASS_REGULAR_EXPRESSION "there is no demo 'coth'")

@@ -1,0 +1,53 @@
+// A mesh that moves: a model from a file that is to break, or a piece of it.
+#ifndef QC_DEMOS_FRACTURE_BODY_H
+#define QC_DEMOS_FRACTURE_BODY_H
+
+#include "quickcullide/bullet_fracture.h"
+#include "quickcullide/bullet_mesh.h"
+
+#include <btBulletDynamicsCommon.h>
+
+#include <string>
+#include <vector>
+
+/// A closed mesh about its centre of mass, its principal axes along those of its frame.
+struct qcFractureModel
+{
+    std::vector<btVector3> vertices;
+    std::vector<uint32_t> indices;
+    btScalar volume = 0;
+    btMatrix3x3 upright = btMatrix3x3::getIdentity(); ///< turns it as it lies in the file
+};
+
+/// Reads a PLY or OBJ file, makes it `extent` long, and coarser if it has more than `triangleCount` triangles. False
+/// with a message: it can't be read, or has no inside.
+bool qcReadFractureModel(const std::string& path, uint32_t triangleCount, btScalar extent, qcFractureModel* model,
+                         std::string* message);
+
+/// About the world's origin.
+struct qcMomentum
+{
+    btVector3 linear{0, 0, 0}, angular{0, 0, 0};
+};
+
+ATTRIBUTE_ALIGNED16(struct) qcFractureBody
+{
+    BT_DECLARE_ALIGNED_ALLOCATOR();
+
+    /// Triangles from `firstCutTriangle` on lie in cuts.
+    qcFractureBody(const std::vector<btVector3>& vertices, const std::vector<uint32_t>& indices,
+                   uint32_t firstCutTriangle, btScalar mass, const btTransform& place);
+
+    /// Height of its lowest vertex.
+    btScalar Lowest() const;
+    double KineticEnergy() const;
+    void AddMomentum(qcMomentum * sum) const;
+    /// As it lies now, without collision with itself.
+    qcStatus AddTo(qcScene * scene) const;
+
+    qcMeshShape shape;
+    btRigidBody body;
+    uint32_t firstCutTriangle;
+};
+
+#endif
