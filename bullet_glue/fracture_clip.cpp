@@ -241,6 +241,38 @@ void AddFans(qcClipMesh* mesh, uint32_t number, const Loops& loops)
             mesh->triangles.push_back({{loop[0], loop[i - 1], loop[i]}, number});
 }
 
+//  ---- points ----------------------------------------------------------------------------------------
+
+/// As qcClipMesh_Weld; only points with a flag may be where another is. Points come in the order in which triangles
+/// have them, whatever the flags.
+void Weld(qcClipMesh* mesh, const std::vector<uint8_t>& mayCoincide)
+{
+    constexpr uint32_t none = UINT32_MAX;
+    std::map<qcClipPoint, uint32_t> places;
+    std::vector<uint32_t> placeOf(mesh->points.size(), none);
+    std::vector<qcClipPoint> points;
+    for (qcClipTriangle& triangle : mesh->triangles)
+        for (uint32_t& corner : triangle.corner)
+        {
+            uint32_t& place = placeOf[corner];
+            if (place == none)
+            {
+                const qcClipPoint& point = mesh->points[corner];
+                place = uint32_t(points.size());
+                if (mayCoincide[corner])
+                    place = places.try_emplace(point, place).first->second;
+                if (place == points.size())
+                    points.push_back(point);
+            }
+            corner = place;
+        }
+    mesh->points = std::move(points);
+    auto isNothing = [](const qcClipTriangle& t)
+    { return t.corner[0] == t.corner[1] || t.corner[1] == t.corner[2] || t.corner[2] == t.corner[0]; };
+    mesh->triangles.erase(std::remove_if(mesh->triangles.begin(), mesh->triangles.end(), isNothing),
+                          mesh->triangles.end());
+}
+
 //  ---- faces made anew -------------------------------------------------------------------------------
 
 /// Points that three faces have, or more. Where there are two, they meet in a line through the point.
@@ -286,21 +318,7 @@ qcClipPoint NormalOf(const qcClipMesh& mesh, const Loops& loops)
 
 void qcClipMesh_Weld(qcClipMesh* mesh)
 {
-    std::map<qcClipPoint, uint32_t> places;
-    std::vector<qcClipPoint> points;
-    for (qcClipTriangle& triangle : mesh->triangles)
-        for (uint32_t& corner : triangle.corner)
-        {
-            auto found = places.try_emplace(mesh->points[corner], uint32_t(points.size()));
-            if (found.second)
-                points.push_back(mesh->points[corner]);
-            corner = found.first->second;
-        }
-    mesh->points = std::move(points);
-    auto isNothing = [](const qcClipTriangle& t)
-    { return t.corner[0] == t.corner[1] || t.corner[1] == t.corner[2] || t.corner[2] == t.corner[0]; };
-    mesh->triangles.erase(std::remove_if(mesh->triangles.begin(), mesh->triangles.end(), isNothing),
-                          mesh->triangles.end());
+    Weld(mesh, std::vector<uint8_t>(mesh->points.size(), true));
 }
 
 size_t qcClipMesh_FindOpenTriangle(const qcClipMesh& mesh)
@@ -359,7 +377,9 @@ void qcClipMesh_Cut(qcClipMesh* mesh, const qcClipPlane& plane)
     AddFace(mesh, plane.normal, plane.face, FindLoops(mesh->triangles, &onPlane, true));
     onPlane.resize(mesh->points.size(), true);
     AddFans(mesh, plane.face, FindLoops(mesh->triangles, &onPlane, true));
-    qcClipMesh_Weld(mesh);
+    // What is off the plane is where it was, and apart from all others as before.
+    onPlane.resize(mesh->points.size(), true);
+    Weld(mesh, onPlane);
 }
 
 void qcClipMesh_Simplify(qcClipMesh* mesh)

@@ -43,7 +43,8 @@ size_t qcClipMesh_FindOpenTriangle(const qcClipMesh& mesh);
 /// Volume, and the integral of positions over it.
 double qcClipMesh_Measure(const qcClipMesh& mesh, qcClipPoint* first);
 
-/// Takes away what is outside of the plane, and puts a face there. Points where the plane cuts an edge are the same for
+/// Takes away what is outside of the plane, and puts a face there. No two points of the mesh are at one place, as after
+/// qcClipMesh_Weld; none are then. Points where the plane cuts an edge are the same for
 /// the plane and for its mirror image (the same numbers with other signs), bit by bit.
 void qcClipMesh_Cut(qcClipMesh* mesh, const qcClipPlane& plane);
 
