@@ -285,11 +285,9 @@ static void CountNeighbours(Builder* b)
         }
 }
 
-static qcStatus Build(Builder* b, uint32_t triangleCount, const double* positions)
+static qcStatus Link(Builder* b)
 {
     qcClusters* c = b->clusters;
-    QC_TRY(qcClusterOrder_Make(&c->triangles, b->indices, triangleCount, positions, b->vertexCount));
-    c->nodeCount = (uint32_t)(c->triangles.count / qc_nodeSize);
     QC_TRY(qcClusters_NameVertices(c, b->indices, b->vertexCount, &b->corners, &b->vertexOf));
     b->usedCount = (uint32_t)b->vertexOf.count;
     QC_TRY(FindShares(b));
@@ -300,13 +298,40 @@ static qcStatus Build(Builder* b, uint32_t triangleCount, const double* position
     return qc_statusOk;
 }
 
+qcStatus qcClusters_Lay(qcClusters* clusters, const uint32_t* indices, uint32_t triangleCount, const double* positions,
+                        uint32_t vertexCount)
+{
+    *clusters = (qcClusters){0};
+    qcStatus status = qcClusterOrder_Make(&clusters->triangles, indices, triangleCount, positions, vertexCount);
+    if (status != qc_statusOk)
+        qcClusters_Free(clusters);
+    clusters->nodeCount = (uint32_t)(clusters->triangles.count / qc_nodeSize);
+    return status;
+}
+
+static void FreeLinks(qcClusters* clusters)
+{
+    qcArray_Free(&clusters->firstLink);
+    qcArray_Free(&clusters->links);
+    qcArray_Free(&clusters->tables);
+    clusters->neighbourCount = 0;
+}
+
+qcStatus qcClusters_Link(qcClusters* clusters, const uint32_t* indices, uint32_t vertexCount)
+{
+    Builder builder = {.clusters = clusters, .indices = indices, .vertexCount = vertexCount};
+    qcStatus status = Link(&builder);
+    Free(&builder);
+    if (status != qc_statusOk)
+        FreeLinks(clusters);
+    return status;
+}
+
 qcStatus qcClusters_Build(qcClusters* clusters, const uint32_t* indices, uint32_t triangleCount,
                           const double* positions, uint32_t vertexCount)
 {
-    Builder builder = {.clusters = clusters, .indices = indices, .vertexCount = vertexCount};
-    *clusters = (qcClusters){0};
-    qcStatus status = Build(&builder, triangleCount, positions);
-    Free(&builder);
+    QC_TRY(qcClusters_Lay(clusters, indices, triangleCount, positions, vertexCount));
+    qcStatus status = qcClusters_Link(clusters, indices, vertexCount);
     if (status != qc_statusOk)
         qcClusters_Free(clusters);
     return status;
@@ -349,9 +374,6 @@ qcPlacePair* qcClusters_FindNeighbours(const qcClusters* clusters, uint32_t node
 void qcClusters_Free(qcClusters* clusters)
 {
     qcArray_Free(&clusters->triangles);
-    qcArray_Free(&clusters->firstLink);
-    qcArray_Free(&clusters->links);
-    qcArray_Free(&clusters->tables);
     clusters->nodeCount = 0;
-    clusters->neighbourCount = 0;
+    FreeLinks(clusters);
 }

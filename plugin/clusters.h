@@ -76,7 +76,14 @@ typedef struct qcClusters
     uint64_t neighbourCount; ///< pairs of triangles that share a vertex index
 } qcClusters;
 
-/// `positions`: three doubles a vertex. O(triangles log triangles + pairs of neighbours). On failure nothing is left.
+/// Nodes and their triangles; no links yet. `positions`: three doubles a vertex. O(triangles log triangles). On failure
+/// nothing is left.
+qcStatus qcClusters_Lay(qcClusters* clusters, const uint32_t* indices, uint32_t triangleCount, const double* positions,
+                        uint32_t vertexCount);
+/// Adds links, tables and the count of neighbours to clusters that have none. O(pairs of neighbours). On failure there
+/// are none, as before.
+qcStatus qcClusters_Link(qcClusters* clusters, const uint32_t* indices, uint32_t vertexCount);
+/// Both. On failure nothing is left.
 qcStatus qcClusters_Build(qcClusters* clusters, const uint32_t* indices, uint32_t triangleCount,
                           const double* positions, uint32_t vertexCount);
 /// Names the vertices that triangles have in the order in which places have them: what is kept of near ones then lies

@@ -46,20 +46,37 @@ static qcStatus LayLevels(qcSurface* surface)
     return qcArray_Resize(&surface->groups, total, sizeof(qcBoxGroup), "boxes of a surface");
 }
 
+static qcStatus Relate(qcSurface* surface, const qcBody* body)
+{
+    QC_TRY(qcClusters_Link(&surface->clusters, body->indices, body->vertexCount));
+    QC_TRY(qcDiscs_Build(&surface->discs, &surface->clusters, surface->corners.data, surface->vertexCount));
+    QC_TRY(qcArray_Resize(&surface->flat, surface->discs.discs.count, 1, "discs of a surface"));
+    QC_TRY(qcArray_Resize(&surface->rest, surface->discs.discs.count, 1, "discs of a surface"));
+    memset(surface->rest.data, 0, surface->rest.count);
+    return qc_statusOk;
+}
+
+qcStatus qcSurface_Relate(qcSurface* surface, const qcBody* body)
+{
+    if (surface->related)
+        return qc_statusOk;
+    qcStatus status = Relate(surface, body);
+    surface->related = status == qc_statusOk;
+    return status;
+}
+
 static qcStatus Build(qcSurface* surface, const qcBody* body)
 {
-    QC_TRY(qcClusters_Build(&surface->clusters, body->indices, body->triangleCount,
-                            body->deforming ? body->world : body->local, body->vertexCount));
+    QC_TRY(qcClusters_Lay(&surface->clusters, body->indices, body->triangleCount,
+                          body->deforming ? body->world : body->local, body->vertexCount));
     QC_TRY(qcClusters_NameVertices(&surface->clusters, body->indices, body->vertexCount, &surface->corners,
                                    &surface->vertexOf));
     surface->vertexCount = (uint32_t)surface->vertexOf.count;
     QC_TRY(LayLevels(surface));
     QC_TRY(qcArray_Resize(&surface->points, (size_t)surface->vertexCount + 1, sizeof(qcPoint), "points of a surface"));
     QC_AT(qcPoint, surface->points, surface->vertexCount) = (qcPoint){{0}};
-    QC_TRY(qcDiscs_Build(&surface->discs, &surface->clusters, surface->corners.data, surface->vertexCount));
-    QC_TRY(qcArray_Resize(&surface->flat, surface->discs.discs.count, 1, "discs of a surface"));
-    QC_TRY(qcArray_Resize(&surface->rest, surface->discs.discs.count, 1, "discs of a surface"));
-    memset(surface->rest.data, 0, surface->rest.count);
+    if (qcBody_MeetsItself(body))
+        QC_TRY(qcSurface_Relate(surface, body));
     surface->generation = body->generation;
     return qc_statusOk;
 }

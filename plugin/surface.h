@@ -30,6 +30,7 @@ typedef struct qcSurface
     size_t firstGroup[qc_mostLevels];
     size_t groupCount[qc_mostLevels];
     qcBoxGroup whole; ///< one box, around all
+    bool related;     ///< clusters have links, and there are discs: what pairs within the surface take
     bool fitted;
     uint64_t fits;  ///< how many times
     bool isLocal;   ///< fitted to the local positions of a rigid body, without a margin: valid wherever it goes
@@ -48,8 +49,12 @@ typedef struct qcSurfaceScratch
     qcArray rows;      ///< of qcBoxRow: of the groups of all levels
 } qcSurfaceScratch;
 
-/// For a body with triangles. O(triangles log triangles). On failure nothing is left.
+/// For a body with triangles, related if the body meets itself. O(triangles log triangles). On failure nothing is left.
 qcStatus qcSurface_Build(qcSurface* surface, const qcBody* body);
+
+/// Makes ready for pairs within the surface, once for all; the body is the one that it was built for. O(pairs of
+/// neighbours).
+qcStatus qcSurface_Relate(qcSurface* surface, const qcBody* body);
 
 /// Boxes and points of where the body is now; nothing is done where they are that already. Boxes are larger by the
 /// margin at their upper ends. A rigid body that isn't tested with itself is fitted once, in local coordinates, unless

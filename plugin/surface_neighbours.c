@@ -3,6 +3,8 @@
 
 #include "parallel.h"
 
+#include <assert.h>
+
 enum
 {
     // Nodes of a block: 64 take about 0.1 ms.
@@ -37,6 +39,7 @@ static void TakeBlock(void* context, size_t block, uint32_t worker)
 
 void qcSurfaceNeighbours_Find(const qcSurfaceNeighboursJob* job)
 {
+    assert(job->surface->related);
     qcSurfaceNeighboursJob copy = *job; // as loops take it
     size_t blocks = ((size_t)job->surface->clusters.nodeCount + qc_nodeBlock - 1) / qc_nodeBlock;
     qcParallel_For(job->threads, blocks, qc_leastBlocks, TakeBlock, &copy);

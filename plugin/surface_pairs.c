@@ -10,6 +10,7 @@
 #include "placement.h"
 #include "status.h"
 
+#include <assert.h>
 #include <math.h>
 #include <string.h>
 
@@ -283,6 +284,7 @@ static void FindMaps(Search* s)
 qcStatus qcSurfacePairs_Find(qcSurfacePairs* pairs, const qcSurfacePairsJob* job)
 {
     Search search = {.job = job, .memory = pairs, .same = job->a == job->b, .filters = true};
+    assert(!search.same || job->neighbours || job->a->related);
     const qcSurface* sides[2] = {job->a, job->b};
     for (int i = 0; i < 2; i++)
         search.sides[i] = (qcFilterSide){sides[i]->corners.data, sides[i]->points.data};

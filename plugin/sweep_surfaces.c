@@ -42,6 +42,57 @@ static qcStatus SyncSlots(qcSweepSurfaces* sweep, const qcTriangles* t)
     return qc_statusOk;
 }
 
+/// Has the body a surface in this step? A large one that is new and meets itself has not: what is made for its pairs
+/// with itself takes as long as a step without it, and its topology may not live for another.
+static bool MayHaveSurface(qcSweepSurfaces* sweep, uint32_t slot, const qcBody* body)
+{
+    uint32_t* seen = &QC_AT(uint32_t, sweep->seen, slot);
+    bool isNew = *seen != body->generation;
+    *seen = body->generation;
+    return SurfaceAt(sweep, slot)->generation != 0 || !isNew || !qcBody_MeetsItself(body) ||
+           body->triangleCount <= qc_smallBody;
+}
+
+typedef struct Making
+{
+    qcSweepSurfaces* sweep;
+    const qcTriangles* triangles;
+} Making;
+
+static void MakeOne(void* context, size_t i, uint32_t worker)
+{
+    (void)worker;
+    const Making* making = context;
+    qcSurfaceToMake* order = &QC_AT(qcSurfaceToMake, making->sweep->toMake, i);
+    const qcBody* body = qcTriangles_Body(making->triangles, order->body);
+    qcSurface* surface = SurfaceAt(making->sweep, qcTriangles_Slot(making->triangles, order->body));
+    order->status = surface->generation == 0 ? qcSurface_Build(surface, body) : qcSurface_Relate(surface, body);
+}
+
+/// Surfaces that are wanted and not there yet, or that have not been asked for pairs with themselves before.
+static qcStatus MakeSurfaces(qcSweepSurfaces* sweep, const qcTriangles* triangles, uint32_t threads,
+                             const uint8_t* wanted)
+{
+    sweep->toMake.count = 0;
+    for (uint32_t body = 0; body < triangles->bodyCount; body++)
+    {
+        const qcSurface* surface = SurfaceAt(sweep, qcTriangles_Slot(triangles, body));
+        bool relates = qcBody_MeetsItself(qcTriangles_Body(triangles, body)) && !surface->related;
+        if (!wanted[body] || (surface->generation != 0 && !relates))
+            continue;
+        size_t at = sweep->toMake.count;
+        QC_TRY(qcArray_Resize(&sweep->toMake, at + 1, sizeof(qcSurfaceToMake), "surfaces"));
+        QC_AT(qcSurfaceToMake, sweep->toMake, at) = (qcSurfaceToMake){body, qc_statusOk};
+    }
+    Making making = {sweep, triangles};
+    qcParallel_For(threads, sweep->toMake.count, 2, MakeOne, &making);
+    for (size_t i = 0; i < sweep->toMake.count; i++)
+        // The message is the worker's own; say it again on this thread.
+        if (QC_AT(qcSurfaceToMake, sweep->toMake, i).status != qc_statusOk)
+            return qcArray_FailAgain(&sweep->toMake, "surfaces");
+    return qc_statusOk;
+}
+
 qcStatus qcSweepSurfaces_Prepare(qcSweepSurfaces* sweep, const qcTriangles* triangles, double margin, uint32_t threads,
                                  uint8_t* wanted)
 {
@@ -51,18 +102,16 @@ qcStatus qcSweepSurfaces_Prepare(qcSweepSurfaces* sweep, const qcTriangles* tria
     sweep->fittedTriangles = 0;
     for (uint32_t body = 0; body < triangles->bodyCount; body++)
     {
-        uint32_t slot = qcTriangles_Slot(triangles, body), *seen = &QC_AT(uint32_t, sweep->seen, slot);
+        bool may = MayHaveSurface(sweep, qcTriangles_Slot(triangles, body), qcTriangles_Body(triangles, body));
+        wanted[body] = wanted[body] && may;
+    }
+    QC_TRY(MakeSurfaces(sweep, triangles, threads, wanted));
+    for (uint32_t body = 0; body < triangles->bodyCount; body++)
+    {
+        if (!wanted[body])
+            continue;
         const qcBody* b = qcTriangles_Body(triangles, body);
-        bool isNew = *seen != b->generation;
-        *seen = b->generation;
-        if (!wanted[body])
-            continue;
-        qcSurface* surface = SurfaceAt(sweep, slot);
-        wanted[body] = surface->generation != 0 || !isNew || b->triangleCount <= qc_smallBody;
-        if (!wanted[body])
-            continue;
-        if (surface->generation == 0)
-            QC_TRY(qcSurface_Build(surface, b));
+        qcSurface* surface = SurfaceAt(sweep, qcTriangles_Slot(triangles, body));
         bool fits;
         uint64_t before = surface->fits;
         QC_TRY(qcSurface_Fit(surface, b, margin, sweep->kernels, threads, &sweep->scratch, &fits));
@@ -320,7 +369,8 @@ void qcSweepSurfaces_Free(qcSweepSurfaces* sweep)
     }
     qcSurfacePairs_Free(&sweep->pairs);
     qcSurfaceScratch_Free(&sweep->scratch);
-    qcArray* arrays[] = {&sweep->surfaces, &sweep->seen, &sweep->sinks, &sweep->reached, &sweep->firstReached};
+    qcArray* arrays[] = {&sweep->surfaces, &sweep->seen,    &sweep->toMake,
+                         &sweep->sinks,    &sweep->reached, &sweep->firstReached};
     for (size_t i = 0; i < sizeof arrays / sizeof arrays[0]; i++)
         qcArray_Free(arrays[i]);
 }

@@ -16,12 +16,20 @@ typedef struct qcSurfaceSink
     char apart[64]; ///< keeps two workers off one cache line
 } qcSurfaceSink;
 
+/// A body of the step whose surface has something missing, and how making it went.
+typedef struct qcSurfaceToMake
+{
+    uint32_t body;
+    qcStatus status;
+} qcSurfaceToMake;
+
 /// Memory that the stage keeps between steps.
 typedef struct qcSweepSurfaces
 {
     const qcSurfaceKernels* kernels; ///< chosen at first use
     qcArray surfaces;                ///< of qcSurface, by slot
     qcArray seen;                    ///< uint32_t, by slot: generation of the body that the last step saw there
+    qcArray toMake;                  ///< of qcSurfaceToMake
     qcSurfaceScratch scratch;
     qcSurfacePairs pairs;
     qcArray sinks;            ///< of qcSurfaceSink
@@ -45,7 +53,8 @@ typedef struct qcSweepSurfacesJob
 } qcSweepSurfacesJob;
 
 /// Makes surfaces of the bodies whose flag in `wanted` is set, and clears the flags of those that have none this time:
-/// large ones that are new, whose topology may not live for another step, and what no lattice can hold.
+/// large ones that meet themselves and are new, whose topology may not live for another step, and what no lattice can
+/// hold.
 qcStatus qcSweepSurfaces_Prepare(qcSweepSurfaces* sweep, const qcTriangles* triangles, double margin, uint32_t threads,
                                  uint8_t* wanted);
 

@@ -26,7 +26,9 @@ typedef struct qcSide
 static inline qcSide qcSide_Make(qcSoup soup)
 {
     qcSide side = {.soup = soup};
-    CHECK_OK(qcSurface_Build(&side.surface, qcBodyAt(&side.bodies, qcAddToBodies(&side.bodies, &soup))));
+    const qcBody* body = qcBodyAt(&side.bodies, qcAddToBodies(&side.bodies, &soup));
+    CHECK_OK(qcSurface_Build(&side.surface, body));
+    CHECK_OK(qcSurface_Relate(&side.surface, body));
     return side;
 }
 

@@ -298,6 +298,7 @@ static Found FindKeys(const qcSurfaceKernels* kernels, const qcSoup* soup, doubl
     qcSurfaceScratch scratch = {0};
     bool fits;
     CHECK_OK(qcSurface_Build(&surface, found.body));
+    CHECK_OK(qcSurface_Relate(&surface, found.body));
     CHECK_OK(qcSurface_Fit(&surface, found.body, margin, kernels, threads, &scratch, &fits));
     ck_assert(fits);
     qcSurface_FindFlat(&surface, kernels, threads);
