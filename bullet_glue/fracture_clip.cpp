@@ -23,19 +23,37 @@ double SideOf(const qcClipPlane& plane, const qcClipPoint& p)
     return qcDotOf(plane.normal, p) - plane.distance;
 }
 
-/// Edges by their key: how much more often they are passed from the lower index to the higher one. Among all points, or
-/// those with a flag.
-std::unordered_map<uint64_t, int> CountEdges(const std::vector<qcClipTriangle>& triangles,
-                                             const std::vector<uint8_t>* among)
+/// An edge by its key, and how much more often it is passed from the lower index to the higher one than back.
+struct EdgeCount
 {
-    std::unordered_map<uint64_t, int> edges;
+    uint64_t key;
+    int count;
+};
+
+/// Edges among all points, or among those with a flag, by key.
+std::vector<EdgeCount> CountEdges(const std::vector<qcClipTriangle>& triangles, const std::vector<uint8_t>* among)
+{
+    std::vector<EdgeCount> edges;
     for (const qcClipTriangle& triangle : triangles)
-        for (int c = 0; c < 3; c++)
+    {
+        const std::array<uint32_t, 3>& v = triangle.corner;
+        if (among != nullptr && (*among)[v[0]] + (*among)[v[1]] + (*among)[v[2]] < 2)
+            continue;
+        for (size_t c = 0; c < 3; c++)
         {
-            uint32_t a = triangle.corner[size_t(c)], b = triangle.corner[size_t(c + 1) % 3];
+            uint32_t a = v[c], b = v[(c + 1) % 3];
             if (among == nullptr || ((*among)[a] && (*among)[b]))
-                edges[EdgeKey(a, b)] += a < b ? 1 : a > b ? -1 : 0;
+                edges.push_back({EdgeKey(a, b), a < b ? 1 : a > b ? -1 : 0});
         }
+    }
+    std::sort(edges.begin(), edges.end(), [](const EdgeCount& a, const EdgeCount& b) { return a.key < b.key; });
+    size_t count = 0;
+    for (const EdgeCount& edge : edges)
+        if (count != 0 && edges[count - 1].key == edge.key)
+            edges[count - 1].count += edge.count;
+        else
+            edges[count++] = edge;
+    edges.resize(count);
     return edges;
 }
 
@@ -122,11 +140,11 @@ Loops ChainEdges(std::multimap<uint32_t, uint32_t>* next)
 Loops FindLoops(const std::vector<qcClipTriangle>& triangles, const std::vector<uint8_t>* among, bool turned)
 {
     std::multimap<uint32_t, uint32_t> next;
-    for (const auto& edge : CountEdges(triangles, among))
+    for (const EdgeCount& edge : CountEdges(triangles, among))
     {
-        uint32_t low = uint32_t(edge.first >> 32), high = uint32_t(edge.first);
-        for (int k = 0; k < std::abs(edge.second); k++)
-            next.emplace((edge.second > 0) == turned ? high : low, (edge.second > 0) == turned ? low : high);
+        uint32_t low = uint32_t(edge.key >> 32), high = uint32_t(edge.key);
+        for (int k = 0; k < std::abs(edge.count); k++)
+            next.emplace((edge.count > 0) == turned ? high : low, (edge.count > 0) == turned ? low : high);
     }
     return ChainEdges(&next);
 }
@@ -323,11 +341,18 @@ void qcClipMesh_Weld(qcClipMesh* mesh)
 
 size_t qcClipMesh_FindOpenTriangle(const qcClipMesh& mesh)
 {
-    std::unordered_map<uint64_t, int> edges = CountEdges(mesh.triangles, nullptr);
-    for (size_t i = 0; i < mesh.triangles.size(); i++)
+    std::vector<EdgeCount> edges = CountEdges(mesh.triangles, nullptr);
+    edges.erase(std::remove_if(edges.begin(), edges.end(), [](const EdgeCount& edge) { return edge.count == 0; }),
+                edges.end());
+    auto isBefore = [](const EdgeCount& edge, uint64_t key) { return edge.key < key; };
+    for (size_t i = 0; i < mesh.triangles.size() && !edges.empty(); i++)
         for (size_t c = 0; c < 3; c++)
-            if (edges[EdgeKey(mesh.triangles[i].corner[c], mesh.triangles[i].corner[(c + 1) % 3])] != 0)
+        {
+            uint64_t key = EdgeKey(mesh.triangles[i].corner[c], mesh.triangles[i].corner[(c + 1) % 3]);
+            auto found = std::lower_bound(edges.begin(), edges.end(), key, isBefore);
+            if (found != edges.end() && found->key == key)
                 return i;
+        }
     return mesh.triangles.size();
 }
 
@@ -360,6 +385,7 @@ double qcClipMesh_Measure(const qcClipMesh& mesh, qcClipPoint* first)
 void qcClipMesh_Cut(qcClipMesh* mesh, const qcClipPlane& plane)
 {
     Cutter cutter{mesh, {}, {}, {}};
+    cutter.side.reserve(2 * mesh->points.size());
     bool anyOutside = false;
     for (const qcClipPoint& point : mesh->points)
     {
@@ -368,12 +394,13 @@ void qcClipMesh_Cut(qcClipMesh* mesh, const qcClipPlane& plane)
     }
     if (!anyOutside)
         return;
+    cutter.kept.reserve(mesh->triangles.size());
     for (const qcClipTriangle& triangle : mesh->triangles)
         cutter.Take(triangle);
     mesh->triangles = std::move(cutter.kept);
-    std::vector<uint8_t> onPlane;
-    for (double side : cutter.side)
-        onPlane.push_back(side == 0);
+    std::vector<uint8_t> onPlane(cutter.side.size());
+    for (size_t i = 0; i < cutter.side.size(); i++)
+        onPlane[i] = cutter.side[i] == 0;
     AddFace(mesh, plane.normal, plane.face, FindLoops(mesh->triangles, &onPlane, true));
     onPlane.resize(mesh->points.size(), true);
     AddFans(mesh, plane.face, FindLoops(mesh->triangles, &onPlane, true));
