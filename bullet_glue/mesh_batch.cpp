@@ -18,6 +18,10 @@ constexpr btScalar s_slack = btScalar(0.03);
 constexpr btScalar s_rest = btScalar(0.05);
 constexpr btScalar s_edge = btScalar(0.5);
 
+// Where the speeds that are left are less than this share, bodies move together. (What lies still but for a tremor has
+// no common motion: there this would only make contact flicker.)
+constexpr btScalar s_ownMotion = btScalar(0.25);
+
 double Now()
 {
     using namespace std::chrono;
@@ -43,16 +47,21 @@ btScalar Motion(const btTransform& from, const btTransform& to, btScalar radius)
     return from.getOrigin().distance(to.getOrigin()) + btSqrt(turn) * radius;
 }
 
-/// How far a point of an object, no further than `radius` from its origin, may come in a step; at most `limit`.
-btScalar Approach(const btCollisionObject* object, btScalar radius, btScalar timeStep, btScalar limit)
+/// How far a point of an object, no further than `radius` from its origin, may come in a step, as seen by who drifts;
+/// at most `limit`.
+btScalar Approach(const btCollisionObject* object, btScalar radius, btScalar timeStep, btScalar limit,
+                  const qcMeshDrift& drift)
 {
-    if (object->isStaticObject())
-        return 0;
     const btRigidBody* body = btRigidBody::upcast(object);
-    if (body == nullptr || timeStep <= 0)
+    if (!object->isStaticObject() && (body == nullptr || timeStep <= 0))
         return limit; // not known
-    return std::min(limit,
-                    (body->getLinearVelocity().length() + body->getAngularVelocity().length() * radius) * timeStep);
+    btVector3 velocity = -drift.At(object->getWorldTransform().getOrigin()), spin = -drift.angular;
+    if (!object->isStaticObject())
+    {
+        velocity += body->getLinearVelocity();
+        spin += body->getAngularVelocity();
+    }
+    return std::min(limit, (velocity.length() + spin.length() * radius) * timeStep);
 }
 
 /// About how long the edges of a mesh are, if its area is that of its box.
@@ -230,7 +239,7 @@ void qcMeshBatch::Refresh(const btCollisionObject* object, Object* known)
     for (const Mesh& mesh : known->meshes)
         edge = std::min(edge, mesh.edge);
     known->limit = std::min(known->threshold, std::max(s_rest * known->threshold, s_edge * edge));
-    known->approach = Approach(object, known->radius, m_timeStep, known->limit);
+    known->approach = Approach(object, known->radius, m_timeStep, known->limit, m_drift);
     known->margin = 0;
     for (const Mesh& mesh : known->meshes)
         known->margin = std::max(known->margin, mesh.margin + mesh.slack);
@@ -255,6 +264,38 @@ qcMeshBatch::Object* qcMeshBatch::Know(const btCollisionObject* object)
     known.seen = known.present = m_gathering;
     Refresh(object, &known);
     return &known;
+}
+
+/// The mean motion of what may hold meshes, if that is nearly all of it: fresh pieces of a body that flew and turned
+/// come no nearer to each other, as distances are the same for who drifts along.
+void qcMeshBatch::FindDrift()
+{
+    m_drift = qcMeshDrift();
+    std::vector<const btRigidBody*> moving;
+    const btCollisionObjectArray& objects = world->getCollisionObjectArray();
+    for (int i = 0; i < objects.size(); i++)
+    {
+        const btRigidBody* body = btRigidBody::upcast(objects[i]);
+        if (body != nullptr && !body->isStaticOrKinematicObject() && body->isActive() &&
+            MayHoldMeshes(body->getCollisionShape()))
+            moving.push_back(body);
+    }
+    qcMeshDrift mean;
+    for (const btRigidBody* body : moving)
+    {
+        btScalar share = 1 / btScalar(moving.size());
+        mean.centre += share * body->getWorldTransform().getOrigin();
+        mean.linear += share * body->getLinearVelocity();
+        mean.angular += share * body->getAngularVelocity();
+    }
+    btScalar speeds = 0, speedsThere = 0;
+    for (const btRigidBody* body : moving)
+    {
+        speeds += body->getLinearVelocity().length();
+        speedsThere += (body->getLinearVelocity() - mean.At(body->getWorldTransform().getOrigin())).length();
+    }
+    if (speedsThere < s_ownMotion * speeds)
+        m_drift = mean;
 }
 
 /// Marks the objects of pairs that are ours, and finds out how far contact reaches.
@@ -304,6 +345,10 @@ void qcMeshBatch::Place(const btCollisionObject* object, Object* known)
                 status = qcScene_SetTransform(m_scene, mesh.id, &transform);
             }
         }
+        // Of two bodies the sum is at least what WantPairs asks for them.
+        btScalar reach = std::min(known->limit, s_rest * known->threshold / 2 + known->approach);
+        if (status == qc_statusOk)
+            status = qcScene_SetMargin(m_scene, mesh.id, double(reach + mesh.margin + mesh.slack));
         mesh.placed = status == qc_statusOk;
         Note(status);
         statistics.bodies += mesh.inScene;
@@ -377,6 +422,7 @@ void qcMeshBatch::Run()
     }
     m_gathering++;
     ForgetGone();
+    FindDrift();
     WantPairs();
     const btCollisionObjectArray& objects = world->getCollisionObjectArray();
     for (int i = 0; i < objects.size(); i++)
@@ -406,7 +452,7 @@ const qcMeshBatch::Mesh* qcMeshBatch::Held(const qcPlacedMesh& mesh, bool* movin
     if (known.addition != AdditionOf(mesh.object))
         return nullptr;
     // Pushed since then, it may come further than the query looked.
-    btScalar approach = Approach(mesh.object, known.radius, m_timeStep, known.limit);
+    btScalar approach = Approach(mesh.object, known.radius, m_timeStep, known.limit, m_drift);
     if (approach > known.approach + s_rest * known.threshold / 2)
         return nullptr;
     *moving = *moving || known.activity == qc_activityMoving;

@@ -24,6 +24,17 @@ struct qcMeshPoint
     qcTriangleSource sourceA, sourceB;
 };
 
+/// Of the world's meshes together.
+struct qcMeshDrift
+{
+    btVector3 centre{0, 0, 0}, linear{0, 0, 0}, angular{0, 0, 0};
+
+    btVector3 At(const btVector3& point) const
+    {
+        return linear + angular.cross(point - centre);
+    }
+};
+
 class qcMeshBatch
 {
   public:
@@ -88,6 +99,7 @@ class qcMeshBatch
     void Measure(const btCollisionShape& root, Object* known) const;
     void Refresh(const btCollisionObject* object, Object* known);
     Object* Know(const btCollisionObject* object);
+    void FindDrift();
     void WantPairs();
     void Place(const btCollisionObject* object, Object* known);
     void Forget(Object* known);
@@ -107,6 +119,7 @@ class qcMeshBatch
     unsigned m_gathering = 0;
     btScalar m_margin = 0;   ///< of the next query
     btScalar m_timeStep = 0; ///< of the dispatch; 0: not known
+    qcMeshDrift m_drift;     ///< approaches are as seen by who drifts
     std::mutex m_mutex;
 };
 

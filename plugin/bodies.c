@@ -185,6 +185,8 @@ static qcStatus CheckDef(const qcBodyDef* def, uint32_t slot)
     if (def->activity != qc_activityMoving && def->activity != qc_activitySleeping &&
         def->activity != qc_activityStatic)
         return qcFail(qc_statusBadInput, "body %u: unknown activity %d", slot, (int)def->activity);
+    if (!(def->margin >= 0.0))
+        return qcFail(qc_statusBadInput, "body %u: the margin is %g; it must be 0 or more", slot, def->margin);
     for (uint32_t t = 0; t < def->triangleCount; t++)
         for (int c = 0; c < 3; c++)
             if (def->indices[3 * (size_t)t + c] >= def->vertexCount)
@@ -225,6 +227,7 @@ qcStatus qcBodies_Add(qcBodies* bodies, const qcBodyDef* def, qcBodyId* id)
                    .activity = def->activity,
                    .group = def->group,
                    .mask = def->mask,
+                   .margin = def->margin,
                    .transform = def->deforming ? qcIdentityTransform() : def->transform,
                    .vertexCount = def->vertexCount,
                    .triangleCount = def->triangleCount};

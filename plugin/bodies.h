@@ -17,6 +17,7 @@ typedef struct qcBody
     bool selfCollision;
     qcActivity activity;
     uint32_t group, mask;
+    double margin; ///< see qcBodyDef
     uint32_t vertexCount, triangleCount;
     double* local; ///< three a vertex, of rigid bodies; null for deforming ones
     double* world; ///< three a vertex, of deforming bodies; null for rigid ones: see qcBody_GetVertex
@@ -60,6 +61,13 @@ static inline bool qcBody_IsUsed(const qcBody* body)
 static inline bool qcBody_MeetsItself(const qcBody* body)
 {
     return body->selfCollision && body->activity == qc_activityMoving && body->triangleCount > 1;
+}
+
+/// How far apart triangles of two bodies, or of one, count where a step has this margin.
+static inline double qcBody_PairMargin(const qcBody* a, const qcBody* b, double margin)
+{
+    double sum = a->margin + b->margin;
+    return sum < margin ? sum : margin;
 }
 
 /// In the world. A rigid body's is computed whenever it is asked for, in the same way: it moves without a look at its

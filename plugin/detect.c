@@ -232,6 +232,7 @@ static qcStatus SweepSurfaces(Step* step)
                               .neighbourBodies = d->neighboursOnSurfaces.data,
                               .margin = Reach(step->def),
                               .nearest = step->def->margin,
+                              .contactReach = qcContact_Reach(step->def->contactMargin),
                               .testNeighbours = step->def->neighbours,
                               .listNeighbours = step->def->contactMargin > 0.0,
                               .threads = step->threads,

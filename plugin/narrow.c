@@ -42,24 +42,24 @@ static Side SideOf(const qcTriangles* t, uint32_t rank)
     return (Side){body, rank - qcTriangles_First(t, body)};
 }
 
-/// The corners of both triangles of a pair.
-static void CornersOfPair(const Job* job, uint64_t key, double p[3][3], double q[3][3])
+/// The corners of both triangles of a pair; returns the margin of their bodies.
+static double CornersOfPair(const Job* job, uint64_t key, double p[3][3], double q[3][3])
 {
     Side a = SideOf(job->triangles, (uint32_t)(key >> 32)), b = SideOf(job->triangles, (uint32_t)key);
-    qcBody_GetTriangle(qcTriangles_Body(job->triangles, a.body), a.triangle, p);
-    qcBody_GetTriangle(qcTriangles_Body(job->triangles, b.body), b.triangle, q);
+    const qcBody *bodyA = qcTriangles_Body(job->triangles, a.body), *bodyB = qcTriangles_Body(job->triangles, b.body);
+    qcBody_GetTriangle(bodyA, a.triangle, p);
+    qcBody_GetTriangle(bodyB, b.triangle, q);
+    return qcBody_PairMargin(bodyA, bodyB, job->def->margin);
 }
 
 static void Relate(const Job* job, qcNarrowSink* sink, uint64_t key)
 {
-    double p[3][3], q[3][3];
-    CornersOfPair(job, key, p, q);
+    double p[3][3], q[3][3], margin = CornersOfPair(job, key, p, q);
     uint64_t undecided = 0;
-    double margin = job->def->margin;
     qcRelation relation = qcExact_Within((const double(*)[3])p, (const double(*)[3])q, margin, &undecided);
     sink->tests++;
     sink->fallbacks += undecided != 0;
-    bool touching = job->def->touching || margin > 0.0;
+    bool touching = job->def->touching || job->def->margin > 0.0;
     if (relation == qc_relationDisjoint || (relation == qc_relationTouching && !touching))
         return;
     sink->status = qcArray_Reserve(&sink->found, sink->found.count + 1, sizeof(qcSortItem), "pairs");
@@ -173,7 +173,7 @@ static void ComputeSegment(void* context, size_t i, uint32_t worker)
     if (item.value != qc_relationPenetrating)
         return;
     double p[3][3], q[3][3];
-    CornersOfPair(job, item.key, p, q);
+    (void)CornersOfPair(job, item.key, p, q);
     qcExact_Segment((const double(*)[3])p, (const double(*)[3])q, segment);
 }
 
@@ -183,7 +183,7 @@ static void ComputeProximity(void* context, size_t i, uint32_t worker)
     const Job* job = context;
     qcSortItem item = QC_AT(qcSortItem, job->narrow->order, i);
     double p[3][3], q[3][3];
-    CornersOfPair(job, item.key, p, q);
+    (void)CornersOfPair(job, item.key, p, q);
     qcProximity_Of((const double(*)[3])p, (const double(*)[3])q, (qcRelation)item.value,
                    &QC_AT(qcProximity, job->narrow->proximities, i), &QC_AT(qcFeet, job->narrow->feet, i));
 }

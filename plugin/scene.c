@@ -158,6 +158,20 @@ static qcStatus CheckViews(const char views[4])
     return qcFail(qc_statusBadInput, "qcScene_Detect: views must be 1 to 3 different letters of \"xyz\"");
 }
 
+qcStatus qcScene_SetMargin(qcScene* scene, qcBodyId id, double margin)
+{
+    qcStatus status;
+    qcBody* body = Find(scene, id, "qcScene_SetMargin", &status);
+    if (body == NULL)
+        return status;
+    if (!(margin >= 0.0))
+        return qcFail(qc_statusBadInput, "qcScene_SetMargin: body %u: the margin is %g; it must be 0 or more", id.slot,
+                      margin);
+    scene->bodies.revision += body->margin != margin;
+    body->margin = margin;
+    return qc_statusOk;
+}
+
 static qcStatus CheckMargin(double margin, const char* name)
 {
     if (!(margin >= 0.0) || isinf(margin))

@@ -29,7 +29,7 @@ typedef struct qcSurfacePairsJob
     const qcSurfaceKernels* kernels;
     const qcSurface *a, *b; ///< the same: pairs within it, each once
     const qcBody *bodyA, *bodyB;
-    double margin;   ///< with which both were fitted
+    double margin;   ///< no more than both were fitted with
     double nearest;  ///< pairs that are apart by no more than this are near
     bool neighbours; ///< of one surface: pairs that share a vertex index are found too
     bool flatDiscs;  ///< of one surface: what qcSurface_FindFlat found is made use of
@@ -46,7 +46,7 @@ typedef struct qcSurfacePairs
     qcArray queues;      ///< of qcPlacePair, room for each worker
 } qcSurfacePairs;
 
-/// Both surfaces have been fitted, with the same margin.
+/// Both surfaces have been fitted, with the same margin, and that of the pairs is no more.
 qcStatus qcSurfacePairs_Find(qcSurfacePairs* pairs, const qcSurfacePairsJob* job);
 void qcSurfacePairs_Free(qcSurfacePairs* pairs);
 

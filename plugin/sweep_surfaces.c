@@ -241,13 +241,15 @@ static qcStatus FindPairs(Run* run, uint32_t a, uint32_t b)
         b = a;
         a = first;
     }
+    const qcBody *bodyA = qcTriangles_Body(job->triangles, a), *bodyB = qcTriangles_Body(job->triangles, b);
+    double nearest = qcBody_PairMargin(bodyA, bodyB, job->nearest);
     qcSurfacePairsJob pairs = {.kernels = sweep->kernels,
                                .a = SurfaceOf(run, a),
                                .b = SurfaceOf(run, b),
-                               .bodyA = qcTriangles_Body(job->triangles, a),
-                               .bodyB = qcTriangles_Body(job->triangles, b),
-                               .margin = job->margin,
-                               .nearest = job->nearest,
+                               .bodyA = bodyA,
+                               .bodyB = bodyB,
+                               .margin = nearest > job->contactReach ? nearest : job->contactReach,
+                               .nearest = nearest,
                                .neighbours = job->testNeighbours,
                                .flatDiscs = run->flatDiscs && a == b,
                                .threads = job->threads,

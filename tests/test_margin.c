@@ -1,5 +1,6 @@
 // Every method that never misses reports exactly the pairs that the oracle finds within the margin, on small soups and
 // for pairs exactly at it, with the proximity of each.
+#include "devices.h"
 #include "oracle.h"
 #include "pairs.h"
 #include "scenes.h"
@@ -198,6 +199,93 @@ START_TEST(bodies_exactly_the_margin_apart_are_found_and_by_an_ulp_less_are_not)
 }
 END_TEST
 
+//  ---- margins of bodies -----------------------------------------------------------------------------------
+
+enum
+{
+    qc_bodiesWithMargins = 4
+};
+
+/// The pairs of bodies of one soup each, in order of their slots.
+static qcPairList ListWithin(const qcSoup* soups, const double* bodyMargins, double margin)
+{
+    qcPairList list = {malloc(4096 * sizeof(qcPair)), 0};
+    for (uint32_t x = 0; x < qc_bodiesWithMargins; x++)
+        for (uint32_t i = 0; i < soups[x].triangleCount; i++)
+            for (uint32_t y = x; y < qc_bodiesWithMargins; y++)
+                for (uint32_t j = y == x ? i + 1 : 0; j < soups[y].triangleCount; j++)
+                {
+                    if (y == x && qcSoup_AreNeighbours(&soups[x], i, j))
+                        continue;
+                    double a[3][3], b[3][3], sum = bodyMargins[x] + bodyMargins[y];
+                    qcSoup_GetTriangle(&soups[x], i, a);
+                    qcSoup_GetTriangle(&soups[y], j, b);
+                    qcRelation relation = qcOracle_Relate((const double(*)[3])a, (const double(*)[3])b);
+                    qcOracleDistance* distance = qcOracleDistance_Create((const double(*)[3])a, (const double(*)[3])b);
+                    bool isFar = qcOracleDistance_Compare(distance, sum < margin ? sum : margin) > 0;
+                    qcOracleDistance_Destroy(distance);
+                    if (relation == qc_relationDisjoint && isFar)
+                        continue;
+                    ck_assert_uint_lt(list.count, 4096);
+                    relation = relation == qc_relationDisjoint ? qc_relationNear : relation;
+                    list.pairs[list.count++] = (qcPair){x, i, y, j, relation};
+                }
+    return list;
+}
+
+static void CheckMarginsOfBodies(qcDevice* device, bool deforming)
+{
+    const double margins[][qc_bodiesWithMargins] = {{INFINITY, INFINITY, INFINITY, INFINITY},
+                                                    {0.0, 0.0, 0.0, 0.0},
+                                                    {0.01, 0.05, 0.0, INFINITY},
+                                                    {0.2, 0.02, 0.1, 0.03}};
+    qcSoup soups[qc_bodiesWithMargins];
+    qcBodyId ids[qc_bodiesWithMargins];
+    qcScene* scene = qcMakeScene(device);
+    for (uint32_t i = 0; i < qc_bodiesWithMargins; i++)
+    {
+        soups[i] = qcSoup_MakeRandom(50 + i, 20, 0.2);
+        qcBodyDef def = qcBodyDefOf(&soups[i]);
+        def.deforming = deforming;
+        CHECK_OK(qcScene_AddBody(scene, &def, &ids[i]));
+    }
+    size_t counts[4];
+    for (int round = 0; round < 4; round++)
+    {
+        for (int i = 0; i < qc_bodiesWithMargins; i++)
+            CHECK_OK(qcScene_SetMargin(scene, ids[i], margins[round][i]));
+        qcDetectDef def = qcDefaultDetectDef();
+        def.margin = 0.1;
+        qcPairList expected = ListWithin(soups, margins[round], def.margin);
+        counts[round] = expected.count;
+        for (int k = 0; k <= qc_methodCount; k++)
+        {
+            char name[100];
+            def.method = k < qc_methodCount ? s_methods[k].method : qc_methodLayers;
+            def.threads = k < qc_methodCount ? s_methods[k].threads : 1;
+            snprintf(name, sizeof name, "round %d, method %d, deforming %d", round, (int)def.method, deforming);
+            qcPairList found = qcDetectPairs(scene, &def);
+            qcCheckSamePairs(&expected, &found, name);
+            free(found.pairs);
+        }
+        free(expected.pairs);
+    }
+    ck_assert(counts[1] < counts[2] && counts[2] < counts[3] && counts[3] < counts[0]);
+    qcScene_Destroy(scene);
+    for (int i = 0; i < qc_bodiesWithMargins; i++)
+        qcSoup_Free(&soups[i]);
+}
+
+START_TEST(pairs_count_as_far_as_the_margins_of_their_bodies_go)
+{
+    QC_FOR_EACH_DEVICE(device)
+    {
+        CheckMarginsOfBodies(device, false);
+        CheckMarginsOfBodies(device, true);
+    }
+}
+END_TEST
+
 START_TEST(the_largest_margin_holds_all_pairs)
 {
     qcSoup soup = qcSoup_MakeRandom(36, 40, 0.1);
@@ -259,5 +347,6 @@ QC_RUN_TESTS("margin", every_method_finds_the_pairs_of_the_oracle_in_random_soup
              every_method_finds_the_pairs_of_the_oracle_in_a_folded_cloth,
              every_method_finds_the_pairs_of_the_oracle_on_a_sphere,
              sheets_exactly_the_margin_apart_are_near_and_by_an_ulp_less_are_not,
-             bodies_exactly_the_margin_apart_are_found_and_by_an_ulp_less_are_not, the_largest_margin_holds_all_pairs,
+             bodies_exactly_the_margin_apart_are_found_and_by_an_ulp_less_are_not,
+             pairs_count_as_far_as_the_margins_of_their_bodies_go, the_largest_margin_holds_all_pairs,
              each_pair_has_the_proximity_of_its_triangles_if_it_was_asked_for)

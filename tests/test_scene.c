@@ -139,6 +139,9 @@ START_TEST(bad_bodies_are_refused_with_the_place_and_change_nothing)
     def.transform.linear[0] = 1e308;
     def.transform.linear[1] = 1e308;
     Refused(qcScene_AddBody(scene, &def, &id), "takes vertex 6");
+    def = Crossing();
+    def.margin = -1.0;
+    Refused(qcScene_AddBody(scene, &def, &id), "body 1: the margin is -1");
     Refused(qcScene_AddBody(NULL, &good, &id), "scene is null");
     Refused(qcScene_AddBody(scene, NULL, &id), "def is null");
     Refused(qcScene_AddBody(scene, &good, NULL), "id is null");
@@ -175,6 +178,8 @@ START_TEST(bad_updates_are_refused_and_change_nothing)
     transform.linear[8] = 1e308;
     transform.linear[7] = 1e308;
     Refused(qcScene_SetTransform(scene, rigid, &transform), "takes vertex 5");
+    Refused(qcScene_SetMargin(scene, rigid, -0.5), "body 0: the margin is -0.5");
+    Refused(qcScene_SetMargin(scene, rigid, (double)NAN), "body 0: the margin is");
     ck_assert_uint_eq(CountPairs(scene), 2);
     qcScene_Destroy(scene);
 }

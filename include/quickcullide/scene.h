@@ -12,6 +12,8 @@
 
 #include "device.h"
 
+#include <math.h>
+
 #ifdef __cplusplus
 extern "C" {
 #endif
@@ -99,6 +101,9 @@ typedef struct qcBodyDef
     uint32_t mask;
     /// Report triangles of this body that meet each other.
     bool selfCollision;
+    /// What this body has use for of a step's margin (qcDetectDef): of two bodies, or of one with itself, pairs count
+    /// that are no further apart than the sum of both margins. 0 or more, infinite by default.
+    double margin;
 } qcBodyDef;
 
 static inline qcBodyDef qcDefaultBodyDef(void)
@@ -115,7 +120,8 @@ static inline qcBodyDef qcDefaultBodyDef(void)
                      qc_activityMoving,
                      1u,
                      0xffffffffu,
-                     true};
+                     true,
+                     (double)INFINITY};
     return def;
 }
 
@@ -130,6 +136,8 @@ QC_API qcStatus qcScene_SetVertices(qcScene* scene, qcBodyId id, const void* pos
 QC_API qcStatus qcScene_SetActivity(qcScene* scene, qcBodyId id, qcActivity activity);
 QC_API qcStatus qcScene_SetFilter(qcScene* scene, qcBodyId id, uint32_t group, uint32_t mask);
 QC_API qcStatus qcScene_SetSelfCollision(qcScene* scene, qcBodyId id, bool selfCollision);
+/// See qcBodyDef::margin.
+QC_API qcStatus qcScene_SetMargin(qcScene* scene, qcBodyId id, double margin);
 QC_API bool qcScene_IsValid(const qcScene* scene, qcBodyId id);
 QC_API uint32_t qcScene_GetBodyCount(const qcScene* scene);
 
