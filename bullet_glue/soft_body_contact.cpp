@@ -30,8 +30,10 @@ void qcSoftBodyContact::Implementation::Begin(const btAlignedObjectArray<btSoftB
 void qcSoftBodyContact::Implementation::Start(const btAlignedObjectArray<btSoftBody*>& bodies,
                                               btVector3 btSoftBody::Node::*start)
 {
+    double before = Now();
     statistics = qcSoftBodyStatistics();
     statistics.status = scene.Synchronize(bodies, start);
+    statistics.gatherMs = Now() - before;
 }
 
 void qcSoftBodyContact::Implementation::KeepPositions()
@@ -65,9 +67,11 @@ qcStatus qcSoftBodyContact::Implementation::Detect(btScalar contactMargin)
 {
     double start = Now();
     qcStatus status = scene.UpdatePlaces();
+    double gathered = Now();
+    statistics.gatherMs += gathered - start;
     if (status == qc_statusOk)
         status = scene.Detect(contactMargin, &m_result);
-    statistics.detectMs += Now() - start;
+    statistics.detectMs += Now() - gathered;
     if (status != qc_statusOk)
         return status;
     NoteProfile();
@@ -133,11 +137,15 @@ qcStatus qcSoftBodyContact::Implementation::FreezeRest()
 
 qcStatus qcSoftBodyContact::Implementation::TryResolve(btScalar timeStep)
 {
+    double start = Now();
+    KeepPositions();
     qcStatus status = scene.SynchronizeMeshes(timeStep);
     statistics.meshes = int(scene.meshes.Rigids().size());
+    if (status == qc_statusOk)
+        qcCollectSupports(scene, &m_supports);
+    statistics.gatherMs += Now() - start;
     if (status != qc_statusOk)
         return status;
-    qcCollectSupports(scene, &m_supports);
     qcMakeSweptConstraints(scene, &m_constraints);
     statistics.sweptNodes = int(m_constraints.size());
     Solve();
@@ -158,7 +166,6 @@ bool qcSoftBodyContact::Implementation::Resolve(btScalar timeStep)
 {
     if (statistics.status != qc_statusOk)
         return false;
-    KeepPositions();
     statistics.status = TryResolve(timeStep);
     if (statistics.status != qc_statusOk)
     {

@@ -3,7 +3,6 @@
 
 #include <BulletSoftBody/btSoftBodyHelpers.h>
 
-#include <chrono>
 #include <cmath>
 
 namespace
@@ -81,25 +80,18 @@ void qcClothWorld::AddCloth(unsigned triangleCount, bool selfCollision)
             m_indices.push_back(uint32_t(node - &m_cloth->m_nodes[0]));
 }
 
-void qcClothWorld::Solver::solveConstraints(btScalar timeStep)
-{
-    auto start = std::chrono::steady_clock::now();
-    qcSoftBodySolver::solveConstraints(timeStep);
-    ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
-}
-
 qcStepCosts qcClothWorld::Step()
 {
     qcStepCosts costs = qcTimeStep(&m_world, stepSeconds);
     const qcSoftBodyStatistics& statistics = m_softSolver.getStatistics();
     double stages = statistics.cullMs + statistics.sweepMs + statistics.exactMs + statistics.contactMs;
+    costs.Move(qc_costRest, qc_costGather, statistics.gatherMs);
     costs.Move(qc_costRest, qc_costCull, statistics.cullMs);
     costs.Move(qc_costRest, qc_costSweep, statistics.sweepMs);
     costs.Move(qc_costRest, qc_costExact, statistics.exactMs);
     costs.Move(qc_costRest, qc_costPoints, statistics.contactMs);
+    costs.Move(qc_costRest, qc_costOther, statistics.detectMs - stages);
     costs.Move(qc_costRest, qc_costRespond, statistics.respondMs);
-    // Whatever else the solver did, but for Bullet's constraints: more than the gathering, never less.
-    costs.Move(qc_costRest, qc_costGather, m_softSolver.ms - costs.ms[qc_costSoft] - stages - statistics.respondMs);
     return costs;
 }
 

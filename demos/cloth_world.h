@@ -49,22 +49,13 @@ class qcClothWorld
     }
 
   private:
-    /// Tells how long the step was in it.
-    class Solver : public qcSoftBodySolver
-    {
-      public:
-        using qcSoftBodySolver::qcSoftBodySolver;
-        void solveConstraints(btScalar timeStep) override;
-        double ms = 0;
-    };
-
     void AddCloth(unsigned triangleCount, bool selfCollision);
 
     btSoftBodyRigidBodyCollisionConfiguration m_configuration;
     btCollisionDispatcher m_dispatcher;
     qcBroadphase m_broadphase;
     btSequentialImpulseConstraintSolver m_solver;
-    Solver m_softSolver;
+    qcSoftBodySolver m_softSolver;
     btSoftRigidDynamicsWorld m_world;
     btCylinderShape m_tableShape;
     btStaticPlaneShape m_floorShape;

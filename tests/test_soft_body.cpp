@@ -416,6 +416,7 @@ std::vector<btVector3> Trail(World& world, qcMethod method, qcMethod answers, co
         ck_assert_str_eq(statistics.device, device);
         ck_assert(statistics.cullMs + statistics.sweepMs + statistics.exactMs + statistics.contactMs <=
                   statistics.detectMs);
+        ck_assert_double_gt(statistics.gatherMs, 0);
         contacts += statistics.contacts;
         for (const btSoftBody* cloth : world.cloths)
             for (int i = 0; i < cloth->m_nodes.size(); i++)

@@ -49,6 +49,7 @@ struct qcSoftBodyStatistics
     const char* device = "none"; ///< name of the device that had a share, "none" where the CPU answered alone
     /// Why another method than the one asked for ran in this step, or null. Valid until the next step.
     const char* fallback = nullptr;
+    double gatherMs = 0; ///< milliseconds of reading bodies and positions from Bullet, bookkeeping included
     /// Milliseconds of all queries of the step, and what their stages took of it.
     double detectMs = 0, cullMs = 0, sweepMs = 0, exactMs = 0, contactMs = 0;
     double respondMs = 0; ///< moving nodes apart
