@@ -8,8 +8,11 @@
 #include <voro++/voro++.hh>
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
+#include <future>
 #include <numeric>
+#include <thread>
 
 namespace
 {
@@ -221,6 +224,36 @@ void JoinHollows(std::vector<qcClipMesh>* parts)
     }
 }
 
+/// The parts of the mesh in one cell, none of them a hollow.
+std::vector<qcClipMesh> CutCell(const qcClipMesh& mesh, const std::vector<qcClipPoint>& sites, size_t site,
+                                const std::vector<int>& neighbours, uint32_t firstCut)
+{
+    qcClipMesh cell = mesh;
+    for (int other : neighbours)
+        qcClipMesh_Cut(&cell, BisectorOf(sites[site], sites[size_t(other)], firstCut + uint32_t(other)));
+    qcClipMesh_Simplify(&cell);
+    std::vector<qcClipMesh> parts = SplitParts(cell);
+    JoinHollows(&parts);
+    return parts;
+}
+
+/// Calls the function for each index below `count`, on all cores. What it throws is thrown here.
+template <typename Function> void ForEach(size_t count, Function function)
+{
+    std::atomic<size_t> next{0};
+    auto work = [&]
+    {
+        for (size_t i = next++; i < count; i = next++)
+            function(i);
+    };
+    std::vector<std::future<void>> others;
+    for (size_t k = 1; k < std::min(count, size_t(std::thread::hardware_concurrency())); k++)
+        others.push_back(std::async(std::launch::async, work));
+    work();
+    for (std::future<void>& other : others)
+        other.get();
+}
+
 void AddPiece(qcClipMesh& part, uint32_t site, uint32_t firstCut, qcFracture* fracture)
 {
     qcClipPoint first;
@@ -283,18 +316,12 @@ qcFracture qcFracture_Split(const qcFractureDef& def)
     std::vector<std::vector<int>> neighbours = FindNeighbours(mesh, sites);
     // The faces: triangles of the mesh, then cuts by the site on their other side.
     uint32_t firstCut = uint32_t(def.indices.size() / 3);
+    std::vector<std::vector<qcClipMesh>> parts(sites.size());
+    ForEach(sites.size(), [&](size_t site) { parts[site] = CutCell(mesh, sites, site, neighbours[site], firstCut); });
     for (size_t site = 0; site < sites.size(); site++)
-    {
-        qcClipMesh cell = mesh;
-        for (int other : neighbours[site])
-            qcClipMesh_Cut(&cell, BisectorOf(sites[site], sites[size_t(other)], firstCut + uint32_t(other)));
-        qcClipMesh_Simplify(&cell);
-        std::vector<qcClipMesh> parts = SplitParts(cell);
-        JoinHollows(&parts);
-        for (qcClipMesh& part : parts)
+        for (qcClipMesh& part : parts[site])
             if (!part.triangles.empty())
                 AddPiece(part, uint32_t(site), firstCut, &fracture);
-    }
     return fracture;
 }
 
