@@ -141,8 +141,9 @@ bool qcPeers_Measure(const qcPeersOptions* options, const qcPeerWork* work, cons
 const qcPeerRow* qcPeersTable_FindOurs(const qcPeersTable* table, uint32_t threads);
 /// The quickest row of Embree with this number of threads; null: none ran.
 const qcPeerRow* qcPeersTable_FindEmbree(const qcPeersTable* table, uint32_t threads);
-/// Seconds for 100 K triangles that our second step took longer than those after it: the topology is laid together.
-double qcPeersTable_Preprocessing(const qcPeersTable* table, const qcPeerRow* ours);
+/// Seconds for 100 K triangles that a step of ours, which took `ms`, took longer than later ones. In the first or in
+/// the second the topology is laid together.
+double qcPeersTable_Preprocessing(const qcPeersTable* table, const qcPeerRow* ours, double ms);
 
 //  ---- reports -------------------------------------------------------------------------------------
 

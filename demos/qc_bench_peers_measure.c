@@ -322,8 +322,7 @@ const qcPeerRow* qcPeersTable_FindEmbree(const qcPeersTable* table, uint32_t thr
     return best;
 }
 
-double qcPeersTable_Preprocessing(const qcPeersTable* table, const qcPeerRow* ours)
+double qcPeersTable_Preprocessing(const qcPeersTable* table, const qcPeerRow* ours, double ms)
 {
-    double ms = ours->secondMs > ours->ms ? ours->secondMs - ours->ms : 0.0;
-    return 1e-3 * ms * 1e5 / table->triangleCount;
+    return ms > ours->ms ? 1e-3 * (ms - ours->ms) * 1e5 / table->triangleCount : 0.0;
 }

@@ -91,7 +91,12 @@ void qcPeers_PrintTable(const qcPeersTable* table)
         if (&table->rows[i] == qcPeersTable_FindOurs(table, table->rows[i].threads))
             PrintVerdict(table, &table->rows[i]);
     }
-    if (table->rowCount != 0)
-        printf("  ours, a new topology: %.4f s for 100 K triangles in its second step, threads: %" PRIu32 "\n",
-               qcPeersTable_Preprocessing(table, &table->rows[0]), table->rows[0].threads);
+    if (table->rowCount == 0)
+        return;
+    const qcPeerRow* ours = &table->rows[0];
+    printf(
+        "  ours, a new topology: for 100 K triangles %.4f s in its first step, %.4f s in its second, threads: %" PRIu32
+        "\n",
+        qcPeersTable_Preprocessing(table, ours, ours->firstMs), qcPeersTable_Preprocessing(table, ours, ours->secondMs),
+        ours->threads);
 }
