@@ -419,6 +419,13 @@ void qcClipMesh_Simplify(qcClipMesh* mesh)
     made.points = mesh->points;
     for (const auto& face : faces)
     {
+        // Most are a triangle of the mesh, or a corner of one.
+        const std::array<uint32_t, 3>& first = face.second[0].corner;
+        if (face.second.size() == 1 && isVertex[first[0]] && isVertex[first[1]] && isVertex[first[2]])
+        {
+            made.triangles.push_back(face.second[0]);
+            continue;
+        }
         Loops loops = FindLoops(face.second, nullptr, false);
         for (std::vector<uint32_t>& loop : loops)
             loop.erase(std::remove_if(loop.begin(), loop.end(), [&](uint32_t point) { return !isVertex[point]; }),
