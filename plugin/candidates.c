@@ -7,12 +7,7 @@
 
 qcStatus qcCandidates_Begin(qcCandidates* candidates, uint32_t threads)
 {
-    size_t old = candidates->sinks.count;
-    if (threads > old)
-    {
-        QC_TRY(qcArray_Resize(&candidates->sinks, threads, sizeof(qcCandidateSink), "candidates"));
-        memset(&QC_AT(qcCandidateSink, candidates->sinks, old), 0, (threads - old) * sizeof(qcCandidateSink));
-    }
+    QC_TRY(qcArray_GrowZeroed(&candidates->sinks, threads, sizeof(qcCandidateSink), "candidates"));
     for (size_t i = 0; i < candidates->sinks.count; i++)
     {
         qcCandidateSink* sink = &QC_AT(qcCandidateSink, candidates->sinks, i);

@@ -117,6 +117,16 @@ qcStatus qcArray_Resize(qcArray* array, size_t count, size_t elementSize, const 
     return qc_statusOk;
 }
 
+qcStatus qcArray_GrowZeroed(qcArray* array, size_t count, size_t elementSize, const char* purpose)
+{
+    size_t old = array->count;
+    if (count <= old)
+        return qc_statusOk;
+    QC_TRY(qcArray_Resize(array, count, elementSize, purpose));
+    memset((char*)array->data + old * elementSize, 0, (count - old) * elementSize);
+    return qc_statusOk;
+}
+
 qcStatus qcArray_Append(qcArray* array, const qcArray* other, size_t elementSize, const char* purpose)
 {
     QC_TRY(qcArray_Reserve(array, array->count + other->count, elementSize, purpose));

@@ -23,6 +23,8 @@ typedef struct qcArray
 qcStatus qcArray_Reserve(qcArray* array, size_t count, size_t elementSize, const char* purpose);
 /// Reserves, then sets the count; new elements are not cleared.
 qcStatus qcArray_Resize(qcArray* array, size_t count, size_t elementSize, const char* purpose);
+/// Resizes to more elements, the new ones all zero; never to fewer.
+qcStatus qcArray_GrowZeroed(qcArray* array, size_t count, size_t elementSize, const char* purpose);
 /// Adds copies of the other's elements, which are of the same size. qc_statusOutOfMemory leaves it as it was.
 qcStatus qcArray_Append(qcArray* array, const qcArray* other, size_t elementSize, const char* purpose);
 void qcArray_Free(qcArray* array);

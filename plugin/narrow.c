@@ -116,12 +116,7 @@ static void TakeBlock(void* context, size_t block, uint32_t worker)
 
 static qcStatus EmptySinks(qcNarrow* narrow, uint32_t threads)
 {
-    size_t old = narrow->sinks.count;
-    if (threads > old)
-    {
-        QC_TRY(qcArray_Resize(&narrow->sinks, threads, sizeof(qcNarrowSink), "pairs"));
-        memset(&QC_AT(qcNarrowSink, narrow->sinks, old), 0, (threads - old) * sizeof(qcNarrowSink));
-    }
+    QC_TRY(qcArray_GrowZeroed(&narrow->sinks, threads, sizeof(qcNarrowSink), "pairs"));
     for (size_t i = 0; i < narrow->sinks.count; i++)
     {
         qcNarrowSink* sink = &QC_AT(qcNarrowSink, narrow->sinks, i);

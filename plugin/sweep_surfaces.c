@@ -22,17 +22,8 @@ static qcStatus SyncSlots(qcSweepSurfaces* sweep, const qcTriangles* t)
 {
     const qcArray* slots = &t->bodies->slots;
     size_t old = sweep->surfaces.count;
-    if (slots->count > old)
-    {
-        QC_TRY(qcArray_Resize(&sweep->surfaces, slots->count, sizeof(qcSurface), "surfaces"));
-        memset(SurfaceAt(sweep, (uint32_t)old), 0, (slots->count - old) * sizeof(qcSurface));
-    }
-    size_t oldSeen = sweep->seen.count;
-    if (slots->count > oldSeen)
-    {
-        QC_TRY(qcArray_Resize(&sweep->seen, slots->count, sizeof(uint32_t), "surfaces"));
-        memset(&QC_AT(uint32_t, sweep->seen, oldSeen), 0, (slots->count - oldSeen) * sizeof(uint32_t));
-    }
+    QC_TRY(qcArray_GrowZeroed(&sweep->surfaces, slots->count, sizeof(qcSurface), "surfaces"));
+    QC_TRY(qcArray_GrowZeroed(&sweep->seen, slots->count, sizeof(uint32_t), "surfaces"));
     for (uint32_t slot = 0; slot < old; slot++)
     {
         qcSurface* surface = SurfaceAt(sweep, slot);
@@ -174,12 +165,7 @@ static bool AddKeys(void* context, const qcFoundPairs* found, uint32_t worker)
 
 static qcStatus EmptySinks(qcSweepSurfaces* sweep, uint32_t threads)
 {
-    size_t old = sweep->sinks.count;
-    if (threads > old)
-    {
-        QC_TRY(qcArray_Resize(&sweep->sinks, threads, sizeof(qcSurfaceSink), "candidate pairs"));
-        memset(&QC_AT(qcSurfaceSink, sweep->sinks, old), 0, (threads - old) * sizeof(qcSurfaceSink));
-    }
+    QC_TRY(qcArray_GrowZeroed(&sweep->sinks, threads, sizeof(qcSurfaceSink), "candidate pairs"));
     for (size_t i = 0; i < sweep->sinks.count; i++)
     {
         qcSurfaceSink* sink = &QC_AT(qcSurfaceSink, sweep->sinks, i);
