@@ -161,10 +161,10 @@ static void FreeWorkers(qcManifolds* m)
 void qcManifolds_Free(qcManifolds* m)
 {
     FreeWorkers(m);
-    qcArray* arrays[] = {&m->work,    &m->triangles, &m->numbers,   &m->vertices,  &m->table,    &m->places,
-                         &m->choices, &m->nodes,     &m->regions,   &m->parts,     &m->numbered, &m->corners,
-                         &m->raw,     &m->firstRaw,  &m->witnessed, &m->order,     &m->scratch,  &m->heads,
-                         &m->links,   &m->keepers,   &m->members,   &m->manifolds, &m->points};
+    qcArray* arrays[] = {&m->work,    &m->triangles, &m->numbers,  &m->vertices,  &m->table,     &m->places,
+                         &m->choices, &m->heard,     &m->nodes,    &m->regions,   &m->parts,     &m->numbered,
+                         &m->corners, &m->raw,       &m->firstRaw, &m->witnessed, &m->order,     &m->scratch,
+                         &m->heads,   &m->links,     &m->keepers,  &m->members,   &m->manifolds, &m->points};
     for (size_t i = 0; i < sizeof arrays / sizeof arrays[0]; i++)
         qcArray_Free(arrays[i]);
 }

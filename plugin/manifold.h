@@ -12,7 +12,7 @@ typedef struct qcManifolds
     qcArray numbers;   ///< of each triangle of the step: one more than its place among these; all 0 between builds
     qcArray vertices, table; ///< welded vertices by position, and their hash table
     qcArray places;          ///< of qcManifoldPlace: by triangle, the pairs that it is in
-    qcArray choices;         ///< a normal for each pair
+    qcArray choices, heard;  ///< a normal for each pair, and what it is in the next round
     qcArray nodes;           ///< trees of regions, later of signs
     qcArray regions, parts;  ///< while signs are looked for
     qcArray numbered;        ///< regions in the order of the result
@@ -39,7 +39,9 @@ typedef struct qcManifoldInput
     double margin; ///< no point lies farther apart than this
 } qcManifoldInput;
 
-/// Builds the manifolds of the pairs of a result. O(n log n).
+/// Builds the manifolds of the pairs of a result. O(n log n). Where two bodies touch no point is deeper than rounding,
+/// and where they overlap by a small share of their triangles, within the margin, none is deeper than a small multiple
+/// of it.
 qcStatus qcManifolds_Build(qcManifolds* manifolds, const qcTriangles* triangles, const qcManifoldInput* input,
                            uint32_t threads);
 void qcManifolds_Free(qcManifolds* manifolds);

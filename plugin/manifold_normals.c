@@ -21,41 +21,14 @@
 // Limits: this looks one neighbour far. Where a surface has sunk in deeper than about half a triangle, all pairs may
 // agree on a way out that is no way out. Along the rim of such a neighbourhood a direction may jump by the angle
 // between the faces there.
-#include "manifold_parts.h"
+#include "manifold_directions.h"
 #include "parallel.h"
 #include "status.h"
 
 #include <math.h>
 
-enum
-{
-    // A block takes some 100 microseconds.
-    qc_normalBlock = 128,
-    qc_leastNormalBlocks = 4
-};
-
-// Another direction must be cheaper by this factor, so that rounding never decides.
-static const double s_cheaper = 0.9;
-// The weight of the pair itself: its own six vertices.
-static const double s_self = 6.0;
-// And another pair nearer by this, for the same reason.
+// Another pair must be nearer by this, so that rounding never decides.
 static const double s_nearer = 1.0 - 1e-6;
-
-typedef struct Neighbourhood
-{
-    const qcManifolds* manifolds;
-    const qcManifoldPair* pair;
-    qcRing ring[2];  ///< by the side whose triangle is the common one
-    double rounding; ///< of a cost
-} Neighbourhood;
-
-/// What a pair's triangles have in common, seen along a direction.
-typedef struct Look
-{
-    int count; ///< below 0: not looked
-    double low, high;
-    qcRawPoint corners[qc_maxCommonCorners];
-} Look;
 
 /// The best direction so far.
 typedef struct Best
@@ -64,104 +37,24 @@ typedef struct Best
     double cost;
     bool own;      ///< nothing else was better
     bool opposite; ///< the look is along the opposite direction
-    Look *look, *spare;
+    qcLook *look, *spare;
 } Best;
-
-typedef struct Choice
-{
-    qcVector normal;
-    bool apart; ///< as qcManifoldPair's
-} Choice;
-
-/// A direction to try.
-typedef struct Trial
-{
-    qcVector normal;
-    int face; ///< the side whose face's normal it is, or -1
-    double along, against;
-    qcWaysOut ways; ///< of the pair itself
-    Look* look;
-} Trial;
-
-static double Positive(double x)
-{
-    return x > 0.0 ? x : 0.0;
-}
-
-static void AddWays(Trial* trial, qcWaysOut ways, double weight)
-{
-    trial->along += weight * Positive(ways.along);
-    trial->against += weight * Positive(ways.against);
-}
-
-/// A cost must be below this to be cheaper than the best.
-static double LimitOf(const Neighbourhood* n, double best)
-{
-    return s_cheaper * best - n->rounding;
-}
-
-/// The pairs beside this one whose common triangle, at these heights, is that of a side.
-static void AddRing(const Neighbourhood* n, int side, qcHeights common, qcVector origin, Trial* trial)
-{
-    qcRing ring = n->ring[side];
-    qcVector direction = trial->normal;
-    for (uint32_t i = 0; i < ring.count; i++)
-    {
-        const qcManifoldPlace* place = qcManifolds_Beside(n->manifolds, ring.entries[i]);
-        qcHeights h =
-            side == trial->face ? place->heights : qcManifoldTriangle_Heights(place->moved, origin, direction);
-        AddWays(trial, side == 0 ? qcWaysOut_Of(common, h) : qcWaysOut_Of(h, common),
-                (double)(ring.entries[i] & qc_ringShared));
-    }
-}
-
-/// False: neither way costs less than `limit`, however much is still to be added.
-static bool FindCost(const Neighbourhood* n, double limit, Trial* trial)
-{
-    const qcManifoldPair* pair = n->pair;
-    qcVector origin = pair->side[trial->face == 0 ? 0 : 1]->corner[0];
-    const qcHeights heights[2] = {qcManifoldTriangle_Heights(pair->side[0], origin, trial->normal),
-                                  qcManifoldTriangle_Heights(pair->side[1], origin, trial->normal)};
-    trial->along = trial->against = 0.0;
-    trial->ways = qcWaysOut_Of(heights[0], heights[1]);
-    AddWays(trial, trial->ways, s_self);
-    // What the places know already comes first.
-    int first = trial->face == 1 ? 1 : 0;
-    for (int k = 0; k < 2 && (trial->along < limit || trial->against < limit); k++)
-        AddRing(n, k == 0 ? first : 1 - first, heights[k == 0 ? first : 1 - first], origin, trial);
-    return trial->along < limit || trial->against < limit;
-}
-
-static void LookAlong(const qcManifoldPair* pair, qcVector normal, Look* look)
-{
-    if (look->count >= 0)
-        return;
-    look->count = qcManifoldPair_FindCommonPart(pair, normal, look->corners);
-    look->low = INFINITY;
-    look->high = -INFINITY;
-    for (int i = 0; i < look->count; i++)
-    {
-        double distance = look->corners[i].distance;
-        look->low = distance < look->low ? distance : look->low;
-        look->high = distance > look->high ? distance : look->high;
-    }
-}
 
 /// Does the direction, or its opposite, make no contact where there is none? What can be said of a pair that is apart:
 /// seen along it, its triangles lie beside each other, or side 0 above side 1.
-static bool Agrees(const Neighbourhood* n, const Trial* trial, bool opposite)
+static bool Agrees(const qcNeighbourhood* n, const qcTrial* trial, bool opposite)
 {
     if (!n->pair->apart || (opposite ? trial->ways.against : trial->ways.along) <= 0.0)
         return true;
-    LookAlong(n->pair, trial->normal, trial->look);
+    qcLook_Along(n->pair, trial->normal, trial->look);
     double rounding = qcManifoldPair_Rounding(n->pair);
     return opposite ? trial->look->high <= rounding : trial->look->low >= -rounding;
 }
 
-static void ConsiderWay(const Neighbourhood* n, const Trial* trial, bool opposite, Best* best)
+static void ConsiderWay(const qcNeighbourhood* n, const qcTrial* trial, bool opposite, Best* best)
 {
     double cost = opposite ? trial->against : trial->along;
-    if (!(cost < LimitOf(n, best->cost)) || !Agrees(n, trial, opposite))
+    if (!(cost < qcNeighbourhood_Limit(n, best->cost)) || !Agrees(n, trial, opposite))
         return;
     best->normal = opposite ? qcNegated(trial->normal) : trial->normal;
     best->cost = cost;
@@ -175,11 +68,11 @@ static void ConsiderWay(const Neighbourhood* n, const Trial* trial, bool opposit
 }
 
 /// Tries a direction and its opposite.
-static void Consider(const Neighbourhood* n, qcVector normal, int face, Best* best)
+static void Consider(const qcNeighbourhood* n, qcVector normal, int face, Best* best)
 {
-    Trial trial = {.normal = normal, .face = face, .look = best->spare};
-    double limit = LimitOf(n, best->cost);
-    if (!(limit > 0.0) || !FindCost(n, limit, &trial))
+    qcTrial trial = {.normal = normal, .face = face, .look = best->spare};
+    double limit = qcNeighbourhood_Limit(n, best->cost);
+    if (!(limit > 0.0) || !qcNeighbourhood_FindCost(n, limit, &trial))
         return;
     trial.look->count = -1;
     ConsiderWay(n, &trial, false, best);
@@ -187,7 +80,7 @@ static void Consider(const Neighbourhood* n, qcVector normal, int face, Best* be
 }
 
 /// The two faces, that more along the pair's own direction first, so that the order of the sides decides nothing.
-static void ConsiderFaces(const Neighbourhood* n, Best* best)
+static void ConsiderFaces(const qcNeighbourhood* n, Best* best)
 {
     const qcManifoldPair* pair = n->pair;
     qcVector faces[2];
@@ -210,7 +103,7 @@ static bool HasVertex(const qcManifoldTriangle* triangle, uint32_t v)
 }
 
 /// Does a pair beside this one, that both its feet stand on too, come nearer? One foot stands on the common triangle.
-static bool IsSurpassed(const Neighbourhood* n, const qcFeet* feet)
+static bool IsSurpassed(const qcNeighbourhood* n, const qcFeet* feet)
 {
     double nearer = s_nearer * n->pair->gap;
     for (int side = 0; side < 2; side++)
@@ -234,20 +127,12 @@ typedef struct Job
 {
     qcManifolds* manifolds;
     const qcManifoldInput* input;
-    Choice* choices;
+    qcNormalChoice* choices;
 } Job;
-
-static Neighbourhood NeighbourhoodOf(const qcManifolds* m, uint32_t index)
-{
-    const qcManifoldPair* pair = qcManifolds_Pair(m, index);
-    Neighbourhood n = {m, pair, {qcManifolds_Ring(m, pair, 0), qcManifolds_Ring(m, pair, 1)}, 0.0};
-    n.rounding = qcManifoldPair_Rounding(pair) * (s_self + n.ring[0].count + n.ring[1].count);
-    return n;
-}
 
 /// The pair that says most of those around, and that this one can follow; or the pair itself. Of pairs that are apart
 /// the others that are no local minimum are no leaders, and those that penetrate may just have found a way out.
-static const qcManifoldPair* LeaderOf(const Neighbourhood* n)
+static const qcManifoldPair* LeaderOf(const qcNeighbourhood* n)
 {
     const qcManifoldPair* leader = n->pair;
     for (int side = 0; side < 2; side++)
@@ -266,7 +151,7 @@ static const qcManifoldPair* LeaderOf(const Neighbourhood* n)
 
 static void Choose(const Job* job, uint32_t index, Best* best)
 {
-    Neighbourhood n = NeighbourhoodOf(job->manifolds, index);
+    qcNeighbourhood n = qcNeighbourhood_Of(job->manifolds, index);
     const qcManifoldPair* pair = n.pair;
     best->normal = pair->normal;
     best->cost = INFINITY;
@@ -275,43 +160,17 @@ static void Choose(const Job* job, uint32_t index, Best* best)
     best->look->count = -1;
     if (!pair->surpassed)
     {
-        Trial own = {.normal = pair->normal, .face = -1, .look = best->look};
-        FindCost(&n, INFINITY, &own);
+        qcTrial own = {.normal = pair->normal, .face = -1, .look = best->look};
+        qcNeighbourhood_FindCost(&n, INFINITY, &own);
+        best->cost = own.along;
         if (own.along <= n.rounding)
             return;
-        best->cost = own.along;
         ConsiderWay(&n, &own, true, best);
     }
     ConsiderFaces(&n, best);
-    const qcManifoldPair* leader = LimitOf(&n, best->cost) > 0.0 ? LeaderOf(&n) : pair;
+    const qcManifoldPair* leader = qcNeighbourhood_Limit(&n, best->cost) > 0.0 ? LeaderOf(&n) : pair;
     if (leader != pair)
         Consider(&n, leader->normal, -1, best);
-}
-
-/// Corners that can become points; there is room for them. If the normal may be turned around still, all of them.
-static void KeepCorners(const Job* job, uint32_t index, uint32_t worker, const Best* best)
-{
-    const Look* look = best->look;
-    qcManifolds* m = job->manifolds;
-    const qcManifoldPair* pair = qcManifolds_Pair(m, index);
-    qcArray* points = &QC_AT(qcManifoldWorker, m->workers, worker).points;
-    double limit = qcManifoldPair_Limit(pair, job->input->margin);
-    if (qcManifolds_SignRegion(m, pair)->unsettled)
-        limit = INFINITY;
-    qcPairCorners* kept = &QC_AT(qcPairCorners, m->corners, index);
-    *kept = (qcPairCorners){points->count, (uint16_t)worker, 0};
-    for (int i = 0; i < look->count; i++)
-    {
-        double distance = best->opposite ? -look->corners[i].distance : look->corners[i].distance;
-        if (!(distance <= limit))
-            continue;
-        qcRawPoint* point = &QC_AT(qcRawPoint, *points, points->count++);
-        *point = look->corners[i];
-        point->normal = best->normal;
-        point->distance = distance;
-        point->pair = index;
-        kept->count++;
-    }
 }
 
 static size_t EndOf(const Job* job, size_t block)
@@ -329,7 +188,7 @@ static void CompareBlock(void* context, size_t block, uint32_t worker)
         qcManifoldPair* pair = qcManifolds_Pair(job->manifolds, (uint32_t)p);
         if (!pair->apart)
             continue;
-        Neighbourhood n = NeighbourhoodOf(job->manifolds, (uint32_t)p);
+        qcNeighbourhood n = qcNeighbourhood_Of(job->manifolds, (uint32_t)p);
         pair->surpassed = IsSurpassed(&n, &job->input->feet[pair->source]);
     }
 }
@@ -339,7 +198,7 @@ static void ChooseBlock(void* context, size_t block, uint32_t worker)
     const Job* job = context;
     qcManifolds* m = job->manifolds;
     qcStatus* status = &QC_AT(qcManifoldWorker, m->workers, worker).status;
-    Look looks[2];
+    qcLook looks[2];
     Best best = {.look = &looks[0], .spare = &looks[1]};
     qcArray* points = &QC_AT(qcManifoldWorker, m->workers, worker).points;
     if (*status == qc_statusOk)
@@ -349,9 +208,10 @@ static void ChooseBlock(void* context, size_t block, uint32_t worker)
     {
         const qcManifoldPair* pair = qcManifolds_Pair(m, (uint32_t)p);
         Choose(job, (uint32_t)p, &best);
-        LookAlong(pair, best.opposite ? qcNegated(best.normal) : best.normal, best.look);
-        job->choices[p] = (Choice){best.normal, pair->apart && (best.own || best.look->count != 0)};
-        KeepCorners(job, (uint32_t)p, worker, &best);
+        qcLook_Along(pair, best.opposite ? qcNegated(best.normal) : best.normal, best.look);
+        job->choices[p] = (qcNormalChoice){
+            .normal = best.normal, .cost = best.cost, .apart = pair->apart && (best.own || best.look->count != 0)};
+        qcManifolds_KeepCorners(m, (uint32_t)p, worker, best.look, best.normal, best.opposite, job->input->margin);
     }
 }
 
@@ -364,19 +224,21 @@ qcStatus qcManifolds_ChooseNormals(qcManifolds* m, const qcManifoldInput* input,
 {
     size_t count = m->work.count;
     // All look at what the pairs themselves say, none at what another has chosen: the order does not matter.
-    QC_TRY(qcArray_Resize(&m->choices, count, sizeof(Choice), "normals of manifolds"));
+    QC_TRY(qcArray_Resize(&m->choices, count, sizeof(qcNormalChoice), "normals of manifolds"));
     QC_TRY(qcArray_Resize(&m->corners, count, sizeof(qcPairCorners), "normals of manifolds"));
     Job job = {m, input, m->choices.data};
     size_t blocks = (count + qc_normalBlock - 1) / qc_normalBlock;
     qcParallel_For(threads, blocks, qc_leastNormalBlocks, CompareBlock, &job);
     qcParallel_For(threads, blocks, qc_leastNormalBlocks, ChooseBlock, &job);
     QC_TRY(qcManifolds_LoopStatus(m));
+    QC_TRY(qcManifolds_FollowNeighbours(m, input->margin, threads));
     for (size_t p = 0; p < count; p++)
     {
         qcManifoldPair* pair = &QC_AT(qcManifoldPair, m->work, p);
-        pair->own = AreEqual(pair->normal, job.choices[p].normal);
-        pair->normal = job.choices[p].normal;
-        pair->apart = job.choices[p].apart;
+        const qcNormalChoice* choice = &QC_AT(qcNormalChoice, m->choices, p);
+        pair->own = AreEqual(pair->normal, choice->normal);
+        pair->normal = choice->normal;
+        pair->apart = choice->apart;
     }
     return qc_statusOk;
 }

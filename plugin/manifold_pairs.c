@@ -159,7 +159,7 @@ static bool AreParted(const qcManifoldPair* pair)
     qcVector origin = pair->side[1]->corner[0];
     qcWaysOut ways = qcWaysOut_Of(qcManifoldTriangle_Heights(pair->side[0], origin, pair->normal),
                                   qcManifoldTriangle_Heights(pair->side[1], origin, pair->normal));
-    return ways.along < -QC_MANIFOLD_ROUNDING * (ways.along + ways.against);
+    return ways.along < -qcManifoldPair_Rounding(pair);
 }
 
 static void TakePair(qcManifolds* m, const qcTriangles* t, const qcManifoldInput* input, size_t i)

@@ -115,6 +115,7 @@ typedef struct qcManifoldWorker
     qcArray points;                    ///< of qcRawPoint
     qcArray listOf, lists, fans, seen; ///< while rings are looked for
     qcStatus status;
+    bool changed;   ///< some direction, in this round
     char apart[64]; ///< keeps the counts of two workers off one cache line
 } qcManifoldWorker;
 

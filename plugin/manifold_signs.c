@@ -12,13 +12,18 @@
 // also where a sheet in a slit has facts that are opposite. Where something crosses, a pair that is apart may lie
 // behind the sheet that it crossed: then it is turned, and its distance becomes a depth.
 //
+// A part knows its side if the way out along its normals is a quarter of that against them, or less. Two parts that
+// know theirs are not made one by a link that says otherwise between normals 15 degrees or more from each other: around
+// the rim of a shared cut, where pairs part sideways, such links lead from one side of an edge to the other, and a pair
+// that is a millionth of its size deep would be told to go through the whole of a body.
+//
 // The sign of a part: that with the shorter way out, so far side 0 has to move along the normals until it lies above
 // side 1 in all pairs, or against them until it lies below. The pairs know both sides of a crossing no farther than the
-// margin: they are asked first, and believed if the shorter way is within the margin, and clearly shorter. Otherwise
-// two bodies decide: each lies on the side on which the centre of its box is, the smaller body weighing more, since a
-// large one is often concave around the contact. If these say nothing either, as of a body with itself, the sum of the
-// ways out of all pairs decides, which is less sure than the longest one (of a box sunk into a floor, the bottom has
-// more pairs than the walls), but not at the mercy of a single pair.
+// margin: they are asked first, and believed if the shorter way is within the margin, and clearly shorter, or a quarter
+// of the other one. Otherwise two bodies decide: each lies on the side on which the centre of its box is, the smaller
+// body weighing more, since a large one is often concave around the contact. If these say nothing either, as of a body
+// with itself, the sum of the ways out of all pairs decides, which is less sure than the longest one (of a box sunk
+// into a floor, the bottom has more pairs than the walls), but not at the mercy of a single pair.
 //
 // Limits: where bodies have sunk into each other deeper than the margin, two concave ones that are hooked into each
 // other can be told to go the wrong way; and a one-sided part (a Moebius strip of contact) has an edge at which signs
@@ -42,6 +47,10 @@ static const double s_agree = 0.5;
 static const double s_same = 1e-12;
 // A way out is clearly shorter than another one by this factor.
 static const double s_shorter = 0.75;
+// And much shorter by this one: believed beyond the margin.
+static const double s_muchShorter = 0.25;
+// The cosine of 15 degrees: normals nearer to each other, or to each other's opposite, are surely one surface's.
+static const double s_surface = 0.966;
 // A centre that lies nearer to the contact, by the size of the smaller box, is on no side.
 static const double s_noSide = 0.01;
 
@@ -78,6 +87,71 @@ static uint64_t LinkKey(double dot)
     return (uint64_t)qcSort_FloatKey(doubt > s_same ? (float)doubt : 0.0f) << 1 | (dot < 0.0);
 }
 
+/// A part of one pair.
+static void MakePart(Part* part, const qcManifolds* m, uint32_t p, const qcProximity* proximity)
+{
+    *part = (Part){.count = 1};
+    const qcManifoldPair* pair = qcManifolds_Pair(m, p);
+    const qcRawPoint* corners = qcManifolds_Corners(m, p);
+    double along = 0.0, against = 0.0;
+    for (int i = 0; i < QC_AT(qcPairCorners, m->corners, p).count; i++)
+    {
+        double distance = corners[i].distance;
+        along = -distance > along ? -distance : along;
+        against = distance > against ? distance : against;
+    }
+    part->along = part->sumAlong = along;
+    part->against = part->sumAgainst = against;
+    for (int side = 0; side < 2; side++)
+        part->size = pair->side[side]->longestEdge > part->size ? pair->side[side]->longestEdge : part->size;
+    part->normal = pair->normal;
+    part->place = qcPlusScaled(part->place, qcVector_Load(proximity->pointA), 0.5);
+    part->place = qcPlusScaled(part->place, qcVector_Load(proximity->pointB), 0.5);
+}
+
+static double Larger(double x, double y)
+{
+    return x > y ? x : y;
+}
+
+/// Adds a part to another one, turned around if it is opposite.
+static void AddPart(Part* part, const Part* other, bool opposite)
+{
+    part->along = Larger(part->along, opposite ? other->against : other->along);
+    part->against = Larger(part->against, opposite ? other->along : other->against);
+    part->sumAlong += opposite ? other->sumAgainst : other->sumAlong;
+    part->sumAgainst += opposite ? other->sumAlong : other->sumAgainst;
+    part->size = Larger(part->size, other->size);
+    part->normal = qcPlusScaled(part->normal, other->normal, opposite ? -1.0 : 1.0);
+    part->place = qcPlusScaled(part->place, other->place, 1.0);
+    part->count += other->count;
+}
+
+/// Above 0: the part lies as its normals say, since the way out along them is much the shorter; below: the other way
+/// round; 0: it doesn't know.
+static int SideOf(const Part* part)
+{
+    return part->along < s_muchShorter * part->against ? 1 : part->against < s_muchShorter * part->along ? -1 : 0;
+}
+
+/// Makes two parts one, with what is known of both; but not by a doubtful link if both know their side and it says
+/// otherwise.
+static void Join(qcManifolds* m, uint32_t i, uint32_t j, uint32_t opposite, bool doubtful)
+{
+    uint32_t a = qcSigned_Find(m->nodes.data, i), b = qcSigned_Find(m->nodes.data, j);
+    if (a >> 1 == b >> 1)
+        return;
+    Part *first = &QC_AT(Part, m->parts, a >> 1), *second = &QC_AT(Part, m->parts, b >> 1);
+    bool turned = (a ^ b ^ opposite) & 1u;
+    if (doubtful && SideOf(first) * SideOf(second) * (turned ? -1 : 1) < 0)
+        return;
+    qcSigned_Unite(m->nodes.data, i, j, opposite);
+    if (a >> 1 < b >> 1)
+        AddPart(first, second, turned);
+    else
+        AddPart(second, first, turned);
+}
+
 /// Unites a pair with those before it beside it where that is sure, and lists the other links; there is room for them.
 static void TakeLinks(qcManifolds* m, uint32_t p, int side)
 {
@@ -93,7 +167,7 @@ static void TakeLinks(qcManifolds* m, uint32_t p, int side)
         double dot = qcDot(pair->normal, other->normal);
         if (dot >= s_agree && pair->apart && other->apart)
         {
-            qcSigned_Unite(nodes, q, p, 0);
+            Join(m, q, p, 0, false);
             root = qcSigned_Find(nodes, p) >> 1;
         }
         else if (fabs(dot) >= s_agree)
@@ -103,7 +177,8 @@ static void TakeLinks(qcManifolds* m, uint32_t p, int side)
 
 static void UniteLink(qcManifolds* m, qcSortItem link)
 {
-    qcSigned_Unite(m->nodes.data, (uint32_t)(link.value >> 32), (uint32_t)link.value, link.key & 1u);
+    bool doubtful = link.key >> 1 > LinkKey(s_surface) >> 1;
+    Join(m, (uint32_t)(link.value >> 32), (uint32_t)link.value, link.key & 1u, doubtful);
 }
 
 /// Of the links that were listed, unites those of one and the same normal, which come first in their order. Of the
@@ -127,17 +202,24 @@ static void DropLinks(qcManifolds* m)
 
 /// Trees of pairs that are equal or opposite. The facts of a region in which nothing crosses are one from the start;
 /// then come the sure links, and of the others those that still join something, the surest first.
-static qcStatus GrowTrees(qcManifolds* m)
+static qcStatus GrowTrees(qcManifolds* m, const qcManifoldInput* input)
 {
-    uint32_t* nodes = m->nodes.data;
+    QC_TRY(qcArray_Resize(&m->parts, m->work.count, sizeof(Part), "signs of normals"));
     for (uint32_t p = 0; p < m->work.count; p++)
-        nodes[p] = p << 1;
+    {
+        QC_AT(uint32_t, m->nodes, p) = p << 1;
+        const qcManifoldPair* pair = qcManifolds_Pair(m, p);
+        if (qcManifolds_SignRegion(m, pair)->unsettled)
+            MakePart(&QC_AT(Part, m->parts, p), m, p, &input->proximities[pair->source]);
+        else
+            QC_AT(Part, m->parts, p).count = 0;
+    }
     for (uint32_t p = 0; p < m->work.count; p++)
     {
         const qcManifoldPair* pair = qcManifolds_Pair(m, p);
         const qcSignRegion* region = qcManifolds_SignRegion(m, pair);
         if (pair->apart && region->unsettled && !region->crossing)
-            qcSigned_Unite(nodes, region->fact, p, 0);
+            Join(m, region->fact, p, 0, false);
     }
     m->order.count = 0;
     for (uint32_t p = 0; p < m->work.count; p++)
@@ -161,36 +243,11 @@ static void Turn(qcManifoldPair* pair)
     pair->turned = !pair->turned;
 }
 
-static void AddToPart(Part* part, const qcManifolds* m, uint32_t p, const qcProximity* proximity)
-{
-    const qcManifoldPair* pair = qcManifolds_Pair(m, p);
-    const qcRawPoint* corners = qcManifolds_Corners(m, p);
-    double along = 0.0, against = 0.0;
-    for (int i = 0; i < QC_AT(qcPairCorners, m->corners, p).count; i++)
-    {
-        double distance = pair->turned ? -corners[i].distance : corners[i].distance;
-        along = -distance > along ? -distance : along;
-        against = distance > against ? distance : against;
-    }
-    part->along = along > part->along ? along : part->along;
-    part->against = against > part->against ? against : part->against;
-    part->sumAlong += along;
-    part->sumAgainst += against;
-    for (int side = 0; side < 2; side++)
-        part->size = pair->side[side]->longestEdge > part->size ? pair->side[side]->longestEdge : part->size;
-    part->normal = qcPlusScaled(part->normal, pair->normal, 1.0);
-    part->place = qcPlusScaled(part->place, qcVector_Load(proximity->pointA), 0.5);
-    part->place = qcPlusScaled(part->place, qcVector_Load(proximity->pointB), 0.5);
-    part->count++;
-}
-
 /// Turns each pair so that it agrees with the first of its part; or with the facts of its region, if it hangs together
-/// with them. Parts without them are summed up.
-static qcStatus Agree(qcManifolds* m, const qcManifoldInput* input)
+/// with them: such a part has no choice.
+static void Agree(qcManifolds* m)
 {
     uint32_t* nodes = m->nodes.data;
-    QC_TRY(qcArray_Resize(&m->parts, m->work.count, sizeof(Part), "signs of normals"));
-    memset(m->parts.data, 0, m->work.count * sizeof(Part));
     for (uint32_t p = 0; p < m->work.count; p++)
     {
         qcManifoldPair* pair = qcManifolds_Pair(m, p);
@@ -203,10 +260,9 @@ static qcStatus Agree(qcManifolds* m, const qcManifoldInput* input)
         bool withFacts = fact >> 1 == root >> 1;
         if ((withFacts ? root ^ fact : root) & 1u)
             Turn(pair);
-        if (!withFacts)
-            AddToPart(&QC_AT(Part, m->parts, root >> 1), m, p, &input->proximities[pair->source]);
+        if (withFacts)
+            QC_AT(Part, m->parts, root >> 1).count = 0;
     }
-    return qc_statusOk;
 }
 
 static qcVector CentreOf(const qcBody* body)
@@ -249,7 +305,7 @@ static bool IsWrongWay(const Part* part, const qcManifoldPair* first, double mar
 {
     double shorter = fmin(part->along, part->against), longer = fmax(part->along, part->against);
     double rounding = QC_MANIFOLD_ROUNDING * part->size;
-    if (shorter <= margin + rounding && shorter < s_shorter * longer - rounding)
+    if (shorter < (shorter <= margin + rounding ? s_shorter : s_muchShorter) * longer - rounding)
         return part->against < part->along;
     double bodies = SideOfBodies(part, first);
     if (bodies != 0.0)
@@ -264,8 +320,8 @@ qcStatus qcManifolds_ChooseSigns(qcManifolds* m, const qcManifoldInput* input)
     if (!FindFacts(m))
         return qc_statusOk;
     QC_TRY(qcArray_Resize(&m->nodes, m->work.count, sizeof(uint32_t), "signs of normals"));
-    QC_TRY(GrowTrees(m));
-    QC_TRY(Agree(m, input));
+    QC_TRY(GrowTrees(m, input));
+    Agree(m);
     for (uint32_t p = 0; p < m->work.count; p++)
     {
         Part* part = &QC_AT(Part, m->parts, p);

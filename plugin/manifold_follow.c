@@ -1,0 +1,270 @@
+// Directions where triangles meet. In parallel.
+//
+// What a pair that meets knows of its direction may be little. Two triangles that touch along an edge or in a corner
+// are parted by half a circle of directions, or more, all at no cost, and if they have sunk into each other a little,
+// the shortest way out is any of these: sideways along the rim of a cut that two pieces share. Seen one neighbour far
+// it may still be free. But the pairs around know more, and so the pairs look at what those beside them have chosen:
+//
+// - A pair stands flat if its two triangles lie in the plane across its direction, and cover an area of each other: no
+//   other direction parts them. Flat pairs are firm. One beside a firm pair takes its direction if that costs no more
+//   than its own, and is firm then too.
+// - Other pairs take the cheapest direction of those beside them, if it is cheaper than their own.
+// - A pair that is apart follows those that meet, on a further condition: it may not come to lie deeper than the one
+//   that it follows. Beside a shallow crossing there are pairs of triangles that are apart, but only because one of
+//   them has passed the other's rim: their directions lead sideways, and their opposites into the whole of a body.
+//
+// All look at what the others had chosen in the round before, so that the order does not matter; and of a round's
+// choices each is looked at once.
+#include "manifold_directions.h"
+#include "parallel.h"
+#include "status.h"
+
+#include <math.h>
+
+enum
+{
+    // As far from a flat pair as the fan around a corner of a cut reaches. Nothing changes in most scenes after three.
+    qc_mostRounds = 4,
+    // Directions that are remembered while the best is looked for.
+    qc_mostTried = 8
+};
+
+// The cosine of 3 degrees: rounding turns small triangles by more than large ones, but not by more than this.
+static const double s_flat = 0.9986;
+// What two triangles cover of each other is an area if it is wider than this share of the smaller one's size.
+static const double s_area = 1.0 / 64.0;
+
+// Normals that differ by rounding only.
+static const double s_same = 1.0 - 1e-12;
+
+typedef struct Job
+{
+    qcManifolds* manifolds;
+    double margin;
+    const qcNormalChoice* now;
+    qcNormalChoice* next;
+    uint16_t round;
+} Job;
+
+/// A direction to follow.
+typedef struct Lead
+{
+    qcVector normal;
+    double cost, likeness; ///< to the pair's own direction
+} Lead;
+
+static double SmallerSize(const qcManifoldPair* pair)
+{
+    double a = pair->side[0]->longestEdge, b = pair->side[1]->longestEdge;
+    return a < b ? a : b;
+}
+
+/// Do the corners of a common part span more than a line?
+static bool CoverArea(const qcManifolds* m, uint32_t index)
+{
+    const qcManifoldPair* pair = qcManifolds_Pair(m, index);
+    const qcRawPoint* corners = qcManifolds_Corners(m, index);
+    int count = QC_AT(qcPairCorners, m->corners, index).count;
+    qcVector longest = {0.0, 0.0, 0.0};
+    for (int i = 1; i < count; i++)
+    {
+        qcVector d = qcMinus(corners[i].end[0], corners[0].end[0]);
+        longest = qcDot(d, d) > qcDot(longest, longest) ? d : longest;
+    }
+    double width = s_area * SmallerSize(pair), length2 = qcDot(longest, longest);
+    for (int i = 1; i < count; i++)
+    {
+        qcVector across = qcCross(longest, qcMinus(corners[i].end[0], corners[0].end[0]));
+        if (qcDot(across, across) > width * width * length2)
+            return true;
+    }
+    return false;
+}
+
+/// Also on the other side of what it has just passed, or a little above it: the line is known, if not the sign.
+static bool StandsFlat(const qcManifolds* m, uint32_t index, qcVector normal)
+{
+    const qcManifoldPair* pair = qcManifolds_Pair(m, index);
+    return pair->gap <= s_area * SmallerSize(pair) && fabs(qcDot(normal, pair->side[0]->normal)) >= s_flat &&
+           fabs(qcDot(normal, pair->side[1]->normal)) >= s_flat && CoverArea(m, index);
+}
+
+/// Is a direction cheaper than the best, or as cheap and nearer to the pair's own? So that the order of those around
+/// decides nothing.
+static bool IsBetter(const Lead* lead, const Lead* best, double rounding)
+{
+    if (fabs(lead->cost - best->cost) > rounding)
+        return lead->cost < best->cost;
+    return lead->likeness > best->likeness;
+}
+
+/// Does the pair, which is apart, come to lie no deeper along a direction than the one that it is taken from?
+static bool IsNoDeeper(const qcManifoldPair* pair, const qcTrial* trial, const qcManifoldPair* leader)
+{
+    qcVector origin = leader->side[0]->corner[0];
+    double depth = qcWaysOut_Of(qcManifoldTriangle_Heights(leader->side[0], origin, trial->normal),
+                                qcManifoldTriangle_Heights(leader->side[1], origin, trial->normal))
+                       .along;
+    return trial->ways.along <= qcPositive(depth) + qcManifoldPair_Rounding(pair);
+}
+
+/// Tries the direction that a pair beside this one has chosen, and for pairs that meet its opposite.
+static void ConsiderLead(const qcNeighbourhood* n, const qcNormalChoice* own, const qcNormalChoice* other,
+                         const qcManifoldPair* leader, Lead* best)
+{
+    double limit = other->firm ? own->cost + n->rounding : qcNeighbourhood_Limit(n, own->cost);
+    qcTrial trial = {.normal = other->normal, .face = -1};
+    if (!qcNeighbourhood_FindCost(n, limit, &trial) || (own->apart && !IsNoDeeper(n->pair, &trial, leader)))
+        return;
+    for (int way = 0; way < (own->apart ? 1 : 2); way++)
+    {
+        Lead lead = {.normal = way == 0 ? other->normal : qcNegated(other->normal),
+                     .cost = way == 0 ? trial.along : trial.against};
+        lead.likeness = qcDot(lead.normal, own->normal);
+        if (lead.cost < limit && IsBetter(&lead, best, n->rounding))
+            *best = lead;
+    }
+}
+
+/// A cut has one normal, and most pairs beside it say the same.
+static bool WasTried(const qcVector* tried, int count, qcVector normal)
+{
+    for (int i = 0; i < count; i++)
+        if (fabs(qcDot(tried[i], normal)) >= s_same)
+            return true;
+    return false;
+}
+
+/// The best direction of those around that have news, and are firm, or are not; its cost is infinity if there is none.
+static Lead FindLead(const Job* job, const qcNeighbourhood* n, const qcNormalChoice* own, bool firm)
+{
+    Lead best = {.normal = own->normal, .cost = INFINITY};
+    qcVector tried[qc_mostTried];
+    int count = 0;
+    for (int side = 0; side < 2; side++)
+        for (uint32_t i = 0; i < n->ring[side].count; i++)
+        {
+            uint32_t pair = qcManifolds_Beside(n->manifolds, n->ring[side].entries[i])->pair;
+            const qcNormalChoice* other = &job->now[pair];
+            bool helps = other->meets || (firm && own->meets);
+            if (other->news + 1 != job->round || other->firm != firm || !helps)
+                continue;
+            // Whom a pair that is apart follows matters too.
+            if (!own->apart && WasTried(tried, count, other->normal))
+                continue;
+            if (count < qc_mostTried)
+                tried[count++] = other->normal;
+            ConsiderLead(n, own, other, qcManifolds_Pair(n->manifolds, pair), &best);
+        }
+    return best;
+}
+
+static bool Follow(const Job* job, uint32_t index)
+{
+    qcNeighbourhood n = qcNeighbourhood_Of(job->manifolds, index);
+    const qcNormalChoice* own = &job->now[index];
+    Lead lead = FindLead(job, &n, own, true);
+    bool firm = lead.cost < INFINITY;
+    if (!firm && own->cost > n.rounding)
+        lead = FindLead(job, &n, own, false);
+    if (lead.cost == INFINITY)
+        return false;
+    job->next[index] = (qcNormalChoice){
+        .normal = lead.normal, .cost = lead.cost, .news = job->round, .moved = true, .meets = true, .firm = firm};
+    return true;
+}
+
+static size_t EndOf(const Job* job, size_t block)
+{
+    size_t end = (block + 1) * qc_normalBlock, count = job->manifolds->work.count;
+    return end < count ? end : count;
+}
+
+static bool HasChoice(const Job* job, size_t p)
+{
+    return qcManifolds_SignRegion(job->manifolds, qcManifolds_Pair(job->manifolds, (uint32_t)p))->unsettled;
+}
+
+static void FindFlatBlock(void* context, size_t block, uint32_t worker)
+{
+    (void)worker;
+    const Job* job = context;
+    for (size_t p = block * qc_normalBlock; p < EndOf(job, block); p++)
+    {
+        qcNormalChoice* choice = &job->next[p];
+        choice->meets = HasChoice(job, p) && !choice->apart;
+        choice->firm = StandsFlat(job->manifolds, (uint32_t)p, choice->normal);
+    }
+}
+
+static void FollowBlock(void* context, size_t block, uint32_t worker)
+{
+    const Job* job = context;
+    bool* changed = &QC_AT(qcManifoldWorker, job->manifolds->workers, worker).changed;
+    for (size_t p = block * qc_normalBlock; p < EndOf(job, block); p++)
+    {
+        job->next[p] = job->now[p];
+        if (!job->now[p].firm && HasChoice(job, p))
+            *changed = Follow(job, (uint32_t)p) || *changed;
+    }
+}
+
+static void LookBlock(void* context, size_t block, uint32_t worker)
+{
+    const Job* job = context;
+    qcManifolds* m = job->manifolds;
+    qcManifoldWorker* self = &QC_AT(qcManifoldWorker, m->workers, worker);
+    size_t end = EndOf(job, block), moved = 0;
+    for (size_t p = block * qc_normalBlock; p < end; p++)
+        moved += job->now[p].moved;
+    if (self->status == qc_statusOk)
+        self->status = qcArray_Reserve(&self->points, self->points.count + moved * qc_maxCommonCorners,
+                                       sizeof(qcRawPoint), "contact points");
+    for (size_t p = block * qc_normalBlock; p < end && self->status == qc_statusOk; p++)
+    {
+        if (!job->now[p].moved)
+            continue;
+        qcLook look = {.count = -1};
+        qcLook_Along(qcManifolds_Pair(m, (uint32_t)p), job->now[p].normal, &look);
+        qcManifolds_KeepCorners(m, (uint32_t)p, worker, &look, job->now[p].normal, false, job->margin);
+    }
+}
+
+static bool HaveWorkersChanged(const qcManifolds* m)
+{
+    bool changed = false;
+    for (size_t i = 0; i < m->workers.count; i++)
+    {
+        bool* mine = &QC_AT(qcManifoldWorker, m->workers, i).changed;
+        changed = changed || *mine;
+        *mine = false;
+    }
+    return changed;
+}
+
+qcStatus qcManifolds_FollowNeighbours(qcManifolds* m, double margin, uint32_t threads)
+{
+    size_t count = m->work.count, blocks = (count + qc_normalBlock - 1) / qc_normalBlock;
+    bool any = false;
+    for (uint32_t p = 0; p < count && !any; p++)
+        any = !qcManifolds_Pair(m, p)->parted;
+    if (!any)
+        return qc_statusOk;
+    QC_TRY(qcArray_Resize(&m->heard, count, sizeof(qcNormalChoice), "normals of manifolds"));
+    Job job = {m, margin, NULL, m->choices.data, 0};
+    qcParallel_For(threads, blocks, qc_leastNormalBlocks, FindFlatBlock, &job);
+    bool changed = true;
+    for (job.round = 1; job.round <= qc_mostRounds && changed; job.round++)
+    {
+        job.now = m->choices.data;
+        job.next = m->heard.data;
+        qcParallel_For(threads, blocks, qc_leastNormalBlocks, FollowBlock, &job);
+        changed = HaveWorkersChanged(m);
+        qcArray swap = m->choices;
+        m->choices = m->heard;
+        m->heard = swap;
+    }
+    job.now = m->choices.data;
+    qcParallel_For(threads, blocks, qc_leastNormalBlocks, LookBlock, &job);
+    return qcManifolds_LoopStatus(m);
+}
