@@ -108,38 +108,48 @@ static bool IsNoDeeper(const qcManifoldPair* pair, const qcTrial* trial, const q
     return trial->ways.along <= qcPositive(depth) + qcManifoldPair_Rounding(pair);
 }
 
-/// Tries the direction that a pair beside this one has chosen, and for pairs that meet its opposite.
-static void ConsiderLead(const qcNeighbourhood* n, const qcNormalChoice* own, const qcNormalChoice* other,
-                         const qcManifoldPair* leader, Lead* best)
+/// A direction that pairs beside this one have chosen: what it costs, and whether it was offered.
+typedef struct Tried
 {
-    double limit = other->firm ? own->cost + n->rounding : qcNeighbourhood_Limit(n, own->cost);
-    qcTrial trial = {.normal = other->normal, .face = -1};
-    if (!qcNeighbourhood_FindCost(n, limit, &trial) || (own->apart && !IsNoDeeper(n->pair, &trial, leader)))
-        return;
+    qcTrial trial;
+    bool isCheap, isOffered;
+} Tried;
+
+/// A cut has one normal, and most pairs beside it say the same: the place of that direction, or of a new one. For pairs
+/// that meet it stands for its opposite too.
+static Tried* FindTried(Tried* tried, int count, const qcNormalChoice* own, qcVector normal)
+{
+    int i = 0;
+    while (i < count)
+    {
+        double likeness = qcDot(tried[i].trial.normal, normal);
+        if ((own->apart ? likeness : fabs(likeness)) >= s_same)
+            break;
+        i++;
+    }
+    return &tried[i];
+}
+
+/// The direction, and for pairs that meet its opposite.
+static void OfferLeads(const qcNeighbourhood* n, const qcNormalChoice* own, const qcTrial* trial, double limit,
+                       Lead* best)
+{
     for (int way = 0; way < (own->apart ? 1 : 2); way++)
     {
-        Lead lead = {.normal = way == 0 ? other->normal : qcNegated(other->normal),
-                     .cost = way == 0 ? trial.along : trial.against};
+        Lead lead = {.normal = way == 0 ? trial->normal : qcNegated(trial->normal),
+                     .cost = way == 0 ? trial->along : trial->against};
         lead.likeness = qcDot(lead.normal, own->normal);
         if (lead.cost < limit && IsBetter(&lead, best, n->rounding))
             *best = lead;
     }
 }
 
-/// A cut has one normal, and most pairs beside it say the same.
-static bool WasTried(const qcVector* tried, int count, qcVector normal)
-{
-    for (int i = 0; i < count; i++)
-        if (fabs(qcDot(tried[i], normal)) >= s_same)
-            return true;
-    return false;
-}
-
 /// The best direction of those around that have news, and are firm, or are not; its cost is infinity if there is none.
 static Lead FindLead(const Job* job, const qcNeighbourhood* n, const qcNormalChoice* own, bool firm)
 {
     Lead best = {.normal = own->normal, .cost = INFINITY};
-    qcVector tried[qc_mostTried];
+    double limit = firm ? own->cost + n->rounding : qcNeighbourhood_Limit(n, own->cost);
+    Tried tried[qc_mostTried + 1];
     int count = 0;
     for (int side = 0; side < 2; side++)
         for (uint32_t i = 0; i < n->ring[side].count; i++)
@@ -149,12 +159,19 @@ static Lead FindLead(const Job* job, const qcNeighbourhood* n, const qcNormalCho
             bool helps = other->meets || (firm && own->meets);
             if (other->news + 1 != job->round || other->firm != firm || !helps)
                 continue;
+            Tried* known = FindTried(tried, count, own, other->normal);
+            if (known == &tried[count])
+            {
+                *known = (Tried){.trial = {.normal = other->normal, .face = -1}};
+                known->isCheap = qcNeighbourhood_FindCost(n, limit, &known->trial);
+                count += count < qc_mostTried; // those beyond are forgotten, and tried again
+            }
             // Whom a pair that is apart follows matters too.
-            if (!own->apart && WasTried(tried, count, other->normal))
+            if (!known->isCheap || known->isOffered ||
+                (own->apart && !IsNoDeeper(n->pair, &known->trial, qcManifolds_Pair(n->manifolds, pair))))
                 continue;
-            if (count < qc_mostTried)
-                tried[count++] = other->normal;
-            ConsiderLead(n, own, other, qcManifolds_Pair(n->manifolds, pair), &best);
+            known->isOffered = true;
+            OfferLeads(n, own, &known->trial, limit, &best);
         }
     return best;
 }
