@@ -317,7 +317,9 @@ typedef struct qcManifoldPoint
     /// Unit vector, from B towards A. Neighbouring points agree: none points back into what another one parts, unless
     /// the triangles of both are apart and really lie so, as a sheet in a slit does.
     double normal[3];
-    /// At most the margin. Below 0: penetration depth, here.
+    /// At most the margin. Below 0: penetration depth, here. Where bodies touch it is rounding, and where they overlap
+    /// by a small share of their triangles, within the margin, a small multiple of the overlap at most; of larger
+    /// overlaps it may be more.
     double distance;
     uint32_t triangleA, triangleB; ///< of the pair that it was taken from
     /// What touches, by vertex index: {v, v} a vertex, {v, w} with v < w an edge, {UINT32_MAX, UINT32_MAX} the face of
