@@ -1,12 +1,13 @@
 // The batch: gathering the meshes of a world, one query, reading a pair.
 #include "mesh_batch.h"
 
+#include "clock.h"
+
 #include <BulletCollision/CollisionDispatch/btCollisionDispatcher.h>
 #include <BulletCollision/CollisionShapes/btCompoundShape.h>
 #include <BulletDynamics/Dynamics/btRigidBody.h>
 
 #include <algorithm>
-#include <chrono>
 
 namespace
 {
@@ -21,12 +22,6 @@ constexpr btScalar s_edge = btScalar(0.5);
 // Where the speeds that are left are less than this share, bodies move together. (What lies still but for a tremor has
 // no common motion: there this would only make contact flicker.)
 constexpr btScalar s_ownMotion = btScalar(0.25);
-
-double Now()
-{
-    using namespace std::chrono;
-    return duration<double, std::milli>(steady_clock::now().time_since_epoch()).count();
-}
 
 btVector3 VectorOf(const double v[3])
 {
@@ -406,7 +401,7 @@ void qcMeshBatch::ForgetGone()
 /// One query for all pairs of the world.
 void qcMeshBatch::Run()
 {
-    double start = Now();
+    double start = qcNowMs();
     uint64_t batches = statistics.batches, queries = statistics.queries;
     statistics = qcMeshContactStatistics();
     statistics.batches = batches + 1;
@@ -433,13 +428,13 @@ void qcMeshBatch::Run()
         if (known->wanted)
             Place(objects[i], known);
     }
-    double gathered = Now();
+    double gathered = qcNowMs();
     qcStatus status = Detect();
     if (status != qc_statusOk)
         m_result = nullptr;
     Note(status);
     statistics.gatherMs = gathered - start;
-    statistics.detectMs = Now() - gathered;
+    statistics.detectMs = qcNowMs() - gathered;
 }
 
 /// The mesh, if the last query saw it at this place.

@@ -1,8 +1,9 @@
 // Contact of soft bodies: nodes that went through meshes, contacts in rounds, then the exact check.
 #include "soft_body_contact.h"
 
+#include "clock.h"
+
 #include <algorithm>
-#include <chrono>
 
 namespace
 {
@@ -13,11 +14,6 @@ constexpr int s_iterations = 8;
 constexpr int s_contactRounds = 4;
 constexpr size_t s_freezeRounds = 16;
 
-double Now()
-{
-    using namespace std::chrono;
-    return duration<double, std::milli>(steady_clock::now().time_since_epoch()).count();
-}
 } // namespace
 
 void qcSoftBodyContact::Implementation::Begin(const btAlignedObjectArray<btSoftBody*>& bodies)
@@ -30,10 +26,10 @@ void qcSoftBodyContact::Implementation::Begin(const btAlignedObjectArray<btSoftB
 void qcSoftBodyContact::Implementation::Start(const btAlignedObjectArray<btSoftBody*>& bodies,
                                               btVector3 btSoftBody::Node::*start)
 {
-    double before = Now();
+    double before = qcNowMs();
     statistics = qcSoftBodyStatistics();
     statistics.status = scene.Synchronize(bodies, start);
-    statistics.gatherMs = Now() - before;
+    statistics.gatherMs = qcNowMs() - before;
 }
 
 void qcSoftBodyContact::Implementation::KeepPositions()
@@ -65,13 +61,13 @@ void qcSoftBodyContact::Implementation::NoteProfile()
 /// Fills m_result, and the statistics with what it cost and what penetrates.
 qcStatus qcSoftBodyContact::Implementation::Detect(btScalar contactMargin)
 {
-    double start = Now();
+    double start = qcNowMs();
     qcStatus status = scene.UpdatePlaces();
-    double gathered = Now();
+    double gathered = qcNowMs();
     statistics.gatherMs += gathered - start;
     if (status == qc_statusOk)
         status = scene.Detect(contactMargin, &m_result);
-    statistics.detectMs += Now() - gathered;
+    statistics.detectMs += qcNowMs() - gathered;
     if (status != qc_statusOk)
         return status;
     NoteProfile();
@@ -84,10 +80,10 @@ void qcSoftBodyContact::Implementation::Solve()
 {
     if (m_constraints.empty())
         return;
-    double start = Now();
+    double start = qcNowMs();
     qcSolveSoftConstraints(m_constraints, &m_supports, s_iterations);
     scene.meshes.Commit();
-    statistics.respondMs += Now() - start;
+    statistics.respondMs += qcNowMs() - start;
 }
 
 /// Rounds of detection and projection until nothing penetrates, or rounds are up.
@@ -137,13 +133,13 @@ qcStatus qcSoftBodyContact::Implementation::FreezeRest()
 
 qcStatus qcSoftBodyContact::Implementation::TryResolve(btScalar timeStep)
 {
-    double start = Now();
+    double start = qcNowMs();
     KeepPositions();
     qcStatus status = scene.SynchronizeMeshes(timeStep);
     statistics.meshes = int(scene.meshes.Rigids().size());
     if (status == qc_statusOk)
         qcCollectSupports(scene, &m_supports);
-    statistics.gatherMs += Now() - start;
+    statistics.gatherMs += qcNowMs() - start;
     if (status != qc_statusOk)
         return status;
     qcMakeSweptConstraints(scene, &m_constraints);

@@ -49,14 +49,6 @@ template <typename Value> double Mean(const qcClothRun& run, Value value)
     return run.steps.empty() ? 0 : sum / double(run.steps.size());
 }
 
-qcStepCosts MeanCosts(const qcClothRun& run)
-{
-    qcStepCosts mean;
-    for (const qcClothStep& step : run.steps)
-        mean.Add(step.costs, 1 / double(run.steps.size()));
-    return mean;
-}
-
 template <typename Value> double Largest(const qcClothRun& run, Value value)
 {
     double largest = 0;
@@ -144,7 +136,8 @@ void qcPrintClothTable(const qcClothRun& with, const qcClothRun& without, size_t
     std::printf("\nCloth over a table: %zu triangles, %zu steps\n\n", triangles, with.steps.size());
     PrintLoop(with, method, device);
     qcPrintStepCosts("self-collision; mean milliseconds of a step:",
-                     {{"on", MeanCosts(with)}, {"off", MeanCosts(without)}});
+                     {{"on", qcMeanCosts(with.steps.begin(), with.steps.end())},
+                      {"off", qcMeanCosts(without.steps.begin(), without.steps.end())}});
     std::printf("\n");
     PrintTwo("self-contacts in a step, mean", Mean(with, contacts), Mean(without, contacts), 0);
     PrintTwo("self-contacts in a step, most", Largest(with, contacts), Largest(without, contacts), 0);

@@ -33,15 +33,6 @@ void WriteRows(FILE* stream, const qcFractureRun& run)
     }
 }
 
-/// Means of the steps from `begin` to before `end`.
-qcStepCosts MeanCosts(const qcFractureRun& run, size_t begin, size_t end)
-{
-    qcStepCosts mean;
-    for (size_t i = begin; i < end; i++)
-        mean.Add(run.steps[i].costs, 1 / double(end - begin));
-    return mean;
-}
-
 void PrintMomentum(const char* label, const btVector3& before, const btVector3& after)
 {
     std::printf("  %-28s %9.3f %9.3f %9.3f   %9.3f %9.3f %9.3f   %8.1e\n", label, double(before.x()),
@@ -122,11 +113,11 @@ void qcPrintFractureTable(const qcFractureRun& run, const qcDeviceInfo& device)
                                            [](const qcFractureStep& a, const qcFractureStep& b)
                                            { return a.costs.Total() < b.costs.Total(); }) -
                           steps.begin());
-    std::vector<std::pair<std::string, qcStepCosts>> columns = {{"mean", MeanCosts(run, 0, count)}};
+    std::vector<std::pair<std::string, qcStepCosts>> columns = {{"mean", qcMeanCosts(steps.begin(), steps.end())}};
     if (breaking < count)
         columns.push_back({"the break", steps[breaking].costs});
     if (breaking + 1 < count)
-        columns.push_back({"mean after", MeanCosts(run, breaking + 1, count)});
+        columns.push_back({"mean after", qcMeanCosts(found + 1, steps.end())});
     columns.push_back({"longest: " + std::to_string(longest + 1), steps[longest].costs});
     qcPrintStepCosts("milliseconds of a step", columns);
     std::printf("\n");

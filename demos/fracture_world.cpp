@@ -5,20 +5,17 @@
 
 #include "fracture_sites.h"
 
+extern "C" {
+#include "bench_time.h"
+}
+
 #include <algorithm>
-#include <chrono>
 
 namespace
 {
 constexpr btScalar s_density = 2500;         // of stone, kg/m3
 constexpr btScalar s_height = btScalar(0.9); // of the fall, m
 constexpr btScalar s_hardSpeed = 2;          // an impact that breaks it, m/s
-
-double Now()
-{
-    using namespace std::chrono;
-    return duration<double, std::milli>(steady_clock::now().time_since_epoch()).count();
-}
 
 btRigidBody::btRigidBodyConstructionInfo Floor(btCollisionShape* shape)
 {
@@ -122,7 +119,7 @@ qcMomentum qcFractureWorld::Momentum() const
 /// Replaces the body by its pieces.
 bool qcFractureWorld::BreakBody(const btVector3& impact)
 {
-    double start = Now();
+    double start = qcBenchTime_NowMs();
     std::unique_ptr<qcFractureBody> whole = std::move(m_bodies.front());
     m_break.happened = true;
     whole->AddMomentum(&m_break.before);
@@ -131,9 +128,9 @@ bool qcFractureWorld::BreakBody(const btVector3& impact)
     def.indices = m_model.indices;
     def.sites = qcScatterSitesInside(whole->shape, m_request.pieces, m_request.seed,
                                      whole->body.getWorldTransform().invXform(impact));
-    double scattered = Now();
+    double scattered = qcBenchTime_NowMs();
     qcFracture fracture = qcFracture_Split(def);
-    double split = Now();
+    double split = qcBenchTime_NowMs();
     m_world.removeRigidBody(&whole->body);
     m_bodies.clear();
     m_failure = fracture.message;
@@ -154,7 +151,7 @@ bool qcFractureWorld::BreakBody(const btVector3& impact)
     m_break.after = Momentum();
     m_break.sitesMs = scattered - start;
     m_break.splitMs = split - scattered;
-    m_break.bodiesMs = Now() - split;
+    m_break.bodiesMs = qcBenchTime_NowMs() - split;
     return fracture.status == qc_statusOk;
 }
 

@@ -2,6 +2,10 @@
 // all, and each finds the caches as another has left them, as it does beside the rest of a simulation.
 #include "qc_bench_broadphase.h"
 
+extern "C" {
+#include "bench_time.h"
+}
+
 #include <quickcullide/bullet_broadphase.h>
 
 #include <BulletCollision/BroadphaseCollision/btAxisSweep3.h>
@@ -12,7 +16,6 @@
 #include <LinearMath/btAabbUtil2.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <memory>
 #include <new>
@@ -27,11 +30,6 @@ constexpr double c_enoughMs = 10000.0;
 // Creating 50 000 proxies takes bt32BitAxisSweep3 half a minute. A frame of 1000 takes btSimpleBroadphase 11 ms, and
 // all others then find nothing of theirs in the caches.
 constexpr uint32_t c_mostForSweep = 10000, c_mostForSimple = 500;
-
-double NowMs()
-{
-    return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
 
 /// Boxes with edges of 1 to 2 that go 0.1 a frame, in a cube so dense that each meets about four others.
 class Boxes
@@ -121,24 +119,24 @@ class Contestant
 
     void Create(const Boxes& boxes)
     {
-        double start = NowMs();
+        double start = qcBenchTime_NowMs();
         for (size_t i = 0; i < boxes.lower.size(); i++)
             m_proxies.push_back(m_broadphase->createProxy(boxes.lower[i], boxes.upper[i], BOX_SHAPE_PROXYTYPE,
                                                           reinterpret_cast<void*>(i), btBroadphaseProxy::DefaultFilter,
                                                           btBroadphaseProxy::AllFilter, &m_dispatcher));
-        m_createMs = NowMs() - start;
+        m_createMs = qcBenchTime_NowMs() - start;
         m_broadphase->calculateOverlappingPairs(&m_dispatcher);
     }
 
     /// Returns the time in milliseconds.
     double Step(const Boxes& boxes, size_t setCount, bool counts)
     {
-        double start = NowMs();
+        double start = qcBenchTime_NowMs();
         for (size_t i = 0; i < setCount; i++)
             m_broadphase->setAabb(m_proxies[i], boxes.lower[i], boxes.upper[i], &m_dispatcher);
-        double set = NowMs();
+        double set = qcBenchTime_NowMs();
         m_broadphase->calculateOverlappingPairs(&m_dispatcher);
-        double end = NowMs();
+        double end = qcBenchTime_NowMs();
         if (counts)
         {
             m_setMs.push_back(set - start);

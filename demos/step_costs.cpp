@@ -1,10 +1,13 @@
 // Bullet calls back when it enters a profile zone and when it leaves one; zones that stand for a cost are timed.
 #include "step_costs.h"
 
+extern "C" {
+#include "bench_time.h"
+}
+
 #include <LinearMath/btQuickprof.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cstdio>
 #include <cstring>
 
@@ -53,12 +56,6 @@ struct Zone
 std::vector<Zone> s_stack;
 qcStepCosts s_costs;
 
-double Now()
-{
-    using namespace std::chrono;
-    return duration<double, std::milli>(steady_clock::now().time_since_epoch()).count();
-}
-
 void Enter(const char* name)
 {
     if (!s_stack.empty() && s_stack.back().cost >= 0)
@@ -69,7 +66,7 @@ void Enter(const char* name)
     auto found = std::find_if(std::begin(s_zones), std::end(s_zones),
                               [&](const auto& known) { return std::strcmp(known.zone, name) == 0; });
     if (found != std::end(s_zones))
-        s_stack.push_back({found->cost, Now()});
+        s_stack.push_back({found->cost, qcBenchTime_NowMs()});
     else
         s_stack.push_back({-1, -1});
 }
@@ -82,7 +79,7 @@ void Leave()
     Zone zone = s_stack.back();
     s_stack.pop_back();
     if (zone.start >= 0)
-        s_costs.ms[size_t(zone.cost)] += Now() - zone.start;
+        s_costs.ms[size_t(zone.cost)] += qcBenchTime_NowMs() - zone.start;
 }
 
 void PrintRow(const char* label, const std::vector<double>& values, int digits)
@@ -122,9 +119,9 @@ qcStepCosts qcTimeStep(btDynamicsWorld* world, double seconds)
     btSetCustomLeaveProfileZoneFunc(Leave);
     s_stack.clear();
     s_costs = qcStepCosts();
-    double start = Now();
+    double start = qcBenchTime_NowMs();
     world->stepSimulation(btScalar(seconds), 0);
-    s_costs.ms[qc_costRest] = Now() - start - s_costs.Total();
+    s_costs.ms[qc_costRest] = qcBenchTime_NowMs() - start - s_costs.Total();
     btSetCustomEnterProfileZoneFunc(enter);
     btSetCustomLeaveProfileZoneFunc(leave);
     return s_costs;

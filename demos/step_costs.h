@@ -40,6 +40,15 @@ struct qcStepCosts
     void Add(const qcStepCosts& other, double weight);
 };
 
+/// Means of the costs of steps; `begin` and `end` are iterators of what has `costs`.
+template <typename Iterator> qcStepCosts qcMeanCosts(Iterator begin, Iterator end)
+{
+    qcStepCosts mean;
+    for (Iterator step = begin; step != end; ++step)
+        mean.Add(step->costs, 1 / double(end - begin));
+    return mean;
+}
+
 /// Makes one step of `seconds`, timed by Bullet's own profile zones: all but what is marked as ours above, which is
 /// still part of what it is in. Without such zones, which a Bullet may be built without, all is `rest`. One thread at a
 /// time.

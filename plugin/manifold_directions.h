@@ -54,6 +54,18 @@ typedef struct qcNormalChoice
     bool firm;     ///< stands flat, or follows one that does
 } qcNormalChoice;
 
+static inline size_t qcNormalBlocks_Count(const qcManifolds* manifolds)
+{
+    return (manifolds->work.count + qc_normalBlock - 1) / qc_normalBlock;
+}
+
+/// One past the last pair of a block.
+static inline size_t qcNormalBlocks_End(const qcManifolds* manifolds, size_t block)
+{
+    size_t end = (block + 1) * qc_normalBlock, count = manifolds->work.count;
+    return end < count ? end : count;
+}
+
 qcNeighbourhood qcNeighbourhood_Of(const qcManifolds* manifolds, uint32_t pair);
 /// Going along a direction until the pair is free, or against it, how far do the pairs around it still overlap? The sum
 /// of the ways out, in which a pair around counts by the vertices that it shares, and the pair itself six times.

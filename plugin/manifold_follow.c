@@ -191,12 +191,6 @@ static bool Follow(const Job* job, uint32_t index)
     return true;
 }
 
-static size_t EndOf(const Job* job, size_t block)
-{
-    size_t end = (block + 1) * qc_normalBlock, count = job->manifolds->work.count;
-    return end < count ? end : count;
-}
-
 static bool HasChoice(const Job* job, size_t p)
 {
     return qcManifolds_SignRegion(job->manifolds, qcManifolds_Pair(job->manifolds, (uint32_t)p))->unsettled;
@@ -206,7 +200,7 @@ static void FindFlatBlock(void* context, size_t block, uint32_t worker)
 {
     (void)worker;
     const Job* job = context;
-    for (size_t p = block * qc_normalBlock; p < EndOf(job, block); p++)
+    for (size_t p = block * qc_normalBlock; p < qcNormalBlocks_End(job->manifolds, block); p++)
     {
         qcNormalChoice* choice = &job->next[p];
         choice->meets = HasChoice(job, p) && !choice->apart;
@@ -218,7 +212,7 @@ static void FollowBlock(void* context, size_t block, uint32_t worker)
 {
     const Job* job = context;
     bool* changed = &QC_AT(qcManifoldWorker, job->manifolds->workers, worker).changed;
-    for (size_t p = block * qc_normalBlock; p < EndOf(job, block); p++)
+    for (size_t p = block * qc_normalBlock; p < qcNormalBlocks_End(job->manifolds, block); p++)
     {
         job->next[p] = job->now[p];
         if (!job->now[p].firm && HasChoice(job, p))
@@ -231,7 +225,7 @@ static void LookBlock(void* context, size_t block, uint32_t worker)
     const Job* job = context;
     qcManifolds* m = job->manifolds;
     qcManifoldWorker* self = &QC_AT(qcManifoldWorker, m->workers, worker);
-    size_t end = EndOf(job, block), moved = 0;
+    size_t end = qcNormalBlocks_End(job->manifolds, block), moved = 0;
     for (size_t p = block * qc_normalBlock; p < end; p++)
         moved += job->now[p].moved;
     if (self->status == qc_statusOk)
@@ -261,7 +255,7 @@ static bool HaveWorkersChanged(const qcManifolds* m)
 
 qcStatus qcManifolds_FollowNeighbours(qcManifolds* m, double margin, uint32_t threads)
 {
-    size_t count = m->work.count, blocks = (count + qc_normalBlock - 1) / qc_normalBlock;
+    size_t count = m->work.count, blocks = qcNormalBlocks_Count(m);
     bool any = false;
     for (uint32_t p = 0; p < count && !any; p++)
         any = !qcManifolds_Pair(m, p)->parted;

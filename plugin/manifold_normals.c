@@ -173,17 +173,11 @@ static void Choose(const Job* job, uint32_t index, Best* best)
         Consider(&n, leader->normal, -1, best);
 }
 
-static size_t EndOf(const Job* job, size_t block)
-{
-    size_t end = (block + 1) * qc_normalBlock, count = job->manifolds->work.count;
-    return end < count ? end : count;
-}
-
 static void CompareBlock(void* context, size_t block, uint32_t worker)
 {
     (void)worker;
     const Job* job = context;
-    for (size_t p = block * qc_normalBlock; p < EndOf(job, block); p++)
+    for (size_t p = block * qc_normalBlock; p < qcNormalBlocks_End(job->manifolds, block); p++)
     {
         qcManifoldPair* pair = qcManifolds_Pair(job->manifolds, (uint32_t)p);
         if (!pair->apart)
@@ -204,7 +198,8 @@ static void ChooseBlock(void* context, size_t block, uint32_t worker)
     if (*status == qc_statusOk)
         *status = qcArray_Reserve(points, points->count + qc_normalBlock * qc_maxCommonCorners, sizeof(qcRawPoint),
                                   "contact points");
-    for (size_t p = block * qc_normalBlock; p < EndOf(job, block) && *status == qc_statusOk; p++)
+    for (size_t p = block * qc_normalBlock; p < qcNormalBlocks_End(job->manifolds, block) && *status == qc_statusOk;
+         p++)
     {
         const qcManifoldPair* pair = qcManifolds_Pair(m, (uint32_t)p);
         Choose(job, (uint32_t)p, &best);
@@ -227,7 +222,7 @@ qcStatus qcManifolds_ChooseNormals(qcManifolds* m, const qcManifoldInput* input,
     QC_TRY(qcArray_Resize(&m->choices, count, sizeof(qcNormalChoice), "normals of manifolds"));
     QC_TRY(qcArray_Resize(&m->corners, count, sizeof(qcPairCorners), "normals of manifolds"));
     Job job = {m, input, m->choices.data};
-    size_t blocks = (count + qc_normalBlock - 1) / qc_normalBlock;
+    size_t blocks = qcNormalBlocks_Count(m);
     qcParallel_For(threads, blocks, qc_leastNormalBlocks, CompareBlock, &job);
     qcParallel_For(threads, blocks, qc_leastNormalBlocks, ChooseBlock, &job);
     QC_TRY(qcManifolds_LoopStatus(m));

@@ -34,6 +34,33 @@ inline qcSoup qcSoupOf(const btSoftBody* body)
     return soup;
 }
 
+/// Of the nodes that can move.
+inline btVector3 qcMomentumOf(const btSoftBody* body)
+{
+    btVector3 sum(0, 0, 0);
+    for (int i = 0; i < body->m_nodes.size(); i++)
+        if (body->m_nodes[i].m_im > 0)
+            sum += body->m_nodes[i].m_v / body->m_nodes[i].m_im;
+    return sum;
+}
+
+/// Mean over the nodes.
+inline btScalar qcSpeedOf(const btSoftBody* body)
+{
+    btScalar sum = 0;
+    for (int i = 0; i < body->m_nodes.size(); i++)
+        sum += body->m_nodes[i].m_v.length();
+    return sum / btScalar(body->m_nodes.size());
+}
+
+inline btScalar qcLowestNode(const btSoftBody* body)
+{
+    btScalar lowest = BT_LARGE_FLOAT;
+    for (int i = 0; i < body->m_nodes.size(); i++)
+        lowest = btMin(lowest, body->m_nodes[i].m_x.y());
+    return lowest;
+}
+
 inline qcSoup qcSoupOf(const qcMeshShape& mesh, const btTransform& transform)
 {
     qcSoup soup;

@@ -117,30 +117,6 @@ template <class DeformableWorld> struct World
 using Ours = World<qcDeformableWorld>;
 using Bullets = World<btDeformableMultiBodyDynamicsWorld>;
 
-btScalar LowestNode(const btSoftBody* cloth)
-{
-    btScalar lowest = BT_LARGE_FLOAT;
-    for (int i = 0; i < cloth->m_nodes.size(); i++)
-        lowest = std::min(lowest, cloth->m_nodes[i].m_x.y());
-    return lowest;
-}
-
-btScalar MeanSpeed(const btSoftBody* cloth)
-{
-    btScalar sum = 0;
-    for (int i = 0; i < cloth->m_nodes.size(); i++)
-        sum += cloth->m_nodes[i].m_v.length();
-    return sum / btScalar(cloth->m_nodes.size());
-}
-
-btVector3 Momentum(const btSoftBody* cloth)
-{
-    btVector3 sum(0, 0, 0);
-    for (int i = 0; i < cloth->m_nodes.size(); i++)
-        sum += cloth->m_nodes[i].m_v / cloth->m_nodes[i].m_im;
-    return sum;
-}
-
 START_TEST(a_folded_deformable_cloth_comes_to_rest_untangled)
 {
     Ours world;
@@ -149,10 +125,10 @@ START_TEST(a_folded_deformable_cloth_comes_to_rest_untangled)
     {
         world.StepApart(1);
         // Layers on top of it do not press the lowest one into the floor.
-        ck_assert(LowestNode(cloth) > btScalar(0.002));
+        ck_assert(qcLowestNode(cloth) > btScalar(0.002));
     }
     ck_assert_int_gt(world.world->getStatistics().contacts, 200);
-    ck_assert(MeanSpeed(cloth) < btScalar(0.05));
+    ck_assert(qcSpeedOf(cloth) < btScalar(0.05));
     ck_assert_uint_eq(qcCountPenetratingExactly(world.Soups()), 0);
 }
 END_TEST
@@ -236,7 +212,7 @@ START_TEST(sheets_fall_on_each_other_and_stay_apart)
     ck_assert_uint_eq(
         qcCountPenetratingExactly({qcSoupOf(world.cloths[1]), qcSoupOf(world.cloths[0]), qcSoupOf(world.cloths[2])}),
         0);
-    ck_assert(LowestNode(world.cloths[2]) > LowestNode(world.cloths[0]));
+    ck_assert(qcLowestNode(world.cloths[2]) > qcLowestNode(world.cloths[0]));
 }
 END_TEST
 
@@ -245,10 +221,10 @@ START_TEST(momentum_is_kept_between_two_cloths)
     Ours world(btVector3(0, 0, 0));
     btSoftBody *lower = world.AddSheet(btScalar(0.5), 0, 8), *upper = world.AddSheet(btScalar(0.55), btScalar(0.5), 9);
     upper->setVelocity(btVector3(btScalar(0.2), -1, 0));
-    btVector3 before = Momentum(lower) + Momentum(upper);
+    btVector3 before = qcMomentumOf(lower) + qcMomentumOf(upper);
     world.StepApart(40);
-    ck_assert(Momentum(lower).y() < btScalar(-0.1));
-    btVector3 after = Momentum(lower) + Momentum(upper);
+    ck_assert(qcMomentumOf(lower).y() < btScalar(-0.1));
+    btVector3 after = qcMomentumOf(lower) + qcMomentumOf(upper);
     ck_assert((after - before).length() < btScalar(1e-3) * before.length());
 }
 END_TEST

@@ -148,14 +148,6 @@ START_TEST(cloths_that_fall_on_each_other_stay_apart)
 }
 END_TEST
 
-btVector3 Momentum(const btSoftBody* cloth)
-{
-    btVector3 sum(0, 0, 0);
-    for (int i = 0; i < cloth->m_nodes.size(); i++)
-        sum += cloth->m_nodes[i].m_v / cloth->m_nodes[i].m_im;
-    return sum;
-}
-
 /// Two sheets land on a box that floats: the upper one presses the lower one on the box, which takes that up.
 START_TEST(layers_that_land_on_a_free_box_keep_momentum)
 {
@@ -171,9 +163,9 @@ START_TEST(layers_that_land_on_a_free_box_keep_momentum)
     world.world.addRigidBody(&box);
     btSoftBody *lower = AddSheet(world, btScalar(2.13), 0, 1, -1), *upper = AddSheet(world, btScalar(2.2), 0, 1, -1);
     upper->setVelocity(btVector3(0, -1, 0));
-    btVector3 before = Momentum(lower) + Momentum(upper) + box.getLinearVelocity();
+    btVector3 before = qcMomentumOf(lower) + qcMomentumOf(upper) + box.getLinearVelocity();
     MostPenetrating(world, 60);
-    btVector3 after = Momentum(lower) + Momentum(upper) + box.getLinearVelocity();
+    btVector3 after = qcMomentumOf(lower) + qcMomentumOf(upper) + box.getLinearVelocity();
     ck_assert(box.getLinearVelocity().y() < btScalar(-0.05));
     ck_assert((after - before).length() < btScalar(1e-3) * before.length());
     world.world.removeRigidBody(&box);

@@ -127,32 +127,6 @@ struct World
                 soups.push_back(qcSoupOf(*mesh, body->getWorldTransform()));
         return soups;
     }
-
-    btScalar LowestNode() const
-    {
-        btScalar lowest = BT_LARGE_FLOAT;
-        for (int i = 0; i < cloth->m_nodes.size(); i++)
-            lowest = std::min(lowest, cloth->m_nodes[i].m_x.y());
-        return lowest;
-    }
-
-    /// Mean over the nodes.
-    btScalar Speed() const
-    {
-        btScalar sum = 0;
-        for (int i = 0; i < cloth->m_nodes.size(); i++)
-            sum += cloth->m_nodes[i].m_v.length();
-        return sum / btScalar(cloth->m_nodes.size());
-    }
-
-    btVector3 ClothMomentum() const
-    {
-        btVector3 sum(0, 0, 0);
-        for (int i = 0; i < cloth->m_nodes.size(); i++)
-            if (cloth->m_nodes[i].m_im > 0)
-                sum += cloth->m_nodes[i].m_v / cloth->m_nodes[i].m_im;
-        return sum;
-    }
 };
 
 /// A hill 40 cm high on a square of two metres.
@@ -176,7 +150,7 @@ START_TEST(a_cloth_comes_to_rest_on_a_mesh_without_penetrating)
     world.StepApart(240);
     ck_assert_int_gt(world.ours.getStatistics().contacts, 100);
     ck_assert_int_eq(world.ours.getStatistics().frozenNodes, 0);
-    ck_assert(world.Speed() < btScalar(0.01));
+    ck_assert(qcSpeedOf(world.cloth) < btScalar(0.01));
     ck_assert_uint_eq(qcCountPenetratingExactly(world.Soups()), 0);
     // On the hill, and not above it: the thickness of both keeps them apart.
     btScalar apart = std::min(btScalar(0.01), btScalar(0.5) / 14) / 2 + hill->getMargin();
@@ -202,10 +176,10 @@ START_TEST(a_cloth_that_falls_from_ten_metres_is_held_by_a_floor_of_triangles)
     {
         world.StepApart(1, btScalar(1.0 / 60));
         swept += world.ours.getStatistics().sweptNodes;
-        ck_assert(world.LowestNode() > 0);
+        ck_assert(qcLowestNode(world.cloth) > 0);
     }
     ck_assert_int_gt(swept, 50);
-    ck_assert(world.LowestNode() < btScalar(0.05));
+    ck_assert(qcLowestNode(world.cloth) < btScalar(0.05));
 }
 END_TEST
 
@@ -219,7 +193,7 @@ START_TEST(bullets_own_algorithm_lets_a_cloth_fall_through_a_fine_mesh)
     for (int i = 0; i < 120; i++)
         world.Step();
     ck_assert_int_gt(world.world.getWorldInfo().m_sparsesdf.ncells, 0);
-    ck_assert(world.LowestNode() < -1);
+    ck_assert(qcLowestNode(world.cloth) < -1);
 }
 END_TEST
 
@@ -271,12 +245,12 @@ START_TEST(momentum_is_kept_between_a_cloth_and_a_free_mesh)
     body->setLinearVelocity(btVector3(btScalar(0.3), 2, 0));
     body->setAngularVelocity(btVector3(0, 0, 3));
     world.AddCloth(0, 12);
-    btVector3 before = world.ClothMomentum() + 2 * body->getLinearVelocity();
+    btVector3 before = qcMomentumOf(world.cloth) + 2 * body->getLinearVelocity();
     world.StepApart(60);
     ck_assert(body->getLinearVelocity().y() < btScalar(1.9));
     ck_assert(body->getAngularVelocity().z() < btScalar(2.9));
-    ck_assert(world.ClothMomentum().y() > btScalar(0.2));
-    btVector3 after = world.ClothMomentum() + 2 * body->getLinearVelocity();
+    ck_assert(qcMomentumOf(world.cloth).y() > btScalar(0.2));
+    btVector3 after = qcMomentumOf(world.cloth) + 2 * body->getLinearVelocity();
     ck_assert((after - before).length() < btScalar(1e-3) * before.length());
 }
 END_TEST
@@ -290,7 +264,7 @@ START_TEST(a_cloth_that_is_held_at_its_corners_catches_a_mesh)
     world.StepApart(360);
     ck_assert(body->getLinearVelocity().length() < btScalar(0.3));
     // In the sagging cloth, that is: above its lowest node.
-    ck_assert(body->getWorldTransform().getOrigin().y() > world.LowestNode() + btScalar(0.1));
+    ck_assert(body->getWorldTransform().getOrigin().y() > qcLowestNode(world.cloth) + btScalar(0.1));
     ck_assert(body->getWorldTransform().getOrigin().y() > -1);
     ck_assert_uint_eq(qcCountPenetratingExactly(world.Soups()), 0);
 }
@@ -321,7 +295,7 @@ START_TEST(a_cloth_under_a_pile_of_meshes_is_never_penetrated)
     }
     for (const auto& body : world.bodies)
         ck_assert(body->getWorldTransform().getOrigin().y() > btScalar(-0.01));
-    ck_assert(world.LowestNode() > 0);
+    ck_assert(qcLowestNode(world.cloth) > 0);
     ck_assert_uint_eq(qcCountPenetratingExactly(world.Soups()), 0);
 }
 END_TEST
@@ -341,9 +315,9 @@ START_TEST(a_kinematic_mesh_lifts_a_cloth)
         y += btScalar(2.0 / 120);
         lift->setWorldTransform(btTransform(btQuaternion::getIdentity(), btVector3(0, y, 0)));
         world.StepApart(1);
-        ck_assert(world.LowestNode() > y);
+        ck_assert(qcLowestNode(world.cloth) > y);
     }
-    ck_assert(world.LowestNode() < y + btScalar(0.05));
+    ck_assert(qcLowestNode(world.cloth) < y + btScalar(0.05));
     ck_assert_uint_eq(qcCountPenetratingExactly(world.Soups()), 0);
 }
 END_TEST
@@ -362,7 +336,7 @@ START_TEST(meshes_in_a_compound_hold_a_cloth)
     world.StepApart(90);
     ck_assert_int_gt(world.ours.getStatistics().contacts, 20);
     ck_assert_int_eq(world.cloth->m_rcontacts.size(), 0);
-    ck_assert(world.LowestNode() > -1);
+    ck_assert(qcLowestNode(world.cloth) > -1);
     world.RemoveCloth();
     world.world.removeRigidBody(world.bodies.back().get());
     world.bodies.clear();
@@ -389,7 +363,7 @@ START_TEST(what_bullet_lets_pass_passes)
             world.Step();
             ck_assert_int_eq(world.ours.getStatistics().contacts, 0);
         }
-        ck_assert(world.LowestNode() < -1);
+        ck_assert(qcLowestNode(world.cloth) < -1);
     }
 }
 END_TEST
@@ -469,12 +443,12 @@ START_TEST(meshes_may_change_and_go_between_two_steps)
     // Half as wide: what lay at its border hangs over.
     mesh->setLocalScaling(btVector3(btScalar(0.4), 1, btScalar(0.4)));
     world.StepApart(30);
-    ck_assert(world.LowestNode() < btScalar(-0.01));
+    ck_assert(qcLowestNode(world.cloth) < btScalar(-0.01));
     world.world.removeRigidBody(body);
     world.bodies.clear();
     world.StepApart(60);
     ck_assert_int_eq(world.ours.getStatistics().meshes, 0);
-    ck_assert(world.LowestNode() < btScalar(-0.5));
+    ck_assert(qcLowestNode(world.cloth) < btScalar(-0.5));
 }
 END_TEST
 

@@ -58,6 +58,21 @@ static TrueMap MakeTrueMap(qcRandom* random, bool turned)
     return map;
 }
 
+/// The box is around low .. high, as far as the lattice has levels, and goes twice `grow` beyond at most. Returns
+/// whether the lattice has some.
+static bool CheckRange(Box found, int axis, long double low, long double high, long double grow, const char* kernels)
+{
+    bool isInside = high >= 0.0L && low < 65533.0L;
+    CHECK_THAT(!isInside ||
+                   (found.lower[axis] <= fmaxl(low, 0.0L) && found.upper[axis] >= floorl(fminl(high, 65532.0L))),
+               "%s: %d .. %d, but it goes from %Lg to %Lg", kernels, found.lower[axis], found.upper[axis], low, high);
+    CHECK_THAT(found.lower[axis] >= fminl(fmaxl(floorl(low - 2.0L * grow), 0.0L), 65533.0L), "%s: %d for %Lg", kernels,
+               found.lower[axis], low);
+    CHECK_THAT(found.upper[axis] <= fminl(fmaxl(floorl(high + 2.0L * grow), 0.0L), 65533.0L), "%s: %d for %Lg", kernels,
+               found.upper[axis], high);
+    return isInside;
+}
+
 START_TEST(a_mapped_box_is_around_where_the_box_goes_and_little_larger)
 {
     qcRandom random = {6};
@@ -80,21 +95,9 @@ START_TEST(a_mapped_box_is_around_where_the_box_goes_and_little_larger)
             }
             for (int axis = 0; axis < 3; axis++)
             {
-                long double low, high, grow = rounded.grow[axis];
+                long double low, high;
                 MapBox(&map, box, axis, &low, &high);
-                if (high >= 0.0L && low < 65533.0L)
-                {
-                    CHECK_THAT(found.lower[axis] <= fmaxl(low, 0.0L) &&
-                                   found.upper[axis] >= floorl(fminl(high, 65532.0L)),
-                               "%s: %d .. %d, but the box goes to %Lg .. %Lg", k->name, found.lower[axis],
-                               found.upper[axis], low, high);
-                    inside++;
-                }
-                long double least = floorl(low - 2.0L * grow), most = floorl(high + 2.0L * grow);
-                CHECK_THAT(found.lower[axis] >= fminl(fmaxl(least, 0.0L), 65533.0L), "%s: %d for %Lg", k->name,
-                           found.lower[axis], low);
-                CHECK_THAT(found.upper[axis] <= fminl(fmaxl(most, 0.0L), 65533.0L), "%s: %d for %Lg", k->name,
-                           found.upper[axis], high);
+                inside += CheckRange(found, axis, low, high, rounded.grow[axis], k->name);
             }
         }
     }
@@ -221,20 +224,9 @@ START_TEST(the_box_of_a_mapped_triangle_is_around_its_corners_and_little_larger)
             }
             for (int axis = 0; axis < 3; axis++)
             {
-                long double low, high, grow = other.mapped.points.grow[axis];
+                long double low, high;
                 FindRange(&map, &other, cluster * qc_clusterSize + (size_t)i, axis, &low, &high);
-                if (high >= 0.0L && low < 65533.0L)
-                {
-                    CHECK_THAT(found.lower[axis] <= fmaxl(low, 0.0L) &&
-                                   found.upper[axis] >= floorl(fminl(high, 65532.0L)),
-                               "%s: %d .. %d, but the triangle goes from %Lg to %Lg", k->name, found.lower[axis],
-                               found.upper[axis], low, high);
-                    inside++;
-                }
-                CHECK_THAT(found.lower[axis] >= fminl(fmaxl(floorl(low - 2.0L * grow), 0.0L), 65533.0L),
-                           "%s: %d for %Lg", k->name, found.lower[axis], low);
-                CHECK_THAT(found.upper[axis] <= fminl(fmaxl(floorl(high + 2.0L * grow), 0.0L), 65533.0L),
-                           "%s: %d for %Lg", k->name, found.upper[axis], high);
+                inside += CheckRange(found, axis, low, high, other.mapped.points.grow[axis], k->name);
             }
         }
     }
