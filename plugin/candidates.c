@@ -136,10 +136,11 @@ qcStatus qcCandidates_Sweep(qcCandidates* candidates, const qcCandidateRules* ru
     return qcCandidates_End(candidates, profile);
 }
 
-qcStatus qcCandidates_Add(qcCandidates* candidates, const qcArray* keys, const qcArray* neighbourKeys)
+qcStatus qcCandidates_Add(qcCandidates* candidates, const qcPairKeys* keys)
 {
-    QC_TRY(qcArray_Append(&candidates->keys, keys, sizeof(uint64_t), "candidate pairs"));
-    return qcArray_Append(&candidates->neighbourKeys, neighbourKeys, sizeof(uint64_t), "candidate pairs");
+    QC_TRY(qcArray_Append(&candidates->keys, keys->keys, sizeof(uint64_t), "candidate pairs"));
+    QC_TRY(qcArray_Append(&candidates->neighbourKeys, keys->contactKeys, sizeof(uint64_t), "candidate pairs"));
+    return qcArray_Append(&candidates->sure, keys->sure, sizeof(qcSortItem), "candidate pairs");
 }
 
 void qcCandidates_Free(qcCandidates* candidates)

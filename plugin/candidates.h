@@ -3,6 +3,7 @@
 #define QC_PLUGIN_CANDIDATES_H
 
 #include "objects.h"
+#include "pair_sinks.h"
 #include "parallel.h"
 #include "sort.h"
 #include "sweep.h"
@@ -44,8 +45,8 @@ qcStatus qcCandidates_Sweep(qcCandidates* candidates, const qcCandidateRules* ru
 /// By comparing every box with every other: O(n^2).
 qcStatus qcCandidates_Brute(qcCandidates* candidates, const qcCandidateRules* rules, qcProfile* profile);
 
-/// Adds keys that were found elsewhere.
-qcStatus qcCandidates_Add(qcCandidates* candidates, const qcArray* keys, const qcArray* neighbourKeys);
+/// Adds pairs that were found elsewhere.
+qcStatus qcCandidates_Add(qcCandidates* candidates, const qcPairKeys* keys);
 
 void qcCandidates_Free(qcCandidates* candidates);
 

@@ -59,6 +59,25 @@ static bool HasTriangle(const Builder* b, size_t place)
     return QC_AT(uint32_t, b->clusters->triangles, place) != QC_NO_TRIANGLE;
 }
 
+uint32_t qcClusters_FindLink(const qcClusters* clusters, uint32_t node, uint32_t other)
+{
+    const qcNodeLink* links = clusters->links.data;
+    const uint32_t* first = clusters->firstLink.data;
+    for (uint32_t i = first[node]; i < first[node + 1]; i++)
+        if (links[i].other == other)
+            return i;
+    return QC_NO_LINK;
+}
+
+const uint64_t* qcClusters_OrderTable(void)
+{
+    static const uint64_t b = QC_IN_ORDER, x = UINT64_MAX;
+    static const uint64_t table[qc_nodeSize] = {b, 0, 0, 0, 0, 0, 0, 0, x, b, 0, 0, 0, 0, 0, 0, x, x, b, 0, 0, 0,
+                                                0, 0, x, x, x, b, 0, 0, 0, 0, x, x, x, x, b, 0, 0, 0, x, x, x, x,
+                                                x, b, 0, 0, x, x, x, x, x, x, b, 0, x, x, x, x, x, x, x, b};
+    return table;
+}
+
 qcStatus qcClusters_NameVertices(const qcClusters* c, const uint32_t* indices, uint32_t vertexCount, qcArray* corners,
                                  qcArray* vertexOf)
 {

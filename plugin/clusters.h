@@ -86,6 +86,21 @@ qcStatus qcClusters_Link(qcClusters* clusters, const uint32_t* indices, uint32_t
 /// Both. On failure nothing is left.
 qcStatus qcClusters_Build(qcClusters* clusters, const uint32_t* indices, uint32_t triangleCount,
                           const double* positions, uint32_t vertexCount);
+#define QC_NO_LINK UINT32_MAX
+
+/// The link of two nodes, the second not below the first, or QC_NO_LINK: they share no vertex.
+uint32_t qcClusters_FindLink(const qcClusters* clusters, uint32_t node, uint32_t other);
+
+/// The table of a link.
+static inline const uint64_t* qcClusters_Table(const qcClusters* clusters, uint32_t link)
+{
+    size_t table = QC_AT(qcNodeLink, clusters->links, link).table;
+    return &QC_AT(uint64_t, clusters->tables, table * qc_nodeSize);
+}
+
+/// As the table of a node with itself, had no two of its triangles a common vertex.
+const uint64_t* qcClusters_OrderTable(void);
+
 /// Names the vertices that triangles have in the order in which places have them: what is kept of near ones then lies
 /// together. Fills `corners` (of qcCorners, by place; where there is no triangle, the number of names) and `vertexOf`
 /// (uint32_t: the body's number of each name).

@@ -5,6 +5,7 @@
 #include "status.h"
 
 #include <float.h>
+#include <stdlib.h>
 #include <string.h>
 
 typedef struct Step
@@ -75,6 +76,18 @@ static qcStatus FindInterests(Step* step)
     return qc_statusOk;
 }
 
+/// Does the device make the image only? Where GL is the processor itself, its vectors do the rest better. The
+/// environment's QC_LAYERS_REFINE (device, processor) says who is to do it.
+static bool LeavesImage(qcDevice* device)
+{
+    const char* wished = getenv("QC_LAYERS_REFINE");
+    qcDeviceInfo info = {.software = false};
+    qcDevice_GetInfo(device, &info);
+    return wished != NULL && strcmp(wished, "device") == 0      ? false
+           : wished != NULL && strcmp(wished, "processor") == 0 ? true
+                                                                : info.software;
+}
+
 static qcStatus OpenDevice(qcCullLayers* cull, qcDevice* device)
 {
     if (cull->layers != NULL && cull->device == device)
@@ -82,12 +95,13 @@ static qcStatus OpenDevice(qcCullLayers* cull, qcDevice* device)
     qcLayers_Destroy(cull->layers);
     cull->layers = NULL;
     qcLayersBodies_Forget(&cull->bodies);
-    QC_TRY(qcLayers_Create(device, &cull->layers));
+    cull->bodies.imageOnly = LeavesImage(device);
+    QC_TRY(qcLayers_Create(device, cull->bodies.imageOnly, &cull->layers));
     cull->device = device;
     return qc_statusOk;
 }
 
-/// From places on the device to ranks of the step.
+/// Pairs of triangles: from places on the device to ranks of the step.
 static qcStatus MapPairs(const Step* step, const qcLayersAnswer* answer, qcArray* keys)
 {
     const qcCullLayers* cull = step->cull;
@@ -130,7 +144,23 @@ static void FillProfile(const Step* step, const qcLayersStep* device, const qcLa
     profile->deviceBytes = answer->deviceBytes;
 }
 
-static qcStatus RunOnDevice(Step* step, qcArray* keys, qcProfile* profile)
+static qcStatus Refine(Step* step, const qcLayersStep* device, qcLayersAnswer* answer, const qcPairKeys* keys)
+{
+    qcCullLayers* cull = step->cull;
+    qcLayersRefineJob job = {.bodies = &cull->bodies,
+                             .triangles = step->job->triangles,
+                             .numberOf = cull->numberOf.data,
+                             .image = &answer->image,
+                             .pointError = cull->frame.pointError,
+                             .reach = cull->frame.reach,
+                             .testNeighbours = step->job->testNeighbours,
+                             .listKnown = step->job->listKnown,
+                             .threads = step->job->threads};
+    memcpy(job.cellsLog2, device->cellsLog2, sizeof job.cellsLog2);
+    return qcLayersRefine_Run(&cull->refine, &job, keys, &answer->trianglePairs);
+}
+
+static qcStatus RunOnDevice(Step* step, const qcPairKeys* keys, qcProfile* profile)
 {
     qcCullLayers* cull = step->cull;
     const qcCullLayersJob* job = step->job;
@@ -149,7 +179,7 @@ static qcStatus RunOnDevice(Step* step, qcArray* keys, qcProfile* profile)
     memcpy(device.slack, cull->frame.slack, sizeof device.slack);
     qcLayersAnswer answer;
     QC_TRY(qcLayers_Run(cull->layers, &device, &answer));
-    QC_TRY(MapPairs(step, &answer, keys));
+    QC_TRY(cull->bodies.imageOnly ? Refine(step, &device, &answer, keys) : MapPairs(step, &answer, keys->keys));
     FillProfile(step, &device, &answer, profile);
     return qc_statusOk;
 }
@@ -163,10 +193,9 @@ static void ListNeighboursOf(const qcClusters* clusters, uint32_t first, uint32_
         QC_AT(uint64_t, *keys, keys->count++) = qcTriangles_Key(first + triangles[pair->a], first + triangles[pair->b]);
 }
 
-qcStatus qcCullLayers_Run(qcCullLayers* cull, const qcCullLayersJob* job, qcArray* keys, qcProfile* profile)
+qcStatus qcCullLayers_Run(qcCullLayers* cull, const qcCullLayersJob* job, const qcPairKeys* keys, qcProfile* profile)
 {
     const qcTriangles* t = job->triangles;
-    size_t keyCount = keys->count;
     QC_TRY(qcArray_Resize(&cull->takesPart, t->bodyCount, 1, "bodies that take part"));
     QC_TRY(qcArray_Resize(&cull->meetsItself, t->bodyCount, 1, "bodies that take part"));
     QC_TRY(qcArray_Resize(&cull->interests, 4 * (size_t)t->bodyCount, sizeof(uint32_t), "interests of bodies"));
@@ -178,7 +207,6 @@ qcStatus qcCullLayers_Run(qcCullLayers* cull, const qcCullLayersJob* job, qcArra
     if (status != qc_statusOk)
     {
         // What the device holds is unknown: the next step opens it anew.
-        keys->count = keyCount;
         qcLayers_Destroy(cull->layers);
         cull->layers = NULL;
     }
@@ -201,6 +229,7 @@ void qcCullLayers_Free(qcCullLayers* cull)
 {
     qcLayers_Destroy(cull->layers);
     qcLayersBodies_Free(&cull->bodies);
+    qcLayersRefine_Free(&cull->refine);
     qcArray_Free(&cull->takesPart);
     qcArray_Free(&cull->meetsItself);
     qcArray_Free(&cull->interests);

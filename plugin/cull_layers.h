@@ -3,6 +3,7 @@
 #define QC_PLUGIN_CULL_LAYERS_H
 
 #include "layers_bodies.h"
+#include "layers_refine.h"
 #include "quickcullide/scene.h"
 
 typedef struct qcCullLayers
@@ -11,6 +12,7 @@ typedef struct qcCullLayers
     qcDevice* device; ///< of it
     qcLayersFrame frame;
     qcLayersBodies bodies;
+    qcLayersRefine refine;
     qcArray takesPart, meetsItself; ///< uint8_t, by body of the step
     qcArray interests;              ///< uint32_t, four by body
     qcArray partners;               ///< of qcLayersView: around the partners of a body
@@ -26,14 +28,15 @@ typedef struct qcCullLayersJob
     size_t meetingCount;      ///< pairs
     double reach;
     bool testNeighbours; ///< triangles of one body that share a vertex are candidates too
+    bool listKnown;      ///< pairs whose relation is known are among the contact keys, too
     uint32_t columns;    ///< 0: chosen
     char depthAxis;      ///< 0: chosen
     uint32_t threads;
 } qcCullLayersJob;
 
-/// Adds the keys of the pairs (lower rank << 32 | higher rank), in no order; as candidates.h has them.
-/// qc_statusDevice: the device can't, and a method that needs none has to answer; the message says why.
-qcStatus qcCullLayers_Run(qcCullLayers* cull, const qcCullLayersJob* job, qcArray* keys, qcProfile* profile);
+/// Adds keys of pairs, in no order. qc_statusDevice: the device can't, and a method that needs none has to answer; the
+/// message says why.
+qcStatus qcCullLayers_Run(qcCullLayers* cull, const qcCullLayersJob* job, const qcPairKeys* keys, qcProfile* profile);
 
 /// Adds the keys of all pairs of neighbours of a body that met itself in the last step.
 qcStatus qcCullLayers_ListNeighbours(const qcCullLayers* cull, const qcTriangles* triangles, uint32_t body,

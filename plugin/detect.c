@@ -139,7 +139,7 @@ static qcStatus ChooseParts(Step* step)
 static qcStatus CullLayers(Step* step)
 {
     qcDetector* d = step->detector;
-    d->layersKeys.count = d->layersNeighbourKeys.count = 0;
+    d->layersKeys.count = d->layersContactKeys.count = d->layersSure.count = 0;
     if (step->profile.partsOnDevice == 0)
         return qc_statusOk;
     qcCullLayersJob job = {.device = step->device,
@@ -149,10 +149,12 @@ static qcStatus CullLayers(Step* step)
                            .meetingCount = d->objects.pairs.count,
                            .reach = Reach(step->def),
                            .testNeighbours = step->def->neighbours,
+                           .listKnown = step->def->contactMargin > 0.0,
                            .columns = step->def->layerColumns,
                            .depthAxis = step->def->layerDepthAxis,
                            .threads = step->threads};
-    qcStatus status = qcCullLayers_Run(&d->cullLayers, &job, &d->layersKeys, &step->profile);
+    const qcPairKeys keys = {&d->layersKeys, &d->layersContactKeys, &d->layersSure};
+    qcStatus status = qcCullLayers_Run(&d->cullLayers, &job, &keys, &step->profile);
     if (status == qc_statusOk)
     {
         UseDevice(step);
@@ -219,7 +221,7 @@ static qcStatus ListNeighbours(Step* step)
     for (uint32_t body = 0; ListsNeighbours(step) && body < d->triangles.bodyCount; body++)
         if (QC_AT(uint8_t, d->onDevice, body) && !QC_AT(uint8_t, d->neighboursOnSurfaces, body) &&
             qcBody_MeetsItself(qcTriangles_Body(&d->triangles, body)))
-            QC_TRY(qcCullLayers_ListNeighbours(&d->cullLayers, &d->triangles, body, &d->layersNeighbourKeys));
+            QC_TRY(qcCullLayers_ListNeighbours(&d->cullLayers, &d->triangles, body, &d->layersContactKeys));
     return qc_statusOk;
 }
 
@@ -255,7 +257,8 @@ static qcStatus SweepTriangles(Step* step)
         QC_TRY(qcCandidates_Sweep(&d->candidates, &rules, &step->profile));
     QC_TRY(SweepSurfaces(step));
     QC_TRY(ListNeighbours(step));
-    return qcCandidates_Add(&d->candidates, &d->layersKeys, &d->layersNeighbourKeys);
+    const qcPairKeys keys = {&d->layersKeys, &d->layersContactKeys, &d->layersSure};
+    return qcCandidates_Add(&d->candidates, &keys);
 }
 
 static uint32_t CountMarked(const uint8_t* marks, uint32_t count)
@@ -450,7 +453,8 @@ void qcDetector_Free(qcDetector* detector)
     qcArray_Free(&detector->elsewhere);
     qcArray_Free(&detector->neighboursOnSurfaces);
     qcArray_Free(&detector->layersKeys);
-    qcArray_Free(&detector->layersNeighbourKeys);
+    qcArray_Free(&detector->layersContactKeys);
+    qcArray_Free(&detector->layersSure);
     qcCandidates_Free(&detector->candidates);
     qcNarrow_Free(&detector->narrow);
     qcManifolds_Free(&detector->manifolds);

@@ -22,7 +22,7 @@ typedef struct qcDetector
     qcArray onSurfaces;           ///< uint8_t, by body of the step: answered by the sweep of surfaces
     qcArray elsewhere;            ///< uint8_t, by body of the step: either
     qcArray neighboursOnSurfaces; ///< uint8_t, by body of the step: answered by the device, its neighbours by the sweep
-    qcArray layersKeys, layersNeighbourKeys; ///< uint64_t: the device's candidates
+    qcArray layersKeys, layersContactKeys, layersSure; ///< the device's candidates, as in qcPairSink
     qcCandidates candidates;
     qcNarrow narrow;
     qcManifolds manifolds;

@@ -50,21 +50,22 @@ static size_t PaddedVertices(const qcBody* body)
 }
 
 /// What a body takes of each input buffer.
-static void Needs(const qcBody* body, const qcClusters* clusters, size_t needs[qc_layersInputCount])
+static void FindNeeds(const qcLayersBodies* bodies, const qcBody* body, const qcClusters* clusters,
+                      size_t needs[qc_layersInputCount])
 {
     memset(needs, 0, qc_layersInputCount * sizeof needs[0]);
     needs[qc_layersVertices] = needs[qc_layersLocals] = PaddedVertices(body);
     needs[qc_layersTriangles] = (size_t)clusters->nodeCount * qc_nodeSize;
     needs[qc_layersNodes] = needs[qc_layersActiveNodes] = clusters->nodeCount;
-    needs[qc_layersLinks] = clusters->links.count;
-    needs[qc_layersTables] = clusters->tables.count;
+    needs[qc_layersLinks] = bodies->imageOnly ? 0 : clusters->links.count;
+    needs[qc_layersTables] = bodies->imageOnly ? 0 : clusters->tables.count;
     needs[qc_layersChunks] = needs[qc_layersVertices] / qc_chunkSize;
 }
 
 static void Assign(qcLayersBodies* bodies, qcLayersPlace* place, const qcBody* body)
 {
     size_t needs[qc_layersInputCount];
-    Needs(body, &place->clusters, needs);
+    FindNeeds(bodies, body, &place->clusters, needs);
     place->firstVertex = (uint32_t)bodies->used[qc_layersVertices];
     place->firstNode = (uint32_t)bodies->used[qc_layersNodes];
     place->firstLink = (uint32_t)bodies->used[qc_layersLinks];
@@ -195,6 +196,9 @@ static qcStatus ReserveStaging(const Prepare* p)
     QC_TRY(qcArray_Reserve(&bodies->triangles, needs.triangles, 4 * sizeof(uint32_t), "triangles for the device"));
     QC_TRY(qcArray_Reserve(&bodies->nodes, needs.nodes, 4 * sizeof(uint32_t), "nodes for the device"));
     QC_TRY(qcArray_Reserve(&bodies->links, needs.links, 2 * sizeof(uint32_t), "links for the device"));
+    if (bodies->imageOnly)
+        QC_TRY(qcArray_Resize(&bodies->corners, bodies->used[qc_layersTriangles], sizeof(qcCorners),
+                              "triangles for the device"));
     return qcArray_Resize(&bodies->nodeSlot, bodies->used[qc_layersNodes], sizeof(uint32_t), "nodes for the device");
 }
 
@@ -230,6 +234,22 @@ static qcStatus UploadLocals(qcLayersBodies* bodies, qcLayersPlace* place, uint3
     return AddUpload(bodies, qc_layersLocals, place->firstVertex, body->vertexCount, staged);
 }
 
+/// Who of a body's nodes are neighbours.
+static qcStatus UploadTables(qcLayersBodies* bodies, const qcLayersPlace* place)
+{
+    const qcClusters* clusters = &place->clusters;
+    uint32_t(*links)[2] = Stage(&bodies->links, clusters->links.count, sizeof *links);
+    for (size_t i = 0; i < clusters->links.count; i++)
+    {
+        qcNodeLink link = QC_AT(qcNodeLink, clusters->links, i);
+        links[i][0] = place->firstNode + link.other;
+        links[i][1] = place->firstTable + link.table;
+    }
+    QC_TRY(AddUpload(bodies, qc_layersLinks, place->firstLink, clusters->links.count, links));
+    return AddUpload(bodies, qc_layersTables, (size_t)place->firstTable * qc_nodeSize, clusters->tables.count,
+                     clusters->tables.data);
+}
+
 static qcStatus UploadTopology(qcLayersBodies* bodies, qcLayersPlace* place, uint32_t slot, const qcBody* body)
 {
     const qcClusters* clusters = &place->clusters;
@@ -242,6 +262,9 @@ static qcStatus UploadTopology(qcLayersBodies* bodies, qcLayersPlace* place, uin
             triangles[i][c] =
                 t == QC_NO_TRIANGLE ? QC_NO_TRIANGLE : place->firstVertex + body->indices[3 * (size_t)t + c];
         triangles[i][3] = 0;
+        if (bodies->imageOnly)
+            memcpy(&QC_AT(qcCorners, bodies->corners, (size_t)place->firstNode * qc_nodeSize + i), triangles[i],
+                   sizeof(qcCorners));
     }
     uint32_t(*nodes)[4] = Stage(&bodies->nodes, nodeCount, sizeof *nodes);
     for (uint32_t n = 0; n < nodeCount; n++)
@@ -252,19 +275,11 @@ static qcStatus UploadTopology(qcLayersBodies* bodies, qcLayersPlace* place, uin
         nodes[n][3] = 0;
         QC_AT(uint32_t, bodies->nodeSlot, place->firstNode + n) = slot;
     }
-    uint32_t(*links)[2] = Stage(&bodies->links, clusters->links.count, sizeof *links);
-    for (size_t i = 0; i < clusters->links.count; i++)
-    {
-        qcNodeLink link = QC_AT(qcNodeLink, clusters->links, i);
-        links[i][0] = place->firstNode + link.other;
-        links[i][1] = place->firstTable + link.table;
-    }
     QC_TRY(AddUpload(bodies, qc_layersTriangles, (size_t)place->firstNode * qc_nodeSize,
                      (size_t)nodeCount * qc_nodeSize, triangles));
     QC_TRY(AddUpload(bodies, qc_layersNodes, place->firstNode, nodeCount, nodes));
-    QC_TRY(AddUpload(bodies, qc_layersLinks, place->firstLink, clusters->links.count, links));
-    QC_TRY(AddUpload(bodies, qc_layersTables, (size_t)place->firstTable * qc_nodeSize, clusters->tables.count,
-                     clusters->tables.data));
+    if (!bodies->imageOnly)
+        QC_TRY(UploadTables(bodies, place));
     return body->deforming ? qc_statusOk : UploadLocals(bodies, place, slot, body);
 }
 
@@ -307,14 +322,14 @@ static void Convert(void* context, size_t block, uint32_t worker)
 {
     (void)worker;
     const Conversion* c = context;
-    const qcLayersFrame* frame = c->frame;
+    const qcLayersFrame frame = *c->frame;
     uint32_t first = (uint32_t)block * qc_vertexBlock;
     uint32_t count = c->body->vertexCount, end = count - first < qc_vertexBlock ? count : first + qc_vertexBlock;
     for (uint32_t v = first; v < end; v++)
     {
         double world[3], x[3];
         qcBody_GetVertex(c->body, v, world);
-        qcLayersFrame_Map(frame, world, x);
+        qcLayersFrame_Map(&frame, world, x);
         c->staged[v] = (Vertex){{(float)x[0], (float)x[1], (float)x[2]}, 0};
     }
 }
@@ -436,9 +451,10 @@ void qcLayersBodies_Free(qcLayersBodies* bodies)
 {
     for (uint32_t slot = 0; slot < bodies->places.count; slot++)
         Release(bodies, PlaceAt(bodies, slot));
-    qcArray* arrays[] = {&bodies->places,     &bodies->nodeSlot,    &bodies->vertices, &bodies->locals,
-                         &bodies->triangles,  &bodies->nodes,       &bodies->links,    &bodies->bodies,
-                         &bodies->sentBodies, &bodies->activeNodes, &bodies->chunks,   &bodies->uploads};
+    qcArray* arrays[] = {&bodies->places, &bodies->nodeSlot,   &bodies->corners,     &bodies->vertices,
+                         &bodies->locals, &bodies->triangles,  &bodies->nodes,       &bodies->links,
+                         &bodies->bodies, &bodies->sentBodies, &bodies->activeNodes, &bodies->chunks,
+                         &bodies->uploads};
     for (size_t i = 0; i < sizeof arrays / sizeof arrays[0]; i++)
         qcArray_Free(arrays[i]);
 }

@@ -23,11 +23,13 @@ typedef struct qcLayersPlace
 
 typedef struct qcLayersBodies
 {
+    bool imageOnly;                                ///< what the device finds; to be set before all else
     qcArray places;                                    ///< of qcLayersPlace, by slot
     size_t capacity[qc_layersInputCount];              ///< elements that the device holds
     size_t used[qc_layersInputCount];                  ///< elements given to bodies, also to those that are gone
     uint32_t goneNodes;                                ///< of these
     qcArray nodeSlot;                                  ///< uint32_t: slot of a node's body
+    qcArray corners;                                   ///< of qcCorners, by place, for an image only
     qcArray vertices, locals, triangles, nodes, links; ///< what is uploaded; kept until the step has run
     qcArray bodies, sentBodies;                        ///< of qcLayersBody, by slot
     qcArray activeNodes, chunks;                       ///< uint32_t

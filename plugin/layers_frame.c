@@ -85,12 +85,6 @@ bool qcLayersFrame_Fit(qcLayersFrame* frame, const qcLayersView* view)
     return true;
 }
 
-void qcLayersFrame_Map(const qcLayersFrame* frame, const double world[3], double inFrame[3])
-{
-    for (int i = 0; i < 3; i++)
-        inFrame[i] = (world[frame->axes[i]] - frame->origin[i]) * frame->unit;
-}
-
 static uint32_t ToLevel(double x)
 {
     return x <= 1.0 ? 1 : x >= qc_layersLevels ? qc_layersLevels : (uint32_t)x;

@@ -32,7 +32,11 @@ typedef struct qcLayersFrame
 bool qcLayersFrame_Fit(qcLayersFrame* frame, const qcLayersView* view);
 
 /// A world position (three doubles) in the frame, in double; within [0, 1] for what the view holds.
-void qcLayersFrame_Map(const qcLayersFrame* frame, const double world[3], double inFrame[3]);
+static inline void qcLayersFrame_Map(const qcLayersFrame* frame, const double world[3], double inFrame[3])
+{
+    for (int i = 0; i < 3; i++)
+        inFrame[i] = (world[frame->axes[i]] - frame->origin[i]) * frame->unit;
+}
 
 /// A world box in levels, rounded outward, with the slack that boxes of triangles have. The diagonal is unbounded.
 void qcLayersFrame_MapBox(const qcLayersFrame* frame, const double lower[3], const double upper[3], uint32_t box[4]);

@@ -79,28 +79,6 @@ static void Flush(Queue* queue)
     queue->wanted = found.count == 0 || s->job->function(s->job->context, &found, queue->worker);
 }
 
-#define QC_NO_LINK UINT32_MAX
-
-/// The link of two nodes of one surface, or QC_NO_LINK: they share no vertex.
-static uint32_t FindLink(const qcClusters* clusters, uint32_t a, uint32_t b)
-{
-    const qcNodeLink* links = clusters->links.data;
-    for (uint32_t i = QC_AT(uint32_t, clusters->firstLink, a); i < QC_AT(uint32_t, clusters->firstLink, a + 1); i++)
-        if (links[i].other == b)
-            return i;
-    return QC_NO_LINK;
-}
-
-/// As the table of a node with itself, had no two of its triangles a common vertex.
-static const uint64_t* OrderTable(void)
-{
-    static const uint64_t b = QC_IN_ORDER, x = UINT64_MAX;
-    static const uint64_t table[qc_nodeSize] = {b, 0, 0, 0, 0, 0, 0, 0, x, b, 0, 0, 0, 0, 0, 0, x, x, b, 0, 0, 0,
-                                                0, 0, x, x, x, b, 0, 0, 0, 0, x, x, x, x, b, 0, 0, 0, x, x, x, x,
-                                                x, b, 0, 0, x, x, x, x, x, x, b, 0, x, x, x, x, x, x, x, b};
-    return table;
-}
-
 static qcSurfaceBoxes BoxesOf(const qcSurface* surface)
 {
     const qcBoxGroup* groups = surface->groups.data;
@@ -128,13 +106,12 @@ static void CompareNodes(Queue* queue, uint32_t a, uint32_t b)
     int skipCount = 0;
     const uint64_t* words = NULL;
     if (job->neighbours)
-        words = a == b ? OrderTable() : NULL;
+        words = a == b ? qcClusters_OrderTable() : NULL;
     else
     {
-        uint32_t link = FindLink(&job->a->clusters, a, b);
+        uint32_t link = qcClusters_FindLink(&job->a->clusters, a, b);
         if (link != QC_NO_LINK)
-            words = &QC_AT(uint64_t, job->a->clusters.tables,
-                           (size_t)QC_AT(qcNodeLink, job->a->clusters.links, link).table * qc_nodeSize);
+            words = qcClusters_Table(&job->a->clusters, link);
         if (link != QC_NO_LINK && job->flatDiscs)
             skipCount = qcSurface_FindSkips(job->a, a, link, skips);
         for (int i = 0; i < skipCount; i++)

@@ -124,55 +124,16 @@ typedef struct Run
     uint32_t first[2];
 } Run;
 
-static uint64_t KeyOf(const Run* run, qcPlacePair pair)
+static uint64_t KeyOf(const void* context, qcPlacePair pair)
 {
+    const Run* run = context;
     return qcTriangles_Key(run->first[0] + run->triangles[0][pair.a], run->first[1] + run->triangles[1][pair.b]);
 }
 
-static void AddKey(qcArray* keys, uint64_t key)
-{
-    QC_AT(uint64_t, *keys, keys->count++) = key;
-}
-
-/// What is known needs no exact test; who asks for contacts makes them of all that is near.
 static bool AddKeys(void* context, const qcFoundPairs* found, uint32_t worker)
 {
     const Run* run = context;
-    qcSurfaceSink* sink = &QC_AT(qcSurfaceSink, run->sweep->sinks, worker);
-    qcArray* keyArrays[2] = {&sink->keys, &sink->contactKeys};
-    for (int i = 0; i < 2 && sink->status == qc_statusOk; i++)
-        sink->status =
-            qcArray_Reserve(keyArrays[i], keyArrays[i]->count + found->count, sizeof(uint64_t), "candidate pairs");
-    if (sink->status == qc_statusOk)
-        sink->status =
-            qcArray_Reserve(&sink->sure, sink->sure.count + found->count, sizeof(qcSortItem), "candidate pairs");
-    if (sink->status != qc_statusOk)
-        return false;
-    size_t known = found->near + found->apart + found->penetrating;
-    for (size_t i = 0; i < found->count; i++)
-    {
-        uint64_t key = KeyOf(run, found->pairs[i]);
-        if (i >= known)
-            AddKey(&sink->keys, key);
-        else if (i < found->near || i >= found->near + found->apart)
-            QC_AT(qcSortItem, sink->sure, sink->sure.count++) =
-                (qcSortItem){key, i < found->near ? qc_relationNear : qc_relationPenetrating};
-        if (i < known && run->job->listNeighbours)
-            AddKey(&sink->contactKeys, key);
-    }
-    return true;
-}
-
-static qcStatus EmptySinks(qcSweepSurfaces* sweep, uint32_t threads)
-{
-    QC_TRY(qcArray_GrowZeroed(&sweep->sinks, threads, sizeof(qcSurfaceSink), "candidate pairs"));
-    for (size_t i = 0; i < sweep->sinks.count; i++)
-    {
-        qcSurfaceSink* sink = &QC_AT(qcSurfaceSink, sweep->sinks, i);
-        sink->keys.count = sink->contactKeys.count = sink->sure.count = 0;
-        sink->status = qc_statusOk;
-    }
-    return qc_statusOk;
+    return qcPairSink_Add(&QC_AT(qcPairSink, run->sweep->sinks, worker), found, run->job->listNeighbours, KeyOf, run);
 }
 
 /// Flags for the nodes of bodies whose triangles need not all take part.
@@ -250,12 +211,7 @@ static qcStatus FindPairs(Run* run, uint32_t a, uint32_t b)
 static void AddContactKeys(void* context, const qcPlacePair* pairs, size_t count, uint32_t worker)
 {
     const Run* run = context;
-    qcSurfaceSink* sink = &QC_AT(qcSurfaceSink, run->sweep->sinks, worker);
-    if (sink->status == qc_statusOk)
-        sink->status =
-            qcArray_Reserve(&sink->contactKeys, sink->contactKeys.count + count, sizeof(uint64_t), "neighbours");
-    for (size_t i = 0; i < count && sink->status == qc_statusOk; i++)
-        AddKey(&sink->contactKeys, KeyOf(run, pairs[i]));
+    qcPairSink_AddNeighbours(&QC_AT(qcPairSink, run->sweep->sinks, worker), pairs, count, KeyOf, run);
 }
 
 static void AddNeighbours(Run* run, uint32_t body, qcProfile* profile)
@@ -301,26 +257,11 @@ static void FindFlat(const Run* run, uint32_t body, qcProfile* profile)
     profile->flatTriangles += qcSurface_CountFlat(surface);
 }
 
-static qcStatus CollectKeys(const qcSweepSurfaces* sweep, qcCandidates* candidates)
-{
-    for (size_t i = 0; i < sweep->sinks.count; i++)
-    {
-        const qcSurfaceSink* sink = &QC_AT(qcSurfaceSink, sweep->sinks, i);
-        // The message is the worker's own; say it again on this thread.
-        if (sink->status != qc_statusOk)
-            return qcArray_FailAgain(&sink->keys, "candidate pairs");
-        QC_TRY(qcArray_Append(&candidates->keys, &sink->keys, sizeof(uint64_t), "candidate pairs"));
-        QC_TRY(qcArray_Append(&candidates->neighbourKeys, &sink->contactKeys, sizeof(uint64_t), "candidate pairs"));
-        QC_TRY(qcArray_Append(&candidates->sure, &sink->sure, sizeof(qcSortItem), "candidate pairs"));
-    }
-    return qc_statusOk;
-}
-
 qcStatus qcSweepSurfaces_Run(qcSweepSurfaces* sweep, const qcSweepSurfacesJob* job, qcProfile* profile)
 {
     const qcTriangles* t = job->triangles;
     Run run = {.sweep = sweep, .job = job, .flatDiscs = !job->testNeighbours};
-    QC_TRY(EmptySinks(sweep, job->threads));
+    QC_TRY(qcPairSinks_Begin(&sweep->sinks, job->threads));
     QC_TRY(ClearReached(&run));
     for (size_t i = 0; i < job->objects->pairs.count; i++)
     {
@@ -342,23 +283,19 @@ qcStatus qcSweepSurfaces_Run(qcSweepSurfaces* sweep, const qcSweepSurfacesJob* j
         AddNeighbours(&run, body, profile);
     }
     profile->fittedTriangles += sweep->fittedTriangles;
-    return CollectKeys(sweep, job->candidates);
+    qcCandidates* candidates = job->candidates;
+    qcPairKeys keys = {&candidates->keys, &candidates->neighbourKeys, &candidates->sure};
+    return qcPairSinks_End(&sweep->sinks, &keys);
 }
 
 void qcSweepSurfaces_Free(qcSweepSurfaces* sweep)
 {
     for (uint32_t slot = 0; slot < sweep->surfaces.count; slot++)
         qcSurface_Free(SurfaceAt(sweep, slot));
-    for (size_t i = 0; i < sweep->sinks.count; i++)
-    {
-        qcArray_Free(&QC_AT(qcSurfaceSink, sweep->sinks, i).keys);
-        qcArray_Free(&QC_AT(qcSurfaceSink, sweep->sinks, i).contactKeys);
-        qcArray_Free(&QC_AT(qcSurfaceSink, sweep->sinks, i).sure);
-    }
+    qcPairSinks_Free(&sweep->sinks);
     qcSurfacePairs_Free(&sweep->pairs);
     qcSurfaceScratch_Free(&sweep->scratch);
-    qcArray* arrays[] = {&sweep->surfaces, &sweep->seen,    &sweep->toMake,
-                         &sweep->sinks,    &sweep->reached, &sweep->firstReached};
+    qcArray* arrays[] = {&sweep->surfaces, &sweep->seen, &sweep->toMake, &sweep->reached, &sweep->firstReached};
     for (size_t i = 0; i < sizeof arrays / sizeof arrays[0]; i++)
         qcArray_Free(arrays[i]);
 }

@@ -3,18 +3,8 @@
 #define QC_PLUGIN_SWEEP_SURFACES_H
 
 #include "candidates.h"
+#include "pair_sinks.h"
 #include "surface_neighbours.h"
-#include "surface_pairs.h"
-
-/// What one worker found.
-typedef struct qcSurfaceSink
-{
-    qcArray keys;        ///< uint64_t: lower rank << 32 | higher rank
-    qcArray contactKeys; ///< uint64_t: for contacts: neighbours, and pairs whose relation is known
-    qcArray sure;        ///< of qcSortItem: key and relation, of pairs that need no other test
-    qcStatus status;
-    char apart[64]; ///< keeps two workers off one cache line
-} qcSurfaceSink;
 
 /// A body of the step whose surface has something missing, and how making it went.
 typedef struct qcSurfaceToMake
@@ -32,7 +22,7 @@ typedef struct qcSweepSurfaces
     qcArray toMake;                  ///< of qcSurfaceToMake
     qcSurfaceScratch scratch;
     qcSurfacePairs pairs;
-    qcArray sinks;            ///< of qcSurfaceSink
+    qcArray sinks;            ///< of qcPairSink
     qcArray reached;          ///< uint8_t, by node, of bodies that are not tested with themselves
     qcArray firstReached;     ///< size_t, by body of the step: where its nodes begin, or SIZE_MAX
     uint64_t fittedTriangles; ///< in this step

@@ -57,12 +57,15 @@ static qcBodyId AddDeforming(qcScene* scene, const qcSoup* soup)
 
 //  ---- lists that grow, uploads ------------------------------------------------------------------------------------
 
-START_TEST(a_scene_that_collapses_runs_again_once_and_then_no_more)
+/// Lists of pairs grow on the device; where the processor reads the image, the image does: with more columns than are
+/// chosen, large triangles cover many cells.
+static void CheckCollapse(const char* refinedBy, uint32_t columns)
 {
     enum
     {
         qc_count = 1200
     };
+    setenv("QC_LAYERS_REFINE", refinedBy, 1);
     // The same centres: apart, and larger than the distances of most.
     qcSoup apart = qcSoup_MakeRandom(5, qc_count, 0.005), crowded = qcSoup_MakeRandom(5, qc_count, 0.25);
     QC_FOR_EACH_DEVICE(device)
@@ -70,6 +73,7 @@ START_TEST(a_scene_that_collapses_runs_again_once_and_then_no_more)
         qcScene* scene = qcMakeScene(device);
         qcBodyId id = AddDeforming(scene, &apart);
         qcDetectDef def = qcDefaultDetectDef();
+        def.layerColumns = columns;
         uint64_t few = CheckLayers(scene, &def, "apart")->pairCount;
         SetVertices(scene, id, &crowded);
         const qcResult* result = CheckLayers(scene, &def, "collapsed");
@@ -89,6 +93,12 @@ START_TEST(a_scene_that_collapses_runs_again_once_and_then_no_more)
     qcSoup_Free(&apart);
     qcSoup_Free(&crowded);
     ck_assert_uint_eq(qcGetByteCount(), 0);
+}
+
+START_TEST(a_scene_that_collapses_runs_again_once_and_then_no_more)
+{
+    CheckCollapse("device", 0);
+    CheckCollapse("processor", 32);
 }
 END_TEST
 

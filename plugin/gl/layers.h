@@ -1,12 +1,13 @@
 // The device's part of `layers`: from vertices to pairs of triangles that may be within reach of each other.
 // The image is a grid of pixels over two axes, each cut into slices of depth; each such cell has a list of the nodes
 // (64 triangles) that cover it, with their intervals in all axes. Nodes that share a cell and overlap are taken apart
-// into clusters (8) and triangles.
+// into clusters (8) and triangles: by the device or, where that is the processor itself, by layers_refine.h.
 #ifndef QC_PLUGIN_GL_LAYERS_H
 #define QC_PLUGIN_GL_LAYERS_H
 
 #include "memory.h"
 #include "quickcullide/device.h"
+#include "surface_kernels.h"
 
 /// What stays on the device; elements are 16 bytes where nothing else is said.
 typedef enum qcLayersBuffer
@@ -70,24 +71,51 @@ typedef struct qcLayersStep
     bool testNeighbours;
 } qcLayersStep;
 
+#define QC_NO_ENTRY UINT32_MAX
+
+/// A node in one cell's list.
+typedef struct qcLayersEntry
+{
+    uint32_t node, next, cell, body; ///< places; `next`: of the next entry in the list, or QC_NO_ENTRY
+} qcLayersEntry;
+
+/// All that covers cells, and what it is to be taken apart by; all but entries by place.
+typedef struct qcLayersImage
+{
+    const qcLayersEntry* entries;
+    uint32_t entryCount;
+    const uint32_t (*nodeBoxes)[4];               ///< as qcLayers_PackBox
+    const qcBoxGroup *clusterGroups, *nodeGroups; ///< boxes in levels: of triangles, of clusters
+    const qcPoint* vertices;                      ///< in the frame
+} qcLayersImage;
+
 typedef struct qcLayersAnswer
 {
     const uint32_t* pairs; ///< two places of triangles each, in no order; valid until the next step
     size_t pairCount;
-    uint64_t entries, nodePairs, clusterPairs, trianglePairs; ///< before the separating axes
-    uint64_t skippedNodes;                                    ///< outside their body's interest
+    qcLayersImage image; ///< in place of pairs, if that is all; valid as long
+    uint64_t entries;
+    uint64_t trianglePairs; ///< whose boxes overlap, before the separating axes; 0 beside an image
+    uint64_t skippedNodes;  ///< outside their body's interest
     uint32_t reruns;
     uint64_t uploadedBytes, deviceBytes;
 } qcLayersAnswer;
 
 typedef struct qcLayers qcLayers;
 
+/// With `imageOnly` the image is the answer: links and tables of bodies, and their rules, are not looked at.
 /// qc_statusDevice on a device without compute shaders.
-qcStatus qcLayers_Create(qcDevice* device, qcLayers** layers);
+qcStatus qcLayers_Create(qcDevice* device, bool imageOnly, qcLayers** layers);
 /// Null is allowed.
 void qcLayers_Destroy(qcLayers* layers);
 /// qc_statusDevice where the device's buffers can't hold the scene, or the device fails.
 qcStatus qcLayers_Run(qcLayers* layers, const qcLayersStep* step, qcLayersAnswer* answer);
+
+/// The cell of a box's lower ends.
+static inline uint32_t qcLayers_CellAt(const uint32_t at[3], const uint32_t cellsLog2[3])
+{
+    return (at[2] << cellsLog2[1] | at[1]) << cellsLog2[0] | at[0];
+}
 
 /// Levels 1..qc_layersLevels, or 0: x, y, depth, (x + y) / 2.
 static inline void qcLayers_PackBox(const uint32_t lower[4], const uint32_t upper[4], uint32_t box[4])

@@ -64,6 +64,7 @@
     X(PFNGLGETSTRINGPROC, GetString)                                                                                   \
     X(PFNGLGETUNIFORMLOCATIONPROC, GetUniformLocation)                                                                 \
     X(PFNGLLINKPROGRAMPROC, LinkProgram)                                                                               \
+    X(PFNGLMAPBUFFERRANGEPROC, MapBufferRange)                                                                         \
     X(PFNGLPIXELSTOREIPROC, PixelStorei)                                                                               \
     X(PFNGLPOLYGONMODEPROC, PolygonMode)                                                                               \
     X(PFNGLPOLYGONOFFSETPROC, PolygonOffset)                                                                           \
@@ -79,6 +80,7 @@
     X(PFNGLUNIFORM3FVPROC, Uniform3fv)                                                                                 \
     X(PFNGLUNIFORM4FVPROC, Uniform4fv)                                                                                 \
     X(PFNGLUNIFORMMATRIX4FVPROC, UniformMatrix4fv)                                                                     \
+    X(PFNGLUNMAPBUFFERPROC, UnmapBuffer)                                                                               \
     X(PFNGLUSEPROGRAMPROC, UseProgram)                                                                                 \
     X(PFNGLVERTEXATTRIBPOINTERPROC, VertexAttribPointer)                                                               \
     X(PFNGLVIEWPORTPROC, Viewport)

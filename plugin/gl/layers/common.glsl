@@ -81,6 +81,16 @@ uvec4 upperEnds(uvec4 box)
     return uvec4(box.z & 0x7fffu, box.z >> 16 & 0x7fffu, box.w & 0x7fffu, box.w >> 16 & 0x7fffu);
 }
 
+// Boxes k and k + 1 of a group of eight side by side (qcBoxGroup): by axis, lower ends, then complements of upper ends,
+// two of each a word.
+#define WRITE_TWO_OF_GROUP(groups, group, k, lower, upper)                                                             \
+    for (int axis = 0; axis < 3; axis++)                                                                               \
+    {                                                                                                                  \
+        int word = (group) * 24 + axis * 8 + ((k) >> 1);                                                               \
+        groups[word] = lower[0][axis] | lower[1][axis] << 16;                                                          \
+        groups[word + 4] = ~(upper[0][axis] | upper[1][axis] << 16);                                                   \
+    }
+
 // Eight boxes against eight: bit u + 8 v of the mask (low, high word) says that u of the one meets v of the other.
 #define MEET(p, q, bit) (OVERLAP(p, q) ? 1u << (bit) : 0u)
 #define ROW(q, bit)                                                                                                    \

@@ -2,7 +2,11 @@
 layout(std430, binding = 1) buffer NodeBoxes { uvec4 outNodeBoxes[]; };
 layout(std430, binding = 2) buffer Heads { uint heads[]; };
 layout(std430, binding = 3) buffer Entries { uvec4 outEntries[]; }; // node, next entry, cell, body
+#ifdef IMAGE_ONLY
+layout(std430, binding = 5) buffer NodeGroups { uint outGroups[]; };
+#else
 layout(std430, binding = 4) buffer NodePairs { uvec2 outNodePairs[]; };
+#endif
 uniform uint nodeCount, entryCapacity, nodePairCapacity;
 
 void main()
@@ -13,11 +17,16 @@ void main()
 
     int node = int(texelFetch(activeNodes, int(i)).x);
     uvec4 lower = uvec4(0x7fffu), upper = uvec4(0u);
-    for (int k = 0; k < 8; k++)
+    for (int k = 0; k < 8; k += 2)
     {
-        uvec4 box = texelFetch(clusterBoxes, node * 8 + k);
-        lower = min(lower, lowerEnds(box));
-        upper = max(upper, upperEnds(box));
+        uvec4 first = texelFetch(clusterBoxes, node * 8 + k), second = texelFetch(clusterBoxes, node * 8 + k + 1);
+        uvec4 lowers[] = uvec4[](lowerEnds(first), lowerEnds(second)),
+              uppers[] = uvec4[](upperEnds(first), upperEnds(second));
+#ifdef IMAGE_ONLY
+        WRITE_TWO_OF_GROUP(outGroups, node, k, lowers, uppers)
+#endif
+        lower = min(lower, min(lowers[0], lowers[1]));
+        upper = max(upper, max(uppers[0], uppers[1]));
     }
     uvec4 box = packBox(lower, upper);
     outNodeBoxes[node] = box;
@@ -40,9 +49,11 @@ void main()
         // Some implementations stop the loops of an invocation after 65 535 trips in all.
         if (place < min(end, entryCapacity))
             counters[stoppedCounter] = 1u;
+#ifndef IMAGE_ONLY
         // With itself: here, and so next to each other, since they are taken apart into more than others.
         if (bodyMeetsItself(body))
             outNodePairs[min(append(nodePairCounter, 1u, nodePairCapacity), nodePairCapacity)] = uvec2(node);
+#endif
         if (end >= 0x80000000u)
             counters[overflowCounter] = 1u;
     }
