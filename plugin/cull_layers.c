@@ -5,6 +5,7 @@
 #include "status.h"
 
 #include <float.h>
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -144,6 +145,21 @@ static void FillProfile(const Step* step, const qcLayersStep* device, const qcLa
     profile->deviceBytes = answer->deviceBytes;
 }
 
+/// In the frame, rounded down; below 0 where bodies have margins of their own: pairs that are near are then found by
+/// the exact test.
+static float FindMargin(const Step* step)
+{
+    const qcTriangles* t = step->job->triangles;
+    for (uint32_t body = 0; body < t->bodyCount; body++)
+    {
+        const qcBody* b = qcTriangles_Body(t, body);
+        if (QC_AT(uint8_t, step->cull->takesPart, body) &&
+            qcBody_PairMargin(b, b, step->job->nearest) != step->job->nearest)
+            return -1.0f;
+    }
+    return nextafterf((float)(step->job->nearest * step->cull->frame.unit), 0.0f);
+}
+
 static qcStatus Refine(Step* step, const qcLayersStep* device, qcLayersAnswer* answer, const qcPairKeys* keys)
 {
     qcCullLayers* cull = step->cull;
@@ -153,6 +169,7 @@ static qcStatus Refine(Step* step, const qcLayersStep* device, qcLayersAnswer* a
                              .image = &answer->image,
                              .pointError = cull->frame.pointError,
                              .reach = cull->frame.reach,
+                             .margin = FindMargin(step),
                              .testNeighbours = step->job->testNeighbours,
                              .listKnown = step->job->listKnown,
                              .threads = step->job->threads};

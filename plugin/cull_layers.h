@@ -27,6 +27,7 @@ typedef struct qcCullLayersJob
     const uint32_t* meetings; ///< pairs of bodies of the step that may meet: two numbers each
     size_t meetingCount;      ///< pairs
     double reach;
+    double nearest;      ///< pairs that are no further apart, as far as their bodies' margins go, are near
     bool testNeighbours; ///< triangles of one body that share a vertex are candidates too
     bool listKnown;      ///< pairs whose relation is known are among the contact keys, too
     uint32_t columns;    ///< 0: chosen

@@ -148,6 +148,7 @@ static qcStatus CullLayers(Step* step)
                            .meetings = d->objects.pairs.data,
                            .meetingCount = d->objects.pairs.count,
                            .reach = Reach(step->def),
+                           .nearest = step->def->margin,
                            .testNeighbours = step->def->neighbours,
                            .listKnown = step->def->contactMargin > 0.0,
                            .columns = step->def->layerColumns,

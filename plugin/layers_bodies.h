@@ -23,7 +23,7 @@ typedef struct qcLayersPlace
 
 typedef struct qcLayersBodies
 {
-    bool imageOnly;                                ///< what the device finds; to be set before all else
+    bool imageOnly;                                    ///< what the device finds; to be set before all else
     qcArray places;                                    ///< of qcLayersPlace, by slot
     size_t capacity[qc_layersInputCount];              ///< elements that the device holds
     size_t used[qc_layersInputCount];                  ///< elements given to bodies, also to those that are gone

@@ -24,7 +24,7 @@ typedef struct Refining
 {
     const qcLayersRefineJob* job;
     qcLayersRefine* memory;
-    qcFilterSide side;
+    qcFilterSide sides[2]; ///< the same
     qcFilterBound bound;
     uint64_t trianglePairs;
 } Refining;
@@ -53,12 +53,10 @@ static uint64_t KeyOf(const void* context, qcPlacePair pair)
 static void Flush(Queue* queue)
 {
     const Refining* r = queue->r;
-    const qcSurfaceKernels* kernels = r->memory->kernels;
     qcFoundPairs found = {.pairs = queue->pairs, .count = (size_t)(queue->end - queue->pairs)};
     queue->count += found.count;
     queue->end = queue->pairs;
-    found.count = kernels->filter(&r->side, &r->side, &r->bound, queue->pairs, found.count);
-    found.penetrating = kernels->findPiercing(&r->side, &r->side, &r->bound, queue->pairs, found.count);
+    qcFoundPairs_Filter(&found, r->memory->kernels, r->sides, &r->bound);
     qcPairSink_Add(&QC_AT(qcPairSink, r->memory->sinks, queue->worker), &found, r->job->listKnown, KeyOf, r);
 }
 
@@ -155,8 +153,8 @@ qcStatus qcLayersRefine_Run(qcLayersRefine* refine, const qcLayersRefineJob* job
         qcArray_Resize(&refine->queues, (size_t)job->threads * qc_queueRoom, sizeof(qcPlacePair), "pairs of places"));
     Refining r = {.job = job,
                   .memory = refine,
-                  .side = {job->bodies->corners.data, job->image->vertices},
-                  .bound = {.pointError = job->pointError, .reach = job->reach, .margin = -1.0f}};
+                  .bound = {.pointError = job->pointError, .reach = job->reach, .margin = job->margin}};
+    r.sides[0] = r.sides[1] = (qcFilterSide){job->bodies->corners.data, job->image->vertices};
     size_t blocks = ((size_t)job->image->entryCount + qc_entryBlock - 1) / qc_entryBlock;
     qcParallel_For(job->threads, blocks, qc_leastBlocks, TakeBlock, &r);
     *trianglePairs = r.trianglePairs;

@@ -18,10 +18,11 @@ typedef struct qcLayersRefineJob
 {
     const qcLayersBodies* bodies;
     const qcTriangles* triangles;
-    const uint32_t* numberOf;     ///< by slot: body of the step
+    const uint32_t* numberOf; ///< by slot: body of the step
     const qcLayersImage* image;
     uint32_t cellsLog2[3];   ///< of the image
     float pointError, reach; ///< in the frame
+    float margin;            ///< in the frame, as in qcFilterBound
     bool testNeighbours;     ///< triangles of one body that share a vertex are candidates too
     bool listKnown;          ///< pairs that surely penetrate are among the contact keys, too
     uint32_t threads;

@@ -50,20 +50,19 @@ typedef struct Queue
 /// Bits i + 8 j with i <= j.
 static const uint64_t s_inOrder = UINT64_C(0xff7f3f1f0f070301);
 
-static void FilterPairs(const Search* s, qcPlacePair* pairs, qcFoundPairs* found)
+void qcFoundPairs_Filter(qcFoundPairs* found, const qcSurfaceKernels* kernels, const qcFilterSide sides[2],
+                         const qcFilterBound* bound)
 {
-    const qcSurfaceKernels* kernels = s->job->kernels;
-    const qcFilterSide *a = &s->sides[0], *b = &s->sides[1];
-    found->count = kernels->filter(a, b, &s->bound, pairs, found->count);
-    if (s->job->margin > 0.0)
+    found->count = kernels->filter(&sides[0], &sides[1], bound, found->pairs, found->count);
+    if (bound->reach > 0.0f)
     {
-        qcApartCounts counts = kernels->part(a, b, &s->bound, pairs, found->count);
+        qcApartCounts counts = kernels->part(&sides[0], &sides[1], bound, found->pairs, found->count);
         found->near = counts.near;
         found->apart = counts.apart;
         found->count = counts.count;
     }
     size_t known = found->near + found->apart;
-    found->penetrating = kernels->findPiercing(a, b, &s->bound, pairs + known, found->count - known);
+    found->penetrating = kernels->findPiercing(&sides[0], &sides[1], bound, found->pairs + known, found->count - known);
 }
 
 static void Flush(Queue* queue)
@@ -75,7 +74,7 @@ static void Flush(Queue* queue)
         return;
     qcFoundPairs found = {.pairs = queue->pairs, .count = count};
     if (s->filters)
-        FilterPairs(s, queue->pairs, &found);
+        qcFoundPairs_Filter(&found, s->job->kernels, s->sides, &s->bound);
     queue->wanted = found.count == 0 || s->job->function(s->job->context, &found, queue->worker);
 }
 

@@ -14,12 +14,16 @@ enum
 /// second.
 typedef struct qcFoundPairs
 {
-    const qcPlacePair* pairs;
+    qcPlacePair* pairs;
     /// In this order: those that are apart by no more than the margin that is told, those that are apart by more, those
     /// that penetrate.
     size_t near, apart, penetrating;
     size_t count; ///< in all
 } qcFoundPairs;
+
+/// Through the kernels: what is surely apart goes, what is known comes first. `found` has its pairs, in no order.
+void qcFoundPairs_Filter(qcFoundPairs* found, const qcSurfaceKernels* kernels, const qcFilterSide sides[2],
+                         const qcFilterBound* bound);
 
 /// Takes what has been found. False: no more is wanted.
 typedef bool qcSurfacePairsFunction(void* context, const qcFoundPairs* found, uint32_t worker);
