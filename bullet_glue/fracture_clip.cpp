@@ -8,11 +8,82 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
-#include <unordered_map>
+#include <cstring>
 
 namespace
 {
+//  ---- tables ----------------------------------------------------------------------------------------
+
+uint64_t Mix(uint64_t hash, uint64_t bits)
+{
+    hash = (hash ^ bits) * 0x9e3779b97f4a7c15u;
+    return hash ^ hash >> 32;
+}
+
+uint64_t HashOf(uint64_t key)
+{
+    return Mix(0, key);
+}
+
+uint64_t HashOf(const qcClipPoint& point)
+{
+    uint64_t hash = 0;
+    for (double x : point)
+    {
+        x += 0.0; // -0 becomes +0, which compares equal
+        uint64_t bits;
+        std::memcpy(&bits, &x, sizeof bits);
+        hash = Mix(hash, bits);
+    }
+    return hash;
+}
+
+/// Numbers by key. Cuts make thousands of small ones: two blocks of memory each, and none for an empty one.
+template <typename Key> class Table
+{
+  public:
+    /// The number of a key; the one given here if it has none yet.
+    uint32_t FindOrAdd(const Key& key, uint32_t number)
+    {
+        if (2 * m_entries.size() >= m_slots.size())
+            Grow();
+        uint32_t& slot = SlotOf(key);
+        if (slot == 0)
+        {
+            m_entries.push_back({key, number});
+            slot = uint32_t(m_entries.size());
+        }
+        return m_entries[slot - 1].number;
+    }
+
+  private:
+    struct Entry
+    {
+        Key key;
+        uint32_t number;
+    };
+
+    uint32_t& SlotOf(const Key& key)
+    {
+        size_t mask = m_slots.size() - 1, place = HashOf(key) & mask;
+        while (m_slots[place] != 0 && m_entries[m_slots[place] - 1].key != key)
+            place = (place + 1) & mask;
+        return m_slots[place];
+    }
+
+    void Grow()
+    {
+        m_slots.assign(std::max<size_t>(64, 4 * m_slots.size()), 0);
+        for (size_t i = 0; i < m_entries.size(); i++)
+            SlotOf(m_entries[i].key) = uint32_t(i + 1);
+    }
+
+    std::vector<Entry> m_entries;
+    std::vector<uint32_t> m_slots; ///< a power of two of them, half empty at least; 0, or one more than an entry
+};
+
+//  ---- edges -----------------------------------------------------------------------------------------
+
 uint64_t EdgeKey(uint32_t a, uint32_t b)
 {
     return uint64_t(std::min(a, b)) << 32 | std::max(a, b);
@@ -64,7 +135,7 @@ struct Cutter
     qcClipMesh* mesh;
     std::vector<double> side; ///< of points; 0: of those that were made
     std::vector<qcClipTriangle> kept;
-    std::unordered_map<uint64_t, uint32_t> crossings;
+    Table<uint64_t> crossings;
 
     bool IsOutside(uint32_t point) const
     {
@@ -74,9 +145,9 @@ struct Cutter
     /// Where an edge meets the plane. Always from the lower index on: both triangles get one point.
     uint32_t Crossing(uint32_t a, uint32_t b)
     {
-        auto found = crossings.try_emplace(EdgeKey(a, b), uint32_t(mesh->points.size()));
-        if (!found.second)
-            return found.first->second;
+        uint32_t made = uint32_t(mesh->points.size()), known = crossings.FindOrAdd(EdgeKey(a, b), made);
+        if (known != made)
+            return known;
         uint32_t low = std::min(a, b), high = std::max(a, b);
         double t = side[low] / (side[low] - side[high]);
         qcClipPoint p;
@@ -84,7 +155,7 @@ struct Cutter
             p[i] = mesh->points[low][i] + t * (mesh->points[high][i] - mesh->points[low][i]);
         mesh->points.push_back(p);
         side.push_back(0);
-        return found.first->second;
+        return made;
     }
 
     void Take(const qcClipTriangle& triangle)
@@ -115,22 +186,38 @@ struct Cutter
 
 using Loops = std::vector<std::vector<uint32_t>>;
 
-/// Each edge begins where another ends.
-Loops ChainEdges(std::multimap<uint32_t, uint32_t>* next)
+struct Arrow
 {
+    uint32_t from, to;
+    bool passed;
+};
+
+/// The first arrow from a point that no loop has passed, or the end.
+std::vector<Arrow>::iterator FindArrow(std::vector<Arrow>* arrows, uint32_t from)
+{
+    auto isBefore = [](const Arrow& arrow, uint32_t point) { return arrow.from < point; };
+    auto found = std::lower_bound(arrows->begin(), arrows->end(), from, isBefore);
+    while (found != arrows->end() && found->from == from && found->passed)
+        ++found;
+    return found != arrows->end() && found->from == from ? found : arrows->end();
+}
+
+/// Each arrow begins where another ends.
+Loops ChainArrows(std::vector<Arrow>* arrows)
+{
+    auto isBefore = [](const Arrow& a, const Arrow& b) { return a.from < b.from; };
+    std::stable_sort(arrows->begin(), arrows->end(), isBefore);
     Loops loops;
-    while (!next->empty())
+    for (auto first = arrows->begin(); first != arrows->end(); ++first)
     {
+        if (first->passed)
+            continue;
         std::vector<uint32_t> loop;
-        for (auto edge = next->begin(); edge != next->end(); edge = next->find(loop.back()))
+        for (auto arrow = first; arrow != arrows->end(); arrow = FindArrow(arrows, arrow->to))
         {
-            if (loop.empty())
-                loop.push_back(edge->first);
-            loop.push_back(edge->second);
-            next->erase(edge);
+            loop.push_back(arrow->from);
+            arrow->passed = true;
         }
-        // Its first vertex again.
-        loop.pop_back();
         loops.push_back(std::move(loop));
     }
     return loops;
@@ -139,14 +226,14 @@ Loops ChainEdges(std::multimap<uint32_t, uint32_t>* next)
 /// Loops of edges that are passed more often one way than the other: `turned`, in the way that is missing.
 Loops FindLoops(const std::vector<qcClipTriangle>& triangles, const std::vector<uint8_t>* among, bool turned)
 {
-    std::multimap<uint32_t, uint32_t> next;
+    std::vector<Arrow> arrows;
     for (const EdgeCount& edge : CountEdges(triangles, among))
     {
         uint32_t low = uint32_t(edge.key >> 32), high = uint32_t(edge.key);
         for (int k = 0; k < std::abs(edge.count); k++)
-            next.emplace((edge.count > 0) == turned ? high : low, (edge.count > 0) == turned ? low : high);
+            arrows.push_back((edge.count > 0) == turned ? Arrow{high, low, false} : Arrow{low, high, false});
     }
-    return ChainEdges(&next);
+    return ChainArrows(&arrows);
 }
 
 struct Face
@@ -266,7 +353,7 @@ void AddFans(qcClipMesh* mesh, uint32_t number, const Loops& loops)
 void Weld(qcClipMesh* mesh, const std::vector<uint8_t>& mayCoincide)
 {
     constexpr uint32_t none = UINT32_MAX;
-    std::map<qcClipPoint, uint32_t> places;
+    Table<qcClipPoint> places;
     std::vector<uint32_t> placeOf(mesh->points.size(), none);
     std::vector<qcClipPoint> points;
     for (qcClipTriangle& triangle : mesh->triangles)
@@ -278,7 +365,7 @@ void Weld(qcClipMesh* mesh, const std::vector<uint8_t>& mayCoincide)
                 const qcClipPoint& point = mesh->points[corner];
                 place = uint32_t(points.size());
                 if (mayCoincide[corner])
-                    place = places.try_emplace(point, place).first->second;
+                    place = places.FindOrAdd(point, place);
                 if (place == points.size())
                     points.push_back(point);
             }
@@ -412,25 +499,26 @@ void qcClipMesh_Cut(qcClipMesh* mesh, const qcClipPlane& plane)
 void qcClipMesh_Simplify(qcClipMesh* mesh)
 {
     std::vector<uint8_t> isVertex = FindVertices(*mesh);
-    std::map<uint32_t, std::vector<qcClipTriangle>> faces;
-    for (const qcClipTriangle& triangle : mesh->triangles)
-        faces[triangle.face].push_back(triangle);
+    std::vector<qcClipTriangle> sorted = mesh->triangles, face;
+    auto isBefore = [](const qcClipTriangle& a, const qcClipTriangle& b) { return a.face < b.face; };
+    std::stable_sort(sorted.begin(), sorted.end(), isBefore);
     qcClipMesh made;
     made.points = mesh->points;
-    for (const auto& face : faces)
+    for (auto first = sorted.begin(), end = first; first != sorted.end(); first = end)
     {
+        end = std::upper_bound(first, sorted.end(), *first, isBefore);
         // Most are a triangle of the mesh, or a corner of one.
-        const std::array<uint32_t, 3>& first = face.second[0].corner;
-        if (face.second.size() == 1 && isVertex[first[0]] && isVertex[first[1]] && isVertex[first[2]])
+        if (end - first == 1 && isVertex[first->corner[0]] && isVertex[first->corner[1]] && isVertex[first->corner[2]])
         {
-            made.triangles.push_back(face.second[0]);
+            made.triangles.push_back(*first);
             continue;
         }
-        Loops loops = FindLoops(face.second, nullptr, false);
+        face.assign(first, end);
+        Loops loops = FindLoops(face, nullptr, false);
         for (std::vector<uint32_t>& loop : loops)
             loop.erase(std::remove_if(loop.begin(), loop.end(), [&](uint32_t point) { return !isVertex[point]; }),
                        loop.end());
-        AddFace(&made, NormalOf(made, loops), face.first, loops);
+        AddFace(&made, NormalOf(made, loops), first->face, loops);
     }
     qcClipMesh_Weld(&made);
     // Where rounding has bent an outline, splinters do no harm.

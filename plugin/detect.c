@@ -348,8 +348,12 @@ static qcStatus BuildManifolds(Step* step)
     qcDetector* d = step->detector;
     step->clock = qcClock_Now();
     size_t count = step->def->manifolds ? d->narrow.pairs.count : 0;
-    qcManifoldInput input = {d->narrow.pairs.data, d->narrow.proximities.data, d->narrow.feet.data, count,
-                             step->def->margin};
+    qcManifoldInput input = {d->narrow.pairs.data, NULL, NULL, count, step->def->margin};
+    if (step->def->proximities)
+    {
+        input.proximities = d->narrow.proximities.data;
+        input.feet = d->narrow.feet.data;
+    }
     QC_TRY(qcManifolds_Build(&d->manifolds, &d->triangles, &input, step->threads));
     step->profile.manifoldMs = Lap(step);
     return qc_statusOk;

@@ -14,35 +14,31 @@ static const double s_tolerance = 1.0 / 64.0;
 /// By bodies, then by first pairs. Each pair learns the number of its region.
 static qcStatus NumberRegions(qcManifolds* m)
 {
-    size_t count = m->work.count;
-    m->order.count = 0;
-    QC_TRY(qcArray_Reserve(&m->order, count, sizeof(qcSortItem), "regions of contact"));
-    for (uint32_t p = 0; p < count; p++)
+    size_t count = m->regions.count;
+    QC_TRY(qcArray_Resize(&m->order, count, sizeof(qcSortItem), "regions of contact"));
+    for (uint32_t r = 0; r < count; r++)
     {
-        const qcManifoldPair* pair = qcManifolds_Pair(m, p);
-        if (pair->region == p)
-            QC_AT(qcSortItem, m->order, m->order.count++) =
-                (qcSortItem){(uint64_t)pair->side[0]->slot << 32 | pair->side[1]->slot, p};
+        const qcManifoldPair* pair = qcManifolds_Pair(m, QC_AT(qcPairRegion, m->regions, r).first);
+        QC_AT(qcSortItem, m->order, r) = (qcSortItem){(uint64_t)pair->side[0]->slot << 32 | pair->side[1]->slot, r};
     }
     QC_TRY(qcSort_Items(m->order.data, m->order.count, &m->scratch));
     QC_TRY(qcArray_Resize(&m->numbered, m->order.count, sizeof(qcContactRegion), "regions of contact"));
     QC_TRY(qcArray_Resize(&m->nodes, count, sizeof(uint32_t), "regions of contact"));
     for (uint32_t r = 0; r < m->order.count; r++)
     {
-        uint64_t first = QC_AT(qcSortItem, m->order, r).value;
-        const qcManifoldPair* pair = &QC_AT(qcManifoldPair, m->work, first);
-        QC_AT(uint32_t, m->nodes, first) = r;
+        uint64_t region = QC_AT(qcSortItem, m->order, r).value;
+        const qcManifoldPair* pair = qcManifolds_Pair(m, QC_AT(qcPairRegion, m->regions, region).first);
+        QC_AT(uint32_t, m->nodes, region) = r;
         QC_AT(qcContactRegion, m->numbered, r) =
             (qcContactRegion){.slot = {pair->side[0]->slot, pair->side[1]->slot},
                               .rigid = !pair->side[0]->body->deforming && !pair->side[1]->body->deforming};
     }
-    for (uint32_t p = 0; p < count; p++)
+    for (uint32_t p = 0; p < m->work.count; p++)
     {
         qcManifoldPair* pair = qcManifolds_Pair(m, p);
         pair->region = QC_AT(uint32_t, m->nodes, pair->region);
         qcContactRegion* region = &QC_AT(qcContactRegion, m->numbered, pair->region);
-        double a = pair->side[0]->longestEdge, b = pair->side[1]->longestEdge;
-        region->tolerance += s_tolerance * (a < b ? a : b);
+        region->tolerance += s_tolerance * qcManifoldPair_SmallerSize(pair);
         region->crossing = region->crossing || pair->crossing;
         region->pairs++;
     }
@@ -133,13 +129,16 @@ qcStatus qcManifolds_Build(qcManifolds* m, const qcTriangles* triangles, const q
     if (input->count > qc_maxManifoldPairs)
         return qcFail(qc_statusOutOfMemory, "out of memory: manifolds of %zu pairs", input->count);
     QC_TRY(EmptyWorkers(m, threads));
-    QC_TRY(qcManifolds_TakePairs(m, triangles, input));
-    QC_TRY(qcManifolds_FindRings(m, threads));
+    qcManifoldInput known = *input;
+    QC_TRY(qcManifolds_TakePairs(m, triangles, &known));
     QC_TRY(qcManifolds_JoinRegions(m));
-    QC_TRY(qcManifolds_ChooseNormals(m, input, threads));
-    QC_TRY(qcManifolds_ChooseSigns(m, input));
+    QC_TRY(qcManifolds_FindPlanes(m, input->margin));
+    QC_TRY(qcManifolds_AskPairs(m, &known, threads));
+    QC_TRY(qcManifolds_FindRings(m, threads));
+    QC_TRY(qcManifolds_ChooseNormals(m, &known, threads));
+    QC_TRY(qcManifolds_ChooseSigns(m, &known));
     QC_TRY(NumberRegions(m));
-    QC_TRY(qcManifolds_FindPoints(m, input, threads));
+    QC_TRY(qcManifolds_FindPoints(m, &known, threads));
     QC_TRY(qcManifolds_MergePoints(m));
     qcManifolds_DropBetween(m);
     return WriteResult(m);
@@ -161,10 +160,11 @@ static void FreeWorkers(qcManifolds* m)
 void qcManifolds_Free(qcManifolds* m)
 {
     FreeWorkers(m);
-    qcArray* arrays[] = {&m->work,    &m->triangles, &m->numbers,  &m->vertices,  &m->table,     &m->places,
-                         &m->choices, &m->heard,     &m->nodes,    &m->regions,   &m->parts,     &m->numbered,
-                         &m->corners, &m->raw,       &m->firstRaw, &m->witnessed, &m->order,     &m->scratch,
-                         &m->heads,   &m->links,     &m->keepers,  &m->members,   &m->manifolds, &m->points};
+    qcArray* arrays[] = {&m->work,      &m->triangles, &m->numbers,  &m->vertices,    &m->table,     &m->last,
+                         &m->freePairs, &m->pairsOf,   &m->places,   &m->proximities, &m->feet,      &m->choices,
+                         &m->heard,     &m->nodes,     &m->regions,  &m->planes,      &m->parts,     &m->numbered,
+                         &m->corners,   &m->raw,       &m->firstRaw, &m->witnessed,   &m->order,     &m->scratch,
+                         &m->heads,     &m->links,     &m->keepers,  &m->members,     &m->manifolds, &m->points};
     for (size_t i = 0; i < sizeof arrays / sizeof arrays[0]; i++)
         qcArray_Free(arrays[i]);
 }

@@ -10,17 +10,23 @@ typedef struct qcManifolds
     qcArray work;      ///< of qcManifoldPair, in the order of the reported pairs
     qcArray triangles; ///< of qcManifoldTriangle: those of the pairs
     qcArray numbers;   ///< of each triangle of the step: one more than its place among these; all 0 between builds
-    qcArray vertices, table; ///< welded vertices by position, and their hash table
-    qcArray places;          ///< of qcManifoldPlace: by triangle, the pairs that it is in
-    qcArray choices, heard;  ///< a normal for each pair, and what it is in the next round
-    qcArray nodes;           ///< trees of regions, later of signs
-    qcArray regions, parts;  ///< while signs are looked for
-    qcArray numbered;        ///< regions in the order of the result
-    qcArray workers;         ///< of qcManifoldWorker
-    qcArray corners;         ///< of qcPairCorners, one a pair
-    qcArray raw;             ///< points as the pairs see them, in the order of the pairs
-    qcArray firstRaw;        ///< of each pair, and one more
-    qcArray witnessed;       ///< bool: what the pair said itself is a point
+    qcArray vertices, table;   ///< welded vertices by position, and their hash table
+    qcArray last;              ///< of a vertex, while regions are joined: one more than an entry of pairsOf
+    qcArray freePairs;         ///< of uint32_t: those that no plane settles
+    qcArray pairsOf;           ///< of qcPairSide: by triangle, the pairs that it is in
+    qcArray places;            ///< of qcManifoldPlace: the same of pairs that are free
+    qcArray proximities, feet; ///< of reported pairs, if the input has none: of those that are free
+    qcArray choices, heard;    ///< a normal for each pair, and what it is in the next round
+    qcArray nodes;             ///< trees of regions, later of signs
+    qcArray regions;           ///< of qcPairRegion
+    qcArray planes;            ///< one a region, while planes are looked for
+    qcArray parts;             ///< while signs are looked for
+    qcArray numbered;          ///< regions in the order of the result
+    qcArray workers;           ///< of qcManifoldWorker
+    qcArray corners;           ///< of qcPairCorners, one a pair
+    qcArray raw;               ///< points as the pairs see them, in the order of the pairs
+    qcArray firstRaw;          ///< of each pair, and one more
+    qcArray witnessed;         ///< bool: what the pair said itself is a point
     qcArray order, scratch;
     qcArray heads, links; ///< a hash table of the points that stay, by place
     qcArray keepers;      ///< of each raw point: the one that stands for it
@@ -33,8 +39,8 @@ typedef struct qcManifolds
 typedef struct qcManifoldInput
 {
     const qcPair* pairs;
-    const qcProximity* proximities;
-    const qcFeet* feet; ///< of the proximities
+    const qcProximity* proximities; ///< null: those that are needed are computed
+    const qcFeet* feet;             ///< of the proximities
     size_t count;
     double margin; ///< no point lies farther apart than this
 } qcManifoldInput;

@@ -151,6 +151,24 @@ static bool AreBeside(Sight* sight, int side)
     return false;
 }
 
+bool qcManifoldPair_CoversArea(const qcManifoldPair* pair, const qcRawPoint* corners, int count)
+{
+    qcVector longest = {0.0, 0.0, 0.0};
+    for (int i = 1; i < count; i++)
+    {
+        qcVector d = qcMinus(corners[i].end[0], corners[0].end[0]);
+        longest = qcDot(d, d) > qcDot(longest, longest) ? d : longest;
+    }
+    double width = QC_MANIFOLD_AREA * qcManifoldPair_SmallerSize(pair), length2 = qcDot(longest, longest);
+    for (int i = 1; i < count; i++)
+    {
+        qcVector across = qcCross(longest, qcMinus(corners[i].end[0], corners[0].end[0]));
+        if (qcDot(across, across) > width * width * length2)
+            return true;
+    }
+    return false;
+}
+
 int qcManifoldPair_FindCommonPart(const qcManifoldPair* pair, qcVector normal, qcRawPoint corners[qc_maxCommonCorners])
 {
     Sight sight;

@@ -72,7 +72,7 @@ void qcManifolds_KeepCorners(qcManifolds* m, uint32_t index, uint32_t worker, co
     const qcManifoldPair* pair = qcManifolds_Pair(m, index);
     qcArray* points = &QC_AT(qcManifoldWorker, m->workers, worker).points;
     double limit = qcManifoldPair_Limit(pair, margin);
-    if (qcManifolds_SignRegion(m, pair)->unsettled)
+    if (qcManifolds_PairRegion(m, pair)->unsettled)
         limit = INFINITY;
     qcPairCorners* kept = &QC_AT(qcPairCorners, m->corners, index);
     *kept = (qcPairCorners){points->count, (uint16_t)worker, 0};

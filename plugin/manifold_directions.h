@@ -6,7 +6,7 @@
 
 enum
 {
-    /// Pairs at once; a block takes some 100 microseconds.
+    /// Free pairs at once; a block takes some 100 microseconds.
     qc_normalBlock = 128,
     qc_leastNormalBlocks = 4
 };
@@ -56,13 +56,13 @@ typedef struct qcNormalChoice
 
 static inline size_t qcNormalBlocks_Count(const qcManifolds* manifolds)
 {
-    return (manifolds->work.count + qc_normalBlock - 1) / qc_normalBlock;
+    return (manifolds->freePairs.count + qc_normalBlock - 1) / qc_normalBlock;
 }
 
-/// One past the last pair of a block.
+/// One past the last free pair of a block.
 static inline size_t qcNormalBlocks_End(const qcManifolds* manifolds, size_t block)
 {
-    size_t end = (block + 1) * qc_normalBlock, count = manifolds->work.count;
+    size_t end = (block + 1) * qc_normalBlock, count = manifolds->freePairs.count;
     return end < count ? end : count;
 }
 

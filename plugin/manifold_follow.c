@@ -29,11 +29,6 @@ enum
     qc_mostTried = 8
 };
 
-// The cosine of 3 degrees: rounding turns small triangles by more than large ones, but not by more than this.
-static const double s_flat = 0.9986;
-// What two triangles cover of each other is an area if it is wider than this share of the smaller one's size.
-static const double s_area = 1.0 / 64.0;
-
 // Normals that differ by rounding only.
 static const double s_same = 1.0 - 1e-12;
 
@@ -53,40 +48,15 @@ typedef struct Lead
     double cost, likeness; ///< to the pair's own direction
 } Lead;
 
-static double SmallerSize(const qcManifoldPair* pair)
-{
-    double a = pair->side[0]->longestEdge, b = pair->side[1]->longestEdge;
-    return a < b ? a : b;
-}
-
-/// Do the corners of a common part span more than a line?
-static bool CoverArea(const qcManifolds* m, uint32_t index)
-{
-    const qcManifoldPair* pair = qcManifolds_Pair(m, index);
-    const qcRawPoint* corners = qcManifolds_Corners(m, index);
-    int count = QC_AT(qcPairCorners, m->corners, index).count;
-    qcVector longest = {0.0, 0.0, 0.0};
-    for (int i = 1; i < count; i++)
-    {
-        qcVector d = qcMinus(corners[i].end[0], corners[0].end[0]);
-        longest = qcDot(d, d) > qcDot(longest, longest) ? d : longest;
-    }
-    double width = s_area * SmallerSize(pair), length2 = qcDot(longest, longest);
-    for (int i = 1; i < count; i++)
-    {
-        qcVector across = qcCross(longest, qcMinus(corners[i].end[0], corners[0].end[0]));
-        if (qcDot(across, across) > width * width * length2)
-            return true;
-    }
-    return false;
-}
-
 /// Also on the other side of what it has just passed, or a little above it: the line is known, if not the sign.
 static bool StandsFlat(const qcManifolds* m, uint32_t index, qcVector normal)
 {
     const qcManifoldPair* pair = qcManifolds_Pair(m, index);
-    return pair->gap <= s_area * SmallerSize(pair) && fabs(qcDot(normal, pair->side[0]->normal)) >= s_flat &&
-           fabs(qcDot(normal, pair->side[1]->normal)) >= s_flat && CoverArea(m, index);
+    return pair->gap <= QC_MANIFOLD_AREA * qcManifoldPair_SmallerSize(pair) &&
+           fabs(qcDot(normal, pair->side[0]->normal)) >= QC_MANIFOLD_FLAT &&
+           fabs(qcDot(normal, pair->side[1]->normal)) >= QC_MANIFOLD_FLAT &&
+           qcManifoldPair_CoversArea(pair, qcManifolds_Corners(m, index),
+                                     QC_AT(qcPairCorners, m->corners, index).count);
 }
 
 /// Is a direction cheaper than the best, or as cheap and nearer to the pair's own? So that the order of those around
@@ -191,20 +161,21 @@ static bool Follow(const Job* job, uint32_t index)
     return true;
 }
 
-static bool HasChoice(const Job* job, size_t p)
+static bool HasChoice(const Job* job, uint32_t p)
 {
-    return qcManifolds_SignRegion(job->manifolds, qcManifolds_Pair(job->manifolds, (uint32_t)p))->unsettled;
+    return qcManifolds_PairRegion(job->manifolds, qcManifolds_Pair(job->manifolds, p))->unsettled;
 }
 
 static void FindFlatBlock(void* context, size_t block, uint32_t worker)
 {
     (void)worker;
     const Job* job = context;
-    for (size_t p = block * qc_normalBlock; p < qcNormalBlocks_End(job->manifolds, block); p++)
+    for (size_t i = block * qc_normalBlock; i < qcNormalBlocks_End(job->manifolds, block); i++)
     {
+        uint32_t p = qcManifolds_FreePair(job->manifolds, i);
         qcNormalChoice* choice = &job->next[p];
         choice->meets = HasChoice(job, p) && !choice->apart;
-        choice->firm = StandsFlat(job->manifolds, (uint32_t)p, choice->normal);
+        choice->firm = StandsFlat(job->manifolds, p, choice->normal);
     }
 }
 
@@ -212,11 +183,12 @@ static void FollowBlock(void* context, size_t block, uint32_t worker)
 {
     const Job* job = context;
     bool* changed = &QC_AT(qcManifoldWorker, job->manifolds->workers, worker).changed;
-    for (size_t p = block * qc_normalBlock; p < qcNormalBlocks_End(job->manifolds, block); p++)
+    for (size_t i = block * qc_normalBlock; i < qcNormalBlocks_End(job->manifolds, block); i++)
     {
+        uint32_t p = qcManifolds_FreePair(job->manifolds, i);
         job->next[p] = job->now[p];
         if (!job->now[p].firm && HasChoice(job, p))
-            *changed = Follow(job, (uint32_t)p) || *changed;
+            *changed = Follow(job, p) || *changed;
     }
 }
 
@@ -226,18 +198,19 @@ static void LookBlock(void* context, size_t block, uint32_t worker)
     qcManifolds* m = job->manifolds;
     qcManifoldWorker* self = &QC_AT(qcManifoldWorker, m->workers, worker);
     size_t end = qcNormalBlocks_End(job->manifolds, block), moved = 0;
-    for (size_t p = block * qc_normalBlock; p < end; p++)
-        moved += job->now[p].moved;
+    for (size_t i = block * qc_normalBlock; i < end; i++)
+        moved += job->now[qcManifolds_FreePair(m, i)].moved;
     if (self->status == qc_statusOk)
         self->status = qcArray_Reserve(&self->points, self->points.count + moved * qc_maxCommonCorners,
                                        sizeof(qcRawPoint), "contact points");
-    for (size_t p = block * qc_normalBlock; p < end && self->status == qc_statusOk; p++)
+    for (size_t i = block * qc_normalBlock; i < end && self->status == qc_statusOk; i++)
     {
+        uint32_t p = qcManifolds_FreePair(m, i);
         if (!job->now[p].moved)
             continue;
         qcLook look = {.count = -1};
-        qcLook_Along(qcManifolds_Pair(m, (uint32_t)p), job->now[p].normal, &look);
-        qcManifolds_KeepCorners(m, (uint32_t)p, worker, &look, job->now[p].normal, false, job->margin);
+        qcLook_Along(qcManifolds_Pair(m, p), job->now[p].normal, &look);
+        qcManifolds_KeepCorners(m, p, worker, &look, job->now[p].normal, false, job->margin);
     }
 }
 
@@ -255,13 +228,13 @@ static bool HaveWorkersChanged(const qcManifolds* m)
 
 qcStatus qcManifolds_FollowNeighbours(qcManifolds* m, double margin, uint32_t threads)
 {
-    size_t count = m->work.count, blocks = qcNormalBlocks_Count(m);
+    size_t blocks = qcNormalBlocks_Count(m);
     bool any = false;
-    for (uint32_t p = 0; p < count && !any; p++)
-        any = !qcManifolds_Pair(m, p)->parted;
+    for (size_t i = 0; i < m->freePairs.count && !any; i++)
+        any = !qcManifolds_Pair(m, qcManifolds_FreePair(m, i))->parted;
     if (!any)
         return qc_statusOk;
-    QC_TRY(qcArray_Resize(&m->heard, count, sizeof(qcNormalChoice), "normals of manifolds"));
+    QC_TRY(qcArray_Resize(&m->heard, m->work.count, sizeof(qcNormalChoice), "normals of manifolds"));
     Job job = {m, margin, NULL, m->choices.data, 0};
     qcParallel_For(threads, blocks, qc_leastNormalBlocks, FindFlatBlock, &job);
     bool changed = true;

@@ -177,12 +177,13 @@ static void CompareBlock(void* context, size_t block, uint32_t worker)
 {
     (void)worker;
     const Job* job = context;
-    for (size_t p = block * qc_normalBlock; p < qcNormalBlocks_End(job->manifolds, block); p++)
+    for (size_t i = block * qc_normalBlock; i < qcNormalBlocks_End(job->manifolds, block); i++)
     {
-        qcManifoldPair* pair = qcManifolds_Pair(job->manifolds, (uint32_t)p);
+        uint32_t p = qcManifolds_FreePair(job->manifolds, i);
+        qcManifoldPair* pair = qcManifolds_Pair(job->manifolds, p);
         if (!pair->apart)
             continue;
-        qcNeighbourhood n = qcNeighbourhood_Of(job->manifolds, (uint32_t)p);
+        qcNeighbourhood n = qcNeighbourhood_Of(job->manifolds, p);
         pair->surpassed = IsSurpassed(&n, &job->input->feet[pair->source]);
     }
 }
@@ -198,15 +199,16 @@ static void ChooseBlock(void* context, size_t block, uint32_t worker)
     if (*status == qc_statusOk)
         *status = qcArray_Reserve(points, points->count + qc_normalBlock * qc_maxCommonCorners, sizeof(qcRawPoint),
                                   "contact points");
-    for (size_t p = block * qc_normalBlock; p < qcNormalBlocks_End(job->manifolds, block) && *status == qc_statusOk;
-         p++)
+    for (size_t i = block * qc_normalBlock; i < qcNormalBlocks_End(job->manifolds, block) && *status == qc_statusOk;
+         i++)
     {
-        const qcManifoldPair* pair = qcManifolds_Pair(m, (uint32_t)p);
-        Choose(job, (uint32_t)p, &best);
+        uint32_t p = qcManifolds_FreePair(m, i);
+        const qcManifoldPair* pair = qcManifolds_Pair(m, p);
+        Choose(job, p, &best);
         qcLook_Along(pair, best.opposite ? qcNegated(best.normal) : best.normal, best.look);
         job->choices[p] = (qcNormalChoice){
             .normal = best.normal, .cost = best.cost, .apart = pair->apart && (best.own || best.look->count != 0)};
-        qcManifolds_KeepCorners(m, (uint32_t)p, worker, best.look, best.normal, best.opposite, job->input->margin);
+        qcManifolds_KeepCorners(m, p, worker, best.look, best.normal, best.opposite, job->input->margin);
     }
 }
 
@@ -227,9 +229,10 @@ qcStatus qcManifolds_ChooseNormals(qcManifolds* m, const qcManifoldInput* input,
     qcParallel_For(threads, blocks, qc_leastNormalBlocks, ChooseBlock, &job);
     QC_TRY(qcManifolds_LoopStatus(m));
     QC_TRY(qcManifolds_FollowNeighbours(m, input->margin, threads));
-    for (size_t p = 0; p < count; p++)
+    for (size_t i = 0; i < m->freePairs.count; i++)
     {
-        qcManifoldPair* pair = &QC_AT(qcManifoldPair, m->work, p);
+        uint32_t p = qcManifolds_FreePair(m, i);
+        qcManifoldPair* pair = qcManifolds_Pair(m, p);
         const qcNormalChoice* choice = &QC_AT(qcNormalChoice, m->choices, p);
         pair->own = AreEqual(pair->normal, choice->normal);
         pair->normal = choice->normal;

@@ -138,13 +138,6 @@ static qcManifoldTriangle* TakeTriangle(qcManifolds* m, const qcTriangles* t, ui
 
 //  ---- pairs ----------------------------------------------------------------------------------------------
 
-static qcVector UnitOrUp(const double normal[3])
-{
-    qcVector n = qcVector_Load(normal);
-    double length2 = qcDot(n, n);
-    return length2 > 0.5 && length2 < 2.0 ? n : (qcVector){0.0, 0.0, 1.0};
-}
-
 static bool ShareVertex(const qcManifoldTriangle* a, const qcManifoldTriangle* b)
 {
     for (int i = 0; i < 9; i++)
@@ -153,59 +146,37 @@ static bool ShareVertex(const qcManifoldTriangle* a, const qcManifoldTriangle* b
     return false;
 }
 
-/// Do the triangles lie beside a plane each, with some room between them?
-static bool AreParted(const qcManifoldPair* pair)
-{
-    qcVector origin = pair->side[1]->corner[0];
-    qcWaysOut ways = qcWaysOut_Of(qcManifoldTriangle_Heights(pair->side[0], origin, pair->normal),
-                                  qcManifoldTriangle_Heights(pair->side[1], origin, pair->normal));
-    return ways.along < -qcManifoldPair_Rounding(pair);
-}
-
 static void TakePair(qcManifolds* m, const qcTriangles* t, const qcManifoldInput* input, size_t i)
 {
     const qcPair* pair = &input->pairs[i];
-    const qcProximity* proximity = &input->proximities[i];
     qcManifoldTriangle* a = TakeTriangle(m, t, pair->bodyA, pair->triangleA);
     qcManifoldTriangle* b = TakeTriangle(m, t, pair->bodyB, pair->triangleB);
     // A seam, or neighbours that were asked for: that they hang together is no contact.
     if (pair->relation == qc_relationTouching && pair->bodyA == pair->bodyB && ShareVertex(a, b))
         return;
-    a->count++;
-    b->count++;
-    qcManifoldPair work = {.side = {a, b},
-                           .normal = UnitOrUp(proximity->normal),
-                           .gap = proximity->distance - proximity->depth,
-                           .source = (uint32_t)i,
-                           .own = true,
-                           .crossing = pair->relation == qc_relationPenetrating && proximity->depth > 0.0};
-    work.reported = work.normal;
-    work.apart = work.parted = pair->relation == qc_relationNear && AreParted(&work);
-    QC_AT(qcManifoldPair, m->work, m->work.count++) = work;
+    a->pairCount++;
+    b->pairCount++;
+    QC_AT(qcManifoldPair, m->work, m->work.count++) =
+        (qcManifoldPair){.side = {a, b}, .source = (uint32_t)i, .meets = pair->relation != qc_relationNear};
 }
 
 /// Lists the pairs of each triangle, in their order.
-static qcStatus ListPlaces(qcManifolds* m)
+static qcStatus ListPairs(qcManifolds* m)
 {
-    QC_TRY(qcArray_Resize(&m->places, 2 * m->work.count, sizeof(qcManifoldPlace), "pairs of manifolds"));
+    QC_TRY(qcArray_Resize(&m->pairsOf, 2 * m->work.count, sizeof(qcPairSide), "pairs of manifolds"));
     uint32_t first = 0;
     for (size_t i = 0; i < m->triangles.count; i++)
     {
         qcManifoldTriangle* triangle = &QC_AT(qcManifoldTriangle, m->triangles, i);
-        triangle->first = first;
-        first += triangle->count;
-        triangle->count = 0;
+        triangle->firstPair = first;
+        first += triangle->pairCount;
+        triangle->pairCount = 0;
     }
     for (uint32_t p = 0; p < m->work.count; p++)
-        for (uint8_t side = 0; side < 2; side++)
+        for (uint32_t side = 0; side < 2; side++)
         {
-            qcManifoldPair* pair = qcManifolds_Pair(m, p);
-            // The pairs see their triangles as constant; these are the stage's own.
-            qcManifoldTriangle* triangle =
-                &QC_AT(qcManifoldTriangle, m->triangles, pair->side[side] - (qcManifoldTriangle*)m->triangles.data);
-            pair->place[side] = triangle->first + triangle->count++;
-            QC_AT(qcManifoldPlace, m->places, pair->place[side]) =
-                (qcManifoldPlace){.moved = pair->side[1 - side], .gap = pair->gap, .pair = p, .side = side};
+            qcManifoldTriangle* triangle = qcManifolds_Triangle(m, qcManifolds_Pair(m, p), side);
+            QC_AT(qcPairSide, m->pairsOf, triangle->firstPair + triangle->pairCount++) = (qcPairSide){p, side};
         }
     return qc_statusOk;
 }
@@ -222,5 +193,5 @@ qcStatus qcManifolds_TakePairs(qcManifolds* m, const qcTriangles* t, const qcMan
         const qcManifoldTriangle* triangle = &QC_AT(qcManifoldTriangle, m->triangles, i);
         *NumberOf(m, triangle->slot, triangle->index) = 0;
     }
-    return ListPlaces(m);
+    return ListPairs(m);
 }

@@ -14,12 +14,17 @@ enum
     qc_maxRing = 3 * 2 * qc_besideReach,
     /// Six corners over a face, nine crossings of edges.
     qc_maxCommonCorners = 15,
-    /// Far above the memory of any machine; their places are numbered in 32 bits with room for three more.
+    /// Far above the memory of any machine; their places are numbered in 32 bits with room for two more.
     qc_maxManifoldPairs = 1 << 28
 };
 
 /// What rounding may do to a length, beside the size of the triangles.
 #define QC_MANIFOLD_ROUNDING 1e-9
+/// The cosine of 3 degrees: a face lies across a direction. Rounding turns small triangles by more than large ones, but
+/// not by more than this.
+#define QC_MANIFOLD_FLAT 0.9986
+/// What two triangles cover of each other is an area if it is wider than this share of the smaller one's size.
+#define QC_MANIFOLD_AREA (1.0 / 64.0)
 
 /// A vertex of one body, or several at one position.
 typedef struct qcManifoldVertex
@@ -41,10 +46,17 @@ typedef struct qcManifoldTriangle
     qcVector normal; ///< unit; of no length if the triangle is a line or a point
     double longestEdge;
     const qcBody* body;
-    uint32_t slot, index;  ///< of the body; in the body
-    uint32_t vertex[3];    ///< corners: the numbers of their positions among those of all pairs
-    uint32_t first, count; ///< its places
+    uint32_t slot, index;          ///< of the body; in the body
+    uint32_t vertex[3];            ///< corners: the numbers of their positions among those of all pairs
+    uint32_t firstPair, pairCount; ///< its entries in pairsOf
+    uint32_t first, count;         ///< its places
 } qcManifoldTriangle;
+
+/// A pair, as one of its triangles sees it.
+typedef struct qcPairSide
+{
+    uint32_t pair, side;
+} qcPairSide;
 
 /// Seen from a point: far from the origin of the world the products would round away what lies between.
 static inline qcHeights qcManifoldTriangle_Heights(const qcManifoldTriangle* t, qcVector origin, qcVector direction)
@@ -56,8 +68,8 @@ static inline qcHeights qcManifoldTriangle_Heights(const qcManifoldTriangle* t, 
     return (qcHeights){z < low ? z : low, z > high ? z : high};
 }
 
-/// One pair, as one of its triangles sees it: with what the pairs beside it ask of it, and with those beside it that
-/// have this triangle too.
+/// The same of a free pair: with what the pairs beside it ask of it, and with those beside it that have this triangle
+/// too.
 typedef struct qcManifoldPlace
 {
     const qcManifoldTriangle* moved; ///< the other triangle
@@ -65,7 +77,6 @@ typedef struct qcManifoldPlace
     double gap;                      ///< the pair's
     uint32_t pair;
     uint16_t worker;    ///< who found the ring
-    uint8_t side;       ///< of the triangle in the pair, as reported
     uint8_t ringCount;  ///< see qcRing
     uint64_t ringFirst; ///< in the worker's list
 } qcManifoldPlace;
@@ -79,8 +90,10 @@ typedef struct qcManifoldPair
     qcVector normal;   ///< unit, from side 1 towards side 0
     qcVector reported; ///< the pair's own, as it came
     double gap;        ///< the pair's own distance, or minus its depth
-    uint32_t region;   ///< its first pair; later its number
+    uint32_t region;   ///< in the order of first pairs; later its number in the result
     uint32_t source;   ///< the reported pair
+    bool meets;        ///< touching or penetrating
+    bool settled;      ///< a plane parts its region and gives the normal; of what follows only `swapped` is said
     bool swapped;      ///< side 0 is the report's B
     bool own;          ///< the normal is the one of the report, up to its sign
     bool turned;       ///< the normal was turned around to agree with its region
@@ -142,6 +155,13 @@ static inline double qcManifoldPair_Rounding(const qcManifoldPair* pair)
     return QC_MANIFOLD_ROUNDING * pair->side[0]->longestEdge + QC_MANIFOLD_ROUNDING * pair->side[1]->longestEdge;
 }
 
+/// The longest edge of its smaller triangle.
+static inline double qcManifoldPair_SmallerSize(const qcManifoldPair* pair)
+{
+    double a = pair->side[0]->longestEdge, b = pair->side[1]->longestEdge;
+    return a < b ? a : b;
+}
+
 /// Points farther apart than this are beyond the margin, whatever rounding does.
 static inline double qcManifoldPair_Limit(const qcManifoldPair* pair, double margin)
 {
@@ -153,6 +173,9 @@ static inline double qcManifoldPair_Limit(const qcManifoldPair* pair, double mar
 /// each other. Returns their number. Along the opposite direction the gaps are opposite, and all else is the same.
 int qcManifoldPair_FindCommonPart(const qcManifoldPair* pair, qcVector normal, qcRawPoint corners[qc_maxCommonCorners]);
 
+/// Do the corners of what a pair's triangles have in common span an area?
+bool qcManifoldPair_CoversArea(const qcManifoldPair* pair, const qcRawPoint* corners, int count);
+
 /// A region in the order of the result.
 typedef struct qcContactRegion
 {
@@ -163,13 +186,18 @@ typedef struct qcContactRegion
     bool crossing; ///< some pair is
 } qcContactRegion;
 
-/// A region while signs are looked for, by its first pair.
-typedef struct qcSignRegion
+/// A region in the order of first pairs.
+typedef struct qcPairRegion
 {
-    bool unsettled; ///< some pair meets
+    uint32_t first; ///< its first pair
+    bool meets;     ///< some pair does
+    bool settled;   ///< a plane parts it, with this normal
+    qcVector normal;
+    //  Of those that no plane parts:
+    bool unsettled; ///< some pair meets, as far as rounding lets us see
     bool crossing;
     uint32_t fact; ///< its first pair that is apart, or UINT32_MAX
-} qcSignRegion;
+} qcPairRegion;
 
 //  ---- trees with a sign at every branch -------------------------------------------------------------------
 
@@ -206,12 +234,16 @@ qcStatus qcManifolds_LoopStatus(const qcManifolds* manifolds);
 
 /// Takes the pairs in, with their triangles.
 qcStatus qcManifolds_TakePairs(qcManifolds* manifolds, const qcTriangles* triangles, const qcManifoldInput* input);
-/// Lists who lies beside whom.
-qcStatus qcManifolds_FindRings(qcManifolds* manifolds, uint32_t threads);
 /// Joins neighbours to regions.
 qcStatus qcManifolds_JoinRegions(qcManifolds* manifolds);
-/// The direction of each pair, looked at with its neighbourhood, and the corners of what its triangles have in common
-/// along it.
+/// Settles the regions that one plane parts. Lists the pairs of the others: they are free.
+qcStatus qcManifolds_FindPlanes(qcManifolds* manifolds, double margin);
+/// What the free pairs say themselves. Fills what the input lacks.
+qcStatus qcManifolds_AskPairs(qcManifolds* manifolds, qcManifoldInput* input, uint32_t threads);
+/// Lists which free pairs lie beside which.
+qcStatus qcManifolds_FindRings(qcManifolds* manifolds, uint32_t threads);
+/// The direction of each free pair, looked at with its neighbourhood, and the corners of what its triangles have in
+/// common along it.
 qcStatus qcManifolds_ChooseNormals(qcManifolds* manifolds, const qcManifoldInput* input, uint32_t threads);
 /// Their signs, looked at in each region.
 qcStatus qcManifolds_ChooseSigns(qcManifolds* manifolds, const qcManifoldInput* input);
@@ -236,10 +268,24 @@ static inline qcManifoldPair* qcManifolds_Pair(const qcManifolds* manifolds, uin
     return &QC_AT(qcManifoldPair, manifolds->work, pair);
 }
 
-/// Before regions are numbered.
-static inline qcSignRegion* qcManifolds_SignRegion(const qcManifolds* manifolds, const qcManifoldPair* pair)
+/// A triangle of a pair. The pairs see their triangles as constant; these are the stage's own.
+static inline qcManifoldTriangle* qcManifolds_Triangle(const qcManifolds* manifolds, const qcManifoldPair* pair,
+                                                       uint32_t side)
 {
-    return &QC_AT(qcSignRegion, manifolds->regions, pair->region);
+    const qcManifoldTriangle* first = manifolds->triangles.data;
+    return &QC_AT(qcManifoldTriangle, manifolds->triangles, pair->side[side] - first);
+}
+
+/// The number of a free pair.
+static inline uint32_t qcManifolds_FreePair(const qcManifolds* manifolds, size_t i)
+{
+    return QC_AT(uint32_t, manifolds->freePairs, i);
+}
+
+/// Before regions are numbered as in the result.
+static inline qcPairRegion* qcManifolds_PairRegion(const qcManifolds* manifolds, const qcManifoldPair* pair)
+{
+    return &QC_AT(qcPairRegion, manifolds->regions, pair->region);
 }
 
 /// The raw points of a pair that a worker holds.
@@ -268,9 +314,8 @@ static inline qcRing qcManifolds_Ring(const qcManifolds* manifolds, const qcMani
 
 enum
 {
-    qc_ringOne = 1 << 3,    ///< of a place's number
-    qc_ringTurned = 1 << 2, ///< the common triangle is on the other side there, as reported
-    qc_ringShared = 3       ///< the number of shared vertices
+    qc_ringOne = 1 << 2, ///< of a place's number
+    qc_ringShared = 3    ///< the number of shared vertices
 };
 
 /// A pair in a ring, as the common triangle sees it.

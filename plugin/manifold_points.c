@@ -7,7 +7,8 @@
 // A pair without corners (all beyond the margin, seen edge-on, or one that took its normal from its faces or a
 // neighbour and lies beside it rather than over it) leaves its place to the pairs around it, or to the one that
 // surpassed it, which comes nearer. If these have no point either, what it said itself is the point. So every pair is
-// heard: by a point of its own, or of a pair beside it, or of one that says the same; or something comes nearer.
+// heard: by a point of its own, or of a pair beside it, or of one that says the same; or something comes nearer. Where
+// one plane parts a whole region its points are enough: there the pairs themselves were never asked.
 #include "manifold_parts.h"
 #include "parallel.h"
 #include "status.h"
@@ -72,16 +73,33 @@ static bool IsAnyAsGood(const qcRawPoint* points, int count, const qcRawPoint* p
     return false;
 }
 
+/// Corners of a pair whose region a plane parts, into the worker's list, which has room.
+static void FindCorners(qcManifolds* m, uint32_t index, uint32_t worker, double limit)
+{
+    const qcManifoldPair* pair = qcManifolds_Pair(m, index);
+    qcArray* points = &QC_AT(qcManifoldWorker, m->workers, worker).points;
+    qcVector origin = pair->side[1]->corner[0];
+    qcWaysOut ways = qcWaysOut_Of(qcManifoldTriangle_Heights(pair->side[0], origin, pair->normal),
+                                  qcManifoldTriangle_Heights(pair->side[1], origin, pair->normal));
+    int count = 0;
+    qcRawPoint* found = &QC_AT(qcRawPoint, *points, points->count);
+    if (ways.along >= -limit)
+        count = qcManifoldPair_FindCommonPart(pair, pair->normal, found);
+    for (int i = 0; i < count; i++)
+        found[i].pair = index;
+    QC_AT(qcPairCorners, m->corners, index) = (qcPairCorners){points->count, (uint16_t)worker, (uint8_t)count};
+}
+
 /// Of the corners of what the triangles have in common those that are points stay.
 static void FindPoints(const Job* job, uint32_t index)
 {
     qcManifolds* m = job->manifolds;
     const qcManifoldPair* pair = qcManifolds_Pair(m, index);
     qcPairCorners* corners = &QC_AT(qcPairCorners, m->corners, index);
-    qcRawPoint* points = qcManifolds_Corners(m, index);
-    double tolerance = QC_AT(qcContactRegion, m->numbered, pair->region).tolerance;
     double a = pair->side[0]->longestEdge, b = pair->side[1]->longestEdge;
     double rounding = QC_MANIFOLD_ROUNDING * (a > b ? a : b), limit = qcManifoldPair_Limit(pair, job->input->margin);
+    qcRawPoint* points = qcManifolds_Corners(m, index);
+    double tolerance = QC_AT(qcContactRegion, m->numbered, pair->region).tolerance;
     for (int i = 0; i < corners->count && pair->turned; i++)
     {
         points[i].normal = pair->normal;
@@ -99,20 +117,40 @@ static void FindPoints(const Job* job, uint32_t index)
     QC_AT(bool, m->witnessed, index) = pair->apart && pair->own && !pair->turned && hidden;
 }
 
-static void TakeBlock(void* context, size_t block, uint32_t worker)
+static void TakeFreeBlock(void* context, size_t block, uint32_t worker)
 {
     (void)worker;
     const Job* job = context;
+    size_t end = (block + 1) * qc_pointBlock, count = job->manifolds->freePairs.count;
+    for (size_t i = block * qc_pointBlock; i < (end < count ? end : count); i++)
+        FindPoints(job, qcManifolds_FreePair(job->manifolds, i));
+}
+
+static void TakeSettledBlock(void* context, size_t block, uint32_t worker)
+{
+    const Job* job = context;
+    qcManifoldWorker* self = &QC_AT(qcManifoldWorker, job->manifolds->workers, worker);
     size_t end = (block + 1) * qc_pointBlock, count = job->manifolds->work.count;
-    for (size_t p = block * qc_pointBlock; p < (end < count ? end : count); p++)
-        FindPoints(job, (uint32_t)p);
+    if (self->status == qc_statusOk)
+        self->status = qcArray_Reserve(&self->points, self->points.count + qc_pointBlock * qc_maxCommonCorners,
+                                       sizeof(qcRawPoint), "contact points");
+    for (uint32_t p = (uint32_t)(block * qc_pointBlock); p < (end < count ? end : count) && self->status == qc_statusOk;
+         p++)
+    {
+        const qcManifoldPair* pair = qcManifolds_Pair(job->manifolds, p);
+        if (!pair->settled)
+            continue;
+        FindCorners(job->manifolds, p, worker, qcManifoldPair_Limit(pair, job->input->margin));
+        FindPoints(job, p);
+        self->points.count += QC_AT(qcPairCorners, job->manifolds->corners, p).count;
+    }
 }
 
 /// Neither the pair nor one beside it has a point, and none comes nearer.
 static bool IsUnheard(const qcManifolds* m, uint32_t index)
 {
     const qcManifoldPair* pair = qcManifolds_Pair(m, index);
-    if (QC_AT(qcPairCorners, m->corners, index).count != 0 || pair->surpassed)
+    if (QC_AT(qcPairCorners, m->corners, index).count != 0 || pair->surpassed || pair->settled)
         return false;
     for (int side = 0; side < 2; side++)
     {
@@ -153,10 +191,16 @@ static qcStatus Gather(const Job* job)
 
 qcStatus qcManifolds_FindPoints(qcManifolds* m, const qcManifoldInput* input, uint32_t threads)
 {
+    QC_TRY(qcArray_Resize(&m->corners, m->work.count, sizeof(qcPairCorners), "contact points"));
     QC_TRY(qcArray_Resize(&m->witnessed, m->work.count, sizeof(bool), "contact points"));
     QC_TRY(qcArray_Resize(&m->firstRaw, m->work.count + 1, sizeof(size_t), "contact points"));
     Job job = {m, input};
-    size_t blocks = (m->work.count + qc_pointBlock - 1) / qc_pointBlock;
-    qcParallel_For(threads, blocks, qc_leastPointBlocks, TakeBlock, &job);
+    // The workers' lists grow with the points of settled pairs: nobody may read what another one holds.
+    size_t blocks = (m->freePairs.count + qc_pointBlock - 1) / qc_pointBlock;
+    qcParallel_For(threads, blocks, qc_leastPointBlocks, TakeFreeBlock, &job);
+    blocks = (m->work.count + qc_pointBlock - 1) / qc_pointBlock;
+    if (m->freePairs.count != m->work.count)
+        qcParallel_For(threads, blocks, qc_leastPointBlocks, TakeSettledBlock, &job);
+    QC_TRY(qcManifolds_LoopStatus(m));
     return Gather(&job);
 }

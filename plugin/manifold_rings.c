@@ -1,9 +1,4 @@
-// Who lies beside whom, in parallel.
-//
-// Two pairs are neighbours if one of their triangles is the same and the other two share a vertex: one foot stays, the
-// other takes a step. Asking for the step on one side only keeps two sides of one sheet apart: a sheet in a slit
-// touches both walls with the same triangles, but the walls are not beside each other, and what they say of the sheet
-// may well be opposite.
+// Which free pairs lie beside which, in parallel. (What is beside: manifold_regions.c.)
 //
 // Each triangle looks at its own pairs only: they are listed by the vertices of their other triangles, and whoever
 // stands near in a list is a neighbour.
@@ -122,9 +117,8 @@ static uint32_t AddFan(const Wheel* wheel, uint32_t i, uint32_t corner, uint32_t
             continue;
         if (seen->by != i + 1)
         {
-            uint32_t turned = wheel->places[j].side != wheel->places[i].side ? qc_ringTurned : 0;
             *seen = (Seen){i + 1, count};
-            ring[count++] = (wheel->first + j) * qc_ringOne + turned + 1;
+            ring[count++] = (wheel->first + j) * qc_ringOne + 1;
         }
         // Of a degenerate triangle a vertex counts twice.
         else if ((ring[seen->entry] & qc_ringShared) < 3)

@@ -69,10 +69,11 @@ typedef struct Part
 static bool FindFacts(qcManifolds* m)
 {
     bool unsettled = false;
-    for (uint32_t p = 0; p < m->work.count; p++)
+    for (size_t i = 0; i < m->freePairs.count; i++)
     {
+        uint32_t p = qcManifolds_FreePair(m, i);
         const qcManifoldPair* pair = qcManifolds_Pair(m, p);
-        qcSignRegion* region = qcManifolds_SignRegion(m, pair);
+        qcPairRegion* region = qcManifolds_PairRegion(m, pair);
         unsettled = unsettled || region->unsettled;
         if (pair->apart && region->fact == UINT32_MAX)
             region->fact = p;
@@ -205,29 +206,32 @@ static void DropLinks(qcManifolds* m)
 static qcStatus GrowTrees(qcManifolds* m, const qcManifoldInput* input)
 {
     QC_TRY(qcArray_Resize(&m->parts, m->work.count, sizeof(Part), "signs of normals"));
-    for (uint32_t p = 0; p < m->work.count; p++)
+    for (size_t i = 0; i < m->freePairs.count; i++)
     {
+        uint32_t p = qcManifolds_FreePair(m, i);
         QC_AT(uint32_t, m->nodes, p) = p << 1;
         const qcManifoldPair* pair = qcManifolds_Pair(m, p);
-        if (qcManifolds_SignRegion(m, pair)->unsettled)
+        if (qcManifolds_PairRegion(m, pair)->unsettled)
             MakePart(&QC_AT(Part, m->parts, p), m, p, &input->proximities[pair->source]);
         else
             QC_AT(Part, m->parts, p).count = 0;
     }
-    for (uint32_t p = 0; p < m->work.count; p++)
+    for (size_t i = 0; i < m->freePairs.count; i++)
     {
+        uint32_t p = qcManifolds_FreePair(m, i);
         const qcManifoldPair* pair = qcManifolds_Pair(m, p);
-        const qcSignRegion* region = qcManifolds_SignRegion(m, pair);
+        const qcPairRegion* region = qcManifolds_PairRegion(m, pair);
         if (pair->apart && region->unsettled && !region->crossing)
             Join(m, region->fact, p, 0, false);
     }
     m->order.count = 0;
-    for (uint32_t p = 0; p < m->work.count; p++)
+    for (size_t i = 0; i < m->freePairs.count; i++)
     {
-        if (p % qc_linkRoom == 0)
+        uint32_t p = qcManifolds_FreePair(m, i);
+        if (i % qc_linkRoom == 0)
             QC_TRY(qcArray_Reserve(&m->order, m->order.count + 2 * qc_linkRoom * qc_maxRing, sizeof(qcSortItem),
                                    "signs of normals"));
-        for (int side = 0; side < 2 && qcManifolds_SignRegion(m, qcManifolds_Pair(m, p))->unsettled; side++)
+        for (int side = 0; side < 2 && qcManifolds_PairRegion(m, qcManifolds_Pair(m, p))->unsettled; side++)
             TakeLinks(m, p, side);
     }
     DropLinks(m);
@@ -248,10 +252,11 @@ static void Turn(qcManifoldPair* pair)
 static void Agree(qcManifolds* m)
 {
     uint32_t* nodes = m->nodes.data;
-    for (uint32_t p = 0; p < m->work.count; p++)
+    for (size_t i = 0; i < m->freePairs.count; i++)
     {
+        uint32_t p = qcManifolds_FreePair(m, i);
         qcManifoldPair* pair = qcManifolds_Pair(m, p);
-        const qcSignRegion* region = qcManifolds_SignRegion(m, pair);
+        const qcPairRegion* region = qcManifolds_PairRegion(m, pair);
         if (!region->unsettled)
             continue;
         uint32_t root = qcSigned_Find(nodes, p), fact = UINT32_MAX;
@@ -322,13 +327,17 @@ qcStatus qcManifolds_ChooseSigns(qcManifolds* m, const qcManifoldInput* input)
     QC_TRY(qcArray_Resize(&m->nodes, m->work.count, sizeof(uint32_t), "signs of normals"));
     QC_TRY(GrowTrees(m, input));
     Agree(m);
-    for (uint32_t p = 0; p < m->work.count; p++)
+    for (size_t i = 0; i < m->freePairs.count; i++)
     {
+        uint32_t p = qcManifolds_FreePair(m, i);
         Part* part = &QC_AT(Part, m->parts, p);
         part->wrongWay = part->count != 0 && IsWrongWay(part, qcManifolds_Pair(m, p), input->margin);
     }
-    for (uint32_t p = 0; p < m->work.count; p++)
+    for (size_t i = 0; i < m->freePairs.count; i++)
+    {
+        uint32_t p = qcManifolds_FreePair(m, i);
         if (QC_AT(Part, m->parts, qcSigned_Find(m->nodes.data, p) >> 1).wrongWay)
             Turn(qcManifolds_Pair(m, p));
+    }
     return qc_statusOk;
 }

@@ -244,7 +244,7 @@ qcStatus qcNarrow_Run(qcNarrow* narrow, const qcTriangles* triangles, const qcCa
         QC_TRY(qcArray_Resize(&narrow->segments, narrow->pairs.count, sizeof(qcSegment), "segments"));
         qcParallel_For(threads, narrow->pairs.count, qc_leastSegments, ComputeSegment, &job);
     }
-    if (def->proximities || def->manifolds)
+    if (def->proximities)
     {
         QC_TRY(qcArray_Resize(&narrow->proximities, narrow->pairs.count, sizeof(qcProximity), "proximities"));
         QC_TRY(qcArray_Resize(&narrow->feet, narrow->pairs.count, sizeof(qcFeet), "proximities"));

@@ -22,7 +22,7 @@ typedef struct qcNarrow
     qcArray order, scratch;
     //  results
     qcArray pairs, segments, contacts;
-    qcArray proximities; ///< of qcProximity, one a pair; if proximities or manifolds were asked for
+    qcArray proximities; ///< of qcProximity, one a pair; if they were asked for
     qcArray feet;        ///< of qcFeet, of the proximities
 } qcNarrow;
 

@@ -242,28 +242,41 @@ static double NearestPoint(const Split* split, const qcResult* result, const qcM
     return nearest;
 }
 
-START_TEST(a_cut_is_held_at_its_corners_along_its_normal)
+/// Of corners nearer than the tolerance of merged points, one or two may stand for all.
+static void CheckCuts(const Split* split, double margin)
 {
-    // Of corners nearer than the tolerance of merged points, one or two may stand for all.
     const double merged = 1.0 / 16.0;
-    Split split = MakeSplit((uint64_t)_i, qc_exact, 0.0);
-    const qcResult* result = Detect(&split, 0.002);
+    const qcResult* result = Detect(split, margin);
     size_t cuts = 0;
     for (size_t m = 0; m < result->manifoldCount; m++)
     {
         const qcManifold* manifold = &result->manifolds[m];
-        const qcCellFace* face = SharedFace(&split.cells, manifold->bodyA, manifold->bodyB);
+        const qcCellFace* face = SharedFace(&split->cells, manifold->bodyA, manifold->bodyB);
         double normal[3];
         if (face == NULL)
             continue;
         cuts++;
-        NormalBetween(&split, manifold->bodyA, manifold->bodyB, normal);
+        NormalBetween(split, manifold->bodyA, manifold->bodyB, normal);
         for (uint32_t p = 0; p < manifold->pointCount; p++)
             ck_assert_double_ge(qcDot3(result->manifoldPoints[manifold->firstPoint + p].normal, normal), 1.0 - 1e-6);
         for (int c = 0; c < face->count; c++)
-            ck_assert_double_le(NearestPoint(&split, result, manifold, face->corner[c]), merged);
+            ck_assert_double_le(NearestPoint(split, result, manifold, face->corner[c]), merged);
     }
     ck_assert_uint_gt(cuts, qc_cellCount);
+}
+
+START_TEST(a_cut_is_held_at_its_corners_along_its_normal)
+{
+    Split split = MakeSplit((uint64_t)_i, qc_exact, 0.0);
+    CheckCuts(&split, 0.002);
+    FreeSplit(&split);
+}
+END_TEST
+
+START_TEST(a_cut_is_held_along_its_normal_as_far_as_the_margin_reaches)
+{
+    Split split = MakeSplit((uint64_t)_i, qc_placed, 0.0);
+    CheckCuts(&split, 0.05);
     FreeSplit(&split);
 }
 END_TEST
@@ -278,6 +291,7 @@ int main(void)
     tcase_add_loop_test(cells, cells_pushed_into_each_other_are_as_deep_as_they_overlap, 0, qc_splits);
     tcase_add_loop_test(cells, cells_moved_away_from_each_other_are_not_in_each_other, 0, qc_splits);
     tcase_add_loop_test(cells, a_cut_is_held_at_its_corners_along_its_normal, 0, qc_splits);
+    tcase_add_loop_test(cells, a_cut_is_held_along_its_normal_as_far_as_the_margin_reaches, 0, qc_splits);
     suite_add_tcase(suite, cells);
     return qcRunSuite(suite);
 }

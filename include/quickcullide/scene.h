@@ -331,7 +331,8 @@ typedef struct qcManifoldPoint
 /// are connected if they have one triangle in common and the other two share a vertex. Vertices at the same position
 /// count as shared. No two points are at the same place with the same normal: nearer than 1/64 of the triangles' size.
 /// Each pair has a point, or one beside it has, or lies in a flat patch between two bodies that don't deform: of that
-/// only the corners are reported. In a body with itself A and B are the two sides of the region, each triangleA
+/// only the corners are reported. Where the two stand flat and one plane parts the whole region, all points have its
+/// normal, and hold it for every pair. In a body with itself A and B are the two sides of the region, each triangleA
 /// connected with the others, whichever has the lower index.
 typedef struct qcManifold
 {
