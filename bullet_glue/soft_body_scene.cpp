@@ -28,6 +28,19 @@ std::vector<uint32_t> IndicesOf(const btSoftBody* body)
     return indices;
 }
 
+/// Are these what IndicesOf would give?
+bool AreIndicesOf(const std::vector<uint32_t>& indices, const btSoftBody* body)
+{
+    if (indices.size() != 3 * size_t(body->m_faces.size()))
+        return false;
+    const uint32_t* index = indices.data();
+    for (int i = 0; i < body->m_faces.size(); i++)
+        for (const btSoftBody::Node* node : body->m_faces[i].m_n)
+            if (node != &body->m_nodes[0] + *index++)
+                return false;
+    return true;
+}
+
 /// Nodes that Bullet puts to their anchors at the end of each step, or where the reduced model has them.
 void NoteHeld(qcSceneSoftBody& known)
 {
@@ -105,7 +118,7 @@ void qcSoftBodyScene::DropGone(const btAlignedObjectArray<btSoftBody*>& bodies)
     auto isGone = [&](const qcSceneSoftBody& known)
     {
         bool same = bodies.findLinearSearch(known.body) < bodies.size() && known.addition == AdditionOf(known.body);
-        if (same && known.start.size() == size_t(known.NodeCount()) && known.indices == IndicesOf(known.body))
+        if (same && known.start.size() == size_t(known.NodeCount()) && AreIndicesOf(known.indices, known.body))
             return false;
         qcScene_RemoveBody(m_scene, known.id);
         auto setting = m_settings.find(known.body);
@@ -182,12 +195,16 @@ qcStatus qcSoftBodyScene::SynchronizeMeshes(btScalar timeStep)
 
 qcStatus qcSoftBodyScene::UpdatePlaces()
 {
-    for (const qcSceneSoftBody& known : m_bodies)
+    for (qcSceneSoftBody& known : m_bodies)
     {
         if (known.NodeCount() == 0)
             continue;
-        qcStatus status = qcScene_SetVertices(m_scene, known.id, &known.body->m_nodes[0].m_x, s_positionType,
-                                              sizeof(btSoftBody::Node));
+        // Nodes are large: each is looked at once here, and what the scene reads, twice, lies together.
+        known.places.resize(size_t(known.NodeCount()));
+        for (int i = 0; i < known.NodeCount(); i++)
+            known.places[size_t(i)] = known.body->m_nodes[i].m_x;
+        qcStatus status =
+            qcScene_SetVertices(m_scene, known.id, known.places.data(), s_positionType, sizeof(btVector3));
         if (status != qc_statusOk)
             return status;
     }

@@ -1,5 +1,4 @@
-// Soft bodies, and the meshes near them, as bodies of a qcScene: it reads node positions in place and in Bullet's own
-// precision.
+// Soft bodies, and the meshes near them, as bodies of a qcScene: it reads node positions in Bullet's own precision.
 #ifndef QC_BULLET_GLUE_SOFT_BODY_SCENE_H
 #define QC_BULLET_GLUE_SOFT_BODY_SCENE_H
 
@@ -20,11 +19,12 @@ struct qcSceneSoftBody
     qcBodyId id{};
     std::vector<uint32_t> indices; ///< as given to the scene: other faces mean a new topology
     qcSoftBodySettings settings;
-    btScalar halfEdge = 0;        ///< half the mean length of the edges when the scene got it
-    btScalar thickness = 0;       ///< settings.thickness, or what stands for its zero
-    bool moves = true;            ///< false: Bullet does not simulate it at present, and neither do contacts
-    std::vector<btVector3> start; ///< node positions at the start of the step
-    std::vector<bool> held;       ///< nodes that contacts don't move; empty if there are none
+    btScalar halfEdge = 0;         ///< half the mean length of the edges when the scene got it
+    btScalar thickness = 0;        ///< settings.thickness, or what stands for its zero
+    bool moves = true;             ///< false: Bullet does not simulate it at present, and neither do contacts
+    std::vector<btVector3> start;  ///< node positions at the start of the step
+    std::vector<btVector3> places; ///< node positions as the scene was last given them
+    std::vector<bool> held;        ///< nodes that contacts don't move; empty if there are none
 
     int NodeCount() const
     {

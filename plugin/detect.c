@@ -202,7 +202,8 @@ static qcStatus PrepareSurfaces(Step* step)
     for (uint32_t body = 0; body < bodyCount; body++)
         either[body] = onSurfaces[body] || neighbours[body];
     if (SweepsSurfaces(step))
-        QC_TRY(qcSweepSurfaces_Prepare(&d->surfaces, &d->triangles, Reach(step->def), step->threads, either));
+        QC_TRY(qcSweepSurfaces_Prepare(&d->surfaces, &d->triangles, Reach(step->def), step->threads,
+                                       ListsNeighbours(step), either));
     for (uint32_t body = 0; body < bodyCount; body++)
     {
         onSurfaces[body] = onSurfaces[body] && either[body];

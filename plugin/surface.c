@@ -331,6 +331,8 @@ void qcSurface_Free(qcSurface* surface)
 {
     qcClusters_Free(&surface->clusters);
     qcDiscs_Free(&surface->discs);
+    qcStars_Free(&surface->stars);
+    qcArray_Free(&surface->quiet);
     qcArray_Free(&surface->flat);
     qcArray_Free(&surface->rest);
     qcArray_Free(&surface->vertexOf);

@@ -6,6 +6,7 @@
 #include "bodies.h"
 #include "clusters.h"
 #include "discs.h"
+#include "stars.h"
 #include "surface_kernels.h"
 
 enum
@@ -23,6 +24,8 @@ typedef struct qcSurface
     qcArray corners;      ///< of qcCorners by place; where there is no triangle, the vertex vertexCount
     qcArray points;       ///< of qcPoint by vertex; one more, at 0
     qcDiscs discs;
+    qcStars stars;   ///< made when neighbours are first asked for
+    qcArray quiet;   ///< uint8_t by vertex: no features of its star without a common vertex are near, as it is fitted
     qcArray flat;    ///< uint8_t by disc: whether it is known to be flat where the body is
     qcArray rest;    ///< uint8_t by disc: how many more times it need not be asked
     qcArray groups;  ///< of qcBoxGroup: triangles of clusters, clusters of nodes, and so on

@@ -150,6 +150,10 @@ typedef struct qcSurfaceKernels
     /// without a common vertex) may be within the reach of each other. No more than qc_nodeSize^2 pairs.
     size_t (*keepNearNeighbours)(const qcFilterSide* side, const qcFilterBound* bound, qcPlacePair* pairs,
                                  size_t count);
+    /// A bit for each star of a batch (stars.h): true where no two features of it (vertices, edges, triangles) that
+    /// have no vertex in common are within the reach of each other.
+    uint32_t (*findQuietStars)(const qcPoint* points, const uint32_t* vertices, uint32_t valence,
+                               const qcFilterBound* bound);
     /// Puts first those of `pairs` that surely penetrate, whatever the reach; their number is returned.
     size_t (*findPiercing)(const qcFilterSide* a, const qcFilterSide* b, const qcFilterBound* bound, qcPlacePair* pairs,
                            size_t count);

@@ -126,13 +126,14 @@ static qcPlacePair* Collect(const qcSurfaceBoxes* a, uint32_t nodeA, const qcSur
 #include "surface_kernels_mapped.h"
 #include "surface_kernels_near.h"
 #include "surface_kernels_neighbours.h"
+#include "surface_kernels_stars.h"
 
 #define QC_KERNELS(title)                                                                                              \
     {                                                                                                                  \
         .name = title, .map = Map, .fitTriangles = FitTriangles, .fitGroups = FitGroups, .compare = Compare,           \
         .collect = Collect, .isFlat = IsFlat, .mapGroup = MapGroup, .mapTriangles = MapTriangles,                      \
         .collectMapped = CollectMapped, .filter = Filter, .part = Part, .keepNearNeighbours = KeepNearNeighbours,      \
-        .findPiercing = FindPiercing                                                                                   \
+        .findQuietStars = FindQuietStars, .findPiercing = FindPiercing                                                 \
     }
 
 #endif

@@ -11,14 +11,14 @@ typedef void qcSurfaceNeighboursFunction(void* context, const qcPlacePair* pairs
 typedef struct qcSurfaceNeighboursJob
 {
     const qcSurfaceKernels* kernels;
-    const qcSurface* surface; ///< fitted with the margin; what is flat is known
+    qcSurface* surface; ///< fitted with the margin
     uint32_t threads;
     qcSurfaceNeighboursFunction* function;
     void* context;
 } qcSurfaceNeighboursJob;
 
 /// Finds, each once, at least all pairs with features (vertices, edges, triangles) that have no vertex in common and
-/// are within the surface's margin of each other. O(pairs of neighbours).
-void qcSurfaceNeighbours_Find(const qcSurfaceNeighboursJob* job);
+/// are within the surface's margin of each other. O(triangles + pairs around vertices whose star is not quiet).
+qcStatus qcSurfaceNeighbours_Find(const qcSurfaceNeighboursJob* job);
 
 #endif

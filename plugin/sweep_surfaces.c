@@ -34,14 +34,15 @@ static qcStatus SyncSlots(qcSweepSurfaces* sweep, const qcTriangles* t)
 }
 
 /// Has the body a surface in this step? A large one that is new and meets itself has not: what is made for its pairs
-/// with itself takes as long as a step without it, and its topology may not live for another.
-static bool MayHaveSurface(qcSweepSurfaces* sweep, uint32_t slot, const qcBody* body)
+/// with itself takes as long as a step without it, and its topology may not live for another. Where neighbours are
+/// asked for such a step takes twice as long.
+static bool MayHaveSurface(qcSweepSurfaces* sweep, uint32_t slot, const qcBody* body, bool listNeighbours)
 {
     uint32_t* seen = &QC_AT(uint32_t, sweep->seen, slot);
     bool isNew = *seen != body->generation;
     *seen = body->generation;
     return SurfaceAt(sweep, slot)->generation != 0 || !isNew || !qcBody_MeetsItself(body) ||
-           body->triangleCount <= qc_smallBody;
+           body->triangleCount <= qc_smallBody || listNeighbours;
 }
 
 typedef struct Making
@@ -85,7 +86,7 @@ static qcStatus MakeSurfaces(qcSweepSurfaces* sweep, const qcTriangles* triangle
 }
 
 qcStatus qcSweepSurfaces_Prepare(qcSweepSurfaces* sweep, const qcTriangles* triangles, double margin, uint32_t threads,
-                                 uint8_t* wanted)
+                                 bool listNeighbours, uint8_t* wanted)
 {
     if (sweep->kernels == NULL)
         sweep->kernels = qcSurfaceKernels_Get();
@@ -93,7 +94,8 @@ qcStatus qcSweepSurfaces_Prepare(qcSweepSurfaces* sweep, const qcTriangles* tria
     sweep->fittedTriangles = 0;
     for (uint32_t body = 0; body < triangles->bodyCount; body++)
     {
-        bool may = MayHaveSurface(sweep, qcTriangles_Slot(triangles, body), qcTriangles_Body(triangles, body));
+        bool may =
+            MayHaveSurface(sweep, qcTriangles_Slot(triangles, body), qcTriangles_Body(triangles, body), listNeighbours);
         wanted[body] = wanted[body] && may;
     }
     QC_TRY(MakeSurfaces(sweep, triangles, threads, wanted));
@@ -214,11 +216,11 @@ static void AddContactKeys(void* context, const qcPlacePair* pairs, size_t count
     qcPairSink_AddNeighbours(&QC_AT(qcPairSink, run->sweep->sinks, worker), pairs, count, KeyOf, run);
 }
 
-static void AddNeighbours(Run* run, uint32_t body, qcProfile* profile)
+static qcStatus AddNeighbours(Run* run, uint32_t body, qcProfile* profile)
 {
-    const qcSurface* surface = SurfaceOf(run, body);
+    qcSurface* surface = SurfaceOf(run, body);
     if (run->job->testNeighbours)
-        return;
+        return qc_statusOk;
     profile->skippedNeighbours += surface->clusters.neighbourCount;
     LookAt(run, body, body);
     qcSurfaceNeighboursJob job = {.kernels = run->sweep->kernels,
@@ -226,8 +228,7 @@ static void AddNeighbours(Run* run, uint32_t body, qcProfile* profile)
                                   .threads = run->job->threads,
                                   .function = AddContactKeys,
                                   .context = run};
-    if (run->job->listNeighbours)
-        qcSurfaceNeighbours_Find(&job);
+    return run->job->listNeighbours ? qcSurfaceNeighbours_Find(&job) : qc_statusOk;
 }
 
 static void CountTriangles(const Run* run, uint32_t body, qcProfile* profile)
@@ -280,7 +281,7 @@ qcStatus qcSweepSurfaces_Run(qcSweepSurfaces* sweep, const qcSweepSurfacesJob* j
         FindFlat(&run, body, profile);
         if (job->bodies[body])
             QC_TRY(FindPairs(&run, body, body));
-        AddNeighbours(&run, body, profile);
+        QC_TRY(AddNeighbours(&run, body, profile));
     }
     profile->fittedTriangles += sweep->fittedTriangles;
     qcCandidates* candidates = job->candidates;

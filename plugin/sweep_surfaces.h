@@ -44,10 +44,10 @@ typedef struct qcSweepSurfacesJob
 } qcSweepSurfacesJob;
 
 /// Makes surfaces of the bodies whose flag in `wanted` is set, and clears the flags of those that have none this time:
-/// large ones that meet themselves and are new, whose topology may not live for another step, and what no lattice can
-/// hold.
+/// large ones that meet themselves and are new, whose topology may not live for another step, unless neighbours are
+/// listed, and what no lattice can hold.
 qcStatus qcSweepSurfaces_Prepare(qcSweepSurfaces* sweep, const qcTriangles* triangles, double margin, uint32_t threads,
-                                 uint8_t* wanted);
+                                 bool listNeighbours, uint8_t* wanted);
 
 /// Adds pairs to the keys, or to those that are sure; where neighbours are listed, pairs whose relation is known are
 /// among these too. All bodies that are asked about are prepared.

@@ -108,6 +108,27 @@ START_TEST(large_bodies_that_do_not_meet_themselves_have_surfaces_at_once)
 }
 END_TEST
 
+START_TEST(asked_for_contacts_a_large_new_body_has_its_surface_at_once)
+{
+    qcScene* scene = qcMakeScene(NULL);
+    qcSoup soup = qcSoup_MakeFoldedCloth(1, qc_largeSide, 0.01, 0.01);
+    qcBodyDef bodyDef = qcBodyDefOf(&soup);
+    bodyDef.deforming = true;
+    qcBodyId id;
+    CHECK_OK(qcScene_AddBody(scene, &bodyDef, &id));
+    qcDetectDef def = qcDefaultDetectDef();
+    def.contactMargin = 0.004;
+    qcProfile profile;
+    uint64_t hash = Ask(scene, def, qc_methodSweep, 2, &profile);
+    ck_assert_uint_eq(profile.fittedTriangles, soup.triangleCount);
+    ck_assert_uint_gt(profile.contacts, 10);
+    CHECK_THAT(hash == Ask(scene, def, qc_methodBrute, 2, NULL), "other pairs or contacts");
+    qcScene_Destroy(scene);
+    qcSoup_Free(&soup);
+    ck_assert_uint_eq(qcGetByteCount(), 0);
+}
+END_TEST
+
 /// A body of some kind somewhere near the origin.
 static qcBodyId AddAny(qcScene* scene, qcRandom* random)
 {
@@ -253,6 +274,7 @@ END_TEST
 
 QC_RUN_TESTS("surface_scenes", a_large_body_has_the_same_pairs_by_strips_and_then_by_surfaces,
              large_bodies_that_do_not_meet_themselves_have_surfaces_at_once,
+             asked_for_contacts_a_large_new_body_has_its_surface_at_once,
              bodies_that_come_and_go_have_the_same_pairs_as_by_brute_force_with_all_kernels,
              a_smooth_sheet_has_all_pairs_within_a_margin_that_comes_and_goes,
              a_body_that_no_lattice_holds_is_answered_too)
