@@ -79,6 +79,14 @@ static void PrintVerdict(const qcPeersTable* table, const qcPeerRow* ours)
         printf("  ours on %" PRIu32 " threads: %.2f times as quick as on 1\n", ours->threads, Ratio(one->ms, ours->ms));
 }
 
+static void PrintNewTopology(const qcPeersTable* table, const qcPeerRow* ours)
+{
+    printf("  ours, a new topology, threads %" PRIu32
+           ": for 100 K triangles %.4f s in its first step, %.4f s in its second\n",
+           ours->threads, qcPeersTable_Preprocessing(table, ours, ours->firstMs),
+           qcPeersTable_Preprocessing(table, ours, ours->secondMs));
+}
+
 void qcPeers_PrintTable(const qcPeersTable* table)
 {
     printf("\n%s: %s, %" PRIu32 " triangles\n", qcPeerWork_Name(table->work), qcPeerWork_Title(table->work),
@@ -89,14 +97,9 @@ void qcPeers_PrintTable(const qcPeersTable* table)
     for (uint32_t i = 0; i < table->rowCount; ++i)
     {
         if (&table->rows[i] == qcPeersTable_FindOurs(table, table->rows[i].threads))
+        {
             PrintVerdict(table, &table->rows[i]);
+            PrintNewTopology(table, &table->rows[i]);
+        }
     }
-    if (table->rowCount == 0)
-        return;
-    const qcPeerRow* ours = &table->rows[0];
-    printf(
-        "  ours, a new topology: for 100 K triangles %.4f s in its first step, %.4f s in its second, threads: %" PRIu32
-        "\n",
-        qcPeersTable_Preprocessing(table, ours, ours->firstMs), qcPeersTable_Preprocessing(table, ours, ours->secondMs),
-        ours->threads);
 }

@@ -318,17 +318,18 @@ static qcStatus Link(Builder* b)
 }
 
 qcStatus qcClusters_Lay(qcClusters* clusters, const uint32_t* indices, uint32_t triangleCount, const double* positions,
-                        uint32_t vertexCount)
+                        uint32_t vertexCount, uint32_t threads)
 {
     *clusters = (qcClusters){0};
-    qcStatus status = qcClusterOrder_Make(&clusters->triangles, indices, triangleCount, positions, vertexCount);
+    qcStatus status =
+        qcClusterOrder_Make(&clusters->triangles, indices, triangleCount, positions, vertexCount, threads);
     if (status != qc_statusOk)
         qcClusters_Free(clusters);
     clusters->nodeCount = (uint32_t)(clusters->triangles.count / qc_nodeSize);
     return status;
 }
 
-static void FreeLinks(qcClusters* clusters)
+void qcClusters_Unlink(qcClusters* clusters)
 {
     qcArray_Free(&clusters->firstLink);
     qcArray_Free(&clusters->links);
@@ -342,14 +343,14 @@ qcStatus qcClusters_Link(qcClusters* clusters, const uint32_t* indices, uint32_t
     qcStatus status = Link(&builder);
     Free(&builder);
     if (status != qc_statusOk)
-        FreeLinks(clusters);
+        qcClusters_Unlink(clusters);
     return status;
 }
 
 qcStatus qcClusters_Build(qcClusters* clusters, const uint32_t* indices, uint32_t triangleCount,
-                          const double* positions, uint32_t vertexCount)
+                          const double* positions, uint32_t vertexCount, uint32_t threads)
 {
-    QC_TRY(qcClusters_Lay(clusters, indices, triangleCount, positions, vertexCount));
+    QC_TRY(qcClusters_Lay(clusters, indices, triangleCount, positions, vertexCount, threads));
     qcStatus status = qcClusters_Link(clusters, indices, vertexCount);
     if (status != qc_statusOk)
         qcClusters_Free(clusters);
@@ -394,5 +395,5 @@ void qcClusters_Free(qcClusters* clusters)
 {
     qcArray_Free(&clusters->triangles);
     clusters->nodeCount = 0;
-    FreeLinks(clusters);
+    qcClusters_Unlink(clusters);
 }

@@ -79,13 +79,15 @@ typedef struct qcClusters
 /// Nodes and their triangles; no links yet. `positions`: three doubles a vertex. O(triangles log triangles). On failure
 /// nothing is left.
 qcStatus qcClusters_Lay(qcClusters* clusters, const uint32_t* indices, uint32_t triangleCount, const double* positions,
-                        uint32_t vertexCount);
+                        uint32_t vertexCount, uint32_t threads);
 /// Adds links, tables and the count of neighbours to clusters that have none. O(pairs of neighbours). On failure there
 /// are none, as before.
 qcStatus qcClusters_Link(qcClusters* clusters, const uint32_t* indices, uint32_t vertexCount);
-/// Both. On failure nothing is left.
+/// Takes them off again.
+void qcClusters_Unlink(qcClusters* clusters);
+/// Lays and links. On failure nothing is left.
 qcStatus qcClusters_Build(qcClusters* clusters, const uint32_t* indices, uint32_t triangleCount,
-                          const double* positions, uint32_t vertexCount);
+                          const double* positions, uint32_t vertexCount, uint32_t threads);
 #define QC_NO_LINK UINT32_MAX
 
 /// The link of two nodes, the second not below the first, or QC_NO_LINK: they share no vertex.

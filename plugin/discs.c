@@ -2,6 +2,7 @@
 // over two edges that follow each other on the loop. Either leaves a disc with one loop around it.
 #include "discs.h"
 
+#include "parallel.h"
 #include "status.h"
 
 #include <stdbool.h>
@@ -9,14 +10,11 @@
 
 enum
 {
-    // An edge between two vertices of more triangles is taken to have no other side.
-    qc_mostAround = 64,
     qc_seeds = 4,
     // A disc that leaves out more of its node skips too little to be looked at.
     qc_leastShare = qc_nodeSize / 2
 };
 
-#define QC_NO_PLACE UINT32_MAX
 #define QC_INSIDE UINT32_MAX
 
 /// A vertex of the disc that grows.
@@ -27,14 +25,17 @@ typedef struct Joint
     uint32_t block; ///< the disc around whose own triangles have it
 } Joint;
 
+/// Grows the discs of one size.
 typedef struct Builder
 {
     qcDiscs* discs;
     const qcClusters* clusters;
+    const qcAdjacency* adjacency;
     const qcCorners* corners;
     uint32_t vertexCount;
-    qcArray first, around; ///< uint32_t of each vertex and one more; places
-    qcArray across;        ///< uint32_t, three a place: what lies over each edge, or QC_NO_PLACE
+    int size;
+    qcStatus status;
+    qcArray places, loops; ///< of these discs, as in qcDiscs
     qcArray inDisc;        ///< uint32_t by place: the disc it is in
     qcArray joints;        ///< of Joint, by vertex
     qcArray queue;         ///< uint32_t: places that may join
@@ -46,7 +47,7 @@ typedef struct Builder
 
 static void Free(Builder* b)
 {
-    qcArray* arrays[] = {&b->first, &b->around, &b->across, &b->inDisc, &b->joints, &b->queue, &b->masks};
+    qcArray* arrays[] = {&b->places, &b->loops, &b->inDisc, &b->joints, &b->queue, &b->masks};
     for (size_t i = 0; i < sizeof arrays / sizeof arrays[0]; i++)
         qcArray_Free(arrays[i]);
 }
@@ -54,59 +55,6 @@ static void Free(Builder* b)
 static bool HasTriangle(const Builder* b, size_t place)
 {
     return QC_AT(uint32_t, b->clusters->triangles, place) != QC_NO_TRIANGLE;
-}
-
-//  ---- what lies over each edge --------------------------------------------------------------------
-
-static void FindAround(Builder* b)
-{
-    uint32_t* first = b->first.data;
-    size_t places = b->clusters->triangles.count;
-    memset(first, 0, ((size_t)b->vertexCount + 1) * sizeof *first);
-    for (size_t p = 0; p < places; p++)
-        for (int c = 0; c < 3 && HasTriangle(b, p); c++)
-            first[b->corners[p].vertex[c]]++;
-    uint32_t end = 0;
-    for (uint32_t v = 0; v < b->vertexCount; v++)
-        first[v] = end += first[v];
-    first[b->vertexCount] = end;
-    for (size_t p = places; p-- > 0;)
-        for (int c = 0; c < 3 && HasTriangle(b, p); c++)
-            QC_AT(uint32_t, b->around, --first[b->corners[p].vertex[c]]) = (uint32_t)p;
-}
-
-/// The one other triangle that has the edge u v, if it has it as v u.
-static uint32_t FindAcross(const Builder* b, uint32_t place, uint32_t u, uint32_t v)
-{
-    const uint32_t *first = b->first.data, *around = b->around.data;
-    uint32_t at = first[v + 1] - first[v] < first[u + 1] - first[u] ? v : u, found = QC_NO_PLACE;
-    if (u == v || first[at + 1] - first[at] > qc_mostAround)
-        return QC_NO_PLACE;
-    for (uint32_t i = first[at]; i < first[at + 1]; i++)
-    {
-        const uint32_t* w = b->corners[around[i]].vertex;
-        bool has = (w[0] == u || w[1] == u || w[2] == u) && (w[0] == v || w[1] == v || w[2] == v);
-        if (around[i] == place || !has)
-            continue;
-        bool opposite = (w[0] == v && w[1] == u) || (w[1] == v && w[2] == u) || (w[2] == v && w[0] == u);
-        bool proper = w[0] != w[1] && w[1] != w[2] && w[2] != w[0];
-        if (found != QC_NO_PLACE || !opposite || !proper)
-            return QC_NO_PLACE;
-        found = around[i];
-    }
-    return found;
-}
-
-static void FindAllAcross(Builder* b)
-{
-    for (size_t p = 0; p < b->clusters->triangles.count; p++)
-        for (int c = 0; c < 3; c++)
-        {
-            const uint32_t* v = b->corners[p].vertex;
-            bool proper = HasTriangle(b, p) && v[0] != v[1] && v[1] != v[2] && v[2] != v[0];
-            QC_AT(uint32_t, b->across, 3 * p + c) =
-                proper ? FindAcross(b, (uint32_t)p, v[c], v[(c + 1) % 3]) : QC_NO_PLACE;
-        }
 }
 
 //  ---- growth --------------------------------------------------------------------------------------
@@ -136,7 +84,7 @@ static void Begin(Builder* b, uint32_t seed)
 /// only those are wanted.
 static bool Join(Builder* b, uint32_t place, bool notchesOnly)
 {
-    const uint32_t *v = b->corners[place].vertex, *across = &QC_AT(uint32_t, b->across, 3 * (size_t)place);
+    const uint32_t *v = b->corners[place].vertex, *across = &QC_AT(uint32_t, b->adjacency->across, 3 * (size_t)place);
     bool shared[3];
     int count = 0;
     for (int c = 0; c < 3; c++)
@@ -186,7 +134,7 @@ static qcStatus PushAcross(Builder* b, uint32_t place)
     QC_TRY(qcArray_Reserve(&b->queue, b->queue.count + 3, sizeof(uint32_t), "discs of triangles"));
     for (int c = 0; c < 3; c++)
     {
-        uint32_t other = QC_AT(uint32_t, b->across, 3 * (size_t)place + c);
+        uint32_t other = QC_AT(uint32_t, b->adjacency->across, 3 * (size_t)place + c);
         if (other != QC_NO_PLACE && !IsInDisc(b, other))
             QC_AT(uint32_t, b->queue, b->queue.count++) = other;
     }
@@ -195,7 +143,7 @@ static qcStatus PushAcross(Builder* b, uint32_t place)
 
 static qcStatus Add(Builder* b, uint32_t place)
 {
-    qcArray* places = &b->discs->places;
+    qcArray* places = &b->places;
     QC_TRY(qcArray_Reserve(places, places->count + 1, sizeof(uint32_t), "discs of triangles"));
     QC_AT(uint32_t, *places, places->count++) = place;
     QC_AT(uint32_t, b->inDisc, place) = b->disc;
@@ -213,7 +161,7 @@ typedef enum Phase
 /// From a seed. Breadth first: the disc stays round.
 static qcStatus Grow(Builder* b, uint32_t seed, qcDisc* disc)
 {
-    disc->firstPlace = (uint32_t)b->discs->places.count;
+    disc->firstPlace = (uint32_t)b->places.count;
     b->queue.count = 0;
     Begin(b, seed);
     QC_TRY(Add(b, seed));
@@ -234,7 +182,7 @@ static qcStatus Grow(Builder* b, uint32_t seed, qcDisc* disc)
         // The next phase may take them.
         b->queue.count = refused;
     }
-    disc->placeCount = (uint32_t)(b->discs->places.count - disc->firstPlace);
+    disc->placeCount = (uint32_t)(b->places.count - disc->firstPlace);
     return qc_statusOk;
 }
 
@@ -243,7 +191,7 @@ static uint32_t FillMasks(Builder* b, const qcDisc* disc)
 {
     uint64_t* masks = b->masks.data;
     uint32_t ownCount = 0;
-    const uint32_t* places = &QC_AT(uint32_t, b->discs->places, disc->firstPlace);
+    const uint32_t* places = &QC_AT(uint32_t, b->places, disc->firstPlace);
     for (uint32_t i = 0; i < disc->placeCount; i++)
         masks[places[i] / qc_nodeSize] = 0;
     for (uint32_t i = 0; i < disc->placeCount; i++)
@@ -267,7 +215,7 @@ static uint32_t CountLoop(const Builder* b)
 
 static qcStatus KeepLoop(Builder* b, qcDisc* disc)
 {
-    qcArray* loops = &b->discs->loops;
+    qcArray* loops = &b->loops;
     disc->firstLoop = (uint32_t)loops->count;
     disc->loopCount = CountLoop(b);
     QC_TRY(qcArray_Reserve(loops, loops->count + disc->loopCount, sizeof(uint32_t), "discs of triangles"));
@@ -278,18 +226,18 @@ static qcStatus KeepLoop(Builder* b, qcDisc* disc)
 }
 
 /// What the disc has of the nodes around its block, for each link between the two.
-static void FillRings(const Builder* b, const qcDisc* disc, int size)
+static void FillRings(const Builder* b, const qcDisc* disc)
 {
     const qcClusters* c = b->clusters;
-    const uint32_t *firstLink = c->firstLink.data, *places = &QC_AT(uint32_t, b->discs->places, disc->firstPlace);
+    const uint32_t *firstLink = c->firstLink.data, *places = &QC_AT(uint32_t, b->places, disc->firstPlace);
     const qcNodeLink* links = c->links.data;
     const uint64_t* masks = b->masks.data;
     qcDiscRing* rings = b->discs->rings.data;
     for (uint32_t node = b->firstNode; node < b->endNode; node++)
     {
-        QC_AT(uint64_t, b->discs->own, qc_discSizes * (size_t)node + size) = masks[node];
+        QC_AT(uint64_t, b->discs->own, qc_discSizes * (size_t)node + b->size) = masks[node];
         for (uint32_t l = firstLink[node]; l < firstLink[node + 1]; l++)
-            rings[l].ofNode[size] = masks[links[l].other];
+            rings[l].ofNode[b->size] = masks[links[l].other];
     }
     for (uint32_t i = 0; i < disc->placeCount; i++)
     {
@@ -299,7 +247,7 @@ static void FillRings(const Builder* b, const qcDisc* disc, int size)
             continue;
         for (uint32_t l = firstLink[node]; l < firstLink[node + 1]; l++)
             if (links[l].other >= b->firstNode && links[l].other < b->endNode)
-                rings[l].ofOther[size] = masks[node];
+                rings[l].ofOther[b->size] = masks[node];
     }
 }
 
@@ -312,12 +260,13 @@ static void MarkBlock(Builder* b)
         {
             uint32_t v = b->corners[p].vertex[c];
             JointAt(b, v)->block = b->disc;
-            for (uint32_t i = QC_AT(uint32_t, b->first, v); i < QC_AT(uint32_t, b->first, v + 1); i++)
-                masks[QC_AT(uint32_t, b->around, i) / qc_nodeSize] = 0;
+            const uint32_t* first = &QC_AT(uint32_t, b->adjacency->first, v);
+            for (uint32_t i = first[0]; i < first[1]; i++)
+                masks[QC_AT(uint32_t, b->adjacency->around, i) / qc_nodeSize] = 0;
         }
 }
 
-static qcStatus GrowAround(Builder* b, int size, uint32_t disc, uint32_t firstNode, uint32_t nodeCount)
+static qcStatus GrowAround(Builder* b, uint32_t disc, uint32_t firstNode, uint32_t nodeCount)
 {
     qcDiscs* discs = b->discs;
     qcDisc* made = &QC_AT(qcDisc, discs->discs, disc);
@@ -335,55 +284,83 @@ static qcStatus GrowAround(Builder* b, int size, uint32_t disc, uint32_t firstNo
         best = FillMasks(b, made);
         if (best < nodeCount * qc_leastShare || CountLoop(b) > qc_mostLoop)
         {
-            discs->places.count = made->firstPlace;
+            b->places.count = made->firstPlace;
             *made = (qcDisc){0};
             best = 0;
             continue;
         }
         QC_TRY(KeepLoop(b, made));
-        FillRings(b, made, size);
+        FillRings(b, made);
     }
     return qc_statusOk;
 }
 
-static qcStatus Build(Builder* b)
+static qcStatus GrowAll(Builder* b)
 {
-    qcDiscs* d = b->discs;
-    const qcClusters* c = b->clusters;
-    size_t places = c->triangles.count;
-    uint32_t nodes = d->nodeCount, large = (nodes + qc_discNodes - 1) / qc_discNodes;
-    QC_TRY(qcArray_Resize(&b->first, (size_t)b->vertexCount + 1, sizeof(uint32_t), "discs of triangles"));
-    QC_TRY(qcArray_Resize(&b->around, 3 * places, sizeof(uint32_t), "discs of triangles"));
-    QC_TRY(qcArray_Resize(&b->across, 3 * places, sizeof(uint32_t), "discs of triangles"));
+    size_t places = b->clusters->triangles.count;
+    uint32_t nodes = b->discs->nodeCount, block = b->size == 0 ? 1 : qc_discNodes;
     QC_TRY(qcArray_Resize(&b->inDisc, places, sizeof(uint32_t), "discs of triangles"));
     QC_TRY(qcArray_Resize(&b->joints, b->vertexCount, sizeof(Joint), "discs of triangles"));
     QC_TRY(qcArray_Resize(&b->masks, nodes, sizeof(uint64_t), "discs of triangles"));
-    QC_TRY(qcArray_Resize(&d->discs, (size_t)nodes + large, sizeof(qcDisc), "discs of triangles"));
-    QC_TRY(qcArray_Resize(&d->own, qc_discSizes * (size_t)nodes, sizeof(uint64_t), "discs of triangles"));
-    QC_TRY(qcArray_Resize(&d->rings, c->links.count, sizeof(qcDiscRing), "discs of triangles"));
     memset(b->inDisc.data, 0, places * sizeof(uint32_t));
     memset(b->joints.data, 0, b->vertexCount * sizeof(Joint));
-    memset(d->discs.data, 0, d->discs.count * sizeof(qcDisc));
-    memset(d->own.data, 0, d->own.count * sizeof(uint64_t));
-    memset(d->rings.data, 0, d->rings.count * sizeof(qcDiscRing));
-    FindAround(b);
-    FindAllAcross(b);
-    for (uint32_t node = 0; node < nodes; node++)
-        QC_TRY(GrowAround(b, 0, node, node, 1));
-    for (uint32_t i = 0; i < large; i++)
-    {
-        uint32_t first = i * qc_discNodes;
-        QC_TRY(GrowAround(b, 1, nodes + i, first, nodes - first < qc_discNodes ? nodes - first : qc_discNodes));
-    }
+    uint32_t disc = b->size == 0 ? 0 : nodes;
+    for (uint32_t first = 0; first < nodes; first += block)
+        QC_TRY(GrowAround(b, disc++, first, nodes - first < block ? nodes - first : block));
     return qc_statusOk;
 }
 
-qcStatus qcDiscs_Build(qcDiscs* discs, const qcClusters* clusters, const qcCorners* corners, uint32_t vertexCount)
+static void GrowSize(void* context, size_t size, uint32_t worker)
+{
+    (void)worker;
+    Builder* builder = (Builder*)context + size;
+    builder->status = GrowAll(builder);
+}
+
+/// Adds the places and loops of the discs of one size.
+static qcStatus AddSize(qcDiscs* d, const Builder* b)
+{
+    if (b->status != qc_statusOk)
+        return qcArray_FailAgain(&b->places, "discs of triangles");
+    size_t first = b->size == 0 ? 0 : d->nodeCount, end = b->size == 0 ? d->nodeCount : d->discs.count;
+    for (size_t i = first; i < end; i++)
+    {
+        QC_AT(qcDisc, d->discs, i).firstPlace += (uint32_t)d->places.count;
+        QC_AT(qcDisc, d->discs, i).firstLoop += (uint32_t)d->loops.count;
+    }
+    QC_TRY(qcArray_Append(&d->places, &b->places, sizeof(uint32_t), "discs of triangles"));
+    return qcArray_Append(&d->loops, &b->loops, sizeof(uint32_t), "discs of triangles");
+}
+
+static qcStatus Build(qcDiscs* d, Builder builders[qc_discSizes], uint32_t threads)
+{
+    const qcClusters* c = builders[0].clusters;
+    uint32_t nodes = d->nodeCount, large = (nodes + qc_discNodes - 1) / qc_discNodes;
+    QC_TRY(qcArray_GrowZeroed(&d->discs, (size_t)nodes + large, sizeof(qcDisc), "discs of triangles"));
+    QC_TRY(qcArray_GrowZeroed(&d->own, qc_discSizes * (size_t)nodes, sizeof(uint64_t), "discs of triangles"));
+    QC_TRY(qcArray_GrowZeroed(&d->rings, c->links.count, sizeof(qcDiscRing), "discs of triangles"));
+    // The two sizes side by side: they write to what is each one's own.
+    qcParallel_For(threads, qc_discSizes, qc_discSizes, GrowSize, builders);
+    for (int size = 0; size < qc_discSizes; size++)
+        QC_TRY(AddSize(d, &builders[size]));
+    return qc_statusOk;
+}
+
+qcStatus qcDiscs_Build(qcDiscs* discs, const qcClusters* clusters, const qcAdjacency* adjacency,
+                       const qcCorners* corners, uint32_t vertexCount, uint32_t threads)
 {
     *discs = (qcDiscs){.nodeCount = clusters->nodeCount};
-    Builder builder = {.discs = discs, .clusters = clusters, .corners = corners, .vertexCount = vertexCount};
-    qcStatus status = Build(&builder);
-    Free(&builder);
+    Builder builders[qc_discSizes];
+    for (int size = 0; size < qc_discSizes; size++)
+        builders[size] = (Builder){.discs = discs,
+                                   .clusters = clusters,
+                                   .adjacency = adjacency,
+                                   .corners = corners,
+                                   .vertexCount = vertexCount,
+                                   .size = size};
+    qcStatus status = Build(discs, builders, threads);
+    for (int size = 0; size < qc_discSizes; size++)
+        Free(&builders[size]);
     if (status != qc_statusOk)
         qcDiscs_Free(discs);
     return status;

@@ -4,7 +4,7 @@
 #ifndef QC_PLUGIN_DISCS_H
 #define QC_PLUGIN_DISCS_H
 
-#include "clusters.h"
+#include "adjacency.h"
 #include "surface_kernels.h"
 
 enum
@@ -44,9 +44,9 @@ static inline uint32_t qcDiscs_Large(const qcDiscs* discs, uint32_t node)
     return discs->nodeCount + node / qc_discNodes;
 }
 
-/// `corners` by place; vertices are below vertexCount where there is a triangle. O(triangles). On failure nothing is
-/// left.
-qcStatus qcDiscs_Build(qcDiscs* discs, const qcClusters* clusters, const qcCorners* corners, uint32_t vertexCount);
+/// `corners` by place, `adjacency` of them; clusters are linked. O(triangles). On failure nothing is left.
+qcStatus qcDiscs_Build(qcDiscs* discs, const qcClusters* clusters, const qcAdjacency* adjacency,
+                       const qcCorners* corners, uint32_t vertexCount, uint32_t threads);
 void qcDiscs_Free(qcDiscs* discs);
 
 #endif

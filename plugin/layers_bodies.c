@@ -117,7 +117,7 @@ static qcStatus AssignPlaces(const Prepare* p)
             continue;
         if (place->generation == 0)
             QC_TRY(qcClusters_Build(&place->clusters, b->indices, b->triangleCount, b->deforming ? b->world : b->local,
-                                    b->vertexCount));
+                                    b->vertexCount, p->threads));
         place->generation = b->generation;
         Assign(bodies, place, b);
     }

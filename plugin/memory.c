@@ -87,15 +87,13 @@ static size_t GrownCapacity(const qcArray* array)
     return capacity < 4096 ? 4096 : capacity;
 }
 
-qcStatus qcArray_Reserve(qcArray* array, size_t count, size_t elementSize, const char* purpose)
+qcStatus qcArray_Grow(qcArray* array, size_t count, size_t elementSize, const char* purpose)
 {
     if (count > SIZE_MAX / 2 / elementSize)
         return qcFailMemory(SIZE_MAX, purpose);
     size_t needed = count * elementSize;
     // An array holds elements of one size as long as it lives.
     assert(array->count * elementSize <= array->capacity);
-    if (needed <= array->capacity)
-        return qc_statusOk;
     size_t capacity = GrownCapacity(array);
     if (capacity < needed)
         capacity = needed;

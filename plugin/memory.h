@@ -19,8 +19,13 @@ typedef struct qcArray
     size_t capacity; ///< bytes
 } qcArray;
 
+/// What qcArray_Reserve does where there is no room.
+qcStatus qcArray_Grow(qcArray* array, size_t count, size_t elementSize, const char* purpose);
 /// Makes room for `count` elements of `elementSize` bytes; the count stays. qc_statusOutOfMemory leaves it as it was.
-qcStatus qcArray_Reserve(qcArray* array, size_t count, size_t elementSize, const char* purpose);
+static inline qcStatus qcArray_Reserve(qcArray* array, size_t count, size_t elementSize, const char* purpose)
+{
+    return count <= array->capacity / elementSize ? qc_statusOk : qcArray_Grow(array, count, elementSize, purpose);
+}
 /// Reserves, then sets the count; new elements are not cleared.
 qcStatus qcArray_Resize(qcArray* array, size_t count, size_t elementSize, const char* purpose);
 /// Resizes to more elements, the new ones all zero; never to fewer.

@@ -46,29 +46,56 @@ static qcStatus LayLevels(qcSurface* surface)
     return qcArray_Resize(&surface->groups, total, sizeof(qcBoxGroup), "boxes of a surface");
 }
 
-static qcStatus Relate(qcSurface* surface, const qcBody* body)
+/// Two things that don't wait for each other.
+typedef struct Relating
 {
-    QC_TRY(qcClusters_Link(&surface->clusters, body->indices, body->vertexCount));
-    QC_TRY(qcDiscs_Build(&surface->discs, &surface->clusters, surface->corners.data, surface->vertexCount));
-    QC_TRY(qcArray_Resize(&surface->flat, surface->discs.discs.count, 1, "discs of a surface"));
-    QC_TRY(qcArray_Resize(&surface->rest, surface->discs.discs.count, 1, "discs of a surface"));
-    memset(surface->rest.data, 0, surface->rest.count);
-    return qc_statusOk;
+    qcSurface* surface;
+    const qcBody* body;
+    qcAdjacency adjacency;
+    qcStatus status[2];
+} Relating;
+
+static void RelatePart(void* context, size_t part, uint32_t worker)
+{
+    (void)worker;
+    Relating* r = context;
+    qcSurface* s = r->surface;
+    r->status[part] = part == 0 ? qcClusters_Link(&s->clusters, r->body->indices, r->body->vertexCount)
+                                : qcAdjacency_Build(&r->adjacency, s->corners.data, s->corners.count, s->vertexCount);
 }
 
-qcStatus qcSurface_Relate(qcSurface* surface, const qcBody* body)
+static qcStatus Relate(Relating* r, uint32_t threads)
+{
+    qcSurface* surface = r->surface;
+    qcParallel_For(threads, 2, 2, RelatePart, r);
+    for (int i = 0; i < 2; i++)
+        // The message is the worker's own; say it again on this thread.
+        if (r->status[i] != qc_statusOk)
+            return qcArray_FailAgain(&surface->corners, "pairs within a surface");
+    QC_TRY(qcDiscs_Build(&surface->discs, &surface->clusters, &r->adjacency, surface->corners.data,
+                         surface->vertexCount, threads));
+    QC_TRY(qcArray_Resize(&surface->flat, surface->discs.discs.count, 1, "discs of a surface"));
+    surface->rest.count = 0;
+    return qcArray_GrowZeroed(&surface->rest, surface->discs.discs.count, 1, "discs of a surface");
+}
+
+qcStatus qcSurface_Relate(qcSurface* surface, const qcBody* body, uint32_t threads)
 {
     if (surface->related)
         return qc_statusOk;
-    qcStatus status = Relate(surface, body);
+    Relating relating = {.surface = surface, .body = body};
+    qcStatus status = Relate(&relating, threads);
+    qcAdjacency_Free(&relating.adjacency);
+    if (status != qc_statusOk)
+        qcClusters_Unlink(&surface->clusters);
     surface->related = status == qc_statusOk;
     return status;
 }
 
-static qcStatus Build(qcSurface* surface, const qcBody* body)
+static qcStatus Build(qcSurface* surface, const qcBody* body, uint32_t threads)
 {
     QC_TRY(qcClusters_Lay(&surface->clusters, body->indices, body->triangleCount,
-                          body->deforming ? body->world : body->local, body->vertexCount));
+                          body->deforming ? body->world : body->local, body->vertexCount, threads));
     QC_TRY(qcClusters_NameVertices(&surface->clusters, body->indices, body->vertexCount, &surface->corners,
                                    &surface->vertexOf));
     surface->vertexCount = (uint32_t)surface->vertexOf.count;
@@ -76,15 +103,15 @@ static qcStatus Build(qcSurface* surface, const qcBody* body)
     QC_TRY(qcArray_Resize(&surface->points, (size_t)surface->vertexCount + 1, sizeof(qcPoint), "points of a surface"));
     QC_AT(qcPoint, surface->points, surface->vertexCount) = (qcPoint){{0}};
     if (qcBody_MeetsItself(body))
-        QC_TRY(qcSurface_Relate(surface, body));
+        QC_TRY(qcSurface_Relate(surface, body, threads));
     surface->generation = body->generation;
     return qc_statusOk;
 }
 
-qcStatus qcSurface_Build(qcSurface* surface, const qcBody* body)
+qcStatus qcSurface_Build(qcSurface* surface, const qcBody* body, uint32_t threads)
 {
     *surface = (qcSurface){0};
-    qcStatus status = Build(surface, body);
+    qcStatus status = Build(surface, body, threads);
     if (status != qc_statusOk)
         qcSurface_Free(surface);
     return status;

@@ -53,11 +53,11 @@ typedef struct qcSurfaceScratch
 } qcSurfaceScratch;
 
 /// For a body with triangles, related if the body meets itself. O(triangles log triangles). On failure nothing is left.
-qcStatus qcSurface_Build(qcSurface* surface, const qcBody* body);
+qcStatus qcSurface_Build(qcSurface* surface, const qcBody* body, uint32_t threads);
 
 /// Makes ready for pairs within the surface, once for all; the body is the one that it was built for. O(pairs of
 /// neighbours).
-qcStatus qcSurface_Relate(qcSurface* surface, const qcBody* body);
+qcStatus qcSurface_Relate(qcSurface* surface, const qcBody* body, uint32_t threads);
 
 /// Boxes and points of where the body is now; nothing is done where they are that already. Boxes are larger by the
 /// margin at their upper ends. A rigid body that isn't tested with itself is fitted once, in local coordinates, unless

@@ -49,6 +49,7 @@ typedef struct Making
 {
     qcSweepSurfaces* sweep;
     const qcTriangles* triangles;
+    uint32_t threads; ///< of each
 } Making;
 
 static void MakeOne(void* context, size_t i, uint32_t worker)
@@ -58,7 +59,8 @@ static void MakeOne(void* context, size_t i, uint32_t worker)
     qcSurfaceToMake* order = &QC_AT(qcSurfaceToMake, making->sweep->toMake, i);
     const qcBody* body = qcTriangles_Body(making->triangles, order->body);
     qcSurface* surface = SurfaceAt(making->sweep, qcTriangles_Slot(making->triangles, order->body));
-    order->status = surface->generation == 0 ? qcSurface_Build(surface, body) : qcSurface_Relate(surface, body);
+    order->status = surface->generation == 0 ? qcSurface_Build(surface, body, making->threads)
+                                             : qcSurface_Relate(surface, body, making->threads);
 }
 
 /// Surfaces that are wanted and not there yet, or that have not been asked for pairs with themselves before.
@@ -76,8 +78,9 @@ static qcStatus MakeSurfaces(qcSweepSurfaces* sweep, const qcTriangles* triangle
         QC_TRY(qcArray_Resize(&sweep->toMake, at + 1, sizeof(qcSurfaceToMake), "surfaces"));
         QC_AT(qcSurfaceToMake, sweep->toMake, at) = (qcSurfaceToMake){body, qc_statusOk};
     }
-    Making making = {sweep, triangles};
-    qcParallel_For(threads, sweep->toMake.count, 2, MakeOne, &making);
+    // Several side by side, or one by all.
+    Making making = {sweep, triangles, sweep->toMake.count == 1 ? threads : 1};
+    qcParallel_For(sweep->toMake.count == 1 ? 1 : threads, sweep->toMake.count, 2, MakeOne, &making);
     for (size_t i = 0; i < sweep->toMake.count; i++)
         // The message is the worker's own; say it again on this thread.
         if (QC_AT(qcSurfaceToMake, sweep->toMake, i).status != qc_statusOk)

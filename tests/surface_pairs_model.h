@@ -27,8 +27,8 @@ static inline qcSide qcSide_Make(qcSoup soup)
 {
     qcSide side = {.soup = soup};
     const qcBody* body = qcBodyAt(&side.bodies, qcAddToBodies(&side.bodies, &soup));
-    CHECK_OK(qcSurface_Build(&side.surface, body));
-    CHECK_OK(qcSurface_Relate(&side.surface, body));
+    CHECK_OK(qcSurface_Build(&side.surface, body, 1));
+    CHECK_OK(qcSurface_Relate(&side.surface, body, 1));
     return side;
 }
 

@@ -121,7 +121,7 @@ static qcSoup Shuffle(qcSoup soup, uint64_t seed)
 static qcClusters Build(const qcSoup* soup)
 {
     qcClusters clusters;
-    CHECK_OK(qcClusters_Build(&clusters, soup->indices, soup->triangleCount, soup->positions, soup->vertexCount));
+    CHECK_OK(qcClusters_Build(&clusters, soup->indices, soup->triangleCount, soup->positions, soup->vertexCount, 1));
     return clusters;
 }
 
@@ -432,7 +432,7 @@ START_TEST(a_failed_allocation_leaves_nothing)
         heap = (qcFailingHeap){0, 0, i};
         memset(&clusters, 0xff, sizeof clusters);
         qcStatus status =
-            qcClusters_Build(&clusters, soup.indices, soup.triangleCount, soup.positions, soup.vertexCount);
+            qcClusters_Build(&clusters, soup.indices, soup.triangleCount, soup.positions, soup.vertexCount, 1);
         ck_assert_int_eq(status, qc_statusOutOfMemory);
         ck_assert_ptr_nonnull(strstr(qcLastMessage(), "out of memory"));
         ck_assert_uint_eq(heap.live, 0);

@@ -467,7 +467,7 @@ START_TEST(a_rigid_body_is_fitted_once_while_it_is_turned_and_not_tested_with_it
     AddRigid(&bodies, &soup);
     qcBody* body = &QC_AT(qcBody, bodies.slots, 0);
     qcSurface surface;
-    CHECK_OK(qcSurface_Build(&surface, body));
+    CHECK_OK(qcSurface_Build(&surface, body, 1));
     qcTransform t = qcIdentityTransform(), flat = t;
     flat.linear[8] = 0.0;
     body->selfCollision = false;

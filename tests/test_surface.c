@@ -190,7 +190,7 @@ static void CheckFits(const qcBody* body, double margin)
         qcSurface surface;
         qcSurfaceScratch scratch = {0};
         bool fits;
-        CHECK_OK(qcSurface_Build(&surface, body));
+        CHECK_OK(qcSurface_Build(&surface, body, 1));
         CHECK_OK(qcSurface_Fit(&surface, body, margin, k, threads, &scratch, &fits));
         ck_assert(fits);
         qcSurfaceScratch_Free(&scratch);
@@ -313,7 +313,7 @@ START_TEST(large_bodies_are_fitted_on_any_number_of_threads)
         qcSurface surface;
         qcSurfaceScratch scratch = {0};
         bool fits;
-        CHECK_OK(qcSurface_Build(&surface, body));
+        CHECK_OK(qcSurface_Build(&surface, body, 1));
         CHECK_OK(qcSurface_Fit(&surface, body, 0.001, k, threads, &scratch, &fits));
         qcSurfaceScratch_Free(&scratch);
         CheckCorners(&surface, body);
@@ -342,7 +342,7 @@ START_TEST(vertices_that_no_triangle_has_are_left_out)
     qcBodies bodies = {0};
     const qcBody* body = qcBodyAt(&bodies, qcAddToBodies(&bodies, &soup));
     qcSurface surface;
-    CHECK_OK(qcSurface_Build(&surface, body));
+    CHECK_OK(qcSurface_Build(&surface, body, 1));
     ck_assert_uint_eq(surface.vertexCount, 240);
     qcSurface_Free(&surface);
     CheckFits(body, 0.0);
@@ -359,7 +359,7 @@ START_TEST(a_surface_follows_its_body_and_its_margin)
     qcSurface surface;
     qcSurfaceScratch scratch = {0};
     bool fits;
-    CHECK_OK(qcSurface_Build(&surface, qcBodyAt(&bodies, slot)));
+    CHECK_OK(qcSurface_Build(&surface, qcBodyAt(&bodies, slot), 1));
     for (int step = 0; step < 6; step++)
     {
         double margin = step == 3 ? 0.05 : step == 4 ? 0.01 : 0.0;
@@ -397,7 +397,7 @@ START_TEST(what_no_lattice_holds_does_not_fit_and_may_fit_later)
     uint32_t slot = qcAddToBodies(&bodies, &soup);
     qcSurface surface;
     qcSurfaceScratch scratch = {0};
-    CHECK_OK(qcSurface_Build(&surface, qcBodyAt(&bodies, slot)));
+    CHECK_OK(qcSurface_Build(&surface, qcBodyAt(&bodies, slot), 1));
     for (int i = 0; i < 4; i++)
     {
         qcSoup next = qcSoup_MakeRandom(4, 100, 0.1);
@@ -424,7 +424,7 @@ END_TEST
 static qcStatus BuildAndFit(const qcBody* body, qcSurface* surface, qcSurfaceScratch* scratch)
 {
     bool fits;
-    qcStatus status = qcSurface_Build(surface, body);
+    qcStatus status = qcSurface_Build(surface, body, 1);
     if (status != qc_statusOk)
         ck_assert_uint_eq(surface->generation, 0);
     else

@@ -298,8 +298,8 @@ static Found FindKeys(const qcSurfaceKernels* kernels, const qcSoup* soup, doubl
     qcSurface surface;
     qcSurfaceScratch scratch = {0};
     bool fits;
-    CHECK_OK(qcSurface_Build(&surface, found.body));
-    CHECK_OK(qcSurface_Relate(&surface, found.body));
+    CHECK_OK(qcSurface_Build(&surface, found.body, 1));
+    CHECK_OK(qcSurface_Relate(&surface, found.body, 1));
     CHECK_OK(qcSurface_Fit(&surface, found.body, margin, kernels, threads, &scratch, &fits));
     ck_assert(fits);
     Given given = {.surface = &surface};
