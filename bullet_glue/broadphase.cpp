@@ -20,9 +20,16 @@ bool Order(const btVector3& aabbMin, const btVector3& aabbMax, double lower[3], 
     bool ordered = true;
     for (int k = 0; k < 3; k++)
     {
-        lower[k] = std::isnan(aabbMin[k]) ? -std::numeric_limits<double>::infinity() : double(aabbMin[k]);
-        upper[k] = std::isnan(aabbMax[k]) ? std::numeric_limits<double>::infinity() : double(aabbMax[k]);
-        ordered = ordered && aabbMin[k] <= aabbMax[k];
+        lower[k] = double(aabbMin[k]);
+        upper[k] = double(aabbMax[k]);
+        ordered = ordered && lower[k] <= upper[k];
+    }
+    for (int k = 0; k < 3 && !ordered; k++)
+    {
+        if (std::isnan(lower[k]))
+            lower[k] = -std::numeric_limits<double>::infinity();
+        if (std::isnan(upper[k]))
+            upper[k] = std::numeric_limits<double>::infinity();
         if (lower[k] > upper[k])
             std::swap(lower[k], upper[k]);
     }
@@ -86,11 +93,40 @@ Way MakeWay(const btVector3& rayFrom, const btVector3& rayTo, const btBroadphase
 
 //  ---- proxies ---------------------------------------------------------------------------------------
 
+/// Half as much again. Returns false if there is no memory.
+bool qcBroadphase::MakeRoom()
+{
+    const int perBlock = int(Block::c_roomCount), blockCount = 1 + m_roomCount / perBlock / 2;
+    const int roomCount = m_roomCount + blockCount * perBlock;
+    Block* blocks = static_cast<Block*>(btAlignedAlloc(sizeof(Block) * size_t(blockCount), alignof(Block)));
+    Listed* proxies = static_cast<Listed*>(btAlignedAlloc(sizeof(Listed) * size_t(roomCount), alignof(Listed)));
+    if (blocks == nullptr || proxies == nullptr)
+    {
+        btAlignedFree(blocks);
+        btAlignedFree(proxies);
+        return false;
+    }
+    std::copy(m_proxies, m_proxies + m_proxyCount, proxies);
+    btAlignedFree(m_proxies);
+    m_proxies = proxies;
+    blocks->next = m_blocks;
+    m_blocks = blocks;
+    m_roomCount = roomCount;
+    // The first one on top, so that proxies which are made one after the other lie that way.
+    for (int i = blockCount * perBlock; i-- > 0;)
+    {
+        Room* room = new (blocks[i / perBlock].rooms + sizeof(Room) * size_t(i % perBlock)) Room;
+        room->next = m_rooms;
+        m_rooms = room;
+    }
+    return true;
+}
+
 /// Puts a proxy into the list and into the set, if there is room.
 void qcBroadphase::List(Proxy* proxy)
 {
-    proxy->place = m_proxies.size();
-    m_proxies.push_back({proxy, proxy->m_collisionFilterGroup, proxy->m_collisionFilterMask});
+    proxy->state().place = m_proxyCount;
+    m_proxies[m_proxyCount++] = {proxy, FilterOf(proxy)};
     m_outsideCount++;
     m_anythingTouched = true;
     AddBox(proxy);
@@ -102,7 +138,7 @@ void qcBroadphase::AddBox(Proxy* proxy)
     SetOdd(proxy, !Order(proxy->m_aabbMin, proxy->m_aabbMax, lower, upper));
     qcStatus status = m_boxes != nullptr ? qc_statusOk : qcBoxes_Create(&m_boxes);
     if (status == qc_statusOk)
-        status = qcBoxes_Add(m_boxes, lower, upper, proxy, &proxy->box);
+        status = qcBoxes_Add(m_boxes, lower, upper, proxy, &proxy->state().box);
     if (status == qc_statusOk)
         m_outsideCount--;
     else
@@ -111,35 +147,35 @@ void qcBroadphase::AddBox(Proxy* proxy)
 
 void qcBroadphase::SetOdd(Proxy* proxy, bool odd)
 {
-    m_oddCount += int(odd) - int(proxy->odd);
-    proxy->odd = odd;
+    m_oddCount += int(odd) - int(proxy->state().odd);
+    proxy->state().odd = odd;
 }
 
 void qcBroadphase::Free(Proxy* proxy)
 {
-    if (proxy->place >= 0)
+    if (proxy->state().place >= 0)
     {
-        m_lookedCount = std::min(m_lookedCount, proxy->place);
-        m_proxies.swap(proxy->place, m_proxies.size() - 1);
-        m_proxies[proxy->place].proxy->place = proxy->place;
-        m_proxies.pop_back();
+        m_lookedCount = std::min(m_lookedCount, proxy->state().place);
+        m_proxies[proxy->state().place] = m_proxies[--m_proxyCount];
+        m_proxies[proxy->state().place].proxy->state().place = proxy->state().place;
         SetOdd(proxy, false);
-        if (proxy->box == qc_noBox)
+        if (proxy->state().box == qc_noBox)
             m_outsideCount--;
         else
-            qcBoxes_Remove(m_boxes, proxy->box);
+            qcBoxes_Remove(m_boxes, proxy->state().box);
     }
-    if (proxy->addedPairs)
+    if (proxy->state().addedPairs)
         RemoveFrom(m_addedPairs, proxy);
     RemoveFrom(m_rejected, proxy);
-    proxy->~Proxy();
-    btAlignedFree(proxy);
+    Room* room = new (proxy) Room;
+    room->next = m_rooms;
+    m_rooms = room;
 }
 
 void qcBroadphase::Seek(Proxy* proxy)
 {
     m_anythingTouched = m_anythingSought = true;
-    proxy->sought = m_interval;
+    proxy->state().sought = m_interval;
 }
 
 void qcBroadphase::MoveProxy(Proxy* proxy, const btVector3& aabbMin, const btVector3& aabbMax)
@@ -150,21 +186,21 @@ void qcBroadphase::MoveProxy(Proxy* proxy, const btVector3& aabbMin, const btVec
     proxy->m_aabbMax = aabbMax;
     bool odd = !Order(aabbMin, aabbMax, lower, upper);
     // The box in the set may be the same as before, and other proxies overlap nevertheless.
-    if (odd || proxy->odd)
+    if (odd || proxy->state().odd)
     {
         Seek(proxy);
         SetOdd(proxy, odd);
     }
-    if (proxy->box != qc_noBox)
-        qcBoxes_Move(m_boxes, proxy->box, lower, upper);
+    if (proxy->state().box != qc_noBox)
+        qcBoxes_Move(m_boxes, proxy->state().box, lower, upper);
 }
 
 void qcBroadphase::Pend(Proxy* proxy)
 {
-    if (proxy->pending)
+    if (proxy->state().pending)
         return;
-    proxy->pending = true;
-    proxy->nextPending = m_pending;
+    proxy->state().pending = true;
+    proxy->state().nextPending = m_pending;
     m_pending = proxy;
 }
 
@@ -173,18 +209,18 @@ void qcBroadphase::ApplyPending()
     while (m_pending != nullptr)
     {
         Proxy* proxy = m_pending;
-        m_pending = proxy->nextPending;
-        proxy->pending = false;
-        if (proxy->destroyed)
+        m_pending = proxy->state().nextPending;
+        proxy->state().pending = false;
+        if (proxy->state().destroyed)
         {
             Free(proxy);
             continue;
         }
-        if (proxy->place < 0)
+        if (proxy->state().place < 0)
             List(proxy);
-        if (proxy->moves)
-            MoveProxy(proxy, proxy->wantedMin, proxy->wantedMax);
-        proxy->moves = false;
+        if (proxy->state().moves)
+            MoveProxy(proxy, proxy->state().wantedMin, proxy->state().wantedMax);
+        proxy->state().moves = false;
     }
 }
 
@@ -198,8 +234,15 @@ qcBroadphase::qcBroadphase(btOverlappingPairCache* pairCache)
 
 qcBroadphase::~qcBroadphase()
 {
-    while (m_proxies.size() > 0)
-        Free(m_proxies[m_proxies.size() - 1].proxy);
+    while (m_proxyCount > 0)
+        Free(m_proxies[m_proxyCount - 1].proxy);
+    btAlignedFree(m_proxies);
+    while (m_blocks != nullptr)
+    {
+        Block* block = m_blocks;
+        m_blocks = block->next;
+        btAlignedFree(block);
+    }
     qcBoxes_Destroy(m_boxes);
     if (m_ownsPairCache)
     {
@@ -212,13 +255,15 @@ btBroadphaseProxy* qcBroadphase::createProxy(const btVector3& aabbMin, const btV
                                              void* userPtr, int collisionFilterGroup, int collisionFilterMask,
                                              btDispatcher* /*dispatcher*/)
 {
-    void* memory = btAlignedAlloc(sizeof(Proxy), alignof(Proxy));
-    if (memory == nullptr)
+    if (m_rooms == nullptr && !MakeRoom())
     {
         m_status = qc_statusOutOfMemory;
         return nullptr;
     }
-    Proxy* proxy = new (memory) Proxy(aabbMin, aabbMax, userPtr, collisionFilterGroup, collisionFilterMask);
+    Room* room = m_rooms;
+    m_rooms = room->next;
+    Proxy* proxy = new (room) Proxy(aabbMin, aabbMax, userPtr, collisionFilterGroup, collisionFilterMask);
+    new (&proxy->state()) State;
     proxy->m_uniqueId = ++m_lastUniqueId;
     if (m_walks > 0)
     {
@@ -233,7 +278,7 @@ btBroadphaseProxy* qcBroadphase::createProxy(const btVector3& aabbMin, const btV
 void qcBroadphase::destroyProxy(btBroadphaseProxy* proxy, btDispatcher* dispatcher)
 {
     Proxy* mine = static_cast<Proxy*>(proxy);
-    if (mine == nullptr || mine->destroyed)
+    if (mine == nullptr || mine->state().destroyed)
         return;
     {
         // A ghost-pair callback may create and move others: their pairs have to wait until the cache is whole again.
@@ -249,7 +294,7 @@ void qcBroadphase::destroyProxy(btBroadphaseProxy* proxy, btDispatcher* dispatch
         Free(mine);
         return;
     }
-    mine->destroyed = true;
+    mine->state().destroyed = true;
     Pend(mine);
 }
 
@@ -261,19 +306,19 @@ void qcBroadphase::setAabb(btBroadphaseProxy* proxy, const btVector3& aabbMin, c
         return;
     if (m_walks > 0)
     {
-        mine->moves = true;
-        mine->wantedMin = aabbMin;
-        mine->wantedMax = aabbMax;
+        mine->state().moves = true;
+        mine->state().wantedMin = aabbMin;
+        mine->state().wantedMax = aabbMax;
         Pend(mine);
         return;
     }
     // A world sets all boxes in the order in which the objects came, which is that of the list: then the filter can be
     // looked at here, where the proxy is at hand. Who sets them once more may have changed filters in between.
-    bool next = m_lookedCount < m_proxies.size() && m_proxies[m_lookedCount].proxy == mine;
-    if (!next && mine->place < m_lookedCount)
+    bool next = m_lookedCount < m_proxyCount && m_proxies[m_lookedCount].proxy == mine;
+    if (!next && mine->state().place < m_lookedCount)
     {
         m_lookedCount = 0;
-        next = mine->place == 0;
+        next = mine->state().place == 0;
     }
     if (next)
         LookAt(m_proxies[m_lookedCount++]);
@@ -310,7 +355,7 @@ void qcBroadphase::rayTest(const btVector3& rayFrom, const btVector3& rayTo, btB
     auto function = [](uint32_t, void* userData, void* context)
     {
         Cast* cast = static_cast<Cast*>(context);
-        if (!static_cast<Proxy*>(userData)->destroyed)
+        if (!static_cast<Proxy*>(userData)->state().destroyed)
             cast->callback->process(static_cast<Proxy*>(userData));
         if (cast->callback->m_lambda_max < cast->lambda)
             cast->fraction = double(cast->callback->m_lambda_max) / double(cast->lambda);
@@ -318,8 +363,8 @@ void qcBroadphase::rayTest(const btVector3& rayFrom, const btVector3& rayTo, btB
     };
     Way way = MakeWay(rayFrom, rayTo, rayCallback, aabbMin, aabbMax);
     qcBoxes_CastBox(m_boxes, way.from, way.to, way.castLower, way.castUpper, &cast.fraction, function, &cast);
-    for (int i = 0; m_outsideCount > 0 && i < m_proxies.size(); i++)
-        if (m_proxies[i].proxy->box == qc_noBox && !m_proxies[i].proxy->destroyed)
+    for (int i = 0; m_outsideCount > 0 && i < m_proxyCount; i++)
+        if (m_proxies[i].proxy->state().box == qc_noBox && !m_proxies[i].proxy->state().destroyed)
             rayCallback.process(m_proxies[i].proxy);
 }
 
@@ -340,11 +385,11 @@ void qcBroadphase::getBroadphaseAabb(btVector3& aabbMin, btVector3& aabbMax) con
     double lower[3], upper[3];
     qcBoxes_GetTotalBounds(m_boxes, lower, upper);
     bool any = qcBoxes_GetCount(m_boxes) > 0;
-    for (int i = 0; m_outsideCount > 0 && i < m_proxies.size(); i++)
+    for (int i = 0; m_outsideCount > 0 && i < m_proxyCount; i++)
     {
         double proxyLower[3], proxyUpper[3];
         const Proxy* proxy = m_proxies[i].proxy;
-        if (proxy->box != qc_noBox)
+        if (proxy->state().box != qc_noBox)
             continue;
         Order(proxy->m_aabbMin, proxy->m_aabbMax, proxyLower, proxyUpper);
         for (int k = 0; k < 3; k++)
@@ -360,7 +405,7 @@ void qcBroadphase::getBroadphaseAabb(btVector3& aabbMin, btVector3& aabbMax) con
 
 void qcBroadphase::resetPool(btDispatcher* /*dispatcher*/)
 {
-    if (m_proxies.size() > 0 || m_walks > 0)
+    if (m_proxyCount > 0 || m_walks > 0)
         return;
     qcBoxes_Clear(m_boxes);
     m_lastUniqueId = 0;
@@ -369,7 +414,7 @@ void qcBroadphase::resetPool(btDispatcher* /*dispatcher*/)
 
 void qcBroadphase::printStats()
 {
-    std::printf("qcBroadphase: %d proxies, %d of them outside of the set; %d pairs\n", m_proxies.size(), m_outsideCount,
+    std::printf("qcBroadphase: %d proxies, %d of them outside of the set; %d pairs\n", m_proxyCount, m_outsideCount,
                 m_pairCache->getNumOverlappingPairs());
 }
 

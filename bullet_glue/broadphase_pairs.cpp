@@ -17,10 +17,10 @@ bool qcBroadphase::Judge(Proxy* a, Proxy* b)
     if (!m_pairCache->needsBroadphaseCollision(a, b))
         return false;
     // The callback may have destroyed one, and may do so now: Bullet's caches ask it once more.
-    if (!a->destroyed && !b->destroyed)
+    if (!a->state().destroyed && !b->state().destroyed)
         m_pairCache->addOverlappingPair(a, b);
     for (Proxy* proxy : {a, b})
-        if (proxy->destroyed)
+        if (proxy->state().destroyed)
             m_pairCache->removeOverlappingPairsContainingProxy(proxy, nullptr);
     return true;
 }
@@ -42,9 +42,9 @@ void qcBroadphase::RemoveFrom(btAlignedObjectArray<Proxy*>& pairs, const Proxy* 
 void qcBroadphase::AddPairNow(Proxy* a, Proxy* b)
 {
     int before = m_pairCache->getNumOverlappingPairs();
-    if (a->destroyed || b->destroyed || !Judge(a, b) || m_pairCache->getNumOverlappingPairs() <= before)
+    if (a->state().destroyed || b->state().destroyed || !Judge(a, b) || m_pairCache->getNumOverlappingPairs() <= before)
         return;
-    a->addedPairs = b->addedPairs = true;
+    a->state().addedPairs = b->state().addedPairs = true;
     m_addedPairs.push_back(a);
     m_addedPairs.push_back(b);
 }
@@ -54,12 +54,11 @@ void qcBroadphase::AddPairsNow(Proxy* proxy)
     if (m_pairsAtOnce == 0)
         return;
     m_pairsAtOnce--;
-    Walk walk(*this);
-    int before = m_pairCache->getNumOverlappingPairs();
+    // In a list first: a callback may change what is asked here. Most find nothing, and need no walk.
     auto visit = [&](Proxy* other)
     {
         if (other != proxy)
-            AddPairNow(proxy, other);
+            m_found.push_back(other);
     };
     if (m_oddCount > 0 || m_outsideCount > 0)
         VisitBox(proxy->m_aabbMin, proxy->m_aabbMax, visit);
@@ -70,15 +69,22 @@ void qcBroadphase::AddPairsNow(Proxy* proxy)
             (*static_cast<decltype(visit)*>(context))(static_cast<Proxy*>(other));
             return true;
         };
-        qcBoxes_QueryBegun(m_boxes, proxy->box, function, &visit);
+        qcBoxes_QueryBegun(m_boxes, proxy->state().box, function, &visit);
     }
+    if (m_found.size() == 0)
+        return;
+    Walk walk(*this);
+    int before = m_pairCache->getNumOverlappingPairs();
+    for (int i = 0; i < m_found.size(); i++)
+        AddPairNow(proxy, m_found[i]);
     m_knownPairCount += m_pairCache->getNumOverlappingPairs() - before;
+    m_found.resize(0);
 }
 
 /// A pair to ask the filter callback about again.
 void qcBroadphase::Reject(Proxy* a, Proxy* b)
 {
-    if (m_filter == nullptr || a->destroyed || b->destroyed)
+    if (m_filter == nullptr || a->state().destroyed || b->state().destroyed)
         return;
     m_rejected.push_back(a);
     m_rejected.push_back(b);
@@ -86,7 +92,7 @@ void qcBroadphase::Reject(Proxy* a, Proxy* b)
 
 void qcBroadphase::Consider(Proxy* a, Proxy* b)
 {
-    if (a->destroyed || b->destroyed || !Overlap(a, b))
+    if (a->state().destroyed || b->state().destroyed || !Overlap(a, b))
         return;
     if (!Judge(a, b))
         Reject(a, b);
@@ -98,15 +104,32 @@ void qcBroadphase::LookForChanges()
     const btOverlapFilterCallback* filter = m_pairCache->getOverlapFilterCallback();
     m_judgeAll = m_judgeAll || filter != m_filter || m_pairCache->getNumOverlappingPairs() != m_knownPairCount;
     m_filter = filter;
-    for (int i = 0; m_outsideCount > 0 && i < m_proxies.size(); i++)
-        if (m_proxies[i].proxy->box == qc_noBox)
+    for (int i = 0; m_outsideCount > 0 && i < m_proxyCount; i++)
+        if (m_proxies[i].proxy->state().box == qc_noBox)
         {
             AddBox(m_proxies[i].proxy);
             // The set does not know what it overlapped before.
             Seek(m_proxies[i].proxy);
         }
-    const int count = m_proxies.size();
-    for (int i = m_lookedCount; i < count; i++)
+}
+
+/// At the filters that were not looked at when boxes were set.
+void qcBroadphase::LookAtFilters()
+{
+    constexpr int at_once = 8;
+    int i = m_lookedCount;
+    for (; i + at_once <= m_proxyCount; i += at_once)
+    {
+        const Listed* listed = &m_proxies[i];
+        uint64_t differ = 0;
+        for (int j = 0; j < at_once; j++)
+        {
+            differ |= listed[j].filter ^ FilterOf(listed[j].proxy);
+        }
+        for (int j = 0; differ != 0 && j < at_once; j++)
+            LookAt(m_proxies[i + j]);
+    }
+    for (; i < m_proxyCount; i++)
         LookAt(m_proxies[i]);
 }
 
@@ -118,7 +141,8 @@ void qcBroadphase::JudgeRejected()
     {
         Proxy *a = m_rejected[i], *b = m_rejected[i + 1];
         // Pairs of those that look for theirs are found anew.
-        if (a->destroyed || b->destroyed || IsSeeking(a) || IsSeeking(b) || !Overlap(a, b) || Judge(a, b))
+        if (a->state().destroyed || b->state().destroyed || IsSeeking(a) || IsSeeking(b) || !Overlap(a, b) ||
+            Judge(a, b))
             continue;
         m_rejected[kept++] = a;
         m_rejected[kept++] = b;
@@ -129,12 +153,12 @@ void qcBroadphase::JudgeRejected()
 /// Its overlaps don't follow from what changed between boxes.
 bool qcBroadphase::IsSeeking(const Proxy* proxy) const
 {
-    return proxy->sought == m_interval || proxy->odd || proxy->box == qc_noBox;
+    return proxy->state().sought == m_interval || proxy->state().odd || proxy->state().box == qc_noBox;
 }
 
 void qcBroadphase::SeekPairs()
 {
-    for (int i = 0; i < m_proxies.size(); i++)
+    for (int i = 0; i < m_proxyCount; i++)
     {
         Proxy* proxy = m_proxies[i].proxy;
         if (!m_judgeAll && !IsSeeking(proxy))
@@ -173,28 +197,32 @@ void qcBroadphase::RemoveEnded(const qcBoxChanges& changes, btDispatcher* dispat
     for (size_t i = 0; i < changes.endedCount; i++)
     {
         Proxy *a = ProxyOf(changes.ended[i].a), *b = ProxyOf(changes.ended[i].b);
-        if (!a->destroyed && !b->destroyed)
+        if (!a->state().destroyed && !b->state().destroyed)
             m_pairCache->removeOverlappingPair(a, b, dispatcher);
     }
     for (int i = 0; i < m_addedPairs.size(); i += 2)
     {
         Proxy *a = m_addedPairs[i], *b = m_addedPairs[i + 1];
-        if (!a->destroyed && !b->destroyed && !Overlap(a, b))
+        if (!a->state().destroyed && !b->state().destroyed && !Overlap(a, b))
             m_pairCache->removeOverlappingPair(a, b, dispatcher);
     }
 }
 
-/// Brings the cache up to date.
-void qcBroadphase::FindPairs(btDispatcher* dispatcher)
+/// What changed between boxes since the last search.
+qcBoxChanges qcBroadphase::FindChanges()
 {
     qcBoxChanges changes = {};
     qcStatus status = m_boxes != nullptr ? qcBoxes_FindChangedPairs(m_boxes, &changes) : qc_statusOk;
-    if (status != qc_statusOk)
-    {
-        m_status = status;
-        changes = {};
-    }
     m_judgeAll = m_judgeAll || status != qc_statusOk || changes.all;
+    if (status == qc_statusOk)
+        return changes;
+    m_status = status;
+    return {};
+}
+
+/// Brings the cache up to date.
+void qcBroadphase::UpdatePairs(const qcBoxChanges& changes, btDispatcher* dispatcher)
+{
     m_seeking = m_anythingSought || m_oddCount > 0 || m_outsideCount > 0;
     JudgeRejected();
     AddBegun(changes);
@@ -209,7 +237,7 @@ void qcBroadphase::FindPairs(btDispatcher* dispatcher)
 bool qcBroadphase::IsStillWanted(const btBroadphasePair& pair)
 {
     Proxy *a = static_cast<Proxy*>(pair.m_pProxy0), *b = static_cast<Proxy*>(pair.m_pProxy1);
-    if (a == nullptr || b == nullptr || a->destroyed || b->destroyed)
+    if (a == nullptr || b == nullptr || a->state().destroyed || b->state().destroyed)
         return false;
     if (!Overlap(a, b))
         return false;
@@ -274,10 +302,13 @@ void qcBroadphase::calculateOverlappingPairs(btDispatcher* dispatcher)
     Walk walk(*this);
     m_status = qc_statusOk;
     LookForChanges();
+    qcBoxChanges changes = m_anythingTouched ? FindChanges() : qcBoxChanges{};
+    // Afterwards: what was set, and is looked at again by the search, is still in the processor's cache.
+    LookAtFilters();
     if (m_anythingTouched || m_judgeAll || m_filter != nullptr)
-        FindPairs(dispatcher);
+        UpdatePairs(changes, dispatcher);
     for (int i = 0; i < m_addedPairs.size(); i++)
-        m_addedPairs[i]->addedPairs = false;
+        m_addedPairs[i]->state().addedPairs = false;
     m_addedPairs.resize(0);
     m_interval++;
     m_lookedCount = 0;

@@ -11,22 +11,6 @@
 #include <math.h>
 #include <string.h>
 
-qcFloatBox qcFloatBox_Around(const double lower[3], const double upper[3])
-{
-    qcFloatBox box;
-    for (int k = 0; k < 3; k++)
-    {
-        // To the nearest, then outwards if that was inwards. A double beyond all floats becomes infinite.
-        box.lower[k] = (float)lower[k];
-        box.upper[k] = (float)upper[k];
-        if ((double)box.lower[k] > lower[k])
-            box.lower[k] = nextafterf(box.lower[k], -INFINITY);
-        if ((double)box.upper[k] < upper[k])
-            box.upper[k] = nextafterf(box.upper[k], INFINITY);
-    }
-    return box;
-}
-
 //  ---- lanes -----------------------------------------------------------------------------------------
 
 static void SetLane(qcOctet* octet, uint32_t lane, const qcFloatBox* box)
@@ -139,24 +123,24 @@ static size_t LayOut(qcOctetTree* shape, size_t boxCount)
     return octets;
 }
 
-static bool MayOverwrite(const qcForest* forest, const Sources* sources, uint32_t number, size_t needed)
+/// A source must not grow: when there is no memory for that, it is still needed.
+static bool HasRoom(const qcForest* forest, const Sources* sources, uint32_t number, size_t octets)
 {
     const qcBoxTree* tree = &forest->trees[number];
-    uint64_t bit = (uint64_t)1 << number;
-    // A source must not grow: when there is no memory for that, it is still needed.
-    return ((forest->old | forest->young) & bit) == 0 ||
-           ((sources->trees & bit) != 0 && tree->octets.capacity >= needed * sizeof(qcOctet) &&
-            tree->ids.capacity >= (sources->boxCount + qc_lanes) * sizeof(uint32_t));
+    return tree->octets.capacity >= octets * sizeof(qcOctet) &&
+           tree->ids.capacity >= (sources->boxCount + qc_lanes) * sizeof(uint32_t);
 }
 
 /// The number of a tree with as much room as needed and little more, or, if none has that, with the most.
 static uint32_t FindRoom(const qcForest* forest, const Sources* sources, size_t octets)
 {
     uint32_t best = qc_inNoTree;
+    uint64_t used = forest->old | forest->young, empty = ~(forest->roomy | used);
     size_t needed = octets * sizeof(qcOctet);
-    for (uint32_t t = 0; t < qc_forestTrees; t++)
+    for (uint64_t trees = (forest->roomy & ~used) | sources->trees; trees != 0;)
     {
-        if (!MayOverwrite(forest, sources, t, octets))
+        uint32_t t = qcForest_NextTree(&trees);
+        if ((used >> t & 1) != 0 && !HasRoom(forest, sources, t, octets))
             continue;
         size_t room = forest->trees[t].octets.capacity;
         size_t bestRoom = best != qc_inNoTree ? forest->trees[best].octets.capacity : 0;
@@ -164,7 +148,7 @@ static uint32_t FindRoom(const qcForest* forest, const Sources* sources, size_t 
         if (best == qc_inNoTree || better)
             best = t;
     }
-    return best;
+    return best == qc_inNoTree && empty != 0 ? qcForest_NextTree(&empty) : best;
 }
 
 /// One lane around each octet of the level below.
@@ -216,6 +200,7 @@ static qcStatus MakeTree(qcForest* forest, const Sources* sources, bool young, u
     if (*number == qc_inNoTree)
         return qcFailMemory(SIZE_MAX, "trees of boxes that could not be joined");
     qcBoxTree* tree = &forest->trees[*number];
+    forest->roomy |= (uint64_t)1 << *number;
     QC_TRY(qcArray_Reserve(&tree->octets, octets, sizeof(qcOctet), "a tree of boxes"));
     QC_TRY(qcArray_Reserve(&tree->ids, sources->boxCount + qc_lanes, sizeof(uint32_t), "ids in a tree of boxes"));
     DropTrees(forest, sources->trees);
@@ -341,18 +326,18 @@ qcStatus qcForest_GatherYoung(qcForest* forest, uint32_t* tree)
     return one && forest->listIds.count == 0 ? qc_statusOk : MakeTree(forest, &sources, true, tree);
 }
 
-void qcForest_Age(qcForest* forest, uint32_t tree)
+void qcForest_Age(qcForest* forest)
 {
-    Sources sources = {.list = false};
-    if (tree == qc_inNoTree)
+    Sources sources = {.list = forest->listIds.count != 0, .boxCount = forest->listIds.count};
+    if (forest->young == 0 && !sources.list)
         return;
+    for (uint64_t trees = forest->young; trees != 0;)
+        AddSource(forest, &sources, qcForest_NextTree(&trees));
     forest->old |= forest->young;
     forest->young = 0;
-    AddSource(forest, &sources, tree);
     AddSmall(forest, &sources, forest->old, true);
-    // Without memory they stay apart.
     uint32_t number;
-    if ((sources.trees & (sources.trees - 1)) != 0)
+    if (sources.list || (sources.trees & (sources.trees - 1)) != 0)
         (void)MakeTree(forest, &sources, false, &number);
 }
 

@@ -45,6 +45,7 @@ typedef struct qcForest
     const qcBoxKernels* kernels;
     qcBoxTree trees[qc_forestTrees];
     uint64_t old, young; ///< a bit for each tree there is; young: its boxes were put in since qcForest_Age
+    uint64_t roomy;      ///< a bit for each tree that there was: others have no memory
     qcArray boxes;       ///< qcFloatBox, by id
     qcArray places;      ///< qcBoxPlace, by id
     qcArray listOctets;  ///< qcOctet; their count is that of boxes in the list
@@ -66,10 +67,18 @@ void qcForest_Remove(qcForest* forest, uint32_t id);
 
 /// Brings all young boxes into one tree; `*tree` is its number, or qc_inNoTree if there are none.
 qcStatus qcForest_GatherYoung(qcForest* forest, uint32_t* tree);
-/// After qcForest_GatherYoung: the young tree is old now, and is joined with those that are not much larger.
-void qcForest_Age(qcForest* forest, uint32_t tree);
+/// All boxes are old now, in trees that are joined with those that are not much larger. Without memory they stay apart,
+/// and what is in the list stays there, young.
+void qcForest_Age(qcForest* forest);
 /// Makes all boxes young.
 void qcForest_Rejuvenate(qcForest* forest);
+
+/// Whether a box that is in the forest was put there since qcForest_Age.
+static inline bool qcForest_IsYoung(const qcForest* forest, uint32_t id)
+{
+    uint32_t tree = QC_AT(qcBoxPlace, forest->places, id).tree;
+    return tree == qc_inList || (forest->young >> tree & 1) != 0;
+}
 
 /// Takes the lowest of some trees, given as bits; there is one.
 static inline uint32_t qcForest_NextTree(uint64_t* trees)
@@ -79,7 +88,26 @@ static inline uint32_t qcForest_NextTree(uint64_t* trees)
     return tree;
 }
 
-/// The smallest box of floats around a box.
-qcFloatBox qcFloatBox_Around(const double lower[3], const double upper[3]);
+/// Makes the smallest box of floats around a box. Returns whether it is the box itself.
+static inline bool qcFloatBox_Enclose(qcFloatBox* box, const double lower[3], const double upper[3])
+{
+    bool around = true, inside = true;
+    for (int k = 0; k < 3; k++)
+    {
+        box->lower[k] = (float)lower[k];
+        box->upper[k] = (float)upper[k];
+        around = around & ((double)box->lower[k] <= lower[k]) & ((double)box->upper[k] >= upper[k]);
+        inside = inside & ((double)box->lower[k] >= lower[k]) & ((double)box->upper[k] <= upper[k]);
+    }
+    // To the nearest, then outwards if that was inwards. A double beyond all floats becomes infinite.
+    for (int k = 0; k < 3 && !around; k++)
+    {
+        if ((double)box->lower[k] > lower[k])
+            box->lower[k] = nextafterf(box->lower[k], -INFINITY);
+        if ((double)box->upper[k] < upper[k])
+            box->upper[k] = nextafterf(box->upper[k], INFINITY);
+    }
+    return around & inside;
+}
 
 #endif

@@ -156,10 +156,9 @@ static uint32_t FindLimit(const size_t counted[qc_exponents], size_t count)
     return exponent + qc_largeBy;
 }
 
-void qcBoxOrder_Arrange(qcBoxItem* items, size_t count, const qcFloatBox* boxes)
+/// Puts those in front that are small beside the others, and splits; then the rest in the same way.
+static void ArrangeBySize(qcBoxItem* items, size_t count, const qcFloatBox* boxes)
 {
-    if (count <= qc_lanes)
-        return;
     size_t counted[qc_exponents] = {0};
     for (size_t i = 0; i < count; i++)
         counted[SizeExponent(&boxes[items[i].id])]++;
@@ -179,4 +178,21 @@ void qcBoxOrder_Arrange(qcBoxItem* items, size_t count, const qcFloatBox* boxes)
         Split(items, first, middle);
         first = middle;
     }
+}
+
+void qcBoxOrder_Arrange(qcBoxItem* items, size_t count, const qcFloatBox* boxes)
+{
+    if (count <= qc_lanes)
+        return;
+    uint32_t least = qc_exponents, most = 0;
+    for (size_t i = 0; i < count; i++)
+    {
+        uint32_t exponent = SizeExponent(&boxes[items[i].id]);
+        least = exponent < least ? exponent : least;
+        most = exponent > most ? exponent : most;
+    }
+    if (most <= least + qc_largeBy)
+        Split(items, 0, count);
+    else
+        ArrangeBySize(items, count, boxes);
 }

@@ -2,8 +2,9 @@
 // the two changes, so that the forest is only asked for boxes that left their place in it. Fat boxes: Catto, Box2D.
 //
 // Why no pair is missed: the forest's box contains the box itself, so boxes that meet have boxes there that meet. Such
-// a pair is found when the younger of the two is young, and is then kept, unless both boxes are still: then it is
-// reported at once, and one of them looks again when it first moves.
+// a pair is found when the one of the two that was put there last looks for its neighbours, in the search or before it
+// (qcBoxes_Settle), and is then kept, unless both boxes are still: then it is reported at once, and one of them looks
+// again when it first moves.
 //
 // What changed: each pair that is kept is marked if it overlapped at the last search. A pair that was not kept then and
 // overlapped is one of two still boxes; if one has moved since, it was marked when that began to move.
@@ -13,6 +14,12 @@
 #include "status.h"
 
 #include <string.h>
+
+enum
+{
+    // Two octets.
+    qc_shortList = 16
+};
 
 typedef enum Wanted
 {
@@ -34,18 +41,22 @@ static qcStatus PushPair(qcBoxes* set, qcArray* list, uint32_t a, uint32_t b)
     return qc_statusOk;
 }
 
-/// The box at the last search, if it was there.
-static bool GetBefore(const qcBoxes* set, uint32_t id, qcBounds* before)
+/// The box at the last search, or null if it was not there.
+static const qcBox* GetBefore(const qcBoxes* set, uint32_t id, const qcBounds** bounds)
 {
-    uint32_t mover = qcBoxes_Box(set, id)->mover;
-    *before = mover == QC_NO_MOVER ? qcBoxes_Bounds(set, id) : QC_AT(qcMover, set->movers, mover).before;
-    return mover == QC_NO_MOVER || !QC_AT(qcMover, set->movers, mover).added;
+    uint32_t number = qcBoxes_Box(set, id)->mover;
+    const qcMover* mover = number != QC_NO_MOVER ? &QC_AT(qcMover, set->movers, number) : NULL;
+    *bounds = mover != NULL ? &mover->bounds : &QC_AT(qcBounds, set->bounds, id);
+    if (mover == NULL)
+        return qcBoxes_Box(set, id);
+    return mover->added ? NULL : &mover->box;
 }
 
 bool qcBoxes_Met(const qcBoxes* set, uint32_t a, uint32_t b)
 {
-    qcBounds x, y;
-    return !set->forgotten && GetBefore(set, a, &x) && GetBefore(set, b, &y) && qcBounds_Meet(&x, &y);
+    const qcBounds *boundsA, *boundsB;
+    const qcBox *x = GetBefore(set, a, &boundsA), *y = GetBefore(set, b, &boundsB);
+    return !set->forgotten && x != NULL && y != NULL && qcBox_Meet(x, boundsA, y, boundsB);
 }
 
 //  ---- neighbours ------------------------------------------------------------------------------------
@@ -96,25 +107,11 @@ static void SeekOctet(qcBoxes* set, uint32_t young, uint32_t octet, HitRanges* r
     }
 }
 
-/// Marks the neighbours that are kept of a young box.
-static uint32_t StampNeighbours(qcBoxes* set, uint32_t id)
-{
-    uint32_t* stamps = set->stamps.data;
-    if (++set->stamp == 0)
-    {
-        memset(stamps, 0, set->stamps.count * sizeof *stamps);
-        set->stamp = 1;
-    }
-    uint32_t end = qcNeighbours_First(&set->neighbours, id);
-    for (; end != QC_NO_EDGE; end = qcNeighbours_Next(&set->neighbours, end))
-        stamps[qcNeighbours_Other(&set->neighbours, end)] = set->stamp;
-    return set->stamp;
-}
-
 static qcStatus MeetHits(qcBoxes* set, Wanted wanted, uint32_t id, uint32_t row, const HitRanges* ranges)
 {
     const qcOctetHit* hits = set->hits.data;
-    const uint32_t *stamps = set->stamps.data, stamp = StampNeighbours(set, id);
+    const uint32_t* stamps = set->stamps.data;
+    const uint32_t stamp = qcBoxes_StampNeighbours(set, id);
     for (uint32_t r = 0; r < ranges->count; r++)
         for (size_t i = ranges->range[r].first; i < ranges->range[r].end; i++)
             for (uint32_t lanes = hits[i].lanes >> qc_lanes * row & 0xff; lanes != 0; lanes &= lanes - 1)
@@ -145,26 +142,17 @@ static qcStatus LeaveNeighbours(qcBoxes* set, Wanted wanted, uint32_t id)
     return qc_statusOk;
 }
 
-/// Brings the neighbours of the young up to date.
-static qcStatus FindNeighbours(qcBoxes* set, Wanted wanted)
+/// Looks for the neighbours of the young.
+static qcStatus SeekNeighbours(qcBoxes* set, Wanted wanted)
 {
     uint32_t young;
     HitRanges ranges;
     ranges.count = 0;
-    if (set->forgotten)
-    {
-        qcNeighbours_PartAll(&set->neighbours);
-        qcForest_Rejuvenate(&set->forest);
-    }
     QC_TRY(qcForest_GatherYoung(&set->forest, &young));
     if (young == qc_inNoTree)
         return qc_statusOk;
     const qcBoxTree* tree = &set->forest.trees[young];
     const uint32_t* ids = tree->ids.data;
-    set->profile.sought = tree->boxCount;
-    for (uint32_t lane = 0; lane < tree->laneCount; lane++)
-        if (ids[lane] != QC_NO_BOX)
-            QC_TRY(LeaveNeighbours(set, wanted, ids[lane]));
     size_t room = 0;
     for (uint64_t trees = set->forest.old | set->forest.young; trees != 0;)
         room += set->forest.trees[qcForest_NextTree(&trees)].laneCount / qc_lanes + 1;
@@ -176,23 +164,49 @@ static qcStatus FindNeighbours(qcBoxes* set, Wanted wanted)
         if (ids[lane] != QC_NO_BOX)
             QC_TRY(MeetHits(set, wanted, ids[lane], lane % qc_lanes, &ranges));
     }
-    qcForest_Age(&set->forest, young);
+    return qc_statusOk;
+}
+
+/// Brings the neighbours of the young up to date.
+static qcStatus FindNeighbours(qcBoxes* set, Wanted wanted)
+{
+    if (set->forgotten)
+    {
+        qcNeighbours_PartAll(&set->neighbours);
+        qcForest_Rejuvenate(&set->forest);
+        set->profile.sought = qcBoxes_GetCount(set);
+    }
+    // Fewer than an octet: one by one is quicker.
+    bool few = set->lostCount < qc_lanes;
+    for (size_t i = 0; i < set->movers.count && !set->forgotten; i++)
+    {
+        uint32_t id = QC_AT(qcMover, set->movers, i).id;
+        if (qcBoxes_Box(set, id)->at == qc_atHome)
+            continue;
+        set->profile.sought++;
+        QC_TRY(LeaveNeighbours(set, wanted, id));
+        if (few)
+            qcBoxes_Settle(set, id);
+    }
+    // All that are young if one is lost: it may have come after one that has found its neighbours.
+    if (set->forgotten || set->lostCount != 0)
+        QC_TRY(SeekNeighbours(set, wanted));
+    // A few that move on and on are best left in the list: nothing to put in order, and little to look through. None of
+    // them is still, or it would have been lost, and be in a tree now.
+    if (set->forest.young != 0 || set->forest.listIds.count > qc_shortList)
+        qcForest_Age(&set->forest);
     return qc_statusOk;
 }
 
 //  ---- pairs -----------------------------------------------------------------------------------------
 
-/// Reports what is wanted of a pair that is kept, and marks it.
-static inline qcStatus MeetBoxes(qcBoxes* set, Wanted wanted, qcEdge* edge)
+/// Reports what is wanted of a pair that is kept, of which one has moved or all is forgotten, and marks it.
+static inline qcStatus MeetBoxes(qcBoxes* set, Wanted wanted, qcEdge* edge, bool moved)
 {
     uint32_t a = edge->box[0] & ~QC_EDGE_MARK, b = edge->box[1];
-    const qcBox *x = qcBoxes_Box(set, a), *y = qcBoxes_Box(set, b);
-    bool moved = (x->mover & y->mover) != QC_NO_MOVER;
-    if (!moved && !set->forgotten)
-        return qc_statusOk;
-    set->profile.compared++;
     bool meet = qcBoxes_Meet(set, a, b), met = (edge->box[0] & QC_EDGE_MARK) != 0;
-    edge->box[0] = meet ? a | QC_EDGE_MARK : a;
+    if (meet != met)
+        edge->box[0] = meet ? a | QC_EDGE_MARK : a;
     if (wanted == MOVED ? !(moved && meet) : meet == met)
         return qc_statusOk;
     return PushPair(set, meet ? &set->began : &set->ended, a, b);
@@ -201,26 +215,61 @@ static inline qcStatus MeetBoxes(qcBoxes* set, Wanted wanted, qcEdge* edge)
 /// The pairs of one box that has moved; a pair of two such is the lower one's.
 static qcStatus FindPairsOf(qcBoxes* set, Wanted wanted, uint32_t id)
 {
-    uint32_t end = qcNeighbours_First(&set->neighbours, id);
-    for (; end != QC_NO_EDGE; end = qcNeighbours_Next(&set->neighbours, end))
+    enum
     {
-        uint32_t other = qcNeighbours_Other(&set->neighbours, end);
-        if (id < other || qcBoxes_Box(set, other)->mover == QC_NO_MOVER)
-            QC_TRY(MeetBoxes(set, wanted, qcNeighbours_Edge(&set->neighbours, end / 2)));
+        most = 32
+    };
+    qcEdge* edges = set->neighbours.edges.data;
+    const qcBox *boxes = set->boxes.data, *box = &boxes[id];
+    uint32_t found[most], end = qcNeighbours_First(&set->neighbours, id);
+    while (end != QC_NO_EDGE)
+    {
+        // Without branches, apart from the few that there is something to do for: whether boxes meet cannot be
+        // foreseen.
+        uint32_t count = 0, compared = 0;
+        for (; end != QC_NO_EDGE && count < most; end = qcNeighbours_Next(&set->neighbours, end))
+        {
+            const qcEdge* edge = &edges[end / 2];
+            uint32_t other = edge->box[1 - end % 2] & ~QC_EDGE_MARK;
+            bool counts = (id < other) | (boxes[other].mover == QC_NO_MOVER);
+            bool meet = qcBox_MeetsFloats(box, boxes[other].lower, boxes[other].upper);
+            bool met = (edge->box[0] & QC_EDGE_MARK) != 0;
+            bool unsure = (wanted == MOVED) | !(box->exact & boxes[other].exact);
+            found[count] = end / 2;
+            count += counts & ((meet != met) | (meet & unsure));
+            compared += counts;
+        }
+        set->profile.compared += compared;
+        for (uint32_t i = 0; i < count; i++)
+            QC_TRY(MeetBoxes(set, wanted, &edges[found[i]], true));
+    }
+    return qc_statusOk;
+}
+
+/// In memory order and not in the order of lists.
+static qcStatus FindPairsOfAll(qcBoxes* set, Wanted wanted)
+{
+    qcEdge* edges = set->neighbours.edges.data;
+    for (size_t i = 0; i < set->neighbours.edges.count; i++)
+    {
+        uint32_t a = edges[i].box[0] & ~QC_EDGE_MARK, b = edges[i].box[1];
+        if (b == QC_NO_EDGE)
+            continue;
+        bool moved = (qcBoxes_Box(set, a)->mover & qcBoxes_Box(set, b)->mover) != QC_NO_MOVER;
+        if (!moved && !set->forgotten)
+            continue;
+        set->profile.compared++;
+        QC_TRY(MeetBoxes(set, wanted, &edges[i], moved));
     }
     return qc_statusOk;
 }
 
 static qcStatus FindPairs(qcBoxes* set, Wanted wanted)
 {
-    // Where most pairs are asked for, in memory order and not in the order of lists.
-    bool most = set->forgotten || set->movers.count > set->boxes.count / 4;
-    for (size_t i = 0; !most && i < set->movers.count; i++)
+    if (set->forgotten || set->movers.count > set->boxes.count / 4)
+        return FindPairsOfAll(set, wanted);
+    for (size_t i = 0; i < set->movers.count; i++)
         QC_TRY(FindPairsOf(set, wanted, QC_AT(qcMover, set->movers, i).id));
-    qcEdge* edges = set->neighbours.edges.data;
-    for (size_t i = 0; most && i < set->neighbours.edges.count; i++)
-        if (edges[i].box[1] != QC_NO_EDGE)
-            QC_TRY(MeetBoxes(set, wanted, &edges[i]));
     return qc_statusOk;
 }
 
@@ -253,9 +302,11 @@ static qcStatus Search(qcBoxes* set, Wanted wanted)
     {
         qcBox* box = qcBoxes_Box(set, QC_AT(qcMover, set->movers, i).id);
         box->mover = QC_NO_MOVER;
-        box->young = false;
+        box->at = qc_atHome;
     }
     set->movers.count = 0;
+    set->putCount = 0;
+    set->lostCount = 0;
     return qc_statusOk;
 }
 

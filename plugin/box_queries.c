@@ -14,6 +14,7 @@
 
 #include <float.h>
 #include <math.h>
+#include <string.h>
 
 void qcBoxes_GetTotalBounds(const qcBoxes* boxes, double lower[3], double upper[3])
 {
@@ -43,9 +44,11 @@ typedef struct Question
     const qcBoxes* set;
     qcBounds bounds;
     qcFloatBox box; ///< around the bounds
+    bool exact;     ///< the floats are the bounds
     qcBoxFunction* function;
     void* context;
     uint32_t self; ///< left out, and with it what it met at the last search; QC_NO_BOX: none
+    bool inForest; ///< asks for boxes whose boxes in the forest meet it
 } Question;
 
 /// NaN counts as unbounded.
@@ -58,15 +61,42 @@ static Question Ask(const qcBoxes* set, const double lower[3], const double uppe
         question.bounds.lower[k] = isnan(lower[k]) ? -INFINITY : lower[k];
         question.bounds.upper[k] = isnan(upper[k]) ? INFINITY : upper[k];
     }
-    question.box = qcFloatBox_Around(question.bounds.lower, question.bounds.upper);
+    question.exact = qcFloatBox_Enclose(&question.box, question.bounds.lower, question.bounds.upper);
+    return question;
+}
+
+static bool Meets(const Question* question, uint32_t id)
+{
+    const qcBox* box = qcBoxes_Box(question->set, id);
+    bool meet = qcBox_MeetsFloats(box, question->box.lower, question->box.upper);
+    if (!meet || (box->exact & question->exact))
+        return meet;
+    qcBounds bounds = qcBoxes_Bounds(question->set, id);
+    return qcBounds_Meet(&bounds, &question->bounds);
+}
+
+/// For what meets a box of the set.
+static Question AskOf(const qcBoxes* set, uint32_t id, qcBoxFunction* function, void* context)
+{
+    const qcBox* box = qcBoxes_Box(set, id);
+    // One by one: to clear it all first takes longer.
+    Question question;
+    question.set = set;
+    question.bounds = qcBoxes_Bounds(set, id);
+    memcpy(question.box.lower, box->lower, sizeof box->lower);
+    memcpy(question.box.upper, box->upper, sizeof box->upper);
+    question.exact = box->exact;
+    question.function = function;
+    question.context = context;
+    question.self = QC_NO_BOX;
+    question.inForest = false;
     return question;
 }
 
 /// Returns false if the function wants no more.
 static bool Offer(const Question* question, uint32_t id)
 {
-    qcBounds bounds = qcBoxes_Bounds(question->set, id);
-    if (!qcBounds_Meet(&bounds, &question->bounds))
+    if (!question->inForest && !Meets(question, id))
         return true;
     if (question->self != QC_NO_BOX && (id == question->self || qcBoxes_Met(question->set, id, question->self)))
         return true;
@@ -100,8 +130,9 @@ typedef struct Stop
 static bool OfferTree(const Question* question, const qcBoxTree* tree)
 {
     const qcOctetTree* shape = &tree->shape;
-    Stop stack[7 * qc_treeLevels + 1] = {{shape->levelCount - 1, 0}};
+    Stop stack[7 * qc_treeLevels + 1];
     uint32_t stops = 1;
+    stack[0] = (Stop){shape->levelCount - 1, 0};
     while (stops > 0)
     {
         Stop stop = stack[--stops];
@@ -143,37 +174,20 @@ void qcBoxes_QueryBox(const qcBoxes* boxes, const double lower[3], const double 
     OfferForest(&question, YOUNG | OLD);
 }
 
-void qcBoxes_QueryBegun(const qcBoxes* boxes, uint32_t id, qcBoxFunction* function, void* context)
-{
-    if (boxes == NULL || id >= boxes->boxes.count || !qcBoxes_Box(boxes, id)->alive)
-        return;
-    qcBounds bounds = qcBoxes_Bounds(boxes, id);
-    Question question = Ask(boxes, bounds.lower, bounds.upper, function, context);
-    question.self = id;
-    // A still box has neighbours that are not kept.
-    const qcBox* box = qcBoxes_Box(boxes, id);
-    bool known = !box->still && !box->young && !boxes->forgotten;
-    uint32_t end = known ? qcNeighbours_First(&boxes->neighbours, id) : QC_NO_EDGE;
-    for (; end != QC_NO_EDGE; end = qcNeighbours_Next(&boxes->neighbours, end))
-    {
-        uint32_t other = qcNeighbours_Other(&boxes->neighbours, end);
-        if (!qcBoxes_Box(boxes, other)->young && !Offer(&question, other))
-            return;
-    }
-    OfferForest(&question, known ? YOUNG : YOUNG | OLD);
-}
+//  ---- neighbours ------------------------------------------------------------------------------------
 
-typedef struct StillBox
+typedef struct Mover
 {
     qcBoxes* set;
-    uint32_t id;
-} StillBox;
+    uint32_t id, stamp;
+    bool failed;
+} Mover;
 
 /// The box found is still, and was at the last search.
 static bool KeepStillPair(uint32_t id, void* userData, void* context)
 {
     (void)userData;
-    const StillBox* moving = context;
+    const Mover* moving = context;
     const qcBox* box = qcBoxes_Box(moving->set, id);
     if (id == moving->id || !box->still || box->mover != QC_NO_MOVER)
         return true;
@@ -184,11 +198,110 @@ static bool KeepStillPair(uint32_t id, void* userData, void* context)
 
 void qcBoxes_KeepStillPairs(qcBoxes* set, uint32_t id)
 {
-    StillBox moving = {set, id};
-    qcBounds bounds = qcBoxes_Bounds(set, id);
-    Question question = Ask(set, bounds.lower, bounds.upper, KeepStillPair, &moving);
+    Mover moving = {.set = set, .id = id};
+    Question question = AskOf(set, id, KeepStillPair, &moving);
     if (!set->forgotten)
         OfferForest(&question, OLD);
+}
+
+uint32_t qcBoxes_StampNeighbours(qcBoxes* set, uint32_t id)
+{
+    uint32_t* stamps = set->stamps.data;
+    if (++set->stamp == 0)
+    {
+        memset(stamps, 0, set->stamps.count * sizeof *stamps);
+        set->stamp = 1;
+    }
+    uint32_t end = qcNeighbours_First(&set->neighbours, id);
+    for (; end != QC_NO_EDGE; end = qcNeighbours_Next(&set->neighbours, end))
+        stamps[qcNeighbours_Other(&set->neighbours, end)] = set->stamp;
+    return set->stamp;
+}
+
+static bool JoinNeighbour(uint32_t id, void* userData, void* context)
+{
+    (void)userData;
+    Mover* moving = context;
+    if (id == moving->id || QC_AT(uint32_t, moving->set->stamps, id) == moving->stamp)
+        return true;
+    moving->failed = qcNeighbours_Join(&moving->set->neighbours, moving->id, id, false) != qc_statusOk;
+    return !moving->failed;
+}
+
+void qcBoxes_Settle(qcBoxes* set, uint32_t id)
+{
+    qcBox* box = qcBoxes_Box(set, id);
+    if (box->at != qc_atLost || box->still || set->forgotten)
+        return;
+    Mover moving = {.set = set, .id = id, .stamp = qcBoxes_StampNeighbours(set, id)};
+    Question question = AskOf(set, id, JoinNeighbour, &moving);
+    question.box = QC_AT(qcFloatBox, set->forest.boxes, id);
+    question.inForest = true;
+    OfferForest(&question, YOUNG | OLD);
+    if (moving.failed)
+        return;
+    box->at = qc_atNew;
+    set->lostCount--;
+}
+
+typedef struct Begun
+{
+    uint32_t ids[32], count;
+} Begun;
+
+/// From an end of its list on, neighbours of a box that may meet it and did not at the last search. Returns where to go
+/// on.
+static uint32_t CollectBegun(const qcBoxes* set, uint32_t id, uint32_t end, Begun* begun)
+{
+    const qcEdge* edges = set->neighbours.edges.data;
+    const qcBox *boxes = set->boxes.data, *box = &boxes[id];
+    uint32_t count = 0;
+    // Without branches: whether two boxes meet, and met, cannot be foreseen.
+    for (; end != QC_NO_EDGE && count < 32; end = qcNeighbours_Next(&set->neighbours, end))
+    {
+        const qcEdge* edge = &edges[end / 2];
+        uint32_t other = edge->box[1 - end % 2] & ~QC_EDGE_MARK;
+        begun->ids[count] = other;
+        count += ((edge->box[0] & QC_EDGE_MARK) == 0) & qcBox_MeetsFloats(box, boxes[other].lower, boxes[other].upper);
+    }
+    begun->count = count;
+    return end;
+}
+
+/// Of the neighbours that are kept; but not the young ones, if those are asked otherwise.
+static bool OfferBegun(const qcBoxes* set, uint32_t id, bool young, qcBoxFunction* function, void* context)
+{
+    Begun begun;
+    for (uint32_t end = qcNeighbours_First(&set->neighbours, id); end != QC_NO_EDGE;)
+    {
+        end = CollectBegun(set, id, end, &begun);
+        // Most find nothing.
+        if (begun.count == 0)
+            continue;
+        Question question = AskOf(set, id, function, context);
+        question.self = id;
+        for (uint32_t i = 0; i < begun.count; i++)
+            if ((young || !qcForest_IsYoung(&set->forest, begun.ids[i])) && !Offer(&question, begun.ids[i]))
+                return false;
+    }
+    return true;
+}
+
+void qcBoxes_QueryBegun(qcBoxes* boxes, uint32_t id, qcBoxFunction* function, void* context)
+{
+    if (boxes == NULL || id >= boxes->boxes.count || !qcBoxes_Box(boxes, id)->alive)
+        return;
+    qcBoxes_Settle(boxes, id);
+    // A still box has neighbours that are not kept.
+    const qcBox* box = qcBoxes_Box(boxes, id);
+    bool known = !box->still && !boxes->forgotten && box->at != qc_atLost;
+    // Others may have come since.
+    bool others = boxes->putCount != (box->at != qc_atHome);
+    if ((known && !OfferBegun(boxes, id, !others, function, context)) || (known && !others))
+        return;
+    Question question = AskOf(boxes, id, function, context);
+    question.self = id;
+    OfferForest(&question, known ? YOUNG : YOUNG | OLD);
 }
 
 //  ---- all boxes on a way ----------------------------------------------------------------------------
@@ -236,7 +349,7 @@ static Cast PrepareCast(const double from[3], const double to[3], const double c
         unbounded.lower[k] = isnan(cast.wayLower[k]) ? -INFINITY : cast.wayLower[k];
         unbounded.upper[k] = isnan(cast.wayUpper[k]) ? INFINITY : cast.wayUpper[k];
     }
-    cast.wayBox = qcFloatBox_Around(unbounded.lower, unbounded.upper);
+    (void)qcFloatBox_Enclose(&cast.wayBox, unbounded.lower, unbounded.upper);
     return cast;
 }
 

@@ -61,8 +61,13 @@ static void MarkMoved(qcBoxes* set, uint32_t id, bool added)
     qcBox* box = qcBoxes_Box(set, id);
     if (box->mover != QC_NO_MOVER)
         return;
-    box->mover = (uint32_t)set->movers.count;
-    QC_AT(qcMover, set->movers, set->movers.count++) = (qcMover){id, added, qcBoxes_Bounds(set, id)};
+    qcMover* mover = &QC_AT(qcMover, set->movers, set->movers.count);
+    mover->id = id;
+    mover->added = added;
+    mover->box = *box;
+    if (!box->exact)
+        mover->bounds = QC_AT(qcBounds, set->bounds, id);
+    box->mover = (uint32_t)set->movers.count++;
 }
 
 static void UnmarkMoved(qcBoxes* set, uint32_t id)
@@ -87,19 +92,21 @@ static double LongestEdge(const qcBounds* bounds)
     return longest <= DBL_MAX / 8.0 ? longest : 0.0;
 }
 
-/// The fat box still holds the box, and not too loosely.
-static bool Fits(const qcFloatBox* fat, const qcBounds* bounds)
+/// The fat box still holds the box, given by the floats around it, and not too loosely.
+static bool Fits(const qcFloatBox* fat, const qcFloatBox* box)
 {
-    double longest = LongestEdge(bounds);
+    // What floats hold is in a box of floats if these are, and not otherwise.
     bool fits = true;
+    float longest = 0.0f, loosest = 0.0f;
     for (int k = 0; k < 3; k++)
     {
-        double lower = (double)fat->lower[k], upper = (double)fat->upper[k];
-        // Five edges: more than twice what Fatten adds at most. Floats may be infinite where the box is not.
-        fits = fits & (bounds->lower[k] >= lower) & (bounds->upper[k] <= upper) &
-               !(bounds->upper[k] - bounds->lower[k] + 5.0 * longest < upper - lower);
+        float edge = box->upper[k] - box->lower[k], loose = fat->upper[k] - fat->lower[k] - edge;
+        fits = fits & (box->lower[k] >= fat->lower[k]) & (box->upper[k] <= fat->upper[k]);
+        longest = edge > longest ? edge : longest;
+        loosest = loose > loosest ? loose : loosest;
     }
-    return fits;
+    // Five edges: more than twice what Fatten adds at most. To a box without end it adds nothing.
+    return fits & !(loosest > (longest < INFINITY ? 5.0f * longest : 0.0f));
 }
 
 /// Room for jitter on all sides, and for a number of steps like the last one where a side moves outwards.
@@ -119,15 +126,17 @@ static qcFloatBox Fatten(const qcBounds* old, const qcBounds* bounds, double ste
         fat.lower[k] = qcLower(lower, lower - qcUpper(down, 0.0) - margin);
         fat.upper[k] = qcUpper(upper, upper + qcUpper(up, 0.0) + margin);
     }
-    return qcFloatBox_Around(fat.lower, fat.upper);
+    qcFloatBox box;
+    (void)qcFloatBox_Enclose(&box, fat.lower, fat.upper);
+    return box;
 }
 
-/// How many steps ahead a fat box is made: 5 to 12. On the scene above, 3 to 6 cost up to a fifth more time; 16 to 31 a
-/// fifth less where all move, a third more where a tenth does. It differs from box to box so that boxes which set out
-/// together don't all leave their fat boxes in the same step.
+/// How many steps ahead a fat box is made: 10 to 25. With 5 to 12, a step that moves 10 of 1000 boxes takes a tenth
+/// more time, one that moves a tenth of 10 000 a tenth less, and where all move it is the same. It differs from box to
+/// box so that boxes which set out together don't all leave their fat boxes in the same step.
 static double StepsAhead(uint32_t id)
 {
-    return 5.0 + (double)(id * 2654435769u >> 29);
+    return 10.0 + (double)(id * 2654435769u >> 28);
 }
 
 //  ---- the set ---------------------------------------------------------------------------------------
@@ -175,6 +184,8 @@ void qcBoxes_Clear(qcBoxes* boxes)
     boxes->stamp = 0;
     boxes->freeIds.count = 0;
     boxes->movers.count = 0;
+    boxes->putCount = 0;
+    boxes->lostCount = 0;
     boxes->forgotten = false;
 }
 
@@ -198,11 +209,16 @@ static qcStatus ReserveOneMore(qcBoxes* set)
     return qcArray_Reserve(&set->movers, count, sizeof(qcMover), "moved boxes");
 }
 
-static bool IsSame(const qcBounds* a, const qcBounds* b)
+static bool IsSame(const qcBoxes* set, uint32_t id, const double lower[3], const double upper[3],
+                   const qcFloatBox* around, bool exact)
 {
-    bool same = true;
-    for (int k = 0; k < 3; k++)
-        same = same & (a->lower[k] == b->lower[k]) & (a->upper[k] == b->upper[k]);
+    const qcBox* box = qcBoxes_Box(set, id);
+    const qcBounds* old = &QC_AT(qcBounds, set->bounds, id);
+    bool same = box->exact == exact;
+    for (int k = 0; k < 3 && same; k++)
+        same = around->lower[k] == box->lower[k] && around->upper[k] == box->upper[k];
+    for (int k = 0; k < 3 && same && !exact; k++)
+        same = lower[k] == old->lower[k] && upper[k] == old->upper[k];
     return same;
 }
 
@@ -211,19 +227,15 @@ static qcBounds MakeBounds(const double lower[3], const double upper[3])
     return (qcBounds){{lower[0], lower[1], lower[2]}, {upper[0], upper[1], upper[2]}};
 }
 
-static void StoreBounds(qcBoxes* set, uint32_t id, const qcBounds* bounds, const qcFloatBox* around)
+static void StoreBounds(qcBoxes* set, uint32_t id, const double lower[3], const double upper[3],
+                        const qcFloatBox* around, bool exact)
 {
     qcBox* box = qcBoxes_Box(set, id);
-    bool exact = true;
-    for (int k = 0; k < 3; k++)
-    {
-        box->lower[k] = around->lower[k];
-        box->upper[k] = around->upper[k];
-        exact = exact & ((double)box->lower[k] == bounds->lower[k]) & ((double)box->upper[k] == bounds->upper[k]);
-    }
+    memcpy(box->lower, around->lower, sizeof box->lower);
+    memcpy(box->upper, around->upper, sizeof box->upper);
     box->exact = exact;
     if (!exact)
-        QC_AT(qcBounds, set->bounds, id) = *bounds;
+        QC_AT(qcBounds, set->bounds, id) = MakeBounds(lower, upper);
 }
 
 qcStatus qcBoxes_Add(qcBoxes* boxes, const double lower[3], const double upper[3], void* userData, uint32_t* id)
@@ -233,10 +245,12 @@ qcStatus qcBoxes_Add(qcBoxes* boxes, const double lower[3], const double upper[3
     QC_TRY(CheckBounds("qcBoxes_Add", lower, upper));
     QC_TRY(ReserveOneMore(boxes));
     *id = boxes->freeIds.count != 0 ? PopFreeId(boxes) : (uint32_t)boxes->boxes.count++;
-    qcBounds bounds = MakeBounds(lower, upper);
-    qcFloatBox around = qcFloatBox_Around(lower, upper);
-    *qcBoxes_Box(boxes, *id) = (qcBox){.mover = QC_NO_MOVER, .alive = true, .young = true, .still = true};
-    StoreBounds(boxes, *id, &bounds, &around);
+    qcFloatBox around;
+    bool exact = qcFloatBox_Enclose(&around, lower, upper);
+    *qcBoxes_Box(boxes, *id) = (qcBox){.mover = QC_NO_MOVER, .alive = true, .at = qc_atLost, .still = true};
+    boxes->putCount++;
+    boxes->lostCount++;
+    StoreBounds(boxes, *id, lower, upper, &around, exact);
     MarkMoved(boxes, *id, true);
     QC_AT(void*, boxes->userData, *id) = userData;
     // Not fattened: most boxes never move.
@@ -249,6 +263,8 @@ qcStatus qcBoxes_Remove(qcBoxes* boxes, uint32_t id)
     if (GetBox(boxes, id) == NULL)
         return qcFail(qc_statusBadInput, "qcBoxes_Remove: there is no box %u", id);
     UnmarkMoved(boxes, id);
+    boxes->putCount -= qcBoxes_Box(boxes, id)->at != qc_atHome;
+    boxes->lostCount -= qcBoxes_Box(boxes, id)->at == qc_atLost;
     qcNeighbours_Part(&boxes->neighbours, id);
     qcForest_Remove(&boxes->forest, id);
     qcBoxes_Box(boxes, id)->alive = false;
@@ -271,22 +287,25 @@ qcStatus qcBoxes_Move(qcBoxes* boxes, uint32_t id, const double lower[3], const 
     if (box == NULL)
         return qcFail(qc_statusBadInput, "qcBoxes_Move: there is no box %u", id);
     QC_TRY(CheckBounds("qcBoxes_Move", lower, upper));
-    qcBounds bounds = MakeBounds(lower, upper), old = qcBoxes_Bounds(boxes, id);
-    if (IsSame(&bounds, &old))
+    qcFloatBox around;
+    bool exact = qcFloatBox_Enclose(&around, lower, upper);
+    if (IsSame(boxes, id, lower, upper, &around, exact))
         return qc_statusOk;
     MarkMoved(boxes, id, false);
     bool wasStill = box->still;
     // A still box may have still neighbours, which are not kept: it has to look for them.
     if (wasStill)
         BeginToMove(boxes, id);
-    if (wasStill || !Fits(&QC_AT(qcFloatBox, boxes->forest.boxes, id), &bounds))
+    if (wasStill || !Fits(&QC_AT(qcFloatBox, boxes->forest.boxes, id), &around))
     {
+        qcBounds old = qcBoxes_Bounds(boxes, id), bounds = MakeBounds(lower, upper);
         qcFloatBox fat = Fatten(&old, &bounds, StepsAhead(id));
         qcForest_Put(&boxes->forest, id, &fat);
-        box->young = true;
+        boxes->putCount += box->at == qc_atHome;
+        boxes->lostCount += box->at != qc_atLost;
+        box->at = qc_atLost;
     }
-    qcFloatBox around = qcFloatBox_Around(lower, upper);
-    StoreBounds(boxes, id, &bounds, &around);
+    StoreBounds(boxes, id, lower, upper, &around, exact);
     return qc_statusOk;
 }
 

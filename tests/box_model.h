@@ -228,6 +228,14 @@ static inline void qcModel_CheckForest(const qcModel* model)
     for (size_t i = 0; i < forest->listIds.count; i++)
         qcModel_CheckLane(model, &QC_AT(qcOctet, forest->listOctets, i / qc_lanes), qc_inList, (uint32_t)i,
                           QC_AT(uint32_t, forest->listIds, i));
+    uint32_t put = 0, lost = 0;
+    for (uint32_t id = 0; id < model->ends; id++)
+    {
+        const qcBox* box = qcBoxes_Box(model->set, id);
+        put += box->alive && box->at != qc_atHome;
+        lost += box->alive && box->at == qc_atLost;
+    }
+    CHECK_QUICKLY(put == model->set->putCount && lost == model->set->lostCount);
     ck_assert_uint_eq(boxes + forest->listIds.count, qcBoxes_GetCount(model->set));
     ck_assert_uint_eq(forest->boxCount, qcBoxes_GetCount(model->set));
 }

@@ -157,7 +157,7 @@ static void LiveThrough(const World* world)
     size_t found = 0;
     for (int step = 0; step < 120; step++)
     {
-        uint32_t additions = qcRandom_Below(&random, step < 20 ? 25 : 6);
+        uint32_t additions = qcRandom_Below(&random, step < 20 ? 25 : step % 10 < 8 ? 7 : 1);
         for (uint32_t i = 0; i < additions; i++)
         {
             RandomBox(&random, world, lower, upper);
@@ -169,6 +169,9 @@ static void LiveThrough(const World* world)
                 continue;
             if (qcRandom_Uniform(&random, 0.0, 1.0) < world->restless)
                 StepOne(model, &random, world, id);
+            // Between moves too: it may have found its neighbours when others come.
+            if (world->changes && qcRandom_Below(&random, 20) == 0)
+                CheckBegun(model, qcRandom_Below(&random, model->ends));
             if (qcRandom_Below(&random, 60) == 0)
                 qcModel_Remove(model, id);
         }
@@ -246,6 +249,24 @@ START_TEST(boxes_that_share_a_face_an_edge_or_a_corner_are_pairs)
 }
 END_TEST
 
+START_TEST(a_step_shorter_than_floats_can_tell_begins_and_ends_a_pair)
+{
+    qcModel* model = qcModel_Make();
+    for (int i = 0; i < 10; i++)
+        qcModel_Add(model, (double[3]){10 * i, 0, 0}, (double[3]){10 * i + 0.1, 0.1, 0.1});
+    qcModel_CheckChangedPairs(model);
+    for (int step = 0; step < 20; step++)
+    {
+        // Next to the first one and a trillionth away from it in turns; in between a move that changes nothing.
+        double apart = step / 2 % 2 == 0 ? 0.0 : 1e-12;
+        qcModel_Move(model, 1, (double[3]){0.1 + apart, 0, 0}, (double[3]){0.2, 0.1 + step * 1e-3, 0.1});
+        CheckBegun(model, step % 3);
+        ck_assert_uint_eq(qcModel_CheckChangedPairs(model), step % 2 == 0);
+    }
+    qcModel_Free(model);
+}
+END_TEST
+
 START_TEST(a_pair_is_reported_only_when_one_of_the_two_moved)
 {
     qcModel* model = qcModel_Make();
@@ -308,7 +329,8 @@ END_TEST
 static uint32_t CountOctets(const qcForest* forest, const double point[3])
 {
     uint32_t seen = (uint32_t)(forest->listIds.count + qc_lanes - 1) / qc_lanes;
-    qcFloatBox box = qcFloatBox_Around(point, point);
+    qcFloatBox box;
+    (void)qcFloatBox_Enclose(&box, point, point);
     for (uint64_t trees = forest->old | forest->young; trees != 0;)
     {
         const qcBoxTree* tree = &forest->trees[qcForest_NextTree(&trees)];
@@ -564,9 +586,10 @@ END_TEST
 
 QC_RUN_TESTS("boxes", pairs_and_queries_equal_brute_force_whatever_changes,
              what_began_and_what_ended_equals_brute_force_whatever_changes,
-             boxes_that_share_a_face_an_edge_or_a_corner_are_pairs, a_pair_is_reported_only_when_one_of_the_two_moved,
-             a_removed_box_is_in_no_pair, thousands_of_boxes_in_one_place_are_all_pairs,
-             points_in_one_line_and_in_one_place_are_found, infinite_boxes_do_not_spoil_the_tree,
-             ids_are_reused_lowest_first, bad_input_is_refused_and_changes_nothing,
-             a_query_ends_when_the_function_says_so, several_threads_may_ask_at_once,
-             out_of_memory_is_a_status_and_the_next_try_finds_everything)
+             boxes_that_share_a_face_an_edge_or_a_corner_are_pairs,
+             a_step_shorter_than_floats_can_tell_begins_and_ends_a_pair,
+             a_pair_is_reported_only_when_one_of_the_two_moved, a_removed_box_is_in_no_pair,
+             thousands_of_boxes_in_one_place_are_all_pairs, points_in_one_line_and_in_one_place_are_found,
+             infinite_boxes_do_not_spoil_the_tree, ids_are_reused_lowest_first,
+             bad_input_is_refused_and_changes_nothing, a_query_ends_when_the_function_says_so,
+             several_threads_may_ask_at_once, out_of_memory_is_a_status_and_the_next_try_finds_everything)

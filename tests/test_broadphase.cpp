@@ -512,8 +512,16 @@ START_TEST(a_proxy_that_bullet_has_no_memory_for_is_null)
     qcBroadphaseModel model;
     model.Create(btVector3(0, 0, 0), btVector3(1, 1, 1));
     btAlignedAllocSetCustomAligned(AllocateNothing, FreeNothing);
-    btBroadphaseProxy* proxy =
-        model.broadphase.createProxy(btVector3(0, 0, 0), btVector3(1, 1, 1), 0, nullptr, 1, -1, &model.dispatcher);
+    // There may be room left for some. They overlap nothing: Bullet's cache asks for memory too, and takes it as given.
+    btBroadphaseProxy* proxy = nullptr;
+    std::vector<btBroadphaseProxy*> made;
+    do
+    {
+        btVector3 aabbMin(btScalar(10 + 2 * int(made.size())), 0, 0);
+        proxy =
+            model.broadphase.createProxy(aabbMin, aabbMin + btVector3(1, 1, 1), 0, nullptr, 1, -1, &model.dispatcher);
+        made.push_back(proxy);
+    } while (proxy != nullptr && made.size() < 1000);
     btAlignedAllocSetCustomAligned(nullptr, nullptr);
     ck_assert_ptr_null(proxy);
     ck_assert_int_eq(model.broadphase.getStatus(), qc_statusOutOfMemory);

@@ -77,8 +77,8 @@ QC_API void qcBoxes_QueryBox(const qcBoxes* boxes, const double lower[3], const 
                              qcBoxFunction* function, void* context);
 
 /// Visits every box that overlaps this one and did not at the last search for pairs. There is nothing to visit for an
-/// id that has no box.
-QC_API void qcBoxes_QueryBegun(const qcBoxes* boxes, uint32_t id, qcBoxFunction* function, void* context);
+/// id that has no box. What it finds on the way is work that the next search need not do.
+QC_API void qcBoxes_QueryBegun(qcBoxes* boxes, uint32_t id, qcBoxFunction* function, void* context);
 
 /// Visits every box that a box of the given extents (relative to the moving point; zeros for a ray) meets
 /// on its way from `from` to `to`. Never misses; boxes beyond may be visited too. Nearer boxes first, as far as

@@ -83,14 +83,18 @@ class QC_API qcBroadphase : public btBroadphaseInterface
 
   private:
     struct Proxy;
+    struct State;
+    union Room;
+    struct Block;
     class Walk;
     /// A proxy, and its filter when it was last looked at.
     struct Listed
     {
         Proxy* proxy;
-        int group, mask;
+        uint64_t filter; ///< group and mask
     };
 
+    bool MakeRoom();
     void List(Proxy* proxy);
     void AddBox(Proxy* proxy);
     void SetOdd(Proxy* proxy, bool odd);
@@ -108,13 +112,15 @@ class QC_API qcBroadphase : public btBroadphaseInterface
     void Consider(Proxy* a, Proxy* b);
     void LookAt(Listed& listed);
     void LookForChanges();
+    void LookAtFilters();
     void JudgeRejected();
     bool IsSeeking(const Proxy* proxy) const;
     void SeekPairs();
     Proxy* ProxyOf(uint32_t box) const;
     void AddBegun(const qcBoxChanges& changes);
     void RemoveEnded(const qcBoxChanges& changes, btDispatcher* dispatcher);
-    void FindPairs(btDispatcher* dispatcher);
+    qcBoxChanges FindChanges();
+    void UpdatePairs(const qcBoxChanges& changes, btDispatcher* dispatcher);
     bool IsStillWanted(const btBroadphasePair& pair);
     void RemovePair(int index, btDispatcher* dispatcher);
     void RemovePairs(btDispatcher* dispatcher);
@@ -125,7 +131,11 @@ class QC_API qcBroadphase : public btBroadphaseInterface
     qcBoxes* m_boxes = nullptr;
     qcStatus m_status = qc_statusOk;
 
-    btAlignedObjectArray<Listed> m_proxies;
+    Block* m_blocks = nullptr;   ///< what proxies live in
+    Room* m_rooms = nullptr;     ///< those of them that are free
+    int m_roomCount = 0;         ///< all there are
+    Listed* m_proxies = nullptr; ///< with as many places as there are rooms
+    int m_proxyCount = 0;
     int m_lookedCount = 0;  ///< the first so many filters were looked at since the last search
     int m_outsideCount = 0; ///< proxies without a box in the set
     int m_oddCount = 0;     ///< proxies whose bounds are NaN or inverted
@@ -144,6 +154,7 @@ class QC_API qcBroadphase : public btBroadphaseInterface
     const btOverlapFilterCallback* m_filter = nullptr;
     /// While there is a filter callback: overlapping pairs that it did not want, two entries each.
     btAlignedObjectArray<Proxy*> m_rejected;
+    btAlignedObjectArray<Proxy*> m_found; ///< by one proxy that looks for its pairs at once
     /// Pairs that were added to the cache since the last search, two entries each.
     btAlignedObjectArray<Proxy*> m_addedPairs;
 };
