@@ -18,6 +18,7 @@ endmacro()
 
 qc_readme_program(cpp readme_broadphase.cpp)
 qc_readme_program(cpp readme_cloth.cpp)
+qc_readme_program(cpp readme_deformable.cpp)
 qc_readme_program(cpp readme_fracture.cpp)
 qc_readme_program(c readme.c)
 
@@ -38,4 +39,5 @@ endfunction()
 
 qc_readme_test(bullet broadphase)
 qc_readme_test(bullet cloth)
+qc_readme_test(bullet deformable)
 qc_readme_test(fracture fracture)
