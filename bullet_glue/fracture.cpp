@@ -1,18 +1,14 @@
-// Voronoi cells by voro++ (Rycroft: Voro++: a three-dimensional Voronoi cell library in C++, 2009), which tells the
-// neighbours of each; a cell is what is left of the mesh when the bisector with each neighbour has cut it.
+// A mesh broken along the Voronoi cells of sites: in a cell is what is left of the mesh when the bisector with each
+// neighbour has cut it. Each is given only what is near to it (fracture_cells.h).
 #include "quickcullide/bullet_fracture.h"
 
-#include "fracture_clip.h"
+#include "fracture_cells.h"
 
 #include <BulletDynamics/Dynamics/btRigidBody.h>
-#include <voro++/voro++.hh>
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
-#include <future>
 #include <numeric>
-#include <thread>
 
 namespace
 {
@@ -98,56 +94,6 @@ qcClipPlane BisectorOf(const qcClipPoint& a, const qcClipPoint& b, uint32_t face
     return plane;
 }
 
-/// Of each cell the sites of its neighbours, nearest first.
-std::vector<std::vector<int>> FindNeighbours(const qcClipMesh& mesh, const std::vector<qcClipPoint>& sites)
-{
-    double lower[3], upper[3];
-    for (size_t i = 0; i < 3; i++)
-    {
-        lower[i] = upper[i] = sites[0][i];
-        for (const std::vector<qcClipPoint>* points : {&mesh.points, &sites})
-            for (const qcClipPoint& p : *points)
-            {
-                lower[i] = std::min(lower[i], p[i]);
-                upper[i] = std::max(upper[i], p[i]);
-            }
-        double room = (upper[i] - lower[i]) / 16 + 1e-30;
-        lower[i] -= room;
-        upper[i] += room;
-    }
-    // About five sites a block, as the manual advises.
-    int blocks = std::max(1, int(std::cbrt(double(sites.size()) / 5)));
-    voro::container container(lower[0], upper[0], lower[1], upper[1], lower[2], upper[2], blocks, blocks, blocks, false,
-                              false, false, 8);
-    for (size_t i = 0; i < sites.size(); i++)
-        container.put(int(i), sites[i][0], sites[i][1], sites[i][2]);
-    std::vector<std::vector<int>> neighbours(sites.size());
-    voro::voronoicell_neighbor cell;
-    voro::c_loop_all loop(container);
-    if (loop.start())
-        do
-        {
-            size_t site = size_t(loop.pid());
-            if (!container.compute_cell(cell, loop))
-                continue;
-            std::vector<int> found;
-            cell.neighbors(found);
-            for (int other : found)
-                if (other >= 0) // the others are walls
-                    neighbours[site].push_back(other);
-            auto distance2 = [&](int other)
-            {
-                qcClipPoint d;
-                for (size_t i = 0; i < 3; i++)
-                    d[i] = sites[size_t(other)][i] - sites[site][i];
-                return qcDotOf(d, d);
-            };
-            std::sort(neighbours[site].begin(), neighbours[site].end(),
-                      [&](int a, int b) { return std::make_pair(distance2(a), a) < std::make_pair(distance2(b), b); });
-        } while (loop.inc());
-    return neighbours;
-}
-
 //  ---- pieces ----------------------------------------------------------------------------------------
 
 /// What is connected over vertices, one after another.
@@ -225,33 +171,15 @@ void JoinHollows(std::vector<qcClipMesh>* parts)
 }
 
 /// The parts of the mesh in one cell, none of them a hollow.
-std::vector<qcClipMesh> CutCell(const qcClipMesh& mesh, const std::vector<qcClipPoint>& sites, size_t site,
-                                const std::vector<int>& neighbours, uint32_t firstCut)
+std::vector<qcClipMesh> CutCell(qcClipMesh mesh, const std::vector<qcClipPoint>& sites, size_t site,
+                                const std::vector<uint32_t>& neighbours, uint32_t firstCut)
 {
-    qcClipMesh cell = mesh;
-    for (int other : neighbours)
-        qcClipMesh_Cut(&cell, BisectorOf(sites[site], sites[size_t(other)], firstCut + uint32_t(other)));
-    qcClipMesh_Simplify(&cell);
-    std::vector<qcClipMesh> parts = SplitParts(cell);
+    for (uint32_t other : neighbours)
+        qcClipMesh_Cut(&mesh, BisectorOf(sites[site], sites[other], firstCut + other));
+    qcClipMesh_Simplify(&mesh);
+    std::vector<qcClipMesh> parts = SplitParts(mesh);
     JoinHollows(&parts);
     return parts;
-}
-
-/// Calls the function for each index below `count`, on all cores. What it throws is thrown here.
-template <typename Function> void ForEach(size_t count, Function function)
-{
-    std::atomic<size_t> next{0};
-    auto work = [&]
-    {
-        for (size_t i = next++; i < count; i = next++)
-            function(i);
-    };
-    std::vector<std::future<void>> others;
-    for (size_t k = 1; k < std::min(count, size_t(std::thread::hardware_concurrency())); k++)
-        others.push_back(std::async(std::launch::async, work));
-    work();
-    for (std::future<void>& other : others)
-        other.get();
 }
 
 void AddPiece(qcClipMesh& part, uint32_t site, uint32_t firstCut, qcFracture* fracture)
@@ -313,11 +241,13 @@ qcFracture qcFracture_Split(const qcFractureDef& def)
     std::vector<qcClipPoint> sites;
     for (const btVector3& site : def.sites)
         sites.push_back(PointOf(site));
-    std::vector<std::vector<int>> neighbours = FindNeighbours(mesh, sites);
-    // The faces: triangles of the mesh, then cuts by the site on their other side.
+    std::vector<qcFractureCell> cells = qcFindFractureCells(mesh, sites);
+    // The faces: triangles of the mesh, then cuts by the site on their other side, then those of boxes around cells.
     uint32_t firstCut = uint32_t(def.indices.size() / 3);
     std::vector<std::vector<qcClipMesh>> parts(sites.size());
-    ForEach(sites.size(), [&](size_t site) { parts[site] = CutCell(mesh, sites, site, neighbours[site], firstCut); });
+    qcDealMesh(std::move(mesh), cells, firstCut + uint32_t(sites.size()),
+               [&](size_t site, qcClipMesh share)
+               { parts[site] = CutCell(std::move(share), sites, site, cells[site].neighbours, firstCut); });
     for (size_t site = 0; site < sites.size(); site++)
         for (qcClipMesh& part : parts[site])
             if (!part.triangles.empty())

@@ -1,10 +1,7 @@
 // The face that closes a cut is bounded by the edges that have lost their other triangle: these are found by index, so
-// that it closes whatever rounding did to the points. What the tesselator leaves open (loops without area, or that
-// cross themselves) is closed by fans. It is triangulated by GLU's tesselator (it needs no GL context), which takes
-// holes and islands alike.
-#include "fracture_clip.h"
-
-#include <GL/glu.h>
+// that it closes whatever rounding did to the points. What is left open (loops without area, or that cross themselves)
+// is closed by fans.
+#include "fracture_face.h"
 
 #include <algorithm>
 #include <cmath>
@@ -182,9 +179,7 @@ struct Cutter
     }
 };
 
-//  ---- the face --------------------------------------------------------------------------------------
-
-using Loops = std::vector<std::vector<uint32_t>>;
+//  ---- loops --------------------------------------------------------------------------------------
 
 struct Arrow
 {
@@ -203,11 +198,11 @@ std::vector<Arrow>::iterator FindArrow(std::vector<Arrow>* arrows, uint32_t from
 }
 
 /// Each arrow begins where another ends.
-Loops ChainArrows(std::vector<Arrow>* arrows)
+qcClipLoops ChainArrows(std::vector<Arrow>* arrows)
 {
     auto isBefore = [](const Arrow& a, const Arrow& b) { return a.from < b.from; };
     std::stable_sort(arrows->begin(), arrows->end(), isBefore);
-    Loops loops;
+    qcClipLoops loops;
     for (auto first = arrows->begin(); first != arrows->end(); ++first)
     {
         if (first->passed)
@@ -224,7 +219,7 @@ Loops ChainArrows(std::vector<Arrow>* arrows)
 }
 
 /// Loops of edges that are passed more often one way than the other: `turned`, in the way that is missing.
-Loops FindLoops(const std::vector<qcClipTriangle>& triangles, const std::vector<uint8_t>* among, bool turned)
+qcClipLoops FindLoops(const std::vector<qcClipTriangle>& triangles, const std::vector<uint8_t>* among, bool turned)
 {
     std::vector<Arrow> arrows;
     for (const EdgeCount& edge : CountEdges(triangles, among))
@@ -234,116 +229,6 @@ Loops FindLoops(const std::vector<qcClipTriangle>& triangles, const std::vector<
             arrows.push_back((edge.count > 0) == turned ? Arrow{high, low, false} : Arrow{low, high, false});
     }
     return ChainArrows(&arrows);
-}
-
-struct Face
-{
-    qcClipMesh* mesh;
-    std::vector<uint32_t> corners;
-    bool failed = false;
-};
-
-void* DataOf(uint32_t point)
-{
-    return reinterpret_cast<void*>(uintptr_t(point) + 1);
-}
-
-uint32_t PointOf(const void* data)
-{
-    return uint32_t(reinterpret_cast<uintptr_t>(data) - 1);
-}
-
-void APIENTRY OnVertex(void* data, void* face)
-{
-    static_cast<Face*>(face)->corners.push_back(PointOf(data));
-}
-
-void APIENTRY OnEdge(GLboolean, void*)
-{
-    // That it is there makes the tesselator give single triangles.
-}
-
-void APIENTRY OnError(GLenum, void* face)
-{
-    static_cast<Face*>(face)->failed = true;
-}
-
-qcClipPoint Minus(const qcClipPoint& a, const qcClipPoint& b)
-{
-    return {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
-}
-
-/// The point of the first segment that is nearest to the line through the second.
-qcClipPoint Crossing(const qcClipPoint& a, const qcClipPoint& b, const qcClipPoint& c, const qcClipPoint& d)
-{
-    qcClipPoint u = Minus(b, a), v = Minus(d, c), w = Minus(a, c);
-    double uu = qcDotOf(u, u), uv = qcDotOf(u, v), vv = qcDotOf(v, v), den = uu * vv - uv * uv;
-    double t = den > 0 ? (uv * qcDotOf(v, w) - vv * qcDotOf(u, w)) / den : 0;
-    t = std::min(std::max(t, 0.0), 1.0);
-    return {a[0] + t * u[0], a[1] + t * u[1], a[2] + t * u[2]};
-}
-
-/// Where edges of the loops cross or touch. The position that the tesselator gives is of single precision.
-void APIENTRY OnCombine(GLdouble[3], void* data[4], GLfloat[4], void** out, void* context)
-{
-    Face* face = static_cast<Face*>(context);
-    std::vector<qcClipPoint>& points = face->mesh->points;
-    *out = data[0];
-    if (data[2] == nullptr || data[3] == nullptr)
-        return;
-    qcClipPoint p = Crossing(points[PointOf(data[0])], points[PointOf(data[1])], points[PointOf(data[2])],
-                             points[PointOf(data[3])]);
-    for (int i = 0; i < 4; i++)
-        if (points[PointOf(data[i])] == p)
-        {
-            *out = data[i];
-            return;
-        }
-    points.push_back(p);
-    *out = DataOf(uint32_t(points.size() - 1));
-}
-
-template <typename Function> void SetCallback(GLUtesselator* tesselator, GLenum which, Function function)
-{
-    gluTessCallback(tesselator, which, reinterpret_cast<void(APIENTRY*)()>(function));
-}
-
-/// Triangles over what the loops go round counterclockwise, as the normal sees it.
-void AddFace(qcClipMesh* mesh, const qcClipPoint& normal, uint32_t number, const Loops& loops)
-{
-    GLUtesselator* tesselator = loops.empty() ? nullptr : gluNewTess();
-    if (tesselator == nullptr)
-        return;
-    Face face{mesh, {}, false};
-    SetCallback(tesselator, GLU_TESS_VERTEX_DATA, OnVertex);
-    SetCallback(tesselator, GLU_TESS_EDGE_FLAG_DATA, OnEdge);
-    SetCallback(tesselator, GLU_TESS_ERROR_DATA, OnError);
-    SetCallback(tesselator, GLU_TESS_COMBINE_DATA, OnCombine);
-    gluTessProperty(tesselator, GLU_TESS_WINDING_RULE, GLU_TESS_WINDING_POSITIVE);
-    gluTessNormal(tesselator, normal[0], normal[1], normal[2]);
-    gluTessBeginPolygon(tesselator, &face);
-    for (const std::vector<uint32_t>& loop : loops)
-    {
-        gluTessBeginContour(tesselator);
-        for (uint32_t point : loop)
-        {
-            GLdouble position[3] = {mesh->points[point][0], mesh->points[point][1], mesh->points[point][2]};
-            gluTessVertex(tesselator, position, DataOf(point));
-        }
-        gluTessEndContour(tesselator);
-    }
-    gluTessEndPolygon(tesselator);
-    gluDeleteTess(tesselator);
-    for (size_t i = 0; i + 2 < face.corners.size() && !face.failed; i += 3)
-        mesh->triangles.push_back({{face.corners[i], face.corners[i + 1], face.corners[i + 2]}, number});
-}
-
-/// Closed whatever the loops look like, with the right signed volume.
-void AddFans(qcClipMesh* mesh, uint32_t number, const Loops& loops)
-{
-    for (const std::vector<uint32_t>& loop : loops)
-        for (size_t i = 2; i < loop.size(); i++)
-            mesh->triangles.push_back({{loop[0], loop[i - 1], loop[i]}, number});
 }
 
 //  ---- points ----------------------------------------------------------------------------------------
@@ -403,7 +288,7 @@ std::vector<uint8_t> FindVertices(const qcClipMesh& mesh)
 }
 
 /// The direction that the loops face, by twice their area.
-qcClipPoint NormalOf(const qcClipMesh& mesh, const Loops& loops)
+qcClipPoint NormalOf(const qcClipMesh& mesh, const qcClipLoops& loops)
 {
     qcClipPoint normal = {0, 0, 0};
     for (const std::vector<uint32_t>& loop : loops)
@@ -469,6 +354,37 @@ double qcClipMesh_Measure(const qcClipMesh& mesh, qcClipPoint* first)
     return volume;
 }
 
+void qcClipMesh_Simplify(qcClipMesh* mesh)
+{
+    std::vector<uint8_t> isVertex = FindVertices(*mesh);
+    std::vector<qcClipTriangle> sorted = mesh->triangles, face;
+    auto isBefore = [](const qcClipTriangle& a, const qcClipTriangle& b) { return a.face < b.face; };
+    std::stable_sort(sorted.begin(), sorted.end(), isBefore);
+    qcClipMesh made;
+    made.points = mesh->points;
+    for (auto first = sorted.begin(), end = first; first != sorted.end(); first = end)
+    {
+        end = std::upper_bound(first, sorted.end(), *first, isBefore);
+        // Most are a triangle of the mesh, or a corner of one.
+        if (end - first == 1 && isVertex[first->corner[0]] && isVertex[first->corner[1]] && isVertex[first->corner[2]])
+        {
+            made.triangles.push_back(*first);
+            continue;
+        }
+        face.assign(first, end);
+        qcClipLoops loops = FindLoops(face, nullptr, false);
+        for (std::vector<uint32_t>& loop : loops)
+            loop.erase(std::remove_if(loop.begin(), loop.end(), [&](uint32_t point) { return !isVertex[point]; }),
+                       loop.end());
+        qcClipFace_Add(&made, NormalOf(made, loops), first->face, loops);
+    }
+    qcClipMesh_Weld(&made);
+    // Where rounding has bent an outline, splinters do no harm.
+    if (qcClipMesh_FindOpenTriangle(made) == made.triangles.size())
+        *mesh = std::move(made);
+    mesh->leastTriangles = mesh->triangles.size();
+}
+
 void qcClipMesh_Cut(qcClipMesh* mesh, const qcClipPlane& plane)
 {
     Cutter cutter{mesh, {}, {}, {}};
@@ -488,40 +404,14 @@ void qcClipMesh_Cut(qcClipMesh* mesh, const qcClipPlane& plane)
     std::vector<uint8_t> onPlane(cutter.side.size());
     for (size_t i = 0; i < cutter.side.size(); i++)
         onPlane[i] = cutter.side[i] == 0;
-    AddFace(mesh, plane.normal, plane.face, FindLoops(mesh->triangles, &onPlane, true));
+    qcClipFace_Add(mesh, plane.normal, plane.face, FindLoops(mesh->triangles, &onPlane, true));
     onPlane.resize(mesh->points.size(), true);
-    AddFans(mesh, plane.face, FindLoops(mesh->triangles, &onPlane, true));
+    qcClipFace_AddFans(mesh, plane.face, FindLoops(mesh->triangles, &onPlane, true));
     // What is off the plane is where it was, and apart from all others as before.
     onPlane.resize(mesh->points.size(), true);
     Weld(mesh, onPlane);
-}
-
-void qcClipMesh_Simplify(qcClipMesh* mesh)
-{
-    std::vector<uint8_t> isVertex = FindVertices(*mesh);
-    std::vector<qcClipTriangle> sorted = mesh->triangles, face;
-    auto isBefore = [](const qcClipTriangle& a, const qcClipTriangle& b) { return a.face < b.face; };
-    std::stable_sort(sorted.begin(), sorted.end(), isBefore);
-    qcClipMesh made;
-    made.points = mesh->points;
-    for (auto first = sorted.begin(), end = first; first != sorted.end(); first = end)
-    {
-        end = std::upper_bound(first, sorted.end(), *first, isBefore);
-        // Most are a triangle of the mesh, or a corner of one.
-        if (end - first == 1 && isVertex[first->corner[0]] && isVertex[first->corner[1]] && isVertex[first->corner[2]])
-        {
-            made.triangles.push_back(*first);
-            continue;
-        }
-        face.assign(first, end);
-        Loops loops = FindLoops(face, nullptr, false);
-        for (std::vector<uint32_t>& loop : loops)
-            loop.erase(std::remove_if(loop.begin(), loop.end(), [&](uint32_t point) { return !isVertex[point]; }),
-                       loop.end());
-        AddFace(&made, NormalOf(made, loops), first->face, loops);
-    }
-    qcClipMesh_Weld(&made);
-    // Where rounding has bent an outline, splinters do no harm.
-    if (qcClipMesh_FindOpenTriangle(made) == made.triangles.size())
-        *mesh = std::move(made);
+    // A cut along a cut goes through its triangles one by one, and the next has more of them.
+    mesh->leastTriangles = std::min(mesh->leastTriangles, mesh->triangles.size());
+    if (mesh->triangles.size() > mesh->leastTriangles + mesh->leastTriangles / 2)
+        qcClipMesh_Simplify(mesh);
 }

@@ -24,6 +24,7 @@ struct qcClipMesh
 {
     std::vector<qcClipPoint> points;
     std::vector<qcClipTriangle> triangles;
+    size_t leastTriangles = SIZE_MAX; ///< that cuts have left since it was made simple
 };
 
 /// What is outside has normal . x > distance.
@@ -45,7 +46,8 @@ double qcClipMesh_Measure(const qcClipMesh& mesh, qcClipPoint* first);
 
 /// Takes away what is outside of the plane, and puts a face there. No two points of the mesh are at one place, as after
 /// qcClipMesh_Weld; none are then. Points where the plane cuts an edge are the same for
-/// the plane and for its mirror image (the same numbers with other signs), bit by bit.
+/// the plane and for its mirror image (the same numbers with other signs), bit by bit. Now and then the mesh is made
+/// simple.
 void qcClipMesh_Cut(qcClipMesh* mesh, const qcClipPlane& plane);
 
 /// Cuts leave splinters: makes each face anew from its outline. A closed mesh stays closed.

@@ -1,0 +1,22 @@
+// Voronoi cells of sites, and a mesh dealt out to them.
+#ifndef QC_BULLET_GLUE_FRACTURE_CELLS_H
+#define QC_BULLET_GLUE_FRACTURE_CELLS_H
+
+#include "fracture_clip.h"
+
+#include <functional>
+
+struct qcFractureCell
+{
+    std::vector<uint32_t> neighbours; ///< sites of the cells beside it, nearest first
+    qcClipPoint lower, upper;         ///< the box of it within a box that holds the mesh, with room around it
+};
+
+std::vector<qcFractureCell> qcFindFractureCells(const qcClipMesh& mesh, const std::vector<qcClipPoint>& sites);
+
+/// Calls the function with each cell and what the mesh is in its box, from all cores. The rest of the mesh is mostly
+/// cut off, by faces that are outside of the cell and have numbers from `firstFace` on.
+void qcDealMesh(qcClipMesh mesh, const std::vector<qcFractureCell>& cells, uint32_t firstFace,
+                const std::function<void(size_t cell, qcClipMesh mesh)>& take);
+
+#endif
