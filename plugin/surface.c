@@ -210,14 +210,25 @@ static void FitUpperLevels(const Fitting* f)
     f->kernels->fitGroups(rows, 0, 1, &s->whole, &around);
 }
 
+static bool FitsLocally(const qcBody* body)
+{
+    return !body->deforming && !qcBody_MeetsItself(body) && qcTransform_IsInvertible(&body->transform);
+}
+
+bool qcSurface_IsFitted(const qcSurface* surface, const qcBody* body, double margin)
+{
+    bool isLocal = FitsLocally(body);
+    return surface->fitted && surface->isLocal == isLocal &&
+           (isLocal || (surface->moved == body->moved && surface->margin == margin));
+}
+
 qcStatus qcSurface_Fit(qcSurface* surface, const qcBody* body, double margin, const qcSurfaceKernels* kernels,
                        uint32_t threads, qcSurfaceScratch* scratch, bool* fits)
 {
     *fits = true;
-    bool isLocal = !body->deforming && !qcBody_MeetsItself(body) && qcTransform_IsInvertible(&body->transform);
-    if (surface->fitted && surface->isLocal == isLocal &&
-        (isLocal || (surface->moved == body->moved && surface->margin == margin)))
+    if (qcSurface_IsFitted(surface, body, margin))
         return qc_statusOk;
+    bool isLocal = FitsLocally(body);
     surface->fitted = false;
     surface->isLocal = isLocal;
     margin = isLocal ? 0.0 : margin;

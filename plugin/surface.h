@@ -44,7 +44,7 @@ typedef struct qcSurface
     float pointError; ///< of coordinates of points
 } qcSurface;
 
-/// Memory that fitting takes, for all surfaces one after another.
+/// Memory that fitting takes, for surfaces one after another.
 typedef struct qcSurfaceScratch
 {
     qcArray positions; ///< double, three a vertex: of a rigid body in the world
@@ -65,6 +65,9 @@ qcStatus qcSurface_Relate(qcSurface* surface, const qcBody* body, uint32_t threa
 /// O(triangles).
 qcStatus qcSurface_Fit(qcSurface* surface, const qcBody* body, double margin, const qcSurfaceKernels* kernels,
                        uint32_t threads, qcSurfaceScratch* scratch, bool* fits);
+
+/// Whether qcSurface_Fit has nothing to do.
+bool qcSurface_IsFitted(const qcSurface* surface, const qcBody* body, double margin);
 
 /// A margin in the surface's frame, rounded up.
 float qcSurface_Reach(const qcSurface* surface, double margin);

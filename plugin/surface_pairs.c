@@ -18,18 +18,21 @@ enum
 {
     // Pairs of groups that are given to threads: enough that no thread waits long for the last.
     qc_itemsPerThread = 64,
+    qc_tasksPerThread = 16,
+    // Searches that are prepared together, in about ten microseconds, and as many times as waking a thread is worth.
+    qc_searchBlock = 16,
+    qc_leastSearchBlocks = 8,
     qc_queueRoom = qc_queueFull + qc_nodeSize * qc_nodeSize
 };
 
 typedef struct Item
 {
-    uint32_t a, b;
+    uint32_t search, a, b;
 } Item;
 
 typedef struct Search
 {
     const qcSurfacePairsJob* job;
-    qcSurfacePairs* memory;
     uint32_t level;         ///< of the items
     qcMappedSurface mapped; ///< b, as a sees it
     qcFilterSide sides[2];
@@ -137,7 +140,7 @@ static uint64_t CompareGroups(const Search* s, uint32_t level, Item item)
 
 static Item Child(Item item, uint32_t bit)
 {
-    return (Item){item.a * qc_groupSize + bit % qc_groupSize, item.b * qc_groupSize + bit / qc_groupSize};
+    return (Item){item.search, item.a * qc_groupSize + bit % qc_groupSize, item.b * qc_groupSize + bit / qc_groupSize};
 }
 
 static void Descend(Queue* queue, uint32_t level, Item item)
@@ -149,46 +152,6 @@ static void Descend(Queue* queue, uint32_t level, Item item)
     }
     for (uint64_t meet = CompareGroups(queue->search, level, item); meet != 0; meet &= meet - 1)
         Descend(queue, level - 1, Child(item, (uint32_t)__builtin_ctzll(meet)));
-}
-
-static void TakeItem(void* context, size_t i, uint32_t worker)
-{
-    const Search* s = context;
-    Queue queue = {.search = s, .worker = worker, .wanted = true};
-    queue.pairs = queue.end = &QC_AT(qcPlacePair, s->memory->queues, (size_t)worker * qc_queueRoom);
-    size_t count = s->memory->items.count, share = s->job->threads > 1 ? 4 : count;
-    for (size_t k = i * share; k < count && k < (i + 1) * share; k++)
-        Descend(&queue, s->level, QC_AT(Item, s->memory->items, k));
-    Flush(&queue);
-}
-
-/// From the tops down, level by level, until there is enough for all threads to do.
-static qcStatus FindItems(Search* s)
-{
-    qcSurfacePairs* memory = s->memory;
-    const qcSurfacePairsJob* job = s->job;
-    s->level = job->a->levels > job->b->levels ? job->a->levels : job->b->levels;
-    QC_TRY(qcArray_Resize(&memory->items, 1, sizeof(Item), "pairs of groups"));
-    QC_AT(Item, memory->items, 0) = (Item){0, 0};
-    size_t enough = job->threads > 1 ? (size_t)job->threads * qc_itemsPerThread : 1;
-    while (s->level > 1 && memory->items.count != 0 && memory->items.count < enough)
-    {
-        memory->next.count = 0;
-        for (size_t i = 0; i < memory->items.count; i++)
-        {
-            Item item = QC_AT(Item, memory->items, i);
-            size_t at = memory->next.count;
-            QC_TRY(qcArray_Reserve(&memory->next, at + 64, sizeof(Item), "pairs of groups"));
-            for (uint64_t meet = CompareGroups(s, s->level, item); meet != 0; meet &= meet - 1)
-                QC_AT(Item, memory->next, at++) = Child(item, (uint32_t)__builtin_ctzll(meet));
-            memory->next.count = at;
-        }
-        qcArray items = memory->items;
-        memory->items = memory->next;
-        memory->next = items;
-        s->level--;
-    }
-    return qc_statusOk;
 }
 
 static qcPlacement PlacementOf(const qcSurface* surface, const qcBody* body)
@@ -257,32 +220,129 @@ static void FindMaps(Search* s)
     s->mapped.triangles = s->sides[1];
 }
 
-qcStatus qcSurfacePairs_Find(qcSurfacePairs* pairs, const qcSurfacePairsJob* job)
+static void Prepare(Search* s, const qcSurfacePairsJob* job)
 {
-    Search search = {.job = job, .memory = pairs, .same = job->a == job->b, .filters = true};
-    assert(!search.same || job->neighbours || job->a->related);
+    *s = (Search){.job = job, .same = job->a == job->b, .filters = true};
+    assert(!s->same || job->neighbours || job->a->related);
     const qcSurface* sides[2] = {job->a, job->b};
     for (int i = 0; i < 2; i++)
-        search.sides[i] = (qcFilterSide){sides[i]->corners.data, sides[i]->points.data};
-    search.bound.pointError = job->a->pointError;
+        s->sides[i] = (qcFilterSide){sides[i]->corners.data, sides[i]->points.data};
+    s->bound.pointError = job->a->pointError;
     // Where bodies are in the world, lengths are as they are there.
-    search.bound.margin = job->a->isLocal ? -1.0f : nextafterf((float)(job->nearest * job->a->map.unit[0]), 0.0f);
-    if (search.same)
-        search.bound.reach = qcSurface_Reach(job->a, job->margin);
+    s->bound.margin = job->a->isLocal ? -1.0f : nextafterf((float)(job->nearest * job->a->map.unit[0]), 0.0f);
+    if (s->same)
+        s->bound.reach = qcSurface_Reach(job->a, job->margin);
     else
-        FindMaps(&search);
-    QC_TRY(qcArray_Resize(&pairs->queues, (size_t)job->threads * qc_queueRoom, sizeof(qcPlacePair), "pairs of places"));
-    QC_TRY(FindItems(&search));
+        FindMaps(s);
+}
+
+//  ---- all searches ----------------------------------------------------------------------------------
+
+typedef struct Run
+{
+    qcSurfacePairs* memory;
+    const qcSurfacePairsJob* jobs;
+    size_t jobCount;
+    size_t share; ///< items that a worker takes at a time
+} Run;
+
+static Search* SearchAt(const Run* run, size_t i)
+{
+    return &QC_AT(Search, run->memory->searches, i);
+}
+
+static void PrepareBlock(void* context, size_t block, uint32_t worker)
+{
+    (void)worker;
+    const Run* run = context;
+    for (size_t i = block * qc_searchBlock; i < run->jobCount && i < (block + 1) * qc_searchBlock; i++)
+        Prepare(SearchAt(run, i), &run->jobs[i]);
+}
+
+/// From the tops down, level by level, until there are enough.
+static qcStatus FindItems(qcArray* items, Search* s, uint32_t number, size_t enough)
+{
+    const qcSurfacePairsJob* job = s->job;
+    s->level = job->a->levels > job->b->levels ? job->a->levels : job->b->levels;
+    size_t first = items->count;
+    QC_TRY(qcArray_Resize(items, first + 1, sizeof(Item), "pairs of groups"));
+    QC_AT(Item, *items, first) = (Item){number, 0, 0};
+    while (s->level > 1 && items->count > first && items->count - first < enough)
+    {
+        size_t end = items->count, at = end;
+        for (size_t i = first; i < end; i++)
+        {
+            Item item = QC_AT(Item, *items, i);
+            QC_TRY(qcArray_Reserve(items, at + 64, sizeof(Item), "pairs of groups"));
+            for (uint64_t meet = CompareGroups(s, s->level, item); meet != 0; meet &= meet - 1)
+                QC_AT(Item, *items, at++) = Child(item, (uint32_t)__builtin_ctzll(meet));
+            items->count = at;
+        }
+        items->count = first + (at - end);
+        memmove(&QC_AT(Item, *items, first), &QC_AT(Item, *items, end), (at - end) * sizeof(Item));
+        s->level--;
+    }
+    return qc_statusOk;
+}
+
+static size_t SizeOf(const qcSurfacePairsJob* job)
+{
+    return job->a->groupCount[0] + job->b->groupCount[0];
+}
+
+/// To each search as many as it has of all clusters.
+static qcStatus FindAllItems(const Run* run, uint32_t threads)
+{
+    qcArray* items = &run->memory->items;
+    double wanted = threads > 1 ? (double)threads * qc_itemsPerThread : 0.0, clusters = 0.0;
+    for (size_t i = 0; i < run->jobCount; i++)
+        clusters += (double)SizeOf(&run->jobs[i]);
+    items->count = 0;
+    for (size_t i = 0; i < run->jobCount; i++)
+    {
+        double enough = wanted * (double)SizeOf(&run->jobs[i]) / clusters;
+        QC_TRY(FindItems(items, SearchAt(run, i), (uint32_t)i, (size_t)enough));
+    }
+    return qc_statusOk;
+}
+
+static void TakeItems(void* context, size_t task, uint32_t worker)
+{
+    const Run* run = context;
+    const qcArray* items = &run->memory->items;
+    Queue queue = {.worker = worker, .wanted = true};
+    queue.pairs = queue.end = &QC_AT(qcPlacePair, run->memory->queues, (size_t)worker * qc_queueRoom);
+    size_t first = task * run->share, left = items->count - first,
+           end = first + (left < run->share ? left : run->share);
+    for (size_t k = first; k < end; k++)
+    {
+        Item item = QC_AT(Item, *items, k);
+        const Search* search = SearchAt(run, item.search);
+        if (queue.search != NULL && queue.search != search)
+            Flush(&queue);
+        queue.search = search;
+        Descend(&queue, search->level, item);
+    }
+    Flush(&queue);
+}
+
+qcStatus qcSurfacePairs_Find(qcSurfacePairs* pairs, const qcSurfacePairsJob* jobs, size_t jobCount, uint32_t threads)
+{
+    Run run = {.memory = pairs, .jobs = jobs, .jobCount = jobCount};
+    QC_TRY(qcArray_Resize(&pairs->searches, jobCount, sizeof(Search), "pairs of surfaces"));
+    QC_TRY(qcArray_Resize(&pairs->queues, (size_t)threads * qc_queueRoom, sizeof(qcPlacePair), "pairs of places"));
+    qcParallel_For(threads, (jobCount + qc_searchBlock - 1) / qc_searchBlock, qc_leastSearchBlocks, PrepareBlock, &run);
+    QC_TRY(FindAllItems(&run, threads));
     size_t count = pairs->items.count;
-    if (count == 0)
-        return qc_statusOk;
-    qcParallel_For(job->threads, job->threads > 1 ? (count + 3) / 4 : 1, 2, TakeItem, &search);
+    run.share = threads > 1 ? count / (threads * qc_tasksPerThread) + 1 : count;
+    if (count != 0)
+        qcParallel_For(threads, (count + run.share - 1) / run.share, 2, TakeItems, &run);
     return qc_statusOk;
 }
 
 void qcSurfacePairs_Free(qcSurfacePairs* pairs)
 {
+    qcArray_Free(&pairs->searches);
     qcArray_Free(&pairs->items);
-    qcArray_Free(&pairs->next);
     qcArray_Free(&pairs->queues);
 }

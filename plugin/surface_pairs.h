@@ -33,11 +33,10 @@ typedef struct qcSurfacePairsJob
     const qcSurfaceKernels* kernels;
     const qcSurface *a, *b; ///< the same: pairs within it, each once
     const qcBody *bodyA, *bodyB;
-    double margin;   ///< no more than both were fitted with
-    double nearest;  ///< pairs that are apart by no more than this are near
-    bool neighbours; ///< of one surface: pairs that share a vertex index are found too
-    bool flatDiscs;  ///< of one surface: what qcSurface_FindFlat found is made use of
-    uint32_t threads;
+    double margin;                ///< no more than both were fitted with
+    double nearest;               ///< pairs that are apart by no more than this are near
+    bool neighbours;              ///< of one surface: pairs that share a vertex index are found too
+    bool flatDiscs;               ///< of one surface: what qcSurface_FindFlat found is made use of
     uint8_t *reachedA, *reachedB; ///< by node: set where it was compared with a node of the other. May be null
     qcSurfacePairsFunction* function;
     void* context;
@@ -46,12 +45,14 @@ typedef struct qcSurfacePairsJob
 /// Memory that is kept between steps.
 typedef struct qcSurfacePairs
 {
-    qcArray items, next; ///< of Item: pairs of groups
-    qcArray queues;      ///< of qcPlacePair, room for each worker
+    qcArray searches; ///< of Search: one for each job
+    qcArray items;    ///< of Item: pairs of groups, of all searches
+    qcArray queues;   ///< of qcPlacePair, room for each worker
 } qcSurfacePairs;
 
-/// Both surfaces have been fitted, with the same margin, and that of the pairs is no more.
-qcStatus qcSurfacePairs_Find(qcSurfacePairs* pairs, const qcSurfacePairsJob* job);
+/// Does all jobs, side by side. The surfaces of each have been fitted, with the same margin, and that of the pairs is
+/// no more.
+qcStatus qcSurfacePairs_Find(qcSurfacePairs* pairs, const qcSurfacePairsJob* jobs, size_t jobCount, uint32_t threads);
 void qcSurfacePairs_Free(qcSurfacePairs* pairs);
 
 #endif

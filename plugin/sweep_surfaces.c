@@ -45,18 +45,41 @@ static bool MayHaveSurface(qcSweepSurfaces* sweep, uint32_t slot, const qcBody* 
            body->triangleCount <= qc_smallBody || listNeighbours;
 }
 
-typedef struct Making
+typedef struct Mending
 {
     qcSweepSurfaces* sweep;
     const qcTriangles* triangles;
+    double margin;
     uint32_t threads; ///< of each
-} Making;
+} Mending;
+
+static qcSurfaceOrder* OrderAt(const qcSweepSurfaces* sweep, size_t i)
+{
+    return &QC_AT(qcSurfaceOrder, sweep->orders, i);
+}
+
+static qcStatus AddOrder(qcSweepSurfaces* sweep, uint32_t body)
+{
+    size_t at = sweep->orders.count;
+    QC_TRY(qcArray_Resize(&sweep->orders, at + 1, sizeof(qcSurfaceOrder), "surfaces"));
+    *OrderAt(sweep, at) = (qcSurfaceOrder){.body = body};
+    return qc_statusOk;
+}
+
+/// The message of a worker is its own; say it again on this thread.
+static qcStatus CheckOrders(const qcSweepSurfaces* sweep)
+{
+    for (size_t i = 0; i < sweep->orders.count; i++)
+        if (OrderAt(sweep, i)->status != qc_statusOk)
+            return qcArray_FailAgain(&sweep->orders, "surfaces");
+    return qc_statusOk;
+}
 
 static void MakeOne(void* context, size_t i, uint32_t worker)
 {
     (void)worker;
-    const Making* making = context;
-    qcSurfaceToMake* order = &QC_AT(qcSurfaceToMake, making->sweep->toMake, i);
+    const Mending* making = context;
+    qcSurfaceOrder* order = OrderAt(making->sweep, i);
     const qcBody* body = qcTriangles_Body(making->triangles, order->body);
     qcSurface* surface = SurfaceAt(making->sweep, qcTriangles_Slot(making->triangles, order->body));
     order->status = surface->generation == 0 ? qcSurface_Build(surface, body, making->threads)
@@ -67,25 +90,69 @@ static void MakeOne(void* context, size_t i, uint32_t worker)
 static qcStatus MakeSurfaces(qcSweepSurfaces* sweep, const qcTriangles* triangles, uint32_t threads,
                              const uint8_t* wanted)
 {
-    sweep->toMake.count = 0;
+    sweep->orders.count = 0;
     for (uint32_t body = 0; body < triangles->bodyCount; body++)
     {
         const qcSurface* surface = SurfaceAt(sweep, qcTriangles_Slot(triangles, body));
         bool relates = qcBody_MeetsItself(qcTriangles_Body(triangles, body)) && !surface->related;
-        if (!wanted[body] || (surface->generation != 0 && !relates))
-            continue;
-        size_t at = sweep->toMake.count;
-        QC_TRY(qcArray_Resize(&sweep->toMake, at + 1, sizeof(qcSurfaceToMake), "surfaces"));
-        QC_AT(qcSurfaceToMake, sweep->toMake, at) = (qcSurfaceToMake){body, qc_statusOk};
+        if (wanted[body] && (surface->generation == 0 || relates))
+            QC_TRY(AddOrder(sweep, body));
     }
     // Several side by side, or one by all.
-    Making making = {sweep, triangles, sweep->toMake.count == 1 ? threads : 1};
-    qcParallel_For(sweep->toMake.count == 1 ? 1 : threads, sweep->toMake.count, 2, MakeOne, &making);
-    for (size_t i = 0; i < sweep->toMake.count; i++)
-        // The message is the worker's own; say it again on this thread.
-        if (QC_AT(qcSurfaceToMake, sweep->toMake, i).status != qc_statusOk)
-            return qcArray_FailAgain(&sweep->toMake, "surfaces");
-    return qc_statusOk;
+    size_t count = sweep->orders.count;
+    Mending making = {.sweep = sweep, .triangles = triangles, .threads = count == 1 ? threads : 1};
+    qcParallel_For(count == 1 ? 1 : threads, count, 2, MakeOne, &making);
+    return CheckOrders(sweep);
+}
+
+static void FitOne(void* context, size_t i, uint32_t worker)
+{
+    const Mending* fitting = context;
+    const qcSweepSurfaces* sweep = fitting->sweep;
+    qcSurfaceOrder* order = OrderAt(sweep, i);
+    qcSurface* surface = SurfaceAt(sweep, qcTriangles_Slot(fitting->triangles, order->body));
+    order->status =
+        qcSurface_Fit(surface, qcTriangles_Body(fitting->triangles, order->body), fitting->margin, sweep->kernels,
+                      fitting->threads, &QC_AT(qcSurfaceScratch, sweep->scratches, worker), &order->fits);
+}
+
+/// Large bodies one after another by all threads, then the others side by side.
+static qcStatus FitSurfaces(qcSweepSurfaces* sweep, const qcTriangles* triangles, double margin, uint32_t threads,
+                            uint8_t* wanted)
+{
+    uint64_t left = 0;
+    sweep->orders.count = 0;
+    for (uint32_t body = 0; body < triangles->bodyCount; body++)
+    {
+        const qcBody* b = qcTriangles_Body(triangles, body);
+        if (!wanted[body] || qcSurface_IsFitted(SurfaceAt(sweep, qcTriangles_Slot(triangles, body)), b, margin))
+            continue;
+        QC_TRY(AddOrder(sweep, body));
+        left += b->triangleCount;
+    }
+    QC_TRY(qcArray_GrowZeroed(&sweep->scratches, threads, sizeof(qcSurfaceScratch), "fitting surfaces"));
+    sweep->fittedTriangles = left;
+    uint64_t large = left / (4 * (uint64_t)threads);
+    Mending fitting = {sweep, triangles, margin, threads};
+    size_t small = 0;
+    for (size_t i = 0; i < sweep->orders.count; i++)
+    {
+        uint32_t count = qcTriangles_Body(triangles, OrderAt(sweep, i)->body)->triangleCount;
+        if (count >= large)
+        {
+            FitOne(&fitting, i, 0);
+            left -= count;
+            continue;
+        }
+        qcSurfaceOrder done = *OrderAt(sweep, small);
+        *OrderAt(sweep, small++) = *OrderAt(sweep, i);
+        *OrderAt(sweep, i) = done;
+    }
+    fitting.threads = 1;
+    qcParallel_For(left > qc_smallBody ? threads : 1, small, 2, FitOne, &fitting);
+    for (size_t i = 0; i < sweep->orders.count; i++)
+        wanted[OrderAt(sweep, i)->body] = OrderAt(sweep, i)->fits;
+    return CheckOrders(sweep);
 }
 
 qcStatus qcSweepSurfaces_Prepare(qcSweepSurfaces* sweep, const qcTriangles* triangles, double margin, uint32_t threads,
@@ -94,7 +161,6 @@ qcStatus qcSweepSurfaces_Prepare(qcSweepSurfaces* sweep, const qcTriangles* tria
     if (sweep->kernels == NULL)
         sweep->kernels = qcSurfaceKernels_Get();
     QC_TRY(SyncSlots(sweep, triangles));
-    sweep->fittedTriangles = 0;
     for (uint32_t body = 0; body < triangles->bodyCount; body++)
     {
         bool may =
@@ -102,19 +168,7 @@ qcStatus qcSweepSurfaces_Prepare(qcSweepSurfaces* sweep, const qcTriangles* tria
         wanted[body] = wanted[body] && may;
     }
     QC_TRY(MakeSurfaces(sweep, triangles, threads, wanted));
-    for (uint32_t body = 0; body < triangles->bodyCount; body++)
-    {
-        if (!wanted[body])
-            continue;
-        const qcBody* b = qcTriangles_Body(triangles, body);
-        qcSurface* surface = SurfaceAt(sweep, qcTriangles_Slot(triangles, body));
-        bool fits;
-        uint64_t before = surface->fits;
-        QC_TRY(qcSurface_Fit(surface, b, margin, sweep->kernels, threads, &sweep->scratch, &fits));
-        sweep->fittedTriangles += surface->fits != before ? b->triangleCount : 0;
-        wanted[body] = fits;
-    }
-    return qc_statusOk;
+    return FitSurfaces(sweep, triangles, margin, threads, wanted);
 }
 
 //  ---- pairs ---------------------------------------------------------------------------------------
@@ -124,21 +178,28 @@ typedef struct Run
     qcSweepSurfaces* sweep;
     const qcSweepSurfacesJob* job;
     bool flatDiscs; ///< what is flat doesn't come near itself, but where it is neighbour of itself
-    //  the two bodies that are looked at
+} Run;
+
+/// What the places of a pair mean: triangles of these two surfaces, the first of which have these numbers in the step.
+typedef struct PairOfSurfaces
+{
+    const Run* run;
     const uint32_t* triangles[2];
     uint32_t first[2];
-} Run;
+} PairOfSurfaces;
 
 static uint64_t KeyOf(const void* context, qcPlacePair pair)
 {
-    const Run* run = context;
-    return qcTriangles_Key(run->first[0] + run->triangles[0][pair.a], run->first[1] + run->triangles[1][pair.b]);
+    const PairOfSurfaces* sides = context;
+    return qcTriangles_Key(sides->first[0] + sides->triangles[0][pair.a],
+                           sides->first[1] + sides->triangles[1][pair.b]);
 }
 
 static bool AddKeys(void* context, const qcFoundPairs* found, uint32_t worker)
 {
-    const Run* run = context;
-    return qcPairSink_Add(&QC_AT(qcPairSink, run->sweep->sinks, worker), found, run->job->listNeighbours, KeyOf, run);
+    const PairOfSurfaces* sides = context;
+    const Run* run = sides->run;
+    return qcPairSink_Add(&QC_AT(qcPairSink, run->sweep->sinks, worker), found, run->job->listNeighbours, KeyOf, sides);
 }
 
 /// Flags for the nodes of bodies whose triangles need not all take part.
@@ -171,18 +232,20 @@ static qcSurface* SurfaceOf(const Run* run, uint32_t body)
     return SurfaceAt(run->sweep, qcTriangles_Slot(run->job->triangles, body));
 }
 
-/// What pairs of places are of from now on.
-static void LookAt(Run* run, uint32_t a, uint32_t b)
+static PairOfSurfaces MakeSides(const Run* run, uint32_t a, uint32_t b)
 {
+    PairOfSurfaces sides = {.run = run};
     const uint32_t bodies[2] = {a, b};
     for (int i = 0; i < 2; i++)
     {
-        run->first[i] = qcTriangles_First(run->job->triangles, bodies[i]);
-        run->triangles[i] = SurfaceOf(run, bodies[i])->clusters.triangles.data;
+        sides.first[i] = qcTriangles_First(run->job->triangles, bodies[i]);
+        sides.triangles[i] = SurfaceOf(run, bodies[i])->clusters.triangles.data;
     }
+    return sides;
 }
 
-static qcStatus FindPairs(Run* run, uint32_t a, uint32_t b)
+/// There is room for it.
+static void AddJob(const Run* run, uint32_t a, uint32_t b)
 {
     qcSweepSurfaces* sweep = run->sweep;
     const qcSweepSurfacesJob* job = run->job;
@@ -195,42 +258,69 @@ static qcStatus FindPairs(Run* run, uint32_t a, uint32_t b)
     }
     const qcBody *bodyA = qcTriangles_Body(job->triangles, a), *bodyB = qcTriangles_Body(job->triangles, b);
     double nearest = qcBody_PairMargin(bodyA, bodyB, job->nearest);
-    qcSurfacePairsJob pairs = {.kernels = sweep->kernels,
-                               .a = SurfaceOf(run, a),
-                               .b = SurfaceOf(run, b),
-                               .bodyA = bodyA,
-                               .bodyB = bodyB,
-                               .margin = nearest > job->contactReach ? nearest : job->contactReach,
-                               .nearest = nearest,
-                               .neighbours = job->testNeighbours,
-                               .flatDiscs = run->flatDiscs && a == b,
-                               .threads = job->threads,
-                               .reachedA = ReachedOf(sweep, a),
-                               .reachedB = ReachedOf(sweep, b),
-                               .function = AddKeys,
-                               .context = run};
-    LookAt(run, a, b);
-    return qcSurfacePairs_Find(&sweep->pairs, &pairs);
+    PairOfSurfaces* sides = &QC_AT(PairOfSurfaces, sweep->sides, sweep->jobs.count);
+    *sides = MakeSides(run, a, b);
+    QC_AT(qcSurfacePairsJob, sweep->jobs, sweep->jobs.count++) =
+        (qcSurfacePairsJob){.kernels = sweep->kernels,
+                            .a = SurfaceOf(run, a),
+                            .b = SurfaceOf(run, b),
+                            .bodyA = bodyA,
+                            .bodyB = bodyB,
+                            .margin = nearest > job->contactReach ? nearest : job->contactReach,
+                            .nearest = nearest,
+                            .neighbours = job->testNeighbours,
+                            .flatDiscs = run->flatDiscs && a == b,
+                            .reachedA = ReachedOf(sweep, a),
+                            .reachedB = ReachedOf(sweep, b),
+                            .function = AddKeys,
+                            .context = sides};
+}
+
+static bool IsAskedAboutItself(const Run* run, uint32_t body)
+{
+    return run->job->bodies[body] && qcBody_MeetsItself(qcTriangles_Body(run->job->triangles, body));
+}
+
+/// All at once, so that threads have enough to do where many small bodies meet.
+static qcStatus FindPairs(const Run* run)
+{
+    qcSweepSurfaces* sweep = run->sweep;
+    const qcSweepSurfacesJob* job = run->job;
+    const qcArray* pairs = &job->objects->pairs;
+    size_t most = pairs->count + job->triangles->bodyCount;
+    QC_TRY(qcArray_Reserve(&sweep->jobs, most, sizeof(qcSurfacePairsJob), "pairs of surfaces"));
+    QC_TRY(qcArray_Resize(&sweep->sides, most, sizeof(PairOfSurfaces), "pairs of surfaces"));
+    sweep->jobs.count = 0;
+    for (size_t i = 0; i < pairs->count; i++)
+    {
+        qcBodyPair pair = QC_AT(qcBodyPair, *pairs, i);
+        if (job->bodies[pair.a])
+            AddJob(run, pair.a, pair.b);
+    }
+    for (uint32_t body = 0; body < job->triangles->bodyCount; body++)
+        if (IsAskedAboutItself(run, body))
+            AddJob(run, body, body);
+    return qcSurfacePairs_Find(&sweep->pairs, sweep->jobs.data, sweep->jobs.count, job->threads);
 }
 
 static void AddContactKeys(void* context, const qcPlacePair* pairs, size_t count, uint32_t worker)
 {
-    const Run* run = context;
-    qcPairSink_AddNeighbours(&QC_AT(qcPairSink, run->sweep->sinks, worker), pairs, count, KeyOf, run);
+    const PairOfSurfaces* sides = context;
+    qcPairSink_AddNeighbours(&QC_AT(qcPairSink, sides->run->sweep->sinks, worker), pairs, count, KeyOf, sides);
 }
 
-static qcStatus AddNeighbours(Run* run, uint32_t body, qcProfile* profile)
+static qcStatus AddNeighbours(const Run* run, uint32_t body, qcProfile* profile)
 {
     qcSurface* surface = SurfaceOf(run, body);
     if (run->job->testNeighbours)
         return qc_statusOk;
     profile->skippedNeighbours += surface->clusters.neighbourCount;
-    LookAt(run, body, body);
+    PairOfSurfaces sides = MakeSides(run, body, body);
     qcSurfaceNeighboursJob job = {.kernels = run->sweep->kernels,
                                   .surface = surface,
                                   .threads = run->job->threads,
                                   .function = AddContactKeys,
-                                  .context = run};
+                                  .context = &sides};
     return run->job->listNeighbours ? qcSurfaceNeighbours_Find(&job) : qc_statusOk;
 }
 
@@ -267,24 +357,17 @@ qcStatus qcSweepSurfaces_Run(qcSweepSurfaces* sweep, const qcSweepSurfacesJob* j
     Run run = {.sweep = sweep, .job = job, .flatDiscs = !job->testNeighbours};
     QC_TRY(qcPairSinks_Begin(&sweep->sinks, job->threads));
     QC_TRY(ClearReached(&run));
-    for (size_t i = 0; i < job->objects->pairs.count; i++)
-    {
-        qcBodyPair pair = QC_AT(qcBodyPair, job->objects->pairs, i);
-        if (job->bodies[pair.a])
-            QC_TRY(FindPairs(&run, pair.a, pair.b));
-    }
+    for (uint32_t body = 0; body < t->bodyCount; body++)
+        if (IsAskedAboutItself(&run, body) || job->neighbourBodies[body])
+            FindFlat(&run, body, profile);
+    QC_TRY(FindPairs(&run));
+    // What was reached is known now.
     for (uint32_t body = 0; body < t->bodyCount; body++)
     {
-        if (!job->bodies[body] && !job->neighbourBodies[body])
-            continue;
         if (job->bodies[body])
             CountTriangles(&run, body, profile);
-        if (!qcBody_MeetsItself(qcTriangles_Body(t, body)))
-            continue;
-        FindFlat(&run, body, profile);
-        if (job->bodies[body])
-            QC_TRY(FindPairs(&run, body, body));
-        QC_TRY(AddNeighbours(&run, body, profile));
+        if (IsAskedAboutItself(&run, body) || job->neighbourBodies[body])
+            QC_TRY(AddNeighbours(&run, body, profile));
     }
     profile->fittedTriangles += sweep->fittedTriangles;
     qcCandidates* candidates = job->candidates;
@@ -297,9 +380,11 @@ void qcSweepSurfaces_Free(qcSweepSurfaces* sweep)
     for (uint32_t slot = 0; slot < sweep->surfaces.count; slot++)
         qcSurface_Free(SurfaceAt(sweep, slot));
     qcPairSinks_Free(&sweep->sinks);
+    for (size_t i = 0; i < sweep->scratches.count; i++)
+        qcSurfaceScratch_Free(&QC_AT(qcSurfaceScratch, sweep->scratches, i));
     qcSurfacePairs_Free(&sweep->pairs);
-    qcSurfaceScratch_Free(&sweep->scratch);
-    qcArray* arrays[] = {&sweep->surfaces, &sweep->seen, &sweep->toMake, &sweep->reached, &sweep->firstReached};
+    qcArray* arrays[] = {&sweep->surfaces, &sweep->seen,  &sweep->orders,  &sweep->scratches,
+                         &sweep->jobs,     &sweep->sides, &sweep->reached, &sweep->firstReached};
     for (size_t i = 0; i < sizeof arrays / sizeof arrays[0]; i++)
         qcArray_Free(arrays[i]);
 }

@@ -6,12 +6,13 @@
 #include "pair_sinks.h"
 #include "surface_neighbours.h"
 
-/// A body of the step whose surface has something missing, and how making it went.
-typedef struct qcSurfaceToMake
+/// A body of the step whose surface has something missing or isn't where the body is, and how mending that went.
+typedef struct qcSurfaceOrder
 {
     uint32_t body;
     qcStatus status;
-} qcSurfaceToMake;
+    bool fits;
+} qcSurfaceOrder;
 
 /// Memory that the stage keeps between steps.
 typedef struct qcSweepSurfaces
@@ -19,9 +20,11 @@ typedef struct qcSweepSurfaces
     const qcSurfaceKernels* kernels; ///< chosen at first use
     qcArray surfaces;                ///< of qcSurface, by slot
     qcArray seen;                    ///< uint32_t, by slot: generation of the body that the last step saw there
-    qcArray toMake;                  ///< of qcSurfaceToMake
-    qcSurfaceScratch scratch;
+    qcArray orders;                  ///< of qcSurfaceOrder
+    qcArray scratches;               ///< of qcSurfaceScratch, one a worker
     qcSurfacePairs pairs;
+    qcArray jobs;             ///< of qcSurfacePairsJob
+    qcArray sides;            ///< of PairOfSurfaces: of each job
     qcArray sinks;            ///< of qcPairSink
     qcArray reached;          ///< uint8_t, by node, of bodies that are not tested with themselves
     qcArray firstReached;     ///< size_t, by body of the step: where its nodes begin, or SIZE_MAX

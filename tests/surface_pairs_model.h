@@ -113,14 +113,13 @@ static inline bool qcTakeNoMore(void* context, const qcFoundPairs* found, uint32
 }
 
 /// A surface with itself, for who takes nothing; `calls` counts what is offered.
-static inline qcSurfacePairsJob qcJobWithItself(const qcSide* side, uint32_t threads, size_t* calls)
+static inline qcSurfacePairsJob qcJobWithItself(const qcSide* side, size_t* calls)
 {
     return (qcSurfacePairsJob){.kernels = qcSurfaceKernels_Get(),
                                .a = &side->surface,
                                .b = &side->surface,
                                .bodyA = qcBodyAt(&side->bodies, 0),
                                .bodyB = qcBodyAt(&side->bodies, 0),
-                               .threads = threads,
                                .function = qcTakeNoMore,
                                .context = calls};
 }
@@ -276,14 +275,13 @@ static inline size_t qcCheckPairs(qcSide* a, qcSide* b, double margin, bool neig
                                  .nearest = found.half ? 0.5 * margin : margin,
                                  .neighbours = neighbours,
                                  .flatDiscs = run > 1,
-                                 .threads = threads,
                                  .reachedA = reached[0],
                                  .reachedB = a == b ? reached[0] : reached[1],
                                  .function = qcFoundTimes_Add,
                                  .context = &found};
         if (job.flatDiscs)
             qcSurface_FindFlat(&a->surface, k, threads);
-        CHECK_OK(qcSurfacePairs_Find(&pairs, &job));
+        CHECK_OK(qcSurfacePairs_Find(&pairs, &job, 1, threads));
         qcFoundTimes_Check(&found, oracle, neighbours, what);
         CHECK_THAT(run % 2 == 0 || count == found.count, "%s: %zu pairs on one thread, %zu on three", what, count,
                    found.count);

@@ -159,8 +159,8 @@ START_TEST(who_wants_no_more_gets_no_more)
     qcSide_Fit(&a, 0.0, qcSurfaceKernels_Get(), 1);
     size_t calls = 0;
     qcSurfacePairs pairs = {0};
-    qcSurfacePairsJob job = qcJobWithItself(&a, 1, &calls);
-    CHECK_OK(qcSurfacePairs_Find(&pairs, &job));
+    qcSurfacePairsJob job = qcJobWithItself(&a, &calls);
+    CHECK_OK(qcSurfacePairs_Find(&pairs, &job, 1, 1));
     ck_assert_uint_eq(calls, 1);
     qcSurfacePairs_Free(&pairs);
     qcSide_Free(&a);
@@ -179,8 +179,8 @@ START_TEST(a_failed_allocation_finds_nothing_and_leaves_nothing)
         heap = (qcFailingHeap){live, 0, i};
         taken = 0;
         qcSurfacePairs pairs = {0};
-        qcSurfacePairsJob job = qcJobWithItself(&a, 2, &taken);
-        ck_assert_int_eq(qcSurfacePairs_Find(&pairs, &job), i == 0 ? qc_statusOk : qc_statusOutOfMemory);
+        qcSurfacePairsJob job = qcJobWithItself(&a, &taken);
+        ck_assert_int_eq(qcSurfacePairs_Find(&pairs, &job, 1, 2), i == 0 ? qc_statusOk : qc_statusOutOfMemory);
         ck_assert_int_eq(taken > 0, i == 0);
         calls = i == 0 ? heap.calls : calls;
         qcSurfacePairs_Free(&pairs);

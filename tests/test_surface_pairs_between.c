@@ -43,8 +43,8 @@ START_TEST(a_large_fan_has_its_pairs_with_others_and_none_with_itself)
     qcSide_Fit(&a, 0.0, qcSurfaceKernels_Get(), 1);
     size_t calls = 0;
     qcSurfacePairs pairs = {0};
-    qcSurfacePairsJob job = qcJobWithItself(&a, 1, &calls);
-    CHECK_OK(qcSurfacePairs_Find(&pairs, &job));
+    qcSurfacePairsJob job = qcJobWithItself(&a, &calls);
+    CHECK_OK(qcSurfacePairs_Find(&pairs, &job, 1, 1));
     ck_assert_uint_eq(calls, 0);
     qcSurfacePairs_Free(&pairs);
     qcSide_Free(&a);
@@ -204,12 +204,11 @@ START_TEST(nodes_that_lie_apart_are_not_reached)
                                  .b = &b.surface,
                                  .bodyA = qcBodyAt(&a.bodies, 0),
                                  .bodyB = qcBodyAt(&b.bodies, 0),
-                                 .threads = 1,
                                  .reachedA = reached[0],
                                  .reachedB = reached[1],
                                  .function = qcFoundTimes_Add,
                                  .context = &found};
-        CHECK_OK(qcSurfacePairs_Find(&pairs, &job));
+        CHECK_OK(qcSurfacePairs_Find(&pairs, &job, 1, 1));
         qcFoundTimes_Check(&found, &oracle, false, "spheres");
         for (uint32_t i = 0; i < nodes; i++)
             reachedNodes += reached[0][i];
@@ -225,9 +224,77 @@ START_TEST(nodes_that_lie_apart_are_not_reached)
 }
 END_TEST
 
+enum
+{
+    // Each with itself and with all others: more searches than are prepared in one block.
+    qc_crowd = 18,
+    qc_crowdPairs = qc_crowd * (qc_crowd + 1) / 2
+};
+
+static void CheckCrowd(const qcSide* sides, qcPairOracle* oracles, double margin, uint32_t threads)
+{
+    qcFoundTimes found[qc_crowdPairs];
+    qcSurfacePairsJob jobs[qc_crowdPairs];
+    static uint8_t reached[qc_crowd][64];
+    size_t count = 0, pairCount = 0;
+    for (int a = 0; a < qc_crowd; a++)
+        for (int b = a; b < qc_crowd; b++, count++)
+        {
+            qcFoundTimes_Make(&found[count], &sides[a], &sides[b]);
+            found[count].reachedA = reached[a];
+            found[count].reachedB = reached[b];
+            jobs[count] = (qcSurfacePairsJob){.kernels = qcSurfaceKernels_Get(),
+                                              .a = &sides[a].surface,
+                                              .b = &sides[b].surface,
+                                              .bodyA = qcBodyAt(&sides[a].bodies, 0),
+                                              .bodyB = qcBodyAt(&sides[b].bodies, 0),
+                                              .margin = margin,
+                                              .nearest = margin,
+                                              .reachedA = reached[a],
+                                              .reachedB = reached[b],
+                                              .function = qcFoundTimes_Add,
+                                              .context = &found[count]};
+        }
+    qcSurfacePairs pairs = {0};
+    CHECK_OK(qcSurfacePairs_Find(&pairs, jobs, count, threads));
+    for (size_t i = 0; i < count; i++)
+    {
+        qcFoundTimes_Check(&found[i], &oracles[i], false, "crowd");
+        pairCount += found[i].count;
+        qcFoundTimes_Free(&found[i]);
+    }
+    ck_assert_uint_gt(pairCount, 1000);
+    qcSurfacePairs_Free(&pairs);
+}
+
+START_TEST(many_searches_side_by_side_find_each_its_own_pairs)
+{
+    qcSide sides[qc_crowd];
+    for (uint32_t i = 0; i < qc_crowd; i++)
+    {
+        // One of them has most of the triangles, some have one node alone.
+        sides[i] = qcSide_Make(qcSoup_MakeRandom(30 + i, i == 5 ? 1500 : 10 + 13 * i, 0.1));
+        qcSide_Fit(&sides[i], 0.01, qcSurfaceKernels_Get(), 1);
+        ck_assert_uint_le(sides[i].surface.clusters.nodeCount, 64);
+    }
+    qcPairOracle oracles[qc_crowdPairs];
+    size_t count = 0;
+    for (int a = 0; a < qc_crowd; a++)
+        for (int b = a; b < qc_crowd; b++)
+            oracles[count++] = qcPairOracle_Make(&sides[a], &sides[b], 0.01);
+    for (uint32_t threads = 1; threads <= 3; threads++)
+        CheckCrowd(sides, oracles, 0.01, threads);
+    for (size_t i = 0; i < count; i++)
+        qcPairOracle_Free(&oracles[i]);
+    for (uint32_t i = 0; i < qc_crowd; i++)
+        qcSide_Free(&sides[i]);
+}
+END_TEST
+
 QC_RUN_TESTS("surface_pairs_between", two_surfaces_have_each_pair_within_the_margin_once,
              a_large_fan_has_its_pairs_with_others_and_none_with_itself,
              surfaces_of_any_two_scales_have_each_pair_within_the_margin_once,
              a_small_surface_meets_any_part_of_one_that_floats_cannot_compare_it_with,
              surfaces_far_from_the_origin_have_each_pair_within_the_margin_once,
-             pairs_on_the_border_are_found_between_two_frames, nodes_that_lie_apart_are_not_reached)
+             pairs_on_the_border_are_found_between_two_frames, nodes_that_lie_apart_are_not_reached,
+             many_searches_side_by_side_find_each_its_own_pairs)
