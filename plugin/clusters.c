@@ -1,5 +1,6 @@
 // Nodes that share a vertex, and a table of 64 x 64 bits for each two: ones, then for each vertex zeros where both
-// triangles have it, by words. Node pairs all of whose triangles are neighbours, as in a fan, have one table together.
+// triangles have it, by words; packed when the node's tables are done. Node pairs all of whose triangles are
+// neighbours, as in a fan, have one table together.
 #include "clusters.h"
 
 #include "cluster_order.h"
@@ -11,7 +12,6 @@
 
 enum
 {
-    qc_tableWords = 64,
     qc_clustersOfNode = qc_nodeSize / qc_clusterSize
 };
 
@@ -34,9 +34,9 @@ typedef struct Builder
     qcArray first;      ///< uint32_t of each vertex and one more: where its shares begin
     qcArray next;       ///< uint32_t of each vertex: its first share that no visit has come to
     qcArray shares;     ///< of Share, each vertex's ordered by node
-    qcArray seen;  ///< uint32_t of each node: the last link to it, plus 1; then the table of the node that is visited
+    qcArray seen;  ///< uint32_t of each node: the last link to it, plus 1; then its table among `words`, plus 1, or 0
     qcArray items; ///< of qcSortItem: node and other node, whether all their triangles are neighbours
-    uint32_t firstOwnTable; ///< of one link; 1 if there are links that have table 0, all zero, together
+    qcArray words; ///< uint64_t: the tables of the node that is visited, not packed
 } Builder;
 
 /// Two nodes, the same or in order, that have a vertex at these places.
@@ -52,6 +52,7 @@ static void Free(Builder* b)
     qcArray_Free(&b->shares);
     qcArray_Free(&b->seen);
     qcArray_Free(&b->items);
+    qcArray_Free(&b->words);
 }
 
 static bool HasTriangle(const Builder* b, size_t place)
@@ -69,12 +70,28 @@ uint32_t qcClusters_FindLink(const qcClusters* clusters, uint32_t node, uint32_t
     return QC_NO_LINK;
 }
 
+size_t qcClusters_PackTable(const uint64_t words[qc_tableWords], uint64_t packed[qc_mostTableSize])
+{
+    uint64_t some = 0, none = 0;
+    size_t size = 2;
+    for (uint32_t word = 0; word < qc_tableWords; word++)
+    {
+        bool isNone = words[word] == 0, isSome = !isNone && words[word] != UINT64_MAX;
+        none |= (uint64_t)isNone << word;
+        some |= (uint64_t)isSome << word;
+        if (isSome)
+            packed[size++] = words[word];
+    }
+    packed[0] = some;
+    packed[1] = none;
+    return size;
+}
+
 const uint64_t* qcClusters_OrderTable(void)
 {
-    static const uint64_t b = QC_IN_ORDER, x = UINT64_MAX;
-    static const uint64_t table[qc_nodeSize] = {b, 0, 0, 0, 0, 0, 0, 0, x, b, 0, 0, 0, 0, 0, 0, x, x, b, 0, 0, 0,
-                                                0, 0, x, x, x, b, 0, 0, 0, 0, x, x, x, x, b, 0, 0, 0, x, x, x, x,
-                                                x, b, 0, 0, x, x, x, x, x, x, b, 0, x, x, x, x, x, x, x, b};
+    static const uint64_t diagonal = UINT64_C(0x8040201008040201), b = QC_IN_ORDER;
+    // Words i + 8 j with i > j have none; after the last is what qcClusters_Word may read.
+    static const uint64_t table[] = {diagonal, UINT64_C(0x0080c0e0f0f8fcfe), b, b, b, b, b, b, b, b, 0};
     return table;
 }
 
@@ -195,8 +212,8 @@ static qcStatus AddLink(Builder* b, const Share* share, const Share* other)
     return qc_statusOk;
 }
 
-/// Links in order, tables numbered.
-static qcStatus FindLinks(Builder* b, uint32_t* tableCount)
+/// Links in order. Those of nodes all of whose triangles are neighbours have what is to be their table's place.
+static qcStatus FindLinks(Builder* b)
 {
     qcClusters* c = b->clusters;
     RewindVisits(b);
@@ -214,19 +231,15 @@ static qcStatus FindLinks(Builder* b, uint32_t* tableCount)
     QC_TRY(qcArray_Resize(&c->links, b->items.count, sizeof(qcNodeLink), "links of nodes"));
     const qcSortItem* items = b->items.data;
     uint32_t node = 0;
-    for (size_t i = 0; i < b->items.count && b->firstOwnTable == 0; i++)
-        b->firstOwnTable = items[i].value ? 1 : 0;
-    uint32_t tables = b->firstOwnTable;
     QC_AT(uint32_t, c->firstLink, 0) = 0;
     for (size_t i = 0; i < b->items.count; i++)
     {
         while (node < items[i].key >> 32)
             QC_AT(uint32_t, c->firstLink, ++node) = (uint32_t)i;
-        QC_AT(qcNodeLink, c->links, i) = (qcNodeLink){(uint32_t)items[i].key, items[i].value ? 0 : tables++};
+        QC_AT(qcNodeLink, c->links, i) = (qcNodeLink){(uint32_t)items[i].key, items[i].value ? 0 : UINT32_MAX};
     }
     while (node < c->nodeCount)
         QC_AT(uint32_t, c->firstLink, ++node) = (uint32_t)b->items.count;
-    *tableCount = tables;
     return qc_statusOk;
 }
 
@@ -246,13 +259,17 @@ static void FillTable(uint64_t* table, uint64_t filledA, uint64_t filledB, bool 
         table[word] = PairsOfWord(word, filledA, filledB, isSame);
 }
 
+static uint64_t* WordsOf(const Builder* b, uint32_t number)
+{
+    return &QC_AT(uint64_t, b->words, (size_t)(number - 1) * qc_tableWords);
+}
+
 static qcStatus ClearNeighbours(Builder* b, const Share* share, const Share* other)
 {
-    const qcArray* tables = &b->clusters->tables;
     uint32_t number = QC_AT(uint32_t, b->seen, other->node);
-    if (number < b->firstOwnTable)
+    if (number == 0)
         return qc_statusOk;
-    uint64_t* table = &QC_AT(uint64_t, *tables, (size_t)number * qc_tableWords);
+    uint64_t* table = WordsOf(b, number);
     for (int j = 0; j < qc_clustersOfNode; j++)
     {
         unsigned placesB = qcClusters_PlacesOf(other->places, (uint32_t)j);
@@ -263,45 +280,70 @@ static qcStatus ClearNeighbours(Builder* b, const Share* share, const Share* oth
     return qc_statusOk;
 }
 
-static qcStatus FillTables(Builder* b, uint32_t tableCount)
+/// Pairs that a table could have.
+static uint64_t CountPairs(uint64_t filledA, uint64_t filledB, bool isSame)
+{
+    uint64_t n = (uint64_t)__builtin_popcountll(filledA), m = (uint64_t)__builtin_popcountll(filledB);
+    return isSame ? n * (n - 1) / 2 : n * m;
+}
+
+/// Adds a table; counts the pairs that it has.
+static qcStatus AddTable(qcClusters* c, const uint64_t words[qc_tableWords], uint32_t* place, uint64_t* pairs)
+{
+    size_t at = c->tables.count;
+    // One more is what qcClusters_Word may read.
+    if (at > UINT32_MAX - qc_mostTableSize - 1)
+        return qcFailMemory(SIZE_MAX, "more than 2^32 words of tables of nodes");
+    QC_TRY(qcArray_Reserve(&c->tables, at + qc_mostTableSize + 1, sizeof(uint64_t), "pairs of near nodes"));
+    c->tables.count += qcClusters_PackTable(words, &QC_AT(uint64_t, c->tables, at));
+    *place = (uint32_t)at;
+    for (uint32_t i = 0; i < qc_tableWords; i++)
+        *pairs += (uint64_t)__builtin_popcountll(words[i]);
+    return qc_statusOk;
+}
+
+/// Those of the node's links that have one of their own.
+static qcStatus FillTablesOf(Builder* b, uint32_t node)
 {
     qcClusters* c = b->clusters;
     const uint64_t* filled = b->filled.data;
-    const uint32_t* firstLink = c->firstLink.data;
-    QC_TRY(qcArray_Resize(&c->tables, (size_t)tableCount * qc_tableWords, sizeof(uint64_t), "pairs of near nodes"));
-    if (b->firstOwnTable != 0)
-        memset(c->tables.data, 0, qc_tableWords * sizeof(uint64_t));
-    RewindVisits(b);
-    for (uint32_t node = 0; node < c->nodeCount; node++)
+    uint32_t first = QC_AT(uint32_t, c->firstLink, node), end = QC_AT(uint32_t, c->firstLink, node + 1), number = 0;
+    QC_TRY(qcArray_Resize(&b->words, (size_t)(end - first) * qc_tableWords, sizeof(uint64_t), "pairs of near nodes"));
+    for (uint32_t l = first; l < end; l++)
     {
-        for (uint32_t l = firstLink[node]; l < firstLink[node + 1]; l++)
-        {
-            qcNodeLink link = QC_AT(qcNodeLink, c->links, l);
-            QC_AT(uint32_t, b->seen, link.other) = link.table;
-            if (link.table >= b->firstOwnTable)
-                FillTable(&QC_AT(uint64_t, c->tables, (size_t)link.table * qc_tableWords), filled[node],
-                          filled[link.other], link.other == node);
-        }
-        QC_TRY(VisitNode(b, node, ClearNeighbours));
+        qcNodeLink link = QC_AT(qcNodeLink, c->links, l);
+        bool own = link.table != 0;
+        QC_AT(uint32_t, b->seen, link.other) = own ? ++number : 0;
+        if (own)
+            FillTable(WordsOf(b, number), filled[node], filled[link.other], link.other == node);
+    }
+    QC_TRY(VisitNode(b, node, ClearNeighbours));
+    number = 0;
+    for (uint32_t l = first; l < end; l++)
+    {
+        qcNodeLink* link = &QC_AT(qcNodeLink, c->links, l);
+        uint64_t pairs = 0;
+        if (link->table != 0)
+            QC_TRY(AddTable(c, WordsOf(b, ++number), &link->table, &pairs));
+        c->neighbourCount += CountPairs(filled[node], filled[link->other], link->other == node) - pairs;
     }
     return qc_statusOk;
 }
 
-/// Pairs that a table could have, and hasn't.
-static void CountNeighbours(Builder* b)
+static qcStatus FillTables(Builder* b)
 {
     qcClusters* c = b->clusters;
+    // All zero: for links that have none of their own, if there are any.
+    static const uint64_t zero[qc_tableWords] = {0};
+    uint32_t place;
+    uint64_t pairs = 0;
+    QC_TRY(AddTable(c, zero, &place, &pairs));
+    RewindVisits(b);
     for (uint32_t node = 0; node < c->nodeCount; node++)
-        for (uint32_t l = QC_AT(uint32_t, c->firstLink, node); l < QC_AT(uint32_t, c->firstLink, node + 1); l++)
-        {
-            qcNodeLink link = QC_AT(qcNodeLink, c->links, l);
-            uint64_t n = (uint64_t)__builtin_popcountll(QC_AT(uint64_t, b->filled, node)),
-                     m = (uint64_t)__builtin_popcountll(QC_AT(uint64_t, b->filled, link.other));
-            c->neighbourCount += link.other == node ? n * (n - 1) / 2 : n * m;
-            for (int i = 0; i < qc_tableWords; i++)
-                c->neighbourCount -=
-                    (uint64_t)__builtin_popcountll(QC_AT(uint64_t, c->tables, (size_t)link.table * qc_tableWords + i));
-        }
+        QC_TRY(FillTablesOf(b, node));
+    // There is room for it.
+    QC_AT(uint64_t, c->tables, c->tables.count++) = 0;
+    return qcArray_Trim(&c->tables, sizeof(uint64_t), "pairs of near nodes");
 }
 
 static qcStatus Link(Builder* b)
@@ -310,11 +352,8 @@ static qcStatus Link(Builder* b)
     QC_TRY(qcClusters_NameVertices(c, b->indices, b->vertexCount, &b->corners, &b->vertexOf));
     b->usedCount = (uint32_t)b->vertexOf.count;
     QC_TRY(FindShares(b));
-    uint32_t tableCount = 0;
-    QC_TRY(FindLinks(b, &tableCount));
-    QC_TRY(FillTables(b, tableCount));
-    CountNeighbours(b);
-    return qc_statusOk;
+    QC_TRY(FindLinks(b));
+    return FillTables(b);
 }
 
 qcStatus qcClusters_Lay(qcClusters* clusters, const uint32_t* indices, uint32_t triangleCount, const double* positions,
@@ -371,14 +410,14 @@ qcPlacePair* qcClusters_FindNeighbours(const qcClusters* clusters, uint32_t node
 {
     qcNodeLink to = QC_AT(qcNodeLink, clusters->links, link);
     const uint32_t *triangles = clusters->triangles.data, a = node * qc_nodeSize, b = to.other * qc_nodeSize;
-    const uint64_t* table = &QC_AT(uint64_t, clusters->tables, (size_t)to.table * qc_tableWords);
-    uint64_t filledA = FilledPlaces(triangles + a), filledB = FilledPlaces(triangles + b);
-    for (uint32_t word = 0; word < qc_tableWords; word++)
+    const uint64_t* table = qcClusters_Table(clusters, link);
+    uint64_t filledA = FilledPlaces(triangles + a), filledB = FilledPlaces(triangles + b), none = table[1];
+    for (uint64_t words = table[0] | none; words != 0; words &= words - 1)
     {
-        uint32_t i = word % qc_clustersOfNode, j = word / qc_clustersOfNode;
-        uint64_t left = ~table[word];
-        if (left != 0)
-            left &= PairsOfWord(word, filledA, filledB, node == to.other);
+        uint32_t word = (uint32_t)__builtin_ctzll(words), i = word % qc_clustersOfNode, j = word / qc_clustersOfNode;
+        uint64_t left = PairsOfWord(word, filledA, filledB, node == to.other);
+        if ((none >> word & 1u) == 0)
+            left &= ~qcClusters_Word(table, word);
         for (int k = 0; k < skipCount && left != 0; k++)
             left &= ~qcClusters_Product(qcClusters_PlacesOf(skips[k].a, i), qcClusters_PlacesOf(skips[k].b, j));
         for (; left != 0; left &= left - 1)

@@ -54,7 +54,7 @@ typedef struct qcPlaceSkip
 typedef struct qcNodeLink
 {
     uint32_t other; ///< not below the node that has the link
-    uint32_t table;
+    uint32_t table; ///< where it begins
 } qcNodeLink;
 
 /// Of a triangle.
@@ -69,9 +69,10 @@ typedef struct qcClusters
     qcArray triangles; ///< uint32_t, qc_nodeSize a node: each triangle of the body once, or QC_NO_TRIANGLE
     qcArray firstLink; ///< uint32_t, nodeCount + 1: where a node's links begin
     qcArray links;     ///< of qcNodeLink: each node's ordered by `other`, itself first
-    /// uint64_t, 64 a table. Word i + 8 j is about cluster i of the node and cluster j of the other, its bit u + 8 v
-    /// about triangle u of the one and v of the other: set where both exist, share no vertex index and, within one
-    /// node, come in this order (i < j, or i == j and u < v).
+    /// uint64_t: the tables of links, packed (qcClusters_Word), and one more. Of a table's 64 words, word i + 8 j is
+    /// about cluster i of the node and cluster j of the other, its bit u + 8 v about triangle u of the one and v of the
+    /// other: set where both exist, share no vertex index and, within one node, come in this order (i < j, or i == j
+    /// and u < v).
     qcArray tables;
     uint64_t neighbourCount; ///< pairs of triangles that share a vertex index
 } qcClusters;
@@ -93,11 +94,28 @@ qcStatus qcClusters_Build(qcClusters* clusters, const uint32_t* indices, uint32_
 /// The link of two nodes, the second not below the first, or QC_NO_LINK: they share no vertex.
 uint32_t qcClusters_FindLink(const qcClusters* clusters, uint32_t node, uint32_t other);
 
-/// The table of a link.
+enum
+{
+    qc_tableWords = 64,
+    qc_mostTableSize = 2 + qc_tableWords
+};
+
+/// Most words of most tables have all bits set, or none: a packed table has a bit for each word that has some, one for
+/// each that has none, then the former words in order. Returns its size.
+size_t qcClusters_PackTable(const uint64_t words[qc_tableWords], uint64_t packed[qc_mostTableSize]);
+
+/// A word that has any bits. One word more than the table has is read, but not used.
+static inline uint64_t qcClusters_Word(const uint64_t* table, uint32_t word)
+{
+    uint64_t bit = UINT64_C(1) << word;
+    uint64_t some = table[2 + __builtin_popcountll(table[0] & (bit - 1))];
+    return (table[0] & bit) != 0 ? some : UINT64_MAX;
+}
+
+/// The table of a link, packed.
 static inline const uint64_t* qcClusters_Table(const qcClusters* clusters, uint32_t link)
 {
-    size_t table = QC_AT(qcNodeLink, clusters->links, link).table;
-    return &QC_AT(uint64_t, clusters->tables, table * qc_nodeSize);
+    return &QC_AT(uint64_t, clusters->tables, QC_AT(qcNodeLink, clusters->links, link).table);
 }
 
 /// As the table of a node with itself, had no two of its triangles a common vertex.

@@ -69,7 +69,7 @@ static void Assign(qcLayersBodies* bodies, qcLayersPlace* place, const qcBody* b
     place->firstVertex = (uint32_t)bodies->used[qc_layersVertices];
     place->firstNode = (uint32_t)bodies->used[qc_layersNodes];
     place->firstLink = (uint32_t)bodies->used[qc_layersLinks];
-    place->firstTable = (uint32_t)(bodies->used[qc_layersTables] / qc_nodeSize);
+    place->firstTable = (uint32_t)bodies->used[qc_layersTables];
     place->placed = true;
     place->frame = 0;
     for (int i = 0; i < qc_layersInputCount; i++)
@@ -246,8 +246,7 @@ static qcStatus UploadTables(qcLayersBodies* bodies, const qcLayersPlace* place)
         links[i][1] = place->firstTable + link.table;
     }
     QC_TRY(AddUpload(bodies, qc_layersLinks, place->firstLink, clusters->links.count, links));
-    return AddUpload(bodies, qc_layersTables, (size_t)place->firstTable * qc_nodeSize, clusters->tables.count,
-                     clusters->tables.data);
+    return AddUpload(bodies, qc_layersTables, place->firstTable, clusters->tables.count, clusters->tables.data);
 }
 
 static qcStatus UploadTopology(qcLayersBodies* bodies, qcLayersPlace* place, uint32_t slot, const qcBody* body)

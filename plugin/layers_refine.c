@@ -80,17 +80,17 @@ static void TakeNodes(Queue* queue, const qcLayersEntry* p, const qcLayersEntry*
 {
     const Refining* r = queue->r;
     const qcLayersBody* bodies = r->job->bodies->bodies.data;
-    const uint64_t* words = NULL;
+    const uint64_t* table = NULL;
     // Within one body, links lead from lower to higher places.
     uint32_t a = p->node < q->node ? p->node : q->node, b = p->node < q->node ? q->node : p->node;
     if (p->body == q->body)
-        words = TableOf(r, p->body, a, b);
+        table = TableOf(r, p->body, a, b);
     else if (!MayMeet(&bodies[p->body], &bodies[q->body]))
         return;
     if (queue->end - queue->pairs >= qc_queueFull)
         Flush(queue);
     const qcSurfaceBoxes boxes = {r->job->image->clusterGroups, r->job->image->nodeGroups};
-    queue->end = r->memory->kernels->collect(&boxes, a, &boxes, b, words, NULL, 0, queue->end);
+    queue->end = r->memory->kernels->collect(&boxes, a, &boxes, b, table, NULL, 0, queue->end);
 }
 
 /// As OVERLAP in common.glsl: no subtraction borrows from a top bit.

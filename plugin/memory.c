@@ -87,16 +87,9 @@ static size_t GrownCapacity(const qcArray* array)
     return capacity < 4096 ? 4096 : capacity;
 }
 
-qcStatus qcArray_Grow(qcArray* array, size_t count, size_t elementSize, const char* purpose)
+/// To a block of another size, which holds all elements.
+static qcStatus MoveTo(qcArray* array, size_t capacity, size_t elementSize, const char* purpose)
 {
-    if (count > SIZE_MAX / 2 / elementSize)
-        return qcFailMemory(SIZE_MAX, purpose);
-    size_t needed = count * elementSize;
-    // An array holds elements of one size as long as it lives.
-    assert(array->count * elementSize <= array->capacity);
-    size_t capacity = GrownCapacity(array);
-    if (capacity < needed)
-        capacity = needed;
     void* data = qcAllocate(capacity);
     if (data == NULL)
         return qcFailMemory(capacity, purpose);
@@ -106,6 +99,23 @@ qcStatus qcArray_Grow(qcArray* array, size_t count, size_t elementSize, const ch
     array->data = data;
     array->capacity = capacity;
     return qc_statusOk;
+}
+
+qcStatus qcArray_Grow(qcArray* array, size_t count, size_t elementSize, const char* purpose)
+{
+    if (count > SIZE_MAX / 2 / elementSize)
+        return qcFailMemory(SIZE_MAX, purpose);
+    size_t needed = count * elementSize;
+    // An array holds elements of one size as long as it lives.
+    assert(array->count * elementSize <= array->capacity);
+    size_t capacity = GrownCapacity(array);
+    return MoveTo(array, capacity < needed ? needed : capacity, elementSize, purpose);
+}
+
+qcStatus qcArray_Trim(qcArray* array, size_t elementSize, const char* purpose)
+{
+    size_t needed = array->count * elementSize;
+    return needed == 0 || needed == array->capacity ? qc_statusOk : MoveTo(array, needed, elementSize, purpose);
 }
 
 qcStatus qcArray_Resize(qcArray* array, size_t count, size_t elementSize, const char* purpose)

@@ -32,6 +32,8 @@ qcStatus qcArray_Resize(qcArray* array, size_t count, size_t elementSize, const 
 qcStatus qcArray_GrowZeroed(qcArray* array, size_t count, size_t elementSize, const char* purpose);
 /// Adds copies of the other's elements, which are of the same size. qc_statusOutOfMemory leaves it as it was.
 qcStatus qcArray_Append(qcArray* array, const qcArray* other, size_t elementSize, const char* purpose);
+/// Gives back the room that is not used. qc_statusOutOfMemory leaves it as it was.
+qcStatus qcArray_Trim(qcArray* array, size_t elementSize, const char* purpose);
 void qcArray_Free(qcArray* array);
 /// The status of a worker thread whose array could not grow, said again on this thread: messages are each thread's own.
 qcStatus qcArray_FailAgain(const qcArray* array, const char* purpose);

@@ -123,11 +123,11 @@ typedef struct qcSurfaceKernels
     void (*fitGroups)(const qcBoxRow* children, size_t first, size_t end, qcBoxGroup* groups, qcBoxRow* rows);
     /// Bit i + 8 j: box i of a and box j of b overlap.
     uint64_t (*compare)(const qcBoxGroup* a, const qcBoxGroup* b);
-    /// Adds the pairs of triangles of two nodes whose boxes overlap, and whose bit is set in `words` (as in a table of
+    /// Adds the pairs of triangles of two nodes whose boxes overlap, and whose bit is set in `table` (packed, as in
     /// qcClusters; null: all are), and that none of the `skipCount` skips has. Returns the new end of `pairs`, which
     /// has room for qc_nodeSize^2.
     qcPlacePair* (*collect)(const qcSurfaceBoxes* a, uint32_t nodeA, const qcSurfaceBoxes* b, uint32_t nodeB,
-                            const uint64_t* words, const qcPlaceSkip* skips, int skipCount, qcPlacePair* pairs);
+                            const uint64_t* table, const qcPlaceSkip* skips, int skipCount, qcPlacePair* pairs);
     /// True: no two features (vertices, edges, triangles) of the disc that have no vertex in common come within the
     /// reach of each other; with none, no two triangles that share no vertex have a common point.
     bool (*isFlat)(const qcFlatDisc* disc);

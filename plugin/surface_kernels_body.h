@@ -101,16 +101,18 @@ QC_INLINE uint64_t Leave(uint64_t word, const qcPlaceSkip* skip, uint32_t i, uin
 }
 
 static qcPlacePair* Collect(const qcSurfaceBoxes* a, uint32_t nodeA, const qcSurfaceBoxes* b, uint32_t nodeB,
-                            const uint64_t* words, const qcPlaceSkip* skips, int skipCount, qcPlacePair* pairs)
+                            const uint64_t* table, const qcPlaceSkip* skips, int skipCount, qcPlacePair* pairs)
 {
-    uint64_t clusters = CompareGroups(&a->nodes[nodeA], &b->nodes[nodeB]);
+    static const uint64_t all[] = {0, 0, 0};
+    table = table != NULL ? table : all;
+    uint64_t clusters = CompareGroups(&a->nodes[nodeA], &b->nodes[nodeB]) & ~table[1];
     for (; clusters != 0; clusters &= clusters - 1)
     {
         uint32_t bit = (uint32_t)__builtin_ctzll(clusters);
-        uint64_t word = words != NULL ? words[bit] : UINT64_MAX;
+        uint64_t word = qcClusters_Word(table, bit);
         for (int i = 0; i < skipCount; i++)
             word = Leave(word, &skips[i], bit % qc_groupSize, bit / qc_groupSize);
-        if (word == 0)
+        if (skipCount != 0 && word == 0)
             continue;
         size_t clusterA = (size_t)nodeA * qc_groupSize + bit % qc_groupSize;
         size_t clusterB = (size_t)nodeB * qc_groupSize + bit / qc_groupSize;

@@ -106,21 +106,21 @@ static void CompareNodes(Queue* queue, uint32_t a, uint32_t b)
     qcSurfaceBoxes sideB = BoxesOf(job->b);
     qcPlaceSkip skips[qc_mostSkips];
     int skipCount = 0;
-    const uint64_t* words = NULL;
+    const uint64_t* table = NULL;
     if (job->neighbours)
-        words = a == b ? qcClusters_OrderTable() : NULL;
+        table = a == b ? qcClusters_OrderTable() : NULL;
     else
     {
         uint32_t link = qcClusters_FindLink(&job->a->clusters, a, b);
         if (link != QC_NO_LINK)
-            words = qcClusters_Table(&job->a->clusters, link);
+            table = qcClusters_Table(&job->a->clusters, link);
         if (link != QC_NO_LINK && job->flatDiscs)
             skipCount = qcSurface_FindSkips(job->a, a, link, skips);
         for (int i = 0; i < skipCount; i++)
             if ((skips[i].a & skips[i].b) == UINT64_MAX)
                 return;
     }
-    queue->end = job->kernels->collect(&sideA, a, &sideB, b, words, skips, skipCount, queue->end);
+    queue->end = job->kernels->collect(&sideA, a, &sideB, b, table, skips, skipCount, queue->end);
 }
 
 /// The groups of the level below that meet: bit i + 8 j.

@@ -283,15 +283,18 @@ START_TEST(pairs_of_nodes_are_those_whose_boxes_overlap_whose_bit_is_set_and_tha
         MakeNodes(&random, 1 + round % 9, &b);
         uint64_t words[qc_nodeSize];
         for (int i = 0; i < qc_nodeSize; i++)
-            words[i] = i % 3 == 0 ? 0 : qcRandom_Next(&random);
+            words[i] = i % 3 == 0 ? 0 : i % 5 == 0 ? UINT64_MAX : qcRandom_Next(&random);
+        uint64_t table[qc_mostTableSize + 1];
+        table[qcClusters_PackTable(words, table)] = qcRandom_Next(&random);
         qcPlaceSkip skips[qc_mostSkips];
         for (int i = 0; i < qc_mostSkips; i++)
             skips[i] = (qcPlaceSkip){qcRandom_Next(&random) & qcRandom_Next(&random), qcRandom_Next(&random)};
         Choice choice = {round % 2 == 0 ? words : NULL, skips, round % 3 == 0 ? round / 3 % (qc_mostSkips + 1) : 0};
         uint32_t nodeA = qcRandom_Below(&random, qc_nodesInTest), nodeB = qcRandom_Below(&random, qc_nodesInTest);
         qcSurfaceBoxes sideA = {a.clusters, a.nodes}, sideB = {b.clusters, b.nodes};
-        size_t count =
-            (size_t)(k->collect(&sideA, nodeA, &sideB, nodeB, choice.words, skips, choice.skipCount, found) - found);
+        size_t count = (size_t)(k->collect(&sideA, nodeA, &sideB, nodeB, choice.words != NULL ? table : NULL, skips,
+                                           choice.skipCount, found) -
+                                found);
         size_t expectedCount = CollectOneByOne(&a, nodeA, &b, nodeB, &choice, expected);
         CheckSamePairs(found, count, expected, expectedCount, k->name);
         pairs += count;

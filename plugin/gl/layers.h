@@ -23,7 +23,7 @@ typedef enum qcLayersBuffer
     qc_layersNodes,
     /// 8 bytes: a node's place that is not below, a table's place.
     qc_layersLinks,
-    /// 8 bytes, 64 of them a table: qcClusters::tables.
+    /// 8 bytes: words of packed tables, qcClusters::tables.
     qc_layersTables,
     /// qc_layersBodyTexels of them a body: see qcLayersBody.
     qc_layersBodies,

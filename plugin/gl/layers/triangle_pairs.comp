@@ -2,6 +2,18 @@
 layout(std430, binding = 1) buffer TrianglePairs { uint outTrianglePairs[]; }; // cluster pair << 6 | triangle + 8 * triangle
 uniform uint clusterPairCapacity, trianglePairCapacity, testNeighbours;
 
+/// As qcClusters_Word, and none for words without bits.
+uvec2 wordOf(uint table, uint bit)
+{
+    uvec2 some = texelFetch(tables, int(table)).xy, empty = texelFetch(tables, int(table + 1u)).xy;
+    uint flagBit = 1u << (bit & 31u);
+    uvec2 flag = bit < 32u ? uvec2(flagBit, 0u) : uvec2(0u, flagBit);
+    uvec2 below = bit < 32u ? uvec2(flagBit - 1u, 0u) : uvec2(none, flagBit - 1u);
+    ivec2 ranks = bitCount(some & below);
+    uvec2 word = texelFetch(tables, int(table) + 2 + ranks.x + ranks.y).xy;
+    return (some & flag) != uvec2(0u) ? word : (empty & flag) != uvec2(0u) ? uvec2(0u) : uvec2(none);
+}
+
 void main()
 {
     uint i = ITEM;
@@ -13,7 +25,7 @@ void main()
     uint table = texelFetch(nodePairTables, int(word >> 6)).x;
     uint a = pair.x * 8u + (bit & 7u), b = pair.y * 8u + (bit >> 3);
     bool hasTable = table != none && testNeighbours == 0u;
-    uvec2 mask = texelFetch(tables, int(hasTable ? table * 64u + bit : 0u)).xy;
+    uvec2 mask = wordOf(hasTable ? table : 0u, bit);
     mask = hasTable ? mask : a == b ? uvec2(0x07030100u, 0x7f3f1f0fu) : uvec2(none);
     EIGHT_AGAINST_EIGHT(boxes, int(a * 8u), int(b * 8u), mask)
     WRITE_BITS(outTrianglePairs, trianglePairCapacity, trianglePairCounter, i, mask)
