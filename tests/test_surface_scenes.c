@@ -45,14 +45,20 @@ static uint64_t Ask(qcScene* scene, qcDetectDef def, qcMethod method, uint32_t t
     return HashOf(result);
 }
 
-START_TEST(a_large_body_has_the_same_pairs_by_strips_and_then_by_surfaces)
+static qcScene* MakeDeforming(const qcSoup* soup, qcBodyId* id)
 {
     qcScene* scene = qcMakeScene(NULL);
+    qcBodyDef def = qcBodyDefOf(soup);
+    def.deforming = true;
+    CHECK_OK(qcScene_AddBody(scene, &def, id));
+    return scene;
+}
+
+START_TEST(a_large_body_has_the_same_pairs_by_strips_and_then_by_surfaces)
+{
     qcSoup soup = qcSoup_MakeFoldedCloth(1, qc_largeSide, 0.01, 0.01);
-    qcBodyDef bodyDef = qcBodyDefOf(&soup);
-    bodyDef.deforming = true;
     qcBodyId id;
-    CHECK_OK(qcScene_AddBody(scene, &bodyDef, &id));
+    qcScene* scene = MakeDeforming(&soup, &id);
     uint64_t candidates = 0;
     for (int step = 0; step < 5; step++)
     {
@@ -110,12 +116,9 @@ END_TEST
 
 START_TEST(asked_for_contacts_a_large_new_body_has_its_surface_at_once)
 {
-    qcScene* scene = qcMakeScene(NULL);
     qcSoup soup = qcSoup_MakeFoldedCloth(1, qc_largeSide, 0.01, 0.01);
-    qcBodyDef bodyDef = qcBodyDefOf(&soup);
-    bodyDef.deforming = true;
     qcBodyId id;
-    CHECK_OK(qcScene_AddBody(scene, &bodyDef, &id));
+    qcScene* scene = MakeDeforming(&soup, &id);
     qcDetectDef def = qcDefaultDetectDef();
     def.contactMargin = 0.004;
     qcProfile profile;
