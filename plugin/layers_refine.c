@@ -151,9 +151,10 @@ qcStatus qcLayersRefine_Run(qcLayersRefine* refine, const qcLayersRefineJob* job
     QC_TRY(qcPairSinks_Begin(&refine->sinks, job->threads));
     QC_TRY(
         qcArray_Resize(&refine->queues, (size_t)job->threads * qc_queueRoom, sizeof(qcPlacePair), "pairs of places"));
-    Refining r = {.job = job,
-                  .memory = refine,
-                  .bound = {.pointError = job->pointError, .reach = job->reach, .margin = job->margin}};
+    Refining r = {
+        .job = job,
+        .memory = refine,
+        .bound = {.pointError = job->pointError, .reach = job->reach, .margin = job->margin, .beyond = job->margin}};
     r.sides[0] = r.sides[1] = (qcFilterSide){job->bodies->corners.data, job->image->vertices};
     size_t blocks = ((size_t)job->image->entryCount + qc_entryBlock - 1) / qc_entryBlock;
     qcParallel_For(job->threads, blocks, qc_leastBlocks, TakeBlock, &r);

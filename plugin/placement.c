@@ -57,6 +57,21 @@ static double Size(const qcPlacement* p, int axis)
     return size;
 }
 
+/// How many times longer a vector is at most: the 2-norm squared is that of the product with the transpose.
+static double FindNorm(const double m[9])
+{
+    double largest = 0.0;
+    for (int i = 0; i < 3; i++)
+    {
+        const double* row = m + 3 * i;
+        double sum = 0.0;
+        for (int k = 0; k < 3; k++)
+            sum += fabs(row[0] * m[3 * k] + row[1] * m[3 * k + 1] + row[2] * m[3 * k + 2]);
+        largest = fmax(largest, sum);
+    }
+    return sqrt(largest) * (1.0 + 1e-8);
+}
+
 qcRelativePlacement qcRelativePlacement_Find(const qcPlacement* a, const qcPlacement* b)
 {
     qcRelativePlacement r = {.stretch = 0.0};
@@ -75,12 +90,8 @@ qcRelativePlacement qcRelativePlacement_Find(const qcPlacement* a, const qcPlace
         }
         // Products may vanish too, each by 2^-1074 and then times the inverse, 2^212 at most.
         r.error[i] = 0x1p-46 * condition * size + 1e-200;
-        // The 2-norm of the inverse squared is that of its product with its transpose.
-        double product = 0.0;
-        for (int k = 0; k < 3; k++)
-            product += fabs(row[0] * inverse[3 * k] + row[1] * inverse[3 * k + 1] + row[2] * inverse[3 * k + 2]);
-        r.stretch = fmax(r.stretch, product);
     }
-    r.stretch = sqrt(r.stretch) * (1.0 + 1e-8);
+    r.stretch = FindNorm(inverse);
+    r.growth = FindNorm(a->transform.linear);
     return r;
 }

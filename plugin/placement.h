@@ -26,6 +26,7 @@ typedef struct qcRelativePlacement
     /// Vectors of the world, up to 1 in each coordinate, are up to so much in each of a's.
     double reach[3];
     double stretch; ///< a vector of the world is at most so many times as long in coordinates of `a`
+    double growth;  ///< and one in coordinates of `a` so many times in the world
 } qcRelativePlacement;
 
 /// `a` is invertible.

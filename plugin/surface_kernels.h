@@ -74,7 +74,8 @@ typedef struct qcFilterBound
 {
     float pointError; ///< of a coordinate, of either side, once there
     float reach;      ///< how far apart triangles count
-    float margin;     ///< rounded down: what is no further apart is near. Below 0: not told
+    float margin;     ///< what is no further apart is near. Below 0: neither this nor the next is told
+    float beyond;     ///< what is further apart is not near
     bool mapped;      ///< otherwise both sides have one frame
     float linear[3][3], shift[3];
 } qcFilterBound;

@@ -131,7 +131,7 @@ QC_INLINE Apart Measure(const Lanes* l, const qcFilterBound* bound)
     Ints disjoint = (gap > zero) & (MostFloats(above, below) > 1e-20f);
     Floats most = bound->margin * up * 0.9999f - 2.0f * (rounding + 8e-6f);
     return (Apart){disjoint & (most > zero) & (length2 < most * most),
-                   disjoint & (zero + bound->margin >= zero) & IsGapAbove(gap, bound->margin * up * 1.0002f, length2),
+                   disjoint & (zero + bound->margin >= zero) & IsGapAbove(gap, bound->beyond * up * 1.0002f, length2),
                    disjoint & IsGapAbove(gap, bound->reach * up * 1.0001f, length2)};
 }
 

@@ -171,6 +171,15 @@ static float FindGrowth(double sizes, double error)
     return grow < 0x1p80 ? nextafterf((float)grow, INFINITY) : INFINITY;
 }
 
+/// What is no further apart in a's frame is near in the world, where vectors of the frame are at most `growth` times as
+/// long; and what is further is not, as vectors of the world are at most `stretch` times as long in the frame.
+static void SetMargin(Search* s, double growth, double stretch)
+{
+    double margin = s->job->nearest * s->job->a->map.unit[0];
+    s->bound.margin = nextafterf((float)(margin / growth), 0.0f);
+    s->bound.beyond = nextafterf((float)(margin * stretch), INFINITY);
+}
+
 /// From b's lattice and frame to a's: back to b's coordinates, from there to a's, and on. Coordinates of points, in
 /// units of b's frame, are 1 at most.
 static void FindMaps(Search* s)
@@ -215,6 +224,8 @@ static void FindMaps(Search* s)
         s->filters = s->filters && error < 1e6;
     }
     s->bound.reach = qcSurface_Reach(a, s->job->margin * r.stretch);
+    if (a->isLocal)
+        SetMargin(s, r.growth, r.stretch);
     s->bound.mapped = true;
     s->mapped.boxes = BoxesOf(b);
     s->mapped.triangles = s->sides[1];
@@ -229,7 +240,7 @@ static void Prepare(Search* s, const qcSurfacePairsJob* job)
         s->sides[i] = (qcFilterSide){sides[i]->corners.data, sides[i]->points.data};
     s->bound.pointError = job->a->pointError;
     // Where bodies are in the world, lengths are as they are there.
-    s->bound.margin = job->a->isLocal ? -1.0f : nextafterf((float)(job->nearest * job->a->map.unit[0]), 0.0f);
+    SetMargin(s, 1.0, 1.0);
     if (s->same)
         s->bound.reach = qcSurface_Reach(job->a, job->margin);
     else

@@ -227,7 +227,31 @@ START_TEST(points_that_meet_in_the_world_meet_in_coordinates_of_either)
 }
 END_TEST
 
-START_TEST(reach_and_stretch_are_those_of_the_inverse)
+/// The longest image of a vector of length 1, by iteration.
+static long double FindLongestImage(const long double m[9])
+{
+    long double v[3] = {0.57L, 0.61L, 0.55L}, longest = 0.0L;
+    for (int step = 0; step < 30; step++)
+    {
+        long double w[3] = {0}, u[3] = {0}, length = hypotl(v[0], hypotl(v[1], v[2]));
+        for (int k = 0; k < 9; k++)
+            w[k / 3] += m[k] * v[k % 3] / length;
+        for (int k = 0; k < 9; k++)
+            u[k % 3] += m[k] * w[k / 3];
+        longest = fmaxl(longest, hypotl(w[0], hypotl(w[1], w[2])));
+        memcpy(v, u, sizeof v);
+    }
+    return longest;
+}
+
+static void CheckNorm(const long double m[9], double bound, int i, const char* what)
+{
+    long double longest = FindLongestImage(m);
+    CHECK_THAT((double)longest <= bound, "transform %d: %s: vectors grow %La times, not %a", i, what, longest, bound);
+    CHECK_THAT((double)longest > 0.57 * bound, "transform %d: %s: vectors grow only %La times", i, what, longest);
+}
+
+START_TEST(reach_and_stretch_are_those_of_the_inverse_and_growth_is_that_of_the_transform)
 {
     qcRandom random = {3};
     for (int i = 0; i < 30000; i++)
@@ -235,24 +259,14 @@ START_TEST(reach_and_stretch_are_those_of_the_inverse)
         qcPlacement a = {.transform = qcIdentityTransform()}, b = a;
         qcMakeAnyLinear(&random, -100, 100, a.transform.linear);
         qcMakeAnyLinear(&random, -100, 100, b.transform.linear);
-        long double inverse[9];
+        long double inverse[9], linear[9];
         if (!isfinite(InvertWell(a.transform.linear, inverse)) || !qcTransform_IsInvertible(&a.transform))
             continue;
+        for (int k = 0; k < 9; k++)
+            linear[k] = a.transform.linear[k];
         qcRelativePlacement r = qcRelativePlacement_Find(&a, &b);
-        // The longest image of a vector of length 1, by iteration.
-        long double v[3] = {0.57L, 0.61L, 0.55L}, stretch = 0.0L;
-        for (int step = 0; step < 30; step++)
-        {
-            long double w[3] = {0}, u[3] = {0}, length = hypotl(v[0], hypotl(v[1], v[2]));
-            for (int k = 0; k < 9; k++)
-                w[k / 3] += inverse[k] * v[k % 3] / length;
-            for (int k = 0; k < 9; k++)
-                u[k % 3] += inverse[k] * w[k / 3];
-            stretch = fmaxl(stretch, hypotl(w[0], hypotl(w[1], w[2])));
-            memcpy(v, u, sizeof v);
-        }
-        CHECK_THAT((double)stretch <= r.stretch, "transform %d: vectors grow %La times, not %a", i, stretch, r.stretch);
-        CHECK_THAT((double)stretch > 0.57 * r.stretch, "transform %d: vectors grow only %La times", i, stretch);
+        CheckNorm(inverse, r.stretch, i, "stretch");
+        CheckNorm(linear, r.growth, i, "growth");
         for (int axis = 0; axis < 3; axis++)
         {
             const long double* row = inverse + 3 * axis;
@@ -505,7 +519,8 @@ END_TEST
 
 QC_RUN_TESTS("placement", a_transform_is_invertible_up_to_a_condition_number_of_4096,
              what_has_no_inverse_in_double_is_not_invertible,
-             points_that_meet_in_the_world_meet_in_coordinates_of_either, reach_and_stretch_are_those_of_the_inverse,
+             points_that_meet_in_the_world_meet_in_coordinates_of_either,
+             reach_and_stretch_are_those_of_the_inverse_and_growth_is_that_of_the_transform,
              the_box_of_a_moved_body_holds_its_vertices_as_they_are_rounded, zeros_of_either_sign_are_an_identity,
              a_transform_that_takes_a_vertex_beyond_all_numbers_is_refused,
              a_body_without_triangles_has_an_empty_box_wherever_it_goes,

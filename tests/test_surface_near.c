@@ -58,6 +58,7 @@ static void Ask(Inquiry* q, qcFilterBound bound, const qcOracleDistance* distanc
     double reach = qcRandom_Below(&q->random, 2) == 0 ? margin : 2.0 * margin;
     bool isDisjoint = qcOracleDistance_Compare(distance, 0.0) > 0;
     bound.margin = qcRoundDown(margin * unit);
+    bound.beyond = qcRoundUp(margin * unit);
     bound.reach = qcRoundUp(reach * unit);
     q->asked++;
     q->apart += isDisjoint;
@@ -247,8 +248,10 @@ START_TEST(where_no_margin_is_told_nothing_is_near)
         double a[3][3], b[3][3], n[3];
         qcMakeOverEachOther(&q.random, i % 2 == 0, 0.01, a, b, n);
         qcBatch_Push(&q.batch, a, b);
-        qcFilterBound bound = {
-            .pointError = 0x1p-24f, .reach = i % 3 == 0 ? 0.0f : 0.02f, .margin = i % 2 == 0 ? -1.0f : -1e-4f};
+        qcFilterBound bound = {.pointError = 0x1p-24f,
+                               .reach = i % 3 == 0 ? 0.0f : 0.02f,
+                               .margin = i % 2 == 0 ? -1.0f : -1e-4f,
+                               .beyond = 0.0f};
         FOR_EACH_KERNELS(k)
         ck_assert_int_eq(Judge(k, &q.batch, &bound, &q.random), i % 3 == 0 ? verdict_far : verdict_left);
     }
@@ -265,7 +268,7 @@ START_TEST(what_cannot_be_told_is_left)
         qcBatch_Push(&q.batch, points[0], points[i % 2]);
         const float errors[] = {0.0f, 1e6f, 0x1p-24f, 1e6f};
         float margin = i % 3 == 0 ? 1e30f : 0.5f;
-        qcFilterBound bound = {.pointError = errors[i % 4], .reach = margin, .margin = margin};
+        qcFilterBound bound = {.pointError = errors[i % 4], .reach = margin, .margin = margin, .beyond = margin};
         FOR_EACH_KERNELS(k)
         ck_assert_int_eq(Judge(k, &q.batch, &bound, &q.random), verdict_left);
     }
