@@ -18,7 +18,7 @@ constexpr size_t s_freezeRounds = 16;
 
 void qcSoftBodyContact::Implementation::Begin(const btAlignedObjectArray<btSoftBody*>& bodies)
 {
-    manifolds.Release(bodies);
+    manifolds.Release();
     for (int i = 0; i < bodies.size(); i++)
         takeOver.Register(bodies[i]->getWorldInfo()->m_dispatcher);
 }

@@ -7,7 +7,7 @@
 #include "soft_body_takeover.h"
 
 /// The step of the world calls Begin first, then Start where node positions still are those of the start of the step,
-/// then Resolve where Bullet has moved everything.
+/// then Resolve where Bullet has moved everything, and Tell when all is done.
 struct qcSoftBodyContact::Implementation
 {
     explicit Implementation(qcDevice* device) : scene(device)
@@ -20,6 +20,11 @@ struct qcSoftBodyContact::Implementation
     void Start(const btAlignedObjectArray<btSoftBody*>& bodies, btVector3 btSoftBody::Node::*start);
     /// Moves nodes and meshes apart. False: a query failed, and everything is where Bullet left it.
     bool Resolve(btScalar timeStep);
+    /// Bullet's contact callbacks learn of the step. Last of all: they may remove bodies.
+    void Tell()
+    {
+        manifolds.Tell();
+    }
 
     qcSoftBodyScene scene;
     qcManifolds manifolds;

@@ -64,6 +64,7 @@ void qcDeformableWorld::internalSingleStepSimulation(btScalar timeStep)
     integrateTransforms(timeStep);
     updateActions(timeStep);
     updateActivationState(timeStep);
+    m_implementation->Tell();
 }
 
 void qcDeformableWorld::integrateTransforms(btScalar timeStep)

@@ -48,3 +48,10 @@ void qcSoftBodySolver::solveConstraints(btScalar timeStep)
     if (my.Resolve(timeStep))
         UpdateVelocities(my.scene, my.solved);
 }
+
+void qcSoftBodySolver::updateSoftBodies()
+{
+    // The last call of a step.
+    btDefaultSoftBodySolver::updateSoftBodies();
+    m_implementation->Tell();
+}

@@ -3,11 +3,13 @@ foreach(precision bullet bullet_double)
   if(TARGET qc_${precision})
     qc_test(test_soft_body_${precision} test_soft_body.cpp LIBRARIES quickcullide::${precision} qc_oracle)
     qc_test(test_soft_body_mesh_${precision} test_soft_body_mesh.cpp LIBRARIES quickcullide::${precision} qc_oracle)
+    qc_test(test_soft_body_callbacks_${precision} test_soft_body_callbacks.cpp
+      LIBRARIES quickcullide::${precision} qc_oracle)
     qc_test(test_deformable_${precision} test_deformable.cpp LIBRARIES quickcullide::${precision} qc_oracle)
     qc_test(test_task_scheduler_${precision} test_task_scheduler.cpp LIBRARIES quickcullide::${precision})
   endif()
 endforeach()
 
 # LinearMath/btModifiedGramSchmidt.h instantiates itself; gcc 12 believes that to read what is not set.
-set_source_files_properties(test_deformable.cpp PROPERTIES COMPILE_OPTIONS
+set_source_files_properties(test_deformable.cpp test_soft_body_callbacks.cpp PROPERTIES COMPILE_OPTIONS
   "$<$<CXX_COMPILER_ID:GNU>:-Wno-maybe-uninitialized>")

@@ -59,8 +59,17 @@ struct qcSoftBodyStatistics
 ///
 /// After a step the contacts found in it, as they were before the response, also stand in manifolds of the world's
 /// dispatcher, four points each: body 0 is soft, body 1 another soft one, the same (self-collision), or one with a
-/// qcMeshShape. They are released when the next step begins: until then they may name a body that was removed in
-/// between.
+/// qcMeshShape; of two soft ones body 0 was added first. They are released when the next step begins: until then they
+/// may name a body that was removed in between.
+///
+/// Bullet's contact callbacks learn of them at the end of the step, those of starts and ends once for two bodies (or
+/// one and itself), however many manifolds they have:
+/// - gContactStartedCallback when they come into contact, with one of their manifolds.
+/// - gContactProcessedCallback of each point, in each step; what it changes there has no effect on the response.
+/// - gContactEndedCallback when they are no longer in contact, with a manifold of the two that has no points. Nobody is
+///   told if one of them left the world meanwhile. Two that sleep stay in contact until one wakes.
+/// - gContactDestroyedCallback of each point that was given user data, when its manifold is released.
+/// Those of starts and ends may add and remove bodies, the others must not.
 ///
 /// Bodies that Bullet does not simulate at present (isActive() is false) stay where they are; others are kept off them.
 ///
@@ -107,6 +116,7 @@ class QC_API qcSoftBodySolver : public btDefaultSoftBodySolver, public qcSoftBod
 
     void optimize(btAlignedObjectArray<btSoftBody*>& softBodies, bool forceUpdate = false) override;
     void solveConstraints(btScalar timeStep) override;
+    void updateSoftBodies() override;
     /// Two soft bodies: nothing yet, solveConstraints sees to them if the filters of broadphase and dispatcher agree. A
     /// soft body and a rigid one: as Bullet does it.
     void processCollision(btSoftBody* body, btSoftBody* other) override;
