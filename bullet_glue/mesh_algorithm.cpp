@@ -203,7 +203,7 @@ void qcMeshMeshAlgorithm::FindPoints(const btCollisionObjectWrapper& body0, cons
     if (m_query)
         m_batch->Query(a, b, reach + MarginOf(a.shape) + MarginOf(b.shape), points);
     else
-        m_batch->Find(a, b, timeStep, points);
+        m_batch->Find(a, b, timeStep, &m_check, points);
 }
 
 btScalar qcMeshMeshAlgorithm::MarginOf(const btCollisionShape* shape) const

@@ -57,6 +57,9 @@ class qcMeshMeshAlgorithm : public qcPointsAlgorithm
     void FindPoints(const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1, btScalar reach,
                     btScalar timeStep, std::vector<qcMeshPoint>* points) override;
     btScalar MarginOf(const btCollisionShape* shape) const override;
+
+  private:
+    unsigned m_check = 0; ///< of the batch, when this pair last asked
 };
 
 /// A qcMeshShape and a btStaticPlaneShape, in either order: the mesh's vertices.

@@ -46,8 +46,10 @@ class qcMeshBatch
     qcMeshBatch& operator=(const qcMeshBatch&) = delete;
 
     /// The points of a pair, as far as margins and the motion of a step reach, within the contact breaking threshold:
-    /// from the last query if both were there at these places, else from a new one. Any thread.
-    void Find(const qcPlacedMesh& a, const qcPlacedMesh& b, btScalar timeStep, std::vector<qcMeshPoint>* points);
+    /// from the last query if all pairs of the world were there at these places, else from a new one; so the answer
+    /// does not depend on which pair is asked for first. `check` is the pair's own, 0 at first. Any thread.
+    void Find(const qcPlacedMesh& a, const qcPlacedMesh& b, btScalar timeStep, unsigned* check,
+              std::vector<qcMeshPoint>* points);
     /// The points of a pair no further apart than `reach`, from a query for it alone. Any thread.
     void Query(const qcPlacedMesh& a, const qcPlacedMesh& b, btScalar reach, std::vector<qcMeshPoint>* points);
 
@@ -76,6 +78,13 @@ class qcMeshBatch
         qcBodyId id{};
         std::vector<qcTriangleSource> sources;
     };
+    /// What stays the same while one step's pairs are asked for.
+    struct State
+    {
+        btTransform transform;
+        btVector3 linear, angular;
+        bool active;
+    };
     /// What the batch knows of a collision object. The same address may be another object later: what the broadphase
     /// numbers anew when an object is added tells them apart.
     struct Object
@@ -91,6 +100,9 @@ class qcMeshBatch
         btScalar radius = 0;    ///< of its shape
         btScalar limit = 0;     ///< how far beyond its shells contact points are looked for at most
         btScalar approach = 0;  ///< how far it may come in a step
+        unsigned checked = 0;   ///< the last check that looked at it,
+        bool held = false;      ///< found: the last query holds for it,
+        State state;            ///< and saw it in this state
         std::vector<Mesh> meshes;
     };
 
@@ -106,6 +118,12 @@ class qcMeshBatch
     void ForgetGone();
     qcStatus Detect();
     void Run();
+    static State StateOf(const btCollisionObject* object);
+    bool IsSeen(const btCollisionObject* object, const Object& known) const;
+    bool IsHeld(const btCollisionObject* object, const Object& known);
+    Object* Check(const btCollisionObject* object);
+    bool IsAsChecked(const btCollisionObject* object) const;
+    bool CheckAll();
     const Mesh* Held(const qcPlacedMesh& mesh, bool* moving) const;
     bool Read(const qcPlacedMesh& a, const qcPlacedMesh& b, std::vector<qcMeshPoint>* points) const;
     void Note(qcStatus status);
@@ -117,6 +135,7 @@ class qcMeshBatch
     std::unordered_map<const btCollisionObject*, Object> m_objects;
     std::vector<Mesh> m_collected;
     unsigned m_gathering = 0;
+    unsigned m_check = 0;    ///< number of the last check
     btScalar m_margin = 0;   ///< of the next query
     btScalar m_timeStep = 0; ///< of the dispatch; 0: not known
     qcMeshDrift m_drift;     ///< approaches are as seen by who drifts

@@ -123,8 +123,9 @@ struct qcMeshContactStatistics
 /// and planes, also as children of compounds.
 ///
 /// The first pair of meshes that a step asks for starts one query for all pairs in the world's pair cache; all others
-/// read its result. So it works with any broadphase and any dispatcher. A pair that is asked for elsewhere
-/// (contactTest, contactPairTest, or with a transform of its own) is computed alone.
+/// read its result. So it works with any broadphase and any dispatcher, and which pair comes first, or on which thread,
+/// makes no difference. A pair that is asked for elsewhere (contactTest, contactPairTest, or with a transform of its
+/// own) is computed alone.
 ///
 /// Contact points: those that the bodies' motion in the step may bring into touch, within Bullet's contact breaking
 /// threshold and, for fine meshes, half an edge, beyond both margins. They are grouped by normal, and each group, up to
