@@ -255,6 +255,8 @@ qcMeshBatch::Object* qcMeshBatch::Know(const btCollisionObject* object)
     Object& known = m_objects[object];
     if (known.seen == m_gathering)
         return &known;
+    if (known.owner == 0)
+        known.owner = ++m_owners;
     known.addition = AdditionOf(object);
     known.seen = known.present = m_gathering;
     Refresh(object, &known);
@@ -325,7 +327,8 @@ void qcMeshBatch::Place(const btCollisionObject* object, Object* known)
         qcStatus status = qc_statusOk;
         if (!mesh.inScene)
         {
-            status = qcAddMesh(m_scene, mesh.shape, mesh.transform, activity, nullptr, &mesh.id, &mesh.sources);
+            status = qcAddMesh(m_scene, mesh.shape, mesh.transform, activity, known->owner, nullptr, &mesh.id,
+                               &mesh.sources);
             mesh.inScene = status == qc_statusOk;
             if (!mesh.sources.empty())
                 mesh.edge = EdgeOf(mesh.shape, mesh.sources.size());
@@ -582,9 +585,9 @@ void qcMeshBatch::Query(const qcPlacedMesh& a, const qcPlacedMesh& b, btScalar r
     const qcResult* result = nullptr;
     qcStatus status = qcScene_Create(&def, &scene);
     if (status == qc_statusOk)
-        status = qcAddMesh(scene, a.shape, a.transform, qc_activityMoving, boxA, &idA, &sourcesA);
+        status = qcAddMesh(scene, a.shape, a.transform, qc_activityMoving, 0, boxA, &idA, &sourcesA);
     if (status == qc_statusOk)
-        status = qcAddMesh(scene, b.shape, b.transform, qc_activityMoving, boxB, &idB, &sourcesB);
+        status = qcAddMesh(scene, b.shape, b.transform, qc_activityMoving, 0, boxB, &idB, &sourcesB);
     if (status == qc_statusOk)
         status = qcScene_Detect(scene, &detectDef, &result);
     if (status == qc_statusOk)

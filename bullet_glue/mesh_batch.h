@@ -90,6 +90,7 @@ class qcMeshBatch
     struct Object
     {
         int addition = -1;
+        uint32_t owner = 0;   ///< of its meshes: children of a compound don't meet each other
         unsigned seen = 0;    ///< the last gathering that looked at it
         unsigned present = 0; ///< the last gathering that found it in the world
         bool ours = false;    ///< one of its meshes is contact of this kind with any other
@@ -135,6 +136,7 @@ class qcMeshBatch
     std::unordered_map<const btCollisionObject*, Object> m_objects;
     std::vector<Mesh> m_collected;
     unsigned m_gathering = 0;
+    uint32_t m_owners = 0;   ///< owners given so far
     unsigned m_check = 0;    ///< number of the last check
     btScalar m_margin = 0;   ///< of the next query
     btScalar m_timeStep = 0; ///< of the dispatch; 0: not known

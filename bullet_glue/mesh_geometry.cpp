@@ -63,7 +63,7 @@ uint64_t qcMeshRevision(const btCollisionShape* shape)
 }
 
 qcStatus qcAddMesh(qcScene* scene, const btCollisionShape* shape, const btTransform& transform, qcActivity activity,
-                   const btVector3* box, qcBodyId* id, std::vector<qcTriangleSource>* sources)
+                   uint32_t owner, const btVector3* box, qcBodyId* id, std::vector<qcTriangleSource>* sources)
 {
     qcBodyDef def = qcDefaultBodyDef();
     Reader reader;
@@ -94,6 +94,7 @@ qcStatus qcAddMesh(qcScene* scene, const btCollisionShape* shape, const btTransf
     def.positionStride = sizeof(btVector3);
     def.transform = qcTransformOf(transform);
     def.activity = activity;
+    def.owner = owner;
     def.selfCollision = false;
     return qcScene_AddBody(scene, &def, id);
 }

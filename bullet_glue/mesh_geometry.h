@@ -22,11 +22,11 @@ bool qcIsGImpactMesh(const btCollisionShape* shape);
 /// Differs between two meshes that are not the same, as far as can be told without reading them.
 uint64_t qcMeshRevision(const btCollisionShape* shape);
 
-/// Adds the shape's triangles to a scene. `box` (may be null): those of Bullet's own static shapes that do not meet it,
-/// in the shape's frame, may be left out. `sources` receives what each triangle is; nothing for a qcMeshShape, whose
-/// triangles keep their numbers.
+/// Adds the shape's triangles to a scene. `owner`: of the body, see qcBodyDef. `box` (may be null): those of Bullet's
+/// own static shapes that do not meet it, in the shape's frame, may be left out. `sources` receives what each triangle
+/// is; nothing for a qcMeshShape, whose triangles keep their numbers.
 qcStatus qcAddMesh(qcScene* scene, const btCollisionShape* shape, const btTransform& transform, qcActivity activity,
-                   const btVector3* box, qcBodyId* id, std::vector<qcTriangleSource>* sources);
+                   uint32_t owner, const btVector3* box, qcBodyId* id, std::vector<qcTriangleSource>* sources);
 
 qcTransform qcTransformOf(const btTransform& transform);
 

@@ -138,7 +138,7 @@ qcStatus qcSoftBodyMeshes::Add(qcScene* scene, qcSceneRigid* rigid)
     {
         mesh.placed = rigid->object->getWorldTransform() * mesh.local;
         std::vector<qcTriangleSource> sources;
-        qcStatus status = qcAddMesh(scene, mesh.shape, mesh.placed, rigid->activity, nullptr, &mesh.id, &sources);
+        qcStatus status = qcAddMesh(scene, mesh.shape, mesh.placed, rigid->activity, 0, nullptr, &mesh.id, &sources);
         if (status == qc_statusOk)
             status = qcScene_SetFilter(scene, mesh.id, qcMeshGroup, qcSoftGroup);
         if (status != qc_statusOk)

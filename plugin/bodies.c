@@ -227,6 +227,7 @@ qcStatus qcBodies_Add(qcBodies* bodies, const qcBodyDef* def, qcBodyId* id)
                    .activity = def->activity,
                    .group = def->group,
                    .mask = def->mask,
+                   .owner = def->owner,
                    .margin = def->margin,
                    .transform = def->deforming ? qcIdentityTransform() : def->transform,
                    .vertexCount = def->vertexCount,

@@ -16,7 +16,7 @@ typedef struct qcBody
     bool deforming;
     bool selfCollision;
     qcActivity activity;
-    uint32_t group, mask;
+    uint32_t group, mask, owner;
     double margin; ///< see qcBodyDef
     uint32_t vertexCount, triangleCount;
     double* local; ///< three a vertex, of rigid bodies; null for deforming ones

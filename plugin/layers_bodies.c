@@ -360,7 +360,8 @@ static qcStatus UploadBody(const Prepare* p, uint32_t body)
     *entry = (qcLayersBody){.group = b->group,
                             .mask = b->mask,
                             .flags = (b->activity == qc_activityMoving ? qc_layersIsMoving : 0u) |
-                                     (p->meetsItself[body] ? qc_layersMeetsItself : 0u)};
+                                     (p->meetsItself[body] ? qc_layersMeetsItself : 0u),
+                            .owner = b->owner};
     memcpy(entry->interest, p->interests + 4 * (size_t)body, sizeof entry->interest);
     if (place->frame == 0)
         QC_TRY(UploadTopology(bodies, place, slot, b));

@@ -62,7 +62,8 @@ static void Flush(Queue* queue)
 
 static bool MayMeet(const qcLayersBody* a, const qcLayersBody* b)
 {
-    return ((a->flags | b->flags) & qc_layersIsMoving) != 0 && (a->group & b->mask) != 0 && (b->group & a->mask) != 0;
+    return ((a->flags | b->flags) & qc_layersIsMoving) != 0 && (a->group & b->mask) != 0 && (b->group & a->mask) != 0 &&
+           (a->owner == 0 || a->owner != b->owner);
 }
 
 /// The pairs of two nodes of one body that the rules let meet, as in a table; null: all.

@@ -20,7 +20,7 @@ qcMeeting qcObjects_Meet(const qcTriangles* triangles, uint32_t a, uint32_t b)
     const qcBody *p = qcTriangles_Body(triangles, a), *q = qcTriangles_Body(triangles, b);
     if (p->activity != qc_activityMoving && q->activity != qc_activityMoving)
         return qc_meetingAtRest;
-    if ((p->group & q->mask) == 0 || (q->group & p->mask) == 0)
+    if ((p->group & q->mask) == 0 || (q->group & p->mask) == 0 || (p->owner != 0 && p->owner == q->owner))
         return qc_meetingFiltered;
     if (!qcVisibilitySet_MayCollide(QC_AT(uint8_t, triangles->bodySet, a), QC_AT(uint8_t, triangles->bodySet, b)))
         return qc_meetingSameSet;

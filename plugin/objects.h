@@ -15,7 +15,7 @@ typedef enum qcMeeting
 {
     qc_meetingYes,
     qc_meetingAtRest,   ///< neither moves
-    qc_meetingFiltered, ///< group and mask
+    qc_meetingFiltered, ///< group and mask, or one owner
     qc_meetingSameSet   ///< inside one collision-free set (lemma 2)
 } qcMeeting;
 

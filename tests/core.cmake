@@ -1,6 +1,7 @@
 # The scene, its methods against each other, sets and lemmas, contacts, memory.
 qc_test(test_scene test_scene.c LIBRARIES qc_oracle)
 qc_test(test_methods test_methods.c LIBRARIES qc_oracle)
+qc_test(test_owners test_owners.c LIBRARIES qc_oracle)
 qc_test(test_far_away test_far_away.c LIBRARIES qc_oracle)
 qc_test(test_plan INTERNAL test_plan.c)
 qc_test(test_skips test_skips.c LIBRARIES qc_oracle)
@@ -17,7 +18,7 @@ target_compile_options(test_never_miss PRIVATE -ffp-contract=off)
 qc_test(test_layers test_layers.c LIBRARIES qc_oracle)
 qc_test(test_layers_steps test_layers_steps.c LIBRARIES qc_oracle)
 # Software devices leave pairs of triangles to the processor; the kernels that a GPU finds them with are run here.
-foreach(test test_methods test_contacts test_margin test_never_miss test_layers test_layers_steps)
+foreach(test test_methods test_owners test_contacts test_margin test_never_miss test_layers test_layers_steps)
   add_test(NAME ${test}_on_device COMMAND ${test})
   set_tests_properties(${test}_on_device PROPERTIES ENVIRONMENT QC_LAYERS_REFINE=device)
 endforeach()

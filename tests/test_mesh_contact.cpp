@@ -142,6 +142,30 @@ START_TEST(normals_point_from_the_second_body_to_the_first)
 }
 END_TEST
 
+START_TEST(children_of_a_compound_do_not_meet_each_other)
+{
+    qcMeshWorld world;
+    qcAddFloor(world, qc_floorOurs);
+    btCollisionShape* cube = world.Keep(qcCubeModel().MakeShape());
+    auto* compound = new btCompoundShape;
+    for (int i = 0; i < 3; i++)
+        compound->addChildShape(btTransform(btQuaternion::getIdentity(), btVector3(btScalar(0.4 * i), 0, 0)), cube);
+    world.Keep(std::unique_ptr<btCollisionShape>(compound));
+    btRigidBody* first = world.Add(compound, 1, btVector3(0, btScalar(0.51), 0));
+    btRigidBody* second = world.Add(compound, 1, btVector3(0, btScalar(0.51), 2));
+    world.Step(5);
+    // Each of the six cubes with the floor.
+    ck_assert_int_eq(world.contact.getStatistics().bodies, 7);
+    ck_assert_int_eq(world.contact.getStatistics().manifolds, 6);
+    // Two compounds do.
+    second->setWorldTransform(btTransform(btQuaternion::getIdentity(), btVector3(0, btScalar(1.515), 0)));
+    second->activate();
+    first->activate();
+    world.Step();
+    ck_assert_int_gt(world.contact.getStatistics().manifolds, 3 + 3);
+}
+END_TEST
+
 START_TEST(gimpact_pairs_can_be_taken_over)
 {
     qcMeshWorld world;
@@ -323,7 +347,8 @@ END_TEST
 } // namespace
 
 QC_RUN_TESTS("mesh_contact", contact_tests_see_where_bodies_are_now, normals_point_from_the_second_body_to_the_first,
-             gimpact_pairs_can_be_taken_over, one_query_a_step_sees_all_pairs,
-             a_body_replaced_by_pieces_between_two_steps_costs_one_query, a_shape_may_be_scaled_while_it_rests,
-             margins_may_change_while_bodies_rest, a_soft_body_lies_on_a_mesh_as_on_bullets_static_mesh,
-             the_same_calls_give_the_same_trajectories, methods_that_miss_are_refused)
+             children_of_a_compound_do_not_meet_each_other, gimpact_pairs_can_be_taken_over,
+             one_query_a_step_sees_all_pairs, a_body_replaced_by_pieces_between_two_steps_costs_one_query,
+             a_shape_may_be_scaled_while_it_rests, margins_may_change_while_bodies_rest,
+             a_soft_body_lies_on_a_mesh_as_on_bullets_static_mesh, the_same_calls_give_the_same_trajectories,
+             methods_that_miss_are_refused)

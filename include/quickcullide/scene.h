@@ -99,6 +99,8 @@ typedef struct qcBodyDef
     /// Two bodies meet if (a.group & b.mask) and (b.group & a.mask) are both other than 0.
     uint32_t group;
     uint32_t mask;
+    /// Bodies of one owner never meet each other: parts of one rigid thing, say. A body meets itself as ever. 0: none.
+    uint32_t owner;
     /// Report triangles of this body that meet each other.
     bool selfCollision;
     /// What this body has use for of a step's margin (qcDetectDef): of two bodies, or of one with itself, pairs count
@@ -120,6 +122,7 @@ static inline qcBodyDef qcDefaultBodyDef(void)
                      qc_activityMoving,
                      1u,
                      0xffffffffu,
+                     0u,
                      true,
                      (double)INFINITY};
     return def;
@@ -398,7 +401,7 @@ typedef struct qcProfile
 
     //  Skips.
     uint64_t skippedStaticPairs;   ///< overlapping pairs of bodies at rest
-    uint64_t skippedFilteredPairs; ///< overlapping pairs whose groups don't meet
+    uint64_t skippedFilteredPairs; ///< overlapping pairs whose groups don't meet, or of one owner
     uint64_t skippedSetPairs;      ///< overlapping pairs inside one collision-free set (lemma 2)
     uint32_t skippedBodies;        ///< bodies that overlap nothing and are not tested with themselves
     uint32_t skippedTriangles;     ///< triangles outside the overlaps of their body's box with others

@@ -44,7 +44,7 @@ enum
 
 typedef struct qcLayersBody
 {
-    uint32_t group, mask, flags, unused;
+    uint32_t group, mask, flags, owner;
     uint32_t interest[4]; ///< a box of levels, see qcLayers_PackBox: what lies outside is left out
     float transform[3][4];
 } qcLayersBody;

@@ -6,7 +6,8 @@ uniform uint nodePairCapacity, clusterPairCapacity;
 bool mayMeet(uint a, uint b)
 {
     uvec4 p = texelFetch(bodies, int(a) * BODY_TEXELS), q = texelFetch(bodies, int(b) * BODY_TEXELS);
-    return a == b || (((p.z | q.z) & isMoving) != 0u && (p.x & q.y) != 0u && (q.x & p.y) != 0u);
+    return a == b || (((p.z | q.z) & isMoving) != 0u && (p.x & q.y) != 0u && (q.x & p.y) != 0u &&
+                      (p.w == 0u || p.w != q.w));
 }
 
 void main()
