@@ -27,6 +27,9 @@ static const double s_straight = 1e-5;
 static const double s_onePlane = 1.0 - 1e-7;
 // Normals that differ by less see the same ways: 2.5 degrees.
 static const double s_oneSight = 0.999;
+// Ends that differ by less than this share of what is merged are one place: what one feature is off by, found from two
+// triangles of corners in single precision.
+static const double s_onePlace = 1e-3;
 
 /// The directions from a point into the common part of one pair, as angles around the normal.
 typedef struct Cone
@@ -105,14 +108,22 @@ static bool LeadThrough(const Cone* a, const Cone* b)
     return a->half > s_straight || b->half > s_straight || fabs(a->slope + b->slope) <= s_straight;
 }
 
-static bool IsBetween(const qcManifolds* m, uint32_t keeper)
+static bool AreAtOnePlace(const qcRawPoint* p, const qcRawPoint* q, double tolerance)
+{
+    qcVector d = qcMinus(p->end[0], q->end[0]), e = qcMinus(p->end[1], q->end[1]);
+    double limit = s_onePlace * tolerance;
+    return fmax(qcDot(d, d), qcDot(e, e)) <= limit * limit;
+}
+
+static bool IsBetween(const qcManifolds* m, uint32_t keeper, double tolerance)
 {
     Cone cones[qc_maxCones];
     int count = 0;
-    Basis basis = BasisOf(qcManifolds_Pair(m, QC_AT(qcRawPoint, m->raw, keeper).pair)->normal);
+    const qcRawPoint* point = &QC_AT(qcRawPoint, m->raw, keeper);
+    Basis basis = BasisOf(qcManifolds_Pair(m, point->pair)->normal);
     for (uint32_t raw = keeper; raw != UINT32_MAX && count < qc_maxCones; raw = QC_AT(uint32_t, m->members, raw))
     {
-        if (!ConeOf(m, &basis, raw, &cones[count]))
+        if (!AreAtOnePlace(point, &QC_AT(qcRawPoint, m->raw, raw), tolerance) || !ConeOf(m, &basis, raw, &cones[count]))
             continue;
         for (int i = 0; i <= count; i++)
             if (LeadThrough(&cones[i], &cones[count]))
@@ -128,7 +139,8 @@ void qcManifolds_DropBetween(qcManifolds* m)
     for (size_t first = 0, end; first < m->order.count; first = end)
     {
         uint64_t region = items[first].key >> 32;
-        bool rigid = QC_AT(qcContactRegion, m->numbered, region).rigid;
+        const qcContactRegion* contact = &QC_AT(qcContactRegion, m->numbered, region);
+        bool rigid = contact->rigid;
         size_t stay = 0;
         for (end = first; end < m->order.count && items[end].key >> 32 == region; end++)
         {
@@ -136,7 +148,7 @@ void qcManifolds_DropBetween(qcManifolds* m)
             if (!rigid || QC_AT(uint32_t, m->keepers, raw) != raw)
                 continue;
             // What was merged into it goes with it: nobody asks for a keeper's keeper.
-            if (IsBetween(m, raw))
+            if (IsBetween(m, raw, contact->tolerance))
                 QC_AT(uint32_t, m->keepers, raw) = UINT32_MAX;
             else
                 stay++;

@@ -281,6 +281,59 @@ START_TEST(a_cut_is_held_along_its_normal_as_far_as_the_margin_reaches)
 }
 END_TEST
 
+//  ---- a box that stands on a corner ---------------------------------------------------------------
+
+static void TurnAbout(int axis, double angle, double p[3])
+{
+    double c = cos(angle), s = sin(angle), *x = &p[(axis + 1) % 3], *y = &p[(axis + 2) % 3];
+    double turned = c * *x - s * *y;
+    *y = s * *x + c * *y;
+    *x = turned;
+}
+
+/// A box, tilted, with its lowest corner `depth` below the floor, which is cut into tiles somewhere.
+static void SinkACorner(qcRandom* random, double depth, qcSoup* box, qcSoup* floor)
+{
+    *box = qcMakeBox(1 + qcRandom_Below(random, 2));
+    double x = qcRandom_Uniform(random, -3.0, -2.0), y = qcRandom_Uniform(random, -3.0, -2.0);
+    *floor = qcMakeFloor(1 + qcRandom_Below(random, 8), x, y, 6.0);
+    double angles[3] = {qcRandom_Uniform(random, -0.6, 0.6), qcRandom_Uniform(random, -0.6, 0.6),
+                        qcRandom_Uniform(random, 0.0, 6.0)};
+    double lowest = INFINITY;
+    for (uint32_t v = 0; v < box->vertexCount; v++)
+    {
+        for (int axis = 0; axis < 3; axis++)
+            TurnAbout(axis, angles[axis], box->positions + 3 * (size_t)v);
+        lowest = fmin(lowest, box->positions[3 * (size_t)v + 2]);
+    }
+    qcSoup_Translate(box, 0.0, 0.0, -lowest - depth);
+}
+
+START_TEST(a_box_sunk_by_a_corner_is_as_deep_as_the_corner_at_any_margin)
+{
+    // Beyond the first, edges of the box that pass over a tile's edge count too, beside the corner and high above it.
+    static const double margins[] = {0.01, 0.02, 0.05, 0.1};
+    for (uint64_t seed = 0; seed < 600; seed++)
+    {
+        qcRandom random = {seed};
+        double depth = qcRandom_Uniform(&random, 0.001, 0.01);
+        qcSoup box, floor;
+        SinkACorner(&random, depth, &box, &floor);
+        for (size_t m = 0; m < sizeof margins / sizeof margins[0]; m++)
+        {
+            qcManifoldScene scene = qcFindManifolds(&box, &floor, qc_bodyRigid, margins[m], 1);
+            const qcResult* result = scene.result;
+            double deepest = result->manifoldCount == 0 ? 0.0 : DeepestOf(result, &result->manifolds[0]);
+            if (!(fabs(deepest - depth) <= 1e-9))
+                ck_abort_msg("seed %d, margin %g: %g deep, not %g", (int)seed, margins[m], deepest, depth);
+            qcManifoldScene_Free(&scene);
+        }
+        qcSoup_Free(&box);
+        qcSoup_Free(&floor);
+    }
+}
+END_TEST
+
 int main(void)
 {
     Suite* suite = suite_create("manifold depth");
@@ -292,6 +345,7 @@ int main(void)
     tcase_add_loop_test(cells, cells_moved_away_from_each_other_are_not_in_each_other, 0, qc_splits);
     tcase_add_loop_test(cells, a_cut_is_held_at_its_corners_along_its_normal, 0, qc_splits);
     tcase_add_loop_test(cells, a_cut_is_held_along_its_normal_as_far_as_the_margin_reaches, 0, qc_splits);
+    tcase_add_test(cells, a_box_sunk_by_a_corner_is_as_deep_as_the_corner_at_any_margin);
     suite_add_tcase(suite, cells);
     return qcRunSuite(suite);
 }
