@@ -43,10 +43,13 @@ btScalar Reaches(const qcPointGroup& group, const btVector3& normal, const btVec
     return outside;
 }
 
-bool IsNear(const qcPointGroup& group, const btVector3& point, btScalar apart)
+/// At either end: Bullet tells points of a manifold apart by that on its first body, which a depth moves along the
+/// normal, and would put this point in the other's place.
+bool IsNear(const qcPointGroup& group, const qcMeshPoint& point, btScalar apart)
 {
     for (int i = 0; i < group.count; i++)
-        if ((group.points[i]->onB - point).length2() < apart * apart)
+        if ((group.points[i]->onA - point.onA).length2() < apart * apart ||
+            (group.points[i]->onB - point.onB).length2() < apart * apart)
             return true;
     return false;
 }
@@ -68,7 +71,7 @@ void Choose(const Members& members, btScalar reach, btScalar apart, qcPointGroup
             btScalar open = std::min(std::max(point->distance, btScalar(0)) - std::max(deepest, btScalar(0)), span);
             btScalar weight = (1 - open / span) * (1 - open / span);
             btScalar gain = weight * Reaches(*group, members.normal, point->onB);
-            if (gain > most && !IsNear(*group, point->onB, apart))
+            if (gain > most && !IsNear(*group, *point, apart))
             {
                 most = gain;
                 best = point;

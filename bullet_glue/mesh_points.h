@@ -14,7 +14,7 @@ struct qcPointGroup
 /// Fills at most `most` groups and returns how many. Rigid bodies feel no difference between points with the same
 /// normal and the corners of their hull, so each group has up to four that span it. `points` are reordered. Distances
 /// count from the shells; points further apart than `reach` are left out, and none of a group is nearer than
-/// `apart` to another one.
+/// `apart` to another one, at either end.
 int qcGroupPoints(std::vector<qcMeshPoint>* points, btScalar reach, btScalar apart, int most, qcPointGroup* groups);
 
 #endif

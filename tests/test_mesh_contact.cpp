@@ -4,6 +4,7 @@
 #include <BulletSoftBody/btSoftRigidDynamicsWorld.h>
 
 #include "mesh_world.h"
+#include "soups.h"
 
 namespace
 {
@@ -163,6 +164,46 @@ START_TEST(children_of_a_compound_do_not_meet_each_other)
     first->activate();
     world.Step();
     ck_assert_int_gt(world.contact.getStatistics().manifolds, 3 + 3);
+}
+END_TEST
+
+/// A cube on a corner, `depth` below height 0, somewhere over tiles.
+btTransform CornerPlace(const qcModel& cube, qcRandom* random, btScalar depth)
+{
+    btScalar any[5];
+    for (btScalar& x : any)
+        x = btScalar(qcRandom_Uniform(random, -1, 1));
+    btTransform place(btQuaternion(any[0], any[1], any[2]), btVector3(any[3], 0, any[4]));
+    btScalar lowest = 0;
+    for (uint32_t i = 0; i < 3 * cube.TriangleCount(); i++)
+        lowest = std::min(lowest, (place * cube.Corner(i / 3, i % 3)).y());
+    place.getOrigin().setY(-lowest - depth);
+    return place;
+}
+
+START_TEST(the_deepest_point_has_a_place_whatever_lies_beside_it)
+{
+    // Bullet would put points that are near each other on its first body into each other's places.
+    const btScalar margin = btScalar(0.001);
+    qcModel cube = qcCubeModel(1), floor = qcFloorModel(4, 40);
+    for (uint64_t seed = 0; seed < 200; seed++)
+    {
+        qcRandom random = {seed};
+        qcMeshWorld world;
+        btCollisionShape *cubeShape = world.Keep(cube.MakeShape(margin)),
+                         *floorShape = world.Keep(floor.MakeShape(margin));
+        btScalar depth = btScalar(qcRandom_Uniform(&random, 0.002, 0.015));
+        btTransform place = CornerPlace(cube, &random, depth);
+        for (int i = 0; i < 2; i++)
+            if ((i == 0) == (seed % 2 == 0))
+                world.Add(floorShape, 0, btVector3(0, 0, 0));
+            else
+                world.Add(cubeShape, 1, place);
+        world.world.performDiscreteCollisionDetection();
+        double deepest = qcContactsOf(world.dispatcher).deepest, expected = -double(depth + 2 * margin);
+        if (!(std::abs(deepest - expected) <= 1e-5))
+            ck_abort_msg("seed %d: %g deep, not %g", int(seed), -deepest, -expected);
+    }
 }
 END_TEST
 
@@ -347,8 +388,8 @@ END_TEST
 } // namespace
 
 QC_RUN_TESTS("mesh_contact", contact_tests_see_where_bodies_are_now, normals_point_from_the_second_body_to_the_first,
-             children_of_a_compound_do_not_meet_each_other, gimpact_pairs_can_be_taken_over,
-             one_query_a_step_sees_all_pairs, a_body_replaced_by_pieces_between_two_steps_costs_one_query,
-             a_shape_may_be_scaled_while_it_rests, margins_may_change_while_bodies_rest,
-             a_soft_body_lies_on_a_mesh_as_on_bullets_static_mesh, the_same_calls_give_the_same_trajectories,
-             methods_that_miss_are_refused)
+             children_of_a_compound_do_not_meet_each_other, the_deepest_point_has_a_place_whatever_lies_beside_it,
+             gimpact_pairs_can_be_taken_over, one_query_a_step_sees_all_pairs,
+             a_body_replaced_by_pieces_between_two_steps_costs_one_query, a_shape_may_be_scaled_while_it_rests,
+             margins_may_change_while_bodies_rest, a_soft_body_lies_on_a_mesh_as_on_bullets_static_mesh,
+             the_same_calls_give_the_same_trajectories, methods_that_miss_are_refused)
