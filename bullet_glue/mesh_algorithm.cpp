@@ -8,11 +8,15 @@
 #include <BulletCollision/CollisionDispatch/btCollisionObjectWrapper.h>
 #include <BulletCollision/CollisionDispatch/btManifoldResult.h>
 #include <BulletCollision/CollisionShapes/btStaticPlaneShape.h>
+#include <BulletDynamics/Dynamics/btRigidBody.h>
 
 #include <algorithm>
 
 namespace
 {
+// Of a distance, so that Bullet, which computes it anew from two rounded ends, accepts it.
+constexpr btScalar s_accepted = btScalar(1.001);
+
 /// The manifold's point that would hand its impulses on to this one, or -1.
 int Predecessor(const btPersistentManifold& manifold, const qcMeshPoint& point, const btTransform& bodyA)
 {
@@ -66,6 +70,40 @@ void Report(const qcMeshPoint& point, const btCollisionObjectWrapper& body0, btM
     result->setShapeIdentifiersA(first.part, first.index);
     result->setShapeIdentifiersB(second.part, second.index);
     result->addContactPoint(point.normal, point.onB, point.distance);
+}
+
+btVector3 VelocityAt(const btCollisionObject* object, const btVector3& place)
+{
+    const btRigidBody* body = btRigidBody::upcast(object);
+    return body != nullptr && !object->isStaticObject()
+               ? body->getVelocityInLocalPoint(place - body->getWorldTransform().getOrigin())
+               : btVector3(0, 0, 0);
+}
+
+/// Drops points further apart than `reach` unless the motion of this step brings them within: then the solver has to
+/// know of them now, or they are met deep inside. (Bullet's contacts ahead of time, with what a step needs of them.)
+void DropFar(const btCollisionObject* object0, const btCollisionObject* object1, btScalar reach, btScalar timeStep,
+             std::vector<qcMeshPoint>* points)
+{
+    auto isFar = [&](const qcMeshPoint& point)
+    {
+        if (point.distance <= reach)
+            return false;
+        btVector3 closing = VelocityAt(object1, point.onB) - VelocityAt(object0, point.onA);
+        return point.distance > reach + closing.dot(point.normal) * timeStep;
+    };
+    points->erase(std::remove_if(points->begin(), points->end(), isFar), points->end());
+}
+
+/// How far a point of a mesh comes against a direction in a step at most.
+btScalar TravelOf(const btCollisionObjectWrapper& mesh, const btVector3& normal, btScalar timeStep)
+{
+    const btRigidBody* body = btRigidBody::upcast(mesh.getCollisionObject());
+    if (body == nullptr || body->isStaticObject())
+        return 0;
+    btScalar speed = body->getAngularVelocity().length() * body->getCollisionShape()->getAngularMotionDisc() -
+                     body->getLinearVelocity().dot(normal);
+    return std::max(speed * timeStep, btScalar(0));
 }
 
 qcPlacedMesh PlacedMesh(const btCollisionObjectWrapper& body)
@@ -163,8 +201,12 @@ void qcPointsAlgorithm::processCollision(const btCollisionObjectWrapper* body0, 
         return;
     }
     btScalar threshold = BreakingThreshold(m_dispatcher, *body0, *body1);
+    reach = std::min(reach, threshold);
+    // The threshold of a manifold of others is not ours to raise.
+    DropFar(body0->getCollisionObject(), body1->getCollisionObject(), reach, m_shared ? 0 : dispatchInfo.m_timeStep,
+            &points);
     qcPointGroup groups[s_groups];
-    int groupCount = qcGroupPoints(&points, std::min(reach, threshold), threshold, m_shared ? 1 : s_groups, groups);
+    int groupCount = qcGroupPoints(&points, reach, threshold, m_shared ? 1 : s_groups, groups);
     const btTransform& bodyA = body0->getCollisionObject()->getWorldTransform();
     bool used[s_groups] = {};
     for (int g = 0; g < groupCount; g++)
@@ -174,10 +216,15 @@ void qcPointsAlgorithm::processCollision(const btCollisionObjectWrapper* body0, 
         btPersistentManifold* manifold = Manifold(i, *body0, *body1);
         if (manifold == nullptr)
             continue;
+        manifold->setContactBreakingThreshold(threshold);
         RemoveWithoutSuccessor(manifold, groups[g], bodyA);
         result->setPersistentManifold(manifold);
         for (int k = 0; k < groups[g].count; k++)
-            Report(*groups[g].points[k], *body0, result);
+        {
+            const qcMeshPoint& point = *groups[g].points[k];
+            manifold->setContactBreakingThreshold(std::max(threshold, point.distance * s_accepted));
+            Report(point, *body0, result);
+        }
         result->refreshContactPoints();
     }
     Clear(used);
@@ -212,7 +259,7 @@ btScalar qcMeshMeshAlgorithm::MarginOf(const btCollisionShape* shape) const
 }
 
 void qcMeshPlaneAlgorithm::FindPoints(const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1,
-                                      btScalar reach, btScalar, std::vector<qcMeshPoint>* points)
+                                      btScalar reach, btScalar timeStep, std::vector<qcMeshPoint>* points)
 {
     bool swapped = body0.getCollisionShape()->getShapeType() == STATIC_PLANE_PROXYTYPE;
     const btCollisionObjectWrapper &meshBody = swapped ? body1 : body0, &planeBody = swapped ? body0 : body1;
@@ -246,7 +293,7 @@ void qcMeshPlaneAlgorithm::FindPoints(const btCollisionObjectWrapper& body0, con
     collector.transform = meshBody.getWorldTransform();
     collector.normal = planeBody.getWorldTransform().getBasis() * plane->getPlaneNormal();
     collector.offset = plane->getPlaneConstant() + collector.normal.dot(planeBody.getWorldTransform().getOrigin());
-    collector.limit = reach + mesh->getMargin();
+    collector.limit = reach + mesh->getMargin() + TravelOf(meshBody, collector.normal, timeStep);
     collector.swapped = swapped;
     collector.points = points;
     btVector3 localNormal = collector.transform.getBasis().transpose() * collector.normal;

@@ -44,13 +44,16 @@ btScalar Reaches(const qcPointGroup& group, const btVector3& normal, const btVec
 }
 
 /// At either end: Bullet tells points of a manifold apart by that on its first body, which a depth moves along the
-/// normal, and would put this point in the other's place.
+/// normal, and would put this point in the other's place. It does so within the distance that it has to accept.
 bool IsNear(const qcPointGroup& group, const qcMeshPoint& point, btScalar apart)
 {
     for (int i = 0; i < group.count; i++)
-        if ((group.points[i]->onA - point.onA).length2() < apart * apart ||
-            (group.points[i]->onB - point.onB).length2() < apart * apart)
+    {
+        const qcMeshPoint& other = *group.points[i];
+        btScalar near = std::max({apart, point.distance, other.distance});
+        if ((other.onA - point.onA).length2() < near * near || (other.onB - point.onB).length2() < near * near)
             return true;
+    }
     return false;
 }
 
@@ -86,8 +89,6 @@ void Choose(const Members& members, btScalar reach, btScalar apart, qcPointGroup
 
 int qcGroupPoints(std::vector<qcMeshPoint>* points, btScalar reach, btScalar apart, int most, qcPointGroup* groups)
 {
-    auto isFar = [&](const qcMeshPoint& point) { return point.distance > reach; };
-    points->erase(std::remove_if(points->begin(), points->end(), isFar), points->end());
     std::stable_sort(points->begin(), points->end(),
                      [](const qcMeshPoint& a, const qcMeshPoint& b) { return a.distance < b.distance; });
     std::vector<Members> members;
@@ -101,6 +102,10 @@ int qcGroupPoints(std::vector<qcMeshPoint>* points, btScalar reach, btScalar apa
         nearest->points.push_back(&point);
     }
     for (size_t g = 0; g < members.size(); g++)
+    {
         Choose(members[g], reach, apart, &groups[g]);
+        std::sort(groups[g].points, groups[g].points + groups[g].count,
+                  [](const qcMeshPoint* a, const qcMeshPoint* b) { return a->distance < b->distance; });
+    }
     return int(members.size());
 }

@@ -27,6 +27,25 @@ START_TEST(a_mesh_cube_rests_on_any_floor)
 }
 END_TEST
 
+START_TEST(a_fast_cube_is_stopped_on_a_plane_not_in_it)
+{
+    // Up to 8 cm a step, and a threshold of 1.7.
+    for (int i = 0; i < 20; i++)
+    {
+        qcMeshWorld world;
+        qcAddFloor(world, qc_floorPlane);
+        btRigidBody* cube =
+            world.Add(world.Keep(qcCubeModel().MakeShape()), 1, btVector3(0, btScalar(0.6 + 0.013 * i), 0));
+        cube->setLinearVelocity(btVector3(0, -5, 0));
+        for (int step = 0; step < 20; step++)
+        {
+            world.Step();
+            ck_assert_double_gt(double(cube->getWorldTransform().getOrigin().y()), 0.51 - 1e-4);
+        }
+    }
+}
+END_TEST
+
 START_TEST(a_resting_cube_falls_asleep_and_costs_nothing)
 {
     qcMeshWorld world;
@@ -261,6 +280,7 @@ int main()
     tcase_set_timeout(tests, 300); // a bound against hanging, not a claim about speed
     tcase_add_loop_test(tests, a_mesh_cube_rests_on_any_floor, 0, qc_floorCount);
     tcase_add_loop_test(tests, five_meshes_in_a_bin_come_to_rest, 0, 3);
+    tcase_add_test(tests, a_fast_cube_is_stopped_on_a_plane_not_in_it);
     tcase_add_test(tests, a_resting_cube_falls_asleep_and_costs_nothing);
     tcase_add_test(tests, bullets_convex_shapes_rest_on_a_mesh_and_a_mesh_on_them);
     tcase_add_test(tests, a_chain_of_tori_never_comes_apart_and_comes_to_rest);
