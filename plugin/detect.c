@@ -355,7 +355,7 @@ static qcStatus BuildManifolds(Step* step)
         input.proximities = d->narrow.proximities.data;
         input.feet = d->narrow.feet.data;
     }
-    QC_TRY(qcManifolds_Build(&d->manifolds, &d->triangles, &input, step->threads));
+    QC_TRY(qcAllManifolds_Build(&d->manifolds, &d->triangles, &input, step->threads));
     step->profile.manifoldMs = Lap(step);
     return qc_statusOk;
 }
@@ -463,7 +463,7 @@ void qcDetector_Free(qcDetector* detector)
     qcArray_Free(&detector->layersSure);
     qcCandidates_Free(&detector->candidates);
     qcNarrow_Free(&detector->narrow);
-    qcManifolds_Free(&detector->manifolds);
+    qcAllManifolds_Free(&detector->manifolds);
     qcArray_Free(&detector->pcs);
     qcArray_Free(&detector->marks);
 }

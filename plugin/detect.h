@@ -25,7 +25,7 @@ typedef struct qcDetector
     qcArray layersKeys, layersContactKeys, layersSure; ///< the device's candidates, as in qcPairSink
     qcCandidates candidates;
     qcNarrow narrow;
-    qcManifolds manifolds;
+    qcAllManifolds manifolds;
     qcArray pcs, marks;
     qcResult result;
     char fallback[256]; ///< what the profile points at

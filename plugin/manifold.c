@@ -1,170 +1,209 @@
-// From pairs of triangles to contact points, step by step; each step is a file of its own.
+// Contact points of all bodies. What two bodies have to do with each other is independent of all others: their pairs
+// are taken together and looked at as one, small enough for a core's caches, each by whichever thread is free.
+//
+// Where two bodies have so many pairs that a thread would be at them when all others are done, all threads share them.
 #include "manifold.h"
 
 #include "manifold_parts.h"
+#include "parallel.h"
 #include "sort.h"
 #include "status.h"
 
 #include <string.h>
 
-// Points nearer than this share of the triangles' size are one: in a region, the longest edge of a pair's smaller
-// triangle, on average.
-static const double s_tolerance = 1.0 / 64.0;
-
-/// By bodies, then by first pairs. Each pair learns the number of its region.
-static qcStatus NumberRegions(qcManifolds* m)
+enum
 {
-    size_t count = m->regions.count;
-    QC_TRY(qcArray_Resize(&m->order, count, sizeof(qcSortItem), "regions of contact"));
-    for (uint32_t r = 0; r < count; r++)
-    {
-        const qcManifoldPair* pair = qcManifolds_Pair(m, QC_AT(qcPairRegion, m->regions, r).first);
-        QC_AT(qcSortItem, m->order, r) = (qcSortItem){(uint64_t)pair->side[0]->slot << 32 | pair->side[1]->slot, r};
-    }
-    QC_TRY(qcSort_Items(m->order.data, m->order.count, &m->scratch));
-    QC_TRY(qcArray_Resize(&m->numbered, m->order.count, sizeof(qcContactRegion), "regions of contact"));
-    QC_TRY(qcArray_Resize(&m->nodes, count, sizeof(uint32_t), "regions of contact"));
-    for (uint32_t r = 0; r < m->order.count; r++)
-    {
-        uint64_t region = QC_AT(qcSortItem, m->order, r).value;
-        const qcManifoldPair* pair = qcManifolds_Pair(m, QC_AT(qcPairRegion, m->regions, region).first);
-        QC_AT(uint32_t, m->nodes, region) = r;
-        QC_AT(qcContactRegion, m->numbered, r) =
-            (qcContactRegion){.slot = {pair->side[0]->slot, pair->side[1]->slot},
-                              .rigid = !pair->side[0]->body->deforming && !pair->side[1]->body->deforming};
-    }
-    for (uint32_t p = 0; p < m->work.count; p++)
-    {
-        qcManifoldPair* pair = qcManifolds_Pair(m, p);
-        pair->region = QC_AT(uint32_t, m->nodes, pair->region);
-        qcContactRegion* region = &QC_AT(qcContactRegion, m->numbered, pair->region);
-        region->tolerance += s_tolerance * qcManifoldPair_SmallerSize(pair);
-        region->crossing = region->crossing || pair->crossing;
-        region->pairs++;
-    }
-    for (uint32_t r = 0; r < m->numbered.count; r++)
-        QC_AT(qcContactRegion, m->numbered, r).tolerance /= QC_AT(qcContactRegion, m->numbered, r).pairs;
-    return qc_statusOk;
+    // Meetings at once; one takes from 1 to 1 000 microseconds.
+    qc_leastMeetings = 4,
+    // Pairs that are worth the waking of threads at every stage: some milliseconds.
+    qc_leastSharedPairs = 2048
+};
+
+typedef struct Job
+{
+    qcAllManifolds* all;
+    const qcTriangles* triangles;
+    const qcManifoldInput* input;
+    size_t shared; ///< meetings that are done
+} Job;
+
+//  ---- meetings -------------------------------------------------------------------------------------------
+
+static uint64_t BodiesOf(const qcPair* pair)
+{
+    return (uint64_t)pair->bodyA << 32 | pair->bodyB;
 }
 
-static void Store(qcVector v, double out[3])
+/// The end of the pairs from `first` on that have bodies and a triangle of A in common.
+static size_t EndOfRun(const qcManifoldInput* input, size_t first)
 {
-    out[0] = v.x;
-    out[1] = v.y;
-    out[2] = v.z;
+    const qcPair* pair = &input->pairs[first];
+    size_t end = first + 1;
+    while (end < input->count && input->pairs[end].triangleA == pair->triangleA &&
+           BodiesOf(&input->pairs[end]) == BodiesOf(pair))
+        end++;
+    return end;
 }
 
-static qcManifoldPoint PointOf(const qcManifolds* m, const qcRawPoint* raw)
+/// Sorted by bodies; of two bodies they stay in their order, and so do the pairs.
+static qcStatus ListRuns(qcAllManifolds* all, const qcManifoldInput* input)
 {
-    const qcManifoldPair* pair = qcManifolds_Pair(m, raw->pair);
-    qcManifoldPoint point = {.distance = raw->distance,
-                             .triangleA = pair->side[0]->index,
-                             .triangleB = pair->side[1]->index,
-                             .featureA = {raw->feature[0][0], raw->feature[0][1]},
-                             .featureB = {raw->feature[1][0], raw->feature[1][1]}};
-    Store(raw->end[0], point.pointA);
-    Store(raw->end[1], point.pointB);
-    Store(raw->normal, point.normal);
-    return point;
-}
-
-/// Every region has a point: its first pair is heard, and of the points of a region the deepest stays.
-static qcStatus WriteResult(qcManifolds* m)
-{
-    QC_TRY(qcArray_Resize(&m->manifolds, m->numbered.count, sizeof(qcManifold), "manifolds"));
-    for (uint32_t r = 0; r < m->numbered.count; r++)
-    {
-        const qcContactRegion* region = &QC_AT(qcContactRegion, m->numbered, r);
-        QC_AT(qcManifold, m->manifolds, r) = (qcManifold){.bodyA = region->slot[0], .bodyB = region->slot[1]};
-    }
     size_t count = 0;
-    for (size_t i = 0; i < m->raw.count; i++)
-        count += QC_AT(uint32_t, m->keepers, i) == i;
-    QC_TRY(qcArray_Resize(&m->points, count, sizeof(qcManifoldPoint), "manifolds"));
-    uint32_t at = 0;
-    for (size_t i = 0; i < m->order.count; i++)
+    for (size_t first = 0; first < input->count; first = EndOfRun(input, first))
+        count++;
+    QC_TRY(qcArray_Resize(&all->runs, count, sizeof(qcSortItem), "pairs of manifolds"));
+    count = 0;
+    for (size_t first = 0, end; first < input->count; first = end)
     {
-        qcSortItem item = QC_AT(qcSortItem, m->order, i);
-        if (QC_AT(uint32_t, m->keepers, item.value) != item.value)
-            continue;
-        qcManifold* manifold = &QC_AT(qcManifold, m->manifolds, item.key >> 32);
-        if (manifold->pointCount++ == 0)
-            manifold->firstPoint = at;
-        QC_AT(qcManifoldPoint, m->points, at++) = PointOf(m, &QC_AT(qcRawPoint, m->raw, item.value));
+        end = EndOfRun(input, first);
+        QC_AT(qcSortItem, all->runs, count++) =
+            (qcSortItem){BodiesOf(&input->pairs[first]), (uint64_t)first << 32 | (end - first)};
+    }
+    return qcSort_Items(all->runs.data, all->runs.count, &all->scratch);
+}
+
+static qcStatus ListMeetings(qcAllManifolds* all)
+{
+    const qcSortItem* runs = all->runs.data;
+    size_t count = 0;
+    for (size_t r = 0; r < all->runs.count; r++)
+        count += r == 0 || runs[r].key != runs[r - 1].key;
+    QC_TRY(qcArray_Resize(&all->meetings, count, sizeof(qcMeeting), "pairs of manifolds"));
+    QC_TRY(qcArray_Resize(&all->order, count, sizeof(qcSortItem), "pairs of manifolds"));
+    qcMeeting* meeting = all->meetings.data;
+    for (uint32_t r = 0; r < all->runs.count; r++)
+    {
+        if (r == 0 || runs[r].key != runs[r - 1].key)
+        {
+            meeting += r != 0;
+            *meeting = (qcMeeting){.firstRun = r};
+        }
+        meeting->runCount++;
+        meeting->pairCount += (uint32_t)runs[r].value;
+    }
+    for (size_t i = 0; i < count; i++)
+        QC_AT(qcSortItem, all->order, i) =
+            (qcSortItem){UINT32_MAX - QC_AT(qcMeeting, all->meetings, i).pairCount, (uint64_t)i};
+    return qcSort_Items(all->order.data, count, &all->scratch);
+}
+
+static qcMeeting* MeetingAt(const qcAllManifolds* all, size_t place)
+{
+    return &QC_AT(qcMeeting, all->meetings, QC_AT(qcSortItem, all->order, place).value);
+}
+
+//  ---- their manifolds ------------------------------------------------------------------------------------
+
+static qcStatus Build(const Job* job, qcMeeting* meeting, uint32_t maker, uint32_t threads)
+{
+    qcManifolds* m = &QC_AT(qcManifolds, job->all->makers, maker);
+    const qcMeetingInput input = {.reported = job->input,
+                                  .runs = &QC_AT(qcSortItem, job->all->runs, meeting->firstRun),
+                                  .runCount = meeting->runCount,
+                                  .count = meeting->pairCount,
+                                  .proximities = job->input->proximities,
+                                  .feet = job->input->feet,
+                                  .margin = job->input->margin};
+    meeting->maker = maker;
+    meeting->firstManifold = m->manifolds.count;
+    meeting->firstPoint = m->points.count;
+    QC_TRY(qcManifolds_Build(m, job->triangles, &input, threads));
+    meeting->manifoldCount = m->manifolds.count - meeting->firstManifold;
+    meeting->pointCount = m->points.count - meeting->firstPoint;
+    return qc_statusOk;
+}
+
+static void TakeMeeting(void* context, size_t index, uint32_t worker)
+{
+    const Job* job = context;
+    qcStatus* status = &QC_AT(qcManifolds, job->all->makers, worker).status;
+    if (*status == qc_statusOk)
+        *status = Build(job, MeetingAt(job->all, job->shared + index), worker, 1);
+}
+
+static qcStatus BuildAll(Job* job, uint32_t threads)
+{
+    const qcAllManifolds* all = job->all;
+    for (; threads > 1 && job->shared < all->meetings.count; job->shared++)
+    {
+        // The largest come first. More than half of what a thread has to do: the last one begun ends late.
+        qcMeeting* meeting = MeetingAt(all, job->shared);
+        if (meeting->pairCount < qc_leastSharedPairs || meeting->pairCount < job->input->count / (2 * threads))
+            break;
+        QC_TRY(Build(job, meeting, 0, threads));
+    }
+    qcParallel_For(threads, all->meetings.count - job->shared, qc_leastMeetings, TakeMeeting, job);
+    for (size_t i = 0; i < all->makers.count; i++)
+        // The message is the thread's own; say it again on this one.
+        if (QC_AT(qcManifolds, all->makers, i).status != qc_statusOk)
+            return qcArray_FailAgain(&QC_AT(qcManifolds, all->makers, i).points, "manifolds");
+    return qc_statusOk;
+}
+
+static qcStatus EmptyMakers(qcAllManifolds* all, uint32_t threads)
+{
+    QC_TRY(qcArray_GrowZeroed(&all->makers, threads, sizeof(qcManifolds), "manifolds"));
+    for (size_t i = 0; i < all->makers.count; i++)
+    {
+        qcManifolds* m = &QC_AT(qcManifolds, all->makers, i);
+        m->manifolds.count = m->points.count = 0;
+        m->status = qc_statusOk;
     }
     return qc_statusOk;
 }
 
-static qcStatus EmptyWorkers(qcManifolds* m, uint32_t threads)
+/// In the order of the bodies.
+static qcStatus Gather(qcAllManifolds* all)
 {
-    size_t old = m->workers.count;
-    if (threads > old)
+    size_t manifoldCount = 0, pointCount = 0;
+    for (size_t i = 0; i < all->makers.count; i++)
     {
-        QC_TRY(qcArray_Resize(&m->workers, threads, sizeof(qcManifoldWorker), "contact points"));
-        memset(&QC_AT(qcManifoldWorker, m->workers, old), 0, (threads - old) * sizeof(qcManifoldWorker));
+        manifoldCount += QC_AT(qcManifolds, all->makers, i).manifolds.count;
+        pointCount += QC_AT(qcManifolds, all->makers, i).points.count;
     }
-    for (size_t i = 0; i < m->workers.count; i++)
+    QC_TRY(qcArray_Reserve(&all->manifolds, manifoldCount, sizeof(qcManifold), "manifolds"));
+    QC_TRY(qcArray_Reserve(&all->points, pointCount, sizeof(qcManifoldPoint), "manifolds"));
+    for (size_t i = 0; i < all->meetings.count; i++)
     {
-        qcManifoldWorker* worker = &QC_AT(qcManifoldWorker, m->workers, i);
-        worker->rings.count = worker->points.count = 0;
-        worker->status = qc_statusOk;
+        const qcMeeting* meeting = &QC_AT(qcMeeting, all->meetings, i);
+        const qcManifolds* m = &QC_AT(qcManifolds, all->makers, meeting->maker);
+        for (size_t k = 0; k < meeting->manifoldCount; k++)
+        {
+            qcManifold* manifold = &QC_AT(qcManifold, all->manifolds, all->manifolds.count++);
+            *manifold = QC_AT(qcManifold, m->manifolds, meeting->firstManifold + k);
+            manifold->firstPoint += (uint32_t)all->points.count;
+        }
+        if (meeting->pointCount != 0)
+            memcpy(&QC_AT(qcManifoldPoint, all->points, all->points.count),
+                   &QC_AT(qcManifoldPoint, m->points, meeting->firstPoint),
+                   meeting->pointCount * sizeof(qcManifoldPoint));
+        all->points.count += meeting->pointCount;
     }
     return qc_statusOk;
 }
 
-qcStatus qcManifolds_LoopStatus(const qcManifolds* m)
+qcStatus qcAllManifolds_Build(qcAllManifolds* all, const qcTriangles* triangles, const qcManifoldInput* input,
+                              uint32_t threads)
 {
-    for (size_t i = 0; i < m->workers.count; i++)
-        // The message is the worker's own; say it again on this thread.
-        if (QC_AT(qcManifoldWorker, m->workers, i).status != qc_statusOk)
-            return qcArray_FailAgain(&QC_AT(qcManifoldWorker, m->workers, i).points, "neighbours and contact points");
-    return qc_statusOk;
-}
-
-qcStatus qcManifolds_Build(qcManifolds* m, const qcTriangles* triangles, const qcManifoldInput* input, uint32_t threads)
-{
-    m->manifolds.count = m->points.count = 0;
+    all->manifolds.count = all->points.count = 0;
     if (input->count == 0)
         return qc_statusOk;
     if (input->count > qc_maxManifoldPairs)
         return qcFail(qc_statusOutOfMemory, "out of memory: manifolds of %zu pairs", input->count);
-    QC_TRY(EmptyWorkers(m, threads));
-    qcManifoldInput known = *input;
-    QC_TRY(qcManifolds_TakePairs(m, triangles, &known));
-    QC_TRY(qcManifolds_JoinRegions(m));
-    QC_TRY(qcManifolds_FindPlanes(m, input->margin));
-    QC_TRY(qcManifolds_AskPairs(m, &known, threads));
-    QC_TRY(qcManifolds_FindRings(m, threads));
-    QC_TRY(qcManifolds_ChooseNormals(m, &known, threads));
-    QC_TRY(qcManifolds_ChooseSigns(m, &known));
-    QC_TRY(NumberRegions(m));
-    QC_TRY(qcManifolds_FindPoints(m, &known, threads));
-    QC_TRY(qcManifolds_MergePoints(m));
-    qcManifolds_DropBetween(m);
-    return WriteResult(m);
+    QC_TRY(EmptyMakers(all, threads));
+    QC_TRY(ListRuns(all, input));
+    QC_TRY(ListMeetings(all));
+    Job job = {all, triangles, input, 0};
+    QC_TRY(BuildAll(&job, threads));
+    return Gather(all);
 }
 
-static void FreeWorkers(qcManifolds* m)
+void qcAllManifolds_Free(qcAllManifolds* all)
 {
-    for (size_t i = 0; i < m->workers.count; i++)
-    {
-        qcManifoldWorker* worker = &QC_AT(qcManifoldWorker, m->workers, i);
-        qcArray* arrays[] = {&worker->rings, &worker->points, &worker->listOf,
-                             &worker->lists, &worker->fans,   &worker->seen};
-        for (size_t k = 0; k < sizeof arrays / sizeof arrays[0]; k++)
-            qcArray_Free(arrays[k]);
-    }
-    qcArray_Free(&m->workers);
-}
-
-void qcManifolds_Free(qcManifolds* m)
-{
-    FreeWorkers(m);
-    qcArray* arrays[] = {&m->work,      &m->triangles, &m->numbers,  &m->vertices,    &m->table,     &m->last,
-                         &m->freePairs, &m->pairsOf,   &m->places,   &m->proximities, &m->feet,      &m->choices,
-                         &m->heard,     &m->nodes,     &m->regions,  &m->planes,      &m->parts,     &m->numbered,
-                         &m->corners,   &m->raw,       &m->firstRaw, &m->witnessed,   &m->order,     &m->scratch,
-                         &m->heads,     &m->links,     &m->keepers,  &m->members,     &m->manifolds, &m->points};
+    for (size_t i = 0; i < all->makers.count; i++)
+        qcManifolds_Free(&QC_AT(qcManifolds, all->makers, i));
+    qcArray* arrays[] = {&all->runs,   &all->meetings,  &all->order, &all->scratch,
+                         &all->makers, &all->manifolds, &all->points};
     for (size_t i = 0; i < sizeof arrays / sizeof arrays[0]; i++)
         qcArray_Free(arrays[i]);
 }

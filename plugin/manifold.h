@@ -5,35 +5,17 @@
 #include "proximity.h"
 #include "triangles.h"
 
-typedef struct qcManifolds
+/// The manifolds of all bodies.
+typedef struct qcAllManifolds
 {
-    qcArray work;      ///< of qcManifoldPair, in the order of the reported pairs
-    qcArray triangles; ///< of qcManifoldTriangle: those of the pairs
-    qcArray numbers;   ///< of each triangle of the step: one more than its place among these; all 0 between builds
-    qcArray vertices, table;   ///< welded vertices by position, and their hash table
-    qcArray last;              ///< of a vertex, while regions are joined: one more than an entry of pairsOf
-    qcArray freePairs;         ///< of uint32_t: those that no plane settles
-    qcArray pairsOf;           ///< of qcPairSide: by triangle, the pairs that it is in
-    qcArray places;            ///< of qcManifoldPlace: the same of pairs that are free
-    qcArray proximities, feet; ///< of reported pairs, if the input has none: of those that are free
-    qcArray choices, heard;    ///< a normal for each pair, and what it is in the next round
-    qcArray nodes;             ///< trees of regions, later of signs
-    qcArray regions;           ///< of qcPairRegion
-    qcArray planes;            ///< one a region, while planes are looked for
-    qcArray parts;             ///< while signs are looked for
-    qcArray numbered;          ///< regions in the order of the result
-    qcArray workers;           ///< of qcManifoldWorker
-    qcArray corners;           ///< of qcPairCorners, one a pair
-    qcArray raw;               ///< points as the pairs see them, in the order of the pairs
-    qcArray firstRaw;          ///< of each pair, and one more
-    qcArray witnessed;         ///< bool: what the pair said itself is a point
-    qcArray order, scratch;
-    qcArray heads, links; ///< a hash table of the points that stay, by place
-    qcArray keepers;      ///< of each raw point: the one that stands for it
-    qcArray members;      ///< of each keeper: the raw points that it stands for, linked
+    qcArray runs;     ///< of qcSortItem: pairs of one triangle of A that follow each other, sorted by their bodies
+    qcArray meetings; ///< of qcMeeting: where two bodies meet, or one itself, sorted by them
+    qcArray order;    ///< of qcSortItem: meetings, the largest first
+    qcArray scratch;
+    qcArray makers; ///< of qcManifolds, one a thread
     //  results
     qcArray manifolds, points; ///< of qcManifold, of qcManifoldPoint
-} qcManifolds;
+} qcAllManifolds;
 
 /// The pairs of a result, with what is known of each.
 typedef struct qcManifoldInput
@@ -45,11 +27,11 @@ typedef struct qcManifoldInput
     double margin; ///< no point lies farther apart than this
 } qcManifoldInput;
 
-/// Builds the manifolds of the pairs of a result. O(n log n). Where two bodies touch no point is deeper than rounding,
-/// and where they overlap by a small share of their triangles, within the margin, none is deeper than a small multiple
-/// of it.
-qcStatus qcManifolds_Build(qcManifolds* manifolds, const qcTriangles* triangles, const qcManifoldInput* input,
-                           uint32_t threads);
-void qcManifolds_Free(qcManifolds* manifolds);
+/// Builds the manifolds of the pairs of a result, which are sorted as the ABI promises. O(n log n). Where two bodies
+/// touch no point is deeper than rounding, and where they overlap by a small share of their triangles, within the
+/// margin, none is deeper than a small multiple of it.
+qcStatus qcAllManifolds_Build(qcAllManifolds* all, const qcTriangles* triangles, const qcManifoldInput* input,
+                              uint32_t threads);
+void qcAllManifolds_Free(qcAllManifolds* all);
 
 #endif

@@ -135,26 +135,28 @@ static bool IsBetween(const qcManifolds* m, uint32_t keeper, double tolerance)
 
 void qcManifolds_DropBetween(qcManifolds* m)
 {
+    const qcManifoldPair* any = qcManifolds_Pair(m, 0);
+    if (any->side[0]->body->deforming || any->side[1]->body->deforming)
+        return;
     const qcSortItem* items = m->order.data;
     for (size_t first = 0, end; first < m->order.count; first = end)
     {
         uint64_t region = items[first].key >> 32;
-        const qcContactRegion* contact = &QC_AT(qcContactRegion, m->numbered, region);
-        bool rigid = contact->rigid;
+        double tolerance = QC_AT(qcContactRegion, m->measured, region).tolerance;
         size_t stay = 0;
         for (end = first; end < m->order.count && items[end].key >> 32 == region; end++)
         {
             uint32_t raw = (uint32_t)items[end].value;
-            if (!rigid || QC_AT(uint32_t, m->keepers, raw) != raw)
+            if (QC_AT(uint32_t, m->keepers, raw) != raw)
                 continue;
             // What was merged into it goes with it: nobody asks for a keeper's keeper.
-            if (IsBetween(m, raw, contact->tolerance))
+            if (IsBetween(m, raw, tolerance))
                 QC_AT(uint32_t, m->keepers, raw) = UINT32_MAX;
             else
                 stay++;
         }
         // A region of rounding alone could lose all its points: its deepest stays.
-        if (rigid && stay == 0)
+        if (stay == 0)
             QC_AT(uint32_t, m->keepers, items[first].value) = (uint32_t)items[first].value;
     }
 }

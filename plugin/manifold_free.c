@@ -12,7 +12,7 @@ enum
 typedef struct Job
 {
     const qcManifolds* manifolds;
-    qcManifoldInput* input;
+    qcMeetingInput* input;
 } Job;
 
 static void ComputeProximity(void* context, size_t i, uint32_t worker)
@@ -27,9 +27,8 @@ static void ComputeProximity(void* context, size_t i, uint32_t worker)
         const qcManifoldTriangle* triangle = pair->side[(side == 1) != pair->swapped];
         qcBody_GetTriangle(triangle->body, triangle->index, corners[side]);
     }
-    qcProximity_Of((const double(*)[3])corners[0], (const double(*)[3])corners[1],
-                   job->input->pairs[pair->source].relation, &QC_AT(qcProximity, m->proximities, pair->source),
-                   &QC_AT(qcFeet, m->feet, pair->source));
+    qcProximity_Of((const double(*)[3])corners[0], (const double(*)[3])corners[1], pair->relation,
+                   &QC_AT(qcProximity, m->proximities, pair->source), &QC_AT(qcFeet, m->feet, pair->source));
 }
 
 static qcVector UnitOrUp(const double normal[3])
@@ -48,7 +47,7 @@ static bool AreParted(const qcManifoldPair* pair)
     return ways.along < -qcManifoldPair_Rounding(pair);
 }
 
-static void TakeProximity(qcManifolds* m, const qcManifoldInput* input, uint32_t p)
+static void TakeProximity(qcManifolds* m, const qcMeetingInput* input, uint32_t p)
 {
     qcManifoldPair* pair = qcManifolds_Pair(m, p);
     const qcProximity* proximity = &input->proximities[pair->source];
@@ -58,7 +57,7 @@ static void TakeProximity(qcManifolds* m, const qcManifoldInput* input, uint32_t
     pair->reported = pair->normal;
     pair->gap = proximity->distance - proximity->depth;
     pair->own = true;
-    pair->crossing = input->pairs[pair->source].relation == qc_relationPenetrating && proximity->depth > 0.0;
+    pair->crossing = pair->relation == qc_relationPenetrating && proximity->depth > 0.0;
     pair->apart = pair->parted = !pair->meets && AreParted(pair);
     qcPairRegion* region = qcManifolds_PairRegion(m, pair);
     region->crossing = region->crossing || pair->crossing;
@@ -90,7 +89,7 @@ static qcStatus ListPlaces(qcManifolds* m)
     return qc_statusOk;
 }
 
-qcStatus qcManifolds_AskPairs(qcManifolds* m, qcManifoldInput* input, uint32_t threads)
+qcStatus qcManifolds_AskPairs(qcManifolds* m, qcMeetingInput* input, uint32_t threads)
 {
     if (input->proximities == NULL && m->freePairs.count != 0)
     {

@@ -32,7 +32,7 @@ static qcStatus SortDeepestFirst(qcManifolds* m)
     {
         const qcRawPoint* point = &QC_AT(qcRawPoint, m->raw, i);
         uint64_t region = qcManifolds_Pair(m, point->pair)->region;
-        double step = s_step * QC_AT(qcContactRegion, m->numbered, region).tolerance;
+        double step = s_step * QC_AT(qcContactRegion, m->measured, region).tolerance;
         double distance = step > 0.0 ? rint(point->distance / step) : point->distance;
         QC_AT(qcSortItem, m->order, i) = (qcSortItem){region << 32 | qcSort_FloatKey((float)distance), (uint64_t)i};
     }
@@ -128,7 +128,7 @@ qcStatus qcManifolds_MergePoints(qcManifolds* m)
         uint32_t raw = (uint32_t)QC_AT(qcSortItem, m->order, i).value;
         Search search = {.point = &QC_AT(qcRawPoint, m->raw, raw)};
         search.region = qcManifolds_Pair(m, search.point->pair)->region;
-        search.tolerance = QC_AT(qcContactRegion, m->numbered, search.region).tolerance;
+        search.tolerance = QC_AT(qcContactRegion, m->measured, search.region).tolerance;
         double scale = search.tolerance > 0.0 ? 1.0 / (s_cell * search.tolerance) : 1.0;
         uint32_t keeper = Find(m, &search, scale);
         QC_AT(uint32_t, m->members, raw) = UINT32_MAX;

@@ -126,7 +126,7 @@ static bool IsSurpassed(const qcNeighbourhood* n, const qcFeet* feet)
 typedef struct Job
 {
     qcManifolds* manifolds;
-    const qcManifoldInput* input;
+    const qcMeetingInput* input;
     qcNormalChoice* choices;
 } Job;
 
@@ -217,7 +217,7 @@ static bool AreEqual(qcVector a, qcVector b)
     return a.x == b.x && a.y == b.y && a.z == b.z;
 }
 
-qcStatus qcManifolds_ChooseNormals(qcManifolds* m, const qcManifoldInput* input, uint32_t threads)
+qcStatus qcManifolds_ChooseNormals(qcManifolds* m, const qcMeetingInput* input, uint32_t threads)
 {
     size_t count = m->work.count;
     // All look at what the pairs themselves say, none at what another has chosen: the order does not matter.

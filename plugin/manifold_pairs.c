@@ -9,6 +9,14 @@
 #include <math.h>
 #include <string.h>
 
+/// A body, and where its triangles and vertices begin among those of both.
+typedef struct Side
+{
+    const qcBody* body;
+    uint32_t slot, firstTriangle;
+    size_t firstVertex;
+} Side;
+
 //  ---- vertices -------------------------------------------------------------------------------------------
 
 static uint64_t Mix(uint64_t hash, uint64_t bits)
@@ -17,9 +25,10 @@ static uint64_t Mix(uint64_t hash, uint64_t bits)
     return hash ^ hash >> 32;
 }
 
-static uint64_t Hash(uint32_t slot, const double* position)
+static uint64_t Hash(const qcManifoldVertex* vertex)
 {
-    uint64_t hash = slot;
+    const double position[3] = {vertex->position.x, vertex->position.y, vertex->position.z};
+    uint64_t hash = vertex->slot;
     for (int axis = 0; axis < 3; axis++)
     {
         double x = position[axis] + 0.0; // -0 becomes +0, which compares equal
@@ -30,38 +39,53 @@ static uint64_t Hash(uint32_t slot, const double* position)
     return hash;
 }
 
-/// Room for `bound` vertices; half empty at least.
-static qcStatus EmptyTable(qcManifolds* m, size_t bound)
+/// The number of a vertex of a body among those of the triangles.
+static uint32_t TakeVertex(qcManifolds* m, const Side* side, uint32_t index)
 {
-    size_t size = 16;
-    while (size < 2 * bound)
-        size *= 2;
-    QC_TRY(qcArray_Resize(&m->table, size, sizeof(uint32_t), "vertices of manifolds"));
-    memset(m->table.data, 0, size * sizeof(uint32_t));
-    QC_TRY(qcArray_Reserve(&m->vertices, bound, sizeof(qcManifoldVertex), "vertices of manifolds"));
-    m->vertices.count = 0;
-    return qc_statusOk;
+    uint32_t* number = &QC_AT(uint32_t, m->vertexNumbers, side->firstVertex + index);
+    if (*number == 0)
+    {
+        qcManifoldVertex* vertex = &QC_AT(qcManifoldVertex, m->vertices, m->vertices.count++);
+        double p[3];
+        qcBody_GetVertex(side->body, index, p);
+        *vertex = (qcManifoldVertex){side->slot, side->firstVertex + index, qcVector_Load(p)};
+        *number = (uint32_t)m->vertices.count;
+    }
+    return *number - 1;
 }
 
-/// The number of a vertex of a body among those at different positions.
-static uint32_t Weld(qcManifolds* m, const qcBody* body, uint32_t slot, uint32_t index)
+/// The first vertex of the same body at the same place.
+static uint32_t Weld(qcManifolds* m, uint32_t number)
 {
-    double p[3];
-    qcBody_GetVertex(body, index, p);
+    const qcManifoldVertex* vertex = &QC_AT(qcManifoldVertex, m->vertices, number);
     size_t mask = m->table.count - 1;
-    for (size_t place = Hash(slot, p) & mask;; place = (place + 1) & mask)
+    for (size_t place = Hash(vertex) & mask;; place = (place + 1) & mask)
     {
         uint32_t* entry = &QC_AT(uint32_t, m->table, place);
         if (*entry == 0)
         {
-            QC_AT(qcManifoldVertex, m->vertices, m->vertices.count++) = (qcManifoldVertex){slot, qcVector_Load(p)};
-            *entry = (uint32_t)m->vertices.count;
-            return *entry - 1;
+            *entry = number + 1;
+            return number;
         }
         const qcManifoldVertex* other = &QC_AT(qcManifoldVertex, m->vertices, *entry - 1);
-        if (other->slot == slot && p[0] == other->position.x && p[1] == other->position.y && p[2] == other->position.z)
+        if (other->slot == vertex->slot && other->position.x == vertex->position.x &&
+            other->position.y == vertex->position.y && other->position.z == vertex->position.z)
             return *entry - 1;
     }
+}
+
+/// Of all vertices, into m->nodes. The table is half empty at least.
+static qcStatus WeldVertices(qcManifolds* m)
+{
+    size_t size = 16;
+    while (size < 2 * m->vertices.count)
+        size *= 2;
+    QC_TRY(qcArray_Resize(&m->table, size, sizeof(uint32_t), "vertices of manifolds"));
+    memset(m->table.data, 0, size * sizeof(uint32_t));
+    QC_TRY(qcArray_Resize(&m->nodes, m->vertices.count, sizeof(uint32_t), "vertices of manifolds"));
+    for (uint32_t v = 0; v < m->vertices.count; v++)
+        QC_AT(uint32_t, m->nodes, v) = Weld(m, v);
+    return qc_statusOk;
 }
 
 //  ---- triangles ------------------------------------------------------------------------------------------
@@ -77,63 +101,48 @@ static double LongestEdge(const qcVector corner[3])
     return sqrt(longest2);
 }
 
-static qcVector FaceNormal(const qcVector corner[3])
+static void FindNormal(qcManifoldTriangle* triangle)
 {
+    const qcVector* corner = triangle->corner;
     qcVector normal = qcCross(qcMinus(corner[1], corner[0]), qcMinus(corner[2], corner[0]));
     double length = sqrt(qcDot(normal, normal));
-    if (!(length > 0.0) || !isfinite(length))
-        return (qcVector){0.0, 0.0, 0.0};
-    return (qcVector){normal.x / length, normal.y / length, normal.z / length};
+    triangle->doubleArea = length;
+    triangle->normal = (qcVector){0.0, 0.0, 0.0};
+    if (length > 0.0 && isfinite(length))
+        triangle->normal = (qcVector){normal.x / length, normal.y / length, normal.z / length};
 }
 
-static void AddTriangle(qcManifolds* m, const qcBody* body, uint32_t slot, uint32_t index)
+static size_t Lesser(size_t a, size_t b)
 {
-    qcManifoldTriangle triangle = {.body = body, .slot = slot, .index = index};
-    for (int c = 0; c < 3; c++)
-    {
-        triangle.vertex[c] = Weld(m, body, slot, body->indices[3 * (size_t)index + (unsigned)c]);
-        triangle.corner[c] = QC_AT(qcManifoldVertex, m->vertices, triangle.vertex[c]).position;
-    }
-    triangle.longestEdge = LongestEdge(triangle.corner);
-    triangle.normal = FaceNormal(triangle.corner);
-    QC_AT(qcManifoldTriangle, m->triangles, m->triangles.count++) = triangle;
+    return a < b ? a : b;
 }
 
 /// Room for all triangles that the pairs can name, and for their vertices.
-static qcStatus EmptyTriangles(qcManifolds* m, const qcTriangles* t, size_t pairCount)
+static qcStatus EmptyTriangles(qcManifolds* m, const Side sides[2], const qcMeetingInput* input)
 {
-    size_t bound = 2 * pairCount < t->count ? 2 * pairCount : t->count, known = m->numbers.count, vertices = 0;
+    const qcBody *a = sides[0].body, *b = sides[1].body;
+    size_t triangles = sides[1].firstTriangle + (size_t)b->triangleCount;
+    size_t vertices = sides[1].firstVertex + b->vertexCount;
+    QC_TRY(qcArray_GrowZeroed(&m->numbers, triangles, sizeof(uint32_t), "triangles of manifolds"));
+    QC_TRY(qcArray_GrowZeroed(&m->vertexNumbers, vertices, sizeof(uint32_t), "vertices of manifolds"));
+    size_t bound = Lesser(input->runCount, a->triangleCount) + Lesser(input->count, b->triangleCount);
     QC_TRY(qcArray_Reserve(&m->triangles, bound, sizeof(qcManifoldTriangle), "triangles of manifolds"));
-    m->triangles.count = 0;
-    if (known < t->count)
-    {
-        QC_TRY(qcArray_Resize(&m->numbers, t->count, sizeof(uint32_t), "triangles of manifolds"));
-        memset(&QC_AT(uint32_t, m->numbers, known), 0, (t->count - known) * sizeof(uint32_t));
-    }
-    // Bodies by slot, for the ranks of their triangles.
-    QC_TRY(qcArray_Resize(&m->nodes, t->bodies->slots.count, sizeof(uint32_t), "triangles of manifolds"));
-    for (uint32_t body = 0; body < t->bodyCount; body++)
-    {
-        QC_AT(uint32_t, m->nodes, qcTriangles_Slot(t, body)) = qcTriangles_First(t, body);
-        vertices += qcTriangles_Body(t, body)->vertexCount;
-    }
-    return EmptyTable(m, vertices < 3 * bound ? vertices : 3 * bound);
+    QC_TRY(
+        qcArray_Reserve(&m->vertices, Lesser(3 * bound, vertices), sizeof(qcManifoldVertex), "vertices of manifolds"));
+    m->triangles.count = m->vertices.count = 0;
+    return qc_statusOk;
 }
 
-static uint32_t* NumberOf(const qcManifolds* m, uint32_t slot, uint32_t triangle)
+static void TakeTriangle(qcManifolds* m, const Side* side, uint32_t index)
 {
-    return &QC_AT(uint32_t, m->numbers, QC_AT(uint32_t, m->nodes, slot) + triangle);
-}
-
-static qcManifoldTriangle* TakeTriangle(qcManifolds* m, const qcTriangles* t, uint32_t slot, uint32_t triangle)
-{
-    uint32_t* number = NumberOf(m, slot, triangle);
-    if (*number == 0)
-    {
-        AddTriangle(m, &QC_AT(qcBody, t->bodies->slots, slot), slot, triangle);
-        *number = (uint32_t)m->triangles.count;
-    }
-    return &QC_AT(qcManifoldTriangle, m->triangles, *number - 1);
+    uint32_t* number = &QC_AT(uint32_t, m->numbers, side->firstTriangle + index);
+    if (*number != 0)
+        return;
+    qcManifoldTriangle* triangle = &QC_AT(qcManifoldTriangle, m->triangles, m->triangles.count++);
+    *number = (uint32_t)m->triangles.count;
+    *triangle = (qcManifoldTriangle){.body = side->body, .slot = side->slot, .index = index};
+    for (unsigned c = 0; c < 3; c++)
+        triangle->vertex[c] = TakeVertex(m, side, side->body->indices[3 * (size_t)index + c]);
 }
 
 //  ---- pairs ----------------------------------------------------------------------------------------------
@@ -146,18 +155,78 @@ static bool ShareVertex(const qcManifoldTriangle* a, const qcManifoldTriangle* b
     return false;
 }
 
-static void TakePair(qcManifolds* m, const qcTriangles* t, const qcManifoldInput* input, size_t i)
+static qcManifoldTriangle* TriangleOf(const qcManifolds* m, const Side* side, uint32_t index)
 {
-    const qcPair* pair = &input->pairs[i];
-    qcManifoldTriangle* a = TakeTriangle(m, t, pair->bodyA, pair->triangleA);
-    qcManifoldTriangle* b = TakeTriangle(m, t, pair->bodyB, pair->triangleB);
+    return &QC_AT(qcManifoldTriangle, m->triangles, QC_AT(uint32_t, m->numbers, side->firstTriangle + index) - 1);
+}
+
+/// Each once, in the order of the pairs.
+static void TakeTriangles(qcManifolds* m, const Side sides[2], const qcMeetingInput* input)
+{
+    for (uint32_t r = 0; r < input->runCount; r++)
+    {
+        size_t first = (size_t)(input->runs[r].value >> 32), end = first + (uint32_t)input->runs[r].value;
+        TakeTriangle(m, &sides[0], input->reported->pairs[first].triangleA);
+        for (size_t i = first; i < end; i++)
+            TakeTriangle(m, &sides[1], input->reported->pairs[i].triangleB);
+    }
+}
+
+/// What is known of them once their vertices are welded.
+static void FinishTriangles(qcManifolds* m)
+{
+    for (size_t i = 0; i < m->triangles.count; i++)
+    {
+        qcManifoldTriangle* triangle = &QC_AT(qcManifoldTriangle, m->triangles, i);
+        for (int c = 0; c < 3; c++)
+        {
+            triangle->vertex[c] = QC_AT(uint32_t, m->nodes, triangle->vertex[c]);
+            triangle->corner[c] = QC_AT(qcManifoldVertex, m->vertices, triangle->vertex[c]).position;
+        }
+        triangle->longestEdge = LongestEdge(triangle->corner);
+        FindNormal(triangle);
+    }
+}
+
+static void TakePair(qcManifolds* m, const Side sides[2], const qcMeetingInput* input, size_t i)
+{
+    const qcPair* pair = &input->reported->pairs[i];
+    qcManifoldTriangle* a = TriangleOf(m, &sides[0], pair->triangleA);
+    qcManifoldTriangle* b = TriangleOf(m, &sides[1], pair->triangleB);
     // A seam, or neighbours that were asked for: that they hang together is no contact.
     if (pair->relation == qc_relationTouching && pair->bodyA == pair->bodyB && ShareVertex(a, b))
         return;
     a->pairCount++;
     b->pairCount++;
-    QC_AT(qcManifoldPair, m->work, m->work.count++) =
-        (qcManifoldPair){.side = {a, b}, .source = (uint32_t)i, .meets = pair->relation != qc_relationNear};
+    QC_AT(qcManifoldPair, m->work, m->work.count) =
+        (qcManifoldPair){.side = {a, b},
+                         .source = (uint32_t)(input->proximities != NULL ? i : m->work.count),
+                         .relation = pair->relation,
+                         .meets = pair->relation != qc_relationNear};
+    m->work.count++;
+}
+
+static void TakePairs(qcManifolds* m, const Side sides[2], const qcMeetingInput* input)
+{
+    m->work.count = 0;
+    for (uint32_t r = 0; r < input->runCount; r++)
+    {
+        size_t first = (size_t)(input->runs[r].value >> 32), end = first + (uint32_t)input->runs[r].value;
+        for (size_t i = first; i < end; i++)
+            TakePair(m, sides, input, i);
+    }
+}
+
+static void ClearNumbers(qcManifolds* m, const Side sides[2])
+{
+    for (size_t i = 0; i < m->triangles.count; i++)
+    {
+        const qcManifoldTriangle* triangle = &QC_AT(qcManifoldTriangle, m->triangles, i);
+        const Side* side = &sides[triangle->body == sides[0].body ? 0 : 1];
+        QC_AT(uint32_t, m->numbers, side->firstTriangle + triangle->index) = 0;
+    }
+    for (size_t v = 0; v < m->vertices.count; v++)
+        QC_AT(uint32_t, m->vertexNumbers, QC_AT(qcManifoldVertex, m->vertices, v).place) = 0;
 }
 
 /// Lists the pairs of each triangle, in their order.
@@ -181,17 +250,32 @@ static qcStatus ListPairs(qcManifolds* m)
     return qc_statusOk;
 }
 
-qcStatus qcManifolds_TakePairs(qcManifolds* m, const qcTriangles* t, const qcManifoldInput* input)
+static void SetSides(const qcTriangles* t, const qcMeetingInput* input, Side sides[2])
 {
+    uint64_t bodies = input->runs[0].key;
+    const uint32_t slots[2] = {(uint32_t)(bodies >> 32), (uint32_t)bodies};
+    for (int side = 0; side < 2; side++)
+        sides[side] = (Side){.body = &QC_AT(qcBody, t->bodies->slots, slots[side]), .slot = slots[side]};
+    if (slots[0] == slots[1])
+        return;
+    sides[1].firstTriangle = sides[0].body->triangleCount;
+    sides[1].firstVertex = sides[0].body->vertexCount;
+}
+
+qcStatus qcManifolds_TakePairs(qcManifolds* m, const qcTriangles* t, const qcMeetingInput* input)
+{
+    Side sides[2];
+    SetSides(t, input, sides);
     QC_TRY(qcArray_Reserve(&m->work, input->count, sizeof(qcManifoldPair), "pairs of manifolds"));
-    m->work.count = 0;
-    QC_TRY(EmptyTriangles(m, t, input->count));
-    for (size_t i = 0; i < input->count; i++)
-        TakePair(m, t, input, i);
-    for (size_t i = 0; i < m->triangles.count; i++)
+    QC_TRY(EmptyTriangles(m, sides, input));
+    TakeTriangles(m, sides, input);
+    qcStatus status = WeldVertices(m);
+    if (status == qc_statusOk)
     {
-        const qcManifoldTriangle* triangle = &QC_AT(qcManifoldTriangle, m->triangles, i);
-        *NumberOf(m, triangle->slot, triangle->index) = 0;
+        FinishTriangles(m);
+        TakePairs(m, sides, input);
     }
+    ClearNumbers(m, sides);
+    QC_TRY(status);
     return ListPairs(m);
 }

@@ -3,6 +3,7 @@
 #define QC_PLUGIN_MANIFOLD_PARTS_H
 
 #include "manifold.h"
+#include "sort.h"
 #include "vector.h"
 
 enum
@@ -26,10 +27,11 @@ enum
 /// What two triangles cover of each other is an area if it is wider than this share of the smaller one's size.
 #define QC_MANIFOLD_AREA (1.0 / 64.0)
 
-/// A vertex of one body, or several at one position.
+/// A vertex of some triangle.
 typedef struct qcManifoldVertex
 {
     uint32_t slot;
+    size_t place; ///< among the vertices of both bodies
     qcVector position;
 } qcManifoldVertex;
 
@@ -44,10 +46,10 @@ typedef struct qcManifoldTriangle
 {
     qcVector corner[3];
     qcVector normal; ///< unit; of no length if the triangle is a line or a point
-    double longestEdge;
+    double longestEdge, doubleArea;
     const qcBody* body;
     uint32_t slot, index;          ///< of the body; in the body
-    uint32_t vertex[3];            ///< corners: the numbers of their positions among those of all pairs
+    uint32_t vertex[3];            ///< corners: of those at the same position the number of the first
     uint32_t firstPair, pairCount; ///< its entries in pairsOf
     uint32_t first, count;         ///< its places
 } qcManifoldTriangle;
@@ -90,17 +92,18 @@ typedef struct qcManifoldPair
     qcVector normal;   ///< unit, from side 1 towards side 0
     qcVector reported; ///< the pair's own, as it came
     double gap;        ///< the pair's own distance, or minus its depth
-    uint32_t region;   ///< in the order of first pairs; later its number in the result
-    uint32_t source;   ///< the reported pair
-    bool meets;        ///< touching or penetrating
-    bool settled;      ///< a plane parts its region and gives the normal; of what follows only `swapped` is said
-    bool swapped;      ///< side 0 is the report's B
-    bool own;          ///< the normal is the one of the report, up to its sign
-    bool turned;       ///< the normal was turned around to agree with its region
-    bool apart;        ///< before that, side 0 lies above side 1 along it: a fact, not a choice
-    bool parted;       ///< the reported normal parts the two triangles
-    bool surpassed;    ///< parted, and a pair beside it comes nearer from the same feet
-    bool crossing;     ///< penetrating, other than in one plane
+    uint32_t region;
+    uint32_t source;     ///< of its proximity: the reported pair, or its own number if none was reported
+    qcRelation relation; ///< as reported
+    bool meets;          ///< touching or penetrating
+    bool settled;        ///< a plane parts its region and gives the normal; of what follows only `swapped` is said
+    bool swapped;        ///< side 0 is the report's B
+    bool own;            ///< the normal is the one of the report, up to its sign
+    bool turned;         ///< the normal was turned around to agree with its region
+    bool apart;          ///< before that, side 0 lies above side 1 along it: a fact, not a choice
+    bool parted;         ///< the reported normal parts the two triangles
+    bool surpassed;      ///< parted, and a pair beside it comes nearer from the same feet
+    bool crossing;       ///< penetrating, other than in one plane
 } qcManifoldPair;
 
 /// A possible contact point, as one pair sees it.
@@ -176,17 +179,15 @@ int qcManifoldPair_FindCommonPart(const qcManifoldPair* pair, qcVector normal, q
 /// Do the corners of what a pair's triangles have in common span an area?
 bool qcManifoldPair_CoversArea(const qcManifoldPair* pair, const qcRawPoint* corners, int count);
 
-/// A region in the order of the result.
+/// What points ask of a region.
 typedef struct qcContactRegion
 {
-    uint32_t slot[2];
     double tolerance; ///< points no farther apart than this are one
     uint32_t pairs;
-    bool rigid;    ///< neither side deforms
     bool crossing; ///< some pair is
 } qcContactRegion;
 
-/// A region in the order of first pairs.
+/// A region. They are in the order of first pairs.
 typedef struct qcPairRegion
 {
     uint32_t first; ///< its first pair
@@ -198,6 +199,63 @@ typedef struct qcPairRegion
     bool crossing;
     uint32_t fact; ///< its first pair that is apart, or UINT32_MAX
 } qcPairRegion;
+
+//  ---- of two bodies ---------------------------------------------------------------------------------------
+
+/// The manifolds of two bodies, or of one with itself, and what is needed on the way: a thread's.
+typedef struct qcManifolds
+{
+    qcArray work;      ///< of qcManifoldPair, in the order of the reported pairs
+    qcArray triangles; ///< of qcManifoldTriangle: those of the pairs
+    qcArray numbers;   ///< of each triangle of both bodies: one more than its place among these; all 0 between builds
+    qcArray vertexNumbers;     ///< the same of each vertex
+    qcArray vertices, table;   ///< vertices of these triangles, and a hash table by position
+    qcArray last;              ///< of a vertex, while regions are joined: one more than an entry of pairsOf
+    qcArray freePairs;         ///< of uint32_t: those that no plane settles
+    qcArray pairsOf;           ///< of qcPairSide: by triangle, the pairs that it is in
+    qcArray places;            ///< of qcManifoldPlace: the same of pairs that are free
+    qcArray proximities, feet; ///< of pairs, if the input has none: of those that are free
+    qcArray choices, heard;    ///< a normal for each pair, and what it is in the next round
+    qcArray nodes;             ///< trees of regions, later of signs
+    qcArray regions;           ///< of qcPairRegion
+    qcArray planes;            ///< one a region, while planes are looked for
+    qcArray parts;             ///< while signs are looked for
+    qcArray measured;          ///< of qcContactRegion
+    qcArray workers;           ///< of qcManifoldWorker
+    qcArray corners;           ///< of qcPairCorners, one a pair
+    qcArray raw;               ///< points as the pairs see them, in the order of the pairs
+    qcArray firstRaw;          ///< of each pair, and one more
+    qcArray witnessed;         ///< bool: what the pair said itself is a point
+    qcArray order, scratch;
+    qcArray heads, links; ///< a hash table of the points that stay, by place
+    qcArray keepers;      ///< of each raw point: the one that stands for it
+    qcArray members;      ///< of each keeper: the raw points that it stands for, linked
+    //  results of all builds of this step, one after the other; first points count from 0 in each
+    qcArray manifolds, points; ///< of qcManifold, of qcManifoldPoint
+    qcStatus status;
+} qcManifolds;
+
+/// Where two bodies meet, or one meets itself.
+typedef struct qcMeeting
+{
+    uint32_t firstRun, runCount;
+    uint32_t pairCount;
+    uint32_t maker;                   ///< who has its manifolds
+    size_t firstManifold, firstPoint; ///< there
+    size_t manifoldCount, pointCount;
+} qcMeeting;
+
+/// What a build looks at.
+typedef struct qcMeetingInput
+{
+    const qcManifoldInput* reported;
+    const qcSortItem* runs; ///< see qcAllManifolds
+    uint32_t runCount;
+    size_t count;                   ///< of pairs
+    const qcProximity* proximities; ///< by qcManifoldPair::source
+    const qcFeet* feet;
+    double margin;
+} qcMeetingInput;
 
 //  ---- trees with a sign at every branch -------------------------------------------------------------------
 
@@ -232,23 +290,28 @@ static inline void qcSigned_Unite(uint32_t* nodes, uint32_t i, uint32_t j, uint3
 /// The status of a loop over the workers: their first failure, said again on this thread.
 qcStatus qcManifolds_LoopStatus(const qcManifolds* manifolds);
 
+/// Adds the manifolds of a meeting to the result. On `threads` threads, whose first is the calling one.
+qcStatus qcManifolds_Build(qcManifolds* manifolds, const qcTriangles* triangles, const qcMeetingInput* input,
+                           uint32_t threads);
+void qcManifolds_Free(qcManifolds* manifolds);
+
 /// Takes the pairs in, with their triangles.
-qcStatus qcManifolds_TakePairs(qcManifolds* manifolds, const qcTriangles* triangles, const qcManifoldInput* input);
+qcStatus qcManifolds_TakePairs(qcManifolds* manifolds, const qcTriangles* triangles, const qcMeetingInput* input);
 /// Joins neighbours to regions.
 qcStatus qcManifolds_JoinRegions(qcManifolds* manifolds);
 /// Settles the regions that one plane parts. Lists the pairs of the others: they are free.
 qcStatus qcManifolds_FindPlanes(qcManifolds* manifolds, double margin);
 /// What the free pairs say themselves. Fills what the input lacks.
-qcStatus qcManifolds_AskPairs(qcManifolds* manifolds, qcManifoldInput* input, uint32_t threads);
+qcStatus qcManifolds_AskPairs(qcManifolds* manifolds, qcMeetingInput* input, uint32_t threads);
 /// Lists which free pairs lie beside which.
 qcStatus qcManifolds_FindRings(qcManifolds* manifolds, uint32_t threads);
 /// The direction of each free pair, looked at with its neighbourhood, and the corners of what its triangles have in
 /// common along it.
-qcStatus qcManifolds_ChooseNormals(qcManifolds* manifolds, const qcManifoldInput* input, uint32_t threads);
+qcStatus qcManifolds_ChooseNormals(qcManifolds* manifolds, const qcMeetingInput* input, uint32_t threads);
 /// Their signs, looked at in each region.
-qcStatus qcManifolds_ChooseSigns(qcManifolds* manifolds, const qcManifoldInput* input);
-/// From corners to points. Needs numbered regions.
-qcStatus qcManifolds_FindPoints(qcManifolds* manifolds, const qcManifoldInput* input, uint32_t threads);
+qcStatus qcManifolds_ChooseSigns(qcManifolds* manifolds, const qcMeetingInput* input);
+/// From corners to points.
+qcStatus qcManifolds_FindPoints(qcManifolds* manifolds, const qcMeetingInput* input, uint32_t threads);
 qcStatus qcManifolds_MergePoints(qcManifolds* manifolds);
 /// Of flat patches between rigid bodies only the corners stay.
 void qcManifolds_DropBetween(qcManifolds* manifolds);
@@ -282,7 +345,6 @@ static inline uint32_t qcManifolds_FreePair(const qcManifolds* manifolds, size_t
     return QC_AT(uint32_t, manifolds->freePairs, i);
 }
 
-/// Before regions are numbered as in the result.
 static inline qcPairRegion* qcManifolds_PairRegion(const qcManifolds* manifolds, const qcManifoldPair* pair)
 {
     return &QC_AT(qcPairRegion, manifolds->regions, pair->region);

@@ -34,13 +34,6 @@ typedef struct Plane
     qcHeights sides[2][2]; ///< along the face of a side of the flat pair, of a side of the region
 } Plane;
 
-static double DoubleArea(const qcManifoldTriangle* triangle)
-{
-    qcVector across =
-        qcCross(qcMinus(triangle->corner[1], triangle->corner[0]), qcMinus(triangle->corner[2], triangle->corner[0]));
-    return sqrt(qcDot(across, across));
-}
-
 /// Do the triangles lie on each other, or a little above or below?
 static bool LieFlat(const qcManifoldPair* pair)
 {
@@ -62,7 +55,7 @@ static void FindFlatPairs(qcManifolds* m)
         Plane* plane = &QC_AT(Plane, m->planes, pair->region);
         if (!(fabs(qcDot(pair->side[0]->normal, pair->side[1]->normal)) >= QC_MANIFOLD_FLAT))
             continue;
-        double area = fmin(DoubleArea(pair->side[0]), DoubleArea(pair->side[1]));
+        double area = fmin(pair->side[0]->doubleArea, pair->side[1]->doubleArea);
         if (!(area > plane->area) || !LieFlat(pair))
             continue;
         plane->area = area;

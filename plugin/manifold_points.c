@@ -25,7 +25,7 @@ enum
 typedef struct Job
 {
     qcManifolds* manifolds;
-    const qcManifoldInput* input;
+    const qcMeetingInput* input;
 } Job;
 
 /// The deepest first; those that differ by rounding only in the order in which they were found.
@@ -57,7 +57,7 @@ static qcRawPoint Witness(const Job* job, uint32_t index)
         point.end[0] = point.end[1];
         point.end[1] = swap;
     }
-    bool isFree = !pair->parted || QC_AT(qcContactRegion, m->numbered, pair->region).crossing;
+    bool isFree = !pair->parted || QC_AT(qcContactRegion, m->measured, pair->region).crossing;
     if (isFree && qcDot(pair->reported, pair->normal) < 0.0)
         point.normal = qcNegated(point.normal);
     point.distance = qcDot(qcMinus(point.end[0], point.end[1]), point.normal);
@@ -99,7 +99,7 @@ static void FindPoints(const Job* job, uint32_t index)
     double a = pair->side[0]->longestEdge, b = pair->side[1]->longestEdge;
     double rounding = QC_MANIFOLD_ROUNDING * (a > b ? a : b), limit = qcManifoldPair_Limit(pair, job->input->margin);
     qcRawPoint* points = qcManifolds_Corners(m, index);
-    double tolerance = QC_AT(qcContactRegion, m->numbered, pair->region).tolerance;
+    double tolerance = QC_AT(qcContactRegion, m->measured, pair->region).tolerance;
     for (int i = 0; i < corners->count && pair->turned; i++)
     {
         points[i].normal = pair->normal;
@@ -189,7 +189,7 @@ static qcStatus Gather(const Job* job)
     return qc_statusOk;
 }
 
-qcStatus qcManifolds_FindPoints(qcManifolds* m, const qcManifoldInput* input, uint32_t threads)
+qcStatus qcManifolds_FindPoints(qcManifolds* m, const qcMeetingInput* input, uint32_t threads)
 {
     QC_TRY(qcArray_Resize(&m->corners, m->work.count, sizeof(qcPairCorners), "contact points"));
     QC_TRY(qcArray_Resize(&m->witnessed, m->work.count, sizeof(bool), "contact points"));

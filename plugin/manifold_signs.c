@@ -203,7 +203,7 @@ static void DropLinks(qcManifolds* m)
 
 /// Trees of pairs that are equal or opposite. The facts of a region in which nothing crosses are one from the start;
 /// then come the sure links, and of the others those that still join something, the surest first.
-static qcStatus GrowTrees(qcManifolds* m, const qcManifoldInput* input)
+static qcStatus GrowTrees(qcManifolds* m, const qcMeetingInput* input)
 {
     QC_TRY(qcArray_Resize(&m->parts, m->work.count, sizeof(Part), "signs of normals"));
     for (size_t i = 0; i < m->freePairs.count; i++)
@@ -320,7 +320,7 @@ static bool IsWrongWay(const Part* part, const qcManifoldPair* first, double mar
     return PointsDown(first->normal);
 }
 
-qcStatus qcManifolds_ChooseSigns(qcManifolds* m, const qcManifoldInput* input)
+qcStatus qcManifolds_ChooseSigns(qcManifolds* m, const qcMeetingInput* input)
 {
     if (!FindFacts(m))
         return qc_statusOk;

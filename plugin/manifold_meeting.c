@@ -1,0 +1,152 @@
+// Of two bodies, or of one with itself: from pairs of triangles to contact points, step by step; each step is a file of
+// its own.
+#include "manifold_parts.h"
+#include "sort.h"
+#include "status.h"
+
+#include <string.h>
+
+// Points nearer than this share of the triangles' size are one: in a region, the longest edge of a pair's smaller
+// triangle, on average.
+static const double s_tolerance = 1.0 / 64.0;
+
+/// What points ask of the regions that they belong to.
+static qcStatus MeasureRegions(qcManifolds* m)
+{
+    QC_TRY(qcArray_Resize(&m->measured, m->regions.count, sizeof(qcContactRegion), "regions of contact"));
+    for (uint32_t r = 0; r < m->measured.count; r++)
+        QC_AT(qcContactRegion, m->measured, r) = (qcContactRegion){0};
+    for (uint32_t p = 0; p < m->work.count; p++)
+    {
+        const qcManifoldPair* pair = qcManifolds_Pair(m, p);
+        qcContactRegion* region = &QC_AT(qcContactRegion, m->measured, pair->region);
+        region->tolerance += s_tolerance * qcManifoldPair_SmallerSize(pair);
+        region->crossing = region->crossing || pair->crossing;
+        region->pairs++;
+    }
+    for (uint32_t r = 0; r < m->measured.count; r++)
+        QC_AT(qcContactRegion, m->measured, r).tolerance /= QC_AT(qcContactRegion, m->measured, r).pairs;
+    return qc_statusOk;
+}
+
+static void Store(qcVector v, double out[3])
+{
+    out[0] = v.x;
+    out[1] = v.y;
+    out[2] = v.z;
+}
+
+static qcManifoldPoint PointOf(const qcManifolds* m, const qcRawPoint* raw)
+{
+    const qcManifoldPair* pair = qcManifolds_Pair(m, raw->pair);
+    qcManifoldPoint point = {.distance = raw->distance,
+                             .triangleA = pair->side[0]->index,
+                             .triangleB = pair->side[1]->index,
+                             .featureA = {raw->feature[0][0], raw->feature[0][1]},
+                             .featureB = {raw->feature[1][0], raw->feature[1][1]}};
+    Store(raw->end[0], point.pointA);
+    Store(raw->end[1], point.pointB);
+    Store(raw->normal, point.normal);
+    return point;
+}
+
+/// Every region has a point: its first pair is heard, and of the points of a region the deepest stays.
+static qcStatus WriteResult(qcManifolds* m)
+{
+    const qcManifoldPair* any = qcManifolds_Pair(m, 0);
+    size_t firstManifold = m->manifolds.count, firstPoint = m->points.count, count = 0;
+    for (size_t i = 0; i < m->raw.count; i++)
+        count += QC_AT(uint32_t, m->keepers, i) == i;
+    QC_TRY(qcArray_Reserve(&m->points, firstPoint + count, sizeof(qcManifoldPoint), "manifolds"));
+    QC_TRY(qcArray_Resize(&m->manifolds, firstManifold + m->regions.count, sizeof(qcManifold), "manifolds"));
+    m->points.count = firstPoint + count;
+    qcManifold* manifolds = &QC_AT(qcManifold, m->manifolds, firstManifold);
+    qcManifoldPoint* points = &QC_AT(qcManifoldPoint, m->points, firstPoint);
+    for (size_t r = 0; r < m->regions.count; r++)
+        manifolds[r] = (qcManifold){.bodyA = any->side[0]->slot, .bodyB = any->side[1]->slot};
+    uint32_t at = 0;
+    for (size_t i = 0; i < m->order.count; i++)
+    {
+        qcSortItem item = QC_AT(qcSortItem, m->order, i);
+        if (QC_AT(uint32_t, m->keepers, item.value) != item.value)
+            continue;
+        qcManifold* manifold = &manifolds[item.key >> 32];
+        if (manifold->pointCount++ == 0)
+            manifold->firstPoint = at;
+        points[at++] = PointOf(m, &QC_AT(qcRawPoint, m->raw, item.value));
+    }
+    return qc_statusOk;
+}
+
+static qcStatus EmptyWorkers(qcManifolds* m, uint32_t threads)
+{
+    size_t old = m->workers.count;
+    if (threads > old)
+    {
+        QC_TRY(qcArray_Resize(&m->workers, threads, sizeof(qcManifoldWorker), "contact points"));
+        memset(&QC_AT(qcManifoldWorker, m->workers, old), 0, (threads - old) * sizeof(qcManifoldWorker));
+    }
+    for (size_t i = 0; i < m->workers.count; i++)
+    {
+        qcManifoldWorker* worker = &QC_AT(qcManifoldWorker, m->workers, i);
+        worker->rings.count = worker->points.count = 0;
+        worker->status = qc_statusOk;
+    }
+    return qc_statusOk;
+}
+
+qcStatus qcManifolds_LoopStatus(const qcManifolds* m)
+{
+    for (size_t i = 0; i < m->workers.count; i++)
+        // The message is the worker's own; say it again on this thread.
+        if (QC_AT(qcManifoldWorker, m->workers, i).status != qc_statusOk)
+            return qcArray_FailAgain(&QC_AT(qcManifoldWorker, m->workers, i).points, "neighbours and contact points");
+    return qc_statusOk;
+}
+
+/// Without a pair there is nothing in the result.
+qcStatus qcManifolds_Build(qcManifolds* m, const qcTriangles* triangles, const qcMeetingInput* input, uint32_t threads)
+{
+    QC_TRY(EmptyWorkers(m, threads));
+    qcMeetingInput known = *input;
+    QC_TRY(qcManifolds_TakePairs(m, triangles, &known));
+    if (m->work.count == 0)
+        return qc_statusOk;
+    QC_TRY(qcManifolds_JoinRegions(m));
+    QC_TRY(qcManifolds_FindPlanes(m, input->margin));
+    QC_TRY(qcManifolds_AskPairs(m, &known, threads));
+    QC_TRY(qcManifolds_FindRings(m, threads));
+    QC_TRY(qcManifolds_ChooseNormals(m, &known, threads));
+    QC_TRY(qcManifolds_ChooseSigns(m, &known));
+    QC_TRY(MeasureRegions(m));
+    QC_TRY(qcManifolds_FindPoints(m, &known, threads));
+    QC_TRY(qcManifolds_MergePoints(m));
+    qcManifolds_DropBetween(m);
+    return WriteResult(m);
+}
+
+static void FreeWorkers(qcManifolds* m)
+{
+    for (size_t i = 0; i < m->workers.count; i++)
+    {
+        qcManifoldWorker* worker = &QC_AT(qcManifoldWorker, m->workers, i);
+        qcArray* arrays[] = {&worker->rings, &worker->points, &worker->listOf,
+                             &worker->lists, &worker->fans,   &worker->seen};
+        for (size_t k = 0; k < sizeof arrays / sizeof arrays[0]; k++)
+            qcArray_Free(arrays[k]);
+    }
+    qcArray_Free(&m->workers);
+}
+
+void qcManifolds_Free(qcManifolds* m)
+{
+    FreeWorkers(m);
+    qcArray* arrays[] = {&m->work,     &m->triangles, &m->numbers, &m->vertexNumbers, &m->vertices,    &m->table,
+                         &m->last,     &m->freePairs, &m->pairsOf, &m->places,        &m->proximities, &m->feet,
+                         &m->choices,  &m->heard,     &m->nodes,   &m->regions,       &m->planes,      &m->parts,
+                         &m->measured, &m->corners,   &m->raw,     &m->firstRaw,      &m->witnessed,   &m->order,
+                         &m->scratch,  &m->heads,     &m->links,   &m->keepers,       &m->members,     &m->manifolds,
+                         &m->points};
+    for (size_t i = 0; i < sizeof arrays / sizeof arrays[0]; i++)
+        qcArray_Free(arrays[i]);
+}
