@@ -14,12 +14,8 @@ static const double s_edgeOn = 1e-3;
 typedef struct Sight
 {
     const qcManifoldPair* pair;
-    const qcVector* corner[2];
-    qcVector edge[2][3];    ///< edge e: from corner e to the next
-    qcVector across[2][3];  ///< an edge x the direction
+    qcTriangleView* view[2];
     double beyond[2][3][3]; ///< across edge e of a side, from it: corner c of the other side
-    double facing[2];       ///< a face's normal, not of unit length, along the direction
-    qcVector face[2];
     qcVector normal;
     qcRawPoint* found;
     int count;
@@ -40,7 +36,7 @@ static uint32_t VertexOf(const Sight* sight, int side, int corner)
 /// Is corner c of a side surely outside of the other's face, as seen along the direction? Settles most.
 static bool IsOutsideFace(const Sight* sight, int side, int c)
 {
-    double facing = sight->facing[1 - side], border = 2.0 * QC_MANIFOLD_ROUNDING * fabs(facing);
+    double facing = sight->view[1 - side]->facing, border = 2.0 * QC_MANIFOLD_ROUNDING * fabs(facing);
     for (int e = 0; e < 3; e++)
         if ((facing > 0.0 ? sight->beyond[1 - side][e][c] : -sight->beyond[1 - side][e][c]) > border)
             return true;
@@ -51,27 +47,28 @@ static bool IsOutsideFace(const Sight* sight, int side, int c)
 /// one of them, in spite of rounding.
 static bool IsInside(const Sight* sight, int side, qcVector foot)
 {
-    qcVector m = sight->face[side];
+    const qcTriangleView* view = sight->view[side];
+    qcVector m = view->face;
     double border = -QC_MANIFOLD_ROUNDING * qcDot(m, m);
     for (int e = 0; e < 3; e++)
-        if (!(qcDot(m, qcCross(sight->edge[side][e], qcMinus(foot, sight->corner[side][e]))) >= border))
+        if (!(qcDot(m, qcCross(view->edge[e], qcMinus(foot, view->triangle->corner[e]))) >= border))
             return false;
     return true;
 }
 
 static void CornersOverFace(Sight* sight, int side)
 {
-    const qcVector* face = sight->corner[1 - side];
-    qcVector n = sight->normal, m = sight->face[1 - side];
-    double facing = sight->facing[1 - side];
+    const qcTriangleView* under = sight->view[1 - side];
+    qcVector n = sight->normal, m = under->face;
+    double facing = under->facing;
     if (!(facing * facing > s_edgeOn * s_edgeOn * qcDot(m, m)))
         return;
     for (int c = 0; c < 3; c++)
     {
         if (IsOutsideFace(sight, side, c))
             continue;
-        qcVector x = sight->corner[side][c];
-        double height = qcDot(m, qcMinus(x, face[0])) / facing;
+        qcVector x = sight->view[side]->triangle->corner[c];
+        double height = qcDot(m, qcMinus(x, under->triangle->corner[0])) / facing;
         qcVector foot = qcPlusScaled(x, n, -height);
         if (!IsInside(sight, 1 - side, foot))
             continue;
@@ -109,8 +106,8 @@ static bool ClampToEdge(double* t)
 
 static void EdgeOverEdge(Sight* sight, int e, int f)
 {
-    qcVector u = sight->edge[0][e], v = sight->edge[1][f];
-    double cross = qcDot(u, sight->across[1][f]);
+    qcVector u = sight->view[0]->edge[e], v = sight->view[1]->edge[f];
+    double cross = qcDot(u, sight->view[1]->across[f]);
     double s = -sight->beyond[1][f][e], t = sight->beyond[0][e][f];
     if (IsOutsideEdge(s, cross) || IsOutsideEdge(t, cross))
         return;
@@ -121,7 +118,8 @@ static void EdgeOverEdge(Sight* sight, int e, int f)
     t /= cross;
     if (!ClampToEdge(&s) || !ClampToEdge(&t))
         return;
-    qcRawPoint point = {.end = {qcPlusScaled(sight->corner[0][e], u, s), qcPlusScaled(sight->corner[1][f], v, t)},
+    qcRawPoint point = {.end = {qcPlusScaled(sight->view[0]->triangle->corner[e], u, s),
+                                qcPlusScaled(sight->view[1]->triangle->corner[f], v, t)},
                         .normal = sight->normal};
     point.distance = qcDot(qcMinus(point.end[0], point.end[1]), sight->normal);
     NameEdge(sight, 0, e, point.feature[0]);
@@ -129,24 +127,43 @@ static void EdgeOverEdge(Sight* sight, int e, int f)
     Keep(sight, &point);
 }
 
+static void SeeEdge(qcTriangleView* view, int e, qcVector normal)
+{
+    const qcVector* corner = view->triangle->corner;
+    view->edge[e] = qcMinus(corner[(e + 1) % 3], corner[e]);
+    view->across[e] = qcCross(view->edge[e], normal);
+    view->inner[e] = qcDot(view->across[e], qcMinus(corner[(e + 2) % 3], corner[e]));
+    view->edges = e + 1;
+}
+
+static void SeeFace(qcTriangleView* view, qcVector normal)
+{
+    if (view->hasFace)
+        return;
+    view->face = qcCross(view->edge[0], view->edge[1]);
+    view->facing = qcDot(view->face, normal);
+    view->hasFace = true;
+}
+
 /// Seen along the direction, is the other triangle beyond the line through an edge of this side's? Fills what is known
 /// of this side until it says so.
 static bool AreBeside(Sight* sight, int side)
 {
-    const qcVector *corner = sight->corner[side], *other = sight->corner[1 - side];
+    qcTriangleView* view = sight->view[side];
+    const qcVector *corner = view->triangle->corner, *other = sight->view[1 - side]->triangle->corner;
     for (int e = 0; e < 3; e++)
     {
-        sight->edge[side][e] = qcMinus(corner[(e + 1) % 3], corner[e]);
-        qcVector across = qcCross(sight->edge[side][e], sight->normal);
+        if (view->edges == e)
+            SeeEdge(view, e, sight->normal);
+        qcVector across = view->across[e];
         double* beyond = sight->beyond[side][e];
         for (int c = 0; c < 3; c++)
             beyond[c] = qcDot(across, qcMinus(other[c], corner[e]));
-        double inner = qcDot(across, qcMinus(corner[(e + 2) % 3], corner[e]));
-        double x = beyond[0], y = beyond[1], z = beyond[2], border = QC_MANIFOLD_ROUNDING * fabs(inner);
+        double x = beyond[0], y = beyond[1], z = beyond[2], inner = view->inner[e];
+        double border = QC_MANIFOLD_ROUNDING * fabs(inner);
         if ((inner > 0.0 && x < -border && y < -border && z < -border) ||
             (inner < 0.0 && x > border && y > border && z > border))
             return true;
-        sight->across[side][e] = across;
     }
     return false;
 }
@@ -169,22 +186,20 @@ bool qcManifoldPair_CoversArea(const qcManifoldPair* pair, const qcRawPoint* cor
     return false;
 }
 
-int qcManifoldPair_FindCommonPart(const qcManifoldPair* pair, qcVector normal, qcRawPoint corners[qc_maxCommonCorners])
+int qcManifoldPair_FindCommonPartSeen(const qcManifoldPair* pair, qcVector normal, qcTriangleView* views[2],
+                                      qcRawPoint corners[qc_maxCommonCorners])
 {
     Sight sight;
     sight.pair = pair;
     sight.normal = normal;
     sight.found = corners;
     sight.count = 0;
-    sight.corner[0] = pair->side[0]->corner;
-    sight.corner[1] = pair->side[1]->corner;
+    sight.view[0] = views[0];
+    sight.view[1] = views[1];
     if (AreBeside(&sight, 0) || AreBeside(&sight, 1))
         return 0;
-    for (int side = 0; side < 2; side++)
-    {
-        sight.face[side] = qcCross(sight.edge[side][0], sight.edge[side][1]);
-        sight.facing[side] = qcDot(sight.face[side], normal);
-    }
+    SeeFace(views[0], normal);
+    SeeFace(views[1], normal);
     // Corners of triangles first: where one also lies on an edge of the other, a vertex is the steadier name.
     CornersOverFace(&sight, 0);
     CornersOverFace(&sight, 1);
@@ -192,4 +207,12 @@ int qcManifoldPair_FindCommonPart(const qcManifoldPair* pair, qcVector normal, q
         for (int f = 0; f < 3; f++)
             EdgeOverEdge(&sight, e, f);
     return sight.count;
+}
+
+int qcManifoldPair_FindCommonPart(const qcManifoldPair* pair, qcVector normal, qcRawPoint corners[qc_maxCommonCorners])
+{
+    qcTriangleView views[2];
+    for (int side = 0; side < 2; side++)
+        qcTriangleView_Begin(&views[side], pair->side[side]);
+    return qcManifoldPair_FindCommonPartSeen(pair, normal, (qcTriangleView* [2]){&views[0], &views[1]}, corners);
 }

@@ -130,7 +130,7 @@ static void FreeWorkers(qcManifolds* m)
     for (size_t i = 0; i < m->workers.count; i++)
     {
         qcManifoldWorker* worker = &QC_AT(qcManifoldWorker, m->workers, i);
-        qcArray* arrays[] = {&worker->rings, &worker->points, &worker->listOf,
+        qcArray* arrays[] = {&worker->rings, &worker->points, &worker->views, &worker->listOf,
                              &worker->lists, &worker->fans,   &worker->seen};
         for (size_t k = 0; k < sizeof arrays / sizeof arrays[0]; k++)
             qcArray_Free(arrays[k]);

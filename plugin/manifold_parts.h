@@ -52,6 +52,7 @@ typedef struct qcManifoldTriangle
     uint32_t vertex[3];            ///< corners: of those at the same position the number of the first
     uint32_t firstPair, pairCount; ///< its entries in pairsOf
     uint32_t first, count;         ///< its places
+    uint32_t heardBy;              ///< the side of a region that knows its heights, while planes are looked for
 } qcManifoldTriangle;
 
 /// A pair, as one of its triangles sees it.
@@ -129,6 +130,7 @@ typedef struct qcManifoldWorker
 {
     qcArray rings;                     ///< of qcRing entries
     qcArray points;                    ///< of qcRawPoint
+    qcArray views;                     ///< of qcTriangleView, while points of settled pairs are looked for
     qcArray listOf, lists, fans, seen; ///< while rings are looked for
     qcStatus status;
     bool changed;   ///< some direction, in this round
@@ -172,9 +174,33 @@ static inline double qcManifoldPair_Limit(const qcManifoldPair* pair, double mar
     return margin * (1.0 + QC_MANIFOLD_ROUNDING) + QC_MANIFOLD_ROUNDING * (a > b ? a : b);
 }
 
+/// A triangle seen along a direction: what is the same whatever the other one is, filled as far as somebody asked.
+typedef struct qcTriangleView
+{
+    const qcManifoldTriangle* triangle;
+    uint32_t region; ///< whose normal the direction is, for whoever keeps views
+    bool hasFace;
+    int edges;          ///< that are known
+    qcVector edge[3];   ///< edge e: from corner e to the next
+    qcVector across[3]; ///< an edge x the direction
+    double inner[3];    ///< across edge e, from it: the corner that it lacks
+    qcVector face;      ///< its normal, not of unit length
+    double facing;      ///< that along the direction
+} qcTriangleView;
+
+static inline void qcTriangleView_Begin(qcTriangleView* view, const qcManifoldTriangle* triangle)
+{
+    view->triangle = triangle;
+    view->hasFace = false;
+    view->edges = 0;
+}
+
 /// Corners of what the two triangles have in common seen along a direction, with their gaps; none where they lie beside
 /// each other. Returns their number. Along the opposite direction the gaps are opposite, and all else is the same.
 int qcManifoldPair_FindCommonPart(const qcManifoldPair* pair, qcVector normal, qcRawPoint corners[qc_maxCommonCorners]);
+/// The same with views along this direction of the two sides, for whoever keeps them.
+int qcManifoldPair_FindCommonPartSeen(const qcManifoldPair* pair, qcVector normal, qcTriangleView* views[2],
+                                      qcRawPoint corners[qc_maxCommonCorners]);
 
 /// Do the corners of what a pair's triangles have in common span an area?
 bool qcManifoldPair_CoversArea(const qcManifoldPair* pair, const qcRawPoint* corners, int count);

@@ -69,9 +69,11 @@ static void Widen(qcHeights* all, qcHeights heights)
     all->high = heights.high > all->high ? heights.high : all->high;
 }
 
-/// How high the sides of the regions reach, as seen from the flat pairs.
+/// How high the sides of the regions reach, as seen from the flat pairs. Each triangle is asked once, mostly.
 static void FindHeights(qcManifolds* m)
 {
+    for (size_t i = 0; i < m->triangles.count; i++)
+        QC_AT(qcManifoldTriangle, m->triangles, i).heardBy = UINT32_MAX;
     for (uint32_t p = 0; p < m->work.count; p++)
     {
         const qcManifoldPair* pair = qcManifolds_Pair(m, p);
@@ -79,11 +81,17 @@ static void FindHeights(qcManifolds* m)
         if (plane->area == 0.0)
             continue;
         const qcManifoldPair* flat = qcManifolds_Pair(m, plane->flat);
-        for (int face = 0; face < 2; face++)
-            for (int side = 0; side < 2; side++)
+        for (uint32_t side = 0; side < 2; side++)
+        {
+            qcManifoldTriangle* triangle = qcManifolds_Triangle(m, pair, side);
+            uint32_t asked = pair->region << 1 | side;
+            if (triangle->heardBy == asked)
+                continue;
+            triangle->heardBy = asked;
+            for (int face = 0; face < 2; face++)
                 Widen(&plane->sides[face][side],
-                      qcManifoldTriangle_Heights(pair->side[side], flat->side[face]->corner[0],
-                                                 flat->side[face]->normal));
+                      qcManifoldTriangle_Heights(triangle, flat->side[face]->corner[0], flat->side[face]->normal));
+        }
     }
 }
 

@@ -19,7 +19,9 @@ enum
 {
     // A block takes some 30 microseconds.
     qc_pointBlock = 256,
-    qc_leastPointBlocks = 8
+    qc_leastPointBlocks = 8,
+    // Views that are kept of either side; a block's pairs have fewer triangles, mostly.
+    qc_keptViews = 128
 };
 
 typedef struct Job
@@ -73,6 +75,25 @@ static bool IsAnyAsGood(const qcRawPoint* points, int count, const qcRawPoint* p
     return false;
 }
 
+/// A triangle seen along the normal of the pair's region. Neighbours in the list have it too, and ask soon.
+static qcTriangleView* ViewOf(qcTriangleView* kept, const qcManifoldPair* pair, int side)
+{
+    const qcManifoldTriangle* triangle = pair->side[side];
+    qcTriangleView* view = &kept[(unsigned)side * qc_keptViews + triangle->index % qc_keptViews];
+    if (view->triangle != triangle || view->region != pair->region)
+        qcTriangleView_Begin(view, triangle);
+    view->region = pair->region;
+    return view;
+}
+
+static qcStatus EmptyViews(qcManifoldWorker* worker)
+{
+    QC_TRY(qcArray_Resize(&worker->views, 2 * qc_keptViews, sizeof(qcTriangleView), "contact points"));
+    for (size_t i = 0; i < worker->views.count; i++)
+        QC_AT(qcTriangleView, worker->views, i).triangle = NULL;
+    return qc_statusOk;
+}
+
 /// Corners of a pair whose region a plane parts, into the worker's list, which has room.
 static void FindCorners(qcManifolds* m, uint32_t index, uint32_t worker, double limit)
 {
@@ -84,7 +105,11 @@ static void FindCorners(qcManifolds* m, uint32_t index, uint32_t worker, double 
     int count = 0;
     qcRawPoint* found = &QC_AT(qcRawPoint, *points, points->count);
     if (ways.along >= -limit)
-        count = qcManifoldPair_FindCommonPart(pair, pair->normal, found);
+    {
+        qcTriangleView* kept = QC_AT(qcManifoldWorker, m->workers, worker).views.data;
+        qcTriangleView* views[2] = {ViewOf(kept, pair, 0), ViewOf(kept, pair, 1)};
+        count = qcManifoldPair_FindCommonPartSeen(pair, pair->normal, views, found);
+    }
     for (int i = 0; i < count; i++)
         found[i].pair = index;
     QC_AT(qcPairCorners, m->corners, index) = (qcPairCorners){points->count, (uint16_t)worker, (uint8_t)count};
@@ -134,6 +159,8 @@ static void TakeSettledBlock(void* context, size_t block, uint32_t worker)
     if (self->status == qc_statusOk)
         self->status = qcArray_Reserve(&self->points, self->points.count + qc_pointBlock * qc_maxCommonCorners,
                                        sizeof(qcRawPoint), "contact points");
+    if (self->status == qc_statusOk)
+        self->status = EmptyViews(self);
     for (uint32_t p = (uint32_t)(block * qc_pointBlock); p < (end < count ? end : count) && self->status == qc_statusOk;
          p++)
     {
