@@ -60,7 +60,7 @@ static Basis BasisOf(qcVector normal)
 
 static double Wrapped(double angle)
 {
-    return angle - 2.0 * s_pi * floor(angle / (2.0 * s_pi) + 0.5);
+    return angle - 2.0 * s_pi * qcFloor(angle / (2.0 * s_pi) + 0.5);
 }
 
 static bool ConeOf(const qcManifolds* m, const Basis* basis, uint32_t raw, Cone* cone)

@@ -49,8 +49,7 @@ static uint64_t Mix(uint64_t hash, double x)
 
 static uint32_t* HeadOf(qcManifolds* m, uint32_t region, int end, double x, double y, double z)
 {
-    // + 0.0: floor may give -0.
-    uint64_t hash = Mix(Mix(Mix((uint64_t)region << 1 | (unsigned)end, x + 0.0), y + 0.0), z + 0.0);
+    uint64_t hash = Mix(Mix(Mix((uint64_t)region << 1 | (unsigned)end, x), y), z);
     return &QC_AT(uint32_t, m->heads, hash & (m->heads.count - 1));
 }
 
@@ -81,9 +80,9 @@ static uint32_t Find(qcManifolds* m, const Search* search, double scale)
     {
         qcVector p = search->point->end[end];
         double t = search->tolerance;
-        double x[2] = {floor((p.x - t) * scale), floor((p.x + t) * scale)};
-        double y[2] = {floor((p.y - t) * scale), floor((p.y + t) * scale)};
-        double z[2] = {floor((p.z - t) * scale), floor((p.z + t) * scale)};
+        double x[2] = {qcFloor((p.x - t) * scale), qcFloor((p.x + t) * scale)};
+        double y[2] = {qcFloor((p.y - t) * scale), qcFloor((p.y + t) * scale)};
+        double z[2] = {qcFloor((p.z - t) * scale), qcFloor((p.z + t) * scale)};
         for (int i = 0; i < 2; i++)
             for (int j = 0; j < 2; j++)
                 for (int k = 0; k < 2; k++)
@@ -103,7 +102,8 @@ static void Insert(qcManifolds* m, const Search* search, uint32_t raw, double sc
     for (int end = 0; end < 2; end++)
     {
         qcVector p = search->point->end[end];
-        uint32_t* head = HeadOf(m, search->region, end, floor(p.x * scale), floor(p.y * scale), floor(p.z * scale));
+        uint32_t* head =
+            HeadOf(m, search->region, end, qcFloor(p.x * scale), qcFloor(p.y * scale), qcFloor(p.z * scale));
         QC_AT(Link, m->links, m->links.count++) = (Link){raw, *head};
         *head = (uint32_t)m->links.count;
     }

@@ -155,6 +155,17 @@ static bool AreCoplanar(const double a[3][3], const double b[3][3])
     return true;
 }
 
+/// ldexp, which is a call that looks at all that a number can be.
+static double TimesPowerOfTwo(double x, int exponent)
+{
+    if (exponent < -1022 || exponent > 1023)
+        return ldexp(x, exponent);
+    uint64_t bits = (uint64_t)(1023 + exponent) << 52;
+    double power;
+    memcpy(&power, &bits, sizeof power);
+    return x * power;
+}
+
 /// The mean of the corners by weight, in world space: from the heaviest corner, so that a corner is met without
 /// rounding.
 static void SetPoint(const double corners[3][3], const qcVector local[3], const double weights[3], int exponent,
@@ -169,7 +180,7 @@ static void SetPoint(const double corners[3][3], const qcVector local[3], const 
     const double steps[3] = {step.x, step.y, step.z};
     for (int axis = 0; axis < 3; axis++)
     {
-        point[axis] = corners[h][axis] + ldexp(steps[axis], exponent);
+        point[axis] = corners[h][axis] + TimesPowerOfTwo(steps[axis], exponent);
         if (!isfinite(point[axis])) // the step alone, between corners at both ends of all numbers
             point[axis] = 2.0 * (0.5 * corners[h][axis] + ldexp(steps[axis], exponent - 1));
     }
@@ -251,7 +262,7 @@ static void Compute(const double a[3][3], const double b[3][3], qcRelation relat
     Axis axis = FindAxis(&frame, &closest, distance);
     memcpy(proximity->normal, (double[]){axis.direction.x, axis.direction.y, axis.direction.z},
            sizeof proximity->normal);
-    proximity->distance = ldexp(distance, frame.exponent);
+    proximity->distance = TimesPowerOfTwo(distance, frame.exponent);
     proximity->depth = 0.0;
     bool deep = relation == qc_relationPenetrating && axis.gap < 0.0;
     if (deep && !(-axis.gap < s_loss && AreCoplanar(a, b)))

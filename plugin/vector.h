@@ -2,6 +2,8 @@
 #ifndef QC_PLUGIN_VECTOR_H
 #define QC_PLUGIN_VECTOR_H
 
+#include <stdint.h>
+
 typedef struct qcVector
 {
     double x, y, z;
@@ -31,6 +33,16 @@ static inline double qcDot(qcVector a, qcVector b)
 static inline qcVector qcCross(qcVector a, qcVector b)
 {
     return (qcVector){a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+}
+
+/// floor, which is a call on machines that a compiler targets by default. Never -0.
+static inline double qcFloor(double x)
+{
+    // Beyond these all doubles are whole. NaN too is returned as it is.
+    if (!(x > -0x1p52 && x < 0x1p52))
+        return x;
+    double whole = (double)(int64_t)x;
+    return whole > x ? whole - 1.0 : whole;
 }
 
 #endif
