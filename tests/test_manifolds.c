@@ -341,6 +341,45 @@ START_TEST(a_sheet_in_a_slit_is_held_from_both_sides)
 }
 END_TEST
 
+/// Unit cubes above and below z = 0, as far from it as the gaps say: one body.
+static qcSoup MakeTwoBoxes(double gapAbove, double gapBelow)
+{
+    qcSoup box = qcMakeBox(2), two = qcMakeEmptySoup(2 * box.vertexCount, 2 * box.triangleCount);
+    for (uint32_t v = 0; v < two.vertexCount; v++)
+    {
+        bool above = v < box.vertexCount;
+        memcpy(two.positions + 3 * (size_t)v, box.positions + 3 * (size_t)(v % box.vertexCount), 3 * sizeof(double));
+        two.positions[3 * (size_t)v + 2] += above ? gapAbove : -1.0 - gapBelow;
+    }
+    for (uint32_t i = 0; i < 3 * two.triangleCount; i++)
+        two.indices[i] = box.indices[i % (3 * box.triangleCount)] + (i < 3 * box.triangleCount ? 0 : box.vertexCount);
+    qcSoup_Free(&box);
+    return two;
+}
+
+START_TEST(a_sheet_between_two_boxes_of_one_body_has_the_corners_of_each)
+{
+    // Each triangle of the sheet is in both regions, with opposite normals. Near enough for a plane to part each.
+    qcSoup two = MakeTwoBoxes(0.004, 0.006), sheet = qcMakeFloor(_i == 0 ? 1 : 7, -2.03, -1.97, 5.0);
+    qcManifoldScene m = qcFindManifolds(&two, &sheet, qc_bodyRigid, 0.02, 1);
+    ck_assert_uint_eq(m.result->manifoldCount, 2);
+    for (int box = 0; box < 2; box++)
+    {
+        const qcManifold* manifold = &m.result->manifolds[box];
+        ck_assert_uint_eq(manifold->pointCount, 4);
+        for (uint32_t i = 0; i < 4; i++)
+        {
+            const qcManifoldPoint* point = &m.result->manifoldPoints[manifold->firstPoint + i];
+            ck_assert_double_eq(point->normal[2], box == 0 ? 1.0 : -1.0);
+            ck_assert_double_eq_tol(point->distance, box == 0 ? 0.004 : 0.006, 1e-12);
+        }
+    }
+    qcManifoldScene_Free(&m);
+    qcSoup_Free(&two);
+    qcSoup_Free(&sheet);
+}
+END_TEST
+
 START_TEST(a_sheet_that_touches_the_bottom_of_a_groove_is_held_from_both_sides)
 {
     // Two walls of tiles that meet at x = 0 at an angle of 20 degrees, and a sheet between them down to the bottom.
@@ -450,6 +489,7 @@ int main(void)
     tcase_add_test(testCase, a_ball_in_a_socket_is_pushed_inwards_from_all_sides);
     LOOP(a_fan_of_any_size_is_one_contact, 4);
     tcase_add_test(testCase, a_sheet_in_a_slit_is_held_from_both_sides);
+    LOOP(a_sheet_between_two_boxes_of_one_body_has_the_corners_of_each, 2);
     tcase_add_test(testCase, a_sheet_that_touches_the_bottom_of_a_groove_is_held_from_both_sides);
     LOOP(layers_of_a_folded_cloth_part_the_same_way_everywhere, 4);
     suite_add_tcase(suite, testCase);
