@@ -6,6 +6,8 @@
 // TestAabbAgainstAabb2.
 #include "broadphase_proxy.h"
 
+#include "collision_object.h"
+
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -34,12 +36,6 @@ bool Order(const btVector3& aabbMin, const btVector3& aabbMax, double lower[3], 
             std::swap(lower[k], upper[k]);
     }
     return ordered;
-}
-
-/// The fourth component means nothing, but Bullet's own operator compares it.
-bool Same(const btVector3& a, const btVector3& b)
-{
-    return a.x() == b.x() && a.y() == b.y() && a.z() == b.z();
 }
 
 /// What rayTest is asked for: from here to there, with these extents.
@@ -322,7 +318,7 @@ void qcBroadphase::setAabb(btBroadphaseProxy* proxy, const btVector3& aabbMin, c
     }
     if (next)
         LookAt(m_proxies[m_lookedCount++]);
-    if (Same(aabbMin, mine->m_aabbMin) && Same(aabbMax, mine->m_aabbMax))
+    if (qcAreSame(aabbMin, mine->m_aabbMin) && qcAreSame(aabbMax, mine->m_aabbMax))
         return;
     MoveProxy(mine, aabbMin, aabbMax);
     AddPairsNow(mine);

@@ -2,6 +2,7 @@
 #include "mesh_batch.h"
 
 #include "clock.h"
+#include "collision_object.h"
 
 #include <BulletCollision/CollisionDispatch/btCollisionDispatcher.h>
 #include <BulletCollision/CollisionShapes/btCompoundShape.h>
@@ -14,9 +15,8 @@ namespace
 // A body counts as where it was until a point of it has moved by this part of its contact breaking threshold: meshes at
 // rest, which creep by a thousandth of that in each step, need no query. The query reaches as much further.
 constexpr btScalar s_slack = btScalar(0.03);
-// Points are looked for as far as bodies may come in this step, and this part of the threshold further; of fine meshes
-// no further than this part of an edge. More would be too much: within 4 cm of a triangle of 1 cm lie a hundred others.
-constexpr btScalar s_rest = btScalar(0.05);
+// Of fine meshes points are looked for no further than this part of an edge. More would be too much: within 4 cm of a
+// triangle of 1 cm lie a hundred others.
 constexpr btScalar s_edge = btScalar(0.5);
 
 // Where the speeds that are left are less than this share, bodies move together. (What lies still but for a tremor has
@@ -26,37 +26,6 @@ constexpr btScalar s_ownMotion = btScalar(0.25);
 btVector3 VectorOf(const double v[3])
 {
     return btVector3(btScalar(v[0]), btScalar(v[1]), btScalar(v[2]));
-}
-
-/// How far a point of a body moves at most from one place to another one, if it is no further than `radius` from the
-/// body's origin.
-btScalar Motion(const btTransform& from, const btTransform& to, btScalar radius)
-{
-    btScalar turn = 0;
-    for (int row = 0; row < 3; row++)
-    {
-        const btVector3 &x = from.getBasis()[row], &y = to.getBasis()[row];
-        turn +=
-            (x.x() - y.x()) * (x.x() - y.x()) + (x.y() - y.y()) * (x.y() - y.y()) + (x.z() - y.z()) * (x.z() - y.z());
-    }
-    return from.getOrigin().distance(to.getOrigin()) + btSqrt(turn) * radius;
-}
-
-/// How far a point of an object, no further than `radius` from its origin, may come in a step, as seen by who drifts;
-/// at most `limit`.
-btScalar Approach(const btCollisionObject* object, btScalar radius, btScalar timeStep, btScalar limit,
-                  const qcMeshDrift& drift)
-{
-    const btRigidBody* body = btRigidBody::upcast(object);
-    if (!object->isStaticObject() && (body == nullptr || timeStep <= 0))
-        return limit; // not known
-    btVector3 velocity = -drift.At(object->getWorldTransform().getOrigin()), spin = -drift.angular;
-    if (!object->isStaticObject())
-    {
-        velocity += body->getLinearVelocity();
-        spin += body->getAngularVelocity();
-    }
-    return std::min(limit, (velocity.length() + spin.length() * radius) * timeStep);
 }
 
 /// About how long the edges of a mesh are, if its area is that of its box.
@@ -76,19 +45,6 @@ btScalar RadiusOf(const btCollisionShape* shape)
     btVector3 far = lower.absolute();
     far.setMax(upper.absolute());
     return far.length();
-}
-
-/// -1 for an object that is in no world.
-int AdditionOf(const btCollisionObject* object)
-{
-    const btBroadphaseProxy* proxy = object->getBroadphaseHandle();
-    return proxy != nullptr ? proxy->m_uniqueId : -1;
-}
-
-/// Roots that hold no mesh, so that most objects of a world cost no more than this.
-bool MayHoldMeshes(const btCollisionShape* shape)
-{
-    return shape->isConcave() || shape->isCompound();
 }
 
 qcTriangleSource SourceOf(const std::vector<qcTriangleSource>& sources, uint32_t triangle)
@@ -182,7 +138,7 @@ void qcMeshBatch::CollectMeshes(const btCollisionShape* shape, const btTransform
 /// Has the scene the mesh at this place, or so near that its contact points serve?
 bool qcMeshBatch::IsAt(const Mesh& mesh, const btTransform& transform)
 {
-    return mesh.placed && Motion(mesh.transform, transform, mesh.radius) <= mesh.slack;
+    return mesh.placed && qcMotion(mesh.transform, transform, mesh.radius) <= mesh.slack;
 }
 
 /// What depends on the shape only.
@@ -234,7 +190,7 @@ void qcMeshBatch::Refresh(const btCollisionObject* object, Object* known)
     for (const Mesh& mesh : known->meshes)
         edge = std::min(edge, mesh.edge);
     known->limit = std::min(known->threshold, std::max(s_rest * known->threshold, s_edge * edge));
-    known->approach = Approach(object, known->radius, m_timeStep, known->limit, m_drift);
+    known->approach = qcApproach(object, known->radius, m_timeStep, known->limit, m_drift);
     known->margin = 0;
     for (const Mesh& mesh : known->meshes)
         known->margin = std::max(known->margin, mesh.margin + mesh.slack);
@@ -257,7 +213,7 @@ qcMeshBatch::Object* qcMeshBatch::Know(const btCollisionObject* object)
         return &known;
     if (known.owner == 0)
         known.owner = ++m_owners;
-    known.addition = AdditionOf(object);
+    known.addition = qcAdditionOf(object);
     known.seen = known.present = m_gathering;
     Refresh(object, &known);
     return &known;
@@ -274,7 +230,7 @@ void qcMeshBatch::FindDrift()
     {
         const btRigidBody* body = btRigidBody::upcast(objects[i]);
         if (body != nullptr && !body->isStaticOrKinematicObject() && body->isActive() &&
-            MayHoldMeshes(body->getCollisionShape()))
+            qcMayHoldMeshes(body->getCollisionShape()))
             moving.push_back(body);
     }
     qcMeshDrift mean;
@@ -304,7 +260,7 @@ void qcMeshBatch::WantPairs()
     {
         const auto* object0 = static_cast<const btCollisionObject*>(pairs[i].m_pProxy0->m_clientObject);
         const auto* object1 = static_cast<const btCollisionObject*>(pairs[i].m_pProxy1->m_clientObject);
-        if (!MayHoldMeshes(object0->getCollisionShape()) || !MayHoldMeshes(object1->getCollisionShape()))
+        if (!qcMayHoldMeshes(object0->getCollisionShape()) || !qcMayHoldMeshes(object1->getCollisionShape()))
             continue;
         Object &known0 = *Know(object0), &known1 = *Know(object1);
         if (known0.meshes.empty() || known1.meshes.empty() || !(known0.ours || known1.ours))
@@ -383,10 +339,10 @@ void qcMeshBatch::ForgetGone()
     const btCollisionObjectArray& objects = world->getCollisionObjectArray();
     for (int i = 0; i < objects.size(); i++)
     {
-        if (!MayHoldMeshes(objects[i]->getCollisionShape()))
+        if (!qcMayHoldMeshes(objects[i]->getCollisionShape()))
             continue;
         auto found = m_objects.find(objects[i]);
-        if (found != m_objects.end() && found->second.addition == AdditionOf(objects[i]))
+        if (found != m_objects.end() && found->second.addition == qcAdditionOf(objects[i]))
             found->second.present = m_gathering;
     }
     std::vector<std::pair<int, const btCollisionObject*>> gone;
@@ -425,7 +381,7 @@ void qcMeshBatch::Run()
     const btCollisionObjectArray& objects = world->getCollisionObjectArray();
     for (int i = 0; i < objects.size(); i++)
     {
-        if (!MayHoldMeshes(objects[i]->getCollisionShape()) || m_objects.find(objects[i]) == m_objects.end())
+        if (!qcMayHoldMeshes(objects[i]->getCollisionShape()) || m_objects.find(objects[i]) == m_objects.end())
             continue;
         Object* known = Know(objects[i]);
         if (known->wanted)
@@ -440,16 +396,6 @@ void qcMeshBatch::Run()
     statistics.detectMs = qcNowMs() - gathered;
 }
 
-/// Did the last query look at it, and as far as it may come?
-bool qcMeshBatch::IsSeen(const btCollisionObject* object, const Object& known) const
-{
-    if (known.seen != m_gathering || known.addition != AdditionOf(object))
-        return false;
-    // Pushed since then, it may come further than the query looked.
-    btScalar approach = Approach(object, known.radius, m_timeStep, known.limit, m_drift);
-    return approach <= known.approach + s_rest * known.threshold / 2;
-}
-
 /// The mesh, if the last query saw it at this place.
 const qcMeshBatch::Mesh* qcMeshBatch::Held(const qcPlacedMesh& mesh, bool* moving) const
 {
@@ -462,76 +408,6 @@ const qcMeshBatch::Mesh* qcMeshBatch::Held(const qcPlacedMesh& mesh, bool* movin
         if (held.shape == mesh.shape && held.margin == mesh.shape->getMargin() && IsAt(held, mesh.transform))
             return &held;
     return nullptr;
-}
-
-qcMeshBatch::State qcMeshBatch::StateOf(const btCollisionObject* object)
-{
-    const btRigidBody* body = btRigidBody::upcast(object);
-    const btVector3 zero(0, 0, 0);
-    return {object->getWorldTransform(), body != nullptr ? body->getLinearVelocity() : zero,
-            body != nullptr ? body->getAngularVelocity() : zero, object->isActive()};
-}
-
-/// Did the last query see all its meshes where they are?
-bool qcMeshBatch::IsHeld(const btCollisionObject* object, const Object& known)
-{
-    if (!IsSeen(object, known))
-        return false;
-    m_collected.clear();
-    CollectMeshes(object->getCollisionShape(), object->getWorldTransform(), &m_collected);
-    auto isSame = [](const Mesh& held, const Mesh& now)
-    { return held.shape == now.shape && held.margin == now.shape->getMargin() && IsAt(held, now.transform); };
-    return std::equal(known.meshes.begin(), known.meshes.end(), m_collected.begin(), m_collected.end(), isSame);
-}
-
-/// What this check finds of an object; null: nothing is known of it yet.
-qcMeshBatch::Object* qcMeshBatch::Check(const btCollisionObject* object)
-{
-    auto found = m_objects.find(object);
-    if (found == m_objects.end())
-        return nullptr;
-    Object& known = found->second;
-    if (known.checked != m_check)
-    {
-        known.checked = m_check;
-        known.held = IsHeld(object, known);
-        known.state = StateOf(object);
-    }
-    return &known;
-}
-
-/// Does the last query hold for all pairs that the step will ask for?
-bool qcMeshBatch::CheckAll()
-{
-    m_check++;
-    bool all = m_result != nullptr;
-    const btBroadphasePairArray& pairs = world->getPairCache()->getOverlappingPairArray();
-    for (int i = 0; i < pairs.size(); i++)
-    {
-        const auto* object0 = static_cast<const btCollisionObject*>(pairs[i].m_pProxy0->m_clientObject);
-        const auto* object1 = static_cast<const btCollisionObject*>(pairs[i].m_pProxy1->m_clientObject);
-        if (!MayHoldMeshes(object0->getCollisionShape()) || !MayHoldMeshes(object1->getCollisionShape()))
-            continue;
-        const Object *known0 = Check(object0), *known1 = Check(object1);
-        bool known = known0 != nullptr && known1 != nullptr;
-        bool ours = !known || (!known0->meshes.empty() && !known1->meshes.empty() && (known0->ours || known1->ours));
-        if (!ours || !world->getDispatcher()->needsCollision(object0, object1))
-            continue;
-        all = all && known && known0->held && known1->held &&
-              (known0->activity == qc_activityMoving || known1->activity == qc_activityMoving);
-    }
-    return all;
-}
-
-/// Is it in the state in which the last check found it?
-bool qcMeshBatch::IsAsChecked(const btCollisionObject* object) const
-{
-    auto found = m_objects.find(object);
-    if (found == m_objects.end() || found->second.checked != m_check || found->second.addition != AdditionOf(object))
-        return false;
-    const State &then = found->second.state, now = StateOf(object);
-    return then.transform == now.transform && then.linear == now.linear && then.angular == now.angular &&
-           then.active == now.active;
 }
 
 /// The pair's points of the last query; false if it did not look at this pair.

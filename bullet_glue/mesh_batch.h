@@ -3,6 +3,7 @@
 #define QC_BULLET_GLUE_MESH_BATCH_H
 
 #include "mesh_geometry.h"
+#include "mesh_motion.h"
 
 #include <mutex>
 #include <unordered_map>
@@ -22,17 +23,6 @@ struct qcMeshPoint
     btVector3 normal;   ///< from B towards A
     btScalar distance;  ///< between the triangles; the margins of the shapes are not part of it
     qcTriangleSource sourceA, sourceB;
-};
-
-/// Of the world's meshes together.
-struct qcMeshDrift
-{
-    btVector3 centre{0, 0, 0}, linear{0, 0, 0}, angular{0, 0, 0};
-
-    btVector3 At(const btVector3& point) const
-    {
-        return linear + angular.cross(point - centre);
-    }
 };
 
 class qcMeshBatch
@@ -78,6 +68,9 @@ class qcMeshBatch
         qcBodyId id{};
         std::vector<qcTriangleSource> sources;
     };
+    /// Points are looked for as far as bodies may come in this step, and this part of the threshold further.
+    static constexpr btScalar s_rest = btScalar(0.05);
+
     /// What stays the same while one step's pairs are asked for.
     struct State
     {

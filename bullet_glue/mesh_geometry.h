@@ -12,6 +12,12 @@ struct qcTriangleSource
     int part, index;
 };
 
+/// False for roots that hold no mesh, so that most objects of a world cost no more than this.
+inline bool qcMayHoldMeshes(const btCollisionShape* shape)
+{
+    return shape->isConcave() || shape->isCompound();
+}
+
 /// Does the shape consist of triangles? Planes, which have none of their own, and compounds do not.
 bool qcIsMesh(const btCollisionShape* shape);
 

@@ -1,6 +1,7 @@
 // Meshes near soft bodies: found through the broadphase, moved by contacts.
 #include "soft_body_meshes.h"
 
+#include "collision_object.h"
 #include "mesh_geometry.h"
 
 #include <BulletCollision/BroadphaseCollision/btBroadphaseInterface.h>
@@ -11,11 +12,6 @@
 
 namespace
 {
-int AdditionOf(const btCollisionObject* object)
-{
-    return object->getBroadphaseHandle()->m_uniqueId;
-}
-
 void CollectMeshes(const btCollisionShape* shape, const btTransform& local, std::vector<qcSceneMesh>* meshes)
 {
     if (shape->isCompound())
@@ -179,7 +175,7 @@ void qcSoftBodyMeshes::NumberMeshes()
 qcStatus qcSoftBodyMeshes::Synchronize(qcScene* scene, btScalar timeStep)
 {
     auto isBefore = [](const btCollisionObject* a, const btCollisionObject* b)
-    { return AdditionOf(a) < AdditionOf(b); };
+    { return qcAdditionOf(a) < qcAdditionOf(b); };
     std::sort(m_sought.begin(), m_sought.end(), isBefore);
     m_sought.erase(std::unique(m_sought.begin(), m_sought.end()), m_sought.end());
     std::vector<std::unique_ptr<qcSceneRigid>> known, now;
@@ -191,7 +187,7 @@ qcStatus qcSoftBodyMeshes::Synchronize(qcScene* scene, btScalar timeStep)
         if (rigid->meshes.empty())
             continue;
         rigid->object = object;
-        rigid->addition = AdditionOf(object);
+        rigid->addition = qcAdditionOf(object);
         auto isSame = [&](const std::unique_ptr<qcSceneRigid>& other)
         {
             return other && other->object == object && other->addition == rigid->addition &&

@@ -1,6 +1,8 @@
 // Soft bodies, and the meshes near them, as bodies of a qcScene.
 #include "soft_body_scene.h"
 
+#include "collision_object.h"
+
 #include <algorithm>
 #include <cmath>
 
@@ -76,13 +78,6 @@ bool BoxOf(const qcSceneSoftBody& known, btVector3 box[2])
     // A node that is not finite is the query's to name; a broadphase should not see it.
     return std::isfinite(sum.x() + sum.y() + sum.z());
 }
-
-/// -1 for a body that is in no world.
-int AdditionOf(const btSoftBody* body)
-{
-    const btBroadphaseProxy* proxy = body->getBroadphaseHandle();
-    return proxy != nullptr ? proxy->m_uniqueId : -1;
-}
 } // namespace
 
 qcSoftBodyScene::~qcSoftBodyScene()
@@ -94,7 +89,7 @@ qcStatus qcSoftBodyScene::Add(btSoftBody* body)
 {
     qcSceneSoftBody added;
     added.body = body;
-    added.addition = AdditionOf(body);
+    added.addition = qcAdditionOf(body);
     added.indices = IndicesOf(body);
     added.halfEdge = HalfMeanEdge(body);
     qcBodyDef def = qcDefaultBodyDef();
@@ -117,7 +112,7 @@ void qcSoftBodyScene::DropGone(const btAlignedObjectArray<btSoftBody*>& bodies)
 {
     auto isGone = [&](const qcSceneSoftBody& known)
     {
-        bool same = bodies.findLinearSearch(known.body) < bodies.size() && known.addition == AdditionOf(known.body);
+        bool same = bodies.findLinearSearch(known.body) < bodies.size() && known.addition == qcAdditionOf(known.body);
         if (same && known.start.size() == size_t(known.NodeCount()) && AreIndicesOf(known.indices, known.body))
             return false;
         qcScene_RemoveBody(m_scene, known.id);
@@ -227,13 +222,13 @@ qcSceneSoftBody* qcSoftBodyScene::Find(uint32_t slot)
 
 void qcSoftBodyScene::SetSettings(const btSoftBody* body, const qcSoftBodySettings& settings)
 {
-    m_settings[body] = {AdditionOf(body), settings};
+    m_settings[body] = {qcAdditionOf(body), settings};
 }
 
 qcSoftBodySettings qcSoftBodyScene::GetSettings(const btSoftBody* body) const
 {
     auto found = m_settings.find(body);
-    bool isIts = found != m_settings.end() && found->second.addition == AdditionOf(body);
+    bool isIts = found != m_settings.end() && found->second.addition == qcAdditionOf(body);
     return isIts ? found->second.settings : qcSoftBodySettings();
 }
 

@@ -128,11 +128,11 @@ struct qcMeshContactStatistics
 /// own) is computed alone.
 ///
 /// Contact points: those that the bodies' motion in the step may bring into touch, within Bullet's contact breaking
-/// threshold and, for fine meshes, half an edge, of each body, beyond both margins; on planes however fast a body comes.
-/// What the step brings within the threshold is in a manifold before: not met deep inside. Points are grouped by normal,
-/// and each group, up to four of them, has a manifold of its own with the four points that span it, the deepest always
-/// among them. A point near one of the step before keeps its impulses. While no point of a body has moved by 3 % of that threshold, its
-/// contact points move with it and nothing is searched: meshes at rest cost next to nothing.
+/// threshold and, for fine meshes, half an edge, of each body, beyond both margins; on planes however fast a body
+/// comes. What the step brings within the threshold is in a manifold before: not met deep inside. Points are grouped by
+/// normal, and each group, up to four of them, has a manifold of its own with the four points that span it, the deepest
+/// always among them. A point near one of the step before keeps its impulses. While no point of a body has moved by 3 %
+/// of that threshold, its contact points move with it and nothing is searched: meshes at rest cost next to nothing.
 ///
 /// Must outlive the world. Thread-safety: the algorithms may run on several threads at once.
 class QC_API qcMeshContact

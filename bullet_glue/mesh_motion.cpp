@@ -1,0 +1,33 @@
+// How far bodies come in a step.
+#include "mesh_motion.h"
+
+#include <BulletDynamics/Dynamics/btRigidBody.h>
+
+#include <algorithm>
+
+btScalar qcMotion(const btTransform& from, const btTransform& to, btScalar radius)
+{
+    btScalar turn = 0;
+    for (int row = 0; row < 3; row++)
+    {
+        const btVector3 &x = from.getBasis()[row], &y = to.getBasis()[row];
+        turn +=
+            (x.x() - y.x()) * (x.x() - y.x()) + (x.y() - y.y()) * (x.y() - y.y()) + (x.z() - y.z()) * (x.z() - y.z());
+    }
+    return from.getOrigin().distance(to.getOrigin()) + btSqrt(turn) * radius;
+}
+
+btScalar qcApproach(const btCollisionObject* object, btScalar radius, btScalar timeStep, btScalar limit,
+                    const qcMeshDrift& drift)
+{
+    const btRigidBody* body = btRigidBody::upcast(object);
+    if (!object->isStaticObject() && (body == nullptr || timeStep <= 0))
+        return limit; // not known
+    btVector3 velocity = -drift.At(object->getWorldTransform().getOrigin()), spin = -drift.angular;
+    if (!object->isStaticObject())
+    {
+        velocity += body->getLinearVelocity();
+        spin += body->getAngularVelocity();
+    }
+    return std::min(limit, (velocity.length() + spin.length() * radius) * timeStep);
+}
