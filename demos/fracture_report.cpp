@@ -132,7 +132,7 @@ void qcPrintFractureTable(const qcFractureRun& run, const qcDeviceInfo& device)
         pairs = std::max(pairs, step.pairs);
     }
     std::printf("  %-46s %12d\n", "pairs of boxes, most", pairs);
-    std::printf("  %-46s %12.2f\n", "deepest penetration of two shells, mm", 1000 * double(deepest));
+    std::printf("  %-46s %12.2f\n", "deepest penetration (shells, floor), mm", 1000 * double(deepest));
     std::printf("  %-46s %12.2f\n", "lowest point above the floor, ever, mm", 1000 * double(lowest));
     std::printf("  %-46s %12zu\n", "penetrating triangles of two pieces at the end", run.penetratingPairs);
 }
