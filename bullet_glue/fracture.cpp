@@ -97,7 +97,7 @@ qcClipPlane BisectorOf(const qcClipPoint& a, const qcClipPoint& b, uint32_t face
 //  ---- pieces ----------------------------------------------------------------------------------------
 
 /// What is connected over vertices, one after another.
-std::vector<qcClipMesh> SplitParts(const qcClipMesh& mesh)
+std::vector<qcClipMesh> SplitParts(const qcClipMesh& mesh, qcClipScratch* scratch)
 {
     std::vector<uint32_t> root(mesh.points.size());
     std::iota(root.begin(), root.end(), 0u);
@@ -125,7 +125,7 @@ std::vector<qcClipMesh> SplitParts(const qcClipMesh& mesh)
     for (qcClipMesh& part : parts)
     {
         part.points = mesh.points;
-        qcClipMesh_Weld(&part);
+        qcClipMesh_Weld(&part, scratch);
     }
     return parts;
 }
@@ -172,12 +172,12 @@ void JoinHollows(std::vector<qcClipMesh>* parts)
 
 /// The parts of the mesh in one cell, none of them a hollow.
 std::vector<qcClipMesh> CutCell(qcClipMesh mesh, const std::vector<qcClipPoint>& sites, size_t site,
-                                const std::vector<uint32_t>& neighbours, uint32_t firstCut)
+                                const std::vector<uint32_t>& neighbours, uint32_t firstCut, qcClipScratch* scratch)
 {
     for (uint32_t other : neighbours)
-        qcClipMesh_Cut(&mesh, BisectorOf(sites[site], sites[other], firstCut + other));
-    qcClipMesh_Simplify(&mesh);
-    std::vector<qcClipMesh> parts = SplitParts(mesh);
+        qcClipMesh_Cut(&mesh, BisectorOf(sites[site], sites[other], firstCut + other), scratch);
+    qcClipMesh_Simplify(&mesh, scratch);
+    std::vector<qcClipMesh> parts = SplitParts(mesh, scratch);
     JoinHollows(&parts);
     return parts;
 }
@@ -225,8 +225,9 @@ qcFracture qcFracture_Split(const qcFractureDef& def)
     if (!fault.empty())
         return Fail(fault);
     qcClipMesh mesh = MeshOf(def);
-    qcClipMesh_Weld(&mesh);
-    size_t open = qcClipMesh_FindOpenTriangle(mesh);
+    qcClipScratch scratch;
+    qcClipMesh_Weld(&mesh, &scratch);
+    size_t open = qcClipMesh_FindOpenTriangle(mesh, &scratch);
     if (open < mesh.triangles.size())
     {
         const qcClipPoint& p = mesh.points[mesh.triangles[open].corner[0]];
@@ -246,8 +247,8 @@ qcFracture qcFracture_Split(const qcFractureDef& def)
     uint32_t firstCut = uint32_t(def.indices.size() / 3);
     std::vector<std::vector<qcClipMesh>> parts(sites.size());
     qcDealMesh(std::move(mesh), cells, firstCut + uint32_t(sites.size()),
-               [&](size_t site, qcClipMesh share)
-               { parts[site] = CutCell(std::move(share), sites, site, cells[site].neighbours, firstCut); });
+               [&](size_t site, qcClipMesh share, qcClipScratch* own)
+               { parts[site] = CutCell(std::move(share), sites, site, cells[site].neighbours, firstCut, own); });
     for (size_t site = 0; site < sites.size(); site++)
         for (qcClipMesh& part : parts[site])
             if (!part.triangles.empty())

@@ -62,7 +62,7 @@ Box BoxOf(const std::vector<qcFractureCell>& cells, const std::vector<size_t>& s
 }
 
 /// Cuts off what is outside of the box, where that is enough to be worth a face.
-void CutAround(const Box& box, uint32_t firstFace, qcClipMesh* mesh)
+void CutAround(const Box& box, uint32_t firstFace, qcClipMesh* mesh, qcClipScratch* scratch)
 {
     for (size_t side = 0; side < 6; side++)
     {
@@ -73,10 +73,10 @@ void CutAround(const Box& box, uint32_t firstFace, qcClipMesh* mesh)
         auto isOutside = [&](const qcClipPoint& p) { return sign * p[axis] > plane.distance; };
         size_t outside = size_t(std::count_if(mesh->points.begin(), mesh->points.end(), isOutside));
         if (4 * outside > mesh->points.size()) // of 2 to 16 the best, by a tenth (qc-fracture)
-            qcClipMesh_Cut(mesh, plane);
+            qcClipMesh_Cut(mesh, plane, scratch);
     }
     if (mesh->triangles.size() > mesh->leastTriangles)
-        qcClipMesh_Simplify(mesh);
+        qcClipMesh_Simplify(mesh, scratch);
 }
 
 /// Halves the cells where their centres are furthest apart.
@@ -103,14 +103,15 @@ std::array<std::vector<size_t>, 2> Halve(const std::vector<qcFractureCell>& cell
     return {std::vector<size_t>(some.begin(), middle), std::vector<size_t>(middle, some.end())};
 }
 
-/// Calls the function for each index below `count`, on all cores. What it throws is thrown here.
+/// Calls the function for each index below `count`, on all cores, with scratch. What it throws is thrown here.
 template <typename Function> void ForEach(size_t count, Function function)
 {
     std::atomic<size_t> next{0};
     auto work = [&]
     {
+        qcClipScratch scratch;
         for (size_t i = next++; i < count; i = next++)
-            function(i);
+            function(i, &scratch);
     };
     std::vector<std::future<void>> others;
     for (size_t k = 1; k < std::min(count, size_t(std::thread::hardware_concurrency())); k++)
@@ -174,7 +175,7 @@ std::vector<qcFractureCell> qcFindFractureCells(const qcClipMesh& mesh, const st
 }
 
 void qcDealMesh(qcClipMesh mesh, const std::vector<qcFractureCell>& cells, uint32_t firstFace,
-                const std::function<void(size_t cell, qcClipMesh mesh)>& take)
+                const std::function<void(size_t cell, qcClipMesh mesh, qcClipScratch* scratch)>& take)
 {
     std::vector<Share> shares(1);
     shares[0].cells.resize(cells.size());
@@ -184,16 +185,16 @@ void qcDealMesh(qcClipMesh mesh, const std::vector<qcFractureCell>& cells, uint3
     {
         std::vector<Share> halves(2 * shares.size());
         ForEach(halves.size(),
-                [&](size_t i)
+                [&](size_t i, qcClipScratch* scratch)
                 {
                     const Share& share = shares[i / 2];
                     if (share.cells.size() == 1 && i % 2 == 0)
-                        take(share.cells[0], share.mesh);
+                        take(share.cells[0], share.mesh, scratch);
                     if (share.cells.size() == 1)
                         return;
                     halves[i].cells = std::move(Halve(cells, share.cells)[i % 2]);
                     halves[i].mesh = share.mesh;
-                    CutAround(BoxOf(cells, halves[i].cells), firstFace, &halves[i].mesh);
+                    CutAround(BoxOf(cells, halves[i].cells), firstFace, &halves[i].mesh, scratch);
                 });
         halves.erase(
             std::remove_if(halves.begin(), halves.end(), [](const Share& share) { return share.cells.empty(); }),

@@ -2,7 +2,7 @@
 #ifndef QC_BULLET_GLUE_FRACTURE_CELLS_H
 #define QC_BULLET_GLUE_FRACTURE_CELLS_H
 
-#include "fracture_clip.h"
+#include "fracture_scratch.h"
 
 #include <functional>
 
@@ -17,6 +17,6 @@ std::vector<qcFractureCell> qcFindFractureCells(const qcClipMesh& mesh, const st
 /// Calls the function with each cell and what the mesh is in its box, from all cores. The rest of the mesh is mostly
 /// cut off, by faces that are outside of the cell and have numbers from `firstFace` on.
 void qcDealMesh(qcClipMesh mesh, const std::vector<qcFractureCell>& cells, uint32_t firstFace,
-                const std::function<void(size_t cell, qcClipMesh mesh)>& take);
+                const std::function<void(size_t cell, qcClipMesh mesh, qcClipScratch* scratch)>& take);
 
 #endif

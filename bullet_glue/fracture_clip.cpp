@@ -4,277 +4,154 @@
 #include "fracture_face.h"
 
 #include <algorithm>
-#include <cmath>
-#include <cstring>
 
 namespace
 {
-//  ---- tables ----------------------------------------------------------------------------------------
-
-uint64_t Mix(uint64_t hash, uint64_t bits)
-{
-    hash = (hash ^ bits) * 0x9e3779b97f4a7c15u;
-    return hash ^ hash >> 32;
-}
-
-uint64_t HashOf(uint64_t key)
-{
-    return Mix(0, key);
-}
-
-uint64_t HashOf(const qcClipPoint& point)
-{
-    uint64_t hash = 0;
-    for (double x : point)
-    {
-        x += 0.0; // -0 becomes +0, which compares equal
-        uint64_t bits;
-        std::memcpy(&bits, &x, sizeof bits);
-        hash = Mix(hash, bits);
-    }
-    return hash;
-}
-
-/// Numbers by key. Cuts make thousands of small ones: two blocks of memory each, and none for an empty one.
-template <typename Key> class Table
-{
-  public:
-    /// The number of a key; the one given here if it has none yet.
-    uint32_t FindOrAdd(const Key& key, uint32_t number)
-    {
-        if (2 * m_entries.size() >= m_slots.size())
-            Grow();
-        uint32_t& slot = SlotOf(key);
-        if (slot == 0)
-        {
-            m_entries.push_back({key, number});
-            slot = uint32_t(m_entries.size());
-        }
-        return m_entries[slot - 1].number;
-    }
-
-  private:
-    struct Entry
-    {
-        Key key;
-        uint32_t number;
-    };
-
-    uint32_t& SlotOf(const Key& key)
-    {
-        size_t mask = m_slots.size() - 1, place = HashOf(key) & mask;
-        while (m_slots[place] != 0 && m_entries[m_slots[place] - 1].key != key)
-            place = (place + 1) & mask;
-        return m_slots[place];
-    }
-
-    void Grow()
-    {
-        m_slots.assign(std::max<size_t>(64, 4 * m_slots.size()), 0);
-        for (size_t i = 0; i < m_entries.size(); i++)
-            SlotOf(m_entries[i].key) = uint32_t(i + 1);
-    }
-
-    std::vector<Entry> m_entries;
-    std::vector<uint32_t> m_slots; ///< a power of two of them, half empty at least; 0, or one more than an entry
-};
-
-//  ---- edges -----------------------------------------------------------------------------------------
-
-uint64_t EdgeKey(uint32_t a, uint32_t b)
-{
-    return uint64_t(std::min(a, b)) << 32 | std::max(a, b);
-}
+constexpr size_t s_usualCut = 100; ///< edges that a cut goes through, or fewer
 
 double SideOf(const qcClipPlane& plane, const qcClipPoint& p)
 {
     return qcDotOf(plane.normal, p) - plane.distance;
 }
 
-/// An edge by its key, and how much more often it is passed from the lower index to the higher one than back.
-struct EdgeCount
-{
-    uint64_t key;
-    int count;
-};
-
-/// Edges among all points, or among those with a flag, by key.
-std::vector<EdgeCount> CountEdges(const std::vector<qcClipTriangle>& triangles, const std::vector<uint8_t>* among)
-{
-    std::vector<EdgeCount> edges;
-    for (const qcClipTriangle& triangle : triangles)
-    {
-        const std::array<uint32_t, 3>& v = triangle.corner;
-        if (among != nullptr && (*among)[v[0]] + (*among)[v[1]] + (*among)[v[2]] < 2)
-            continue;
-        for (size_t c = 0; c < 3; c++)
-        {
-            uint32_t a = v[c], b = v[(c + 1) % 3];
-            if (among == nullptr || ((*among)[a] && (*among)[b]))
-                edges.push_back({EdgeKey(a, b), a < b ? 1 : a > b ? -1 : 0});
-        }
-    }
-    std::sort(edges.begin(), edges.end(), [](const EdgeCount& a, const EdgeCount& b) { return a.key < b.key; });
-    size_t count = 0;
-    for (const EdgeCount& edge : edges)
-        if (count != 0 && edges[count - 1].key == edge.key)
-            edges[count - 1].count += edge.count;
-        else
-            edges[count++] = edge;
-    edges.resize(count);
-    return edges;
-}
-
 //  ---- the cut ---------------------------------------------------------------------------------------
 
-struct Cutter
+// Where a point is. The sum of three tells where a triangle is.
+constexpr uint8_t s_inside = 0, s_onPlane = 1, s_outside = 4;
+
+/// Fills sides and marks of points. Whether any is outside.
+bool MarkPoints(const qcClipMesh& mesh, const qcClipPlane& plane, qcClipScratch* scratch)
 {
-    qcClipMesh* mesh;
-    std::vector<double> side; ///< of points; 0: of those that were made
-    std::vector<qcClipTriangle> kept;
-    Table<uint64_t> crossings;
-
-    bool IsOutside(uint32_t point) const
+    size_t count = mesh.points.size();
+    scratch->sides.resize(count);
+    scratch->marks.resize(count);
+    uint8_t all = 0;
+    for (size_t i = 0; i < count; i++)
     {
-        return side[point] > 0;
+        double side = SideOf(plane, mesh.points[i]);
+        uint8_t mark = side > 0 ? s_outside : side == 0 ? s_onPlane : s_inside;
+        scratch->sides[i] = side;
+        scratch->marks[i] = mark;
+        all |= mark;
     }
-
-    /// Where an edge meets the plane. Always from the lower index on: both triangles get one point.
-    uint32_t Crossing(uint32_t a, uint32_t b)
-    {
-        uint32_t made = uint32_t(mesh->points.size()), known = crossings.FindOrAdd(EdgeKey(a, b), made);
-        if (known != made)
-            return known;
-        uint32_t low = std::min(a, b), high = std::max(a, b);
-        double t = side[low] / (side[low] - side[high]);
-        qcClipPoint p;
-        for (size_t i = 0; i < 3; i++)
-            p[i] = mesh->points[low][i] + t * (mesh->points[high][i] - mesh->points[low][i]);
-        mesh->points.push_back(p);
-        side.push_back(0);
-        return made;
-    }
-
-    void Take(const qcClipTriangle& triangle)
-    {
-        const std::array<uint32_t, 3>& v = triangle.corner;
-        int outside = IsOutside(v[0]) + IsOutside(v[1]) + IsOutside(v[2]);
-        if (outside == 0)
-            kept.push_back(triangle);
-        if (outside == 0 || outside == 3)
-            return;
-        // From the corner that is alone on its side.
-        size_t first = 0;
-        while (IsOutside(v[first]) != (outside == 1))
-            first++;
-        uint32_t a = v[first], b = v[(first + 1) % 3], c = v[(first + 2) % 3];
-        uint32_t ab = Crossing(a, b), ca = Crossing(c, a);
-        if (outside == 2)
-        {
-            kept.push_back({{a, ab, ca}, triangle.face});
-            return;
-        }
-        kept.push_back({{ab, b, c}, triangle.face});
-        kept.push_back({{ab, c, ca}, triangle.face});
-    }
-};
-
-//  ---- loops --------------------------------------------------------------------------------------
-
-struct Arrow
-{
-    uint32_t from, to;
-    bool passed;
-};
-
-/// The first arrow from a point that no loop has passed, or the end.
-std::vector<Arrow>::iterator FindArrow(std::vector<Arrow>* arrows, uint32_t from)
-{
-    auto isBefore = [](const Arrow& arrow, uint32_t point) { return arrow.from < point; };
-    auto found = std::lower_bound(arrows->begin(), arrows->end(), from, isBefore);
-    while (found != arrows->end() && found->from == from && found->passed)
-        ++found;
-    return found != arrows->end() && found->from == from ? found : arrows->end();
+    return (all & s_outside) != 0;
 }
 
-/// Each arrow begins where another ends.
-qcClipLoops ChainArrows(std::vector<Arrow>* arrows)
+/// Where an edge meets the plane. Always from the lower index on: both triangles get one point.
+uint32_t Crossing(uint32_t a, uint32_t b, qcClipMesh* mesh, qcClipScratch* scratch)
 {
-    auto isBefore = [](const Arrow& a, const Arrow& b) { return a.from < b.from; };
-    std::stable_sort(arrows->begin(), arrows->end(), isBefore);
-    qcClipLoops loops;
-    for (auto first = arrows->begin(); first != arrows->end(); ++first)
-    {
-        if (first->passed)
-            continue;
-        std::vector<uint32_t> loop;
-        for (auto arrow = first; arrow != arrows->end(); arrow = FindArrow(arrows, arrow->to))
-        {
-            loop.push_back(arrow->from);
-            arrow->passed = true;
-        }
-        loops.push_back(std::move(loop));
-    }
-    return loops;
+    uint32_t low = std::min(a, b), high = std::max(a, b), made = uint32_t(mesh->points.size());
+    uint32_t known = scratch->crossings.FindOrAdd(uint64_t(low) << 32 | high, made);
+    if (known != made)
+        return known;
+    double t = scratch->sides[low] / (scratch->sides[low] - scratch->sides[high]);
+    qcClipPoint p;
+    for (size_t i = 0; i < 3; i++)
+        p[i] = mesh->points[low][i] + t * (mesh->points[high][i] - mesh->points[low][i]);
+    mesh->points.push_back(p);
+    scratch->marks.push_back(s_onPlane);
+    return made;
 }
 
-/// Loops of edges that are passed more often one way than the other: `turned`, in the way that is missing.
-qcClipLoops FindLoops(const std::vector<qcClipTriangle>& triangles, const std::vector<uint8_t>* among, bool turned)
+/// Keeps a triangle that is not outside, and counts its edges on the plane.
+void Keep(const qcClipTriangle& triangle, qcClipScratch* scratch)
 {
-    std::vector<Arrow> arrows;
-    for (const EdgeCount& edge : CountEdges(triangles, among))
+    scratch->triangles.push_back(triangle);
+    const std::array<uint32_t, 3>& v = triangle.corner;
+    const std::vector<uint8_t>& marks = scratch->marks;
+    if (marks[v[0]] + marks[v[1]] + marks[v[2]] < 2 * s_onPlane)
+        return;
+    for (size_t c = 0; c < 3; c++)
+        if (marks[v[c]] == s_onPlane && marks[v[(c + 1) % 3]] == s_onPlane)
+            scratch->edges.Add(v[c], v[(c + 1) % 3]);
+}
+
+/// Keeps what of a triangle is not outside; it is on both sides.
+void Split(const qcClipTriangle& triangle, qcClipMesh* mesh, qcClipScratch* scratch)
+{
+    const std::array<uint32_t, 3>& v = triangle.corner;
+    auto isOutside = [&](size_t c) { return scratch->marks[v[c]] == s_outside; };
+    int outside = isOutside(0) + isOutside(1) + isOutside(2);
+    // From the corner that is alone on its side.
+    size_t first = 0;
+    while (isOutside(first) != (outside == 1))
+        first++;
+    uint32_t a = v[first], b = v[(first + 1) % 3], c = v[(first + 2) % 3];
+    uint32_t ab = Crossing(a, b, mesh, scratch), ca = Crossing(c, a, mesh, scratch);
+    if (outside == 2)
     {
-        uint32_t low = uint32_t(edge.key >> 32), high = uint32_t(edge.key);
-        for (int k = 0; k < std::abs(edge.count); k++)
-            arrows.push_back((edge.count > 0) == turned ? Arrow{high, low, false} : Arrow{low, high, false});
+        Keep({{a, ab, ca}, triangle.face}, scratch);
+        return;
     }
-    return ChainArrows(&arrows);
+    Keep({{ab, b, c}, triangle.face}, scratch);
+    Keep({{ab, c, ca}, triangle.face}, scratch);
 }
 
 //  ---- points ----------------------------------------------------------------------------------------
 
-/// As qcClipMesh_Weld; only points with a flag may be where another is. Points come in the order in which triangles
-/// have them, whatever the flags.
-void Weld(qcClipMesh* mesh, const std::vector<uint8_t>& mayCoincide)
+/// As qcClipMesh_Weld; only points on the plane may be where another is. Points come in the order in which triangles
+/// have them, whatever the marks.
+void Weld(qcClipMesh* mesh, qcClipScratch* scratch)
 {
     constexpr uint32_t none = UINT32_MAX;
-    Table<qcClipPoint> places;
-    std::vector<uint32_t> placeOf(mesh->points.size(), none);
-    std::vector<qcClipPoint> points;
-    for (qcClipTriangle& triangle : mesh->triangles)
-        for (uint32_t& corner : triangle.corner)
+    std::vector<qcClipPoint>& points = scratch->points;
+    points.resize(mesh->points.size());
+    uint32_t count = 0;
+    scratch->positions.Clear(s_usualCut);
+    scratch->places.assign(mesh->points.size(), none);
+    auto findPlace = [&](uint32_t corner)
+    {
+        const qcClipPoint& point = mesh->points[corner];
+        uint32_t place = count;
+        if (scratch->marks[corner] == s_onPlane)
+            place = scratch->positions.FindOrAdd(point, place);
+        if (place == count)
+            points[count++] = point;
+        return place;
+    };
+    uint32_t* places = scratch->places.data();
+    size_t kept = 0;
+    for (const qcClipTriangle& triangle : mesh->triangles)
+    {
+        uint32_t v[3];
+        for (size_t c = 0; c < 3; c++)
         {
-            uint32_t& place = placeOf[corner];
-            if (place == none)
-            {
-                const qcClipPoint& point = mesh->points[corner];
-                place = uint32_t(points.size());
-                if (mayCoincide[corner])
-                    place = places.FindOrAdd(point, place);
-                if (place == points.size())
-                    points.push_back(point);
-            }
-            corner = place;
+            uint32_t corner = triangle.corner[c];
+            v[c] = places[corner];
+            if (v[c] == none)
+                v[c] = places[corner] = findPlace(corner);
         }
-    mesh->points = std::move(points);
-    auto isNothing = [](const qcClipTriangle& t)
-    { return t.corner[0] == t.corner[1] || t.corner[1] == t.corner[2] || t.corner[2] == t.corner[0]; };
-    mesh->triangles.erase(std::remove_if(mesh->triangles.begin(), mesh->triangles.end(), isNothing),
-                          mesh->triangles.end());
+        mesh->triangles[kept] = {{v[0], v[1], v[2]}, triangle.face};
+        kept += v[0] != v[1] && v[1] != v[2] && v[2] != v[0];
+    }
+    points.resize(count);
+    mesh->triangles.resize(kept);
+    mesh->points.swap(points);
 }
 
 //  ---- faces made anew -------------------------------------------------------------------------------
 
-/// Points that three faces have, or more. Where there are two, they meet in a line through the point.
-std::vector<uint8_t> FindVertices(const qcClipMesh& mesh)
+/// Triangles by their faces, otherwise in the order of the mesh. All but those that cuts have added are so.
+void SortByFace(const qcClipMesh& mesh, qcClipScratch* scratch)
+{
+    auto isBefore = [](const qcClipTriangle& a, const qcClipTriangle& b) { return a.face < b.face; };
+    std::vector<qcClipTriangle>& sorted = scratch->triangles;
+    sorted = mesh.triangles;
+    auto middle = std::is_sorted_until(sorted.begin(), sorted.end(), isBefore);
+    std::stable_sort(middle, sorted.end(), isBefore);
+    std::inplace_merge(sorted.begin(), middle, sorted.end(), isBefore);
+}
+
+/// Marks points that three faces have, or more. Where there are two, they meet in a line through the point.
+void MarkVertices(const qcClipMesh& mesh, qcClipScratch* scratch)
 {
     constexpr uint32_t none = UINT32_MAX;
-    std::vector<std::array<uint32_t, 2>> faces(mesh.points.size(), {none, none});
-    std::vector<uint8_t> isVertex(mesh.points.size(), false);
+    scratch->faces.assign(mesh.points.size(), {none, none});
+    scratch->marks.assign(mesh.points.size(), false);
     for (const qcClipTriangle& triangle : mesh.triangles)
         for (uint32_t corner : triangle.corner)
         {
-            std::array<uint32_t, 2>& known = faces[corner];
+            std::array<uint32_t, 2>& known = scratch->faces[corner];
             if (known[0] == triangle.face || known[1] == triangle.face)
                 continue;
             if (known[0] == none)
@@ -282,20 +159,19 @@ std::vector<uint8_t> FindVertices(const qcClipMesh& mesh)
             else if (known[1] == none)
                 known[1] = triangle.face;
             else
-                isVertex[corner] = true;
+                scratch->marks[corner] = true;
         }
-    return isVertex;
 }
 
 /// The direction that the loops face, by twice their area.
 qcClipPoint NormalOf(const qcClipMesh& mesh, const qcClipLoops& loops)
 {
     qcClipPoint normal = {0, 0, 0};
-    for (const std::vector<uint32_t>& loop : loops)
-        for (size_t i = 0; i < loop.size(); i++)
+    for (size_t loop = 0; loop < loops.ends.size(); loop++)
+        for (size_t first = loops.Begin(loop), i = first, end = loops.ends[loop]; i < end; i++)
         {
-            const qcClipPoint &from = mesh.points[loop[0]], &a = mesh.points[loop[i]],
-                              &b = mesh.points[loop[(i + 1) % loop.size()]];
+            const qcClipPoint &from = mesh.points[loops.points[first]], &a = mesh.points[loops.points[i]],
+                              &b = mesh.points[loops.points[i + 1 < end ? i + 1 : first]];
             for (size_t k = 0; k < 3; k++)
             {
                 size_t u = (k + 1) % 3, v = (k + 2) % 3;
@@ -304,28 +180,41 @@ qcClipPoint NormalOf(const qcClipMesh& mesh, const qcClipLoops& loops)
         }
     return normal;
 }
+
+/// Drops the points of loops that are no vertices. A loop may be left with none.
+void KeepVertices(const std::vector<uint8_t>& isVertex, qcClipLoops* loops)
+{
+    size_t kept = 0, i = 0;
+    for (size_t& end : loops->ends)
+    {
+        for (; i < end; i++)
+            if (isVertex[loops->points[i]])
+                loops->points[kept++] = loops->points[i];
+        end = kept;
+    }
+    loops->points.resize(kept);
+}
 } // namespace
 
-void qcClipMesh_Weld(qcClipMesh* mesh)
+void qcClipMesh_Weld(qcClipMesh* mesh, qcClipScratch* scratch)
 {
-    Weld(mesh, std::vector<uint8_t>(mesh->points.size(), true));
+    scratch->marks.assign(mesh->points.size(), s_onPlane);
+    Weld(mesh, scratch);
 }
 
-size_t qcClipMesh_FindOpenTriangle(const qcClipMesh& mesh)
+size_t qcClipMesh_FindOpenTriangle(const qcClipMesh& mesh, qcClipScratch* scratch)
 {
-    std::vector<EdgeCount> edges = CountEdges(mesh.triangles, nullptr);
-    edges.erase(std::remove_if(edges.begin(), edges.end(), [](const EdgeCount& edge) { return edge.count == 0; }),
-                edges.end());
-    auto isBefore = [](const EdgeCount& edge, uint64_t key) { return edge.key < key; };
-    for (size_t i = 0; i < mesh.triangles.size() && !edges.empty(); i++)
-        for (size_t c = 0; c < 3; c++)
-        {
-            uint64_t key = EdgeKey(mesh.triangles[i].corner[c], mesh.triangles[i].corner[(c + 1) % 3]);
-            auto found = std::lower_bound(edges.begin(), edges.end(), key, isBefore);
-            if (found != edges.end() && found->key == key)
-                return i;
-        }
-    return mesh.triangles.size();
+    scratch->edges.Clear(mesh.triangles.size() / 2 * 3);
+    for (const qcClipTriangle& triangle : mesh.triangles)
+        scratch->edges.Add(triangle.corner);
+    if (scratch->edges.AreClosed())
+        return mesh.triangles.size();
+    auto isOpen = [&](const qcClipTriangle& t)
+    {
+        return !scratch->edges.IsClosed(t.corner[0], t.corner[1]) ||
+               !scratch->edges.IsClosed(t.corner[1], t.corner[2]) || !scratch->edges.IsClosed(t.corner[2], t.corner[0]);
+    };
+    return size_t(std::find_if(mesh.triangles.begin(), mesh.triangles.end(), isOpen) - mesh.triangles.begin());
 }
 
 double qcClipMesh_Measure(const qcClipMesh& mesh, qcClipPoint* first)
@@ -354,64 +243,76 @@ double qcClipMesh_Measure(const qcClipMesh& mesh, qcClipPoint* first)
     return volume;
 }
 
-void qcClipMesh_Simplify(qcClipMesh* mesh)
+void qcClipMesh_Simplify(qcClipMesh* mesh, qcClipScratch* scratch)
 {
-    std::vector<uint8_t> isVertex = FindVertices(*mesh);
-    std::vector<qcClipTriangle> sorted = mesh->triangles, face;
-    auto isBefore = [](const qcClipTriangle& a, const qcClipTriangle& b) { return a.face < b.face; };
-    std::stable_sort(sorted.begin(), sorted.end(), isBefore);
-    qcClipMesh made;
+    MarkVertices(*mesh, scratch);
+    SortByFace(*mesh, scratch);
+    const std::vector<uint8_t>& isVertex = scratch->marks;
+    const std::vector<qcClipTriangle>& sorted = scratch->triangles;
+    qcClipMesh& made = scratch->made;
+    made.triangles.clear();
     made.points = mesh->points;
-    for (auto first = sorted.begin(), end = first; first != sorted.end(); first = end)
+    for (size_t first = 0, end = 0; first < sorted.size(); first = end)
     {
-        end = std::upper_bound(first, sorted.end(), *first, isBefore);
+        const qcClipTriangle& triangle = sorted[first];
+        const std::array<uint32_t, 3>& v = triangle.corner;
+        for (end = first + 1; end < sorted.size() && sorted[end].face == triangle.face;)
+            end++;
         // Most are a triangle of the mesh, or a corner of one.
-        if (end - first == 1 && isVertex[first->corner[0]] && isVertex[first->corner[1]] && isVertex[first->corner[2]])
+        if (end - first == 1 && isVertex[v[0]] && isVertex[v[1]] && isVertex[v[2]])
         {
-            made.triangles.push_back(*first);
+            made.triangles.push_back(triangle);
             continue;
         }
-        face.assign(first, end);
-        qcClipLoops loops = FindLoops(face, nullptr, false);
-        for (std::vector<uint32_t>& loop : loops)
-            loop.erase(std::remove_if(loop.begin(), loop.end(), [&](uint32_t point) { return !isVertex[point]; }),
-                       loop.end());
-        qcClipFace_Add(&made, NormalOf(made, loops), first->face, loops);
+        scratch->edges.Clear(3 * (end - first));
+        for (size_t i = first; i < end; i++)
+            scratch->edges.Add(sorted[i].corner);
+        scratch->edges.FindLoops(false, &scratch->loops);
+        KeepVertices(isVertex, &scratch->loops);
+        qcClipFace_Add(&made, NormalOf(made, scratch->loops), triangle.face, scratch->loops, scratch);
     }
-    qcClipMesh_Weld(&made);
+    qcClipMesh_Weld(&made, scratch);
     // Where rounding has bent an outline, splinters do no harm.
-    if (qcClipMesh_FindOpenTriangle(made) == made.triangles.size())
-        *mesh = std::move(made);
+    if (qcClipMesh_FindOpenTriangle(made, scratch) == made.triangles.size())
+    {
+        mesh->points = made.points;
+        mesh->triangles = made.triangles;
+    }
     mesh->leastTriangles = mesh->triangles.size();
 }
 
-void qcClipMesh_Cut(qcClipMesh* mesh, const qcClipPlane& plane)
+void qcClipMesh_Cut(qcClipMesh* mesh, const qcClipPlane& plane, qcClipScratch* scratch)
 {
-    Cutter cutter{mesh, {}, {}, {}};
-    cutter.side.reserve(2 * mesh->points.size());
-    bool anyOutside = false;
-    for (const qcClipPoint& point : mesh->points)
-    {
-        cutter.side.push_back(SideOf(plane, point));
-        anyOutside = anyOutside || cutter.side.back() > 0;
-    }
-    if (!anyOutside)
+    if (!MarkPoints(*mesh, plane, scratch))
         return;
-    cutter.kept.reserve(mesh->triangles.size());
+    scratch->triangles.clear();
+    scratch->crossings.Clear(s_usualCut);
+    scratch->edges.Clear(s_usualCut);
     for (const qcClipTriangle& triangle : mesh->triangles)
-        cutter.Take(triangle);
-    mesh->triangles = std::move(cutter.kept);
-    std::vector<uint8_t> onPlane(cutter.side.size());
-    for (size_t i = 0; i < cutter.side.size(); i++)
-        onPlane[i] = cutter.side[i] == 0;
-    qcClipFace_Add(mesh, plane.normal, plane.face, FindLoops(mesh->triangles, &onPlane, true));
-    onPlane.resize(mesh->points.size(), true);
-    qcClipFace_AddFans(mesh, plane.face, FindLoops(mesh->triangles, &onPlane, true));
+    {
+        const std::array<uint32_t, 3>& v = triangle.corner;
+        int sum = scratch->marks[v[0]] + scratch->marks[v[1]] + scratch->marks[v[2]];
+        if (sum < 2 * s_onPlane)
+            scratch->triangles.push_back(triangle);
+        else if (sum < s_outside)
+            Keep(triangle, scratch);
+        else if (sum < 3 * s_outside)
+            Split(triangle, mesh, scratch);
+    }
+    mesh->triangles.swap(scratch->triangles);
+    scratch->edges.FindLoops(true, &scratch->loops);
+    size_t first = mesh->triangles.size();
+    qcClipFace_Add(mesh, plane.normal, plane.face, scratch->loops, scratch);
+    // What the face is made of is on the plane, whatever was added.
+    scratch->marks.resize(mesh->points.size(), s_onPlane);
+    for (size_t i = first; i < mesh->triangles.size(); i++)
+        scratch->edges.Add(mesh->triangles[i].corner);
+    scratch->edges.FindLoops(true, &scratch->loops);
+    qcClipFace_AddFans(mesh, plane.face, scratch->loops);
     // What is off the plane is where it was, and apart from all others as before.
-    onPlane.resize(mesh->points.size(), true);
-    Weld(mesh, onPlane);
+    Weld(mesh, scratch);
     // A cut along a cut goes through its triangles one by one, and the next has more of them.
     mesh->leastTriangles = std::min(mesh->leastTriangles, mesh->triangles.size());
     if (mesh->triangles.size() > mesh->leastTriangles + mesh->leastTriangles / 2)
-        qcClipMesh_Simplify(mesh);
+        qcClipMesh_Simplify(mesh, scratch);
 }

@@ -27,6 +27,9 @@ struct qcClipMesh
     size_t leastTriangles = SIZE_MAX; ///< that cuts have left since it was made simple
 };
 
+/// fracture_scratch.h
+struct qcClipScratch;
+
 /// What is outside has normal . x > distance.
 struct qcClipPlane
 {
@@ -36,10 +39,10 @@ struct qcClipPlane
 };
 
 /// Vertices at the same position become one, those that no triangle has are dropped, and triangles that have one twice.
-void qcClipMesh_Weld(qcClipMesh* mesh);
+void qcClipMesh_Weld(qcClipMesh* mesh, qcClipScratch* scratch);
 
 /// A triangle with an edge that is passed more often one way than the other, or the number of triangles.
-size_t qcClipMesh_FindOpenTriangle(const qcClipMesh& mesh);
+size_t qcClipMesh_FindOpenTriangle(const qcClipMesh& mesh, qcClipScratch* scratch);
 
 /// Volume, and the integral of positions over it.
 double qcClipMesh_Measure(const qcClipMesh& mesh, qcClipPoint* first);
@@ -48,9 +51,9 @@ double qcClipMesh_Measure(const qcClipMesh& mesh, qcClipPoint* first);
 /// qcClipMesh_Weld; none are then. Points where the plane cuts an edge are the same for
 /// the plane and for its mirror image (the same numbers with other signs), bit by bit. Now and then the mesh is made
 /// simple.
-void qcClipMesh_Cut(qcClipMesh* mesh, const qcClipPlane& plane);
+void qcClipMesh_Cut(qcClipMesh* mesh, const qcClipPlane& plane, qcClipScratch* scratch);
 
 /// Cuts leave splinters: makes each face anew from its outline. A closed mesh stays closed.
-void qcClipMesh_Simplify(qcClipMesh* mesh);
+void qcClipMesh_Simplify(qcClipMesh* mesh, qcClipScratch* scratch);
 
 #endif

@@ -17,12 +17,14 @@ namespace
 
 // Ears take about the square of the points: with 50, 100 or 200 of them at most, fracture takes as long.
 constexpr size_t s_mostCorners = 200;
+constexpr uint32_t s_none = UINT32_MAX;
 
-/// A loop as the normal sees it.
+/// The only loop, as the normal sees it.
 class Outline
 {
   public:
-    Outline(const qcClipMesh& mesh, const qcClipPoint& normal, const std::vector<uint32_t>& loop) : m_loop(loop)
+    Outline(const qcClipMesh& mesh, const qcClipPoint& normal, const qcClipLoops& loops, qcClipScratch* scratch)
+        : m_corners(scratch->corners), m_inward(scratch->inward), m_left(scratch->left)
     {
         size_t axis = 0;
         for (size_t i = 1; i < 3; i++)
@@ -31,61 +33,87 @@ class Outline
         size_t u = (axis + 1) % 3, v = (axis + 2) % 3;
         if (normal[axis] < 0)
             std::swap(u, v);
-        for (uint32_t point : loop)
-            m_corners.push_back({mesh.points[point][u], mesh.points[point][v]});
+        m_corners.clear();
+        for (uint32_t point : loops.points)
+        {
+            uint32_t place = uint32_t(m_corners.size());
+            m_corners.push_back({mesh.points[point][u], mesh.points[point][v], point, place, s_none, true});
+        }
     }
 
-    /// Triangles of corners that all face the right way; none if it finds no such.
-    std::vector<std::array<size_t, 3>> Triangulate()
+    /// Adds triangles of corners that all face the right way; none if it finds no such.
+    bool Triangulate(uint32_t face, std::vector<qcClipTriangle>* triangles)
     {
-        std::vector<std::array<size_t, 3>> ears;
-        std::vector<size_t> left(m_corners.size());
-        std::iota(left.begin(), left.end(), size_t(0));
-        for (size_t i = 0; i < left.size(); i++)
-            if (!(Turn(i, (i + 1) % left.size(), (i + 2) % left.size()) > 0))
-                m_inward.push_back((i + 1) % left.size());
+        size_t before = triangles->size();
+        m_left.resize(m_corners.size());
+        std::iota(m_left.begin(), m_left.end(), 0u);
+        m_inward.clear();
+        for (size_t i = 0; i < m_left.size(); i++)
+            if (!(Turn(Left(i), Left(i + 1), Left(i + 2)) > 0))
+                m_inward.push_back(Left(i + 1));
         // Round and round: from one corner they would be a fan of slivers.
-        for (size_t at = 0, missed = 0; left.size() > 3 && missed < left.size(); at = (at + 1) % left.size())
+        for (size_t at = 0, missed = 0; m_left.size() > 3 && missed < m_left.size(); at = Wrap(at + 1))
         {
-            size_t tip = (at + 1) % left.size();
-            std::array<size_t, 3> ear = {left[at], left[tip], left[(at + 2) % left.size()]};
+            qcClipCorner& b = Left(at + 1);
             missed++;
-            if (!IsEar(ear))
+            if (b.obstacle != s_none && m_corners[b.obstacle].isLeft)
                 continue;
-            ears.push_back(ear);
-            m_inward.erase(std::remove(m_inward.begin(), m_inward.end(), left[tip]), m_inward.end());
-            left.erase(left.begin() + std::ptrdiff_t(tip));
+            qcClipCorner &a = Left(at), &c = Left(at + 2);
+            b.obstacle = FindObstacle(a, b, c);
+            if (b.obstacle != s_none)
+                continue;
+            b.isLeft = false;
+            a.obstacle = c.obstacle = s_none;
+            triangles->push_back({{a.point, b.point, c.point}, face});
+            auto isTip = [&](const qcClipCorner& corner) { return corner.place == b.place; };
+            m_inward.erase(std::remove_if(m_inward.begin(), m_inward.end(), isTip), m_inward.end());
+            m_left.erase(m_left.begin() + std::ptrdiff_t(Wrap(at + 1)));
             missed = 0;
         }
-        if (left.size() != 3 || !(Turn(left[0], left[1], left[2]) > 0))
-            return {};
-        ears.push_back({left[0], left[1], left[2]});
-        return ears;
+        if (m_left.size() == 3 && Turn(Left(0), Left(1), Left(2)) > 0)
+            triangles->push_back({{Left(0).point, Left(1).point, Left(2).point}, face});
+        else
+            triangles->resize(before);
+        return triangles->size() > before;
     }
 
   private:
+    /// As the remainder, of less than three times as many as are left.
+    size_t Wrap(size_t i) const
+    {
+        while (i >= m_left.size())
+            i -= m_left.size();
+        return i;
+    }
+
+    qcClipCorner& Left(size_t i)
+    {
+        return m_corners[m_left[Wrap(i)]];
+    }
+
     /// Twice the area of a triangle, positive if it faces the right way.
-    double Turn(size_t a, size_t b, size_t c) const
+    static double Turn(const qcClipCorner& a, const qcClipCorner& b, const qcClipCorner& c)
     {
-        const std::array<double, 2>&p = m_corners[a], &q = m_corners[b], &r = m_corners[c];
-        return (q[0] - p[0]) * (r[1] - p[1]) - (q[1] - p[1]) * (r[0] - p[0]);
+        return (b.u - a.u) * (c.v - a.v) - (b.v - a.v) * (c.u - a.u);
     }
 
-    /// Of what is in it the corner furthest in turns inward, and did so from the start.
-    bool IsEar(const std::array<size_t, 3>& ear) const
+    /// A corner that is in the triangle, the tip itself if it faces the wrong way, or none. Of what is in it the corner
+    /// furthest in turns inward, and did so from the start.
+    uint32_t FindObstacle(const qcClipCorner& a, const qcClipCorner& b, const qcClipCorner& c) const
     {
-        if (!(Turn(ear[0], ear[1], ear[2]) > 0))
-            return false;
-        for (size_t k : m_inward)
-            if (m_loop[k] != m_loop[ear[0]] && m_loop[k] != m_loop[ear[1]] && m_loop[k] != m_loop[ear[2]] &&
-                Turn(ear[0], ear[1], k) >= 0 && Turn(ear[1], ear[2], k) >= 0 && Turn(ear[2], ear[0], k) >= 0)
-                return false;
-        return true;
+        if (!(Turn(a, b, c) > 0))
+            return b.place;
+        // Most are beyond the side that the ear does not share with the outline.
+        for (const qcClipCorner& k : m_inward)
+            if (Turn(c, a, k) >= 0 && Turn(a, b, k) >= 0 && Turn(b, c, k) >= 0 && k.point != a.point &&
+                k.point != b.point && k.point != c.point)
+                return k.place;
+        return s_none;
     }
 
-    const std::vector<uint32_t>& m_loop;
-    std::vector<std::array<double, 2>> m_corners;
-    std::vector<size_t> m_inward; ///< corners left that don't turn to the left
+    std::vector<qcClipCorner>& m_corners;
+    std::vector<qcClipCorner>& m_inward; ///< corners left that don't turn to the left
+    std::vector<uint32_t>& m_left;
 };
 
 //  ---- any loops -------------------------------------------------------------------------------------
@@ -165,7 +193,7 @@ template <typename Function> void SetCallback(GLUtesselator* tesselator, GLenum 
 
 void Tesselate(qcClipMesh* mesh, const qcClipPoint& normal, uint32_t number, const qcClipLoops& loops)
 {
-    GLUtesselator* tesselator = loops.empty() ? nullptr : gluNewTess();
+    GLUtesselator* tesselator = loops.ends.empty() ? nullptr : gluNewTess();
     if (tesselator == nullptr)
         return;
     Face face{mesh, {}, false};
@@ -176,11 +204,12 @@ void Tesselate(qcClipMesh* mesh, const qcClipPoint& normal, uint32_t number, con
     gluTessProperty(tesselator, GLU_TESS_WINDING_RULE, GLU_TESS_WINDING_POSITIVE);
     gluTessNormal(tesselator, normal[0], normal[1], normal[2]);
     gluTessBeginPolygon(tesselator, &face);
-    for (const std::vector<uint32_t>& loop : loops)
+    for (size_t loop = 0; loop < loops.ends.size(); loop++)
     {
         gluTessBeginContour(tesselator);
-        for (uint32_t point : loop)
+        for (size_t i = loops.Begin(loop); i < loops.ends[loop]; i++)
         {
+            uint32_t point = loops.points[i];
             GLdouble position[3] = {mesh->points[point][0], mesh->points[point][1], mesh->points[point][2]};
             gluTessVertex(tesselator, position, DataOf(point));
         }
@@ -196,18 +225,15 @@ void Tesselate(qcClipMesh* mesh, const qcClipPoint& normal, uint32_t number, con
 
 void qcClipFace_AddFans(qcClipMesh* mesh, uint32_t face, const qcClipLoops& loops)
 {
-    for (const std::vector<uint32_t>& loop : loops)
-        for (size_t i = 2; i < loop.size(); i++)
-            mesh->triangles.push_back({{loop[0], loop[i - 1], loop[i]}, face});
+    for (size_t loop = 0; loop < loops.ends.size(); loop++)
+        for (size_t first = loops.Begin(loop), i = first + 2; i < loops.ends[loop]; i++)
+            mesh->triangles.push_back({{loops.points[first], loops.points[i - 1], loops.points[i]}, face});
 }
 
-void qcClipFace_Add(qcClipMesh* mesh, const qcClipPoint& normal, uint32_t face, const qcClipLoops& loops)
+void qcClipFace_Add(qcClipMesh* mesh, const qcClipPoint& normal, uint32_t face, const qcClipLoops& loops,
+                    qcClipScratch* scratch)
 {
-    std::vector<std::array<size_t, 3>> triangles;
-    if (loops.size() == 1 && loops[0].size() <= s_mostCorners)
-        triangles = Outline(*mesh, normal, loops[0]).Triangulate();
-    for (const std::array<size_t, 3>& t : triangles)
-        mesh->triangles.push_back({{loops[0][t[0]], loops[0][t[1]], loops[0][t[2]]}, face});
-    if (triangles.empty())
+    bool isSimple = loops.ends.size() == 1 && loops.points.size() <= s_mostCorners;
+    if (!isSimple || !Outline(*mesh, normal, loops, scratch).Triangulate(face, &mesh->triangles))
         Tesselate(mesh, normal, face, loops);
 }
