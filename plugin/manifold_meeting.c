@@ -118,6 +118,7 @@ qcStatus qcManifolds_Build(qcManifolds* m, const qcTriangles* triangles, const q
     QC_TRY(qcManifolds_FindRings(m, threads));
     QC_TRY(qcManifolds_ChooseNormals(m, &known, threads));
     QC_TRY(qcManifolds_ChooseSigns(m, &known));
+    QC_TRY(qcManifolds_FindEscapes(m, input->margin));
     QC_TRY(MeasureRegions(m));
     QC_TRY(qcManifolds_FindPoints(m, &known, threads));
     QC_TRY(qcManifolds_MergePoints(m));

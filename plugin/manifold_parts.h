@@ -336,6 +336,8 @@ qcStatus qcManifolds_FindRings(qcManifolds* manifolds, uint32_t threads);
 qcStatus qcManifolds_ChooseNormals(qcManifolds* manifolds, const qcMeetingInput* input, uint32_t threads);
 /// Their signs, looked at in each region.
 qcStatus qcManifolds_ChooseSigns(qcManifolds* manifolds, const qcMeetingInput* input);
+/// Regions that one short push would free: no pair is told of a much longer way.
+qcStatus qcManifolds_FindEscapes(qcManifolds* manifolds, double margin);
 /// From corners to points.
 qcStatus qcManifolds_FindPoints(qcManifolds* manifolds, const qcMeetingInput* input, uint32_t threads);
 qcStatus qcManifolds_MergePoints(qcManifolds* manifolds);

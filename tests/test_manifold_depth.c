@@ -6,7 +6,8 @@
 enum
 {
     qc_cellCount = 9,
-    qc_splits = 5
+    qc_splits = 5,
+    qc_sunkSplits = 40
 };
 
 typedef enum Rounding
@@ -219,6 +220,24 @@ START_TEST(cells_pushed_into_each_other_are_as_deep_as_they_overlap)
 }
 END_TEST
 
+START_TEST(cells_sunk_into_each_other_within_the_margin_are_as_deep_as_they_overlap)
+{
+    // A dozen of a thousand pairs of cells have a part that its signs send sideways around an edge, or through a cell.
+    static const struct
+    {
+        double push, margin;
+    } cases[] = {{0.01, 0.05}, {0.01, 0.2}, {0.03, 0.2}};
+    const size_t count = sizeof cases / sizeof cases[0];
+    for (uint64_t seed = 0; seed < qc_sunkSplits; seed++)
+        for (size_t c = 0; c < count; c++)
+        {
+            Split split = MakeSplit(seed, qc_exact, cases[c].push);
+            CheckDepths(&split, cases[c].push, NoiseOf(qc_exact), cases[c].margin);
+            FreeSplit(&split);
+        }
+}
+END_TEST
+
 START_TEST(cells_moved_away_from_each_other_are_not_in_each_other)
 {
     Split split = MakeSplit((uint64_t)_i, qc_placed, -1e-3);
@@ -342,6 +361,7 @@ int main(void)
     tcase_add_loop_test(cells, cells_fill_the_cube_and_lie_on_their_side_of_each_bisector, 0, qc_splits);
     tcase_add_loop_test(cells, cells_that_touch_are_not_deep_in_each_other, 0, qc_splits);
     tcase_add_loop_test(cells, cells_pushed_into_each_other_are_as_deep_as_they_overlap, 0, qc_splits);
+    tcase_add_test(cells, cells_sunk_into_each_other_within_the_margin_are_as_deep_as_they_overlap);
     tcase_add_loop_test(cells, cells_moved_away_from_each_other_are_not_in_each_other, 0, qc_splits);
     tcase_add_loop_test(cells, a_cut_is_held_at_its_corners_along_its_normal, 0, qc_splits);
     tcase_add_loop_test(cells, a_cut_is_held_along_its_normal_as_far_as_the_margin_reaches, 0, qc_splits);
