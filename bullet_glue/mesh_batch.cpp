@@ -255,21 +255,17 @@ void qcMeshBatch::FindDrift()
 void qcMeshBatch::WantPairs()
 {
     m_margin = 0;
-    const btBroadphasePairArray& pairs = world->getPairCache()->getOverlappingPairArray();
-    for (int i = 0; i < pairs.size(); i++)
-    {
-        const auto* object0 = static_cast<const btCollisionObject*>(pairs[i].m_pProxy0->m_clientObject);
-        const auto* object1 = static_cast<const btCollisionObject*>(pairs[i].m_pProxy1->m_clientObject);
-        if (!qcMayHoldMeshes(object0->getCollisionShape()) || !qcMayHoldMeshes(object1->getCollisionShape()))
-            continue;
-        Object &known0 = *Know(object0), &known1 = *Know(object1);
-        if (known0.meshes.empty() || known1.meshes.empty() || !(known0.ours || known1.ours))
-            continue;
-        known0.wanted = known1.wanted = true;
-        btScalar rest = s_rest * std::min(known0.threshold, known1.threshold);
-        btScalar reach = std::min({known0.limit, known1.limit, rest + known0.approach + known1.approach});
-        m_margin = std::max(m_margin, reach + known0.margin + known1.margin);
-    }
+    ForEachPair(
+        [this](const btCollisionObject* object0, const btCollisionObject* object1)
+        {
+            Object &known0 = *Know(object0), &known1 = *Know(object1);
+            if (known0.meshes.empty() || known1.meshes.empty() || !(known0.ours || known1.ours))
+                return;
+            known0.wanted = known1.wanted = true;
+            btScalar rest = s_rest * std::min(known0.threshold, known1.threshold);
+            btScalar reach = std::min({known0.limit, known1.limit, rest + known0.approach + known1.approach});
+            m_margin = std::max(m_margin, reach + known0.margin + known1.margin);
+        });
 }
 
 /// Brings the scene up to date with an object.

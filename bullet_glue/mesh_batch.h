@@ -112,6 +112,18 @@ class qcMeshBatch
     void ForgetGone();
     qcStatus Detect();
     void Run();
+    /// The world's pairs of objects that may hold meshes.
+    template <typename Function> void ForEachPair(Function function) const
+    {
+        const btBroadphasePairArray& pairs = world->getPairCache()->getOverlappingPairArray();
+        for (int i = 0; i < pairs.size(); i++)
+        {
+            const auto* object0 = static_cast<const btCollisionObject*>(pairs[i].m_pProxy0->m_clientObject);
+            const auto* object1 = static_cast<const btCollisionObject*>(pairs[i].m_pProxy1->m_clientObject);
+            if (qcMayHoldMeshes(object0->getCollisionShape()) && qcMayHoldMeshes(object1->getCollisionShape()))
+                function(object0, object1);
+        }
+    }
     static State StateOf(const btCollisionObject* object);
     bool IsSeen(const btCollisionObject* object, const Object& known) const;
     bool IsHeld(const btCollisionObject* object, const Object& known);

@@ -60,21 +60,18 @@ bool qcMeshBatch::CheckAll()
 {
     m_check++;
     bool all = m_result != nullptr;
-    const btBroadphasePairArray& pairs = world->getPairCache()->getOverlappingPairArray();
-    for (int i = 0; i < pairs.size(); i++)
-    {
-        const auto* object0 = static_cast<const btCollisionObject*>(pairs[i].m_pProxy0->m_clientObject);
-        const auto* object1 = static_cast<const btCollisionObject*>(pairs[i].m_pProxy1->m_clientObject);
-        if (!qcMayHoldMeshes(object0->getCollisionShape()) || !qcMayHoldMeshes(object1->getCollisionShape()))
-            continue;
-        const Object *known0 = Check(object0), *known1 = Check(object1);
-        bool known = known0 != nullptr && known1 != nullptr;
-        bool ours = !known || (!known0->meshes.empty() && !known1->meshes.empty() && (known0->ours || known1->ours));
-        if (!ours || !world->getDispatcher()->needsCollision(object0, object1))
-            continue;
-        all = all && known && known0->held && known1->held &&
-              (known0->activity == qc_activityMoving || known1->activity == qc_activityMoving);
-    }
+    ForEachPair(
+        [&](const btCollisionObject* object0, const btCollisionObject* object1)
+        {
+            const Object *known0 = Check(object0), *known1 = Check(object1);
+            bool known = known0 != nullptr && known1 != nullptr;
+            bool ours =
+                !known || (!known0->meshes.empty() && !known1->meshes.empty() && (known0->ours || known1->ours));
+            if (!ours || !world->getDispatcher()->needsCollision(object0, object1))
+                return;
+            all = all && known && known0->held && known1->held &&
+                  (known0->activity == qc_activityMoving || known1->activity == qc_activityMoving);
+        });
     return all;
 }
 
