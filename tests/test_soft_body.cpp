@@ -1,9 +1,7 @@
 // The soft-body solver in Bullet's soft-rigid world: what penetrates without it does not with it, in both precisions.
-#include "quickcullide/bullet.h"
+#include "soft_world.h"
 
 #include <BulletSoftBody/btSoftBodyHelpers.h>
-#include <BulletSoftBody/btSoftBodyRigidBodyCollisionConfiguration.h>
-#include <BulletSoftBody/btSoftRigidDynamicsWorld.h>
 #include <btBulletDynamicsCommon.h>
 
 #include <cmath>
@@ -19,23 +17,14 @@
 namespace
 {
 /// A floor, a small box on it, and whatever is added.
-struct World
+struct World : qcSoftWorld
 {
-    btSoftBodyRigidBodyCollisionConfiguration configuration;
-    btCollisionDispatcher dispatcher{&configuration};
-    qcBroadphase broadphase;
-    btSequentialImpulseConstraintSolver solver;
-    qcSoftBodySolver softSolver;
-    btSoftRigidDynamicsWorld world{&dispatcher, &broadphase, &solver, &configuration, &softSolver};
     btStaticPlaneShape floorShape{btVector3(0, 1, 0), 0};
     btRigidBody floor{btRigidBody::btRigidBodyConstructionInfo(0, nullptr, &floorShape)};
-    std::vector<btSoftBody*> cloths;
 
-    explicit World(qcDevice* device = nullptr) : softSolver(device)
+    explicit World(qcDevice* device = nullptr) : qcSoftWorld(device)
     {
-        world.getWorldInfo().m_gravity = world.getGravity();
         world.addRigidBody(&floor);
-        softSolver.setThreadCount(1);
     }
 
     ~World()

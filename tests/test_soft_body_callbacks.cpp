@@ -3,11 +3,10 @@
 #include "quickcullide/bullet_deformable.h"
 
 #include "mesh_models.h"
+#include "soft_world.h"
 
 #include <BulletSoftBody/btDeformableGravityForce.h>
 #include <BulletSoftBody/btSoftBodyHelpers.h>
-#include <BulletSoftBody/btSoftBodyRigidBodyCollisionConfiguration.h>
-#include <BulletSoftBody/btSoftRigidDynamicsWorld.h>
 #include <btBulletDynamicsCommon.h>
 
 #include <functional>
@@ -90,22 +89,13 @@ void Hush()
 }
 
 /// A square plate of two triangles under cloths.
-struct World
+struct World : qcSoftWorld
 {
-    btSoftBodyRigidBodyCollisionConfiguration configuration;
-    btCollisionDispatcher dispatcher{&configuration};
-    qcBroadphase broadphase;
-    btSequentialImpulseConstraintSolver solver;
-    qcSoftBodySolver softSolver;
-    btSoftRigidDynamicsWorld world{&dispatcher, &broadphase, &solver, &configuration, &softSolver};
     std::unique_ptr<qcMeshShape> shape = qcFloorModel(2, 1).MakeShape();
     std::unique_ptr<btRigidBody> plate;
-    std::vector<btSoftBody*> cloths;
 
     World()
     {
-        world.getWorldInfo().m_gravity = world.getGravity();
-        softSolver.setThreadCount(1);
         Listen();
     }
 
