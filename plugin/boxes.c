@@ -198,11 +198,7 @@ static qcStatus ReserveOneMore(qcBoxes* set)
     QC_TRY(qcArray_Reserve(&set->boxes, count, sizeof(qcBox), "boxes"));
     QC_TRY(qcArray_Resize(&set->bounds, count, sizeof(qcBounds), "bounds of boxes"));
     QC_TRY(qcArray_Resize(&set->userData, count, sizeof(void*), "user data of boxes"));
-    while (set->stamps.count < count)
-    {
-        QC_TRY(qcArray_Resize(&set->stamps, set->stamps.count + 1, sizeof(uint32_t), "stamps of boxes"));
-        QC_AT(uint32_t, set->stamps, set->stamps.count - 1) = 0;
-    }
+    QC_TRY(qcArray_GrowZeroed(&set->stamps, count, sizeof(uint32_t), "stamps of boxes"));
     QC_TRY(qcForest_Reserve(&set->forest, count));
     QC_TRY(qcNeighbours_Reserve(&set->neighbours, count));
     QC_TRY(qcArray_Reserve(&set->freeIds, count, sizeof(uint32_t), "free ids of boxes"));

@@ -4,8 +4,6 @@
 #include "sort.h"
 #include "status.h"
 
-#include <string.h>
-
 // Points nearer than this share of the triangles' size are one: in a region, the longest edge of a pair's smaller
 // triangle, on average.
 static const double s_tolerance = 1.0 / 64.0;
@@ -80,12 +78,7 @@ static qcStatus WriteResult(qcManifolds* m)
 
 static qcStatus EmptyWorkers(qcManifolds* m, uint32_t threads)
 {
-    size_t old = m->workers.count;
-    if (threads > old)
-    {
-        QC_TRY(qcArray_Resize(&m->workers, threads, sizeof(qcManifoldWorker), "contact points"));
-        memset(&QC_AT(qcManifoldWorker, m->workers, old), 0, (threads - old) * sizeof(qcManifoldWorker));
-    }
+    QC_TRY(qcArray_GrowZeroed(&m->workers, threads, sizeof(qcManifoldWorker), "contact points"));
     for (size_t i = 0; i < m->workers.count; i++)
     {
         qcManifoldWorker* worker = &QC_AT(qcManifoldWorker, m->workers, i);
