@@ -12,9 +12,9 @@
 //   filter          separating axes
 //
 // The last four make sense on a GPU. Where GL is the processor itself, its vectors do the same without four more
-// dispatches and in fewer instructions (a whole step of the folded cloth of 20 K of qc-bench peers on llvmpipe, AVX2: 12
-// instead of 22 million): there the answer is the image, with boxes laid as the processor's kernels (surface_kernels.h)
-// want them, and layers_refine.c reads it.
+// dispatches and in fewer instructions (a whole step of the folded cloth of 20 K of qc-bench peers on llvmpipe, AVX2:
+// 12 instead of 22 million): there the answer is the image, with boxes laid as the processor's kernels
+// (surface_kernels.h) want them, and layers_refine.c reads it.
 //
 // Why no pair within the reach r is lost. All lengths are in units of the frame; t is the true coordinate of a vertex,
 // x the one in the buffer, |x - t| <= e (pointError). Floating-point operations are taken to be right to one unit in
