@@ -32,18 +32,6 @@ void qcSoftBodyContact::Implementation::Start(const btAlignedObjectArray<btSoftB
     statistics.gatherMs = qcNowMs() - before;
 }
 
-void qcSoftBodyContact::Implementation::KeepPositions()
-{
-    solved.resize(scene.Bodies().size());
-    for (size_t b = 0; b < scene.Bodies().size(); b++)
-    {
-        const qcSceneSoftBody& known = scene.Bodies()[b];
-        solved[b].resize(size_t(known.NodeCount()));
-        for (int i = 0; i < known.NodeCount(); i++)
-            solved[b][size_t(i)] = known.body->m_nodes[i].m_x;
-    }
-}
-
 /// What the last detection ran, and what its stages took.
 void qcSoftBodyContact::Implementation::NoteProfile()
 {
@@ -134,8 +122,7 @@ qcStatus qcSoftBodyContact::Implementation::FreezeRest()
 qcStatus qcSoftBodyContact::Implementation::TryResolve(btScalar timeStep)
 {
     double start = qcNowMs();
-    KeepPositions();
-    qcStatus status = scene.SynchronizeMeshes(timeStep);
+    qcStatus status = scene.TakeSolved(timeStep);
     statistics.meshes = int(scene.meshes.Rigids().size());
     if (status == qc_statusOk)
         qcCollectSupports(scene, &m_supports);
@@ -149,15 +136,6 @@ qcStatus qcSoftBodyContact::Implementation::TryResolve(btScalar timeStep)
     return status == qc_statusOk && statistics.remaining > 0 ? FreezeRest() : status;
 }
 
-/// Bullet's own positions again, after a query failed.
-void qcSoftBodyContact::Implementation::Restore()
-{
-    for (size_t b = 0; b < scene.Bodies().size(); b++)
-        for (int i = 0; i < scene.Bodies()[b].NodeCount(); i++)
-            scene.Bodies()[b].body->m_nodes[i].m_x = solved[b][size_t(i)];
-    scene.meshes.Restore();
-}
-
 bool qcSoftBodyContact::Implementation::Resolve(btScalar timeStep)
 {
     if (statistics.status != qc_statusOk)
@@ -165,7 +143,7 @@ bool qcSoftBodyContact::Implementation::Resolve(btScalar timeStep)
     statistics.status = TryResolve(timeStep);
     if (statistics.status != qc_statusOk)
     {
-        Restore();
+        scene.meshes.Restore();
         return false;
     }
     scene.meshes.UpdateVelocities(timeStep);

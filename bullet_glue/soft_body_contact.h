@@ -18,7 +18,8 @@ struct qcSoftBodyContact::Implementation
     void Begin(const btAlignedObjectArray<btSoftBody*>& bodies);
     /// `start`: the member of their nodes that holds these positions.
     void Start(const btAlignedObjectArray<btSoftBody*>& bodies, btVector3 btSoftBody::Node::*start);
-    /// Moves nodes and meshes apart. False: a query failed, and everything is where Bullet left it.
+    /// Moves places and meshes apart; the caller moves nodes to their places. False: a query failed, and everything is
+    /// where Bullet left it.
     bool Resolve(btScalar timeStep);
     /// Bullet's contact callbacks learn of the step. Last of all: they may remove bodies.
     void Tell()
@@ -30,17 +31,14 @@ struct qcSoftBodyContact::Implementation
     qcManifolds manifolds;
     qcSoftMeshTakeOver takeOver;
     qcSoftBodyStatistics statistics;
-    std::vector<std::vector<btVector3>> solved; ///< of each of the scene's soft bodies: positions as Bullet left them
 
   private:
-    void KeepPositions();
     void NoteProfile();
     qcStatus Detect(btScalar contactMargin);
     void Solve();
     qcStatus SolveContacts();
     qcStatus FreezeRest();
     qcStatus TryResolve(btScalar timeStep);
-    void Restore();
 
     std::vector<qcSoftConstraint> m_constraints;
     std::vector<size_t> m_contactOf;

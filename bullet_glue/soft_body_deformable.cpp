@@ -10,27 +10,21 @@
 
 namespace
 {
-/// Velocities, and what else Bullet keeps of positions, follow the nodes that contacts moved.
-void FollowMoves(qcSoftBodyScene& scene, const std::vector<std::vector<btVector3>>& solved, btScalar timeStep)
+/// Nodes that contacts moved go to their places; velocities, and what else Bullet keeps of positions, follow.
+void MoveNodes(const qcSceneSoftBody& known, btScalar timeStep)
 {
-    for (size_t b = 0; b < scene.Bodies().size(); b++)
-    {
-        btSoftBody* body = scene.Bodies()[b].body;
-        bool moved = false;
-        for (int i = 0; i < body->m_nodes.size(); i++)
+    bool moved = false;
+    known.ForEachMoved(
+        [&](int i)
         {
-            btSoftBody::Node& node = body->m_nodes[i];
-            const btVector3& before = solved[b][size_t(i)];
-            if (node.m_x == before)
-                continue;
-            node.m_v += (node.m_x - before) / timeStep;
+            btSoftBody::Node& node = known.body->m_nodes[i];
+            node.m_v += (known.places[size_t(i)] - node.m_x) / timeStep;
             node.m_vn = node.m_v;
-            node.m_q = node.m_x;
+            node.m_q = node.m_x = known.places[size_t(i)];
             moved = true;
-        }
-        if (moved)
-            body->interpolateRenderMesh();
-    }
+        });
+    if (moved)
+        known.body->interpolateRenderMesh();
 }
 } // namespace
 
@@ -72,6 +66,8 @@ void qcDeformableWorld::integrateTransforms(btScalar timeStep)
     Implementation& my = *m_implementation;
     my.Start(getSoftBodyArray(), &btSoftBody::Node::m_x);
     btDeformableMultiBodyDynamicsWorld::integrateTransforms(timeStep);
-    if (my.Resolve(timeStep))
-        FollowMoves(my.scene, my.solved, timeStep);
+    if (!my.Resolve(timeStep))
+        return;
+    for (const qcSceneSoftBody& known : my.scene.Bodies())
+        MoveNodes(known, timeStep);
 }

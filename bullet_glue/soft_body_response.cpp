@@ -15,18 +15,17 @@ namespace
 // surfaces apart, since positions become velocities.
 constexpr btScalar s_recovery = btScalar(0.2);
 
-void AddNodes(const qcSceneSoftBody& body, const uint32_t vertices[3], const double weights[3], btScalar sign,
+void AddNodes(qcSceneSoftBody& body, const uint32_t vertices[3], const double weights[3], btScalar sign,
               qcSoftConstraint* constraint)
 {
     for (int i = 0; i < 3; i++)
     {
         if (weights[i] == 0.0)
             continue;
-        btSoftBody::Node* node = &body.body->m_nodes[int(vertices[i])];
         btScalar weight = sign * btScalar(weights[i]);
         bool held = !body.held.empty() && body.held[vertices[i]];
-        btScalar inverseMass = body.moves && !held ? node->m_im : btScalar(0);
-        constraint->node[constraint->nodeCount] = node;
+        btScalar inverseMass = body.moves && !held ? body.body->m_nodes[int(vertices[i])].m_im : btScalar(0);
+        constraint->place[constraint->nodeCount] = &body.places[vertices[i]];
         constraint->inverseMass[constraint->nodeCount] = inverseMass;
         constraint->weight[constraint->nodeCount++] = weight;
         constraint->inverseEffectiveMass += weight * weight * inverseMass;
@@ -38,7 +37,7 @@ btVector3 Offset(const qcSoftConstraint& constraint)
 {
     btVector3 offset(0, 0, 0);
     for (int i = 0; i < constraint.nodeCount; i++)
-        offset += constraint.weight[i] * constraint.node[i]->m_x;
+        offset += constraint.weight[i] * *constraint.place[i];
     if (const qcSceneRigid* rigid = constraint.rigid)
         offset -= constraint.point + rigid->linear + rigid->angular.cross(constraint.arm);
     return offset;
@@ -56,7 +55,7 @@ void Push(const qcSoftConstraint& constraint, const btVector3& lack)
     if (largest <= 0)
         return;
     for (int i = 0; i < constraint.nodeCount; i++)
-        constraint.node[i]->m_x += lack * (constraint.weight[i] * constraint.inverseMass[i] / largest);
+        *constraint.place[i] += lack * (constraint.weight[i] * constraint.inverseMass[i] / largest);
     if (constraint.rigid != nullptr)
         constraint.rigid->Push(constraint.arm, -lack / largest);
 }
@@ -102,7 +101,7 @@ btVector3 PointOf(const qcSceneSoftBody& soft, const uint32_t vertices[3], const
 {
     btVector3 point(0, 0, 0);
     for (int i = 0; i < 3; i++)
-        point += btScalar(weights[i]) * soft.body->m_nodes[int(vertices[i])].m_x;
+        point += btScalar(weights[i]) * soft.places[vertices[i]];
     return point;
 }
 
@@ -137,7 +136,7 @@ void StartOf(qcSoftBodyScene& scene, uint32_t slot, uint32_t triangle, double co
 
 int PutNodeBack(qcSceneSoftBody& body, uint32_t node, const btTransform& carried)
 {
-    btVector3& x = body.body->m_nodes[int(node)].m_x;
+    btVector3& x = body.places[node];
     btVector3 back = carried == btTransform::getIdentity() ? body.start[node] : carried * body.start[node];
     if (x == back)
         return 0;
@@ -240,7 +239,7 @@ bool qcReadTouch(qcSoftBodyScene& scene, const qcContact& contact, qcSoftTouch* 
     return touch->distance <= touch->thickness && qcMayPush(scene, slotA, slotB);
 }
 
-bool qcMakeMeshConstraint(const qcSceneSoftBody& soft, const uint32_t vertices[3], const double weights[3],
+bool qcMakeMeshConstraint(qcSceneSoftBody& soft, const uint32_t vertices[3], const double weights[3],
                           qcSceneRigid& rigid, const btVector3& point, const btVector3& normal, btScalar thickness,
                           qcSoftConstraint* constraint)
 {

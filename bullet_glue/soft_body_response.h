@@ -23,12 +23,12 @@ struct qcSoftTouch
 /// False for a contact that does not push: further apart than the thickness, or filtered by Bullet.
 bool qcReadTouch(qcSoftBodyScene& scene, const qcContact& contact, qcSoftTouch* touch);
 
-/// A contact as a constraint on up to six nodes, or three and a mesh: normal . (sum of weight * node) >= distance, the
-/// point of the mesh taken off the sum.
+/// A contact as a constraint on the places of up to six nodes, or three and a mesh: normal . (sum of weight * place) >=
+/// distance, the point of the mesh taken off the sum.
 struct qcSoftConstraint
 {
     int nodeCount;
-    btSoftBody::Node* node[6];
+    btVector3* place[6];           ///< of its nodes
     btScalar inverseMass[6];       ///< 0: pinned, or of a body that does not move
     btScalar weight[6];            ///< positive on the side to which the normal points, negative on the other
     btScalar inverseEffectiveMass; ///< sum of weight^2 * inverse mass
@@ -45,7 +45,7 @@ bool qcMayPush(qcSoftBodyScene& scene, uint32_t slotA, uint32_t slotB);
 bool qcMayPush(const qcSceneSoftBody& soft, const qcSceneRigid& rigid);
 
 /// A constraint between a soft body and a mesh's point, which is given in the object's frame. False: nothing can move.
-bool qcMakeMeshConstraint(const qcSceneSoftBody& soft, const uint32_t vertices[3], const double weights[3],
+bool qcMakeMeshConstraint(qcSceneSoftBody& soft, const uint32_t vertices[3], const double weights[3],
                           qcSceneRigid& rigid, const btVector3& point, const btVector3& normal, btScalar thickness,
                           qcSoftConstraint* constraint);
 

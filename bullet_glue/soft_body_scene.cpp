@@ -52,20 +52,20 @@ void NoteHeld(qcSceneSoftBody& known)
     for (int i = 0; i < known.body->m_deformableAnchors.size(); i++)
     {
         known.held.resize(size_t(known.NodeCount()), false);
-        known.held[size_t(known.body->m_deformableAnchors[i].m_node - &known.body->m_nodes[0])] = true;
+        known.held[known.NumberOf(known.body->m_deformableAnchors[i].m_node)] = true;
     }
 }
 
-/// The box of a soft body from the start of the step to now; false if it has none.
+/// The box of a soft body from the start of the step to where Bullet left it; false if it has none.
 bool BoxOf(const qcSceneSoftBody& known, btVector3 box[2])
 {
     if (known.NodeCount() == 0)
         return false;
     box[0] = box[1] = known.start[0];
     btVector3 sum(0, 0, 0);
-    for (int i = 0; i < known.NodeCount(); i++)
+    for (size_t i = 0; i < known.solved.size(); i++)
     {
-        const btVector3 &start = known.start[size_t(i)], &x = known.body->m_nodes[i].m_x;
+        const btVector3 &start = known.start[i], &x = known.solved[i];
         box[0].setMin(start);
         box[0].setMin(x);
         box[1].setMax(start);
@@ -176,10 +176,14 @@ qcStatus qcSoftBodyScene::Synchronize(const btAlignedObjectArray<btSoftBody*>& b
     return qc_statusOk;
 }
 
-qcStatus qcSoftBodyScene::SynchronizeMeshes(btScalar timeStep)
+qcStatus qcSoftBodyScene::TakeSolved(btScalar timeStep)
 {
-    for (const qcSceneSoftBody& known : m_bodies)
+    for (qcSceneSoftBody& known : m_bodies)
     {
+        known.solved.resize(size_t(known.NodeCount()));
+        for (int i = 0; i < known.NodeCount(); i++)
+            known.solved[size_t(i)] = known.body->m_nodes[i].m_x;
+        known.places = known.solved;
         const btSoftBodyWorldInfo* info = known.body->getWorldInfo();
         btVector3 box[2];
         if (known.MeetsRigidBodies() && info->m_broadphase != nullptr && BoxOf(known, box))
@@ -190,14 +194,10 @@ qcStatus qcSoftBodyScene::SynchronizeMeshes(btScalar timeStep)
 
 qcStatus qcSoftBodyScene::UpdatePlaces()
 {
-    for (qcSceneSoftBody& known : m_bodies)
+    for (const qcSceneSoftBody& known : m_bodies)
     {
-        if (known.NodeCount() == 0)
+        if (known.places.empty())
             continue;
-        // Nodes are large: each is looked at once here, and what the scene reads, twice, lies together.
-        known.places.resize(size_t(known.NodeCount()));
-        for (int i = 0; i < known.NodeCount(); i++)
-            known.places[size_t(i)] = known.body->m_nodes[i].m_x;
         qcStatus status =
             qcScene_SetVertices(m_scene, known.id, known.places.data(), s_positionType, sizeof(btVector3));
         if (status != qc_statusOk)

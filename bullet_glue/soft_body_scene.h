@@ -23,12 +23,25 @@ struct qcSceneSoftBody
     btScalar thickness = 0;        ///< settings.thickness, or what stands for its zero
     bool moves = true;             ///< false: Bullet does not simulate it at present, and neither do contacts
     std::vector<btVector3> start;  ///< node positions at the start of the step
-    std::vector<btVector3> places; ///< node positions as the scene was last given them
-    std::vector<bool> held;        ///< nodes that contacts don't move; empty if there are none
+    std::vector<btVector3> solved; ///< as Bullet left them
+    /// Where contacts have them by now. Bullet's own nodes, which are large, are written when all is done.
+    std::vector<btVector3> places;
+    std::vector<bool> held; ///< nodes that contacts don't move; empty if there are none
 
     int NodeCount() const
     {
         return body->m_nodes.size();
+    }
+    size_t NumberOf(const btSoftBody::Node* node) const
+    {
+        return size_t(node - &body->m_nodes[0]);
+    }
+    /// function(node number) for each that contacts moved.
+    template <typename Function> void ForEachMoved(Function function) const
+    {
+        for (size_t i = 0; i < places.size(); i++)
+            if (places[i] != solved[i])
+                function(int(i));
     }
     bool MeetsRigidBodies() const
     {
@@ -50,9 +63,10 @@ class qcSoftBodyScene
     /// Makes the scene's soft bodies those of the array, and notes where they start this step: at this member of their
     /// nodes.
     qcStatus Synchronize(const btAlignedObjectArray<btSoftBody*>& bodies, btVector3 btSoftBody::Node::*start);
-    /// Makes the scene's meshes those near its soft bodies, between the start of the step and now.
-    qcStatus SynchronizeMeshes(btScalar timeStep);
-    /// Gives the scene the present positions of nodes and meshes.
+    /// Notes where Bullet left the nodes, and makes the scene's meshes those near its soft bodies, between the start of
+    /// the step and there.
+    qcStatus TakeSolved(btScalar timeStep);
+    /// Gives the scene the places of nodes and meshes.
     qcStatus UpdatePlaces();
     /// Runs the line of data.
     qcStatus Detect(btScalar contactMargin, const qcResult** result);

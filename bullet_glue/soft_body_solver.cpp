@@ -3,21 +3,18 @@
 
 namespace
 {
-/// The velocity that leads from the start of the step to the present position, as btSoftBody::solveConstraints sets it,
-/// for every node that is not where Bullet's own constraints left it.
-void UpdateVelocities(qcSoftBodyScene& scene, const std::vector<std::vector<btVector3>>& solved)
+/// Every node that is not where Bullet's own constraints left it goes to its place, with the velocity that leads there
+/// from the start of the step, as btSoftBody::solveConstraints sets it.
+void MoveNodes(const qcSceneSoftBody& known)
 {
-    for (size_t b = 0; b < scene.Bodies().size(); b++)
-    {
-        const qcSceneSoftBody& known = scene.Bodies()[b];
-        const btScalar perDistance = known.body->m_sst.isdt * (1 - known.body->m_cfg.kDP);
-        for (int i = 0; i < known.NodeCount(); i++)
+    const btScalar perDistance = known.body->m_sst.isdt * (1 - known.body->m_cfg.kDP);
+    known.ForEachMoved(
+        [&](int i)
         {
             btSoftBody::Node& node = known.body->m_nodes[i];
-            if (node.m_x != solved[b][size_t(i)])
-                node.m_v = (node.m_x - known.start[size_t(i)]) * perDistance;
-        }
-    }
+            node.m_x = known.places[size_t(i)];
+            node.m_v = (node.m_x - known.start[size_t(i)]) * perDistance;
+        });
 }
 } // namespace
 
@@ -45,8 +42,10 @@ void qcSoftBodySolver::solveConstraints(btScalar timeStep)
     // Here Bullet moves on from m_q; its constraints of drift write it anew.
     my.Start(m_softBodySet, &btSoftBody::Node::m_q);
     btDefaultSoftBodySolver::solveConstraints(timeStep);
-    if (my.Resolve(timeStep))
-        UpdateVelocities(my.scene, my.solved);
+    if (!my.Resolve(timeStep))
+        return;
+    for (const qcSceneSoftBody& known : my.scene.Bodies())
+        MoveNodes(known);
 }
 
 void qcSoftBodySolver::updateSoftBodies()

@@ -8,18 +8,20 @@
 
 namespace
 {
-void Add(const qcSceneSoftBody& soft, btSoftBody::Node* node, const btSoftBody::sCti& contact,
+void Add(qcSceneSoftBody& soft, const btSoftBody::Node* node, const btSoftBody::sCti& contact,
          std::vector<qcSoftSupport>* supports)
 {
-    if (soft.moves && node->m_im > 0)
-        supports->push_back({node, contact.m_colObj, contact.m_normal, contact.m_normal.dot(node->m_x), 0});
+    if (!soft.moves || node->m_im <= 0)
+        return;
+    btVector3* place = &soft.places[soft.NumberOf(node)];
+    supports->push_back({place, node->m_im, contact.m_colObj, contact.m_normal, contact.m_normal.dot(*place), 0});
 }
 } // namespace
 
 void qcCollectSupports(qcSoftBodyScene& scene, std::vector<qcSoftSupport>* supports)
 {
     supports->clear();
-    for (const qcSceneSoftBody& soft : scene.Bodies())
+    for (qcSceneSoftBody& soft : scene.Bodies())
     {
         const btSoftBody& body = *soft.body;
         for (int i = 0; i < body.m_rcontacts.size(); i++)
@@ -34,7 +36,7 @@ void qcCollectSupports(qcSoftBodyScene& scene, std::vector<qcSoftSupport>* suppo
 
 size_t qcMovedSupports(std::vector<qcSoftSupport>* supports)
 {
-    auto isMoved = [](const qcSoftSupport& support) { return support.normal.dot(support.node->m_x) != support.level; };
+    auto isMoved = [](const qcSoftSupport& support) { return support.normal.dot(*support.place) != support.level; };
     return size_t(std::stable_partition(supports->begin(), supports->end(), isMoved) - supports->begin());
 }
 
@@ -43,10 +45,10 @@ void qcHoldSupports(std::vector<qcSoftSupport>* supports, size_t count)
     for (size_t i = 0; i < count; i++)
     {
         qcSoftSupport& support = (*supports)[i];
-        btScalar depth = support.level - support.normal.dot(support.node->m_x);
+        btScalar depth = support.level - support.normal.dot(*support.place);
         if (depth <= 0)
             continue;
-        support.node->m_x += support.normal * depth;
+        *support.place += support.normal * depth;
         support.raised += depth;
     }
 }
@@ -58,7 +60,7 @@ void qcApplySupports(const std::vector<qcSoftSupport>& supports, btScalar timeSt
         auto* body = const_cast<btRigidBody*>(btRigidBody::upcast(support.object));
         if (body == nullptr || support.raised == 0 || body->isStaticOrKinematicObject())
             continue;
-        btVector3 impulse = support.normal * (-support.raised / (support.node->m_im * timeStep));
-        body->applyImpulse(impulse, support.node->m_x - body->getCenterOfMassPosition());
+        btVector3 impulse = support.normal * (-support.raised / (support.inverseMass * timeStep));
+        body->applyImpulse(impulse, *support.place - body->getCenterOfMassPosition());
     }
 }

@@ -7,10 +7,11 @@
 /// A node that is in one of Bullet's contacts with a rigid body. In this step it goes no deeper than it is.
 struct qcSoftSupport
 {
-    btSoftBody::Node* node;
+    btVector3* place; ///< of the node
+    btScalar inverseMass;
     const btCollisionObject* object;
     btVector3 normal; ///< from the rigid body to the node
-    btScalar level;   ///< normal . node >= level
+    btScalar level;   ///< normal . place >= level
     btScalar raised;  ///< sum of what it took to hold that
 };
 

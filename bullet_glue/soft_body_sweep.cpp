@@ -29,20 +29,20 @@ class FirstHit : public btTriangleRaycastCallback
 btScalar MotionOf(const qcSceneSoftBody& soft)
 {
     btScalar largest = 0;
-    for (int i = 0; i < soft.NodeCount(); i++)
-        largest = std::max(largest, soft.body->m_nodes[i].m_x.distance2(soft.start[size_t(i)]));
+    for (size_t i = 0; i < soft.places.size(); i++)
+        largest = std::max(largest, soft.places[i].distance2(soft.start[i]));
     return btSqrt(largest);
 }
 
-void SweepNodes(const qcSceneSoftBody& soft, qcSceneRigid& rigid, const qcSceneMesh& mesh, btScalar reach,
+void SweepNodes(qcSceneSoftBody& soft, qcSceneRigid& rigid, const qcSceneMesh& mesh, btScalar reach,
                 std::vector<qcSoftConstraint>* constraints)
 {
     btTransform from = (rigid.start * mesh.local).inverse();
     btTransform to = (rigid.object->getWorldTransform() * mesh.local).inverse();
     const double weights[3] = {1, 0, 0};
-    for (int i = 0; i < soft.NodeCount(); i++)
+    for (size_t i = 0; i < soft.places.size(); i++)
     {
-        btVector3 start = from * soft.start[size_t(i)], end = to * soft.body->m_nodes[i].m_x;
+        btVector3 start = from * soft.start[i], end = to * soft.places[i];
         if (start.distance2(end) <= reach * reach)
             continue;
         FirstHit ray(start, end);
@@ -67,7 +67,7 @@ void qcMakeSweptConstraints(qcSoftBodyScene& scene, std::vector<qcSoftConstraint
     constraints->clear();
     if (scene.meshes.Rigids().empty())
         return;
-    for (const qcSceneSoftBody& soft : scene.Bodies())
+    for (qcSceneSoftBody& soft : scene.Bodies())
     {
         btScalar softMotion = MotionOf(soft);
         for (const std::unique_ptr<qcSceneRigid>& rigid : scene.meshes.Rigids())

@@ -165,6 +165,7 @@ static json_object* DescribeSkips(const qcProfile* profile)
     AddNumber(skips, "skippedSetCandidates", profile->skippedSetCandidates);
     AddNumber(skips, "skippedNeighbours", profile->skippedNeighbours);
     AddNumber(skips, "fittedTriangles", profile->fittedTriangles);
+    AddNumber(skips, "followedTriangles", profile->followedTriangles);
     AddNumber(skips, "flatTriangles", profile->flatTriangles);
     return skips;
 }

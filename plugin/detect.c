@@ -179,6 +179,22 @@ static bool ListsNeighbours(const Step* step)
     return step->def->contactMargin > 0.0 && !step->def->neighbours;
 }
 
+static qcSweepSurfacesJob SurfacesJob(const Step* step)
+{
+    qcDetector* d = step->detector;
+    return (qcSweepSurfacesJob){.triangles = &d->triangles,
+                                .objects = &d->objects,
+                                .bodies = d->onSurfaces.data,
+                                .neighbourBodies = d->neighboursOnSurfaces.data,
+                                .margin = Reach(step->def),
+                                .nearest = step->def->margin,
+                                .contactReach = qcContact_Reach(step->def->contactMargin),
+                                .testNeighbours = step->def->neighbours,
+                                .listNeighbours = step->def->contactMargin > 0.0,
+                                .threads = step->threads,
+                                .candidates = &d->candidates};
+}
+
 /// Bodies whose surfaces are swept: all of a part of the scene, or none. And those that the device answers for, but for
 /// their neighbours.
 static qcStatus PrepareSurfaces(Step* step)
@@ -201,9 +217,9 @@ static qcStatus PrepareSurfaces(Step* step)
         qcParts_Unite(&d->parts, onSurfaces);
     for (uint32_t body = 0; body < bodyCount; body++)
         either[body] = onSurfaces[body] || neighbours[body];
+    qcSweepSurfacesJob job = SurfacesJob(step);
     if (SweepsSurfaces(step))
-        QC_TRY(qcSweepSurfaces_Prepare(&d->surfaces, &d->triangles, Reach(step->def), step->threads,
-                                       ListsNeighbours(step), either));
+        QC_TRY(qcSweepSurfaces_Prepare(&d->surfaces, &job, either));
     for (uint32_t body = 0; body < bodyCount; body++)
     {
         onSurfaces[body] = onSurfaces[body] && either[body];
@@ -229,19 +245,8 @@ static qcStatus ListNeighbours(Step* step)
 
 static qcStatus SweepSurfaces(Step* step)
 {
-    qcDetector* d = step->detector;
-    qcSweepSurfacesJob job = {.triangles = &d->triangles,
-                              .objects = &d->objects,
-                              .bodies = d->onSurfaces.data,
-                              .neighbourBodies = d->neighboursOnSurfaces.data,
-                              .margin = Reach(step->def),
-                              .nearest = step->def->margin,
-                              .contactReach = qcContact_Reach(step->def->contactMargin),
-                              .testNeighbours = step->def->neighbours,
-                              .listNeighbours = step->def->contactMargin > 0.0,
-                              .threads = step->threads,
-                              .candidates = &d->candidates};
-    return qcSweepSurfaces_Run(&d->surfaces, &job, &step->profile);
+    qcSweepSurfacesJob job = SurfacesJob(step);
+    return qcSweepSurfaces_Run(&step->detector->surfaces, &job, &step->profile);
 }
 
 static qcStatus SweepTriangles(Step* step)

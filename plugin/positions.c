@@ -60,11 +60,32 @@ static bool AreDoublesFinite(const char* at, size_t count)
     return bad == 0;
 }
 
+/// Three floats, and one more that lies behind them in memory.
+typedef uint32_t FourWords __attribute__((vector_size(16)));
+typedef float FourFloats __attribute__((vector_size(16)));
+typedef double FourDoubles __attribute__((vector_size(32)));
+
+/// All but the last vertex, behind which there may be nothing.
+static bool AreSpacedFloatsFinite(const char* at, size_t stride, size_t count)
+{
+    const FourWords exponent = {0x7f800000u, 0x7f800000u, 0x7f800000u, 0};
+    FourWords bad = {0, 0, 0, 0};
+    for (size_t v = 0; v + 1 < count; v++)
+    {
+        FourWords bits;
+        memcpy(&bits, at + stride * v, sizeof bits);
+        bad |= (FourWords)((bits & exponent) == exponent);
+    }
+    return (bad[0] | bad[1] | bad[2]) == 0;
+}
+
 static bool AreAllFinite(const qcPositions* p)
 {
     if (StrideOf(p) == SizeOf(p->type))
         return p->type == qc_positionF64 ? AreDoublesFinite(p->data, 3 * (size_t)p->count)
                                          : AreFloatsFinite(p->data, 3 * (size_t)p->count);
+    if (p->type == qc_positionF32 && StrideOf(p) >= sizeof(FourWords))
+        return AreSpacedFloatsFinite(p->data, StrideOf(p), p->count) && IsFinite(p, p->count - 1);
     for (uint32_t v = 0; v < p->count; v++)
         if (!IsFinite(p, v))
             return false;
@@ -88,9 +109,18 @@ qcStatus qcPositions_Check(const qcPositions* p, uint32_t slot)
     return qcFail(qc_statusBadInput, "vertex %u of body %u is not finite", vertex, slot);
 }
 
-static void ReadFloats(const char* at, size_t stride, size_t count, double* out)
+/// A fourth number is written behind each three, and then overwritten by the next.
+static void ReadSpacedFloats(const char* at, size_t stride, size_t count, double* out)
 {
-    for (size_t v = 0; v < count; v++)
+    size_t v = 0;
+    for (; v + 1 < count && stride >= sizeof(FourFloats); v++)
+    {
+        FourFloats x;
+        memcpy(&x, at + stride * v, sizeof x);
+        FourDoubles wide = __builtin_convertvector(x, FourDoubles);
+        memcpy(out + 3 * v, &wide, sizeof wide);
+    }
+    for (; v < count; v++)
     {
         float x[3];
         memcpy(x, at + stride * v, sizeof x);
@@ -114,7 +144,7 @@ void qcPositions_Read(const qcPositions* p, double* out)
             out[i] = (double)x;
         }
     else if (p->type == qc_positionF32)
-        ReadFloats(at, stride, p->count, out);
+        ReadSpacedFloats(at, stride, p->count, out);
     else if (stride == 3 * sizeof(double))
         memcpy(out, at, stride * p->count);
     else

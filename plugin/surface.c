@@ -2,8 +2,9 @@
 //
 // Rounding. A level is trunc((x - origin) * scale): a subtraction, a product and a truncation, all monotone; an upper
 // end is that of x + margin, rounded. So lower(A) <= upper(B) + margin in real numbers, where lower(A) is a double,
-// stays true in levels. Boxes around boxes are least and greatest levels. The origin is the body's lower end, so that
-// no product is negative, and the scale takes the body's upper end to 65533 at most, below qc_emptyEnd.
+// stays true in levels. Boxes around boxes are least and greatest levels. The origin is below the body's lower end, so
+// that no product is negative, and the scale takes what is above its upper end to 65533 at most, below qc_emptyEnd: on
+// both sides there is room for what moves by the margin.
 //
 // A point is (x - origin) * 2^-k with the greatest extent in (1/2, 1]: wrong by at most 2^-53 in double and 2^-25 by
 // rounding to float, together below 2^-24.
@@ -119,16 +120,16 @@ qcStatus qcSurface_Build(qcSurface* surface, const qcBody* body, uint32_t thread
 
 //  ---- positions -----------------------------------------------------------------------------------
 
-static bool FindMap(qcLatticeMap* map, const double lower[3], const double upper[3], double margin)
+static bool FindMap(qcLatticeMap* map, const double lower[3], const double upper[3], double margin, double extent[3])
 {
-    double widest = 0.0, extent[3];
+    double widest = 0.0;
     *map = (qcLatticeMap){.origin = {0.0}};
     for (int axis = 0; axis < 3; axis++)
     {
-        map->origin[axis] = lower[axis];
+        map->origin[axis] = lower[axis] - margin;
         map->margin[axis] = margin;
         // As the kernels compute it.
-        extent[axis] = upper[axis] + margin - lower[axis];
+        extent[axis] = upper[axis] + margin + margin - map->origin[axis];
         widest = fmax(widest, extent[axis]);
     }
     int exponent = 0;
@@ -230,10 +231,11 @@ qcStatus qcSurface_Fit(qcSurface* surface, const qcBody* body, double margin, co
         return qc_statusOk;
     bool isLocal = FitsLocally(body);
     surface->fitted = false;
+    surface->noted.count = 0;
     surface->isLocal = isLocal;
     margin = isLocal ? 0.0 : margin;
     *fits = FindMap(&surface->map, isLocal ? body->localLower : body->lower, isLocal ? body->localUpper : body->upper,
-                    margin);
+                    margin, surface->limit);
     if (!*fits)
         return qc_statusOk;
     const double* positions = isLocal ? body->local : body->world;
@@ -377,6 +379,10 @@ void qcSurface_Free(qcSurface* surface)
     qcArray_Free(&surface->corners);
     qcArray_Free(&surface->points);
     qcArray_Free(&surface->groups);
+    qcArray_Free(&surface->noted);
+    qcArray_Free(&surface->nameOf);
+    qcArray_Free(&surface->strayed);
+    qcArray_Free(&surface->placeMarks);
     *surface = (qcSurface){0};
 }
 

@@ -41,7 +41,13 @@ typedef struct qcSurface
     uint64_t moved; ///< what was fitted, and with which margin
     double margin;
     qcLatticeMap map;
-    float pointError; ///< of coordinates of points
+    double limit[3];    ///< of the lattice: x + margin - origin may be as much
+    float pointError;   ///< of coordinates of points
+    qcArray noted;      ///< double, three a vertex of the body: where it was noted (surface_follow.h), or none
+    qcArray nameOf;     ///< uint32_t by vertex of the body: its number here, or vertexCount
+    qcArray strayed;    ///< uint32_t: vertices that are not where they were noted
+    qcArray placeMarks; ///< uint8_t by place: qcMotionMark since then
+    double keptMargin;  ///< up to which its pairs with itself are kept from there (kept_pairs.h)
 } qcSurface;
 
 /// Memory that fitting takes, for surfaces one after another.

@@ -173,11 +173,18 @@ static float FindGrowth(double sizes, double error)
 
 /// What is no further apart in a's frame is near in the world, where vectors of the frame are at most `growth` times as
 /// long; and what is further is not, as vectors of the world are at most `stretch` times as long in the frame.
-static void SetMargin(Search* s, double growth, double stretch)
+static void SetMargin(qcFilterBound* bound, double margin, double growth, double stretch)
 {
-    double margin = s->job->nearest * s->job->a->map.unit[0];
-    s->bound.margin = nextafterf((float)(margin / growth), 0.0f);
-    s->bound.beyond = nextafterf((float)(margin * stretch), INFINITY);
+    bound->margin = nextafterf((float)(margin / growth), 0.0f);
+    bound->beyond = nextafterf((float)(margin * stretch), INFINITY);
+}
+
+qcFilterBound qcSurface_FindBound(const qcSurface* surface, double margin, double nearest)
+{
+    qcFilterBound bound = {.pointError = surface->pointError, .reach = qcSurface_Reach(surface, margin)};
+    // Where bodies are in the world, lengths are as they are there.
+    SetMargin(&bound, nearest * surface->map.unit[0], 1.0, 1.0);
+    return bound;
 }
 
 /// From b's lattice and frame to a's: back to b's coordinates, from there to a's, and on. Coordinates of points, in
@@ -225,7 +232,7 @@ static void FindMaps(Search* s)
     }
     s->bound.reach = qcSurface_Reach(a, s->job->margin * r.stretch);
     if (a->isLocal)
-        SetMargin(s, r.growth, r.stretch);
+        SetMargin(&s->bound, s->job->nearest * a->map.unit[0], r.growth, r.stretch);
     s->bound.mapped = true;
     s->mapped.boxes = BoxesOf(b);
     s->mapped.triangles = s->sides[1];
@@ -238,12 +245,8 @@ static void Prepare(Search* s, const qcSurfacePairsJob* job)
     const qcSurface* sides[2] = {job->a, job->b};
     for (int i = 0; i < 2; i++)
         s->sides[i] = (qcFilterSide){sides[i]->corners.data, sides[i]->points.data};
-    s->bound.pointError = job->a->pointError;
-    // Where bodies are in the world, lengths are as they are there.
-    SetMargin(s, 1.0, 1.0);
-    if (s->same)
-        s->bound.reach = qcSurface_Reach(job->a, job->margin);
-    else
+    s->bound = qcSurface_FindBound(job->a, job->margin, job->nearest);
+    if (!s->same)
         FindMaps(s);
 }
 

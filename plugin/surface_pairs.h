@@ -25,6 +25,10 @@ typedef struct qcFoundPairs
 void qcFoundPairs_Filter(qcFoundPairs* found, const qcSurfaceKernels* kernels, const qcFilterSide sides[2],
                          const qcFilterBound* bound);
 
+/// The bound for pairs of a surface with itself: what is no further apart than `nearest` is near, what is by more than
+/// `margin` is too far.
+qcFilterBound qcSurface_FindBound(const qcSurface* surface, double margin, double nearest);
+
 /// Takes what has been found. False: no more is wanted.
 typedef bool qcSurfacePairsFunction(void* context, const qcFoundPairs* found, uint32_t worker);
 

@@ -3,6 +3,7 @@
 
 #include "parallel.h"
 #include "status.h"
+#include "surface_follow.h"
 
 #include <string.h>
 
@@ -116,24 +117,61 @@ static void FitOne(void* context, size_t i, uint32_t worker)
                       fitting->threads, &QC_AT(qcSurfaceScratch, sweep->scratches, worker), &order->fits);
 }
 
-/// Large bodies one after another by all threads, then the others side by side.
-static qcStatus FitSurfaces(qcSweepSurfaces* sweep, const qcTriangles* triangles, double margin, uint32_t threads,
-                            uint8_t* wanted)
+/// How far apart triangles of a body count among each other: what is near, and what is a candidate.
+static double SelfMargin(const qcSweepSurfacesJob* job, const qcBody* body)
 {
-    uint64_t left = 0;
+    double nearest = qcBody_PairMargin(body, body, job->nearest);
+    return nearest > job->contactReach ? nearest : job->contactReach;
+}
+
+/// A body that meets itself, whose pairs within more than the job's margin are kept, may have moved but a little since.
+static qcStatus TryToFollow(qcSweepSurfaces* sweep, const qcSweepSurfacesJob* job, uint32_t body)
+{
+    qcSurface* surface = SurfaceAt(sweep, qcTriangles_Slot(job->triangles, body));
+    const qcBody* b = qcTriangles_Body(job->triangles, body);
+    bool follows = false;
+    if (qcBody_MeetsItself(b) && !job->testNeighbours && !job->listNeighbours && job->margin <= surface->margin)
+        QC_TRY(qcSurface_Follow(surface, b, (surface->keptMargin - SelfMargin(job, b)) / 2.0, sweep->kernels,
+                                &QC_AT(qcSurfaceScratch, sweep->scratches, 0), &follows));
+    QC_AT(uint8_t, sweep->followed, body) = follows;
+    return qc_statusOk;
+}
+
+/// Surfaces that follow their bodies, and orders for the others that are not where they are.
+static qcStatus FollowOrOrder(qcSweepSurfaces* sweep, const qcSweepSurfacesJob* job, const uint8_t* wanted)
+{
+    const qcTriangles* triangles = job->triangles;
+    QC_TRY(qcArray_Resize(&sweep->followed, triangles->bodyCount, 1, "surfaces"));
     sweep->orders.count = 0;
+    sweep->fittedTriangles = sweep->followedTriangles = 0;
     for (uint32_t body = 0; body < triangles->bodyCount; body++)
     {
         const qcBody* b = qcTriangles_Body(triangles, body);
-        if (!wanted[body] || qcSurface_IsFitted(SurfaceAt(sweep, qcTriangles_Slot(triangles, body)), b, margin))
+        QC_AT(uint8_t, sweep->followed, body) = 0;
+        if (!wanted[body] || qcSurface_IsFitted(SurfaceAt(sweep, qcTriangles_Slot(triangles, body)), b, job->margin))
             continue;
+        QC_TRY(TryToFollow(sweep, job, body));
+        if (QC_AT(uint8_t, sweep->followed, body))
+        {
+            sweep->followedTriangles += b->triangleCount;
+            continue;
+        }
         QC_TRY(AddOrder(sweep, body));
-        left += b->triangleCount;
+        sweep->fittedTriangles += b->triangleCount;
     }
+    return qc_statusOk;
+}
+
+/// Large bodies one after another by all threads, then the others side by side.
+static qcStatus FitSurfaces(qcSweepSurfaces* sweep, const qcSweepSurfacesJob* job, uint8_t* wanted)
+{
+    const qcTriangles* triangles = job->triangles;
+    uint32_t threads = job->threads;
     QC_TRY(qcArray_GrowZeroed(&sweep->scratches, threads, sizeof(qcSurfaceScratch), "fitting surfaces"));
-    sweep->fittedTriangles = left;
+    QC_TRY(FollowOrOrder(sweep, job, wanted));
+    uint64_t left = sweep->fittedTriangles;
     uint64_t large = left / (4 * (uint64_t)threads);
-    Mending fitting = {sweep, triangles, margin, threads};
+    Mending fitting = {sweep, triangles, job->margin, threads};
     size_t small = 0;
     for (size_t i = 0; i < sweep->orders.count; i++)
     {
@@ -155,20 +193,20 @@ static qcStatus FitSurfaces(qcSweepSurfaces* sweep, const qcTriangles* triangles
     return CheckOrders(sweep);
 }
 
-qcStatus qcSweepSurfaces_Prepare(qcSweepSurfaces* sweep, const qcTriangles* triangles, double margin, uint32_t threads,
-                                 bool listNeighbours, uint8_t* wanted)
+qcStatus qcSweepSurfaces_Prepare(qcSweepSurfaces* sweep, const qcSweepSurfacesJob* job, uint8_t* wanted)
 {
+    const qcTriangles* triangles = job->triangles;
     if (sweep->kernels == NULL)
         sweep->kernels = qcSurfaceKernels_Get();
     QC_TRY(SyncSlots(sweep, triangles));
     for (uint32_t body = 0; body < triangles->bodyCount; body++)
     {
-        bool may =
-            MayHaveSurface(sweep, qcTriangles_Slot(triangles, body), qcTriangles_Body(triangles, body), listNeighbours);
+        bool may = MayHaveSurface(sweep, qcTriangles_Slot(triangles, body), qcTriangles_Body(triangles, body),
+                                  job->listNeighbours && !job->testNeighbours);
         wanted[body] = wanted[body] && may;
     }
-    QC_TRY(MakeSurfaces(sweep, triangles, threads, wanted));
-    return FitSurfaces(sweep, triangles, margin, threads, wanted);
+    QC_TRY(MakeSurfaces(sweep, triangles, job->threads, wanted));
+    return FitSurfaces(sweep, job, wanted);
 }
 
 //  ---- pairs ---------------------------------------------------------------------------------------
@@ -178,6 +216,7 @@ typedef struct Run
     qcSweepSurfaces* sweep;
     const qcSweepSurfacesJob* job;
     bool flatDiscs; ///< what is flat doesn't come near itself, but where it is neighbour of itself
+    bool keeps;     ///< pairs within a body, for a step that follows
 } Run;
 
 /// What the places of a pair mean: triangles of these two surfaces, the first of which have these numbers in the step.
@@ -186,6 +225,7 @@ typedef struct PairOfSurfaces
     const Run* run;
     const uint32_t* triangles[2];
     uint32_t first[2];
+    uint32_t keptOf; ///< slot of the body whose pairs these are, if they are kept, or UINT32_MAX
 } PairOfSurfaces;
 
 static uint64_t KeyOf(const void* context, qcPlacePair pair)
@@ -199,6 +239,8 @@ static bool AddKeys(void* context, const qcFoundPairs* found, uint32_t worker)
 {
     const PairOfSurfaces* sides = context;
     const Run* run = sides->run;
+    if (sides->keptOf != UINT32_MAX)
+        qcKeptPairs_Add(&run->sweep->kept, sides->keptOf, found, worker);
     return qcPairSink_Add(&QC_AT(qcPairSink, run->sweep->sinks, worker), found, run->job->listNeighbours, KeyOf, sides);
 }
 
@@ -234,8 +276,10 @@ static qcSurface* SurfaceOf(const Run* run, uint32_t body)
 
 static PairOfSurfaces MakeSides(const Run* run, uint32_t a, uint32_t b)
 {
-    PairOfSurfaces sides = {.run = run};
+    PairOfSurfaces sides = {.run = run, .keptOf = UINT32_MAX};
     const uint32_t bodies[2] = {a, b};
+    if (run->keeps && a == b)
+        sides.keptOf = qcTriangles_Slot(run->job->triangles, a);
     for (int i = 0; i < 2; i++)
     {
         sides.first[i] = qcTriangles_First(run->job->triangles, bodies[i]);
@@ -281,8 +325,14 @@ static bool IsAskedAboutItself(const Run* run, uint32_t body)
     return run->job->bodies[body] && qcBody_MeetsItself(qcTriangles_Body(run->job->triangles, body));
 }
 
-/// All at once, so that threads have enough to do where many small bodies meet.
-static qcStatus FindPairs(const Run* run)
+static bool Follows(const Run* run, uint32_t body)
+{
+    return QC_AT(uint8_t, run->sweep->followed, body) != 0;
+}
+
+/// All at once, so that threads have enough to do where many small bodies meet; those within bodies that were followed
+/// come last, and `searchCount` tells how many there are without them.
+static qcStatus MakeJobs(const Run* run, size_t* searchCount)
 {
     qcSweepSurfaces* sweep = run->sweep;
     const qcSweepSurfacesJob* job = run->job;
@@ -297,10 +347,77 @@ static qcStatus FindPairs(const Run* run)
         if (job->bodies[pair.a])
             AddJob(run, pair.a, pair.b);
     }
-    for (uint32_t body = 0; body < job->triangles->bodyCount; body++)
-        if (IsAskedAboutItself(run, body))
-            AddJob(run, body, body);
-    return qcSurfacePairs_Find(&sweep->pairs, sweep->jobs.data, sweep->jobs.count, job->threads);
+    for (int followed = 0; followed < 2; followed++)
+    {
+        for (uint32_t body = 0; body < job->triangles->bodyCount; body++)
+            if (IsAskedAboutItself(run, body) && Follows(run, body) == (followed != 0))
+                AddJob(run, body, body);
+        if (!followed)
+            *searchCount = sweep->jobs.count;
+    }
+    return qc_statusOk;
+}
+
+typedef struct KeptJobs
+{
+    const Run* run;
+    size_t first;
+} KeptJobs;
+
+static void FindKept(void* context, size_t i, uint32_t worker)
+{
+    const KeptJobs* jobs = context;
+    qcSweepSurfaces* sweep = jobs->run->sweep;
+    const qcSurfacePairsJob* job = &QC_AT(qcSurfacePairsJob, sweep->jobs, jobs->first + i);
+    uint32_t slot = (uint32_t)(job->a - (const qcSurface*)sweep->surfaces.data);
+    qcKeptPairs_Find(&sweep->kept, slot, job, worker);
+}
+
+static qcStatus FindPairs(const Run* run)
+{
+    qcSweepSurfaces* sweep = run->sweep;
+    size_t searchCount = 0;
+    QC_TRY(MakeJobs(run, &searchCount));
+    QC_TRY(qcSurfacePairs_Find(&sweep->pairs, sweep->jobs.data, searchCount, run->job->threads));
+    KeptJobs kept = {run, searchCount};
+    qcParallel_For(run->job->threads, sweep->jobs.count - searchCount, 2, FindKept, &kept);
+    return qc_statusOk;
+}
+
+/// Whether what is found within a body is kept. Not where a body takes its pairs from those that were kept before,
+/// which are good for more steps than those within a smaller margin would be.
+static bool Keeps(const Run* run)
+{
+    bool finds = false, takes = false;
+    for (uint32_t body = 0; body < run->job->triangles->bodyCount; body++)
+    {
+        finds = finds || IsAskedAboutItself(run, body);
+        takes = takes || Follows(run, body);
+    }
+    return finds && !takes && run->job->margin > 0.0 && !run->job->testNeighbours;
+}
+
+/// From now on pairs within bodies are kept. What was kept before is of another step.
+static qcStatus BeginToKeep(const Run* run)
+{
+    for (uint32_t slot = 0; slot < run->sweep->surfaces.count; slot++)
+        qcSurface_Forget(SurfaceAt(run->sweep, slot));
+    return qcKeptPairs_Begin(&run->sweep->kept, run->job->threads);
+}
+
+/// They have been found.
+static qcStatus EndKeeping(const Run* run)
+{
+    QC_TRY(qcKeptPairs_Check(&run->sweep->kept));
+    for (uint32_t body = 0; body < run->job->triangles->bodyCount; body++)
+    {
+        const qcBody* b = qcTriangles_Body(run->job->triangles, body);
+        if (!IsAskedAboutItself(run, body) || !b->deforming)
+            continue;
+        QC_TRY(qcSurface_Note(SurfaceOf(run, body), b));
+        SurfaceOf(run, body)->keptMargin = SelfMargin(run->job, b);
+    }
+    return qc_statusOk;
 }
 
 static void AddContactKeys(void* context, const qcPlacePair* pairs, size_t count, uint32_t worker)
@@ -345,7 +462,7 @@ static void CountTriangles(const Run* run, uint32_t body, qcProfile* profile)
 static void FindFlat(const Run* run, uint32_t body, qcProfile* profile)
 {
     qcSurface* surface = SurfaceOf(run, body);
-    if (!run->flatDiscs)
+    if (!run->flatDiscs || Follows(run, body))
         return;
     qcSurface_FindFlat(surface, run->sweep->kernels, run->job->threads);
     profile->flatTriangles += qcSurface_CountFlat(surface);
@@ -355,12 +472,17 @@ qcStatus qcSweepSurfaces_Run(qcSweepSurfaces* sweep, const qcSweepSurfacesJob* j
 {
     const qcTriangles* t = job->triangles;
     Run run = {.sweep = sweep, .job = job, .flatDiscs = !job->testNeighbours};
+    run.keeps = Keeps(&run);
     QC_TRY(qcPairSinks_Begin(&sweep->sinks, job->threads));
     QC_TRY(ClearReached(&run));
+    if (run.keeps)
+        QC_TRY(BeginToKeep(&run));
     for (uint32_t body = 0; body < t->bodyCount; body++)
         if (IsAskedAboutItself(&run, body) || job->neighbourBodies[body])
             FindFlat(&run, body, profile);
     QC_TRY(FindPairs(&run));
+    if (run.keeps)
+        QC_TRY(EndKeeping(&run));
     // What was reached is known now.
     for (uint32_t body = 0; body < t->bodyCount; body++)
     {
@@ -370,6 +492,7 @@ qcStatus qcSweepSurfaces_Run(qcSweepSurfaces* sweep, const qcSweepSurfacesJob* j
             QC_TRY(AddNeighbours(&run, body, profile));
     }
     profile->fittedTriangles += sweep->fittedTriangles;
+    profile->followedTriangles += sweep->followedTriangles;
     qcCandidates* candidates = job->candidates;
     qcPairKeys keys = {&candidates->keys, &candidates->neighbourKeys, &candidates->sure};
     return qcPairSinks_End(&sweep->sinks, &keys);
@@ -383,7 +506,8 @@ void qcSweepSurfaces_Free(qcSweepSurfaces* sweep)
     for (size_t i = 0; i < sweep->scratches.count; i++)
         qcSurfaceScratch_Free(&QC_AT(qcSurfaceScratch, sweep->scratches, i));
     qcSurfacePairs_Free(&sweep->pairs);
-    qcArray* arrays[] = {&sweep->surfaces, &sweep->seen,  &sweep->orders,  &sweep->scratches,
+    qcKeptPairs_Free(&sweep->kept);
+    qcArray* arrays[] = {&sweep->surfaces, &sweep->seen,  &sweep->orders,  &sweep->scratches,   &sweep->followed,
                          &sweep->jobs,     &sweep->sides, &sweep->reached, &sweep->firstReached};
     for (size_t i = 0; i < sizeof arrays / sizeof arrays[0]; i++)
         qcArray_Free(arrays[i]);

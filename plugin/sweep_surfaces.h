@@ -3,6 +3,7 @@
 #define QC_PLUGIN_SWEEP_SURFACES_H
 
 #include "candidates.h"
+#include "kept_pairs.h"
 #include "pair_sinks.h"
 #include "surface_neighbours.h"
 
@@ -23,12 +24,15 @@ typedef struct qcSweepSurfaces
     qcArray orders;                  ///< of qcSurfaceOrder
     qcArray scratches;               ///< of qcSurfaceScratch, one a worker
     qcSurfacePairs pairs;
+    qcKeptPairs kept;
+    qcArray followed;         ///< uint8_t, by body of the step: its surface only followed it
     qcArray jobs;             ///< of qcSurfacePairsJob
     qcArray sides;            ///< of PairOfSurfaces: of each job
     qcArray sinks;            ///< of qcPairSink
     qcArray reached;          ///< uint8_t, by node, of bodies that are not tested with themselves
     qcArray firstReached;     ///< size_t, by body of the step: where its nodes begin, or SIZE_MAX
     uint64_t fittedTriangles; ///< in this step
+    uint64_t followedTriangles;
 } qcSweepSurfaces;
 
 typedef struct qcSweepSurfacesJob
@@ -46,11 +50,10 @@ typedef struct qcSweepSurfacesJob
     qcCandidates* candidates; ///< what is found is added there
 } qcSweepSurfacesJob;
 
-/// Makes surfaces of the bodies whose flag in `wanted` is set, and clears the flags of those that have none this time:
-/// large ones that meet themselves and are new, whose topology may not live for another step, unless neighbours are
-/// listed, and what no lattice can hold.
-qcStatus qcSweepSurfaces_Prepare(qcSweepSurfaces* sweep, const qcTriangles* triangles, double margin, uint32_t threads,
-                                 bool listNeighbours, uint8_t* wanted);
+/// Makes surfaces of the bodies whose flag in `wanted` is set, for the job, and clears the flags of those that have
+/// none this time: large ones that meet themselves and are new, whose topology may not live for another step, unless
+/// neighbours are listed, and what no lattice can hold.
+qcStatus qcSweepSurfaces_Prepare(qcSweepSurfaces* sweep, const qcSweepSurfacesJob* job, uint8_t* wanted);
 
 /// Adds pairs to the keys, or to those that are sure; where neighbours are listed, pairs whose relation is known are
 /// among these too. All bodies that are asked about are prepared.

@@ -408,6 +408,7 @@ typedef struct qcProfile
     uint64_t skippedSetCandidates; ///< triangle pairs inside one collision-free set
     uint64_t skippedNeighbours;    ///< triangle pairs that share a vertex index
     uint64_t fittedTriangles;      ///< of bodies whose boxes the sweep had to make anew: not of those that didn't move
+    uint64_t followedTriangles;    ///< of bodies of which the sweep looked at what moved a little since, and no more
     uint64_t flatTriangles;        ///< inside patches that were proven not to come near themselves
 } qcProfile;
 
