@@ -12,7 +12,8 @@ function(qc_add_fracture name glue)
     message(STATUS "No voro++ or no GLU: quickcullide::${name} is left out")
     return()
   endif()
-  add_library(qc_${name} fracture.cpp fracture_cells.cpp fracture_clip.cpp fracture_edges.cpp fracture_face.cpp)
+  add_library(qc_${name} fracture.cpp fracture_cells.cpp fracture_clip.cpp fracture_edges.cpp fracture_face.cpp
+    fracture_mesh.cpp)
   add_library(quickcullide::${name} ALIAS qc_${name})
   set_target_properties(qc_${name} PROPERTIES
     OUTPUT_NAME quickcullide_${name} EXPORT_NAME ${name} INSTALL_RPATH "$ORIGIN"

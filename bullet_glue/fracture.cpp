@@ -8,7 +8,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
+#include <iterator>
 
 namespace
 {
@@ -96,40 +96,6 @@ qcClipPlane BisectorOf(const qcClipPoint& a, const qcClipPoint& b, uint32_t face
 
 //  ---- pieces ----------------------------------------------------------------------------------------
 
-/// What is connected over vertices, one after another.
-std::vector<qcClipMesh> SplitParts(const qcClipMesh& mesh, qcClipScratch* scratch)
-{
-    std::vector<uint32_t> root(mesh.points.size());
-    std::iota(root.begin(), root.end(), 0u);
-    auto find = [&](uint32_t v)
-    {
-        while (root[v] != v)
-            v = root[v] = root[root[v]];
-        return v;
-    };
-    for (const qcClipTriangle& triangle : mesh.triangles)
-        for (size_t c = 1; c < 3; c++)
-            root[find(triangle.corner[c])] = find(triangle.corner[0]);
-    std::vector<qcClipMesh> parts;
-    std::vector<size_t> partOf(mesh.points.size(), SIZE_MAX);
-    for (const qcClipTriangle& triangle : mesh.triangles)
-    {
-        size_t& part = partOf[find(triangle.corner[0])];
-        if (part == SIZE_MAX)
-        {
-            part = parts.size();
-            parts.emplace_back();
-        }
-        parts[part].triangles.push_back(triangle);
-    }
-    for (qcClipMesh& part : parts)
-    {
-        part.points = mesh.points;
-        qcClipMesh_Weld(&part, scratch);
-    }
-    return parts;
-}
-
 /// A hollow in a piece is a part of its own, inside out: it goes to the part around it, the first of those whose box
 /// holds it.
 void JoinHollows(std::vector<qcClipMesh>* parts)
@@ -170,43 +136,40 @@ void JoinHollows(std::vector<qcClipMesh>* parts)
     }
 }
 
-/// The parts of the mesh in one cell, none of them a hollow.
-std::vector<qcClipMesh> CutCell(qcClipMesh mesh, const std::vector<qcClipPoint>& sites, size_t site,
-                                const std::vector<uint32_t>& neighbours, uint32_t firstCut, qcClipScratch* scratch)
+/// Pieces, and the volume of what is none.
+struct Parts
 {
-    for (uint32_t other : neighbours)
-        qcClipMesh_Cut(&mesh, BisectorOf(sites[site], sites[other], firstCut + other), scratch);
-    qcClipMesh_Simplify(&mesh, scratch);
-    std::vector<qcClipMesh> parts = SplitParts(mesh, scratch);
-    JoinHollows(&parts);
-    return parts;
-}
+    std::vector<qcPiece> pieces;
+    double lostVolume = 0;
+};
 
-void AddPiece(qcClipMesh& part, uint32_t site, uint32_t firstCut, qcFracture* fracture)
+void AddPiece(const qcClipMesh& part, double leastVolume, uint32_t site, uint32_t firstCut, Parts* parts)
 {
     qcClipPoint first;
     double volume = qcClipMesh_Measure(part, &first);
-    if (!(volume > s_leastShare * double(fracture->volume)))
+    if (!(volume > leastVolume))
     {
-        fracture->lostVolume += btScalar(std::fabs(volume));
+        parts->lostVolume += std::fabs(volume);
         return;
     }
     qcPiece piece;
     piece.site = site;
     piece.volume = btScalar(volume);
     piece.center = btVector3(btScalar(first[0] / volume), btScalar(first[1] / volume), btScalar(first[2] / volume));
+    piece.vertices.reserve(part.points.size());
     for (const qcClipPoint& p : part.points)
         piece.vertices.emplace_back(btScalar(p[0] - double(piece.center.x())),
                                     btScalar(p[1] - double(piece.center.y())),
                                     btScalar(p[2] - double(piece.center.z())));
-    std::stable_partition(part.triangles.begin(), part.triangles.end(),
-                          [firstCut](const qcClipTriangle& t) { return t.face < firstCut; });
-    for (const qcClipTriangle& triangle : part.triangles)
-    {
-        piece.firstCutTriangle += triangle.face < firstCut;
-        piece.indices.insert(piece.indices.end(), triangle.corner.begin(), triangle.corner.end());
-    }
-    fracture->pieces.push_back(std::move(piece));
+    piece.indices.reserve(3 * part.triangles.size());
+    for (bool isCut : {false, true})
+        for (const qcClipTriangle& triangle : part.triangles)
+            if ((triangle.face >= firstCut) == isCut)
+            {
+                piece.firstCutTriangle += !isCut;
+                piece.indices.insert(piece.indices.end(), triangle.corner.begin(), triangle.corner.end());
+            }
+    parts->pieces.push_back(std::move(piece));
 }
 
 double Random(uint64_t* state)
@@ -227,17 +190,17 @@ qcFracture qcFracture_Split(const qcFractureDef& def)
     qcClipMesh mesh = MeshOf(def);
     qcClipScratch scratch;
     qcClipMesh_Weld(&mesh, &scratch);
-    size_t open = qcClipMesh_FindOpenTriangle(mesh, &scratch);
+    qcClipSolid solid;
+    size_t open = qcClipSolid_Make(&mesh, &solid);
     if (open < mesh.triangles.size())
     {
         const qcClipPoint& p = mesh.points[mesh.triangles[open].corner[0]];
         return Fail("the mesh is not closed: of the triangle at " + std::to_string(p[0]) + ", " + std::to_string(p[1]) +
                     ", " + std::to_string(p[2]) + " an edge is not passed as often one way as the other");
     }
-    qcFracture fracture;
     qcClipPoint first;
-    fracture.volume = btScalar(qcClipMesh_Measure(mesh, &first));
-    if (!(fracture.volume > 0))
+    double volume = qcClipMesh_Measure(mesh, &first);
+    if (!(volume > 0))
         return Fail("the volume is not positive: triangles must be counterclockwise as seen from outside");
     std::vector<qcClipPoint> sites;
     for (const btVector3& site : def.sites)
@@ -245,14 +208,28 @@ qcFracture qcFracture_Split(const qcFractureDef& def)
     std::vector<qcFractureCell> cells = qcFindFractureCells(mesh, sites);
     // The faces: triangles of the mesh, then cuts by the site on their other side, then those of boxes around cells.
     uint32_t firstCut = uint32_t(def.indices.size() / 3);
-    std::vector<std::vector<qcClipMesh>> parts(sites.size());
-    qcDealMesh(std::move(mesh), cells, firstCut + uint32_t(sites.size()),
-               [&](size_t site, qcClipMesh share, qcClipScratch* own)
-               { parts[site] = CutCell(std::move(share), sites, site, cells[site].neighbours, firstCut, own); });
-    for (size_t site = 0; site < sites.size(); site++)
-        for (qcClipMesh& part : parts[site])
-            if (!part.triangles.empty())
-                AddPiece(part, uint32_t(site), firstCut, &fracture);
+    std::vector<Parts> parts(sites.size());
+    auto cutCell = [&](size_t site, qcClipSolid share, qcClipScratch* own)
+    {
+        for (uint32_t other : cells[site].neighbours)
+            qcClipSolid_Cut(&share, BisectorOf(sites[site], sites[other], firstCut + other), own);
+        qcClipMesh made;
+        qcClipSolid_Triangulate(&share, &made, own);
+        std::vector<qcClipMesh> meshes = qcClipMesh_FindParts(made, own);
+        JoinHollows(&meshes);
+        for (const qcClipMesh& part : meshes)
+            AddPiece(part, s_leastShare * volume, uint32_t(site), firstCut, &parts[site]);
+    };
+    qcDealSolid(std::move(solid), cells, firstCut + uint32_t(sites.size()), cutCell);
+    qcFracture fracture;
+    fracture.volume = btScalar(volume);
+    double lost = 0;
+    for (Parts& some : parts)
+    {
+        std::move(some.pieces.begin(), some.pieces.end(), std::back_inserter(fracture.pieces));
+        lost += some.lostVolume;
+    }
+    fracture.lostVolume = btScalar(lost);
     return fracture;
 }
 

@@ -1,6 +1,6 @@
 // Voronoi cells by voro++ (Rycroft: Voro++: a three-dimensional Voronoi cell library in C++, 2009), which tells the
 // neighbours of each and where it is. Cells are halved again and again, as in a k-d tree (Bentley: Multidimensional
-// binary search trees used for associative searching, 1975), and the mesh is cut along the box of each half.
+// binary search trees used for associative searching, 1975), and the solid is cut along the box of each half.
 #include "fracture_cells.h"
 
 #include <voro++/voro++.hh>
@@ -46,11 +46,11 @@ Box FindWalls(const qcClipMesh& mesh, const std::vector<qcClipPoint>& sites)
 
 //  ---- dealing ---------------------------------------------------------------------------------------
 
-/// Some of the cells, and what the mesh is in their box.
+/// Some of the cells, and what the solid is in their box.
 struct Share
 {
     std::vector<size_t> cells;
-    qcClipMesh mesh;
+    qcClipSolid solid;
 };
 
 Box BoxOf(const std::vector<qcFractureCell>& cells, const std::vector<size_t>& some)
@@ -62,7 +62,7 @@ Box BoxOf(const std::vector<qcFractureCell>& cells, const std::vector<size_t>& s
 }
 
 /// Cuts off what is outside of the box, where that is enough to be worth a face.
-void CutAround(const Box& box, uint32_t firstFace, qcClipMesh* mesh, qcClipScratch* scratch)
+void CutAround(const Box& box, uint32_t firstFace, qcClipSolid* solid, qcClipScratch* scratch)
 {
     for (size_t side = 0; side < 6; side++)
     {
@@ -71,12 +71,10 @@ void CutAround(const Box& box, uint32_t firstFace, qcClipMesh* mesh, qcClipScrat
         qcClipPlane plane = {{0, 0, 0}, sign > 0 ? box.upper[axis] : -box.lower[axis], firstFace + uint32_t(side)};
         plane.normal[axis] = sign;
         auto isOutside = [&](const qcClipPoint& p) { return sign * p[axis] > plane.distance; };
-        size_t outside = size_t(std::count_if(mesh->points.begin(), mesh->points.end(), isOutside));
-        if (4 * outside > mesh->points.size()) // of 2 to 16 the best, by a tenth (qc-fracture)
-            qcClipMesh_Cut(mesh, plane, scratch);
+        size_t outside = size_t(std::count_if(solid->points.begin(), solid->points.end(), isOutside));
+        if (4 * outside > solid->points.size()) // of 2 to 16 the best, by a tenth (qc-fracture)
+            qcClipSolid_Cut(solid, plane, scratch);
     }
-    if (mesh->triangles.size() > mesh->leastTriangles)
-        qcClipMesh_Simplify(mesh, scratch);
 }
 
 /// Halves the cells where their centres are furthest apart.
@@ -174,13 +172,13 @@ std::vector<qcFractureCell> qcFindFractureCells(const qcClipMesh& mesh, const st
     return cells;
 }
 
-void qcDealMesh(qcClipMesh mesh, const std::vector<qcFractureCell>& cells, uint32_t firstFace,
-                const std::function<void(size_t cell, qcClipMesh mesh, qcClipScratch* scratch)>& take)
+void qcDealSolid(qcClipSolid solid, const std::vector<qcFractureCell>& cells, uint32_t firstFace,
+                 const std::function<void(size_t cell, qcClipSolid solid, qcClipScratch* scratch)>& take)
 {
     std::vector<Share> shares(1);
     shares[0].cells.resize(cells.size());
     std::iota(shares[0].cells.begin(), shares[0].cells.end(), size_t(0));
-    shares[0].mesh = std::move(mesh);
+    shares[0].solid = std::move(solid);
     while (!shares.empty())
     {
         std::vector<Share> halves(2 * shares.size());
@@ -189,12 +187,12 @@ void qcDealMesh(qcClipMesh mesh, const std::vector<qcFractureCell>& cells, uint3
                 {
                     const Share& share = shares[i / 2];
                     if (share.cells.size() == 1 && i % 2 == 0)
-                        take(share.cells[0], share.mesh, scratch);
+                        take(share.cells[0], share.solid, scratch);
                     if (share.cells.size() == 1)
                         return;
                     halves[i].cells = std::move(Halve(cells, share.cells)[i % 2]);
-                    halves[i].mesh = share.mesh;
-                    CutAround(BoxOf(cells, halves[i].cells), firstFace, &halves[i].mesh, scratch);
+                    halves[i].solid = share.solid;
+                    CutAround(BoxOf(cells, halves[i].cells), firstFace, &halves[i].solid, scratch);
                 });
         halves.erase(
             std::remove_if(halves.begin(), halves.end(), [](const Share& share) { return share.cells.empty(); }),

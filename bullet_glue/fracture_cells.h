@@ -2,6 +2,7 @@
 #ifndef QC_BULLET_GLUE_FRACTURE_CELLS_H
 #define QC_BULLET_GLUE_FRACTURE_CELLS_H
 
+#include "fracture_clip.h"
 #include "fracture_scratch.h"
 
 #include <functional>
@@ -14,9 +15,9 @@ struct qcFractureCell
 
 std::vector<qcFractureCell> qcFindFractureCells(const qcClipMesh& mesh, const std::vector<qcClipPoint>& sites);
 
-/// Calls the function with each cell and what the mesh is in its box, from all cores. The rest of the mesh is mostly
+/// Calls the function with each cell and what the solid is in its box, from all cores. The rest of the solid is mostly
 /// cut off, by faces that are outside of the cell and have numbers from `firstFace` on.
-void qcDealMesh(qcClipMesh mesh, const std::vector<qcFractureCell>& cells, uint32_t firstFace,
-                const std::function<void(size_t cell, qcClipMesh mesh, qcClipScratch* scratch)>& take);
+void qcDealSolid(qcClipSolid solid, const std::vector<qcFractureCell>& cells, uint32_t firstFace,
+                 const std::function<void(size_t cell, qcClipSolid solid, qcClipScratch* scratch)>& take);
 
 #endif

@@ -1,318 +1,338 @@
-// The face that closes a cut is bounded by the edges that have lost their other triangle: these are found by index, so
-// that it closes whatever rounding did to the points. What is left open (loops without area, or that cross themselves)
-// is closed by fans.
+// Each face is a chain of edges that ends nowhere: where it leaves the plane's inside it comes back as often. An edge
+// of each such place to another closes it again, and all those edges together bound the new face. So whatever rounding
+// did to the points, all stays closed. Which place is joined to which makes no difference to what edges cover of the
+// line in which the face meets the plane; next to next, none lie on each other.
+#include "fracture_clip.h"
+
 #include "fracture_face.h"
 
 #include <algorithm>
+#include <cmath>
+#include <tuple>
 
 namespace
 {
-constexpr size_t s_usualCut = 100; ///< edges that a cut goes through, or fewer
+constexpr uint32_t s_none = UINT32_MAX;
 
-double SideOf(const qcClipPlane& plane, const qcClipPoint& p)
+//  ---- edges of a mesh -------------------------------------------------------------------------------
+
+/// An edge as one triangle passes it.
+struct Pass
 {
-    return qcDotOf(plane.normal, p) - plane.distance;
+    uint32_t high;
+    bool isDownward; ///< to the point with the lower number
+    uint32_t triangle;
+
+    bool operator<(const Pass& other) const
+    {
+        return std::tie(high, isDownward, triangle) < std::tie(other.high, other.isDownward, other.triangle);
+    }
+};
+
+/// Passes by the lower point; `ends` of those of each.
+std::vector<Pass> SortPasses(const qcClipMesh& mesh, std::vector<size_t>* ends)
+{
+    std::vector<Pass> passes(3 * mesh.triangles.size());
+    ends->assign(mesh.points.size() + 1, 0);
+    for (const qcClipTriangle& triangle : mesh.triangles)
+        for (size_t c = 0; c < 3; c++)
+            (*ends)[std::min(triangle.corner[c], triangle.corner[(c + 1) % 3]) + 1]++;
+    for (size_t i = 1; i < ends->size(); i++)
+        (*ends)[i] += (*ends)[i - 1];
+    for (size_t i = 0; i < mesh.triangles.size(); i++)
+        for (size_t c = 0; c < 3; c++)
+        {
+            uint32_t from = mesh.triangles[i].corner[c], to = mesh.triangles[i].corner[(c + 1) % 3];
+            passes[(*ends)[std::min(from, to)]++] = {std::max(from, to), from > to, uint32_t(i)};
+        }
+    ends->pop_back();
+    size_t first = 0;
+    for (size_t end : *ends)
+    {
+        std::sort(passes.begin() + std::ptrdiff_t(first), passes.begin() + std::ptrdiff_t(end));
+        first = end;
+    }
+    return passes;
+}
+
+/// Two triangles back to back hold nothing between them: drops them. Whether there were any.
+bool DropPairs(const std::vector<Pass>& passes, const std::vector<size_t>& ends, qcClipMesh* mesh)
+{
+    std::vector<bool> isDropped;
+    auto isFree = [&](const Pass& pass) { return isDropped.empty() || !isDropped[pass.triangle]; };
+    auto thirdOf = [&](const Pass& pass, uint32_t low)
+    {
+        const std::array<uint32_t, 3>& v = mesh->triangles[pass.triangle].corner;
+        return v[0] + v[1] + v[2] - low - pass.high;
+    };
+    size_t first = 0;
+    for (uint32_t low = 0; low < ends.size(); low++)
+        for (; first < ends[low]; first++)
+            for (size_t i = first + 1; i < ends[low] && passes[i].high == passes[first].high; i++)
+            {
+                const Pass &a = passes[first], &b = passes[i];
+                if (a.isDownward == b.isDownward || thirdOf(a, low) != thirdOf(b, low) || !isFree(a) || !isFree(b))
+                    continue;
+                isDropped.resize(mesh->triangles.size());
+                isDropped[a.triangle] = isDropped[b.triangle] = true;
+            }
+    size_t kept = 0;
+    for (size_t i = 0; i < isDropped.size(); i++)
+    {
+        mesh->triangles[kept] = mesh->triangles[i];
+        kept += !isDropped[i];
+    }
+    if (!isDropped.empty())
+        mesh->triangles.resize(kept);
+    return !isDropped.empty();
 }
 
 //  ---- the cut ---------------------------------------------------------------------------------------
 
-// Where a point is. The sum of three tells where a triangle is.
-constexpr uint8_t s_inside = 0, s_onPlane = 1, s_outside = 4;
-
-/// Fills sides and marks of points. Whether any is outside.
-bool MarkPoints(const qcClipMesh& mesh, const qcClipPlane& plane, qcClipScratch* scratch)
+/// Puts the points that are not outside into the scratch, with their places there. False if none is outside.
+bool KeepInside(const qcClipSolid& solid, const qcClipPlane& plane, qcClipScratch* scratch)
 {
-    size_t count = mesh.points.size();
+    size_t count = solid.points.size();
     scratch->sides.resize(count);
-    scratch->marks.resize(count);
-    uint8_t all = 0;
+    scratch->places.resize(count);
+    scratch->points.resize(count);
+    uint32_t kept = 0;
     for (size_t i = 0; i < count; i++)
     {
-        double side = SideOf(plane, mesh.points[i]);
-        uint8_t mark = side > 0 ? s_outside : side == 0 ? s_onPlane : s_inside;
+        double side = qcDotOf(plane.normal, solid.points[i]) - plane.distance;
+        bool isInside = !(side > 0);
         scratch->sides[i] = side;
-        scratch->marks[i] = mark;
-        all |= mark;
+        scratch->places[i] = isInside ? kept : s_none;
+        scratch->points[kept] = solid.points[i];
+        kept += isInside;
     }
-    return (all & s_outside) != 0;
+    scratch->points.resize(kept);
+    return kept < count;
 }
 
-/// Where an edge meets the plane. Always from the lower index on: both triangles get one point.
-uint32_t Crossing(uint32_t a, uint32_t b, qcClipMesh* mesh, qcClipScratch* scratch)
+/// Where an edge meets the plane. Always from the nearer point on: the plane's mirror image finds the same.
+qcClipPoint Crossing(const qcClipSolid& solid, const std::vector<double>& sides, uint32_t a, uint32_t b)
 {
-    uint32_t low = std::min(a, b), high = std::max(a, b), made = uint32_t(mesh->points.size());
-    uint32_t known = scratch->crossings.FindOrAdd(uint64_t(low) << 32 | high, made);
-    if (known != made)
-        return known;
-    double t = scratch->sides[low] / (scratch->sides[low] - scratch->sides[high]);
-    qcClipPoint p;
-    for (size_t i = 0; i < 3; i++)
-        p[i] = mesh->points[low][i] + t * (mesh->points[high][i] - mesh->points[low][i]);
-    mesh->points.push_back(p);
-    scratch->marks.push_back(s_onPlane);
-    return made;
+    double nearer = std::abs(sides[a]), further = std::abs(sides[b]);
+    if (nearer > further || (nearer == further && a > b))
+        std::swap(a, b);
+    const qcClipPoint &p = solid.points[a], &q = solid.points[b];
+    double t = sides[a] / (sides[a] - sides[b]);
+    return {p[0] + t * (q[0] - p[0]), p[1] + t * (q[1] - p[1]), p[2] + t * (q[2] - p[2])};
 }
 
-/// Keeps a triangle that is not outside, and counts its edges on the plane.
-void Keep(const qcClipTriangle& triangle, qcClipScratch* scratch)
+/// What the plane does to each face that it cuts.
+class Seams
 {
-    scratch->triangles.push_back(triangle);
-    const std::array<uint32_t, 3>& v = triangle.corner;
-    const std::vector<uint8_t>& marks = scratch->marks;
-    if (marks[v[0]] + marks[v[1]] + marks[v[2]] < 2 * s_onPlane)
-        return;
-    for (size_t c = 0; c < 3; c++)
-        if (marks[v[c]] == s_onPlane && marks[v[(c + 1) % 3]] == s_onPlane)
-            scratch->edges.Add(v[c], v[(c + 1) % 3]);
-}
-
-/// Keeps what of a triangle is not outside; it is on both sides.
-void Split(const qcClipTriangle& triangle, qcClipMesh* mesh, qcClipScratch* scratch)
-{
-    const std::array<uint32_t, 3>& v = triangle.corner;
-    auto isOutside = [&](size_t c) { return scratch->marks[v[c]] == s_outside; };
-    int outside = isOutside(0) + isOutside(1) + isOutside(2);
-    // From the corner that is alone on its side.
-    size_t first = 0;
-    while (isOutside(first) != (outside == 1))
-        first++;
-    uint32_t a = v[first], b = v[(first + 1) % 3], c = v[(first + 2) % 3];
-    uint32_t ab = Crossing(a, b, mesh, scratch), ca = Crossing(c, a, mesh, scratch);
-    if (outside == 2)
+  public:
+    explicit Seams(qcClipScratch* scratch) : m_seams(scratch->seams), m_places(scratch->seamOf), m_more(scratch->ends)
     {
-        Keep({{a, ab, ca}, triangle.face}, scratch);
-        return;
+        m_seams.clear();
+        m_more.clear();
     }
-    Keep({{ab, b, c}, triangle.face}, scratch);
-    Keep({{ab, c, ca}, triangle.face}, scratch);
-}
 
-//  ---- points ----------------------------------------------------------------------------------------
+    /// A face leaves the inside at a point.
+    void Leave(uint32_t face, uint32_t point)
+    {
+        Add(face, point, &qcClipSeam::leave, true);
+    }
 
-/// As qcClipMesh_Weld; only points on the plane may be where another is. Points come in the order in which triangles
-/// have them, whatever the marks.
-void Weld(qcClipMesh* mesh, qcClipScratch* scratch)
-{
-    constexpr uint32_t none = UINT32_MAX;
-    std::vector<qcClipPoint>& points = scratch->points;
-    points.resize(mesh->points.size());
-    uint32_t count = 0;
-    scratch->positions.Clear(s_usualCut);
-    scratch->places.assign(mesh->points.size(), none);
-    auto findPlace = [&](uint32_t corner)
+    /// It comes back.
+    void Enter(uint32_t face, uint32_t point)
     {
-        const qcClipPoint& point = mesh->points[corner];
-        uint32_t place = count;
-        if (scratch->marks[corner] == s_onPlane)
-            place = scratch->positions.FindOrAdd(point, place);
-        if (place == count)
-            points[count++] = point;
-        return place;
-    };
-    uint32_t* places = scratch->places.data();
-    size_t kept = 0;
-    for (const qcClipTriangle& triangle : mesh->triangles)
+        Add(face, point, &qcClipSeam::enter, false);
+    }
+
+    /// Adds the edges that close all faces, with a new one beyond them.
+    void Close(uint32_t newFace, const std::vector<qcClipPoint>& points, std::vector<qcClipEdge>* edges)
     {
-        uint32_t v[3];
-        for (size_t c = 0; c < 3; c++)
+        std::stable_sort(m_more.begin(), m_more.end(),
+                         [](const qcClipEnd& a, const qcClipEnd& b) { return a.face < b.face; });
+        for (const qcClipSeam& seam : m_seams)
         {
-            uint32_t corner = triangle.corner[c];
-            v[c] = places[corner];
-            if (v[c] == none)
-                v[c] = places[corner] = findPlace(corner);
-        }
-        mesh->triangles[kept] = {{v[0], v[1], v[2]}, triangle.face};
-        kept += v[0] != v[1] && v[1] != v[2] && v[2] != v[0];
-    }
-    points.resize(count);
-    mesh->triangles.resize(kept);
-    mesh->points.swap(points);
-}
-
-//  ---- faces made anew -------------------------------------------------------------------------------
-
-/// Triangles by their faces, otherwise in the order of the mesh. All but those that cuts have added are so.
-void SortByFace(const qcClipMesh& mesh, qcClipScratch* scratch)
-{
-    auto isBefore = [](const qcClipTriangle& a, const qcClipTriangle& b) { return a.face < b.face; };
-    std::vector<qcClipTriangle>& sorted = scratch->triangles;
-    sorted = mesh.triangles;
-    auto middle = std::is_sorted_until(sorted.begin(), sorted.end(), isBefore);
-    std::stable_sort(middle, sorted.end(), isBefore);
-    std::inplace_merge(sorted.begin(), middle, sorted.end(), isBefore);
-}
-
-/// Marks points that three faces have, or more. Where there are two, they meet in a line through the point.
-void MarkVertices(const qcClipMesh& mesh, qcClipScratch* scratch)
-{
-    constexpr uint32_t none = UINT32_MAX;
-    scratch->faces.assign(mesh.points.size(), {none, none});
-    scratch->marks.assign(mesh.points.size(), false);
-    for (const qcClipTriangle& triangle : mesh.triangles)
-        for (uint32_t corner : triangle.corner)
-        {
-            std::array<uint32_t, 2>& known = scratch->faces[corner];
-            if (known[0] == triangle.face || known[1] == triangle.face)
-                continue;
-            if (known[0] == none)
-                known[0] = triangle.face;
-            else if (known[1] == none)
-                known[1] = triangle.face;
+            auto isBefore = [](const qcClipEnd& end, uint32_t face) { return end.face < face; };
+            auto first = m_more.empty() ? m_more.end()
+                                        : std::lower_bound(m_more.begin(), m_more.end(), seam.face, isBefore);
+            if (first == m_more.end() || first->face != seam.face)
+                edges->push_back({seam.leave, seam.enter, seam.face, newFace});
             else
-                scratch->marks[corner] = true;
+                CloseAlongLine(seam, size_t(first - m_more.begin()), newFace, points, edges);
         }
-}
+    }
 
-/// The direction that the loops face, by twice their area.
-qcClipPoint NormalOf(const qcClipMesh& mesh, const qcClipLoops& loops)
-{
-    qcClipPoint normal = {0, 0, 0};
-    for (size_t loop = 0; loop < loops.ends.size(); loop++)
-        for (size_t first = loops.Begin(loop), i = first, end = loops.ends[loop]; i < end; i++)
+  private:
+    void Add(uint32_t face, uint32_t point, uint32_t qcClipSeam::*end, bool leaves)
+    {
+        if (face >= m_places.size())
+            m_places.resize(face + 1);
+        uint32_t& place = m_places[face];
+        // What is in it may be left from other cuts.
+        if (place >= m_seams.size() || m_seams[place].face != face)
         {
-            const qcClipPoint &from = mesh.points[loops.points[first]], &a = mesh.points[loops.points[i]],
-                              &b = mesh.points[loops.points[i + 1 < end ? i + 1 : first]];
-            for (size_t k = 0; k < 3; k++)
+            place = uint32_t(m_seams.size());
+            m_seams.push_back({face, s_none, s_none});
+        }
+        uint32_t& known = m_seams[place].*end;
+        if (known == s_none)
+            known = point;
+        else
+            m_more.push_back({face, point, leaves});
+    }
+
+    /// A face that comes back more than once.
+    void CloseAlongLine(const qcClipSeam& seam, size_t first, uint32_t newFace, const std::vector<qcClipPoint>& points,
+                        std::vector<qcClipEdge>* edges)
+    {
+        std::vector<uint32_t> leaves = {seam.leave}, enters = {seam.enter};
+        for (size_t i = first; i < m_more.size() && m_more[i].face == seam.face; i++)
+            (m_more[i].leaves ? leaves : enters).push_back(m_more[i].point);
+        size_t axis = 0;
+        double most = -1;
+        for (size_t i = 0; i < 3; i++)
+        {
+            auto isLower = [&](uint32_t a, uint32_t b) { return points[a][i] < points[b][i]; };
+            auto ends = std::minmax_element(leaves.begin(), leaves.end(), isLower);
+            double length = points[*ends.second][i] - points[*ends.first][i];
+            if (length > most)
             {
-                size_t u = (k + 1) % 3, v = (k + 2) % 3;
-                normal[k] += (a[u] - from[u]) * (b[v] - from[v]) - (a[v] - from[v]) * (b[u] - from[u]);
+                most = length;
+                axis = i;
             }
         }
-    return normal;
-}
-
-/// Drops the points of loops that are no vertices. A loop may be left with none.
-void KeepVertices(const std::vector<uint8_t>& isVertex, qcClipLoops* loops)
-{
-    size_t kept = 0, i = 0;
-    for (size_t& end : loops->ends)
-    {
-        for (; i < end; i++)
-            if (isVertex[loops->points[i]])
-                loops->points[kept++] = loops->points[i];
-        end = kept;
+        auto isLower = [&](uint32_t a, uint32_t b)
+        { return std::make_pair(points[a][axis], a) < std::make_pair(points[b][axis], b); };
+        std::sort(leaves.begin(), leaves.end(), isLower);
+        std::sort(enters.begin(), enters.end(), isLower);
+        for (size_t i = 0; i < leaves.size(); i++)
+            edges->push_back({leaves[i], enters[i], seam.face, newFace});
     }
-    loops->points.resize(kept);
+
+    std::vector<qcClipSeam>& m_seams;
+    std::vector<uint32_t>& m_places; ///< by face, of its seam
+    std::vector<qcClipEnd>& m_more;  ///< of faces that leave or come back more than once
+};
+
+//  ---- triangles -------------------------------------------------------------------------------------
+
+/// Puts all edges into the scratch as each of their faces passes them, by face; the ends of those of each as well.
+void SortByFace(const std::vector<qcClipEdge>& edges, qcClipScratch* scratch)
+{
+    std::vector<qcClipFaceEdges>& faces = scratch->faces;
+    std::vector<uint32_t>& places = scratch->seamOf;
+    faces.clear();
+    auto count = [&](uint32_t face)
+    {
+        if (face >= places.size())
+            places.resize(face + 1);
+        uint32_t& place = places[face];
+        if (place >= faces.size() || faces[place].face != face)
+        {
+            place = uint32_t(faces.size());
+            faces.push_back({face, 0});
+        }
+        faces[place].end++;
+    };
+    for (const qcClipEdge& edge : edges)
+    {
+        count(edge.left);
+        count(edge.right);
+    }
+    std::sort(faces.begin(), faces.end(),
+              [](const qcClipFaceEdges& a, const qcClipFaceEdges& b) { return a.face < b.face; });
+    size_t begin = 0;
+    for (size_t i = 0; i < faces.size(); i++)
+    {
+        places[faces[i].face] = uint32_t(i);
+        size_t length = faces[i].end;
+        faces[i].end = begin;
+        begin += length;
+    }
+    scratch->arrows.resize(begin);
+    for (const qcClipEdge& edge : edges)
+    {
+        scratch->arrows[faces[places[edge.left]].end++] = {edge.from, edge.to};
+        scratch->arrows[faces[places[edge.right]].end++] = {edge.to, edge.from};
+    }
 }
 } // namespace
 
-void qcClipMesh_Weld(qcClipMesh* mesh, qcClipScratch* scratch)
+size_t qcClipSolid_Make(qcClipMesh* mesh, qcClipSolid* solid)
 {
-    scratch->marks.assign(mesh->points.size(), s_onPlane);
-    Weld(mesh, scratch);
-}
-
-size_t qcClipMesh_FindOpenTriangle(const qcClipMesh& mesh, qcClipScratch* scratch)
-{
-    scratch->edges.Clear(mesh.triangles.size() / 2 * 3);
-    for (const qcClipTriangle& triangle : mesh.triangles)
-        scratch->edges.Add(triangle.corner);
-    if (scratch->edges.AreClosed())
-        return mesh.triangles.size();
-    auto isOpen = [&](const qcClipTriangle& t)
-    {
-        return !scratch->edges.IsClosed(t.corner[0], t.corner[1]) ||
-               !scratch->edges.IsClosed(t.corner[1], t.corner[2]) || !scratch->edges.IsClosed(t.corner[2], t.corner[0]);
-    };
-    return size_t(std::find_if(mesh.triangles.begin(), mesh.triangles.end(), isOpen) - mesh.triangles.begin());
-}
-
-double qcClipMesh_Measure(const qcClipMesh& mesh, qcClipPoint* first)
-{
-    double volume = 0;
-    *first = {0, 0, 0};
-    if (mesh.points.empty())
-        return 0;
-    // Tetrahedra from a point of the mesh: from far away they would cancel.
-    const qcClipPoint& from = mesh.points[0];
-    for (const qcClipTriangle& triangle : mesh.triangles)
-    {
-        qcClipPoint e[3];
-        for (size_t c = 0; c < 3; c++)
-            for (size_t i = 0; i < 3; i++)
-                e[c][i] = mesh.points[triangle.corner[c]][i] - from[i];
-        double six = e[0][0] * (e[1][1] * e[2][2] - e[1][2] * e[2][1]) +
-                     e[0][1] * (e[1][2] * e[2][0] - e[1][0] * e[2][2]) +
-                     e[0][2] * (e[1][0] * e[2][1] - e[1][1] * e[2][0]);
-        volume += six / 6;
-        for (size_t i = 0; i < 3; i++)
-            (*first)[i] += six / 24 * (e[0][i] + e[1][i] + e[2][i]);
-    }
-    for (size_t i = 0; i < 3; i++)
-        (*first)[i] += volume * from[i];
-    return volume;
-}
-
-void qcClipMesh_Simplify(qcClipMesh* mesh, qcClipScratch* scratch)
-{
-    MarkVertices(*mesh, scratch);
-    SortByFace(*mesh, scratch);
-    const std::vector<uint8_t>& isVertex = scratch->marks;
-    const std::vector<qcClipTriangle>& sorted = scratch->triangles;
-    qcClipMesh& made = scratch->made;
-    made.triangles.clear();
-    made.points = mesh->points;
-    for (size_t first = 0, end = 0; first < sorted.size(); first = end)
-    {
-        const qcClipTriangle& triangle = sorted[first];
-        const std::array<uint32_t, 3>& v = triangle.corner;
-        for (end = first + 1; end < sorted.size() && sorted[end].face == triangle.face;)
-            end++;
-        // Most are a triangle of the mesh, or a corner of one.
-        if (end - first == 1 && isVertex[v[0]] && isVertex[v[1]] && isVertex[v[2]])
+    std::vector<size_t> ends;
+    std::vector<Pass> passes = SortPasses(*mesh, &ends);
+    if (DropPairs(passes, ends, mesh))
+        passes = SortPasses(*mesh, &ends);
+    solid->points = mesh->points;
+    solid->edges.clear();
+    size_t open = mesh->triangles.size();
+    for (size_t low = 0, first = 0; low < ends.size(); low++)
+        while (first < ends[low])
         {
-            made.triangles.push_back(triangle);
-            continue;
+            uint32_t high = passes[first].high;
+            size_t middle = first, last = first;
+            for (; last < ends[low] && passes[last].high == high; last++)
+                middle += !passes[last].isDownward;
+            if (middle - first != last - middle)
+                for (size_t i = first; i < last; i++)
+                    open = std::min(open, size_t(passes[i].triangle));
+            for (size_t i = 0; i < std::min(middle - first, last - middle); i++)
+                solid->edges.push_back({uint32_t(low), high, mesh->triangles[passes[first + i].triangle].face,
+                                        mesh->triangles[passes[middle + i].triangle].face});
+            first = last;
         }
-        scratch->edges.Clear(3 * (end - first));
-        for (size_t i = first; i < end; i++)
-            scratch->edges.Add(sorted[i].corner);
-        scratch->edges.FindLoops(false, &scratch->loops);
-        KeepVertices(isVertex, &scratch->loops);
-        qcClipFace_Add(&made, NormalOf(made, scratch->loops), triangle.face, scratch->loops, scratch);
-    }
-    qcClipMesh_Weld(&made, scratch);
-    // Where rounding has bent an outline, splinters do no harm.
-    if (qcClipMesh_FindOpenTriangle(made, scratch) == made.triangles.size())
-    {
-        mesh->points = made.points;
-        mesh->triangles = made.triangles;
-    }
-    mesh->leastTriangles = mesh->triangles.size();
+    return open;
 }
 
-void qcClipMesh_Cut(qcClipMesh* mesh, const qcClipPlane& plane, qcClipScratch* scratch)
+void qcClipSolid_Cut(qcClipSolid* solid, const qcClipPlane& plane, qcClipScratch* scratch)
 {
-    if (!MarkPoints(*mesh, plane, scratch))
+    if (!KeepInside(*solid, plane, scratch))
         return;
-    scratch->triangles.clear();
-    scratch->crossings.Clear(s_usualCut);
-    scratch->edges.Clear(s_usualCut);
-    for (const qcClipTriangle& triangle : mesh->triangles)
+    const std::vector<uint32_t>& places = scratch->places;
+    std::vector<qcClipPoint>& points = scratch->points;
+    Seams seams(scratch);
+    size_t kept = 0;
+    for (qcClipEdge edge : solid->edges)
     {
-        const std::array<uint32_t, 3>& v = triangle.corner;
-        int sum = scratch->marks[v[0]] + scratch->marks[v[1]] + scratch->marks[v[2]];
-        if (sum < 2 * s_onPlane)
-            scratch->triangles.push_back(triangle);
-        else if (sum < s_outside)
-            Keep(triangle, scratch);
-        else if (sum < 3 * s_outside)
-            Split(triangle, mesh, scratch);
+        uint32_t from = places[edge.from], to = places[edge.to];
+        if (from == s_none && to == s_none)
+            continue;
+        if (from == s_none || to == s_none)
+        {
+            uint32_t made = uint32_t(points.size());
+            points.push_back(Crossing(*solid, scratch->sides, edge.from, edge.to));
+            seams.Leave(to == s_none ? edge.left : edge.right, made);
+            seams.Enter(to == s_none ? edge.right : edge.left, made);
+            (to == s_none ? to : from) = made;
+        }
+        solid->edges[kept++] = {from, to, edge.left, edge.right};
     }
-    mesh->triangles.swap(scratch->triangles);
-    scratch->edges.FindLoops(true, &scratch->loops);
-    size_t first = mesh->triangles.size();
-    qcClipFace_Add(mesh, plane.normal, plane.face, scratch->loops, scratch);
-    // What the face is made of is on the plane, whatever was added.
-    scratch->marks.resize(mesh->points.size(), s_onPlane);
-    for (size_t i = first; i < mesh->triangles.size(); i++)
-        scratch->edges.Add(mesh->triangles[i].corner);
-    scratch->edges.FindLoops(true, &scratch->loops);
-    qcClipFace_AddFans(mesh, plane.face, scratch->loops);
-    // What is off the plane is where it was, and apart from all others as before.
-    Weld(mesh, scratch);
-    // A cut along a cut goes through its triangles one by one, and the next has more of them.
-    mesh->leastTriangles = std::min(mesh->leastTriangles, mesh->triangles.size());
-    if (mesh->triangles.size() > mesh->leastTriangles + mesh->leastTriangles / 2)
-        qcClipMesh_Simplify(mesh, scratch);
+    solid->edges.resize(kept);
+    seams.Close(plane.face, points, &solid->edges);
+    solid->points.swap(points);
+}
+
+void qcClipSolid_Triangulate(qcClipSolid* solid, qcClipMesh* mesh, qcClipScratch* scratch)
+{
+    std::vector<uint32_t>& places = scratch->places;
+    qcWeldPoints(&solid->points, &places, scratch);
+    scratch->edgesOf.assign(solid->points.size(), 0);
+    size_t kept = 0;
+    for (const qcClipEdge& edge : solid->edges)
+    {
+        uint32_t from = places[edge.from], to = places[edge.to];
+        solid->edges[kept] = {from, to, edge.left, edge.right};
+        kept += from != to;
+        scratch->edgesOf[from] += from != to;
+        scratch->edgesOf[to] += from != to;
+    }
+    solid->edges.resize(kept);
+    SortByFace(solid->edges, scratch);
+    mesh->points = solid->points;
+    mesh->triangles.clear();
+    size_t begin = 0;
+    for (const qcClipFaceEdges& face : scratch->faces)
+    {
+        qcClipFace_Add(mesh, face.face, scratch->arrows.data() + begin, face.end - begin, scratch);
+        begin = face.end;
+    }
 }

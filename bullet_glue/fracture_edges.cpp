@@ -12,12 +12,6 @@ uint32_t FromOf(uint64_t arrow)
 }
 } // namespace
 
-bool qcClipEdges::AreClosed() const
-{
-    const auto& counts = m_counts.Entries();
-    return std::all_of(counts.begin(), counts.end(), [](const auto& edge) { return edge.number == 0; });
-}
-
 void qcClipEdges::FindLoops(bool turned, qcClipLoops* loops)
 {
     loops->points.clear();

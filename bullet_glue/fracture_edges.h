@@ -4,6 +4,12 @@
 
 #include "fracture_table.h"
 
+/// An edge as a face passes it.
+struct qcClipArrow
+{
+    uint32_t from, to;
+};
+
 /// Loops of points, one after another.
 struct qcClipLoops
 {
@@ -37,16 +43,6 @@ class qcClipEdges
         Add(corners[1], corners[2]);
         Add(corners[2], corners[0]);
     }
-
-    /// Whether an edge is passed as often one way as the other.
-    bool IsClosed(uint32_t from, uint32_t to)
-    {
-        const int* count = m_counts.Find(KeyOf(from, to));
-        return count == nullptr || *count == 0;
-    }
-
-    /// Whether all edges are.
-    bool AreClosed() const;
 
     /// Loops of edges that are passed more often one way than the other: `turned`, in the way that is missing. They
     /// depend on the counts alone, not on the order in which edges came.

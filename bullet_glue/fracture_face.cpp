@@ -191,6 +191,13 @@ template <typename Function> void SetCallback(GLUtesselator* tesselator, GLenum 
     gluTessCallback(tesselator, which, reinterpret_cast<void(APIENTRY*)()>(function));
 }
 
+/// Loops may pass a point twice.
+void AddTriangle(qcClipMesh* mesh, const std::array<uint32_t, 3>& v, uint32_t face)
+{
+    if (v[0] != v[1] && v[1] != v[2] && v[2] != v[0])
+        mesh->triangles.push_back({v, face});
+}
+
 void Tesselate(qcClipMesh* mesh, const qcClipPoint& normal, uint32_t number, const qcClipLoops& loops)
 {
     GLUtesselator* tesselator = loops.ends.empty() ? nullptr : gluNewTess();
@@ -218,22 +225,110 @@ void Tesselate(qcClipMesh* mesh, const qcClipPoint& normal, uint32_t number, con
     gluTessEndPolygon(tesselator);
     gluDeleteTess(tesselator);
     for (size_t i = 0; i + 2 < face.corners.size() && !face.failed; i += 3)
-        mesh->triangles.push_back({{face.corners[i], face.corners[i + 1], face.corners[i + 2]}, number});
+        AddTriangle(mesh, {face.corners[i], face.corners[i + 1], face.corners[i + 2]}, number);
 }
 
+/// Closes what triangles from a first one on leave open of the edges of loops (without area, or that cross), whatever
+/// it looks like: what is open is the edges of loops, with the right signed volume.
+void AddFans(qcClipMesh* mesh, size_t first, uint32_t face, const qcClipLoops& loops, qcClipScratch* scratch)
+{
+    scratch->edges.Clear(loops.points.size());
+    for (size_t loop = 0; loop < loops.ends.size(); loop++)
+        for (size_t begin = loops.Begin(loop), i = begin, end = loops.ends[loop]; i < end; i++)
+            scratch->edges.Add(loops.points[i + 1 < end ? i + 1 : begin], loops.points[i]);
+    for (size_t i = first; i < mesh->triangles.size(); i++)
+        scratch->edges.Add(mesh->triangles[i].corner);
+    scratch->edges.FindLoops(true, &scratch->openLoops);
+    const qcClipLoops& open = scratch->openLoops;
+    for (size_t loop = 0; loop < open.ends.size(); loop++)
+        for (size_t begin = open.Begin(loop), i = begin + 2; i < open.ends[loop]; i++)
+            AddTriangle(mesh, {open.points[begin], open.points[i - 1], open.points[i]}, face);
+}
+
+//  ---- loops of edges --------------------------------------------------------------------------------
+
+/// One loop that passes each of its points once, as that of nearly every face. False if the edges make no such.
+bool FindSimpleLoop(const qcClipArrow* arrows, size_t count, size_t pointCount, qcClipScratch* scratch)
+{
+    qcClipLoops* loops = &scratch->loops;
+    std::vector<uint32_t>& arrowOf = scratch->arrowOf;
+    arrowOf.resize(std::max(arrowOf.size(), pointCount));
+    for (size_t i = 0; i < count; i++)
+        arrowOf[arrows[i].from] = uint32_t(i);
+    loops->points.clear();
+    loops->ends.clear();
+    size_t at = 0;
+    do
+    {
+        loops->points.push_back(arrows[at].from);
+        at = arrowOf[arrows[at].to];
+    } while (at != 0 && loops->points.size() < count);
+    loops->ends.push_back(loops->points.size());
+    return at == 0 && loops->points.size() == count;
+}
+
+/// Drops points where two edges meet that are between the same two faces: these then go straight on, or lie on each
+/// other. A loop may be left with nothing.
+void DropBends(const std::vector<uint32_t>& edgesOf, qcClipLoops* loops)
+{
+    size_t kept = 0, keptLoops = 0, i = 0;
+    for (size_t end : loops->ends)
+    {
+        size_t first = kept;
+        for (; i < end; i++)
+            if (edgesOf[loops->points[i]] != 2)
+                loops->points[kept++] = loops->points[i];
+        if (kept - first < 3)
+            kept = first;
+        else
+            loops->ends[keptLoops++] = kept;
+    }
+    loops->points.resize(kept);
+    loops->ends.resize(keptLoops);
+}
+
+/// The direction that the loops face, by twice their area.
+qcClipPoint NormalOf(const qcClipMesh& mesh, const qcClipLoops& loops)
+{
+    qcClipPoint normal = {0, 0, 0};
+    for (size_t loop = 0; loop < loops.ends.size(); loop++)
+        for (size_t first = loops.Begin(loop), i = first, end = loops.ends[loop]; i < end; i++)
+        {
+            const qcClipPoint &from = mesh.points[loops.points[first]], &a = mesh.points[loops.points[i]],
+                              &b = mesh.points[loops.points[i + 1 < end ? i + 1 : first]];
+            for (size_t k = 0; k < 3; k++)
+            {
+                size_t u = (k + 1) % 3, v = (k + 2) % 3;
+                normal[k] += (a[u] - from[u]) * (b[v] - from[v]) - (a[v] - from[v]) * (b[u] - from[u]);
+            }
+        }
+    return normal;
+}
 } // namespace
 
-void qcClipFace_AddFans(qcClipMesh* mesh, uint32_t face, const qcClipLoops& loops)
+void qcClipFace_Add(qcClipMesh* mesh, uint32_t face, const qcClipArrow* arrows, size_t count, qcClipScratch* scratch)
 {
-    for (size_t loop = 0; loop < loops.ends.size(); loop++)
-        for (size_t first = loops.Begin(loop), i = first + 2; i < loops.ends[loop]; i++)
-            mesh->triangles.push_back({{loops.points[first], loops.points[i - 1], loops.points[i]}, face});
-}
-
-void qcClipFace_Add(qcClipMesh* mesh, const qcClipPoint& normal, uint32_t face, const qcClipLoops& loops,
-                    qcClipScratch* scratch)
-{
+    qcClipLoops& loops = scratch->loops;
+    if (!FindSimpleLoop(arrows, count, mesh->points.size(), scratch))
+    {
+        scratch->edges.Clear(count);
+        for (size_t i = 0; i < count; i++)
+            scratch->edges.Add(arrows[i].from, arrows[i].to);
+        scratch->edges.FindLoops(false, &loops);
+    }
+    DropBends(scratch->edgesOf, &loops);
+    if (loops.ends.empty())
+        return;
+    if (loops.points.size() == 3)
+    {
+        mesh->triangles.push_back({{loops.points[0], loops.points[1], loops.points[2]}, face});
+        return;
+    }
+    qcClipPoint normal = NormalOf(*mesh, loops);
     bool isSimple = loops.ends.size() == 1 && loops.points.size() <= s_mostCorners;
-    if (!isSimple || !Outline(*mesh, normal, loops, scratch).Triangulate(face, &mesh->triangles))
-        Tesselate(mesh, normal, face, loops);
+    if (isSimple && Outline(*mesh, normal, loops, scratch).Triangulate(face, &mesh->triangles))
+        return;
+    size_t first = mesh->triangles.size();
+    Tesselate(mesh, normal, face, loops);
+    AddFans(mesh, first, face, loops, scratch);
 }

@@ -4,12 +4,9 @@
 
 #include "fracture_scratch.h"
 
-/// Adds triangles over what the loops go round counterclockwise, as the normal sees it, all of one face. Where loops
-/// cross or touch, points may be added. Some edges of the loops may be left without a triangle.
-void qcClipFace_Add(qcClipMesh* mesh, const qcClipPoint& normal, uint32_t face, const qcClipLoops& loops,
-                    qcClipScratch* scratch);
-
-/// Adds triangles over which all edges of the loops are closed, whatever they look like, with the right signed volume.
-void qcClipFace_AddFans(qcClipMesh* mesh, uint32_t face, const qcClipLoops& loops);
+/// Adds triangles over what the edges of a face go round, all of them counterclockwise as it is seen from outside but
+/// where rounding made edges cross; there, points may be added. Each edge has its triangle, as often as it is there and
+/// not there backwards too, and all others have two.
+void qcClipFace_Add(qcClipMesh* mesh, uint32_t face, const qcClipArrow* arrows, size_t count, qcClipScratch* scratch);
 
 #endif

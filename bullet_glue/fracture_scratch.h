@@ -2,8 +2,28 @@
 #ifndef QC_BULLET_GLUE_FRACTURE_SCRATCH_H
 #define QC_BULLET_GLUE_FRACTURE_SCRATCH_H
 
-#include "fracture_clip.h"
 #include "fracture_edges.h"
+#include "fracture_mesh.h"
+
+/// Where a face leaves the inside of a plane, and where it comes back: the first such points.
+struct qcClipSeam
+{
+    uint32_t face, leave, enter;
+};
+
+/// A further such point.
+struct qcClipEnd
+{
+    uint32_t face, point;
+    bool leaves;
+};
+
+/// Edges of a face, up to an end.
+struct qcClipFaceEdges
+{
+    uint32_t face;
+    size_t end;
+};
 
 /// A corner of an outline, as seen along an axis.
 struct qcClipCorner
@@ -17,19 +37,25 @@ struct qcClipCorner
 /// For one thread at a time; what is in it between two calls does not matter.
 struct qcClipScratch
 {
-    qcClipEdges edges;
-    qcClipLoops loops;
-    qcClipTable<uint64_t, uint32_t> crossings;    ///< points by edge
     qcClipTable<qcClipPoint, uint32_t> positions; ///< points by position
+    std::vector<uint32_t> places;                 ///< of points
+    //  Cuts.
     std::vector<double> sides;
-    std::vector<uint8_t> marks;                 ///< of points
-    std::vector<std::array<uint32_t, 2>> faces; ///< of points
-    std::vector<uint32_t> places;               ///< of points
     std::vector<qcClipPoint> points;
-    std::vector<qcClipTriangle> triangles;
-    qcClipMesh made;
+    std::vector<qcClipSeam> seams;
+    std::vector<uint32_t> seamOf; ///< faces
+    std::vector<qcClipEnd> ends;
+    //  Faces.
+    std::vector<qcClipFaceEdges> faces;
+    std::vector<qcClipArrow> arrows;
+    std::vector<uint32_t> arrowOf; ///< points
+    std::vector<uint32_t> edgesOf; ///< points: how many there are
+    qcClipEdges edges;
+    qcClipLoops loops, openLoops;
     std::vector<qcClipCorner> corners, inward;
     std::vector<uint32_t> left;
+    //  Parts.
+    std::vector<uint32_t> roots, parts; ///< of points
 };
 
 #endif

@@ -66,13 +66,6 @@ template <typename Key, typename Number> class qcClipTable
         return m_entries[slot - 1].number;
     }
 
-    /// The number of a key, or null.
-    const Number* Find(const Key& key)
-    {
-        uint32_t slot = m_used != 0 ? SlotOf(key) : 0;
-        return slot != 0 ? &m_entries[slot - 1].number : nullptr;
-    }
-
     /// As they were added.
     const std::vector<Entry>& Entries() const
     {
