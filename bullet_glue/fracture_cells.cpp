@@ -44,6 +44,66 @@ Box FindWalls(const qcClipMesh& mesh, const std::vector<qcClipPoint>& sites)
     return walls;
 }
 
+//  ---- cells -----------------------------------------------------------------------------------------
+
+qcFractureCell CellOf(voro::voronoicell_neighbor* found, const Box& walls, const std::vector<qcClipPoint>& sites,
+                      size_t site)
+{
+    qcFractureCell cell;
+    std::vector<int> neighbours;
+    found->neighbors(neighbours);
+    for (int other : neighbours)
+        if (other >= 0) // the others are walls
+            cell.neighbours.push_back(uint32_t(other));
+    auto distance2 = [&](uint32_t other)
+    {
+        qcClipPoint d;
+        for (size_t i = 0; i < 3; i++)
+            d[i] = sites[other][i] - sites[site][i];
+        return qcDotOf(d, d);
+    };
+    std::sort(cell.neighbours.begin(), cell.neighbours.end(),
+              [&](uint32_t a, uint32_t b)
+              { return std::make_pair(distance2(a), a) < std::make_pair(distance2(b), b); });
+    std::vector<double> corners;
+    found->vertices(sites[site][0], sites[site][1], sites[site][2], corners);
+    Box box = {sites[site], sites[site]};
+    for (size_t i = 0; i + 2 < corners.size(); i += 3)
+        box.Add({corners[i], corners[i + 1], corners[i + 2]}, {corners[i], corners[i + 1], corners[i + 2]});
+    for (size_t axis = 0; axis < 3; axis++)
+    {
+        // Far above what voro++ rounds off, and too little to matter.
+        double room = (walls.upper[axis] - walls.lower[axis]) / 1024;
+        cell.lower[axis] = box.lower[axis] - room;
+        cell.upper[axis] = box.upper[axis] + room;
+    }
+    return cell;
+}
+
+/// One share of the cells.
+void FindCells(const Box& walls, const std::vector<qcClipPoint>& sites, size_t share, size_t shares,
+               std::vector<qcFractureCell>* cells)
+{
+    const qcClipPoint &lower = walls.lower, &upper = walls.upper;
+    // About five sites a block, as the manual advises.
+    int blocks = std::max(1, int(std::cbrt(double(sites.size()) / 5)));
+    voro::container container(lower[0], upper[0], lower[1], upper[1], lower[2], upper[2], blocks, blocks, blocks, false,
+                              false, false, 8);
+    for (size_t i = 0; i < sites.size(); i++)
+        container.put(int(i), sites[i][0], sites[i][1], sites[i][2]);
+    voro::voronoicell_neighbor found;
+    voro::c_loop_all loop(container);
+    if (!loop.start())
+        return;
+    size_t i = 0;
+    do
+    {
+        size_t site = size_t(loop.pid());
+        if (i++ * shares / sites.size() == share && container.compute_cell(found, loop))
+            (*cells)[site] = CellOf(&found, walls, sites, site);
+    } while (loop.inc());
+}
+
 //  ---- dealing ---------------------------------------------------------------------------------------
 
 /// Some of the cells, and what the solid is in their box.
@@ -122,53 +182,11 @@ template <typename Function> void ForEach(size_t count, Function function)
 
 std::vector<qcFractureCell> qcFindFractureCells(const qcClipMesh& mesh, const std::vector<qcClipPoint>& sites)
 {
+    constexpr size_t leastShare = 16, mostShares = 64; // of cells: each needs a container of all sites
     Box walls = FindWalls(mesh, sites);
-    const qcClipPoint &lower = walls.lower, &upper = walls.upper;
-    // About five sites a block, as the manual advises.
-    int blocks = std::max(1, int(std::cbrt(double(sites.size()) / 5)));
-    voro::container container(lower[0], upper[0], lower[1], upper[1], lower[2], upper[2], blocks, blocks, blocks, false,
-                              false, false, 8);
-    for (size_t i = 0; i < sites.size(); i++)
-        container.put(int(i), sites[i][0], sites[i][1], sites[i][2]);
-    std::vector<qcFractureCell> cells(sites.size(), {{}, lower, upper});
-    voro::voronoicell_neighbor found;
-    voro::c_loop_all loop(container);
-    if (!loop.start())
-        return cells;
-    do
-    {
-        size_t site = size_t(loop.pid());
-        if (!container.compute_cell(found, loop))
-            continue;
-        qcFractureCell& cell = cells[site];
-        std::vector<int> neighbours;
-        found.neighbors(neighbours);
-        for (int other : neighbours)
-            if (other >= 0) // the others are walls
-                cell.neighbours.push_back(uint32_t(other));
-        auto distance2 = [&](uint32_t other)
-        {
-            qcClipPoint d;
-            for (size_t i = 0; i < 3; i++)
-                d[i] = sites[other][i] - sites[site][i];
-            return qcDotOf(d, d);
-        };
-        std::sort(cell.neighbours.begin(), cell.neighbours.end(),
-                  [&](uint32_t a, uint32_t b)
-                  { return std::make_pair(distance2(a), a) < std::make_pair(distance2(b), b); });
-        std::vector<double> corners;
-        found.vertices(sites[site][0], sites[site][1], sites[site][2], corners);
-        Box box = {sites[site], sites[site]};
-        for (size_t i = 0; i + 2 < corners.size(); i += 3)
-            box.Add({corners[i], corners[i + 1], corners[i + 2]}, {corners[i], corners[i + 1], corners[i + 2]});
-        for (size_t axis = 0; axis < 3; axis++)
-        {
-            // Far above what voro++ rounds off, and too little to matter.
-            double room = (upper[axis] - lower[axis]) / 1024;
-            cell.lower[axis] = box.lower[axis] - room;
-            cell.upper[axis] = box.upper[axis] + room;
-        }
-    } while (loop.inc());
+    std::vector<qcFractureCell> cells(sites.size(), {{}, walls.lower, walls.upper});
+    size_t shares = std::min(mostShares, 1 + sites.size() / leastShare);
+    ForEach(shares, [&](size_t share, qcClipScratch*) { FindCells(walls, sites, share, shares, &cells); });
     return cells;
 }
 

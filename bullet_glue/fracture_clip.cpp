@@ -89,25 +89,35 @@ bool DropPairs(const std::vector<Pass>& passes, const std::vector<size_t>& ends,
 
 //  ---- the cut ---------------------------------------------------------------------------------------
 
-/// Puts the points that are not outside into the scratch, with their places there. False if none is outside.
-bool KeepInside(const qcClipSolid& solid, const qcClipPlane& plane, qcClipScratch* scratch)
+/// Fills the sides of points. Whether any is outside.
+bool FindSides(const qcClipSolid& solid, const qcClipPlane& plane, std::vector<double>* sides)
+{
+    sides->resize(solid.points.size());
+    bool any = false;
+    for (size_t i = 0; i < solid.points.size(); i++)
+    {
+        double side = qcDotOf(plane.normal, solid.points[i]) - plane.distance;
+        (*sides)[i] = side;
+        any |= side > 0;
+    }
+    return any;
+}
+
+/// Puts the points that are not outside into the scratch, with their places there.
+void KeepInside(const qcClipSolid& solid, qcClipScratch* scratch)
 {
     size_t count = solid.points.size();
-    scratch->sides.resize(count);
     scratch->places.resize(count);
     scratch->points.resize(count);
     uint32_t kept = 0;
     for (size_t i = 0; i < count; i++)
     {
-        double side = qcDotOf(plane.normal, solid.points[i]) - plane.distance;
-        bool isInside = !(side > 0);
-        scratch->sides[i] = side;
+        bool isInside = !(scratch->sides[i] > 0);
         scratch->places[i] = isInside ? kept : s_none;
         scratch->points[kept] = solid.points[i];
         kept += isInside;
     }
     scratch->points.resize(kept);
-    return kept < count;
 }
 
 /// Where an edge meets the plane. Always from the nearer point on: the plane's mirror image finds the same.
@@ -151,8 +161,8 @@ class Seams
         for (const qcClipSeam& seam : m_seams)
         {
             auto isBefore = [](const qcClipEnd& end, uint32_t face) { return end.face < face; };
-            auto first = m_more.empty() ? m_more.end()
-                                        : std::lower_bound(m_more.begin(), m_more.end(), seam.face, isBefore);
+            auto first =
+                m_more.empty() ? m_more.end() : std::lower_bound(m_more.begin(), m_more.end(), seam.face, isBefore);
             if (first == m_more.end() || first->face != seam.face)
                 edges->push_back({seam.leave, seam.enter, seam.face, newFace});
             else
@@ -285,8 +295,9 @@ size_t qcClipSolid_Make(qcClipMesh* mesh, qcClipSolid* solid)
 
 void qcClipSolid_Cut(qcClipSolid* solid, const qcClipPlane& plane, qcClipScratch* scratch)
 {
-    if (!KeepInside(*solid, plane, scratch))
+    if (!FindSides(*solid, plane, &scratch->sides))
         return;
+    KeepInside(*solid, scratch);
     const std::vector<uint32_t>& places = scratch->places;
     std::vector<qcClipPoint>& points = scratch->points;
     Seams seams(scratch);

@@ -27,8 +27,8 @@ struct qcClipPlane
     uint32_t face; ///< that closes the cut
 };
 
-/// A solid of the triangles of a mesh, which loses those that lie back to back. Returns a triangle with an edge that is passed more often one way than the other, or
-/// the number of triangles.
+/// A solid of the triangles of a mesh, which loses those that lie back to back. Returns a triangle with an edge that is
+/// passed more often one way than the other, or the number of triangles.
 size_t qcClipSolid_Make(qcClipMesh* mesh, qcClipSolid* solid);
 
 /// Takes away what is outside of the plane, and puts a face there. Where the plane cuts an edge, the point is the same

@@ -18,6 +18,8 @@ namespace
 // Ears take about the square of the points: with 50, 100 or 200 of them at most, fracture takes as long.
 constexpr size_t s_mostCorners = 200;
 constexpr uint32_t s_none = UINT32_MAX;
+constexpr double s_flat = 1e-11;   ///< of the area: rounding leaves less, and triangles hardly ever have it
+constexpr size_t s_mostStarts = 4; ///< tried in a search for triangles that are not flat
 
 /// The only loop, as the normal sees it.
 class Outline
@@ -41,18 +43,38 @@ class Outline
         }
     }
 
-    /// Adds triangles of corners that all face the right way; none if it finds no such.
+    /// Adds triangles of corners that all face the right way; none if it finds no such. Where a plane has cut triangles
+    /// that lie in one plane, corners are flat: first it looks for triangles none of which is.
     bool Triangulate(uint32_t face, std::vector<qcClipTriangle>* triangles)
+    {
+        double area = 0;
+        for (size_t i = 1; i + 1 < m_corners.size(); i++)
+            area += Turn(m_corners[0], m_corners[i], m_corners[i + 1]);
+        m_least = s_flat * area;
+        for (size_t start = 0; start < std::min(s_mostStarts, m_corners.size()); start++)
+            if (CutEars(start, face, triangles))
+                return true;
+        m_least = 0;
+        return CutEars(0, face, triangles);
+    }
+
+  private:
+    bool CutEars(size_t start, uint32_t face, std::vector<qcClipTriangle>* triangles)
     {
         size_t before = triangles->size();
         m_left.resize(m_corners.size());
         std::iota(m_left.begin(), m_left.end(), 0u);
+        for (qcClipCorner& corner : m_corners)
+        {
+            corner.obstacle = s_none;
+            corner.isLeft = true;
+        }
         m_inward.clear();
         for (size_t i = 0; i < m_left.size(); i++)
-            if (!(Turn(Left(i), Left(i + 1), Left(i + 2)) > 0))
+            if (!(Turn(Left(i), Left(i + 1), Left(i + 2)) > m_least))
                 m_inward.push_back(Left(i + 1));
         // Round and round: from one corner they would be a fan of slivers.
-        for (size_t at = 0, missed = 0; m_left.size() > 3 && missed < m_left.size(); at = Wrap(at + 1))
+        for (size_t at = start, missed = 0; m_left.size() > 3 && missed < m_left.size(); at = Wrap(at + 1))
         {
             qcClipCorner& b = Left(at + 1);
             missed++;
@@ -70,14 +92,13 @@ class Outline
             m_left.erase(m_left.begin() + std::ptrdiff_t(Wrap(at + 1)));
             missed = 0;
         }
-        if (m_left.size() == 3 && Turn(Left(0), Left(1), Left(2)) > 0)
+        if (m_left.size() == 3 && Turn(Left(0), Left(1), Left(2)) > m_least)
             triangles->push_back({{Left(0).point, Left(1).point, Left(2).point}, face});
         else
             triangles->resize(before);
         return triangles->size() > before;
     }
 
-  private:
     /// As the remainder, of less than three times as many as are left.
     size_t Wrap(size_t i) const
     {
@@ -101,7 +122,7 @@ class Outline
     /// furthest in turns inward, and did so from the start.
     uint32_t FindObstacle(const qcClipCorner& a, const qcClipCorner& b, const qcClipCorner& c) const
     {
-        if (!(Turn(a, b, c) > 0))
+        if (!(Turn(a, b, c) > m_least))
             return b.place;
         // Most are beyond the side that the ear does not share with the outline.
         for (const qcClipCorner& k : m_inward)
@@ -114,6 +135,7 @@ class Outline
     std::vector<qcClipCorner>& m_corners;
     std::vector<qcClipCorner>& m_inward; ///< corners left that don't turn to the left
     std::vector<uint32_t>& m_left;
+    double m_least = 0; ///< twice the area of a triangle, or more
 };
 
 //  ---- any loops -------------------------------------------------------------------------------------
