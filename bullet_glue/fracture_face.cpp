@@ -18,7 +18,7 @@ namespace
 // Ears take about the square of the points: with 50, 100 or 200 of them at most, fracture takes as long.
 constexpr size_t s_mostCorners = 200;
 constexpr uint32_t s_none = UINT32_MAX;
-constexpr double s_flat = 1e-11;   ///< of the area: rounding leaves less, and triangles hardly ever have it
+constexpr double s_flat = 1e-6;    ///< height by length: pieces may be of single precision
 constexpr size_t s_mostStarts = 4; ///< tried in a search for triangles that are not flat
 
 /// The only loop, as the normal sees it.
@@ -47,14 +47,11 @@ class Outline
     /// that lie in one plane, corners are flat: first it looks for triangles none of which is.
     bool Triangulate(uint32_t face, std::vector<qcClipTriangle>* triangles)
     {
-        double area = 0;
-        for (size_t i = 1; i + 1 < m_corners.size(); i++)
-            area += Turn(m_corners[0], m_corners[i], m_corners[i + 1]);
-        m_least = s_flat * area;
+        m_flat = s_flat;
         for (size_t start = 0; start < std::min(s_mostStarts, m_corners.size()); start++)
             if (CutEars(start, face, triangles))
                 return true;
-        m_least = 0;
+        m_flat = 0;
         return CutEars(0, face, triangles);
     }
 
@@ -71,7 +68,7 @@ class Outline
         }
         m_inward.clear();
         for (size_t i = 0; i < m_left.size(); i++)
-            if (!(Turn(Left(i), Left(i + 1), Left(i + 2)) > m_least))
+            if (!IsTip(Left(i), Left(i + 1), Left(i + 2)))
                 m_inward.push_back(Left(i + 1));
         // Round and round: from one corner they would be a fan of slivers.
         for (size_t at = start, missed = 0; m_left.size() > 3 && missed < m_left.size(); at = Wrap(at + 1))
@@ -92,7 +89,7 @@ class Outline
             m_left.erase(m_left.begin() + std::ptrdiff_t(Wrap(at + 1)));
             missed = 0;
         }
-        if (m_left.size() == 3 && Turn(Left(0), Left(1), Left(2)) > m_least)
+        if (m_left.size() == 3 && IsTip(Left(0), Left(1), Left(2)))
             triangles->push_back({{Left(0).point, Left(1).point, Left(2).point}, face});
         else
             triangles->resize(before);
@@ -118,11 +115,19 @@ class Outline
         return (b.u - a.u) * (c.v - a.v) - (b.v - a.v) * (c.u - a.u);
     }
 
+    /// Whether a triangle faces the right way, and is not flat.
+    bool IsTip(const qcClipCorner& a, const qcClipCorner& b, const qcClipCorner& c) const
+    {
+        auto length2 = [](const qcClipCorner& p, const qcClipCorner& q)
+        { return (q.u - p.u) * (q.u - p.u) + (q.v - p.v) * (q.v - p.v); };
+        return Turn(a, b, c) > m_flat * (length2(a, b) + length2(b, c));
+    }
+
     /// A corner that is in the triangle, the tip itself if it faces the wrong way, or none. Of what is in it the corner
     /// furthest in turns inward, and did so from the start.
     uint32_t FindObstacle(const qcClipCorner& a, const qcClipCorner& b, const qcClipCorner& c) const
     {
-        if (!(Turn(a, b, c) > m_least))
+        if (!IsTip(a, b, c))
             return b.place;
         // Most are beyond the side that the ear does not share with the outline.
         for (const qcClipCorner& k : m_inward)
@@ -135,7 +140,7 @@ class Outline
     std::vector<qcClipCorner>& m_corners;
     std::vector<qcClipCorner>& m_inward; ///< corners left that don't turn to the left
     std::vector<uint32_t>& m_left;
-    double m_least = 0; ///< twice the area of a triangle, or more
+    double m_flat = 0;
 };
 
 //  ---- any loops -------------------------------------------------------------------------------------

@@ -123,6 +123,30 @@ double Excess(const qcFractureDef& def, const qcPiece& piece)
     return most;
 }
 
+/// The least height of a triangle, and the greatest turn at an edge, as the cosine between two normals.
+void MeasureTriangles(const qcPiece& piece, double* height, double* cosine)
+{
+    std::map<std::pair<uint32_t, uint32_t>, btVector3> normals;
+    *height = 1;
+    *cosine = 1;
+    for (size_t i = 0; i < piece.indices.size(); i += 3)
+    {
+        const btVector3 &a = piece.vertices[piece.indices[i]], &b = piece.vertices[piece.indices[i + 1]],
+                        &c = piece.vertices[piece.indices[i + 2]];
+        btVector3 normal = (b - a).cross(c - a);
+        double longest = double(std::max({a.distance(b), b.distance(c), c.distance(a)}));
+        *height = std::min(*height, double(normal.length()) / longest);
+        for (size_t k = 0; k < 3; k++)
+            normals[{piece.indices[i + k], piece.indices[i + (k + 1) % 3]}] = normal.normalized();
+    }
+    for (const auto& edge : normals)
+    {
+        auto other = normals.find({edge.first.second, edge.first.first});
+        if (other != normals.end())
+            *cosine = std::min(*cosine, double(edge.second.dot(other->second)));
+    }
+}
+
 void CheckPieces(const qcFractureDef& def, const qcFracture& fracture, double volume, const char* what)
 {
     ck_assert_msg(fracture.status == qc_statusOk, "%s: %s", what, fracture.message.c_str());
@@ -212,6 +236,62 @@ START_TEST(cuts_through_vertices_and_along_faces_are_closed)
     qcFracture one = qcFracture_Split(box);
     CheckPieces(box, one, 8, "one site");
     ck_assert_uint_eq(one.pieces[0].firstCutTriangle, 12);
+}
+END_TEST
+
+START_TEST(cuts_through_flat_sides_leave_no_flat_or_folded_triangle)
+{
+    // Each side is of two triangles: where a cut crosses their diagonal, the outline of the new face goes straight on.
+    qcFractureDef torus = MakeTorus(32, 16, 1, 0.4), box = MakeBox(1, 0.5, 2);
+    btMatrix3x3 turn(btQuaternion(btVector3(1, 2, 3).normalized(), btScalar(1.1)));
+    for (btVector3& vertex : box.vertices)
+        vertex = turn * vertex;
+    for (qcFractureDef* def : {&torus, &box})
+    {
+        Scatter(def, 40, 3);
+        for (const qcPiece& piece : qcFracture_Split(*def).pieces)
+        {
+            double height, cosine;
+            MeasureTriangles(piece, &height, &cosine);
+            ck_assert_msg(height > 1e-5, "a height of %g", height);
+            ck_assert_msg(cosine > -0.9999, "a cosine of %g", cosine);
+        }
+    }
+}
+END_TEST
+
+START_TEST(triangles_back_to_back_are_dropped)
+{
+    qcFractureDef box = MakeBox(1, 1, 1);
+    box.vertices.push_back(btVector3(2, 2, 2));
+    for (uint32_t index : {1, 7, 8, 7, 1, 8})
+        box.indices.push_back(index);
+    Scatter(&box, 30, 2);
+    qcFracture fracture = qcFracture_Split(box);
+    CheckPieces(box, fracture, 8, "a box with a fin");
+    for (const qcPiece& piece : fracture.pieces)
+        for (const btVector3& vertex : piece.vertices)
+            ck_assert_double_le(double((vertex + piece.center).absolute()[0]), 1 + s_rounding);
+}
+END_TEST
+
+START_TEST(hollows_make_holes_in_cuts)
+{
+    qcFractureDef def = MakeBox(1, 1, 1);
+    for (int i = 0; i < 27; i++)
+    {
+        qcFractureDef hollow = MakeBox(0.1, 0.1, 0.1, true);
+        btVector3 place(btScalar(0.5 * (i % 3 - 1)), btScalar(0.5 * (i / 3 % 3 - 1)), btScalar(0.5 * (i / 9 - 1)));
+        for (uint32_t index : hollow.indices)
+            def.indices.push_back(index + uint32_t(def.vertices.size()));
+        for (const btVector3& vertex : hollow.vertices)
+            def.vertices.push_back(vertex + place);
+    }
+    for (uint32_t count : {3, 20, 150})
+    {
+        Scatter(&def, count, count);
+        CheckPieces(def, qcFracture_Split(def), 8 - 27 * 0.008, "hollows");
+    }
 }
 END_TEST
 
@@ -308,5 +388,6 @@ END_TEST
 
 QC_RUN_TESTS("fracture", pieces_are_closed_lie_in_their_cells_and_fill_the_mesh,
              a_cell_that_holds_two_parts_makes_two_pieces, cuts_through_vertices_and_along_faces_are_closed,
-             the_same_input_gives_the_same_pieces_and_sites_gather_around_an_impact,
+             cuts_through_flat_sides_leave_no_flat_or_folded_triangle, triangles_back_to_back_are_dropped,
+             hollows_make_holes_in_cuts, the_same_input_gives_the_same_pieces_and_sites_gather_around_an_impact,
              momentum_and_angular_momentum_are_kept, what_can_not_be_broken_is_refused_with_its_place)

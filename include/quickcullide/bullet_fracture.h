@@ -51,7 +51,8 @@ struct qcFracture
 
 /// Splits a mesh. qc_statusBadInput, and no pieces: an index is out of range, a position not finite, two sites are at
 /// the same place, there is no site, the mesh is not closed (each edge has to be passed as often one way as the other)
-/// or is inside out. The same input gives the same pieces. About O(triangles * log(cells)).
+/// or is inside out. Triangles back to back, with nothing between them, are dropped. The same input gives the same
+/// pieces. About O(triangles * log(cells)).
 QC_API qcFracture qcFracture_Split(const qcFractureDef& def);
 
 /// Sites within a box, the same for the same seed; around a point, if one is given, the denser the nearer to it.
