@@ -35,29 +35,37 @@ bool IsClosed(const btVector3* vertices, uint32_t vertexCount, const uint32_t* i
 {
     struct Edge
     {
-        uint32_t low, high;
+        uint32_t high;
         int way;
     };
     std::vector<uint32_t> welded = Weld(vertices, vertexCount);
-    std::vector<Edge> edges;
-    edges.reserve(3 * size_t(triangleCount));
-    for (size_t t = 0; t < triangleCount; t++)
-        for (size_t c = 0; c < 3; c++)
-        {
-            uint32_t from = welded[indices[3 * t + c]], to = welded[indices[3 * t + (c + 1) % 3]];
-            if (from != to)
-                edges.push_back({std::min(from, to), std::max(from, to), from < to ? 1 : -1});
-        }
-    std::sort(edges.begin(), edges.end(),
-              [](const Edge& a, const Edge& b) { return a.low != b.low ? a.low < b.low : a.high < b.high; });
-    for (size_t i = 0; i < edges.size();)
+    std::vector<Edge> edges(3 * size_t(triangleCount));
+    std::vector<size_t> ends(size_t(vertexCount) + 1, 0); // of those of each lower vertex
+    auto forEach = [&](auto function)
     {
-        int sum = 0;
-        size_t first = i;
-        for (; i < edges.size() && edges[i].low == edges[first].low && edges[i].high == edges[first].high; i++)
-            sum += edges[i].way;
-        if (sum != 0)
-            return false;
+        for (size_t t = 0; t < triangleCount; t++)
+            for (size_t c = 0; c < 3; c++)
+            {
+                uint32_t from = welded[indices[3 * t + c]], to = welded[indices[3 * t + (c + 1) % 3]];
+                if (from != to)
+                    function(std::min(from, to), Edge{std::max(from, to), from < to ? 1 : -1});
+            }
+    };
+    forEach([&](uint32_t low, const Edge&) { ends[low + 1]++; });
+    std::partial_sum(ends.begin(), ends.end(), ends.begin());
+    forEach([&](uint32_t low, const Edge& edge) { edges[ends[low]++] = edge; });
+    for (size_t low = 0, i = 0; low < vertexCount; low++)
+    {
+        std::sort(edges.begin() + std::ptrdiff_t(i), edges.begin() + std::ptrdiff_t(ends[low]),
+                  [](const Edge& x, const Edge& y) { return x.high < y.high; });
+        while (i < ends[low])
+        {
+            int sum = 0;
+            for (uint32_t high = edges[i].high; i < ends[low] && edges[i].high == high; i++)
+                sum += edges[i].way;
+            if (sum != 0)
+                return false;
+        }
     }
     return true;
 }
@@ -178,27 +186,41 @@ btMatrix3x3 ToMatrix(const double m[3][3])
 qcMoments qcMeasureMesh(const btVector3* vertices, uint32_t vertexCount, const uint32_t* indices,
                         uint32_t triangleCount)
 {
-    qcMoments solid = {}, shell = {};
+    qcMoments moments = {};
     if (triangleCount == 0)
-        return shell;
+        return moments;
     // Seen from a vertex, so that a mesh far from its origin loses nothing.
     Point origin;
     for (size_t axis = 0; axis < 3; axis++)
         origin[axis] = double(vertices[indices[0]][int(axis)]);
-    for (size_t t = 0; t < triangleCount; t++)
+    auto forEach = [&](auto function)
     {
-        Point p[3];
-        for (size_t c = 0; c < 3; c++)
-            for (size_t axis = 0; axis < 3; axis++)
-                p[c][axis] = double(vertices[indices[3 * t + c]][int(axis)]) - origin[axis];
-        AddSimplex(p, Determinant(p) / 6, 4, &solid);
-        AddSimplex(p, Area(p), 3, &shell);
+        for (size_t t = 0; t < triangleCount; t++)
+        {
+            Point p[3];
+            for (size_t c = 0; c < 3; c++)
+                for (size_t axis = 0; axis < 3; axis++)
+                    p[c][axis] = double(vertices[indices[3 * t + c]][int(axis)]) - origin[axis];
+            function(p);
+        }
+    };
+    double area = 0;
+    forEach(
+        [&](const Point p[3])
+        {
+            AddSimplex(p, Determinant(p) / 6, 4, &moments);
+            area += Area(p);
+        });
+    double ball = std::pow(area, 1.5) / (6 * std::sqrt(s_pi));
+    bool closed =
+        IsClosed(vertices, vertexCount, indices, triangleCount) && std::fabs(moments.mass) > s_leastFill * ball;
+    if (!closed)
+    {
+        moments = {};
+        forEach([&](const Point p[3]) { AddSimplex(p, Area(p), 3, &moments); });
     }
-    double ball = std::pow(shell.mass, 1.5) / (6 * std::sqrt(s_pi));
-    bool closed = IsClosed(vertices, vertexCount, indices, triangleCount) && std::fabs(solid.mass) > s_leastFill * ball;
-    qcMoments moments = closed ? solid : shell;
     moments.closed = closed;
-    moments.area = shell.mass;
+    moments.area = area;
     Shift(origin, &moments);
     return moments;
 }
