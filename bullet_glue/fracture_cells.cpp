@@ -132,7 +132,7 @@ void CutAround(const Box& box, uint32_t firstFace, qcClipSolid* solid, qcClipScr
         plane.normal[axis] = sign;
         auto isOutside = [&](const qcClipPoint& p) { return sign * p[axis] > plane.distance; };
         size_t outside = size_t(std::count_if(solid->points.begin(), solid->points.end(), isOutside));
-        if (4 * outside > solid->points.size()) // of 2 to 16 the best, by a tenth (qc-fracture)
+        if (4 * outside > solid->points.size()) // 2, 8 and 16 take as many instructions, within 1% (bunny)
             qcClipSolid_Cut(solid, plane, scratch);
     }
 }
