@@ -70,6 +70,12 @@ static bool IsFartherThan(Gap g, double distance)
     return g.gap > 0.0 && g.length2 >= 0x1p-200 && g.gap * g.gap > least * least * g.length2;
 }
 
+/// Do they surely overlap along the direction, by more than rounding?
+static bool IsOverlap(Gap g)
+{
+    return g.gap < 0.0 && g.length2 >= 0x1p-200 && g.gap * g.gap > s_slack * s_slack * g.length2;
+}
+
 /// Are two points, whose difference this is, surely no further apart?
 static bool IsNoFartherThan(double distance, qcVector difference)
 {
@@ -303,17 +309,25 @@ qcRelation qcExact_Within(const double a[3][3], const double b[3][3], double mar
     qcPairFrame frame;
     qcPairFrame_Set(&frame, a, b);
     double local = qcPairFrame_Length(&frame, margin);
-    const qcVector directions[3] = {BetweenMiddles(&frame), Normal(frame.a), Normal(frame.b)};
-    bool apart = false;
+    // What lies flat on the other is parted by its face: faces first.
+    const qcVector directions[3] = {Normal(frame.a), Normal(frame.b), BetweenMiddles(&frame)};
+    bool apart = false, within = AreCornersWithin(&frame, local), across = true;
     for (int i = 0; i < 3; i++)
     {
         Gap gap = GapAlong(directions[i], frame.a, 3, frame.b, 3);
-        if (IsFartherThan(gap, local))
-            return qc_relationDisjoint;
         apart = apart || IsFartherThan(gap, 0.0);
+        if (apart && within)
+            return qc_relationNear;
+        if (apart && IsFartherThan(gap, local))
+            return qc_relationDisjoint;
+        across = across && IsOverlap(gap);
     }
-    if (apart && AreCornersWithin(&frame, local))
-        return qc_relationNear;
+    // Each reaches through the other's plane: that costs the relation no exact arithmetic, and it says all.
+    if (within && across)
+    {
+        qcRelation relation = qcExact_Relate(a, b, undecided);
+        return relation != qc_relationDisjoint ? relation : qc_relationNear;
+    }
     qcClosestPoints closest;
     qcClosest_OfTriangles(frame.a, frame.b, &closest);
     Gap gap = GapAlong(closest.difference, frame.a, 3, frame.b, 3);
