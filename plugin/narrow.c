@@ -18,6 +18,9 @@ enum
     // 1024 pairs take about 0.3 ms.
     qc_leastBlocks = 8,
     qc_leastSegments = 1024,
+    // Pairs that are named at once take 10 microseconds.
+    qc_namedPairs = 2048,
+    qc_leastNamings = 8,
     // 256 pairs take about 0.2 ms.
     qc_leastProximities = 256
 };
@@ -42,21 +45,40 @@ static Side SideOf(const qcTriangles* t, uint32_t rank)
     return (Side){body, rank - qcTriangles_First(t, body)};
 }
 
-/// The corners of both triangles of a pair; returns the margin of their bodies.
-static double CornersOfPair(const Job* job, uint64_t key, double p[3][3], double q[3][3])
+/// A triangle's corners. Neighbours in a list of pairs mostly have one in common.
+typedef struct Corners
 {
-    Side a = SideOf(job->triangles, (uint32_t)(key >> 32)), b = SideOf(job->triangles, (uint32_t)key);
-    const qcBody *bodyA = qcTriangles_Body(job->triangles, a.body), *bodyB = qcTriangles_Body(job->triangles, b.body);
-    qcBody_GetTriangle(bodyA, a.triangle, p);
-    qcBody_GetTriangle(bodyB, b.triangle, q);
-    return qcBody_PairMargin(bodyA, bodyB, job->def->margin);
+    bool known;
+    uint32_t rank;
+    const qcBody* body;
+    double corner[3][3];
+} Corners;
+
+static void TakeCorners(const Job* job, uint32_t rank, Corners* corners)
+{
+    if (corners->known && corners->rank == rank)
+        return;
+    Side side = SideOf(job->triangles, rank);
+    corners->known = true;
+    corners->rank = rank;
+    corners->body = qcTriangles_Body(job->triangles, side.body);
+    qcBody_GetTriangle(corners->body, side.triangle, corners->corner);
 }
 
-static void Relate(const Job* job, qcNarrowSink* sink, uint64_t key)
+static void TakeCornersOfPair(const Job* job, uint64_t key, Corners corners[2])
 {
-    double p[3][3], q[3][3], margin = CornersOfPair(job, key, p, q);
+    TakeCorners(job, (uint32_t)(key >> 32), &corners[0]);
+    TakeCorners(job, (uint32_t)key, &corners[1]);
+}
+
+static void Relate(const Job* job, qcNarrowSink* sink, uint64_t key, Corners corners[2])
+{
+    TakeCornersOfPair(job, key, corners);
+    const double(*p)[3] = (const double(*)[3])corners[0].corner;
+    const double(*q)[3] = (const double(*)[3])corners[1].corner;
+    double margin = qcBody_PairMargin(corners[0].body, corners[1].body, job->def->margin);
     uint64_t undecided = 0;
-    qcRelation relation = qcExact_Within((const double(*)[3])p, (const double(*)[3])q, margin, &undecided);
+    qcRelation relation = qcExact_Within(p, q, margin, &undecided);
     sink->tests++;
     sink->fallbacks += undecided != 0;
     bool touching = job->def->touching || job->def->margin > 0.0;
@@ -100,8 +122,9 @@ static void TakeBlock(void* context, size_t block, uint32_t worker)
     const qcArray* keys = neighbours ? job->neighbourKeys : job->keys;
     size_t first = (neighbours ? block - job->keyBlocks : block) * qc_blockSize;
     size_t end = first + qc_blockSize < keys->count ? first + qc_blockSize : keys->count;
+    Corners corners[2] = {{.known = false}, {.known = false}};
     for (size_t i = first; i < end && !neighbours && sink->status == qc_statusOk; i++)
-        Relate(job, sink, QC_AT(uint64_t, *keys, i));
+        Relate(job, sink, QC_AT(uint64_t, *keys, i), corners);
     if (job->def->contactMargin == 0.0)
         return;
     double start = qcClock_Now();
@@ -128,7 +151,8 @@ static qcStatus EmptySinks(qcNarrow* narrow, uint32_t threads)
     return qc_statusOk;
 }
 
-static qcStatus CollectPairs(qcNarrow* narrow, const qcTriangles* t, const qcArray* sure)
+/// Sorted, into narrow->order.
+static qcStatus CollectPairs(qcNarrow* narrow, const qcArray* sure)
 {
     size_t total = sure->count, at = 0;
     for (size_t i = 0; i < narrow->sinks.count; i++)
@@ -144,18 +168,26 @@ static qcStatus CollectPairs(qcNarrow* narrow, const qcTriangles* t, const qcArr
     }
     if (sure->count != 0)
         memcpy(&QC_AT(qcSortItem, narrow->order, at), sure->data, sure->count * sizeof(qcSortItem));
-    QC_TRY(qcSort_Items(narrow->order.data, total, &narrow->scratch));
-    for (size_t i = 0; i < total; i++)
+    return qcSort_Items(narrow->order.data, total, &narrow->scratch);
+}
+
+static void NameBlock(void* context, size_t block, uint32_t worker)
+{
+    (void)worker;
+    const Job* job = context;
+    const qcTriangles* t = job->triangles;
+    const qcArray* order = &job->narrow->order;
+    size_t end = (block + 1) * qc_namedPairs < order->count ? (block + 1) * qc_namedPairs : order->count;
+    for (size_t i = block * qc_namedPairs; i < end; i++)
     {
-        qcSortItem item = QC_AT(qcSortItem, narrow->order, i);
+        qcSortItem item = QC_AT(qcSortItem, *order, i);
         Side a = SideOf(t, (uint32_t)(item.key >> 32)), b = SideOf(t, (uint32_t)item.key);
-        QC_AT(qcPair, narrow->pairs, i) = (qcPair){.bodyA = qcTriangles_Slot(t, a.body),
-                                                   .triangleA = a.triangle,
-                                                   .bodyB = qcTriangles_Slot(t, b.body),
-                                                   .triangleB = b.triangle,
-                                                   .relation = (qcRelation)item.value};
+        QC_AT(qcPair, job->narrow->pairs, i) = (qcPair){.bodyA = qcTriangles_Slot(t, a.body),
+                                                        .triangleA = a.triangle,
+                                                        .bodyB = qcTriangles_Slot(t, b.body),
+                                                        .triangleB = b.triangle,
+                                                        .relation = (qcRelation)item.value};
     }
-    return qc_statusOk;
 }
 
 static void ComputeSegment(void* context, size_t i, uint32_t worker)
@@ -167,9 +199,9 @@ static void ComputeSegment(void* context, size_t i, uint32_t worker)
     qcSortItem item = QC_AT(qcSortItem, job->narrow->order, i);
     if (item.value != qc_relationPenetrating)
         return;
-    double p[3][3], q[3][3];
-    (void)CornersOfPair(job, item.key, p, q);
-    qcExact_Segment((const double(*)[3])p, (const double(*)[3])q, segment);
+    Corners corners[2] = {{.known = false}, {.known = false}};
+    TakeCornersOfPair(job, item.key, corners);
+    qcExact_Segment((const double(*)[3])corners[0].corner, (const double(*)[3])corners[1].corner, segment);
 }
 
 static void ComputeProximity(void* context, size_t i, uint32_t worker)
@@ -177,9 +209,9 @@ static void ComputeProximity(void* context, size_t i, uint32_t worker)
     (void)worker;
     const Job* job = context;
     qcSortItem item = QC_AT(qcSortItem, job->narrow->order, i);
-    double p[3][3], q[3][3];
-    (void)CornersOfPair(job, item.key, p, q);
-    qcProximity_Of((const double(*)[3])p, (const double(*)[3])q, (qcRelation)item.value,
+    Corners corners[2] = {{.known = false}, {.known = false}};
+    TakeCornersOfPair(job, item.key, corners);
+    qcProximity_Of((const double(*)[3])corners[0].corner, (const double(*)[3])corners[1].corner, (qcRelation)item.value,
                    &QC_AT(qcProximity, job->narrow->proximities, i), &QC_AT(qcFeet, job->narrow->feet, i));
 }
 
@@ -235,7 +267,9 @@ qcStatus qcNarrow_Run(qcNarrow* narrow, const qcTriangles* triangles, const qcCa
         profile->exactFallbacks += sink->fallbacks;
         contactMs += sink->contactMs / threads;
     }
-    QC_TRY(CollectPairs(narrow, triangles, &candidates->sure));
+    QC_TRY(CollectPairs(narrow, &candidates->sure));
+    qcParallel_For(threads, (narrow->pairs.count + qc_namedPairs - 1) / qc_namedPairs, qc_leastNamings, NameBlock,
+                   &job);
     profile->candidates += candidates->sure.count;
     profile->filterHits = candidates->sure.count;
     profile->pairs = narrow->pairs.count;

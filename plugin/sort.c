@@ -1,4 +1,4 @@
-// Least significant digit first, 11 bits a pass or, for few, 8; passes in which all keys agree are left out.
+// Least significant digit first, 11 bits a pass or, for few, 8; each digit begins at a bit in which keys differ.
 #include "sort.h"
 
 #include "status.h"
@@ -59,11 +59,11 @@ qcStatus qcSort_Items(qcSortItem* items, size_t count, qcArray* scratch)
         differ |= items[i].key ^ items[0].key;
     qcSortItem *from = items, *to = scratch->data;
     int bits = count <= qc_fewItems ? qc_shortDigitBits : qc_digitBits;
-    for (int shift = 0; shift < 64; shift += bits)
+    uint64_t mask = ((uint64_t)1 << bits) - 1;
+    while (differ != 0)
     {
-        uint64_t mask = ((uint64_t)1 << bits) - 1;
-        if ((differ >> shift & mask) == 0)
-            continue;
+        int shift = __builtin_ctzll(differ);
+        differ &= ~(mask << shift);
         SortByDigit(from, to, count, shift, mask);
         qcSortItem* swap = from;
         from = to;
