@@ -4,7 +4,7 @@
 // Where two bodies have so many pairs that a thread would be at them when all others are done, all threads share them.
 #include "manifold.h"
 
-#include "manifold_parts.h"
+#include "manifold_sight.h"
 #include "parallel.h"
 #include "sort.h"
 #include "status.h"
@@ -142,11 +142,13 @@ static qcStatus BuildAll(Job* job, uint32_t threads)
 
 static qcStatus EmptyMakers(qcAllManifolds* all, uint32_t threads)
 {
+    const qcSightKernels* sight = qcSightKernels_Get();
     QC_TRY(qcArray_GrowZeroed(&all->makers, threads, sizeof(qcManifolds), "manifolds"));
     for (size_t i = 0; i < all->makers.count; i++)
     {
         qcManifolds* m = &QC_AT(qcManifolds, all->makers, i);
         m->manifolds.count = m->points.count = 0;
+        m->sight = sight;
         m->status = qc_statusOk;
     }
     return qc_statusOk;

@@ -51,11 +51,11 @@ bool qcNeighbourhood_FindCost(const qcNeighbourhood* n, double limit, qcTrial* t
     return trial->along < limit || trial->against < limit;
 }
 
-void qcLook_Along(const qcManifoldPair* pair, qcVector normal, qcLook* look)
+void qcLook_Along(const qcManifolds* m, const qcManifoldPair* pair, qcVector normal, qcLook* look)
 {
     if (look->count >= 0)
         return;
-    look->count = qcManifoldPair_FindCommonPart(pair, normal, look->corners);
+    look->count = qcManifolds_FindCommonPart(m, pair, normal, look->corners);
     look->low = INFINITY;
     look->high = -INFINITY;
     for (int i = 0; i < look->count; i++)

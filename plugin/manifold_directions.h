@@ -84,7 +84,7 @@ static inline double qcNeighbourhood_Limit(const qcNeighbourhood* n, double best
 }
 
 /// Once.
-void qcLook_Along(const qcManifoldPair* pair, qcVector normal, qcLook* look);
+void qcLook_Along(const qcManifolds* manifolds, const qcManifoldPair* pair, qcVector normal, qcLook* look);
 /// Keeps the corners of a look that can become points, in the worker's list, which has room for them. If the normal may
 /// be turned around still, all of them. `opposite`: the look was along the opposite of the normal.
 void qcManifolds_KeepCorners(qcManifolds* manifolds, uint32_t pair, uint32_t worker, const qcLook* look,

@@ -114,7 +114,7 @@ static qcStatus Send(qcManifolds* m, uint32_t index, qcVector normal, double mar
     pair->normal = normal;
     pair->own = pair->turned = pair->apart = false;
     qcLook look = {.count = -1};
-    qcLook_Along(pair, normal, &look);
+    qcLook_Along(m, pair, normal, &look);
     qcManifolds_KeepCorners(m, index, 0, &look, normal, false, margin);
     return qc_statusOk;
 }

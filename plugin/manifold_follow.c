@@ -209,7 +209,7 @@ static void LookBlock(void* context, size_t block, uint32_t worker)
         if (!job->now[p].moved)
             continue;
         qcLook look = {.count = -1};
-        qcLook_Along(qcManifolds_Pair(m, p), job->now[p].normal, &look);
+        qcLook_Along(m, qcManifolds_Pair(m, p), job->now[p].normal, &look);
         qcManifolds_KeepCorners(m, p, worker, &look, job->now[p].normal, false, job->margin);
     }
 }

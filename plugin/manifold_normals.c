@@ -46,7 +46,7 @@ static bool Agrees(const qcNeighbourhood* n, const qcTrial* trial, bool opposite
 {
     if (!n->pair->apart || (opposite ? trial->ways.against : trial->ways.along) <= 0.0)
         return true;
-    qcLook_Along(n->pair, trial->normal, trial->look);
+    qcLook_Along(n->manifolds, n->pair, trial->normal, trial->look);
     double rounding = qcManifoldPair_Rounding(n->pair);
     return opposite ? trial->look->high <= rounding : trial->look->low >= -rounding;
 }
@@ -205,7 +205,7 @@ static void ChooseBlock(void* context, size_t block, uint32_t worker)
         uint32_t p = qcManifolds_FreePair(m, i);
         const qcManifoldPair* pair = qcManifolds_Pair(m, p);
         Choose(job, p, &best);
-        qcLook_Along(pair, best.opposite ? qcNegated(best.normal) : best.normal, best.look);
+        qcLook_Along(m, pair, best.opposite ? qcNegated(best.normal) : best.normal, best.look);
         job->choices[p] = (qcNormalChoice){
             .normal = best.normal, .cost = best.cost, .apart = pair->apart && (best.own || best.look->count != 0)};
         qcManifolds_KeepCorners(m, p, worker, best.look, best.normal, best.opposite, job->input->margin);

@@ -182,6 +182,9 @@ static void FinishTriangles(qcManifolds* m)
         {
             triangle->vertex[c] = QC_AT(uint32_t, m->nodes, triangle->vertex[c]);
             triangle->corner[c] = QC_AT(qcManifoldVertex, m->vertices, triangle->vertex[c]).position;
+            triangle->around[0][c] = triangle->around[0][c + 3] = triangle->corner[c].x;
+            triangle->around[1][c] = triangle->around[1][c + 3] = triangle->corner[c].y;
+            triangle->around[2][c] = triangle->around[2][c + 3] = triangle->corner[c].z;
         }
         triangle->longestEdge = LongestEdge(triangle->corner);
         FindNormal(triangle);

@@ -45,7 +45,8 @@ typedef struct qcHeights
 typedef struct qcManifoldTriangle
 {
     qcVector corner[3];
-    qcVector normal; ///< unit; of no length if the triangle is a line or a point
+    double around[3][6]; ///< the same by axis, twice around: three from anywhere, for lanes
+    qcVector normal;     ///< unit; of no length if the triangle is a line or a point
     double longestEdge, doubleArea;
     const qcBody* body;
     uint32_t slot, index;          ///< of the body; in the body
@@ -174,34 +175,6 @@ static inline double qcManifoldPair_Limit(const qcManifoldPair* pair, double mar
     return margin * (1.0 + QC_MANIFOLD_ROUNDING) + QC_MANIFOLD_ROUNDING * (a > b ? a : b);
 }
 
-/// A triangle seen along a direction: what is the same whatever the other one is, filled as far as somebody asked.
-typedef struct qcTriangleView
-{
-    const qcManifoldTriangle* triangle;
-    uint32_t region; ///< whose normal the direction is, for whoever keeps views
-    bool hasFace;
-    int edges;          ///< that are known
-    qcVector edge[3];   ///< edge e: from corner e to the next
-    qcVector across[3]; ///< an edge x the direction
-    double inner[3];    ///< across edge e, from it: the corner that it lacks
-    qcVector face;      ///< its normal, not of unit length
-    double facing;      ///< that along the direction
-} qcTriangleView;
-
-static inline void qcTriangleView_Begin(qcTriangleView* view, const qcManifoldTriangle* triangle)
-{
-    view->triangle = triangle;
-    view->hasFace = false;
-    view->edges = 0;
-}
-
-/// Corners of what the two triangles have in common seen along a direction, with their gaps; none where they lie beside
-/// each other. Returns their number. Along the opposite direction the gaps are opposite, and all else is the same.
-int qcManifoldPair_FindCommonPart(const qcManifoldPair* pair, qcVector normal, qcRawPoint corners[qc_maxCommonCorners]);
-/// The same with views along this direction of the two sides, for whoever keeps them.
-int qcManifoldPair_FindCommonPartSeen(const qcManifoldPair* pair, qcVector normal, qcTriangleView* views[2],
-                                      qcRawPoint corners[qc_maxCommonCorners]);
-
 /// Do the corners of what a pair's triangles have in common span an area?
 bool qcManifoldPair_CoversArea(const qcManifoldPair* pair, const qcRawPoint* corners, int count);
 
@@ -227,6 +200,9 @@ typedef struct qcPairRegion
 } qcPairRegion;
 
 //  ---- of two bodies ---------------------------------------------------------------------------------------
+
+/// See manifold_sight.h.
+typedef struct qcSightKernels qcSightKernels;
 
 /// The manifolds of two bodies, or of one with itself, and what is needed on the way: a thread's.
 typedef struct qcManifolds
@@ -259,6 +235,7 @@ typedef struct qcManifolds
     //  results of all builds of this step, one after the other; first points count from 0 in each
     qcArray manifolds, points; ///< of qcManifold, of qcManifoldPoint
     qcStatus status;
+    const qcSightKernels* sight;
 } qcManifolds;
 
 /// Where two bodies meet, or one meets itself.
@@ -384,6 +361,10 @@ static inline qcRawPoint* qcManifolds_Corners(const qcManifolds* manifolds, uint
     const qcPairCorners* corners = &QC_AT(qcPairCorners, manifolds->corners, pair);
     return &QC_AT(qcRawPoint, QC_AT(qcManifoldWorker, manifolds->workers, corners->worker).points, corners->first);
 }
+
+/// Corners of what the two triangles of a pair have in common seen along a direction: see qcSightKernels.
+int qcManifolds_FindCommonPart(const qcManifolds* manifolds, const qcManifoldPair* pair, qcVector normal,
+                               qcRawPoint corners[qc_maxCommonCorners]);
 
 //  ---- who lies beside whom --------------------------------------------------------------------------------
 

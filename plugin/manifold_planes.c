@@ -35,10 +35,10 @@ typedef struct Plane
 } Plane;
 
 /// Do the triangles lie on each other, or a little above or below?
-static bool LieFlat(const qcManifoldPair* pair)
+static bool LieFlat(const qcManifolds* m, const qcManifoldPair* pair)
 {
     qcRawPoint corners[qc_maxCommonCorners];
-    int count = qcManifoldPair_FindCommonPart(pair, pair->side[1]->normal, corners);
+    int count = qcManifolds_FindCommonPart(m, pair, pair->side[1]->normal, corners);
     double nearest = INFINITY;
     for (int i = 0; i < count; i++)
         nearest = fmin(nearest, fabs(corners[i].distance));
@@ -56,7 +56,7 @@ static void FindFlatPairs(qcManifolds* m)
         if (!(fabs(qcDot(pair->side[0]->normal, pair->side[1]->normal)) >= QC_MANIFOLD_FLAT))
             continue;
         double area = fmin(pair->side[0]->doubleArea, pair->side[1]->doubleArea);
-        if (!(area > plane->area) || !LieFlat(pair))
+        if (!(area > plane->area) || !LieFlat(m, pair))
             continue;
         plane->area = area;
         plane->flat = p;
@@ -112,10 +112,10 @@ static double FindOverlap(const qcManifolds* m, const qcPairRegion* region, cons
 }
 
 /// Has the pair a contact point along a normal?
-static bool HasPoint(const qcManifoldPair* pair, qcVector normal, double margin)
+static bool HasPoint(const qcManifolds* m, const qcManifoldPair* pair, qcVector normal, double margin)
 {
     qcRawPoint corners[qc_maxCommonCorners];
-    int count = qcManifoldPair_FindCommonPart(pair, normal, corners);
+    int count = qcManifolds_FindCommonPart(m, pair, normal, corners);
     bool found = false;
     for (int i = 0; i < count; i++)
         found = found || corners[i].distance <= qcManifoldPair_Limit(pair, margin);
@@ -137,7 +137,7 @@ static bool FindNormal(const qcManifolds* m, uint32_t r, double margin, qcVector
     const qcManifoldPair* flat = qcManifolds_Pair(m, plane->flat);
     qcVector n = flat->side[face]->normal;
     *normal = against[face] ? qcNegated(n) : n;
-    return overlap[face] < INFINITY && HasPoint(flat, *normal, margin);
+    return overlap[face] < INFINITY && HasPoint(m, flat, *normal, margin);
 }
 
 qcStatus qcManifolds_FindPlanes(qcManifolds* m, double margin)

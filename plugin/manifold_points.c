@@ -9,7 +9,7 @@
 // surpassed it, which comes nearer. If these have no point either, what it said itself is the point. So every pair is
 // heard: by a point of its own, or of a pair beside it, or of one that says the same; or something comes nearer. Where
 // one plane parts a whole region its points are enough: there the pairs themselves were never asked.
-#include "manifold_parts.h"
+#include "manifold_sight.h"
 #include "parallel.h"
 #include "status.h"
 
@@ -108,7 +108,7 @@ static void FindCorners(qcManifolds* m, uint32_t index, uint32_t worker, double 
     {
         qcTriangleView* kept = QC_AT(qcManifoldWorker, m->workers, worker).views.data;
         qcTriangleView* views[2] = {ViewOf(kept, pair, 0), ViewOf(kept, pair, 1)};
-        count = qcManifoldPair_FindCommonPartSeen(pair, pair->normal, views, found);
+        count = m->sight->findCommonPart(pair, pair->normal, views, found);
     }
     for (int i = 0; i < count; i++)
         found[i].pair = index;
