@@ -60,6 +60,8 @@ static Basis BasisOf(qcVector normal)
 
 static double Wrapped(double angle)
 {
+    if (fabs(angle) < 3.0)
+        return angle;
     return angle - 2.0 * s_pi * qcFloor(angle / (2.0 * s_pi) + 0.5);
 }
 
@@ -99,11 +101,11 @@ static bool ConeOf(const qcManifolds* m, const Basis* basis, uint32_t raw, Cone*
 /// Does a line through the point lead from the one cone to the other?
 static bool LeadThrough(const Cone* a, const Cone* b)
 {
-    if (!(fabs(Wrapped(a->middle - b->middle - s_pi)) <= a->half + b->half + s_straight))
-        return false;
     for (int side = 0; side < 2; side++)
         if (!(fabs(qcDot(a->face[side], b->face[side])) >= s_onePlane))
             return false;
+    if (!(fabs(Wrapped(a->middle - b->middle - s_pi)) <= a->half + b->half + s_straight))
+        return false;
     // Two rays may belong to different edges of one face that is seen edge-on.
     return a->half > s_straight || b->half > s_straight || fabs(a->slope + b->slope) <= s_straight;
 }

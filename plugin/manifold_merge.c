@@ -21,6 +21,7 @@ static const double s_step = 0x1p-20;
 typedef struct Link
 {
     uint32_t raw;
+    uint32_t region;
     uint32_t next; ///< one more than the next link; 0: none
 } Link;
 
@@ -64,11 +65,10 @@ static uint32_t FindInCell(const qcManifolds* m, const Search* search, uint32_t 
 {
     for (uint32_t at = head; at != 0; at = QC_AT(Link, m->links, at - 1).next)
     {
-        uint32_t raw = QC_AT(Link, m->links, at - 1).raw;
-        const qcRawPoint* other = &QC_AT(qcRawPoint, m->raw, raw);
-        if (qcManifolds_Pair(m, other->pair)->region == search->region &&
-            qcRawPoint_AreSame(search->point, other, search->tolerance))
-            return raw;
+        const Link* link = &QC_AT(Link, m->links, at - 1);
+        if (link->region == search->region &&
+            qcRawPoint_AreSame(search->point, &QC_AT(qcRawPoint, m->raw, link->raw), search->tolerance))
+            return link->raw;
     }
     return UINT32_MAX;
 }
@@ -104,7 +104,7 @@ static void Insert(qcManifolds* m, const Search* search, uint32_t raw, double sc
         qcVector p = search->point->end[end];
         uint32_t* head =
             HeadOf(m, search->region, end, qcFloor(p.x * scale), qcFloor(p.y * scale), qcFloor(p.z * scale));
-        QC_AT(Link, m->links, m->links.count++) = (Link){raw, *head};
+        QC_AT(Link, m->links, m->links.count++) = (Link){raw, search->region, *head};
         *head = (uint32_t)m->links.count;
     }
 }
@@ -127,7 +127,7 @@ qcStatus qcManifolds_MergePoints(qcManifolds* m)
     {
         uint32_t raw = (uint32_t)QC_AT(qcSortItem, m->order, i).value;
         Search search = {.point = &QC_AT(qcRawPoint, m->raw, raw)};
-        search.region = qcManifolds_Pair(m, search.point->pair)->region;
+        search.region = (uint32_t)(QC_AT(qcSortItem, m->order, i).key >> 32);
         search.tolerance = QC_AT(qcContactRegion, m->measured, search.region).tolerance;
         double scale = search.tolerance > 0.0 ? 1.0 / (s_cell * search.tolerance) : 1.0;
         uint32_t keeper = Find(m, &search, scale);

@@ -50,6 +50,7 @@ typedef struct qcManifoldTriangle
     double longestEdge, doubleArea;
     const qcBody* body;
     uint32_t slot, index;          ///< of the body; in the body
+    uint32_t name[3];              ///< vertices of the body
     uint32_t vertex[3];            ///< corners: of those at the same position the number of the first
     uint32_t firstPair, pairCount; ///< its entries in pairsOf
     uint32_t first, count;         ///< its places
@@ -98,7 +99,7 @@ typedef struct qcManifoldPair
     uint32_t source;     ///< of its proximity: the reported pair, or its own number if none was reported
     qcRelation relation; ///< as reported
     bool meets;          ///< touching or penetrating
-    bool settled;        ///< a plane parts its region and gives the normal; of what follows only `swapped` is said
+    bool settled;        ///< a plane parts its region and gives the normal; what follows is false, but for `swapped`
     bool swapped;        ///< side 0 is the report's B
     bool own;            ///< the normal is the one of the report, up to its sign
     bool turned;         ///< the normal was turned around to agree with its region

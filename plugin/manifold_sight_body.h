@@ -88,8 +88,7 @@ static void Keep(Sight* sight, const qcRawPoint* point)
 
 static uint32_t VertexOf(const Sight* sight, int side, int corner)
 {
-    const qcManifoldTriangle* triangle = sight->pair->side[side];
-    return triangle->body->indices[3 * (size_t)triangle->index + (unsigned)corner];
+    return sight->pair->side[side]->name[corner];
 }
 
 /// A bit for each corner of a side that is surely outside of the other's face, as seen along the direction. Settles
