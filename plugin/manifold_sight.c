@@ -4,7 +4,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-const qcSightKernels* qcSightKernels_Nth(size_t i)
+/// All that this machine runs: the i-th, or null.
+static const qcSightKernels* Nth(size_t i)
 {
     const qcSightKernels* known[3] = {&qcSightKernels_plain};
     size_t count = 1;
@@ -19,7 +20,7 @@ const qcSightKernels* qcSightKernels_Get(void)
 {
     const char* wished = getenv("QC_KERNELS");
     const qcSightKernels *best = NULL, *kernels;
-    for (size_t i = 0; (kernels = qcSightKernels_Nth(i)) != NULL; i++)
+    for (size_t i = 0; (kernels = Nth(i)) != NULL; i++)
     {
         best = kernels;
         if (wished != NULL && strcmp(wished, kernels->name) == 0)

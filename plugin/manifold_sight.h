@@ -48,7 +48,4 @@ extern const qcSightKernels qcSightKernels_avx2;
 /// The best that this machine runs. The environment's QC_KERNELS (plain, avx2) names another.
 const qcSightKernels* qcSightKernels_Get(void);
 
-/// All that this machine runs, for tests: the i-th, or null.
-const qcSightKernels* qcSightKernels_Nth(size_t i);
-
 #endif

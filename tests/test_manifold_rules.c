@@ -1,5 +1,7 @@
 // What every manifold holds to, whatever the soup: no pair unheard, no point invented, nothing said twice, and the same
 // said of the same shape however it is spelled.
+#define _POSIX_C_SOURCE 200809L // setenv
+
 #include "manifold_scenes.h"
 #include "suite.h"
 
@@ -435,6 +437,14 @@ START_TEST(exchanging_the_bodies_negates_the_normals)
 }
 END_TEST
 
+static void CheckSame(const qcResult* m, const qcResult* n)
+{
+    ck_assert_uint_eq(m->manifoldCount, n->manifoldCount);
+    ck_assert_uint_eq(m->manifoldPointCount, n->manifoldPointCount);
+    ck_assert_mem_eq(m->manifolds, n->manifolds, m->manifoldCount * sizeof(qcManifold));
+    ck_assert_mem_eq(m->manifoldPoints, n->manifoldPoints, m->manifoldPointCount * sizeof(qcManifoldPoint));
+}
+
 START_TEST(the_number_of_threads_means_nothing)
 {
     qcSoup soups[2];
@@ -443,13 +453,24 @@ START_TEST(the_number_of_threads_means_nothing)
     for (uint32_t threads = 2; threads <= 8; threads *= 4)
     {
         qcManifoldScene n = FindCase(_i, soups, threads);
-        ck_assert_uint_eq(m.result->manifoldCount, n.result->manifoldCount);
-        ck_assert_uint_eq(m.result->manifoldPointCount, n.result->manifoldPointCount);
-        ck_assert_mem_eq(m.result->manifolds, n.result->manifolds, m.result->manifoldCount * sizeof(qcManifold));
-        ck_assert_mem_eq(m.result->manifoldPoints, n.result->manifoldPoints,
-                         m.result->manifoldPointCount * sizeof(qcManifoldPoint));
+        CheckSame(m.result, n.result);
         qcManifoldScene_Free(&n);
     }
+    qcManifoldScene_Free(&m);
+    FreeCase(soups);
+}
+END_TEST
+
+START_TEST(the_instruction_set_means_nothing)
+{
+    qcSoup soups[2];
+    MakeCase(_i, soups);
+    qcManifoldScene m = FindCase(_i, soups, 1);
+    setenv("QC_KERNELS", "plain", 1);
+    qcManifoldScene n = FindCase(_i, soups, 1);
+    CheckSame(m.result, n.result);
+    unsetenv("QC_KERNELS");
+    qcManifoldScene_Free(&n);
     qcManifoldScene_Free(&m);
     FreeCase(soups);
 }
@@ -494,6 +515,7 @@ int main(void)
                                   vertices_at_one_position_are_one,
                                   exchanging_the_bodies_negates_the_normals,
                                   the_number_of_threads_means_nothing,
+                                  the_instruction_set_means_nothing,
                                   a_second_step_says_the_same_as_the_first};
     Suite* suite = suite_create("manifold rules");
     TCase* testCase = tcase_create("manifold rules");
