@@ -247,6 +247,9 @@ void qcMeshMeshAlgorithm::FindPoints(const btCollisionObjectWrapper& body0, cons
                                      btScalar reach, btScalar timeStep, std::vector<qcMeshPoint>* points)
 {
     qcPlacedMesh a = PlacedMesh(body0), b = PlacedMesh(body1);
+    // An object may have been given another shape meanwhile, which Bullet's pairs don't notice.
+    if (!qcIsMesh(a.shape) || !qcIsMesh(b.shape))
+        return;
     if (m_query)
         m_batch->Query(a, b, reach + MarginOf(a.shape) + MarginOf(b.shape), points);
     else
@@ -263,7 +266,9 @@ void qcMeshPlaneAlgorithm::FindPoints(const btCollisionObjectWrapper& body0, con
 {
     bool swapped = body0.getCollisionShape()->getShapeType() == STATIC_PLANE_PROXYTYPE;
     const btCollisionObjectWrapper &meshBody = swapped ? body1 : body0, &planeBody = swapped ? body0 : body1;
-    const auto* mesh = static_cast<const qcMeshShape*>(meshBody.getCollisionShape());
+    const qcMeshShape* mesh = qcAsMeshShape(meshBody.getCollisionShape());
+    if (mesh == nullptr || planeBody.getCollisionShape()->getShapeType() != STATIC_PLANE_PROXYTYPE)
+        return;
     const auto* plane = static_cast<const btStaticPlaneShape*>(planeBody.getCollisionShape());
 
     struct Collector : btTriangleCallback

@@ -442,6 +442,15 @@ void qcMeshBatch::Find(const qcPlacedMesh& a, const qcPlacedMesh& b, btScalar ti
     Query(a, b, Reach(a.shape, b.shape) + a.shape->getMargin() + b.shape->getMargin(), points);
 }
 
+void qcMeshBatch::Change(const btCollisionShape* shape)
+{
+    std::lock_guard<std::mutex> lock(m_mutex);
+    for (auto& [object, known] : m_objects)
+        for (Mesh& mesh : known.meshes)
+            if (mesh.shape == shape)
+                mesh.revision = 0; // no shape's
+}
+
 void qcMeshBatch::Query(const qcPlacedMesh& a, const qcPlacedMesh& b, btScalar reach, std::vector<qcMeshPoint>* points)
 {
     qcSceneDef def = qcDefaultSceneDef();

@@ -43,6 +43,9 @@ class qcMeshBatch
     /// The points of a pair no further apart than `reach`, from a query for it alone. Any thread.
     void Query(const qcPlacedMesh& a, const qcPlacedMesh& b, btScalar reach, std::vector<qcMeshPoint>* points);
 
+    /// The triangles of a shape are others now. Any thread.
+    void Change(const btCollisionShape* shape);
+
     /// How far beyond its shells a pair of shapes has contact points.
     btScalar Reach(const btCollisionShape* a, const btCollisionShape* b) const;
 

@@ -121,6 +121,11 @@ void qcMeshContact::takeOverGImpact()
     my.Register(GIMPACT_SHAPE_PROXYTYPE, GIMPACT_SHAPE_PROXYTYPE, &my.meshContact, &my.meshQuery);
 }
 
+void qcMeshContact::updateShape(const btCollisionShape* shape)
+{
+    m_implementation->batch.Change(shape);
+}
+
 void qcMeshContact::setThreadCount(unsigned threads)
 {
     m_implementation->batch.threads = threads;

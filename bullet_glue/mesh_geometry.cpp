@@ -50,15 +50,17 @@ uint64_t qcMeshRevision(const btCollisionShape* shape)
 {
     if (const qcMeshShape* ours = qcAsMeshShape(shape))
         return ours->getRevision();
-    // FNV-1a over the scaling's bytes.
+    // FNV-1a over the bytes of the scaling and of the box.
     uint64_t hash = 14695981039346656037u;
-    const btVector3& scaling = shape->getLocalScaling();
-    for (int axis = 0; axis < 3; axis++)
-    {
-        btScalar scale = scaling[axis];
-        for (size_t i = 0; i < sizeof scale; i++)
-            hash = (hash ^ reinterpret_cast<const unsigned char*>(&scale)[i]) * 1099511628211u;
-    }
+    btVector3 vectors[3] = {shape->getLocalScaling()};
+    shape->getAabb(btTransform::getIdentity(), vectors[1], vectors[2]);
+    for (const btVector3& vector : vectors)
+        for (int axis = 0; axis < 3; axis++)
+        {
+            btScalar value = vector[axis];
+            for (size_t i = 0; i < sizeof value; i++)
+                hash = (hash ^ reinterpret_cast<const unsigned char*>(&value)[i]) * 1099511628211u;
+        }
     return hash;
 }
 

@@ -151,6 +151,11 @@ class QC_API qcMeshContact
     /// too. Compounds of GImpact, and its contact with convex shapes and planes, stay as they are. After addTo.
     void takeOverGImpact();
 
+    /// The triangles of a shape of Bullet's (static triangle mesh, terrain, btGImpactMeshShape; not a compound of such)
+    /// are no longer where they were: to be called where Bullet wants refitTree or postUpdate. They are copied when a
+    /// pair first needs them, and are not looked at again without this call. Scaling is noticed.
+    void updateShape(const btCollisionShape* shape);
+
     /// Threads of the queries; 0: one per core.
     void setThreadCount(unsigned threads);
     /// The method of the queries; qc_methodAuto if this is never called. `cullide` and `quick` are refused, since they
