@@ -20,21 +20,28 @@ btScalar HalfMeanEdge(const btSoftBody* body)
     return count > 0 ? sum / btScalar(count) / 2 : btScalar(0);
 }
 
+/// Three a face, then three times the same for each node that no face has: a rope's, those of tetrahedra without faces,
+/// what was cut off. But nodes inside of a skin of faces meet nothing before it does.
 std::vector<uint32_t> IndicesOf(const btSoftBody* body)
 {
     std::vector<uint32_t> indices;
+    std::vector<bool> loose(size_t(body->m_nodes.size()), body->m_tetras.size() == 0 || body->m_faces.size() == 0);
     indices.reserve(3 * size_t(body->m_faces.size()));
     for (int i = 0; i < body->m_faces.size(); i++)
         for (const btSoftBody::Node* node : body->m_faces[i].m_n)
+        {
             indices.push_back(uint32_t(node - &body->m_nodes[0]));
+            loose[indices.back()] = false;
+        }
+    for (size_t i = 0; i < loose.size(); i++)
+        if (loose[i])
+            indices.insert(indices.end(), 3, uint32_t(i));
     return indices;
 }
 
-/// Are these what IndicesOf would give?
+/// Are these what IndicesOf would give? Of a body with as many faces and nodes as it had.
 bool AreIndicesOf(const std::vector<uint32_t>& indices, const btSoftBody* body)
 {
-    if (indices.size() != 3 * size_t(body->m_faces.size()))
-        return false;
     const uint32_t* index = indices.data();
     for (int i = 0; i < body->m_faces.size(); i++)
         for (const btSoftBody::Node* node : body->m_faces[i].m_n)
@@ -91,6 +98,7 @@ qcStatus qcSoftBodyScene::Add(btSoftBody* body)
     added.body = body;
     added.addition = qcAdditionOf(body);
     added.indices = IndicesOf(body);
+    added.faceCount = body->m_faces.size();
     added.halfEdge = HalfMeanEdge(body);
     qcBodyDef def = qcDefaultBodyDef();
     def.positions = body->m_nodes.size() > 0 ? &body->m_nodes[0].m_x : nullptr;
@@ -98,7 +106,7 @@ qcStatus qcSoftBodyScene::Add(btSoftBody* body)
     def.positionStride = sizeof(btSoftBody::Node);
     def.vertexCount = uint32_t(body->m_nodes.size());
     def.indices = added.indices.data();
-    def.triangleCount = uint32_t(body->m_faces.size());
+    def.triangleCount = uint32_t(added.indices.size() / 3);
     def.deforming = true;
     def.group = qcSoftGroup;
     def.mask = qcSoftGroup | qcMeshGroup;
@@ -113,7 +121,8 @@ void qcSoftBodyScene::DropGone(const btAlignedObjectArray<btSoftBody*>& bodies)
     auto isGone = [&](const qcSceneSoftBody& known)
     {
         bool same = bodies.findLinearSearch(known.body) < bodies.size() && known.addition == qcAdditionOf(known.body);
-        if (same && known.start.size() == size_t(known.NodeCount()) && AreIndicesOf(known.indices, known.body))
+        if (same && known.start.size() == size_t(known.NodeCount()) && known.faceCount == known.body->m_faces.size() &&
+            AreIndicesOf(known.indices, known.body))
             return false;
         qcScene_RemoveBody(m_scene, known.id);
         auto setting = m_settings.find(known.body);

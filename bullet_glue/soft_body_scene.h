@@ -18,6 +18,7 @@ struct qcSceneSoftBody
     int addition = 0; ///< unique id of its broadphase proxy
     qcBodyId id{};
     std::vector<uint32_t> indices; ///< as given to the scene: other faces mean a new topology
+    int faceCount = 0;             ///< how many of the scene's triangles are faces: the others are single nodes
     qcSoftBodySettings settings;
     btScalar halfEdge = 0;         ///< half the mean length of the edges when the scene got it
     btScalar thickness = 0;        ///< settings.thickness, or what stands for its zero

@@ -3,6 +3,7 @@ foreach(precision bullet bullet_double)
   if(TARGET qc_${precision})
     qc_test(test_soft_body_${precision} test_soft_body.cpp LIBRARIES quickcullide::${precision} qc_oracle)
     qc_test(test_soft_body_mesh_${precision} test_soft_body_mesh.cpp LIBRARIES quickcullide::${precision} qc_oracle)
+    qc_test(test_soft_body_nodes_${precision} test_soft_body_nodes.cpp LIBRARIES quickcullide::${precision} qc_oracle)
     qc_test(test_soft_body_callbacks_${precision} test_soft_body_callbacks.cpp
       LIBRARIES quickcullide::${precision} qc_oracle)
     qc_test(test_deformable_${precision} test_deformable.cpp LIBRARIES quickcullide::${precision} qc_oracle)

@@ -75,7 +75,8 @@ struct qcSoftBodyStatistics
 ///
 /// Meshes: a soft body meets each qcMeshShape, static, kinematic or moving, also in compounds, unless its collision
 /// flags have none of fCollision::RVSmask. Both move, by mass; the links of a multibody don't. What has passed the mesh
-/// within the step is brought back, as far as nodes of the soft body went through triangles.
+/// within the step is brought back, as far as nodes of the soft body went through triangles. Nodes that no face has (of
+/// ropes, of tetrahedra in a body without faces, or cut off) meet meshes, and faces of soft bodies, as points.
 ///
 /// Cost: one run of qcScene_Detect a step without contacts, two with, and a few more in steps in which they don't
 /// suffice. Thread-safety: as the world's.
