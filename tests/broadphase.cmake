@@ -31,3 +31,22 @@ if(TARGET qc-bench AND TARGET qc_bullet)
     PASS_REGULAR_EXPRESSION "300 boxes, 50 % moving, setAabb for all; 3 frames, [1-9][0-9]* pairs overlap"
     FAIL_REGULAR_EXPRESSION "qcBroadphase holds")
 endif()
+
+# Source that was not written for it: the header in front is all that differs.
+function(qc_test_swapped_broadphase component package)
+  if(NOT TARGET qc_${component})
+    return()
+  endif()
+  add_executable(plain_client_${component} swapped_client.cpp)
+  target_link_libraries(plain_client_${component} PRIVATE PkgConfig::${package})
+  add_executable(swapped_client_${component} swapped_client.cpp)
+  target_link_libraries(swapped_client_${component} PRIVATE quickcullide::${component})
+  target_compile_options(swapped_client_${component} PRIVATE
+    -include ${CMAKE_CURRENT_SOURCE_DIR}/swapped_broadphase.h)
+  add_test(NAME test_swapped_broadphase_${component}
+    COMMAND sh ${CMAKE_CURRENT_SOURCE_DIR}/test_swapped_broadphase.sh
+            $<TARGET_FILE:plain_client_${component}> $<TARGET_FILE:swapped_client_${component}>)
+endfunction()
+
+qc_test_swapped_broadphase(bullet BULLET)
+qc_test_swapped_broadphase(bullet_double BULLET_DOUBLE)
