@@ -325,9 +325,10 @@ static bool IsAskedAboutItself(const Run* run, uint32_t body)
     return run->job->bodies[body] && qcBody_MeetsItself(qcTriangles_Body(run->job->triangles, body));
 }
 
+/// Of what isn't asked about nothing is known: it may not have been prepared.
 static bool Follows(const Run* run, uint32_t body)
 {
-    return QC_AT(uint8_t, run->sweep->followed, body) != 0;
+    return IsAskedAboutItself(run, body) && QC_AT(uint8_t, run->sweep->followed, body) != 0;
 }
 
 /// All at once, so that threads have enough to do where many small bodies meet; those within bodies that were followed

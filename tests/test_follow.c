@@ -5,8 +5,8 @@
 
 enum
 {
-    qc_side = 40, ///< of cloths: 3200 triangles
-    qc_rounds = 60
+    qc_side = 32, ///< of cloths: 2048 triangles
+    qc_rounds = 40
 };
 
 /// Cloths as the scene has them.
