@@ -4,9 +4,9 @@
 // corner that went further, and those triangles are compared with the boxes of all, which hold what moved where it is
 // now.
 //
-// Boxes have the margin of the surface's fit above them, d or more. Two that are within m of each other still overlap
-// when one of them gives up d - m of it: as many levels as fit into that, less two, since both ends have been truncated
-// and rounded.
+// Boxes have the margin of the surface's fit above them: M, which is d or more. lower(T) <= upper(U) + m, and the other
+// way round, are lower(T) + (M - m) <= upper(U) + M and lower(U) <= upper(T) + m; in levels, which are monotone, a
+// level more on both sides makes up for what sums are rounded by. So triangles that went far get boxes of their own.
 //
 // What was known to be apart and has not moved still is: where the job has no margin, that is all there is to know.
 // What was known to meet, or wasn't known, is looked at again.
@@ -85,7 +85,6 @@ typedef struct Finding
     const uint8_t* marks; ///< by place
     qcFilterSide sides[2];
     qcFilterBound bound;
-    int16_t spare[3]; ///< levels by which boxes of triangles that went far may be smaller above
     uint32_t worker;
     bool wanted;
     size_t count; ///< in the queue
@@ -165,28 +164,31 @@ static void EmptyGroup(FarGroup* group)
             group->boxes.ends[axis][k] = qc_emptyEnd;
 }
 
-/// The box of a place, which holds where its triangle is now.
+/// The level of a coordinate, or of what is a level or so beside it; within what levels there are.
+static int LevelOf(const qcLatticeMap* map, int axis, double x, int more)
+{
+    double level = (x - map->origin[axis]) * map->scale[axis];
+    int whole = level < 65533.0 ? (int)level + more : 65533;
+    return (whole < 0 ? 0 : whole > 65533 ? 65533 : whole) - 32768;
+}
+
 static void AddToGroup(FarGroup* group, const Finding* f, uint32_t place)
 {
-    const qcBoxGroup* boxes = qcSurface_Group(f->job->a, 0, place / qc_groupSize);
-    int from = (int)(place % qc_groupSize), to = group->count++;
+    const qcSurface* surface = f->job->a;
+    const uint32_t* vertex = QC_AT(qcCorners, surface->corners, place).vertex;
+    double spare = surface->margin - f->job->margin;
+    const double* p[3];
+    for (int c = 0; c < 3; c++)
+        p[c] = f->job->bodyA->world + 3 * (size_t)QC_AT(uint32_t, surface->vertexOf, vertex[c]);
+    int to = group->count++;
     group->place[to] = place;
     for (int axis = 0; axis < 3; axis++)
     {
-        const int16_t* ends = boxes->ends[axis];
-        group->boxes.ends[axis][to] = ends[from];
-        // Of the complement of an upper end, less is more.
-        group->boxes.ends[axis][qc_groupSize + to] = (int16_t)(ends[qc_groupSize + from] + f->spare[axis]);
-    }
-}
-
-static void FindSpare(Finding* f)
-{
-    const qcSurface* surface = f->job->a;
-    for (int axis = 0; axis < 3; axis++)
-    {
-        double levels = floor((surface->margin - f->job->margin) * surface->map.scale[axis]) - 2.0;
-        f->spare[axis] = (int16_t)fmin(fmax(levels, 0.0), 16383.0);
+        double lower = fmin(p[0][axis], fmin(p[1][axis], p[2][axis]));
+        double upper = fmax(p[0][axis], fmax(p[1][axis], p[2][axis]));
+        int16_t* ends = group->boxes.ends[axis];
+        ends[to] = (int16_t)LevelOf(&surface->map, axis, lower + spare, -1);
+        ends[qc_groupSize + to] = (int16_t)~LevelOf(&surface->map, axis, upper + f->job->margin, 1);
     }
 }
 
@@ -232,7 +234,6 @@ void qcKeptPairs_Find(const qcKeptPairs* kept, uint32_t slot, const qcSurfacePai
             pairs += run->count;
         }
     }
-    FindSpare(&finding);
     TakeFar(&finding);
     Flush(&finding);
 }

@@ -65,9 +65,13 @@ static qcMotionMark MarkOf(const double from[3], const double to[3], double far)
 {
     if (from[0] == to[0] && from[1] == to[1] && from[2] == to[2])
         return qc_markStill;
-    // No further than sqrt(3) times the greatest of the three: without products, which may vanish.
-    double most = fmax(fabs(to[0] - from[0]), fmax(fabs(to[1] - from[1]), fabs(to[2] - from[2])));
-    return most <= 0.57 * far ? qc_markMoved : qc_markFar;
+    double x = fabs(to[0] - from[0]), y = fabs(to[1] - from[1]), z = fabs(to[2] - from[2]);
+    double most = x > y ? x : y;
+    most = z > most ? z : most;
+    // Squares may vanish, or be infinite: where they can't, they are right to 2^-50.
+    if (far > 1e-120 && far < 1e120 && most < far)
+        return x * x + y * y + z * z <= 0.999 * far * far ? qc_markMoved : qc_markFar;
+    return most <= 0.57 * far ? qc_markMoved : qc_markFar; // 1 / sqrt(3)
 }
 
 /// Behind those that had strayed before, the vertices that have now. False: too many, or too far.
