@@ -11,6 +11,11 @@ foreach(precision bullet bullet_double)
   endif()
 endforeach()
 
+# The cloth of the demo.
+if(TARGET qc_bullet_demo)
+  qc_test(test_cloth_rest test_cloth_rest.cpp ${PROJECT_SOURCE_DIR}/demos/cloth_world.cpp LIBRARIES qc_bullet_demo)
+endif()
+
 # LinearMath/btModifiedGramSchmidt.h instantiates itself; gcc 12 believes that to read what is not set.
 set_source_files_properties(test_deformable.cpp test_soft_body_callbacks.cpp PROPERTIES COMPILE_OPTIONS
   "$<$<CXX_COMPILER_ID:GNU>:-Wno-maybe-uninitialized>")
