@@ -4,6 +4,8 @@
 
 #include "fracture_cells.h"
 
+#include "quickcullide/bullet_mesh.h"
+
 #include <BulletDynamics/Dynamics/btRigidBody.h>
 
 #include <algorithm>
@@ -13,6 +15,7 @@
 namespace
 {
 constexpr double s_leastShare = 1e-9; ///< of the mesh's volume, that a piece has
+constexpr qcPositionType s_positionType = sizeof(btScalar) == sizeof(double) ? qc_positionF64 : qc_positionF32;
 
 qcClipPoint PointOf(const btVector3& v)
 {
@@ -143,6 +146,33 @@ struct Parts
     double lostVolume = 0;
 };
 
+/// The part in the frame of its centre of mass and its principal axes.
+void PutInFrame(const qcClipMesh& part, const qcClipPoint& center, qcPiece* piece)
+{
+    auto about = [&](const qcClipPoint& p) {
+        return qcClipPoint{p[0] - center[0], p[1] - center[1], p[2] - center[2]};
+    };
+    for (const qcClipPoint& p : part.points)
+    {
+        qcClipPoint v = about(p);
+        piece->vertices.emplace_back(btScalar(v[0]), btScalar(v[1]), btScalar(v[2]));
+    }
+    btMatrix3x3 axes =
+        qcMeshShape(piece->vertices.data(), s_positionType, sizeof(btVector3), uint32_t(piece->vertices.size()),
+                    piece->indices.data(), uint32_t(piece->indices.size() / 3))
+            .getMassProperties()
+            .principalFrame.getBasis();
+    for (size_t i = 0; i < part.points.size(); i++)
+    {
+        // Rounded once: cuts of two pieces that lie on each other do so in their frames, too.
+        qcClipPoint v = about(part.points[i]);
+        for (int k = 0; k < 3; k++)
+            piece->vertices[i][k] =
+                btScalar(v[0] * double(axes[0][k]) + v[1] * double(axes[1][k]) + v[2] * double(axes[2][k]));
+    }
+    piece->frame = btTransform(axes, btVector3(btScalar(center[0]), btScalar(center[1]), btScalar(center[2])));
+}
+
 void AddPiece(const qcClipMesh& part, double leastVolume, uint32_t site, uint32_t firstCut, Parts* parts)
 {
     qcClipPoint first;
@@ -155,12 +185,7 @@ void AddPiece(const qcClipMesh& part, double leastVolume, uint32_t site, uint32_
     qcPiece piece;
     piece.site = site;
     piece.volume = btScalar(volume);
-    piece.center = btVector3(btScalar(first[0] / volume), btScalar(first[1] / volume), btScalar(first[2] / volume));
     piece.vertices.reserve(part.points.size());
-    for (const qcClipPoint& p : part.points)
-        piece.vertices.emplace_back(btScalar(p[0] - double(piece.center.x())),
-                                    btScalar(p[1] - double(piece.center.y())),
-                                    btScalar(p[2] - double(piece.center.z())));
     piece.indices.reserve(3 * part.triangles.size());
     for (bool isCut : {false, true})
         for (const qcClipTriangle& triangle : part.triangles)
@@ -169,6 +194,11 @@ void AddPiece(const qcClipMesh& part, double leastVolume, uint32_t site, uint32_
                 piece.firstCutTriangle += !isCut;
                 piece.indices.insert(piece.indices.end(), triangle.corner.begin(), triangle.corner.end());
             }
+    // As far as a btVector3 tells it.
+    PutInFrame(
+        part,
+        {double(btScalar(first[0] / volume)), double(btScalar(first[1] / volume)), double(btScalar(first[2] / volume))},
+        &piece);
     parts->pieces.push_back(std::move(piece));
 }
 
@@ -256,9 +286,9 @@ qcPieceMotion qcMotionOfPiece(const btRigidBody& body, const qcFracture& fractur
         total += other.volume;
     qcPieceMotion motion;
     const btTransform& transform = body.getWorldTransform();
-    btVector3 arm = transform.getBasis() * piece.center;
+    btVector3 arm = transform.getBasis() * piece.frame.getOrigin();
     motion.mass = body.getInvMass() > 0 ? piece.volume / total / body.getInvMass() : btScalar(0);
-    motion.transform = btTransform(transform.getBasis(), transform.getOrigin() + arm);
+    motion.transform = btTransform(transform.getBasis() * piece.frame.getBasis(), transform.getOrigin() + arm);
     motion.linearVelocity = body.getLinearVelocity() + body.getAngularVelocity().cross(arm);
     motion.angularVelocity = body.getAngularVelocity();
     return motion;

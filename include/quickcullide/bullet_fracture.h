@@ -32,11 +32,12 @@ struct qcFractureDef
 /// A closed mesh in one part.
 struct qcPiece
 {
-    std::vector<btVector3> vertices; ///< about the piece's centre of mass, in the mesh's axes
+    std::vector<btVector3> vertices; ///< in the piece's frame
     std::vector<uint32_t> indices;
     uint32_t firstCutTriangle = 0; ///< from here on triangles lie in cuts
     uint32_t site = 0;             ///< of its cell: a cell may hold several pieces
-    btVector3 center{0, 0, 0};     ///< of mass, in the mesh's frame
+    /// The centre of mass and the principal axes, in the mesh's frame: a btRigidBody's tensor is diagonal in its frame.
+    btTransform frame = btTransform::getIdentity();
     btScalar volume = 0;
 };
 
