@@ -67,7 +67,6 @@ typedef struct qcOctetHit
 
 typedef struct qcBoxKernels
 {
-    const char* name;
     /// A bit for each lane that meets the box.
     uint32_t (*meet)(const qcOctet* octet, const qcFloatBox* box);
     /// The octets of level 0 from `first` on that meet boxes of an octet: writes what meets, returns how many did.

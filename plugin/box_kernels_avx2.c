@@ -33,4 +33,4 @@ static inline uint32_t MeetLanes(const Lanes* lanes, const qcFloatBox* box)
 
 #include "box_kernels_body.h"
 
-const qcBoxKernels qcBoxKernels_avx2 = QC_BOX_KERNELS("avx2");
+const qcBoxKernels qcBoxKernels_avx2 = {Meet, Seek};

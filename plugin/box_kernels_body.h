@@ -81,9 +81,4 @@ static size_t Seek(const qcOctet* octet, const qcOctetTree* tree, uint32_t first
     return count;
 }
 
-#define QC_BOX_KERNELS(name)                                                                                           \
-    {                                                                                                                  \
-        name, Meet, Seek                                                                                               \
-    }
-
 #endif

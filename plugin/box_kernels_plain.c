@@ -35,4 +35,4 @@ static inline uint32_t MeetLanes(const Lanes* lanes, const qcFloatBox* box)
 
 #include "box_kernels_body.h"
 
-const qcBoxKernels qcBoxKernels_plain = QC_BOX_KERNELS("plain");
+const qcBoxKernels qcBoxKernels_plain = {Meet, Seek};

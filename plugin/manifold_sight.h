@@ -32,7 +32,6 @@ static inline void qcTriangleView_Begin(qcTriangleView* view, const qcManifoldTr
 
 struct qcSightKernels
 {
-    const char* name;
     /// Corners of what the two triangles have in common seen along a direction, with their gaps; none where they lie
     /// beside each other. Returns their number. Along the opposite direction the gaps are opposite, and all else is the
     /// same. The views are of the two sides, along this direction.

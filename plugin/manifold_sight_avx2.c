@@ -10,4 +10,4 @@ QC_INLINE unsigned BitsOf(Marks marks)
 
 #include "manifold_sight_body.h"
 
-const qcSightKernels qcSightKernels_avx2 = {"avx2", FindCommonPart};
+const qcSightKernels qcSightKernels_avx2 = {FindCommonPart};

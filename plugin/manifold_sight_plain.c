@@ -8,4 +8,4 @@ QC_INLINE unsigned BitsOf(Marks marks)
 
 #include "manifold_sight_body.h"
 
-const qcSightKernels qcSightKernels_plain = {"plain", FindCommonPart};
+const qcSightKernels qcSightKernels_plain = {FindCommonPart};
