@@ -4,9 +4,10 @@
 // corner that went further, and those triangles are compared with the boxes of all, which hold what moved where it is
 // now.
 //
-// Boxes have the margin of the surface's fit above them: M, which is d or more. lower(T) <= upper(U) + m, and the other
-// way round, are lower(T) + (M - m) <= upper(U) + M and lower(U) <= upper(T) + m; in levels, which are monotone, a
-// level more on both sides makes up for what sums are rounded by. So triangles that went far get boxes of their own.
+// Triangles that went far get boxes of their own, with m above them. Those of the surface have the margin of its fit,
+// M, above them, which is d or more: so that lower(T) <= upper(U) + m is lower(T) + (M - m) <= upper(U) + M. The left
+// side is made smaller than what sums of such numbers are rounded by, far from the origin too (some 2^-52 of them); all
+// that follows is as in surface.c, and monotone.
 //
 // What was known to be apart and has not moved still is: where the job has no margin, that is all there is to know.
 // What was known to meet, or wasn't known, is looked at again.
@@ -164,12 +165,12 @@ static void EmptyGroup(FarGroup* group)
             group->boxes.ends[axis][k] = qc_emptyEnd;
 }
 
-/// The level of a coordinate, or of what is a level or so beside it; within what levels there are.
-static int LevelOf(const qcLatticeMap* map, int axis, double x, int more)
+/// The level of a coordinate, within what levels there are.
+static int16_t LevelOf(const qcLatticeMap* map, int axis, double x)
 {
     double level = (x - map->origin[axis]) * map->scale[axis];
-    int whole = level < 65533.0 ? (int)level + more : 65533;
-    return (whole < 0 ? 0 : whole > 65533 ? 65533 : whole) - 32768;
+    int whole = level < 65533.0 ? (int)level : 65533;
+    return (int16_t)((whole < 0 ? 0 : whole) - 32768);
 }
 
 static void AddToGroup(FarGroup* group, const Finding* f, uint32_t place)
@@ -186,9 +187,10 @@ static void AddToGroup(FarGroup* group, const Finding* f, uint32_t place)
     {
         double lower = fmin(p[0][axis], fmin(p[1][axis], p[2][axis]));
         double upper = fmax(p[0][axis], fmax(p[1][axis], p[2][axis]));
+        double rounding = 0x1p-50 * (fabs(lower) + surface->margin);
         int16_t* ends = group->boxes.ends[axis];
-        ends[to] = (int16_t)LevelOf(&surface->map, axis, lower + spare, -1);
-        ends[qc_groupSize + to] = (int16_t)~LevelOf(&surface->map, axis, upper + f->job->margin, 1);
+        ends[to] = LevelOf(&surface->map, axis, lower + spare - rounding);
+        ends[qc_groupSize + to] = (int16_t)~LevelOf(&surface->map, axis, upper + f->job->margin);
     }
 }
 
