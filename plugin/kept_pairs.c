@@ -169,8 +169,8 @@ static void EmptyGroup(FarGroup* group)
 static int16_t LevelOf(const qcLatticeMap* map, int axis, double x)
 {
     double level = (x - map->origin[axis]) * map->scale[axis];
-    int whole = level < 65533.0 ? (int)level : 65533;
-    return (int16_t)((whole < 0 ? 0 : whole) - 32768);
+    int whole = !(level > 0.0) ? 0 : level < 65533.0 ? (int)level : 65533;
+    return (int16_t)(whole - 32768);
 }
 
 static void AddToGroup(FarGroup* group, const Finding* f, uint32_t place)
