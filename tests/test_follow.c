@@ -17,11 +17,10 @@ typedef struct Cloth
     double* first; ///< positions when its pairs were last kept
 } Cloth;
 
-static Cloth AddCloth(qcScene* scene, uint64_t seed, double z)
+static Cloth AddCloth(qcScene* scene, uint64_t seed, double z, double away)
 {
     Cloth cloth = {.soup = qcSoup_MakeFoldedCloth(seed, qc_side, 0.01, 0.004)};
-    for (uint32_t v = 0; v < cloth.soup.vertexCount; v++)
-        cloth.soup.positions[3 * (size_t)v + 2] += z;
+    qcSoup_Translate(&cloth.soup, away, away, z + away);
     qcBodyDef def = qcBodyDefOf(&cloth.soup);
     def.deforming = true;
     CHECK_OK(qcScene_AddBody(scene, &def, &cloth.id));
@@ -89,14 +88,16 @@ static uint64_t Check(qcScene* scene, qcDetectDef def, int round, qcProfile* pro
     return brute.pairs;
 }
 
-/// Contacts in `kept`, then pairs within `asked` again and again while vertices move by about `most`.
-static void CheckScene(uint64_t seed, int clothCount, double kept, double asked, double most, bool mustFollow)
+/// Contacts in `kept`, then pairs within `asked` again and again while vertices move by about `most`, so far `away`
+/// from the origin.
+static void CheckSceneAway(double away, uint64_t seed, int clothCount, double kept, double asked, double most,
+                           bool mustFollow)
 {
     qcScene* scene = qcMakeScene(NULL);
     qcRandom random = {seed};
     Cloth cloths[2];
     for (int i = 0; i < clothCount; i++)
-        cloths[i] = AddCloth(scene, seed + (uint64_t)i, 0.004 * i);
+        cloths[i] = AddCloth(scene, seed + (uint64_t)i, 0.004 * i, away);
     qcDetectDef keeping = qcDefaultDetectDef(), asking = qcDefaultDetectDef();
     keeping.contactMargin = kept;
     asking.margin = asked;
@@ -127,6 +128,11 @@ static void CheckScene(uint64_t seed, int clothCount, double kept, double asked,
         FreeCloth(&cloths[i]);
     qcScene_Destroy(scene);
     ck_assert_uint_eq(qcGetByteCount(), 0);
+}
+
+static void CheckScene(uint64_t seed, int clothCount, double kept, double asked, double most, bool mustFollow)
+{
+    CheckSceneAway(0.0, seed, clothCount, kept, asked, most, mustFollow);
 }
 
 START_TEST(what_moves_a_little_is_all_that_is_looked_at)
@@ -160,11 +166,20 @@ START_TEST(bodies_that_follow_meet_others_where_they_are)
 }
 END_TEST
 
+START_TEST(far_from_the_origin_margins_are_rounded_and_nothing_is_lost)
+{
+    // There the coordinates are multiples of 2^-9: margins are not, or those asked for are, to the last bit.
+    const double asked[] = {0.0, 0x1p-9, 0.003};
+    for (uint64_t seed = 1; seed <= 3; seed++)
+        CheckSceneAway(0x1.4p43, seed, 1, 0.0067, asked[seed - 1], 0.01, false);
+}
+END_TEST
+
 /// A cloth whose pairs within a margin are kept.
 static qcScene* MakeKept(Cloth* cloth)
 {
     qcScene* scene = qcMakeScene(NULL);
-    *cloth = AddCloth(scene, 3, 0.0);
+    *cloth = AddCloth(scene, 3, 0.0, 0.0);
     Keep(cloth);
     qcDetectDef def = qcDefaultDetectDef();
     def.contactMargin = 0.006;
@@ -230,7 +245,7 @@ START_TEST(what_was_kept_ends_with_the_body)
     qcDetectDef def = qcDefaultDetectDef();
     qcProfile profile;
     CHECK_OK(qcScene_RemoveBody(scene, cloth.id));
-    next = AddCloth(scene, 4, 0.0);
+    next = AddCloth(scene, 4, 0.0, 0.0);
     ck_assert_uint_eq(next.id.slot, cloth.id.slot);
     (void)Check(scene, def, 0, &profile);
     ck_assert_uint_eq(profile.followedTriangles, 0);
@@ -248,7 +263,7 @@ START_TEST(a_body_that_slept_while_others_were_kept_is_fitted)
     keeping.contactMargin = 0.006;
     qcProfile profile;
     CHECK_OK(qcScene_SetActivity(scene, cloth.id, qc_activitySleeping));
-    Cloth other = AddCloth(scene, 9, 3.0);
+    Cloth other = AddCloth(scene, 9, 3.0, 0.0);
     (void)Check(scene, keeping, 0, &profile);
     CHECK_OK(qcScene_SetActivity(scene, cloth.id, qc_activityMoving));
     Move(scene, &cloth, &random, 20, 0.001);
@@ -262,6 +277,7 @@ END_TEST
 
 QC_RUN_TESTS("follow", what_moves_a_little_is_all_that_is_looked_at, what_moves_far_is_looked_for_everywhere,
              a_smaller_margin_is_had_from_a_larger_one, bodies_that_follow_meet_others_where_they_are,
+             far_from_the_origin_margins_are_rounded_and_nothing_is_lost,
              a_body_is_fitted_again_where_much_of_it_moved_or_left_its_box,
              what_asks_for_more_than_was_kept_is_searched_anew, what_was_kept_ends_with_the_body,
              a_body_that_slept_while_others_were_kept_is_fitted)
