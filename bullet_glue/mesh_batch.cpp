@@ -392,7 +392,7 @@ void qcMeshBatch::Run()
     statistics.detectMs = qcNowMs() - gathered;
 }
 
-/// The mesh, if the last query saw it at this place.
+/// The mesh, if the last query saw it as it is, at this place.
 const qcMeshBatch::Mesh* qcMeshBatch::Held(const qcPlacedMesh& mesh, bool* moving) const
 {
     auto found = m_objects.find(mesh.object);
@@ -401,7 +401,9 @@ const qcMeshBatch::Mesh* qcMeshBatch::Held(const qcPlacedMesh& mesh, bool* movin
     const Object& known = found->second;
     *moving = *moving || known.activity == qc_activityMoving;
     for (const Mesh& held : known.meshes)
-        if (held.shape == mesh.shape && held.margin == mesh.shape->getMargin() && IsAt(held, mesh.transform))
+        // Its pair may be a new one: nobody has looked at the mesh since it changed.
+        if (held.shape == mesh.shape && held.margin == mesh.shape->getMargin() && IsAt(held, mesh.transform) &&
+            held.revision == qcMeshRevision(mesh.shape))
             return &held;
     return nullptr;
 }

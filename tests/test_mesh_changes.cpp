@@ -35,6 +35,28 @@ START_TEST(a_cube_that_grows_where_it_lies_rises)
 }
 END_TEST
 
+START_TEST(a_cube_that_grows_into_another_meets_it_in_that_step)
+{
+    qcMeshWorld world;
+    world.world.setGravity(btVector3(0, 0, 0));
+    btRigidBody* cubes[4];
+    // Two pairs side by side, that don't meet each other.
+    for (int i = 0; i < 4; i++)
+    {
+        btScalar x = btScalar(1.025) * btScalar(i) + (i < 2 ? btScalar(0) : btScalar(0.5));
+        cubes[i] = world.Add(world.Keep(qcCubeModel().MakeShape()), 1, btVector3(x, 0, 0));
+        cubes[i]->setActivationState(DISABLE_DEACTIVATION);
+    }
+    world.Step(2);
+    // The outer ones go away: the only pair is a new one, of cubes that are where they were.
+    for (int i = 0; i < 4; i += 3)
+        cubes[i]->setWorldTransform(btTransform(btQuaternion::getIdentity(), btVector3(0, btScalar(10 + 10 * i), 0)));
+    cubes[1]->getCollisionShape()->setLocalScaling(btVector3(btScalar(2.02), 1, 1));
+    world.Step();
+    ck_assert_int_gt(qcContactsOf(world.dispatcher).points, 0);
+}
+END_TEST
+
 START_TEST(another_mesh_at_the_same_address_is_another_mesh)
 {
     qcMeshWorld world;
@@ -206,6 +228,7 @@ START_TEST(what_is_empty_or_nowhere_does_not_disturb_the_others)
 END_TEST
 } // namespace
 
-QC_RUN_TESTS("mesh_changes", a_cube_that_grows_where_it_lies_rises, another_mesh_at_the_same_address_is_another_mesh,
+QC_RUN_TESTS("mesh_changes", a_cube_that_grows_where_it_lies_rises,
+             a_cube_that_grows_into_another_meets_it_in_that_step, another_mesh_at_the_same_address_is_another_mesh,
              bullets_own_meshes_may_change_under_a_mesh, a_change_of_bounds_shows_by_itself,
              a_body_may_be_given_a_shape_of_any_kind, what_is_empty_or_nowhere_does_not_disturb_the_others)
