@@ -348,7 +348,7 @@ void qcClipFace_Add(qcClipMesh* mesh, uint32_t face, const qcClipArrow* arrows, 
         return;
     if (loops.points.size() == 3)
     {
-        mesh->triangles.push_back({{loops.points[0], loops.points[1], loops.points[2]}, face});
+        AddTriangle(mesh, {loops.points[0], loops.points[1], loops.points[2]}, face);
         return;
     }
     qcClipPoint normal = NormalOf(*mesh, loops);
