@@ -15,6 +15,7 @@ qc_test(test_margin test_margin.c LIBRARIES qc_oracle)
 # Their own roundings are those of the core: no fused multiply-add.
 qc_test(test_never_miss test_never_miss.c LIBRARIES qc_oracle)
 target_compile_options(test_never_miss PRIVATE -ffp-contract=off)
+qc_test(test_random_steps test_random_steps.c LIBRARIES qc_oracle)
 qc_test(test_layers test_layers.c LIBRARIES qc_oracle)
 qc_test(test_layers_steps test_layers_steps.c LIBRARIES qc_oracle)
 # Software devices leave pairs of triangles to the processor; the kernels that a GPU finds them with are run here.
