@@ -1,8 +1,9 @@
-// Why no pair is lost. Where pairs were kept, all that were no further apart than a margin d were. A point of a
-// triangle moves no further than the corner that moves furthest. So two triangles whose corners have moved by (d - m) /
-// 2 at most and that are within m now were within d then: they are among those kept. All others have a triangle with a
-// corner that went further, and those triangles are compared with the boxes of all, which hold what moved where it is
-// now.
+// Why no pair is lost. Where pairs were kept, all that were no further apart than a margin d were, but for neighbours,
+// which are not looked for now either: what flat discs leave out (surface_kernels_flat.h) is further apart than the
+// fit's margin. A point of a triangle moves no further than the corner that moves furthest. So two triangles whose
+// corners have moved by (d - m) / 2 at most and that are within m now were within d then: they are among those kept.
+// All others have a triangle with a corner that went further, and those triangles are compared with the boxes of all,
+// which hold what moved where it is now.
 //
 // Triangles that went far get boxes of their own, with m above them. Those of the surface have the margin of its fit,
 // M, above them, which is d or more: so that lower(T) <= upper(U) + m is lower(T) + (M - m) <= upper(U) + M. The left
