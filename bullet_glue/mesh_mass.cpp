@@ -3,6 +3,8 @@
 // 1846.
 #include "mesh_mass.h"
 
+#include "mesh_weld.h"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -17,19 +19,6 @@ constexpr double s_pi = 3.14159265358979323846;
 
 typedef std::array<double, 3> Point;
 
-/// For each vertex the first one at the same position.
-std::vector<uint32_t> Weld(const btVector3* vertices, uint32_t count)
-{
-    std::vector<uint32_t> order(count), welded(count);
-    std::iota(order.begin(), order.end(), 0);
-    auto key = [&](uint32_t v) { return std::array<btScalar, 3>{vertices[v].x(), vertices[v].y(), vertices[v].z()}; };
-    std::sort(order.begin(), order.end(),
-              [&](uint32_t a, uint32_t b) { return key(a) != key(b) ? key(a) < key(b) : a < b; });
-    for (uint32_t i = 0; i < count; i++)
-        welded[order[i]] = i > 0 && key(order[i]) == key(order[i - 1]) ? welded[order[i - 1]] : order[i];
-    return welded;
-}
-
 /// Is each edge passed as often one way as the other?
 bool IsClosed(const btVector3* vertices, uint32_t vertexCount, const uint32_t* indices, uint32_t triangleCount)
 {
@@ -38,7 +27,7 @@ bool IsClosed(const btVector3* vertices, uint32_t vertexCount, const uint32_t* i
         uint32_t high;
         int way;
     };
-    std::vector<uint32_t> welded = Weld(vertices, vertexCount);
+    std::vector<uint32_t> welded = qcFirstAtPosition(vertices, vertexCount);
     std::vector<Edge> edges(3 * size_t(triangleCount));
     std::vector<size_t> ends(size_t(vertexCount) + 1, 0); // of those of each lower vertex
     auto forEach = [&](auto function)

@@ -3,6 +3,7 @@
 
 #include "collision_object.h"
 #include "mesh_geometry.h"
+#include "mesh_weld.h"
 
 #include <BulletCollision/BroadphaseCollision/btBroadphaseInterface.h>
 #include <BulletCollision/CollisionShapes/btCompoundShape.h>
@@ -36,6 +37,29 @@ bool AreSame(const std::vector<qcSceneMesh>& a, const std::vector<qcSceneMesh>& 
     auto isSame = [](const qcSceneMesh& m, const qcSceneMesh& n)
     { return m.shape == n.shape && m.revision == n.revision && m.local == n.local; };
     return std::equal(a.begin(), a.end(), b.begin(), b.end(), isSame);
+}
+
+/// With vertices at the same position as one, so that corners and edges that triangles share are met once.
+qcStatus AddMesh(qcScene* scene, qcSceneMesh& mesh, qcActivity activity)
+{
+    const qcMeshShape& shape = *mesh.shape;
+    std::vector<uint32_t> first = qcFirstAtPosition(shape.getVertices(), shape.getVertexCount());
+    std::vector<uint32_t> indices(shape.getIndices(), shape.getIndices() + 3 * size_t(shape.getTriangleCount()));
+    for (uint32_t& index : indices)
+        index = first[index];
+    qcBodyDef def = qcDefaultBodyDef();
+    def.positions = shape.getVertices();
+    def.positionType = sizeof(btScalar) == sizeof(double) ? qc_positionF64 : qc_positionF32;
+    def.positionStride = sizeof(btVector3);
+    def.vertexCount = shape.getVertexCount();
+    def.indices = indices.data();
+    def.triangleCount = shape.getTriangleCount();
+    def.transform = qcTransformOf(mesh.placed);
+    def.activity = activity;
+    def.selfCollision = false;
+    def.group = qcMeshGroup;
+    def.mask = qcSoftGroup;
+    return qcScene_AddBody(scene, &def, &mesh.id);
 }
 
 /// Where the object was a step ago. Bullet gives kinematic bodies the velocity that led to where they are.
@@ -133,10 +157,7 @@ qcStatus qcSoftBodyMeshes::Add(qcScene* scene, qcSceneRigid* rigid)
     for (qcSceneMesh& mesh : rigid->meshes)
     {
         mesh.placed = rigid->object->getWorldTransform() * mesh.local;
-        std::vector<qcTriangleSource> sources;
-        qcStatus status = qcAddMesh(scene, mesh.shape, mesh.placed, rigid->activity, 0, nullptr, &mesh.id, &sources);
-        if (status == qc_statusOk)
-            status = qcScene_SetFilter(scene, mesh.id, qcMeshGroup, qcSoftGroup);
+        qcStatus status = AddMesh(scene, mesh, rigid->activity);
         if (status != qc_statusOk)
             return status;
     }
