@@ -256,6 +256,7 @@ qcStatus qcSoftBodyMeshes::Place(qcScene* scene)
     for (const std::unique_ptr<qcSceneRigid>& rigid : m_rigids)
         for (qcSceneMesh& mesh : rigid->meshes)
         {
+            qcScene_SetMargin(scene, mesh.id, double(mesh.shape->getMargin()));
             btTransform transform = rigid->object->getWorldTransform() * mesh.local;
             if (mesh.placed == transform)
                 continue;

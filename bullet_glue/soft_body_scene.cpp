@@ -143,6 +143,7 @@ void qcSoftBodyScene::TakeSettings(qcSceneSoftBody& known)
                           ? known.settings.thickness
                           : std::min(known.halfEdge, known.body->getCollisionShape()->getMargin());
     known.moves = known.body->isActive();
+    qcScene_SetMargin(m_scene, known.id, double(known.thickness) / 2);
     qcScene_SetSelfCollision(m_scene, known.id, known.settings.selfCollision);
     qcScene_SetActivity(m_scene, known.id, known.moves ? qc_activityMoving : qc_activitySleeping);
 }

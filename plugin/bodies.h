@@ -70,6 +70,12 @@ static inline double qcBody_PairMargin(const qcBody* a, const qcBody* b, double 
     return sum < margin ? sum : margin;
 }
 
+/// How far apart the boxes of two triangles may be whose contacts within the margin are wanted.
+static inline double qcContact_Reach(double margin)
+{
+    return margin * (1.0 + 2e-9);
+}
+
 /// In the world. A rigid body's is computed whenever it is asked for, in the same way: it moves without a look at its
 /// vertices.
 static inline void qcBody_GetVertex(const qcBody* body, uint32_t vertex, double position[3])

@@ -17,12 +17,6 @@ typedef struct qcContactSide
     uint32_t slot, triangle;
 } qcContactSide;
 
-/// How far apart the boxes of two triangles may be whose contacts within the margin are wanted.
-static inline double qcContact_Reach(double margin)
-{
-    return margin * (1.0 + 2e-9);
-}
-
 /// Writes the contacts between the features that the two triangles stand for; returns their number.
 int qcContact_Find(const qcContactSide* a, const qcContactSide* b, double margin, qcContact* contacts);
 

@@ -188,7 +188,7 @@ static qcSweepSurfacesJob SurfacesJob(const Step* step)
                                 .neighbourBodies = d->neighboursOnSurfaces.data,
                                 .margin = Reach(step->def),
                                 .nearest = step->def->margin,
-                                .contactReach = qcContact_Reach(step->def->contactMargin),
+                                .contactMargin = step->def->contactMargin,
                                 .testNeighbours = step->def->neighbours,
                                 .listNeighbours = step->def->contactMargin > 0.0,
                                 .threads = step->threads,

@@ -94,7 +94,7 @@ static void FindContacts(const Job* job, qcNarrowSink* sink, uint64_t key, Side 
     qcContactSide p = {qcTriangles_Body(job->triangles, a.body), qcTriangles_Slot(job->triangles, a.body), a.triangle};
     qcContactSide q = {qcTriangles_Body(job->triangles, b.body), qcTriangles_Slot(job->triangles, b.body), b.triangle};
     qcContact found[qc_maxContactsPerPair];
-    int count = qcContact_Find(&p, &q, job->def->contactMargin, found);
+    int count = qcContact_Find(&p, &q, qcBody_PairMargin(p.body, q.body, job->def->contactMargin), found);
     if (count == 0)
         return;
     size_t first = sink->contacts.count;

@@ -117,11 +117,12 @@ static void FitOne(void* context, size_t i, uint32_t worker)
                       fitting->threads, &QC_AT(qcSurfaceScratch, sweep->scratches, worker), &order->fits);
 }
 
-/// How far apart triangles of a body count among each other: what is near, and what is a candidate.
-static double SelfMargin(const qcSweepSurfacesJob* job, const qcBody* body)
+/// How far apart triangles of two bodies, or of one, count: what is near, and what is a candidate.
+static double PairMargin(const qcSweepSurfacesJob* job, const qcBody* a, const qcBody* b)
 {
-    double nearest = qcBody_PairMargin(body, body, job->nearest);
-    return nearest > job->contactReach ? nearest : job->contactReach;
+    double nearest = qcBody_PairMargin(a, b, job->nearest);
+    double contacts = qcContact_Reach(qcBody_PairMargin(a, b, job->contactMargin));
+    return nearest > contacts ? nearest : contacts;
 }
 
 /// A body that meets itself, whose pairs within more than the job's margin are kept, may have moved but a little since.
@@ -131,7 +132,7 @@ static qcStatus TryToFollow(qcSweepSurfaces* sweep, const qcSweepSurfacesJob* jo
     const qcBody* b = qcTriangles_Body(job->triangles, body);
     bool follows = false;
     if (qcBody_MeetsItself(b) && !job->testNeighbours && !job->listNeighbours && job->margin <= surface->margin)
-        QC_TRY(qcSurface_Follow(surface, b, (surface->keptMargin - SelfMargin(job, b)) / 2.0, sweep->kernels,
+        QC_TRY(qcSurface_Follow(surface, b, (surface->keptMargin - PairMargin(job, b, b)) / 2.0, sweep->kernels,
                                 &QC_AT(qcSurfaceScratch, sweep->scratches, 0), &follows));
     QC_AT(uint8_t, sweep->followed, body) = follows;
     return qc_statusOk;
@@ -301,7 +302,6 @@ static void AddJob(const Run* run, uint32_t a, uint32_t b)
         a = first;
     }
     const qcBody *bodyA = qcTriangles_Body(job->triangles, a), *bodyB = qcTriangles_Body(job->triangles, b);
-    double nearest = qcBody_PairMargin(bodyA, bodyB, job->nearest);
     PairOfSurfaces* sides = &QC_AT(PairOfSurfaces, sweep->sides, sweep->jobs.count);
     *sides = MakeSides(run, a, b);
     QC_AT(qcSurfacePairsJob, sweep->jobs, sweep->jobs.count++) =
@@ -310,8 +310,8 @@ static void AddJob(const Run* run, uint32_t a, uint32_t b)
                             .b = SurfaceOf(run, b),
                             .bodyA = bodyA,
                             .bodyB = bodyB,
-                            .margin = nearest > job->contactReach ? nearest : job->contactReach,
-                            .nearest = nearest,
+                            .margin = PairMargin(job, bodyA, bodyB),
+                            .nearest = qcBody_PairMargin(bodyA, bodyB, job->nearest),
                             .neighbours = job->testNeighbours,
                             .flatDiscs = run->flatDiscs && a == b,
                             .reachedA = ReachedOf(sweep, a),
@@ -416,7 +416,7 @@ static qcStatus EndKeeping(const Run* run)
         if (!IsAskedAboutItself(run, body) || !b->deforming)
             continue;
         QC_TRY(qcSurface_Note(SurfaceOf(run, body), b));
-        SurfaceOf(run, body)->keptMargin = SelfMargin(run->job, b);
+        SurfaceOf(run, body)->keptMargin = PairMargin(run->job, b, b);
     }
     return qc_statusOk;
 }

@@ -41,9 +41,9 @@ typedef struct qcSweepSurfacesJob
     const qcObjects* objects;
     const uint8_t* bodies;          ///< by body of the step: whether it is asked about. Whoever meets it is too.
     const uint8_t* neighbourBodies; ///< by body of the step: asked about its neighbours alone; never one of the above
-    double margin;                  ///< with which surfaces are fitted: the greater of the next two
+    double margin;                  ///< with which surfaces are fitted: no less than any pair needs
     double nearest;                 ///< pairs that are no further apart, as far as their bodies' margins go, are near
-    double contactReach;            ///< pairs that are no further apart are candidates, too
+    double contactMargin;           ///< pairs within its qcContact_Reach are candidates, too
     bool testNeighbours;            ///< triangles of one body that share a vertex are candidates too
     bool listNeighbours;            ///< and otherwise a list of their own
     uint32_t threads;

@@ -103,8 +103,8 @@ typedef struct qcBodyDef
     uint32_t owner;
     /// Report triangles of this body that meet each other.
     bool selfCollision;
-    /// What this body has use for of a step's margin (qcDetectDef): of two bodies, or of one with itself, pairs count
-    /// that are no further apart than the sum of both margins. 0 or more, infinite by default.
+    /// What this body has use for of a step's margins (qcDetectDef): of two bodies, or of one with itself, pairs and
+    /// contacts count that are no further apart than the sum of both margins. 0 or more, infinite by default.
     double margin;
 } qcBodyDef;
 
