@@ -221,6 +221,7 @@ qcStatus qcSoftBodyScene::Detect(btScalar contactMargin, const qcResult** result
     qcDetectDef def = qcDefaultDetectDef();
     def.method = method;
     def.contactMargin = double(contactMargin);
+    def.nearestContacts = true;
     def.threads = threads;
     return qcScene_Detect(m_scene, &def, result);
 }

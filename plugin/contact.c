@@ -10,6 +10,8 @@
 #include <math.h>
 #include <string.h>
 
+static const double s_corner[3][3] = {{1.0, 0.0, 0.0}, {0.0, 1.0, 0.0}, {0.0, 0.0, 1.0}};
+
 static void SetNormal(qcContact* contact, qcVector fromBToA, double distance, qcVector fallback)
 {
     qcVector n = distance > 0.0 ? fromBToA : fallback;
@@ -68,6 +70,28 @@ static bool IsApart(double x, double a, double b, double c, double reach)
     return (x - a > reach && x - b > reach && x - c > reach) || (a - x > reach && b - x > reach && c - x > reach);
 }
 
+/// Does the point of this side with these weights count, where `outward` leads to the other side?
+static bool IsNearest(const qcContactSide* side, const double weights[3], qcVector outward)
+{
+    return side->surroundings == NULL ||
+           qcSurroundings_IsNearest(side->surroundings, side->body, side->triangle, weights, outward);
+}
+
+/// The same of points of an edge, and of directions along a line.
+static bool IsNearestEdge(const Facet* facet, int edge, qcVector outward, bool eitherWay)
+{
+    const qcContactSide* side = facet->side;
+    qcVector over, p = facet->corner[edge];
+    if (side->surroundings == NULL)
+        return true;
+    qcVector mine = qcMinus(facet->corner[(edge + 2) % 3], p), inward = qcMinus((qcVector){0.0, 0.0, 0.0}, outward);
+    bool out = qcSurroundings_LeadsAway(mine, outward), in = eitherWay && qcSurroundings_LeadsAway(mine, inward);
+    if (!qcSurroundings_GetOver(side->surroundings, side->body, side->triangle, edge, &over))
+        return out || in;
+    over = qcMinus(over, p);
+    return (out && qcSurroundings_LeadsAway(over, outward)) || (in && qcSurroundings_LeadsAway(over, inward));
+}
+
 static bool VertexFace(const Facet* vertexFacet, int corner, const Facet* face, double margin, double reach,
                        qcContact* contact)
 {
@@ -88,7 +112,8 @@ static bool VertexFace(const Facet* vertexFacet, int corner, const Facet* face, 
     d = qcPlusScaled(d, qcMinus(corners[1], corners[0]), -weights[1]);
     d = qcPlusScaled(d, qcMinus(corners[2], corners[0]), -weights[2]);
     double distance = sqrt(qcDot(d, d));
-    if (!(distance <= margin))
+    if (!(distance <= margin) || !IsNearest(faceSide, weights, d) ||
+        !IsNearest(vertexSide, s_corner[corner], qcMinus((qcVector){0.0, 0.0, 0.0}, d)))
         return false;
     *contact = (qcContact){.bodyA = vertexSide->slot,
                            .bodyB = faceSide->slot,
@@ -111,13 +136,17 @@ static bool EdgeEdge(const Facet* a, int edgeA, const Facet* b, int edgeB, doubl
     if (AreApart(vp.x, vq.x, vr.x, vs.x, reach) || AreApart(vp.y, vq.y, vr.y, vs.y, reach) ||
         AreApart(vp.z, vq.z, vr.z, vs.z, reach))
         return false;
+    qcVector across = qcCross(qcMinus(vq, vp), qcMinus(vs, vr));
+    if (!IsNearestEdge(a, edgeA, across, true) || !IsNearestEdge(b, edgeB, across, true))
+        return false;
     double t, u;
     qcClosest_OfSegments(vp, vq, vr, vs, &t, &u);
     if (t == 0.0 || t == 1.0 || u == 0.0 || u == 1.0)
         return false; // at an end, which is a vertex
     qcVector d = qcPlusScaled(qcPlusScaled(qcMinus(vp, vr), qcMinus(vq, vp), t), qcMinus(vs, vr), -u);
     double distance = sqrt(qcDot(d, d));
-    if (!(distance <= margin))
+    if (!(distance <= margin) || !IsNearestEdge(b, edgeB, d, false) ||
+        !IsNearestEdge(a, edgeA, qcMinus((qcVector){0.0, 0.0, 0.0}, d), false))
         return false;
     *contact = (qcContact){.bodyA = a->side->slot,
                            .bodyB = b->side->slot,
@@ -125,14 +154,20 @@ static bool EdgeEdge(const Facet* a, int edgeA, const Facet* b, int edgeB, doubl
                            .verticesB = {r, s, s},
                            .weightsA = {1.0 - t, t, 0.0},
                            .weightsB = {1.0 - u, u, 0.0}};
-    SetNormal(contact, d, distance, qcCross(qcMinus(vq, vp), qcMinus(vs, vr)));
+    SetNormal(contact, d, distance, across);
     return true;
+}
+
+static qcOwnedFeatures OwnedBy(const qcContactSide* side)
+{
+    return side->surroundings != NULL ? qcSurroundings_Owned(side->surroundings, side->triangle)
+                                      : side->body->owned[side->triangle];
 }
 
 int qcContact_Find(const qcContactSide* a, const qcContactSide* b, double margin, qcContact* contacts)
 {
     Facet p = FacetOf(a), q = FacetOf(b);
-    qcOwnedFeatures ownedA = a->body->owned[a->triangle], ownedB = b->body->owned[b->triangle];
+    qcOwnedFeatures ownedA = OwnedBy(a), ownedB = OwnedBy(b);
     // Boxes only spare work: wider than the margin, so that their rounding decides nothing; and narrower than those
     // that found the pair (qcContact_Reach), so that who found it decides nothing either.
     double reach = margin * (1.0 + 1e-9);

@@ -2,7 +2,7 @@
 #ifndef QC_PLUGIN_CONTACT_H
 #define QC_PLUGIN_CONTACT_H
 
-#include "bodies.h"
+#include "surroundings.h"
 
 enum
 {
@@ -15,6 +15,8 @@ typedef struct qcContactSide
 {
     const qcBody* body; ///< with owners
     uint32_t slot, triangle;
+    /// Of a rigid body, whose points count only where none around is nearer; otherwise null.
+    const qcSurroundings* surroundings;
 } qcContactSide;
 
 /// Writes the contacts between the features that the two triangles stand for; returns their number.

@@ -417,7 +417,8 @@ static bool IsSameQuestion(const qcDetectDef* a, const qcDetectDef* b)
 {
     return a->method == b->method && a->margin == b->margin && a->touching == b->touching &&
            a->neighbours == b->neighbours && a->segments == b->segments && a->proximities == b->proximities &&
-           a->manifolds == b->manifolds && a->contactMargin == b->contactMargin && a->layerColumns == b->layerColumns &&
+           a->manifolds == b->manifolds && a->contactMargin == b->contactMargin &&
+           a->nearestContacts == b->nearestContacts && a->layerColumns == b->layerColumns &&
            a->layerDepthAxis == b->layerDepthAxis && strncmp(a->views, b->views, 4) == 0 &&
            a->resolution == b->resolution && a->iterations == b->iterations && a->backToFront == b->backToFront &&
            a->secondPassFromBack == b->secondPassFromBack && a->reliable == b->reliable;

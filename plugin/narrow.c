@@ -89,10 +89,21 @@ static void Relate(const Job* job, qcNarrowSink* sink, uint64_t key, Corners cor
         QC_AT(qcSortItem, sink->found, sink->found.count++) = (qcSortItem){key, (uint64_t)relation};
 }
 
+static qcContactSide ContactSideOf(const Job* job, Side side)
+{
+    uint32_t slot = qcTriangles_Slot(job->triangles, side.body);
+    const qcBody* body = qcTriangles_Body(job->triangles, side.body);
+    bool isNearest = job->def->nearestContacts && !body->deforming;
+    const qcSurroundings* surroundings = isNearest ? &QC_AT(qcSurroundings, job->narrow->surroundings, slot) : NULL;
+    return (qcContactSide){body, slot, side.triangle, surroundings};
+}
+
 static void FindContacts(const Job* job, qcNarrowSink* sink, uint64_t key, Side a, Side b)
 {
-    qcContactSide p = {qcTriangles_Body(job->triangles, a.body), qcTriangles_Slot(job->triangles, a.body), a.triangle};
-    qcContactSide q = {qcTriangles_Body(job->triangles, b.body), qcTriangles_Slot(job->triangles, b.body), b.triangle};
+    qcContactSide p = ContactSideOf(job, a), q = ContactSideOf(job, b);
+    // Between two bodies of a kind all contacts count.
+    if (p.body->deforming == q.body->deforming)
+        p.surroundings = q.surroundings = NULL;
     qcContact found[qc_maxContactsPerPair];
     int count = qcContact_Find(&p, &q, qcBody_PairMargin(p.body, q.body, job->def->contactMargin), found);
     if (count == 0)
@@ -147,6 +158,23 @@ static qcStatus EmptySinks(qcNarrow* narrow, uint32_t threads)
         sink->tests = sink->fallbacks = 0;
         sink->contactMs = 0.0;
         sink->status = qc_statusOk;
+    }
+    return qc_statusOk;
+}
+
+/// Of the rigid bodies of the step, by slot.
+static qcStatus MakeSurroundings(qcNarrow* narrow, const qcTriangles* triangles)
+{
+    const qcArray* slots = &triangles->bodies->slots;
+    QC_TRY(qcArray_GrowZeroed(&narrow->surroundings, slots->count, sizeof(qcSurroundings), "surroundings"));
+    for (size_t slot = 0; slot < slots->count; slot++)
+    {
+        const qcBody* body = &QC_AT(qcBody, *slots, slot);
+        qcSurroundings* surroundings = &QC_AT(qcSurroundings, narrow->surroundings, slot);
+        if (qcBody_IsUsed(body) && !body->deforming)
+            QC_TRY(qcSurroundings_Make(surroundings, body));
+        else
+            qcSurroundings_Free(surroundings);
     }
     return qc_statusOk;
 }
@@ -249,6 +277,8 @@ qcStatus qcNarrow_Run(qcNarrow* narrow, const qcTriangles* triangles, const qcCa
     double start = qcClock_Now();
     narrow->pairs.count = narrow->segments.count = narrow->proximities.count = narrow->contacts.count = 0;
     QC_TRY(EmptySinks(narrow, threads));
+    if (def->contactMargin > 0.0 && def->nearestContacts)
+        QC_TRY(MakeSurroundings(narrow, triangles));
     Job job = {.narrow = narrow,
                .triangles = triangles,
                .keys = &candidates->keys,
@@ -302,6 +332,9 @@ void qcNarrow_Free(qcNarrow* narrow)
         qcArray_Free(&sink->contacts);
         qcArray_Free(&sink->contactKeys);
     }
+    for (size_t slot = 0; slot < narrow->surroundings.count; slot++)
+        qcSurroundings_Free(&QC_AT(qcSurroundings, narrow->surroundings, slot));
+    qcArray_Free(&narrow->surroundings);
     qcArray_Free(&narrow->sinks);
     qcArray_Free(&narrow->order);
     qcArray_Free(&narrow->scratch);

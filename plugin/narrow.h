@@ -20,6 +20,7 @@ typedef struct qcNarrow
 {
     qcArray sinks; ///< of qcNarrowSink
     qcArray order, scratch;
+    qcArray surroundings; ///< of qcSurroundings, by slot
     //  results
     qcArray pairs, segments, contacts;
     qcArray proximities; ///< of qcProximity, one a pair; if they were asked for

@@ -226,6 +226,9 @@ typedef struct qcDetectDef
     /// 0: no contacts. Otherwise also report contacts between features (vertex and face, edge and edge)
     /// of two triangles no further apart than this, in scene units. Not `cullide` and `quick`.
     double contactMargin;
+    /// Of the contacts between a deforming body and a rigid one report only those at points of the rigid body to which
+    /// no point around them is nearer: what keeps the deforming body off these keeps it off the others.
+    bool nearestContacts;
     /// Threads to use; 0: one per core, or as many as qcSetParallelFor was given. The result does not depend on it.
     uint32_t threads;
     //  What follows speaks to `layers` only; it changes the cost, never the answer.
@@ -265,6 +268,7 @@ static inline qcDetectDef qcDefaultDetectDef(void)
                        false,
                        false,
                        0.0,
+                       false,
                        0,
                        0,
                        0,
