@@ -11,6 +11,7 @@ qc_test(test_visibility_sets INTERNAL test_visibility_sets.c)
 qc_test(test_visibility_culling test_visibility_culling.c LIBRARIES qc_oracle)
 qc_test(test_beyond_paper test_beyond_paper.c LIBRARIES qc_oracle)
 qc_test(test_contacts test_contacts.c LIBRARIES qc_oracle)
+qc_test(test_nearest_contacts test_nearest_contacts.c LIBRARIES qc_oracle)
 qc_test(test_margin test_margin.c LIBRARIES qc_oracle)
 # Their own roundings are those of the core: no fused multiply-add.
 qc_test(test_never_miss test_never_miss.c LIBRARIES qc_oracle)
