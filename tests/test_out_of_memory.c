@@ -51,6 +51,7 @@ static qcStatus UseScene(qcDevice* device, const qcSoup* soup, qcMethod method, 
     def.touching = def.segments = def.proximities = true;
     def.manifolds = manifolds;
     def.contactMargin = margin;
+    def.nearestContacts = true;
     def.threads = 1;
     if (status == qc_statusOk)
     {
