@@ -39,22 +39,30 @@ static qcVector VertexOf(const qcBody* body, uint32_t vertex)
     return qcVector_Load(position);
 }
 
-/// A triangle with its corners at hand.
-typedef struct Facet
+void qcContactFacet_Set(qcContactFacet* facet, const qcContactSide* side)
 {
-    const qcContactSide* side;
-    const uint32_t* index;
-    qcVector corner[3];
-} Facet;
-
-static Facet FacetOf(const qcContactSide* side)
-{
-    Facet facet;
-    facet.side = side;
-    facet.index = side->body->indices + 3 * (size_t)side->triangle;
+    const qcContactSide* old = &facet->side;
+    if (old->body == side->body && old->triangle == side->triangle && old->surroundings == side->surroundings)
+        return;
+    facet->side = *side;
+    facet->index = side->body->indices + 3 * (size_t)side->triangle;
     for (int c = 0; c < 3; c++)
-        facet.corner[c] = VertexOf(side->body, facet.index[c]);
-    return facet;
+        facet->corner[c] = VertexOf(side->body, facet->index[c]);
+    facet->asked = facet->hasOver = 0;
+}
+
+/// Of a facet with surroundings: see qcSurroundings_GetOver.
+static bool GetOver(qcContactFacet* facet, int edge)
+{
+    const qcContactSide* side = &facet->side;
+    unsigned bit = 1u << edge;
+    if ((facet->asked & bit) == 0)
+    {
+        facet->asked |= bit;
+        if (qcSurroundings_GetOver(side->surroundings, side->body, side->triangle, edge, &facet->over[edge]))
+            facet->hasOver |= bit;
+    }
+    return (facet->hasOver & bit) != 0;
 }
 
 /// Is one interval, ends in any order, farther than `reach` from the other?
@@ -78,24 +86,24 @@ static bool IsNearest(const qcContactSide* side, const double weights[3], qcVect
 }
 
 /// The same of points of an edge, and of directions along a line.
-static bool IsNearestEdge(const Facet* facet, int edge, qcVector outward, bool eitherWay)
+static bool IsNearestEdge(qcContactFacet* facet, int edge, qcVector outward, bool eitherWay)
 {
-    const qcContactSide* side = facet->side;
-    qcVector over, p = facet->corner[edge];
+    const qcContactSide* side = &facet->side;
+    qcVector p = facet->corner[edge];
     if (side->surroundings == NULL)
         return true;
     qcVector mine = qcMinus(facet->corner[(edge + 2) % 3], p), inward = qcMinus((qcVector){0.0, 0.0, 0.0}, outward);
     bool out = qcSurroundings_LeadsAway(mine, outward), in = eitherWay && qcSurroundings_LeadsAway(mine, inward);
-    if (!qcSurroundings_GetOver(side->surroundings, side->body, side->triangle, edge, &over))
+    if ((!out && !in) || !GetOver(facet, edge))
         return out || in;
-    over = qcMinus(over, p);
+    qcVector over = qcMinus(facet->over[edge], p);
     return (out && qcSurroundings_LeadsAway(over, outward)) || (in && qcSurroundings_LeadsAway(over, inward));
 }
 
-static bool VertexFace(const Facet* vertexFacet, int corner, const Facet* face, double margin, double reach,
-                       qcContact* contact)
+static bool VertexFace(const qcContactFacet* vertexFacet, int corner, const qcContactFacet* face, double margin,
+                       double reach, qcContact* contact)
 {
-    const qcContactSide *vertexSide = vertexFacet->side, *faceSide = face->side;
+    const qcContactSide *vertexSide = &vertexFacet->side, *faceSide = &face->side;
     uint32_t vertex = vertexFacet->index[corner];
     if (vertexSide->slot == faceSide->slot && HasVertex(face->index, vertex))
         return false;
@@ -125,12 +133,12 @@ static bool VertexFace(const Facet* vertexFacet, int corner, const Facet* face, 
     return true;
 }
 
-static bool EdgeEdge(const Facet* a, int edgeA, const Facet* b, int edgeB, double margin, double reach,
+static bool EdgeEdge(qcContactFacet* a, int edgeA, qcContactFacet* b, int edgeB, double margin, double reach,
                      qcContact* contact)
 {
     int nextA = (edgeA + 1) % 3, nextB = (edgeB + 1) % 3;
     uint32_t p = a->index[edgeA], q = a->index[nextA], r = b->index[edgeB], s = b->index[nextB];
-    if (a->side->slot == b->side->slot && (p == r || p == s || q == r || q == s))
+    if (a->side.slot == b->side.slot && (p == r || p == s || q == r || q == s))
         return false;
     qcVector vp = a->corner[edgeA], vq = a->corner[nextA], vr = b->corner[edgeB], vs = b->corner[nextB];
     if (AreApart(vp.x, vq.x, vr.x, vs.x, reach) || AreApart(vp.y, vq.y, vr.y, vs.y, reach) ||
@@ -148,8 +156,8 @@ static bool EdgeEdge(const Facet* a, int edgeA, const Facet* b, int edgeB, doubl
     if (!(distance <= margin) || !IsNearestEdge(b, edgeB, d, false) ||
         !IsNearestEdge(a, edgeA, qcMinus((qcVector){0.0, 0.0, 0.0}, d), false))
         return false;
-    *contact = (qcContact){.bodyA = a->side->slot,
-                           .bodyB = b->side->slot,
+    *contact = (qcContact){.bodyA = a->side.slot,
+                           .bodyB = b->side.slot,
                            .verticesA = {p, q, q},
                            .verticesB = {r, s, s},
                            .weightsA = {1.0 - t, t, 0.0},
@@ -164,20 +172,19 @@ static qcOwnedFeatures OwnedBy(const qcContactSide* side)
                                       : side->body->owned[side->triangle];
 }
 
-int qcContact_Find(const qcContactSide* a, const qcContactSide* b, double margin, qcContact* contacts)
+int qcContact_Find(qcContactFacet* a, qcContactFacet* b, double margin, qcContact* contacts)
 {
-    Facet p = FacetOf(a), q = FacetOf(b);
-    qcOwnedFeatures ownedA = OwnedBy(a), ownedB = OwnedBy(b);
+    qcOwnedFeatures ownedA = OwnedBy(&a->side), ownedB = OwnedBy(&b->side);
     // Boxes only spare work: wider than the margin, so that their rounding decides nothing; and narrower than those
     // that found the pair (qcContact_Reach), so that who found it decides nothing either.
     double reach = margin * (1.0 + 1e-9);
     int count = 0;
     for (unsigned corners = ownedA & 7u; corners != 0; corners &= corners - 1)
-        count += VertexFace(&p, __builtin_ctz(corners), &q, margin, reach, contacts + count);
+        count += VertexFace(a, __builtin_ctz(corners), b, margin, reach, contacts + count);
     for (unsigned corners = ownedB & 7u; corners != 0; corners &= corners - 1)
-        count += VertexFace(&q, __builtin_ctz(corners), &p, margin, reach, contacts + count);
+        count += VertexFace(b, __builtin_ctz(corners), a, margin, reach, contacts + count);
     for (unsigned edgesA = ownedA >> 3; edgesA != 0; edgesA &= edgesA - 1)
         for (unsigned edgesB = ownedB >> 3; edgesB != 0; edgesB &= edgesB - 1)
-            count += EdgeEdge(&p, __builtin_ctz(edgesA), &q, __builtin_ctz(edgesB), margin, reach, contacts + count);
+            count += EdgeEdge(a, __builtin_ctz(edgesA), b, __builtin_ctz(edgesB), margin, reach, contacts + count);
     return count;
 }

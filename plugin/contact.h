@@ -19,7 +19,20 @@ typedef struct qcContactSide
     const qcSurroundings* surroundings;
 } qcContactSide;
 
+/// A triangle with what is asked of it at hand: neighbours in a list of pairs mostly have one in common. All zero: of
+/// none yet.
+typedef struct qcContactFacet
+{
+    qcContactSide side;
+    const uint32_t* index;
+    qcVector corner[3];
+    qcVector over[3];        ///< beyond each edge, of those in hasOver
+    unsigned asked, hasOver; ///< bits of edges
+} qcContactFacet;
+
+void qcContactFacet_Set(qcContactFacet* facet, const qcContactSide* side);
+
 /// Writes the contacts between the features that the two triangles stand for; returns their number.
-int qcContact_Find(const qcContactSide* a, const qcContactSide* b, double margin, qcContact* contacts);
+int qcContact_Find(qcContactFacet* a, qcContactFacet* b, double margin, qcContact* contacts);
 
 #endif

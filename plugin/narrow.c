@@ -98,14 +98,18 @@ static qcContactSide ContactSideOf(const Job* job, Side side)
     return (qcContactSide){body, slot, side.triangle, surroundings};
 }
 
-static void FindContacts(const Job* job, qcNarrowSink* sink, uint64_t key, Side a, Side b)
+static void FindContacts(const Job* job, qcNarrowSink* sink, uint64_t key, qcContactFacet facets[2])
 {
-    qcContactSide p = ContactSideOf(job, a), q = ContactSideOf(job, b);
+    qcContactSide p = ContactSideOf(job, SideOf(job->triangles, (uint32_t)(key >> 32)));
+    qcContactSide q = ContactSideOf(job, SideOf(job->triangles, (uint32_t)key));
     // Between two bodies of a kind all contacts count.
     if (p.body->deforming == q.body->deforming)
         p.surroundings = q.surroundings = NULL;
     qcContact found[qc_maxContactsPerPair];
-    int count = qcContact_Find(&p, &q, qcBody_PairMargin(p.body, q.body, job->def->contactMargin), found);
+    qcContactFacet_Set(&facets[0], &p);
+    qcContactFacet_Set(&facets[1], &q);
+    double margin = qcBody_PairMargin(p.body, q.body, job->def->contactMargin);
+    int count = qcContact_Find(&facets[0], &facets[1], margin, found);
     if (count == 0)
         return;
     size_t first = sink->contacts.count;
@@ -139,12 +143,9 @@ static void TakeBlock(void* context, size_t block, uint32_t worker)
     if (job->def->contactMargin == 0.0)
         return;
     double start = qcClock_Now();
+    qcContactFacet facets[2] = {{.index = NULL}, {.index = NULL}};
     for (size_t i = first; i < end && sink->status == qc_statusOk; i++)
-    {
-        uint64_t key = QC_AT(uint64_t, *keys, i);
-        FindContacts(job, sink, key, SideOf(job->triangles, (uint32_t)(key >> 32)),
-                     SideOf(job->triangles, (uint32_t)key));
-    }
+        FindContacts(job, sink, QC_AT(uint64_t, *keys, i), facets);
     sink->contactMs += qcClock_Now() - start;
 }
 
