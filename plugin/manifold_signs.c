@@ -295,10 +295,11 @@ static double SideOfBodies(const Part* part, const qcManifoldPair* pair)
     double a2 = Size2(bodyA), b2 = Size2(bodyB);
     double a = qcDot(qcMinus(CentreOf(bodyA), place), part->normal) / length;
     double b = qcDot(qcMinus(CentreOf(bodyB), place), part->normal) / length;
-    double smaller = sqrt(fmin(a2, b2));
-    // Each as a share of the body's size, and the shares weighed by one over the size.
-    double side = (a2 > 0.0 ? a / a2 : 0.0) - (b2 > 0.0 ? b / b2 : 0.0);
-    return fabs(side) * smaller > s_noSide ? side : 0.0;
+    double smaller2 = fmin(a2, b2);
+    // Each as a share of the body's size, and the shares weighed by one over its square: less, and a ring on the floor
+    // of a deep bin would be sent out through the floor, since the centre of the bin is far above.
+    double side = (a2 > 0.0 ? a / (a2 * sqrt(a2)) : 0.0) - (b2 > 0.0 ? b / (b2 * sqrt(b2)) : 0.0);
+    return fabs(side) * smaller2 > s_noSide ? side : 0.0;
 }
 
 static bool PointsDown(qcVector n)

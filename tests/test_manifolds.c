@@ -261,6 +261,42 @@ START_TEST(linked_rings_push_each_other_back_into_the_link)
 }
 END_TEST
 
+START_TEST(a_ring_sunk_into_the_floor_of_a_deep_bin_is_pushed_back_in)
+{
+    // The centre of the bin is above the ring: by the centres the ring would have come from below.
+    static const double depths[] = {0.02, 0.05, 0.1, 0.15, 0.2};
+    const double depth = depths[_i];
+    qcRandom random = {7};
+    qcSoup bin = qcMakeBox(4);
+    bin.triangleCount -= bin.triangleCount / 6; // the lid
+    qcScaleSoup(&bin, 4.5, 4.5, 10.0);
+    for (int k = 0; k < 20; k++)
+    {
+        qcSoup ring = qcMakeTorus(16, 8, 0.375);
+        double tiltX = qcRandom_Uniform(&random, -0.1, 0.1), tiltY = qcRandom_Uniform(&random, -0.1, 0.1);
+        double lowest = INFINITY;
+        for (uint32_t v = 0; v < ring.vertexCount; v++)
+        {
+            double* p = ring.positions + 3 * (size_t)v;
+            p[2] += tiltX * p[0] + tiltY * p[1];
+            lowest = fmin(lowest, p[2]);
+        }
+        qcSoup_Translate(&ring, 2.25, 2.25, -lowest - depth);
+        qcManifoldScene m = qcFindManifolds(&bin, &ring, qc_bodyRigid, 0.065, 1);
+        ck_assert_uint_ge(m.result->manifoldCount, 1);
+        const qcManifoldPoint* deepest = &m.result->manifoldPoints[0];
+        for (size_t i = 1; i < m.result->manifoldPointCount; i++)
+            if (m.result->manifoldPoints[i].distance < deepest->distance)
+                deepest = &m.result->manifoldPoints[i];
+        ck_assert_double_lt(deepest->normal[2], -0.9); // towards the bin
+        ck_assert_double_eq_tol(deepest->distance, -depth, 0.25 * depth);
+        qcManifoldScene_Free(&m);
+        qcSoup_Free(&ring);
+    }
+    qcSoup_Free(&bin);
+}
+END_TEST
+
 START_TEST(a_ball_in_a_socket_is_pushed_inwards_from_all_sides)
 {
     // Radii 1 and 1.05 around one centre: 0.05 of air everywhere, and all of it within the margin.
@@ -486,6 +522,7 @@ int main(void)
     tcase_add_test(testCase, a_seam_is_no_contact);
     LOOP(balls_touch_along_the_line_of_their_centres, 15);
     LOOP(linked_rings_push_each_other_back_into_the_link, 5);
+    LOOP(a_ring_sunk_into_the_floor_of_a_deep_bin_is_pushed_back_in, 5);
     tcase_add_test(testCase, a_ball_in_a_socket_is_pushed_inwards_from_all_sides);
     LOOP(a_fan_of_any_size_is_one_contact, 4);
     tcase_add_test(testCase, a_sheet_in_a_slit_is_held_from_both_sides);
