@@ -22,8 +22,6 @@ if(TARGET qc-pairs)
           run_program.c LIBRARIES qc_demo_support)
   target_compile_definitions(test_qc_bench_scaling PRIVATE QC_BENCH_PROGRAM="$<TARGET_FILE:qc-bench>")
   add_dependencies(test_qc_bench_scaling qc-bench)
-  # A file that others wrote, from the package glmark2-data.
-  find_file(QC_BUNNY glmark2/models/bunny.obj PATHS /usr/share /usr/local/share)
   if(QC_BUNNY)
     add_test(NAME test_bunny_is_read_whole COMMAND qc-pairs --method sweep ${QC_BUNNY})
     set_tests_properties(test_bunny_is_read_whole PROPERTIES
