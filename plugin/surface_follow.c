@@ -10,8 +10,8 @@
 
 enum
 {
-    // One vertex of so many may have moved: of a cloth of 20 000 triangles following and searching what moved then
-    // takes a third of what fitting and searching all of it does (AVX2, one thread).
+    // One vertex of so many may have moved: of a cloth of 20 000 triangles following one twentieth, and searching what
+    // moved, takes half of what fitting and searching all of it does (AVX2, one thread).
     qc_strayShare = 8,
     qc_compareRun = 16 ///< vertices that are compared together: most have not moved
 };
