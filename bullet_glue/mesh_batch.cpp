@@ -141,6 +141,13 @@ bool qcMeshBatch::IsAt(const Mesh& mesh, const btTransform& transform)
     return mesh.placed && qcMotion(mesh.transform, transform, mesh.radius) <= mesh.slack;
 }
 
+/// Has the scene this shape as it is now, at this place?
+bool qcMeshBatch::IsAs(const Mesh& held, const btCollisionShape* shape, const btTransform& transform)
+{
+    return held.shape == shape && held.margin == shape->getMargin() && IsAt(held, transform) &&
+           held.revision == qcMeshRevision(shape);
+}
+
 /// What depends on the shape only.
 void qcMeshBatch::Measure(const btCollisionShape& root, Object* known) const
 {
@@ -402,8 +409,7 @@ const qcMeshBatch::Mesh* qcMeshBatch::Held(const qcPlacedMesh& mesh, bool* movin
     *moving = *moving || known.activity == qc_activityMoving;
     for (const Mesh& held : known.meshes)
         // Its pair may be a new one: nobody has looked at the mesh since it changed.
-        if (held.shape == mesh.shape && held.margin == mesh.shape->getMargin() && IsAt(held, mesh.transform) &&
-            held.revision == qcMeshRevision(mesh.shape))
+        if (IsAs(held, mesh.shape, mesh.transform))
             return &held;
     return nullptr;
 }

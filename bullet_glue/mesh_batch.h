@@ -105,6 +105,7 @@ class qcMeshBatch
 
     void CollectMeshes(const btCollisionShape* shape, const btTransform& transform, std::vector<Mesh>* meshes) const;
     static bool IsAt(const Mesh& mesh, const btTransform& transform);
+    static bool IsAs(const Mesh& held, const btCollisionShape* shape, const btTransform& transform);
     void Measure(const btCollisionShape& root, Object* known) const;
     void Refresh(const btCollisionObject* object, Object* known);
     Object* Know(const btCollisionObject* object);

@@ -34,11 +34,7 @@ bool qcMeshBatch::IsHeld(const btCollisionObject* object, const Object& known)
         return false;
     m_collected.clear();
     CollectMeshes(object->getCollisionShape(), object->getWorldTransform(), &m_collected);
-    auto isSame = [](const Mesh& held, const Mesh& now)
-    {
-        return held.shape == now.shape && held.revision == qcMeshRevision(now.shape) &&
-               held.margin == now.shape->getMargin() && IsAt(held, now.transform);
-    };
+    auto isSame = [](const Mesh& held, const Mesh& now) { return IsAs(held, now.shape, now.transform); };
     return std::equal(known.meshes.begin(), known.meshes.end(), m_collected.begin(), m_collected.end(), isSame);
 }
 
