@@ -92,7 +92,7 @@ static bool IsNearestEdge(qcContactFacet* facet, int edge, qcVector outward, boo
     qcVector p = facet->corner[edge];
     if (side->surroundings == NULL)
         return true;
-    qcVector mine = qcMinus(facet->corner[(edge + 2) % 3], p), inward = qcMinus((qcVector){0.0, 0.0, 0.0}, outward);
+    qcVector mine = qcMinus(facet->corner[(edge + 2) % 3], p), inward = qcNegated(outward);
     bool out = qcSurroundings_LeadsAway(mine, outward), in = eitherWay && qcSurroundings_LeadsAway(mine, inward);
     if ((!out && !in) || !GetOver(facet, edge))
         return out || in;
@@ -121,7 +121,7 @@ static bool VertexFace(const qcContactFacet* vertexFacet, int corner, const qcCo
     d = qcPlusScaled(d, qcMinus(corners[2], corners[0]), -weights[2]);
     double distance = sqrt(qcDot(d, d));
     if (!(distance <= margin) || !IsNearest(faceSide, weights, d) ||
-        !IsNearest(vertexSide, s_corner[corner], qcMinus((qcVector){0.0, 0.0, 0.0}, d)))
+        !IsNearest(vertexSide, s_corner[corner], qcNegated(d)))
         return false;
     *contact = (qcContact){.bodyA = vertexSide->slot,
                            .bodyB = faceSide->slot,
@@ -153,8 +153,7 @@ static bool EdgeEdge(qcContactFacet* a, int edgeA, qcContactFacet* b, int edgeB,
         return false; // at an end, which is a vertex
     qcVector d = qcPlusScaled(qcPlusScaled(qcMinus(vp, vr), qcMinus(vq, vp), t), qcMinus(vs, vr), -u);
     double distance = sqrt(qcDot(d, d));
-    if (!(distance <= margin) || !IsNearestEdge(b, edgeB, d, false) ||
-        !IsNearestEdge(a, edgeA, qcMinus((qcVector){0.0, 0.0, 0.0}, d), false))
+    if (!(distance <= margin) || !IsNearestEdge(b, edgeB, d, false) || !IsNearestEdge(a, edgeA, qcNegated(d), false))
         return false;
     *contact = (qcContact){.bodyA = a->side.slot,
                            .bodyB = b->side.slot,

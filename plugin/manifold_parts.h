@@ -139,11 +139,6 @@ typedef struct qcManifoldWorker
     char apart[64]; ///< keeps the counts of two workers off one cache line
 } qcManifoldWorker;
 
-static inline qcVector qcNegated(qcVector v)
-{
-    return (qcVector){-v.x, -v.y, -v.z};
-}
-
 /// How far side 0 has to move along a direction, and how far against it, until a plane perpendicular to it lies between
 /// the two triangles. Below 0: it does already, with so much room.
 typedef struct qcWaysOut

@@ -19,6 +19,11 @@ static inline qcVector qcMinus(qcVector a, qcVector b)
     return (qcVector){a.x - b.x, a.y - b.y, a.z - b.z};
 }
 
+static inline qcVector qcNegated(qcVector v)
+{
+    return (qcVector){-v.x, -v.y, -v.z};
+}
+
 /// a + s b
 static inline qcVector qcPlusScaled(qcVector a, qcVector b, double s)
 {
