@@ -3,6 +3,7 @@
 #include "quickcullide/bullet_fracture.h"
 
 #include "fracture_cells.h"
+#include "position_type.h"
 
 #include "quickcullide/bullet_mesh.h"
 
@@ -15,7 +16,6 @@
 namespace
 {
 constexpr double s_leastShare = 1e-9; ///< of the mesh's volume, that a piece has
-constexpr qcPositionType s_positionType = sizeof(btScalar) == sizeof(double) ? qc_positionF64 : qc_positionF32;
 
 qcClipPoint PointOf(const btVector3& v)
 {
@@ -158,7 +158,7 @@ void PutInFrame(const qcClipMesh& part, const qcClipPoint& center, qcPiece* piec
         piece->vertices.emplace_back(btScalar(v[0]), btScalar(v[1]), btScalar(v[2]));
     }
     btMatrix3x3 axes =
-        qcMeshShape(piece->vertices.data(), s_positionType, sizeof(btVector3), uint32_t(piece->vertices.size()),
+        qcMeshShape(piece->vertices.data(), qcBulletPositions, sizeof(btVector3), uint32_t(piece->vertices.size()),
                     piece->indices.data(), uint32_t(piece->indices.size() / 3))
             .getMassProperties()
             .principalFrame.getBasis();

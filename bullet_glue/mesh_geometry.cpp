@@ -1,12 +1,12 @@
 // Reading the triangles of Bullet's concave shapes.
 #include "mesh_geometry.h"
 
+#include "position_type.h"
+
 #include <BulletCollision/Gimpact/btGImpactShape.h>
 
 namespace
 {
-constexpr qcPositionType s_positionType = sizeof(btScalar) == sizeof(double) ? qc_positionF64 : qc_positionF32;
-
 class Reader : public btTriangleCallback
 {
   public:
@@ -92,7 +92,7 @@ qcStatus qcAddMesh(qcScene* scene, const btCollisionShape* shape, const btTransf
         def.indices = reader.indices.data();
         def.triangleCount = uint32_t(sources->size());
     }
-    def.positionType = s_positionType;
+    def.positionType = qcBulletPositions;
     def.positionStride = sizeof(btVector3);
     def.transform = qcTransformOf(transform);
     def.activity = activity;

@@ -4,6 +4,7 @@
 #include "collision_object.h"
 #include "mesh_geometry.h"
 #include "mesh_weld.h"
+#include "position_type.h"
 
 #include <BulletCollision/BroadphaseCollision/btBroadphaseInterface.h>
 #include <BulletCollision/CollisionShapes/btCompoundShape.h>
@@ -49,7 +50,7 @@ qcStatus AddMesh(qcScene* scene, qcSceneMesh& mesh, qcActivity activity)
         index = first[index];
     qcBodyDef def = qcDefaultBodyDef();
     def.positions = shape.getVertices();
-    def.positionType = sizeof(btScalar) == sizeof(double) ? qc_positionF64 : qc_positionF32;
+    def.positionType = qcBulletPositions;
     def.positionStride = sizeof(btVector3);
     def.vertexCount = shape.getVertexCount();
     def.indices = indices.data();

@@ -2,14 +2,13 @@
 #include "soft_body_scene.h"
 
 #include "collision_object.h"
+#include "position_type.h"
 
 #include <algorithm>
 #include <cmath>
 
 namespace
 {
-constexpr qcPositionType s_positionType = sizeof(btScalar) == sizeof(double) ? qc_positionF64 : qc_positionF32;
-
 btScalar HalfMeanEdge(const btSoftBody* body)
 {
     btScalar sum = 0;
@@ -102,7 +101,7 @@ qcStatus qcSoftBodyScene::Add(btSoftBody* body)
     added.halfEdge = HalfMeanEdge(body);
     qcBodyDef def = qcDefaultBodyDef();
     def.positions = body->m_nodes.size() > 0 ? &body->m_nodes[0].m_x : nullptr;
-    def.positionType = s_positionType;
+    def.positionType = qcBulletPositions;
     def.positionStride = sizeof(btSoftBody::Node);
     def.vertexCount = uint32_t(body->m_nodes.size());
     def.indices = added.indices.data();
@@ -209,7 +208,7 @@ qcStatus qcSoftBodyScene::UpdatePlaces()
         if (known.places.empty())
             continue;
         qcStatus status =
-            qcScene_SetVertices(m_scene, known.id, known.places.data(), s_positionType, sizeof(btVector3));
+            qcScene_SetVertices(m_scene, known.id, known.places.data(), qcBulletPositions, sizeof(btVector3));
         if (status != qc_statusOk)
             return status;
     }
