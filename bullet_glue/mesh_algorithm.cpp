@@ -72,26 +72,18 @@ void Report(const qcMeshPoint& point, const btCollisionObjectWrapper& body0, btM
     result->addContactPoint(point.normal, point.onB, point.distance);
 }
 
-btVector3 VelocityAt(const btCollisionObject* object, const btVector3& place)
-{
-    const btRigidBody* body = btRigidBody::upcast(object);
-    return body != nullptr && !object->isStaticObject()
-               ? body->getVelocityInLocalPoint(place - body->getWorldTransform().getOrigin())
-               : btVector3(0, 0, 0);
-}
-
 /// Drops points further apart than `reach` unless the motion of this step brings them within: then the solver has to
 /// know of them now, or they are met deep inside. (Bullet's contacts ahead of time, with what a step needs of them.)
 void DropFar(const btCollisionObject* object0, const btCollisionObject* object1, btScalar reach, btScalar timeStep,
              std::vector<qcMeshPoint>* points)
 {
-    auto isFar = [&](const qcMeshPoint& point)
+    qcMeshMotion motion0(object0), motion1(object1);
+    for (qcMeshPoint& point : *points)
     {
-        if (point.distance <= reach)
-            return false;
-        btVector3 closing = VelocityAt(object1, point.onB) - VelocityAt(object0, point.onA);
-        return point.distance > reach + closing.dot(point.normal) * timeStep;
-    };
+        btVector3 closing = motion1.At(point.onB) - motion0.At(point.onA);
+        point.ahead = point.distance - closing.dot(point.normal) * timeStep;
+    }
+    auto isFar = [&](const qcMeshPoint& point) { return std::min(point.distance, point.ahead) > reach; };
     points->erase(std::remove_if(points->begin(), points->end(), isFar), points->end());
 }
 
@@ -205,9 +197,12 @@ void qcPointsAlgorithm::processCollision(const btCollisionObjectWrapper* body0, 
     // The threshold of a manifold of others is not ours to raise.
     DropFar(body0->getCollisionObject(), body1->getCollisionObject(), reach, m_shared ? 0 : dispatchInfo.m_timeStep,
             &points);
+    const btTransform& bodyA = body0->getCollisionObject()->getWorldTransform();
+    for (qcMeshPoint& point : points)
+        for (int i = 0; i < s_groups && !point.kept; i++)
+            point.kept = m_manifolds[i] != nullptr && Predecessor(*m_manifolds[i], point, bodyA) >= 0;
     qcPointGroup groups[s_groups];
     int groupCount = qcGroupPoints(&points, reach, threshold, m_shared ? 1 : s_groups, groups);
-    const btTransform& bodyA = body0->getCollisionObject()->getWorldTransform();
     bool used[s_groups] = {};
     for (int g = 0; g < groupCount; g++)
     {

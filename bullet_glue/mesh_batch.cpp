@@ -23,11 +23,6 @@ constexpr btScalar s_edge = btScalar(0.5);
 // no common motion: there this would only make contact flicker.)
 constexpr btScalar s_ownMotion = btScalar(0.25);
 
-btVector3 VectorOf(const double v[3])
-{
-    return btVector3(btScalar(v[0]), btScalar(v[1]), btScalar(v[2]));
-}
-
 /// About how long the edges of a mesh are, if its area is that of its box.
 btScalar EdgeOf(const btCollisionShape* shape, size_t triangleCount)
 {
@@ -45,36 +40,6 @@ btScalar RadiusOf(const btCollisionShape* shape)
     btVector3 far = lower.absolute();
     far.setMax(upper.absolute());
     return far.length();
-}
-
-qcTriangleSource SourceOf(const std::vector<qcTriangleSource>& sources, uint32_t triangle)
-{
-    return sources.empty() ? qcTriangleSource{0, int(triangle)} : sources[triangle];
-}
-
-/// The points of two bodies, seen from the first.
-void AppendPoints(const qcResult& result, qcBodyId a, const std::vector<qcTriangleSource>& sourcesA, qcBodyId b,
-                  const std::vector<qcTriangleSource>& sourcesB, std::vector<qcMeshPoint>* points)
-{
-    bool swapped = a.slot > b.slot;
-    uint32_t low = std::min(a.slot, b.slot), high = std::max(a.slot, b.slot);
-    const qcManifold* end = result.manifolds + result.manifoldCount;
-    auto isBefore = [](const qcManifold& manifold, const std::pair<uint32_t, uint32_t>& bodies)
-    { return std::make_pair(manifold.bodyA, manifold.bodyB) < bodies; };
-    const qcManifold* m = std::lower_bound(result.manifolds, end, std::make_pair(low, high), isBefore);
-    for (; m != end && m->bodyA == low && m->bodyB == high; m++)
-        for (uint32_t i = 0; i < m->pointCount; i++)
-        {
-            const qcManifoldPoint& point = result.manifoldPoints[m->firstPoint + i];
-            qcMeshPoint mine;
-            mine.onA = VectorOf(swapped ? point.pointB : point.pointA);
-            mine.onB = VectorOf(swapped ? point.pointA : point.pointB);
-            mine.normal = swapped ? -VectorOf(point.normal) : VectorOf(point.normal);
-            mine.distance = btScalar(point.distance);
-            mine.sourceA = SourceOf(sourcesA, swapped ? point.triangleB : point.triangleA);
-            mine.sourceB = SourceOf(sourcesB, swapped ? point.triangleA : point.triangleB);
-            points->push_back(mine);
-        }
 }
 
 /// The box of a mesh, in the frame of another one, grown.
@@ -222,6 +187,7 @@ qcMeshBatch::Object* qcMeshBatch::Know(const btCollisionObject* object)
         known.owner = ++m_owners;
     known.addition = qcAdditionOf(object);
     known.seen = known.present = m_gathering;
+    known.state = StateOf(object);
     Refresh(object, &known);
     return &known;
 }
@@ -360,6 +326,33 @@ void qcMeshBatch::ForgetGone()
     }
 }
 
+/// Finds what pairs that move fast come upon in the step.
+void qcMeshBatch::LookAhead()
+{
+    double start = qcNowMs();
+    m_ahead.Begin(m_timeStep);
+    auto moving = [](const btCollisionObject* object, const Object& known, const Mesh& mesh)
+    {
+        return qcMovingMesh{object,       mesh.id,         mesh.transform, &mesh.sources,
+                            known.radius, known.threshold, known.limit,    mesh.margin};
+    };
+    ForEachPair(
+        [&](const btCollisionObject* object0, const btCollisionObject* object1)
+        {
+            const Object &known0 = *Know(object0), &known1 = *Know(object1);
+            if (!(known0.ours || known1.ours) || !world->getDispatcher()->needsCollision(object0, object1))
+                return;
+            for (const Mesh& mesh0 : known0.meshes)
+                for (const Mesh& mesh1 : known1.meshes)
+                    if (mesh0.placed && mesh1.placed)
+                        m_ahead.Consider(moving(object0, known0, mesh0), moving(object1, known1, mesh1));
+        });
+    statistics.moments = m_ahead.CountMoments();
+    if (statistics.moments > 0)
+        Note(m_ahead.Find(m_scene, DetectDef(m_margin)));
+    statistics.aheadMs = qcNowMs() - start;
+}
+
 /// One query for all pairs of the world.
 void qcMeshBatch::Run()
 {
@@ -391,12 +384,14 @@ void qcMeshBatch::Run()
             Place(objects[i], known);
     }
     double gathered = qcNowMs();
+    // First: the result that is read is the scene's last.
+    LookAhead();
     qcStatus status = Detect();
     if (status != qc_statusOk)
         m_result = nullptr;
     Note(status);
     statistics.gatherMs = gathered - start;
-    statistics.detectMs = qcNowMs() - gathered;
+    statistics.detectMs = qcNowMs() - gathered - statistics.aheadMs;
 }
 
 /// The mesh, if the last query saw it as it is, at this place.
@@ -421,7 +416,7 @@ bool qcMeshBatch::Read(const qcPlacedMesh& a, const qcPlacedMesh& b, std::vector
     const Mesh *meshA = Held(a, &moving), *meshB = Held(b, &moving);
     if (m_result == nullptr || meshA == nullptr || meshB == nullptr || !moving)
         return false;
-    AppendPoints(*m_result, meshA->id, meshA->sources, meshB->id, meshB->sources, points);
+    qcAppendPoints(*m_result, meshA->id, meshA->sources, meshB->id, meshB->sources, points);
     // Each point moves with its body since the query, as those of a btPersistentManifold do.
     for (qcMeshPoint& point : *points)
     {
@@ -429,6 +424,7 @@ bool qcMeshBatch::Read(const qcPlacedMesh& a, const qcPlacedMesh& b, std::vector
         point.onB = b.transform * meshB->transform.invXform(point.onB);
         point.distance = (point.onA - point.onB).dot(point.normal);
     }
+    m_ahead.Append(meshA->id, a.transform, meshB->id, b.transform, points);
     return true;
 }
 
@@ -480,7 +476,7 @@ void qcMeshBatch::Query(const qcPlacedMesh& a, const qcPlacedMesh& b, btScalar r
     if (status == qc_statusOk)
         status = qcScene_Detect(scene, &detectDef, &result);
     if (status == qc_statusOk)
-        AppendPoints(*result, idA, sourcesA, idB, sourcesB, points);
+        qcAppendPoints(*result, idA, sourcesA, idB, sourcesB, points);
     qcScene_Destroy(scene);
     std::lock_guard<std::mutex> lock(m_mutex);
     statistics.queries++;

@@ -2,7 +2,7 @@
 #ifndef QC_BULLET_GLUE_MESH_BATCH_H
 #define QC_BULLET_GLUE_MESH_BATCH_H
 
-#include "mesh_geometry.h"
+#include "mesh_ahead.h"
 #include "mesh_motion.h"
 
 #include <mutex>
@@ -14,15 +14,6 @@ struct qcPlacedMesh
     const btCollisionObject* object;
     const btCollisionShape* shape;
     btTransform transform;
-};
-
-/// Where two triangles come near each other, or cross.
-struct qcMeshPoint
-{
-    btVector3 onA, onB; ///< in world space
-    btVector3 normal;   ///< from B towards A
-    btScalar distance;  ///< between the triangles; the margins of the shapes are not part of it
-    qcTriangleSource sourceA, sourceB;
 };
 
 class qcMeshBatch
@@ -99,7 +90,7 @@ class qcMeshBatch
         btScalar approach = 0;  ///< how far it may come in a step
         unsigned checked = 0;   ///< the last check that looked at it,
         bool held = false;      ///< found: the last query holds for it,
-        State state;            ///< and saw it in this state
+        State state;            ///< as the last query or check saw it
         std::vector<Mesh> meshes;
     };
 
@@ -115,6 +106,7 @@ class qcMeshBatch
     void Forget(Object* known);
     void ForgetGone();
     qcStatus Detect();
+    void LookAhead();
     void Run();
     /// The world's pairs of objects that may hold meshes.
     template <typename Function> void ForEachPair(Function function) const
@@ -129,6 +121,7 @@ class qcMeshBatch
         }
     }
     static State StateOf(const btCollisionObject* object);
+    static bool IsInState(const btCollisionObject* object, const State& state);
     bool IsSeen(const btCollisionObject* object, const Object& known) const;
     bool IsHeld(const btCollisionObject* object, const Object& known);
     Object* Check(const btCollisionObject* object);
@@ -149,6 +142,7 @@ class qcMeshBatch
     unsigned m_check = 0;    ///< number of the last check
     btScalar m_margin = 0;   ///< of the next query
     btScalar m_timeStep = 0; ///< of the dispatch; 0: not known
+    qcMeshAhead m_ahead;     ///< of the last query
     qcMeshDrift m_drift;     ///< approaches are as seen by who drifts
     std::mutex m_mutex;
 };

@@ -27,10 +27,21 @@ qcMeshBatch::State qcMeshBatch::StateOf(const btCollisionObject* object)
             body != nullptr ? body->getAngularVelocity() : zero, object->isActive()};
 }
 
+bool qcMeshBatch::IsInState(const btCollisionObject* object, const State& state)
+{
+    State now = StateOf(object);
+    return qcAreSame(state.transform, now.transform) && qcAreSame(state.linear, now.linear) &&
+           qcAreSame(state.angular, now.angular) && state.active == now.active;
+}
+
 /// Did the last query see all its meshes where they are?
 bool qcMeshBatch::IsHeld(const btCollisionObject* object, const Object& known)
 {
     if (!IsSeen(object, known))
+        return false;
+    // Of what is fast it looked further ahead, in the direction that it had.
+    if (2 * qcMeshMotion(object).Fastest(known.radius) * m_timeStep > known.threshold &&
+        !IsInState(object, known.state))
         return false;
     m_collected.clear();
     CollectMeshes(object->getCollisionShape(), object->getWorldTransform(), &m_collected);
@@ -78,9 +89,6 @@ bool qcMeshBatch::CheckAll()
 bool qcMeshBatch::IsAsChecked(const btCollisionObject* object) const
 {
     auto found = m_objects.find(object);
-    if (found == m_objects.end() || found->second.checked != m_check || found->second.addition != qcAdditionOf(object))
-        return false;
-    const State &then = found->second.state, now = StateOf(object);
-    return qcAreSame(then.transform, now.transform) && qcAreSame(then.linear, now.linear) &&
-           qcAreSame(then.angular, now.angular) && then.active == now.active;
+    return found != m_objects.end() && found->second.checked == m_check &&
+           found->second.addition == qcAdditionOf(object) && IsInState(object, found->second.state);
 }

@@ -5,6 +5,17 @@
 
 #include <algorithm>
 
+qcMeshMotion::qcMeshMotion(const btCollisionObject* object)
+    : origin(object->getWorldTransform().getOrigin()), linear(0, 0, 0), angular(0, 0, 0)
+{
+    const btRigidBody* body = btRigidBody::upcast(object);
+    if (body != nullptr && !object->isStaticObject())
+    {
+        linear = body->getLinearVelocity();
+        angular = body->getAngularVelocity();
+    }
+}
+
 btScalar qcMotion(const btTransform& from, const btTransform& to, btScalar radius)
 {
     btScalar turn = 0;
@@ -23,11 +34,7 @@ btScalar qcApproach(const btCollisionObject* object, btScalar radius, btScalar t
     const btRigidBody* body = btRigidBody::upcast(object);
     if (!object->isStaticObject() && (body == nullptr || timeStep <= 0))
         return limit; // not known
-    btVector3 velocity = -drift.At(object->getWorldTransform().getOrigin()), spin = -drift.angular;
-    if (!object->isStaticObject())
-    {
-        velocity += body->getLinearVelocity();
-        spin += body->getAngularVelocity();
-    }
+    qcMeshMotion motion(object);
+    btVector3 velocity = motion.linear - drift.At(motion.origin), spin = motion.angular - drift.angular;
     return std::min(limit, (velocity.length() + spin.length() * radius) * timeStep);
 }

@@ -15,6 +15,25 @@ struct qcMeshDrift
     }
 };
 
+/// How an object moves now: a rigid body's velocities, and none of anything else.
+struct qcMeshMotion
+{
+    btVector3 origin, linear, angular;
+
+    explicit qcMeshMotion(const btCollisionObject* object);
+
+    btVector3 At(const btVector3& point) const
+    {
+        return linear + angular.cross(point - origin);
+    }
+
+    /// The speed of a point no further than `radius` from the object's origin, at most.
+    btScalar Fastest(btScalar radius) const
+    {
+        return linear.length() + angular.length() * radius;
+    }
+};
+
 /// How far a point of a body moves at most from one place to another one, if it is no further than `radius` from the
 /// body's origin.
 btScalar qcMotion(const btTransform& from, const btTransform& to, btScalar radius);

@@ -9,6 +9,21 @@ namespace
 // The cosine of 45 degrees: walls of a corner are groups of their own, a round hollow is a few.
 constexpr btScalar s_sameGroup = btScalar(0.7071);
 
+// Of points that are as good as each other, as are the corners of a ring that lies flat, those of the step before stay:
+// with them stay their impulses. Five tori in a bin, 40 starts: mean energy after 4 s 0.012 J without, 0.008 with this;
+// twice as much changes nothing more.
+constexpr btScalar s_keptNearer = btScalar(0.05), s_keptWider = 2;
+
+btVector3 VectorOf(const double v[3])
+{
+    return btVector3(btScalar(v[0]), btScalar(v[1]), btScalar(v[2]));
+}
+
+qcTriangleSource SourceOf(const std::vector<qcTriangleSource>& sources, uint32_t triangle)
+{
+    return sources.empty() ? qcTriangleSource{0, int(triangle)} : sources[triangle];
+}
+
 /// Of a group while it is chosen from.
 struct Members
 {
@@ -43,6 +58,14 @@ btScalar Reaches(const qcPointGroup& group, const btVector3& normal, const btVec
     return outside;
 }
 
+/// What counts of a point: its distance, or, where only the step brings it within reach, what is left then. It counts
+/// less than those that carry now: it may be met by others first.
+btScalar Nearest(const qcMeshPoint& point, btScalar reach)
+{
+    btScalar distance = point.distance <= reach ? point.distance : std::max(point.ahead, reach / 2);
+    return point.kept ? distance - s_keptNearer * reach : distance;
+}
+
 /// At either end: Bullet tells points of a manifold apart by that on its first body, which a depth moves along the
 /// normal, and would put this point in the other's place. It does so within the distance that it has to accept.
 bool IsNear(const qcPointGroup& group, const qcMeshPoint& point, btScalar apart)
@@ -61,7 +84,7 @@ void Choose(const Members& members, btScalar reach, btScalar apart, qcPointGroup
 {
     group->count = 1;
     group->points[0] = members.points[0];
-    btScalar deepest = members.points[0]->distance;
+    btScalar deepest = Nearest(*members.points[0], reach);
     btScalar span = std::max(reach - deepest, SIMD_EPSILON);
     while (group->count < 4)
     {
@@ -71,9 +94,10 @@ void Choose(const Members& members, btScalar reach, btScalar apart, qcPointGroup
         {
             // What is not yet touching will carry nothing soon: a wide but distant point must not take the place of
             // those that the body stands on.
-            btScalar open = std::min(std::max(point->distance, btScalar(0)) - std::max(deepest, btScalar(0)), span);
+            btScalar open =
+                std::min(std::max(Nearest(*point, reach), btScalar(0)) - std::max(deepest, btScalar(0)), span);
             btScalar weight = (1 - open / span) * (1 - open / span);
-            btScalar gain = weight * Reaches(*group, members.normal, point->onB);
+            btScalar gain = weight * Reaches(*group, members.normal, point->onB) * (point->kept ? s_keptWider : 1);
             if (gain > most && !IsNear(*group, *point, apart))
             {
                 most = gain;
@@ -90,7 +114,8 @@ void Choose(const Members& members, btScalar reach, btScalar apart, qcPointGroup
 int qcGroupPoints(std::vector<qcMeshPoint>* points, btScalar reach, btScalar apart, int most, qcPointGroup* groups)
 {
     std::stable_sort(points->begin(), points->end(),
-                     [](const qcMeshPoint& a, const qcMeshPoint& b) { return a.distance < b.distance; });
+                     [reach](const qcMeshPoint& a, const qcMeshPoint& b)
+                     { return Nearest(a, reach) < Nearest(b, reach); });
     std::vector<Members> members;
     for (const qcMeshPoint& point : *points)
     {
@@ -108,4 +133,29 @@ int qcGroupPoints(std::vector<qcMeshPoint>* points, btScalar reach, btScalar apa
                   [](const qcMeshPoint* a, const qcMeshPoint* b) { return a->distance < b->distance; });
     }
     return int(members.size());
+}
+
+void qcAppendPoints(const qcResult& result, qcBodyId a, const std::vector<qcTriangleSource>& sourcesA, qcBodyId b,
+                    const std::vector<qcTriangleSource>& sourcesB, std::vector<qcMeshPoint>* points)
+{
+    bool swapped = a.slot > b.slot;
+    uint32_t low = std::min(a.slot, b.slot), high = std::max(a.slot, b.slot);
+    const qcManifold* end = result.manifolds + result.manifoldCount;
+    auto isBefore = [](const qcManifold& manifold, const std::pair<uint32_t, uint32_t>& bodies)
+    { return std::make_pair(manifold.bodyA, manifold.bodyB) < bodies; };
+    const qcManifold* m = std::lower_bound(result.manifolds, end, std::make_pair(low, high), isBefore);
+    for (; m != end && m->bodyA == low && m->bodyB == high; m++)
+        for (uint32_t i = 0; i < m->pointCount; i++)
+        {
+            const qcManifoldPoint& point = result.manifoldPoints[m->firstPoint + i];
+            qcMeshPoint mine;
+            mine.onA = VectorOf(swapped ? point.pointB : point.pointA);
+            mine.onB = VectorOf(swapped ? point.pointA : point.pointB);
+            mine.normal = swapped ? -VectorOf(point.normal) : VectorOf(point.normal);
+            mine.distance = btScalar(point.distance);
+            mine.sourceA = SourceOf(sourcesA, swapped ? point.triangleB : point.triangleA);
+            mine.sourceB = SourceOf(sourcesB, swapped ? point.triangleA : point.triangleB);
+            mine.region = int(m - result.manifolds);
+            points->push_back(mine);
+        }
 }

@@ -2,7 +2,23 @@
 #ifndef QC_BULLET_GLUE_MESH_POINTS_H
 #define QC_BULLET_GLUE_MESH_POINTS_H
 
-#include "mesh_batch.h"
+#include "mesh_geometry.h"
+
+/// Where two triangles come near each other, or cross.
+struct qcMeshPoint
+{
+    btVector3 onA, onB; ///< in world space
+    btVector3 normal;   ///< from B towards A
+    btScalar distance;  ///< between the triangles; the margins of the shapes are not part of it
+    qcTriangleSource sourceA, sourceB;
+    int region = 0;     ///< of contact, that it is of
+    bool kept = false;  ///< a point of the step before is near
+    btScalar ahead = 0; ///< the distance at the end of the step, as the bodies move now
+};
+
+/// The points of two bodies, seen from the first.
+void qcAppendPoints(const qcResult& result, qcBodyId a, const std::vector<qcTriangleSource>& sourcesA, qcBodyId b,
+                    const std::vector<qcTriangleSource>& sourcesB, std::vector<qcMeshPoint>* points);
 
 /// A few points with similar normals, the deepest first, then by distance.
 struct qcPointGroup

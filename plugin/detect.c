@@ -398,6 +398,8 @@ static qcStatus RunStages(Step* step)
     double start = step->clock = qcClock_Now();
     Plan(step);
     QC_TRY(FindOwners(step));
+    d->triangles.filter = step->def->pairFilter;
+    d->triangles.filterContext = step->def->pairFilterContext;
     QC_TRY(qcTriangles_Number(&d->triangles, step->bodies));
     step->profile.bodies = d->triangles.bodyCount;
     step->profile.triangles = d->triangles.count;
@@ -415,9 +417,9 @@ static qcStatus RunStages(Step* step)
 /// Would the same question be asked again? Fields, not bytes: padding has no meaning.
 static bool IsSameQuestion(const qcDetectDef* a, const qcDetectDef* b)
 {
-    return a->method == b->method && a->margin == b->margin && a->touching == b->touching &&
-           a->neighbours == b->neighbours && a->segments == b->segments && a->proximities == b->proximities &&
-           a->manifolds == b->manifolds && a->contactMargin == b->contactMargin &&
+    return a->pairFilter == NULL && b->pairFilter == NULL && a->method == b->method && a->margin == b->margin &&
+           a->touching == b->touching && a->neighbours == b->neighbours && a->segments == b->segments &&
+           a->proximities == b->proximities && a->manifolds == b->manifolds && a->contactMargin == b->contactMargin &&
            a->nearestContacts == b->nearestContacts && a->layerColumns == b->layerColumns &&
            a->layerDepthAxis == b->layerDepthAxis && strncmp(a->views, b->views, 4) == 0 &&
            a->resolution == b->resolution && a->iterations == b->iterations && a->backToFront == b->backToFront &&

@@ -22,6 +22,9 @@ qcMeeting qcObjects_Meet(const qcTriangles* triangles, uint32_t a, uint32_t b)
         return qc_meetingAtRest;
     if ((p->group & q->mask) == 0 || (q->group & p->mask) == 0 || (p->owner != 0 && p->owner == q->owner))
         return qc_meetingFiltered;
+    if (triangles->filter != NULL &&
+        !triangles->filter(triangles->filterContext, qcTriangles_Slot(triangles, a), qcTriangles_Slot(triangles, b)))
+        return qc_meetingFiltered;
     if (!qcVisibilitySet_MayCollide(QC_AT(uint8_t, triangles->bodySet, a), QC_AT(uint8_t, triangles->bodySet, b)))
         return qc_meetingSameSet;
     return qc_meetingYes;

@@ -15,7 +15,7 @@ typedef enum qcMeeting
 {
     qc_meetingYes,
     qc_meetingAtRest,   ///< neither moves
-    qc_meetingFiltered, ///< group and mask, or one owner
+    qc_meetingFiltered, ///< group and mask, one owner, or the filter of the step
     qc_meetingSameSet   ///< inside one collision-free set (lemma 2)
 } qcMeeting;
 

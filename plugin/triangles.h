@@ -10,6 +10,8 @@
 typedef struct qcTriangles
 {
     const qcBodies* bodies;
+    qcPairFilter filter; ///< of the step; may be null
+    void* filterContext;
     uint32_t bodyCount, count;
     uint64_t numbered; ///< qcBodies::added of what the arrays say; 0: nothing
     qcArray slots;     ///< uint32_t: slot of a body

@@ -114,7 +114,9 @@ struct qcMeshContactStatistics
     qcMethod method = qc_methodSweep;
     const char* device = "none";
     const char* fallback = nullptr; ///< why another method than the one asked for ran, or null
+    int moments = 0;                ///< within the step that were looked at, for bodies that move fast
     double gatherMs = 0;            ///< milliseconds of reading from Bullet
+    double aheadMs = 0;             ///< milliseconds of looking at these moments
     /// Milliseconds of the query, and what its stages took of it.
     double detectMs = 0, cullMs = 0, sweepMs = 0, exactMs = 0, manifoldMs = 0;
 };

@@ -206,6 +206,10 @@ typedef struct qcProximity
 /// extent / distance. Exchanging A and B gives the mirror image to the last bit. Any thread.
 QC_API bool qcTrianglesWithin(const double* a, const double* b, double margin, qcProximity* proximity);
 
+/// Are the triangles of two different bodies, named by their slots, of interest? Has to say the same of a pair for as
+/// long as the call takes that asks, and not to call the scene; may be asked on several threads, and more than once.
+typedef bool (*qcPairFilter)(void* context, uint32_t slotA, uint32_t slotB);
+
 typedef struct qcDetectDef
 {
     uint32_t structSize;
@@ -229,6 +233,10 @@ typedef struct qcDetectDef
     /// Of the contacts between a deforming body and a rigid one report only those at points of the rigid body to which
     /// no point around them is nearer: what keeps the deforming body off these keeps it off the others.
     bool nearestContacts;
+    /// Leaves pairs of bodies out, beside what the bodies' own groups and owners do. Null: none. With a filter a step
+    /// is computed anew even if nothing moved.
+    qcPairFilter pairFilter;
+    void* pairFilterContext;
     /// Threads to use; 0: one per core, or as many as qcSetParallelFor was given. The result does not depend on it.
     uint32_t threads;
     //  What follows speaks to `layers` only; it changes the cost, never the answer.
@@ -269,6 +277,8 @@ static inline qcDetectDef qcDefaultDetectDef(void)
                        false,
                        0.0,
                        false,
+                       NULL,
+                       NULL,
                        0,
                        0,
                        0,

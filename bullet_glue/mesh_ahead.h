@@ -1,0 +1,72 @@
+// What meshes come upon in the course of a step, further ahead than contact points reach at its beginning.
+#ifndef QC_BULLET_GLUE_MESH_AHEAD_H
+#define QC_BULLET_GLUE_MESH_AHEAD_H
+
+#include "mesh_points.h"
+
+#include <unordered_map>
+
+/// A mesh of the scene at the beginning of a step.
+struct qcMovingMesh
+{
+    const btCollisionObject* object;
+    qcBodyId id;
+    btTransform transform; ///< as the scene has it
+    const std::vector<qcTriangleSource>* sources;
+    btScalar radius;    ///< of the object, from its origin
+    btScalar threshold; ///< contact breaking threshold of the object
+    btScalar reach;     ///< how far beyond its shell contact points are found at the beginning of the step
+    btScalar margin;    ///< the shell
+};
+
+/// A step as a row of moments. Bodies are carried along as they move when the step begins, and at each moment the pairs
+/// that move fast are looked at as if it were the beginning of a step. A point of contact found there is one that the
+/// solver has to know of now: Bullet's constraint for a point at a distance lets the bodies come as far as that.
+///
+/// Lin's and Canny's or Mirtich's conservative advancement would need the distance of two soups at each of its steps;
+/// this needs contact only, which is what the scene is quick at. Two moments are no further apart than contact points
+/// reach.
+class qcMeshAhead
+{
+  public:
+    /// Forgets the step before.
+    void Begin(btScalar timeStep);
+    /// Takes the pair in if the two pass each other by more in the step than contact points reach.
+    void Consider(const qcMovingMesh& a, const qcMovingMesh& b);
+    /// How many moments there are to look at.
+    int CountMoments() const;
+    /// Looks at all of them. `def`: of the query at the beginning. The scene's bodies are where they were afterwards,
+    /// its last result is not.
+    qcStatus Find(qcScene* scene, const qcDetectDef& def);
+    /// Adds what a pair comes upon, with its ends on the bodies as they are now.
+    void Append(qcBodyId a, const btTransform& transformA, qcBodyId b, const btTransform& transformB,
+                std::vector<qcMeshPoint>* points) const;
+
+  private:
+    /// Two meshes, by index: the slot of the first is lower.
+    struct Pair
+    {
+        uint32_t slotA, slotB;
+        size_t a, b;
+        int moments;
+        btScalar before = 0;             ///< its last moment
+        bool due = false;                ///< to be looked at in this one
+        bool over = false;               ///< nothing that follows would mean anything
+        std::vector<qcMeshPoint> points; ///< each end in the frame of its mesh
+    };
+
+    size_t Keep(const qcMovingMesh& mesh);
+    const Pair* PairOf(uint32_t slotA, uint32_t slotB) const;
+    static btTransform At(const qcMovingMesh& mesh, btScalar time);
+    qcStatus Place(qcScene* scene, btScalar time) const;
+    bool ChooseDue(int moment, int moments);
+    void Take(const qcResult& result, btScalar time, Pair* pair) const;
+    static bool IsDue(void* context, uint32_t slotA, uint32_t slotB);
+
+    btScalar m_timeStep = 0;
+    std::vector<qcMovingMesh> m_meshes;
+    std::unordered_map<uint32_t, size_t> m_indexOf; ///< of a mesh, by slot
+    std::vector<Pair> m_pairs;                      ///< in order of slots, once they are looked at
+};
+
+#endif
