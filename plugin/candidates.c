@@ -136,11 +136,31 @@ qcStatus qcCandidates_Sweep(qcCandidates* candidates, const qcCandidateRules* ru
     return qcCandidates_End(candidates, profile);
 }
 
-qcStatus qcCandidates_Add(qcCandidates* candidates, const qcPairKeys* keys)
+/// Appends items that begin with the key of a pair, but for those that the filter leaves out.
+static qcStatus AppendMeeting(qcArray* array, const qcTriangles* t, const qcArray* items, size_t itemSize)
 {
-    QC_TRY(qcArray_Append(&candidates->keys, keys->keys, sizeof(uint64_t), "candidate pairs"));
-    QC_TRY(qcArray_Append(&candidates->neighbourKeys, keys->contactKeys, sizeof(uint64_t), "candidate pairs"));
-    return qcArray_Append(&candidates->sure, keys->sure, sizeof(qcSortItem), "candidate pairs");
+    size_t kept = array->count;
+    QC_TRY(qcArray_Append(array, items, itemSize, "candidate pairs"));
+    if (t->filter == NULL)
+        return qc_statusOk;
+    char* data = array->data;
+    for (size_t i = kept; i < array->count; i++)
+    {
+        uint64_t key;
+        memcpy(&key, data + i * itemSize, sizeof key);
+        uint32_t a = qcTriangles_BodyOf(t, (uint32_t)(key >> 32)), b = qcTriangles_BodyOf(t, (uint32_t)key);
+        if (a == b || qcObjects_Meet(t, a, b) == qc_meetingYes)
+            memmove(data + itemSize * kept++, data + i * itemSize, itemSize);
+    }
+    array->count = kept;
+    return qc_statusOk;
+}
+
+qcStatus qcCandidates_Add(qcCandidates* candidates, const qcTriangles* triangles, const qcPairKeys* keys)
+{
+    QC_TRY(AppendMeeting(&candidates->keys, triangles, keys->keys, sizeof(uint64_t)));
+    QC_TRY(AppendMeeting(&candidates->neighbourKeys, triangles, keys->contactKeys, sizeof(uint64_t)));
+    return AppendMeeting(&candidates->sure, triangles, keys->sure, sizeof(qcSortItem));
 }
 
 void qcCandidates_Free(qcCandidates* candidates)

@@ -45,8 +45,8 @@ qcStatus qcCandidates_Sweep(qcCandidates* candidates, const qcCandidateRules* ru
 /// By comparing every box with every other: O(n^2).
 qcStatus qcCandidates_Brute(qcCandidates* candidates, const qcCandidateRules* rules, qcProfile* profile);
 
-/// Adds pairs that were found elsewhere.
-qcStatus qcCandidates_Add(qcCandidates* candidates, const qcPairKeys* keys);
+/// Adds pairs that were found elsewhere: on a device, which cannot ask the step's filter.
+qcStatus qcCandidates_Add(qcCandidates* candidates, const qcTriangles* triangles, const qcPairKeys* keys);
 
 void qcCandidates_Free(qcCandidates* candidates);
 

@@ -265,7 +265,7 @@ static qcStatus SweepTriangles(Step* step)
     QC_TRY(SweepSurfaces(step));
     QC_TRY(ListNeighbours(step));
     const qcPairKeys keys = {&d->layersKeys, &d->layersContactKeys, &d->layersSure};
-    return qcCandidates_Add(&d->candidates, &keys);
+    return qcCandidates_Add(&d->candidates, &d->triangles, &keys);
 }
 
 static uint32_t CountMarked(const uint8_t* marks, uint32_t count)

@@ -12,7 +12,7 @@ typedef enum Rule
 {
     rule_none,
     rule_owners, ///< bodies 0, 3, 6, 9 have none, the others one of two
-    rule_filters ///< groups and masks that leave out the same pairs
+    rule_filters ///< groups and masks that leave out the same pairs, as does the step's own filter below
 } Rule;
 
 static uint32_t OwnerOf(uint32_t body)
@@ -76,6 +76,38 @@ static qcDetectDef DefOf(qcMethod method)
     return def;
 }
 
+static bool MayMeet(void* asked, uint32_t slotA, uint32_t slotB)
+{
+    __atomic_fetch_add((int*)asked, 1, __ATOMIC_RELAXED);
+    return OwnerOf(slotA) == 0 || OwnerOf(slotA) != OwnerOf(slotB);
+}
+
+/// The filter of a step leaves out the same, in the steps that have one.
+static void CheckPairFilter(qcDevice* device, qcMethod method, const qcPairList* expected)
+{
+    qcScene* scene = MakeSpheres(device, rule_none);
+    qcDetectDef def = DefOf(method);
+    qcPairList all = qcDetectPairs(scene, &def);
+    int asked = 0;
+    def.pairFilter = MayMeet;
+    def.pairFilterContext = &asked;
+    qcPairList found = qcDetectPairs(scene, &def);
+    qcCheckSamePairs(expected, &found, qcMethod_Name(method));
+    ck_assert_int_ge(asked, 66);
+    free(found.pairs);
+    // What it says may be something else next time.
+    const qcResult* result;
+    CHECK_OK(qcScene_Detect(scene, &def, &result));
+    ck_assert(!result->profile.reused);
+    ck_assert_uint_eq(result->profile.bodyPairs, 66 - 12);
+    def.pairFilter = NULL;
+    found = qcDetectPairs(scene, &def);
+    qcCheckSamePairs(&all, &found, qcMethod_Name(method));
+    free(found.pairs);
+    free(all.pairs);
+    qcScene_Destroy(scene);
+}
+
 static void CheckMethod(qcDevice* device, qcMethod method, const qcPairList* expected)
 {
     qcDetectDef def = DefOf(method);
@@ -97,6 +129,7 @@ static void CheckMethod(qcDevice* device, qcMethod method, const qcPairList* exp
     free(found.pairs);
     qcScene_Destroy(owners);
     qcScene_Destroy(filters);
+    CheckPairFilter(device, method, expected);
 }
 
 START_TEST(bodies_of_one_owner_never_meet_by_any_method)
