@@ -3,10 +3,7 @@
 #include "mesh_world.h"
 
 #ifdef QC_BUNNY
-extern "C" {
-#include "mesh_decimate.h"
-#include "mesh_file.h"
-}
+#include "mesh_bunny.h"
 #endif
 
 namespace
@@ -165,29 +162,9 @@ START_TEST(five_meshes_in_a_bin_come_to_rest)
 END_TEST
 
 #ifdef QC_BUNNY
-/// About the centre of its mass, 1 high.
-qcModel ReadBunny(const char* path)
-{
-    qcMesh mesh, coarse;
-    qcMessage message;
-    ck_assert_msg(qcMesh_ReadFile(path, qc_meshAsDeclared, &mesh, &message), "%s", message.text);
-    ck_assert(qcMesh_Decimate(&mesh, 2000, &coarse));
-    qcModel model;
-    const float* positions = static_cast<const float*>(coarse.positions);
-    for (uint32_t v = 0; v < coarse.vertexCount; v++, positions += 3)
-        model.Add(0.5 * double(positions[0]), 0.5 * double(positions[1]), 0.5 * double(positions[2]));
-    model.indices.assign(coarse.indices, coarse.indices + 3 * size_t(coarse.triangleCount));
-    qcMesh_Free(&coarse);
-    qcMesh_Free(&mesh);
-    qcMassProperties mass = model.MakeShape()->getMassProperties();
-    ck_assert(mass.closed);
-    model.Move(mass.principalFrame.inverse());
-    return model;
-}
-
 START_TEST(five_bunnies_in_a_bin_come_to_rest)
 {
-    CheckBin(ReadBunny(QC_BUNNY), "bunnies");
+    CheckBin(qcBunnyModel(QC_BUNNY), "bunnies");
 }
 END_TEST
 #endif
