@@ -171,19 +171,57 @@ static qcOwnedFeatures OwnedBy(const qcContactSide* side)
                                       : side->body->owned[side->triangle];
 }
 
-int qcContact_Find(qcContactFacet* a, qcContactFacet* b, double margin, qcContact* contacts)
+/// Corners of a pair, seen from the first. Subtracted as they are: nothing but the difference is rounded.
+static void LoadPair(const qcContactPair* pair, size_t at, qcFeaturePairs* loaded)
 {
-    qcOwnedFeatures ownedA = OwnedBy(&a->side), ownedB = OwnedBy(&b->side);
+    double a[3][3], b[3][3];
+    qcBody_GetTriangle(pair->a.body, pair->a.triangle, a);
+    qcBody_GetTriangle(pair->b.body, pair->b.triangle, b);
+    for (int axis = 0; axis < 3; axis++)
+    {
+        loaded->corner[0][axis][at] = (float)(a[1][axis] - a[0][axis]);
+        loaded->corner[1][axis][at] = (float)(a[2][axis] - a[0][axis]);
+        for (int c = 0; c < 3; c++)
+            loaded->corner[2 + c][axis][at] = (float)(b[c][axis] - a[0][axis]);
+    }
+    loaded->margin[at] = (float)pair->margin;
+}
+
+/// What stands for a feature of its own on both sides.
+static qcNearFeatures OwnedByPair(const qcContactPair* pair)
+{
+    unsigned a = OwnedBy(&pair->a), b = OwnedBy(&pair->b), edgesA = a >> 3, edgesB = b >> 3;
+    unsigned edges = edgesB * ((edgesA & 1u) | (edgesA & 2u) << 2 | (edgesA & 4u) << 4);
+    return (qcNearFeatures)((a & 7u) | (b & 7u) << qc_nearCornersOfB | edges << qc_nearEdges);
+}
+
+void qcContact_FindNear(const qcSurfaceKernels* kernels, const qcContactPair* pairs, size_t count,
+                        qcNearFeatures near[qc_featurePairs])
+{
+    qcFeaturePairs loaded;
+    for (size_t i = 0; i < qc_featurePairs; i++)
+        LoadPair(&pairs[i < count ? i : 0], i, &loaded);
+    kernels->findNearFeatures(&loaded, near);
+    for (size_t i = 0; i < count; i++)
+        near[i] &= OwnedByPair(&pairs[i]);
+}
+
+int qcContact_Find(qcContactFacet* a, qcContactFacet* b, double margin, qcNearFeatures near, qcContact* contacts)
+{
     // Boxes only spare work: wider than the margin, so that their rounding decides nothing; and narrower than those
     // that found the pair (qcContact_Reach), so that who found it decides nothing either.
     double reach = margin * (1.0 + 1e-9);
     int count = 0;
-    for (unsigned corners = ownedA & 7u; corners != 0; corners &= corners - 1)
-        count += VertexFace(a, __builtin_ctz(corners), b, margin, reach, contacts + count);
-    for (unsigned corners = ownedB & 7u; corners != 0; corners &= corners - 1)
-        count += VertexFace(b, __builtin_ctz(corners), a, margin, reach, contacts + count);
-    for (unsigned edgesA = ownedA >> 3; edgesA != 0; edgesA &= edgesA - 1)
-        for (unsigned edgesB = ownedB >> 3; edgesB != 0; edgesB &= edgesB - 1)
-            count += EdgeEdge(a, __builtin_ctz(edgesA), b, __builtin_ctz(edgesB), margin, reach, contacts + count);
+    for (unsigned left = near; left != 0; left &= left - 1)
+    {
+        int at = __builtin_ctz(left), edges = at - qc_nearEdges;
+        qcContact* contact = contacts + count;
+        if (edges >= 0)
+            count += EdgeEdge(a, edges / 3, b, edges % 3, margin, reach, contact);
+        else if (at >= qc_nearCornersOfB)
+            count += VertexFace(b, at - qc_nearCornersOfB, a, margin, reach, contact);
+        else
+            count += VertexFace(a, at, b, margin, reach, contact);
+    }
     return count;
 }

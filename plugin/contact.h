@@ -2,6 +2,7 @@
 #ifndef QC_PLUGIN_CONTACT_H
 #define QC_PLUGIN_CONTACT_H
 
+#include "surface_kernels.h"
 #include "surroundings.h"
 
 enum
@@ -32,7 +33,18 @@ typedef struct qcContactFacet
 
 void qcContactFacet_Set(qcContactFacet* facet, const qcContactSide* side);
 
-/// Writes the contacts between the features that the two triangles stand for; returns their number.
-int qcContact_Find(qcContactFacet* a, qcContactFacet* b, double margin, qcContact* contacts);
+/// Two triangles whose contacts within a margin are wanted.
+typedef struct qcContactPair
+{
+    qcContactSide a, b;
+    double margin;
+} qcContactPair;
+
+/// Which features that the triangles stand for may have contacts. Of qc_featurePairs pairs at most.
+void qcContact_FindNear(const qcSurfaceKernels* kernels, const qcContactPair* pairs, size_t count,
+                        qcNearFeatures near[qc_featurePairs]);
+
+/// Writes the contacts between these features; returns their number. The facets are those of the pair.
+int qcContact_Find(qcContactFacet* a, qcContactFacet* b, double margin, qcNearFeatures near, qcContact* contacts);
 
 #endif

@@ -32,6 +32,7 @@ typedef struct Job
     const qcArray *keys, *neighbourKeys; ///< of uint64_t; blocks of the second come after those of the first
     size_t keyBlocks;
     const qcDetectDef* def;
+    const qcSurfaceKernels* kernels;
 } Job;
 
 typedef struct Side
@@ -98,30 +99,52 @@ static qcContactSide ContactSideOf(const Job* job, Side side)
     return (qcContactSide){body, slot, side.triangle, surroundings};
 }
 
-static void FindContacts(const Job* job, qcNarrowSink* sink, uint64_t key, qcContactFacet facets[2])
+static qcContactPair ContactPairOf(const Job* job, uint64_t key)
 {
-    qcContactSide p = ContactSideOf(job, SideOf(job->triangles, (uint32_t)(key >> 32)));
-    qcContactSide q = ContactSideOf(job, SideOf(job->triangles, (uint32_t)key));
+    qcContactPair pair = {.a = ContactSideOf(job, SideOf(job->triangles, (uint32_t)(key >> 32))),
+                          .b = ContactSideOf(job, SideOf(job->triangles, (uint32_t)key))};
     // Between two bodies of a kind all contacts count.
-    if (p.body->deforming == q.body->deforming)
-        p.surroundings = q.surroundings = NULL;
-    qcContact found[qc_maxContactsPerPair];
-    qcContactFacet_Set(&facets[0], &p);
-    qcContactFacet_Set(&facets[1], &q);
-    double margin = qcBody_PairMargin(p.body, q.body, job->def->contactMargin);
-    int count = qcContact_Find(&facets[0], &facets[1], margin, found);
+    if (pair.a.body->deforming == pair.b.body->deforming)
+        pair.a.surroundings = pair.b.surroundings = NULL;
+    pair.margin = qcBody_PairMargin(pair.a.body, pair.b.body, job->def->contactMargin);
+    return pair;
+}
+
+static void AddContacts(qcNarrowSink* sink, uint64_t key, const qcContact* found, size_t count)
+{
+    size_t first = sink->contacts.count;
     if (count == 0)
         return;
-    size_t first = sink->contacts.count;
-    sink->status = qcArray_Reserve(&sink->contacts, first + (size_t)count, sizeof(qcContact), "contacts");
+    sink->status = qcArray_Reserve(&sink->contacts, first + count, sizeof(qcContact), "contacts");
     if (sink->status == qc_statusOk)
-        sink->status = qcArray_Reserve(&sink->contactKeys, first + (size_t)count, sizeof(qcSortItem), "contacts");
+        sink->status = qcArray_Reserve(&sink->contactKeys, first + count, sizeof(qcSortItem), "contacts");
     if (sink->status != qc_statusOk)
         return;
-    memcpy(&QC_AT(qcContact, sink->contacts, first), found, (size_t)count * sizeof(qcContact));
-    for (int i = 0; i < count; i++)
-        QC_AT(qcSortItem, sink->contactKeys, first + (size_t)i) = (qcSortItem){key, first + (size_t)i};
-    sink->contacts.count = sink->contactKeys.count = first + (size_t)count;
+    memcpy(&QC_AT(qcContact, sink->contacts, first), found, count * sizeof(qcContact));
+    for (size_t i = 0; i < count; i++)
+        QC_AT(qcSortItem, sink->contactKeys, first + i) = (qcSortItem){key, first + i};
+    sink->contacts.count = sink->contactKeys.count = first + count;
+}
+
+/// Of pairs that are looked at together.
+static void FindContacts(const Job* job, qcNarrowSink* sink, const uint64_t* keys, size_t count,
+                         qcContactFacet facets[2])
+{
+    qcContactPair pairs[qc_featurePairs];
+    qcNearFeatures near[qc_featurePairs];
+    for (size_t i = 0; i < count; i++)
+        pairs[i] = ContactPairOf(job, keys[i]);
+    qcContact_FindNear(job->kernels, pairs, count, near);
+    for (size_t i = 0; i < count && sink->status == qc_statusOk; i++)
+    {
+        qcContact found[qc_maxContactsPerPair];
+        if (near[i] == 0)
+            continue;
+        qcContactFacet_Set(&facets[0], &pairs[i].a);
+        qcContactFacet_Set(&facets[1], &pairs[i].b);
+        int foundCount = qcContact_Find(&facets[0], &facets[1], pairs[i].margin, near[i], found);
+        AddContacts(sink, keys[i], found, (size_t)foundCount);
+    }
 }
 
 static size_t BlockCount(const qcArray* keys)
@@ -144,8 +167,9 @@ static void TakeBlock(void* context, size_t block, uint32_t worker)
         return;
     double start = qcClock_Now();
     qcContactFacet facets[2] = {{.index = NULL}, {.index = NULL}};
-    for (size_t i = first; i < end && sink->status == qc_statusOk; i++)
-        FindContacts(job, sink, QC_AT(uint64_t, *keys, i), facets);
+    for (size_t i = first; i < end && sink->status == qc_statusOk; i += qc_featurePairs)
+        FindContacts(job, sink, &QC_AT(uint64_t, *keys, i), end - i < qc_featurePairs ? end - i : qc_featurePairs,
+                     facets);
     sink->contactMs += qcClock_Now() - start;
 }
 
@@ -285,7 +309,8 @@ qcStatus qcNarrow_Run(qcNarrow* narrow, const qcTriangles* triangles, const qcCa
                .keys = &candidates->keys,
                .neighbourKeys = &candidates->neighbourKeys,
                .keyBlocks = BlockCount(&candidates->keys),
-               .def = def};
+               .def = def,
+               .kernels = qcSurfaceKernels_Get()};
     qcParallel_For(threads, job.keyBlocks + BlockCount(job.neighbourKeys), qc_leastBlocks, TakeBlock, &job);
     double contactMs = 0.0;
     for (size_t i = 0; i < narrow->sinks.count; i++)

@@ -112,6 +112,28 @@ typedef struct qcApartCounts
     size_t near, apart, count; ///< the last: of all that are kept
 } qcApartCounts;
 
+enum
+{
+    qc_featurePairs = 16
+};
+
+/// Pairs of triangles A and B, not of one surface's points: their corners, seen from the first of A.
+typedef struct qcFeaturePairs
+{
+    float corner[5][3][qc_featurePairs]; ///< the second and the third of A, those of B
+    float margin[qc_featurePairs];
+} qcFeaturePairs;
+
+/// Of a pair, what may be within its margin: bits of the corners of A beside B's face, of the corners of B beside A's,
+/// and of edges.
+typedef uint16_t qcNearFeatures;
+
+enum
+{
+    qc_nearCornersOfB = 3,
+    qc_nearEdges = 6 ///< bit 6 + 3 i + k: edge i of A, from its corner i to the next, and edge k of B
+};
+
 typedef struct qcSurfaceKernels
 {
     const char* name;
@@ -158,6 +180,9 @@ typedef struct qcSurfaceKernels
     /// Puts first those of `pairs` that surely penetrate, whatever the reach; their number is returned.
     size_t (*findPiercing)(const qcFilterSide* a, const qcFilterSide* b, const qcFilterBound* bound, qcPlacePair* pairs,
                            size_t count);
+    /// A corner and a face whose bit is not set are farther apart than the margin, by more than double arithmetic
+    /// rounds their distance; so are two edges, or an end of one is a closest point.
+    void (*findNearFeatures)(const qcFeaturePairs* pairs, qcNearFeatures near[qc_featurePairs]);
 } qcSurfaceKernels;
 
 extern const qcSurfaceKernels qcSurfaceKernels_plain;

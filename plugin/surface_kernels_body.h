@@ -124,6 +124,7 @@ static qcPlacePair* Collect(const qcSurfaceBoxes* a, uint32_t nodeA, const qcSur
 
 #include "surface_kernels_filter.h"
 
+#include "surface_kernels_features.h"
 #include "surface_kernels_flat.h"
 #include "surface_kernels_mapped.h"
 #include "surface_kernels_near.h"
@@ -135,7 +136,7 @@ static qcPlacePair* Collect(const qcSurfaceBoxes* a, uint32_t nodeA, const qcSur
         .name = title, .map = Map, .fitTriangles = FitTriangles, .fitGroups = FitGroups, .compare = Compare,           \
         .collect = Collect, .isFlat = IsFlat, .mapGroup = MapGroup, .mapTriangles = MapTriangles,                      \
         .collectMapped = CollectMapped, .filter = Filter, .part = Part, .keepNearNeighbours = KeepNearNeighbours,      \
-        .findQuietStars = FindQuietStars, .findPiercing = FindPiercing                                                 \
+        .findQuietStars = FindQuietStars, .findPiercing = FindPiercing, .findNearFeatures = FindNearFeatures           \
     }
 
 #endif

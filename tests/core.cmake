@@ -30,7 +30,7 @@ qc_test(test_manifold_depth test_manifold_depth.c LIBRARIES qc_oracle)
 qc_test(test_manifold_bodies test_manifold_bodies.c LIBRARIES qc_oracle)
 qc_test(test_out_of_memory test_out_of_memory.c LIBRARIES qc_oracle)
 # Kernels, surfaces and what is found with them. Their models are of single operations: no fused multiply-add.
-foreach(test test_surface_kernels test_surface_mapped test_surface_filter test_surface_flat test_surface_near
+foreach(test test_surface_kernels test_surface_mapped test_surface_filter test_surface_flat test_surface_near test_contact_features
         test_stars test_surface_neighbours test_surface test_surface_pairs test_surface_pairs_between test_surface_scenes test_follow
         test_placement test_placement_scenes)
   qc_test(${test} INTERNAL ${test}.c LIBRARIES qc_oracle)
