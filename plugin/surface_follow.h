@@ -9,7 +9,7 @@ typedef enum qcMotionMark
 {
     qc_markStill,
     qc_markMoved,
-    qc_markFar ///< by more than was allowed
+    qc_markFar ///< by more than was allowed; a bit that the others have not
 } qcMotionMark;
 
 /// Notes where the body is, which is where the surface is fitted.
