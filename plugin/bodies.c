@@ -1,6 +1,7 @@
 // Bodies come in here: checked first, then copied, so that a refused call leaves everything as it was.
 #include "bodies.h"
 
+#include "bounds.h"
 #include "positions.h"
 #include "sort.h"
 #include "status.h"
@@ -34,39 +35,6 @@ static bool IsIdentity(const qcTransform* t)
     return t->translation[0] == 0.0 && t->translation[1] == 0.0 && t->translation[2] == 0.0;
 }
 
-enum
-{
-    qc_boundsRun = 12 ///< numbers: four vertices
-};
-
-/// Least and greatest of each coordinate, four vertices side by side.
-static void FindBoundsOfVertices(const double* x, size_t vertexCount, double lower[3], double upper[3])
-{
-    double least[qc_boundsRun], most[qc_boundsRun];
-    size_t count = 3 * vertexCount, i = 0;
-    for (int k = 0; k < qc_boundsRun; k++)
-    {
-        least[k] = DBL_MAX;
-        most[k] = -DBL_MAX;
-    }
-    for (; i + qc_boundsRun <= count; i += qc_boundsRun)
-        for (int k = 0; k < qc_boundsRun; k++)
-        {
-            least[k] = x[i + k] < least[k] ? x[i + k] : least[k];
-            most[k] = x[i + k] > most[k] ? x[i + k] : most[k];
-        }
-    for (int k = 0; i < count; i++, k++)
-    {
-        least[k] = x[i] < least[k] ? x[i] : least[k];
-        most[k] = x[i] > most[k] ? x[i] : most[k];
-    }
-    for (int k = 0; k < qc_boundsRun; k++)
-    {
-        lower[k % 3] = least[k] < lower[k % 3] ? least[k] : lower[k % 3];
-        upper[k % 3] = most[k] > upper[k % 3] ? most[k] : upper[k % 3];
-    }
-}
-
 static void Include(const double p[3], double lower[3], double upper[3])
 {
     for (int axis = 0; axis < 3; axis++)
@@ -91,7 +59,7 @@ static void FindBounds(const qcBody* body, const double* positions, double lower
 {
     EmptyBox(lower, upper);
     if (body->used == NULL)
-        FindBoundsOfVertices(positions, body->vertexCount, lower, upper);
+        qcBounds_Include(positions, body->vertexCount, lower, upper);
     for (uint32_t v = 0; v < body->vertexCount && body->used != NULL; v++)
         if (body->used[v])
             Include(positions + 3 * (size_t)v, lower, upper);
@@ -242,7 +210,7 @@ qcStatus qcBodies_Add(qcBodies* bodies, const qcBodyDef* def, qcBodyId* id)
     {
         FindBounds(&body, positions, body.localLower, body.localUpper);
         EmptyBox(body.vertexLower, body.vertexUpper);
-        FindBoundsOfVertices(positions, body.vertexCount, body.vertexLower, body.vertexUpper);
+        qcBounds_Include(positions, body.vertexCount, body.vertexLower, body.vertexUpper);
         status = Place(&body, slot, &body.transform);
     }
     if (status != qc_statusOk)
