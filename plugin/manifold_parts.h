@@ -273,8 +273,8 @@ static inline uint32_t qcSigned_Find(uint32_t* nodes, uint32_t i)
     return i << 1 | opposite;
 }
 
-/// The lower root stays. If the two are in one set already, what it says of them stands.
-static inline void qcSigned_Unite(uint32_t* nodes, uint32_t i, uint32_t j, uint32_t opposite)
+/// The lower root stays. If the two are in one set already, what it says of them stands; returns whether they were not.
+static inline bool qcSigned_Unite(uint32_t* nodes, uint32_t i, uint32_t j, uint32_t opposite)
 {
     uint32_t a = qcSigned_Find(nodes, i), b = qcSigned_Find(nodes, j);
     uint32_t relation = (a ^ b ^ opposite) & 1u;
@@ -282,6 +282,7 @@ static inline void qcSigned_Unite(uint32_t* nodes, uint32_t i, uint32_t j, uint3
         nodes[b >> 1] = (a & ~1u) | relation;
     else if (b >> 1 < a >> 1)
         nodes[a >> 1] = (b & ~1u) | relation;
+    return a >> 1 != b >> 1;
 }
 
 //  ---- the parts, in the order in which they run ------------------------------------------------------------

@@ -15,10 +15,11 @@
 
 #include <string.h>
 
-/// Joins the pairs of a triangle whose other triangles share a vertex. `last`: of a vertex, one more than the entry of
-/// the last pair that had it.
-static void JoinPairs(qcManifolds* m, const qcManifoldTriangle* triangle, uint32_t* last)
+/// Joins the pairs of a triangle whose other triangles share a vertex; returns by how many sets that makes fewer.
+/// `last`: of a vertex, one more than the entry of the last pair that had it.
+static size_t JoinPairs(qcManifolds* m, const qcManifoldTriangle* triangle, uint32_t* last)
 {
+    size_t joined = 0;
     uint32_t *nodes = m->nodes.data, first = triangle->firstPair;
     const qcPairSide* entries = m->pairsOf.data;
     for (uint32_t i = first; i < first + triangle->pairCount; i++)
@@ -34,9 +35,10 @@ static void JoinPairs(qcManifolds* m, const qcManifoldTriangle* triangle, uint32
                 continue;
             qcPairSide other = entries[before - 1];
             if (nodes[self.pair] >> 1 != nodes[other.pair] >> 1)
-                qcSigned_Unite(nodes, self.pair, other.pair, self.side ^ other.side);
+                joined += qcSigned_Unite(nodes, self.pair, other.pair, self.side ^ other.side);
         }
     }
+    return joined;
 }
 
 /// Numbers the regions, and names the sides of their pairs.
@@ -78,7 +80,9 @@ qcStatus qcManifolds_JoinRegions(qcManifolds* m)
     memset(m->last.data, 0, m->vertices.count * sizeof(uint32_t));
     for (uint32_t p = 0; p < m->work.count; p++)
         QC_AT(uint32_t, m->nodes, p) = p << 1;
-    for (size_t t = 0; t < m->triangles.count; t++)
-        JoinPairs(m, &QC_AT(qcManifoldTriangle, m->triangles, t), m->last.data);
+    // Most bodies meet in one region, and long before all triangles have said so.
+    size_t sets = m->work.count;
+    for (size_t t = 0; t < m->triangles.count && sets > 1; t++)
+        sets -= JoinPairs(m, &QC_AT(qcManifoldTriangle, m->triangles, t), m->last.data);
     return TakeRegions(m);
 }
