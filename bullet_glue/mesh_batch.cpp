@@ -196,7 +196,7 @@ qcMeshBatch::Object* qcMeshBatch::Know(const btCollisionObject* object)
 /// come no nearer to each other, as distances are the same for who drifts along.
 void qcMeshBatch::FindDrift()
 {
-    m_drift = qcMeshDrift();
+    m_drift = qcMeshMotion();
     std::vector<const btRigidBody*> moving;
     const btCollisionObjectArray& objects = world->getCollisionObjectArray();
     for (int i = 0; i < objects.size(); i++)
@@ -206,7 +206,7 @@ void qcMeshBatch::FindDrift()
             qcMayHoldMeshes(body->getCollisionShape()))
             moving.push_back(body);
     }
-    qcMeshDrift mean;
+    qcMeshMotion mean;
     for (const btRigidBody* body : moving)
     {
         btScalar share = 1 / btScalar(moving.size());

@@ -143,7 +143,7 @@ class qcMeshBatch
     btScalar m_margin = 0;   ///< of the next query
     btScalar m_timeStep = 0; ///< of the dispatch; 0: not known
     qcMeshAhead m_ahead;     ///< of the last query
-    qcMeshDrift m_drift;     ///< approaches are as seen by who drifts
+    qcMeshMotion m_drift;    ///< approaches are as seen by who drifts
     std::mutex m_mutex;
 };
 

@@ -5,8 +5,7 @@
 
 #include <algorithm>
 
-qcMeshMotion::qcMeshMotion(const btCollisionObject* object)
-    : origin(object->getWorldTransform().getOrigin()), linear(0, 0, 0), angular(0, 0, 0)
+qcMeshMotion::qcMeshMotion(const btCollisionObject* object) : centre(object->getWorldTransform().getOrigin())
 {
     const btRigidBody* body = btRigidBody::upcast(object);
     if (body != nullptr && !object->isStaticObject())
@@ -29,12 +28,13 @@ btScalar qcMotion(const btTransform& from, const btTransform& to, btScalar radiu
 }
 
 btScalar qcApproach(const btCollisionObject* object, btScalar radius, btScalar timeStep, btScalar limit,
-                    const qcMeshDrift& drift)
+                    const qcMeshMotion& drift)
 {
     const btRigidBody* body = btRigidBody::upcast(object);
     if (!object->isStaticObject() && (body == nullptr || timeStep <= 0))
         return limit; // not known
     qcMeshMotion motion(object);
-    btVector3 velocity = motion.linear - drift.At(motion.origin), spin = motion.angular - drift.angular;
-    return std::min(limit, (velocity.length() + spin.length() * radius) * timeStep);
+    motion.linear -= drift.At(motion.centre);
+    motion.angular -= drift.angular;
+    return std::min(limit, motion.Fastest(radius) * timeStep);
 }

@@ -4,30 +4,22 @@
 
 #include <BulletCollision/CollisionDispatch/btCollisionObject.h>
 
-/// Of the world's meshes together.
-struct qcMeshDrift
+/// How something moves now.
+struct qcMeshMotion
 {
     btVector3 centre{0, 0, 0}, linear{0, 0, 0}, angular{0, 0, 0};
+
+    /// Stands still.
+    qcMeshMotion() = default;
+    /// A rigid body's velocities; anything else stands still.
+    explicit qcMeshMotion(const btCollisionObject* object);
 
     btVector3 At(const btVector3& point) const
     {
         return linear + angular.cross(point - centre);
     }
-};
 
-/// How an object moves now: a rigid body's velocities, and none of anything else.
-struct qcMeshMotion
-{
-    btVector3 origin, linear, angular;
-
-    explicit qcMeshMotion(const btCollisionObject* object);
-
-    btVector3 At(const btVector3& point) const
-    {
-        return linear + angular.cross(point - origin);
-    }
-
-    /// The speed of a point no further than `radius` from the object's origin, at most.
+    /// The speed of a point no further than `radius` from the centre, at most.
     btScalar Fastest(btScalar radius) const
     {
         return linear.length() + angular.length() * radius;
@@ -41,6 +33,6 @@ btScalar qcMotion(const btTransform& from, const btTransform& to, btScalar radiu
 /// How far a point of an object, no further than `radius` from its origin, may come in a step, as seen by who drifts;
 /// at most `limit`.
 btScalar qcApproach(const btCollisionObject* object, btScalar radius, btScalar timeStep, btScalar limit,
-                    const qcMeshDrift& drift);
+                    const qcMeshMotion& drift);
 
 #endif

@@ -18,15 +18,17 @@ double Seconds(size_t index)
 
 void WriteRows(FILE* stream, const qcFractureRun& run)
 {
-    std::fprintf(stream, "step,seconds,step_ms,boxes_ms,pairs_ms,gather_ms,cull_ms,sweep_ms,exact_ms,points_ms,"
-                         "other_query_ms,manifolds_ms,solver_ms,break_ms,rest_ms,method,bodies,awake,pairs,points,"
-                         "penetration_mm,lowest_mm,kinetic_j\n");
+    std::fprintf(stream,
+                 "step,seconds,step_ms,boxes_ms,pairs_ms,gather_ms,ahead_ms,cull_ms,sweep_ms,exact_ms,points_ms,"
+                 "other_query_ms,manifolds_ms,solver_ms,break_ms,rest_ms,method,bodies,awake,pairs,points,"
+                 "penetration_mm,lowest_mm,kinetic_j\n");
     for (size_t i = 0; i < run.steps.size(); i++)
     {
         const qcFractureStep& step = run.steps[i];
         std::fprintf(stream, "%zu,%.4f,%.3f", i + 1, Seconds(i), step.costs.Total());
-        for (qcStepCost cost : {qc_costBoxes, qc_costPairs, qc_costGather, qc_costCull, qc_costSweep, qc_costExact,
-                                qc_costPoints, qc_costOther, qc_costManifolds, qc_costRigid, qc_costBreak, qc_costRest})
+        for (qcStepCost cost :
+             {qc_costBoxes, qc_costPairs, qc_costGather, qc_costAhead, qc_costCull, qc_costSweep, qc_costExact,
+              qc_costPoints, qc_costOther, qc_costManifolds, qc_costRigid, qc_costBreak, qc_costRest})
             std::fprintf(stream, ",%.3f", step.costs.ms[cost]);
         std::fprintf(stream, ",%s,%zu,%zu,%d,%d,%.4f,%.3f,%.6g\n", qcMethod_Name(step.method), step.bodies, step.awake,
                      step.pairs, step.points, 1000 * double(step.penetration), 1000 * double(step.lowest), step.energy);

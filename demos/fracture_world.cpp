@@ -190,6 +190,7 @@ bool qcFractureWorld::Step(qcFractureStep* step, std::string* message)
     for (const qcMeshContactStatistics& query : m_queries)
     {
         step->costs.Move(qc_costManifolds, qc_costGather, query.gatherMs);
+        step->costs.Move(qc_costManifolds, qc_costAhead, query.aheadMs);
         step->costs.Move(qc_costManifolds, qc_costCull, query.cullMs);
         step->costs.Move(qc_costManifolds, qc_costSweep, query.sweepMs);
         step->costs.Move(qc_costManifolds, qc_costExact, query.exactMs);

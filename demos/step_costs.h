@@ -15,6 +15,7 @@ enum qcStepCost
     qc_costBoxes,     ///< Bullet: boxes of all objects, handed to the broadphase
     qc_costPairs,     ///< the broadphase finds pairs of boxes
     qc_costGather,    ///< ours: geometry is read from Bullet
+    qc_costAhead,     ///< ours: what fast bodies come upon in the step
     qc_costCull,      ///< ours: the stages of the query
     qc_costSweep,     ///< ours
     qc_costExact,     ///< ours

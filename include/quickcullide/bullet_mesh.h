@@ -133,8 +133,16 @@ struct qcMeshContactStatistics
 /// threshold and, for fine meshes, half an edge, of each body, beyond both margins; on planes however fast a body
 /// comes. What the step brings within the threshold is in a manifold before: not met deep inside. Points are grouped by
 /// normal, and each group, up to four of them, has a manifold of its own with the four points that span it, the deepest
-/// always among them. A point near one of the step before keeps its impulses. While no point of a body has moved by 3 %
-/// of that threshold, its contact points move with it and nothing is searched: meshes at rest cost next to nothing.
+/// among them, or one of the step before that is no more than 5 % of the threshold less deep. A point near one of the
+/// step before keeps its impulses.
+///
+/// Rigid bodies that pass each other by more than the threshold and 5 % of the smaller one in a step are looked at in
+/// up to sixteen moments of it, carried along by the velocities of its beginning, and stop where they touch. What the
+/// solver changes in the step is not foreseen: who runs into a body that is just being stopped is met in it. Nor are
+/// children of compounds, for which Bullet asks when boxes overlap and not before.
+///
+/// While no point of a body has moved by 3 % of that threshold, its contact points move with it and nothing is
+/// searched: meshes at rest cost next to nothing.
 ///
 /// Must outlive the world. Thread-safety: the algorithms may run on several threads at once.
 class QC_API qcMeshContact
