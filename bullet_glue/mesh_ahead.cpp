@@ -1,10 +1,8 @@
 // The moments of a step.
 //
-// The motion is that of the velocities at the beginning. What the solver changes, because a body meets a third one say,
-// is not foreseen: such a pair is met as deep as that takes it.
+// The motion is that of the velocities at the beginning; of what the solver changes only that who meets what stands
+// still stays there is foreseen.
 #include "mesh_ahead.h"
-
-#include "mesh_motion.h"
 
 #include <LinearMath/btTransformUtil.h>
 
@@ -47,69 +45,82 @@ btScalar SpeedBetween(const qcMovingMesh& a, const qcMovingMesh& b)
     return (motionA.At(centre) - motionB.At(centre)).length() +
            (motionA.angular - motionB.angular).length() * small.radius;
 }
+
+/// Of two that were apart by the one distance and then by the other, which is 0 or less: when they met.
+btScalar MeetingTime(btScalar before, btScalar last, btScalar time, btScalar distance)
+{
+    return last > 0 ? before + (time - before) * last / (last - distance) : before;
+}
+
+btScalar SpeedOf(const qcMovingMesh& mesh)
+{
+    return qcMeshMotion(mesh.object).Fastest(mesh.radius);
+}
 } // namespace
 
 void qcMeshAhead::Begin(btScalar timeStep)
 {
     m_timeStep = timeStep;
+    m_momentCount = 0;
     m_meshes.clear();
     m_indexOf.clear();
     m_pairs.clear();
 }
 
-size_t qcMeshAhead::Keep(const qcMovingMesh& mesh)
+size_t qcMeshAhead::Keep(const qcMovingMesh& mesh, bool still)
 {
     auto [found, fresh] = m_indexOf.emplace(mesh.id.slot, m_meshes.size());
     if (fresh)
-        m_meshes.push_back(mesh);
+        m_meshes.push_back({mesh, qcMeshMotion(mesh.object), still});
     return found->second;
 }
 
 void qcMeshAhead::Consider(const qcMovingMesh& a, const qcMovingMesh& b)
 {
-    btScalar spacing = std::max(std::min(a.threshold, b.threshold), s_spacing * std::min(a.radius, b.radius));
-    btScalar moments = SpeedBetween(a, b) * m_timeStep / spacing;
+    btScalar least = std::max(std::min(a.threshold, b.threshold), s_spacing * std::min(a.radius, b.radius));
+    btScalar wayA = SpeedOf(a) * m_timeStep, wayB = SpeedOf(b) * m_timeStep, way = SpeedBetween(a, b) * m_timeStep;
+    bool follows = way <= least;
+    if (follows)
+        way = std::max(wayA, wayB);
+    btScalar moments = way / least;
     // Velocities may be anything.
     if (!(moments > 1) || !std::isfinite(moments))
         return;
     bool swapped = a.id.slot > b.id.slot;
     Pair pair;
-    pair.a = Keep(swapped ? b : a);
-    pair.b = Keep(swapped ? a : b);
-    pair.slotA = m_meshes[pair.a].id.slot;
-    pair.slotB = m_meshes[pair.b].id.slot;
+    pair.a = swapped ? Keep(b, wayB <= least) : Keep(a, wayA <= least);
+    pair.b = swapped ? Keep(a, wayA <= least) : Keep(b, wayB <= least);
+    pair.slotA = std::min(a.id.slot, b.id.slot);
+    pair.slotB = std::max(a.id.slot, b.id.slot);
     pair.moments = int(std::min(btScalar(s_mostMoments), std::ceil(moments)));
+    pair.speed = way / m_timeStep;
+    // Those that follow were looked at as if they came no nearer.
+    pair.reach = follows ? btScalar(0) : std::min(a.reach, b.reach);
+    pair.follows = follows;
     m_pairs.push_back(pair);
 }
 
-int qcMeshAhead::CountMoments() const
+/// As far as it comes: a mesh that stays has moved until then.
+btTransform qcMeshAhead::At(const Mesh& mesh, btScalar time)
 {
-    int most = 0;
-    for (const Pair& pair : m_pairs)
-        most = std::max(most, pair.moments);
-    return most;
-}
-
-btTransform qcMeshAhead::At(const qcMovingMesh& mesh, btScalar time)
-{
-    if (time == 0 || mesh.object->isStaticObject())
-        return mesh.transform;
-    qcMeshMotion motion(mesh.object);
-    const btTransform& now = mesh.object->getWorldTransform();
+    const qcMovingMesh& moving = mesh.moving;
+    if (time == 0 || moving.object->isStaticObject())
+        return moving.transform;
+    const btTransform& now = moving.object->getWorldTransform();
     btTransform then;
-    btTransformUtil::integrateTransform(now, motion.linear, motion.angular, time, then);
-    return then * (now.inverse() * mesh.transform);
+    btTransformUtil::integrateTransform(now, mesh.motion.linear, mesh.motion.angular, std::min(time, mesh.stop), then);
+    return then * (now.inverse() * moving.transform);
 }
 
 qcStatus qcMeshAhead::Place(qcScene* scene, btScalar time) const
 {
     qcStatus status = qc_statusOk;
-    for (const qcMovingMesh& mesh : m_meshes)
+    for (const Mesh& mesh : m_meshes)
     {
-        if (mesh.object->isStaticObject())
+        if (mesh.moving.object->isStaticObject())
             continue;
         qcTransform transform = qcTransformOf(At(mesh, time));
-        qcStatus placed = qcScene_SetTransform(scene, mesh.id, &transform);
+        qcStatus placed = qcScene_SetTransform(scene, mesh.moving.id, &transform);
         status = status == qc_statusOk ? placed : status;
     }
     return status;
@@ -132,12 +143,14 @@ bool qcMeshAhead::IsDue(void* context, uint32_t slotA, uint32_t slotB)
 }
 
 /// Each pair at as many of the moments as it needs; false if there is none.
-bool qcMeshAhead::ChooseDue(int moment, int moments)
+bool qcMeshAhead::ChooseDue(int moment, int moments, bool following)
 {
     bool any = false;
     for (Pair& pair : m_pairs)
     {
-        pair.due = !pair.over && moment * pair.moments / moments > (moment - 1) * pair.moments / moments;
+        bool asked = pair.follows == following && !pair.over &&
+                     (!following || m_meshes[pair.a].Stays(m_timeStep) || m_meshes[pair.b].Stays(m_timeStep));
+        pair.due = asked && moment * pair.moments / moments > (moment - 1) * pair.moments / moments;
         any = any || pair.due;
     }
     return any;
@@ -145,66 +158,94 @@ bool qcMeshAhead::ChooseDue(int moment, int moments)
 
 /// Keeps the points that are out of reach at the beginning of the step, come near in it, and were apart at the moment
 /// before this one.
-void qcMeshAhead::Take(const qcResult& result, btScalar time, Pair* pair) const
+void qcMeshAhead::Take(const qcResult& result, btScalar time, Pair* pair)
 {
-    const qcMovingMesh &a = m_meshes[pair->a], &b = m_meshes[pair->b];
+    const Mesh &a = m_meshes[pair->a], &b = m_meshes[pair->b];
     std::vector<qcMeshPoint> points;
-    qcAppendPoints(result, a.id, *a.sources, b.id, *b.sources, &points);
+    qcAppendPoints(result, a.moving.id, *a.moving.sources, b.moving.id, *b.moving.sources, &points);
     btTransform backA = At(a, time).inverse(), backB = At(b, time).inverse();
-    Places first{a.transform, b.transform}, before{At(a, pair->before), At(b, pair->before)};
-    qcMeshMotion motionA(a.object), motionB(b.object);
-    btScalar shells = a.margin + b.margin, reach = std::min(a.reach, b.reach);
-    btScalar spacing = SpeedBetween(a, b) * (time - pair->before);
+    Places first{a.moving.transform, b.moving.transform}, before{At(a, pair->before), At(b, pair->before)};
+    btScalar shells = a.moving.margin + b.moving.margin;
+    // Since it was last looked at: who follows is looked at only once somebody stays.
+    btScalar passed = pair->speed * (time - pair->before), stop = BT_LARGE_FLOAT;
     for (size_t from = 0, end = 0; from < points.size(); from = end)
     {
         btScalar deepest = 0;
         for (; end < points.size() && points[end].region == points[from].region; end++)
             deepest = std::min(deepest, points[end].distance - shells);
-        pair->over = pair->over || deepest < -s_stopped * spacing;
-        for (size_t i = from; i < end && deepest >= -s_fresh * spacing; i++)
+        pair->over = pair->over || deepest < -s_stopped * passed;
+        for (size_t i = from; i < end; i++)
         {
             qcMeshPoint& point = points[i];
             point.onA = backA * point.onA;
             point.onB = backB * point.onB;
-            btScalar distance = first.Distance(point) - shells;
-            btVector3 closing = motionB.At(first.b * point.onB) - motionA.At(first.a * point.onA);
-            if (before.Distance(point) >= shells && distance > reach &&
-                distance <= reach + closing.dot(point.normal) * m_timeStep)
+            btScalar distance = first.Distance(point) - shells, last = before.Distance(point) - shells;
+            if (point.distance <= shells && last > point.distance - shells)
+                stop = std::min(stop, MeetingTime(pair->before, last, time, point.distance - shells));
+            btVector3 wayA = a.Stays(time) ? btVector3(0, 0, 0) : a.motion.At(first.a * point.onA) * m_timeStep;
+            btVector3 wayB = b.Stays(time) ? btVector3(0, 0, 0) : b.motion.At(first.b * point.onB) * m_timeStep;
+            point.ahead = distance - (wayB - wayA).dot(point.normal);
+            if (deepest >= -s_fresh * passed && last >= 0 && distance > pair->reach && point.ahead <= pair->reach)
                 pair->points.push_back(point);
         }
     }
     pair->before = time;
+    if (a.still || a.Stays(stop))
+        m_stops[pair->b] = std::min(m_stops[pair->b], stop);
+    if (b.still || b.Stays(stop))
+        m_stops[pair->a] = std::min(m_stops[pair->a], stop);
+}
+
+/// Goes through the moments. Those that follow see who stays at once.
+qcStatus qcMeshAhead::Look(qcScene* scene, const qcDetectDef& def, bool following)
+{
+    int moments = 0;
+    for (const Pair& pair : m_pairs)
+        if (pair.follows == following)
+            moments = std::max(moments, pair.moments);
+    qcStatus status = qc_statusOk;
+    for (int moment = 1; moment <= moments && status == qc_statusOk; moment++)
+    {
+        if (!ChooseDue(moment, moments, following))
+            continue;
+        m_momentCount++;
+        btScalar time = m_timeStep * btScalar(moment) / btScalar(moments);
+        const qcResult* result = nullptr;
+        status = Place(scene, time);
+        if (status == qc_statusOk)
+            status = qcScene_Detect(scene, &def, &result);
+        for (Pair& pair : m_pairs)
+            if (status == qc_statusOk && pair.due)
+                Take(*result, time, &pair);
+        for (size_t i = 0; following && i < m_meshes.size(); i++)
+            m_meshes[i].stop = m_stops[i];
+    }
+    return status;
 }
 
 qcStatus qcMeshAhead::Find(qcScene* scene, const qcDetectDef& def)
 {
+    auto isFast = [](const Pair& pair) { return !pair.follows; };
+    if (std::none_of(m_pairs.begin(), m_pairs.end(), isFast))
+        return qc_statusOk;
     std::sort(m_pairs.begin(), m_pairs.end(),
               [](const Pair& x, const Pair& y)
               { return std::make_pair(x.slotA, x.slotB) < std::make_pair(y.slotA, y.slotB); });
     double shells = 0;
     for (const Pair& pair : m_pairs)
-        shells = std::max(shells, double(m_meshes[pair.a].margin + m_meshes[pair.b].margin));
+        shells = std::max(shells, double(m_meshes[pair.a].moving.margin + m_meshes[pair.b].moving.margin));
     qcDetectDef ahead = def;
     ahead.margin = shells + double(s_reach) * std::max(def.margin - shells, 0.0);
     ahead.pairFilter = IsDue;
     ahead.pairFilterContext = this;
     // The planner learns nothing from these.
     ahead.method = qc_methodSweep;
-    qcStatus status = qc_statusOk;
-    int moments = CountMoments();
-    for (int moment = 1; moment <= moments && status == qc_statusOk; moment++)
-    {
-        if (!ChooseDue(moment, moments))
-            continue;
-        btScalar time = m_timeStep * btScalar(moment) / btScalar(moments);
-        const qcResult* result = nullptr;
-        status = Place(scene, time);
-        if (status == qc_statusOk)
-            status = qcScene_Detect(scene, &ahead, &result);
-        for (Pair& pair : m_pairs)
-            if (status == qc_statusOk && pair.due)
-                Take(*result, time, &pair);
-    }
+    m_stops.assign(m_meshes.size(), BT_LARGE_FLOAT);
+    qcStatus status = Look(scene, ahead, false);
+    for (size_t i = 0; i < m_meshes.size(); i++)
+        m_meshes[i].stop = m_stops[i];
+    if (status == qc_statusOk)
+        status = Look(scene, ahead, true);
     qcStatus placed = Place(scene, 0);
     return status == qc_statusOk ? placed : status;
 }

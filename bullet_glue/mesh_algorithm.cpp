@@ -81,7 +81,9 @@ void DropFar(const btCollisionObject* object0, const btCollisionObject* object1,
     for (qcMeshPoint& point : *points)
     {
         btVector3 closing = motion1.At(point.onB) - motion0.At(point.onA);
-        point.ahead = point.distance - closing.dot(point.normal) * timeStep;
+        btScalar ahead = point.distance - closing.dot(point.normal) * timeStep;
+        // Known to come nearer, where it is known who will be stopped.
+        point.ahead = timeStep > 0 ? std::min(point.ahead, ahead) : point.distance;
     }
     auto isFar = [&](const qcMeshPoint& point) { return std::min(point.distance, point.ahead) > reach; };
     points->erase(std::remove_if(points->begin(), points->end(), isFar), points->end());

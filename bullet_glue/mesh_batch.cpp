@@ -347,9 +347,8 @@ void qcMeshBatch::LookAhead()
                     if (mesh0.placed && mesh1.placed)
                         m_ahead.Consider(moving(object0, known0, mesh0), moving(object1, known1, mesh1));
         });
-    statistics.moments = m_ahead.CountMoments();
-    if (statistics.moments > 0)
-        Note(m_ahead.Find(m_scene, DetectDef(m_margin)));
+    Note(m_ahead.Find(m_scene, DetectDef(m_margin)));
+    statistics.moments = m_ahead.GetMomentCount();
     statistics.aheadMs = qcNowMs() - start;
 }
 

@@ -11,9 +11,9 @@ struct qcMeshPoint
     btVector3 normal;   ///< from B towards A
     btScalar distance;  ///< between the triangles; the margins of the shapes are not part of it
     qcTriangleSource sourceA, sourceB;
-    int region = 0;     ///< of contact, that it is of
-    bool kept = false;  ///< a point of the step before is near
-    btScalar ahead = 0; ///< the distance at the end of the step, as the bodies move now
+    int region = 0;                  ///< of contact, that it is of
+    bool kept = false;               ///< a point of the step before is near
+    btScalar ahead = BT_LARGE_FLOAT; ///< the distance at the end of the step, as the bodies move now
 };
 
 /// The points of two bodies, seen from the first.
