@@ -17,6 +17,8 @@ namespace
 constexpr btScalar s_spacing = btScalar(0.05);
 // A step has no more moments than this: what passes by more than a third of its size in one is not to be saved.
 constexpr int s_mostMoments = 16;
+// Those who follow who follows are looked at up to this many.
+constexpr int s_mostRounds = 16;
 // At a moment contact is looked for over this part of what is looked at in the beginning: the next moment is as far.
 constexpr btScalar s_reach = btScalar(0.5);
 // A region whose deepest point is deeper than one moment brings it was met before, and lies askew by now.
@@ -52,6 +54,12 @@ btScalar MeetingTime(btScalar before, btScalar last, btScalar time, btScalar dis
     return last > 0 ? before + (time - before) * last / (last - distance) : before;
 }
 
+/// By how much it may move from one moment to the next.
+btScalar SpacingOf(const qcMovingMesh& mesh)
+{
+    return std::max(mesh.threshold, s_spacing * mesh.radius);
+}
+
 btScalar SpeedOf(const qcMovingMesh& mesh)
 {
     return qcMeshMotion(mesh.object).Fastest(mesh.radius);
@@ -77,10 +85,10 @@ size_t qcMeshAhead::Keep(const qcMovingMesh& mesh, bool still)
 
 void qcMeshAhead::Consider(const qcMovingMesh& a, const qcMovingMesh& b)
 {
-    btScalar least = std::max(std::min(a.threshold, b.threshold), s_spacing * std::min(a.radius, b.radius));
+    btScalar leastA = SpacingOf(a), leastB = SpacingOf(b), least = std::min(leastA, leastB);
     btScalar wayA = SpeedOf(a) * m_timeStep, wayB = SpeedOf(b) * m_timeStep, way = SpeedBetween(a, b) * m_timeStep;
-    bool follows = way <= least;
-    if (follows)
+    bool stillA = wayA <= leastA, stillB = wayB <= leastB, follows = way <= least && !stillA && !stillB;
+    if (way <= least)
         way = std::max(wayA, wayB);
     btScalar moments = way / least;
     // Velocities may be anything.
@@ -88,8 +96,8 @@ void qcMeshAhead::Consider(const qcMovingMesh& a, const qcMovingMesh& b)
         return;
     bool swapped = a.id.slot > b.id.slot;
     Pair pair;
-    pair.a = swapped ? Keep(b, wayB <= least) : Keep(a, wayA <= least);
-    pair.b = swapped ? Keep(a, wayA <= least) : Keep(b, wayB <= least);
+    pair.a = swapped ? Keep(b, stillB) : Keep(a, stillA);
+    pair.b = swapped ? Keep(a, stillA) : Keep(b, stillB);
     pair.slotA = std::min(a.id.slot, b.id.slot);
     pair.slotB = std::max(a.id.slot, b.id.slot);
     pair.moments = int(std::min(btScalar(s_mostMoments), std::ceil(moments)));
@@ -142,15 +150,28 @@ bool qcMeshAhead::IsDue(void* context, uint32_t slotA, uint32_t slotB)
     return pair != nullptr && pair->due;
 }
 
-/// Each pair at as many of the moments as it needs; false if there is none.
-bool qcMeshAhead::ChooseDue(int moment, int moments, bool following)
+/// The pairs of the next round: first those that pass each other fast, then those of which one stays now. False if
+/// there is none.
+bool qcMeshAhead::ChooseAsked(bool first)
 {
     bool any = false;
     for (Pair& pair : m_pairs)
     {
-        bool asked = pair.follows == following && !pair.over &&
-                     (!following || m_meshes[pair.a].Stays(m_timeStep) || m_meshes[pair.b].Stays(m_timeStep));
-        pair.due = asked && moment * pair.moments / moments > (moment - 1) * pair.moments / moments;
+        bool stays = m_meshes[pair.a].Stays(m_timeStep) || m_meshes[pair.b].Stays(m_timeStep);
+        pair.asked = !pair.over && (first ? !pair.follows : stays);
+        any = any || pair.asked;
+    }
+    return any;
+}
+
+/// Each of them at as many of the moments as it needs; false if there is none.
+bool qcMeshAhead::ChooseDue(int moment, int moments)
+{
+    bool any = false;
+    for (Pair& pair : m_pairs)
+    {
+        bool more = moment * pair.moments / moments > (moment - 1) * pair.moments / moments;
+        pair.due = pair.asked && !pair.over && more;
         any = any || pair.due;
     }
     return any;
@@ -166,7 +187,6 @@ void qcMeshAhead::Take(const qcResult& result, btScalar time, Pair* pair)
     btTransform backA = At(a, time).inverse(), backB = At(b, time).inverse();
     Places first{a.moving.transform, b.moving.transform}, before{At(a, pair->before), At(b, pair->before)};
     btScalar shells = a.moving.margin + b.moving.margin;
-    // Since it was last looked at: who follows is looked at only once somebody stays.
     btScalar passed = pair->speed * (time - pair->before), stop = BT_LARGE_FLOAT;
     for (size_t from = 0, end = 0; from < points.size(); from = end)
     {
@@ -196,17 +216,17 @@ void qcMeshAhead::Take(const qcResult& result, btScalar time, Pair* pair)
         m_stops[pair->a] = std::min(m_stops[pair->a], stop);
 }
 
-/// Goes through the moments. Those that follow see who stays at once.
-qcStatus qcMeshAhead::Look(qcScene* scene, const qcDetectDef& def, bool following)
+/// Goes through the moments with the pairs that are asked for, which are over then.
+qcStatus qcMeshAhead::Look(qcScene* scene, const qcDetectDef& def)
 {
     int moments = 0;
     for (const Pair& pair : m_pairs)
-        if (pair.follows == following)
+        if (pair.asked)
             moments = std::max(moments, pair.moments);
     qcStatus status = qc_statusOk;
     for (int moment = 1; moment <= moments && status == qc_statusOk; moment++)
     {
-        if (!ChooseDue(moment, moments, following))
+        if (!ChooseDue(moment, moments))
             continue;
         m_momentCount++;
         btScalar time = m_timeStep * btScalar(moment) / btScalar(moments);
@@ -217,16 +237,17 @@ qcStatus qcMeshAhead::Look(qcScene* scene, const qcDetectDef& def, bool followin
         for (Pair& pair : m_pairs)
             if (status == qc_statusOk && pair.due)
                 Take(*result, time, &pair);
-        for (size_t i = 0; following && i < m_meshes.size(); i++)
-            m_meshes[i].stop = m_stops[i];
     }
+    for (Pair& pair : m_pairs)
+        pair.over = pair.over || pair.asked;
+    for (size_t i = 0; i < m_meshes.size(); i++)
+        m_meshes[i].stop = m_stops[i];
     return status;
 }
 
 qcStatus qcMeshAhead::Find(qcScene* scene, const qcDetectDef& def)
 {
-    auto isFast = [](const Pair& pair) { return !pair.follows; };
-    if (std::none_of(m_pairs.begin(), m_pairs.end(), isFast))
+    if (!ChooseAsked(true))
         return qc_statusOk;
     std::sort(m_pairs.begin(), m_pairs.end(),
               [](const Pair& x, const Pair& y)
@@ -241,11 +262,9 @@ qcStatus qcMeshAhead::Find(qcScene* scene, const qcDetectDef& def)
     // The planner learns nothing from these.
     ahead.method = qc_methodSweep;
     m_stops.assign(m_meshes.size(), BT_LARGE_FLOAT);
-    qcStatus status = Look(scene, ahead, false);
-    for (size_t i = 0; i < m_meshes.size(); i++)
-        m_meshes[i].stop = m_stops[i];
-    if (status == qc_statusOk)
-        status = Look(scene, ahead, true);
+    qcStatus status = Look(scene, ahead);
+    for (int round = 1; round < s_mostRounds && status == qc_statusOk && ChooseAsked(false); round++)
+        status = Look(scene, ahead);
     qcStatus placed = Place(scene, 0);
     return status == qc_statusOk ? placed : status;
 }

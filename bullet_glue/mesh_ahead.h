@@ -73,8 +73,9 @@ class qcMeshAhead
         btScalar reach;                  ///< what is nearer at the beginning is found without this
         bool follows;                    ///< one the other: to be looked at if one of them stays
         btScalar before = 0;             ///< its last moment
-        bool due = false;                ///< to be looked at in this one
-        bool over = false;               ///< nothing that follows would mean anything
+        bool asked = false;              ///< in this round
+        bool due = false;                ///< to be looked at in this moment
+        bool over = false;               ///< was asked for, or nothing that follows would mean anything
         std::vector<qcMeshPoint> points; ///< each end in the frame of its mesh
     };
 
@@ -82,8 +83,9 @@ class qcMeshAhead
     const Pair* PairOf(uint32_t slotA, uint32_t slotB) const;
     static btTransform At(const Mesh& mesh, btScalar time);
     qcStatus Place(qcScene* scene, btScalar time) const;
-    bool ChooseDue(int moment, int moments, bool following);
-    qcStatus Look(qcScene* scene, const qcDetectDef& def, bool following);
+    bool ChooseAsked(bool first);
+    bool ChooseDue(int moment, int moments);
+    qcStatus Look(qcScene* scene, const qcDetectDef& def);
     void Take(const qcResult& result, btScalar time, Pair* pair);
     static bool IsDue(void* context, uint32_t slotA, uint32_t slotB);
 

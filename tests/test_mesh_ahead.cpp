@@ -72,6 +72,32 @@ START_TEST(two_that_fall_side_by_side_are_not_looked_at)
 }
 END_TEST
 
+START_TEST(a_falling_column_is_stopped_from_its_foot_to_its_head)
+{
+    // 5 cm apart; the first stops while the others come by 10 cm a step, along with each other. Bullet's solver takes
+    // more than its ten rounds to hand a blow from one end to the other.
+    double deepest = 0;
+    for (int start = 0; start < 8; start++)
+    {
+        qcMeshWorld world;
+        world.world.getSolverInfo().m_numIterations = 50;
+        qcAddFloor(world, qc_floorOurs);
+        btCollisionShape* cube = world.Keep(qcCubeModel().MakeShape());
+        for (int i = 0; i < 5; i++)
+        {
+            btVector3 place(btScalar(0.05 * (i % 2)), btScalar(0.7 + 0.012 * start + 1.05 * i), 0);
+            world.Add(cube, 1, place)->setLinearVelocity(btVector3(0, -6, 0));
+        }
+        for (int i = 0; i < 60; i++)
+        {
+            world.Step();
+            deepest = std::min(deepest, qcContactsOf(world.dispatcher).deepest);
+        }
+    }
+    ck_assert_double_gt(deepest, -2e-3); // without a look ahead 0.16 to 0.55, with one at fast pairs alone 0.10
+}
+END_TEST
+
 START_TEST(the_end_of_a_spinning_bar_does_not_pass_through_a_post)
 {
     qcModel bar = qcBoxModel(btVector3(1, btScalar(0.05), btScalar(0.05)), 4);
@@ -197,6 +223,7 @@ int main()
     tcase_set_timeout(tests, 300); // a bound against hanging, not a claim about speed
     tcase_add_loop_test(tests, a_fast_cube_is_stopped_on_any_mesh_not_in_it, 0, qc_floorPlane);
     tcase_add_test(tests, two_that_fall_side_by_side_are_not_looked_at);
+    tcase_add_test(tests, a_falling_column_is_stopped_from_its_foot_to_its_head);
     tcase_add_test(tests, the_end_of_a_spinning_bar_does_not_pass_through_a_post);
     tcase_add_test(tests, what_is_pushed_after_a_query_is_looked_at_anew);
     tcase_add_test(tests, velocities_that_are_no_numbers_harm_nobody_else);
