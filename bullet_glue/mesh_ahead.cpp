@@ -12,14 +12,15 @@
 namespace
 {
 // Between two moments a pair passes by at most its contact breaking threshold, or this part of the smaller body: what
-// is small beside that is pushed out again without harm. (At 2 % the same piles take 1.3 times as long and get in each
-// other as deep.)
+// is small beside that is pushed out again without harm. At 2 % the steps of qc-fracture (seed 1) took 1.4 times as
+// long, and a pile of bunnies got no less deep into each other.
 constexpr btScalar s_spacing = btScalar(0.05);
-// A step has no more moments than this: what passes by more than a third of its size in one is not to be saved.
+// A step has no more moments than this: enough for what passes by its own radius.
 constexpr int s_mostMoments = 16;
-// Those who follow who follows are looked at up to this many.
+// As many may follow each other.
 constexpr int s_mostRounds = 16;
-// At a moment contact is looked for over this part of what is looked at in the beginning: the next moment is as far.
+// At a moment contact is looked for over this part of what is looked at in the beginning: what is farther is nearer at
+// the next one. Most of a moment's time is spent on pairs of triangles that are near, but do not touch.
 constexpr btScalar s_reach = btScalar(0.5);
 // A region whose deepest point is deeper than one moment brings it was met before, and lies askew by now.
 constexpr btScalar s_fresh = 1;
@@ -75,29 +76,34 @@ void qcMeshAhead::Begin(btScalar timeStep)
     m_pairs.clear();
 }
 
-size_t qcMeshAhead::Keep(const qcMovingMesh& mesh, bool still)
+size_t qcMeshAhead::Keep(const qcMovingMesh& mesh)
 {
     auto [found, fresh] = m_indexOf.emplace(mesh.id.slot, m_meshes.size());
     if (fresh)
-        m_meshes.push_back({mesh, qcMeshMotion(mesh.object), still});
+        m_meshes.push_back({mesh, qcMeshMotion(mesh.object), IsStill(mesh)});
     return found->second;
+}
+
+/// As slow that who meets it stays there.
+bool qcMeshAhead::IsStill(const qcMovingMesh& mesh) const
+{
+    return SpeedOf(mesh) * m_timeStep <= SpacingOf(mesh);
 }
 
 void qcMeshAhead::Consider(const qcMovingMesh& a, const qcMovingMesh& b)
 {
-    btScalar leastA = SpacingOf(a), leastB = SpacingOf(b), least = std::min(leastA, leastB);
-    btScalar wayA = SpeedOf(a) * m_timeStep, wayB = SpeedOf(b) * m_timeStep, way = SpeedBetween(a, b) * m_timeStep;
-    bool stillA = wayA <= leastA, stillB = wayB <= leastB, follows = way <= least && !stillA && !stillB;
+    btScalar least = std::min(SpacingOf(a), SpacingOf(b)), way = SpeedBetween(a, b) * m_timeStep;
+    bool follows = way <= least && !IsStill(a) && !IsStill(b);
     if (way <= least)
-        way = std::max(wayA, wayB);
+        way = std::max(SpeedOf(a), SpeedOf(b)) * m_timeStep;
     btScalar moments = way / least;
     // Velocities may be anything.
     if (!(moments > 1) || !std::isfinite(moments))
         return;
     bool swapped = a.id.slot > b.id.slot;
     Pair pair;
-    pair.a = swapped ? Keep(b, stillB) : Keep(a, stillA);
-    pair.b = swapped ? Keep(a, stillA) : Keep(b, stillB);
+    pair.a = Keep(swapped ? b : a);
+    pair.b = Keep(swapped ? a : b);
     pair.slotA = std::min(a.id.slot, b.id.slot);
     pair.slotB = std::max(a.id.slot, b.id.slot);
     pair.moments = int(std::min(btScalar(s_mostMoments), std::ceil(moments)));

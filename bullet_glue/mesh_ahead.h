@@ -24,11 +24,11 @@ struct qcMovingMesh
 /// that move fast are looked at as if it were the beginning of a step. A point of contact found there is one that the
 /// solver has to know of now: Bullet's constraint for a point at a distance lets the bodies come as far as that.
 ///
-/// Then once more, for who follows: a body that came upon one that stands still stays where it met that, and pairs that
-/// move along with each other are looked at if one of them stays. So a column that falls is stopped from its foot to
-/// its head in one step.
+/// Then again, for who follows: a body that came upon one that stands still stays where it met that, and pairs that
+/// move along with each other are looked at if one of them stays, and so on. So a column that falls is stopped from its
+/// foot to its head in one step.
 ///
-/// Lin's and Canny's or Mirtich's conservative advancement would need the distance of two soups at each of its steps;
+/// Conservative advancement (Mirtich 1996) would need the distance of two soups at each of its steps;
 /// this needs contact only, which is what the scene is quick at.
 class qcMeshAhead
 {
@@ -55,8 +55,9 @@ class qcMeshAhead
     {
         qcMovingMesh moving;
         qcMeshMotion motion;
-        bool still;                     ///< as slow that who meets it stays there
+        bool still;
         btScalar stop = BT_LARGE_FLOAT; ///< when it meets what is still
+
         bool Stays(btScalar time) const
         {
             return stop <= time;
@@ -79,7 +80,8 @@ class qcMeshAhead
         std::vector<qcMeshPoint> points; ///< each end in the frame of its mesh
     };
 
-    size_t Keep(const qcMovingMesh& mesh, bool still);
+    size_t Keep(const qcMovingMesh& mesh);
+    bool IsStill(const qcMovingMesh& mesh) const;
     const Pair* PairOf(uint32_t slotA, uint32_t slotB) const;
     static btTransform At(const Mesh& mesh, btScalar time);
     qcStatus Place(qcScene* scene, btScalar time) const;
