@@ -80,37 +80,34 @@ size_t qcMeshAhead::Keep(const qcMovingMesh& mesh)
 {
     auto [found, fresh] = m_indexOf.emplace(mesh.id.slot, m_meshes.size());
     if (fresh)
-        m_meshes.push_back({mesh, qcMeshMotion(mesh.object), IsStill(mesh)});
+        m_meshes.push_back({mesh, qcMeshMotion(mesh.object)});
     return found->second;
-}
-
-/// As slow that who meets it stays there.
-bool qcMeshAhead::IsStill(const qcMovingMesh& mesh) const
-{
-    return SpeedOf(mesh) * m_timeStep <= SpacingOf(mesh);
 }
 
 void qcMeshAhead::Consider(const qcMovingMesh& a, const qcMovingMesh& b)
 {
-    btScalar least = std::min(SpacingOf(a), SpacingOf(b)), way = SpeedBetween(a, b) * m_timeStep;
-    bool follows = way <= least && !IsStill(a) && !IsStill(b);
+    bool swapped = a.id.slot > b.id.slot;
+    const qcMovingMesh &low = swapped ? b : a, &high = swapped ? a : b;
+    btScalar least = std::min(SpacingOf(a), SpacingOf(b)), way = SpeedBetween(low, high) * m_timeStep;
+    btScalar wayLow = SpeedOf(low) * m_timeStep, wayHigh = SpeedOf(high) * m_timeStep;
+    Pair pair;
+    pair.still[0] = wayLow <= least;
+    pair.still[1] = wayHigh <= least;
+    pair.follows = way <= least && !pair.still[0] && !pair.still[1];
     if (way <= least)
-        way = std::max(SpeedOf(a), SpeedOf(b)) * m_timeStep;
+        way = std::max(wayLow, wayHigh);
     btScalar moments = way / least;
     // Velocities may be anything.
     if (!(moments > 1) || !std::isfinite(moments))
         return;
-    bool swapped = a.id.slot > b.id.slot;
-    Pair pair;
-    pair.a = Keep(swapped ? b : a);
-    pair.b = Keep(swapped ? a : b);
-    pair.slotA = std::min(a.id.slot, b.id.slot);
-    pair.slotB = std::max(a.id.slot, b.id.slot);
+    pair.a = Keep(low);
+    pair.b = Keep(high);
+    pair.slotA = low.id.slot;
+    pair.slotB = high.id.slot;
     pair.moments = int(std::min(btScalar(s_mostMoments), std::ceil(moments)));
     pair.speed = way / m_timeStep;
     // Those that follow were looked at as if they came no nearer.
-    pair.reach = follows ? btScalar(0) : std::min(a.reach, b.reach);
-    pair.follows = follows;
+    pair.reach = pair.follows ? btScalar(0) : std::min(a.reach, b.reach);
     m_pairs.push_back(pair);
 }
 
@@ -177,7 +174,10 @@ bool qcMeshAhead::ChooseDue(int moment, int moments)
     for (Pair& pair : m_pairs)
     {
         bool more = moment * pair.moments / moments > (moment - 1) * pair.moments / moments;
-        pair.due = pair.asked && !pair.over && more;
+        // Until one of them stays, those who follow come no nearer.
+        btScalar time = m_timeStep * btScalar(moment) / btScalar(moments);
+        bool apart = !pair.follows || m_meshes[pair.a].Stays(time) || m_meshes[pair.b].Stays(time);
+        pair.due = pair.asked && !pair.over && more && apart;
         any = any || pair.due;
     }
     return any;
@@ -216,9 +216,9 @@ void qcMeshAhead::Take(const qcResult& result, btScalar time, Pair* pair)
         }
     }
     pair->before = time;
-    if (a.still || a.Stays(stop))
+    if (pair->still[0] || a.Stays(stop))
         m_stops[pair->b] = std::min(m_stops[pair->b], stop);
-    if (b.still || b.Stays(stop))
+    if (pair->still[1] || b.Stays(stop))
         m_stops[pair->a] = std::min(m_stops[pair->a], stop);
 }
 

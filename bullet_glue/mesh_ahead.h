@@ -55,8 +55,7 @@ class qcMeshAhead
     {
         qcMovingMesh moving;
         qcMeshMotion motion;
-        bool still;
-        btScalar stop = BT_LARGE_FLOAT; ///< when it meets what is still
+        btScalar stop = BT_LARGE_FLOAT; ///< when it meets what stands still
 
         bool Stays(btScalar time) const
         {
@@ -72,6 +71,7 @@ class qcMeshAhead
         int moments;
         btScalar speed;                  ///< at which the two pass each other, at most
         btScalar reach;                  ///< what is nearer at the beginning is found without this
+        bool still[2];                   ///< one as slow that the other, where it meets it, stays
         bool follows;                    ///< one the other: to be looked at if one of them stays
         btScalar before = 0;             ///< its last moment
         bool asked = false;              ///< in this round
@@ -81,7 +81,6 @@ class qcMeshAhead
     };
 
     size_t Keep(const qcMovingMesh& mesh);
-    bool IsStill(const qcMovingMesh& mesh) const;
     const Pair* PairOf(uint32_t slotA, uint32_t slotB) const;
     static btTransform At(const Mesh& mesh, btScalar time);
     qcStatus Place(qcScene* scene, btScalar time) const;

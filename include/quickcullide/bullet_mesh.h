@@ -137,9 +137,9 @@ struct qcMeshContactStatistics
 /// step before keeps its impulses.
 ///
 /// Rigid bodies that pass each other by more than the threshold and 5 % of the smaller one in a step are looked at in
-/// up to sixteen moments of it, carried along by the velocities of its beginning, and stop where they touch; so do those
-/// that follow them. What else the solver changes in the step is not foreseen. Nor are children of compounds, for which
-/// Bullet asks when boxes overlap and not before.
+/// up to sixteen moments of it, carried along by the velocities of its beginning, and stop where they touch; so do
+/// those that follow them. What else the solver changes in the step is not foreseen. Nor are children of compounds, for
+/// which Bullet asks when boxes overlap and not before.
 ///
 /// While no point of a body has moved by 3 % of that threshold, its contact points move with it and nothing is
 /// searched: meshes at rest cost next to nothing.
