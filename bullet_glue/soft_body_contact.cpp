@@ -1,7 +1,9 @@
-// Contact of soft bodies: nodes that went through meshes, contacts in rounds, then the exact check.
+// Contact of soft bodies: nodes that went through meshes, contacts in rounds, then planes and zones for what still
+// penetrates.
 #include "soft_body_contact.h"
 
 #include "clock.h"
+#include "soft_body_untangle.h"
 
 #include <algorithm>
 
@@ -10,10 +12,9 @@ namespace
 // Sweeps over all contacts in a round. On the falling cloth of the main demo, 4 leave penetrating pairs for the next
 // round in most steps with deep folds, 8 seldom.
 constexpr int s_iterations = 8;
-// Rounds before nodes are frozen, and rounds of that before whole bodies are.
 constexpr int s_contactRounds = 4;
-constexpr size_t s_freezeRounds = 16;
-
+// Rounds of planes, and sweeps over all planes in each.
+constexpr int s_planeRounds = 6, s_planeSweeps = 6;
 } // namespace
 
 void qcSoftBodyContact::Implementation::Begin(const btAlignedObjectArray<btSoftBody*>& bodies)
@@ -47,20 +48,24 @@ void qcSoftBodyContact::Implementation::NoteProfile()
 }
 
 /// Fills m_result, and the statistics with what it cost and what penetrates.
-qcStatus qcSoftBodyContact::Implementation::Detect(btScalar contactMargin)
+qcStatus qcSoftBodyContact::Implementation::Detect(btScalar contactMargin, bool segments)
 {
     double start = qcNowMs();
     qcStatus status = scene.UpdatePlaces();
     double gathered = qcNowMs();
     statistics.gatherMs += gathered - start;
     if (status == qc_statusOk)
-        status = scene.Detect(contactMargin, &m_result);
+        status = scene.Detect(contactMargin, segments, &m_result);
     statistics.detectMs += qcNowMs() - gathered;
     if (status != qc_statusOk)
         return status;
     NoteProfile();
-    auto isWanted = [this](const qcPair& pair) { return qcMayPush(scene, pair.bodyA, pair.bodyB); };
-    statistics.remaining = int(std::count_if(m_result->pairs, m_result->pairs + m_result->pairCount, isWanted));
+    m_held.clear();
+    for (size_t i = 0; i < m_result->pairCount; i++)
+        if (qcMayPush(scene, m_result->pairs[i].bodyA, m_result->pairs[i].bodyB))
+            m_held.push_back(i);
+    statistics.remaining = int(m_held.size());
+    m_tangles.Split(scene, *m_result, &m_held, &m_exempt);
     return qc_statusOk;
 }
 
@@ -83,7 +88,7 @@ qcStatus qcSoftBodyContact::Implementation::SolveContacts()
         qcStatus status = Detect(margin);
         if (status != qc_statusOk)
             return status;
-        qcMakeSoftConstraints(scene, *m_result, &m_constraints, &m_contactOf);
+        qcMakeSoftConstraints(scene, m_tangles, *m_result, &m_constraints, &m_contactOf);
         if (round == 0)
         {
             statistics.contacts = int(m_constraints.size());
@@ -95,27 +100,73 @@ qcStatus qcSoftBodyContact::Implementation::SolveContacts()
         Solve();
         statistics.rounds++;
         status = Detect(0);
-        if (status != qc_statusOk || statistics.remaining == 0)
+        if (status != qc_statusOk || m_held.empty())
             return status;
     }
     return qc_statusOk;
 }
 
-/// Whatever still penetrates and did not at the start goes back there: first the nodes of the triangles alone; when
-/// that does not end it, whole bodies, of which each round takes one more at least.
-qcStatus qcSoftBodyContact::Implementation::FreezeRest()
+/// Finds the triangles that penetrate at the start of the step. Where that is the end of the step before, its last
+/// result holds them already.
+qcStatus qcSoftBodyContact::Implementation::FindTangles()
 {
-    size_t bodies = scene.Bodies().size() + scene.meshes.Rigids().size();
-    for (size_t round = 0; round < s_freezeRounds + bodies + 1; round++)
+    if (scene.StartsWhereItEnded())
+        return qc_statusOk;
+    qcStatus status = scene.PlaceAtStart();
+    if (status == qc_statusOk)
+        status = scene.Detect(0, false, &m_result);
+    if (status == qc_statusOk)
+        m_tangles.Read(scene, *m_result);
+    return status;
+}
+
+/// Moves tangled surfaces towards where they come apart.
+qcStatus qcSoftBodyContact::Implementation::Untangle()
+{
+    if (m_tangles.IsEmpty())
+        return qc_statusOk;
+    qcStatus status = Detect(0, true);
+    if (status == qc_statusOk)
+        qcUntangle(scene, *m_result, m_exempt);
+    return status;
+}
+
+/// Pushes pairs apart along the directions in which they were apart at the start of the step.
+qcStatus qcSoftBodyContact::Implementation::PushApart()
+{
+    m_planes.Clear();
+    for (int round = 0; round < s_planeRounds && !m_held.empty(); round++)
     {
-        int moved = qcFreezePenetrating(scene, *m_result, round >= s_freezeRounds);
-        statistics.frozenNodes += moved;
-        if (moved == 0)
-            return qc_statusOk;
+        double start = qcNowMs();
+        for (size_t i : m_held)
+            m_planes.Add(scene, m_result->pairs[i]);
+        m_planes.Solve(s_planeSweeps);
+        scene.meshes.Commit();
+        statistics.respondMs += qcNowMs() - start;
         qcStatus status = Detect(0);
         if (status != qc_statusOk)
             return status;
     }
+    statistics.planes = int(m_planes.Count());
+    return qc_statusOk;
+}
+
+/// Moves what planes could not part as one, from the start of the step. Zones only grow, or go back to the start, so
+/// this ends.
+qcStatus qcSoftBodyContact::Implementation::MoveZones()
+{
+    m_zones.Clear();
+    for (bool changed = true; changed && !m_held.empty();)
+    {
+        changed = false;
+        for (size_t i : m_held)
+            changed = m_zones.Add(m_result->pairs[i]) || changed;
+        m_zones.Move();
+        qcStatus status = Detect(0);
+        if (status != qc_statusOk)
+            return status;
+    }
+    statistics.zoneNodes = statistics.frozenNodes = m_zones.NodeCount();
     return qc_statusOk;
 }
 
@@ -127,13 +178,26 @@ qcStatus qcSoftBodyContact::Implementation::TryResolve(btScalar timeStep)
     if (status == qc_statusOk)
         qcCollectSupports(scene, &m_supports);
     statistics.gatherMs += qcNowMs() - start;
+    if (status == qc_statusOk)
+        status = FindTangles();
     if (status != qc_statusOk)
         return status;
     qcMakeSweptConstraints(scene, &m_constraints);
     statistics.sweptNodes = int(m_constraints.size());
     Solve();
-    status = SolveContacts();
-    return status == qc_statusOk && statistics.remaining > 0 ? FreezeRest() : status;
+    status = Untangle();
+    if (status == qc_statusOk)
+        status = SolveContacts();
+    if (status == qc_statusOk)
+        status = PushApart();
+    if (status == qc_statusOk)
+        status = MoveZones();
+    if (status != qc_statusOk)
+        return status;
+    statistics.unproven = int(m_held.size());
+    statistics.exempt = statistics.remaining - statistics.unproven;
+    m_tangles.Read(scene, *m_result);
+    return qc_statusOk;
 }
 
 bool qcSoftBodyContact::Implementation::Resolve(btScalar timeStep)

@@ -4,13 +4,15 @@
 
 #include "manifolds.h"
 #include "soft_body_response.h"
+#include "soft_body_planes.h"
 #include "soft_body_takeover.h"
+#include "soft_body_zones.h"
 
 /// The step of the world calls Begin first, then Start where node positions still are those of the start of the step,
 /// then Resolve where Bullet has moved everything, and Tell when all is done.
 struct qcSoftBodyContact::Implementation
 {
-    explicit Implementation(qcDevice* device) : scene(device)
+    explicit Implementation(qcDevice* device) : scene(device), m_zones(scene)
     {
     }
 
@@ -34,16 +36,24 @@ struct qcSoftBodyContact::Implementation
 
   private:
     void NoteProfile();
-    qcStatus Detect(btScalar contactMargin);
+    qcStatus Detect(btScalar contactMargin, bool segments = false);
     void Solve();
     qcStatus SolveContacts();
-    qcStatus FreezeRest();
+    qcStatus FindTangles();
+    qcStatus Untangle();
+    qcStatus PushApart();
+    qcStatus MoveZones();
     qcStatus TryResolve(btScalar timeStep);
 
     std::vector<qcSoftConstraint> m_constraints;
     std::vector<size_t> m_contactOf;
     std::vector<qcSoftSupport> m_supports;
     const qcResult* m_result = nullptr; ///< of the last detection
+    //  Numbers of its penetrating pairs: those that have to be apart, and those that are tangled.
+    std::vector<size_t> m_held, m_exempt;
+    qcSoftTangles m_tangles; ///< of the start of the step; after it, of its end
+    qcSeparationPlanes m_planes;
+    qcSoftZones m_zones;
 };
 
 #endif

@@ -18,7 +18,7 @@ void MoveNodes(const qcSceneSoftBody& known, btScalar timeStep)
         [&](int i)
         {
             btSoftBody::Node& node = known.body->m_nodes[i];
-            node.m_v += (known.places[size_t(i)] - node.m_x) / timeStep;
+            node.m_v += known.MotionOf(size_t(i), node.m_x) / timeStep;
             node.m_vn = node.m_v;
             node.m_q = node.m_x = known.places[size_t(i)];
             moved = true;

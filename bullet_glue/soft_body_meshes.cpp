@@ -147,6 +147,18 @@ void qcSceneRigid::Push(const btVector3& arm, const btVector3& push)
     angular += body->getInvInertiaTensorWorld() * arm.cross(push) * body->getAngularFactor();
 }
 
+bool qcSceneRigid::IsFree() const
+{
+    const btVector3 all(1, 1, 1);
+    return body != nullptr && body->getInvMass() > 0 && body->getLinearFactor() == all &&
+           body->getAngularFactor() == all;
+}
+
+btTransform qcSceneRigid::MotionTo(const btTransform& transform) const
+{
+    return transform == start ? btTransform::getIdentity() : transform * start.inverse();
+}
+
 void qcSoftBodyMeshes::Seek(btBroadphaseInterface* broadphase, const btVector3& lower, const btVector3& upper)
 {
     Seeker seeker(&m_sought);
@@ -171,14 +183,17 @@ void qcSoftBodyMeshes::Refresh(qcSceneRigid* rigid, btScalar timeStep)
     btRigidBody* body = btRigidBody::upcast(rigid->object);
     bool pushed = body != nullptr && body->isActive() && !body->isStaticOrKinematicObject();
     rigid->body = pushed ? body : nullptr;
-    rigid->activity = rigid->object->isStaticObject() ? qc_activityStatic
-                      : rigid->object->isActive()     ? qc_activityMoving
-                                                      : qc_activitySleeping;
+    qcActivity activity = rigid->object->isStaticObject() ? qc_activityStatic
+                          : rigid->object->isActive()     ? qc_activityMoving
+                                                          : qc_activitySleeping;
+    // Pairs that slept were not in the last result.
+    rigid->ended = rigid->ended && activity == rigid->activity;
+    rigid->activity = activity;
     rigid->solved = rigid->object->getWorldTransform();
     rigid->start = StartOf(*rigid, timeStep);
     rigid->movedLinear.setZero();
     rigid->movedAngular.setZero();
-    rigid->putBack = false;
+    rigid->fromStart = false;
 }
 
 void qcSoftBodyMeshes::NumberMeshes()
@@ -252,13 +267,20 @@ qcStatus qcSoftBodyMeshes::Synchronize(qcScene* scene, btScalar timeStep)
     return status;
 }
 
-qcStatus qcSoftBodyMeshes::Place(qcScene* scene)
+bool qcSoftBodyMeshes::StartWhereTheyEnded() const
+{
+    auto isThere = [](const std::unique_ptr<qcSceneRigid>& rigid)
+    { return rigid->ended && rigid->start == rigid->end; };
+    return std::all_of(m_rigids.begin(), m_rigids.end(), isThere);
+}
+
+qcStatus qcSoftBodyMeshes::Place(qcScene* scene, bool atStart)
 {
     for (const std::unique_ptr<qcSceneRigid>& rigid : m_rigids)
         for (qcSceneMesh& mesh : rigid->meshes)
         {
             qcScene_SetMargin(scene, mesh.id, double(mesh.shape->getMargin()));
-            btTransform transform = rigid->object->getWorldTransform() * mesh.local;
+            btTransform transform = (atStart ? rigid->start : rigid->object->getWorldTransform()) * mesh.local;
             if (mesh.placed == transform)
                 continue;
             qcTransform placed = qcTransformOf(transform);
@@ -287,13 +309,12 @@ void qcSoftBodyMeshes::Commit()
     }
 }
 
-bool qcSoftBodyMeshes::PutBack(qcSceneRigid& rigid)
+void qcSoftBodyMeshes::MoveFromStart(qcSceneRigid& rigid, const btTransform& motion)
 {
-    if (rigid.body == nullptr || rigid.putBack)
-        return false;
-    rigid.putBack = true;
-    rigid.object->setWorldTransform(rigid.start);
-    return true;
+    if (!rigid.IsFree())
+        return;
+    rigid.fromStart = true;
+    rigid.object->setWorldTransform(motion == btTransform::getIdentity() ? rigid.start : motion * rigid.start);
 }
 
 void qcSoftBodyMeshes::UpdateVelocities(btScalar timeStep)
@@ -301,13 +322,16 @@ void qcSoftBodyMeshes::UpdateVelocities(btScalar timeStep)
     for (const std::unique_ptr<qcSceneRigid>& rigid : m_rigids)
     {
         btRigidBody* body = rigid->body;
-        bool moved = rigid->putBack || !rigid->movedLinear.isZero() || !rigid->movedAngular.isZero();
+        bool moved = rigid->fromStart || !rigid->movedLinear.isZero() || !rigid->movedAngular.isZero();
         if (body == nullptr || !moved)
             continue;
-        if (rigid->putBack)
+        if (rigid->fromStart)
         {
-            body->setLinearVelocity(btVector3(0, 0, 0));
-            body->setAngularVelocity(btVector3(0, 0, 0));
+            btVector3 linear, angular;
+            btTransformUtil::calculateVelocity(rigid->start, rigid->object->getWorldTransform(), timeStep, linear,
+                                               angular);
+            body->setLinearVelocity(linear);
+            body->setAngularVelocity(angular);
         }
         else
         {

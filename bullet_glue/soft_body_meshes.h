@@ -41,13 +41,17 @@ struct qcSceneRigid
     btVector3 linear{0, 0, 0}, angular{0, 0, 0};
     //  All pushes of the step.
     btVector3 movedLinear{0, 0, 0}, movedAngular{0, 0, 0};
-    bool putBack = false;                         ///< to the start of the step
+    bool fromStart = false;                       ///< moved anew from the start of the step: its velocity is anew, too
     bool ended = false;                           ///< it was there in the step before, and
     btTransform end = btTransform::getIdentity(); ///< this is where that step left it
 
     /// How a push at a point, `arm` away from the centre, moves that point.
     btVector3 Yield(const btVector3& arm, const btVector3& push) const;
     void Push(const btVector3& arm, const btVector3& push);
+    /// False: something keeps it from moving as its zone does.
+    bool IsFree() const;
+    /// The motion from the start of the step to another transform; the identity, exactly, if these are equal.
+    btTransform MotionTo(const btTransform& transform) const;
 };
 
 /// How far a point of the mesh moves at most from one transform of the mesh to another.
@@ -64,14 +68,16 @@ class qcSoftBodyMeshes
     void Seek(btBroadphaseInterface* broadphase, const btVector3& lower, const btVector3& upper);
     /// Makes the scene's meshes those that were noted since the last call.
     qcStatus Synchronize(qcScene* scene, btScalar timeStep);
-    /// Gives the scene the objects' present transforms.
-    qcStatus Place(qcScene* scene);
+    /// Gives the scene the objects' present transforms, or those of the start of the step.
+    qcStatus Place(qcScene* scene, bool atStart = false);
+    /// True if each of the objects is known since the step before, and starts where that one left it.
+    bool StartWhereTheyEnded() const;
 
     /// Moves objects as contacts pushed them since the last call.
     void Commit();
-    /// Puts an object back to where it was at the start of the step, if it can be moved: true if it was elsewhere.
-    bool PutBack(qcSceneRigid& rigid);
-    /// Ends the step. Velocities from what Commit and PutBack moved.
+    /// Moves an object from where it was at the start of the step, if it is free.
+    void MoveFromStart(qcSceneRigid& rigid, const btTransform& motion);
+    /// Ends the step. Velocities from what Commit and MoveFromStart moved.
     void UpdateVelocities(btScalar timeStep);
     /// Ends the step, and undoes all moves.
     void Restore();

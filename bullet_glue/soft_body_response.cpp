@@ -23,8 +23,7 @@ void AddNodes(qcSceneSoftBody& body, const uint32_t vertices[3], const double we
         if (weights[i] == 0.0)
             continue;
         btScalar weight = sign * btScalar(weights[i]);
-        bool held = !body.held.empty() && body.held[vertices[i]];
-        btScalar inverseMass = body.moves && !held ? body.body->m_nodes[int(vertices[i])].m_im : btScalar(0);
+        btScalar inverseMass = body.InverseMass(vertices[i]);
         constraint->place[constraint->nodeCount] = &body.places[vertices[i]];
         constraint->inverseMass[constraint->nodeCount] = inverseMass;
         constraint->weight[constraint->nodeCount++] = weight;
@@ -113,68 +112,6 @@ btVector3 PointOf(const qcSceneMesh& mesh, const uint32_t vertices[3], const dou
     return mesh.placed * point;
 }
 
-/// The corners at the start of the step.
-void StartOf(qcSoftBodyScene& scene, uint32_t slot, uint32_t triangle, double corners[9])
-{
-    const qcSceneSoftBody* soft = scene.Find(slot);
-    qcSceneRigid* rigid = nullptr;
-    const qcSceneMesh* mesh = soft == nullptr ? scene.meshes.Find(slot, &rigid) : nullptr;
-    for (size_t c = 0; c < 3; c++)
-    {
-        size_t corner = 3 * size_t(triangle) + c;
-        if (mesh != nullptr)
-        {
-            uint32_t vertex = mesh->shape->getIndices()[corner];
-            qcPlaceVertex(*mesh, rigid->start * mesh->local, vertex, &corners[3 * c]);
-            continue;
-        }
-        const btVector3& point = soft->start[soft->indices[corner]];
-        for (size_t axis = 0; axis < 3; axis++)
-            corners[3 * c + axis] = double(point[int(axis)]);
-    }
-}
-
-int PutNodeBack(qcSceneSoftBody& body, uint32_t node, const btTransform& carried)
-{
-    btVector3& x = body.places[node];
-    btVector3 back = carried == btTransform::getIdentity() ? body.start[node] : carried * body.start[node];
-    if (x == back)
-        return 0;
-    x = back;
-    return 1;
-}
-
-/// `carried`: how what they penetrate moved in the step.
-int PutBack(qcSceneSoftBody& body, uint32_t triangle, bool wholeBody, const btTransform& carried)
-{
-    int moved = 0;
-    if (wholeBody)
-        for (int i = 0; i < body.NodeCount(); i++)
-            moved += PutNodeBack(body, uint32_t(i), carried);
-    else
-        for (size_t c = 0; c < 3; c++)
-            moved += PutNodeBack(body, body.indices[3 * size_t(triangle) + c], carried);
-    return moved;
-}
-
-/// Puts back what a penetrating pair is of.
-int PutBack(qcSoftBodyScene& scene, const qcPair& pair, bool wholeBodies)
-{
-    qcSceneSoftBody *a = scene.Find(pair.bodyA), *b = scene.Find(pair.bodyB);
-    qcSceneRigid* rigid = nullptr;
-    if (a == nullptr || b == nullptr)
-        scene.meshes.Find(a == nullptr ? pair.bodyA : pair.bodyB, &rigid);
-    int moved = rigid != nullptr && wholeBodies && scene.meshes.PutBack(*rigid) ? 1 : 0;
-    btTransform carried = btTransform::getIdentity();
-    if (rigid != nullptr && !(rigid->object->getWorldTransform() == rigid->start))
-        carried = rigid->object->getWorldTransform() * rigid->start.inverse();
-    if (a != nullptr)
-        moved += PutBack(*a, pair.triangleA, wholeBodies, carried);
-    if (b != nullptr)
-        moved += PutBack(*b, pair.triangleB, wholeBodies, carried);
-    return moved;
-}
-
 /// Do Bullet's filters let them meet?
 bool AreFiltered(const btSoftBody* soft, const btCollisionObject* other)
 {
@@ -259,15 +196,15 @@ bool qcMakeMeshConstraint(qcSceneSoftBody& soft, const uint32_t vertices[3], con
     return constraint->inverseEffectiveMass > 0 || rigid.body != nullptr;
 }
 
-void qcMakeSoftConstraints(qcSoftBodyScene& scene, const qcResult& result, std::vector<qcSoftConstraint>* constraints,
-                           std::vector<size_t>* contactOf)
+void qcMakeSoftConstraints(qcSoftBodyScene& scene, const qcSoftTangles& tangles, const qcResult& result,
+                           std::vector<qcSoftConstraint>* constraints, std::vector<size_t>* contactOf)
 {
     constraints->clear();
     contactOf->clear();
     for (size_t i = 0; i < result.contactCount; i++)
     {
         qcSoftTouch touch;
-        if (!qcReadTouch(scene, result.contacts[i], &touch))
+        if (!qcReadTouch(scene, result.contacts[i], &touch) || tangles.IsExempt(result.contacts[i]))
             continue;
         qcSoftConstraint constraint{};
         if (touch.rigid != nullptr)
@@ -305,21 +242,4 @@ void qcSolveSoftConstraints(const std::vector<qcSoftConstraint>& constraints, st
             held = qcMovedSupports(supports);
         qcHoldSupports(supports, i + 1 < iterations ? held : supports->size());
     }
-}
-
-int qcFreezePenetrating(qcSoftBodyScene& scene, const qcResult& result, bool wholeBodies)
-{
-    int moved = 0;
-    for (size_t i = 0; i < result.pairCount; i++)
-    {
-        const qcPair& pair = result.pairs[i];
-        if (!qcMayPush(scene, pair.bodyA, pair.bodyB))
-            continue;
-        double before[2][9];
-        StartOf(scene, pair.bodyA, pair.triangleA, before[0]);
-        StartOf(scene, pair.bodyB, pair.triangleB, before[1]);
-        if (qcRelateTriangles(before[0], before[1]) != qc_relationPenetrating)
-            moved += PutBack(scene, pair, wholeBodies);
-    }
-    return moved;
 }

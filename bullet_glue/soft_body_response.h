@@ -1,10 +1,9 @@
-// Moves nodes of soft bodies, and meshes, apart along contacts, and back to where they started where that does not
-// help.
+// Moves nodes of soft bodies, and meshes, apart along contacts.
 #ifndef QC_BULLET_GLUE_SOFT_BODY_RESPONSE_H
 #define QC_BULLET_GLUE_SOFT_BODY_RESPONSE_H
 
-#include "soft_body_scene.h"
 #include "soft_body_supports.h"
+#include "soft_body_tangles.h"
 
 /// A contact of the result, as the response sees it: side A is a soft body, side B another one, itself, or a mesh.
 struct qcSoftTouch
@@ -49,10 +48,10 @@ bool qcMakeMeshConstraint(qcSceneSoftBody& soft, const uint32_t vertices[3], con
                           qcSceneRigid& rigid, const btVector3& point, const btVector3& normal, btScalar thickness,
                           qcSoftConstraint* constraint);
 
-/// One constraint for each contact of the result within its bodies' thickness; `contactOf` receives for each the
-/// contact's index in the result.
-void qcMakeSoftConstraints(qcSoftBodyScene& scene, const qcResult& result, std::vector<qcSoftConstraint>* constraints,
-                           std::vector<size_t>* contactOf);
+/// One constraint for each contact of the result within its bodies' thickness, tangled ones left out; `contactOf`
+/// receives for each the contact's index in the result.
+void qcMakeSoftConstraints(qcSoftBodyScene& scene, const qcSoftTangles& tangles, const qcResult& result,
+                           std::vector<qcSoftConstraint>* constraints, std::vector<size_t>* contactOf);
 
 /// One constraint for each node that went through a mesh in the step, and further than contacts reach: it is kept on
 /// the side of the triangle that it went through first.
@@ -61,10 +60,5 @@ void qcMakeSweptConstraints(qcSoftBodyScene& scene, std::vector<qcSoftConstraint
 /// Gauss-Seidel over the constraints, in their order, and the supports, some times. Meshes move with the next Commit.
 void qcSolveSoftConstraints(const std::vector<qcSoftConstraint>& constraints, std::vector<qcSoftSupport>* supports,
                             int iterations);
-
-/// Puts the nodes of penetrating pairs back to the start of the step, unless the pair penetrated there already: where a
-/// mesh penetrates, to where they were beside it. `wholeBodies`: all nodes of their bodies, and the meshes that can be
-/// moved. Returns the number of nodes and meshes moved.
-int qcFreezePenetrating(qcSoftBodyScene& scene, const qcResult& result, bool wholeBodies);
 
 #endif

@@ -137,7 +137,10 @@ void qcSoftBodyScene::TakeSettings(qcSceneSoftBody& known)
     auto found = m_settings.find(known.body);
     if (found != m_settings.end() && found->second.addition == -1)
         found->second.addition = known.addition;
-    known.settings = GetSettings(known.body);
+    qcSoftBodySettings settings = GetSettings(known.body);
+    // Pairs that slept, or were left out, were not in the last result.
+    known.startsAtEnd = known.moves == known.body->isActive() && known.settings.selfCollision == settings.selfCollision;
+    known.settings = settings;
     known.thickness = known.settings.thickness > 0
                           ? known.settings.thickness
                           : std::min(known.halfEdge, known.body->getCollisionShape()->getMargin());
@@ -180,6 +183,7 @@ qcStatus qcSoftBodyScene::Synchronize(const btAlignedObjectArray<btSoftBody*>& b
         // A body that Bullet does not simulate stays where it is.
         for (int n = 0; n < known.NodeCount(); n++)
             known.start[size_t(n)] = known.moves ? known.body->m_nodes[n].*start : known.body->m_nodes[n].m_x;
+        known.startsAtEnd = known.startsAtEnd && known.start == known.places;
         NoteHeld(known);
     }
     return qc_statusOk;
@@ -193,6 +197,7 @@ qcStatus qcSoftBodyScene::TakeSolved(btScalar timeStep)
         for (int i = 0; i < known.NodeCount(); i++)
             known.solved[size_t(i)] = known.body->m_nodes[i].m_x;
         known.places = known.solved;
+        known.shifts.clear();
         const btSoftBodyWorldInfo* info = known.body->getWorldInfo();
         btVector3 box[2];
         if (known.MeetsRigidBodies() && info->m_broadphase != nullptr && BoxOf(known, box))
@@ -201,26 +206,65 @@ qcStatus qcSoftBodyScene::TakeSolved(btScalar timeStep)
     return meshes.Synchronize(m_scene, timeStep);
 }
 
-qcStatus qcSoftBodyScene::UpdatePlaces()
+qcStatus qcSoftBodyScene::SetVertices(std::vector<btVector3> qcSceneSoftBody::*positions)
 {
     for (const qcSceneSoftBody& known : m_bodies)
     {
         if (known.places.empty())
             continue;
-        qcStatus status =
-            qcScene_SetVertices(m_scene, known.id, known.places.data(), qcBulletPositions, sizeof(btVector3));
+        const std::vector<btVector3>& from = known.*positions;
+        qcStatus status = qcScene_SetVertices(m_scene, known.id, from.data(), qcBulletPositions, sizeof(btVector3));
         if (status != qc_statusOk)
             return status;
     }
-    return meshes.Place(m_scene);
+    return qc_statusOk;
 }
 
-qcStatus qcSoftBodyScene::Detect(btScalar contactMargin, const qcResult** result)
+qcStatus qcSoftBodyScene::UpdatePlaces()
+{
+    qcStatus status = SetVertices(&qcSceneSoftBody::places);
+    return status == qc_statusOk ? meshes.Place(m_scene) : status;
+}
+
+qcStatus qcSoftBodyScene::PlaceAtStart()
+{
+    qcStatus status = SetVertices(&qcSceneSoftBody::start);
+    return status == qc_statusOk ? meshes.Place(m_scene, true) : status;
+}
+
+bool qcSoftBodyScene::StartsWhereItEnded() const
+{
+    auto isThere = [](const qcSceneSoftBody& known) { return known.startsAtEnd; };
+    return std::all_of(m_bodies.begin(), m_bodies.end(), isThere) && meshes.StartWhereTheyEnded();
+}
+
+void qcSoftBodyScene::StartOf(uint32_t slot, uint32_t triangle, double corners[9])
+{
+    const qcSceneSoftBody* soft = Find(slot);
+    qcSceneRigid* rigid = nullptr;
+    const qcSceneMesh* mesh = soft == nullptr ? meshes.Find(slot, &rigid) : nullptr;
+    for (size_t c = 0; c < 3; c++)
+    {
+        size_t corner = 3 * size_t(triangle) + c;
+        if (mesh != nullptr)
+        {
+            uint32_t vertex = mesh->shape->getIndices()[corner];
+            qcPlaceVertex(*mesh, rigid->start * mesh->local, vertex, &corners[3 * c]);
+            continue;
+        }
+        const btVector3& point = soft->start[soft->indices[corner]];
+        for (size_t axis = 0; axis < 3; axis++)
+            corners[3 * c + axis] = double(point[int(axis)]);
+    }
+}
+
+qcStatus qcSoftBodyScene::Detect(btScalar contactMargin, bool segments, const qcResult** result)
 {
     qcDetectDef def = qcDefaultDetectDef();
     def.method = method;
     def.contactMargin = double(contactMargin);
     def.nearestContacts = true;
+    def.segments = segments;
     def.threads = threads;
     return qcScene_Detect(m_scene, &def, result);
 }

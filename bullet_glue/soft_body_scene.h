@@ -23,10 +23,13 @@ struct qcSceneSoftBody
     btScalar halfEdge = 0;         ///< half the mean length of the edges when the scene got it
     btScalar thickness = 0;        ///< settings.thickness, or what stands for its zero
     bool moves = true;             ///< false: Bullet does not simulate it at present, and neither do contacts
+    bool startsAtEnd = false;      ///< all as it was at the end of the step before
     std::vector<btVector3> start;  ///< node positions at the start of the step
     std::vector<btVector3> solved; ///< as Bullet left them
     /// Where contacts have them by now. Bullet's own nodes, which are large, are written when all is done.
     std::vector<btVector3> places;
+    /// What untangling moved places by in this step, without velocity; empty if there was nothing to do.
+    std::vector<btVector3> shifts;
     std::vector<bool> held; ///< nodes that contacts don't move; empty if there are none
 
     int NodeCount() const
@@ -37,12 +40,23 @@ struct qcSceneSoftBody
     {
         return size_t(node - &body->m_nodes[0]);
     }
+    /// How far a node goes in the step, what untangling moved it by left out.
+    btVector3 MotionOf(size_t node, const btVector3& from) const
+    {
+        return places[node] - from - (shifts.empty() ? btVector3(0, 0, 0) : shifts[node]);
+    }
     /// function(node number) for each that contacts moved.
     template <typename Function> void ForEachMoved(Function function) const
     {
         for (size_t i = 0; i < places.size(); i++)
             if (places[i] != solved[i])
                 function(int(i));
+    }
+    /// 0: contacts don't move the node.
+    btScalar InverseMass(uint32_t node) const
+    {
+        bool pinned = !moves || (!held.empty() && held[node]);
+        return pinned ? btScalar(0) : body->m_nodes[int(node)].m_im;
     }
     bool MeetsRigidBodies() const
     {
@@ -69,8 +83,15 @@ class qcSoftBodyScene
     qcStatus TakeSolved(btScalar timeStep);
     /// Gives the scene the places of nodes and meshes.
     qcStatus UpdatePlaces();
+    /// Gives the scene the positions of the start of the step.
+    qcStatus PlaceAtStart();
+    /// True if all bodies, and the meshes near them, are where the step before left them, and nothing else changed that
+    /// decides which of their triangles can meet. After TakeSolved.
+    bool StartsWhereItEnded() const;
+    /// The corners of a triangle at the start of the step.
+    void StartOf(uint32_t slot, uint32_t triangle, double corners[9]);
     /// Runs the line of data.
-    qcStatus Detect(btScalar contactMargin, const qcResult** result);
+    qcStatus Detect(btScalar contactMargin, bool segments, const qcResult** result);
 
     /// The body of a slot, or null.
     qcSceneSoftBody* Find(uint32_t slot);
@@ -96,6 +117,7 @@ class qcSoftBodyScene
     };
 
     qcStatus Add(btSoftBody* body);
+    qcStatus SetVertices(std::vector<btVector3> qcSceneSoftBody::*positions);
     void DropGone(const btAlignedObjectArray<btSoftBody*>& bodies);
     void TakeSettings(qcSceneSoftBody& known);
 

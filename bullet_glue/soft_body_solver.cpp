@@ -13,7 +13,7 @@ void MoveNodes(const qcSceneSoftBody& known)
         {
             btSoftBody::Node& node = known.body->m_nodes[i];
             node.m_x = known.places[size_t(i)];
-            node.m_v = (node.m_x - known.start[size_t(i)]) * perDistance;
+            node.m_v = known.MotionOf(size_t(i), known.start[size_t(i)]) * perDistance;
         });
 }
 } // namespace

@@ -13,7 +13,7 @@ namespace
 void WriteHeading(FILE* stream)
 {
     std::fprintf(stream, "self_collision,step,seconds,step_ms,method,device,detect_ms,cull_ms,sweep_ms,exact_ms,"
-                         "contact_ms,respond_ms,contacts,penetrating_before,rounds,frozen_nodes,manifolds,"
+                         "contact_ms,respond_ms,contacts,penetrating_before,rounds,planes,zone_nodes,manifolds,"
                          "penetrating_after");
     for (const qcClothQuestionDef& question : qcClothQuestions)
         std::fprintf(stream, ",%s_pcs,%s_found,%s_missed,%s_ms", question.column, question.column, question.column,
@@ -27,10 +27,10 @@ void WriteRows(FILE* stream, const qcClothRun& run, double stepSeconds)
     {
         const qcClothStep& step = run.steps[i];
         const qcSoftBodyStatistics& s = step.statistics;
-        std::fprintf(stream, "%s,%zu,%.4f,%.3f,%s,%s,%.3f,%.3f,%.3f,%.3f,%.3f,%.3f,%d,%d,%d,%d,%d,%zu",
+        std::fprintf(stream, "%s,%zu,%.4f,%.3f,%s,%s,%.3f,%.3f,%.3f,%.3f,%.3f,%.3f,%d,%d,%d,%d,%d,%zu,%zu",
                      run.selfCollision ? "with" : "without", i + 1, double(i + 1) * stepSeconds, step.costs.Total(),
                      qcMethod_Name(s.method), s.device, s.detectMs, s.cullMs, s.sweepMs, s.exactMs, s.contactMs,
-                     s.respondMs, s.contacts, s.penetrating, s.rounds, s.frozenNodes, step.manifolds,
+                     s.respondMs, s.contacts, s.penetrating, s.rounds, s.planes, s.zoneNodes, step.manifolds,
                      step.Penetrating());
         for (const qcClothAnswer& answer : step.answers)
             if (step.compared)
@@ -131,7 +131,7 @@ void qcPrintClothTable(const qcClothRun& with, const qcClothRun& without, size_t
 {
     auto contacts = [](const qcClothStep& s) { return s.statistics.contacts; };
     auto penetrating = [](const qcClothStep& s) { return s.Penetrating(); };
-    auto frozen = [](const qcClothStep& s) { return s.statistics.frozenNodes; };
+    auto inZones = [](const qcClothStep& s) { return s.statistics.zoneNodes; };
 
     std::printf("\nCloth over a table: %zu triangles, %zu steps\n\n", triangles, with.steps.size());
     PrintLoop(with, method, device);
@@ -144,8 +144,8 @@ void qcPrintClothTable(const qcClothRun& with, const qcClothRun& without, size_t
     PrintTwo("self-penetrating pairs after a step, most", Largest(with, penetrating), Largest(without, penetrating), 0);
     PrintTwo("self-penetrating pairs at the end", double(with.steps.empty() ? 0 : with.steps.back().Penetrating()),
              double(without.steps.empty() ? 0 : without.steps.back().Penetrating()), 0);
-    PrintTwo("nodes put back to the start of a step, in all", Mean(with, frozen) * double(with.steps.size()),
-             Mean(without, frozen) * double(without.steps.size()), 0);
+    PrintTwo("nodes that moved as one with what they touch, in all", Mean(with, inZones) * double(with.steps.size()),
+             Mean(without, inZones) * double(without.steps.size()), 0);
 
     if (device.kind == qc_deviceNone)
     {

@@ -9,13 +9,13 @@ extern "C" {
 #include "mesh_file.h"
 }
 
-/// About the centre of its mass, 1 high.
-inline qcModel qcBunnyModel(const char* path)
+/// About the centre of its mass, 1 high, of about as many triangles.
+inline qcModel qcBunnyModel(const char* path, uint32_t triangles = 2000)
 {
     qcMesh mesh, coarse;
     qcMessage message;
     ck_assert_msg(qcMesh_ReadFile(path, qc_meshAsDeclared, &mesh, &message), "%s", message.text);
-    ck_assert(qcMesh_Decimate(&mesh, 2000, &coarse));
+    ck_assert(qcMesh_Decimate(&mesh, triangles, &coarse));
     qcModel model;
     const float* positions = static_cast<const float*>(coarse.positions);
     for (uint32_t v = 0; v < coarse.vertexCount; v++, positions += 3)

@@ -6,6 +6,13 @@ foreach(precision bullet bullet_double)
     qc_test(test_soft_body_nodes_${precision} test_soft_body_nodes.cpp LIBRARIES quickcullide::${precision} qc_oracle)
     qc_test(test_soft_body_callbacks_${precision} test_soft_body_callbacks.cpp
       LIBRARIES quickcullide::${precision} qc_oracle)
+    if(TARGET qc_demo_support)
+      qc_test(test_soft_body_apart_${precision} test_soft_body_apart.cpp
+        LIBRARIES quickcullide::${precision} qc_oracle qc_demo_support)
+      if(QC_BUNNY)
+        target_compile_definitions(test_soft_body_apart_${precision} PRIVATE QC_BUNNY="${QC_BUNNY}")
+      endif()
+    endif()
     qc_test(test_deformable_${precision} test_deformable.cpp LIBRARIES quickcullide::${precision} qc_oracle)
     qc_test(test_task_scheduler_${precision} test_task_scheduler.cpp LIBRARIES quickcullide::${precision})
   endif()
@@ -17,5 +24,5 @@ if(TARGET qc_bullet_demo)
 endif()
 
 # LinearMath/btModifiedGramSchmidt.h instantiates itself; gcc 12 believes that to read what is not set.
-set_source_files_properties(test_deformable.cpp test_soft_body_callbacks.cpp PROPERTIES COMPILE_OPTIONS
+set_source_files_properties(test_deformable.cpp test_soft_body_apart.cpp test_soft_body_callbacks.cpp PROPERTIES COMPILE_OPTIONS
   "$<$<CXX_COMPILER_ID:GNU>:-Wno-maybe-uninitialized>")

@@ -8,8 +8,13 @@
 // VF_SS between two bodies is vertex against face only. This solver runs Bullet's own constraints first, then moves the
 // nodes apart: vertex-face and edge-edge contacts within the thickness, decided on the side from which they came. At
 // the end of a step no two triangles without a common node penetrate that did not at its start, by the exact test; only
-// kinematic meshes may leave no room for that. Of positions between the start and the end of a step only nodes that go
-// through meshes are noticed: what else moves by more than the thickness, relative to what it meets, may pass it.
+// kinematic meshes may leave no room for that. Momentum is kept meanwhile: nothing is stopped to hold it apart.
+//
+// What penetrates at the start of a step (tangled) is let go: its triangles are neither held nor pushed against each
+// other, so that the body's own forces take them apart. A tangle may move along the surfaces, but not grow.
+//
+// Of positions between the start and the end of a step only nodes that go through meshes are noticed: what else moves
+// by more than the thickness, relative to what it meets, may pass it.
 #ifndef QUICKCULLIDE_BULLET_SOFT_BODY_H
 #define QUICKCULLIDE_BULLET_SOFT_BODY_H
 
@@ -40,8 +45,16 @@ struct qcSoftBodyStatistics
     int contacts = 0;    ///< contacts within the thickness after Bullet's own constraints
     int penetrating = 0; ///< pairs of triangles that penetrated then
     int rounds = 0;      ///< times that contacts were solved
-    int frozenNodes = 0; ///< nodes (and meshes) put back to where they started, because nothing else helped
-    int remaining = 0;   ///< pairs that penetrate at the end of the step: those that did at its start, too
+    /// Pairs of triangles that contacts did not keep apart, and that were pushed apart along the direction in which they
+    /// were apart at the start of the step.
+    int planes = 0;
+    /// Nodes for which that was not enough: with what they touch they moved through the step as one rigid body. Many in
+    /// each step: cloth is squeezed between meshes, or thinner than the step needs.
+    int zoneNodes = 0;
+    int frozenNodes = 0; ///< deprecated: the same as zoneNodes
+    int remaining = 0;   ///< pairs that penetrate at the end of the step
+    int exempt = 0;      ///< of these, pairs that are tangled since the start of the step, and free to come apart
+    int unproven = 0;    ///< and pairs that were apart: only kinematic meshes that leave no room bring these about
     int meshes = 0;      ///< bodies with a qcMeshShape that a soft body may have met in the step
     int sweptNodes = 0;  ///< nodes that went through one of these, and were held back
     /// What answered the last query of the step: never qc_methodAuto, `layers` as soon as the device had a share.
