@@ -69,7 +69,9 @@ void qcSoftBodyContact::Implementation::Solve()
     if (m_constraints.empty())
         return;
     double start = qcNowMs();
-    qcSolveSoftConstraints(m_constraints, &m_supports, s_iterations);
+    if (solvesLinks)
+        qcCollectLinks(scene, &m_links);
+    qcSolveSoftConstraints(&m_constraints, m_links, &m_supports, s_iterations);
     scene.meshes.Commit();
     statistics.respondMs += qcNowMs() - start;
 }
@@ -90,15 +92,25 @@ qcStatus qcSoftBodyContact::Implementation::SolveContacts()
             statistics.penetrating = statistics.remaining;
             manifolds.Publish(scene, *m_result, m_contactOf);
         }
+        qcAddSweptLinks(scene, &m_constraints);
         if (m_constraints.empty())
             return qc_statusOk;
         Solve();
         statistics.rounds++;
         status = Detect(0);
-        if (status != qc_statusOk || statistics.remaining == 0)
+        if (status != qc_statusOk || (statistics.remaining == 0 && !AreLinksThrough()))
             return status;
     }
     return qc_statusOk;
+}
+
+/// Is some rope link on the other side of a mesh's edge than at the start of the step? Where it has passed a thin mesh
+/// altogether no pair penetrates.
+bool qcSoftBodyContact::Implementation::AreLinksThrough()
+{
+    m_constraints.clear();
+    qcAddSweptLinks(scene, &m_constraints);
+    return !m_constraints.empty();
 }
 
 /// Whatever still penetrates and did not at the start goes back there: first the nodes of the triangles alone; when
@@ -130,6 +142,7 @@ qcStatus qcSoftBodyContact::Implementation::TryResolve(btScalar timeStep)
     if (status != qc_statusOk)
         return status;
     qcMakeSweptConstraints(scene, &m_constraints);
+    qcAddSweptLinks(scene, &m_constraints);
     statistics.sweptNodes = int(m_constraints.size());
     Solve();
     status = SolveContacts();

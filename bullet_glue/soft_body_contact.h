@@ -31,17 +31,21 @@ struct qcSoftBodyContact::Implementation
     qcManifolds manifolds;
     qcSoftMeshTakeOver takeOver;
     qcSoftBodyStatistics statistics;
+    /// Links are constraints on positions, as in the classic world; not forces, as in the deformable one.
+    bool solvesLinks = false;
 
   private:
     void NoteProfile();
     qcStatus Detect(btScalar contactMargin);
     void Solve();
     qcStatus SolveContacts();
+    bool AreLinksThrough();
     qcStatus FreezeRest();
     qcStatus TryResolve(btScalar timeStep);
 
     std::vector<qcSoftConstraint> m_constraints;
     std::vector<size_t> m_contactOf;
+    std::vector<qcSoftLink> m_links;
     std::vector<qcSoftSupport> m_supports;
     const qcResult* m_result = nullptr; ///< of the last detection
 };

@@ -3,6 +3,7 @@
 #define QC_BULLET_GLUE_SOFT_BODY_SCENE_H
 
 #include "soft_body_meshes.h"
+#include "soft_body_topology.h"
 
 #include "quickcullide/bullet_soft_body.h"
 
@@ -17,10 +18,8 @@ struct qcSceneSoftBody
     btSoftBody* body = nullptr;
     int addition = 0; ///< unique id of its broadphase proxy
     qcBodyId id{};
-    std::vector<uint32_t> indices; ///< as given to the scene: other faces mean a new topology
-    int faceCount = 0;             ///< how many of the scene's triangles are faces: the others are single nodes
+    qcSoftTopology topology; ///< as given to the scene
     qcSoftBodySettings settings;
-    btScalar halfEdge = 0;         ///< half the mean length of the edges when the scene got it
     btScalar thickness = 0;        ///< settings.thickness, or what stands for its zero
     bool moves = true;             ///< false: Bullet does not simulate it at present, and neither do contacts
     std::vector<btVector3> start;  ///< node positions at the start of the step
@@ -28,6 +27,7 @@ struct qcSceneSoftBody
     /// Where contacts have them by now. Bullet's own nodes, which are large, are written when all is done.
     std::vector<btVector3> places;
     std::vector<bool> held; ///< nodes that contacts don't move; empty if there are none
+    bool inContact = false; ///< some contact of this step may have moved it
 
     int NodeCount() const
     {
