@@ -124,7 +124,7 @@ class FirstCrossing : public btTriangleCallback
         const double slack = 1e-6;
         Vector n = Cross(link, edge);
         double n2 = Dot(n, n);
-        // Parallel edges touch in their ends: the ray of a node, or another edge there, sees it.
+        // Parallel edges touch in their ends: the ray of a node, or another edge there, finds it.
         if (n2 <= 1e-12 * Dot(link, link) * Dot(edge, edge))
             return;
         double mine = Dot(Cross(offset, edge), n) / n2, others = Dot(Cross(offset, link), n) / n2;

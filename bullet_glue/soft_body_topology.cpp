@@ -101,7 +101,7 @@ qcSoftTopology qcTopologyOf(const btSoftBody* body)
     qcSoftTopology topology;
     topology.faceCount = size_t(body->m_faces.size());
     topology.indices.reserve(3 * topology.faceCount);
-    // Nodes inside of a skin of faces meet nothing before the skin does.
+    // Nodes inside of a skin of faces touch nothing before the skin does.
     std::vector<bool> loose(size_t(body->m_nodes.size()), body->m_tetras.size() == 0 || topology.faceCount == 0);
     for (int i = 0; i < body->m_faces.size(); i++)
         for (const btSoftBody::Node* node : body->m_faces[i].m_n)
