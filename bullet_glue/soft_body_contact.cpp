@@ -74,7 +74,9 @@ void qcSoftBodyContact::Implementation::Solve()
     if (m_constraints.empty())
         return;
     double start = qcNowMs();
-    qcSolveSoftConstraints(m_constraints, &m_supports, s_iterations);
+    if (solvesLinks)
+        qcCollectLinks(scene, &m_links);
+    qcSolveSoftConstraints(&m_constraints, m_links, &m_supports, s_iterations);
     scene.meshes.Commit();
     statistics.respondMs += qcNowMs() - start;
 }
@@ -95,15 +97,25 @@ qcStatus qcSoftBodyContact::Implementation::SolveContacts()
             statistics.penetrating = statistics.remaining;
             manifolds.Publish(scene, *m_result, m_contactOf);
         }
+        qcAddSweptLinks(scene, &m_constraints);
         if (m_constraints.empty())
             return qc_statusOk;
         Solve();
         statistics.rounds++;
         status = Detect(0);
-        if (status != qc_statusOk || m_held.empty())
+        if (status != qc_statusOk || (m_held.empty() && !AreLinksThrough()))
             return status;
     }
     return qc_statusOk;
+}
+
+/// Is some rope link on the other side of a mesh's edge than at the start of the step? Where it has passed a thin mesh
+/// altogether no pair penetrates.
+bool qcSoftBodyContact::Implementation::AreLinksThrough()
+{
+    m_constraints.clear();
+    qcAddSweptLinks(scene, &m_constraints);
+    return !m_constraints.empty();
 }
 
 /// Finds the triangles that penetrate at the start of the step. Where that is the end of the step before, its last
@@ -183,6 +195,7 @@ qcStatus qcSoftBodyContact::Implementation::TryResolve(btScalar timeStep)
     if (status != qc_statusOk)
         return status;
     qcMakeSweptConstraints(scene, &m_constraints);
+    qcAddSweptLinks(scene, &m_constraints);
     statistics.sweptNodes = int(m_constraints.size());
     Solve();
     status = Untangle();

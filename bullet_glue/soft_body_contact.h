@@ -33,12 +33,15 @@ struct qcSoftBodyContact::Implementation
     qcManifolds manifolds;
     qcSoftMeshTakeOver takeOver;
     qcSoftBodyStatistics statistics;
+    /// Links are constraints on positions, as in the classic world; not forces, as in the deformable one.
+    bool solvesLinks = false;
 
   private:
     void NoteProfile();
     qcStatus Detect(btScalar contactMargin, bool segments = false);
     void Solve();
     qcStatus SolveContacts();
+    bool AreLinksThrough();
     qcStatus FindTangles();
     qcStatus Untangle();
     qcStatus PushApart();
@@ -47,6 +50,7 @@ struct qcSoftBodyContact::Implementation
 
     std::vector<qcSoftConstraint> m_constraints;
     std::vector<size_t> m_contactOf;
+    std::vector<qcSoftLink> m_links;
     std::vector<qcSoftSupport> m_supports;
     const qcResult* m_result = nullptr; ///< of the last detection
     //  Numbers of its penetrating pairs: those that have to be apart, and those that are tangled.

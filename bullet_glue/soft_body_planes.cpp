@@ -15,7 +15,7 @@ qcPlaneSide SideOf(qcSoftBodyScene& scene, uint32_t slot, uint32_t triangle)
     if (side.soft == nullptr)
         side.mesh = scene.meshes.Find(slot, &side.rigid);
     const uint32_t* corners =
-        (side.soft != nullptr ? side.soft->indices.data() : side.mesh->shape->getIndices()) + 3 * size_t(triangle);
+        (side.soft != nullptr ? side.soft->topology.indices.data() : side.mesh->shape->getIndices()) + 3 * size_t(triangle);
     for (int c = 0; c < 3; c++)
         if (std::find(side.vertices, side.vertices + side.count, corners[c]) == side.vertices + side.count)
             side.vertices[side.count++] = corners[c];

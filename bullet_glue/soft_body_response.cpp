@@ -18,6 +18,8 @@ constexpr btScalar s_recovery = btScalar(0.2);
 void AddNodes(qcSceneSoftBody& body, const uint32_t vertices[3], const double weights[3], btScalar sign,
               qcSoftConstraint* constraint)
 {
+    body.inContact = true;
+    constraint->accumulates |= body.topology.ropeCount > 0;
     for (int i = 0; i < 3; i++)
     {
         if (weights[i] == 0.0)
@@ -59,21 +61,29 @@ void Push(const qcSoftConstraint& constraint, const btVector3& lack)
         constraint.rigid->Push(constraint.arm, -lack / largest);
 }
 
-void Solve(const qcSoftConstraint& constraint)
+void Solve(qcSoftConstraint& constraint)
 {
     btVector3 offset = Offset(constraint);
     btScalar missing = constraint.distance - constraint.normal.dot(offset);
-    if (missing <= 0)
+    const btScalar before = constraint.accumulates ? constraint.pushed : btScalar(0);
+    const btVector3 takenBefore = constraint.accumulates ? constraint.taken : btVector3(0, 0, 0);
+    constraint.pushed = before + missing;
+    if (constraint.pushed <= 0)
+        constraint.pushed = 0;
+    if (constraint.pushed == before)
         return;
-    Push(constraint, constraint.normal * missing);
+    Push(constraint, constraint.normal * (constraint.pushed - before));
     // Coulomb: what the normal push was, times the coefficient, may take back of the sliding since the start.
     btVector3 motion = offset - constraint.startOffset;
     btVector3 sliding = motion - constraint.normal * constraint.normal.dot(motion);
-    btScalar length = sliding.length();
-    if (length <= SIMD_EPSILON)
+    if (sliding.length() <= SIMD_EPSILON)
         return;
-    btScalar taken = std::min(length, constraint.friction * missing);
-    Push(constraint, sliding * (-taken / length));
+    btVector3 taken = takenBefore + sliding;
+    btScalar length = taken.length(), largest = constraint.friction * constraint.pushed;
+    if (length > largest)
+        taken *= largest / length;
+    Push(constraint, takenBefore - taken);
+    constraint.taken = taken;
 }
 
 /// Which way, and how far: what was apart at the start of the step stays on the side on which it was.
@@ -180,8 +190,7 @@ bool qcMakeMeshConstraint(qcSceneSoftBody& soft, const uint32_t vertices[3], con
                           qcSceneRigid& rigid, const btVector3& point, const btVector3& normal, btScalar thickness,
                           qcSoftConstraint* constraint)
 {
-    *constraint = qcSoftConstraint{};
-    constraint->startOffset.setZero();
+    *constraint = qcSoftConstraint();
     AddNodes(soft, vertices, weights, 1, constraint);
     const btTransform& now = rigid.object->getWorldTransform();
     constraint->rigid = &rigid;
@@ -206,7 +215,7 @@ void qcMakeSoftConstraints(qcSoftBodyScene& scene, const qcSoftTangles& tangles,
         qcSoftTouch touch;
         if (!qcReadTouch(scene, result.contacts[i], &touch) || tangles.IsExempt(result.contacts[i]))
             continue;
-        qcSoftConstraint constraint{};
+        qcSoftConstraint constraint;
         if (touch.rigid != nullptr)
         {
             btVector3 point = touch.rigid->object->getWorldTransform().invXform(touch.onB);
@@ -216,7 +225,6 @@ void qcMakeSoftConstraints(qcSoftBodyScene& scene, const qcSoftTangles& tangles,
         }
         else
         {
-            constraint.startOffset.setZero();
             AddNodes(*touch.a, touch.verticesA, touch.weightsA, 1, &constraint);
             AddNodes(*touch.b, touch.verticesB, touch.weightsB, -1, &constraint);
             if (constraint.inverseEffectiveMass <= 0)
@@ -229,13 +237,16 @@ void qcMakeSoftConstraints(qcSoftBodyScene& scene, const qcSoftTangles& tangles,
     }
 }
 
-void qcSolveSoftConstraints(const std::vector<qcSoftConstraint>& constraints, std::vector<qcSoftSupport>* supports,
-                            int iterations)
+void qcSolveSoftConstraints(std::vector<qcSoftConstraint>* constraints, const std::vector<qcSoftLink>& links,
+                            std::vector<qcSoftSupport>* supports, int iterations)
 {
     size_t held = 0;
     for (int i = 0; i < iterations; i++)
     {
-        for (const qcSoftConstraint& constraint : constraints)
+        // Before the first sweep links are as Bullet solved them.
+        if (i > 0)
+            qcSolveLinks(links);
+        for (qcSoftConstraint& constraint : *constraints)
             Solve(constraint);
         // Few of all nodes that lie on something are in a contact: they show in the first sweep, or in the last one.
         if (i == 0)

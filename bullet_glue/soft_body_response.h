@@ -2,6 +2,7 @@
 #ifndef QC_BULLET_GLUE_SOFT_BODY_RESPONSE_H
 #define QC_BULLET_GLUE_SOFT_BODY_RESPONSE_H
 
+#include "soft_body_links.h"
 #include "soft_body_supports.h"
 #include "soft_body_tangles.h"
 
@@ -26,17 +27,22 @@ bool qcReadTouch(qcSoftBodyScene& scene, const qcContact& contact, qcSoftTouch* 
 /// distance, the point of the mesh taken off the sum.
 struct qcSoftConstraint
 {
-    int nodeCount;
-    btVector3* place[6];           ///< of its nodes
-    btScalar inverseMass[6];       ///< 0: pinned, or of a body that does not move
-    btScalar weight[6];            ///< positive on the side to which the normal points, negative on the other
-    btScalar inverseEffectiveMass; ///< sum of weight^2 * inverse mass
-    qcSceneRigid* rigid;           ///< the mesh's, or null
-    btVector3 point, arm;          ///< of the mesh, and from the rigid body's centre there
+    int nodeCount = 0;
+    btVector3* place[6];               ///< of its nodes
+    btScalar inverseMass[6];           ///< 0: pinned, or of a body that does not move
+    btScalar weight[6];                ///< positive on the side to which the normal points, negative on the other
+    btScalar inverseEffectiveMass = 0; ///< sum of weight^2 * inverse mass
+    qcSceneRigid* rigid = nullptr;     ///< the mesh's, or null
+    btVector3 point, arm;              ///< of the mesh, and from the rigid body's centre there
     btVector3 normal;
-    btVector3 startOffset; ///< the same weighted sum over the start of the step
-    btScalar distance;
-    btScalar friction;
+    btVector3 startOffset{0, 0, 0}; ///< the same weighted sum over the start of the step
+    btScalar distance = 0;
+    btScalar friction = 0;
+    /// Contacts of ropes: friction and normal push are bounded as sums over all sweeps, so that friction takes back
+    /// what links, solved in turns with it, pull loose. Otherwise each sweep by itself.
+    bool accumulates = false;
+    btScalar pushed = 0;      ///< along the normal so far
+    btVector3 taken{0, 0, 0}; ///< of the sliding so far
 };
 
 /// May contacts between the bodies of these two slots (or of one with itself) push?
@@ -56,9 +62,13 @@ void qcMakeSoftConstraints(qcSoftBodyScene& scene, const qcSoftTangles& tangles,
 /// One constraint for each node that went through a mesh in the step, and further than contacts reach: it is kept on
 /// the side of the triangle that it went through first.
 void qcMakeSweptConstraints(qcSoftBodyScene& scene, std::vector<qcSoftConstraint>* constraints);
+/// Appends one for each rope link that crossed an edge of a mesh between the start of the step and its present place:
+/// it is kept on the side of the first such edge on which it was.
+void qcAddSweptLinks(qcSoftBodyScene& scene, std::vector<qcSoftConstraint>* constraints);
 
-/// Gauss-Seidel over the constraints, in their order, and the supports, some times. Meshes move with the next Commit.
-void qcSolveSoftConstraints(const std::vector<qcSoftConstraint>& constraints, std::vector<qcSoftSupport>* supports,
-                            int iterations);
+/// Gauss-Seidel over the links, the constraints, in their order, and the supports, some times. Meshes move with the
+/// next Commit.
+void qcSolveSoftConstraints(std::vector<qcSoftConstraint>* constraints, const std::vector<qcSoftLink>& links,
+                            std::vector<qcSoftSupport>* supports, int iterations);
 
 #endif

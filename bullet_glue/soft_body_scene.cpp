@@ -9,46 +9,6 @@
 
 namespace
 {
-btScalar HalfMeanEdge(const btSoftBody* body)
-{
-    btScalar sum = 0;
-    int count = 0;
-    for (int i = 0; i < body->m_faces.size(); i++)
-        for (int c = 0; c < 3; c++, count++)
-            sum += (body->m_faces[i].m_n[c]->m_x - body->m_faces[i].m_n[(c + 1) % 3]->m_x).length();
-    return count > 0 ? sum / btScalar(count) / 2 : btScalar(0);
-}
-
-/// Three a face, then three times the same for each node that no face has: a rope's, those of tetrahedra without faces,
-/// what was cut off. But nodes inside of a skin of faces meet nothing before it does.
-std::vector<uint32_t> IndicesOf(const btSoftBody* body)
-{
-    std::vector<uint32_t> indices;
-    std::vector<bool> loose(size_t(body->m_nodes.size()), body->m_tetras.size() == 0 || body->m_faces.size() == 0);
-    indices.reserve(3 * size_t(body->m_faces.size()));
-    for (int i = 0; i < body->m_faces.size(); i++)
-        for (const btSoftBody::Node* node : body->m_faces[i].m_n)
-        {
-            indices.push_back(uint32_t(node - &body->m_nodes[0]));
-            loose[indices.back()] = false;
-        }
-    for (size_t i = 0; i < loose.size(); i++)
-        if (loose[i])
-            indices.insert(indices.end(), 3, uint32_t(i));
-    return indices;
-}
-
-/// Are these what IndicesOf would give? Of a body with as many faces and nodes as it had.
-bool AreIndicesOf(const std::vector<uint32_t>& indices, const btSoftBody* body)
-{
-    const uint32_t* index = indices.data();
-    for (int i = 0; i < body->m_faces.size(); i++)
-        for (const btSoftBody::Node* node : body->m_faces[i].m_n)
-            if (node != &body->m_nodes[0] + *index++)
-                return false;
-    return true;
-}
-
 /// Nodes that Bullet puts to their anchors at the end of each step, or where the reduced model has them.
 void NoteHeld(qcSceneSoftBody& known)
 {
@@ -96,16 +56,14 @@ qcStatus qcSoftBodyScene::Add(btSoftBody* body)
     qcSceneSoftBody added;
     added.body = body;
     added.addition = qcAdditionOf(body);
-    added.indices = IndicesOf(body);
-    added.faceCount = body->m_faces.size();
-    added.halfEdge = HalfMeanEdge(body);
+    added.topology = qcTopologyOf(body);
     qcBodyDef def = qcDefaultBodyDef();
     def.positions = body->m_nodes.size() > 0 ? &body->m_nodes[0].m_x : nullptr;
     def.positionType = qcBulletPositions;
     def.positionStride = sizeof(btSoftBody::Node);
     def.vertexCount = uint32_t(body->m_nodes.size());
-    def.indices = added.indices.data();
-    def.triangleCount = uint32_t(added.indices.size() / 3);
+    def.indices = added.topology.indices.data();
+    def.triangleCount = uint32_t(added.topology.indices.size() / 3);
     def.deforming = true;
     def.group = qcSoftGroup;
     def.mask = qcSoftGroup | qcMeshGroup;
@@ -120,8 +78,7 @@ void qcSoftBodyScene::DropGone(const btAlignedObjectArray<btSoftBody*>& bodies)
     auto isGone = [&](const qcSceneSoftBody& known)
     {
         bool same = bodies.findLinearSearch(known.body) < bodies.size() && known.addition == qcAdditionOf(known.body);
-        if (same && known.start.size() == size_t(known.NodeCount()) && known.faceCount == known.body->m_faces.size() &&
-            AreIndicesOf(known.indices, known.body))
+        if (same && known.start.size() == size_t(known.NodeCount()) && qcIsTopologyOf(known.topology, known.body))
             return false;
         qcScene_RemoveBody(m_scene, known.id);
         auto setting = m_settings.find(known.body);
@@ -143,7 +100,7 @@ void qcSoftBodyScene::TakeSettings(qcSceneSoftBody& known)
     known.settings = settings;
     known.thickness = known.settings.thickness > 0
                           ? known.settings.thickness
-                          : std::min(known.halfEdge, known.body->getCollisionShape()->getMargin());
+                          : std::min(known.topology.defaultThickness, known.body->getCollisionShape()->getMargin());
     known.moves = known.body->isActive();
     qcScene_SetMargin(m_scene, known.id, double(known.thickness) / 2);
     qcScene_SetSelfCollision(m_scene, known.id, known.settings.selfCollision);
@@ -198,6 +155,7 @@ qcStatus qcSoftBodyScene::TakeSolved(btScalar timeStep)
             known.solved[size_t(i)] = known.body->m_nodes[i].m_x;
         known.places = known.solved;
         known.shifts.clear();
+        known.inContact = false;
         const btSoftBodyWorldInfo* info = known.body->getWorldInfo();
         btVector3 box[2];
         if (known.MeetsRigidBodies() && info->m_broadphase != nullptr && BoxOf(known, box))
@@ -252,7 +210,7 @@ void qcSoftBodyScene::StartOf(uint32_t slot, uint32_t triangle, double corners[9
             qcPlaceVertex(*mesh, rigid->start * mesh->local, vertex, &corners[3 * c]);
             continue;
         }
-        const btVector3& point = soft->start[soft->indices[corner]];
+        const btVector3& point = soft->start[soft->topology.indices[corner]];
         for (size_t axis = 0; axis < 3; axis++)
             corners[3 * c + axis] = double(point[int(axis)]);
     }

@@ -3,6 +3,7 @@
 #define QC_BULLET_GLUE_SOFT_BODY_SCENE_H
 
 #include "soft_body_meshes.h"
+#include "soft_body_topology.h"
 
 #include "quickcullide/bullet_soft_body.h"
 
@@ -17,10 +18,8 @@ struct qcSceneSoftBody
     btSoftBody* body = nullptr;
     int addition = 0; ///< unique id of its broadphase proxy
     qcBodyId id{};
-    std::vector<uint32_t> indices; ///< as given to the scene: other faces mean a new topology
-    int faceCount = 0;             ///< how many of the scene's triangles are faces: the others are single nodes
+    qcSoftTopology topology; ///< as given to the scene
     qcSoftBodySettings settings;
-    btScalar halfEdge = 0;         ///< half the mean length of the edges when the scene got it
     btScalar thickness = 0;        ///< settings.thickness, or what stands for its zero
     bool moves = true;             ///< false: Bullet does not simulate it at present, and neither do contacts
     bool startsAtEnd = false;      ///< all as it was at the end of the step before
@@ -31,6 +30,7 @@ struct qcSceneSoftBody
     /// What untangling moved places by in this step, without velocity; empty if there was nothing to do.
     std::vector<btVector3> shifts;
     std::vector<bool> held; ///< nodes that contacts don't move; empty if there are none
+    bool inContact = false; ///< some contact of this step may have moved it
 
     int NodeCount() const
     {

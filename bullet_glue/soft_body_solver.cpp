@@ -20,6 +20,7 @@ void MoveNodes(const qcSceneSoftBody& known)
 
 qcSoftBodySolver::qcSoftBodySolver(qcDevice* device) : qcSoftBodyContact(device)
 {
+    m_implementation->solvesLinks = true;
 }
 
 qcSoftBodySolver::~qcSoftBodySolver() = default;

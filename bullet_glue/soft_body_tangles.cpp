@@ -22,7 +22,7 @@ bool qcSoftTangles::IsNear(qcSoftBodyScene& scene, uint32_t body, uint32_t trian
     const qcSceneSoftBody* soft = scene.Find(body);
     if (soft == nullptr)
         return Has(m_triangles, body, triangle, other);
-    const uint32_t* corners = &soft->indices[3 * size_t(triangle)];
+    const uint32_t* corners = &soft->topology.indices[3 * size_t(triangle)];
     return std::any_of(corners, corners + 3, [&](uint32_t corner) { return Has(m_vertices, body, corner, other); });
 }
 
@@ -66,7 +66,7 @@ void qcSoftTangles::Read(qcSoftBodyScene& scene, const qcResult& result)
     for (const Key& key : m_triangles)
         if (const qcSceneSoftBody* soft = scene.Find(key[0]))
             for (size_t corner = 0; corner < 3; corner++)
-                m_vertices.push_back({key[0], soft->indices[3 * size_t(key[1]) + corner], key[2]});
+                m_vertices.push_back({key[0], soft->topology.indices[3 * size_t(key[1]) + corner], key[2]});
     SortUnique(&m_vertices);
 }
 

@@ -35,7 +35,7 @@ struct Triangle
         const qcSceneMesh* mesh = soft == nullptr ? scene.meshes.Find(slot, &rigid) : nullptr;
         for (size_t c = 0; c < 3; c++)
         {
-            nodes[c] = soft != nullptr ? soft->indices[3 * size_t(triangle) + c]
+            nodes[c] = soft != nullptr ? soft->topology.indices[3 * size_t(triangle) + c]
                                        : mesh->shape->getIndices()[3 * size_t(triangle) + c];
             corners[c] = soft != nullptr ? soft->places[nodes[c]] : mesh->placed * mesh->shape->getVertices()[nodes[c]];
         }

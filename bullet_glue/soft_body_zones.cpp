@@ -118,7 +118,7 @@ void qcSoftZones::AddPartsOf(uint32_t slot, uint32_t triangle, std::vector<uint3
     {
         uint32_t first = m_firstNode[size_t(soft - m_scene.Bodies().data())];
         for (size_t c = 0; c < 3; c++)
-            parts->push_back(first + soft->indices[3 * size_t(triangle) + c]);
+            parts->push_back(first + soft->topology.indices[3 * size_t(triangle) + c]);
         return;
     }
     qcSceneRigid* rigid = nullptr;

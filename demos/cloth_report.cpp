@@ -27,7 +27,7 @@ void WriteRows(FILE* stream, const qcClothRun& run, double stepSeconds)
     {
         const qcClothStep& step = run.steps[i];
         const qcSoftBodyStatistics& s = step.statistics;
-        std::fprintf(stream, "%s,%zu,%.4f,%.3f,%s,%s,%.3f,%.3f,%.3f,%.3f,%.3f,%.3f,%d,%d,%d,%d,%d,%zu,%zu",
+        std::fprintf(stream, "%s,%zu,%.4f,%.3f,%s,%s,%.3f,%.3f,%.3f,%.3f,%.3f,%.3f,%d,%d,%d,%d,%d,%d,%zu",
                      run.selfCollision ? "with" : "without", i + 1, double(i + 1) * stepSeconds, step.costs.Total(),
                      qcMethod_Name(s.method), s.device, s.detectMs, s.cullMs, s.sweepMs, s.exactMs, s.contactMs,
                      s.respondMs, s.contacts, s.penetrating, s.rounds, s.planes, s.zoneNodes, step.manifolds,

@@ -4,6 +4,8 @@ foreach(precision bullet bullet_double)
     qc_test(test_soft_body_${precision} test_soft_body.cpp LIBRARIES quickcullide::${precision} qc_oracle)
     qc_test(test_soft_body_mesh_${precision} test_soft_body_mesh.cpp LIBRARIES quickcullide::${precision} qc_oracle)
     qc_test(test_soft_body_nodes_${precision} test_soft_body_nodes.cpp LIBRARIES quickcullide::${precision} qc_oracle)
+    qc_test(test_soft_body_rope_${precision} test_soft_body_rope.cpp LIBRARIES quickcullide::${precision} qc_oracle)
+    target_include_directories(test_soft_body_rope_${precision} PRIVATE ${PROJECT_SOURCE_DIR}/demos)
     qc_test(test_soft_body_callbacks_${precision} test_soft_body_callbacks.cpp
       LIBRARIES quickcullide::${precision} qc_oracle)
     if(TARGET qc_demo_support)
@@ -24,5 +26,6 @@ if(TARGET qc_bullet_demo)
 endif()
 
 # LinearMath/btModifiedGramSchmidt.h instantiates itself; gcc 12 believes that to read what is not set.
-set_source_files_properties(test_deformable.cpp test_soft_body_apart.cpp test_soft_body_callbacks.cpp PROPERTIES COMPILE_OPTIONS
+set_source_files_properties(test_deformable.cpp test_soft_body_apart.cpp test_soft_body_callbacks.cpp
+  test_soft_body_rope.cpp PROPERTIES COMPILE_OPTIONS
   "$<$<CXX_COMPILER_ID:GNU>:-Wno-maybe-uninitialized>")

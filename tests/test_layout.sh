@@ -35,11 +35,12 @@ bullet="${include}[<\"](bullet/|bt[A-Z]|LinearMath/|Bullet[A-Z]|quickcullide/bul
 # shellcheck disable=SC2046 # File names are words.
 deny 'only plugin/gl includes GL' "$gl" \
     plugin/*.[ch] include/quickcullide/*.h $(find bullet_glue -type f ! -name fracture_face.cpp) demos/*.[ch]* \
-    tests/*.[ch]* tests/*/*.[ch]*
+    demos/*/*.[ch]* tests/*.[ch]* tests/*/*.[ch]*
 deny 'the core does not know Bullet' "$bullet" plugin/*.[ch] plugin/gl/*.[ch]
 deny 'the core includes nothing of the other rooms' "${include}[<\"](.*\.\./|demos/|tests/|bullet_glue/)" \
     plugin/*.[ch] plugin/gl/*.[ch]
-deny 'demos and glue see the installed headers only' "${include}[<\"](.*\.\./|.*plugin/)" demos/*.[ch]* bullet_glue/*.*
+deny 'demos and glue see the installed headers only' "${include}[<\"](.*\.\./|.*plugin/)" demos/*.[ch]* \
+    demos/*/*.[ch]* bullet_glue/*.*
 deny 'demos and glue see the installed headers only' 'qc_internal|qc_objects|/plugin' \
     demos/CMakeLists.txt bullet_glue/CMakeLists.txt
 deny 'the C ABI includes its own headers and the C library only' "${include}(\"[^\"]*/|<[^>]*/)" \

@@ -13,8 +13,8 @@
 // What penetrates at the start of a step (tangled) is let go: its triangles are neither held nor pushed against each
 // other, so that the body's own forces take them apart. A tangle may move along the surfaces, but not grow.
 //
-// Of positions between the start and the end of a step only nodes that go through meshes are noticed: what else moves
-// by more than the thickness, relative to what it meets, may pass it.
+// Of positions between the start and the end of a step only nodes and rope links that go through meshes are noticed:
+// what else moves by more than the thickness, relative to what it meets, may pass it.
 #ifndef QUICKCULLIDE_BULLET_SOFT_BODY_H
 #define QUICKCULLIDE_BULLET_SOFT_BODY_H
 
@@ -30,8 +30,9 @@ struct qcSoftBodySettings
 {
     bool selfCollision = true;
     /// Surfaces are kept this far apart, in world units. 0: half the mean length of the edges of its faces when it came
-    /// into the world, or the collision shape's margin where that is less. More than half the shortest edge makes cloth
-    /// stiff. Between two bodies it is the mean; from a mesh, half of it and the mesh's margin.
+    /// into the world, of a body without faces an eighth of the mean length of its rope links (0 without such), or the
+    /// collision shape's margin where that is less. More than half the shortest edge makes cloth stiff. Between two
+    /// bodies it is the mean; from a mesh, half of it and the mesh's margin.
     btScalar thickness = 0;
     /// Coulomb friction between two surfaces: the mean of both bodies'. Of a rigid body it is btRigidBody's own.
     btScalar friction = btScalar(0.3);
@@ -56,7 +57,7 @@ struct qcSoftBodyStatistics
     int exempt = 0;      ///< of these, pairs that are tangled since the start of the step, and free to come apart
     int unproven = 0;    ///< and pairs that were apart: only kinematic meshes that leave no room bring these about
     int meshes = 0;      ///< bodies with a qcMeshShape that a soft body may have met in the step
-    int sweptNodes = 0;  ///< nodes that went through one of these, and were held back
+    int sweptNodes = 0;  ///< nodes and rope links that went through one of these, and were held back
     /// What answered the last query of the step: never qc_methodAuto, `layers` as soon as the device had a share.
     qcMethod method = qc_methodSweep;
     const char* device = "none"; ///< name of the device that had a share, "none" where the CPU answered alone
@@ -88,8 +89,20 @@ struct qcSoftBodyStatistics
 ///
 /// Meshes: a soft body meets each qcMeshShape, static, kinematic or moving, also in compounds, unless its collision
 /// flags have none of fCollision::RVSmask. Both move, by mass; the links of a multibody don't. What has passed the mesh
-/// within the step is brought back, as far as nodes of the soft body went through triangles. Nodes that no face has (of
-/// ropes, of tetrahedra in a body without faces, or cut off) meet meshes, and faces of soft bodies, as points.
+/// within the step is brought back, as far as nodes of the soft body went through triangles, or rope links through
+/// edges.
+///
+/// Ropes: a link with an end that no face has collides as a segment, with the body's thickness. Three kinds of links
+/// don't: those of a body with tetrahedra; those that only resist bending (Link::m_bbending, set by
+/// generateBendingConstraints); and those whose ends are connected by two shorter links (a diagonal of a net, a link
+/// over two others of a rope). Ropes collide with meshes, faces of soft bodies, each other and themselves; links with a
+/// common node are neighbours, which don't collide. Links may be added and removed between two steps. In the classic
+/// world contacts of ropes are solved in turns with their links, so that a rope under tension lies still as long as
+/// friction holds it. Friction is Coulomb's: a rope that is thrown along itself may slide off where Bullet's own, which
+/// slows sliding by a share in each iteration, stops it.
+///
+/// Other nodes that no face has (of tetrahedra in a body without faces, or cut off) collide with meshes and faces of
+/// soft bodies as points.
 ///
 /// Cost: one run of qcScene_Detect a step without contacts, two with, and a few more in steps in which they don't
 /// suffice. Thread-safety: as the world's.
