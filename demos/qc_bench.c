@@ -18,6 +18,7 @@ static const Benchmark s_benchmarks[] = {
     {"scaling", "qc-bench scaling", qcBench_RunScaling},
 #ifdef QC_HAS_BULLET
     {"broadphase", "qc-bench broadphase", qcBench_RunBroadphase},
+    {"soft", "qc-bench soft", qcBench_RunSoft},
 #endif
 };
 
@@ -66,7 +67,8 @@ static const char s_help[] =
     "  accuracy   run time against error: each method, resolution, views and order over scenes with known answers\n"
     "  peers      run time beside Embree, Bullet and CGAL, on the same meshes in the same run\n"
     "  scaling    run time and memory of 1 K to 4 M triangles and of 100 to 200 K boxes\n"
-    "  broadphase moving boxes inside Bullet, beside its own broadphases"
+    "  broadphase moving boxes inside Bullet, beside its own broadphases\n"
+    "  soft       hard scenes of cloth, tangles and ropes, beside Bullet alone"
     "\v\"qc-bench BENCHMARK --help\" lists the options of one.\n\n"
     "Exit status: 0 done; 1 output could not be written, out of memory, or a method that never misses missed; 2 a "
     "mistake on the command line; 3 a model can't be read; 4 the device does not work here; 5 no peer library was "

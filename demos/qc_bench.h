@@ -21,5 +21,7 @@ qcBenchExit qcBench_RunPeers(int argumentCount, char** arguments);
 qcBenchExit qcBench_RunScaling(int argumentCount, char** arguments);
 /// qcBroadphase beside Bullet's own, in the same way; only where Bullet was found (QC_HAS_BULLET).
 qcBenchExit qcBench_RunBroadphase(int argumentCount, char** arguments);
+/// Soft bodies beside Bullet alone, in the same way, and where Bullet was found.
+qcBenchExit qcBench_RunSoft(int argumentCount, char** arguments);
 
 #endif

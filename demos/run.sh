@@ -14,7 +14,8 @@ Demos:
             go to out/fracture/.
   pairs     Finds the triangles of meshes that intersect: demos/run.sh pairs MESH...
   bench     Measures: demos/run.sh bench [accuracy] compares the methods, "bench peers" other libraries
-            (which it installs), "bench scaling" sizes, "bench broadphase" the broadphase with Bullet's own.
+            (which it installs), "bench scaling" sizes, "bench broadphase" the broadphase with Bullet's own,
+            "bench soft" cloth, tangles and ropes beside Bullet's.
             Tables and pictures go to out/bench/.
 
 Arguments are the demo's own; "demos/run.sh DEMO --help" explains them.
