@@ -80,7 +80,7 @@ typedef struct BufferShape
 
 static const BufferShape s_shapes[work_end] = {
     [qc_layersVertices] = {"vertices", 16, GL_RGBA32F},
-    [qc_layersLocals] = {"locals", 16, GL_RGBA32F},
+    [qc_layersLocals] = {"locals", 16, GL_RGBA32UI},
     [qc_layersTriangles] = {"triangles", 16, GL_RGBA32UI},
     [qc_layersNodes] = {"nodes", 16, GL_RGBA32UI},
     [qc_layersLinks] = {"links", 8, GL_RG32UI},
