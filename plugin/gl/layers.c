@@ -37,8 +37,9 @@
 //   r |w|, so are the triangles. The vertices are taken relative to one of them and scaled by a power of two s,
 //   exactly, so that the largest coordinate is in [1, 2): each is wrong by 2 e s + 2^-22. A product of three terms with
 //   w is then wrong by at most |w|_1 (2 e s + 2^-22 + 4 * 2 * 2^-23), the difference of two such by twice that and its
-//   own rounding |w|_1 2^-21: together |w|_1 (4 e s + 2.9e-6). The kernel asks for a gap of |w|_1 ((4 e + r) s 1.0001 +
-//   4e-6), and |w|_1 >= |w|. Axes shorter than 1e-20, where products could vanish, don't count.
+//   own rounding |w|_1 2^-21: together |w|_1 (4 e s + 2.9e-6). The kernel requires a gap of |w|_1 ((4 e + r) s 1.0001 +
+//   4e-6), and |w|_1 >= |w|. All products are with the same w: `precise`, as GLSL may round each use of an expression
+//   differently. Axes shorter than 1e-20, where products could vanish, don't count.
 // - Lists. Each kernel counts what it would write, whether it fits or not; what was too small grows, and the kernels
 //   run again. Loops that an implementation stopped early are noticed: then the step fails, and the sweep answers.
 //   The counters also make the number of workgroups that the next kernel starts.
