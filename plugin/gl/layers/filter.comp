@@ -21,6 +21,7 @@ bool separates(vec3 first, vec3 second)
 
 void main()
 {
+    MARK_FINISHED
     uint i = ITEM;
     if (i >= countOf(trianglePairCounter, trianglePairCapacity))
         return;
