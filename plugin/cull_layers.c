@@ -1,11 +1,13 @@
 // Which bodies take part, where they can meet, and what the device's answer means.
 #include "cull_layers.h"
 
+#include "gl/device.h"
 #include "layers_image.h"
 #include "status.h"
 
 #include <float.h>
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -91,15 +93,13 @@ static bool LeavesImage(qcDevice* device)
 
 static qcStatus OpenDevice(qcCullLayers* cull, qcDevice* device)
 {
-    if (cull->layers != NULL && cull->device == device)
+    if (qcLayers_IsAlive(cull->layers))
         return qc_statusOk;
     qcLayers_Destroy(cull->layers);
     cull->layers = NULL;
     qcLayersBodies_Forget(&cull->bodies);
     cull->bodies.imageOnly = LeavesImage(device);
-    QC_TRY(qcLayers_Create(device, cull->bodies.imageOnly, &cull->layers));
-    cull->device = device;
-    return qc_statusOk;
+    return qcLayers_Create(device, cull->bodies.imageOnly, &cull->layers);
 }
 
 /// Pairs of triangles: from places on the device to ranks of the step.
@@ -177,12 +177,30 @@ static qcStatus Refine(Step* step, const qcLayersStep* device, qcLayersAnswer* a
     return qcLayersRefine_Run(&cull->refine, &job, keys, &answer->trianglePairs);
 }
 
-static qcStatus RunOnDevice(Step* step, const qcPairKeys* keys, qcProfile* profile)
+/// Fails without trying the device where its last failures are too recent.
+static qcStatus CheckFailures(qcCullLayersFailures* failures, qcDevice* device)
+{
+    if (failures->generation != qcDevice_GetGeneration(device))
+        *failures = (qcCullLayersFailures){.generation = qcDevice_GetGeneration(device)};
+    if (failures->waiting == 0)
+        return qc_statusOk;
+    failures->waiting--;
+    return qcFail(qc_statusDevice, "%s (next attempt in %u steps)", failures->reason, failures->waiting + 1);
+}
+
+/// A failure costs an upload and the kernels. After a single one the next step tries again, since the scene may have
+/// changed; then 1, 3, 7 steps are left out, at last 127: less than a hundredth of the steps fail twice.
+static void NoteFailure(qcCullLayersFailures* failures)
+{
+    snprintf(failures->reason, sizeof failures->reason, "%s", qcLastMessage());
+    failures->waiting = (1u << (failures->count < 7 ? failures->count : 7)) - 1;
+    failures->count++;
+}
+
+static qcStatus TryDevice(Step* step, const qcPairKeys* keys, qcProfile* profile)
 {
     qcCullLayers* cull = step->cull;
     const qcCullLayersJob* job = step->job;
-    if (!qcLayersFrame_Fit(&cull->frame, &step->view))
-        return qcFail(qc_statusDevice, "layers: the scene is too large for a frame");
     QC_TRY(OpenDevice(cull, job->device));
     QC_TRY(FindInterests(step));
     QC_TRY(qcLayersBodies_Prepare(&cull->bodies, job->triangles, &cull->frame, cull->takesPart.data,
@@ -199,6 +217,20 @@ static qcStatus RunOnDevice(Step* step, const qcPairKeys* keys, qcProfile* profi
     QC_TRY(cull->bodies.imageOnly ? Refine(step, &device, &answer, keys) : MapPairs(step, &answer, keys->keys));
     FillProfile(step, &device, &answer, profile);
     return qc_statusOk;
+}
+
+static qcStatus RunOnDevice(Step* step, const qcPairKeys* keys, qcProfile* profile)
+{
+    qcCullLayers* cull = step->cull;
+    if (!qcLayersFrame_Fit(&cull->frame, &step->view))
+        return qcFail(qc_statusDevice, "layers: the scene is too large for a frame");
+    QC_TRY(CheckFailures(&cull->failures, step->job->device));
+    qcStatus status = TryDevice(step, keys, profile);
+    if (status == qc_statusOk)
+        cull->failures.count = 0;
+    else if (status == qc_statusDevice)
+        NoteFailure(&cull->failures);
+    return status;
 }
 
 static void ListNeighboursOf(const qcClusters* clusters, uint32_t first, uint32_t node, uint32_t link, qcArray* keys)
@@ -223,7 +255,7 @@ qcStatus qcCullLayers_Run(qcCullLayers* cull, const qcCullLayersJob* job, const 
     qcStatus status = RunOnDevice(&step, keys, profile);
     if (status != qc_statusOk)
     {
-        // What the device holds is unknown: the next step opens it anew.
+        // What the device holds is unknown: the next attempt uploads everything.
         qcLayers_Destroy(cull->layers);
         cull->layers = NULL;
     }

@@ -15,7 +15,7 @@ typedef enum qcLayersBuffer
     /// Four floats: the vertex in the frame, within [0, 1], each coordinate within `pointError` of the true one; the
     /// fourth unused.
     qc_layersVertices,
-    /// Four floats: a rigid body's vertex about its centre, within [-1, 1], then the bits of the body's place.
+    /// Bits of three floats: a rigid body's vertex about its centre, within [-1, 1]; then the body's place.
     qc_layersLocals,
     /// A triangle's place holds three places of vertices; QC_NO_TRIANGLE first: none.
     qc_layersTriangles,
@@ -103,9 +103,11 @@ typedef struct qcLayersAnswer
 
 typedef struct qcLayers qcLayers;
 
-/// With `imageOnly` the image is the answer: links and tables of bodies, and their rules, are not looked at.
+/// With `imageOnly` the image is the answer: links and tables of bodies, and their rules, are not read.
 /// qc_statusDevice on a device without compute shaders.
 qcStatus qcLayers_Create(qcDevice* device, bool imageOnly, qcLayers** layers);
+/// Whether its GL objects exist: false after the device was reopened, and for null.
+bool qcLayers_IsAlive(const qcLayers* layers);
 /// Null is allowed.
 void qcLayers_Destroy(qcLayers* layers);
 /// qc_statusDevice where the device's buffers can't hold the scene, or the device fails.
