@@ -3,8 +3,8 @@ find_path(VORO_INCLUDE_DIR voro++/voro++.hh)
 find_library(VORO_LIBRARY voro++)
 pkg_check_modules(GLU QUIET IMPORTED_TARGET GLOBAL glu)
 
-# qc_add_fracture(name glue): the library quickcullide_NAME over the glue of one precision.
-function(qc_add_fracture name glue)
+# qc_add_fracture(name glue precision): the library quickcullide_NAME over the glue of one precision.
+function(qc_add_fracture name glue precision)
   if(NOT TARGET qc_${glue})
     return()
   endif()
@@ -24,7 +24,15 @@ function(qc_add_fracture name glue)
   install(TARGETS qc_${name} EXPORT quickcullide_${name})
   install(EXPORT quickcullide_${name} NAMESPACE quickcullide:: DESTINATION ${QC_PACKAGE_DIR}
           FILE quickcullide_${name}Targets.cmake)
+
+  # What a static library needs. GLU's flags are copied: a user of the shared library may lack its pkg-config file.
+  get_filename_component(folder ${VORO_LIBRARY} DIRECTORY)
+  list(JOIN GLU_LDFLAGS " " glu)
+  set(QC_PC_PRIVATE "-L${folder} -lvoro++ ${glu}")
+  set(QC_PC_GLUE quickcullide_${glue})
+  set(QC_PC_PRECISION ${precision})
+  qc_install_pkgconfig(quickcullide_fracture.pc.in quickcullide_${name})
 endfunction()
 
-qc_add_fracture(fracture bullet)
-qc_add_fracture(fracture_double bullet_double)
+qc_add_fracture(fracture bullet float)
+qc_add_fracture(fracture_double bullet_double double)
