@@ -3,8 +3,8 @@ find_path(VORO_INCLUDE_DIR voro++/voro++.hh)
 find_library(VORO_LIBRARY voro++)
 pkg_check_modules(GLU QUIET IMPORTED_TARGET GLOBAL glu)
 
-# qc_add_fracture(name glue): the library quickcullide_NAME over the glue of one precision.
-function(qc_add_fracture name glue)
+# qc_add_fracture(name glue precision): the library quickcullide_NAME over the glue of one precision.
+function(qc_add_fracture name glue precision)
   if(NOT TARGET qc_${glue})
     return()
   endif()
@@ -13,17 +13,26 @@ function(qc_add_fracture name glue)
     return()
   endif()
   add_library(qc_${name} fracture.cpp fracture_cells.cpp fracture_clip.cpp fracture_edges.cpp fracture_face.cpp
-    fracture_mesh.cpp)
+    fracture_mesh.cpp fracture_sites.cpp fracture_units.cpp)
   add_library(quickcullide::${name} ALIAS qc_${name})
   set_target_properties(qc_${name} PROPERTIES
     OUTPUT_NAME quickcullide_${name} EXPORT_NAME ${name} INSTALL_RPATH "$ORIGIN"
     VERSION ${PROJECT_VERSION} SOVERSION ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR})
+  target_compile_options(qc_${name} PRIVATE -ffp-contract=off) # for sums that are exact (fracture_sites.cpp)
   target_include_directories(qc_${name} SYSTEM PRIVATE ${VORO_INCLUDE_DIR})
   target_link_libraries(qc_${name} PUBLIC quickcullide::${glue} PRIVATE ${VORO_LIBRARY} PkgConfig::GLU Threads::Threads)
   install(TARGETS qc_${name} EXPORT quickcullide_${name})
   install(EXPORT quickcullide_${name} NAMESPACE quickcullide:: DESTINATION ${QC_PACKAGE_DIR}
           FILE quickcullide_${name}Targets.cmake)
+
+  # What a static library needs. GLU's flags are copied: a user of the shared library may lack its pkg-config file.
+  get_filename_component(folder ${VORO_LIBRARY} DIRECTORY)
+  list(JOIN GLU_LDFLAGS " " glu)
+  set(QC_PC_PRIVATE "-L${folder} -lvoro++ ${glu}")
+  set(QC_PC_GLUE quickcullide_${glue})
+  set(QC_PC_PRECISION ${precision})
+  qc_install_pkgconfig(quickcullide_fracture.pc.in quickcullide_${name})
 endfunction()
 
-qc_add_fracture(fracture bullet)
-qc_add_fracture(fracture_double bullet_double)
+qc_add_fracture(fracture bullet float)
+qc_add_fracture(fracture_double bullet_double double)

@@ -1,5 +1,5 @@
-// Voronoi cells by voro++ (Rycroft: Voro++: a three-dimensional Voronoi cell library in C++, 2009), which tells the
-// neighbours of each and where it is. Cells are halved again and again, as in a k-d tree (Bentley: Multidimensional
+// Voronoi cells by voro++ (Rycroft: Voro++: a three-dimensional Voronoi cell library in C++, 2009), which gives the
+// neighbours and corners of each. Cells are halved again and again, as in a k-d tree (Bentley: Multidimensional
 // binary search trees used for associative searching, 1975), and the solid is cut along the box of each half.
 #include "fracture_cells.h"
 
@@ -14,6 +14,13 @@
 
 namespace
 {
+// voro++ takes squares of lengths that differ by less than 1e-11 as equal. What is given to it is 4 to 8 long: its
+// rounding errors stay a hundred times below that.
+constexpr int s_voroExponent = 3;
+constexpr double s_greatestSpread = 64; ///< of sites around a mesh, in units
+// Of the longest side of the walls. Two sites this close: voro++ takes bisectors as equal that are 1e-7 apart.
+constexpr double s_leastDistance = 1e-6;
+
 struct Box
 {
     qcClipPoint lower, upper;
@@ -28,26 +35,57 @@ struct Box
     }
 };
 
-/// The box of everything, with room around it.
-Box FindWalls(const qcClipMesh& mesh, const std::vector<qcClipPoint>& sites)
+/// The longest side.
+double LengthOf(const Box& box)
 {
-    Box walls = {sites[0], sites[0]};
-    for (const std::vector<qcClipPoint>* points : {&mesh.points, &sites})
-        for (const qcClipPoint& p : *points)
-            walls.Add(p, p);
+    return std::max({box.upper[0] - box.lower[0], box.upper[1] - box.lower[1], box.upper[2] - box.lower[2]});
+}
+
+void AddRoom(double room, Box* box)
+{
     for (size_t i = 0; i < 3; i++)
     {
-        double room = (walls.upper[i] - walls.lower[i]) / 16 + 1e-30;
-        walls.lower[i] -= room;
-        walls.upper[i] += room;
+        box->lower[i] -= room;
+        box->upper[i] += room;
     }
+}
+
+/// The box of the mesh and the sites, with room around it.
+Box FindWalls(const std::vector<qcClipPoint>& mesh, const std::vector<qcClipPoint>& sites)
+{
+    Box walls = {sites[0], sites[0]};
+    for (const std::vector<qcClipPoint>* points : {&mesh, &sites})
+        for (const qcClipPoint& p : *points)
+            walls.Add(p, p);
+    AddRoom(LengthOf(walls) / 16, &walls);
     return walls;
+}
+
+/// Whether two sites are no further apart than this along each axis. Some that are up to twice as far apart count, too:
+/// in one of eight shifted grids of twice that width, close sites are in the same cell.
+bool AreAnyClose(const std::vector<qcClipPoint>& sites, double distance)
+{
+    qcClipTable<qcClipPoint, uint32_t> grid;
+    for (int shift = 0; shift < 8; shift++)
+    {
+        grid.Clear(sites.size());
+        for (uint32_t i = 0; i < sites.size(); i++)
+        {
+            qcClipPoint key;
+            for (size_t axis = 0; axis < 3; axis++)
+                key[axis] = std::floor(sites[i][axis] / (2 * distance) + (shift >> axis & 1) * 0.5);
+            if (grid.FindOrAdd(key, i) != i)
+                return true;
+        }
+    }
+    return false;
 }
 
 //  ---- cells -----------------------------------------------------------------------------------------
 
+/// `scale`: from units to those of voro++.
 qcFractureCell CellOf(voro::voronoicell_neighbor* found, const Box& walls, const std::vector<qcClipPoint>& sites,
-                      size_t site)
+                      size_t site, double scale)
 {
     qcFractureCell cell;
     std::vector<int> neighbours;
@@ -66,17 +104,19 @@ qcFractureCell CellOf(voro::voronoicell_neighbor* found, const Box& walls, const
               [&](uint32_t a, uint32_t b)
               { return std::make_pair(distance2(a), a) < std::make_pair(distance2(b), b); });
     std::vector<double> corners;
-    found->vertices(sites[site][0], sites[site][1], sites[site][2], corners);
+    found->vertices(0, 0, 0, corners);
     Box box = {sites[site], sites[site]};
     for (size_t i = 0; i + 2 < corners.size(); i += 3)
-        box.Add({corners[i], corners[i + 1], corners[i + 2]}, {corners[i], corners[i + 1], corners[i + 2]});
-    for (size_t axis = 0; axis < 3; axis++)
     {
-        // Far above what voro++ rounds off, and too little to matter.
-        double room = (walls.upper[axis] - walls.lower[axis]) / 1024;
-        cell.lower[axis] = box.lower[axis] - room;
-        cell.upper[axis] = box.upper[axis] + room;
+        qcClipPoint corner;
+        for (size_t axis = 0; axis < 3; axis++)
+            corner[axis] = sites[site][axis] + corners[i + axis] / scale;
+        box.Add(corner, corner);
     }
+    // Far above the rounding errors of voro++, and too little to matter.
+    AddRoom(LengthOf(walls) / 1024, &box);
+    cell.lower = box.lower;
+    cell.upper = box.upper;
     return cell;
 }
 
@@ -84,13 +124,21 @@ qcFractureCell CellOf(voro::voronoicell_neighbor* found, const Box& walls, const
 void FindCells(const Box& walls, const std::vector<qcClipPoint>& sites, size_t share, size_t shares,
                std::vector<qcFractureCell>* cells)
 {
-    const qcClipPoint &lower = walls.lower, &upper = walls.upper;
+    int exponent;
+    std::frexp(LengthOf(walls), &exponent);
+    double scale = std::ldexp(1, s_voroExponent - exponent);
+    qcClipPoint lower = walls.lower, upper = walls.upper;
+    for (size_t axis = 0; axis < 3; axis++)
+    {
+        lower[axis] *= scale;
+        upper[axis] *= scale;
+    }
     // About five sites a block, as the manual advises.
     int blocks = std::max(1, int(std::cbrt(double(sites.size()) / 5)));
     voro::container container(lower[0], upper[0], lower[1], upper[1], lower[2], upper[2], blocks, blocks, blocks, false,
                               false, false, 8);
     for (size_t i = 0; i < sites.size(); i++)
-        container.put(int(i), sites[i][0], sites[i][1], sites[i][2]);
+        container.put(int(i), scale * sites[i][0], scale * sites[i][1], scale * sites[i][2]);
     voro::voronoicell_neighbor found;
     voro::c_loop_all loop(container);
     if (!loop.start())
@@ -100,7 +148,7 @@ void FindCells(const Box& walls, const std::vector<qcClipPoint>& sites, size_t s
     {
         size_t site = size_t(loop.pid());
         if (i++ * shares / sites.size() == share && container.compute_cell(found, loop))
-            (*cells)[site] = CellOf(&found, walls, sites, site);
+            (*cells)[site] = CellOf(&found, walls, sites, site, scale);
     } while (loop.inc());
 }
 
@@ -160,9 +208,9 @@ std::array<std::vector<size_t>, 2> Halve(const std::vector<qcFractureCell>& cell
                      { return std::make_pair(centre(a, longest), a) < std::make_pair(centre(b, longest), b); });
     return {std::vector<size_t>(some.begin(), middle), std::vector<size_t>(middle, some.end())};
 }
+} // namespace
 
-/// Calls the function for each index below `count`, on all cores, with scratch. What it throws is thrown here.
-template <typename Function> void ForEach(size_t count, Function function)
+void qcForEachOnAllCores(size_t count, const std::function<void(size_t i, qcClipScratch* scratch)>& function)
 {
     std::atomic<size_t> next{0};
     auto work = [&]
@@ -178,15 +226,17 @@ template <typename Function> void ForEach(size_t count, Function function)
     for (std::future<void>& other : others)
         other.get();
 }
-} // namespace
 
-std::vector<qcFractureCell> qcFindFractureCells(const qcClipMesh& mesh, const std::vector<qcClipPoint>& sites)
+std::vector<qcFractureCell> qcFindFractureCells(const std::vector<qcClipPoint>& mesh,
+                                                const std::vector<qcClipPoint>& sites)
 {
     constexpr size_t leastShare = 16, mostShares = 64; // of cells: each needs a container of all sites
     Box walls = FindWalls(mesh, sites);
+    if (LengthOf(walls) > s_greatestSpread || AreAnyClose(sites, s_leastDistance * LengthOf(walls)))
+        return {};
     std::vector<qcFractureCell> cells(sites.size(), {{}, walls.lower, walls.upper});
     size_t shares = std::min(mostShares, 1 + sites.size() / leastShare);
-    ForEach(shares, [&](size_t share, qcClipScratch*) { FindCells(walls, sites, share, shares, &cells); });
+    qcForEachOnAllCores(shares, [&](size_t share, qcClipScratch*) { FindCells(walls, sites, share, shares, &cells); });
     return cells;
 }
 
@@ -200,18 +250,18 @@ void qcDealSolid(qcClipSolid solid, const std::vector<qcFractureCell>& cells, ui
     while (!shares.empty())
     {
         std::vector<Share> halves(2 * shares.size());
-        ForEach(halves.size(),
-                [&](size_t i, qcClipScratch* scratch)
-                {
-                    const Share& share = shares[i / 2];
-                    if (share.cells.size() == 1 && i % 2 == 0)
-                        take(share.cells[0], share.solid, scratch);
-                    if (share.cells.size() == 1)
-                        return;
-                    halves[i].cells = std::move(Halve(cells, share.cells)[i % 2]);
-                    halves[i].solid = share.solid;
-                    CutAround(BoxOf(cells, halves[i].cells), firstFace, &halves[i].solid, scratch);
-                });
+        auto halve = [&](size_t i, qcClipScratch* scratch)
+        {
+            const Share& share = shares[i / 2];
+            if (share.cells.size() == 1 && i % 2 == 0)
+                take(share.cells[0], share.solid, scratch);
+            if (share.cells.size() == 1)
+                return;
+            halves[i].cells = std::move(Halve(cells, share.cells)[i % 2]);
+            halves[i].solid = share.solid;
+            CutAround(BoxOf(cells, halves[i].cells), firstFace, &halves[i].solid, scratch);
+        };
+        qcForEachOnAllCores(halves.size(), halve);
         halves.erase(
             std::remove_if(halves.begin(), halves.end(), [](const Share& share) { return share.cells.empty(); }),
             halves.end());

@@ -13,7 +13,13 @@ struct qcFractureCell
     qcClipPoint lower, upper;         ///< the box of it within a box that holds the mesh, with room around it
 };
 
-std::vector<qcFractureCell> qcFindFractureCells(const qcClipMesh& mesh, const std::vector<qcClipPoint>& sites);
+/// The cells of sites in and around the vertices of a mesh that is 1 to 2 long. None if the sites are too close to each
+/// other or too far from the mesh for voro++.
+std::vector<qcFractureCell> qcFindFractureCells(const std::vector<qcClipPoint>& mesh,
+                                                const std::vector<qcClipPoint>& sites);
+
+/// Calls the function with each index below `count` and scratch, on all cores. Its exceptions are thrown here.
+void qcForEachOnAllCores(size_t count, const std::function<void(size_t i, qcClipScratch* scratch)>& function);
 
 /// Calls the function with each cell and what the solid is in its box, from all cores. The rest of the solid is mostly
 /// cut off, by faces that are outside of the cell and have numbers from `firstFace` on.

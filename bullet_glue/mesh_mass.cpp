@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <numeric>
 #include <vector>
 
@@ -19,7 +20,7 @@ constexpr double s_pi = 3.14159265358979323846;
 
 typedef std::array<double, 3> Point;
 
-/// Is each edge passed as often one way as the other?
+/// Whether each edge is passed as often one way as the other.
 bool IsClosed(const btVector3* vertices, uint32_t vertexCount, const uint32_t* indices, uint32_t triangleCount)
 {
     struct Edge
@@ -59,9 +60,9 @@ bool IsClosed(const btVector3* vertices, uint32_t vertexCount, const uint32_t* i
     return true;
 }
 
-/// Adds a simplex of corners p of which the first `corners` count, of the given content; the others are the origin. The
-/// integral of x over a simplex of n corners is its content times the mean of the corners, that of x y its content /
-/// (n (n + 1)) times the sum of x_i y_i over all corners and of x_i y_j over all pairs of them.
+/// Adds a simplex with the corners p and, if n is 4, the origin, of the given content. The integral of x over a simplex
+/// of n corners is its content times the mean of the corners, that of x y its content / (n (n + 1)) times the sum of
+/// x_i y_i over all corners and of x_i y_j over all pairs of them.
 void AddSimplex(const Point p[3], double content, double n, qcMoments* moments)
 {
     Point sum = {};
@@ -99,18 +100,6 @@ double Area(const Point p[3])
     return std::sqrt(x * x + y * y + z * z) / 2;
 }
 
-/// Moves the origin of the moments from `from` (in the frame wanted) to 0.
-void Shift(const Point& from, qcMoments* m)
-{
-    for (size_t k = 0; k < 6; k++)
-    {
-        size_t a = k % 3, b = k < 3 ? a : (a + 1) % 3;
-        m->second[k] += m->first[a] * from[b] + m->first[b] * from[a] + m->mass * from[a] * from[b];
-    }
-    for (size_t axis = 0; axis < 3; axis++)
-        m->first[axis] += m->mass * from[axis];
-}
-
 /// Rotations that make a symmetric matrix diagonal; their product goes to `axes`, column by column.
 void Diagonalize(double m[3][3], double axes[3][3])
 {
@@ -145,6 +134,7 @@ void Diagonalize(double m[3][3], double axes[3][3])
         }
 }
 
+/// The tensor of a body of mass 1 about a point, which is given from the origin of the moments. All in units.
 void InertiaAbout(const qcMoments& m, const double point[3], double tensor[3][3])
 {
     double second[6];
@@ -163,12 +153,45 @@ void InertiaAbout(const qcMoments& m, const double point[3], double tensor[3][3]
     }
 }
 
-btMatrix3x3 ToMatrix(const double m[3][3])
+btMatrix3x3 ToMatrix(const double m[3][3], double factor)
 {
     btMatrix3x3 matrix;
     for (int i = 0; i < 3; i++)
-        matrix[i].setValue(btScalar(m[i][0]), btScalar(m[i][1]), btScalar(m[i][2]));
+        matrix[i].setValue(btScalar(m[i][0] * factor), btScalar(m[i][1] * factor), btScalar(m[i][2] * factor));
     return matrix;
+}
+
+/// Whether a type holds what a number in units becomes, and its inverse, with all digits.
+template <typename Scalar> bool Holds(double inUnits, double number)
+{
+    return inUnits == 0 || (number >= double(std::numeric_limits<Scalar>::min()) &&
+                            number <= double(std::numeric_limits<Scalar>::max()));
+}
+
+/// The diagonal of a tensor of mass 1, in units, for a body of a mass.
+btVector3 MomentsOf(const double tensor[3][3], double mass, double unit)
+{
+    btVector3 diagonal(0, 0, 0);
+    for (int i = 0; i < 3; i++)
+    {
+        double moment = tensor[i][i] * unit * mass * unit;
+        diagonal[i] = Holds<btScalar>(tensor[i][i], moment) ? btScalar(moment) : btScalar(0);
+    }
+    return diagonal;
+}
+
+/// The unit for a mesh: more than half of the distance, along an axis, of a vertex from the first one.
+double UnitOf(const btVector3* vertices, const uint32_t* indices, uint32_t triangleCount)
+{
+    double half = 0; // of the distance: it does not overflow
+    for (size_t i = 0; i < 3 * size_t(triangleCount); i++)
+        for (int axis = 0; axis < 3; axis++)
+            half = std::max(half,
+                            std::fabs(double(vertices[indices[i]][axis]) / 2 - double(vertices[indices[0]][axis]) / 2));
+    int exponent;
+    std::frexp(half, &exponent);
+    // It and its inverse are finite.
+    return half > 0 ? std::ldexp(1, std::min(std::max(exponent, -1000), 1000)) : 1;
 }
 } // namespace
 
@@ -176,12 +199,11 @@ qcMoments qcMeasureMesh(const btVector3* vertices, uint32_t vertexCount, const u
                         uint32_t triangleCount)
 {
     qcMoments moments = {};
+    moments.unit = 1;
     if (triangleCount == 0)
         return moments;
-    // Seen from a vertex, so that a mesh far from its origin loses nothing.
-    Point origin;
-    for (size_t axis = 0; axis < 3; axis++)
-        origin[axis] = double(vertices[indices[0]][int(axis)]);
+    const double unit = UnitOf(vertices, indices, triangleCount), perUnit = 1 / unit;
+    const btVector3& origin = vertices[indices[0]];
     auto forEach = [&](auto function)
     {
         for (size_t t = 0; t < triangleCount; t++)
@@ -189,7 +211,8 @@ qcMoments qcMeasureMesh(const btVector3* vertices, uint32_t vertexCount, const u
             Point p[3];
             for (size_t c = 0; c < 3; c++)
                 for (size_t axis = 0; axis < 3; axis++)
-                    p[c][axis] = double(vertices[indices[3 * t + c]][int(axis)]) - origin[axis];
+                    p[c][axis] =
+                        double(vertices[indices[3 * t + c]][int(axis)]) * perUnit - double(origin[int(axis)]) * perUnit;
             function(p);
         }
     };
@@ -210,33 +233,45 @@ qcMoments qcMeasureMesh(const btVector3* vertices, uint32_t vertexCount, const u
     }
     moments.closed = closed;
     moments.area = area;
-    Shift(origin, &moments);
+    moments.unit = unit;
+    for (int axis = 0; axis < 3; axis++)
+        moments.origin[axis] = double(origin[axis]);
     return moments;
 }
 
-btMatrix3x3 qcInertiaAbout(const qcMoments& moments, const double point[3])
+btVector3 qcInertiaAboutOrigin(const qcMoments& moments, double mass)
 {
-    double tensor[3][3];
+    double point[3], tensor[3][3];
+    for (int axis = 0; axis < 3; axis++)
+        point[axis] = -moments.origin[axis] / moments.unit;
     InertiaAbout(moments, point, tensor);
-    return ToMatrix(tensor);
+    return MomentsOf(tensor, mass, moments.unit);
 }
 
 qcMassProperties qcMassPropertiesOf(const qcMoments& moments)
 {
     qcMassProperties properties;
-    properties.closed = moments.closed;
-    properties.area = btScalar(moments.area);
-    // The sign tells whether the triangles face outwards; it falls out of all quotients.
-    properties.volume = moments.closed ? btScalar(std::fabs(moments.mass)) : 0;
-    double center[3] = {};
-    for (int axis = 0; axis < 3 && moments.mass != 0; axis++)
-        center[axis] = moments.first[axis] / moments.mass;
-    properties.center.setValue(btScalar(center[0]), btScalar(center[1]), btScalar(center[2]));
-    properties.inertia = qcInertiaAbout(moments, center);
-    double tensor[3][3], axes[3][3];
+    double unit = moments.unit, center[3] = {}, tensor[3][3], axes[3][3];
+    for (int axis = 0; axis < 3; axis++)
+    {
+        if (moments.mass != 0)
+            center[axis] = moments.first[axis] / moments.mass;
+        properties.center[axis] = btScalar(moments.origin[axis] + center[axis] * unit);
+    }
     InertiaAbout(moments, center, tensor);
+    // The sign of a volume depends on whether the triangles face outwards; it cancels in all quotients.
+    double volume = moments.closed ? std::fabs(moments.mass) : 0;
+    double greatest = std::max({tensor[0][0], tensor[1][1], tensor[2][2]});
+    bool holdsArea = Holds<double>(moments.area, moments.area * unit * unit);
+    bool holdsVolume = Holds<double>(volume, volume * unit * unit * unit);
+    bool holdsInertia = Holds<btScalar>(greatest, greatest * unit * unit);
+    properties.status = holdsArea && holdsVolume && holdsInertia ? qc_statusOk : qc_statusBadInput;
+    properties.closed = moments.closed;
+    properties.area = holdsArea ? moments.area * unit * unit : 0;
+    properties.volume = holdsVolume ? volume * unit * unit * unit : 0;
+    properties.inertia = ToMatrix(tensor, holdsInertia ? unit * unit : 0);
     Diagonalize(tensor, axes);
-    properties.principalFrame = btTransform(ToMatrix(axes), properties.center);
-    properties.principalInertia.setValue(btScalar(tensor[0][0]), btScalar(tensor[1][1]), btScalar(tensor[2][2]));
+    properties.principalFrame = btTransform(ToMatrix(axes, 1), properties.center);
+    properties.principalInertia = holdsInertia ? MomentsOf(tensor, 1, unit) : btVector3(0, 0, 0);
     return properties;
 }

@@ -4,10 +4,13 @@
 
 #include "quickcullide/bullet_mesh.h"
 
-/// The moments of a mass distribution of density 1 about the origin of the mesh's frame.
+/// The moments of a mass distribution of density 1 about a vertex of the mesh, which is about one unit long: meshes of
+/// any size, anywhere, have moments that neither overflow nor cancel.
 struct qcMoments
 {
     bool closed;
+    double unit;      ///< of length, in the mesh's frame: a power of two
+    double origin[3]; ///< the vertex, in the mesh's frame
     double area;
     double mass;      ///< the volume of a closed mesh, the area of a shell
     double first[3];  ///< integrals of x, y, z
@@ -17,8 +20,9 @@ struct qcMoments
 qcMoments qcMeasureMesh(const btVector3* vertices, uint32_t vertexCount, const uint32_t* indices,
                         uint32_t triangleCount);
 
-/// The tensor of a body of mass 1 about a point, from its moments.
-btMatrix3x3 qcInertiaAbout(const qcMoments& moments, const double point[3]);
+/// The diagonal of the tensor of a body about the origin of the mesh's frame. A moment is 0 where btScalar can't hold
+/// it or its inverse.
+btVector3 qcInertiaAboutOrigin(const qcMoments& moments, double mass);
 
 qcMassProperties qcMassPropertiesOf(const qcMoments& moments);
 

@@ -19,11 +19,16 @@ namespace
 {
 std::atomic<uint64_t> s_lastRevision{0};
 
+/// In double: squares of lengths leave the range of float.
 btScalar MeanEdge(const std::vector<btVector3>& points, const std::vector<uint32_t>& indices)
 {
     double sum = 0;
     for (size_t i = 0; i < indices.size(); i++)
-        sum += double(points[indices[i]].distance(points[indices[i % 3 == 2 ? i - 2 : i + 1]]));
+    {
+        btVector3 edge = points[indices[i % 3 == 2 ? i - 2 : i + 1]] - points[indices[i]];
+        double x = double(edge.x()), y = double(edge.y()), z = double(edge.z());
+        sum += std::sqrt(x * x + y * y + z * z);
+    }
     return indices.empty() ? btScalar(0) : btScalar(sum / double(indices.size()));
 }
 
@@ -209,9 +214,7 @@ qcMassProperties qcMeshShape::getMassProperties() const
 void qcMeshShape::calculateLocalInertia(btScalar mass, btVector3& inertia) const
 {
     qcMoments moments = qcMeasureMesh(getVertices(), getVertexCount(), getIndices(), getTriangleCount());
-    const double origin[3] = {0, 0, 0};
-    btMatrix3x3 tensor = qcInertiaAbout(moments, origin);
-    inertia.setValue(mass * tensor[0][0], mass * tensor[1][1], mass * tensor[2][2]);
+    inertia = qcInertiaAboutOrigin(moments, double(mass));
 }
 
 void qcMeshShape::getAabb(const btTransform& transform, btVector3& aabbMin, btVector3& aabbMax) const

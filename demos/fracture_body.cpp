@@ -84,7 +84,7 @@ bool qcReadFractureModel(const std::string& path, uint32_t triangleCount, btScal
         *message = path + ": the mesh is not closed: there is no inside to break";
         return false;
     }
-    model->volume = mass.volume;
+    model->volume = btScalar(mass.volume);
     model->upright = mass.principalFrame.getBasis();
     btTransform inward = mass.principalFrame.inverse();
     for (btVector3& vertex : model->vertices)

@@ -150,7 +150,7 @@ bool qcFractureWorld::BreakBody(const btVector3& impact)
         m_bodies.back()->body.applyGravity();
     }
     m_break.pieces = m_bodies.size();
-    m_break.lostVolume = fracture.volume > 0 ? fracture.lostVolume / fracture.volume : btScalar(0);
+    m_break.lostVolume = fracture.volume > 0 ? btScalar(fracture.lostVolume / fracture.volume) : btScalar(0);
     m_break.after = Momentum();
     m_break.sitesMs = scattered - start;
     m_break.splitMs = split - scattered;

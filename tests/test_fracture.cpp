@@ -3,109 +3,24 @@
 #include "quickcullide/bullet_fracture.h"
 #include "quickcullide/bullet_mesh.h"
 
+#include "fracture_models.h"
 #include "suite.h"
 
 #include <btBulletDynamicsCommon.h>
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <string>
 #include <vector>
 
 namespace
 {
-const double s_pi = 3.14159265358979323846;
 // btScalar may be float: positions of pieces are rounded to it.
 const double s_rounding = sizeof(btScalar) == sizeof(float) ? 2e-6 : 1e-12;
 
-//  ---- meshes ----------------------------------------------------------------------------------------
-
-void AddQuad(qcFractureDef* def, uint32_t a, uint32_t b, uint32_t c, uint32_t d)
-{
-    for (uint32_t index : {a, b, c, a, c, d})
-        def->indices.push_back(index);
-}
-
-qcFractureDef MakeBox(double x, double y, double z, bool insideOut = false)
-{
-    qcFractureDef def;
-    for (int i = 0; i < 8; i++)
-        def.vertices.push_back(btVector3(btScalar(i & 1 ? x : -x), btScalar(i & 2 ? y : -y), btScalar(i & 4 ? z : -z)));
-    AddQuad(&def, 0, 2, 3, 1);
-    AddQuad(&def, 4, 5, 7, 6);
-    AddQuad(&def, 0, 1, 5, 4);
-    AddQuad(&def, 2, 6, 7, 3);
-    AddQuad(&def, 0, 4, 6, 2);
-    AddQuad(&def, 1, 3, 7, 5);
-    for (size_t i = 0; insideOut && i < def.indices.size(); i += 3)
-        std::swap(def.indices[i], def.indices[i + 1]);
-    return def;
-}
-
-qcFractureDef MakeTorus(int around, int across, double radius, double tube)
-{
-    qcFractureDef def;
-    for (int i = 0; i < around; i++)
-        for (int k = 0; k < across; k++)
-        {
-            double u = 2 * s_pi * i / around, v = 2 * s_pi * k / across, r = radius + tube * std::cos(v);
-            def.vertices.push_back(
-                btVector3(btScalar(r * std::cos(u)), btScalar(r * std::sin(u)), btScalar(tube * std::sin(v))));
-        }
-    auto at = [&](int i, int k) { return uint32_t((i % around) * across + k % across); };
-    for (int i = 0; i < around; i++)
-        for (int k = 0; k < across; k++)
-            AddQuad(&def, at(i, k), at(i + 1, k), at(i + 1, k + 1), at(i, k + 1));
-    return def;
-}
-
-/// A box with a hollow.
-qcFractureDef MakeHollow()
-{
-    qcFractureDef outer = MakeBox(1, 1, 1), inner = MakeBox(0.2, 0.2, 0.2, true);
-    uint32_t offset = uint32_t(outer.vertices.size());
-    outer.vertices.insert(outer.vertices.end(), inner.vertices.begin(), inner.vertices.end());
-    for (uint32_t index : inner.indices)
-        outer.indices.push_back(index + offset);
-    return outer;
-}
-
-void Scatter(qcFractureDef* def, uint32_t count, uint64_t seed)
-{
-    btVector3 lower = def->vertices[0], upper = lower;
-    for (const btVector3& vertex : def->vertices)
-    {
-        lower.setMin(vertex);
-        upper.setMax(vertex);
-    }
-    def->sites = qcScatterSites(lower, upper, count, seed);
-}
-
 //  ---- checks ----------------------------------------------------------------------------------------
-
-double VolumeOf(const qcPiece& piece)
-{
-    double volume = 0;
-    for (size_t i = 0; i < piece.indices.size(); i += 3)
-    {
-        const btVector3 &a = piece.vertices[piece.indices[i]], &b = piece.vertices[piece.indices[i + 1]],
-                        &c = piece.vertices[piece.indices[i + 2]];
-        volume += double(a.dot(b.cross(c))) / 6;
-    }
-    return volume;
-}
-
-bool IsClosed(const qcPiece& piece)
-{
-    std::map<std::pair<uint32_t, uint32_t>, int> edges;
-    for (size_t i = 0; i < piece.indices.size(); i++)
-    {
-        uint32_t a = piece.indices[i], b = piece.indices[i - i % 3 + (i + 1) % 3];
-        edges[{std::min(a, b), std::max(a, b)}] += a < b ? 1 : -1;
-    }
-    return std::all_of(edges.begin(), edges.end(), [](const auto& edge) { return edge.second == 0; });
-}
 
 /// How far a piece leaves its cell.
 double Excess(const qcFractureDef& def, const qcPiece& piece)
@@ -155,9 +70,10 @@ void CheckPieces(const qcFractureDef& def, const qcFracture& fracture, double vo
     for (size_t i = 0; i < fracture.pieces.size(); i++)
     {
         const qcPiece& piece = fracture.pieces[i];
-        ck_assert_msg(IsClosed(piece), "%s: piece %zu is open", what, i);
-        ck_assert_msg(std::fabs(VolumeOf(piece) - double(piece.volume)) <= 40 * s_rounding,
-                      "%s: piece %zu is %g, not %g", what, i, VolumeOf(piece), double(piece.volume));
+        ck_assert_msg(qcIsClosed(piece), "%s: piece %zu is open", what, i);
+        ck_assert_msg(std::fabs(qcVolumeOf(piece.vertices, piece.indices) - double(piece.volume)) <= 40 * s_rounding,
+                      "%s: piece %zu is %g, not %g", what, i, qcVolumeOf(piece.vertices, piece.indices),
+                      double(piece.volume));
         ck_assert_msg(Excess(def, piece) < 4 * s_rounding, "%s: piece %zu leaves its cell by %g", what, i,
                       Excess(def, piece));
         ck_assert_uint_le(3 * size_t(piece.firstCutTriangle), piece.indices.size());
@@ -184,9 +100,9 @@ START_TEST(pieces_are_closed_lie_in_their_cells_and_fill_the_mesh)
     for (uint32_t seed = 1; seed <= 6; seed++)
     {
         uint32_t count = seed * seed * 5;
-        qcFractureDef box = MakeBox(1, 0.5, 2), hollow = MakeHollow(), torus = MakeTorus(32, 16, 1, 0.4);
+        qcFractureDef box = qcBoxToBreak(1, 0.5, 2), hollow = qcHollowToBreak(), torus = qcTorusToBreak(32, 16, 1, 0.4);
         for (qcFractureDef* def : {&box, &hollow, &torus})
-            Scatter(def, count, seed);
+            qcScatterInside(def, count, seed);
         qcFracture fracture = qcFracture_Split(box);
         CheckPieces(box, fracture, 8, "box");
         ck_assert_uint_eq(fracture.pieces.size(), count); // a convex mesh: one a cell
@@ -205,7 +121,7 @@ END_TEST
 START_TEST(a_cell_that_holds_two_parts_makes_two_pieces)
 {
     // Slabs across the ring: its two sides are parts of their own.
-    qcFractureDef torus = MakeTorus(48, 12, 1, 0.25);
+    qcFractureDef torus = qcTorusToBreak(48, 12, 1, 0.25);
     for (int i = -2; i <= 2; i++)
         torus.sites.push_back(btVector3(0, btScalar(0.45 * i), 0));
     qcFracture fracture = qcFracture_Split(torus);
@@ -222,7 +138,7 @@ END_TEST
 START_TEST(cuts_through_vertices_and_along_faces_are_closed)
 {
     // Sites in a lattice: bisectors go through corners of the box, along its faces and through each other's edges.
-    qcFractureDef box = MakeBox(1, 1, 1);
+    qcFractureDef box = qcBoxToBreak(1, 1, 1);
     for (int i = 0; i < 27; i++)
         box.sites.push_back(btVector3(btScalar(i % 3 - 1), btScalar(i / 3 % 3 - 1), btScalar(i / 9 - 1)));
     CheckPieces(box, qcFracture_Split(box), 8, "lattice");
@@ -242,13 +158,13 @@ END_TEST
 START_TEST(cuts_through_flat_sides_leave_no_flat_or_folded_triangle)
 {
     // Each side is of two triangles: where a cut crosses their diagonal, the outline of the new face goes straight on.
-    qcFractureDef torus = MakeTorus(32, 16, 1, 0.4), box = MakeBox(1, 0.5, 2);
+    qcFractureDef torus = qcTorusToBreak(32, 16, 1, 0.4), box = qcBoxToBreak(1, 0.5, 2);
     btMatrix3x3 turn(btQuaternion(btVector3(1, 2, 3).normalized(), btScalar(1.1)));
     for (btVector3& vertex : box.vertices)
         vertex = turn * vertex;
     for (qcFractureDef* def : {&torus, &box})
     {
-        Scatter(def, 40, 3);
+        qcScatterInside(def, 40, 3);
         for (const qcPiece& piece : qcFracture_Split(*def).pieces)
         {
             double height, cosine;
@@ -262,11 +178,11 @@ END_TEST
 
 START_TEST(triangles_back_to_back_are_dropped)
 {
-    qcFractureDef box = MakeBox(1, 1, 1);
+    qcFractureDef box = qcBoxToBreak(1, 1, 1);
     box.vertices.push_back(btVector3(2, 2, 2));
     for (uint32_t index : {1, 7, 8, 7, 1, 8})
         box.indices.push_back(index);
-    Scatter(&box, 30, 2);
+    qcScatterInside(&box, 30, 2);
     qcFracture fracture = qcFracture_Split(box);
     CheckPieces(box, fracture, 8, "a box with a fin");
     for (const qcPiece& piece : fracture.pieces)
@@ -277,10 +193,10 @@ END_TEST
 
 START_TEST(hollows_make_holes_in_cuts)
 {
-    qcFractureDef def = MakeBox(1, 1, 1);
+    qcFractureDef def = qcBoxToBreak(1, 1, 1);
     for (int i = 0; i < 27; i++)
     {
-        qcFractureDef hollow = MakeBox(0.1, 0.1, 0.1, true);
+        qcFractureDef hollow = qcBoxToBreak(0.1, 0.1, 0.1, true);
         btVector3 place(btScalar(0.5 * (i % 3 - 1)), btScalar(0.5 * (i / 3 % 3 - 1)), btScalar(0.5 * (i / 9 - 1)));
         for (uint32_t index : hollow.indices)
             def.indices.push_back(index + uint32_t(def.vertices.size()));
@@ -289,7 +205,7 @@ START_TEST(hollows_make_holes_in_cuts)
     }
     for (uint32_t count : {3, 20, 150})
     {
-        Scatter(&def, count, count);
+        qcScatterInside(&def, count, count);
         CheckPieces(def, qcFracture_Split(def), 8 - 27 * 0.008, "hollows");
     }
 }
@@ -297,8 +213,8 @@ END_TEST
 
 START_TEST(the_same_input_gives_the_same_pieces_and_sites_gather_around_an_impact)
 {
-    qcFractureDef torus = MakeTorus(24, 12, 1, 0.4);
-    Scatter(&torus, 40, 7);
+    qcFractureDef torus = qcTorusToBreak(24, 12, 1, 0.4);
+    qcScatterInside(&torus, 40, 7);
     qcFracture a = qcFracture_Split(torus), b = qcFracture_Split(torus);
     ck_assert_uint_eq(a.pieces.size(), b.pieces.size());
     for (size_t i = 0; i < a.pieces.size(); i++)
@@ -321,8 +237,8 @@ END_TEST
 
 START_TEST(momentum_and_angular_momentum_are_kept)
 {
-    qcFractureDef box = MakeBox(1, 0.5, 2);
-    Scatter(&box, 60, 5);
+    qcFractureDef box = qcBoxToBreak(1, 0.5, 2);
+    qcScatterInside(&box, 60, 5);
     qcFracture fracture = qcFracture_Split(box);
     btBoxShape shape(btVector3(1, btScalar(0.5), 2));
     btVector3 inertia;
@@ -363,9 +279,27 @@ START_TEST(momentum_and_angular_momentum_are_kept)
 }
 END_TEST
 
+START_TEST(pieces_of_a_very_light_body_are_not_static)
+{
+    qcFractureDef box = qcBoxToBreak(1, 0.5, 2);
+    qcScatterInside(&box, 60, 5);
+    qcFracture fracture = qcFracture_Split(box);
+    btBoxShape shape(btVector3(1, btScalar(0.5), 2));
+    for (btScalar mass : {std::numeric_limits<btScalar>::min(), btScalar(0)})
+    {
+        btRigidBody body(btRigidBody::btRigidBodyConstructionInfo(mass, nullptr, &shape));
+        for (const qcPiece& piece : fracture.pieces)
+        {
+            btScalar part = qcMotionOfPiece(body, fracture, piece).mass;
+            ck_assert(mass > 0 ? part > 0 && std::isfinite(double(1 / part)) : part == 0);
+        }
+    }
+}
+END_TEST
+
 START_TEST(what_can_not_be_broken_is_refused_with_its_place)
 {
-    qcFractureDef box = MakeBox(1, 1, 1), def = box;
+    qcFractureDef box = qcBoxToBreak(1, 1, 1), def = box;
     ExpectRefusal(def, "there is no site");
     def.sites = {btVector3(0, 0, 0)};
     def.indices[7] = 100;
@@ -373,7 +307,7 @@ START_TEST(what_can_not_be_broken_is_refused_with_its_place)
     def = box;
     def.sites = {btVector3(0, 0, 0)};
     def.indices.resize(33);
-    ExpectRefusal(def, "not closed");
+    ExpectRefusal(def, "not closed: an edge of triangle 2, at -1, -1, 1");
     def.indices.resize(32);
     ExpectRefusal(def, "32 indices");
     def.indices.clear();
@@ -386,7 +320,7 @@ START_TEST(what_can_not_be_broken_is_refused_with_its_place)
     def.sites = {btVector3(0, 0, 0)};
     def.vertices[3].setX(btScalar(INFINITY));
     ExpectRefusal(def, "vertex 3 is not finite");
-    def = MakeBox(1, 1, 1, true);
+    def = qcBoxToBreak(1, 1, 1, true);
     def.sites = {btVector3(0, 0, 0)};
     ExpectRefusal(def, "volume is not positive");
 }
@@ -396,4 +330,5 @@ QC_RUN_TESTS("fracture", pieces_are_closed_lie_in_their_cells_and_fill_the_mesh,
              a_cell_that_holds_two_parts_makes_two_pieces, cuts_through_vertices_and_along_faces_are_closed,
              cuts_through_flat_sides_leave_no_flat_or_folded_triangle, triangles_back_to_back_are_dropped,
              hollows_make_holes_in_cuts, the_same_input_gives_the_same_pieces_and_sites_gather_around_an_impact,
-             momentum_and_angular_momentum_are_kept, what_can_not_be_broken_is_refused_with_its_place)
+             momentum_and_angular_momentum_are_kept, pieces_of_a_very_light_body_are_not_static,
+             what_can_not_be_broken_is_refused_with_its_place)

@@ -97,5 +97,6 @@ use core.c "$CC" quickcullide
 for component in "$@"; do
     case $component in
         bullet*) use bullet.cpp "$CXX" "quickcullide_$component" ;;
+        fracture*) use fracture.cpp "$CXX" "quickcullide_$component" ;;
     esac
 done

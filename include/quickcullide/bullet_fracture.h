@@ -1,4 +1,4 @@
-// Breaks a closed triangle mesh into pieces: what each cell of a Voronoi diagram holds of it, cut faces included. Link
+// Breaks a closed triangle mesh into pieces: its parts in the cells of a Voronoi diagram, cut faces included. Link
 // quickcullide::fracture (or fracture_double), which is built where voro++ and GLU are installed.
 //
 //     qcFractureDef def;
@@ -25,35 +25,48 @@ struct qcFractureDef
     std::vector<btVector3> vertices;
     /// Three a triangle, counterclockwise as seen from outside.
     std::vector<uint32_t> indices;
-    /// One cell each, of what is nearer to it than to any other.
+    /// The points that are nearer to one of them than to any other are its cell. They may lie anywhere.
     std::vector<btVector3> sites;
 };
 
 /// A closed mesh in one part.
 struct qcPiece
 {
-    std::vector<btVector3> vertices; ///< in the piece's frame
+    /// In the piece's frame. Rounded to btScalar once: they fit those of the pieces around.
+    std::vector<btVector3> vertices;
     std::vector<uint32_t> indices;
     uint32_t firstCutTriangle = 0; ///< from here on triangles lie in cuts
     uint32_t site = 0;             ///< of its cell: a cell may hold several pieces
     /// The centre of mass and the principal axes, in the mesh's frame: a btRigidBody's tensor is diagonal in its frame.
+    /// The centre is rounded to btScalar: of a mesh at 1e6, in float, it is off by up to 0.03.
     btTransform frame = btTransform::getIdentity();
-    btScalar volume = 0;
+    double volume = 0; ///< the mesh's unit of length cubed; a btScalar may not hold it
 };
 
 struct qcFracture
 {
     qcStatus status = qc_statusOk;
-    std::string message; ///< what was wrong, and where
+    std::string message; ///< the defect of the input, and its place
     std::vector<qcPiece> pieces;
-    btScalar volume = 0;     ///< of the mesh
-    btScalar lostVolume = 0; ///< of splinters too thin to have a volume to speak of (below 1e-9 of the mesh's)
+    double volume = 0;     ///< of the mesh
+    double lostVolume = 0; ///< of splinters, below 1e-9 of the mesh's volume each, which are dropped
 };
 
-/// Splits a mesh. qc_statusBadInput, and no pieces: an index is out of range, a position not finite, two sites are at
-/// the same place, there is no site, the mesh is not closed (each edge has to be passed as often one way as the other)
-/// or is inside out. Triangles back to back, with nothing between them, are dropped. The same input gives the same
-/// pieces. About O(triangles * log(cells)).
+/// Splits a mesh. The same input gives the same pieces; input scaled by a power of two gives the pieces scaled, bit by
+/// bit. Triangles back to back, with nothing between them, are dropped. Pieces and splinters together have the mesh's
+/// volume, within 1e-12 of it and 1e-14 of the cube of its length.
+///
+/// qc_statusBadInput, and no pieces:
+/// - an index is out of range, a vertex or site is not finite, two sites are at the same place, there is no site;
+/// - the mesh is not closed (each edge has to be passed as often one way as the other) or is inside out;
+/// - the mesh is too thin: its volume is below 1e-12 of the cube of its length, where rounding errors hide overlaps;
+/// - the mesh is shorter than 1e-31 or longer than 8e37 (in double: its volume is not from 1e-298 to 1e308);
+/// - in double, the nearest site is further from the mesh than 1e144 times its length.
+///
+/// About O(triangles * log(cells)). Where two sites are closer than 1e-6 of the mesh's length, or all are further away
+/// than 64 lengths, O(cells * (triangles + cells)).
+///
+/// Thread-safety: any thread may call it, several at once. It uses all cores.
 QC_API qcFracture qcFracture_Split(const qcFractureDef& def);
 
 /// Sites within a box, the same for the same seed; around a point, if one is given, the denser the nearer to it.
@@ -63,7 +76,7 @@ QC_API std::vector<btVector3> qcScatterSites(const btVector3& lower, const btVec
 /// How a piece flies on when the body that it was part of is replaced: momentum and angular momentum are kept.
 struct qcPieceMotion
 {
-    btScalar mass;
+    btScalar mass;         ///< 0 only if the body is static: at least the smallest normal btScalar otherwise
     btTransform transform; ///< of a body whose shape is the piece's vertices
     btVector3 linearVelocity, angularVelocity;
 };

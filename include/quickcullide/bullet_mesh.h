@@ -23,17 +23,20 @@ class btStridingMeshInterface;
 /// What a mesh of homogeneous material weighs, and where.
 struct qcMassProperties
 {
+    /// qc_statusBadInput: the area or volume leaves the range of double, or the inertia that of btScalar (in float: of
+    /// meshes longer than 1e19, or shorter than 1e-19). What does so is 0, the rest holds.
+    qcStatus status = qc_statusOk;
     /// Each edge, of vertices at the same positions, is passed as often one way as the other, and there is an inside.
     /// Otherwise the mesh counts as a thin shell.
     bool closed = false;
-    btScalar area = 0;
-    btScalar volume = 0; ///< 0 unless closed
+    double area = 0;
+    double volume = 0; ///< 0 unless closed
     btVector3 center{0, 0, 0};
     /// Of a body of mass 1, about its centre of mass, in the mesh's axes. Multiply by the mass.
     btMatrix3x3 inertia = btMatrix3x3::getIdentity();
     /// The centre and the principal axes: a mesh moved by the inverse of this has a diagonal tensor about its origin.
     btTransform principalFrame = btTransform::getIdentity();
-    /// That diagonal, of a body of mass 1: what btRigidBody wants, times the mass.
+    /// That diagonal, of a body of mass 1. Multiplied by the mass: the inertia of a btRigidBody.
     btVector3 principalInertia{0, 0, 0};
 };
 
@@ -80,7 +83,8 @@ ATTRIBUTE_ALIGNED16(class) QC_API qcMeshShape : public btConcaveShape
     /// O(n log n).
     qcMassProperties getMassProperties() const;
     /// The diagonal of the tensor about the shape's origin, which Bullet takes for the centre of mass, in its axes. For
-    /// meshes that lie otherwise, see qcMassProperties::principalFrame.
+    /// meshes that lie otherwise, see qcMassProperties::principalFrame. A moment is 0 where btScalar can't hold it or
+    /// its inverse: Bullet doesn't turn the body about that axis. O(n log n).
     void calculateLocalInertia(btScalar mass, btVector3 & inertia) const override;
 
     void getAabb(const btTransform& transform, btVector3& aabbMin, btVector3& aabbMax) const override;
