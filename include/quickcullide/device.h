@@ -50,6 +50,8 @@ typedef struct qcDeviceInfo
     /// GL_RENDERER and GL_VERSION; empty for none. They live as long as the device.
     const char* renderer;
     const char* version;
+    /// GL_VENDOR; likewise.
+    const char* vendor;
     /// Pixels on a side of the largest square image; 0 for none.
     uint32_t maxResolution;
     /// The renderer runs on the CPU.

@@ -45,7 +45,7 @@ struct qcDevice
     qcContext context;
     struct qcGlTable gl;
     struct qcGlPrograms programs;
-    char renderer[128], version[128];
+    char renderer[128], version[128], vendor[128];
     uint32_t maxResolution;
     bool software;
     bool lost; ///< of the thread
@@ -107,10 +107,12 @@ static qcStatus DescribeContext(qcDevice* device)
     const struct qcGlTable* gl = &device->gl;
     const char* renderer = (const char*)gl->GetString(GL_RENDERER);
     const char* version = (const char*)gl->GetString(GL_VERSION);
-    if (renderer == NULL || version == NULL)
+    const char* vendor = (const char*)gl->GetString(GL_VENDOR);
+    if (renderer == NULL || version == NULL || vendor == NULL)
         return qcFail(qc_statusDevice, "the GL context does not say its renderer");
     snprintf(device->renderer, sizeof device->renderer, "%s", renderer);
     snprintf(device->version, sizeof device->version, "%s", version);
+    snprintf(device->vendor, sizeof device->vendor, "%s", vendor);
     device->software = qcIsSoftwareRenderer(renderer);
 
     GLint renderbufferSize = 0, viewport[2] = {0, 0};
@@ -305,6 +307,7 @@ qcStatus qcDevice_GetInfo(const qcDevice* device, qcDeviceInfo* info)
                            .name = s_kinds[device->kind].name,
                            .renderer = device->renderer,
                            .version = device->version,
+                           .vendor = device->vendor,
                            .maxResolution = device->maxResolution,
                            .software = device->software,
                            .compute = device->gl.DispatchCompute != NULL};
