@@ -13,9 +13,8 @@ typedef struct Benchmark
 } Benchmark;
 
 static const Benchmark s_benchmarks[] = {
-    {"accuracy", "qc-bench accuracy", qcBench_RunAccuracy},
-    {"peers", "qc-bench peers", qcBench_RunPeers},
-    {"scaling", "qc-bench scaling", qcBench_RunScaling},
+    {"accuracy", "qc-bench accuracy", qcBench_RunAccuracy},       {"peers", "qc-bench peers", qcBench_RunPeers},
+    {"scaling", "qc-bench scaling", qcBench_RunScaling},          {"gpu", "qc-bench gpu", qcBench_RunGpu},
 #ifdef QC_HAS_BULLET
     {"broadphase", "qc-bench broadphase", qcBench_RunBroadphase},
 #endif
@@ -66,6 +65,7 @@ static const char s_help[] =
     "  accuracy   run time against error: each method, resolution, views and order over scenes with known answers\n"
     "  peers      run time beside Embree, Bullet and CGAL, on the same meshes in the same run\n"
     "  scaling    run time and memory of 1 K to 4 M triangles and of 100 to 200 K boxes\n"
+    "  gpu        layers on a GL device: the same pairs as sweep? its kernels one by one, beside sweep\n"
     "  broadphase moving boxes inside Bullet, beside its own broadphases"
     "\v\"qc-bench BENCHMARK --help\" lists the options of one.\n\n"
     "Exit status: 0 done; 1 output could not be written, out of memory, or a method that never misses missed; 2 a "
