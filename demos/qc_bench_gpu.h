@@ -21,6 +21,8 @@ typedef struct qcGpuOptions
     uint32_t maxTriangles; ///< larger sizes are left out
     uint32_t threads;      ///< all
     qcDeviceKind device;
+    int32_t gpuIndex;    ///< as in qcDeviceDef
+    const char* gpuName; ///< likewise
     const char* out;
 } qcGpuOptions;
 

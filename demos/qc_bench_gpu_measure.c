@@ -255,6 +255,8 @@ qcBenchExit qcGpu_OpenDevice(const qcGpuOptions* options, qcGpuDevice* device, q
     ReadProcessor(device->processor, sizeof device->processor);
     qcDeviceDef def = qcDefaultDeviceDef();
     def.kind = options->device;
+    def.gpuIndex = options->gpuIndex;
+    def.gpuName = options->gpuName;
     double start = qcBenchTime_NowMs();
     qcStatus status = qcDevice_Create(&def, &device->device);
     device->openMs = qcBenchTime_NowMs() - start;

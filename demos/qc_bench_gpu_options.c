@@ -13,6 +13,7 @@ typedef enum OptionKey
     key_triangles,
     key_threads,
     key_device,
+    key_gpu,
     key_out
 } OptionKey;
 
@@ -26,10 +27,26 @@ static void TakeScene(const struct argp_state* state, const char* word, void* co
 }
 
 /// Options that are not given get their defaults.
-static void Complete(qcGpuOptions* options)
+static void Complete(const struct argp_state* state, qcGpuOptions* options)
 {
     if (memchr(options->scenes, true, sizeof options->scenes) == NULL)
         memset(options->scenes, true, sizeof options->scenes);
+    if (options->gpuIndex < 0 && options->gpuName == NULL)
+        return;
+    if (options->device != qc_deviceAuto && options->device != qc_deviceEgl)
+        argp_error(state, "--gpu is for --device egl");
+    options->device = qc_deviceEgl;
+}
+
+/// A number in EGL's list, or a part of a name.
+static void TakeGpu(const struct argp_state* state, const char* text, qcGpuOptions* options)
+{
+    if (*text == 0)
+        argp_error(state, "--gpu: neither a number nor a name");
+    if (strspn(text, "0123456789") == strlen(text))
+        options->gpuIndex = (int32_t)qcOption_ReadNumber(state, "--gpu", text, 0, 255);
+    else
+        options->gpuName = text;
 }
 
 static error_t ReadOption(int key, char* text, struct argp_state* state)
@@ -47,9 +64,10 @@ static error_t ReadOption(int key, char* text, struct argp_state* state)
             if (options->device == qc_deviceNone)
                 argp_error(state, "--device: 'none' can't be measured");
             return 0;
+        case key_gpu: TakeGpu(state, text, options); return 0;
         case key_out: options->out = qcOption_ReadFolder(state, "--out", text); return 0;
         case ARGP_KEY_ARG: argp_error(state, "'%s': options only, please; scenes follow --scenes", text); return 0;
-        case ARGP_KEY_END: Complete(options); return 0;
+        case ARGP_KEY_END: Complete(state, options); return 0;
         default: return ARGP_ERR_UNKNOWN;
     }
 }
@@ -57,6 +75,8 @@ static error_t ReadOption(int key, char* text, struct argp_state* state)
 static const struct argp_option s_options[] = {
     {"device", key_device, "DEVICE", 0,
      "auto (a GPU, otherwise software GL), egl (a GPU), osmesa or surfaceless (software); auto by default", 1},
+    {"gpu", key_gpu, "N|NAME", 0,
+     "Which GPU of EGL's list, from 0, or a part of its renderer's name; the first that works by default", 1},
     {"scenes", key_scenes, "LIST", 0,
      "Of cloth and tangle (a folded cloth with itself; in a tangle most layers cross), crowd and pile (27 such cloths "
      "with each other, deforming or rigid): from 1000 to 1000000 triangles; sheets-1e-3, sheets-1e-6 (two sheets so "
@@ -87,6 +107,7 @@ void qcGpu_ReadOptions(int argumentCount, char** arguments, qcGpuOptions* option
                                          : cores > 1024 ? 1024
                                                         : (uint32_t)cores,
                               .device = qc_deviceAuto,
+                              .gpuIndex = -1,
                               .out = "out/gpu"};
     argp_err_exit_status = qc_benchUsage;
     argp_parse(&parser, argumentCount, arguments, 0, NULL, options);

@@ -172,9 +172,8 @@ static qcPairsExit FindPairs(qcPairsRun* run, qcMessage* message)
         if (status != qc_statusOk)
         {
             qcMessage_Fail(message, "%s: %s", place, qcLastMessage());
-            ending = status == qc_statusDevice     ? qc_exitDevice
-                     : status == qc_statusBadInput ? qc_exitBadInput
-                                                   : qc_exitFailed;
+            bool device = status == qc_statusDevice || status == qc_statusDeviceLost;
+            ending = device ? qc_exitDevice : status == qc_statusBadInput ? qc_exitBadInput : qc_exitFailed;
         }
     }
     free(times);

@@ -135,7 +135,7 @@ static qcPairsExit Draw(const qcPairsRun* run, qcPictureMesh* meshes, uint8_t* r
     if (status != qc_statusOk)
     {
         qcMessage_Fail(message, "--picture: %s", qcLastMessage());
-        return status == qc_statusDevice ? qc_exitDevice : qc_exitFailed;
+        return status == qc_statusDevice || status == qc_statusDeviceLost ? qc_exitDevice : qc_exitFailed;
     }
     return qcPng_Write(run->options->picture, def->width, def->height, rgb, message) ? qc_exitDone : qc_exitFailed;
 }

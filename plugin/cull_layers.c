@@ -93,15 +93,13 @@ static bool LeavesImage(qcDevice* device)
 
 static qcStatus OpenDevice(qcCullLayers* cull, qcDevice* device)
 {
-    if (cull->layers != NULL && cull->device == device)
+    if (qcLayers_IsAlive(cull->layers))
         return qc_statusOk;
     qcLayers_Destroy(cull->layers);
     cull->layers = NULL;
     qcLayersBodies_Forget(&cull->bodies);
     cull->bodies.imageOnly = LeavesImage(device);
-    QC_TRY(qcLayers_Create(device, cull->bodies.imageOnly, &cull->layers));
-    cull->device = device;
-    return qc_statusOk;
+    return qcLayers_Create(device, cull->bodies.imageOnly, &cull->layers);
 }
 
 /// Pairs of triangles: from places on the device to ranks of the step.

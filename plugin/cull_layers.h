@@ -9,7 +9,6 @@
 typedef struct qcCullLayers
 {
     qcLayers* layers; ///< made at first use
-    qcDevice* device; ///< of it
     qcLayersFrame frame;
     qcLayersBodies bodies;
     qcLayersRefine refine;

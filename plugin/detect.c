@@ -163,7 +163,7 @@ static qcStatus CullLayers(Step* step)
         step->profile.method = qc_methodLayers;
         return qc_statusOk;
     }
-    if (status != qc_statusDevice)
+    if (status != qc_statusDevice && status != qc_statusDeviceLost)
         return status;
     snprintf(d->fallback, sizeof d->fallback, "%s: sweep answered on the CPU", qcLastMessage());
     qcLog("%s", d->fallback);

@@ -21,6 +21,7 @@ const char* qcStatus_Name(qcStatus status)
         case qc_statusBadInput: return "bad input";
         case qc_statusDevice: return "device";
         case qc_statusOutOfMemory: return "out of memory";
+        case qc_statusDeviceLost: return "device lost";
     }
     return "unknown status";
 }

@@ -1,9 +1,24 @@
-# Devices, and what only GL can do: visibility queries, pictures. Software devices that are missing are skipped.
+# Devices, and what only GL can do: visibility queries, pictures. Devices that are missing are skipped, unless
+# QC_TEST_DEVICES requires them: see devices.h.
+qc_test(test_gl_devices test_gl_devices.c)
 # Types and enums of GL come through gl/table.h; nothing of GL is linked.
 pkg_check_modules(EPOXY REQUIRED IMPORTED_TARGET epoxy)
 foreach(name device visibility growth picture gl_timers)
   qc_test(test_${name} INTERNAL test_${name}.c LIBRARIES qc_oracle)
   target_include_directories(test_${name} SYSTEM PRIVATE ${EPOXY_INCLUDE_DIRS})
 endforeach()
-# `layers`: on each software device; its frame needs none.
+# The frame of `layers` needs no device.
 qc_test(test_layers_frame INTERNAL test_layers_frame.c LIBRARIES qc_oracle)
+
+# Once more on zink, the second GL compiler that every machine can have: programs in which GL does the work, without the
+# longest (test_owners, test_tasks). Its variables are read when Mesa is opened.
+set(QC_ZINK LIBGL_ALWAYS_SOFTWARE=1 MESA_LOADER_DRIVER_OVERRIDE=zink GALLIUM_DRIVER=zink)
+foreach(test gl_devices device visibility growth picture visibility_culling beyond_paper layers layers_steps)
+  add_test(NAME test_${test}_zink COMMAND test_${test})
+  set_tests_properties(test_${test}_zink PROPERTIES ENVIRONMENT "${QC_ZINK}")
+endforeach()
+foreach(test layers layers_steps contacts margin never_miss)
+  add_test(NAME test_${test}_on_device_zink COMMAND test_${test})
+  set_tests_properties(test_${test}_on_device_zink PROPERTIES ENVIRONMENT "${QC_ZINK};QC_LAYERS_REFINE=device")
+endforeach()
+set_tests_properties(test_gl_devices test_gl_devices_zink PROPERTIES SKIP_REGULAR_EXPRESSION "Skipped: no GL device")

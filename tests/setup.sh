@@ -14,8 +14,9 @@ qc_packages()
             bench) echo gnuplot-nox glmark2-data ;;
             # Built into modules for "qc-bench peers", and nothing else.
             peers) echo libembree-dev libcgal-dev libtbb-dev ;;
-            # Software GL, opened at run time: a system that no longer has one of them does without.
-            optional) echo libosmesa6 libegl1 libgl1-mesa-dri ;;
+            # Software GL, opened at run time: a system that no longer has one of them does without. With Vulkan's
+            # software driver the tests run on a second GL, zink.
+            optional) echo libosmesa6 libegl1 libgl1-mesa-dri mesa-vulkan-drivers ;;
             # A client of libBulletCollision, to be run with qc-preload; without it that test is skipped.
             clients) echo libdart-dev libdart-collision-bullet-dev ;;
         esac
@@ -29,6 +30,18 @@ qc_missing()
             printf ' %s' "$package"
         fi
     done
+}
+
+# The GL devices whose packages are installed, as QC_TEST_DEVICES names them.
+qc_gl_devices()
+{
+    devices=
+    if command -v dpkg-query >/dev/null; then
+        [ -n "$(qc_missing libosmesa6)" ] || devices=osmesa
+        [ -n "$(qc_missing libegl1 libgl1-mesa-dri)" ] || devices=$devices,surfaceless
+        [ -n "$(qc_missing libegl1 libgl1-mesa-dri mesa-vulkan-drivers)" ] || devices=$devices,zink
+    fi
+    echo "${devices#,}"
 }
 
 qc_known()

@@ -84,15 +84,51 @@ START_TEST(auto_opens_the_first_kind_that_works_and_logs_the_others)
     qcSetLog(NULL, NULL);
     qcDeviceInfo info;
     ck_assert_int_eq(qcDevice_GetInfo(device, &info), qc_statusOk);
-    ck_assert_int_ne(info.kind, qc_deviceAuto);
-    ck_assert_int_eq(skipped, (int)info.kind - (int)qc_deviceEgl);
-    for (int kind = qc_deviceEgl; kind < (int)info.kind; ++kind)
+    qcDeviceKind kinds[] = {qc_deviceEgl, qc_deviceOsmesa, qc_deviceSurfaceless, qc_deviceNone};
+    if (qcIsZinkProcess())
+    {
+        kinds[1] = qc_deviceSurfaceless;
+        kinds[2] = qc_deviceOsmesa;
+    }
+    int at = 0;
+    for (; at < 3 && kinds[at] != info.kind; ++at)
     {
         qcDevice* other = NULL;
-        ck_assert_int_eq(Open((qcDeviceKind)kind, &other), qc_statusDevice);
+        ck_assert_int_eq(Open(kinds[at], &other), qc_statusDevice);
     }
+    ck_assert_int_eq(info.kind, kinds[at]);
+    ck_assert_int_eq(skipped, at);
     qcDevice_Destroy(device);
     ck_assert_uint_eq(qcGetByteCount(), 0);
+}
+END_TEST
+
+START_TEST(auto_prefers_surfaceless_where_the_environment_names_a_driver)
+{
+    setenv("GALLIUM_DRIVER", "softpipe", 1);
+    qcDevice *surfaceless = NULL, *device = NULL;
+    if (Open(qc_deviceSurfaceless, &surfaceless) == qc_statusOk)
+    {
+        ck_assert_int_eq(Open(qc_deviceAuto, &device), qc_statusOk);
+        qcDeviceInfo info;
+        qcDevice_GetInfo(device, &info);
+        ck_assert(info.kind == qc_deviceSurfaceless || info.kind == qc_deviceEgl);
+    }
+    qcDevice_Destroy(surfaceless);
+    qcDevice_Destroy(device);
+}
+END_TEST
+
+START_TEST(osmesa_refuses_drivers_that_it_crashes_with)
+{
+    const char* drivers[] = {"zink", "swr", "no such driver"};
+    for (int i = 0; i < 3; ++i)
+    {
+        setenv("GALLIUM_DRIVER", drivers[i], 1);
+        qcDevice* device = NULL;
+        ck_assert_int_eq(Open(qc_deviceOsmesa, &device), qc_statusDevice);
+        ck_assert_ptr_null(device);
+    }
 }
 END_TEST
 
@@ -109,10 +145,149 @@ START_TEST(a_bad_definition_is_refused_by_name)
     def.kind = (qcDeviceKind)17;
     ck_assert_int_eq(qcDevice_Create(&def, &device), qc_statusBadInput);
     ck_assert_ptr_nonnull(strstr(qcLastMessage(), "17"));
+    const uint8_t uuid[16] = {1};
+    char longName[129];
+    memset(longName, 'x', 128);
+    longName[128] = 0;
+    const struct
+    {
+        qcDeviceKind kind;
+        int32_t index;
+        const char* name;
+        const uint8_t* uuid;
+        const char* message;
+    } choices[] = {{qc_deviceEgl, -2, NULL, NULL, "gpuIndex is -2"},
+                   {qc_deviceEgl, -1, longName, NULL, "gpuName has 128 bytes"},
+                   {qc_deviceAuto, 0, NULL, NULL, "def->kind is auto"},
+                   {qc_deviceOsmesa, -1, "x", NULL, "def->kind is osmesa"},
+                   {qc_deviceSurfaceless, -1, NULL, uuid, "def->kind is surfaceless"}};
+    for (size_t i = 0; i < sizeof choices / sizeof choices[0]; ++i)
+    {
+        def = qcDefaultDeviceDef();
+        def.kind = choices[i].kind;
+        def.gpuIndex = choices[i].index;
+        def.gpuName = choices[i].name;
+        def.gpuUuid = choices[i].uuid;
+        ck_assert_int_eq(qcDevice_Create(&def, &device), qc_statusBadInput);
+        ck_assert_ptr_nonnull(strstr(qcLastMessage(), choices[i].message));
+    }
+    ck_assert_int_eq(qcDevice_Reopen(NULL), qc_statusBadInput);
     qcDeviceInfo info;
     ck_assert_int_eq(qcDevice_GetInfo(NULL, &info), qc_statusBadInput);
     ck_assert_ptr_null(device);
     qcDevice_Destroy(NULL);
+    ck_assert_uint_eq(qcGetByteCount(), 0);
+}
+END_TEST
+
+/// Clears a small image to a colour and reads it back.
+static qcStatus ClearAndRead(const struct qcGlTable* gl, void* context)
+{
+    uint8_t* rgba = context;
+    GLuint framebuffer = 0, color = 0;
+    gl->GenFramebuffers(1, &framebuffer);
+    gl->GenRenderbuffers(1, &color);
+    gl->BindFramebuffer(GL_FRAMEBUFFER, framebuffer);
+    gl->BindRenderbuffer(GL_RENDERBUFFER, color);
+    gl->RenderbufferStorage(GL_RENDERBUFFER, GL_RGBA8, 4, 4);
+    gl->FramebufferRenderbuffer(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_RENDERBUFFER, color);
+    gl->ClearColor((float)rgba[0] / 255.0f, (float)rgba[1] / 255.0f, (float)rgba[2] / 255.0f, 1.0f);
+    gl->Clear(GL_COLOR_BUFFER_BIT);
+    memset(rgba, 0, 4);
+    gl->ReadPixels(1, 1, 1, 1, GL_RGBA, GL_UNSIGNED_BYTE, rgba);
+    gl->DeleteFramebuffers(1, &framebuffer);
+    gl->DeleteRenderbuffers(1, &color);
+    return qc_statusOk;
+}
+
+static qcStatus OpenGpu(int32_t index, const char* name, const uint8_t* uuid, qcDevice** device)
+{
+    qcDeviceDef def = qcDefaultDeviceDef();
+    def.kind = qc_deviceEgl;
+    def.gpuIndex = index;
+    def.gpuName = name;
+    def.gpuUuid = uuid;
+    return qcDevice_Create(&def, device);
+}
+
+/// Whether this GPU opens by this choice; a failure names each GPU that EGL lists, or those that were tried.
+static bool OpensAs(int32_t index, const char* name, const uint8_t* uuid, const char* renderer)
+{
+    qcDevice* device = NULL;
+    qcStatus status = OpenGpu(index, name, uuid, &device);
+    if (status != qc_statusOk)
+    {
+        ck_assert_int_eq(status, qc_statusDevice);
+        ck_assert_ptr_nonnull(strstr(qcLastMessage(), renderer));
+        return false;
+    }
+    qcDeviceInfo info;
+    qcDevice_GetInfo(device, &info);
+    ck_assert_int_eq(info.kind, qc_deviceEgl);
+    bool same = strcmp(info.renderer, renderer) == 0;
+    qcDevice_Destroy(device);
+    return same;
+}
+
+START_TEST(a_gpu_is_chosen_by_number_by_name_and_by_uuid)
+{
+    const uint8_t none[16] = {0};
+    int32_t index = 0;
+    qcDevice* device = NULL;
+    for (; OpenGpu(index, NULL, NULL, &device) == qc_statusOk; ++index)
+    {
+        qcDeviceInfo info;
+        qcDevice_GetInfo(device, &info);
+        ck_assert_int_eq(info.kind, qc_deviceEgl);
+        char renderer[128], part[128];
+        snprintf(renderer, sizeof renderer, "%s", info.renderer);
+        snprintf(part, sizeof part, "%s", info.renderer + 2);
+        uint8_t uuid[16];
+        memcpy(uuid, info.uuid, sizeof uuid);
+        bool hasUuid = memcmp(uuid, none, sizeof uuid) != 0;
+        printf("GPU %d: %s%s\n", (int)index, renderer, hasUuid ? "" : " (no UUID)");
+        qcDevice_Destroy(device);
+
+        ck_assert(OpensAs(index, renderer, NULL, renderer));
+        ck_assert(OpensAs(-1, part, NULL, renderer));
+        ck_assert(!OpensAs(index, "no such name", NULL, renderer));
+        ck_assert(!OpensAs(-1, "no such name", NULL, renderer));
+        ck_assert(!hasUuid || OpensAs(-1, NULL, uuid, renderer));
+        ck_assert(!hasUuid || OpensAs(index, part, uuid, renderer));
+        uuid[3] ^= 1;
+        ck_assert(!OpensAs(index, NULL, uuid, renderer));
+        ck_assert(!OpensAs(-1, renderer, uuid, renderer));
+    }
+    ck_assert_int_eq(OpenGpu(64, NULL, NULL, &device), qc_statusDevice);
+    ck_assert_uint_eq(qcGetByteCount(), 0);
+}
+END_TEST
+
+START_TEST(a_device_that_is_reopened_draws_again)
+{
+    QC_FOR_EACH_DEVICE(device)
+    {
+        qcDeviceInfo before, after;
+        qcDevice_GetInfo(device, &before);
+        char renderer[128];
+        snprintf(renderer, sizeof renderer, "%s", before.renderer);
+        for (uint32_t round = 0; round < 3; ++round)
+        {
+            ck_assert_uint_eq(qcDevice_GetGeneration(device), round + 1);
+            uint8_t rgba[4] = {10, 20, 30, 0};
+            ck_assert_int_eq(qcDevice_Run(device, ClearAndRead, rgba, "a test"), qc_statusOk);
+            ck_assert_uint_eq(rgba[0], 10);
+            ck_assert_int_eq(qcDevice_Reopen(device), qc_statusOk);
+        }
+        qcDevice_GetInfo(device, &after);
+        ck_assert_int_eq(after.kind, before.kind);
+        ck_assert_str_eq(after.renderer, renderer);
+        ck_assert(!after.lost);
+    }
+    qcDevice* none = NULL;
+    ck_assert_int_eq(Open(qc_deviceNone, &none), qc_statusOk);
+    ck_assert_int_eq(qcDevice_Reopen(none), qc_statusOk);
+    qcDevice_Destroy(none);
     ck_assert_uint_eq(qcGetByteCount(), 0);
 }
 END_TEST
@@ -164,7 +339,7 @@ START_TEST(devices_open_and_close_many_times_and_side_by_side)
     {
         for (int i = 0; i < 6; ++i)
         {
-            if (Open(qc_softwareKinds[i % 2], &devices[i]) != qc_statusOk)
+            if (Open(qc_testKinds[i % qc_testDeviceCount], &devices[i]) != qc_statusOk)
                 devices[i] = NULL;
         }
         // Not in the order in which they were opened.
@@ -344,26 +519,6 @@ START_TEST(many_callers_are_served_one_after_another_each_with_its_own_message)
 }
 END_TEST
 
-/// Clears a small image to a colour and reads it back.
-static qcStatus ClearAndRead(const struct qcGlTable* gl, void* context)
-{
-    uint8_t* rgba = context;
-    GLuint framebuffer = 0, color = 0;
-    gl->GenFramebuffers(1, &framebuffer);
-    gl->GenRenderbuffers(1, &color);
-    gl->BindFramebuffer(GL_FRAMEBUFFER, framebuffer);
-    gl->BindRenderbuffer(GL_RENDERBUFFER, color);
-    gl->RenderbufferStorage(GL_RENDERBUFFER, GL_RGBA8, 4, 4);
-    gl->FramebufferRenderbuffer(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_RENDERBUFFER, color);
-    gl->ClearColor((float)rgba[0] / 255.0f, (float)rgba[1] / 255.0f, (float)rgba[2] / 255.0f, 1.0f);
-    gl->Clear(GL_COLOR_BUFFER_BIT);
-    memset(rgba, 0, 4);
-    gl->ReadPixels(1, 1, 1, 1, GL_RGBA, GL_UNSIGNED_BYTE, rgba);
-    gl->DeleteFramebuffers(1, &framebuffer);
-    gl->DeleteRenderbuffers(1, &color);
-    return qc_statusOk;
-}
-
 typedef struct Drawer
 {
     qcDeviceKind kind;
@@ -397,7 +552,7 @@ START_TEST(devices_on_several_threads_do_not_disturb_each_other)
     pthread_t threads[4];
     for (int i = 0; i < 4; ++i)
     {
-        drawers[i] = (Drawer){qc_softwareKinds[i % 2], (uint8_t)(50 * i + 20), 0};
+        drawers[i] = (Drawer){qc_testKinds[i % qc_testDeviceCount], (uint8_t)(50 * i + 20), 0};
         ck_assert_int_eq(pthread_create(&threads[i], NULL, DrawOften, &drawers[i]), 0);
     }
     for (int i = 0; i < 4; ++i)
@@ -437,6 +592,8 @@ static void* FindFunction(void* library, const char* name)
 
 START_TEST(an_osmesa_context_of_the_host_stays_current_and_draws)
 {
+    if (qcIsZinkProcess())
+        return; // libOSMesa would crash
     void* library = dlopen("libOSMesa.so.8", RTLD_NOW | RTLD_LOCAL);
     if (library == NULL)
         library = dlopen("libOSMesa.so.6", RTLD_NOW | RTLD_LOCAL);
@@ -538,11 +695,14 @@ START_TEST(a_surfaceless_egl_context_of_the_host_stays_current_and_draws)
 END_TEST
 
 QC_RUN_TESTS("device", a_named_kind_opens_or_says_why_not, the_device_none_always_opens_and_has_no_gl,
-             auto_opens_the_first_kind_that_works_and_logs_the_others, a_bad_definition_is_refused_by_name,
-             software_devices_say_what_they_are, no_memory_for_a_device_is_a_status,
-             devices_open_and_close_many_times_and_side_by_side, a_job_finds_a_context_of_gl_3_3_or_more,
-             status_and_message_of_a_job_reach_the_caller, a_gl_error_is_a_status_and_the_device_goes_on,
-             a_job_finds_the_initial_state, many_callers_are_served_one_after_another_each_with_its_own_message,
+             auto_opens_the_first_kind_that_works_and_logs_the_others,
+             auto_prefers_surfaceless_where_the_environment_names_a_driver, osmesa_refuses_drivers_that_it_crashes_with,
+             a_bad_definition_is_refused_by_name, a_gpu_is_chosen_by_number_by_name_and_by_uuid,
+             a_device_that_is_reopened_draws_again, software_devices_say_what_they_are,
+             no_memory_for_a_device_is_a_status, devices_open_and_close_many_times_and_side_by_side,
+             a_job_finds_a_context_of_gl_3_3_or_more, status_and_message_of_a_job_reach_the_caller,
+             a_gl_error_is_a_status_and_the_device_goes_on, a_job_finds_the_initial_state,
+             many_callers_are_served_one_after_another_each_with_its_own_message,
              devices_on_several_threads_do_not_disturb_each_other,
              an_osmesa_context_of_the_host_stays_current_and_draws,
              a_surfaceless_egl_context_of_the_host_stays_current_and_draws)

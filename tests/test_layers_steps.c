@@ -27,7 +27,7 @@ typedef struct Thing
 typedef struct World
 {
     qcRandom random;
-    qcScene* scenes[3]; ///< the first has no device; all have the same bodies
+    qcScene* scenes[1 + qc_testDeviceCount]; ///< the first has no device; all have the same bodies
     int sceneCount;
     uint32_t sceneTriangles, bodyTriangles; ///< at most
     double offset[3];                       ///< about where things are
@@ -317,11 +317,12 @@ static void AskAll(World* world, qcDetectDef def, const char* what, Tally* tally
     }
 }
 
-static void RunWorld(uint64_t seed, uint32_t bodyTriangles, int steps, qcDevice* const devices[2], Tally* tally)
+static void RunWorld(uint64_t seed, uint32_t bodyTriangles, int steps, qcDevice* const devices[qc_testDeviceCount],
+                     Tally* tally)
 {
     World world = {.random = {seed}, .bodyTriangles = bodyTriangles, .sceneTriangles = 5 * bodyTriangles};
     world.scenes[world.sceneCount++] = qcMakeScene(NULL);
-    for (int i = 0; i < 2; i++)
+    for (int i = 0; i < qc_testDeviceCount; i++)
         if (devices[i] != NULL)
             world.scenes[world.sceneCount++] = qcMakeScene(devices[i]);
     qcDetectDef def = qcDefaultDetectDef();
@@ -352,8 +353,8 @@ START_TEST(any_sequence_of_changes_gives_the_pairs_of_a_scene_without_a_device)
         uint32_t bodyTriangles;
         int worlds, steps;
     } s_sizes[] = {{12, 8, 60}, {150, 4, 40}, {800, 3, 25}};
-    qcDevice* devices[2] = {qcOpenOrSkip(qc_deviceOsmesa), qcOpenOrSkip(qc_deviceSurfaceless)};
-    bool any = devices[0] != NULL || devices[1] != NULL;
+    qcDevice* devices[qc_testDeviceCount];
+    bool any = qcOpenTestDevices(devices) > 0;
     for (int i = 0; i < 3; i++)
     {
         Tally tally = {0};
@@ -370,8 +371,7 @@ START_TEST(any_sequence_of_changes_gives_the_pairs_of_a_scene_without_a_device)
         ck_assert_uint_le(100 * tally.fallbacks, tally.runs);
         ck_assert(!any || 5 * tally.kept > tally.runs);
     }
-    qcDevice_Destroy(devices[0]);
-    qcDevice_Destroy(devices[1]);
+    qcCloseTestDevices(devices);
     ck_assert_uint_eq(qcGetByteCount(), 0);
 }
 END_TEST

@@ -317,9 +317,9 @@ static qcScene* MakeScene(const Plan* plan, qcDevice* device)
 /// What has been seen over all scenes of a test.
 typedef struct Tally
 {
-    uint64_t built, found, asked; ///< pairs made; of these, reported by brute force; shown to the oracle
-    uint64_t runs, fallbacks;     ///< of `layers`
-    uint64_t hashes[3 + 2];       ///< over all lists of brute, sweep, auto, `layers` by device
+    uint64_t built, found, asked;            ///< pairs made; of these, reported by brute force; shown to the oracle
+    uint64_t runs, fallbacks;                ///< of `layers`
+    uint64_t hashes[3 + qc_testDeviceCount]; ///< over all lists of brute, sweep, auto, `layers` by device
 } Tally;
 
 /// Fowler, Noll, Vo: FNV-1a, over the numbers of the pairs.
@@ -404,7 +404,7 @@ static void CheckLayers(const Plan* plan, qcScene* scene, qcDetectDef* def, cons
     tally->fallbacks += result->profile.fallback != NULL;
 }
 
-static void RunScene(const Plan* plan, qcDevice* const devices[2], Tally* tally)
+static void RunScene(const Plan* plan, qcDevice* const devices[qc_testDeviceCount], Tally* tally)
 {
     qcRandom random = {~plan->seed};
     qcDetectDef def = qcDefaultDetectDef();
@@ -423,17 +423,19 @@ static void RunScene(const Plan* plan, qcDevice* const devices[2], Tally* tally)
     def.layerColumns =
         (const uint32_t[]){0, 0, 1, 4, 16, 100}[qcRandom_Below(&random, plan->layout == layout_many ? 5 : 6)];
     def.layerDepthAxis = "\0xyz"[qcRandom_Below(&random, 4)];
-    for (int d = 0; d < 2; d++)
+    qcDevice* first = NULL;
+    for (int d = 0; d < qc_testDeviceCount; d++)
     {
         if (devices[d] == NULL)
             continue;
+        first = first == NULL ? devices[d] : first;
         qcScene* scene = MakeScene(plan, devices[d]);
-        CheckLayers(plan, scene, &def, &expected, d == 0 ? "osmesa" : "surfaceless", tally, &tally->hashes[3 + d]);
+        CheckLayers(plan, scene, &def, &expected, qc_testDeviceNames[qcGetTestName(d)], tally, &tally->hashes[3 + d]);
         qcScene_Destroy(scene);
     }
     def.method = qc_methodAuto;
-    qcScene* scene = MakeScene(plan, devices[0]);
-    Check(plan, scene, &def, &expected, "osmesa", &tally->hashes[2]);
+    qcScene* scene = MakeScene(plan, first);
+    Check(plan, scene, &def, &expected, "auto", &tally->hashes[2]);
     qcScene_Destroy(scene);
     qcScene_Destroy(plain);
     free(expected.pairs);
@@ -441,7 +443,8 @@ static void RunScene(const Plan* plan, qcDevice* const devices[2], Tally* tally)
 
 static void RunScenes(const char* name, uint64_t firstSeed, Layout layout, bool hasMargin)
 {
-    qcDevice* devices[2] = {qcOpenOrSkip(qc_deviceOsmesa), qcOpenOrSkip(qc_deviceSurfaceless)};
+    qcDevice* devices[qc_testDeviceCount];
+    qcOpenTestDevices(devices);
     Tally tally = {0};
     uint64_t count = (uint64_t)qcGetTestPairCount(6 * qc_leastPairs) / 6;
     for (uint64_t seed = firstSeed; tally.built < count; seed++)
@@ -454,14 +457,13 @@ static void RunScenes(const char* name, uint64_t firstSeed, Layout layout, bool 
            "hash %016llx\n",
            name, (unsigned long long)tally.built, (unsigned long long)tally.found, (unsigned long long)tally.asked,
            (unsigned long long)tally.runs, (unsigned long long)tally.fallbacks, (unsigned long long)tally.hashes[0]);
-    for (int i = 1; i < 5; i++)
+    for (int i = 1; i < 3 + qc_testDeviceCount; i++)
         ck_assert(tally.hashes[i] == tally.hashes[0] || (i >= 3 && devices[i - 3] == NULL));
     // Built for the border: neither all nor none are reported.
     ck_assert_uint_gt(tally.found, tally.built / 5);
     ck_assert_uint_lt(tally.found, tally.built - tally.built / 20);
     ck_assert_uint_le(10 * tally.fallbacks, tally.runs);
-    qcDevice_Destroy(devices[0]);
-    qcDevice_Destroy(devices[1]);
+    qcCloseTestDevices(devices);
     ck_assert_uint_eq(qcGetByteCount(), 0);
 }
 

@@ -318,6 +318,7 @@ START_TEST(names_and_statuses_read_well)
     ck_assert_str_eq(qcMethod_Name(qc_methodQuick), "quick");
     ck_assert_str_eq(qcRelation_Name(qc_relationTouching), "touching");
     ck_assert_str_eq(qcStatus_Name(qc_statusOutOfMemory), "out of memory");
+    ck_assert_str_eq(qcStatus_Name(qc_statusDeviceLost), "device lost");
     ck_assert_str_eq(qcMethod_Name((qcMethod)99), "unknown method");
 }
 END_TEST

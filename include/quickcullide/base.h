@@ -34,7 +34,9 @@ typedef enum qcStatus
     /// The named GL device does not exist here, or failed.
     qc_statusDevice = 2,
     /// An allocation failed.
-    qc_statusOutOfMemory = 3
+    qc_statusOutOfMemory = 3,
+    /// The device's GL context is lost, as after a GPU reset; qcDevice_Reopen opens it anew.
+    qc_statusDeviceLost = 4
 } qcStatus;
 
 /// The message of the last call of this thread that did not return qc_statusOk.

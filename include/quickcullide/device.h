@@ -1,7 +1,7 @@
 // A device draws: it owns one OpenGL context, on a thread of its own, so that the context of the
 // calling thread (EGL, GLX or OSMesa) is never touched.
 //
-// Thread-safety: any thread may use a device; calls are served one after another.
+// Thread-safety: any thread may use a device; calls run one after another.
 #ifndef QUICKCULLIDE_DEVICE_H
 #define QUICKCULLIDE_DEVICE_H
 
@@ -13,11 +13,13 @@ extern "C" {
 
 typedef enum qcDeviceKind
 {
-    /// The first of the following four that works here. Never fails: the last one always works.
+    /// The first of the following four that works here. Never fails: the last one always works. Surfaceless comes
+    /// before OSMesa where GALLIUM_DRIVER or MESA_LOADER_DRIVER_OVERRIDE in the environment name one of Mesa's drivers.
     qc_deviceAuto = 0,
     /// A hardware GPU, through EGL's device platform: no window system needed.
     qc_deviceEgl = 1,
-    /// Software GL in memory; libOSMesa is opened at run time.
+    /// Software GL in memory; libOSMesa is opened at run time. Fails where GALLIUM_DRIVER in the environment is neither
+    /// llvmpipe nor softpipe: libOSMesa crashes with other drivers.
     qc_deviceOsmesa = 2,
     /// Software (or any) GL through EGL's surfaceless platform.
     qc_deviceSurfaceless = 3,
@@ -31,6 +33,14 @@ typedef struct qcDeviceDef
 {
     uint32_t structSize;
     qcDeviceKind kind;
+    /// Which GPU: the first that fits all of the following three. None of them given: the first hardware GPU that
+    /// works; otherwise it may also be one that draws in software. For kind egl alone.
+    /// Number in EGL's list of devices, from 0; -1: any.
+    int32_t gpuIndex;
+    /// A part of its GL_RENDERER, at most 127 bytes, such as "RTX 4090"; null or empty: any.
+    const char* gpuName;
+    /// 16 bytes, as qcDeviceInfo::uuid; null: any.
+    const uint8_t* gpuUuid;
 } qcDeviceDef;
 
 static inline qcDeviceDef qcDefaultDeviceDef(void)
@@ -38,6 +48,9 @@ static inline qcDeviceDef qcDefaultDeviceDef(void)
     qcDeviceDef def;
     def.structSize = (uint32_t)sizeof(qcDeviceDef);
     def.kind = qc_deviceAuto;
+    def.gpuIndex = -1;
+    def.gpuName = NULL;
+    def.gpuUuid = NULL;
     return def;
 }
 
@@ -47,7 +60,7 @@ typedef struct qcDeviceInfo
     qcDeviceKind kind;
     /// "egl", "osmesa", "surfaceless" or "none".
     const char* name;
-    /// GL_RENDERER and GL_VERSION; empty for none. They live as long as the device.
+    /// GL_RENDERER and GL_VERSION; empty for none. Valid until the device is reopened or destroyed.
     const char* renderer;
     const char* version;
     /// GL_VENDOR; likewise.
@@ -58,15 +71,26 @@ typedef struct qcDeviceInfo
     bool software;
     /// Compute shaders (GL 4.3): what the method `layers` takes.
     bool compute;
+    /// The GL context is lost: calls that need it return qc_statusDeviceLost until the device is reopened, `auto` and
+    /// `layers` fall back on the CPU.
+    bool lost;
+    /// GL_DEVICE_UUID_EXT, which is also Vulkan's and CUDA's UUID of the GPU; all 0: the driver reports none.
+    uint8_t uuid[16];
 } qcDeviceInfo;
 
-/// Opens a device. qc_statusDevice: the named kind does not work here; the message says why.
+/// Opens a device. qc_statusDevice: the named kind or GPU does not work here; the message names the reason, for kind
+/// egl that of each GPU.
 QC_API qcStatus qcDevice_Create(const qcDeviceDef* def, qcDevice** device);
 
 /// Closes a device after the last scene that uses it. Null is allowed.
 QC_API void qcDevice_Destroy(qcDevice* device);
 
 QC_API qcStatus qcDevice_GetInfo(const qcDevice* device, qcDeviceInfo* info);
+
+/// Closes the GL context, lost or not, and opens one by the same definition; of `auto` the kind is kept. Scenes that
+/// use the device stay valid and upload what they need in their next step. No other call may use the device meanwhile,
+/// nor its scenes. On failure the device stays lost, and another attempt is allowed. Does nothing on the device `none`.
+QC_API qcStatus qcDevice_Reopen(qcDevice* device);
 
 /// One coloured triangle soup in a picture.
 typedef struct qcPictureMesh

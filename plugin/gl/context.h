@@ -1,8 +1,25 @@
-// A GL context on the calling thread: what device.c asks of a platform.
+// A GL context on the calling thread: what a platform opens for device.c.
 #ifndef QC_PLUGIN_GL_CONTEXT_H
 #define QC_PLUGIN_GL_CONTEXT_H
 
 #include "gl/table.h"
+
+/// Which GPU, as in qcDeviceDef.
+typedef struct qcGpuChoice
+{
+    int32_t index; ///< -1: any
+    char name[128];
+    bool hasUuid;
+    uint8_t uuid[16];
+} qcGpuChoice;
+
+/// What draws, as the driver reports it.
+typedef struct qcGpuIdentity
+{
+    char renderer[128], version[128], vendor[128]; ///< GL_RENDERER, GL_VERSION, GL_VENDOR
+    uint8_t uuid[16];                              ///< all 0: not reported
+    bool software;
+} qcGpuIdentity;
 
 typedef struct qcContext
 {
@@ -12,12 +29,12 @@ typedef struct qcContext
 } qcContext;
 
 /// Opens a context, GL 4.5 core or else 3.3 core, and leaves it current on the calling thread.
-/// qc_statusDevice: nothing is left open; the message says why.
-typedef qcStatus qcOpenContext(qcContext* context);
+/// qc_statusDevice: nothing is left open; the message names the reason. `choice` is for EGL's device platform alone.
+typedef qcStatus qcOpenContext(const qcGpuChoice* choice, qcContext* context);
 /// Closes it on the thread that opened it.
 typedef void qcCloseContext(qcContext* context);
 
-/// A hardware GPU through EGL's device platform.
+/// A GPU through EGL's device platform.
 qcOpenContext qcOpenEglContext;
 /// EGL's surfaceless platform.
 qcOpenContext qcOpenSurfacelessContext;
@@ -26,7 +43,7 @@ qcCloseContext qcCloseEglContext;
 qcOpenContext qcOpenOsmesaContext;
 qcCloseContext qcCloseOsmesaContext;
 
-/// Whether a GL_RENDERER draws on the CPU.
-bool qcIsSoftwareRenderer(const char* renderer);
+/// Reads the identity from the context that is current. qc_statusDevice: the driver reports no renderer.
+qcStatus qcContext_Identify(const qcContext* context, qcGpuIdentity* identity);
 
 #endif

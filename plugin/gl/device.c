@@ -12,6 +12,7 @@
 #include <pthread.h>
 #include <signal.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 enum
@@ -42,20 +43,21 @@ typedef enum TurnState
 struct qcDevice
 {
     qcDeviceKind kind;
+    qcGpuChoice choice;
     qcContext context;
     struct qcGlTable gl;
     struct qcGlPrograms programs;
-    char renderer[128], version[128], vendor[128];
+    qcGpuIdentity gpu;
     uint32_t maxResolution;
-    bool software;
-    bool lost; ///< of the thread
 
-    pthread_t thread;
-    pthread_mutex_t callers; ///< held by the one caller that is being served
+    pthread_t thread;        ///< runs while the device is open
+    pthread_mutex_t callers; ///< held by the one caller whose job runs
     KeptCosts costs[qc_keptCosts];
     pthread_mutex_t costsMutex; ///< guards them
     pthread_mutex_t mutex;      ///< guards the rest
     pthread_cond_t changed;
+    bool open, lost;
+    uint32_t generation; ///< contexts opened so far
     TurnState turn;
     qcDeviceJob* job;
     void* jobContext;
@@ -77,17 +79,6 @@ static const struct
     [qc_deviceNone] = {"none", NULL, NULL},
 };
 
-bool qcIsSoftwareRenderer(const char* renderer)
-{
-    static const char* const names[] = {"llvmpipe", "softpipe", "swrast", "Software Rasterizer", "SwiftShader"};
-    for (size_t i = 0; i < sizeof names / sizeof names[0]; ++i)
-    {
-        if (strstr(renderer, names[i]) != NULL)
-            return true;
-    }
-    return false;
-}
-
 static const char* GlErrorName(GLenum error)
 {
     switch (error)
@@ -102,19 +93,9 @@ static const char* GlErrorName(GLenum error)
     }
 }
 
-static qcStatus DescribeContext(qcDevice* device)
+static void ReadLimits(qcDevice* device)
 {
     const struct qcGlTable* gl = &device->gl;
-    const char* renderer = (const char*)gl->GetString(GL_RENDERER);
-    const char* version = (const char*)gl->GetString(GL_VERSION);
-    const char* vendor = (const char*)gl->GetString(GL_VENDOR);
-    if (renderer == NULL || version == NULL || vendor == NULL)
-        return qcFail(qc_statusDevice, "the GL context does not say its renderer");
-    snprintf(device->renderer, sizeof device->renderer, "%s", renderer);
-    snprintf(device->version, sizeof device->version, "%s", version);
-    snprintf(device->vendor, sizeof device->vendor, "%s", vendor);
-    device->software = qcIsSoftwareRenderer(renderer);
-
     GLint renderbufferSize = 0, viewport[2] = {0, 0};
     gl->GetIntegerv(GL_MAX_RENDERBUFFER_SIZE, &renderbufferSize);
     gl->GetIntegerv(GL_MAX_VIEWPORT_DIMS, viewport);
@@ -122,26 +103,34 @@ static qcStatus DescribeContext(qcDevice* device)
     if (smallest > renderbufferSize)
         smallest = renderbufferSize;
     device->maxResolution = smallest > 0 ? (uint32_t)smallest : 0;
-    return qc_statusOk;
 }
 
 static qcStatus OpenContext(qcDevice* device)
 {
-    QC_TRY(s_kinds[device->kind].open(&device->context));
-    device->gl.programs = &device->programs;
+    QC_TRY(s_kinds[device->kind].open(&device->choice, &device->context));
+    device->gl = (struct qcGlTable){.programs = &device->programs};
+    device->programs = (struct qcGlPrograms){0};
     qcStatus status = qcGlTable_Load(&device->gl, device->context.getFunction);
     if (status == qc_statusOk)
-        status = DescribeContext(device);
-    if (status != qc_statusOk)
+        status = qcContext_Identify(&device->context, &device->gpu);
+    if (status == qc_statusOk)
+        ReadLimits(device);
+    else
         s_kinds[device->kind].close(&device->context);
     return status;
 }
 
-static qcStatus RunJob(qcDevice* device)
+static qcStatus FailLost(const char* purpose)
+{
+    return qcFail(qc_statusDeviceLost, "%s: the GL context is lost", purpose);
+}
+
+/// Runs the job that is posted; `lost`: whether the context is, before and after it.
+static qcStatus RunJob(qcDevice* device, bool* lost)
 {
     const struct qcGlTable* gl = &device->gl;
-    if (device->lost)
-        return qcFail(qc_statusDevice, "%s: the GL context was lost", device->purpose);
+    if (*lost)
+        return FailLost(device->purpose);
     qcStatus status = device->job(gl, device->jobContext);
     qcGlTable_ResetState(gl);
 
@@ -149,13 +138,14 @@ static qcStatus RunJob(qcDevice* device)
     GLenum next = first;
     for (int i = 0; next != GL_NO_ERROR && i < qc_maxGlErrors; ++i)
         next = gl->GetError();
-    device->lost =
+    *lost =
         first == GL_CONTEXT_LOST || (gl->GetGraphicsResetStatus != NULL && gl->GetGraphicsResetStatus() != GL_NO_ERROR);
-    // What the job says of itself is nearer to the cause.
+    // Whatever the job reports: results of a lost context have no meaning.
+    if (*lost)
+        return FailLost(device->purpose);
+    // The job's own status is nearer to the cause.
     if (status != qc_statusOk)
         return status;
-    if (device->lost)
-        return qcFail(qc_statusDevice, "%s: the GL context was lost", device->purpose);
     if (first != GL_NO_ERROR)
         return qcFail(qc_statusDevice, "%s: %s (0x%x)", device->purpose, GlErrorName(first), first);
     return qc_statusOk;
@@ -176,6 +166,12 @@ static void* ServeCallers(void* argument)
     qcDevice* device = argument;
     qcStatus opened = OpenContext(device);
     pthread_mutex_lock(&device->mutex);
+    if (opened == qc_statusOk)
+    {
+        device->open = true;
+        device->lost = false;
+        ++device->generation;
+    }
     Answer(device, opened);
     while (opened == qc_statusOk)
     {
@@ -183,9 +179,11 @@ static void* ServeCallers(void* argument)
             pthread_cond_wait(&device->changed, &device->mutex);
         if (device->turn == turn_quit)
             break;
+        bool lost = device->lost;
         pthread_mutex_unlock(&device->mutex);
-        qcStatus status = RunJob(device);
+        qcStatus status = RunJob(device, &lost);
         pthread_mutex_lock(&device->mutex);
+        device->lost = lost;
         Answer(device, status);
     }
     pthread_mutex_unlock(&device->mutex);
@@ -239,6 +237,19 @@ static qcStatus OpenKind(qcDevice* device, qcDeviceKind kind)
     return status;
 }
 
+static void CloseKind(qcDevice* device)
+{
+    pthread_mutex_lock(&device->mutex);
+    bool open = device->open;
+    device->open = false;
+    device->lost = true;
+    device->turn = turn_quit;
+    pthread_cond_broadcast(&device->changed);
+    pthread_mutex_unlock(&device->mutex);
+    if (open)
+        pthread_join(device->thread, NULL);
+}
+
 static void FreeDevice(qcDevice* device)
 {
     pthread_cond_destroy(&device->changed);
@@ -248,16 +259,66 @@ static void FreeDevice(qcDevice* device)
     qcFree(device, sizeof *device);
 }
 
-qcStatus qcDevice_Create(const qcDeviceDef* def, qcDevice** result)
+static qcStatus CheckDef(const qcDeviceDef* def)
 {
-    if (def == NULL || result == NULL)
-        return qcFail(qc_statusBadInput, "qcDevice_Create: %s is null", def == NULL ? "def" : "device");
     if (def->structSize != sizeof(qcDeviceDef))
         return qcFail(qc_statusBadInput, "qcDevice_Create: def->structSize is %u, not %zu", def->structSize,
                       sizeof(qcDeviceDef));
     if ((unsigned)def->kind > qc_deviceNone)
         return qcFail(qc_statusBadInput, "qcDevice_Create: def->kind is %d", (int)def->kind);
+    if (def->gpuIndex < -1)
+        return qcFail(qc_statusBadInput, "qcDevice_Create: def->gpuIndex is %d", (int)def->gpuIndex);
+    if (def->gpuName != NULL && strlen(def->gpuName) >= sizeof((qcGpuChoice*)NULL)->name)
+        return qcFail(qc_statusBadInput, "qcDevice_Create: def->gpuName has %zu bytes, more than 127",
+                      strlen(def->gpuName));
+    bool chosen = def->gpuIndex >= 0 || (def->gpuName != NULL && def->gpuName[0] != 0) || def->gpuUuid != NULL;
+    if (chosen && def->kind != qc_deviceEgl)
+        return qcFail(qc_statusBadInput, "qcDevice_Create: def chooses a GPU, for kind egl alone; def->kind is %s",
+                      s_kinds[def->kind].name);
+    return qc_statusOk;
+}
 
+static void KeepChoice(qcDevice* device, const qcDeviceDef* def)
+{
+    device->choice = (qcGpuChoice){.index = def->gpuIndex, .hasUuid = def->gpuUuid != NULL};
+    if (def->gpuName != NULL)
+        snprintf(device->choice.name, sizeof device->choice.name, "%s", def->gpuName);
+    if (def->gpuUuid != NULL)
+        memcpy(device->choice.uuid, def->gpuUuid, sizeof device->choice.uuid);
+}
+
+/// Whether the environment names one of Mesa's drivers. EGL obeys both variables; OSMesa ignores the second, and of the
+/// first takes two values only.
+static bool IsDriverNamed(void)
+{
+    const char* names[] = {getenv("GALLIUM_DRIVER"), getenv("MESA_LOADER_DRIVER_OVERRIDE")};
+    return (names[0] != NULL && names[0][0] != 0) || (names[1] != NULL && names[1][0] != 0);
+}
+
+/// Opens the first kind that works; `none` always does.
+static qcStatus OpenAuto(qcDevice* device)
+{
+    qcDeviceKind kinds[] = {qc_deviceEgl, qc_deviceOsmesa, qc_deviceSurfaceless, qc_deviceNone};
+    if (IsDriverNamed())
+    {
+        kinds[1] = qc_deviceSurfaceless;
+        kinds[2] = qc_deviceOsmesa;
+    }
+    int at = 0;
+    qcStatus status = OpenKind(device, kinds[at]);
+    while (status != qc_statusOk)
+    {
+        qcLog("device %s skipped: %s", s_kinds[kinds[at]].name, device->message);
+        status = OpenKind(device, kinds[++at]);
+    }
+    return status;
+}
+
+qcStatus qcDevice_Create(const qcDeviceDef* def, qcDevice** result)
+{
+    if (def == NULL || result == NULL)
+        return qcFail(qc_statusBadInput, "qcDevice_Create: %s is null", def == NULL ? "def" : "device");
+    QC_TRY(CheckDef(def));
     qcDevice* device = qcAllocateZeroed(sizeof *device);
     if (device == NULL)
         return qcFailMemory(sizeof *device, "a device");
@@ -266,17 +327,11 @@ qcStatus qcDevice_Create(const qcDeviceDef* def, qcDevice** result)
     pthread_mutex_init(&device->costsMutex, NULL);
     pthread_cond_init(&device->changed, NULL);
 
-    qcDeviceKind kind = def->kind == qc_deviceAuto ? qc_deviceEgl : def->kind;
-    qcStatus status = OpenKind(device, kind);
-    while (status != qc_statusOk && def->kind == qc_deviceAuto)
-    {
-        qcLog("device %s skipped: %s", s_kinds[kind].name, device->message);
-        kind = (qcDeviceKind)(kind + 1);
-        status = OpenKind(device, kind);
-    }
+    KeepChoice(device, def);
+    qcStatus status = def->kind == qc_deviceAuto ? OpenAuto(device) : OpenKind(device, def->kind);
     if (status != qc_statusOk)
     {
-        qcFail(status, "device %s: %s", s_kinds[kind].name, device->message);
+        qcFail(status, "device %s: %s", s_kinds[device->kind].name, device->message);
         FreeDevice(device);
         return status;
     }
@@ -284,19 +339,39 @@ qcStatus qcDevice_Create(const qcDeviceDef* def, qcDevice** result)
     return qc_statusOk;
 }
 
+qcStatus qcDevice_Reopen(qcDevice* device)
+{
+    if (device == NULL)
+        return qcFail(qc_statusBadInput, "qcDevice_Reopen: device is null");
+    if (device->kind == qc_deviceNone)
+        return qc_statusOk;
+    pthread_mutex_lock(&device->callers);
+    CloseKind(device);
+    qcStatus status = OpenKind(device, device->kind);
+    if (status != qc_statusOk)
+        qcFail(status, "device %s: %s", s_kinds[device->kind].name, device->message);
+    pthread_mutex_unlock(&device->callers);
+    // Another GPU, or another driver, has other costs.
+    pthread_mutex_lock(&device->costsMutex);
+    memset(device->costs, 0, sizeof device->costs);
+    pthread_mutex_unlock(&device->costsMutex);
+    return status;
+}
+
 void qcDevice_Destroy(qcDevice* device)
 {
     if (device == NULL)
         return;
-    if (device->kind != qc_deviceNone)
-    {
-        pthread_mutex_lock(&device->mutex);
-        device->turn = turn_quit;
-        pthread_cond_broadcast(&device->changed);
-        pthread_mutex_unlock(&device->mutex);
-        pthread_join(device->thread, NULL);
-    }
+    CloseKind(device);
     FreeDevice(device);
+}
+
+static bool IsLost(qcDevice* device)
+{
+    pthread_mutex_lock(&device->mutex);
+    bool lost = device->lost;
+    pthread_mutex_unlock(&device->mutex);
+    return lost;
 }
 
 qcStatus qcDevice_GetInfo(const qcDevice* device, qcDeviceInfo* info)
@@ -305,24 +380,28 @@ qcStatus qcDevice_GetInfo(const qcDevice* device, qcDeviceInfo* info)
         return qcFail(qc_statusBadInput, "qcDevice_GetInfo: %s is null", device == NULL ? "device" : "info");
     *info = (qcDeviceInfo){.kind = device->kind,
                            .name = s_kinds[device->kind].name,
-                           .renderer = device->renderer,
-                           .version = device->version,
-                           .vendor = device->vendor,
+                           .renderer = device->gpu.renderer,
+                           .version = device->gpu.version,
+                           .vendor = device->gpu.vendor,
                            .maxResolution = device->maxResolution,
-                           .software = device->software,
-                           .compute = device->gl.DispatchCompute != NULL};
+                           .software = device->gpu.software,
+                           .compute = device->gl.DispatchCompute != NULL,
+                           .lost = IsLost((qcDevice*)device)};
+    memcpy(info->uuid, device->gpu.uuid, sizeof info->uuid);
     return qc_statusOk;
 }
 
-qcStatus qcDevice_Run(qcDevice* device, qcDeviceJob* job, void* context, const char* purpose)
+uint32_t qcDevice_GetGeneration(qcDevice* device)
 {
-    if (device->kind == qc_deviceNone)
-        return qcFail(qc_statusDevice, "%s: the device none has no GL", purpose);
-    // A job that runs a job would wait for itself.
-    assert(!pthread_equal(pthread_self(), device->thread));
-
-    pthread_mutex_lock(&device->callers);
     pthread_mutex_lock(&device->mutex);
+    uint32_t generation = device->generation;
+    pthread_mutex_unlock(&device->mutex);
+    return generation;
+}
+
+// Callers and mutex are held.
+static qcStatus RunPosted(qcDevice* device, qcDeviceJob* job, void* context, const char* purpose)
+{
     device->job = job;
     device->jobContext = context;
     device->purpose = purpose;
@@ -331,6 +410,19 @@ qcStatus qcDevice_Run(qcDevice* device, qcDeviceJob* job, void* context, const c
     qcStatus status = WaitForAnswer(device);
     if (status != qc_statusOk)
         qcFail(status, "%s", device->message);
+    return status;
+}
+
+qcStatus qcDevice_Run(qcDevice* device, qcDeviceJob* job, void* context, const char* purpose)
+{
+    if (device->kind == qc_deviceNone)
+        return qcFail(qc_statusDevice, "%s: the device none has no GL", purpose);
+    // A job that runs a job would wait for itself.
+    assert(!device->open || !pthread_equal(pthread_self(), device->thread));
+
+    pthread_mutex_lock(&device->callers);
+    pthread_mutex_lock(&device->mutex);
+    qcStatus status = device->open ? RunPosted(device, job, context, purpose) : FailLost(purpose);
     pthread_mutex_unlock(&device->mutex);
     pthread_mutex_unlock(&device->callers);
     return status;

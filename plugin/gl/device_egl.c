@@ -1,4 +1,4 @@
-// EGL contexts without a window system: a hardware GPU (EXT_platform_device) or MESA_platform_surfaceless.
+// EGL contexts without a window system: one of the GPUs (EXT_platform_device) or MESA_platform_surfaceless.
 // libEGL is opened at run time, so that the library runs where it is missing.
 #define _POSIX_C_SOURCE 200809L
 #include "gl/context.h"
@@ -148,23 +148,62 @@ static qcStatus OpenOnDisplay(EGLDisplay display, qcContext* context)
     return qc_statusOk;
 }
 
-static qcStatus OpenOnDevice(EGLDeviceEXT device, qcContext* context)
+static bool IsGiven(const qcGpuChoice* choice)
 {
-    if (HasWord(s_egl.QueryDeviceStringEXT(device, EGL_EXTENSIONS), "EGL_MESA_device_software"))
-        return qcFail(qc_statusDevice, "it draws in software");
+    return choice->index >= 0 || choice->name[0] != 0 || choice->hasUuid;
+}
+
+static qcStatus CheckChoice(const qcGpuChoice* choice, const qcGpuIdentity* gpu)
+{
+    if (gpu->software && !IsGiven(choice))
+        return qcFail(qc_statusDevice, "draws in software (%s)", gpu->renderer);
+    if (strstr(gpu->renderer, choice->name) == NULL)
+        return qcFail(qc_statusDevice, "has another name (%s)", gpu->renderer);
+    if (choice->hasUuid && memcmp(gpu->uuid, choice->uuid, sizeof gpu->uuid) != 0)
+        return qcFail(qc_statusDevice, "has another UUID or none (%s)", gpu->renderer);
+    return qc_statusOk;
+}
+
+static qcStatus OpenOnDevice(EGLDeviceEXT device, const qcGpuChoice* choice, qcContext* context)
+{
+    if (!IsGiven(choice) && HasWord(s_egl.QueryDeviceStringEXT(device, EGL_EXTENSIONS), "EGL_MESA_device_software"))
+        return qcFail(qc_statusDevice, "draws in software");
     QC_TRY(OpenOnDisplay(s_egl.GetPlatformDisplayEXT(EGL_PLATFORM_DEVICE_EXT, device, NULL), context));
 
     // A driver may fall back to software behind a hardware device.
-    PFNGLGETSTRINGPROC getString = (PFNGLGETSTRINGPROC)s_egl.GetProcAddress("glGetString");
-    const char* renderer = getString != NULL ? (const char*)getString(GL_RENDERER) : NULL;
-    if (renderer != NULL && !qcIsSoftwareRenderer(renderer))
-        return qc_statusOk;
-    qcStatus status = qcFail(qc_statusDevice, "it draws in software (%s)", renderer != NULL ? renderer : "no renderer");
-    qcCloseEglContext(context);
+    qcGpuIdentity gpu;
+    qcStatus status = qcContext_Identify(context, &gpu);
+    if (status == qc_statusOk)
+        status = CheckChoice(choice, &gpu);
+    if (status != qc_statusOk)
+        qcCloseEglContext(context);
     return status;
 }
 
-qcStatus qcOpenEglContext(qcContext* context)
+/// Appends the reason that this thread's last message gives; what doesn't fit is cut off.
+static void AddReason(char* reasons, size_t size, int index)
+{
+    size_t length = strlen(reasons);
+    snprintf(reasons + length, size - length, "%s%d %s", length > 0 ? "; " : "", index, qcLastMessage());
+}
+
+static qcStatus OpenOnAny(const EGLDeviceEXT* devices, int count, const qcGpuChoice* choice, qcContext* context)
+{
+    if (choice->index >= count)
+        return qcFail(qc_statusDevice, "GPU %d is not among the %d that EGL lists", choice->index, count);
+    char reasons[400] = "";
+    for (int i = 0; i < count; ++i)
+    {
+        if (choice->index >= 0 && i != choice->index)
+            continue;
+        if (OpenOnDevice(devices[i], choice, context) == qc_statusOk)
+            return qc_statusOk;
+        AddReason(reasons, sizeof reasons, i);
+    }
+    return qcFail(qc_statusDevice, "none of the %d GPUs that EGL lists is usable: %s", count, reasons);
+}
+
+qcStatus qcOpenEglContext(const qcGpuChoice* choice, qcContext* context)
 {
     pthread_once(&s_once, LoadLibrary);
     if (s_egl.error[0] != 0)
@@ -182,19 +221,13 @@ qcStatus qcOpenEglContext(qcContext* context)
     EGLDeviceEXT devices[maxDevices];
     EGLint count = 0;
     if (!s_egl.QueryDevicesEXT(maxDevices, devices, &count) || count == 0)
-        return qcFail(qc_statusDevice, "EGL lists no device");
-    for (EGLint i = 0; i < count; ++i)
-    {
-        if (OpenOnDevice(devices[i], context) == qc_statusOk)
-            return qc_statusOk;
-    }
-    char reason[256];
-    snprintf(reason, sizeof reason, "%s", qcLastMessage());
-    return qcFail(qc_statusDevice, "none of %d EGL devices is a usable GPU; the last: %s", (int)count, reason);
+        return qcFail(qc_statusDevice, "EGL lists no GPU");
+    return OpenOnAny(devices, count, choice, context);
 }
 
-qcStatus qcOpenSurfacelessContext(qcContext* context)
+qcStatus qcOpenSurfacelessContext(const qcGpuChoice* choice, qcContext* context)
 {
+    (void)choice;
     pthread_once(&s_once, LoadLibrary);
     if (s_egl.error[0] != 0)
         return qcFail(qc_statusDevice, "%s", s_egl.error);

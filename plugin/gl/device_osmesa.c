@@ -8,6 +8,8 @@
 #include <dlfcn.h>
 #include <pthread.h>
 #include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
 
 enum
 {
@@ -77,8 +79,19 @@ static void* CreateContext(int major, int minor)
     return s_osmesa.CreateContextAttribs(attributes, NULL);
 }
 
-qcStatus qcOpenOsmesaContext(qcContext* context)
+/// libOSMesa crashes where GALLIUM_DRIVER names a driver that it has not, and with zink (Mesa 22.3).
+static qcStatus CheckDriver(void)
 {
+    const char* driver = getenv("GALLIUM_DRIVER");
+    if (driver == NULL || driver[0] == 0 || strcmp(driver, "llvmpipe") == 0 || strcmp(driver, "softpipe") == 0)
+        return qc_statusOk;
+    return qcFail(qc_statusDevice, "libOSMesa crashes with GALLIUM_DRIVER=%s", driver);
+}
+
+qcStatus qcOpenOsmesaContext(const qcGpuChoice* choice, qcContext* context)
+{
+    (void)choice;
+    QC_TRY(CheckDriver());
     pthread_once(&s_once, LoadLibrary);
     if (s_osmesa.error[0] != 0)
         return qcFail(qc_statusDevice, "%s", s_osmesa.error);

@@ -220,6 +220,7 @@ typedef struct Counters
 struct qcLayers
 {
     qcDevice* device;
+    uint32_t generation; ///< of the device
     bool imageOnly;
     GLuint buffers[work_end], textures[work_end], programs[kernel_count];
     GLint uniforms[kernel_count][uniform_count];
@@ -329,6 +330,11 @@ static qcStatus CreateObjects(const struct qcGlTable* gl, void* context)
     for (int kernel = 0; kernel < KernelCount(layers); kernel++)
         QC_TRY(GetProgram(gl, layers, kernel));
     return Resize(gl, layers, work_counters, sizeof(Counters) / s_shapes[work_counters].elementSize);
+}
+
+bool qcLayers_IsAlive(const qcLayers* layers)
+{
+    return layers != NULL && layers->generation == qcDevice_GetGeneration(layers->device);
 }
 
 static qcStatus DeleteObjects(const struct qcGlTable* gl, void* context)
@@ -596,6 +602,7 @@ qcStatus qcLayers_Create(qcDevice* device, bool imageOnly, qcLayers** result)
     if (layers == NULL)
         return qcFailMemory(sizeof *layers, "layers");
     layers->device = device;
+    layers->generation = qcDevice_GetGeneration(device);
     layers->imageOnly = imageOnly;
     qcStatus status = qcDevice_Run(device, CreateObjects, layers, "layers, set-up");
     if (status != qc_statusOk)
@@ -611,10 +618,12 @@ void qcLayers_Destroy(qcLayers* layers)
 {
     if (layers == NULL)
         return;
-    // It is called after failures too: the message of the first is the one to keep.
+    // Called after failures too: the message of the first is the one to keep. Names of an earlier context may be those
+    // of other objects in the present one.
     char message[512];
     snprintf(message, sizeof message, "%s", qcLastMessage());
-    if (qcDevice_Run(layers->device, DeleteObjects, layers, "layers, release") != qc_statusOk)
+    if (qcLayers_IsAlive(layers) &&
+        qcDevice_Run(layers->device, DeleteObjects, layers, "layers, release") != qc_statusOk)
         qcFail(qc_statusDevice, "%s", message);
     qcArray_Free(&layers->pairs);
     qcFree(layers, sizeof *layers);

@@ -127,9 +127,11 @@ typedef struct qcLayersAnswer
 
 typedef struct qcLayers qcLayers;
 
-/// With `imageOnly` the image is the answer: links and tables of bodies, and their rules, are not looked at.
+/// With `imageOnly` the image is the answer: links and tables of bodies, and their rules, are not read.
 /// qc_statusDevice on a device without compute shaders.
 qcStatus qcLayers_Create(qcDevice* device, bool imageOnly, qcLayers** layers);
+/// Whether its GL objects exist: false after the device was reopened, and for null.
+bool qcLayers_IsAlive(const qcLayers* layers);
 /// Null is allowed.
 void qcLayers_Destroy(qcLayers* layers);
 /// qc_statusDevice where the device's buffers can't hold the scene, or the device fails.

@@ -1,0 +1,61 @@
+// What draws in the current context: renderer, version and UUID.
+#include "gl/context.h"
+
+#include "status.h"
+
+#include <stdio.h>
+#include <string.h>
+
+static bool IsSoftwareRenderer(const char* renderer)
+{
+    static const char* const names[] = {"llvmpipe", "softpipe", "swrast", "Software Rasterizer", "SwiftShader"};
+    for (size_t i = 0; i < sizeof names / sizeof names[0]; ++i)
+        if (strstr(renderer, names[i]) != NULL)
+            return true;
+    return false;
+}
+
+static bool HasExtension(const qcContext* context, const char* name)
+{
+    PFNGLGETINTEGERVPROC getIntegerv = (PFNGLGETINTEGERVPROC)context->getFunction("glGetIntegerv");
+    PFNGLGETSTRINGIPROC getStringi = (PFNGLGETSTRINGIPROC)context->getFunction("glGetStringi");
+    GLint count = 0;
+    if (getIntegerv == NULL || getStringi == NULL)
+        return false;
+    getIntegerv(GL_NUM_EXTENSIONS, &count);
+    for (GLint i = 0; i < count; ++i)
+    {
+        const char* extension = (const char*)getStringi(GL_EXTENSIONS, (GLuint)i);
+        if (extension != NULL && strcmp(extension, name) == 0)
+            return true;
+    }
+    return false;
+}
+
+static void ReadUuid(const qcContext* context, uint8_t uuid[16])
+{
+    // Names that a driver doesn't support may still have a function behind them.
+    if (!HasExtension(context, "GL_EXT_memory_object"))
+        return;
+    PFNGLGETUNSIGNEDBYTEI_VEXTPROC getBytes =
+        (PFNGLGETUNSIGNEDBYTEI_VEXTPROC)context->getFunction("glGetUnsignedBytei_vEXT");
+    // Several GPUs may draw in one context; the first has number 0.
+    if (getBytes != NULL)
+        getBytes(GL_DEVICE_UUID_EXT, 0, uuid);
+}
+
+qcStatus qcContext_Identify(const qcContext* context, qcGpuIdentity* identity)
+{
+    PFNGLGETSTRINGPROC getString = (PFNGLGETSTRINGPROC)context->getFunction("glGetString");
+    const char* renderer = getString != NULL ? (const char*)getString(GL_RENDERER) : NULL;
+    const char* version = getString != NULL ? (const char*)getString(GL_VERSION) : NULL;
+    const char* vendor = getString != NULL ? (const char*)getString(GL_VENDOR) : NULL;
+    if (renderer == NULL || version == NULL || vendor == NULL)
+        return qcFail(qc_statusDevice, "the GL context reports no renderer");
+    *identity = (qcGpuIdentity){.software = IsSoftwareRenderer(renderer)};
+    snprintf(identity->renderer, sizeof identity->renderer, "%s", renderer);
+    snprintf(identity->version, sizeof identity->version, "%s", version);
+    snprintf(identity->vendor, sizeof identity->vendor, "%s", vendor);
+    ReadUuid(context, identity->uuid);
+    return qc_statusOk;
+}
