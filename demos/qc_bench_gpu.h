@@ -48,6 +48,7 @@ typedef struct qcGpuDevice
     qcDeviceInfo info;
     double openMs, firstStepMs; ///< in the first step kernels are compiled
     char processor[128];        ///< "" where the system does not report it
+    char noGpu[512];            ///< why `auto` took software GL; otherwise ""
 } qcGpuDevice;
 
 /// A method on a number of threads.
@@ -95,7 +96,14 @@ qcBenchExit qcGpu_OpenDevice(const qcGpuOptions* options, qcGpuDevice* device, q
 bool qcGpu_Measure(const qcGpuOptions* options, const qcGpuDevice* device, int scene, uint32_t size, qcGpuRow* row,
                    qcMessage* message);
 /// All methods found the same list of pairs in each frame, in every step.
-bool qcGpuRow_Agrees(const qcGpuRow* row);
+static inline bool qcGpuRow_Agrees(const qcGpuRow* row)
+{
+    for (uint32_t i = 0; i < row->runCount; ++i)
+        for (int frame = 0; frame < qc_gpuFrames; ++frame)
+            if (!row->runs[i].steady || row->runs[i].hashes[frame] != row->runs[0].hashes[frame])
+                return false;
+    return true;
+}
 
 //  ---- reports -------------------------------------------------------------------------------------
 

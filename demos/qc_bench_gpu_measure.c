@@ -203,14 +203,6 @@ bool qcGpu_Measure(const qcGpuOptions* options, const qcGpuDevice* device, int s
     return measured;
 }
 
-bool qcGpuRow_Agrees(const qcGpuRow* row)
-{
-    for (uint32_t i = 0; i < row->runCount; ++i)
-        if (!row->runs[i].steady || memcmp(row->runs[i].hashes, row->runs[0].hashes, sizeof row->runs[0].hashes) != 0)
-            return false;
-    return true;
-}
-
 //  ---- the device ----------------------------------------------------------------------------------
 
 static void ReadProcessor(char* name, size_t size)
@@ -249,6 +241,16 @@ static bool Try(const qcGpuOptions* options, qcGpuDevice* device, qcMessage* mes
     return ran;
 }
 
+static void FindWhyNoGpu(qcGpuDevice* device)
+{
+    qcDeviceDef def = qcDefaultDeviceDef();
+    def.kind = qc_deviceEgl;
+    qcDevice* gpu = NULL;
+    if (qcDevice_Create(&def, &gpu) != qc_statusOk)
+        snprintf(device->noGpu, sizeof device->noGpu, "%s", qcLastMessage());
+    qcDevice_Destroy(gpu);
+}
+
 qcBenchExit qcGpu_OpenDevice(const qcGpuOptions* options, qcGpuDevice* device, qcMessage* message)
 {
     *device = (qcGpuDevice){.device = NULL};
@@ -273,5 +275,7 @@ qcBenchExit qcGpu_OpenDevice(const qcGpuOptions* options, qcGpuDevice* device, q
                        "no GL device works here, neither a GPU nor software GL; --device egl gives the reason");
         return qc_benchDevice;
     }
+    if (options->device == qc_deviceAuto && device->info.software)
+        FindWhyNoGpu(device);
     return Try(options, device, message) ? qc_benchDone : qc_benchDevice;
 }

@@ -24,6 +24,8 @@ void qcGpu_WriteDevice(FILE* stream, const qcGpuOptions* options, const qcGpuDev
             "\n*** THIS IS NO GPU. %s draws on the processor: these times are none of a GPU's. ***\n"
             "*** Its timestamps are the processor's own, and taken late by some drivers (OSMesa). ***\n",
             info->renderer);
+    if (device->noGpu[0] != 0)
+        fprintf(stream, "*** No GPU: %s ***\n", device->noGpu);
 }
 
 static void WriteRuns(FILE* stream, const qcGpuRow* row)

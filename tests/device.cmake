@@ -10,6 +10,21 @@ endforeach()
 # The frame of `layers` needs no device.
 qc_test(test_layers_frame INTERNAL test_layers_frame.c LIBRARIES qc_oracle)
 
+# A machine with a GPU runs these and the benchmark: demos/gpu.sh takes the programs from the list.
+if(TARGET qc-bench)
+  set(gpuTargets qc-bench)
+  foreach(test gl_devices device visibility growth picture visibility_culling beyond_paper layers layers_steps
+          layer_times contacts margin never_miss owners far_away)
+    list(APPEND gpuTargets test_${test})
+  endforeach()
+  add_custom_target(qc-gpu DEPENDS ${gpuTargets})
+  set(gpuPrograms)
+  foreach(target ${gpuTargets})
+    string(APPEND gpuPrograms "$<TARGET_FILE:${target}>\n")
+  endforeach()
+  file(GENERATE OUTPUT ${PROJECT_BINARY_DIR}/gpu_programs.txt CONTENT "${gpuPrograms}")
+endif()
+
 # Once more on zink, the second GL compiler that every machine can have: programs in which GL does the work, without the
 # longest (test_owners, test_tasks). Its variables are read when Mesa is opened.
 set(QC_ZINK LIBGL_ALWAYS_SOFTWARE=1 MESA_LOADER_DRIVER_OVERRIDE=zink GALLIUM_DRIVER=zink)
@@ -17,7 +32,7 @@ foreach(test gl_devices device visibility growth picture visibility_culling beyo
   add_test(NAME test_${test}_zink COMMAND test_${test})
   set_tests_properties(test_${test}_zink PROPERTIES ENVIRONMENT "${QC_ZINK}")
 endforeach()
-foreach(test layers layers_steps contacts margin never_miss)
+foreach(test layers layers_steps layer_times contacts margin never_miss)
   add_test(NAME test_${test}_on_device_zink COMMAND test_${test})
   set_tests_properties(test_${test}_on_device_zink PROPERTIES ENVIRONMENT "${QC_ZINK};QC_LAYERS_REFINE=device")
 endforeach()
