@@ -91,7 +91,8 @@ void qcGpu_WriteScene(FILE* stream, const qcGpuTable* table, int scene)
         ++rowCount;
     if (rowCount == 0)
         return;
-    fprintf(stream, "\n%s: %s, ms a step\n%9s", qcGpuScene_Name(scene), qcGpuScene_Title(scene), "triangles");
+    fprintf(stream, "\n%s: %s, ms a step; speed-up over sweep on %" PRIu32 "\n%9s", qcGpuScene_Name(scene),
+            qcGpuScene_Title(scene), rows[0].runs[rows[0].runCount - 1].threads, "triangles");
     for (uint32_t i = 0; i < rows[0].runCount; ++i)
         fprintf(stream, " %6s %4" PRIu32, qcMethod_Name(rows[0].runs[i].method), rows[0].runs[i].threads);
     fprintf(stream, " %9s %9s  %-16s  %s\n", "speed-up", "pairs", "hash", "lists");

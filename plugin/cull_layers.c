@@ -18,6 +18,11 @@ typedef struct Step
     double started;
 } Step;
 
+static double Now(const qcCullLayersJob* job)
+{
+    return job->timed ? qcClock_Now() : 0.0;
+}
+
 static void IncludeBox(double lower[3], double upper[3], const qcBody* body)
 {
     for (int axis = 0; axis < 3; axis++)
@@ -216,9 +221,9 @@ static qcStatus RunOnDevice(Step* step, const qcPairKeys* keys, qcProfile* profi
     memcpy(device.scale, cull->frame.scale, sizeof device.scale);
     memcpy(device.slack, cull->frame.slack, sizeof device.slack);
     qcLayersAnswer answer;
-    double handed = qcClock_Now();
+    double handed = Now(job);
     QC_TRY(qcLayers_Run(cull->layers, &device, &answer));
-    double answered = qcClock_Now();
+    double answered = Now(job);
     QC_TRY(cull->bodies.imageOnly ? Refine(step, &device, &answer, keys) : MapPairs(step, &answer, keys->keys));
     FillProfile(step, &device, &answer, profile);
     FillTimes(step, &answer, handed, answered, profile);
@@ -237,7 +242,7 @@ static void ListNeighboursOf(const qcClusters* clusters, uint32_t first, uint32_
 qcStatus qcCullLayers_Run(qcCullLayers* cull, const qcCullLayersJob* job, const qcPairKeys* keys, qcProfile* profile)
 {
     const qcTriangles* t = job->triangles;
-    double started = qcClock_Now();
+    double started = Now(job);
     QC_TRY(qcArray_Resize(&cull->takesPart, t->bodyCount, 1, "bodies that take part"));
     QC_TRY(qcArray_Resize(&cull->meetsItself, t->bodyCount, 1, "bodies that take part"));
     QC_TRY(qcArray_Resize(&cull->interests, 4 * (size_t)t->bodyCount, sizeof(uint32_t), "interests of bodies"));

@@ -426,7 +426,10 @@ typedef struct qcProfile
     uint64_t uploadedBytes; ///< to the device in this step
     uint64_t deviceBytes;   ///< held on the device
     /// All parts of the step of `layers`, in the order of the work, also those that did not run; valid as long as the
-    /// result. Empty unless qcDetectDef::layerTimes is set.
+    /// result: prepare, hand-over (to the device's thread), upload, vertices, boxes, clear (lists), nodes, node pairs,
+    /// cluster pairs, triangle pairs, filter, counters (the wait for the device, and how much it found), results,
+    /// hand-back, refine (on the processor). They are parts of cullTrianglesMs. Empty unless qcDetectDef::layerTimes is
+    /// set.
     const qcLayerTime* layerTimes;
     size_t layerTimeCount;
     bool softwareDevice; ///< the device draws on the CPU

@@ -636,7 +636,7 @@ qcStatus qcLayers_Run(qcLayers* layers, const qcLayersStep* step, qcLayersAnswer
     *answer = (qcLayersAnswer){0};
     layers->step = step;
     layers->answer = answer;
-    layers->started = qcClock_Now();
+    layers->started = step->timed ? qcClock_Now() : 0.0;
     QC_TRY(qcDevice_Run(layers->device, RunStep, layers, "layers"));
     if (!step->timed)
         return qc_statusOk;
