@@ -2,11 +2,13 @@
 #include "cull_layers.h"
 
 #include "clock.h"
+#include "gl/device.h"
 #include "layers_image.h"
 #include "status.h"
 
 #include <float.h>
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -201,12 +203,30 @@ static qcStatus Refine(Step* step, const qcLayersStep* device, qcLayersAnswer* a
     return qcLayersRefine_Run(&cull->refine, &job, keys, &answer->trianglePairs);
 }
 
-static qcStatus RunOnDevice(Step* step, const qcPairKeys* keys, qcProfile* profile)
+/// Fails without trying the device where its last failures are too recent.
+static qcStatus CheckFailures(qcCullLayersFailures* failures, qcDevice* device)
+{
+    if (failures->generation != qcDevice_GetGeneration(device))
+        *failures = (qcCullLayersFailures){.generation = qcDevice_GetGeneration(device)};
+    if (failures->waiting == 0)
+        return qc_statusOk;
+    failures->waiting--;
+    return qcFail(qc_statusDevice, "%s (next attempt in %u steps)", failures->reason, failures->waiting + 1);
+}
+
+/// A failure costs an upload and the kernels. After a single one the next step tries again, since the scene may have
+/// changed; then 1, 3, 7 steps are left out, at last 127: less than a hundredth of the steps fail twice.
+static void NoteFailure(qcCullLayersFailures* failures)
+{
+    snprintf(failures->reason, sizeof failures->reason, "%s", qcLastMessage());
+    failures->waiting = (1u << (failures->count < 7 ? failures->count : 7)) - 1;
+    failures->count++;
+}
+
+static qcStatus TryDevice(Step* step, const qcPairKeys* keys, qcProfile* profile)
 {
     qcCullLayers* cull = step->cull;
     const qcCullLayersJob* job = step->job;
-    if (!qcLayersFrame_Fit(&cull->frame, &step->view))
-        return qcFail(qc_statusDevice, "layers: the scene is too large for a frame");
     QC_TRY(OpenDevice(cull, job->device));
     QC_TRY(FindInterests(step));
     QC_TRY(qcLayersBodies_Prepare(&cull->bodies, job->triangles, &cull->frame, cull->takesPart.data,
@@ -228,6 +248,20 @@ static qcStatus RunOnDevice(Step* step, const qcPairKeys* keys, qcProfile* profi
     FillProfile(step, &device, &answer, profile);
     FillTimes(step, &answer, handed, answered, profile);
     return qc_statusOk;
+}
+
+static qcStatus RunOnDevice(Step* step, const qcPairKeys* keys, qcProfile* profile)
+{
+    qcCullLayers* cull = step->cull;
+    if (!qcLayersFrame_Fit(&cull->frame, &step->view))
+        return qcFail(qc_statusDevice, "layers: the scene is too large for a frame");
+    QC_TRY(CheckFailures(&cull->failures, step->job->device));
+    qcStatus status = TryDevice(step, keys, profile);
+    if (status == qc_statusOk)
+        cull->failures.count = 0;
+    else if (status == qc_statusDevice)
+        NoteFailure(&cull->failures);
+    return status;
 }
 
 static void ListNeighboursOf(const qcClusters* clusters, uint32_t first, uint32_t node, uint32_t link, qcArray* keys)
@@ -253,7 +287,7 @@ qcStatus qcCullLayers_Run(qcCullLayers* cull, const qcCullLayersJob* job, const 
     qcStatus status = RunOnDevice(&step, keys, profile);
     if (status != qc_statusOk)
     {
-        // What the device holds is unknown: the next step opens it anew.
+        // What the device holds is unknown: the next attempt uploads everything.
         qcLayers_Destroy(cull->layers);
         cull->layers = NULL;
     }

@@ -6,9 +6,18 @@
 #include "layers_refine.h"
 #include "quickcullide/scene.h"
 
+/// Failures of the device, one after another: it is tried again after ever more steps.
+typedef struct qcCullLayersFailures
+{
+    uint32_t count, waiting; ///< waiting: steps that are not tried
+    uint32_t generation;     ///< of the device: a device that was reopened is tried at once
+    char reason[200];        ///< of the last
+} qcCullLayersFailures;
+
 typedef struct qcCullLayers
 {
     qcLayers* layers; ///< made at first use
+    qcCullLayersFailures failures;
     qcLayersFrame frame;
     qcLayersBodies bodies;
     qcLayersRefine refine;

@@ -28,7 +28,7 @@ typedef struct qcDetector
     qcAllManifolds manifolds;
     qcArray pcs, marks;
     qcResult result;
-    char fallback[256]; ///< what the profile points at
+    char fallback[320]; ///< what the profile points at
     //  What the result answers; valid: there is one.
     bool valid;
     uint64_t revision;

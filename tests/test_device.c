@@ -292,6 +292,31 @@ START_TEST(a_device_that_is_reopened_draws_again)
 }
 END_TEST
 
+START_TEST(a_device_that_does_not_reopen_stays_lost_until_it_does)
+{
+    unsetenv("GALLIUM_DRIVER");
+    qcDevice* device = qcOpenOrSkip(qc_deviceOsmesa);
+    if (device == NULL)
+        return;
+    setenv("GALLIUM_DRIVER", "none", 1);
+    for (int i = 0; i < 2; ++i)
+    {
+        ck_assert_int_eq(qcDevice_Reopen(device), qc_statusDevice);
+        uint8_t rgba[4] = {10, 20, 30, 0};
+        ck_assert_int_eq(qcDevice_Run(device, ClearAndRead, rgba, "a test"), qc_statusDeviceLost);
+        qcDeviceInfo info;
+        qcDevice_GetInfo(device, &info);
+        ck_assert(info.lost);
+    }
+    unsetenv("GALLIUM_DRIVER");
+    ck_assert_int_eq(qcDevice_Reopen(device), qc_statusOk);
+    uint8_t rgba[4] = {10, 20, 30, 0};
+    ck_assert_int_eq(qcDevice_Run(device, ClearAndRead, rgba, "a test"), qc_statusOk);
+    qcDevice_Destroy(device);
+    ck_assert_uint_eq(qcGetByteCount(), 0);
+}
+END_TEST
+
 START_TEST(software_devices_say_what_they_are)
 {
     QC_FOR_EACH_DEVICE(device)
@@ -698,11 +723,11 @@ QC_RUN_TESTS("device", a_named_kind_opens_or_says_why_not, the_device_none_alway
              auto_opens_the_first_kind_that_works_and_logs_the_others,
              auto_prefers_surfaceless_where_the_environment_names_a_driver, osmesa_refuses_drivers_that_it_crashes_with,
              a_bad_definition_is_refused_by_name, a_gpu_is_chosen_by_number_by_name_and_by_uuid,
-             a_device_that_is_reopened_draws_again, software_devices_say_what_they_are,
-             no_memory_for_a_device_is_a_status, devices_open_and_close_many_times_and_side_by_side,
-             a_job_finds_a_context_of_gl_3_3_or_more, status_and_message_of_a_job_reach_the_caller,
-             a_gl_error_is_a_status_and_the_device_goes_on, a_job_finds_the_initial_state,
-             many_callers_are_served_one_after_another_each_with_its_own_message,
+             a_device_that_is_reopened_draws_again, a_device_that_does_not_reopen_stays_lost_until_it_does,
+             software_devices_say_what_they_are, no_memory_for_a_device_is_a_status,
+             devices_open_and_close_many_times_and_side_by_side, a_job_finds_a_context_of_gl_3_3_or_more,
+             status_and_message_of_a_job_reach_the_caller, a_gl_error_is_a_status_and_the_device_goes_on,
+             a_job_finds_the_initial_state, many_callers_are_served_one_after_another_each_with_its_own_message,
              devices_on_several_threads_do_not_disturb_each_other,
              an_osmesa_context_of_the_host_stays_current_and_draws,
              a_surfaceless_egl_context_of_the_host_stays_current_and_draws)

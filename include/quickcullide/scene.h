@@ -397,7 +397,8 @@ typedef struct qcProfile
 {
     qcMethod method;    ///< what ran; never qc_methodAuto: `layers` as soon as the device answered for a part
     const char* device; ///< name of the device that was used; "none" when the CPU answered alone
-    /// Why another method than the one asked for ran, or null.
+    /// Why another method than the requested one ran, or null. A device that failed in several steps, one after
+    /// another, is not tried in each of the following ones, but again after 2, 4, 8 and at most 128 steps.
     const char* fallback;
     /// The last result was still right and is given again; all counters are those of that step.
     bool reused;

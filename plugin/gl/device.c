@@ -79,20 +79,6 @@ static const struct
     [qc_deviceNone] = {"none", NULL, NULL},
 };
 
-static const char* GlErrorName(GLenum error)
-{
-    switch (error)
-    {
-        case GL_INVALID_ENUM: return "GL_INVALID_ENUM";
-        case GL_INVALID_VALUE: return "GL_INVALID_VALUE";
-        case GL_INVALID_OPERATION: return "GL_INVALID_OPERATION";
-        case GL_INVALID_FRAMEBUFFER_OPERATION: return "GL_INVALID_FRAMEBUFFER_OPERATION";
-        case GL_OUT_OF_MEMORY: return "GL_OUT_OF_MEMORY";
-        case GL_CONTEXT_LOST: return "GL_CONTEXT_LOST";
-        default: return "a GL error";
-    }
-}
-
 static void ReadLimits(qcDevice* device)
 {
     const struct qcGlTable* gl = &device->gl;
@@ -147,7 +133,7 @@ static qcStatus RunJob(qcDevice* device, bool* lost)
     if (status != qc_statusOk)
         return status;
     if (first != GL_NO_ERROR)
-        return qcFail(qc_statusDevice, "%s: %s (0x%x)", device->purpose, GlErrorName(first), first);
+        return qcFail(qc_statusDevice, "%s: %s (0x%x)", device->purpose, qcGl_ErrorName(first), first);
     return qc_statusOk;
 }
 

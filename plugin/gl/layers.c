@@ -37,11 +37,13 @@
 //   r |w|, so are the triangles. The vertices are taken relative to one of them and scaled by a power of two s,
 //   exactly, so that the largest coordinate is in [1, 2): each is wrong by 2 e s + 2^-22. A product of three terms with
 //   w is then wrong by at most |w|_1 (2 e s + 2^-22 + 4 * 2 * 2^-23), the difference of two such by twice that and its
-//   own rounding |w|_1 2^-21: together |w|_1 (4 e s + 2.9e-6). The kernel asks for a gap of |w|_1 ((4 e + r) s 1.0001 +
-//   4e-6), and |w|_1 >= |w|. Axes shorter than 1e-20, where products could vanish, don't count.
+//   own rounding |w|_1 2^-21: together |w|_1 (4 e s + 2.9e-6). The kernel requires a gap of |w|_1 ((4 e + r) s 1.0001 +
+//   4e-6), and |w|_1 >= |w|. All products are with the same w: `precise`, as GLSL may round each use of an expression
+//   differently. Axes shorter than 1e-20, where products could vanish, don't count.
 // - Lists. Each kernel counts what it would write, whether it fits or not; what was too small grows, and the kernels
-//   run again. Loops that an implementation stopped early are noticed: then the step fails, and the sweep answers.
-//   The counters also make the number of workgroups that the next kernel starts.
+//   run again. Loops that an implementation stopped early are noticed, and kernels that did not run, since the last one
+//   writes the number of the run beside the counters: then the step fails, and the sweep answers. The counters also
+//   make the number of workgroups that the next kernel starts.
 #include "gl/layers.h"
 
 #include "clock.h"
@@ -82,7 +84,7 @@ typedef struct BufferShape
 
 static const BufferShape s_shapes[work_end] = {
     [qc_layersVertices] = {"vertices", 16, GL_RGBA32F},
-    [qc_layersLocals] = {"locals", 16, GL_RGBA32F},
+    [qc_layersLocals] = {"locals", 16, GL_RGBA32UI},
     [qc_layersTriangles] = {"triangles", 16, GL_RGBA32UI},
     [qc_layersNodes] = {"nodes", 16, GL_RGBA32UI},
     [qc_layersLinks] = {"links", 8, GL_RG32UI},
@@ -160,6 +162,7 @@ typedef enum UniformName
     uniform_trianglePairCapacity,
     uniform_survivorCapacity,
     uniform_testNeighbours,
+    uniform_runNumber,
     uniform_integers, ///< those above are
     uniform_cellShift = uniform_integers,
     uniform_scale,
@@ -177,6 +180,7 @@ static const char* const s_uniforms[uniform_count] = {"chunkCount",
                                                       "trianglePairCapacity",
                                                       "survivorCapacity",
                                                       "testNeighbours",
+                                                      "runNumber",
                                                       "cellShift",
                                                       "scale",
                                                       "slack",
@@ -214,7 +218,7 @@ typedef struct Counter
 
 typedef struct Counters
 {
-    Counter lists[list_count], skippedNodes, stopped, overflow;
+    Counter lists[list_count], skippedNodes, stopped, overflow, finished;
 } Counters;
 
 struct qcLayers
@@ -228,6 +232,7 @@ struct qcLayers
     size_t largestBuffer;      ///< bytes that a kernel can see
     size_t largestTexture;     ///< elements
     Counters counters;         ///< of the last run
+    uint32_t runNumber;        ///< of the last run, from 1; the last kernel writes it to `finished`
     bool mapped;               ///< the buffers of s_mapped are, for the image
     qcArray pairs;
     qcGlTimers timers;
@@ -236,6 +241,13 @@ struct qcLayers
     qcLayersAnswer* answer;
 };
 
+static qcStatus CheckError(const struct qcGlTable* gl, const char* place)
+{
+    GLenum error = gl->GetError();
+    return error == GL_NO_ERROR ? qc_statusOk
+                                : qcFail(qc_statusDevice, "layers: %s: %s (0x%x)", place, qcGl_ErrorName(error), error);
+}
+
 static qcStatus Resize(const struct qcGlTable* gl, qcLayers* layers, int buffer, size_t count)
 {
     const BufferShape* shape = &s_shapes[buffer];
@@ -243,14 +255,14 @@ static qcStatus Resize(const struct qcGlTable* gl, qcLayers* layers, int buffer,
     if (bytes > layers->largestBuffer || (shape->sampler != NULL && count > layers->largestTexture))
         return qcFail(qc_statusDevice, "layers: %zu %s are more than the device's buffers hold", count,
                       shape->sampler != NULL ? shape->sampler : "pairs");
+    // An error of an earlier call is reported as such, and not taken for the allocation's.
+    QC_TRY(CheckError(gl, "before an allocation"));
+    layers->capacity[buffer] = 0;
     gl->BindBuffer(GL_SHADER_STORAGE_BUFFER, layers->buffers[buffer]);
     gl->BufferData(GL_SHADER_STORAGE_BUFFER, (GLsizeiptr)bytes, NULL, GL_DYNAMIC_COPY);
-    GLenum error = gl->GetError();
-    if (error == GL_OUT_OF_MEMORY)
-    {
-        layers->capacity[buffer] = 0;
-        return qcFail(qc_statusDevice, "layers: no memory for %zu bytes on the device", bytes);
-    }
+    char purpose[64];
+    snprintf(purpose, sizeof purpose, "no memory for %zu bytes on the device", bytes);
+    QC_TRY(CheckError(gl, purpose));
     layers->capacity[buffer] = count;
     if (shape->sampler != NULL)
     {
@@ -320,9 +332,10 @@ static qcStatus CreateObjects(const struct qcGlTable* gl, void* context)
     qcLayers* layers = context;
     if (gl->DispatchCompute == NULL)
         return qcFail(qc_statusDevice, "layers: the device has no compute shaders (GL below 4.3)");
-    GLint bytes = 0, texels = 0;
-    gl->GetIntegerv(GL_MAX_SHADER_STORAGE_BLOCK_SIZE, &bytes);
-    gl->GetIntegerv(GL_MAX_TEXTURE_BUFFER_SIZE, &texels);
+    // 64 bits: the limits of some GPUs are 2^31 and more.
+    GLint64 bytes = 0, texels = 0;
+    gl->GetInteger64v(GL_MAX_SHADER_STORAGE_BLOCK_SIZE, &bytes);
+    gl->GetInteger64v(GL_MAX_TEXTURE_BUFFER_SIZE, &texels);
     layers->largestBuffer = bytes > 0 ? (size_t)bytes : 0;
     layers->largestTexture = texels > 0 ? (size_t)texels : 0;
     gl->GenBuffers(work_end, layers->buffers);
@@ -376,6 +389,7 @@ static void SetUniforms(const struct qcGlTable* gl, const qcLayers* layers, int 
         [uniform_trianglePairCapacity] = ListCapacity(layers, work_trianglePairs),
         [uniform_survivorCapacity] = ListCapacity(layers, work_survivors),
         [uniform_testNeighbours] = step->testNeighbours,
+        [uniform_runNumber] = layers->runNumber,
     };
     for (int i = 0; i < uniform_integers; i++)
         if (at[i] >= 0)
@@ -410,10 +424,11 @@ static void FinishKernel(const struct qcGlTable* gl, qcLayers* layers, int kerne
     qcGlTimers_Mark(gl, &layers->timers, s_kernelParts[kernel]);
 }
 
-/// One invocation an item, or more.
+/// One invocation an item, or more; one workgroup at least, for the last kernel's mark.
 static void RunKernel(const struct qcGlTable* gl, qcLayers* layers, int kernel, uint64_t items, uint32_t nodeCount)
 {
     uint64_t localSize = (uint64_t)s_kernels[kernel].localSize, groups = (items + localSize - 1) / localSize;
+    groups = groups > 0 ? groups : 1;
     UseKernel(gl, layers, kernel, nodeCount);
     gl->DispatchCompute((GLuint)(groups < qc_groupsInRow ? groups : qc_groupsInRow),
                         (GLuint)((groups + qc_groupsInRow - 1) / qc_groupsInRow), 1);
@@ -438,9 +453,11 @@ static uint32_t Count(const qcLayers* layers, List list)
 static void RunLists(const struct qcGlTable* gl, qcLayers* layers)
 {
     const GLuint none = UINT32_MAX;
+    layers->runNumber++;
     layers->counters = (Counters){0};
     for (int list = 0; list < list_survivors; list++)
-        layers->counters.lists[list].groups[1] = layers->counters.lists[list].groups[2] = 1;
+        for (int axis = 0; axis < 3; axis++)
+            layers->counters.lists[list].groups[axis] = 1;
     gl->BindBuffer(GL_SHADER_STORAGE_BUFFER, layers->buffers[work_counters]);
     gl->BufferSubData(GL_SHADER_STORAGE_BUFFER, 0, sizeof layers->counters, &layers->counters);
     gl->BindBuffer(GL_SHADER_STORAGE_BUFFER, layers->buffers[work_heads]);
@@ -460,6 +477,8 @@ static void RunLists(const struct qcGlTable* gl, qcLayers* layers)
 static qcStatus GrowLists(const struct qcGlTable* gl, qcLayers* layers, bool* again)
 {
     *again = false;
+    if (layers->counters.finished.count != layers->runNumber)
+        return qcFail(qc_statusDevice, "layers: the device did not finish its kernels");
     if (layers->counters.stopped.count != 0)
         return qcFail(qc_statusDevice,
                       "layers: a cell's list, a node's cells or its links are more than the device's loops do");
@@ -493,8 +512,13 @@ static qcStatus ReadPairs(const struct qcGlTable* gl, qcLayers* layers)
     if (count != 0)
     {
         gl->BindBuffer(GL_SHADER_STORAGE_BUFFER, layers->buffers[work_survivors]);
+        // No triangle's place: it must be overwritten.
+        uint32_t* last = &QC_AT(uint32_t, layers->pairs, 2 * count - 1);
+        *last = QC_NO_TRIANGLE;
         gl->GetBufferSubData(GL_SHADER_STORAGE_BUFFER, 0, (GLsizeiptr)(2 * count * sizeof(uint32_t)),
                              layers->pairs.data);
+        if (*last == QC_NO_TRIANGLE)
+            return qcFail(qc_statusDevice, "layers: the device did not finish reading its pairs back");
     }
     layers->answer->pairs = layers->pairs.data;
     layers->answer->pairCount = count;

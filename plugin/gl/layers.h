@@ -15,7 +15,7 @@ typedef enum qcLayersBuffer
     /// Four floats: the vertex in the frame, within [0, 1], each coordinate within `pointError` of the true one; the
     /// fourth unused.
     qc_layersVertices,
-    /// Four floats: a rigid body's vertex about its centre, within [-1, 1], then the bits of the body's place.
+    /// Bits of three floats: a rigid body's vertex about its centre, within [-1, 1]; then the body's place.
     qc_layersLocals,
     /// A triangle's place holds three places of vertices; QC_NO_TRIANGLE first: none.
     qc_layersTriangles,

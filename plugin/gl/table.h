@@ -55,6 +55,7 @@
     X(PFNGLGENVERTEXARRAYSPROC, GenVertexArrays)                                                                       \
     X(PFNGLGETBUFFERSUBDATAPROC, GetBufferSubData)                                                                     \
     X(PFNGLGETERRORPROC, GetError)                                                                                     \
+    X(PFNGLGETINTEGER64VPROC, GetInteger64v)                                                                           \
     X(PFNGLGETINTEGERVPROC, GetIntegerv)                                                                               \
     X(PFNGLGETPROGRAMINFOLOGPROC, GetProgramInfoLog)                                                                   \
     X(PFNGLGETPROGRAMIVPROC, GetProgramiv)                                                                             \
@@ -71,6 +72,7 @@
     X(PFNGLPOLYGONMODEPROC, PolygonMode)                                                                               \
     X(PFNGLPOLYGONOFFSETPROC, PolygonOffset)                                                                           \
     X(PFNGLQUERYCOUNTERPROC, QueryCounter)                                                                             \
+    X(PFNGLREADBUFFERPROC, ReadBuffer)                                                                                 \
     X(PFNGLREADPIXELSPROC, ReadPixels)                                                                                 \
     X(PFNGLRENDERBUFFERSTORAGEPROC, RenderbufferStorage)                                                               \
     X(PFNGLRENDERBUFFERSTORAGEMULTISAMPLEPROC, RenderbufferStorageMultisample)                                         \
@@ -119,6 +121,9 @@ struct qcGlTable
     PFNGLCLEARBUFFERDATAPROC ClearBufferData;
     struct qcGlPrograms* programs;
 };
+
+/// "GL_INVALID_ENUM"; "a GL error" for values that GL doesn't define.
+const char* qcGl_ErrorName(GLenum error);
 
 typedef void qcGlFunction(void);
 /// eglGetProcAddress or OSMesaGetProcAddress.

@@ -126,6 +126,7 @@ static qcStatus CreateObjects(const struct qcGlTable* gl, void* context)
     gl->BindFramebuffer(GL_FRAMEBUFFER, v->framebuffer);
     gl->FramebufferRenderbuffer(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, GL_RENDERBUFFER, v->depthBuffer);
     gl->DrawBuffer(GL_NONE);
+    gl->ReadBuffer(GL_NONE); // below GL 4.1 a buffer to read from must exist, or be none
     GLenum complete = gl->CheckFramebufferStatus(GL_FRAMEBUFFER);
     if (complete != GL_FRAMEBUFFER_COMPLETE)
         return qcFail(qc_statusDevice, "visibility queries: no depth buffer of %d x %d (0x%x)", size, size, complete);

@@ -29,7 +29,13 @@ uint cellAt(uvec3 at)
 // Where the counters stand, each on a cache line of its own: of a list, items and, next to them, the workgroups that its
 // taker is dispatched with.
 const int entryCounter = 0, nodePairCounter = 16, clusterPairCounter = 32, trianglePairCounter = 48,
-          survivorCounter = 64, skippedCounter = 80, stoppedCounter = 96, overflowCounter = 112;
+          survivorCounter = 64, skippedCounter = 80, stoppedCounter = 96, overflowCounter = 112, finishedCounter = 128;
+
+// The last kernel's mark: counters that are read back without it are not those of this run.
+uniform uint runNumber;
+#define MARK_FINISHED                                                                                                  \
+    if (ITEM == 0u)                                                                                                    \
+        counters[finishedCounter] = runNumber;
 
 // Of a body: group, mask, flags.
 const uint isMoving = 1u, meetsItself = 2u;

@@ -7,9 +7,12 @@ uniform float pointError, reach; // in the frame
 vec3 b, c, d, e, f;
 float gap; // least distance along an axis of length 1
 
-// Whatever the axis is, only the dot products have to be right.
-bool separates(vec3 axis)
+// Whether the triangles are further apart than the reach along the cross product of two vectors. The axis need not be
+// exact, but must be the same in all dot products: GLSL may evaluate what is not `precise` anew for each use, and round
+// it differently.
+bool separates(vec3 first, vec3 second)
 {
+    precise vec3 axis = cross(first, second);
     float u = dot(axis, b), v = dot(axis, c), p = dot(axis, d), q = dot(axis, e), r = dot(axis, f);
     float size = abs(axis.x) + abs(axis.y) + abs(axis.z), least = size * gap;
     float above = min(p, min(q, r)) - max(0.0, max(u, v)), below = min(0.0, min(u, v)) - max(p, max(q, r));
@@ -18,6 +21,7 @@ bool separates(vec3 axis)
 
 void main()
 {
+    MARK_FINISHED
     uint i = ITEM;
     if (i >= countOf(trianglePairCounter, trianglePairCapacity))
         return;
@@ -40,25 +44,26 @@ void main()
     b *= up, c *= up, d *= up, e *= up, f *= up;
     gap = (4.0 * pointError + reach) * up * 1.0001 + 4e-6;
 
-    vec3 bc = c - b, de = e - d, df = f - d, ef = f - e, n = cross(b, c), m = cross(de, df);
+    vec3 bc = c - b, de = e - d, df = f - d, ef = f - e;
+    precise vec3 n = cross(b, c), m = cross(de, df);
     // No short cuts: arithmetic costs less than branches.
-    bool apart = separates(n);
-    apart = separates(m) || apart;
-    apart = separates(cross(b, de)) || apart;
-    apart = separates(cross(b, df)) || apart;
-    apart = separates(cross(b, ef)) || apart;
-    apart = separates(cross(c, de)) || apart;
-    apart = separates(cross(c, df)) || apart;
-    apart = separates(cross(c, ef)) || apart;
-    apart = separates(cross(bc, de)) || apart;
-    apart = separates(cross(bc, df)) || apart;
-    apart = separates(cross(bc, ef)) || apart;
-    apart = separates(cross(n, b)) || apart;
-    apart = separates(cross(n, c)) || apart;
-    apart = separates(cross(n, bc)) || apart;
-    apart = separates(cross(m, de)) || apart;
-    apart = separates(cross(m, df)) || apart;
-    apart = separates(cross(m, ef)) || apart;
+    bool apart = separates(b, c);
+    apart = separates(de, df) || apart;
+    apart = separates(b, de) || apart;
+    apart = separates(b, df) || apart;
+    apart = separates(b, ef) || apart;
+    apart = separates(c, de) || apart;
+    apart = separates(c, df) || apart;
+    apart = separates(c, ef) || apart;
+    apart = separates(bc, de) || apart;
+    apart = separates(bc, df) || apart;
+    apart = separates(bc, ef) || apart;
+    apart = separates(n, b) || apart;
+    apart = separates(n, c) || apart;
+    apart = separates(n, bc) || apart;
+    apart = separates(m, de) || apart;
+    apart = separates(m, df) || apart;
+    apart = separates(m, ef) || apart;
     if (!apart)
     {
         uint place = atomicAdd(counters[survivorCounter], 1u);

@@ -11,6 +11,9 @@ uniform uint nodeCount, entryCapacity, nodePairCapacity;
 
 void main()
 {
+#ifdef IMAGE_ONLY
+    MARK_FINISHED
+#endif
     uint i = ITEM;
     if (i >= nodeCount)
         return;
