@@ -72,11 +72,10 @@ install_packages()
     done
 }
 
-# find_library NAME: its file, as programs here find it.
+# find_library NAME: its file. Libraries of this processor's own kind stand first.
 find_library()
 {
-    PATH=$PATH:/sbin:/usr/sbin ldconfig -p | sed -n "s/^[[:space:]]*$1 (libc6,x86-64.*=> //p;s/^[[:space:]]*$1 (libc6) => //p" |
-        sed -n 1p
+    PATH=$PATH:/sbin:/usr/sbin ldconfig -p | sed -n "s/^[[:space:]]*$1 (libc6[^)]*) => //p" | sed -n 1p
 }
 
 # copy_library FILE FOLDER: with the licence of its package.

@@ -65,7 +65,7 @@ static const char s_help[] =
     "  accuracy   run time against error: each method, resolution, views and order over scenes with known answers\n"
     "  peers      run time beside Embree, Bullet and CGAL, on the same meshes in the same run\n"
     "  scaling    run time and memory of 1 K to 4 M triangles and of 100 to 200 K boxes\n"
-    "  gpu        layers on a GL device: the same pairs as sweep? its kernels one by one, beside sweep\n"
+    "  gpu        layers on a GL device beside sweep: pairs compared, each kernel timed by the device's clock\n"
     "  broadphase moving boxes inside Bullet, beside its own broadphases"
     "\v\"qc-bench BENCHMARK --help\" lists the options of one.\n\n"
     "Exit status: 0 done; 1 output could not be written, out of memory, or a method that never misses missed; 2 a "

@@ -1,4 +1,4 @@
-// `layers` on a GL device beside `sweep`: do both find the same, what does a step take, and which part of it how long?
+// `layers` on a GL device beside `sweep`: lists of pairs compared, time of a step, time of each part of it.
 #include "qc_bench_gpu.h"
 
 #include "bench_files.h"
