@@ -1,13 +1,9 @@
-// Devices: what opens and what says why not, jobs and their errors, and the contexts of the host that stay untouched.
-// The host of these tests opens OSMesa and EGL by itself, as an application would.
+// Devices: what opens and what says why not, the choice of a GPU, devices that are opened anew, jobs and their errors.
 #define _POSIX_C_SOURCE 200809L
-#include "devices.h"
-#include "gl/device.h"
-#include "gl/table.h"
+#include "device_jobs.h"
 #include "status.h"
 #include "suite.h"
 
-#include <dlfcn.h>
 #include <pthread.h>
 #include <stdlib.h>
 #include <string.h>
@@ -16,19 +12,12 @@ static const char* const s_names[] = {"auto", "egl", "osmesa", "surfaceless", "n
 
 //  ---- opening -------------------------------------------------------------------------------------
 
-static qcStatus Open(qcDeviceKind kind, qcDevice** device)
-{
-    qcDeviceDef def = qcDefaultDeviceDef();
-    def.kind = kind;
-    return qcDevice_Create(&def, device);
-}
-
 START_TEST(a_named_kind_opens_or_says_why_not)
 {
     for (int kind = qc_deviceEgl; kind <= qc_deviceNone; ++kind)
     {
         qcDevice* device = NULL;
-        qcStatus status = Open((qcDeviceKind)kind, &device);
+        qcStatus status = qcOpenKind((qcDeviceKind)kind, &device);
         if (status == qc_statusOk)
         {
             qcDeviceInfo info;
@@ -54,7 +43,7 @@ END_TEST
 START_TEST(the_device_none_always_opens_and_has_no_gl)
 {
     qcDevice* device = NULL;
-    ck_assert_int_eq(Open(qc_deviceNone, &device), qc_statusOk);
+    ck_assert_int_eq(qcOpenKind(qc_deviceNone, &device), qc_statusOk);
     qcDeviceInfo info;
     ck_assert_int_eq(qcDevice_GetInfo(device, &info), qc_statusOk);
     ck_assert_int_eq(info.kind, qc_deviceNone);
@@ -80,12 +69,12 @@ START_TEST(auto_opens_the_first_kind_that_works_and_logs_the_others)
     int skipped = 0;
     qcSetLog(CountSkipped, &skipped);
     qcDevice* device = NULL;
-    ck_assert_int_eq(Open(qc_deviceAuto, &device), qc_statusOk);
+    ck_assert_int_eq(qcOpenKind(qc_deviceAuto, &device), qc_statusOk);
     qcSetLog(NULL, NULL);
     qcDeviceInfo info;
     ck_assert_int_eq(qcDevice_GetInfo(device, &info), qc_statusOk);
     qcDeviceKind kinds[] = {qc_deviceEgl, qc_deviceOsmesa, qc_deviceSurfaceless, qc_deviceNone};
-    if (qcIsZinkProcess())
+    if (getenv("GALLIUM_DRIVER") != NULL || getenv("MESA_LOADER_DRIVER_OVERRIDE") != NULL)
     {
         kinds[1] = qc_deviceSurfaceless;
         kinds[2] = qc_deviceOsmesa;
@@ -94,7 +83,7 @@ START_TEST(auto_opens_the_first_kind_that_works_and_logs_the_others)
     for (; at < 3 && kinds[at] != info.kind; ++at)
     {
         qcDevice* other = NULL;
-        ck_assert_int_eq(Open(kinds[at], &other), qc_statusDevice);
+        ck_assert_int_eq(qcOpenKind(kinds[at], &other), qc_statusDevice);
     }
     ck_assert_int_eq(info.kind, kinds[at]);
     ck_assert_int_eq(skipped, at);
@@ -107,9 +96,9 @@ START_TEST(auto_prefers_surfaceless_where_the_environment_names_a_driver)
 {
     setenv("GALLIUM_DRIVER", "softpipe", 1);
     qcDevice *surfaceless = NULL, *device = NULL;
-    if (Open(qc_deviceSurfaceless, &surfaceless) == qc_statusOk)
+    if (qcOpenKind(qc_deviceSurfaceless, &surfaceless) == qc_statusOk)
     {
-        ck_assert_int_eq(Open(qc_deviceAuto, &device), qc_statusOk);
+        ck_assert_int_eq(qcOpenKind(qc_deviceAuto, &device), qc_statusOk);
         qcDeviceInfo info;
         qcDevice_GetInfo(device, &info);
         ck_assert(info.kind == qc_deviceSurfaceless || info.kind == qc_deviceEgl);
@@ -126,7 +115,7 @@ START_TEST(osmesa_refuses_drivers_that_it_crashes_with)
     {
         setenv("GALLIUM_DRIVER", drivers[i], 1);
         qcDevice* device = NULL;
-        ck_assert_int_eq(Open(qc_deviceOsmesa, &device), qc_statusDevice);
+        ck_assert_int_eq(qcOpenKind(qc_deviceOsmesa, &device), qc_statusDevice);
         ck_assert_ptr_null(device);
     }
 }
@@ -179,26 +168,6 @@ START_TEST(a_bad_definition_is_refused_by_name)
     ck_assert_uint_eq(qcGetByteCount(), 0);
 }
 END_TEST
-
-/// Clears a small image to a colour and reads it back.
-static qcStatus ClearAndRead(const struct qcGlTable* gl, void* context)
-{
-    uint8_t* rgba = context;
-    GLuint framebuffer = 0, color = 0;
-    gl->GenFramebuffers(1, &framebuffer);
-    gl->GenRenderbuffers(1, &color);
-    gl->BindFramebuffer(GL_FRAMEBUFFER, framebuffer);
-    gl->BindRenderbuffer(GL_RENDERBUFFER, color);
-    gl->RenderbufferStorage(GL_RENDERBUFFER, GL_RGBA8, 4, 4);
-    gl->FramebufferRenderbuffer(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_RENDERBUFFER, color);
-    gl->ClearColor((float)rgba[0] / 255.0f, (float)rgba[1] / 255.0f, (float)rgba[2] / 255.0f, 1.0f);
-    gl->Clear(GL_COLOR_BUFFER_BIT);
-    memset(rgba, 0, 4);
-    gl->ReadPixels(1, 1, 1, 1, GL_RGBA, GL_UNSIGNED_BYTE, rgba);
-    gl->DeleteFramebuffers(1, &framebuffer);
-    gl->DeleteRenderbuffers(1, &color);
-    return qc_statusOk;
-}
 
 static qcStatus OpenGpu(int32_t index, const char* name, const uint8_t* uuid, qcDevice** device)
 {
@@ -275,7 +244,7 @@ START_TEST(a_device_that_is_reopened_draws_again)
         {
             ck_assert_uint_eq(qcDevice_GetGeneration(device), round + 1);
             uint8_t rgba[4] = {10, 20, 30, 0};
-            ck_assert_int_eq(qcDevice_Run(device, ClearAndRead, rgba, "a test"), qc_statusOk);
+            ck_assert_int_eq(qcDevice_Run(device, qcClearAndRead, rgba, "a test"), qc_statusOk);
             ck_assert_uint_eq(rgba[0], 10);
             ck_assert_int_eq(qcDevice_Reopen(device), qc_statusOk);
         }
@@ -285,7 +254,7 @@ START_TEST(a_device_that_is_reopened_draws_again)
         ck_assert(!after.lost);
     }
     qcDevice* none = NULL;
-    ck_assert_int_eq(Open(qc_deviceNone, &none), qc_statusOk);
+    ck_assert_int_eq(qcOpenKind(qc_deviceNone, &none), qc_statusOk);
     ck_assert_int_eq(qcDevice_Reopen(none), qc_statusOk);
     qcDevice_Destroy(none);
     ck_assert_uint_eq(qcGetByteCount(), 0);
@@ -303,7 +272,7 @@ START_TEST(a_device_that_does_not_reopen_stays_lost_until_it_does)
     {
         ck_assert_int_eq(qcDevice_Reopen(device), qc_statusDevice);
         uint8_t rgba[4] = {10, 20, 30, 0};
-        ck_assert_int_eq(qcDevice_Run(device, ClearAndRead, rgba, "a test"), qc_statusDeviceLost);
+        ck_assert_int_eq(qcDevice_Run(device, qcClearAndRead, rgba, "a test"), qc_statusDeviceLost);
         qcDeviceInfo info;
         qcDevice_GetInfo(device, &info);
         ck_assert(info.lost);
@@ -311,7 +280,7 @@ START_TEST(a_device_that_does_not_reopen_stays_lost_until_it_does)
     unsetenv("GALLIUM_DRIVER");
     ck_assert_int_eq(qcDevice_Reopen(device), qc_statusOk);
     uint8_t rgba[4] = {10, 20, 30, 0};
-    ck_assert_int_eq(qcDevice_Run(device, ClearAndRead, rgba, "a test"), qc_statusOk);
+    ck_assert_int_eq(qcDevice_Run(device, qcClearAndRead, rgba, "a test"), qc_statusOk);
     qcDevice_Destroy(device);
     ck_assert_uint_eq(qcGetByteCount(), 0);
 }
@@ -351,7 +320,7 @@ START_TEST(no_memory_for_a_device_is_a_status)
 {
     ck_assert_int_eq(qcSetAllocator(RefuseMemory, FreeMemory, NULL), qc_statusOk);
     qcDevice* device = NULL;
-    ck_assert_int_eq(Open(qc_deviceAuto, &device), qc_statusOutOfMemory);
+    ck_assert_int_eq(qcOpenKind(qc_deviceAuto, &device), qc_statusOutOfMemory);
     ck_assert_ptr_null(device);
     ck_assert_int_eq(qcSetAllocator(NULL, NULL, NULL), qc_statusOk);
 }
@@ -364,7 +333,7 @@ START_TEST(devices_open_and_close_many_times_and_side_by_side)
     {
         for (int i = 0; i < 6; ++i)
         {
-            if (Open(qc_testKinds[i % qc_testDeviceCount], &devices[i]) != qc_statusOk)
+            if (qcOpenKind(qc_testKinds[i % qc_testDeviceCount], &devices[i]) != qc_statusOk)
                 devices[i] = NULL;
         }
         // Not in the order in which they were opened.
@@ -557,12 +526,12 @@ static void* DrawOften(void* argument)
     for (int round = 0; round < 5; ++round)
     {
         qcDevice* device = NULL;
-        if (Open(drawer->kind, &device) != qc_statusOk)
+        if (qcOpenKind(drawer->kind, &device) != qc_statusOk)
             return NULL;
         for (int i = 0; i < 20; ++i)
         {
             uint8_t rgba[4] = {drawer->color, (uint8_t)i, 0, 0};
-            if (qcDevice_Run(device, ClearAndRead, rgba, "a test") != qc_statusOk || rgba[0] != drawer->color ||
+            if (qcDevice_Run(device, qcClearAndRead, rgba, "a test") != qc_statusOk || rgba[0] != drawer->color ||
                 rgba[1] != i || rgba[3] != 255)
                 ++drawer->wrong;
         }
@@ -589,136 +558,6 @@ START_TEST(devices_on_several_threads_do_not_disturb_each_other)
 }
 END_TEST
 
-//  ---- the host's contexts -------------------------------------------------------------------------
-
-/// Opens, uses and closes each kind of device, as the library would during a step.
-static void UseEveryKind(void)
-{
-    for (int kind = qc_deviceAuto; kind <= qc_deviceNone; ++kind)
-    {
-        qcDevice* device = NULL;
-        if (Open((qcDeviceKind)kind, &device) != qc_statusOk)
-            continue;
-        uint8_t rgba[4] = {10, 20, 30, 0};
-        qcStatus status = qcDevice_Run(device, ClearAndRead, rgba, "a test");
-        qcDeviceInfo info;
-        qcDevice_GetInfo(device, &info);
-        ck_assert_int_eq(status, info.kind == qc_deviceNone ? qc_statusDevice : qc_statusOk);
-        qcDevice_Destroy(device);
-    }
-}
-
-static void* FindFunction(void* library, const char* name)
-{
-    void* function = dlsym(library, name);
-    ck_assert_msg(function != NULL, "%s is missing", name);
-    return function;
-}
-
-START_TEST(an_osmesa_context_of_the_host_stays_current_and_draws)
-{
-    if (qcIsZinkProcess())
-        return; // libOSMesa would crash
-    void* library = dlopen("libOSMesa.so.8", RTLD_NOW | RTLD_LOCAL);
-    if (library == NULL)
-        library = dlopen("libOSMesa.so.6", RTLD_NOW | RTLD_LOCAL);
-    if (library == NULL)
-    {
-        printf("skipped: no libOSMesa\n");
-        return;
-    }
-    void* (*create)(GLenum, void*) = (void* (*)(GLenum, void*))FindFunction(library, "OSMesaCreateContext");
-    GLboolean (*makeCurrent)(void*, void*, GLenum, GLsizei, GLsizei) =
-        (GLboolean(*)(void*, void*, GLenum, GLsizei, GLsizei))FindFunction(library, "OSMesaMakeCurrent");
-    void* (*getCurrent)(void) = (void* (*)(void))FindFunction(library, "OSMesaGetCurrentContext");
-    void (*destroy)(void*) = (void (*)(void*))FindFunction(library, "OSMesaDestroyContext");
-    qcGlGetFunction* getFunction = (qcGlGetFunction*)FindFunction(library, "OSMesaGetProcAddress");
-
-    uint8_t image[8 * 8 * 4] = {0};
-    void* context = create(GL_RGBA, NULL);
-    ck_assert_ptr_nonnull(context);
-    ck_assert(makeCurrent(context, image, GL_UNSIGNED_BYTE, 8, 8));
-    PFNGLCLEARCOLORPROC clearColor = (PFNGLCLEARCOLORPROC)getFunction("glClearColor");
-    PFNGLCLEARPROC clear = (PFNGLCLEARPROC)getFunction("glClear");
-    PFNGLFINISHPROC finish = (PFNGLFINISHPROC)getFunction("glFinish");
-    PFNGLGETERRORPROC getError = (PFNGLGETERRORPROC)getFunction("glGetError");
-    clearColor(1.0f, 0.0f, 0.0f, 1.0f);
-    clear(GL_COLOR_BUFFER_BIT);
-
-    UseEveryKind();
-
-    ck_assert_ptr_eq(getCurrent(), context);
-    finish();
-    ck_assert_uint_eq(image[0], 255);
-    ck_assert_uint_eq(image[1], 0);
-    clearColor(0.0f, 1.0f, 0.0f, 1.0f);
-    clear(GL_COLOR_BUFFER_BIT);
-    finish();
-    ck_assert_uint_eq(image[0], 0);
-    ck_assert_uint_eq(image[1], 255);
-    ck_assert_uint_eq(getError(), GL_NO_ERROR);
-    makeCurrent(NULL, NULL, 0, 0, 0);
-    destroy(context);
-}
-END_TEST
-
-// EGL's interface, as far as the host needs it.
-enum
-{
-    egl_none = 0x3038,
-    egl_openglApi = 0x30A2,
-    egl_platformSurfaceless = 0x31DD
-};
-
-START_TEST(a_surfaceless_egl_context_of_the_host_stays_current_and_draws)
-{
-    void* library = dlopen("libEGL.so.1", RTLD_NOW | RTLD_LOCAL);
-    if (library == NULL)
-    {
-        printf("skipped: no libEGL\n");
-        return;
-    }
-    qcGlGetFunction* getFunction = (qcGlGetFunction*)FindFunction(library, "eglGetProcAddress");
-    unsigned (*initialize)(void*, int*, int*) = (unsigned (*)(void*, int*, int*))FindFunction(library, "eglInitialize");
-    unsigned (*bindApi)(unsigned) = (unsigned (*)(unsigned))FindFunction(library, "eglBindAPI");
-    void* (*create)(void*, void*, void*, const int*) =
-        (void* (*)(void*, void*, void*, const int*))FindFunction(library, "eglCreateContext");
-    unsigned (*makeCurrent)(void*, void*, void*, void*) =
-        (unsigned (*)(void*, void*, void*, void*))FindFunction(library, "eglMakeCurrent");
-    void* (*getCurrent)(void) = (void* (*)(void))FindFunction(library, "eglGetCurrentContext");
-    unsigned (*queryApi)(void) = (unsigned (*)(void))FindFunction(library, "eglQueryAPI");
-    unsigned (*destroy)(void*, void*) = (unsigned (*)(void*, void*))FindFunction(library, "eglDestroyContext");
-    void* (*getDisplay)(unsigned, void*, const int*) =
-        (void* (*)(unsigned, void*, const int*))getFunction("eglGetPlatformDisplayEXT");
-
-    void* display = getDisplay != NULL ? getDisplay(egl_platformSurfaceless, NULL, NULL) : NULL;
-    const int attributes[] = {egl_none};
-    void* context = NULL;
-    if (display != NULL && initialize(display, NULL, NULL) && bindApi(egl_openglApi))
-        context = create(display, NULL, NULL, attributes);
-    if (context == NULL)
-    {
-        printf("skipped: no surfaceless EGL\n");
-        return;
-    }
-    ck_assert(makeCurrent(display, NULL, NULL, context));
-
-    UseEveryKind();
-
-    ck_assert_ptr_eq(getCurrent(), context);
-    ck_assert_uint_eq(queryApi(), egl_openglApi);
-    struct qcGlTable gl = {0};
-    ck_assert_int_eq(qcGlTable_Load(&gl, getFunction), qc_statusOk);
-    uint8_t rgba[4] = {200, 100, 50, 0};
-    ck_assert_int_eq(ClearAndRead(&gl, rgba), qc_statusOk);
-    ck_assert_uint_eq(rgba[0], 200);
-    ck_assert_uint_eq(rgba[1], 100);
-    ck_assert_uint_eq(gl.GetError(), GL_NO_ERROR);
-    ck_assert(makeCurrent(display, NULL, NULL, NULL));
-    destroy(display, context);
-}
-END_TEST
-
 QC_RUN_TESTS("device", a_named_kind_opens_or_says_why_not, the_device_none_always_opens_and_has_no_gl,
              auto_opens_the_first_kind_that_works_and_logs_the_others,
              auto_prefers_surfaceless_where_the_environment_names_a_driver, osmesa_refuses_drivers_that_it_crashes_with,
@@ -728,6 +567,4 @@ QC_RUN_TESTS("device", a_named_kind_opens_or_says_why_not, the_device_none_alway
              devices_open_and_close_many_times_and_side_by_side, a_job_finds_a_context_of_gl_3_3_or_more,
              status_and_message_of_a_job_reach_the_caller, a_gl_error_is_a_status_and_the_device_goes_on,
              a_job_finds_the_initial_state, many_callers_are_served_one_after_another_each_with_its_own_message,
-             devices_on_several_threads_do_not_disturb_each_other,
-             an_osmesa_context_of_the_host_stays_current_and_draws,
-             a_surfaceless_egl_context_of_the_host_stays_current_and_draws)
+             devices_on_several_threads_do_not_disturb_each_other)

@@ -33,10 +33,10 @@ static qcStatus Replace(const struct qcGlTable* gl, void* context)
 /// False where `layers` has no compute shaders.
 static bool MakeDriver(qcDevice* device, qcReplace* replace)
 {
-    Replacement replacement = {replace};
-    CHECK_OK(qcDevice_Run(device, Replace, &replacement, "a test"));
     qcDeviceInfo info;
     CHECK_OK(qcDevice_GetInfo(device, &info));
+    Replacement replacement = {replace};
+    CHECK_OK(qcDevice_Run(device, Replace, &replacement, "a test"));
     return info.compute;
 }
 
