@@ -13,9 +13,12 @@ typedef struct Benchmark
 } Benchmark;
 
 static const Benchmark s_benchmarks[] = {
+    // clang-format off
     {"accuracy", "qc-bench accuracy", qcBench_RunAccuracy},
     {"peers", "qc-bench peers", qcBench_RunPeers},
     {"scaling", "qc-bench scaling", qcBench_RunScaling},
+    {"gpu", "qc-bench gpu", qcBench_RunGpu},
+    // clang-format on
 #ifdef QC_HAS_BULLET
     {"broadphase", "qc-bench broadphase", qcBench_RunBroadphase},
     {"soft", "qc-bench soft", qcBench_RunSoft},
@@ -67,6 +70,7 @@ static const char s_help[] =
     "  accuracy   run time against error: each method, resolution, views and order over scenes with known answers\n"
     "  peers      run time beside Embree, Bullet and CGAL, on the same meshes in the same run\n"
     "  scaling    run time and memory of 1 K to 4 M triangles and of 100 to 200 K boxes\n"
+    "  gpu        layers on a GL device beside sweep: pairs compared, each kernel timed by the device's clock\n"
     "  broadphase moving boxes inside Bullet, beside its own broadphases\n"
     "  soft       hard scenes of cloth, tangles and ropes, beside Bullet alone"
     "\v\"qc-bench BENCHMARK --help\" lists the options of one.\n\n"

@@ -19,6 +19,8 @@ qcBenchExit qcBench_RunAccuracy(int argumentCount, char** arguments);
 qcBenchExit qcBench_RunPeers(int argumentCount, char** arguments);
 /// Time and memory against size, in the same way.
 qcBenchExit qcBench_RunScaling(int argumentCount, char** arguments);
+/// layers on a GL device beside sweep, in the same way.
+qcBenchExit qcBench_RunGpu(int argumentCount, char** arguments);
 /// qcBroadphase beside Bullet's own, in the same way; only where Bullet was found (QC_HAS_BULLET).
 qcBenchExit qcBench_RunBroadphase(int argumentCount, char** arguments);
 /// Soft bodies beside Bullet alone, in the same way, and where Bullet was found.

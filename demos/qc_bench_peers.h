@@ -63,6 +63,9 @@ const char* qcPeerWork_Title(int index);
 /// Makes a work; empty unless it was made. The same bits each time.
 qcBenchMade qcPeerWork_Make(int index, const qcBenchModels* models, uint32_t frameCount, qcPeerWork* work,
                             qcMessage* message);
+/// Makes the frames of a work whose kind, bodies and frameCount are set; bodies of the kinds other than qc_peerSelf are
+/// piled up first. False: out of memory.
+bool qcPeerWork_Animate(qcPeerWork* work);
 void qcPeerWork_Free(qcPeerWork* work);
 
 //  ---- methods -------------------------------------------------------------------------------------
@@ -90,12 +93,13 @@ typedef struct qcPeerOurs
     qcScene* scene;
     qcBodyId* ids;
     const qcResult* result; ///< of the last step
+    double moveMs;          ///< of the last step: positions or transforms in
 } qcPeerOurs;
 
 /// False: qcLastMessage says why. Close it in any case.
 bool qcPeerOurs_Open(const qcPeerWork* work, qcDevice* device, qcPeerOurs* ours);
 /// A frame's positions or transforms in, pairs out.
-bool qcPeerOurs_Step(qcPeerOurs* ours, const qcPeerWork* work, uint32_t frame, qcMethod method, uint32_t threads);
+bool qcPeerOurs_Step(qcPeerOurs* ours, const qcPeerWork* work, uint32_t frame, const qcDetectDef* def);
 void qcPeerOurs_Close(qcPeerOurs* ours);
 
 //  ---- rows ----------------------------------------------------------------------------------------

@@ -179,7 +179,12 @@ static double Step(Race* race, Runner* runner)
     double start = qcBenchTime_NowMs();
     bool ran;
     if (IsOurs(runner))
-        ran = qcPeerOurs_Step(&runner->ours, race->work, frame, (qcMethod)entrant->method, race->threads);
+    {
+        qcDetectDef def = qcDefaultDetectDef();
+        def.method = (qcMethod)entrant->method;
+        def.threads = race->threads;
+        ran = qcPeerOurs_Step(&runner->ours, race->work, frame, &def);
+    }
     else
     {
         Pose(race, frame);

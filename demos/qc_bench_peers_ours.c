@@ -1,5 +1,7 @@
-// Our methods as `qc-bench peers` runs them: a scene, and for each frame new vertices or transforms, then a detection.
+// Our methods as the benchmarks run them: a scene, and for each frame new vertices or transforms, then a detection.
 #include "qc_bench_peers.h"
+
+#include "bench_time.h"
 
 #include <stdlib.h>
 
@@ -29,12 +31,10 @@ bool qcPeerOurs_Open(const qcPeerWork* work, qcDevice* device, qcPeerOurs* ours)
     return opened;
 }
 
-bool qcPeerOurs_Step(qcPeerOurs* ours, const qcPeerWork* work, uint32_t frame, qcMethod method, uint32_t threads)
+bool qcPeerOurs_Step(qcPeerOurs* ours, const qcPeerWork* work, uint32_t frame, const qcDetectDef* def)
 {
-    qcDetectDef def = qcDefaultDetectDef();
-    def.method = method;
-    def.threads = threads;
     qcStatus status = qc_statusOk;
+    double start = qcBenchTime_NowMs();
     for (uint32_t i = 0; status == qc_statusOk && i < work->bodyCount; ++i)
     {
         size_t k = (size_t)frame * work->bodyCount + i;
@@ -42,8 +42,9 @@ bool qcPeerOurs_Step(qcPeerOurs* ours, const qcPeerWork* work, uint32_t frame, q
                      ? qcScene_SetTransform(ours->scene, ours->ids[i], &work->transforms[k])
                      : qcScene_SetVertices(ours->scene, ours->ids[i], work->positions[k], qc_positionF32, 0);
     }
+    ours->moveMs = qcBenchTime_NowMs() - start;
     if (status == qc_statusOk)
-        status = qcScene_Detect(ours->scene, &def, &ours->result);
+        status = qcScene_Detect(ours->scene, def, &ours->result);
     return status == qc_statusOk;
 }
 

@@ -140,21 +140,25 @@ static bool MakeRigid(qcPeerWork* work, const qcTransform* places)
     return work->transforms != NULL;
 }
 
+bool qcPeerWork_Animate(qcPeerWork* work)
+{
+    qcTransform* places = calloc(work->bodyCount, sizeof *places);
+    if (places == NULL)
+        return false;
+    qcBenchPile_Place(work->bodyCount, places);
+    bool made = work->kind == qc_peerRigid ? MakeRigid(work, places) : MakeDeforming(work, places);
+    free(places);
+    return made;
+}
+
 static qcBenchMade Fill(const Recipe* recipe, const qcBenchModels* models, qcPeerWork* work, qcMessage* message)
 {
     qcMesh model;
     qcBenchMade made = MakeModel(recipe, models, &model, message);
     if (made != qc_benchMade)
         return made;
-    qcTransform* places = calloc(work->bodyCount, sizeof *places);
     work->bodies = calloc(work->bodyCount, sizeof *work->bodies);
-    bool filled = places != NULL && work->bodies != NULL && CopyBodies(&model, work, message);
-    if (filled)
-    {
-        qcBenchPile_Place(work->bodyCount, places);
-        filled = work->kind == qc_peerRigid ? MakeRigid(work, places) : MakeDeforming(work, places);
-    }
-    free(places);
+    bool filled = work->bodies != NULL && CopyBodies(&model, work, message) && qcPeerWork_Animate(work);
     qcMesh_Free(&model);
     if (!filled)
         qcMessage_Fail(message, "out of memory");

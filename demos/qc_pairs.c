@@ -39,7 +39,8 @@ static qcPairsExit OpenDevices(qcPairsRun* run, qcMessage* message)
     bool draws = options->detect.method == qc_methodQuick || options->detect.method == qc_methodCullide ||
                  options->detect.method == qc_methodLayers;
     qcStatus status = qc_statusOk;
-    run->deviceInfo = (qcDeviceInfo){.kind = qc_deviceNone, .name = "none", .renderer = "", .version = ""};
+    run->deviceInfo =
+        (qcDeviceInfo){.kind = qc_deviceNone, .name = "none", .renderer = "", .version = "", .vendor = ""};
     if (draws || options->deviceNamed)
         status = OpenDevice(options->device, &run->device, &run->deviceInfo);
     if (status == qc_statusOk && options->picture != NULL)

@@ -14,9 +14,9 @@ Demos:
             go to out/fracture/.
   pairs     Finds the triangles of meshes that intersect: demos/run.sh pairs MESH...
   bench     Measures: demos/run.sh bench [accuracy] compares the methods, "bench peers" other libraries
-            (which it installs), "bench scaling" sizes, "bench broadphase" the broadphase with Bullet's own,
-            "bench soft" cloth, tangles and ropes beside Bullet's.
-            Tables and pictures go to out/bench/.
+            (which it installs), "bench scaling" sizes, "bench broadphase" the broadphase with Bullet's own, "bench soft"
+            cloth, tangles and ropes with Bullet's, "bench gpu" layers on a GL device with sweep. Tables and pictures
+            go to out/bench/. demos/gpu.sh runs the GL tests first, and packs all that for a machine with a GPU.
 
 Arguments are the demo's own; "demos/run.sh DEMO --help" explains them.
 END

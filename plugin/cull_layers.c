@@ -1,6 +1,7 @@
 // Which bodies take part, where they can meet, and what the device's answer means.
 #include "cull_layers.h"
 
+#include "clock.h"
 #include "gl/device.h"
 #include "layers_image.h"
 #include "status.h"
@@ -16,7 +17,13 @@ typedef struct Step
     qcCullLayers* cull;
     const qcCullLayersJob* job;
     qcLayersView view;
+    double started;
 } Step;
+
+static double Now(const qcCullLayersJob* job)
+{
+    return job->timed ? qcClock_Now() : 0.0;
+}
 
 static void IncludeBox(double lower[3], double upper[3], const qcBody* body)
 {
@@ -145,6 +152,25 @@ static void FillProfile(const Step* step, const qcLayersStep* device, const qcLa
     profile->deviceBytes = answer->deviceBytes;
 }
 
+static const char* const s_partNames[qc_layersPartCount] = {
+    "prepare",       "hand-over",      "upload", "vertices", "boxes",   "clear",     "nodes", "node pairs",
+    "cluster pairs", "triangle pairs", "filter", "counters", "results", "hand-back", "refine"};
+
+/// `handed` and `answered`: when the device's thread got the step, and gave it back.
+static void FillTimes(const Step* step, const qcLayersAnswer* answer, double handed, double answered,
+                      qcProfile* profile)
+{
+    qcLayerTime* times = step->cull->times;
+    if (!step->job->timed)
+        return;
+    for (int part = 0; part < qc_layersPartCount; part++)
+        times[part] = (qcLayerTime){s_partNames[part], answer->threadMs[part], answer->deviceMs[part]};
+    times[qc_partPrepare].threadMs = handed - step->started;
+    times[qc_partRefine].threadMs = qcClock_Now() - answered;
+    profile->layerTimes = times;
+    profile->layerTimeCount = qc_layersPartCount;
+}
+
 /// In the frame, rounded down; below 0 where bodies have margins of their own: pairs that are near are then found by
 /// the exact test.
 static float FindMargin(const Step* step)
@@ -205,17 +231,22 @@ static qcStatus TryDevice(Step* step, const qcPairKeys* keys, qcProfile* profile
     QC_TRY(FindInterests(step));
     QC_TRY(qcLayersBodies_Prepare(&cull->bodies, job->triangles, &cull->frame, cull->takesPart.data,
                                   cull->interests.data, cull->meetsItself.data, job->threads));
-    qcLayersStep device = {
-        .pointError = cull->frame.pointError, .reach = cull->frame.reach, .testNeighbours = job->testNeighbours};
+    qcLayersStep device = {.pointError = cull->frame.pointError,
+                           .reach = cull->frame.reach,
+                           .testNeighbours = job->testNeighbours,
+                           .timed = job->timed};
     qcLayersBodies_FillStep(&cull->bodies, &device);
     qcLayersImage_Choose(&cull->bodies, job->triangles, &cull->frame, cull->numberOf.data, job->columns,
                          device.cellsLog2);
     memcpy(device.scale, cull->frame.scale, sizeof device.scale);
     memcpy(device.slack, cull->frame.slack, sizeof device.slack);
     qcLayersAnswer answer;
+    double handed = Now(job);
     QC_TRY(qcLayers_Run(cull->layers, &device, &answer));
+    double answered = Now(job);
     QC_TRY(cull->bodies.imageOnly ? Refine(step, &device, &answer, keys) : MapPairs(step, &answer, keys->keys));
     FillProfile(step, &device, &answer, profile);
+    FillTimes(step, &answer, handed, answered, profile);
     return qc_statusOk;
 }
 
@@ -245,11 +276,12 @@ static void ListNeighboursOf(const qcClusters* clusters, uint32_t first, uint32_
 qcStatus qcCullLayers_Run(qcCullLayers* cull, const qcCullLayersJob* job, const qcPairKeys* keys, qcProfile* profile)
 {
     const qcTriangles* t = job->triangles;
+    double started = Now(job);
     QC_TRY(qcArray_Resize(&cull->takesPart, t->bodyCount, 1, "bodies that take part"));
     QC_TRY(qcArray_Resize(&cull->meetsItself, t->bodyCount, 1, "bodies that take part"));
     QC_TRY(qcArray_Resize(&cull->interests, 4 * (size_t)t->bodyCount, sizeof(uint32_t), "interests of bodies"));
     QC_TRY(qcArray_Resize(&cull->numberOf, t->bodies->slots.count, sizeof(uint32_t), "bodies that take part"));
-    Step step = {.cull = cull, .job = job};
+    Step step = {.cull = cull, .job = job, .started = started};
     if (!FindParticipants(&step))
         return qc_statusOk;
     qcStatus status = RunOnDevice(&step, keys, profile);

@@ -25,6 +25,7 @@ typedef struct qcCullLayers
     qcArray interests;              ///< uint32_t, four by body
     qcArray partners;               ///< of qcLayersView: around the partners of a body
     qcArray numberOf;               ///< uint32_t, by slot: body of the step
+    qcLayerTime times[qc_layersPartCount];
 } qcCullLayers;
 
 typedef struct qcCullLayersJob
@@ -40,6 +41,7 @@ typedef struct qcCullLayersJob
     bool listKnown;      ///< pairs whose relation is known are among the contact keys, too
     uint32_t columns;    ///< 0: chosen
     char depthAxis;      ///< 0: chosen
+    bool timed;
     uint32_t threads;
 } qcCullLayersJob;
 

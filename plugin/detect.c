@@ -153,6 +153,7 @@ static qcStatus CullLayers(Step* step)
                            .listKnown = step->def->contactMargin > 0.0,
                            .columns = step->def->layerColumns,
                            .depthAxis = step->def->layerDepthAxis,
+                           .timed = step->def->layerTimes,
                            .threads = step->threads};
     const qcPairKeys keys = {&d->layersKeys, &d->layersContactKeys, &d->layersSure};
     qcStatus status = qcCullLayers_Run(&d->cullLayers, &job, &keys, &step->profile);
@@ -432,6 +433,8 @@ static void Reuse(qcProfile* profile)
     profile->planMs = profile->cullObjectsMs = profile->sweepObjectsMs = profile->cullTrianglesMs = 0.0;
     profile->sweepTrianglesMs = profile->exactMs = profile->contactMs = profile->manifoldMs = 0.0;
     profile->totalMs = 0.0;
+    profile->layerTimes = NULL;
+    profile->layerTimeCount = 0;
 }
 
 qcStatus qcDetector_Run(qcDetector* detector, qcBodies* bodies, qcDevice* device, const qcDetectDef* def)

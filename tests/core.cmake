@@ -19,8 +19,10 @@ target_compile_options(test_never_miss PRIVATE -ffp-contract=off)
 qc_test(test_random_steps test_random_steps.c LIBRARIES qc_oracle)
 qc_test(test_layers test_layers.c LIBRARIES qc_oracle)
 qc_test(test_layers_steps test_layers_steps.c LIBRARIES qc_oracle)
+qc_test(test_layer_times test_layer_times.c LIBRARIES qc_oracle)
 # Software devices leave pairs of triangles to the processor; the kernels that a GPU finds them with are run here.
-foreach(test test_methods test_owners test_contacts test_margin test_never_miss test_layers test_layers_steps)
+foreach(test test_methods test_owners test_contacts test_margin test_never_miss test_layers test_layers_steps
+        test_layer_times)
   add_test(NAME ${test}_on_device COMMAND ${test})
   set_tests_properties(${test}_on_device PROPERTIES ENVIRONMENT QC_LAYERS_REFINE=device)
 endforeach()

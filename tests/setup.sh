@@ -1,4 +1,4 @@
-# Sourced by tests/run.sh and demos/run.sh: the packages that each needs, named here only, and the build.
+# Sourced by tests/run.sh, demos/run.sh and demos/gpu.sh: the packages that each needs, named here only, and the build.
 # shellcheck shell=sh
 
 # qc_packages GROUP...: the packages of the groups.
@@ -17,6 +17,8 @@ qc_packages()
             # Software GL, opened at run time: a system that no longer has one of them does without. With Vulkan's
             # software driver the tests run on a second GL, zink.
             optional) echo libosmesa6 libegl1 libgl1-mesa-dri mesa-vulkan-drivers ;;
+            # For demos/gpu.sh to pack, where another machine has a GPU's driver alone.
+            loaders) echo libegl1 libopengl0 ;;
             # A client of libBulletCollision, to be run with qc-preload; without it that test is skipped.
             clients) echo libdart-dev libdart-collision-bullet-dev ;;
         esac
@@ -84,16 +86,17 @@ qc_install()
     $as_root env DEBIAN_FRONTEND=noninteractive apt-get install -y -q --no-install-recommends $needed $optional
 }
 
-# qc_build ROOT TARGET [CMAKE_OPTION...]: configures and builds in ROOT/build.
+# qc_build ROOT TARGET [CMAKE_OPTION...]: configures and builds in $qc_folder, by default ROOT/build.
 qc_build()
 {
     root=$1
     target=$2
     shift 2
     # A build folder keeps the generator that it was made with.
-    if [ ! -f "$root/build/CMakeCache.txt" ] && command -v ninja >/dev/null; then
+    folder=${qc_folder-$root/build}
+    if [ ! -f "$folder/CMakeCache.txt" ] && command -v ninja >/dev/null; then
         set -- -G Ninja "$@"
     fi
-    cmake -S "$root" -B "$root/build" -DCMAKE_BUILD_TYPE=Release "$@"
-    cmake --build "$root/build" --parallel "$(nproc)" --target "$target"
+    cmake -S "$root" -B "$folder" -DCMAKE_BUILD_TYPE=Release "$@"
+    cmake --build "$folder" --parallel "$(nproc)" --target "$target"
 }

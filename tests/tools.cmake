@@ -22,6 +22,12 @@ if(TARGET qc-pairs)
           run_program.c LIBRARIES qc_demo_support)
   target_compile_definitions(test_qc_bench_scaling PRIVATE QC_BENCH_PROGRAM="$<TARGET_FILE:qc-bench>")
   add_dependencies(test_qc_bench_scaling qc-bench)
+  qc_test(test_qc_bench_gpu test_qc_bench_gpu.c run_program.c LIBRARIES qc_demo_support)
+  target_compile_definitions(test_qc_bench_gpu PRIVATE QC_BENCH_PROGRAM="$<TARGET_FILE:qc-bench>")
+  add_dependencies(test_qc_bench_gpu qc-bench)
+  add_test(NAME test_gpu_run COMMAND sh ${CMAKE_CURRENT_SOURCE_DIR}/test_gpu_run.sh ${PROJECT_SOURCE_DIR}
+           $<TARGET_FILE:qc-bench> $<TARGET_FILE:test_gl_devices>)
+  set_tests_properties(test_gpu_run PROPERTIES SKIP_REGULAR_EXPRESSION "Skipped: no GL device")
   if(QC_BUNNY)
     add_test(NAME test_bunny_is_read_whole COMMAND qc-pairs --method sweep ${QC_BUNNY})
     set_tests_properties(test_bunny_is_read_whole PROPERTIES

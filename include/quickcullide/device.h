@@ -63,6 +63,8 @@ typedef struct qcDeviceInfo
     /// GL_RENDERER and GL_VERSION; empty for none. Valid until the device is reopened or destroyed.
     const char* renderer;
     const char* version;
+    /// GL_VENDOR; likewise.
+    const char* vendor;
     /// Pixels on a side of the largest square image; 0 for none.
     uint32_t maxResolution;
     /// The renderer runs on the CPU.

@@ -245,6 +245,8 @@ typedef struct qcDetectDef
     /// 'x', 'y' or 'z': the axis that the image looks along; 0: the one along which the scene is thinnest. One view is
     /// all it takes: intervals are compared along all axes at once, so that a further view has nothing left to cut.
     char layerDepthAxis;
+    /// Measure the parts of a step of `layers`: see qcProfile::layerTimes. Costs some microseconds; off, nothing.
+    bool layerTimes;
     //  What follows speaks to `cullide` and `quick` only.
     /// Axes to look along, in this order: 1 to 3 different letters of "xyz", ended by a zero.
     char views[4];
@@ -282,6 +284,7 @@ static inline qcDetectDef qcDefaultDetectDef(void)
                        0,
                        0,
                        0,
+                       false,
                        {'x', 'y', 'z', 0},
                        4096,
                        0,
@@ -376,6 +379,19 @@ typedef struct qcPassRecord
     uint32_t pcs;                ///< ffv + sfv + nfv
 } qcPassRecord;
 
+/// A part of a step of `layers`.
+typedef struct qcLayerTime
+{
+    const char* name; ///< "upload", "boxes"; static
+    /// Wall-clock milliseconds of the threads that run the part in turn, the calling one or the device's; for a kernel,
+    /// of starting it. Below 0: the part did not run.
+    double threadMs;
+    /// Milliseconds between timestamps of the device (GL_TIMESTAMP). Below 0: the part did not run there, or the device
+    /// has no timestamps. Of "counters" and "results", which are read back, it is that of the last measured step
+    /// before: no step waits for its own last timestamps.
+    double deviceMs;
+} qcLayerTime;
+
 /// What a step did, in the order of the line of data. Times are wall-clock milliseconds.
 typedef struct qcProfile
 {
@@ -410,7 +426,14 @@ typedef struct qcProfile
     uint32_t reruns;        ///< times a device buffer was too small, grew, and the step ran again
     uint64_t uploadedBytes; ///< to the device in this step
     uint64_t deviceBytes;   ///< held on the device
-    bool softwareDevice;    ///< the device draws on the CPU
+    /// All parts of the step of `layers`, in the order of the work, also those that did not run; valid as long as the
+    /// result: prepare, hand-over (to the device's thread), upload, vertices, boxes, clear (lists), nodes, node pairs,
+    /// cluster pairs, triangle pairs, filter, counters (the wait for the device, and how much it found), results,
+    /// hand-back, refine (on the processor). They are parts of cullTrianglesMs. Empty unless qcDetectDef::layerTimes is
+    /// set.
+    const qcLayerTime* layerTimes;
+    size_t layerTimeCount;
+    bool softwareDevice; ///< the device draws on the CPU
     const qcPassRecord* passes;
     size_t passCount;
 

@@ -49,11 +49,13 @@ qcStatus qcContext_Identify(const qcContext* context, qcGpuIdentity* identity)
     PFNGLGETSTRINGPROC getString = (PFNGLGETSTRINGPROC)context->getFunction("glGetString");
     const char* renderer = getString != NULL ? (const char*)getString(GL_RENDERER) : NULL;
     const char* version = getString != NULL ? (const char*)getString(GL_VERSION) : NULL;
-    if (renderer == NULL || version == NULL)
+    const char* vendor = getString != NULL ? (const char*)getString(GL_VENDOR) : NULL;
+    if (renderer == NULL || version == NULL || vendor == NULL)
         return qcFail(qc_statusDevice, "the GL context reports no renderer");
     *identity = (qcGpuIdentity){.software = IsSoftwareRenderer(renderer)};
     snprintf(identity->renderer, sizeof identity->renderer, "%s", renderer);
     snprintf(identity->version, sizeof identity->version, "%s", version);
+    snprintf(identity->vendor, sizeof identity->vendor, "%s", vendor);
     ReadUuid(context, identity->uuid);
     return qc_statusOk;
 }

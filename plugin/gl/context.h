@@ -16,8 +16,8 @@ typedef struct qcGpuChoice
 /// What draws, as the driver reports it.
 typedef struct qcGpuIdentity
 {
-    char renderer[128], version[128]; ///< GL_RENDERER and GL_VERSION
-    uint8_t uuid[16];                 ///< all 0: not reported
+    char renderer[128], version[128], vendor[128]; ///< GL_RENDERER, GL_VERSION, GL_VENDOR
+    uint8_t uuid[16];                              ///< all 0: not reported
     bool software;
 } qcGpuIdentity;
 

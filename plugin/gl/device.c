@@ -368,6 +368,7 @@ qcStatus qcDevice_GetInfo(const qcDevice* device, qcDeviceInfo* info)
                            .name = s_kinds[device->kind].name,
                            .renderer = device->gpu.renderer,
                            .version = device->gpu.version,
+                           .vendor = device->gpu.vendor,
                            .maxResolution = device->maxResolution,
                            .software = device->gpu.software,
                            .compute = device->gl.DispatchCompute != NULL,

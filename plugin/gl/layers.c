@@ -46,8 +46,10 @@
 //   make the number of workgroups that the next kernel starts.
 #include "gl/layers.h"
 
+#include "clock.h"
 #include "gl/device.h"
 #include "gl/table.h"
+#include "gl/timers.h"
 #include "layers_shaders.h"
 #include "status.h"
 
@@ -146,6 +148,10 @@ static const KernelShape s_kernels[kernel_count] = {
     [kernel_filter] = {"layers, filter", NULL, s_layersFilter, 64, {work_survivors, work_end}},
 };
 
+static const qcLayersPart s_kernelParts[kernel_count] = {qc_partVertices,  qc_partBoxes,        qc_partNodes,
+                                                         qc_partNodePairs, qc_partClusterPairs, qc_partTrianglePairs,
+                                                         qc_partFilter};
+
 typedef enum UniformName
 {
     uniform_chunkCount,
@@ -229,6 +235,8 @@ struct qcLayers
     uint32_t runNumber;        ///< of the last run, from 1; the last kernel writes it to `finished`
     bool mapped;               ///< the buffers of s_mapped are, for the image
     qcArray pairs;
+    qcGlTimers timers;
+    double started; ///< when the calling thread handed the step over
     const qcLayersStep* step;
     qcLayersAnswer* answer;
 };
@@ -345,6 +353,7 @@ bool qcLayers_IsAlive(const qcLayers* layers)
 static qcStatus DeleteObjects(const struct qcGlTable* gl, void* context)
 {
     qcLayers* layers = context;
+    qcGlTimers_Delete(gl, &layers->timers);
     gl->DeleteTextures(work_end, layers->textures);
     gl->DeleteBuffers(work_end, layers->buffers);
     return qc_statusOk;
@@ -408,30 +417,31 @@ static void UseKernel(const struct qcGlTable* gl, const qcLayers* layers, int ke
     SetUniforms(gl, layers, kernel, nodeCount);
 }
 
-static void FinishKernel(const struct qcGlTable* gl)
+static void FinishKernel(const struct qcGlTable* gl, qcLayers* layers, int kernel)
 {
     gl->MemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_TEXTURE_FETCH_BARRIER_BIT | GL_BUFFER_UPDATE_BARRIER_BIT |
                       GL_COMMAND_BARRIER_BIT);
+    qcGlTimers_Mark(gl, &layers->timers, s_kernelParts[kernel]);
 }
 
 /// One invocation an item, or more; one workgroup at least, for the last kernel's mark.
-static void RunKernel(const struct qcGlTable* gl, const qcLayers* layers, int kernel, uint64_t items,
-                      uint32_t nodeCount)
+static void RunKernel(const struct qcGlTable* gl, qcLayers* layers, int kernel, uint64_t items, uint32_t nodeCount)
 {
     uint64_t localSize = (uint64_t)s_kernels[kernel].localSize, groups = (items + localSize - 1) / localSize;
     groups = groups > 0 ? groups : 1;
     UseKernel(gl, layers, kernel, nodeCount);
     gl->DispatchCompute((GLuint)(groups < qc_groupsInRow ? groups : qc_groupsInRow),
                         (GLuint)((groups + qc_groupsInRow - 1) / qc_groupsInRow), 1);
-    FinishKernel(gl);
+    FinishKernel(gl, layers, kernel);
 }
 
 /// One invocation for each item of a list: how many those are stays on the device until the end.
-static void TakeList(const struct qcGlTable* gl, const qcLayers* layers, List list)
+static void TakeList(const struct qcGlTable* gl, qcLayers* layers, List list)
 {
-    UseKernel(gl, layers, kernel_nodePairs + (int)list, 0);
+    int kernel = kernel_nodePairs + (int)list;
+    UseKernel(gl, layers, kernel, 0);
     gl->DispatchComputeIndirect((GLintptr)(list * sizeof(Counter) + offsetof(Counter, groups)));
-    FinishKernel(gl);
+    FinishKernel(gl, layers, kernel);
 }
 
 static uint32_t Count(const qcLayers* layers, List list)
@@ -453,11 +463,14 @@ static void RunLists(const struct qcGlTable* gl, qcLayers* layers)
     gl->BindBuffer(GL_SHADER_STORAGE_BUFFER, layers->buffers[work_heads]);
     gl->ClearBufferData(GL_SHADER_STORAGE_BUFFER, GL_R32UI, GL_RED_INTEGER, GL_UNSIGNED_INT, &none);
     gl->BindBuffer(GL_DISPATCH_INDIRECT_BUFFER, layers->buffers[work_counters]);
+    qcGlTimers_Mark(gl, &layers->timers, qc_partClear);
     RunKernel(gl, layers, kernel_nodes, layers->step->activeNodes, layers->step->activeNodes);
     for (int list = 0; list < ListCount(layers) - 1; list++)
         TakeList(gl, layers, (List)list);
     gl->BindBuffer(GL_SHADER_STORAGE_BUFFER, layers->buffers[work_counters]);
     gl->GetBufferSubData(GL_SHADER_STORAGE_BUFFER, 0, sizeof layers->counters, &layers->counters);
+    qcGlTimers_MarkPassed(&layers->timers);
+    qcGlTimers_Mark(gl, &layers->timers, qc_partCounters);
 }
 
 /// Makes room for what did not fit; `*again` says whether something did not.
@@ -576,6 +589,7 @@ static qcStatus RunStep(const struct qcGlTable* gl, void* context)
 {
     qcLayers* layers = context;
     const qcLayersStep* step = layers->step;
+    qcGlTimers_Begin(gl, &layers->timers, step->timed, layers->started, qc_partHandOver);
     Unmap(gl, layers);
     QC_TRY(ReserveAll(gl, layers));
     for (size_t i = 0; i < step->uploadCount; i++)
@@ -584,6 +598,7 @@ static qcStatus RunStep(const struct qcGlTable* gl, void* context)
         Upload(gl, layers, upload->buffer, upload->first, upload->count, upload->data);
     }
     BindAll(gl, layers);
+    qcGlTimers_Mark(gl, &layers->timers, qc_partUpload);
     if (step->chunkCount != 0)
         RunKernel(gl, layers, kernel_vertices, 64 * (uint64_t)step->chunkCount, step->activeNodes);
     if (step->changedNodes != 0)
@@ -599,7 +614,10 @@ static qcStatus RunStep(const struct qcGlTable* gl, void* context)
         QC_TRY(GrowLists(gl, layers, &again));
     }
     FillAnswer(layers);
-    return layers->imageOnly ? MapImage(gl, layers) : ReadPairs(gl, layers);
+    QC_TRY(layers->imageOnly ? MapImage(gl, layers) : ReadPairs(gl, layers));
+    qcGlTimers_Mark(gl, &layers->timers, qc_partResults);
+    qcGlTimers_End(gl, &layers->timers);
+    return qc_statusOk;
 }
 
 qcStatus qcLayers_Create(qcDevice* device, bool imageOnly, qcLayers** result)
@@ -642,5 +660,12 @@ qcStatus qcLayers_Run(qcLayers* layers, const qcLayersStep* step, qcLayersAnswer
     *answer = (qcLayersAnswer){0};
     layers->step = step;
     layers->answer = answer;
-    return qcDevice_Run(layers->device, RunStep, layers, "layers");
+    layers->started = step->timed ? qcClock_Now() : 0.0;
+    QC_TRY(qcDevice_Run(layers->device, RunStep, layers, "layers"));
+    if (!step->timed)
+        return qc_statusOk;
+    layers->timers.threadMs[qc_partHandBack] = qcClock_Now() - layers->timers.clock;
+    answer->threadMs = layers->timers.threadMs;
+    answer->deviceMs = layers->timers.deviceMs;
+    return qc_statusOk;
 }

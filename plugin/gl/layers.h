@@ -56,6 +56,27 @@ typedef struct qcLayersUpload
     const void* data;
 } qcLayersUpload;
 
+/// The parts of a step that are timed, in the order of the work.
+typedef enum qcLayersPart
+{
+    qc_partPrepare,  ///< on the calling thread: which bodies take part, what is uploaded
+    qc_partHandOver, ///< to the device's thread
+    qc_partUpload,
+    qc_partVertices,
+    qc_partBoxes,
+    qc_partClear, ///< of lists
+    qc_partNodes,
+    qc_partNodePairs,
+    qc_partClusterPairs,
+    qc_partTrianglePairs,
+    qc_partFilter,
+    qc_partCounters, ///< the wait for the device, until its counters are read
+    qc_partResults,  ///< its answer is read
+    qc_partHandBack, ///< GL's state is reset, errors are read, back to the calling thread
+    qc_partRefine,   ///< on the calling thread: from the answer to pairs of triangles
+    qc_layersPartCount
+} qcLayersPart;
+
 typedef struct qcLayersStep
 {
     /// Elements of each input buffer; where it is more than there are, the buffer grows and loses what it held.
@@ -69,6 +90,7 @@ typedef struct qcLayersStep
     uint32_t cellsLog2[3];   ///< columns, rows and slices of the image: 0..12 each, 0..24 in all
     float pointError, reach; ///< in the frame
     bool testNeighbours;
+    bool timed;
 } qcLayersStep;
 
 #define QC_NO_ENTRY UINT32_MAX
@@ -99,6 +121,8 @@ typedef struct qcLayersAnswer
     uint64_t skippedNodes;  ///< outside their body's interest
     uint32_t reruns;
     uint64_t uploadedBytes, deviceBytes;
+    /// By qcLayersPart, as in qcGlTimers; null unless the step is timed. Valid until the next step.
+    const double *threadMs, *deviceMs;
 } qcLayersAnswer;
 
 typedef struct qcLayers qcLayers;

@@ -59,6 +59,8 @@
     X(PFNGLGETINTEGERVPROC, GetIntegerv)                                                                               \
     X(PFNGLGETPROGRAMINFOLOGPROC, GetProgramInfoLog)                                                                   \
     X(PFNGLGETPROGRAMIVPROC, GetProgramiv)                                                                             \
+    X(PFNGLGETQUERYIVPROC, GetQueryiv)                                                                                 \
+    X(PFNGLGETQUERYOBJECTUI64VPROC, GetQueryObjectui64v)                                                               \
     X(PFNGLGETQUERYOBJECTUIVPROC, GetQueryObjectuiv)                                                                   \
     X(PFNGLGETSHADERINFOLOGPROC, GetShaderInfoLog)                                                                     \
     X(PFNGLGETSHADERIVPROC, GetShaderiv)                                                                               \
@@ -69,6 +71,7 @@
     X(PFNGLPIXELSTOREIPROC, PixelStorei)                                                                               \
     X(PFNGLPOLYGONMODEPROC, PolygonMode)                                                                               \
     X(PFNGLPOLYGONOFFSETPROC, PolygonOffset)                                                                           \
+    X(PFNGLQUERYCOUNTERPROC, QueryCounter)                                                                             \
     X(PFNGLREADBUFFERPROC, ReadBuffer)                                                                                 \
     X(PFNGLREADPIXELSPROC, ReadPixels)                                                                                 \
     X(PFNGLRENDERBUFFERSTORAGEPROC, RenderbufferStorage)                                                               \
