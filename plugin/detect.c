@@ -108,6 +108,7 @@ static qcStatus ChooseParts(Step* step)
     qcDetector* d = step->detector;
     uint32_t bodyCount = d->triangles.bodyCount;
     QC_TRY(qcArray_Resize(&d->onDevice, bodyCount, 1, "parts of the scene"));
+    d->plannedTriangles = 0.0;
     if (bodyCount != 0)
         memset(d->onDevice.data, 0, bodyCount);
     if (SweepsSurfaces(step) || step->plan.useLayers || step->plan.chooseParts)
@@ -123,7 +124,9 @@ static qcStatus ChooseParts(Step* step)
     else if (qcPlan_IsWorthADevice(parts, count))
     {
         qcPlanCosts costs = qcCalibrate(step->device, step->threads);
-        qcPlan_ChooseParts(&costs, parts, count);
+        qcPlan_ChooseParts(&costs, &d->history, parts, count, &d->plannedTriangles);
+        // Calibration is no part of the step's cost.
+        step->profile.planMs += Lap(step);
     }
     for (size_t i = 0; i < count; i++)
         step->profile.partsOnDevice += parts[i].onDevice;
@@ -293,6 +296,8 @@ static qcStatus CullAndSweepTriangles(Step* step)
     step->profile.cullTrianglesMs = Lap(step);
     QC_TRY(SweepTriangles(step));
     step->profile.sweepTrianglesMs = Lap(step);
+    qcPlanHistory_Add(&d->history, step->profile.partsOnDevice != 0, d->plannedTriangles,
+                      step->profile.cullTrianglesMs + step->profile.sweepTrianglesMs);
     return qc_statusOk;
 }
 

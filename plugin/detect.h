@@ -17,6 +17,8 @@ typedef struct qcDetector
     qcCullLayers cullLayers;
     qcObjects objects;
     qcParts parts;
+    qcPlanHistory history;
+    double plannedTriangles; ///< what the planner chose a method for in the step; 0: it did not choose
     qcSweepSurfaces surfaces;
     qcArray onDevice;             ///< uint8_t, by body of the step: answered by the device
     qcArray onSurfaces;           ///< uint8_t, by body of the step: answered by the sweep of surfaces

@@ -61,7 +61,8 @@ static double Widest(const double lower[3], const double upper[3])
     return fmax(upper[0] - lower[0], fmax(upper[1] - lower[1], upper[2] - lower[2]));
 }
 
-void qcPlan_ChooseParts(const qcPlanCosts* costs, qcPlanPart* parts, size_t count)
+void qcPlan_ChooseParts(const qcPlanCosts* costs, qcPlanHistory* history, qcPlanPart* parts, size_t count,
+                        double* triangles)
 {
     double lower[3] = {INFINITY, INFINITY, INFINITY}, upper[3] = {-INFINITY, -INFINITY, -INFINITY};
     for (size_t i = 0; i < count; i++)
@@ -71,15 +72,16 @@ void qcPlan_ChooseParts(const qcPlanCosts* costs, qcPlanPart* parts, size_t coun
             upper[axis] = fmax(upper[axis], parts[i].upper[axis]);
         }
     // All parts on the device share one image: a part that is too small in it stays away.
-    double triangles = 0.0, widest = Widest(lower, upper);
+    double widest = Widest(lower, upper);
+    *triangles = 0.0;
     for (size_t i = 0; i < count; i++)
     {
         double across = s_levels * Widest(parts[i].lower, parts[i].upper) / widest;
         parts[i].onDevice = across >= s_levelsPerTriangle * sqrt(parts[i].triangles);
-        triangles += parts[i].onDevice ? parts[i].triangles : 0.0;
+        *triangles += parts[i].onDevice ? parts[i].triangles : 0.0;
     }
     // One trip for all that is left, or none.
-    bool pays = costs->layersFixed + costs->layersPerTriangle * triangles < costs->sweepPerTriangle * triangles;
+    bool pays = *triangles > 0.0 && qcPlanHistory_Choose(history, costs, *triangles);
     for (size_t i = 0; i < count; i++)
         parts[i].onDevice = parts[i].onDevice && pays;
 }

@@ -3,7 +3,7 @@
 #ifndef QC_PLUGIN_PLAN_H
 #define QC_PLUGIN_PLAN_H
 
-#include "costs.h"
+#include "plan_history.h"
 #include "quickcullide/scene.h"
 
 typedef struct qcPlanInput
@@ -39,7 +39,9 @@ typedef struct qcPlanPart
 /// Below this many triangles the sweep ends before a device has begun: not worth a calibration.
 bool qcPlan_IsWorthADevice(const qcPlanPart* parts, size_t count);
 
-/// Chooses for each part.
-void qcPlan_ChooseParts(const qcPlanCosts* costs, qcPlanPart* parts, size_t count);
+/// Chooses for each part. `triangles` receives how many the choice was about: those of parts that the device could
+/// take.
+void qcPlan_ChooseParts(const qcPlanCosts* costs, qcPlanHistory* history, qcPlanPart* parts, size_t count,
+                        double* triangles);
 
 #endif
