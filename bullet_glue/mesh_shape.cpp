@@ -3,6 +3,7 @@
 
 #include "mesh_mass.h"
 #include "mesh_tree.h"
+#include "position_type.h"
 
 #include <BulletCollision/CollisionShapes/btStridingMeshInterface.h>
 #include <BulletCollision/NarrowPhaseCollision/btRaycastCallback.h>
@@ -204,6 +205,22 @@ uint64_t qcMeshShape::getRevision() const
 qcMassProperties qcMeshShape::getMassProperties() const
 {
     return qcMassPropertiesOf(qcMeasureMesh(getVertices(), getVertexCount(), getIndices(), getTriangleCount()));
+}
+
+std::unique_ptr<qcMeshShape> qcMeshShape::makeRecentered(btTransform* frame) const
+{
+    const Implementation& my = *m_implementation;
+    btTransform principal = getMassProperties().principalFrame;
+    std::vector<btVector3> points(my.points);
+    for (btVector3& point : points)
+        point = principal.invXform(point);
+    std::unique_ptr<qcMeshShape> copy(new qcMeshShape(points.data(), qcBulletPositions, sizeof(btVector3),
+                                                      getVertexCount(), getIndices(), getTriangleCount()));
+    copy->m_implementation->status = my.status;
+    copy->m_collisionMargin = m_collisionMargin;
+    if (frame != nullptr)
+        *frame = principal;
+    return copy;
 }
 
 void qcMeshShape::calculateLocalInertia(btScalar mass, btVector3& inertia) const

@@ -2,6 +2,7 @@
 foreach(precision bullet bullet_double)
   if(TARGET qc_${precision})
     qc_test(test_mesh_shape_${precision} test_mesh_shape.cpp LIBRARIES quickcullide::${precision} qc_oracle)
+    qc_test(test_mesh_recenter_${precision} test_mesh_recenter.cpp LIBRARIES quickcullide::${precision})
     qc_test(test_mesh_rest_${precision} test_mesh_rest.cpp LIBRARIES quickcullide::${precision})
     qc_test(test_mesh_ahead_${precision} test_mesh_ahead.cpp LIBRARIES quickcullide::${precision})
     if(QC_BUNNY AND TARGET qc_demo_support)

@@ -33,7 +33,7 @@ struct qcMassProperties
     btMatrix3x3 inertia = btMatrix3x3::getIdentity();
     /// The centre and the principal axes: a mesh moved by the inverse of this has a diagonal tensor about its origin.
     btTransform principalFrame = btTransform::getIdentity();
-    /// That diagonal, of a body of mass 1: what btRigidBody wants, times the mass.
+    /// That diagonal, of a body of mass 1: times the mass, what btRigidBody takes.
     btVector3 principalInertia{0, 0, 0};
 };
 
@@ -49,6 +49,10 @@ struct qcMassProperties
 /// The margin is a shell on both sides of each triangle; unless setMargin says otherwise 0.01, or a quarter of the mean
 /// edge where that is less. Two meshes rest with their shells touching: their triangles then don't, which is what makes
 /// their contact points dependable. Thick shells around small triangles cost time.
+///
+/// Dynamic bodies: the centre of mass must be the shape's origin, and the principal axes those of the shape. Bullet
+/// turns a body about its origin and keeps the diagonal of its tensor only; a mesh that lies otherwise wobbles and
+/// falls wrongly. makeRecentered makes a copy that lies so; getMassProperties gives the centre and the axes.
 ///
 /// Thread-safety: the const functions may be called from several threads at once while no other function runs.
 ATTRIBUTE_ALIGNED16(class) QC_API qcMeshShape : public btConcaveShape
@@ -79,8 +83,13 @@ ATTRIBUTE_ALIGNED16(class) QC_API qcMeshShape : public btConcaveShape
 
     /// O(n log n).
     qcMassProperties getMassProperties() const;
-    /// The diagonal of the tensor about the shape's origin, which Bullet takes for the centre of mass, in its axes. For
-    /// meshes that lie otherwise, see qcMassProperties::principalFrame.
+    /// A copy whose origin is the centre of mass and whose axes are the principal axes, with the same margin and its
+    /// scaling applied. `frame` (may be null) receives where the copy lies in this shape, principalFrame of the mass
+    /// properties: a body of the copy at T * frame has its triangles where a body of this shape has them at T.
+    /// O(n log n).
+    std::unique_ptr<qcMeshShape> makeRecentered(btTransform* frame = nullptr) const;
+    /// The diagonal of the tensor about the shape's origin, in its axes. For a mesh whose centre of mass lies
+    /// elsewhere, see makeRecentered.
     void calculateLocalInertia(btScalar mass, btVector3 & inertia) const override;
 
     void getAabb(const btTransform& transform, btVector3& aabbMin, btVector3& aabbMax) const override;
