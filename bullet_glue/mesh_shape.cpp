@@ -2,12 +2,14 @@
 #include "quickcullide/bullet_mesh.h"
 
 #include "mesh_mass.h"
+#include "mesh_save.h"
 #include "mesh_tree.h"
 #include "position_type.h"
 
 #include <BulletCollision/CollisionShapes/btStridingMeshInterface.h>
 #include <BulletCollision/NarrowPhaseCollision/btRaycastCallback.h>
 #include <LinearMath/btAabbUtil2.h>
+#include <LinearMath/btSerializer.h>
 
 #include <algorithm>
 #include <atomic>
@@ -277,4 +279,25 @@ void qcMeshShape::processTrianglesBelow(btTriangleCallback* callback, const btVe
 {
     const Implementation& my = *m_implementation;
     my.Tree().VisitBelow(normal, distance, [&](uint32_t triangle) { my.Report(callback, triangle); });
+}
+
+int qcMeshShape::calculateSerializeBufferSize() const
+{
+    return qcSavedMeshSize();
+}
+
+void qcMeshShape::serializeSingleShape(btSerializer* serializer) const
+{
+    // A compound that was saved before may have brought it along. Bullet's importer resolves the pointers of two chunks
+    // of one shape wrongly.
+    if (serializer->findPointer(const_cast<qcMeshShape*>(this)) == nullptr)
+        btConcaveShape::serializeSingleShape(serializer);
+}
+
+const char* qcMeshShape::serialize(void* dataBuffer, btSerializer* serializer) const
+{
+    const Implementation& my = *m_implementation;
+    btCollisionShape::serialize(dataBuffer, serializer); // the name
+    qcSavedMesh mesh{my.given.empty() ? my.points : my.given, my.indices, my.scaling, m_collisionMargin, &my};
+    return qcSaveMesh(mesh, dataBuffer, serializer);
 }

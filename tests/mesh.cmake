@@ -17,3 +17,24 @@ foreach(precision bullet bullet_double)
     qc_test(test_mesh_threads_${precision} test_mesh_threads.cpp LIBRARIES quickcullide::${precision})
   endif()
 endforeach()
+
+# Saved and loaded with Bullet's importer, of its Extras.
+function(qc_test_mesh_save precision package suffix)
+  if(NOT TARGET qc_${precision})
+    return()
+  endif()
+  find_library(QC_${package}_IMPORTER BulletWorldImporter${suffix} HINTS ${${package}_LIBDIR})
+  find_library(QC_${package}_LOADER BulletFileLoader${suffix} HINTS ${${package}_LIBDIR})
+  mark_as_advanced(QC_${package}_IMPORTER QC_${package}_LOADER)
+  if(QC_${package}_IMPORTER AND QC_${package}_LOADER)
+    qc_test(test_mesh_save_${precision} test_mesh_save.cpp
+      LIBRARIES quickcullide::${precision} ${QC_${package}_IMPORTER} ${QC_${package}_LOADER})
+  else()
+    add_test(NAME test_mesh_save_${precision} COMMAND ${CMAKE_COMMAND} -E echo
+      "Skipped: no importer of Bullet (libbullet-extras-dev)")
+    set_tests_properties(test_mesh_save_${precision} PROPERTIES SKIP_REGULAR_EXPRESSION "^Skipped")
+  endif()
+endfunction()
+
+qc_test_mesh_save(bullet BULLET "")
+qc_test_mesh_save(bullet_double BULLET_DOUBLE -float64)

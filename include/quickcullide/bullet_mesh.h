@@ -17,6 +17,7 @@
 #include <BulletCollision/CollisionShapes/btConcaveShape.h>
 
 #include <memory>
+#include <vector>
 
 class btStridingMeshInterface;
 
@@ -53,6 +54,13 @@ struct qcMassProperties
 /// Dynamic bodies: the centre of mass must be the shape's origin, and the principal axes those of the shape. Bullet
 /// turns a body about its origin and keeps the diagonal of its tensor only; a mesh that lies otherwise wobbles and
 /// falls wrongly. makeRecentered makes a copy that lies so; getMassProperties gives the centre and the axes.
+///
+/// Serialization (btSerializer): the mesh is saved as a btCompoundShape with one btBvhTriangleMeshShape at its origin.
+/// Bullet's importers read that as it is, with the mass of the body: they drop btGImpactMeshShape unless built with
+/// USE_GIMPACT, and a body with a bare triangle mesh comes back static. qcRestoreMeshes makes a qcMeshShape of it
+/// again. Vertices, indices, scaling and margin are kept; Bullet's format has scaling and margin in single precision.
+/// Until they are restored, loaded meshes touch convex shapes only. Of bodies Bullet's importers drop velocities,
+/// filters and collision flags, whatever the shape: a kinematic body comes back static.
 ///
 /// Thread-safety: the const functions may be called from several threads at once while no other function runs.
 ATTRIBUTE_ALIGNED16(class) QC_API qcMeshShape : public btConcaveShape
@@ -104,10 +112,22 @@ ATTRIBUTE_ALIGNED16(class) QC_API qcMeshShape : public btConcaveShape
     /// Every triangle that reaches below the plane normal . x = distance, and a few others.
     void processTrianglesBelow(btTriangleCallback * callback, const btVector3& normal, btScalar distance) const;
 
+    int calculateSerializeBufferSize() const override;
+    const char* serialize(void* dataBuffer, btSerializer* serializer) const override;
+    void serializeSingleShape(btSerializer * serializer) const override;
+
   private:
     struct Implementation;
     std::unique_ptr<Implementation> m_implementation;
 };
+
+/// Puts qcMeshShapes back where a world was loaded with Bullet's importer: in the place of each btCompoundShape that
+/// holds a single btBvhTriangleMeshShape at its origin, as the shape of an object or as a child of its compounds.
+/// Shapes that were shared are shared again, but for children of compounds, of which the importer makes copies. Dynamic
+/// bodies whose root shape is replaced get the inertia of the mesh. Returns the shapes made, which must outlive the
+/// objects and compounds that use them; the replaced ones stay with the importer. Call it between steps. O(objects +
+/// triangles).
+QC_API std::vector<std::unique_ptr<qcMeshShape>> qcRestoreMeshes(btCollisionWorld* world);
 
 /// What the last batch did.
 struct qcMeshContactStatistics
