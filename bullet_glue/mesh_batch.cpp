@@ -352,6 +352,24 @@ void qcMeshBatch::LookAhead()
     statistics.aheadMs = qcNowMs() - start;
 }
 
+/// Brings the scene up to date with the world.
+void qcMeshBatch::Gather()
+{
+    m_gathering++;
+    ForgetGone();
+    FindDrift();
+    WantPairs();
+    const btCollisionObjectArray& objects = world->getCollisionObjectArray();
+    for (int i = 0; i < objects.size(); i++)
+    {
+        if (!qcMayHoldMeshes(objects[i]->getCollisionShape()) || m_objects.find(objects[i]) == m_objects.end())
+            continue;
+        Object* known = Know(objects[i]);
+        if (known->wanted)
+            Place(objects[i], known);
+    }
+}
+
 /// One query for all pairs of the world.
 void qcMeshBatch::Run()
 {
@@ -369,19 +387,7 @@ void qcMeshBatch::Run()
         if (m_scene == nullptr)
             return;
     }
-    m_gathering++;
-    ForgetGone();
-    FindDrift();
-    WantPairs();
-    const btCollisionObjectArray& objects = world->getCollisionObjectArray();
-    for (int i = 0; i < objects.size(); i++)
-    {
-        if (!qcMayHoldMeshes(objects[i]->getCollisionShape()) || m_objects.find(objects[i]) == m_objects.end())
-            continue;
-        Object* known = Know(objects[i]);
-        if (known->wanted)
-            Place(objects[i], known);
-    }
+    Gather();
     double gathered = qcNowMs();
     // First: the result that is read is the scene's last.
     LookAhead();

@@ -3,6 +3,7 @@
 
 #include "clock.h"
 
+
 #include <algorithm>
 
 namespace
@@ -27,6 +28,7 @@ void qcSoftBodyContact::Implementation::Start(const btAlignedObjectArray<btSoftB
                                               btVector3 btSoftBody::Node::*start)
 {
     double before = qcNowMs();
+    m_candidates.Clear();
     statistics = qcSoftBodyStatistics();
     statistics.status = scene.Synchronize(bodies, start);
     statistics.gatherMs = qcNowMs() - before;
@@ -88,6 +90,7 @@ qcStatus qcSoftBodyContact::Implementation::SolveContacts()
         {
             statistics.contacts = int(m_constraints.size());
             statistics.penetrating = statistics.remaining;
+            m_candidates.Note(*m_result);
             manifolds.Publish(scene, *m_result, m_contactOf);
         }
         if (m_constraints.empty())
@@ -151,6 +154,11 @@ bool qcSoftBodyContact::Implementation::Resolve(btScalar timeStep)
     return true;
 }
 
+void qcSoftBodyContact::Implementation::Tell()
+{
+    manifolds.Tell();
+}
+
 qcSoftBodyContact::qcSoftBodyContact(qcDevice* device) : m_implementation(new Implementation(device))
 {
 }
@@ -170,6 +178,11 @@ qcSoftBodySettings qcSoftBodyContact::getSettings(const btSoftBody* body) const
 const qcSoftBodyStatistics& qcSoftBodyContact::getStatistics() const
 {
     return m_implementation->statistics;
+}
+
+void qcSoftBodyContact::debugDraw(btIDebugDraw* drawer) const
+{
+    m_implementation->Draw(drawer);
 }
 
 void qcSoftBodyContact::setThreadCount(unsigned threads)

@@ -7,6 +7,7 @@ foreach(precision bullet bullet_double)
     qc_test(test_soft_body_callbacks_${precision} test_soft_body_callbacks.cpp
       LIBRARIES quickcullide::${precision} qc_oracle)
     qc_test(test_deformable_${precision} test_deformable.cpp LIBRARIES quickcullide::${precision} qc_oracle)
+    qc_test(test_debug_draw_${precision} test_debug_draw.cpp LIBRARIES quickcullide::${precision} qc_oracle)
     qc_test(test_task_scheduler_${precision} test_task_scheduler.cpp LIBRARIES quickcullide::${precision})
   endif()
 endforeach()

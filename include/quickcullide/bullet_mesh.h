@@ -19,6 +19,7 @@
 #include <memory>
 #include <vector>
 
+class btIDebugDraw;
 class btStridingMeshInterface;
 
 /// What a mesh of homogeneous material weighs, and where.
@@ -173,6 +174,9 @@ struct qcMeshContactStatistics
 /// While no point of a body has moved by 3 % of that threshold, its contact points move with it and nothing is
 /// searched: meshes at rest cost next to nothing.
 ///
+/// debugDrawWorld shows qcMeshShapes as any concave shape (DBG_DrawWireframe, DBG_DrawAabb) and their contact points
+/// (DBG_DrawContactPoints); debugDraw the triangles that the culling left.
+///
 /// Must outlive the world. Thread-safety: the algorithms may run on several threads at once.
 class QC_API qcMeshContact
 {
@@ -201,6 +205,12 @@ class QC_API qcMeshContact
     /// miss: qc_statusBadInput.
     qcStatus setMethod(qcMethod method);
     const qcMeshContactStatistics& getStatistics() const;
+
+    /// Draws in red the potentially colliding set of the last batch: the triangles that are in a candidate pair, where
+    /// their objects are now. A step in which nothing moved keeps the batch before. Nothing if there was none, or its
+    /// query failed; objects that have left the world or changed their shape since are left out. For any debug mode:
+    /// call it between steps, after debugDrawWorld. Changes nothing. O(candidates + triangles of Bullet's own shapes).
+    void debugDraw(btIDebugDraw* drawer) const;
 
   private:
     struct Implementation;
