@@ -8,6 +8,7 @@
 
 #include <BulletCollision/BroadphaseCollision/btDispatcher.h>
 #include <BulletCollision/NarrowPhaseCollision/btPersistentManifold.h>
+#include <LinearMath/btQuickprof.h>
 
 #include <algorithm>
 #include <iterator>
@@ -84,6 +85,7 @@ bool qcManifolds::AreAtRest(qcSoftBodyScene& scene, const Meeting& meeting)
 
 void qcManifolds::Publish(qcSoftBodyScene& scene, const qcResult& result, const std::vector<size_t>& contacts)
 {
+    BT_PROFILE("qcSoftBodyContact manifolds");
     m_broadphase = scene.Bodies().empty() ? nullptr : scene.Bodies()[0].body->getWorldInfo()->m_broadphase;
     m_meetings.clear();
     for (size_t index : contacts)

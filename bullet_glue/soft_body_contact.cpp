@@ -3,6 +3,7 @@
 
 #include "clock.h"
 
+#include <LinearMath/btQuickprof.h>
 
 #include <algorithm>
 
@@ -27,6 +28,7 @@ void qcSoftBodyContact::Implementation::Begin(const btAlignedObjectArray<btSoftB
 void qcSoftBodyContact::Implementation::Start(const btAlignedObjectArray<btSoftBody*>& bodies,
                                               btVector3 btSoftBody::Node::*start)
 {
+    BT_PROFILE("qcSoftBodyContact gather");
     double before = qcNowMs();
     m_candidates.Clear();
     statistics = qcSoftBodyStatistics();
@@ -51,6 +53,7 @@ void qcSoftBodyContact::Implementation::NoteProfile()
 /// Fills m_result, and the statistics with what it cost and what penetrates.
 qcStatus qcSoftBodyContact::Implementation::Detect(btScalar contactMargin)
 {
+    BT_PROFILE("qcSoftBodyContact detect");
     double start = qcNowMs();
     qcStatus status = scene.UpdatePlaces();
     double gathered = qcNowMs();
@@ -70,6 +73,7 @@ void qcSoftBodyContact::Implementation::Solve()
 {
     if (m_constraints.empty())
         return;
+    BT_PROFILE("qcSoftBodyContact respond");
     double start = qcNowMs();
     qcSolveSoftConstraints(m_constraints, &m_supports, s_iterations);
     scene.meshes.Commit();
@@ -82,6 +86,7 @@ qcStatus qcSoftBodyContact::Implementation::SolveContacts()
     btScalar margin = scene.Reach();
     for (int round = 0; round < s_contactRounds; round++)
     {
+        BT_PROFILE("qcSoftBodyContact round");
         qcStatus status = Detect(margin);
         if (status != qc_statusOk)
             return status;
@@ -108,6 +113,7 @@ qcStatus qcSoftBodyContact::Implementation::SolveContacts()
 /// that does not end it, whole bodies, of which each round takes one more at least.
 qcStatus qcSoftBodyContact::Implementation::FreezeRest()
 {
+    BT_PROFILE("qcSoftBodyContact freeze");
     size_t bodies = scene.Bodies().size() + scene.meshes.Rigids().size();
     for (size_t round = 0; round < s_freezeRounds + bodies + 1; round++)
     {
@@ -143,6 +149,7 @@ bool qcSoftBodyContact::Implementation::Resolve(btScalar timeStep)
 {
     if (statistics.status != qc_statusOk)
         return false;
+    BT_PROFILE("qcSoftBodyContact resolve");
     statistics.status = TryResolve(timeStep);
     if (statistics.status != qc_statusOk)
     {
@@ -156,6 +163,7 @@ bool qcSoftBodyContact::Implementation::Resolve(btScalar timeStep)
 
 void qcSoftBodyContact::Implementation::Tell()
 {
+    BT_PROFILE("qcSoftBodyContact callbacks");
     manifolds.Tell();
 }
 

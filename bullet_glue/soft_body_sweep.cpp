@@ -3,6 +3,7 @@
 #include "soft_body_response.h"
 
 #include <BulletCollision/NarrowPhaseCollision/btRaycastCallback.h>
+#include <LinearMath/btQuickprof.h>
 
 #include <algorithm>
 
@@ -67,6 +68,7 @@ void qcMakeSweptConstraints(qcSoftBodyScene& scene, std::vector<qcSoftConstraint
     constraints->clear();
     if (scene.meshes.Rigids().empty())
         return;
+    BT_PROFILE("qcSoftBodyContact sweep");
     for (qcSceneSoftBody& soft : scene.Bodies())
     {
         btScalar softMotion = MotionOf(soft);

@@ -8,6 +8,7 @@ foreach(precision bullet bullet_double)
       LIBRARIES quickcullide::${precision} qc_oracle)
     qc_test(test_deformable_${precision} test_deformable.cpp LIBRARIES quickcullide::${precision} qc_oracle)
     qc_test(test_debug_draw_${precision} test_debug_draw.cpp LIBRARIES quickcullide::${precision} qc_oracle)
+    qc_test(test_profile_zones_${precision} test_profile_zones.cpp LIBRARIES quickcullide::${precision})
     qc_test(test_task_scheduler_${precision} test_task_scheduler.cpp LIBRARIES quickcullide::${precision})
   endif()
 endforeach()
@@ -18,5 +19,5 @@ if(TARGET qc_bullet_demo)
 endif()
 
 # LinearMath/btModifiedGramSchmidt.h instantiates itself; gcc 12 believes that to read what is not set.
-set_source_files_properties(test_deformable.cpp test_soft_body_callbacks.cpp PROPERTIES COMPILE_OPTIONS
+set_source_files_properties(test_deformable.cpp test_profile_zones.cpp test_soft_body_callbacks.cpp PROPERTIES COMPILE_OPTIONS
   "$<$<CXX_COMPILER_ID:GNU>:-Wno-maybe-uninitialized>")

@@ -31,6 +31,9 @@ class btIDebugDraw;
 /// nothing is missed. A proxy that cannot be allocated itself is null: Bullet then holds an object that collides with
 /// nothing. getStatus tells. (Memory that Bullet's pair cache cannot get is Bullet's affair.)
 ///
+/// Profile zones (BT_PROFILE), within Bullet's "calculateOverlappingPairs": "qcBroadphase search" finds what changed
+/// between boxes, "qcBroadphase pairs" brings the cache up to date. A step in which nothing moved has neither.
+///
 /// Thread-safety: rayTest and aabbTest may run on several threads at once while nothing else does. The rest belongs to
 /// one thread. Callbacks of all kinds may create, move and destroy proxies; what they change while a query,
 /// destroyProxy or calculateOverlappingPairs runs takes effect at its end, except that a destroyed proxy is not seen

@@ -177,6 +177,10 @@ struct qcMeshContactStatistics
 /// debugDrawWorld shows qcMeshShapes as any concave shape (DBG_DrawWireframe, DBG_DrawAabb) and their contact points
 /// (DBG_DrawContactPoints); debugDraw the triangles that the culling left.
 ///
+/// Profile zones (BT_PROFILE), where the first pair of a step is read: "qcMeshContact batch", and in it "qcMeshContact
+/// gather", "qcMeshContact look ahead" and "qcMeshContact detect"; of each pair "qcMeshContact manifolds"; of a pair
+/// computed alone "qcMeshContact query".
+///
 /// Must outlive the world. Thread-safety: the algorithms may run on several threads at once.
 class QC_API qcMeshContact
 {

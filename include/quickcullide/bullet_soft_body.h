@@ -80,6 +80,11 @@ struct qcSoftBodyStatistics
 /// within the step is brought back, as far as nodes of the soft body went through triangles. Nodes that no face has (of
 /// ropes, of tetrahedra in a body without faces, or cut off) meet meshes, and faces of soft bodies, as points.
 ///
+/// Profile zones (BT_PROFILE): "qcSoftBodyContact gather" of bodies and positions, then "qcSoftBodyContact resolve" and
+/// in it "qcSoftBodyContact sweep" of nodes, "qcSoftBodyContact round" for each round, "qcSoftBodyContact freeze" where
+/// rounds did not suffice, and in these "qcSoftBodyContact detect", "qcSoftBodyContact manifolds" and
+/// "qcSoftBodyContact respond"; last "qcSoftBodyContact callbacks".
+///
 /// Cost: one run of qcScene_Detect a step without contacts, two with, and a few more in steps in which they don't
 /// suffice. Thread-safety: as the world's.
 class QC_API qcSoftBodyContact
