@@ -8,6 +8,8 @@
 
 #include "collision_object.h"
 
+#include <LinearMath/btIDebugDraw.h>
+
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -36,6 +38,11 @@ bool Order(const btVector3& aabbMin, const btVector3& aabbMax, double lower[3], 
             std::swap(lower[k], upper[k]);
     }
     return ordered;
+}
+
+bool IsFinite(const btVector3& point)
+{
+    return std::isfinite(point.x()) && std::isfinite(point.y()) && std::isfinite(point.z());
 }
 
 /// What rayTest is asked for: from here to there, with these extents.
@@ -412,6 +419,26 @@ void qcBroadphase::printStats()
 {
     std::printf("qcBroadphase: %d proxies, %d of them outside of the set; %d pairs\n", m_proxyCount, m_outsideCount,
                 m_pairCache->getNumOverlappingPairs());
+}
+
+void qcBroadphase::debugDraw(btIDebugDraw* drawer) const
+{
+    auto middleOf = [](const btBroadphaseProxy* proxy) { return (proxy->m_aabbMin + proxy->m_aabbMax) / 2; };
+    btIDebugDraw::DefaultColors colors = drawer->getDefaultColors();
+    for (int i = 0; i < m_proxyCount; i++)
+    {
+        const Proxy* proxy = m_proxies[i].proxy;
+        if (IsFinite(proxy->m_aabbMin) && IsFinite(proxy->m_aabbMax))
+            drawer->drawAabb(proxy->m_aabbMin, proxy->m_aabbMax, colors.m_aabb);
+    }
+    const btBroadphasePair* pairs = m_pairCache->getOverlappingPairArrayPtr();
+    for (int i = 0; i < m_pairCache->getNumOverlappingPairs(); i++)
+    {
+        btVector3 from = middleOf(pairs[i].m_pProxy0), to = middleOf(pairs[i].m_pProxy1);
+        if (IsFinite(from) && IsFinite(to))
+            drawer->drawLine(from, to, colors.m_contactPoint);
+    }
+    drawer->flushLines();
 }
 
 qcStatus qcBroadphase::getStatus() const

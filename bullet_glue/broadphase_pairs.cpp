@@ -6,6 +6,8 @@
 // a filter changed, there is a filter callback, the cache removes nothing itself, a proxy has odd bounds.
 #include "broadphase_proxy.h"
 
+#include <LinearMath/btQuickprof.h>
+
 #include <utility>
 
 /// Adds the pair of two proxies that overlap, if their filters agree. Returns whether they do.
@@ -211,6 +213,7 @@ void qcBroadphase::RemoveEnded(const qcBoxChanges& changes, btDispatcher* dispat
 /// What changed between boxes since the last search.
 qcBoxChanges qcBroadphase::FindChanges()
 {
+    BT_PROFILE("qcBroadphase search");
     qcBoxChanges changes = {};
     qcStatus status = m_boxes != nullptr ? qcBoxes_FindChangedPairs(m_boxes, &changes) : qc_statusOk;
     m_judgeAll = m_judgeAll || status != qc_statusOk || changes.all;
@@ -223,6 +226,7 @@ qcBoxChanges qcBroadphase::FindChanges()
 /// Brings the cache up to date.
 void qcBroadphase::UpdatePairs(const qcBoxChanges& changes, btDispatcher* dispatcher)
 {
+    BT_PROFILE("qcBroadphase pairs");
     m_seeking = m_anythingSought || m_oddCount > 0 || m_outsideCount > 0;
     JudgeRejected();
     AddBegun(changes);

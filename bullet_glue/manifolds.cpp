@@ -4,50 +4,19 @@
 // so the rigid-body solver never sees a body that was removed in between.
 #include "manifolds.h"
 
-#include <BulletCollision/BroadphaseCollision/btBroadphaseInterface.h>
+#include "object_census.h"
+
 #include <BulletCollision/BroadphaseCollision/btDispatcher.h>
 #include <BulletCollision/NarrowPhaseCollision/btPersistentManifold.h>
+#include <LinearMath/btQuickprof.h>
 
 #include <algorithm>
 #include <iterator>
 
-/// Which objects are in the world, without a look at them.
-class qcManifolds::Census : public btBroadphaseAabbCallback
+bool qcManifolds::Meeting::IsPresent(qcObjectCensus* census) const
 {
-  public:
-    explicit Census(btBroadphaseInterface* broadphase) : m_broadphase(broadphase)
-    {
-    }
-
-    bool process(const btBroadphaseProxy* proxy) override
-    {
-        m_objects.emplace_back(proxy->m_clientObject, proxy->m_uniqueId);
-        return true;
-    }
-
-    bool Has(const Meeting& meeting)
-    {
-        if (m_objects.empty())
-        {
-            const btVector3 far(BT_LARGE_FLOAT, BT_LARGE_FLOAT, BT_LARGE_FLOAT);
-            m_broadphase->aabbTest(-far, far, *this);
-            std::sort(m_objects.begin(), m_objects.end());
-        }
-        auto has = [this](const void* object, int addition)
-        { return std::binary_search(m_objects.begin(), m_objects.end(), std::make_pair(object, addition)); };
-        return has(meeting.a, meeting.additionA) && has(meeting.b, meeting.additionB);
-    }
-
-    /// A callback may have removed some.
-    void Forget()
-    {
-        m_objects.clear();
-    }
-
-  private:
-    btBroadphaseInterface* m_broadphase;
-    std::vector<std::pair<const void*, int>> m_objects;
-};
+    return census->Has(a, additionA) && census->Has(b, additionB);
+}
 
 qcManifolds::~qcManifolds()
 {
@@ -116,6 +85,7 @@ bool qcManifolds::AreAtRest(qcSoftBodyScene& scene, const Meeting& meeting)
 
 void qcManifolds::Publish(qcSoftBodyScene& scene, const qcResult& result, const std::vector<size_t>& contacts)
 {
+    BT_PROFILE("qcSoftBodyContact manifolds");
     m_broadphase = scene.Bodies().empty() ? nullptr : scene.Bodies()[0].body->getWorldInfo()->m_broadphase;
     m_meetings.clear();
     for (size_t index : contacts)
@@ -150,22 +120,22 @@ void qcManifolds::Publish(qcSoftBodyScene& scene, const qcResult& result, const 
             Insert(meeting);
 }
 
-void qcManifolds::TellStarts(Census* census)
+void qcManifolds::TellStarts(qcObjectCensus* census)
 {
     for (const Published& published : m_manifolds)
-        if (published.starts && gContactStartedCallback != nullptr && census->Has(published.meeting))
+        if (published.starts && gContactStartedCallback != nullptr && published.meeting.IsPresent(census))
         {
             gContactStartedCallback(published.manifold);
             census->Forget();
         }
 }
 
-void qcManifolds::TellPoints(Census* census)
+void qcManifolds::TellPoints(qcObjectCensus* census)
 {
     for (const Published& published : m_manifolds)
     {
         btPersistentManifold* manifold = published.manifold;
-        if (gContactProcessedCallback == nullptr || !census->Has(published.meeting))
+        if (gContactProcessedCallback == nullptr || !published.meeting.IsPresent(census))
             continue;
         auto *a = const_cast<btCollisionObject*>(published.meeting.a),
              *b = const_cast<btCollisionObject*>(published.meeting.b);
@@ -174,10 +144,10 @@ void qcManifolds::TellPoints(Census* census)
     }
 }
 
-void qcManifolds::TellEnds(const std::vector<Meeting>& ended, Census* census)
+void qcManifolds::TellEnds(const std::vector<Meeting>& ended, qcObjectCensus* census)
 {
     for (const Meeting& meeting : ended)
-        if (gContactEndedCallback != nullptr && census->Has(meeting))
+        if (gContactEndedCallback != nullptr && meeting.IsPresent(census))
         {
             btPersistentManifold manifold(meeting.a, meeting.b, 0, 0, 0);
             btPersistentManifold* told = &manifold;
@@ -194,7 +164,7 @@ void qcManifolds::Tell()
     m_before = m_meetings;
     if (m_broadphase == nullptr)
         return;
-    Census census(m_broadphase);
+    qcObjectCensus census(m_broadphase);
     TellStarts(&census);
     TellPoints(&census);
     TellEnds(ended, &census);

@@ -9,6 +9,7 @@
 class btBroadphaseInterface;
 class btDispatcher;
 class btPersistentManifold;
+class qcObjectCensus;
 
 /// Manifolds are new ones in each step; what starts and ends is the contact of two bodies.
 class qcManifolds
@@ -29,6 +30,12 @@ class qcManifolds
     /// any.
     void Tell();
 
+    /// That of the last Publish, until the next Release; else null.
+    btBroadphaseInterface* GetBroadphase() const
+    {
+        return m_broadphase;
+    }
+
   private:
     /// Two bodies in contact, of two soft ones the one that was added first first. An address may be another body
     /// later; what the broadphase numbers anew when a body is added tells them apart.
@@ -36,6 +43,8 @@ class qcManifolds
     {
         const btCollisionObject *a, *b;
         int additionA, additionB;
+
+        bool IsPresent(qcObjectCensus* census) const;
 
         bool operator<(const Meeting& other) const
         {
@@ -51,14 +60,12 @@ class qcManifolds
         bool starts; ///< the first manifold of a contact that was not there before
     };
 
-    class Census;
-
     bool Insert(const Meeting& meeting);
     btPersistentManifold* Next(btDispatcher* dispatcher, const Meeting& meeting);
     static bool AreAtRest(qcSoftBodyScene& scene, const Meeting& meeting);
-    void TellStarts(Census* census);
-    void TellPoints(Census* census);
-    void TellEnds(const std::vector<Meeting>& ended, Census* census);
+    void TellStarts(qcObjectCensus* census);
+    void TellPoints(qcObjectCensus* census);
+    void TellEnds(const std::vector<Meeting>& ended, qcObjectCensus* census);
 
     std::vector<Published> m_manifolds;
     btBroadphaseInterface* m_broadphase = nullptr; ///< of the last Publish; null: there was none in this step

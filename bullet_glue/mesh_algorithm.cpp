@@ -9,6 +9,7 @@
 #include <BulletCollision/CollisionDispatch/btManifoldResult.h>
 #include <BulletCollision/CollisionShapes/btStaticPlaneShape.h>
 #include <BulletDynamics/Dynamics/btRigidBody.h>
+#include <LinearMath/btQuickprof.h>
 
 #include <algorithm>
 
@@ -194,6 +195,7 @@ void qcPointsAlgorithm::processCollision(const btCollisionObjectWrapper* body0, 
         ReportAll(points, reach, *body0, *body1, result);
         return;
     }
+    BT_PROFILE("qcMeshContact manifolds");
     btScalar threshold = BreakingThreshold(m_dispatcher, *body0, *body1);
     reach = std::min(reach, threshold);
     // The threshold of a manifold of others is not ours to raise.

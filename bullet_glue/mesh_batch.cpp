@@ -7,6 +7,7 @@
 #include <BulletCollision/CollisionDispatch/btCollisionDispatcher.h>
 #include <BulletCollision/CollisionShapes/btCompoundShape.h>
 #include <BulletDynamics/Dynamics/btRigidBody.h>
+#include <LinearMath/btQuickprof.h>
 
 #include <algorithm>
 
@@ -281,6 +282,7 @@ void qcMeshBatch::Place(const btCollisionObject* object, Object* known)
 
 qcStatus qcMeshBatch::Detect()
 {
+    BT_PROFILE("qcMeshContact detect");
     qcDetectDef def = DetectDef(m_margin);
     qcStatus status = qcScene_Detect(m_scene, &def, &m_result);
     if (status != qc_statusOk)
@@ -329,6 +331,7 @@ void qcMeshBatch::ForgetGone()
 /// Finds what pairs that move fast come upon in the step.
 void qcMeshBatch::LookAhead()
 {
+    BT_PROFILE("qcMeshContact look ahead");
     double start = qcNowMs();
     m_ahead.Begin(m_timeStep);
     auto moving = [](const btCollisionObject* object, const Object& known, const Mesh& mesh)
@@ -352,9 +355,29 @@ void qcMeshBatch::LookAhead()
     statistics.aheadMs = qcNowMs() - start;
 }
 
+/// Brings the scene up to date with the world.
+void qcMeshBatch::Gather()
+{
+    BT_PROFILE("qcMeshContact gather");
+    m_gathering++;
+    ForgetGone();
+    FindDrift();
+    WantPairs();
+    const btCollisionObjectArray& objects = world->getCollisionObjectArray();
+    for (int i = 0; i < objects.size(); i++)
+    {
+        if (!qcMayHoldMeshes(objects[i]->getCollisionShape()) || m_objects.find(objects[i]) == m_objects.end())
+            continue;
+        Object* known = Know(objects[i]);
+        if (known->wanted)
+            Place(objects[i], known);
+    }
+}
+
 /// One query for all pairs of the world.
 void qcMeshBatch::Run()
 {
+    BT_PROFILE("qcMeshContact batch");
     double start = qcNowMs();
     uint64_t batches = statistics.batches, queries = statistics.queries;
     statistics = qcMeshContactStatistics();
@@ -369,19 +392,7 @@ void qcMeshBatch::Run()
         if (m_scene == nullptr)
             return;
     }
-    m_gathering++;
-    ForgetGone();
-    FindDrift();
-    WantPairs();
-    const btCollisionObjectArray& objects = world->getCollisionObjectArray();
-    for (int i = 0; i < objects.size(); i++)
-    {
-        if (!qcMayHoldMeshes(objects[i]->getCollisionShape()) || m_objects.find(objects[i]) == m_objects.end())
-            continue;
-        Object* known = Know(objects[i]);
-        if (known->wanted)
-            Place(objects[i], known);
-    }
+    Gather();
     double gathered = qcNowMs();
     // First: the result that is read is the scene's last.
     LookAhead();
@@ -456,6 +467,7 @@ void qcMeshBatch::Change(const btCollisionShape* shape)
 
 void qcMeshBatch::Query(const qcPlacedMesh& a, const qcPlacedMesh& b, btScalar reach, std::vector<qcMeshPoint>* points)
 {
+    BT_PROFILE("qcMeshContact query");
     qcSceneDef def = qcDefaultSceneDef();
     qcScene* scene = nullptr;
     qcBodyId idA, idB;

@@ -8,6 +8,8 @@
 #include <mutex>
 #include <unordered_map>
 
+class btIDebugDraw;
+
 /// A mesh at the place where an algorithm is asked about it: a child of a compound has a place of its own.
 struct qcPlacedMesh
 {
@@ -36,6 +38,9 @@ class qcMeshBatch
 
     /// The triangles of a shape are others now. Any thread.
     void Change(const btCollisionShape* shape);
+
+    /// Draws the candidate triangles of the last query where their objects are now.
+    void Draw(btIDebugDraw* drawer);
 
     /// How far beyond its shells a pair of shapes has contact points.
     btScalar Reach(const btCollisionShape* a, const btCollisionShape* b) const;
@@ -107,6 +112,7 @@ class qcMeshBatch
     void ForgetGone();
     qcStatus Detect();
     void LookAhead();
+    void Gather();
     void Run();
     /// The world's pairs of objects that may hold meshes.
     template <typename Function> void ForEachPair(Function function) const
@@ -129,6 +135,7 @@ class qcMeshBatch
     bool CheckAll();
     const Mesh* Held(const qcPlacedMesh& mesh, bool* moving) const;
     bool Read(const qcPlacedMesh& a, const qcPlacedMesh& b, std::vector<qcMeshPoint>* points) const;
+    void DrawObject(const btCollisionObject* object, btIDebugDraw* drawer) const;
     void Note(qcStatus status);
     qcDetectDef DetectDef(btScalar margin) const;
 

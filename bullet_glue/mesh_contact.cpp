@@ -139,6 +139,11 @@ qcStatus qcMeshContact::setMethod(qcMethod method)
     return qc_statusOk;
 }
 
+void qcMeshContact::debugDraw(btIDebugDraw* drawer) const
+{
+    m_implementation->batch.Draw(drawer);
+}
+
 const qcMeshContactStatistics& qcMeshContact::getStatistics() const
 {
     return m_implementation->batch.statistics;

@@ -10,19 +10,25 @@ namespace
 class Reader : public btTriangleCallback
 {
   public:
-    std::vector<btVector3> points;
-    std::vector<uint32_t> indices;
-    std::vector<qcTriangleSource>* sources;
+    Reader(std::vector<btVector3>* points, std::vector<uint32_t>* indices, std::vector<qcTriangleSource>* sources)
+        : m_points(points), m_indices(indices), m_sources(sources)
+    {
+    }
 
     void processTriangle(btVector3* triangle, int part, int index) override
     {
         for (int c = 0; c < 3; c++)
         {
-            indices.push_back(uint32_t(points.size()));
-            points.push_back(triangle[c]);
+            m_indices->push_back(uint32_t(m_points->size()));
+            m_points->push_back(triangle[c]);
         }
-        sources->push_back({part, index});
+        m_sources->push_back({part, index});
     }
+
+  private:
+    std::vector<btVector3>* m_points;
+    std::vector<uint32_t>* m_indices;
+    std::vector<qcTriangleSource>* m_sources;
 };
 } // namespace
 
@@ -64,34 +70,40 @@ uint64_t qcMeshRevision(const btCollisionShape* shape)
     return hash;
 }
 
+qcMeshTriangles::qcMeshTriangles(const btCollisionShape* shape, const btVector3* box)
+{
+    if (const qcMeshShape* ours = qcAsMeshShape(shape))
+    {
+        points = ours->getVertices();
+        pointCount = ours->getVertexCount();
+        indices = ours->getIndices();
+        count = ours->getTriangleCount();
+        return;
+    }
+    btVector3 lower, upper;
+    shape->getAabb(btTransform::getIdentity(), lower, upper);
+    // Nothing may be lost to rounding at the faces of the box.
+    btVector3 slack = (upper - lower) * btScalar(0.01) + btVector3(1, 1, 1);
+    bool whole = box == nullptr || shape->getShapeType() == GIMPACT_SHAPE_PROXYTYPE;
+    Reader reader(&m_points, &m_indices, &sources);
+    static_cast<const btConcaveShape*>(shape)->processAllTriangles(&reader, whole ? lower - slack : box[0],
+                                                                   whole ? upper + slack : box[1]);
+    points = m_points.data();
+    pointCount = uint32_t(m_points.size());
+    indices = m_indices.data();
+    count = uint32_t(sources.size());
+}
+
 qcStatus qcAddMesh(qcScene* scene, const btCollisionShape* shape, const btTransform& transform, qcActivity activity,
                    uint32_t owner, const btVector3* box, qcBodyId* id, std::vector<qcTriangleSource>* sources)
 {
+    qcMeshTriangles triangles(shape, box);
+    *sources = std::move(triangles.sources);
     qcBodyDef def = qcDefaultBodyDef();
-    Reader reader;
-    sources->clear();
-    reader.sources = sources;
-    if (const qcMeshShape* ours = qcAsMeshShape(shape))
-    {
-        def.positions = ours->getVertices();
-        def.vertexCount = ours->getVertexCount();
-        def.indices = ours->getIndices();
-        def.triangleCount = ours->getTriangleCount();
-    }
-    else
-    {
-        btVector3 lower, upper;
-        shape->getAabb(btTransform::getIdentity(), lower, upper);
-        // Nothing may be lost to rounding at the faces of the box.
-        btVector3 slack = (upper - lower) * btScalar(0.01) + btVector3(1, 1, 1);
-        bool whole = box == nullptr || shape->getShapeType() == GIMPACT_SHAPE_PROXYTYPE;
-        static_cast<const btConcaveShape*>(shape)->processAllTriangles(&reader, whole ? lower - slack : box[0],
-                                                                       whole ? upper + slack : box[1]);
-        def.positions = reader.points.data();
-        def.vertexCount = uint32_t(reader.points.size());
-        def.indices = reader.indices.data();
-        def.triangleCount = uint32_t(sources->size());
-    }
+    def.positions = triangles.points;
+    def.vertexCount = triangles.pointCount;
+    def.indices = triangles.indices;
+    def.triangleCount = triangles.count;
     def.positionType = qcBulletPositions;
     def.positionStride = sizeof(btVector3);
     def.transform = qcTransformOf(transform);

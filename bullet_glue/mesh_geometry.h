@@ -28,9 +28,30 @@ bool qcIsGImpactMesh(const btCollisionShape* shape);
 /// Differs between two meshes that are not the same, as far as can be told without reading them.
 uint64_t qcMeshRevision(const btCollisionShape* shape);
 
+/// The triangles of a shape, in its frame. Refers to the shape: valid while that stays as it is.
+class qcMeshTriangles
+{
+  public:
+    /// `box`: see qcAddMesh.
+    qcMeshTriangles(const btCollisionShape* shape, const btVector3* box);
+    qcMeshTriangles(const qcMeshTriangles&) = delete;
+    qcMeshTriangles& operator=(const qcMeshTriangles&) = delete;
+
+    const btVector3* points;
+    uint32_t pointCount;
+    const uint32_t* indices; ///< three a triangle
+    uint32_t count;          ///< triangles
+    /// What each triangle is; empty for a qcMeshShape, whose triangles keep their numbers.
+    std::vector<qcTriangleSource> sources;
+
+  private:
+    std::vector<btVector3> m_points;
+    std::vector<uint32_t> m_indices;
+};
+
 /// Adds the shape's triangles to a scene. `owner`: of the body, see qcBodyDef. `box` (may be null): those of Bullet's
-/// own static shapes that do not meet it, in the shape's frame, may be left out. `sources` receives what each triangle
-/// is; nothing for a qcMeshShape, whose triangles keep their numbers.
+/// own static shapes that do not meet it, in the shape's frame, may be left out. `sources` receives those of the
+/// triangles.
 qcStatus qcAddMesh(qcScene* scene, const btCollisionShape* shape, const btTransform& transform, qcActivity activity,
                    uint32_t owner, const btVector3* box, qcBodyId* id, std::vector<qcTriangleSource>* sources);
 

@@ -2,11 +2,14 @@
 #include "quickcullide/bullet_mesh.h"
 
 #include "mesh_mass.h"
+#include "mesh_save.h"
 #include "mesh_tree.h"
+#include "position_type.h"
 
 #include <BulletCollision/CollisionShapes/btStridingMeshInterface.h>
 #include <BulletCollision/NarrowPhaseCollision/btRaycastCallback.h>
 #include <LinearMath/btAabbUtil2.h>
+#include <LinearMath/btSerializer.h>
 
 #include <algorithm>
 #include <atomic>
@@ -211,6 +214,22 @@ qcMassProperties qcMeshShape::getMassProperties() const
     return qcMassPropertiesOf(qcMeasureMesh(getVertices(), getVertexCount(), getIndices(), getTriangleCount()));
 }
 
+std::unique_ptr<qcMeshShape> qcMeshShape::makeRecentered(btTransform* frame) const
+{
+    const Implementation& my = *m_implementation;
+    btTransform principal = getMassProperties().principalFrame;
+    std::vector<btVector3> points(my.points);
+    for (btVector3& point : points)
+        point = principal.invXform(point);
+    std::unique_ptr<qcMeshShape> copy(new qcMeshShape(points.data(), qcBulletPositions, sizeof(btVector3),
+                                                      getVertexCount(), getIndices(), getTriangleCount()));
+    copy->m_implementation->status = my.status;
+    copy->m_collisionMargin = m_collisionMargin;
+    if (frame != nullptr)
+        *frame = principal;
+    return copy;
+}
+
 void qcMeshShape::calculateLocalInertia(btScalar mass, btVector3& inertia) const
 {
     qcMoments moments = qcMeasureMesh(getVertices(), getVertexCount(), getIndices(), getTriangleCount());
@@ -263,4 +282,25 @@ void qcMeshShape::processTrianglesBelow(btTriangleCallback* callback, const btVe
 {
     const Implementation& my = *m_implementation;
     my.Tree().VisitBelow(normal, distance, [&](uint32_t triangle) { my.Report(callback, triangle); });
+}
+
+int qcMeshShape::calculateSerializeBufferSize() const
+{
+    return qcSavedMeshSize();
+}
+
+void qcMeshShape::serializeSingleShape(btSerializer* serializer) const
+{
+    // A compound that was saved before may have brought it along. Bullet's importer resolves the pointers of two chunks
+    // of one shape wrongly.
+    if (serializer->findPointer(const_cast<qcMeshShape*>(this)) == nullptr)
+        btConcaveShape::serializeSingleShape(serializer);
+}
+
+const char* qcMeshShape::serialize(void* dataBuffer, btSerializer* serializer) const
+{
+    const Implementation& my = *m_implementation;
+    btCollisionShape::serialize(dataBuffer, serializer); // the name
+    qcSavedMesh mesh{my.given.empty() ? my.points : my.given, my.indices, my.scaling, m_collisionMargin, &my};
+    return qcSaveMesh(mesh, dataBuffer, serializer);
 }

@@ -5,6 +5,8 @@
 #include "clock.h"
 #include "soft_body_untangle.h"
 
+#include <LinearMath/btQuickprof.h>
+
 #include <algorithm>
 
 namespace
@@ -27,7 +29,9 @@ void qcSoftBodyContact::Implementation::Begin(const btAlignedObjectArray<btSoftB
 void qcSoftBodyContact::Implementation::Start(const btAlignedObjectArray<btSoftBody*>& bodies,
                                               btVector3 btSoftBody::Node::*start)
 {
+    BT_PROFILE("qcSoftBodyContact gather");
     double before = qcNowMs();
+    m_candidates.Clear();
     statistics = qcSoftBodyStatistics();
     statistics.status = scene.Synchronize(bodies, start);
     statistics.gatherMs = qcNowMs() - before;
@@ -50,6 +54,7 @@ void qcSoftBodyContact::Implementation::NoteProfile()
 /// Fills m_result, and the statistics with what it cost and what penetrates.
 qcStatus qcSoftBodyContact::Implementation::Detect(btScalar contactMargin, bool segments)
 {
+    BT_PROFILE("qcSoftBodyContact detect");
     double start = qcNowMs();
     qcStatus status = scene.UpdatePlaces();
     double gathered = qcNowMs();
@@ -73,6 +78,7 @@ void qcSoftBodyContact::Implementation::Solve()
 {
     if (m_constraints.empty())
         return;
+    BT_PROFILE("qcSoftBodyContact respond");
     double start = qcNowMs();
     if (solvesLinks)
         qcCollectLinks(scene, &m_links);
@@ -87,6 +93,7 @@ qcStatus qcSoftBodyContact::Implementation::SolveContacts()
     btScalar margin = scene.Reach();
     for (int round = 0; round < s_contactRounds; round++)
     {
+        BT_PROFILE("qcSoftBodyContact round");
         qcStatus status = Detect(margin);
         if (status != qc_statusOk)
             return status;
@@ -95,6 +102,7 @@ qcStatus qcSoftBodyContact::Implementation::SolveContacts()
         {
             statistics.contacts = int(m_constraints.size());
             statistics.penetrating = statistics.remaining;
+            m_candidates.Note(*m_result);
             manifolds.Publish(scene, *m_result, m_contactOf);
         }
         qcAddSweptLinks(scene, &m_constraints);
@@ -137,6 +145,7 @@ qcStatus qcSoftBodyContact::Implementation::Untangle()
 {
     if (m_tangles.IsEmpty())
         return qc_statusOk;
+    BT_PROFILE("qcSoftBodyContact untangle");
     qcStatus status = Detect(0, true);
     if (status == qc_statusOk)
         qcUntangle(scene, *m_result, m_exempt);
@@ -146,6 +155,9 @@ qcStatus qcSoftBodyContact::Implementation::Untangle()
 /// Pushes pairs apart along the directions in which they were apart at the start of the step.
 qcStatus qcSoftBodyContact::Implementation::PushApart()
 {
+    if (m_held.empty())
+        return qc_statusOk;
+    BT_PROFILE("qcSoftBodyContact push apart");
     m_planes.Clear();
     for (int round = 0; round < s_planeRounds && !m_held.empty(); round++)
     {
@@ -167,6 +179,9 @@ qcStatus qcSoftBodyContact::Implementation::PushApart()
 /// this ends.
 qcStatus qcSoftBodyContact::Implementation::MoveZones()
 {
+    if (m_held.empty())
+        return qc_statusOk;
+    BT_PROFILE("qcSoftBodyContact move zones");
     m_zones.Clear();
     for (bool changed = true; changed && !m_held.empty();)
     {
@@ -217,6 +232,7 @@ bool qcSoftBodyContact::Implementation::Resolve(btScalar timeStep)
 {
     if (statistics.status != qc_statusOk)
         return false;
+    BT_PROFILE("qcSoftBodyContact resolve");
     statistics.status = TryResolve(timeStep);
     if (statistics.status != qc_statusOk)
     {
@@ -226,6 +242,12 @@ bool qcSoftBodyContact::Implementation::Resolve(btScalar timeStep)
     scene.meshes.UpdateVelocities(timeStep);
     qcApplySupports(m_supports, timeStep);
     return true;
+}
+
+void qcSoftBodyContact::Implementation::Tell()
+{
+    BT_PROFILE("qcSoftBodyContact callbacks");
+    manifolds.Tell();
 }
 
 qcSoftBodyContact::qcSoftBodyContact(qcDevice* device) : m_implementation(new Implementation(device))
@@ -247,6 +269,11 @@ qcSoftBodySettings qcSoftBodyContact::getSettings(const btSoftBody* body) const
 const qcSoftBodyStatistics& qcSoftBodyContact::getStatistics() const
 {
     return m_implementation->statistics;
+}
+
+void qcSoftBodyContact::debugDraw(btIDebugDraw* drawer) const
+{
+    m_implementation->Draw(drawer);
 }
 
 void qcSoftBodyContact::setThreadCount(unsigned threads)

@@ -3,6 +3,7 @@
 #define QC_BULLET_GLUE_SOFT_BODY_CONTACT_H
 
 #include "manifolds.h"
+#include "soft_body_draw.h"
 #include "soft_body_response.h"
 #include "soft_body_planes.h"
 #include "soft_body_takeover.h"
@@ -23,11 +24,10 @@ struct qcSoftBodyContact::Implementation
     /// Moves places and meshes apart; the caller moves nodes to their places. False: a query failed, and everything is
     /// where Bullet left it.
     bool Resolve(btScalar timeStep);
+    /// Draws the candidate triangles of the step's first query.
+    void Draw(btIDebugDraw* drawer);
     /// Bullet's contact callbacks learn of the step. Last of all: they may remove bodies.
-    void Tell()
-    {
-        manifolds.Tell();
-    }
+    void Tell();
 
     qcSoftBodyScene scene;
     qcManifolds manifolds;
@@ -53,6 +53,7 @@ struct qcSoftBodyContact::Implementation
     std::vector<qcSoftLink> m_links;
     std::vector<qcSoftSupport> m_supports;
     const qcResult* m_result = nullptr; ///< of the last detection
+    qcSoftCandidates m_candidates;      ///< of the first detection of the step
     //  Numbers of its penetrating pairs: those that have to be apart, and those that are tangled.
     std::vector<size_t> m_held, m_exempt;
     qcSoftTangles m_tangles; ///< of the start of the step; after it, of its end

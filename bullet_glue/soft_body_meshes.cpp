@@ -120,6 +120,17 @@ btScalar qcMotionOf(const qcSceneMesh& mesh, const btTransform& from, const btTr
     return btSqrt(largest);
 }
 
+bool qcFindPlace(const qcSceneRigid& rigid, const qcSceneMesh& mesh, btTransform* place)
+{
+    std::vector<qcSceneMesh> present;
+    CollectMeshes(rigid.object->getCollisionShape(), rigid.object->getWorldTransform(), &present);
+    size_t number = size_t(&mesh - rigid.meshes.data());
+    if (number >= present.size() || present[number].shape != mesh.shape || present[number].revision != mesh.revision)
+        return false;
+    *place = present[number].local;
+    return true;
+}
+
 void qcPlaceVertex(const qcSceneMesh& mesh, const btTransform& transform, uint32_t vertex, double place[3])
 {
     const btVector3& p = mesh.shape->getVertices()[vertex];

@@ -57,6 +57,9 @@ struct qcSceneRigid
 /// How far a point of the mesh moves at most from one transform of the mesh to another.
 btScalar qcMotionOf(const qcSceneMesh& mesh, const btTransform& from, const btTransform& to);
 
+/// Where a mesh of the object lies now; false if the object no longer has it as it was.
+bool qcFindPlace(const qcSceneRigid& rigid, const qcSceneMesh& mesh, btTransform* place);
+
 /// Where a vertex is in world space, as the scene computes it, if the mesh has this transform.
 void qcPlaceVertex(const qcSceneMesh& mesh, const btTransform& transform, uint32_t vertex, double place[3]);
 

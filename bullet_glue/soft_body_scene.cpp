@@ -4,6 +4,8 @@
 #include "collision_object.h"
 #include "position_type.h"
 
+#include <LinearMath/btQuickprof.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -148,6 +150,7 @@ qcStatus qcSoftBodyScene::Synchronize(const btAlignedObjectArray<btSoftBody*>& b
 
 qcStatus qcSoftBodyScene::TakeSolved(btScalar timeStep)
 {
+    BT_PROFILE("qcSoftBodyContact gather");
     for (qcSceneSoftBody& known : m_bodies)
     {
         known.solved.resize(size_t(known.NodeCount()));

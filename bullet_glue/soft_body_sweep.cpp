@@ -7,6 +7,7 @@
 #include "soft_body_response.h"
 
 #include <BulletCollision/NarrowPhaseCollision/btRaycastCallback.h>
+#include <LinearMath/btQuickprof.h>
 
 #include <algorithm>
 #include <cmath>
@@ -220,6 +221,7 @@ void qcMakeSweptConstraints(qcSoftBodyScene& scene, std::vector<qcSoftConstraint
     constraints->clear();
     if (scene.meshes.Rigids().empty())
         return;
+    BT_PROFILE("qcSoftBodyContact sweep");
     for (qcSceneSoftBody& soft : scene.Bodies())
     {
         btScalar softMotion = MotionOf(soft);

@@ -16,6 +16,8 @@ foreach(precision bullet bullet_double)
       endif()
     endif()
     qc_test(test_deformable_${precision} test_deformable.cpp LIBRARIES quickcullide::${precision} qc_oracle)
+    qc_test(test_debug_draw_${precision} test_debug_draw.cpp LIBRARIES quickcullide::${precision} qc_oracle)
+    qc_test(test_profile_zones_${precision} test_profile_zones.cpp LIBRARIES quickcullide::${precision})
     qc_test(test_task_scheduler_${precision} test_task_scheduler.cpp LIBRARIES quickcullide::${precision})
   endif()
 endforeach()
@@ -26,6 +28,6 @@ if(TARGET qc_bullet_demo)
 endif()
 
 # LinearMath/btModifiedGramSchmidt.h instantiates itself; gcc 12 believes that to read what is not set.
-set_source_files_properties(test_deformable.cpp test_soft_body_apart.cpp test_soft_body_callbacks.cpp
-  test_soft_body_rope.cpp PROPERTIES COMPILE_OPTIONS
+set_source_files_properties(test_deformable.cpp test_profile_zones.cpp test_soft_body_apart.cpp
+  test_soft_body_callbacks.cpp test_soft_body_rope.cpp PROPERTIES COMPILE_OPTIONS
   "$<$<CXX_COMPILER_ID:GNU>:-Wno-maybe-uninitialized>")

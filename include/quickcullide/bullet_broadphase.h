@@ -14,6 +14,8 @@
 
 #include <atomic>
 
+class btIDebugDraw;
+
 /// After each calculateOverlappingPairs the pair cache holds exactly the pairs whose boxes overlap (closed, as
 /// TestAabbAgainstAabb2 says) and whose filters agree. Pairs that no longer do are removed with the dispatcher, which
 /// destroys their algorithms and manifolds. Pairs come in an order that depends on the calls made and on nothing else.
@@ -28,6 +30,9 @@
 /// Out of memory: proxies that find no room in the set are compared with every other one until there is room again;
 /// nothing is missed. A proxy that cannot be allocated itself is null: Bullet then holds an object that collides with
 /// nothing. getStatus tells. (Memory that Bullet's pair cache cannot get is Bullet's affair.)
+///
+/// Profile zones (BT_PROFILE), within Bullet's "calculateOverlappingPairs": "qcBroadphase search" finds what changed
+/// between boxes, "qcBroadphase pairs" brings the cache up to date. A step in which nothing moved has neither.
 ///
 /// Thread-safety: rayTest and aabbTest may run on several threads at once while nothing else does. The rest belongs to
 /// one thread. Callbacks of all kinds may create, move and destroy proxies; what they change while a query,
@@ -77,6 +82,10 @@ class QC_API qcBroadphase : public btBroadphaseInterface
     void resetPool(btDispatcher* dispatcher) override;
     /// Prints the numbers of proxies and pairs.
     void printStats() override;
+    /// Draws the box of each proxy in the drawer's colour of AABBs, and a line between the middles of the boxes of each
+    /// pair in the cache in its colour of contact points. Bounds that are not finite are left out. For any debug mode:
+    /// call it after debugDrawWorld, which draws AABBs of shapes and not these. Changes nothing.
+    void debugDraw(btIDebugDraw* drawer) const;
 
     /// qc_statusOutOfMemory after an allocation failed, until a calculateOverlappingPairs finds room for everything.
     qcStatus getStatus() const;

@@ -17,7 +17,9 @@
 #include <BulletCollision/CollisionShapes/btConcaveShape.h>
 
 #include <memory>
+#include <vector>
 
+class btIDebugDraw;
 class btStridingMeshInterface;
 
 /// What a mesh of homogeneous material weighs, and where.
@@ -53,6 +55,17 @@ struct qcMassProperties
 /// edge where that is less. Two meshes rest with their shells touching: their triangles then don't, which is what makes
 /// their contact points dependable. Thick shells around small triangles cost time.
 ///
+/// Dynamic bodies: the centre of mass must be the shape's origin, and the principal axes those of the shape. Bullet
+/// turns a body about its origin and keeps the diagonal of its tensor only; a mesh that lies otherwise wobbles and
+/// falls wrongly. makeRecentered makes a copy that lies so; getMassProperties gives the centre and the axes.
+///
+/// Serialization (btSerializer): the mesh is saved as a btCompoundShape with one btBvhTriangleMeshShape at its origin.
+/// Bullet's importers read that as it is, with the mass of the body: they drop btGImpactMeshShape unless built with
+/// USE_GIMPACT, and a body with a bare triangle mesh comes back static. qcRestoreMeshes makes a qcMeshShape of it
+/// again. Vertices, indices, scaling and margin are kept; Bullet's format has scaling and margin in single precision.
+/// Until they are restored, loaded meshes touch convex shapes only. Of bodies Bullet's importers drop velocities,
+/// filters and collision flags, whatever the shape: a kinematic body comes back static.
+///
 /// Thread-safety: the const functions may be called from several threads at once while no other function runs.
 ATTRIBUTE_ALIGNED16(class) QC_API qcMeshShape : public btConcaveShape
 {
@@ -82,8 +95,13 @@ ATTRIBUTE_ALIGNED16(class) QC_API qcMeshShape : public btConcaveShape
 
     /// O(n log n).
     qcMassProperties getMassProperties() const;
+    /// A copy whose origin is the centre of mass and whose axes are the principal axes, with the same margin and its
+    /// scaling applied. `frame` (may be null) receives where the copy lies in this shape, principalFrame of the mass
+    /// properties: a body of the copy at T * frame has its triangles where a body of this shape has them at T.
+    /// O(n log n).
+    std::unique_ptr<qcMeshShape> makeRecentered(btTransform* frame = nullptr) const;
     /// The diagonal of the tensor about the shape's origin, which Bullet takes for the centre of mass, in its axes. For
-    /// meshes that lie otherwise, see qcMassProperties::principalFrame. A moment is 0 where btScalar can't hold it or
+    /// a mesh whose centre of mass lies elsewhere, see makeRecentered. A moment is 0 where btScalar can't hold it or
     /// its inverse: Bullet doesn't turn the body about that axis. O(n log n).
     void calculateLocalInertia(btScalar mass, btVector3 & inertia) const override;
 
@@ -99,10 +117,22 @@ ATTRIBUTE_ALIGNED16(class) QC_API qcMeshShape : public btConcaveShape
     /// Every triangle that reaches below the plane normal . x = distance, and a few others.
     void processTrianglesBelow(btTriangleCallback * callback, const btVector3& normal, btScalar distance) const;
 
+    int calculateSerializeBufferSize() const override;
+    const char* serialize(void* dataBuffer, btSerializer* serializer) const override;
+    void serializeSingleShape(btSerializer * serializer) const override;
+
   private:
     struct Implementation;
     std::unique_ptr<Implementation> m_implementation;
 };
+
+/// Puts qcMeshShapes back where a world was loaded with Bullet's importer: in the place of each btCompoundShape that
+/// holds a single btBvhTriangleMeshShape at its origin, as the shape of an object or as a child of its compounds.
+/// Shapes that were shared are shared again, but for children of compounds, of which the importer makes copies. Dynamic
+/// bodies whose root shape is replaced get the inertia of the mesh. Returns the shapes made, which must outlive the
+/// objects and compounds that use them; the replaced ones stay with the importer. Call it between steps. O(objects +
+/// triangles).
+QC_API std::vector<std::unique_ptr<qcMeshShape>> qcRestoreMeshes(btCollisionWorld* world);
 
 /// What the last batch did.
 struct qcMeshContactStatistics
@@ -148,6 +178,13 @@ struct qcMeshContactStatistics
 /// While no point of a body has moved by 3 % of that threshold, its contact points move with it and nothing is
 /// searched: meshes at rest cost next to nothing.
 ///
+/// debugDrawWorld shows qcMeshShapes as any concave shape (DBG_DrawWireframe, DBG_DrawAabb) and their contact points
+/// (DBG_DrawContactPoints); debugDraw the triangles that the culling left.
+///
+/// Profile zones (BT_PROFILE), where the first pair of a step is read: "qcMeshContact batch", and in it "qcMeshContact
+/// gather", "qcMeshContact look ahead" and "qcMeshContact detect"; of each pair "qcMeshContact manifolds"; of a pair
+/// computed alone "qcMeshContact query".
+///
 /// Must outlive the world. Thread-safety: the algorithms may run on several threads at once.
 class QC_API qcMeshContact
 {
@@ -176,6 +213,12 @@ class QC_API qcMeshContact
     /// miss: qc_statusBadInput.
     qcStatus setMethod(qcMethod method);
     const qcMeshContactStatistics& getStatistics() const;
+
+    /// Draws in red the potentially colliding set of the last batch: the triangles that are in a candidate pair, where
+    /// their objects are now. A step in which nothing moved keeps the batch before. Nothing if there was none, or its
+    /// query failed; objects that have left the world or changed their shape since are left out. For any debug mode:
+    /// call it between steps, after debugDrawWorld. Changes nothing. O(candidates + triangles of Bullet's own shapes).
+    void debugDraw(btIDebugDraw* drawer) const;
 
   private:
     struct Implementation;

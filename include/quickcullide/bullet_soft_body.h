@@ -25,6 +25,8 @@
 
 #include <memory>
 
+class btIDebugDraw;
+
 /// How one soft body meets itself, other soft bodies and meshes.
 struct qcSoftBodySettings
 {
@@ -104,6 +106,12 @@ struct qcSoftBodyStatistics
 /// Other nodes that no face has (of tetrahedra in a body without faces, or cut off) collide with meshes and faces of
 /// soft bodies as points.
 ///
+/// Profile zones (BT_PROFILE): "qcSoftBodyContact gather" of bodies and positions, then "qcSoftBodyContact resolve" and
+/// in it "qcSoftBodyContact sweep" of nodes, "qcSoftBodyContact untangle" where something is tangled, "qcSoftBodyContact
+/// round" for each round, "qcSoftBodyContact push apart" and "qcSoftBodyContact move zones" where rounds did not
+/// suffice, and in these "qcSoftBodyContact detect", "qcSoftBodyContact manifolds" and "qcSoftBodyContact respond"; last
+/// "qcSoftBodyContact callbacks".
+///
 /// Cost: one run of qcScene_Detect a step without contacts, two with, and a few more in steps in which they don't
 /// suffice. Thread-safety: as the world's.
 class QC_API qcSoftBodyContact
@@ -121,6 +129,13 @@ class QC_API qcSoftBodyContact
     /// depend on it, its cost does. `cullide` and `quick` know no contacts: with them each step keeps Bullet's own
     /// positions, status qc_statusBadInput.
     void setMethod(qcMethod method);
+
+    /// Draws in red the potentially colliding set of the first query of the last step: the triangles that are in a
+    /// candidate pair or have a vertex, an edge or themselves in a contact, where their bodies are now, and a cross for
+    /// each such node that no face has. Bodies that have left the world since, and meshes that an object no longer has,
+    /// are left out. For any debug mode: call it between steps, after debugDrawWorld. Changes nothing.
+    /// O(triangles log contacts).
+    void debugDraw(btIDebugDraw* drawer) const;
 
   protected:
     /// `device` draws for the methods that need GL; null is the same as a device of kind none. It must outlive this,
