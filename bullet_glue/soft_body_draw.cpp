@@ -20,7 +20,7 @@ void DrawNode(const btVector3& node, btScalar size, btIDebugDraw* drawer)
     }
 }
 
-/// A triangle of the scene: a face, or a node that no face has. Faces may have been cut since the step.
+/// A triangle of the scene: a face, a rope link, or a single node. Faces may have been cut since the step.
 void DrawTriangle(const qcSceneSoftBody& soft, uint32_t triangle, btIDebugDraw* drawer)
 {
     const uint32_t* nodes = &soft.topology.indices[3 * size_t(triangle)];
@@ -31,8 +31,10 @@ void DrawTriangle(const qcSceneSoftBody& soft, uint32_t triangle, btIDebugDraw* 
             return;
         corners[c] = soft.body->m_nodes[int(nodes[c])].m_x;
     }
-    if (int(triangle) < soft.faceCount)
+    if (triangle < soft.topology.faceCount)
         qcDrawCandidate(drawer, corners[0], corners[1], corners[2]);
+    else if (triangle < soft.topology.faceCount + soft.topology.ropeCount)
+        drawer->drawLine(corners[0], corners[1], qcCandidateColor());
     else
         DrawNode(corners[0], soft.thickness / 2, drawer);
 }
