@@ -48,13 +48,11 @@ static qcManifoldPoint PointOf(const qcManifolds* m, const qcRawPoint* raw)
     return point;
 }
 
-/// Every region has a point: its first pair is heard, and of the points of a region the deepest stays.
+/// Every region has a point: its first pair is covered by one, and at least one point of a region stays.
 static qcStatus WriteResult(qcManifolds* m)
 {
     const qcManifoldPair* any = qcManifolds_Pair(m, 0);
-    size_t firstManifold = m->manifolds.count, firstPoint = m->points.count, count = 0;
-    for (size_t i = 0; i < m->raw.count; i++)
-        count += QC_AT(uint32_t, m->keepers, i) == i;
+    size_t firstManifold = m->manifolds.count, firstPoint = m->points.count, count = m->order.count;
     QC_TRY(qcArray_Reserve(&m->points, firstPoint + count, sizeof(qcManifoldPoint), "manifolds"));
     QC_TRY(qcArray_Resize(&m->manifolds, firstManifold + m->regions.count, sizeof(qcManifold), "manifolds"));
     m->points.count = firstPoint + count;
@@ -62,16 +60,13 @@ static qcStatus WriteResult(qcManifolds* m)
     qcManifoldPoint* points = &QC_AT(qcManifoldPoint, m->points, firstPoint);
     for (size_t r = 0; r < m->regions.count; r++)
         manifolds[r] = (qcManifold){.bodyA = any->side[0]->slot, .bodyB = any->side[1]->slot};
-    uint32_t at = 0;
-    for (size_t i = 0; i < m->order.count; i++)
+    for (uint32_t i = 0; i < count; i++)
     {
         qcSortItem item = QC_AT(qcSortItem, m->order, i);
-        if (QC_AT(uint32_t, m->keepers, item.value) != item.value)
-            continue;
-        qcManifold* manifold = &manifolds[item.key >> 32];
+        qcManifold* manifold = &manifolds[item.key];
         if (manifold->pointCount++ == 0)
-            manifold->firstPoint = at;
-        points[at++] = PointOf(m, &QC_AT(qcRawPoint, m->raw, item.value));
+            manifold->firstPoint = i;
+        points[i] = PointOf(m, &QC_AT(qcRawPoint, m->raw, item.value));
     }
     return qc_statusOk;
 }
@@ -116,6 +111,7 @@ qcStatus qcManifolds_Build(qcManifolds* m, const qcTriangles* triangles, const q
     QC_TRY(qcManifolds_FindPoints(m, &known, threads));
     QC_TRY(qcManifolds_MergePoints(m));
     qcManifolds_DropBetween(m);
+    QC_TRY(qcManifolds_OrderKept(m));
     return WriteResult(m);
 }
 

@@ -317,6 +317,9 @@ qcStatus qcManifolds_FindPoints(qcManifolds* manifolds, const qcMeetingInput* in
 qcStatus qcManifolds_MergePoints(qcManifolds* manifolds);
 /// Of flat patches between rigid bodies only the corners stay.
 void qcManifolds_DropBetween(qcManifolds* manifolds);
+/// Reduces the order to the points that stay: by region, in each by the distance that is reported; points of equal
+/// distance stay in the order in which they were merged.
+qcStatus qcManifolds_OrderKept(qcManifolds* manifolds);
 
 /// Do two points say the same of the same place: one end of theirs nearly the same, and their normals too? Then only
 /// the deeper one counts; the other is the same feature found from another triangle, or lies behind it.

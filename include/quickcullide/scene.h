@@ -354,7 +354,7 @@ typedef struct qcManifoldPoint
 typedef struct qcManifold
 {
     uint32_t bodyA, bodyB;           ///< slots, bodyA <= bodyB
-    uint32_t firstPoint, pointCount; ///< deepest first; at least one
+    uint32_t firstPoint, pointCount; ///< sorted by distance, the deepest first; at least one
 } qcManifold;
 
 typedef enum qcCullLevel
