@@ -4,6 +4,7 @@
 #define _POSIX_C_SOURCE 200809L
 #include "gl/device.h"
 
+#include "float_mode.h"
 #include "gl/context.h"
 #include "memory.h"
 #include "status.h"
@@ -172,6 +173,8 @@ static void Answer(qcDevice* device, qcStatus status)
 static void* ServeCallers(void* argument)
 {
     qcDevice* device = argument;
+    // A thread begins in the mode of the one that started it.
+    (void)qcFloatMode_Begin();
     qcStatus opened = OpenContext(device);
     pthread_mutex_lock(&device->mutex);
     Answer(device, opened);
