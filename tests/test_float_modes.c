@@ -164,7 +164,7 @@ typedef struct Bodies
 
 static Bodies MakeBodies(const Question* question)
 {
-    Bodies bodies = {.soups = {qcSoup_MakeFoldedCloth(5, 40, 0.02, 0.011), qcSoup_MakeSphere(2, 0.4)}};
+    Bodies bodies = {.soups = {qcSoup_MakeFoldedCloth(5, 24, 0.02, 0.02), qcSoup_MakeSphere(2, 0.4)}};
     for (int b = 0; b < 2; b++)
     {
         size_t count = 3 * (size_t)bodies.soups[b].vertexCount;
