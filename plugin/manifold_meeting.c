@@ -4,6 +4,8 @@
 #include "sort.h"
 #include "status.h"
 
+#include <math.h>
+
 // Points nearer than this share of the triangles' size are one: in a region, the longest edge of a pair's smaller
 // triangle, on average.
 static const double s_tolerance = 1.0 / 64.0;
@@ -27,24 +29,26 @@ static qcStatus MeasureRegions(qcManifolds* m)
     return qc_statusOk;
 }
 
-static void Store(qcVector v, double out[3])
+static void Store(qcVector v, int exponent, double out[3])
 {
     out[0] = v.x;
     out[1] = v.y;
     out[2] = v.z;
+    for (int axis = 0; axis < 3 && exponent != 0; axis++)
+        out[axis] = ldexp(out[axis], exponent);
 }
 
 static qcManifoldPoint PointOf(const qcManifolds* m, const qcRawPoint* raw)
 {
     const qcManifoldPair* pair = qcManifolds_Pair(m, raw->pair);
-    qcManifoldPoint point = {.distance = raw->distance,
+    qcManifoldPoint point = {.distance = m->exponent != 0 ? ldexp(raw->distance, m->exponent) : raw->distance,
                              .triangleA = pair->side[0]->index,
                              .triangleB = pair->side[1]->index,
                              .featureA = {raw->feature[0][0], raw->feature[0][1]},
                              .featureB = {raw->feature[1][0], raw->feature[1][1]}};
-    Store(raw->end[0], point.pointA);
-    Store(raw->end[1], point.pointB);
-    Store(raw->normal, point.normal);
+    Store(raw->end[0], m->exponent, point.pointA);
+    Store(raw->end[1], m->exponent, point.pointB);
+    Store(raw->normal, 0, point.normal);
     return point;
 }
 
@@ -101,12 +105,12 @@ qcStatus qcManifolds_Build(qcManifolds* m, const qcTriangles* triangles, const q
     if (m->work.count == 0)
         return qc_statusOk;
     QC_TRY(qcManifolds_JoinRegions(m));
-    QC_TRY(qcManifolds_FindPlanes(m, input->margin));
+    QC_TRY(qcManifolds_FindPlanes(m, known.margin));
     QC_TRY(qcManifolds_AskPairs(m, &known, threads));
     QC_TRY(qcManifolds_FindRings(m, threads));
     QC_TRY(qcManifolds_ChooseNormals(m, &known, threads));
     QC_TRY(qcManifolds_ChooseSigns(m, &known));
-    QC_TRY(qcManifolds_FindEscapes(m, input->margin));
+    QC_TRY(qcManifolds_FindEscapes(m, known.margin));
     QC_TRY(MeasureRegions(m));
     QC_TRY(qcManifolds_FindPoints(m, &known, threads));
     QC_TRY(qcManifolds_MergePoints(m));

@@ -28,6 +28,7 @@ endforeach()
 qc_test(test_manifolds test_manifolds.c LIBRARIES qc_oracle)
 qc_test(test_manifold_rules test_manifold_rules.c LIBRARIES qc_oracle)
 qc_test(test_manifold_depth test_manifold_depth.c LIBRARIES qc_oracle)
+qc_test(test_manifold_range test_manifold_range.c LIBRARIES qc_oracle)
 qc_test(test_manifold_bodies test_manifold_bodies.c LIBRARIES qc_oracle)
 qc_test(test_out_of_memory test_out_of_memory.c LIBRARIES qc_oracle)
 # Kernels, surfaces and what is found with them. Their models are of single operations: no fused multiply-add.

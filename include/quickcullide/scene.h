@@ -351,6 +351,9 @@ typedef struct qcManifoldPoint
 /// only the corners are reported. Where the two stand flat and one plane parts the whole region, all points have its
 /// normal, and hold it for every pair. In a body with itself A and B are the two sides of the region, each triangleA
 /// connected with the others, whichever has the lower index.
+///
+/// Coordinates may be of any size. Triangles in contact must not be smaller than 1e-50 of the largest coordinate of the
+/// triangles that the two bodies have in contact: below, rounding may turn normals and drop points.
 typedef struct qcManifold
 {
     uint32_t bodyA, bodyB;           ///< slots, bodyA <= bodyB
