@@ -7,3 +7,4 @@ foreach(name device visibility growth picture)
 endforeach()
 # `layers`: on each software device; its frame needs none.
 qc_test(test_layers_frame INTERNAL test_layers_frame.c LIBRARIES qc_oracle)
+qc_test(test_fork test_fork.c LIBRARIES qc_oracle)

@@ -10,10 +10,13 @@
 #include "status.h"
 
 #include <assert.h>
+#include <math.h>
 #include <pthread.h>
 #include <signal.h>
+#include <stdatomic.h>
 #include <stdio.h>
 #include <string.h>
+#include <unistd.h>
 
 enum
 {
@@ -51,6 +54,7 @@ struct qcDevice
     bool software;
     bool lost; ///< of the thread
 
+    pid_t process; ///< where the thread is: a child process has a copy of the device without it
     pthread_t thread;
     pthread_mutex_t callers; ///< held by the one caller that is being served
     KeptCosts costs[qc_keptCosts];
@@ -77,6 +81,15 @@ static const struct
     [qc_deviceSurfaceless] = {"surfaceless", qcOpenSurfacelessContext, qcCloseEglContext},
     [qc_deviceNone] = {"none", NULL, NULL},
 };
+
+/// The process that has opened GL contexts, or tried to; 0: none. Drivers keep threads and locks as long as they are
+/// loaded: in a child process they wait for threads that aren't there.
+static _Atomic pid_t s_glProcess;
+
+static bool IsInOtherProcess(const qcDevice* device)
+{
+    return device->process != getpid();
+}
 
 bool qcIsSoftwareRenderer(const char* renderer)
 {
@@ -204,6 +217,18 @@ static qcStatus WaitForAnswer(qcDevice* device)
     return device->status;
 }
 
+/// False, and a message: GL was opened before this process was forked.
+static bool TakeGl(qcDevice* device)
+{
+    pid_t first = 0;
+    if (atomic_compare_exchange_strong(&s_glProcess, &first, device->process) || first == device->process)
+        return true;
+    snprintf(device->message, sizeof device->message,
+             "process %ld has opened GL before fork(); GL's threads are not in this process, %ld", (long)first,
+             (long)device->process);
+    return false;
+}
+
 static bool StartThread(qcDevice* device)
 {
     pthread_attr_t attributes;
@@ -227,6 +252,8 @@ static qcStatus OpenKind(qcDevice* device, qcDeviceKind kind)
     if (kind == qc_deviceNone)
         return qc_statusOk;
     device->turn = turn_idle;
+    if (!TakeGl(device))
+        return qc_statusDevice;
     if (!StartThread(device))
     {
         snprintf(device->message, sizeof device->message, "no thread can be started");
@@ -262,6 +289,7 @@ qcStatus qcDevice_Create(const qcDeviceDef* def, qcDevice** result)
     qcDevice* device = qcAllocateZeroed(sizeof *device);
     if (device == NULL)
         return qcFailMemory(sizeof *device, "a device");
+    device->process = getpid();
     pthread_mutex_init(&device->callers, NULL);
     pthread_mutex_init(&device->mutex, NULL);
     pthread_mutex_init(&device->costsMutex, NULL);
@@ -289,6 +317,13 @@ void qcDevice_Destroy(qcDevice* device)
 {
     if (device == NULL)
         return;
+    if (device->kind != qc_deviceNone && IsInOtherProcess(device))
+    {
+        // Another thread of the parent may have held the locks: they can't be destroyed here. The context is the
+        // parent's.
+        qcFree(device, sizeof *device);
+        return;
+    }
     if (device->kind != qc_deviceNone)
     {
         pthread_mutex_lock(&device->mutex);
@@ -318,6 +353,9 @@ qcStatus qcDevice_Run(qcDevice* device, qcDeviceJob* job, void* context, const c
 {
     if (device->kind == qc_deviceNone)
         return qcFail(qc_statusDevice, "%s: the device none has no GL", purpose);
+    if (IsInOtherProcess(device))
+        return qcFail(qc_statusDevice, "%s: the device %s belongs to process %ld, and fork() leaves it there", purpose,
+                      s_kinds[device->kind].name, (long)device->process);
     // A job that runs a job would wait for itself.
     assert(!pthread_equal(pthread_self(), device->thread));
 
@@ -339,6 +377,11 @@ qcStatus qcDevice_Run(qcDevice* device, qcDeviceJob* job, void* context, const c
 bool qcDevice_FindCosts(qcDevice* device, uint32_t threads, qcPlanCosts* costs)
 {
     bool found = false;
+    if (IsInOtherProcess(device))
+    {
+        *costs = (qcPlanCosts){.layersFixed = INFINITY, .layersPerTriangle = INFINITY};
+        return true;
+    }
     pthread_mutex_lock(&device->costsMutex);
     for (int i = 0; i < qc_keptCosts && !found; i++)
     {

@@ -12,11 +12,13 @@ struct qcGlTable;
 /// Its return value, and the message it left, reach the caller of qcDevice_Run.
 typedef qcStatus qcDeviceJob(const struct qcGlTable* gl, void* context);
 
-/// Runs a job and waits for it. Any thread. qc_statusDevice on a device without GL.
+/// Runs a job and waits for it. Any thread. qc_statusDevice on a device without GL, and in a child process that was
+/// forked after the device was opened.
 /// When the job left a GL error behind, qc_statusDevice, naming the error and `purpose`.
 qcStatus qcDevice_Run(qcDevice* device, qcDeviceJob* job, void* context, const char* purpose);
 
-/// Costs that were measured on the device with as many threads are kept with it. False: there are none yet. Any thread.
+/// Costs that were measured on the device with as many threads are kept with it. False: there are none yet. In a child
+/// process the device's costs are infinite. Any thread.
 bool qcDevice_FindCosts(qcDevice* device, uint32_t threads, qcPlanCosts* costs);
 void qcDevice_KeepCosts(qcDevice* device, uint32_t threads, const qcPlanCosts* costs);
 
