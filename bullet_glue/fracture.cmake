@@ -20,6 +20,7 @@ function(qc_add_fracture name glue)
     VERSION ${PROJECT_VERSION} SOVERSION ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR})
   target_include_directories(qc_${name} SYSTEM PRIVATE ${VORO_INCLUDE_DIR})
   target_link_libraries(qc_${name} PUBLIC quickcullide::${glue} PRIVATE ${VORO_LIBRARY} PkgConfig::GLU Threads::Threads)
+  qc_hide_others(qc_${name})
   install(TARGETS qc_${name} EXPORT quickcullide_${name})
   install(EXPORT quickcullide_${name} NAMESPACE quickcullide:: DESTINATION ${QC_PACKAGE_DIR}
           FILE quickcullide_${name}Targets.cmake)
