@@ -40,9 +40,11 @@ void qcBroadphase::RemoveFrom(btAlignedObjectArray<Proxy*>& pairs, const Proxy* 
     pairs.resize(kept);
 }
 
-/// A pair may end before the next search, which then knows nothing of it.
+/// A pair may end before the next search, and its filters may change: it is listed, and checked there.
 void qcBroadphase::AddPairNow(Proxy* a, Proxy* b)
 {
+    if (a->m_uniqueId > b->m_uniqueId)
+        std::swap(a, b);
     int before = m_pairCache->getNumOverlappingPairs();
     if (a->state().destroyed || b->state().destroyed || !Judge(a, b) || m_pairCache->getNumOverlappingPairs() <= before)
         return;
@@ -193,7 +195,7 @@ void qcBroadphase::AddBegun(const qcBoxChanges& changes)
     }
 }
 
-/// Pairs that are known to overlap no more.
+/// Removes the pairs that no longer overlap, and those added since the last search whose filters no longer agree.
 void qcBroadphase::RemoveEnded(const qcBoxChanges& changes, btDispatcher* dispatcher)
 {
     for (size_t i = 0; i < changes.endedCount; i++)
@@ -205,7 +207,11 @@ void qcBroadphase::RemoveEnded(const qcBoxChanges& changes, btDispatcher* dispat
     for (int i = 0; i < m_addedPairs.size(); i += 2)
     {
         Proxy *a = m_addedPairs[i], *b = m_addedPairs[i + 1];
-        if (!a->state().destroyed && !b->state().destroyed && !Overlap(a, b))
+        if (a->state().destroyed || b->state().destroyed ||
+            (Overlap(a, b) && m_pairCache->needsBroadphaseCollision(a, b)))
+            continue;
+        // A filter may have destroyed one, and with it the pair.
+        if (!a->state().destroyed && !b->state().destroyed)
             m_pairCache->removeOverlappingPair(a, b, dispatcher);
     }
 }

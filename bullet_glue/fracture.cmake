@@ -21,6 +21,7 @@ function(qc_add_fracture name glue precision)
   target_compile_options(qc_${name} PRIVATE -ffp-contract=off) # for sums that are exact (fracture_sites.cpp)
   target_include_directories(qc_${name} SYSTEM PRIVATE ${VORO_INCLUDE_DIR})
   target_link_libraries(qc_${name} PUBLIC quickcullide::${glue} PRIVATE ${VORO_LIBRARY} PkgConfig::GLU Threads::Threads)
+  qc_hide_others(qc_${name})
   install(TARGETS qc_${name} EXPORT quickcullide_${name})
   install(EXPORT quickcullide_${name} NAMESPACE quickcullide:: DESTINATION ${QC_PACKAGE_DIR}
           FILE quickcullide_${name}Targets.cmake)

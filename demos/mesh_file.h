@@ -17,7 +17,8 @@ typedef struct qcMesh
     void* positions;
     bool isDouble;
     uint32_t vertexCount;
-    /// Three a triangle, each below `vertexCount`. A polygon is a fan around its first corner.
+    /// Three a triangle, each below `vertexCount`. A polygon is a fan around its first corner. A triangle strip gives
+    /// its triangles, all wound the same way, without those that name a vertex twice.
     uint32_t* indices;
     uint32_t triangleCount;
 } qcMesh;

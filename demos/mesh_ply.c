@@ -1,8 +1,11 @@
 // PLY: a header that declares elements and their properties, then their values as text or in either byte order.
-// Turk, The PLY Polygon File Format, 1994. What is not vertex or face is passed over.
+// Turk, The PLY Polygon File Format, 1994. Triangle strips as in the files of Stanford's and Georgia Tech's archives:
+// an element tristrips whose list holds strips, separated by -1. Every element but vertex, face and tristrips is
+// skipped.
 #include "mesh_parse.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <string.h>
 
 enum
@@ -45,7 +48,8 @@ typedef enum PlyRole
     ply_x,
     ply_y,
     ply_z,
-    ply_corners
+    ply_corners,
+    ply_strips
 } PlyRole;
 
 typedef struct PlyProperty
@@ -61,7 +65,7 @@ typedef struct PlyElement
     uint64_t count;
     uint64_t line; ///< of its declaration
     size_t firstProperty, propertyCount;
-    bool isVertex, isFace;
+    bool isVertex, isFace, isStrips;
 } PlyElement;
 
 typedef struct PlyReader
@@ -73,9 +77,10 @@ typedef struct PlyReader
     PlyProperty properties[qc_maxProperties];
     size_t propertyCount;
     uint64_t vertexCount;
-    // Where the reader is, for messages.
+    //  Where the reader is, for messages.
     const PlyElement* element;
     uint64_t index;
+    int64_t place; ///< in a list of strips, from 1; otherwise 0
 } PlyReader;
 
 //  ---- header --------------------------------------------------------------------------------------
@@ -96,10 +101,10 @@ static bool IsWord(Word word, const char* text)
 static bool NextHeaderLine(PlyReader* reader, Word words[qc_maxHeaderWords], size_t* count)
 {
     qcMeshParser* parser = reader->parser;
+    *count = 0;
     const char* newline = memchr(parser->cursor, '\n', (size_t)(parser->end - parser->cursor));
     if (newline == NULL)
         return qcMeshParser_Fail(parser, "the file ends inside the header");
-    *count = 0;
     const char* p = parser->cursor;
     for (;;)
     {
@@ -166,11 +171,14 @@ static bool DeclareElement(PlyReader* reader, const Word* words, size_t count)
                             .line = reader->parser->line,
                             .firstProperty = reader->propertyCount,
                             .isVertex = IsWord(words[1], "vertex"),
-                            .isFace = IsWord(words[1], "face")};
+                            .isFace = IsWord(words[1], "face"),
+                            .isStrips = IsWord(words[1], "tristrips")};
     qcQuoteWord(words[1].text, words[1].end, element->name, sizeof element->name);
     for (size_t i = 0; i < reader->elementCount; ++i)
     {
-        if ((element->isVertex && reader->elements[i].isVertex) || (element->isFace && reader->elements[i].isFace))
+        const PlyElement* other = &reader->elements[i];
+        if ((element->isVertex && other->isVertex) || (element->isFace && other->isFace) ||
+            (element->isStrips && other->isStrips))
             return qcMeshParser_Fail(reader->parser, "element %s is declared twice", element->name);
     }
     if (element->isVertex && elementCount > UINT32_MAX)
@@ -193,8 +201,8 @@ static PlyRole FindRole(const PlyElement* element, const PlyProperty* property, 
                 return (PlyRole)axis;
         }
     }
-    if (element->isFace && isList && (IsWord(name, "vertex_indices") || IsWord(name, "vertex_index")))
-        return ply_corners;
+    if (isList && (IsWord(name, "vertex_indices") || IsWord(name, "vertex_index")))
+        return element->isFace ? ply_corners : element->isStrips ? ply_strips : ply_passedOver;
     return ply_passedOver;
 }
 
@@ -234,7 +242,7 @@ static bool DeclareProperty(PlyReader* reader, const Word* words, size_t count)
     qcQuoteWord(name.text, name.end, quoted, sizeof quoted);
     if (isList && !IsInteger(property.countType))
         return qcMeshParser_Fail(parser, "the length of list %s is not of an integer type", quoted);
-    if (property.role == ply_corners && !IsInteger(property.type))
+    if (property.role >= ply_corners && !IsInteger(property.type))
         return qcMeshParser_Fail(parser, "list %s is not of an integer type", quoted);
     if (property.role != ply_passedOver && FindProperty(reader, element, property.role) != NULL)
         return qcMeshParser_Fail(parser, "property %s is declared twice", quoted);
@@ -306,13 +314,14 @@ static uint64_t GetLeastSize(const PlyReader* reader, const PlyElement* element)
 static bool CheckHeader(PlyReader* reader)
 {
     qcMeshParser* parser = reader->parser;
-    const PlyElement *vertices = NULL, *faces = NULL;
+    const PlyElement *vertices = NULL, *faces = NULL, *strips = NULL;
     uint64_t remaining = (uint64_t)(parser->end - parser->cursor);
     for (size_t i = 0; i < reader->elementCount; ++i)
     {
         const PlyElement* element = &reader->elements[i];
         vertices = element->isVertex ? element : vertices;
         faces = element->isFace ? element : faces;
+        strips = element->isStrips ? element : strips;
         uint64_t leastSize = GetLeastSize(reader, element);
         if (leastSize == 0)
             return qcMessage_Fail(parser->message, "%s: line %llu: element %s has no properties", parser->name,
@@ -326,26 +335,42 @@ static bool CheckHeader(PlyReader* reader)
     if (vertices == NULL || FindProperty(reader, vertices, ply_x) == NULL ||
         FindProperty(reader, vertices, ply_y) == NULL || FindProperty(reader, vertices, ply_z) == NULL)
         return qcMeshParser_Fail(parser, "the header declares no element vertex with properties x, y and z");
-    if (faces == NULL || FindProperty(reader, faces, ply_corners) == NULL)
-        return qcMeshParser_Fail(parser, "the header declares no element face with a list vertex_indices");
+    bool hasFaces = faces != NULL && FindProperty(reader, faces, ply_corners) != NULL;
+    bool hasStrips = strips != NULL && FindProperty(reader, strips, ply_strips) != NULL;
+    if (!hasFaces && !hasStrips)
+        return qcMeshParser_Fail(
+            parser, "the header declares no element face with a list vertex_indices, and no tristrips with one");
     return qcMeshParser_ReserveVertices(parser, (size_t)vertices->count) &&
-           qcMeshParser_ReserveTriangles(parser, (size_t)faces->count);
+           qcMeshParser_ReserveTriangles(parser, hasFaces ? (size_t)faces->count : 0);
 }
 
 //  ---- values --------------------------------------------------------------------------------------
 
+typedef struct PlyPlace
+{
+    char text[80];
+} PlyPlace;
+
+static PlyPlace PlaceOf(const PlyReader* reader)
+{
+    PlyPlace place;
+    int length =
+        snprintf(place.text, sizeof place.text, "%s %llu", reader->element->name, (unsigned long long)reader->index);
+    if (reader->place != 0)
+        snprintf(place.text + length, sizeof place.text - (size_t)length, ": value %lld", (long long)reader->place);
+    return place;
+}
+
 static bool FailHere(PlyReader* reader, const char* text)
 {
-    return qcMeshParser_Fail(reader->parser, "%s %llu: %s", reader->element->name, (unsigned long long)reader->index,
-                             text);
+    return qcMeshParser_Fail(reader->parser, "%s: %s", PlaceOf(reader).text, text);
 }
 
 static bool FailWord(PlyReader* reader, Word word, const char* text)
 {
     char quoted[40];
-    return qcMeshParser_Fail(reader->parser, "%s %llu: '%s' %s", reader->element->name,
-                             (unsigned long long)reader->index, qcQuoteWord(word.text, word.end, quoted, sizeof quoted),
-                             text);
+    return qcMeshParser_Fail(reader->parser, "%s: '%s' %s", PlaceOf(reader).text,
+                             qcQuoteWord(word.text, word.end, quoted, sizeof quoted), text);
 }
 
 static bool NextWord(PlyReader* reader, Word* word)
@@ -446,6 +471,14 @@ static bool NextReal(PlyReader* reader, const PlyType* type, double* value)
 
 //  ---- elements ------------------------------------------------------------------------------------
 
+static bool CheckVertex(PlyReader* reader, int64_t vertex)
+{
+    if (vertex >= 0 && vertex < (int64_t)reader->vertexCount)
+        return true;
+    return qcMeshParser_Fail(reader->parser, "%s: there is no vertex %lld: the last is %lld", PlaceOf(reader).text,
+                             (long long)vertex, (long long)reader->vertexCount - 1);
+}
+
 static bool ReadCorners(PlyReader* reader, const PlyType* type, int64_t count)
 {
     uint32_t first = 0, last = 0;
@@ -454,18 +487,61 @@ static bool ReadCorners(PlyReader* reader, const PlyType* type, int64_t count)
     for (int64_t i = 0; i < count; ++i)
     {
         int64_t corner = 0;
-        if (!NextInteger(reader, type, &corner))
+        if (!NextInteger(reader, type, &corner) || !CheckVertex(reader, corner))
             return false;
-        if (corner < 0 || corner >= (int64_t)reader->vertexCount)
-            return qcMeshParser_Fail(reader->parser, "face %llu: there is no vertex %lld: the last is %lld",
-                                     (unsigned long long)reader->index, (long long)corner,
-                                     (long long)reader->vertexCount - 1);
         if (i == 0)
             first = (uint32_t)corner;
         else if (i > 1 && !qcMeshParser_PushTriangle(reader->parser, first, last, (uint32_t)corner))
             return false;
         last = (uint32_t)corner;
     }
+    return true;
+}
+
+/// The last three vertices of a strip. Every second triangle is wound the other way. One that names a vertex twice only
+/// joins two runs of the strip: it is no triangle of the mesh.
+static bool PushStripTriangle(PlyReader* reader, const uint32_t v[3], int64_t length)
+{
+    if (length < 3 || v[0] == v[1] || v[1] == v[2] || v[2] == v[0])
+        return true;
+    bool turned = length % 2 == 0;
+    return qcMeshParser_PushTriangle(reader->parser, v[turned ? 1 : 0], v[turned ? 0 : 1], v[2]);
+}
+
+/// A list may be empty, end with a separator, or have two in a row.
+static bool EndStrip(PlyReader* reader, int64_t length)
+{
+    return length == 0 || length >= 3 || FailHere(reader, "a strip of fewer than 3 vertices ends here");
+}
+
+static bool ReadStrips(PlyReader* reader, const PlyType* type, int64_t count)
+{
+    uint32_t last[3] = {0, 0, 0};
+    int64_t length = 0;
+    for (int64_t i = 0; i < count; ++i)
+    {
+        int64_t vertex = 0;
+        reader->place = i + 1;
+        if (!NextInteger(reader, type, &vertex))
+            return false;
+        if (vertex == -1)
+        {
+            if (!EndStrip(reader, length))
+                return false;
+            length = 0;
+            continue;
+        }
+        if (!CheckVertex(reader, vertex))
+            return false;
+        last[0] = last[1];
+        last[1] = last[2];
+        last[2] = (uint32_t)vertex;
+        if (!PushStripTriangle(reader, last, ++length))
+            return false;
+    }
+    if (!EndStrip(reader, length))
+        return false;
+    reader->place = 0;
     return true;
 }
 
@@ -478,6 +554,8 @@ static bool ReadList(PlyReader* reader, const PlyProperty* property)
         return ReadCorners(reader, property->type, count);
     if (count < 0)
         return FailHere(reader, "a list of negative length");
+    if (property->role == ply_strips)
+        return ReadStrips(reader, property->type, count);
     for (int64_t i = 0; i < count; ++i)
     {
         if (!PassOver(reader, property->type))

@@ -4,6 +4,7 @@
 #include "output_file.h"
 
 #include <errno.h>
+#include <limits.h>
 #include <signal.h>
 #include <stdlib.h>
 #include <string.h>
@@ -13,7 +14,9 @@
 enum
 {
     // A table for the signal handler, which must not walk a list that is changing. Nobody writes more at once.
-    qc_maxOpen = 8
+    qc_maxOpen = 8,
+    // As many as Linux follows.
+    qc_maxLinks = 40
 };
 
 static char* volatile s_temporaries[qc_maxOpen];
@@ -102,6 +105,48 @@ static bool OpenTemporary(qcOutput* output, mode_t mode)
     return opened;
 }
 
+/// The path that a symbolic link leads to, from the link's folder where it is relative. Null, and errno: it is none.
+static char* ReadLink(const char* path)
+{
+    char target[PATH_MAX];
+    ssize_t length = readlink(path, target, sizeof target);
+    if (length < 0)
+        return NULL;
+    if (length == (ssize_t)sizeof target)
+    {
+        errno = ENAMETOOLONG;
+        return NULL;
+    }
+    const char* slash = target[0] == '/' ? NULL : strrchr(path, '/');
+    size_t folder = slash != NULL ? (size_t)(slash - path) + 1 : 0;
+    char* joined = malloc(folder + (size_t)length + 1);
+    if (joined == NULL)
+        return NULL;
+    memcpy(joined, path, folder);
+    memcpy(joined + folder, target, (size_t)length);
+    joined[folder + (size_t)length] = 0;
+    return joined;
+}
+
+/// Where a file that doesn't exist is to appear: at the end of the symbolic links, if the path is one. Null: see errno.
+static char* FollowLinks(const char* path)
+{
+    char* at = strdup(path);
+    for (int i = 0; at != NULL && i < qc_maxLinks; ++i)
+    {
+        char* next = ReadLink(at);
+        // Nothing is there, or no link.
+        if (next == NULL && (errno == ENOENT || errno == EINVAL))
+            return at;
+        free(at);
+        at = next;
+    }
+    if (at != NULL)
+        errno = ELOOP;
+    free(at);
+    return NULL;
+}
+
 bool qcOutput_Open(const char* path, qcOutput* output, qcMessage* message)
 {
     *output = (qcOutput){0};
@@ -109,8 +154,8 @@ bool qcOutput_Open(const char* path, qcOutput* output, qcMessage* message)
     bool exists = stat(path, &status) == 0;
     if (!exists && errno != ENOENT)
         return Fail(path, message);
-    // Through a symbolic link the file behind it is replaced, not the link.
-    output->path = exists ? realpath(path, NULL) : strdup(path);
+    // The file behind a symbolic link is replaced, not the link.
+    output->path = exists ? realpath(path, NULL) : FollowLinks(path);
     if (output->path == NULL)
         return Fail(path, message);
     bool opened;

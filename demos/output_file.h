@@ -1,4 +1,5 @@
-// A file that appears under its name only when it is complete: until then the old one stays.
+// A file that appears under its name only when it is complete: until then the old one stays. Where the path is a
+// symbolic link, that is the file it leads to, there already or not; the link stays.
 //
 // Thread-safety: one thread; a few files may be open at once.
 #ifndef QC_DEMOS_OUTPUT_FILE_H
@@ -10,15 +11,16 @@
 
 typedef struct qcOutput
 {
-    FILE* stream; ///< write here
-    char* path;
+    FILE* stream;    ///< write here
+    char* path;      ///< behind symbolic links
     char* temporary; ///< beside the path; null where the path is no regular file and is written directly
 } qcOutput;
 
 /// Says early whether the path can be written; nothing is left behind.
 bool qcOutput_Check(const char* path, qcMessage* message);
 
-/// Opens a temporary file beside the path. A signal that ends the program removes it.
+/// Opens a temporary file beside the path, in the folder of the file that is replaced. A signal that ends the program
+/// removes it.
 bool qcOutput_Open(const char* path, qcOutput* output, qcMessage* message);
 
 /// Gives the file its name. On failure (a full disk shows here at the latest) the old file is as it was.

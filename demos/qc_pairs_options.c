@@ -147,7 +147,9 @@ static const struct argp_option s_options[] = {
     {NULL, 0, NULL, 0, "Output:", 3},
     {"out", key_out, "FILE", 0,
      "Write the pairs, a line each, sorted: bodyA triangleA bodyB triangleB penetrating|touching|near. A body is the "
-     "number of its MESH, a triangle its number in the file, both from 0; a polygon counts as the triangles of its fan",
+     "number of its MESH, a triangle its number in the file, both from 0; a polygon counts as the triangles of its "
+     "fan, "
+     "a strip (PLY's tristrips) as its triangles without those that name a vertex twice",
      3},
     {"proximities", key_proximities, NULL, 0,
      "Write behind each pair: distance depth pointA pointB normal, three numbers a point. The points are the closest "

@@ -10,6 +10,7 @@
 // overlapped is one of two still boxes; if one has moved since, it was marked when that began to move.
 #include "box_set.h"
 
+#include "float_mode.h"
 #include "sort.h"
 #include "status.h"
 
@@ -282,8 +283,7 @@ static void StoreSorted(const qcArray* items, qcBoxPair* pairs)
     }
 }
 
-/// Leaves in `pairs` those that began, then those that ended.
-static qcStatus Search(qcBoxes* set, Wanted wanted)
+__attribute__((noinline)) static qcStatus SearchInMode(qcBoxes* set, Wanted wanted)
 {
     set->began.count = 0;
     set->ended.count = 0;
@@ -310,13 +310,21 @@ static qcStatus Search(qcBoxes* set, Wanted wanted)
     return qc_statusOk;
 }
 
+/// Leaves in `pairs` those that began, then those that ended.
+static qcStatus Search(qcBoxes* set, Wanted wanted)
+{
+    qcFloatMode mode = qcFloatMode_Begin();
+    qcStatus status = SearchInMode(set, wanted);
+    qcFloatMode_End(mode);
+    set->forgotten = status != qc_statusOk;
+    return status;
+}
+
 qcStatus qcBoxes_FindMovedPairs(qcBoxes* boxes, const qcBoxPair** pairs, size_t* count)
 {
     if (boxes == NULL || pairs == NULL || count == NULL)
         return qcFail(qc_statusBadInput, "qcBoxes_FindMovedPairs: boxes, pairs or count is null");
-    qcStatus status = Search(boxes, MOVED);
-    boxes->forgotten = status != qc_statusOk;
-    QC_TRY(status);
+    QC_TRY(Search(boxes, MOVED));
     *pairs = boxes->pairs.data;
     *count = boxes->pairs.count;
     return qc_statusOk;
@@ -327,9 +335,7 @@ qcStatus qcBoxes_FindChangedPairs(qcBoxes* boxes, qcBoxChanges* changes)
     if (boxes == NULL || changes == NULL)
         return qcFail(qc_statusBadInput, "qcBoxes_FindChangedPairs: boxes or changes is null");
     bool all = boxes->forgotten;
-    qcStatus status = Search(boxes, CHANGED);
-    boxes->forgotten = status != qc_statusOk;
-    QC_TRY(status);
+    QC_TRY(Search(boxes, CHANGED));
     const qcBoxPair* pairs = boxes->pairs.data;
     *changes = (qcBoxChanges){.began = pairs, .beganCount = boxes->began.count, .endedCount = boxes->ended.count};
     changes->ended = pairs != NULL ? pairs + boxes->began.count : NULL;

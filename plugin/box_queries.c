@@ -12,11 +12,13 @@
 //   the box.
 #include "box_set.h"
 
+#include "float_mode.h"
+
 #include <float.h>
 #include <math.h>
 #include <string.h>
 
-void qcBoxes_GetTotalBounds(const qcBoxes* boxes, double lower[3], double upper[3])
+__attribute__((noinline)) static void GetTotalBounds(const qcBoxes* boxes, double lower[3], double upper[3])
 {
     bool any = qcBoxes_GetCount(boxes) > 0;
     for (int k = 0; k < 3; k++)
@@ -35,6 +37,30 @@ void qcBoxes_GetTotalBounds(const qcBoxes* boxes, double lower[3], double upper[
             upper[k] = qcUpper(upper[k], bounds.upper[k]);
         }
     }
+}
+
+void qcBoxes_GetTotalBounds(const qcBoxes* boxes, double lower[3], double upper[3])
+{
+    qcFloatMode mode = qcFloatMode_Begin();
+    GetTotalBounds(boxes, lower, upper);
+    qcFloatMode_End(mode);
+}
+
+/// The caller's function, which runs in the caller's floating-point environment.
+typedef struct Visitor
+{
+    qcBoxFunction* function;
+    void* context;
+    qcFloatMode mode;
+} Visitor;
+
+static bool Visit(uint32_t id, void* userData, void* context)
+{
+    Visitor* visitor = context;
+    qcFloatMode_End(visitor->mode);
+    bool more = visitor->function(id, userData, visitor->context);
+    visitor->mode = qcFloatMode_Begin();
+    return more;
 }
 
 //  ---- all boxes in a box ----------------------------------------------------------------------------
@@ -165,13 +191,21 @@ static void OfferForest(const Question* question, unsigned parts)
         more = OfferTree(question, &forest->trees[qcForest_NextTree(&trees)]);
 }
 
+__attribute__((noinline)) static void QueryBox(const qcBoxes* boxes, const double lower[3], const double upper[3],
+                                               Visitor* visitor)
+{
+    Question question = Ask(boxes, lower, upper, Visit, visitor);
+    OfferForest(&question, YOUNG | OLD);
+}
+
 void qcBoxes_QueryBox(const qcBoxes* boxes, const double lower[3], const double upper[3], qcBoxFunction* function,
                       void* context)
 {
     if (qcBoxes_GetCount(boxes) == 0)
         return;
-    Question question = Ask(boxes, lower, upper, function, context);
-    OfferForest(&question, YOUNG | OLD);
+    Visitor visitor = {function, context, qcFloatMode_Begin()};
+    QueryBox(boxes, lower, upper, &visitor);
+    qcFloatMode_End(visitor.mode);
 }
 
 //  ---- neighbours ------------------------------------------------------------------------------------
@@ -269,7 +303,7 @@ static uint32_t CollectBegun(const qcBoxes* set, uint32_t id, uint32_t end, Begu
 }
 
 /// Of the neighbours that are kept; but not the young ones, if those are asked otherwise.
-static bool OfferBegun(const qcBoxes* set, uint32_t id, bool young, qcBoxFunction* function, void* context)
+static bool OfferBegun(const qcBoxes* set, uint32_t id, bool young, Visitor* visitor)
 {
     Begun begun;
     for (uint32_t end = qcNeighbours_First(&set->neighbours, id); end != QC_NO_EDGE;)
@@ -278,7 +312,7 @@ static bool OfferBegun(const qcBoxes* set, uint32_t id, bool young, qcBoxFunctio
         // Most find nothing.
         if (begun.count == 0)
             continue;
-        Question question = AskOf(set, id, function, context);
+        Question question = AskOf(set, id, Visit, visitor);
         question.self = id;
         for (uint32_t i = 0; i < begun.count; i++)
             if ((young || !qcForest_IsYoung(&set->forest, begun.ids[i])) && !Offer(&question, begun.ids[i]))
@@ -287,21 +321,28 @@ static bool OfferBegun(const qcBoxes* set, uint32_t id, bool young, qcBoxFunctio
     return true;
 }
 
-void qcBoxes_QueryBegun(qcBoxes* boxes, uint32_t id, qcBoxFunction* function, void* context)
+__attribute__((noinline)) static void QueryBegun(qcBoxes* boxes, uint32_t id, Visitor* visitor)
 {
-    if (boxes == NULL || id >= boxes->boxes.count || !qcBoxes_Box(boxes, id)->alive)
-        return;
     qcBoxes_Settle(boxes, id);
     // A still box has neighbours that are not kept.
     const qcBox* box = qcBoxes_Box(boxes, id);
     bool known = !box->still && !boxes->forgotten && box->at != qc_atLost;
     // Others may have come since.
     bool others = boxes->putCount != (box->at != qc_atHome);
-    if ((known && !OfferBegun(boxes, id, !others, function, context)) || (known && !others))
+    if ((known && !OfferBegun(boxes, id, !others, visitor)) || (known && !others))
         return;
-    Question question = AskOf(boxes, id, function, context);
+    Question question = AskOf(boxes, id, Visit, visitor);
     question.self = id;
     OfferForest(&question, known ? YOUNG : YOUNG | OLD);
+}
+
+void qcBoxes_QueryBegun(qcBoxes* boxes, uint32_t id, qcBoxFunction* function, void* context)
+{
+    if (boxes == NULL || id >= boxes->boxes.count || !qcBoxes_Box(boxes, id)->alive)
+        return;
+    Visitor visitor = {function, context, qcFloatMode_Begin()};
+    QueryBegun(boxes, id, &visitor);
+    qcFloatMode_End(visitor.mode);
 }
 
 //  ---- all boxes on a way ----------------------------------------------------------------------------
@@ -330,8 +371,8 @@ static double UpperOrNan(double a, double b)
     return a > b ? a : b >= a ? b : NAN;
 }
 
-static Cast PrepareCast(const double from[3], const double to[3], const double castLower[3], const double castUpper[3],
-                        const double* fraction)
+__attribute__((noinline)) static Cast PrepareCast(const double from[3], const double to[3], const double castLower[3],
+                                                  const double castUpper[3], const double* fraction)
 {
     static const double wholeWay = 1.0;
     Cast cast = {.fraction = fraction != NULL ? fraction : &wholeWay};
@@ -447,7 +488,7 @@ static void PushLanes(const qcBoxes* boxes, const Cast* cast, CastStack* stack, 
 }
 
 /// Visits what is on the stack. Returns false if the function wants no more.
-static bool VisitStack(const qcBoxes* boxes, const Cast* cast, CastStack* stack, qcBoxFunction* function, void* context)
+static bool VisitStack(const qcBoxes* boxes, const Cast* cast, CastStack* stack, Visitor* visitor)
 {
     while (stack->count > 0)
     {
@@ -457,19 +498,15 @@ static bool VisitStack(const qcBoxes* boxes, const Cast* cast, CastStack* stack,
             continue;
         if (stop.tree != NULL)
             PushLanes(boxes, cast, stack, &stop);
-        else if (!function(stop.octet, QC_AT(void*, boxes->userData, stop.octet), context))
+        else if (!Visit(stop.octet, QC_AT(void*, boxes->userData, stop.octet), visitor))
             return false;
     }
     return true;
 }
 
-void qcBoxes_CastBox(const qcBoxes* boxes, const double from[3], const double to[3], const double castLower[3],
-                     const double castUpper[3], const double* fraction, qcBoxFunction* function, void* context)
+__attribute__((noinline)) static void CastBox(const qcBoxes* boxes, const Cast* cast, Visitor* visitor)
 {
-    if (qcBoxes_GetCount(boxes) == 0)
-        return;
     const qcForest* forest = &boxes->forest;
-    Cast cast = PrepareCast(from, to, castLower, castUpper, fraction);
     CastStack stack;
     stack.count = 0;
     for (uint64_t trees = forest->old | forest->young; trees != 0;)
@@ -479,17 +516,28 @@ void qcBoxes_CastBox(const qcBoxes* boxes, const double from[3], const double to
         qcFloatBox around = qcOctet_Around(&tree->shape.octets[tree->shape.first[stop.level]]);
         double lower[3] = {(double)around.lower[0], (double)around.lower[1], (double)around.lower[2]};
         double upper[3] = {(double)around.upper[0], (double)around.upper[1], (double)around.upper[2]};
-        if (CastMeets(&cast, lower, upper, &stop.entry))
+        if (CastMeets(cast, lower, upper, &stop.entry))
             stack.stops[stack.count++] = stop;
     }
     NearestLast(&stack, 0);
-    bool more = VisitStack(boxes, &cast, &stack, function, context);
+    bool more = VisitStack(boxes, cast, &stack, visitor);
     for (size_t i = 0; more && i < forest->listIds.count; i++)
     {
-        PushBox(boxes, &cast, &stack, QC_AT(uint32_t, forest->listIds, i));
+        PushBox(boxes, cast, &stack, QC_AT(uint32_t, forest->listIds, i));
         if ((i + 1) % qc_listStep != 0 && i + 1 < forest->listIds.count)
             continue;
         NearestLast(&stack, 0);
-        more = VisitStack(boxes, &cast, &stack, function, context);
+        more = VisitStack(boxes, cast, &stack, visitor);
     }
+}
+
+void qcBoxes_CastBox(const qcBoxes* boxes, const double from[3], const double to[3], const double castLower[3],
+                     const double castUpper[3], const double* fraction, qcBoxFunction* function, void* context)
+{
+    if (qcBoxes_GetCount(boxes) == 0)
+        return;
+    Visitor visitor = {function, context, qcFloatMode_Begin()};
+    Cast cast = PrepareCast(from, to, castLower, castUpper, fraction);
+    CastBox(boxes, &cast, &visitor);
+    qcFloatMode_End(visitor.mode);
 }

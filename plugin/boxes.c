@@ -2,6 +2,7 @@
 // Fat boxes: Catto, Box2D.
 #include "box_set.h"
 
+#include "float_mode.h"
 #include "status.h"
 
 #include <float.h>
@@ -234,7 +235,8 @@ static void StoreBounds(qcBoxes* set, uint32_t id, const double lower[3], const 
         QC_AT(qcBounds, set->bounds, id) = MakeBounds(lower, upper);
 }
 
-qcStatus qcBoxes_Add(qcBoxes* boxes, const double lower[3], const double upper[3], void* userData, uint32_t* id)
+__attribute__((noinline)) static qcStatus Add(qcBoxes* boxes, const double lower[3], const double upper[3],
+                                              void* userData, uint32_t* id)
 {
     if (boxes == NULL || id == NULL)
         return qcFail(qc_statusBadInput, "qcBoxes_Add: boxes or id is null");
@@ -252,6 +254,14 @@ qcStatus qcBoxes_Add(qcBoxes* boxes, const double lower[3], const double upper[3
     // Not fattened: most boxes never move.
     qcForest_Put(&boxes->forest, *id, &around);
     return qc_statusOk;
+}
+
+qcStatus qcBoxes_Add(qcBoxes* boxes, const double lower[3], const double upper[3], void* userData, uint32_t* id)
+{
+    qcFloatMode mode = qcFloatMode_Begin();
+    qcStatus status = Add(boxes, lower, upper, userData, id);
+    qcFloatMode_End(mode);
+    return status;
 }
 
 qcStatus qcBoxes_Remove(qcBoxes* boxes, uint32_t id)
@@ -277,7 +287,8 @@ static void BeginToMove(qcBoxes* set, uint32_t id)
         qcBoxes_KeepStillPairs(set, id);
 }
 
-qcStatus qcBoxes_Move(qcBoxes* boxes, uint32_t id, const double lower[3], const double upper[3])
+__attribute__((noinline)) static qcStatus Move(qcBoxes* boxes, uint32_t id, const double lower[3],
+                                               const double upper[3])
 {
     qcBox* box = GetBox(boxes, id);
     if (box == NULL)
@@ -305,6 +316,14 @@ qcStatus qcBoxes_Move(qcBoxes* boxes, uint32_t id, const double lower[3], const 
     return qc_statusOk;
 }
 
+qcStatus qcBoxes_Move(qcBoxes* boxes, uint32_t id, const double lower[3], const double upper[3])
+{
+    qcFloatMode mode = qcFloatMode_Begin();
+    qcStatus status = Move(boxes, id, lower, upper);
+    qcFloatMode_End(mode);
+    return status;
+}
+
 uint32_t qcBoxes_GetCount(const qcBoxes* boxes)
 {
     return boxes == NULL ? 0 : (uint32_t)(boxes->boxes.count - boxes->freeIds.count);
@@ -316,11 +335,18 @@ void* qcBoxes_GetUserData(const qcBoxes* boxes, uint32_t id)
     return box == NULL ? NULL : QC_AT(void*, boxes->userData, id);
 }
 
-void qcBoxes_GetBounds(const qcBoxes* boxes, uint32_t id, double lower[3], double upper[3])
+__attribute__((noinline)) static void GetBounds(const qcBoxes* boxes, uint32_t id, double lower[3], double upper[3])
 {
     qcBounds bounds = {{0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}};
     if (GetBox(boxes, id) != NULL)
         bounds = qcBoxes_Bounds(boxes, id);
     memcpy(lower, bounds.lower, sizeof bounds.lower);
     memcpy(upper, bounds.upper, sizeof bounds.upper);
+}
+
+void qcBoxes_GetBounds(const qcBoxes* boxes, uint32_t id, double lower[3], double upper[3])
+{
+    qcFloatMode mode = qcFloatMode_Begin();
+    GetBounds(boxes, id, lower, upper);
+    qcFloatMode_End(mode);
 }

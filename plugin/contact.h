@@ -40,7 +40,7 @@ typedef struct qcContactPair
     double margin;
 } qcContactPair;
 
-/// Which features that the triangles stand for may have contacts. Of qc_featurePairs pairs at most.
+/// Which features that the triangles stand for may have contacts. For 1 to qc_featurePairs pairs.
 void qcContact_FindNear(const qcSurfaceKernels* kernels, const qcContactPair* pairs, size_t count,
                         qcNearFeatures near[qc_featurePairs]);
 

@@ -10,6 +10,8 @@
 // Only signs of exact predicates and comparisons of given coordinates are used: nothing is rounded.
 #include "exact.h"
 
+#include "float_mode.h"
+
 #include <stddef.h>
 
 /// How far an axis separates: not at all, weakly (only borders meet), strictly.
@@ -259,7 +261,7 @@ qcRelation qcExact_Relate(const double a[3][3], const double b[3][3], uint64_t* 
     return OnLine(a, b, sideA, sideB, undecided);
 }
 
-qcRelation qcRelateTriangles(const double* a, const double* b)
+__attribute__((noinline)) static qcRelation Relate(const double* a, const double* b)
 {
     double corners[2][3][3];
     for (int i = 0; i < 9; i++)
@@ -268,6 +270,14 @@ qcRelation qcRelateTriangles(const double* a, const double* b)
         corners[1][i / 3][i % 3] = b[i];
     }
     return qcExact_Relate(corners[0], corners[1], NULL);
+}
+
+qcRelation qcRelateTriangles(const double* a, const double* b)
+{
+    qcFloatMode mode = qcFloatMode_Begin();
+    qcRelation relation = Relate(a, b);
+    qcFloatMode_End(mode);
+    return relation;
 }
 
 const char* qcRelation_Name(qcRelation relation)

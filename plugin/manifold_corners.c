@@ -143,10 +143,10 @@ void qcManifolds_DropBetween(qcManifolds* m)
     const qcSortItem* items = m->order.data;
     for (size_t first = 0, end; first < m->order.count; first = end)
     {
-        uint64_t region = items[first].key >> 32;
+        uint64_t region = items[first].key;
         double tolerance = QC_AT(qcContactRegion, m->measured, region).tolerance;
         size_t stay = 0;
-        for (end = first; end < m->order.count && items[end].key >> 32 == region; end++)
+        for (end = first; end < m->order.count && items[end].key == region; end++)
         {
             uint32_t raw = (uint32_t)items[end].value;
             if (QC_AT(uint32_t, m->keepers, raw) != raw)

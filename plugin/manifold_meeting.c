@@ -4,6 +4,8 @@
 #include "sort.h"
 #include "status.h"
 
+#include <math.h>
+
 // Points nearer than this share of the triangles' size are one: in a region, the longest edge of a pair's smaller
 // triangle, on average.
 static const double s_tolerance = 1.0 / 64.0;
@@ -27,34 +29,34 @@ static qcStatus MeasureRegions(qcManifolds* m)
     return qc_statusOk;
 }
 
-static void Store(qcVector v, double out[3])
+static void Store(qcVector v, int exponent, double out[3])
 {
     out[0] = v.x;
     out[1] = v.y;
     out[2] = v.z;
+    for (int axis = 0; axis < 3 && exponent != 0; axis++)
+        out[axis] = ldexp(out[axis], exponent);
 }
 
 static qcManifoldPoint PointOf(const qcManifolds* m, const qcRawPoint* raw)
 {
     const qcManifoldPair* pair = qcManifolds_Pair(m, raw->pair);
-    qcManifoldPoint point = {.distance = raw->distance,
+    qcManifoldPoint point = {.distance = m->exponent != 0 ? ldexp(raw->distance, m->exponent) : raw->distance,
                              .triangleA = pair->side[0]->index,
                              .triangleB = pair->side[1]->index,
                              .featureA = {raw->feature[0][0], raw->feature[0][1]},
                              .featureB = {raw->feature[1][0], raw->feature[1][1]}};
-    Store(raw->end[0], point.pointA);
-    Store(raw->end[1], point.pointB);
-    Store(raw->normal, point.normal);
+    Store(raw->end[0], m->exponent, point.pointA);
+    Store(raw->end[1], m->exponent, point.pointB);
+    Store(raw->normal, 0, point.normal);
     return point;
 }
 
-/// Every region has a point: its first pair is heard, and of the points of a region the deepest stays.
+/// Every region has a point: its first pair is covered by one, and at least one point of a region stays.
 static qcStatus WriteResult(qcManifolds* m)
 {
     const qcManifoldPair* any = qcManifolds_Pair(m, 0);
-    size_t firstManifold = m->manifolds.count, firstPoint = m->points.count, count = 0;
-    for (size_t i = 0; i < m->raw.count; i++)
-        count += QC_AT(uint32_t, m->keepers, i) == i;
+    size_t firstManifold = m->manifolds.count, firstPoint = m->points.count, count = m->order.count;
     QC_TRY(qcArray_Reserve(&m->points, firstPoint + count, sizeof(qcManifoldPoint), "manifolds"));
     QC_TRY(qcArray_Resize(&m->manifolds, firstManifold + m->regions.count, sizeof(qcManifold), "manifolds"));
     m->points.count = firstPoint + count;
@@ -62,16 +64,13 @@ static qcStatus WriteResult(qcManifolds* m)
     qcManifoldPoint* points = &QC_AT(qcManifoldPoint, m->points, firstPoint);
     for (size_t r = 0; r < m->regions.count; r++)
         manifolds[r] = (qcManifold){.bodyA = any->side[0]->slot, .bodyB = any->side[1]->slot};
-    uint32_t at = 0;
-    for (size_t i = 0; i < m->order.count; i++)
+    for (uint32_t i = 0; i < count; i++)
     {
         qcSortItem item = QC_AT(qcSortItem, m->order, i);
-        if (QC_AT(uint32_t, m->keepers, item.value) != item.value)
-            continue;
-        qcManifold* manifold = &manifolds[item.key >> 32];
+        qcManifold* manifold = &manifolds[item.key];
         if (manifold->pointCount++ == 0)
-            manifold->firstPoint = at;
-        points[at++] = PointOf(m, &QC_AT(qcRawPoint, m->raw, item.value));
+            manifold->firstPoint = i;
+        points[i] = PointOf(m, &QC_AT(qcRawPoint, m->raw, item.value));
     }
     return qc_statusOk;
 }
@@ -106,16 +105,17 @@ qcStatus qcManifolds_Build(qcManifolds* m, const qcTriangles* triangles, const q
     if (m->work.count == 0)
         return qc_statusOk;
     QC_TRY(qcManifolds_JoinRegions(m));
-    QC_TRY(qcManifolds_FindPlanes(m, input->margin));
+    QC_TRY(qcManifolds_FindPlanes(m, known.margin));
     QC_TRY(qcManifolds_AskPairs(m, &known, threads));
     QC_TRY(qcManifolds_FindRings(m, threads));
     QC_TRY(qcManifolds_ChooseNormals(m, &known, threads));
     QC_TRY(qcManifolds_ChooseSigns(m, &known));
-    QC_TRY(qcManifolds_FindEscapes(m, input->margin));
+    QC_TRY(qcManifolds_FindEscapes(m, known.margin));
     QC_TRY(MeasureRegions(m));
     QC_TRY(qcManifolds_FindPoints(m, &known, threads));
     QC_TRY(qcManifolds_MergePoints(m));
     qcManifolds_DropBetween(m);
+    QC_TRY(qcManifolds_OrderKept(m));
     return WriteResult(m);
 }
 

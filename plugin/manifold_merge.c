@@ -25,6 +25,23 @@ typedef struct Link
     uint32_t next; ///< one more than the next link; 0: none
 } Link;
 
+static uint32_t RegionOf(const qcManifolds* m, uint64_t raw)
+{
+    return qcManifolds_Pair(m, QC_AT(qcRawPoint, m->raw, raw).pair)->region;
+}
+
+/// Sorts the order by region and, within one, by the keys that it comes with. Leaves the regions as keys.
+static qcStatus SortWithinRegions(qcManifolds* m)
+{
+    QC_TRY(qcSort_Items(m->order.data, m->order.count, &m->scratch));
+    for (size_t i = 0; i < m->order.count; i++)
+    {
+        qcSortItem* item = &QC_AT(qcSortItem, m->order, i);
+        item->key = RegionOf(m, item->value);
+    }
+    return qcSort_Items(m->order.data, m->order.count, &m->scratch);
+}
+
 /// Distances that differ by rounding only are equal, so that what lies in one plane keeps the order of its pairs.
 static qcStatus SortDeepestFirst(qcManifolds* m)
 {
@@ -32,12 +49,25 @@ static qcStatus SortDeepestFirst(qcManifolds* m)
     for (size_t i = 0; i < m->raw.count; i++)
     {
         const qcRawPoint* point = &QC_AT(qcRawPoint, m->raw, i);
-        uint64_t region = qcManifolds_Pair(m, point->pair)->region;
-        double step = s_step * QC_AT(qcContactRegion, m->measured, region).tolerance;
+        double step = s_step * QC_AT(qcContactRegion, m->measured, RegionOf(m, i)).tolerance;
         double distance = step > 0.0 ? rint(point->distance / step) : point->distance;
-        QC_AT(qcSortItem, m->order, i) = (qcSortItem){region << 32 | qcSort_FloatKey((float)distance), (uint64_t)i};
+        QC_AT(qcSortItem, m->order, i) = (qcSortItem){qcSort_DoubleKey(distance), (uint64_t)i};
     }
-    return qcSort_Items(m->order.data, m->order.count, &m->scratch);
+    return SortWithinRegions(m);
+}
+
+qcStatus qcManifolds_OrderKept(qcManifolds* m)
+{
+    size_t count = 0;
+    for (size_t i = 0; i < m->order.count; i++)
+    {
+        uint64_t raw = QC_AT(qcSortItem, m->order, i).value;
+        if (QC_AT(uint32_t, m->keepers, raw) == raw)
+            QC_AT(qcSortItem, m->order, count++) =
+                (qcSortItem){qcSort_DoubleKey(QC_AT(qcRawPoint, m->raw, raw).distance), raw};
+    }
+    m->order.count = count;
+    return SortWithinRegions(m);
 }
 
 static uint64_t Mix(uint64_t hash, double x)
@@ -127,7 +157,7 @@ qcStatus qcManifolds_MergePoints(qcManifolds* m)
     {
         uint32_t raw = (uint32_t)QC_AT(qcSortItem, m->order, i).value;
         Search search = {.point = &QC_AT(qcRawPoint, m->raw, raw)};
-        search.region = (uint32_t)(QC_AT(qcSortItem, m->order, i).key >> 32);
+        search.region = (uint32_t)QC_AT(qcSortItem, m->order, i).key;
         search.tolerance = QC_AT(qcContactRegion, m->measured, search.region).tolerance;
         double scale = search.tolerance > 0.0 ? 1.0 / (s_cell * search.tolerance) : 1.0;
         uint32_t keeper = Find(m, &search, scale);

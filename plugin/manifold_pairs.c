@@ -88,6 +88,33 @@ static qcStatus WeldVertices(qcManifolds* m)
     return qc_statusOk;
 }
 
+/// The stage multiplies up to four lengths. Coordinates beyond 2^±64 are scaled by a power of two, so that products
+/// of all but the smallest triangles neither overflow nor underflow. Vertices are welded before: none is rounded to
+/// another one.
+static void ChooseUnit(qcManifolds* m, qcMeetingInput* input)
+{
+    double largest = 0.0;
+    for (size_t v = 0; v < m->vertices.count; v++)
+    {
+        qcVector p = QC_AT(qcManifoldVertex, m->vertices, v).position;
+        double x = fabs(p.x), y = fabs(p.y), z = fabs(p.z), larger = x > y ? x : y;
+        larger = z > larger ? z : larger;
+        largest = larger > largest ? larger : largest;
+    }
+    m->exponent = 0;
+    if (largest == 0.0 || (largest >= 0x1p-64 && largest <= 0x1p64))
+        return;
+    m->exponent = ilogb(largest);
+    for (size_t v = 0; v < m->vertices.count; v++)
+    {
+        qcVector* p = &QC_AT(qcManifoldVertex, m->vertices, v).position;
+        *p = (qcVector){ldexp(p->x, -m->exponent), ldexp(p->y, -m->exponent), ldexp(p->z, -m->exponent)};
+    }
+    input->margin = ldexp(input->margin, -m->exponent);
+    input->proximities = NULL;
+    input->feet = NULL;
+}
+
 //  ---- triangles ------------------------------------------------------------------------------------------
 
 static double LongestEdge(const qcVector corner[3])
@@ -277,7 +304,7 @@ static void SetSides(const qcTriangles* t, const qcMeetingInput* input, Side sid
     sides[1].firstVertex = sides[0].body->vertexCount;
 }
 
-qcStatus qcManifolds_TakePairs(qcManifolds* m, const qcTriangles* t, const qcMeetingInput* input)
+qcStatus qcManifolds_TakePairs(qcManifolds* m, const qcTriangles* t, qcMeetingInput* input)
 {
     Side sides[2];
     SetSides(t, input, sides);
@@ -287,6 +314,7 @@ qcStatus qcManifolds_TakePairs(qcManifolds* m, const qcTriangles* t, const qcMee
     qcStatus status = WeldVertices(m);
     if (status == qc_statusOk)
     {
+        ChooseUnit(m, input);
         FinishTriangles(m);
         TakePairs(m, sides, input);
     }

@@ -230,6 +230,7 @@ typedef struct qcManifolds
     qcArray members;      ///< of each keeper: the raw points that it stands for, linked
     //  results of all builds of this step, one after the other; first points count from 0 in each
     qcArray manifolds, points; ///< of qcManifold, of qcManifoldPoint
+    int exponent;              ///< of this build: its lengths times 2^exponent are those of the scene
     qcStatus status;
     const qcSightKernels* sight;
 } qcManifolds;
@@ -295,8 +296,9 @@ qcStatus qcManifolds_Build(qcManifolds* manifolds, const qcTriangles* triangles,
                            uint32_t threads);
 void qcManifolds_Free(qcManifolds* manifolds);
 
-/// Takes the pairs in, with their triangles.
-qcStatus qcManifolds_TakePairs(qcManifolds* manifolds, const qcTriangles* triangles, const qcMeetingInput* input);
+/// Takes the pairs in, with their triangles, and chooses the unit of length: the input's margin follows, and its
+/// proximities are dropped where that isn't the scene's.
+qcStatus qcManifolds_TakePairs(qcManifolds* manifolds, const qcTriangles* triangles, qcMeetingInput* input);
 /// Joins neighbours to regions.
 qcStatus qcManifolds_JoinRegions(qcManifolds* manifolds);
 /// Settles the regions that one plane parts. Lists the pairs of the others: they are free.
@@ -317,6 +319,9 @@ qcStatus qcManifolds_FindPoints(qcManifolds* manifolds, const qcMeetingInput* in
 qcStatus qcManifolds_MergePoints(qcManifolds* manifolds);
 /// Of flat patches between rigid bodies only the corners stay.
 void qcManifolds_DropBetween(qcManifolds* manifolds);
+/// Reduces the order to the points that stay: by region, in each by the distance that is reported; points of equal
+/// distance stay in the order in which they were merged.
+qcStatus qcManifolds_OrderKept(qcManifolds* manifolds);
 
 /// Do two points say the same of the same place: one end of theirs nearly the same, and their normals too? Then only
 /// the deeper one counts; the other is the same feature found from another triangle, or lies behind it.

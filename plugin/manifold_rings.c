@@ -129,6 +129,9 @@ static uint32_t AddFan(const Wheel* wheel, uint32_t i, uint32_t corner, uint32_t
 
 static qcStatus FindRings(const qcManifolds* m, uint32_t worker, const qcManifoldTriangle* triangle)
 {
+    // Its pairs are all settled.
+    if (triangle->count == 0)
+        return qc_statusOk;
     Wheel wheel;
     qcManifoldWorker* self = &QC_AT(qcManifoldWorker, m->workers, worker);
     QC_TRY(MakeWheel(m, self, triangle, &wheel));

@@ -270,20 +270,28 @@ static void Agree(qcManifolds* m)
     }
 }
 
-static qcVector CentreOf(const qcBody* body)
+/// A corner of a body's box, in the unit of this build.
+static qcVector ScaledCorner(const qcManifolds* m, const double corner[3])
 {
-    return (qcVector){0.5 * body->lower[0] + 0.5 * body->upper[0], 0.5 * body->lower[1] + 0.5 * body->upper[1],
-                      0.5 * body->lower[2] + 0.5 * body->upper[2]};
+    if (m->exponent == 0)
+        return qcVector_Load(corner);
+    return (qcVector){ldexp(corner[0], -m->exponent), ldexp(corner[1], -m->exponent), ldexp(corner[2], -m->exponent)};
 }
 
-static double Size2(const qcBody* body)
+static qcVector CentreOf(const qcManifolds* m, const qcBody* body)
 {
-    qcVector diagonal = qcMinus(qcVector_Load(body->upper), qcVector_Load(body->lower));
+    qcVector lower = ScaledCorner(m, body->lower), upper = ScaledCorner(m, body->upper);
+    return (qcVector){0.5 * lower.x + 0.5 * upper.x, 0.5 * lower.y + 0.5 * upper.y, 0.5 * lower.z + 0.5 * upper.z};
+}
+
+static double Size2(const qcManifolds* m, const qcBody* body)
+{
+    qcVector diagonal = qcMinus(ScaledCorner(m, body->upper), ScaledCorner(m, body->lower));
     return qcDot(diagonal, diagonal);
 }
 
-/// Above 0: the bodies lie as the normals say; below: the other way round; 0: they don't say.
-static double SideOfBodies(const Part* part, const qcManifoldPair* pair)
+/// Above 0: the bodies lie on the sides that the normals name; below: on the other sides; 0: on neither clearly.
+static double SideOfBodies(const qcManifolds* m, const Part* part, const qcManifoldPair* pair)
 {
     double length = sqrt(qcDot(part->normal, part->normal));
     // Normals all around a body have no common side.
@@ -292,9 +300,9 @@ static double SideOfBodies(const Part* part, const qcManifoldPair* pair)
         return 0.0;
     qcVector zero = {0.0, 0.0, 0.0};
     qcVector place = qcPlusScaled(zero, part->place, 1.0 / part->count);
-    double a2 = Size2(bodyA), b2 = Size2(bodyB);
-    double a = qcDot(qcMinus(CentreOf(bodyA), place), part->normal) / length;
-    double b = qcDot(qcMinus(CentreOf(bodyB), place), part->normal) / length;
+    double a2 = Size2(m, bodyA), b2 = Size2(m, bodyB);
+    double a = qcDot(qcMinus(CentreOf(m, bodyA), place), part->normal) / length;
+    double b = qcDot(qcMinus(CentreOf(m, bodyB), place), part->normal) / length;
     double smaller2 = fmin(a2, b2);
     // Each as a share of the body's size, and the shares weighed by one over its square: less, and a ring on the floor
     // of a deep bin would be sent out through the floor, since the centre of the bin is far above.
@@ -307,13 +315,13 @@ static bool PointsDown(qcVector n)
     return n.x != 0.0 ? n.x < 0.0 : n.y != 0.0 ? n.y < 0.0 : n.z < 0.0;
 }
 
-static bool IsWrongWay(const Part* part, const qcManifoldPair* first, double margin)
+static bool IsWrongWay(const qcManifolds* m, const Part* part, const qcManifoldPair* first, double margin)
 {
     double shorter = fmin(part->along, part->against), longer = fmax(part->along, part->against);
     double rounding = QC_MANIFOLD_ROUNDING * part->size;
     if (shorter < (shorter <= margin + rounding ? s_shorter : s_muchShorter) * longer - rounding)
         return part->against < part->along;
-    double bodies = SideOfBodies(part, first);
+    double bodies = SideOfBodies(m, part, first);
     if (bodies != 0.0)
         return bodies < 0.0;
     if (fabs(part->sumAlong - part->sumAgainst) > rounding * part->count)
@@ -332,7 +340,7 @@ qcStatus qcManifolds_ChooseSigns(qcManifolds* m, const qcMeetingInput* input)
     {
         uint32_t p = qcManifolds_FreePair(m, i);
         Part* part = &QC_AT(Part, m->parts, p);
-        part->wrongWay = part->count != 0 && IsWrongWay(part, qcManifolds_Pair(m, p), input->margin);
+        part->wrongWay = part->count != 0 && IsWrongWay(m, part, qcManifolds_Pair(m, p), input->margin);
     }
     for (size_t i = 0; i < m->freePairs.count; i++)
     {

@@ -102,12 +102,12 @@ static void ForgetThreads(void)
                     .watchesForks = true};
 }
 
-/// As many as can be had.
+/// As many as can be started; none if a child process would not learn that it has none.
 static void StartThreads(Pool* pool, uint32_t wanted)
 {
     if (!pool->watchesForks)
         pool->watchesForks = pthread_atfork(NULL, NULL, ForgetThreads) == 0;
-    while (pool->threadCount < wanted && pool->threadCount < qc_mostThreads)
+    while (pool->watchesForks && pool->threadCount < wanted && pool->threadCount < qc_mostThreads)
     {
         if (pthread_create(&pool->threads[pool->threadCount], NULL, Serve, pool) != 0)
             return;

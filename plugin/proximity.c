@@ -14,6 +14,7 @@
 
 #include "closest.h"
 #include "exact.h"
+#include "float_mode.h"
 
 #include <math.h>
 #include <string.h>
@@ -297,7 +298,7 @@ void qcProximity_Of(const double a[3][3], const double b[3][3], qcRelation relat
         proximity->normal[axis] = 0.0 - mirror.normal[axis];
 }
 
-bool qcTrianglesWithin(const double* a, const double* b, double margin, qcProximity* proximity)
+__attribute__((noinline)) static bool AreWithin(const double* a, const double* b, double margin, qcProximity* proximity)
 {
     if (!(margin >= 0.0))
         return false;
@@ -313,4 +314,12 @@ bool qcTrianglesWithin(const double* a, const double* b, double margin, qcProxim
     if (proximity != NULL)
         qcProximity_Of(p, q, relation, proximity, &feet);
     return true;
+}
+
+bool qcTrianglesWithin(const double* a, const double* b, double margin, qcProximity* proximity)
+{
+    qcFloatMode mode = qcFloatMode_Begin();
+    bool within = AreWithin(a, b, margin, proximity);
+    qcFloatMode_End(mode);
+    return within;
 }

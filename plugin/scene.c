@@ -1,5 +1,6 @@
 // The scene's entry points: arguments are checked here, stages trust them.
 #include "detect.h"
+#include "float_mode.h"
 #include "status.h"
 
 #include <math.h>
@@ -53,7 +54,10 @@ qcStatus qcScene_AddBody(qcScene* scene, const qcBodyDef* def, qcBodyId* id)
     QC_TRY(CheckPointer(def, "qcScene_AddBody", "def"));
     QC_TRY(CheckPointer(id, "qcScene_AddBody", "id"));
     QC_TRY(CheckSize(def->structSize, sizeof *def, "qcScene_AddBody", "qcBodyDef"));
-    return qcBodies_Add(&scene->bodies, def, id);
+    qcFloatMode mode = qcFloatMode_Begin();
+    qcStatus status = qcBodies_Add(&scene->bodies, def, id);
+    qcFloatMode_End(mode);
+    return status;
 }
 
 /// The body, or null with a status in *status.
@@ -84,7 +88,10 @@ qcStatus qcScene_SetTransform(qcScene* scene, qcBodyId id, const qcTransform* tr
     QC_TRY(CheckPointer(transform, "qcScene_SetTransform", "transform"));
     if (body->deforming)
         return qcFail(qc_statusBadInput, "qcScene_SetTransform: body %u is deforming; give it vertices", id.slot);
-    return qcBodies_SetTransform(&scene->bodies, id.slot, transform);
+    qcFloatMode mode = qcFloatMode_Begin();
+    status = qcBodies_SetTransform(&scene->bodies, id.slot, transform);
+    qcFloatMode_End(mode);
+    return status;
 }
 
 qcStatus qcScene_SetVertices(qcScene* scene, qcBodyId id, const void* positions, qcPositionType type, size_t stride)
@@ -95,7 +102,10 @@ qcStatus qcScene_SetVertices(qcScene* scene, qcBodyId id, const void* positions,
         return status;
     if (!body->deforming)
         return qcFail(qc_statusBadInput, "qcScene_SetVertices: body %u is rigid; give it a transform", id.slot);
-    return qcBodies_SetVertices(&scene->bodies, id.slot, positions, type, stride);
+    qcFloatMode mode = qcFloatMode_Begin();
+    status = qcBodies_SetVertices(&scene->bodies, id.slot, positions, type, stride);
+    qcFloatMode_End(mode);
+    return status;
 }
 
 qcStatus qcScene_SetActivity(qcScene* scene, qcBodyId id, qcActivity activity)
@@ -158,7 +168,7 @@ static qcStatus CheckViews(const char views[4])
     return qcFail(qc_statusBadInput, "qcScene_Detect: views must be 1 to 3 different letters of \"xyz\"");
 }
 
-qcStatus qcScene_SetMargin(qcScene* scene, qcBodyId id, double margin)
+__attribute__((noinline)) static qcStatus SetMargin(qcScene* scene, qcBodyId id, double margin)
 {
     qcStatus status;
     qcBody* body = Find(scene, id, "qcScene_SetMargin", &status);
@@ -170,6 +180,14 @@ qcStatus qcScene_SetMargin(qcScene* scene, qcBodyId id, double margin)
     scene->bodies.revision += body->margin != margin;
     body->margin = margin;
     return qc_statusOk;
+}
+
+qcStatus qcScene_SetMargin(qcScene* scene, qcBodyId id, double margin)
+{
+    qcFloatMode mode = qcFloatMode_Begin();
+    qcStatus status = SetMargin(scene, id, margin);
+    qcFloatMode_End(mode);
+    return status;
 }
 
 static qcStatus CheckMargin(double margin, const char* name)
@@ -206,7 +224,7 @@ static qcStatus CheckDetectDef(const qcDetectDef* def)
     return CheckViews(def->views);
 }
 
-qcStatus qcScene_Detect(qcScene* scene, const qcDetectDef* def, const qcResult** result)
+__attribute__((noinline)) static qcStatus Detect(qcScene* scene, const qcDetectDef* def, const qcResult** result)
 {
     QC_TRY(CheckPointer(scene, "qcScene_Detect", "scene"));
     QC_TRY(CheckPointer(def, "qcScene_Detect", "def"));
@@ -215,4 +233,12 @@ qcStatus qcScene_Detect(qcScene* scene, const qcDetectDef* def, const qcResult**
     QC_TRY(qcDetector_Run(&scene->detector, &scene->bodies, scene->device, def));
     *result = &scene->detector.result;
     return qc_statusOk;
+}
+
+qcStatus qcScene_Detect(qcScene* scene, const qcDetectDef* def, const qcResult** result)
+{
+    qcFloatMode mode = qcFloatMode_Begin();
+    qcStatus status = Detect(scene, def, result);
+    qcFloatMode_End(mode);
+    return status;
 }

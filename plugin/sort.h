@@ -24,4 +24,15 @@ static inline uint32_t qcSort_FloatKey(float value)
     return bits.u & 0x80000000u ? ~bits.u : bits.u | 0x80000000u;
 }
 
+/// The same for doubles.
+static inline uint64_t qcSort_DoubleKey(double value)
+{
+    union
+    {
+        double d;
+        uint64_t u;
+    } bits = {value + 0.0};
+    return bits.u >> 63 != 0 ? ~bits.u : bits.u | (uint64_t)1 << 63;
+}
+
 #endif

@@ -165,9 +165,10 @@ qcStatus qcSurface_Follow(qcSurface* surface, const qcBody* body, double far, co
         MarkStar(surface, i, MarkOf((const double*)surface->noted.data + at, body->world + at, far),
                  &QC_AT(qcBoxRow, scratch->vertices, i));
     }
-    // Of those that strayed before the ones that still do are in the list twice.
-    memmove(surface->strayed.data, &QC_AT(uint32_t, surface->strayed, before),
-            (surface->strayed.count - before) * sizeof(uint32_t));
+    // Vertices that strayed before and still do are in the list twice: what was there before goes.
+    if (surface->strayed.count > before)
+        memmove(surface->strayed.data, &QC_AT(uint32_t, surface->strayed, before),
+                (surface->strayed.count - before) * sizeof(uint32_t));
     surface->strayed.count -= before;
     surface->moved = body->moved;
     surface->flatKnown = false;

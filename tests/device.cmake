@@ -9,6 +9,7 @@ foreach(name device device_host drivers visibility growth picture gl_timers)
 endforeach()
 # The frame of `layers` needs no device.
 qc_test(test_layers_frame INTERNAL test_layers_frame.c LIBRARIES qc_oracle)
+qc_test(test_fork test_fork.c LIBRARIES qc_oracle)
 
 # A machine with a GPU runs these and the benchmark: demos/gpu.sh takes the programs from the list.
 if(TARGET qc-bench)

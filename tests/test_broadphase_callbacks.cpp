@@ -192,6 +192,61 @@ START_TEST(a_ghost_pair_callback_may_create_and_move_proxies)
 }
 END_TEST
 
+namespace
+{
+/// Accepts every pair, whatever the groups.
+struct Generous : btOverlapFilterCallback
+{
+    bool needBroadphaseCollision(btBroadphaseProxy*, btBroadphaseProxy*) const override
+    {
+        return true;
+    }
+};
+
+constexpr int s_groupA = 2, s_groupB = 4;
+} // namespace
+
+START_TEST(a_pair_that_a_filter_let_in_between_two_steps_goes_with_the_filter)
+{
+    for (int sorted = 0; sorted <= 1; sorted++)
+        for (int moves = 0; moves <= 1; moves++)
+        {
+            btHashedOverlappingPairCache hashedCache;
+            btSortedOverlappingPairCache sortedCache;
+            qcBroadphaseModel model(sorted ? static_cast<btOverlappingPairCache*>(&sortedCache) : &hashedCache);
+            Generous generous;
+            model.Create(btVector3(0, 0, 0), btVector3(1, 1, 1), s_groupA, s_groupA);
+            size_t other = model.Create(btVector3(9, 9, 9), btVector3(10, 10, 10), s_groupB, s_groupB);
+            ck_assert_uint_eq(model.Check(), 0);
+            model.cache->setOverlapFilterCallback(&generous);
+            if (moves)
+                model.Move(other, btVector3(0, 0, 0), btVector3(2, 2, 2));
+            else
+                model.Create(btVector3(0, 0, 0), btVector3(2, 2, 2), s_groupB, s_groupB);
+            ck_assert_uint_eq(qcPairsIn(model.cache).size(), 1);
+            model.cache->setOverlapFilterCallback(nullptr);
+            ck_assert_uint_eq(model.Check(), 0);
+        }
+}
+END_TEST
+
+START_TEST(a_pair_that_a_group_let_in_between_two_steps_goes_with_the_group)
+{
+    qcBroadphaseModel model;
+    model.Create(btVector3(0, 0, 0), btVector3(1, 1, 1), s_groupA, s_groupA);
+    size_t other = model.Create(btVector3(9, 9, 9), btVector3(10, 10, 10), s_groupB, s_groupB);
+    ck_assert_uint_eq(model.Check(), 0);
+    btBroadphaseProxy* proxy = model.proxies[other].proxy;
+    proxy->m_collisionFilterGroup = proxy->m_collisionFilterMask = s_groupA;
+    model.Move(other, btVector3(0, 0, 0), btVector3(2, 2, 2));
+    ck_assert_uint_eq(qcPairsIn(model.cache).size(), 1);
+    proxy->m_collisionFilterGroup = proxy->m_collisionFilterMask = s_groupB;
+    ck_assert_uint_eq(model.Check(), 0);
+}
+END_TEST
+
 QC_RUN_TESTS("broadphase callbacks", a_filter_may_create_move_and_destroy_proxies,
              a_filter_that_destroys_while_pairs_are_found_at_once_leaves_no_pair_of_the_dead,
-             a_ghost_pair_callback_may_create_and_move_proxies)
+             a_ghost_pair_callback_may_create_and_move_proxies,
+             a_pair_that_a_filter_let_in_between_two_steps_goes_with_the_filter,
+             a_pair_that_a_group_let_in_between_two_steps_goes_with_the_group)

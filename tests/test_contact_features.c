@@ -76,6 +76,8 @@ static void Flush(Inquiry* q)
 {
     qcContactPair pairs[qc_featurePairs];
     qcNearFeatures near[qc_featurePairs];
+    if (q->count == 0)
+        return;
     for (size_t i = 0; i < q->count; i++)
         pairs[i] = q->pairs[i].pair;
     FOR_EACH_KERNELS(k)

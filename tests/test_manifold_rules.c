@@ -175,6 +175,25 @@ START_TEST(every_point_lies_on_the_two_triangles_of_a_reported_pair)
 }
 END_TEST
 
+START_TEST(points_come_deepest_first_to_the_last_bit)
+{
+    qcSoup soups[2];
+    MakeCase(_i, soups);
+    qcManifoldScene m = FindCase(_i, soups, 1);
+    for (size_t i = 0; i < m.result->manifoldCount; i++)
+    {
+        const qcManifold* manifold = &m.result->manifolds[i];
+        const qcManifoldPoint* points = m.result->manifoldPoints + manifold->firstPoint;
+        for (uint32_t p = 1; p < manifold->pointCount; p++)
+            if (!(points[p - 1].distance <= points[p].distance))
+                ck_abort_msg("point %u is %.17g deep, the one before it %.17g", p, -points[p].distance,
+                             -points[p - 1].distance);
+    }
+    qcManifoldScene_Free(&m);
+    FreeCase(soups);
+}
+END_TEST
+
 static bool HasVertex(const uint32_t* triangle, uint32_t v)
 {
     return triangle[0] == v || triangle[1] == v || triangle[2] == v;
@@ -507,6 +526,7 @@ END_TEST
 int main(void)
 {
     const TTest* const tests[] = {every_point_lies_on_the_two_triangles_of_a_reported_pair,
+                                  points_come_deepest_first_to_the_last_bit,
                                   every_point_lies_on_the_features_that_it_names,
                                   no_two_points_say_the_same_of_the_same_place,
                                   every_pair_is_heard,

@@ -135,6 +135,57 @@ START_TEST(a_link_stays_a_link_and_its_file_is_replaced)
 }
 END_TEST
 
+START_TEST(a_link_to_a_file_that_is_not_there_yet_stays_a_link)
+{
+    qcOutput output;
+    qcMessage message = {""};
+    struct stat status;
+    // Through a chain of links, one of them in another folder; then an absolute one.
+    ck_assert_int_eq(mkdir("folder", 0777), 0);
+    ck_assert_int_eq(symlink("../second", "folder/first"), 0);
+    ck_assert_int_eq(symlink("./folder/target", "second"), 0);
+    char absolute[4096 + 16];
+    ck_assert_ptr_nonnull(getcwd(absolute, 4096));
+    strcat(absolute, "/folder/other");
+    ck_assert_int_eq(symlink(absolute, "third"), 0);
+    static const char* const links[] = {"folder/first", "third"};
+    static const char* const targets[] = {"folder/target", "folder/other"};
+    for (int i = 0; i < 2; ++i)
+    {
+        ck_assert_msg(qcOutput_Check(links[i], &message), "%s", message.text);
+        ck_assert_int_ne(lstat(targets[i], &status), 0);
+        ck_assert(qcOutput_Open(links[i], &output, &message));
+        fputs("new", output.stream);
+        ck_assert_int_ne(lstat(targets[i], &status), 0);
+        ck_assert_msg(qcOutput_Commit(&output, &message), "%s", message.text);
+        ck_assert_int_eq(lstat(links[i], &status), 0);
+        ck_assert(S_ISLNK(status.st_mode));
+        ck_assert_int_eq(lstat(targets[i], &status), 0);
+        ck_assert(S_ISREG(status.st_mode));
+        AssertText(targets[i], "new");
+    }
+    ck_assert_int_eq(unlink("folder/first"), 0);
+    ck_assert_int_eq(unlink("folder/target"), 0);
+    ck_assert_int_eq(unlink("folder/other"), 0);
+    ck_assert_int_eq(rmdir("folder"), 0);
+}
+END_TEST
+
+START_TEST(a_link_that_leads_nowhere_is_refused_and_stays)
+{
+    qcMessage message = {""};
+    struct stat status;
+    ck_assert_int_eq(symlink("there/is/none", "link"), 0);
+    ck_assert(!qcOutput_Check("link", &message));
+    ck_assert_str_eq(message.text, "link: No such file or directory");
+    ck_assert_int_eq(symlink("loop", "loop"), 0);
+    ck_assert(!qcOutput_Check("loop", &message));
+    ck_assert_str_eq(message.text, "loop: Too many levels of symbolic links");
+    ck_assert_int_eq(lstat("link", &status), 0);
+    ck_assert(S_ISLNK(status.st_mode));
+}
+END_TEST
+
 START_TEST(a_device_is_written_and_never_replaced)
 {
     qcOutput output;
@@ -235,6 +286,8 @@ int main(void)
     tcase_add_test(tests, a_signal_that_the_host_ignores_stays_ignored);
     tcase_add_test(tests, a_new_file_is_an_ordinary_one_and_an_old_one_keeps_its_mode);
     tcase_add_test(tests, a_link_stays_a_link_and_its_file_is_replaced);
+    tcase_add_test(tests, a_link_to_a_file_that_is_not_there_yet_stays_a_link);
+    tcase_add_test(tests, a_link_that_leads_nowhere_is_refused_and_stays);
     tcase_add_test(tests, a_device_is_written_and_never_replaced);
     tcase_add_test(tests, a_path_that_can_not_be_written_is_named);
     tcase_add_test(tests, a_picture_reads_back_as_it_was_written);

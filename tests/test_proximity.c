@@ -316,6 +316,36 @@ START_TEST(generated_pairs_have_the_distance_and_the_depth_of_the_oracle)
 }
 END_TEST
 
+static void CheckMirror(const double a[3][3], const double b[3][3], double sign)
+{
+    qcProximity p = Find(a, b), q = Find(b, a);
+    double length2 = p.normal[0] * p.normal[0] + p.normal[1] * p.normal[1] + p.normal[2] * p.normal[2];
+    ck_assert_double_eq_tol(length2, 1.0, 1e-15);
+    for (int axis = 0; axis < 3; axis++)
+    {
+        ck_assert_double_eq(p.normal[axis], sign * q.normal[axis]);
+        ck_assert_double_eq(p.pointA[axis], q.pointB[axis]);
+    }
+}
+
+START_TEST(equal_triangles_have_opposite_normals_only_where_their_corners_come_in_another_order)
+{
+    // A triangle, a segment, a point.
+    static const double triangles[3][3][3] = {{{0.0, 0.0, 0.0}, {1.0, 0.5, 0.25}, {0.0, 2.0, 1.0}},
+                                              {{1.0, 2.0, 3.0}, {2.0, 4.0, 6.0}, {1.0, 2.0, 3.0}},
+                                              {{1.0, 2.0, 3.0}, {1.0, 2.0, 3.0}, {1.0, 2.0, 3.0}}};
+    for (int t = 0; t < 3; t++)
+        for (int turn = 0; turn < 3; turn++)
+        {
+            double other[3][3];
+            for (int c = 0; c < 3; c++)
+                memcpy(other[c], triangles[t][(c + turn) % 3], sizeof other[c]);
+            bool same = memcmp(other, triangles[t], sizeof other) == 0;
+            CheckMirror(triangles[t], (const double(*)[3])other, same ? 1.0 : -1.0);
+        }
+}
+END_TEST
+
 START_TEST(exchanging_the_two_gives_the_mirror_image)
 {
     qcRandom random = {1300};
@@ -438,6 +468,7 @@ int main(void)
     tcase_add_test(tcase, a_pair_beyond_the_margin_leaves_the_proximity_alone);
     tcase_add_loop_test(tcase, generated_pairs_have_the_distance_and_the_depth_of_the_oracle, 0, qc_pairKindCount + 1);
     tcase_add_test(tcase, exchanging_the_two_gives_the_mirror_image);
+    tcase_add_test(tcase, equal_triangles_have_opposite_normals_only_where_their_corners_come_in_another_order);
     tcase_add_test(tcase, far_from_the_origin_nothing_is_lost);
     tcase_add_test(tcase, a_vertex_over_a_sliver_is_as_near_as_it_is);
     tcase_add_test(tcase, points_of_the_largest_triangles_are_finite);

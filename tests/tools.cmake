@@ -2,6 +2,7 @@
 if(TARGET qc-pairs)
   qc_test(test_mesh_number test_mesh_number.c LIBRARIES qc_demo_support)
   qc_test(test_mesh_file test_mesh_file.c run_program.c LIBRARIES qc_demo_support)
+  qc_test(test_mesh_strips test_mesh_strips.c LIBRARIES qc_demo_support)
   qc_test(test_output_file test_output_file.c run_program.c LIBRARIES qc_demo_support PkgConfig::PNG)
   qc_test(test_qc_pairs test_qc_pairs.c run_program.c LIBRARIES PkgConfig::JSON_C PkgConfig::PNG)
   target_compile_definitions(test_qc_pairs PRIVATE QC_PAIRS_PROGRAM="$<TARGET_FILE:qc-pairs>")

@@ -2,6 +2,10 @@
 //
 // Thread-safety: the hooks are set before anything else is called, that for threads also later, while no
 // other call runs; everything else here may be called from any thread.
+//
+// Floating-point modes: results don't depend on the caller's rounding mode, nor on whether it flushes subnormals (FTZ,
+// DAZ) or traps. Each call computes in the default modes and puts the caller's back. A qcBoxFunction runs in the modes
+// of the caller; all other callbacks run in the default modes.
 #ifndef QUICKCULLIDE_BASE_H
 #define QUICKCULLIDE_BASE_H
 
@@ -76,7 +80,7 @@ typedef void qcParallelForFunction(uint32_t count, qcTask* task, void* taskConte
 /// Runs the library's loops on the host's threads: at most one task for each of `workers` threads (1 or more; beyond
 /// 256 as 256), fewer where a query asks for fewer. Loops too short to be worth it stay on the calling thread. Null
 /// brings the default back: threads of the library's own, asleep between loops. Results don't depend on any of it, nor
-/// on floating-point modes of the host's threads: tasks run in those of the thread that uses the scene.
+/// on the floating-point modes of the host's threads: tasks set their own and put these back.
 /// `context` is in use until the next call of this. qc_statusBadInput: a function without workers; nothing changes.
 QC_API qcStatus qcSetParallelFor(qcParallelForFunction* parallelFor, uint32_t workers, void* context);
 

@@ -69,7 +69,7 @@ typedef struct qcBoxProfile
 
 QC_API qcBoxProfile qcBoxes_GetProfile(const qcBoxes* boxes);
 
-/// Called for a box; returns false to stop the query.
+/// Called for a box, in the floating-point modes of the caller; returns false to stop the query.
 typedef bool qcBoxFunction(uint32_t id, void* userData, void* context);
 
 /// Visits every box that meets the closed box.

@@ -164,7 +164,7 @@ class QC_API qcBroadphase : public btBroadphaseInterface
     /// While there is a filter callback: overlapping pairs that it did not want, two entries each.
     btAlignedObjectArray<Proxy*> m_rejected;
     btAlignedObjectArray<Proxy*> m_found; ///< by one proxy that looks for its pairs at once
-    /// Pairs that were added to the cache since the last search, two entries each.
+    /// Pairs that were added to the cache since the last search, two entries each, the lower id first.
     btAlignedObjectArray<Proxy*> m_addedPairs;
 };
 

@@ -2,6 +2,11 @@
 // calling thread (EGL, GLX or OSMesa) is never touched.
 //
 // Thread-safety: any thread may use a device; calls run one after another.
+//
+// Processes: a device stays in the process that opened it. In a child process, after fork(), it gives qc_statusDevice,
+// methods that can fall back to the sweep do so, and qcDevice_Destroy frees its memory but not its GL context. A child
+// of a process that has opened GL through this library can't open it again; qc_deviceNone it can. Mesa's own exit
+// handlers crash in a child of a process that has opened OSMesa: such a child ends with _exit() or exec.
 #ifndef QUICKCULLIDE_DEVICE_H
 #define QUICKCULLIDE_DEVICE_H
 

@@ -203,7 +203,8 @@ typedef struct qcProximity
 /// Is the distance of two triangles at most `margin`? Exact for any finite coordinates and margin >= 0; O(1). False for
 /// a margin below 0 or NaN. `proximity` (may be null) is filled when the answer is yes: rounded in double, distance,
 /// depth and points to 1e-12 of the triangles' extent, however far from the origin they lie, the normal to 1e-15 times
-/// extent / distance. Exchanging A and B gives the mirror image to the last bit. Any thread.
+/// extent / distance. Exchanging A and B gives the mirror image to the last bit, opposite normals too. If A and B are
+/// equal corner by corner there is nothing to exchange: both orders have the same normal. Any thread.
 QC_API bool qcTrianglesWithin(const double* a, const double* b, double margin, qcProximity* proximity);
 
 /// Are the triangles of two different bodies, named by their slots, of interest? Has to say the same of a pair for as
@@ -354,10 +355,13 @@ typedef struct qcManifoldPoint
 /// only the corners are reported. Where the two stand flat and one plane parts the whole region, all points have its
 /// normal, and hold it for every pair. In a body with itself A and B are the two sides of the region, each triangleA
 /// connected with the others, whichever has the lower index.
+///
+/// Coordinates may be of any size. Triangles in contact must not be smaller than 1e-50 of the largest coordinate of the
+/// triangles that the two bodies have in contact: below, rounding may turn normals and drop points.
 typedef struct qcManifold
 {
     uint32_t bodyA, bodyB;           ///< slots, bodyA <= bodyB
-    uint32_t firstPoint, pointCount; ///< deepest first; at least one
+    uint32_t firstPoint, pointCount; ///< sorted by distance, the deepest first; at least one
 } qcManifold;
 
 typedef enum qcCullLevel

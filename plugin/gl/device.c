@@ -4,16 +4,20 @@
 #define _POSIX_C_SOURCE 200809L
 #include "gl/device.h"
 
+#include "float_mode.h"
 #include "gl/context.h"
 #include "memory.h"
 #include "status.h"
 
 #include <assert.h>
+#include <math.h>
 #include <pthread.h>
 #include <signal.h>
+#include <stdatomic.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 enum
 {
@@ -50,6 +54,7 @@ struct qcDevice
     qcGpuIdentity gpu;
     uint32_t maxResolution;
 
+    pid_t process;           ///< where the thread is: a child process has a copy of the device without it
     pthread_t thread;        ///< runs while the device is open
     pthread_mutex_t callers; ///< held by the one caller whose job runs
     KeptCosts costs[qc_keptCosts];
@@ -78,6 +83,21 @@ static const struct
     [qc_deviceSurfaceless] = {"surfaceless", qcOpenSurfacelessContext, qcCloseEglContext},
     [qc_deviceNone] = {"none", NULL, NULL},
 };
+
+/// The process that has opened GL contexts, or tried to; 0: none. Drivers keep threads and locks as long as they are
+/// loaded: in a child process they wait for threads that aren't there.
+static _Atomic pid_t s_glProcess;
+
+static bool IsInOtherProcess(const qcDevice* device)
+{
+    return device->process != getpid();
+}
+
+static qcStatus FailInOtherProcess(const qcDevice* device, const char* purpose)
+{
+    return qcFail(qc_statusDevice, "%s: the device %s belongs to process %ld, and fork() leaves it there", purpose,
+                  s_kinds[device->kind].name, (long)device->process);
+}
 
 static void ReadLimits(qcDevice* device)
 {
@@ -150,6 +170,8 @@ static void Answer(qcDevice* device, qcStatus status)
 static void* ServeCallers(void* argument)
 {
     qcDevice* device = argument;
+    // A thread begins in the mode of the one that started it.
+    (void)qcFloatMode_Begin();
     qcStatus opened = OpenContext(device);
     pthread_mutex_lock(&device->mutex);
     if (opened == qc_statusOk)
@@ -187,6 +209,18 @@ static qcStatus WaitForAnswer(qcDevice* device)
     return device->status;
 }
 
+/// False, and a message: GL was opened before this process was forked.
+static bool TakeGl(qcDevice* device)
+{
+    pid_t first = 0;
+    if (atomic_compare_exchange_strong(&s_glProcess, &first, device->process) || first == device->process)
+        return true;
+    snprintf(device->message, sizeof device->message,
+             "process %ld has opened GL before fork(); GL's threads are not in this process, %ld", (long)first,
+             (long)device->process);
+    return false;
+}
+
 static bool StartThread(qcDevice* device)
 {
     pthread_attr_t attributes;
@@ -210,6 +244,8 @@ static qcStatus OpenKind(qcDevice* device, qcDeviceKind kind)
     if (kind == qc_deviceNone)
         return qc_statusOk;
     device->turn = turn_idle;
+    if (!TakeGl(device))
+        return qc_statusDevice;
     if (!StartThread(device))
     {
         snprintf(device->message, sizeof device->message, "no thread can be started");
@@ -308,6 +344,7 @@ qcStatus qcDevice_Create(const qcDeviceDef* def, qcDevice** result)
     qcDevice* device = qcAllocateZeroed(sizeof *device);
     if (device == NULL)
         return qcFailMemory(sizeof *device, "a device");
+    device->process = getpid();
     pthread_mutex_init(&device->callers, NULL);
     pthread_mutex_init(&device->mutex, NULL);
     pthread_mutex_init(&device->costsMutex, NULL);
@@ -331,6 +368,8 @@ qcStatus qcDevice_Reopen(qcDevice* device)
         return qcFail(qc_statusBadInput, "qcDevice_Reopen: device is null");
     if (device->kind == qc_deviceNone)
         return qc_statusOk;
+    if (IsInOtherProcess(device))
+        return FailInOtherProcess(device, "qcDevice_Reopen");
     pthread_mutex_lock(&device->callers);
     CloseKind(device);
     qcStatus status = OpenKind(device, device->kind);
@@ -348,12 +387,21 @@ void qcDevice_Destroy(qcDevice* device)
 {
     if (device == NULL)
         return;
+    if (device->kind != qc_deviceNone && IsInOtherProcess(device))
+    {
+        // Another thread of the parent may have held the locks: they can't be destroyed here. The context is the
+        // parent's.
+        qcFree(device, sizeof *device);
+        return;
+    }
     CloseKind(device);
     FreeDevice(device);
 }
 
 static bool IsLost(qcDevice* device)
 {
+    if (device->kind != qc_deviceNone && IsInOtherProcess(device))
+        return true;
     pthread_mutex_lock(&device->mutex);
     bool lost = device->lost;
     pthread_mutex_unlock(&device->mutex);
@@ -379,6 +427,8 @@ qcStatus qcDevice_GetInfo(const qcDevice* device, qcDeviceInfo* info)
 
 uint32_t qcDevice_GetGeneration(qcDevice* device)
 {
+    if (IsInOtherProcess(device))
+        return device->generation;
     pthread_mutex_lock(&device->mutex);
     uint32_t generation = device->generation;
     pthread_mutex_unlock(&device->mutex);
@@ -403,6 +453,8 @@ qcStatus qcDevice_Run(qcDevice* device, qcDeviceJob* job, void* context, const c
 {
     if (device->kind == qc_deviceNone)
         return qcFail(qc_statusDevice, "%s: the device none has no GL", purpose);
+    if (IsInOtherProcess(device))
+        return FailInOtherProcess(device, purpose);
     // A job that runs a job would wait for itself.
     assert(!device->open || !pthread_equal(pthread_self(), device->thread));
 
@@ -417,6 +469,11 @@ qcStatus qcDevice_Run(qcDevice* device, qcDeviceJob* job, void* context, const c
 bool qcDevice_FindCosts(qcDevice* device, uint32_t threads, qcPlanCosts* costs)
 {
     bool found = false;
+    if (IsInOtherProcess(device))
+    {
+        *costs = (qcPlanCosts){.layersFixed = INFINITY, .layersPerTriangle = INFINITY};
+        return true;
+    }
     pthread_mutex_lock(&device->costsMutex);
     for (int i = 0; i < qc_keptCosts && !found; i++)
     {
