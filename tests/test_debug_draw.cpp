@@ -340,7 +340,9 @@ START_TEST(bullet_draws_the_contact_points_of_cloth_on_the_mesh)
 }
 END_TEST
 
-START_TEST(a_node_that_no_face_has_is_drawn_as_a_cross)
+/// A rope of seven nodes just above a floor, drawn after the first step in which it is in contact; without links its
+/// nodes are single.
+static qcDebugRecorder DrawRope(bool links, std::vector<btVector3>* nodes)
 {
     qcSoftWorld world;
     auto mesh = qcFloorModel(2, 4).MakeShape();
@@ -348,6 +350,8 @@ START_TEST(a_node_that_no_face_has_is_drawn_as_a_cross)
     world.world.addRigidBody(&floor);
     btSoftBody* rope = btSoftBodyHelpers::CreateRope(world.world.getWorldInfo(), btVector3(-1, btScalar(0.02), 0),
                                                      btVector3(1, btScalar(0.02), 0), 5, 0);
+    if (!links)
+        rope->m_links.clear();
     world.world.addSoftBody(rope);
     int contacts = 0;
     for (int i = 0; i < 30 && contacts == 0; i++)
@@ -358,18 +362,40 @@ START_TEST(a_node_that_no_face_has_is_drawn_as_a_cross)
     ck_assert_int_gt(contacts, 0);
     qcDebugRecorder recorder;
     world.softSolver.debugDraw(&recorder);
-    ck_assert_uint_eq(recorder.lines.size(), 3 * size_t(rope->m_nodes.size()));
-    for (size_t i = 0; i < recorder.lines.size(); i++)
-    {
-        const qcDebugRecorder::Line& line = recorder.lines[i];
-        ck_assert(line.color == s_red);
-        btVector3 middle = (line.from + line.to) / 2;
-        ck_assert_double_lt(double(middle.distance(rope->m_nodes[int(i / 3)].m_x)), 1e-6);
-    }
-    ck_assert_uint_gt(recorder.triangles.size(), 0);
+    for (int i = 0; i < rope->m_nodes.size(); i++)
+        nodes->push_back(rope->m_nodes[i].m_x);
     world.world.removeSoftBody(rope);
     delete rope;
     world.world.removeRigidBody(&floor);
+    ck_assert_uint_gt(recorder.triangles.size(), 0);
+    for (const qcDebugRecorder::Line& line : recorder.lines)
+        ck_assert(line.color == s_red);
+    return recorder;
+}
+
+START_TEST(a_single_node_is_drawn_as_a_cross)
+{
+    std::vector<btVector3> nodes;
+    qcDebugRecorder recorder = DrawRope(false, &nodes);
+    ck_assert_uint_eq(recorder.lines.size(), 3 * nodes.size());
+    for (size_t i = 0; i < recorder.lines.size(); i++)
+    {
+        btVector3 middle = (recorder.lines[i].from + recorder.lines[i].to) / 2;
+        ck_assert_double_lt(double(middle.distance(nodes[i / 3])), 1e-6);
+    }
+}
+END_TEST
+
+START_TEST(a_rope_is_drawn_as_its_links)
+{
+    std::vector<btVector3> nodes;
+    qcDebugRecorder recorder = DrawRope(true, &nodes);
+    ck_assert_uint_eq(recorder.lines.size(), nodes.size() - 1);
+    for (size_t i = 0; i < recorder.lines.size(); i++)
+    {
+        ck_assert(recorder.lines[i].from == nodes[i]);
+        ck_assert(recorder.lines[i].to == nodes[i + 1]);
+    }
 }
 END_TEST
 
@@ -430,5 +456,6 @@ QC_RUN_TESTS("debug_draw", bullet_draws_each_triangle_of_a_mesh_and_its_box,
              a_broadphase_draws_its_boxes_and_a_line_for_each_pair,
              candidate_triangles_of_meshes_are_drawn_in_red_where_the_bodies_are,
              meshes_that_left_or_changed_are_not_drawn, candidate_triangles_of_cloth_and_mesh_are_drawn_in_red,
-             bullet_draws_the_contact_points_of_cloth_on_the_mesh, a_node_that_no_face_has_is_drawn_as_a_cross,
-             soft_bodies_and_meshes_that_left_are_not_drawn, drawing_changes_nothing_in_the_simulation)
+             bullet_draws_the_contact_points_of_cloth_on_the_mesh, a_single_node_is_drawn_as_a_cross,
+             a_rope_is_drawn_as_its_links, soft_bodies_and_meshes_that_left_are_not_drawn,
+             drawing_changes_nothing_in_the_simulation)

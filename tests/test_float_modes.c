@@ -306,6 +306,46 @@ START_TEST(a_device_opened_in_a_mode_answers_as_any)
 }
 END_TEST
 
+enum
+{
+    qc_pictureSize = 64
+};
+
+static void Draw(const Mode* mode, qcDevice* device, uint8_t rgb[3 * qc_pictureSize * qc_pictureSize])
+{
+    // So small that squares of normals are subnormal.
+    static const float positions[] = {-1e-10f, -7e-11f,  1e-11f, 1.1e-10f,  -9e-11f, 6e-11f,
+                                      2e-11f,  1.3e-10f, 0.0f,   -1.4e-10f, 9e-11f,  -8e-11f};
+    static const uint32_t indices[] = {0, 1, 2, 0, 2, 3};
+    qcPictureMesh mesh = {.positions = positions,
+                          .vertexCount = 4,
+                          .indices = indices,
+                          .triangleCount = 2,
+                          .color = {0.8f, 0.3f, 0.1f},
+                          .smooth = true};
+    qcPictureDef def = qcDefaultPictureDef();
+    def.width = def.height = qc_pictureSize;
+    def.meshes = &mesh;
+    def.meshCount = 1;
+    def.eye[2] = 5e-10f;
+    Enter(mode);
+    qcStatus status = qcDevice_DrawPicture(device, &def, rgb);
+    Leave(mode);
+    CHECK_OK(status);
+}
+
+START_TEST(pictures_are_the_same_in_every_mode)
+{
+    static uint8_t expected[3 * qc_pictureSize * qc_pictureSize], found[sizeof expected];
+    QC_FOR_EACH_DEVICE(device)
+    {
+        Draw(&s_default, device, expected);
+        Draw(&s_modes[_i], device, found);
+        ck_assert_mem_eq(found, expected, sizeof expected);
+    }
+}
+END_TEST
+
 //  ---- boxes ---------------------------------------------------------------------------------------
 
 enum
@@ -435,6 +475,7 @@ int main(void)
     tcase_add_loop_test(tests, proximities_are_the_same_in_every_mode, 0, qc_modeCount);
     tcase_add_loop_test(tests, scenes_give_the_same_in_every_mode, 0, qc_questionCount);
     tcase_add_loop_test(tests, a_device_opened_in_a_mode_answers_as_any, 0, qc_modeCount);
+    tcase_add_loop_test(tests, pictures_are_the_same_in_every_mode, 0, qc_modeCount);
     tcase_add_loop_test(tests, boxes_answer_the_same_in_every_mode_and_call_back_in_the_callers, 0, qc_modeCount);
     suite_add_tcase(suite, tests);
     return qcRunSuite(suite);

@@ -1,5 +1,6 @@
 // Pictures: meshes shaded by a light above the eye and by the sky, antialiased, edges and marked triangles on wish.
 // Drawn tile by tile, so that the memory for the samples stays small however large the picture is.
+#include "float_mode.h"
 #include "gl/device.h"
 #include "gl/table.h"
 #include "memory.h"
@@ -452,7 +453,7 @@ static qcStatus PrepareMeshes(PictureJob* job)
     return qc_statusOk;
 }
 
-qcStatus qcDevice_DrawPicture(qcDevice* device, const qcPictureDef* def, uint8_t* rgb)
+__attribute__((noinline)) static qcStatus DrawPicture(qcDevice* device, const qcPictureDef* def, uint8_t* rgb)
 {
     QC_TRY(CheckDef(device, def, rgb));
     PictureJob job = {.def = def, .rgb = rgb};
@@ -466,5 +467,13 @@ qcStatus qcDevice_DrawPicture(qcDevice* device, const qcPictureDef* def, uint8_t
         qcArray_Free(&QC_AT(Upload, job.uploads, m).indices);
     }
     qcArray_Free(&job.uploads);
+    return status;
+}
+
+qcStatus qcDevice_DrawPicture(qcDevice* device, const qcPictureDef* def, uint8_t* rgb)
+{
+    qcFloatMode mode = qcFloatMode_Begin();
+    qcStatus status = DrawPicture(device, def, rgb);
+    qcFloatMode_End(mode);
     return status;
 }
