@@ -57,6 +57,7 @@ struct qcSoftBodyContact::Implementation
     //  Numbers of its penetrating pairs: those that have to be apart, and those that are tangled.
     std::vector<size_t> m_held, m_exempt;
     qcSoftTangles m_tangles; ///< of the start of the step; after it, of its end
+    bool m_tanglesAreOfEnd = false;
     qcSeparationPlanes m_planes;
     qcSoftZones m_zones;
 };

@@ -161,8 +161,10 @@ void qcSceneRigid::Push(const btVector3& arm, const btVector3& push)
 bool qcSceneRigid::IsFree() const
 {
     const btVector3 all(1, 1, 1);
-    return body != nullptr && body->getInvMass() > 0 && body->getLinearFactor() == all &&
-           body->getAngularFactor() == all;
+    if (body == nullptr || body->getInvMass() <= 0)
+        return false;
+    const btVector3& turns = body->getInvInertiaDiagLocal();
+    return turns[turns.minAxis()] > 0 && body->getLinearFactor() == all && body->getAngularFactor() == all;
 }
 
 btTransform qcSceneRigid::MotionTo(const btTransform& transform) const

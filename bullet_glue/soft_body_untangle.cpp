@@ -155,7 +155,7 @@ void qcUntangle(qcSoftBodyScene& scene, const qcResult& result, const std::vecto
         if (MakePush(a, b, q, -along, &push))
             pushes.push_back(push);
     }
-    // The node with the most to follow says how far all go: so momentum is kept.
+    // One factor for all nodes, by the one that would move furthest: momentum is kept.
     btScalar most = 0;
     for (qcSceneSoftBody& soft : scene.Bodies())
         soft.shifts.assign(soft.places.size(), btVector3(0, 0, 0));

@@ -16,6 +16,7 @@ btTransform Translation(const btVector3& by)
 {
     return btTransform(btMatrix3x3::getIdentity(), by);
 }
+
 /// The motion of one rigid body that has the linear and angular momentum of its parts. No other rigid motion with these
 /// has less energy, and what the parts do has no less: a zone takes energy, and never gives any.
 class RigidMotion
@@ -92,7 +93,8 @@ void qcSoftZones::Begin()
     {
         m_firstNode.push_back(uint32_t(m_parts.size()));
         for (size_t i = 0; i < soft.places.size(); i++)
-            m_parts.push_back({&soft, nullptr, uint32_t(i), Translation(soft.places[i])});
+            m_parts.push_back(
+                {&soft, nullptr, uint32_t(i), Translation(soft.start[i] + soft.MotionOf(i, soft.start[i]))});
     }
     for (const std::unique_ptr<qcSceneRigid>& rigid : m_scene.meshes.Rigids())
         m_parts.push_back({nullptr, rigid.get(), 0, rigid->object->getWorldTransform()});
@@ -160,13 +162,13 @@ btTransform qcSoftZones::MotionOf(const std::vector<uint32_t>& zone) const
         if (part.rigid != nullptr)
         {
             if (!part.rigid->IsFree())
-                return part.rigid->MotionTo(part.wanted);
+                return part.rigid->MotionTo(part.target);
             mean.AddMass(*part.rigid);
             continue;
         }
         const btVector3& start = part.soft->start[part.node];
         if (part.soft->InverseMass(part.node) == 0)
-            return Translation(part.wanted.getOrigin() - start);
+            return Translation(part.target.getOrigin() - start);
         mean.AddMass(start, 1 / part.soft->InverseMass(part.node));
     }
     mean.FindCenter();
@@ -174,9 +176,9 @@ btTransform qcSoftZones::MotionOf(const std::vector<uint32_t>& zone) const
     {
         const Part& part = m_parts[number];
         if (part.rigid != nullptr)
-            mean.AddMotion(*part.rigid, part.wanted);
+            mean.AddMotion(*part.rigid, part.target);
         else
-            mean.AddMotion(part.soft->start[part.node], part.wanted.getOrigin(), 1 / part.soft->InverseMass(part.node));
+            mean.AddMotion(part.soft->start[part.node], part.target.getOrigin(), 1 / part.soft->InverseMass(part.node));
     }
     return mean.Find();
 }
@@ -195,6 +197,8 @@ void qcSoftZones::MoveZone(const std::vector<uint32_t>& zone)
         {
             const btVector3& start = part.soft->start[part.node];
             part.soft->places[part.node] = stays ? start : motion * start;
+            if (!part.soft->shifts.empty())
+                part.soft->shifts[part.node].setZero();
         }
     }
 }

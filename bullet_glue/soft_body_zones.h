@@ -30,7 +30,7 @@ class qcSoftZones
         qcSceneSoftBody* soft;
         qcSceneRigid* rigid; ///< null for a node
         uint32_t node;
-        btTransform wanted; ///< before zones moved it; of a node its position
+        btTransform target; ///< before zones moved it; of a node its position, without what untangling moved it by
     };
 
     void Begin();

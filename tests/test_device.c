@@ -1,4 +1,5 @@
-// Devices: what opens and what says why not, the choice of a GPU, devices that are opened anew, jobs and their errors.
+// Devices: what opens, and messages of what does not; the choice of a GPU, devices that are opened anew, jobs and their
+// errors.
 #define _POSIX_C_SOURCE 200809L
 #include "device_jobs.h"
 #include "status.h"

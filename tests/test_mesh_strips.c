@@ -1,4 +1,4 @@
-// Triangle strips in PLY files: their triangles, and where the reader says that a strip is wrong.
+// Triangle strips in PLY files: their triangles, and the place that errors name.
 #include "mesh_bytes.h"
 #include "suite.h"
 

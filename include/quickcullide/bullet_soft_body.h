@@ -10,8 +10,10 @@
 // the end of a step no two triangles without a common node penetrate that did not at its start, by the exact test; only
 // kinematic meshes may leave no room for that. Momentum is kept meanwhile: nothing is stopped to hold it apart.
 //
-// What penetrates at the start of a step (tangled) is let go: its triangles are neither held nor pushed against each
-// other, so that the body's own forces take them apart. A tangle may move along the surfaces, but not grow.
+// What penetrates at the start of a step (tangled) is let go: contacts don't hold its triangles against each other, and
+// the curve in which they meet is made shorter in each step, by a quarter of the thickness at most and without adding
+// velocity. A tangle may move along the surfaces, but not grow. A cloth that pokes straight through another one or
+// through a mesh may stay so: the curve then has nowhere to shrink to.
 //
 // Of positions between the start and the end of a step only nodes and rope links that go through meshes are noticed:
 // what else moves by more than the thickness, relative to what it meets, may pass it.
