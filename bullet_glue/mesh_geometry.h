@@ -57,4 +57,10 @@ qcStatus qcAddMesh(qcScene* scene, const btCollisionShape* shape, const btTransf
 
 qcTransform qcTransformOf(const btTransform& transform);
 
+/// Rounded to Bullet's precision.
+inline btVector3 qcVectorOf(const double v[3])
+{
+    return btVector3(btScalar(v[0]), btScalar(v[1]), btScalar(v[2]));
+}
+
 #endif

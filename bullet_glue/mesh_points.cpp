@@ -2,6 +2,8 @@
 // it.
 #include "mesh_points.h"
 
+#include "mesh_geometry.h"
+
 #include <algorithm>
 
 namespace
@@ -13,11 +15,6 @@ constexpr btScalar s_sameGroup = btScalar(0.7071);
 // with them stay their impulses. Five tori in a bin, 40 starts: mean energy after 4 s 0.012 J without, 0.008 with this;
 // twice as much changes nothing more.
 constexpr btScalar s_keptNearer = btScalar(0.05), s_keptWider = 2;
-
-btVector3 VectorOf(const double v[3])
-{
-    return btVector3(btScalar(v[0]), btScalar(v[1]), btScalar(v[2]));
-}
 
 qcTriangleSource SourceOf(const std::vector<qcTriangleSource>& sources, uint32_t triangle)
 {
@@ -149,9 +146,9 @@ void qcAppendPoints(const qcResult& result, qcBodyId a, const std::vector<qcTria
         {
             const qcManifoldPoint& point = result.manifoldPoints[m->firstPoint + i];
             qcMeshPoint mine;
-            mine.onA = VectorOf(swapped ? point.pointB : point.pointA);
-            mine.onB = VectorOf(swapped ? point.pointA : point.pointB);
-            mine.normal = swapped ? -VectorOf(point.normal) : VectorOf(point.normal);
+            mine.onA = qcVectorOf(swapped ? point.pointB : point.pointA);
+            mine.onB = qcVectorOf(swapped ? point.pointA : point.pointB);
+            mine.normal = swapped ? -qcVectorOf(point.normal) : qcVectorOf(point.normal);
             mine.distance = btScalar(point.distance);
             mine.sourceA = SourceOf(sourcesA, swapped ? point.triangleB : point.triangleA);
             mine.sourceB = SourceOf(sourcesB, swapped ? point.triangleA : point.triangleB);

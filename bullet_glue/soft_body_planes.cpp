@@ -1,6 +1,8 @@
 // Planes between triangles that were apart at the start of a step.
 #include "soft_body_planes.h"
 
+#include "mesh_geometry.h"
+
 #include <algorithm>
 
 namespace
@@ -15,7 +17,8 @@ qcPlaneSide SideOf(qcSoftBodyScene& scene, uint32_t slot, uint32_t triangle)
     if (side.soft == nullptr)
         side.mesh = scene.meshes.Find(slot, &side.rigid);
     const uint32_t* corners =
-        (side.soft != nullptr ? side.soft->topology.indices.data() : side.mesh->shape->getIndices()) + 3 * size_t(triangle);
+        (side.soft != nullptr ? side.soft->topology.indices.data() : side.mesh->shape->getIndices()) +
+        3 * size_t(triangle);
     for (int c = 0; c < 3; c++)
         if (std::find(side.vertices, side.vertices + side.count, corners[c]) == side.vertices + side.count)
             side.vertices[side.count++] = corners[c];
@@ -165,7 +168,7 @@ void qcSeparationPlanes::Add(qcSoftBodyScene& scene, const qcPair& pair)
     qcSeparationPlane plane;
     plane.above = SideOf(scene, pair.bodyA, pair.triangleA);
     plane.below = SideOf(scene, pair.bodyB, pair.triangleB);
-    plane.normal.setValue(btScalar(start.normal[0]), btScalar(start.normal[1]), btScalar(start.normal[2]));
+    plane.normal = qcVectorOf(start.normal);
     // Contacts keep surfaces apart by their thickness; planes only see to it that there is a gap, and no greater one
     // than there was.
     btScalar thickness = ThicknessOf(plane.above) + ThicknessOf(plane.below);

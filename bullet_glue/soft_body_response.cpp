@@ -3,6 +3,8 @@
 // Fedkiw, Anderson: Robust Treatment of Collisions, Contact and Friction for Cloth Animation, 2002, section 6.
 #include "soft_body_response.h"
 
+#include "mesh_geometry.h"
+
 #include <BulletCollision/BroadphaseCollision/btBroadphaseInterface.h>
 #include <BulletCollision/BroadphaseCollision/btDispatcher.h>
 #include <BulletCollision/BroadphaseCollision/btOverlappingPairCache.h>
@@ -101,11 +103,6 @@ void Orient(btScalar thickness, const btVector3& normal, qcSoftConstraint* const
         startDistance >= thickness ? thickness : startDistance + s_recovery * (thickness - startDistance);
 }
 
-btVector3 VectorOf(const double v[3])
-{
-    return btVector3(btScalar(v[0]), btScalar(v[1]), btScalar(v[2]));
-}
-
 btVector3 PointOf(const qcSceneSoftBody& soft, const uint32_t vertices[3], const double weights[3])
 {
     btVector3 point(0, 0, 0);
@@ -167,7 +164,7 @@ bool qcReadTouch(qcSoftBodyScene& scene, const qcContact& contact, qcSoftTouch* 
     touch->verticesB = swapped ? contact.verticesA : contact.verticesB;
     touch->weightsA = swapped ? contact.weightsB : contact.weightsA;
     touch->weightsB = swapped ? contact.weightsA : contact.weightsB;
-    touch->normal = swapped ? -VectorOf(contact.normal) : VectorOf(contact.normal);
+    touch->normal = swapped ? -qcVectorOf(contact.normal) : qcVectorOf(contact.normal);
     touch->distance = btScalar(contact.distance);
     touch->onA = PointOf(*touch->a, touch->verticesA, touch->weightsA);
     if (touch->b != nullptr)

@@ -5,6 +5,8 @@
 // d - e (n.d) / (n.e), and so shortens the segment by d . (r - n (e.r) / (n.e)).
 #include "soft_body_untangle.h"
 
+#include "mesh_geometry.h"
+
 #include <algorithm>
 
 namespace
@@ -47,11 +49,6 @@ struct Triangle
         return normal.fuzzyZero() ? btVector3(0, 0, 0) : normal.normalized();
     }
 };
-
-btVector3 VectorOf(const double v[3])
-{
-    return btVector3(btScalar(v[0]), btScalar(v[1]), btScalar(v[2]));
-}
 
 /// The share of an edge at which it comes nearest to a point, and how near.
 btScalar Nearest(const Triangle& triangle, int edge, const btVector3& point, btScalar* distance2)
@@ -145,7 +142,7 @@ void qcUntangle(qcSoftBodyScene& scene, const qcResult& result, const std::vecto
     {
         const qcPair& pair = result.pairs[i];
         Triangle a(scene, pair.bodyA, pair.triangleA), b(scene, pair.bodyB, pair.triangleB);
-        btVector3 p = VectorOf(result.segments[i].p), q = VectorOf(result.segments[i].q), along = q - p;
+        btVector3 p = qcVectorOf(result.segments[i].p), q = qcVectorOf(result.segments[i].q), along = q - p;
         if (along.fuzzyZero())
             continue;
         along.normalize();

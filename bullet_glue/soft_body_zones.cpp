@@ -96,6 +96,7 @@ void qcSoftZones::Begin()
             m_parts.push_back(
                 {&soft, nullptr, uint32_t(i), Translation(soft.start[i] + soft.MotionOf(i, soft.start[i]))});
     }
+    m_firstObject = uint32_t(m_parts.size());
     for (const std::unique_ptr<qcSceneRigid>& rigid : m_scene.meshes.Rigids())
         m_parts.push_back({nullptr, rigid.get(), 0, rigid->object->getWorldTransform()});
     m_parents.resize(m_parts.size());
@@ -126,7 +127,8 @@ void qcSoftZones::AddPartsOf(uint32_t slot, uint32_t triangle, std::vector<uint3
     qcSceneRigid* rigid = nullptr;
     m_scene.meshes.Find(slot, &rigid);
     auto isIt = [rigid](const Part& part) { return part.rigid == rigid; };
-    parts->push_back(uint32_t(std::find_if(m_parts.begin(), m_parts.end(), isIt) - m_parts.begin()));
+    auto part = std::find_if(m_parts.begin() + m_firstObject, m_parts.end(), isIt);
+    parts->push_back(uint32_t(part - m_parts.begin()));
 }
 
 bool qcSoftZones::Add(const qcPair& pair)

@@ -46,7 +46,7 @@ class qcSoftZones
     std::vector<uint32_t> m_zones;     ///< roots at the last Move
     std::vector<bool> m_isHeld;        ///< of a root: the zone goes back to where it started, exactly
     std::vector<uint32_t> m_firstNode; ///< of each soft body
-    std::vector<uint32_t> m_rigidPart; ///< of each object
+    uint32_t m_firstObject = 0;        ///< number of its part
 };
 
 #endif

@@ -317,7 +317,7 @@ static qcScene* MakeScene(const Plan* plan, qcDevice* device)
 /// What has been seen over all scenes of a test.
 typedef struct Tally
 {
-    uint64_t built, found, asked;            ///< pairs made; of these, reported by brute force; shown to the oracle
+    uint64_t built, found, verified;         ///< pairs made; of these, reported by brute force; shown to the oracle
     uint64_t runs, fallbacks;                ///< of `layers`
     uint64_t hashes[3 + qc_testDeviceCount]; ///< over all lists of brute, sweep, auto, `layers` by device
 } Tally;
@@ -375,7 +375,7 @@ static void LookAtPairs(const Plan* plan, const qcPairList* list, Tally* tally)
         if (tally->built++ % qc_oracleStride != 0)
             continue;
         AskOracle(plan, pair, found);
-        tally->asked++;
+        tally->verified++;
     }
 }
 
@@ -453,9 +453,9 @@ static void RunScenes(const char* name, uint64_t firstSeed, Layout layout, bool 
         RunScene(plan, devices, &tally);
         FreePlan(plan);
     }
-    printf("%s: %llu pairs, %llu of them reported, %llu asked of the oracle; %llu runs of layers, %llu fell back; "
+    printf("%s: %llu pairs, %llu of them reported, %llu verified by the oracle; %llu runs of layers, %llu fell back; "
            "hash %016llx\n",
-           name, (unsigned long long)tally.built, (unsigned long long)tally.found, (unsigned long long)tally.asked,
+           name, (unsigned long long)tally.built, (unsigned long long)tally.found, (unsigned long long)tally.verified,
            (unsigned long long)tally.runs, (unsigned long long)tally.fallbacks, (unsigned long long)tally.hashes[0]);
     for (int i = 1; i < 3 + qc_testDeviceCount; i++)
         ck_assert(tally.hashes[i] == tally.hashes[0] || (i >= 3 && devices[i - 3] == NULL));
