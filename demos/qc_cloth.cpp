@@ -114,10 +114,10 @@ bool Demo::Draw(qcClothWorld& world, const char* prefix, size_t frame)
            qcDemo_Fail(message);
 }
 
-/// Asks all that are left, and holds them against each other.
+/// Runs the methods that are left, and compares all answers.
 bool Demo::Compare(size_t step, qcClothStep* measured)
 {
-    for (qcClothQuestion question : {qc_clothQuickSorted, qc_clothQuickSortedBack, qc_clothAuto, qc_clothLayers})
+    for (qcClothQuestion question : {qc_clothQuickSorted, qc_clothQuickSortedBack})
         if (!Ask(question, measured))
             return false;
     m_measure.Judge(&measured->answers);
@@ -132,14 +132,17 @@ bool Demo::Compare(size_t step, qcClothStep* measured)
     return true;
 }
 
-/// The frame of a step: asks the other methods, draws.
+/// The frame of a step: runs the other methods, draws.
 bool Demo::Look(qcClothWorld& world, size_t step, qcClothRun* run)
 {
     qcClothStep& measured = run->steps.back();
     if (!m_measure.Update(world.Positions()))
         return qcDemo_Fail(m_measure.Message());
-    if (!Ask(qc_clothSweep, &measured))
-        return false;
+    // In each step, as a simulation does: these follow a body from query to query, and take longer for one that has
+    // moved far since.
+    for (qcClothQuestion question : {qc_clothSweep, qc_clothAuto, qc_clothLayers})
+        if (!Ask(question, &measured))
+            return false;
     bool isLast = step == m_options.common.steps;
     if (m_info.kind == qc_deviceNone || (step % m_options.common.frameEvery != 0 && !isLast))
         return true;
