@@ -1,15 +1,11 @@
-// The points of each pair: the corners of what the two triangles have in common, seen along the pair's normal. In
-// parallel.
+// The points of each pair: the corners of its projected overlap up to the margin. In parallel.
 //
-// They are what a resting box stands on, where the closest points of the pair would be just one point somewhere in
-// between. A corner farther apart than the margin is no contact.
-//
-// A pair without corners (all beyond the margin, seen edge-on, or one that took its normal from its faces or a
-// neighbour and lies beside it rather than over it) leaves its place to the pairs around it, or to the one that
-// surpassed it, which comes nearer. If these have no point either, what it said itself is the point. So every pair is
-// heard: by a point of its own, or of a pair beside it, or of one that says the same; or something comes nearer. Where
-// one plane parts a whole region its points are enough: there the pairs themselves were never asked.
+// A pair whose overlap is empty within the margin contributes no corners. It is covered if an adjacent pair, or a pair
+// that found a closer distance, has a point; otherwise its own closest points are used, the fallback point. In a region
+// with a separating plane the corners are enough.
 #include "manifold/overlap_kernels.h"
+#include "manifold/points.h"
+#include "manifold/stage_switches.h"
 #include "base/parallel_for.h"
 #include "base/status.h"
 
@@ -19,16 +15,88 @@ enum
 {
     // A block takes some 30 microseconds.
     qc_pointBlock = 256,
-    qc_leastPointBlocks = 8,
-    // Views that are kept of either side; a block's pairs have fewer triangles, mostly.
-    qc_keptViews = 128
+    qc_minPointBlocks = 8,
+    // Cached views of either side; the pairs of most blocks have fewer triangles.
+    qc_cachedViews = 128
 };
+
+// Points within this share of the triangles' size are one: in a region, the longest edge of a pair's smaller triangle,
+// on average.
+static const double s_tolerance = 1.0 / 64.0;
 
 typedef struct Job
 {
-    qcManifoldBuilder* manifolds;
-    const qcMeetingInput* input;
+    const qcContactInput* input;
+    const qcContactNormals* normals;
+    qcPairOverlaps* overlaps;
+    qcContactPoints* points;
 } Job;
+
+static const qcManifoldPair* PairOf(const Job* job, uint32_t pair)
+{
+    return qcContactTopology_Pair(job->input->topology, pair);
+}
+
+static qcStatus MeasureRegions(const qcContactTopology* topology, qcContactPoints* points)
+{
+    uint32_t count = topology->regionCount;
+    // The counts of their pairs lie behind the tolerances.
+    QC_TRY(qcArray_Resize(&points->tolerances, 2 * (size_t)count, sizeof(double), "regions of contact"));
+    double *tolerances = points->tolerances.data, *pairs = tolerances + count;
+    for (uint32_t r = 0; r < count; r++)
+        tolerances[r] = pairs[r] = 0.0;
+    for (uint32_t p = 0; p < topology->pairs.count; p++)
+    {
+        const qcManifoldPair* pair = qcContactTopology_Pair(topology, p);
+        tolerances[pair->region] += s_tolerance * qcManifoldPair_SmallerSize(pair);
+        pairs[pair->region]++;
+    }
+    for (uint32_t r = 0; r < count; r++)
+        tolerances[r] /= pairs[r];
+    return qc_statusOk;
+}
+
+//  ---- corners --------------------------------------------------------------------------------------------
+
+/// A triangle seen along the normal of the pair's region. Adjacent pairs in the list have the same triangle.
+static qcTriangleView* ViewOf(qcTriangleView* cached, const qcManifoldPair* pair, int side)
+{
+    const qcManifoldTriangle* triangle = pair->side[side];
+    qcTriangleView* view = &cached[(unsigned)side * qc_cachedViews + triangle->index % qc_cachedViews];
+    if (view->triangle != triangle || view->region != pair->region)
+        qcTriangleView_Begin(view, triangle);
+    view->region = pair->region;
+    return view;
+}
+
+static qcStatus EmptyViews(qcOverlapWorker* worker)
+{
+    QC_TRY(qcArray_Resize(&worker->views, 2 * qc_cachedViews, sizeof(qcTriangleView), "contact points"));
+    for (size_t i = 0; i < worker->views.count; i++)
+        QC_AT(qcTriangleView, worker->views, i).triangle = NULL;
+    return qc_statusOk;
+}
+
+/// The overlap of a pair whose region has a separating plane, in the worker's list, which has room.
+static void FindSettledCorners(const Job* job, uint32_t index, uint32_t worker)
+{
+    const qcManifoldPair* pair = PairOf(job, index);
+    qcVector normal = qcContactRegions_Of(job->input->regions, pair)->normal;
+    qcOverlapWorker* self = qcPairOverlaps_Worker(job->overlaps, worker);
+    int count = 0;
+    qcRawPoint* found = &QC_AT(qcRawPoint, self->corners, self->corners.count);
+    if (qcManifoldPair_Separation(pair, pair->side[1]->corner[0], normal).along >=
+        -qcManifoldPair_Limit(pair, job->input->margin))
+    {
+        qcTriangleView* cached = self->views.data;
+        qcTriangleView* views[2] = {ViewOf(cached, pair, 0), ViewOf(cached, pair, 1)};
+        count = job->input->kernels->findOverlap(pair, normal, views, found);
+    }
+    for (int i = 0; i < count; i++)
+        found[i].pair = index;
+    QC_AT(qcCornerRange, job->overlaps->ranges, index) =
+        (qcCornerRange){self->corners.count, (uint16_t)worker, (uint8_t)count};
+}
 
 /// The deepest first; those that differ by rounding only in the order in which they were found.
 static void SortByDepth(qcRawPoint* points, int count, double rounding)
@@ -43,14 +111,82 @@ static void SortByDepth(qcRawPoint* points, int count, double rounding)
     }
 }
 
-/// What the pair said itself, turned if that is how the pairs around a crossing agreed.
-static qcRawPoint Witness(const Job* job, uint32_t index)
+static bool IsSameAsAny(const qcRawPoint* points, int count, const qcRawPoint* point, double tolerance)
 {
-    const qcManifoldBuilder* m = job->manifolds;
-    const qcManifoldPair* pair = qcManifoldBuilder_Pair(m, index);
-    const qcProximity* proximity = &job->input->proximities[pair->source];
-    qcRawPoint point = {.end = {qcVector_Load(proximity->pointA), qcVector_Load(proximity->pointB)},
-                        .normal = pair->reported,
+    for (int i = 0; i < count; i++)
+        if (qcRawPoint_AreSame(point, &points[i], tolerance))
+            return true;
+    return false;
+}
+
+/// Keeps those corners of the pair's overlap that become points: within the margin, and the deepest at its place.
+static void KeepPoints(const Job* job, uint32_t index)
+{
+    const qcManifoldPair* pair = PairOf(job, index);
+    const qcPairNormal* normal = qcContactNormals_Pair(job->normals, index);
+    qcCornerRange* range = &QC_AT(qcCornerRange, job->overlaps->ranges, index);
+    double a = pair->side[0]->longestEdge, b = pair->side[1]->longestEdge;
+    double rounding = QC_MANIFOLD_ROUNDING * (a > b ? a : b);
+    double limit = qcManifoldPair_Limit(pair, job->input->margin);
+    qcRawPoint* corners = qcPairOverlaps_Corners(job->overlaps, index);
+    double tolerance = qcContactPoints_Tolerance(job->points, pair->region);
+    for (int i = 0; i < range->count && normal->flipped; i++)
+    {
+        corners[i].normal = normal->normal;
+        corners[i].distance = -corners[i].distance;
+    }
+    SortByDepth(corners, range->count, rounding);
+    uint8_t kept = 0;
+    for (int i = 0; i < range->count; i++)
+        if (corners[i].distance <= limit && !IsSameAsAny(corners, kept, &corners[i], tolerance))
+            corners[kept++] = corners[i];
+    range->count = kept;
+    // The closest points lie over each other along the reported normal: some corner is as close, unless rounding or a
+    // face seen edge-on has hidden it.
+    bool mayBeHidden = normal->disjoint && normal->keepsReported && !normal->flipped && kept != 0;
+    QC_AT(bool, job->points->hasFallback, index) =
+        mayBeHidden &&
+        corners[0].distance > qcContactProximity_Pair(job->input->proximity, index)->gap + 1e3 * rounding;
+}
+
+static void TakeUnsettledBlock(void* context, size_t block, uint32_t worker)
+{
+    (void)worker;
+    const Job* job = context;
+    size_t end = (block + 1) * qc_pointBlock, count = job->input->regions->unsettledPairs.count;
+    for (size_t i = block * qc_pointBlock; i < (end < count ? end : count); i++)
+        KeepPoints(job, qcContactRegions_UnsettledPair(job->input->regions, i));
+}
+
+static void TakeSettledBlock(void* context, size_t block, uint32_t worker)
+{
+    const Job* job = context;
+    qcOverlapWorker* self = qcPairOverlaps_Worker(job->overlaps, worker);
+    size_t end = (block + 1) * qc_pointBlock, count = job->input->topology->pairs.count;
+    if (qcPairOverlaps_Reserve(job->overlaps, worker, qc_pointBlock * qc_maxOverlapCorners))
+        self->status = EmptyViews(self);
+    for (uint32_t p = (uint32_t)(block * qc_pointBlock); p < (end < count ? end : count) && self->status == qc_statusOk;
+         p++)
+    {
+        if (!qcContactRegions_IsSettled(job->input->regions, PairOf(job, p)))
+            continue;
+        FindSettledCorners(job, p, worker);
+        KeepPoints(job, p);
+        self->corners.count += (size_t)qcPairOverlaps_Count(job->overlaps, p);
+    }
+}
+
+//  ---- fallback points ------------------------------------------------------------------------------------
+
+/// The pair's closest points, or those of its shortest way out. The normal is the reported one, reversed if the pair's
+/// normal is and the sign of the reported one is open.
+static qcRawPoint FallbackPoint(const Job* job, uint32_t index)
+{
+    const qcManifoldPair* pair = PairOf(job, index);
+    const qcPairProximity* own = qcContactProximity_Pair(job->input->proximity, index);
+    const qcProximity* reported = &job->input->proximity->reported[pair->source];
+    qcRawPoint point = {.end = {qcVector_Load(reported->pointA), qcVector_Load(reported->pointB)},
+                        .normal = own->normal,
                         .pair = index,
                         .feature = {{UINT32_MAX, UINT32_MAX}, {UINT32_MAX, UINT32_MAX}}};
     if (pair->swapped)
@@ -59,176 +195,84 @@ static qcRawPoint Witness(const Job* job, uint32_t index)
         point.end[0] = point.end[1];
         point.end[1] = swap;
     }
-    bool isFree = !pair->parted || QC_AT(qcContactRegion, m->measured, pair->region).crossing;
-    if (isFree && qcDot(pair->reported, pair->normal) < 0.0)
+    bool isOpen = !own->separated || qcContactProximity_Region(job->input->proximity, pair)->penetrating;
+    if (isOpen && qcDot(own->normal, qcContactNormals_Pair(job->normals, index)->normal) < 0.0)
         point.normal = qcNegated(point.normal);
     point.distance = qcDot(qcMinus(point.end[0], point.end[1]), point.normal);
     return point;
 }
 
-/// Of points over the same place the first stays.
-static bool IsAnyAsGood(const qcRawPoint* points, int count, const qcRawPoint* point, double tolerance)
+/// True if neither the pair nor an adjacent one has a point, and none is closer.
+static bool IsUncovered(const Job* job, uint32_t index)
 {
-    for (int i = 0; i < count; i++)
-        if (qcRawPoint_AreSame(point, &points[i], tolerance))
-            return true;
-    return false;
-}
-
-/// A triangle seen along the normal of the pair's region. Neighbours in the list have it too, and ask soon.
-static qcTriangleView* ViewOf(qcTriangleView* kept, const qcManifoldPair* pair, int side)
-{
-    const qcManifoldTriangle* triangle = pair->side[side];
-    qcTriangleView* view = &kept[(unsigned)side * qc_keptViews + triangle->index % qc_keptViews];
-    if (view->triangle != triangle || view->region != pair->region)
-        qcTriangleView_Begin(view, triangle);
-    view->region = pair->region;
-    return view;
-}
-
-static qcStatus EmptyViews(qcManifoldWorker* worker)
-{
-    QC_TRY(qcArray_Resize(&worker->views, 2 * qc_keptViews, sizeof(qcTriangleView), "contact points"));
-    for (size_t i = 0; i < worker->views.count; i++)
-        QC_AT(qcTriangleView, worker->views, i).triangle = NULL;
-    return qc_statusOk;
-}
-
-/// Corners of a pair whose region a plane parts, into the worker's list, which has room.
-static void FindCorners(qcManifoldBuilder* m, uint32_t index, uint32_t worker, double limit)
-{
-    const qcManifoldPair* pair = qcManifoldBuilder_Pair(m, index);
-    qcArray* points = &QC_AT(qcManifoldWorker, m->workers, worker).points;
-    qcVector origin = pair->side[1]->corner[0];
-    qcWaysOut ways = qcWaysOut_Of(qcManifoldTriangle_Heights(pair->side[0], origin, pair->normal),
-                                  qcManifoldTriangle_Heights(pair->side[1], origin, pair->normal));
-    int count = 0;
-    qcRawPoint* found = &QC_AT(qcRawPoint, *points, points->count);
-    if (ways.along >= -limit)
-    {
-        qcTriangleView* kept = QC_AT(qcManifoldWorker, m->workers, worker).views.data;
-        qcTriangleView* views[2] = {ViewOf(kept, pair, 0), ViewOf(kept, pair, 1)};
-        count = m->sight->findCommonPart(pair, pair->normal, views, found);
-    }
-    for (int i = 0; i < count; i++)
-        found[i].pair = index;
-    QC_AT(qcPairCorners, m->corners, index) = (qcPairCorners){points->count, (uint16_t)worker, (uint8_t)count};
-}
-
-/// Of the corners of what the triangles have in common those that are points stay.
-static void FindPoints(const Job* job, uint32_t index)
-{
-    qcManifoldBuilder* m = job->manifolds;
-    const qcManifoldPair* pair = qcManifoldBuilder_Pair(m, index);
-    qcPairCorners* corners = &QC_AT(qcPairCorners, m->corners, index);
-    double a = pair->side[0]->longestEdge, b = pair->side[1]->longestEdge;
-    double rounding = QC_MANIFOLD_ROUNDING * (a > b ? a : b), limit = qcManifoldPair_Limit(pair, job->input->margin);
-    qcRawPoint* points = qcManifoldBuilder_Corners(m, index);
-    double tolerance = QC_AT(qcContactRegion, m->measured, pair->region).tolerance;
-    for (int i = 0; i < corners->count && pair->turned; i++)
-    {
-        points[i].normal = pair->normal;
-        points[i].distance = -points[i].distance;
-    }
-    SortByDepth(points, corners->count, rounding);
-    uint8_t kept = 0;
-    for (int i = 0; i < corners->count; i++)
-        if (points[i].distance <= limit && !IsAnyAsGood(points, kept, &points[i], tolerance))
-            points[kept++] = points[i];
-    corners->count = kept;
-    // Nothing comes nearer than the closest points, which are over each other along their own normal: some corner is
-    // as near, unless rounding or a face seen edge-on has hidden it.
-    bool hidden = kept != 0 && points[0].distance > pair->gap + 1e3 * rounding;
-    QC_AT(bool, m->witnessed, index) = pair->apart && pair->own && !pair->turned && hidden;
-}
-
-static void TakeFreeBlock(void* context, size_t block, uint32_t worker)
-{
-    (void)worker;
-    const Job* job = context;
-    size_t end = (block + 1) * qc_pointBlock, count = job->manifolds->freePairs.count;
-    for (size_t i = block * qc_pointBlock; i < (end < count ? end : count); i++)
-        FindPoints(job, qcManifoldBuilder_FreePair(job->manifolds, i));
-}
-
-static void TakeSettledBlock(void* context, size_t block, uint32_t worker)
-{
-    const Job* job = context;
-    qcManifoldWorker* self = &QC_AT(qcManifoldWorker, job->manifolds->workers, worker);
-    size_t end = (block + 1) * qc_pointBlock, count = job->manifolds->work.count;
-    if (self->status == qc_statusOk)
-        self->status = qcArray_Reserve(&self->points, self->points.count + qc_pointBlock * qc_maxCommonCorners,
-                                       sizeof(qcRawPoint), "contact points");
-    if (self->status == qc_statusOk)
-        self->status = EmptyViews(self);
-    for (uint32_t p = (uint32_t)(block * qc_pointBlock); p < (end < count ? end : count) && self->status == qc_statusOk;
-         p++)
-    {
-        const qcManifoldPair* pair = qcManifoldBuilder_Pair(job->manifolds, p);
-        if (!pair->settled)
-            continue;
-        FindCorners(job->manifolds, p, worker, qcManifoldPair_Limit(pair, job->input->margin));
-        FindPoints(job, p);
-        self->points.count += QC_AT(qcPairCorners, job->manifolds->corners, p).count;
-    }
-}
-
-/// Neither the pair nor one beside it has a point, and none comes nearer.
-static bool IsUnheard(const qcManifoldBuilder* m, uint32_t index)
-{
-    const qcManifoldPair* pair = qcManifoldBuilder_Pair(m, index);
-    if (QC_AT(qcPairCorners, m->corners, index).count != 0 || pair->surpassed || pair->settled)
+    const qcPairAdjacency* adjacency = job->input->adjacency;
+    if (qcPairOverlaps_Count(job->overlaps, index) != 0 ||
+        qcContactNormals_Pair(job->normals, index)->isNoLocalMinimum ||
+        qcContactRegions_IsSettled(job->input->regions, PairOf(job, index)))
         return false;
     for (int side = 0; side < 2; side++)
     {
-        qcRing ring = qcManifoldBuilder_Ring(m, pair, side);
-        for (uint32_t i = 0; i < ring.count; i++)
-            if (QC_AT(qcPairCorners, m->corners, qcManifoldBuilder_Beside(m, ring.entries[i])->pair).count != 0)
+        qcAdjacentPairs adjacent = qcPairAdjacency_Of(adjacency, index, side);
+        for (uint32_t i = 0; i < adjacent.count; i++)
+            if (qcPairOverlaps_Count(job->overlaps, qcPairAdjacency_Side(adjacency, adjacent.entries[i])->pair) != 0)
                 return false;
     }
     return true;
 }
 
-/// All points in the order of their pairs; in firstRaw, where those of each pair begin.
+//  ---- all points -----------------------------------------------------------------------------------------
+
+/// All points in the order of their pairs.
 static qcStatus Gather(const Job* job)
 {
-    qcManifoldBuilder* m = job->manifolds;
-    size_t total = 0;
-    for (uint32_t p = 0; p < m->work.count; p++)
+    qcContactPoints* points = job->points;
+    size_t total = 0, pairs = job->input->topology->pairs.count;
+    for (uint32_t p = 0; p < pairs; p++)
     {
-        bool* witnessed = &QC_AT(bool, m->witnessed, p);
-        *witnessed = *witnessed || IsUnheard(m, p);
-        total += QC_AT(qcPairCorners, m->corners, p).count + (size_t)*witnessed;
+        bool* hasFallback = &QC_AT(bool, points->hasFallback, p);
+        *hasFallback = QC_STAGE_RUNS(fallbackPoints) && (*hasFallback || IsUncovered(job, p));
+        total += (size_t)qcPairOverlaps_Count(job->overlaps, p) + (size_t)*hasFallback;
     }
-    QC_TRY(qcArray_Reserve(&m->raw, total, sizeof(qcRawPoint), "contact points"));
-    m->raw.count = 0;
-    for (uint32_t p = 0; p < m->work.count; p++)
+    QC_TRY(qcArray_Reserve(&points->raw, total, sizeof(qcRawPoint), "contact points"));
+    points->raw.count = 0;
+    for (uint32_t p = 0; p < pairs; p++)
     {
-        size_t count = QC_AT(qcPairCorners, m->corners, p).count;
-        QC_AT(size_t, m->firstRaw, p) = m->raw.count;
+        size_t count = (size_t)qcPairOverlaps_Count(job->overlaps, p);
+        QC_AT(size_t, points->firstOfPair, p) = points->raw.count;
         if (count != 0)
-            memcpy(&QC_AT(qcRawPoint, m->raw, m->raw.count), qcManifoldBuilder_Corners(m, p),
+            memcpy(&QC_AT(qcRawPoint, points->raw, points->raw.count), qcPairOverlaps_Corners(job->overlaps, p),
                    count * sizeof(qcRawPoint));
-        m->raw.count += count;
-        if (QC_AT(bool, m->witnessed, p))
-            QC_AT(qcRawPoint, m->raw, m->raw.count++) = Witness(job, p);
+        points->raw.count += count;
+        if (QC_AT(bool, points->hasFallback, p))
+            QC_AT(qcRawPoint, points->raw, points->raw.count++) = FallbackPoint(job, p);
     }
-    QC_AT(size_t, m->firstRaw, m->work.count) = m->raw.count;
+    QC_AT(size_t, points->firstOfPair, pairs) = points->raw.count;
     return qc_statusOk;
 }
 
-qcStatus qcManifoldBuilder_FindPoints(qcManifoldBuilder* m, const qcMeetingInput* input, uint32_t threads)
+qcStatus qcContactPoints_Collect(const qcContactInput* input, const qcContactNormals* normals, qcPairOverlaps* overlaps,
+                                 qcContactPoints* points)
 {
-    QC_TRY(qcArray_Resize(&m->corners, m->work.count, sizeof(qcPairCorners), "contact points"));
-    QC_TRY(qcArray_Resize(&m->witnessed, m->work.count, sizeof(bool), "contact points"));
-    QC_TRY(qcArray_Resize(&m->firstRaw, m->work.count + 1, sizeof(size_t), "contact points"));
-    Job job = {m, input};
-    // The workers' lists grow with the points of settled pairs: nobody may read what another one holds.
-    size_t blocks = (m->freePairs.count + qc_pointBlock - 1) / qc_pointBlock;
-    qcParallel_For(threads, blocks, qc_leastPointBlocks, TakeFreeBlock, &job);
-    blocks = (m->work.count + qc_pointBlock - 1) / qc_pointBlock;
-    if (m->freePairs.count != m->work.count)
-        qcParallel_For(threads, blocks, qc_leastPointBlocks, TakeSettledBlock, &job);
-    QC_TRY(qcManifoldBuilder_LoopStatus(m));
+    size_t pairs = input->topology->pairs.count, unsettled = input->regions->unsettledPairs.count;
+    QC_TRY(MeasureRegions(input->topology, points));
+    QC_TRY(qcArray_Resize(&points->hasFallback, pairs, sizeof(bool), "contact points"));
+    QC_TRY(qcArray_Resize(&points->firstOfPair, pairs + 1, sizeof(size_t), "contact points"));
+    Job job = {input, normals, overlaps, points};
+    // Settled pairs come second: they let the workers' lists grow, and no thread may read another one's list then.
+    size_t blocks = (unsettled + qc_pointBlock - 1) / qc_pointBlock;
+    qcParallel_For(input->threads, blocks, qc_minPointBlocks, TakeUnsettledBlock, &job);
+    blocks = (pairs + qc_pointBlock - 1) / qc_pointBlock;
+    if (unsettled != pairs)
+        qcParallel_For(input->threads, blocks, qc_minPointBlocks, TakeSettledBlock, &job);
+    QC_TRY(qcPairOverlaps_Status(overlaps));
     return Gather(&job);
+}
+
+void qcContactPoints_Free(qcContactPoints* points)
+{
+    qcArray* arrays[] = {
+        &points->raw,         &points->firstOfPair, &points->tolerances, &points->order,       &points->representatives,
+        &points->nextMembers, &points->heads,       &points->links,      &points->sortScratch, &points->hasFallback};
+    for (size_t i = 0; i < sizeof arrays / sizeof arrays[0]; i++)
+        qcArray_Free(arrays[i]);
 }

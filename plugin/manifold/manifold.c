@@ -1,40 +1,52 @@
-// Contact points of all bodies. What two bodies have to do with each other is independent of all others: their pairs
-// are taken together and looked at as one, small enough for a core's caches, each by whichever thread is free.
-//
-// Where two bodies have so many pairs that a thread would be at them when all others are done, all threads share them.
+// Manifolds of all bodies. The manifolds of two bodies depend on no others: a worker builds them from their pairs
+// alone, which fit into a core's caches. Where two bodies have so many pairs that one worker would finish last, all
+// share them.
 #include "manifold/manifold.h"
 
+#include "manifold/manifold_builder.h"
 #include "manifold/overlap_kernels.h"
+#include "manifold/stage_switches.h"
 #include "base/parallel_for.h"
-#include "base/radix_sort.h"
 #include "base/status.h"
 
 #include <string.h>
 
 enum
 {
-    // Meetings at once; one takes from 1 to 1 000 microseconds.
-    qc_leastMeetings = 4,
+    // One takes from 1 to 1 000 microseconds.
+    qc_minBodyPairs = 4,
     // Pairs that are worth the waking of threads at every stage: some milliseconds.
-    qc_leastSharedPairs = 2048
+    qc_minSharedPairs = 2048,
+    // Far above the memory of any machine; numbers of their sides have 32 bits, with room for two more.
+    qc_maxManifoldPairs = 1 << 28
 };
+
+/// Two bodies, or one with itself.
+typedef struct qcBodyPairRange
+{
+    uint32_t firstRun, runCount;
+    uint32_t pairCount;
+    uint32_t builder;                 ///< that has its manifolds
+    size_t firstManifold, firstPoint; ///< there
+    size_t manifoldCount, pointCount;
+} qcBodyPairRange;
 
 typedef struct Job
 {
     qcAllManifolds* all;
     const qcStepTriangles* triangles;
     const qcManifoldInput* input;
-    size_t shared; ///< meetings that are done
+    size_t shared; ///< body pairs that are done
 } Job;
 
-//  ---- meetings -------------------------------------------------------------------------------------------
+//  ---- body pairs -----------------------------------------------------------------------------------------
 
 static uint64_t BodiesOf(const qcPair* pair)
 {
     return (uint64_t)pair->bodyA << 32 | pair->bodyB;
 }
 
-/// The end of the pairs from `first` on that have bodies and a triangle of A in common.
+/// The end of the pairs from `first` on that have the bodies and the triangle of A in common.
 static size_t EndOfRun(const qcManifoldInput* input, size_t first)
 {
     const qcPair* pair = &input->pairs[first];
@@ -45,7 +57,7 @@ static size_t EndOfRun(const qcManifoldInput* input, size_t first)
     return end;
 }
 
-/// Sorted by bodies; of two bodies they stay in their order, and so do the pairs.
+/// Sorted by bodies; those of two bodies stay in their order, and so do the pairs.
 static qcStatus ListRuns(qcAllManifolds* all, const qcManifoldInput* input)
 {
     size_t count = 0;
@@ -62,93 +74,90 @@ static qcStatus ListRuns(qcAllManifolds* all, const qcManifoldInput* input)
     return qcSort_Items(all->runs.data, all->runs.count, &all->scratch);
 }
 
-static qcStatus ListMeetings(qcAllManifolds* all)
+static qcStatus ListBodyPairs(qcAllManifolds* all)
 {
     const qcSortItem* runs = all->runs.data;
     size_t count = 0;
     for (size_t r = 0; r < all->runs.count; r++)
         count += r == 0 || runs[r].key != runs[r - 1].key;
-    QC_TRY(qcArray_Resize(&all->meetings, count, sizeof(qcBodyPairRange), "pairs of manifolds"));
+    QC_TRY(qcArray_Resize(&all->bodyPairs, count, sizeof(qcBodyPairRange), "pairs of manifolds"));
     QC_TRY(qcArray_Resize(&all->order, count, sizeof(qcSortItem), "pairs of manifolds"));
-    qcBodyPairRange* meeting = all->meetings.data;
+    qcBodyPairRange* bodyPair = all->bodyPairs.data;
     for (uint32_t r = 0; r < all->runs.count; r++)
     {
         if (r == 0 || runs[r].key != runs[r - 1].key)
         {
-            meeting += r != 0;
-            *meeting = (qcBodyPairRange){.firstRun = r};
+            bodyPair += r != 0;
+            *bodyPair = (qcBodyPairRange){.firstRun = r};
         }
-        meeting->runCount++;
-        meeting->pairCount += (uint32_t)runs[r].value;
+        bodyPair->runCount++;
+        bodyPair->pairCount += (uint32_t)runs[r].value;
     }
     for (size_t i = 0; i < count; i++)
         QC_AT(qcSortItem, all->order, i) =
-            (qcSortItem){UINT32_MAX - QC_AT(qcBodyPairRange, all->meetings, i).pairCount, (uint64_t)i};
+            (qcSortItem){UINT32_MAX - QC_AT(qcBodyPairRange, all->bodyPairs, i).pairCount, (uint64_t)i};
     return qcSort_Items(all->order.data, count, &all->scratch);
 }
 
-static qcBodyPairRange* MeetingAt(const qcAllManifolds* all, size_t place)
+static qcBodyPairRange* BodyPairAt(const qcAllManifolds* all, size_t i)
 {
-    return &QC_AT(qcBodyPairRange, all->meetings, QC_AT(qcSortItem, all->order, place).value);
+    return &QC_AT(qcBodyPairRange, all->bodyPairs, QC_AT(qcSortItem, all->order, i).value);
 }
 
 //  ---- their manifolds ------------------------------------------------------------------------------------
 
-static qcStatus Build(const Job* job, qcBodyPairRange* meeting, uint32_t maker, uint32_t threads)
+static qcStatus Build(const Job* job, qcBodyPairRange* bodyPair, uint32_t builder, uint32_t threads)
 {
-    qcManifoldBuilder* m = &QC_AT(qcManifoldBuilder, job->all->makers, maker);
-    const qcMeetingInput input = {.reported = job->input,
-                                  .runs = &QC_AT(qcSortItem, job->all->runs, meeting->firstRun),
-                                  .runCount = meeting->runCount,
-                                  .count = meeting->pairCount,
-                                  .proximities = job->input->proximities,
-                                  .feet = job->input->feet,
-                                  .margin = job->input->margin};
-    meeting->maker = maker;
-    meeting->firstManifold = m->manifolds.count;
-    meeting->firstPoint = m->points.count;
+    qcManifoldBuilder* m = &QC_AT(qcManifoldBuilder, job->all->builders, builder);
+    const qcBodyPairInput input = {.reported = job->input,
+                                   .runs = &QC_AT(qcSortItem, job->all->runs, bodyPair->firstRun),
+                                   .runCount = bodyPair->runCount,
+                                   .pairCount = bodyPair->pairCount};
+    bodyPair->builder = builder;
+    bodyPair->firstManifold = m->manifolds.count;
+    bodyPair->firstPoint = m->manifoldPoints.count;
     QC_TRY(qcManifoldBuilder_Build(m, job->triangles, &input, threads));
-    meeting->manifoldCount = m->manifolds.count - meeting->firstManifold;
-    meeting->pointCount = m->points.count - meeting->firstPoint;
+    bodyPair->manifoldCount = m->manifolds.count - bodyPair->firstManifold;
+    bodyPair->pointCount = m->manifoldPoints.count - bodyPair->firstPoint;
     return qc_statusOk;
 }
 
-static void TakeMeeting(void* context, size_t index, uint32_t worker)
+static void BuildOne(void* context, size_t index, uint32_t worker)
 {
     const Job* job = context;
-    qcStatus* status = &QC_AT(qcManifoldBuilder, job->all->makers, worker).status;
+    qcStatus* status = &QC_AT(qcManifoldBuilder, job->all->builders, worker).status;
     if (*status == qc_statusOk)
-        *status = Build(job, MeetingAt(job->all, job->shared + index), worker, 1);
+        *status = Build(job, BodyPairAt(job->all, job->shared + index), worker, 1);
 }
 
 static qcStatus BuildAll(Job* job, uint32_t threads)
 {
     const qcAllManifolds* all = job->all;
-    for (; threads > 1 && job->shared < all->meetings.count; job->shared++)
+    for (; threads > 1 && job->shared < all->bodyPairs.count; job->shared++)
     {
-        // The largest come first. More than half of what a thread has to do: the last one begun ends late.
-        qcBodyPairRange* meeting = MeetingAt(all, job->shared);
-        if (meeting->pairCount < qc_leastSharedPairs || meeting->pairCount < job->input->count / (2 * threads))
+        // The largest come first. More than half of a thread's share: begun last, it would end late.
+        qcBodyPairRange* bodyPair = BodyPairAt(all, job->shared);
+        if (bodyPair->pairCount < qc_minSharedPairs || bodyPair->pairCount < job->input->count / (2 * threads))
             break;
-        QC_TRY(Build(job, meeting, 0, threads));
+        QC_TRY(Build(job, bodyPair, 0, threads));
     }
-    qcParallel_For(threads, all->meetings.count - job->shared, qc_leastMeetings, TakeMeeting, job);
-    for (size_t i = 0; i < all->makers.count; i++)
-        // The message is the thread's own; say it again on this one.
-        if (QC_AT(qcManifoldBuilder, all->makers, i).status != qc_statusOk)
-            return qcArray_FailAgain(&QC_AT(qcManifoldBuilder, all->makers, i).points, "manifolds");
+    qcParallel_For(threads, all->bodyPairs.count - job->shared, qc_minBodyPairs, BuildOne, job);
+    for (size_t i = 0; i < all->builders.count; i++)
+        // Messages are each thread's own: this one gets a copy.
+        if (QC_AT(qcManifoldBuilder, all->builders, i).status != qc_statusOk)
+            return qcArray_FailAgain(&QC_AT(qcManifoldBuilder, all->builders, i).manifoldPoints, "manifolds");
     return qc_statusOk;
 }
 
-static qcStatus EmptyMakers(qcAllManifolds* all, uint32_t threads)
+static qcStatus BeginBuilders(qcAllManifolds* all, uint32_t threads)
 {
-    const qcOverlapKernels* sight = qcOverlapKernels_Get();
-    QC_TRY(qcArray_GrowZeroed(&all->makers, threads, sizeof(qcManifoldBuilder), "manifolds"));
-    for (size_t i = 0; i < all->makers.count; i++)
+    const qcOverlapKernels* kernels = qcOverlapKernels_Get();
+    QC_TRY(qcArray_GrowZeroed(&all->builders, threads, sizeof(qcManifoldBuilder), "manifolds"));
+    for (size_t i = 0; i < all->builders.count; i++)
     {
-        qcManifoldBuilder* m = &QC_AT(qcManifoldBuilder, all->makers, i);
-        m->manifolds.count = m->points.count = 0;
-        m->sight = sight;
+        qcManifoldBuilder* m = &QC_AT(qcManifoldBuilder, all->builders, i);
+        m->manifolds.count = m->manifoldPoints.count = 0;
+        m->kernels = kernels;
         m->status = qc_statusOk;
     }
     return qc_statusOk;
@@ -158,28 +167,28 @@ static qcStatus EmptyMakers(qcAllManifolds* all, uint32_t threads)
 static qcStatus Gather(qcAllManifolds* all)
 {
     size_t manifoldCount = 0, pointCount = 0;
-    for (size_t i = 0; i < all->makers.count; i++)
+    for (size_t i = 0; i < all->builders.count; i++)
     {
-        manifoldCount += QC_AT(qcManifoldBuilder, all->makers, i).manifolds.count;
-        pointCount += QC_AT(qcManifoldBuilder, all->makers, i).points.count;
+        manifoldCount += QC_AT(qcManifoldBuilder, all->builders, i).manifolds.count;
+        pointCount += QC_AT(qcManifoldBuilder, all->builders, i).manifoldPoints.count;
     }
     QC_TRY(qcArray_Reserve(&all->manifolds, manifoldCount, sizeof(qcManifold), "manifolds"));
     QC_TRY(qcArray_Reserve(&all->points, pointCount, sizeof(qcManifoldPoint), "manifolds"));
-    for (size_t i = 0; i < all->meetings.count; i++)
+    for (size_t i = 0; i < all->bodyPairs.count; i++)
     {
-        const qcBodyPairRange* meeting = &QC_AT(qcBodyPairRange, all->meetings, i);
-        const qcManifoldBuilder* m = &QC_AT(qcManifoldBuilder, all->makers, meeting->maker);
-        for (size_t k = 0; k < meeting->manifoldCount; k++)
+        const qcBodyPairRange* bodyPair = &QC_AT(qcBodyPairRange, all->bodyPairs, i);
+        const qcManifoldBuilder* m = &QC_AT(qcManifoldBuilder, all->builders, bodyPair->builder);
+        for (size_t k = 0; k < bodyPair->manifoldCount; k++)
         {
             qcManifold* manifold = &QC_AT(qcManifold, all->manifolds, all->manifolds.count++);
-            *manifold = QC_AT(qcManifold, m->manifolds, meeting->firstManifold + k);
+            *manifold = QC_AT(qcManifold, m->manifolds, bodyPair->firstManifold + k);
             manifold->firstPoint += (uint32_t)all->points.count;
         }
-        if (meeting->pointCount != 0)
+        if (bodyPair->pointCount != 0)
             memcpy(&QC_AT(qcManifoldPoint, all->points, all->points.count),
-                   &QC_AT(qcManifoldPoint, m->points, meeting->firstPoint),
-                   meeting->pointCount * sizeof(qcManifoldPoint));
-        all->points.count += meeting->pointCount;
+                   &QC_AT(qcManifoldPoint, m->manifoldPoints, bodyPair->firstPoint),
+                   bodyPair->pointCount * sizeof(qcManifoldPoint));
+        all->points.count += bodyPair->pointCount;
     }
     return qc_statusOk;
 }
@@ -192,9 +201,10 @@ qcStatus qcAllManifolds_Build(qcAllManifolds* all, const qcStepTriangles* triang
         return qc_statusOk;
     if (input->count > qc_maxManifoldPairs)
         return qcFail(qc_statusOutOfMemory, "out of memory: manifolds of %zu pairs", input->count);
-    QC_TRY(EmptyMakers(all, threads));
+    QC_READ_STAGE_SWITCHES();
+    QC_TRY(BeginBuilders(all, threads));
     QC_TRY(ListRuns(all, input));
-    QC_TRY(ListMeetings(all));
+    QC_TRY(ListBodyPairs(all));
     Job job = {all, triangles, input, 0};
     QC_TRY(BuildAll(&job, threads));
     return Gather(all);
@@ -202,10 +212,10 @@ qcStatus qcAllManifolds_Build(qcAllManifolds* all, const qcStepTriangles* triang
 
 void qcAllManifolds_Free(qcAllManifolds* all)
 {
-    for (size_t i = 0; i < all->makers.count; i++)
-        qcManifoldBuilder_Free(&QC_AT(qcManifoldBuilder, all->makers, i));
-    qcArray* arrays[] = {&all->runs,   &all->meetings,  &all->order, &all->scratch,
-                         &all->makers, &all->manifolds, &all->points};
+    for (size_t i = 0; i < all->builders.count; i++)
+        qcManifoldBuilder_Free(&QC_AT(qcManifoldBuilder, all->builders, i));
+    qcArray* arrays[] = {&all->runs,     &all->bodyPairs, &all->order, &all->scratch,
+                         &all->builders, &all->manifolds, &all->points};
     for (size_t i = 0; i < sizeof arrays / sizeof arrays[0]; i++)
         qcArray_Free(arrays[i]);
 }

@@ -8,23 +8,23 @@
 /// The manifolds of all bodies.
 typedef struct qcAllManifolds
 {
-    qcArray runs;     ///< of qcSortItem: pairs of one triangle of A that follow each other, sorted by their bodies
-    qcArray meetings; ///< of qcBodyPairRange: where two bodies meet, or one itself, sorted by them
-    qcArray order;    ///< of qcSortItem: meetings, the largest first
+    qcArray runs;      ///< of qcSortItem: consecutive pairs with the same triangle of A, sorted by their bodies
+    qcArray bodyPairs; ///< of qcBodyPairRange, sorted by bodies
+    qcArray order;     ///< of qcSortItem: body pairs, the largest first
     qcArray scratch;
-    qcArray makers; ///< of qcManifoldBuilder, one a thread
+    qcArray builders; ///< of qcManifoldBuilder, one a worker
     //  results
     qcArray manifolds, points; ///< of qcManifold, of qcManifoldPoint
 } qcAllManifolds;
 
-/// The pairs of a result, with what is known of each.
+/// The pairs of a result, with their proximities.
 typedef struct qcManifoldInput
 {
     const qcPair* pairs;
-    const qcProximity* proximities; ///< null: those that are needed are computed
-    const qcClosestFeatures* feet;  ///< of the proximities
+    const qcProximity* proximities;    ///< null: those that are needed are computed
+    const qcClosestFeatures* features; ///< of the proximities
     size_t count;
-    double margin; ///< no point lies farther apart than this
+    double margin; ///< no point has a larger distance
 } qcManifoldInput;
 
 /// Builds the manifolds of the pairs of a result, which are sorted as the ABI promises. O(n log n). Where two bodies

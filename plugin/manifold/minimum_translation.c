@@ -1,168 +1,165 @@
-// Regions that one short push would free: what is told of much longer ways takes that push's direction. The least
-// translation that parts two bodies (Cameron, Culley: Determining the minimum translational distance, 1986), for what
-// is near of them and along directions that their own pairs know.
+// Minimum-translation fallback. If the normal of one pair separates the whole region for less than half of its deepest
+// contact, pairs more than twice as deep adopt that normal. The minimum translational distance of two bodies (Cameron,
+// Culley, 1986), for the region alone and along normals of its own pairs.
 //
-// Pairs look one neighbour far, and the signs of their normals go along links that may lead around an edge. Where a
-// corner has sunk into a cut, both can end in a part of the region that is told to go sideways, or right through a
-// body, by ten times what would do: its depths are true along its normals, but nobody has to go that way. Which part
-// that is, and whether, changes with the margin, as pairs that are apart join in.
-//
-// What a direction costs a region is an upper bound of what anybody in it has to go: so far side 0 has to move along it
-// until a plane lies between the triangles of each pair. If the cheapest of the normals of pairs that cross costs less
-// than half of the deepest point, then the pairs that are more than twice as deep as that take it. The others, which
-// may well lie against another wall, keep their own.
-//
-// Limits: only directions that some pair has chosen are known, of many only the first; and what is hooked into each
-// other has no such direction.
+// Propagated normals and signs are local: at a corner sunk into a concave edge some pairs can get a normal along which
+// the bodies overlap ten times deeper than necessary. Their depths are correct for that normal, but the normal is not
+// the one to resolve. Limits: plugin/docs/manifolds.md.
 #include "manifold/normal_cost.h"
-#include "base/radix_sort.h"
 #include "base/status.h"
 
 #include <math.h>
 
 enum
 {
-    // Directions that a region tries; most have fewer than ten.
-    qc_mostEscapes = 32
+    // Normals that are evaluated for one region; most have fewer than ten.
+    qc_maxCandidates = 32
 };
 
-// A way out is too long if the whole region has one of this share of it.
+// A pair is too deep if the whole region is separated by this share of its depth.
 static const double s_muchShorter = 0.5;
+
+typedef struct Job
+{
+    const qcContactInput* input;
+    qcPairOverlaps* overlaps;
+    qcContactNormals* normals;
+} Job;
 
 /// The pairs of a region.
 typedef struct Members
 {
-    const qcManifoldBuilder* manifolds;
     const qcSortItem* items; ///< their values are pairs
     size_t count;
     double deepest;
-    uint32_t last; ///< what cost too much last will do so again: asked first
+    uint32_t last; ///< the pair that ruled out the last candidate, and likely rules out the next: it comes first
 } Members;
 
-/// A direction that frees a region, and how far along it.
-typedef struct Escape
+/// A normal that separates the region, and how far side 0 moves along it.
+typedef struct Translation
 {
     qcVector normal;
-    double depth;
-} Escape;
+    double length;
+} Translation;
 
 static uint32_t PairOf(const Members* members, size_t i)
 {
     return (uint32_t)members->items[i].value;
 }
 
-static double DepthOf(const qcManifoldBuilder* m, uint32_t index)
+static double DepthOf(const Job* job, uint32_t pair)
 {
-    const qcManifoldPair* pair = qcManifoldBuilder_Pair(m, index);
-    const qcRawPoint* corners = qcManifoldBuilder_Corners(m, index);
+    bool flipped = qcContactNormals_Pair(job->normals, pair)->flipped;
+    const qcRawPoint* corners = qcPairOverlaps_Corners(job->overlaps, pair);
     double depth = 0.0;
-    for (int i = 0; i < QC_AT(qcPairCorners, m->corners, index).count; i++)
-        depth = fmax(depth, pair->turned ? corners[i].distance : -corners[i].distance);
+    for (int i = 0; i < qcPairOverlaps_Count(job->overlaps, pair); i++)
+        depth = fmax(depth, flipped ? corners[i].distance : -corners[i].distance);
     return depth;
 }
 
-static double WayOut(const qcManifoldBuilder* m, uint32_t index, qcVector normal)
+static double LengthAlong(const Job* job, uint32_t index, qcVector normal)
 {
-    const qcManifoldPair* pair = qcManifoldBuilder_Pair(m, index);
-    qcVector origin = pair->side[1]->corner[0];
-    return qcWaysOut_Of(qcManifoldTriangle_Heights(pair->side[0], origin, normal),
-                        qcManifoldTriangle_Heights(pair->side[1], origin, normal))
-        .along;
+    const qcManifoldPair* pair = qcContactTopology_Pair(job->input->topology, index);
+    return qcManifoldPair_Separation(pair, pair->side[1]->corner[0], normal).along;
 }
 
-/// Is a direction cheaper than the best? Then it is that.
-static void Consider(Members* members, qcVector normal, Escape* best)
+/// Replaces the best translation if that along the normal is shorter.
+static void Evaluate(const Job* job, qcVector normal, Members* members, Translation* best)
 {
-    double depth = fmax(WayOut(members->manifolds, members->last, normal), 0.0);
-    for (size_t i = 0; i < members->count && depth < best->depth; i++)
+    double length = fmax(LengthAlong(job, members->last, normal), 0.0);
+    for (size_t i = 0; i < members->count && length < best->length; i++)
     {
-        double way = WayOut(members->manifolds, PairOf(members, i), normal);
-        if (way >= best->depth)
+        double own = LengthAlong(job, PairOf(members, i), normal);
+        if (own >= best->length)
             members->last = PairOf(members, i);
-        depth = fmax(depth, way);
+        length = fmax(length, own);
     }
-    if (depth < best->depth)
-        *best = (Escape){normal, depth};
+    if (length < best->length)
+        *best = (Translation){normal, length};
 }
 
-/// The cheapest direction, if it is much shorter than the deepest point; otherwise its depth is what it began with.
-static Escape FindEscape(Members* members)
+/// The shortest translation if it is much shorter than the deepest contact; otherwise one of the length that is too
+/// long.
+static Translation FindTranslation(const Job* job, Members* members)
 {
-    qcVector tried[qc_mostEscapes];
+    qcVector evaluated[qc_maxCandidates];
     int count = 0;
-    Escape best = {.depth = s_muchShorter * members->deepest};
-    for (size_t i = 0; i < members->count && count < qc_mostEscapes; i++)
+    Translation best = {.length = s_muchShorter * members->deepest};
+    for (size_t i = 0; i < members->count && count < qc_maxCandidates; i++)
     {
-        const qcManifoldPair* pair = qcManifoldBuilder_Pair(members->manifolds, PairOf(members, i));
+        uint32_t p = PairOf(members, i);
+        qcVector normal = qcContactNormals_Pair(job->normals, p)->normal;
         int known = 0;
-        while (known < count && qcDot(tried[known], pair->normal) < QC_MANIFOLD_FLAT)
+        while (known < count && qcDot(evaluated[known], normal) < QC_MANIFOLD_FLAT)
             known++;
-        if (!pair->crossing || known < count)
+        if (!qcContactProximity_Pair(job->input->proximity, p)->penetrating || known < count)
             continue;
-        tried[count++] = pair->normal;
-        Consider(members, pair->normal, &best);
+        evaluated[count++] = normal;
+        Evaluate(job, normal, members, &best);
     }
     return best;
 }
 
-/// Gives a pair a direction, and its corners along it.
-static qcStatus Send(qcManifoldBuilder* m, uint32_t index, qcVector normal, double margin)
+/// Gives a pair a normal, and its overlap along it.
+static qcStatus AdoptNormal(const Job* job, uint32_t index, qcVector normal)
 {
-    qcManifoldPair* pair = qcManifoldBuilder_Pair(m, index);
-    qcArray* points = &QC_AT(qcManifoldWorker, m->workers, 0).points;
-    QC_TRY(qcArray_Reserve(points, points->count + qc_maxCommonCorners, sizeof(qcRawPoint), "contact points"));
-    pair->normal = normal;
-    pair->own = pair->turned = pair->apart = false;
-    qcLook look = {.count = -1};
-    qcLook_Along(m, pair, normal, &look);
-    qcManifoldBuilder_KeepCorners(m, index, 0, &look, normal, false, margin);
+    const qcManifoldPair* pair = qcContactTopology_Pair(job->input->topology, index);
+    if (!qcPairOverlaps_Reserve(job->overlaps, 0, qc_maxOverlapCorners))
+        return qcPairOverlaps_Status(job->overlaps);
+    qcPairNormal* own = qcContactNormals_Pair(job->normals, index);
+    own->normal = normal;
+    own->keepsReported = own->flipped = own->disjoint = false;
+    qcProjectedOverlap overlap = {.count = -1};
+    qcProjectedOverlap_Compute(job->input->kernels, pair, normal, &overlap);
+    qcPairOverlaps_Set(job->overlaps, index, 0, &overlap, normal, false, qcContactInput_CornerLimit(job->input, pair));
     return qc_statusOk;
 }
 
-static qcStatus SendDeep(qcManifoldBuilder* m, Members* members, double margin)
+static qcStatus ShortenRegion(const Job* job, Members* members)
 {
     for (size_t i = 0; i < members->count; i++)
     {
-        double depth = DepthOf(m, PairOf(members, i));
+        double depth = DepthOf(job, PairOf(members, i));
         if (depth > members->deepest)
             members->last = PairOf(members, i);
         members->deepest = fmax(members->deepest, depth);
     }
-    Escape best = FindEscape(members);
-    if (!(best.depth < s_muchShorter * members->deepest))
+    Translation best = FindTranslation(job, members);
+    if (!(best.length < s_muchShorter * members->deepest))
         return qc_statusOk;
     for (size_t i = 0; i < members->count; i++)
-        if (s_muchShorter * DepthOf(m, PairOf(members, i)) > best.depth)
-            QC_TRY(Send(m, PairOf(members, i), best.normal, margin));
+        if (s_muchShorter * DepthOf(job, PairOf(members, i)) > best.length)
+            QC_TRY(AdoptNormal(job, PairOf(members, i), best.normal));
     return qc_statusOk;
 }
 
-/// Of regions that something crosses, by region; of each they stay in their order.
-static qcStatus ListMembers(qcManifoldBuilder* m)
+/// The pairs of regions that penetrate, by region; within one in their order.
+static qcStatus ListMembers(const qcContactInput* input, qcContactNormals* normals)
 {
-    QC_TRY(qcArray_Reserve(&m->order, m->freePairs.count, sizeof(qcSortItem), "ways out of regions"));
-    m->order.count = 0;
-    for (size_t i = 0; i < m->freePairs.count; i++)
+    size_t unsettled = input->regions->unsettledPairs.count;
+    QC_TRY(qcArray_Reserve(&normals->items, unsettled, sizeof(qcSortItem), "ways out of regions"));
+    normals->items.count = 0;
+    for (size_t i = 0; i < unsettled; i++)
     {
-        uint32_t p = qcManifoldBuilder_FreePair(m, i);
-        const qcManifoldPair* pair = qcManifoldBuilder_Pair(m, p);
-        if (qcManifoldBuilder_PairRegion(m, pair)->crossing)
-            QC_AT(qcSortItem, m->order, m->order.count++) = (qcSortItem){pair->region, p};
+        uint32_t p = qcContactRegions_UnsettledPair(input->regions, i);
+        const qcManifoldPair* pair = qcContactTopology_Pair(input->topology, p);
+        if (qcContactProximity_Region(input->proximity, pair)->penetrating)
+            QC_AT(qcSortItem, normals->items, normals->items.count++) = (qcSortItem){pair->region, p};
     }
-    return qcSort_Items(m->order.data, m->order.count, &m->scratch);
+    return qcSort_Items(normals->items.data, normals->items.count, &normals->sortScratch);
 }
 
-qcStatus qcManifoldBuilder_FindEscapes(qcManifoldBuilder* m, double margin)
+qcStatus qcContactNormals_Shorten(const qcContactInput* input, qcPairOverlaps* overlaps, qcContactNormals* normals)
 {
-    QC_TRY(ListMembers(m));
-    const qcSortItem* items = m->order.data;
-    for (size_t first = 0, end = 0; first < m->order.count; first = end)
+    Job job = {input, overlaps, normals};
+    QC_TRY(ListMembers(input, normals));
+    const qcSortItem* items = normals->items.data;
+    for (size_t first = 0, end = 0; first < normals->items.count; first = end)
     {
-        while (end < m->order.count && items[end].key == items[first].key)
+        while (end < normals->items.count && items[end].key == items[first].key)
             end++;
-        Members members = {
-            .manifolds = m, .items = items + first, .count = end - first, .last = (uint32_t)items[first].value};
-        QC_TRY(SendDeep(m, &members, margin));
+        Members members = {.items = items + first, .count = end - first, .last = (uint32_t)items[first].value};
+        QC_TRY(ShortenRegion(&job, &members));
     }
     return qc_statusOk;
 }

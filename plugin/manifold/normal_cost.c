@@ -1,91 +1,66 @@
-// What a direction costs a pair and the pairs around it, and what its triangles have in common along one.
+// The cost of a candidate normal.
 #include "manifold/normal_cost.h"
 
 #include <math.h>
 
 // The weight of the pair itself: its own six vertices.
-static const double s_self = 6.0;
+static const double s_ownWeight = 6.0;
 
-qcNeighbourhood qcNeighbourhood_Of(const qcManifoldBuilder* m, uint32_t index)
+qcNeighbourhood qcNeighbourhood_Of(const qcContactInput* input, uint32_t pair)
 {
-    const qcManifoldPair* pair = qcManifoldBuilder_Pair(m, index);
-    qcNeighbourhood n = {m, pair, {qcManifoldBuilder_Ring(m, pair, 0), qcManifoldBuilder_Ring(m, pair, 1)}, 0.0};
-    n.rounding = qcManifoldPair_Rounding(pair) * (s_self + n.ring[0].count + n.ring[1].count);
+    const qcPairAdjacency* adjacency = input->adjacency;
+    qcNeighbourhood n = {.pair = qcContactTopology_Pair(input->topology, pair),
+                         .proximity = qcContactProximity_Pair(input->proximity, pair),
+                         .adjacency = adjacency,
+                         .adjacent = {qcPairAdjacency_Of(adjacency, pair, 0), qcPairAdjacency_Of(adjacency, pair, 1)}};
+    n.rounding = qcManifoldPair_Rounding(n.pair) * (s_ownWeight + n.adjacent[0].count + n.adjacent[1].count);
     return n;
 }
 
-static void AddWays(qcTrial* trial, qcWaysOut ways, double weight)
+static void AddCost(qcNormalCandidate* candidate, qcSeparation separation, double weight)
 {
-    trial->along += weight * qcPositive(ways.along);
-    trial->against += weight * qcPositive(ways.against);
+    candidate->along += weight * qcPositive(separation.along);
+    candidate->against += weight * qcPositive(separation.against);
 }
 
-/// The pairs beside this one whose common triangle, at these heights, is that of a side.
-static void AddRing(const qcNeighbourhood* n, int side, qcHeights common, qcVector origin, qcTrial* trial)
+/// Adds the pairs that are adjacent through the triangle of a side, whose heights are given.
+static void AddAdjacent(const qcNeighbourhood* n, int side, qcHeightRange common, qcVector origin,
+                        qcNormalCandidate* candidate)
 {
-    qcRing ring = n->ring[side];
-    qcVector direction = trial->normal;
-    for (uint32_t i = 0; i < ring.count; i++)
+    qcAdjacentPairs adjacent = n->adjacent[side];
+    qcVector direction = candidate->normal;
+    for (uint32_t i = 0; i < adjacent.count; i++)
     {
-        const qcManifoldPlace* place = qcManifoldBuilder_Beside(n->manifolds, ring.entries[i]);
-        qcHeights h =
-            side == trial->face ? place->heights : qcManifoldTriangle_Heights(place->moved, origin, direction);
-        AddWays(trial, side == 0 ? qcWaysOut_Of(common, h) : qcWaysOut_Of(h, common),
-                (double)(ring.entries[i] & qc_ringShared));
+        const qcPairSide* other = qcPairAdjacency_Side(n->adjacency, adjacent.entries[i]);
+        qcHeightRange h =
+            side == candidate->face ? other->heights : qcManifoldTriangle_Heights(other->other, origin, direction);
+        AddCost(candidate, side == 0 ? qcSeparation_Of(common, h) : qcSeparation_Of(h, common),
+                (double)(adjacent.entries[i] & qc_sharedVertices));
     }
 }
 
-bool qcNeighbourhood_FindCost(const qcNeighbourhood* n, double limit, qcTrial* trial)
+bool qcNeighbourhood_FindCost(const qcNeighbourhood* n, double limit, qcNormalCandidate* candidate)
 {
     const qcManifoldPair* pair = n->pair;
-    qcVector origin = pair->side[trial->face == 0 ? 0 : 1]->corner[0];
-    const qcHeights heights[2] = {qcManifoldTriangle_Heights(pair->side[0], origin, trial->normal),
-                                  qcManifoldTriangle_Heights(pair->side[1], origin, trial->normal)};
-    trial->along = trial->against = 0.0;
-    trial->ways = qcWaysOut_Of(heights[0], heights[1]);
-    AddWays(trial, trial->ways, s_self);
-    // What the places know already comes first.
-    int first = trial->face == 1 ? 1 : 0;
-    for (int k = 0; k < 2 && (trial->along < limit || trial->against < limit); k++)
-        AddRing(n, k == 0 ? first : 1 - first, heights[k == 0 ? first : 1 - first], origin, trial);
-    return trial->along < limit || trial->against < limit;
+    qcVector origin = pair->side[candidate->face == 0 ? 0 : 1]->corner[0];
+    const qcHeightRange heights[2] = {qcManifoldTriangle_Heights(pair->side[0], origin, candidate->normal),
+                                      qcManifoldTriangle_Heights(pair->side[1], origin, candidate->normal)};
+    candidate->along = candidate->against = 0.0;
+    candidate->separation = qcSeparation_Of(heights[0], heights[1]);
+    AddCost(candidate, candidate->separation, s_ownWeight);
+    // The side whose heights are stored comes first.
+    int first = candidate->face == 1 ? 1 : 0;
+    for (int k = 0; k < 2 && (candidate->along < limit || candidate->against < limit); k++)
+    {
+        int side = k == 0 ? first : 1 - first;
+        AddAdjacent(n, side, heights[side], origin, candidate);
+    }
+    return candidate->along < limit || candidate->against < limit;
 }
 
-void qcLook_Along(const qcManifoldBuilder* m, const qcManifoldPair* pair, qcVector normal, qcLook* look)
+double qcContactInput_CornerLimit(const qcContactInput* input, const qcManifoldPair* pair)
 {
-    if (look->count >= 0)
-        return;
-    look->count = qcManifoldBuilder_FindCommonPart(m, pair, normal, look->corners);
-    look->low = INFINITY;
-    look->high = -INFINITY;
-    for (int i = 0; i < look->count; i++)
-    {
-        double distance = look->corners[i].distance;
-        look->low = distance < look->low ? distance : look->low;
-        look->high = distance > look->high ? distance : look->high;
-    }
-}
-
-void qcManifoldBuilder_KeepCorners(qcManifoldBuilder* m, uint32_t index, uint32_t worker, const qcLook* look,
-                                   qcVector normal, bool opposite, double margin)
-{
-    const qcManifoldPair* pair = qcManifoldBuilder_Pair(m, index);
-    qcArray* points = &QC_AT(qcManifoldWorker, m->workers, worker).points;
-    double limit = qcManifoldPair_Limit(pair, margin);
-    if (qcManifoldBuilder_PairRegion(m, pair)->unsettled)
-        limit = INFINITY;
-    qcPairCorners* kept = &QC_AT(qcPairCorners, m->corners, index);
-    *kept = (qcPairCorners){points->count, (uint16_t)worker, 0};
-    for (int i = 0; i < look->count; i++)
-    {
-        double distance = opposite ? -look->corners[i].distance : look->corners[i].distance;
-        if (!(distance <= limit))
-            continue;
-        qcRawPoint* point = &QC_AT(qcRawPoint, *points, points->count++);
-        *point = look->corners[i];
-        point->normal = normal;
-        point->distance = distance;
-        point->pair = index;
-        kept->count++;
-    }
+    if (qcContactProximity_Region(input->proximity, pair)->ambiguous)
+        return INFINITY;
+    return qcManifoldPair_Limit(pair, input->margin);
 }

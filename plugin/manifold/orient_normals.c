@@ -1,39 +1,12 @@
-// The signs of the normals. Only regions in which some pair touches or penetrates have a choice.
-//
-// Relative signs: along trees of the surest links between neighbours, each normal is turned to agree with the one
-// before. Surest: two pairs that are apart and agree already; then the links in order of how parallel the two normals
-// are. Every pair is linked to all those beside it: trees along a few of these links cross where a surer way leads
-// around. Most links need no place in the order, since their ends are joined before. After Hoppe, DeRose, Duchamp,
-// McDonald, Stuetzle: Surface reconstruction from unorganized points, SIGGRAPH 1992, section 3.3. Normals more than 60
-// degrees from each other and from each other's opposite say nothing of each other's sign (a floor and a wall): what no
-// other links connect has signs of its own, and is a part.
-//
-// Where nothing in a region crosses, the pairs that are apart keep their signs whatever the tree says: they are facts,
-// also where a sheet in a slit has facts that are opposite. Where something crosses, a pair that is apart may lie
-// behind the sheet that it crossed: then it is turned, and its distance becomes a depth.
-//
-// A part knows its side if the way out along its normals is a quarter of that against them, or less. Two parts that
-// know theirs are not made one by a link that says otherwise between normals 15 degrees or more from each other: around
-// the rim of a shared cut, where pairs part sideways, such links lead from one side of an edge to the other, and a pair
-// that is a millionth of its size deep would be told to go through the whole of a body.
-//
-// The sign of a part: that with the shorter way out, so far side 0 has to move along the normals until it lies above
-// side 1 in all pairs, or against them until it lies below. The pairs know both sides of a crossing no farther than the
-// margin: they are asked first, and believed if the shorter way is within the margin, and clearly shorter, or a quarter
-// of the other one. Otherwise two bodies decide: each lies on the side on which the centre of its box is, the smaller
-// body weighing more, since a large one is often concave around the contact. If these say nothing either, as of a body
-// with itself, the sum of the ways out of all pairs decides, which is less sure than the longest one (of a box sunk
-// into a floor, the bottom has more pairs than the walls), but not at the mercy of a single pair.
-//
-// Limits: where bodies have sunk into each other deeper than the margin, two concave ones that are hooked into each
-// other can be told to go the wrong way; and a one-sided part (a Moebius strip of contact) has an edge at which signs
-// flip.
-#include "manifold/manifold_builder.h"
-#include "base/radix_sort.h"
+// Orientation: the signs of the normals of each region in which some pair is not separated. First relative signs, along
+// spanning trees of the most certain links between adjacent pairs (Hoppe, DeRose, Duchamp, McDonald, Stuetzle: Surface
+// reconstruction from unorganized points, SIGGRAPH 1992, section 3.3); then the sign of each connected component, by
+// the shorter separation distance. The rules, their reasons and limits: plugin/docs/manifolds.md.
+#include "manifold/normals.h"
+#include "manifold/signed_sets.h"
 #include "base/status.h"
 
 #include <math.h>
-#include <string.h>
 
 enum
 {
@@ -41,271 +14,302 @@ enum
     qc_linkRoom = 64
 };
 
-// The cosine of 60 degrees: normals nearer to each other, or to each other's opposite, are one surface's.
-static const double s_agree = 0.5;
-// One less a cosine that is nothing but rounding.
+// The cosine of 60 degrees: normals within it, or opposite ones, belong to one surface.
+static const double s_linked = 0.5;
+// One less a cosine that differs by rounding only.
 static const double s_same = 1e-12;
-// A way out is clearly shorter than another one by this factor.
+// A separation distance is clearly shorter than another one by this factor.
 static const double s_shorter = 0.75;
-// And much shorter by this one: believed beyond the margin.
+// By this one it is certain, also beyond the margin.
 static const double s_muchShorter = 0.25;
-// The cosine of 15 degrees: normals nearer to each other, or to each other's opposite, are surely one surface's.
-static const double s_surface = 0.966;
-// A centre that lies nearer to the contact, by the size of the smaller box, is on no side.
+// The cosine of 15 degrees: the sign of a link between normals within it, or opposite ones, is certain.
+static const double s_certain = 0.966;
+// A body's centre is on neither side if its weighed distance is less than this.
 static const double s_noSide = 0.01;
 
-/// A part of a region, by its first pair.
-typedef struct Part
+/// Pairs whose signs are known relative to each other, by the first pair.
+typedef struct Component
 {
-    uint32_t count;
-    bool wrongWay;
-    double along, against;       ///< the longest ways out of its pairs
-    double sumAlong, sumAgainst; ///< of the ways out
+    uint32_t count; ///< 0: its signs are final
+    bool isOpposite;
+    double along, against;       ///< the longest separation distances of its pairs
+    double sumAlong, sumAgainst; ///< their sums
     double size;                 ///< the longest edge
-    qcVector normal, place;      ///< sums
-} Part;
+    qcVector normal, position;   ///< sums
+} Component;
 
-/// False: nothing has a choice.
-static bool FindFacts(qcManifoldBuilder* m)
+typedef struct Job
 {
-    bool unsettled = false;
-    for (size_t i = 0; i < m->freePairs.count; i++)
-    {
-        uint32_t p = qcManifoldBuilder_FreePair(m, i);
-        const qcManifoldPair* pair = qcManifoldBuilder_Pair(m, p);
-        qcPairRegion* region = qcManifoldBuilder_PairRegion(m, pair);
-        unsettled = unsettled || region->unsettled;
-        if (pair->apart && region->fact == UINT32_MAX)
-            region->fact = p;
-    }
-    return unsettled;
+    const qcContactInput* input;
+    const qcPairOverlaps* overlaps;
+    qcPairNormal* normals; ///< by pair
+    Component* components; ///< likewise
+    uint32_t* nodes;       ///< likewise
+    qcArray* links;        ///< of qcSortItem: LinkKey, two pairs
+} Job;
+
+static size_t CountPairs(const Job* job)
+{
+    return job->input->regions->unsettledPairs.count;
 }
 
-/// The surer, the lower; the last bit says that the two are opposite.
+static uint32_t PairAt(const Job* job, size_t i)
+{
+    return qcContactRegions_UnsettledPair(job->input->regions, i);
+}
+
+static const qcManifoldPair* Pair(const Job* job, uint32_t pair)
+{
+    return qcContactTopology_Pair(job->input->topology, pair);
+}
+
+static const qcRegionProximity* Region(const Job* job, uint32_t pair)
+{
+    return qcContactProximity_Region(job->input->proximity, Pair(job, pair));
+}
+
+//  ---- components -----------------------------------------------------------------------------------------
+
+static double Max(double x, double y)
+{
+    return x > y ? x : y;
+}
+
+/// A component of one pair.
+static void BeginComponent(const Job* job, uint32_t p)
+{
+    Component* component = &job->components[p];
+    *component = (Component){.count = 1};
+    const qcManifoldPair* pair = Pair(job, p);
+    const qcProximity* proximity = &job->input->proximity->reported[pair->source];
+    const qcRawPoint* corners = qcPairOverlaps_Corners(job->overlaps, p);
+    double along = 0.0, against = 0.0;
+    for (int i = 0; i < qcPairOverlaps_Count(job->overlaps, p); i++)
+    {
+        double distance = corners[i].distance;
+        along = -distance > along ? -distance : along;
+        against = distance > against ? distance : against;
+    }
+    component->along = component->sumAlong = along;
+    component->against = component->sumAgainst = against;
+    for (int side = 0; side < 2; side++)
+        component->size = Max(pair->side[side]->longestEdge, component->size);
+    component->normal = job->normals[p].normal;
+    component->position = qcPlusScaled(component->position, qcVector_Load(proximity->pointA), 0.5);
+    component->position = qcPlusScaled(component->position, qcVector_Load(proximity->pointB), 0.5);
+}
+
+/// Adds a component to another one, reversed if it is opposite.
+static void AddComponent(const Component* other, bool opposite, Component* component)
+{
+    component->along = Max(component->along, opposite ? other->against : other->along);
+    component->against = Max(component->against, opposite ? other->along : other->against);
+    component->sumAlong += opposite ? other->sumAgainst : other->sumAlong;
+    component->sumAgainst += opposite ? other->sumAlong : other->sumAgainst;
+    component->size = Max(component->size, other->size);
+    component->normal = qcPlusScaled(component->normal, other->normal, opposite ? -1.0 : 1.0);
+    component->position = qcPlusScaled(component->position, other->position, 1.0);
+    component->count += other->count;
+}
+
+/// A component's sign is certain if its separation distance along its normals is at most a quarter of that against
+/// them (1), or the other way round (-1); 0: it is not certain.
+static int CertainSign(const Component* component)
+{
+    return component->along < s_muchShorter * component->against   ? 1
+           : component->against < s_muchShorter * component->along ? -1
+                                                                   : 0;
+}
+
+/// Joins two components; but not by a doubtful link that contradicts their signs if both are certain.
+static void Join(const Job* job, uint32_t i, uint32_t j, uint32_t opposite, bool doubtful)
+{
+    uint32_t a = qcSignedSets_Find(job->nodes, i), b = qcSignedSets_Find(job->nodes, j);
+    if (a >> 1 == b >> 1)
+        return;
+    Component *first = &job->components[a >> 1], *second = &job->components[b >> 1];
+    bool reversed = (a ^ b ^ opposite) & 1u;
+    if (doubtful && CertainSign(first) * CertainSign(second) * (reversed ? -1 : 1) < 0)
+        return;
+    qcSignedSets_Unite(job->nodes, i, j, opposite);
+    if (a >> 1 < b >> 1)
+        AddComponent(second, reversed, first);
+    else
+        AddComponent(first, reversed, second);
+}
+
+//  ---- links ----------------------------------------------------------------------------------------------
+
+/// The more certain, the lower; the last bit is set if the two normals are opposite.
 static uint64_t LinkKey(double dot)
 {
     double doubt = 1.0 - fabs(dot);
     return (uint64_t)qcSort_FloatKey(doubt > s_same ? (float)doubt : 0.0f) << 1 | (dot < 0.0);
 }
 
-/// A part of one pair.
-static void MakePart(Part* part, const qcManifoldBuilder* m, uint32_t p, const qcProximity* proximity)
+/// Joins a pair with the adjacent pairs of lower numbers where that is certain, and lists the other links; there is
+/// room for them.
+static void AddLinks(const Job* job, uint32_t p, int side)
 {
-    *part = (Part){.count = 1};
-    const qcManifoldPair* pair = qcManifoldBuilder_Pair(m, p);
-    const qcRawPoint* corners = qcManifoldBuilder_Corners(m, p);
-    double along = 0.0, against = 0.0;
-    for (int i = 0; i < QC_AT(qcPairCorners, m->corners, p).count; i++)
+    uint32_t *nodes = job->nodes, root = qcSignedSets_Find(nodes, p) >> 1;
+    const qcPairNormal* own = &job->normals[p];
+    qcAdjacentPairs adjacent = qcPairAdjacency_Of(job->input->adjacency, p, side);
+    for (uint32_t i = 0; i < adjacent.count; i++)
     {
-        double distance = corners[i].distance;
-        along = -distance > along ? -distance : along;
-        against = distance > against ? distance : against;
-    }
-    part->along = part->sumAlong = along;
-    part->against = part->sumAgainst = against;
-    for (int side = 0; side < 2; side++)
-        part->size = pair->side[side]->longestEdge > part->size ? pair->side[side]->longestEdge : part->size;
-    part->normal = pair->normal;
-    part->place = qcPlusScaled(part->place, qcVector_Load(proximity->pointA), 0.5);
-    part->place = qcPlusScaled(part->place, qcVector_Load(proximity->pointB), 0.5);
-}
-
-static double Larger(double x, double y)
-{
-    return x > y ? x : y;
-}
-
-/// Adds a part to another one, turned around if it is opposite.
-static void AddPart(Part* part, const Part* other, bool opposite)
-{
-    part->along = Larger(part->along, opposite ? other->against : other->along);
-    part->against = Larger(part->against, opposite ? other->along : other->against);
-    part->sumAlong += opposite ? other->sumAgainst : other->sumAlong;
-    part->sumAgainst += opposite ? other->sumAlong : other->sumAgainst;
-    part->size = Larger(part->size, other->size);
-    part->normal = qcPlusScaled(part->normal, other->normal, opposite ? -1.0 : 1.0);
-    part->place = qcPlusScaled(part->place, other->place, 1.0);
-    part->count += other->count;
-}
-
-/// Above 0: the part lies as its normals say, since the way out along them is much the shorter; below: the other way
-/// round; 0: it doesn't know.
-static int SideOf(const Part* part)
-{
-    return part->along < s_muchShorter * part->against ? 1 : part->against < s_muchShorter * part->along ? -1 : 0;
-}
-
-/// Makes two parts one, with what is known of both; but not by a doubtful link if both know their side and it says
-/// otherwise.
-static void Join(qcManifoldBuilder* m, uint32_t i, uint32_t j, uint32_t opposite, bool doubtful)
-{
-    uint32_t a = qcSigned_Find(m->nodes.data, i), b = qcSigned_Find(m->nodes.data, j);
-    if (a >> 1 == b >> 1)
-        return;
-    Part *first = &QC_AT(Part, m->parts, a >> 1), *second = &QC_AT(Part, m->parts, b >> 1);
-    bool turned = (a ^ b ^ opposite) & 1u;
-    if (doubtful && SideOf(first) * SideOf(second) * (turned ? -1 : 1) < 0)
-        return;
-    qcSigned_Unite(m->nodes.data, i, j, opposite);
-    if (a >> 1 < b >> 1)
-        AddPart(first, second, turned);
-    else
-        AddPart(second, first, turned);
-}
-
-/// Unites a pair with those before it beside it where that is sure, and lists the other links; there is room for them.
-static void TakeLinks(qcManifoldBuilder* m, uint32_t p, int side)
-{
-    uint32_t *nodes = m->nodes.data, root = qcSigned_Find(nodes, p) >> 1;
-    const qcManifoldPair* pair = qcManifoldBuilder_Pair(m, p);
-    qcRing ring = qcManifoldBuilder_Ring(m, pair, side);
-    for (uint32_t i = 0; i < ring.count; i++)
-    {
-        uint32_t q = qcManifoldBuilder_Beside(m, ring.entries[i])->pair;
-        if (q >= p || nodes[q] >> 1 == root || qcSigned_Find(nodes, q) >> 1 == root)
+        uint32_t q = qcPairAdjacency_Side(job->input->adjacency, adjacent.entries[i])->pair;
+        if (q >= p || nodes[q] >> 1 == root || qcSignedSets_Find(nodes, q) >> 1 == root)
             continue;
-        const qcManifoldPair* other = qcManifoldBuilder_Pair(m, q);
-        double dot = qcDot(pair->normal, other->normal);
-        if (dot >= s_agree && pair->apart && other->apart)
+        const qcPairNormal* other = &job->normals[q];
+        double dot = qcDot(own->normal, other->normal);
+        if (dot >= s_linked && own->disjoint && other->disjoint)
         {
-            Join(m, q, p, 0, false);
-            root = qcSigned_Find(nodes, p) >> 1;
+            Join(job, q, p, 0, false);
+            root = qcSignedSets_Find(nodes, p) >> 1;
         }
-        else if (fabs(dot) >= s_agree)
-            QC_AT(qcSortItem, m->order, m->order.count++) = (qcSortItem){LinkKey(dot), (uint64_t)q << 32 | p};
+        else if (fabs(dot) >= s_linked)
+            QC_AT(qcSortItem, *job->links, job->links->count++) = (qcSortItem){LinkKey(dot), (uint64_t)q << 32 | p};
     }
 }
 
-static void UniteLink(qcManifoldBuilder* m, qcSortItem link)
+static void JoinLink(const Job* job, qcSortItem link)
 {
-    bool doubtful = link.key >> 1 > LinkKey(s_surface) >> 1;
-    Join(m, (uint32_t)(link.value >> 32), (uint32_t)link.value, link.key & 1u, doubtful);
+    bool doubtful = link.key >> 1 > LinkKey(s_certain) >> 1;
+    Join(job, (uint32_t)(link.value >> 32), (uint32_t)link.value, link.key & 1u, doubtful);
 }
 
-/// Of the links that were listed, unites those of one and the same normal, which come first in their order. Of the
-/// others those stay that still join something.
-static void DropLinks(qcManifoldBuilder* m)
+/// Joins the links between equal normals, which come first in the order of certainty; then drops those whose ends are
+/// joined.
+static void DropJoinedLinks(const Job* job)
 {
-    uint32_t* nodes = m->nodes.data;
     uint64_t same = LinkKey(1.0);
-    size_t stay = 0;
-    for (size_t i = 0; i < m->order.count; i++)
-        if (QC_AT(qcSortItem, m->order, i).key == same)
-            UniteLink(m, QC_AT(qcSortItem, m->order, i));
-    for (size_t i = 0; i < m->order.count; i++)
+    qcSortItem* links = job->links->data;
+    size_t kept = 0;
+    for (size_t i = 0; i < job->links->count; i++)
+        if (links[i].key == same)
+            JoinLink(job, links[i]);
+    for (size_t i = 0; i < job->links->count; i++)
     {
-        qcSortItem link = QC_AT(qcSortItem, m->order, i);
-        if (qcSigned_Find(nodes, (uint32_t)(link.value >> 32)) >> 1 != qcSigned_Find(nodes, (uint32_t)link.value) >> 1)
-            QC_AT(qcSortItem, m->order, stay++) = link;
+        uint32_t first = (uint32_t)(links[i].value >> 32), second = (uint32_t)links[i].value;
+        if (qcSignedSets_Find(job->nodes, first) >> 1 != qcSignedSets_Find(job->nodes, second) >> 1)
+            links[kept++] = links[i];
     }
-    m->order.count = stay;
+    job->links->count = kept;
 }
 
-/// Trees of pairs that are equal or opposite. The facts of a region in which nothing crosses are one from the start;
-/// then come the sure links, and of the others those that still join something, the surest first.
-static qcStatus GrowTrees(qcManifoldBuilder* m, const qcMeetingInput* input)
+/// The first disjoint pair of each region in which nothing penetrates: its reference. `references`, by region, or
+/// UINT32_MAX. All its disjoint pairs keep their signs: they are joined to the reference from the start.
+static void JoinDisjointPairs(const Job* job, uint32_t* references)
 {
-    QC_TRY(qcArray_Resize(&m->parts, m->work.count, sizeof(Part), "signs of normals"));
-    for (size_t i = 0; i < m->freePairs.count; i++)
+    for (uint32_t r = 0; r < job->input->topology->regionCount; r++)
+        references[r] = UINT32_MAX;
+    for (size_t i = 0; i < CountPairs(job); i++)
     {
-        uint32_t p = qcManifoldBuilder_FreePair(m, i);
-        QC_AT(uint32_t, m->nodes, p) = p << 1;
-        const qcManifoldPair* pair = qcManifoldBuilder_Pair(m, p);
-        if (qcManifoldBuilder_PairRegion(m, pair)->unsettled)
-            MakePart(&QC_AT(Part, m->parts, p), m, p, &input->proximities[pair->source]);
+        uint32_t p = PairAt(job, i);
+        uint32_t* reference = &references[Pair(job, p)->region];
+        if (!job->normals[p].disjoint || !Region(job, p)->ambiguous || Region(job, p)->penetrating)
+            continue;
+        if (*reference == UINT32_MAX)
+            *reference = p;
+        Join(job, *reference, p, 0, false);
+    }
+}
+
+/// Spanning trees of pairs that are equal or opposite: disjoint pairs, then certain links, then the others in the order
+/// of their certainty.
+static qcStatus GrowComponents(const Job* job, uint32_t* references, qcArray* sortScratch)
+{
+    for (size_t i = 0; i < CountPairs(job); i++)
+    {
+        uint32_t p = PairAt(job, i);
+        job->nodes[p] = p << 1;
+        if (Region(job, p)->ambiguous)
+            BeginComponent(job, p);
         else
-            QC_AT(Part, m->parts, p).count = 0;
+            job->components[p].count = 0;
     }
-    for (size_t i = 0; i < m->freePairs.count; i++)
+    JoinDisjointPairs(job, references);
+    job->links->count = 0;
+    for (size_t i = 0; i < CountPairs(job); i++)
     {
-        uint32_t p = qcManifoldBuilder_FreePair(m, i);
-        const qcManifoldPair* pair = qcManifoldBuilder_Pair(m, p);
-        const qcPairRegion* region = qcManifoldBuilder_PairRegion(m, pair);
-        if (pair->apart && region->unsettled && !region->crossing)
-            Join(m, region->fact, p, 0, false);
-    }
-    m->order.count = 0;
-    for (size_t i = 0; i < m->freePairs.count; i++)
-    {
-        uint32_t p = qcManifoldBuilder_FreePair(m, i);
+        uint32_t p = PairAt(job, i);
         if (i % qc_linkRoom == 0)
-            QC_TRY(qcArray_Reserve(&m->order, m->order.count + 2 * qc_linkRoom * qc_maxRing, sizeof(qcSortItem),
-                                   "signs of normals"));
-        for (int side = 0; side < 2 && qcManifoldBuilder_PairRegion(m, qcManifoldBuilder_Pair(m, p))->unsettled; side++)
-            TakeLinks(m, p, side);
+            QC_TRY(qcArray_Reserve(job->links, job->links->count + 2 * qc_linkRoom * qc_maxAdjacentPairs,
+                                   sizeof(qcSortItem), "signs of normals"));
+        for (int side = 0; side < 2 && Region(job, p)->ambiguous; side++)
+            AddLinks(job, p, side);
     }
-    DropLinks(m);
-    QC_TRY(qcSort_Items(m->order.data, m->order.count, &m->scratch));
-    for (size_t i = 0; i < m->order.count; i++)
-        UniteLink(m, QC_AT(qcSortItem, m->order, i));
+    DropJoinedLinks(job);
+    QC_TRY(qcSort_Items(job->links->data, job->links->count, sortScratch));
+    for (size_t i = 0; i < job->links->count; i++)
+        JoinLink(job, QC_AT(qcSortItem, *job->links, i));
     return qc_statusOk;
 }
 
-static void Turn(qcManifoldPair* pair)
+//  ---- signs ----------------------------------------------------------------------------------------------
+
+static void Flip(qcPairNormal* normal)
 {
-    pair->normal = qcNegated(pair->normal);
-    pair->turned = !pair->turned;
+    normal->normal = qcNegated(normal->normal);
+    normal->flipped = !normal->flipped;
 }
 
-/// Turns each pair so that it agrees with the first of its part; or with the facts of its region, if it hangs together
-/// with them: such a part has no choice.
-static void Agree(qcManifoldBuilder* m)
+/// Gives the pairs of each component the sign of its first pair; or that of the region's reference, if this is among
+/// them: such a component's signs are final.
+static void MakeConsistent(const Job* job, const uint32_t* references)
 {
-    uint32_t* nodes = m->nodes.data;
-    for (size_t i = 0; i < m->freePairs.count; i++)
+    for (size_t i = 0; i < CountPairs(job); i++)
     {
-        uint32_t p = qcManifoldBuilder_FreePair(m, i);
-        qcManifoldPair* pair = qcManifoldBuilder_Pair(m, p);
-        const qcPairRegion* region = qcManifoldBuilder_PairRegion(m, pair);
-        if (!region->unsettled)
+        uint32_t p = PairAt(job, i);
+        if (!Region(job, p)->ambiguous)
             continue;
-        uint32_t root = qcSigned_Find(nodes, p), fact = UINT32_MAX;
-        if (!region->crossing && region->fact != UINT32_MAX)
-            fact = qcSigned_Find(nodes, region->fact);
-        bool withFacts = fact >> 1 == root >> 1;
-        if ((withFacts ? root ^ fact : root) & 1u)
-            Turn(pair);
-        if (withFacts)
-            QC_AT(Part, m->parts, root >> 1).count = 0;
+        uint32_t root = qcSignedSets_Find(job->nodes, p), reference = references[Pair(job, p)->region];
+        if (reference != UINT32_MAX)
+            reference = qcSignedSets_Find(job->nodes, reference);
+        bool isFinal = reference >> 1 == root >> 1;
+        if ((isFinal ? root ^ reference : root) & 1u)
+            Flip(&job->normals[p]);
+        if (isFinal)
+            job->components[root >> 1].count = 0;
     }
 }
 
 /// A corner of a body's box, in the unit of this build.
-static qcVector ScaledCorner(const qcManifoldBuilder* m, const double corner[3])
+static qcVector ScaledCorner(const double corner[3], int exponent)
 {
-    if (m->exponent == 0)
+    if (exponent == 0)
         return qcVector_Load(corner);
-    return (qcVector){ldexp(corner[0], -m->exponent), ldexp(corner[1], -m->exponent), ldexp(corner[2], -m->exponent)};
+    return (qcVector){ldexp(corner[0], -exponent), ldexp(corner[1], -exponent), ldexp(corner[2], -exponent)};
 }
 
-static qcVector CentreOf(const qcManifoldBuilder* m, const qcBody* body)
+static qcVector CentreOf(const qcBody* body, int exponent)
 {
-    qcVector lower = ScaledCorner(m, body->lower), upper = ScaledCorner(m, body->upper);
+    qcVector lower = ScaledCorner(body->lower, exponent), upper = ScaledCorner(body->upper, exponent);
     return (qcVector){0.5 * lower.x + 0.5 * upper.x, 0.5 * lower.y + 0.5 * upper.y, 0.5 * lower.z + 0.5 * upper.z};
 }
 
-static double Size2(const qcManifoldBuilder* m, const qcBody* body)
+static double Size2(const qcBody* body, int exponent)
 {
-    qcVector diagonal = qcMinus(ScaledCorner(m, body->upper), ScaledCorner(m, body->lower));
+    qcVector diagonal = qcMinus(ScaledCorner(body->upper, exponent), ScaledCorner(body->lower, exponent));
     return qcDot(diagonal, diagonal);
 }
 
-/// Above 0: the bodies lie on the sides that the normals name; below: on the other sides; 0: on neither clearly.
-static double SideOfBodies(const qcManifoldBuilder* m, const Part* part, const qcManifoldPair* pair)
+/// Above 0: the centres of the bodies lie on the sides that the normals give; below: on the other sides; 0: on neither
+/// clearly.
+static double SideOfBodies(const Component* component, const qcManifoldPair* pair, int exponent)
 {
-    double length = sqrt(qcDot(part->normal, part->normal));
+    double length = sqrt(qcDot(component->normal, component->normal));
     // Normals all around a body have no common side.
     const qcBody *bodyA = pair->side[0]->body, *bodyB = pair->side[1]->body;
-    if (bodyA == bodyB || !(length > 0.5 * part->count))
+    if (bodyA == bodyB || !(length > 0.5 * component->count))
         return 0.0;
     qcVector zero = {0.0, 0.0, 0.0};
-    qcVector place = qcPlusScaled(zero, part->place, 1.0 / part->count);
-    double a2 = Size2(m, bodyA), b2 = Size2(m, bodyB);
-    double a = qcDot(qcMinus(CentreOf(m, bodyA), place), part->normal) / length;
-    double b = qcDot(qcMinus(CentreOf(m, bodyB), place), part->normal) / length;
+    qcVector position = qcPlusScaled(zero, component->position, 1.0 / component->count);
+    double a2 = Size2(bodyA, exponent), b2 = Size2(bodyB, exponent);
+    double a = qcDot(qcMinus(CentreOf(bodyA, exponent), position), component->normal) / length;
+    double b = qcDot(qcMinus(CentreOf(bodyB, exponent), position), component->normal) / length;
     double smaller2 = fmin(a2, b2);
-    // Each as a share of the body's size, and the shares weighed by one over its square: less, and a ring on the floor
-    // of a deep bin would be sent out through the floor, since the centre of the bin is far above.
+    // Distances as shares of the bodies' sizes, weighed by one over their squares. With less weight a ring on the floor
+    // of a deep bin would be pushed out through the floor, since the centre of the bin is far above.
     double side = (a2 > 0.0 ? a / (a2 * sqrt(a2)) : 0.0) - (b2 > 0.0 ? b / (b2 * sqrt(b2)) : 0.0);
     return fabs(side) * smaller2 > s_noSide ? side : 0.0;
 }
@@ -315,38 +319,55 @@ static bool PointsDown(qcVector n)
     return n.x != 0.0 ? n.x < 0.0 : n.y != 0.0 ? n.y < 0.0 : n.z < 0.0;
 }
 
-static bool IsWrongWay(const qcManifoldBuilder* m, const Part* part, const qcManifoldPair* first, double margin)
+static bool IsOpposite(const Job* job, const Component* component, uint32_t first)
 {
-    double shorter = fmin(part->along, part->against), longer = fmax(part->along, part->against);
-    double rounding = QC_MANIFOLD_ROUNDING * part->size;
-    if (shorter < (shorter <= margin + rounding ? s_shorter : s_muchShorter) * longer - rounding)
-        return part->against < part->along;
-    double bodies = SideOfBodies(m, part, first);
+    double shorter = fmin(component->along, component->against), longer = fmax(component->along, component->against);
+    double rounding = QC_MANIFOLD_ROUNDING * component->size;
+    if (shorter < (shorter <= job->input->margin + rounding ? s_shorter : s_muchShorter) * longer - rounding)
+        return component->against < component->along;
+    double bodies = SideOfBodies(component, Pair(job, first), job->input->topology->exponent);
     if (bodies != 0.0)
         return bodies < 0.0;
-    if (fabs(part->sumAlong - part->sumAgainst) > rounding * part->count)
-        return part->sumAgainst < part->sumAlong;
-    return PointsDown(first->normal);
+    if (fabs(component->sumAlong - component->sumAgainst) > rounding * component->count)
+        return component->sumAgainst < component->sumAlong;
+    return PointsDown(job->normals[first].normal);
 }
 
-qcStatus qcManifoldBuilder_ChooseSigns(qcManifoldBuilder* m, const qcMeetingInput* input)
+static void FlipOppositeComponents(const Job* job)
 {
-    if (!FindFacts(m))
+    for (size_t i = 0; i < CountPairs(job); i++)
+    {
+        uint32_t p = PairAt(job, i);
+        Component* component = &job->components[p];
+        component->isOpposite = component->count != 0 && IsOpposite(job, component, p);
+    }
+    for (size_t i = 0; i < CountPairs(job); i++)
+    {
+        uint32_t p = PairAt(job, i);
+        if (job->components[qcSignedSets_Find(job->nodes, p) >> 1].isOpposite)
+            Flip(&job->normals[p]);
+    }
+}
+
+qcStatus qcContactNormals_Orient(const qcContactInput* input, const qcPairOverlaps* overlaps, qcContactNormals* normals)
+{
+    bool ambiguous = false;
+    for (uint32_t r = 0; r < input->topology->regionCount; r++)
+        ambiguous = ambiguous || QC_AT(qcRegionProximity, input->proximity->regions, r).ambiguous;
+    if (!ambiguous)
         return qc_statusOk;
-    QC_TRY(qcArray_Resize(&m->nodes, m->work.count, sizeof(uint32_t), "signs of normals"));
-    QC_TRY(GrowTrees(m, input));
-    Agree(m);
-    for (size_t i = 0; i < m->freePairs.count; i++)
-    {
-        uint32_t p = qcManifoldBuilder_FreePair(m, i);
-        Part* part = &QC_AT(Part, m->parts, p);
-        part->wrongWay = part->count != 0 && IsWrongWay(m, part, qcManifoldBuilder_Pair(m, p), input->margin);
-    }
-    for (size_t i = 0; i < m->freePairs.count; i++)
-    {
-        uint32_t p = qcManifoldBuilder_FreePair(m, i);
-        if (QC_AT(Part, m->parts, qcSigned_Find(m->nodes.data, p) >> 1).wrongWay)
-            Turn(qcManifoldBuilder_Pair(m, p));
-    }
+    size_t count = input->topology->pairs.count, regions = input->topology->regionCount;
+    QC_TRY(qcArray_Resize(&normals->components, count, sizeof(Component), "signs of normals"));
+    QC_TRY(qcArray_Resize(&normals->nodes, count, sizeof(uint32_t), "signs of normals"));
+    QC_TRY(qcArray_Resize(&normals->references, regions, sizeof(uint32_t), "signs of normals"));
+    Job job = {.input = input,
+               .overlaps = overlaps,
+               .normals = normals->pairs.data,
+               .components = normals->components.data,
+               .nodes = normals->nodes.data,
+               .links = &normals->items};
+    QC_TRY(GrowComponents(&job, normals->references.data, &normals->sortScratch));
+    MakeConsistent(&job, normals->references.data);
+    FlipOppositeComponents(&job);
     return qc_statusOk;
 }

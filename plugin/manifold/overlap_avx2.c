@@ -1,13 +1,8 @@
-// Kernels for what triangles have in common, for x86-64 with AVX2.
-#include "manifold/overlap_lanes.h"
-
+// Kernels of the projected overlap for x86-64 with AVX2.
 #include <immintrin.h>
 
-QC_INLINE unsigned BitsOf(Marks marks)
-{
-    return (unsigned)_mm256_movemask_pd((__m256d)marks) & 7u;
-}
+#define QC_MASK_BITS(mask) ((unsigned)_mm256_movemask_pd((__m256d)(mask)) & 7u)
 
 #include "manifold/overlap_kernels.inl.h"
 
-const qcOverlapKernels qcOverlapKernels_avx2 = {FindCommonPart};
+const qcOverlapKernels qcOverlapKernels_avx2 = {FindOverlap};

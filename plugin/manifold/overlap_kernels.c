@@ -1,4 +1,4 @@
-// Which kernels for what triangles have in common this machine runs.
+// The kernels of the projected overlap that this machine runs.
 #include "manifold/overlap_kernels.h"
 
 #include "base/cpu_features.h"

@@ -1,27 +1,27 @@
-// What two triangles have in common, seen along a direction: compiled once for each instruction set and chosen at run
-// time. What is found does not depend on the instruction set: the same operations, side by side, and none is fused.
+// Kernels of the projected overlap: compiled once for each instruction set and chosen at run time. The result does not
+// depend on the instruction set: the operations are the same, side by side, and none is fused.
 #ifndef QC_MANIFOLD_OVERLAP_KERNELS_H
 #define QC_MANIFOLD_OVERLAP_KERNELS_H
 
-#include "manifold/manifold_builder.h"
+#include "manifold/projected_overlap.h"
 
 enum
 {
     qc_overlapLanes = 4 ///< of a triangle's corners or edges; the fourth is the first again
 };
 
-/// A triangle seen along a direction: what is the same whatever the other one is, filled as far as somebody asked.
+/// A triangle seen along a direction: what does not depend on the other triangle, computed at first use.
 typedef struct qcTriangleView
 {
     const qcManifoldTriangle* triangle;
-    uint32_t region; ///< whose normal the direction is, for whoever keeps views
+    uint32_t region; ///< whose normal the direction is, where views are cached
     bool hasEdges, hasFace;
     //  by axis, then by lane:
-    double edge[3][qc_overlapLanes];   ///< edge e: from corner e to the next
-    double across[3][qc_overlapLanes]; ///< an edge x the direction
-    double inner[qc_overlapLanes];     ///< across edge e, from it: the corner that it lacks
-    qcVector face;                     ///< its normal, not of unit length
-    double facing;                     ///< that along the direction
+    double edge[3][qc_overlapLanes];        ///< edge e: from corner e to the next
+    double edgeNormal[3][qc_overlapLanes];  ///< edge x direction
+    double oppositeHeight[qc_overlapLanes]; ///< along edgeNormal, from edge e: the corner opposite to it
+    qcVector face;                          ///< the triangle's normal, not of unit length
+    double facing;                          ///< face . direction
 } qcTriangleView;
 
 static inline void qcTriangleView_Begin(qcTriangleView* view, const qcManifoldTriangle* triangle)
@@ -32,11 +32,11 @@ static inline void qcTriangleView_Begin(qcTriangleView* view, const qcManifoldTr
 
 struct qcOverlapKernels
 {
-    /// Corners of what the two triangles have in common seen along a direction, with their gaps; none where they lie
-    /// beside each other. Returns their number. Along the opposite direction the gaps are opposite, and all else is the
-    /// same. The views are of the two sides, along this direction.
-    int (*findCommonPart)(const qcManifoldPair* pair, qcVector normal, qcTriangleView* views[2],
-                          qcRawPoint corners[qc_maxCommonCorners]);
+    /// Corners of the projected overlap of two triangles along a direction, with their signed distances. Returns their
+    /// number; 0 where the projections are disjoint. Along the opposite direction the distances are opposite, and all
+    /// else is equal. The views are of the two sides, along this direction.
+    int (*findOverlap)(const qcManifoldPair* pair, qcVector direction, qcTriangleView* views[2],
+                       qcRawPoint corners[qc_maxOverlapCorners]);
 };
 
 extern const qcOverlapKernels qcOverlapKernels_scalar;

@@ -1,11 +1,6 @@
-// Kernels for what triangles have in common, in plain C: any processor. Vectors are the compiler's.
-#include "manifold/overlap_lanes.h"
-
-QC_INLINE unsigned BitsOf(Marks marks)
-{
-    return (unsigned)((marks[0] & 1) | (marks[1] & 2) | (marks[2] & 4));
-}
+// Kernels of the projected overlap in plain C, for any processor: the compiler splits the vectors.
+#define QC_MASK_BITS(mask) ((unsigned)(((mask)[0] & 1) | ((mask)[1] & 2) | ((mask)[2] & 4)))
 
 #include "manifold/overlap_kernels.inl.h"
 
-const qcOverlapKernels qcOverlapKernels_scalar = {FindCommonPart};
+const qcOverlapKernels qcOverlapKernels_scalar = {FindOverlap};

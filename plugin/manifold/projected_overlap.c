@@ -1,9 +1,35 @@
-// What two triangles have in common, seen along a direction. (Where its corners are: manifold/overlap_kernels.inl.h.)
+// Projected overlaps of pairs, and their lists. (The corners: manifold/overlap_kernels.inl.h.)
 #include "manifold/overlap_kernels.h"
+#include "base/status.h"
 
 #include <math.h>
 
-bool qcManifoldPair_CoversArea(const qcManifoldPair* pair, const qcRawPoint* corners, int count)
+int qcProjectedOverlap_FindCorners(const qcOverlapKernels* kernels, const qcManifoldPair* pair, qcVector direction,
+                                   qcRawPoint corners[qc_maxOverlapCorners])
+{
+    qcTriangleView views[2];
+    for (int side = 0; side < 2; side++)
+        qcTriangleView_Begin(&views[side], pair->side[side]);
+    return kernels->findOverlap(pair, direction, (qcTriangleView* [2]){&views[0], &views[1]}, corners);
+}
+
+void qcProjectedOverlap_Compute(const qcOverlapKernels* kernels, const qcManifoldPair* pair, qcVector direction,
+                                qcProjectedOverlap* overlap)
+{
+    if (overlap->count >= 0)
+        return;
+    overlap->count = qcProjectedOverlap_FindCorners(kernels, pair, direction, overlap->corners);
+    overlap->low = INFINITY;
+    overlap->high = -INFINITY;
+    for (int i = 0; i < overlap->count; i++)
+    {
+        double distance = overlap->corners[i].distance;
+        overlap->low = distance < overlap->low ? distance : overlap->low;
+        overlap->high = distance > overlap->high ? distance : overlap->high;
+    }
+}
+
+bool qcProjectedOverlap_IsArea(const qcManifoldPair* pair, const qcRawPoint* corners, int count)
 {
     qcVector longest = {0.0, 0.0, 0.0};
     for (int i = 1; i < count; i++)
@@ -21,11 +47,62 @@ bool qcManifoldPair_CoversArea(const qcManifoldPair* pair, const qcRawPoint* cor
     return false;
 }
 
-int qcManifoldBuilder_FindCommonPart(const qcManifoldBuilder* m, const qcManifoldPair* pair, qcVector normal,
-                                     qcRawPoint corners[qc_maxCommonCorners])
+qcStatus qcPairOverlaps_Begin(uint32_t threads, qcPairOverlaps* overlaps)
 {
-    qcTriangleView views[2];
-    for (int side = 0; side < 2; side++)
-        qcTriangleView_Begin(&views[side], pair->side[side]);
-    return m->sight->findCommonPart(pair, normal, (qcTriangleView* [2]){&views[0], &views[1]}, corners);
+    QC_TRY(qcArray_GrowZeroed(&overlaps->workers, threads, sizeof(qcOverlapWorker), "contact points"));
+    for (uint32_t i = 0; i < overlaps->workers.count; i++)
+    {
+        qcOverlapWorker* worker = qcPairOverlaps_Worker(overlaps, i);
+        worker->corners.count = 0;
+        worker->status = qc_statusOk;
+    }
+    return qc_statusOk;
+}
+
+bool qcPairOverlaps_Reserve(qcPairOverlaps* overlaps, uint32_t worker, size_t count)
+{
+    qcOverlapWorker* self = qcPairOverlaps_Worker(overlaps, worker);
+    if (self->status == qc_statusOk)
+        self->status =
+            qcArray_Reserve(&self->corners, self->corners.count + count, sizeof(qcRawPoint), "contact points");
+    return self->status == qc_statusOk;
+}
+
+qcStatus qcPairOverlaps_Status(const qcPairOverlaps* overlaps)
+{
+    for (uint32_t i = 0; i < overlaps->workers.count; i++)
+        if (qcPairOverlaps_Worker(overlaps, i)->status != qc_statusOk)
+            return qcArray_FailAgain(&qcPairOverlaps_Worker(overlaps, i)->corners, "contact points");
+    return qc_statusOk;
+}
+
+void qcPairOverlaps_Set(qcPairOverlaps* overlaps, uint32_t pair, uint32_t worker, const qcProjectedOverlap* overlap,
+                        qcVector normal, bool opposite, double limit)
+{
+    qcArray* corners = &qcPairOverlaps_Worker(overlaps, worker)->corners;
+    qcCornerRange* range = &QC_AT(qcCornerRange, overlaps->ranges, pair);
+    *range = (qcCornerRange){corners->count, (uint16_t)worker, 0};
+    for (int i = 0; i < overlap->count; i++)
+    {
+        double distance = opposite ? -overlap->corners[i].distance : overlap->corners[i].distance;
+        if (!(distance <= limit))
+            continue;
+        qcRawPoint* point = &QC_AT(qcRawPoint, *corners, corners->count++);
+        *point = overlap->corners[i];
+        point->normal = normal;
+        point->distance = distance;
+        point->pair = pair;
+        range->count++;
+    }
+}
+
+void qcPairOverlaps_Free(qcPairOverlaps* overlaps)
+{
+    for (uint32_t i = 0; i < overlaps->workers.count; i++)
+    {
+        qcArray_Free(&qcPairOverlaps_Worker(overlaps, i)->corners);
+        qcArray_Free(&qcPairOverlaps_Worker(overlaps, i)->views);
+    }
+    qcArray_Free(&overlaps->workers);
+    qcArray_Free(&overlaps->ranges);
 }

@@ -1,20 +1,10 @@
-// Directions where triangles meet. In parallel.
+// Normals where triangles intersect, propagated from pair to pair. In parallel.
 //
-// What a pair that meets knows of its direction may be little. Two triangles that touch along an edge or in a corner
-// are parted by half a circle of directions, or more, all at no cost, and if they have sunk into each other a little,
-// the shortest way out is any of these: sideways along the rim of a cut that two pieces share. Seen one neighbour far
-// it may still be free. But the pairs around know more, and so the pairs look at what those beside them have chosen:
-//
-// - A pair stands flat if its two triangles lie in the plane across its direction, and cover an area of each other: no
-//   other direction parts them. Flat pairs are firm. One beside a firm pair takes its direction if that costs no more
-//   than its own, and is firm then too.
-// - Other pairs take the cheapest direction of those beside them, if it is cheaper than their own.
-// - A pair that is apart follows those that meet, on a further condition: it may not come to lie deeper than the one
-//   that it follows. Beside a shallow crossing there are pairs of triangles that are apart, but only because one of
-//   them has passed the other's rim: their directions lead sideways, and their opposites into the whole of a body.
-//
-// All look at what the others had chosen in the round before, so that the order does not matter; and of a round's
-// choices each is looked at once.
+// An intersecting pair alone may not determine a normal: two triangles that touch at an edge or a vertex are separated
+// by a half circle of directions at no cost. So normals propagate from pairs with a reliable (coplanar, overlapping)
+// contact to their neighbours; other pairs take the cheapest normal of an adjacent one if it is cheaper than their own.
+// A round reads the normals of the previous one, so that the order does not matter, and each new normal is offered to
+// the neighbours once. The rules, and why they are so: plugin/docs/manifolds.md.
 #include "manifold/normal_cost.h"
 #include "base/parallel_for.h"
 #include "base/status.h"
@@ -23,10 +13,10 @@
 
 enum
 {
-    // As far from a flat pair as the fan around a corner of a cut reaches. Nothing changes in most scenes after three.
-    qc_mostRounds = 4,
-    // Directions that are remembered while the best is looked for.
-    qc_mostTried = 8
+    // As far from a coplanar pair as the fan around a corner of a cut reaches. In most scenes nothing changes after 3.
+    qc_maxRounds = 4,
+    // Evaluated candidates that are remembered for one pair.
+    qc_maxEvaluated = 8
 };
 
 // Normals that differ by rounding only.
@@ -34,221 +24,230 @@ static const double s_same = 1.0 - 1e-12;
 
 typedef struct Job
 {
-    qcManifoldBuilder* manifolds;
-    double margin;
-    const qcNormalChoice* now;
-    qcNormalChoice* next;
+    const qcContactInput* input;
+    qcPairOverlaps* overlaps;
+    const qcPairNormal* now;
+    qcPairNormal* next;
     uint16_t round;
 } Job;
 
-/// A direction to follow.
-typedef struct Lead
+/// A propagated normal.
+typedef struct Propagated
 {
     qcVector normal;
-    double cost, likeness; ///< to the pair's own direction
-} Lead;
+    double cost, likeness; ///< cosine of the angle to the pair's own normal
+} Propagated;
 
-/// Also on the other side of what it has just passed, or a little above it: the line is known, if not the sign.
-static bool StandsFlat(const qcManifoldBuilder* m, uint32_t index, qcVector normal)
+/// True if the pair's two triangles lie in the plane across its normal, on either side of each other, and overlap in an
+/// area: no other normal separates them.
+static bool IsCoplanar(const Job* job, uint32_t index, qcVector normal)
 {
-    const qcManifoldPair* pair = qcManifoldBuilder_Pair(m, index);
-    return pair->gap <= QC_MANIFOLD_AREA * qcManifoldPair_SmallerSize(pair) &&
+    const qcManifoldPair* pair = qcContactTopology_Pair(job->input->topology, index);
+    return qcContactProximity_Pair(job->input->proximity, index)->gap <=
+               QC_MANIFOLD_AREA * qcManifoldPair_SmallerSize(pair) &&
            fabs(qcDot(normal, pair->side[0]->normal)) >= QC_MANIFOLD_FLAT &&
            fabs(qcDot(normal, pair->side[1]->normal)) >= QC_MANIFOLD_FLAT &&
-           qcManifoldPair_CoversArea(pair, qcManifoldBuilder_Corners(m, index),
-                                     QC_AT(qcPairCorners, m->corners, index).count);
+           qcProjectedOverlap_IsArea(pair, qcPairOverlaps_Corners(job->overlaps, index),
+                                     qcPairOverlaps_Count(job->overlaps, index));
 }
 
-/// Is a direction cheaper than the best, or as cheap and nearer to the pair's own? So that the order of those around
-/// decides nothing.
-static bool IsBetter(const Lead* lead, const Lead* best, double rounding)
+/// Cheaper than the best, or as cheap and nearer to the pair's own normal: the order of the adjacent pairs does not
+/// matter.
+static bool IsBetter(const Propagated* propagated, const Propagated* best, double rounding)
 {
-    if (fabs(lead->cost - best->cost) > rounding)
-        return lead->cost < best->cost;
-    return lead->likeness > best->likeness;
+    if (fabs(propagated->cost - best->cost) > rounding)
+        return propagated->cost < best->cost;
+    return propagated->likeness > best->likeness;
 }
 
-/// Does the pair, which is apart, come to lie no deeper along a direction than the one that it is taken from?
-static bool IsNoDeeper(const qcManifoldPair* pair, const qcTrial* trial, const qcManifoldPair* leader)
+/// True if the pair is no deeper along the candidate than the pair that it is taken from.
+static bool IsNoDeeper(const qcManifoldPair* pair, const qcNormalCandidate* candidate, const qcManifoldPair* source)
 {
-    qcVector origin = leader->side[0]->corner[0];
-    double depth = qcWaysOut_Of(qcManifoldTriangle_Heights(leader->side[0], origin, trial->normal),
-                                qcManifoldTriangle_Heights(leader->side[1], origin, trial->normal))
-                       .along;
-    return trial->ways.along <= qcPositive(depth) + qcManifoldPair_Rounding(pair);
+    double depth = qcManifoldPair_Separation(source, source->side[0]->corner[0], candidate->normal).along;
+    return candidate->separation.along <= qcPositive(depth) + qcManifoldPair_Rounding(pair);
 }
 
-/// A direction that pairs beside this one have chosen: what it costs, and whether it was offered.
-typedef struct Tried
+/// A normal of adjacent pairs.
+typedef struct Evaluated
 {
-    qcTrial trial;
-    bool isCheap, isOffered;
-} Tried;
+    qcNormalCandidate candidate;
+    bool isCheap, isConsidered;
+} Evaluated;
 
-/// A cut has one normal, and most pairs beside it say the same: the place of that direction, or of a new one. For pairs
-/// that meet it stands for its opposite too.
-static Tried* FindTried(Tried* tried, int count, const qcNormalChoice* own, qcVector normal)
+/// Most pairs beside a cut have one normal: finds it among those that have been evaluated, or the place of a new one.
+/// For a pair that is not disjoint a normal stands for its opposite too.
+static Evaluated* FindEvaluated(Evaluated* evaluated, int count, const qcPairNormal* own, qcVector normal)
 {
     int i = 0;
     while (i < count)
     {
-        double likeness = qcDot(tried[i].trial.normal, normal);
-        if ((own->apart ? likeness : fabs(likeness)) >= s_same)
+        double likeness = qcDot(evaluated[i].candidate.normal, normal);
+        if ((own->disjoint ? likeness : fabs(likeness)) >= s_same)
             break;
         i++;
     }
-    return &tried[i];
+    return &evaluated[i];
 }
 
-/// The direction, and for pairs that meet its opposite.
-static void OfferLeads(const qcNeighbourhood* n, const qcNormalChoice* own, const qcTrial* trial, double limit,
-                       Lead* best)
+/// The normal and, for a pair that is not disjoint, its opposite.
+static void Consider(const qcNeighbourhood* n, const qcPairNormal* own, const qcNormalCandidate* candidate,
+                     double limit, Propagated* best)
 {
-    for (int way = 0; way < (own->apart ? 1 : 2); way++)
+    for (int way = 0; way < (own->disjoint ? 1 : 2); way++)
     {
-        Lead lead = {.normal = way == 0 ? trial->normal : qcNegated(trial->normal),
-                     .cost = way == 0 ? trial->along : trial->against};
-        lead.likeness = qcDot(lead.normal, own->normal);
-        if (lead.cost < limit && IsBetter(&lead, best, n->rounding))
-            *best = lead;
+        Propagated propagated = {.normal = way == 0 ? candidate->normal : qcNegated(candidate->normal),
+                                 .cost = way == 0 ? candidate->along : candidate->against};
+        propagated.likeness = qcDot(propagated.normal, own->normal);
+        if (propagated.cost < limit && IsBetter(&propagated, best, n->rounding))
+            *best = propagated;
     }
 }
 
-/// The best direction of those around that have news, and are firm, or are not; its cost is infinity if there is none.
-static Lead FindLead(const Job* job, const qcNeighbourhood* n, const qcNormalChoice* own, bool firm)
+/// The best of the normals of adjacent pairs that changed in the previous round and are reliable, or are not; its cost
+/// is infinity if there is none.
+static Propagated FindPropagated(const Job* job, const qcNeighbourhood* n, const qcPairNormal* own, bool reliable)
 {
-    Lead best = {.normal = own->normal, .cost = INFINITY};
-    double limit = firm ? own->cost + n->rounding : qcNeighbourhood_Limit(n, own->cost);
-    Tried tried[qc_mostTried + 1];
+    Propagated best = {.normal = own->normal, .cost = INFINITY};
+    double limit = reliable ? own->cost + n->rounding : qcNeighbourhood_Limit(n, own->cost);
+    Evaluated evaluated[qc_maxEvaluated + 1];
     int count = 0;
     for (int side = 0; side < 2; side++)
-        for (uint32_t i = 0; i < n->ring[side].count; i++)
+        for (uint32_t i = 0; i < n->adjacent[side].count; i++)
         {
-            uint32_t pair = qcManifoldBuilder_Beside(n->manifolds, n->ring[side].entries[i])->pair;
-            const qcNormalChoice* other = &job->now[pair];
-            bool helps = other->meets || (firm && own->meets);
-            if (other->news + 1 != job->round || other->firm != firm || !helps)
+            uint32_t pair = qcPairAdjacency_Side(n->adjacency, n->adjacent[side].entries[i])->pair;
+            const qcPairNormal* other = &job->now[pair];
+            bool helps = other->intersecting || (reliable && own->intersecting);
+            if (other->round + 1 != job->round || other->reliable != reliable || !helps)
                 continue;
-            Tried* known = FindTried(tried, count, own, other->normal);
-            if (known == &tried[count])
+            Evaluated* known = FindEvaluated(evaluated, count, own, other->normal);
+            if (known == &evaluated[count])
             {
-                *known = (Tried){.trial = {.normal = other->normal, .face = -1}};
-                known->isCheap = qcNeighbourhood_FindCost(n, limit, &known->trial);
-                count += count < qc_mostTried; // those beyond are forgotten, and tried again
+                *known = (Evaluated){.candidate = {.normal = other->normal, .face = -1}};
+                known->isCheap = qcNeighbourhood_FindCost(n, limit, &known->candidate);
+                count += count < qc_maxEvaluated; // those beyond are evaluated again
             }
-            // Whom a pair that is apart follows matters too.
-            if (!known->isCheap || known->isOffered ||
-                (own->apart && !IsNoDeeper(n->pair, &known->trial, qcManifoldBuilder_Pair(n->manifolds, pair))))
+            // For a disjoint pair it matters whose normal it is.
+            if (!known->isCheap || known->isConsidered ||
+                (own->disjoint &&
+                 !IsNoDeeper(n->pair, &known->candidate, qcContactTopology_Pair(job->input->topology, pair))))
                 continue;
-            known->isOffered = true;
-            OfferLeads(n, own, &known->trial, limit, &best);
+            known->isConsidered = true;
+            Consider(n, own, &known->candidate, limit, &best);
         }
     return best;
 }
 
-static bool Follow(const Job* job, uint32_t index)
+static bool PropagateTo(const Job* job, uint32_t index)
 {
-    qcNeighbourhood n = qcNeighbourhood_Of(job->manifolds, index);
-    const qcNormalChoice* own = &job->now[index];
-    Lead lead = FindLead(job, &n, own, true);
-    bool firm = lead.cost < INFINITY;
-    if (!firm && own->cost > n.rounding)
-        lead = FindLead(job, &n, own, false);
-    if (lead.cost == INFINITY)
+    qcNeighbourhood n = qcNeighbourhood_Of(job->input, index);
+    const qcPairNormal* own = &job->now[index];
+    Propagated propagated = FindPropagated(job, &n, own, true);
+    bool reliable = propagated.cost < INFINITY;
+    if (!reliable && own->cost > n.rounding)
+        propagated = FindPropagated(job, &n, own, false);
+    if (propagated.cost == INFINITY)
         return false;
-    job->next[index] = (qcNormalChoice){
-        .normal = lead.normal, .cost = lead.cost, .news = job->round, .moved = true, .meets = true, .firm = firm};
+    job->next[index] = (qcPairNormal){.normal = propagated.normal,
+                                      .cost = propagated.cost,
+                                      .round = job->round,
+                                      .isNoLocalMinimum = own->isNoLocalMinimum,
+                                      .changed = true,
+                                      .intersecting = true,
+                                      .reliable = reliable};
     return true;
 }
 
-static bool HasChoice(const Job* job, uint32_t p)
+static bool IsAmbiguous(const Job* job, uint32_t pair)
 {
-    return qcManifoldBuilder_PairRegion(job->manifolds, qcManifoldBuilder_Pair(job->manifolds, p))->unsettled;
+    return qcContactProximity_Region(job->input->proximity, qcContactTopology_Pair(job->input->topology, pair))
+        ->ambiguous;
 }
 
-static void FindFlatBlock(void* context, size_t block, uint32_t worker)
+static void BeginBlock(void* context, size_t block, uint32_t worker)
 {
     (void)worker;
     const Job* job = context;
-    for (size_t i = block * qc_normalBlock; i < qcNormalBlocks_End(job->manifolds, block); i++)
+    for (size_t i = block * qc_normalBlock; i < qcNormalBlocks_End(job->input, block); i++)
     {
-        uint32_t p = qcManifoldBuilder_FreePair(job->manifolds, i);
-        qcNormalChoice* choice = &job->next[p];
-        choice->meets = HasChoice(job, p) && !choice->apart;
-        choice->firm = StandsFlat(job->manifolds, p, choice->normal);
+        uint32_t p = qcContactRegions_UnsettledPair(job->input->regions, i);
+        qcPairNormal* normal = &job->next[p];
+        normal->intersecting = IsAmbiguous(job, p) && !normal->disjoint;
+        normal->reliable = IsCoplanar(job, p, normal->normal);
     }
 }
 
-static void FollowBlock(void* context, size_t block, uint32_t worker)
+static void PropagateBlock(void* context, size_t block, uint32_t worker)
 {
     const Job* job = context;
-    bool* changed = &QC_AT(qcManifoldWorker, job->manifolds->workers, worker).changed;
-    for (size_t i = block * qc_normalBlock; i < qcNormalBlocks_End(job->manifolds, block); i++)
+    bool* changed = &qcPairOverlaps_Worker(job->overlaps, worker)->changed;
+    for (size_t i = block * qc_normalBlock; i < qcNormalBlocks_End(job->input, block); i++)
     {
-        uint32_t p = qcManifoldBuilder_FreePair(job->manifolds, i);
+        uint32_t p = qcContactRegions_UnsettledPair(job->input->regions, i);
         job->next[p] = job->now[p];
-        if (!job->now[p].firm && HasChoice(job, p))
-            *changed = Follow(job, p) || *changed;
+        if (!job->now[p].reliable && IsAmbiguous(job, p))
+            *changed = PropagateTo(job, p) || *changed;
     }
 }
 
-static void LookBlock(void* context, size_t block, uint32_t worker)
+/// Overlaps along the normals that have changed.
+static void OverlapBlock(void* context, size_t block, uint32_t worker)
 {
     const Job* job = context;
-    qcManifoldBuilder* m = job->manifolds;
-    qcManifoldWorker* self = &QC_AT(qcManifoldWorker, m->workers, worker);
-    size_t end = qcNormalBlocks_End(job->manifolds, block), moved = 0;
+    const qcContactInput* input = job->input;
+    size_t end = qcNormalBlocks_End(input, block), changed = 0;
     for (size_t i = block * qc_normalBlock; i < end; i++)
-        moved += job->now[qcManifoldBuilder_FreePair(m, i)].moved;
-    if (self->status == qc_statusOk)
-        self->status = qcArray_Reserve(&self->points, self->points.count + moved * qc_maxCommonCorners,
-                                       sizeof(qcRawPoint), "contact points");
-    for (size_t i = block * qc_normalBlock; i < end && self->status == qc_statusOk; i++)
+        changed += job->now[qcContactRegions_UnsettledPair(input->regions, i)].changed;
+    if (!qcPairOverlaps_Reserve(job->overlaps, worker, changed * qc_maxOverlapCorners))
+        return;
+    for (size_t i = block * qc_normalBlock; i < end; i++)
     {
-        uint32_t p = qcManifoldBuilder_FreePair(m, i);
-        if (!job->now[p].moved)
+        uint32_t p = qcContactRegions_UnsettledPair(input->regions, i);
+        const qcManifoldPair* pair = qcContactTopology_Pair(input->topology, p);
+        const qcPairNormal* normal = &job->now[p];
+        if (!normal->changed)
             continue;
-        qcLook look = {.count = -1};
-        qcLook_Along(m, qcManifoldBuilder_Pair(m, p), job->now[p].normal, &look);
-        qcManifoldBuilder_KeepCorners(m, p, worker, &look, job->now[p].normal, false, job->margin);
+        qcProjectedOverlap overlap = {.count = -1};
+        qcProjectedOverlap_Compute(input->kernels, pair, normal->normal, &overlap);
+        qcPairOverlaps_Set(job->overlaps, p, worker, &overlap, normal->normal, false,
+                           qcContactInput_CornerLimit(input, pair));
     }
 }
 
-static bool HaveWorkersChanged(const qcManifoldBuilder* m)
+static bool HaveWorkersChanged(qcPairOverlaps* overlaps)
 {
     bool changed = false;
-    for (size_t i = 0; i < m->workers.count; i++)
+    for (uint32_t i = 0; i < overlaps->workers.count; i++)
     {
-        bool* mine = &QC_AT(qcManifoldWorker, m->workers, i).changed;
-        changed = changed || *mine;
-        *mine = false;
+        bool* own = &qcPairOverlaps_Worker(overlaps, i)->changed;
+        changed = changed || *own;
+        *own = false;
     }
     return changed;
 }
 
-qcStatus qcManifoldBuilder_FollowNeighbours(qcManifoldBuilder* m, double margin, uint32_t threads)
+qcStatus qcContactNormals_Propagate(const qcContactInput* input, qcPairOverlaps* overlaps, qcContactNormals* normals)
 {
-    size_t blocks = qcNormalBlocks_Count(m);
+    size_t blocks = qcNormalBlocks_Count(input);
     bool any = false;
-    for (size_t i = 0; i < m->freePairs.count && !any; i++)
-        any = !qcManifoldBuilder_Pair(m, qcManifoldBuilder_FreePair(m, i))->parted;
+    for (size_t i = 0; i < input->regions->unsettledPairs.count && !any; i++)
+        any = !qcContactProximity_Pair(input->proximity, qcContactRegions_UnsettledPair(input->regions, i))->separated;
     if (!any)
         return qc_statusOk;
-    QC_TRY(qcArray_Resize(&m->heard, m->work.count, sizeof(qcNormalChoice), "normals of manifolds"));
-    Job job = {m, margin, NULL, m->choices.data, 0};
-    qcParallel_For(threads, blocks, qc_leastNormalBlocks, FindFlatBlock, &job);
+    QC_TRY(qcArray_Resize(&normals->next, input->topology->pairs.count, sizeof(qcPairNormal), "normals of manifolds"));
+    Job job = {input, overlaps, NULL, normals->pairs.data, 0};
+    qcParallel_For(input->threads, blocks, qc_minNormalBlocks, BeginBlock, &job);
     bool changed = true;
-    for (job.round = 1; job.round <= qc_mostRounds && changed; job.round++)
+    for (job.round = 1; job.round <= qc_maxRounds && changed; job.round++)
     {
-        job.now = m->choices.data;
-        job.next = m->heard.data;
-        qcParallel_For(threads, blocks, qc_leastNormalBlocks, FollowBlock, &job);
-        changed = HaveWorkersChanged(m);
-        qcArray swap = m->choices;
-        m->choices = m->heard;
-        m->heard = swap;
+        job.now = normals->pairs.data;
+        job.next = normals->next.data;
+        qcParallel_For(input->threads, blocks, qc_minNormalBlocks, PropagateBlock, &job);
+        changed = HaveWorkersChanged(overlaps);
+        qcArray swap = normals->pairs;
+        normals->pairs = normals->next;
+        normals->next = swap;
     }
-    job.now = m->choices.data;
-    qcParallel_For(threads, blocks, qc_leastNormalBlocks, LookBlock, &job);
-    return qcManifoldBuilder_LoopStatus(m);
+    job.now = normals->pairs.data;
+    qcParallel_For(input->threads, blocks, qc_minNormalBlocks, OverlapBlock, &job);
+    return qcPairOverlaps_Status(overlaps);
 }

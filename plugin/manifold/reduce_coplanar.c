@@ -1,41 +1,35 @@
-// Of a flat patch of contact between rigid bodies only the corners stay: a box on a floor stands on four points, into
-// however many tiles the floor is cut.
+// Coplanar point reduction: of a flat patch of contact between rigid bodies only the corners are kept. A box on a floor
+// has four points, however many tiles the floor has. Deforming bodies need every point, since each vertex moves alone.
 //
-// A point is between others if some line through it runs on to both sides within the patch, with the gap linear along
-// it: then its place and its gap are means of others', and forces at these do all that a force at it could do. Which
-// ways lead on from a point is known from the pairs that found it: each has a convex common part, and the point sees
-// it under the cone of the directions to its other points. The two ways, there and back, must lie on the same planes:
-// the gap over one pair is linear, over two pairs it is if the faces of each side lie in one plane. A corner of the
-// convex hull of a flat patch has no line through it, so the hull stays whole.
-//
-// Deforming bodies need every point, since each vertex falls alone.
-#include "manifold/manifold_builder.h"
-#include "base/radix_sort.h"
+// A point is redundant if the patch extends to both sides of it along some line, with the distance linear along that
+// line: its position and distance are then means of those of other points, and so is any force at it. The corners of
+// the patch's convex hull have no such line. Proof: plugin/docs/proofs/coplanar_reduction.md.
+#include "manifold/points.h"
 
 #include <math.h>
 
 enum
 {
-    // More pairs than meet at any but a degenerate point; those beyond are not asked, and the point may stay.
+    // More pairs than share any but a degenerate point; those beyond are not visited, and the point may be kept.
     qc_maxCones = 48
 };
 
 static const double s_pi = 3.14159265358979323846;
 // A disc of half a million sides keeps its outline.
 static const double s_straight = 1e-5;
-// Faces that differ by less are one plane: 0.03 degrees.
+// Faces within this cosine are one plane: 0.03 degrees.
 static const double s_onePlane = 1.0 - 1e-7;
-// Normals that differ by less see the same ways: 2.5 degrees.
-static const double s_oneSight = 0.999;
-// Ends that differ by less than this share of what is merged are one place: what one feature is off by, found from two
-// triangles of corners in single precision.
-static const double s_onePlace = 1e-3;
+// Pairs whose normals are within this cosine share a projection: 2.5 degrees.
+static const double s_oneProjection = 0.999;
+// Ends within this share of the merge tolerance are one position: the error of one feature found from two triangles
+// with corners in single precision.
+static const double s_onePosition = 1e-3;
 
-/// The directions from a point into the common part of one pair, as angles around the normal.
+/// The directions from a point into the overlap of one pair, as angles around the normal.
 typedef struct Cone
 {
     double middle, half;
-    double slope; ///< of the gap, if the cone is a ray
+    double slope; ///< of the distance, if the cone is a ray
     qcVector face[2];
 } Cone;
 
@@ -43,6 +37,13 @@ typedef struct Basis
 {
     qcVector u, v, normal;
 } Basis;
+
+typedef struct Input
+{
+    const qcContactTopology* topology;
+    const qcContactNormals* normals;
+    const qcContactPoints* points;
+} Input;
 
 static qcVector Unit(qcVector v)
 {
@@ -65,20 +66,23 @@ static double Wrapped(double angle)
     return angle - 2.0 * s_pi * qcFloor(angle / (2.0 * s_pi) + 0.5);
 }
 
-static bool ConeOf(const qcManifoldBuilder* m, const Basis* basis, uint32_t raw, Cone* cone)
+/// The cone of a raw point towards the others of its pair; false if there are none, or the pair's normal differs.
+static bool FindCone(const Input* input, const Basis* basis, uint32_t raw, Cone* cone)
 {
-    const qcRawPoint* point = &QC_AT(qcRawPoint, m->raw, raw);
-    const qcManifoldPair* pair = qcManifoldBuilder_Pair(m, point->pair);
-    if (qcDot(pair->normal, basis->normal) < s_oneSight)
+    const qcContactPoints* points = input->points;
+    const qcRawPoint* point = qcContactPoints_Raw(points, raw);
+    const qcManifoldPair* pair = qcContactTopology_Pair(input->topology, point->pair);
+    if (qcDot(qcContactNormals_Pair(input->normals, point->pair)->normal, basis->normal) < s_oneProjection)
         return false;
-    size_t first = QC_AT(size_t, m->firstRaw, point->pair), end = QC_AT(size_t, m->firstRaw, point->pair + 1);
+    size_t first = QC_AT(size_t, points->firstOfPair, point->pair);
+    size_t end = QC_AT(size_t, points->firstOfPair, point->pair + 1);
     double reference = 0.0, lower = 0.0, upper = 0.0;
     bool any = false;
     for (size_t i = first; i < end; i++)
     {
         if (i == raw)
             continue;
-        const qcRawPoint* other = &QC_AT(qcRawPoint, m->raw, i);
+        const qcRawPoint* other = qcContactPoints_Raw(points, i);
         qcVector d = qcPlusScaled(qcMinus(other->end[0], point->end[0]), qcMinus(other->end[1], point->end[1]), 1.0);
         double x = 0.5 * qcDot(d, basis->u), y = 0.5 * qcDot(d, basis->v);
         double angle = atan2(y, x);
@@ -98,8 +102,8 @@ static bool ConeOf(const qcManifoldBuilder* m, const Basis* basis, uint32_t raw,
     return any;
 }
 
-/// Does a line through the point lead from the one cone to the other?
-static bool LeadThrough(const Cone* a, const Cone* b)
+/// True if a line through the point leads from the one cone to the other, along which the distance is linear.
+static bool AreOpposite(const Cone* a, const Cone* b)
 {
     for (int side = 0; side < 2; side++)
         if (!(fabs(qcDot(a->face[side], b->face[side])) >= s_onePlane))
@@ -110,55 +114,60 @@ static bool LeadThrough(const Cone* a, const Cone* b)
     return a->half > s_straight || b->half > s_straight || fabs(a->slope + b->slope) <= s_straight;
 }
 
-static bool AreAtOnePlace(const qcRawPoint* p, const qcRawPoint* q, double tolerance)
+static bool AreAtOnePosition(const qcRawPoint* p, const qcRawPoint* q, double tolerance)
 {
     qcVector d = qcMinus(p->end[0], q->end[0]), e = qcMinus(p->end[1], q->end[1]);
-    double limit = s_onePlace * tolerance;
+    double limit = s_onePosition * tolerance;
     return fmax(qcDot(d, d), qcDot(e, e)) <= limit * limit;
 }
 
-static bool IsBetween(const qcManifoldBuilder* m, uint32_t keeper, double tolerance)
+static bool IsRedundant(const Input* input, uint32_t representative, double tolerance)
 {
+    const qcContactPoints* points = input->points;
     Cone cones[qc_maxCones];
     int count = 0;
-    const qcRawPoint* point = &QC_AT(qcRawPoint, m->raw, keeper);
-    Basis basis = BasisOf(qcManifoldBuilder_Pair(m, point->pair)->normal);
-    for (uint32_t raw = keeper; raw != UINT32_MAX && count < qc_maxCones; raw = QC_AT(uint32_t, m->members, raw))
+    const qcRawPoint* point = qcContactPoints_Raw(points, representative);
+    Basis basis = BasisOf(qcContactNormals_Pair(input->normals, point->pair)->normal);
+    for (uint32_t raw = representative; raw != UINT32_MAX && count < qc_maxCones;
+         raw = QC_AT(uint32_t, points->nextMembers, raw))
     {
-        if (!AreAtOnePlace(point, &QC_AT(qcRawPoint, m->raw, raw), tolerance) || !ConeOf(m, &basis, raw, &cones[count]))
+        if (!AreAtOnePosition(point, qcContactPoints_Raw(points, raw), tolerance) ||
+            !FindCone(input, &basis, raw, &cones[count]))
             continue;
         for (int i = 0; i <= count; i++)
-            if (LeadThrough(&cones[i], &cones[count]))
+            if (AreOpposite(&cones[i], &cones[count]))
                 return true;
         count++;
     }
     return false;
 }
 
-void qcManifoldBuilder_DropBetween(qcManifoldBuilder* m)
+void qcContactPoints_Reduce(const qcContactTopology* topology, const qcContactNormals* normals, qcContactPoints* points)
 {
-    const qcManifoldPair* any = qcManifoldBuilder_Pair(m, 0);
+    const qcManifoldPair* any = qcContactTopology_Pair(topology, 0);
     if (any->side[0]->body->deforming || any->side[1]->body->deforming)
         return;
-    const qcSortItem* items = m->order.data;
-    for (size_t first = 0, end; first < m->order.count; first = end)
+    const Input input = {topology, normals, points};
+    const qcSortItem* items = points->order.data;
+    uint32_t* representatives = points->representatives.data;
+    for (size_t first = 0, end; first < points->order.count; first = end)
     {
         uint64_t region = items[first].key;
-        double tolerance = QC_AT(qcContactRegion, m->measured, region).tolerance;
-        size_t stay = 0;
-        for (end = first; end < m->order.count && items[end].key == region; end++)
+        double tolerance = qcContactPoints_Tolerance(points, region);
+        size_t kept = 0;
+        for (end = first; end < points->order.count && items[end].key == region; end++)
         {
             uint32_t raw = (uint32_t)items[end].value;
-            if (QC_AT(uint32_t, m->keepers, raw) != raw)
+            if (representatives[raw] != raw)
                 continue;
-            // What was merged into it goes with it: nobody asks for a keeper's keeper.
-            if (IsBetween(m, raw, tolerance))
-                QC_AT(uint32_t, m->keepers, raw) = UINT32_MAX;
+            // The points that it represents are dropped with it.
+            if (IsRedundant(&input, raw, tolerance))
+                representatives[raw] = UINT32_MAX;
             else
-                stay++;
+                kept++;
         }
-        // A region of rounding alone could lose all its points: its deepest stays.
-        if (stay == 0)
-            QC_AT(uint32_t, m->keepers, items[first].value) = (uint32_t)items[first].value;
+        // All points of a region of the size of rounding errors can be redundant: the deepest is kept.
+        if (kept == 0)
+            representatives[items[first].value] = (uint32_t)items[first].value;
     }
 }

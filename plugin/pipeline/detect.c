@@ -364,7 +364,7 @@ static qcStatus BuildManifolds(Step* step)
     if (step->def->proximities)
     {
         input.proximities = d->narrow.proximities.data;
-        input.feet = d->narrow.feet.data;
+        input.features = d->narrow.feet.data;
     }
     QC_TRY(qcAllManifolds_Build(&d->manifolds, &d->triangles, &input, step->threads));
     step->profile.manifoldMs = Lap(step);

@@ -1,0 +1,66 @@
+// Fifth stage: the normal of each pair, and its projected overlap along it. Separating planes give those of settled
+// pairs; the others are chosen, propagated, oriented and corrected, a file each: plugin/docs/manifolds.md.
+#ifndef QC_MANIFOLD_NORMALS_H
+#define QC_MANIFOLD_NORMALS_H
+
+#include "manifold/pair_adjacency.h"
+
+/// What the stages before have found, and how this one is to run.
+typedef struct qcContactInput
+{
+    const qcContactTopology* topology;
+    const qcContactRegions* regions;
+    const qcContactProximity* proximity;
+    const qcPairAdjacency* adjacency;
+    const qcOverlapKernels* kernels;
+    double margin; ///< in the topology's unit of length
+    uint32_t threads;
+} qcContactInput;
+
+typedef struct qcPairNormal
+{
+    qcVector normal;       ///< unit, from side 1 towards side 0
+    bool disjoint;         ///< the pair is separated, and along its normal side 0 lies above side 1, or beside it
+    bool keepsReported;    ///< the normal is that of the pair's proximity, up to its sign
+    bool flipped;          ///< the orientation has reversed the normal: the distances of the overlap are opposite
+    bool isNoLocalMinimum; ///< separated, and an adjacent pair is closer at the same closest features
+    //  propagation
+    bool changed;      ///< the normal is that of an adjacent pair
+    bool intersecting; ///< the normal is one along which triangles intersect or touch
+    bool reliable;     ///< of a coplanar contact, or taken from one
+    uint16_t round;    ///< in which the normal has changed last, from 1
+    double cost;       ///< see qcNeighbourhood_FindCost
+} qcPairNormal;
+
+typedef struct qcContactNormals
+{
+    qcArray pairs; ///< of qcPairNormal
+    //  scratch
+    qcArray next;               ///< of qcPairNormal: of the next round of propagation
+    qcArray components, nodes;  ///< of the orientation, by pair
+    qcArray references;         ///< likewise, by region
+    qcArray items, sortScratch; ///< of the orientation: links; of the minimum translation: pairs by region
+} qcContactNormals;
+
+/// The normals of all pairs, with the overlaps along them. Serial where not said otherwise below.
+qcStatus qcContactNormals_Find(const qcContactInput* input, qcPairOverlaps* overlaps, qcContactNormals* normals);
+void qcContactNormals_Free(qcContactNormals* normals);
+
+//  ---- the steps, in their order ---------------------------------------------------------------------------
+
+/// From the pair itself and those adjacent to it. In parallel.
+qcStatus qcContactNormals_Choose(const qcContactInput* input, qcPairOverlaps* overlaps, qcContactNormals* normals);
+/// Where triangles intersect: from coplanar contacts to the pairs around them. In parallel.
+qcStatus qcContactNormals_Propagate(const qcContactInput* input, qcPairOverlaps* overlaps, qcContactNormals* normals);
+/// The signs of the normals in each region that is ambiguous.
+qcStatus qcContactNormals_Orient(const qcContactInput* input, const qcPairOverlaps* overlaps,
+                                 qcContactNormals* normals);
+/// The minimum-translation fallback of regions that penetrate.
+qcStatus qcContactNormals_Shorten(const qcContactInput* input, qcPairOverlaps* overlaps, qcContactNormals* normals);
+
+static inline qcPairNormal* qcContactNormals_Pair(const qcContactNormals* normals, uint32_t pair)
+{
+    return &QC_AT(qcPairNormal, normals->pairs, pair);
+}
+
+#endif
