@@ -44,7 +44,6 @@ if(TARGET qc-fracture)
   target_compile_definitions(test_demos PRIVATE
     QC_CLOTH_PROGRAM="$<TARGET_FILE:qc-cloth>" QC_FRACTURE_PROGRAM="$<TARGET_FILE:qc-fracture>")
   add_dependencies(test_demos qc-cloth qc-fracture)
-  add_test(NAME test_hello_world COMMAND qc-hello-world)
 endif()
 
 add_test(NAME test_layout COMMAND sh ${CMAKE_CURRENT_SOURCE_DIR}/test_layout.sh ${PROJECT_SOURCE_DIR})

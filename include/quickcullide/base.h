@@ -25,9 +25,15 @@
 extern "C" {
 #endif
 
-#define QC_VERSION_MAJOR 0
-#define QC_VERSION_MINOR 1
-#define QC_VERSION_PATCH 0
+#define QC_VERSION_MAJOR 0 ///< Changes with each incompatible release, from 1.0.0 on.
+#define QC_VERSION_MINOR 2 ///< Changes with each release that adds something; before 1.0.0 it may break the ABI.
+#define QC_VERSION_PATCH 0 ///< Changes with each release that only fixes something.
+/// The version of these headers as one number that grows: 10000 * major + 100 * minor + patch.
+#define QC_VERSION (10000 * QC_VERSION_MAJOR + 100 * QC_VERSION_MINOR + QC_VERSION_PATCH)
+
+/// The version of the library that the program runs with, as QC_VERSION. It differs from QC_VERSION if the program was
+/// compiled with the headers of another release. Any thread.
+QC_API uint32_t qcVersion(void);
 
 /// What a call says of itself. Anything but qc_statusOk leaves every object as it was before the call.
 typedef enum qcStatus
