@@ -4,10 +4,10 @@
 #define _POSIX_C_SOURCE 200809L
 #include "gl/device.h"
 
-#include "float_mode.h"
+#include "base/float_mode.h"
 #include "gl/context.h"
-#include "memory.h"
-#include "status.h"
+#include "base/memory.h"
+#include "base/status.h"
 
 #include <assert.h>
 #include <math.h>

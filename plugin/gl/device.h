@@ -1,8 +1,8 @@
 // A device inside the library: one GL context on one thread, and jobs that run there.
-#ifndef QC_PLUGIN_GL_DEVICE_H
-#define QC_PLUGIN_GL_DEVICE_H
+#ifndef QC_GL_DEVICE_H
+#define QC_GL_DEVICE_H
 
-#include "costs.h"
+#include "plan/costs.h"
 #include "quickcullide/device.h"
 
 struct qcGlTable;

@@ -1,10 +1,10 @@
 // Pictures: meshes shaded by a light above the eye and by the sky, antialiased, edges and marked triangles on wish.
 // Drawn tile by tile, so that the memory for the samples stays small however large the picture is.
-#include "float_mode.h"
+#include "base/float_mode.h"
 #include "gl/device.h"
-#include "gl/table.h"
-#include "memory.h"
-#include "status.h"
+#include "gl/gl_functions.h"
+#include "base/memory.h"
+#include "base/status.h"
 
 #include <limits.h>
 #include <math.h>

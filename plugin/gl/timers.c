@@ -1,7 +1,7 @@
 // Timestamps in two sets that take turns, so that reading one never waits for the device.
 #include "gl/timers.h"
 
-#include "clock.h"
+#include "base/clock.h"
 
 #include <assert.h>
 

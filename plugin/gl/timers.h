@@ -1,9 +1,9 @@
 // Times of the parts of a job that runs again and again: by the device's clock (GL_TIMESTAMP, ARB_timer_query) and by
 // the clock of the thread. Nothing waits for the device: see qcGlTimers_End.
-#ifndef QC_PLUGIN_GL_TIMERS_H
-#define QC_PLUGIN_GL_TIMERS_H
+#ifndef QC_GL_TIMERS_H
+#define QC_GL_TIMERS_H
 
-#include "gl/table.h"
+#include "gl/gl_functions.h"
 
 enum
 {

@@ -1,5 +1,5 @@
 // The version is the same in CMake, in the headers and in the library.
-#include "suite.h"
+#include "support/suite.h"
 
 #include <quickcullide/quickcullide.h>
 
