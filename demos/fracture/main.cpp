@@ -7,7 +7,7 @@
 
 extern "C" {
 #include "common/files.h"
-#include "bench/scenes/scenes.h"
+#include "common/mesh_io/bunny_path.h"
 #include "common/interrupt.h"
 #include "common/option_values.h"
 #include "common/progress.h"
@@ -23,7 +23,7 @@ struct Options
 {
     // 240 steps a second: 24 frames.
     qcDemoOptions common = {"out/fracture", 720, 10, qc_methodAuto, qc_deviceAuto, 0};
-    std::string mesh = qcBenchBunnyPath;
+    std::string mesh = QC_BUNNY_PATH;
     unsigned triangles = 5000;
     qcFractureRequest request;
 };
@@ -128,7 +128,7 @@ bool Simulate(const Options& options, qcDevice* device, const qcDeviceInfo& info
 bool ReadModel(const Options& options, qcFractureModel* model)
 {
     std::string message;
-    if (options.mesh == qcBenchBunnyPath && !qcBenchFiles_IsThere(qcBenchBunnyPath))
+    if (options.mesh == QC_BUNNY_PATH && !qcBenchFiles_IsThere(QC_BUNNY_PATH))
         return qcDemo_Fail(options.mesh +
                            " is not there; the package glmark2-data has it, or name another mesh with --mesh");
     return qcReadFractureModel(options.mesh, options.triangles, s_extent, model, &message) || qcDemo_Fail(message);

@@ -49,7 +49,7 @@ bool qcTransform_IsInvertible(const qcTransform* transform)
 }
 
 /// What a body's coordinates can be at most in the world, along an axis, before they cancel.
-static double Size(const qcPlacement* p, int axis)
+static double Size(const qcRigidTransform* p, int axis)
 {
     double size = fabs(p->transform.translation[axis]);
     for (int k = 0; k < 3; k++)
@@ -72,9 +72,9 @@ static double FindNorm(const double m[9])
     return sqrt(largest) * (1.0 + 1e-8);
 }
 
-qcRelativePlacement qcRelativePlacement_Find(const qcPlacement* a, const qcPlacement* b)
+qcRelativeTransform qcRelativeTransform_Find(const qcRigidTransform* a, const qcRigidTransform* b)
 {
-    qcRelativePlacement r = {.stretch = 0.0};
+    qcRelativeTransform r = {.stretch = 0.0};
     double inverse[9], condition = Invert(a->transform.linear, inverse);
     for (int i = 0; i < 3; i++)
     {

@@ -10,14 +10,14 @@
 bool qcTransform_IsInvertible(const qcTransform* transform);
 
 /// Where a body is: its transform, and the box around its own coordinates.
-typedef struct qcPlacement
+typedef struct qcRigidTransform
 {
     qcTransform transform;
     double lower[3], upper[3];
-} qcPlacement;
+} qcRigidTransform;
 
 /// From coordinates of `b` to coordinates of `a`: x -> linear x + shift.
-typedef struct qcRelativePlacement
+typedef struct qcRelativeTransform
 {
     double linear[3][3], shift[3];
     /// How far, in coordinates of `a`, the images of points that qcBody_GetVertex takes to one point of the world may
@@ -27,9 +27,9 @@ typedef struct qcRelativePlacement
     double reach[3];
     double stretch; ///< a vector of the world is at most so many times as long in coordinates of `a`
     double growth;  ///< and one in coordinates of `a` so many times in the world
-} qcRelativePlacement;
+} qcRelativeTransform;
 
 /// `a` is invertible.
-qcRelativePlacement qcRelativePlacement_Find(const qcPlacement* a, const qcPlacement* b);
+qcRelativeTransform qcRelativeTransform_Find(const qcRigidTransform* a, const qcRigidTransform* b);
 
 #endif

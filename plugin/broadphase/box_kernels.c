@@ -4,7 +4,7 @@
 #include "base/cpu_features.h"
 
 static const qcBoxKernels* const s_known[] = {
-    &qcBoxKernels_plain,
+    &qcBoxKernels_scalar,
 #ifdef QC_KERNELS_X86
     &qcBoxKernels_avx2,
 #endif
@@ -12,7 +12,7 @@ static const qcBoxKernels* const s_known[] = {
 
 const qcBoxKernels* qcBoxKernels_Nth(size_t i)
 {
-    return i <= qc_instructionsAvx2 && qcInstructionSet_IsThere((qcInstructionSet)i) ? s_known[i] : NULL;
+    return i <= qc_instructionsAvx2 && qcInstructionSet_IsAvailable((qcInstructionSet)i) ? s_known[i] : NULL;
 }
 
 const qcBoxKernels* qcBoxKernels_Get(void)

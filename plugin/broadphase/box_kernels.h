@@ -74,7 +74,7 @@ typedef struct qcBoxKernels
     size_t (*seek)(const qcOctet* octet, const qcOctetTree* tree, uint32_t first, qcOctetHit* hits);
 } qcBoxKernels;
 
-extern const qcBoxKernels qcBoxKernels_plain;
+extern const qcBoxKernels qcBoxKernels_scalar;
 #ifdef QC_KERNELS_X86
 extern const qcBoxKernels qcBoxKernels_avx2;
 #endif

@@ -35,4 +35,4 @@ static inline uint32_t MeetLanes(const Lanes* lanes, const qcFloatBox* box)
 
 #include "broadphase/box_kernels.inl.h"
 
-const qcBoxKernels qcBoxKernels_plain = {Meet, Seek};
+const qcBoxKernels qcBoxKernels_scalar = {Meet, Seek};

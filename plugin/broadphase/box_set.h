@@ -27,12 +27,12 @@ typedef struct qcBounds
 } qcBounds;
 
 /// In the forest.
-typedef enum qcBoxAt
+typedef enum qcBoxState
 {
-    qc_atHome, ///< since the last search or longer
-    qc_atNew,  ///< put there since, and has found its neighbours
-    qc_atLost  ///< put there since, and has not
-} qcBoxAt;
+    qc_boxInTree,     ///< since the last search or longer
+    qc_boxPairsKnown, ///< put there since, and has found its neighbours
+    qc_boxPairsStale  ///< put there since, and has not
+} qcBoxState;
 
 /// What is looked at for each pair: half a cache line.
 typedef struct qcBox
@@ -41,7 +41,7 @@ typedef struct qcBox
     uint32_t mover; ///< place in the list of moved boxes, or QC_NO_MOVER
     float upper[3];
     bool alive; ///< otherwise the id is free
-    uint8_t at; ///< qcBoxAt
+    uint8_t at; ///< qcBoxState
     bool still; ///< has not moved since it was added; the forest holds the box itself, not a larger one
     bool exact; ///< the floats are the box; otherwise see qcBoxes.bounds
 } qcBox;
@@ -63,7 +63,7 @@ struct qcBoxes
     qcForest forest;
     /// All pairs of boxes of the forest that meet, but those of two still boxes and those of lost ones; and pairs that
     /// no longer do, of young ones. The mark: the boxes themselves met at the last search.
-    qcNeighbours neighbours;
+    qcOverlapGraph neighbours;
     qcArray boxes;                 ///< qcBox, by id
     qcArray bounds;                ///< qcBounds, by id, where floats are not exact
     qcArray userData;              ///< void*, by id
@@ -75,7 +75,7 @@ struct qcBoxes
     qcArray began, ended, scratch; ///< qcSortItem
     qcArray pairs;                 ///< qcBoxPair
     qcBoxProfile profile;          ///< of the last search
-    uint32_t putCount, lostCount;  ///< boxes that are not qc_atHome; that are qc_atLost
+    uint32_t putCount, lostCount;  ///< boxes that are not qc_boxInTree; that are qc_boxPairsStale
     bool forgotten;                ///< a search failed: what was known of the last one is lost
 };
 
@@ -136,8 +136,8 @@ bool qcBoxes_Met(const qcBoxes* set, uint32_t a, uint32_t b);
 /// Marks the neighbours that are kept of a box: their stamps are what is returned.
 uint32_t qcBoxes_StampNeighbours(qcBoxes* set, uint32_t id);
 
-/// Looks for the neighbours of a box that is qc_atLost before the search does. It stays lost if it is still, or if
-/// there is no memory.
+/// Looks for the neighbours of a box that is qc_boxPairsStale before the search does. It stays lost if it is still, or
+/// if there is no memory.
 void qcBoxes_Settle(qcBoxes* set, uint32_t id);
 
 /// A box begins to move: keeps its pairs with boxes that are still.

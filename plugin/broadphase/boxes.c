@@ -149,7 +149,7 @@ qcStatus qcBoxes_Create(qcBoxes** boxes)
     qcBoxes* set = qcAllocateZeroed(sizeof *set);
     if (set == NULL)
         return qcFailMemory(sizeof *set, "a set of boxes");
-    qcNeighbours_Clear(&set->neighbours);
+    qcOverlapGraph_Clear(&set->neighbours);
     *boxes = set;
     return qc_statusOk;
 }
@@ -159,7 +159,7 @@ void qcBoxes_Destroy(qcBoxes* boxes)
     if (boxes == NULL)
         return;
     qcForest_Free(&boxes->forest);
-    qcNeighbours_Free(&boxes->neighbours);
+    qcOverlapGraph_Free(&boxes->neighbours);
     qcArray_Free(&boxes->boxes);
     qcArray_Free(&boxes->bounds);
     qcArray_Free(&boxes->userData);
@@ -179,7 +179,7 @@ void qcBoxes_Clear(qcBoxes* boxes)
     if (boxes == NULL)
         return;
     qcForest_Clear(&boxes->forest);
-    qcNeighbours_Clear(&boxes->neighbours);
+    qcOverlapGraph_Clear(&boxes->neighbours);
     boxes->boxes.count = 0;
     boxes->stamps.count = 0;
     boxes->stamp = 0;
@@ -201,7 +201,7 @@ static qcStatus ReserveOneMore(qcBoxes* set)
     QC_TRY(qcArray_Resize(&set->userData, count, sizeof(void*), "user data of boxes"));
     QC_TRY(qcArray_GrowZeroed(&set->stamps, count, sizeof(uint32_t), "stamps of boxes"));
     QC_TRY(qcForest_Reserve(&set->forest, count));
-    QC_TRY(qcNeighbours_Reserve(&set->neighbours, count));
+    QC_TRY(qcOverlapGraph_Reserve(&set->neighbours, count));
     QC_TRY(qcArray_Reserve(&set->freeIds, count, sizeof(uint32_t), "free ids of boxes"));
     return qcArray_Reserve(&set->movers, count, sizeof(qcMover), "moved boxes");
 }
@@ -245,7 +245,7 @@ __attribute__((noinline)) static qcStatus Add(qcBoxes* boxes, const double lower
     *id = boxes->freeIds.count != 0 ? PopFreeId(boxes) : (uint32_t)boxes->boxes.count++;
     qcFloatBox around;
     bool exact = qcFloatBox_Enclose(&around, lower, upper);
-    *qcBoxes_Box(boxes, *id) = (qcBox){.mover = QC_NO_MOVER, .alive = true, .at = qc_atLost, .still = true};
+    *qcBoxes_Box(boxes, *id) = (qcBox){.mover = QC_NO_MOVER, .alive = true, .at = qc_boxPairsStale, .still = true};
     boxes->putCount++;
     boxes->lostCount++;
     StoreBounds(boxes, *id, lower, upper, &around, exact);
@@ -269,9 +269,9 @@ qcStatus qcBoxes_Remove(qcBoxes* boxes, uint32_t id)
     if (GetBox(boxes, id) == NULL)
         return qcFail(qc_statusBadInput, "qcBoxes_Remove: there is no box %u", id);
     UnmarkMoved(boxes, id);
-    boxes->putCount -= qcBoxes_Box(boxes, id)->at != qc_atHome;
-    boxes->lostCount -= qcBoxes_Box(boxes, id)->at == qc_atLost;
-    qcNeighbours_Part(&boxes->neighbours, id);
+    boxes->putCount -= qcBoxes_Box(boxes, id)->at != qc_boxInTree;
+    boxes->lostCount -= qcBoxes_Box(boxes, id)->at == qc_boxPairsStale;
+    qcOverlapGraph_Part(&boxes->neighbours, id);
     qcForest_Remove(&boxes->forest, id);
     qcBoxes_Box(boxes, id)->alive = false;
     PushFreeId(boxes, id);
@@ -308,9 +308,9 @@ __attribute__((noinline)) static qcStatus Move(qcBoxes* boxes, uint32_t id, cons
         qcBounds old = qcBoxes_Bounds(boxes, id), bounds = MakeBounds(lower, upper);
         qcFloatBox fat = Fatten(&old, &bounds, StepsAhead(id));
         qcForest_Put(&boxes->forest, id, &fat);
-        boxes->putCount += box->at == qc_atHome;
-        boxes->lostCount += box->at != qc_atLost;
-        box->at = qc_atLost;
+        boxes->putCount += box->at == qc_boxInTree;
+        boxes->lostCount += box->at != qc_boxPairsStale;
+        box->at = qc_boxPairsStale;
     }
     StoreBounds(boxes, id, lower, upper, &around, exact);
     return qc_statusOk;

@@ -4,12 +4,12 @@
 
 #include "base/status.h"
 
-static qcEdgeEnd* End(qcNeighbours* graph, uint32_t end)
+static qcEdgeEnd* End(qcOverlapGraph* graph, uint32_t end)
 {
     return &QC_AT(qcEdgeEnd, graph->ends, end);
 }
 
-static void Link(qcNeighbours* graph, uint32_t end, uint32_t box)
+static void Link(qcOverlapGraph* graph, uint32_t end, uint32_t box)
 {
     uint32_t* first = &QC_AT(uint32_t, graph->first, box);
     *End(graph, end) = (qcEdgeEnd){*first, QC_NO_EDGE};
@@ -18,7 +18,7 @@ static void Link(qcNeighbours* graph, uint32_t end, uint32_t box)
     *first = end;
 }
 
-static void Unlink(qcNeighbours* graph, uint32_t end, uint32_t box)
+static void Unlink(qcOverlapGraph* graph, uint32_t end, uint32_t box)
 {
     qcEdgeEnd e = *End(graph, end);
     if (e.previous == QC_NO_EDGE)
@@ -29,7 +29,7 @@ static void Unlink(qcNeighbours* graph, uint32_t end, uint32_t box)
         End(graph, e.next)->previous = e.previous;
 }
 
-qcStatus qcNeighbours_Reserve(qcNeighbours* graph, size_t boxCount)
+qcStatus qcOverlapGraph_Reserve(qcOverlapGraph* graph, size_t boxCount)
 {
     size_t known = graph->first.count;
     if (boxCount <= known)
@@ -40,7 +40,7 @@ qcStatus qcNeighbours_Reserve(qcNeighbours* graph, size_t boxCount)
     return qc_statusOk;
 }
 
-void qcNeighbours_Clear(qcNeighbours* graph)
+void qcOverlapGraph_Clear(qcOverlapGraph* graph)
 {
     graph->edges.count = 0;
     graph->ends.count = 0;
@@ -48,7 +48,7 @@ void qcNeighbours_Clear(qcNeighbours* graph)
     graph->firstFree = QC_NO_EDGE;
 }
 
-void qcNeighbours_PartAll(qcNeighbours* graph)
+void qcOverlapGraph_PartAll(qcOverlapGraph* graph)
 {
     graph->edges.count = 0;
     graph->ends.count = 0;
@@ -57,15 +57,15 @@ void qcNeighbours_PartAll(qcNeighbours* graph)
         QC_AT(uint32_t, graph->first, box) = QC_NO_EDGE;
 }
 
-void qcNeighbours_Free(qcNeighbours* graph)
+void qcOverlapGraph_Free(qcOverlapGraph* graph)
 {
     qcArray_Free(&graph->edges);
     qcArray_Free(&graph->ends);
     qcArray_Free(&graph->first);
-    qcNeighbours_Clear(graph);
+    qcOverlapGraph_Clear(graph);
 }
 
-qcStatus qcNeighbours_Join(qcNeighbours* graph, uint32_t a, uint32_t b, bool mark)
+qcStatus qcOverlapGraph_Join(qcOverlapGraph* graph, uint32_t a, uint32_t b, bool mark)
 {
     uint32_t edge = graph->firstFree;
     if (edge != QC_NO_EDGE)
@@ -80,15 +80,15 @@ qcStatus qcNeighbours_Join(qcNeighbours* graph, uint32_t a, uint32_t b, bool mar
         edge = (uint32_t)graph->edges.count++;
         graph->ends.count += 2;
     }
-    *qcNeighbours_Edge(graph, edge) = (qcEdge){{mark ? a | QC_EDGE_MARK : a, b}};
+    *qcOverlapGraph_Edge(graph, edge) = (qcEdge){{mark ? a | QC_EDGE_MARK : a, b}};
     Link(graph, 2 * edge, a);
     Link(graph, 2 * edge + 1, b);
     return qc_statusOk;
 }
 
-void qcNeighbours_Cut(qcNeighbours* graph, uint32_t edge)
+void qcOverlapGraph_Cut(qcOverlapGraph* graph, uint32_t edge)
 {
-    qcEdge* e = qcNeighbours_Edge(graph, edge);
+    qcEdge* e = qcOverlapGraph_Edge(graph, edge);
     Unlink(graph, 2 * edge, e->box[0] & ~QC_EDGE_MARK);
     Unlink(graph, 2 * edge + 1, e->box[1]);
     e->box[1] = QC_NO_EDGE;
@@ -96,8 +96,8 @@ void qcNeighbours_Cut(qcNeighbours* graph, uint32_t edge)
     graph->firstFree = edge;
 }
 
-void qcNeighbours_Part(qcNeighbours* graph, uint32_t box)
+void qcOverlapGraph_Part(qcOverlapGraph* graph, uint32_t box)
 {
-    for (uint32_t end; (end = qcNeighbours_First(graph, box)) != QC_NO_EDGE;)
-        qcNeighbours_Cut(graph, end / 2);
+    for (uint32_t end; (end = qcOverlapGraph_First(graph, box)) != QC_NO_EDGE;)
+        qcOverlapGraph_Cut(graph, end / 2);
 }

@@ -21,49 +21,49 @@ typedef struct qcEdgeEnd
     uint32_t next, previous; ///< ends in the list of the same box, or QC_NO_EDGE; a free edge: the next free one
 } qcEdgeEnd;
 
-/// All zero is not an empty graph: call qcNeighbours_Clear first.
-typedef struct qcNeighbours
+/// All zero is not an empty graph: call qcOverlapGraph_Clear first.
+typedef struct qcOverlapGraph
 {
     qcArray edges; ///< qcEdge
     qcArray ends;  ///< qcEdgeEnd
     qcArray first; ///< uint32_t, an end or QC_NO_EDGE, by box
     uint32_t firstFree;
-} qcNeighbours;
+} qcOverlapGraph;
 
 /// Makes room for boxes with ids below `boxCount`; new ones have no neighbours.
-qcStatus qcNeighbours_Reserve(qcNeighbours* graph, size_t boxCount);
+qcStatus qcOverlapGraph_Reserve(qcOverlapGraph* graph, size_t boxCount);
 /// No boxes.
-void qcNeighbours_Clear(qcNeighbours* graph);
+void qcOverlapGraph_Clear(qcOverlapGraph* graph);
 /// No edges.
-void qcNeighbours_PartAll(qcNeighbours* graph);
-void qcNeighbours_Free(qcNeighbours* graph);
+void qcOverlapGraph_PartAll(qcOverlapGraph* graph);
+void qcOverlapGraph_Free(qcOverlapGraph* graph);
 
 /// Adds an edge between two boxes that have none, with or without a mark. qc_statusOutOfMemory leaves the graph as it
 /// was.
-qcStatus qcNeighbours_Join(qcNeighbours* graph, uint32_t a, uint32_t b, bool mark);
+qcStatus qcOverlapGraph_Join(qcOverlapGraph* graph, uint32_t a, uint32_t b, bool mark);
 /// Removes one edge.
-void qcNeighbours_Cut(qcNeighbours* graph, uint32_t edge);
+void qcOverlapGraph_Cut(qcOverlapGraph* graph, uint32_t edge);
 /// Removes all edges of a box.
-void qcNeighbours_Part(qcNeighbours* graph, uint32_t box);
+void qcOverlapGraph_Part(qcOverlapGraph* graph, uint32_t box);
 
-static inline qcEdge* qcNeighbours_Edge(const qcNeighbours* graph, uint32_t edge)
+static inline qcEdge* qcOverlapGraph_Edge(const qcOverlapGraph* graph, uint32_t edge)
 {
     return &QC_AT(qcEdge, graph->edges, edge);
 }
 
 /// The box at the other end.
-static inline uint32_t qcNeighbours_Other(const qcNeighbours* graph, uint32_t end)
+static inline uint32_t qcOverlapGraph_Other(const qcOverlapGraph* graph, uint32_t end)
 {
-    return qcNeighbours_Edge(graph, end / 2)->box[1 - end % 2] & ~QC_EDGE_MARK;
+    return qcOverlapGraph_Edge(graph, end / 2)->box[1 - end % 2] & ~QC_EDGE_MARK;
 }
 
 /// The first end at a box, then the next one after an end; QC_NO_EDGE: there is none.
-static inline uint32_t qcNeighbours_First(const qcNeighbours* graph, uint32_t box)
+static inline uint32_t qcOverlapGraph_First(const qcOverlapGraph* graph, uint32_t box)
 {
     return QC_AT(uint32_t, graph->first, box);
 }
 
-static inline uint32_t qcNeighbours_Next(const qcNeighbours* graph, uint32_t end)
+static inline uint32_t qcOverlapGraph_Next(const qcOverlapGraph* graph, uint32_t end)
 {
     return QC_AT(qcEdgeEnd, graph->ends, end).next;
 }

@@ -1,5 +1,5 @@
-// The overlapping pairs of moved boxes. Pairs of boxes of the forest that meet are kept (see qcNeighbours) until one of
-// the two changes, so that the forest is only asked for boxes that left their place in it. Fat boxes: Catto, Box2D.
+// The overlapping pairs of moved boxes. Pairs of boxes of the forest that meet are kept (see qcOverlapGraph) until one
+// of the two changes, so that the forest is only asked for boxes that left their place in it. Fat boxes: Catto, Box2D.
 //
 // Why no pair is missed: the forest's box contains the box itself, so boxes that meet have boxes there that meet. Such
 // a pair is found when the one of the two that was put there last looks for its neighbours, in the search or before it
@@ -67,7 +67,7 @@ static qcStatus MeetInForest(qcBoxes* set, Wanted wanted, uint32_t a, uint32_t b
 {
     const qcBox *x = qcBoxes_Box(set, a), *y = qcBoxes_Box(set, b);
     if (!x->still || !y->still)
-        return qcNeighbours_Join(&set->neighbours, a, b, false);
+        return qcOverlapGraph_Join(&set->neighbours, a, b, false);
     // Not kept: scenery costs nothing once its pairs are known. Unless all is forgotten, one of the two is new.
     bool asked = wanted == CHANGED || (x->mover & y->mover) != QC_NO_MOVER;
     return asked && qcBoxes_Meet(set, a, b) ? PushPair(set, &set->began, a, b) : qc_statusOk;
@@ -129,16 +129,16 @@ static qcStatus MeetHits(qcBoxes* set, Wanted wanted, uint32_t id, uint32_t row,
 static qcStatus LeaveNeighbours(qcBoxes* set, Wanted wanted, uint32_t id)
 {
     const qcFloatBox *boxes = set->forest.boxes.data, *box = &boxes[id];
-    uint32_t end = qcNeighbours_First(&set->neighbours, id);
+    uint32_t end = qcOverlapGraph_First(&set->neighbours, id);
     while (end != QC_NO_EDGE)
     {
-        uint32_t other = qcNeighbours_Other(&set->neighbours, end), edge = end / 2;
-        end = qcNeighbours_Next(&set->neighbours, end);
+        uint32_t other = qcOverlapGraph_Other(&set->neighbours, end), edge = end / 2;
+        end = qcOverlapGraph_Next(&set->neighbours, end);
         if (qcFloatBox_Meet(box, &boxes[other]))
             continue;
-        if (wanted == CHANGED && (qcNeighbours_Edge(&set->neighbours, edge)->box[0] & QC_EDGE_MARK) != 0)
+        if (wanted == CHANGED && (qcOverlapGraph_Edge(&set->neighbours, edge)->box[0] & QC_EDGE_MARK) != 0)
             QC_TRY(PushPair(set, &set->ended, id, other));
-        qcNeighbours_Cut(&set->neighbours, edge);
+        qcOverlapGraph_Cut(&set->neighbours, edge);
     }
     return qc_statusOk;
 }
@@ -173,7 +173,7 @@ static qcStatus FindNeighbours(qcBoxes* set, Wanted wanted)
 {
     if (set->forgotten)
     {
-        qcNeighbours_PartAll(&set->neighbours);
+        qcOverlapGraph_PartAll(&set->neighbours);
         qcForest_Rejuvenate(&set->forest);
         set->profile.sought = qcBoxes_GetCount(set);
     }
@@ -182,7 +182,7 @@ static qcStatus FindNeighbours(qcBoxes* set, Wanted wanted)
     for (size_t i = 0; i < set->movers.count && !set->forgotten; i++)
     {
         uint32_t id = QC_AT(qcMover, set->movers, i).id;
-        if (qcBoxes_Box(set, id)->at == qc_atHome)
+        if (qcBoxes_Box(set, id)->at == qc_boxInTree)
             continue;
         set->profile.sought++;
         QC_TRY(LeaveNeighbours(set, wanted, id));
@@ -222,13 +222,13 @@ static qcStatus FindPairsOf(qcBoxes* set, Wanted wanted, uint32_t id)
     };
     qcEdge* edges = set->neighbours.edges.data;
     const qcBox *boxes = set->boxes.data, *box = &boxes[id];
-    uint32_t found[most], end = qcNeighbours_First(&set->neighbours, id);
+    uint32_t found[most], end = qcOverlapGraph_First(&set->neighbours, id);
     while (end != QC_NO_EDGE)
     {
         // Without branches, apart from the few that there is something to do for: whether boxes meet cannot be
         // foreseen.
         uint32_t count = 0, compared = 0;
-        for (; end != QC_NO_EDGE && count < most; end = qcNeighbours_Next(&set->neighbours, end))
+        for (; end != QC_NO_EDGE && count < most; end = qcOverlapGraph_Next(&set->neighbours, end))
         {
             const qcEdge* edge = &edges[end / 2];
             uint32_t other = edge->box[1 - end % 2] & ~QC_EDGE_MARK;
@@ -302,7 +302,7 @@ __attribute__((noinline)) static qcStatus SearchInMode(qcBoxes* set, Wanted want
     {
         qcBox* box = qcBoxes_Box(set, QC_AT(qcMover, set->movers, i).id);
         box->mover = QC_NO_MOVER;
-        box->at = qc_atHome;
+        box->at = qc_boxInTree;
     }
     set->movers.count = 0;
     set->putCount = 0;

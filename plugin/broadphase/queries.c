@@ -226,7 +226,7 @@ static bool KeepStillPair(uint32_t id, void* userData, void* context)
     if (id == moving->id || !box->still || box->mover != QC_NO_MOVER)
         return true;
     // Without memory the next search begins from nothing.
-    moving->set->forgotten = qcNeighbours_Join(&moving->set->neighbours, moving->id, id, true) != qc_statusOk;
+    moving->set->forgotten = qcOverlapGraph_Join(&moving->set->neighbours, moving->id, id, true) != qc_statusOk;
     return !moving->set->forgotten;
 }
 
@@ -246,9 +246,9 @@ uint32_t qcBoxes_StampNeighbours(qcBoxes* set, uint32_t id)
         memset(stamps, 0, set->stamps.count * sizeof *stamps);
         set->stamp = 1;
     }
-    uint32_t end = qcNeighbours_First(&set->neighbours, id);
-    for (; end != QC_NO_EDGE; end = qcNeighbours_Next(&set->neighbours, end))
-        stamps[qcNeighbours_Other(&set->neighbours, end)] = set->stamp;
+    uint32_t end = qcOverlapGraph_First(&set->neighbours, id);
+    for (; end != QC_NO_EDGE; end = qcOverlapGraph_Next(&set->neighbours, end))
+        stamps[qcOverlapGraph_Other(&set->neighbours, end)] = set->stamp;
     return set->stamp;
 }
 
@@ -258,14 +258,14 @@ static bool JoinNeighbour(uint32_t id, void* userData, void* context)
     Mover* moving = context;
     if (id == moving->id || QC_AT(uint32_t, moving->set->stamps, id) == moving->stamp)
         return true;
-    moving->failed = qcNeighbours_Join(&moving->set->neighbours, moving->id, id, false) != qc_statusOk;
+    moving->failed = qcOverlapGraph_Join(&moving->set->neighbours, moving->id, id, false) != qc_statusOk;
     return !moving->failed;
 }
 
 void qcBoxes_Settle(qcBoxes* set, uint32_t id)
 {
     qcBox* box = qcBoxes_Box(set, id);
-    if (box->at != qc_atLost || box->still || set->forgotten)
+    if (box->at != qc_boxPairsStale || box->still || set->forgotten)
         return;
     Mover moving = {.set = set, .id = id, .stamp = qcBoxes_StampNeighbours(set, id)};
     Question question = AskOf(set, id, JoinNeighbour, &moving);
@@ -274,7 +274,7 @@ void qcBoxes_Settle(qcBoxes* set, uint32_t id)
     OfferForest(&question, YOUNG | OLD);
     if (moving.failed)
         return;
-    box->at = qc_atNew;
+    box->at = qc_boxPairsKnown;
     set->lostCount--;
 }
 
@@ -291,7 +291,7 @@ static uint32_t CollectBegun(const qcBoxes* set, uint32_t id, uint32_t end, Begu
     const qcBox *boxes = set->boxes.data, *box = &boxes[id];
     uint32_t count = 0;
     // Without branches: whether two boxes meet, and met, cannot be foreseen.
-    for (; end != QC_NO_EDGE && count < 32; end = qcNeighbours_Next(&set->neighbours, end))
+    for (; end != QC_NO_EDGE && count < 32; end = qcOverlapGraph_Next(&set->neighbours, end))
     {
         const qcEdge* edge = &edges[end / 2];
         uint32_t other = edge->box[1 - end % 2] & ~QC_EDGE_MARK;
@@ -306,7 +306,7 @@ static uint32_t CollectBegun(const qcBoxes* set, uint32_t id, uint32_t end, Begu
 static bool OfferBegun(const qcBoxes* set, uint32_t id, bool young, Visitor* visitor)
 {
     Begun begun;
-    for (uint32_t end = qcNeighbours_First(&set->neighbours, id); end != QC_NO_EDGE;)
+    for (uint32_t end = qcOverlapGraph_First(&set->neighbours, id); end != QC_NO_EDGE;)
     {
         end = CollectBegun(set, id, end, &begun);
         // Most find nothing.
@@ -326,9 +326,9 @@ __attribute__((noinline)) static void QueryBegun(qcBoxes* boxes, uint32_t id, Vi
     qcBoxes_Settle(boxes, id);
     // A still box has neighbours that are not kept.
     const qcBox* box = qcBoxes_Box(boxes, id);
-    bool known = !box->still && !boxes->forgotten && box->at != qc_atLost;
+    bool known = !box->still && !boxes->forgotten && box->at != qc_boxPairsStale;
     // Others may have come since.
-    bool others = boxes->putCount != (box->at != qc_atHome);
+    bool others = boxes->putCount != (box->at != qc_boxInTree);
     if ((known && !OfferBegun(boxes, id, !others, visitor)) || (known && !others))
         return;
     Question question = AskOf(boxes, id, Visit, visitor);

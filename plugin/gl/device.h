@@ -5,12 +5,12 @@
 #include "plan/costs.h"
 #include "quickcullide/device.h"
 
-struct qcGlTable;
+struct qcGlFunctions;
 
 /// A job; it runs on the device's thread, with the device's context current and its function table.
 /// It finds GL's initial bindings and switches, and may leave them as it likes.
 /// Its return value, and the message it left, reach the caller of qcDevice_Run.
-typedef qcStatus qcDeviceJob(const struct qcGlTable* gl, void* context);
+typedef qcStatus qcDeviceJob(const struct qcGlFunctions* gl, void* context);
 
 /// Runs a job and waits for it. Any thread. qc_statusDevice on a device without GL, and in a child process that was
 /// forked after the device was opened; qc_statusDeviceLost on a lost one. When the job left a GL error behind,

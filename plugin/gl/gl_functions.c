@@ -26,8 +26,8 @@ static const char* StageName(GLenum stage)
     return stage == GL_VERTEX_SHADER ? "vertex" : stage == GL_FRAGMENT_SHADER ? "fragment" : "compute";
 }
 
-static qcStatus CompileShader(const struct qcGlTable* gl, const char* name, GLenum stage, const char* const* sources,
-                              int sourceCount, GLuint* shader)
+static qcStatus CompileShader(const struct qcGlFunctions* gl, const char* name, GLenum stage,
+                              const char* const* sources, int sourceCount, GLuint* shader)
 {
     *shader = gl->CreateShader(stage);
     gl->ShaderSource(*shader, sourceCount, sources, NULL);
@@ -41,7 +41,7 @@ static qcStatus CompileShader(const struct qcGlTable* gl, const char* name, GLen
     return qcFail(qc_statusDevice, "%s: the %s shader does not compile: %s", name, StageName(stage), log);
 }
 
-static qcStatus LinkProgram(const struct qcGlTable* gl, const char* name, const GLuint* shaders, int shaderCount,
+static qcStatus LinkProgram(const struct qcGlFunctions* gl, const char* name, const GLuint* shaders, int shaderCount,
                             GLuint* program)
 {
     *program = gl->CreateProgram();
@@ -60,7 +60,7 @@ static qcStatus LinkProgram(const struct qcGlTable* gl, const char* name, const 
     return qcFail(qc_statusDevice, "%s: the program does not link: %s", name, log);
 }
 
-qcStatus qcGlTable_Load(struct qcGlTable* gl, qcGlGetFunction* getFunction)
+qcStatus qcGlFunctions_Load(struct qcGlFunctions* gl, qcGlGetFunction* getFunction)
 {
 #define QC_GL_LOAD(Type, Name)                                                                                         \
     gl->Name = (Type)getFunction("gl" #Name);                                                                          \
@@ -85,7 +85,7 @@ qcStatus qcGlTable_Load(struct qcGlTable* gl, qcGlGetFunction* getFunction)
     return qc_statusOk;
 }
 
-void qcGlTable_ResetState(const struct qcGlTable* gl)
+void qcGlFunctions_ResetState(const struct qcGlFunctions* gl)
 {
     gl->BindFramebuffer(GL_FRAMEBUFFER, 0);
     gl->BindRenderbuffer(GL_RENDERBUFFER, 0);
@@ -104,7 +104,7 @@ void qcGlTable_ResetState(const struct qcGlTable* gl)
 }
 
 /// The program of this name if it is there, otherwise 0.
-static GLuint FindProgram(const struct qcGlTable* gl, const char* name)
+static GLuint FindProgram(const struct qcGlFunctions* gl, const char* name)
 {
     const struct qcGlPrograms* programs = gl->programs;
     for (uint32_t i = 0; i < programs->count; ++i)
@@ -114,7 +114,7 @@ static GLuint FindProgram(const struct qcGlTable* gl, const char* name)
 }
 
 /// Compiles, links and keeps a program; a linked program keeps what it needs of its shaders.
-static qcStatus BuildProgram(const struct qcGlTable* gl, const char* name, const GLenum* stages,
+static qcStatus BuildProgram(const struct qcGlFunctions* gl, const char* name, const GLenum* stages,
                              const char* const* const* sources, const int* sourceCounts, int stageCount,
                              GLuint* program)
 {
@@ -137,8 +137,8 @@ static qcStatus BuildProgram(const struct qcGlTable* gl, const char* name, const
     return status;
 }
 
-qcStatus qcGlTable_GetProgram(const struct qcGlTable* gl, const char* name, const char* vertexSource,
-                              const char* fragmentSource, GLuint* program)
+qcStatus qcGlFunctions_GetProgram(const struct qcGlFunctions* gl, const char* name, const char* vertexSource,
+                                  const char* fragmentSource, GLuint* program)
 {
     *program = FindProgram(gl, name);
     if (*program != 0)
@@ -149,8 +149,8 @@ qcStatus qcGlTable_GetProgram(const struct qcGlTable* gl, const char* name, cons
     return BuildProgram(gl, name, stages, sources, sourceCounts, 2, program);
 }
 
-qcStatus qcGlTable_GetComputeProgram(const struct qcGlTable* gl, const char* name, const char* const* sources,
-                                     int sourceCount, GLuint* program)
+qcStatus qcGlFunctions_GetComputeProgram(const struct qcGlFunctions* gl, const char* name, const char* const* sources,
+                                         int sourceCount, GLuint* program)
 {
     *program = FindProgram(gl, name);
     if (*program != 0)

@@ -107,7 +107,7 @@ struct qcGlPrograms
     } items[qc_maxPrograms];
 };
 
-struct qcGlTable
+struct qcGlFunctions
 {
 #define QC_GL_FIELD(Type, Name) Type Name;
     QC_GL_FUNCTIONS(QC_GL_FIELD)
@@ -130,18 +130,18 @@ typedef void qcGlFunction(void);
 typedef qcGlFunction* qcGlGetFunction(const char* name);
 
 /// Fills the functions. qc_statusDevice names the first that is missing.
-qcStatus qcGlTable_Load(struct qcGlTable* gl, qcGlGetFunction* getFunction);
+qcStatus qcGlFunctions_Load(struct qcGlFunctions* gl, qcGlGetFunction* getFunction);
 
 /// Brings back GL's initial bindings and switches, as far as jobs change them. Plain values, such as the viewport and
 /// the clear colour, are set by whoever uses them.
-void qcGlTable_ResetState(const struct qcGlTable* gl);
+void qcGlFunctions_ResetState(const struct qcGlFunctions* gl);
 
 /// The program of this name (a literal), compiled at its first use. Attribute 0 is `position`, attribute 1 `normal`.
-qcStatus qcGlTable_GetProgram(const struct qcGlTable* gl, const char* name, const char* vertexSource,
-                              const char* fragmentSource, GLuint* program);
+qcStatus qcGlFunctions_GetProgram(const struct qcGlFunctions* gl, const char* name, const char* vertexSource,
+                                  const char* fragmentSource, GLuint* program);
 
 /// As above, for a compute shader whose source comes in parts.
-qcStatus qcGlTable_GetComputeProgram(const struct qcGlTable* gl, const char* name, const char* const* sources,
-                                     int sourceCount, GLuint* program);
+qcStatus qcGlFunctions_GetComputeProgram(const struct qcGlFunctions* gl, const char* name, const char* const* sources,
+                                         int sourceCount, GLuint* program);
 
 #endif

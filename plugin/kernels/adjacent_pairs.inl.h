@@ -27,7 +27,7 @@ typedef struct NeighbourLanes
 } NeighbourLanes;
 
 /// What a gap along w has to exceed.
-QC_INLINE Floats LeastGap(const qcFilterBound* bound, Vectors w)
+QC_INLINE Floats LeastGap(const qcDistanceThresholds* bound, Vectors w)
 {
     const Floats zero = {0};
     Floats length2 = Dot(w, w), rounding = zero + (4.01f * bound->pointError + 20.0f * 0x1p-24f);
@@ -35,7 +35,7 @@ QC_INLINE Floats LeastGap(const qcFilterBound* bound, Vectors w)
 }
 
 /// Are p and q, and r and s, on different sides of 0 along w, by more than the reach?
-QC_INLINE Ints AreParted(const qcFilterBound* bound, Vectors w, Vectors p, Vectors q, Vectors r, Vectors s)
+QC_INLINE Ints AreParted(const qcDistanceThresholds* bound, Vectors w, Vectors p, Vectors q, Vectors r, Vectors s)
 {
     Floats least = LeastGap(bound, w);
     return (LeastFloats(Dot(w, p), Dot(w, q)) > least) & (MostFloats(Dot(w, r), Dot(w, s)) < -least);
@@ -47,7 +47,7 @@ QC_INLINE Vectors Unit(Vectors a)
     return Times(a, 1.0f / Root(Dot(a, a) + (zero + 1e-30f)));
 }
 
-QC_INLINE Ints AreQuietAtVertex(const qcFilterBound* bound, const qcPoint* points, const NeighbourLanes* lanes)
+QC_INLINE Ints AreQuietAtVertex(const qcDistanceThresholds* bound, const qcPoint* points, const NeighbourLanes* lanes)
 {
     Vectors at = LoadPoints(points, lanes->a[0]);
     Vectors a[2] = {Subtract(LoadPoints(points, lanes->a[1]), at), Subtract(LoadPoints(points, lanes->a[2]), at)};
@@ -68,7 +68,8 @@ QC_INLINE Vectors Across(Vectors a, Vectors b)
 }
 
 /// Are the segments p q and r s surely further apart than the reach along w, in either direction?
-QC_INLINE Ints AreSegmentsParted(const qcFilterBound* bound, Vectors w, Vectors p, Vectors q, Vectors r, Vectors s)
+QC_INLINE Ints AreSegmentsParted(const qcDistanceThresholds* bound, Vectors w, Vectors p, Vectors q, Vectors r,
+                                 Vectors s)
 {
     Floats wp = Dot(w, p), wq = Dot(w, q), wr = Dot(w, r), ws = Dot(w, s);
     Floats above = LeastFloats(wp, wq) - MostFloats(wr, ws), below = LeastFloats(wr, ws) - MostFloats(wp, wq);
@@ -76,7 +77,7 @@ QC_INLINE Ints AreSegmentsParted(const qcFilterBound* bound, Vectors w, Vectors 
 }
 
 /// Segments from 0 to a and from v to b.
-QC_INLINE Ints AreOppositeEdgesParted(const qcFilterBound* bound, Vectors v, Vectors a, Vectors b)
+QC_INLINE Ints AreOppositeEdgesParted(const qcDistanceThresholds* bound, Vectors v, Vectors a, Vectors b)
 {
     const Floats zero = {0};
     const Vectors u = {zero, zero, zero};
@@ -84,7 +85,7 @@ QC_INLINE Ints AreOppositeEdgesParted(const qcFilterBound* bound, Vectors v, Vec
            AreSegmentsParted(bound, Across(v, Subtract(b, v)), u, a, v, b) | AreSegmentsParted(bound, v, u, a, v, b);
 }
 
-QC_INLINE Ints AreQuietAtEdge(const qcFilterBound* bound, const qcPoint* points, const NeighbourLanes* lanes)
+QC_INLINE Ints AreQuietAtEdge(const qcDistanceThresholds* bound, const qcPoint* points, const NeighbourLanes* lanes)
 {
     const Floats zero = {0};
     const Vectors u = {zero, zero, zero};
@@ -132,7 +133,7 @@ QC_INLINE int AddNeighbours(const uint32_t* p, const uint32_t* q, uint32_t index
     return common;
 }
 
-QC_INLINE void JudgeLanes(const qcFilterBound* bound, const qcPoint* points, int common, NeighbourLanes* lanes,
+QC_INLINE void JudgeLanes(const qcDistanceThresholds* bound, const qcPoint* points, int common, NeighbourLanes* lanes,
                           uint8_t* keep)
 {
     // Lanes that are empty stand for the first again.
@@ -152,7 +153,8 @@ QC_INLINE void JudgeLanes(const qcFilterBound* bound, const qcPoint* points, int
     lanes->count = 0;
 }
 
-static size_t KeepNearNeighbours(const qcFilterSide* side, const qcFilterBound* bound, qcPlacePair* pairs, size_t count)
+static size_t KeepNearNeighbours(const qcFilterSide* side, const qcDistanceThresholds* bound, qcSlotPair* pairs,
+                                 size_t count)
 {
     uint8_t keep[qc_nodeSize * qc_nodeSize];
     NeighbourLanes lanes[4];

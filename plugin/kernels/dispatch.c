@@ -3,20 +3,20 @@
 
 #include "base/cpu_features.h"
 
-static const qcSurfaceKernels* const s_known[] = {
-    &qcSurfaceKernels_plain,
+static const qcTriangleKernels* const s_known[] = {
+    &qcTriangleKernels_scalar,
 #ifdef QC_KERNELS_X86
-    &qcSurfaceKernels_avx2,
-    &qcSurfaceKernels_avx512,
+    &qcTriangleKernels_avx2,
+    &qcTriangleKernels_avx512,
 #endif
 };
 
-const qcSurfaceKernels* qcSurfaceKernels_Nth(size_t i)
+const qcTriangleKernels* qcTriangleKernels_Nth(size_t i)
 {
-    return i <= qc_instructionsAvx512 && qcInstructionSet_IsThere((qcInstructionSet)i) ? s_known[i] : NULL;
+    return i <= qc_instructionsAvx512 && qcInstructionSet_IsAvailable((qcInstructionSet)i) ? s_known[i] : NULL;
 }
 
-const qcSurfaceKernels* qcSurfaceKernels_Get(void)
+const qcTriangleKernels* qcTriangleKernels_Get(void)
 {
     return s_known[qcInstructionSet_Choose(qc_instructionsAvx512)];
 }

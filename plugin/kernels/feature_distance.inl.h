@@ -88,7 +88,7 @@ QC_INLINE Vectors LoadCorners(const qcFeaturePairs* pairs, int corner, int at)
     return v;
 }
 
-static void FindNearFeatures(const qcFeaturePairs* pairs, qcNearFeatures near[qc_featurePairs])
+static void FindNearFeatures(const qcFeaturePairs* pairs, qcFeatureMask near[qc_featurePairs])
 {
     const Floats zero = {0};
     for (int at = 0; at < qc_featurePairs; at += QC_LANES)
@@ -117,7 +117,7 @@ static void FindNearFeatures(const qcFeaturePairs* pairs, qcNearFeatures near[qc
                 far |= AreEdgesFar(&a, i, &b, k, margin) & (1 << (qc_nearEdges + 3 * i + k));
         }
         for (int lane = 0; lane < QC_LANES; lane++)
-            near[at + lane] = (qcNearFeatures)(~far[lane] & 0x7fff);
+            near[at + lane] = (qcFeatureMask)(~far[lane] & 0x7fff);
     }
 }
 

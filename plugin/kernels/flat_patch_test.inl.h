@@ -50,8 +50,8 @@ enum
 /// The loop around a disc from its centre, seen along d = (p, q, 1) in some order of the axes.
 typedef struct Loop
 {
-    float u[qc_mostLoop + 2 * QC_LANES], v[qc_mostLoop + 2 * QC_LANES];
-    float x[3][qc_mostLoop + 2 * QC_LANES];
+    float u[qc_maxLoop + 2 * QC_LANES], v[qc_maxLoop + 2 * QC_LANES];
+    float x[3][qc_maxLoop + 2 * QC_LANES];
     int axes[3]; ///< which axis is which of d's; the last is 1 there
     float p, q;
     float sign;  ///< of d's last axis in the direction that the disc faces
@@ -83,10 +83,10 @@ QC_INLINE float Sum(Floats f)
 }
 
 /// Past the end the loop goes on from its beginning.
-static void LoadLoop(const qcFlatDisc* disc, Loop* loop)
+static void LoadLoop(const qcPatchGeometry* disc, Loop* loop)
 {
     size_t count = disc->loopCount;
-    uint32_t id[qc_mostLoop + 2 * QC_LANES];
+    uint32_t id[qc_maxLoop + 2 * QC_LANES];
     memcpy(id, disc->loop, count * sizeof id[0]);
     for (size_t i = count; i < count + 2 * QC_LANES; i++)
         id[i] = id[i - count];
@@ -242,11 +242,11 @@ static Arc MakeArc(const Loop* loop, size_t first, size_t end)
 }
 
 /// Does no edge of the loop meet another but where they join? By arcs of a few edges.
-static bool IsSimple(const qcFlatDisc* disc, const Loop* loop)
+static bool IsSimple(const qcPatchGeometry* disc, const Loop* loop)
 {
     size_t count = disc->loopCount, arcCount = (count + qc_arcEdges - 1) / qc_arcEdges;
     float gap = loop->gap + loop->reach;
-    Arc arcs[qc_mostLoop / qc_arcEdges];
+    Arc arcs[qc_maxLoop / qc_arcEdges];
     for (size_t a = 0; a < arcCount; a++)
     {
         size_t first = a * qc_arcEdges, end = first + qc_arcEdges < count ? first + qc_arcEdges : count;
@@ -271,7 +271,7 @@ static bool IsSimple(const qcFlatDisc* disc, const Loop* loop)
 }
 
 /// Do all triangles face d's way, with altitudes above the reach? Lengths of edges are wrong by up to 4 e.
-static bool FacesOneWay(const qcFlatDisc* disc, const Loop* loop)
+static bool FacesOneWay(const qcPatchGeometry* disc, const Loop* loop)
 {
     for (size_t at = 0; at < disc->placeCount; at += QC_LANES)
     {
@@ -305,7 +305,7 @@ static bool FacesOneWay(const qcFlatDisc* disc, const Loop* loop)
     return true;
 }
 
-static bool IsFlat(const qcFlatDisc* disc)
+static bool IsFlat(const qcPatchGeometry* disc)
 {
     Loop loop;
     LoadLoop(disc, &loop);

@@ -44,7 +44,7 @@ QC_INLINE EightShorts LoadEnds(const int16_t* ends)
 }
 
 /// Ends of boxes along an axis; those that are empty in `group` stay so.
-QC_INLINE void StoreEnds(EightFloats lower, EightFloats upper, const qcBoxGroup* group, int axis, qcBoxGroup* mapped)
+QC_INLINE void StoreEnds(EightFloats lower, EightFloats upper, const qcBox8* group, int axis, qcBox8* mapped)
 {
     EightInts ends[2] = {__builtin_convertvector(ClampLower(lower), EightInts) - 32768,
                          ~(__builtin_convertvector(ClampUpper(upper), EightInts) - 32768)};
@@ -58,7 +58,7 @@ QC_INLINE void StoreEnds(EightFloats lower, EightFloats upper, const qcBoxGroup*
 }
 
 /// A box with centre c and half extents e goes to one around linear c + shift, with |linear| e.
-static void MapGroup(const qcBoxGroup* group, const qcGroupMap* map, qcBoxGroup* mapped)
+static void MapGroup(const qcBox8* group, const qcGroupMap* map, qcBox8* mapped)
 {
     EightFloats centre[3], half[3];
     for (int axis = 0; axis < 3; axis++)
@@ -105,7 +105,7 @@ QC_INLINE MappedCorners MapCorners(const qcMappedSurface* surface, uint32_t clus
     return mapped;
 }
 
-static void MapTriangles(const qcMappedSurface* surface, uint32_t cluster, qcBoxGroup* mapped)
+static void MapTriangles(const qcMappedSurface* surface, uint32_t cluster, qcBox8* mapped)
 {
     const qcGroupMap* map = &surface->points;
     MappedCorners corners[3];
@@ -124,10 +124,10 @@ static void MapTriangles(const qcMappedSurface* surface, uint32_t cluster, qcBox
     }
 }
 
-static qcPlacePair* CollectMapped(const qcSurfaceBoxes* a, uint32_t nodeA, const qcMappedSurface* b, uint32_t nodeB,
-                                  qcPlacePair* pairs)
+static qcSlotPair* CollectMapped(const qcSurfaceBoxes* a, uint32_t nodeA, const qcMappedSurface* b, uint32_t nodeB,
+                                 qcSlotPair* pairs)
 {
-    qcBoxGroup mapped;
+    qcBox8 mapped;
     MapGroup(&b->boxes.nodes[nodeB], &b->levels, &mapped);
     uint64_t clusters = CompareGroups(&a->nodes[nodeA], &mapped);
     for (uint32_t j = 0; j < qc_groupSize; j++)

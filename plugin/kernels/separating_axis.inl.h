@@ -81,7 +81,7 @@ QC_INLINE Ints Separates(const Lanes* l, Vectors axis)
     return (MostFloats(above, below) > least) & (MostFloats(above, below) > 1e-20f);
 }
 
-QC_INLINE Vectors MapPoints(const qcFilterBound* bound, Vectors p)
+QC_INLINE Vectors MapPoints(const qcDistanceThresholds* bound, Vectors p)
 {
     if (!bound->mapped)
         return p;
@@ -95,13 +95,13 @@ QC_INLINE Vectors MapPoints(const qcFilterBound* bound, Vectors p)
 }
 
 /// Pairs at .. at + QC_LANES; past the end the last one stands again.
-QC_INLINE Lanes LoadLanes(const qcFilterSide* a, const qcFilterSide* b, const qcFilterBound* bound,
-                          const qcPlacePair* pairs, size_t count)
+QC_INLINE Lanes LoadLanes(const qcFilterSide* a, const qcFilterSide* b, const qcDistanceThresholds* bound,
+                          const qcSlotPair* pairs, size_t count)
 {
     uint32_t id[6][QC_LANES];
     for (size_t lane = 0; lane < QC_LANES; lane++)
     {
-        qcPlacePair pair = pairs[lane < count ? lane : count - 1];
+        qcSlotPair pair = pairs[lane < count ? lane : count - 1];
         const uint32_t *p = a->corners[pair.a].vertex, *q = b->corners[pair.b].vertex;
         for (int c = 0; c < 3; c++)
         {
@@ -169,8 +169,8 @@ QC_INLINE Ints SeparatedByMiddlesOrPlane(const Lanes* l)
 
 typedef Ints Separated(const Lanes* l);
 
-QC_INLINE size_t Keep(const qcFilterSide* a, const qcFilterSide* b, const qcFilterBound* bound, qcPlacePair* pairs,
-                      size_t count, Separated* separated)
+QC_INLINE size_t Keep(const qcFilterSide* a, const qcFilterSide* b, const qcDistanceThresholds* bound,
+                      qcSlotPair* pairs, size_t count, Separated* separated)
 {
     size_t kept = 0;
     for (size_t at = 0; at < count; at += QC_LANES)
@@ -184,7 +184,7 @@ QC_INLINE size_t Keep(const qcFilterSide* a, const qcFilterSide* b, const qcFilt
     return kept;
 }
 
-static size_t Filter(const qcFilterSide* a, const qcFilterSide* b, const qcFilterBound* bound, qcPlacePair* pairs,
+static size_t Filter(const qcFilterSide* a, const qcFilterSide* b, const qcDistanceThresholds* bound, qcSlotPair* pairs,
                      size_t count)
 {
     // Most that come within a reach are of one smooth surface, most others lie in layers. What stays is measured
@@ -255,8 +255,8 @@ QC_INLINE Ints Pierces(const Lanes* l)
     return pierces;
 }
 
-static size_t FindPiercing(const qcFilterSide* a, const qcFilterSide* b, const qcFilterBound* bound, qcPlacePair* pairs,
-                           size_t count)
+static size_t FindPiercing(const qcFilterSide* a, const qcFilterSide* b, const qcDistanceThresholds* bound,
+                           qcSlotPair* pairs, size_t count)
 {
     size_t found = 0;
     for (size_t at = 0; at < count; at += QC_LANES)
@@ -267,7 +267,7 @@ static size_t FindPiercing(const qcFilterSide* a, const qcFilterSide* b, const q
         for (; hits != 0; hits &= hits - 1)
         {
             size_t i = at + (size_t)__builtin_ctz(hits);
-            qcPlacePair pair = pairs[i];
+            qcSlotPair pair = pairs[i];
             pairs[i] = pairs[found];
             pairs[found++] = pair;
         }

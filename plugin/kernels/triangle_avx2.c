@@ -22,7 +22,7 @@ static inline __m256 MostFloats(__m256 a, __m256 b)
 }
 
 /// A row of b at a time, against all boxes of a; two rows leave together.
-static inline uint64_t CompareGroups(const qcBoxGroup* a, const qcBoxGroup* b)
+static inline uint64_t CompareGroups(const qcBox8* a, const qcBox8* b)
 {
     __m256i ends[3], limits[3];
     for (int axis = 0; axis < 3; axis++)
@@ -71,4 +71,4 @@ QC_INLINE uint32_t SignBits(Ints lanes)
     return (uint32_t)_mm256_movemask_ps((__m256)lanes);
 }
 
-const qcSurfaceKernels qcSurfaceKernels_avx2 = QC_KERNELS("avx2");
+const qcTriangleKernels qcTriangleKernels_avx2 = QC_KERNELS("avx2");

@@ -22,7 +22,7 @@ static inline __m512 MostFloats(__m512 a, __m512 b)
 }
 
 /// Two rows of b at a time, against all boxes of a.
-static inline uint64_t CompareGroups(const qcBoxGroup* a, const qcBoxGroup* b)
+static inline uint64_t CompareGroups(const qcBox8* a, const qcBox8* b)
 {
     __m512i ends[3], limits[3];
     for (int axis = 0; axis < 3; axis++)
@@ -71,4 +71,4 @@ QC_INLINE uint32_t SignBits(Ints lanes)
     return _mm512_cmplt_epi32_mask((__m512i)lanes, _mm512_setzero_si512());
 }
 
-const qcSurfaceKernels qcSurfaceKernels_avx512 = QC_KERNELS("avx512");
+const qcTriangleKernels qcTriangleKernels_avx512 = QC_KERNELS("avx512");

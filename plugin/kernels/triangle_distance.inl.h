@@ -117,7 +117,7 @@ QC_INLINE Ints IsGapAbove(Floats gap, Floats distance, Floats length2)
     return (gap * gap > distance * distance * length2 * 1.0001f) & (gap * gap > zero + 1e-30f);
 }
 
-QC_INLINE Apart Measure(const Lanes* l, const qcFilterBound* bound)
+QC_INLINE Apart Measure(const Lanes* l, const qcDistanceThresholds* bound)
 {
     const Floats zero = {0};
     Floats length2;
@@ -136,7 +136,7 @@ QC_INLINE Apart Measure(const Lanes* l, const qcFilterBound* bound)
 }
 
 /// Behind those of its kind. The first of each kind that follows moves to that one's end.
-QC_INLINE void Insert(qcPlacePair* pairs, qcPlacePair pair, bool isNear, bool isApart, qcApartCounts* counts)
+QC_INLINE void Insert(qcSlotPair* pairs, qcSlotPair pair, bool isNear, bool isApart, qcApartCounts* counts)
 {
     size_t beforeRest = counts->near + counts->apart;
     if (isNear || isApart)
@@ -149,8 +149,8 @@ QC_INLINE void Insert(qcPlacePair* pairs, qcPlacePair pair, bool isNear, bool is
     counts->count++;
 }
 
-static qcApartCounts Part(const qcFilterSide* a, const qcFilterSide* b, const qcFilterBound* bound, qcPlacePair* pairs,
-                          size_t count)
+static qcApartCounts Part(const qcFilterSide* a, const qcFilterSide* b, const qcDistanceThresholds* bound,
+                          qcSlotPair* pairs, size_t count)
 {
     qcApartCounts counts = {0, 0, 0};
     for (size_t at = 0; at < count; at += QC_LANES)

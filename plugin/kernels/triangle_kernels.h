@@ -18,15 +18,14 @@ enum
 {
     qc_groupSize = 8,
     // What no level reaches: a box of it alone meets nothing, and adds nothing to a box around it.
-    qc_emptyEnd = INT16_MAX,
-    qc_mostLoop = 256 ///< vertices around a disc
+    qc_emptyEnd = INT16_MAX
 };
 
 /// Eight boxes side by side. By axis: lower ends, then complements of upper ends.
-typedef struct qcBoxGroup
+typedef struct qcBox8
 {
     int16_t ends[3][2 * qc_groupSize];
-} qcBoxGroup;
+} qcBox8;
 
 /// One box, or one vertex: three lower ends, one end that means nothing, three complements of upper ends, another.
 typedef struct qcBoxRow
@@ -41,13 +40,13 @@ typedef struct qcPoint
 } qcPoint;
 
 /// From world positions to a surface's frame and lattice.
-typedef struct qcLatticeMap
+typedef struct qcLatticeTransform
 {
     double origin[4]; ///< the last of each four is 0
     double unit[4];   ///< of points: (x - origin) * unit
     double scale[4];  ///< of levels: (x - origin) * scale, from 0 to 65533
     double margin[4]; ///< upper ends are those of x + margin
-} qcLatticeMap;
+} qcLatticeTransform;
 
 /// Which vertices are mapped: vertexOf[i] is the place of vertex i in `positions`, three doubles each.
 typedef struct qcVertexRange
@@ -60,7 +59,7 @@ typedef struct qcVertexRange
 /// What pairs are found among: groups of triangles, and of the clusters of nodes.
 typedef struct qcSurfaceBoxes
 {
-    const qcBoxGroup *clusters, *nodes;
+    const qcBox8 *clusters, *nodes;
 } qcSurfaceBoxes;
 
 /// Triangles to be compared: corners by place, points by vertex.
@@ -71,7 +70,7 @@ typedef struct qcFilterSide
 } qcFilterSide;
 
 /// In the frame of the first side. Points p of the second are at linear p + shift there.
-typedef struct qcFilterBound
+typedef struct qcDistanceThresholds
 {
     float pointError; ///< of a coordinate, of either side, once there
     float reach;      ///< how far apart triangles count
@@ -79,7 +78,7 @@ typedef struct qcFilterBound
     float beyond;     ///< what is further apart is not near
     bool mapped;      ///< otherwise both sides have one frame
     float linear[3][3], shift[3];
-} qcFilterBound;
+} qcDistanceThresholds;
 
 /// From the lattice of one surface (levels begin at -32768 here), or from its points, to another's lattice (where
 /// levels count from 0): what is at x here is within `grow` of linear x + shift there.
@@ -98,14 +97,14 @@ typedef struct qcMappedSurface
 } qcMappedSurface;
 
 /// Triangles that make a disc, and the vertices of the loop around it, in its direction.
-typedef struct qcFlatDisc
+typedef struct qcPatchGeometry
 {
     const qcCorners* corners;
     const qcPoint* points;
     const uint32_t *places, *loop;
-    size_t placeCount, loopCount; ///< 3 to qc_mostLoop
+    size_t placeCount, loopCount; ///< 3 to qc_maxLoop
     float pointError, reach;
-} qcFlatDisc;
+} qcPatchGeometry;
 
 /// Of pairs that lie in this order: near ones, those that are farther apart than the margin, and all others.
 typedef struct qcApartCounts
@@ -127,7 +126,7 @@ typedef struct qcFeaturePairs
 
 /// Of a pair, what may be within its margin: bits of the corners of A beside B's face, of the corners of B beside A's,
 /// and of edges.
-typedef uint16_t qcNearFeatures;
+typedef uint16_t qcFeatureMask;
 
 enum
 {
@@ -135,66 +134,66 @@ enum
     qc_nearEdges = 6 ///< bit 6 + 3 i + k: edge i of A, from its corner i to the next, and edge k of B
 };
 
-typedef struct qcSurfaceKernels
+typedef struct qcTriangleKernels
 {
     const char* name;
     /// Vertices into points and rows.
-    void (*map)(const qcLatticeMap* map, const qcVertexRange* range, qcPoint* points, qcBoxRow* rows);
+    void (*map)(const qcLatticeTransform* map, const qcVertexRange* range, qcPoint* points, qcBoxRow* rows);
     /// Groups first .. end of eight triangles each, and a row around each group. `vertices` are rows too.
-    void (*fitTriangles)(const qcCorners* corners, const qcBoxRow* vertices, size_t first, size_t end,
-                         qcBoxGroup* groups, qcBoxRow* rows);
+    void (*fitTriangles)(const qcCorners* corners, const qcBoxRow* vertices, size_t first, size_t end, qcBox8* groups,
+                         qcBoxRow* rows);
     /// Groups first .. end of eight rows each, and a row around each group.
-    void (*fitGroups)(const qcBoxRow* children, size_t first, size_t end, qcBoxGroup* groups, qcBoxRow* rows);
+    void (*fitGroups)(const qcBoxRow* children, size_t first, size_t end, qcBox8* groups, qcBoxRow* rows);
     /// Bit i + 8 j: box i of a and box j of b overlap.
-    uint64_t (*compare)(const qcBoxGroup* a, const qcBoxGroup* b);
+    uint64_t (*compare)(const qcBox8* a, const qcBox8* b);
     /// Adds the pairs of triangles of two nodes whose boxes overlap, and whose bit is set in `table` (packed, as in
     /// qcClusters; null: all are), and that none of the `skipCount` skips has. Returns the new end of `pairs`, which
     /// has room for qc_nodeSize^2.
-    qcPlacePair* (*collect)(const qcSurfaceBoxes* a, uint32_t nodeA, const qcSurfaceBoxes* b, uint32_t nodeB,
-                            const uint64_t* table, const qcPlaceSkip* skips, int skipCount, qcPlacePair* pairs);
+    qcSlotPair* (*collect)(const qcSurfaceBoxes* a, uint32_t nodeA, const qcSurfaceBoxes* b, uint32_t nodeB,
+                           const uint64_t* table, const qcPairExclusion* skips, int skipCount, qcSlotPair* pairs);
     /// True: no two features (vertices, edges, triangles) of the disc that have no vertex in common come within the
     /// reach of each other; with none, no two triangles that share no vertex have a common point.
-    bool (*isFlat)(const qcFlatDisc* disc);
+    bool (*isFlat)(const qcPatchGeometry* disc);
     /// The boxes of a group in another lattice, rounded outward. What the map can't tell is unbounded.
-    void (*mapGroup)(const qcBoxGroup* group, const qcGroupMap* map, qcBoxGroup* mapped);
+    void (*mapGroup)(const qcBox8* group, const qcGroupMap* map, qcBox8* mapped);
     /// The boxes of a cluster's triangles in another lattice, from their corners, rounded outward: smaller than those
     /// that mapGroup makes of boxes.
-    void (*mapTriangles)(const qcMappedSurface* surface, uint32_t cluster, qcBoxGroup* mapped);
+    void (*mapTriangles)(const qcMappedSurface* surface, uint32_t cluster, qcBox8* mapped);
     /// As collect, for two surfaces.
-    qcPlacePair* (*collectMapped)(const qcSurfaceBoxes* a, uint32_t nodeA, const qcMappedSurface* b, uint32_t nodeB,
-                                  qcPlacePair* pairs);
+    qcSlotPair* (*collectMapped)(const qcSurfaceBoxes* a, uint32_t nodeA, const qcMappedSurface* b, uint32_t nodeB,
+                                 qcSlotPair* pairs);
     /// Keeps of `pairs` those that may be within the reach; their number is returned. The order stays.
-    size_t (*filter)(const qcFilterSide* a, const qcFilterSide* b, const qcFilterBound* bound, qcPlacePair* pairs,
+    size_t (*filter)(const qcFilterSide* a, const qcFilterSide* b, const qcDistanceThresholds* bound, qcSlotPair* pairs,
                      size_t count);
     /// Puts first those of `pairs` that surely are apart by no more than the margin, next those that surely are by
     /// more, and drops what surely is farther apart than the reach.
-    qcApartCounts (*part)(const qcFilterSide* a, const qcFilterSide* b, const qcFilterBound* bound, qcPlacePair* pairs,
-                          size_t count);
+    qcApartCounts (*part)(const qcFilterSide* a, const qcFilterSide* b, const qcDistanceThresholds* bound,
+                          qcSlotPair* pairs, size_t count);
     /// Keeps of pairs of one side, all of which share vertices, those whose other features (vertices, edges, triangles
     /// without a common vertex) may be within the reach of each other. No more than qc_nodeSize^2 pairs.
-    size_t (*keepNearNeighbours)(const qcFilterSide* side, const qcFilterBound* bound, qcPlacePair* pairs,
+    size_t (*keepNearNeighbours)(const qcFilterSide* side, const qcDistanceThresholds* bound, qcSlotPair* pairs,
                                  size_t count);
     /// A bit for each star of a batch (mesh/vertex_fans.h): true where no two features of it (vertices, edges,
     /// triangles) that have no vertex in common are within the reach of each other.
     uint32_t (*findQuietStars)(const qcPoint* points, const uint32_t* vertices, uint32_t valence,
-                               const qcFilterBound* bound);
+                               const qcDistanceThresholds* bound);
     /// Puts first those of `pairs` that surely penetrate, whatever the reach; their number is returned.
-    size_t (*findPiercing)(const qcFilterSide* a, const qcFilterSide* b, const qcFilterBound* bound, qcPlacePair* pairs,
-                           size_t count);
+    size_t (*findPiercing)(const qcFilterSide* a, const qcFilterSide* b, const qcDistanceThresholds* bound,
+                           qcSlotPair* pairs, size_t count);
     /// A corner and a face whose bit is not set are farther apart than the margin, by more than double arithmetic
     /// rounds their distance; so are two edges, or an end of one is a closest point.
-    void (*findNearFeatures)(const qcFeaturePairs* pairs, qcNearFeatures near[qc_featurePairs]);
-} qcSurfaceKernels;
+    void (*findNearFeatures)(const qcFeaturePairs* pairs, qcFeatureMask near[qc_featurePairs]);
+} qcTriangleKernels;
 
-extern const qcSurfaceKernels qcSurfaceKernels_plain;
+extern const qcTriangleKernels qcTriangleKernels_scalar;
 #ifdef QC_KERNELS_X86
-extern const qcSurfaceKernels qcSurfaceKernels_avx2, qcSurfaceKernels_avx512;
+extern const qcTriangleKernels qcTriangleKernels_avx2, qcTriangleKernels_avx512;
 #endif
 
 /// The best that this machine runs. The environment's QC_KERNELS (plain, avx2, avx512) names another.
-const qcSurfaceKernels* qcSurfaceKernels_Get(void);
+const qcTriangleKernels* qcTriangleKernels_Get(void);
 
 /// All that this machine runs, for tests: the i-th, or null.
-const qcSurfaceKernels* qcSurfaceKernels_Nth(size_t i);
+const qcTriangleKernels* qcTriangleKernels_Nth(size_t i);
 
 #endif

@@ -23,14 +23,14 @@
 
 #define QC_INLINE static inline __attribute__((always_inline))
 
-static void Map(const qcLatticeMap* map, const qcVertexRange* range, qcPoint* points, qcBoxRow* rows)
+static void Map(const qcLatticeTransform* map, const qcVertexRange* range, qcPoint* points, qcBoxRow* rows)
 {
     for (size_t i = range->first; i < range->end; i++)
         MapVertex(map, range->positions + 3 * (size_t)range->vertexOf[i], &points[i], &rows[i]);
 }
 
 /// Eight rows side by side; returns the row around them.
-QC_INLINE Shorts StoreGroup(const Shorts row[qc_groupSize], qcBoxGroup* group)
+QC_INLINE Shorts StoreGroup(const Shorts row[qc_groupSize], qcBox8* group)
 {
     Shorts column[8];
     Transpose(row, column);
@@ -50,8 +50,8 @@ QC_INLINE Shorts LoadRow(const qcBoxRow* row)
     return ends;
 }
 
-static void FitTriangles(const qcCorners* corners, const qcBoxRow* vertices, size_t first, size_t end,
-                         qcBoxGroup* groups, qcBoxRow* rows)
+static void FitTriangles(const qcCorners* corners, const qcBoxRow* vertices, size_t first, size_t end, qcBox8* groups,
+                         qcBoxRow* rows)
 {
     for (size_t g = first; g < end; g++)
     {
@@ -65,7 +65,7 @@ static void FitTriangles(const qcCorners* corners, const qcBoxRow* vertices, siz
     }
 }
 
-static void FitGroups(const qcBoxRow* children, size_t first, size_t end, qcBoxGroup* groups, qcBoxRow* rows)
+static void FitGroups(const qcBoxRow* children, size_t first, size_t end, qcBox8* groups, qcBoxRow* rows)
 {
     for (size_t g = first; g < end; g++)
     {
@@ -77,31 +77,31 @@ static void FitGroups(const qcBoxRow* children, size_t first, size_t end, qcBoxG
     }
 }
 
-static uint64_t Compare(const qcBoxGroup* a, const qcBoxGroup* b)
+static uint64_t Compare(const qcBox8* a, const qcBox8* b)
 {
     return CompareGroups(a, b);
 }
 
 /// Adds the triangles of two clusters that meet and whose bits are set.
-QC_INLINE qcPlacePair* AddPairs(uint64_t triangles, size_t clusterA, size_t clusterB, qcPlacePair* pairs)
+QC_INLINE qcSlotPair* AddPairs(uint64_t triangles, size_t clusterA, size_t clusterB, qcSlotPair* pairs)
 {
     uint32_t firstA = (uint32_t)clusterA * qc_clusterSize, firstB = (uint32_t)clusterB * qc_clusterSize;
     for (; triangles != 0; triangles &= triangles - 1)
     {
         uint32_t t = (uint32_t)__builtin_ctzll(triangles);
-        *pairs++ = (qcPlacePair){firstA + t % qc_clusterSize, firstB + t / qc_clusterSize};
+        *pairs++ = (qcSlotPair){firstA + t % qc_clusterSize, firstB + t / qc_clusterSize};
     }
     return pairs;
 }
 
 /// The pairs of a word that a skip of these two clusters leaves.
-QC_INLINE uint64_t Leave(uint64_t word, const qcPlaceSkip* skip, uint32_t i, uint32_t j)
+QC_INLINE uint64_t Leave(uint64_t word, const qcPairExclusion* skip, uint32_t i, uint32_t j)
 {
     return word & ~qcClusters_Product(qcClusters_PlacesOf(skip->a, i), qcClusters_PlacesOf(skip->b, j));
 }
 
-static qcPlacePair* Collect(const qcSurfaceBoxes* a, uint32_t nodeA, const qcSurfaceBoxes* b, uint32_t nodeB,
-                            const uint64_t* table, const qcPlaceSkip* skips, int skipCount, qcPlacePair* pairs)
+static qcSlotPair* Collect(const qcSurfaceBoxes* a, uint32_t nodeA, const qcSurfaceBoxes* b, uint32_t nodeB,
+                           const uint64_t* table, const qcPairExclusion* skips, int skipCount, qcSlotPair* pairs)
 {
     static const uint64_t all[] = {0, 0, 0};
     table = table != NULL ? table : all;

@@ -39,7 +39,7 @@ static inline void Transpose(const Shorts row[8], Shorts column[8])
         column[i] = (Shorts){row[0][i], row[1][i], row[2][i], row[3][i], row[4][i], row[5][i], row[6][i], row[7][i]};
 }
 
-static inline void MapVertex(const qcLatticeMap* map, const double* position, qcPoint* point, qcBoxRow* row)
+static inline void MapVertex(const qcLatticeTransform* map, const double* position, qcPoint* point, qcBoxRow* row)
 {
     *row = (qcBoxRow){{0}};
     for (int axis = 0; axis < 3; axis++)
@@ -61,7 +61,7 @@ static inline uint32_t ToBits(Shorts lanes)
 }
 
 /// A row of b at a time, against all boxes of a.
-static inline uint64_t CompareGroups(const qcBoxGroup* a, const qcBoxGroup* b)
+static inline uint64_t CompareGroups(const qcBox8* a, const qcBox8* b)
 {
     Shorts lower[3], upper[3];
     for (int axis = 0; axis < 3; axis++)
@@ -96,4 +96,4 @@ QC_INLINE uint32_t SignBits(Ints lanes)
     return (uint32_t)((lanes[0] & 1) | (lanes[1] & 2) | (lanes[2] & 4) | (lanes[3] & 8));
 }
 
-const qcSurfaceKernels qcSurfaceKernels_plain = QC_KERNELS("plain");
+const qcTriangleKernels qcTriangleKernels_scalar = QC_KERNELS("plain");

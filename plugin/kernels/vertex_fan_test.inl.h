@@ -37,16 +37,16 @@
 /// Points of a star, projected, and their distances from the middle.
 typedef struct StarLanes
 {
-    Floats x[qc_largestStar], y[qc_largestStar], length[qc_largestStar];
+    Floats x[qc_maxFanSize], y[qc_maxFanSize], length[qc_maxFanSize];
 } StarLanes;
 
 /// Seen along the sum of the triangles' normals.
 QC_INLINE void ProjectStar(const qcPoint* points, const uint32_t* vertices, uint32_t valence, StarLanes* star)
 {
     const Floats zero = {0};
-    Vectors at = LoadPoints(points, vertices), p[qc_largestStar], normal = {zero, zero, zero};
+    Vectors at = LoadPoints(points, vertices), p[qc_maxFanSize], normal = {zero, zero, zero};
     for (uint32_t i = 0; i < valence; i++)
-        p[i] = Subtract(LoadPoints(points, vertices + qc_starLanes * (1 + i)), at);
+        p[i] = Subtract(LoadPoints(points, vertices + qc_fanLanes * (1 + i)), at);
     for (uint32_t i = 0; i < valence; i++)
     {
         Vectors n = Cross(p[i], p[i + 1 < valence ? i + 1 : 0]);
@@ -89,11 +89,11 @@ QC_INLINE Ints IsStarQuiet(const StarLanes* star, uint32_t valence, float reach,
 }
 
 static uint32_t FindQuietStars(const qcPoint* points, const uint32_t* vertices, uint32_t valence,
-                               const qcFilterBound* bound)
+                               const qcDistanceThresholds* bound)
 {
     float error = 16.0f * bound->pointError + 48.0f * 0x1p-24f, reach = 1.002f * bound->reach + 0x1p-24f;
     uint32_t quiet = 0;
-    for (uint32_t lane = 0; lane < qc_starLanes; lane += QC_LANES)
+    for (uint32_t lane = 0; lane < qc_fanLanes; lane += QC_LANES)
     {
         StarLanes star;
         ProjectStar(points, vertices + lane, valence, &star);

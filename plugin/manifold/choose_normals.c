@@ -103,7 +103,7 @@ static bool HasVertex(const qcManifoldTriangle* triangle, uint32_t v)
 }
 
 /// Does a pair beside this one, that both its feet stand on too, come nearer? One foot stands on the common triangle.
-static bool IsSurpassed(const qcNeighbourhood* n, const qcFeet* feet)
+static bool IsSurpassed(const qcNeighbourhood* n, const qcClosestFeatures* feet)
 {
     double nearer = s_nearer * n->pair->gap;
     for (int side = 0; side < 2; side++)
@@ -112,7 +112,7 @@ static bool IsSurpassed(const qcNeighbourhood* n, const qcFeet* feet)
         unsigned corners = feet->corners[(side == 0) != n->pair->swapped ? 1 : 0];
         for (uint32_t i = 0; i < n->ring[side].count; i++)
         {
-            const qcManifoldPlace* place = qcManifolds_Beside(n->manifolds, n->ring[side].entries[i]);
+            const qcManifoldPlace* place = qcManifoldBuilder_Beside(n->manifolds, n->ring[side].entries[i]);
             bool stands = place->gap < nearer;
             for (unsigned c = 0; c < 3 && stands; c++)
                 stands = !(corners >> c & 1u) || HasVertex(place->moved, mine->vertex[c]);
@@ -125,7 +125,7 @@ static bool IsSurpassed(const qcNeighbourhood* n, const qcFeet* feet)
 
 typedef struct Job
 {
-    qcManifolds* manifolds;
+    qcManifoldBuilder* manifolds;
     const qcMeetingInput* input;
     qcNormalChoice* choices;
 } Job;
@@ -138,10 +138,10 @@ static const qcManifoldPair* LeaderOf(const qcNeighbourhood* n)
     for (int side = 0; side < 2; side++)
         for (uint32_t i = 0; i < n->ring[side].count; i++)
         {
-            const qcManifoldPlace* place = qcManifolds_Beside(n->manifolds, n->ring[side].entries[i]);
+            const qcManifoldPlace* place = qcManifoldBuilder_Beside(n->manifolds, n->ring[side].entries[i]);
             if (place->gap > leader->gap)
                 continue;
-            const qcManifoldPair* other = qcManifolds_Pair(n->manifolds, place->pair);
+            const qcManifoldPair* other = qcManifoldBuilder_Pair(n->manifolds, place->pair);
             bool nearer = place->gap < leader->gap || other < leader;
             if (nearer && !other->surpassed && (other->apart || !n->pair->apart))
                 leader = other;
@@ -179,8 +179,8 @@ static void CompareBlock(void* context, size_t block, uint32_t worker)
     const Job* job = context;
     for (size_t i = block * qc_normalBlock; i < qcNormalBlocks_End(job->manifolds, block); i++)
     {
-        uint32_t p = qcManifolds_FreePair(job->manifolds, i);
-        qcManifoldPair* pair = qcManifolds_Pair(job->manifolds, p);
+        uint32_t p = qcManifoldBuilder_FreePair(job->manifolds, i);
+        qcManifoldPair* pair = qcManifoldBuilder_Pair(job->manifolds, p);
         if (!pair->apart)
             continue;
         qcNeighbourhood n = qcNeighbourhood_Of(job->manifolds, p);
@@ -191,7 +191,7 @@ static void CompareBlock(void* context, size_t block, uint32_t worker)
 static void ChooseBlock(void* context, size_t block, uint32_t worker)
 {
     const Job* job = context;
-    qcManifolds* m = job->manifolds;
+    qcManifoldBuilder* m = job->manifolds;
     qcStatus* status = &QC_AT(qcManifoldWorker, m->workers, worker).status;
     qcLook looks[2];
     Best best = {.look = &looks[0], .spare = &looks[1]};
@@ -202,13 +202,13 @@ static void ChooseBlock(void* context, size_t block, uint32_t worker)
     for (size_t i = block * qc_normalBlock; i < qcNormalBlocks_End(job->manifolds, block) && *status == qc_statusOk;
          i++)
     {
-        uint32_t p = qcManifolds_FreePair(m, i);
-        const qcManifoldPair* pair = qcManifolds_Pair(m, p);
+        uint32_t p = qcManifoldBuilder_FreePair(m, i);
+        const qcManifoldPair* pair = qcManifoldBuilder_Pair(m, p);
         Choose(job, p, &best);
         qcLook_Along(m, pair, best.opposite ? qcNegated(best.normal) : best.normal, best.look);
         job->choices[p] = (qcNormalChoice){
             .normal = best.normal, .cost = best.cost, .apart = pair->apart && (best.own || best.look->count != 0)};
-        qcManifolds_KeepCorners(m, p, worker, best.look, best.normal, best.opposite, job->input->margin);
+        qcManifoldBuilder_KeepCorners(m, p, worker, best.look, best.normal, best.opposite, job->input->margin);
     }
 }
 
@@ -217,7 +217,7 @@ static bool AreEqual(qcVector a, qcVector b)
     return a.x == b.x && a.y == b.y && a.z == b.z;
 }
 
-qcStatus qcManifolds_ChooseNormals(qcManifolds* m, const qcMeetingInput* input, uint32_t threads)
+qcStatus qcManifoldBuilder_ChooseNormals(qcManifoldBuilder* m, const qcMeetingInput* input, uint32_t threads)
 {
     size_t count = m->work.count;
     // All look at what the pairs themselves say, none at what another has chosen: the order does not matter.
@@ -227,12 +227,12 @@ qcStatus qcManifolds_ChooseNormals(qcManifolds* m, const qcMeetingInput* input, 
     size_t blocks = qcNormalBlocks_Count(m);
     qcParallel_For(threads, blocks, qc_leastNormalBlocks, CompareBlock, &job);
     qcParallel_For(threads, blocks, qc_leastNormalBlocks, ChooseBlock, &job);
-    QC_TRY(qcManifolds_LoopStatus(m));
-    QC_TRY(qcManifolds_FollowNeighbours(m, input->margin, threads));
+    QC_TRY(qcManifoldBuilder_LoopStatus(m));
+    QC_TRY(qcManifoldBuilder_FollowNeighbours(m, input->margin, threads));
     for (size_t i = 0; i < m->freePairs.count; i++)
     {
-        uint32_t p = qcManifolds_FreePair(m, i);
-        qcManifoldPair* pair = qcManifolds_Pair(m, p);
+        uint32_t p = qcManifoldBuilder_FreePair(m, i);
+        qcManifoldPair* pair = qcManifoldBuilder_Pair(m, p);
         const qcNormalChoice* choice = &QC_AT(qcNormalChoice, m->choices, p);
         pair->own = AreEqual(pair->normal, choice->normal);
         pair->normal = choice->normal;

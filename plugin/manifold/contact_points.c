@@ -26,7 +26,7 @@ enum
 
 typedef struct Job
 {
-    qcManifolds* manifolds;
+    qcManifoldBuilder* manifolds;
     const qcMeetingInput* input;
 } Job;
 
@@ -46,8 +46,8 @@ static void SortByDepth(qcRawPoint* points, int count, double rounding)
 /// What the pair said itself, turned if that is how the pairs around a crossing agreed.
 static qcRawPoint Witness(const Job* job, uint32_t index)
 {
-    const qcManifolds* m = job->manifolds;
-    const qcManifoldPair* pair = qcManifolds_Pair(m, index);
+    const qcManifoldBuilder* m = job->manifolds;
+    const qcManifoldPair* pair = qcManifoldBuilder_Pair(m, index);
     const qcProximity* proximity = &job->input->proximities[pair->source];
     qcRawPoint point = {.end = {qcVector_Load(proximity->pointA), qcVector_Load(proximity->pointB)},
                         .normal = pair->reported,
@@ -95,9 +95,9 @@ static qcStatus EmptyViews(qcManifoldWorker* worker)
 }
 
 /// Corners of a pair whose region a plane parts, into the worker's list, which has room.
-static void FindCorners(qcManifolds* m, uint32_t index, uint32_t worker, double limit)
+static void FindCorners(qcManifoldBuilder* m, uint32_t index, uint32_t worker, double limit)
 {
-    const qcManifoldPair* pair = qcManifolds_Pair(m, index);
+    const qcManifoldPair* pair = qcManifoldBuilder_Pair(m, index);
     qcArray* points = &QC_AT(qcManifoldWorker, m->workers, worker).points;
     qcVector origin = pair->side[1]->corner[0];
     qcWaysOut ways = qcWaysOut_Of(qcManifoldTriangle_Heights(pair->side[0], origin, pair->normal),
@@ -118,12 +118,12 @@ static void FindCorners(qcManifolds* m, uint32_t index, uint32_t worker, double 
 /// Of the corners of what the triangles have in common those that are points stay.
 static void FindPoints(const Job* job, uint32_t index)
 {
-    qcManifolds* m = job->manifolds;
-    const qcManifoldPair* pair = qcManifolds_Pair(m, index);
+    qcManifoldBuilder* m = job->manifolds;
+    const qcManifoldPair* pair = qcManifoldBuilder_Pair(m, index);
     qcPairCorners* corners = &QC_AT(qcPairCorners, m->corners, index);
     double a = pair->side[0]->longestEdge, b = pair->side[1]->longestEdge;
     double rounding = QC_MANIFOLD_ROUNDING * (a > b ? a : b), limit = qcManifoldPair_Limit(pair, job->input->margin);
-    qcRawPoint* points = qcManifolds_Corners(m, index);
+    qcRawPoint* points = qcManifoldBuilder_Corners(m, index);
     double tolerance = QC_AT(qcContactRegion, m->measured, pair->region).tolerance;
     for (int i = 0; i < corners->count && pair->turned; i++)
     {
@@ -148,7 +148,7 @@ static void TakeFreeBlock(void* context, size_t block, uint32_t worker)
     const Job* job = context;
     size_t end = (block + 1) * qc_pointBlock, count = job->manifolds->freePairs.count;
     for (size_t i = block * qc_pointBlock; i < (end < count ? end : count); i++)
-        FindPoints(job, qcManifolds_FreePair(job->manifolds, i));
+        FindPoints(job, qcManifoldBuilder_FreePair(job->manifolds, i));
 }
 
 static void TakeSettledBlock(void* context, size_t block, uint32_t worker)
@@ -164,7 +164,7 @@ static void TakeSettledBlock(void* context, size_t block, uint32_t worker)
     for (uint32_t p = (uint32_t)(block * qc_pointBlock); p < (end < count ? end : count) && self->status == qc_statusOk;
          p++)
     {
-        const qcManifoldPair* pair = qcManifolds_Pair(job->manifolds, p);
+        const qcManifoldPair* pair = qcManifoldBuilder_Pair(job->manifolds, p);
         if (!pair->settled)
             continue;
         FindCorners(job->manifolds, p, worker, qcManifoldPair_Limit(pair, job->input->margin));
@@ -174,16 +174,16 @@ static void TakeSettledBlock(void* context, size_t block, uint32_t worker)
 }
 
 /// Neither the pair nor one beside it has a point, and none comes nearer.
-static bool IsUnheard(const qcManifolds* m, uint32_t index)
+static bool IsUnheard(const qcManifoldBuilder* m, uint32_t index)
 {
-    const qcManifoldPair* pair = qcManifolds_Pair(m, index);
+    const qcManifoldPair* pair = qcManifoldBuilder_Pair(m, index);
     if (QC_AT(qcPairCorners, m->corners, index).count != 0 || pair->surpassed || pair->settled)
         return false;
     for (int side = 0; side < 2; side++)
     {
-        qcRing ring = qcManifolds_Ring(m, pair, side);
+        qcRing ring = qcManifoldBuilder_Ring(m, pair, side);
         for (uint32_t i = 0; i < ring.count; i++)
-            if (QC_AT(qcPairCorners, m->corners, qcManifolds_Beside(m, ring.entries[i])->pair).count != 0)
+            if (QC_AT(qcPairCorners, m->corners, qcManifoldBuilder_Beside(m, ring.entries[i])->pair).count != 0)
                 return false;
     }
     return true;
@@ -192,7 +192,7 @@ static bool IsUnheard(const qcManifolds* m, uint32_t index)
 /// All points in the order of their pairs; in firstRaw, where those of each pair begin.
 static qcStatus Gather(const Job* job)
 {
-    qcManifolds* m = job->manifolds;
+    qcManifoldBuilder* m = job->manifolds;
     size_t total = 0;
     for (uint32_t p = 0; p < m->work.count; p++)
     {
@@ -207,7 +207,8 @@ static qcStatus Gather(const Job* job)
         size_t count = QC_AT(qcPairCorners, m->corners, p).count;
         QC_AT(size_t, m->firstRaw, p) = m->raw.count;
         if (count != 0)
-            memcpy(&QC_AT(qcRawPoint, m->raw, m->raw.count), qcManifolds_Corners(m, p), count * sizeof(qcRawPoint));
+            memcpy(&QC_AT(qcRawPoint, m->raw, m->raw.count), qcManifoldBuilder_Corners(m, p),
+                   count * sizeof(qcRawPoint));
         m->raw.count += count;
         if (QC_AT(bool, m->witnessed, p))
             QC_AT(qcRawPoint, m->raw, m->raw.count++) = Witness(job, p);
@@ -216,7 +217,7 @@ static qcStatus Gather(const Job* job)
     return qc_statusOk;
 }
 
-qcStatus qcManifolds_FindPoints(qcManifolds* m, const qcMeetingInput* input, uint32_t threads)
+qcStatus qcManifoldBuilder_FindPoints(qcManifoldBuilder* m, const qcMeetingInput* input, uint32_t threads)
 {
     QC_TRY(qcArray_Resize(&m->corners, m->work.count, sizeof(qcPairCorners), "contact points"));
     QC_TRY(qcArray_Resize(&m->witnessed, m->work.count, sizeof(bool), "contact points"));
@@ -228,6 +229,6 @@ qcStatus qcManifolds_FindPoints(qcManifolds* m, const qcMeetingInput* input, uin
     blocks = (m->work.count + qc_pointBlock - 1) / qc_pointBlock;
     if (m->freePairs.count != m->work.count)
         qcParallel_For(threads, blocks, qc_leastPointBlocks, TakeSettledBlock, &job);
-    QC_TRY(qcManifolds_LoopStatus(m));
+    QC_TRY(qcManifoldBuilder_LoopStatus(m));
     return Gather(&job);
 }

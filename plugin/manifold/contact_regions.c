@@ -17,7 +17,7 @@
 
 /// Joins the pairs of a triangle whose other triangles share a vertex; returns by how many sets that makes fewer.
 /// `last`: of a vertex, one more than the entry of the last pair that had it.
-static size_t JoinPairs(qcManifolds* m, const qcManifoldTriangle* triangle, uint32_t* last)
+static size_t JoinPairs(qcManifoldBuilder* m, const qcManifoldTriangle* triangle, uint32_t* last)
 {
     size_t joined = 0;
     uint32_t *nodes = m->nodes.data, first = triangle->firstPair;
@@ -25,7 +25,7 @@ static size_t JoinPairs(qcManifolds* m, const qcManifoldTriangle* triangle, uint
     for (uint32_t i = first; i < first + triangle->pairCount; i++)
     {
         qcPairSide self = entries[i];
-        const uint32_t* vertex = qcManifolds_Pair(m, self.pair)->side[1 - self.side]->vertex;
+        const uint32_t* vertex = qcManifoldBuilder_Pair(m, self.pair)->side[1 - self.side]->vertex;
         for (int c = 0; c < 3; c++)
         {
             uint32_t before = last[vertex[c]];
@@ -42,7 +42,7 @@ static size_t JoinPairs(qcManifolds* m, const qcManifoldTriangle* triangle, uint
 }
 
 /// Numbers the regions, and names the sides of their pairs.
-static qcStatus TakeRegions(qcManifolds* m)
+static qcStatus TakeRegions(qcManifoldBuilder* m)
 {
     uint32_t* nodes = m->nodes.data;
     size_t count = 0;
@@ -52,16 +52,16 @@ static qcStatus TakeRegions(qcManifolds* m)
     m->regions.count = 0;
     for (uint32_t p = 0; p < m->work.count; p++)
     {
-        qcManifoldPair* pair = qcManifolds_Pair(m, p);
+        qcManifoldPair* pair = qcManifoldBuilder_Pair(m, p);
         uint32_t root = qcSigned_Find(nodes, p);
         // The lowest is the root: it has its number already.
         if (root >> 1 == p)
         {
             pair->region = (uint32_t)m->regions.count++;
-            *qcManifolds_PairRegion(m, pair) = (qcPairRegion){.first = p, .fact = UINT32_MAX};
+            *qcManifoldBuilder_PairRegion(m, pair) = (qcPairRegion){.first = p, .fact = UINT32_MAX};
         }
-        pair->region = qcManifolds_Pair(m, root >> 1)->region;
-        qcPairRegion* region = qcManifolds_PairRegion(m, pair);
+        pair->region = qcManifoldBuilder_Pair(m, root >> 1)->region;
+        qcPairRegion* region = qcManifoldBuilder_PairRegion(m, pair);
         region->meets = region->meets || pair->meets;
         if ((root & 1u) == 0)
             continue;
@@ -73,7 +73,7 @@ static qcStatus TakeRegions(qcManifolds* m)
     return qc_statusOk;
 }
 
-qcStatus qcManifolds_JoinRegions(qcManifolds* m)
+qcStatus qcManifoldBuilder_JoinRegions(qcManifoldBuilder* m)
 {
     QC_TRY(qcArray_Resize(&m->nodes, m->work.count, sizeof(uint32_t), "regions of contact"));
     QC_TRY(qcArray_Resize(&m->last, m->vertices.count, sizeof(uint32_t), "regions of contact"));

@@ -40,7 +40,7 @@ static uint64_t Hash(const qcManifoldVertex* vertex)
 }
 
 /// The number of a vertex of a body among those of the triangles.
-static uint32_t TakeVertex(qcManifolds* m, const Side* side, uint32_t index)
+static uint32_t TakeVertex(qcManifoldBuilder* m, const Side* side, uint32_t index)
 {
     uint32_t* number = &QC_AT(uint32_t, m->vertexNumbers, side->firstVertex + index);
     if (*number == 0)
@@ -55,7 +55,7 @@ static uint32_t TakeVertex(qcManifolds* m, const Side* side, uint32_t index)
 }
 
 /// The first vertex of the same body at the same place.
-static uint32_t Weld(qcManifolds* m, uint32_t number)
+static uint32_t Weld(qcManifoldBuilder* m, uint32_t number)
 {
     const qcManifoldVertex* vertex = &QC_AT(qcManifoldVertex, m->vertices, number);
     size_t mask = m->table.count - 1;
@@ -75,7 +75,7 @@ static uint32_t Weld(qcManifolds* m, uint32_t number)
 }
 
 /// Of all vertices, into m->nodes. The table is half empty at least.
-static qcStatus WeldVertices(qcManifolds* m)
+static qcStatus WeldVertices(qcManifoldBuilder* m)
 {
     size_t size = 16;
     while (size < 2 * m->vertices.count)
@@ -91,7 +91,7 @@ static qcStatus WeldVertices(qcManifolds* m)
 /// The stage multiplies up to four lengths. Coordinates beyond 2^±64 are scaled by a power of two, so that products
 /// of all but the smallest triangles neither overflow nor underflow. Vertices are welded before: none is rounded to
 /// another one.
-static void ChooseUnit(qcManifolds* m, qcMeetingInput* input)
+static void ChooseUnit(qcManifoldBuilder* m, qcMeetingInput* input)
 {
     double largest = 0.0;
     for (size_t v = 0; v < m->vertices.count; v++)
@@ -145,7 +145,7 @@ static size_t Lesser(size_t a, size_t b)
 }
 
 /// Room for all triangles that the pairs can name, and for their vertices.
-static qcStatus EmptyTriangles(qcManifolds* m, const Side sides[2], const qcMeetingInput* input)
+static qcStatus EmptyTriangles(qcManifoldBuilder* m, const Side sides[2], const qcMeetingInput* input)
 {
     const qcBody *a = sides[0].body, *b = sides[1].body;
     size_t triangles = sides[1].firstTriangle + (size_t)b->triangleCount;
@@ -160,7 +160,7 @@ static qcStatus EmptyTriangles(qcManifolds* m, const Side sides[2], const qcMeet
     return qc_statusOk;
 }
 
-static void TakeTriangle(qcManifolds* m, const Side* side, uint32_t index)
+static void TakeTriangle(qcManifoldBuilder* m, const Side* side, uint32_t index)
 {
     uint32_t* number = &QC_AT(uint32_t, m->numbers, side->firstTriangle + index);
     if (*number != 0)
@@ -189,13 +189,13 @@ static bool ShareVertex(const qcManifoldTriangle* a, const qcManifoldTriangle* b
     return false;
 }
 
-static qcManifoldTriangle* TriangleOf(const qcManifolds* m, const Side* side, uint32_t index)
+static qcManifoldTriangle* TriangleOf(const qcManifoldBuilder* m, const Side* side, uint32_t index)
 {
     return &QC_AT(qcManifoldTriangle, m->triangles, QC_AT(uint32_t, m->numbers, side->firstTriangle + index) - 1);
 }
 
 /// Each once, in the order of the pairs.
-static void TakeTriangles(qcManifolds* m, const Side sides[2], const qcMeetingInput* input)
+static void TakeTriangles(qcManifoldBuilder* m, const Side sides[2], const qcMeetingInput* input)
 {
     for (uint32_t r = 0; r < input->runCount; r++)
     {
@@ -207,7 +207,7 @@ static void TakeTriangles(qcManifolds* m, const Side sides[2], const qcMeetingIn
 }
 
 /// What is known of them once their vertices are welded.
-static void FinishTriangles(qcManifolds* m)
+static void FinishTriangles(qcManifoldBuilder* m)
 {
     for (size_t i = 0; i < m->triangles.count; i++)
     {
@@ -225,7 +225,7 @@ static void FinishTriangles(qcManifolds* m)
     }
 }
 
-static void TakePair(qcManifolds* m, const Side sides[2], const qcMeetingInput* input, size_t i)
+static void TakePair(qcManifoldBuilder* m, const Side sides[2], const qcMeetingInput* input, size_t i)
 {
     const qcPair* pair = &input->reported->pairs[i];
     qcManifoldTriangle* a = TriangleOf(m, &sides[0], pair->triangleA);
@@ -248,7 +248,7 @@ static void TakePair(qcManifolds* m, const Side sides[2], const qcMeetingInput* 
     m->work.count++;
 }
 
-static void TakePairs(qcManifolds* m, const Side sides[2], const qcMeetingInput* input)
+static void TakePairs(qcManifoldBuilder* m, const Side sides[2], const qcMeetingInput* input)
 {
     m->work.count = 0;
     for (uint32_t r = 0; r < input->runCount; r++)
@@ -259,7 +259,7 @@ static void TakePairs(qcManifolds* m, const Side sides[2], const qcMeetingInput*
     }
 }
 
-static void ClearNumbers(qcManifolds* m, const Side sides[2])
+static void ClearNumbers(qcManifoldBuilder* m, const Side sides[2])
 {
     for (size_t i = 0; i < m->triangles.count; i++)
     {
@@ -272,7 +272,7 @@ static void ClearNumbers(qcManifolds* m, const Side sides[2])
 }
 
 /// Lists the pairs of each triangle, in their order.
-static qcStatus ListPairs(qcManifolds* m)
+static qcStatus ListPairs(qcManifoldBuilder* m)
 {
     QC_TRY(qcArray_Resize(&m->pairsOf, 2 * m->work.count, sizeof(qcPairSide), "pairs of manifolds"));
     uint32_t first = 0;
@@ -286,13 +286,13 @@ static qcStatus ListPairs(qcManifolds* m)
     for (uint32_t p = 0; p < m->work.count; p++)
         for (uint32_t side = 0; side < 2; side++)
         {
-            qcManifoldTriangle* triangle = qcManifolds_Triangle(m, qcManifolds_Pair(m, p), side);
+            qcManifoldTriangle* triangle = qcManifoldBuilder_Triangle(m, qcManifoldBuilder_Pair(m, p), side);
             QC_AT(qcPairSide, m->pairsOf, triangle->firstPair + triangle->pairCount++) = (qcPairSide){p, side};
         }
     return qc_statusOk;
 }
 
-static void SetSides(const qcTriangles* t, const qcMeetingInput* input, Side sides[2])
+static void SetSides(const qcStepTriangles* t, const qcMeetingInput* input, Side sides[2])
 {
     uint64_t bodies = input->runs[0].key;
     const uint32_t slots[2] = {(uint32_t)(bodies >> 32), (uint32_t)bodies};
@@ -304,7 +304,7 @@ static void SetSides(const qcTriangles* t, const qcMeetingInput* input, Side sid
     sides[1].firstVertex = sides[0].body->vertexCount;
 }
 
-qcStatus qcManifolds_TakePairs(qcManifolds* m, const qcTriangles* t, qcMeetingInput* input)
+qcStatus qcManifoldBuilder_TakePairs(qcManifoldBuilder* m, const qcStepTriangles* t, qcMeetingInput* input)
 {
     Side sides[2];
     SetSides(t, input, sides);

@@ -22,7 +22,7 @@ enum
 typedef struct Job
 {
     qcAllManifolds* all;
-    const qcTriangles* triangles;
+    const qcStepTriangles* triangles;
     const qcManifoldInput* input;
     size_t shared; ///< meetings that are done
 } Job;
@@ -68,35 +68,35 @@ static qcStatus ListMeetings(qcAllManifolds* all)
     size_t count = 0;
     for (size_t r = 0; r < all->runs.count; r++)
         count += r == 0 || runs[r].key != runs[r - 1].key;
-    QC_TRY(qcArray_Resize(&all->meetings, count, sizeof(qcMeeting), "pairs of manifolds"));
+    QC_TRY(qcArray_Resize(&all->meetings, count, sizeof(qcBodyPairRange), "pairs of manifolds"));
     QC_TRY(qcArray_Resize(&all->order, count, sizeof(qcSortItem), "pairs of manifolds"));
-    qcMeeting* meeting = all->meetings.data;
+    qcBodyPairRange* meeting = all->meetings.data;
     for (uint32_t r = 0; r < all->runs.count; r++)
     {
         if (r == 0 || runs[r].key != runs[r - 1].key)
         {
             meeting += r != 0;
-            *meeting = (qcMeeting){.firstRun = r};
+            *meeting = (qcBodyPairRange){.firstRun = r};
         }
         meeting->runCount++;
         meeting->pairCount += (uint32_t)runs[r].value;
     }
     for (size_t i = 0; i < count; i++)
         QC_AT(qcSortItem, all->order, i) =
-            (qcSortItem){UINT32_MAX - QC_AT(qcMeeting, all->meetings, i).pairCount, (uint64_t)i};
+            (qcSortItem){UINT32_MAX - QC_AT(qcBodyPairRange, all->meetings, i).pairCount, (uint64_t)i};
     return qcSort_Items(all->order.data, count, &all->scratch);
 }
 
-static qcMeeting* MeetingAt(const qcAllManifolds* all, size_t place)
+static qcBodyPairRange* MeetingAt(const qcAllManifolds* all, size_t place)
 {
-    return &QC_AT(qcMeeting, all->meetings, QC_AT(qcSortItem, all->order, place).value);
+    return &QC_AT(qcBodyPairRange, all->meetings, QC_AT(qcSortItem, all->order, place).value);
 }
 
 //  ---- their manifolds ------------------------------------------------------------------------------------
 
-static qcStatus Build(const Job* job, qcMeeting* meeting, uint32_t maker, uint32_t threads)
+static qcStatus Build(const Job* job, qcBodyPairRange* meeting, uint32_t maker, uint32_t threads)
 {
-    qcManifolds* m = &QC_AT(qcManifolds, job->all->makers, maker);
+    qcManifoldBuilder* m = &QC_AT(qcManifoldBuilder, job->all->makers, maker);
     const qcMeetingInput input = {.reported = job->input,
                                   .runs = &QC_AT(qcSortItem, job->all->runs, meeting->firstRun),
                                   .runCount = meeting->runCount,
@@ -107,7 +107,7 @@ static qcStatus Build(const Job* job, qcMeeting* meeting, uint32_t maker, uint32
     meeting->maker = maker;
     meeting->firstManifold = m->manifolds.count;
     meeting->firstPoint = m->points.count;
-    QC_TRY(qcManifolds_Build(m, job->triangles, &input, threads));
+    QC_TRY(qcManifoldBuilder_Build(m, job->triangles, &input, threads));
     meeting->manifoldCount = m->manifolds.count - meeting->firstManifold;
     meeting->pointCount = m->points.count - meeting->firstPoint;
     return qc_statusOk;
@@ -116,7 +116,7 @@ static qcStatus Build(const Job* job, qcMeeting* meeting, uint32_t maker, uint32
 static void TakeMeeting(void* context, size_t index, uint32_t worker)
 {
     const Job* job = context;
-    qcStatus* status = &QC_AT(qcManifolds, job->all->makers, worker).status;
+    qcStatus* status = &QC_AT(qcManifoldBuilder, job->all->makers, worker).status;
     if (*status == qc_statusOk)
         *status = Build(job, MeetingAt(job->all, job->shared + index), worker, 1);
 }
@@ -127,7 +127,7 @@ static qcStatus BuildAll(Job* job, uint32_t threads)
     for (; threads > 1 && job->shared < all->meetings.count; job->shared++)
     {
         // The largest come first. More than half of what a thread has to do: the last one begun ends late.
-        qcMeeting* meeting = MeetingAt(all, job->shared);
+        qcBodyPairRange* meeting = MeetingAt(all, job->shared);
         if (meeting->pairCount < qc_leastSharedPairs || meeting->pairCount < job->input->count / (2 * threads))
             break;
         QC_TRY(Build(job, meeting, 0, threads));
@@ -135,18 +135,18 @@ static qcStatus BuildAll(Job* job, uint32_t threads)
     qcParallel_For(threads, all->meetings.count - job->shared, qc_leastMeetings, TakeMeeting, job);
     for (size_t i = 0; i < all->makers.count; i++)
         // The message is the thread's own; say it again on this one.
-        if (QC_AT(qcManifolds, all->makers, i).status != qc_statusOk)
-            return qcArray_FailAgain(&QC_AT(qcManifolds, all->makers, i).points, "manifolds");
+        if (QC_AT(qcManifoldBuilder, all->makers, i).status != qc_statusOk)
+            return qcArray_FailAgain(&QC_AT(qcManifoldBuilder, all->makers, i).points, "manifolds");
     return qc_statusOk;
 }
 
 static qcStatus EmptyMakers(qcAllManifolds* all, uint32_t threads)
 {
-    const qcSightKernels* sight = qcSightKernels_Get();
-    QC_TRY(qcArray_GrowZeroed(&all->makers, threads, sizeof(qcManifolds), "manifolds"));
+    const qcOverlapKernels* sight = qcOverlapKernels_Get();
+    QC_TRY(qcArray_GrowZeroed(&all->makers, threads, sizeof(qcManifoldBuilder), "manifolds"));
     for (size_t i = 0; i < all->makers.count; i++)
     {
-        qcManifolds* m = &QC_AT(qcManifolds, all->makers, i);
+        qcManifoldBuilder* m = &QC_AT(qcManifoldBuilder, all->makers, i);
         m->manifolds.count = m->points.count = 0;
         m->sight = sight;
         m->status = qc_statusOk;
@@ -160,15 +160,15 @@ static qcStatus Gather(qcAllManifolds* all)
     size_t manifoldCount = 0, pointCount = 0;
     for (size_t i = 0; i < all->makers.count; i++)
     {
-        manifoldCount += QC_AT(qcManifolds, all->makers, i).manifolds.count;
-        pointCount += QC_AT(qcManifolds, all->makers, i).points.count;
+        manifoldCount += QC_AT(qcManifoldBuilder, all->makers, i).manifolds.count;
+        pointCount += QC_AT(qcManifoldBuilder, all->makers, i).points.count;
     }
     QC_TRY(qcArray_Reserve(&all->manifolds, manifoldCount, sizeof(qcManifold), "manifolds"));
     QC_TRY(qcArray_Reserve(&all->points, pointCount, sizeof(qcManifoldPoint), "manifolds"));
     for (size_t i = 0; i < all->meetings.count; i++)
     {
-        const qcMeeting* meeting = &QC_AT(qcMeeting, all->meetings, i);
-        const qcManifolds* m = &QC_AT(qcManifolds, all->makers, meeting->maker);
+        const qcBodyPairRange* meeting = &QC_AT(qcBodyPairRange, all->meetings, i);
+        const qcManifoldBuilder* m = &QC_AT(qcManifoldBuilder, all->makers, meeting->maker);
         for (size_t k = 0; k < meeting->manifoldCount; k++)
         {
             qcManifold* manifold = &QC_AT(qcManifold, all->manifolds, all->manifolds.count++);
@@ -184,7 +184,7 @@ static qcStatus Gather(qcAllManifolds* all)
     return qc_statusOk;
 }
 
-qcStatus qcAllManifolds_Build(qcAllManifolds* all, const qcTriangles* triangles, const qcManifoldInput* input,
+qcStatus qcAllManifolds_Build(qcAllManifolds* all, const qcStepTriangles* triangles, const qcManifoldInput* input,
                               uint32_t threads)
 {
     all->manifolds.count = all->points.count = 0;
@@ -203,7 +203,7 @@ qcStatus qcAllManifolds_Build(qcAllManifolds* all, const qcTriangles* triangles,
 void qcAllManifolds_Free(qcAllManifolds* all)
 {
     for (size_t i = 0; i < all->makers.count; i++)
-        qcManifolds_Free(&QC_AT(qcManifolds, all->makers, i));
+        qcManifoldBuilder_Free(&QC_AT(qcManifoldBuilder, all->makers, i));
     qcArray* arrays[] = {&all->runs,   &all->meetings,  &all->order, &all->scratch,
                          &all->makers, &all->manifolds, &all->points};
     for (size_t i = 0; i < sizeof arrays / sizeof arrays[0]; i++)

@@ -9,10 +9,10 @@
 typedef struct qcAllManifolds
 {
     qcArray runs;     ///< of qcSortItem: pairs of one triangle of A that follow each other, sorted by their bodies
-    qcArray meetings; ///< of qcMeeting: where two bodies meet, or one itself, sorted by them
+    qcArray meetings; ///< of qcBodyPairRange: where two bodies meet, or one itself, sorted by them
     qcArray order;    ///< of qcSortItem: meetings, the largest first
     qcArray scratch;
-    qcArray makers; ///< of qcManifolds, one a thread
+    qcArray makers; ///< of qcManifoldBuilder, one a thread
     //  results
     qcArray manifolds, points; ///< of qcManifold, of qcManifoldPoint
 } qcAllManifolds;
@@ -22,7 +22,7 @@ typedef struct qcManifoldInput
 {
     const qcPair* pairs;
     const qcProximity* proximities; ///< null: those that are needed are computed
-    const qcFeet* feet;             ///< of the proximities
+    const qcClosestFeatures* feet;  ///< of the proximities
     size_t count;
     double margin; ///< no point lies farther apart than this
 } qcManifoldInput;
@@ -30,7 +30,7 @@ typedef struct qcManifoldInput
 /// Builds the manifolds of the pairs of a result, which are sorted as the ABI promises. O(n log n). Where two bodies
 /// touch no point is deeper than rounding, and where they overlap by a small share of their triangles, within the
 /// margin, none is deeper than a small multiple of it.
-qcStatus qcAllManifolds_Build(qcAllManifolds* all, const qcTriangles* triangles, const qcManifoldInput* input,
+qcStatus qcAllManifolds_Build(qcAllManifolds* all, const qcStepTriangles* triangles, const qcManifoldInput* input,
                               uint32_t threads);
 void qcAllManifolds_Free(qcAllManifolds* all);
 

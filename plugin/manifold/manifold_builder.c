@@ -11,14 +11,14 @@
 static const double s_tolerance = 1.0 / 64.0;
 
 /// What points ask of the regions that they belong to.
-static qcStatus MeasureRegions(qcManifolds* m)
+static qcStatus MeasureRegions(qcManifoldBuilder* m)
 {
     QC_TRY(qcArray_Resize(&m->measured, m->regions.count, sizeof(qcContactRegion), "regions of contact"));
     for (uint32_t r = 0; r < m->measured.count; r++)
         QC_AT(qcContactRegion, m->measured, r) = (qcContactRegion){0};
     for (uint32_t p = 0; p < m->work.count; p++)
     {
-        const qcManifoldPair* pair = qcManifolds_Pair(m, p);
+        const qcManifoldPair* pair = qcManifoldBuilder_Pair(m, p);
         qcContactRegion* region = &QC_AT(qcContactRegion, m->measured, pair->region);
         region->tolerance += s_tolerance * qcManifoldPair_SmallerSize(pair);
         region->crossing = region->crossing || pair->crossing;
@@ -38,9 +38,9 @@ static void Store(qcVector v, int exponent, double out[3])
         out[axis] = ldexp(out[axis], exponent);
 }
 
-static qcManifoldPoint PointOf(const qcManifolds* m, const qcRawPoint* raw)
+static qcManifoldPoint PointOf(const qcManifoldBuilder* m, const qcRawPoint* raw)
 {
-    const qcManifoldPair* pair = qcManifolds_Pair(m, raw->pair);
+    const qcManifoldPair* pair = qcManifoldBuilder_Pair(m, raw->pair);
     qcManifoldPoint point = {.distance = m->exponent != 0 ? ldexp(raw->distance, m->exponent) : raw->distance,
                              .triangleA = pair->side[0]->index,
                              .triangleB = pair->side[1]->index,
@@ -53,9 +53,9 @@ static qcManifoldPoint PointOf(const qcManifolds* m, const qcRawPoint* raw)
 }
 
 /// Every region has a point: its first pair is covered by one, and at least one point of a region stays.
-static qcStatus WriteResult(qcManifolds* m)
+static qcStatus WriteResult(qcManifoldBuilder* m)
 {
-    const qcManifoldPair* any = qcManifolds_Pair(m, 0);
+    const qcManifoldPair* any = qcManifoldBuilder_Pair(m, 0);
     size_t firstManifold = m->manifolds.count, firstPoint = m->points.count, count = m->order.count;
     QC_TRY(qcArray_Reserve(&m->points, firstPoint + count, sizeof(qcManifoldPoint), "manifolds"));
     QC_TRY(qcArray_Resize(&m->manifolds, firstManifold + m->regions.count, sizeof(qcManifold), "manifolds"));
@@ -75,7 +75,7 @@ static qcStatus WriteResult(qcManifolds* m)
     return qc_statusOk;
 }
 
-static qcStatus EmptyWorkers(qcManifolds* m, uint32_t threads)
+static qcStatus EmptyWorkers(qcManifoldBuilder* m, uint32_t threads)
 {
     QC_TRY(qcArray_GrowZeroed(&m->workers, threads, sizeof(qcManifoldWorker), "contact points"));
     for (size_t i = 0; i < m->workers.count; i++)
@@ -87,7 +87,7 @@ static qcStatus EmptyWorkers(qcManifolds* m, uint32_t threads)
     return qc_statusOk;
 }
 
-qcStatus qcManifolds_LoopStatus(const qcManifolds* m)
+qcStatus qcManifoldBuilder_LoopStatus(const qcManifoldBuilder* m)
 {
     for (size_t i = 0; i < m->workers.count; i++)
         // The message is the worker's own; say it again on this thread.
@@ -97,29 +97,30 @@ qcStatus qcManifolds_LoopStatus(const qcManifolds* m)
 }
 
 /// Without a pair there is nothing in the result.
-qcStatus qcManifolds_Build(qcManifolds* m, const qcTriangles* triangles, const qcMeetingInput* input, uint32_t threads)
+qcStatus qcManifoldBuilder_Build(qcManifoldBuilder* m, const qcStepTriangles* triangles, const qcMeetingInput* input,
+                                 uint32_t threads)
 {
     QC_TRY(EmptyWorkers(m, threads));
     qcMeetingInput known = *input;
-    QC_TRY(qcManifolds_TakePairs(m, triangles, &known));
+    QC_TRY(qcManifoldBuilder_TakePairs(m, triangles, &known));
     if (m->work.count == 0)
         return qc_statusOk;
-    QC_TRY(qcManifolds_JoinRegions(m));
-    QC_TRY(qcManifolds_FindPlanes(m, known.margin));
-    QC_TRY(qcManifolds_AskPairs(m, &known, threads));
-    QC_TRY(qcManifolds_FindRings(m, threads));
-    QC_TRY(qcManifolds_ChooseNormals(m, &known, threads));
-    QC_TRY(qcManifolds_ChooseSigns(m, &known));
-    QC_TRY(qcManifolds_FindEscapes(m, known.margin));
+    QC_TRY(qcManifoldBuilder_JoinRegions(m));
+    QC_TRY(qcManifoldBuilder_FindPlanes(m, known.margin));
+    QC_TRY(qcManifoldBuilder_AskPairs(m, &known, threads));
+    QC_TRY(qcManifoldBuilder_FindRings(m, threads));
+    QC_TRY(qcManifoldBuilder_ChooseNormals(m, &known, threads));
+    QC_TRY(qcManifoldBuilder_ChooseSigns(m, &known));
+    QC_TRY(qcManifoldBuilder_FindEscapes(m, known.margin));
     QC_TRY(MeasureRegions(m));
-    QC_TRY(qcManifolds_FindPoints(m, &known, threads));
-    QC_TRY(qcManifolds_MergePoints(m));
-    qcManifolds_DropBetween(m);
-    QC_TRY(qcManifolds_OrderKept(m));
+    QC_TRY(qcManifoldBuilder_FindPoints(m, &known, threads));
+    QC_TRY(qcManifoldBuilder_MergePoints(m));
+    qcManifoldBuilder_DropBetween(m);
+    QC_TRY(qcManifoldBuilder_OrderKept(m));
     return WriteResult(m);
 }
 
-static void FreeWorkers(qcManifolds* m)
+static void FreeWorkers(qcManifoldBuilder* m)
 {
     for (size_t i = 0; i < m->workers.count; i++)
     {
@@ -132,7 +133,7 @@ static void FreeWorkers(qcManifolds* m)
     qcArray_Free(&m->workers);
 }
 
-void qcManifolds_Free(qcManifolds* m)
+void qcManifoldBuilder_Free(qcManifoldBuilder* m)
 {
     FreeWorkers(m);
     qcArray* arrays[] = {&m->work,     &m->triangles, &m->numbers, &m->vertexNumbers, &m->vertices,    &m->table,

@@ -198,10 +198,10 @@ typedef struct qcPairRegion
 //  ---- of two bodies ---------------------------------------------------------------------------------------
 
 /// See manifold/overlap_kernels.h.
-typedef struct qcSightKernels qcSightKernels;
+typedef struct qcOverlapKernels qcOverlapKernels;
 
 /// The manifolds of two bodies, or of one with itself, and what is needed on the way: a thread's.
-typedef struct qcManifolds
+typedef struct qcManifoldBuilder
 {
     qcArray work;      ///< of qcManifoldPair, in the order of the reported pairs
     qcArray triangles; ///< of qcManifoldTriangle: those of the pairs
@@ -232,18 +232,18 @@ typedef struct qcManifolds
     qcArray manifolds, points; ///< of qcManifold, of qcManifoldPoint
     int exponent;              ///< of this build: its lengths times 2^exponent are those of the scene
     qcStatus status;
-    const qcSightKernels* sight;
-} qcManifolds;
+    const qcOverlapKernels* sight;
+} qcManifoldBuilder;
 
 /// Where two bodies meet, or one meets itself.
-typedef struct qcMeeting
+typedef struct qcBodyPairRange
 {
     uint32_t firstRun, runCount;
     uint32_t pairCount;
     uint32_t maker;                   ///< who has its manifolds
     size_t firstManifold, firstPoint; ///< there
     size_t manifoldCount, pointCount;
-} qcMeeting;
+} qcBodyPairRange;
 
 /// What a build looks at.
 typedef struct qcMeetingInput
@@ -253,7 +253,7 @@ typedef struct qcMeetingInput
     uint32_t runCount;
     size_t count;                   ///< of pairs
     const qcProximity* proximities; ///< by qcManifoldPair::source
-    const qcFeet* feet;
+    const qcClosestFeatures* feet;
     double margin;
 } qcMeetingInput;
 
@@ -289,39 +289,40 @@ static inline bool qcSigned_Unite(uint32_t* nodes, uint32_t i, uint32_t j, uint3
 //  ---- the parts, in the order in which they run ------------------------------------------------------------
 
 /// The status of a loop over the workers: their first failure, said again on this thread.
-qcStatus qcManifolds_LoopStatus(const qcManifolds* manifolds);
+qcStatus qcManifoldBuilder_LoopStatus(const qcManifoldBuilder* manifolds);
 
 /// Adds the manifolds of a meeting to the result. On `threads` threads, whose first is the calling one.
-qcStatus qcManifolds_Build(qcManifolds* manifolds, const qcTriangles* triangles, const qcMeetingInput* input,
-                           uint32_t threads);
-void qcManifolds_Free(qcManifolds* manifolds);
+qcStatus qcManifoldBuilder_Build(qcManifoldBuilder* manifolds, const qcStepTriangles* triangles,
+                                 const qcMeetingInput* input, uint32_t threads);
+void qcManifoldBuilder_Free(qcManifoldBuilder* manifolds);
 
 /// Takes the pairs in, with their triangles, and chooses the unit of length: the input's margin follows, and its
 /// proximities are dropped where that isn't the scene's.
-qcStatus qcManifolds_TakePairs(qcManifolds* manifolds, const qcTriangles* triangles, qcMeetingInput* input);
+qcStatus qcManifoldBuilder_TakePairs(qcManifoldBuilder* manifolds, const qcStepTriangles* triangles,
+                                     qcMeetingInput* input);
 /// Joins neighbours to regions.
-qcStatus qcManifolds_JoinRegions(qcManifolds* manifolds);
+qcStatus qcManifoldBuilder_JoinRegions(qcManifoldBuilder* manifolds);
 /// Settles the regions that one plane parts. Lists the pairs of the others: they are free.
-qcStatus qcManifolds_FindPlanes(qcManifolds* manifolds, double margin);
+qcStatus qcManifoldBuilder_FindPlanes(qcManifoldBuilder* manifolds, double margin);
 /// What the free pairs say themselves. Fills what the input lacks.
-qcStatus qcManifolds_AskPairs(qcManifolds* manifolds, qcMeetingInput* input, uint32_t threads);
+qcStatus qcManifoldBuilder_AskPairs(qcManifoldBuilder* manifolds, qcMeetingInput* input, uint32_t threads);
 /// Lists which free pairs lie beside which.
-qcStatus qcManifolds_FindRings(qcManifolds* manifolds, uint32_t threads);
+qcStatus qcManifoldBuilder_FindRings(qcManifoldBuilder* manifolds, uint32_t threads);
 /// The direction of each free pair, looked at with its neighbourhood, and the corners of what its triangles have in
 /// common along it.
-qcStatus qcManifolds_ChooseNormals(qcManifolds* manifolds, const qcMeetingInput* input, uint32_t threads);
+qcStatus qcManifoldBuilder_ChooseNormals(qcManifoldBuilder* manifolds, const qcMeetingInput* input, uint32_t threads);
 /// Their signs, looked at in each region.
-qcStatus qcManifolds_ChooseSigns(qcManifolds* manifolds, const qcMeetingInput* input);
+qcStatus qcManifoldBuilder_ChooseSigns(qcManifoldBuilder* manifolds, const qcMeetingInput* input);
 /// Regions that one short push would free: no pair is told of a much longer way.
-qcStatus qcManifolds_FindEscapes(qcManifolds* manifolds, double margin);
+qcStatus qcManifoldBuilder_FindEscapes(qcManifoldBuilder* manifolds, double margin);
 /// From corners to points.
-qcStatus qcManifolds_FindPoints(qcManifolds* manifolds, const qcMeetingInput* input, uint32_t threads);
-qcStatus qcManifolds_MergePoints(qcManifolds* manifolds);
+qcStatus qcManifoldBuilder_FindPoints(qcManifoldBuilder* manifolds, const qcMeetingInput* input, uint32_t threads);
+qcStatus qcManifoldBuilder_MergePoints(qcManifoldBuilder* manifolds);
 /// Of flat patches between rigid bodies only the corners stay.
-void qcManifolds_DropBetween(qcManifolds* manifolds);
+void qcManifoldBuilder_DropBetween(qcManifoldBuilder* manifolds);
 /// Reduces the order to the points that stay: by region, in each by the distance that is reported; points of equal
 /// distance stay in the order in which they were merged.
-qcStatus qcManifolds_OrderKept(qcManifolds* manifolds);
+qcStatus qcManifoldBuilder_OrderKept(qcManifoldBuilder* manifolds);
 
 /// Do two points say the same of the same place: one end of theirs nearly the same, and their normals too? Then only
 /// the deeper one counts; the other is the same feature found from another triangle, or lies behind it.
@@ -333,40 +334,40 @@ static inline bool qcRawPoint_AreSame(const qcRawPoint* p, const qcRawPoint* q, 
     return (qcDot(d, d) <= limit || qcDot(e, e) <= limit) && qcDot(p->normal, q->normal) >= 0.866;
 }
 
-static inline qcManifoldPair* qcManifolds_Pair(const qcManifolds* manifolds, uint32_t pair)
+static inline qcManifoldPair* qcManifoldBuilder_Pair(const qcManifoldBuilder* manifolds, uint32_t pair)
 {
     return &QC_AT(qcManifoldPair, manifolds->work, pair);
 }
 
 /// A triangle of a pair. The pairs see their triangles as constant; these are the stage's own.
-static inline qcManifoldTriangle* qcManifolds_Triangle(const qcManifolds* manifolds, const qcManifoldPair* pair,
-                                                       uint32_t side)
+static inline qcManifoldTriangle* qcManifoldBuilder_Triangle(const qcManifoldBuilder* manifolds,
+                                                             const qcManifoldPair* pair, uint32_t side)
 {
     const qcManifoldTriangle* first = manifolds->triangles.data;
     return &QC_AT(qcManifoldTriangle, manifolds->triangles, pair->side[side] - first);
 }
 
 /// The number of a free pair.
-static inline uint32_t qcManifolds_FreePair(const qcManifolds* manifolds, size_t i)
+static inline uint32_t qcManifoldBuilder_FreePair(const qcManifoldBuilder* manifolds, size_t i)
 {
     return QC_AT(uint32_t, manifolds->freePairs, i);
 }
 
-static inline qcPairRegion* qcManifolds_PairRegion(const qcManifolds* manifolds, const qcManifoldPair* pair)
+static inline qcPairRegion* qcManifoldBuilder_PairRegion(const qcManifoldBuilder* manifolds, const qcManifoldPair* pair)
 {
     return &QC_AT(qcPairRegion, manifolds->regions, pair->region);
 }
 
 /// The raw points of a pair that a worker holds.
-static inline qcRawPoint* qcManifolds_Corners(const qcManifolds* manifolds, uint32_t pair)
+static inline qcRawPoint* qcManifoldBuilder_Corners(const qcManifoldBuilder* manifolds, uint32_t pair)
 {
     const qcPairCorners* corners = &QC_AT(qcPairCorners, manifolds->corners, pair);
     return &QC_AT(qcRawPoint, QC_AT(qcManifoldWorker, manifolds->workers, corners->worker).points, corners->first);
 }
 
-/// Corners of what the two triangles of a pair have in common seen along a direction: see qcSightKernels.
-int qcManifolds_FindCommonPart(const qcManifolds* manifolds, const qcManifoldPair* pair, qcVector normal,
-                               qcRawPoint corners[qc_maxCommonCorners]);
+/// Corners of what the two triangles of a pair have in common seen along a direction: see qcOverlapKernels.
+int qcManifoldBuilder_FindCommonPart(const qcManifoldBuilder* manifolds, const qcManifoldPair* pair, qcVector normal,
+                                     qcRawPoint corners[qc_maxCommonCorners]);
 
 //  ---- who lies beside whom --------------------------------------------------------------------------------
 
@@ -378,7 +379,7 @@ typedef struct qcRing
     uint32_t count;
 } qcRing;
 
-static inline qcRing qcManifolds_Ring(const qcManifolds* manifolds, const qcManifoldPair* pair, int side)
+static inline qcRing qcManifoldBuilder_Ring(const qcManifoldBuilder* manifolds, const qcManifoldPair* pair, int side)
 {
     const qcManifoldPlace* place = &QC_AT(qcManifoldPlace, manifolds->places, pair->place[side]);
     const qcArray* rings = &QC_AT(qcManifoldWorker, manifolds->workers, place->worker).rings;
@@ -392,7 +393,7 @@ enum
 };
 
 /// A pair in a ring, as the common triangle sees it.
-static inline const qcManifoldPlace* qcManifolds_Beside(const qcManifolds* manifolds, uint32_t entry)
+static inline const qcManifoldPlace* qcManifoldBuilder_Beside(const qcManifoldBuilder* manifolds, uint32_t entry)
 {
     return &QC_AT(qcManifoldPlace, manifolds->places, entry / qc_ringOne);
 }

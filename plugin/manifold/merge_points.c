@@ -25,13 +25,13 @@ typedef struct Link
     uint32_t next; ///< one more than the next link; 0: none
 } Link;
 
-static uint32_t RegionOf(const qcManifolds* m, uint64_t raw)
+static uint32_t RegionOf(const qcManifoldBuilder* m, uint64_t raw)
 {
-    return qcManifolds_Pair(m, QC_AT(qcRawPoint, m->raw, raw).pair)->region;
+    return qcManifoldBuilder_Pair(m, QC_AT(qcRawPoint, m->raw, raw).pair)->region;
 }
 
 /// Sorts the order by region and, within one, by the keys that it comes with. Leaves the regions as keys.
-static qcStatus SortWithinRegions(qcManifolds* m)
+static qcStatus SortWithinRegions(qcManifoldBuilder* m)
 {
     QC_TRY(qcSort_Items(m->order.data, m->order.count, &m->scratch));
     for (size_t i = 0; i < m->order.count; i++)
@@ -43,7 +43,7 @@ static qcStatus SortWithinRegions(qcManifolds* m)
 }
 
 /// Distances that differ by rounding only are equal, so that what lies in one plane keeps the order of its pairs.
-static qcStatus SortDeepestFirst(qcManifolds* m)
+static qcStatus SortDeepestFirst(qcManifoldBuilder* m)
 {
     QC_TRY(qcArray_Resize(&m->order, m->raw.count, sizeof(qcSortItem), "contact points"));
     for (size_t i = 0; i < m->raw.count; i++)
@@ -56,7 +56,7 @@ static qcStatus SortDeepestFirst(qcManifolds* m)
     return SortWithinRegions(m);
 }
 
-qcStatus qcManifolds_OrderKept(qcManifolds* m)
+qcStatus qcManifoldBuilder_OrderKept(qcManifoldBuilder* m)
 {
     size_t count = 0;
     for (size_t i = 0; i < m->order.count; i++)
@@ -78,7 +78,7 @@ static uint64_t Mix(uint64_t hash, double x)
     return hash ^ hash >> 32;
 }
 
-static uint32_t* HeadOf(qcManifolds* m, uint32_t region, int end, double x, double y, double z)
+static uint32_t* HeadOf(qcManifoldBuilder* m, uint32_t region, int end, double x, double y, double z)
 {
     uint64_t hash = Mix(Mix(Mix((uint64_t)region << 1 | (unsigned)end, x), y), z);
     return &QC_AT(uint32_t, m->heads, hash & (m->heads.count - 1));
@@ -91,7 +91,7 @@ typedef struct Search
     double tolerance;
 } Search;
 
-static uint32_t FindInCell(const qcManifolds* m, const Search* search, uint32_t head)
+static uint32_t FindInCell(const qcManifoldBuilder* m, const Search* search, uint32_t head)
 {
     for (uint32_t at = head; at != 0; at = QC_AT(Link, m->links, at - 1).next)
     {
@@ -104,7 +104,7 @@ static uint32_t FindInCell(const qcManifolds* m, const Search* search, uint32_t 
 }
 
 /// The point that stays and says the same as this one, or UINT32_MAX.
-static uint32_t Find(qcManifolds* m, const Search* search, double scale)
+static uint32_t Find(qcManifoldBuilder* m, const Search* search, double scale)
 {
     for (int end = 0; end < 2; end++)
     {
@@ -127,7 +127,7 @@ static uint32_t Find(qcManifolds* m, const Search* search, double scale)
     return UINT32_MAX;
 }
 
-static void Insert(qcManifolds* m, const Search* search, uint32_t raw, double scale)
+static void Insert(qcManifoldBuilder* m, const Search* search, uint32_t raw, double scale)
 {
     for (int end = 0; end < 2; end++)
     {
@@ -139,7 +139,7 @@ static void Insert(qcManifolds* m, const Search* search, uint32_t raw, double sc
     }
 }
 
-qcStatus qcManifolds_MergePoints(qcManifolds* m)
+qcStatus qcManifoldBuilder_MergePoints(qcManifoldBuilder* m)
 {
     if (m->raw.count > UINT32_MAX / 4)
         return qcFail(qc_statusOutOfMemory, "out of memory: %zu contact points in one result", m->raw.count);

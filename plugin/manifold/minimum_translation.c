@@ -32,7 +32,7 @@ static const double s_muchShorter = 0.5;
 /// The pairs of a region.
 typedef struct Members
 {
-    const qcManifolds* manifolds;
+    const qcManifoldBuilder* manifolds;
     const qcSortItem* items; ///< their values are pairs
     size_t count;
     double deepest;
@@ -51,19 +51,19 @@ static uint32_t PairOf(const Members* members, size_t i)
     return (uint32_t)members->items[i].value;
 }
 
-static double DepthOf(const qcManifolds* m, uint32_t index)
+static double DepthOf(const qcManifoldBuilder* m, uint32_t index)
 {
-    const qcManifoldPair* pair = qcManifolds_Pair(m, index);
-    const qcRawPoint* corners = qcManifolds_Corners(m, index);
+    const qcManifoldPair* pair = qcManifoldBuilder_Pair(m, index);
+    const qcRawPoint* corners = qcManifoldBuilder_Corners(m, index);
     double depth = 0.0;
     for (int i = 0; i < QC_AT(qcPairCorners, m->corners, index).count; i++)
         depth = fmax(depth, pair->turned ? corners[i].distance : -corners[i].distance);
     return depth;
 }
 
-static double WayOut(const qcManifolds* m, uint32_t index, qcVector normal)
+static double WayOut(const qcManifoldBuilder* m, uint32_t index, qcVector normal)
 {
-    const qcManifoldPair* pair = qcManifolds_Pair(m, index);
+    const qcManifoldPair* pair = qcManifoldBuilder_Pair(m, index);
     qcVector origin = pair->side[1]->corner[0];
     return qcWaysOut_Of(qcManifoldTriangle_Heights(pair->side[0], origin, normal),
                         qcManifoldTriangle_Heights(pair->side[1], origin, normal))
@@ -93,7 +93,7 @@ static Escape FindEscape(Members* members)
     Escape best = {.depth = s_muchShorter * members->deepest};
     for (size_t i = 0; i < members->count && count < qc_mostEscapes; i++)
     {
-        const qcManifoldPair* pair = qcManifolds_Pair(members->manifolds, PairOf(members, i));
+        const qcManifoldPair* pair = qcManifoldBuilder_Pair(members->manifolds, PairOf(members, i));
         int known = 0;
         while (known < count && qcDot(tried[known], pair->normal) < QC_MANIFOLD_FLAT)
             known++;
@@ -106,20 +106,20 @@ static Escape FindEscape(Members* members)
 }
 
 /// Gives a pair a direction, and its corners along it.
-static qcStatus Send(qcManifolds* m, uint32_t index, qcVector normal, double margin)
+static qcStatus Send(qcManifoldBuilder* m, uint32_t index, qcVector normal, double margin)
 {
-    qcManifoldPair* pair = qcManifolds_Pair(m, index);
+    qcManifoldPair* pair = qcManifoldBuilder_Pair(m, index);
     qcArray* points = &QC_AT(qcManifoldWorker, m->workers, 0).points;
     QC_TRY(qcArray_Reserve(points, points->count + qc_maxCommonCorners, sizeof(qcRawPoint), "contact points"));
     pair->normal = normal;
     pair->own = pair->turned = pair->apart = false;
     qcLook look = {.count = -1};
     qcLook_Along(m, pair, normal, &look);
-    qcManifolds_KeepCorners(m, index, 0, &look, normal, false, margin);
+    qcManifoldBuilder_KeepCorners(m, index, 0, &look, normal, false, margin);
     return qc_statusOk;
 }
 
-static qcStatus SendDeep(qcManifolds* m, Members* members, double margin)
+static qcStatus SendDeep(qcManifoldBuilder* m, Members* members, double margin)
 {
     for (size_t i = 0; i < members->count; i++)
     {
@@ -138,21 +138,21 @@ static qcStatus SendDeep(qcManifolds* m, Members* members, double margin)
 }
 
 /// Of regions that something crosses, by region; of each they stay in their order.
-static qcStatus ListMembers(qcManifolds* m)
+static qcStatus ListMembers(qcManifoldBuilder* m)
 {
     QC_TRY(qcArray_Reserve(&m->order, m->freePairs.count, sizeof(qcSortItem), "ways out of regions"));
     m->order.count = 0;
     for (size_t i = 0; i < m->freePairs.count; i++)
     {
-        uint32_t p = qcManifolds_FreePair(m, i);
-        const qcManifoldPair* pair = qcManifolds_Pair(m, p);
-        if (qcManifolds_PairRegion(m, pair)->crossing)
+        uint32_t p = qcManifoldBuilder_FreePair(m, i);
+        const qcManifoldPair* pair = qcManifoldBuilder_Pair(m, p);
+        if (qcManifoldBuilder_PairRegion(m, pair)->crossing)
             QC_AT(qcSortItem, m->order, m->order.count++) = (qcSortItem){pair->region, p};
     }
     return qcSort_Items(m->order.data, m->order.count, &m->scratch);
 }
 
-qcStatus qcManifolds_FindEscapes(qcManifolds* m, double margin)
+qcStatus qcManifoldBuilder_FindEscapes(qcManifoldBuilder* m, double margin)
 {
     QC_TRY(ListMembers(m));
     const qcSortItem* items = m->order.data;

@@ -6,10 +6,10 @@
 // The weight of the pair itself: its own six vertices.
 static const double s_self = 6.0;
 
-qcNeighbourhood qcNeighbourhood_Of(const qcManifolds* m, uint32_t index)
+qcNeighbourhood qcNeighbourhood_Of(const qcManifoldBuilder* m, uint32_t index)
 {
-    const qcManifoldPair* pair = qcManifolds_Pair(m, index);
-    qcNeighbourhood n = {m, pair, {qcManifolds_Ring(m, pair, 0), qcManifolds_Ring(m, pair, 1)}, 0.0};
+    const qcManifoldPair* pair = qcManifoldBuilder_Pair(m, index);
+    qcNeighbourhood n = {m, pair, {qcManifoldBuilder_Ring(m, pair, 0), qcManifoldBuilder_Ring(m, pair, 1)}, 0.0};
     n.rounding = qcManifoldPair_Rounding(pair) * (s_self + n.ring[0].count + n.ring[1].count);
     return n;
 }
@@ -27,7 +27,7 @@ static void AddRing(const qcNeighbourhood* n, int side, qcHeights common, qcVect
     qcVector direction = trial->normal;
     for (uint32_t i = 0; i < ring.count; i++)
     {
-        const qcManifoldPlace* place = qcManifolds_Beside(n->manifolds, ring.entries[i]);
+        const qcManifoldPlace* place = qcManifoldBuilder_Beside(n->manifolds, ring.entries[i]);
         qcHeights h =
             side == trial->face ? place->heights : qcManifoldTriangle_Heights(place->moved, origin, direction);
         AddWays(trial, side == 0 ? qcWaysOut_Of(common, h) : qcWaysOut_Of(h, common),
@@ -51,11 +51,11 @@ bool qcNeighbourhood_FindCost(const qcNeighbourhood* n, double limit, qcTrial* t
     return trial->along < limit || trial->against < limit;
 }
 
-void qcLook_Along(const qcManifolds* m, const qcManifoldPair* pair, qcVector normal, qcLook* look)
+void qcLook_Along(const qcManifoldBuilder* m, const qcManifoldPair* pair, qcVector normal, qcLook* look)
 {
     if (look->count >= 0)
         return;
-    look->count = qcManifolds_FindCommonPart(m, pair, normal, look->corners);
+    look->count = qcManifoldBuilder_FindCommonPart(m, pair, normal, look->corners);
     look->low = INFINITY;
     look->high = -INFINITY;
     for (int i = 0; i < look->count; i++)
@@ -66,13 +66,13 @@ void qcLook_Along(const qcManifolds* m, const qcManifoldPair* pair, qcVector nor
     }
 }
 
-void qcManifolds_KeepCorners(qcManifolds* m, uint32_t index, uint32_t worker, const qcLook* look, qcVector normal,
-                             bool opposite, double margin)
+void qcManifoldBuilder_KeepCorners(qcManifoldBuilder* m, uint32_t index, uint32_t worker, const qcLook* look,
+                                   qcVector normal, bool opposite, double margin)
 {
-    const qcManifoldPair* pair = qcManifolds_Pair(m, index);
+    const qcManifoldPair* pair = qcManifoldBuilder_Pair(m, index);
     qcArray* points = &QC_AT(qcManifoldWorker, m->workers, worker).points;
     double limit = qcManifoldPair_Limit(pair, margin);
-    if (qcManifolds_PairRegion(m, pair)->unsettled)
+    if (qcManifoldBuilder_PairRegion(m, pair)->unsettled)
         limit = INFINITY;
     qcPairCorners* kept = &QC_AT(qcPairCorners, m->corners, index);
     *kept = (qcPairCorners){points->count, (uint16_t)worker, 0};

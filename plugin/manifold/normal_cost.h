@@ -17,7 +17,7 @@ enum
 /// A pair with those beside it.
 typedef struct qcNeighbourhood
 {
-    const qcManifolds* manifolds;
+    const qcManifoldBuilder* manifolds;
     const qcManifoldPair* pair;
     qcRing ring[2];  ///< by the side whose triangle is the common one
     double rounding; ///< of a cost
@@ -54,19 +54,19 @@ typedef struct qcNormalChoice
     bool firm;     ///< stands flat, or follows one that does
 } qcNormalChoice;
 
-static inline size_t qcNormalBlocks_Count(const qcManifolds* manifolds)
+static inline size_t qcNormalBlocks_Count(const qcManifoldBuilder* manifolds)
 {
     return (manifolds->freePairs.count + qc_normalBlock - 1) / qc_normalBlock;
 }
 
 /// One past the last free pair of a block.
-static inline size_t qcNormalBlocks_End(const qcManifolds* manifolds, size_t block)
+static inline size_t qcNormalBlocks_End(const qcManifoldBuilder* manifolds, size_t block)
 {
     size_t end = (block + 1) * qc_normalBlock, count = manifolds->freePairs.count;
     return end < count ? end : count;
 }
 
-qcNeighbourhood qcNeighbourhood_Of(const qcManifolds* manifolds, uint32_t pair);
+qcNeighbourhood qcNeighbourhood_Of(const qcManifoldBuilder* manifolds, uint32_t pair);
 /// Going along a direction until the pair is free, or against it, how far do the pairs around it still overlap? The sum
 /// of the ways out, in which a pair around counts by the vertices that it shares, and the pair itself six times.
 /// False: neither way costs less than `limit`, however much is still to be added.
@@ -84,13 +84,13 @@ static inline double qcNeighbourhood_Limit(const qcNeighbourhood* n, double best
 }
 
 /// Once.
-void qcLook_Along(const qcManifolds* manifolds, const qcManifoldPair* pair, qcVector normal, qcLook* look);
+void qcLook_Along(const qcManifoldBuilder* manifolds, const qcManifoldPair* pair, qcVector normal, qcLook* look);
 /// Keeps the corners of a look that can become points, in the worker's list, which has room for them. If the normal may
 /// be turned around still, all of them. `opposite`: the look was along the opposite of the normal.
-void qcManifolds_KeepCorners(qcManifolds* manifolds, uint32_t pair, uint32_t worker, const qcLook* look,
-                             qcVector normal, bool opposite, double margin);
+void qcManifoldBuilder_KeepCorners(qcManifoldBuilder* manifolds, uint32_t pair, uint32_t worker, const qcLook* look,
+                                   qcVector normal, bool opposite, double margin);
 
 /// Where triangles meet, the pair's own look says little: those around are heard. In parallel.
-qcStatus qcManifolds_FollowNeighbours(qcManifolds* manifolds, double margin, uint32_t threads);
+qcStatus qcManifoldBuilder_FollowNeighbours(qcManifoldBuilder* manifolds, double margin, uint32_t threads);
 
 #endif

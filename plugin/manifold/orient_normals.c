@@ -66,14 +66,14 @@ typedef struct Part
 } Part;
 
 /// False: nothing has a choice.
-static bool FindFacts(qcManifolds* m)
+static bool FindFacts(qcManifoldBuilder* m)
 {
     bool unsettled = false;
     for (size_t i = 0; i < m->freePairs.count; i++)
     {
-        uint32_t p = qcManifolds_FreePair(m, i);
-        const qcManifoldPair* pair = qcManifolds_Pair(m, p);
-        qcPairRegion* region = qcManifolds_PairRegion(m, pair);
+        uint32_t p = qcManifoldBuilder_FreePair(m, i);
+        const qcManifoldPair* pair = qcManifoldBuilder_Pair(m, p);
+        qcPairRegion* region = qcManifoldBuilder_PairRegion(m, pair);
         unsettled = unsettled || region->unsettled;
         if (pair->apart && region->fact == UINT32_MAX)
             region->fact = p;
@@ -89,11 +89,11 @@ static uint64_t LinkKey(double dot)
 }
 
 /// A part of one pair.
-static void MakePart(Part* part, const qcManifolds* m, uint32_t p, const qcProximity* proximity)
+static void MakePart(Part* part, const qcManifoldBuilder* m, uint32_t p, const qcProximity* proximity)
 {
     *part = (Part){.count = 1};
-    const qcManifoldPair* pair = qcManifolds_Pair(m, p);
-    const qcRawPoint* corners = qcManifolds_Corners(m, p);
+    const qcManifoldPair* pair = qcManifoldBuilder_Pair(m, p);
+    const qcRawPoint* corners = qcManifoldBuilder_Corners(m, p);
     double along = 0.0, against = 0.0;
     for (int i = 0; i < QC_AT(qcPairCorners, m->corners, p).count; i++)
     {
@@ -137,7 +137,7 @@ static int SideOf(const Part* part)
 
 /// Makes two parts one, with what is known of both; but not by a doubtful link if both know their side and it says
 /// otherwise.
-static void Join(qcManifolds* m, uint32_t i, uint32_t j, uint32_t opposite, bool doubtful)
+static void Join(qcManifoldBuilder* m, uint32_t i, uint32_t j, uint32_t opposite, bool doubtful)
 {
     uint32_t a = qcSigned_Find(m->nodes.data, i), b = qcSigned_Find(m->nodes.data, j);
     if (a >> 1 == b >> 1)
@@ -154,17 +154,17 @@ static void Join(qcManifolds* m, uint32_t i, uint32_t j, uint32_t opposite, bool
 }
 
 /// Unites a pair with those before it beside it where that is sure, and lists the other links; there is room for them.
-static void TakeLinks(qcManifolds* m, uint32_t p, int side)
+static void TakeLinks(qcManifoldBuilder* m, uint32_t p, int side)
 {
     uint32_t *nodes = m->nodes.data, root = qcSigned_Find(nodes, p) >> 1;
-    const qcManifoldPair* pair = qcManifolds_Pair(m, p);
-    qcRing ring = qcManifolds_Ring(m, pair, side);
+    const qcManifoldPair* pair = qcManifoldBuilder_Pair(m, p);
+    qcRing ring = qcManifoldBuilder_Ring(m, pair, side);
     for (uint32_t i = 0; i < ring.count; i++)
     {
-        uint32_t q = qcManifolds_Beside(m, ring.entries[i])->pair;
+        uint32_t q = qcManifoldBuilder_Beside(m, ring.entries[i])->pair;
         if (q >= p || nodes[q] >> 1 == root || qcSigned_Find(nodes, q) >> 1 == root)
             continue;
-        const qcManifoldPair* other = qcManifolds_Pair(m, q);
+        const qcManifoldPair* other = qcManifoldBuilder_Pair(m, q);
         double dot = qcDot(pair->normal, other->normal);
         if (dot >= s_agree && pair->apart && other->apart)
         {
@@ -176,7 +176,7 @@ static void TakeLinks(qcManifolds* m, uint32_t p, int side)
     }
 }
 
-static void UniteLink(qcManifolds* m, qcSortItem link)
+static void UniteLink(qcManifoldBuilder* m, qcSortItem link)
 {
     bool doubtful = link.key >> 1 > LinkKey(s_surface) >> 1;
     Join(m, (uint32_t)(link.value >> 32), (uint32_t)link.value, link.key & 1u, doubtful);
@@ -184,7 +184,7 @@ static void UniteLink(qcManifolds* m, qcSortItem link)
 
 /// Of the links that were listed, unites those of one and the same normal, which come first in their order. Of the
 /// others those stay that still join something.
-static void DropLinks(qcManifolds* m)
+static void DropLinks(qcManifoldBuilder* m)
 {
     uint32_t* nodes = m->nodes.data;
     uint64_t same = LinkKey(1.0);
@@ -203,35 +203,35 @@ static void DropLinks(qcManifolds* m)
 
 /// Trees of pairs that are equal or opposite. The facts of a region in which nothing crosses are one from the start;
 /// then come the sure links, and of the others those that still join something, the surest first.
-static qcStatus GrowTrees(qcManifolds* m, const qcMeetingInput* input)
+static qcStatus GrowTrees(qcManifoldBuilder* m, const qcMeetingInput* input)
 {
     QC_TRY(qcArray_Resize(&m->parts, m->work.count, sizeof(Part), "signs of normals"));
     for (size_t i = 0; i < m->freePairs.count; i++)
     {
-        uint32_t p = qcManifolds_FreePair(m, i);
+        uint32_t p = qcManifoldBuilder_FreePair(m, i);
         QC_AT(uint32_t, m->nodes, p) = p << 1;
-        const qcManifoldPair* pair = qcManifolds_Pair(m, p);
-        if (qcManifolds_PairRegion(m, pair)->unsettled)
+        const qcManifoldPair* pair = qcManifoldBuilder_Pair(m, p);
+        if (qcManifoldBuilder_PairRegion(m, pair)->unsettled)
             MakePart(&QC_AT(Part, m->parts, p), m, p, &input->proximities[pair->source]);
         else
             QC_AT(Part, m->parts, p).count = 0;
     }
     for (size_t i = 0; i < m->freePairs.count; i++)
     {
-        uint32_t p = qcManifolds_FreePair(m, i);
-        const qcManifoldPair* pair = qcManifolds_Pair(m, p);
-        const qcPairRegion* region = qcManifolds_PairRegion(m, pair);
+        uint32_t p = qcManifoldBuilder_FreePair(m, i);
+        const qcManifoldPair* pair = qcManifoldBuilder_Pair(m, p);
+        const qcPairRegion* region = qcManifoldBuilder_PairRegion(m, pair);
         if (pair->apart && region->unsettled && !region->crossing)
             Join(m, region->fact, p, 0, false);
     }
     m->order.count = 0;
     for (size_t i = 0; i < m->freePairs.count; i++)
     {
-        uint32_t p = qcManifolds_FreePair(m, i);
+        uint32_t p = qcManifoldBuilder_FreePair(m, i);
         if (i % qc_linkRoom == 0)
             QC_TRY(qcArray_Reserve(&m->order, m->order.count + 2 * qc_linkRoom * qc_maxRing, sizeof(qcSortItem),
                                    "signs of normals"));
-        for (int side = 0; side < 2 && qcManifolds_PairRegion(m, qcManifolds_Pair(m, p))->unsettled; side++)
+        for (int side = 0; side < 2 && qcManifoldBuilder_PairRegion(m, qcManifoldBuilder_Pair(m, p))->unsettled; side++)
             TakeLinks(m, p, side);
     }
     DropLinks(m);
@@ -249,14 +249,14 @@ static void Turn(qcManifoldPair* pair)
 
 /// Turns each pair so that it agrees with the first of its part; or with the facts of its region, if it hangs together
 /// with them: such a part has no choice.
-static void Agree(qcManifolds* m)
+static void Agree(qcManifoldBuilder* m)
 {
     uint32_t* nodes = m->nodes.data;
     for (size_t i = 0; i < m->freePairs.count; i++)
     {
-        uint32_t p = qcManifolds_FreePair(m, i);
-        qcManifoldPair* pair = qcManifolds_Pair(m, p);
-        const qcPairRegion* region = qcManifolds_PairRegion(m, pair);
+        uint32_t p = qcManifoldBuilder_FreePair(m, i);
+        qcManifoldPair* pair = qcManifoldBuilder_Pair(m, p);
+        const qcPairRegion* region = qcManifoldBuilder_PairRegion(m, pair);
         if (!region->unsettled)
             continue;
         uint32_t root = qcSigned_Find(nodes, p), fact = UINT32_MAX;
@@ -271,27 +271,27 @@ static void Agree(qcManifolds* m)
 }
 
 /// A corner of a body's box, in the unit of this build.
-static qcVector ScaledCorner(const qcManifolds* m, const double corner[3])
+static qcVector ScaledCorner(const qcManifoldBuilder* m, const double corner[3])
 {
     if (m->exponent == 0)
         return qcVector_Load(corner);
     return (qcVector){ldexp(corner[0], -m->exponent), ldexp(corner[1], -m->exponent), ldexp(corner[2], -m->exponent)};
 }
 
-static qcVector CentreOf(const qcManifolds* m, const qcBody* body)
+static qcVector CentreOf(const qcManifoldBuilder* m, const qcBody* body)
 {
     qcVector lower = ScaledCorner(m, body->lower), upper = ScaledCorner(m, body->upper);
     return (qcVector){0.5 * lower.x + 0.5 * upper.x, 0.5 * lower.y + 0.5 * upper.y, 0.5 * lower.z + 0.5 * upper.z};
 }
 
-static double Size2(const qcManifolds* m, const qcBody* body)
+static double Size2(const qcManifoldBuilder* m, const qcBody* body)
 {
     qcVector diagonal = qcMinus(ScaledCorner(m, body->upper), ScaledCorner(m, body->lower));
     return qcDot(diagonal, diagonal);
 }
 
 /// Above 0: the bodies lie on the sides that the normals name; below: on the other sides; 0: on neither clearly.
-static double SideOfBodies(const qcManifolds* m, const Part* part, const qcManifoldPair* pair)
+static double SideOfBodies(const qcManifoldBuilder* m, const Part* part, const qcManifoldPair* pair)
 {
     double length = sqrt(qcDot(part->normal, part->normal));
     // Normals all around a body have no common side.
@@ -315,7 +315,7 @@ static bool PointsDown(qcVector n)
     return n.x != 0.0 ? n.x < 0.0 : n.y != 0.0 ? n.y < 0.0 : n.z < 0.0;
 }
 
-static bool IsWrongWay(const qcManifolds* m, const Part* part, const qcManifoldPair* first, double margin)
+static bool IsWrongWay(const qcManifoldBuilder* m, const Part* part, const qcManifoldPair* first, double margin)
 {
     double shorter = fmin(part->along, part->against), longer = fmax(part->along, part->against);
     double rounding = QC_MANIFOLD_ROUNDING * part->size;
@@ -329,7 +329,7 @@ static bool IsWrongWay(const qcManifolds* m, const Part* part, const qcManifoldP
     return PointsDown(first->normal);
 }
 
-qcStatus qcManifolds_ChooseSigns(qcManifolds* m, const qcMeetingInput* input)
+qcStatus qcManifoldBuilder_ChooseSigns(qcManifoldBuilder* m, const qcMeetingInput* input)
 {
     if (!FindFacts(m))
         return qc_statusOk;
@@ -338,15 +338,15 @@ qcStatus qcManifolds_ChooseSigns(qcManifolds* m, const qcMeetingInput* input)
     Agree(m);
     for (size_t i = 0; i < m->freePairs.count; i++)
     {
-        uint32_t p = qcManifolds_FreePair(m, i);
+        uint32_t p = qcManifoldBuilder_FreePair(m, i);
         Part* part = &QC_AT(Part, m->parts, p);
-        part->wrongWay = part->count != 0 && IsWrongWay(m, part, qcManifolds_Pair(m, p), input->margin);
+        part->wrongWay = part->count != 0 && IsWrongWay(m, part, qcManifoldBuilder_Pair(m, p), input->margin);
     }
     for (size_t i = 0; i < m->freePairs.count; i++)
     {
-        uint32_t p = qcManifolds_FreePair(m, i);
+        uint32_t p = qcManifoldBuilder_FreePair(m, i);
         if (QC_AT(Part, m->parts, qcSigned_Find(m->nodes.data, p) >> 1).wrongWay)
-            Turn(qcManifolds_Pair(m, p));
+            Turn(qcManifoldBuilder_Pair(m, p));
     }
     return qc_statusOk;
 }

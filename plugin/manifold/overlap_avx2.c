@@ -10,4 +10,4 @@ QC_INLINE unsigned BitsOf(Marks marks)
 
 #include "manifold/overlap_kernels.inl.h"
 
-const qcSightKernels qcSightKernels_avx2 = {FindCommonPart};
+const qcOverlapKernels qcOverlapKernels_avx2 = {FindCommonPart};

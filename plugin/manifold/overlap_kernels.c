@@ -3,14 +3,14 @@
 
 #include "base/cpu_features.h"
 
-static const qcSightKernels* const s_known[] = {
-    &qcSightKernels_plain,
+static const qcOverlapKernels* const s_known[] = {
+    &qcOverlapKernels_scalar,
 #ifdef QC_KERNELS_X86
-    &qcSightKernels_avx2,
+    &qcOverlapKernels_avx2,
 #endif
 };
 
-const qcSightKernels* qcSightKernels_Get(void)
+const qcOverlapKernels* qcOverlapKernels_Get(void)
 {
     return s_known[qcInstructionSet_Choose(qc_instructionsAvx2)];
 }

@@ -7,7 +7,7 @@
 
 enum
 {
-    qc_sightLanes = 4 ///< of a triangle's corners or edges; the fourth is the first again
+    qc_overlapLanes = 4 ///< of a triangle's corners or edges; the fourth is the first again
 };
 
 /// A triangle seen along a direction: what is the same whatever the other one is, filled as far as somebody asked.
@@ -17,11 +17,11 @@ typedef struct qcTriangleView
     uint32_t region; ///< whose normal the direction is, for whoever keeps views
     bool hasEdges, hasFace;
     //  by axis, then by lane:
-    double edge[3][qc_sightLanes];   ///< edge e: from corner e to the next
-    double across[3][qc_sightLanes]; ///< an edge x the direction
-    double inner[qc_sightLanes];     ///< across edge e, from it: the corner that it lacks
-    qcVector face;                   ///< its normal, not of unit length
-    double facing;                   ///< that along the direction
+    double edge[3][qc_overlapLanes];   ///< edge e: from corner e to the next
+    double across[3][qc_overlapLanes]; ///< an edge x the direction
+    double inner[qc_overlapLanes];     ///< across edge e, from it: the corner that it lacks
+    qcVector face;                     ///< its normal, not of unit length
+    double facing;                     ///< that along the direction
 } qcTriangleView;
 
 static inline void qcTriangleView_Begin(qcTriangleView* view, const qcManifoldTriangle* triangle)
@@ -30,7 +30,7 @@ static inline void qcTriangleView_Begin(qcTriangleView* view, const qcManifoldTr
     view->hasEdges = view->hasFace = false;
 }
 
-struct qcSightKernels
+struct qcOverlapKernels
 {
     /// Corners of what the two triangles have in common seen along a direction, with their gaps; none where they lie
     /// beside each other. Returns their number. Along the opposite direction the gaps are opposite, and all else is the
@@ -39,12 +39,12 @@ struct qcSightKernels
                           qcRawPoint corners[qc_maxCommonCorners]);
 };
 
-extern const qcSightKernels qcSightKernels_plain;
+extern const qcOverlapKernels qcOverlapKernels_scalar;
 #ifdef QC_KERNELS_X86
-extern const qcSightKernels qcSightKernels_avx2;
+extern const qcOverlapKernels qcOverlapKernels_avx2;
 #endif
 
 /// The best that this machine runs. The environment's QC_KERNELS (plain, avx2) names another.
-const qcSightKernels* qcSightKernels_Get(void);
+const qcOverlapKernels* qcOverlapKernels_Get(void);
 
 #endif

@@ -48,7 +48,7 @@ QC_INLINE void StoreLanes(Lanes lanes, double* to)
     memcpy(to, &lanes, sizeof lanes);
 }
 
-QC_INLINE Vectors LoadVectors(const double vectors[3][qc_sightLanes])
+QC_INLINE Vectors LoadVectors(const double vectors[3][qc_overlapLanes])
 {
     return (Vectors){LoadLanes(vectors[0]), LoadLanes(vectors[1]), LoadLanes(vectors[2])};
 }

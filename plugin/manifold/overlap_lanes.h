@@ -6,7 +6,7 @@
 
 #define QC_INLINE static inline __attribute__((always_inline))
 
-typedef double Lanes __attribute__((vector_size(8 * qc_sightLanes)));
-typedef int64_t Marks __attribute__((vector_size(8 * qc_sightLanes)));
+typedef double Lanes __attribute__((vector_size(8 * qc_overlapLanes)));
+typedef int64_t Marks __attribute__((vector_size(8 * qc_overlapLanes)));
 
 #endif

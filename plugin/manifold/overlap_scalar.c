@@ -8,4 +8,4 @@ QC_INLINE unsigned BitsOf(Marks marks)
 
 #include "manifold/overlap_kernels.inl.h"
 
-const qcSightKernels qcSightKernels_plain = {FindCommonPart};
+const qcOverlapKernels qcOverlapKernels_scalar = {FindCommonPart};

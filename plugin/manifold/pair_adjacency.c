@@ -43,7 +43,7 @@ typedef struct Wheel
     Seen* seen;
 } Wheel;
 
-static qcStatus MakeWheel(const qcManifolds* m, qcManifoldWorker* worker, const qcManifoldTriangle* triangle,
+static qcStatus MakeWheel(const qcManifoldBuilder* m, qcManifoldWorker* worker, const qcManifoldTriangle* triangle,
                           Wheel* wheel)
 {
     size_t corners = 3 * (size_t)triangle->count;
@@ -127,7 +127,7 @@ static uint32_t AddFan(const Wheel* wheel, uint32_t i, uint32_t corner, uint32_t
     return count;
 }
 
-static qcStatus FindRings(const qcManifolds* m, uint32_t worker, const qcManifoldTriangle* triangle)
+static qcStatus FindRings(const qcManifoldBuilder* m, uint32_t worker, const qcManifoldTriangle* triangle)
 {
     // Its pairs are all settled.
     if (triangle->count == 0)
@@ -157,14 +157,14 @@ static qcStatus FindRings(const qcManifolds* m, uint32_t worker, const qcManifol
 
 static void TakeBlock(void* context, size_t block, uint32_t worker)
 {
-    const qcManifolds* m = context;
+    const qcManifoldBuilder* m = context;
     qcStatus* status = &QC_AT(qcManifoldWorker, m->workers, worker).status;
     size_t end = (block + 1) * qc_ringBlock < m->triangles.count ? (block + 1) * qc_ringBlock : m->triangles.count;
     for (size_t t = block * qc_ringBlock; t < end && *status == qc_statusOk; t++)
         *status = FindRings(m, worker, &QC_AT(qcManifoldTriangle, m->triangles, t));
 }
 
-qcStatus qcManifolds_FindRings(qcManifolds* m, uint32_t threads)
+qcStatus qcManifoldBuilder_FindRings(qcManifoldBuilder* m, uint32_t threads)
 {
     for (uint32_t i = 0; i < threads; i++)
     {
@@ -174,5 +174,5 @@ qcStatus qcManifolds_FindRings(qcManifolds* m, uint32_t threads)
     }
     size_t blocks = (m->triangles.count + qc_ringBlock - 1) / qc_ringBlock;
     qcParallel_For(threads, blocks, qc_leastRingBlocks, TakeBlock, m);
-    return qcManifolds_LoopStatus(m);
+    return qcManifoldBuilder_LoopStatus(m);
 }

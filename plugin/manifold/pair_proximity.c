@@ -13,7 +13,7 @@ enum
 
 typedef struct Job
 {
-    const qcManifolds* manifolds;
+    const qcManifoldBuilder* manifolds;
     qcMeetingInput* input;
 } Job;
 
@@ -21,13 +21,13 @@ static void ComputeProximity(void* context, size_t i, uint32_t worker)
 {
     (void)worker;
     const Job* job = context;
-    const qcManifolds* m = job->manifolds;
-    const qcManifoldPair* pair = qcManifolds_Pair(m, qcManifolds_FreePair(m, i));
+    const qcManifoldBuilder* m = job->manifolds;
+    const qcManifoldPair* pair = qcManifoldBuilder_Pair(m, qcManifoldBuilder_FreePair(m, i));
     double corners[2][3][3];
     for (int side = 0; side < 2; side++)
         memcpy(corners[side], pair->side[(side == 1) != pair->swapped]->corner, sizeof corners[side]);
     qcProximity_Of((const double(*)[3])corners[0], (const double(*)[3])corners[1], pair->relation,
-                   &QC_AT(qcProximity, m->proximities, pair->source), &QC_AT(qcFeet, m->feet, pair->source));
+                   &QC_AT(qcProximity, m->proximities, pair->source), &QC_AT(qcClosestFeatures, m->feet, pair->source));
 }
 
 static qcVector UnitOrUp(const double normal[3])
@@ -46,9 +46,9 @@ static bool AreParted(const qcManifoldPair* pair)
     return ways.along < -qcManifoldPair_Rounding(pair);
 }
 
-static void TakeProximity(qcManifolds* m, const qcMeetingInput* input, uint32_t p)
+static void TakeProximity(qcManifoldBuilder* m, const qcMeetingInput* input, uint32_t p)
 {
-    qcManifoldPair* pair = qcManifolds_Pair(m, p);
+    qcManifoldPair* pair = qcManifoldBuilder_Pair(m, p);
     const qcProximity* proximity = &input->proximities[pair->source];
     pair->normal = UnitOrUp(proximity->normal);
     if (pair->swapped)
@@ -58,13 +58,13 @@ static void TakeProximity(qcManifolds* m, const qcMeetingInput* input, uint32_t 
     pair->own = true;
     pair->crossing = pair->relation == qc_relationPenetrating && proximity->depth > 0.0;
     pair->apart = pair->parted = !pair->meets && AreParted(pair);
-    qcPairRegion* region = qcManifolds_PairRegion(m, pair);
+    qcPairRegion* region = qcManifoldBuilder_PairRegion(m, pair);
     region->crossing = region->crossing || pair->crossing;
     region->unsettled = region->unsettled || !pair->parted;
 }
 
 /// Lists the free pairs of each triangle, in their order.
-static qcStatus ListPlaces(qcManifolds* m)
+static qcStatus ListPlaces(qcManifoldBuilder* m)
 {
     QC_TRY(qcArray_Resize(&m->places, 2 * m->freePairs.count, sizeof(qcManifoldPlace), "pairs of manifolds"));
     uint32_t place = 0;
@@ -75,7 +75,7 @@ static qcStatus ListPlaces(qcManifolds* m)
         for (uint32_t k = 0; k < triangle->pairCount; k++)
         {
             qcPairSide entry = QC_AT(qcPairSide, m->pairsOf, triangle->firstPair + k);
-            qcManifoldPair* pair = qcManifolds_Pair(m, entry.pair);
+            qcManifoldPair* pair = qcManifoldBuilder_Pair(m, entry.pair);
             if (pair->settled)
                 continue;
             uint32_t side = pair->side[0] == triangle ? 0 : 1;
@@ -88,18 +88,18 @@ static qcStatus ListPlaces(qcManifolds* m)
     return qc_statusOk;
 }
 
-qcStatus qcManifolds_AskPairs(qcManifolds* m, qcMeetingInput* input, uint32_t threads)
+qcStatus qcManifoldBuilder_AskPairs(qcManifoldBuilder* m, qcMeetingInput* input, uint32_t threads)
 {
     if (input->proximities == NULL && m->freePairs.count != 0)
     {
         QC_TRY(qcArray_Resize(&m->proximities, input->count, sizeof(qcProximity), "proximities"));
-        QC_TRY(qcArray_Resize(&m->feet, input->count, sizeof(qcFeet), "proximities"));
+        QC_TRY(qcArray_Resize(&m->feet, input->count, sizeof(qcClosestFeatures), "proximities"));
         Job job = {m, input};
         qcParallel_For(threads, m->freePairs.count, qc_leastPairs, ComputeProximity, &job);
         input->proximities = m->proximities.data;
         input->feet = m->feet.data;
     }
     for (size_t i = 0; i < m->freePairs.count; i++)
-        TakeProximity(m, input, qcManifolds_FreePair(m, i));
+        TakeProximity(m, input, qcManifoldBuilder_FreePair(m, i));
     return ListPlaces(m);
 }

@@ -21,8 +21,8 @@ bool qcManifoldPair_CoversArea(const qcManifoldPair* pair, const qcRawPoint* cor
     return false;
 }
 
-int qcManifolds_FindCommonPart(const qcManifolds* m, const qcManifoldPair* pair, qcVector normal,
-                               qcRawPoint corners[qc_maxCommonCorners])
+int qcManifoldBuilder_FindCommonPart(const qcManifoldBuilder* m, const qcManifoldPair* pair, qcVector normal,
+                                     qcRawPoint corners[qc_maxCommonCorners])
 {
     qcTriangleView views[2];
     for (int side = 0; side < 2; side++)

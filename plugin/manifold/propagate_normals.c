@@ -34,7 +34,7 @@ static const double s_same = 1.0 - 1e-12;
 
 typedef struct Job
 {
-    qcManifolds* manifolds;
+    qcManifoldBuilder* manifolds;
     double margin;
     const qcNormalChoice* now;
     qcNormalChoice* next;
@@ -49,13 +49,13 @@ typedef struct Lead
 } Lead;
 
 /// Also on the other side of what it has just passed, or a little above it: the line is known, if not the sign.
-static bool StandsFlat(const qcManifolds* m, uint32_t index, qcVector normal)
+static bool StandsFlat(const qcManifoldBuilder* m, uint32_t index, qcVector normal)
 {
-    const qcManifoldPair* pair = qcManifolds_Pair(m, index);
+    const qcManifoldPair* pair = qcManifoldBuilder_Pair(m, index);
     return pair->gap <= QC_MANIFOLD_AREA * qcManifoldPair_SmallerSize(pair) &&
            fabs(qcDot(normal, pair->side[0]->normal)) >= QC_MANIFOLD_FLAT &&
            fabs(qcDot(normal, pair->side[1]->normal)) >= QC_MANIFOLD_FLAT &&
-           qcManifoldPair_CoversArea(pair, qcManifolds_Corners(m, index),
+           qcManifoldPair_CoversArea(pair, qcManifoldBuilder_Corners(m, index),
                                      QC_AT(qcPairCorners, m->corners, index).count);
 }
 
@@ -124,7 +124,7 @@ static Lead FindLead(const Job* job, const qcNeighbourhood* n, const qcNormalCho
     for (int side = 0; side < 2; side++)
         for (uint32_t i = 0; i < n->ring[side].count; i++)
         {
-            uint32_t pair = qcManifolds_Beside(n->manifolds, n->ring[side].entries[i])->pair;
+            uint32_t pair = qcManifoldBuilder_Beside(n->manifolds, n->ring[side].entries[i])->pair;
             const qcNormalChoice* other = &job->now[pair];
             bool helps = other->meets || (firm && own->meets);
             if (other->news + 1 != job->round || other->firm != firm || !helps)
@@ -138,7 +138,7 @@ static Lead FindLead(const Job* job, const qcNeighbourhood* n, const qcNormalCho
             }
             // Whom a pair that is apart follows matters too.
             if (!known->isCheap || known->isOffered ||
-                (own->apart && !IsNoDeeper(n->pair, &known->trial, qcManifolds_Pair(n->manifolds, pair))))
+                (own->apart && !IsNoDeeper(n->pair, &known->trial, qcManifoldBuilder_Pair(n->manifolds, pair))))
                 continue;
             known->isOffered = true;
             OfferLeads(n, own, &known->trial, limit, &best);
@@ -163,7 +163,7 @@ static bool Follow(const Job* job, uint32_t index)
 
 static bool HasChoice(const Job* job, uint32_t p)
 {
-    return qcManifolds_PairRegion(job->manifolds, qcManifolds_Pair(job->manifolds, p))->unsettled;
+    return qcManifoldBuilder_PairRegion(job->manifolds, qcManifoldBuilder_Pair(job->manifolds, p))->unsettled;
 }
 
 static void FindFlatBlock(void* context, size_t block, uint32_t worker)
@@ -172,7 +172,7 @@ static void FindFlatBlock(void* context, size_t block, uint32_t worker)
     const Job* job = context;
     for (size_t i = block * qc_normalBlock; i < qcNormalBlocks_End(job->manifolds, block); i++)
     {
-        uint32_t p = qcManifolds_FreePair(job->manifolds, i);
+        uint32_t p = qcManifoldBuilder_FreePair(job->manifolds, i);
         qcNormalChoice* choice = &job->next[p];
         choice->meets = HasChoice(job, p) && !choice->apart;
         choice->firm = StandsFlat(job->manifolds, p, choice->normal);
@@ -185,7 +185,7 @@ static void FollowBlock(void* context, size_t block, uint32_t worker)
     bool* changed = &QC_AT(qcManifoldWorker, job->manifolds->workers, worker).changed;
     for (size_t i = block * qc_normalBlock; i < qcNormalBlocks_End(job->manifolds, block); i++)
     {
-        uint32_t p = qcManifolds_FreePair(job->manifolds, i);
+        uint32_t p = qcManifoldBuilder_FreePair(job->manifolds, i);
         job->next[p] = job->now[p];
         if (!job->now[p].firm && HasChoice(job, p))
             *changed = Follow(job, p) || *changed;
@@ -195,26 +195,26 @@ static void FollowBlock(void* context, size_t block, uint32_t worker)
 static void LookBlock(void* context, size_t block, uint32_t worker)
 {
     const Job* job = context;
-    qcManifolds* m = job->manifolds;
+    qcManifoldBuilder* m = job->manifolds;
     qcManifoldWorker* self = &QC_AT(qcManifoldWorker, m->workers, worker);
     size_t end = qcNormalBlocks_End(job->manifolds, block), moved = 0;
     for (size_t i = block * qc_normalBlock; i < end; i++)
-        moved += job->now[qcManifolds_FreePair(m, i)].moved;
+        moved += job->now[qcManifoldBuilder_FreePair(m, i)].moved;
     if (self->status == qc_statusOk)
         self->status = qcArray_Reserve(&self->points, self->points.count + moved * qc_maxCommonCorners,
                                        sizeof(qcRawPoint), "contact points");
     for (size_t i = block * qc_normalBlock; i < end && self->status == qc_statusOk; i++)
     {
-        uint32_t p = qcManifolds_FreePair(m, i);
+        uint32_t p = qcManifoldBuilder_FreePair(m, i);
         if (!job->now[p].moved)
             continue;
         qcLook look = {.count = -1};
-        qcLook_Along(m, qcManifolds_Pair(m, p), job->now[p].normal, &look);
-        qcManifolds_KeepCorners(m, p, worker, &look, job->now[p].normal, false, job->margin);
+        qcLook_Along(m, qcManifoldBuilder_Pair(m, p), job->now[p].normal, &look);
+        qcManifoldBuilder_KeepCorners(m, p, worker, &look, job->now[p].normal, false, job->margin);
     }
 }
 
-static bool HaveWorkersChanged(const qcManifolds* m)
+static bool HaveWorkersChanged(const qcManifoldBuilder* m)
 {
     bool changed = false;
     for (size_t i = 0; i < m->workers.count; i++)
@@ -226,12 +226,12 @@ static bool HaveWorkersChanged(const qcManifolds* m)
     return changed;
 }
 
-qcStatus qcManifolds_FollowNeighbours(qcManifolds* m, double margin, uint32_t threads)
+qcStatus qcManifoldBuilder_FollowNeighbours(qcManifoldBuilder* m, double margin, uint32_t threads)
 {
     size_t blocks = qcNormalBlocks_Count(m);
     bool any = false;
     for (size_t i = 0; i < m->freePairs.count && !any; i++)
-        any = !qcManifolds_Pair(m, qcManifolds_FreePair(m, i))->parted;
+        any = !qcManifoldBuilder_Pair(m, qcManifoldBuilder_FreePair(m, i))->parted;
     if (!any)
         return qc_statusOk;
     QC_TRY(qcArray_Resize(&m->heard, m->work.count, sizeof(qcNormalChoice), "normals of manifolds"));
@@ -250,5 +250,5 @@ qcStatus qcManifolds_FollowNeighbours(qcManifolds* m, double margin, uint32_t th
     }
     job.now = m->choices.data;
     qcParallel_For(threads, blocks, qc_leastNormalBlocks, LookBlock, &job);
-    return qcManifolds_LoopStatus(m);
+    return qcManifoldBuilder_LoopStatus(m);
 }

@@ -65,10 +65,10 @@ static double Wrapped(double angle)
     return angle - 2.0 * s_pi * qcFloor(angle / (2.0 * s_pi) + 0.5);
 }
 
-static bool ConeOf(const qcManifolds* m, const Basis* basis, uint32_t raw, Cone* cone)
+static bool ConeOf(const qcManifoldBuilder* m, const Basis* basis, uint32_t raw, Cone* cone)
 {
     const qcRawPoint* point = &QC_AT(qcRawPoint, m->raw, raw);
-    const qcManifoldPair* pair = qcManifolds_Pair(m, point->pair);
+    const qcManifoldPair* pair = qcManifoldBuilder_Pair(m, point->pair);
     if (qcDot(pair->normal, basis->normal) < s_oneSight)
         return false;
     size_t first = QC_AT(size_t, m->firstRaw, point->pair), end = QC_AT(size_t, m->firstRaw, point->pair + 1);
@@ -117,12 +117,12 @@ static bool AreAtOnePlace(const qcRawPoint* p, const qcRawPoint* q, double toler
     return fmax(qcDot(d, d), qcDot(e, e)) <= limit * limit;
 }
 
-static bool IsBetween(const qcManifolds* m, uint32_t keeper, double tolerance)
+static bool IsBetween(const qcManifoldBuilder* m, uint32_t keeper, double tolerance)
 {
     Cone cones[qc_maxCones];
     int count = 0;
     const qcRawPoint* point = &QC_AT(qcRawPoint, m->raw, keeper);
-    Basis basis = BasisOf(qcManifolds_Pair(m, point->pair)->normal);
+    Basis basis = BasisOf(qcManifoldBuilder_Pair(m, point->pair)->normal);
     for (uint32_t raw = keeper; raw != UINT32_MAX && count < qc_maxCones; raw = QC_AT(uint32_t, m->members, raw))
     {
         if (!AreAtOnePlace(point, &QC_AT(qcRawPoint, m->raw, raw), tolerance) || !ConeOf(m, &basis, raw, &cones[count]))
@@ -135,9 +135,9 @@ static bool IsBetween(const qcManifolds* m, uint32_t keeper, double tolerance)
     return false;
 }
 
-void qcManifolds_DropBetween(qcManifolds* m)
+void qcManifoldBuilder_DropBetween(qcManifoldBuilder* m)
 {
-    const qcManifoldPair* any = qcManifolds_Pair(m, 0);
+    const qcManifoldPair* any = qcManifoldBuilder_Pair(m, 0);
     if (any->side[0]->body->deforming || any->side[1]->body->deforming)
         return;
     const qcSortItem* items = m->order.data;

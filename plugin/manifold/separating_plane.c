@@ -35,10 +35,10 @@ typedef struct Plane
 } Plane;
 
 /// Do the triangles lie on each other, or a little above or below?
-static bool LieFlat(const qcManifolds* m, const qcManifoldPair* pair)
+static bool LieFlat(const qcManifoldBuilder* m, const qcManifoldPair* pair)
 {
     qcRawPoint corners[qc_maxCommonCorners];
-    int count = qcManifolds_FindCommonPart(m, pair, pair->side[1]->normal, corners);
+    int count = qcManifoldBuilder_FindCommonPart(m, pair, pair->side[1]->normal, corners);
     double nearest = INFINITY;
     for (int i = 0; i < count; i++)
         nearest = fmin(nearest, fabs(corners[i].distance));
@@ -47,11 +47,11 @@ static bool LieFlat(const qcManifolds* m, const qcManifoldPair* pair)
 }
 
 /// Of each region the flat pair whose smaller triangle is the largest.
-static void FindFlatPairs(qcManifolds* m)
+static void FindFlatPairs(qcManifoldBuilder* m)
 {
     for (uint32_t p = 0; p < m->work.count; p++)
     {
-        const qcManifoldPair* pair = qcManifolds_Pair(m, p);
+        const qcManifoldPair* pair = qcManifoldBuilder_Pair(m, p);
         Plane* plane = &QC_AT(Plane, m->planes, pair->region);
         if (!(fabs(qcDot(pair->side[0]->normal, pair->side[1]->normal)) >= QC_MANIFOLD_FLAT))
             continue;
@@ -70,20 +70,20 @@ static void Widen(qcHeights* all, qcHeights heights)
 }
 
 /// How high the sides of the regions reach, as seen from the flat pairs. Each triangle is asked once, mostly.
-static void FindHeights(qcManifolds* m)
+static void FindHeights(qcManifoldBuilder* m)
 {
     for (size_t i = 0; i < m->triangles.count; i++)
         QC_AT(qcManifoldTriangle, m->triangles, i).heardBy = UINT32_MAX;
     for (uint32_t p = 0; p < m->work.count; p++)
     {
-        const qcManifoldPair* pair = qcManifolds_Pair(m, p);
+        const qcManifoldPair* pair = qcManifoldBuilder_Pair(m, p);
         Plane* plane = &QC_AT(Plane, m->planes, pair->region);
         if (plane->area == 0.0)
             continue;
-        const qcManifoldPair* flat = qcManifolds_Pair(m, plane->flat);
+        const qcManifoldPair* flat = qcManifoldBuilder_Pair(m, plane->flat);
         for (uint32_t side = 0; side < 2; side++)
         {
-            qcManifoldTriangle* triangle = qcManifolds_Triangle(m, pair, side);
+            qcManifoldTriangle* triangle = qcManifoldBuilder_Triangle(m, pair, side);
             uint32_t asked = pair->region << 1 | side;
             if (triangle->heardBy == asked)
                 continue;
@@ -96,9 +96,10 @@ static void FindHeights(qcManifolds* m)
 }
 
 /// The overlap along a face of the flat pair, the shorter way out of both; infinity if it is too large.
-static double FindOverlap(const qcManifolds* m, const qcPairRegion* region, const Plane* plane, int face, bool* against)
+static double FindOverlap(const qcManifoldBuilder* m, const qcPairRegion* region, const Plane* plane, int face,
+                          bool* against)
 {
-    const qcManifoldPair* flat = qcManifolds_Pair(m, plane->flat);
+    const qcManifoldPair* flat = qcManifoldBuilder_Pair(m, plane->flat);
     const qcManifoldTriangle* triangle = flat->side[face];
     qcWaysOut all = qcWaysOut_Of(plane->sides[face][0], plane->sides[face][1]);
     qcWaysOut own = qcWaysOut_Of(qcManifoldTriangle_Heights(flat->side[0], triangle->corner[0], triangle->normal),
@@ -112,10 +113,10 @@ static double FindOverlap(const qcManifolds* m, const qcPairRegion* region, cons
 }
 
 /// Has the pair a contact point along a normal?
-static bool HasPoint(const qcManifolds* m, const qcManifoldPair* pair, qcVector normal, double margin)
+static bool HasPoint(const qcManifoldBuilder* m, const qcManifoldPair* pair, qcVector normal, double margin)
 {
     qcRawPoint corners[qc_maxCommonCorners];
-    int count = qcManifolds_FindCommonPart(m, pair, normal, corners);
+    int count = qcManifoldBuilder_FindCommonPart(m, pair, normal, corners);
     bool found = false;
     for (int i = 0; i < count; i++)
         found = found || corners[i].distance <= qcManifoldPair_Limit(pair, margin);
@@ -123,7 +124,7 @@ static bool HasPoint(const qcManifolds* m, const qcManifoldPair* pair, qcVector 
 }
 
 /// Returns whether a plane parts the region and has a point there, and its normal from side 1 towards side 0.
-static bool FindNormal(const qcManifolds* m, uint32_t r, double margin, qcVector* normal)
+static bool FindNormal(const qcManifoldBuilder* m, uint32_t r, double margin, qcVector* normal)
 {
     const qcPairRegion* region = &QC_AT(qcPairRegion, m->regions, r);
     const Plane* plane = &QC_AT(Plane, m->planes, r);
@@ -134,13 +135,13 @@ static bool FindNormal(const qcManifolds* m, uint32_t r, double margin, qcVector
     for (int face = 0; face < 2; face++)
         overlap[face] = FindOverlap(m, region, plane, face, &against[face]);
     int face = overlap[1] < overlap[0] ? 1 : 0;
-    const qcManifoldPair* flat = qcManifolds_Pair(m, plane->flat);
+    const qcManifoldPair* flat = qcManifoldBuilder_Pair(m, plane->flat);
     qcVector n = flat->side[face]->normal;
     *normal = against[face] ? qcNegated(n) : n;
     return overlap[face] < INFINITY && HasPoint(m, flat, *normal, margin);
 }
 
-qcStatus qcManifolds_FindPlanes(qcManifolds* m, double margin)
+qcStatus qcManifoldBuilder_FindPlanes(qcManifoldBuilder* m, double margin)
 {
     static const qcHeights nothing = {INFINITY, -INFINITY};
     QC_TRY(qcArray_Resize(&m->planes, m->regions.count, sizeof(Plane), "planes of contact"));
@@ -157,8 +158,8 @@ qcStatus qcManifolds_FindPlanes(qcManifolds* m, double margin)
     m->freePairs.count = 0;
     for (uint32_t p = 0; p < m->work.count; p++)
     {
-        qcManifoldPair* pair = qcManifolds_Pair(m, p);
-        const qcPairRegion* region = qcManifolds_PairRegion(m, pair);
+        qcManifoldPair* pair = qcManifoldBuilder_Pair(m, p);
+        const qcPairRegion* region = qcManifoldBuilder_PairRegion(m, pair);
         pair->settled = region->settled;
         if (region->settled)
             pair->normal = region->normal;

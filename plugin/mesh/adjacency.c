@@ -30,9 +30,9 @@ static void FindAround(qcAdjacency* a, const qcCorners* corners, size_t placeCou
 static uint32_t FindAcross(const qcAdjacency* a, const qcCorners* corners, uint32_t place, uint32_t u, uint32_t v)
 {
     const uint32_t *first = a->first.data, *around = a->around.data;
-    uint32_t at = first[v + 1] - first[v] < first[u + 1] - first[u] ? v : u, found = QC_NO_PLACE;
+    uint32_t at = first[v + 1] - first[v] < first[u + 1] - first[u] ? v : u, found = QC_NO_SLOT;
     if (u == v || first[at + 1] - first[at] > qc_mostAround)
-        return QC_NO_PLACE;
+        return QC_NO_SLOT;
     for (uint32_t i = first[at]; i < first[at + 1]; i++)
     {
         const uint32_t* w = corners[around[i]].vertex;
@@ -41,8 +41,8 @@ static uint32_t FindAcross(const qcAdjacency* a, const qcCorners* corners, uint3
             continue;
         bool opposite = (w[0] == v && w[1] == u) || (w[1] == v && w[2] == u) || (w[2] == v && w[0] == u);
         bool proper = w[0] != w[1] && w[1] != w[2] && w[2] != w[0];
-        if (found != QC_NO_PLACE || !opposite || !proper)
-            return QC_NO_PLACE;
+        if (found != QC_NO_SLOT || !opposite || !proper)
+            return QC_NO_SLOT;
         found = around[i];
     }
     return found;
@@ -60,7 +60,7 @@ static qcStatus Build(qcAdjacency* a, const qcCorners* corners, size_t placeCoun
         bool proper = v[0] != vertexCount && v[0] != v[1] && v[1] != v[2] && v[2] != v[0];
         for (int c = 0; c < 3; c++)
             QC_AT(uint32_t, a->across, 3 * p + c) =
-                proper ? FindAcross(a, corners, (uint32_t)p, v[c], v[(c + 1) % 3]) : QC_NO_PLACE;
+                proper ? FindAcross(a, corners, (uint32_t)p, v[c], v[(c + 1) % 3]) : QC_NO_SLOT;
     }
     return qc_statusOk;
 }

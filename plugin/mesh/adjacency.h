@@ -5,13 +5,13 @@
 #include "mesh/clusters.h"
 
 /// In place of a triangle's place: none.
-#define QC_NO_PLACE UINT32_MAX
+#define QC_NO_SLOT UINT32_MAX
 
 typedef struct qcAdjacency
 {
     qcArray first, around; ///< uint32_t of each vertex and one more; places
     /// uint32_t, three a place: the one other triangle over the edge from corner c to the next, if it has that edge in
-    /// the opposite direction; otherwise QC_NO_PLACE.
+    /// the opposite direction; otherwise QC_NO_SLOT.
     qcArray across;
 } qcAdjacency;
 

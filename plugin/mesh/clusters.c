@@ -62,7 +62,7 @@ static bool HasTriangle(const Builder* b, size_t place)
 
 uint32_t qcClusters_FindLink(const qcClusters* clusters, uint32_t node, uint32_t other)
 {
-    const qcNodeLink* links = clusters->links.data;
+    const qcLeafLink* links = clusters->links.data;
     const uint32_t* first = clusters->firstLink.data;
     for (uint32_t i = first[node]; i < first[node + 1]; i++)
         if (links[i].other == other)
@@ -70,7 +70,7 @@ uint32_t qcClusters_FindLink(const qcClusters* clusters, uint32_t node, uint32_t
     return QC_NO_LINK;
 }
 
-size_t qcClusters_PackTable(const uint64_t words[qc_tableWords], uint64_t packed[qc_mostTableSize])
+size_t qcClusters_PackTable(const uint64_t words[qc_tableWords], uint64_t packed[qc_maxTableSize])
 {
     uint64_t some = 0, none = 0;
     size_t size = 2;
@@ -228,7 +228,7 @@ static qcStatus FindLinks(Builder* b)
     QC_TRY(status);
 
     QC_TRY(qcArray_Resize(&c->firstLink, (size_t)c->nodeCount + 1, sizeof(uint32_t), "links of nodes"));
-    QC_TRY(qcArray_Resize(&c->links, b->items.count, sizeof(qcNodeLink), "links of nodes"));
+    QC_TRY(qcArray_Resize(&c->links, b->items.count, sizeof(qcLeafLink), "links of nodes"));
     const qcSortItem* items = b->items.data;
     uint32_t node = 0;
     QC_AT(uint32_t, c->firstLink, 0) = 0;
@@ -236,7 +236,7 @@ static qcStatus FindLinks(Builder* b)
     {
         while (node < items[i].key >> 32)
             QC_AT(uint32_t, c->firstLink, ++node) = (uint32_t)i;
-        QC_AT(qcNodeLink, c->links, i) = (qcNodeLink){(uint32_t)items[i].key, items[i].value ? 0 : UINT32_MAX};
+        QC_AT(qcLeafLink, c->links, i) = (qcLeafLink){(uint32_t)items[i].key, items[i].value ? 0 : UINT32_MAX};
     }
     while (node < c->nodeCount)
         QC_AT(uint32_t, c->firstLink, ++node) = (uint32_t)b->items.count;
@@ -292,9 +292,9 @@ static qcStatus AddTable(qcClusters* c, const uint64_t words[qc_tableWords], uin
 {
     size_t at = c->tables.count;
     // One more is what qcClusters_Word may read.
-    if (at > UINT32_MAX - qc_mostTableSize - 1)
+    if (at > UINT32_MAX - qc_maxTableSize - 1)
         return qcFailMemory(SIZE_MAX, "more than 2^32 words of tables of nodes");
-    QC_TRY(qcArray_Reserve(&c->tables, at + qc_mostTableSize + 1, sizeof(uint64_t), "pairs of near nodes"));
+    QC_TRY(qcArray_Reserve(&c->tables, at + qc_maxTableSize + 1, sizeof(uint64_t), "pairs of near nodes"));
     c->tables.count += qcClusters_PackTable(words, &QC_AT(uint64_t, c->tables, at));
     *place = (uint32_t)at;
     for (uint32_t i = 0; i < qc_tableWords; i++)
@@ -311,7 +311,7 @@ static qcStatus FillTablesOf(Builder* b, uint32_t node)
     QC_TRY(qcArray_Resize(&b->words, (size_t)(end - first) * qc_tableWords, sizeof(uint64_t), "pairs of near nodes"));
     for (uint32_t l = first; l < end; l++)
     {
-        qcNodeLink link = QC_AT(qcNodeLink, c->links, l);
+        qcLeafLink link = QC_AT(qcLeafLink, c->links, l);
         bool own = link.table != 0;
         QC_AT(uint32_t, b->seen, link.other) = own ? ++number : 0;
         if (own)
@@ -321,7 +321,7 @@ static qcStatus FillTablesOf(Builder* b, uint32_t node)
     number = 0;
     for (uint32_t l = first; l < end; l++)
     {
-        qcNodeLink* link = &QC_AT(qcNodeLink, c->links, l);
+        qcLeafLink* link = &QC_AT(qcLeafLink, c->links, l);
         uint64_t pairs = 0;
         if (link->table != 0)
             QC_TRY(AddTable(c, WordsOf(b, ++number), &link->table, &pairs));
@@ -405,10 +405,10 @@ static uint64_t FilledPlaces(const uint32_t* triangles)
 }
 
 /// What the table leaves out though both triangles exist and come in order.
-qcPlacePair* qcClusters_FindNeighbours(const qcClusters* clusters, uint32_t node, uint32_t link,
-                                       const qcPlaceSkip* skips, int skipCount, qcPlacePair* pairs)
+qcSlotPair* qcClusters_FindNeighbours(const qcClusters* clusters, uint32_t node, uint32_t link,
+                                      const qcPairExclusion* skips, int skipCount, qcSlotPair* pairs)
 {
-    qcNodeLink to = QC_AT(qcNodeLink, clusters->links, link);
+    qcLeafLink to = QC_AT(qcLeafLink, clusters->links, link);
     const uint32_t *triangles = clusters->triangles.data, a = node * qc_nodeSize, b = to.other * qc_nodeSize;
     const uint64_t* table = qcClusters_Table(clusters, link);
     uint64_t filledA = FilledPlaces(triangles + a), filledB = FilledPlaces(triangles + b), none = table[1];
@@ -423,8 +423,8 @@ qcPlacePair* qcClusters_FindNeighbours(const qcClusters* clusters, uint32_t node
         for (; left != 0; left &= left - 1)
         {
             uint32_t bit = (uint32_t)__builtin_ctzll(left);
-            *pairs++ = (qcPlacePair){a + i * qc_clusterSize + bit % qc_clusterSize,
-                                     b + j * qc_clusterSize + bit / qc_clusterSize};
+            *pairs++ = (qcSlotPair){a + i * qc_clusterSize + bit % qc_clusterSize,
+                                    b + j * qc_clusterSize + bit / qc_clusterSize};
         }
     }
     return pairs;

@@ -5,12 +5,7 @@
 #define QC_MESH_CLUSTERS_H
 
 #include "base/memory.h"
-
-enum
-{
-    qc_clusterSize = 8, ///< triangles
-    qc_nodeSize = 64    ///< triangles: 8 clusters
-};
+#include "mesh/limits.h"
 
 /// A word of a table: the pairs of these triangles of two clusters, a bit for each triangle.
 static inline uint64_t qcClusters_Product(unsigned a, unsigned b)
@@ -31,31 +26,28 @@ static inline unsigned qcClusters_PlacesOf(uint64_t places, uint32_t cluster)
 #define QC_IN_ORDER UINT64_C(0x7f3f1f0f07030100)
 
 /// Two places of triangles.
-typedef struct qcPlacePair
+typedef struct qcSlotPair
 {
     uint32_t a, b;
-} qcPlacePair;
+} qcSlotPair;
 
 enum
 {
-    qc_mostSkips = 4
+    qc_maxExclusions = 4
 };
 
 /// Pairs of places of two nodes that need not be compared: those in both masks.
-typedef struct qcPlaceSkip
+typedef struct qcPairExclusion
 {
     uint64_t a, b;
-} qcPlaceSkip;
-
-/// In place of a triangle: none.
-#define QC_NO_TRIANGLE UINT32_MAX
+} qcPairExclusion;
 
 /// A node that shares a vertex with another, or is the same, and the pairs between them.
-typedef struct qcNodeLink
+typedef struct qcLeafLink
 {
     uint32_t other; ///< not below the node that has the link
     uint32_t table; ///< where it begins
-} qcNodeLink;
+} qcLeafLink;
 
 /// Of a triangle.
 typedef struct qcCorners
@@ -68,7 +60,7 @@ typedef struct qcClusters
     uint32_t nodeCount;
     qcArray triangles; ///< uint32_t, qc_nodeSize a node: each triangle of the body once, or QC_NO_TRIANGLE
     qcArray firstLink; ///< uint32_t, nodeCount + 1: where a node's links begin
-    qcArray links;     ///< of qcNodeLink: each node's ordered by `other`, itself first
+    qcArray links;     ///< of qcLeafLink: each node's ordered by `other`, itself first
     /// uint64_t: the tables of links, packed (qcClusters_Word), and one more. Of a table's 64 words, word i + 8 j is
     /// about cluster i of the node and cluster j of the other, its bit u + 8 v about triangle u of the one and v of the
     /// other: set where both exist, share no vertex index and, within one node, come in this order (i < j, or i == j
@@ -97,12 +89,12 @@ uint32_t qcClusters_FindLink(const qcClusters* clusters, uint32_t node, uint32_t
 enum
 {
     qc_tableWords = 64,
-    qc_mostTableSize = 2 + qc_tableWords
+    qc_maxTableSize = 2 + qc_tableWords
 };
 
 /// Most words of most tables have all bits set, or none: a packed table has a bit for each word that has some, one for
 /// each that has none, then the former words in order. Returns its size.
-size_t qcClusters_PackTable(const uint64_t words[qc_tableWords], uint64_t packed[qc_mostTableSize]);
+size_t qcClusters_PackTable(const uint64_t words[qc_tableWords], uint64_t packed[qc_maxTableSize]);
 
 /// A word that has any bits. One word more than the table has is read, but not used.
 static inline uint64_t qcClusters_Word(const uint64_t* table, uint32_t word)
@@ -115,7 +107,7 @@ static inline uint64_t qcClusters_Word(const uint64_t* table, uint32_t word)
 /// The table of a link, packed.
 static inline const uint64_t* qcClusters_Table(const qcClusters* clusters, uint32_t link)
 {
-    return &QC_AT(uint64_t, clusters->tables, QC_AT(qcNodeLink, clusters->links, link).table);
+    return &QC_AT(uint64_t, clusters->tables, QC_AT(qcLeafLink, clusters->links, link).table);
 }
 
 /// As the table of a node with itself, had no two of its triangles a common vertex.
@@ -129,8 +121,8 @@ qcStatus qcClusters_NameVertices(const qcClusters* clusters, const uint32_t* ind
 
 /// Writes the pairs of neighbours of a node and the other of its link that no skip has, in no order but each once;
 /// there is room for qc_nodeSize^2. Returns the new end.
-qcPlacePair* qcClusters_FindNeighbours(const qcClusters* clusters, uint32_t node, uint32_t link,
-                                       const qcPlaceSkip* skips, int skipCount, qcPlacePair* pairs);
+qcSlotPair* qcClusters_FindNeighbours(const qcClusters* clusters, uint32_t node, uint32_t link,
+                                      const qcPairExclusion* skips, int skipCount, qcSlotPair* pairs);
 void qcClusters_Free(qcClusters* clusters);
 
 #endif

@@ -28,14 +28,14 @@ typedef struct Joint
 /// Grows the discs of one size.
 typedef struct Builder
 {
-    qcDiscs* discs;
+    qcFlatPatches* discs;
     const qcClusters* clusters;
     const qcAdjacency* adjacency;
     const qcCorners* corners;
     uint32_t vertexCount;
     int size;
     qcStatus status;
-    qcArray places, loops; ///< of these discs, as in qcDiscs
+    qcArray places, loops; ///< of these discs, as in qcFlatPatches
     qcArray inDisc;        ///< uint32_t by place: the disc it is in
     qcArray joints;        ///< of Joint, by vertex
     qcArray queue;         ///< uint32_t: places that may join
@@ -66,7 +66,7 @@ static Joint* JointAt(const Builder* b, uint32_t vertex)
 
 static bool IsInDisc(const Builder* b, uint32_t place)
 {
-    return place != QC_NO_PLACE && QC_AT(uint32_t, b->inDisc, place) == b->disc;
+    return place != QC_NO_SLOT && QC_AT(uint32_t, b->inDisc, place) == b->disc;
 }
 
 static void Begin(Builder* b, uint32_t seed)
@@ -135,7 +135,7 @@ static qcStatus PushAcross(Builder* b, uint32_t place)
     for (int c = 0; c < 3; c++)
     {
         uint32_t other = QC_AT(uint32_t, b->adjacency->across, 3 * (size_t)place + c);
-        if (other != QC_NO_PLACE && !IsInDisc(b, other))
+        if (other != QC_NO_SLOT && !IsInDisc(b, other))
             QC_AT(uint32_t, b->queue, b->queue.count++) = other;
     }
     return qc_statusOk;
@@ -159,7 +159,7 @@ typedef enum Phase
 } Phase;
 
 /// From a seed. Breadth first: the disc stays round.
-static qcStatus Grow(Builder* b, uint32_t seed, qcDisc* disc)
+static qcStatus Grow(Builder* b, uint32_t seed, qcFlatPatch* disc)
 {
     disc->firstPlace = (uint32_t)b->places.count;
     b->queue.count = 0;
@@ -187,7 +187,7 @@ static qcStatus Grow(Builder* b, uint32_t seed, qcDisc* disc)
 }
 
 /// Sets the masks of the disc's triangles by node; returns how many of the block it has.
-static uint32_t FillMasks(Builder* b, const qcDisc* disc)
+static uint32_t FillMasks(Builder* b, const qcFlatPatch* disc)
 {
     uint64_t* masks = b->masks.data;
     uint32_t ownCount = 0;
@@ -213,7 +213,7 @@ static uint32_t CountLoop(const Builder* b)
     return count;
 }
 
-static qcStatus KeepLoop(Builder* b, qcDisc* disc)
+static qcStatus KeepLoop(Builder* b, qcFlatPatch* disc)
 {
     qcArray* loops = &b->loops;
     disc->firstLoop = (uint32_t)loops->count;
@@ -226,16 +226,16 @@ static qcStatus KeepLoop(Builder* b, qcDisc* disc)
 }
 
 /// What the disc has of the nodes around its block, for each link between the two.
-static void FillRings(const Builder* b, const qcDisc* disc)
+static void FillRings(const Builder* b, const qcFlatPatch* disc)
 {
     const qcClusters* c = b->clusters;
     const uint32_t *firstLink = c->firstLink.data, *places = &QC_AT(uint32_t, b->places, disc->firstPlace);
-    const qcNodeLink* links = c->links.data;
+    const qcLeafLink* links = c->links.data;
     const uint64_t* masks = b->masks.data;
-    qcDiscRing* rings = b->discs->rings.data;
+    qcPatchLoop* rings = b->discs->rings.data;
     for (uint32_t node = b->firstNode; node < b->endNode; node++)
     {
-        QC_AT(uint64_t, b->discs->own, qc_discSizes * (size_t)node + b->size) = masks[node];
+        QC_AT(uint64_t, b->discs->own, qc_patchSizes * (size_t)node + b->size) = masks[node];
         for (uint32_t l = firstLink[node]; l < firstLink[node + 1]; l++)
             rings[l].ofNode[b->size] = masks[links[l].other];
     }
@@ -268,8 +268,8 @@ static void MarkBlock(Builder* b)
 
 static qcStatus GrowAround(Builder* b, uint32_t disc, uint32_t firstNode, uint32_t nodeCount)
 {
-    qcDiscs* discs = b->discs;
-    qcDisc* made = &QC_AT(qcDisc, discs->discs, disc);
+    qcFlatPatches* discs = b->discs;
+    qcFlatPatch* made = &QC_AT(qcFlatPatch, discs->discs, disc);
     b->firstNode = firstNode;
     b->endNode = firstNode + nodeCount;
     uint32_t step = nodeCount * qc_nodeSize / qc_seeds, best = 0;
@@ -282,10 +282,10 @@ static qcStatus GrowAround(Builder* b, uint32_t disc, uint32_t firstNode, uint32
         MarkBlock(b);
         QC_TRY(Grow(b, seed, made));
         best = FillMasks(b, made);
-        if (best < nodeCount * qc_leastShare || CountLoop(b) > qc_mostLoop)
+        if (best < nodeCount * qc_leastShare || CountLoop(b) > qc_maxLoop)
         {
             b->places.count = made->firstPlace;
-            *made = (qcDisc){0};
+            *made = (qcFlatPatch){0};
             best = 0;
             continue;
         }
@@ -298,7 +298,7 @@ static qcStatus GrowAround(Builder* b, uint32_t disc, uint32_t firstNode, uint32
 static qcStatus GrowAll(Builder* b)
 {
     size_t places = b->clusters->triangles.count;
-    uint32_t nodes = b->discs->nodeCount, block = b->size == 0 ? 1 : qc_discNodes;
+    uint32_t nodes = b->discs->nodeCount, block = b->size == 0 ? 1 : qc_patchNodes;
     QC_TRY(qcArray_Resize(&b->inDisc, places, sizeof(uint32_t), "discs of triangles"));
     QC_TRY(qcArray_Resize(&b->joints, b->vertexCount, sizeof(Joint), "discs of triangles"));
     QC_TRY(qcArray_Resize(&b->masks, nodes, sizeof(uint64_t), "discs of triangles"));
@@ -318,40 +318,40 @@ static void GrowSize(void* context, size_t size, uint32_t worker)
 }
 
 /// Adds the places and loops of the discs of one size.
-static qcStatus AddSize(qcDiscs* d, const Builder* b)
+static qcStatus AddSize(qcFlatPatches* d, const Builder* b)
 {
     if (b->status != qc_statusOk)
         return qcArray_FailAgain(&b->places, "discs of triangles");
     size_t first = b->size == 0 ? 0 : d->nodeCount, end = b->size == 0 ? d->nodeCount : d->discs.count;
     for (size_t i = first; i < end; i++)
     {
-        QC_AT(qcDisc, d->discs, i).firstPlace += (uint32_t)d->places.count;
-        QC_AT(qcDisc, d->discs, i).firstLoop += (uint32_t)d->loops.count;
+        QC_AT(qcFlatPatch, d->discs, i).firstPlace += (uint32_t)d->places.count;
+        QC_AT(qcFlatPatch, d->discs, i).firstLoop += (uint32_t)d->loops.count;
     }
     QC_TRY(qcArray_Append(&d->places, &b->places, sizeof(uint32_t), "discs of triangles"));
     return qcArray_Append(&d->loops, &b->loops, sizeof(uint32_t), "discs of triangles");
 }
 
-static qcStatus Build(qcDiscs* d, Builder builders[qc_discSizes], uint32_t threads)
+static qcStatus Build(qcFlatPatches* d, Builder builders[qc_patchSizes], uint32_t threads)
 {
     const qcClusters* c = builders[0].clusters;
-    uint32_t nodes = d->nodeCount, large = (nodes + qc_discNodes - 1) / qc_discNodes;
-    QC_TRY(qcArray_GrowZeroed(&d->discs, (size_t)nodes + large, sizeof(qcDisc), "discs of triangles"));
-    QC_TRY(qcArray_GrowZeroed(&d->own, qc_discSizes * (size_t)nodes, sizeof(uint64_t), "discs of triangles"));
-    QC_TRY(qcArray_GrowZeroed(&d->rings, c->links.count, sizeof(qcDiscRing), "discs of triangles"));
+    uint32_t nodes = d->nodeCount, large = (nodes + qc_patchNodes - 1) / qc_patchNodes;
+    QC_TRY(qcArray_GrowZeroed(&d->discs, (size_t)nodes + large, sizeof(qcFlatPatch), "discs of triangles"));
+    QC_TRY(qcArray_GrowZeroed(&d->own, qc_patchSizes * (size_t)nodes, sizeof(uint64_t), "discs of triangles"));
+    QC_TRY(qcArray_GrowZeroed(&d->rings, c->links.count, sizeof(qcPatchLoop), "discs of triangles"));
     // The two sizes side by side: they write to what is each one's own.
-    qcParallel_For(threads, qc_discSizes, qc_discSizes, GrowSize, builders);
-    for (int size = 0; size < qc_discSizes; size++)
+    qcParallel_For(threads, qc_patchSizes, qc_patchSizes, GrowSize, builders);
+    for (int size = 0; size < qc_patchSizes; size++)
         QC_TRY(AddSize(d, &builders[size]));
     return qc_statusOk;
 }
 
-qcStatus qcDiscs_Build(qcDiscs* discs, const qcClusters* clusters, const qcAdjacency* adjacency,
-                       const qcCorners* corners, uint32_t vertexCount, uint32_t threads)
+qcStatus qcFlatPatches_Build(qcFlatPatches* discs, const qcClusters* clusters, const qcAdjacency* adjacency,
+                             const qcCorners* corners, uint32_t vertexCount, uint32_t threads)
 {
-    *discs = (qcDiscs){.nodeCount = clusters->nodeCount};
-    Builder builders[qc_discSizes];
-    for (int size = 0; size < qc_discSizes; size++)
+    *discs = (qcFlatPatches){.nodeCount = clusters->nodeCount};
+    Builder builders[qc_patchSizes];
+    for (int size = 0; size < qc_patchSizes; size++)
         builders[size] = (Builder){.discs = discs,
                                    .clusters = clusters,
                                    .adjacency = adjacency,
@@ -359,14 +359,14 @@ qcStatus qcDiscs_Build(qcDiscs* discs, const qcClusters* clusters, const qcAdjac
                                    .vertexCount = vertexCount,
                                    .size = size};
     qcStatus status = Build(discs, builders, threads);
-    for (int size = 0; size < qc_discSizes; size++)
+    for (int size = 0; size < qc_patchSizes; size++)
         Free(&builders[size]);
     if (status != qc_statusOk)
-        qcDiscs_Free(discs);
+        qcFlatPatches_Free(discs);
     return status;
 }
 
-void qcDiscs_Free(qcDiscs* discs)
+void qcFlatPatches_Free(qcFlatPatches* discs)
 {
     qcArray* arrays[] = {&discs->discs, &discs->places, &discs->loops, &discs->own, &discs->rings};
     for (size_t i = 0; i < sizeof arrays / sizeof arrays[0]; i++)

@@ -10,7 +10,7 @@ static bool IsFirst(const qcCorners* corners, int c)
     return (c < 1 || v[c] != v[0]) && (c < 2 || v[2] != v[1]);
 }
 
-static qcStatus ListPlaces(qcStars* stars, const qcCorners* corners, size_t placeCount, uint32_t vertexCount)
+static qcStatus ListPlaces(qcVertexFans* stars, const qcCorners* corners, size_t placeCount, uint32_t vertexCount)
 {
     QC_TRY(qcArray_GrowZeroed(&stars->firstPlace, (size_t)vertexCount + 2, sizeof(uint32_t), "stars of a surface"));
     uint32_t* first = stars->firstPlace.data;
@@ -39,7 +39,7 @@ static bool FindSides(const qcCorners* corners, uint32_t vertex, uint32_t sides[
 }
 
 /// Takes the side that continues the ring at `end` out of those that are left; false: none does.
-static bool TakeNext(uint32_t sides[qc_largestStar][2], uint32_t* left, uint32_t end, uint32_t* next)
+static bool TakeNext(uint32_t sides[qc_maxFanSize][2], uint32_t* left, uint32_t end, uint32_t* next)
 {
     for (uint32_t i = 0; i < *left; i++)
     {
@@ -56,9 +56,10 @@ static bool TakeNext(uint32_t sides[qc_largestStar][2], uint32_t* left, uint32_t
 }
 
 /// The vertices around one, in one direction. False: its triangles are not one closed fan.
-static bool FindRing(const qcStars* stars, const qcCorners* corners, uint32_t vertex, uint32_t valence, uint32_t* ring)
+static bool FindRing(const qcVertexFans* stars, const qcCorners* corners, uint32_t vertex, uint32_t valence,
+                     uint32_t* ring)
 {
-    uint32_t sides[qc_largestStar][2], left = valence;
+    uint32_t sides[qc_maxFanSize][2], left = valence;
     const uint32_t* places = &QC_AT(uint32_t, stars->places, QC_AT(uint32_t, stars->firstPlace, vertex));
     for (uint32_t i = 0; i < valence; i++)
         if (!FindSides(&corners[places[i]], vertex, sides[i]))
@@ -81,36 +82,36 @@ static bool FindRing(const qcStars* stars, const qcCorners* corners, uint32_t ve
 }
 
 /// Adds a star to the last batch, or begins the next.
-static qcStatus AddStar(qcStars* stars, uint32_t vertex, const uint32_t* ring, uint32_t valence)
+static qcStatus AddStar(qcVertexFans* stars, uint32_t vertex, const uint32_t* ring, uint32_t valence)
 {
     size_t count = stars->batches.count;
-    const qcStarBatch* last = count != 0 ? &QC_AT(qcStarBatch, stars->batches, count - 1) : NULL;
-    if (last == NULL || last->valence != valence || last->count == qc_starLanes)
+    const qcVertexFanBatch* last = count != 0 ? &QC_AT(qcVertexFanBatch, stars->batches, count - 1) : NULL;
+    if (last == NULL || last->valence != valence || last->count == qc_fanLanes)
     {
         size_t first = stars->vertices.count;
-        QC_TRY(qcArray_Resize(&stars->batches, count + 1, sizeof(qcStarBatch), "stars of a surface"));
-        QC_TRY(qcArray_Resize(&stars->vertices, first + (size_t)qc_starLanes * (1 + valence), sizeof(uint32_t),
+        QC_TRY(qcArray_Resize(&stars->batches, count + 1, sizeof(qcVertexFanBatch), "stars of a surface"));
+        QC_TRY(qcArray_Resize(&stars->vertices, first + (size_t)qc_fanLanes * (1 + valence), sizeof(uint32_t),
                               "stars of a surface"));
-        QC_AT(qcStarBatch, stars->batches, count++) = (qcStarBatch){valence, 0, first};
+        QC_AT(qcVertexFanBatch, stars->batches, count++) = (qcVertexFanBatch){valence, 0, first};
     }
-    qcStarBatch* batch = &QC_AT(qcStarBatch, stars->batches, count - 1);
+    qcVertexFanBatch* batch = &QC_AT(qcVertexFanBatch, stars->batches, count - 1);
     uint32_t* row = &QC_AT(uint32_t, stars->vertices, batch->firstVertex);
     // The first one in all lanes, until others come.
-    uint32_t from = batch->count++, to = from == 0 ? qc_starLanes : from + 1;
+    uint32_t from = batch->count++, to = from == 0 ? qc_fanLanes : from + 1;
     for (uint32_t lane = from; lane < to; lane++)
         for (uint32_t i = 0; i <= valence; i++)
-            row[qc_starLanes * i + lane] = i == 0 ? vertex : ring[i - 1];
+            row[qc_fanLanes * i + lane] = i == 0 ? vertex : ring[i - 1];
     return qc_statusOk;
 }
 
-static qcStatus Make(qcStars* stars, const qcCorners* corners, size_t placeCount, uint32_t vertexCount)
+static qcStatus Make(qcVertexFans* stars, const qcCorners* corners, size_t placeCount, uint32_t vertexCount)
 {
     QC_TRY(ListPlaces(stars, corners, placeCount, vertexCount));
     const uint32_t* first = stars->firstPlace.data;
-    for (uint32_t valence = qc_smallestStar; valence <= qc_largestStar; valence++)
+    for (uint32_t valence = qc_minFanSize; valence <= qc_maxFanSize; valence++)
         for (uint32_t v = 0; v < vertexCount; v++)
         {
-            uint32_t ring[qc_largestStar];
+            uint32_t ring[qc_maxFanSize];
             if (first[v + 1] - first[v] == valence && FindRing(stars, corners, v, valence, ring))
                 QC_TRY(AddStar(stars, v, ring, valence));
         }
@@ -118,17 +119,17 @@ static qcStatus Make(qcStars* stars, const qcCorners* corners, size_t placeCount
     return qc_statusOk;
 }
 
-qcStatus qcStars_Make(qcStars* stars, const qcCorners* corners, size_t placeCount, uint32_t vertexCount)
+qcStatus qcVertexFans_Make(qcVertexFans* stars, const qcCorners* corners, size_t placeCount, uint32_t vertexCount)
 {
     if (stars->made)
         return qc_statusOk;
     qcStatus status = Make(stars, corners, placeCount, vertexCount);
     if (status != qc_statusOk)
-        qcStars_Free(stars);
+        qcVertexFans_Free(stars);
     return status;
 }
 
-void qcStars_Free(qcStars* stars)
+void qcVertexFans_Free(qcVertexFans* stars)
 {
     qcArray_Free(&stars->firstPlace);
     qcArray_Free(&stars->places);

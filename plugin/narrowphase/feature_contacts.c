@@ -51,7 +51,7 @@ void qcContactFacet_Set(qcContactFacet* facet, const qcContactSide* side)
     facet->asked = facet->hasOver = 0;
 }
 
-/// Of a facet with surroundings: see qcSurroundings_GetOver.
+/// Of a facet with surroundings: see qcLocalMinima_GetOver.
 static bool GetOver(qcContactFacet* facet, int edge)
 {
     const qcContactSide* side = &facet->side;
@@ -59,7 +59,7 @@ static bool GetOver(qcContactFacet* facet, int edge)
     if ((facet->asked & bit) == 0)
     {
         facet->asked |= bit;
-        if (qcSurroundings_GetOver(side->surroundings, side->body, side->triangle, edge, &facet->over[edge]))
+        if (qcLocalMinima_GetOver(side->surroundings, side->body, side->triangle, edge, &facet->over[edge]))
             facet->hasOver |= bit;
     }
     return (facet->hasOver & bit) != 0;
@@ -82,7 +82,7 @@ static bool IsApart(double x, double a, double b, double c, double reach)
 static bool IsNearest(const qcContactSide* side, const double weights[3], qcVector outward)
 {
     return side->surroundings == NULL ||
-           qcSurroundings_IsNearest(side->surroundings, side->body, side->triangle, weights, outward);
+           qcLocalMinima_IsNearest(side->surroundings, side->body, side->triangle, weights, outward);
 }
 
 /// The same of points of an edge, and of directions along a line.
@@ -93,11 +93,11 @@ static bool IsNearestEdge(qcContactFacet* facet, int edge, qcVector outward, boo
     if (side->surroundings == NULL)
         return true;
     qcVector mine = qcMinus(facet->corner[(edge + 2) % 3], p), inward = qcNegated(outward);
-    bool out = qcSurroundings_LeadsAway(mine, outward), in = eitherWay && qcSurroundings_LeadsAway(mine, inward);
+    bool out = qcLocalMinima_LeadsAway(mine, outward), in = eitherWay && qcLocalMinima_LeadsAway(mine, inward);
     if ((!out && !in) || !GetOver(facet, edge))
         return out || in;
     qcVector over = qcMinus(facet->over[edge], p);
-    return (out && qcSurroundings_LeadsAway(over, outward)) || (in && qcSurroundings_LeadsAway(over, inward));
+    return (out && qcLocalMinima_LeadsAway(over, outward)) || (in && qcLocalMinima_LeadsAway(over, inward));
 }
 
 static bool VertexFace(const qcContactFacet* vertexFacet, int corner, const qcContactFacet* face, double margin,
@@ -167,7 +167,7 @@ static bool EdgeEdge(qcContactFacet* a, int edgeA, qcContactFacet* b, int edgeB,
 
 static qcOwnedFeatures OwnedBy(const qcContactSide* side)
 {
-    return side->surroundings != NULL ? qcSurroundings_Owned(side->surroundings, side->triangle)
+    return side->surroundings != NULL ? qcLocalMinima_Owned(side->surroundings, side->triangle)
                                       : side->body->owned[side->triangle];
 }
 
@@ -188,15 +188,15 @@ static void LoadPair(const qcContactPair* pair, size_t at, qcFeaturePairs* loade
 }
 
 /// What stands for a feature of its own on both sides.
-static qcNearFeatures OwnedByPair(const qcContactPair* pair)
+static qcFeatureMask OwnedByPair(const qcContactPair* pair)
 {
     unsigned a = OwnedBy(&pair->a), b = OwnedBy(&pair->b), edgesA = a >> 3, edgesB = b >> 3;
     unsigned edges = edgesB * ((edgesA & 1u) | (edgesA & 2u) << 2 | (edgesA & 4u) << 4);
-    return (qcNearFeatures)((a & 7u) | (b & 7u) << qc_nearCornersOfB | edges << qc_nearEdges);
+    return (qcFeatureMask)((a & 7u) | (b & 7u) << qc_nearCornersOfB | edges << qc_nearEdges);
 }
 
-void qcContact_FindNear(const qcSurfaceKernels* kernels, const qcContactPair* pairs, size_t count,
-                        qcNearFeatures near[qc_featurePairs])
+void qcContact_FindNear(const qcTriangleKernels* kernels, const qcContactPair* pairs, size_t count,
+                        qcFeatureMask near[qc_featurePairs])
 {
     qcFeaturePairs loaded;
     for (size_t i = 0; i < qc_featurePairs; i++)
@@ -206,10 +206,10 @@ void qcContact_FindNear(const qcSurfaceKernels* kernels, const qcContactPair* pa
         near[i] &= OwnedByPair(&pairs[i]);
 }
 
-int qcContact_Find(qcContactFacet* a, qcContactFacet* b, double margin, qcNearFeatures near, qcContact* contacts)
+int qcContact_Find(qcContactFacet* a, qcContactFacet* b, double margin, qcFeatureMask near, qcContact* contacts)
 {
     // Boxes only spare work: wider than the margin, so that their rounding decides nothing; and narrower than those
-    // that found the pair (qcContact_Reach), so that who found it decides nothing either.
+    // that found the pair (qcContactDistance), so that who found it decides nothing either.
     double reach = margin * (1.0 + 1e-9);
     int count = 0;
     for (unsigned left = near; left != 0; left &= left - 1)

@@ -17,7 +17,7 @@ typedef struct qcContactSide
     const qcBody* body; ///< with owners
     uint32_t slot, triangle;
     /// Of a rigid body, whose points count only where none around is nearer; otherwise null.
-    const qcSurroundings* surroundings;
+    const qcLocalMinima* surroundings;
 } qcContactSide;
 
 /// A triangle with what is asked of it at hand: neighbours in a list of pairs mostly have one in common. All zero: of
@@ -41,10 +41,10 @@ typedef struct qcContactPair
 } qcContactPair;
 
 /// Which features that the triangles stand for may have contacts. For 1 to qc_featurePairs pairs.
-void qcContact_FindNear(const qcSurfaceKernels* kernels, const qcContactPair* pairs, size_t count,
-                        qcNearFeatures near[qc_featurePairs]);
+void qcContact_FindNear(const qcTriangleKernels* kernels, const qcContactPair* pairs, size_t count,
+                        qcFeatureMask near[qc_featurePairs]);
 
 /// Writes the contacts between these features; returns their number. The facets are those of the pair.
-int qcContact_Find(qcContactFacet* a, qcContactFacet* b, double margin, qcNearFeatures near, qcContact* contacts);
+int qcContact_Find(qcContactFacet* a, qcContactFacet* b, double margin, qcFeatureMask near, qcContact* contacts);
 
 #endif

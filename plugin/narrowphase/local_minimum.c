@@ -41,22 +41,22 @@ static qcVector NormalOf(const qcBody* body, uint32_t triangle)
     return qcCross(qcMinus(LocalOf(body, v[1]), p), qcMinus(LocalOf(body, v[2]), p));
 }
 
-static uint32_t Across(const qcSurroundings* surroundings, uint32_t triangle, int edge)
+static uint32_t Across(const qcLocalMinima* surroundings, uint32_t triangle, int edge)
 {
     return QC_AT(uint32_t, surroundings->adjacency.across, 3 * (size_t)triangle + (size_t)edge);
 }
 
-static bool IsFlatEdge(const qcSurroundings* surroundings, const qcBody* body, uint32_t triangle, int edge)
+static bool IsFlatEdge(const qcLocalMinima* surroundings, const qcBody* body, uint32_t triangle, int edge)
 {
     uint32_t other = Across(surroundings, triangle, edge);
-    if (other == QC_NO_PLACE)
+    if (other == QC_NO_SLOT)
         return false;
     qcVector m = NormalOf(body, triangle), n = NormalOf(body, other), c = qcCross(m, n);
     return qcDot(m, n) > 0.0 && qcDot(c, c) <= s_flat * s_flat * qcDot(m, m) * qcDot(n, n);
 }
 
 /// Marks the vertices of edges that are not flat, and leaves out the edges that are.
-static void KeepEdges(qcSurroundings* surroundings, const qcBody* body, uint8_t* turns)
+static void KeepEdges(qcLocalMinima* surroundings, const qcBody* body, uint8_t* turns)
 {
     for (uint32_t t = 0; t < body->triangleCount; t++)
     {
@@ -71,7 +71,7 @@ static void KeepEdges(qcSurroundings* surroundings, const qcBody* body, uint8_t*
     }
 }
 
-static qcStatus Make(qcSurroundings* surroundings, const qcBody* body)
+static qcStatus Make(qcLocalMinima* surroundings, const qcBody* body)
 {
     QC_TRY(qcArray_Resize(&surroundings->owned, body->triangleCount, sizeof(qcOwnedFeatures), "surroundings"));
     // The triangles themselves stand for their places.
@@ -89,31 +89,31 @@ static qcStatus Make(qcSurroundings* surroundings, const qcBody* body)
     return qc_statusOk;
 }
 
-qcStatus qcSurroundings_Make(qcSurroundings* surroundings, const qcBody* body)
+qcStatus qcLocalMinima_Make(qcLocalMinima* surroundings, const qcBody* body)
 {
     if (surroundings->generation == body->generation)
         return qc_statusOk;
-    qcSurroundings_Free(surroundings);
+    qcLocalMinima_Free(surroundings);
     if (body->triangleCount == 0)
         return qc_statusOk;
     qcStatus status = Make(surroundings, body);
     if (status != qc_statusOk)
-        qcSurroundings_Free(surroundings);
+        qcLocalMinima_Free(surroundings);
     return status;
 }
 
-void qcSurroundings_Free(qcSurroundings* surroundings)
+void qcLocalMinima_Free(qcLocalMinima* surroundings)
 {
     qcAdjacency_Free(&surroundings->adjacency);
     qcArray_Free(&surroundings->owned);
     surroundings->generation = 0;
 }
 
-bool qcSurroundings_GetOver(const qcSurroundings* surroundings, const qcBody* body, uint32_t triangle, int edge,
-                            qcVector* over)
+bool qcLocalMinima_GetOver(const qcLocalMinima* surroundings, const qcBody* body, uint32_t triangle, int edge,
+                           qcVector* over)
 {
     uint32_t other = Across(surroundings, triangle, edge);
-    if (other == QC_NO_PLACE)
+    if (other == QC_NO_SLOT)
         return false;
     const uint32_t* mine = body->indices + 3 * (size_t)triangle;
     const uint32_t* w = body->indices + 3 * (size_t)other;
@@ -123,7 +123,7 @@ bool qcSurroundings_GetOver(const qcSurroundings* surroundings, const qcBody* bo
     return true;
 }
 
-static bool IsNearestCorner(const qcSurroundings* surroundings, const qcBody* body, uint32_t vertex, qcVector outward)
+static bool IsNearestCorner(const qcLocalMinima* surroundings, const qcBody* body, uint32_t vertex, qcVector outward)
 {
     const uint32_t* first = &QC_AT(uint32_t, surroundings->adjacency.first, vertex);
     qcVector x = WorldOf(body, vertex);
@@ -131,14 +131,14 @@ static bool IsNearestCorner(const qcSurroundings* surroundings, const qcBody* bo
     {
         const uint32_t* w = body->indices + 3 * (size_t)QC_AT(uint32_t, surroundings->adjacency.around, i);
         for (int c = 0; c < 3; c++)
-            if (w[c] != vertex && !qcSurroundings_LeadsAway(qcMinus(WorldOf(body, w[c]), x), outward))
+            if (w[c] != vertex && !qcLocalMinima_LeadsAway(qcMinus(WorldOf(body, w[c]), x), outward))
                 return false;
     }
     return true;
 }
 
-bool qcSurroundings_IsNearest(const qcSurroundings* surroundings, const qcBody* body, uint32_t triangle,
-                              const double weights[3], qcVector outward)
+bool qcLocalMinima_IsNearest(const qcLocalMinima* surroundings, const qcBody* body, uint32_t triangle,
+                             const double weights[3], qcVector outward)
 {
     const uint32_t* v = body->indices + 3 * (size_t)triangle;
     for (int c = 0; c < 3; c++)
@@ -148,8 +148,8 @@ bool qcSurroundings_IsNearest(const qcSurroundings* surroundings, const qcBody* 
     {
         qcVector over;
         int edge = (c + 1) % 3;
-        if (weights[c] == 0.0 && qcSurroundings_GetOver(surroundings, body, triangle, edge, &over))
-            return qcSurroundings_LeadsAway(qcMinus(over, WorldOf(body, v[edge])), outward);
+        if (weights[c] == 0.0 && qcLocalMinima_GetOver(surroundings, body, triangle, edge, &over))
+            return qcLocalMinima_LeadsAway(qcMinus(over, WorldOf(body, v[edge])), outward);
     }
     return true;
 }

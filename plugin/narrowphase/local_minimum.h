@@ -6,34 +6,34 @@
 #include "scene/bodies.h"
 #include "base/vec3.h"
 
-typedef struct qcSurroundings
+typedef struct qcLocalMinima
 {
     uint32_t generation;   ///< the body's; 0: nothing is known
     qcAdjacency adjacency; ///< by triangle
     qcArray owned;         ///< qcOwnedFeatures by triangle: what it stands for, without what is flat
-} qcSurroundings;
+} qcLocalMinima;
 
 /// Of a body with owners. O(triangles) for another body than before.
-qcStatus qcSurroundings_Make(qcSurroundings* surroundings, const qcBody* body);
-void qcSurroundings_Free(qcSurroundings* surroundings);
+qcStatus qcLocalMinima_Make(qcLocalMinima* surroundings, const qcBody* body);
+void qcLocalMinima_Free(qcLocalMinima* surroundings);
 
-static inline qcOwnedFeatures qcSurroundings_Owned(const qcSurroundings* surroundings, uint32_t triangle)
+static inline qcOwnedFeatures qcLocalMinima_Owned(const qcLocalMinima* surroundings, uint32_t triangle)
 {
     return QC_AT(qcOwnedFeatures, surroundings->owned, triangle);
 }
 
 /// `outward` leads from a point of the triangle, which has these weights, to a point of another body: is no point of
 /// the triangles around nearer to that?
-bool qcSurroundings_IsNearest(const qcSurroundings* surroundings, const qcBody* body, uint32_t triangle,
-                              const double weights[3], qcVector outward);
+bool qcLocalMinima_IsNearest(const qcLocalMinima* surroundings, const qcBody* body, uint32_t triangle,
+                             const double weights[3], qcVector outward);
 
 /// The corner of the triangle over the edge from corner `edge` to the next; false: there is not one.
-bool qcSurroundings_GetOver(const qcSurroundings* surroundings, const qcBody* body, uint32_t triangle, int edge,
-                            qcVector* over);
+bool qcLocalMinima_GetOver(const qcLocalMinima* surroundings, const qcBody* body, uint32_t triangle, int edge,
+                           qcVector* over);
 
 /// `side` leads from an edge to the far corner of a triangle that has it, `outward` from the edge to a point of another
 /// body, at right angles to the edge: is no point of the triangle nearer to that?
-static inline bool qcSurroundings_LeadsAway(qcVector side, qcVector outward)
+static inline bool qcLocalMinima_LeadsAway(qcVector side, qcVector outward)
 {
     // 1e-6: of points that are as near as each other rounding must not drop all.
     double dot = qcDot(side, outward);

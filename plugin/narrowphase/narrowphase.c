@@ -27,12 +27,12 @@ enum
 
 typedef struct Job
 {
-    qcNarrow* narrow;
-    const qcTriangles* triangles;
+    qcNarrowphase* narrow;
+    const qcStepTriangles* triangles;
     const qcArray *keys, *neighbourKeys; ///< of uint64_t; blocks of the second come after those of the first
     size_t keyBlocks;
     const qcDetectDef* def;
-    const qcSurfaceKernels* kernels;
+    const qcTriangleKernels* kernels;
 } Job;
 
 typedef struct Side
@@ -40,10 +40,10 @@ typedef struct Side
     uint32_t body, triangle; ///< numbers of the step, index in the body
 } Side;
 
-static Side SideOf(const qcTriangles* t, uint32_t rank)
+static Side SideOf(const qcStepTriangles* t, uint32_t rank)
 {
-    uint32_t body = qcTriangles_BodyOf(t, rank);
-    return (Side){body, rank - qcTriangles_First(t, body)};
+    uint32_t body = qcStepTriangles_BodyOf(t, rank);
+    return (Side){body, rank - qcStepTriangles_First(t, body)};
 }
 
 /// A triangle's corners. Neighbours in a list of pairs mostly have one in common.
@@ -62,7 +62,7 @@ static void TakeCorners(const Job* job, uint32_t rank, Corners* corners)
     Side side = SideOf(job->triangles, rank);
     corners->known = true;
     corners->rank = rank;
-    corners->body = qcTriangles_Body(job->triangles, side.body);
+    corners->body = qcStepTriangles_Body(job->triangles, side.body);
     qcBody_GetTriangle(corners->body, side.triangle, corners->corner);
 }
 
@@ -72,7 +72,7 @@ static void TakeCornersOfPair(const Job* job, uint64_t key, Corners corners[2])
     TakeCorners(job, (uint32_t)key, &corners[1]);
 }
 
-static void Relate(const Job* job, qcNarrowSink* sink, uint64_t key, Corners corners[2])
+static void Relate(const Job* job, qcNarrowphaseWorker* sink, uint64_t key, Corners corners[2])
 {
     TakeCornersOfPair(job, key, corners);
     const double(*p)[3] = (const double(*)[3])corners[0].corner;
@@ -92,10 +92,10 @@ static void Relate(const Job* job, qcNarrowSink* sink, uint64_t key, Corners cor
 
 static qcContactSide ContactSideOf(const Job* job, Side side)
 {
-    uint32_t slot = qcTriangles_Slot(job->triangles, side.body);
-    const qcBody* body = qcTriangles_Body(job->triangles, side.body);
+    uint32_t slot = qcStepTriangles_Slot(job->triangles, side.body);
+    const qcBody* body = qcStepTriangles_Body(job->triangles, side.body);
     bool isNearest = job->def->nearestContacts && !body->deforming;
-    const qcSurroundings* surroundings = isNearest ? &QC_AT(qcSurroundings, job->narrow->surroundings, slot) : NULL;
+    const qcLocalMinima* surroundings = isNearest ? &QC_AT(qcLocalMinima, job->narrow->surroundings, slot) : NULL;
     return (qcContactSide){body, slot, side.triangle, surroundings};
 }
 
@@ -110,7 +110,7 @@ static qcContactPair ContactPairOf(const Job* job, uint64_t key)
     return pair;
 }
 
-static void AddContacts(qcNarrowSink* sink, uint64_t key, const qcContact* found, size_t count)
+static void AddContacts(qcNarrowphaseWorker* sink, uint64_t key, const qcContact* found, size_t count)
 {
     size_t first = sink->contacts.count;
     if (count == 0)
@@ -127,11 +127,11 @@ static void AddContacts(qcNarrowSink* sink, uint64_t key, const qcContact* found
 }
 
 /// Of pairs that are looked at together.
-static void FindContacts(const Job* job, qcNarrowSink* sink, const uint64_t* keys, size_t count,
+static void FindContacts(const Job* job, qcNarrowphaseWorker* sink, const uint64_t* keys, size_t count,
                          qcContactFacet facets[2])
 {
     qcContactPair pairs[qc_featurePairs];
-    qcNearFeatures near[qc_featurePairs];
+    qcFeatureMask near[qc_featurePairs];
     for (size_t i = 0; i < count; i++)
         pairs[i] = ContactPairOf(job, keys[i]);
     qcContact_FindNear(job->kernels, pairs, count, near);
@@ -155,7 +155,7 @@ static size_t BlockCount(const qcArray* keys)
 static void TakeBlock(void* context, size_t block, uint32_t worker)
 {
     const Job* job = context;
-    qcNarrowSink* sink = &QC_AT(qcNarrowSink, job->narrow->sinks, worker);
+    qcNarrowphaseWorker* sink = &QC_AT(qcNarrowphaseWorker, job->narrow->sinks, worker);
     bool neighbours = block >= job->keyBlocks;
     const qcArray* keys = neighbours ? job->neighbourKeys : job->keys;
     size_t first = (neighbours ? block - job->keyBlocks : block) * qc_blockSize;
@@ -173,12 +173,12 @@ static void TakeBlock(void* context, size_t block, uint32_t worker)
     sink->contactMs += qcClock_Now() - start;
 }
 
-static qcStatus EmptySinks(qcNarrow* narrow, uint32_t threads)
+static qcStatus EmptySinks(qcNarrowphase* narrow, uint32_t threads)
 {
-    QC_TRY(qcArray_GrowZeroed(&narrow->sinks, threads, sizeof(qcNarrowSink), "pairs"));
+    QC_TRY(qcArray_GrowZeroed(&narrow->sinks, threads, sizeof(qcNarrowphaseWorker), "pairs"));
     for (size_t i = 0; i < narrow->sinks.count; i++)
     {
-        qcNarrowSink* sink = &QC_AT(qcNarrowSink, narrow->sinks, i);
+        qcNarrowphaseWorker* sink = &QC_AT(qcNarrowphaseWorker, narrow->sinks, i);
         sink->found.count = sink->contacts.count = sink->contactKeys.count = 0;
         sink->tests = sink->fallbacks = 0;
         sink->contactMs = 0.0;
@@ -188,33 +188,33 @@ static qcStatus EmptySinks(qcNarrow* narrow, uint32_t threads)
 }
 
 /// Of the rigid bodies of the step, by slot.
-static qcStatus MakeSurroundings(qcNarrow* narrow, const qcTriangles* triangles)
+static qcStatus MakeSurroundings(qcNarrowphase* narrow, const qcStepTriangles* triangles)
 {
     const qcArray* slots = &triangles->bodies->slots;
-    QC_TRY(qcArray_GrowZeroed(&narrow->surroundings, slots->count, sizeof(qcSurroundings), "surroundings"));
+    QC_TRY(qcArray_GrowZeroed(&narrow->surroundings, slots->count, sizeof(qcLocalMinima), "surroundings"));
     for (size_t slot = 0; slot < slots->count; slot++)
     {
         const qcBody* body = &QC_AT(qcBody, *slots, slot);
-        qcSurroundings* surroundings = &QC_AT(qcSurroundings, narrow->surroundings, slot);
+        qcLocalMinima* surroundings = &QC_AT(qcLocalMinima, narrow->surroundings, slot);
         if (qcBody_IsUsed(body) && !body->deforming)
-            QC_TRY(qcSurroundings_Make(surroundings, body));
+            QC_TRY(qcLocalMinima_Make(surroundings, body));
         else
-            qcSurroundings_Free(surroundings);
+            qcLocalMinima_Free(surroundings);
     }
     return qc_statusOk;
 }
 
 /// Sorted, into narrow->order.
-static qcStatus CollectPairs(qcNarrow* narrow, const qcArray* sure)
+static qcStatus CollectPairs(qcNarrowphase* narrow, const qcArray* sure)
 {
     size_t total = sure->count, at = 0;
     for (size_t i = 0; i < narrow->sinks.count; i++)
-        total += QC_AT(qcNarrowSink, narrow->sinks, i).found.count;
+        total += QC_AT(qcNarrowphaseWorker, narrow->sinks, i).found.count;
     QC_TRY(qcArray_Resize(&narrow->order, total, sizeof(qcSortItem), "pairs"));
     QC_TRY(qcArray_Resize(&narrow->pairs, total, sizeof(qcPair), "pairs"));
     for (size_t i = 0; i < narrow->sinks.count; i++)
     {
-        const qcArray* found = &QC_AT(qcNarrowSink, narrow->sinks, i).found;
+        const qcArray* found = &QC_AT(qcNarrowphaseWorker, narrow->sinks, i).found;
         if (found->count != 0)
             memcpy(&QC_AT(qcSortItem, narrow->order, at), found->data, found->count * sizeof(qcSortItem));
         at += found->count;
@@ -228,16 +228,16 @@ static void NameBlock(void* context, size_t block, uint32_t worker)
 {
     (void)worker;
     const Job* job = context;
-    const qcTriangles* t = job->triangles;
+    const qcStepTriangles* t = job->triangles;
     const qcArray* order = &job->narrow->order;
     size_t end = (block + 1) * qc_namedPairs < order->count ? (block + 1) * qc_namedPairs : order->count;
     for (size_t i = block * qc_namedPairs; i < end; i++)
     {
         qcSortItem item = QC_AT(qcSortItem, *order, i);
         Side a = SideOf(t, (uint32_t)(item.key >> 32)), b = SideOf(t, (uint32_t)item.key);
-        QC_AT(qcPair, job->narrow->pairs, i) = (qcPair){.bodyA = qcTriangles_Slot(t, a.body),
+        QC_AT(qcPair, job->narrow->pairs, i) = (qcPair){.bodyA = qcStepTriangles_Slot(t, a.body),
                                                         .triangleA = a.triangle,
-                                                        .bodyB = qcTriangles_Slot(t, b.body),
+                                                        .bodyB = qcStepTriangles_Slot(t, b.body),
                                                         .triangleB = b.triangle,
                                                         .relation = (qcRelation)item.value};
     }
@@ -265,19 +265,19 @@ static void ComputeProximity(void* context, size_t i, uint32_t worker)
     Corners corners[2] = {{.known = false}, {.known = false}};
     TakeCornersOfPair(job, item.key, corners);
     qcProximity_Of((const double(*)[3])corners[0].corner, (const double(*)[3])corners[1].corner, (qcRelation)item.value,
-                   &QC_AT(qcProximity, job->narrow->proximities, i), &QC_AT(qcFeet, job->narrow->feet, i));
+                   &QC_AT(qcProximity, job->narrow->proximities, i), &QC_AT(qcClosestFeatures, job->narrow->feet, i));
 }
 
-static qcStatus CollectContacts(qcNarrow* narrow)
+static qcStatus CollectContacts(qcNarrowphase* narrow)
 {
     size_t total = 0, at = 0;
     for (size_t i = 0; i < narrow->sinks.count; i++)
-        total += QC_AT(qcNarrowSink, narrow->sinks, i).contacts.count;
+        total += QC_AT(qcNarrowphaseWorker, narrow->sinks, i).contacts.count;
     QC_TRY(qcArray_Resize(&narrow->order, total, sizeof(qcSortItem), "contacts"));
     QC_TRY(qcArray_Resize(&narrow->contacts, total, sizeof(qcContact), "contacts"));
     for (size_t i = 0; i < narrow->sinks.count; i++)
     {
-        const qcNarrowSink* sink = &QC_AT(qcNarrowSink, narrow->sinks, i);
+        const qcNarrowphaseWorker* sink = &QC_AT(qcNarrowphaseWorker, narrow->sinks, i);
         for (size_t k = 0; k < sink->contactKeys.count; k++, at++)
         {
             // The place names the worker too. Contacts of one key lie together in one worker, and the sort is stable.
@@ -290,14 +290,14 @@ static qcStatus CollectContacts(qcNarrow* narrow)
     for (size_t i = 0; i < total; i++)
     {
         uint64_t place = QC_AT(qcSortItem, narrow->order, i).value;
-        QC_AT(qcContact, narrow->contacts, i) =
-            QC_AT(qcContact, QC_AT(qcNarrowSink, narrow->sinks, place >> 48).contacts, place & 0xffffffffffffULL);
+        QC_AT(qcContact, narrow->contacts, i) = QC_AT(
+            qcContact, QC_AT(qcNarrowphaseWorker, narrow->sinks, place >> 48).contacts, place & 0xffffffffffffULL);
     }
     return qc_statusOk;
 }
 
-qcStatus qcNarrow_Run(qcNarrow* narrow, const qcTriangles* triangles, const qcCandidates* candidates,
-                      const qcDetectDef* def, uint32_t threads, qcProfile* profile)
+qcStatus qcNarrowphase_Run(qcNarrowphase* narrow, const qcStepTriangles* triangles, const qcCandidates* candidates,
+                           const qcDetectDef* def, uint32_t threads, qcProfile* profile)
 {
     double start = qcClock_Now();
     narrow->pairs.count = narrow->segments.count = narrow->proximities.count = narrow->contacts.count = 0;
@@ -310,12 +310,12 @@ qcStatus qcNarrow_Run(qcNarrow* narrow, const qcTriangles* triangles, const qcCa
                .neighbourKeys = &candidates->neighbourKeys,
                .keyBlocks = BlockCount(&candidates->keys),
                .def = def,
-               .kernels = qcSurfaceKernels_Get()};
+               .kernels = qcTriangleKernels_Get()};
     qcParallel_For(threads, job.keyBlocks + BlockCount(job.neighbourKeys), qc_leastBlocks, TakeBlock, &job);
     double contactMs = 0.0;
     for (size_t i = 0; i < narrow->sinks.count; i++)
     {
-        const qcNarrowSink* sink = &QC_AT(qcNarrowSink, narrow->sinks, i);
+        const qcNarrowphaseWorker* sink = &QC_AT(qcNarrowphaseWorker, narrow->sinks, i);
         // The message is the worker's own; say it again on this thread.
         if (sink->status != qc_statusOk)
             return qcArray_FailAgain(&sink->found, "pairs and contacts");
@@ -337,7 +337,7 @@ qcStatus qcNarrow_Run(qcNarrow* narrow, const qcTriangles* triangles, const qcCa
     if (def->proximities)
     {
         QC_TRY(qcArray_Resize(&narrow->proximities, narrow->pairs.count, sizeof(qcProximity), "proximities"));
-        QC_TRY(qcArray_Resize(&narrow->feet, narrow->pairs.count, sizeof(qcFeet), "proximities"));
+        QC_TRY(qcArray_Resize(&narrow->feet, narrow->pairs.count, sizeof(qcClosestFeatures), "proximities"));
         qcParallel_For(threads, narrow->pairs.count, qc_leastProximities, ComputeProximity, &job);
     }
     double middle = qcClock_Now();
@@ -349,17 +349,17 @@ qcStatus qcNarrow_Run(qcNarrow* narrow, const qcTriangles* triangles, const qcCa
     return qc_statusOk;
 }
 
-void qcNarrow_Free(qcNarrow* narrow)
+void qcNarrowphase_Free(qcNarrowphase* narrow)
 {
     for (size_t i = 0; i < narrow->sinks.count; i++)
     {
-        qcNarrowSink* sink = &QC_AT(qcNarrowSink, narrow->sinks, i);
+        qcNarrowphaseWorker* sink = &QC_AT(qcNarrowphaseWorker, narrow->sinks, i);
         qcArray_Free(&sink->found);
         qcArray_Free(&sink->contacts);
         qcArray_Free(&sink->contactKeys);
     }
     for (size_t slot = 0; slot < narrow->surroundings.count; slot++)
-        qcSurroundings_Free(&QC_AT(qcSurroundings, narrow->surroundings, slot));
+        qcLocalMinima_Free(&QC_AT(qcLocalMinima, narrow->surroundings, slot));
     qcArray_Free(&narrow->surroundings);
     qcArray_Free(&narrow->sinks);
     qcArray_Free(&narrow->order);

@@ -5,7 +5,7 @@
 #include "sweep/candidates.h"
 
 /// What one worker found.
-typedef struct qcNarrowSink
+typedef struct qcNarrowphaseWorker
 {
     qcArray found;       ///< of qcSortItem: candidate key, relation
     qcArray contacts;    ///< of qcContact
@@ -14,22 +14,22 @@ typedef struct qcNarrowSink
     double contactMs;
     qcStatus status;
     char apart[64]; ///< keeps the counters of two workers off one cache line
-} qcNarrowSink;
+} qcNarrowphaseWorker;
 
-typedef struct qcNarrow
+typedef struct qcNarrowphase
 {
-    qcArray sinks; ///< of qcNarrowSink
+    qcArray sinks; ///< of qcNarrowphaseWorker
     qcArray order, scratch;
-    qcArray surroundings; ///< of qcSurroundings, by slot
+    qcArray surroundings; ///< of qcLocalMinima, by slot
     //  results
     qcArray pairs, segments, contacts;
     qcArray proximities; ///< of qcProximity, one a pair; if they were asked for
-    qcArray feet;        ///< of qcFeet, of the proximities
-} qcNarrow;
+    qcArray feet;        ///< of qcClosestFeatures, of the proximities
+} qcNarrowphase;
 
 /// `def` says what is reported. Adds to the profile's counters and to exactMs and contactMs.
-qcStatus qcNarrow_Run(qcNarrow* narrow, const qcTriangles* triangles, const qcCandidates* candidates,
-                      const qcDetectDef* def, uint32_t threads, qcProfile* profile);
-void qcNarrow_Free(qcNarrow* narrow);
+qcStatus qcNarrowphase_Run(qcNarrowphase* narrow, const qcStepTriangles* triangles, const qcCandidates* candidates,
+                           const qcDetectDef* def, uint32_t threads, qcProfile* profile);
+void qcNarrowphase_Free(qcNarrowphase* narrow);
 
 #endif

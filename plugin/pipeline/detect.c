@@ -71,7 +71,7 @@ static qcStatus FindOwners(Step* step)
 /// so that two boxes no further apart than the reach are never parted by it.
 static double Reach(const qcDetectDef* def)
 {
-    double contacts = qcContact_Reach(def->contactMargin);
+    double contacts = qcContactDistance(def->contactMargin);
     return def->margin > contacts ? def->margin : contacts;
 }
 
@@ -83,15 +83,15 @@ static qcStatus CullAndSweepObjects(Step* step)
         QC_TRY(qcCull_Objects(&d->cull, &d->triangles, step->device, &step->plan, step->def));
     for (uint32_t body = 0; body < d->triangles.bodyCount; body++)
         step->profile.objectPcs += QC_AT(uint8_t, d->triangles.bodySet, body) != qc_setBfv &&
-                                   qcTriangles_Body(&d->triangles, body)->triangleCount != 0;
+                                   qcStepTriangles_Body(&d->triangles, body)->triangleCount != 0;
     step->profile.cullObjectsMs = Lap(step);
 
     double margin = Reach(step->def);
     bool brute = step->plan.method == qc_methodBrute;
     if (brute)
-        QC_TRY(qcObjects_FindPairsBrute(&d->objects, &d->triangles, margin, &step->profile));
+        QC_TRY(qcBodyPairs_FindPairsBrute(&d->objects, &d->triangles, margin, &step->profile));
     else
-        QC_TRY(qcObjects_FindPairs(&d->objects, &d->triangles, margin, &step->profile));
+        QC_TRY(qcBodyPairs_FindPairs(&d->objects, &d->triangles, margin, &step->profile));
     step->profile.sweepObjectsMs = Lap(step);
     return qc_statusOk;
 }
@@ -112,10 +112,10 @@ static qcStatus ChooseParts(Step* step)
     if (bodyCount != 0)
         memset(d->onDevice.data, 0, bodyCount);
     if (SweepsSurfaces(step) || step->plan.useLayers || step->plan.chooseParts)
-        QC_TRY(qcParts_Find(&d->parts, &d->triangles, &d->objects));
+        QC_TRY(qcIslands_Find(&d->parts, &d->triangles, &d->objects));
     if (!step->plan.useLayers && !step->plan.chooseParts)
         return qc_statusOk;
-    qcPlanPart* parts = d->parts.parts.data;
+    qcPlanItem* parts = d->parts.parts.data;
     size_t count = d->parts.parts.count;
     step->profile.parts = (uint32_t)count;
     if (step->plan.useLayers)
@@ -133,7 +133,7 @@ static qcStatus ChooseParts(Step* step)
     for (uint32_t body = 0; body < bodyCount; body++)
     {
         uint32_t part = QC_AT(uint32_t, d->parts.partOf, body);
-        QC_AT(uint8_t, d->onDevice, body) = part != QC_NO_PART && parts[part].onDevice;
+        QC_AT(uint8_t, d->onDevice, body) = part != QC_NO_ISLAND && parts[part].onDevice;
     }
     return qc_statusOk;
 }
@@ -183,10 +183,10 @@ static bool ListsNeighbours(const Step* step)
     return step->def->contactMargin > 0.0 && !step->def->neighbours;
 }
 
-static qcSweepSurfacesJob SurfacesJob(const Step* step)
+static qcBvhCandidatesJob SurfacesJob(const Step* step)
 {
     qcDetector* d = step->detector;
-    return (qcSweepSurfacesJob){.triangles = &d->triangles,
+    return (qcBvhCandidatesJob){.triangles = &d->triangles,
                                 .objects = &d->objects,
                                 .bodies = d->onSurfaces.data,
                                 .neighbourBodies = d->neighboursOnSurfaces.data,
@@ -213,24 +213,24 @@ static qcStatus PrepareSurfaces(Step* step)
     for (uint32_t body = 0; body < bodyCount; body++)
     {
         onSurfaces[body] = SweepsSurfaces(step) && !onDevice[body];
-        neighbours[body] =
-            onDevice[body] && ListsNeighbours(step) && qcBody_MeetsItself(qcTriangles_Body(&d->triangles, body));
+        neighbours[body] = onDevice[body] && ListsNeighbours(step) &&
+                           qcBody_HasSelfCollision(qcStepTriangles_Body(&d->triangles, body));
     }
     // What meets nothing needs no surface.
     if (SweepsSurfaces(step))
-        qcParts_Unite(&d->parts, onSurfaces);
+        qcIslands_Unite(&d->parts, onSurfaces);
     for (uint32_t body = 0; body < bodyCount; body++)
         either[body] = onSurfaces[body] || neighbours[body];
-    qcSweepSurfacesJob job = SurfacesJob(step);
+    qcBvhCandidatesJob job = SurfacesJob(step);
     if (SweepsSurfaces(step))
-        QC_TRY(qcSweepSurfaces_Prepare(&d->surfaces, &job, either));
+        QC_TRY(qcBvhCandidates_Prepare(&d->surfaces, &job, either));
     for (uint32_t body = 0; body < bodyCount; body++)
     {
         onSurfaces[body] = onSurfaces[body] && either[body];
         neighbours[body] = neighbours[body] && either[body];
     }
     if (SweepsSurfaces(step))
-        qcParts_Unite(&d->parts, onSurfaces);
+        qcIslands_Unite(&d->parts, onSurfaces);
     for (uint32_t body = 0; body < bodyCount; body++)
         either[body] = onDevice[body] || onSurfaces[body];
     return qc_statusOk;
@@ -242,15 +242,15 @@ static qcStatus ListNeighbours(Step* step)
     qcDetector* d = step->detector;
     for (uint32_t body = 0; ListsNeighbours(step) && body < d->triangles.bodyCount; body++)
         if (QC_AT(uint8_t, d->onDevice, body) && !QC_AT(uint8_t, d->neighboursOnSurfaces, body) &&
-            qcBody_MeetsItself(qcTriangles_Body(&d->triangles, body)))
+            qcBody_HasSelfCollision(qcStepTriangles_Body(&d->triangles, body)))
             QC_TRY(qcCullLayers_ListNeighbours(&d->cullLayers, &d->triangles, body, &d->layersContactKeys));
     return qc_statusOk;
 }
 
 static qcStatus SweepSurfaces(Step* step)
 {
-    qcSweepSurfacesJob job = SurfacesJob(step);
-    return qcSweepSurfaces_Run(&step->detector->surfaces, &job, &step->profile);
+    qcBvhCandidatesJob job = SurfacesJob(step);
+    return qcBvhCandidates_Run(&step->detector->surfaces, &job, &step->profile);
 }
 
 static qcStatus SweepTriangles(Step* step)
@@ -288,8 +288,8 @@ static qcStatus CullAndSweepTriangles(Step* step)
     QC_TRY(PrepareSurfaces(step));
     // The paper culls whole objects at the sub-object level; brute force leaves out nothing.
     bool wholeBodies = step->plan.useImage || step->plan.method == qc_methodBrute;
-    QC_TRY(qcObjects_MarkTriangles(&d->objects, &d->triangles, Reach(step->def), wholeBodies, d->elsewhere.data,
-                                   &step->profile));
+    QC_TRY(qcBodyPairs_MarkTriangles(&d->objects, &d->triangles, Reach(step->def), wholeBodies, d->elsewhere.data,
+                                     &step->profile));
     if (step->plan.useImage)
         QC_TRY(qcCull_Triangles(&d->cull, &d->triangles, step->device, &step->plan, step->def));
     step->profile.trianglePcs += CountMarked(d->triangles.pcs.data, d->triangles.count);
@@ -332,7 +332,7 @@ static void MarkPcs(const Step* step, uint64_t* marks)
 static qcStatus CollectPcs(Step* step)
 {
     qcDetector* d = step->detector;
-    const qcTriangles* t = &d->triangles;
+    const qcStepTriangles* t = &d->triangles;
     size_t words = ((size_t)t->count + 63) / 64, count = 0, at = 0;
     QC_TRY(qcArray_Resize(&d->marks, words, sizeof(uint64_t), "the PCS"));
     uint64_t* marks = d->marks.data;
@@ -347,10 +347,10 @@ static qcStatus CollectPcs(Step* step)
         for (uint64_t left = marks[w]; left != 0; left &= left - 1)
         {
             uint32_t rank = (uint32_t)(64 * w) + (uint32_t)__builtin_ctzll(left);
-            while (rank >= qcTriangles_First(t, body + 1))
+            while (rank >= qcStepTriangles_First(t, body + 1))
                 body++;
             QC_AT(qcTriangleRef, d->pcs, at++) =
-                (qcTriangleRef){qcTriangles_Slot(t, body), rank - qcTriangles_First(t, body)};
+                (qcTriangleRef){qcStepTriangles_Slot(t, body), rank - qcStepTriangles_First(t, body)};
         }
     return qc_statusOk;
 }
@@ -406,14 +406,14 @@ static qcStatus RunStages(Step* step)
     QC_TRY(FindOwners(step));
     d->triangles.filter = step->def->pairFilter;
     d->triangles.filterContext = step->def->pairFilterContext;
-    QC_TRY(qcTriangles_Number(&d->triangles, step->bodies));
+    QC_TRY(qcStepTriangles_Number(&d->triangles, step->bodies));
     step->profile.bodies = d->triangles.bodyCount;
     step->profile.triangles = d->triangles.count;
     step->profile.planMs = Lap(step);
     QC_TRY(CullAndSweepObjects(step));
     QC_TRY(CullAndSweepTriangles(step));
     QC_TRY(CollectPcs(step));
-    QC_TRY(qcNarrow_Run(&d->narrow, &d->triangles, &d->candidates, step->def, step->threads, &step->profile));
+    QC_TRY(qcNarrowphase_Run(&d->narrow, &d->triangles, &d->candidates, step->def, step->threads, &step->profile));
     QC_TRY(BuildManifolds(step));
     step->profile.totalMs = qcClock_Now() - start;
     FillResult(step);
@@ -464,12 +464,12 @@ qcStatus qcDetector_Run(qcDetector* detector, qcBodies* bodies, qcDevice* device
 
 void qcDetector_Free(qcDetector* detector)
 {
-    qcTriangles_Free(&detector->triangles);
+    qcStepTriangles_Free(&detector->triangles);
     qcCull_Free(&detector->cull);
     qcCullLayers_Free(&detector->cullLayers);
-    qcObjects_Free(&detector->objects);
-    qcParts_Free(&detector->parts);
-    qcSweepSurfaces_Free(&detector->surfaces);
+    qcBodyPairs_Free(&detector->objects);
+    qcIslands_Free(&detector->parts);
+    qcBvhCandidates_Free(&detector->surfaces);
     qcArray_Free(&detector->onDevice);
     qcArray_Free(&detector->onSurfaces);
     qcArray_Free(&detector->elsewhere);
@@ -478,7 +478,7 @@ void qcDetector_Free(qcDetector* detector)
     qcArray_Free(&detector->layersContactKeys);
     qcArray_Free(&detector->layersSure);
     qcCandidates_Free(&detector->candidates);
-    qcNarrow_Free(&detector->narrow);
+    qcNarrowphase_Free(&detector->narrow);
     qcAllManifolds_Free(&detector->manifolds);
     qcArray_Free(&detector->pcs);
     qcArray_Free(&detector->marks);

@@ -12,21 +12,21 @@
 
 typedef struct qcDetector
 {
-    qcTriangles triangles;
+    qcStepTriangles triangles;
     qcCull cull;
     qcCullLayers cullLayers;
-    qcObjects objects;
-    qcParts parts;
+    qcBodyPairs objects;
+    qcIslands parts;
     qcPlanHistory history;
     double plannedTriangles; ///< what the planner chose a method for in the step; 0: it did not choose
-    qcSweepSurfaces surfaces;
+    qcBvhCandidates surfaces;
     qcArray onDevice;             ///< uint8_t, by body of the step: answered by the device
     qcArray onSurfaces;           ///< uint8_t, by body of the step: answered by the sweep of surfaces
     qcArray elsewhere;            ///< uint8_t, by body of the step: either
     qcArray neighboursOnSurfaces; ///< uint8_t, by body of the step: answered by the device, its neighbours by the sweep
-    qcArray layersKeys, layersContactKeys, layersSure; ///< the device's candidates, as in qcPairSink
+    qcArray layersKeys, layersContactKeys, layersSure; ///< the device's candidates, as in qcPairBuffer
     qcCandidates candidates;
-    qcNarrow narrow;
+    qcNarrowphase narrow;
     qcAllManifolds manifolds;
     qcArray pcs, marks;
     qcResult result;

@@ -48,7 +48,7 @@ qcPlan qcPlan_Make(const qcPlanInput* input)
     return plan;
 }
 
-bool qcPlan_IsWorthADevice(const qcPlanPart* parts, size_t count)
+bool qcPlan_IsWorthADevice(const qcPlanItem* parts, size_t count)
 {
     uint64_t triangles = 0;
     for (size_t i = 0; i < count; i++)
@@ -61,7 +61,7 @@ static double Widest(const double lower[3], const double upper[3])
     return fmax(upper[0] - lower[0], fmax(upper[1] - lower[1], upper[2] - lower[2]));
 }
 
-void qcPlan_ChooseParts(const qcPlanCosts* costs, qcPlanHistory* history, qcPlanPart* parts, size_t count,
+void qcPlan_ChooseParts(const qcPlanCosts* costs, qcPlanHistory* history, qcPlanItem* parts, size_t count,
                         double* triangles)
 {
     double lower[3] = {INFINITY, INFINITY, INFINITY}, upper[3] = {-INFINITY, -INFINITY, -INFINITY};

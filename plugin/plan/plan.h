@@ -29,19 +29,19 @@ qcPlan qcPlan_Make(const qcPlanInput* input);
 //  ---- `auto`: which parts of the scene go to the device ---------------------------------------------------------
 
 /// Bodies that can meet each other, directly or by way of others, and no other body.
-typedef struct qcPlanPart
+typedef struct qcPlanItem
 {
     uint32_t triangles;
     double lower[3], upper[3]; ///< around them
     bool onDevice;             ///< the answer
-} qcPlanPart;
+} qcPlanItem;
 
 /// Below this many triangles the sweep ends before a device has begun: not worth a calibration.
-bool qcPlan_IsWorthADevice(const qcPlanPart* parts, size_t count);
+bool qcPlan_IsWorthADevice(const qcPlanItem* parts, size_t count);
 
 /// Chooses for each part. `triangles` receives how many the choice was about: those of parts that the device could
 /// take.
-void qcPlan_ChooseParts(const qcPlanCosts* costs, qcPlanHistory* history, qcPlanPart* parts, size_t count,
+void qcPlan_ChooseParts(const qcPlanCosts* costs, qcPlanHistory* history, qcPlanItem* parts, size_t count,
                         double* triangles);
 
 #endif

@@ -186,8 +186,8 @@ qcStatus qcBodies_Add(qcBodies* bodies, const qcBodyDef* def, qcBodyId* id)
     while (slot < bodies->slots.count && qcBody_IsUsed(&QC_AT(qcBody, bodies->slots, slot)))
         slot++;
     QC_TRY(CheckDef(def, slot));
-    qcPositions source = {def->positions, def->positionType, def->positionStride, def->vertexCount};
-    QC_TRY(qcPositions_Check(&source, slot));
+    qcVertexInput source = {def->positions, def->positionType, def->positionStride, def->vertexCount};
+    QC_TRY(qcVertexInput_Check(&source, slot));
     QC_TRY(qcArray_Reserve(&bodies->slots, slot + 1, sizeof(qcBody), "the list of bodies"));
 
     qcBody body = {.deforming = def->deforming,
@@ -202,7 +202,7 @@ qcStatus qcBodies_Add(qcBodies* bodies, const qcBodyDef* def, qcBodyId* id)
                    .triangleCount = def->triangleCount};
     QC_TRY(AllocateBody(&body));
     double* positions = body.deforming ? body.world : body.local;
-    qcPositions_Read(&source, positions);
+    qcVertexInput_Read(&source, positions);
     if (body.triangleCount != 0)
         memcpy(body.indices, def->indices, 3 * sizeof(uint32_t) * body.triangleCount);
     qcStatus status = FindUsed(&body);
@@ -269,9 +269,9 @@ qcStatus qcBodies_SetVertices(qcBodies* bodies, uint32_t slot, const void* posit
                               size_t stride)
 {
     qcBody* body = &QC_AT(qcBody, bodies->slots, slot);
-    qcPositions source = {positions, type, stride, body->vertexCount};
-    QC_TRY(qcPositions_Check(&source, slot));
-    qcPositions_Read(&source, body->world);
+    qcVertexInput source = {positions, type, stride, body->vertexCount};
+    QC_TRY(qcVertexInput_Check(&source, slot));
+    qcVertexInput_Read(&source, body->world);
     FindBounds(body, body->world, body->lower, body->upper);
     body->moved = ++bodies->revision;
     return qc_statusOk;

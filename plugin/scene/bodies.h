@@ -58,7 +58,7 @@ static inline bool qcBody_IsUsed(const qcBody* body)
 }
 
 /// Is it tested with itself?
-static inline bool qcBody_MeetsItself(const qcBody* body)
+static inline bool qcBody_HasSelfCollision(const qcBody* body)
 {
     return body->selfCollision && body->activity == qc_activityMoving && body->triangleCount > 1;
 }
@@ -71,7 +71,7 @@ static inline double qcBody_PairMargin(const qcBody* a, const qcBody* b, double 
 }
 
 /// How far apart the boxes of two triangles may be whose contacts within the margin are wanted.
-static inline double qcContact_Reach(double margin)
+static inline double qcContactDistance(double margin)
 {
     return margin * (1.0 + 2e-9);
 }

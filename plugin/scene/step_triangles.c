@@ -5,7 +5,7 @@
 
 #include <string.h>
 
-static qcStatus Number(qcTriangles* t, const qcBodies* bodies)
+static qcStatus Number(qcStepTriangles* t, const qcBodies* bodies)
 {
     uint64_t total = 0;
     for (size_t slot = 0; slot < bodies->slots.count; slot++)
@@ -37,7 +37,7 @@ static qcStatus Number(qcTriangles* t, const qcBodies* bodies)
     return qc_statusOk;
 }
 
-qcStatus qcTriangles_Number(qcTriangles* t, const qcBodies* bodies)
+qcStatus qcStepTriangles_Number(qcStepTriangles* t, const qcBodies* bodies)
 {
     t->bodies = bodies;
     if (t->numbered == 0 || t->numbered != bodies->added)
@@ -49,11 +49,11 @@ qcStatus qcTriangles_Number(qcTriangles* t, const qcBodies* bodies)
     if (t->bodyCount != 0)
         memset(t->bodySet.data, qc_setNfv, t->bodyCount);
     if (t->count != 0)
-        memset(t->pcs.data, qcTriangles_Pcs(qc_setBfv, qc_setBfv), t->count);
+        memset(t->pcs.data, qcStepTriangles_Pcs(qc_setBfv, qc_setBfv), t->count);
     return qc_statusOk;
 }
 
-void qcTriangles_Free(qcTriangles* t)
+void qcStepTriangles_Free(qcStepTriangles* t)
 {
     qcArray_Free(&t->slots);
     qcArray_Free(&t->first);

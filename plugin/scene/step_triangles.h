@@ -7,7 +7,7 @@
 
 /// Bodies are numbered by slot without gaps, triangles by body, then by index in it: the rank. Pairs sorted by ranks
 /// are sorted as the ABI promises.
-typedef struct qcTriangles
+typedef struct qcStepTriangles
 {
     const qcBodies* bodies;
     qcPairFilter filter; ///< of the step; may be null
@@ -18,52 +18,52 @@ typedef struct qcTriangles
     qcArray first;     ///< uint32_t: rank of a body's first triangle; one more at the end
     qcArray bodyOf;    ///< uint32_t: body of a rank
     qcArray bodySet;   ///< uint8_t: qcVisibilitySet of a body among bodies
-    qcArray pcs;       ///< uint8_t: of a rank, see qcTriangles_InterSet
-} qcTriangles;
+    qcArray pcs;       ///< uint8_t: of a rank, see qcStepTriangles_InterSet
+} qcStepTriangles;
 
 /// Numbers bodies and triangles; every body is in NFV, every triangle in BFV.
-qcStatus qcTriangles_Number(qcTriangles* triangles, const qcBodies* bodies);
-void qcTriangles_Free(qcTriangles* triangles);
+qcStatus qcStepTriangles_Number(qcStepTriangles* triangles, const qcBodies* bodies);
+void qcStepTriangles_Free(qcStepTriangles* triangles);
 
-static inline uint32_t qcTriangles_Slot(const qcTriangles* t, uint32_t body)
+static inline uint32_t qcStepTriangles_Slot(const qcStepTriangles* t, uint32_t body)
 {
     return QC_AT(uint32_t, t->slots, body);
 }
 
-static inline const qcBody* qcTriangles_Body(const qcTriangles* t, uint32_t body)
+static inline const qcBody* qcStepTriangles_Body(const qcStepTriangles* t, uint32_t body)
 {
-    return &QC_AT(qcBody, t->bodies->slots, qcTriangles_Slot(t, body));
+    return &QC_AT(qcBody, t->bodies->slots, qcStepTriangles_Slot(t, body));
 }
 
-static inline uint32_t qcTriangles_First(const qcTriangles* t, uint32_t body)
+static inline uint32_t qcStepTriangles_First(const qcStepTriangles* t, uint32_t body)
 {
     return QC_AT(uint32_t, t->first, body);
 }
 
 /// Of a pair of ranks, whichever comes first: lower << 32 | higher.
-static inline uint64_t qcTriangles_Key(uint32_t a, uint32_t b)
+static inline uint64_t qcStepTriangles_Key(uint32_t a, uint32_t b)
 {
     return a < b ? (uint64_t)a << 32 | b : (uint64_t)b << 32 | a;
 }
 
-static inline uint32_t qcTriangles_BodyOf(const qcTriangles* t, uint32_t rank)
+static inline uint32_t qcStepTriangles_BodyOf(const qcStepTriangles* t, uint32_t rank)
 {
     return QC_AT(uint32_t, t->bodyOf, rank);
 }
 
 /// The set of a triangle against triangles of other bodies.
-static inline unsigned qcTriangles_InterSet(uint8_t pcs)
+static inline unsigned qcStepTriangles_InterSet(uint8_t pcs)
 {
     return pcs & 3u;
 }
 
 /// The set of a triangle against triangles of its own body.
-static inline unsigned qcTriangles_SelfSet(uint8_t pcs)
+static inline unsigned qcStepTriangles_SelfSet(uint8_t pcs)
 {
     return pcs >> 2 & 3u;
 }
 
-static inline uint8_t qcTriangles_Pcs(unsigned interSet, unsigned selfSet)
+static inline uint8_t qcStepTriangles_Pcs(unsigned interSet, unsigned selfSet)
 {
     return (uint8_t)(interSet | selfSet << 2);
 }

@@ -12,12 +12,12 @@ static size_t SizeOf(qcPositionType type)
     return type == qc_positionF64 ? 3 * sizeof(double) : 3 * sizeof(float);
 }
 
-static size_t StrideOf(const qcPositions* p)
+static size_t StrideOf(const qcVertexInput* p)
 {
     return p->stride != 0 ? p->stride : SizeOf(p->type);
 }
 
-static bool IsFinite(const qcPositions* p, uint32_t vertex)
+static bool IsFinite(const qcVertexInput* p, uint32_t vertex)
 {
     const char* at = (const char*)p->data + StrideOf(p) * vertex;
     float single[3];
@@ -79,7 +79,7 @@ static bool AreSpacedFloatsFinite(const char* at, size_t stride, size_t count)
     return (bad[0] | bad[1] | bad[2]) == 0;
 }
 
-static bool AreAllFinite(const qcPositions* p)
+static bool AreAllFinite(const qcVertexInput* p)
 {
     if (StrideOf(p) == SizeOf(p->type))
         return p->type == qc_positionF64 ? AreDoublesFinite(p->data, 3 * (size_t)p->count)
@@ -92,7 +92,7 @@ static bool AreAllFinite(const qcPositions* p)
     return true;
 }
 
-qcStatus qcPositions_Check(const qcPositions* p, uint32_t slot)
+qcStatus qcVertexInput_Check(const qcVertexInput* p, uint32_t slot)
 {
     if (p->type != qc_positionF32 && p->type != qc_positionF64)
         return qcFail(qc_statusBadInput, "body %u: unknown position type %d", slot, (int)p->type);
@@ -129,7 +129,7 @@ static void ReadSpacedFloats(const char* at, size_t stride, size_t count, double
     }
 }
 
-void qcPositions_Read(const qcPositions* p, double* out)
+void qcVertexInput_Read(const qcVertexInput* p, double* out)
 {
     size_t stride = StrideOf(p);
     const char* at = p->data;

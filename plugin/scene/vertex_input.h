@@ -5,19 +5,19 @@
 
 #include "quickcullide/scene.h"
 
-typedef struct qcPositions
+typedef struct qcVertexInput
 {
     const void* data;
     qcPositionType type;
     size_t stride; ///< bytes; 0: close together
     uint32_t count;
-} qcPositions;
+} qcVertexInput;
 
 /// qc_statusBadInput, with a message that names the body's slot and the vertex, where they can't be read or one isn't
 /// finite.
-qcStatus qcPositions_Check(const qcPositions* positions, uint32_t slot);
+qcStatus qcVertexInput_Check(const qcVertexInput* positions, uint32_t slot);
 
 /// Positions that were checked, three doubles each.
-void qcPositions_Read(const qcPositions* positions, double* out);
+void qcVertexInput_Read(const qcVertexInput* positions, double* out);
 
 #endif

@@ -15,24 +15,24 @@ enum
     qc_mostPartners = 4
 };
 
-qcMeeting qcObjects_Meet(const qcTriangles* triangles, uint32_t a, uint32_t b)
+qcPairVerdict qcBodyPair_Classify(const qcStepTriangles* triangles, uint32_t a, uint32_t b)
 {
-    const qcBody *p = qcTriangles_Body(triangles, a), *q = qcTriangles_Body(triangles, b);
+    const qcBody *p = qcStepTriangles_Body(triangles, a), *q = qcStepTriangles_Body(triangles, b);
     if (p->activity != qc_activityMoving && q->activity != qc_activityMoving)
-        return qc_meetingAtRest;
+        return qc_verdictAtRest;
     if ((p->group & q->mask) == 0 || (q->group & p->mask) == 0 || (p->owner != 0 && p->owner == q->owner))
-        return qc_meetingFiltered;
-    if (triangles->filter != NULL &&
-        !triangles->filter(triangles->filterContext, qcTriangles_Slot(triangles, a), qcTriangles_Slot(triangles, b)))
-        return qc_meetingFiltered;
+        return qc_verdictFiltered;
+    if (triangles->filter != NULL && !triangles->filter(triangles->filterContext, qcStepTriangles_Slot(triangles, a),
+                                                        qcStepTriangles_Slot(triangles, b)))
+        return qc_verdictFiltered;
     if (!qcVisibilitySet_MayCollide(QC_AT(uint8_t, triangles->bodySet, a), QC_AT(uint8_t, triangles->bodySet, b)))
-        return qc_meetingSameSet;
-    return qc_meetingYes;
+        return qc_verdictSameSet;
+    return qc_verdictYes;
 }
 
 typedef struct Search
 {
-    const qcTriangles* triangles;
+    const qcStepTriangles* triangles;
     qcArray* pairs;
     qcProfile* profile;
     qcStatus status;
@@ -41,12 +41,12 @@ typedef struct Search
 /// Two bodies, a < b, whose boxes overlap.
 static void OfferPair(Search* search, uint32_t a, uint32_t b)
 {
-    switch (qcObjects_Meet(search->triangles, a, b))
+    switch (qcBodyPair_Classify(search->triangles, a, b))
     {
-        case qc_meetingAtRest: search->profile->skippedStaticPairs++; return;
-        case qc_meetingFiltered: search->profile->skippedFilteredPairs++; return;
-        case qc_meetingSameSet: search->profile->skippedSetPairs++; return;
-        case qc_meetingYes: break;
+        case qc_verdictAtRest: search->profile->skippedStaticPairs++; return;
+        case qc_verdictFiltered: search->profile->skippedFilteredPairs++; return;
+        case qc_verdictSameSet: search->profile->skippedSetPairs++; return;
+        case qc_verdictYes: break;
     }
     if (search->status != qc_statusOk)
         return;
@@ -62,13 +62,14 @@ static void OfferBoxes(void* context, const qcSweepBox* x, const qcSweepBox* y, 
 }
 
 /// Something to collide with?
-static bool IsPresent(const qcTriangles* triangles, uint32_t body)
+static bool IsPresent(const qcStepTriangles* triangles, uint32_t body)
 {
-    return qcTriangles_Body(triangles, body)->triangleCount != 0 &&
+    return qcStepTriangles_Body(triangles, body)->triangleCount != 0 &&
            QC_AT(uint8_t, triangles->bodySet, body) != qc_setBfv;
 }
 
-qcStatus qcObjects_FindPairs(qcObjects* objects, const qcTriangles* triangles, double margin, qcProfile* profile)
+qcStatus qcBodyPairs_FindPairs(qcBodyPairs* objects, const qcStepTriangles* triangles, double margin,
+                               qcProfile* profile)
 {
     objects->pairs.count = 0;
     QC_TRY(qcArray_Resize(&objects->boxes, triangles->bodyCount, sizeof(qcSweepBox), "boxes of bodies"));
@@ -78,7 +79,7 @@ qcStatus qcObjects_FindPairs(qcObjects* objects, const qcTriangles* triangles, d
     {
         if (!IsPresent(triangles, body))
             continue;
-        const qcBody* b = qcTriangles_Body(triangles, body);
+        const qcBody* b = qcStepTriangles_Body(triangles, body);
         if (count == 0)
             for (int axis = 0; axis < 3; axis++)
                 frame.origin[axis] = b->lower[axis];
@@ -100,14 +101,15 @@ static bool AreNear(const double lowerA[3], const double upperA[3], const double
     return near;
 }
 
-qcStatus qcObjects_FindPairsBrute(qcObjects* objects, const qcTriangles* triangles, double margin, qcProfile* profile)
+qcStatus qcBodyPairs_FindPairsBrute(qcBodyPairs* objects, const qcStepTriangles* triangles, double margin,
+                                    qcProfile* profile)
 {
     objects->pairs.count = 0;
     Search search = {triangles, &objects->pairs, profile, qc_statusOk};
     for (uint32_t a = 0; a < triangles->bodyCount; a++)
         for (uint32_t b = a + 1; b < triangles->bodyCount && IsPresent(triangles, a); b++)
         {
-            const qcBody *p = qcTriangles_Body(triangles, a), *q = qcTriangles_Body(triangles, b);
+            const qcBody *p = qcStepTriangles_Body(triangles, a), *q = qcStepTriangles_Body(triangles, b);
             if (IsPresent(triangles, b) && AreNear(p->lower, p->upper, q->lower, q->upper, margin))
                 OfferPair(&search, a, b);
         }
@@ -116,36 +118,37 @@ qcStatus qcObjects_FindPairsBrute(qcObjects* objects, const qcTriangles* triangl
 }
 
 /// Triangles of `body` near the box of `other`.
-static void MarkNear(qcTriangles* triangles, uint32_t body, const qcBody* other, double margin)
+static void MarkNear(qcStepTriangles* triangles, uint32_t body, const qcBody* other, double margin)
 {
-    const qcBody* b = qcTriangles_Body(triangles, body);
-    uint8_t* pcs = &QC_AT(uint8_t, triangles->pcs, qcTriangles_First(triangles, body));
+    const qcBody* b = qcStepTriangles_Body(triangles, body);
+    uint8_t* pcs = &QC_AT(uint8_t, triangles->pcs, qcStepTriangles_First(triangles, body));
     for (uint32_t t = 0; t < b->triangleCount; t++)
     {
-        if (qcTriangles_InterSet(pcs[t]) != qc_setBfv)
+        if (qcStepTriangles_InterSet(pcs[t]) != qc_setBfv)
             continue;
         double lower[3], upper[3];
         qcBody_GetTriangleBox(b, t, lower, upper);
         if (AreNear(lower, upper, other->lower, other->upper, margin))
-            pcs[t] |= qcTriangles_Pcs(qc_setNfv, qc_setBfv);
+            pcs[t] |= qcStepTriangles_Pcs(qc_setNfv, qc_setBfv);
     }
 }
 
-static void MarkAll(qcTriangles* triangles, uint32_t body, uint8_t mark)
+static void MarkAll(qcStepTriangles* triangles, uint32_t body, uint8_t mark)
 {
-    for (uint32_t r = qcTriangles_First(triangles, body); r < qcTriangles_First(triangles, body + 1); r++)
+    for (uint32_t r = qcStepTriangles_First(triangles, body); r < qcStepTriangles_First(triangles, body + 1); r++)
         QC_AT(uint8_t, triangles->pcs, r) |= mark;
 }
 
 /// Marks the triangles of a body that take part for the sake of one partner.
-static void MarkFor(const qcObjects* objects, qcTriangles* triangles, uint32_t body, uint32_t partner, double margin)
+static void MarkFor(const qcBodyPairs* objects, qcStepTriangles* triangles, uint32_t body, uint32_t partner,
+                    double margin)
 {
     if (QC_AT(uint32_t, objects->partners, body) <= qc_mostPartners)
-        MarkNear(triangles, body, qcTriangles_Body(triangles, partner), margin);
+        MarkNear(triangles, body, qcStepTriangles_Body(triangles, partner), margin);
 }
 
-qcStatus qcObjects_MarkTriangles(qcObjects* objects, qcTriangles* triangles, double margin, bool wholeBodies,
-                                 const uint8_t* elsewhere, qcProfile* profile)
+qcStatus qcBodyPairs_MarkTriangles(qcBodyPairs* objects, qcStepTriangles* triangles, double margin, bool wholeBodies,
+                                   const uint8_t* elsewhere, qcProfile* profile)
 {
     QC_TRY(qcArray_Resize(&objects->partners, triangles->bodyCount, sizeof(uint32_t), "pairs of bodies"));
     if (triangles->bodyCount != 0)
@@ -159,7 +162,7 @@ qcStatus qcObjects_MarkTriangles(qcObjects* objects, qcTriangles* triangles, dou
     {
         uint32_t partners = QC_AT(uint32_t, objects->partners, body);
         if ((elsewhere == NULL || !elsewhere[body]) && (partners > qc_mostPartners || (partners > 0 && wholeBodies)))
-            MarkAll(triangles, body, qcTriangles_Pcs(qc_setNfv, qc_setBfv));
+            MarkAll(triangles, body, qcStepTriangles_Pcs(qc_setNfv, qc_setBfv));
     }
     for (size_t i = 0; i < objects->pairs.count && !wholeBodies; i++)
     {
@@ -173,21 +176,21 @@ qcStatus qcObjects_MarkTriangles(qcObjects* objects, qcTriangles* triangles, dou
     {
         if (elsewhere != NULL && elsewhere[body])
             continue;
-        bool self = qcBody_MeetsItself(qcTriangles_Body(triangles, body));
+        bool self = qcBody_HasSelfCollision(qcStepTriangles_Body(triangles, body));
         if (self)
-            MarkAll(triangles, body, qcTriangles_Pcs(qc_setBfv, qc_setNfv));
+            MarkAll(triangles, body, qcStepTriangles_Pcs(qc_setBfv, qc_setNfv));
         profile->selfBodies += self;
         uint32_t skipped = 0;
-        for (uint32_t r = qcTriangles_First(triangles, body); r < qcTriangles_First(triangles, body + 1); r++)
+        for (uint32_t r = qcStepTriangles_First(triangles, body); r < qcStepTriangles_First(triangles, body + 1); r++)
             skipped += QC_AT(uint8_t, triangles->pcs, r) == 0;
-        bool whole = skipped == qcTriangles_Body(triangles, body)->triangleCount;
+        bool whole = skipped == qcStepTriangles_Body(triangles, body)->triangleCount;
         profile->skippedBodies += whole;
         profile->skippedTriangles += whole ? 0 : skipped;
     }
     return qc_statusOk;
 }
 
-void qcObjects_Free(qcObjects* objects)
+void qcBodyPairs_Free(qcBodyPairs* objects)
 {
     qcSweep_Free(&objects->sweep);
     qcArray_Free(&objects->boxes);

@@ -17,8 +17,8 @@ typedef struct Search
 static void CompareRow(void* context, size_t i, uint32_t worker)
 {
     const Search* s = context;
-    qcCandidateSink* sink = &QC_AT(qcCandidateSink, s->candidates->sinks, worker);
-    uint32_t rank = s->ranks[i], body = qcTriangles_BodyOf(s->rules->triangles, rank);
+    qcCandidateBuffer* sink = &QC_AT(qcCandidateBuffer, s->candidates->sinks, worker);
+    uint32_t rank = s->ranks[i], body = qcStepTriangles_BodyOf(s->rules->triangles, rank);
     double lx = s->lower[0][i], ly = s->lower[1][i], lz = s->lower[2][i];
     double ux = s->upper[0][i], uy = s->upper[1][i], uz = s->upper[2][i];
     for (size_t j = i + 1; j < s->count; j++)
@@ -26,14 +26,14 @@ static void CompareRow(void* context, size_t i, uint32_t worker)
         bool apart = (s->lower[0][j] > ux) | (s->lower[1][j] > uy) | (s->lower[2][j] > uz) | (s->upper[0][j] < lx) |
                      (s->upper[1][j] < ly) | (s->upper[2][j] < lz);
         if (!apart)
-            qcCandidates_Offer(s->rules, sink, body, rank, qcTriangles_BodyOf(s->rules->triangles, s->ranks[j]),
+            qcCandidates_Offer(s->rules, sink, body, rank, qcStepTriangles_BodyOf(s->rules->triangles, s->ranks[j]),
                                s->ranks[j]);
     }
 }
 
 qcStatus qcCandidates_Brute(qcCandidates* candidates, const qcCandidateRules* rules, qcProfile* profile)
 {
-    const qcTriangles* t = rules->triangles;
+    const qcStepTriangles* t = rules->triangles;
     QC_TRY(qcCandidates_Begin(candidates, rules->threads));
     if (t->count == 0)
         return qcCandidates_End(candidates, profile);
@@ -51,9 +51,9 @@ qcStatus qcCandidates_Brute(qcCandidates* candidates, const qcCandidateRules* ru
     {
         if (QC_AT(uint8_t, t->pcs, rank) == 0)
             continue;
-        uint32_t body = qcTriangles_BodyOf(t, rank), at = search.count++;
+        uint32_t body = qcStepTriangles_BodyOf(t, rank), at = search.count++;
         double lower[3], upper[3];
-        qcBody_GetTriangleBox(qcTriangles_Body(t, body), rank - qcTriangles_First(t, body), lower, upper);
+        qcBody_GetTriangleBox(qcStepTriangles_Body(t, body), rank - qcStepTriangles_First(t, body), lower, upper);
         for (int axis = 0; axis < 3; axis++)
         {
             rows[(size_t)axis * t->count + at] = lower[axis];

@@ -13,23 +13,23 @@ enum
     qc_smallBody = 4096
 };
 
-static qcSurface* SurfaceAt(const qcSweepSurfaces* sweep, uint32_t slot)
+static qcTriangleBvh* SurfaceAt(const qcBvhCandidates* sweep, uint32_t slot)
 {
-    return &QC_AT(qcSurface, sweep->surfaces, slot);
+    return &QC_AT(qcTriangleBvh, sweep->surfaces, slot);
 }
 
 /// Room for all slots; surfaces of bodies that are gone are freed.
-static qcStatus SyncSlots(qcSweepSurfaces* sweep, const qcTriangles* t)
+static qcStatus SyncSlots(qcBvhCandidates* sweep, const qcStepTriangles* t)
 {
     const qcArray* slots = &t->bodies->slots;
     size_t old = sweep->surfaces.count;
-    QC_TRY(qcArray_GrowZeroed(&sweep->surfaces, slots->count, sizeof(qcSurface), "surfaces"));
+    QC_TRY(qcArray_GrowZeroed(&sweep->surfaces, slots->count, sizeof(qcTriangleBvh), "surfaces"));
     QC_TRY(qcArray_GrowZeroed(&sweep->seen, slots->count, sizeof(uint32_t), "surfaces"));
     for (uint32_t slot = 0; slot < old; slot++)
     {
-        qcSurface* surface = SurfaceAt(sweep, slot);
+        qcTriangleBvh* surface = SurfaceAt(sweep, slot);
         if (surface->generation != 0 && surface->generation != QC_AT(qcBody, *slots, slot).generation)
-            qcSurface_Free(surface);
+            qcTriangleBvh_Free(surface);
     }
     return qc_statusOk;
 }
@@ -37,38 +37,38 @@ static qcStatus SyncSlots(qcSweepSurfaces* sweep, const qcTriangles* t)
 /// Has the body a surface in this step? A large one that is new and meets itself has not: what is made for its pairs
 /// with itself takes as long as a step without it, and its topology may not live for another. Where neighbours are
 /// asked for such a step takes twice as long.
-static bool MayHaveSurface(qcSweepSurfaces* sweep, uint32_t slot, const qcBody* body, bool listNeighbours)
+static bool MayHaveSurface(qcBvhCandidates* sweep, uint32_t slot, const qcBody* body, bool listNeighbours)
 {
     uint32_t* seen = &QC_AT(uint32_t, sweep->seen, slot);
     bool isNew = *seen != body->generation;
     *seen = body->generation;
-    return SurfaceAt(sweep, slot)->generation != 0 || !isNew || !qcBody_MeetsItself(body) ||
+    return SurfaceAt(sweep, slot)->generation != 0 || !isNew || !qcBody_HasSelfCollision(body) ||
            body->triangleCount <= qc_smallBody || listNeighbours;
 }
 
 typedef struct Mending
 {
-    qcSweepSurfaces* sweep;
-    const qcTriangles* triangles;
+    qcBvhCandidates* sweep;
+    const qcStepTriangles* triangles;
     double margin;
     uint32_t threads; ///< of each
 } Mending;
 
-static qcSurfaceOrder* OrderAt(const qcSweepSurfaces* sweep, size_t i)
+static qcRefitTask* OrderAt(const qcBvhCandidates* sweep, size_t i)
 {
-    return &QC_AT(qcSurfaceOrder, sweep->orders, i);
+    return &QC_AT(qcRefitTask, sweep->orders, i);
 }
 
-static qcStatus AddOrder(qcSweepSurfaces* sweep, uint32_t body)
+static qcStatus AddOrder(qcBvhCandidates* sweep, uint32_t body)
 {
     size_t at = sweep->orders.count;
-    QC_TRY(qcArray_Resize(&sweep->orders, at + 1, sizeof(qcSurfaceOrder), "surfaces"));
-    *OrderAt(sweep, at) = (qcSurfaceOrder){.body = body};
+    QC_TRY(qcArray_Resize(&sweep->orders, at + 1, sizeof(qcRefitTask), "surfaces"));
+    *OrderAt(sweep, at) = (qcRefitTask){.body = body};
     return qc_statusOk;
 }
 
 /// The message of a worker is its own; say it again on this thread.
-static qcStatus CheckOrders(const qcSweepSurfaces* sweep)
+static qcStatus CheckOrders(const qcBvhCandidates* sweep)
 {
     for (size_t i = 0; i < sweep->orders.count; i++)
         if (OrderAt(sweep, i)->status != qc_statusOk)
@@ -80,22 +80,22 @@ static void MakeOne(void* context, size_t i, uint32_t worker)
 {
     (void)worker;
     const Mending* making = context;
-    qcSurfaceOrder* order = OrderAt(making->sweep, i);
-    const qcBody* body = qcTriangles_Body(making->triangles, order->body);
-    qcSurface* surface = SurfaceAt(making->sweep, qcTriangles_Slot(making->triangles, order->body));
-    order->status = surface->generation == 0 ? qcSurface_Build(surface, body, making->threads)
-                                             : qcSurface_Relate(surface, body, making->threads);
+    qcRefitTask* order = OrderAt(making->sweep, i);
+    const qcBody* body = qcStepTriangles_Body(making->triangles, order->body);
+    qcTriangleBvh* surface = SurfaceAt(making->sweep, qcStepTriangles_Slot(making->triangles, order->body));
+    order->status = surface->generation == 0 ? qcTriangleBvh_Build(surface, body, making->threads)
+                                             : qcTriangleBvh_Relate(surface, body, making->threads);
 }
 
 /// Surfaces that are wanted and not there yet, or that have not been asked for pairs with themselves before.
-static qcStatus MakeSurfaces(qcSweepSurfaces* sweep, const qcTriangles* triangles, uint32_t threads,
+static qcStatus MakeSurfaces(qcBvhCandidates* sweep, const qcStepTriangles* triangles, uint32_t threads,
                              const uint8_t* wanted)
 {
     sweep->orders.count = 0;
     for (uint32_t body = 0; body < triangles->bodyCount; body++)
     {
-        const qcSurface* surface = SurfaceAt(sweep, qcTriangles_Slot(triangles, body));
-        bool relates = qcBody_MeetsItself(qcTriangles_Body(triangles, body)) && !surface->related;
+        const qcTriangleBvh* surface = SurfaceAt(sweep, qcStepTriangles_Slot(triangles, body));
+        bool relates = qcBody_HasSelfCollision(qcStepTriangles_Body(triangles, body)) && !surface->related;
         if (wanted[body] && (surface->generation == 0 || relates))
             QC_TRY(AddOrder(sweep, body));
     }
@@ -109,47 +109,48 @@ static qcStatus MakeSurfaces(qcSweepSurfaces* sweep, const qcTriangles* triangle
 static void FitOne(void* context, size_t i, uint32_t worker)
 {
     const Mending* fitting = context;
-    const qcSweepSurfaces* sweep = fitting->sweep;
-    qcSurfaceOrder* order = OrderAt(sweep, i);
-    qcSurface* surface = SurfaceAt(sweep, qcTriangles_Slot(fitting->triangles, order->body));
-    order->status =
-        qcSurface_Fit(surface, qcTriangles_Body(fitting->triangles, order->body), fitting->margin, sweep->kernels,
-                      fitting->threads, &QC_AT(qcSurfaceScratch, sweep->scratches, worker), &order->fits);
+    const qcBvhCandidates* sweep = fitting->sweep;
+    qcRefitTask* order = OrderAt(sweep, i);
+    qcTriangleBvh* surface = SurfaceAt(sweep, qcStepTriangles_Slot(fitting->triangles, order->body));
+    order->status = qcTriangleBvh_Fit(surface, qcStepTriangles_Body(fitting->triangles, order->body), fitting->margin,
+                                      sweep->kernels, fitting->threads, &QC_AT(qcBvhScratch, sweep->scratches, worker),
+                                      &order->fits);
 }
 
 /// How far apart triangles of two bodies, or of one, count: what is near, and what is a candidate.
-static double PairMargin(const qcSweepSurfacesJob* job, const qcBody* a, const qcBody* b)
+static double PairMargin(const qcBvhCandidatesJob* job, const qcBody* a, const qcBody* b)
 {
     double nearest = qcBody_PairMargin(a, b, job->nearest);
-    double contacts = qcContact_Reach(qcBody_PairMargin(a, b, job->contactMargin));
+    double contacts = qcContactDistance(qcBody_PairMargin(a, b, job->contactMargin));
     return nearest > contacts ? nearest : contacts;
 }
 
 /// A body that meets itself, whose pairs within more than the job's margin are kept, may have moved but a little since.
-static qcStatus TryToFollow(qcSweepSurfaces* sweep, const qcSweepSurfacesJob* job, uint32_t body)
+static qcStatus TryToFollow(qcBvhCandidates* sweep, const qcBvhCandidatesJob* job, uint32_t body)
 {
-    qcSurface* surface = SurfaceAt(sweep, qcTriangles_Slot(job->triangles, body));
-    const qcBody* b = qcTriangles_Body(job->triangles, body);
+    qcTriangleBvh* surface = SurfaceAt(sweep, qcStepTriangles_Slot(job->triangles, body));
+    const qcBody* b = qcStepTriangles_Body(job->triangles, body);
     bool follows = false;
-    if (qcBody_MeetsItself(b) && !job->testNeighbours && !job->listNeighbours && job->margin <= surface->margin)
-        QC_TRY(qcSurface_Follow(surface, b, (surface->keptMargin - PairMargin(job, b, b)) / 2.0, sweep->kernels,
-                                &QC_AT(qcSurfaceScratch, sweep->scratches, 0), &follows));
+    if (qcBody_HasSelfCollision(b) && !job->testNeighbours && !job->listNeighbours && job->margin <= surface->margin)
+        QC_TRY(qcTriangleBvh_Follow(surface, b, (surface->keptMargin - PairMargin(job, b, b)) / 2.0, sweep->kernels,
+                                    &QC_AT(qcBvhScratch, sweep->scratches, 0), &follows));
     QC_AT(uint8_t, sweep->followed, body) = follows;
     return qc_statusOk;
 }
 
 /// Surfaces that follow their bodies, and orders for the others that are not where they are.
-static qcStatus FollowOrOrder(qcSweepSurfaces* sweep, const qcSweepSurfacesJob* job, const uint8_t* wanted)
+static qcStatus FollowOrOrder(qcBvhCandidates* sweep, const qcBvhCandidatesJob* job, const uint8_t* wanted)
 {
-    const qcTriangles* triangles = job->triangles;
+    const qcStepTriangles* triangles = job->triangles;
     QC_TRY(qcArray_Resize(&sweep->followed, triangles->bodyCount, 1, "surfaces"));
     sweep->orders.count = 0;
     sweep->fittedTriangles = sweep->followedTriangles = 0;
     for (uint32_t body = 0; body < triangles->bodyCount; body++)
     {
-        const qcBody* b = qcTriangles_Body(triangles, body);
+        const qcBody* b = qcStepTriangles_Body(triangles, body);
         QC_AT(uint8_t, sweep->followed, body) = 0;
-        if (!wanted[body] || qcSurface_IsFitted(SurfaceAt(sweep, qcTriangles_Slot(triangles, body)), b, job->margin))
+        if (!wanted[body] ||
+            qcTriangleBvh_IsFitted(SurfaceAt(sweep, qcStepTriangles_Slot(triangles, body)), b, job->margin))
             continue;
         QC_TRY(TryToFollow(sweep, job, body));
         if (QC_AT(uint8_t, sweep->followed, body))
@@ -164,11 +165,11 @@ static qcStatus FollowOrOrder(qcSweepSurfaces* sweep, const qcSweepSurfacesJob* 
 }
 
 /// Large bodies one after another by all threads, then the others side by side.
-static qcStatus FitSurfaces(qcSweepSurfaces* sweep, const qcSweepSurfacesJob* job, uint8_t* wanted)
+static qcStatus FitSurfaces(qcBvhCandidates* sweep, const qcBvhCandidatesJob* job, uint8_t* wanted)
 {
-    const qcTriangles* triangles = job->triangles;
+    const qcStepTriangles* triangles = job->triangles;
     uint32_t threads = job->threads;
-    QC_TRY(qcArray_GrowZeroed(&sweep->scratches, threads, sizeof(qcSurfaceScratch), "fitting surfaces"));
+    QC_TRY(qcArray_GrowZeroed(&sweep->scratches, threads, sizeof(qcBvhScratch), "fitting surfaces"));
     QC_TRY(FollowOrOrder(sweep, job, wanted));
     uint64_t left = sweep->fittedTriangles;
     uint64_t large = left / (4 * (uint64_t)threads);
@@ -176,14 +177,14 @@ static qcStatus FitSurfaces(qcSweepSurfaces* sweep, const qcSweepSurfacesJob* jo
     size_t small = 0;
     for (size_t i = 0; i < sweep->orders.count; i++)
     {
-        uint32_t count = qcTriangles_Body(triangles, OrderAt(sweep, i)->body)->triangleCount;
+        uint32_t count = qcStepTriangles_Body(triangles, OrderAt(sweep, i)->body)->triangleCount;
         if (count >= large)
         {
             FitOne(&fitting, i, 0);
             left -= count;
             continue;
         }
-        qcSurfaceOrder done = *OrderAt(sweep, small);
+        qcRefitTask done = *OrderAt(sweep, small);
         *OrderAt(sweep, small++) = *OrderAt(sweep, i);
         *OrderAt(sweep, i) = done;
     }
@@ -194,15 +195,15 @@ static qcStatus FitSurfaces(qcSweepSurfaces* sweep, const qcSweepSurfacesJob* jo
     return CheckOrders(sweep);
 }
 
-qcStatus qcSweepSurfaces_Prepare(qcSweepSurfaces* sweep, const qcSweepSurfacesJob* job, uint8_t* wanted)
+qcStatus qcBvhCandidates_Prepare(qcBvhCandidates* sweep, const qcBvhCandidatesJob* job, uint8_t* wanted)
 {
-    const qcTriangles* triangles = job->triangles;
+    const qcStepTriangles* triangles = job->triangles;
     if (sweep->kernels == NULL)
-        sweep->kernels = qcSurfaceKernels_Get();
+        sweep->kernels = qcTriangleKernels_Get();
     QC_TRY(SyncSlots(sweep, triangles));
     for (uint32_t body = 0; body < triangles->bodyCount; body++)
     {
-        bool may = MayHaveSurface(sweep, qcTriangles_Slot(triangles, body), qcTriangles_Body(triangles, body),
+        bool may = MayHaveSurface(sweep, qcStepTriangles_Slot(triangles, body), qcStepTriangles_Body(triangles, body),
                                   job->listNeighbours && !job->testNeighbours);
         wanted[body] = wanted[body] && may;
     }
@@ -214,8 +215,8 @@ qcStatus qcSweepSurfaces_Prepare(qcSweepSurfaces* sweep, const qcSweepSurfacesJo
 
 typedef struct Run
 {
-    qcSweepSurfaces* sweep;
-    const qcSweepSurfacesJob* job;
+    qcBvhCandidates* sweep;
+    const qcBvhCandidatesJob* job;
     bool flatDiscs; ///< what is flat doesn't come near itself, but where it is neighbour of itself
     bool keeps;     ///< pairs within a body, for a step that follows
 } Run;
@@ -229,34 +230,35 @@ typedef struct PairOfSurfaces
     uint32_t keptOf; ///< slot of the body whose pairs these are, if they are kept, or UINT32_MAX
 } PairOfSurfaces;
 
-static uint64_t KeyOf(const void* context, qcPlacePair pair)
+static uint64_t KeyOf(const void* context, qcSlotPair pair)
 {
     const PairOfSurfaces* sides = context;
-    return qcTriangles_Key(sides->first[0] + sides->triangles[0][pair.a],
-                           sides->first[1] + sides->triangles[1][pair.b]);
+    return qcStepTriangles_Key(sides->first[0] + sides->triangles[0][pair.a],
+                               sides->first[1] + sides->triangles[1][pair.b]);
 }
 
-static bool AddKeys(void* context, const qcFoundPairs* found, uint32_t worker)
+static bool AddKeys(void* context, const qcClassifiedPairs* found, uint32_t worker)
 {
     const PairOfSurfaces* sides = context;
     const Run* run = sides->run;
     if (sides->keptOf != UINT32_MAX)
-        qcKeptPairs_Add(&run->sweep->kept, sides->keptOf, found, worker);
-    return qcPairSink_Add(&QC_AT(qcPairSink, run->sweep->sinks, worker), found, run->job->listNeighbours, KeyOf, sides);
+        qcVerletList_Add(&run->sweep->kept, sides->keptOf, found, worker);
+    return qcPairBuffer_Add(&QC_AT(qcPairBuffer, run->sweep->sinks, worker), found, run->job->listNeighbours, KeyOf,
+                            sides);
 }
 
 /// Flags for the nodes of bodies whose triangles need not all take part.
 static qcStatus ClearReached(const Run* run)
 {
-    qcSweepSurfaces* sweep = run->sweep;
-    const qcTriangles* t = run->job->triangles;
+    qcBvhCandidates* sweep = run->sweep;
+    const qcStepTriangles* t = run->job->triangles;
     size_t nodes = 0;
     QC_TRY(qcArray_Resize(&sweep->firstReached, t->bodyCount, sizeof(size_t), "nodes that are reached"));
     for (uint32_t body = 0; body < t->bodyCount; body++)
     {
-        bool some = run->job->bodies[body] && !qcBody_MeetsItself(qcTriangles_Body(t, body));
+        bool some = run->job->bodies[body] && !qcBody_HasSelfCollision(qcStepTriangles_Body(t, body));
         QC_AT(size_t, sweep->firstReached, body) = some ? nodes : SIZE_MAX;
-        nodes += some ? SurfaceAt(sweep, qcTriangles_Slot(t, body))->clusters.nodeCount : 0;
+        nodes += some ? SurfaceAt(sweep, qcStepTriangles_Slot(t, body))->clusters.nodeCount : 0;
     }
     QC_TRY(qcArray_Resize(&sweep->reached, nodes, 1, "nodes that are reached"));
     if (nodes != 0)
@@ -264,15 +266,15 @@ static qcStatus ClearReached(const Run* run)
     return qc_statusOk;
 }
 
-static uint8_t* ReachedOf(const qcSweepSurfaces* sweep, uint32_t body)
+static uint8_t* ReachedOf(const qcBvhCandidates* sweep, uint32_t body)
 {
     size_t first = QC_AT(size_t, sweep->firstReached, body);
     return first != SIZE_MAX ? &QC_AT(uint8_t, sweep->reached, first) : NULL;
 }
 
-static qcSurface* SurfaceOf(const Run* run, uint32_t body)
+static qcTriangleBvh* SurfaceOf(const Run* run, uint32_t body)
 {
-    return SurfaceAt(run->sweep, qcTriangles_Slot(run->job->triangles, body));
+    return SurfaceAt(run->sweep, qcStepTriangles_Slot(run->job->triangles, body));
 }
 
 static PairOfSurfaces MakeSides(const Run* run, uint32_t a, uint32_t b)
@@ -280,10 +282,10 @@ static PairOfSurfaces MakeSides(const Run* run, uint32_t a, uint32_t b)
     PairOfSurfaces sides = {.run = run, .keptOf = UINT32_MAX};
     const uint32_t bodies[2] = {a, b};
     if (run->keeps && a == b)
-        sides.keptOf = qcTriangles_Slot(run->job->triangles, a);
+        sides.keptOf = qcStepTriangles_Slot(run->job->triangles, a);
     for (int i = 0; i < 2; i++)
     {
-        sides.first[i] = qcTriangles_First(run->job->triangles, bodies[i]);
+        sides.first[i] = qcStepTriangles_First(run->job->triangles, bodies[i]);
         sides.triangles[i] = SurfaceOf(run, bodies[i])->clusters.triangles.data;
     }
     return sides;
@@ -292,8 +294,8 @@ static PairOfSurfaces MakeSides(const Run* run, uint32_t a, uint32_t b)
 /// There is room for it.
 static void AddJob(const Run* run, uint32_t a, uint32_t b)
 {
-    qcSweepSurfaces* sweep = run->sweep;
-    const qcSweepSurfacesJob* job = run->job;
+    qcBvhCandidates* sweep = run->sweep;
+    const qcBvhCandidatesJob* job = run->job;
     // What is in the world comes first: the other goes to its coordinates, and nothing has to be inverted.
     if (SurfaceOf(run, a)->isLocal && !SurfaceOf(run, b)->isLocal)
     {
@@ -301,28 +303,28 @@ static void AddJob(const Run* run, uint32_t a, uint32_t b)
         b = a;
         a = first;
     }
-    const qcBody *bodyA = qcTriangles_Body(job->triangles, a), *bodyB = qcTriangles_Body(job->triangles, b);
+    const qcBody *bodyA = qcStepTriangles_Body(job->triangles, a), *bodyB = qcStepTriangles_Body(job->triangles, b);
     PairOfSurfaces* sides = &QC_AT(PairOfSurfaces, sweep->sides, sweep->jobs.count);
     *sides = MakeSides(run, a, b);
-    QC_AT(qcSurfacePairsJob, sweep->jobs, sweep->jobs.count++) =
-        (qcSurfacePairsJob){.kernels = sweep->kernels,
-                            .a = SurfaceOf(run, a),
-                            .b = SurfaceOf(run, b),
-                            .bodyA = bodyA,
-                            .bodyB = bodyB,
-                            .margin = PairMargin(job, bodyA, bodyB),
-                            .nearest = qcBody_PairMargin(bodyA, bodyB, job->nearest),
-                            .neighbours = job->testNeighbours,
-                            .flatDiscs = run->flatDiscs && a == b,
-                            .reachedA = ReachedOf(sweep, a),
-                            .reachedB = ReachedOf(sweep, b),
-                            .function = AddKeys,
-                            .context = sides};
+    QC_AT(qcBvhPairsJob, sweep->jobs, sweep->jobs.count++) =
+        (qcBvhPairsJob){.kernels = sweep->kernels,
+                        .a = SurfaceOf(run, a),
+                        .b = SurfaceOf(run, b),
+                        .bodyA = bodyA,
+                        .bodyB = bodyB,
+                        .margin = PairMargin(job, bodyA, bodyB),
+                        .nearest = qcBody_PairMargin(bodyA, bodyB, job->nearest),
+                        .neighbours = job->testNeighbours,
+                        .flatDiscs = run->flatDiscs && a == b,
+                        .reachedA = ReachedOf(sweep, a),
+                        .reachedB = ReachedOf(sweep, b),
+                        .function = AddKeys,
+                        .context = sides};
 }
 
 static bool IsAskedAboutItself(const Run* run, uint32_t body)
 {
-    return run->job->bodies[body] && qcBody_MeetsItself(qcTriangles_Body(run->job->triangles, body));
+    return run->job->bodies[body] && qcBody_HasSelfCollision(qcStepTriangles_Body(run->job->triangles, body));
 }
 
 /// Of what isn't asked about nothing is known: it may not have been prepared.
@@ -335,11 +337,11 @@ static bool Follows(const Run* run, uint32_t body)
 /// come last, and `searchCount` tells how many there are without them.
 static qcStatus MakeJobs(const Run* run, size_t* searchCount)
 {
-    qcSweepSurfaces* sweep = run->sweep;
-    const qcSweepSurfacesJob* job = run->job;
+    qcBvhCandidates* sweep = run->sweep;
+    const qcBvhCandidatesJob* job = run->job;
     const qcArray* pairs = &job->objects->pairs;
     size_t most = pairs->count + job->triangles->bodyCount;
-    QC_TRY(qcArray_Reserve(&sweep->jobs, most, sizeof(qcSurfacePairsJob), "pairs of surfaces"));
+    QC_TRY(qcArray_Reserve(&sweep->jobs, most, sizeof(qcBvhPairsJob), "pairs of surfaces"));
     QC_TRY(qcArray_Resize(&sweep->sides, most, sizeof(PairOfSurfaces), "pairs of surfaces"));
     sweep->jobs.count = 0;
     for (size_t i = 0; i < pairs->count; i++)
@@ -368,18 +370,18 @@ typedef struct KeptJobs
 static void FindKept(void* context, size_t i, uint32_t worker)
 {
     const KeptJobs* jobs = context;
-    qcSweepSurfaces* sweep = jobs->run->sweep;
-    const qcSurfacePairsJob* job = &QC_AT(qcSurfacePairsJob, sweep->jobs, jobs->first + i);
-    uint32_t slot = (uint32_t)(job->a - (const qcSurface*)sweep->surfaces.data);
-    qcKeptPairs_Find(&sweep->kept, slot, job, worker);
+    qcBvhCandidates* sweep = jobs->run->sweep;
+    const qcBvhPairsJob* job = &QC_AT(qcBvhPairsJob, sweep->jobs, jobs->first + i);
+    uint32_t slot = (uint32_t)(job->a - (const qcTriangleBvh*)sweep->surfaces.data);
+    qcVerletList_Find(&sweep->kept, slot, job, worker);
 }
 
 static qcStatus FindPairs(const Run* run)
 {
-    qcSweepSurfaces* sweep = run->sweep;
+    qcBvhCandidates* sweep = run->sweep;
     size_t searchCount = 0;
     QC_TRY(MakeJobs(run, &searchCount));
-    QC_TRY(qcSurfacePairs_Find(&sweep->pairs, sweep->jobs.data, searchCount, run->job->threads));
+    QC_TRY(qcBvhPairs_Find(&sweep->pairs, sweep->jobs.data, searchCount, run->job->threads));
     KeptJobs kept = {run, searchCount};
     qcParallel_For(run->job->threads, sweep->jobs.count - searchCount, 2, FindKept, &kept);
     return qc_statusOk;
@@ -402,49 +404,49 @@ static bool Keeps(const Run* run)
 static qcStatus BeginToKeep(const Run* run)
 {
     for (uint32_t slot = 0; slot < run->sweep->surfaces.count; slot++)
-        qcSurface_Forget(SurfaceAt(run->sweep, slot));
-    return qcKeptPairs_Begin(&run->sweep->kept, run->job->threads);
+        qcTriangleBvh_Forget(SurfaceAt(run->sweep, slot));
+    return qcVerletList_Begin(&run->sweep->kept, run->job->threads);
 }
 
 /// They have been found.
 static qcStatus EndKeeping(const Run* run)
 {
-    QC_TRY(qcKeptPairs_Check(&run->sweep->kept));
+    QC_TRY(qcVerletList_Check(&run->sweep->kept));
     for (uint32_t body = 0; body < run->job->triangles->bodyCount; body++)
     {
-        const qcBody* b = qcTriangles_Body(run->job->triangles, body);
+        const qcBody* b = qcStepTriangles_Body(run->job->triangles, body);
         if (!IsAskedAboutItself(run, body) || !b->deforming)
             continue;
-        QC_TRY(qcSurface_Note(SurfaceOf(run, body), b));
+        QC_TRY(qcTriangleBvh_Note(SurfaceOf(run, body), b));
         SurfaceOf(run, body)->keptMargin = PairMargin(run->job, b, b);
     }
     return qc_statusOk;
 }
 
-static void AddContactKeys(void* context, const qcPlacePair* pairs, size_t count, uint32_t worker)
+static void AddContactKeys(void* context, const qcSlotPair* pairs, size_t count, uint32_t worker)
 {
     const PairOfSurfaces* sides = context;
-    qcPairSink_AddNeighbours(&QC_AT(qcPairSink, sides->run->sweep->sinks, worker), pairs, count, KeyOf, sides);
+    qcPairBuffer_AddNeighbours(&QC_AT(qcPairBuffer, sides->run->sweep->sinks, worker), pairs, count, KeyOf, sides);
 }
 
 static qcStatus AddNeighbours(const Run* run, uint32_t body, qcProfile* profile)
 {
-    qcSurface* surface = SurfaceOf(run, body);
+    qcTriangleBvh* surface = SurfaceOf(run, body);
     if (run->job->testNeighbours)
         return qc_statusOk;
     profile->skippedNeighbours += surface->clusters.neighbourCount;
     PairOfSurfaces sides = MakeSides(run, body, body);
-    qcSurfaceNeighboursJob job = {.kernels = run->sweep->kernels,
-                                  .surface = surface,
-                                  .threads = run->job->threads,
-                                  .function = AddContactKeys,
-                                  .context = &sides};
-    return run->job->listNeighbours ? qcSurfaceNeighbours_Find(&job) : qc_statusOk;
+    qcAdjacentPairsJob job = {.kernels = run->sweep->kernels,
+                              .surface = surface,
+                              .threads = run->job->threads,
+                              .function = AddContactKeys,
+                              .context = &sides};
+    return run->job->listNeighbours ? qcAdjacentPairs_Find(&job) : qc_statusOk;
 }
 
 static void CountTriangles(const Run* run, uint32_t body, qcProfile* profile)
 {
-    const qcBody* b = qcTriangles_Body(run->job->triangles, body);
+    const qcBody* b = qcStepTriangles_Body(run->job->triangles, body);
     const uint8_t* reached = ReachedOf(run->sweep, body);
     uint32_t left = b->triangleCount;
     if (reached != NULL)
@@ -462,19 +464,19 @@ static void CountTriangles(const Run* run, uint32_t body, qcProfile* profile)
 
 static void FindFlat(const Run* run, uint32_t body, qcProfile* profile)
 {
-    qcSurface* surface = SurfaceOf(run, body);
+    qcTriangleBvh* surface = SurfaceOf(run, body);
     if (!run->flatDiscs || Follows(run, body))
         return;
-    qcSurface_FindFlat(surface, run->sweep->kernels, run->job->threads);
-    profile->flatTriangles += qcSurface_CountFlat(surface);
+    qcTriangleBvh_FindFlat(surface, run->sweep->kernels, run->job->threads);
+    profile->flatTriangles += qcTriangleBvh_CountFlat(surface);
 }
 
-qcStatus qcSweepSurfaces_Run(qcSweepSurfaces* sweep, const qcSweepSurfacesJob* job, qcProfile* profile)
+qcStatus qcBvhCandidates_Run(qcBvhCandidates* sweep, const qcBvhCandidatesJob* job, qcProfile* profile)
 {
-    const qcTriangles* t = job->triangles;
+    const qcStepTriangles* t = job->triangles;
     Run run = {.sweep = sweep, .job = job, .flatDiscs = !job->testNeighbours};
     run.keeps = Keeps(&run);
-    QC_TRY(qcPairSinks_Begin(&sweep->sinks, job->threads));
+    QC_TRY(qcPairBuffers_Begin(&sweep->sinks, job->threads));
     QC_TRY(ClearReached(&run));
     if (run.keeps)
         QC_TRY(BeginToKeep(&run));
@@ -496,18 +498,18 @@ qcStatus qcSweepSurfaces_Run(qcSweepSurfaces* sweep, const qcSweepSurfacesJob* j
     profile->followedTriangles += sweep->followedTriangles;
     qcCandidates* candidates = job->candidates;
     qcPairKeys keys = {&candidates->keys, &candidates->neighbourKeys, &candidates->sure};
-    return qcPairSinks_End(&sweep->sinks, &keys);
+    return qcPairBuffers_End(&sweep->sinks, &keys);
 }
 
-void qcSweepSurfaces_Free(qcSweepSurfaces* sweep)
+void qcBvhCandidates_Free(qcBvhCandidates* sweep)
 {
     for (uint32_t slot = 0; slot < sweep->surfaces.count; slot++)
-        qcSurface_Free(SurfaceAt(sweep, slot));
-    qcPairSinks_Free(&sweep->sinks);
+        qcTriangleBvh_Free(SurfaceAt(sweep, slot));
+    qcPairBuffers_Free(&sweep->sinks);
     for (size_t i = 0; i < sweep->scratches.count; i++)
-        qcSurfaceScratch_Free(&QC_AT(qcSurfaceScratch, sweep->scratches, i));
-    qcSurfacePairs_Free(&sweep->pairs);
-    qcKeptPairs_Free(&sweep->kept);
+        qcBvhScratch_Free(&QC_AT(qcBvhScratch, sweep->scratches, i));
+    qcBvhPairs_Free(&sweep->pairs);
+    qcVerletList_Free(&sweep->kept);
     qcArray* arrays[] = {&sweep->surfaces, &sweep->seen,  &sweep->orders,  &sweep->scratches,   &sweep->followed,
                          &sweep->jobs,     &sweep->sides, &sweep->reached, &sweep->firstReached};
     for (size_t i = 0; i < sizeof arrays / sizeof arrays[0]; i++)

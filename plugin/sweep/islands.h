@@ -6,20 +6,20 @@
 #include "sweep/body_pairs.h"
 #include "plan/plan.h"
 
-typedef struct qcParts
+typedef struct qcIslands
 {
-    qcArray parts;  ///< of qcPlanPart
-    qcArray partOf; ///< uint32_t, by body of the step: its part, or QC_NO_PART
+    qcArray parts;  ///< of qcPlanItem
+    qcArray partOf; ///< uint32_t, by body of the step: its part, or QC_NO_ISLAND
     qcArray parents;
-} qcParts;
+} qcIslands;
 
 /// The body meets nothing.
-#define QC_NO_PART UINT32_MAX
+#define QC_NO_ISLAND UINT32_MAX
 
-qcStatus qcParts_Find(qcParts* parts, const qcTriangles* triangles, const qcObjects* objects);
+qcStatus qcIslands_Find(qcIslands* parts, const qcStepTriangles* triangles, const qcBodyPairs* objects);
 /// Clears the flags (by body) of parts that have a body whose flag is not set, and of bodies that meet nothing. After
-/// qcParts_Find.
-void qcParts_Unite(qcParts* parts, uint8_t* flags);
-void qcParts_Free(qcParts* parts);
+/// qcIslands_Find.
+void qcIslands_Unite(qcIslands* parts, uint8_t* flags);
+void qcIslands_Free(qcIslands* parts);
 
 #endif

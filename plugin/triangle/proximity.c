@@ -240,14 +240,14 @@ static uint8_t FootOf(const double weights[3])
 
 /// As qcProximity_Of, for triangles in the order of their corners.
 static void Compute(const double a[3][3], const double b[3][3], qcRelation relation, qcProximity* proximity,
-                    qcFeet* feet)
+                    qcClosestFeatures* feet)
 {
     bool meet = relation == qc_relationTouching || relation == qc_relationPenetrating;
     qcPairFrame frame;
     qcPairFrame_Set(&frame, a, b);
     qcClosestPoints closest;
     qcClosest_OfTriangles(frame.a, frame.b, &closest);
-    *feet = (qcFeet){{FootOf(closest.weightsA), FootOf(closest.weightsB)}};
+    *feet = (qcClosestFeatures){{FootOf(closest.weightsA), FootOf(closest.weightsB)}};
     double distance = meet ? 0.0 : Length(closest.difference);
     SetPoint(a, frame.a, closest.weightsA, frame.exponent, proximity->pointA);
     SetPoint(b, frame.b, closest.weightsB, frame.exponent, proximity->pointB);
@@ -280,7 +280,7 @@ static bool IsBefore(const double b[3][3], const double a[3][3])
 }
 
 void qcProximity_Of(const double a[3][3], const double b[3][3], qcRelation relation, qcProximity* proximity,
-                    qcFeet* feet)
+                    qcClosestFeatures* feet)
 {
     if (!IsBefore(b, a))
     {
@@ -288,9 +288,9 @@ void qcProximity_Of(const double a[3][3], const double b[3][3], qcRelation relat
         return;
     }
     qcProximity mirror;
-    qcFeet mirrorFeet;
+    qcClosestFeatures mirrorFeet;
     Compute(b, a, relation, &mirror, &mirrorFeet);
-    *feet = (qcFeet){{mirrorFeet.corners[1], mirrorFeet.corners[0]}};
+    *feet = (qcClosestFeatures){{mirrorFeet.corners[1], mirrorFeet.corners[0]}};
     *proximity = mirror;
     memcpy(proximity->pointA, mirror.pointB, sizeof mirror.pointB);
     memcpy(proximity->pointB, mirror.pointA, sizeof mirror.pointA);
@@ -310,7 +310,7 @@ __attribute__((noinline)) static bool AreWithin(const double* a, const double* b
     qcRelation relation = qcExact_Within(p, q, margin, NULL);
     if (relation == qc_relationDisjoint)
         return false;
-    qcFeet feet;
+    qcClosestFeatures feet;
     if (proximity != NULL)
         qcProximity_Of(p, q, relation, proximity, &feet);
     return true;

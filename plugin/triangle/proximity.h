@@ -5,13 +5,13 @@
 #include "quickcullide/scene.h"
 
 /// Of the closest points of a pair: between which corners of its triangle each lies; bit c: corner c.
-typedef struct qcFeet
+typedef struct qcClosestFeatures
 {
     uint8_t corners[2];
-} qcFeet;
+} qcClosestFeatures;
 
 /// `relation` is what qcExact_Relate or qcExact_Within says; any but disjoint, which counts as near.
 void qcProximity_Of(const double a[3][3], const double b[3][3], qcRelation relation, qcProximity* proximity,
-                    qcFeet* feet);
+                    qcClosestFeatures* feet);
 
 #endif

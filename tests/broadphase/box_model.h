@@ -232,8 +232,8 @@ static inline void qcModel_CheckForest(const qcModel* model)
     for (uint32_t id = 0; id < model->ends; id++)
     {
         const qcBox* box = qcBoxes_Box(model->set, id);
-        put += box->alive && box->at != qc_atHome;
-        lost += box->alive && box->at == qc_atLost;
+        put += box->alive && box->at != qc_boxInTree;
+        lost += box->alive && box->at == qc_boxPairsStale;
     }
     CHECK_QUICKLY(put == model->set->putCount && lost == model->set->lostCount);
     ck_assert_uint_eq(boxes + forest->listIds.count, qcBoxes_GetCount(model->set));

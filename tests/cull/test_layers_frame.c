@@ -274,7 +274,7 @@ static void SetTransform(qcRandom* random, qcTransform* transform)
 static uint32_t CheckTransforms(qcRandom* random, uint32_t bodyCount)
 {
     qcBodies bodies = {0};
-    qcTriangles triangles = {0};
+    qcStepTriangles triangles = {0};
     qcLayersBodies onDevice = {0};
     qcLayersFrame frame = {0};
     qcLayersView view = {{DBL_MAX, DBL_MAX, DBL_MAX}, {-DBL_MAX, -DBL_MAX, -DBL_MAX}, 0.0, 0, true};
@@ -304,7 +304,7 @@ static uint32_t CheckTransforms(qcRandom* random, uint32_t bodyCount)
         }
     }
     ck_assert(qcLayersFrame_Fit(&frame, &view));
-    CHECK_OK(qcTriangles_Number(&triangles, &bodies));
+    CHECK_OK(qcStepTriangles_Number(&triangles, &bodies));
     CHECK_OK(qcLayersBodies_Prepare(&onDevice, &triangles, &frame, takesPart, interests, meetsItself, 1));
     qcLayersStep step;
     qcLayersBodies_FillStep(&onDevice, &step);
@@ -331,7 +331,7 @@ static uint32_t CheckTransforms(qcRandom* random, uint32_t bodyCount)
         }
     }
     qcLayersBodies_Free(&onDevice);
-    qcTriangles_Free(&triangles);
+    qcStepTriangles_Free(&triangles);
     qcBodies_Free(&bodies);
     return transformed;
 }

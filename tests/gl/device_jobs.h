@@ -16,7 +16,7 @@ static inline qcStatus qcOpenKind(qcDeviceKind kind, qcDevice** device)
 }
 
 /// Clears a small image to a colour and reads it back.
-static inline qcStatus qcClearAndRead(const struct qcGlTable* gl, void* context)
+static inline qcStatus qcClearAndRead(const struct qcGlFunctions* gl, void* context)
 {
     uint8_t* rgba = context;
     GLuint framebuffer = 0, color = 0;

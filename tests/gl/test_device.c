@@ -350,7 +350,7 @@ END_TEST
 
 //  ---- jobs ----------------------------------------------------------------------------------------
 
-static qcStatus CheckVersion(const struct qcGlTable* gl, void* context)
+static qcStatus CheckVersion(const struct qcGlFunctions* gl, void* context)
 {
     GLint major = 0, minor = 0;
     gl->GetIntegerv(GL_MAJOR_VERSION, &major);
@@ -370,13 +370,13 @@ START_TEST(a_job_finds_a_context_of_gl_3_3_or_more)
 }
 END_TEST
 
-static qcStatus FailJob(const struct qcGlTable* gl, void* context)
+static qcStatus FailJob(const struct qcGlFunctions* gl, void* context)
 {
     (void)gl;
     return qcFail(qc_statusOutOfMemory, "the job says %s", (const char*)context);
 }
 
-static qcStatus MakeGlErrors(const struct qcGlTable* gl, void* context)
+static qcStatus MakeGlErrors(const struct qcGlFunctions* gl, void* context)
 {
     (void)context;
     gl->Enable(0xdead);
@@ -408,7 +408,7 @@ START_TEST(a_gl_error_is_a_status_and_the_device_goes_on)
 }
 END_TEST
 
-static qcStatus LeaveStateBehind(const struct qcGlTable* gl, void* context)
+static qcStatus LeaveStateBehind(const struct qcGlFunctions* gl, void* context)
 {
     (void)context;
     gl->Enable(GL_DEPTH_TEST);
@@ -422,7 +422,7 @@ static qcStatus LeaveStateBehind(const struct qcGlTable* gl, void* context)
     return qc_statusOk;
 }
 
-static qcStatus FindInitialState(const struct qcGlTable* gl, void* context)
+static qcStatus FindInitialState(const struct qcGlFunctions* gl, void* context)
 {
     (void)context;
     const struct
@@ -470,7 +470,7 @@ typedef struct Caller
     int wrongMessages;
 } Caller;
 
-static qcStatus CountJob(const struct qcGlTable* gl, void* context)
+static qcStatus CountJob(const struct qcGlFunctions* gl, void* context)
 {
     (void)gl;
     Caller* caller = context;

@@ -122,8 +122,8 @@ START_TEST(a_surfaceless_egl_context_of_the_host_stays_current_and_draws)
 
     ck_assert_ptr_eq(getCurrent(), context);
     ck_assert_uint_eq(queryApi(), egl_openglApi);
-    struct qcGlTable gl = {0};
-    ck_assert_int_eq(qcGlTable_Load(&gl, getFunction), qc_statusOk);
+    struct qcGlFunctions gl = {0};
+    ck_assert_int_eq(qcGlFunctions_Load(&gl, getFunction), qc_statusOk);
     uint8_t rgba[4] = {200, 100, 50, 0};
     ck_assert_int_eq(qcClearAndRead(&gl, rgba), qc_statusOk);
     ck_assert_uint_eq(rgba[0], 200);

@@ -13,20 +13,20 @@
 //  ---- replaced functions ------------------------------------------------------------------------------------------
 
 /// The functions behind those that are replaced.
-static struct qcGlTable s_real;
+static struct qcGlFunctions s_real;
 
-typedef void qcReplace(struct qcGlTable* gl);
+typedef void qcReplace(struct qcGlFunctions* gl);
 
 typedef struct Replacement
 {
     qcReplace* replace;
 } Replacement;
 
-static qcStatus Replace(const struct qcGlTable* gl, void* context)
+static qcStatus Replace(const struct qcGlFunctions* gl, void* context)
 {
     s_real = *gl;
     // The device's own table, which is not const.
-    ((const Replacement*)context)->replace((struct qcGlTable*)gl);
+    ((const Replacement*)context)->replace((struct qcGlFunctions*)gl);
     return qc_statusOk;
 }
 
@@ -159,7 +159,7 @@ static void APIENTRY FlushDenormals(GLuint shader, GLsizei count, const GLchar* 
     s_rewritten++;
 }
 
-static void MakeFlushing(struct qcGlTable* gl)
+static void MakeFlushing(struct qcGlFunctions* gl)
 {
     gl->ShaderSource = FlushDenormals;
 }
@@ -211,7 +211,7 @@ static void APIENTRY RoundPerUse(GLuint shader, GLsizei count, const GLchar* con
     free(text);
 }
 
-static void MakeRounding(struct qcGlTable* gl)
+static void MakeRounding(struct qcGlFunctions* gl)
 {
     gl->ShaderSource = RoundPerUse;
 }
@@ -280,7 +280,7 @@ static GLenum APIENTRY CheckAsBelow41(GLenum target)
     return source != GL_NONE ? GL_FRAMEBUFFER_INCOMPLETE_READ_BUFFER : s_real.CheckFramebufferStatus(target);
 }
 
-static void MakeBelow41(struct qcGlTable* gl)
+static void MakeBelow41(struct qcGlFunctions* gl)
 {
     gl->CheckFramebufferStatus = CheckAsBelow41;
 }
@@ -318,7 +318,7 @@ static void APIENTRY GetLargeLimit64(GLenum name, GLint64* value)
         s_real.GetInteger64v(name, value);
 }
 
-static void MakeLarge(struct qcGlTable* gl)
+static void MakeLarge(struct qcGlFunctions* gl)
 {
     gl->GetIntegerv = GetLargeLimit;
     gl->GetInteger64v = GetLargeLimit64;
@@ -347,7 +347,7 @@ static void APIENTRY FailTexBuffer(GLenum target, GLenum format, GLuint buffer)
     s_real.TexBuffer(target, ++s_failures == 2 ? 0xdead : format, buffer);
 }
 
-static void MakeErring(struct qcGlTable* gl)
+static void MakeErring(struct qcGlFunctions* gl)
 {
     gl->TexBuffer = FailTexBuffer;
 }
@@ -376,7 +376,7 @@ static void APIENTRY ReadNothing(GLenum target, GLintptr offset, GLsizeiptr size
         s_real.GetBufferSubData(target, offset, size, data);
 }
 
-static void MakeUnreadable(struct qcGlTable* gl)
+static void MakeUnreadable(struct qcGlFunctions* gl)
 {
     gl->GetBufferSubData = ReadNothing;
 }
@@ -387,7 +387,7 @@ static void APIENTRY ReadNoPairs(GLenum target, GLintptr offset, GLsizeiptr size
         s_real.GetBufferSubData(target, offset, size, data);
 }
 
-static void MakePairsUnreadable(struct qcGlTable* gl)
+static void MakePairsUnreadable(struct qcGlFunctions* gl)
 {
     gl->GetBufferSubData = ReadNoPairs;
 }
@@ -404,7 +404,7 @@ static void APIENTRY DispatchNothingIndirect(GLintptr at)
         s_real.DispatchComputeIndirect(at);
 }
 
-static void MakeIdle(struct qcGlTable* gl)
+static void MakeIdle(struct qcGlFunctions* gl)
 {
     gl->DispatchCompute = DispatchNothing;
     gl->DispatchComputeIndirect = DispatchNothingIndirect;
@@ -417,7 +417,7 @@ static void APIENTRY DispatchAllButLast(GLintptr at)
         s_real.DispatchComputeIndirect(at);
 }
 
-static void MakeNearlyDone(struct qcGlTable* gl)
+static void MakeNearlyDone(struct qcGlFunctions* gl)
 {
     gl->DispatchComputeIndirect = DispatchAllButLast;
 }
@@ -489,7 +489,7 @@ static GLenum APIENTRY GetMemoryError(void)
     return error;
 }
 
-static void MakeSmall(struct qcGlTable* gl)
+static void MakeSmall(struct qcGlFunctions* gl)
 {
     gl->GenBuffers = CountAttempts;
     gl->DispatchCompute = NoteRun;
@@ -554,7 +554,7 @@ static GLenum APIENTRY ReportReset(void)
     return GL_INNOCENT_CONTEXT_RESET;
 }
 
-static void MakeLost(struct qcGlTable* gl)
+static void MakeLost(struct qcGlFunctions* gl)
 {
     gl->GetGraphicsResetStatus = ReportReset;
 }

@@ -70,20 +70,20 @@ static void Flush(void)
     s_fake.calls++;
 }
 
-static struct qcGlTable MakeGl(GLint bits)
+static struct qcGlFunctions MakeGl(GLint bits)
 {
     memset(&s_fake, 0, sizeof s_fake);
     s_fake.bits = bits;
-    return (struct qcGlTable){.GetQueryiv = GetQueryiv,
-                              .GenQueries = GenQueries,
-                              .DeleteQueries = DeleteQueries,
-                              .QueryCounter = QueryCounter,
-                              .GetQueryObjectui64v = GetQueryObjectui64v,
-                              .Flush = Flush};
+    return (struct qcGlFunctions){.GetQueryiv = GetQueryiv,
+                                  .GenQueries = GenQueries,
+                                  .DeleteQueries = DeleteQueries,
+                                  .QueryCounter = QueryCounter,
+                                  .GetQueryObjectui64v = GetQueryObjectui64v,
+                                  .Flush = Flush};
 }
 
 /// Kernels, a wait for the device, results read back.
-static void RunJob(const struct qcGlTable* gl, qcGlTimers* timers, bool on, int kernels)
+static void RunJob(const struct qcGlFunctions* gl, qcGlTimers* timers, bool on, int kernels)
 {
     qcGlTimers_Begin(gl, timers, on, qcClock_Now(), part_begin);
     for (int i = 0; i < kernels; i++)
@@ -96,7 +96,7 @@ static void RunJob(const struct qcGlTable* gl, qcGlTimers* timers, bool on, int 
 
 START_TEST(timers_that_are_off_make_no_gl_call)
 {
-    struct qcGlTable gl = MakeGl(64);
+    struct qcGlFunctions gl = MakeGl(64);
     qcGlTimers timers = {.on = false};
     RunJob(&gl, &timers, false, 3);
     qcGlTimers_Delete(&gl, &timers);
@@ -106,7 +106,7 @@ END_TEST
 
 START_TEST(a_part_has_the_sum_of_its_intervals)
 {
-    struct qcGlTable gl = MakeGl(64);
+    struct qcGlFunctions gl = MakeGl(64);
     qcGlTimers timers = {.on = false};
     RunJob(&gl, &timers, true, 3);
     ck_assert_double_eq_tol(timers.deviceMs[part_kernel], 3.0, 1e-9);
@@ -118,7 +118,7 @@ END_TEST
 
 START_TEST(no_job_waits_for_its_own_last_timestamps)
 {
-    struct qcGlTable gl = MakeGl(64);
+    struct qcGlFunctions gl = MakeGl(64);
     qcGlTimers timers = {.on = false};
     RunJob(&gl, &timers, true, 2);
     ck_assert_msg(timers.deviceMs[part_readback] < 0.0, "of a first job it can't be known yet");
@@ -137,7 +137,7 @@ END_TEST
 
 START_TEST(a_device_without_timestamps_has_thread_times_only)
 {
-    struct qcGlTable gl = MakeGl(0);
+    struct qcGlFunctions gl = MakeGl(0);
     qcGlTimers timers = {.on = false};
     for (int job = 0; job < 3; job++)
         RunJob(&gl, &timers, true, 2);
@@ -151,7 +151,7 @@ END_TEST
 
 START_TEST(a_job_with_more_marks_than_timestamps_has_thread_times_only)
 {
-    struct qcGlTable gl = MakeGl(64);
+    struct qcGlFunctions gl = MakeGl(64);
     qcGlTimers timers = {.on = false};
     RunJob(&gl, &timers, true, 2 * qc_maxTimestamps);
     ck_assert_uint_eq(s_fake.issued, qc_maxTimestamps);

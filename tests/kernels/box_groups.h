@@ -14,7 +14,7 @@ typedef struct Box
     int lower[3], upper[3];
 } Box;
 
-static inline Box BoxOfGroup(const qcBoxGroup* group, int i)
+static inline Box BoxOfGroup(const qcBox8* group, int i)
 {
     Box box;
     for (int axis = 0; axis < 3; axis++)
@@ -25,7 +25,7 @@ static inline Box BoxOfGroup(const qcBoxGroup* group, int i)
     return box;
 }
 
-static inline void PutInGroup(const Box* box, qcBoxGroup* group, int i)
+static inline void PutInGroup(const Box* box, qcBox8* group, int i)
 {
     for (int axis = 0; axis < 3; axis++)
     {
@@ -64,7 +64,7 @@ static inline Box MakeBox(qcRandom* random, int first, int spread)
     return box;
 }
 
-static inline void MakeGroup(qcRandom* random, int first, int spread, qcBoxGroup* group)
+static inline void MakeGroup(qcRandom* random, int first, int spread, qcBox8* group)
 {
     for (int i = 0; i < qc_groupSize; i++)
     {
@@ -88,7 +88,7 @@ enum
 
 typedef struct Nodes
 {
-    qcBoxGroup clusters[qc_clustersInTest], nodes[qc_nodesInTest];
+    qcBox8 clusters[qc_clustersInTest], nodes[qc_nodesInTest];
 } Nodes;
 
 /// Boxes of clusters that have nothing to do with those of triangles, so that it shows which were asked.
@@ -102,13 +102,13 @@ static inline void MakeNodes(qcRandom* random, int spread, Nodes* nodes)
 
 static inline int ComparePlacePairs(const void* x, const void* y)
 {
-    const qcPlacePair *a = x, *b = y;
+    const qcSlotPair *a = x, *b = y;
     if (a->a != b->a)
         return a->a < b->a ? -1 : 1;
     return a->b < b->b ? -1 : a->b > b->b;
 }
 
-static inline void CheckSamePairs(qcPlacePair* found, size_t count, qcPlacePair* expected, size_t expectedCount,
+static inline void CheckSamePairs(qcSlotPair* found, size_t count, qcSlotPair* expected, size_t expectedCount,
                                   const char* kernels)
 {
     CHECK_THAT(count == expectedCount, "%s: %zu pairs, expected %zu", kernels, count, expectedCount);

@@ -162,7 +162,7 @@ static inline void qcMoveApart(double a[3][3], double b[3][3], const double n[3]
 }
 
 /// From a second side's frame to the first's: turned, scaled and moved; in `back` is the way back of its corners `b`.
-static inline void qcMakeTurn(qcRandom* random, qcFilterBound* bound, double b[3][3], double back[3][3])
+static inline void qcMakeTurn(qcRandom* random, qcDistanceThresholds* bound, double b[3][3], double back[3][3])
 {
     // The rotation of a quaternion, its length left in.
     double scale = exp2(qcRandom_Uniform(random, -6.0, 6.0));

@@ -17,10 +17,11 @@ typedef enum Verdict
 } Verdict;
 
 /// What becomes of the last pair of the batch, wherever it stands. None may be lost or twice there.
-static Verdict Judge(const qcSurfaceKernels* k, const qcBatch* batch, const qcFilterBound* bound, qcRandom* random)
+static Verdict Judge(const qcTriangleKernels* k, const qcBatch* batch, const qcDistanceThresholds* bound,
+                     qcRandom* random)
 {
     qcFilterSide a = qcBatch_Side(batch, 0), b = qcBatch_Side(batch, 1);
-    qcPlacePair pairs[qc_mostInBatch];
+    qcSlotPair pairs[qc_mostInBatch];
     uint8_t times[qc_mostInBatch] = {0};
     uint32_t last = (uint32_t)batch->count - 1, place = qcRandom_Below(random, (uint32_t)batch->count);
     for (uint32_t i = 0; i < batch->count; i++)
@@ -52,7 +53,7 @@ typedef struct Inquiry
 
 /// Asks about the last pair of the batch, of which the oracle knows the distance. `unit`: from the oracle's lengths to
 /// those of the batch. Pairs are kept that are within the margin, or within twice as much.
-static void Ask(Inquiry* q, qcFilterBound bound, const qcOracleDistance* distance, double unit, double margin,
+static void Ask(Inquiry* q, qcDistanceThresholds bound, const qcOracleDistance* distance, double unit, double margin,
                 const char* what)
 {
     double reach = qcRandom_Below(&q->random, 2) == 0 ? margin : 2.0 * margin;
@@ -89,7 +90,8 @@ static void AskPair(Inquiry* q, const qcTrianglePair* pair, const qcOracleDistan
         return;
     qcUnitFrame_Push(&frame, pair, &q->batch);
     char text[1024];
-    Ask(q, (qcFilterBound){.pointError = 0x1p-24f}, distance, frame.unit, margin, qcTrianglePair_Print(pair, text));
+    Ask(q, (qcDistanceThresholds){.pointError = 0x1p-24f}, distance, frame.unit, margin,
+        qcTrianglePair_Print(pair, text));
 }
 
 //  ---- tests ---------------------------------------------------------------------------------------
@@ -167,7 +169,7 @@ START_TEST(pairs_in_exact_coordinates_are_told_right)
         double apart = qcOracleDistance_Get(distance);
         double margin = apart == 0.0 ? ldexp(1.0, -i % 30) : apart * (i % 2 == 0 ? 1.0 : 1.0005);
         char text[1024];
-        Ask(&q, (qcFilterBound){.pointError = 0.0f}, distance, 1.0, margin, qcTrianglePair_Print(&pair, text));
+        Ask(&q, (qcDistanceThresholds){.pointError = 0.0f}, distance, 1.0, margin, qcTrianglePair_Print(&pair, text));
         qcOracleDistance_Destroy(distance);
     }
     ck_assert_int_gt(q.asked, 4000);
@@ -188,7 +190,7 @@ START_TEST(errors_of_points_change_nothing)
         qcOracleDistance* distance = qcOracleDistance_Create((const double(*)[3])a, (const double(*)[3])b);
         double off = i / 4 % 3 == 0 ? 0.0 : qcRandom_Uniform(&q.random, -1.0, 1.0) * (i / 4 % 3 == 1 ? error : 1.0);
         double margin = fmax(qcOracleDistance_Get(distance) + off, 0.0);
-        qcFilterBound bound = {.pointError = (float)error};
+        qcDistanceThresholds bound = {.pointError = (float)error};
         // What is mapped from another frame is b.
         if (i / 2 % 2 == 0)
             qcMakeTurn(&q.random, &bound, b, back);
@@ -228,7 +230,8 @@ START_TEST(nearly_all_that_is_apart_is_told)
         qcBatch_Push(&q.batch, pair.a, pair.b);
         qcOracleDistance* distance = qcOracleDistance_Create(pair.a, pair.b);
         char text[1024];
-        Ask(&q, (qcFilterBound){.pointError = 0x1p-24f}, distance, 1.0, margin, qcTrianglePair_Print(&pair, text));
+        Ask(&q, (qcDistanceThresholds){.pointError = 0x1p-24f}, distance, 1.0, margin,
+            qcTrianglePair_Print(&pair, text));
         qcOracleDistance_Destroy(distance);
     }
     ck_assert_int_gt(q.apart, 2000);
@@ -248,10 +251,10 @@ START_TEST(where_no_margin_is_told_nothing_is_near)
         double a[3][3], b[3][3], n[3];
         qcMakeOverEachOther(&q.random, i % 2 == 0, 0.01, a, b, n);
         qcBatch_Push(&q.batch, a, b);
-        qcFilterBound bound = {.pointError = 0x1p-24f,
-                               .reach = i % 3 == 0 ? 0.0f : 0.02f,
-                               .margin = i % 2 == 0 ? -1.0f : -1e-4f,
-                               .beyond = 0.0f};
+        qcDistanceThresholds bound = {.pointError = 0x1p-24f,
+                                      .reach = i % 3 == 0 ? 0.0f : 0.02f,
+                                      .margin = i % 2 == 0 ? -1.0f : -1e-4f,
+                                      .beyond = 0.0f};
         FOR_EACH_KERNELS(k)
         ck_assert_int_eq(Judge(k, &q.batch, &bound, &q.random), i % 3 == 0 ? verdict_far : verdict_left);
     }
@@ -268,7 +271,7 @@ START_TEST(what_cannot_be_told_is_left)
         qcBatch_Push(&q.batch, points[0], points[i % 2]);
         const float errors[] = {0.0f, 1e6f, 0x1p-24f, 1e6f};
         float margin = i % 3 == 0 ? 1e30f : 0.5f;
-        qcFilterBound bound = {.pointError = errors[i % 4], .reach = margin, .margin = margin, .beyond = margin};
+        qcDistanceThresholds bound = {.pointError = errors[i % 4], .reach = margin, .margin = margin, .beyond = margin};
         FOR_EACH_KERNELS(k)
         ck_assert_int_eq(Judge(k, &q.batch, &bound, &q.random), verdict_left);
     }

@@ -38,7 +38,7 @@ static void Make(const double a[3][3], const double b[3][3], double margin, Pair
     made->pair = (qcContactPair){{&made->bodies[0], 0, 0, NULL}, {&made->bodies[1], 1, 0, NULL}, margin};
 }
 
-static int Find(const Pair* made, qcNearFeatures near, qcContact contacts[qc_maxContactsPerPair])
+static int Find(const Pair* made, qcFeatureMask near, qcContact contacts[qc_maxContactsPerPair])
 {
     qcContactFacet a = {.index = NULL}, b = {.index = NULL};
     qcContactFacet_Set(&a, &made->pair.a);
@@ -46,7 +46,7 @@ static int Find(const Pair* made, qcNearFeatures near, qcContact contacts[qc_max
     return qcContact_Find(&a, &b, made->pair.margin, near, contacts);
 }
 
-static const qcNearFeatures s_all = 0x7fff;
+static const qcFeatureMask s_all = 0x7fff;
 
 typedef struct Inquiry
 {
@@ -56,7 +56,7 @@ typedef struct Inquiry
     int told[qc_mostKernels]; ///< of the latter
 } Inquiry;
 
-static void AskOne(Inquiry* q, const Pair* pair, qcNearFeatures near, size_t kernel, const char* name)
+static void AskOne(Inquiry* q, const Pair* pair, qcFeatureMask near, size_t kernel, const char* name)
 {
     qcContact all[qc_maxContactsPerPair], found[qc_maxContactsPerPair];
     memset(all, 0, sizeof all);
@@ -75,7 +75,7 @@ static void AskOne(Inquiry* q, const Pair* pair, qcNearFeatures near, size_t ker
 static void Flush(Inquiry* q)
 {
     qcContactPair pairs[qc_featurePairs];
-    qcNearFeatures near[qc_featurePairs];
+    qcFeatureMask near[qc_featurePairs];
     if (q->count == 0)
         return;
     for (size_t i = 0; i < q->count; i++)

@@ -1,21 +1,21 @@
 // What the kernels of every instruction set call flat doesn't meet itself, nor come within the reach of itself, by
 // rational arithmetic; and what bends little is called flat.
 #include "support/oracle.h"
-#include "mesh/patches.h"
+#include "kernels/patches.h"
 #include "support/suite.h"
 
 #include <stdio.h>
 
-static bool IsFlat(const qcSurfaceKernels* k, const qcPatch* patch, float reach)
+static bool IsFlat(const qcTriangleKernels* k, const qcPatch* patch, float reach)
 {
-    qcFlatDisc disc = {.corners = patch->corners,
-                       .points = patch->points,
-                       .places = patch->places,
-                       .loop = patch->loop,
-                       .placeCount = patch->triangleCount,
-                       .loopCount = patch->loopCount,
-                       .pointError = patch->pointError,
-                       .reach = reach};
+    qcPatchGeometry disc = {.corners = patch->corners,
+                            .points = patch->points,
+                            .places = patch->places,
+                            .loop = patch->loop,
+                            .placeCount = patch->triangleCount,
+                            .loopCount = patch->loopCount,
+                            .pointError = patch->pointError,
+                            .reach = reach};
     return k->isFlat(&disc);
 }
 

@@ -82,7 +82,7 @@ START_TEST(a_mapped_box_is_around_where_the_box_goes_and_little_larger)
     {
         TrueMap map = MakeTrueMap(&random, round % 2 != 0);
         qcGroupMap rounded = ToGroupMap(&map);
-        qcBoxGroup group, mapped;
+        qcBox8 group, mapped;
         MakeGroup(&random, round % 3 == 0 ? 0 : round % 3 == 1 ? 60000 : 30000, round % 5 == 0 ? 33 : 5533, &group);
         k->mapGroup(&group, &rounded, &mapped);
         for (int i = 0; i < qc_groupSize; i++)
@@ -120,7 +120,7 @@ START_TEST(a_map_that_floats_cannot_hold_gives_boxes_that_meet_everything)
                     map.linear[axis][axis] = large[i];
                     map.shift[axis] = large[j];
                 }
-                qcBoxGroup group, mapped;
+                qcBox8 group, mapped;
                 MakeGroup(&random, 0, 65533, &group);
                 k->mapGroup(&group, &map, &mapped);
                 for (int b = 0; b < qc_groupSize; b++)
@@ -212,7 +212,7 @@ START_TEST(the_box_of_a_mapped_triangle_is_around_its_corners_and_little_larger)
             other.mapped.points.grow[axis] = (float)(0x1p-20L * sizes + 0x1p-4L);
         }
         uint32_t cluster = qcRandom_Below(&random, qc_clustersInTest);
-        qcBoxGroup mapped;
+        qcBox8 mapped;
         k->mapTriangles(&other.mapped, cluster, &mapped);
         for (int i = 0; i < qc_groupSize; i++)
         {
@@ -250,7 +250,7 @@ START_TEST(triangles_under_a_map_that_floats_cannot_hold_meet_everything)
                 other.mapped.points.linear[axis][axis] = large[i];
                 other.mapped.points.shift[axis] = large[j];
             }
-            qcBoxGroup mapped;
+            qcBox8 mapped;
             k->mapTriangles(&other.mapped, 1, &mapped);
             for (int b = 0; b < qc_groupSize; b++)
             {
@@ -264,11 +264,11 @@ END_TEST
 
 //  ---- pairs of two nodes --------------------------------------------------------------------------
 
-static size_t CollectOneByOne(const qcSurfaceKernels* k, const Nodes* a, uint32_t nodeA, const Other* b, uint32_t nodeB,
-                              qcPlacePair* pairs)
+static size_t CollectOneByOne(const qcTriangleKernels* k, const Nodes* a, uint32_t nodeA, const Other* b,
+                              uint32_t nodeB, qcSlotPair* pairs)
 {
     size_t count = 0;
-    qcBoxGroup node, clusters[qc_groupSize];
+    qcBox8 node, clusters[qc_groupSize];
     k->mapGroup(&b->nodes.nodes[nodeB], &b->mapped.levels, &node);
     for (uint32_t j = 0; j < qc_groupSize; j++)
         k->mapTriangles(&b->mapped, nodeB * 8 + j, &clusters[j]);
@@ -277,13 +277,13 @@ static size_t CollectOneByOne(const qcSurfaceKernels* k, const Nodes* a, uint32_
             if (Overlap(BoxOfGroup(&a->nodes[nodeA], (int)p / 8), BoxOfGroup(&node, (int)q / 8)) &&
                 Overlap(BoxOfGroup(&a->clusters[nodeA * 8 + p / 8], (int)p % 8),
                         BoxOfGroup(&clusters[q / 8], (int)q % 8)))
-                pairs[count++] = (qcPlacePair){nodeA * qc_nodeSize + p, nodeB * qc_nodeSize + q};
+                pairs[count++] = (qcSlotPair){nodeA * qc_nodeSize + p, nodeB * qc_nodeSize + q};
     return count;
 }
 
 START_TEST(pairs_of_nodes_of_two_lattices_are_those_whose_mapped_boxes_overlap)
 {
-    static qcPlacePair found[qc_mostPairs], expected[qc_mostPairs];
+    static qcSlotPair found[qc_mostPairs], expected[qc_mostPairs];
     static Other b;
     qcRandom random = {8};
     size_t pairs = 0;

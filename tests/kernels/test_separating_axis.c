@@ -7,10 +7,10 @@
 //  ---- filter --------------------------------------------------------------------------------------
 
 /// Is the last pair kept, wherever it stands? What is left has to be a part of what was given, in its order.
-static bool Keeps(const qcSurfaceKernels* k, const qcBatch* batch, const qcFilterBound* bound, qcRandom* random)
+static bool Keeps(const qcTriangleKernels* k, const qcBatch* batch, const qcDistanceThresholds* bound, qcRandom* random)
 {
     qcFilterSide a = qcBatch_Side(batch, 0), b = qcBatch_Side(batch, 1);
-    qcPlacePair pairs[qc_mostInBatch + 1], given[qc_mostInBatch + 1];
+    qcSlotPair pairs[qc_mostInBatch + 1], given[qc_mostInBatch + 1];
     uint32_t last = (uint32_t)batch->count - 1, place = qcRandom_Below(random, (uint32_t)batch->count);
     for (uint32_t i = 0; i < batch->count; i++)
         given[i].a = given[i].b = i == place ? last : i == last ? place : i;
@@ -39,7 +39,7 @@ static bool CheckKept(const qcTrianglePair* pair, double margin, qcBatch* batch,
     if (!isWithin || !qcUnitFrame_Find(&frame, pair, margin))
         return false;
     qcUnitFrame_Push(&frame, pair, batch);
-    qcFilterBound bound = {.pointError = 0x1p-24f, .reach = qcRoundUp(margin * frame.unit)};
+    qcDistanceThresholds bound = {.pointError = 0x1p-24f, .reach = qcRoundUp(margin * frame.unit)};
     char text[1024];
     FOR_EACH_KERNELS(k)
     CHECK_THAT(Keeps(k, batch, &bound, random), "%s drops %s, margin %a", k->name, qcTrianglePair_Print(pair, text),
@@ -63,10 +63,10 @@ START_TEST(the_filter_keeps_what_meets)
 END_TEST
 
 /// Is the last pair called a sure hit?
-static bool IsSure(const qcSurfaceKernels* k, const qcBatch* batch, const qcFilterBound* bound)
+static bool IsSure(const qcTriangleKernels* k, const qcBatch* batch, const qcDistanceThresholds* bound)
 {
     qcFilterSide a = qcBatch_Side(batch, 0), b = qcBatch_Side(batch, 1);
-    qcPlacePair pairs[qc_mostInBatch];
+    qcSlotPair pairs[qc_mostInBatch];
     uint8_t times[qc_mostInBatch] = {0};
     for (uint32_t i = 0; i < batch->count; i++)
         pairs[i].a = pairs[i].b = i;
@@ -118,14 +118,14 @@ START_TEST(a_sure_hit_penetrates)
         if (!qcUnitFrame_Find(&frame, &pair, 0.0))
             continue;
         qcUnitFrame_Push(&frame, &pair, &batch);
-        qcFilterBound bound = {.pointError = 0x1p-24f, .reach = qcRoundUp(0.0)};
+        qcDistanceThresholds bound = {.pointError = 0x1p-24f, .reach = qcRoundUp(0.0)};
         penetrating += penetrates && i % 2 == 1;
         char text[1024];
         FOR_EACH_KERNELS(k)
         {
             bool isSure = IsSure(k, &batch, &bound);
             CHECK_THAT(!isSure || penetrates, "%s: %s", k->name, qcTrianglePair_Print(&pair, text));
-            sure += isSure && i % 2 == 1 && k == qcSurfaceKernels_Get();
+            sure += isSure && i % 2 == 1 && k == qcTriangleKernels_Get();
         }
     }
     // Nearly all that aren't built to be on the border.
@@ -157,7 +157,7 @@ START_TEST(the_filter_keeps_what_meets_in_exact_coordinates)
     // Nothing but the filter's own rounding.
     qcRandom random = {11};
     qcBatch batch = {.count = 0};
-    qcFilterBound bound = {.pointError = 0.0f};
+    qcDistanceThresholds bound = {.pointError = 0.0f};
     int meeting = 0;
     for (int i = 0; i < 12000; i++)
     {
@@ -192,7 +192,7 @@ START_TEST(the_filter_keeps_what_errors_of_points_part)
                                        apart = i % 3 == 0 ? 0.0 : ldexp(1.0, -i % 20 - 2);
         qcMakeOverEachOther(&random, i % 2 == 0, apart, a, b, n);
         qcOracleDistance* distance = qcOracleDistance_Create((const double(*)[3])a, (const double(*)[3])b);
-        qcFilterBound bound = {.pointError = (float)error, .reach = qcRoundUp(qcOracleDistance_Get(distance))};
+        qcDistanceThresholds bound = {.pointError = (float)error, .reach = qcRoundUp(qcOracleDistance_Get(distance))};
         qcOracleDistance_Destroy(distance);
         qcMoveApart(a, b, n, error - 0x1p-24); // what rounding to float may add
         qcBatch_Push(&batch, a, b);
@@ -212,7 +212,7 @@ START_TEST(the_filter_keeps_what_meets_in_the_first_side_s_frame)
         double a[3][3], b[3][3], n[3], mapped[3][3], error = ldexp(1.0, -10 - i % 10);
         double apart = i % 3 == 0 ? 0.0 : ldexp(1.0, -i % 20 - 2);
         qcMakeOverEachOther(&random, i % 2 == 0, apart, a, b, n);
-        qcFilterBound bound = {.pointError = (float)error};
+        qcDistanceThresholds bound = {.pointError = (float)error};
         qcMakeTurn(&random, &bound, b, mapped);
         qcOracleDistance* distance = qcOracleDistance_Create((const double(*)[3])a, (const double(*)[3])b);
         bound.reach = qcRoundUp(qcOracleDistance_Get(distance));
@@ -234,7 +234,7 @@ START_TEST(the_filter_keeps_what_it_cannot_tell)
     {
         // All six corners one point; or far apart, with a reach or an error that is larger.
         qcBatch_Push(&batch, points[0], points[i % 2]);
-        qcFilterBound bound = {.pointError = i % 4 == 1 ? 1e6f : 0x1p-24f, .reach = i % 4 == 3 ? 1e30f : 0.0f};
+        qcDistanceThresholds bound = {.pointError = i % 4 == 1 ? 1e6f : 0x1p-24f, .reach = i % 4 == 3 ? 1e30f : 0.0f};
         FOR_EACH_KERNELS(k)
         ck_assert(Keeps(k, &batch, &bound, &random));
     }
@@ -264,7 +264,7 @@ START_TEST(the_filter_drops_nearly_all_that_is_clearly_apart)
             continue;
         apart++;
         qcBatch_Push(&batch, corners[0], corners[1]);
-        qcFilterBound bound = {.pointError = 0x1p-24f};
+        qcDistanceThresholds bound = {.pointError = 0x1p-24f};
         FOR_EACH_KERNELS(k)
         dropped[kernelIndex] += !Keeps(k, &batch, &bound, &random);
     }
@@ -293,7 +293,7 @@ START_TEST(the_filter_parts_triangles_in_one_plane)
                 x[2] = slope[0] * x[0] + slope[1] * x[1];
             }
         qcBatch_Push(&batch, a, b);
-        qcFilterBound bound = {.pointError = 0x1p-24f};
+        qcDistanceThresholds bound = {.pointError = 0x1p-24f};
         FOR_EACH_KERNELS(k)
         CHECK_THAT(!Keeps(k, &batch, &bound, &random), "%s keeps pair %d", k->name, i);
     }

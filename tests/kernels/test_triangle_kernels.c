@@ -67,7 +67,7 @@ START_TEST(a_vertex_has_its_point_and_its_levels)
         static uint32_t vertexOf[count];
         static qcPoint points[count];
         static qcBoxRow rows[count];
-        qcLatticeMap map = {{0.0}, {0.0}, {0.0}, {0.0}};
+        qcLatticeTransform map = {{0.0}, {0.0}, {0.0}, {0.0}};
         double margin = round % 3 == 0 ? 0.0 : 0.01;
         for (int axis = 0; axis < 3; axis++)
         {
@@ -129,7 +129,7 @@ START_TEST(the_boxes_of_triangles_are_around_their_corners_and_those_of_groups_a
         qcBoxRow vertices[vertexCount], rows[groupCount];
         Box boxes[vertexCount];
         qcCorners corners[groupCount * qc_groupSize];
-        qcBoxGroup groups[groupCount], untouched;
+        qcBox8 groups[groupCount], untouched;
         for (int i = 0; i < vertexCount; i++)
         {
             boxes[i] = i == vertexCount - 1 ? EmptyBox() : MakeBox(&random, s_ranges[r].first, s_ranges[r].spread);
@@ -178,7 +178,7 @@ START_TEST(the_boxes_of_groups_are_those_of_their_children)
     {
         qcBoxRow children[groupCount * qc_groupSize], rows[groupCount];
         Box boxes[groupCount * qc_groupSize];
-        qcBoxGroup groups[groupCount], untouched;
+        qcBox8 groups[groupCount], untouched;
         for (size_t i = 0; i < LENGTH(boxes); i++)
         {
             boxes[i] = MakeBox(&random, s_ranges[r].first, s_ranges[r].spread);
@@ -203,7 +203,7 @@ START_TEST(the_boxes_of_groups_are_those_of_their_children)
 }
 END_TEST
 
-static uint64_t CompareOneByOne(const qcBoxGroup* a, const qcBoxGroup* b)
+static uint64_t CompareOneByOne(const qcBox8* a, const qcBox8* b)
 {
     uint64_t meet = 0;
     for (int i = 0; i < qc_groupSize; i++)
@@ -220,7 +220,7 @@ START_TEST(groups_meet_where_their_boxes_do)
     for (size_t r = 0; r < LENGTH(s_ranges); r++)
         for (int round = 0; round < 3000; round++)
         {
-            qcBoxGroup a, b;
+            qcBox8 a, b;
             MakeGroup(&random, s_ranges[r].first, s_ranges[r].spread, &a);
             MakeGroup(&random, s_ranges[r].first, s_ranges[r].spread, &b);
             uint64_t expected = CompareOneByOne(&a, &b);
@@ -240,7 +240,7 @@ END_TEST
 typedef struct Choice
 {
     const uint64_t* words;
-    const qcPlaceSkip* skips;
+    const qcPairExclusion* skips;
     int skipCount;
 } Choice;
 
@@ -254,7 +254,7 @@ static bool IsChosen(const Choice* choice, uint32_t p, uint32_t q)
 }
 
 static size_t CollectOneByOne(const Nodes* a, uint32_t nodeA, const Nodes* b, uint32_t nodeB, const Choice* choice,
-                              qcPlacePair* pairs)
+                              qcSlotPair* pairs)
 {
     size_t count = 0;
     for (uint32_t p = 0; p < qc_nodeSize; p++)
@@ -265,14 +265,14 @@ static size_t CollectOneByOne(const Nodes* a, uint32_t nodeA, const Nodes* b, ui
                 Overlap(BoxOfGroup(&a->nodes[nodeA], (int)i), BoxOfGroup(&b->nodes[nodeB], (int)j)) &&
                 Overlap(BoxOfGroup(&a->clusters[nodeA * 8 + i], (int)p % 8),
                         BoxOfGroup(&b->clusters[nodeB * 8 + j], (int)q % 8)))
-                pairs[count++] = (qcPlacePair){nodeA * qc_nodeSize + p, nodeB * qc_nodeSize + q};
+                pairs[count++] = (qcSlotPair){nodeA * qc_nodeSize + p, nodeB * qc_nodeSize + q};
         }
     return count;
 }
 
 START_TEST(pairs_of_nodes_are_those_whose_boxes_overlap_whose_bit_is_set_and_that_no_skip_has)
 {
-    static qcPlacePair found[qc_mostPairs], expected[qc_mostPairs];
+    static qcSlotPair found[qc_mostPairs], expected[qc_mostPairs];
     qcRandom random = {5};
     size_t pairs = 0;
     FOR_EACH_KERNELS(k)
@@ -284,12 +284,12 @@ START_TEST(pairs_of_nodes_are_those_whose_boxes_overlap_whose_bit_is_set_and_tha
         uint64_t words[qc_nodeSize];
         for (int i = 0; i < qc_nodeSize; i++)
             words[i] = i % 3 == 0 ? 0 : i % 5 == 0 ? UINT64_MAX : qcRandom_Next(&random);
-        uint64_t table[qc_mostTableSize + 1];
+        uint64_t table[qc_maxTableSize + 1];
         table[qcClusters_PackTable(words, table)] = qcRandom_Next(&random);
-        qcPlaceSkip skips[qc_mostSkips];
-        for (int i = 0; i < qc_mostSkips; i++)
-            skips[i] = (qcPlaceSkip){qcRandom_Next(&random) & qcRandom_Next(&random), qcRandom_Next(&random)};
-        Choice choice = {round % 2 == 0 ? words : NULL, skips, round % 3 == 0 ? round / 3 % (qc_mostSkips + 1) : 0};
+        qcPairExclusion skips[qc_maxExclusions];
+        for (int i = 0; i < qc_maxExclusions; i++)
+            skips[i] = (qcPairExclusion){qcRandom_Next(&random) & qcRandom_Next(&random), qcRandom_Next(&random)};
+        Choice choice = {round % 2 == 0 ? words : NULL, skips, round % 3 == 0 ? round / 3 % (qc_maxExclusions + 1) : 0};
         uint32_t nodeA = qcRandom_Below(&random, qc_nodesInTest), nodeB = qcRandom_Below(&random, qc_nodesInTest);
         qcSurfaceBoxes sideA = {a.clusters, a.nodes}, sideB = {b.clusters, b.nodes};
         size_t count = (size_t)(k->collect(&sideA, nodeA, &sideB, nodeB, choice.words != NULL ? table : NULL, skips,
@@ -308,16 +308,16 @@ END_TEST
 START_TEST(the_environment_names_the_kernels)
 {
     unsetenv("QC_KERNELS");
-    const qcSurfaceKernels* best = qcSurfaceKernels_Get();
+    const qcTriangleKernels* best = qcTriangleKernels_Get();
     FOR_EACH_KERNELS(k)
     {
-        ck_assert(qcSurfaceKernels_Nth(kernelIndex + 1) != NULL || best == k);
+        ck_assert(qcTriangleKernels_Nth(kernelIndex + 1) != NULL || best == k);
         setenv("QC_KERNELS", k->name, 1);
-        ck_assert_ptr_eq(qcSurfaceKernels_Get(), k);
+        ck_assert_ptr_eq(qcTriangleKernels_Get(), k);
     }
     setenv("QC_KERNELS", "no such kernels", 1);
-    ck_assert_ptr_eq(qcSurfaceKernels_Get(), best);
-    ck_assert_str_eq(qcSurfaceKernels_Nth(0)->name, "plain");
+    ck_assert_ptr_eq(qcTriangleKernels_Get(), best);
+    ck_assert_str_eq(qcTriangleKernels_Nth(0)->name, "plain");
 }
 END_TEST
 

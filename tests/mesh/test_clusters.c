@@ -158,13 +158,13 @@ static void CheckOrderOfLinks(const qcClusters* c)
     {
         uint32_t first = QC_AT(uint32_t, c->firstLink, node), end = QC_AT(uint32_t, c->firstLink, node + 1);
         ck_assert_uint_lt(first, end);
-        ck_assert_uint_eq(QC_AT(qcNodeLink, c->links, first).other, node);
+        ck_assert_uint_eq(QC_AT(qcLeafLink, c->links, first).other, node);
         for (uint32_t l = first; l < end; l++)
         {
-            qcNodeLink link = QC_AT(qcNodeLink, c->links, l);
+            qcLeafLink link = QC_AT(qcLeafLink, c->links, l);
             ck_assert_uint_lt(link.other, c->nodeCount);
             ck_assert_uint_lt(link.table + 2, c->tables.count);
-            ck_assert(l == first || QC_AT(qcNodeLink, c->links, l - 1).other < link.other);
+            ck_assert(l == first || QC_AT(qcLeafLink, c->links, l - 1).other < link.other);
         }
     }
 }
@@ -197,7 +197,7 @@ static void CheckTables(const qcClusters* c, const qcSoup* soup)
         {
             uint64_t expected[64];
             bool isNear = AskAll(c, soup, a, b, expected);
-            bool isLinked = link < end && QC_AT(qcNodeLink, c->links, link).other == b;
+            bool isLinked = link < end && QC_AT(qcLeafLink, c->links, link).other == b;
             ck_assert_msg(isNear == isLinked, "nodes %u and %u: near %d, linked %d", a, b, isNear, isLinked);
             if (!isLinked)
                 continue;
@@ -321,7 +321,7 @@ START_TEST(the_same_body_has_the_same_clusters)
     ck_assert_uint_eq(a.nodeCount, b.nodeCount);
     ck_assert(AreEqual(&a.triangles, &b.triangles, sizeof(uint32_t)));
     ck_assert(AreEqual(&a.firstLink, &b.firstLink, sizeof(uint32_t)));
-    ck_assert(AreEqual(&a.links, &b.links, sizeof(qcNodeLink)));
+    ck_assert(AreEqual(&a.links, &b.links, sizeof(qcLeafLink)));
     ck_assert(AreEqual(&a.tables, &b.tables, sizeof(uint64_t)));
     qcClusters_Free(&a);
     qcClusters_Free(&b);

@@ -9,14 +9,14 @@ static const qcPlanCosts s_deviceIsSlow = {0.1, 0.0001, 0.5, 0.0004};
 static const qcPlanCosts s_deviceFails = {0.0, 0.0, INFINITY, INFINITY};
 
 /// A part within [at, at + size] along each axis.
-static qcPlanPart Part(uint32_t triangles, double at, double size)
+static qcPlanItem Part(uint32_t triangles, double at, double size)
 {
-    return (qcPlanPart){
+    return (qcPlanItem){
         .triangles = triangles, .lower = {at, at, at}, .upper = {at + size, at + size, at + size}, .onDevice = false};
 }
 
 /// As in the first query of a scene.
-static void Choose(const qcPlanCosts* costs, qcPlanPart* parts, size_t count)
+static void Choose(const qcPlanCosts* costs, qcPlanItem* parts, size_t count)
 {
     qcPlanHistory history = {.queries = 0};
     double triangles;
@@ -73,7 +73,7 @@ END_TEST
 
 START_TEST(few_triangles_are_not_worth_a_device)
 {
-    qcPlanPart parts[2] = {Part(100, 0.0, 1.0), Part(100, 2.0, 1.0)};
+    qcPlanItem parts[2] = {Part(100, 0.0, 1.0), Part(100, 2.0, 1.0)};
     ck_assert(!qcPlan_IsWorthADevice(parts, 2));
     parts[1].triangles = 100000;
     ck_assert(qcPlan_IsWorthADevice(parts, 2));
@@ -84,7 +84,7 @@ END_TEST
 START_TEST(parts_go_to_the_device_when_that_saves_more_than_the_trip)
 {
     // The trip pays from 0.5 / (0.0004 - 0.0001) = 1667 triangles on.
-    qcPlanPart parts[2] = {Part(1000, 0.0, 1.0), Part(600, 2.0, 1.0)};
+    qcPlanItem parts[2] = {Part(1000, 0.0, 1.0), Part(600, 2.0, 1.0)};
     Choose(&s_deviceIsQuick, parts, 2);
     ck_assert(!parts[0].onDevice && !parts[1].onDevice);
     parts[1].triangles = 700;
@@ -95,7 +95,7 @@ END_TEST
 
 START_TEST(nothing_goes_to_a_device_that_is_slower_or_fails)
 {
-    qcPlanPart parts[2] = {Part(1000000, 0.0, 1.0), Part(600, 2.0, 1.0)};
+    qcPlanItem parts[2] = {Part(1000000, 0.0, 1.0), Part(600, 2.0, 1.0)};
     Choose(&s_deviceIsSlow, parts, 2);
     ck_assert(!parts[0].onDevice && !parts[1].onDevice);
     Choose(&s_deviceFails, parts, 2);
@@ -106,7 +106,7 @@ END_TEST
 START_TEST(a_part_too_small_for_the_common_image_stays_with_the_sweep)
 {
     // 1e-6 of the image is a thirtieth of a level, for 5000 triangles.
-    qcPlanPart parts[2] = {Part(100000, 0.0, 1000.0), Part(5000, 500.0, 0.001)};
+    qcPlanItem parts[2] = {Part(100000, 0.0, 1000.0), Part(5000, 500.0, 0.001)};
     Choose(&s_deviceIsQuick, parts, 2);
     ck_assert(parts[0].onDevice);
     ck_assert(!parts[1].onDevice);
@@ -115,7 +115,7 @@ END_TEST
 
 START_TEST(parts_without_extent_stay_with_the_sweep)
 {
-    qcPlanPart part = Part(100000, 3.0, 0.0);
+    qcPlanItem part = Part(100000, 3.0, 0.0);
     Choose(&s_deviceIsQuick, &part, 1);
     ck_assert(!part.onDevice);
 }

@@ -20,32 +20,32 @@ typedef struct qcSide
 {
     qcSoup soup;
     qcBodies bodies;
-    qcSurface surface;
+    qcTriangleBvh surface;
 } qcSide;
 
 static inline qcSide qcSide_Make(qcSoup soup)
 {
     qcSide side = {.soup = soup};
     const qcBody* body = qcBodyAt(&side.bodies, qcAddToBodies(&side.bodies, &soup));
-    CHECK_OK(qcSurface_Build(&side.surface, body, 1));
-    CHECK_OK(qcSurface_Relate(&side.surface, body, 1));
+    CHECK_OK(qcTriangleBvh_Build(&side.surface, body, 1));
+    CHECK_OK(qcTriangleBvh_Relate(&side.surface, body, 1));
     return side;
 }
 
 static inline void qcSide_Free(qcSide* side)
 {
-    qcSurface_Free(&side->surface);
+    qcTriangleBvh_Free(&side->surface);
     qcBodies_Free(&side->bodies);
     qcSoup_Free(&side->soup);
 }
 
-static inline void qcSide_Fit(qcSide* side, double margin, const qcSurfaceKernels* kernels, uint32_t threads)
+static inline void qcSide_Fit(qcSide* side, double margin, const qcTriangleKernels* kernels, uint32_t threads)
 {
-    qcSurfaceScratch scratch = {0};
+    qcBvhScratch scratch = {0};
     bool fits;
-    CHECK_OK(qcSurface_Fit(&side->surface, qcBodyAt(&side->bodies, 0), margin, kernels, threads, &scratch, &fits));
+    CHECK_OK(qcTriangleBvh_Fit(&side->surface, qcBodyAt(&side->bodies, 0), margin, kernels, threads, &scratch, &fits));
     ck_assert(fits);
-    qcSurfaceScratch_Free(&scratch);
+    qcBvhScratch_Free(&scratch);
 }
 
 /// How often each two triangles were found, and what was told of them: two bytes for each, one more row for each
@@ -76,7 +76,7 @@ static inline void qcFoundTimes_Free(qcFoundTimes* times)
     free(times->told);
 }
 
-static inline bool qcFoundTimes_Add(void* context, const qcFoundPairs* found, uint32_t worker)
+static inline bool qcFoundTimes_Add(void* context, const qcClassifiedPairs* found, uint32_t worker)
 {
     qcFoundTimes* times = context;
     size_t known = found->near + found->apart + found->penetrating;
@@ -104,7 +104,7 @@ static inline bool qcFoundTimes_Add(void* context, const qcFoundPairs* found, ui
     return true;
 }
 
-static inline bool qcTakeNoMore(void* context, const qcFoundPairs* found, uint32_t worker)
+static inline bool qcTakeNoMore(void* context, const qcClassifiedPairs* found, uint32_t worker)
 {
     (void)found;
     (void)worker;
@@ -113,15 +113,15 @@ static inline bool qcTakeNoMore(void* context, const qcFoundPairs* found, uint32
 }
 
 /// A surface with itself, for who takes nothing; `calls` counts what is offered.
-static inline qcSurfacePairsJob qcJobWithItself(const qcSide* side, size_t* calls)
+static inline qcBvhPairsJob qcJobWithItself(const qcSide* side, size_t* calls)
 {
-    return (qcSurfacePairsJob){.kernels = qcSurfaceKernels_Get(),
-                               .a = &side->surface,
-                               .b = &side->surface,
-                               .bodyA = qcBodyAt(&side->bodies, 0),
-                               .bodyB = qcBodyAt(&side->bodies, 0),
-                               .function = qcTakeNoMore,
-                               .context = calls};
+    return (qcBvhPairsJob){.kernels = qcTriangleKernels_Get(),
+                           .a = &side->surface,
+                           .b = &side->surface,
+                           .bodyA = qcBodyAt(&side->bodies, 0),
+                           .bodyB = qcBodyAt(&side->bodies, 0),
+                           .function = qcTakeNoMore,
+                           .context = calls};
 }
 
 static inline bool qcAreBoxesWithin(const double a[3][3], const double b[3][3], double margin)
@@ -265,28 +265,28 @@ static inline size_t qcCheckPairs(qcSide* a, qcSide* b, double margin, bool neig
         uint8_t* reached[2] = {calloc(a->surface.clusters.nodeCount, 1), calloc(b->surface.clusters.nodeCount, 1)};
         found.reachedA = reached[0];
         found.reachedB = a == b ? reached[0] : reached[1];
-        qcSurfacePairs pairs = {0};
-        qcSurfacePairsJob job = {.kernels = k,
-                                 .a = &a->surface,
-                                 .b = &b->surface,
-                                 .bodyA = qcBodyAt(&a->bodies, 0),
-                                 .bodyB = qcBodyAt(&b->bodies, 0),
-                                 .margin = margin,
-                                 .nearest = found.half ? 0.5 * margin : margin,
-                                 .neighbours = neighbours,
-                                 .flatDiscs = run > 1,
-                                 .reachedA = reached[0],
-                                 .reachedB = a == b ? reached[0] : reached[1],
-                                 .function = qcFoundTimes_Add,
-                                 .context = &found};
+        qcBvhPairs pairs = {0};
+        qcBvhPairsJob job = {.kernels = k,
+                             .a = &a->surface,
+                             .b = &b->surface,
+                             .bodyA = qcBodyAt(&a->bodies, 0),
+                             .bodyB = qcBodyAt(&b->bodies, 0),
+                             .margin = margin,
+                             .nearest = found.half ? 0.5 * margin : margin,
+                             .neighbours = neighbours,
+                             .flatDiscs = run > 1,
+                             .reachedA = reached[0],
+                             .reachedB = a == b ? reached[0] : reached[1],
+                             .function = qcFoundTimes_Add,
+                             .context = &found};
         if (job.flatDiscs)
-            qcSurface_FindFlat(&a->surface, k, threads);
-        CHECK_OK(qcSurfacePairs_Find(&pairs, &job, 1, threads));
+            qcTriangleBvh_FindFlat(&a->surface, k, threads);
+        CHECK_OK(qcBvhPairs_Find(&pairs, &job, 1, threads));
         qcFoundTimes_Check(&found, oracle, neighbours, what);
         CHECK_THAT(run % 2 == 0 || count == found.count, "%s: %zu pairs on one thread, %zu on three", what, count,
                    found.count);
         count = found.count;
-        qcSurfacePairs_Free(&pairs);
+        qcBvhPairs_Free(&pairs);
         qcFoundTimes_Free(&found);
         free(reached[0]);
         free(reached[1]);

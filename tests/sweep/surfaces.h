@@ -27,7 +27,7 @@ enum
 /// Runs what follows with each instruction set of the machine.
 #define FOR_EACH_KERNELS(k)                                                                                            \
     for (size_t kernelIndex = 0; kernelIndex < qc_mostKernels; kernelIndex++)                                          \
-        for (const qcSurfaceKernels* k = qcSurfaceKernels_Nth(kernelIndex); k != NULL; k = NULL)
+        for (const qcTriangleKernels* k = qcTriangleKernels_Nth(kernelIndex); k != NULL; k = NULL)
 
 typedef enum qcSoupKind
 {

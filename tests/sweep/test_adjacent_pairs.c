@@ -119,7 +119,7 @@ static double FindQuietReach(const Neighbours* n)
 //  ---- the kernel ----------------------------------------------------------------------------------
 
 /// Among copies of another pair, so that it stands in any lane.
-static bool Keeps(const qcSurfaceKernels* k, const Neighbours* n, float reach, qcRandom* random)
+static bool Keeps(const qcTriangleKernels* k, const Neighbours* n, float reach, qcRandom* random)
 {
     enum
     {
@@ -143,12 +143,12 @@ static bool Keeps(const qcSurfaceKernels* k, const Neighbours* n, float reach, q
                 points[name].x[axis] = (float)corner->x[axis];
             corners[side].vertex[c] = name;
         }
-    qcPlacePair pairs[qc_pairs];
+    qcSlotPair pairs[qc_pairs];
     size_t count = 1 + qcRandom_Below(random, qc_pairs), at = qcRandom_Below(random, (uint32_t)count);
     for (size_t i = 0; i < count; i++)
-        pairs[i] = i == at ? (qcPlacePair){0, 1} : (qcPlacePair){2, 3};
+        pairs[i] = i == at ? (qcSlotPair){0, 1} : (qcSlotPair){2, 3};
     qcFilterSide side = {corners, points};
-    qcFilterBound bound = {.pointError = 0x1p-24f, .reach = reach};
+    qcDistanceThresholds bound = {.pointError = 0x1p-24f, .reach = reach};
     size_t kept = k->keepNearNeighbours(&side, &bound, pairs, count);
     bool isKept = false;
     size_t others = 0;
@@ -276,11 +276,11 @@ enum
 /// What each worker was given.
 typedef struct Given
 {
-    const qcSurface* surface;
+    const qcTriangleBvh* surface;
     qcArray keys[qc_mostThreads];
 } Given;
 
-static void Take(void* context, const qcPlacePair* pairs, size_t count, uint32_t worker)
+static void Take(void* context, const qcSlotPair* pairs, size_t count, uint32_t worker)
 {
     Given* given = context;
     const uint32_t* triangles = given->surface->clusters.triangles.data;
@@ -288,24 +288,24 @@ static void Take(void* context, const qcPlacePair* pairs, size_t count, uint32_t
     qcArray* keys = &given->keys[worker];
     CHECK_THAT(qcArray_Reserve(keys, keys->count + count, sizeof(uint64_t), "keys") == qc_statusOk, "no memory");
     for (size_t i = 0; i < count; i++)
-        QC_AT(uint64_t, *keys, keys->count++) = qcTriangles_Key(triangles[pairs[i].a], triangles[pairs[i].b]);
+        QC_AT(uint64_t, *keys, keys->count++) = qcStepTriangles_Key(triangles[pairs[i].a], triangles[pairs[i].b]);
 }
 
-static Found FindKeys(const qcSurfaceKernels* kernels, const qcSoup* soup, double margin, uint32_t threads)
+static Found FindKeys(const qcTriangleKernels* kernels, const qcSoup* soup, double margin, uint32_t threads)
 {
     Found found = {.keys = {0}};
     found.body = qcBodyAt(&found.bodies, qcAddToBodies(&found.bodies, soup));
-    qcSurface surface;
-    qcSurfaceScratch scratch = {0};
+    qcTriangleBvh surface;
+    qcBvhScratch scratch = {0};
     bool fits;
-    CHECK_OK(qcSurface_Build(&surface, found.body, 1));
-    CHECK_OK(qcSurface_Relate(&surface, found.body, 1));
-    CHECK_OK(qcSurface_Fit(&surface, found.body, margin, kernels, threads, &scratch, &fits));
+    CHECK_OK(qcTriangleBvh_Build(&surface, found.body, 1));
+    CHECK_OK(qcTriangleBvh_Relate(&surface, found.body, 1));
+    CHECK_OK(qcTriangleBvh_Fit(&surface, found.body, margin, kernels, threads, &scratch, &fits));
     ck_assert(fits);
     Given given = {.surface = &surface};
-    qcSurfaceNeighboursJob job = {
+    qcAdjacentPairsJob job = {
         .kernels = kernels, .surface = &surface, .threads = threads, .function = Take, .context = &given};
-    CHECK_OK(qcSurfaceNeighbours_Find(&job));
+    CHECK_OK(qcAdjacentPairs_Find(&job));
     for (uint32_t v = 0; v < surface.vertexCount; v++)
         *(QC_AT(uint8_t, surface.quiet, v) ? &found.quiet : &found.loud) += 1;
     for (int worker = 0; worker < qc_mostThreads; worker++)
@@ -315,8 +315,8 @@ static Found FindKeys(const qcSurfaceKernels* kernels, const qcSoup* soup, doubl
     }
     if (found.keys.count != 0)
         qsort(found.keys.data, found.keys.count, sizeof(uint64_t), CompareKeys);
-    qcSurfaceScratch_Free(&scratch);
-    qcSurface_Free(&surface);
+    qcBvhScratch_Free(&scratch);
+    qcTriangleBvh_Free(&surface);
     return found;
 }
 

@@ -40,13 +40,13 @@ START_TEST(a_large_fan_has_its_pairs_with_others_and_none_with_itself)
     ck_assert_uint_gt(qcCheckBetween(qcSoup_MakeRandom(21, 2, 0.5), MakeLargeFan(), 0.0, "two and fan"), 100);
 
     qcSide a = qcSide_Make(MakeLargeFan());
-    qcSide_Fit(&a, 0.0, qcSurfaceKernels_Get(), 1);
+    qcSide_Fit(&a, 0.0, qcTriangleKernels_Get(), 1);
     size_t calls = 0;
-    qcSurfacePairs pairs = {0};
-    qcSurfacePairsJob job = qcJobWithItself(&a, &calls);
-    CHECK_OK(qcSurfacePairs_Find(&pairs, &job, 1, 1));
+    qcBvhPairs pairs = {0};
+    qcBvhPairsJob job = qcJobWithItself(&a, &calls);
+    CHECK_OK(qcBvhPairs_Find(&pairs, &job, 1, 1));
     ck_assert_uint_eq(calls, 0);
-    qcSurfacePairs_Free(&pairs);
+    qcBvhPairs_Free(&pairs);
     qcSide_Free(&a);
 }
 END_TEST
@@ -189,8 +189,8 @@ START_TEST(nodes_that_lie_apart_are_not_reached)
         qcSoup_Translate(&b.soup, 0.2 * step, 0.0, 0.0);
         CHECK_OK(qcBodies_SetVertices(&b.bodies, 0, b.soup.positions, qc_positionF64, 0));
         qcPairOracle oracle = qcPairOracle_Make(&a, &b, 0.0);
-        qcSide_Fit(&a, 0.0, qcSurfaceKernels_Get(), 1);
-        qcSide_Fit(&b, 0.0, qcSurfaceKernels_Get(), 1);
+        qcSide_Fit(&a, 0.0, qcTriangleKernels_Get(), 1);
+        qcSide_Fit(&b, 0.0, qcTriangleKernels_Get(), 1);
         uint32_t nodes = a.surface.clusters.nodeCount, reachedNodes = 0;
         uint8_t reached[2][512] = {{0}};
         ck_assert_uint_le(nodes, 512);
@@ -198,17 +198,17 @@ START_TEST(nodes_that_lie_apart_are_not_reached)
         qcFoundTimes_Make(&found, &a, &b);
         found.reachedA = reached[0];
         found.reachedB = reached[1];
-        qcSurfacePairs pairs = {0};
-        qcSurfacePairsJob job = {.kernels = qcSurfaceKernels_Get(),
-                                 .a = &a.surface,
-                                 .b = &b.surface,
-                                 .bodyA = qcBodyAt(&a.bodies, 0),
-                                 .bodyB = qcBodyAt(&b.bodies, 0),
-                                 .reachedA = reached[0],
-                                 .reachedB = reached[1],
-                                 .function = qcFoundTimes_Add,
-                                 .context = &found};
-        CHECK_OK(qcSurfacePairs_Find(&pairs, &job, 1, 1));
+        qcBvhPairs pairs = {0};
+        qcBvhPairsJob job = {.kernels = qcTriangleKernels_Get(),
+                             .a = &a.surface,
+                             .b = &b.surface,
+                             .bodyA = qcBodyAt(&a.bodies, 0),
+                             .bodyB = qcBodyAt(&b.bodies, 0),
+                             .reachedA = reached[0],
+                             .reachedB = reached[1],
+                             .function = qcFoundTimes_Add,
+                             .context = &found};
+        CHECK_OK(qcBvhPairs_Find(&pairs, &job, 1, 1));
         qcFoundTimes_Check(&found, &oracle, false, "spheres");
         for (uint32_t i = 0; i < nodes; i++)
             reachedNodes += reached[0][i];
@@ -217,7 +217,7 @@ START_TEST(nodes_that_lie_apart_are_not_reached)
         ck_assert_uint_lt(reachedNodes, nodes / 4);
         qcFoundTimes_Free(&found);
         qcPairOracle_Free(&oracle);
-        qcSurfacePairs_Free(&pairs);
+        qcBvhPairs_Free(&pairs);
     }
     qcSide_Free(&a);
     qcSide_Free(&b);
@@ -234,7 +234,7 @@ enum
 static void CheckCrowd(const qcSide* sides, qcPairOracle* oracles, double margin, uint32_t threads)
 {
     qcFoundTimes found[qc_crowdPairs];
-    qcSurfacePairsJob jobs[qc_crowdPairs];
+    qcBvhPairsJob jobs[qc_crowdPairs];
     static uint8_t reached[qc_crowd][64];
     size_t count = 0, pairCount = 0;
     for (int a = 0; a < qc_crowd; a++)
@@ -243,20 +243,20 @@ static void CheckCrowd(const qcSide* sides, qcPairOracle* oracles, double margin
             qcFoundTimes_Make(&found[count], &sides[a], &sides[b]);
             found[count].reachedA = reached[a];
             found[count].reachedB = reached[b];
-            jobs[count] = (qcSurfacePairsJob){.kernels = qcSurfaceKernels_Get(),
-                                              .a = &sides[a].surface,
-                                              .b = &sides[b].surface,
-                                              .bodyA = qcBodyAt(&sides[a].bodies, 0),
-                                              .bodyB = qcBodyAt(&sides[b].bodies, 0),
-                                              .margin = margin,
-                                              .nearest = margin,
-                                              .reachedA = reached[a],
-                                              .reachedB = reached[b],
-                                              .function = qcFoundTimes_Add,
-                                              .context = &found[count]};
+            jobs[count] = (qcBvhPairsJob){.kernels = qcTriangleKernels_Get(),
+                                          .a = &sides[a].surface,
+                                          .b = &sides[b].surface,
+                                          .bodyA = qcBodyAt(&sides[a].bodies, 0),
+                                          .bodyB = qcBodyAt(&sides[b].bodies, 0),
+                                          .margin = margin,
+                                          .nearest = margin,
+                                          .reachedA = reached[a],
+                                          .reachedB = reached[b],
+                                          .function = qcFoundTimes_Add,
+                                          .context = &found[count]};
         }
-    qcSurfacePairs pairs = {0};
-    CHECK_OK(qcSurfacePairs_Find(&pairs, jobs, count, threads));
+    qcBvhPairs pairs = {0};
+    CHECK_OK(qcBvhPairs_Find(&pairs, jobs, count, threads));
     for (size_t i = 0; i < count; i++)
     {
         qcFoundTimes_Check(&found[i], &oracles[i], false, "crowd");
@@ -264,7 +264,7 @@ static void CheckCrowd(const qcSide* sides, qcPairOracle* oracles, double margin
         qcFoundTimes_Free(&found[i]);
     }
     ck_assert_uint_gt(pairCount, 1000);
-    qcSurfacePairs_Free(&pairs);
+    qcBvhPairs_Free(&pairs);
 }
 
 START_TEST(many_searches_side_by_side_find_each_its_own_pairs)
@@ -274,7 +274,7 @@ START_TEST(many_searches_side_by_side_find_each_its_own_pairs)
     {
         // One of them has most of the triangles, some have one node alone.
         sides[i] = qcSide_Make(qcSoup_MakeRandom(30 + i, i == 5 ? 1500 : 10 + 13 * i, 0.1));
-        qcSide_Fit(&sides[i], 0.01, qcSurfaceKernels_Get(), 1);
+        qcSide_Fit(&sides[i], 0.01, qcTriangleKernels_Get(), 1);
         ck_assert_uint_le(sides[i].surface.clusters.nodeCount, 64);
     }
     qcPairOracle oracles[qc_crowdPairs];

@@ -107,11 +107,11 @@ START_TEST(flat_discs_of_a_sheet_leave_nothing_to_ask)
         {
             a.surface.fitted = false;
             qcSide_Fit(&a, margin, k, 1);
-            qcSurface_FindFlat(&a.surface, k, 1);
+            qcTriangleBvh_FindFlat(&a.surface, k, 1);
             uint32_t flat = 0, nodes = a.surface.discs.nodeCount;
             for (uint32_t node = 0; node < nodes; node++)
-                flat += qcSurface_IsFlat(&a.surface, qcDiscs_Large(&a.surface.discs, node)) ||
-                        qcSurface_IsFlat(&a.surface, node);
+                flat += qcTriangleBvh_IsFlat(&a.surface, qcFlatPatches_Large(&a.surface.discs, node)) ||
+                        qcTriangleBvh_IsFlat(&a.surface, node);
             CHECK_THAT(flat > nodes * 9 / 10, "%s, margin %g: %u of %u nodes are flat", k->name, margin, flat, nodes);
         }
     qcSide_Free(&a);
@@ -156,13 +156,13 @@ END_TEST
 START_TEST(who_wants_no_more_gets_no_more)
 {
     qcSide a = qcSide_Make(qcSoup_MakeRandom(2, 1500, 0.3));
-    qcSide_Fit(&a, 0.0, qcSurfaceKernels_Get(), 1);
+    qcSide_Fit(&a, 0.0, qcTriangleKernels_Get(), 1);
     size_t calls = 0;
-    qcSurfacePairs pairs = {0};
-    qcSurfacePairsJob job = qcJobWithItself(&a, &calls);
-    CHECK_OK(qcSurfacePairs_Find(&pairs, &job, 1, 1));
+    qcBvhPairs pairs = {0};
+    qcBvhPairsJob job = qcJobWithItself(&a, &calls);
+    CHECK_OK(qcBvhPairs_Find(&pairs, &job, 1, 1));
     ck_assert_uint_eq(calls, 1);
-    qcSurfacePairs_Free(&pairs);
+    qcBvhPairs_Free(&pairs);
     qcSide_Free(&a);
 }
 END_TEST
@@ -172,18 +172,18 @@ START_TEST(a_failed_allocation_finds_nothing_and_leaves_nothing)
     qcFailingHeap heap = {0, 0, 0};
     CHECK_OK(qcSetAllocator(qcFailingHeap_Allocate, qcFailingHeap_Release, &heap));
     qcSide a = qcSide_Make(qcSoup_MakeRandom(2, 1500, 0.05));
-    qcSide_Fit(&a, 0.0, qcSurfaceKernels_Get(), 1);
+    qcSide_Fit(&a, 0.0, qcTriangleKernels_Get(), 1);
     size_t live = heap.live, calls = 1, taken;
     for (size_t i = 0; i <= calls; i++)
     {
         heap = (qcFailingHeap){live, 0, i};
         taken = 0;
-        qcSurfacePairs pairs = {0};
-        qcSurfacePairsJob job = qcJobWithItself(&a, &taken);
-        ck_assert_int_eq(qcSurfacePairs_Find(&pairs, &job, 1, 2), i == 0 ? qc_statusOk : qc_statusOutOfMemory);
+        qcBvhPairs pairs = {0};
+        qcBvhPairsJob job = qcJobWithItself(&a, &taken);
+        ck_assert_int_eq(qcBvhPairs_Find(&pairs, &job, 1, 2), i == 0 ? qc_statusOk : qc_statusOutOfMemory);
         ck_assert_int_eq(taken > 0, i == 0);
         calls = i == 0 ? heap.calls : calls;
-        qcSurfacePairs_Free(&pairs);
+        qcBvhPairs_Free(&pairs);
         ck_assert_uint_eq(heap.live, live);
     }
     ck_assert_uint_ge(calls, 3);

@@ -16,9 +16,9 @@ typedef struct Box
     int lower[3], upper[3];
 } Box;
 
-static Box BoxAt(const qcSurface* s, uint32_t level, size_t i)
+static Box BoxAt(const qcTriangleBvh* s, uint32_t level, size_t i)
 {
-    const qcBoxGroup* group = qcSurface_Group(s, level, (uint32_t)(i / qc_groupSize));
+    const qcBox8* group = qcTriangleBvh_Group(s, level, (uint32_t)(i / qc_groupSize));
     Box box;
     for (int axis = 0; axis < 3; axis++)
     {
@@ -60,7 +60,7 @@ static bool AreWithin(const qcBody* body, uint32_t a, uint32_t b, double margin)
 }
 
 /// Two levels and some roundings of the coordinates: what may overlap though it is apart.
-static bool AreClearlyApart(const qcSurface* s, const qcBody* body, uint32_t a, uint32_t b, double margin)
+static bool AreClearlyApart(const qcTriangleBvh* s, const qcBody* body, uint32_t a, uint32_t b, double margin)
 {
     double lowerA[3], upperA[3], lowerB[3], upperB[3];
     qcBody_GetTriangleBox(body, a, lowerA, upperA);
@@ -77,12 +77,12 @@ static bool AreClearlyApart(const qcSurface* s, const qcBody* body, uint32_t a, 
 
 //  ---- what must hold ------------------------------------------------------------------------------
 
-static uint32_t TriangleAt(const qcSurface* s, size_t place)
+static uint32_t TriangleAt(const qcTriangleBvh* s, size_t place)
 {
     return QC_AT(uint32_t, s->clusters.triangles, place);
 }
 
-static void CheckCorners(const qcSurface* s, const qcBody* body)
+static void CheckCorners(const qcTriangleBvh* s, const qcBody* body)
 {
     for (size_t place = 0; place < s->corners.count; place++)
         for (int c = 0; c < 3; c++)
@@ -97,7 +97,7 @@ static void CheckCorners(const qcSurface* s, const qcBody* body)
         }
 }
 
-static void CheckPoints(const qcSurface* s, const qcBody* body)
+static void CheckPoints(const qcTriangleBvh* s, const qcBody* body)
 {
     for (uint32_t v = 0; v < s->vertexCount; v++)
         for (int axis = 0; axis < 3; axis++)
@@ -111,7 +111,7 @@ static void CheckPoints(const qcSurface* s, const qcBody* body)
 }
 
 /// Each box on a level is that of the eight below it, up to the one around all.
-static void CheckLevels(const qcSurface* s)
+static void CheckLevels(const qcTriangleBvh* s)
 {
     ck_assert_uint_eq(s->groupCount[0], s->clusters.triangles.count / qc_groupSize);
     ck_assert_uint_eq(s->groupCount[s->levels - 1], 1);
@@ -139,7 +139,7 @@ static void CheckLevels(const qcSurface* s)
     }
 }
 
-static void CheckPairs(const qcSurface* s, const qcBody* body, double margin)
+static void CheckPairs(const qcTriangleBvh* s, const qcBody* body, double margin)
 {
     size_t places = s->clusters.triangles.count;
     for (size_t p = 0; p < places; p++)
@@ -164,7 +164,7 @@ static void CheckPairs(const qcSurface* s, const qcBody* body, double margin)
     }
 }
 
-static void CheckSurface(const qcSurface* s, const qcBody* body, double margin)
+static void CheckSurface(const qcTriangleBvh* s, const qcBody* body, double margin)
 {
     CheckCorners(s, body);
     CheckPoints(s, body);
@@ -172,10 +172,10 @@ static void CheckSurface(const qcSurface* s, const qcBody* body, double margin)
     CheckPairs(s, body, margin);
 }
 
-static bool AreSame(const qcSurface* a, const qcSurface* b)
+static bool AreSame(const qcTriangleBvh* a, const qcTriangleBvh* b)
 {
     return a->groups.count == b->groups.count && a->points.count == b->points.count &&
-           memcmp(a->groups.data, b->groups.data, a->groups.count * sizeof(qcBoxGroup)) == 0 &&
+           memcmp(a->groups.data, b->groups.data, a->groups.count * sizeof(qcBox8)) == 0 &&
            memcmp(a->points.data, b->points.data, a->points.count * sizeof(qcPoint)) == 0 &&
            memcmp(&a->whole, &b->whole, sizeof a->whole) == 0;
 }
@@ -183,17 +183,17 @@ static bool AreSame(const qcSurface* a, const qcSurface* b)
 /// With every kind of kernels, on one thread and on three: all as the first says, and right.
 static void CheckFits(const qcBody* body, double margin)
 {
-    qcSurface first = {0};
+    qcTriangleBvh first = {0};
     FOR_EACH_KERNELS(k)
     for (uint32_t threads = 1; threads <= 3; threads += 2)
     {
-        qcSurface surface;
-        qcSurfaceScratch scratch = {0};
+        qcTriangleBvh surface;
+        qcBvhScratch scratch = {0};
         bool fits;
-        CHECK_OK(qcSurface_Build(&surface, body, 1));
-        CHECK_OK(qcSurface_Fit(&surface, body, margin, k, threads, &scratch, &fits));
+        CHECK_OK(qcTriangleBvh_Build(&surface, body, 1));
+        CHECK_OK(qcTriangleBvh_Fit(&surface, body, margin, k, threads, &scratch, &fits));
         ck_assert(fits);
-        qcSurfaceScratch_Free(&scratch);
+        qcBvhScratch_Free(&scratch);
         if (first.levels == 0)
         {
             CheckSurface(&surface, body, margin);
@@ -201,9 +201,9 @@ static void CheckFits(const qcBody* body, double margin)
             continue;
         }
         CHECK_THAT(AreSame(&first, &surface), "%s on %u threads fits another way", k->name, threads);
-        qcSurface_Free(&surface);
+        qcTriangleBvh_Free(&surface);
     }
-    qcSurface_Free(&first);
+    qcTriangleBvh_Free(&first);
 }
 
 static void CheckSoup(qcSoup* soup, double margin)
@@ -306,28 +306,28 @@ START_TEST(large_bodies_are_fitted_on_any_number_of_threads)
     qcSoup soup = qcSoup_MakeFoldedCloth(3, 145, 0.02, 0.03);
     qcBodies bodies = {0};
     const qcBody* body = qcBodyAt(&bodies, qcAddToBodies(&bodies, &soup));
-    qcSurface first = {0};
+    qcTriangleBvh first = {0};
     FOR_EACH_KERNELS(k)
     for (uint32_t threads = 1; threads <= 4; threads++)
     {
-        qcSurface surface;
-        qcSurfaceScratch scratch = {0};
+        qcTriangleBvh surface;
+        qcBvhScratch scratch = {0};
         bool fits;
-        CHECK_OK(qcSurface_Build(&surface, body, 1));
-        CHECK_OK(qcSurface_Fit(&surface, body, 0.001, k, threads, &scratch, &fits));
-        qcSurfaceScratch_Free(&scratch);
+        CHECK_OK(qcTriangleBvh_Build(&surface, body, 1));
+        CHECK_OK(qcTriangleBvh_Fit(&surface, body, 0.001, k, threads, &scratch, &fits));
+        qcBvhScratch_Free(&scratch);
         CheckCorners(&surface, body);
         CheckPoints(&surface, body);
         CheckLevels(&surface);
         if (first.levels != 0)
         {
             ck_assert(AreSame(&first, &surface));
-            qcSurface_Free(&first);
+            qcTriangleBvh_Free(&first);
         }
         first = surface;
     }
     ck_assert_uint_ge(first.levels, 5);
-    qcSurface_Free(&first);
+    qcTriangleBvh_Free(&first);
     qcBodies_Free(&bodies);
     qcSoup_Free(&soup);
 }
@@ -341,10 +341,10 @@ START_TEST(vertices_that_no_triangle_has_are_left_out)
         soup.positions[3 * v] = 1e300;
     qcBodies bodies = {0};
     const qcBody* body = qcBodyAt(&bodies, qcAddToBodies(&bodies, &soup));
-    qcSurface surface;
-    CHECK_OK(qcSurface_Build(&surface, body, 1));
+    qcTriangleBvh surface;
+    CHECK_OK(qcTriangleBvh_Build(&surface, body, 1));
     ck_assert_uint_eq(surface.vertexCount, 240);
-    qcSurface_Free(&surface);
+    qcTriangleBvh_Free(&surface);
     CheckFits(body, 0.0);
     qcBodies_Free(&bodies);
     qcSoup_Free(&soup);
@@ -356,10 +356,10 @@ START_TEST(a_surface_follows_its_body_and_its_margin)
     qcSoup soup = qcSoup_MakeFoldedCloth(3, 12, 0.02, 0.03);
     qcBodies bodies = {0};
     uint32_t slot = qcAddToBodies(&bodies, &soup);
-    qcSurface surface;
-    qcSurfaceScratch scratch = {0};
+    qcTriangleBvh surface;
+    qcBvhScratch scratch = {0};
     bool fits;
-    CHECK_OK(qcSurface_Build(&surface, qcBodyAt(&bodies, slot), 1));
+    CHECK_OK(qcTriangleBvh_Build(&surface, qcBodyAt(&bodies, slot), 1));
     for (int step = 0; step < 6; step++)
     {
         double margin = step == 3 ? 0.05 : step == 4 ? 0.01 : 0.0;
@@ -370,19 +370,20 @@ START_TEST(a_surface_follows_its_body_and_its_margin)
             CHECK_OK(qcBodies_SetVertices(&bodies, slot, next.positions, qc_positionF64, 0));
             qcSoup_Free(&next);
         }
-        CHECK_OK(qcSurface_Fit(&surface, qcBodyAt(&bodies, slot), margin, qcSurfaceKernels_Get(), 1, &scratch, &fits));
+        CHECK_OK(
+            qcTriangleBvh_Fit(&surface, qcBodyAt(&bodies, slot), margin, qcTriangleKernels_Get(), 1, &scratch, &fits));
         ck_assert(fits);
         CheckSurface(&surface, qcBodyAt(&bodies, slot), margin);
     }
     // A body that has not moved isn't looked at.
     qcBodyAt(&bodies, slot)->world[0] += 1.0;
-    qcSurface before = surface;
+    qcTriangleBvh before = surface;
     float x = QC_AT(qcPoint, surface.points, 0).x[0];
-    CHECK_OK(qcSurface_Fit(&surface, qcBodyAt(&bodies, slot), 0.0, qcSurfaceKernels_Get(), 1, &scratch, &fits));
+    CHECK_OK(qcTriangleBvh_Fit(&surface, qcBodyAt(&bodies, slot), 0.0, qcTriangleKernels_Get(), 1, &scratch, &fits));
     ck_assert(fits && QC_AT(qcPoint, surface.points, 0).x[0] == x &&
               before.whole.ends[0][0] == surface.whole.ends[0][0]);
-    qcSurfaceScratch_Free(&scratch);
-    qcSurface_Free(&surface);
+    qcBvhScratch_Free(&scratch);
+    qcTriangleBvh_Free(&surface);
     qcBodies_Free(&bodies);
     qcSoup_Free(&soup);
     ck_assert_uint_eq(qcGetByteCount(), 0);
@@ -395,25 +396,25 @@ START_TEST(what_no_lattice_holds_does_not_fit_and_may_fit_later)
     qcSoup soup = qcSoup_MakeRandom(4, 100, 0.1);
     qcBodies bodies = {0};
     uint32_t slot = qcAddToBodies(&bodies, &soup);
-    qcSurface surface;
-    qcSurfaceScratch scratch = {0};
-    CHECK_OK(qcSurface_Build(&surface, qcBodyAt(&bodies, slot), 1));
+    qcTriangleBvh surface;
+    qcBvhScratch scratch = {0};
+    CHECK_OK(qcTriangleBvh_Build(&surface, qcBodyAt(&bodies, slot), 1));
     for (int i = 0; i < 4; i++)
     {
         qcSoup next = qcSoup_MakeRandom(4, 100, 0.1);
         qcSoup_Place(&next, scales[i % 2], 0.0, 0.0, 0.0);
         CHECK_OK(qcBodies_SetVertices(&bodies, slot, next.positions, qc_positionF64, 0));
         bool fits, expected = scales[i % 2] == 1.0 && margins[i / 2] == 0.0;
-        CHECK_OK(qcSurface_Fit(&surface, qcBodyAt(&bodies, slot), margins[i / 2], qcSurfaceKernels_Get(), 1, &scratch,
-                               &fits));
+        CHECK_OK(qcTriangleBvh_Fit(&surface, qcBodyAt(&bodies, slot), margins[i / 2], qcTriangleKernels_Get(), 1,
+                                   &scratch, &fits));
         ck_assert_int_eq(fits, expected);
         ck_assert_int_eq(surface.fitted, expected);
         if (fits)
             CheckSurface(&surface, qcBodyAt(&bodies, slot), 0.0);
         qcSoup_Free(&next);
     }
-    qcSurfaceScratch_Free(&scratch);
-    qcSurface_Free(&surface);
+    qcBvhScratch_Free(&scratch);
+    qcTriangleBvh_Free(&surface);
     qcBodies_Free(&bodies);
     qcSoup_Free(&soup);
 }
@@ -421,23 +422,23 @@ END_TEST
 
 //  ---- out of memory -------------------------------------------------------------------------------
 
-static qcStatus BuildAndFit(const qcBody* body, qcSurface* surface, qcSurfaceScratch* scratch)
+static qcStatus BuildAndFit(const qcBody* body, qcTriangleBvh* surface, qcBvhScratch* scratch)
 {
     bool fits;
-    qcStatus status = qcSurface_Build(surface, body, 1);
+    qcStatus status = qcTriangleBvh_Build(surface, body, 1);
     if (status != qc_statusOk)
         ck_assert_uint_eq(surface->generation, 0);
     else
-        status = qcSurface_Fit(surface, body, 0.0, qcSurfaceKernels_Get(), 1, scratch, &fits);
+        status = qcTriangleBvh_Fit(surface, body, 0.0, qcTriangleKernels_Get(), 1, scratch, &fits);
     if (status != qc_statusOk && surface->generation != 0)
     {
         // The surface is whole: the same call, with memory, succeeds.
         ck_assert(!surface->fitted);
-        CHECK_OK(qcSurface_Fit(surface, body, 0.0, qcSurfaceKernels_Get(), 1, scratch, &fits));
+        CHECK_OK(qcTriangleBvh_Fit(surface, body, 0.0, qcTriangleKernels_Get(), 1, scratch, &fits));
         CheckSurface(surface, body, 0.0);
     }
-    qcSurface_Free(surface);
-    qcSurfaceScratch_Free(scratch);
+    qcTriangleBvh_Free(surface);
+    qcBvhScratch_Free(scratch);
     return status;
 }
 
@@ -450,8 +451,8 @@ START_TEST(a_failed_allocation_leaves_nothing)
     const qcBody* body = qcBodyAt(&bodies, qcAddToBodies(&bodies, &soup));
     size_t live = heap.live;
     heap.calls = 0;
-    qcSurface surface;
-    qcSurfaceScratch scratch = {0};
+    qcTriangleBvh surface;
+    qcBvhScratch scratch = {0};
     CHECK_OK(BuildAndFit(body, &surface, &scratch));
     size_t calls = heap.calls;
     ck_assert_uint_gt(calls, 10);

@@ -73,7 +73,7 @@ static qcBenchScene MakeScene(const char* name)
 {
     qcBenchScene scene;
     qcMessage message = {""};
-    const qcBenchModels models = {qcBenchBunnyPath, NULL};
+    const qcBenchModels models = {QC_BUNNY_PATH, NULL};
     ck_assert_msg(qcBenchScene_Make(FindScene(name), &models, &scene, &message) == qc_benchMade, "%s", message.text);
     return scene;
 }

@@ -18,7 +18,7 @@ static qcProximity Find(const double a[3][3], const double b[3][3])
 {
     qcRelation relation = qcExact_Relate(a, b, NULL);
     qcProximity p;
-    qcFeet feet;
+    qcClosestFeatures feet;
     qcProximity_Of(a, b, relation, &p, &feet);
     return p;
 }
@@ -285,7 +285,7 @@ static void CheckPair(const qcTrianglePair* pair)
 {
     qcRelation relation = qcExact_Relate(pair->a, pair->b, NULL);
     qcProximity p;
-    qcFeet feet;
+    qcClosestFeatures feet;
     qcProximity_Of(pair->a, pair->b, relation, &p, &feet);
     if (relation == qc_relationDisjoint)
     {

@@ -2,7 +2,7 @@
 #ifndef QC_GLUE_SOFT_BODY_RESPONSE_NODE_SUPPORTS_H
 #define QC_GLUE_SOFT_BODY_RESPONSE_NODE_SUPPORTS_H
 
-#include "soft_body/soft_scene.h"
+#include "soft_body/scene/soft_scene.h"
 
 /// A node that is in one of Bullet's contacts with a rigid body. In this step it goes no deeper than it is.
 struct qcSoftSupport

@@ -5,7 +5,7 @@
 #ifndef QC_GLUE_SOFT_BODY_RESPONSE_RIGID_ZONES_H
 #define QC_GLUE_SOFT_BODY_RESPONSE_RIGID_ZONES_H
 
-#include "soft_body/soft_scene.h"
+#include "soft_body/scene/soft_scene.h"
 
 class qcSoftZones
 {

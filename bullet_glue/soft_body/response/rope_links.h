@@ -2,7 +2,7 @@
 #ifndef QC_GLUE_SOFT_BODY_RESPONSE_ROPE_LINKS_H
 #define QC_GLUE_SOFT_BODY_RESPONSE_ROPE_LINKS_H
 
-#include "soft_body/soft_scene.h"
+#include "soft_body/scene/soft_scene.h"
 
 /// A link as a constraint on the places of its two nodes.
 struct qcSoftLink

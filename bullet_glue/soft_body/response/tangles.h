@@ -2,7 +2,7 @@
 #ifndef QC_GLUE_SOFT_BODY_RESPONSE_TANGLES_H
 #define QC_GLUE_SOFT_BODY_RESPONSE_TANGLES_H
 
-#include "soft_body/soft_scene.h"
+#include "soft_body/scene/soft_scene.h"
 
 #include <array>
 #include <map>

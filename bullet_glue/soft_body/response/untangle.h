@@ -3,7 +3,7 @@
 #ifndef QC_GLUE_SOFT_BODY_RESPONSE_UNTANGLE_H
 #define QC_GLUE_SOFT_BODY_RESPONSE_UNTANGLE_H
 
-#include "soft_body/soft_scene.h"
+#include "soft_body/scene/soft_scene.h"
 
 /// Moves places of nodes of some of the result's pairs, which have segments. Momentum is kept, and no velocity comes of
 /// it (qcSceneSoftBody::shifts). No node moves by more than a quarter of its body's thickness.

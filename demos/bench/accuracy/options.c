@@ -190,7 +190,7 @@ void qcAccuracy_ReadOptions(int argumentCount, char** arguments, qcAccuracyOptio
 {
     static const struct argp parser = {s_options, ReadOption, NULL, s_help, NULL, NULL, NULL};
     *options =
-        (qcAccuracyOptions){.runs = qc_maxRuns, .rounds = 1, .models = {.bunny = qcBenchBunnyPath}, .out = "out/bench"};
+        (qcAccuracyOptions){.runs = qc_maxRuns, .rounds = 1, .models = {.bunny = QC_BUNNY_PATH}, .out = "out/bench"};
     argp_err_exit_status = qc_benchUsage;
     argp_parse(&parser, argumentCount, arguments, 0, NULL, options);
 }

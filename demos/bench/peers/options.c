@@ -130,7 +130,7 @@ void qcPeers_ReadOptions(int argumentCount, char** arguments, qcPeersOptions* op
 {
     static const struct argp parser = {s_options, ReadOption, NULL, s_help, NULL, NULL, NULL};
     *options = (qcPeersOptions){
-        .frames = 8, .rounds = 3, .device = qc_deviceNone, .models = {.bunny = qcBenchBunnyPath}, .out = "out/bench"};
+        .frames = 8, .rounds = 3, .device = qc_deviceNone, .models = {.bunny = QC_BUNNY_PATH}, .out = "out/bench"};
     argp_err_exit_status = qc_benchUsage;
     argp_parse(&parser, argumentCount, arguments, 0, NULL, options);
 }

@@ -10,8 +10,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-const char qcBenchBunnyPath[] = "/usr/share/glmark2/models/bunny.obj";
-
 typedef enum Kind
 {
     kind_cloth,

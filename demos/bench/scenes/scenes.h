@@ -2,6 +2,7 @@
 #ifndef QC_DEMOS_BENCH_SCENES_SCENES_H
 #define QC_DEMOS_BENCH_SCENES_SCENES_H
 
+#include "common/mesh_io/bunny_path.h"
 #include "common/mesh_io/mesh_file.h"
 
 typedef struct qcBenchScene
@@ -18,9 +19,6 @@ typedef struct qcBenchModels
     const char* bunny;
     const char* dragon; ///< or null
 } qcBenchModels;
-
-/// Where the package glmark2-data puts it.
-extern const char qcBenchBunnyPath[];
 
 typedef enum qcBenchMade
 {

@@ -66,7 +66,7 @@ void MakePileMesh(qcPileSceneDef* def)
 {
     qcMesh mesh, coarse;
     qcMessage message;
-    if (qcMesh_ReadFile(qcBenchBunnyPath, qc_meshAsDeclared, &mesh, &message))
+    if (qcMesh_ReadFile(QC_BUNNY_PATH, qc_meshAsDeclared, &mesh, &message))
     {
         if (qcMesh_Decimate(&mesh, 1000, &coarse))
         {

@@ -25,7 +25,7 @@ typedef struct Refining
     const qcLayersRefineJob* job;
     qcLayersRefine* memory;
     qcFilterSide sides[2]; ///< the same
-    qcFilterBound bound;
+    qcDistanceThresholds bound;
     uint64_t trianglePairs;
 } Refining;
 
@@ -33,7 +33,7 @@ typedef struct Refining
 typedef struct Queue
 {
     const Refining* r;
-    qcPlacePair *pairs, *end;
+    qcSlotPair *pairs, *end;
     uint32_t worker;
     uint64_t count;
 } Queue;
@@ -41,23 +41,23 @@ typedef struct Queue
 static uint32_t RankOf(const qcLayersRefineJob* job, uint32_t place)
 {
     uint32_t slot, triangle = qcLayersBodies_TriangleAt(job->bodies, place, &slot);
-    return qcTriangles_First(job->triangles, job->numberOf[slot]) + triangle;
+    return qcStepTriangles_First(job->triangles, job->numberOf[slot]) + triangle;
 }
 
-static uint64_t KeyOf(const void* context, qcPlacePair pair)
+static uint64_t KeyOf(const void* context, qcSlotPair pair)
 {
     const Refining* r = context;
-    return qcTriangles_Key(RankOf(r->job, pair.a), RankOf(r->job, pair.b));
+    return qcStepTriangles_Key(RankOf(r->job, pair.a), RankOf(r->job, pair.b));
 }
 
 static void Flush(Queue* queue)
 {
     const Refining* r = queue->r;
-    qcFoundPairs found = {.pairs = queue->pairs, .count = (size_t)(queue->end - queue->pairs)};
+    qcClassifiedPairs found = {.pairs = queue->pairs, .count = (size_t)(queue->end - queue->pairs)};
     queue->count += found.count;
     queue->end = queue->pairs;
-    qcFoundPairs_Filter(&found, r->memory->kernels, r->sides, &r->bound);
-    qcPairSink_Add(&QC_AT(qcPairSink, r->memory->sinks, queue->worker), &found, r->job->listKnown, KeyOf, r);
+    qcClassifiedPairs_Filter(&found, r->memory->kernels, r->sides, &r->bound);
+    qcPairBuffer_Add(&QC_AT(qcPairBuffer, r->memory->sinks, queue->worker), &found, r->job->listKnown, KeyOf, r);
 }
 
 static bool MayMeet(const qcLayersBody* a, const qcLayersBody* b)
@@ -136,7 +136,7 @@ static void TakeBlock(void* context, size_t block, uint32_t worker)
     Refining* r = context;
     const qcLayersImage* image = r->job->image;
     Queue queue = {.r = r, .worker = worker};
-    queue.pairs = queue.end = &QC_AT(qcPlacePair, r->memory->queues, (size_t)worker * qc_queueRoom);
+    queue.pairs = queue.end = &QC_AT(qcSlotPair, r->memory->queues, (size_t)worker * qc_queueRoom);
     size_t first = block * qc_entryBlock, left = image->entryCount - first;
     for (size_t i = first; i < first + (left < qc_entryBlock ? left : qc_entryBlock); i++)
         TakeEntry(&queue, &image->entries[i]);
@@ -148,10 +148,9 @@ qcStatus qcLayersRefine_Run(qcLayersRefine* refine, const qcLayersRefineJob* job
                             uint64_t* trianglePairs)
 {
     if (refine->kernels == NULL)
-        refine->kernels = qcSurfaceKernels_Get();
-    QC_TRY(qcPairSinks_Begin(&refine->sinks, job->threads));
-    QC_TRY(
-        qcArray_Resize(&refine->queues, (size_t)job->threads * qc_queueRoom, sizeof(qcPlacePair), "pairs of places"));
+        refine->kernels = qcTriangleKernels_Get();
+    QC_TRY(qcPairBuffers_Begin(&refine->sinks, job->threads));
+    QC_TRY(qcArray_Resize(&refine->queues, (size_t)job->threads * qc_queueRoom, sizeof(qcSlotPair), "pairs of places"));
     Refining r = {
         .job = job,
         .memory = refine,
@@ -160,11 +159,11 @@ qcStatus qcLayersRefine_Run(qcLayersRefine* refine, const qcLayersRefineJob* job
     size_t blocks = ((size_t)job->image->entryCount + qc_entryBlock - 1) / qc_entryBlock;
     qcParallel_For(job->threads, blocks, qc_leastBlocks, TakeBlock, &r);
     *trianglePairs = r.trianglePairs;
-    return qcPairSinks_End(&refine->sinks, keys);
+    return qcPairBuffers_End(&refine->sinks, keys);
 }
 
 void qcLayersRefine_Free(qcLayersRefine* refine)
 {
     qcArray_Free(&refine->queues);
-    qcPairSinks_Free(&refine->sinks);
+    qcPairBuffers_Free(&refine->sinks);
 }

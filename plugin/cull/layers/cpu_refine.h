@@ -4,25 +4,25 @@
 #define QC_CULL_LAYERS_CPU_REFINE_H
 
 #include "cull/layers/gpu_residency.h"
-#include "kernels/pair_sink.h"
+#include "kernels/pair_buffer.h"
 
 /// Memory that is kept between steps.
 typedef struct qcLayersRefine
 {
-    const qcSurfaceKernels* kernels; ///< chosen at first use
-    qcArray queues;                  ///< of qcPlacePair, room for each worker
-    qcArray sinks;                   ///< of qcPairSink
+    const qcTriangleKernels* kernels; ///< chosen at first use
+    qcArray queues;                   ///< of qcSlotPair, room for each worker
+    qcArray sinks;                    ///< of qcPairBuffer
 } qcLayersRefine;
 
 typedef struct qcLayersRefineJob
 {
     const qcLayersBodies* bodies;
-    const qcTriangles* triangles;
+    const qcStepTriangles* triangles;
     const uint32_t* numberOf; ///< by slot: body of the step
     const qcLayersImage* image;
     uint32_t cellsLog2[3];   ///< of the image
     float pointError, reach; ///< in the frame
-    float margin;            ///< in the frame, as in qcFilterBound
+    float margin;            ///< in the frame, as in qcDistanceThresholds
     bool testNeighbours;     ///< triangles of one body that share a vertex are candidates too
     bool listKnown;          ///< pairs that surely penetrate are among the contact keys, too
     uint32_t threads;

@@ -32,7 +32,7 @@ typedef struct Vertex
 typedef struct Prepare
 {
     qcLayersBodies* bodies;
-    const qcTriangles* triangles;
+    const qcStepTriangles* triangles;
     const qcLayersFrame* frame;
     const uint8_t *takesPart, *meetsItself;
     const uint32_t* interests;
@@ -111,8 +111,8 @@ static qcStatus AssignPlaces(const Prepare* p)
         qcLayersBodies_Forget(bodies);
     for (uint32_t body = 0; body < p->triangles->bodyCount; body++)
     {
-        qcLayersPlace* place = PlaceAt(bodies, qcTriangles_Slot(p->triangles, body));
-        const qcBody* b = qcTriangles_Body(p->triangles, body);
+        qcLayersPlace* place = PlaceAt(bodies, qcStepTriangles_Slot(p->triangles, body));
+        const qcBody* b = qcStepTriangles_Body(p->triangles, body);
         if (!p->takesPart[body] || place->placed)
             continue;
         if (place->generation == 0)
@@ -169,8 +169,8 @@ static qcStatus ReserveStaging(const Prepare* p)
     StagingNeeds needs = {0};
     for (uint32_t body = 0; body < p->triangles->bodyCount; body++)
     {
-        const qcLayersPlace* place = PlaceAt(bodies, qcTriangles_Slot(p->triangles, body));
-        const qcBody* b = qcTriangles_Body(p->triangles, body);
+        const qcLayersPlace* place = PlaceAt(bodies, qcStepTriangles_Slot(p->triangles, body));
+        const qcBody* b = qcStepTriangles_Body(p->triangles, body);
         if (!p->takesPart[body])
             continue;
         needs.vertices += HasMoved(p, place, b) ? b->vertexCount : 0;
@@ -241,7 +241,7 @@ static qcStatus UploadTables(qcLayersBodies* bodies, const qcLayersPlace* place)
     uint32_t(*links)[2] = Stage(&bodies->links, clusters->links.count, sizeof *links);
     for (size_t i = 0; i < clusters->links.count; i++)
     {
-        qcNodeLink link = QC_AT(qcNodeLink, clusters->links, i);
+        qcLeafLink link = QC_AT(qcLeafLink, clusters->links, i);
         links[i][0] = place->firstNode + link.other;
         links[i][1] = place->firstTable + link.table;
     }
@@ -353,8 +353,8 @@ static qcStatus AddRange(qcArray* array, uint32_t first, uint32_t count)
 static qcStatus UploadBody(const Prepare* p, uint32_t body)
 {
     qcLayersBodies* bodies = p->bodies;
-    uint32_t slot = qcTriangles_Slot(p->triangles, body);
-    const qcBody* b = qcTriangles_Body(p->triangles, body);
+    uint32_t slot = qcStepTriangles_Slot(p->triangles, body);
+    const qcBody* b = qcStepTriangles_Body(p->triangles, body);
     qcLayersPlace* place = PlaceAt(bodies, slot);
     qcLayersBody* entry = &QC_AT(qcLayersBody, bodies->bodies, slot);
     *entry = (qcLayersBody){.group = b->group,
@@ -386,7 +386,7 @@ static qcStatus ListNodes(const Prepare* p)
     {
         for (uint32_t body = 0; body < p->triangles->bodyCount; body++)
         {
-            const qcLayersPlace* place = PlaceAt(bodies, qcTriangles_Slot(p->triangles, body));
+            const qcLayersPlace* place = PlaceAt(bodies, qcStepTriangles_Slot(p->triangles, body));
             if (p->takesPart[body] && place->changed == (changed != 0))
                 QC_TRY(AddRange(&bodies->activeNodes, place->firstNode, place->clusters.nodeCount));
         }
@@ -407,7 +407,7 @@ static qcStatus UploadTable(qcLayersBodies* bodies)
     return AddUpload(bodies, qc_layersBodies, 0, count * qc_layersBodyTexels, bodies->sentBodies.data);
 }
 
-qcStatus qcLayersBodies_Prepare(qcLayersBodies* bodies, const qcTriangles* triangles, const qcLayersFrame* frame,
+qcStatus qcLayersBodies_Prepare(qcLayersBodies* bodies, const qcStepTriangles* triangles, const qcLayersFrame* frame,
                                 const uint8_t* takesPart, const uint32_t* interests, const uint8_t* meetsItself,
                                 uint32_t threads)
 {

@@ -39,7 +39,7 @@ typedef struct qcLayersBodies
 
 /// Plans the uploads of a step for the bodies that take part. `takesPart`: a flag a body of the step; `interests`: four
 /// words each, a box of levels outside of which the body meets nothing.
-qcStatus qcLayersBodies_Prepare(qcLayersBodies* bodies, const qcTriangles* triangles, const qcLayersFrame* frame,
+qcStatus qcLayersBodies_Prepare(qcLayersBodies* bodies, const qcStepTriangles* triangles, const qcLayersFrame* frame,
                                 const uint8_t* takesPart, const uint32_t* interests, const uint8_t* meetsItself,
                                 uint32_t threads);
 

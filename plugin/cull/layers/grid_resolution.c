@@ -26,12 +26,12 @@ static uint32_t FloorLog2(uint32_t x)
 }
 
 /// Adds a node's extent along each axis of the frame, in levels.
-static void AddExtent(const qcLayersBodies* bodies, const qcTriangles* triangles, const qcLayersFrame* frame,
+static void AddExtent(const qcLayersBodies* bodies, const qcStepTriangles* triangles, const qcLayersFrame* frame,
                       const uint32_t* numberOf, uint32_t node, double extent[3])
 {
     uint32_t slot = QC_AT(uint32_t, bodies->nodeSlot, node);
     const qcLayersPlace* place = &QC_AT(qcLayersPlace, bodies->places, slot);
-    const qcBody* body = qcTriangles_Body(triangles, numberOf[slot]);
+    const qcBody* body = qcStepTriangles_Body(triangles, numberOf[slot]);
     const uint32_t* inNode =
         &QC_AT(uint32_t, place->clusters.triangles, (size_t)(node - place->firstNode) * qc_nodeSize);
     double lower[3] = {DBL_MAX, DBL_MAX, DBL_MAX}, upper[3] = {-DBL_MAX, -DBL_MAX, -DBL_MAX};
@@ -62,7 +62,7 @@ static int FinestAxis(const uint32_t cellsLog2[3], bool onlyDepth)
     return finest;
 }
 
-void qcLayersImage_Choose(const qcLayersBodies* bodies, const qcTriangles* triangles, const qcLayersFrame* frame,
+void qcLayersImage_Choose(const qcLayersBodies* bodies, const qcStepTriangles* triangles, const qcLayersFrame* frame,
                           const uint32_t* numberOf, uint32_t columns, uint32_t cellsLog2[3])
 {
     size_t nodes = bodies->activeNodes.count, looked = nodes < qc_sampleNodes ? nodes : qc_sampleNodes;

@@ -37,10 +37,11 @@ static void IncludeBox(double lower[3], double upper[3], const qcBody* body)
 /// Bodies with a partner, or that meet themselves; and the view that holds them. False: none.
 static bool FindParticipants(Step* step)
 {
-    const qcTriangles* t = step->job->triangles;
+    const qcStepTriangles* t = step->job->triangles;
     uint8_t *takesPart = step->cull->takesPart.data, *self = step->cull->meetsItself.data;
     for (uint32_t body = 0; body < t->bodyCount; body++)
-        takesPart[body] = self[body] = step->job->bodies[body] && qcBody_MeetsItself(qcTriangles_Body(t, body));
+        takesPart[body] = self[body] =
+            step->job->bodies[body] && qcBody_HasSelfCollision(qcStepTriangles_Body(t, body));
     for (size_t i = 0; i < 2 * step->job->meetingCount; i++)
         takesPart[step->job->meetings[i]] = step->job->bodies[step->job->meetings[i]];
     step->view = (qcLayersView){.lower = {DBL_MAX, DBL_MAX, DBL_MAX},
@@ -50,8 +51,8 @@ static bool FindParticipants(Step* step)
     bool any = false;
     for (uint32_t body = 0; body < t->bodyCount; body++)
     {
-        const qcBody* b = qcTriangles_Body(t, body);
-        QC_AT(uint32_t, step->cull->numberOf, qcTriangles_Slot(t, body)) = body;
+        const qcBody* b = qcStepTriangles_Body(t, body);
+        QC_AT(uint32_t, step->cull->numberOf, qcStepTriangles_Slot(t, body)) = body;
         if (!takesPart[body])
             continue;
         any = true;
@@ -65,7 +66,7 @@ static bool FindParticipants(Step* step)
 static qcStatus FindInterests(Step* step)
 {
     qcCullLayers* cull = step->cull;
-    const qcTriangles* t = step->job->triangles;
+    const qcStepTriangles* t = step->job->triangles;
     QC_TRY(qcArray_Resize(&cull->partners, t->bodyCount, sizeof(qcLayersView), "interests of bodies"));
     qcLayersView* around = cull->partners.data;
     for (uint32_t body = 0; body < t->bodyCount; body++)
@@ -73,8 +74,8 @@ static qcStatus FindInterests(Step* step)
     for (size_t i = 0; i < step->job->meetingCount; i++)
     {
         uint32_t a = step->job->meetings[2 * i], b = step->job->meetings[2 * i + 1];
-        IncludeBox(around[a].lower, around[a].upper, qcTriangles_Body(t, b));
-        IncludeBox(around[b].lower, around[b].upper, qcTriangles_Body(t, a));
+        IncludeBox(around[a].lower, around[a].upper, qcStepTriangles_Body(t, b));
+        IncludeBox(around[b].lower, around[b].upper, qcStepTriangles_Body(t, a));
     }
     for (uint32_t body = 0; body < t->bodyCount; body++)
     {
@@ -113,7 +114,7 @@ static qcStatus OpenDevice(qcCullLayers* cull, qcDevice* device)
 static qcStatus MapPairs(const Step* step, const qcLayersAnswer* answer, qcArray* keys)
 {
     const qcCullLayers* cull = step->cull;
-    const qcTriangles* t = step->job->triangles;
+    const qcStepTriangles* t = step->job->triangles;
     size_t at = keys->count;
     QC_TRY(qcArray_Resize(keys, at + answer->pairCount, sizeof(uint64_t), "candidates"));
     for (size_t i = 0; i < answer->pairCount; i++)
@@ -122,21 +123,21 @@ static qcStatus MapPairs(const Step* step, const qcLayersAnswer* answer, qcArray
         for (int side = 0; side < 2; side++)
         {
             uint32_t slot, triangle = qcLayersBodies_TriangleAt(&cull->bodies, answer->pairs[2 * i + side], &slot);
-            rank[side] = qcTriangles_First(t, QC_AT(uint32_t, cull->numberOf, slot)) + triangle;
+            rank[side] = qcStepTriangles_First(t, QC_AT(uint32_t, cull->numberOf, slot)) + triangle;
         }
-        QC_AT(uint64_t, *keys, at + i) = qcTriangles_Key(rank[0], rank[1]);
+        QC_AT(uint64_t, *keys, at + i) = qcStepTriangles_Key(rank[0], rank[1]);
     }
     return qc_statusOk;
 }
 
 static void FillProfile(const Step* step, const qcLayersStep* device, const qcLayersAnswer* answer, qcProfile* profile)
 {
-    const qcTriangles* t = step->job->triangles;
+    const qcStepTriangles* t = step->job->triangles;
     for (uint32_t body = 0; body < t->bodyCount; body++)
     {
         profile->selfBodies += QC_AT(uint8_t, step->cull->meetsItself, body);
         if (QC_AT(uint8_t, step->cull->takesPart, body))
-            profile->trianglePcs += qcTriangles_Body(t, body)->triangleCount;
+            profile->trianglePcs += qcStepTriangles_Body(t, body)->triangleCount;
     }
     profile->skippedTriangles += (uint32_t)(answer->skippedNodes * qc_nodeSize);
     if (answer->entries != 0)
@@ -175,10 +176,10 @@ static void FillTimes(const Step* step, const qcLayersAnswer* answer, double han
 /// the exact test.
 static float FindMargin(const Step* step)
 {
-    const qcTriangles* t = step->job->triangles;
+    const qcStepTriangles* t = step->job->triangles;
     for (uint32_t body = 0; body < t->bodyCount; body++)
     {
-        const qcBody* b = qcTriangles_Body(t, body);
+        const qcBody* b = qcStepTriangles_Body(t, body);
         if (QC_AT(uint8_t, step->cull->takesPart, body) &&
             qcBody_PairMargin(b, b, step->job->nearest) != step->job->nearest)
             return -1.0f;
@@ -267,15 +268,16 @@ static qcStatus RunOnDevice(Step* step, const qcPairKeys* keys, qcProfile* profi
 static void ListNeighboursOf(const qcClusters* clusters, uint32_t first, uint32_t node, uint32_t link, qcArray* keys)
 {
     const uint32_t* triangles = clusters->triangles.data;
-    qcPlacePair pairs[qc_nodeSize * qc_nodeSize];
-    const qcPlacePair* end = qcClusters_FindNeighbours(clusters, node, link, NULL, 0, pairs);
-    for (const qcPlacePair* pair = pairs; pair < end; pair++)
-        QC_AT(uint64_t, *keys, keys->count++) = qcTriangles_Key(first + triangles[pair->a], first + triangles[pair->b]);
+    qcSlotPair pairs[qc_nodeSize * qc_nodeSize];
+    const qcSlotPair* end = qcClusters_FindNeighbours(clusters, node, link, NULL, 0, pairs);
+    for (const qcSlotPair* pair = pairs; pair < end; pair++)
+        QC_AT(uint64_t, *keys, keys->count++) =
+            qcStepTriangles_Key(first + triangles[pair->a], first + triangles[pair->b]);
 }
 
 qcStatus qcCullLayers_Run(qcCullLayers* cull, const qcCullLayersJob* job, const qcPairKeys* keys, qcProfile* profile)
 {
-    const qcTriangles* t = job->triangles;
+    const qcStepTriangles* t = job->triangles;
     double started = Now(job);
     QC_TRY(qcArray_Resize(&cull->takesPart, t->bodyCount, 1, "bodies that take part"));
     QC_TRY(qcArray_Resize(&cull->meetsItself, t->bodyCount, 1, "bodies that take part"));
@@ -294,15 +296,15 @@ qcStatus qcCullLayers_Run(qcCullLayers* cull, const qcCullLayersJob* job, const 
     return status;
 }
 
-qcStatus qcCullLayers_ListNeighbours(const qcCullLayers* cull, const qcTriangles* triangles, uint32_t body,
+qcStatus qcCullLayers_ListNeighbours(const qcCullLayers* cull, const qcStepTriangles* triangles, uint32_t body,
                                      qcArray* keys)
 {
-    const qcClusters* clusters = qcLayersBodies_Clusters(&cull->bodies, qcTriangles_Slot(triangles, body));
+    const qcClusters* clusters = qcLayersBodies_Clusters(&cull->bodies, qcStepTriangles_Slot(triangles, body));
     const uint32_t* links = clusters->firstLink.data;
     QC_TRY(qcArray_Reserve(keys, keys->count + clusters->neighbourCount, sizeof(uint64_t), "neighbours"));
     for (uint32_t node = 0; node < clusters->nodeCount; node++)
         for (uint32_t link = links[node]; link < links[node + 1]; link++)
-            ListNeighboursOf(clusters, qcTriangles_First(triangles, body), node, link, keys);
+            ListNeighboursOf(clusters, qcStepTriangles_First(triangles, body), node, link, keys);
     return qc_statusOk;
 }
 

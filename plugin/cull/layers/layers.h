@@ -31,7 +31,7 @@ typedef struct qcCullLayers
 typedef struct qcCullLayersJob
 {
     qcDevice* device;
-    const qcTriangles* triangles;
+    const qcStepTriangles* triangles;
     const uint8_t* bodies;    ///< by body of the step: whether it is asked about. Whoever meets it is too.
     const uint32_t* meetings; ///< pairs of bodies of the step that may meet: two numbers each
     size_t meetingCount;      ///< pairs
@@ -50,7 +50,7 @@ typedef struct qcCullLayersJob
 qcStatus qcCullLayers_Run(qcCullLayers* cull, const qcCullLayersJob* job, const qcPairKeys* keys, qcProfile* profile);
 
 /// Adds the keys of all pairs of neighbours of a body that met itself in the last step.
-qcStatus qcCullLayers_ListNeighbours(const qcCullLayers* cull, const qcTriangles* triangles, uint32_t body,
+qcStatus qcCullLayers_ListNeighbours(const qcCullLayers* cull, const qcStepTriangles* triangles, uint32_t body,
                                      qcArray* keys);
 void qcCullLayers_Free(qcCullLayers* cull);
 

@@ -17,12 +17,12 @@ static bool DrawAll(uint8_t pcs)
 
 static bool DrawInter(uint8_t pcs)
 {
-    return qcTriangles_InterSet(pcs) != qc_setBfv;
+    return qcStepTriangles_InterSet(pcs) != qc_setBfv;
 }
 
 static bool DrawSelf(uint8_t pcs)
 {
-    return qcTriangles_SelfSet(pcs) != qc_setBfv;
+    return qcStepTriangles_SelfSet(pcs) != qc_setBfv;
 }
 
 // Far below it doubles are denormal, and halves of them are rounded.
@@ -73,12 +73,12 @@ static qcStatus AddPrimitive(qcCull* cull, uint32_t firstTriangle, uint32_t tria
 }
 
 /// The box around the level's bodies.
-static Frame FindFrame(const qcCull* cull, const qcTriangles* triangles)
+static Frame FindFrame(const qcCull* cull, const qcStepTriangles* triangles)
 {
     Frame frame = {{0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}};
     for (size_t i = 0; i < cull->bodies.count; i++)
     {
-        const qcBody* body = qcTriangles_Body(triangles, QC_AT(uint32_t, cull->bodies, i));
+        const qcBody* body = qcStepTriangles_Body(triangles, QC_AT(uint32_t, cull->bodies, i));
         for (int axis = 0; axis < 3; axis++)
         {
             frame.lower[axis] = i == 0 || body->lower[axis] < frame.lower[axis] ? body->lower[axis] : frame.lower[axis];
@@ -89,14 +89,14 @@ static Frame FindFrame(const qcCull* cull, const qcTriangles* triangles)
 }
 
 /// Fills corners and primitives with the triangles of the level's bodies.
-static qcStatus Gather(qcCull* cull, const qcTriangles* triangles, const Frame* frame, qcCullLevel level,
+static qcStatus Gather(qcCull* cull, const qcStepTriangles* triangles, const Frame* frame, qcCullLevel level,
                        IsDrawn* isDrawn)
 {
     cull->corners.count = cull->primitives.count = cull->sets.count = 0;
     for (size_t i = 0; i < cull->bodies.count; i++)
     {
-        uint32_t number = QC_AT(uint32_t, cull->bodies, i), first = qcTriangles_First(triangles, number);
-        const qcBody* body = qcTriangles_Body(triangles, number);
+        uint32_t number = QC_AT(uint32_t, cull->bodies, i), first = qcStepTriangles_First(triangles, number);
+        const qcBody* body = qcStepTriangles_Body(triangles, number);
         uint32_t begin = (uint32_t)(cull->corners.count / 9);
         for (uint32_t t = 0; t < body->triangleCount; t++)
         {
@@ -120,8 +120,8 @@ static double FindGrowth(const Frame* frame, int axis, double margin)
     return half > 0.0 ? 0.5 * margin / half * (1.0 + 0x1p-40) : 0.0;
 }
 
-static qcStatus RunLevel(qcCull* cull, const qcTriangles* triangles, qcCullLevel level, IsDrawn* isDrawn, uint32_t slot,
-                         qcDevice* device, const qcPlan* plan, const qcDetectDef* def)
+static qcStatus RunLevel(qcCull* cull, const qcStepTriangles* triangles, qcCullLevel level, IsDrawn* isDrawn,
+                         uint32_t slot, qcDevice* device, const qcPlan* plan, const qcDetectDef* def)
 {
     Frame frame = FindFrame(cull, triangles);
     QC_TRY(Gather(cull, triangles, &frame, level, isDrawn));
@@ -153,12 +153,12 @@ static qcStatus TakeBody(qcCull* cull, uint32_t body)
     return qc_statusOk;
 }
 
-qcStatus qcCull_Objects(qcCull* cull, qcTriangles* triangles, qcDevice* device, const qcPlan* plan,
+qcStatus qcCull_Objects(qcCull* cull, qcStepTriangles* triangles, qcDevice* device, const qcPlan* plan,
                         const qcDetectDef* def)
 {
     cull->records.count = cull->bodies.count = 0;
     for (uint32_t body = 0; body < triangles->bodyCount; body++)
-        if (qcTriangles_Body(triangles, body)->triangleCount != 0)
+        if (qcStepTriangles_Body(triangles, body)->triangleCount != 0)
             QC_TRY(TakeBody(cull, body));
     QC_TRY(RunLevel(cull, triangles, qc_levelObjects, DrawAll, 0, device, plan, def));
     for (size_t i = 0; i < cull->bodies.count; i++)
@@ -168,36 +168,36 @@ qcStatus qcCull_Objects(qcCull* cull, qcTriangles* triangles, qcDevice* device, 
 }
 
 /// Writes the sets of the level's primitives, triangle by triangle, where they came from.
-static void KeepSets(qcCull* cull, qcTriangles* triangles, bool self)
+static void KeepSets(qcCull* cull, qcStepTriangles* triangles, bool self)
 {
     size_t at = 0;
     for (size_t i = 0; i < cull->bodies.count; i++)
     {
         uint32_t body = QC_AT(uint32_t, cull->bodies, i);
-        for (uint32_t r = qcTriangles_First(triangles, body); r < qcTriangles_First(triangles, body + 1); r++)
+        for (uint32_t r = qcStepTriangles_First(triangles, body); r < qcStepTriangles_First(triangles, body + 1); r++)
         {
             uint8_t* pcs = &QC_AT(uint8_t, triangles->pcs, r);
-            unsigned inter = qcTriangles_InterSet(*pcs), own = qcTriangles_SelfSet(*pcs);
+            unsigned inter = qcStepTriangles_InterSet(*pcs), own = qcStepTriangles_SelfSet(*pcs);
             if ((self ? own : inter) == qc_setBfv)
                 continue;
             unsigned set = QC_AT(qcVisibilitySet, cull->sets, at++);
-            *pcs = self ? qcTriangles_Pcs(inter, set) : qcTriangles_Pcs(set, own);
+            *pcs = self ? qcStepTriangles_Pcs(inter, set) : qcStepTriangles_Pcs(set, own);
         }
     }
 }
 
-static bool TakesPart(const qcTriangles* triangles, uint32_t body, bool self)
+static bool TakesPart(const qcStepTriangles* triangles, uint32_t body, bool self)
 {
-    for (uint32_t r = qcTriangles_First(triangles, body); r < qcTriangles_First(triangles, body + 1); r++)
+    for (uint32_t r = qcStepTriangles_First(triangles, body); r < qcStepTriangles_First(triangles, body + 1); r++)
     {
         uint8_t pcs = QC_AT(uint8_t, triangles->pcs, r);
-        if ((self ? qcTriangles_SelfSet(pcs) : qcTriangles_InterSet(pcs)) != qc_setBfv)
+        if ((self ? qcStepTriangles_SelfSet(pcs) : qcStepTriangles_InterSet(pcs)) != qc_setBfv)
             return true;
     }
     return false;
 }
 
-qcStatus qcCull_Triangles(qcCull* cull, qcTriangles* triangles, qcDevice* device, const qcPlan* plan,
+qcStatus qcCull_Triangles(qcCull* cull, qcStepTriangles* triangles, qcDevice* device, const qcPlan* plan,
                           const qcDetectDef* def)
 {
     cull->bodies.count = 0;
@@ -218,7 +218,8 @@ qcStatus qcCull_Triangles(qcCull* cull, qcTriangles* triangles, qcDevice* device
             continue;
         cull->bodies.count = 0;
         QC_TRY(TakeBody(cull, body));
-        QC_TRY(RunLevel(cull, triangles, qc_levelSelf, DrawSelf, qcTriangles_Slot(triangles, body), device, plan, def));
+        QC_TRY(RunLevel(cull, triangles, qc_levelSelf, DrawSelf, qcStepTriangles_Slot(triangles, body), device, plan,
+                        def));
         KeepSets(cull, triangles, true);
     }
     return qc_statusOk;

@@ -15,12 +15,12 @@ typedef struct qcCull
     qcCullScratch scratch;
 } qcCull;
 
-/// Finds the set of each body among the bodies (qcTriangles::bodySet).
-qcStatus qcCull_Objects(qcCull* cull, qcTriangles* triangles, qcDevice* device, const qcPlan* plan,
+/// Finds the set of each body among the bodies (qcStepTriangles::bodySet).
+qcStatus qcCull_Objects(qcCull* cull, qcStepTriangles* triangles, qcDevice* device, const qcPlan* plan,
                         const qcDetectDef* def);
 
 /// Finds the sets of the triangles in the PCS: against other bodies (all together), against their own (body by body).
-qcStatus qcCull_Triangles(qcCull* cull, qcTriangles* triangles, qcDevice* device, const qcPlan* plan,
+qcStatus qcCull_Triangles(qcCull* cull, qcStepTriangles* triangles, qcDevice* device, const qcPlan* plan,
                           const qcDetectDef* def);
 void qcCull_Free(qcCull* cull);
 

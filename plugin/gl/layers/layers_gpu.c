@@ -95,7 +95,7 @@ static const BufferShape s_shapes[work_end] = {
     [work_boxes] = {"boxes", 16, GL_RGBA32UI},
     [work_clusterBoxes] = {"clusterBoxes", 16, GL_RGBA32UI},
     [work_nodeBoxes] = {"nodeBoxes", 16, GL_RGBA32UI},
-    [work_nodeGroups] = {NULL, sizeof(qcBoxGroup), 0},
+    [work_nodeGroups] = {NULL, sizeof(qcBox8), 0},
     [work_entries] = {"entries", 16, GL_RGBA32UI},
     [work_nodePairs] = {"nodePairs", 8, GL_RG32UI},
     [work_nodePairTables] = {"nodePairTables", 4, GL_R32UI},
@@ -241,14 +241,14 @@ struct qcLayers
     qcLayersAnswer* answer;
 };
 
-static qcStatus CheckError(const struct qcGlTable* gl, const char* place)
+static qcStatus CheckError(const struct qcGlFunctions* gl, const char* place)
 {
     GLenum error = gl->GetError();
     return error == GL_NO_ERROR ? qc_statusOk
                                 : qcFail(qc_statusDevice, "layers: %s: %s (0x%x)", place, qcGl_ErrorName(error), error);
 }
 
-static qcStatus Resize(const struct qcGlTable* gl, qcLayers* layers, int buffer, size_t count)
+static qcStatus Resize(const struct qcGlFunctions* gl, qcLayers* layers, int buffer, size_t count)
 {
     const BufferShape* shape = &s_shapes[buffer];
     size_t bytes = count * shape->elementSize;
@@ -273,14 +273,14 @@ static qcStatus Resize(const struct qcGlTable* gl, qcLayers* layers, int buffer,
     return qc_statusOk;
 }
 
-static qcStatus Reserve(const struct qcGlTable* gl, qcLayers* layers, int buffer, size_t count)
+static qcStatus Reserve(const struct qcGlFunctions* gl, qcLayers* layers, int buffer, size_t count)
 {
     // Never empty: a texture wants a buffer behind it.
     count = count > 0 ? count : 1;
     return count <= layers->capacity[buffer] ? qc_statusOk : Resize(gl, layers, buffer, count + count / 4);
 }
 
-static void Upload(const struct qcGlTable* gl, qcLayers* layers, int buffer, size_t first, size_t count,
+static void Upload(const struct qcGlFunctions* gl, qcLayers* layers, int buffer, size_t first, size_t count,
                    const void* data)
 {
     size_t size = s_shapes[buffer].elementSize;
@@ -303,7 +303,7 @@ static int ListCount(const qcLayers* layers)
     return layers->imageOnly ? list_entries + 1 : list_count;
 }
 
-static qcStatus GetProgram(const struct qcGlTable* gl, qcLayers* layers, int kernel)
+static qcStatus GetProgram(const struct qcGlFunctions* gl, qcLayers* layers, int kernel)
 {
     char constants[256];
     bool grouped = layers->imageOnly && s_kernels[kernel].groupsName != NULL;
@@ -316,7 +316,7 @@ static qcStatus GetProgram(const struct qcGlTable* gl, qcLayers* layers, int ker
     const char* sources[] = {constants, s_layersCommon, s_kernels[kernel].source};
     GLuint program;
     const char* name = grouped ? s_kernels[kernel].groupsName : s_kernels[kernel].name;
-    QC_TRY(qcGlTable_GetComputeProgram(gl, name, sources, 3, &program));
+    QC_TRY(qcGlFunctions_GetComputeProgram(gl, name, sources, 3, &program));
     layers->programs[kernel] = program;
     gl->UseProgram(program);
     for (int buffer = 0; buffer < work_end; buffer++)
@@ -327,7 +327,7 @@ static qcStatus GetProgram(const struct qcGlTable* gl, qcLayers* layers, int ker
     return qc_statusOk;
 }
 
-static qcStatus CreateObjects(const struct qcGlTable* gl, void* context)
+static qcStatus CreateObjects(const struct qcGlFunctions* gl, void* context)
 {
     qcLayers* layers = context;
     if (gl->DispatchCompute == NULL)
@@ -350,7 +350,7 @@ bool qcLayers_IsAlive(const qcLayers* layers)
     return layers != NULL && layers->generation == qcDevice_GetGeneration(layers->device);
 }
 
-static qcStatus DeleteObjects(const struct qcGlTable* gl, void* context)
+static qcStatus DeleteObjects(const struct qcGlFunctions* gl, void* context)
 {
     qcLayers* layers = context;
     qcGlTimers_Delete(gl, &layers->timers);
@@ -359,7 +359,7 @@ static qcStatus DeleteObjects(const struct qcGlTable* gl, void* context)
     return qc_statusOk;
 }
 
-static void BindAll(const struct qcGlTable* gl, const qcLayers* layers)
+static void BindAll(const struct qcGlFunctions* gl, const qcLayers* layers)
 {
     for (int buffer = 0; buffer < work_end; buffer++)
         if (s_shapes[buffer].sampler != NULL)
@@ -376,7 +376,7 @@ static GLuint ListCapacity(const qcLayers* layers, int buffer)
     return (GLuint)(layers->capacity[buffer] - 1);
 }
 
-static void SetUniforms(const struct qcGlTable* gl, const qcLayers* layers, int kernel, uint32_t nodeCount)
+static void SetUniforms(const struct qcGlFunctions* gl, const qcLayers* layers, int kernel, uint32_t nodeCount)
 {
     const qcLayersStep* step = layers->step;
     const GLint* at = layers->uniforms[kernel];
@@ -408,7 +408,7 @@ static void SetUniforms(const struct qcGlTable* gl, const qcLayers* layers, int 
 }
 
 /// Makes a kernel the one to dispatch.
-static void UseKernel(const struct qcGlTable* gl, const qcLayers* layers, int kernel, uint32_t nodeCount)
+static void UseKernel(const struct qcGlFunctions* gl, const qcLayers* layers, int kernel, uint32_t nodeCount)
 {
     const KernelShape* shape = &s_kernels[kernel];
     gl->UseProgram(layers->programs[kernel]);
@@ -417,7 +417,7 @@ static void UseKernel(const struct qcGlTable* gl, const qcLayers* layers, int ke
     SetUniforms(gl, layers, kernel, nodeCount);
 }
 
-static void FinishKernel(const struct qcGlTable* gl, qcLayers* layers, int kernel)
+static void FinishKernel(const struct qcGlFunctions* gl, qcLayers* layers, int kernel)
 {
     gl->MemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_TEXTURE_FETCH_BARRIER_BIT | GL_BUFFER_UPDATE_BARRIER_BIT |
                       GL_COMMAND_BARRIER_BIT);
@@ -425,7 +425,7 @@ static void FinishKernel(const struct qcGlTable* gl, qcLayers* layers, int kerne
 }
 
 /// One invocation an item, or more; one workgroup at least, for the last kernel's mark.
-static void RunKernel(const struct qcGlTable* gl, qcLayers* layers, int kernel, uint64_t items, uint32_t nodeCount)
+static void RunKernel(const struct qcGlFunctions* gl, qcLayers* layers, int kernel, uint64_t items, uint32_t nodeCount)
 {
     uint64_t localSize = (uint64_t)s_kernels[kernel].localSize, groups = (items + localSize - 1) / localSize;
     groups = groups > 0 ? groups : 1;
@@ -436,7 +436,7 @@ static void RunKernel(const struct qcGlTable* gl, qcLayers* layers, int kernel, 
 }
 
 /// One invocation for each item of a list: how many those are stays on the device until the end.
-static void TakeList(const struct qcGlTable* gl, qcLayers* layers, List list)
+static void TakeList(const struct qcGlFunctions* gl, qcLayers* layers, List list)
 {
     int kernel = kernel_nodePairs + (int)list;
     UseKernel(gl, layers, kernel, 0);
@@ -450,7 +450,7 @@ static uint32_t Count(const qcLayers* layers, List list)
 }
 
 /// The kernels from nodes on; they may run again.
-static void RunLists(const struct qcGlTable* gl, qcLayers* layers)
+static void RunLists(const struct qcGlFunctions* gl, qcLayers* layers)
 {
     const GLuint none = UINT32_MAX;
     layers->runNumber++;
@@ -474,7 +474,7 @@ static void RunLists(const struct qcGlTable* gl, qcLayers* layers)
 }
 
 /// Makes room for what did not fit; `*again` says whether something did not.
-static qcStatus GrowLists(const struct qcGlTable* gl, qcLayers* layers, bool* again)
+static qcStatus GrowLists(const struct qcGlFunctions* gl, qcLayers* layers, bool* again)
 {
     *again = false;
     if (layers->counters.finished.count != layers->runNumber)
@@ -505,7 +505,7 @@ static void FillAnswer(qcLayers* layers)
         answer->deviceBytes += layers->capacity[buffer] * s_shapes[buffer].elementSize;
 }
 
-static qcStatus ReadPairs(const struct qcGlTable* gl, qcLayers* layers)
+static qcStatus ReadPairs(const struct qcGlFunctions* gl, qcLayers* layers)
 {
     size_t count = Count(layers, list_survivors);
     QC_TRY(qcArray_Resize(&layers->pairs, 2 * count, sizeof(uint32_t), "pairs from the device"));
@@ -531,7 +531,7 @@ enum
     qc_mappedCount = sizeof s_mapped / sizeof s_mapped[0]
 };
 
-static void Unmap(const struct qcGlTable* gl, qcLayers* layers)
+static void Unmap(const struct qcGlFunctions* gl, qcLayers* layers)
 {
     for (int i = 0; layers->mapped && i < qc_mappedCount; i++)
     {
@@ -542,7 +542,7 @@ static void Unmap(const struct qcGlTable* gl, qcLayers* layers)
 }
 
 /// The image where it lies: what is the processor's own memory is not copied.
-static qcStatus MapImage(const struct qcGlTable* gl, qcLayers* layers)
+static qcStatus MapImage(const struct qcGlFunctions* gl, qcLayers* layers)
 {
     const void* data[qc_mappedCount];
     layers->mapped = true;
@@ -564,7 +564,7 @@ static qcStatus MapImage(const struct qcGlTable* gl, qcLayers* layers)
 }
 
 /// Room for the step, as far as it can be known before.
-static qcStatus ReserveAll(const struct qcGlTable* gl, qcLayers* layers)
+static qcStatus ReserveAll(const struct qcGlFunctions* gl, qcLayers* layers)
 {
     const qcLayersStep* step = layers->step;
     size_t nodes = step->capacity[qc_layersNodes];
@@ -585,7 +585,7 @@ static qcStatus ReserveAll(const struct qcGlTable* gl, qcLayers* layers)
     return qc_statusOk;
 }
 
-static qcStatus RunStep(const struct qcGlTable* gl, void* context)
+static qcStatus RunStep(const struct qcGlFunctions* gl, void* context)
 {
     qcLayers* layers = context;
     const qcLayersStep* step = layers->step;

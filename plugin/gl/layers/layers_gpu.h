@@ -106,9 +106,9 @@ typedef struct qcLayersImage
 {
     const qcLayersEntry* entries;
     uint32_t entryCount;
-    const uint32_t (*nodeBoxes)[4];               ///< as qcLayers_PackBox
-    const qcBoxGroup *clusterGroups, *nodeGroups; ///< boxes in levels: of triangles, of clusters
-    const qcPoint* vertices;                      ///< in the frame
+    const uint32_t (*nodeBoxes)[4];           ///< as qcLayers_PackBox
+    const qcBox8 *clusterGroups, *nodeGroups; ///< boxes in levels: of triangles, of clusters
+    const qcPoint* vertices;                  ///< in the frame
 } qcLayersImage;
 
 typedef struct qcLayersAnswer

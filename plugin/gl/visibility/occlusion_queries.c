@@ -87,7 +87,7 @@ static const char* const s_grownFragmentShader =
     "}\n";
 
 /// The layout of what is drawn: corners as they came, uploaded once, or grown, uploaded for each axis.
-static void LayOutVertices(const struct qcGlTable* gl, const qcVisibility* v)
+static void LayOutVertices(const struct qcGlFunctions* gl, const qcVisibility* v)
 {
     gl->EnableVertexAttribArray(0);
     if (!v->isGrown)
@@ -102,13 +102,14 @@ static void LayOutVertices(const struct qcGlTable* gl, const qcVisibility* v)
     gl->VertexAttribPointer(1, 4, GL_FLOAT, GL_FALSE, sizeof(qcGrownCorner), (void*)offsetof(qcGrownCorner, base));
 }
 
-static qcStatus CreateObjects(const struct qcGlTable* gl, void* context)
+static qcStatus CreateObjects(const struct qcGlFunctions* gl, void* context)
 {
     qcVisibility* v = context;
     if (v->isGrown)
-        QC_TRY(qcGlTable_GetProgram(gl, "grown visibility", s_grownVertexShader, s_grownFragmentShader, &v->program));
+        QC_TRY(
+            qcGlFunctions_GetProgram(gl, "grown visibility", s_grownVertexShader, s_grownFragmentShader, &v->program));
     else
-        QC_TRY(qcGlTable_GetProgram(gl, "visibility", s_vertexShader, s_fragmentShader, &v->program));
+        QC_TRY(qcGlFunctions_GetProgram(gl, "visibility", s_vertexShader, s_fragmentShader, &v->program));
 
     gl->GenBuffers(1, &v->vertexBuffer);
     gl->GenBuffers(1, &v->indexBuffer);
@@ -133,7 +134,7 @@ static qcStatus CreateObjects(const struct qcGlTable* gl, void* context)
     return qc_statusOk;
 }
 
-static qcStatus DeleteObjects(const struct qcGlTable* gl, void* context)
+static qcStatus DeleteObjects(const struct qcGlFunctions* gl, void* context)
 {
     qcVisibility* v = context;
     gl->DeleteQueries((GLsizei)v->queries.count, v->queries.data);
@@ -160,14 +161,14 @@ static uint32_t GetPolygonCorners(const qcVisibility* v)
     return v->isGrown ? qc_grownCorners : 3;
 }
 
-static void DrawPolygons(const struct qcGlTable* gl, const qcVisibility* v, size_t first, size_t count)
+static void DrawPolygons(const struct qcGlFunctions* gl, const qcVisibility* v, size_t first, size_t count)
 {
     size_t indexCount = qcSchedule_GetIndexCount(GetPolygonCorners(v));
     gl->DrawElements(GL_TRIANGLES, (GLsizei)(indexCount * count), GL_UNSIGNED_INT,
                      (const void*)(first * indexCount * sizeof(uint32_t)));
 }
 
-static qcStatus GrowQueries(const struct qcGlTable* gl, qcArray* queries, size_t count)
+static qcStatus GrowQueries(const struct qcGlFunctions* gl, qcArray* queries, size_t count)
 {
     QC_TRY(qcArray_Reserve(queries, count, sizeof(GLuint), "occlusion queries"));
     if (count > queries->count)
@@ -178,7 +179,7 @@ static qcStatus GrowQueries(const struct qcGlTable* gl, qcArray* queries, size_t
     return qc_statusOk;
 }
 
-static void IssueTest(const struct qcGlTable* gl, PassJob* job, const qcScheduleTest* test)
+static void IssueTest(const struct qcGlFunctions* gl, PassJob* job, const qcScheduleTest* test)
 {
     if (++job->unflushed > qc_queriesPerFlush)
     {
@@ -192,7 +193,7 @@ static void IssueTest(const struct qcGlTable* gl, PassJob* job, const qcSchedule
 }
 
 /// A grown triangle hides with the depth towards the eye, and is tested with the one away from it.
-static void PickDepth(const struct qcGlTable* gl, const PassJob* job, const qcScheduleTile* tile, bool test)
+static void PickDepth(const struct qcGlFunctions* gl, const PassJob* job, const qcScheduleTile* tile, bool test)
 {
     if (!job->visibility->isGrown)
         return;
@@ -200,7 +201,7 @@ static void PickDepth(const struct qcGlTable* gl, const PassJob* job, const qcSc
     gl->Uniform3fv(job->place, 1, place);
 }
 
-static void DrawTile(const struct qcGlTable* gl, PassJob* job, const qcScheduleTile* tile)
+static void DrawTile(const struct qcGlFunctions* gl, PassJob* job, const qcScheduleTile* tile)
 {
     const qcVisibility* v = job->visibility;
     // The whole image's viewport, moved: the samples are those of the untiled image.
@@ -227,7 +228,7 @@ static void DrawTile(const struct qcGlTable* gl, PassJob* job, const qcScheduleT
     }
 }
 
-static void ReadPending(const struct qcGlTable* gl, PassJob* job)
+static void ReadPending(const struct qcGlFunctions* gl, PassJob* job)
 {
     const qcVisibility* v = job->visibility;
     for (size_t i = job->firstPending; i < job->endPending; ++i)
@@ -241,7 +242,7 @@ static void ReadPending(const struct qcGlTable* gl, PassJob* job)
     job->firstPending = job->endPending;
 }
 
-static void UploadGrown(const struct qcGlTable* gl, qcVisibility* v, int axis)
+static void UploadGrown(const struct qcGlFunctions* gl, qcVisibility* v, int axis)
 {
     if (v->grownAxis == axis)
         return;
@@ -251,7 +252,7 @@ static void UploadGrown(const struct qcGlTable* gl, qcVisibility* v, int axis)
     v->grownAxis = axis;
 }
 
-static qcStatus DrawPass(const struct qcGlTable* gl, void* context)
+static qcStatus DrawPass(const struct qcGlFunctions* gl, void* context)
 {
     PassJob* job = context;
     qcVisibility* v = job->visibility;

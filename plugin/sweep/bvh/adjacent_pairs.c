@@ -18,21 +18,21 @@ enum
 
 typedef struct Search
 {
-    const qcSurfaceNeighboursJob* job;
+    const qcAdjacentPairsJob* job;
     qcFilterSide side;
-    qcFilterBound bound;
+    qcDistanceThresholds bound;
 } Search;
 
 static void AskBatches(void* context, size_t block, uint32_t worker)
 {
     (void)worker;
     const Search* s = context;
-    qcSurface* surface = s->job->surface;
+    qcTriangleBvh* surface = s->job->surface;
     size_t end = (block + 1) * qc_batchBlock;
     end = end < surface->stars.batches.count ? end : surface->stars.batches.count;
     for (size_t i = block * qc_batchBlock; i < end; i++)
     {
-        const qcStarBatch* batch = &QC_AT(qcStarBatch, surface->stars.batches, i);
+        const qcVertexFanBatch* batch = &QC_AT(qcVertexFanBatch, surface->stars.batches, i);
         const uint32_t* vertices = &QC_AT(uint32_t, surface->stars.vertices, batch->firstVertex);
         uint32_t quiet = s->job->kernels->findQuietStars(s->side.points, vertices, batch->valence, &s->bound);
         for (uint32_t lane = 0; lane < batch->count; lane++)
@@ -46,7 +46,7 @@ static bool HasVertex(const qcCorners* corners, uint32_t vertex)
 }
 
 /// Is the pair looked at around this vertex: the least of those that it has in common, none of which is quiet?
-static bool IsPairOf(const qcSurface* surface, uint32_t vertex, uint32_t a, uint32_t b)
+static bool IsPairOf(const qcTriangleBvh* surface, uint32_t vertex, uint32_t a, uint32_t b)
 {
     const qcCorners *p = &QC_AT(qcCorners, surface->corners, a), *q = &QC_AT(qcCorners, surface->corners, b);
     for (int c = 0; c < 3; c++)
@@ -58,7 +58,7 @@ static bool IsPairOf(const qcSurface* surface, uint32_t vertex, uint32_t a, uint
     return true;
 }
 
-static void GivePairs(const Search* s, qcPlacePair* pairs, size_t count, uint32_t worker)
+static void GivePairs(const Search* s, qcSlotPair* pairs, size_t count, uint32_t worker)
 {
     count = s->job->kernels->keepNearNeighbours(&s->side, &s->bound, pairs, count);
     s->job->function(s->job->context, pairs, count, worker);
@@ -67,10 +67,10 @@ static void GivePairs(const Search* s, qcPlacePair* pairs, size_t count, uint32_
 static void TakeVertices(void* context, size_t block, uint32_t worker)
 {
     const Search* s = context;
-    const qcSurface* surface = s->job->surface;
+    const qcTriangleBvh* surface = s->job->surface;
     const uint32_t *first = surface->stars.firstPlace.data, *places = surface->stars.places.data;
     uint32_t begin = (uint32_t)block * qc_vertexBlock, left = surface->vertexCount - begin;
-    qcPlacePair pairs[qc_room];
+    qcSlotPair pairs[qc_room];
     size_t count = 0;
     for (uint32_t v = begin; v < begin + (left < qc_vertexBlock ? left : qc_vertexBlock); v++)
     {
@@ -81,7 +81,7 @@ static void TakeVertices(void* context, size_t block, uint32_t worker)
             {
                 if (!IsPairOf(surface, v, places[i], places[k]))
                     continue;
-                pairs[count++] = (qcPlacePair){places[i], places[k]};
+                pairs[count++] = (qcSlotPair){places[i], places[k]};
                 if (count < qc_room)
                     continue;
                 GivePairs(s, pairs, count, worker);
@@ -91,16 +91,17 @@ static void TakeVertices(void* context, size_t block, uint32_t worker)
     GivePairs(s, pairs, count, worker);
 }
 
-qcStatus qcSurfaceNeighbours_Find(const qcSurfaceNeighboursJob* job)
+qcStatus qcAdjacentPairs_Find(const qcAdjacentPairsJob* job)
 {
-    qcSurface* surface = job->surface;
-    QC_TRY(qcStars_Make(&surface->stars, surface->corners.data, surface->corners.count, surface->vertexCount));
+    qcTriangleBvh* surface = job->surface;
+    QC_TRY(qcVertexFans_Make(&surface->stars, surface->corners.data, surface->corners.count, surface->vertexCount));
     QC_TRY(qcArray_Resize(&surface->quiet, surface->vertexCount, 1, "stars of a surface"));
     if (surface->vertexCount != 0)
         memset(surface->quiet.data, 0, surface->vertexCount);
-    Search search = {.job = job,
-                     .side = {surface->corners.data, surface->points.data},
-                     .bound = {.pointError = surface->pointError, .reach = qcSurface_Reach(surface, surface->margin)}};
+    Search search = {
+        .job = job,
+        .side = {surface->corners.data, surface->points.data},
+        .bound = {.pointError = surface->pointError, .reach = qcTriangleBvh_Reach(surface, surface->margin)}};
     size_t batches = (surface->stars.batches.count + qc_batchBlock - 1) / qc_batchBlock;
     qcParallel_For(job->threads, batches, qc_leastBlocks, AskBatches, &search);
     size_t blocks = ((size_t)surface->vertexCount + qc_vertexBlock - 1) / qc_vertexBlock;

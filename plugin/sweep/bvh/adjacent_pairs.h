@@ -6,19 +6,19 @@
 #include "sweep/bvh/triangle_bvh.h"
 
 /// Takes pairs of places, in no order.
-typedef void qcSurfaceNeighboursFunction(void* context, const qcPlacePair* pairs, size_t count, uint32_t worker);
+typedef void qcAdjacentPairsFunction(void* context, const qcSlotPair* pairs, size_t count, uint32_t worker);
 
-typedef struct qcSurfaceNeighboursJob
+typedef struct qcAdjacentPairsJob
 {
-    const qcSurfaceKernels* kernels;
-    qcSurface* surface; ///< fitted with the margin
+    const qcTriangleKernels* kernels;
+    qcTriangleBvh* surface; ///< fitted with the margin
     uint32_t threads;
-    qcSurfaceNeighboursFunction* function;
+    qcAdjacentPairsFunction* function;
     void* context;
-} qcSurfaceNeighboursJob;
+} qcAdjacentPairsJob;
 
 /// Finds, each once, at least all pairs with features (vertices, edges, triangles) that have no vertex in common and
 /// are within the surface's margin of each other. O(triangles + pairs around vertices whose star is not quiet).
-qcStatus qcSurfaceNeighbours_Find(const qcSurfaceNeighboursJob* job);
+qcStatus qcAdjacentPairs_Find(const qcAdjacentPairsJob* job);
 
 #endif

@@ -33,11 +33,11 @@ typedef struct Item
 
 typedef struct Search
 {
-    const qcSurfacePairsJob* job;
+    const qcBvhPairsJob* job;
     uint32_t level;         ///< of the items
     qcMappedSurface mapped; ///< b, as a sees it
     qcFilterSide sides[2];
-    qcFilterBound bound;
+    qcDistanceThresholds bound;
     bool same;
     bool filters; ///< the bound is of use
 } Search;
@@ -46,28 +46,13 @@ typedef struct Search
 typedef struct Queue
 {
     const Search* search;
-    qcPlacePair *pairs, *end;
+    qcSlotPair *pairs, *end;
     uint32_t worker;
     bool wanted;
 } Queue;
 
 /// Bits i + 8 j with i <= j.
 static const uint64_t s_inOrder = UINT64_C(0xff7f3f1f0f070301);
-
-void qcFoundPairs_Filter(qcFoundPairs* found, const qcSurfaceKernels* kernels, const qcFilterSide sides[2],
-                         const qcFilterBound* bound)
-{
-    found->count = kernels->filter(&sides[0], &sides[1], bound, found->pairs, found->count);
-    if (bound->reach > 0.0f)
-    {
-        qcApartCounts counts = kernels->part(&sides[0], &sides[1], bound, found->pairs, found->count);
-        found->near = counts.near;
-        found->apart = counts.apart;
-        found->count = counts.count;
-    }
-    size_t known = found->near + found->apart;
-    found->penetrating = kernels->findPiercing(&sides[0], &sides[1], bound, found->pairs + known, found->count - known);
-}
 
 static void Flush(Queue* queue)
 {
@@ -76,22 +61,22 @@ static void Flush(Queue* queue)
     queue->end = queue->pairs;
     if (count == 0 || !queue->wanted)
         return;
-    qcFoundPairs found = {.pairs = queue->pairs, .count = count};
+    qcClassifiedPairs found = {.pairs = queue->pairs, .count = count};
     if (s->filters)
-        qcFoundPairs_Filter(&found, s->job->kernels, s->sides, &s->bound);
+        qcClassifiedPairs_Filter(&found, s->job->kernels, s->sides, &s->bound);
     queue->wanted = found.count == 0 || s->job->function(s->job->context, &found, queue->worker);
 }
 
-static qcSurfaceBoxes BoxesOf(const qcSurface* surface)
+static qcSurfaceBoxes BoxesOf(const qcTriangleBvh* surface)
 {
-    const qcBoxGroup* groups = surface->groups.data;
+    const qcBox8* groups = surface->groups.data;
     return (qcSurfaceBoxes){groups, groups + surface->firstGroup[1]};
 }
 
 static void CompareNodes(Queue* queue, uint32_t a, uint32_t b)
 {
     const Search* s = queue->search;
-    const qcSurfacePairsJob* job = s->job;
+    const qcBvhPairsJob* job = s->job;
     if (job->reachedA != NULL)
         __atomic_store_n(&job->reachedA[a], 1, __ATOMIC_RELAXED);
     if (job->reachedB != NULL)
@@ -105,7 +90,7 @@ static void CompareNodes(Queue* queue, uint32_t a, uint32_t b)
         return;
     }
     qcSurfaceBoxes sideB = BoxesOf(job->b);
-    qcPlaceSkip skips[qc_mostSkips];
+    qcPairExclusion skips[qc_maxExclusions];
     int skipCount = 0;
     const uint64_t* table = NULL;
     if (job->neighbours)
@@ -116,7 +101,7 @@ static void CompareNodes(Queue* queue, uint32_t a, uint32_t b)
         if (link != QC_NO_LINK)
             table = qcClusters_Table(&job->a->clusters, link);
         if (link != QC_NO_LINK && job->flatDiscs)
-            skipCount = qcSurface_FindSkips(job->a, a, link, skips);
+            skipCount = qcTriangleBvh_FindSkips(job->a, a, link, skips);
         for (int i = 0; i < skipCount; i++)
             if ((skips[i].a & skips[i].b) == UINT64_MAX)
                 return;
@@ -127,11 +112,11 @@ static void CompareNodes(Queue* queue, uint32_t a, uint32_t b)
 /// The groups of the level below that meet: bit i + 8 j.
 static uint64_t CompareGroups(const Search* s, uint32_t level, Item item)
 {
-    const qcBoxGroup* a = qcSurface_Group(s->job->a, level, item.a);
-    const qcBoxGroup* b = qcSurface_Group(s->job->b, level, item.b);
+    const qcBox8* a = qcTriangleBvh_Group(s->job->a, level, item.a);
+    const qcBox8* b = qcTriangleBvh_Group(s->job->b, level, item.b);
     if (!s->same)
     {
-        qcBoxGroup mapped;
+        qcBox8 mapped;
         s->job->kernels->mapGroup(b, &s->mapped.levels, &mapped);
         return s->job->kernels->compare(a, &mapped);
     }
@@ -155,9 +140,9 @@ static void Descend(Queue* queue, uint32_t level, Item item)
         Descend(queue, level - 1, Child(item, (uint32_t)__builtin_ctzll(meet)));
 }
 
-static qcPlacement PlacementOf(const qcSurface* surface, const qcBody* body)
+static qcRigidTransform PlacementOf(const qcTriangleBvh* surface, const qcBody* body)
 {
-    qcPlacement p = {.transform = surface->isLocal ? body->transform : qcIdentityTransform()};
+    qcRigidTransform p = {.transform = surface->isLocal ? body->transform : qcIdentityTransform()};
     memcpy(p.lower, surface->isLocal ? body->localLower : body->lower, sizeof p.lower);
     memcpy(p.upper, surface->isLocal ? body->localUpper : body->upper, sizeof p.upper);
     return p;
@@ -174,15 +159,15 @@ static float FindGrowth(double sizes, double error)
 
 /// What is no further apart in a's frame is near in the world, where vectors of the frame are at most `growth` times as
 /// long; and what is further is not, as vectors of the world are at most `stretch` times as long in the frame.
-static void SetMargin(qcFilterBound* bound, double margin, double growth, double stretch)
+static void SetMargin(qcDistanceThresholds* bound, double margin, double growth, double stretch)
 {
     bound->margin = nextafterf((float)(margin / growth), 0.0f);
     bound->beyond = nextafterf((float)(margin * stretch), INFINITY);
 }
 
-qcFilterBound qcSurface_FindBound(const qcSurface* surface, double margin, double nearest)
+qcDistanceThresholds qcTriangleBvh_FindBound(const qcTriangleBvh* surface, double margin, double nearest)
 {
-    qcFilterBound bound = {.pointError = surface->pointError, .reach = qcSurface_Reach(surface, margin)};
+    qcDistanceThresholds bound = {.pointError = surface->pointError, .reach = qcTriangleBvh_Reach(surface, margin)};
     // Where bodies are in the world, lengths are as they are there.
     SetMargin(&bound, nearest * surface->map.unit[0], 1.0, 1.0);
     return bound;
@@ -192,9 +177,9 @@ qcFilterBound qcSurface_FindBound(const qcSurface* surface, double margin, doubl
 /// units of b's frame, are 1 at most.
 static void FindMaps(Search* s)
 {
-    const qcSurface *a = s->job->a, *b = s->job->b;
-    qcPlacement placementA = PlacementOf(a, s->job->bodyA), placementB = PlacementOf(b, s->job->bodyB);
-    qcRelativePlacement r = qcRelativePlacement_Find(&placementA, &placementB);
+    const qcTriangleBvh *a = s->job->a, *b = s->job->b;
+    qcRigidTransform placementA = PlacementOf(a, s->job->bodyA), placementB = PlacementOf(b, s->job->bodyB);
+    qcRelativeTransform r = qcRelativeTransform_Find(&placementA, &placementB);
     qcGroupMap *levels = &s->mapped.levels, *points = &s->mapped.points;
     const double half = 32768.0;
     for (int i = 0; i < 3; i++)
@@ -231,7 +216,7 @@ static void FindMaps(Search* s)
         s->bound.pointError = fmaxf(s->bound.pointError, nextafterf((float)error, INFINITY));
         s->filters = s->filters && error < 1e6;
     }
-    s->bound.reach = qcSurface_Reach(a, s->job->margin * r.stretch);
+    s->bound.reach = qcTriangleBvh_Reach(a, s->job->margin * r.stretch);
     if (a->isLocal)
         SetMargin(&s->bound, s->job->nearest * a->map.unit[0], r.growth, r.stretch);
     s->bound.mapped = true;
@@ -239,14 +224,14 @@ static void FindMaps(Search* s)
     s->mapped.triangles = s->sides[1];
 }
 
-static void Prepare(Search* s, const qcSurfacePairsJob* job)
+static void Prepare(Search* s, const qcBvhPairsJob* job)
 {
     *s = (Search){.job = job, .same = job->a == job->b, .filters = true};
     assert(!s->same || job->neighbours || job->a->related);
-    const qcSurface* sides[2] = {job->a, job->b};
+    const qcTriangleBvh* sides[2] = {job->a, job->b};
     for (int i = 0; i < 2; i++)
         s->sides[i] = (qcFilterSide){sides[i]->corners.data, sides[i]->points.data};
-    s->bound = qcSurface_FindBound(job->a, job->margin, job->nearest);
+    s->bound = qcTriangleBvh_FindBound(job->a, job->margin, job->nearest);
     if (!s->same)
         FindMaps(s);
 }
@@ -255,8 +240,8 @@ static void Prepare(Search* s, const qcSurfacePairsJob* job)
 
 typedef struct Run
 {
-    qcSurfacePairs* memory;
-    const qcSurfacePairsJob* jobs;
+    qcBvhPairs* memory;
+    const qcBvhPairsJob* jobs;
     size_t jobCount;
     size_t share; ///< items that a worker takes at a time
 } Run;
@@ -277,7 +262,7 @@ static void PrepareBlock(void* context, size_t block, uint32_t worker)
 /// From the tops down, level by level, until there are enough.
 static qcStatus FindItems(qcArray* items, Search* s, uint32_t number, size_t enough)
 {
-    const qcSurfacePairsJob* job = s->job;
+    const qcBvhPairsJob* job = s->job;
     s->level = job->a->levels > job->b->levels ? job->a->levels : job->b->levels;
     size_t first = items->count;
     QC_TRY(qcArray_Resize(items, first + 1, sizeof(Item), "pairs of groups"));
@@ -300,7 +285,7 @@ static qcStatus FindItems(qcArray* items, Search* s, uint32_t number, size_t eno
     return qc_statusOk;
 }
 
-static size_t SizeOf(const qcSurfacePairsJob* job)
+static size_t SizeOf(const qcBvhPairsJob* job)
 {
     return job->a->groupCount[0] + job->b->groupCount[0];
 }
@@ -326,7 +311,7 @@ static void TakeItems(void* context, size_t task, uint32_t worker)
     const Run* run = context;
     const qcArray* items = &run->memory->items;
     Queue queue = {.worker = worker, .wanted = true};
-    queue.pairs = queue.end = &QC_AT(qcPlacePair, run->memory->queues, (size_t)worker * qc_queueRoom);
+    queue.pairs = queue.end = &QC_AT(qcSlotPair, run->memory->queues, (size_t)worker * qc_queueRoom);
     size_t first = task * run->share, left = items->count - first,
            end = first + (left < run->share ? left : run->share);
     for (size_t k = first; k < end; k++)
@@ -341,11 +326,11 @@ static void TakeItems(void* context, size_t task, uint32_t worker)
     Flush(&queue);
 }
 
-qcStatus qcSurfacePairs_Find(qcSurfacePairs* pairs, const qcSurfacePairsJob* jobs, size_t jobCount, uint32_t threads)
+qcStatus qcBvhPairs_Find(qcBvhPairs* pairs, const qcBvhPairsJob* jobs, size_t jobCount, uint32_t threads)
 {
     Run run = {.memory = pairs, .jobs = jobs, .jobCount = jobCount};
     QC_TRY(qcArray_Resize(&pairs->searches, jobCount, sizeof(Search), "pairs of surfaces"));
-    QC_TRY(qcArray_Resize(&pairs->queues, (size_t)threads * qc_queueRoom, sizeof(qcPlacePair), "pairs of places"));
+    QC_TRY(qcArray_Resize(&pairs->queues, (size_t)threads * qc_queueRoom, sizeof(qcSlotPair), "pairs of places"));
     qcParallel_For(threads, (jobCount + qc_searchBlock - 1) / qc_searchBlock, qc_leastSearchBlocks, PrepareBlock, &run);
     QC_TRY(FindAllItems(&run, threads));
     size_t count = pairs->items.count;
@@ -355,7 +340,7 @@ qcStatus qcSurfacePairs_Find(qcSurfacePairs* pairs, const qcSurfacePairsJob* job
     return qc_statusOk;
 }
 
-void qcSurfacePairs_Free(qcSurfacePairs* pairs)
+void qcBvhPairs_Free(qcBvhPairs* pairs)
 {
     qcArray_Free(&pairs->searches);
     qcArray_Free(&pairs->items);

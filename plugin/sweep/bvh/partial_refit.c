@@ -20,11 +20,11 @@ enum
 static const double s_leastFar = 1e-300;
 
 /// What depends on the topology alone.
-static qcStatus NameVertices(qcSurface* surface, uint32_t vertexCount)
+static qcStatus NameVertices(qcTriangleBvh* surface, uint32_t vertexCount)
 {
     if (surface->nameOf.count != 0)
         return qc_statusOk;
-    QC_TRY(qcStars_Make(&surface->stars, surface->corners.data, surface->corners.count, surface->vertexCount));
+    QC_TRY(qcVertexFans_Make(&surface->stars, surface->corners.data, surface->corners.count, surface->vertexCount));
     QC_TRY(qcArray_Resize(&surface->nameOf, vertexCount, sizeof(uint32_t), "where a surface is"));
     uint32_t* nameOf = surface->nameOf.data;
     for (uint32_t v = 0; v < vertexCount; v++)
@@ -34,10 +34,10 @@ static qcStatus NameVertices(qcSurface* surface, uint32_t vertexCount)
     return qc_statusOk;
 }
 
-qcStatus qcSurface_Note(qcSurface* surface, const qcBody* body)
+qcStatus qcTriangleBvh_Note(qcTriangleBvh* surface, const qcBody* body)
 {
     size_t count = 3 * (size_t)body->vertexCount;
-    qcSurface_Forget(surface);
+    qcTriangleBvh_Forget(surface);
     QC_TRY(NameVertices(surface, body->vertexCount));
     QC_TRY(qcArray_Resize(&surface->placeMarks, surface->corners.count, 1, "where a surface is"));
     QC_TRY(qcArray_Resize(&surface->noted, count, sizeof(double), "where a surface is"));
@@ -46,13 +46,13 @@ qcStatus qcSurface_Note(qcSurface* surface, const qcBody* body)
     return qc_statusOk;
 }
 
-void qcSurface_Forget(qcSurface* surface)
+void qcTriangleBvh_Forget(qcTriangleBvh* surface)
 {
     surface->noted.count = 0;
     surface->strayed.count = 0;
 }
 
-static bool IsInLattice(const qcSurface* surface, const double x[3])
+static bool IsInLattice(const qcTriangleBvh* surface, const double x[3])
 {
     for (int axis = 0; axis < 3; axis++)
         if (x[axis] < surface->map.origin[axis] ||
@@ -75,7 +75,7 @@ static qcMotionMark MarkOf(const double from[3], const double to[3], double far)
 }
 
 /// Behind those that had strayed before, the vertices that have now. False: too many, or too far.
-static bool ListStrayed(qcSurface* surface, const qcBody* body, size_t room)
+static bool ListStrayed(qcTriangleBvh* surface, const qcBody* body, size_t room)
 {
     const double *noted = surface->noted.data, *now = body->world;
     for (size_t first = 0; first < body->vertexCount; first += qc_compareRun)
@@ -97,12 +97,12 @@ static bool ListStrayed(qcSurface* surface, const qcBody* body, size_t room)
 }
 
 /// The boxes around a place on all levels, as far as they don't hold the row yet.
-static void Grow(qcSurface* surface, size_t place, const qcBoxRow* row)
+static void Grow(qcTriangleBvh* surface, size_t place, const qcBoxRow* row)
 {
-    qcBoxGroup* groups = surface->groups.data;
+    qcBox8* groups = surface->groups.data;
     for (uint32_t level = 0; level <= surface->levels; level++, place /= qc_groupSize)
     {
-        qcBoxGroup* group =
+        qcBox8* group =
             level == surface->levels ? &surface->whole : &groups[surface->firstGroup[level] + place / qc_groupSize];
         bool grows = false;
         for (int axis = 0; axis < 3; axis++)
@@ -117,7 +117,7 @@ static void Grow(qcSurface* surface, size_t place, const qcBoxRow* row)
     }
 }
 
-static void MarkStar(qcSurface* surface, uint32_t vertex, qcMotionMark mark, const qcBoxRow* row)
+static void MarkStar(qcTriangleBvh* surface, uint32_t vertex, qcMotionMark mark, const qcBoxRow* row)
 {
     const uint32_t *first = surface->stars.firstPlace.data, *places = surface->stars.places.data;
     uint8_t* marks = surface->placeMarks.data;
@@ -129,7 +129,7 @@ static void MarkStar(qcSurface* surface, uint32_t vertex, qcMotionMark mark, con
 }
 
 /// Marks of the triangles around vertices that strayed before.
-static void ClearMarks(qcSurface* surface, size_t count)
+static void ClearMarks(qcTriangleBvh* surface, size_t count)
 {
     const uint32_t *first = surface->stars.firstPlace.data, *places = surface->stars.places.data;
     for (size_t k = 0; k < count; k++)
@@ -140,8 +140,8 @@ static void ClearMarks(qcSurface* surface, size_t count)
     }
 }
 
-qcStatus qcSurface_Follow(qcSurface* surface, const qcBody* body, double far, const qcSurfaceKernels* kernels,
-                          qcSurfaceScratch* scratch, bool* follows)
+qcStatus qcTriangleBvh_Follow(qcTriangleBvh* surface, const qcBody* body, double far, const qcTriangleKernels* kernels,
+                              qcBvhScratch* scratch, bool* follows)
 {
     *follows = false;
     if (!surface->fitted || surface->noted.count == 0 || !(far > s_leastFar))
@@ -152,7 +152,7 @@ qcStatus qcSurface_Follow(qcSurface* surface, const qcBody* body, double far, co
     if (!ListStrayed(surface, body, room))
     {
         // What strayed before may have come back: the list no longer tells.
-        qcSurface_Forget(surface);
+        qcTriangleBvh_Forget(surface);
         return qc_statusOk;
     }
     ClearMarks(surface, before);

@@ -13,15 +13,15 @@ typedef enum qcMotionMark
 } qcMotionMark;
 
 /// Notes where the body is, which is where the surface is fitted.
-qcStatus qcSurface_Note(qcSurface* surface, const qcBody* body);
+qcStatus qcTriangleBvh_Note(qcTriangleBvh* surface, const qcBody* body);
 /// What was noted no longer counts.
-void qcSurface_Forget(qcSurface* surface);
+void qcTriangleBvh_Forget(qcTriangleBvh* surface);
 
 /// Brings the surface to where the body is now, if it was noted since it was fitted, not many vertices have moved since
 /// then, and all are still in its lattice; otherwise `follows` is false, and the surface is as it was. Boxes of what
 /// moved are grown by where it is now, with the margin of the fit. Fills surface->placeMarks: by place, a qcMotionMark;
 /// `far` is how far a vertex may move. O(vertices).
-qcStatus qcSurface_Follow(qcSurface* surface, const qcBody* body, double far, const qcSurfaceKernels* kernels,
-                          qcSurfaceScratch* scratch, bool* follows);
+qcStatus qcTriangleBvh_Follow(qcTriangleBvh* surface, const qcBody* body, double far, const qcTriangleKernels* kernels,
+                              qcBvhScratch* scratch, bool* follows);
 
 #endif

@@ -34,7 +34,7 @@ enum
 //  ---- topology ------------------------------------------------------------------------------------
 
 /// Groups of eight on each level, up to one.
-static qcStatus LayLevels(qcSurface* surface)
+static qcStatus LayLevels(qcTriangleBvh* surface)
 {
     size_t count = (size_t)surface->clusters.nodeCount * qc_groupSize, total = 0;
     do
@@ -44,13 +44,13 @@ static qcStatus LayLevels(qcSurface* surface)
         total += count;
         count = (count + qc_groupSize - 1) / qc_groupSize;
     } while (surface->groupCount[surface->levels - 1] > 1);
-    return qcArray_Resize(&surface->groups, total, sizeof(qcBoxGroup), "boxes of a surface");
+    return qcArray_Resize(&surface->groups, total, sizeof(qcBox8), "boxes of a surface");
 }
 
 /// Two things that don't wait for each other.
 typedef struct Relating
 {
-    qcSurface* surface;
+    qcTriangleBvh* surface;
     const qcBody* body;
     qcAdjacency adjacency;
     qcStatus status[2];
@@ -60,27 +60,27 @@ static void RelatePart(void* context, size_t part, uint32_t worker)
 {
     (void)worker;
     Relating* r = context;
-    qcSurface* s = r->surface;
+    qcTriangleBvh* s = r->surface;
     r->status[part] = part == 0 ? qcClusters_Link(&s->clusters, r->body->indices, r->body->vertexCount)
                                 : qcAdjacency_Build(&r->adjacency, s->corners.data, s->corners.count, s->vertexCount);
 }
 
 static qcStatus Relate(Relating* r, uint32_t threads)
 {
-    qcSurface* surface = r->surface;
+    qcTriangleBvh* surface = r->surface;
     qcParallel_For(threads, 2, 2, RelatePart, r);
     for (int i = 0; i < 2; i++)
         // The message is the worker's own; say it again on this thread.
         if (r->status[i] != qc_statusOk)
             return qcArray_FailAgain(&surface->corners, "pairs within a surface");
-    QC_TRY(qcDiscs_Build(&surface->discs, &surface->clusters, &r->adjacency, surface->corners.data,
-                         surface->vertexCount, threads));
+    QC_TRY(qcFlatPatches_Build(&surface->discs, &surface->clusters, &r->adjacency, surface->corners.data,
+                               surface->vertexCount, threads));
     QC_TRY(qcArray_Resize(&surface->flat, surface->discs.discs.count, 1, "discs of a surface"));
     surface->rest.count = 0;
     return qcArray_GrowZeroed(&surface->rest, surface->discs.discs.count, 1, "discs of a surface");
 }
 
-qcStatus qcSurface_Relate(qcSurface* surface, const qcBody* body, uint32_t threads)
+qcStatus qcTriangleBvh_Relate(qcTriangleBvh* surface, const qcBody* body, uint32_t threads)
 {
     if (surface->related)
         return qc_statusOk;
@@ -93,7 +93,7 @@ qcStatus qcSurface_Relate(qcSurface* surface, const qcBody* body, uint32_t threa
     return status;
 }
 
-static qcStatus Build(qcSurface* surface, const qcBody* body, uint32_t threads)
+static qcStatus Build(qcTriangleBvh* surface, const qcBody* body, uint32_t threads)
 {
     QC_TRY(qcClusters_Lay(&surface->clusters, body->indices, body->triangleCount,
                           body->deforming ? body->world : body->local, body->vertexCount, threads));
@@ -103,27 +103,28 @@ static qcStatus Build(qcSurface* surface, const qcBody* body, uint32_t threads)
     QC_TRY(LayLevels(surface));
     QC_TRY(qcArray_Resize(&surface->points, (size_t)surface->vertexCount + 1, sizeof(qcPoint), "points of a surface"));
     QC_AT(qcPoint, surface->points, surface->vertexCount) = (qcPoint){{0}};
-    if (qcBody_MeetsItself(body))
-        QC_TRY(qcSurface_Relate(surface, body, threads));
+    if (qcBody_HasSelfCollision(body))
+        QC_TRY(qcTriangleBvh_Relate(surface, body, threads));
     surface->generation = body->generation;
     return qc_statusOk;
 }
 
-qcStatus qcSurface_Build(qcSurface* surface, const qcBody* body, uint32_t threads)
+qcStatus qcTriangleBvh_Build(qcTriangleBvh* surface, const qcBody* body, uint32_t threads)
 {
-    *surface = (qcSurface){0};
+    *surface = (qcTriangleBvh){0};
     qcStatus status = Build(surface, body, threads);
     if (status != qc_statusOk)
-        qcSurface_Free(surface);
+        qcTriangleBvh_Free(surface);
     return status;
 }
 
 //  ---- positions -----------------------------------------------------------------------------------
 
-static bool FindMap(qcLatticeMap* map, const double lower[3], const double upper[3], double margin, double extent[3])
+static bool FindMap(qcLatticeTransform* map, const double lower[3], const double upper[3], double margin,
+                    double extent[3])
 {
     double widest = 0.0;
-    *map = (qcLatticeMap){.origin = {0.0}};
+    *map = (qcLatticeTransform){.origin = {0.0}};
     for (int axis = 0; axis < 3; axis++)
     {
         map->origin[axis] = lower[axis] - margin;
@@ -150,8 +151,8 @@ static bool FindMap(qcLatticeMap* map, const double lower[3], const double upper
 
 typedef struct Fitting
 {
-    qcSurface* surface;
-    const qcSurfaceKernels* kernels;
+    qcTriangleBvh* surface;
+    const qcTriangleKernels* kernels;
     qcVertexRange range;
     qcBoxRow *vertices, *rows;
 } Fitting;
@@ -171,10 +172,10 @@ static void FitBlock(void* context, size_t block, uint32_t worker)
 {
     (void)worker;
     const Fitting* f = context;
-    const qcSurface* s = f->surface;
+    const qcTriangleBvh* s = f->surface;
     size_t first = block * qc_clusterBlock, end = first + qc_clusterBlock;
     end = end < s->groupCount[0] ? end : s->groupCount[0];
-    qcBoxGroup* groups = s->groups.data;
+    qcBox8* groups = s->groups.data;
     f->kernels->fitTriangles(s->corners.data, f->vertices, first, end, groups, f->rows);
     f->kernels->fitGroups(f->rows, first / qc_groupSize, end / qc_groupSize, groups + s->firstGroup[1],
                           f->rows + s->groupCount[0]);
@@ -195,7 +196,7 @@ static void FillUp(qcBoxRow* rows, size_t count)
 
 static void FitUpperLevels(const Fitting* f)
 {
-    qcSurface* s = f->surface;
+    qcTriangleBvh* s = f->surface;
     qcBoxRow* rows = f->rows + s->groupCount[0];
     size_t count = s->groupCount[1];
     for (uint32_t level = 2; level < s->levels; level++)
@@ -203,7 +204,7 @@ static void FitUpperLevels(const Fitting* f)
         FillUp(rows, count);
         qcBoxRow* next = rows + BlockCount(count, qc_groupSize) * qc_groupSize;
         count = s->groupCount[level];
-        f->kernels->fitGroups(rows, 0, count, (qcBoxGroup*)s->groups.data + s->firstGroup[level], next);
+        f->kernels->fitGroups(rows, 0, count, (qcBox8*)s->groups.data + s->firstGroup[level], next);
         rows = next;
     }
     qcBoxRow around;
@@ -213,21 +214,21 @@ static void FitUpperLevels(const Fitting* f)
 
 static bool FitsLocally(const qcBody* body)
 {
-    return !body->deforming && !qcBody_MeetsItself(body) && qcTransform_IsInvertible(&body->transform);
+    return !body->deforming && !qcBody_HasSelfCollision(body) && qcTransform_IsInvertible(&body->transform);
 }
 
-bool qcSurface_IsFitted(const qcSurface* surface, const qcBody* body, double margin)
+bool qcTriangleBvh_IsFitted(const qcTriangleBvh* surface, const qcBody* body, double margin)
 {
     bool isLocal = FitsLocally(body);
     return surface->fitted && surface->isLocal == isLocal &&
            (isLocal || (surface->moved == body->moved && surface->margin == margin));
 }
 
-qcStatus qcSurface_Fit(qcSurface* surface, const qcBody* body, double margin, const qcSurfaceKernels* kernels,
-                       uint32_t threads, qcSurfaceScratch* scratch, bool* fits)
+qcStatus qcTriangleBvh_Fit(qcTriangleBvh* surface, const qcBody* body, double margin, const qcTriangleKernels* kernels,
+                           uint32_t threads, qcBvhScratch* scratch, bool* fits)
 {
     *fits = true;
-    if (qcSurface_IsFitted(surface, body, margin))
+    if (qcTriangleBvh_IsFitted(surface, body, margin))
         return qc_statusOk;
     bool isLocal = FitsLocally(body);
     surface->fitted = false;
@@ -272,7 +273,7 @@ qcStatus qcSurface_Fit(qcSurface* surface, const qcBody* body, double margin, co
 
 //  ---- flat discs ----------------------------------------------------------------------------------
 
-float qcSurface_Reach(const qcSurface* surface, double margin)
+float qcTriangleBvh_Reach(const qcTriangleBvh* surface, double margin)
 {
     double reach = margin * surface->map.unit[0];
     return reach > 0.0 ? nextafterf((float)reach, INFINITY) : 0.0f;
@@ -280,8 +281,8 @@ float qcSurface_Reach(const qcSurface* surface, double margin)
 
 static bool AskDisc(const Fitting* f, uint32_t disc)
 {
-    qcSurface* s = f->surface;
-    const qcDisc* d = &QC_AT(qcDisc, s->discs.discs, disc);
+    qcTriangleBvh* s = f->surface;
+    const qcFlatPatch* d = &QC_AT(qcFlatPatch, s->discs.discs, disc);
     uint8_t *flat = &QC_AT(uint8_t, s->flat, disc), *rest = &QC_AT(uint8_t, s->rest, disc);
     *flat = 0;
     if (d->placeCount == 0)
@@ -291,14 +292,14 @@ static bool AskDisc(const Fitting* f, uint32_t disc)
         (*rest)--;
         return false;
     }
-    qcFlatDisc what = {.corners = s->corners.data,
-                       .points = s->points.data,
-                       .places = &QC_AT(uint32_t, s->discs.places, d->firstPlace),
-                       .loop = &QC_AT(uint32_t, s->discs.loops, d->firstLoop),
-                       .placeCount = d->placeCount,
-                       .loopCount = d->loopCount,
-                       .pointError = s->pointError,
-                       .reach = qcSurface_Reach(s, s->margin)};
+    qcPatchGeometry what = {.corners = s->corners.data,
+                            .points = s->points.data,
+                            .places = &QC_AT(uint32_t, s->discs.places, d->firstPlace),
+                            .loop = &QC_AT(uint32_t, s->discs.loops, d->firstLoop),
+                            .placeCount = d->placeCount,
+                            .loopCount = d->loopCount,
+                            .pointError = s->pointError,
+                            .reach = qcTriangleBvh_Reach(s, s->margin)};
     *flat = f->kernels->isFlat(&what);
     *rest = *flat ? 0 : qc_restFits;
     return *flat;
@@ -309,69 +310,70 @@ static void AskBlock(void* context, size_t block, uint32_t worker)
 {
     (void)worker;
     const Fitting* f = context;
-    const qcSurface* s = f->surface;
-    uint32_t nodes = s->discs.nodeCount, first = (uint32_t)block * qc_discBlock * qc_discNodes;
-    uint32_t end = nodes - first < qc_discBlock * qc_discNodes ? nodes : first + qc_discBlock * qc_discNodes;
+    const qcTriangleBvh* s = f->surface;
+    uint32_t nodes = s->discs.nodeCount, first = (uint32_t)block * qc_discBlock * qc_patchNodes;
+    uint32_t end = nodes - first < qc_discBlock * qc_patchNodes ? nodes : first + qc_discBlock * qc_patchNodes;
     for (uint32_t node = first; node < end; node++)
     {
-        uint32_t large = qcDiscs_Large(&s->discs, node);
-        if (node % qc_discNodes == 0)
+        uint32_t large = qcFlatPatches_Large(&s->discs, node);
+        if (node % qc_patchNodes == 0)
             (void)AskDisc(f, large);
-        if (!qcSurface_IsFlat(s, large))
+        if (!qcTriangleBvh_IsFlat(s, large))
             (void)AskDisc(f, node);
         else
             QC_AT(uint8_t, s->flat, node) = 0;
     }
 }
 
-void qcSurface_FindFlat(qcSurface* surface, const qcSurfaceKernels* kernels, uint32_t threads)
+void qcTriangleBvh_FindFlat(qcTriangleBvh* surface, const qcTriangleKernels* kernels, uint32_t threads)
 {
     if (surface->flatKnown)
         return;
     Fitting fitting = {.surface = surface, .kernels = kernels};
-    size_t blocks = BlockCount(surface->discs.nodeCount, (size_t)qc_discBlock * qc_discNodes);
+    size_t blocks = BlockCount(surface->discs.nodeCount, (size_t)qc_discBlock * qc_patchNodes);
     qcParallel_For(threads, blocks, qc_leastBlocks, AskBlock, &fitting);
     surface->flatKnown = true;
 }
 
-uint64_t qcSurface_CountFlat(const qcSurface* surface)
+uint64_t qcTriangleBvh_CountFlat(const qcTriangleBvh* surface)
 {
-    const qcDiscs* discs = &surface->discs;
+    const qcFlatPatches* discs = &surface->discs;
     uint64_t count = 0;
     for (uint32_t node = 0; node < discs->nodeCount; node++)
     {
-        const uint64_t* own = &QC_AT(uint64_t, discs->own, qc_discSizes * (size_t)node);
-        uint64_t flat = (qcSurface_IsFlat(surface, node) ? own[0] : 0) |
-                        (qcSurface_IsFlat(surface, qcDiscs_Large(discs, node)) ? own[1] : 0);
+        const uint64_t* own = &QC_AT(uint64_t, discs->own, qc_patchSizes * (size_t)node);
+        uint64_t flat = (qcTriangleBvh_IsFlat(surface, node) ? own[0] : 0) |
+                        (qcTriangleBvh_IsFlat(surface, qcFlatPatches_Large(discs, node)) ? own[1] : 0);
         count += (uint64_t)__builtin_popcountll(flat);
     }
     return count;
 }
 
-int qcSurface_FindSkips(const qcSurface* surface, uint32_t node, uint32_t link, qcPlaceSkip skips[qc_mostSkips])
+int qcTriangleBvh_FindSkips(const qcTriangleBvh* surface, uint32_t node, uint32_t link,
+                            qcPairExclusion skips[qc_maxExclusions])
 {
-    const qcDiscs* discs = &surface->discs;
-    const qcDiscRing* ring = &QC_AT(qcDiscRing, discs->rings, link);
+    const qcFlatPatches* discs = &surface->discs;
+    const qcPatchLoop* ring = &QC_AT(qcPatchLoop, discs->rings, link);
     const uint64_t* own = discs->own.data;
-    uint32_t other = QC_AT(qcNodeLink, surface->clusters.links, link).other;
+    uint32_t other = QC_AT(qcLeafLink, surface->clusters.links, link).other;
     int count = 0;
-    for (int size = 0; size < qc_discSizes; size++)
+    for (int size = 0; size < qc_patchSizes; size++)
     {
-        uint32_t disc = size == 0 ? node : qcDiscs_Large(discs, node),
-                 discOfOther = size == 0 ? other : qcDiscs_Large(discs, other);
-        if (qcSurface_IsFlat(surface, disc) && ring->ofNode[size] != 0)
-            skips[count++] = (qcPlaceSkip){own[qc_discSizes * (size_t)node + size], ring->ofNode[size]};
-        if (disc != discOfOther && qcSurface_IsFlat(surface, discOfOther) && ring->ofOther[size] != 0)
-            skips[count++] = (qcPlaceSkip){ring->ofOther[size], own[qc_discSizes * (size_t)other + size]};
+        uint32_t disc = size == 0 ? node : qcFlatPatches_Large(discs, node),
+                 discOfOther = size == 0 ? other : qcFlatPatches_Large(discs, other);
+        if (qcTriangleBvh_IsFlat(surface, disc) && ring->ofNode[size] != 0)
+            skips[count++] = (qcPairExclusion){own[qc_patchSizes * (size_t)node + size], ring->ofNode[size]};
+        if (disc != discOfOther && qcTriangleBvh_IsFlat(surface, discOfOther) && ring->ofOther[size] != 0)
+            skips[count++] = (qcPairExclusion){ring->ofOther[size], own[qc_patchSizes * (size_t)other + size]};
     }
     return count;
 }
 
-void qcSurface_Free(qcSurface* surface)
+void qcTriangleBvh_Free(qcTriangleBvh* surface)
 {
     qcClusters_Free(&surface->clusters);
-    qcDiscs_Free(&surface->discs);
-    qcStars_Free(&surface->stars);
+    qcFlatPatches_Free(&surface->discs);
+    qcVertexFans_Free(&surface->stars);
     qcArray_Free(&surface->quiet);
     qcArray_Free(&surface->flat);
     qcArray_Free(&surface->rest);
@@ -383,10 +385,10 @@ void qcSurface_Free(qcSurface* surface)
     qcArray_Free(&surface->nameOf);
     qcArray_Free(&surface->strayed);
     qcArray_Free(&surface->placeMarks);
-    *surface = (qcSurface){0};
+    *surface = (qcTriangleBvh){0};
 }
 
-void qcSurfaceScratch_Free(qcSurfaceScratch* scratch)
+void qcBvhScratch_Free(qcBvhScratch* scratch)
 {
     qcArray_Free(&scratch->positions);
     qcArray_Free(&scratch->vertices);

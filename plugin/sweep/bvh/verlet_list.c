@@ -28,14 +28,14 @@ typedef struct KeptRun
     size_t count; ///< in all; the others may not be
 } KeptRun;
 
-static qcKeptSink* SinkAt(const qcKeptPairs* kept, size_t worker)
+static qcVerletWorker* SinkAt(const qcVerletList* kept, size_t worker)
 {
-    return &QC_AT(qcKeptSink, kept->sinks, worker);
+    return &QC_AT(qcVerletWorker, kept->sinks, worker);
 }
 
-qcStatus qcKeptPairs_Begin(qcKeptPairs* kept, uint32_t threads)
+qcStatus qcVerletList_Begin(qcVerletList* kept, uint32_t threads)
 {
-    QC_TRY(qcArray_GrowZeroed(&kept->sinks, threads, sizeof(qcKeptSink), "pairs that are kept"));
+    QC_TRY(qcArray_GrowZeroed(&kept->sinks, threads, sizeof(qcVerletWorker), "pairs that are kept"));
     for (size_t i = 0; i < kept->sinks.count; i++)
     {
         SinkAt(kept, i)->pairs.count = SinkAt(kept, i)->runs.count = 0;
@@ -44,25 +44,25 @@ qcStatus qcKeptPairs_Begin(qcKeptPairs* kept, uint32_t threads)
     return qc_statusOk;
 }
 
-static qcStatus AddRun(qcKeptSink* sink, const KeptRun* run, const qcPlacePair* pairs)
+static qcStatus AddRun(qcVerletWorker* sink, const KeptRun* run, const qcSlotPair* pairs)
 {
     size_t first = sink->pairs.count, at = sink->runs.count;
-    QC_TRY(qcArray_Resize(&sink->pairs, first + run->count, sizeof(qcPlacePair), "pairs that are kept"));
+    QC_TRY(qcArray_Resize(&sink->pairs, first + run->count, sizeof(qcSlotPair), "pairs that are kept"));
     QC_TRY(qcArray_Resize(&sink->runs, at + 1, sizeof(KeptRun), "pairs that are kept"));
-    memcpy(&QC_AT(qcPlacePair, sink->pairs, first), pairs, run->count * sizeof *pairs);
+    memcpy(&QC_AT(qcSlotPair, sink->pairs, first), pairs, run->count * sizeof *pairs);
     QC_AT(KeptRun, sink->runs, at) = *run;
     return qc_statusOk;
 }
 
-void qcKeptPairs_Add(qcKeptPairs* kept, uint32_t slot, const qcFoundPairs* found, uint32_t worker)
+void qcVerletList_Add(qcVerletList* kept, uint32_t slot, const qcClassifiedPairs* found, uint32_t worker)
 {
-    qcKeptSink* sink = SinkAt(kept, worker);
+    qcVerletWorker* sink = SinkAt(kept, worker);
     KeptRun run = {slot, found->near + found->apart, found->count};
     if (sink->status == qc_statusOk && run.count != 0)
         sink->status = AddRun(sink, &run, found->pairs);
 }
 
-qcStatus qcKeptPairs_Check(const qcKeptPairs* kept)
+qcStatus qcVerletList_Check(const qcVerletList* kept)
 {
     for (size_t i = 0; i < kept->sinks.count; i++)
         // The message is the worker's own; say it again on this thread.
@@ -78,39 +78,39 @@ typedef struct FarGroup
 {
     uint32_t place[qc_groupSize];
     int count;
-    qcBoxGroup boxes;
+    qcBox8 boxes;
 } FarGroup;
 
 typedef struct Finding
 {
-    const qcSurfacePairsJob* job;
+    const qcBvhPairsJob* job;
     const uint8_t* marks; ///< by place
     qcFilterSide sides[2];
-    qcFilterBound bound;
+    qcDistanceThresholds bound;
     uint32_t worker;
     bool wanted;
     size_t count; ///< in the queue
-    qcPlacePair queue[qc_queueFull];
+    qcSlotPair queue[qc_queueFull];
 } Finding;
 
 static void Flush(Finding* f)
 {
-    qcFoundPairs found = {.pairs = f->queue, .count = f->count};
+    qcClassifiedPairs found = {.pairs = f->queue, .count = f->count};
     f->count = 0;
     if (found.count == 0 || !f->wanted)
         return;
-    qcFoundPairs_Filter(&found, f->job->kernels, f->sides, &f->bound);
+    qcClassifiedPairs_Filter(&found, f->job->kernels, f->sides, &f->bound);
     f->wanted = found.count == 0 || f->job->function(f->job->context, &found, f->worker);
 }
 
-static void Push(Finding* f, qcPlacePair pair)
+static void Push(Finding* f, qcSlotPair pair)
 {
     if (f->count == qc_queueFull)
         Flush(f);
     f->queue[f->count++] = pair;
 }
 
-static void TakeRun(Finding* f, const KeptRun* run, const qcPlacePair* pairs)
+static void TakeRun(Finding* f, const KeptRun* run, const qcSlotPair* pairs)
 {
     size_t apart = f->job->margin == 0.0 ? run->apart : 0;
     for (size_t i = 0; i < run->count; i++)
@@ -137,12 +137,12 @@ static void OfferPair(Finding* f, uint32_t place, uint32_t far)
     const qcCorners* corners = f->job->a->corners.data;
     bool isTaken = place == far || (f->marks[place] == qc_markFar && place < far);
     if (!isTaken && !ShareVertex(&corners[place], &corners[far]))
-        Push(f, (qcPlacePair){place, far});
+        Push(f, (qcSlotPair){place, far});
 }
 
 static void Descend(Finding* f, const FarGroup* group, uint32_t level, size_t at)
 {
-    uint64_t meet = f->job->kernels->compare(qcSurface_Group(f->job->a, level, (uint32_t)at), &group->boxes);
+    uint64_t meet = f->job->kernels->compare(qcTriangleBvh_Group(f->job->a, level, (uint32_t)at), &group->boxes);
     for (uint32_t i = 0; meet != 0; i++, meet >>= 1)
     {
         // Bits i + 8 k of all k.
@@ -167,7 +167,7 @@ static void EmptyGroup(FarGroup* group)
 }
 
 /// The level of a coordinate, within what levels there are.
-static int16_t LevelOf(const qcLatticeMap* map, int axis, double x)
+static int16_t LevelOf(const qcLatticeTransform* map, int axis, double x)
 {
     double level = (x - map->origin[axis]) * map->scale[axis];
     int whole = !(level > 0.0) ? 0 : level < 65533.0 ? (int)level : 65533;
@@ -176,7 +176,7 @@ static int16_t LevelOf(const qcLatticeMap* map, int axis, double x)
 
 static void AddToGroup(FarGroup* group, const Finding* f, uint32_t place)
 {
-    const qcSurface* surface = f->job->a;
+    const qcTriangleBvh* surface = f->job->a;
     const uint32_t* vertex = QC_AT(qcCorners, surface->corners, place).vertex;
     double spare = surface->margin - f->job->margin;
     const double* p[3];
@@ -205,7 +205,7 @@ static bool IsSomeFar(const uint8_t marks[qc_groupSize])
 
 static void TakeFar(Finding* f)
 {
-    const qcSurface* surface = f->job->a;
+    const qcTriangleBvh* surface = f->job->a;
     FarGroup group;
     EmptyGroup(&group);
     for (uint32_t place = 0; place < surface->corners.count; place++)
@@ -228,21 +228,21 @@ static void TakeFar(Finding* f)
         Descend(f, &group, surface->levels - 1, 0);
 }
 
-void qcKeptPairs_Find(const qcKeptPairs* kept, uint32_t slot, const qcSurfacePairsJob* job, uint32_t worker)
+void qcVerletList_Find(const qcVerletList* kept, uint32_t slot, const qcBvhPairsJob* job, uint32_t worker)
 {
     const qcFilterSide side = {job->a->corners.data, job->a->points.data};
     Finding finding;
     finding.job = job;
     finding.marks = job->a->placeMarks.data;
     finding.sides[0] = finding.sides[1] = side;
-    finding.bound = qcSurface_FindBound(job->a, job->margin, job->nearest);
+    finding.bound = qcTriangleBvh_FindBound(job->a, job->margin, job->nearest);
     finding.worker = worker;
     finding.wanted = true;
     finding.count = 0;
     for (size_t i = 0; i < kept->sinks.count; i++)
     {
-        const qcKeptSink* sink = SinkAt(kept, i);
-        const qcPlacePair* pairs = sink->pairs.data;
+        const qcVerletWorker* sink = SinkAt(kept, i);
+        const qcSlotPair* pairs = sink->pairs.data;
         for (size_t k = 0; k < sink->runs.count; k++)
         {
             const KeptRun* run = &QC_AT(KeptRun, sink->runs, k);
@@ -255,7 +255,7 @@ void qcKeptPairs_Find(const qcKeptPairs* kept, uint32_t slot, const qcSurfacePai
     Flush(&finding);
 }
 
-void qcKeptPairs_Free(qcKeptPairs* kept)
+void qcVerletList_Free(qcVerletList* kept)
 {
     for (size_t i = 0; i < kept->sinks.count; i++)
     {

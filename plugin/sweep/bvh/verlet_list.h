@@ -7,31 +7,31 @@
 #include "sweep/bvh/bvh_pairs.h"
 
 /// What one worker found.
-typedef struct qcKeptSink
+typedef struct qcVerletWorker
 {
-    qcArray pairs; ///< of qcPlacePair
+    qcArray pairs; ///< of qcSlotPair
     qcArray runs;  ///< of KeptRun: whose they are, and what was known of them
     qcStatus status;
     char apart[64]; ///< keeps two workers off one cache line
-} qcKeptSink;
+} qcVerletWorker;
 
 /// Those of one step.
-typedef struct qcKeptPairs
+typedef struct qcVerletList
 {
-    qcArray sinks; ///< of qcKeptSink
-} qcKeptPairs;
+    qcArray sinks; ///< of qcVerletWorker
+} qcVerletList;
 
 /// What was kept is forgotten.
-qcStatus qcKeptPairs_Begin(qcKeptPairs* kept, uint32_t threads);
+qcStatus qcVerletList_Begin(qcVerletList* kept, uint32_t threads);
 /// Keeps all that were found of the surface of a slot.
-void qcKeptPairs_Add(qcKeptPairs* kept, uint32_t slot, const qcFoundPairs* found, uint32_t worker);
+void qcVerletList_Add(qcVerletList* kept, uint32_t slot, const qcClassifiedPairs* found, uint32_t worker);
 /// Fails if a worker has.
-qcStatus qcKeptPairs_Check(const qcKeptPairs* kept);
+qcStatus qcVerletList_Check(const qcVerletList* kept);
 
 /// The job's pairs: all those of a surface with itself. It follows its body (sweep/bvh/partial_refit.h) from where its
 /// pairs within surface->keptMargin were kept, and vertices that moved by more than half of what the job's margin is
 /// less than that are marked as far. O(pairs kept + triangles).
-void qcKeptPairs_Find(const qcKeptPairs* kept, uint32_t slot, const qcSurfacePairsJob* job, uint32_t worker);
-void qcKeptPairs_Free(qcKeptPairs* kept);
+void qcVerletList_Find(const qcVerletList* kept, uint32_t slot, const qcBvhPairsJob* job, uint32_t worker);
+void qcVerletList_Free(qcVerletList* kept);
 
 #endif

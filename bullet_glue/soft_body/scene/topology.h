@@ -1,6 +1,6 @@
 // What of a soft body collides: faces, links that are ropes, and single nodes, as triangles of a qcScene.
-#ifndef QC_GLUE_SOFT_BODY_TOPOLOGY_H
-#define QC_GLUE_SOFT_BODY_TOPOLOGY_H
+#ifndef QC_GLUE_SOFT_BODY_SCENE_TOPOLOGY_H
+#define QC_GLUE_SOFT_BODY_SCENE_TOPOLOGY_H
 
 #include <BulletSoftBody/btSoftBody.h>
 

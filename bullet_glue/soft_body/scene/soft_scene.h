@@ -1,9 +1,9 @@
 // Soft bodies, and the meshes near them, as bodies of a qcScene: it reads node positions in Bullet's own precision.
-#ifndef QC_GLUE_SOFT_BODY_SOFT_SCENE_H
-#define QC_GLUE_SOFT_BODY_SOFT_SCENE_H
+#ifndef QC_GLUE_SOFT_BODY_SCENE_SOFT_SCENE_H
+#define QC_GLUE_SOFT_BODY_SCENE_SOFT_SCENE_H
 
-#include "soft_body/rigid_meshes.h"
-#include "soft_body/topology.h"
+#include "soft_body/scene/rigid_meshes.h"
+#include "soft_body/scene/topology.h"
 
 #include "quickcullide/bullet_soft_body.h"
 

@@ -1,7 +1,7 @@
 // Meshes near soft bodies, as rigid bodies of the soft bodies' scene: pushed by their contacts, and never tested among
 // each other there.
-#ifndef QC_GLUE_SOFT_BODY_RIGID_MESHES_H
-#define QC_GLUE_SOFT_BODY_RIGID_MESHES_H
+#ifndef QC_GLUE_SOFT_BODY_SCENE_RIGID_MESHES_H
+#define QC_GLUE_SOFT_BODY_SCENE_RIGID_MESHES_H
 
 #include "quickcullide/bullet_mesh.h"
 

@@ -1,7 +1,7 @@
 // Patches of triangles, each a disc with one loop around it: strips that bend, fold and cross themselves, and discs
 // that grow triangle by triangle, with notches, slivers and fans.
-#ifndef QC_TESTS_MESH_PATCHES_H
-#define QC_TESTS_MESH_PATCHES_H
+#ifndef QC_TESTS_KERNELS_PATCHES_H
+#define QC_TESTS_KERNELS_PATCHES_H
 
 #include "kernels/kernel_pairs.h"
 

@@ -1,5 +1,5 @@
 // Faces, ropes and single nodes of a soft body.
-#include "soft_body/topology.h"
+#include "soft_body/scene/topology.h"
 
 #include <algorithm>
 

@@ -1,5 +1,5 @@
 // Soft bodies, and the meshes near them, as bodies of a qcScene.
-#include "soft_body/soft_scene.h"
+#include "soft_body/scene/soft_scene.h"
 
 #include "common/object_key.h"
 #include "common/scalar_type.h"

@@ -1,5 +1,5 @@
 // Sinks of pairs.
-#include "kernels/pair_sink.h"
+#include "kernels/pair_buffer.h"
 
 #include "base/status.h"
 
@@ -8,20 +8,20 @@ static void AddKey(qcArray* keys, uint64_t key)
     QC_AT(uint64_t, *keys, keys->count++) = key;
 }
 
-qcStatus qcPairSinks_Begin(qcArray* sinks, uint32_t threads)
+qcStatus qcPairBuffers_Begin(qcArray* sinks, uint32_t threads)
 {
-    QC_TRY(qcArray_GrowZeroed(sinks, threads, sizeof(qcPairSink), "candidate pairs"));
+    QC_TRY(qcArray_GrowZeroed(sinks, threads, sizeof(qcPairBuffer), "candidate pairs"));
     for (size_t i = 0; i < sinks->count; i++)
     {
-        qcPairSink* sink = &QC_AT(qcPairSink, *sinks, i);
+        qcPairBuffer* sink = &QC_AT(qcPairBuffer, *sinks, i);
         sink->keys.count = sink->contactKeys.count = sink->sure.count = 0;
         sink->status = qc_statusOk;
     }
     return qc_statusOk;
 }
 
-bool qcPairSink_Add(qcPairSink* sink, const qcFoundPairs* found, bool listKnown, qcPairKeyFunction* keyOf,
-                    const void* context)
+bool qcPairBuffer_Add(qcPairBuffer* sink, const qcClassifiedPairs* found, bool listKnown, qcPairKeyFunction* keyOf,
+                      const void* context)
 {
     qcArray* keyArrays[2] = {&sink->keys, &sink->contactKeys};
     for (int i = 0; i < 2 && sink->status == qc_statusOk; i++)
@@ -47,8 +47,8 @@ bool qcPairSink_Add(qcPairSink* sink, const qcFoundPairs* found, bool listKnown,
     return true;
 }
 
-void qcPairSink_AddNeighbours(qcPairSink* sink, const qcPlacePair* pairs, size_t count, qcPairKeyFunction* keyOf,
-                              const void* context)
+void qcPairBuffer_AddNeighbours(qcPairBuffer* sink, const qcSlotPair* pairs, size_t count, qcPairKeyFunction* keyOf,
+                                const void* context)
 {
     if (sink->status == qc_statusOk)
         sink->status =
@@ -57,11 +57,11 @@ void qcPairSink_AddNeighbours(qcPairSink* sink, const qcPlacePair* pairs, size_t
         AddKey(&sink->contactKeys, keyOf(context, pairs[i]));
 }
 
-qcStatus qcPairSinks_End(const qcArray* sinks, const qcPairKeys* keys)
+qcStatus qcPairBuffers_End(const qcArray* sinks, const qcPairKeys* keys)
 {
     for (size_t i = 0; i < sinks->count; i++)
     {
-        const qcPairSink* sink = &QC_AT(qcPairSink, *sinks, i);
+        const qcPairBuffer* sink = &QC_AT(qcPairBuffer, *sinks, i);
         // The message is the worker's own; say it again on this thread.
         if (sink->status != qc_statusOk)
             return qcArray_FailAgain(&sink->keys, "candidate pairs");
@@ -72,13 +72,13 @@ qcStatus qcPairSinks_End(const qcArray* sinks, const qcPairKeys* keys)
     return qc_statusOk;
 }
 
-void qcPairSinks_Free(qcArray* sinks)
+void qcPairBuffers_Free(qcArray* sinks)
 {
     for (size_t i = 0; i < sinks->count; i++)
     {
-        qcArray_Free(&QC_AT(qcPairSink, *sinks, i).keys);
-        qcArray_Free(&QC_AT(qcPairSink, *sinks, i).contactKeys);
-        qcArray_Free(&QC_AT(qcPairSink, *sinks, i).sure);
+        qcArray_Free(&QC_AT(qcPairBuffer, *sinks, i).keys);
+        qcArray_Free(&QC_AT(qcPairBuffer, *sinks, i).contactKeys);
+        qcArray_Free(&QC_AT(qcPairBuffer, *sinks, i).sure);
     }
     qcArray_Free(sinks);
 }

@@ -14,9 +14,9 @@
 typedef struct Star
 {
     int valence;
-    double x[1 + qc_largestStar][3];
+    double x[1 + qc_maxFanSize][3];
     float error; ///< of coordinates in single precision
-    qcPoint points[1 + qc_largestStar];
+    qcPoint points[1 + qc_maxFanSize];
 } Star;
 
 static void PlaceFeature(const Star* star, const int* vertices, int count, double corners[3][3])
@@ -44,7 +44,7 @@ static double DistanceOf(const Star* star, const int* a, int countA, const int* 
 /// edges from edges.
 static double FindQuietReach(const Star* star)
 {
-    int k = star->valence, edges[2 * qc_largestStar][2];
+    int k = star->valence, edges[2 * qc_maxFanSize][2];
     double least = INFINITY;
     for (int i = 0; i < k; i++)
     {
@@ -64,7 +64,7 @@ static double FindQuietReach(const Star* star)
 /// At even angles around the middle, once or twice or back and forth, as far from it or not; then bent, or anywhere.
 static Star MakeStar(qcRandom* random)
 {
-    Star star = {.valence = qc_smallestStar + (int)qcRandom_Below(random, qc_largestStar - qc_smallestStar + 1)};
+    Star star = {.valence = qc_minFanSize + (int)qcRandom_Below(random, qc_maxFanSize - qc_minFanSize + 1)};
     double size = ldexp(0.3, -(int)qcRandom_Below(random, 10)), bend = ldexp(1.0, -(int)qcRandom_Below(random, 8));
     double turns = qcRandom_Below(random, 5) == 0 ? 2.0 : 1.0, jitter = qcRandom_Below(random, 2) == 0 ? 0.0 : 0.9;
     bool isPlane = qcRandom_Below(random, 3) == 0, isAnywhere = qcRandom_Below(random, 8) == 0;
@@ -94,25 +94,25 @@ static Star MakeStar(qcRandom* random)
 }
 
 /// The kernel's answer for stars side by side, as many as a batch has, of one valence.
-static uint32_t Ask(const qcSurfaceKernels* k, const Star* const stars[qc_starLanes], float error, float reach)
+static uint32_t Ask(const qcTriangleKernels* k, const Star* const stars[qc_fanLanes], float error, float reach)
 {
-    static qcPoint s_points[qc_starLanes * (1 + qc_largestStar)];
-    uint32_t vertices[qc_starLanes * (1 + qc_largestStar)], rows = 1 + (uint32_t)stars[0]->valence;
-    for (uint32_t lane = 0; lane < qc_starLanes; lane++)
+    static qcPoint s_points[qc_fanLanes * (1 + qc_maxFanSize)];
+    uint32_t vertices[qc_fanLanes * (1 + qc_maxFanSize)], rows = 1 + (uint32_t)stars[0]->valence;
+    for (uint32_t lane = 0; lane < qc_fanLanes; lane++)
         for (uint32_t row = 0; row < rows; row++)
         {
             uint32_t vertex = lane * rows + row;
             s_points[vertex] = stars[lane]->points[row];
-            vertices[row * qc_starLanes + lane] = vertex;
+            vertices[row * qc_fanLanes + lane] = vertex;
         }
-    qcFilterBound bound = {.pointError = error, .reach = reach};
+    qcDistanceThresholds bound = {.pointError = error, .reach = reach};
     return k->findQuietStars(s_points, vertices, rows - 1, &bound);
 }
 
-static bool IsQuiet(const qcSurfaceKernels* k, const Star* star, float reach)
+static bool IsQuiet(const qcTriangleKernels* k, const Star* star, float reach)
 {
-    const Star* stars[qc_starLanes];
-    for (int lane = 0; lane < qc_starLanes; lane++)
+    const Star* stars[qc_fanLanes];
+    for (int lane = 0; lane < qc_fanLanes; lane++)
         stars[lane] = star;
     uint32_t quiet = Ask(k, stars, star->error, reach);
     CHECK_THAT(quiet == 0 || quiet == 0xffffu, "%s: the same star, other answers: %x", k->name, quiet);
@@ -149,16 +149,16 @@ END_TEST
 START_TEST(lanes_do_not_depend_on_each_other)
 {
     qcRandom random = {32};
-    Star stars[qc_starLanes];
+    Star stars[qc_fanLanes];
     int mixed = 0;
     for (int i = 0; i < 60; i++)
     {
-        const Star* order[qc_starLanes];
-        for (int lane = 0; lane < qc_starLanes; lane++)
+        const Star* order[qc_fanLanes];
+        for (int lane = 0; lane < qc_fanLanes; lane++)
         {
             do
                 stars[lane] = MakeStar(&random);
-            while (stars[lane].valence != qc_smallestStar + i % (qc_largestStar - qc_smallestStar + 1));
+            while (stars[lane].valence != qc_minFanSize + i % (qc_maxFanSize - qc_minFanSize + 1));
             stars[lane].error = 0x1p-20f;
             order[lane] = &stars[lane];
         }
@@ -166,7 +166,7 @@ START_TEST(lanes_do_not_depend_on_each_other)
         FOR_EACH_KERNELS(k)
         {
             uint32_t quiet = Ask(k, order, 0x1p-20f, reach);
-            for (int lane = 0; lane < qc_starLanes; lane++)
+            for (int lane = 0; lane < qc_fanLanes; lane++)
                 ck_assert(IsQuiet(k, &stars[lane], reach) == (quiet >> lane & 1u));
             mixed += quiet != 0 && quiet != 0xffffu;
         }
@@ -197,7 +197,7 @@ END_TEST
 /// them, and from one all can be reached.
 static bool IsFan(const uint32_t sides[][2], size_t count)
 {
-    bool reached[qc_largestStar] = {true};
+    bool reached[qc_maxFanSize] = {true};
     for (size_t i = 0; i < count; i++)
         for (int end = 0; end < 2; end++)
         {
@@ -223,7 +223,7 @@ static bool IsFan(const uint32_t sides[][2], size_t count)
 /// The triangles that have a vertex, and whether they make a star.
 static bool IsStar(const qcCorners* corners, size_t count, uint32_t vertex, uint32_t* triangles, size_t* found)
 {
-    uint32_t sides[qc_largestStar][2];
+    uint32_t sides[qc_maxFanSize][2];
     bool isProper = true;
     *found = 0;
     for (uint32_t t = 0; t < count; t++)
@@ -232,13 +232,12 @@ static bool IsStar(const qcCorners* corners, size_t count, uint32_t vertex, uint
         if (v[0] != vertex && v[1] != vertex && v[2] != vertex)
             continue;
         isProper = isProper && v[0] != v[1] && v[1] != v[2] && v[2] != v[0];
-        for (int c = 0, side = 0; c < 3 && *found < qc_largestStar; c++)
+        for (int c = 0, side = 0; c < 3 && *found < qc_maxFanSize; c++)
             if (v[c] != vertex && side < 2)
                 sides[*found][side++] = v[c];
         triangles[(*found)++] = t;
     }
-    return isProper && *found >= qc_smallestStar && *found <= qc_largestStar &&
-           IsFan((const uint32_t(*)[2])sides, *found);
+    return isProper && *found >= qc_minFanSize && *found <= qc_maxFanSize && IsFan((const uint32_t(*)[2])sides, *found);
 }
 
 static bool HasTriangle(const qcCorners* corners, const uint32_t* triangles, size_t count, uint32_t a, uint32_t b)
@@ -253,14 +252,14 @@ static bool HasTriangle(const qcCorners* corners, const uint32_t* triangles, siz
 }
 
 /// Where the vertex stands: the batch and its lane. False: nowhere. It stands there once.
-static bool FindStar(const qcStars* stars, uint32_t vertex, const qcStarBatch** batch, uint32_t* lane)
+static bool FindStar(const qcVertexFans* stars, uint32_t vertex, const qcVertexFanBatch** batch, uint32_t* lane)
 {
     int found = 0;
     for (size_t i = 0; i < stars->batches.count; i++)
     {
-        const qcStarBatch* b = &QC_AT(qcStarBatch, stars->batches, i);
-        ck_assert(b->count > 0 && b->count <= qc_starLanes);
-        for (uint32_t l = 0; l < qc_starLanes; l++)
+        const qcVertexFanBatch* b = &QC_AT(qcVertexFanBatch, stars->batches, i);
+        ck_assert(b->count > 0 && b->count <= qc_fanLanes);
+        for (uint32_t l = 0; l < qc_fanLanes; l++)
         {
             // Lanes without a star have the first one's vertices.
             uint32_t middle = QC_AT(uint32_t, stars->vertices, b->firstVertex + l);
@@ -279,15 +278,15 @@ static bool FindStar(const qcStars* stars, uint32_t vertex, const qcStarBatch** 
 /// Returns the number of stars.
 static int CheckStars(const qcCorners* corners, size_t count, uint32_t vertexCount)
 {
-    qcStars stars = {.made = false};
-    CHECK_OK(qcStars_Make(&stars, corners, count, vertexCount));
+    qcVertexFans stars = {.made = false};
+    CHECK_OK(qcVertexFans_Make(&stars, corners, count, vertexCount));
     uint32_t* triangles = malloc((count + 1) * sizeof *triangles);
     ck_assert_ptr_nonnull(triangles);
     int starCount = 0;
     for (uint32_t v = 0; v < vertexCount; v++)
     {
         size_t found;
-        const qcStarBatch* batch = NULL;
+        const qcVertexFanBatch* batch = NULL;
         uint32_t lane = 0;
         bool isStar = IsStar(corners, count, v, triangles, &found);
         uint32_t first = QC_AT(uint32_t, stars.firstPlace, v);
@@ -301,11 +300,11 @@ static int CheckStars(const qcCorners* corners, size_t count, uint32_t vertexCou
         ck_assert_uint_eq(batch->valence, found);
         const uint32_t* column = &QC_AT(uint32_t, stars.vertices, batch->firstVertex + lane);
         for (uint32_t i = 0; i < batch->valence; i++)
-            ck_assert(HasTriangle(corners, triangles, found, column[(1 + i) * qc_starLanes],
-                                  column[(1 + (i + 1) % batch->valence) * qc_starLanes]));
+            ck_assert(HasTriangle(corners, triangles, found, column[(1 + i) * qc_fanLanes],
+                                  column[(1 + (i + 1) % batch->valence) * qc_fanLanes]));
     }
     free(triangles);
-    qcStars_Free(&stars);
+    qcVertexFans_Free(&stars);
     return starCount;
 }
 
@@ -330,10 +329,10 @@ START_TEST(fans_of_any_size_and_nearly_closed_ones_are_told_apart)
 {
     qcRandom random = {33};
     int found = 0;
-    for (uint32_t valence = 1; valence < 2 * qc_largestStar; valence++)
+    for (uint32_t valence = 1; valence < 2 * qc_maxFanSize; valence++)
         for (int change = 0; change < 4; change++)
         {
-            qcCorners corners[2 * qc_largestStar];
+            qcCorners corners[2 * qc_maxFanSize];
             for (uint32_t i = 0; i < valence; i++)
             {
                 uint32_t turn = qcRandom_Below(&random, 3), next = 1 + (i + 1) % valence;
@@ -355,7 +354,7 @@ START_TEST(fans_of_any_size_and_nearly_closed_ones_are_told_apart)
             }
             found += CheckStars(corners, valence, valence + 2) > 0 && change == 0;
         }
-    ck_assert_int_ge(found, qc_largestStar - qc_smallestStar + 1);
+    ck_assert_int_ge(found, qc_maxFanSize - qc_minFanSize + 1);
 }
 END_TEST
 

@@ -102,7 +102,7 @@ END_TEST
 /// Two bodies that meet at points `x[0]` and `x[1]` of theirs, with boxes around them.
 typedef struct Meeting
 {
-    qcPlacement placement[2];
+    qcRigidTransform placement[2];
     double x[2][3];
     double apart; ///< the greatest difference of a coordinate of the two points in the world
 } Meeting;
@@ -140,7 +140,7 @@ static void MoveWithin(qcRandom* random, Meeting* m, const long double inverse[9
     }
 }
 
-static void MakeBox(qcRandom* random, const double x[3], double size, qcPlacement* placement)
+static void MakeBox(qcRandom* random, const double x[3], double size, qcRigidTransform* placement)
 {
     bool tight = qcRandom_Below(random, 2) == 0;
     for (int axis = 0; axis < 3; axis++)
@@ -209,7 +209,7 @@ START_TEST(points_that_meet_in_the_world_meet_in_coordinates_of_either)
         if (!Meet(&random, &m))
             continue;
         same += m.apart == 0.0;
-        qcRelativePlacement r = qcRelativePlacement_Find(&m.placement[0], &m.placement[1]);
+        qcRelativeTransform r = qcRelativeTransform_Find(&m.placement[0], &m.placement[1]);
         for (int axis = 0; axis < 3; axis++)
         {
             long double at = (long double)r.shift[axis] - (long double)m.x[0][axis];
@@ -256,7 +256,7 @@ START_TEST(reach_and_stretch_are_those_of_the_inverse_and_growth_is_that_of_the_
     qcRandom random = {3};
     for (int i = 0; i < 30000; i++)
     {
-        qcPlacement a = {.transform = qcIdentityTransform()}, b = a;
+        qcRigidTransform a = {.transform = qcIdentityTransform()}, b = a;
         qcMakeAnyLinear(&random, -100, 100, a.transform.linear);
         qcMakeAnyLinear(&random, -100, 100, b.transform.linear);
         long double inverse[9], linear[9];
@@ -264,7 +264,7 @@ START_TEST(reach_and_stretch_are_those_of_the_inverse_and_growth_is_that_of_the_
             continue;
         for (int k = 0; k < 9; k++)
             linear[k] = a.transform.linear[k];
-        qcRelativePlacement r = qcRelativePlacement_Find(&a, &b);
+        qcRelativeTransform r = qcRelativeTransform_Find(&a, &b);
         CheckNorm(inverse, r.stretch, i, "stretch");
         CheckNorm(linear, r.growth, i, "growth");
         for (int axis = 0; axis < 3; axis++)
@@ -459,15 +459,15 @@ END_TEST
 //  ---- surfaces ------------------------------------------------------------------------------------
 
 /// Was it fitted anew? Every fit writes all points; the first is marked before.
-static bool FitsAnew(qcSurface* surface, const qcBody* body, double margin)
+static bool FitsAnew(qcTriangleBvh* surface, const qcBody* body, double margin)
 {
-    qcSurfaceScratch scratch = {0};
+    qcBvhScratch scratch = {0};
     bool fits;
     float* mark = &QC_AT(qcPoint, surface->points, 0).x[0];
     *mark = -5.0f;
-    CHECK_OK(qcSurface_Fit(surface, body, margin, qcSurfaceKernels_Get(), 1, &scratch, &fits));
+    CHECK_OK(qcTriangleBvh_Fit(surface, body, margin, qcTriangleKernels_Get(), 1, &scratch, &fits));
     ck_assert(fits);
-    qcSurfaceScratch_Free(&scratch);
+    qcBvhScratch_Free(&scratch);
     bool anew = *mark != -5.0f;
     *mark = 0.0f;
     return anew;
@@ -480,8 +480,8 @@ START_TEST(a_rigid_body_is_fitted_once_while_it_is_turned_and_not_tested_with_it
     qcSoup soup = qcSoup_MakeSphere(2, 1.0);
     AddRigid(&bodies, &soup);
     qcBody* body = &QC_AT(qcBody, bodies.slots, 0);
-    qcSurface surface;
-    CHECK_OK(qcSurface_Build(&surface, body, 1));
+    qcTriangleBvh surface;
+    CHECK_OK(qcTriangleBvh_Build(&surface, body, 1));
     qcTransform t = qcIdentityTransform(), flat = t;
     flat.linear[8] = 0.0;
     body->selfCollision = false;
@@ -510,7 +510,7 @@ START_TEST(a_rigid_body_is_fitted_once_while_it_is_turned_and_not_tested_with_it
         body->selfCollision = false;
         ck_assert(!FitsAnew(&surface, body, 0.5));
     }
-    qcSurface_Free(&surface);
+    qcTriangleBvh_Free(&surface);
     qcBodies_Free(&bodies);
     qcSoup_Free(&soup);
     ck_assert_uint_eq(qcGetByteCount(), 0);

@@ -1,5 +1,5 @@
 // Meshes near soft bodies: found through the broadphase, moved by contacts.
-#include "soft_body/rigid_meshes.h"
+#include "soft_body/scene/rigid_meshes.h"
 
 #include "common/object_key.h"
 #include "common/shape_triangles.h"
