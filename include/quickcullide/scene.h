@@ -511,8 +511,10 @@ typedef struct qcResult
 /// Runs a step: finds the pairs, and what else `def` requests. The result does not depend on the number of threads, nor
 /// on the method among those that never miss. O(n log n + candidates) for `sweep`.
 ///
-/// qc_statusBadInput: `def` is invalid, or the method can't compute what it requests. qc_statusDevice and
-/// qc_statusDeviceLost: only from `cullide` and `quick`; auto and `layers` fall back to `sweep`.
+/// A method that needs GL where there is none falls back to `sweep`, which gives qcProfile::fallback.
+///
+/// qc_statusBadInput: `def` is invalid, or its method can't compute what it requests. qc_statusDevice and
+/// qc_statusDeviceLost: the device failed during `cullide` or `quick`; auto and `layers` fall back.
 QC_API qcStatus qcScene_Detect(qcScene* scene, const qcDetectDef* def, const qcResult** result);
 
 #ifdef __cplusplus
