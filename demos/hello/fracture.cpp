@@ -48,21 +48,21 @@ int main()
     while (cube.body->getWorldTransform().getOrigin().y() > btScalar(1.8))
         world.stepSimulation(btScalar(1.0 / 60));
 
+    std::vector<Piece> pieces;
     btVector3 impact(0, -1, 0);
     def.sites = qcScatterSites(btVector3(-1, -1, -1), btVector3(1, 1, 1), 40, 1, &impact);
     qcFracture fracture = qcFracture_Split(def);
     world.removeRigidBody(cube.body.get());
-    std::vector<Piece> pieces;
     for (const qcPiece& piece : fracture.pieces)
     {
         qcPieceMotion motion = qcMotionOfPiece(*cube.body, fracture, piece);
-        Piece made = MakeBody(piece.vertices, piece.indices, motion.mass);
-        made.body->setWorldTransform(motion.transform);
-        made.body->setLinearVelocity(motion.linearVelocity);
-        made.body->setAngularVelocity(motion.angularVelocity);
-        world.addRigidBody(made.body.get());
-        pieces.push_back(std::move(made));
+        pieces.push_back(MakeBody(piece.vertices, piece.indices, motion.mass));
+        pieces.back().body->setWorldTransform(motion.transform);
+        pieces.back().body->setLinearVelocity(motion.linearVelocity);
+        pieces.back().body->setAngularVelocity(motion.angularVelocity);
+        world.addRigidBody(pieces.back().body.get());
     }
+
     for (int i = 0; i < 240; i++)
         world.stepSimulation(btScalar(1.0 / 60));
     int lost = 0;
