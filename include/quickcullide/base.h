@@ -1,12 +1,11 @@
 /// @file
 /// Status codes, messages, memory, logging, threads, version: shared by all parts of the C library.
 ///
-/// Thread-safety: set the hooks before any other call; qcSetParallelFor also later, while no other call runs. All other
-/// functions here may be called from any thread.
-///
+/// Thread-safety: any thread may call these functions, but set the hooks before any other call; qcSetParallelFor also
+/// later, while no other call runs.
 /// Floating-point modes: results don't depend on the caller's rounding mode, FTZ, DAZ or traps. Each call computes in
-/// the default modes and restores the caller's. A qcBoxFunction runs in the caller's modes, other callbacks in the
-/// default ones.
+/// the default modes and restores the caller's. Callbacks run in the default modes, but a qcBoxFunction in the
+/// caller's.
 #ifndef QUICKCULLIDE_BASE_H
 #define QUICKCULLIDE_BASE_H
 

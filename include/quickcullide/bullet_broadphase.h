@@ -158,7 +158,7 @@ class QC_API qcBroadphase : public btBroadphaseInterface
 
     std::atomic<int> m_walks{0}; ///< queries and searches that are running: the set must stay as it is
     Proxy* m_pending = nullptr;  ///< proxies whose changes wait for the last walk to end
-    unsigned m_destroyCount = 0; ///< tells a loop over pairs that a callback has removed some
+    unsigned m_destroyCount = 0; ///< changes when a callback removes pairs during a loop over them
 
     long long m_interval = 1; ///< between two searches for pairs
     bool m_anythingTouched = false, m_anythingSought = false;

@@ -24,8 +24,8 @@
 class QC_API qcDeformableWorld : public btDeformableMultiBodyDynamicsWorld, public qcSoftBodyContact
 {
   public:
-    /// As btDeformableMultiBodyDynamicsWorld. `device` runs the methods that need GL; null is the same as a device of
-    /// kind none.
+    /// Parameters of btDeformableMultiBodyDynamicsWorld, and a device: it runs the methods that need GL; null is the
+    /// same as a device of kind none.
     qcDeformableWorld(btDispatcher* dispatcher, btBroadphaseInterface* broadphase,
                       btDeformableMultiBodyConstraintSolver* constraintSolver,
                       btCollisionConfiguration* collisionConfiguration, btDeformableBodySolver* deformableSolver,

@@ -94,7 +94,7 @@ struct qcSoftBodyStatistics
 ///
 /// Manifolds: after a step its contacts, as they were before the response, are in manifolds of the world's dispatcher,
 /// four points each, until the next step begins. Body 0 is soft; body 1 is another soft body, the same one
-/// (self-collision), or one with a qcMeshShape. Of two soft bodies, body 0 was added first. A manifold may name a body
+/// (self-collision), or one with a qcMeshShape. If both are soft, body 0 was added first. A manifold may name a body
 /// that was removed after the step.
 ///
 /// Callbacks run at the end of the step. Starts and ends are reported once for two bodies (or for one with itself),

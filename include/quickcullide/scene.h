@@ -1,12 +1,11 @@
 /// @file
-/// A scene holds bodies, each a triangle soup, and finds the pairs of their triangles that intersect or come near.
+/// A scene holds bodies, each a triangle soup, and finds the pairs of their triangles that intersect or come near. One
+/// thread at a time may use a scene. Two scenes are independent, even if they share a device.
 ///
 ///     qcScene* scene;                              qcSceneDef sceneDef = qcDefaultSceneDef();
 ///     qcScene_Create(&sceneDef, &scene);           qcBodyDef bodyDef = qcDefaultBodyDef();
 ///     bodyDef.positions = ...;                     qcScene_AddBody(scene, &bodyDef, &id);
 ///     qcDetectDef def = qcDefaultDetectDef();      qcScene_Detect(scene, &def, &result);
-///
-/// Thread-safety: one thread at a time may use a scene. Two scenes are independent, even if they share a device.
 #ifndef QUICKCULLIDE_SCENE_H
 #define QUICKCULLIDE_SCENE_H
 
@@ -400,8 +399,8 @@ typedef struct qcPassRecord
     uint32_t queries;   ///< primitives tested
     uint32_t rendered;  ///< primitives drawn into the depth buffer
     uint32_t bfv;       ///< size of BFV: fully visible in both passes, and so removed, since the start of the level
-    uint32_t ffv;       ///< size of FFV: fully visible in the first pass
-    uint32_t sfv;       ///< size of SFV: fully visible in the second pass
+    uint32_t ffv;       ///< size of FFV: fully visible in the first pass only
+    uint32_t sfv;       ///< size of SFV: fully visible in the second pass only
     uint32_t nfv;       ///< size of NFV: fully visible in neither
     uint32_t pcs;       ///< size of the potentially colliding set, ffv + sfv + nfv
 } qcPassRecord;
