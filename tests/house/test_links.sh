@@ -3,22 +3,30 @@
 set -eu
 
 cd "$1"
+links=$(mktemp)
+trap 'rm -f "$links"' EXIT
+
+# Blocks of code have no links.
+find README.md plugin/docs -name '*.md' -exec awk '
+    /^```/ { code = !code }
+    {
+        line = code ? "" : $0
+        while (match(line, /\]\([^)#]+/)) {
+            print FILENAME, substr(line, RSTART + 2, RLENGTH - 2)
+            line = substr(line, RSTART + RLENGTH)
+        }
+    }' {} + >"$links"
+
 broken=0
-count=0
-for document in README.md plugin/docs/*.md plugin/docs/*/*.md; do
-    [ -f "$document" ] || continue
-    folder=$(dirname "$document")
-    for link in $(sed '/^```/,/^```$/d' "$document" | grep -oE '\]\([^)]*\)' | sed 's/^](//; s/)$//; s/#.*//'); do
-        case $link in
-            http://* | https://*) continue ;;
-        esac
-        count=$((count + 1))
-        if [ ! -e "$folder/$link" ]; then
-            echo "$document: $link does not exist"
-            broken=1
-        fi
-    done
-done
-echo "$count links"
-[ "$count" -gt 0 ] || broken=1
+while read -r document link; do
+    case $link in
+        http://* | https://*) continue ;;
+    esac
+    if [ ! -e "$(dirname "$document")/$link" ]; then
+        echo "$document: $link does not exist"
+        broken=1
+    fi
+done <"$links"
+echo "$(wc -l <"$links") links"
+[ -s "$links" ] || broken=1
 exit "$broken"
