@@ -55,8 +55,8 @@ typedef struct qcPairAdjacency
     qcArray workers; ///< of qcAdjacencyWorker
 } qcPairAdjacency;
 
-/// Lists the adjacent pairs of each side of an unsettled pair, each once. Of fans too large for qc_maxFanSteps some are
-/// left out. In parallel.
+/// Lists the adjacent pairs of each side of an unsettled pair, each once. In fans too large for
+/// qc_maxFanSteps some are left out. In parallel.
 qcStatus qcPairAdjacency_Find(const qcContactTopology* topology, const qcContactRegions* regions,
                               const qcContactProximity* proximity, uint32_t threads, qcPairAdjacency* adjacency);
 void qcPairAdjacency_Free(qcPairAdjacency* adjacency);

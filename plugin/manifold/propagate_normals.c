@@ -13,7 +13,7 @@
 
 enum
 {
-    // As far from a coplanar pair as the fan around a corner of a cut reaches. In most scenes nothing changes after 3.
+    // The reach of the fan around a corner of a cut, from a coplanar pair. In most scenes nothing changes after 3.
     qc_maxRounds = 4,
     // Evaluated candidates that are remembered for one pair.
     qc_maxEvaluated = 8

@@ -1,4 +1,4 @@
-// Shapes that touch in known places, the same shapes spelled otherwise, and what every manifold must hold to.
+// Shapes that touch in known places, other representations of them, and scenes of their manifolds.
 #ifndef QC_TESTS_MANIFOLD_MANIFOLD_SCENES_H
 #define QC_TESTS_MANIFOLD_MANIFOLD_SCENES_H
 
@@ -106,7 +106,7 @@ static inline void qcTurnSoup(qcSoup* soup)
         qcTurn(soup->positions + 3 * (size_t)v);
 }
 
-//  ---- the same shape, spelled otherwise -----------------------------------------------------------
+//  ---- other representations of a shape ------------------------------------------------------------
 
 /// Turns about half of the triangles inside out.
 static inline void qcFlipSome(qcSoup* soup, uint64_t seed)

@@ -1,5 +1,5 @@
-// Voronoi cells of a cube as closed soups that lie side by side: a cell is what the bisectors with the other sites
-// leave of the cube. Convex polyhedra cut by planes: Sutherland, Hodgman: Reentrant polygon clipping, 1974, face by
+// Voronoi cells of a cube as closed soups that lie side by side: the bisectors with the other sites cut each from the
+// cube. Convex polyhedra cut by planes: Sutherland, Hodgman: Reentrant polygon clipping, 1974, face by
 // face.
 #ifndef QC_TESTS_MANIFOLD_SOLID_CELLS_H
 #define QC_TESTS_MANIFOLD_SOLID_CELLS_H
@@ -65,7 +65,7 @@ static inline void qcCellFace_Add(qcCellFace* face, const double corner[3])
     memcpy(face->corner[face->count++], corner, 3 * sizeof(double));
 }
 
-/// What lies below the plane stays.
+/// Keeps the part below the plane.
 static inline void qcCellFace_Clip(qcCellFace* face, const double normal[3], double offset)
 {
     qcCellFace old = *face;
@@ -113,7 +113,7 @@ static inline void qcCellFace_Order(qcCellFace* face, const double normal[3])
     }
 }
 
-/// What lies below the plane stays, and the cut is closed.
+/// Keeps the part below the plane, and closes the cut.
 static inline void qcCell_Clip(qcCell* cell, const double normal[3], double offset, int neighbour)
 {
     qcCellFace cap = {.neighbour = neighbour};
@@ -154,7 +154,7 @@ static inline double qcCells_Bisector(const qcCells* cells, int i, int j, double
     return offset;
 }
 
-/// One position for the corners of several cells that only differ by rounding.
+/// Gives corners of several cells that differ by rounding one position.
 static inline void qcCells_Weld(qcCells* cells)
 {
     double(*known)[3] = malloc(sizeof(double[3]) * qc_maxCells * qc_maxFaces * qc_maxFaceCorners);

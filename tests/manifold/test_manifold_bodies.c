@@ -1,5 +1,5 @@
-// Many bodies in one scene: what two of them say of each other is theirs alone, whoever else is there and however many
-// threads look. The oracle is the scene of these two, to the last bit.
+// Many bodies in one scene: the manifolds of two of them depend on no other body, nor on the number of threads. The
+// oracle is the scene of these two alone, to the last bit.
 #include "manifold/manifold_scenes.h"
 #include "support/suite.h"
 
@@ -41,7 +41,7 @@ static void FreeWorld(World* world)
         qcSoup_Free(&world->soups[i]);
 }
 
-/// The bodies whose bits are set; what deforms meets itself. The scene is the caller's.
+/// The bodies whose bits are set; deforming ones collide with themselves too. The scene is the caller's.
 static const qcResult* Find(const World* world, unsigned bodies, bool proximities, uint32_t threads, qcScene** scene)
 {
     *scene = qcMakeScene(NULL);
@@ -65,7 +65,7 @@ static const qcResult* Find(const World* world, unsigned bodies, bool proximitie
     return result;
 }
 
-/// The first manifold of two bodies, or one past those of all before.
+/// The first manifold of two bodies, or one past those of all earlier pairs of bodies.
 static size_t FirstOf(const qcResult* result, uint32_t a, uint32_t b)
 {
     size_t i = 0;
@@ -75,7 +75,7 @@ static size_t FirstOf(const qcResult* result, uint32_t a, uint32_t b)
     return i;
 }
 
-/// Bodies a and b of one scene say what c and d say of each other in another one. Returns the number of their points.
+/// Bodies a and b of one scene have the manifolds of c and d in another one. Returns the number of their points.
 static size_t CheckSame(const qcResult* m, uint32_t a, uint32_t b, const qcResult* n, uint32_t c, uint32_t d)
 {
     size_t i = FirstOf(m, a, b), end = FirstOf(m, a, b + 1), k = FirstOf(n, c, d), points = 0;
@@ -111,7 +111,7 @@ static void CheckPairsOfBodies(bool proximities)
                 points += CheckSame(m, b, b, n, 1, 1);
             qcScene_Destroy(two);
         }
-    // All points are accounted for, and there is something to be confused.
+    // No other point is there, and there are enough for a mistake to show.
     ck_assert_uint_eq(points, m->manifoldPointCount);
     ck_assert_uint_ge(meetings, 20);
     ck_assert_uint_lt(FirstOf(m, 8, 8), FirstOf(m, 8, 9));
@@ -119,19 +119,19 @@ static void CheckPairsOfBodies(bool proximities)
     FreeWorld(&world);
 }
 
-START_TEST(two_bodies_say_the_same_whoever_else_is_there)
+START_TEST(manifolds_of_two_bodies_depend_on_no_other_body)
 {
     CheckPairsOfBodies(false);
 }
 END_TEST
 
-START_TEST(so_they_do_where_proximities_are_reported)
+START_TEST(with_proximities_manifolds_of_two_bodies_depend_on_no_other_body)
 {
     CheckPairsOfBodies(true);
 }
 END_TEST
 
-/// The most and the fewest pairs that two bodies have.
+/// The maximum and the minimum number of pairs of two bodies.
 static void CountPairs(const qcResult* result, size_t* most, size_t* fewest)
 {
     size_t counts[qc_bodyCount][qc_bodyCount] = {{0}};
@@ -147,13 +147,13 @@ static void CountPairs(const qcResult* result, size_t* most, size_t* fewest)
     }
 }
 
-START_TEST(threads_mean_nothing_to_many_bodies)
+START_TEST(manifolds_of_many_bodies_do_not_depend_on_the_number_of_threads)
 {
     World world = MakeWorld();
     qcScene *one, *some;
     size_t most, fewest;
     const qcResult* m = Find(&world, (1u << qc_bodyCount) - 1, false, 1, &one);
-    // Some two bodies have enough for all threads, even where two are as many as their share.
+    // Some two bodies have enough pairs to be shared by all threads, even where two threads run.
     CountPairs(m, &most, &fewest);
     ck_assert_uint_ge(most, qc_sharedPairs);
     ck_assert_uint_ge(most, m->pairCount / 4);
@@ -172,5 +172,6 @@ START_TEST(threads_mean_nothing_to_many_bodies)
 }
 END_TEST
 
-QC_RUN_TESTS("manifold_bodies", two_bodies_say_the_same_whoever_else_is_there,
-             so_they_do_where_proximities_are_reported, threads_mean_nothing_to_many_bodies)
+QC_RUN_TESTS("manifold_bodies", manifolds_of_two_bodies_depend_on_no_other_body,
+             with_proximities_manifolds_of_two_bodies_depend_on_no_other_body,
+             manifolds_of_many_bodies_do_not_depend_on_the_number_of_threads)

@@ -1,5 +1,5 @@
-// How deep a point says that two bodies lie in each other: no deeper than they do. The oracle is the bisector of two
-// Voronoi cells: it parts them, so that as far as both were pushed over it, and no farther, they overlap.
+// Depths: no point is deeper than the two bodies overlap. The oracle is the bisector of two Voronoi cells: it separates
+// them, so that they overlap by as much as both were pushed over it.
 #include "manifold/solid_cells.h"
 #include "support/suite.h"
 
@@ -12,13 +12,13 @@ enum
 
 typedef enum Rounding
 {
-    qc_exact,  ///< both sides of a cut have the same corners, as far as doubles can say it
+    qc_exact,  ///< both sides of a cut have the same corners, in double precision
     qc_local,  ///< corners in single precision around the mean of the cell
-    qc_placed, ///< and that mean too
+    qc_placed, ///< and the mean too
     qc_roundings
 } Rounding;
 
-/// Lengths of the cube's size: what is not touched, what is smaller than a cell's edge, and what is larger.
+/// As shares of the cube's size: none, smaller than a cell's edge, and larger.
 static const double s_margins[] = {0.0, 0.002, 0.05, 1.0};
 
 enum
@@ -181,7 +181,7 @@ END_TEST
 
 //  ---- depths --------------------------------------------------------------------------------------
 
-/// A normal that leans makes the way out longer than the overlap, which is measured along the bisector's.
+/// The overlap is measured along the bisector's normal; along an oblique one the separation distance is longer.
 static void CheckDepths(const Split* split, double push, double noise, double margin)
 {
     const qcResult* result = Detect(split, margin);
@@ -212,7 +212,7 @@ START_TEST(cells_pushed_into_each_other_are_as_deep_as_they_overlap)
     for (Rounding rounding = qc_exact; rounding < qc_roundings; rounding++)
     {
         Split split = MakeSplit((uint64_t)_i, rounding, 1e-3);
-        // Without the margin the cuts themselves don't see each other, and the rim alone says which way is out.
+        // Without the margin the cuts are in no pair, and the rim alone determines the normals.
         for (int m = 1; m < qc_marginCount; m++)
             CheckDepths(&split, 1e-3, NoiseOf(rounding), s_margins[m]);
         FreeSplit(&split);
@@ -222,7 +222,7 @@ END_TEST
 
 START_TEST(cells_sunk_into_each_other_within_the_margin_are_as_deep_as_they_overlap)
 {
-    // A dozen of a thousand pairs of cells have a part that its signs send sideways around an edge, or through a cell.
+    // A dozen of a thousand pairs of cells have a component whose orientation leads around an edge, or through a cell.
     static const struct
     {
         double push, margin;
@@ -247,7 +247,7 @@ START_TEST(cells_moved_away_from_each_other_are_not_in_each_other)
 }
 END_TEST
 
-//  ---- what is said of a cut -----------------------------------------------------------------------
+//  ---- points of a cut -----------------------------------------------------------------------------
 
 /// From a corner of a cut to the nearest point of a manifold.
 static double NearestPoint(const Split* split, const qcResult* result, const qcManifold* manifold,
@@ -261,7 +261,7 @@ static double NearestPoint(const Split* split, const qcResult* result, const qcM
     return nearest;
 }
 
-/// Of corners nearer than the tolerance of merged points, one or two may stand for all.
+/// Where corners are nearer than the tolerance of merged points, one or two may represent all.
 static void CheckCuts(const Split* split, double margin)
 {
     const double merged = 1.0 / 16.0;
@@ -330,7 +330,7 @@ static void SinkACorner(qcRandom* random, double depth, qcSoup* box, qcSoup* flo
 
 START_TEST(a_box_sunk_by_a_corner_is_as_deep_as_the_corner_at_any_margin)
 {
-    // Beyond the first, edges of the box that pass over a tile's edge count too, beside the corner and high above it.
+    // With margins beyond the first, edges of the box that cross a tile's edge, far above the corner, have points too.
     static const double margins[] = {0.01, 0.02, 0.05, 0.1};
     for (uint64_t seed = 0; seed < 600; seed++)
     {

@@ -1,5 +1,5 @@
-// What every manifold holds to, whatever the soup: no pair unheard, no point invented, nothing said twice, and the same
-// said of the same shape however it is spelled.
+// Invariants of all manifolds, for any soup: every pair is covered, every point is of a reported pair, no point is
+// there twice, and the result does not depend on how a shape is represented.
 #define _POSIX_C_SOURCE 200809L // setenv
 
 #include "manifold/manifold_scenes.h"
@@ -99,7 +99,7 @@ static double LongestEdge(const qcSoup* soup, uint32_t triangle)
 
 //  ---- points --------------------------------------------------------------------------------------
 
-/// The pair that a point names, or null. In a body with itself a manifold may name the sides either way.
+/// The pair of a point, or null. In a body with itself the sides may be exchanged.
 static const qcPair* FindPair(const qcResult* result, const qcManifold* manifold, const qcManifoldPoint* point)
 {
     qcPair pair = {manifold->bodyA, point->triangleA, manifold->bodyB, point->triangleB, qc_relationTouching};
@@ -124,7 +124,7 @@ static double DistanceFromTriangle(const qcSoup* soup, uint32_t triangle, const 
     return proximity.distance;
 }
 
-/// No farther than `limit`?
+/// True if the distance is at most `limit`.
 static bool IsNear(const qcSoup* soup, uint32_t triangle, const double point[3], double limit)
 {
     const double* corner = soup->positions + 3 * (size_t)soup->indices[3 * (size_t)triangle];
@@ -160,7 +160,7 @@ START_TEST(every_point_lies_on_the_two_triangles_of_a_reported_pair)
             for (int axis = 0; axis < 3; axis++)
                 ck_assert_double_eq_tol(point->pointA[axis] - point->pointB[axis],
                                         point->distance * point->normal[axis], 1e-7);
-            // Where no feature is named, the pair's closest points speak, perhaps along another normal.
+            // A point without features has the pair's closest points, perhaps along another normal.
             double off = IsFace(point->featureA) && IsFace(point->featureB) ? m.margin : 1e-9;
             ck_assert_double_le(DistanceFromTriangle(SoupOf(&m, manifold->bodyA), point->triangleA, point->pointA),
                                 off);
@@ -175,7 +175,7 @@ START_TEST(every_point_lies_on_the_two_triangles_of_a_reported_pair)
 }
 END_TEST
 
-START_TEST(points_come_deepest_first_to_the_last_bit)
+START_TEST(points_are_sorted_deepest_first)
 {
     qcSoup soups[2];
     MakeCase(_i, soups);
@@ -207,7 +207,7 @@ static void CheckFeature(const qcSoup* soup, uint32_t triangle, const uint32_t f
     ck_assert_uint_le(feature[0], feature[1]);
     ck_assert(HasVertex(corner, feature[0]) && HasVertex(corner, feature[1]));
     const double *a = soup->positions + 3 * (size_t)feature[0], *b = soup->positions + 3 * (size_t)feature[1];
-    // On the segment between the two: the detour over the point is no longer than the way.
+    // On the segment between the two: the way over the point is no longer.
     double detour = qcDistance3(a, point) + qcDistance3(point, b) - qcDistance3(a, b);
     ck_assert_double_le(detour, 1e-12);
 }
@@ -232,7 +232,7 @@ START_TEST(every_point_lies_on_the_features_that_it_names)
 }
 END_TEST
 
-START_TEST(no_two_points_say_the_same_of_the_same_place)
+START_TEST(no_two_points_of_one_normal_are_at_one_place)
 {
     qcSoup soups[2];
     MakeCase(_i, soups);
@@ -242,7 +242,7 @@ START_TEST(no_two_points_say_the_same_of_the_same_place)
     {
         const qcManifold* manifold = &result->manifolds[i];
         const qcManifoldPoint* points = result->manifoldPoints + manifold->firstPoint;
-        // Not more than the promise, which is about the mean of the region: 1/64 of its smallest triangle.
+        // The promise is about the mean of the region; this tests 1/64 of its smallest triangle.
         double apart = INFINITY;
         for (uint32_t p = 0; p < manifold->pointCount; p++)
         {
@@ -275,7 +275,7 @@ static bool AreSameOrNeighbours(const qcSoup* soup, uint32_t s, uint32_t t)
     return s == t;
 }
 
-/// Is a point from this pair or one beside it, or at their place?
+/// True if a point is of this pair or an adjacent one, or at the place of such a point.
 static bool Speaks(const qcManifoldScene* m, const qcPair* pair, const qcManifold* manifold,
                    const qcManifoldPoint* point, double near)
 {
@@ -307,7 +307,8 @@ static bool HasPoint(const qcManifoldScene* m, const qcPair* pair, double near)
     return false;
 }
 
-/// Does another pair with one of its triangles come nearer, on whose other triangle its closest point lies too?
+/// True if another pair with one of its triangles is closer, and its closest point lies on the other one's triangle
+/// too.
 static bool IsSurpassed(const qcManifoldScene* m, size_t index)
 {
     const qcPair* pair = &m->result->pairs[index];
@@ -327,13 +328,13 @@ static bool IsSurpassed(const qcManifoldScene* m, size_t index)
     return false;
 }
 
-START_TEST(every_pair_is_heard)
+START_TEST(every_pair_is_covered)
 {
     qcSoup soups[2];
     MakeCase(_i, soups);
     qcManifoldScene m = FindCase(_i, soups, 1);
     const qcResult* result = m.result;
-    // A point that stands for another one lies within 1/64 of the region's triangles of one of its ends.
+    // A point that represents another one lies within 1/64 of the size of the region's triangles of one of its ends.
     double longest = 0.0;
     for (int i = 0; i < 2; i++)
         for (uint32_t t = 0; t < soups[i].triangleCount; t++)
@@ -352,9 +353,9 @@ START_TEST(every_pair_is_heard)
 }
 END_TEST
 
-START_TEST(the_deepest_penetration_is_never_made_light_of)
+START_TEST(the_deepest_point_is_no_shallower_than_the_deepest_pair)
 {
-    // Each pair alone gives the least way out over all directions; no agreed direction can be shorter for it.
+    // Each pair alone has its minimum depth over all directions; no common normal gives less.
     qcSoup soups[2];
     MakeCase(_i, soups);
     qcManifoldScene m = FindCase(_i, soups, 1);
@@ -369,7 +370,7 @@ START_TEST(the_deepest_penetration_is_never_made_light_of)
     for (size_t i = 0; i < result->manifoldPointCount; i++)
         claimed = fmax(claimed, -result->manifoldPoints[i].distance);
     ck_assert_double_ge(claimed, deepest - 1e-9);
-    // And where all is apart, no penetration is invented.
+    // Where all pairs are separated no point penetrates.
     if (apart)
         ck_assert_double_le(claimed, 1e-9);
     qcManifoldScene_Free(&m);
@@ -377,9 +378,9 @@ START_TEST(the_deepest_penetration_is_never_made_light_of)
 }
 END_TEST
 
-//  ---- the same, spelled otherwise -----------------------------------------------------------------
+//  ---- other representations -----------------------------------------------------------------------
 
-/// Is there a point in the second result for each of the first, `sign` times its normal, sides swapped if it is -1?
+/// Each point of the first result is in the second one, its normal times `sign`, its sides exchanged if that is -1.
 static void CheckCounterparts(const qcResult* of, const qcResult* in, double sign, double tolerance, const char* what)
 {
     for (size_t i = 0; i < of->manifoldPointCount; i++)
@@ -399,7 +400,7 @@ static void CheckCounterparts(const qcResult* of, const qcResult* in, double sig
     }
 }
 
-START_TEST(windings_mean_nothing)
+START_TEST(points_do_not_depend_on_windings)
 {
     qcSoup soups[2], flipped[2];
     MakeCase(_i, soups);
@@ -417,10 +418,10 @@ START_TEST(windings_mean_nothing)
 }
 END_TEST
 
-START_TEST(vertices_at_one_position_are_one)
+START_TEST(points_do_not_depend_on_shared_indices)
 {
     qcSoup soups[2], alone[2];
-    // Not with itself: without shared vertices neighbours are no neighbours any more.
+    // Not a body with itself: neighbours without shared vertices would be pairs.
     if (s_cases[_i].kind == qc_bodyWithItself)
         return;
     MakeCase(_i, soups);
@@ -464,7 +465,7 @@ static void CheckSame(const qcResult* m, const qcResult* n)
     ck_assert_mem_eq(m->manifoldPoints, n->manifoldPoints, m->manifoldPointCount * sizeof(qcManifoldPoint));
 }
 
-START_TEST(the_number_of_threads_means_nothing)
+START_TEST(points_do_not_depend_on_the_number_of_threads)
 {
     qcSoup soups[2];
     MakeCase(_i, soups);
@@ -480,7 +481,7 @@ START_TEST(the_number_of_threads_means_nothing)
 }
 END_TEST
 
-START_TEST(the_instruction_set_means_nothing)
+START_TEST(points_do_not_depend_on_the_instruction_set)
 {
     qcSoup soups[2];
     MakeCase(_i, soups);
@@ -495,7 +496,7 @@ START_TEST(the_instruction_set_means_nothing)
 }
 END_TEST
 
-START_TEST(a_second_step_says_the_same_as_the_first)
+START_TEST(a_second_step_gives_the_points_of_the_first)
 {
     qcSoup soups[2];
     MakeCase(_i, soups);
@@ -510,7 +511,7 @@ START_TEST(a_second_step_says_the_same_as_the_first)
     def.margin = s_cases[_i].margin;
     def.touching = def.manifolds = true;
     CHECK_OK(qcScene_Detect(m.scene, &def, &m.result));
-    ck_assert_ptr_null(m.result->proximities); // they were not asked for
+    ck_assert_ptr_null(m.result->proximities); // not requested
     ck_assert_uint_eq(m.result->manifoldPointCount * sizeof(qcManifoldPoint), bytes);
     ck_assert_mem_eq(m.result->manifoldPoints, points, bytes);
     def.manifolds = false;
@@ -526,17 +527,17 @@ END_TEST
 int main(void)
 {
     const TTest* const tests[] = {every_point_lies_on_the_two_triangles_of_a_reported_pair,
-                                  points_come_deepest_first_to_the_last_bit,
+                                  points_are_sorted_deepest_first,
                                   every_point_lies_on_the_features_that_it_names,
-                                  no_two_points_say_the_same_of_the_same_place,
-                                  every_pair_is_heard,
-                                  the_deepest_penetration_is_never_made_light_of,
-                                  windings_mean_nothing,
-                                  vertices_at_one_position_are_one,
+                                  no_two_points_of_one_normal_are_at_one_place,
+                                  every_pair_is_covered,
+                                  the_deepest_point_is_no_shallower_than_the_deepest_pair,
+                                  points_do_not_depend_on_windings,
+                                  points_do_not_depend_on_shared_indices,
                                   exchanging_the_bodies_negates_the_normals,
-                                  the_number_of_threads_means_nothing,
-                                  the_instruction_set_means_nothing,
-                                  a_second_step_says_the_same_as_the_first};
+                                  points_do_not_depend_on_the_number_of_threads,
+                                  points_do_not_depend_on_the_instruction_set,
+                                  a_second_step_gives_the_points_of_the_first};
     Suite* suite = suite_create("manifold rules");
     TCase* testCase = tcase_create("manifold rules");
     tcase_set_timeout(testCase, 300); // a bound against hanging, not a claim about speed

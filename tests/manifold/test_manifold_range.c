@@ -46,7 +46,7 @@ static void MakeCase(int number, qcSoup soups[2])
             qcTurnSoup(&soups[1]);
             break;
     }
-    // In 32 bits, which stay whole down to the smallest numbers that the tests go to.
+    // Rounded to 32 bits: exact down to the smallest numbers of the tests.
     qcSoup_RoundToFloat(&soups[0]);
     qcSoup_RoundToFloat(&soups[1]);
 }
@@ -107,7 +107,7 @@ START_TEST(a_scene_scaled_by_a_power_of_two_gives_the_same_points_scaled)
 }
 END_TEST
 
-/// The soup as small as this, and a triangle at the given height far from it, over the corner (1, 1).
+/// The soup scaled to this size, and a triangle at the given height far from it, over the corner (1, 1).
 static qcSoup MakeSmallBesideLarge(const qcSoup* soup, double scale, double size, double height)
 {
     qcSoup both = qcMakeEmptySoup(soup->vertexCount + 3, soup->triangleCount + 1);
@@ -122,9 +122,9 @@ static qcSoup MakeSmallBesideLarge(const qcSoup* soup, double scale, double size
     return both;
 }
 
-START_TEST(triangles_far_smaller_than_the_largest_coordinate_have_right_points)
+START_TEST(triangles_far_smaller_than_the_largest_coordinate_have_correct_points)
 {
-    // The worst sizes: just not scaled, and the smallest and largest of all.
+    // The hardest sizes: the last ones that are not scaled, the smallest and the largest of all.
     static const double sizes[] = {0x1p-64, 0x1p64, 0x1p-800, 0x1p1000};
     double size = sizes[_i], scale = size * 1e-50;
     qcSoup soups[2], both[2];
@@ -161,7 +161,7 @@ int main(void)
     TCase* testCase = tcase_create("manifold range");
     tcase_set_timeout(testCase, 300); // a bound against hanging, not a claim about speed
     tcase_add_loop_test(testCase, a_scene_scaled_by_a_power_of_two_gives_the_same_points_scaled, 0, qc_caseCount);
-    tcase_add_loop_test(testCase, triangles_far_smaller_than_the_largest_coordinate_have_right_points, 0, 4);
+    tcase_add_loop_test(testCase, triangles_far_smaller_than_the_largest_coordinate_have_correct_points, 0, 4);
     suite_add_tcase(suite, testCase);
     return qcRunSuite(suite);
 }

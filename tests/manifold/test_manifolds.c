@@ -50,7 +50,7 @@ static void CheckFourCorners(const Resting* r, bool boxFirst, bool turned, doubl
     qcSoup_Free(&floor);
 }
 
-// Coarse on fine, fine on coarse; apart, on, in, and so deep that the bottom is beyond the margin.
+// Coarse on fine, fine on coarse; above, on, in, and so deep that the bottom is beyond the margin.
 static const Resting s_resting[] = {{1, 1, 0.01, 0.02}, {1, 7, 0.01, 0.02},  {1, 40, 0.01, 0.02},  {3, 40, 0.01, 0.02},
                                     {8, 1, 0.01, 0.02}, {5, 5, 0.01, 0.3},   {1, 7, 0.0, 0.0},     {4, 40, 0.0, 0.0},
                                     {6, 9, 0.0, 0.02},  {1, 7, -0.01, 0.02}, {1, 40, -0.01, 0.02}, {4, 40, -0.01, 0.02},
@@ -67,7 +67,7 @@ START_TEST(a_box_on_any_floor_stands_on_its_four_corners)
 }
 END_TEST
 
-START_TEST(a_floor_under_a_box_says_the_same_the_other_way_round)
+START_TEST(a_floor_under_a_box_has_the_opposite_normals)
 {
     CheckFourCorners(&s_resting[_i], false, false, 0.0);
 }
@@ -88,7 +88,7 @@ START_TEST(a_box_far_from_the_origin_stands_on_its_four_corners)
 }
 END_TEST
 
-START_TEST(a_deforming_box_meets_the_floor_at_every_vertex)
+START_TEST(a_deforming_box_touches_the_floor_at_every_vertex)
 {
     qcSoup box = qcMakeBox(4), floor = qcMakeFloor(10, -0.53, -0.47, 2.0);
     qcSoup_Translate(&box, 0.0, 0.0, 0.01);
@@ -158,7 +158,7 @@ END_TEST
 
 START_TEST(a_plate_on_the_edge_of_another_one_has_a_point)
 {
-    // Both in the plane y = 0: seen along the normal there is no face to stand over, and no edge crosses another.
+    // Both in the plane y = 0: seen along the normal both are edge-on, and no edge crosses another.
     qcSoup upper = qcMakeEmptySoup(4, 2), lower = qcMakeEmptySoup(4, 2);
     const uint32_t indices[6] = {0, 1, 2, 0, 2, 3};
     const double positions[12] = {0, 0, 0.01, 1, 0, 0.01, 1, 0, 1, 0, 0, 1};
@@ -207,7 +207,7 @@ static void CheckNormals(const qcResult* result, const double direction[3], doub
 START_TEST(balls_touch_along_the_line_of_their_centres)
 {
     static const double gaps[] = {0.01, 0.002, -0.005, -0.02, -0.05};
-    // The last is wider than the triangles: hundreds of pairs are apart for each that meets.
+    // The last is wider than the triangles: there are hundreds of separated pairs for each that intersects.
     static const double margins[] = {0.03, 0.0, 0.12};
     const double gap = gaps[_i % 5], margin = margins[_i / 5];
     if (gap > margin)
@@ -222,11 +222,11 @@ START_TEST(balls_touch_along_the_line_of_their_centres)
     qcManifoldScene m = qcFindManifolds(&ball, &other, qc_bodyRigid, margin, 1);
     double down[3] = {-axis[0], -axis[1], -axis[2]};
     ck_assert_uint_eq(m.result->manifoldCount, 1);
-    // A point that the margin lets in leans by half the angle of the lens of twice its gap.
+    // The normal of a point within the margin is off by half the angle of the lens of twice its distance.
     CheckNormals(m.result, down, 0.9);
     double deepest = m.result->manifoldPoints[0].distance;
     ck_assert_double_ge(deepest, gap - 1e-9);
-    // Pairs are known that cross or are no farther apart than the margin, below and above.
+    // The result has pairs that intersect or are within the margin, below and above.
     if (margin > -gap)
         ck_assert_double_le(deepest, gap + 2.0 * sagitta);
     else
@@ -239,8 +239,7 @@ END_TEST
 
 START_TEST(linked_rings_push_each_other_back_into_the_link)
 {
-    // Each ring's tube lies in the other's hole: by their centres A would be to the left of B, at the contact it is to
-    // the right.
+    // Each ring's tube lies in the other's hole: by their centres A is to the left of B, at the contact to the right.
     static const double gaps[] = {0.02, 0.002, -0.005, -0.01, -0.02};
     qcSoup ring = qcMakeTorus(64, 24, 0.25), other = qcMakeTorus(60, 26, 0.25);
     for (uint32_t v = 0; v < other.vertexCount; v++)
@@ -263,7 +262,7 @@ END_TEST
 
 START_TEST(a_ring_sunk_into_the_floor_of_a_deep_bin_is_pushed_back_in)
 {
-    // The centre of the bin is above the ring: by the centres the ring would have come from below.
+    // The centre of the bin is above the ring: the centres alone would push the ring down.
     static const double depths[] = {0.02, 0.05, 0.1, 0.15, 0.2};
     const double depth = depths[_i];
     qcRandom random = {7};
@@ -320,7 +319,7 @@ END_TEST
 
 START_TEST(a_fan_of_any_size_is_one_contact)
 {
-    // A flat cone whose tip reaches through a floor of two triangles: each of these meets hundreds that share the tip.
+    // A flat cone whose tip reaches through a floor of two triangles: each intersects hundreds that share the tip.
     static const uint32_t sizes[] = {7, 17, 40, 400};
     const uint32_t size = sizes[_i];
     const double turn = 2.0 * 3.14159265358979323846, deep = 0.01;
@@ -352,7 +351,7 @@ END_TEST
 
 START_TEST(a_sheet_in_a_slit_is_held_from_both_sides)
 {
-    // One body of two parallel walls with a floor between them: what they say of the sheet is opposite, and true.
+    // One body of two parallel walls with a floor between them: their normals at the sheet are opposite, and right.
     qcSoup slit = qcMakeEmptySoup(8, 6), sheet = qcMakeFloor(2, 0.1, 0.1, 0.8);
     const double positions[24] = {0, 0, -0.01, 1, 0, -0.01, 1, 1, -0.01, 0, 1, -0.01,
                                   0, 0, 0.01,  1, 0, 0.01,  1, 1, 0.01,  0, 1, 0.01};
@@ -395,7 +394,7 @@ static qcSoup MakeTwoBoxes(double gapAbove, double gapBelow)
 
 START_TEST(a_sheet_between_two_boxes_of_one_body_has_the_corners_of_each)
 {
-    // Each triangle of the sheet is in both regions, with opposite normals. Near enough for a plane to part each.
+    // Each triangle of the sheet is in both regions, with opposite normals. A plane separates each region.
     qcSoup two = MakeTwoBoxes(0.004, 0.006), sheet = qcMakeFloor(_i == 0 ? 1 : 7, -2.03, -1.97, 5.0);
     qcManifoldScene m = qcFindManifolds(&two, &sheet, qc_bodyRigid, 0.02, 1);
     ck_assert_uint_eq(m.result->manifoldCount, 2);
@@ -419,7 +418,7 @@ END_TEST
 START_TEST(a_sheet_that_touches_the_bottom_of_a_groove_is_held_from_both_sides)
 {
     // Two walls of tiles that meet at x = 0 at an angle of 20 degrees, and a sheet between them down to the bottom.
-    // What touches there could be parted either way; what is apart further up is no choice.
+    // Touching pairs there could be separated either way; the separated pairs further up decide.
     const uint32_t side = 10;
     const double slope = 0.176;
     qcSoup sheet = qcMakeFloor(side, 0.0, 0.0, 1.0), groove = qcMakeFloor(2 * side, -1.0, 0.0, 2.0);
@@ -482,10 +481,9 @@ static void CheckLayers(const qcSoup* cloth, uint32_t side, const qcResult* resu
     ck_assert_uint_gt(pointsBetween[3], 500); // the upper two
 }
 
-START_TEST(layers_of_a_folded_cloth_part_the_same_way_everywhere)
+START_TEST(layers_of_a_folded_cloth_have_one_orientation)
 {
-    // However the triangles are numbered and wound: A and B of a pair are by number, and mean nothing. Apart, or
-    // shallow through each other in many places.
+    // For any numbering and winding of the triangles. The layers are separated, or cross each other in many places.
     const uint32_t side = 60;
     qcSoup cloth = qcSoup_MakeFoldedCloth(3, side, 0.004, _i % 2 == 0 ? 0.0004 : 0.003);
     if (_i >= 2)
@@ -512,10 +510,10 @@ int main(void)
     TCase* testCase = tcase_create("manifolds");
     tcase_set_timeout(testCase, 300); // a bound against hanging, not a claim about speed
     LOOP(a_box_on_any_floor_stands_on_its_four_corners, qc_restingCount);
-    LOOP(a_floor_under_a_box_says_the_same_the_other_way_round, qc_restingCount);
+    LOOP(a_floor_under_a_box_has_the_opposite_normals, qc_restingCount);
     LOOP(a_box_on_a_tilted_floor_stands_on_its_four_corners, qc_restingCount);
     LOOP(a_box_far_from_the_origin_stands_on_its_four_corners, qc_restingCount);
-    tcase_add_test(testCase, a_deforming_box_meets_the_floor_at_every_vertex);
+    tcase_add_test(testCase, a_deforming_box_touches_the_floor_at_every_vertex);
     tcase_add_test(testCase, a_box_in_a_corner_touches_the_floor_and_the_wall);
     tcase_add_test(testCase, tiles_beside_a_box_are_no_contact);
     tcase_add_test(testCase, a_plate_on_the_edge_of_another_one_has_a_point);
@@ -528,7 +526,7 @@ int main(void)
     tcase_add_test(testCase, a_sheet_in_a_slit_is_held_from_both_sides);
     LOOP(a_sheet_between_two_boxes_of_one_body_has_the_corners_of_each, 2);
     tcase_add_test(testCase, a_sheet_that_touches_the_bottom_of_a_groove_is_held_from_both_sides);
-    LOOP(layers_of_a_folded_cloth_part_the_same_way_everywhere, 4);
+    LOOP(layers_of_a_folded_cloth_have_one_orientation, 4);
     suite_add_tcase(suite, testCase);
     return qcRunSuite(suite);
 }

@@ -1,0 +1,37 @@
+// What each stage of manifolds is worth: scenes are run with all stages, then with each one switched off.
+#ifndef QC_DEMOS_BENCH_ABLATION_ABLATION_H
+#define QC_DEMOS_BENCH_ABLATION_ABLATION_H
+
+#include <functional>
+
+/// Means over the runs of a scene; below 0: not measured in it.
+struct qcAblationResult
+{
+    double ms = 0;          ///< of the manifold stages, a detection
+    double points = 0;      ///< a detection
+    double depth = -1;      ///< still scenes: the deepest point over the true depth; 1 is right
+    double penetration = 0; ///< moving scenes: the deepest overlap at the end, by all stages; mm
+    double speed = -1;      ///< moving scenes: root mean square of the bodies' speeds in the last second; mm/s
+};
+
+struct qcAblationScene
+{
+    const char* name;
+    unsigned runs; ///< seeds 1, 2, ...
+    /// One run with a stage switched off ("": none). Exits with a message if a detection fails.
+    std::function<qcAblationResult(unsigned seed, const char* stage)> run;
+};
+
+/// Switches a stage off for the detections that follow; "" switches all on.
+void qcSwitchOff(const char* stage);
+
+/// Scenes whose depth is known: a box sunk into tiles, cells of a cube that are displaced.
+qcAblationResult qcRunSunkBox(unsigned seed, const char* stage);
+qcAblationResult qcRunDisplacedCells(unsigned seed, const char* stage);
+
+/// Simulations: piles of boxes and of tori in a bin, a cube that falls apart.
+qcAblationResult qcRunBoxPile(unsigned seed, const char* stage, unsigned steps);
+qcAblationResult qcRunTorusPile(unsigned seed, const char* stage, unsigned steps);
+qcAblationResult qcRunFracture(unsigned seed, const char* stage, unsigned steps);
+
+#endif

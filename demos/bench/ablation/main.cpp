@@ -1,0 +1,86 @@
+// qc-ablation: a table of the scenes with all stages of manifolds, and with each one switched off. Its core is compiled
+// with these switches, which the library has not.
+#include "bench/ablation/ablation.h"
+
+#include <algorithm>
+#include <cstdio>
+#include <cstdlib>
+
+namespace
+{
+const char* const s_stages[] = {
+    "",
+    "separatingPlane",
+    "neighbourCost",
+    "localMinimum",
+    "propagation",
+    "orientation",
+    "minimumTranslation",
+    "fallbackPoints",
+    "merge",
+    "coplanarReduction",
+};
+
+constexpr size_t s_stageCount = sizeof s_stages / sizeof s_stages[0];
+
+/// Adds a run to the means and maxima.
+void Add(const qcAblationResult& run, unsigned runs, qcAblationResult* sum)
+{
+    sum->ms += run.ms / runs;
+    sum->points += run.points / runs;
+    sum->depth = std::max(sum->depth, run.depth);
+    sum->penetration = std::max(sum->penetration, run.penetration);
+    sum->speed = run.speed < 0 ? -1 : std::max(sum->speed, 0.0) + run.speed / runs;
+}
+
+void PrintRow(const char* scene, const char* stage, const qcAblationResult& result)
+{
+    std::printf("%-16s %-20s %8.3f %8.1f", scene, *stage == 0 ? "(all stages)" : stage, result.ms, result.points);
+    if (result.depth >= 0)
+        std::printf(" %12.3f %12s %12s\n", result.depth, "", "");
+    else
+        std::printf(" %12s %12.2f %12.3f\n", "", result.penetration, result.speed);
+    std::fflush(stdout);
+}
+/// Seed by seed, so that all stages find the machine alike.
+void PrintScene(const qcAblationScene& scene)
+{
+    qcAblationResult results[s_stageCount];
+    for (unsigned seed = 1; seed <= scene.runs; seed++)
+        for (size_t i = 0; i < s_stageCount; i++)
+            Add(scene.run(seed, s_stages[i]), scene.runs, &results[i]);
+    for (size_t i = 0; i < s_stageCount; i++)
+        PrintRow(scene.name, s_stages[i], results[i]);
+}
+} // namespace
+
+void qcSwitchOff(const char* stage)
+{
+    setenv("QC_MANIFOLD_OFF", stage, 1);
+}
+
+int main(int argumentCount, char** arguments)
+{
+    int steps = argumentCount == 2 ? std::atoi(arguments[1]) : argumentCount == 1 ? 360 : 0;
+    if (steps <= 60)
+    {
+        std::fprintf(stderr,
+                     "usage: qc-ablation [STEPS]\n"
+                     "Runs each scene with all stages of manifolds, then with each stage switched off. STEPS of "
+                     "1/60 s, more than 60: how long the simulations are; by default 360.\n");
+        return 2;
+    }
+    std::printf("%-16s %-20s %8s %8s %12s %12s %12s\n", "scene", "switched off", "ms", "points", "depth/true",
+                "overlap mm", "speed mm/s");
+    using namespace std::placeholders;
+    const qcAblationScene scenes[] = {
+        {"box in tiles", 4, qcRunSunkBox},
+        {"displaced cells", 8, qcRunDisplacedCells},
+        {"pile of boxes", 3, std::bind(qcRunBoxPile, _1, _2, unsigned(steps))},
+        {"pile of tori", 3, std::bind(qcRunTorusPile, _1, _2, unsigned(steps))},
+        {"fracture", 3, std::bind(qcRunFracture, _1, _2, unsigned(steps))},
+    };
+    for (const qcAblationScene& scene : scenes)
+        PrintScene(scene);
+    return 0;
+}
