@@ -12,13 +12,15 @@ function(qc_add_fracture name glue precision)
     message(STATUS "No voro++ or no GLU: quickcullide::${name} is left out")
     return()
   endif()
-  add_library(qc_${name} fracture.cpp fracture_cells.cpp fracture_clip.cpp fracture_edges.cpp fracture_face.cpp
-    fracture_mesh.cpp fracture_sites.cpp fracture_units.cpp)
+  add_library(qc_${name} fracture/fracture.cpp fracture/voronoi_cells.cpp fracture/plane_clip.cpp
+    fracture/open_edges.cpp fracture/triangulate_face.cpp fracture/clip_mesh.cpp fracture/cell_sites.cpp
+    fracture/unit_scale.cpp)
+  target_include_directories(qc_${name} PRIVATE ${CMAKE_CURRENT_SOURCE_DIR})
   add_library(quickcullide::${name} ALIAS qc_${name})
   set_target_properties(qc_${name} PROPERTIES
     OUTPUT_NAME quickcullide_${name} EXPORT_NAME ${name} INSTALL_RPATH "$ORIGIN"
     VERSION ${PROJECT_VERSION} SOVERSION ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR})
-  target_compile_options(qc_${name} PRIVATE -ffp-contract=off) # for sums that are exact (fracture_sites.cpp)
+  target_compile_options(qc_${name} PRIVATE -ffp-contract=off) # for sums that are exact (cell_sites.cpp)
   target_include_directories(qc_${name} SYSTEM PRIVATE ${VORO_INCLUDE_DIR})
   target_link_libraries(qc_${name} PUBLIC quickcullide::${glue} PRIVATE ${VORO_LIBRARY} PkgConfig::GLU Threads::Threads)
   qc_hide_others(qc_${name})

@@ -108,7 +108,7 @@ lay_out()
     done
     echo '{"file_format_version": "1.0.0", "ICD": {"library_path": "libEGL_nvidia.so.0"}}' \
         >"$stage/gl/egl_vendor.d/10_nvidia.json"
-    cp "$root/demos/gpu_run.sh" "$stage/run.sh"
+    cp "$root/demos/bench/gpu/run.sh" "$stage/run.sh"
     chmod +x "$stage/run.sh"
 }
 

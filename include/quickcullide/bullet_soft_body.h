@@ -50,8 +50,8 @@ struct qcSoftBodyStatistics
     int contacts = 0;    ///< contacts within the thickness after Bullet's own constraints
     int penetrating = 0; ///< pairs of triangles that penetrated then
     int rounds = 0;      ///< times that contacts were solved
-    /// Pairs of triangles that contacts did not keep apart, and that were pushed apart along the direction in which they
-    /// were apart at the start of the step.
+    /// Pairs of triangles that contacts did not keep apart, and that were pushed apart along the direction in which
+    /// they were apart at the start of the step.
     int planes = 0;
     /// Nodes for which that was not enough: with what they touch they moved through the step as one rigid body. Many in
     /// each step: cloth is squeezed between meshes, or thinner than the step needs.
@@ -109,10 +109,10 @@ struct qcSoftBodyStatistics
 /// soft bodies as points.
 ///
 /// Profile zones (BT_PROFILE): "qcSoftBodyContact gather" of bodies and positions, then "qcSoftBodyContact resolve" and
-/// in it "qcSoftBodyContact sweep" of nodes, "qcSoftBodyContact untangle" where something is tangled, "qcSoftBodyContact
-/// round" for each round, "qcSoftBodyContact push apart" and "qcSoftBodyContact move zones" where rounds did not
-/// suffice, and in these "qcSoftBodyContact detect", "qcSoftBodyContact manifolds" and "qcSoftBodyContact respond"; last
-/// "qcSoftBodyContact callbacks".
+/// in it "qcSoftBodyContact sweep" of nodes, "qcSoftBodyContact untangle" where something is tangled,
+/// "qcSoftBodyContact round" for each round, "qcSoftBodyContact push apart" and "qcSoftBodyContact move zones" where
+/// rounds did not suffice, and in these "qcSoftBodyContact detect", "qcSoftBodyContact manifolds" and
+/// "qcSoftBodyContact respond"; last "qcSoftBodyContact callbacks".
 ///
 /// Cost: one run of qcScene_Detect a step without contacts, two with, and a few more in steps in which they don't
 /// suffice. Thread-safety: as the world's.

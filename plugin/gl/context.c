@@ -1,7 +1,7 @@
 // What draws in the current context: renderer, version and UUID.
 #include "gl/context.h"
 
-#include "status.h"
+#include "base/status.h"
 
 #include <stdio.h>
 #include <string.h>

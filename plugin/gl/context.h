@@ -1,8 +1,8 @@
 // A GL context on the calling thread: what a platform opens for device.c.
-#ifndef QC_PLUGIN_GL_CONTEXT_H
-#define QC_PLUGIN_GL_CONTEXT_H
+#ifndef QC_GL_CONTEXT_H
+#define QC_GL_CONTEXT_H
 
-#include "gl/table.h"
+#include "gl/gl_functions.h"
 
 /// Which GPU, as in qcDeviceDef.
 typedef struct qcGpuChoice

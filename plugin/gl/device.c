@@ -4,10 +4,10 @@
 #define _POSIX_C_SOURCE 200809L
 #include "gl/device.h"
 
-#include "float_mode.h"
+#include "base/float_mode.h"
 #include "gl/context.h"
-#include "memory.h"
-#include "status.h"
+#include "base/memory.h"
+#include "base/status.h"
 
 #include <assert.h>
 #include <math.h>
@@ -49,7 +49,7 @@ struct qcDevice
     qcDeviceKind kind;
     qcGpuChoice choice;
     qcContext context;
-    struct qcGlTable gl;
+    struct qcGlFunctions gl;
     struct qcGlPrograms programs;
     qcGpuIdentity gpu;
     uint32_t maxResolution;
@@ -101,7 +101,7 @@ static qcStatus FailInOtherProcess(const qcDevice* device, const char* purpose)
 
 static void ReadLimits(qcDevice* device)
 {
-    const struct qcGlTable* gl = &device->gl;
+    const struct qcGlFunctions* gl = &device->gl;
     GLint renderbufferSize = 0, viewport[2] = {0, 0};
     gl->GetIntegerv(GL_MAX_RENDERBUFFER_SIZE, &renderbufferSize);
     gl->GetIntegerv(GL_MAX_VIEWPORT_DIMS, viewport);
@@ -114,9 +114,9 @@ static void ReadLimits(qcDevice* device)
 static qcStatus OpenContext(qcDevice* device)
 {
     QC_TRY(s_kinds[device->kind].open(&device->choice, &device->context));
-    device->gl = (struct qcGlTable){.programs = &device->programs};
+    device->gl = (struct qcGlFunctions){.programs = &device->programs};
     device->programs = (struct qcGlPrograms){0};
-    qcStatus status = qcGlTable_Load(&device->gl, device->context.getFunction);
+    qcStatus status = qcGlFunctions_Load(&device->gl, device->context.getFunction);
     if (status == qc_statusOk)
         status = qcContext_Identify(&device->context, &device->gpu);
     if (status == qc_statusOk)
@@ -134,11 +134,11 @@ static qcStatus FailLost(const char* purpose)
 /// Runs the job that is posted; `lost`: whether the context is, before and after it.
 static qcStatus RunJob(qcDevice* device, bool* lost)
 {
-    const struct qcGlTable* gl = &device->gl;
+    const struct qcGlFunctions* gl = &device->gl;
     if (*lost)
         return FailLost(device->purpose);
     qcStatus status = device->job(gl, device->jobContext);
-    qcGlTable_ResetState(gl);
+    qcGlFunctions_ResetState(gl);
 
     GLenum first = gl->GetError();
     GLenum next = first;

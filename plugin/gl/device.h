@@ -1,16 +1,16 @@
 // A device inside the library: one GL context on one thread, and jobs that run there.
-#ifndef QC_PLUGIN_GL_DEVICE_H
-#define QC_PLUGIN_GL_DEVICE_H
+#ifndef QC_GL_DEVICE_H
+#define QC_GL_DEVICE_H
 
-#include "costs.h"
+#include "plan/costs.h"
 #include "quickcullide/device.h"
 
-struct qcGlTable;
+struct qcGlFunctions;
 
 /// A job; it runs on the device's thread, with the device's context current and its function table.
 /// It finds GL's initial bindings and switches, and may leave them as it likes.
 /// Its return value, and the message it left, reach the caller of qcDevice_Run.
-typedef qcStatus qcDeviceJob(const struct qcGlTable* gl, void* context);
+typedef qcStatus qcDeviceJob(const struct qcGlFunctions* gl, void* context);
 
 /// Runs a job and waits for it. Any thread. qc_statusDevice on a device without GL, and in a child process that was
 /// forked after the device was opened; qc_statusDeviceLost on a lost one. When the job left a GL error behind,

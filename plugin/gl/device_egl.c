@@ -3,7 +3,7 @@
 #define _POSIX_C_SOURCE 200809L
 #include "gl/context.h"
 
-#include "status.h"
+#include "base/status.h"
 
 #include <epoxy/egl.h>
 

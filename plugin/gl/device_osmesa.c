@@ -3,7 +3,7 @@
 #define _POSIX_C_SOURCE 200809L
 #include "gl/context.h"
 
-#include "status.h"
+#include "base/status.h"
 
 #include <dlfcn.h>
 #include <pthread.h>

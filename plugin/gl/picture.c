@@ -1,10 +1,10 @@
 // Pictures: meshes shaded by a light above the eye and by the sky, antialiased, edges and marked triangles on wish.
 // Drawn tile by tile, so that the memory for the samples stays small however large the picture is.
-#include "float_mode.h"
+#include "base/float_mode.h"
 #include "gl/device.h"
-#include "gl/table.h"
-#include "memory.h"
-#include "status.h"
+#include "gl/gl_functions.h"
+#include "base/memory.h"
+#include "base/status.h"
 
 #include <limits.h>
 #include <math.h>
@@ -296,7 +296,7 @@ static qcStatus PrepareMesh(const qcPictureMesh* mesh, Upload* upload)
     return qc_statusOk;
 }
 
-static void UploadMesh(const struct qcGlTable* gl, Upload* upload)
+static void UploadMesh(const struct qcGlFunctions* gl, Upload* upload)
 {
     gl->GenVertexArrays(1, &upload->vertexArray);
     gl->BindVertexArray(upload->vertexArray);
@@ -315,7 +315,7 @@ static void UploadMesh(const struct qcGlTable* gl, Upload* upload)
     }
 }
 
-static qcStatus CreateFramebuffers(const struct qcGlTable* gl, PictureJob* job, GLsizei width, GLsizei height)
+static qcStatus CreateFramebuffers(const struct qcGlFunctions* gl, PictureJob* job, GLsizei width, GLsizei height)
 {
     GLint samples = 0;
     gl->GetIntegerv(GL_MAX_SAMPLES, &samples);
@@ -343,7 +343,8 @@ static qcStatus CreateFramebuffers(const struct qcGlTable* gl, PictureJob* job, 
 }
 
 /// The colours of both sides, and how much of the shading they do without.
-static void SetColors(const struct qcGlTable* gl, GLuint program, const float front[3], const float back[3], float glow)
+static void SetColors(const struct qcGlFunctions* gl, GLuint program, const float front[3], const float back[3],
+                      float glow)
 {
     gl->Uniform3fv(gl->GetUniformLocation(program, "front"), 1, front);
     gl->Uniform3fv(gl->GetUniformLocation(program, "back"), 1, back);
@@ -351,7 +352,7 @@ static void SetColors(const struct qcGlTable* gl, GLuint program, const float fr
 }
 
 /// Draws the faces of a mesh, or its edges, darker.
-static void DrawMesh(const struct qcGlTable* gl, GLuint program, const qcPictureMesh* mesh, const Upload* upload,
+static void DrawMesh(const struct qcGlFunctions* gl, GLuint program, const qcPictureMesh* mesh, const Upload* upload,
                      bool edges)
 {
     gl->BindVertexArray(upload->vertexArray);
@@ -373,7 +374,8 @@ static void DrawMesh(const struct qcGlTable* gl, GLuint program, const qcPicture
                      (const void*)(first * sizeof(uint32_t)));
 }
 
-static void DrawTile(const struct qcGlTable* gl, const PictureJob* job, GLint x, GLint y, GLsizei width, GLsizei height)
+static void DrawTile(const struct qcGlFunctions* gl, const PictureJob* job, GLint x, GLint y, GLsizei width,
+                     GLsizei height)
 {
     const qcPictureDef* def = job->def;
     gl->BindFramebuffer(GL_FRAMEBUFFER, job->framebuffers[0]);
@@ -393,10 +395,10 @@ static void DrawTile(const struct qcGlTable* gl, const PictureJob* job, GLint x,
     gl->ReadPixels(0, 0, width, height, GL_RGB, GL_UNSIGNED_BYTE, job->rgb + ((size_t)y * def->width + (size_t)x) * 3);
 }
 
-static qcStatus DrawTiles(const struct qcGlTable* gl, PictureJob* job)
+static qcStatus DrawTiles(const struct qcGlFunctions* gl, PictureJob* job)
 {
     const qcPictureDef* def = job->def;
-    QC_TRY(qcGlTable_GetProgram(gl, "picture", s_vertexShader, s_fragmentShader, &job->program));
+    QC_TRY(qcGlFunctions_GetProgram(gl, "picture", s_vertexShader, s_fragmentShader, &job->program));
     GLint width = (GLint)def->width, height = (GLint)def->height;
     GLint tileWidth = width < qc_pictureTileSize ? width : qc_pictureTileSize;
     GLint tileHeight = height < qc_pictureTileSize ? height : qc_pictureTileSize;
@@ -425,7 +427,7 @@ static qcStatus DrawTiles(const struct qcGlTable* gl, PictureJob* job)
     return qc_statusOk;
 }
 
-static qcStatus RunPictureJob(const struct qcGlTable* gl, void* context)
+static qcStatus RunPictureJob(const struct qcGlFunctions* gl, void* context)
 {
     PictureJob* job = context;
     qcStatus status = DrawTiles(gl, job);

@@ -1,7 +1,7 @@
 // Timestamps in two sets that take turns, so that reading one never waits for the device.
 #include "gl/timers.h"
 
-#include "clock.h"
+#include "base/clock.h"
 
 #include <assert.h>
 
@@ -15,7 +15,7 @@ static qcGlTimestamps* Current(qcGlTimers* timers)
     return &timers->sets[timers->jobs % 2];
 }
 
-static void Make(const struct qcGlTable* gl, qcGlTimers* timers)
+static void Make(const struct qcGlFunctions* gl, qcGlTimers* timers)
 {
     GLint bits = 0;
     gl->GetQueryiv(GL_TIMESTAMP, GL_QUERY_COUNTER_BITS, &bits);
@@ -25,7 +25,7 @@ static void Make(const struct qcGlTable* gl, qcGlTimers* timers)
         gl->GenQueries(qc_maxTimestamps, timers->sets[i].queries);
 }
 
-static void Stamp(const struct qcGlTable* gl, qcGlTimers* timers, int part)
+static void Stamp(const struct qcGlFunctions* gl, qcGlTimers* timers, int part)
 {
     qcGlTimestamps* set = Current(timers);
     if (!timers->hasClock || set->count == qc_maxTimestamps)
@@ -34,7 +34,7 @@ static void Stamp(const struct qcGlTable* gl, qcGlTimers* timers, int part)
     gl->QueryCounter(set->queries[set->count++], GL_TIMESTAMP);
 }
 
-void qcGlTimers_Begin(const struct qcGlTable* gl, qcGlTimers* timers, bool on, double start, int part)
+void qcGlTimers_Begin(const struct qcGlFunctions* gl, qcGlTimers* timers, bool on, double start, int part)
 {
     timers->on = on;
     if (!on)
@@ -51,7 +51,7 @@ void qcGlTimers_Begin(const struct qcGlTable* gl, qcGlTimers* timers, bool on, d
     Stamp(gl, timers, -1);
 }
 
-void qcGlTimers_Mark(const struct qcGlTable* gl, qcGlTimers* timers, int part)
+void qcGlTimers_Mark(const struct qcGlFunctions* gl, qcGlTimers* timers, int part)
 {
     assert(part < qc_maxTimedParts);
     if (!timers->on)
@@ -68,7 +68,7 @@ void qcGlTimers_MarkPassed(qcGlTimers* timers)
     set->passed = set->count;
 }
 
-static void Read(const struct qcGlTable* gl, qcGlTimers* timers, qcGlTimestamps* set, uint32_t end)
+static void Read(const struct qcGlFunctions* gl, qcGlTimers* timers, qcGlTimestamps* set, uint32_t end)
 {
     for (; set->read < end; set->read++)
     {
@@ -80,7 +80,7 @@ static void Read(const struct qcGlTable* gl, qcGlTimers* timers, qcGlTimestamps*
     }
 }
 
-void qcGlTimers_End(const struct qcGlTable* gl, qcGlTimers* timers)
+void qcGlTimers_End(const struct qcGlFunctions* gl, qcGlTimers* timers)
 {
     if (!timers->on)
         return;
@@ -95,7 +95,7 @@ void qcGlTimers_End(const struct qcGlTable* gl, qcGlTimers* timers)
     timers->clock = qcClock_Now();
 }
 
-void qcGlTimers_Delete(const struct qcGlTable* gl, qcGlTimers* timers)
+void qcGlTimers_Delete(const struct qcGlFunctions* gl, qcGlTimers* timers)
 {
     for (int i = 0; timers->made && i < 2; i++)
         gl->DeleteQueries(qc_maxTimestamps, timers->sets[i].queries);

@@ -1,9 +1,9 @@
 // Times of the parts of a job that runs again and again: by the device's clock (GL_TIMESTAMP, ARB_timer_query) and by
 // the clock of the thread. Nothing waits for the device: see qcGlTimers_End.
-#ifndef QC_PLUGIN_GL_TIMERS_H
-#define QC_PLUGIN_GL_TIMERS_H
+#ifndef QC_GL_TIMERS_H
+#define QC_GL_TIMERS_H
 
-#include "gl/table.h"
+#include "gl/gl_functions.h"
 
 enum
 {
@@ -37,14 +37,14 @@ typedef struct qcGlTimers
 
 /// Begins a job whose caller started it at `start` (qcClock_Now): the time since then is that of `part`. With `on`
 /// false this and all that follow do nothing.
-void qcGlTimers_Begin(const struct qcGlTable* gl, qcGlTimers* timers, bool on, double start, int part);
+void qcGlTimers_Begin(const struct qcGlFunctions* gl, qcGlTimers* timers, bool on, double start, int part);
 /// Whatever the thread did and the device was given since the last mark belongs to the part.
-void qcGlTimers_Mark(const struct qcGlTable* gl, qcGlTimers* timers, int part);
+void qcGlTimers_Mark(const struct qcGlFunctions* gl, qcGlTimers* timers, int part);
 /// After the thread has waited for the device: it has passed every mark so far.
 void qcGlTimers_MarkPassed(qcGlTimers* timers);
 /// Reads the times that the device has passed for sure; those behind them, of reading results back, are read at the end
 /// of the next job. deviceMs of these parts is therefore that of the job before.
-void qcGlTimers_End(const struct qcGlTable* gl, qcGlTimers* timers);
-void qcGlTimers_Delete(const struct qcGlTable* gl, qcGlTimers* timers);
+void qcGlTimers_End(const struct qcGlFunctions* gl, qcGlTimers* timers);
+void qcGlTimers_Delete(const struct qcGlFunctions* gl, qcGlTimers* timers);
 
 #endif

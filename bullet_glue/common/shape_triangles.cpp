@@ -1,0 +1,126 @@
+// Reading the triangles of Bullet's concave shapes.
+#include "common/shape_triangles.h"
+
+#include "common/scalar_type.h"
+
+#include <BulletCollision/Gimpact/btGImpactShape.h>
+
+namespace
+{
+class Reader : public btTriangleCallback
+{
+  public:
+    Reader(std::vector<btVector3>* points, std::vector<uint32_t>* indices, std::vector<qcTriangleSource>* sources)
+        : m_points(points), m_indices(indices), m_sources(sources)
+    {
+    }
+
+    void processTriangle(btVector3* triangle, int part, int index) override
+    {
+        for (int c = 0; c < 3; c++)
+        {
+            m_indices->push_back(uint32_t(m_points->size()));
+            m_points->push_back(triangle[c]);
+        }
+        m_sources->push_back({part, index});
+    }
+
+  private:
+    std::vector<btVector3>* m_points;
+    std::vector<uint32_t>* m_indices;
+    std::vector<qcTriangleSource>* m_sources;
+};
+} // namespace
+
+bool qcIsGImpactMesh(const btCollisionShape* shape)
+{
+    return shape->getShapeType() == GIMPACT_SHAPE_PROXYTYPE &&
+           static_cast<const btGImpactShapeInterface*>(shape)->getGImpactShapeType() != CONST_GIMPACT_COMPOUND_SHAPE;
+}
+
+bool qcIsMesh(const btCollisionShape* shape)
+{
+    int type = shape->getShapeType();
+    if (type == GIMPACT_SHAPE_PROXYTYPE)
+        return qcIsGImpactMesh(shape);
+    return shape->isConcave() && type != STATIC_PLANE_PROXYTYPE && type != EMPTY_SHAPE_PROXYTYPE;
+}
+
+const qcMeshShape* qcAsMeshShape(const btCollisionShape* shape)
+{
+    // Somebody else may use the type, too.
+    return shape->getShapeType() == FAST_CONCAVE_MESH_PROXYTYPE ? dynamic_cast<const qcMeshShape*>(shape) : nullptr;
+}
+
+uint64_t qcMeshRevision(const btCollisionShape* shape)
+{
+    if (const qcMeshShape* ours = qcAsMeshShape(shape))
+        return ours->getRevision();
+    // FNV-1a over the bytes of the scaling and of the box.
+    uint64_t hash = 14695981039346656037u;
+    btVector3 vectors[3] = {shape->getLocalScaling()};
+    shape->getAabb(btTransform::getIdentity(), vectors[1], vectors[2]);
+    for (const btVector3& vector : vectors)
+        for (int axis = 0; axis < 3; axis++)
+        {
+            btScalar value = vector[axis];
+            for (size_t i = 0; i < sizeof value; i++)
+                hash = (hash ^ reinterpret_cast<const unsigned char*>(&value)[i]) * 1099511628211u;
+        }
+    return hash;
+}
+
+qcMeshTriangles::qcMeshTriangles(const btCollisionShape* shape, const btVector3* box)
+{
+    if (const qcMeshShape* ours = qcAsMeshShape(shape))
+    {
+        points = ours->getVertices();
+        pointCount = ours->getVertexCount();
+        indices = ours->getIndices();
+        count = ours->getTriangleCount();
+        return;
+    }
+    btVector3 lower, upper;
+    shape->getAabb(btTransform::getIdentity(), lower, upper);
+    // Nothing may be lost to rounding at the faces of the box.
+    btVector3 slack = (upper - lower) * btScalar(0.01) + btVector3(1, 1, 1);
+    bool whole = box == nullptr || shape->getShapeType() == GIMPACT_SHAPE_PROXYTYPE;
+    Reader reader(&m_points, &m_indices, &sources);
+    static_cast<const btConcaveShape*>(shape)->processAllTriangles(&reader, whole ? lower - slack : box[0],
+                                                                   whole ? upper + slack : box[1]);
+    points = m_points.data();
+    pointCount = uint32_t(m_points.size());
+    indices = m_indices.data();
+    count = uint32_t(sources.size());
+}
+
+qcStatus qcAddMesh(qcScene* scene, const btCollisionShape* shape, const btTransform& transform, qcActivity activity,
+                   uint32_t owner, const btVector3* box, qcBodyId* id, std::vector<qcTriangleSource>* sources)
+{
+    qcMeshTriangles triangles(shape, box);
+    *sources = std::move(triangles.sources);
+    qcBodyDef def = qcDefaultBodyDef();
+    def.positions = triangles.points;
+    def.vertexCount = triangles.pointCount;
+    def.indices = triangles.indices;
+    def.triangleCount = triangles.count;
+    def.positionType = qcBulletPositions;
+    def.positionStride = sizeof(btVector3);
+    def.transform = qcTransformOf(transform);
+    def.activity = activity;
+    def.owner = owner;
+    def.selfCollision = false;
+    return qcScene_AddBody(scene, &def, id);
+}
+
+qcTransform qcTransformOf(const btTransform& transform)
+{
+    qcTransform result;
+    for (int row = 0; row < 3; row++)
+    {
+        for (int column = 0; column < 3; column++)
+            result.linear[3 * row + column] = double(transform.getBasis()[row][column]);
+        result.translation[row] = double(transform.getOrigin()[row]);
+    }
+    return result;
+}

@@ -1,0 +1,14 @@
+// The clock of the statistics.
+#ifndef QC_GLUE_COMMON_STOPWATCH_H
+#define QC_GLUE_COMMON_STOPWATCH_H
+
+#include <chrono>
+
+/// Milliseconds of a clock that never goes back.
+inline double qcNowMs()
+{
+    using namespace std::chrono;
+    return duration<double, std::milli>(steady_clock::now().time_since_epoch()).count();
+}
+
+#endif

@@ -1,0 +1,150 @@
+// Registering contact of meshes with a world.
+#include "quickcullide/bullet_mesh.h"
+
+#include "mesh_contact/collision_algorithm.h"
+
+#include <BulletCollision/CollisionDispatch/btCollisionCreateFunc.h>
+#include <BulletCollision/CollisionDispatch/btCollisionDispatcher.h>
+#include <BulletCollision/CollisionDispatch/btConvexConcaveCollisionAlgorithm.h>
+#include <BulletCollision/CollisionDispatch/btEmptyCollisionAlgorithm.h>
+#include <BulletCollision/CollisionDispatch/btCollisionObjectWrapper.h>
+#include <BulletCollision/Gimpact/btGImpactCollisionAlgorithm.h>
+
+namespace
+{
+// Shapes of triangles that Bullet has.
+constexpr int s_meshTypes[] = {TRIANGLE_MESH_SHAPE_PROXYTYPE, SCALED_TRIANGLE_MESH_SHAPE_PROXYTYPE,
+                               TERRAIN_SHAPE_PROXYTYPE,       MULTIMATERIAL_TRIANGLE_MESH_PROXYTYPE,
+                               CUSTOM_CONCAVE_SHAPE_TYPE,     FAST_CONCAVE_MESH_PROXYTYPE};
+
+// btPoolAllocator hands out slots of the size of Bullet's largest algorithm without looking.
+static_assert(sizeof(qcMeshMeshAlgorithm) <= sizeof(btConvexConcaveCollisionAlgorithm), "fits into Bullet's pool");
+static_assert(sizeof(qcMeshPlaneAlgorithm) <= sizeof(btConvexConcaveCollisionAlgorithm), "fits into Bullet's pool");
+
+template <class Algorithm>
+btCollisionAlgorithm* Make(btCollisionAlgorithmConstructionInfo& info, qcMeshBatch* batch, bool query)
+{
+    return new (info.m_dispatcher1->allocateCollisionAlgorithm(sizeof(Algorithm))) Algorithm(info, batch, query);
+}
+
+struct MeshMeshCreate : btCollisionAlgorithmCreateFunc
+{
+    MeshMeshCreate(qcMeshBatch* batch, bool query) : batch(batch), query(query)
+    {
+    }
+
+    btCollisionAlgorithm* CreateCollisionAlgorithm(btCollisionAlgorithmConstructionInfo& info,
+                                                   const btCollisionObjectWrapper* body0,
+                                                   const btCollisionObjectWrapper* body1) override
+    {
+        if (qcIsMesh(body0->getCollisionShape()) && qcIsMesh(body1->getCollisionShape()))
+            return Make<qcMeshMeshAlgorithm>(info, batch, query);
+        // A compound of GImpact.
+        btGImpactCollisionAlgorithm::CreateFunc gimpact;
+        return gimpact.CreateCollisionAlgorithm(info, body0, body1);
+    }
+
+    qcMeshBatch* batch;
+    bool query;
+};
+
+struct MeshPlaneCreate : btCollisionAlgorithmCreateFunc
+{
+    MeshPlaneCreate(qcMeshBatch* batch, bool query) : batch(batch), query(query)
+    {
+    }
+
+    btCollisionAlgorithm* CreateCollisionAlgorithm(btCollisionAlgorithmConstructionInfo& info,
+                                                   const btCollisionObjectWrapper* body0,
+                                                   const btCollisionObjectWrapper* body1) override
+    {
+        // Another class with the shape type of qcMeshShape: as without us.
+        if (qcAsMeshShape(body0->getCollisionShape()) == nullptr &&
+            qcAsMeshShape(body1->getCollisionShape()) == nullptr)
+            return new (info.m_dispatcher1->allocateCollisionAlgorithm(sizeof(btEmptyAlgorithm)))
+                btEmptyAlgorithm(info);
+        return Make<qcMeshPlaneAlgorithm>(info, batch, query);
+    }
+
+    qcMeshBatch* batch;
+    bool query;
+};
+} // namespace
+
+struct qcMeshContact::Implementation
+{
+    explicit Implementation(qcDevice* device) : batch(device)
+    {
+    }
+
+    void Register(int type0, int type1, btCollisionAlgorithmCreateFunc* contact, btCollisionAlgorithmCreateFunc* query);
+
+    qcMeshBatch batch;
+    btCollisionDispatcher* dispatcher = nullptr;
+    MeshMeshCreate meshContact{&batch, false}, meshQuery{&batch, true};
+    MeshPlaneCreate planeContact{&batch, false}, planeQuery{&batch, true};
+};
+
+/// In both orders.
+void qcMeshContact::Implementation::Register(int type0, int type1, btCollisionAlgorithmCreateFunc* contact,
+                                             btCollisionAlgorithmCreateFunc* query)
+{
+    dispatcher->registerCollisionCreateFunc(type0, type1, contact);
+    dispatcher->registerCollisionCreateFunc(type1, type0, contact);
+    dispatcher->registerClosestPointsCreateFunc(type0, type1, query);
+    dispatcher->registerClosestPointsCreateFunc(type1, type0, query);
+}
+
+qcMeshContact::qcMeshContact(qcDevice* device) : m_implementation(new Implementation(device))
+{
+}
+
+qcMeshContact::~qcMeshContact() = default;
+
+void qcMeshContact::addTo(btCollisionWorld* world)
+{
+    Implementation& my = *m_implementation;
+    my.batch.world = world;
+    my.dispatcher = static_cast<btCollisionDispatcher*>(world->getDispatcher());
+    for (int type : s_meshTypes)
+        my.Register(FAST_CONCAVE_MESH_PROXYTYPE, type, &my.meshContact, &my.meshQuery);
+    my.Register(FAST_CONCAVE_MESH_PROXYTYPE, GIMPACT_SHAPE_PROXYTYPE, &my.meshContact, &my.meshQuery);
+    my.Register(FAST_CONCAVE_MESH_PROXYTYPE, STATIC_PLANE_PROXYTYPE, &my.planeContact, &my.planeQuery);
+}
+
+void qcMeshContact::takeOverGImpact()
+{
+    Implementation& my = *m_implementation;
+    my.batch.gimpact = true;
+    for (int type : s_meshTypes)
+        my.Register(GIMPACT_SHAPE_PROXYTYPE, type, &my.meshContact, &my.meshQuery);
+    my.Register(GIMPACT_SHAPE_PROXYTYPE, GIMPACT_SHAPE_PROXYTYPE, &my.meshContact, &my.meshQuery);
+}
+
+void qcMeshContact::updateShape(const btCollisionShape* shape)
+{
+    m_implementation->batch.Change(shape);
+}
+
+void qcMeshContact::setThreadCount(unsigned threads)
+{
+    m_implementation->batch.threads = threads;
+}
+
+qcStatus qcMeshContact::setMethod(qcMethod method)
+{
+    if (method == qc_methodCullide || method == qc_methodQuick)
+        return qc_statusBadInput;
+    m_implementation->batch.method = method;
+    return qc_statusOk;
+}
+
+void qcMeshContact::debugDraw(btIDebugDraw* drawer) const
+{
+    m_implementation->batch.Draw(drawer);
+}
+
+const qcMeshContactStatistics& qcMeshContact::getStatistics() const
+{
+    return m_implementation->batch.statistics;
+}

@@ -1,0 +1,40 @@
+// How far bodies come in a step.
+#include "mesh_contact/rigid_motion.h"
+
+#include <BulletDynamics/Dynamics/btRigidBody.h>
+
+#include <algorithm>
+
+qcMeshMotion::qcMeshMotion(const btCollisionObject* object) : centre(object->getWorldTransform().getOrigin())
+{
+    const btRigidBody* body = btRigidBody::upcast(object);
+    if (body != nullptr && !object->isStaticObject())
+    {
+        linear = body->getLinearVelocity();
+        angular = body->getAngularVelocity();
+    }
+}
+
+btScalar qcMotion(const btTransform& from, const btTransform& to, btScalar radius)
+{
+    btScalar turn = 0;
+    for (int row = 0; row < 3; row++)
+    {
+        const btVector3 &x = from.getBasis()[row], &y = to.getBasis()[row];
+        turn +=
+            (x.x() - y.x()) * (x.x() - y.x()) + (x.y() - y.y()) * (x.y() - y.y()) + (x.z() - y.z()) * (x.z() - y.z());
+    }
+    return from.getOrigin().distance(to.getOrigin()) + btSqrt(turn) * radius;
+}
+
+btScalar qcApproach(const btCollisionObject* object, btScalar radius, btScalar timeStep, btScalar limit,
+                    const qcMeshMotion& drift)
+{
+    const btRigidBody* body = btRigidBody::upcast(object);
+    if (!object->isStaticObject() && (body == nullptr || timeStep <= 0))
+        return limit; // not known
+    qcMeshMotion motion(object);
+    motion.linear -= drift.At(motion.centre);
+    motion.angular -= drift.angular;
+    return std::min(limit, motion.Fastest(radius) * timeStep);
+}

@@ -1,0 +1,277 @@
+// Mass properties of triangle meshes: integrals over tetrahedra from a point of the mesh, or over its triangles where
+// it is open. Tonon: Explicit exact formulas for the 3-D tetrahedron inertia tensor, 2004; axes by Jacobi's method,
+// 1846.
+#include "mesh_shape/mass_properties.h"
+
+#include "common/weld_vertices.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <numeric>
+#include <vector>
+
+namespace
+{
+// A closed mesh whose volume is less, by the ball of the same area, has no inside: a sheet with two sides.
+constexpr double s_leastFill = 1e-6;
+constexpr double s_pi = 3.14159265358979323846;
+
+typedef std::array<double, 3> Point;
+
+/// Whether each edge is passed as often one way as the other.
+bool IsClosed(const btVector3* vertices, uint32_t vertexCount, const uint32_t* indices, uint32_t triangleCount)
+{
+    struct Edge
+    {
+        uint32_t high;
+        int way;
+    };
+    std::vector<uint32_t> welded = qcFirstAtPosition(vertices, vertexCount);
+    std::vector<Edge> edges(3 * size_t(triangleCount));
+    std::vector<size_t> ends(size_t(vertexCount) + 1, 0); // of those of each lower vertex
+    auto forEach = [&](auto function)
+    {
+        for (size_t t = 0; t < triangleCount; t++)
+            for (size_t c = 0; c < 3; c++)
+            {
+                uint32_t from = welded[indices[3 * t + c]], to = welded[indices[3 * t + (c + 1) % 3]];
+                if (from != to)
+                    function(std::min(from, to), Edge{std::max(from, to), from < to ? 1 : -1});
+            }
+    };
+    forEach([&](uint32_t low, const Edge&) { ends[low + 1]++; });
+    std::partial_sum(ends.begin(), ends.end(), ends.begin());
+    forEach([&](uint32_t low, const Edge& edge) { edges[ends[low]++] = edge; });
+    for (size_t low = 0, i = 0; low < vertexCount; low++)
+    {
+        std::sort(edges.begin() + std::ptrdiff_t(i), edges.begin() + std::ptrdiff_t(ends[low]),
+                  [](const Edge& x, const Edge& y) { return x.high < y.high; });
+        while (i < ends[low])
+        {
+            int sum = 0;
+            for (uint32_t high = edges[i].high; i < ends[low] && edges[i].high == high; i++)
+                sum += edges[i].way;
+            if (sum != 0)
+                return false;
+        }
+    }
+    return true;
+}
+
+/// Adds a simplex with the corners p and, if n is 4, the origin, of the given content. The integral of x over a simplex
+/// of n corners is its content times the mean of the corners, that of x y its content / (n (n + 1)) times the sum of
+/// x_i y_i over all corners and of x_i y_j over all pairs of them.
+void AddSimplex(const Point p[3], double content, double n, qcMoments* moments)
+{
+    Point sum = {};
+    for (int c = 0; c < 3; c++)
+        for (size_t axis = 0; axis < 3; axis++)
+            sum[axis] += p[c][axis];
+    for (size_t axis = 0; axis < 3; axis++)
+        moments->first[axis] += content * sum[axis] / n;
+    for (size_t k = 0; k < 6; k++)
+    {
+        size_t a = k % 3, b = k < 3 ? a : (a + 1) % 3;
+        double products = sum[a] * sum[b];
+        for (int c = 0; c < 3; c++)
+            products += p[c][a] * p[c][b];
+        moments->second[k] += content * products / (n * (n + 1));
+    }
+    moments->mass += content;
+}
+
+double Determinant(const Point p[3])
+{
+    return p[0][0] * (p[1][1] * p[2][2] - p[1][2] * p[2][1]) + p[0][1] * (p[1][2] * p[2][0] - p[1][0] * p[2][2]) +
+           p[0][2] * (p[1][0] * p[2][1] - p[1][1] * p[2][0]);
+}
+
+double Area(const Point p[3])
+{
+    double u[3], v[3];
+    for (size_t axis = 0; axis < 3; axis++)
+    {
+        u[axis] = p[1][axis] - p[0][axis];
+        v[axis] = p[2][axis] - p[0][axis];
+    }
+    double x = u[1] * v[2] - u[2] * v[1], y = u[2] * v[0] - u[0] * v[2], z = u[0] * v[1] - u[1] * v[0];
+    return std::sqrt(x * x + y * y + z * z) / 2;
+}
+
+/// Rotations that make a symmetric matrix diagonal; their product goes to `axes`, column by column.
+void Diagonalize(double m[3][3], double axes[3][3])
+{
+    for (int i = 0; i < 3; i++)
+        for (int j = 0; j < 3; j++)
+            axes[i][j] = i == j;
+    // Convergence is quadratic: a few sweeps reach the last bit.
+    for (int sweep = 0; sweep < 16; sweep++)
+        for (int k = 0; k < 3; k++)
+        {
+            int p = k, q = (k + 1) % 3;
+            if (std::fabs(m[p][q]) <= 1e-18 * (std::fabs(m[p][p]) + std::fabs(m[q][q])))
+                continue;
+            double theta = (m[q][q] - m[p][p]) / (2 * m[p][q]);
+            double t = (theta < 0 ? -1 : 1) / (std::fabs(theta) + std::hypot(theta, 1));
+            double c = 1 / std::hypot(t, 1), s = t * c;
+            for (int i = 0; i < 3; i++)
+            {
+                double ip = m[i][p], iq = m[i][q];
+                m[i][p] = c * ip - s * iq;
+                m[i][q] = s * ip + c * iq;
+            }
+            for (int i = 0; i < 3; i++)
+            {
+                double pi = m[p][i], qi = m[q][i];
+                m[p][i] = c * pi - s * qi;
+                m[q][i] = s * pi + c * qi;
+                double ap = axes[i][p], aq = axes[i][q];
+                axes[i][p] = c * ap - s * aq;
+                axes[i][q] = s * ap + c * aq;
+            }
+        }
+}
+
+/// The tensor of a body of mass 1 about a point, which is given from the origin of the moments. All in units.
+void InertiaAbout(const qcMoments& m, const double point[3], double tensor[3][3])
+{
+    double second[6];
+    for (size_t k = 0; k < 6; k++)
+    {
+        size_t a = k % 3, b = k < 3 ? a : (a + 1) % 3;
+        second[k] = m.mass != 0 ? m.second[k] / m.mass - (m.first[a] / m.mass) * point[b] -
+                                      (m.first[b] / m.mass) * point[a] + point[a] * point[b]
+                                : 0;
+    }
+    double trace = second[0] + second[1] + second[2];
+    for (int i = 0; i < 3; i++)
+    {
+        tensor[i][i] = trace - second[i];
+        tensor[i][(i + 1) % 3] = tensor[(i + 1) % 3][i] = -second[3 + i];
+    }
+}
+
+btMatrix3x3 ToMatrix(const double m[3][3], double factor)
+{
+    btMatrix3x3 matrix;
+    for (int i = 0; i < 3; i++)
+        matrix[i].setValue(btScalar(m[i][0] * factor), btScalar(m[i][1] * factor), btScalar(m[i][2] * factor));
+    return matrix;
+}
+
+/// Whether a type holds what a number in units becomes, and its inverse, with all digits.
+template <typename Scalar> bool Holds(double inUnits, double number)
+{
+    return inUnits == 0 || (number >= double(std::numeric_limits<Scalar>::min()) &&
+                            number <= double(std::numeric_limits<Scalar>::max()));
+}
+
+/// The diagonal of a tensor of mass 1, in units, for a body of a mass.
+btVector3 MomentsOf(const double tensor[3][3], double mass, double unit)
+{
+    btVector3 diagonal(0, 0, 0);
+    for (int i = 0; i < 3; i++)
+    {
+        double moment = tensor[i][i] * unit * mass * unit;
+        diagonal[i] = Holds<btScalar>(tensor[i][i], moment) ? btScalar(moment) : btScalar(0);
+    }
+    return diagonal;
+}
+
+/// The unit for a mesh: more than half of the distance, along an axis, of a vertex from the first one.
+double UnitOf(const btVector3* vertices, const uint32_t* indices, uint32_t triangleCount)
+{
+    double half = 0; // of the distance: it does not overflow
+    for (size_t i = 0; i < 3 * size_t(triangleCount); i++)
+        for (int axis = 0; axis < 3; axis++)
+            half = std::max(half,
+                            std::fabs(double(vertices[indices[i]][axis]) / 2 - double(vertices[indices[0]][axis]) / 2));
+    int exponent;
+    std::frexp(half, &exponent);
+    // It and its inverse are finite.
+    return half > 0 ? std::ldexp(1, std::min(std::max(exponent, -1000), 1000)) : 1;
+}
+} // namespace
+
+qcMoments qcMeasureMesh(const btVector3* vertices, uint32_t vertexCount, const uint32_t* indices,
+                        uint32_t triangleCount)
+{
+    qcMoments moments = {};
+    moments.unit = 1;
+    if (triangleCount == 0)
+        return moments;
+    const double unit = UnitOf(vertices, indices, triangleCount), perUnit = 1 / unit;
+    const btVector3& origin = vertices[indices[0]];
+    auto forEach = [&](auto function)
+    {
+        for (size_t t = 0; t < triangleCount; t++)
+        {
+            Point p[3];
+            for (size_t c = 0; c < 3; c++)
+                for (size_t axis = 0; axis < 3; axis++)
+                    p[c][axis] =
+                        double(vertices[indices[3 * t + c]][int(axis)]) * perUnit - double(origin[int(axis)]) * perUnit;
+            function(p);
+        }
+    };
+    double area = 0;
+    forEach(
+        [&](const Point p[3])
+        {
+            AddSimplex(p, Determinant(p) / 6, 4, &moments);
+            area += Area(p);
+        });
+    double ball = std::pow(area, 1.5) / (6 * std::sqrt(s_pi));
+    bool closed =
+        IsClosed(vertices, vertexCount, indices, triangleCount) && std::fabs(moments.mass) > s_leastFill * ball;
+    if (!closed)
+    {
+        moments = {};
+        forEach([&](const Point p[3]) { AddSimplex(p, Area(p), 3, &moments); });
+    }
+    moments.closed = closed;
+    moments.area = area;
+    moments.unit = unit;
+    for (int axis = 0; axis < 3; axis++)
+        moments.origin[axis] = double(origin[axis]);
+    return moments;
+}
+
+btVector3 qcInertiaAboutOrigin(const qcMoments& moments, double mass)
+{
+    double point[3], tensor[3][3];
+    for (int axis = 0; axis < 3; axis++)
+        point[axis] = -moments.origin[axis] / moments.unit;
+    InertiaAbout(moments, point, tensor);
+    return MomentsOf(tensor, mass, moments.unit);
+}
+
+qcMassProperties qcMassPropertiesOf(const qcMoments& moments)
+{
+    qcMassProperties properties;
+    double unit = moments.unit, center[3] = {}, tensor[3][3], axes[3][3];
+    for (int axis = 0; axis < 3; axis++)
+    {
+        if (moments.mass != 0)
+            center[axis] = moments.first[axis] / moments.mass;
+        properties.center[axis] = btScalar(moments.origin[axis] + center[axis] * unit);
+    }
+    InertiaAbout(moments, center, tensor);
+    // The sign of a volume depends on whether the triangles face outwards; it cancels in all quotients.
+    double volume = moments.closed ? std::fabs(moments.mass) : 0;
+    double greatest = std::max({tensor[0][0], tensor[1][1], tensor[2][2]});
+    bool holdsArea = Holds<double>(moments.area, moments.area * unit * unit);
+    bool holdsVolume = Holds<double>(volume, volume * unit * unit * unit);
+    bool holdsInertia = Holds<btScalar>(greatest, greatest * unit * unit);
+    properties.status = holdsArea && holdsVolume && holdsInertia ? qc_statusOk : qc_statusBadInput;
+    properties.closed = moments.closed;
+    properties.area = holdsArea ? moments.area * unit * unit : 0;
+    properties.volume = holdsVolume ? volume * unit * unit * unit : 0;
+    properties.inertia = ToMatrix(tensor, holdsInertia ? unit * unit : 0);
+    Diagonalize(tensor, axes);
+    properties.principalFrame = btTransform(ToMatrix(axes, 1), properties.center);
+    properties.principalInertia = holdsInertia ? MomentsOf(tensor, 1, unit) : btVector3(0, 0, 0);
+    return properties;
+}

@@ -1,0 +1,29 @@
+// Mass properties of triangle meshes.
+#ifndef QC_GLUE_MESH_SHAPE_MASS_PROPERTIES_H
+#define QC_GLUE_MESH_SHAPE_MASS_PROPERTIES_H
+
+#include "quickcullide/bullet_mesh.h"
+
+/// The moments of a mass distribution of density 1 about a vertex of the mesh, which is about one unit long: meshes of
+/// any size, anywhere, have moments that neither overflow nor cancel.
+struct qcMoments
+{
+    bool closed;
+    double unit;      ///< of length, in the mesh's frame: a power of two
+    double origin[3]; ///< the vertex, in the mesh's frame
+    double area;
+    double mass;      ///< the volume of a closed mesh, the area of a shell
+    double first[3];  ///< integrals of x, y, z
+    double second[6]; ///< of xx, yy, zz, xy, yz, zx
+};
+
+qcMoments qcMeasureMesh(const btVector3* vertices, uint32_t vertexCount, const uint32_t* indices,
+                        uint32_t triangleCount);
+
+/// The diagonal of the tensor of a body about the origin of the mesh's frame. A moment is 0 where btScalar can't hold
+/// it or its inverse.
+btVector3 qcInertiaAboutOrigin(const qcMoments& moments, double mass);
+
+qcMassProperties qcMassPropertiesOf(const qcMoments& moments);
+
+#endif

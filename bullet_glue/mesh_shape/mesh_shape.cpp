@@ -1,0 +1,306 @@
+// A triangle soup as a Bullet shape.
+#include "quickcullide/bullet_mesh.h"
+
+#include "mesh_shape/mass_properties.h"
+#include "mesh_shape/serialize.h"
+#include "mesh_shape/triangle_tree.h"
+#include "common/scalar_type.h"
+
+#include <BulletCollision/CollisionShapes/btStridingMeshInterface.h>
+#include <BulletCollision/NarrowPhaseCollision/btRaycastCallback.h>
+#include <LinearMath/btAabbUtil2.h>
+#include <LinearMath/btSerializer.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <cstring>
+#include <mutex>
+#include <vector>
+
+namespace
+{
+std::atomic<uint64_t> s_lastRevision{0};
+
+/// In double: squares of lengths leave the range of float.
+btScalar MeanEdge(const std::vector<btVector3>& points, const std::vector<uint32_t>& indices)
+{
+    double sum = 0;
+    for (size_t i = 0; i < indices.size(); i++)
+    {
+        btVector3 edge = points[indices[i % 3 == 2 ? i - 2 : i + 1]] - points[indices[i]];
+        double x = double(edge.x()), y = double(edge.y()), z = double(edge.z());
+        sum += std::sqrt(x * x + y * y + z * z);
+    }
+    return indices.empty() ? btScalar(0) : btScalar(sum / double(indices.size()));
+}
+
+class TriangleReader : public btInternalTriangleIndexCallback
+{
+  public:
+    TriangleReader(std::vector<btVector3>* vertices, std::vector<uint32_t>* indices)
+        : m_vertices(vertices), m_indices(indices)
+    {
+    }
+
+    void internalProcessTriangleIndex(btVector3* triangle, int, int) override
+    {
+        for (int c = 0; c < 3; c++)
+        {
+            m_indices->push_back(uint32_t(m_vertices->size()));
+            m_vertices->push_back(triangle[c]);
+        }
+    }
+
+  private:
+    std::vector<btVector3>* m_vertices;
+    std::vector<uint32_t>* m_indices;
+};
+} // namespace
+
+struct qcMeshShape::Implementation
+{
+    qcStatus status = qc_statusOk;
+    std::vector<btVector3> given;  ///< before scaling; empty while the scaling is 1
+    std::vector<btVector3> points; ///< scaled
+    std::vector<uint32_t> indices;
+    btVector3 scaling{1, 1, 1};
+    btVector3 lower{0, 0, 0}, upper{0, 0, 0}; ///< of the points
+    uint64_t revision = 0;
+    mutable std::mutex treeMutex;
+    mutable std::unique_ptr<qcMeshTree> treeOwner;
+    mutable std::atomic<const qcMeshTree*> tree{nullptr};
+
+    void ReadPositions(const void* positions, qcPositionType type, size_t stride, uint32_t count);
+    /// Refuses what is not a mesh.
+    void Check();
+    void Changed();
+    btScalar DefaultMargin() const;
+    /// Built by whoever asks first.
+    const qcMeshTree& Tree() const;
+    void Report(btTriangleCallback* callback, uint32_t triangle) const;
+};
+
+void qcMeshShape::Implementation::ReadPositions(const void* positions, qcPositionType type, size_t stride,
+                                                uint32_t count)
+{
+    size_t scalar = type == qc_positionF64 ? sizeof(double) : sizeof(float);
+    if (stride == 0)
+        stride = 3 * scalar;
+    points.resize(count);
+    for (size_t v = 0; v < count; v++)
+    {
+        // Copied: any stride is allowed, so they need not be aligned.
+        const char* at = static_cast<const char*>(positions) + v * stride;
+        double wide[3];
+        float narrow[3];
+        std::memcpy(type == qc_positionF64 ? static_cast<void*>(wide) : narrow, at, 3 * scalar);
+        if (type == qc_positionF64)
+            points[v].setValue(btScalar(wide[0]), btScalar(wide[1]), btScalar(wide[2]));
+        else
+            points[v].setValue(btScalar(narrow[0]), btScalar(narrow[1]), btScalar(narrow[2]));
+    }
+}
+
+void qcMeshShape::Implementation::Check()
+{
+    for (uint32_t index : indices)
+        if (index >= points.size())
+            status = qc_statusBadInput;
+    for (const btVector3& point : points)
+        if (!std::isfinite(point.x()) || !std::isfinite(point.y()) || !std::isfinite(point.z()))
+            status = qc_statusBadInput;
+    if (status == qc_statusOk)
+        return;
+    points.clear();
+    indices.clear();
+}
+
+void qcMeshShape::Implementation::Changed()
+{
+    revision = ++s_lastRevision;
+    tree = nullptr;
+    treeOwner.reset();
+    lower = upper = indices.empty() ? btVector3(0, 0, 0) : points[indices[0]];
+    for (uint32_t index : indices)
+    {
+        lower.setMin(points[index]);
+        upper.setMax(points[index]);
+    }
+}
+
+/// Shells much thicker than the triangles are long make each triangle the neighbour of many.
+btScalar qcMeshShape::Implementation::DefaultMargin() const
+{
+    return std::min(btScalar(0.01), MeanEdge(points, indices) / 4);
+}
+
+const qcMeshTree& qcMeshShape::Implementation::Tree() const
+{
+    const qcMeshTree* built = tree.load(std::memory_order_acquire);
+    if (built != nullptr)
+        return *built;
+    std::lock_guard<std::mutex> lock(treeMutex);
+    if (!treeOwner)
+        treeOwner.reset(new qcMeshTree(points.data(), indices.data(), uint32_t(indices.size() / 3)));
+    tree.store(treeOwner.get(), std::memory_order_release);
+    return *treeOwner;
+}
+
+void qcMeshShape::Implementation::Report(btTriangleCallback* callback, uint32_t triangle) const
+{
+    const uint32_t* index = &indices[3 * size_t(triangle)];
+    btVector3 corners[3] = {points[index[0]], points[index[1]], points[index[2]]};
+    callback->processTriangle(corners, 0, int(triangle));
+}
+
+qcMeshShape::qcMeshShape(const void* positions, qcPositionType type, size_t stride, uint32_t vertexCount,
+                         const uint32_t* indices, uint32_t triangleCount)
+    : m_implementation(new Implementation)
+{
+    m_shapeType = FAST_CONCAVE_MESH_PROXYTYPE;
+    m_implementation->ReadPositions(positions, type, stride, vertexCount);
+    m_implementation->indices.assign(indices, indices + 3 * size_t(triangleCount));
+    m_implementation->Check();
+    m_implementation->Changed();
+    m_collisionMargin = m_implementation->DefaultMargin();
+}
+
+qcMeshShape::qcMeshShape(const btStridingMeshInterface* mesh) : m_implementation(new Implementation)
+{
+    m_shapeType = FAST_CONCAVE_MESH_PROXYTYPE;
+    TriangleReader reader(&m_implementation->points, &m_implementation->indices);
+    btVector3 far(BT_LARGE_FLOAT, BT_LARGE_FLOAT, BT_LARGE_FLOAT);
+    mesh->InternalProcessAllTriangles(&reader, -far, far);
+    m_implementation->Check();
+    m_implementation->Changed();
+    m_collisionMargin = m_implementation->DefaultMargin();
+}
+
+qcMeshShape::~qcMeshShape() = default;
+
+qcStatus qcMeshShape::getStatus() const
+{
+    return m_implementation->status;
+}
+
+uint32_t qcMeshShape::getVertexCount() const
+{
+    return uint32_t(m_implementation->points.size());
+}
+
+uint32_t qcMeshShape::getTriangleCount() const
+{
+    return uint32_t(m_implementation->indices.size() / 3);
+}
+
+const btVector3* qcMeshShape::getVertices() const
+{
+    return m_implementation->points.data();
+}
+
+const uint32_t* qcMeshShape::getIndices() const
+{
+    return m_implementation->indices.data();
+}
+
+uint64_t qcMeshShape::getRevision() const
+{
+    return m_implementation->revision;
+}
+
+qcMassProperties qcMeshShape::getMassProperties() const
+{
+    return qcMassPropertiesOf(qcMeasureMesh(getVertices(), getVertexCount(), getIndices(), getTriangleCount()));
+}
+
+std::unique_ptr<qcMeshShape> qcMeshShape::makeRecentered(btTransform* frame) const
+{
+    const Implementation& my = *m_implementation;
+    btTransform principal = getMassProperties().principalFrame;
+    std::vector<btVector3> points(my.points);
+    for (btVector3& point : points)
+        point = principal.invXform(point);
+    std::unique_ptr<qcMeshShape> copy(new qcMeshShape(points.data(), qcBulletPositions, sizeof(btVector3),
+                                                      getVertexCount(), getIndices(), getTriangleCount()));
+    copy->m_implementation->status = my.status;
+    copy->m_collisionMargin = m_collisionMargin;
+    if (frame != nullptr)
+        *frame = principal;
+    return copy;
+}
+
+void qcMeshShape::calculateLocalInertia(btScalar mass, btVector3& inertia) const
+{
+    qcMoments moments = qcMeasureMesh(getVertices(), getVertexCount(), getIndices(), getTriangleCount());
+    inertia = qcInertiaAboutOrigin(moments, double(mass));
+}
+
+void qcMeshShape::getAabb(const btTransform& transform, btVector3& aabbMin, btVector3& aabbMax) const
+{
+    btTransformAabb(m_implementation->lower, m_implementation->upper, getMargin(), transform, aabbMin, aabbMax);
+}
+
+void qcMeshShape::setLocalScaling(const btVector3& scaling)
+{
+    Implementation& my = *m_implementation;
+    if (scaling == my.scaling)
+        return;
+    if (my.given.empty())
+        my.given = my.points;
+    for (size_t i = 0; i < my.points.size(); i++)
+        my.points[i] = my.given[i] * scaling;
+    my.scaling = scaling;
+    my.Changed();
+}
+
+const btVector3& qcMeshShape::getLocalScaling() const
+{
+    return m_implementation->scaling;
+}
+
+const char* qcMeshShape::getName() const
+{
+    return "QCMESH";
+}
+
+void qcMeshShape::processAllTriangles(btTriangleCallback* callback, const btVector3& aabbMin,
+                                      const btVector3& aabbMax) const
+{
+    const Implementation& my = *m_implementation;
+    if (!TestAabbAgainstAabb2(my.lower, my.upper, aabbMin, aabbMax) || my.indices.empty())
+        return;
+    auto report = [&](uint32_t triangle) { my.Report(callback, triangle); };
+    // The box around a long ray holds most of a mesh.
+    if (const auto* ray = dynamic_cast<const btTriangleRaycastCallback*>(callback))
+        my.Tree().VisitRay(ray->m_from, ray->m_to, ray->m_hitFraction, report);
+    else
+        my.Tree().VisitBox(aabbMin, aabbMax, report);
+}
+
+void qcMeshShape::processTrianglesBelow(btTriangleCallback* callback, const btVector3& normal, btScalar distance) const
+{
+    const Implementation& my = *m_implementation;
+    my.Tree().VisitBelow(normal, distance, [&](uint32_t triangle) { my.Report(callback, triangle); });
+}
+
+int qcMeshShape::calculateSerializeBufferSize() const
+{
+    return qcSavedMeshSize();
+}
+
+void qcMeshShape::serializeSingleShape(btSerializer* serializer) const
+{
+    // A compound that was saved before may have brought it along. Bullet's importer resolves the pointers of two chunks
+    // of one shape wrongly.
+    if (serializer->findPointer(const_cast<qcMeshShape*>(this)) == nullptr)
+        btConcaveShape::serializeSingleShape(serializer);
+}
+
+const char* qcMeshShape::serialize(void* dataBuffer, btSerializer* serializer) const
+{
+    const Implementation& my = *m_implementation;
+    btCollisionShape::serialize(dataBuffer, serializer); // the name
+    qcSavedMesh mesh{my.given.empty() ? my.points : my.given, my.indices, my.scaling, m_collisionMargin, &my};
+    return qcSaveMesh(mesh, dataBuffer, serializer);
+}

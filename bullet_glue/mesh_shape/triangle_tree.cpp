@@ -1,0 +1,111 @@
+// Building the tree of boxes over triangles.
+#include "mesh_shape/triangle_tree.h"
+
+#include <algorithm>
+#include <limits>
+
+namespace
+{
+struct Centroid
+{
+    btScalar at[3]; ///< times three
+    uint32_t triangle;
+};
+
+/// Puts the centroids in an order in which each run of `unit`, and then of each eighth of it, lies together.
+void Cut(Centroid* begin, Centroid* end, size_t unit, size_t width)
+{
+    size_t count = size_t(end - begin);
+    if (count <= unit)
+    {
+        if (unit > width)
+            Cut(begin, end, unit / width, width);
+        return;
+    }
+    btScalar lower[3], upper[3];
+    std::copy_n(begin->at, 3, lower);
+    std::copy_n(begin->at, 3, upper);
+    for (const Centroid* c = begin; c != end; c++)
+        for (int axis = 0; axis < 3; axis++)
+        {
+            lower[axis] = std::min(lower[axis], c->at[axis]);
+            upper[axis] = std::max(upper[axis], c->at[axis]);
+        }
+    int longest = 0;
+    for (int axis = 1; axis < 3; axis++)
+        if (upper[axis] - lower[axis] > upper[longest] - lower[longest])
+            longest = axis;
+    Centroid* middle = begin + ((count + unit - 1) / unit + 1) / 2 * unit;
+    std::nth_element(begin, middle, end,
+                     [longest](const Centroid& a, const Centroid& b) { return a.at[longest] < b.at[longest]; });
+    Cut(begin, middle, unit, width);
+    Cut(middle, end, unit, width);
+}
+} // namespace
+
+void qcMeshTree::Clear(Block* block)
+{
+    constexpr btScalar infinity = std::numeric_limits<btScalar>::infinity();
+    for (int axis = 0; axis < 3; axis++)
+    {
+        std::fill_n(block->lower[axis], s_width, infinity);
+        std::fill_n(block->upper[axis], s_width, -infinity);
+    }
+}
+
+/// Boxes around the blocks of the last level.
+void qcMeshTree::AddLevel()
+{
+    Level below = m_levels.back();
+    Level level = {uint32_t(m_blocks.size()), (below.count + s_width - 1) / s_width};
+    m_blocks.resize(level.first + level.count);
+    for (uint32_t b = 0; b < level.count; b++)
+        Clear(&m_blocks[level.first + b]);
+    for (uint32_t b = 0; b < below.count; b++)
+    {
+        const Block& child = m_blocks[below.first + b];
+        Block& parent = m_blocks[level.first + b / s_width];
+        for (int axis = 0; axis < 3; axis++)
+        {
+            parent.lower[axis][b % s_width] = *std::min_element(child.lower[axis], child.lower[axis] + s_width);
+            parent.upper[axis][b % s_width] = *std::max_element(child.upper[axis], child.upper[axis] + s_width);
+        }
+    }
+    m_levels.push_back(level);
+}
+
+qcMeshTree::qcMeshTree(const btVector3* vertices, const uint32_t* indices, uint32_t triangleCount)
+{
+    if (triangleCount == 0)
+        return;
+    auto corner = [&](uint32_t t, int c) { return vertices[indices[3 * size_t(t) + size_t(c)]]; };
+    std::vector<Centroid> centroids(triangleCount);
+    for (uint32_t t = 0; t < triangleCount; t++)
+    {
+        centroids[t].triangle = t;
+        for (int axis = 0; axis < 3; axis++)
+            centroids[t].at[axis] = corner(t, 0)[axis] + corner(t, 1)[axis] + corner(t, 2)[axis];
+    }
+    size_t unit = s_width;
+    while (unit < triangleCount)
+        unit *= s_width;
+    Cut(centroids.data(), centroids.data() + triangleCount, unit, s_width);
+    m_order.resize(triangleCount);
+    m_levels.push_back({0, (triangleCount + s_width - 1) / s_width});
+    m_blocks.resize(m_levels[0].count);
+    for (Block& block : m_blocks)
+        Clear(&block);
+    for (uint32_t i = 0; i < triangleCount; i++)
+    {
+        uint32_t t = m_order[i] = centroids[i].triangle;
+        Block& block = m_blocks[i / s_width];
+        for (int axis = 0; axis < 3; axis++)
+        {
+            auto sides = std::minmax({corner(t, 0)[axis], corner(t, 1)[axis], corner(t, 2)[axis]});
+            block.lower[axis][i % s_width] = sides.first;
+            block.upper[axis][i % s_width] = sides.second;
+        }
+    }
+    while (m_levels.back().count > 1)
+        AddLevel();
+}

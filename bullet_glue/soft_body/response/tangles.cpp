@@ -1,0 +1,86 @@
+// What penetrates at the start of a step.
+#include "soft_body/response/tangles.h"
+
+#include <algorithm>
+
+namespace
+{
+template <typename Key> void SortUnique(std::vector<Key>* keys)
+{
+    std::sort(keys->begin(), keys->end());
+    keys->erase(std::unique(keys->begin(), keys->end()), keys->end());
+}
+} // namespace
+
+bool qcSoftTangles::Has(const std::vector<Key>& keys, uint32_t body, uint32_t number, uint32_t other)
+{
+    return std::binary_search(keys.begin(), keys.end(), Key{body, number, other});
+}
+
+bool qcSoftTangles::IsNear(qcSoftBodyScene& scene, uint32_t body, uint32_t triangle, uint32_t other) const
+{
+    const qcSceneSoftBody* soft = scene.Find(body);
+    if (soft == nullptr)
+        return Has(m_triangles, body, triangle, other);
+    const uint32_t* corners = &soft->topology.indices[3 * size_t(triangle)];
+    return std::any_of(corners, corners + 3, [&](uint32_t corner) { return Has(m_vertices, body, corner, other); });
+}
+
+void qcSoftTangles::Split(qcSoftBodyScene& scene, const qcResult& result, std::vector<size_t>* held,
+                          std::vector<size_t>* exempt) const
+{
+    exempt->clear();
+    if (IsEmpty())
+        return;
+    std::map<Bodies, size_t> counts;
+    for (size_t i : *held)
+        counts[{result.pairs[i].bodyA, result.pairs[i].bodyB}]++;
+    auto isHeld = [&](size_t i)
+    {
+        const qcPair& pair = result.pairs[i];
+        uint32_t a = pair.bodyA, b = pair.bodyB;
+        if (Has(m_triangles, a, pair.triangleA, b) && Has(m_triangles, b, pair.triangleB, a))
+            return false;
+        auto before = m_counts.find({a, b});
+        return before == m_counts.end() || counts[{a, b}] > before->second || !IsNear(scene, a, pair.triangleA, b) ||
+               !IsNear(scene, b, pair.triangleB, a);
+    };
+    auto middle = std::stable_partition(held->begin(), held->end(), isHeld);
+    exempt->assign(middle, held->end());
+    held->erase(middle, held->end());
+}
+
+void qcSoftTangles::Read(qcSoftBodyScene& scene, const qcResult& result)
+{
+    m_triangles.clear();
+    m_vertices.clear();
+    m_counts.clear();
+    for (size_t i = 0; i < result.pairCount; i++)
+    {
+        const qcPair& pair = result.pairs[i];
+        m_counts[{pair.bodyA, pair.bodyB}]++;
+        m_triangles.push_back({pair.bodyA, pair.triangleA, pair.bodyB});
+        m_triangles.push_back({pair.bodyB, pair.triangleB, pair.bodyA});
+    }
+    SortUnique(&m_triangles);
+    for (const Key& key : m_triangles)
+        if (const qcSceneSoftBody* soft = scene.Find(key[0]))
+            for (size_t corner = 0; corner < 3; corner++)
+                m_vertices.push_back({key[0], soft->topology.indices[3 * size_t(key[1]) + corner], key[2]});
+    SortUnique(&m_vertices);
+}
+
+bool qcSoftTangles::IsExempt(const qcContact& contact) const
+{
+    if (IsEmpty())
+        return false;
+    bool tangledA = true, tangledB = true;
+    for (size_t i = 0; i < 3; i++)
+    {
+        tangledA = tangledA &&
+                   (contact.weightsA[i] == 0 || Has(m_vertices, contact.bodyA, contact.verticesA[i], contact.bodyB));
+        tangledB = tangledB &&
+                   (contact.weightsB[i] == 0 || Has(m_vertices, contact.bodyB, contact.verticesB[i], contact.bodyA));
+    }
+    return tangledA || tangledB;
+}

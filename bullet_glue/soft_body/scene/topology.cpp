@@ -1,0 +1,134 @@
+// Faces, ropes and single nodes of a soft body.
+#include "soft_body/scene/topology.h"
+
+#include <algorithm>
+
+namespace
+{
+// Thickness of a rope by the length of its links. A rope is thinner than its links are long: at half of it, as for
+// cloth, a rope of 20 links 10 cm long would lie 3 cm above a mesh.
+constexpr btScalar s_ropeThickness = btScalar(0.125);
+
+struct Neighbour
+{
+    uint32_t node;
+    btScalar length; ///< of the link to it, at rest
+};
+
+uint32_t NumberOf(const btSoftBody* body, const btSoftBody::Node* node)
+{
+    return uint32_t(node - &body->m_nodes[0]);
+}
+
+std::pair<uint32_t, uint32_t> EndsOf(const btSoftBody* body, int link)
+{
+    const btSoftBody::Link& l = body->m_links[link];
+    return {NumberOf(body, l.m_n[0]), NumberOf(body, l.m_n[1])};
+}
+
+/// Neighbours of each node along links, without those that only resist bending.
+std::vector<std::vector<Neighbour>> NeighboursOf(const btSoftBody* body)
+{
+    std::vector<std::vector<Neighbour>> neighbours(size_t(body->m_nodes.size()));
+    for (int i = 0; i < body->m_links.size(); i++)
+    {
+        auto ends = EndsOf(body, i);
+        if (body->m_links[i].m_bbending)
+            continue;
+        neighbours[ends.first].push_back({ends.second, body->m_links[i].m_rl});
+        neighbours[ends.second].push_back({ends.first, body->m_links[i].m_rl});
+    }
+    return neighbours;
+}
+
+/// Is a link a brace, that is, do two shorter links connect its ends? In a rope with links over two or the diagonals of
+/// a net, braces cross what they brace: as segments they would be pushed off it.
+bool IsBrace(const std::vector<std::vector<Neighbour>>& neighbours, std::pair<uint32_t, uint32_t> ends, btScalar length)
+{
+    for (const Neighbour& first : neighbours[ends.first])
+        for (const Neighbour& second : neighbours[ends.second])
+            if (first.node == second.node && first.length < length && second.length < length)
+                return true;
+    return false;
+}
+
+/// Appends the links that are ropes, each once; marks their nodes as no longer loose.
+void AddRopes(const btSoftBody* body, qcSoftTopology* topology, std::vector<bool>* loose)
+{
+    const std::vector<std::vector<Neighbour>> neighbours = NeighboursOf(body);
+    std::vector<std::pair<uint32_t, uint32_t>> ropes;
+    topology->linkCount = body->m_links.size();
+    for (int i = 0; i < body->m_links.size(); i++)
+    {
+        const btSoftBody::Link& link = body->m_links[i];
+        std::pair<uint32_t, uint32_t> ends = EndsOf(body, i);
+        if (!(*loose)[ends.first] && !(*loose)[ends.second])
+            continue;
+        topology->looseLinks.push_back({i, ends});
+        if (ends.first != ends.second && !link.m_bbending && !IsBrace(neighbours, ends, link.m_rl))
+            ropes.push_back(std::minmax(ends.first, ends.second));
+    }
+    std::sort(ropes.begin(), ropes.end());
+    ropes.erase(std::unique(ropes.begin(), ropes.end()), ropes.end());
+    topology->ropeCount = ropes.size();
+    for (const auto& ends : ropes)
+    {
+        topology->indices.insert(topology->indices.end(), {ends.first, ends.second, ends.second});
+        (*loose)[ends.first] = (*loose)[ends.second] = false;
+    }
+}
+
+btScalar LengthOf(const btSoftBody* body, uint32_t a, uint32_t b)
+{
+    return (body->m_nodes[int(a)].m_x - body->m_nodes[int(b)].m_x).length();
+}
+
+btScalar DefaultThicknessOf(const btSoftBody* body, const qcSoftTopology& topology)
+{
+    btScalar sum = 0;
+    for (size_t i = 0; i < 3 * topology.faceCount; i++)
+        sum += LengthOf(body, topology.indices[i], topology.indices[i % 3 == 2 ? i - 2 : i + 1]);
+    if (topology.faceCount > 0)
+        return sum / btScalar(3 * topology.faceCount) / 2;
+    for (size_t i = 0; i < topology.ropeCount; i++)
+        sum += LengthOf(body, topology.indices[3 * i], topology.indices[3 * i + 1]);
+    return topology.ropeCount > 0 ? sum / btScalar(topology.ropeCount) * s_ropeThickness : btScalar(0);
+}
+} // namespace
+
+qcSoftTopology qcTopologyOf(const btSoftBody* body)
+{
+    qcSoftTopology topology;
+    topology.faceCount = size_t(body->m_faces.size());
+    topology.indices.reserve(3 * topology.faceCount);
+    // Nodes inside of a skin of faces touch nothing before the skin does.
+    std::vector<bool> loose(size_t(body->m_nodes.size()), body->m_tetras.size() == 0 || topology.faceCount == 0);
+    for (int i = 0; i < body->m_faces.size(); i++)
+        for (const btSoftBody::Node* node : body->m_faces[i].m_n)
+        {
+            topology.indices.push_back(NumberOf(body, node));
+            loose[topology.indices.back()] = false;
+        }
+    if (body->m_tetras.size() == 0 && std::find(loose.begin(), loose.end(), true) != loose.end())
+        AddRopes(body, &topology, &loose);
+    for (size_t i = 0; i < loose.size(); i++)
+        if (loose[i])
+            topology.indices.insert(topology.indices.end(), 3, uint32_t(i));
+    topology.defaultThickness = DefaultThicknessOf(body, topology);
+    return topology;
+}
+
+bool qcIsTopologyOf(const qcSoftTopology& topology, const btSoftBody* body)
+{
+    if (topology.faceCount != size_t(body->m_faces.size()))
+        return false;
+    const uint32_t* index = topology.indices.data();
+    for (int i = 0; i < body->m_faces.size(); i++)
+        for (const btSoftBody::Node* node : body->m_faces[i].m_n)
+            if (node != &body->m_nodes[0] + *index++)
+                return false;
+    auto isThere = [&](const std::pair<int, std::pair<uint32_t, uint32_t>>& link)
+    { return EndsOf(body, link.first) == link.second; };
+    return topology.linkCount == -1 || (topology.linkCount == body->m_links.size() &&
+                                        std::all_of(topology.looseLinks.begin(), topology.looseLinks.end(), isThere));
+}

@@ -1,0 +1,186 @@
+// qc-bench broadphase: qcBroadphase inside Bullet, beside Bullet's own.
+#include "bench/broadphase/broadphase.h"
+
+#include "common/files.h"
+#include "common/option_values.h"
+#include "common/output_file.h"
+#include "bench/bench.h"
+
+#include <argp.h>
+#include <stdio.h>
+
+enum
+{
+    qc_maxListed = 12
+};
+
+typedef struct List
+{
+    uint32_t values[qc_maxListed], count;
+} List;
+
+typedef struct Options
+{
+    List boxes, percents;
+    uint32_t frames;
+    const char* out;
+} Options;
+
+typedef enum OptionKey
+{
+    // Beyond every character: no option has a short name.
+    key_boxes = 256,
+    key_moving,
+    key_frames,
+    key_out
+} OptionKey;
+
+static void Take(const struct argp_state* state, const char* option, uint32_t value, List* list)
+{
+    if (list->count == qc_maxListed)
+        argp_error(state, "%s: more than %d of them", option, qc_maxListed);
+    list->values[list->count++] = value;
+}
+
+static void TakeBoxes(const struct argp_state* state, const char* word, void* context)
+{
+    Options* options = context;
+    Take(state, "--boxes", qcOption_ReadNumber(state, "--boxes", word, 2, 1000000), &options->boxes);
+}
+
+static void TakePercent(const struct argp_state* state, const char* word, void* context)
+{
+    Options* options = context;
+    Take(state, "--moving", qcOption_ReadNumber(state, "--moving", word, 0, 100), &options->percents);
+}
+
+static error_t ReadOption(int key, char* text, struct argp_state* state)
+{
+    Options* options = state->input;
+    switch (key)
+    {
+        case key_boxes: qcOption_ReadList(state, "--boxes", text, TakeBoxes); return 0;
+        case key_moving: qcOption_ReadList(state, "--moving", text, TakePercent); return 0;
+        case key_frames: options->frames = qcOption_ReadNumber(state, "--frames", text, 1, 100000); return 0;
+        case key_out: options->out = qcOption_ReadFolder(state, "--out", text); return 0;
+        case ARGP_KEY_ARG: argp_error(state, "'%s': options only, please", text); return 0;
+        default: return ARGP_ERR_UNKNOWN;
+    }
+}
+
+static const struct argp_option s_options[] = {
+    {"boxes", key_boxes, "LIST", 0, "Numbers of boxes; 1000,10000,50000 by default", 1},
+    {"moving", key_moving, "LIST", 0, "Percentages of them that move; 0,1,10,100 by default", 1},
+    {"frames", key_frames, "N", 0, "Frames of each scene at most; 100 by default", 1},
+    {"out", key_out, "FOLDER", 0, "Where broadphase.csv goes; out/bench by default, made if it is missing", 2},
+    {0}};
+
+static const char s_help[] =
+    "Boxes with edges of 1 to 2 that go 0.1 a frame, in a cube so dense that each meets about four others, in "
+    "qcBroadphase, btDbvtBroadphase (as it is, and with m_deferedcollide), bt32BitAxisSweep3 (up to 10000 boxes) and "
+    "btSimpleBroadphase (up to 500), each with its pair cache. A frame is setAabb, for the boxes that move or for "
+    "all, "
+    "as a Bullet world does it, and calculateOverlappingPairs. The broadphases take turns frame by frame.\v"
+    "Exit status: as for qc-bench; 1 too if qcBroadphase holds other pairs than those that overlap.";
+
+static void PrintHead(const qcBroadphaseScene* scene, const qcBroadphaseResult* result)
+{
+    printf("\n%u boxes, %u %% moving, setAabb for %s; %u frames, %zu pairs overlap\n", scene->boxes, scene->percent,
+           scene->setsAll ? "all" : "those", result->frames, result->expected);
+    printf("%-26s %10s %10s %10s %10s %10s %10s %7s %8s\n", "milliseconds", "frame", "least", "worst", "setAabb",
+           "find", "create", "ratio", "held");
+}
+
+static void PrintRows(const qcBroadphaseResult* result)
+{
+    for (uint32_t i = 0; i < result->count; i++)
+    {
+        const qcBroadphaseRow* row = &result->rows[i];
+        printf("%-26s %10.4f %10.4f %10.4f %10.4f %10.4f %10.2f %7.2f %8zu\n", row->name, row->frameMs, row->leastMs,
+               row->worstMs, row->setMs, row->findMs, row->createMs, row->frameMs / result->rows[0].frameMs, row->held);
+    }
+    fflush(stdout);
+}
+
+static void WriteRows(FILE* stream, const qcBroadphaseScene* scene, const qcBroadphaseResult* result)
+{
+    for (uint32_t i = 0; i < result->count; i++)
+    {
+        const qcBroadphaseRow* row = &result->rows[i];
+        fprintf(stream, "%u,%u,%s,", scene->boxes, scene->percent, scene->setsAll ? "all" : "movers");
+        qcBenchFiles_WriteQuoted(stream, row->name);
+        fprintf(stream, ",%u,%.6f,%.6f,%.6f,%.6f,%.6f,%.6f,%zu,%zu,%zu\n", result->frames, row->frameMs, row->leastMs,
+                row->worstMs, row->setMs, row->findMs, row->createMs, row->held, row->overlapping, result->expected);
+    }
+}
+
+/// Ours holds the pairs that overlap and no other. What others miss is said, and is theirs.
+static bool IsRight(const qcBroadphaseResult* result)
+{
+    for (uint32_t i = 0; i < result->count; i++)
+        if (result->rows[i].overlapping != result->expected)
+            printf("%s holds %zu of the %zu pairs that overlap\n", result->rows[i].name, result->rows[i].overlapping,
+                   result->expected);
+    return result->rows[0].held == result->expected && result->rows[0].overlapping == result->expected;
+}
+
+static bool MeasureAll(const Options* options, FILE* stream)
+{
+    bool right = true;
+    qcBroadphaseScene scene = {.frames = options->frames};
+    for (uint32_t i = 0; i < options->boxes.count; i++)
+        for (uint32_t j = 0; j < options->percents.count; j++)
+            // Where all move, both ways are one.
+            for (int all = options->percents.values[j] == 100; all <= 1; all++)
+            {
+                qcBroadphaseResult result;
+                scene.boxes = options->boxes.values[i];
+                scene.percent = options->percents.values[j];
+                scene.setsAll = all;
+                if (!qcBroadphase_Measure(&scene, &result))
+                {
+                    fprintf(stderr, "out of memory\n");
+                    return false;
+                }
+                PrintHead(&scene, &result);
+                PrintRows(&result);
+                WriteRows(stream, &scene, &result);
+                right = IsRight(&result) && right;
+            }
+    return right;
+}
+
+static bool Run(const Options* options, qcMessage* message)
+{
+    char path[4096];
+    qcOutput output;
+    snprintf(path, sizeof path, "%s/broadphase.csv", options->out);
+    if (!qcBenchFiles_Check(options->out, "broadphase.csv", message) || !qcOutput_Open(path, &output, message))
+        return false;
+    fputs("boxes,percent,set,broadphase,frames,ms,least ms,worst ms,set ms,find ms,create ms,held,overlapping,"
+          "expected\n",
+          output.stream);
+    if (!MeasureAll(options, output.stream))
+    {
+        qcOutput_Abort(&output);
+        return qcMessage_Fail(message, "qcBroadphase holds other pairs than those that overlap, or memory ran out");
+    }
+    return qcOutput_Commit(&output, message);
+}
+
+qcBenchExit qcBench_RunBroadphase(int argumentCount, char** arguments)
+{
+    static const struct argp parser = {s_options, ReadOption, NULL, s_help, NULL, NULL, NULL};
+    Options options = {.frames = 100, .out = "out/bench"};
+    argp_err_exit_status = qc_benchUsage;
+    argp_parse(&parser, argumentCount, arguments, 0, NULL, &options);
+    if (options.boxes.count == 0)
+        options.boxes = (List){{1000, 10000, 50000}, 3};
+    if (options.percents.count == 0)
+        options.percents = (List){{0, 1, 10, 100}, 4};
+    qcMessage message;
+    if (Run(&options, &message))
+        return qc_benchDone;
+    fprintf(stderr, "%s: %s\n", arguments[0], message.text);
+    return qc_benchBroken;
+}

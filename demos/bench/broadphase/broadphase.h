@@ -1,0 +1,52 @@
+// `qc-bench broadphase`: qcBroadphase beside Bullet's own, each with its pair cache, in the same frames.
+#ifndef QC_DEMOS_BENCH_BROADPHASE_BROADPHASE_H
+#define QC_DEMOS_BENCH_BROADPHASE_BROADPHASE_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+enum
+{
+    qc_maxBroadphases = 5
+};
+
+/// What is measured together.
+typedef struct qcBroadphaseScene
+{
+    uint32_t boxes, percent; ///< so many boxes, of which this part moves
+    bool setsAll;            ///< setAabb is called for all boxes, as a world does by default, or for those that move
+    uint32_t frames;         ///< at most
+} qcBroadphaseScene;
+
+/// One broadphase in a scene. Times are milliseconds; medians, where nothing else is said.
+typedef struct qcBroadphaseRow
+{
+    const char* name;
+    double createMs;                  ///< all proxies, once
+    double setMs, findMs;             ///< setAabb; calculateOverlappingPairs
+    double frameMs, leastMs, worstMs; ///< both together
+    size_t held;                      ///< pairs in the cache after the last frame
+    size_t overlapping;               ///< those of them whose boxes overlap
+} qcBroadphaseRow;
+
+typedef struct qcBroadphaseResult
+{
+    qcBroadphaseRow rows[qc_maxBroadphases]; ///< ours first
+    uint32_t count;
+    size_t expected; ///< pairs that overlap after the last frame, counted without a broadphase
+    uint32_t frames;
+} qcBroadphaseResult;
+
+/// False: out of memory.
+bool qcBroadphase_Measure(const qcBroadphaseScene* scene, qcBroadphaseResult* result);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

@@ -1,0 +1,281 @@
+// A scene by layers and by sweep. Steps are timed without the timers of layers; steps that follow, with them, give the
+// times of its parts. The pairs of every step are compared.
+#include "bench/gpu/gpu.h"
+
+#include "common/stopwatch.h"
+#include "common/progress.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum
+{
+    qc_minSteps = 8,
+    qc_maxSteps = 64
+};
+
+// Enough of one size.
+static const double s_enoughMs = 600.0;
+
+/// Times of each part over the steps that were measured with timers.
+typedef struct StageTimes
+{
+    double thread[qc_maxGpuStages][qc_maxSteps], device[qc_maxGpuStages][qc_maxSteps];
+    uint32_t threadCount[qc_maxGpuStages], deviceCount[qc_maxGpuStages];
+} StageTimes;
+
+typedef struct Bench
+{
+    const qcPeerWork* work;
+    qcPeerOurs ours;
+    qcDetectDef def;
+    uint32_t frame; ///< the next
+    double ms;      ///< of the last step
+    char failure[256];
+} Bench;
+
+/// FNV-1a over the list as it is reported.
+static uint64_t HashPairs(const qcResult* result)
+{
+    uint64_t hash = 0xcbf29ce484222325u;
+    for (size_t i = 0; i < result->pairCount; ++i)
+    {
+        const qcPair* p = &result->pairs[i];
+        const uint32_t words[] = {p->bodyA, p->triangleA, p->bodyB, p->triangleB, (uint32_t)p->relation};
+        for (int k = 0; k < 5; ++k)
+            hash = (hash ^ words[k]) * 0x100000001b3u;
+    }
+    return hash;
+}
+
+static bool Step(Bench* bench, qcGpuRun* run)
+{
+    uint32_t frame = bench->frame % qc_gpuFrames;
+    bool seen = bench->frame++ >= qc_gpuFrames;
+    double start = qcBenchTime_NowMs();
+    bool ran = qcPeerOurs_Step(&bench->ours, bench->work, frame, &bench->def);
+    bench->ms = qcBenchTime_NowMs() - start;
+    if (!ran)
+        return false;
+    const char* fallback = bench->ours.result->profile.fallback;
+    if (fallback != NULL && bench->failure[0] == 0)
+        snprintf(bench->failure, sizeof bench->failure, "%s", fallback);
+    uint64_t hash = HashPairs(bench->ours.result);
+    if (frame == 0 && !seen)
+    {
+        run->pairs = bench->ours.result->pairCount;
+        run->candidates = bench->ours.result->profile.candidates;
+    }
+    if (!seen)
+        run->hashes[frame] = hash;
+    run->steady = run->steady && hash == run->hashes[frame];
+    return true;
+}
+
+//  ---- stages --------------------------------------------------------------------------------------
+
+static void Keep(StageTimes* times, qcGpuRow* row, uint32_t stage, const char* name, double threadMs, double deviceMs)
+{
+    row->stages[stage].name = name;
+    row->stageCount = stage + 1;
+    if (threadMs >= 0.0)
+        times->thread[stage][times->threadCount[stage]++] = threadMs;
+    if (deviceMs >= 0.0)
+        times->device[stage][times->deviceCount[stage]++] = deviceMs;
+}
+
+/// The parts of a step in the order of the work.
+static void KeepStep(const Bench* bench, StageTimes* times, qcGpuRow* row)
+{
+    const qcProfile* p = &bench->ours.result->profile;
+    double triangles = p->cullTrianglesMs + p->sweepTrianglesMs;
+    uint32_t stage = 0;
+    Keep(times, row, stage++, "move", bench->ours.moveMs, -1.0);
+    Keep(times, row, stage++, "objects", p->planMs + p->cullObjectsMs + p->sweepObjectsMs, -1.0);
+    for (size_t i = 0; i < p->layerTimeCount && stage < qc_maxGpuStages - 2; ++i)
+    {
+        const qcLayerTime* part = &p->layerTimes[i];
+        Keep(times, row, stage++, part->name, part->threadMs, part->deviceMs);
+        triangles -= part->threadMs > 0.0 ? part->threadMs : 0.0;
+    }
+    Keep(times, row, stage++, "candidates", triangles > 0.0 ? triangles : 0.0, -1.0);
+    Keep(times, row, stage++, "exact", p->exactMs, -1.0);
+}
+
+static bool MeasureStages(Bench* bench, qcGpuRun* run, qcGpuRow* row)
+{
+    StageTimes* times = calloc(1, sizeof *times);
+    double spent = 0.0;
+    bool ran = times != NULL;
+    bench->def.layerTimes = true;
+    // Of the first, what is read back is not measured.
+    ran = ran && Step(bench, run);
+    for (uint32_t i = 0; ran && (i < qc_minSteps || (i < qc_maxSteps && spent < s_enoughMs)); ++i)
+    {
+        ran = Step(bench, run);
+        spent += bench->ms;
+        if (ran)
+            KeepStep(bench, times, row);
+    }
+    for (uint32_t i = 0; ran && i < row->stageCount; ++i)
+    {
+        qcGpuStage* stage = &row->stages[i];
+        stage->threadMs = stage->deviceMs = -1.0;
+        if (times->threadCount[i] != 0)
+            stage->threadMs = qcBenchTime_Median(times->thread[i], times->threadCount[i]);
+        if (times->deviceCount[i] != 0)
+            stage->deviceMs = qcBenchTime_Median(times->device[i], times->deviceCount[i]);
+    }
+    free(times);
+    return ran;
+}
+
+//  ---- rows ----------------------------------------------------------------------------------------
+
+/// Each frame once, then steps whose time counts.
+static bool Time(Bench* bench, qcGpuRun* run)
+{
+    double times[qc_maxSteps], spent = 0.0;
+    bool ran = true;
+    for (uint32_t i = 0; ran && i < qc_gpuFrames; ++i)
+    {
+        ran = Step(bench, run);
+        run->firstMs = i == 0 ? bench->ms : run->firstMs;
+    }
+    while (ran && (run->steps < qc_minSteps || (run->steps < qc_maxSteps && spent < s_enoughMs)))
+    {
+        ran = Step(bench, run);
+        times[run->steps++] = bench->ms;
+        spent += bench->ms;
+    }
+    run->ms = qcBenchTime_Median(times, run->steps);
+    run->leastMs = times[0];
+    return ran;
+}
+
+static bool MeasureLayers(Bench* bench, qcGpuRun* run, qcGpuRow* row)
+{
+    if (!Time(bench, run) || !MeasureStages(bench, run, row))
+        return false;
+    const qcProfile* p = &bench->ours.result->profile;
+    row->entries = p->fragments;
+    row->uploadedBytes = p->uploadedBytes;
+    row->deviceBytes = p->deviceBytes;
+    memcpy(row->failure, bench->failure, sizeof row->failure);
+    return true;
+}
+
+static bool MeasureRun(const qcPeerWork* work, qcDevice* device, qcGpuRun* run, qcGpuRow* row)
+{
+    Bench bench = {.work = work, .def = qcDefaultDetectDef()};
+    bench.def.method = run->method;
+    bench.def.threads = run->threads;
+    run->steady = true;
+    qcBenchTime_Rest();
+    bool ran = qcPeerOurs_Open(work, device, &bench.ours);
+    if (ran)
+        ran = run->method == qc_methodLayers ? MeasureLayers(&bench, run, row) : Time(&bench, run);
+    qcPeerOurs_Close(&bench.ours);
+    return ran;
+}
+
+bool qcGpu_Measure(const qcGpuOptions* options, const qcGpuDevice* device, int scene, uint32_t size, qcGpuRow* row,
+                   qcMessage* message)
+{
+    qcPeerWork work;
+    qcProgress_Begin(0, qcGpuScene_Name(scene));
+    bool measured = qcGpuScene_Make(scene, size, &work, message);
+    *row = (qcGpuRow){.scene = scene, .bodies = work.bodyCount, .triangles = work.triangleCount};
+    row->runs[row->runCount++] = (qcGpuRun){.method = qc_methodLayers, .threads = options->threads};
+    row->runs[row->runCount++] = (qcGpuRun){.method = qc_methodSweep, .threads = 1};
+    if (options->threads != 1)
+        row->runs[row->runCount++] = (qcGpuRun){.method = qc_methodSweep, .threads = options->threads};
+    for (uint32_t i = 0; measured && i < row->runCount; ++i)
+    {
+        measured = MeasureRun(&work, device->device, &row->runs[i], row);
+        if (!measured)
+            qcMessage_Fail(message, "%s, %u triangles, %s: %s", qcGpuScene_Name(scene), row->triangles,
+                           qcMethod_Name(row->runs[i].method), qcLastMessage());
+    }
+    qcProgress_End();
+    qcPeerWork_Free(&work);
+    return measured;
+}
+
+//  ---- the device ----------------------------------------------------------------------------------
+
+static void ReadProcessor(char* name, size_t size)
+{
+    char line[256];
+    name[0] = 0;
+    FILE* stream = fopen("/proc/cpuinfo", "r");
+    while (stream != NULL && name[0] == 0 && fgets(line, sizeof line, stream) != NULL)
+    {
+        const char* colon = strchr(line, ':');
+        if (strncmp(line, "model name", strlen("model name")) == 0 && colon != NULL)
+            snprintf(name, size, "%.*s", (int)strcspn(colon + 2, "\n"), colon + 2);
+    }
+    if (stream != NULL)
+        fclose(stream);
+}
+
+/// A step of the smallest cloth: a device that can't do it does none.
+static bool Try(const qcGpuOptions* options, qcGpuDevice* device, qcMessage* message)
+{
+    qcPeerWork work;
+    if (!qcGpuScene_Make(0, 0, &work, message))
+        return false;
+    qcPeerOurs ours;
+    qcDetectDef def = qcDefaultDetectDef();
+    def.method = qc_methodLayers;
+    def.threads = options->threads;
+    double start = qcBenchTime_NowMs();
+    bool ran = qcPeerOurs_Open(&work, device->device, &ours) && qcPeerOurs_Step(&ours, &work, 0, &def);
+    device->firstStepMs = qcBenchTime_NowMs() - start;
+    if (!ran || ours.result->profile.fallback != NULL)
+        ran = qcMessage_Fail(message, "device %s (%s): %s", device->info.name, device->info.renderer,
+                             ran ? ours.result->profile.fallback : qcLastMessage());
+    qcPeerOurs_Close(&ours);
+    qcPeerWork_Free(&work);
+    return ran;
+}
+
+static void FindWhyNoGpu(qcGpuDevice* device)
+{
+    qcDeviceDef def = qcDefaultDeviceDef();
+    def.kind = qc_deviceEgl;
+    qcDevice* gpu = NULL;
+    if (qcDevice_Create(&def, &gpu) != qc_statusOk)
+        snprintf(device->noGpu, sizeof device->noGpu, "%s", qcLastMessage());
+    qcDevice_Destroy(gpu);
+}
+
+qcBenchExit qcGpu_OpenDevice(const qcGpuOptions* options, qcGpuDevice* device, qcMessage* message)
+{
+    *device = (qcGpuDevice){.device = NULL};
+    ReadProcessor(device->processor, sizeof device->processor);
+    qcDeviceDef def = qcDefaultDeviceDef();
+    def.kind = options->device;
+    def.gpuIndex = options->gpuIndex;
+    def.gpuName = options->gpuName;
+    double start = qcBenchTime_NowMs();
+    qcStatus status = qcDevice_Create(&def, &device->device);
+    device->openMs = qcBenchTime_NowMs() - start;
+    if (status == qc_statusOk)
+        status = qcDevice_GetInfo(device->device, &device->info);
+    if (status != qc_statusOk)
+    {
+        qcMessage_Fail(message, "%s", qcLastMessage());
+        return status == qc_statusDevice ? qc_benchDevice : qc_benchBroken;
+    }
+    if (device->info.kind == qc_deviceNone)
+    {
+        qcMessage_Fail(message,
+                       "no GL device works here, neither a GPU nor software GL; --device egl gives the reason");
+        return qc_benchDevice;
+    }
+    if (options->device == qc_deviceAuto && device->info.software)
+        FindWhyNoGpu(device);
+    return Try(options, device, message) ? qc_benchDone : qc_benchDevice;
+}

@@ -1,0 +1,333 @@
+// All methods on one work in one run. They take turns: in each round each goes through the frames once, so that what
+// slows the machine down for a while slows them all. The first frame of a turn brings a method's data back into the
+// caches and is not timed.
+#include "bench/peers/peers.h"
+
+#include "common/stopwatch.h"
+#include "common/progress.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum
+{
+    // Of a turn whose frames are slow: more would not change the median by much.
+    qc_leastTimed = 2
+};
+
+// Enough of one turn.
+static const double s_enoughMs = 400.0;
+
+/// A method at work.
+typedef struct Runner
+{
+    qcPeerRow* row;
+    qcPeerOurs ours; ///< or a peer:
+    void* state;
+    qcPeerAnswer answer;
+    uint32_t next; ///< frame
+    double times[qc_maxPeerRounds * qc_maxPeerFrames];
+} Runner;
+
+typedef struct Race
+{
+    const qcPeersOptions* options;
+    const qcPeerWork* work;
+    qcDevice* device;
+    uint32_t threads;
+    qcPeerBody* bodies;
+    qcPeerPose* poses;
+    double** world; ///< rigid bodies: the positions that peers are given
+    Runner* runners;
+    uint32_t runnerCount;
+    qcPeerTask task;
+} Race;
+
+//  ---- where the bodies are ------------------------------------------------------------------------
+
+/// World positions as the library computes them, to the last bit. A peer's work: it has no transforms of its own.
+static void Carry(const qcMesh* body, const qcTransform* t, uint32_t threads, double* out)
+{
+    const float* in = body->positions;
+    (void)threads; // where there is no OpenMP
+#pragma omp parallel for num_threads(threads) if (threads > 1)
+    for (size_t vertex = 0; vertex < body->vertexCount; ++vertex)
+    {
+        const double p[3] = {in[3 * vertex], in[3 * vertex + 1], in[3 * vertex + 2]};
+        for (size_t axis = 0; axis < 3; ++axis)
+        {
+            const double* row = t->linear + 3 * axis;
+            out[3 * vertex + axis] = row[0] * p[0] + row[1] * p[1] + row[2] * p[2] + t->translation[axis];
+        }
+    }
+}
+
+static void Pose(Race* race, uint32_t frame)
+{
+    const qcPeerWork* work = race->work;
+    for (uint32_t i = 0; i < work->bodyCount; ++i)
+    {
+        size_t k = (size_t)frame * work->bodyCount + i;
+        if (work->kind == qc_peerRigid)
+        {
+            Carry(&work->bodies[i], &work->transforms[k], race->threads, race->world[i]);
+            race->poses[i] = (qcPeerPose){NULL, race->world[i]};
+        }
+        else
+            race->poses[i] = (qcPeerPose){work->positions[k], NULL};
+    }
+}
+
+static bool Prepare(Race* race, uint32_t runnerCount, qcMessage* message)
+{
+    const qcPeerWork* work = race->work;
+    race->bodies = calloc(work->bodyCount, sizeof *race->bodies);
+    race->poses = calloc(work->bodyCount, sizeof *race->poses);
+    race->world = calloc(work->bodyCount, sizeof *race->world);
+    race->runners = calloc(runnerCount, sizeof *race->runners);
+    bool made = race->bodies != NULL && race->poses != NULL && race->world != NULL && race->runners != NULL;
+    for (uint32_t i = 0; made && i < work->bodyCount; ++i)
+    {
+        const qcMesh* mesh = &work->bodies[i];
+        race->bodies[i] = (qcPeerBody){mesh->indices, mesh->vertexCount, mesh->triangleCount};
+        if (work->kind != qc_peerRigid)
+            continue;
+        race->world[i] = malloc((size_t)mesh->vertexCount * 3 * sizeof(double));
+        made = race->world[i] != NULL;
+    }
+    race->task = (qcPeerTask){race->bodies, work->bodyCount, work->kind == qc_peerSelf, race->threads};
+    return made || qcMessage_Fail(message, "out of memory");
+}
+
+//  ---- a step --------------------------------------------------------------------------------------
+
+static void Skip(Runner* runner, const char* why)
+{
+    snprintf(runner->row->skipped, sizeof runner->row->skipped, "%s", why);
+}
+
+static bool IsOurs(const Runner* runner)
+{
+    return runner->row->entrant.library == NULL;
+}
+
+static void Open(Race* race, Runner* runner)
+{
+    const qcPeerEntrant* entrant = &runner->row->entrant;
+    double start = qcBenchTime_NowMs();
+    if (!IsOurs(runner))
+    {
+        Pose(race, 0);
+        runner->state = entrant->library->open(&race->task, entrant->method, race->poses);
+        if (runner->state == NULL)
+            Skip(runner, "the library refused the bodies, or out of memory");
+    }
+    else if (!qcPeerOurs_Open(race->work, race->device, &runner->ours))
+        Skip(runner, qcLastMessage());
+    runner->row->openMs = qcBenchTime_NowMs() - start;
+}
+
+static void Close(Runner* runner)
+{
+    if (runner->state != NULL)
+        runner->row->entrant.library->close(runner->state);
+    qcPeerOurs_Close(&runner->ours);
+}
+
+/// Each pair's number, whichever of its triangles comes first.
+static uint64_t HashPair(uint32_t bodyA, uint32_t triangleA, uint32_t bodyB, uint32_t triangleB)
+{
+    uint64_t a = (uint64_t)bodyA << 32 | triangleA, b = (uint64_t)bodyB << 32 | triangleB;
+    uint64_t z = (a < b ? a : b) * 0x9e3779b97f4a7c15u + (a < b ? b : a);
+    z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
+    z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
+    return z ^ (z >> 31);
+}
+
+/// After a step of a frame.
+static void Look(Runner* runner, uint32_t frame)
+{
+    qcPeerSeen* seen = &runner->row->seen[frame];
+    if (seen->ran)
+        return;
+    seen->ran = true;
+    if (IsOurs(runner))
+    {
+        const qcResult* result = runner->ours.result;
+        seen->pairs = result->pairCount;
+        for (size_t i = 0; i < result->pairCount; ++i)
+        {
+            const qcPair* p = &result->pairs[i];
+            seen->sum += HashPair(p->bodyA, p->triangleA, p->bodyB, p->triangleB);
+        }
+        return;
+    }
+    seen->pairs = runner->answer.count;
+    for (size_t i = 0; i < runner->answer.count; ++i)
+    {
+        const qcPeerPair* p = &runner->answer.pairs[i];
+        seen->sum += HashPair(p->bodyA, p->triangleA, p->bodyB, p->triangleB);
+    }
+}
+
+/// The next frame; its time, or 0 where it failed.
+static double Step(Race* race, Runner* runner)
+{
+    const qcPeerEntrant* entrant = &runner->row->entrant;
+    uint32_t frame = runner->next++ % race->work->frameCount;
+    double start = qcBenchTime_NowMs();
+    bool ran;
+    if (IsOurs(runner))
+    {
+        qcDetectDef def = qcDefaultDetectDef();
+        def.method = (qcMethod)entrant->method;
+        def.threads = race->threads;
+        ran = qcPeerOurs_Step(&runner->ours, race->work, frame, &def);
+    }
+    else
+    {
+        Pose(race, frame);
+        ran = entrant->library->step(runner->state, race->poses, &runner->answer);
+    }
+    double ms = qcBenchTime_NowMs() - start;
+    if (!ran)
+        Skip(runner, IsOurs(runner) ? qcLastMessage() : "the library failed, or out of memory");
+    else if (IsOurs(runner) && runner->ours.result->profile.fallback != NULL)
+        Skip(runner, runner->ours.result->profile.fallback);
+    else
+        Look(runner, frame);
+    return ms;
+}
+
+//  ---- turns ---------------------------------------------------------------------------------------
+
+/// A turn before the clock counts: structures are made, buffers grow, our surfaces are laid together.
+static void WarmUp(Race* race, Runner* runner)
+{
+    Open(race, runner);
+    if (runner->row->skipped[0] == 0)
+        runner->row->firstMs = Step(race, runner);
+    if (runner->row->skipped[0] == 0)
+        runner->row->secondMs = Step(race, runner);
+}
+
+static void TakeTurn(Race* race, Runner* runner)
+{
+    double spent = 0.0;
+    qcBenchTime_Rest();
+    for (uint32_t i = 0; i < race->work->frameCount && runner->row->skipped[0] == 0; ++i)
+    {
+        if (i > qc_leastTimed && spent > s_enoughMs)
+            break;
+        double ms = Step(race, runner);
+        spent += ms;
+        if (i > 0)
+            runner->times[runner->row->steps++] = ms;
+    }
+}
+
+/// What a method saw is compared in the frames that our sweep saw too.
+static void Compare(const qcPeerRow* ours, qcPeerRow* row)
+{
+    row->pairs = row->seen[0].pairs;
+    row->agrees = true;
+    for (int i = 0; i < qc_maxPeerFrames; ++i)
+    {
+        const qcPeerSeen *a = &ours->seen[i], *b = &row->seen[i];
+        if (a->ran && b->ran && (a->pairs != b->pairs || a->sum != b->sum))
+            row->agrees = false;
+    }
+}
+
+static void Finish(Race* race)
+{
+    for (uint32_t i = 0; i < race->runnerCount; ++i)
+    {
+        Runner* runner = &race->runners[i];
+        qcPeerRow* row = runner->row;
+        row->ms = qcBenchTime_Median(runner->times, row->steps);
+        row->leastMs = runner->times[0];
+        Compare(race->runners[0].row, row);
+    }
+}
+
+static void Run(Race* race, const qcPeerEntrant* entrants, uint32_t entrantCount, qcPeersTable* table)
+{
+    for (uint32_t i = 0; i < entrantCount; ++i)
+    {
+        if (race->threads > 1 && !entrants[i].threaded)
+            continue;
+        Runner* runner = &race->runners[race->runnerCount++];
+        runner->row = &table->rows[table->rowCount++];
+        *runner->row = (qcPeerRow){.entrant = entrants[i], .threads = race->threads};
+        WarmUp(race, runner);
+    }
+    for (uint32_t round = 0; round < race->options->rounds; ++round)
+    {
+        for (uint32_t i = 0; i < race->runnerCount; ++i)
+        {
+            TakeTurn(race, &race->runners[i]);
+            qcProgress_Update(round * race->runnerCount + i + 1);
+        }
+    }
+    Finish(race);
+}
+
+bool qcPeers_Measure(const qcPeersOptions* options, const qcPeerWork* work, const qcPeerEntrant* entrants,
+                     uint32_t entrantCount, qcDevice* device, uint32_t threads, qcPeersTable* table, qcMessage* message)
+{
+    Race race = {.options = options, .work = work, .device = device, .threads = threads};
+    char label[64];
+    snprintf(label, sizeof label, "%s, threads: %u", qcPeerWork_Name(work->index), threads);
+    bool prepared = Prepare(&race, entrantCount, message);
+    if (prepared)
+    {
+        qcProgress_Begin((uint64_t)options->rounds * entrantCount, label);
+        Run(&race, entrants, entrantCount, table);
+        qcProgress_End();
+    }
+    const char* broken = race.runnerCount != 0 ? race.runners[0].row->skipped : "";
+    for (uint32_t i = 0; i < race.runnerCount; ++i)
+        Close(&race.runners[i]);
+    for (uint32_t i = 0; race.world != NULL && i < work->bodyCount; ++i)
+        free(race.world[i]);
+    free(race.bodies);
+    free(race.poses);
+    free(race.world);
+    free(race.runners);
+    if (prepared && broken[0] != 0)
+        return qcMessage_Fail(message, "%s: %s", qcPeerWork_Name(work->index), broken);
+    return prepared;
+}
+
+//  ---- what the rows say ---------------------------------------------------------------------------
+
+const qcPeerRow* qcPeersTable_FindOurs(const qcPeersTable* table, uint32_t threads)
+{
+    for (uint32_t i = 0; i < table->rowCount; ++i)
+    {
+        const qcPeerRow* row = &table->rows[i];
+        if (row->threads == threads && row->entrant.library == NULL && row->entrant.method == qc_methodSweep)
+            return row;
+    }
+    return NULL;
+}
+
+const qcPeerRow* qcPeersTable_FindEmbree(const qcPeersTable* table, uint32_t threads)
+{
+    const qcPeerRow* best = NULL;
+    for (uint32_t i = 0; i < table->rowCount; ++i)
+    {
+        const qcPeerRow* row = &table->rows[i];
+        if (row->threads == threads && row->skipped[0] == 0 && strncmp(row->entrant.name, "embree", 6) == 0 &&
+            (best == NULL || row->ms < best->ms))
+            best = row;
+    }
+    return best;
+}
+
+double qcPeersTable_Preprocessing(const qcPeersTable* table, const qcPeerRow* ours, double ms)
+{
+    return ms > ours->ms ? 1e-3 * (ms - ours->ms) * 1e5 / table->triangleCount : 0.0;
+}

@@ -1,0 +1,178 @@
+// Ours beside peer libraries: every method on every work, with each number of threads, in one run.
+#include "bench/peers/peers.h"
+
+#include "common/files.h"
+#include "common/progress.h"
+
+#include <inttypes.h>
+#include <stdlib.h>
+#include <string.h>
+
+typedef struct Run
+{
+    qcPeersOptions options;
+    qcDevice* device;
+    qcPeerEntrant entrants[qc_maxPeerMethods];
+    uint32_t entrantCount;
+    qcPeersTable* tables;
+    uint32_t tableCount;
+} Run;
+
+static void AddOurs(Run* run, qcMethod method)
+{
+    run->entrants[run->entrantCount++] = (qcPeerEntrant){qcMethod_Name(method), NULL, method, true};
+}
+
+/// Each library that was asked for and is there. Says which packages the others need.
+static qcBenchExit AddPeers(Run* run, qcMessage* message)
+{
+    char packages[256] = "", missing[64] = "";
+    uint32_t libraryCount = 0;
+    for (int i = 0; i < qc_peerLibraryCount; ++i)
+    {
+        const qcPeerLibrary* library;
+        if (!run->options.libraries[i])
+            continue;
+        if (!qcPeerModule_Load(i, &library, message))
+            return qc_benchBroken;
+        if (library == NULL)
+        {
+            strcat(strcat(missing, missing[0] != 0 ? ", " : ""), qcPeerModule_Name(i));
+            strcat(strcat(packages, " "), qcPeerModule_Packages(i));
+            continue;
+        }
+        ++libraryCount;
+        printf("peer: %s\n", library->name);
+        for (uint32_t m = 0; m < library->methodCount; ++m)
+            run->entrants[run->entrantCount++] =
+                (qcPeerEntrant){library->methods[m].name, library, m, library->methods[m].threaded};
+    }
+    if (libraryCount != 0 && missing[0] == 0)
+        return qc_benchDone;
+    qcMessage_Fail(message, "not built with: %s. Install%s, or run \"demos/run.sh bench peers\", and build again",
+                   missing, packages);
+    if (libraryCount == 0)
+        return qc_benchNoPeers;
+    fprintf(stderr, "%s\n", message->text);
+    return qc_benchDone;
+}
+
+static qcBenchExit AddDevice(Run* run, qcMessage* message)
+{
+    qcDeviceDef def = qcDefaultDeviceDef();
+    qcDeviceInfo info;
+    if (run->options.device == qc_deviceNone)
+        return qc_benchDone;
+    def.kind = run->options.device;
+    qcStatus status = qcDevice_Create(&def, &run->device);
+    if (status == qc_statusOk)
+        status = qcDevice_GetInfo(run->device, &info);
+    if (status != qc_statusOk)
+    {
+        qcMessage_Fail(message, "%s", qcLastMessage());
+        return status == qc_statusDevice ? qc_benchDevice : qc_benchBroken;
+    }
+    printf("device: %s%s%s\n", info.name, info.renderer[0] != 0 ? ", " : "", info.renderer);
+    AddOurs(run, qc_methodLayers);
+    return qc_benchDone;
+}
+
+static qcBenchExit Prepare(Run* run, qcMessage* message)
+{
+    run->tables = calloc(qc_peerWorkCount, sizeof *run->tables);
+    if (run->tables == NULL)
+    {
+        qcMessage_Fail(message, "out of memory");
+        return qc_benchBroken;
+    }
+    AddOurs(run, qc_methodSweep);
+    qcBenchExit ending = AddDevice(run, message);
+    if (ending == qc_benchDone)
+        ending = AddPeers(run, message);
+    // Better now than after minutes of work.
+    if (ending == qc_benchDone && !qcBenchFiles_Check(run->options.out, "peers.csv", message))
+        ending = qc_benchBroken;
+    return ending;
+}
+
+static qcBenchExit MeasureWork(Run* run, int index, qcMessage* message)
+{
+    const qcPeersOptions* options = &run->options;
+    qcPeerWork work;
+    qcProgress_Begin(0, qcPeerWork_Name(index));
+    qcBenchMade made = qcPeerWork_Make(index, &options->models, options->frames, &work, message);
+    qcProgress_End();
+    if (made == qc_benchSkipped)
+    {
+        printf("\n%s is skipped: %s\n", qcPeerWork_Name(index), message->text);
+        return qc_benchDone;
+    }
+    if (made == qc_benchFailed)
+        return qc_benchBadModel;
+    qcPeersTable* table = &run->tables[run->tableCount++];
+    *table = (qcPeersTable){
+        .work = index, .kind = work.kind, .bodyCount = work.bodyCount, .triangleCount = work.triangleCount};
+    bool measured = true;
+    for (uint32_t i = 0; measured && i < options->threadsCount; ++i)
+        measured = qcPeers_Measure(options, &work, run->entrants, run->entrantCount, run->device, options->threads[i],
+                                   table, message);
+    qcPeerWork_Free(&work);
+    if (!measured)
+        return qc_benchBroken;
+    qcPeers_PrintTable(table);
+    // A long run is read while it goes on, and what it has is kept if it ends early.
+    fflush(stdout);
+    return qcPeers_WriteCsv(options, run->tables, run->tableCount, message) ? qc_benchDone : qc_benchBroken;
+}
+
+/// All tests are exact: whoever finds other pairs than ours is wrong, or we are.
+static qcBenchExit CheckPairs(const Run* run, qcMessage* message)
+{
+    for (uint32_t t = 0; t < run->tableCount; ++t)
+    {
+        const qcPeersTable* table = &run->tables[t];
+        for (uint32_t r = 0; r < table->rowCount; ++r)
+        {
+            const qcPeerRow* row = &table->rows[r];
+            if (row->skipped[0] != 0 || row->agrees)
+                continue;
+            qcMessage_Fail(message,
+                           "%s: %s finds other pairs than our sweep (%" PRIu64 " and %" PRIu64 " in the first frame)",
+                           qcPeerWork_Name(table->work), row->entrant.name, row->pairs,
+                           qcPeersTable_FindOurs(table, row->threads)->pairs);
+            return qc_benchBroken;
+        }
+    }
+    return qc_benchDone;
+}
+
+static qcBenchExit Measure(Run* run, qcMessage* message)
+{
+    qcBenchExit ending = Prepare(run, message);
+    for (int i = 0; ending == qc_benchDone && i < qc_peerWorkCount; ++i)
+    {
+        if (run->options.works[i])
+            ending = MeasureWork(run, i, message);
+    }
+    if (ending != qc_benchDone)
+        return ending;
+    if (!qcPeers_WriteCsv(&run->options, run->tables, run->tableCount, message))
+        return qc_benchBroken;
+    printf("\nAll rows: %s/peers.csv\n", run->options.out);
+    if (!qcPeers_Plot(&run->options, run->tables, run->tableCount, message))
+        return qc_benchBroken;
+    return CheckPairs(run, message);
+}
+
+qcBenchExit qcBench_RunPeers(int argumentCount, char** arguments)
+{
+    Run run = {.device = NULL};
+    qcMessage message = {""};
+    qcPeers_ReadOptions(argumentCount, arguments, &run.options);
+    qcBenchExit ending = Measure(&run, &message);
+    if (ending != qc_benchDone)
+        fprintf(stderr, "qc-bench peers: %s\n", message.text);
+    free(run.tables);
+    qcDevice_Destroy(run.device);
+    return ending;
+}

@@ -1,0 +1,161 @@
+// What the parts of `qc-bench peers` share: the options, a work with its frames, the methods, a row for each.
+#ifndef QC_DEMOS_BENCH_PEERS_PEERS_H
+#define QC_DEMOS_BENCH_PEERS_PEERS_H
+
+#include "bench/scenes/motion.h"
+#include "bench/scenes/scenes.h"
+#include "bench/bench.h"
+#include "bench/peers/library.h"
+
+#include <quickcullide/quickcullide.h>
+
+enum
+{
+    qc_peerWorkCount = 11,
+    qc_peerLibraryCount = 3,
+    qc_peerLibraryMethods = 4, // of one library, at most
+    qc_maxPeerMethods = 2 + qc_peerLibraryCount * qc_peerLibraryMethods,
+    qc_maxPeerFrames = 32,
+    qc_maxPeerRounds = 16,
+    qc_maxPeerThreads = 8 // different numbers of them
+};
+
+typedef struct qcPeersOptions
+{
+    bool works[qc_peerWorkCount];
+    bool libraries[qc_peerLibraryCount];
+    uint32_t threads[qc_maxPeerThreads];
+    uint32_t threadsCount;
+    uint32_t frames, rounds;
+    qcDeviceKind device;
+    qcBenchModels models;
+    const char* out;
+} qcPeersOptions;
+
+/// Reads the command line; ends the program after --help and on a mistake.
+void qcPeers_ReadOptions(int argumentCount, char** arguments, qcPeersOptions* options);
+
+//  ---- works ---------------------------------------------------------------------------------------
+
+typedef enum qcPeerKind
+{
+    qc_peerSelf,      ///< one deforming body with itself
+    qc_peerDeforming, ///< bodies with each other, all vertices new in each frame
+    qc_peerRigid      ///< bodies with each other, transforms new in each frame
+} qcPeerKind;
+
+/// Bodies, and where they are in each frame.
+typedef struct qcPeerWork
+{
+    int index;
+    qcPeerKind kind;
+    qcMesh* bodies; ///< floats; local space where rigid
+    uint32_t bodyCount, triangleCount;
+    uint32_t frameCount;
+    float** positions;       ///< frameCount * bodyCount arrays; null where rigid
+    qcTransform* transforms; ///< frameCount * bodyCount; null where deforming
+} qcPeerWork;
+
+/// "cloth-20k"; `index` below qc_peerWorkCount.
+const char* qcPeerWork_Name(int index);
+const char* qcPeerWork_Title(int index);
+
+/// Makes a work; empty unless it was made. The same bits each time.
+qcBenchMade qcPeerWork_Make(int index, const qcBenchModels* models, uint32_t frameCount, qcPeerWork* work,
+                            qcMessage* message);
+/// Makes the frames of a work whose kind, bodies and frameCount are set; bodies of the kinds other than qc_peerSelf are
+/// piled up first. False: out of memory.
+bool qcPeerWork_Animate(qcPeerWork* work);
+void qcPeerWork_Free(qcPeerWork* work);
+
+//  ---- methods -------------------------------------------------------------------------------------
+
+/// "embree"; `library` below qc_peerLibraryCount.
+const char* qcPeerModule_Name(int library);
+/// What has to be installed before it can be built.
+const char* qcPeerModule_Packages(int library);
+/// Loads a library's module from beside the program; null where it is not there. It stays until the program ends.
+/// False with a message: it is there and does not load.
+bool qcPeerModule_Load(int library, const qcPeerLibrary** loaded, qcMessage* message);
+
+/// A method of ours or of a peer.
+typedef struct qcPeerEntrant
+{
+    const char* name;
+    const qcPeerLibrary* library; ///< null: ours
+    uint32_t method;              ///< of the library, or a qcMethod
+    bool threaded;
+} qcPeerEntrant;
+
+/// One of ours on a work.
+typedef struct qcPeerOurs
+{
+    qcScene* scene;
+    qcBodyId* ids;
+    const qcResult* result; ///< of the last step
+    double moveMs;          ///< of the last step: positions or transforms in
+} qcPeerOurs;
+
+/// False: qcLastMessage says why. Close it in any case.
+bool qcPeerOurs_Open(const qcPeerWork* work, qcDevice* device, qcPeerOurs* ours);
+/// A frame's positions or transforms in, pairs out.
+bool qcPeerOurs_Step(qcPeerOurs* ours, const qcPeerWork* work, uint32_t frame, const qcDetectDef* def);
+void qcPeerOurs_Close(qcPeerOurs* ours);
+
+//  ---- rows ----------------------------------------------------------------------------------------
+
+/// What a method found in a frame.
+typedef struct qcPeerSeen
+{
+    bool ran;
+    uint64_t pairs;
+    uint64_t sum; ///< over the pairs, whatever their order: equal sums are equal pairs, but for chance
+} qcPeerSeen;
+
+typedef struct qcPeerRow
+{
+    qcPeerEntrant entrant;
+    uint32_t threads;
+    char skipped[256]; ///< why it did not run; empty: it did
+    double openMs;     ///< structures for bodies at rest, and their copies
+    double firstMs, secondMs;
+    uint32_t steps;     ///< timed
+    double ms, leastMs; ///< positions in, pairs out: median and least
+    qcPeerSeen seen[qc_maxPeerFrames];
+    uint64_t pairs; ///< in the first frame
+    bool agrees;    ///< with our sweep, in every frame that both saw
+} qcPeerRow;
+
+/// One work and what was measured on it.
+typedef struct qcPeersTable
+{
+    int work;
+    qcPeerKind kind;
+    uint32_t bodyCount, triangleCount;
+    qcPeerRow rows[qc_maxPeerThreads * qc_maxPeerMethods]; ///< those of a number of threads together, our sweep first
+    uint32_t rowCount;
+} qcPeersTable;
+
+/// Adds a row for each entrant with this number of threads. False with a message: out of memory, or our sweep failed.
+bool qcPeers_Measure(const qcPeersOptions* options, const qcPeerWork* work, const qcPeerEntrant* entrants,
+                     uint32_t entrantCount, qcDevice* device, uint32_t threads, qcPeersTable* table,
+                     qcMessage* message);
+
+/// Our sweep's row of this number of threads.
+const qcPeerRow* qcPeersTable_FindOurs(const qcPeersTable* table, uint32_t threads);
+/// The quickest row of Embree with this number of threads; null: none ran.
+const qcPeerRow* qcPeersTable_FindEmbree(const qcPeersTable* table, uint32_t threads);
+/// Seconds for 100 K triangles that a step of ours, which took `ms`, took longer than later ones. In the first or in
+/// the second the topology is laid together.
+double qcPeersTable_Preprocessing(const qcPeersTable* table, const qcPeerRow* ours, double ms);
+
+//  ---- reports -------------------------------------------------------------------------------------
+
+/// What was found on one work, for a reader, on standard output.
+void qcPeers_PrintTable(const qcPeersTable* table);
+bool qcPeers_WriteCsv(const qcPeersOptions* options, const qcPeersTable* tables, uint32_t tableCount,
+                      qcMessage* message);
+/// Writes the gnuplot script beside the CSV and runs it.
+bool qcPeers_Plot(const qcPeersOptions* options, const qcPeersTable* tables, uint32_t tableCount, qcMessage* message);
+
+#endif

@@ -1,0 +1,23 @@
+// Triangle soups made by rule for the benchmark: the same arguments give the same bits on every machine with the same C
+// library.
+#ifndef QC_DEMOS_BENCH_SCENES_SHAPES_H
+#define QC_DEMOS_BENCH_SCENES_SHAPES_H
+
+#include "common/mesh_io/mesh_file.h"
+
+/// A random number in lower .. upper; the state is the seed.
+double qcBenchShapes_Random(uint64_t* state, double lower, double upper);
+
+/// A cloth of 2 * side * side triangles, folded into four panels and these into three, 12 layers with wrinkles.
+/// `wrinkles`: their depth; at 1 some layers cross, at 2.5 (a tangle) most do. False: out of memory.
+bool qcBenchShapes_MakeCloth(uint32_t side, double wrinkles, qcMesh* mesh);
+
+/// Two wavy sheets over the unit square, `gap` apart; in some places the upper one dips through the lower one, by up
+/// to the gap.
+bool qcBenchShapes_MakeSheets(double gap, qcMesh sheets[2]);
+
+/// Needles of a tenth of the unit cube: the tip of each second one pokes through the one before, by a tenth to a ten
+/// thousandth of its length.
+bool qcBenchShapes_MakeSlivers(uint32_t count, qcMesh* mesh);
+
+#endif

@@ -1,0 +1,302 @@
+// qc-bench soft: soft bodies by this library beside Bullet alone, in scenes that are hard for either: a cloth over a
+// pile of moving meshes, bodies that are tangled at the start, a rope over a cylinder.
+#include "bench/soft/pile_scene.h"
+#include "bench/soft/rope_scene.h"
+#include "bench/soft/tangle_scene.h"
+
+extern "C" {
+#include "common/files.h"
+#include "bench/scenes/scenes.h"
+#include "common/stopwatch.h"
+#include "common/mesh_io/decimate.h"
+#include "common/mesh_io/mesh_file.h"
+#include "common/option_values.h"
+#include "common/output_file.h"
+#include "bench/bench.h"
+}
+
+#include <argp.h>
+
+#include <cmath>
+#include <cstdio>
+#include <string>
+
+namespace
+{
+constexpr int s_pileSteps = 120, s_tangleSteps = 80, s_ringSteps = 30;
+
+struct Options
+{
+    const char* out = "out/bench";
+};
+
+/// One figure of a scene, by this library and by Bullet. NaN: there is none.
+struct Row
+{
+    const char* scene;
+    const char* figure;
+    double ours, bullets;
+};
+
+using Rows = std::vector<Row>;
+
+/// Time of the steps alone.
+class StepTime
+{
+  public:
+    template <typename Scene> void Step(Scene& scene)
+    {
+        double start = qcBenchTime_NowMs();
+        scene.Step();
+        m_sum += qcBenchTime_NowMs() - start;
+        m_count++;
+    }
+    double Mean() const
+    {
+        return m_sum / m_count;
+    }
+
+  private:
+    double m_sum = 0;
+    int m_count = 0;
+};
+
+/// About 900 triangles; a torus where the model is missing.
+void MakePileMesh(qcPileSceneDef* def)
+{
+    qcMesh mesh, coarse;
+    qcMessage message;
+    if (qcMesh_ReadFile(QC_BUNNY_PATH, qc_meshAsDeclared, &mesh, &message))
+    {
+        if (qcMesh_Decimate(&mesh, 1000, &coarse))
+        {
+            const float* positions = static_cast<const float*>(coarse.positions);
+            for (size_t i = 0; i < 3 * size_t(coarse.vertexCount); i++)
+                def->positions.push_back(btScalar(0.5) * btScalar(positions[i]));
+            def->indices.assign(coarse.indices, coarse.indices + 3 * size_t(coarse.triangleCount));
+            qcMesh_Free(&coarse);
+        }
+        qcMesh_Free(&mesh);
+    }
+    if (def->indices.empty())
+    {
+        std::fprintf(stderr, "%s; tori stand in for bunnies\n", message.text);
+        const uint32_t around = 24, across = 12;
+        for (uint32_t i = 0; i < around * across; i++)
+        {
+            btScalar a = SIMD_2_PI * btScalar(i / across) / around, b = SIMD_2_PI * btScalar(i % across) / across;
+            btScalar far = btScalar(0.35) + btScalar(0.15) * btCos(b);
+            def->positions.insert(def->positions.end(), {far * btCos(a), far * btSin(a), btScalar(0.15) * btSin(b)});
+            uint32_t here = i / across * across, right = (here + across) % (around * across), j = i % across,
+                     up = (j + 1) % across;
+            def->indices.insert(def->indices.end(), {here + j, right + j, right + up, here + j, right + up, here + up});
+        }
+        return;
+    }
+    // About its centre of mass.
+    qcPositionType type = sizeof(btScalar) == sizeof(double) ? qc_positionF64 : qc_positionF32;
+    btTransform frame = qcMeshShape(def->positions.data(), type, 0, uint32_t(def->positions.size() / 3),
+                                    def->indices.data(), uint32_t(def->indices.size() / 3))
+                            .getMassProperties()
+                            .principalFrame.inverse();
+    for (size_t i = 0; i < def->positions.size(); i += 3)
+    {
+        btVector3 p = frame * btVector3(def->positions[i], def->positions[i + 1], def->positions[i + 2]);
+        std::copy_n(&p[0], 3, &def->positions[i]);
+    }
+}
+
+void MeasurePile(Rows* rows)
+{
+    const char* name = "a cloth of 50 x 50 nodes over 20 moving meshes, 120 steps";
+    double figures[2][5];
+    for (int ours = 0; ours < 2; ours++)
+    {
+        qcPileSceneDef def;
+        def.ours = ours;
+        def.nodes = 50;
+        MakePileMesh(&def);
+        qcPileScene scene(def);
+        StepTime time;
+        int still = 0;
+        for (int step = 0; step < s_pileSteps; step++)
+        {
+            time.Step(scene);
+            still = std::max(still, scene.Measure().still);
+        }
+        qcPileMeasure end = scene.Measure();
+        double penetrating = NAN;
+        if (def.ours)
+            penetrating = scene.quick.getStatistics().remaining;
+        const double mine[] = {double(end.height), double(end.speed), double(still), penetrating, time.Mean()};
+        std::copy_n(mine, 5, figures[ours]);
+    }
+    rows->push_back({name, "mean height of the cloth at the end, m", figures[1][0], figures[0][0]});
+    rows->push_back({name, "its mean speed then, m/s", figures[1][1], figures[0][1]});
+    rows->push_back({name, "nodes that stand still in a step, most", figures[1][2], figures[0][2]});
+    rows->push_back({name, "pairs that penetrate at the end", figures[1][3], figures[0][3]});
+    rows->push_back({name, "a step, ms", figures[1][4], figures[0][4]});
+}
+
+void MeasureScrambled(Rows* rows)
+{
+    const char* name = "an elastic cube whose nodes are scrambled";
+    double figures[2][5];
+    for (int ours = 0; ours < 2; ours++)
+    {
+        qcScrambledScene scene(ours);
+        StepTime time;
+        figures[ours][0] = double(scene.CountTangled());
+        int last = 0;
+        for (int step = 1; step <= s_tangleSteps; step++)
+        {
+            time.Step(scene);
+            size_t tangled = scene.CountTangled();
+            last = tangled > 0 ? step : last;
+            if (step == 16 || step == 32)
+                figures[ours][step / 16] = double(tangled);
+        }
+        figures[ours][3] = last < s_tangleSteps ? last : NAN;
+        figures[ours][4] = time.Mean();
+    }
+    const char* const labels[] = {"pairs that penetrate at the start", "after 16 steps", "after 32 steps",
+                                  "steps until none does", "a step, ms"};
+    for (int i = 0; i < 5; i++)
+        rows->push_back({name, labels[i], figures[1][i], figures[0][i]});
+}
+
+void MeasureRings(Rows* rows)
+{
+    const char* name = "three soft rings in free fall that begin inside of each other";
+    double figures[2][4];
+    for (int ours = 0; ours < 2; ours++)
+    {
+        qcRingsScene scene(ours);
+        StepTime time;
+        double start = double(scene.Height());
+        figures[ours][0] = double(scene.CountTangled());
+        int last = 0;
+        for (int step = 1; step <= s_ringSteps; step++)
+        {
+            time.Step(scene);
+            last = scene.CountTangled() > 0 ? step : last;
+        }
+        figures[ours][1] = last < s_ringSteps ? last : NAN;
+        figures[ours][2] = start - double(scene.Height());
+        figures[ours][3] = time.Mean();
+    }
+    const char* const labels[] = {"pairs that penetrate at the start", "steps until none does",
+                                  "fallen after 30 steps, m (free fall: 1.292)", "a step, ms"};
+    for (int i = 0; i < 4; i++)
+        rows->push_back({name, labels[i], figures[1][i], figures[0][i]});
+}
+
+void MeasureRopes(Rows* rows)
+{
+    static const char* const labels[] = {"8 sides, dropped: seconds until it is off", "the same, thrown along the axis",
+                                         "32 sides, dropped", "the same, thrown along the axis"};
+    const char* name = "a rope of 41 nodes at 2 m/s on a mesh cylinder, 20 s";
+    for (int scene = 0; scene < 4; scene++)
+    {
+        double seconds[2];
+        for (int ours = 0; ours < 2; ours++)
+        {
+            qcRopeSceneDef def;
+            def.contact = ours ? qcRopeContact::ours : qcRopeContact::bulletsMesh;
+            def.radius = btScalar(0.1);
+            def.length = 4;
+            def.sides = scene < 2 ? 8 : 32;
+            def.velocity = scene % 2 == 0 ? btVector3(0, -2, 0) : btVector3(0, 0, 2);
+            qcRopeScene rope(def);
+            int step = 0;
+            for (; step < 1200 && rope.Measure().highest > 0; step++)
+                rope.Step();
+            seconds[ours] = step < 1200 ? step / 60.0 : NAN;
+        }
+        rows->push_back({name, labels[scene], seconds[1], seconds[0]});
+    }
+}
+
+void PrintRows(const Rows& rows)
+{
+    const char* scene = "";
+    for (const Row& row : rows)
+    {
+        if (row.scene != scene)
+            std::printf("\n%s\n%-50s %12s %12s\n", row.scene, "", "ours", "Bullet");
+        scene = row.scene;
+        char texts[2][16];
+        for (int side = 0; side < 2; side++)
+        {
+            double value = side == 0 ? row.ours : row.bullets;
+            std::snprintf(texts[side], sizeof texts[side], std::isnan(value) ? "-" : "%.4g", value);
+        }
+        std::printf("  %-48s %12s %12s\n", row.figure, texts[0], texts[1]);
+    }
+    std::printf("\n-: not counted, or never within the steps\n");
+}
+
+bool WriteRows(const Options& options, const Rows& rows, qcMessage* message)
+{
+    qcOutput output;
+    std::string path = std::string(options.out) + "/soft.csv";
+    if (!qcOutput_Open(path.c_str(), &output, message))
+        return false;
+    std::fputs("scene,figure,ours,bullet\n", output.stream);
+    for (const Row& row : rows)
+    {
+        qcBenchFiles_WriteQuoted(output.stream, row.scene);
+        std::fputc(',', output.stream);
+        qcBenchFiles_WriteQuoted(output.stream, row.figure);
+        std::fprintf(output.stream, ",%.6g,%.6g\n", row.ours, row.bullets);
+    }
+    return qcOutput_Commit(&output, message);
+}
+
+enum OptionKey
+{
+    // Beyond every character: no option has a short name.
+    key_out = 256
+};
+
+error_t ReadOption(int key, char* text, argp_state* state)
+{
+    Options* options = static_cast<Options*>(state->input);
+    switch (key)
+    {
+        case key_out: options->out = qcOption_ReadFolder(state, "--out", text); return 0;
+        case ARGP_KEY_ARG: argp_error(state, "'%s': options only, please", text); return 0;
+        default: return ARGP_ERR_UNKNOWN;
+    }
+}
+} // namespace
+
+extern "C" qcBenchExit qcBench_RunSoft(int argumentCount, char** arguments)
+{
+    static const argp_option known[] = {
+        {"out", key_out, "FOLDER", 0, "Where soft.csv goes; out/bench by default, made if it is missing", 0}, {}};
+    static const char help[] =
+        "Scenes that are hard for soft bodies, by this library and by Bullet alone: a cloth that falls over a pile of "
+        "moving meshes (btGImpactMeshShape in Bullet), bodies that are tangled at the start, and a rope that is thrown "
+        "over a cylinder of triangles.\vExit status: as for qc-bench.";
+    static const argp parser = {known, ReadOption, nullptr, help, nullptr, nullptr, nullptr};
+    Options options;
+    argp_err_exit_status = qc_benchUsage;
+    argp_parse(&parser, argumentCount, arguments, 0, nullptr, &options);
+    qcMessage message;
+    if (!qcBenchFiles_Check(options.out, "soft.csv", &message))
+    {
+        std::fprintf(stderr, "%s: %s\n", arguments[0], message.text);
+        return qc_benchBroken;
+    }
+    Rows rows;
+    MeasurePile(&rows);
+    MeasureScrambled(&rows);
+    MeasureRings(&rows);
+    MeasureRopes(&rows);
+    PrintRows(rows);
+    if (WriteRows(options, rows, &message))
+        return qc_benchDone;
+    std::fprintf(stderr, "%s: %s\n", arguments[0], message.text);
+    return qc_benchBroken;
+}

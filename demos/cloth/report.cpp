@@ -1,0 +1,164 @@
+// CSV and closing table of the cloth demo.
+#include "cloth/report.h"
+
+extern "C" {
+#include "common/output_file.h"
+}
+
+#include <algorithm>
+#include <cinttypes>
+
+namespace
+{
+void WriteHeading(FILE* stream)
+{
+    std::fprintf(stream, "self_collision,step,seconds,step_ms,method,device,detect_ms,cull_ms,sweep_ms,exact_ms,"
+                         "contact_ms,respond_ms,contacts,penetrating_before,rounds,planes,zone_nodes,manifolds,"
+                         "penetrating_after");
+    for (const qcClothQuestionDef& question : qcClothQuestions)
+        std::fprintf(stream, ",%s_pcs,%s_found,%s_missed,%s_ms", question.column, question.column, question.column,
+                     question.column);
+    std::fprintf(stream, "\n");
+}
+
+void WriteRows(FILE* stream, const qcClothRun& run, double stepSeconds)
+{
+    for (size_t i = 0; i < run.steps.size(); i++)
+    {
+        const qcClothStep& step = run.steps[i];
+        const qcSoftBodyStatistics& s = step.statistics;
+        std::fprintf(stream, "%s,%zu,%.4f,%.3f,%s,%s,%.3f,%.3f,%.3f,%.3f,%.3f,%.3f,%d,%d,%d,%d,%d,%d,%zu",
+                     run.selfCollision ? "with" : "without", i + 1, double(i + 1) * stepSeconds, step.costs.Total(),
+                     qcMethod_Name(s.method), s.device, s.detectMs, s.cullMs, s.sweepMs, s.exactMs, s.contactMs,
+                     s.respondMs, s.contacts, s.penetrating, s.rounds, s.planes, s.zoneNodes, step.manifolds,
+                     step.Penetrating());
+        for (const qcClothAnswer& answer : step.answers)
+            if (step.compared)
+                std::fprintf(stream, ",%" PRIu32 ",%zu,%zu,%.3f", answer.pcs, answer.found, answer.missed, answer.ms);
+            else
+                std::fprintf(stream, ",,,,");
+        std::fprintf(stream, "\n");
+    }
+}
+
+template <typename Value> double Mean(const qcClothRun& run, Value value)
+{
+    double sum = 0;
+    for (const qcClothStep& step : run.steps)
+        sum += double(value(step));
+    return run.steps.empty() ? 0 : sum / double(run.steps.size());
+}
+
+template <typename Value> double Largest(const qcClothRun& run, Value value)
+{
+    double largest = 0;
+    for (const qcClothStep& step : run.steps)
+        largest = std::max(largest, double(value(step)));
+    return largest;
+}
+
+void PrintTwo(const char* label, double with, double without, int digits)
+{
+    std::printf("  %-46s %12.*f %12.*f\n", label, digits, with, digits, without);
+}
+
+/// Means and sums over the steps that were compared.
+void PrintCompared(const char* label, const qcClothRun& run)
+{
+    size_t steps = 0;
+    for (const qcClothStep& step : run.steps)
+        steps += step.compared;
+    std::printf("  %s: %zu frame%s\n", label, steps, steps == 1 ? "" : "s");
+    std::printf("    %-34s %10s %10s %8s %8s %10s\n", "", "PCS, mean", "ms, mean", "found", "missed", "by device");
+    for (size_t i = 0; i < qcClothQuestions.size() && steps != 0; i++)
+    {
+        double pcs = 0, ms = 0;
+        size_t found = 0, missed = 0, byDevice = 0;
+        for (const qcClothStep& step : run.steps)
+        {
+            const qcClothAnswer& answer = step.answers[i];
+            if (!step.compared)
+                continue;
+            pcs += double(answer.pcs) / double(steps);
+            ms += answer.ms / double(steps);
+            found += answer.found;
+            missed += answer.missed;
+            byDevice += answer.byDevice;
+        }
+        std::printf("    %-34s %10.0f %10.1f %8zu %8zu %10zu\n", qcClothQuestions[i].label, pcs, ms, found, missed,
+                    byDevice);
+    }
+}
+
+/// What the simulation asked, and what answered.
+void PrintLoop(const qcClothRun& run, qcMethod method, const qcDeviceInfo& device)
+{
+    size_t byDevice = 0;
+    for (const qcClothStep& step : run.steps)
+        byDevice += step.statistics.method == qc_methodLayers;
+    std::printf("  Self-collisions by %s: ", qcMethod_Name(method));
+    if (byDevice != 0)
+        std::printf("on %s (%s) in %zu of %zu steps\n", device.name, device.renderer, byDevice, run.steps.size());
+    else
+        std::printf("on the CPU\n");
+    if (!run.fallback.empty())
+        std::printf("  (%s)\n", run.fallback.c_str());
+    std::printf("\n");
+}
+} // namespace
+
+bool qcWriteClothCsv(const std::string& path, const qcClothRun& with, const qcClothRun& without, double stepSeconds,
+                     std::string* message)
+{
+    qcOutput output;
+    qcMessage failure;
+    if (!qcOutput_Open(path.c_str(), &output, &failure))
+    {
+        *message = failure.text;
+        return false;
+    }
+    WriteHeading(output.stream);
+    WriteRows(output.stream, with, stepSeconds);
+    WriteRows(output.stream, without, stepSeconds);
+    if (qcOutput_Commit(&output, &failure))
+        return true;
+    *message = failure.text;
+    return false;
+}
+
+void qcPrintClothTable(const qcClothRun& with, const qcClothRun& without, size_t triangles, qcMethod method,
+                       const qcDetectDef& request, const qcDeviceInfo& device)
+{
+    auto contacts = [](const qcClothStep& s) { return s.statistics.contacts; };
+    auto penetrating = [](const qcClothStep& s) { return s.Penetrating(); };
+    auto inZones = [](const qcClothStep& s) { return s.statistics.zoneNodes; };
+
+    std::printf("\nCloth over a table: %zu triangles, %zu steps\n\n", triangles, with.steps.size());
+    PrintLoop(with, method, device);
+    qcPrintStepCosts("self-collision; mean milliseconds of a step:",
+                     {{"on", qcMeanCosts(with.steps.begin(), with.steps.end())},
+                      {"off", qcMeanCosts(without.steps.begin(), without.steps.end())}});
+    std::printf("\n");
+    PrintTwo("self-contacts in a step, mean", Mean(with, contacts), Mean(without, contacts), 0);
+    PrintTwo("self-contacts in a step, most", Largest(with, contacts), Largest(without, contacts), 0);
+    PrintTwo("self-penetrating pairs after a step, most", Largest(with, penetrating), Largest(without, penetrating), 0);
+    PrintTwo("self-penetrating pairs at the end", double(with.steps.empty() ? 0 : with.steps.back().Penetrating()),
+             double(without.steps.empty() ? 0 : without.steps.back().Penetrating()), 0);
+    PrintTwo("nodes that moved as one with what they touch, in all", Mean(with, inZones) * double(with.steps.size()),
+             Mean(without, inZones) * double(without.steps.size()), 0);
+
+    if (device.kind == qc_deviceNone)
+    {
+        std::printf("\n  No GL on this machine: no pictures, and the methods were not compared.\n");
+        return;
+    }
+    auto resolution = uint32_t(Largest(with, [](const qcClothStep& s) { return s.answers[qc_clothQuick].resolution; }));
+    std::printf("\nAll methods on the same frames, %s (%s); cullide and quick: views %s, %u x %u pixels, ", device.name,
+                device.renderer, request.views, resolution, resolution);
+    if (request.iterations == 0)
+        std::printf("until nothing changes\n\n");
+    else
+        std::printf("%u round%s\n\n", request.iterations, request.iterations == 1 ? "" : "s");
+    PrintCompared("with self-collision", with);
+    PrintCompared("without", without);
+}

@@ -1,0 +1,45 @@
+// What the cloth demo measured: a row a step as CSV, and the closing table.
+#ifndef QC_DEMOS_CLOTH_REPORT_H
+#define QC_DEMOS_CLOTH_REPORT_H
+
+#include "cloth/measure.h"
+#include "common/bullet/step_costs.h"
+
+#include "quickcullide/bullet_soft_body.h"
+
+#include <string>
+#include <vector>
+
+struct qcClothStep
+{
+    qcStepCosts costs;
+    int manifolds = 0;
+    qcSoftBodyStatistics statistics;
+    qcClothAnswers answers;
+    bool compared = false; ///< all answers are there; otherwise that of the sweep, which each step is asked
+
+    /// Exactly, at the end of the step.
+    size_t Penetrating() const
+    {
+        return answers[qc_clothSweep].found;
+    }
+};
+
+/// One simulation from start to end.
+struct qcClothRun
+{
+    bool selfCollision = false;
+    std::string fallback; ///< why another method than the one asked for ran, the last time; empty if none did
+    std::vector<qcClothStep> steps;
+};
+
+/// Writes both runs. False with a message.
+bool qcWriteClothCsv(const std::string& path, const qcClothRun& with, const qcClothRun& without, double stepSeconds,
+                     std::string* message);
+
+/// Prints the closing table to standard output. `method`: what the simulation asked for; `request`: how the sampled
+/// methods were asked; `device`: on what.
+void qcPrintClothTable(const qcClothRun& with, const qcClothRun& without, size_t triangles, qcMethod method,
+                       const qcDetectDef& request, const qcDeviceInfo& device);
+
+#endif

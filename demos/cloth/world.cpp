@@ -1,0 +1,105 @@
+// The cloth, the table and the floor. All but the two lines with qcBroadphase and qcSoftBodySolver is plain Bullet.
+#include "cloth/world.h"
+
+#include <BulletSoftBody/btSoftBodyHelpers.h>
+
+#include <cmath>
+
+namespace
+{
+constexpr btScalar s_margin = btScalar(0.01);
+
+btRigidBody::btRigidBodyConstructionInfo Fixed(btCollisionShape* shape, const btVector3& place)
+{
+    btRigidBody::btRigidBodyConstructionInfo info(0, nullptr, shape);
+    info.m_startWorldTransform.setOrigin(place);
+    info.m_friction = btScalar(0.6);
+    return info;
+}
+} // namespace
+
+qcClothWorld::qcClothWorld(unsigned triangleCount, bool selfCollision, qcDevice* device, qcMethod method,
+                           unsigned threads)
+    : m_dispatcher(&m_configuration), m_softSolver(device),
+      m_world(&m_dispatcher, &m_broadphase, &m_solver, &m_configuration, &m_softSolver),
+      m_tableShape(btVector3(qcClothTable::radius, qcClothTable::thickness / 2, qcClothTable::radius)),
+      m_floorShape(btVector3(0, 1, 0), 0),
+      m_table(Fixed(&m_tableShape, btVector3(0, qcClothTable::height - qcClothTable::thickness / 2, 0))),
+      m_floor(Fixed(&m_floorShape, btVector3(0, 0, 0)))
+{
+    m_tableShape.setMargin(s_margin);
+    m_world.addRigidBody(&m_table);
+    m_world.addRigidBody(&m_floor);
+    btSoftBodyWorldInfo& info = m_world.getWorldInfo();
+    info.m_gravity = m_world.getGravity();
+    // Bullet samples shapes on a grid for soft bodies; the default of 0.25 m makes a round table square. Only Reset
+    // takes the new size over.
+    info.m_sparsesdf.setDefaultVoxelsz(btScalar(0.03));
+    info.m_sparsesdf.Reset();
+    m_softSolver.setMethod(method);
+    m_softSolver.setThreadCount(threads);
+    AddCloth(triangleCount, selfCollision);
+}
+
+qcClothWorld::~qcClothWorld()
+{
+    m_world.removeSoftBody(m_cloth);
+    delete m_cloth;
+    m_world.removeRigidBody(&m_floor);
+    m_world.removeRigidBody(&m_table);
+}
+
+void qcClothWorld::AddCloth(unsigned triangleCount, bool selfCollision)
+{
+    int side = int(std::ceil(std::sqrt(triangleCount / 2.0)));
+    // A little off the middle, so that the folds are not all alike.
+    btScalar x = btScalar(0.06), z = btScalar(-0.04), y = qcClothTable::height + btScalar(0.05);
+    m_cloth = btSoftBodyHelpers::CreatePatch(m_world.getWorldInfo(), btVector3(x - 1, y, z - 1),
+                                             btVector3(x + 1, y, z - 1), btVector3(x - 1, y, z + 1),
+                                             btVector3(x + 1, y, z + 1), side + 1, side + 1, 0, true);
+    m_cloth->getCollisionShape()->setMargin(s_margin);
+    btSoftBody::Material* bending = m_cloth->appendMaterial();
+    bending->m_kLST = btScalar(0.5);
+    m_cloth->generateBendingConstraints(2, bending);
+    m_cloth->m_cfg.piterations = 8;
+    m_cloth->m_cfg.collisions = btSoftBody::fCollision::SDF_RS;
+    // Bullet's default for contact with fixed bodies, 0.1, lets cloth sink through a table.
+    m_cloth->m_cfg.kKHR = 1;
+    m_cloth->m_cfg.kDF = btScalar(0.5);
+    m_cloth->m_cfg.kDP = btScalar(0.005);
+    m_cloth->setTotalMass(1);
+    m_world.addSoftBody(m_cloth);
+
+    qcSoftBodySettings settings;
+    settings.selfCollision = selfCollision;
+    settings.thickness = btScalar(0.4) * 2 / btScalar(side); // of an edge
+    m_softSolver.setSettings(m_cloth, settings);
+
+    for (int i = 0; i < m_cloth->m_faces.size(); i++)
+        for (const btSoftBody::Node* node : m_cloth->m_faces[i].m_n)
+            m_indices.push_back(uint32_t(node - &m_cloth->m_nodes[0]));
+}
+
+qcStepCosts qcClothWorld::Step()
+{
+    qcStepCosts costs = qcTimeStep(&m_world, stepSeconds);
+    const qcSoftBodyStatistics& statistics = m_softSolver.getStatistics();
+    double stages = statistics.cullMs + statistics.sweepMs + statistics.exactMs + statistics.contactMs;
+    costs.Move(qc_costRest, qc_costGather, statistics.gatherMs);
+    costs.Move(qc_costRest, qc_costCull, statistics.cullMs);
+    costs.Move(qc_costRest, qc_costSweep, statistics.sweepMs);
+    costs.Move(qc_costRest, qc_costExact, statistics.exactMs);
+    costs.Move(qc_costRest, qc_costPoints, statistics.contactMs);
+    costs.Move(qc_costRest, qc_costOther, statistics.detectMs - stages);
+    costs.Move(qc_costRest, qc_costRespond, statistics.respondMs);
+    return costs;
+}
+
+const std::vector<float>& qcClothWorld::Positions()
+{
+    m_positions.resize(3 * size_t(m_cloth->m_nodes.size()));
+    for (int i = 0; i < m_cloth->m_nodes.size(); i++)
+        for (int axis = 0; axis < 3; axis++)
+            m_positions[3 * size_t(i) + size_t(axis)] = float(m_cloth->m_nodes[i].m_x[axis]);
+    return m_positions;
+}

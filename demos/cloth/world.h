@@ -1,0 +1,68 @@
+// The paper's first scene in Bullet: a cloth falls over a round table and folds on itself.
+// Govindaraju, Lin, Manocha: Quick-CULLIDE, VR 2005, section 5, cloth simulation, and figure 4.
+#ifndef QC_DEMOS_CLOTH_WORLD_H
+#define QC_DEMOS_CLOTH_WORLD_H
+
+#include "common/bullet/step_costs.h"
+
+#include "quickcullide/bullet.h"
+
+#include <BulletSoftBody/btSoftBodyRigidBodyCollisionConfiguration.h>
+#include <BulletSoftBody/btSoftRigidDynamicsWorld.h>
+#include <btBulletDynamicsCommon.h>
+
+#include <vector>
+
+/// The table: a round top on a leg, standing on the floor y = 0. Metres.
+struct qcClothTable
+{
+    static constexpr float radius = 0.32f, height = 0.80f, thickness = 0.09f;
+};
+
+class qcClothWorld
+{
+  public:
+    /// A square cloth of 2 m with at least `triangleCount` triangles. `device`, `method` and `threads` find its
+    /// self-collisions; the device, which may be null, must outlive the world.
+    qcClothWorld(unsigned triangleCount, bool selfCollision, qcDevice* device, qcMethod method, unsigned threads);
+    ~qcClothWorld();
+    qcClothWorld(const qcClothWorld&) = delete;
+    qcClothWorld& operator=(const qcClothWorld&) = delete;
+
+    /// One step of `stepSeconds`.
+    qcStepCosts Step();
+    static constexpr double stepSeconds = 1.0 / 120;
+
+    const qcSoftBodyStatistics& Statistics() const
+    {
+        return m_softSolver.getStatistics();
+    }
+    int ManifoldCount() const
+    {
+        return m_dispatcher.getNumManifolds();
+    }
+    /// Three floats a vertex, of this moment.
+    const std::vector<float>& Positions();
+    const std::vector<uint32_t>& Indices() const
+    {
+        return m_indices;
+    }
+
+  private:
+    void AddCloth(unsigned triangleCount, bool selfCollision);
+
+    btSoftBodyRigidBodyCollisionConfiguration m_configuration;
+    btCollisionDispatcher m_dispatcher;
+    qcBroadphase m_broadphase;
+    btSequentialImpulseConstraintSolver m_solver;
+    qcSoftBodySolver m_softSolver;
+    btSoftRigidDynamicsWorld m_world;
+    btCylinderShape m_tableShape;
+    btStaticPlaneShape m_floorShape;
+    btRigidBody m_table, m_floor;
+    btSoftBody* m_cloth = nullptr;
+    std::vector<float> m_positions;
+    std::vector<uint32_t> m_indices;
+};
+
+#endif

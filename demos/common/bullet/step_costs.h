@@ -1,0 +1,61 @@
+// Where the time of a step of Bullet goes: what Bullet does itself, and what our glue does in its stead.
+#ifndef QC_DEMOS_COMMON_BULLET_STEP_COSTS_H
+#define QC_DEMOS_COMMON_BULLET_STEP_COSTS_H
+
+#include <BulletDynamics/Dynamics/btDynamicsWorld.h>
+
+#include <array>
+#include <string>
+#include <utility>
+#include <vector>
+
+/// In the order of a step.
+enum qcStepCost
+{
+    qc_costBoxes,     ///< Bullet: boxes of all objects, handed to the broadphase
+    qc_costPairs,     ///< the broadphase finds pairs of boxes
+    qc_costGather,    ///< ours: geometry is read from Bullet
+    qc_costAhead,     ///< ours: what fast bodies come upon in the step
+    qc_costCull,      ///< ours: the stages of the query
+    qc_costSweep,     ///< ours
+    qc_costExact,     ///< ours
+    qc_costPoints,    ///< ours: contact points
+    qc_costOther,     ///< ours: the rest of the query
+    qc_costManifolds, ///< collision algorithms fill manifolds: ours from these points, and Bullet's own
+    qc_costRespond,   ///< ours: soft bodies move apart
+    qc_costRigid,     ///< Bullet: islands and constraints of rigid bodies
+    qc_costSoft,      ///< Bullet: constraints of soft bodies
+    qc_costBreak,     ///< a body is broken, and replaced by its pieces
+    qc_costRest,      ///< Bullet: forces, motion, sleeping
+    qc_costCount
+};
+
+/// Milliseconds; nothing is counted twice.
+struct qcStepCosts
+{
+    std::array<double, qc_costCount> ms{};
+
+    double Total() const;
+    /// A part of what counted as `from` so far was `to`.
+    void Move(qcStepCost from, qcStepCost to, double part);
+    void Add(const qcStepCosts& other, double weight);
+};
+
+/// Means of the costs of steps; `begin` and `end` are iterators of what has `costs`.
+template <typename Iterator> qcStepCosts qcMeanCosts(Iterator begin, Iterator end)
+{
+    qcStepCosts mean;
+    for (Iterator step = begin; step != end; ++step)
+        mean.Add(step->costs, 1 / double(end - begin));
+    return mean;
+}
+
+/// Makes one step of `seconds`, timed by Bullet's own profile zones: all but what is marked as ours above, which is
+/// still part of what it is in. Without such zones, which a Bullet may be built without, all is `rest`. One thread at a
+/// time.
+qcStepCosts qcTimeStep(btDynamicsWorld* world, double seconds);
+
+/// Prints a table to standard output, a column for each step or mean of steps. Rows of zeros are left out.
+void qcPrintStepCosts(const char* heading, const std::vector<std::pair<std::string, qcStepCosts>>& columns);
+
+#endif

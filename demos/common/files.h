@@ -1,0 +1,26 @@
+// What every benchmark leaves behind: a folder, a CSV, a gnuplot script and the pictures it draws.
+//
+// Thread-safety: one thread.
+#ifndef QC_DEMOS_COMMON_FILES_H
+#define QC_DEMOS_COMMON_FILES_H
+
+#include "common/message.h"
+
+#include <stdio.h>
+
+/// With all folders above it.
+bool qcBenchFiles_MakeFolder(const char* path, qcMessage* message);
+
+/// False: no such file. One that is there and can't be read is there.
+bool qcBenchFiles_IsThere(const char* path);
+
+/// Makes the folder and says early whether "FOLDER/NAME" can be written.
+bool qcBenchFiles_Check(const char* folder, const char* name, qcMessage* message);
+
+/// A field of a CSV, in quotes.
+void qcBenchFiles_WriteQuoted(FILE* stream, const char* text);
+
+/// Runs "gnuplot SCRIPT" in the folder; without gnuplot a word on standard error. False: gnuplot failed.
+bool qcBenchFiles_Draw(const char* folder, const char* script, qcMessage* message);
+
+#endif

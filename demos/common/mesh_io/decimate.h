@@ -1,0 +1,12 @@
+// A coarser mesh of the same shape.
+#ifndef QC_DEMOS_COMMON_MESH_IO_DECIMATE_H
+#define QC_DEMOS_COMMON_MESH_IO_DECIMATE_H
+
+#include "common/mesh_io/mesh_file.h"
+
+/// Makes a mesh of floats with about `wanted` triangles: the vertices in each cell of a grid become their mean, and
+/// triangles that collapse are left out. Good for the look of it; the surface may meet itself. The same bits each time.
+/// False: out of memory.
+bool qcMesh_Decimate(const qcMesh* mesh, uint32_t wanted, qcMesh* coarse);
+
+#endif

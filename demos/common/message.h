@@ -1,0 +1,15 @@
+// What went wrong, in words for the person at the terminal.
+#ifndef QC_DEMOS_COMMON_MESSAGE_H
+#define QC_DEMOS_COMMON_MESSAGE_H
+
+#include <stdbool.h>
+
+typedef struct qcMessage
+{
+    char text[1024];
+} qcMessage;
+
+/// Keeps a printf-style message, cut where it is too long. Returns false, so that a failing function can return it.
+__attribute__((format(printf, 2, 3))) bool qcMessage_Fail(qcMessage* message, const char* format, ...);
+
+#endif

@@ -1,0 +1,32 @@
+// A file that appears under its name only when it is complete: until then the old one stays. Where the path is a
+// symbolic link, that is the file it leads to, there already or not; the link stays.
+//
+// Thread-safety: one thread; a few files may be open at once.
+#ifndef QC_DEMOS_COMMON_OUTPUT_FILE_H
+#define QC_DEMOS_COMMON_OUTPUT_FILE_H
+
+#include "common/message.h"
+
+#include <stdio.h>
+
+typedef struct qcOutput
+{
+    FILE* stream;    ///< write here
+    char* path;      ///< behind symbolic links
+    char* temporary; ///< beside the path; null where the path is no regular file and is written directly
+} qcOutput;
+
+/// Says early whether the path can be written; nothing is left behind.
+bool qcOutput_Check(const char* path, qcMessage* message);
+
+/// Opens a temporary file beside the path, in the folder of the file that is replaced. A signal that ends the program
+/// removes it.
+bool qcOutput_Open(const char* path, qcOutput* output, qcMessage* message);
+
+/// Gives the file its name. On failure (a full disk shows here at the latest) the old file is as it was.
+bool qcOutput_Commit(qcOutput* output, qcMessage* message);
+
+/// Closes and removes the temporary file.
+void qcOutput_Abort(qcOutput* output);
+
+#endif

@@ -1,0 +1,148 @@
+// Models and pieces as rigid bodies.
+#include "fracture/body.h"
+
+extern "C" {
+#include "common/mesh_io/bounds.h"
+#include "common/mesh_io/decimate.h"
+#include "common/mesh_io/mesh_file.h"
+}
+
+#include <algorithm>
+
+namespace
+{
+constexpr qcPositionType s_positionType = sizeof(btScalar) == sizeof(double) ? qc_positionF64 : qc_positionF32;
+// Metres. Pieces of one body begin with their shells in each other: thin ones part without a sound.
+constexpr btScalar s_margin = btScalar(0.001);
+
+btRigidBody::btRigidBodyConstructionInfo Material(btScalar mass, btCollisionShape* shape, const btTransform& place)
+{
+    btVector3 inertia;
+    shape->calculateLocalInertia(mass, inertia);
+    btRigidBody::btRigidBodyConstructionInfo info(mass, nullptr, shape, inertia);
+    info.m_startWorldTransform = place;
+    info.m_friction = btScalar(0.6);
+    info.m_rollingFriction = btScalar(0.01);
+    return info;
+}
+
+void TakePositions(const qcMesh& mesh, btScalar extent, qcFractureModel* model)
+{
+    double lower[3], upper[3];
+    double longest = qcMesh_FindBox(&mesh, 1, lower, upper);
+    double scale = longest > 0 ? double(extent) / longest : 1;
+    model->vertices.resize(mesh.vertexCount);
+    for (size_t i = 0; i < mesh.vertexCount; i++)
+    {
+        double p[3];
+        qcMesh_GetVertex(&mesh, i, p);
+        for (int axis = 0; axis < 3; axis++)
+            model->vertices[i][axis] = btScalar((p[axis] - lower[axis]) * scale);
+        model->vertices[i][3] = 0;
+    }
+    model->indices.assign(mesh.indices, mesh.indices + 3 * size_t(mesh.triangleCount));
+}
+
+/// Turns a mesh whose triangles are seen clockwise from outside.
+void FaceOutwards(qcFractureModel* model)
+{
+    double volume = 0;
+    auto corner = [model](size_t i) { return model->vertices[model->indices[i]]; };
+    for (size_t i = 0; i < model->indices.size(); i += 3)
+        volume += double(corner(i).dot(corner(i + 1).cross(corner(i + 2))));
+    for (size_t i = 0; i < model->indices.size() && volume < 0; i += 3)
+        std::swap(model->indices[i], model->indices[i + 1]);
+}
+} // namespace
+
+bool qcReadFractureModel(const std::string& path, uint32_t triangleCount, btScalar extent, qcFractureModel* model,
+                         std::string* message)
+{
+    qcMesh mesh;
+    qcMessage failure;
+    if (!qcMesh_ReadFile(path.c_str(), qc_meshAsDeclared, &mesh, &failure))
+    {
+        *message = failure.text;
+        return false;
+    }
+    // Vertices are only merged: what was closed stays closed.
+    qcMesh coarse;
+    if (mesh.triangleCount > triangleCount && qcMesh_Decimate(&mesh, triangleCount, &coarse))
+    {
+        qcMesh_Free(&mesh);
+        mesh = coarse;
+    }
+    TakePositions(mesh, extent, model);
+    qcMesh_Free(&mesh);
+    FaceOutwards(model);
+    qcMassProperties mass =
+        qcMeshShape(model->vertices.data(), s_positionType, sizeof(btVector3), uint32_t(model->vertices.size()),
+                    model->indices.data(), uint32_t(model->indices.size() / 3))
+            .getMassProperties();
+    if (!mass.closed)
+    {
+        *message = path + ": the mesh is not closed: there is no inside to break";
+        return false;
+    }
+    model->volume = btScalar(mass.volume);
+    model->upright = mass.principalFrame.getBasis();
+    btTransform inward = mass.principalFrame.inverse();
+    for (btVector3& vertex : model->vertices)
+        vertex = inward * vertex;
+    return true;
+}
+
+qcFractureBody::qcFractureBody(const std::vector<btVector3>& vertices, const std::vector<uint32_t>& indices,
+                               uint32_t firstCutTriangle, btScalar mass, const btTransform& place)
+    : shape(vertices.data(), s_positionType, sizeof(btVector3), uint32_t(vertices.size()), indices.data(),
+            uint32_t(indices.size() / 3)),
+      body(Material(mass, &shape, place)), firstCutTriangle(firstCutTriangle)
+{
+    shape.setMargin(s_margin);
+}
+
+btScalar qcFractureBody::Lowest() const
+{
+    const btTransform& place = body.getWorldTransform();
+    btVector3 down = place.getBasis()[1];
+    const btVector3* vertices = shape.getVertices();
+    btScalar lowest = BT_LARGE_FLOAT;
+    for (uint32_t i = 0; i < shape.getVertexCount(); i++)
+        lowest = std::min(lowest, down.dot(vertices[i]));
+    return lowest + place.getOrigin().y();
+}
+
+double qcFractureBody::KineticEnergy() const
+{
+    btVector3 spin = body.getAngularVelocity();
+    btMatrix3x3 inertia = body.getInvInertiaTensorWorld().inverse();
+    return 0.5 *
+           (double(body.getMass()) * double(body.getLinearVelocity().length2()) + double(spin.dot(inertia * spin)));
+}
+
+void qcFractureBody::AddMomentum(qcMomentum* sum) const
+{
+    btVector3 linear = body.getLinearVelocity() * body.getMass();
+    sum->linear += linear;
+    sum->angular += body.getInvInertiaTensorWorld().inverse() * body.getAngularVelocity() +
+                    body.getWorldTransform().getOrigin().cross(linear);
+}
+
+qcStatus qcFractureBody::AddTo(qcScene* scene) const
+{
+    qcBodyDef def = qcDefaultBodyDef();
+    def.positions = shape.getVertices();
+    def.positionType = s_positionType;
+    def.positionStride = sizeof(btVector3);
+    def.vertexCount = shape.getVertexCount();
+    def.indices = shape.getIndices();
+    def.triangleCount = shape.getTriangleCount();
+    def.selfCollision = false;
+    const btTransform& place = body.getWorldTransform();
+    for (int i = 0; i < 9; i++)
+        def.transform.linear[i] = double(place.getBasis()[i / 3][i % 3]);
+    for (int axis = 0; axis < 3; axis++)
+        def.transform.translation[axis] = double(place.getOrigin()[axis]);
+    qcBodyId id;
+    return qcScene_AddBody(scene, &def, &id);
+}

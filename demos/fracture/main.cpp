@@ -1,0 +1,169 @@
+// qc-fracture: a bunny falls on a floor, breaks in the midst of a step into hundreds of pieces, which collide and come
+// to rest, with our broadphase, mesh contact and fracture; pictures, a CSV, a table.
+#include "common/bullet/demo_options.h"
+#include "fracture/picture.h"
+#include "fracture/report.h"
+#include "fracture/world.h"
+
+extern "C" {
+#include "common/files.h"
+#include "common/mesh_io/bunny_path.h"
+#include "common/interrupt.h"
+#include "common/option_values.h"
+#include "common/progress.h"
+}
+
+#include <cstdio>
+
+namespace
+{
+constexpr btScalar s_extent = 4; // longest edge of the body's box, m
+
+struct Options
+{
+    // 240 steps a second: 24 frames.
+    qcDemoOptions common = {"out/fracture", 720, 10, qc_methodAuto, qc_deviceAuto, 0};
+    std::string mesh = QC_BUNNY_PATH;
+    unsigned triangles = 5000;
+    qcFractureRequest request;
+};
+
+enum OptionKey
+{
+    key_mesh = qc_demoFirstKey,
+    key_triangles,
+    key_pieces,
+    key_seed
+};
+
+error_t ReadOption(int key, char* text, argp_state* state)
+{
+    auto* options = static_cast<Options*>(state->input);
+    switch (key)
+    {
+        case ARGP_KEY_INIT: state->child_inputs[0] = &options->common; return 0;
+        case key_mesh: options->mesh = text; return 0;
+        case key_triangles:
+            options->triangles = qcOption_ReadNumber(state, "--triangles", text, 100, 10000000);
+            return 0;
+        case key_pieces: options->request.pieces = qcOption_ReadNumber(state, "--pieces", text, 1, 10000); return 0;
+        case key_seed: options->request.seed = qcOption_ReadNumber(state, "--seed", text, 0, UINT32_MAX); return 0;
+        default: return ARGP_ERR_UNKNOWN;
+    }
+}
+
+const argp_child s_children[] = {{&qcDemoArgp, 0, nullptr, 0}, {nullptr, 0, nullptr, 0}};
+
+const argp_option s_options[] = {
+    {"mesh", key_mesh, "FILE", 0,
+     "What breaks: a closed mesh, PLY or OBJ; the bunny of the package glmark2-data by default", 1},
+    {"triangles", key_triangles, "N", 0, "The mesh is made coarser until it has about as many; 5000 by default", 1},
+    {"pieces", key_pieces, "N", 0, "Voronoi cells, each with a piece or more; 200 by default", 1},
+    {"seed", key_seed, "N", 0, "Where the cells are; 1 by default", 1},
+    {nullptr, 0, nullptr, 0, nullptr, 0}};
+
+const char s_help[] =
+    "A bunny of 4 m falls on a floor, breaks on its first hard impact, and its pieces come to rest.\v"
+    "Ctrl-C ends it with a table of what was done.\n\n"
+    "Exit status: 0 done; 1 the mesh could not be read or broken, output could not be written, or a query failed; 2 a "
+    "mistake on the command line; 4 the device does not work here; 130 ended by Ctrl-C.";
+
+/// Pairs of triangles of two pieces that penetrate, by the exact test.
+bool CountPenetrating(const std::vector<std::unique_ptr<qcFractureBody>>& bodies, size_t* pairs)
+{
+    qcSceneDef sceneDef = qcDefaultSceneDef();
+    qcScene* scene = nullptr;
+    qcStatus status = qcScene_Create(&sceneDef, &scene);
+    for (size_t i = 0; i < bodies.size() && status == qc_statusOk; i++)
+        status = bodies[i]->AddTo(scene);
+    qcDetectDef def = qcDefaultDetectDef();
+    const qcResult* result = nullptr;
+    if (status == qc_statusOk)
+        status = qcScene_Detect(scene, &def, &result);
+    if (status == qc_statusOk)
+        *pairs = result->pairCount;
+    qcScene_Destroy(scene);
+    return status == qc_statusOk || qcDemo_Fail(qcLastMessage());
+}
+
+bool Draw(const Options& options, qcDevice* device, const qcFractureWorld& world, size_t frame,
+          qcFracturePicture* picture)
+{
+    char name[64];
+    std::snprintf(name, sizeof name, "/frame_%04zu.png", frame);
+    std::string message;
+    return picture->Write(device, world.Bodies(), options.common.out + name, &message) || qcDemo_Fail(message);
+}
+
+/// False with a message on standard error.
+bool Simulate(const Options& options, qcDevice* device, const qcDeviceInfo& info, const qcFractureModel& model,
+              qcFractureRun* run)
+{
+    qcFractureWorld world(model, options.request, device);
+    run->triangles = world.Bodies().front()->shape.getTriangleCount();
+    run->mass = world.Bodies().front()->body.getMass();
+    qcFracturePicture picture;
+    qcProgress_Begin(options.common.steps, "a bunny falls and breaks");
+    for (size_t step = 1; step <= options.common.steps && qcInterrupt_Signal() == 0; step++)
+    {
+        qcFractureStep measured;
+        std::string message;
+        if (!world.Step(&measured, &message))
+            return qcDemo_Fail("step " + std::to_string(step) + ": " + message);
+        if (measured.fallback != nullptr)
+            run->fallback = measured.fallback;
+        measured.fallback = nullptr; // It ends with the world.
+        run->steps.push_back(measured);
+        bool isFrame = step % options.common.frameEvery == 0 || step == options.common.steps;
+        if (info.kind != qc_deviceNone && isFrame &&
+            !Draw(options, device, world, (step - 1) / options.common.frameEvery, &picture))
+            return false;
+        qcProgress_Update(step);
+    }
+    qcProgress_End();
+    run->broken = world.Break();
+    return CountPenetrating(world.Bodies(), &run->penetratingPairs);
+}
+
+bool ReadModel(const Options& options, qcFractureModel* model)
+{
+    std::string message;
+    if (options.mesh == QC_BUNNY_PATH && !qcBenchFiles_IsThere(QC_BUNNY_PATH))
+        return qcDemo_Fail(options.mesh +
+                           " is not there; the package glmark2-data has it, or name another mesh with --mesh");
+    return qcReadFractureModel(options.mesh, options.triangles, s_extent, model, &message) || qcDemo_Fail(message);
+}
+
+int Run(const Options& options, qcDevice* device)
+{
+    qcFractureModel model;
+    qcFractureRun run;
+    qcDeviceInfo info;
+    qcDevice_GetInfo(device, &info);
+    if (!ReadModel(options, &model) || !Simulate(options, device, info, model, &run))
+        return qc_exitOutput;
+    std::string message;
+    if (!qcWriteFractureCsv(options.common.out + "/fracture.csv", run, &message))
+    {
+        qcDemo_Fail(message);
+        return qc_exitOutput;
+    }
+    qcPrintFractureTable(run, info);
+    return qcInterrupt_Signal() == 0 ? qc_exitDone : qc_exitSignal + qcInterrupt_Signal();
+}
+} // namespace
+
+int main(int argumentCount, char** arguments)
+{
+    Options options;
+    const argp parser = {s_options, ReadOption, nullptr, s_help, s_children, nullptr, nullptr};
+    qcDevice* device = nullptr;
+    int status = qcDemo_Begin(&parser, argumentCount, arguments, &options, &options.common, &device);
+    if (status != qc_exitDone)
+        return status;
+    options.request.method = options.common.method;
+    options.request.threads = options.common.threads;
+    status = Run(options, device);
+    qcDevice_Destroy(device);
+    return status;
+}

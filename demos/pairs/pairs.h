@@ -1,0 +1,70 @@
+// What the parts of qc-pairs share: the options, and one run with all that it found.
+#ifndef QC_DEMOS_PAIRS_PAIRS_H
+#define QC_DEMOS_PAIRS_PAIRS_H
+
+#include "common/mesh_io/mesh_file.h"
+
+#include <quickcullide/quickcullide.h>
+
+/// Exit statuses, part of what the tool promises.
+typedef enum qcPairsExit
+{
+    qc_exitDone = 0,
+    qc_exitFailed = 1, ///< output could not be written, or out of memory
+    qc_exitUsage = 2,
+    qc_exitBadInput = 3,
+    qc_exitDevice = 4
+} qcPairsExit;
+
+typedef struct qcPairsOptions
+{
+    qcDetectDef detect;
+    qcDeviceKind device;
+    bool deviceNamed; ///< on the command line
+    bool selfCollision;
+    bool f64;
+    uint32_t reps;
+    bool json;
+    const char* out;     ///< or null
+    const char* picture; ///< or null
+    char** paths;
+    uint32_t pathCount;
+} qcPairsOptions;
+
+/// Milliseconds of one stage over the repetitions.
+typedef struct qcPairsStage
+{
+    const char* name;
+    double least, median;
+} qcPairsStage;
+
+enum
+{
+    qc_stageCount = 8
+};
+
+typedef struct qcPairsRun
+{
+    const qcPairsOptions* options;
+    qcMesh* meshes; ///< options->pathCount
+    /// `device` answers the queries, null: none; `pictureDevice` is the same one where that can draw.
+    qcDevice* device;
+    qcDevice* pictureDevice;
+    qcDeviceInfo deviceInfo;
+    qcScene* scene;
+    const qcResult* result; ///< of the last repetition
+    qcPairsStage stages[qc_stageCount];
+    uint64_t relations[4]; ///< pairs of each qcRelation
+} qcPairsRun;
+
+/// Reads the command line; ends the program after --help and on a mistake.
+void qcPairs_ReadOptions(int argumentCount, char** arguments, qcPairsOptions* options);
+
+/// A line a pair into options->out.
+bool qcPairs_WritePairs(const qcPairsRun* run, qcMessage* message);
+/// The report for a reader, or the JSON object, on standard output.
+bool qcPairs_WriteReport(const qcPairsRun* run, qcMessage* message);
+/// Draws the meshes with the PCS in red into options->picture.
+qcPairsExit qcPairs_DrawPicture(const qcPairsRun* run, qcMessage* message);
+
+#endif

@@ -1,0 +1,68 @@
+// The floating-point environment that the proofs assume: round to nearest, subnormals kept, no traps. Public functions
+// whose results depend on it set it and put the caller's back.
+//
+// x86-64: MXCSR alone, since nothing is computed in x87 registers. Other processors: <fenv.h>.
+#ifndef QC_BASE_FLOAT_MODE_H
+#define QC_BASE_FLOAT_MODE_H
+
+#if defined(__x86_64__)
+
+#include <stdbool.h>
+#include <stdint.h>
+#include <xmmintrin.h>
+
+/// MXCSR of the caller.
+typedef struct qcFloatMode
+{
+    uint32_t control;
+} qcFloatMode;
+
+/// The low six bits are flags of what has happened, not modes.
+static inline bool qcFloatMode_IsDefault(qcFloatMode mode)
+{
+    return (mode.control & ~0x3fu) == 0x1f80u;
+}
+
+/// Sets the default environment; returns the one before. The computation belongs into a function that is not inlined:
+/// the compiler doesn't know that arithmetic depends on the mode.
+static inline qcFloatMode qcFloatMode_Begin(void)
+{
+    qcFloatMode mode = {_mm_getcsr()};
+    // Writing it takes some ten cycles more than reading it, and it hardly ever needs to be written.
+    if (!qcFloatMode_IsDefault(mode))
+        _mm_setcsr(0x1f80u);
+    return mode;
+}
+
+/// Puts the environment back.
+static inline void qcFloatMode_End(qcFloatMode mode)
+{
+    if (!qcFloatMode_IsDefault(mode))
+        _mm_setcsr(mode.control);
+}
+
+#else
+
+#include <fenv.h>
+
+typedef struct qcFloatMode
+{
+    fenv_t environment;
+} qcFloatMode;
+
+static inline qcFloatMode qcFloatMode_Begin(void)
+{
+    qcFloatMode mode;
+    fegetenv(&mode.environment);
+    fesetenv(FE_DFL_ENV);
+    return mode;
+}
+
+static inline void qcFloatMode_End(qcFloatMode mode)
+{
+    fesetenv(&mode.environment);
+}
+
+#endif
+
+#endif

@@ -1,0 +1,157 @@
+// Counted allocation. C17's aligned_alloc is the default heap.
+#include "base/memory.h"
+
+#include "base/status.h"
+
+#include <assert.h>
+#include <stdatomic.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum
+{
+    // A cache line, and the widest vector register there is.
+    qc_alignment = 64
+};
+
+static atomic_size_t s_byteCount;
+
+static void* DefaultAllocate(size_t size, void* context)
+{
+    (void)context;
+    // aligned_alloc wants a multiple of the alignment.
+    size_t rounded = (size + qc_alignment - 1) & ~(size_t)(qc_alignment - 1);
+    return rounded < size ? NULL : aligned_alloc(qc_alignment, rounded);
+}
+
+static void DefaultFree(void* memory, size_t size, void* context)
+{
+    (void)size;
+    (void)context;
+    free(memory);
+}
+
+static qcAllocateFunction* s_allocate = DefaultAllocate;
+static qcFreeFunction* s_free = DefaultFree;
+static void* s_context;
+
+qcStatus qcSetAllocator(qcAllocateFunction* allocate, qcFreeFunction* release, void* context)
+{
+    if ((allocate == NULL) != (release == NULL))
+        return qcFail(qc_statusBadInput, "qcSetAllocator: allocate and release must both be given, or neither");
+    if (qcGetByteCount() != 0)
+        return qcFail(qc_statusBadInput, "qcSetAllocator: %zu bytes are still held from the old allocator",
+                      qcGetByteCount());
+    s_allocate = allocate != NULL ? allocate : DefaultAllocate;
+    s_free = release != NULL ? release : DefaultFree;
+    s_context = context;
+    return qc_statusOk;
+}
+
+size_t qcGetByteCount(void)
+{
+    return atomic_load(&s_byteCount);
+}
+
+void* qcAllocate(size_t size)
+{
+    if (size == 0)
+        return NULL;
+    void* memory = s_allocate(size, s_context);
+    if (memory != NULL)
+        atomic_fetch_add(&s_byteCount, size);
+    return memory;
+}
+
+void* qcAllocateZeroed(size_t size)
+{
+    void* memory = qcAllocate(size);
+    if (memory != NULL)
+        memset(memory, 0, size);
+    return memory;
+}
+
+void qcFree(void* memory, size_t size)
+{
+    if (memory == NULL)
+        return;
+    assert(atomic_load(&s_byteCount) >= size);
+    atomic_fetch_sub(&s_byteCount, size);
+    s_free(memory, size, s_context);
+}
+
+/// Half as much again, so that n pushes cost O(n).
+static size_t GrownCapacity(const qcArray* array)
+{
+    size_t capacity = array->capacity + array->capacity / 2;
+    return capacity < 4096 ? 4096 : capacity;
+}
+
+/// To a block of another size, which holds all elements.
+static qcStatus MoveTo(qcArray* array, size_t capacity, size_t elementSize, const char* purpose)
+{
+    void* data = qcAllocate(capacity);
+    if (data == NULL)
+        return qcFailMemory(capacity, purpose);
+    if (array->count != 0)
+        memcpy(data, array->data, array->count * elementSize);
+    qcFree(array->data, array->capacity);
+    array->data = data;
+    array->capacity = capacity;
+    return qc_statusOk;
+}
+
+qcStatus qcArray_Grow(qcArray* array, size_t count, size_t elementSize, const char* purpose)
+{
+    if (count > SIZE_MAX / 2 / elementSize)
+        return qcFailMemory(SIZE_MAX, purpose);
+    size_t needed = count * elementSize;
+    // An array holds elements of one size as long as it lives.
+    assert(array->count * elementSize <= array->capacity);
+    size_t capacity = GrownCapacity(array);
+    return MoveTo(array, capacity < needed ? needed : capacity, elementSize, purpose);
+}
+
+qcStatus qcArray_Trim(qcArray* array, size_t elementSize, const char* purpose)
+{
+    size_t needed = array->count * elementSize;
+    return needed == 0 || needed == array->capacity ? qc_statusOk : MoveTo(array, needed, elementSize, purpose);
+}
+
+qcStatus qcArray_Resize(qcArray* array, size_t count, size_t elementSize, const char* purpose)
+{
+    QC_TRY(qcArray_Reserve(array, count, elementSize, purpose));
+    array->count = count;
+    return qc_statusOk;
+}
+
+qcStatus qcArray_GrowZeroed(qcArray* array, size_t count, size_t elementSize, const char* purpose)
+{
+    size_t old = array->count;
+    if (count <= old)
+        return qc_statusOk;
+    QC_TRY(qcArray_Resize(array, count, elementSize, purpose));
+    memset((char*)array->data + old * elementSize, 0, (count - old) * elementSize);
+    return qc_statusOk;
+}
+
+qcStatus qcArray_Append(qcArray* array, const qcArray* other, size_t elementSize, const char* purpose)
+{
+    QC_TRY(qcArray_Reserve(array, array->count + other->count, elementSize, purpose));
+    // Null is no array, not even an empty one.
+    if (other->count != 0)
+        memcpy((char*)array->data + array->count * elementSize, other->data, other->count * elementSize);
+    array->count += other->count;
+    return qc_statusOk;
+}
+
+void qcArray_Free(qcArray* array)
+{
+    qcFree(array->data, array->capacity);
+    *array = (qcArray){0};
+}
+
+qcStatus qcArray_FailAgain(const qcArray* array, const char* purpose)
+{
+    return qcFailMemory(GrownCapacity(array), purpose);
+}

@@ -1,0 +1,38 @@
+// Stable radix sort of keys with values: the order of everything that leaves the library.
+#ifndef QC_BASE_RADIX_SORT_H
+#define QC_BASE_RADIX_SORT_H
+
+#include "base/memory.h"
+
+typedef struct qcSortItem
+{
+    uint64_t key;
+    uint64_t value;
+} qcSortItem;
+
+/// Sorts by key, ascending; items with the same key keep their order. O(count) per 11 bits in which keys differ.
+qcStatus qcSort_Items(qcSortItem* items, size_t count, qcArray* scratch);
+
+/// A key whose order is the order of the floats (NaN excluded).
+static inline uint32_t qcSort_FloatKey(float value)
+{
+    union
+    {
+        float f;
+        uint32_t u;
+    } bits = {value + 0.0f}; // -0 becomes +0, which compares equal
+    return bits.u & 0x80000000u ? ~bits.u : bits.u | 0x80000000u;
+}
+
+/// The same for doubles.
+static inline uint64_t qcSort_DoubleKey(double value)
+{
+    union
+    {
+        double d;
+        uint64_t u;
+    } bits = {value + 0.0};
+    return bits.u >> 63 != 0 ? ~bits.u : bits.u | (uint64_t)1 << 63;
+}
+
+#endif

@@ -1,0 +1,25 @@
+// Failing with a message that names the place.
+#ifndef QC_BASE_STATUS_H
+#define QC_BASE_STATUS_H
+
+#include "quickcullide/base.h"
+
+/// Keeps a printf-style message for qcLastMessage and returns `status`.
+__attribute__((format(printf, 2, 3))) qcStatus qcFail(qcStatus status, const char* format, ...);
+
+/// qc_statusOutOfMemory, naming what the memory was for.
+qcStatus qcFailMemory(size_t size, const char* purpose);
+
+/// Sends a line to the host's log function, if there is one.
+__attribute__((format(printf, 1, 2))) void qcLog(const char* format, ...);
+
+/// Leaves the calling function with the status of a call that failed.
+#define QC_TRY(call)                                                                                                   \
+    do                                                                                                                 \
+    {                                                                                                                  \
+        qcStatus tried = (call);                                                                                       \
+        if (tried != qc_statusOk)                                                                                      \
+            return tried;                                                                                              \
+    } while (0)
+
+#endif

@@ -1,0 +1,198 @@
+// Median splits along the longest axis of the centres, down to eight boxes. Bentley: Multidimensional binary search
+// trees used for associative searching, 1975.
+//
+// Boxes much larger than most come behind the others, and are split among themselves: among small ones each would make
+// all nodes above it large, and a ground or an infinite box would be met on the way to everything.
+#include "broadphase/bvh_build_order.h"
+
+#include <math.h>
+#include <string.h>
+
+enum
+{
+    qc_exponents = 256,
+    // Boxes this much larger than the median, as a power of two, come behind.
+    qc_largeBy = 3
+};
+
+static float Finite(float x)
+{
+    // NaN too, of infinities that cancel.
+    if (!(x > -1e30f))
+        return -1e30f;
+    return x < 1e30f ? x : 1e30f;
+}
+
+qcBoxItem qcBoxItem_Make(const qcFloatBox* box, uint32_t id)
+{
+    qcBoxItem item = {.id = id};
+    for (int k = 0; k < 3; k++)
+        item.center[k] = Finite(0.5f * box->lower[k] + 0.5f * box->upper[k]);
+    return item;
+}
+
+//  ---- splits ----------------------------------------------------------------------------------------
+
+/// A strict order of all items: centres may be the same.
+static inline bool Before(const qcBoxItem* a, const qcBoxItem* b, int axis)
+{
+    return (a->center[axis] < b->center[axis]) | ((a->center[axis] == b->center[axis]) & (a->id < b->id));
+}
+
+static void Exchange(qcBoxItem* a, qcBoxItem* b)
+{
+    qcBoxItem item = *a;
+    *a = *b;
+    *b = item;
+}
+
+/// Brings the median of three places to the last. The places are scattered, lest a regular order of the items, as a
+/// grid has it, make each choice a bad one.
+static void ChoosePivot(qcBoxItem* items, size_t count, int axis)
+{
+    size_t place[3];
+    for (size_t i = 0; i < 3; i++)
+        place[i] = (size_t)((count + i) * 0x9e3779b97f4a7c15u >> 32) % count;
+    if (Before(&items[place[1]], &items[place[0]], axis))
+        Exchange(&items[place[0]], &items[place[1]]);
+    if (Before(&items[place[2]], &items[place[1]], axis))
+        Exchange(&items[place[1]], &items[place[2]]);
+    if (Before(&items[place[1]], &items[place[0]], axis))
+        Exchange(&items[place[0]], &items[place[1]]);
+    Exchange(&items[place[1]], &items[count - 1]);
+}
+
+/// Puts the item that belongs at `nth` there, those before it before, the others behind. Hoare: Find, 1961.
+static void Select(qcBoxItem* items, size_t count, size_t nth, int axis)
+{
+    while (count > 1)
+    {
+        ChoosePivot(items, count, axis);
+        const qcBoxItem pivot = items[count - 1];
+        size_t before = 0;
+        for (size_t i = 0; i + 1 < count; i++)
+        {
+            // Without a branch: which side an item belongs to is as good as random.
+            qcBoxItem item = items[i];
+            items[i] = items[before];
+            items[before] = item;
+            before += Before(&item, &pivot, axis);
+        }
+        Exchange(&items[before], &items[count - 1]);
+        if (nth == before)
+            return;
+        if (nth < before)
+        {
+            count = before;
+            continue;
+        }
+        items += before + 1;
+        count -= before + 1;
+        nth -= before + 1;
+    }
+}
+
+static int LongestAxis(const qcBoxItem* items, size_t count)
+{
+    float lower[3], upper[3];
+    memcpy(lower, items[0].center, sizeof lower);
+    memcpy(upper, items[0].center, sizeof upper);
+    for (size_t i = 1; i < count; i++)
+        for (int k = 0; k < 3; k++)
+        {
+            float center = items[i].center[k];
+            lower[k] = center < lower[k] ? center : lower[k];
+            upper[k] = center > upper[k] ? center : upper[k];
+        }
+    int longest = 0;
+    for (int k = 1; k < 3; k++)
+        if (upper[k] - lower[k] > upper[longest] - lower[longest])
+            longest = k;
+    return longest;
+}
+
+/// Splits where a node of the tree ends, as near the middle as possible.
+static void Split(qcBoxItem* items, size_t first, size_t end)
+{
+    while (first / qc_lanes != (end - 1) / qc_lanes)
+    {
+        size_t size = qc_lanes;
+        while (first / (size * qc_lanes) != (end - 1) / (size * qc_lanes))
+            size *= qc_lanes;
+        size_t middle = (first + end + size) / (2 * size) * size;
+        Select(items + first, end - first, middle - first, LongestAxis(items + first, end - first));
+        Split(items, first, middle);
+        first = middle;
+    }
+}
+
+//  ---- sizes -----------------------------------------------------------------------------------------
+
+/// Of the longest edge; of an infinite one, the greatest.
+static uint32_t SizeExponent(const qcFloatBox* box)
+{
+    float longest = 0.0f;
+    for (int k = 0; k < 3; k++)
+    {
+        float edge = box->upper[k] - box->lower[k];
+        // Written so that NaN, of a box at infinity, counts.
+        longest = edge <= longest ? longest : edge;
+    }
+    union
+    {
+        float f;
+        uint32_t u;
+    } bits = {longest};
+    return bits.u >> 23 & (qc_exponents - 1);
+}
+
+/// The exponent up to which boxes are not much larger than the median of those counted.
+static uint32_t FindLimit(const size_t counted[qc_exponents], size_t count)
+{
+    size_t seen = 0;
+    uint32_t exponent = 0;
+    while ((seen += counted[exponent]) < (count + 1) / 2)
+        exponent++;
+    return exponent + qc_largeBy;
+}
+
+/// Puts those in front that are small beside the others, and splits; then the rest in the same way.
+static void ArrangeBySize(qcBoxItem* items, size_t count, const qcFloatBox* boxes)
+{
+    size_t counted[qc_exponents] = {0};
+    for (size_t i = 0; i < count; i++)
+        counted[SizeExponent(&boxes[items[i].id])]++;
+    for (size_t first = 0; first < count;)
+    {
+        uint32_t limit = FindLimit(counted, count - first);
+        size_t small = 0;
+        for (uint32_t exponent = 0; exponent <= limit && exponent < qc_exponents; exponent++)
+        {
+            small += counted[exponent];
+            counted[exponent] = 0;
+        }
+        size_t middle = first + small;
+        for (size_t i = first, to = first; middle < count && to < middle; i++)
+            if (SizeExponent(&boxes[items[i].id]) <= limit)
+                Exchange(&items[i], &items[to++]);
+        Split(items, first, middle);
+        first = middle;
+    }
+}
+
+void qcBoxOrder_Arrange(qcBoxItem* items, size_t count, const qcFloatBox* boxes)
+{
+    if (count <= qc_lanes)
+        return;
+    uint32_t least = qc_exponents, most = 0;
+    for (size_t i = 0; i < count; i++)
+    {
+        uint32_t exponent = SizeExponent(&boxes[items[i].id]);
+        least = exponent < least ? exponent : least;
+        most = exponent > most ? exponent : most;
+    }
+    if (most <= least + qc_largeBy)
+        Split(items, 0, count);
+    else
+        ArrangeBySize(items, count, boxes);
+}

@@ -1,0 +1,348 @@
+// Trees of boxes, more than twice as large each as the next. After Bentley, Saxe: Decomposable searching problems I:
+// static-to-dynamic transformation, 1980.
+//
+// Cost: a box is moved to another tree when that is more than one and a half times as large as what it leaves, or when
+// half of its tree's boxes have gone, so it is moved O(log n) times for each time that it is put in.
+#include "broadphase/bvh_forest.h"
+
+#include "broadphase/bvh_build_order.h"
+#include "base/status.h"
+
+#include <math.h>
+#include <string.h>
+
+//  ---- lanes -----------------------------------------------------------------------------------------
+
+static void SetLane(qcOctet* octet, uint32_t lane, const qcFloatBox* box)
+{
+    for (int k = 0; k < 3; k++)
+    {
+        octet->lower[k][lane] = box->lower[k];
+        octet->upper[k][lane] = box->upper[k];
+    }
+}
+
+static void ClearLane(qcOctet* octet, uint32_t lane)
+{
+    SetLane(octet, lane, &(qcFloatBox){{NAN, NAN, NAN}, {NAN, NAN, NAN}});
+}
+
+static void Append(qcForest* forest, uint32_t id, const qcFloatBox* box)
+{
+    uint32_t at = (uint32_t)forest->listIds.count++, lane = at % qc_lanes;
+    qcOctet* octet = &QC_AT(qcOctet, forest->listOctets, at / qc_lanes);
+    for (uint32_t i = 0; lane == 0 && i < qc_lanes; i++)
+        ClearLane(octet, i);
+    SetLane(octet, lane, box);
+    QC_AT(uint32_t, forest->listIds, at) = id;
+    QC_AT(qcBoxPlace, forest->places, id) = (qcBoxPlace){qc_inList, at};
+}
+
+/// The last of the list takes the place of the one that goes.
+static void TakeFromList(qcForest* forest, uint32_t at)
+{
+    uint32_t last = (uint32_t)--forest->listIds.count, moved = QC_AT(uint32_t, forest->listIds, last);
+    SetLane(&QC_AT(qcOctet, forest->listOctets, at / qc_lanes), at % qc_lanes,
+            &QC_AT(qcFloatBox, forest->boxes, moved));
+    QC_AT(uint32_t, forest->listIds, at) = moved;
+    QC_AT(qcBoxPlace, forest->places, moved).lane = at;
+    ClearLane(&QC_AT(qcOctet, forest->listOctets, last / qc_lanes), last % qc_lanes);
+}
+
+static void DropTrees(qcForest* forest, uint64_t trees)
+{
+    forest->old &= ~trees;
+    forest->young &= ~trees;
+}
+
+static void TakeOut(qcForest* forest, uint32_t id)
+{
+    qcBoxPlace place = QC_AT(qcBoxPlace, forest->places, id);
+    if (place.tree == qc_inList)
+    {
+        TakeFromList(forest, place.lane);
+        return;
+    }
+    qcBoxTree* tree = &forest->trees[place.tree];
+    ClearLane(&QC_AT(qcOctet, tree->octets, place.lane / qc_lanes), place.lane % qc_lanes);
+    QC_AT(uint32_t, tree->ids, place.lane) = QC_NO_BOX;
+    if (--tree->boxCount == 0)
+        DropTrees(forest, (uint64_t)1 << place.tree);
+}
+
+//  ---- trees -----------------------------------------------------------------------------------------
+
+/// What a new tree is made of.
+typedef struct Sources
+{
+    uint64_t trees;
+    bool list;
+    size_t boxCount;
+} Sources;
+
+static void AddSource(const qcForest* forest, Sources* sources, uint32_t tree)
+{
+    sources->trees |= (uint64_t)1 << tree;
+    sources->boxCount += forest->trees[tree].boxCount;
+}
+
+static qcStatus CollectItems(qcForest* forest, const Sources* sources)
+{
+    QC_TRY(qcArray_Reserve(&forest->items, sources->boxCount, sizeof(qcBoxItem), "boxes in order"));
+    qcBoxItem* items = forest->items.data;
+    size_t count = 0;
+    for (uint64_t trees = sources->trees; trees != 0;)
+    {
+        const qcBoxTree* tree = &forest->trees[qcForest_NextTree(&trees)];
+        for (uint32_t lane = 0; lane < tree->laneCount; lane++)
+        {
+            uint32_t id = QC_AT(uint32_t, tree->ids, lane);
+            if (id != QC_NO_BOX)
+                items[count++] = qcBoxItem_Make(&QC_AT(qcFloatBox, forest->boxes, id), id);
+        }
+    }
+    for (size_t i = 0; sources->list && i < forest->listIds.count; i++)
+    {
+        uint32_t id = QC_AT(uint32_t, forest->listIds, i);
+        items[count++] = qcBoxItem_Make(&QC_AT(qcFloatBox, forest->boxes, id), id);
+    }
+    return qc_statusOk;
+}
+
+/// Where each level of a tree over so many boxes begins; returns the number of octets.
+static size_t LayOut(qcOctetTree* shape, size_t boxCount)
+{
+    size_t octets = 0, level = boxCount;
+    shape->levelCount = 0;
+    do
+    {
+        level = (level + qc_lanes - 1) / qc_lanes;
+        shape->first[shape->levelCount++] = (uint32_t)octets;
+        octets += level;
+    } while (level > 1);
+    return octets;
+}
+
+/// A source must not grow: when there is no memory for that, it is still needed.
+static bool HasRoom(const qcForest* forest, const Sources* sources, uint32_t number, size_t octets)
+{
+    const qcBoxTree* tree = &forest->trees[number];
+    return tree->octets.capacity >= octets * sizeof(qcOctet) &&
+           tree->ids.capacity >= (sources->boxCount + qc_lanes) * sizeof(uint32_t);
+}
+
+/// The number of a tree with as much room as needed and little more, or, if none has that, with the most.
+static uint32_t FindRoom(const qcForest* forest, const Sources* sources, size_t octets)
+{
+    uint32_t best = qc_inNoTree;
+    uint64_t used = forest->old | forest->young, empty = ~(forest->roomy | used);
+    size_t needed = octets * sizeof(qcOctet);
+    for (uint64_t trees = (forest->roomy & ~used) | sources->trees; trees != 0;)
+    {
+        uint32_t t = qcForest_NextTree(&trees);
+        if ((used >> t & 1) != 0 && !HasRoom(forest, sources, t, octets))
+            continue;
+        size_t room = forest->trees[t].octets.capacity;
+        size_t bestRoom = best != qc_inNoTree ? forest->trees[best].octets.capacity : 0;
+        bool better = bestRoom >= needed ? room >= needed && room < bestRoom : room > bestRoom;
+        if (best == qc_inNoTree || better)
+            best = t;
+    }
+    return best == qc_inNoTree && empty != 0 ? qcForest_NextTree(&empty) : best;
+}
+
+/// One lane around each octet of the level below.
+static void FillLevel(qcOctet* level, const qcOctet* below, size_t belowCount)
+{
+    for (size_t i = 0; i < belowCount; i++)
+    {
+        uint32_t lane = i % qc_lanes;
+        for (uint32_t j = 0; lane == 0 && j < qc_lanes; j++)
+            ClearLane(&level[i / qc_lanes], j);
+        qcFloatBox around = qcOctet_Around(&below[i]);
+        SetLane(&level[i / qc_lanes], lane, &around);
+    }
+}
+
+static void FillTree(qcForest* forest, uint32_t number, size_t count)
+{
+    qcBoxTree* tree = &forest->trees[number];
+    const qcBoxItem* items = forest->items.data;
+    qcOctet* octets = tree->octets.data;
+    size_t leaves = (count + qc_lanes - 1) / qc_lanes;
+    for (size_t i = 0; i < leaves * qc_lanes; i++)
+    {
+        uint32_t id = i < count ? items[i].id : QC_NO_BOX;
+        QC_AT(uint32_t, tree->ids, i) = id;
+        if (id == QC_NO_BOX)
+        {
+            ClearLane(&octets[i / qc_lanes], i % qc_lanes);
+            continue;
+        }
+        SetLane(&octets[i / qc_lanes], i % qc_lanes, &QC_AT(qcFloatBox, forest->boxes, id));
+        QC_AT(qcBoxPlace, forest->places, id) = (qcBoxPlace){number, (uint32_t)i};
+    }
+    for (uint32_t level = 1; level < tree->shape.levelCount; level++)
+        FillLevel(octets + tree->shape.first[level], octets + tree->shape.first[level - 1],
+                  tree->shape.first[level] - tree->shape.first[level - 1]);
+    tree->laneCount = (uint32_t)(leaves * qc_lanes);
+    tree->boxCount = (uint32_t)count;
+    tree->shape.octets = octets;
+}
+
+/// Makes one tree of several and the list. When it fails, nothing has changed.
+static qcStatus MakeTree(qcForest* forest, const Sources* sources, bool young, uint32_t* number)
+{
+    qcOctetTree shape;
+    size_t octets = LayOut(&shape, sources->boxCount);
+    QC_TRY(CollectItems(forest, sources));
+    *number = FindRoom(forest, sources, octets);
+    if (*number == qc_inNoTree)
+        return qcFailMemory(SIZE_MAX, "trees of boxes that could not be joined");
+    qcBoxTree* tree = &forest->trees[*number];
+    forest->roomy |= (uint64_t)1 << *number;
+    QC_TRY(qcArray_Reserve(&tree->octets, octets, sizeof(qcOctet), "a tree of boxes"));
+    QC_TRY(qcArray_Reserve(&tree->ids, sources->boxCount + qc_lanes, sizeof(uint32_t), "ids in a tree of boxes"));
+    DropTrees(forest, sources->trees);
+    if (sources->list)
+        forest->listIds.count = 0;
+    qcBoxOrder_Arrange(forest->items.data, sources->boxCount, forest->boxes.data);
+    tree->shape = shape;
+    *(young ? &forest->young : &forest->old) |= (uint64_t)1 << *number;
+    FillTree(forest, *number, sources->boxCount);
+    forest->sortedCount += sources->boxCount;
+    return qc_statusOk;
+}
+
+/// Adds some of the trees to the sources, until none is left that is not much larger than all of them together, or, if
+/// that is asked for, half empty.
+static void AddSmall(const qcForest* forest, Sources* sources, uint64_t trees, bool emptyOnes)
+{
+    for (bool more = true; more;)
+    {
+        more = false;
+        for (uint64_t rest = trees & ~sources->trees; rest != 0;)
+        {
+            uint32_t t = qcForest_NextTree(&rest);
+            const qcBoxTree* tree = &forest->trees[t];
+            if (tree->laneCount > 2 * sources->boxCount && !(emptyOnes && tree->boxCount < tree->laneCount / 2))
+                continue;
+            AddSource(forest, sources, t);
+            more = true;
+        }
+    }
+}
+
+/// The list becomes a tree when it is long: a question looks at all of it.
+static void ShortenList(qcForest* forest)
+{
+    size_t length = forest->listIds.count;
+    if (length < 128 || length < forest->boxCount / 8)
+        return;
+    Sources sources = {.list = true, .boxCount = length};
+    AddSmall(forest, &sources, forest->young, false);
+    uint32_t number;
+    // Without memory the list stays as it is.
+    (void)MakeTree(forest, &sources, true, &number);
+}
+
+//  ---- the forest ------------------------------------------------------------------------------------
+
+qcStatus qcForest_Reserve(qcForest* forest, size_t idCount)
+{
+    size_t known = forest->places.count;
+    if (forest->kernels == NULL)
+        forest->kernels = qcBoxKernels_Get();
+    if (idCount <= known)
+        return qc_statusOk;
+    QC_TRY(qcArray_Reserve(&forest->boxes, idCount, sizeof(qcFloatBox), "boxes in floats"));
+    QC_TRY(qcArray_Reserve(&forest->listOctets, idCount / qc_lanes + 1, sizeof(qcOctet), "new boxes"));
+    QC_TRY(qcArray_Reserve(&forest->listIds, idCount, sizeof(uint32_t), "ids of new boxes"));
+    QC_TRY(qcArray_Resize(&forest->places, idCount, sizeof(qcBoxPlace), "places of boxes"));
+    forest->boxes.count = idCount;
+    forest->listOctets.count = idCount / qc_lanes + 1;
+    for (size_t id = known; id < idCount; id++)
+        QC_AT(qcBoxPlace, forest->places, id).tree = qc_inNoTree;
+    return qc_statusOk;
+}
+
+void qcForest_Clear(qcForest* forest)
+{
+    DropTrees(forest, UINT64_MAX);
+    forest->places.count = 0;
+    forest->listIds.count = 0;
+    forest->boxCount = 0;
+}
+
+void qcForest_Free(qcForest* forest)
+{
+    for (uint32_t t = 0; t < qc_forestTrees; t++)
+    {
+        qcArray_Free(&forest->trees[t].octets);
+        qcArray_Free(&forest->trees[t].ids);
+    }
+    qcArray_Free(&forest->boxes);
+    qcArray_Free(&forest->places);
+    qcArray_Free(&forest->listOctets);
+    qcArray_Free(&forest->listIds);
+    qcArray_Free(&forest->items);
+    *forest = (qcForest){.kernels = forest->kernels};
+}
+
+void qcForest_Put(qcForest* forest, uint32_t id, const qcFloatBox* box)
+{
+    qcBoxPlace* place = &QC_AT(qcBoxPlace, forest->places, id);
+    QC_AT(qcFloatBox, forest->boxes, id) = *box;
+    if (place->tree == qc_inList)
+    {
+        SetLane(&QC_AT(qcOctet, forest->listOctets, place->lane / qc_lanes), place->lane % qc_lanes, box);
+        return;
+    }
+    if (place->tree == qc_inNoTree)
+        forest->boxCount++;
+    else
+        TakeOut(forest, id);
+    Append(forest, id, box);
+    ShortenList(forest);
+}
+
+void qcForest_Remove(qcForest* forest, uint32_t id)
+{
+    TakeOut(forest, id);
+    QC_AT(qcBoxPlace, forest->places, id).tree = qc_inNoTree;
+    forest->boxCount--;
+}
+
+qcStatus qcForest_GatherYoung(qcForest* forest, uint32_t* tree)
+{
+    Sources sources = {.list = true, .boxCount = forest->listIds.count};
+    *tree = qc_inNoTree;
+    for (uint64_t trees = forest->young; trees != 0;)
+    {
+        *tree = qcForest_NextTree(&trees);
+        AddSource(forest, &sources, *tree);
+    }
+    bool one = (forest->young & (forest->young - 1)) == 0;
+    return one && forest->listIds.count == 0 ? qc_statusOk : MakeTree(forest, &sources, true, tree);
+}
+
+void qcForest_Age(qcForest* forest)
+{
+    Sources sources = {.list = forest->listIds.count != 0, .boxCount = forest->listIds.count};
+    if (forest->young == 0 && !sources.list)
+        return;
+    for (uint64_t trees = forest->young; trees != 0;)
+        AddSource(forest, &sources, qcForest_NextTree(&trees));
+    forest->old |= forest->young;
+    forest->young = 0;
+    AddSmall(forest, &sources, forest->old, true);
+    uint32_t number;
+    if (sources.list || (sources.trees & (sources.trees - 1)) != 0)
+        (void)MakeTree(forest, &sources, false, &number);
+}
+
+void qcForest_Rejuvenate(qcForest* forest)
+{
+    forest->young |= forest->old;
+    forest->old = 0;
+}

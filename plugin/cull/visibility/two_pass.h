@@ -1,0 +1,36 @@
+// Two-pass visibility culling to a potentially colliding set (PCS).
+#ifndef QC_CULL_VISIBILITY_TWO_PASS_H
+#define QC_CULL_VISIBILITY_TWO_PASS_H
+
+#include "cull/visibility/draw_order.h"
+#include "quickcullide/scene.h"
+#include "scene/visibility_sets.h"
+
+typedef struct qcCullJob
+{
+    qcDevice* device;
+    bool quick;                                     ///< quick or cullide
+    qcCullLevel level;                              ///< decides the depth comparison, and names the records
+    uint32_t body;                                  ///< names the records of qc_levelSelf
+    const char* views;                              ///< letters, ended by a zero
+    uint32_t resolution, iterations;                ///< 0 iterations: until nothing changes
+    bool backToFront, secondPassFromBack, reliable; ///< as in qcDetectDef
+    double growth[3];                               ///< reliable: half the margin in each axis of the image
+    const float* corners;                           ///< nine a triangle, within [-1, 1]
+    uint32_t triangleCount;
+    const qcCullPrimitive* primitives;
+    uint32_t primitiveCount;
+} qcCullJob;
+
+/// Memory that culling keeps between steps.
+typedef struct qcCullScratch
+{
+    qcArray steps, visible, stepOf, setsOfViews;
+    qcCullOrder order;
+} qcCullScratch;
+
+/// sets: one a primitive, in and out; all qc_setNfv to begin with. `records` (of qcPassRecord) grows by one a pass.
+qcStatus qcCullVisibility_Run(const qcCullJob* job, qcCullScratch* scratch, qcVisibilitySet* sets, qcArray* records);
+void qcCullScratch_Free(qcCullScratch* scratch);
+
+#endif

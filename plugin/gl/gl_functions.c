@@ -1,0 +1,160 @@
+// Loads a device's GL functions and keeps its programs.
+// One table for each device: OSMesa and EGL answer the same name with different functions.
+#include "gl/gl_functions.h"
+
+#include "base/status.h"
+
+#include <assert.h>
+#include <string.h>
+
+const char* qcGl_ErrorName(GLenum error)
+{
+    switch (error)
+    {
+        case GL_INVALID_ENUM: return "GL_INVALID_ENUM";
+        case GL_INVALID_VALUE: return "GL_INVALID_VALUE";
+        case GL_INVALID_OPERATION: return "GL_INVALID_OPERATION";
+        case GL_INVALID_FRAMEBUFFER_OPERATION: return "GL_INVALID_FRAMEBUFFER_OPERATION";
+        case GL_OUT_OF_MEMORY: return "GL_OUT_OF_MEMORY";
+        case GL_CONTEXT_LOST: return "GL_CONTEXT_LOST";
+        default: return "a GL error";
+    }
+}
+
+static const char* StageName(GLenum stage)
+{
+    return stage == GL_VERTEX_SHADER ? "vertex" : stage == GL_FRAGMENT_SHADER ? "fragment" : "compute";
+}
+
+static qcStatus CompileShader(const struct qcGlFunctions* gl, const char* name, GLenum stage,
+                              const char* const* sources, int sourceCount, GLuint* shader)
+{
+    *shader = gl->CreateShader(stage);
+    gl->ShaderSource(*shader, sourceCount, sources, NULL);
+    gl->CompileShader(*shader);
+    GLint compiled = GL_FALSE;
+    gl->GetShaderiv(*shader, GL_COMPILE_STATUS, &compiled);
+    if (compiled == GL_TRUE)
+        return qc_statusOk;
+    char log[256] = "";
+    gl->GetShaderInfoLog(*shader, sizeof log, NULL, log);
+    return qcFail(qc_statusDevice, "%s: the %s shader does not compile: %s", name, StageName(stage), log);
+}
+
+static qcStatus LinkProgram(const struct qcGlFunctions* gl, const char* name, const GLuint* shaders, int shaderCount,
+                            GLuint* program)
+{
+    *program = gl->CreateProgram();
+    for (int i = 0; i < shaderCount; i++)
+        gl->AttachShader(*program, shaders[i]);
+    gl->BindAttribLocation(*program, 0, "position");
+    gl->BindAttribLocation(*program, 1, "normal");
+    gl->LinkProgram(*program);
+    GLint linked = GL_FALSE;
+    gl->GetProgramiv(*program, GL_LINK_STATUS, &linked);
+    if (linked == GL_TRUE)
+        return qc_statusOk;
+    char log[256] = "";
+    gl->GetProgramInfoLog(*program, sizeof log, NULL, log);
+    gl->DeleteProgram(*program);
+    return qcFail(qc_statusDevice, "%s: the program does not link: %s", name, log);
+}
+
+qcStatus qcGlFunctions_Load(struct qcGlFunctions* gl, qcGlGetFunction* getFunction)
+{
+#define QC_GL_LOAD(Type, Name)                                                                                         \
+    gl->Name = (Type)getFunction("gl" #Name);                                                                          \
+    if (gl->Name == NULL)                                                                                              \
+        return qcFail(qc_statusDevice, "the GL function gl" #Name " is missing");
+    QC_GL_FUNCTIONS(QC_GL_LOAD)
+#undef QC_GL_LOAD
+
+    GLint major = 0, minor = 0;
+    gl->GetIntegerv(GL_MAJOR_VERSION, &major);
+    gl->GetIntegerv(GL_MINOR_VERSION, &minor);
+    // Asked for by version, as EGL hands out stubs for names that it doesn't support.
+    if (major * 10 + minor >= 45)
+        gl->GetGraphicsResetStatus = (PFNGLGETGRAPHICSRESETSTATUSPROC)getFunction("glGetGraphicsResetStatus");
+    if (major * 10 + minor >= 43)
+    {
+        gl->DispatchCompute = (PFNGLDISPATCHCOMPUTEPROC)getFunction("glDispatchCompute");
+        gl->DispatchComputeIndirect = (PFNGLDISPATCHCOMPUTEINDIRECTPROC)getFunction("glDispatchComputeIndirect");
+        gl->MemoryBarrier = (PFNGLMEMORYBARRIERPROC)getFunction("glMemoryBarrier");
+        gl->ClearBufferData = (PFNGLCLEARBUFFERDATAPROC)getFunction("glClearBufferData");
+    }
+    return qc_statusOk;
+}
+
+void qcGlFunctions_ResetState(const struct qcGlFunctions* gl)
+{
+    gl->BindFramebuffer(GL_FRAMEBUFFER, 0);
+    gl->BindRenderbuffer(GL_RENDERBUFFER, 0);
+    gl->BindVertexArray(0);
+    gl->BindBuffer(GL_ARRAY_BUFFER, 0);
+    gl->UseProgram(0);
+    gl->Disable(GL_DEPTH_TEST);
+    gl->DepthMask(GL_TRUE);
+    gl->DepthFunc(GL_LESS);
+    gl->Disable(GL_FRAMEBUFFER_SRGB);
+    gl->Disable(GL_POLYGON_OFFSET_FILL);
+    gl->PolygonMode(GL_FRONT_AND_BACK, GL_FILL);
+    gl->FrontFace(GL_CCW);
+    gl->PixelStorei(GL_PACK_ALIGNMENT, 4);
+    gl->PixelStorei(GL_PACK_ROW_LENGTH, 0);
+}
+
+/// The program of this name if it is there, otherwise 0.
+static GLuint FindProgram(const struct qcGlFunctions* gl, const char* name)
+{
+    const struct qcGlPrograms* programs = gl->programs;
+    for (uint32_t i = 0; i < programs->count; ++i)
+        if (strcmp(programs->items[i].name, name) == 0)
+            return programs->items[i].program;
+    return 0;
+}
+
+/// Compiles, links and keeps a program; a linked program keeps what it needs of its shaders.
+static qcStatus BuildProgram(const struct qcGlFunctions* gl, const char* name, const GLenum* stages,
+                             const char* const* const* sources, const int* sourceCounts, int stageCount,
+                             GLuint* program)
+{
+    struct qcGlPrograms* programs = gl->programs;
+    assert(programs->count < qc_maxPrograms && stageCount <= 2);
+    GLuint shaders[2] = {0, 0};
+    qcStatus status = qc_statusOk;
+    for (int i = 0; i < stageCount && status == qc_statusOk; i++)
+        status = CompileShader(gl, name, stages[i], sources[i], sourceCounts[i], &shaders[i]);
+    if (status == qc_statusOk)
+        status = LinkProgram(gl, name, shaders, stageCount, program);
+    for (int i = 0; i < stageCount; i++)
+        gl->DeleteShader(shaders[i]); // zero is ignored
+    if (status == qc_statusOk)
+    {
+        programs->items[programs->count].name = name;
+        programs->items[programs->count].program = *program;
+        ++programs->count;
+    }
+    return status;
+}
+
+qcStatus qcGlFunctions_GetProgram(const struct qcGlFunctions* gl, const char* name, const char* vertexSource,
+                                  const char* fragmentSource, GLuint* program)
+{
+    *program = FindProgram(gl, name);
+    if (*program != 0)
+        return qc_statusOk;
+    const GLenum stages[] = {GL_VERTEX_SHADER, GL_FRAGMENT_SHADER};
+    const char* const* sources[] = {&vertexSource, &fragmentSource};
+    const int sourceCounts[] = {1, 1};
+    return BuildProgram(gl, name, stages, sources, sourceCounts, 2, program);
+}
+
+qcStatus qcGlFunctions_GetComputeProgram(const struct qcGlFunctions* gl, const char* name, const char* const* sources,
+                                         int sourceCount, GLuint* program)
+{
+    *program = FindProgram(gl, name);
+    if (*program != 0)
+        return qc_statusOk;
+    const GLenum stage = GL_COMPUTE_SHADER;
+    return BuildProgram(gl, name, &stage, &sources, &sourceCount, 1, program);
+}

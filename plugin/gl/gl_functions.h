@@ -1,0 +1,147 @@
+// The GL functions of one device. epoxy's headers give the types and the enums; its functions are never
+// called: they abort the process where libEGL is missing, and with an OSMesa context.
+#ifndef QC_GL_GL_FUNCTIONS_H
+#define QC_GL_GL_FUNCTIONS_H
+
+#include "quickcullide/base.h"
+
+#include <epoxy/gl.h>
+
+/// Everything that a job may call: type, name without "gl". All are in GL 3.3 core.
+#define QC_GL_FUNCTIONS(X)                                                                                             \
+    X(PFNGLACTIVETEXTUREPROC, ActiveTexture)                                                                           \
+    X(PFNGLATTACHSHADERPROC, AttachShader)                                                                             \
+    X(PFNGLBEGINQUERYPROC, BeginQuery)                                                                                 \
+    X(PFNGLBINDATTRIBLOCATIONPROC, BindAttribLocation)                                                                 \
+    X(PFNGLBINDBUFFERPROC, BindBuffer)                                                                                 \
+    X(PFNGLBINDBUFFERBASEPROC, BindBufferBase)                                                                         \
+    X(PFNGLBINDFRAMEBUFFERPROC, BindFramebuffer)                                                                       \
+    X(PFNGLBINDRENDERBUFFERPROC, BindRenderbuffer)                                                                     \
+    X(PFNGLBINDTEXTUREPROC, BindTexture)                                                                               \
+    X(PFNGLBINDVERTEXARRAYPROC, BindVertexArray)                                                                       \
+    X(PFNGLBLITFRAMEBUFFERPROC, BlitFramebuffer)                                                                       \
+    X(PFNGLBUFFERDATAPROC, BufferData)                                                                                 \
+    X(PFNGLBUFFERSUBDATAPROC, BufferSubData)                                                                           \
+    X(PFNGLCHECKFRAMEBUFFERSTATUSPROC, CheckFramebufferStatus)                                                         \
+    X(PFNGLCLEARPROC, Clear)                                                                                           \
+    X(PFNGLCLEARCOLORPROC, ClearColor)                                                                                 \
+    X(PFNGLCOMPILESHADERPROC, CompileShader)                                                                           \
+    X(PFNGLCREATEPROGRAMPROC, CreateProgram)                                                                           \
+    X(PFNGLCREATESHADERPROC, CreateShader)                                                                             \
+    X(PFNGLDELETEBUFFERSPROC, DeleteBuffers)                                                                           \
+    X(PFNGLDELETEFRAMEBUFFERSPROC, DeleteFramebuffers)                                                                 \
+    X(PFNGLDELETEPROGRAMPROC, DeleteProgram)                                                                           \
+    X(PFNGLDELETEQUERIESPROC, DeleteQueries)                                                                           \
+    X(PFNGLDELETERENDERBUFFERSPROC, DeleteRenderbuffers)                                                               \
+    X(PFNGLDELETESHADERPROC, DeleteShader)                                                                             \
+    X(PFNGLDELETETEXTURESPROC, DeleteTextures)                                                                         \
+    X(PFNGLDELETEVERTEXARRAYSPROC, DeleteVertexArrays)                                                                 \
+    X(PFNGLDEPTHFUNCPROC, DepthFunc)                                                                                   \
+    X(PFNGLDEPTHMASKPROC, DepthMask)                                                                                   \
+    X(PFNGLDISABLEPROC, Disable)                                                                                       \
+    X(PFNGLDRAWBUFFERPROC, DrawBuffer)                                                                                 \
+    X(PFNGLDRAWELEMENTSPROC, DrawElements)                                                                             \
+    X(PFNGLENABLEPROC, Enable)                                                                                         \
+    X(PFNGLENABLEVERTEXATTRIBARRAYPROC, EnableVertexAttribArray)                                                       \
+    X(PFNGLENDQUERYPROC, EndQuery)                                                                                     \
+    X(PFNGLFLUSHPROC, Flush)                                                                                           \
+    X(PFNGLFRAMEBUFFERRENDERBUFFERPROC, FramebufferRenderbuffer)                                                       \
+    X(PFNGLFRONTFACEPROC, FrontFace)                                                                                   \
+    X(PFNGLGENBUFFERSPROC, GenBuffers)                                                                                 \
+    X(PFNGLGENFRAMEBUFFERSPROC, GenFramebuffers)                                                                       \
+    X(PFNGLGENQUERIESPROC, GenQueries)                                                                                 \
+    X(PFNGLGENRENDERBUFFERSPROC, GenRenderbuffers)                                                                     \
+    X(PFNGLGENTEXTURESPROC, GenTextures)                                                                               \
+    X(PFNGLGENVERTEXARRAYSPROC, GenVertexArrays)                                                                       \
+    X(PFNGLGETBUFFERSUBDATAPROC, GetBufferSubData)                                                                     \
+    X(PFNGLGETERRORPROC, GetError)                                                                                     \
+    X(PFNGLGETINTEGER64VPROC, GetInteger64v)                                                                           \
+    X(PFNGLGETINTEGERVPROC, GetIntegerv)                                                                               \
+    X(PFNGLGETPROGRAMINFOLOGPROC, GetProgramInfoLog)                                                                   \
+    X(PFNGLGETPROGRAMIVPROC, GetProgramiv)                                                                             \
+    X(PFNGLGETQUERYIVPROC, GetQueryiv)                                                                                 \
+    X(PFNGLGETQUERYOBJECTUI64VPROC, GetQueryObjectui64v)                                                               \
+    X(PFNGLGETQUERYOBJECTUIVPROC, GetQueryObjectuiv)                                                                   \
+    X(PFNGLGETSHADERINFOLOGPROC, GetShaderInfoLog)                                                                     \
+    X(PFNGLGETSHADERIVPROC, GetShaderiv)                                                                               \
+    X(PFNGLGETSTRINGPROC, GetString)                                                                                   \
+    X(PFNGLGETUNIFORMLOCATIONPROC, GetUniformLocation)                                                                 \
+    X(PFNGLLINKPROGRAMPROC, LinkProgram)                                                                               \
+    X(PFNGLMAPBUFFERRANGEPROC, MapBufferRange)                                                                         \
+    X(PFNGLPIXELSTOREIPROC, PixelStorei)                                                                               \
+    X(PFNGLPOLYGONMODEPROC, PolygonMode)                                                                               \
+    X(PFNGLPOLYGONOFFSETPROC, PolygonOffset)                                                                           \
+    X(PFNGLQUERYCOUNTERPROC, QueryCounter)                                                                             \
+    X(PFNGLREADBUFFERPROC, ReadBuffer)                                                                                 \
+    X(PFNGLREADPIXELSPROC, ReadPixels)                                                                                 \
+    X(PFNGLRENDERBUFFERSTORAGEPROC, RenderbufferStorage)                                                               \
+    X(PFNGLRENDERBUFFERSTORAGEMULTISAMPLEPROC, RenderbufferStorageMultisample)                                         \
+    X(PFNGLSHADERSOURCEPROC, ShaderSource)                                                                             \
+    X(PFNGLTEXBUFFERPROC, TexBuffer)                                                                                   \
+    X(PFNGLUNIFORM1FPROC, Uniform1f)                                                                                   \
+    X(PFNGLUNIFORM1IPROC, Uniform1i)                                                                                   \
+    X(PFNGLUNIFORM1UIPROC, Uniform1ui)                                                                                 \
+    X(PFNGLUNIFORM3UIPROC, Uniform3ui)                                                                                 \
+    X(PFNGLUNIFORM3FVPROC, Uniform3fv)                                                                                 \
+    X(PFNGLUNIFORM4FVPROC, Uniform4fv)                                                                                 \
+    X(PFNGLUNIFORMMATRIX4FVPROC, UniformMatrix4fv)                                                                     \
+    X(PFNGLUNMAPBUFFERPROC, UnmapBuffer)                                                                               \
+    X(PFNGLUSEPROGRAMPROC, UseProgram)                                                                                 \
+    X(PFNGLVERTEXATTRIBPOINTERPROC, VertexAttribPointer)                                                               \
+    X(PFNGLVIEWPORTPROC, Viewport)
+
+enum
+{
+    // A handful: one for each way of drawing that the library has.
+    qc_maxPrograms = 16
+};
+
+/// Programs live as long as their device: compiling one takes longer than drawing with it.
+struct qcGlPrograms
+{
+    uint32_t count;
+    struct
+    {
+        const char* name;
+        GLuint program;
+    } items[qc_maxPrograms];
+};
+
+struct qcGlFunctions
+{
+#define QC_GL_FIELD(Type, Name) Type Name;
+    QC_GL_FUNCTIONS(QC_GL_FIELD)
+#undef QC_GL_FIELD
+    /// Null below GL 4.5.
+    PFNGLGETGRAPHICSRESETSTATUSPROC GetGraphicsResetStatus;
+    /// Compute shaders; all null below GL 4.3.
+    PFNGLDISPATCHCOMPUTEPROC DispatchCompute;
+    PFNGLDISPATCHCOMPUTEINDIRECTPROC DispatchComputeIndirect;
+    PFNGLMEMORYBARRIERPROC MemoryBarrier;
+    PFNGLCLEARBUFFERDATAPROC ClearBufferData;
+    struct qcGlPrograms* programs;
+};
+
+/// "GL_INVALID_ENUM"; "a GL error" for values that GL doesn't define.
+const char* qcGl_ErrorName(GLenum error);
+
+typedef void qcGlFunction(void);
+/// eglGetProcAddress or OSMesaGetProcAddress.
+typedef qcGlFunction* qcGlGetFunction(const char* name);
+
+/// Fills the functions. qc_statusDevice names the first that is missing.
+qcStatus qcGlFunctions_Load(struct qcGlFunctions* gl, qcGlGetFunction* getFunction);
+
+/// Brings back GL's initial bindings and switches, as far as jobs change them. Plain values, such as the viewport and
+/// the clear colour, are set by whoever uses them.
+void qcGlFunctions_ResetState(const struct qcGlFunctions* gl);
+
+/// The program of this name (a literal), compiled at its first use. Attribute 0 is `position`, attribute 1 `normal`.
+qcStatus qcGlFunctions_GetProgram(const struct qcGlFunctions* gl, const char* name, const char* vertexSource,
+                                  const char* fragmentSource, GLuint* program);
+
+/// As above, for a compute shader whose source comes in parts.
+qcStatus qcGlFunctions_GetComputeProgram(const struct qcGlFunctions* gl, const char* name, const char* const* sources,
+                                         int sourceCount, GLuint* program);
+
+#endif

@@ -1,0 +1,387 @@
+// Visibility queries: depth only, one occlusion query for each test. Quick-CULLIDE, VR 2005, sections 3.1 and 3.2.
+// The order of drawing is gl/visibility/tile_schedule.c's; this file only draws it.
+#include "gl/visibility/occlusion_queries.h"
+
+#include "gl/device.h"
+#include "gl/visibility/conservative_growth.h"
+#include "gl/visibility/tile_schedule.h"
+#include "gl/gl_functions.h"
+#include "base/status.h"
+
+#include <assert.h>
+#include <limits.h>
+#include <stddef.h>
+#include <stdio.h>
+#include <string.h>
+
+enum
+{
+    // Software rasterisers bin each query into every 64 x 64 block of the framebuffer: 20 000 queries at 4096 x 4096
+    // take 1.8 s untiled, 0.35 s in tiles of this size, more in smaller or larger ones (llvmpipe, 2 cores).
+    qc_softwareTileSize = 512,
+    // llvmpipe counts wrongly (hidden where it is visible) when its 36 MiB of commands run full at a query's begin or
+    // end; a test and the render after it take up to 128 KiB of them.
+    qc_queriesPerFlush = 128,
+    // Bounds the memory in query objects. Reading less often than this is no faster.
+    qc_maxPending = 16384
+};
+
+struct qcVisibility
+{
+    qcDevice* device;
+    uint32_t triangleCount;
+    uint32_t resolution, tileSize;
+    bool isGrown;
+    double growth[3];
+    qcArray corners; ///< of float
+    qcArray grown;   ///< of qcGrownCorner: for one axis
+    int grownAxis;   ///< the axis they lie on the device for, or -1
+    qcSchedule schedule;
+    GLuint program, vertexArray, vertexBuffer, indexBuffer, framebuffer, depthBuffer;
+    qcArray queries; ///< of GLuint
+};
+
+// `scale`: 0.9, so that every depth stays off the ends of the range and the cleared depth is behind everything; -0.9 to
+// look from the other side, with the same comparison.
+static const char* const s_vertexShader =
+    "#version 330 core\n"
+    "in vec3 position;\n"
+    "uniform int axis;\n"
+    "uniform float scale;\n"
+    "void main()\n"
+    "{\n"
+    "    gl_Position = vec4(position[(axis + 1) % 3], position[(axis + 2) % 3], scale * position[axis], 1.0);\n"
+    "}\n";
+
+static const char* const s_fragmentShader = "#version 330 core\n"
+                                            "void main()\n"
+                                            "{\n"
+                                            "}\n";
+
+// Grown triangles: a depth is computed from flat values where it is needed. Interpolated ones would be off by more than
+// any bound where a triangle is seen nearly edge-on.
+static const char* const s_grownVertexShader = "#version 330 core\n"
+                                               "layout(location = 0) in vec4 position;\n"
+                                               "layout(location = 1) in vec4 plane;\n"
+                                               "flat out vec2 range;\n"
+                                               "flat out vec4 face;\n"
+                                               "void main()\n"
+                                               "{\n"
+                                               "    range = position.zw;\n"
+                                               "    face = plane;\n"
+                                               "    gl_Position = vec4(position.xy, 0.0, 1.0);\n"
+                                               "}\n";
+
+// `place`: first pixel of the tile in the image, then -1 for the nearest depth a triangle may have, 1 for the farthest.
+static const char* const s_grownFragmentShader =
+    "#version 330 core\n"
+    "flat in vec2 range;\n"
+    "flat in vec4 face;\n"
+    "uniform vec3 place;\n"
+    "uniform float scale;\n"
+    "void main()\n"
+    "{\n"
+    "    vec2 pixel = gl_FragCoord.xy + place.xy;\n"
+    "    float depth = face.x + face.y * pixel.x + face.z * pixel.y + place.z * face.w;\n"
+    "    gl_FragDepth = 0.5 + 0.5 * scale * clamp(depth, range.x, range.y);\n"
+    "}\n";
+
+/// The layout of what is drawn: corners as they came, uploaded once, or grown, uploaded for each axis.
+static void LayOutVertices(const struct qcGlFunctions* gl, const qcVisibility* v)
+{
+    gl->EnableVertexAttribArray(0);
+    if (!v->isGrown)
+    {
+        gl->BufferData(GL_ARRAY_BUFFER, (GLsizeiptr)(v->corners.count * sizeof(float)), v->corners.data,
+                       GL_STATIC_DRAW);
+        gl->VertexAttribPointer(0, 3, GL_FLOAT, GL_FALSE, 0, NULL);
+        return;
+    }
+    gl->VertexAttribPointer(0, 4, GL_FLOAT, GL_FALSE, sizeof(qcGrownCorner), (void*)offsetof(qcGrownCorner, x));
+    gl->EnableVertexAttribArray(1);
+    gl->VertexAttribPointer(1, 4, GL_FLOAT, GL_FALSE, sizeof(qcGrownCorner), (void*)offsetof(qcGrownCorner, base));
+}
+
+static qcStatus CreateObjects(const struct qcGlFunctions* gl, void* context)
+{
+    qcVisibility* v = context;
+    if (v->isGrown)
+        QC_TRY(
+            qcGlFunctions_GetProgram(gl, "grown visibility", s_grownVertexShader, s_grownFragmentShader, &v->program));
+    else
+        QC_TRY(qcGlFunctions_GetProgram(gl, "visibility", s_vertexShader, s_fragmentShader, &v->program));
+
+    gl->GenBuffers(1, &v->vertexBuffer);
+    gl->GenBuffers(1, &v->indexBuffer);
+    gl->GenVertexArrays(1, &v->vertexArray);
+    gl->BindVertexArray(v->vertexArray);
+    gl->BindBuffer(GL_ELEMENT_ARRAY_BUFFER, v->indexBuffer);
+    gl->BindBuffer(GL_ARRAY_BUFFER, v->vertexBuffer);
+    LayOutVertices(gl, v);
+
+    GLsizei size = (GLsizei)v->tileSize;
+    gl->GenRenderbuffers(1, &v->depthBuffer);
+    gl->BindRenderbuffer(GL_RENDERBUFFER, v->depthBuffer);
+    gl->RenderbufferStorage(GL_RENDERBUFFER, GL_DEPTH_COMPONENT32F, size, size);
+    gl->GenFramebuffers(1, &v->framebuffer);
+    gl->BindFramebuffer(GL_FRAMEBUFFER, v->framebuffer);
+    gl->FramebufferRenderbuffer(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, GL_RENDERBUFFER, v->depthBuffer);
+    gl->DrawBuffer(GL_NONE);
+    gl->ReadBuffer(GL_NONE); // below GL 4.1 a buffer to read from must exist, or be none
+    GLenum complete = gl->CheckFramebufferStatus(GL_FRAMEBUFFER);
+    if (complete != GL_FRAMEBUFFER_COMPLETE)
+        return qcFail(qc_statusDevice, "visibility queries: no depth buffer of %d x %d (0x%x)", size, size, complete);
+    return qc_statusOk;
+}
+
+static qcStatus DeleteObjects(const struct qcGlFunctions* gl, void* context)
+{
+    qcVisibility* v = context;
+    gl->DeleteQueries((GLsizei)v->queries.count, v->queries.data);
+    gl->DeleteFramebuffers(1, &v->framebuffer);
+    gl->DeleteRenderbuffers(1, &v->depthBuffer);
+    gl->DeleteVertexArrays(1, &v->vertexArray);
+    gl->DeleteBuffers(1, &v->indexBuffer);
+    gl->DeleteBuffers(1, &v->vertexBuffer);
+    return qc_statusOk;
+}
+
+typedef struct PassJob
+{
+    qcVisibility* visibility;
+    const qcVisibilityPass* pass;
+    GLint place; ///< of the uniform; grown triangles only
+    uint8_t* visible;
+    size_t firstPending, endPending; ///< tests that were issued and not read yet
+    size_t unflushed;
+} PassJob;
+
+static uint32_t GetPolygonCorners(const qcVisibility* v)
+{
+    return v->isGrown ? qc_grownCorners : 3;
+}
+
+static void DrawPolygons(const struct qcGlFunctions* gl, const qcVisibility* v, size_t first, size_t count)
+{
+    size_t indexCount = qcSchedule_GetIndexCount(GetPolygonCorners(v));
+    gl->DrawElements(GL_TRIANGLES, (GLsizei)(indexCount * count), GL_UNSIGNED_INT,
+                     (const void*)(first * indexCount * sizeof(uint32_t)));
+}
+
+static qcStatus GrowQueries(const struct qcGlFunctions* gl, qcArray* queries, size_t count)
+{
+    QC_TRY(qcArray_Reserve(queries, count, sizeof(GLuint), "occlusion queries"));
+    if (count > queries->count)
+    {
+        gl->GenQueries((GLsizei)(count - queries->count), &QC_AT(GLuint, *queries, queries->count));
+        queries->count = count;
+    }
+    return qc_statusOk;
+}
+
+static void IssueTest(const struct qcGlFunctions* gl, PassJob* job, const qcScheduleTest* test)
+{
+    if (++job->unflushed > qc_queriesPerFlush)
+    {
+        gl->Flush();
+        job->unflushed = 1;
+    }
+    gl->BeginQuery(GL_ANY_SAMPLES_PASSED, QC_AT(GLuint, job->visibility->queries, job->endPending - job->firstPending));
+    DrawPolygons(gl, job->visibility, test->firstPolygon, test->polygonCount);
+    gl->EndQuery(GL_ANY_SAMPLES_PASSED);
+    ++job->endPending;
+}
+
+/// A grown triangle hides with the depth towards the eye, and is tested with the one away from it.
+static void PickDepth(const struct qcGlFunctions* gl, const PassJob* job, const qcScheduleTile* tile, bool test)
+{
+    if (!job->visibility->isGrown)
+        return;
+    const float place[3] = {(float)tile->x, (float)tile->y, test == job->pass->fromBack ? -1.0f : 1.0f};
+    gl->Uniform3fv(job->place, 1, place);
+}
+
+static void DrawTile(const struct qcGlFunctions* gl, PassJob* job, const qcScheduleTile* tile)
+{
+    const qcVisibility* v = job->visibility;
+    // The whole image's viewport, moved: the samples are those of the untiled image.
+    gl->Viewport(-(GLint)tile->x, -(GLint)tile->y, (GLsizei)v->resolution, (GLsizei)v->resolution);
+    gl->Clear(GL_DEPTH_BUFFER_BIT);
+    const qcScheduleBatch* batch = &QC_AT(qcScheduleBatch, v->schedule.batches, tile->firstBatch);
+    for (const qcScheduleBatch* end = batch + tile->batchCount; batch < end; ++batch)
+    {
+        if (batch->testCount > 0)
+        {
+            gl->DepthFunc(job->pass->compare == qc_compareGreater ? GL_GREATER : GL_GEQUAL);
+            gl->DepthMask(GL_FALSE);
+            PickDepth(gl, job, tile, true);
+            for (size_t i = 0; i < batch->testCount; ++i)
+                IssueTest(gl, job, &QC_AT(qcScheduleTest, v->schedule.tests, batch->firstTest + i));
+            gl->DepthFunc(GL_LESS);
+            gl->DepthMask(GL_TRUE);
+        }
+        if (batch->polygonCount > 0)
+        {
+            PickDepth(gl, job, tile, false);
+            DrawPolygons(gl, v, batch->firstPolygon, batch->polygonCount);
+        }
+    }
+}
+
+static void ReadPending(const struct qcGlFunctions* gl, PassJob* job)
+{
+    const qcVisibility* v = job->visibility;
+    for (size_t i = job->firstPending; i < job->endPending; ++i)
+    {
+        // A query that can't be read leaves this as it is: hidden is the safe answer.
+        GLuint failed = GL_TRUE;
+        gl->GetQueryObjectuiv(QC_AT(GLuint, v->queries, i - job->firstPending), GL_QUERY_RESULT, &failed);
+        if (failed)
+            job->visible[QC_AT(qcScheduleTest, v->schedule.tests, i).step] = 0;
+    }
+    job->firstPending = job->endPending;
+}
+
+static void UploadGrown(const struct qcGlFunctions* gl, qcVisibility* v, int axis)
+{
+    if (v->grownAxis == axis)
+        return;
+    gl->BindBuffer(GL_ARRAY_BUFFER, v->vertexBuffer);
+    gl->BufferData(GL_ARRAY_BUFFER, (GLsizeiptr)(v->grown.count * sizeof(qcGrownCorner)), v->grown.data,
+                   GL_STREAM_DRAW);
+    v->grownAxis = axis;
+}
+
+static qcStatus DrawPass(const struct qcGlFunctions* gl, void* context)
+{
+    PassJob* job = context;
+    qcVisibility* v = job->visibility;
+    const qcSchedule* schedule = &v->schedule;
+    gl->UseProgram(v->program);
+    gl->Uniform1f(gl->GetUniformLocation(v->program, "scale"), job->pass->fromBack ? -0.9f : 0.9f);
+    gl->BindVertexArray(v->vertexArray);
+    if (!v->isGrown)
+        gl->Uniform1i(gl->GetUniformLocation(v->program, "axis"), job->pass->axis);
+    else
+    {
+        job->place = gl->GetUniformLocation(v->program, "place");
+        UploadGrown(gl, v, job->pass->axis);
+    }
+    gl->BufferData(GL_ELEMENT_ARRAY_BUFFER, (GLsizeiptr)(schedule->indices.count * sizeof(uint32_t)),
+                   schedule->indices.data, GL_STREAM_DRAW);
+    gl->BindFramebuffer(GL_FRAMEBUFFER, v->framebuffer);
+    gl->Enable(GL_DEPTH_TEST);
+    for (size_t i = 0; i < schedule->tiles.count; ++i)
+    {
+        const qcScheduleTile* tile = &QC_AT(qcScheduleTile, schedule->tiles, i);
+        if (tile->testCount == 0)
+            continue;
+        if (job->endPending - job->firstPending + tile->testCount > qc_maxPending)
+            ReadPending(gl, job);
+        QC_TRY(GrowQueries(gl, &v->queries, job->endPending - job->firstPending + tile->testCount));
+        DrawTile(gl, job, tile);
+    }
+    ReadPending(gl, job);
+    return qc_statusOk;
+}
+
+static qcStatus CheckDef(const qcVisibilityDef* def, const qcDeviceInfo* info)
+{
+    if (info->kind == qc_deviceNone)
+        return qcFail(qc_statusDevice, "visibility queries: the device none has no GL");
+    if (def->resolution == 0 || def->resolution > info->maxResolution)
+        return qcFail(qc_statusBadInput, "visibility queries: resolution %u is not in 1..%u, the limit of device %s",
+                      def->resolution, info->maxResolution, info->name);
+    // GL counts the indices of a draw in an int.
+    uint32_t most = (uint32_t)(INT_MAX / qcSchedule_GetIndexCount(def->grown ? qc_grownCorners : 3));
+    if (def->triangleCount > most)
+        return qcFail(qc_statusBadInput, "visibility queries: %u triangles are more than %u", def->triangleCount, most);
+    return qc_statusOk;
+}
+
+qcStatus qcVisibility_Create(const qcVisibilityDef* def, qcVisibility** visibility)
+{
+    qcDeviceInfo info;
+    QC_TRY(qcDevice_GetInfo(def->device, &info));
+    QC_TRY(CheckDef(def, &info));
+    qcVisibility* v = qcAllocateZeroed(sizeof *v);
+    if (v == NULL)
+        return qcFailMemory(sizeof *v, "visibility queries");
+    uint32_t best = info.software ? qc_softwareTileSize : def->resolution;
+    uint32_t tileSize = def->tileSize != 0 ? def->tileSize : best;
+    v->device = def->device;
+    v->triangleCount = def->triangleCount;
+    v->resolution = def->resolution;
+    v->tileSize = tileSize < def->resolution ? tileSize : def->resolution;
+    v->isGrown = def->grown;
+    v->grownAxis = -1;
+    memcpy(v->growth, def->growth, sizeof v->growth);
+    size_t floatCount = (size_t)9 * def->triangleCount;
+    qcStatus status = qcArray_Resize(&v->corners, floatCount, sizeof(float), "triangles of visibility queries");
+    if (status == qc_statusOk)
+    {
+        if (floatCount > 0)
+            memcpy(v->corners.data, def->corners, floatCount * sizeof(float));
+        status = qcDevice_Run(def->device, CreateObjects, v, "visibility queries, upload");
+    }
+    if (status != qc_statusOk)
+    {
+        qcVisibility_Destroy(v);
+        return status;
+    }
+    *visibility = v;
+    return qc_statusOk;
+}
+
+void qcVisibility_Destroy(qcVisibility* v)
+{
+    if (v == NULL)
+        return;
+    // It is called after failures too: the message of the first is the one to keep.
+    char message[512];
+    snprintf(message, sizeof message, "%s", qcLastMessage());
+    if (qcDevice_Run(v->device, DeleteObjects, v, "visibility queries, release") != qc_statusOk)
+        qcFail(qc_statusDevice, "%s", message);
+    qcArray_Free(&v->corners);
+    qcArray_Free(&v->grown);
+    qcArray_Free(&v->queries);
+    qcSchedule_Free(&v->schedule);
+    qcFree(v, sizeof *v);
+}
+
+/// Makes the polygons of an axis, unless they are on the device, and says how far they reach.
+static qcStatus Grow(qcVisibility* v, int axis, float reach[2])
+{
+    qcGrowth growth = {.axis = axis, .resolution = v->resolution};
+    memcpy(growth.size, v->growth, sizeof growth.size);
+    for (int i = 0; i < 2; ++i)
+        reach[i] = (float)qcGrowth_GetReach(&growth, (axis + 1 + i) % 3);
+    if (v->grownAxis == axis)
+        return qc_statusOk;
+    size_t count = (size_t)v->triangleCount * qc_grownCorners;
+    QC_TRY(qcArray_Resize(&v->grown, count, sizeof(qcGrownCorner), "grown triangles"));
+    qcGrowth_Apply(&growth, v->corners.data, v->triangleCount, v->grown.data);
+    return qc_statusOk;
+}
+
+qcStatus qcVisibility_RunPass(qcVisibility* v, const qcVisibilityPass* pass, const qcVisibilityStep* steps,
+                              uint32_t stepCount, uint8_t* visible)
+{
+    assert(pass->axis >= 0 && pass->axis < 3);
+    for (uint32_t i = 0; i < stepCount; ++i)
+    {
+        assert(steps[i].firstTriangle <= v->triangleCount &&
+               steps[i].triangleCount <= v->triangleCount - steps[i].firstTriangle);
+        visible[i] = steps[i].test ? 1 : 0;
+    }
+    qcScheduleView view = {.corners = v->corners.data,
+                           .resolution = v->resolution,
+                           .tileSize = v->tileSize,
+                           .axis = pass->axis,
+                           .polygonCorners = GetPolygonCorners(v)};
+    if (v->isGrown)
+        QC_TRY(Grow(v, pass->axis, view.reach));
+    QC_TRY(qcSchedule_Build(&v->schedule, &view, steps, stepCount));
+    PassJob job = {.visibility = v, .pass = pass, .visible = visible};
+    return qcDevice_Run(v->device, DrawPass, &job, "visibility queries, pass");
+}

@@ -1,0 +1,60 @@
+// Visibility queries: the part of CULLIDE that only GL can do. Triangles go up once; passes of tests and
+// renders in a given order come after, one for each view and direction.
+#ifndef QC_GL_VISIBILITY_OCCLUSION_QUERIES_H
+#define QC_GL_VISIBILITY_OCCLUSION_QUERIES_H
+
+#include "quickcullide/device.h"
+
+typedef struct qcVisibility qcVisibility;
+
+/// What a pass does to a run of triangles that lie together in memory.
+typedef struct qcVisibilityStep
+{
+    uint32_t firstTriangle, triangleCount;
+    /// Test against what was rendered before, with an occlusion query; nothing is drawn.
+    bool test;
+    /// Then draw into the depth buffer, keeping the nearest depth.
+    bool render;
+} qcVisibilityStep;
+
+typedef enum qcVisibilityCompare
+{
+    /// Between objects (section 3.1): fully visible when no fragment has a depth greater than or equal to the buffer's.
+    qc_compareGreaterEqual = 0,
+    /// Within an object (section 3.2): fully visible when no fragment has a depth greater than the buffer's.
+    qc_compareGreater = 1
+} qcVisibilityCompare;
+
+typedef struct qcVisibilityDef
+{
+    qcDevice* device;
+    const float* corners; ///< nine floats a triangle, every coordinate within [-1, 1] (x, y, z as in the world)
+    uint32_t triangleCount;
+    uint32_t resolution; ///< pixels on a side, at most the device's limit
+    /// The image is cut into tiles of this many pixels on a side; 0: as is best on the device. The samples are the
+    /// same; corners and depths may be rounded differently in the last bit.
+    uint32_t tileSize;
+    /// Grow each triangle by half a pixel and by a box of these half sizes: what is fully visible then has no point
+    /// within the half sizes of both it and what was rendered (see gl/visibility/conservative_growth.c).
+    bool grown;
+    double growth[3];
+} qcVisibilityDef;
+
+qcStatus qcVisibility_Create(const qcVisibilityDef* def, qcVisibility** visibility);
+void qcVisibility_Destroy(qcVisibility* visibility);
+
+typedef struct qcVisibilityPass
+{
+    int axis; ///< looked along: 0, 1, 2
+    qcVisibilityCompare compare;
+    /// Look from the other side: rendering keeps the farthest depth, and fully visible means fully behind.
+    bool fromBack;
+} qcVisibilityPass;
+
+/// Runs one pass from an empty buffer. The steps take effect in their order.
+/// visible[i] = 1 when step i has its test flag and no fragment of it fails; else 0.
+/// Queries are issued all together and read afterwards.
+qcStatus qcVisibility_RunPass(qcVisibility* visibility, const qcVisibilityPass* pass, const qcVisibilityStep* steps,
+                              uint32_t stepCount, uint8_t* visible);
+
+#endif

@@ -1,0 +1,314 @@
+// Bins the triangles of a pass into tiles, then gives each step of a tile the earliest level that keeps its meaning.
+// A level is a batch: all its tests, then all its renders. Boxes of pixels stand for triangles, so it is conservative.
+#include "gl/visibility/tile_schedule.h"
+
+#include "base/status.h"
+
+#include <string.h>
+
+enum
+{
+    // Pixels on a side of the cells in which steps are found to overlap: about the size of a triangle when 20 000 of
+    // them fill an image of 1024 pixels.
+    qc_cellSize = 8,
+    // Cells on a side of a tile at most, so that a step as large as the image stays cheap.
+    qc_maxCells = 256
+};
+
+/// Pixels that fragments of a triangle may have, both ends included.
+typedef struct PixelBox
+{
+    uint16_t x0, y0, x1, y1;
+} PixelBox;
+
+/// A triangle in a tile.
+typedef struct Entry
+{
+    uint32_t step, triangle;
+    PixelBox box;
+} Entry;
+
+/// A step in a tile.
+typedef struct Run
+{
+    uint32_t step, triangleCount, level;
+    size_t firstEntry;
+} Run;
+
+/// The levels of what touched a cell so far.
+typedef struct Cell
+{
+    uint32_t afterRenders; ///< first level whose tests see every render so far
+    uint32_t lastTest;     ///< last level that tests
+} Cell;
+
+typedef struct CellBox
+{
+    uint32_t x0, y0, x1, y1;
+} CellBox;
+
+/// The pixel that holds a coordinate in pixels, moved into the image; not a number gives 0.
+static uint16_t ClampPixel(float pixel, uint32_t resolution)
+{
+    if (!(pixel > 0.0f))
+        return 0;
+    return (uint16_t)(pixel < (float)resolution ? (uint32_t)pixel : resolution - 1);
+}
+
+static PixelBox FindBox(const qcScheduleView* view, uint32_t triangle)
+{
+    const float* corner = view->corners + (size_t)9 * triangle;
+    int x = (view->axis + 1) % 3, y = (view->axis + 2) % 3;
+    float lower[2] = {corner[x], corner[y]}, upper[2] = {corner[x], corner[y]};
+    for (int i = 1; i < 3; ++i)
+    {
+        const float point[2] = {corner[3 * i + x], corner[3 * i + y]};
+        for (int k = 0; k < 2; ++k)
+        {
+            lower[k] = point[k] < lower[k] ? point[k] : lower[k];
+            upper[k] = point[k] > upper[k] ? point[k] : upper[k];
+        }
+    }
+    // One pixel wider: rasterisers round corners to a grid of their own, of 1/256 pixel or so.
+    float half = 0.5f * (float)view->resolution, reachX = view->reach[0] + 1.0f, reachY = view->reach[1] + 1.0f;
+    return (PixelBox){ClampPixel((lower[0] + 1.0f) * half - reachX, view->resolution),
+                      ClampPixel((lower[1] + 1.0f) * half - reachY, view->resolution),
+                      ClampPixel((upper[0] + 1.0f) * half + reachX, view->resolution),
+                      ClampPixel((upper[1] + 1.0f) * half + reachY, view->resolution)};
+}
+
+/// Entries sorted by tile, in the order of the steps within a tile. tileFirst has one element more than there are
+/// tiles.
+static qcStatus BinTriangles(qcSchedule* s, const qcScheduleView* view, const qcVisibilityStep* steps,
+                             uint32_t stepCount, uint32_t tilesPerSide)
+{
+    size_t tileCount = (size_t)tilesPerSide * tilesPerSide;
+    // Two more: counts are kept two places up, so that they turn into firsts, and then into ends, where they lie.
+    QC_TRY(qcArray_Resize(&s->tileFirst, tileCount + 2, sizeof(size_t), "tiles"));
+    size_t* tileFirst = s->tileFirst.data;
+    memset(tileFirst, 0, (tileCount + 2) * sizeof(size_t));
+    for (int fill = 0; fill < 2; ++fill)
+    {
+        for (uint32_t i = 0; i < stepCount; ++i)
+        {
+            if (!steps[i].test && !steps[i].render)
+                continue;
+            for (uint32_t k = 0; k < steps[i].triangleCount; ++k)
+            {
+                uint32_t triangle = steps[i].firstTriangle + k;
+                PixelBox box = FindBox(view, triangle);
+                for (uint32_t ty = box.y0 / view->tileSize; ty <= box.y1 / view->tileSize; ++ty)
+                {
+                    for (uint32_t tx = box.x0 / view->tileSize; tx <= box.x1 / view->tileSize; ++tx)
+                    {
+                        size_t tile = (size_t)ty * tilesPerSide + tx;
+                        if (fill == 0)
+                            ++tileFirst[tile + 2];
+                        else
+                            QC_AT(Entry, s->entries, tileFirst[tile + 1]++) = (Entry){i, triangle, box};
+                    }
+                }
+            }
+        }
+        if (fill == 0)
+        {
+            for (size_t tile = 1; tile < tileCount + 2; ++tile)
+                tileFirst[tile] += tileFirst[tile - 1];
+            QC_TRY(qcArray_Resize(&s->entries, tileFirst[tileCount + 1], sizeof(Entry), "triangles in tiles"));
+        }
+    }
+    return qc_statusOk;
+}
+
+/// The cells of a tile that a box touches.
+static CellBox FindCells(PixelBox box, const qcScheduleTile* tile, uint32_t tileSize, uint32_t cellSize)
+{
+    uint32_t x1 = box.x1 - tile->x, y1 = box.y1 - tile->y;
+    return (CellBox){(box.x0 > tile->x ? box.x0 - tile->x : 0) / cellSize,
+                     (box.y0 > tile->y ? box.y0 - tile->y : 0) / cellSize,
+                     (x1 < tileSize ? x1 : tileSize - 1) / cellSize, (y1 < tileSize ? y1 : tileSize - 1) / cellSize};
+}
+
+static PixelBox JoinBoxes(PixelBox a, PixelBox b)
+{
+    return (PixelBox){a.x0 < b.x0 ? a.x0 : b.x0, a.y0 < b.y0 ? a.y0 : b.y0, a.x1 > b.x1 ? a.x1 : b.x1,
+                      a.y1 > b.y1 ? a.y1 : b.y1};
+}
+
+/// The first level at which a step still sees what it must see and doesn't show what it must not show yet.
+static uint32_t TakeLevel(Cell* cells, uint32_t cellsPerSide, CellBox box, const qcVisibilityStep* step)
+{
+    uint32_t level = 0;
+    for (uint32_t y = box.y0; y <= box.y1; ++y)
+    {
+        for (uint32_t x = box.x0; x <= box.x1; ++x)
+        {
+            const Cell* cell = &cells[(size_t)y * cellsPerSide + x];
+            if (step->test && cell->afterRenders > level)
+                level = cell->afterRenders;
+            // In its own level a render comes after the tests. Renders among themselves may change places.
+            if (step->render && cell->lastTest > level)
+                level = cell->lastTest;
+        }
+    }
+    for (uint32_t y = box.y0; y <= box.y1; ++y)
+    {
+        for (uint32_t x = box.x0; x <= box.x1; ++x)
+        {
+            Cell* cell = &cells[(size_t)y * cellsPerSide + x];
+            if (step->render && cell->afterRenders < level + 1)
+                cell->afterRenders = level + 1;
+            if (step->test && cell->lastTest < level)
+                cell->lastTest = level;
+        }
+    }
+    return level;
+}
+
+/// The runs of a tile, each with its level. Returns the number of levels through the last pointer.
+static qcStatus FindRuns(qcSchedule* s, const qcScheduleView* view, const qcVisibilityStep* steps,
+                         const qcScheduleTile* tile, size_t firstEntry, size_t endEntry, uint32_t* levelCount)
+{
+    uint32_t cellSize = (view->tileSize + qc_maxCells - 1) / qc_maxCells;
+    if (cellSize < qc_cellSize)
+        cellSize = qc_cellSize;
+    uint32_t cellsPerSide = (view->tileSize + cellSize - 1) / cellSize;
+    size_t cellCount = (size_t)cellsPerSide * cellsPerSide;
+    QC_TRY(qcArray_Resize(&s->cells, cellCount, sizeof(Cell), "cells of a tile"));
+    memset(s->cells.data, 0, cellCount * sizeof(Cell));
+    QC_TRY(qcArray_Resize(&s->runs, 0, sizeof(Run), "runs of a tile"));
+
+    *levelCount = 0;
+    const Entry* entries = s->entries.data;
+    for (size_t i = firstEntry, end; i < endEntry; i = end)
+    {
+        PixelBox box = entries[i].box;
+        for (end = i + 1; end < endEntry && entries[end].step == entries[i].step; ++end)
+            box = JoinBoxes(box, entries[end].box);
+        CellBox cells = FindCells(box, tile, view->tileSize, cellSize);
+        uint32_t level = TakeLevel(s->cells.data, cellsPerSide, cells, &steps[entries[i].step]);
+        if (level + 1 > *levelCount)
+            *levelCount = level + 1;
+        QC_TRY(qcArray_Reserve(&s->runs, s->runs.count + 1, sizeof(Run), "runs of a tile"));
+        QC_AT(Run, s->runs, s->runs.count++) = (Run){entries[i].step, (uint32_t)(end - i), level, i};
+    }
+    return qc_statusOk;
+}
+
+static size_t SortKey(const Run* run, const qcVisibilityStep* steps)
+{
+    // Runs that render come last in their level, so that one draw shows them all.
+    return (size_t)2 * run->level + (steps[run->step].render ? 1 : 0);
+}
+
+/// Counting sort of the runs by level.
+static qcStatus SortRuns(qcSchedule* s, const qcVisibilityStep* steps, uint32_t levelCount)
+{
+    size_t keyCount = (size_t)2 * levelCount + 1;
+    QC_TRY(qcArray_Resize(&s->keys, keyCount, sizeof(size_t), "levels of a tile"));
+    QC_TRY(qcArray_Resize(&s->order, s->runs.count, sizeof(Run), "runs of a tile"));
+    size_t* keys = s->keys.data;
+    memset(keys, 0, keyCount * sizeof(size_t));
+    const Run* runs = s->runs.data;
+    for (size_t i = 0; i < s->runs.count; ++i)
+        ++keys[SortKey(&runs[i], steps) + 1];
+    for (size_t i = 1; i < keyCount; ++i)
+        keys[i] += keys[i - 1];
+    for (size_t i = 0; i < s->runs.count; ++i)
+        QC_AT(Run, s->order, keys[SortKey(&runs[i], steps)]++) = runs[i];
+    return qc_statusOk;
+}
+
+/// Writes the fan of a triangle's polygon. Returns the end of what is written.
+static uint32_t* WriteFan(uint32_t* indices, uint32_t triangle, uint32_t polygonCorners)
+{
+    uint32_t first = triangle * polygonCorners;
+    for (uint32_t c = 2; c < polygonCorners; ++c)
+    {
+        *indices++ = first;
+        *indices++ = first + c - 1;
+        *indices++ = first + c;
+    }
+    return indices;
+}
+
+/// Writes the sorted runs as index list, tests and batches. The arrays have room.
+static void WriteBatches(qcSchedule* s, const qcVisibilityStep* steps, uint32_t polygonCorners, qcScheduleTile* tile)
+{
+    const Run* runs = s->order.data;
+    const Entry* entries = s->entries.data;
+    size_t polygon = s->indices.count / qcSchedule_GetIndexCount(polygonCorners);
+    uint32_t* index = &QC_AT(uint32_t, s->indices, s->indices.count);
+    qcScheduleBatch* batch = NULL;
+    for (size_t i = 0; i < s->order.count; ++i)
+    {
+        const Run* run = &runs[i];
+        if (batch == NULL || run->level != runs[i - 1].level)
+        {
+            batch = &QC_AT(qcScheduleBatch, s->batches, s->batches.count++);
+            *batch = (qcScheduleBatch){s->tests.count, 0, polygon, 0};
+        }
+        if (steps[run->step].test)
+        {
+            QC_AT(qcScheduleTest, s->tests, s->tests.count++) =
+                (qcScheduleTest){run->step, run->triangleCount, polygon};
+            ++batch->testCount;
+        }
+        if (steps[run->step].render)
+        {
+            if (batch->polygonCount == 0)
+                batch->firstPolygon = polygon;
+            batch->polygonCount += run->triangleCount;
+        }
+        polygon += run->triangleCount;
+        for (uint32_t k = 0; k < run->triangleCount; ++k)
+            index = WriteFan(index, entries[run->firstEntry + k].triangle, polygonCorners);
+    }
+    s->indices.count = (size_t)(index - (uint32_t*)s->indices.data);
+    tile->batchCount = s->batches.count - tile->firstBatch;
+    tile->testCount = s->tests.count - tile->firstTest;
+}
+
+static qcStatus AddTile(qcSchedule* s, const qcScheduleView* view, const qcVisibilityStep* steps, uint32_t x,
+                        uint32_t y, size_t firstEntry, size_t endEntry)
+{
+    qcScheduleTile tile = {.x = x, .y = y, .firstBatch = s->batches.count, .firstTest = s->tests.count};
+    uint32_t levelCount = 0;
+    QC_TRY(FindRuns(s, view, steps, &tile, firstEntry, endEntry, &levelCount));
+    QC_TRY(SortRuns(s, steps, levelCount));
+    QC_TRY(qcArray_Reserve(&s->tests, s->tests.count + s->runs.count, sizeof(qcScheduleTest), "visibility tests"));
+    QC_TRY(qcArray_Reserve(&s->batches, s->batches.count + levelCount, sizeof(qcScheduleBatch), "visibility batches"));
+    QC_TRY(qcArray_Reserve(&s->tiles, s->tiles.count + 1, sizeof(qcScheduleTile), "visibility tiles"));
+    WriteBatches(s, steps, view->polygonCorners, &tile);
+    QC_AT(qcScheduleTile, s->tiles, s->tiles.count++) = tile;
+    return qc_statusOk;
+}
+
+qcStatus qcSchedule_Build(qcSchedule* s, const qcScheduleView* view, const qcVisibilityStep* steps, uint32_t stepCount)
+{
+    uint32_t tilesPerSide = (view->resolution + view->tileSize - 1) / view->tileSize;
+    s->indices.count = s->tests.count = s->batches.count = s->tiles.count = 0;
+    QC_TRY(BinTriangles(s, view, steps, stepCount, tilesPerSide));
+    size_t indexCount = qcSchedule_GetIndexCount(view->polygonCorners);
+    QC_TRY(qcArray_Reserve(&s->indices, indexCount * s->entries.count, sizeof(uint32_t), "visibility indices"));
+    const size_t* tileFirst = s->tileFirst.data;
+    for (uint32_t ty = 0; ty < tilesPerSide; ++ty)
+    {
+        for (uint32_t tx = 0; tx < tilesPerSide; ++tx)
+        {
+            size_t tile = (size_t)ty * tilesPerSide + tx;
+            if (tileFirst[tile] < tileFirst[tile + 1])
+                QC_TRY(AddTile(s, view, steps, tx * view->tileSize, ty * view->tileSize, tileFirst[tile],
+                               tileFirst[tile + 1]));
+        }
+    }
+    return qc_statusOk;
+}
+
+void qcSchedule_Free(qcSchedule* s)
+{
+    qcArray* arrays[] = {&s->indices, &s->tests, &s->batches, &s->tiles, &s->tileFirst,
+                         &s->entries, &s->runs,  &s->order,   &s->keys,  &s->cells};
+    for (size_t i = 0; i < sizeof arrays / sizeof arrays[0]; ++i)
+        qcArray_Free(arrays[i]);
+}

@@ -1,0 +1,54 @@
+// What the kernels for AVX2 and AVX-512 have in common.
+#ifndef QC_KERNELS_SIMD_X86_H
+#define QC_KERNELS_SIMD_X86_H
+
+#include "kernels/triangle_kernels.h"
+
+#include <immintrin.h>
+
+typedef __m128i Shorts;
+
+static inline Shorts LeastShorts(Shorts a, Shorts b)
+{
+    return _mm_min_epi16(a, b);
+}
+
+static inline void Transpose(const Shorts row[8], Shorts column[8])
+{
+    Shorts pairs[8], fours[8];
+    for (int i = 0; i < 4; i++)
+    {
+        pairs[2 * i] = _mm_unpacklo_epi16(row[2 * i], row[2 * i + 1]);
+        pairs[2 * i + 1] = _mm_unpackhi_epi16(row[2 * i], row[2 * i + 1]);
+    }
+    for (int half = 0; half < 2; half++)
+        for (int i = 0; i < 2; i++)
+        {
+            fours[4 * half + 2 * i] = _mm_unpacklo_epi32(pairs[4 * half + i], pairs[4 * half + 2 + i]);
+            fours[4 * half + 2 * i + 1] = _mm_unpackhi_epi32(pairs[4 * half + i], pairs[4 * half + 2 + i]);
+        }
+    for (int i = 0; i < 4; i++)
+    {
+        column[2 * i] = _mm_unpacklo_epi64(fours[i], fours[4 + i]);
+        column[2 * i + 1] = _mm_unpackhi_epi64(fours[i], fours[4 + i]);
+    }
+}
+
+/// Levels from 0 to 65533 into the range of shorts.
+static inline __m128i ToLevels(__m256d scaled)
+{
+    return _mm_sub_epi32(_mm256_cvttpd_epi32(scaled), _mm_set1_epi32(32768));
+}
+
+static inline void MapVertex(const qcLatticeTransform* map, const double* position, qcPoint* point, qcBoxRow* row)
+{
+    __m256d x = _mm256_set_m128d(_mm_load_sd(position + 2), _mm_loadu_pd(position));
+    __m256d origin = _mm256_loadu_pd(map->origin), scale = _mm256_loadu_pd(map->scale);
+    __m256d from = _mm256_sub_pd(x, origin);
+    __m256d upTo = _mm256_sub_pd(_mm256_add_pd(x, _mm256_loadu_pd(map->margin)), origin);
+    _mm_storeu_ps(point->x, _mm256_cvtpd_ps(_mm256_mul_pd(from, _mm256_loadu_pd(map->unit))));
+    __m128i ends = _mm_packs_epi32(ToLevels(_mm256_mul_pd(from, scale)), ToLevels(_mm256_mul_pd(upTo, scale)));
+    _mm_storeu_si128((__m128i*)row, _mm_xor_si128(ends, _mm_set_epi64x(-1, 0)));
+}
+
+#endif

@@ -1,0 +1,74 @@
+// Kernels for x86-64 with AVX2 and FMA.
+#include "kernels/simd_x86.h"
+
+enum
+{
+    QC_LANES = 8
+};
+
+static inline __m256 LeastFloats(__m256 a, __m256 b)
+{
+    return _mm256_min_ps(a, b);
+}
+
+static inline __m256 Root(__m256 a)
+{
+    return _mm256_sqrt_ps(a);
+}
+
+static inline __m256 MostFloats(__m256 a, __m256 b)
+{
+    return _mm256_max_ps(a, b);
+}
+
+/// A row of b at a time, against all boxes of a; two rows leave together.
+static inline uint64_t CompareGroups(const qcBox8* a, const qcBox8* b)
+{
+    __m256i ends[3], limits[3];
+    for (int axis = 0; axis < 3; axis++)
+    {
+        ends[axis] = _mm256_loadu_si256((const __m256i*)a->ends[axis]);
+        // Lower ends of a are compared with upper ends of b, and the other way round.
+        __m256i other = _mm256_loadu_si256((const __m256i*)b->ends[axis]);
+        limits[axis] = _mm256_xor_si256(_mm256_permute4x64_epi64(other, 0x4e), _mm256_set1_epi8(-1));
+    }
+    uint64_t apart = 0;
+    for (int j = 0; j < qc_groupSize; j += 2)
+    {
+        __m256i row[2];
+        for (int k = 0; k < 2; k++)
+        {
+            __m256i pick = _mm256_set1_epi16((short)(0x0100 + 0x0202 * (j + k)));
+            row[k] = _mm256_cmpgt_epi16(ends[0], _mm256_shuffle_epi8(limits[0], pick));
+            for (int axis = 1; axis < 3; axis++)
+                row[k] =
+                    _mm256_or_si256(row[k], _mm256_cmpgt_epi16(ends[axis], _mm256_shuffle_epi8(limits[axis], pick)));
+        }
+        __m256i both = _mm256_packs_epi16(row[0], row[1]);
+        __m128i either = _mm_or_si128(_mm256_castsi256_si128(both), _mm256_extracti128_si256(both, 1));
+        apart |= (uint64_t)(uint32_t)_mm_movemask_epi8(either) << 8 * j;
+    }
+    return ~apart;
+}
+
+#include "kernels/triangle_kernels.inl.h"
+
+/// Four floats of lanes 0 to 3 and of lanes 4 to 7 side by side, then columns to vectors.
+QC_INLINE Vectors LoadPoints(const qcPoint* points, const uint32_t vertex[QC_LANES])
+{
+    __m256 row[4];
+    for (int i = 0; i < 4; i++)
+        row[i] = _mm256_insertf128_ps(_mm256_castps128_ps256(_mm_loadu_ps(points[vertex[i]].x)),
+                                      _mm_loadu_ps(points[vertex[4 + i]].x), 1);
+    __m256 xy01 = _mm256_unpacklo_ps(row[0], row[1]), z01 = _mm256_unpackhi_ps(row[0], row[1]);
+    __m256 xy23 = _mm256_unpacklo_ps(row[2], row[3]), z23 = _mm256_unpackhi_ps(row[2], row[3]);
+    return (Vectors){_mm256_shuffle_ps(xy01, xy23, 0x44), _mm256_shuffle_ps(xy01, xy23, 0xee),
+                     _mm256_shuffle_ps(z01, z23, 0x44)};
+}
+
+QC_INLINE uint32_t SignBits(Ints lanes)
+{
+    return (uint32_t)_mm256_movemask_ps((__m256)lanes);
+}
+
+const qcTriangleKernels qcTriangleKernels_avx2 = QC_KERNELS("avx2");

@@ -1,0 +1,74 @@
+// Kernels for x86-64 with AVX-512 F, BW and VL.
+#include "kernels/simd_x86.h"
+
+enum
+{
+    QC_LANES = 16
+};
+
+static inline __m512 LeastFloats(__m512 a, __m512 b)
+{
+    return _mm512_min_ps(a, b);
+}
+
+static inline __m512 Root(__m512 a)
+{
+    return _mm512_sqrt_ps(a);
+}
+
+static inline __m512 MostFloats(__m512 a, __m512 b)
+{
+    return _mm512_max_ps(a, b);
+}
+
+/// Two rows of b at a time, against all boxes of a.
+static inline uint64_t CompareGroups(const qcBox8* a, const qcBox8* b)
+{
+    __m512i ends[3], limits[3];
+    for (int axis = 0; axis < 3; axis++)
+    {
+        ends[axis] = _mm512_broadcast_i64x4(_mm256_loadu_si256((const __m256i*)a->ends[axis]));
+        // Lower ends of a are compared with upper ends of b, and the other way round.
+        __m256i other = _mm256_loadu_si256((const __m256i*)b->ends[axis]);
+        limits[axis] =
+            _mm512_broadcast_i64x4(_mm256_xor_si256(_mm256_permute4x64_epi64(other, 0x4e), _mm256_set1_epi8(-1)));
+    }
+    uint64_t meet = 0;
+    for (int j = 0; j < qc_groupSize; j += 2)
+    {
+        __m512i pick = _mm512_inserti64x4(_mm512_set1_epi16((short)(0x0100 + 0x0202 * j)),
+                                          _mm256_set1_epi16((short)(0x0100 + 0x0202 * (j + 1))), 1);
+        __mmask32 both = _mm512_cmple_epi16_mask(ends[0], _mm512_shuffle_epi8(limits[0], pick));
+        both = _mm512_mask_cmple_epi16_mask(both, ends[1], _mm512_shuffle_epi8(limits[1], pick));
+        both = _mm512_mask_cmple_epi16_mask(both, ends[2], _mm512_shuffle_epi8(limits[2], pick));
+        uint32_t rows = both & both >> 8 & 0x00ff00ffu;
+        meet |= (uint64_t)((rows | rows >> 8) & 0xffffu) << 8 * j;
+    }
+    return meet;
+}
+
+#include "kernels/triangle_kernels.inl.h"
+
+/// Four floats of each fourth lane side by side, then columns to vectors.
+QC_INLINE Vectors LoadPoints(const qcPoint* points, const uint32_t vertex[QC_LANES])
+{
+    __m512 row[4];
+    for (int i = 0; i < 4; i++)
+    {
+        row[i] = _mm512_castps128_ps512(_mm_loadu_ps(points[vertex[i]].x));
+        row[i] = _mm512_insertf32x4(row[i], _mm_loadu_ps(points[vertex[4 + i]].x), 1);
+        row[i] = _mm512_insertf32x4(row[i], _mm_loadu_ps(points[vertex[8 + i]].x), 2);
+        row[i] = _mm512_insertf32x4(row[i], _mm_loadu_ps(points[vertex[12 + i]].x), 3);
+    }
+    __m512 xy01 = _mm512_unpacklo_ps(row[0], row[1]), z01 = _mm512_unpackhi_ps(row[0], row[1]);
+    __m512 xy23 = _mm512_unpacklo_ps(row[2], row[3]), z23 = _mm512_unpackhi_ps(row[2], row[3]);
+    return (Vectors){_mm512_shuffle_ps(xy01, xy23, 0x44), _mm512_shuffle_ps(xy01, xy23, 0xee),
+                     _mm512_shuffle_ps(z01, z23, 0x44)};
+}
+
+QC_INLINE uint32_t SignBits(Ints lanes)
+{
+    return _mm512_cmplt_epi32_mask((__m512i)lanes, _mm512_setzero_si512());
+}
+
+const qcTriangleKernels qcTriangleKernels_avx512 = QC_KERNELS("avx512");

@@ -1,0 +1,99 @@
+// Kernels in plain C: any processor. Vectors are the compiler's.
+#include "kernels/triangle_kernels.h"
+
+enum
+{
+    QC_LANES = 4
+};
+
+typedef int16_t Shorts __attribute__((vector_size(16)));
+typedef float FourFloats __attribute__((vector_size(16)));
+typedef int32_t FourInts __attribute__((vector_size(16)));
+
+static inline Shorts LeastShorts(Shorts a, Shorts b)
+{
+    Shorts less = a < b;
+    return (a & less) | (b & ~less);
+}
+
+static inline FourFloats LeastFloats(FourFloats a, FourFloats b)
+{
+    FourInts less = a < b;
+    return (FourFloats)(((FourInts)a & less) | ((FourInts)b & ~less));
+}
+
+static inline FourFloats Root(FourFloats a)
+{
+    return (FourFloats){__builtin_sqrtf(a[0]), __builtin_sqrtf(a[1]), __builtin_sqrtf(a[2]), __builtin_sqrtf(a[3])};
+}
+
+static inline FourFloats MostFloats(FourFloats a, FourFloats b)
+{
+    FourInts less = a < b;
+    return (FourFloats)(((FourInts)b & less) | ((FourInts)a & ~less));
+}
+
+static inline void Transpose(const Shorts row[8], Shorts column[8])
+{
+    for (int i = 0; i < 8; i++)
+        column[i] = (Shorts){row[0][i], row[1][i], row[2][i], row[3][i], row[4][i], row[5][i], row[6][i], row[7][i]};
+}
+
+static inline void MapVertex(const qcLatticeTransform* map, const double* position, qcPoint* point, qcBoxRow* row)
+{
+    *row = (qcBoxRow){{0}};
+    for (int axis = 0; axis < 3; axis++)
+    {
+        double from = position[axis] - map->origin[axis], upTo = position[axis] + map->margin[axis] - map->origin[axis];
+        point->x[axis] = (float)(from * map->unit[axis]);
+        row->ends[axis] = (int16_t)((int32_t)(from * map->scale[axis]) - 32768);
+        row->ends[axis + 4] = (int16_t) ~((int32_t)(upTo * map->scale[axis]) - 32768);
+    }
+    point->x[3] = 0.0f;
+}
+
+/// A bit for each lane that is -1.
+static inline uint32_t ToBits(Shorts lanes)
+{
+    const Shorts weights = {1, 2, 4, 8, 16, 32, 64, 128};
+    Shorts some = lanes & weights;
+    return (uint32_t)(some[0] + some[1] + some[2] + some[3] + some[4] + some[5] + some[6] + some[7]);
+}
+
+/// A row of b at a time, against all boxes of a.
+static inline uint64_t CompareGroups(const qcBox8* a, const qcBox8* b)
+{
+    Shorts lower[3], upper[3];
+    for (int axis = 0; axis < 3; axis++)
+    {
+        __builtin_memcpy(&lower[axis], a->ends[axis], sizeof(Shorts));
+        __builtin_memcpy(&upper[axis], a->ends[axis] + qc_groupSize, sizeof(Shorts));
+    }
+    uint64_t meet = 0;
+    for (int j = 0; j < qc_groupSize; j++)
+    {
+        Shorts apart = {0};
+        for (int axis = 0; axis < 3; axis++)
+        {
+            int16_t lowerB = b->ends[axis][j], upperB = b->ends[axis][qc_groupSize + j];
+            apart |= (lower[axis] > (int16_t)~upperB) | (upper[axis] > (int16_t)~lowerB);
+        }
+        meet |= (uint64_t)ToBits(~apart) << 8 * j;
+    }
+    return meet;
+}
+
+#include "kernels/triangle_kernels.inl.h"
+
+QC_INLINE Vectors LoadPoints(const qcPoint* points, const uint32_t vertex[QC_LANES])
+{
+    const float *a = points[vertex[0]].x, *b = points[vertex[1]].x, *c = points[vertex[2]].x, *d = points[vertex[3]].x;
+    return (Vectors){{a[0], b[0], c[0], d[0]}, {a[1], b[1], c[1], d[1]}, {a[2], b[2], c[2], d[2]}};
+}
+
+QC_INLINE uint32_t SignBits(Ints lanes)
+{
+    return (uint32_t)((lanes[0] & 1) | (lanes[1] & 2) | (lanes[2] & 4) | (lanes[3] & 8));
+}
+
+const qcTriangleKernels qcTriangleKernels_scalar = QC_KERNELS("plain");

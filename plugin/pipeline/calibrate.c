@@ -1,0 +1,122 @@
+// A folded sheet at two sizes through both methods, by the same calls as any user's.
+#include "pipeline/calibrate.h"
+
+#include "base/clock.h"
+#include "gl/device.h"
+#include "base/memory.h"
+
+#include <math.h>
+
+enum
+{
+    // Triangles: 2 * 16^2 and 2 * 64^2. Smaller ones measure overhead alone; larger ones take milliseconds each.
+    qc_smallSheet = 16,
+    qc_largeSheet = 64,
+    qc_repetitions = 4
+};
+
+typedef struct Sheet
+{
+    uint32_t side;
+    float positions[(qc_largeSheet + 1) * (qc_largeSheet + 1)][3];
+    uint32_t indices[2 * qc_largeSheet * qc_largeSheet][3];
+} Sheet;
+
+/// A sheet folded into four layers that lie close and cross a little, one triangle in 45: about what a cloth asks of
+/// either method. (Where many cross, both would spend their time on the exact test, and look alike.)
+static void MakeSheet(Sheet* sheet, uint32_t side)
+{
+    const float pi = 3.14159265f;
+    sheet->side = side;
+    for (uint32_t y = 0, v = 0; y <= side; y++)
+        for (uint32_t x = 0; x <= side; x++, v++)
+        {
+            float u = (float)x / (float)side, w = (float)y / (float)side;
+            sheet->positions[v][0] = fabsf(fmodf(4.0f * u, 2.0f) - 1.0f);
+            sheet->positions[v][1] = 4.0f * w;
+            sheet->positions[v][2] = 0.2f * u + 0.02f * sinf(7.0f * pi * u) * sinf(5.0f * pi * w);
+        }
+    for (uint32_t y = 0, t = 0; y < side; y++)
+        for (uint32_t x = 0; x < side; x++)
+        {
+            uint32_t a = y * (side + 1) + x, b = a + side + 1;
+            const uint32_t corners[2][3] = {{a, a + 1, b}, {a + 1, b + 1, b}};
+            for (int k = 0; k < 2; k++, t++)
+                for (int c = 0; c < 3; c++)
+                    sheet->indices[t][c] = corners[k][c];
+        }
+}
+
+/// Milliseconds of the fastest repetition; infinity if the method fails, or another answers for it.
+static double Measure(qcScene* scene, qcBodyId body, const Sheet* sheet, qcMethod method, uint32_t threads)
+{
+    qcDetectDef def = qcDefaultDetectDef();
+    def.method = method;
+    def.threads = threads;
+    double least = INFINITY;
+    // The first warms up, and its time does not count: memory and kernels are made at first use.
+    for (int i = 0; i <= qc_repetitions; i++)
+    {
+        const qcResult* result;
+        double start = qcClock_Now();
+        if (qcScene_SetVertices(scene, body, sheet->positions, qc_positionF32, 0) != qc_statusOk ||
+            qcScene_Detect(scene, &def, &result) != qc_statusOk || result->profile.method != method)
+            return INFINITY;
+        double ms = qcClock_Now() - start;
+        least = i > 0 && ms < least ? ms : least;
+    }
+    return least;
+}
+
+/// Fills both methods' times for a sheet of this size.
+static void MeasureSheet(qcDevice* device, Sheet* sheet, uint32_t side, uint32_t threads, double* sweep, double* layers)
+{
+    *sweep = *layers = INFINITY;
+    MakeSheet(sheet, side);
+    qcSceneDef sceneDef = qcDefaultSceneDef();
+    sceneDef.device = device;
+    qcBodyDef def = qcDefaultBodyDef();
+    def.positions = sheet->positions;
+    def.vertexCount = (side + 1) * (side + 1);
+    def.indices = sheet->indices[0];
+    def.triangleCount = 2 * side * side;
+    def.deforming = true;
+    qcScene* scene = NULL;
+    qcBodyId body;
+    if (qcScene_Create(&sceneDef, &scene) != qc_statusOk || qcScene_AddBody(scene, &def, &body) != qc_statusOk)
+    {
+        qcScene_Destroy(scene);
+        return;
+    }
+    *layers = Measure(scene, body, sheet, qc_methodLayers, threads);
+    *sweep = Measure(scene, body, sheet, qc_methodSweep, threads);
+    qcScene_Destroy(scene);
+}
+
+/// The line through two measurements; neither part is below 0.
+static void Fit(double small, double large, double* fixed, double* perTriangle)
+{
+    const double smallCount = 2.0 * qc_smallSheet * qc_smallSheet, largeCount = 2.0 * qc_largeSheet * qc_largeSheet;
+    *perTriangle = fmax((large - small) / (largeCount - smallCount), 0.0);
+    *fixed = fmax(small - *perTriangle * smallCount, 0.0);
+}
+
+qcPlanCosts qcCalibrate(qcDevice* device, uint32_t threads)
+{
+    qcPlanCosts costs;
+    if (qcDevice_FindCosts(device, threads, &costs))
+        return costs;
+    costs = (qcPlanCosts){0.0, 0.0, INFINITY, INFINITY};
+    Sheet* sheet = qcAllocate(sizeof *sheet);
+    if (sheet == NULL)
+        return costs;
+    double sweep[2], layers[2];
+    MeasureSheet(device, sheet, qc_smallSheet, threads, &sweep[0], &layers[0]);
+    MeasureSheet(device, sheet, qc_largeSheet, threads, &sweep[1], &layers[1]);
+    qcFree(sheet, sizeof *sheet);
+    Fit(sweep[0], sweep[1], &costs.sweepFixed, &costs.sweepPerTriangle);
+    if (isfinite(layers[0]) && isfinite(layers[1]))
+        Fit(layers[0], layers[1], &costs.layersFixed, &costs.layersPerTriangle);
+    qcDevice_KeepCosts(device, threads, &costs);
+    return costs;
+}

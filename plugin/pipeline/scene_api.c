@@ -1,0 +1,244 @@
+// The scene's entry points: arguments are checked here, stages trust them.
+#include "pipeline/detect.h"
+#include "base/float_mode.h"
+#include "base/status.h"
+
+#include <math.h>
+#include <string.h>
+
+struct qcScene
+{
+    qcDevice* device;
+    qcBodies bodies;
+    qcDetector detector;
+};
+
+static qcStatus CheckSize(uint32_t structSize, size_t expected, const char* function, const char* type)
+{
+    if (structSize == expected)
+        return qc_statusOk;
+    return qcFail(qc_statusBadInput, "%s: structSize of %s is %u, expected %zu (start from its default function)",
+                  function, type, structSize, expected);
+}
+
+static qcStatus CheckPointer(const void* pointer, const char* function, const char* argument)
+{
+    return pointer != NULL ? qc_statusOk : qcFail(qc_statusBadInput, "%s: %s is null", function, argument);
+}
+
+qcStatus qcScene_Create(const qcSceneDef* def, qcScene** scene)
+{
+    QC_TRY(CheckPointer(def, "qcScene_Create", "def"));
+    QC_TRY(CheckPointer(scene, "qcScene_Create", "scene"));
+    QC_TRY(CheckSize(def->structSize, sizeof *def, "qcScene_Create", "qcSceneDef"));
+    qcScene* created = qcAllocateZeroed(sizeof(qcScene));
+    if (created == NULL)
+        return qcFailMemory(sizeof(qcScene), "a scene");
+    created->device = def->device;
+    *scene = created;
+    return qc_statusOk;
+}
+
+void qcScene_Destroy(qcScene* scene)
+{
+    if (scene == NULL)
+        return;
+    qcDetector_Free(&scene->detector);
+    qcBodies_Free(&scene->bodies);
+    qcFree(scene, sizeof *scene);
+}
+
+qcStatus qcScene_AddBody(qcScene* scene, const qcBodyDef* def, qcBodyId* id)
+{
+    QC_TRY(CheckPointer(scene, "qcScene_AddBody", "scene"));
+    QC_TRY(CheckPointer(def, "qcScene_AddBody", "def"));
+    QC_TRY(CheckPointer(id, "qcScene_AddBody", "id"));
+    QC_TRY(CheckSize(def->structSize, sizeof *def, "qcScene_AddBody", "qcBodyDef"));
+    qcFloatMode mode = qcFloatMode_Begin();
+    qcStatus status = qcBodies_Add(&scene->bodies, def, id);
+    qcFloatMode_End(mode);
+    return status;
+}
+
+/// The body, or null with a status in *status.
+static qcBody* Find(qcScene* scene, qcBodyId id, const char* function, qcStatus* status)
+{
+    *status = CheckPointer(scene, function, "scene");
+    if (*status != qc_statusOk)
+        return NULL;
+    qcBody* body = qcBodies_Find(&scene->bodies, id, function);
+    *status = body != NULL ? qc_statusOk : qc_statusBadInput;
+    return body;
+}
+
+qcStatus qcScene_RemoveBody(qcScene* scene, qcBodyId id)
+{
+    qcStatus status;
+    if (Find(scene, id, "qcScene_RemoveBody", &status) != NULL)
+        qcBodies_Remove(&scene->bodies, id);
+    return status;
+}
+
+qcStatus qcScene_SetTransform(qcScene* scene, qcBodyId id, const qcTransform* transform)
+{
+    qcStatus status;
+    const qcBody* body = Find(scene, id, "qcScene_SetTransform", &status);
+    if (body == NULL)
+        return status;
+    QC_TRY(CheckPointer(transform, "qcScene_SetTransform", "transform"));
+    if (body->deforming)
+        return qcFail(qc_statusBadInput, "qcScene_SetTransform: body %u is deforming; give it vertices", id.slot);
+    qcFloatMode mode = qcFloatMode_Begin();
+    status = qcBodies_SetTransform(&scene->bodies, id.slot, transform);
+    qcFloatMode_End(mode);
+    return status;
+}
+
+qcStatus qcScene_SetVertices(qcScene* scene, qcBodyId id, const void* positions, qcPositionType type, size_t stride)
+{
+    qcStatus status;
+    const qcBody* body = Find(scene, id, "qcScene_SetVertices", &status);
+    if (body == NULL)
+        return status;
+    if (!body->deforming)
+        return qcFail(qc_statusBadInput, "qcScene_SetVertices: body %u is rigid; give it a transform", id.slot);
+    qcFloatMode mode = qcFloatMode_Begin();
+    status = qcBodies_SetVertices(&scene->bodies, id.slot, positions, type, stride);
+    qcFloatMode_End(mode);
+    return status;
+}
+
+qcStatus qcScene_SetActivity(qcScene* scene, qcBodyId id, qcActivity activity)
+{
+    qcStatus status;
+    qcBody* body = Find(scene, id, "qcScene_SetActivity", &status);
+    if (body == NULL)
+        return status;
+    if (activity != qc_activityMoving && activity != qc_activitySleeping && activity != qc_activityStatic)
+        return qcFail(qc_statusBadInput, "qcScene_SetActivity: body %u: unknown activity %d", id.slot, (int)activity);
+    scene->bodies.revision += body->activity != activity;
+    body->activity = activity;
+    return qc_statusOk;
+}
+
+qcStatus qcScene_SetFilter(qcScene* scene, qcBodyId id, uint32_t group, uint32_t mask)
+{
+    qcStatus status;
+    qcBody* body = Find(scene, id, "qcScene_SetFilter", &status);
+    if (body == NULL)
+        return status;
+    scene->bodies.revision += body->group != group || body->mask != mask;
+    body->group = group;
+    body->mask = mask;
+    return qc_statusOk;
+}
+
+qcStatus qcScene_SetSelfCollision(qcScene* scene, qcBodyId id, bool selfCollision)
+{
+    qcStatus status;
+    qcBody* body = Find(scene, id, "qcScene_SetSelfCollision", &status);
+    if (body == NULL)
+        return status;
+    scene->bodies.revision += body->selfCollision != selfCollision;
+    body->selfCollision = selfCollision;
+    return qc_statusOk;
+}
+
+bool qcScene_IsValid(const qcScene* scene, qcBodyId id)
+{
+    if (scene == NULL || id.slot >= scene->bodies.slots.count || (id.generation & 1) == 0)
+        return false;
+    return QC_AT(qcBody, scene->bodies.slots, id.slot).generation == id.generation;
+}
+
+uint32_t qcScene_GetBodyCount(const qcScene* scene)
+{
+    return scene != NULL ? scene->bodies.count : 0;
+}
+
+static qcStatus CheckViews(const char views[4])
+{
+    for (int i = 0; i < 4; i++)
+    {
+        if (views[i] == 0 && i > 0)
+            return qc_statusOk;
+        if (views[i] < 'x' || views[i] > 'z' || memchr(views, views[i], (size_t)i) != NULL)
+            break;
+    }
+    return qcFail(qc_statusBadInput, "qcScene_Detect: views must be 1 to 3 different letters of \"xyz\"");
+}
+
+__attribute__((noinline)) static qcStatus SetMargin(qcScene* scene, qcBodyId id, double margin)
+{
+    qcStatus status;
+    qcBody* body = Find(scene, id, "qcScene_SetMargin", &status);
+    if (body == NULL)
+        return status;
+    if (!(margin >= 0.0))
+        return qcFail(qc_statusBadInput, "qcScene_SetMargin: body %u: the margin is %g; it must be 0 or more", id.slot,
+                      margin);
+    scene->bodies.revision += body->margin != margin;
+    body->margin = margin;
+    return qc_statusOk;
+}
+
+qcStatus qcScene_SetMargin(qcScene* scene, qcBodyId id, double margin)
+{
+    qcFloatMode mode = qcFloatMode_Begin();
+    qcStatus status = SetMargin(scene, id, margin);
+    qcFloatMode_End(mode);
+    return status;
+}
+
+static qcStatus CheckMargin(double margin, const char* name)
+{
+    if (!(margin >= 0.0) || isinf(margin))
+        return qcFail(qc_statusBadInput, "qcScene_Detect: %s is %g; it must be 0 or more", name, margin);
+    return qc_statusOk;
+}
+
+static qcStatus CheckDetectDef(const qcDetectDef* def)
+{
+    QC_TRY(CheckSize(def->structSize, sizeof *def, "qcScene_Detect", "qcDetectDef"));
+    if ((unsigned)def->method > qc_methodLayers)
+        return qcFail(qc_statusBadInput, "qcScene_Detect: unknown method %d", (int)def->method);
+    QC_TRY(CheckMargin(def->margin, "margin"));
+    QC_TRY(CheckMargin(def->contactMargin, "contactMargin"));
+    if (def->layerColumns > 4096)
+        return qcFail(qc_statusBadInput, "qcScene_Detect: layerColumns is %u; it must be within 0..4096",
+                      def->layerColumns);
+    if (def->layerDepthAxis != 0 && (def->layerDepthAxis < 'x' || def->layerDepthAxis > 'z'))
+        return qcFail(qc_statusBadInput, "qcScene_Detect: layerDepthAxis is none of 'x', 'y', 'z' and 0");
+    bool image = def->method == qc_methodCullide || def->method == qc_methodQuick;
+    if (image && def->contactMargin > 0.0)
+        return qcFail(qc_statusBadInput, "qcScene_Detect: %s culls what does not intersect, so it has no contactMargin",
+                      qcMethod_Name(def->method));
+    if (image && def->margin > 0.0 && !def->reliable)
+        return qcFail(qc_statusBadInput, "qcScene_Detect: %s has a margin only if it is reliable",
+                      qcMethod_Name(def->method));
+    if (!image)
+        return qc_statusOk;
+    if (def->resolution < 1 || def->resolution > 4096)
+        return qcFail(qc_statusBadInput, "qcScene_Detect: resolution is %u; it must be within 1..4096",
+                      def->resolution);
+    return CheckViews(def->views);
+}
+
+__attribute__((noinline)) static qcStatus Detect(qcScene* scene, const qcDetectDef* def, const qcResult** result)
+{
+    QC_TRY(CheckPointer(scene, "qcScene_Detect", "scene"));
+    QC_TRY(CheckPointer(def, "qcScene_Detect", "def"));
+    QC_TRY(CheckPointer(result, "qcScene_Detect", "result"));
+    QC_TRY(CheckDetectDef(def));
+    QC_TRY(qcDetector_Run(&scene->detector, &scene->bodies, scene->device, def));
+    *result = &scene->detector.result;
+    return qc_statusOk;
+}
+
+qcStatus qcScene_Detect(qcScene* scene, const qcDetectDef* def, const qcResult** result)
+{
+    qcFloatMode mode = qcFloatMode_Begin();
+    qcStatus status = Detect(scene, def, result);
+    qcFloatMode_End(mode);
+    return status;
+}

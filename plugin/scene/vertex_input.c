@@ -1,0 +1,153 @@
+// A number is finite unless all bits of its exponent are set. Asked of bits, so that many are looked at in one go.
+#include "scene/vertex_input.h"
+
+#include "base/status.h"
+
+#include <math.h>
+#include <stdbool.h>
+#include <string.h>
+
+static size_t SizeOf(qcPositionType type)
+{
+    return type == qc_positionF64 ? 3 * sizeof(double) : 3 * sizeof(float);
+}
+
+static size_t StrideOf(const qcVertexInput* p)
+{
+    return p->stride != 0 ? p->stride : SizeOf(p->type);
+}
+
+static bool IsFinite(const qcVertexInput* p, uint32_t vertex)
+{
+    const char* at = (const char*)p->data + StrideOf(p) * vertex;
+    float single[3];
+    double position[3];
+    if (p->type == qc_positionF64)
+        memcpy(position, at, sizeof position);
+    else
+    {
+        memcpy(single, at, sizeof single);
+        for (int axis = 0; axis < 3; axis++)
+            position[axis] = (double)single[axis];
+    }
+    return isfinite(position[0]) && isfinite(position[1]) && isfinite(position[2]);
+}
+
+static bool AreFloatsFinite(const char* at, size_t count)
+{
+    const uint32_t exponent = 0x7f800000u;
+    uint32_t bad = 0;
+    for (size_t i = 0; i < count; i++)
+    {
+        uint32_t bits;
+        memcpy(&bits, at + 4 * i, sizeof bits);
+        bad |= (bits & exponent) == exponent;
+    }
+    return bad == 0;
+}
+
+static bool AreDoublesFinite(const char* at, size_t count)
+{
+    // The upper half of a double has its exponent.
+    const uint64_t exponent = UINT64_C(0x7ff0000000000000);
+    uint64_t bad = 0;
+    for (size_t i = 0; i < count; i++)
+    {
+        uint64_t bits;
+        memcpy(&bits, at + 8 * i, sizeof bits);
+        bad |= (bits & exponent) == exponent;
+    }
+    return bad == 0;
+}
+
+/// Three floats, and one more that lies behind them in memory.
+typedef uint32_t FourWords __attribute__((vector_size(16)));
+typedef float FourFloats __attribute__((vector_size(16)));
+typedef double FourDoubles __attribute__((vector_size(32)));
+
+/// All but the last vertex, behind which there may be nothing.
+static bool AreSpacedFloatsFinite(const char* at, size_t stride, size_t count)
+{
+    const FourWords exponent = {0x7f800000u, 0x7f800000u, 0x7f800000u, 0};
+    FourWords bad = {0, 0, 0, 0};
+    for (size_t v = 0; v + 1 < count; v++)
+    {
+        FourWords bits;
+        memcpy(&bits, at + stride * v, sizeof bits);
+        bad |= (FourWords)((bits & exponent) == exponent);
+    }
+    return (bad[0] | bad[1] | bad[2]) == 0;
+}
+
+static bool AreAllFinite(const qcVertexInput* p)
+{
+    if (StrideOf(p) == SizeOf(p->type))
+        return p->type == qc_positionF64 ? AreDoublesFinite(p->data, 3 * (size_t)p->count)
+                                         : AreFloatsFinite(p->data, 3 * (size_t)p->count);
+    if (p->type == qc_positionF32 && StrideOf(p) >= sizeof(FourWords))
+        return AreSpacedFloatsFinite(p->data, StrideOf(p), p->count) && IsFinite(p, p->count - 1);
+    for (uint32_t v = 0; v < p->count; v++)
+        if (!IsFinite(p, v))
+            return false;
+    return true;
+}
+
+qcStatus qcVertexInput_Check(const qcVertexInput* p, uint32_t slot)
+{
+    if (p->type != qc_positionF32 && p->type != qc_positionF64)
+        return qcFail(qc_statusBadInput, "body %u: unknown position type %d", slot, (int)p->type);
+    if (p->data == NULL && p->count != 0)
+        return qcFail(qc_statusBadInput, "body %u: positions is null", slot);
+    if (StrideOf(p) < SizeOf(p->type))
+        return qcFail(qc_statusBadInput, "body %u: a stride of %zu bytes is less than a position's %zu", slot,
+                      p->stride, SizeOf(p->type));
+    if (p->count == 0 || AreAllFinite(p))
+        return qc_statusOk;
+    uint32_t vertex = 0;
+    while (IsFinite(p, vertex))
+        vertex++;
+    return qcFail(qc_statusBadInput, "vertex %u of body %u is not finite", vertex, slot);
+}
+
+/// A fourth number is written behind each three, and then overwritten by the next.
+static void ReadSpacedFloats(const char* at, size_t stride, size_t count, double* out)
+{
+    size_t v = 0;
+    for (; v + 1 < count && stride >= sizeof(FourFloats); v++)
+    {
+        FourFloats x;
+        memcpy(&x, at + stride * v, sizeof x);
+        FourDoubles wide = __builtin_convertvector(x, FourDoubles);
+        memcpy(out + 3 * v, &wide, sizeof wide);
+    }
+    for (; v < count; v++)
+    {
+        float x[3];
+        memcpy(x, at + stride * v, sizeof x);
+        for (int axis = 0; axis < 3; axis++)
+            out[3 * v + axis] = (double)x[axis];
+    }
+}
+
+void qcVertexInput_Read(const qcVertexInput* p, double* out)
+{
+    size_t stride = StrideOf(p);
+    const char* at = p->data;
+    if (p->count == 0)
+        return;
+    // Close together they are as so many numbers.
+    if (p->type == qc_positionF32 && stride == 3 * sizeof(float))
+        for (size_t i = 0; i < 3 * (size_t)p->count; i++)
+        {
+            float x;
+            memcpy(&x, at + 4 * i, sizeof x);
+            out[i] = (double)x;
+        }
+    else if (p->type == qc_positionF32)
+        ReadSpacedFloats(at, stride, p->count, out);
+    else if (stride == 3 * sizeof(double))
+        memcpy(out, at, stride * p->count);
+    else
+        for (size_t v = 0; v < p->count; v++)
+            memcpy(out + 3 * v, at + stride * v, 3 * sizeof(double));
+}

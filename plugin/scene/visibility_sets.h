@@ -1,0 +1,36 @@
+// The four sets and what lemmas 2 to 5 allow with them. Govindaraju, Lin, Manocha: Quick-CULLIDE, VR 2005, section 4.1.
+#ifndef QC_SCENE_VISIBILITY_SETS_H
+#define QC_SCENE_VISIBILITY_SETS_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+/// BFV is pruned; the other three make up the PCS. FFV and SFV are collision-free (lemma 2).
+typedef enum qcVisibilitySet
+{
+    qc_setBfv = 0, ///< fully visible in both passes
+    qc_setFfv = 1, ///< fully visible in the first pass only
+    qc_setSfv = 2, ///< fully visible in the second pass only
+    qc_setNfv = 3  ///< fully visible in neither
+} qcVisibilitySet;
+
+/// Is a primitive of this set tested in this pass (1 or 2)? Quick: lemma 3 spares FFV the first pass, lemma 4 SFV the
+/// second. CULLIDE tests whatever is left.
+bool qcVisibilitySet_IsTested(qcVisibilitySet set, int pass, bool quick);
+
+/// Is it rendered? Quick: lemma 5 spares SFV the first pass and FFV the second. CULLIDE renders whatever is left.
+bool qcVisibilitySet_IsRendered(qcVisibilitySet set, int pass, bool quick);
+
+/// The set after a test in this pass.
+qcVisibilitySet qcVisibilitySet_After(qcVisibilitySet set, int pass, bool fullyVisible);
+
+/// The set with which the next view begins: CULLIDE keeps nothing but BFV from view to view.
+qcVisibilitySet qcVisibilitySet_NextView(qcVisibilitySet set, bool quick);
+
+/// May two primitives of these sets still collide? Not when one is pruned, not inside one collision-free set.
+static inline bool qcVisibilitySet_MayCollide(unsigned a, unsigned b)
+{
+    return a != qc_setBfv && b != qc_setBfv && (a != b || a == qc_setNfv);
+}
+
+#endif

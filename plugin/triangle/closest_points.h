@@ -1,0 +1,56 @@
+// Closest points of vertices, edges, faces and triangles in double arithmetic, and two triangles in coordinates in
+// which it neither overflows nor underflows.
+#ifndef QC_TRIANGLE_CLOSEST_POINTS_H
+#define QC_TRIANGLE_CLOSEST_POINTS_H
+
+#include "base/vec3.h"
+
+#include <stdbool.h>
+
+/// Parameter of the point of segment p-q closest to x, within 0..1.
+double qcClosest_OnSegment(qcVector p, qcVector q, qcVector x);
+
+/// Weights, none negative, of the corners at the point of a triangle closest to x.
+void qcClosest_OnTriangle(const qcVector corner[3], qcVector x, double weights[3]);
+
+/// Parameters, within 0..1, of closest points of the segments p-q and r-s. Where these lie strictly inside both, so do
+/// the closest points of the lines; parallel segments, as far as rounding lets us see, have one at an end.
+void qcClosest_OfSegments(qcVector p, qcVector q, qcVector r, qcVector s, double* t, double* u);
+
+/// From the closest point of a triangle to x.
+qcVector qcClosest_FromTriangle(const qcVector corner[3], qcVector x);
+
+/// From the closest point of the segment r-s to that of p-q.
+qcVector qcClosest_FromSegment(qcVector p, qcVector q, qcVector r, qcVector s);
+
+/// Two triangles moved so that the first corner of A is the origin, and scaled by a power of two so that the largest
+/// coordinate is within [1, 2) (all are 0 if all corners are one point). Each coordinate is off by at most 2^-53 of
+/// itself, however far from the origin of the world the two lie.
+typedef struct qcPairFrame
+{
+    qcVector a[3], b[3];
+    /// World = origin + 2^exponent * local.
+    const double* origin;
+    int exponent;
+    double factors[2]; ///< their product is 2^-exponent, which may be no double
+} qcPairFrame;
+
+/// Points to `a`.
+void qcPairFrame_Set(qcPairFrame* frame, const double a[3][3], const double b[3][3]);
+
+/// A length of the world in the frame, without rounding unless it falls below 2^-1022 or beyond the largest double.
+static inline double qcPairFrame_Length(const qcPairFrame* frame, double length)
+{
+    return length * frame->factors[0] * frame->factors[1];
+}
+
+typedef struct qcClosestPoints
+{
+    double weightsA[3], weightsB[3]; ///< none negative
+    qcVector difference;             ///< from B's point to A's
+} qcClosestPoints;
+
+/// Of two triangles that do not meet, in their frame. Of two that do: some points of theirs.
+void qcClosest_OfTriangles(const qcVector a[3], const qcVector b[3], qcClosestPoints* closest);
+
+#endif

@@ -1,0 +1,80 @@
+// Orientation predicates: a floating-point filter, then integers. Error bounds: Shewchuk, Adaptive Precision
+// Floating-Point Arithmetic and Fast Robust Geometric Predicates, 1997, sections 4.2 and 4.3 (stage A).
+//
+// With u = 2^-53 and round-to-nearest without contraction, a computed determinant is within (7 + 56u)u * permanent
+// (three dimensions) or (3 + 16u)u * permanent (two) of the true one, where the permanent sums the absolute values
+// of the products as computed, provided nothing underflows. A difference never underflows; each product that does
+// adds at most 2^-1075, multiplied by at most one further difference: below 2^-1070 * (1 + their sum), far below the
+// term added here. An overflow makes the permanent, hence the bound, infinite or NaN, and no comparison holds. So a
+// sign that passes the filter is the true one.
+#include "triangle/exact.h"
+
+#include "triangle/determinant.h"
+
+#include <float.h>
+#include <math.h>
+
+static const double s_bound3 = (7.0 + 56.0 * (DBL_EPSILON / 2)) * (DBL_EPSILON / 2);
+static const double s_bound2 = (3.0 + 16.0 * (DBL_EPSILON / 2)) * (DBL_EPSILON / 2);
+// Above all underflow by far and below any determinant of a scene with edges longer than 1e-90.
+static const double s_underflow = 1e-290;
+
+typedef struct Filtered
+{
+    double determinant, bound;
+} Filtered;
+
+static inline Filtered Determinant3(const double a[3], const double b[3], const double c[3], const double d[3])
+{
+    double bx = b[0] - a[0], by = b[1] - a[1], bz = b[2] - a[2];
+    double cx = c[0] - a[0], cy = c[1] - a[1], cz = c[2] - a[2];
+    double dx = d[0] - a[0], dy = d[1] - a[1], dz = d[2] - a[2];
+    double bxcy = bx * cy, cxby = cx * by, cxdy = cx * dy, dxcy = dx * cy, dxby = dx * by, bxdy = bx * dy;
+    double permanent = (fabs(bxcy) + fabs(cxby)) * fabs(dz) + (fabs(cxdy) + fabs(dxcy)) * fabs(bz) +
+                       (fabs(dxby) + fabs(bxdy)) * fabs(cz);
+    Filtered f;
+    f.determinant = dz * (bxcy - cxby) + bz * (cxdy - dxcy) + cz * (dxby - bxdy);
+    f.bound = s_bound3 * permanent + s_underflow * (1.0 + fabs(bz) + fabs(cz) + fabs(dz));
+    return f;
+}
+
+int qcOrient3d(const double a[3], const double b[3], const double c[3], const double d[3], uint64_t* undecided)
+{
+    Filtered f = Determinant3(a, b, c, d);
+    if (f.determinant > f.bound)
+        return 1;
+    if (-f.determinant > f.bound)
+        return -1;
+    if (undecided != NULL)
+        ++*undecided;
+    double exact = qcExactDeterminant3(a, b, c, d).mantissa;
+    return (exact > 0.0) - (exact < 0.0);
+}
+
+qcScaled qcOrient3dValue(const double a[3], const double b[3], const double c[3], const double d[3])
+{
+    Filtered f = Determinant3(a, b, c, d);
+    // 2^20 times the error bound: the value is right to 20 bits more than its sign.
+    if (fabs(f.determinant) > 1048576.0 * f.bound && fabs(f.determinant) <= DBL_MAX)
+    {
+        qcScaled value;
+        value.mantissa = frexp(f.determinant, &value.exponent);
+        return value;
+    }
+    return qcExactDeterminant3(a, b, c, d);
+}
+
+int qcOrient2d(const double a[3], const double b[3], const double c[3], int u, int v, uint64_t* undecided)
+{
+    double left = (b[u] - a[u]) * (c[v] - a[v]);
+    double right = (b[v] - a[v]) * (c[u] - a[u]);
+    double determinant = left - right;
+    double bound = s_bound2 * (fabs(left) + fabs(right)) + s_underflow;
+    if (determinant > bound)
+        return 1;
+    if (-determinant > bound)
+        return -1;
+    if (undecided != NULL)
+        ++*undecided;
+    return qcExactSign2(a[u], a[v], b[u], b[v], c[u], c[v]);
+}

@@ -1,0 +1,243 @@
+// A set of boxes beside a plain list of the same boxes: the list is asked box by box, the set must say the same.
+#ifndef QC_TESTS_BROADPHASE_BOX_MODEL_H
+#define QC_TESTS_BROADPHASE_BOX_MODEL_H
+
+#include "broadphase/box_set.h"
+#include "support/check_ok.h"
+#include "support/soups.h"
+
+#include <check.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/// For loops that run a million times: ck_assert writes to a file each time that it is passed.
+#define CHECK_QUICKLY(claim)                                                                                           \
+    do                                                                                                                 \
+    {                                                                                                                  \
+        if (!(claim))                                                                                                  \
+            ck_abort_msg("%s", #claim);                                                                                \
+    } while (0)
+
+enum
+{
+    qc_modelRoom = 4096
+};
+
+typedef struct qcModelBox
+{
+    bool alive, moved;
+    double lower[3], upper[3];
+} qcModelBox;
+
+typedef struct qcModel
+{
+    qcBoxes* set;
+    qcModelBox boxes[qc_modelRoom];                       ///< by id
+    uint32_t ends;                                        ///< ids are below it
+    uint8_t met[qc_modelRoom * (size_t)qc_modelRoom / 8]; ///< pairs that overlapped at the last search for changes
+} qcModel;
+
+static inline qcModel* qcModel_Make(void)
+{
+    qcModel* model = calloc(1, sizeof *model);
+    ck_assert_ptr_nonnull(model);
+    CHECK_OK(qcBoxes_Create(&model->set));
+    return model;
+}
+
+static inline void qcModel_Free(qcModel* model)
+{
+    qcBoxes_Destroy(model->set);
+    free(model);
+    ck_assert_uint_eq(qcGetByteCount(), 0);
+}
+
+/// Of a pair a < b.
+static inline bool qcModel_Met(const qcModel* model, uint32_t a, uint32_t b)
+{
+    size_t bit = a * (size_t)qc_modelRoom + b;
+    return (model->met[bit / 8] >> bit % 8 & 1) != 0;
+}
+
+static inline void qcModel_SetMet(qcModel* model, uint32_t a, uint32_t b, bool met)
+{
+    size_t bit = a * (size_t)qc_modelRoom + b;
+    model->met[bit / 8] = (uint8_t)((model->met[bit / 8] & ~(1u << bit % 8)) | (unsigned)met << bit % 8);
+}
+
+/// Each box's user data is its place in the list.
+static inline uint32_t qcModel_Add(qcModel* model, const double lower[3], const double upper[3])
+{
+    uint32_t lowestFree = 0, id;
+    while (lowestFree < model->ends && model->boxes[lowestFree].alive)
+        lowestFree++;
+    ck_assert_uint_lt(lowestFree, qc_modelRoom);
+    qcModelBox* box = &model->boxes[lowestFree];
+    CHECK_OK(qcBoxes_Add(model->set, lower, upper, box, &id));
+    ck_assert_uint_eq(id, lowestFree);
+    if (id == model->ends)
+        model->ends++;
+    box->alive = box->moved = true;
+    memcpy(box->lower, lower, sizeof box->lower);
+    memcpy(box->upper, upper, sizeof box->upper);
+    return id;
+}
+
+static inline void qcModel_Remove(qcModel* model, uint32_t id)
+{
+    CHECK_OK(qcBoxes_Remove(model->set, id));
+    model->boxes[id].alive = false;
+    for (uint32_t other = 0; other < model->ends; other++)
+        qcModel_SetMet(model, other < id ? other : id, other < id ? id : other, false);
+}
+
+static inline void qcModel_Move(qcModel* model, uint32_t id, const double lower[3], const double upper[3])
+{
+    qcModelBox* box = &model->boxes[id];
+    CHECK_OK(qcBoxes_Move(model->set, id, lower, upper));
+    for (int k = 0; k < 3; k++)
+        box->moved = box->moved || box->lower[k] != lower[k] || box->upper[k] != upper[k];
+    memcpy(box->lower, lower, sizeof box->lower);
+    memcpy(box->upper, upper, sizeof box->upper);
+}
+
+static inline bool qcModel_Meet(const double lowerA[3], const double upperA[3], const double lowerB[3],
+                                const double upperB[3])
+{
+    for (int k = 0; k < 3; k++)
+        if (lowerA[k] > upperB[k] || lowerB[k] > upperA[k])
+            return false;
+    return true;
+}
+
+/// Asks the set for the pairs of moved boxes, and the list box by box. Returns their number.
+static inline size_t qcModel_CheckMovedPairs(qcModel* model)
+{
+    const qcBoxPair* pairs;
+    size_t count, expected = 0;
+    CHECK_OK(qcBoxes_FindMovedPairs(model->set, &pairs, &count));
+    for (uint32_t a = 0; a < model->ends; a++)
+        for (uint32_t b = a + 1; b < model->ends; b++)
+        {
+            const qcModelBox *x = &model->boxes[a], *y = &model->boxes[b];
+            if (!x->alive || !y->alive || (!x->moved && !y->moved) ||
+                !qcModel_Meet(x->lower, x->upper, y->lower, y->upper))
+                continue;
+            if (expected >= count || pairs[expected].a != a || pairs[expected].b != b)
+                ck_abort_msg("pair %zu of %zu should be %u %u", expected, count, a, b);
+            expected++;
+        }
+    ck_assert_uint_eq(count, expected);
+    for (uint32_t a = 0; a < model->ends; a++)
+        model->boxes[a].moved = false;
+    return count;
+}
+
+/// Asks the set for what changed since the last time, and the list box by box. Returns the number of changes.
+static inline size_t qcModel_CheckChangedPairs(qcModel* model)
+{
+    qcBoxChanges changes;
+    size_t began = 0, ended = 0;
+    CHECK_OK(qcBoxes_FindChangedPairs(model->set, &changes));
+    CHECK_QUICKLY(!changes.all);
+    for (uint32_t a = 0; a < model->ends; a++)
+        for (uint32_t b = a + 1; b < model->ends; b++)
+        {
+            const qcModelBox *x = &model->boxes[a], *y = &model->boxes[b];
+            bool meet = x->alive && y->alive && qcModel_Meet(x->lower, x->upper, y->lower, y->upper);
+            if (meet == qcModel_Met(model, a, b))
+                continue;
+            size_t at = meet ? began++ : ended++;
+            const qcBoxPair* pair = (meet ? changes.began : changes.ended) + at;
+            if (at >= (meet ? changes.beganCount : changes.endedCount) || pair->a != a || pair->b != b)
+                ck_abort_msg("pair %zu that %s should be %u %u", at, meet ? "began" : "ended", a, b);
+            qcModel_SetMet(model, a, b, meet);
+        }
+    ck_assert_uint_eq(changes.beganCount, began);
+    ck_assert_uint_eq(changes.endedCount, ended);
+    return began + ended;
+}
+
+/// A lane of the forest holds the box of its id, and the id knows where it is.
+static inline void qcModel_CheckLane(const qcModel* model, const qcOctet* octet, uint32_t tree, uint32_t at,
+                                     uint32_t id)
+{
+    const qcForest* forest = &model->set->forest;
+    uint32_t lane = at % qc_lanes;
+    const qcModelBox* box = &model->boxes[id];
+    const qcBoxPlace* place = &QC_AT(qcBoxPlace, forest->places, id);
+    const qcFloatBox* fat = &QC_AT(qcFloatBox, forest->boxes, id);
+    CHECK_QUICKLY(box->alive);
+    CHECK_QUICKLY(place->tree == tree && place->lane == at);
+    for (int k = 0; k < 3; k++)
+    {
+        CHECK_QUICKLY(octet->lower[k][lane] == fat->lower[k] && octet->upper[k][lane] == fat->upper[k]);
+        CHECK_QUICKLY((double)fat->lower[k] <= box->lower[k] && (double)fat->upper[k] >= box->upper[k]);
+    }
+}
+
+/// Every lane holds the box of its id or all lanes below it, or is empty. Returns the number of boxes.
+static inline uint32_t qcModel_CheckTree(const qcModel* model, uint32_t number)
+{
+    const qcBoxTree* tree = &model->set->forest.trees[number];
+    const qcOctetTree* shape = &tree->shape;
+    uint32_t boxes = 0;
+    for (uint32_t i = 0; i < tree->laneCount; i++)
+    {
+        uint32_t id = QC_AT(uint32_t, tree->ids, i);
+        const qcOctet* octet = &shape->octets[i / qc_lanes];
+        if (id != QC_NO_BOX)
+            qcModel_CheckLane(model, octet, number, i, id);
+        boxes += id != QC_NO_BOX;
+        for (int k = 0; id == QC_NO_BOX && k < 3; k++)
+            CHECK_QUICKLY(isnan(octet->lower[k][i % qc_lanes]) && isnan(octet->upper[k][i % qc_lanes]));
+    }
+    for (uint32_t level = 1; level < shape->levelCount; level++)
+        for (uint32_t i = 0; i < shape->first[level] - shape->first[level - 1]; i++)
+        {
+            qcFloatBox below = qcOctet_Around(&shape->octets[shape->first[level - 1] + i]);
+            const qcOctet* octet = &shape->octets[shape->first[level] + i / qc_lanes];
+            for (int k = 0; k < 3; k++)
+                CHECK_QUICKLY(octet->lower[k][i % qc_lanes] <= below.lower[k] &&
+                              octet->upper[k][i % qc_lanes] >= below.upper[k]);
+        }
+    CHECK_QUICKLY(boxes == tree->boxCount);
+    return boxes;
+}
+
+/// Every box is in one place of the forest, and few trees there are of one size.
+static inline void qcModel_CheckForest(const qcModel* model)
+{
+    const qcForest* forest = &model->set->forest;
+    uint32_t boxes = 0;
+    CHECK_QUICKLY((forest->old & forest->young) == 0);
+    for (uint32_t a = 0; a < qc_forestTrees; a++)
+    {
+        uint64_t bit = (uint64_t)1 << a, same = (forest->old & bit) != 0 ? forest->old : forest->young;
+        if (((forest->old | forest->young) & bit) == 0)
+            continue;
+        boxes += qcModel_CheckTree(model, a);
+        for (same &= bit - 1; same != 0;)
+        {
+            uint32_t x = forest->trees[a].laneCount, y = forest->trees[qcForest_NextTree(&same)].laneCount;
+            // Room is for eight at a time.
+            CHECK_QUICKLY(x + y + 3 * qc_lanes > 3 * (x < y ? x : y));
+        }
+    }
+    for (size_t i = 0; i < forest->listIds.count; i++)
+        qcModel_CheckLane(model, &QC_AT(qcOctet, forest->listOctets, i / qc_lanes), qc_inList, (uint32_t)i,
+                          QC_AT(uint32_t, forest->listIds, i));
+    uint32_t put = 0, lost = 0;
+    for (uint32_t id = 0; id < model->ends; id++)
+    {
+        const qcBox* box = qcBoxes_Box(model->set, id);
+        put += box->alive && box->at != qc_boxInTree;
+        lost += box->alive && box->at == qc_boxPairsStale;
+    }
+    CHECK_QUICKLY(put == model->set->putCount && lost == model->set->lostCount);
+    ck_assert_uint_eq(boxes + forest->listIds.count, qcBoxes_GetCount(model->set));
+    ck_assert_uint_eq(forest->boxCount, qcBoxes_GetCount(model->set));
+}
+
+#endif

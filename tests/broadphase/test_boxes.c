@@ -1,0 +1,595 @@
+// A set of moving boxes: pairs and queries against brute force, whatever is added, moved and removed.
+#include "broadphase/box_model.h"
+#include "support/failing_heap.h"
+#include "support/suite.h"
+
+#include <pthread.h>
+#include <stdio.h>
+
+typedef struct Visits
+{
+    const qcModel* model;
+    uint8_t times[qc_modelRoom];
+    uint32_t total, limit; ///< limit: stop after so many
+} Visits;
+
+static bool Count(uint32_t id, void* userData, void* context)
+{
+    Visits* visits = context;
+    CHECK_QUICKLY(userData == &visits->model->boxes[id]);
+    visits->times[id]++;
+    return ++visits->total < visits->limit;
+}
+
+static void CheckQuery(const qcModel* model, const double lower[3], const double upper[3])
+{
+    Visits visits = {.model = model, .limit = UINT32_MAX};
+    qcBoxes_QueryBox(model->set, lower, upper, Count, &visits);
+    for (uint32_t id = 0; id < model->ends; id++)
+    {
+        const qcModelBox* box = &model->boxes[id];
+        CHECK_QUICKLY(visits.times[id] == (box->alive && qcModel_Meet(box->lower, box->upper, lower, upper)));
+    }
+}
+
+/// What a box has come to overlap since the last search for changes.
+static void CheckBegun(const qcModel* model, uint32_t id)
+{
+    Visits visits = {.model = model, .limit = UINT32_MAX};
+    const qcModelBox* box = &model->boxes[id];
+    qcBoxes_QueryBegun(model->set, id, Count, &visits);
+    for (uint32_t other = 0; other < model->ends; other++)
+    {
+        const qcModelBox* y = &model->boxes[other];
+        bool met = qcModel_Met(model, other < id ? other : id, other < id ? id : other);
+        bool begun =
+            box->alive && y->alive && other != id && !met && qcModel_Meet(box->lower, box->upper, y->lower, y->upper);
+        CHECK_QUICKLY(visits.times[other] == begun);
+    }
+}
+
+static void CheckList(const qcModel* model)
+{
+    double lower[3], upper[3], totalLower[3] = {INFINITY, INFINITY, INFINITY},
+                               totalUpper[3] = {-INFINITY, -INFINITY, -INFINITY};
+    uint32_t count = 0;
+    for (uint32_t id = 0; id < model->ends; id++)
+    {
+        const qcModelBox* box = &model->boxes[id];
+        if (!box->alive)
+            continue;
+        count++;
+        CHECK_QUICKLY(qcBoxes_GetUserData(model->set, id) == box);
+        qcBoxes_GetBounds(model->set, id, lower, upper);
+        CHECK_QUICKLY(memcmp(lower, box->lower, sizeof lower) == 0);
+        CHECK_QUICKLY(memcmp(upper, box->upper, sizeof upper) == 0);
+        for (int k = 0; k < 3; k++)
+        {
+            totalLower[k] = fmin(totalLower[k], lower[k]);
+            totalUpper[k] = fmax(totalUpper[k], upper[k]);
+        }
+    }
+    ck_assert_uint_eq(qcBoxes_GetCount(model->set), count);
+    qcBoxes_GetTotalBounds(model->set, lower, upper);
+    for (int k = 0; k < 3; k++)
+    {
+        ck_assert_double_eq(lower[k], count > 0 ? totalLower[k] : 0.0);
+        ck_assert_double_eq(upper[k], count > 0 ? totalUpper[k] : 0.0);
+    }
+}
+
+//  ---- random lives ----------------------------------------------------------------------------------
+
+typedef struct World
+{
+    uint64_t seed;
+    int room;      ///< boxes lie within 0 .. room
+    bool integers; ///< many touch, many are flat, segments or points
+    bool infinite; ///< some reach to infinity, or to where Bullet's planes do
+    double restless;
+    bool changes; ///< what changed is asked for, not what moved
+} World;
+
+static void RandomBox(qcRandom* random, const World* world, double lower[3], double upper[3])
+{
+    for (int k = 0; k < 3; k++)
+    {
+        if (world->integers)
+        {
+            lower[k] = qcRandom_Integer(random, 0, world->room);
+            upper[k] = lower[k] + qcRandom_Integer(random, 0, 2);
+        }
+        else
+        {
+            lower[k] = qcRandom_Uniform(random, 0.0, world->room);
+            upper[k] = lower[k] + qcRandom_Uniform(random, 0.0, 2.0);
+        }
+        if (!world->infinite)
+            continue;
+        uint32_t dice = qcRandom_Below(random, 60);
+        if (dice < 2)
+            lower[k] = dice == 0 ? -INFINITY : -1e18;
+        else if (dice < 4)
+            upper[k] = dice == 2 ? INFINITY : 1e18;
+        else if (dice == 4)
+            lower[k] = upper[k] = INFINITY;
+        else if (dice == 5)
+            lower[k] = upper[k] = -INFINITY;
+    }
+}
+
+static void StepOne(qcModel* model, qcRandom* random, const World* world, uint32_t id)
+{
+    qcModelBox* box = &model->boxes[id];
+    double lower[3], upper[3];
+    switch (qcRandom_Below(random, 8))
+    {
+        case 0: RandomBox(random, world, lower, upper); break;
+        case 1: // the same again
+            memcpy(lower, box->lower, sizeof lower);
+            memcpy(upper, box->upper, sizeof upper);
+            break;
+        case 2: // smaller, in place
+            for (int k = 0; k < 3; k++)
+            {
+                lower[k] = box->lower[k];
+                upper[k] = world->integers || !isfinite(box->upper[k] - box->lower[k])
+                               ? box->lower[k]
+                               : box->lower[k] + 0.5 * (box->upper[k] - box->lower[k]);
+            }
+            break;
+        default: // a small step
+            for (int k = 0; k < 3; k++)
+            {
+                double step = world->integers ? qcRandom_Integer(random, -1, 1) : qcRandom_Uniform(random, -0.1, 0.1);
+                lower[k] = box->lower[k] + step;
+                upper[k] = box->upper[k] + step;
+            }
+    }
+    qcModel_Move(model, id, lower, upper);
+}
+
+static void LiveThrough(const World* world)
+{
+    qcRandom random = {world->seed};
+    qcModel* model = qcModel_Make();
+    double lower[3], upper[3];
+    size_t found = 0;
+    for (int step = 0; step < 120; step++)
+    {
+        uint32_t additions = qcRandom_Below(&random, step < 20 ? 25 : step % 10 < 8 ? 7 : 1);
+        for (uint32_t i = 0; i < additions; i++)
+        {
+            RandomBox(&random, world, lower, upper);
+            qcModel_Add(model, lower, upper);
+        }
+        for (uint32_t id = 0; id < model->ends; id++)
+        {
+            if (!model->boxes[id].alive)
+                continue;
+            if (qcRandom_Uniform(&random, 0.0, 1.0) < world->restless)
+                StepOne(model, &random, world, id);
+            // Between moves too: it may have found its neighbours when others come.
+            if (world->changes && qcRandom_Below(&random, 20) == 0)
+                CheckBegun(model, qcRandom_Below(&random, model->ends));
+            if (qcRandom_Below(&random, 60) == 0)
+                qcModel_Remove(model, id);
+        }
+        if (step == 80)
+        {
+            qcBoxes_Clear(model->set);
+            memset(model->boxes, 0, sizeof model->boxes);
+            memset(model->met, 0, sizeof model->met);
+            model->ends = 0;
+        }
+        qcModel_CheckForest(model);
+        CheckList(model);
+        for (int i = 0; i < 5; i++)
+        {
+            RandomBox(&random, world, lower, upper);
+            CheckQuery(model, lower, upper);
+        }
+        for (int i = 0; world->changes && i < 20; i++)
+            CheckBegun(model, qcRandom_Below(&random, model->ends + 2));
+        // Now and then changes gather over two steps.
+        if (qcRandom_Below(&random, 4) != 0)
+            found += world->changes ? qcModel_CheckChangedPairs(model) : qcModel_CheckMovedPairs(model);
+    }
+    ck_assert_uint_gt(found, world->changes ? 500 : 1000);
+    qcModel_Free(model);
+}
+
+static void LiveThroughAll(bool changes)
+{
+    for (uint64_t seed = 1; seed <= 3; seed++)
+    {
+        const World worlds[] = {
+            {.seed = seed, .room = 10, .restless = 0.9, .changes = changes},
+            {.seed = seed, .room = 8, .restless = 0.05, .changes = changes},
+            {.seed = seed, .room = 8, .integers = true, .restless = 0.5, .changes = changes},
+            {.seed = seed, .room = 12, .infinite = true, .restless = 0.5, .changes = changes},
+            {.seed = seed, .room = 8, .integers = true, .infinite = true, .restless = 0.1, .changes = changes},
+        };
+        for (size_t i = 0; i < sizeof worlds / sizeof *worlds; i++)
+            LiveThrough(&worlds[i]);
+    }
+}
+
+START_TEST(pairs_and_queries_equal_brute_force_whatever_changes)
+{
+    LiveThroughAll(false);
+}
+END_TEST
+
+START_TEST(what_began_and_what_ended_equals_brute_force_whatever_changes)
+{
+    LiveThroughAll(true);
+}
+END_TEST
+
+//  ---- pairs -----------------------------------------------------------------------------------------
+
+START_TEST(boxes_that_share_a_face_an_edge_or_a_corner_are_pairs)
+{
+    for (int x = -1; x <= 1; x++)
+        for (int y = -1; y <= 1; y++)
+            for (int z = -1; z <= 1; z++)
+                for (int apart = 0; apart <= 1; apart++)
+                {
+                    qcModel* model = qcModel_Make();
+                    double lower[3] = {x, y, z}, upper[3] = {x + 1, y + 1, z + 1};
+                    // As far away as a double can be without touching.
+                    if (apart)
+                        lower[0] = nextafter(1.0, 2.0), upper[0] = 2.0;
+                    qcModel_Add(model, (double[3]){0, 0, 0}, (double[3]){1, 1, 1});
+                    qcModel_Add(model, lower, upper);
+                    ck_assert_uint_eq(qcModel_CheckMovedPairs(model), !apart);
+                    qcModel_Free(model);
+                }
+}
+END_TEST
+
+START_TEST(a_step_shorter_than_floats_can_tell_begins_and_ends_a_pair)
+{
+    qcModel* model = qcModel_Make();
+    for (int i = 0; i < 10; i++)
+        qcModel_Add(model, (double[3]){10 * i, 0, 0}, (double[3]){10 * i + 0.1, 0.1, 0.1});
+    qcModel_CheckChangedPairs(model);
+    for (int step = 0; step < 20; step++)
+    {
+        // Next to the first one and a trillionth away from it in turns; in between a move that changes nothing.
+        double apart = step / 2 % 2 == 0 ? 0.0 : 1e-12;
+        qcModel_Move(model, 1, (double[3]){0.1 + apart, 0, 0}, (double[3]){0.2, 0.1 + step * 1e-3, 0.1});
+        CheckBegun(model, step % 3);
+        ck_assert_uint_eq(qcModel_CheckChangedPairs(model), step % 2 == 0);
+    }
+    qcModel_Free(model);
+}
+END_TEST
+
+START_TEST(a_pair_is_reported_only_when_one_of_the_two_moved)
+{
+    qcModel* model = qcModel_Make();
+    const double zero[3] = {0, 0, 0}, one[3] = {1, 1, 1}, half[3] = {0.5, 0.5, 0.5}, most[3] = {0.9, 0.9, 0.9};
+    qcModel_Add(model, zero, one);
+    qcModel_Add(model, zero, half);
+    qcModel_Add(model, half, one);
+    ck_assert_uint_eq(qcModel_CheckMovedPairs(model), 3);
+    ck_assert_uint_eq(qcModel_CheckMovedPairs(model), 0);
+    qcModel_Move(model, 1, zero, half);
+    ck_assert_uint_eq(qcModel_CheckMovedPairs(model), 0);
+    // Smaller, within the place that it had: a move like any other.
+    qcModel_Move(model, 2, half, most);
+    ck_assert_uint_eq(qcModel_CheckMovedPairs(model), 2);
+    qcModel_Move(model, 2, half, most);
+    ck_assert_uint_eq(qcModel_CheckMovedPairs(model), 0);
+    qcModel_Free(model);
+}
+END_TEST
+
+START_TEST(a_removed_box_is_in_no_pair)
+{
+    qcModel* model = qcModel_Make();
+    const double zero[3] = {0, 0, 0}, one[3] = {1, 1, 1}, two[3] = {2, 2, 2}, three[3] = {3, 3, 3};
+    for (int i = 0; i < 4; i++)
+        qcModel_Add(model, zero, one);
+    qcModel_Remove(model, 1);
+    ck_assert_uint_eq(qcModel_CheckMovedPairs(model), 3);
+    qcModel_Move(model, 0, one, two);
+    qcModel_Remove(model, 0);
+    ck_assert_uint_eq(qcModel_CheckMovedPairs(model), 0);
+    // Id 0 again, far away: it must not inherit neighbours.
+    qcModel_Add(model, two, three);
+    ck_assert_uint_eq(qcModel_CheckMovedPairs(model), 0);
+    qcModel_Free(model);
+}
+END_TEST
+
+START_TEST(thousands_of_boxes_in_one_place_are_all_pairs)
+{
+    qcModel* model = qcModel_Make();
+    const double zero[3] = {0, 0, 0}, one[3] = {1, 1, 1}, far[3] = {5, 5, 5};
+    for (uint32_t i = 0; i < 2000; i++)
+        qcModel_Add(model, zero, one);
+    qcModel_CheckForest(model);
+    ck_assert_uint_eq(qcModel_CheckMovedPairs(model), 2000 * 1999 / 2);
+    for (uint32_t i = 0; i < 1990; i++)
+        qcModel_Move(model, i, i % 2 ? zero : far, far);
+    qcModel_CheckForest(model);
+    qcModel_CheckMovedPairs(model);
+    for (uint32_t i = 0; i < 2000; i++)
+        qcModel_Remove(model, i);
+    qcModel_CheckForest(model);
+    ck_assert_uint_eq(qcModel_CheckMovedPairs(model), 0);
+    qcModel_Free(model);
+}
+END_TEST
+
+/// How many octets a point query looks at.
+static uint32_t CountOctets(const qcForest* forest, const double point[3])
+{
+    uint32_t seen = (uint32_t)(forest->listIds.count + qc_lanes - 1) / qc_lanes;
+    qcFloatBox box;
+    (void)qcFloatBox_Enclose(&box, point, point);
+    for (uint64_t trees = forest->old | forest->young; trees != 0;)
+    {
+        const qcBoxTree* tree = &forest->trees[qcForest_NextTree(&trees)];
+        seen++; // the top
+        uint32_t levels = tree->shape.levelCount;
+        for (uint32_t at = tree->shape.first[1]; levels > 1 && at <= tree->shape.first[levels - 1]; at++)
+            seen += (uint32_t)__builtin_popcount(forest->kernels->meet(&tree->shape.octets[at], &box));
+    }
+    return seen;
+}
+
+START_TEST(points_in_one_line_and_in_one_place_are_found)
+{
+    qcModel* model = qcModel_Make();
+    for (uint32_t i = 0; i < 1000; i++)
+    {
+        double point[3] = {i / 2, 0, 0};
+        qcModel_Add(model, point, point);
+    }
+    qcModel_CheckForest(model);
+    ck_assert_uint_eq(qcModel_CheckMovedPairs(model), 500);
+    CheckQuery(model, (double[3]){250, 0, 0}, (double[3]){251, 0, 0});
+    // A query sees few of a thousand.
+    ck_assert_uint_le(CountOctets(&model->set->forest, (double[3]){250, 0, 0}), 12);
+    qcModel_Free(model);
+}
+END_TEST
+
+START_TEST(infinite_boxes_do_not_spoil_the_tree)
+{
+    qcModel* model = qcModel_Make();
+    qcRandom random = {7};
+    const double minus[3] = {-INFINITY, -INFINITY, -INFINITY}, plus[3] = {INFINITY, INFINITY, INFINITY};
+    for (uint32_t i = 0; i < 3000; i++)
+    {
+        double lower[3], upper[3];
+        for (int k = 0; k < 3; k++)
+        {
+            lower[k] = qcRandom_Uniform(&random, 0.0, 100.0);
+            upper[k] = lower[k] + 1.0;
+        }
+        if (i % 600 == 0)
+            qcModel_Add(model, minus, plus);
+        qcModel_Add(model, lower, upper);
+    }
+    qcModel_CheckForest(model);
+    qcModel_CheckMovedPairs(model);
+    // 5 infinite boxes share an octet; without care they would open most of 400.
+    const double point[3] = {50, 50, 50}, outside[3] = {1e9, 0, 0};
+    ck_assert_uint_le(CountOctets(&model->set->forest, point), 25);
+    ck_assert_uint_le(CountOctets(&model->set->forest, outside), 10);
+    qcModel_Free(model);
+}
+END_TEST
+
+//  ---- the contract ----------------------------------------------------------------------------------
+
+START_TEST(ids_are_reused_lowest_first)
+{
+    qcModel* model = qcModel_Make();
+    const double zero[3] = {0, 0, 0};
+    for (uint32_t i = 0; i < 100; i++)
+        ck_assert_uint_eq(qcModel_Add(model, zero, zero), i);
+    static const uint32_t freed[] = {50, 3, 99, 7, 0, 64, 12};
+    static const uint32_t expected[] = {0, 3, 7, 12, 50, 64, 99, 100};
+    for (size_t i = 0; i < sizeof freed / sizeof *freed; i++)
+        qcModel_Remove(model, freed[i]);
+    for (size_t i = 0; i < sizeof expected / sizeof *expected; i++)
+        ck_assert_uint_eq(qcModel_Add(model, zero, zero), expected[i]);
+    qcModel_Free(model);
+}
+END_TEST
+
+static void Refused(qcStatus status, const char* place)
+{
+    ck_assert_int_eq(status, qc_statusBadInput);
+    ck_assert_msg(strstr(qcLastMessage(), place) != NULL, "\"%s\" does not name \"%s\"", qcLastMessage(), place);
+}
+
+START_TEST(bad_input_is_refused_and_changes_nothing)
+{
+    qcModel* model = qcModel_Make();
+    const double zero[3] = {0, 0, 0}, one[3] = {1, 1, 1};
+    qcModel_Add(model, zero, one);
+    qcModel_Add(model, zero, one);
+    qcModel_CheckMovedPairs(model);
+    uint32_t id = 77;
+    for (int k = 0; k < 3; k++)
+        for (int kind = 0; kind < 3; kind++)
+        {
+            double lower[3] = {0, 0, 0}, upper[3] = {1, 1, 1};
+            char place[32];
+            snprintf(place, sizeof place, "lower[%d]", k);
+            if (kind < 2)
+                (kind == 0 ? lower : upper)[k] = NAN;
+            else
+                lower[k] = 2.0;
+            Refused(qcBoxes_Add(model->set, lower, upper, NULL, &id), place);
+            Refused(qcBoxes_Move(model->set, 0, lower, upper), place);
+        }
+    Refused(qcBoxes_Create(NULL), "boxes is null");
+    Refused(qcBoxes_Add(NULL, zero, one, NULL, &id), "null");
+    Refused(qcBoxes_Add(model->set, zero, one, NULL, NULL), "null");
+    Refused(qcBoxes_Add(model->set, NULL, one, NULL, &id), "null");
+    Refused(qcBoxes_Move(model->set, 0, zero, NULL), "null");
+    Refused(qcBoxes_Move(model->set, 2, zero, one), "box 2");
+    Refused(qcBoxes_Remove(model->set, 2), "box 2");
+    Refused(qcBoxes_Remove(NULL, 0), "box 0");
+    Refused(qcBoxes_FindMovedPairs(model->set, NULL, NULL), "null");
+    Refused(qcBoxes_FindChangedPairs(model->set, NULL), "null");
+    ck_assert_uint_eq(id, 77);
+    ck_assert_ptr_null(qcBoxes_GetUserData(model->set, 2));
+    CheckList(model);
+    qcModel_CheckForest(model);
+    ck_assert_uint_eq(qcModel_CheckMovedPairs(model), 0);
+    qcModel_Free(model);
+    qcBoxes_Destroy(NULL);
+    qcBoxes_Clear(NULL);
+}
+END_TEST
+
+START_TEST(a_query_ends_when_the_function_says_so)
+{
+    qcModel* model = qcModel_Make();
+    const double zero[3] = {0, 0, 0}, one[3] = {1, 1, 1};
+    for (uint32_t i = 0; i < 50; i++)
+        qcModel_Add(model, zero, one);
+    Visits visits = {.model = model, .limit = 7};
+    qcBoxes_QueryBox(model->set, zero, one, Count, &visits);
+    ck_assert_uint_eq(visits.total, 7);
+    visits = (Visits){.model = model, .limit = 9};
+    qcBoxes_CastBox(model->set, zero, one, zero, zero, NULL, Count, &visits);
+    ck_assert_uint_eq(visits.total, 9);
+    qcModel_Free(model);
+}
+END_TEST
+
+static void* AskMany(void* context)
+{
+    const qcModel* model = context;
+    qcRandom random = {11};
+    for (int i = 0; i < 300; i++)
+    {
+        double lower[3], upper[3];
+        RandomBox(&random, &(World){.room = 10}, lower, upper);
+        CheckQuery(model, lower, upper);
+    }
+    return NULL;
+}
+
+START_TEST(several_threads_may_ask_at_once)
+{
+    qcModel* model = qcModel_Make();
+    qcRandom random = {5};
+    for (int i = 0; i < 500; i++)
+    {
+        double lower[3], upper[3];
+        RandomBox(&random, &(World){.room = 10}, lower, upper);
+        qcModel_Add(model, lower, upper);
+    }
+    pthread_t threads[4];
+    for (int i = 0; i < 4; i++)
+        ck_assert_int_eq(pthread_create(&threads[i], NULL, AskMany, model), 0);
+    for (int i = 0; i < 4; i++)
+        pthread_join(threads[i], NULL);
+    qcModel_Free(model);
+}
+END_TEST
+
+/// A cloud of boxes: enough for every array to grow. Returns whether a call ran out of memory.
+static bool GrowCloud(qcBoxes* set, uint32_t step)
+{
+    bool failed = false;
+    for (uint32_t i = 0; i < 300; i++)
+    {
+        double lower[3] = {i % 30 + step * 0.25, i / 30, 0}, upper[3] = {lower[0] + 1, lower[1] + 1, 1};
+        uint32_t id = i;
+        qcStatus status = step == 0 ? qcBoxes_Add(set, lower, upper, NULL, &id) : qcBoxes_Move(set, i, lower, upper);
+        if (status != qc_statusOk)
+        {
+            failed = true;
+            ck_assert_int_eq(status, qc_statusOutOfMemory);
+            ck_assert_uint_eq(qcBoxes_GetCount(set), i);
+            ck_assert_uint_eq(step, 0); // moving needs no memory
+            CHECK_OK(qcBoxes_Add(set, lower, upper, NULL, &id));
+        }
+        CHECK_QUICKLY(id == i);
+    }
+    return failed;
+}
+
+/// Returns whether a search ran out of memory; the next one finds what is there.
+static bool SearchCloud(qcBoxes* set, uint32_t step, bool changes)
+{
+    // Neighbours in a grid of 30 by 10, corners too.
+    const size_t expected = 29 * 10 + 30 * 9 + 2 * 29 * 9;
+    const qcBoxPair* pairs;
+    qcBoxChanges found;
+    size_t count;
+    bool failed = false;
+    qcStatus status = changes ? qcBoxes_FindChangedPairs(set, &found) : qcBoxes_FindMovedPairs(set, &pairs, &count);
+    if (status != qc_statusOk)
+    {
+        failed = true;
+        ck_assert_int_eq(status, qc_statusOutOfMemory);
+        CHECK_OK(changes ? qcBoxes_FindChangedPairs(set, &found) : qcBoxes_FindMovedPairs(set, &pairs, &count));
+        ck_assert(!changes || found.all);
+    }
+    if (!changes)
+        ck_assert_uint_eq(count, expected);
+    else
+    {
+        // All move together: nothing changes in the second step.
+        ck_assert_uint_eq(found.beganCount, step == 0 || found.all ? expected : 0);
+        ck_assert_uint_eq(found.endedCount, 0);
+    }
+    return failed;
+}
+
+START_TEST(out_of_memory_is_a_status_and_the_next_try_finds_everything)
+{
+    qcFailingHeap heap = {0, 0, 0};
+    CHECK_OK(qcSetAllocator(qcFailingHeap_Allocate, qcFailingHeap_Release, &heap));
+    for (int changes = 0; changes <= 1; changes++)
+    {
+        size_t failures = 0, quiet = 0;
+        // Some failures are no failure: trees stay apart, lists long.
+        for (size_t failAt = 1; quiet < 5; failAt++)
+        {
+            heap = (qcFailingHeap){heap.live, 0, failAt};
+            qcBoxes* set;
+            bool failed = qcBoxes_Create(&set) != qc_statusOk;
+            if (failed)
+            {
+                ck_assert_uint_eq(qcGetByteCount(), 0);
+                CHECK_OK(qcBoxes_Create(&set));
+            }
+            for (uint32_t step = 0; step < 2; step++)
+            {
+                failed = GrowCloud(set, step) || failed;
+                failed = SearchCloud(set, step, changes) || failed;
+            }
+            qcBoxes_Destroy(set);
+            ck_assert_uint_eq(qcGetByteCount(), 0);
+            failures += failed;
+            quiet = failed ? 0 : quiet + 1;
+        }
+        ck_assert_uint_gt(failures, 15);
+    }
+    CHECK_OK(qcSetAllocator(NULL, NULL, NULL));
+}
+END_TEST
+
+QC_RUN_TESTS("boxes", pairs_and_queries_equal_brute_force_whatever_changes,
+             what_began_and_what_ended_equals_brute_force_whatever_changes,
+             boxes_that_share_a_face_an_edge_or_a_corner_are_pairs,
+             a_step_shorter_than_floats_can_tell_begins_and_ends_a_pair,
+             a_pair_is_reported_only_when_one_of_the_two_moved, a_removed_box_is_in_no_pair,
+             thousands_of_boxes_in_one_place_are_all_pairs, points_in_one_line_and_in_one_place_are_found,
+             infinite_boxes_do_not_spoil_the_tree, ids_are_reused_lowest_first,
+             bad_input_is_refused_and_changes_nothing, a_query_ends_when_the_function_says_so,
+             several_threads_may_ask_at_once, out_of_memory_is_a_status_and_the_next_try_finds_everything)

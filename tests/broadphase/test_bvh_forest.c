@@ -1,0 +1,219 @@
+// The forest below a set of boxes: its kernels against each other and against brute force, and what is left alone when
+// little moves.
+#include "broadphase/box_model.h"
+#include "broadphase/bvh_build_order.h"
+#include "support/suite.h"
+
+/// A forest of random boxes in one young tree, some of them taken out again.
+static uint32_t GrowTree(qcForest* forest, uint64_t seed, uint32_t count, bool infinite)
+{
+    qcRandom random = {seed};
+    CHECK_OK(qcForest_Reserve(forest, count));
+    for (uint32_t id = 0; id < count; id++)
+    {
+        qcFloatBox box;
+        for (int k = 0; k < 3; k++)
+        {
+            box.lower[k] = (float)qcRandom_Integer(&random, 0, 10);
+            box.upper[k] = box.lower[k] + (float)qcRandom_Integer(&random, 0, 3);
+            if (infinite && qcRandom_Below(&random, 20) == 0)
+                box.lower[k] = -INFINITY;
+            if (infinite && qcRandom_Below(&random, 20) == 0)
+                box.upper[k] = INFINITY;
+        }
+        qcForest_Put(forest, id, &box);
+    }
+    uint32_t tree;
+    CHECK_OK(qcForest_GatherYoung(forest, &tree));
+    for (uint32_t id = 1; id < count; id += 1 + qcRandom_Below(&random, 9))
+        qcForest_Remove(forest, id);
+    return tree;
+}
+
+/// The boxes of the tree that meet one of an octet, as bits like those of a hit.
+static uint64_t MeetByHand(const qcForest* forest, const uint32_t* rows, const uint32_t* lanes)
+{
+    const qcFloatBox* boxes = forest->boxes.data;
+    uint64_t bits = 0;
+    for (uint32_t row = 0; row < qc_lanes; row++)
+        for (uint32_t lane = 0; lane < qc_lanes; lane++)
+            if (rows[row] != QC_NO_BOX && lanes[lane] != QC_NO_BOX &&
+                qcFloatBox_Meet(&boxes[rows[row]], &boxes[lanes[lane]]))
+                bits |= (uint64_t)1 << (lane + qc_lanes * row);
+    return bits;
+}
+
+static void CheckSeek(const qcForest* forest, const qcBoxTree* tree, uint32_t octet, uint32_t first)
+{
+    qcOctetHit hits[qc_modelRoom / qc_lanes];
+    const qcBoxKernels* kernels;
+    for (size_t i = 0; (kernels = qcBoxKernels_Nth(i)) != NULL; i++)
+    {
+        uint64_t found[qc_modelRoom / qc_lanes] = {0};
+        size_t count = kernels->seek(&tree->shape.octets[octet], &tree->shape, first, hits);
+        for (size_t h = 0; h < count; h++)
+        {
+            CHECK_QUICKLY(hits[h].octet >= first && hits[h].octet < tree->laneCount / qc_lanes);
+            CHECK_QUICKLY(found[hits[h].octet] == 0 && hits[h].lanes != 0);
+            found[hits[h].octet] = hits[h].lanes;
+        }
+        for (uint32_t o = first; o < tree->laneCount / qc_lanes; o++)
+            CHECK_QUICKLY(found[o] == MeetByHand(forest, &QC_AT(uint32_t, tree->ids, qc_lanes * octet),
+                                                 &QC_AT(uint32_t, tree->ids, qc_lanes * o)));
+    }
+}
+
+START_TEST(every_kernel_finds_what_brute_force_finds)
+{
+    static const uint32_t counts[] = {1, 7, 8, 9, 63, 64, 65, 200, 513, 1500};
+    for (size_t c = 0; c < sizeof counts / sizeof *counts; c++)
+        for (int infinite = 0; infinite <= 1; infinite++)
+        {
+            qcForest forest = {0};
+            const qcBoxTree* tree = &forest.trees[GrowTree(&forest, c + 1, counts[c], infinite)];
+            uint32_t octets = tree->laneCount / qc_lanes;
+            for (uint32_t octet = 0; octet < octets; octet++)
+                CheckSeek(&forest, tree, octet, octet % 3 == 0 ? 0 : octet);
+            qcForest_Free(&forest);
+        }
+    ck_assert_uint_eq(qcGetByteCount(), 0);
+}
+END_TEST
+
+START_TEST(a_box_of_floats_is_the_smallest_around_a_box)
+{
+    static const double values[] = {0.0,    -0.0,  1.0,    0.1,      -0.1,      1e-310,   -1e-310,  1e300,
+                                    -1e300, 1e-60, -1e-60, 16777217, -16777217, INFINITY, -INFINITY};
+    for (size_t i = 0; i < sizeof values / sizeof *values; i++)
+    {
+        const double value[3] = {values[i], values[i], values[i]};
+        qcFloatBox box;
+        bool exact = qcFloatBox_Enclose(&box, value, value);
+        ck_assert((double)box.lower[0] <= values[i] && (double)box.upper[0] >= values[i]);
+        ck_assert(isinf(values[i]) || (double)nextafterf(box.lower[0], INFINITY) > values[i]);
+        ck_assert(isinf(values[i]) || (double)nextafterf(box.upper[0], -INFINITY) < values[i]);
+        ck_assert_int_eq(exact, (double)box.lower[2] == values[i] && (double)box.upper[2] == values[i]);
+    }
+}
+END_TEST
+
+START_TEST(order_keeps_every_item_and_neighbours_together)
+{
+    enum
+    {
+        count = 4000
+    };
+    static qcFloatBox boxes[count];
+    static qcBoxItem items[count];
+    bool seen[count] = {false};
+    // A line, backwards: an order that is bad for naive splits. One box far away, one everywhere.
+    for (uint32_t i = 0; i < count; i++)
+    {
+        float x = (float)(count - i);
+        boxes[i] = (qcFloatBox){{x, 0.0f, 0.0f}, {x + 1.0f, 1.0f, 1.0f}};
+    }
+    boxes[17] = (qcFloatBox){{1e9f, 0.0f, 0.0f}, {1e9f + 100.0f, 1.0f, 1.0f}};
+    boxes[18] = (qcFloatBox){{-INFINITY, -INFINITY, -INFINITY}, {INFINITY, INFINITY, INFINITY}};
+    for (uint32_t i = 0; i < count; i++)
+        items[i] = qcBoxItem_Make(&boxes[i], i);
+    qcBoxOrder_Arrange(items, count, boxes);
+    uint32_t wide = 0;
+    for (uint32_t i = 0; i < count; i += qc_lanes)
+    {
+        float lower = INFINITY, upper = -INFINITY;
+        for (uint32_t j = i; j < i + qc_lanes; j++)
+        {
+            CHECK_QUICKLY(!seen[items[j].id]);
+            seen[items[j].id] = true;
+            lower = fminf(lower, boxes[items[j].id].lower[0]);
+            upper = fmaxf(upper, boxes[items[j].id].upper[0]);
+        }
+        wide += upper - lower > 11.0f;
+    }
+    ck_assert_uint_le(wide, 1);
+}
+END_TEST
+
+/// A grid of boxes that stay, and some that move about.
+static qcModel* MakeWorld(uint32_t stay, uint32_t move)
+{
+    qcModel* model = qcModel_Make();
+    for (uint32_t i = 0; i < stay + move; i++)
+    {
+        double lower[3] = {i % 10, i / 10 % 10, i / 100}, upper[3] = {lower[0] + 0.9, lower[1] + 0.9, lower[2] + 0.9};
+        qcModel_Add(model, lower, upper);
+    }
+    qcModel_CheckMovedPairs(model);
+    return model;
+}
+
+START_TEST(where_nothing_moves_a_search_does_nothing)
+{
+    qcModel* model = MakeWorld(1000, 0);
+    ck_assert_uint_eq(qcBoxes_GetProfile(model->set).moved, 1000);
+    ck_assert_uint_eq(qcBoxes_GetProfile(model->set).sought, 1000);
+    for (int step = 0; step < 3; step++)
+    {
+        for (uint32_t id = 0; id < 1000; id++)
+            qcModel_Move(model, id, model->boxes[id].lower, model->boxes[id].upper);
+        ck_assert_uint_eq(qcModel_CheckMovedPairs(model), 0);
+        qcBoxProfile profile = qcBoxes_GetProfile(model->set);
+        ck_assert(profile.moved == 0 && profile.sought == 0 && profile.compared == 0 && profile.sorted == 0);
+    }
+    qcModel_Free(model);
+}
+END_TEST
+
+/// Steps of boxes that move on, behind 1000 that stay. Returns the sum of what the searches did.
+static qcBoxProfile MoveOn(qcModel* model, uint32_t count)
+{
+    qcRandom random = {5};
+    qcBoxProfile sum = {0};
+    for (int step = 0; step < 100; step++)
+    {
+        for (uint32_t id = 1000; id < 1000 + count; id++)
+        {
+            double lower[3], upper[3];
+            for (int k = 0; k < 3; k++)
+            {
+                double way = k == (int)(id % 3) ? 0.06 : qcRandom_Uniform(&random, -0.01, 0.01);
+                lower[k] = model->boxes[id].lower[k] + way;
+                upper[k] = model->boxes[id].upper[k] + way;
+            }
+            qcModel_Move(model, id, lower, upper);
+        }
+        qcModel_CheckMovedPairs(model);
+        qcModel_CheckForest(model);
+        qcBoxProfile profile = qcBoxes_GetProfile(model->set);
+        ck_assert_uint_eq(profile.moved, count);
+        ck_assert_uint_le(profile.compared, count * 40);
+        sum.sought += profile.sought;
+        sum.sorted += profile.sorted;
+    }
+    return sum;
+}
+
+START_TEST(where_few_move_the_rest_is_left_alone)
+{
+    qcModel* model = MakeWorld(1000, 20);
+    qcBoxProfile sum = MoveOn(model, 20);
+    // Each of the 2000 moves would else look for neighbours, and would be sorted several times with others.
+    ck_assert_uint_lt(sum.sought, 1000);
+    ck_assert_uint_lt(sum.sorted, 8 * 1000);
+    qcModel_Free(model);
+}
+END_TEST
+
+START_TEST(where_very_few_move_they_are_not_put_in_order_either)
+{
+    qcModel* model = MakeWorld(1000, 6);
+    qcBoxProfile sum = MoveOn(model, 6);
+    ck_assert_uint_gt(sum.sought, 20);
+    ck_assert_uint_eq(sum.sorted, 0);
+    qcModel_Free(model);
+}
+END_TEST
+
+QC_RUN_TESTS("box forest", every_kernel_finds_what_brute_force_finds, a_box_of_floats_is_the_smallest_around_a_box,
+             order_keeps_every_item_and_neighbours_together, where_nothing_moves_a_search_does_nothing,
+             where_few_move_the_rest_is_left_alone, where_very_few_move_they_are_not_put_in_order_either)

@@ -1,0 +1,334 @@
+// Pieces of a broken mesh are closed, lie in their cells, fill the mesh, keep its momentum; what can't be broken is
+// refused with its place.
+#include "quickcullide/bullet_fracture.h"
+#include "quickcullide/bullet_mesh.h"
+
+#include "bullet/fracture/fracture_models.h"
+#include "support/suite.h"
+
+#include <btBulletDynamicsCommon.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <string>
+#include <vector>
+
+namespace
+{
+// btScalar may be float: positions of pieces are rounded to it.
+const double s_rounding = sizeof(btScalar) == sizeof(float) ? 2e-6 : 1e-12;
+
+//  ---- checks ----------------------------------------------------------------------------------------
+
+/// How far a piece leaves its cell.
+double Excess(const qcFractureDef& def, const qcPiece& piece)
+{
+    double most = 0;
+    const btVector3& site = def.sites[piece.site];
+    for (const btVector3& vertex : piece.vertices)
+        for (const btVector3& other : def.sites)
+        {
+            btVector3 across = other - site, at = piece.frame * vertex - (site + other) / 2;
+            double length = double(across.length());
+            if (length > 0)
+                most = std::max(most, double(at.dot(across)) / length);
+        }
+    return most;
+}
+
+/// The least height of a triangle, and the greatest turn at an edge, as the cosine between two normals.
+void MeasureTriangles(const qcPiece& piece, double* height, double* cosine)
+{
+    std::map<std::pair<uint32_t, uint32_t>, btVector3> normals;
+    *height = 1;
+    *cosine = 1;
+    for (size_t i = 0; i < piece.indices.size(); i += 3)
+    {
+        const btVector3 &a = piece.vertices[piece.indices[i]], &b = piece.vertices[piece.indices[i + 1]],
+                        &c = piece.vertices[piece.indices[i + 2]];
+        btVector3 normal = (b - a).cross(c - a);
+        double longest = double(std::max({a.distance(b), b.distance(c), c.distance(a)}));
+        *height = std::min(*height, double(normal.length()) / longest);
+        for (size_t k = 0; k < 3; k++)
+            normals[{piece.indices[i + k], piece.indices[i + (k + 1) % 3]}] = normal.normalized();
+    }
+    for (const auto& edge : normals)
+    {
+        auto other = normals.find({edge.first.second, edge.first.first});
+        if (other != normals.end())
+            *cosine = std::min(*cosine, double(edge.second.dot(other->second)));
+    }
+}
+
+void CheckPieces(const qcFractureDef& def, const qcFracture& fracture, double volume, const char* what)
+{
+    ck_assert_msg(fracture.status == qc_statusOk, "%s: %s", what, fracture.message.c_str());
+    double sum = 0;
+    btVector3 first(0, 0, 0);
+    for (size_t i = 0; i < fracture.pieces.size(); i++)
+    {
+        const qcPiece& piece = fracture.pieces[i];
+        ck_assert_msg(qcIsClosed(piece), "%s: piece %zu is open", what, i);
+        ck_assert_msg(std::fabs(qcVolumeOf(piece.vertices, piece.indices) - double(piece.volume)) <= 40 * s_rounding,
+                      "%s: piece %zu is %g, not %g", what, i, qcVolumeOf(piece.vertices, piece.indices),
+                      double(piece.volume));
+        ck_assert_msg(Excess(def, piece) < 4 * s_rounding, "%s: piece %zu leaves its cell by %g", what, i,
+                      Excess(def, piece));
+        ck_assert_uint_le(3 * size_t(piece.firstCutTriangle), piece.indices.size());
+        sum += double(piece.volume);
+        first += piece.frame.getOrigin() * piece.volume;
+    }
+    ck_assert_double_eq_tol(double(fracture.volume), volume, volume * s_rounding);
+    ck_assert_double_eq_tol(sum + double(fracture.lostVolume), volume, volume * 4 * s_rounding);
+    ck_assert_double_le(double(fracture.lostVolume), volume * 1e-6);
+}
+
+void ExpectRefusal(const qcFractureDef& def, const char* part)
+{
+    qcFracture fracture = qcFracture_Split(def);
+    ck_assert_int_eq(fracture.status, qc_statusBadInput);
+    ck_assert_uint_eq(fracture.pieces.size(), 0);
+    ck_assert_msg(fracture.message.find(part) != std::string::npos, "\"%s\" does not say \"%s\"",
+                  fracture.message.c_str(), part);
+}
+} // namespace
+
+START_TEST(pieces_are_closed_lie_in_their_cells_and_fill_the_mesh)
+{
+    for (uint32_t seed = 1; seed <= 6; seed++)
+    {
+        uint32_t count = seed * seed * 5;
+        qcFractureDef box = qcBoxToBreak(1, 0.5, 2), hollow = qcHollowToBreak(), torus = qcTorusToBreak(32, 16, 1, 0.4);
+        for (qcFractureDef* def : {&box, &hollow, &torus})
+            qcScatterInside(def, count, seed);
+        qcFracture fracture = qcFracture_Split(box);
+        CheckPieces(box, fracture, 8, "box");
+        ck_assert_uint_eq(fracture.pieces.size(), count); // a convex mesh: one a cell
+        CheckPieces(hollow, qcFracture_Split(hollow), 8 - 0.064, "hollow");
+        qcFracture ring = qcFracture_Split(torus);
+        double exact = 0;
+        for (size_t i = 0; i < torus.indices.size(); i += 3)
+            exact += double(torus.vertices[torus.indices[i]].dot(
+                         torus.vertices[torus.indices[i + 1]].cross(torus.vertices[torus.indices[i + 2]]))) /
+                     6;
+        CheckPieces(torus, ring, exact, "torus");
+    }
+}
+END_TEST
+
+START_TEST(a_cell_that_holds_two_parts_makes_two_pieces)
+{
+    // Slabs across the ring: its two sides are parts of their own.
+    qcFractureDef torus = qcTorusToBreak(48, 12, 1, 0.25);
+    for (int i = -2; i <= 2; i++)
+        torus.sites.push_back(btVector3(0, btScalar(0.45 * i), 0));
+    qcFracture fracture = qcFracture_Split(torus);
+    ck_assert_int_eq(fracture.status, qc_statusOk);
+    std::map<uint32_t, int> partsOf;
+    for (const qcPiece& piece : fracture.pieces)
+        partsOf[piece.site]++;
+    ck_assert_int_eq(partsOf[2], 2);
+    ck_assert_int_eq(partsOf[0], 1);
+    ck_assert_int_eq(partsOf[4], 1);
+}
+END_TEST
+
+START_TEST(cuts_through_vertices_and_along_faces_are_closed)
+{
+    // Sites in a lattice: bisectors go through corners of the box, along its faces and through each other's edges.
+    qcFractureDef box = qcBoxToBreak(1, 1, 1);
+    for (int i = 0; i < 27; i++)
+        box.sites.push_back(btVector3(btScalar(i % 3 - 1), btScalar(i / 3 % 3 - 1), btScalar(i / 9 - 1)));
+    CheckPieces(box, qcFracture_Split(box), 8, "lattice");
+    box.sites.clear();
+    for (int i = 0; i < 8; i++)
+        box.sites.push_back(btVector3(i & 1 ? 2 : 0, i & 2 ? 2 : 0, i & 4 ? 2 : 0));
+    qcFracture whole = qcFracture_Split(box);
+    CheckPieces(box, whole, 8, "faces");
+    ck_assert_uint_eq(whole.pieces.size(), 1);
+    box.sites = {btVector3(btScalar(0.1), 0, 0)};
+    qcFracture one = qcFracture_Split(box);
+    CheckPieces(box, one, 8, "one site");
+    ck_assert_uint_eq(one.pieces[0].firstCutTriangle, 12);
+}
+END_TEST
+
+START_TEST(cuts_through_flat_sides_leave_no_flat_or_folded_triangle)
+{
+    // Each side is of two triangles: where a cut crosses their diagonal, the outline of the new face goes straight on.
+    qcFractureDef torus = qcTorusToBreak(32, 16, 1, 0.4), box = qcBoxToBreak(1, 0.5, 2);
+    btMatrix3x3 turn(btQuaternion(btVector3(1, 2, 3).normalized(), btScalar(1.1)));
+    for (btVector3& vertex : box.vertices)
+        vertex = turn * vertex;
+    for (qcFractureDef* def : {&torus, &box})
+    {
+        qcScatterInside(def, 40, 3);
+        for (const qcPiece& piece : qcFracture_Split(*def).pieces)
+        {
+            double height, cosine;
+            MeasureTriangles(piece, &height, &cosine);
+            ck_assert_msg(height > 1e-5, "a height of %g", height);
+            ck_assert_msg(cosine > -0.9999, "a cosine of %g", cosine);
+        }
+    }
+}
+END_TEST
+
+START_TEST(triangles_back_to_back_are_dropped)
+{
+    qcFractureDef box = qcBoxToBreak(1, 1, 1);
+    box.vertices.push_back(btVector3(2, 2, 2));
+    for (uint32_t index : {1, 7, 8, 7, 1, 8})
+        box.indices.push_back(index);
+    qcScatterInside(&box, 30, 2);
+    qcFracture fracture = qcFracture_Split(box);
+    CheckPieces(box, fracture, 8, "a box with a fin");
+    for (const qcPiece& piece : fracture.pieces)
+        for (const btVector3& vertex : piece.vertices)
+            ck_assert_double_le(double((piece.frame * vertex).absolute()[0]), 1 + s_rounding);
+}
+END_TEST
+
+START_TEST(hollows_make_holes_in_cuts)
+{
+    qcFractureDef def = qcBoxToBreak(1, 1, 1);
+    for (int i = 0; i < 27; i++)
+    {
+        qcFractureDef hollow = qcBoxToBreak(0.1, 0.1, 0.1, true);
+        btVector3 place(btScalar(0.5 * (i % 3 - 1)), btScalar(0.5 * (i / 3 % 3 - 1)), btScalar(0.5 * (i / 9 - 1)));
+        for (uint32_t index : hollow.indices)
+            def.indices.push_back(index + uint32_t(def.vertices.size()));
+        for (const btVector3& vertex : hollow.vertices)
+            def.vertices.push_back(vertex + place);
+    }
+    for (uint32_t count : {3, 20, 150})
+    {
+        qcScatterInside(&def, count, count);
+        CheckPieces(def, qcFracture_Split(def), 8 - 27 * 0.008, "hollows");
+    }
+}
+END_TEST
+
+START_TEST(the_same_input_gives_the_same_pieces_and_sites_gather_around_an_impact)
+{
+    qcFractureDef torus = qcTorusToBreak(24, 12, 1, 0.4);
+    qcScatterInside(&torus, 40, 7);
+    qcFracture a = qcFracture_Split(torus), b = qcFracture_Split(torus);
+    ck_assert_uint_eq(a.pieces.size(), b.pieces.size());
+    for (size_t i = 0; i < a.pieces.size(); i++)
+    {
+        ck_assert(a.pieces[i].indices == b.pieces[i].indices);
+        ck_assert(a.pieces[i].frame == b.pieces[i].frame);
+        ck_assert(a.pieces[i].vertices == b.pieces[i].vertices);
+    }
+    btVector3 lower(-1, -1, -1), upper(1, 1, 1), impact(1, 0, 0);
+    int near = 0;
+    for (const btVector3& site : qcScatterSites(lower, upper, 1000, 3, &impact))
+    {
+        for (int axis = 0; axis < 3; axis++)
+            ck_assert(site[axis] >= lower[axis] && site[axis] <= upper[axis]);
+        near += site.distance(impact) < btScalar(0.5);
+    }
+    ck_assert_int_gt(near, 300);
+}
+END_TEST
+
+START_TEST(momentum_and_angular_momentum_are_kept)
+{
+    qcFractureDef box = qcBoxToBreak(1, 0.5, 2);
+    qcScatterInside(&box, 60, 5);
+    qcFracture fracture = qcFracture_Split(box);
+    btBoxShape shape(btVector3(1, btScalar(0.5), 2));
+    btVector3 inertia;
+    shape.calculateLocalInertia(3, inertia);
+    // The box of the tensor is the box of the mesh: no margin is added to it.
+    inertia = btVector3(btScalar(0.25 + 4), btScalar(1 + 4), btScalar(1 + 0.25));
+    btRigidBody body(btRigidBody::btRigidBodyConstructionInfo(3, nullptr, &shape, inertia));
+    body.setWorldTransform(btTransform(btQuaternion(btVector3(1, 2, 3).normalized(), 1), btVector3(5, -2, 1)));
+    body.updateInertiaTensor();
+    body.setLinearVelocity(btVector3(2, 1, -3));
+    body.setAngularVelocity(btVector3(-1, 4, 2));
+    btVector3 momentum(0, 0, 0), angular(0, 0, 0), angularOfBodies(0, 0, 0);
+    btScalar mass = 0;
+    for (const qcPiece& piece : fracture.pieces)
+    {
+        qcPieceMotion motion = qcMotionOfPiece(body, fracture, piece);
+        qcMeshShape mesh(&piece.vertices[0], sizeof(btScalar) == 4 ? qc_positionF32 : qc_positionF64, sizeof(btVector3),
+                         uint32_t(piece.vertices.size()), piece.indices.data(), uint32_t(piece.indices.size() / 3));
+        qcMassProperties properties = mesh.getMassProperties();
+        ck_assert(properties.closed);
+        btMatrix3x3 basis = motion.transform.getBasis();
+        btVector3 spin = basis * (properties.inertia * (basis.transpose() * motion.angularVelocity)) * motion.mass;
+        mass += motion.mass;
+        momentum += motion.linearVelocity * motion.mass;
+        btVector3 orbit = (motion.transform.getOrigin() - body.getWorldTransform().getOrigin())
+                              .cross(motion.linearVelocity * motion.mass);
+        angular += spin + orbit;
+        // As Bullet has it: of a body's tensor it knows the diagonal.
+        mesh.calculateLocalInertia(motion.mass, inertia);
+        angularOfBodies += basis * (inertia * (basis.transpose() * motion.angularVelocity)) + orbit;
+    }
+    ck_assert_double_eq_tol(double(mass), 3, 1e-4);
+    ck_assert_double_le(double((momentum - body.getLinearVelocity() * 3).length()), 1e-4);
+    btMatrix3x3 inverse = body.getInvInertiaTensorWorld();
+    btVector3 expected = inverse.inverse() * body.getAngularVelocity();
+    ck_assert_double_le(double((angular - expected).length()), 1e-3 * double(expected.length()));
+    ck_assert_double_le(double((angularOfBodies - angular).length()), 1e-5 * double(expected.length()));
+}
+END_TEST
+
+START_TEST(pieces_of_a_very_light_body_are_not_static)
+{
+    qcFractureDef box = qcBoxToBreak(1, 0.5, 2);
+    qcScatterInside(&box, 60, 5);
+    qcFracture fracture = qcFracture_Split(box);
+    btBoxShape shape(btVector3(1, btScalar(0.5), 2));
+    for (btScalar mass : {std::numeric_limits<btScalar>::min(), btScalar(0)})
+    {
+        btRigidBody body(btRigidBody::btRigidBodyConstructionInfo(mass, nullptr, &shape));
+        for (const qcPiece& piece : fracture.pieces)
+        {
+            btScalar part = qcMotionOfPiece(body, fracture, piece).mass;
+            ck_assert(mass > 0 ? part > 0 && std::isfinite(double(1 / part)) : part == 0);
+        }
+    }
+}
+END_TEST
+
+START_TEST(what_can_not_be_broken_is_refused_with_its_place)
+{
+    qcFractureDef box = qcBoxToBreak(1, 1, 1), def = box;
+    ExpectRefusal(def, "there is no site");
+    def.sites = {btVector3(0, 0, 0)};
+    def.indices[7] = 100;
+    ExpectRefusal(def, "index 7 is 100 of 8 vertices");
+    def = box;
+    def.sites = {btVector3(0, 0, 0)};
+    def.indices.resize(33);
+    ExpectRefusal(def, "not closed: an edge of triangle 2, at -1, -1, 1");
+    def.indices.resize(32);
+    ExpectRefusal(def, "32 indices");
+    def.indices.clear();
+    ExpectRefusal(def, "0 indices");
+    def = box;
+    def.sites = {btVector3(0, 0, 0), btVector3(1, 0, 0), btVector3(0, 0, 0)};
+    ExpectRefusal(def, "sites 0 and 2 are at the same place");
+    def.sites = {btVector3(0, btScalar(NAN), 0)};
+    ExpectRefusal(def, "site 0 is not finite");
+    def.sites = {btVector3(0, 0, 0)};
+    def.vertices[3].setX(btScalar(INFINITY));
+    ExpectRefusal(def, "vertex 3 is not finite");
+    def = qcBoxToBreak(1, 1, 1, true);
+    def.sites = {btVector3(0, 0, 0)};
+    ExpectRefusal(def, "volume is not positive");
+}
+END_TEST
+
+QC_RUN_TESTS("fracture", pieces_are_closed_lie_in_their_cells_and_fill_the_mesh,
+             a_cell_that_holds_two_parts_makes_two_pieces, cuts_through_vertices_and_along_faces_are_closed,
+             cuts_through_flat_sides_leave_no_flat_or_folded_triangle, triangles_back_to_back_are_dropped,
+             hollows_make_holes_in_cuts, the_same_input_gives_the_same_pieces_and_sites_gather_around_an_impact,
+             momentum_and_angular_momentum_are_kept, pieces_of_a_very_light_body_are_not_static,
+             what_can_not_be_broken_is_refused_with_its_place)

@@ -1,0 +1,347 @@
+// The deformable world with contact of ours: folds come to rest untangled, Bullet's own contact keeps out of it.
+#include "quickcullide/bullet_deformable.h"
+
+#include "bullet/mesh/mesh_models.h"
+
+#include <BulletSoftBody/btDeformableGravityForce.h>
+#include <BulletSoftBody/btDeformableMassSpringForce.h>
+#include <BulletSoftBody/btSoftBodyHelpers.h>
+#include <BulletSoftBody/btSoftBodyRigidBodyCollisionConfiguration.h>
+#include <btBulletDynamicsCommon.h>
+
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <memory>
+
+// After the standard headers: check defines a macro named fail.
+#include "bullet/soft_body/soft_models.h"
+
+namespace
+{
+constexpr btScalar s_step = btScalar(1.0 / 240);
+
+/// A floor, and cloths of masses and springs. `DeformableWorld` is Bullet's world or ours.
+template <class DeformableWorld> struct World
+{
+    btSoftBodyRigidBodyCollisionConfiguration configuration;
+    btCollisionDispatcher dispatcher{&configuration};
+    qcBroadphase broadphase;
+    btDeformableBodySolver deformableSolver;
+    btDeformableMultiBodyConstraintSolver solver;
+    std::unique_ptr<DeformableWorld> world;
+    btBoxShape floorShape{btVector3(5, 1, 5)};
+    btRigidBody floor{btRigidBody::btRigidBodyConstructionInfo(0, nullptr, &floorShape)};
+    btDeformableMassSpringForce springs{10, btScalar(0.05), true};
+    btDeformableGravityForce gravity;
+    std::vector<btSoftBody*> cloths;
+
+    explicit World(const btVector3& g = btVector3(0, -10, 0)) : gravity(g)
+    {
+        solver.setDeformableSolver(&deformableSolver);
+        world.reset(new DeformableWorld(&dispatcher, &broadphase, &solver, &configuration, &deformableSolver));
+        world->setGravity(g);
+        world->getWorldInfo().m_gravity = g;
+        world->getWorldInfo().m_sparsesdf.setDefaultVoxelsz(btScalar(0.25));
+        floor.setWorldTransform(btTransform(btQuaternion::getIdentity(), btVector3(0, -1, 0)));
+        floor.setFriction(1);
+        world->addRigidBody(&floor);
+    }
+
+    ~World()
+    {
+        for (btSoftBody* cloth : cloths)
+        {
+            world->removeSoftBody(cloth);
+            delete cloth;
+        }
+        world->removeRigidBody(&floor);
+    }
+
+    btSoftBody* AddCloth(const btVector3& a, const btVector3& b, const btVector3& c, const btVector3& d, int side)
+    {
+        btSoftBody* cloth =
+            btSoftBodyHelpers::CreatePatch(world->getWorldInfo(), a, b, c, d, side + 1, side + 1, 0, true);
+        cloth->getCollisionShape()->setMargin(btScalar(0.01));
+        cloth->m_cfg.kKHR = cloth->m_cfg.kCHR = cloth->m_cfg.kDF = 1;
+        cloth->m_cfg.collisions =
+            btSoftBody::fCollision::SDF_RD | btSoftBody::fCollision::SDF_RDN | btSoftBody::fCollision::VF_DD;
+        cloth->setTotalMass(btScalar(0.5));
+        cloth->setSelfCollision(true);
+        world->addSoftBody(cloth);
+        world->addForce(cloth, &springs);
+        world->addForce(cloth, &gravity);
+        cloths.push_back(cloth);
+        return cloth;
+    }
+
+    btSoftBody* AddUprightCloth(int side)
+    {
+        return AddCloth(btVector3(-0.5, 0.05, 0), btVector3(0.5, 0.05, 0.02), btVector3(-0.5, 1.05, 0.03),
+                        btVector3(0.5, 1.05, -0.02), side);
+    }
+
+    btSoftBody* AddSheet(btScalar y, btScalar turn, int side)
+    {
+        btScalar c = std::cos(turn) / 2, s = std::sin(turn) / 2;
+        return AddCloth(btVector3(-c + s, y, -s - c), btVector3(c + s, y, s - c), btVector3(-c - s, y, -s + c),
+                        btVector3(c - s, y, s + c), side);
+    }
+
+    void Step(int steps = 1)
+    {
+        for (int i = 0; i < steps; i++)
+            world->stepSimulation(s_step, 0);
+    }
+
+    /// Steps in which nothing may penetrate.
+    void StepApart(int steps)
+    {
+        for (int i = 0; i < steps; i++)
+        {
+            Step();
+            ck_assert_int_eq(world->getStatistics().status, qc_statusOk);
+            ck_assert_int_eq(world->getStatistics().remaining, 0);
+        }
+    }
+
+    std::vector<qcSoup> Soups() const
+    {
+        std::vector<qcSoup> soups;
+        for (const btSoftBody* cloth : cloths)
+            soups.push_back(qcSoupOf(cloth));
+        return soups;
+    }
+};
+
+using Ours = World<qcDeformableWorld>;
+using Bullets = World<btDeformableMultiBodyDynamicsWorld>;
+
+START_TEST(a_folded_deformable_cloth_comes_to_rest_untangled)
+{
+    Ours world;
+    btSoftBody* cloth = world.AddUprightCloth(14);
+    for (int i = 0; i < 480; i++)
+    {
+        world.StepApart(1);
+        // Layers on top of it do not press the lowest one into the floor.
+        ck_assert(qcLowestNode(cloth) > btScalar(0.002));
+    }
+    ck_assert_int_gt(world.world->getStatistics().contacts, 200);
+    ck_assert(qcSpeedOf(cloth) < btScalar(0.05));
+    ck_assert_uint_eq(qcCountPenetratingExactly(world.Soups()), 0);
+}
+END_TEST
+
+START_TEST(the_same_cloth_tangles_without_self_collision)
+{
+    Ours world;
+    btSoftBody* cloth = world.AddUprightCloth(14);
+    qcSoftBodySettings settings;
+    settings.selfCollision = false;
+    world.world->setSettings(cloth, settings);
+    world.Step(200);
+    ck_assert_int_eq(world.world->getStatistics().contacts, 0);
+    ck_assert_uint_gt(qcCountPenetrating(world.Soups()), 20);
+}
+END_TEST
+
+/// VF_DD finds contacts, and leaves the cloth tangled; its constraints between faces and nodes, which the implicit
+/// solve would see to, are never made.
+START_TEST(bullets_own_self_collision_tangles_and_makes_no_constraints)
+{
+    Bullets world;
+    btSoftBody* cloth = world.AddUprightCloth(14);
+    int contacts = 0;
+    size_t penetrating = 0;
+    for (int i = 0; i < 25; i++)
+    {
+        world.Step(10);
+        contacts += cloth->m_faceNodeContacts.size();
+        penetrating = std::max(penetrating, qcCountPenetrating(world.Soups()));
+        const btDeformableContactProjection& projection = world.deformableSolver.m_objective->m_projection;
+        ck_assert_int_eq(projection.m_deformableConstraints.size(), 1);
+        ck_assert_int_eq(projection.m_deformableConstraints[0].size(), 0);
+    }
+    ck_assert_int_gt(contacts, 1000);
+    ck_assert_uint_gt(penetrating, 0);
+}
+END_TEST
+
+START_TEST(bullet_does_not_answer_beside_us)
+{
+    Ours world;
+    world.AddUprightCloth(12);
+    world.AddSheet(btScalar(0.02), 0, 8);
+    for (int i = 0; i < 200; i++)
+    {
+        world.StepApart(1);
+        for (const btSoftBody* cloth : world.cloths)
+        {
+            ck_assert_int_eq(cloth->m_faceNodeContacts.size(), 0);
+            ck_assert_int_eq(cloth->m_faceNodeContactsCCD.size(), 0);
+            ck_assert_int_eq(cloth->m_scontacts.size(), 0);
+        }
+    }
+    ck_assert_int_gt(world.world->getStatistics().contacts, 0);
+}
+END_TEST
+
+START_TEST(without_contact_a_step_is_bullets)
+{
+    Ours world;
+    Bullets same;
+    btSoftBody *cloth = world.AddSheet(1, 0, 6), *other = same.AddSheet(1, 0, 6);
+    for (int i = 0; i < 60; i++)
+    {
+        world.StepApart(1);
+        same.Step();
+        for (int n = 0; n < cloth->m_nodes.size(); n++)
+            ck_assert(cloth->m_nodes[n].m_x == other->m_nodes[n].m_x && cloth->m_nodes[n].m_v == other->m_nodes[n].m_v);
+    }
+}
+END_TEST
+
+START_TEST(sheets_fall_on_each_other_and_stay_apart)
+{
+    Ours world;
+    world.AddSheet(btScalar(0.02), 0, 8);
+    world.AddSheet(btScalar(0.06), btScalar(0.4), 8);
+    world.AddSheet(btScalar(0.10), btScalar(0.9), 8);
+    world.StepApart(180);
+    ck_assert_uint_eq(
+        qcCountPenetratingExactly({qcSoupOf(world.cloths[1]), qcSoupOf(world.cloths[0]), qcSoupOf(world.cloths[2])}),
+        0);
+    ck_assert(qcLowestNode(world.cloths[2]) > qcLowestNode(world.cloths[0]));
+}
+END_TEST
+
+START_TEST(momentum_is_kept_between_two_cloths)
+{
+    Ours world(btVector3(0, 0, 0));
+    btSoftBody *lower = world.AddSheet(btScalar(0.5), 0, 8), *upper = world.AddSheet(btScalar(0.55), btScalar(0.5), 9);
+    upper->setVelocity(btVector3(btScalar(0.2), -1, 0));
+    btVector3 before = qcMomentumOf(lower) + qcMomentumOf(upper);
+    world.StepApart(40);
+    ck_assert(qcMomentumOf(lower).y() < btScalar(-0.1));
+    btVector3 after = qcMomentumOf(lower) + qcMomentumOf(upper);
+    ck_assert((after - before).length() < btScalar(1e-3) * before.length());
+}
+END_TEST
+
+START_TEST(a_deformable_cloth_rests_on_a_mesh_and_pushes_one)
+{
+    Ours world;
+    std::unique_ptr<qcMeshShape> ball = qcSphereModel(0.2, 2).MakeShape(), dice;
+    dice = qcBoxModel(btVector3(btScalar(0.05), btScalar(0.05), btScalar(0.05)), 2).MakeShape();
+    btRigidBody fixed(0, nullptr, ball.get());
+    fixed.setWorldTransform(btTransform(btQuaternion::getIdentity(), btVector3(0, btScalar(0.3), 0)));
+    btVector3 inertia;
+    dice->calculateLocalInertia(btScalar(0.1), inertia);
+    btRigidBody loose(btScalar(0.1), nullptr, dice.get(), inertia);
+    loose.setWorldTransform(btTransform(btQuaternion::getIdentity(), btVector3(btScalar(0.02), btScalar(0.7), 0)));
+    world.world->addRigidBody(&fixed);
+    world.world->addRigidBody(&loose);
+    btSoftBody* cloth = world.AddSheet(btScalar(0.55), 0, 12);
+    world.StepApart(200);
+    ck_assert_int_eq(world.world->getStatistics().meshes, 2);
+    ck_assert_int_gt(world.world->getStatistics().contacts, 50);
+    // The die lies on the cloth, over the ball or where it slid to, and not inside.
+    ck_assert(loose.getWorldTransform().getOrigin().y() > 0);
+    ck_assert_uint_eq(qcCountPenetratingExactly({qcSoupOf(cloth), qcSoupOf(*ball, fixed.getWorldTransform()),
+                                                 qcSoupOf(*dice, loose.getWorldTransform())}),
+                      0);
+    world.world->removeRigidBody(&loose);
+    world.world->removeRigidBody(&fixed);
+}
+END_TEST
+
+START_TEST(an_anchored_node_stays_at_its_anchor)
+{
+    Ours world;
+    btSoftBody* cloth = world.AddUprightCloth(12);
+    btSphereShape shape(btScalar(0.02));
+    btRigidBody nail(0, nullptr, &shape);
+    nail.setWorldTransform(btTransform(btQuaternion::getIdentity(), cloth->m_nodes[0].m_x));
+    world.world->addRigidBody(&nail);
+    btVector3 before = cloth->m_nodes[0].m_x;
+    cloth->appendDeformableAnchor(0, &nail);
+    int contacts = 0;
+    for (int i = 0; i < 200; i++)
+    {
+        world.Step();
+        contacts += world.world->getStatistics().contacts;
+        ck_assert((cloth->m_nodes[0].m_x - before).length() < btScalar(1e-5));
+    }
+    ck_assert_int_gt(contacts, 0);
+    world.world->removeRigidBody(&nail);
+}
+END_TEST
+
+START_TEST(contacts_stand_in_manifolds_until_the_next_step)
+{
+    Ours world;
+    btSoftBody* cloth = world.AddUprightCloth(12);
+    int seen = 0;
+    for (int i = 0; i < 200; i++)
+    {
+        world.StepApart(1);
+        int points = 0;
+        for (int m = 0; m < world.dispatcher.getNumManifolds(); m++)
+        {
+            const btPersistentManifold* manifold = world.dispatcher.getManifoldByIndexInternal(m);
+            if (manifold->getBody0() == cloth && manifold->getBody1() == cloth)
+                points += manifold->getNumContacts();
+        }
+        ck_assert_int_eq(points, world.world->getStatistics().contacts);
+        seen += points;
+    }
+    ck_assert_int_gt(seen, 100);
+    world.world->removeSoftBody(cloth);
+    world.cloths.clear();
+    delete cloth;
+    world.Step();
+    ck_assert_int_eq(world.dispatcher.getNumManifolds(), 0);
+}
+END_TEST
+
+START_TEST(a_node_that_is_not_finite_is_named_and_nothing_crashes)
+{
+    Ours world;
+    btSoftBody* cloth = world.AddUprightCloth(6);
+    world.StepApart(1);
+    cloth->m_nodes[5].m_x.setX(std::numeric_limits<btScalar>::quiet_NaN());
+    world.Step();
+    ck_assert_int_eq(world.world->getStatistics().status, qc_statusBadInput);
+    ck_assert_ptr_nonnull(std::strstr(qcLastMessage(), "of body 0 is not finite"));
+}
+END_TEST
+
+/// Bullet's own repulsion draws its order from a seed that the worlds of a process share.
+START_TEST(two_runs_agree_bit_by_bit)
+{
+    std::vector<btVector3> expected;
+    for (int run = 0; run < 2; run++)
+    {
+        Ours world;
+        btSoftBody* cloth = world.AddUprightCloth(12);
+        world.Step(120);
+        for (int i = 0; i < cloth->m_nodes.size(); i++)
+        {
+            if (run == 0)
+                expected.push_back(cloth->m_nodes[i].m_x);
+            ck_assert(expected[size_t(i)] == cloth->m_nodes[i].m_x);
+        }
+    }
+    ck_assert_uint_eq(qcGetByteCount(), 0);
+}
+END_TEST
+} // namespace
+
+QC_RUN_TESTS("deformable", a_folded_deformable_cloth_comes_to_rest_untangled,
+             the_same_cloth_tangles_without_self_collision, bullets_own_self_collision_tangles_and_makes_no_constraints,
+             bullet_does_not_answer_beside_us, without_contact_a_step_is_bullets,
+             sheets_fall_on_each_other_and_stay_apart, momentum_is_kept_between_two_cloths,
+             a_deformable_cloth_rests_on_a_mesh_and_pushes_one, an_anchored_node_stays_at_its_anchor,
+             contacts_stand_in_manifolds_until_the_next_step, a_node_that_is_not_finite_is_named_and_nothing_crashes,
+             two_runs_agree_bit_by_bit)

@@ -1,0 +1,283 @@
+// What a step keeps apart, and what it lets go: momentum and energy where contacts can't part surfaces, cloth among
+// moving meshes, bodies that are tangled at the start.
+#include "bench/soft/pile_scene.h"
+#include "bullet/soft_body/soft_world.h"
+#include "bench/soft/tangle_scene.h"
+
+#include <BulletDynamics/Dynamics/btRigidBody.h>
+
+// After the standard headers: check defines a macro named fail.
+#include "bullet/mesh/mesh_bunny.h"
+#include "bullet/soft_body/soft_models.h"
+
+namespace
+{
+constexpr btScalar s_step = btScalar(1.0 / 60);
+
+/// A world without gravity, whose cloths are 2500 and 900 nodes.
+struct FlyingWorld : qcSoftWorld
+{
+    FlyingWorld()
+    {
+        world.setGravity(btVector3(0, 0, 0));
+        world.getWorldInfo().m_gravity.setZero();
+    }
+
+    ~FlyingWorld()
+    {
+        for (btSoftBody* cloth : cloths)
+        {
+            world.removeSoftBody(cloth);
+            delete cloth;
+        }
+    }
+
+    /// A square; `tilt`: how much higher one corner lies.
+    btSoftBody* Add(btScalar half, btScalar y, btScalar tilt, int nodes)
+    {
+        btSoftBody* cloth = btSoftBodyHelpers::CreatePatch(world.getWorldInfo(), btVector3(-half, y, -half),
+                                                           btVector3(half, y, -half), btVector3(-half, y, half),
+                                                           btVector3(half, y + tilt, half), nodes, nodes, 0, true);
+        cloth->setTotalMass(1);
+        cloth->m_cfg.piterations = 4;
+        cloth->getCollisionShape()->setMargin(btScalar(0.01));
+        world.addSoftBody(cloth);
+        cloths.push_back(cloth);
+        return cloth;
+    }
+
+    btScalar Energy() const
+    {
+        btScalar sum = 0;
+        for (const btSoftBody* cloth : cloths)
+            for (int i = 0; i < cloth->m_nodes.size(); i++)
+                sum += cloth->m_nodes[i].m_v.length2() / cloth->m_nodes[i].m_im / 2;
+        return sum;
+    }
+
+    void Step()
+    {
+        world.stepSimulation(s_step, 0);
+        ck_assert_int_eq(softSolver.getStatistics().status, qc_statusOk);
+    }
+};
+
+const double s_speeds[] = {5, 20, 50};
+} // namespace
+
+START_TEST(cloths_thrown_at_each_other_keep_momentum_and_gain_no_energy)
+{
+    btScalar speed = btScalar(s_speeds[_i]);
+    FlyingWorld world;
+    world.Add(1, 0, 0, 50);
+    btSoftBody* thrown = world.Add(btScalar(0.6), btScalar(0.35), btScalar(0.5), 30);
+    thrown->setVelocity(btVector3(0, -speed, 0));
+    int planes = 0;
+    btScalar energy = world.Energy();
+    for (int step = 0; step < 12; step++)
+    {
+        world.Step();
+        const qcSoftBodyStatistics& statistics = world.softSolver.getStatistics();
+        planes += statistics.planes;
+        ck_assert_int_eq(statistics.remaining, 0);
+        ck_assert_uint_eq(qcCountTangled({world.cloths[0], world.cloths[1]}), 0);
+        btVector3 momentum = qcMomentumOf(world.cloths[0]) + qcMomentumOf(world.cloths[1]);
+        ck_assert_double_le(double((momentum - btVector3(0, -speed, 0)).length()), 1e-3 * double(speed));
+        ck_assert_double_le(double(world.Energy()), 1.01 * double(energy));
+    }
+    // Contacts alone did not do it.
+    ck_assert_int_gt(planes, 100);
+}
+END_TEST
+
+#ifdef QC_BUNNY
+START_TEST(a_cloth_over_a_pile_of_moving_meshes_does_not_hang)
+{
+    qcModel bunny = qcBunnyModel(QC_BUNNY, 1000);
+    qcPileSceneDef def;
+    def.positions = bunny.positions;
+    def.indices = bunny.indices;
+    qcPileScene scene(def);
+    scene.quick.setThreadCount(1);
+    scene.contact.setThreadCount(1);
+    btScalar highest = 0;
+    for (int step = 0; step < 140; step++)
+    {
+        scene.Step();
+        const qcSoftBodyStatistics& statistics = scene.quick.getStatistics();
+        ck_assert_int_eq(statistics.status, qc_statusOk);
+        ck_assert_int_eq(statistics.remaining, 0);
+        ck_assert_int_lt(statistics.zoneNodes, def.nodes * def.nodes / 2);
+        // Falling, or lying over the pile: not in the air, and not at rest as a whole.
+        ck_assert_int_lt(scene.Measure().still, def.nodes * def.nodes / 2);
+        for (const auto& body : scene.bodies)
+            highest = std::max(highest, body->getLinearVelocity().length());
+    }
+    qcPileMeasure end = scene.Measure();
+    ck_assert_double_lt(double(end.height), 1.2);
+    ck_assert_double_lt(double(highest), 12);
+}
+END_TEST
+#endif
+
+START_TEST(a_scrambled_body_recovers_as_it_does_in_bullet)
+{
+    qcScrambledScene ours(true), bullets(false);
+    size_t start = ours.CountTangled();
+    ck_assert_uint_gt(start, 10000);
+    ck_assert_uint_eq(start, bullets.CountTangled());
+    int oursLast = 0, bulletsLast = 0; // steps after which something is tangled
+    for (int step = 1; step <= 70; step++)
+    {
+        ours.Step();
+        bullets.Step();
+        const qcSoftBodyStatistics& statistics = ours.quick->getStatistics();
+        ck_assert_int_eq(statistics.status, qc_statusOk);
+        ck_assert_int_eq(statistics.remaining, statistics.exempt + statistics.unproven);
+        ck_assert_uint_eq(size_t(statistics.remaining), ours.CountTangled());
+        oursLast = statistics.remaining > 0 ? step : oursLast;
+        bulletsLast = bullets.CountTangled() > 0 ? step : bulletsLast;
+    }
+    ck_assert_int_lt(oursLast, 60);
+    ck_assert_int_le(oursLast, bulletsLast);
+}
+END_TEST
+
+START_TEST(rings_that_begin_inside_of_each_other_fall_freely_and_come_apart)
+{
+    qcRingsScene ours(true), bullets(false);
+    ck_assert_uint_gt(ours.CountTangled(), 10);
+    btScalar start = ours.Height();
+    btVector3 momentum(0, 0, 0);
+    for (int step = 1; step <= 30; step++)
+    {
+        ours.Step();
+        bullets.Step();
+        if (step > 2)
+            ck_assert_uint_eq(ours.CountTangled(), 0);
+    }
+    // Free fall, in steps of which each moves on with the speed that it ends with.
+    ck_assert_double_eq_tol(double(start - ours.Height()), 10 * 30 * 31 / 7200.0, 1e-3);
+    ck_assert_double_ge(double(start - ours.Height()), double(start - bullets.Height()));
+    for (const btSoftBody* ring : ours.rings)
+        momentum += qcMomentumOf(ring);
+    ck_assert_double_le(double(btFabs(momentum.x()) + btFabs(momentum.z())), 0.1);
+}
+END_TEST
+
+START_TEST(untangling_throws_no_energy_in)
+{
+    // Two cloths that cross at right angles, at rest.
+    FlyingWorld world;
+    btSoftBody* upright = world.Add(btScalar(0.5), 0, 0, 21);
+    world.Add(1, btScalar(0.013), 0, 40);
+    upright->transform(btTransform(btQuaternion(btVector3(1, 0, 0), SIMD_HALF_PI), btVector3(btScalar(0.03), 0, 0)));
+    size_t start = qcCountTangled({world.cloths[0], world.cloths[1]}), most = 0;
+    ck_assert_uint_gt(start, 10);
+    for (int step = 0; step < 60; step++)
+    {
+        world.Step();
+        most = std::max(most, qcCountTangled({world.cloths[0], world.cloths[1]}));
+        ck_assert_double_lt(double(qcSpeedOf(world.cloths[0])), 0.5);
+    }
+    ck_assert_uint_le(most, 2 * start);
+}
+END_TEST
+
+START_TEST(a_corner_that_begins_below_a_mesh_does_not_take_the_rest_through)
+{
+    qcSoftWorld world;
+    std::unique_ptr<qcMeshShape> shape = qcFloorModel(4, 1).MakeShape();
+    btRigidBody floor(0, nullptr, shape.get());
+    world.world.addRigidBody(&floor);
+    btSoftBody* cloth = btSoftBodyHelpers::CreatePatch(world.world.getWorldInfo(), btVector3(-1, btScalar(-0.05), -1),
+                                                       btVector3(1, btScalar(0.3), -1), btVector3(-1, btScalar(0.3), 1),
+                                                       btVector3(1, btScalar(0.3), 1), 20, 20, 0, true);
+    cloth->setTotalMass(1);
+    cloth->m_cfg.piterations = 4;
+    world.world.addSoftBody(cloth);
+    size_t start = qcCountPenetrating({qcSoupOf(cloth), qcSoupOf(*shape, floor.getWorldTransform())}, true);
+    ck_assert_uint_gt(start, 0);
+    for (int step = 0; step < 120; step++)
+    {
+        world.world.stepSimulation(s_step, 0);
+        const qcSoftBodyStatistics& statistics = world.softSolver.getStatistics();
+        ck_assert_int_eq(statistics.status, qc_statusOk);
+        ck_assert_int_eq(statistics.unproven, 0);
+        ck_assert_uint_le(size_t(statistics.exempt), start);
+    }
+    int below = 0;
+    for (int i = 0; i < cloth->m_nodes.size(); i++)
+        below += cloth->m_nodes[i].m_x.y() < 0;
+    ck_assert_int_le(below, 10);
+    world.world.removeSoftBody(cloth);
+    delete cloth;
+    world.world.removeRigidBody(&floor);
+}
+END_TEST
+
+START_TEST(a_cloth_crushed_between_two_meshes_is_reported_and_not_thrown_away)
+{
+    qcSoftWorld world;
+    std::unique_ptr<qcMeshShape> shape = qcFloorModel(2, 8).MakeShape();
+    btRigidBody floor(0, nullptr, shape.get()), press(0, nullptr, shape.get());
+    press.setCollisionFlags(btCollisionObject::CF_KINEMATIC_OBJECT);
+    press.setActivationState(DISABLE_DEACTIVATION);
+    auto movePress = [&](int centimetres)
+    {
+        btQuaternion tilt(btVector3(1, 0, 0), btScalar(0.2));
+        press.setWorldTransform(btTransform(tilt, btVector3(0, btScalar(centimetres) / 100, 0)));
+    };
+    movePress(70);
+    world.world.addRigidBody(&floor);
+    world.world.addRigidBody(&press);
+    btSoftBody* cloth = btSoftBodyHelpers::CreatePatch(world.world.getWorldInfo(), btVector3(-1, btScalar(0.1), -1),
+                                                       btVector3(1, btScalar(0.1), -1), btVector3(-1, btScalar(0.1), 1),
+                                                       btVector3(1, btScalar(0.15), 1), 16, 16, 0, true);
+    cloth->setTotalMass(1);
+    cloth->m_cfg.piterations = 4;
+    world.world.addSoftBody(cloth);
+    int unproven = 0;
+    for (int step = 1; step <= 60; step++)
+    {
+        // The lower edge of the press reaches the floor at 20 cm, and goes through it.
+        movePress(70 - step);
+        world.world.stepSimulation(s_step, 0);
+        const qcSoftBodyStatistics& statistics = world.softSolver.getStatistics();
+        ck_assert_int_eq(statistics.status, qc_statusOk);
+        ck_assert_int_eq(statistics.remaining, statistics.exempt + statistics.unproven);
+        if (70 - step > 22)
+            ck_assert_int_eq(statistics.remaining, 0);
+        unproven += statistics.unproven;
+        ck_assert_double_lt(double(qcSpeedOf(cloth)), 2);
+    }
+    ck_assert_int_gt(unproven, 0);
+    world.world.removeSoftBody(cloth);
+    delete cloth;
+    world.world.removeRigidBody(&press);
+    world.world.removeRigidBody(&floor);
+}
+END_TEST
+
+static int RunAll()
+{
+    Suite* suite = suite_create("soft bodies apart");
+    TCase* tests = tcase_create("apart");
+    tcase_set_timeout(tests, 300); // a bound against hanging, not a claim about speed
+    tcase_add_loop_test(tests, cloths_thrown_at_each_other_keep_momentum_and_gain_no_energy, 0, 3);
+#ifdef QC_BUNNY
+    tcase_add_test(tests, a_cloth_over_a_pile_of_moving_meshes_does_not_hang);
+#endif
+    tcase_add_test(tests, a_scrambled_body_recovers_as_it_does_in_bullet);
+    tcase_add_test(tests, rings_that_begin_inside_of_each_other_fall_freely_and_come_apart);
+    tcase_add_test(tests, untangling_throws_no_energy_in);
+    tcase_add_test(tests, a_corner_that_begins_below_a_mesh_does_not_take_the_rest_through);
+    tcase_add_test(tests, a_cloth_crushed_between_two_meshes_is_reported_and_not_thrown_away);
+    suite_add_tcase(suite, tests);
+    return qcRunSuite(suite);
+}
+
+int main()
+{
+    return RunAll();
+}

@@ -1,0 +1,135 @@
+// Nodes of soft bodies that no face has: ropes, tetrahedra without faces, what was cut off. They meet meshes as points.
+#include "bullet/mesh/mesh_models.h"
+#include "bullet/soft_body/soft_world.h"
+
+#include <BulletDynamics/Dynamics/btRigidBody.h>
+#include <BulletSoftBody/btSoftBodyHelpers.h>
+
+#include <cstdlib>
+#include <memory>
+
+// After the standard headers: check defines a macro named fail.
+#include "bullet/soft_body/soft_models.h"
+
+namespace
+{
+/// A floor of triangles at height 0, with a shell of 1 cm.
+struct World : qcSoftWorld
+{
+    std::unique_ptr<qcMeshShape> shape = qcFloorModel(4, 8).MakeShape();
+    btRigidBody floor{0, nullptr, shape.get()};
+    btSoftBody* body = nullptr;
+
+    World()
+    {
+        world.addRigidBody(&floor);
+    }
+
+    ~World()
+    {
+        world.removeSoftBody(body);
+        delete body;
+        world.removeRigidBody(&floor);
+    }
+
+    void Add(btSoftBody* added)
+    {
+        body = added;
+        body->setTotalMass(1);
+        world.addSoftBody(body);
+    }
+
+    /// No node ever sinks into the floor.
+    void Step(int steps, btScalar deepest = btScalar(0.009))
+    {
+        for (int i = 0; i < steps; i++)
+        {
+            world.stepSimulation(btScalar(1.0 / 60), 0);
+            ck_assert_int_eq(softSolver.getStatistics().status, qc_statusOk);
+            ck_assert_double_gt(double(qcLowestNode(body)), double(deepest));
+        }
+    }
+};
+
+START_TEST(a_rope_lies_on_a_mesh)
+{
+    World world;
+    world.Add(btSoftBodyHelpers::CreateRope(world.world.getWorldInfo(), btVector3(-1, btScalar(0.5), 0),
+                                            btVector3(1, btScalar(0.6), 0), 20, 0));
+    world.Step(240);
+    ck_assert_double_lt(double(qcLowestNode(world.body)), 0.02);
+    ck_assert_double_lt(double(qcSpeedOf(world.body)), 0.01);
+    ck_assert_int_gt(world.softSolver.getStatistics().contacts, 0);
+    ck_assert_int_gt(world.dispatcher.getNumManifolds(), 0);
+}
+END_TEST
+
+/// Five to a cube, of 3 * 3 * 3 cubes; faces of their own or none.
+btSoftBody* MakeTetrahedra(btSoftBodyWorldInfo& info, bool faces)
+{
+    const int n = 4;
+    std::vector<btVector3> points;
+    for (int i = 0; i < n * n * n; i++)
+        points.push_back(btVector3(btScalar(i % n), btScalar(i / n % n), btScalar(i / n / n)) * btScalar(0.3) +
+                         btVector3(0, btScalar(0.3), 0));
+    auto* body = new btSoftBody(&info, int(points.size()), points.data(), nullptr);
+    const int even[5][4] = {{0, 1, 2, 4}, {3, 1, 2, 7}, {5, 1, 4, 7}, {6, 2, 4, 7}, {1, 2, 4, 7}};
+    const int odd[5][4] = {{1, 0, 3, 5}, {2, 0, 3, 6}, {4, 0, 5, 6}, {7, 3, 5, 6}, {0, 3, 5, 6}};
+    for (int cube = 0; cube < (n - 1) * (n - 1) * (n - 1); cube++)
+    {
+        int x = cube % (n - 1), y = cube / (n - 1) % (n - 1), z = cube / (n - 1) / (n - 1);
+        for (const int(&tetra)[4] : (x + y + z) % 2 == 0 ? even : odd)
+        {
+            int corner[4];
+            for (int c = 0; c < 4; c++)
+                corner[c] = x + (tetra[c] & 1) + n * (y + (tetra[c] >> 1 & 1)) + n * n * (z + (tetra[c] >> 2));
+            body->appendTetra(corner[0], corner[1], corner[2], corner[3]);
+            for (int c = 0; c < 4; c++)
+                for (int d = c + 1; d < 4; d++)
+                    body->appendLink(corner[c], corner[d], nullptr, true);
+            for (int c = 0; c < 4 && faces; c++)
+                body->appendFace(corner[c], corner[(c + 1) % 4], corner[(c + 2) % 4]);
+        }
+    }
+    body->m_cfg.piterations = 4;
+    return body;
+}
+
+START_TEST(tetrahedra_lie_on_a_mesh_with_faces_and_without)
+{
+    for (bool faces : {false, true})
+    {
+        World world;
+        world.Add(MakeTetrahedra(world.world.getWorldInfo(), faces));
+        world.Step(240);
+        ck_assert_double_lt(double(qcLowestNode(world.body)), 0.2);
+        ck_assert_double_lt(double(qcSpeedOf(world.body)), 0.05);
+    }
+}
+END_TEST
+
+START_TEST(a_cloth_that_is_cut_and_loses_its_faces_stays_above_a_mesh)
+{
+    World world;
+    const btVector3 corner(-1, btScalar(0.3), -1), x(2, 0, 0), z(0, 0, 2);
+    world.Add(btSoftBodyHelpers::CreatePatch(world.world.getWorldInfo(), corner, corner + x, corner + z, corner + x + z,
+                                             16, 16, 0, true));
+    std::srand(1);
+    for (int i = 0; i < 60; i++)
+    {
+        world.Step(2, 0);
+        const btSoftBody::Link& link = world.body->m_links[std::rand() % world.body->m_links.size()];
+        world.body->cutLink(link.m_n[0], link.m_n[1], btScalar(0.5));
+    }
+    while (world.body->m_faces.size() > 0)
+    {
+        world.body->m_faces.resize(world.body->m_faces.size() * 3 / 4);
+        world.Step(3, 0);
+    }
+    world.Step(120, 0);
+}
+END_TEST
+} // namespace
+
+QC_RUN_TESTS("soft_body_nodes", a_rope_lies_on_a_mesh, tetrahedra_lie_on_a_mesh_with_faces_and_without,
+             a_cloth_that_is_cut_and_loses_its_faces_stays_above_a_mesh)

@@ -1,0 +1,191 @@
+// Pairs of triangles for the kernels that compare them, in single precision and side by side.
+#ifndef QC_TESTS_KERNELS_KERNEL_PAIRS_H
+#define QC_TESTS_KERNELS_KERNEL_PAIRS_H
+
+#include "support/pairs.h"
+#include "sweep/surfaces.h"
+
+#include <math.h>
+
+enum
+{
+    qc_mostInBatch = 48
+};
+
+/// Triangles of both sides, side by side: pair i is of triangle i and triangle i.
+typedef struct qcBatch
+{
+    qcPoint points[2][3 * qc_mostInBatch];
+    qcCorners corners[qc_mostInBatch];
+    size_t count;
+} qcBatch;
+
+/// The last is the one that is asked about; the others are what was asked before.
+static inline void qcBatch_Push(qcBatch* batch, double a[3][3], double b[3][3])
+{
+    if (batch->count == qc_mostInBatch)
+        batch->count = 0;
+    size_t at = batch->count++;
+    for (uint32_t c = 0; c < 3; c++)
+    {
+        qcPoint *p = &batch->points[0][3 * at + c], *q = &batch->points[1][3 * at + c];
+        for (int axis = 0; axis < 3; axis++)
+        {
+            p->x[axis] = (float)a[c][axis];
+            q->x[axis] = (float)b[c][axis];
+        }
+        p->x[3] = q->x[3] = 0.0f;
+        batch->corners[at].vertex[c] = (uint32_t)(3 * at) + c;
+    }
+}
+
+static inline qcFilterSide qcBatch_Side(const qcBatch* batch, int side)
+{
+    return (qcFilterSide){batch->corners, batch->points[side]};
+}
+
+static inline float qcRoundUp(double value)
+{
+    return nextafterf((float)value, INFINITY);
+}
+
+static inline float qcRoundDown(double value)
+{
+    return value > 0.0 ? nextafterf((float)value, 0.0f) : 0.0f;
+}
+
+/// From a pair's own coordinates to the unit box, by a power of two: 2^-24 is what that costs at most.
+typedef struct qcUnitFrame
+{
+    double unit, origin[3];
+} qcUnitFrame;
+
+/// False: not to be told by doubles.
+static inline bool qcUnitFrame_Find(qcUnitFrame* frame, const qcTrianglePair* pair, double margin)
+{
+    double widest = margin;
+    for (int axis = 0; axis < 3; axis++)
+    {
+        double low = pair->a[0][axis], high = low;
+        for (int c = 0; c < 3; c++)
+        {
+            low = fmin(low, fmin(pair->a[c][axis], pair->b[c][axis]));
+            high = fmax(high, fmax(pair->a[c][axis], pair->b[c][axis]));
+        }
+        frame->origin[axis] = low;
+        widest = fmax(widest, high - low);
+    }
+    if (widest > 1e280 || widest < 1e-280)
+        return false;
+    int exponent;
+    frexp(widest, &exponent);
+    frame->unit = ldexp(1.0, -exponent);
+    return true;
+}
+
+static inline void qcUnitFrame_Map(const qcUnitFrame* frame, const double corners[3][3], double mapped[3][3])
+{
+    for (int c = 0; c < 3; c++)
+        for (int axis = 0; axis < 3; axis++)
+            mapped[c][axis] = (corners[c][axis] - frame->origin[axis]) * frame->unit;
+}
+
+static inline void qcUnitFrame_Push(const qcUnitFrame* frame, const qcTrianglePair* pair, qcBatch* batch)
+{
+    double a[3][3], b[3][3];
+    qcUnitFrame_Map(frame, pair->a, a);
+    qcUnitFrame_Map(frame, pair->b, b);
+    qcBatch_Push(batch, a, b);
+}
+
+static inline void qcCross(const double a[3], const double b[3], double c[3])
+{
+    for (int i = 0; i < 3; i++)
+        c[i] = a[(i + 1) % 3] * b[(i + 2) % 3] - a[(i + 2) % 3] * b[(i + 1) % 3];
+}
+
+static inline double qcDot(const double a[3], const double b[3])
+{
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+/// Two triangles `apart` along n: a vertex over a face, or two edges that cross; the rest of both leans away from the
+/// plane between them, if only by a little.
+static inline void qcMakeOverEachOther(qcRandom* random, bool edges, double apart, double a[3][3], double b[3][3],
+                                       double n[3])
+{
+    double u[3], v[3], foot[3];
+    for (int i = 0; i < 3; i++)
+    {
+        u[i] = qcRandom_Uniform(random, -0.4, 0.4);
+        v[i] = qcRandom_Uniform(random, -0.4, 0.4);
+        foot[i] = qcRandom_Uniform(random, 0.4, 0.6);
+    }
+    if (qcRandom_Below(random, 2) == 0)
+        u[2] = v[2] = 0.0; // n along an axis: as long as the sum of its coordinates
+    qcCross(u, v, n);
+    double length = sqrt(qcDot(n, n));
+    for (int i = 0; i < 3; i++)
+        n[i] /= length;
+    for (int c = 0; c < 3; c++)
+    {
+        double s = qcRandom_Uniform(random, -0.3, 0.3), t = qcRandom_Uniform(random, -0.3, 0.3),
+               lean = qcRandom_Uniform(random, 0.0, 0.01);
+        for (int i = 0; i < 3; i++)
+        {
+            // A has the plane through the foot below it, or its edge along u; B its corner above, or its edge along v.
+            a[c][i] = foot[i] + (c == 0 ? -u[i] - v[i] : c == 1 ? u[i] - 0.5 * v[i] : v[i]) * 0.5;
+            b[c][i] = foot[i] + n[i] * apart;
+            if (edges)
+            {
+                a[c][i] = foot[i] + (c == 0 ? -0.5 * u[i] : c == 1 ? 0.5 * u[i] : s * u[i] + t * v[i] - lean * n[i]);
+                b[c][i] += c == 0 ? -0.5 * v[i] : c == 1 ? 0.5 * v[i] : s * v[i] - t * u[i] + lean * n[i];
+            }
+            else if (c != 0)
+                b[c][i] += s * u[i] + t * v[i] + lean * n[i];
+        }
+    }
+}
+
+/// Moves both along n, one this way and the other that way: closer to each other where `by` is negative.
+static inline void qcMoveApart(double a[3][3], double b[3][3], const double n[3], double by)
+{
+    for (int axis = 0; axis < 3; axis++)
+    {
+        double move = n[axis] > 0.0 ? by : n[axis] < 0.0 ? -by : 0.0;
+        for (int c = 0; c < 3; c++)
+        {
+            a[c][axis] -= move;
+            b[c][axis] += move;
+        }
+    }
+}
+
+/// From a second side's frame to the first's: turned, scaled and moved; in `back` is the way back of its corners `b`.
+static inline void qcMakeTurn(qcRandom* random, qcDistanceThresholds* bound, double b[3][3], double back[3][3])
+{
+    // The rotation of a quaternion, its length left in.
+    double scale = exp2(qcRandom_Uniform(random, -6.0, 6.0));
+    double q[4] = {qcRandom_Uniform(random, -1, 1), qcRandom_Uniform(random, -1, 1), qcRandom_Uniform(random, -1, 1),
+                   qcRandom_Uniform(random, 0.5, 1)};
+    double length = qcDot(q, q) + q[3] * q[3];
+    bound->mapped = true;
+    for (int r = 0; r < 3; r++)
+    {
+        int s = (r + 1) % 3, t = (r + 2) % 3;
+        bound->linear[r][r] = (float)((q[3] * q[3] + q[r] * q[r] - q[s] * q[s] - q[t] * q[t]) / length * scale);
+        bound->linear[r][s] = (float)(2.0 * (q[r] * q[s] - q[t] * q[3]) / length * scale);
+        bound->linear[r][t] = (float)(2.0 * (q[r] * q[t] + q[s] * q[3]) / length * scale);
+        bound->shift[r] = (float)qcRandom_Uniform(random, -4.0, 4.0);
+    }
+    // The transpose, by the square of the scale.
+    for (int c = 0; c < 3; c++)
+        for (int r = 0; r < 3; r++)
+        {
+            back[c][r] = 0.0;
+            for (int s = 0; s < 3; s++)
+                back[c][r] += (double)bound->linear[s][r] * (b[c][s] - (double)bound->shift[s]) / (scale * scale);
+        }
+}
+
+#endif

@@ -1,0 +1,320 @@
+// The kernels that bring the boxes of one surface to the lattice of another, against wider arithmetic.
+#include "kernels/box_groups.h"
+
+#include <math.h>
+
+#define LENGTH(array) (sizeof(array) / sizeof(array)[0])
+
+/// A map as it is meant; the kernels have its floats.
+typedef struct TrueMap
+{
+    long double linear[3][3], shift[3];
+} TrueMap;
+
+/// As the kernels get it: errors of floats are at most eleven roundings of the largest numbers that come up.
+static qcGroupMap ToGroupMap(const TrueMap* map)
+{
+    qcGroupMap rounded;
+    for (int axis = 0; axis < 3; axis++)
+    {
+        long double sum = 0.0L;
+        for (int k = 0; k < 3; k++)
+        {
+            rounded.linear[axis][k] = (float)map->linear[axis][k];
+            sum += 65536.0L * fabsl(map->linear[axis][k]);
+        }
+        rounded.shift[axis] = (float)map->shift[axis];
+        rounded.grow[axis] = (float)(0x1p-20L * (fabsl(map->shift[axis]) + sum) + 0x1p-4L);
+    }
+    return rounded;
+}
+
+/// Where the box goes: a level is an interval up to where the next begins.
+static void MapBox(const TrueMap* map, Box box, int axis, long double* low, long double* high)
+{
+    *low = *high = map->shift[axis];
+    for (int k = 0; k < 3; k++)
+    {
+        long double a = map->linear[axis][k] * (box.lower[k] - 32768),
+                    b = map->linear[axis][k] * (box.upper[k] - 32767);
+        *low += a < b ? a : b;
+        *high += a < b ? b : a;
+    }
+}
+
+/// Turned by any angle if asked for; the lattice there shows a part of the one here, all of it, or nothing.
+static TrueMap MakeTrueMap(qcRandom* random, bool turned)
+{
+    TrueMap map = {{{0.0L}}, {0.0L}};
+    double scale = exp2(qcRandom_Uniform(random, -20.0, 20.0));
+    for (int axis = 0; axis < 3; axis++)
+    {
+        for (int k = 0; k < 3; k++)
+            if (turned || k == axis)
+                map.linear[axis][k] = (turned ? qcRandom_Uniform(random, -1.0, 1.0) : 1.0) * scale;
+        map.shift[axis] =
+            32768.0L * qcRandom_Uniform(random, -1.2, 1.2) * scale + qcRandom_Uniform(random, 0.0, 65533.0);
+    }
+    return map;
+}
+
+/// The box is around low .. high, as far as the lattice has levels, and goes twice `grow` beyond at most. Returns
+/// whether the lattice has some.
+static bool CheckRange(Box found, int axis, long double low, long double high, long double grow, const char* kernels)
+{
+    bool isInside = high >= 0.0L && low < 65533.0L;
+    CHECK_THAT(!isInside ||
+                   (found.lower[axis] <= fmaxl(low, 0.0L) && found.upper[axis] >= floorl(fminl(high, 65532.0L))),
+               "%s: %d .. %d, but it goes from %Lg to %Lg", kernels, found.lower[axis], found.upper[axis], low, high);
+    CHECK_THAT(found.lower[axis] >= fminl(fmaxl(floorl(low - 2.0L * grow), 0.0L), 65533.0L), "%s: %d for %Lg", kernels,
+               found.lower[axis], low);
+    CHECK_THAT(found.upper[axis] <= fminl(fmaxl(floorl(high + 2.0L * grow), 0.0L), 65533.0L), "%s: %d for %Lg", kernels,
+               found.upper[axis], high);
+    return isInside;
+}
+
+START_TEST(a_mapped_box_is_around_where_the_box_goes_and_little_larger)
+{
+    qcRandom random = {6};
+    size_t inside = 0;
+    FOR_EACH_KERNELS(k)
+    for (int round = 0; round < 12000; round++)
+    {
+        TrueMap map = MakeTrueMap(&random, round % 2 != 0);
+        qcGroupMap rounded = ToGroupMap(&map);
+        qcBox8 group, mapped;
+        MakeGroup(&random, round % 3 == 0 ? 0 : round % 3 == 1 ? 60000 : 30000, round % 5 == 0 ? 33 : 5533, &group);
+        k->mapGroup(&group, &rounded, &mapped);
+        for (int i = 0; i < qc_groupSize; i++)
+        {
+            Box box = BoxOfGroup(&group, i), found = BoxOfGroup(&mapped, i);
+            if (box.lower[0] > box.upper[0])
+            {
+                CheckBox(found, EmptyBox(), k->name, (size_t)i);
+                continue;
+            }
+            for (int axis = 0; axis < 3; axis++)
+            {
+                long double low, high;
+                MapBox(&map, box, axis, &low, &high);
+                inside += CheckRange(found, axis, low, high, rounded.grow[axis], k->name);
+            }
+        }
+    }
+    ck_assert_uint_gt(inside, 10000);
+}
+END_TEST
+
+START_TEST(a_map_that_floats_cannot_hold_gives_boxes_that_meet_everything)
+{
+    const float large[] = {INFINITY, -INFINITY, 3e38f, -3e38f, 1e35f, 0.0f};
+    qcRandom random = {7};
+    FOR_EACH_KERNELS(k)
+    for (size_t i = 0; i < LENGTH(large); i++)
+        for (size_t j = 0; j < LENGTH(large); j++)
+            for (int round = 0; round < 20; round++)
+            {
+                qcGroupMap map = {{{0}}, {0}, {INFINITY, INFINITY, INFINITY}};
+                for (int axis = 0; axis < 3; axis++)
+                {
+                    map.linear[axis][axis] = large[i];
+                    map.shift[axis] = large[j];
+                }
+                qcBox8 group, mapped;
+                MakeGroup(&random, 0, 65533, &group);
+                k->mapGroup(&group, &map, &mapped);
+                for (int b = 0; b < qc_groupSize; b++)
+                {
+                    Box all = {{0, 0, 0}, {65533, 65533, 65533}};
+                    bool isEmpty = group.ends[0][b] == qc_emptyEnd;
+                    CheckBox(BoxOfGroup(&mapped, b), isEmpty ? EmptyBox() : all, k->name, (size_t)b);
+                }
+            }
+}
+END_TEST
+
+//  ---- triangles -----------------------------------------------------------------------------------
+
+enum
+{
+    qc_pointsInTest = 40
+};
+
+/// Another surface, with triangles between any of its points; where a box is empty there is none.
+typedef struct Other
+{
+    Nodes nodes;
+    qcPoint points[qc_pointsInTest];
+    qcCorners corners[qc_clustersInTest * qc_clusterSize];
+    qcMappedSurface mapped;
+} Other;
+
+static void MakeOther(qcRandom* random, int spread, Other* other)
+{
+    MakeNodes(random, spread, &other->nodes);
+    for (int i = 0; i < qc_pointsInTest; i++)
+        for (int axis = 0; axis < 4; axis++)
+            other->points[i].x[axis] = axis < 3 ? (float)qcRandom_Uniform(random, 0.0, 1.0) : 0.0f;
+    for (int i = 0; i < qc_clustersInTest * qc_clusterSize; i++)
+        for (int c = 0; c < 3; c++)
+            other->corners[i].vertex[c] = qcRandom_Below(random, qc_pointsInTest);
+    other->mapped = (qcMappedSurface){.boxes = {other->nodes.clusters, other->nodes.nodes},
+                                      .triangles = {other->corners, other->points}};
+}
+
+/// From points, which are 1 at most, to levels.
+static TrueMap MakePointMap(qcRandom* random, double least, double most)
+{
+    TrueMap map = {{{0.0L}}, {0.0L}};
+    double scale = qcRandom_Uniform(random, least, most);
+    for (int axis = 0; axis < 3; axis++)
+    {
+        for (int k = 0; k < 3; k++)
+            map.linear[axis][k] = qcRandom_Uniform(random, -1.0, 1.0) * scale;
+        map.shift[axis] = qcRandom_Uniform(random, -0.5, 1.5) * scale;
+    }
+    return map;
+}
+
+static void FindRange(const TrueMap* map, const Other* other, size_t triangle, int axis, long double* low,
+                      long double* high)
+{
+    *low = INFINITY;
+    *high = -INFINITY;
+    for (int c = 0; c < 3; c++)
+    {
+        const float* x = other->points[other->corners[triangle].vertex[c]].x;
+        long double at = map->shift[axis];
+        for (int k = 0; k < 3; k++)
+            at += map->linear[axis][k] * x[k];
+        *low = fminl(*low, at);
+        *high = fmaxl(*high, at);
+    }
+}
+
+START_TEST(the_box_of_a_mapped_triangle_is_around_its_corners_and_little_larger)
+{
+    static Other other;
+    qcRandom random = {16};
+    size_t inside = 0;
+    FOR_EACH_KERNELS(k)
+    for (int round = 0; round < 3000; round++)
+    {
+        MakeOther(&random, 9, &other);
+        TrueMap map = round % 2 == 0 ? MakePointMap(&random, 1.0, 9.0) : MakePointMap(&random, 1000.0, 300000.0);
+        // ToGroupMap allows for levels; points are smaller.
+        other.mapped.points = ToGroupMap(&map);
+        for (int axis = 0; axis < 3; axis++)
+        {
+            long double sizes = fabsl(map.shift[axis]);
+            for (int j = 0; j < 3; j++)
+                sizes += fabsl(map.linear[axis][j]);
+            other.mapped.points.grow[axis] = (float)(0x1p-20L * sizes + 0x1p-4L);
+        }
+        uint32_t cluster = qcRandom_Below(&random, qc_clustersInTest);
+        qcBox8 mapped;
+        k->mapTriangles(&other.mapped, cluster, &mapped);
+        for (int i = 0; i < qc_groupSize; i++)
+        {
+            Box found = BoxOfGroup(&mapped, i);
+            if (other.nodes.clusters[cluster].ends[0][i] == qc_emptyEnd)
+            {
+                CheckBox(found, EmptyBox(), k->name, (size_t)i);
+                continue;
+            }
+            for (int axis = 0; axis < 3; axis++)
+            {
+                long double low, high;
+                FindRange(&map, &other, cluster * qc_clusterSize + (size_t)i, axis, &low, &high);
+                inside += CheckRange(found, axis, low, high, other.mapped.points.grow[axis], k->name);
+            }
+        }
+    }
+    ck_assert_uint_gt(inside, 10000);
+}
+END_TEST
+
+START_TEST(triangles_under_a_map_that_floats_cannot_hold_meet_everything)
+{
+    static Other other;
+    const float large[] = {INFINITY, -INFINITY, 3e38f, -3e38f, 1e35f, 0.0f, NAN};
+    qcRandom random = {17};
+    FOR_EACH_KERNELS(k)
+    for (size_t i = 0; i < LENGTH(large); i++)
+        for (size_t j = 0; j < LENGTH(large); j++)
+        {
+            MakeOther(&random, 9, &other);
+            other.mapped.points = (qcGroupMap){{{0}}, {0}, {INFINITY, INFINITY, INFINITY}};
+            for (int axis = 0; axis < 3; axis++)
+            {
+                other.mapped.points.linear[axis][axis] = large[i];
+                other.mapped.points.shift[axis] = large[j];
+            }
+            qcBox8 mapped;
+            k->mapTriangles(&other.mapped, 1, &mapped);
+            for (int b = 0; b < qc_groupSize; b++)
+            {
+                Box all = {{0, 0, 0}, {65533, 65533, 65533}};
+                bool isEmpty = other.nodes.clusters[1].ends[0][b] == qc_emptyEnd;
+                CheckBox(BoxOfGroup(&mapped, b), isEmpty ? EmptyBox() : all, k->name, (size_t)b);
+            }
+        }
+}
+END_TEST
+
+//  ---- pairs of two nodes --------------------------------------------------------------------------
+
+static size_t CollectOneByOne(const qcTriangleKernels* k, const Nodes* a, uint32_t nodeA, const Other* b,
+                              uint32_t nodeB, qcSlotPair* pairs)
+{
+    size_t count = 0;
+    qcBox8 node, clusters[qc_groupSize];
+    k->mapGroup(&b->nodes.nodes[nodeB], &b->mapped.levels, &node);
+    for (uint32_t j = 0; j < qc_groupSize; j++)
+        k->mapTriangles(&b->mapped, nodeB * 8 + j, &clusters[j]);
+    for (uint32_t p = 0; p < qc_nodeSize; p++)
+        for (uint32_t q = 0; q < qc_nodeSize; q++)
+            if (Overlap(BoxOfGroup(&a->nodes[nodeA], (int)p / 8), BoxOfGroup(&node, (int)q / 8)) &&
+                Overlap(BoxOfGroup(&a->clusters[nodeA * 8 + p / 8], (int)p % 8),
+                        BoxOfGroup(&clusters[q / 8], (int)q % 8)))
+                pairs[count++] = (qcSlotPair){nodeA * qc_nodeSize + p, nodeB * qc_nodeSize + q};
+    return count;
+}
+
+START_TEST(pairs_of_nodes_of_two_lattices_are_those_whose_mapped_boxes_overlap)
+{
+    static qcSlotPair found[qc_mostPairs], expected[qc_mostPairs];
+    static Other b;
+    qcRandom random = {8};
+    size_t pairs = 0;
+    FOR_EACH_KERNELS(k)
+    for (int round = 0; round < 40; round++)
+    {
+        Nodes a;
+        MakeNodes(&random, 2 + round % 9, &a);
+        MakeOther(&random, 2 + round % 9, &b);
+        for (int axis = 0; axis < 3; axis++)
+        {
+            qcGroupMap *levels = &b.mapped.levels, *points = &b.mapped.points;
+            levels->linear[axis][axis] = (float)qcRandom_Uniform(&random, 0.5, 2.0);
+            levels->shift[axis] = 1002.0f - levels->linear[axis][axis] * (1002.0f - 32768.0f);
+            points->linear[axis][axis] = (float)qcRandom_Uniform(&random, 1.0, 9.0);
+            points->shift[axis] = 1000.0f;
+            levels->grow[axis] = points->grow[axis] = 0.1f;
+        }
+        uint32_t nodeA = qcRandom_Below(&random, qc_nodesInTest), nodeB = qcRandom_Below(&random, qc_nodesInTest);
+        qcSurfaceBoxes sideA = {a.clusters, a.nodes};
+        size_t count = (size_t)(k->collectMapped(&sideA, nodeA, &b.mapped, nodeB, found) - found);
+        size_t expectedCount = CollectOneByOne(k, &a, nodeA, &b, nodeB, expected);
+        CheckSamePairs(found, count, expected, expectedCount, k->name);
+        pairs += count;
+    }
+    ck_assert_uint_gt(pairs, 1000);
+}
+END_TEST
+
+QC_RUN_TESTS("surface_mapped", a_mapped_box_is_around_where_the_box_goes_and_little_larger,
+             a_map_that_floats_cannot_hold_gives_boxes_that_meet_everything,
+             the_box_of_a_mapped_triangle_is_around_its_corners_and_little_larger,
+             triangles_under_a_map_that_floats_cannot_hold_meet_everything,
+             pairs_of_nodes_of_two_lattices_are_those_whose_mapped_boxes_overlap)

@@ -1,0 +1,307 @@
+// The filter of every instruction set that the machine has keeps what is within the reach, by rational arithmetic, and
+// drops nearly all else.
+#include "kernels/kernel_pairs.h"
+#include "support/oracle.h"
+#include "support/suite.h"
+
+//  ---- filter --------------------------------------------------------------------------------------
+
+/// Is the last pair kept, wherever it stands? What is left has to be a part of what was given, in its order.
+static bool Keeps(const qcTriangleKernels* k, const qcBatch* batch, const qcDistanceThresholds* bound, qcRandom* random)
+{
+    qcFilterSide a = qcBatch_Side(batch, 0), b = qcBatch_Side(batch, 1);
+    qcSlotPair pairs[qc_mostInBatch + 1], given[qc_mostInBatch + 1];
+    uint32_t last = (uint32_t)batch->count - 1, place = qcRandom_Below(random, (uint32_t)batch->count);
+    for (uint32_t i = 0; i < batch->count; i++)
+        given[i].a = given[i].b = i == place ? last : i == last ? place : i;
+    memcpy(pairs, given, sizeof given);
+    size_t kept = k->filter(&a, &b, bound, pairs, batch->count), at = 0;
+    CHECK_THAT(kept <= batch->count, "%s: %zu of %zu kept", k->name, kept, batch->count);
+    bool isKept = false;
+    for (size_t i = 0; i < kept; i++)
+    {
+        while (at < batch->count && (given[at].a != pairs[i].a || given[at].b != pairs[i].b))
+            at++;
+        CHECK_THAT(at < batch->count, "%s: pair %zu was not given there", k->name, i);
+        at++;
+        isKept = isKept || pairs[i].a == last;
+    }
+    return isKept;
+}
+
+/// Fails the test where a pair within the margin is dropped; says whether it was within.
+static bool CheckKept(const qcTrianglePair* pair, double margin, qcBatch* batch, qcRandom* random)
+{
+    qcUnitFrame frame;
+    qcOracleDistance* distance = qcOracleDistance_Create(pair->a, pair->b);
+    bool isWithin = qcOracleDistance_Compare(distance, margin) <= 0;
+    qcOracleDistance_Destroy(distance);
+    if (!isWithin || !qcUnitFrame_Find(&frame, pair, margin))
+        return false;
+    qcUnitFrame_Push(&frame, pair, batch);
+    qcDistanceThresholds bound = {.pointError = 0x1p-24f, .reach = qcRoundUp(margin * frame.unit)};
+    char text[1024];
+    FOR_EACH_KERNELS(k)
+    CHECK_THAT(Keeps(k, batch, &bound, random), "%s drops %s, margin %a", k->name, qcTrianglePair_Print(pair, text),
+               margin);
+    return true;
+}
+
+START_TEST(the_filter_keeps_what_meets)
+{
+    qcRandom random = {9};
+    qcBatch batch = {.count = 0};
+    int within = 0, count = qcGetTestPairCount(9000);
+    for (int i = 0; i < count; i++)
+    {
+        qcTrianglePair pair;
+        qcTrianglePair_MakeAny(&random, &pair);
+        within += CheckKept(&pair, 0.0, &batch, &random);
+    }
+    ck_assert_int_gt(within, count / 5);
+}
+END_TEST
+
+/// Is the last pair called a sure hit?
+static bool IsSure(const qcTriangleKernels* k, const qcBatch* batch, const qcDistanceThresholds* bound)
+{
+    qcFilterSide a = qcBatch_Side(batch, 0), b = qcBatch_Side(batch, 1);
+    qcSlotPair pairs[qc_mostInBatch];
+    uint8_t times[qc_mostInBatch] = {0};
+    for (uint32_t i = 0; i < batch->count; i++)
+        pairs[i].a = pairs[i].b = i;
+    size_t sure = k->findPiercing(&a, &b, bound, pairs, batch->count);
+    CHECK_THAT(sure <= batch->count, "%s: %zu of %zu sure", k->name, sure, batch->count);
+    bool isSure = false;
+    for (size_t i = 0; i < batch->count; i++)
+    {
+        CHECK_THAT(pairs[i].a == pairs[i].b && pairs[i].a < batch->count && times[pairs[i].a]++ == 0,
+                   "%s: pair %zu is lost or twice there", k->name, i);
+        isSure = isSure || (i < sure && pairs[i].a + 1 == batch->count);
+    }
+    return isSure;
+}
+
+/// Random triangles, some of which only just reach each other.
+static void MakeNearlyPiercing(qcRandom* random, qcTrianglePair* pair)
+{
+    for (int c = 0; c < 3; c++)
+        for (int axis = 0; axis < 3; axis++)
+        {
+            pair->a[c][axis] = qcRandom_Uniform(random, -1.0, 1.0);
+            pair->b[c][axis] = qcRandom_Uniform(random, -1.0, 1.0);
+        }
+    // A corner of B close to a point of A, one side or the other.
+    if (qcRandom_Below(random, 2) == 0)
+        return;
+    double u = qcRandom_Uniform(random, 0.0, 0.6), v = qcRandom_Uniform(random, 0.0, 0.4);
+    double off = qcRandom_Uniform(random, -1.0, 1.0) * (qcRandom_Below(random, 2) == 0 ? 0.1 : 0x1p-22);
+    for (int axis = 0; axis < 3; axis++)
+        pair->b[0][axis] = pair->a[0][axis] + u * (pair->a[1][axis] - pair->a[0][axis]) +
+                           v * (pair->a[2][axis] - pair->a[0][axis]) + off;
+}
+
+START_TEST(a_sure_hit_penetrates)
+{
+    qcRandom random = {19};
+    qcBatch batch = {.count = 0};
+    int sure = 0, penetrating = 0, count = qcGetTestPairCount(12000);
+    for (int i = 0; i < count; i++)
+    {
+        qcTrianglePair pair;
+        if (i % 2 == 0)
+            qcTrianglePair_MakeAny(&random, &pair);
+        else
+            MakeNearlyPiercing(&random, &pair);
+        bool penetrates = qcOracle_Relate(pair.a, pair.b) == qc_relationPenetrating;
+        qcUnitFrame frame;
+        if (!qcUnitFrame_Find(&frame, &pair, 0.0))
+            continue;
+        qcUnitFrame_Push(&frame, &pair, &batch);
+        qcDistanceThresholds bound = {.pointError = 0x1p-24f, .reach = qcRoundUp(0.0)};
+        penetrating += penetrates && i % 2 == 1;
+        char text[1024];
+        FOR_EACH_KERNELS(k)
+        {
+            bool isSure = IsSure(k, &batch, &bound);
+            CHECK_THAT(!isSure || penetrates, "%s: %s", k->name, qcTrianglePair_Print(&pair, text));
+            sure += isSure && i % 2 == 1 && k == qcTriangleKernels_Get();
+        }
+    }
+    // Nearly all that aren't built to be on the border.
+    ck_assert_int_gt(penetrating, count / 20);
+    ck_assert_int_gt(sure, penetrating * 8 / 10);
+}
+END_TEST
+
+START_TEST(the_filter_keeps_what_is_exactly_the_reach_apart)
+{
+    qcRandom random = {10};
+    qcBatch batch = {.count = 0};
+    int within = 0, count = qcGetTestPairCount(4000);
+    for (int i = 0; i < count; i++)
+    {
+        qcTrianglePair pair;
+        double distance;
+        qcTrianglePair_MakeApart(&random, 1 + i % 3, 1 + i / 3 % 3, &pair, &distance);
+        within += CheckKept(&pair, distance, &batch, &random);
+        qcTrianglePair_MoveByUlps(&random, &pair);
+        CheckKept(&pair, distance, &batch, &random);
+    }
+    ck_assert_int_gt(within, count / 2);
+}
+END_TEST
+
+START_TEST(the_filter_keeps_what_meets_in_exact_coordinates)
+{
+    // Nothing but the filter's own rounding.
+    qcRandom random = {11};
+    qcBatch batch = {.count = 0};
+    qcDistanceThresholds bound = {.pointError = 0.0f};
+    int meeting = 0;
+    for (int i = 0; i < 12000; i++)
+    {
+        qcTrianglePair pair;
+        qcTrianglePair_Make(&random, (qcPairKind)(qc_pairCoarseGrid + i % (qc_pairKindCount - qc_pairCoarseGrid)),
+                            &pair);
+        bool isExact = true;
+        for (int c = 0; c < 3; c++)
+            for (int axis = 0; axis < 3; axis++)
+                isExact = isExact && (double)(float)pair.a[c][axis] == pair.a[c][axis] &&
+                          (double)(float)pair.b[c][axis] == pair.b[c][axis];
+        if (!isExact || qcOracle_Relate(pair.a, pair.b) == qc_relationDisjoint)
+            continue;
+        qcBatch_Push(&batch, pair.a, pair.b);
+        meeting++;
+        char text[1024];
+        FOR_EACH_KERNELS(k)
+        CHECK_THAT(Keeps(k, &batch, &bound, &random), "%s drops %s", k->name, qcTrianglePair_Print(&pair, text));
+    }
+    ck_assert_int_gt(meeting, 3000);
+}
+END_TEST
+
+START_TEST(the_filter_keeps_what_errors_of_points_part)
+{
+    // All of one triangle is wrong one way and all of the other the other way.
+    qcRandom random = {12};
+    qcBatch batch = {.count = 0};
+    for (int i = 0; i < 4000; i++)
+    {
+        double a[3][3], b[3][3], n[3], error = ldexp(1.0, -4 - i % 21),
+                                       apart = i % 3 == 0 ? 0.0 : ldexp(1.0, -i % 20 - 2);
+        qcMakeOverEachOther(&random, i % 2 == 0, apart, a, b, n);
+        qcOracleDistance* distance = qcOracleDistance_Create((const double(*)[3])a, (const double(*)[3])b);
+        qcDistanceThresholds bound = {.pointError = (float)error, .reach = qcRoundUp(qcOracleDistance_Get(distance))};
+        qcOracleDistance_Destroy(distance);
+        qcMoveApart(a, b, n, error - 0x1p-24); // what rounding to float may add
+        qcBatch_Push(&batch, a, b);
+        FOR_EACH_KERNELS(k)
+        CHECK_THAT(Keeps(k, &batch, &bound, &random), "%s: pair %d, error %a, apart %a", k->name, i, error, apart);
+    }
+}
+END_TEST
+
+START_TEST(the_filter_keeps_what_meets_in_the_first_side_s_frame)
+{
+    // The second side turned, scaled and moved: errors of what is mapped, and of the floats on the way.
+    qcRandom random = {13};
+    qcBatch batch = {.count = 0};
+    for (int i = 0; i < 4000; i++)
+    {
+        double a[3][3], b[3][3], n[3], mapped[3][3], error = ldexp(1.0, -10 - i % 10);
+        double apart = i % 3 == 0 ? 0.0 : ldexp(1.0, -i % 20 - 2);
+        qcMakeOverEachOther(&random, i % 2 == 0, apart, a, b, n);
+        qcDistanceThresholds bound = {.pointError = (float)error};
+        qcMakeTurn(&random, &bound, b, mapped);
+        qcOracleDistance* distance = qcOracleDistance_Create((const double(*)[3])a, (const double(*)[3])b);
+        bound.reach = qcRoundUp(qcOracleDistance_Get(distance));
+        qcOracleDistance_Destroy(distance);
+        qcMoveApart(a, b, n, error - 0x1p-24); // b is back already
+        qcBatch_Push(&batch, a, mapped);
+        FOR_EACH_KERNELS(k)
+        CHECK_THAT(Keeps(k, &batch, &bound, &random), "%s: pair %d, error %a, apart %a", k->name, i, error, apart);
+    }
+}
+END_TEST
+
+START_TEST(the_filter_keeps_what_it_cannot_tell)
+{
+    double points[][3][3] = {{{0.5, 0.5, 0.5}, {0.5, 0.5, 0.5}, {0.5, 0.5, 0.5}}, {{0}}};
+    qcRandom random = {14};
+    qcBatch batch = {.count = 0};
+    for (int i = 0; i < 40; i++)
+    {
+        // All six corners one point; or far apart, with a reach or an error that is larger.
+        qcBatch_Push(&batch, points[0], points[i % 2]);
+        qcDistanceThresholds bound = {.pointError = i % 4 == 1 ? 1e6f : 0x1p-24f, .reach = i % 4 == 3 ? 1e30f : 0.0f};
+        FOR_EACH_KERNELS(k)
+        ck_assert(Keeps(k, &batch, &bound, &random));
+    }
+}
+END_TEST
+
+START_TEST(the_filter_drops_nearly_all_that_is_clearly_apart)
+{
+    qcRandom random = {15};
+    qcBatch batch = {.count = 0};
+    int apart = 0, dropped[qc_mostKernels] = {0};
+    for (int i = 0; i < 4000; i++)
+    {
+        double corners[2][3][3];
+        for (int t = 0; t < 2; t++)
+            for (int axis = 0; axis < 3; axis++)
+            {
+                double centre = qcRandom_Uniform(&random, 0.4, 0.6);
+                for (int c = 0; c < 3; c++)
+                    corners[t][c][axis] = centre + qcRandom_Uniform(&random, -0.1, 0.1);
+            }
+        qcOracleDistance* distance =
+            qcOracleDistance_Create((const double(*)[3])corners[0], (const double(*)[3])corners[1]);
+        bool isApart = qcOracleDistance_Compare(distance, 1e-3) > 0;
+        qcOracleDistance_Destroy(distance);
+        if (!isApart)
+            continue;
+        apart++;
+        qcBatch_Push(&batch, corners[0], corners[1]);
+        qcDistanceThresholds bound = {.pointError = 0x1p-24f};
+        FOR_EACH_KERNELS(k)
+        dropped[kernelIndex] += !Keeps(k, &batch, &bound, &random);
+    }
+    ck_assert_int_gt(apart, 1000);
+    FOR_EACH_KERNELS(k)
+    CHECK_THAT(dropped[kernelIndex] > apart * 199 / 200, "%s drops %d of %d", k->name, dropped[kernelIndex], apart);
+}
+END_TEST
+
+START_TEST(the_filter_parts_triangles_in_one_plane)
+{
+    qcRandom random = {16};
+    qcBatch batch = {.count = 0};
+    for (int i = 0; i < 500; i++)
+    {
+        // Side by side in a plane askew, a tenth of their size apart.
+        double a[3][3], b[3][3], slope[2] = {qcRandom_Uniform(&random, -1, 1), qcRandom_Uniform(&random, -1, 1)};
+        for (int c = 0; c < 3; c++)
+            for (int t = 0; t < 2; t++)
+            {
+                double* x = t == 0 ? a[c] : b[c];
+                x[0] = (t == 0 ? 0.0 : 0.55) + (c == 2 ? qcRandom_Uniform(&random, 0.0, 0.5) : 0.5 * (c == t));
+                x[1] = c == 2 ? 1.0 : 0.0;
+                if (c == 2)
+                    x[0] = t == 0 ? 0.0 : 1.05;
+                x[2] = slope[0] * x[0] + slope[1] * x[1];
+            }
+        qcBatch_Push(&batch, a, b);
+        qcDistanceThresholds bound = {.pointError = 0x1p-24f};
+        FOR_EACH_KERNELS(k)
+        CHECK_THAT(!Keeps(k, &batch, &bound, &random), "%s keeps pair %d", k->name, i);
+    }
+}
+END_TEST
+
+QC_RUN_TESTS("surface_filter", a_sure_hit_penetrates, the_filter_keeps_what_meets,
+             the_filter_keeps_what_is_exactly_the_reach_apart, the_filter_keeps_what_meets_in_exact_coordinates,
+             the_filter_keeps_what_errors_of_points_part, the_filter_keeps_what_meets_in_the_first_side_s_frame,
+             the_filter_keeps_what_it_cannot_tell, the_filter_drops_nearly_all_that_is_clearly_apart,
+             the_filter_parts_triangles_in_one_plane)

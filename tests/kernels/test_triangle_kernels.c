@@ -1,0 +1,328 @@
+// The kernels of every instruction set that the machine has, against one vertex, one box or one pair of boxes at a
+// time. (Boxes of another surface: kernels/test_lattice_transform.c; the filter: kernels/test_separating_axis.c; flat
+// discs: kernels/test_flat_patches.c.)
+#define _POSIX_C_SOURCE 200809L // setenv
+#include "kernels/box_groups.h"
+#include "support/suite.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define LENGTH(array) (sizeof(array) / sizeof(array)[0])
+
+//  ---- boxes one at a time -------------------------------------------------------------------------
+
+static Box BoxOfRow(const qcBoxRow* row)
+{
+    Box box;
+    for (int axis = 0; axis < 3; axis++)
+    {
+        box.lower[axis] = row->ends[axis] + 32768;
+        box.upper[axis] = -1 - row->ends[axis + 4] + 32768;
+    }
+    return box;
+}
+
+static void PutInRow(const Box* box, qcBoxRow* row)
+{
+    for (int axis = 0; axis < 3; axis++)
+    {
+        row->ends[axis] = (int16_t)(box->lower[axis] - 32768);
+        row->ends[axis + 4] = (int16_t)(-1 - (box->upper[axis] - 32768));
+    }
+    row->ends[3] = row->ends[7] = 0;
+}
+
+static Box Around(Box a, Box b)
+{
+    for (int axis = 0; axis < 3; axis++)
+    {
+        a.lower[axis] = a.lower[axis] < b.lower[axis] ? a.lower[axis] : b.lower[axis];
+        a.upper[axis] = a.upper[axis] > b.upper[axis] ? a.upper[axis] : b.upper[axis];
+    }
+    return a;
+}
+
+static const struct
+{
+    int first, spread;
+} s_ranges[] = {{0, 3}, {65530, 3}, {0, 65533}, {32766, 3}, {0, 300}, {100, 12}};
+
+//  ---- vertices ------------------------------------------------------------------------------------
+
+START_TEST(a_vertex_has_its_point_and_its_levels)
+{
+    enum
+    {
+        count = 500,
+        first = 3,
+        end = count - 2
+    };
+    qcRandom random = {1};
+    FOR_EACH_KERNELS(k)
+    for (int round = 0; round < 40; round++)
+    {
+        static double positions[3 * count];
+        static uint32_t vertexOf[count];
+        static qcPoint points[count];
+        static qcBoxRow rows[count];
+        qcLatticeTransform map = {{0.0}, {0.0}, {0.0}, {0.0}};
+        double margin = round % 3 == 0 ? 0.0 : 0.01;
+        for (int axis = 0; axis < 3; axis++)
+        {
+            double extent = qcRandom_Uniform(&random, 1e-3, 1.0);
+            map.origin[axis] = round % 2 == 0 ? qcRandom_Uniform(&random, -1.0, 1.0) : 1e9;
+            map.margin[axis] = margin;
+            map.scale[axis] = 65533.0 * (1.0 - 1e-12) / (extent + margin);
+            map.unit[axis] = 0.5;
+            // The last vertex, and one in eight besides, lies at the upper end.
+            for (int i = 0; i < count; i++)
+                positions[3 * i + axis] =
+                    map.origin[axis] + (i % 8 == 7 ? extent : qcRandom_Uniform(&random, 0.0, extent)) * (1 - 1e-6);
+        }
+        for (uint32_t i = 0; i < count; i++)
+            vertexOf[i] = i * 7 % count;
+        memset(rows, 0x55, sizeof rows);
+        memset(points, 0x55, sizeof points);
+        qcBoxRow untouched = rows[0];
+        qcVertexRange range = {positions, vertexOf, first, end};
+        k->map(&map, &range, points, rows);
+        for (size_t i = 0; i < count; i++)
+        {
+            if (i < first || i >= end)
+            {
+                ck_assert_mem_eq(&rows[i], &untouched, sizeof untouched);
+                continue;
+            }
+            const double* x = positions + 3 * (size_t)vertexOf[i];
+            Box box;
+            for (int axis = 0; axis < 3; axis++)
+            {
+                box.lower[axis] = (int)floor((x[axis] - map.origin[axis]) * map.scale[axis]);
+                box.upper[axis] = (int)floor((x[axis] + margin - map.origin[axis]) * map.scale[axis]);
+                CHECK_THAT(points[i].x[axis] == (float)((x[axis] - map.origin[axis]) * map.unit[axis]), "%s: point %zu",
+                           k->name, i);
+            }
+            CHECK_THAT(points[i].x[3] == 0.0f, "%s: point %zu", k->name, i);
+            CheckBox(BoxOfRow(&rows[i]), box, k->name, i);
+        }
+    }
+}
+END_TEST
+
+//  ---- boxes ---------------------------------------------------------------------------------------
+
+START_TEST(the_boxes_of_triangles_are_around_their_corners_and_those_of_groups_around_them)
+{
+    enum
+    {
+        vertexCount = 90,
+        groupCount = 11,
+        first = 2,
+        end = 10
+    };
+    qcRandom random = {2};
+    FOR_EACH_KERNELS(k)
+    for (size_t r = 0; r < LENGTH(s_ranges); r++)
+    {
+        qcBoxRow vertices[vertexCount], rows[groupCount];
+        Box boxes[vertexCount];
+        qcCorners corners[groupCount * qc_groupSize];
+        qcBox8 groups[groupCount], untouched;
+        for (int i = 0; i < vertexCount; i++)
+        {
+            boxes[i] = i == vertexCount - 1 ? EmptyBox() : MakeBox(&random, s_ranges[r].first, s_ranges[r].spread);
+            PutInRow(&boxes[i], &vertices[i]);
+        }
+        for (size_t i = 0; i < LENGTH(corners); i++)
+            for (int c = 0; c < 3; c++)
+                corners[i].vertex[c] = i % 5 == 4 ? vertexCount - 1 : qcRandom_Below(&random, vertexCount);
+        memset(groups, 0x55, sizeof groups);
+        memset(rows, 0x55, sizeof rows);
+        untouched = groups[0];
+        k->fitTriangles(corners, vertices, first, end, groups, rows);
+        for (size_t g = 0; g < groupCount; g++)
+        {
+            if (g < first || g >= end)
+            {
+                ck_assert_mem_eq(&groups[g], &untouched, sizeof untouched);
+                ck_assert_mem_eq(&rows[g], &untouched, sizeof rows[g]);
+                continue;
+            }
+            Box around = EmptyBox();
+            for (size_t i = 0; i < qc_groupSize; i++)
+            {
+                const uint32_t* c = corners[g * qc_groupSize + i].vertex;
+                Box box = Around(Around(boxes[c[0]], boxes[c[1]]), boxes[c[2]]);
+                CheckBox(BoxOfGroup(&groups[g], (int)i), box, k->name, i);
+                around = Around(around, box);
+            }
+            CheckBox(BoxOfRow(&rows[g]), around, k->name, g);
+        }
+    }
+}
+END_TEST
+
+START_TEST(the_boxes_of_groups_are_those_of_their_children)
+{
+    enum
+    {
+        groupCount = 9,
+        first = 1,
+        end = 8
+    };
+    qcRandom random = {3};
+    FOR_EACH_KERNELS(k)
+    for (size_t r = 0; r < LENGTH(s_ranges); r++)
+    {
+        qcBoxRow children[groupCount * qc_groupSize], rows[groupCount];
+        Box boxes[groupCount * qc_groupSize];
+        qcBox8 groups[groupCount], untouched;
+        for (size_t i = 0; i < LENGTH(boxes); i++)
+        {
+            boxes[i] = MakeBox(&random, s_ranges[r].first, s_ranges[r].spread);
+            PutInRow(&boxes[i], &children[i]);
+        }
+        memset(groups, 0x55, sizeof groups);
+        untouched = groups[0];
+        k->fitGroups(children, first, end, groups, rows);
+        ck_assert_mem_eq(&groups[first - 1], &untouched, sizeof untouched);
+        ck_assert_mem_eq(&groups[end], &untouched, sizeof untouched);
+        for (size_t g = first; g < end; g++)
+        {
+            Box around = EmptyBox();
+            for (int i = 0; i < qc_groupSize; i++)
+            {
+                CheckBox(BoxOfGroup(&groups[g], i), boxes[g * qc_groupSize + i], k->name, (size_t)i);
+                around = Around(around, boxes[g * qc_groupSize + i]);
+            }
+            CheckBox(BoxOfRow(&rows[g]), around, k->name, g);
+        }
+    }
+}
+END_TEST
+
+static uint64_t CompareOneByOne(const qcBox8* a, const qcBox8* b)
+{
+    uint64_t meet = 0;
+    for (int i = 0; i < qc_groupSize; i++)
+        for (int j = 0; j < qc_groupSize; j++)
+            meet |= (uint64_t)Overlap(BoxOfGroup(a, i), BoxOfGroup(b, j)) << (i + 8 * j);
+    return meet;
+}
+
+START_TEST(groups_meet_where_their_boxes_do)
+{
+    qcRandom random = {4};
+    size_t meetings = 0, all = 0;
+    FOR_EACH_KERNELS(k)
+    for (size_t r = 0; r < LENGTH(s_ranges); r++)
+        for (int round = 0; round < 3000; round++)
+        {
+            qcBox8 a, b;
+            MakeGroup(&random, s_ranges[r].first, s_ranges[r].spread, &a);
+            MakeGroup(&random, s_ranges[r].first, s_ranges[r].spread, &b);
+            uint64_t expected = CompareOneByOne(&a, &b);
+            CHECK_THAT(k->compare(&a, &b) == expected, "%s: %llx, expected %llx", k->name,
+                       (unsigned long long)k->compare(&a, &b), (unsigned long long)expected);
+            meetings += (size_t)__builtin_popcountll(expected);
+            all += 64;
+        }
+    ck_assert_uint_gt(meetings, all / 8);
+    ck_assert_uint_lt(meetings, all / 8 * 7);
+}
+END_TEST
+
+//  ---- pairs of two nodes --------------------------------------------------------------------------
+
+/// What collect is asked for besides the nodes.
+typedef struct Choice
+{
+    const uint64_t* words;
+    const qcPairExclusion* skips;
+    int skipCount;
+} Choice;
+
+static bool IsChosen(const Choice* choice, uint32_t p, uint32_t q)
+{
+    uint32_t word = p / 8 + 8 * (q / 8), bit = p % 8 + 8 * (q % 8);
+    for (int i = 0; i < choice->skipCount; i++)
+        if ((choice->skips[i].a >> p & 1) != 0 && (choice->skips[i].b >> q & 1) != 0)
+            return false;
+    return choice->words == NULL || (choice->words[word] >> bit & 1) != 0;
+}
+
+static size_t CollectOneByOne(const Nodes* a, uint32_t nodeA, const Nodes* b, uint32_t nodeB, const Choice* choice,
+                              qcSlotPair* pairs)
+{
+    size_t count = 0;
+    for (uint32_t p = 0; p < qc_nodeSize; p++)
+        for (uint32_t q = 0; q < qc_nodeSize; q++)
+        {
+            uint32_t i = p / 8, j = q / 8;
+            if (IsChosen(choice, p, q) &&
+                Overlap(BoxOfGroup(&a->nodes[nodeA], (int)i), BoxOfGroup(&b->nodes[nodeB], (int)j)) &&
+                Overlap(BoxOfGroup(&a->clusters[nodeA * 8 + i], (int)p % 8),
+                        BoxOfGroup(&b->clusters[nodeB * 8 + j], (int)q % 8)))
+                pairs[count++] = (qcSlotPair){nodeA * qc_nodeSize + p, nodeB * qc_nodeSize + q};
+        }
+    return count;
+}
+
+START_TEST(pairs_of_nodes_are_those_whose_boxes_overlap_whose_bit_is_set_and_that_no_skip_has)
+{
+    static qcSlotPair found[qc_mostPairs], expected[qc_mostPairs];
+    qcRandom random = {5};
+    size_t pairs = 0;
+    FOR_EACH_KERNELS(k)
+    for (int round = 0; round < 90; round++)
+    {
+        Nodes a, b;
+        MakeNodes(&random, 1 + round % 9, &a);
+        MakeNodes(&random, 1 + round % 9, &b);
+        uint64_t words[qc_nodeSize];
+        for (int i = 0; i < qc_nodeSize; i++)
+            words[i] = i % 3 == 0 ? 0 : i % 5 == 0 ? UINT64_MAX : qcRandom_Next(&random);
+        uint64_t table[qc_maxTableSize + 1];
+        table[qcClusters_PackTable(words, table)] = qcRandom_Next(&random);
+        qcPairExclusion skips[qc_maxExclusions];
+        for (int i = 0; i < qc_maxExclusions; i++)
+            skips[i] = (qcPairExclusion){qcRandom_Next(&random) & qcRandom_Next(&random), qcRandom_Next(&random)};
+        Choice choice = {round % 2 == 0 ? words : NULL, skips, round % 3 == 0 ? round / 3 % (qc_maxExclusions + 1) : 0};
+        uint32_t nodeA = qcRandom_Below(&random, qc_nodesInTest), nodeB = qcRandom_Below(&random, qc_nodesInTest);
+        qcSurfaceBoxes sideA = {a.clusters, a.nodes}, sideB = {b.clusters, b.nodes};
+        size_t count = (size_t)(k->collect(&sideA, nodeA, &sideB, nodeB, choice.words != NULL ? table : NULL, skips,
+                                           choice.skipCount, found) -
+                                found);
+        size_t expectedCount = CollectOneByOne(&a, nodeA, &b, nodeB, &choice, expected);
+        CheckSamePairs(found, count, expected, expectedCount, k->name);
+        pairs += count;
+    }
+    ck_assert_uint_gt(pairs, 1000);
+}
+END_TEST
+
+//  ---- choice --------------------------------------------------------------------------------------
+
+START_TEST(the_environment_names_the_kernels)
+{
+    unsetenv("QC_KERNELS");
+    const qcTriangleKernels* best = qcTriangleKernels_Get();
+    FOR_EACH_KERNELS(k)
+    {
+        ck_assert(qcTriangleKernels_Nth(kernelIndex + 1) != NULL || best == k);
+        setenv("QC_KERNELS", k->name, 1);
+        ck_assert_ptr_eq(qcTriangleKernels_Get(), k);
+    }
+    setenv("QC_KERNELS", "no such kernels", 1);
+    ck_assert_ptr_eq(qcTriangleKernels_Get(), best);
+    ck_assert_str_eq(qcTriangleKernels_Nth(0)->name, "plain");
+}
+END_TEST
+
+QC_RUN_TESTS("surface_kernels", a_vertex_has_its_point_and_its_levels,
+             the_boxes_of_triangles_are_around_their_corners_and_those_of_groups_around_them,
+             the_boxes_of_groups_are_those_of_their_children, groups_meet_where_their_boxes_do,
+             pairs_of_nodes_are_those_whose_boxes_overlap_whose_bit_is_set_and_that_no_skip_has,
+             the_environment_names_the_kernels)

@@ -1,0 +1,148 @@
+// Every allocation fails once: a status each time, the scene as before, nothing leaked, and the next try succeeds.
+#include "support/devices.h"
+#include "support/failing_heap.h"
+#include "support/scenes.h"
+#include "support/suite.h"
+
+/// Adds the number of pairs. Where that fails the scene is whole: the same call, with memory, succeeds.
+static qcStatus Ask(qcScene* scene, const qcDetectDef* def, size_t* pairs)
+{
+    const qcResult* result;
+    qcStatus status = qcScene_Detect(scene, def, &result);
+    if (status != qc_statusOk)
+    {
+        CHECK_OK(qcScene_Detect(scene, def, &result));
+        ck_assert_int_eq(result->profile.method, def->method);
+    }
+    *pairs += result->pairCount;
+    return status;
+}
+
+/// A vertex moves a little, and no contacts are asked for: a body whose pairs were kept is followed.
+static qcStatus MoveAndAsk(qcScene* scene, qcBodyId id, const qcSoup* soup, qcDetectDef def, size_t* pairs)
+{
+    double before = soup->positions[0];
+    soup->positions[0] += def.contactMargin / 8.0;
+    qcStatus status = qcScene_SetVertices(scene, id, soup->positions, qc_positionF64, 0);
+    soup->positions[0] = before;
+    def.contactMargin = 0.0;
+    return status == qc_statusOk ? Ask(scene, &def, pairs) : status;
+}
+
+/// One whole use of the library; the first status that is not ok.
+static qcStatus UseScene(qcDevice* device, const qcSoup* soup, qcMethod method, double margin, bool manifolds,
+                         size_t* pairs)
+{
+    qcSceneDef sceneDef = qcDefaultSceneDef();
+    sceneDef.device = device;
+    qcScene* scene = NULL;
+    qcStatus status = qcScene_Create(&sceneDef, &scene);
+    qcBodyDef bodyDef = qcBodyDefOf(soup);
+    qcBodyId id;
+    if (status == qc_statusOk)
+        status = qcScene_AddBody(scene, &bodyDef, &id);
+    bodyDef.deforming = true;
+    if (status == qc_statusOk)
+        status = qcScene_AddBody(scene, &bodyDef, &id);
+    if (status == qc_statusOk)
+        status = qcScene_SetVertices(scene, id, soup->positions, qc_positionF64, 0);
+    qcDetectDef def = qcDefaultDetectDef();
+    def.method = method;
+    def.touching = def.segments = def.proximities = true;
+    def.manifolds = manifolds;
+    def.contactMargin = margin;
+    def.nearestContacts = true;
+    def.threads = 1;
+    if (status == qc_statusOk)
+    {
+        *pairs = 0;
+        status = Ask(scene, &def, pairs);
+        qcStatus moved = margin > 0.0 ? MoveAndAsk(scene, id, soup, def, pairs) : qc_statusOk;
+        status = status == qc_statusOk ? moved : status;
+    }
+    qcScene_Destroy(scene);
+    return status;
+}
+
+/// Opening the device is not among what fails: see test_device.c.
+static void FailEachOn(qcDeviceKind kind, qcMethod method, double margin, bool manifolds, uint32_t side)
+{
+    qcFailingHeap heap = {0, 0, 0};
+    CHECK_OK(qcSetAllocator(qcFailingHeap_Allocate, qcFailingHeap_Release, &heap));
+    qcDevice* device = qcOpenOrSkip(kind);
+    qcSoup soup = qcSoup_MakeFoldedCloth(2, side, 0.02, 0.03);
+    size_t expected = 0, live = heap.live, bytes = qcGetByteCount();
+    heap.calls = 0;
+    if (device != NULL)
+    {
+        CHECK_OK(UseScene(device, &soup, method, margin, manifolds, &expected));
+        ck_assert_uint_gt(expected, 0);
+        ck_assert_uint_gt(heap.calls, 20);
+    }
+    for (size_t i = 1, calls = heap.calls; i <= calls; i++)
+    {
+        size_t pairs = expected;
+        heap = (qcFailingHeap){live, 0, i};
+        ck_assert_int_eq(UseScene(device, &soup, method, margin, manifolds, &pairs), qc_statusOutOfMemory);
+        ck_assert_ptr_nonnull(strstr(qcLastMessage(), "out of memory"));
+        ck_assert_uint_eq(pairs, expected);
+        ck_assert_uint_eq(heap.live, live);
+        ck_assert_uint_eq(qcGetByteCount(), bytes);
+    }
+    qcSoup_Free(&soup);
+    qcDevice_Destroy(device);
+    CHECK_OK(qcSetAllocator(NULL, NULL, NULL));
+}
+
+static void FailEach(qcMethod method, double margin, bool manifolds, uint32_t side)
+{
+    FailEachOn(qc_deviceNone, method, margin, manifolds, side);
+}
+
+START_TEST(a_failed_allocation_in_sweep_leaves_the_scene_whole)
+{
+    FailEach(qc_methodSweep, 0.0, false, 12);
+}
+END_TEST
+
+START_TEST(a_failed_allocation_in_brute_force_leaves_the_scene_whole)
+{
+    FailEach(qc_methodBrute, 0.0, false, 12);
+}
+END_TEST
+
+START_TEST(a_failed_allocation_among_contacts_leaves_the_scene_whole)
+{
+    FailEach(qc_methodSweep, 0.03, false, 12);
+}
+END_TEST
+
+START_TEST(a_failed_allocation_among_manifolds_leaves_the_scene_whole)
+{
+    FailEach(qc_methodSweep, 0.0, true, 5);
+}
+END_TEST
+
+START_TEST(a_failed_allocation_in_layers_leaves_the_scene_whole)
+{
+    // With contacts: neighbours are listed too.
+    FailEachOn(qc_deviceOsmesa, qc_methodLayers, 0.0, false, 6);
+    FailEachOn(qc_deviceSurfaceless, qc_methodLayers, 0.03, false, 6);
+}
+END_TEST
+
+START_TEST(the_allocator_cannot_change_while_bytes_are_held)
+{
+    qcFailingHeap heap = {0, 0, 0};
+    qcScene* scene = qcMakeScene(NULL);
+    ck_assert_int_eq(qcSetAllocator(qcFailingHeap_Allocate, qcFailingHeap_Release, &heap), qc_statusBadInput);
+    ck_assert_int_eq(qcSetAllocator(qcFailingHeap_Allocate, NULL, &heap), qc_statusBadInput);
+    qcScene_Destroy(scene);
+}
+END_TEST
+
+QC_RUN_TESTS("out of memory", a_failed_allocation_in_sweep_leaves_the_scene_whole,
+             a_failed_allocation_in_brute_force_leaves_the_scene_whole,
+             a_failed_allocation_among_contacts_leaves_the_scene_whole,
+             a_failed_allocation_among_manifolds_leaves_the_scene_whole,
+             a_failed_allocation_in_layers_leaves_the_scene_whole, the_allocator_cannot_change_while_bytes_are_held)

@@ -1,0 +1,151 @@
+// The GL devices of this machine, for tests that run on each:
+//   egl          a hardware GPU
+//   osmesa       software GL in memory
+//   surfaceless  Mesa's GL through EGL
+//   zink         the same over Vulkan, with a compiler and a memory model of its own. It takes variables that are set
+//                before Mesa is opened: device.cmake runs programs a second time in that environment, where zink is the
+//                only device.
+// QC_TEST_DEVICES names, separated by commas, those that must open: a test fails where one of them doesn't.
+#ifndef QC_TESTS_SUPPORT_DEVICES_H
+#define QC_TESTS_SUPPORT_DEVICES_H
+
+#include "quickcullide/device.h"
+
+#include <check.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum
+{
+    qc_testDeviceCount = 3,
+    qc_testZink = qc_testDeviceCount ///< after the kinds: the place of zink's name
+};
+
+static const qcDeviceKind qc_testKinds[qc_testDeviceCount] = {qc_deviceEgl, qc_deviceOsmesa, qc_deviceSurfaceless};
+static const char* const qc_testDeviceNames[qc_testDeviceCount + 1] = {"egl", "osmesa", "surfaceless", "zink"};
+
+static inline bool qcIsZinkProcess(void)
+{
+    const char* driver = getenv("MESA_LOADER_DRIVER_OVERRIDE");
+    return driver != NULL && strcmp(driver, "zink") == 0;
+}
+
+/// Null, and a line of output, where this kind does not work here.
+static inline qcDevice* qcOpenOrSkip(qcDeviceKind kind)
+{
+    qcDeviceDef def = qcDefaultDeviceDef();
+    def.kind = kind;
+    qcDevice* device = NULL;
+    if (qcIsZinkProcess() && kind != qc_deviceSurfaceless && kind != qc_deviceNone)
+        return NULL;
+    if (qcDevice_Create(&def, &device) != qc_statusOk)
+    {
+        printf("skipped: %s\n", qcLastMessage());
+        return NULL;
+    }
+    qcDeviceInfo info;
+    qcDevice_GetInfo(device, &info);
+    if (!qcIsZinkProcess() || kind == qc_deviceNone || strncmp(info.renderer, "zink", 4) == 0)
+        return device;
+    printf("skipped: zink does not open, but %s\n", info.renderer);
+    qcDevice_Destroy(device);
+    return NULL;
+}
+
+/// Fails where QC_TEST_DEVICES names a device of this process that did not open, or none that there is. `opened`: a
+/// flag for each of qc_testDeviceNames.
+static inline void qcCheckRequired(const bool opened[qc_testDeviceCount + 1])
+{
+    const char* required = getenv("QC_TEST_DEVICES");
+    while (required != NULL && *required != 0)
+    {
+        size_t length = strcspn(required, ",");
+        int device = 0;
+        while (device <= qc_testZink && (strlen(qc_testDeviceNames[device]) != length ||
+                                         strncmp(qc_testDeviceNames[device], required, length) != 0))
+            device++;
+        ck_assert_msg(device <= qc_testZink, "QC_TEST_DEVICES: '%.*s' is not one of egl, osmesa, surfaceless, zink",
+                      (int)length, required);
+        ck_assert_msg(opened[device] || (device == qc_testZink) != qcIsZinkProcess(),
+                      "QC_TEST_DEVICES requires %s, which did not open", qc_testDeviceNames[device]);
+        required += length + (required[length] == ',');
+    }
+}
+
+/// Prints and checks which devices a test has run on; how many those are.
+static inline int qcReportDevices(const bool opened[qc_testDeviceCount + 1])
+{
+    int count = 0;
+    char names[64] = "";
+    for (int i = 0; i <= qc_testZink; i++)
+    {
+        if (!opened[i])
+            continue;
+        size_t length = strlen(names);
+        snprintf(names + length, sizeof names - length, "%s%s", count++ > 0 ? ", " : "", qc_testDeviceNames[i]);
+    }
+    if (count > 0)
+        printf("ran on %d GL device%s: %s\n", count, count == 1 ? "" : "s", names);
+    else
+        fprintf(stderr, "NO GL DEVICE OPENED: what a test does on each device did not run\n");
+    fflush(stdout);
+    qcCheckRequired(opened);
+    return count;
+}
+
+static inline int qcGetTestName(int kind)
+{
+    return qcIsZinkProcess() ? qc_testZink : kind;
+}
+
+/// Opens all devices at once, null for those that do not open; how many did.
+static inline int qcOpenTestDevices(qcDevice* devices[qc_testDeviceCount])
+{
+    bool opened[qc_testDeviceCount + 1] = {false};
+    for (int i = 0; i < qc_testDeviceCount; i++)
+    {
+        devices[i] = qcOpenOrSkip(qc_testKinds[i]);
+        if (devices[i] != NULL)
+            opened[qcGetTestName(i)] = true;
+    }
+    return qcReportDevices(opened);
+}
+
+static inline void qcCloseTestDevices(qcDevice* devices[qc_testDeviceCount])
+{
+    for (int i = 0; i < qc_testDeviceCount; i++)
+        qcDevice_Destroy(devices[i]);
+}
+
+/// A walk over the devices, one open at a time.
+typedef struct qcDeviceWalk
+{
+    int next; ///< of qc_testKinds
+    bool opened[qc_testDeviceCount + 1];
+    qcDevice* device;
+} qcDeviceWalk;
+
+/// Closes the device that is open and opens the next; false, after a report, when there is no other.
+static inline bool qcDeviceWalk_Next(qcDeviceWalk* walk)
+{
+    qcDevice_Destroy(walk->device);
+    walk->device = NULL;
+    while (walk->device == NULL && walk->next < qc_testDeviceCount)
+    {
+        walk->device = qcOpenOrSkip(qc_testKinds[walk->next]);
+        if (walk->device != NULL)
+            walk->opened[qcGetTestName(walk->next)] = true;
+        walk->next++;
+    }
+    if (walk->device == NULL)
+        qcReportDevices(walk->opened);
+    return walk->device != NULL;
+}
+
+/// Runs what follows on each device, open as `device`.
+#define QC_FOR_EACH_DEVICE(device)                                                                                     \
+    for (qcDeviceWalk device##Walk = {0, {false, false, false, false}, NULL}; qcDeviceWalk_Next(&device##Walk);)       \
+        for (qcDevice* device = device##Walk.device; device != NULL; device = NULL)
+
+#endif

@@ -1,0 +1,90 @@
+// Soups as bodies of a scene, and results compared: what the tests of the ABI share.
+#ifndef QC_TESTS_SUPPORT_SCENES_H
+#define QC_TESTS_SUPPORT_SCENES_H
+
+#include "support/check_ok.h"
+#include "quickcullide/quickcullide.h"
+#include "support/soups.h"
+
+#include <check.h>
+#include <stdlib.h>
+#include <string.h>
+
+static inline qcBodyDef qcBodyDefOf(const qcSoup* soup)
+{
+    qcBodyDef def = qcDefaultBodyDef();
+    def.positions = soup->positions;
+    def.positionType = qc_positionF64;
+    def.vertexCount = soup->vertexCount;
+    def.indices = soup->indices;
+    def.triangleCount = soup->triangleCount;
+    return def;
+}
+
+static inline qcScene* qcMakeScene(qcDevice* device)
+{
+    qcSceneDef def = qcDefaultSceneDef();
+    def.device = device;
+    qcScene* scene = NULL;
+    CHECK_OK(qcScene_Create(&def, &scene));
+    return scene;
+}
+
+static inline qcBodyId qcAddSoup(qcScene* scene, const qcSoup* soup)
+{
+    qcBodyDef def = qcBodyDefOf(soup);
+    qcBodyId id;
+    CHECK_OK(qcScene_AddBody(scene, &def, &id));
+    return id;
+}
+
+/// A copy of a result's pairs, since the next detection overwrites them.
+typedef struct qcPairList
+{
+    qcPair* pairs;
+    size_t count;
+} qcPairList;
+
+/// A result's own pairs, not copied.
+static inline qcPairList qcListOf(const qcResult* result)
+{
+    return (qcPairList){(qcPair*)result->pairs, result->pairCount};
+}
+
+static inline qcPairList qcDetectPairs(qcScene* scene, const qcDetectDef* def)
+{
+    const qcResult* result = NULL;
+    CHECK_OK(qcScene_Detect(scene, def, &result));
+    qcPairList list = {malloc((result->pairCount + 1) * sizeof(qcPair)), result->pairCount};
+    if (list.count != 0)
+        memcpy(list.pairs, result->pairs, list.count * sizeof(qcPair));
+    return list;
+}
+
+static inline int qcComparePairs(const void* x, const void* y)
+{
+    const qcPair *a = x, *b = y;
+    const uint32_t p[4] = {a->bodyA, a->triangleA, a->bodyB, a->triangleB};
+    const uint32_t q[4] = {b->bodyA, b->triangleA, b->bodyB, b->triangleB};
+    for (int i = 0; i < 4; i++)
+        if (p[i] != q[i])
+            return p[i] < q[i] ? -1 : 1;
+    return 0;
+}
+
+/// Pair for pair, the first difference in the message.
+static inline void qcCheckSamePairs(const qcPairList* expected, const qcPairList* found, const char* what)
+{
+    for (size_t i = 0; i < expected->count && i < found->count; i++)
+    {
+        const qcPair *e = &expected->pairs[i], *f = &found->pairs[i];
+        // An assertion writes to a file even where it holds.
+        if (qcComparePairs(e, f) != 0 || e->relation != f->relation)
+            ck_abort_msg("%s: pair %zu is %u %u %u %u %s, expected %u %u %u %u %s", what, i, f->bodyA, f->triangleA,
+                         f->bodyB, f->triangleB, qcRelation_Name(f->relation), e->bodyA, e->triangleA, e->bodyB,
+                         e->triangleB, qcRelation_Name(e->relation));
+    }
+    ck_assert_msg(expected->count == found->count, "%s: %zu pairs, expected %zu", what, found->count, expected->count);
+}
+
+#endif

@@ -1,0 +1,36 @@
+// The main function of a test program with one case of several tests.
+#ifndef QC_TESTS_SUPPORT_SUITE_H
+#define QC_TESTS_SUPPORT_SUITE_H
+
+#include <check.h>
+
+/// Runs a suite that is put together by hand, and frees it; the program's exit status.
+static inline int qcRunSuite(Suite* suite)
+{
+    SRunner* runner = srunner_create(suite);
+    srunner_run_all(runner, CK_NORMAL);
+    int failed = srunner_ntests_failed(runner);
+    srunner_free(runner);
+    return failed != 0;
+}
+
+/// Runs the tests as one case; the program's exit status.
+static inline int qcRunTests(const char* name, const TTest* const* tests, int count)
+{
+    Suite* suite = suite_create(name);
+    TCase* testCase = tcase_create(name);
+    tcase_set_timeout(testCase, 300); // a bound against hanging, not a claim about speed
+    for (int i = 0; i < count; i++)
+        tcase_add_test(testCase, tests[i]);
+    suite_add_tcase(suite, testCase);
+    return qcRunSuite(suite);
+}
+
+#define QC_RUN_TESTS(name, ...)                                                                                        \
+    int main(void)                                                                                                     \
+    {                                                                                                                  \
+        const TTest* const tests[] = {__VA_ARGS__};                                                                    \
+        return qcRunTests(name, tests, (int)(sizeof tests / sizeof tests[0]));                                         \
+    }
+
+#endif

@@ -1,0 +1,333 @@
+// Pairs of surfaces against rational arithmetic, each triangle with each: none within the margin is missing, none comes
+// twice, and what is told of some is so.
+#ifndef QC_TESTS_SWEEP_BVH_PAIRS_MODEL_H
+#define QC_TESTS_SWEEP_BVH_PAIRS_MODEL_H
+
+#include "sweep/bvh/bvh_pairs.h"
+
+#include "support/oracle.h"
+#include "sweep/surfaces.h"
+
+#include <math.h>
+
+enum
+{
+    qc_mostThreads = 3
+};
+
+/// A soup, its body and the surface of that.
+typedef struct qcSide
+{
+    qcSoup soup;
+    qcBodies bodies;
+    qcTriangleBvh surface;
+} qcSide;
+
+static inline qcSide qcSide_Make(qcSoup soup)
+{
+    qcSide side = {.soup = soup};
+    const qcBody* body = qcBodyAt(&side.bodies, qcAddToBodies(&side.bodies, &soup));
+    CHECK_OK(qcTriangleBvh_Build(&side.surface, body, 1));
+    CHECK_OK(qcTriangleBvh_Relate(&side.surface, body, 1));
+    return side;
+}
+
+static inline void qcSide_Free(qcSide* side)
+{
+    qcTriangleBvh_Free(&side->surface);
+    qcBodies_Free(&side->bodies);
+    qcSoup_Free(&side->soup);
+}
+
+static inline void qcSide_Fit(qcSide* side, double margin, const qcTriangleKernels* kernels, uint32_t threads)
+{
+    qcBvhScratch scratch = {0};
+    bool fits;
+    CHECK_OK(qcTriangleBvh_Fit(&side->surface, qcBodyAt(&side->bodies, 0), margin, kernels, threads, &scratch, &fits));
+    ck_assert(fits);
+    qcBvhScratch_Free(&scratch);
+}
+
+/// How often each two triangles were found, and what was told of them: two bytes for each, one more row for each
+/// triangle of the first.
+typedef struct qcFoundTimes
+{
+    const qcSide *a, *b;
+    uint8_t* times[qc_mostThreads]; ///< of each worker
+    uint8_t* told;                  ///< 0: nothing, or 1 + a relation
+    bool half;                      ///< with half the margin
+    size_t calls, count;
+    const uint8_t *reachedA, *reachedB;
+} qcFoundTimes;
+
+static inline void qcFoundTimes_Make(qcFoundTimes* times, const qcSide* a, const qcSide* b)
+{
+    size_t cells = (size_t)a->soup.triangleCount * b->soup.triangleCount;
+    *times = (qcFoundTimes){.a = a, .b = b, .told = calloc(cells, 1)};
+    ck_assert_ptr_nonnull(times->told);
+    for (int w = 0; w < qc_mostThreads; w++)
+        ck_assert_ptr_nonnull(times->times[w] = calloc(cells, 1));
+}
+
+static inline void qcFoundTimes_Free(qcFoundTimes* times)
+{
+    for (int w = 0; w < qc_mostThreads; w++)
+        free(times->times[w]);
+    free(times->told);
+}
+
+static inline bool qcFoundTimes_Add(void* context, const qcClassifiedPairs* found, uint32_t worker)
+{
+    qcFoundTimes* times = context;
+    size_t known = found->near + found->apart + found->penetrating;
+    CHECK_THAT(worker < qc_mostThreads && found->count != 0 && known <= found->count,
+               "worker %u, %zu pairs, %zu are told", worker, found->count, known);
+    for (size_t i = 0; i < found->count; i++)
+    {
+        uint32_t t = QC_AT(uint32_t, times->a->surface.clusters.triangles, found->pairs[i].a),
+                 u = QC_AT(uint32_t, times->b->surface.clusters.triangles, found->pairs[i].b);
+        CHECK_THAT(t < times->a->soup.triangleCount && u < times->b->soup.triangleCount, "no such triangle");
+        if (times->a == times->b && u < t)
+        {
+            uint32_t swapped = t;
+            t = u;
+            u = swapped;
+        }
+        size_t at = (size_t)t * times->b->soup.triangleCount + u;
+        times->times[worker][at] = (uint8_t)(times->times[worker][at] + (times->times[worker][at] < 255));
+        size_t apart = found->near + found->apart;
+        times->told[at] = (uint8_t)(i < found->near                  ? 1 + qc_relationNear
+                                    : i < apart                      ? 1 + qc_relationDisjoint
+                                    : i < apart + found->penetrating ? 1 + qc_relationPenetrating
+                                                                     : 0);
+    }
+    return true;
+}
+
+static inline bool qcTakeNoMore(void* context, const qcClassifiedPairs* found, uint32_t worker)
+{
+    (void)found;
+    (void)worker;
+    __atomic_fetch_add((size_t*)context, 1, __ATOMIC_RELAXED);
+    return false;
+}
+
+/// A surface with itself, for who takes nothing; `calls` counts what is offered.
+static inline qcBvhPairsJob qcJobWithItself(const qcSide* side, size_t* calls)
+{
+    return (qcBvhPairsJob){.kernels = qcTriangleKernels_Get(),
+                           .a = &side->surface,
+                           .b = &side->surface,
+                           .bodyA = qcBodyAt(&side->bodies, 0),
+                           .bodyB = qcBodyAt(&side->bodies, 0),
+                           .function = qcTakeNoMore,
+                           .context = calls};
+}
+
+static inline bool qcAreBoxesWithin(const double a[3][3], const double b[3][3], double margin)
+{
+    for (int axis = 0; axis < 3; axis++)
+    {
+        double lowA = fmin(a[0][axis], fmin(a[1][axis], a[2][axis])),
+               highA = fmax(a[0][axis], fmax(a[1][axis], a[2][axis]));
+        double lowB = fmin(b[0][axis], fmin(b[1][axis], b[2][axis])),
+               highB = fmax(b[0][axis], fmax(b[1][axis], b[2][axis]));
+        // Monotone: what this parts is apart.
+        if (lowA > highB + margin || lowB > highA + margin)
+            return false;
+    }
+    return true;
+}
+
+/// What rational arithmetic says of each two triangles, once it was asked.
+typedef struct qcPairOracle
+{
+    const qcSide *a, *b;
+    double margin;
+    uint8_t* within;                  ///< 0: not asked yet, 1: they are apart, 2: they are within the margin
+    uint8_t* relation;                ///< 0: not asked yet, or 1 + the relation where there is no margin
+    size_t boxes;                     ///< of pairs that were asked about, those whose boxes are within the margin
+    size_t told[qc_relationNear + 1]; ///< by relation: how many pairs it was told of, by all kernels
+} qcPairOracle;
+
+static inline qcPairOracle qcPairOracle_Make(const qcSide* a, const qcSide* b, double margin)
+{
+    size_t cells = (size_t)a->soup.triangleCount * b->soup.triangleCount;
+    qcPairOracle oracle = {a, b, margin, calloc(cells, 1), calloc(cells, 1), 0, {0}};
+    ck_assert_ptr_nonnull(oracle.within);
+    ck_assert_ptr_nonnull(oracle.relation);
+    return oracle;
+}
+
+static inline void qcPairOracle_Free(qcPairOracle* oracle)
+{
+    free(oracle->within);
+    free(oracle->relation);
+}
+
+static inline bool qcPairOracle_AreWithin(qcPairOracle* oracle, uint32_t t, uint32_t u)
+{
+    uint8_t* within = &oracle->within[(size_t)t * oracle->b->soup.triangleCount + u];
+    if (*within != 0)
+        return *within >= 2;
+    double p[3][3], q[3][3];
+    qcSoup_GetTriangle(&oracle->a->soup, t, p);
+    qcSoup_GetTriangle(&oracle->b->soup, u, q);
+    *within = 1;
+    if (!qcAreBoxesWithin((const double(*)[3])p, (const double(*)[3])q, oracle->margin))
+        return false;
+    oracle->boxes++;
+    qcOracleDistance* distance = qcOracleDistance_Create((const double(*)[3])p, (const double(*)[3])q);
+    *within = qcOracleDistance_Compare(distance, 0.5 * oracle->margin) <= 0 ? 3
+              : qcOracleDistance_Compare(distance, oracle->margin) <= 0     ? 2
+                                                                            : 1;
+    qcOracleDistance_Destroy(distance);
+    return *within >= 2;
+}
+
+static inline qcRelation qcPairOracle_Relate(qcPairOracle* oracle, uint32_t t, uint32_t u)
+{
+    uint8_t* relation = &oracle->relation[(size_t)t * oracle->b->soup.triangleCount + u];
+    double p[3][3], q[3][3];
+    if (*relation == 0)
+    {
+        qcSoup_GetTriangle(&oracle->a->soup, t, p);
+        qcSoup_GetTriangle(&oracle->b->soup, u, q);
+        *relation = (uint8_t)(1 + qcOracle_Relate((const double(*)[3])p, (const double(*)[3])q));
+    }
+    return (qcRelation)(*relation - 1);
+}
+
+/// Is it so, what was told of two triangles? `half`: the margin that was told is half of the one that is searched.
+static inline void qcPairOracle_CheckTold(qcPairOracle* oracle, uint32_t t, uint32_t u, bool half, qcRelation told,
+                                          const char* what)
+{
+    qcRelation relation = qcPairOracle_Relate(oracle, t, u);
+    bool isWithin = qcPairOracle_AreWithin(oracle, t, u) &&
+                    (!half || oracle->within[(size_t)t * oracle->b->soup.triangleCount + u] == 3);
+    if (relation == qc_relationDisjoint && isWithin)
+        relation = qc_relationNear;
+    CHECK_THAT(told == relation, "%s: %u and %u are told to be %d, and are %d", what, t, u, (int)told, (int)relation);
+    oracle->told[told]++;
+}
+
+static inline void qcCheckReached(const qcSide* side, const uint8_t* reached, uint32_t triangle)
+{
+    const qcArray* places = &side->surface.clusters.triangles;
+    for (size_t i = 0; i < places->count; i++)
+        if (QC_AT(uint32_t, *places, i) == triangle)
+            CHECK_THAT(reached[i / qc_nodeSize] == 1, "node %zu was not reached", i / qc_nodeSize);
+}
+
+/// Compares what the workers found; adds up what they did.
+static inline void qcFoundTimes_Check(qcFoundTimes* found, qcPairOracle* oracle, bool neighbours, const char* what)
+{
+    size_t n = found->a->soup.triangleCount, m = found->b->soup.triangleCount;
+    for (uint32_t t = 0; t < n; t++)
+        for (uint32_t u = 0; u < m; u++)
+        {
+            size_t at = t * m + u;
+            int times = found->times[0][at] + found->times[1][at] + found->times[2][at];
+            bool self = found->a == found->b, left = self && !neighbours && qcSoup_AreNeighbours(&found->a->soup, t, u);
+            CHECK_THAT(times <= 1, "%s: %u and %u are found %d times", what, t, u, times);
+            CHECK_THAT(times == 0 || (!left && (!self || t < u)), "%s: %u and %u are found", what, t, u);
+            // Only what is missing is asked about.
+            CHECK_THAT(times == 1 || left || (self && t >= u) || !qcPairOracle_AreWithin(oracle, t, u),
+                       "%s: %u and %u are not found", what, t, u);
+            found->count += (size_t)times;
+            if (found->told[at] != 0)
+                qcPairOracle_CheckTold(oracle, t, u, found->half, (qcRelation)(found->told[at] - 1), what);
+            if (times != 0 && at % 509 == 0)
+            {
+                qcCheckReached(found->a, found->reachedA, t);
+                qcCheckReached(found->b, found->reachedB, u);
+            }
+        }
+}
+
+/// Finds the pairs with all kernels, on one thread and, with half the margin told, on three; without and with flat
+/// discs.
+/// Returns how many there were, with the last.
+static inline size_t qcCheckPairs(qcSide* a, qcSide* b, double margin, bool neighbours, qcPairOracle* oracle,
+                                  const char* what)
+{
+    size_t count = 0;
+    bool flat = a == b && !neighbours;
+    FOR_EACH_KERNELS(k)
+    for (int run = 0; run < (flat ? 4 : 2); run++)
+    {
+        uint32_t threads = run % 2 == 0 ? 1 : qc_mostThreads;
+        qcSide_Fit(a, margin, k, threads);
+        qcSide_Fit(b, margin, k, threads);
+        qcFoundTimes found;
+        qcFoundTimes_Make(&found, a, b);
+        found.half = run % 2 == 1;
+        uint8_t* reached[2] = {calloc(a->surface.clusters.nodeCount, 1), calloc(b->surface.clusters.nodeCount, 1)};
+        found.reachedA = reached[0];
+        found.reachedB = a == b ? reached[0] : reached[1];
+        qcBvhPairs pairs = {0};
+        qcBvhPairsJob job = {.kernels = k,
+                             .a = &a->surface,
+                             .b = &b->surface,
+                             .bodyA = qcBodyAt(&a->bodies, 0),
+                             .bodyB = qcBodyAt(&b->bodies, 0),
+                             .margin = margin,
+                             .nearest = found.half ? 0.5 * margin : margin,
+                             .neighbours = neighbours,
+                             .flatDiscs = run > 1,
+                             .reachedA = reached[0],
+                             .reachedB = a == b ? reached[0] : reached[1],
+                             .function = qcFoundTimes_Add,
+                             .context = &found};
+        if (job.flatDiscs)
+            qcTriangleBvh_FindFlat(&a->surface, k, threads);
+        CHECK_OK(qcBvhPairs_Find(&pairs, &job, 1, threads));
+        qcFoundTimes_Check(&found, oracle, neighbours, what);
+        CHECK_THAT(run % 2 == 0 || count == found.count, "%s: %zu pairs on one thread, %zu on three", what, count,
+                   found.count);
+        count = found.count;
+        qcBvhPairs_Free(&pairs);
+        qcFoundTimes_Free(&found);
+        free(reached[0]);
+        free(reached[1]);
+        a->surface.fitted = b->surface.fitted = false; // for the next kernels
+    }
+    return count;
+}
+
+/// Returns how many pairs are found.
+static inline size_t qcCheckBetween(qcSoup soupA, qcSoup soupB, double margin, const char* what)
+{
+    qcSide a = qcSide_Make(soupA), b = qcSide_Make(soupB);
+    qcPairOracle oracle = qcPairOracle_Make(&a, &b, margin);
+    size_t count = qcCheckPairs(&a, &b, margin, false, &oracle, what);
+    qcPairOracle_Free(&oracle);
+    qcSide_Free(&a);
+    qcSide_Free(&b);
+    ck_assert_uint_eq(qcGetByteCount(), 0);
+    return count;
+}
+
+static inline void qcCheckWithin(qcSoup soup, double margin, const char* what)
+{
+    qcSide a = qcSide_Make(soup);
+    qcPairOracle oracle = qcPairOracle_Make(&a, &a, margin);
+    for (int neighbours = 0; neighbours <= 1; neighbours++)
+        qcCheckPairs(&a, &a, margin, neighbours != 0, &oracle, what);
+    qcPairOracle_Free(&oracle);
+    qcSide_Free(&a);
+    ck_assert_uint_eq(qcGetByteCount(), 0);
+}
+
+static const char* const qcSoupKindNames[] = {"one",  "node and one", "random", "degenerate", "sphere", "cloth",
+                                              "flat", "line",         "point",  "fan",        "twins"};
+
+/// Of the sort that has few pairs within, so that the oracle is asked about few.
+static inline qcSoup qcMakeSmallSoup(qcSoupKind kind, uint64_t seed)
+{
+    qcSoup soup = qcMakeSoup(kind, seed);
+    soup.triangleCount = kind == qc_soupFan && soup.triangleCount > 130 ? 130 : soup.triangleCount;
+    return soup;
+}
+
+#endif

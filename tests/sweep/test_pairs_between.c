@@ -1,0 +1,300 @@
+// Pairs of triangles of two surfaces, of any scales and anywhere: each within the margin once.
+#include "sweep/bvh_pairs_model.h"
+
+#include "support/pairs.h"
+#include "support/suite.h"
+
+#include <stdio.h>
+
+#define LENGTH(array) (sizeof(array) / sizeof(array)[0])
+
+//  ---- tests: two surfaces -------------------------------------------------------------------------
+
+START_TEST(two_surfaces_have_each_pair_within_the_margin_once)
+{
+    size_t within = 0;
+    for (int i = 0; i < qc_soupKindCount; i++)
+        for (int j = i % 3; j < qc_soupKindCount; j += 3)
+        {
+            char what[64];
+            snprintf(what, sizeof what, "%s and %s", qcSoupKindNames[i], qcSoupKindNames[j]);
+            within += qcCheckBetween(qcMakeSmallSoup((qcSoupKind)i, 8), qcMakeSmallSoup((qcSoupKind)j, 9),
+                                     (i + j) % 3 == 0 ? 0.01 : 0.0, what);
+        }
+    ck_assert_uint_gt(within, 5000);
+}
+END_TEST
+
+/// More levels than any other body here has.
+static qcSoup MakeLargeFan(void)
+{
+    qcSoup fan = qcSoup_MakeRandom(20, 5000, 0.5);
+    for (uint32_t t = 0; t < fan.triangleCount; t++)
+        fan.indices[3 * t] = 0;
+    return fan;
+}
+
+START_TEST(a_large_fan_has_its_pairs_with_others_and_none_with_itself)
+{
+    ck_assert_uint_gt(qcCheckBetween(MakeLargeFan(), qcSoup_MakeRandom(21, 2, 0.5), 0.0, "fan and two"), 100);
+    ck_assert_uint_gt(qcCheckBetween(qcSoup_MakeRandom(21, 2, 0.5), MakeLargeFan(), 0.0, "two and fan"), 100);
+
+    qcSide a = qcSide_Make(MakeLargeFan());
+    qcSide_Fit(&a, 0.0, qcTriangleKernels_Get(), 1);
+    size_t calls = 0;
+    qcBvhPairs pairs = {0};
+    qcBvhPairsJob job = qcJobWithItself(&a, &calls);
+    CHECK_OK(qcBvhPairs_Find(&pairs, &job, 1, 1));
+    ck_assert_uint_eq(calls, 0);
+    qcBvhPairs_Free(&pairs);
+    qcSide_Free(&a);
+}
+END_TEST
+
+/// So that one vertex comes to lie at `x`, all others scaled around it.
+static qcSoup MakeAround(qcSoupKind kind, double scale, double x)
+{
+    qcSoup soup = qcMakeSoup(kind, 10);
+    double centre[3];
+    memcpy(centre, soup.positions + 3 * (size_t)soup.indices[soup.triangleCount / 2 * 3], sizeof centre);
+    qcSoup_Translate(&soup, -centre[0], -centre[1], -centre[2]);
+    qcSoup_Place(&soup, scale, x, x, x);
+    return soup;
+}
+
+START_TEST(surfaces_of_any_two_scales_have_each_pair_within_the_margin_once)
+{
+    const double scales[] = {1.0, 1e-3, 1e-6, 1e-12, 1e-30, 1e-34, 5e-35, 2e-36, 1e-38, 1e-60, 1e-300, 1e3, 1e280};
+    for (size_t i = 0; i < LENGTH(scales); i++)
+        for (int kind = qc_soupNodeAndOne + (int)i % 2; kind <= qc_soupLine; kind += 3)
+        {
+            double least = fmin(scales[i], 1.0);
+            size_t within =
+                qcCheckBetween(MakeAround((qcSoupKind)kind, 1.0, 0.0), MakeAround(qc_soupSphere, scales[i], 0.0),
+                               i % 2 == 0 ? 0.0 : 0.01 * least, qcSoupKindNames[kind]);
+            within += qcCheckBetween(MakeAround(qc_soupSphere, scales[i], 0.0), MakeAround((qcSoupKind)kind, 1.0, 0.0),
+                                     0.0, qcSoupKindNames[kind]);
+            ck_assert_uint_gt(within, 0);
+        }
+}
+END_TEST
+
+START_TEST(a_small_surface_meets_any_part_of_one_that_floats_cannot_compare_it_with)
+{
+    // The large one's boxes lie anywhere around its middle, where numbers of its lattice are zero.
+    qcRandom random = {11};
+    for (int round = 0; round < 60; round++)
+    {
+        double scale = pow(10.0, qcRandom_Uniform(&random, -39.0, -32.0));
+        qcSoup large = qcSoup_MakeRandom((uint64_t)round, 40, 0.3), small = qcSoup_MakeRandom(1, 5, 0.5);
+        uint32_t t = qcRandom_Below(&random, large.triangleCount);
+        // A point well inside one triangle comes to lie in the middle of the small one.
+        double corners[3][3];
+        qcSoup_GetTriangle(&large, t, corners);
+        for (int axis = 0; axis < 3; axis++)
+        {
+            double centre = (corners[0][axis] + corners[1][axis] + corners[2][axis]) / 3.0;
+            for (uint32_t v = 0; v < large.vertexCount; v++)
+                large.positions[3 * v + (uint32_t)axis] -= centre;
+        }
+        qcSoup_Translate(&small, -0.5, -0.5, -0.5);
+        qcSoup_Place(&small, scale, 0.0, 0.0, 0.0);
+        if (round % 2 == 0)
+            qcCheckBetween(small, large, 0.0, "small and large");
+        else
+            qcCheckBetween(large, small, 0.0, "large and small");
+    }
+}
+END_TEST
+
+START_TEST(surfaces_far_from_the_origin_have_each_pair_within_the_margin_once)
+{
+    const double offsets[] = {1e3, -1e9, 1e12, 1e15};
+    for (size_t i = 0; i < LENGTH(offsets); i++)
+        for (int kind = 0; kind < qc_soupKindCount; kind++)
+        {
+            qcSoup a = qcMakeSmallSoup((qcSoupKind)kind, 12), b = qcMakeSmallSoup(qc_soupSphere, 13);
+            qcSoup_Place(&a, 1.0, offsets[i], -offsets[i], 0.0);
+            qcSoup_Place(&b, 1.0, offsets[i] + 0.25, -offsets[i], 0.0);
+            qcCheckBetween(a, b, i % 2 == 0 ? 0.0 : 0.01, qcSoupKindNames[kind]);
+        }
+}
+END_TEST
+
+/// A pair on the border of the margin, no larger than `size`; returns what to scale it by.
+static double MakeBorderPair(qcRandom* random, uint32_t i, double size, double margin, qcTrianglePair* pair)
+{
+    for (;;)
+    {
+        double distance = 0.0, largest;
+        if (margin == 0.0)
+            qcTrianglePair_Make(random, (qcPairKind)(qc_pairCoarseGrid + i % (qc_pairKindCount - qc_pairCoarseGrid)),
+                                pair);
+        else
+            qcTrianglePair_MakeApart(random, 1 + (int)i % 3, 1 + (int)(i / 3) % 3, pair, &distance);
+        largest = qcTrianglePair_GetLargest(pair);
+        double scale = margin == 0.0 ? size / largest : margin / distance;
+        if (largest > 1e-3 && largest < 1e3 && largest * scale <= size)
+            return scale;
+    }
+}
+
+/// Both sides of many small pairs, each in a cell of its own; the second has a triangle far off.
+static void MakeCells(qcRandom* random, double size, double margin, qcSoup* a, qcSoup* b)
+{
+    enum
+    {
+        side = 6,
+        cells = side * side * side
+    };
+    *a = qcSoup_MakeRandom(1, cells, 0.1);
+    *b = qcSoup_MakeRandom(1, cells + 1, 0.1);
+    for (uint32_t i = 0; i < cells; i++)
+    {
+        qcTrianglePair pair;
+        double scale = MakeBorderPair(random, i, size, margin, &pair);
+        const double centre[3] = {i % side, i / side % side, i / side / side};
+        for (uint32_t c = 0; c < 3; c++)
+            for (uint32_t axis = 0; axis < 3; axis++)
+            {
+                a->positions[9 * (size_t)i + 3 * c + axis] = pair.a[c][axis] * scale + centre[axis];
+                b->positions[9 * (size_t)i + 3 * c + axis] = pair.b[c][axis] * scale + centre[axis];
+            }
+    }
+    for (size_t k = 0; k < 9; k++)
+        b->positions[9 * (size_t)cells + k] = qcRandom_Uniform(random, -200.0, -100.0);
+}
+
+START_TEST(pairs_on_the_border_are_found_between_two_frames)
+{
+    qcRandom random = {14};
+    size_t within = 0;
+    for (int round = 0; round < 40; round++)
+    {
+        qcSoup a, b;
+        double size = ldexp(0.4, -(round % 16)), margin = round % 3 == 0 ? 0.0 : size / 64;
+        MakeCells(&random, size, margin, &a, &b);
+        within += round % 2 == 0 ? qcCheckBetween(a, b, margin, "cells") : qcCheckBetween(b, a, margin, "cells");
+    }
+    ck_assert_uint_gt(within, 2000);
+}
+END_TEST
+
+START_TEST(nodes_that_lie_apart_are_not_reached)
+{
+    qcSide a = qcSide_Make(qcSoup_MakeSphere(3, 1.0)), b = qcSide_Make(qcSoup_MakeSphere(3, 1.0));
+    qcSoup_Translate(&b.soup, 1.9, 0.0, 0.0);
+    for (int step = 0; step < 2; step++)
+    {
+        qcSoup_Translate(&b.soup, 0.2 * step, 0.0, 0.0);
+        CHECK_OK(qcBodies_SetVertices(&b.bodies, 0, b.soup.positions, qc_positionF64, 0));
+        qcPairOracle oracle = qcPairOracle_Make(&a, &b, 0.0);
+        qcSide_Fit(&a, 0.0, qcTriangleKernels_Get(), 1);
+        qcSide_Fit(&b, 0.0, qcTriangleKernels_Get(), 1);
+        uint32_t nodes = a.surface.clusters.nodeCount, reachedNodes = 0;
+        uint8_t reached[2][512] = {{0}};
+        ck_assert_uint_le(nodes, 512);
+        qcFoundTimes found;
+        qcFoundTimes_Make(&found, &a, &b);
+        found.reachedA = reached[0];
+        found.reachedB = reached[1];
+        qcBvhPairs pairs = {0};
+        qcBvhPairsJob job = {.kernels = qcTriangleKernels_Get(),
+                             .a = &a.surface,
+                             .b = &b.surface,
+                             .bodyA = qcBodyAt(&a.bodies, 0),
+                             .bodyB = qcBodyAt(&b.bodies, 0),
+                             .reachedA = reached[0],
+                             .reachedB = reached[1],
+                             .function = qcFoundTimes_Add,
+                             .context = &found};
+        CHECK_OK(qcBvhPairs_Find(&pairs, &job, 1, 1));
+        qcFoundTimes_Check(&found, &oracle, false, "spheres");
+        for (uint32_t i = 0; i < nodes; i++)
+            reachedNodes += reached[0][i];
+        ck_assert_int_eq(found.count > 0, step == 0);
+        ck_assert_int_eq(reachedNodes > 0, step == 0);
+        ck_assert_uint_lt(reachedNodes, nodes / 4);
+        qcFoundTimes_Free(&found);
+        qcPairOracle_Free(&oracle);
+        qcBvhPairs_Free(&pairs);
+    }
+    qcSide_Free(&a);
+    qcSide_Free(&b);
+}
+END_TEST
+
+enum
+{
+    // Each with itself and with all others: more searches than are prepared in one block.
+    qc_crowd = 18,
+    qc_crowdPairs = qc_crowd * (qc_crowd + 1) / 2
+};
+
+static void CheckCrowd(const qcSide* sides, qcPairOracle* oracles, double margin, uint32_t threads)
+{
+    qcFoundTimes found[qc_crowdPairs];
+    qcBvhPairsJob jobs[qc_crowdPairs];
+    static uint8_t reached[qc_crowd][64];
+    size_t count = 0, pairCount = 0;
+    for (int a = 0; a < qc_crowd; a++)
+        for (int b = a; b < qc_crowd; b++, count++)
+        {
+            qcFoundTimes_Make(&found[count], &sides[a], &sides[b]);
+            found[count].reachedA = reached[a];
+            found[count].reachedB = reached[b];
+            jobs[count] = (qcBvhPairsJob){.kernels = qcTriangleKernels_Get(),
+                                          .a = &sides[a].surface,
+                                          .b = &sides[b].surface,
+                                          .bodyA = qcBodyAt(&sides[a].bodies, 0),
+                                          .bodyB = qcBodyAt(&sides[b].bodies, 0),
+                                          .margin = margin,
+                                          .nearest = margin,
+                                          .reachedA = reached[a],
+                                          .reachedB = reached[b],
+                                          .function = qcFoundTimes_Add,
+                                          .context = &found[count]};
+        }
+    qcBvhPairs pairs = {0};
+    CHECK_OK(qcBvhPairs_Find(&pairs, jobs, count, threads));
+    for (size_t i = 0; i < count; i++)
+    {
+        qcFoundTimes_Check(&found[i], &oracles[i], false, "crowd");
+        pairCount += found[i].count;
+        qcFoundTimes_Free(&found[i]);
+    }
+    ck_assert_uint_gt(pairCount, 1000);
+    qcBvhPairs_Free(&pairs);
+}
+
+START_TEST(many_searches_side_by_side_find_each_its_own_pairs)
+{
+    qcSide sides[qc_crowd];
+    for (uint32_t i = 0; i < qc_crowd; i++)
+    {
+        // One of them has most of the triangles, some have one node alone.
+        sides[i] = qcSide_Make(qcSoup_MakeRandom(30 + i, i == 5 ? 1500 : 10 + 13 * i, 0.1));
+        qcSide_Fit(&sides[i], 0.01, qcTriangleKernels_Get(), 1);
+        ck_assert_uint_le(sides[i].surface.clusters.nodeCount, 64);
+    }
+    qcPairOracle oracles[qc_crowdPairs];
+    size_t count = 0;
+    for (int a = 0; a < qc_crowd; a++)
+        for (int b = a; b < qc_crowd; b++)
+            oracles[count++] = qcPairOracle_Make(&sides[a], &sides[b], 0.01);
+    for (uint32_t threads = 1; threads <= 3; threads++)
+        CheckCrowd(sides, oracles, 0.01, threads);
+    for (size_t i = 0; i < count; i++)
+        qcPairOracle_Free(&oracles[i]);
+    for (uint32_t i = 0; i < qc_crowd; i++)
+        qcSide_Free(&sides[i]);
+}
+END_TEST
+
+QC_RUN_TESTS("surface_pairs_between", two_surfaces_have_each_pair_within_the_margin_once,
+             a_large_fan_has_its_pairs_with_others_and_none_with_itself,
+             surfaces_of_any_two_scales_have_each_pair_within_the_margin_once,
+             a_small_surface_meets_any_part_of_one_that_floats_cannot_compare_it_with,
+             surfaces_far_from_the_origin_have_each_pair_within_the_margin_once,
+             pairs_on_the_border_are_found_between_two_frames, nodes_that_lie_apart_are_not_reached,
+             many_searches_side_by_side_find_each_its_own_pairs)

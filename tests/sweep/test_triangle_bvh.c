@@ -1,0 +1,478 @@
+// Boxes in a lattice say of two triangles what their coordinates say, exactly: no pair within the margin is parted, on
+// no level, whatever the scale and the place; and little more than those within it overlap.
+#include "support/failing_heap.h"
+#include "support/suite.h"
+#include "sweep/surfaces.h"
+
+#include <math.h>
+
+#define LENGTH(array) (sizeof(array) / sizeof(array)[0])
+
+//  ---- boxes ---------------------------------------------------------------------------------------
+
+/// Ends as levels; an empty place has lower above upper.
+typedef struct Box
+{
+    int lower[3], upper[3];
+} Box;
+
+static Box BoxAt(const qcTriangleBvh* s, uint32_t level, size_t i)
+{
+    const qcBox8* group = qcTriangleBvh_Group(s, level, (uint32_t)(i / qc_groupSize));
+    Box box;
+    for (int axis = 0; axis < 3; axis++)
+    {
+        box.lower[axis] = group->ends[axis][i % qc_groupSize];
+        box.upper[axis] = ~group->ends[axis][qc_groupSize + i % qc_groupSize];
+    }
+    return box;
+}
+
+static bool IsEmpty(const Box* box)
+{
+    return box->lower[0] > box->upper[0];
+}
+
+static bool Overlap(const Box* a, const Box* b)
+{
+    for (int axis = 0; axis < 3; axis++)
+        if (a->lower[axis] > b->upper[axis] || b->lower[axis] > a->upper[axis])
+            return false;
+    return true;
+}
+
+/// a <= b + margin, without rounding: the sum's error is a double too (Knuth's two-sum).
+static bool IsWithin(double a, double b, double margin)
+{
+    double sum = b + margin, back = sum - b, error = (b - (sum - back)) + (margin - back);
+    return a < sum || (a == sum && error >= 0.0);
+}
+
+static bool AreWithin(const qcBody* body, uint32_t a, uint32_t b, double margin)
+{
+    double lowerA[3], upperA[3], lowerB[3], upperB[3];
+    qcBody_GetTriangleBox(body, a, lowerA, upperA);
+    qcBody_GetTriangleBox(body, b, lowerB, upperB);
+    for (int axis = 0; axis < 3; axis++)
+        if (!IsWithin(lowerA[axis], upperB[axis], margin) || !IsWithin(lowerB[axis], upperA[axis], margin))
+            return false;
+    return true;
+}
+
+/// Two levels and some roundings of the coordinates: what may overlap though it is apart.
+static bool AreClearlyApart(const qcTriangleBvh* s, const qcBody* body, uint32_t a, uint32_t b, double margin)
+{
+    double lowerA[3], upperA[3], lowerB[3], upperB[3];
+    qcBody_GetTriangleBox(body, a, lowerA, upperA);
+    qcBody_GetTriangleBox(body, b, lowerB, upperB);
+    for (int axis = 0; axis < 3; axis++)
+    {
+        double slack =
+            1.01 / s->map.scale[axis] + 0x1p-50 * (fabs(body->lower[axis]) + fabs(body->upper[axis]) + margin);
+        if (lowerA[axis] - upperB[axis] > margin + slack || lowerB[axis] - upperA[axis] > margin + slack)
+            return true;
+    }
+    return false;
+}
+
+//  ---- what must hold ------------------------------------------------------------------------------
+
+static uint32_t TriangleAt(const qcTriangleBvh* s, size_t place)
+{
+    return QC_AT(uint32_t, s->clusters.triangles, place);
+}
+
+static void CheckCorners(const qcTriangleBvh* s, const qcBody* body)
+{
+    for (size_t place = 0; place < s->corners.count; place++)
+        for (int c = 0; c < 3; c++)
+        {
+            uint32_t vertex = QC_AT(qcCorners, s->corners, place).vertex[c];
+            if (TriangleAt(s, place) == QC_NO_TRIANGLE)
+                CHECK_THAT(vertex == s->vertexCount, "empty place %zu has vertex %u", place, vertex);
+            else
+                CHECK_THAT(vertex < s->vertexCount && QC_AT(uint32_t, s->vertexOf, vertex) ==
+                                                          body->indices[3 * (size_t)TriangleAt(s, place) + c],
+                           "place %zu, corner %d: vertex %u", place, c, vertex);
+        }
+}
+
+static void CheckPoints(const qcTriangleBvh* s, const qcBody* body)
+{
+    for (uint32_t v = 0; v < s->vertexCount; v++)
+        for (int axis = 0; axis < 3; axis++)
+        {
+            // The difference of doubles and a power of two: 64 bits are as good as all.
+            long double x = body->world[3 * (size_t)QC_AT(uint32_t, s->vertexOf, v) + axis];
+            long double point = (x - s->map.origin[axis]) * s->map.unit[axis];
+            CHECK_THAT(fabsl(QC_AT(qcPoint, s->points, v).x[axis] - point) <= s->pointError && fabsl(point) <= 1.0L,
+                       "vertex %u is at %Lg, not %g", v, point, (double)QC_AT(qcPoint, s->points, v).x[axis]);
+        }
+}
+
+/// Each box on a level is that of the eight below it, up to the one around all.
+static void CheckLevels(const qcTriangleBvh* s)
+{
+    ck_assert_uint_eq(s->groupCount[0], s->clusters.triangles.count / qc_groupSize);
+    ck_assert_uint_eq(s->groupCount[s->levels - 1], 1);
+    for (uint32_t level = 1; level <= s->levels; level++)
+    {
+        size_t below = s->groupCount[level - 1], groups = level < s->levels ? s->groupCount[level] : 1;
+        ck_assert_uint_eq(groups, (below + qc_groupSize - 1) / qc_groupSize);
+        for (size_t i = 0; i < groups * qc_groupSize; i++)
+        {
+            Box box = BoxAt(s, level, i),
+                around = {{INT16_MAX, INT16_MAX, INT16_MAX}, {INT16_MIN, INT16_MIN, INT16_MIN}};
+            for (size_t k = i * qc_groupSize; k < (i + 1) * qc_groupSize && i < below; k++)
+            {
+                Box child = BoxAt(s, level - 1, k);
+                for (int axis = 0; axis < 3; axis++)
+                {
+                    around.lower[axis] =
+                        child.lower[axis] < around.lower[axis] ? child.lower[axis] : around.lower[axis];
+                    around.upper[axis] =
+                        child.upper[axis] > around.upper[axis] ? child.upper[axis] : around.upper[axis];
+                }
+            }
+            CHECK_THAT(memcmp(&box, &around, sizeof box) == 0, "level %u, box %zu isn't around its children", level, i);
+        }
+    }
+}
+
+static void CheckPairs(const qcTriangleBvh* s, const qcBody* body, double margin)
+{
+    size_t places = s->clusters.triangles.count;
+    for (size_t p = 0; p < places; p++)
+    {
+        Box a = BoxAt(s, 0, p);
+        uint32_t t = TriangleAt(s, p);
+        CHECK_THAT(IsEmpty(&a) == (t == QC_NO_TRIANGLE), "place %zu", p);
+        for (size_t q = p; q < places && t != QC_NO_TRIANGLE; q++)
+        {
+            Box b = BoxAt(s, 0, q);
+            uint32_t u = TriangleAt(s, q);
+            if (u == QC_NO_TRIANGLE)
+            {
+                CHECK_THAT(!Overlap(&a, &b), "place %zu meets the empty place %zu", p, q);
+                continue;
+            }
+            if (Overlap(&a, &b))
+                CHECK_THAT(!AreClearlyApart(s, body, t, u, margin), "the boxes of %u and %u overlap", t, u);
+            else
+                CHECK_THAT(!AreWithin(body, t, u, margin), "the boxes of %u and %u are parted", t, u);
+        }
+    }
+}
+
+static void CheckSurface(const qcTriangleBvh* s, const qcBody* body, double margin)
+{
+    CheckCorners(s, body);
+    CheckPoints(s, body);
+    CheckLevels(s);
+    CheckPairs(s, body, margin);
+}
+
+static bool AreSame(const qcTriangleBvh* a, const qcTriangleBvh* b)
+{
+    return a->groups.count == b->groups.count && a->points.count == b->points.count &&
+           memcmp(a->groups.data, b->groups.data, a->groups.count * sizeof(qcBox8)) == 0 &&
+           memcmp(a->points.data, b->points.data, a->points.count * sizeof(qcPoint)) == 0 &&
+           memcmp(&a->whole, &b->whole, sizeof a->whole) == 0;
+}
+
+/// With every kind of kernels, on one thread and on three: all as the first says, and right.
+static void CheckFits(const qcBody* body, double margin)
+{
+    qcTriangleBvh first = {0};
+    FOR_EACH_KERNELS(k)
+    for (uint32_t threads = 1; threads <= 3; threads += 2)
+    {
+        qcTriangleBvh surface;
+        qcBvhScratch scratch = {0};
+        bool fits;
+        CHECK_OK(qcTriangleBvh_Build(&surface, body, 1));
+        CHECK_OK(qcTriangleBvh_Fit(&surface, body, margin, k, threads, &scratch, &fits));
+        ck_assert(fits);
+        qcBvhScratch_Free(&scratch);
+        if (first.levels == 0)
+        {
+            CheckSurface(&surface, body, margin);
+            first = surface;
+            continue;
+        }
+        CHECK_THAT(AreSame(&first, &surface), "%s on %u threads fits another way", k->name, threads);
+        qcTriangleBvh_Free(&surface);
+    }
+    qcTriangleBvh_Free(&first);
+}
+
+static void CheckSoup(qcSoup* soup, double margin)
+{
+    qcBodies bodies = {0};
+    CheckFits(qcBodyAt(&bodies, qcAddToBodies(&bodies, soup)), margin);
+    qcBodies_Free(&bodies);
+    ck_assert_uint_eq(qcGetByteCount(), 0);
+    qcSoup_Free(soup);
+}
+
+//  ---- tests ---------------------------------------------------------------------------------------
+
+START_TEST(no_pair_within_the_margin_is_parted_and_few_others_overlap)
+{
+    const double margins[] = {0.0, 0.01, 3.0};
+    for (int kind = 0; kind < qc_soupKindCount; kind++)
+        for (size_t i = 0; i < LENGTH(margins); i++)
+        {
+            qcSoup soup = qcMakeSoup((qcSoupKind)kind, (uint64_t)kind);
+            CheckSoup(&soup, margins[i]);
+        }
+}
+END_TEST
+
+START_TEST(no_pair_is_parted_far_from_the_origin)
+{
+    // Where coordinates have few bits left, down to one that they all round to.
+    const double offsets[] = {1e3, -1e9, 1e12, 1e15, -1e17};
+    for (size_t i = 0; i < LENGTH(offsets); i++)
+        for (int kind = 0; kind < qc_soupKindCount; kind++)
+        {
+            qcSoup soup = qcMakeSoup((qcSoupKind)kind, 7);
+            qcSoup_Place(&soup, 1.0, offsets[i], -0.7 * offsets[i], 0.0);
+            CheckSoup(&soup, i % 2 == 0 ? 0.0 : 0.013);
+        }
+}
+END_TEST
+
+START_TEST(no_pair_is_parted_at_any_scale)
+{
+    const double scales[] = {5e-324, 1e-310, 1e-300, 1e-280, 1e-30, 1e30, 1e280};
+    for (size_t i = 0; i < LENGTH(scales); i++)
+        for (int kind = 0; kind < qc_soupKindCount; kind++)
+        {
+            qcSoup soup = qcMakeSoup((qcSoupKind)kind, 8);
+            qcSoup_Place(&soup, scales[i], 0.0, 0.0, 0.0);
+            CheckSoup(&soup, kind % 2 == 0 ? 0.0 : 0.01 * scales[i]);
+        }
+}
+END_TEST
+
+/// Thin triangles in a row along each axis, each the margin from the next, or next to it by some ulps.
+static qcSoup MakeRow(qcRandom* random, uint32_t count, double margin, double offset)
+{
+    qcSoup soup = qcSoup_MakeRandom(1, count, 0.1);
+    for (int axis = 0; axis < 3; axis++)
+    {
+        double at = offset;
+        for (uint32_t t = 0; t < count; t++)
+        {
+            double upper = at + qcRandom_Uniform(random, 0.0, 0.01);
+            for (uint32_t c = 0; c < 3; c++)
+                soup.positions[9 * (size_t)t + 3 * c + (size_t)axis] = c == 0 ? at : upper;
+            at = upper + margin;
+            for (uint32_t steps = qcRandom_Below(random, 5); steps > 0; steps--)
+                at = nextafter(at, steps % 2 == 0 ? INFINITY : -INFINITY);
+            if (qcRandom_Below(random, 4) == 0)
+                at = nextafter(at, INFINITY);
+        }
+    }
+    return soup;
+}
+
+START_TEST(no_pair_exactly_the_margin_apart_is_parted)
+{
+    qcRandom random = {9};
+    const double margins[] = {0.0, 0.001, 0.1, 1e-9}, offsets[] = {0.0, -0.3, 1e6, 1e13};
+    for (int round = 0; round < 40; round++)
+    {
+        qcSoup soup = MakeRow(&random, 150, margins[round % 4], offsets[round / 4 % 4]);
+        CheckSoup(&soup, margins[round % 4]);
+    }
+}
+END_TEST
+
+START_TEST(bodies_of_any_number_of_triangles_have_all_levels)
+{
+    for (uint32_t n = 1; n <= 700; n += n < 130 ? 1 : 63)
+    {
+        qcSoup soup = qcSoup_MakeRandom(n, n, 0.1);
+        CheckSoup(&soup, 0.0);
+    }
+}
+END_TEST
+
+START_TEST(large_bodies_are_fitted_on_any_number_of_threads)
+{
+    // Several blocks of vertices and of clusters, the last not full; five levels.
+    qcSoup soup = qcSoup_MakeFoldedCloth(3, 145, 0.02, 0.03);
+    qcBodies bodies = {0};
+    const qcBody* body = qcBodyAt(&bodies, qcAddToBodies(&bodies, &soup));
+    qcTriangleBvh first = {0};
+    FOR_EACH_KERNELS(k)
+    for (uint32_t threads = 1; threads <= 4; threads++)
+    {
+        qcTriangleBvh surface;
+        qcBvhScratch scratch = {0};
+        bool fits;
+        CHECK_OK(qcTriangleBvh_Build(&surface, body, 1));
+        CHECK_OK(qcTriangleBvh_Fit(&surface, body, 0.001, k, threads, &scratch, &fits));
+        qcBvhScratch_Free(&scratch);
+        CheckCorners(&surface, body);
+        CheckPoints(&surface, body);
+        CheckLevels(&surface);
+        if (first.levels != 0)
+        {
+            ck_assert(AreSame(&first, &surface));
+            qcTriangleBvh_Free(&first);
+        }
+        first = surface;
+    }
+    ck_assert_uint_ge(first.levels, 5);
+    qcTriangleBvh_Free(&first);
+    qcBodies_Free(&bodies);
+    qcSoup_Free(&soup);
+}
+END_TEST
+
+START_TEST(vertices_that_no_triangle_has_are_left_out)
+{
+    qcSoup soup = qcSoup_MakeRandom(4, 100, 0.1);
+    soup.triangleCount = 80;
+    for (uint32_t v = 240; v < soup.vertexCount; v++)
+        soup.positions[3 * v] = 1e300;
+    qcBodies bodies = {0};
+    const qcBody* body = qcBodyAt(&bodies, qcAddToBodies(&bodies, &soup));
+    qcTriangleBvh surface;
+    CHECK_OK(qcTriangleBvh_Build(&surface, body, 1));
+    ck_assert_uint_eq(surface.vertexCount, 240);
+    qcTriangleBvh_Free(&surface);
+    CheckFits(body, 0.0);
+    qcBodies_Free(&bodies);
+    qcSoup_Free(&soup);
+}
+END_TEST
+
+START_TEST(a_surface_follows_its_body_and_its_margin)
+{
+    qcSoup soup = qcSoup_MakeFoldedCloth(3, 12, 0.02, 0.03);
+    qcBodies bodies = {0};
+    uint32_t slot = qcAddToBodies(&bodies, &soup);
+    qcTriangleBvh surface;
+    qcBvhScratch scratch = {0};
+    bool fits;
+    CHECK_OK(qcTriangleBvh_Build(&surface, qcBodyAt(&bodies, slot), 1));
+    for (int step = 0; step < 6; step++)
+    {
+        double margin = step == 3 ? 0.05 : step == 4 ? 0.01 : 0.0;
+        if (step % 2 == 0)
+        {
+            qcSoup next = qcSoup_MakeFoldedCloth(10 + (uint64_t)step, 12, 0.02, 0.05);
+            qcSoup_Translate(&next, step, 0.0, 0.0);
+            CHECK_OK(qcBodies_SetVertices(&bodies, slot, next.positions, qc_positionF64, 0));
+            qcSoup_Free(&next);
+        }
+        CHECK_OK(
+            qcTriangleBvh_Fit(&surface, qcBodyAt(&bodies, slot), margin, qcTriangleKernels_Get(), 1, &scratch, &fits));
+        ck_assert(fits);
+        CheckSurface(&surface, qcBodyAt(&bodies, slot), margin);
+    }
+    // A body that has not moved isn't looked at.
+    qcBodyAt(&bodies, slot)->world[0] += 1.0;
+    qcTriangleBvh before = surface;
+    float x = QC_AT(qcPoint, surface.points, 0).x[0];
+    CHECK_OK(qcTriangleBvh_Fit(&surface, qcBodyAt(&bodies, slot), 0.0, qcTriangleKernels_Get(), 1, &scratch, &fits));
+    ck_assert(fits && QC_AT(qcPoint, surface.points, 0).x[0] == x &&
+              before.whole.ends[0][0] == surface.whole.ends[0][0]);
+    qcBvhScratch_Free(&scratch);
+    qcTriangleBvh_Free(&surface);
+    qcBodies_Free(&bodies);
+    qcSoup_Free(&soup);
+    ck_assert_uint_eq(qcGetByteCount(), 0);
+}
+END_TEST
+
+START_TEST(what_no_lattice_holds_does_not_fit_and_may_fit_later)
+{
+    const double scales[] = {1e300, 1.0}, margins[] = {0.0, 1e300};
+    qcSoup soup = qcSoup_MakeRandom(4, 100, 0.1);
+    qcBodies bodies = {0};
+    uint32_t slot = qcAddToBodies(&bodies, &soup);
+    qcTriangleBvh surface;
+    qcBvhScratch scratch = {0};
+    CHECK_OK(qcTriangleBvh_Build(&surface, qcBodyAt(&bodies, slot), 1));
+    for (int i = 0; i < 4; i++)
+    {
+        qcSoup next = qcSoup_MakeRandom(4, 100, 0.1);
+        qcSoup_Place(&next, scales[i % 2], 0.0, 0.0, 0.0);
+        CHECK_OK(qcBodies_SetVertices(&bodies, slot, next.positions, qc_positionF64, 0));
+        bool fits, expected = scales[i % 2] == 1.0 && margins[i / 2] == 0.0;
+        CHECK_OK(qcTriangleBvh_Fit(&surface, qcBodyAt(&bodies, slot), margins[i / 2], qcTriangleKernels_Get(), 1,
+                                   &scratch, &fits));
+        ck_assert_int_eq(fits, expected);
+        ck_assert_int_eq(surface.fitted, expected);
+        if (fits)
+            CheckSurface(&surface, qcBodyAt(&bodies, slot), 0.0);
+        qcSoup_Free(&next);
+    }
+    qcBvhScratch_Free(&scratch);
+    qcTriangleBvh_Free(&surface);
+    qcBodies_Free(&bodies);
+    qcSoup_Free(&soup);
+}
+END_TEST
+
+//  ---- out of memory -------------------------------------------------------------------------------
+
+static qcStatus BuildAndFit(const qcBody* body, qcTriangleBvh* surface, qcBvhScratch* scratch)
+{
+    bool fits;
+    qcStatus status = qcTriangleBvh_Build(surface, body, 1);
+    if (status != qc_statusOk)
+        ck_assert_uint_eq(surface->generation, 0);
+    else
+        status = qcTriangleBvh_Fit(surface, body, 0.0, qcTriangleKernels_Get(), 1, scratch, &fits);
+    if (status != qc_statusOk && surface->generation != 0)
+    {
+        // The surface is whole: the same call, with memory, succeeds.
+        ck_assert(!surface->fitted);
+        CHECK_OK(qcTriangleBvh_Fit(surface, body, 0.0, qcTriangleKernels_Get(), 1, scratch, &fits));
+        CheckSurface(surface, body, 0.0);
+    }
+    qcTriangleBvh_Free(surface);
+    qcBvhScratch_Free(scratch);
+    return status;
+}
+
+START_TEST(a_failed_allocation_leaves_nothing)
+{
+    qcFailingHeap heap = {0, 0, 0};
+    CHECK_OK(qcSetAllocator(qcFailingHeap_Allocate, qcFailingHeap_Release, &heap));
+    qcSoup soup = qcSoup_MakeFoldedCloth(3, 12, 0.02, 0.03);
+    qcBodies bodies = {0};
+    const qcBody* body = qcBodyAt(&bodies, qcAddToBodies(&bodies, &soup));
+    size_t live = heap.live;
+    heap.calls = 0;
+    qcTriangleBvh surface;
+    qcBvhScratch scratch = {0};
+    CHECK_OK(BuildAndFit(body, &surface, &scratch));
+    size_t calls = heap.calls;
+    ck_assert_uint_gt(calls, 10);
+    for (size_t i = 1; i <= calls; i++)
+    {
+        heap = (qcFailingHeap){live, 0, i};
+        memset(&surface, 0xff, sizeof surface);
+        ck_assert_int_eq(BuildAndFit(body, &surface, &scratch), qc_statusOutOfMemory);
+        ck_assert_ptr_nonnull(strstr(qcLastMessage(), "out of memory"));
+        ck_assert_uint_eq(heap.live, live);
+    }
+    qcBodies_Free(&bodies);
+    CHECK_OK(qcSetAllocator(NULL, NULL, NULL));
+    qcSoup_Free(&soup);
+}
+END_TEST
+
+QC_RUN_TESTS("surface", no_pair_within_the_margin_is_parted_and_few_others_overlap,
+             no_pair_is_parted_far_from_the_origin, no_pair_is_parted_at_any_scale,
+             no_pair_exactly_the_margin_apart_is_parted, bodies_of_any_number_of_triangles_have_all_levels,
+             large_bodies_are_fitted_on_any_number_of_threads, vertices_that_no_triangle_has_are_left_out,
+             a_surface_follows_its_body_and_its_margin, what_no_lattice_holds_does_not_fit_and_may_fit_later,
+             a_failed_allocation_leaves_nothing)

@@ -1,0 +1,193 @@
+// `qc-bench gpu` as its users meet it, on whatever device this machine has; and what counts as the same lists.
+#include "support/csv_rows.h"
+#include "bench/gpu/gpu.h"
+#include "support/run_program.h"
+#include "support/suite.h"
+
+#include <check.h>
+#include <string.h>
+
+#define BENCH QC_BENCH_PROGRAM
+
+/// False, and a line of output, where no device opens with these options; a failure where one is required.
+static bool HasDevice(const char* options)
+{
+    int status = Run("%s gpu --triangles 0 --out head %s", BENCH, options);
+    ck_assert_msg(status == 0 || status == 4, "%s", GetErrors());
+    const char* required = getenv("QC_TEST_DEVICES");
+    ck_assert_msg(status == 0 || options[0] != 0 || required == NULL || required[0] == 0, "%s", GetErrors());
+    if (status != 0)
+        printf("skipped: %s", GetErrors());
+    return status == 0;
+}
+
+static bool IsSoftware(void)
+{
+    return strstr(GetOutput(), ", software\n") != NULL;
+}
+
+START_TEST(lists_agree_only_if_all_frames_and_all_steps_do)
+{
+    qcGpuRow row = {.runCount = 3};
+    for (int i = 0; i < 3; ++i)
+        row.runs[i] = (qcGpuRun){.hashes = {5, 6, 7, 8}, .steady = true};
+    ck_assert(qcGpuRow_Agrees(&row));
+    row.runs[2].hashes[3] = 9;
+    ck_assert(!qcGpuRow_Agrees(&row));
+    row.runs[2].hashes[3] = 8;
+    row.runs[0].steady = false;
+    ck_assert(!qcGpuRow_Agrees(&row));
+    row.runs[0].steady = true;
+    ck_assert(qcGpuRow_Agrees(&row));
+}
+END_TEST
+
+static void CheckRow(const Row* row, void* context)
+{
+    char* hash = context;
+    bool layers = Is(row, "method", "layers");
+    ck_assert(layers || Is(row, "method", "sweep"));
+    ck_assert(GetNumber(row, "ms") >= GetNumber(row, "ms_least") && GetNumber(row, "ms_least") > 0.0);
+    ck_assert_double_ge(GetNumber(row, "steps"), 8.0);
+    ck_assert_double_gt(GetNumber(row, "pairs"), 20.0);
+    ck_assert(GetNumber(row, "candidates") >= GetNumber(row, "pairs"));
+    ck_assert((GetNumber(row, "entries") > 0.0) == layers && (GetNumber(row, "device_bytes") > 0.0) == layers);
+    ck_assert(Is(row, "agrees", "1") && Is(row, "failure", "\"\""));
+    // Layers stand first.
+    if (layers)
+        strcpy(hash, Get(row, "hash"));
+    ck_assert_uint_eq(strlen(hash), 4 * 16 + 3);
+    ck_assert_str_eq(hash, Get(row, "hash"));
+}
+
+#define HEADER                                                                                                         \
+    "scene,bodies,triangles,method,threads,steps,ms,ms_least,first_ms,candidates,pairs,hash,agrees,entries,"           \
+    "uploaded_bytes,device_bytes,failure,renderer"
+
+START_TEST(each_scene_and_size_has_its_rows_with_equal_lists)
+{
+    if (!HasDevice(""))
+        return;
+    ck_assert_int_eq(Run("%s gpu --triangles 6000 --threads 2 --out deep/er", BENCH), 0);
+    char hash[128] = "";
+    // Four scenes in two sizes, three in one; three runs each.
+    ck_assert_int_eq(ForEachRow("deep/er/gpu.csv", HEADER, CheckRow, hash), (4 * 2 + 3) * 3);
+    ck_assert_ptr_null(strstr(GetOutput(), "DIFFERENT"));
+    // What is no GPU is named.
+    ck_assert((strstr(GetOutput(), "*** THIS IS NO GPU. ") != NULL) == IsSoftware());
+    static char s_text[1 << 18];
+    ck_assert(ReadText("deep/er/gpu.txt", s_text, sizeof s_text));
+    ck_assert_int_eq(strncmp(s_text, "device: ", 8), 0);
+    ck_assert_ptr_nonnull(strstr(s_text, "\npile: "));
+    ck_assert((strstr(s_text, "*** THIS IS NO GPU. ") != NULL) == IsSoftware());
+}
+END_TEST
+
+typedef struct Stages
+{
+    int filters, kernels, vertices; ///< rows in which the stage ran
+} Stages;
+
+static void CheckStage(const Row* row, void* context)
+{
+    static const char* const columns[] = {"thread_ms", "device_ms"};
+    Stages* stages = context;
+    for (int i = 0; i < 2; ++i)
+        ck_assert(Is(row, columns[i], "n/a") || GetNumber(row, columns[i]) >= 0.0);
+    bool ran = !Is(row, "thread_ms", "n/a");
+    stages->filters += ran && Is(row, "stage", "filter");
+    stages->vertices += ran && Is(row, "stage", "vertices");
+    stages->kernels += ran && (Is(row, "stage", "boxes") || Is(row, "stage", "nodes"));
+    ck_assert_msg(ran || Is(row, "device_ms", "n/a"), "%s ran on the device alone", Get(row, "stage"));
+}
+
+START_TEST(each_kernel_has_its_times_where_it_runs)
+{
+    if (!HasDevice(""))
+        return;
+    Stages all = {0}, image = {0};
+    ck_assert_int_eq(
+        Run("QC_LAYERS_REFINE=device %s gpu --scenes cloth,pile --triangles 1000 --threads 1 --out all", BENCH), 0);
+    ck_assert_int_eq(ForEachRow("all/gpu_stages.csv", "scene,triangles,stage,thread_ms,device_ms", CheckStage, &all),
+                     2 * 19);
+    ck_assert_int_eq(Run("QC_LAYERS_REFINE=processor %s gpu --scenes cloth,pile --triangles 1000 --threads 1 "
+                         "--out image",
+                         BENCH),
+                     0);
+    ForEachRow("image/gpu_stages.csv", "scene,triangles,stage,thread_ms,device_ms", CheckStage, &image);
+    ck_assert(all.filters == 2 && image.filters == 0);
+    ck_assert(all.kernels == 4 && image.kernels == 4);
+    // Rigid bodies alone are transformed there.
+    ck_assert(all.vertices == 1 && image.vertices == 1);
+    // On one thread there is one sweep.
+    char hash[128] = "";
+    ck_assert_int_eq(ForEachRow("all/gpu.csv", HEADER, CheckRow, hash), 2 * 2);
+}
+END_TEST
+
+START_TEST(a_device_that_does_not_work_is_a_clear_error)
+{
+    ck_assert_int_eq(Run("__EGL_VENDOR_LIBRARY_DIRS=/nowhere __EGL_VENDOR_LIBRARY_FILENAMES= "
+                         "%s gpu --device surfaceless --out new",
+                         BENCH),
+                     4);
+    ck_assert_int_eq(strncmp(GetErrors(), "qc-bench gpu: device surfaceless: ", 34), 0);
+    ck_assert_str_eq(GetOutput(), "");
+    ck_assert_int_eq(Run("%s gpu --gpu 'no such GPU' --out new", BENCH), 4);
+    ck_assert_int_eq(strncmp(GetErrors(), "qc-bench gpu: device egl: ", 26), 0);
+    ck_assert_int_eq(Run("test -e new/gpu.csv"), 1);
+    if (!HasDevice("--device osmesa"))
+        return;
+    // Below GL 4.3.
+    ck_assert_int_eq(Run("MESA_GL_VERSION_OVERRIDE=4.2 %s gpu --device osmesa --out new", BENCH), 4);
+    ck_assert_ptr_nonnull(strstr(GetErrors(), "compute shaders"));
+    ck_assert_int_eq(Run("test -e new/gpu.csv"), 1);
+}
+END_TEST
+
+START_TEST(mistakes_are_refused_before_anything_is_measured)
+{
+    static const char* const mistakes[] = {
+        "--scenes clot", "--triangles -1", "--device none",           "--device gpu", "--threads 0",
+        "--gpu ''",      "cloth",          "--device osmesa --gpu 0", "--out ''"};
+    for (size_t i = 0; i < sizeof mistakes / sizeof mistakes[0]; ++i)
+    {
+        ck_assert_msg(Run("%s gpu %s", BENCH, mistakes[i]) == 2, "%s: %s", mistakes[i], GetErrors());
+        ck_assert_int_eq(strncmp(GetErrors(), "qc-bench gpu: ", 14), 0);
+        ck_assert_uint_eq(CountEntries(), 0);
+    }
+    WriteText("file", "");
+    ck_assert_int_eq(Run("%s gpu --out file/below", BENCH), 1);
+}
+END_TEST
+
+START_TEST(a_run_that_is_ended_keeps_its_rows)
+{
+    if (!HasDevice(""))
+        return;
+    int status = Run("%s gpu --scenes cloth --threads 1 --out out >log & "
+                     "until [ -s out/gpu.txt ]; do sleep 0.02; done; kill $!; wait $!",
+                     BENCH);
+    ck_assert_int_eq(status, 128 + 15);
+    char hash[128] = "";
+    ck_assert_int_ge(ForEachRow("out/gpu.csv", HEADER, CheckRow, hash), 2);
+    // Nothing half-written lies about.
+    ck_assert_int_eq(Run("test $(ls -A out | wc -l) -eq 3"), 0);
+}
+END_TEST
+
+int main(void)
+{
+    Suite* suite = suite_create("qc-bench gpu");
+    TCase* tcase = tcase_create("qc-bench gpu");
+    tcase_add_checked_fixture(tcase, EnterFolder, LeaveFolder);
+    tcase_set_timeout(tcase, 300); // a bound against hanging, not a claim about speed
+    tcase_add_test(tcase, lists_agree_only_if_all_frames_and_all_steps_do);
+    tcase_add_test(tcase, each_scene_and_size_has_its_rows_with_equal_lists);
+    tcase_add_test(tcase, each_kernel_has_its_times_where_it_runs);
+    tcase_add_test(tcase, a_device_that_does_not_work_is_a_clear_error);
+    tcase_add_test(tcase, mistakes_are_refused_before_anything_is_measured);
+    tcase_add_test(tcase, a_run_that_is_ended_keeps_its_rows);
+    suite_add_tcase(suite, tcase);
+    return qcRunSuite(suite);
+}

@@ -1,0 +1,478 @@
+// Closest points, distance, normal and depth of two triangles, against examples and rational arithmetic.
+// QC_TEST_PAIRS in the environment raises the number of generated pairs.
+#include "triangle/exact.h"
+#include "support/oracle.h"
+#include "support/pairs.h"
+#include "triangle/proximity.h"
+#include "support/suite.h"
+
+#include <check.h>
+#include <float.h>
+#include <math.h>
+#include <string.h>
+
+// Of the extent: what scene.h promises.
+static const double s_relative = 1e-12;
+
+static qcProximity Find(const double a[3][3], const double b[3][3])
+{
+    qcRelation relation = qcExact_Relate(a, b, NULL);
+    qcProximity p;
+    qcClosestFeatures feet;
+    qcProximity_Of(a, b, relation, &p, &feet);
+    return p;
+}
+
+//  ---- by example ----------------------------------------------------------------------------------------
+
+typedef struct Example
+{
+    const char* name;
+    const double (*a)[3];
+    double b[3][3];
+    double pointA[3], pointB[3], normal[3], distance, depth;
+} Example;
+
+static const double s_face[3][3] = {{0, 0, 0}, {8, 0, 0}, {0, 8, 0}};
+static const double s_segment[3][3] = {{0, 0, 0}, {8, 0, 0}, {8, 0, 0}};
+static const double s_point[3][3] = {{1, 1, 0}, {1, 1, 0}, {1, 1, 0}};
+
+static const Example s_examples[] = {
+    {"a_vertex_under_a_face", s_face, {{1, 1, -5}, {9, 1, -9}, {1, 9, -8}}, {1, 1, 0}, {1, 1, -5}, {0, 0, 1}, 5, 0},
+    {"a_vertex_beside_an_edge",
+     s_face,
+     {{4, -3, 4}, {5, -9, 4}, {4, -3, 9}},
+     {4, 0, 0},
+     {4, -3, 4},
+     {0, 0.6, -0.8},
+     5,
+     0},
+    {"segments_that_cross_apart",
+     s_segment,
+     {{4, -4, 2}, {4, 4, 2}, {4, 4, 2}},
+     {4, 0, 0},
+     {4, 0, 2},
+     {0, 0, -1},
+     2,
+     0},
+    {"two_points_apart", s_point, {{1, 1, 3}, {1, 1, 3}, {1, 1, 3}}, {1, 1, 0}, {1, 1, 3}, {0, 0, -1}, 3, 0},
+    {"collinear_segments_apart",
+     s_segment,
+     {{10, 0, 0}, {12, 0, 0}, {12, 0, 0}},
+     {8, 0, 0},
+     {10, 0, 0},
+     {-1, 0, 0},
+     2,
+     0},
+    {"a_vertex_that_touches_a_face", s_face, {{1, 1, 0}, {1, 1, 3}, {2, 1, 3}}, {1, 1, 0}, {1, 1, 0}, {0, 0, -1}, 0, 0},
+    {"a_tip_that_has_come_through",
+     s_face,
+     {{1, 1, -1}, {1, 1, 9}, {3, 1, 9}},
+     {1.1, 1, 0},
+     {1.1, 1, 0},
+     {0, 0, -1},
+     0,
+     1},
+    {"a_segment_that_has_come_through",
+     s_face,
+     {{1, 3, 2}, {1, 3, -9}, {1, 3, -9}},
+     {1, 3, 0},
+     {1, 3, 0},
+     {1, 0, 0},
+     0,
+     1},
+    {"a_point_in_a_face", s_point, {{0, 0, 0}, {8, 0, 0}, {0, 8, 0}}, {1, 1, 0}, {1, 1, 0}, {0, 0, -1}, 0, 0},
+    {"a_face_in_a_face", s_face, {{1, 1, 0}, {2, 1, 0}, {1, 2, 0}}, {1.5, 1.5, 0}, {1.5, 1.5, 0}, {0, 0, 1}, 0, 0},
+    {"segments_that_cross", s_segment, {{4, 1, 0}, {4, -1, 0}, {4, -1, 0}}, {4, 0, 0}, {4, 0, 0}, {0, 0, -1}, 0, 0},
+    {"collinear_segments_that_overlap",
+     s_segment,
+     {{4, 0, 0}, {9, 0, 0}, {9, 0, 0}},
+     {6, 0, 0},
+     {6, 0, 0},
+     {0, 0, 1},
+     0,
+     0},
+    {"identical_points", s_point, {{1, 1, 0}, {1, 1, 0}, {1, 1, 0}}, {1, 1, 0}, {1, 1, 0}, {1, 0, 0}, 0, 0},
+};
+
+enum
+{
+    qc_exampleCount = sizeof s_examples / sizeof s_examples[0]
+};
+
+static void CheckNear(const double got[3], const double expected[3], double tolerance, const char* what)
+{
+    for (int axis = 0; axis < 3; ++axis)
+        ck_assert_msg(fabs(got[axis] - expected[axis]) <= tolerance, "%s is (%.17g, %.17g, %.17g)", what, got[0],
+                      got[1], got[2]);
+}
+
+START_TEST(the_example_has_this_answer)
+{
+    const Example* e = &s_examples[_i];
+    qcProximity p = Find(e->a, e->b);
+    CheckNear(p.pointA, e->pointA, 1e-14, "point of A");
+    CheckNear(p.pointB, e->pointB, 1e-14, "point of B");
+    CheckNear(p.normal, e->normal, 1e-15, "normal");
+    ck_assert_double_eq(p.distance, e->distance);
+    ck_assert_double_eq_tol(p.depth, e->depth, 1e-14);
+}
+END_TEST
+
+START_TEST(a_pair_beyond_the_margin_leaves_the_proximity_alone)
+{
+    const double b[3][3] = {{1, 1, 2}, {2, 1, 2}, {1, 2, 2}};
+    qcProximity p = {.distance = -7};
+    ck_assert(!qcTrianglesWithin(&s_face[0][0], &b[0][0], 1.75, &p));
+    ck_assert_double_eq(p.distance, -7);
+    ck_assert(qcTrianglesWithin(&s_face[0][0], &b[0][0], 2, &p));
+    ck_assert_double_eq(p.distance, 2);
+}
+END_TEST
+
+//  ---- generated pairs ---------------------------------------------------------------------------------------
+
+/// Kinds of pairs.h, and pairs apart as the last.
+static void MakePair(qcRandom* random, int kind, qcTrianglePair* pair)
+{
+    double distance;
+    if (kind == qc_pairKindCount)
+        qcTrianglePair_MakeApart(random, 1 + (int)qcRandom_Below(random, 3), 1 + (int)qcRandom_Below(random, 3), pair,
+                                 &distance);
+    else
+        qcTrianglePair_Make(random, (qcPairKind)kind, pair);
+    if (kind != qc_pairKindCount && qcRandom_Below(random, 2) == 0)
+        qcTrianglePair_Disturb(random, pair);
+}
+
+/// The largest difference of coordinates to the first corner; infinite for pairs as large as doubles get.
+static double GetExtent(const qcTrianglePair* pair)
+{
+    double extent = 0;
+    for (int i = 0; i < 9; ++i)
+    {
+        extent = fmax(extent, fabs(pair->a[i / 3][i % 3] - pair->a[0][i % 3]));
+        extent = fmax(extent, fabs(pair->b[i / 3][i % 3] - pair->a[0][i % 3]));
+    }
+    return extent;
+}
+
+/// What rounding to coordinates of the world costs, whatever is computed.
+static double GetWorldRounding(const qcTrianglePair* pair)
+{
+    return 4 * DBL_EPSILON * qcTrianglePair_GetLargest(pair) + 4 * 0x1p-1074;
+}
+
+static double GetDistanceTo(const double point[3], const double triangle[3][3])
+{
+    double corners[3][3];
+    for (int i = 0; i < 3; ++i)
+        memcpy(corners[i], point, sizeof corners[i]);
+    qcOracleDistance* exact = qcOracleDistance_Create((const double(*)[3])corners, triangle);
+    double distance = qcOracleDistance_Get(exact);
+    qcOracleDistance_Destroy(exact);
+    return distance;
+}
+
+/// How far A lies beyond B along the normal.
+static double GetGap(const qcTrianglePair* pair, const double normal[3])
+{
+    long double low = INFINITY, high = -INFINITY;
+    for (int i = 0; i < 3; ++i)
+    {
+        long double a = 0, b = 0;
+        for (int axis = 0; axis < 3; ++axis)
+        {
+            a += (long double)normal[axis] * ((long double)pair->a[i][axis] - pair->a[0][axis]);
+            b += (long double)normal[axis] * ((long double)pair->b[i][axis] - pair->a[0][axis]);
+        }
+        low = fminl(low, a);
+        high = fmaxl(high, b);
+    }
+    return (double)(low - high);
+}
+
+#define CHECK(condition, what, got, expected)                                                                          \
+    do                                                                                                                 \
+    {                                                                                                                  \
+        char text[1024];                                                                                               \
+        if (!(condition))                                                                                              \
+            ck_abort_msg("%s: %.17g, expected %.17g, extent %g, for %s", what, got, expected, GetExtent(pair),         \
+                         qcTrianglePair_Print(pair, text));                                                            \
+    } while (0)
+
+static void CheckPoints(const qcTrianglePair* pair, const qcProximity* p)
+{
+    double tolerance = s_relative * GetExtent(pair) + GetWorldRounding(pair);
+    double offA = GetDistanceTo(p->pointA, pair->a), offB = GetDistanceTo(p->pointB, pair->b);
+    CHECK(offA <= tolerance, "the point of A is off A", offA, 0.0);
+    CHECK(offB <= tolerance, "the point of B is off B", offB, 0.0);
+}
+
+static void CheckApart(const qcTrianglePair* pair, const qcProximity* p)
+{
+    const double extent = GetExtent(pair), rounding = 4 * 0x1p-1074;
+    qcOracleDistance* exact = qcOracleDistance_Create(pair->a, pair->b);
+    double distance = qcOracleDistance_Get(exact);
+    qcOracleDistance_Destroy(exact);
+    double off = fabs(p->distance - distance);
+    CHECK(off <= s_relative * extent + rounding, "distance", p->distance, distance);
+    CHECK(p->depth == 0, "depth", p->depth, 0.0);
+    CheckPoints(pair, p);
+    double apart =
+        sqrt(pow((p->pointA[0] - p->pointB[0]) / extent, 2) + pow((p->pointA[1] - p->pointB[1]) / extent, 2) +
+             pow((p->pointA[2] - p->pointB[2]) / extent, 2));
+    double tolerance = 2 * s_relative + 2 * GetWorldRounding(pair) / extent;
+    CHECK(fabs(apart - distance / extent) <= tolerance, "points apart", apart * extent, distance);
+    // The points are right to 1e-15 or so of the extent; a direction between them is to that over their distance.
+    double turn = distance > 0 ? 1e-15 * (extent / distance) : 1;
+    double gap = GetGap(pair, p->normal);
+    CHECK(gap >= distance - (s_relative + turn) * extent - rounding, "gap along the normal", gap, distance);
+}
+
+static qcRelation RelateMoved(const qcTrianglePair* pair, const qcProximity* p, double way)
+{
+    double moved[3][3];
+    for (int i = 0; i < 9; ++i)
+        moved[i / 3][i % 3] = pair->a[i / 3][i % 3] + way * p->normal[i % 3];
+    return qcRelateTriangles(&moved[0][0], &pair->b[0][0]);
+}
+
+static bool AreCoplanar(const qcTrianglePair* pair)
+{
+    const double(*a)[3] = pair->a;
+    const double(*b)[3] = pair->b;
+    bool coplanar = true;
+    for (int i = 0; i < 3; ++i)
+        coplanar = coplanar && qcOracle_Orient3d(a[0], a[1], a[2], b[i]) == 0 &&
+                   qcOracle_Orient3d(b[0], b[1], b[2], a[i]) == 0;
+    return coplanar;
+}
+
+static void CheckMeeting(const qcTrianglePair* pair, const qcProximity* p, qcRelation relation)
+{
+    const double extent = GetExtent(pair);
+    CHECK(p->distance == 0, "distance", p->distance, 0.0);
+    CHECK(memcmp(p->pointA, p->pointB, sizeof p->pointA) == 0, "points differ", p->pointA[0], p->pointB[0]);
+    CheckPoints(pair, p);
+    double depth = relation == qc_relationPenetrating ? qcOracle_Depth(pair->a, pair->b) : 0;
+    double tolerance = s_relative * extent + 4 * 0x1p-1074;
+    CHECK(fabs(p->depth - depth) <= tolerance, "depth", p->depth, depth);
+    if (AreCoplanar(pair))
+        CHECK(p->depth == 0, "depth in one plane", p->depth, depth);
+    // Only touches: what rounding of the moved corners may do besides is less than the tolerance.
+    tolerance += 2 * GetWorldRounding(pair);
+    qcRelation beyond = RelateMoved(pair, p, p->depth + tolerance), within = RelateMoved(pair, p, p->depth - tolerance);
+    CHECK(beyond != qc_relationPenetrating, "moved beyond the depth", p->depth, depth);
+    CHECK(within != qc_relationDisjoint || p->depth <= tolerance, "moved by less than the depth", p->depth, depth);
+}
+
+/// Does the point lie between the corners that are its foot?
+static void CheckFoot(const qcTrianglePair* pair, const double triangle[3][3], const double point[3], unsigned foot)
+{
+    CHECK(foot > 0 && foot < 8, "corners of a foot", (double)foot, 7.0);
+    double between[3][3];
+    int first = foot & 1u ? 0 : foot & 2u ? 1 : 2;
+    for (int c = 0; c < 3; c++)
+        memcpy(between[c], triangle[foot >> c & 1u ? c : first], sizeof between[c]);
+    // A corner of a weight below 1e-9 is none.
+    double away = GetDistanceTo(point, (const double(*)[3])between);
+    double tolerance = 4e-9 * GetExtent(pair) + 2 * GetWorldRounding(pair);
+    CHECK(away <= tolerance, "away from the foot", away, 0.0);
+}
+
+static void CheckPair(const qcTrianglePair* pair)
+{
+    qcRelation relation = qcExact_Relate(pair->a, pair->b, NULL);
+    qcProximity p;
+    qcClosestFeatures feet;
+    qcProximity_Of(pair->a, pair->b, relation, &p, &feet);
+    if (relation == qc_relationDisjoint)
+    {
+        CheckFoot(pair, pair->a, p.pointA, feet.corners[0]);
+        CheckFoot(pair, pair->b, p.pointB, feet.corners[1]);
+    }
+    double length = sqrt(p.normal[0] * p.normal[0] + p.normal[1] * p.normal[1] + p.normal[2] * p.normal[2]);
+    CHECK(fabs(length - 1) <= 1e-15, "length of the normal", length, 1.0);
+    if (relation == qc_relationDisjoint)
+        CheckApart(pair, &p);
+    else
+        CheckMeeting(pair, &p, relation);
+}
+
+START_TEST(generated_pairs_have_the_distance_and_the_depth_of_the_oracle)
+{
+    qcRandom random = {1200 + (uint64_t)_i};
+    // Coordinates from the least to the largest double make integers of a thousand bits and more: some will do.
+    int count = qcGetTestPairCount(40000) / qc_pairKindCount / (_i == qc_pairMixedExponents ? 20 : 1);
+    for (int i = 0; i < count; ++i)
+    {
+        qcTrianglePair pair;
+        MakePair(&random, _i, &pair);
+        // Beyond: a distance that is no double.
+        if (GetExtent(&pair) <= DBL_MAX / 4)
+            CheckPair(&pair);
+    }
+}
+END_TEST
+
+static void CheckMirror(const double a[3][3], const double b[3][3], double sign)
+{
+    qcProximity p = Find(a, b), q = Find(b, a);
+    double length2 = p.normal[0] * p.normal[0] + p.normal[1] * p.normal[1] + p.normal[2] * p.normal[2];
+    ck_assert_double_eq_tol(length2, 1.0, 1e-15);
+    for (int axis = 0; axis < 3; axis++)
+    {
+        ck_assert_double_eq(p.normal[axis], sign * q.normal[axis]);
+        ck_assert_double_eq(p.pointA[axis], q.pointB[axis]);
+    }
+}
+
+START_TEST(equal_triangles_have_opposite_normals_only_where_their_corners_come_in_another_order)
+{
+    // A triangle, a segment, a point.
+    static const double triangles[3][3][3] = {{{0.0, 0.0, 0.0}, {1.0, 0.5, 0.25}, {0.0, 2.0, 1.0}},
+                                              {{1.0, 2.0, 3.0}, {2.0, 4.0, 6.0}, {1.0, 2.0, 3.0}},
+                                              {{1.0, 2.0, 3.0}, {1.0, 2.0, 3.0}, {1.0, 2.0, 3.0}}};
+    for (int t = 0; t < 3; t++)
+        for (int turn = 0; turn < 3; turn++)
+        {
+            double other[3][3];
+            for (int c = 0; c < 3; c++)
+                memcpy(other[c], triangles[t][(c + turn) % 3], sizeof other[c]);
+            bool same = memcmp(other, triangles[t], sizeof other) == 0;
+            CheckMirror(triangles[t], (const double(*)[3])other, same ? 1.0 : -1.0);
+        }
+}
+END_TEST
+
+START_TEST(exchanging_the_two_gives_the_mirror_image)
+{
+    qcRandom random = {1300};
+    for (int i = 0; i < 20000; ++i)
+    {
+        qcTrianglePair made;
+        const qcTrianglePair* pair = &made;
+        MakePair(&random, i % (qc_pairKindCount + 1), &made);
+        if (memcmp(made.a, made.b, sizeof made.a) == 0)
+            continue;
+        qcProximity p = Find(made.a, made.b), q = Find(made.b, made.a);
+        CHECK(p.distance == q.distance && p.depth == q.depth, "distance", q.distance, p.distance);
+        for (int axis = 0; axis < 3; ++axis)
+        {
+            CHECK(p.pointA[axis] == q.pointB[axis], "point of B", q.pointB[axis], p.pointA[axis]);
+            CHECK(p.pointB[axis] == q.pointA[axis], "point of A", q.pointA[axis], p.pointB[axis]);
+            CHECK(p.normal[axis] == -q.normal[axis], "normal", q.normal[axis], -p.normal[axis]);
+        }
+    }
+}
+END_TEST
+
+START_TEST(far_from_the_origin_nothing_is_lost)
+{
+    qcRandom random = {1400};
+    for (int i = 0; i < 20000; ++i)
+    {
+        // Multiples of 2^-20 below 8 keep all their bits at 1e7.
+        qcTrianglePair near, made;
+        const qcTrianglePair* pair = &made;
+        for (int j = 0; j < 9; ++j)
+        {
+            near.a[j / 3][j % 3] = ldexp(qcRandom_Integer(&random, -(1 << 23), 1 << 23), -20);
+            near.b[j / 3][j % 3] = ldexp(qcRandom_Integer(&random, -(1 << 23), 1 << 23), -20);
+        }
+        made = near;
+        double offset[3];
+        for (int axis = 0; axis < 3; ++axis)
+            offset[axis] = qcRandom_Integer(&random, -10000000, 10000000);
+        for (int j = 0; j < 9; ++j)
+        {
+            made.a[j / 3][j % 3] += offset[j % 3];
+            made.b[j / 3][j % 3] += offset[j % 3];
+        }
+        qcProximity p = Find(near.a, near.b), q = Find(made.a, made.b);
+        CHECK(p.distance == q.distance, "distance", q.distance, p.distance);
+        CHECK(p.depth == q.depth, "depth", q.depth, p.depth);
+        CHECK(memcmp(p.normal, q.normal, sizeof p.normal) == 0, "normal", q.normal[0], p.normal[0]);
+        for (int axis = 0; axis < 3; ++axis)
+            CHECK(fabs(p.pointA[axis] + offset[axis] - q.pointA[axis]) <= 1e-8, "point of A", q.pointA[axis],
+                  p.pointA[axis] + offset[axis]);
+    }
+}
+END_TEST
+
+START_TEST(scale_changes_lengths_by_the_scale_and_nothing_else)
+{
+    qcRandom random = {1500};
+    const int exponents[] = {20, -20, 500, -500, 1000, -960};
+    for (int i = 0; i < 20000; ++i)
+    {
+        qcTrianglePair made;
+        const qcTrianglePair* pair = &made;
+        qcTrianglePair_Make(&random, qc_pairFloat, &made);
+        qcProximity p = Find(made.a, made.b);
+        int exponent = exponents[i % 6];
+        for (int j = 0; j < 9; ++j)
+        {
+            made.a[j / 3][j % 3] = ldexp(made.a[j / 3][j % 3], exponent);
+            made.b[j / 3][j % 3] = ldexp(made.b[j / 3][j % 3], exponent);
+        }
+        qcProximity q = Find(made.a, made.b);
+        CHECK(ldexp(p.distance, exponent) == q.distance, "distance", q.distance, ldexp(p.distance, exponent));
+        CHECK(ldexp(p.depth, exponent) == q.depth, "depth", q.depth, ldexp(p.depth, exponent));
+        CHECK(memcmp(p.normal, q.normal, sizeof p.normal) == 0, "normal", q.normal[0], p.normal[0]);
+    }
+}
+END_TEST
+
+START_TEST(a_vertex_over_a_sliver_is_as_near_as_it_is)
+{
+    // One of 10^-9 in width, 220 long, with a vertex of the other 8 * 10^-12 above it.
+    const qcTrianglePair sliver = {{{0x1.637d26db38f6bp+18, -0x1.16e37524d69ep+23, -0x1.1151c8e3dc169p+22},
+                                    {0x1.6396d36bba4f4p+18, -0x1.16e41b09b76bap+23, -0x1.1150cc1960f5cp+22},
+                                    {0x1.638c751dad755p+18, -0x1.16e3d3f0c4ca5p+23, -0x1.1150fb7f580bdp+22}},
+                                   {{0x1.639dbcf51835dp+18, -0x1.16e44a6fae81cp+23, -0x1.1150ac8011918p+22},
+                                    {0x1.637443bce4ce3p+18, -0x1.16e32e0be3fccp+23, -0x1.11516a17edea4p+22},
+                                    {0x1.637443bce4cep+18, -0x1.16e32e0be3fc9p+23, -0x1.11516a17edea4p+22}},
+                                   qc_pairKindCount};
+    CheckPair(&sliver);
+}
+END_TEST
+
+START_TEST(points_of_the_largest_triangles_are_finite)
+{
+    const double most = DBL_MAX;
+    const double a[3][3] = {{-most, 0, -most}, {most, 0, -most}, {most, 0, most}};
+    const double x[3] = {0.32 * most, most / 16, -0.34 * most};
+    const double b[3][3] = {{x[0], x[1], x[2]}, {x[0], x[1], x[2]}, {x[0], x[1], x[2]}};
+    qcProximity p = Find(a, b);
+    ck_assert_double_eq_tol(p.pointA[0] / most, 0.32, 1e-15);
+    ck_assert_double_eq_tol(p.pointA[1] / most, 0, 1e-15);
+    ck_assert_double_eq_tol(p.pointA[2] / most, -0.34, 1e-15);
+    ck_assert_double_eq_tol(p.distance / most, 1.0 / 16, 1e-15);
+    ck_assert_double_eq_tol(p.normal[1], -1, 1e-15);
+}
+END_TEST
+
+int main(void)
+{
+    Suite* suite = suite_create("proximity");
+    for (int i = 0; i < qc_exampleCount; ++i)
+    {
+        TCase* example = tcase_create(s_examples[i].name);
+        tcase_add_loop_test(example, the_example_has_this_answer, i, i + 1);
+        suite_add_tcase(suite, example);
+    }
+    TCase* tcase = tcase_create("generated");
+    tcase_set_timeout(tcase, 0);
+    tcase_add_test(tcase, a_pair_beyond_the_margin_leaves_the_proximity_alone);
+    tcase_add_loop_test(tcase, generated_pairs_have_the_distance_and_the_depth_of_the_oracle, 0, qc_pairKindCount + 1);
+    tcase_add_test(tcase, exchanging_the_two_gives_the_mirror_image);
+    tcase_add_test(tcase, equal_triangles_have_opposite_normals_only_where_their_corners_come_in_another_order);
+    tcase_add_test(tcase, far_from_the_origin_nothing_is_lost);
+    tcase_add_test(tcase, a_vertex_over_a_sliver_is_as_near_as_it_is);
+    tcase_add_test(tcase, points_of_the_largest_triangles_are_finite);
+    tcase_add_test(tcase, scale_changes_lengths_by_the_scale_and_nothing_else);
+    suite_add_tcase(suite, tcase);
+    return qcRunSuite(suite);
+}
