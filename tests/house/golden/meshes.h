@@ -26,7 +26,7 @@ qcMesh qcMesh_MakeSoup(qcRandom* random, uint32_t triangleCount, double size, ui
 /// Turns some triangles into points, segments, or triangles that name a vertex twice.
 void qcMesh_MakeDegenerate(qcRandom* random, qcMesh* mesh);
 
-/// `columns` * `rows` squares; closed around in one or both directions where asked. Positions are left to the caller.
+/// `columns` * `rows` squares, at the origin; `closedColumns`, `closedRows`: joined to a ring that way.
 qcMesh qcMesh_MakeGrid(uint32_t columns, uint32_t rows, bool closedColumns, bool closedRows);
 
 /// A point of the unit circle; `turn` in 0..4 goes around once.
