@@ -6,7 +6,7 @@
 #include "quickcullide/bullet_fracture.h"
 #endif
 
-#include "bullet_worlds.h"
+#include "house/golden/bullet_worlds.h"
 
 #include <BulletCollision/Gimpact/btGImpactShape.h>
 #include <BulletSoftBody/btDeformableGravityForce.h>

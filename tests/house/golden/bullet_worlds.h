@@ -4,7 +4,7 @@
 
 #include "quickcullide/bullet.h"
 
-#include "meshes.h"
+#include "house/golden/meshes.h"
 
 #include <BulletCollision/Gimpact/btGImpactCollisionAlgorithm.h>
 #include <BulletSoftBody/btSoftBody.h>

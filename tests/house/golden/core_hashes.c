@@ -2,7 +2,7 @@
 // public headers only. `core_hashes`: on the CPU, the same results on every machine; lines NAME:work hash what the step
 // did on the way to them, which depends on whether the kernels fuse multiply and add. `core_hashes --device`: the
 // methods that draw. Lines that begin with # name what the others depend on.
-#include "core_worlds.h"
+#include "house/golden/core_worlds.h"
 
 #include <assert.h>
 

@@ -2,7 +2,7 @@
 #ifndef QC_GOLDEN_CORE_WORLDS_H
 #define QC_GOLDEN_CORE_WORLDS_H
 
-#include "meshes.h"
+#include "house/golden/meshes.h"
 
 #include "quickcullide/quickcullide.h"
 

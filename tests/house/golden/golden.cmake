@@ -47,5 +47,6 @@ endforeach()
 
 # Inputs and results are those of single operations: no fused multiply-add.
 foreach(target qc_golden_meshes ${QC_GOLDEN_PROGRAMS})
+  target_include_directories(${target} PRIVATE ${PROJECT_SOURCE_DIR}/tests)
   target_compile_options(${target} PRIVATE -ffp-contract=off)
 endforeach()

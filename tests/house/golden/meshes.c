@@ -1,5 +1,5 @@
 // Seeded soups, closed meshes and cloth for the golden programs.
-#include "meshes.h"
+#include "house/golden/meshes.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -3,7 +3,7 @@
 #ifndef QC_GOLDEN_MESHES_H
 #define QC_GOLDEN_MESHES_H
 
-#include "hash.h"
+#include "house/golden/hash.h"
 
 #include <stdbool.h>
 
