@@ -150,8 +150,3 @@ void qcArray_Free(qcArray* array)
     qcFree(array->data, array->capacity);
     *array = (qcArray){0};
 }
-
-qcStatus qcArray_FailAgain(const qcArray* array, const char* purpose)
-{
-    return qcFailMemory(GrownCapacity(array), purpose);
-}

@@ -35,8 +35,6 @@ qcStatus qcArray_Append(qcArray* array, const qcArray* other, size_t elementSize
 /// Gives back the room that is not used. qc_statusOutOfMemory leaves it as it was.
 qcStatus qcArray_Trim(qcArray* array, size_t elementSize, const char* purpose);
 void qcArray_Free(qcArray* array);
-/// The status of a worker thread whose array could not grow, said again on this thread: messages are each thread's own.
-qcStatus qcArray_FailAgain(const qcArray* array, const char* purpose);
 
 /// array[i] as a T; no check.
 #define QC_AT(T, array, i) (((T*)(array).data)[i])

@@ -4,6 +4,7 @@
 
 #include "base/parallel_for.h"
 #include "base/status.h"
+#include "base/worker_results.h"
 
 #include <stdbool.h>
 #include <string.h>
@@ -34,7 +35,7 @@ typedef struct Builder
     const qcCorners* corners;
     uint32_t vertexCount;
     int size;
-    qcStatus status;
+    qcWorkerResult result;
     qcArray places, loops; ///< of these discs, as in qcFlatPatches
     qcArray inDisc;        ///< uint32_t by place: the disc it is in
     qcArray joints;        ///< of Joint, by vertex
@@ -314,14 +315,13 @@ static void GrowSize(void* context, size_t size, uint32_t worker)
 {
     (void)worker;
     Builder* builder = (Builder*)context + size;
-    builder->status = GrowAll(builder);
+    (void)qcWorkerResult_Add(&builder->result, GrowAll(builder));
 }
 
 /// Adds the places and loops of the discs of one size.
 static qcStatus AddSize(qcFlatPatches* d, const Builder* b)
 {
-    if (b->status != qc_statusOk)
-        return qcArray_FailAgain(&b->places, "discs of triangles");
+    QC_TRY(qcWorkerResult_Check(&b->result));
     size_t first = b->size == 0 ? 0 : d->nodeCount, end = b->size == 0 ? d->nodeCount : d->discs.count;
     for (size_t i = first; i < end; i++)
     {

@@ -13,6 +13,7 @@
 #include "base/parallel_for.h"
 #include "base/rigid_transform.h"
 #include "base/status.h"
+#include "base/worker_results.h"
 
 #include <math.h>
 #include <string.h>
@@ -53,7 +54,7 @@ typedef struct Relating
     qcTriangleBvh* surface;
     const qcBody* body;
     qcAdjacency adjacency;
-    qcStatus status[2];
+    qcWorkerResult results[2];
 } Relating;
 
 static void RelatePart(void* context, size_t part, uint32_t worker)
@@ -61,8 +62,9 @@ static void RelatePart(void* context, size_t part, uint32_t worker)
     (void)worker;
     Relating* r = context;
     qcTriangleBvh* s = r->surface;
-    r->status[part] = part == 0 ? qcClusters_Link(&s->clusters, r->body->indices, r->body->vertexCount)
+    qcStatus status = part == 0 ? qcClusters_Link(&s->clusters, r->body->indices, r->body->vertexCount)
                                 : qcAdjacency_Build(&r->adjacency, s->corners.data, s->corners.count, s->vertexCount);
+    (void)qcWorkerResult_Add(&r->results[part], status);
 }
 
 static qcStatus Relate(Relating* r, uint32_t threads)
@@ -70,9 +72,7 @@ static qcStatus Relate(Relating* r, uint32_t threads)
     qcTriangleBvh* surface = r->surface;
     qcParallel_For(threads, 2, 2, RelatePart, r);
     for (int i = 0; i < 2; i++)
-        // The message is the worker's own; say it again on this thread.
-        if (r->status[i] != qc_statusOk)
-            return qcArray_FailAgain(&surface->corners, "pairs within a surface");
+        QC_TRY(qcWorkerResult_Check(&r->results[i]));
     QC_TRY(qcFlatPatches_Build(&surface->discs, &surface->clusters, &r->adjacency, surface->corners.data,
                                surface->vertexCount, threads));
     QC_TRY(qcArray_Resize(&surface->flat, surface->discs.discs.count, 1, "discs of a surface"));
