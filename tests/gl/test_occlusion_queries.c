@@ -514,7 +514,7 @@ START_TEST(bad_resolutions_and_devices_are_refused)
         ck_assert_int_eq(qcVisibility_Create(&def, &visibility), qc_statusBadInput);
         // Grown, each becomes five.
         def.triangleCount = 0x7fffffff / 15 + 1;
-        def.grown = true;
+        def.dilated = true;
         ck_assert_int_eq(qcVisibility_Create(&def, &visibility), qc_statusBadInput);
         // The limit itself is fine; tiled, so that no GPU runs out of memory here.
         qcVisibility_Destroy(Open(device, corners, 1, info.maxResolution, 512));
@@ -551,7 +551,7 @@ static void Release(void* memory, size_t size, void* context)
 }
 
 /// Allows one allocation more each time, until a pass succeeds.
-static void FailEachAllocation(qcDevice* device, Heap* heap, bool grown)
+static void FailEachAllocation(qcDevice* device, Heap* heap, bool dilated)
 {
     Scene scene = {.count = 0};
     AddSquare(&scene, -0.5f, -0.5f, 0.5f, 0.5f, -0.3f, -0.3f);
@@ -563,7 +563,7 @@ static void FailEachAllocation(qcDevice* device, Heap* heap, bool grown)
                                  .triangleCount = scene.count,
                                  .resolution = 64,
                                  .tileSize = 17,
-                                 .grown = grown};
+                                 .dilated = dilated};
     size_t before = qcGetByteCount();
     int failures = 0;
     qcStatus status = qc_statusOutOfMemory;
@@ -596,8 +596,8 @@ START_TEST(any_allocation_may_fail_and_the_next_pass_succeeds)
     ck_assert_int_eq(qcSetAllocator(Allocate, Release, &heap), qc_statusOk);
     QC_FOR_EACH_DEVICE(device)
     {
-        for (int grown = 0; grown < 2; ++grown)
-            FailEachAllocation(device, &heap, grown == 1);
+        for (int dilated = 0; dilated < 2; ++dilated)
+            FailEachAllocation(device, &heap, dilated == 1);
     }
     ck_assert_int_eq(qcSetAllocator(NULL, NULL, NULL), qc_statusOk);
 }

@@ -1,7 +1,7 @@
 // The device's part of `layers`: from vertices to pairs of triangles that may be within the query distance.
 // The image is a grid of pixels over two axes, each cut into slices of depth. Each cell has a list of the nodes (64
-// triangles) that cover it. Nodes that share a cell and overlap are refined to clusters (8) and triangles: by the device
-// or, where that is the processor itself, by cull/layers/cpu_refine.h.
+// triangles) that cover it. Nodes that share a cell and overlap are refined to clusters (8) and triangles: by the
+// device or, where that is the processor itself, by cull/layers/cpu_refine.h.
 #ifndef QC_GL_LAYERS_LAYERS_GPU_H
 #define QC_GL_LAYERS_LAYERS_GPU_H
 
@@ -12,8 +12,8 @@
 /// Buffers that the caller uploads; they stay on the device. Elements are 16 bytes unless stated otherwise.
 typedef enum qcLayersBuffer
 {
-    /// By vertex: four floats, the position in the grid frame, within [0, 1], each coordinate within `pointError` of the
-    /// true one; the fourth is unused.
+    /// By vertex: four floats, the position in the grid frame, within [0, 1], each coordinate within `pointError` of
+    /// the true one; the fourth is unused.
     qc_layersVertices,
     /// By vertex of a rigid body: bits of three floats, the position about its centre, within [-1, 1]; the body's slot.
     qc_layersLocals,
@@ -36,7 +36,8 @@ typedef enum qcLayersBuffer
 
 enum
 {
-    qc_layersLevels = 32767, ///< the highest level; the lowest is 1, so that an empty box, which ends at 0, is below all
+    qc_layersLevels =
+        32767, ///< the highest level; the lowest is 1, so that an empty box, which ends at 0, is below all
     qc_layersBodyTexels = 5,
     qc_layersIsMoving = 1,
     qc_layersMeetsItself = 2
@@ -86,9 +87,9 @@ typedef struct qcLayersStep
     uint32_t chunkCount;                ///< rigid vertices to transform first
     uint32_t changedNodes, activeNodes; ///< counts in qc_layersActiveNodes
     float scale[3];                     ///< levels = coordinate * scale
-    float slack[4];          ///< levels by which boxes are enlarged; the fourth: along the diagonal
-    uint32_t cellsLog2[3];   ///< columns, rows and slices of the image: 0..12 each, 0..24 in all
-    float pointError, reach; ///< in the frame; reach: the query distance
+    float slack[4];                     ///< levels by which boxes are enlarged; the fourth: along the diagonal
+    uint32_t cellsLog2[3];              ///< columns, rows and slices of the image: 0..12 each, 0..24 in all
+    float pointError, reach;            ///< in the frame; reach: the query distance
     bool testNeighbours;
     bool timed;
 } qcLayersStep;
