@@ -1,5 +1,5 @@
-// Dilated triangles: whatever comes within the dilation is never fully visible, wherever it lies between the samples.
-// Points that two triangles have in common are put there first; triangles of every shape are then laid through them.
+// Conservative dilation: triangles within the dilation of one point are never fully visible, wherever that point lies
+// between the samples. The point is chosen first; triangles of every shape are then placed through it.
 #include "support/devices.h"
 #include "gl/visibility/conservative_dilation.h"
 #include "gl/visibility/occlusion_queries.h"
@@ -24,7 +24,7 @@ typedef enum Shape
     shape_count
 } Shape;
 
-/// 2^lower .. 2^upper, all magnitudes as often.
+/// 2^lower .. 2^upper, uniform in the exponent.
 static double Magnitude(qcRandom* random, double lower, double upper)
 {
     return exp2(qcRandom_Uniform(random, lower, upper));
@@ -51,7 +51,7 @@ static void MakeTriangle(qcRandom* random, Shape shape, int axis, double size, d
     }
 }
 
-/// Moves a triangle so that some point of it, often of its border, is at `to`.
+/// Moves a triangle so that a random point of it, often of its border, is at `to`.
 static void PutThrough(qcRandom* random, const double to[3], double t[3][3])
 {
     double weights[3] = {qcRandom_Uniform(random, 0.0, 1.0), qcRandom_Uniform(random, 0.0, 1.0), 1.0};
@@ -80,7 +80,7 @@ static bool IsInImage(const double t[3][3])
 /// A triangle in the image with a point within `dilation` of m in each axis.
 static Shape MakeNear(qcRandom* random, int axis, const double dilation[3], const double m[3], double t[3][3])
 {
-    for (double largest = 0.0;; largest -= 0.5) // smaller ones fit in the end
+    for (double largest = 0.0;; largest -= 0.5) // a triangle that is small enough fits
     {
         Shape shape = (Shape)qcRandom_Below(random, shape_count);
         double to[3];
@@ -132,7 +132,7 @@ enum
 
 //  ---- polygons and depths -------------------------------------------------------------------------
 
-/// How often a polygon winds around a point.
+/// Winding number of a polygon around a point.
 static int WindAround(const qcDilatedCorner* ring, double x, double y)
 {
     int winding = 0;
@@ -165,8 +165,7 @@ START_TEST(each_pixel_near_a_triangle_lies_well_inside_its_polygon_and_its_depth
         qcDilatedCorner ring[qc_dilatedCorners];
         qcDilation_Apply(&dilation, corners, 1, ring);
 
-        // A pixel that holds m, and points nearly an eighth of a pixel around its centre, where it will be in GL's
-        // eyes.
+        // A pixel that contains m, and points nearly an eighth of a pixel around its centre: GL rounds by less.
         double pixel = 2.0 / dilation.resolution, at[2], place[2];
         for (int k = 0; k < 2; k++)
         {
@@ -180,7 +179,7 @@ START_TEST(each_pixel_near_a_triangle_lies_well_inside_its_polygon_and_its_depth
                           "round %d: outside", round);
         for (int i = 0; i < qc_dilatedCorners; i++)
         {
-            // As the fragment shader computes it.
+            // The arithmetic of the fragment shader.
             float depth = ring[i].base + ring[i].slopeX * (float)place[0] + ring[i].slopeY * (float)place[1];
             float nearest = fminf(fmaxf(depth - ring[i].slack, ring[i].nearest), ring[i].farthest);
             float farthest = fminf(fmaxf(depth + ring[i].slack, ring[i].nearest), ring[i].farthest);
@@ -208,7 +207,7 @@ START_TEST(a_polygon_covers_no_more_than_its_triangle_dilated_by_a_pixel)
         Store(t, corners);
         qcDilatedCorner ring[qc_dilatedCorners];
         qcDilation_Apply(&dilation, corners, 1, ring);
-        // Its extent in each of the directions in which the dilated triangle's is known.
+        // Its extent in 16 directions.
         for (int direction = 0; direction < 16; direction++)
         {
             double nx = cos(direction * 0.39269908), ny = sin(direction * 0.39269908), triangle = -9.0, polygon = -9.0;
@@ -216,9 +215,9 @@ START_TEST(a_polygon_covers_no_more_than_its_triangle_dilated_by_a_pixel)
                 triangle = fmax(triangle, nx * corners[3 * i] + ny * corners[3 * i + 1]);
             for (int i = 0; i < qc_dilatedCorners; i++)
                 polygon = fmax(polygon, nx * ring[i].x + ny * ring[i].y);
-            double most = fabs(nx) * (fmin(dilation.size[0], 2.0) + 0.65 * pixel) +
+            double max = fabs(nx) * (fmin(dilation.size[0], 2.0) + 0.65 * pixel) +
                           fabs(ny) * (fmin(dilation.size[1], 2.0) + 0.65 * pixel);
-            ck_assert_msg(polygon <= triangle + most, "round %d: %g beyond %g", round, polygon - triangle, most);
+            ck_assert_msg(polygon <= triangle + max, "round %d: %g beyond %g", round, polygon - triangle, max);
         }
     }
 }
@@ -226,7 +225,7 @@ END_TEST
 
 //  ---- visibility ----------------------------------------------------------------------------------
 
-/// Is the first triangle of two fully visible once the second is rendered?
+/// Whether the first triangle of two is fully visible after the second is rendered.
 static bool IsVisible(qcDevice* device, const qcVisibilityDef* def, int axis, bool fromBack)
 {
     const qcVisibilityStep steps[2] = {{1, 1, false, true}, {0, 1, true, false}};
@@ -292,7 +291,7 @@ START_TEST(parallel_planes_separate_as_soon_as_their_gap_exceeds_the_dilation_an
             double change = fabs(slopeX) * (def.dilation[x] + 1.25 / resolution) +
                             fabs(slopeY) * (def.dilation[y] + 1.25 / resolution) + def.dilation[axis];
             double gap = 2.0 * change + 1e-4;
-            // A large triangle, and a smaller one before or behind it.
+            // A large triangle, and a smaller one in front of it or behind it.
             static const double places[2][3][2] = {{{-0.9, -0.9}, {0.9, -0.8}, {0.1, 0.9}},
                                                    {{-0.2, -0.1}, {0.3, -0.2}, {0.1, 0.4}}};
             bool isBehind = qcRandom_Below(&random, 2) == 0;
@@ -346,7 +345,7 @@ START_TEST(triangles_a_pixel_and_the_dilation_apart_in_the_image_are_fully_visib
 }
 END_TEST
 
-QC_RUN_TESTS("dilation", each_pixel_near_a_triangle_lies_well_inside_its_polygon_and_its_depths_hold,
+QC_RUN_TESTS("conservative dilation", each_pixel_near_a_triangle_lies_well_inside_its_polygon_and_its_depths_hold,
              a_polygon_covers_no_more_than_its_triangle_dilated_by_a_pixel,
              triangles_within_the_dilation_of_one_point_hide_each_other_from_both_sides,
              parallel_planes_separate_as_soon_as_their_gap_exceeds_the_dilation_and_a_pixel,

@@ -34,8 +34,8 @@ typedef struct qcVisibilityDef
     /// The image is drawn in tiles of this many pixels on a side; 0: the device's default. Samples don't depend on it;
     /// corners and depths may be rounded differently in the last bit.
     uint32_t tileSize;
-    /// Dilate each triangle by half a pixel and by a box of these half sizes: what is fully visible then has no point
-    /// within the half sizes of both it and what was rendered (see gl/visibility/conservative_dilation.c).
+    /// Dilate each triangle by half a pixel and by a box of these half sizes. No point is then within the half sizes of
+    /// both a fully visible triangle and a rendered one. Proof: plugin/docs/proofs/conservative_dilation.md.
     bool dilated;
     double dilation[3];
 } qcVisibilityDef;
