@@ -216,7 +216,7 @@ START_TEST(a_polygon_covers_no_more_than_its_triangle_dilated_by_a_pixel)
             for (int i = 0; i < qc_dilatedCorners; i++)
                 polygon = fmax(polygon, nx * ring[i].x + ny * ring[i].y);
             double max = fabs(nx) * (fmin(dilation.size[0], 2.0) + 0.65 * pixel) +
-                          fabs(ny) * (fmin(dilation.size[1], 2.0) + 0.65 * pixel);
+                         fabs(ny) * (fmin(dilation.size[1], 2.0) + 0.65 * pixel);
             ck_assert_msg(polygon <= triangle + max, "round %d: %g beyond %g", round, polygon - triangle, max);
         }
     }
