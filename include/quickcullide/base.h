@@ -4,8 +4,8 @@
 // other call runs; everything else here may be called from any thread.
 //
 // Floating-point modes: results don't depend on the caller's rounding mode, nor on whether it flushes subnormals (FTZ,
-// DAZ) or traps. Each call computes in the default modes and puts the caller's back. A qcBoxFunction runs in the modes
-// of the caller; all other callbacks run in the default modes.
+// DAZ) or traps. Each call computes in the default modes and puts the caller's back. A qcBoxFunction and
+// a qcLoopFunction run in the modes of the caller; all other callbacks run in the default modes.
 #ifndef QUICKCULLIDE_BASE_H
 #define QUICKCULLIDE_BASE_H
 
@@ -83,6 +83,20 @@ typedef void qcParallelForFunction(uint32_t count, qcTask* task, void* taskConte
 /// on the floating-point modes of the host's threads: tasks set their own and put these back.
 /// `context` is in use until the next call of this. qc_statusBadInput: a function without workers; nothing changes.
 QC_API qcStatus qcSetParallelFor(qcParallelForFunction* parallelFor, uint32_t workers, void* context);
+
+/// One index of a loop. `worker` is below the loop's number of workers; no two calls at the same time have the same
+/// one.
+typedef void qcLoopFunction(size_t index, uint32_t worker, void* loopContext);
+
+/// Workers of a loop of the library: those of qcSetParallelFor, else one for each core of the process; 1 to 256.
+QC_API uint32_t qcGetWorkerCount(void);
+
+/// Runs a loop of yours where the library runs its own: on the threads of qcSetParallelFor or on the library's. Calls
+/// function(index, worker, loopContext) once for each index below `count`, in any order, on at most `workers` threads
+/// (0: qcGetWorkerCount()), and returns when all calls have. The function must not throw; it runs in the caller's
+/// floating-point modes. Any thread may call it, several at once: the library's own threads run one loop at a time, the
+/// others stay on their calling threads.
+QC_API void qcParallelFor(uint32_t workers, size_t count, qcLoopFunction* function, void* loopContext);
 
 #ifdef __cplusplus
 }
