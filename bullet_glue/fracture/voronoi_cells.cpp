@@ -64,7 +64,7 @@ Box FindWalls(const std::vector<qcClipPoint>& mesh, const std::vector<qcClipPoin
 /// in one of eight shifted grids of twice that width, close sites are in the same cell.
 bool AreAnyClose(const std::vector<qcClipPoint>& sites, double distance)
 {
-    qcClipTable<qcClipPoint, uint32_t> grid;
+    qcHashTable<qcClipPoint, uint32_t> grid;
     for (int shift = 0; shift < 8; shift++)
     {
         grid.Clear(sites.size());

@@ -99,19 +99,10 @@ void qcSoftZones::Begin()
     m_firstObject = uint32_t(m_parts.size());
     for (const std::unique_ptr<qcSceneRigid>& rigid : m_scene.meshes.Rigids())
         m_parts.push_back({nullptr, rigid.get(), 0, rigid->object->getWorldTransform()});
-    m_parents.resize(m_parts.size());
-    for (size_t i = 0; i < m_parents.size(); i++)
-        m_parents[i] = uint32_t(i);
+    m_sets.Reset(m_parts.size());
     m_isMember.assign(m_parts.size(), false);
     m_isHeld.assign(m_parts.size(), false);
     m_zones.assign(m_parts.size(), s_none);
-}
-
-uint32_t qcSoftZones::Find(uint32_t part)
-{
-    while (m_parents[part] != part)
-        part = m_parents[part] = m_parents[m_parents[part]];
-    return part;
 }
 
 void qcSoftZones::AddPartsOf(uint32_t slot, uint32_t triangle, std::vector<uint32_t>* parts) const
@@ -138,15 +129,13 @@ bool qcSoftZones::Add(const qcPair& pair)
     std::vector<uint32_t> parts;
     AddPartsOf(pair.bodyA, pair.triangleA, &parts);
     AddPartsOf(pair.bodyB, pair.triangleB, &parts);
-    uint32_t root = Find(parts[0]);
+    uint32_t root = m_sets.Find(parts[0]);
     bool moved = true, held = false;
     for (uint32_t part : parts)
     {
-        uint32_t other = Find(part);
         moved = moved && m_zones[part] != s_none && m_zones[part] == m_zones[parts[0]];
-        held = held || m_isHeld[other];
-        m_parents[std::max(root, other)] = std::min(root, other);
-        root = std::min(root, other);
+        held = held || m_isHeld[m_sets.Find(part)];
+        root = m_sets.Unite(root, part);
         m_isMember[part] = true;
     }
     // They have moved as one, and still penetrate: by rounding alone, or pinned parts have different motions.
@@ -187,7 +176,7 @@ btTransform qcSoftZones::MotionOf(const std::vector<uint32_t>& zone) const
 
 void qcSoftZones::MoveZone(const std::vector<uint32_t>& zone)
 {
-    uint32_t root = Find(zone[0]);
+    uint32_t root = m_sets.Find(zone[0]);
     btTransform motion = m_isHeld[root] ? btTransform::getIdentity() : MotionOf(zone);
     bool stays = motion == btTransform::getIdentity();
     for (uint32_t number : zone)
@@ -210,7 +199,7 @@ void qcSoftZones::Move()
     std::map<uint32_t, std::vector<uint32_t>> zones;
     for (uint32_t i = 0; i < m_parts.size(); i++)
         if (m_isMember[i])
-            zones[m_zones[i] = Find(i)].push_back(i);
+            zones[m_zones[i] = m_sets.Find(i)].push_back(i);
     for (const auto& zone : zones)
         MoveZone(zone.second);
 }

@@ -5,6 +5,7 @@
 #ifndef QC_GLUE_SOFT_BODY_RESPONSE_RIGID_ZONES_H
 #define QC_GLUE_SOFT_BODY_RESPONSE_RIGID_ZONES_H
 
+#include "common/union_find.h"
 #include "soft_body/scene/soft_scene.h"
 
 class qcSoftZones
@@ -34,14 +35,13 @@ class qcSoftZones
     };
 
     void Begin();
-    uint32_t Find(uint32_t part);
     void AddPartsOf(uint32_t slot, uint32_t triangle, std::vector<uint32_t>* parts) const;
     btTransform MotionOf(const std::vector<uint32_t>& zone) const;
     void MoveZone(const std::vector<uint32_t>& zone);
 
     qcSoftBodyScene& m_scene;
     std::vector<Part> m_parts;         ///< all nodes, body by body, then all objects; empty before the first Add
-    std::vector<uint32_t> m_parents;   ///< a forest over the parts: its trees are the zones
+    qcUnionFind m_sets;                ///< of parts: the zones
     std::vector<bool> m_isMember;      ///< of a zone
     std::vector<uint32_t> m_zones;     ///< roots at the last Move
     std::vector<bool> m_isHeld;        ///< of a root: the zone goes back to where it started, exactly

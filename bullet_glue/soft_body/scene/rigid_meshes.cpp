@@ -1,36 +1,35 @@
 // Meshes near soft bodies: found through the broadphase, moved by contacts.
 #include "soft_body/scene/rigid_meshes.h"
 
+#include "common/compound_children.h"
 #include "common/object_key.h"
 #include "common/shape_triangles.h"
 #include "common/weld_vertices.h"
-#include "common/scalar_type.h"
 
 #include <BulletCollision/BroadphaseCollision/btBroadphaseInterface.h>
-#include <BulletCollision/CollisionShapes/btCompoundShape.h>
 #include <LinearMath/btTransformUtil.h>
 
 #include <algorithm>
 
 namespace
 {
-void CollectMeshes(const btCollisionShape* shape, const btTransform& local, std::vector<qcSceneMesh>* meshes)
+/// The shape's qcMeshShapes; their local transforms are the given one times that in the shape.
+std::vector<qcSceneMesh> MeshesOf(const btCollisionShape* shape, const btTransform& transform)
 {
-    if (shape->isCompound())
+    std::vector<qcSceneMesh> meshes;
+    auto add = [&meshes](const btCollisionShape* simple, const btTransform& local)
     {
-        const auto* compound = static_cast<const btCompoundShape*>(shape);
-        for (int i = 0; i < compound->getNumChildShapes(); i++)
-            CollectMeshes(compound->getChildShape(i), local * compound->getChildTransform(i), meshes);
-        return;
-    }
-    const qcMeshShape* ours = qcAsMeshShape(shape);
-    if (ours == nullptr || ours->getTriangleCount() == 0)
-        return;
-    qcSceneMesh mesh;
-    mesh.shape = ours;
-    mesh.local = local;
-    mesh.revision = ours->getRevision();
-    meshes->push_back(mesh);
+        const qcMeshShape* mesh = qcAsMeshShape(simple);
+        if (mesh != nullptr && mesh->getTriangleCount() > 0)
+        {
+            meshes.emplace_back();
+            meshes.back().shape = mesh;
+            meshes.back().local = local;
+            meshes.back().revision = mesh->getRevision();
+        }
+    };
+    qcForEachSimpleShape(shape, transform, add);
+    return meshes;
 }
 
 bool AreSame(const std::vector<qcSceneMesh>& a, const std::vector<qcSceneMesh>& b)
@@ -48,16 +47,8 @@ qcStatus AddMesh(qcScene* scene, qcSceneMesh& mesh, qcActivity activity)
     std::vector<uint32_t> indices(shape.getIndices(), shape.getIndices() + 3 * size_t(shape.getTriangleCount()));
     for (uint32_t& index : indices)
         index = first[index];
-    qcBodyDef def = qcDefaultBodyDef();
-    def.positions = shape.getVertices();
-    def.positionType = qcBulletPositions;
-    def.positionStride = sizeof(btVector3);
-    def.vertexCount = shape.getVertexCount();
-    def.indices = indices.data();
-    def.triangleCount = shape.getTriangleCount();
-    def.transform = qcTransformOf(mesh.placed);
-    def.activity = activity;
-    def.selfCollision = false;
+    qcBodyDef def = qcMeshBodyDef(shape.getVertices(), shape.getVertexCount(), indices.data(), shape.getTriangleCount(),
+                                  mesh.placed, activity);
     def.group = qcMeshGroup;
     def.mask = qcSoftGroup;
     return qcScene_AddBody(scene, &def, &mesh.id);
@@ -122,8 +113,7 @@ btScalar qcMotionOf(const qcSceneMesh& mesh, const btTransform& from, const btTr
 
 bool qcFindPlace(const qcSceneRigid& rigid, const qcSceneMesh& mesh, btTransform* place)
 {
-    std::vector<qcSceneMesh> present;
-    CollectMeshes(rigid.object->getCollisionShape(), rigid.object->getWorldTransform(), &present);
+    std::vector<qcSceneMesh> present = MeshesOf(rigid.object->getCollisionShape(), rigid.object->getWorldTransform());
     size_t number = size_t(&mesh - rigid.meshes.data());
     if (number >= present.size() || present[number].shape != mesh.shape || present[number].revision != mesh.revision)
         return false;
@@ -233,7 +223,7 @@ qcStatus qcSoftBodyMeshes::Synchronize(qcScene* scene, btScalar timeStep)
     for (btCollisionObject* object : m_sought)
     {
         std::unique_ptr<qcSceneRigid> rigid(new qcSceneRigid);
-        CollectMeshes(object->getCollisionShape(), btTransform::getIdentity(), &rigid->meshes);
+        rigid->meshes = MeshesOf(object->getCollisionShape(), btTransform::getIdentity());
         if (rigid->meshes.empty())
             continue;
         rigid->object = object;
