@@ -183,7 +183,7 @@ qcMeshBatch::Object* qcMeshBatch::Know(const btCollisionObject* object)
         return &known;
     if (known.owner == 0)
         known.owner = ++m_owners;
-    known.addition = qcAdditionOf(object);
+    known.uniqueId = qcUniqueIdOf(object);
     known.seen = known.present = m_gathering;
     known.state = StateOf(object);
     Refresh(object, &known);
@@ -310,15 +310,15 @@ void qcMeshBatch::ForgetGone()
         if (!qcMayHoldMeshes(objects[i]->getCollisionShape()))
             continue;
         auto found = m_objects.find(objects[i]);
-        if (found != m_objects.end() && found->second.addition == qcAdditionOf(objects[i]))
+        if (found != m_objects.end() && found->second.uniqueId == qcUniqueIdOf(objects[i]))
             found->second.present = m_gathering;
     }
     std::vector<std::pair<int, const btCollisionObject*>> gone;
     for (const auto& [object, known] : m_objects)
         if (known.present != m_gathering)
-            gone.emplace_back(known.addition, object);
+            gone.emplace_back(known.uniqueId, object);
     std::sort(gone.begin(), gone.end());
-    for (const auto& [addition, object] : gone)
+    for (const auto& [uniqueId, object] : gone)
     {
         Forget(&m_objects[object]);
         m_objects.erase(object);

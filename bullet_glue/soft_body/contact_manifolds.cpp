@@ -13,9 +13,9 @@
 #include <algorithm>
 #include <iterator>
 
-bool qcManifolds::Meeting::IsPresent(qcObjectCensus* census) const
+bool qcManifolds::Meeting::IsPresent(qcLiveObjects* liveObjects) const
 {
-    return census->Has(a, additionA) && census->Has(b, additionB);
+    return liveObjects->Contains(a, uniqueIdA) && liveObjects->Contains(b, uniqueIdB);
 }
 
 qcManifolds::~qcManifolds()
@@ -70,17 +70,17 @@ btPersistentManifold* qcManifolds::Next(btDispatcher* dispatcher, const Meeting&
 /// Of such a pair the scene reports nothing, in contact or not.
 bool qcManifolds::AreAtRest(qcSoftBodyScene& scene, const Meeting& meeting)
 {
-    auto isAtRest = [&](const btCollisionObject* object, int addition)
+    auto isAtRest = [&](const btCollisionObject* object, int uniqueId)
     {
         auto isSoft = [&](const qcSceneSoftBody& soft)
-        { return soft.body == object && soft.addition == addition && !soft.moves; };
+        { return soft.body == object && soft.uniqueId == uniqueId && !soft.moves; };
         auto isRigid = [&](const std::unique_ptr<qcSceneRigid>& rigid)
-        { return rigid->object == object && rigid->addition == addition && rigid->activity != qc_activityMoving; };
+        { return rigid->object == object && rigid->uniqueId == uniqueId && rigid->activity != qc_activityMoving; };
         const auto& softs = scene.Bodies();
         const auto& rigids = scene.meshes.Rigids();
         return std::any_of(softs.begin(), softs.end(), isSoft) || std::any_of(rigids.begin(), rigids.end(), isRigid);
     };
-    return isAtRest(meeting.a, meeting.additionA) && isAtRest(meeting.b, meeting.additionB);
+    return isAtRest(meeting.a, meeting.uniqueIdA) && isAtRest(meeting.b, meeting.uniqueIdB);
 }
 
 void qcManifolds::Publish(qcSoftBodyScene& scene, const qcResult& result, const std::vector<size_t>& contacts)
@@ -92,13 +92,13 @@ void qcManifolds::Publish(qcSoftBodyScene& scene, const qcResult& result, const 
     {
         qcSoftTouch touch;
         qcReadTouch(scene, result.contacts[index], &touch);
-        Meeting meeting{touch.a->body, touch.rigid != nullptr ? touch.rigid->object : touch.b->body, touch.a->addition,
-                        touch.rigid != nullptr ? touch.rigid->addition : touch.b->addition};
+        Meeting meeting{touch.a->body, touch.rigid != nullptr ? touch.rigid->object : touch.b->body, touch.a->uniqueId,
+                        touch.rigid != nullptr ? touch.rigid->uniqueId : touch.b->uniqueId};
         // A contact of two soft bodies names either first.
-        if (touch.rigid == nullptr && meeting.additionB < meeting.additionA)
+        if (touch.rigid == nullptr && meeting.uniqueIdB < meeting.uniqueIdA)
         {
             std::swap(meeting.a, meeting.b);
-            std::swap(meeting.additionA, meeting.additionB);
+            std::swap(meeting.uniqueIdA, meeting.uniqueIdB);
             std::swap(touch.onA, touch.onB);
             touch.normal = -touch.normal;
         }
@@ -120,22 +120,22 @@ void qcManifolds::Publish(qcSoftBodyScene& scene, const qcResult& result, const 
             Insert(meeting);
 }
 
-void qcManifolds::TellStarts(qcObjectCensus* census)
+void qcManifolds::TellStarts(qcLiveObjects* liveObjects)
 {
     for (const Published& published : m_manifolds)
-        if (published.starts && gContactStartedCallback != nullptr && published.meeting.IsPresent(census))
+        if (published.starts && gContactStartedCallback != nullptr && published.meeting.IsPresent(liveObjects))
         {
             gContactStartedCallback(published.manifold);
-            census->Forget();
+            liveObjects->Invalidate();
         }
 }
 
-void qcManifolds::TellPoints(qcObjectCensus* census)
+void qcManifolds::TellPoints(qcLiveObjects* liveObjects)
 {
     for (const Published& published : m_manifolds)
     {
         btPersistentManifold* manifold = published.manifold;
-        if (gContactProcessedCallback == nullptr || !published.meeting.IsPresent(census))
+        if (gContactProcessedCallback == nullptr || !published.meeting.IsPresent(liveObjects))
             continue;
         auto *a = const_cast<btCollisionObject*>(published.meeting.a),
              *b = const_cast<btCollisionObject*>(published.meeting.b);
@@ -144,15 +144,15 @@ void qcManifolds::TellPoints(qcObjectCensus* census)
     }
 }
 
-void qcManifolds::TellEnds(const std::vector<Meeting>& ended, qcObjectCensus* census)
+void qcManifolds::TellEnds(const std::vector<Meeting>& ended, qcLiveObjects* liveObjects)
 {
     for (const Meeting& meeting : ended)
-        if (gContactEndedCallback != nullptr && meeting.IsPresent(census))
+        if (gContactEndedCallback != nullptr && meeting.IsPresent(liveObjects))
         {
             btPersistentManifold manifold(meeting.a, meeting.b, 0, 0, 0);
             btPersistentManifold* told = &manifold;
             gContactEndedCallback(told);
-            census->Forget();
+            liveObjects->Invalidate();
         }
 }
 
@@ -164,8 +164,8 @@ void qcManifolds::Tell()
     m_before = m_meetings;
     if (m_broadphase == nullptr)
         return;
-    qcObjectCensus census(m_broadphase);
-    TellStarts(&census);
-    TellPoints(&census);
-    TellEnds(ended, &census);
+    qcLiveObjects liveObjects(m_broadphase);
+    TellStarts(&liveObjects);
+    TellPoints(&liveObjects);
+    TellEnds(ended, &liveObjects);
 }

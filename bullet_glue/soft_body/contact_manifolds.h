@@ -9,7 +9,7 @@
 class btBroadphaseInterface;
 class btDispatcher;
 class btPersistentManifold;
-class qcObjectCensus;
+class qcLiveObjects;
 
 /// Manifolds are new ones in each step; what starts and ends is the contact of two bodies.
 class qcManifolds
@@ -42,13 +42,13 @@ class qcManifolds
     struct Meeting
     {
         const btCollisionObject *a, *b;
-        int additionA, additionB;
+        int uniqueIdA, uniqueIdB;
 
-        bool IsPresent(qcObjectCensus* census) const;
+        bool IsPresent(qcLiveObjects* liveObjects) const;
 
         bool operator<(const Meeting& other) const
         {
-            return std::tie(additionA, additionB, a, b) < std::tie(other.additionA, other.additionB, other.a, other.b);
+            return std::tie(uniqueIdA, uniqueIdB, a, b) < std::tie(other.uniqueIdA, other.uniqueIdB, other.a, other.b);
         }
     };
 
@@ -63,9 +63,9 @@ class qcManifolds
     bool Insert(const Meeting& meeting);
     btPersistentManifold* Next(btDispatcher* dispatcher, const Meeting& meeting);
     static bool AreAtRest(qcSoftBodyScene& scene, const Meeting& meeting);
-    void TellStarts(qcObjectCensus* census);
-    void TellPoints(qcObjectCensus* census);
-    void TellEnds(const std::vector<Meeting>& ended, qcObjectCensus* census);
+    void TellStarts(qcLiveObjects* liveObjects);
+    void TellPoints(qcLiveObjects* liveObjects);
+    void TellEnds(const std::vector<Meeting>& ended, qcLiveObjects* liveObjects);
 
     std::vector<Published> m_manifolds;
     btBroadphaseInterface* m_broadphase = nullptr; ///< of the last Publish; null: there was none in this step

@@ -129,15 +129,15 @@ void qcSoftBodyContact::Implementation::Draw(btIDebugDraw* drawer)
     if (m_candidates.AreEmpty() || manifolds.GetBroadphase() == nullptr)
         return;
     m_candidates.Sort();
-    qcObjectCensus census(manifolds.GetBroadphase());
+    qcLiveObjects liveObjects(manifolds.GetBroadphase());
     for (const qcSceneSoftBody& soft : scene.Bodies())
-        if (census.Has(soft.body, soft.addition))
+        if (liveObjects.Contains(soft.body, soft.uniqueId))
             DrawSoft(m_candidates, soft, drawer);
     for (const std::unique_ptr<qcSceneRigid>& rigid : scene.meshes.Rigids())
         for (const qcSceneMesh& mesh : rigid->meshes)
         {
             btTransform place;
-            if (census.Has(rigid->object, rigid->addition) && qcFindPlace(*rigid, mesh, &place))
+            if (liveObjects.Contains(rigid->object, rigid->uniqueId) && qcFindPlace(*rigid, mesh, &place))
                 DrawMesh(m_candidates, mesh, place, drawer);
         }
     drawer->flushLines();

@@ -215,7 +215,7 @@ void qcSoftBodyMeshes::NumberMeshes()
 qcStatus qcSoftBodyMeshes::Synchronize(qcScene* scene, btScalar timeStep)
 {
     auto isBefore = [](const btCollisionObject* a, const btCollisionObject* b)
-    { return qcAdditionOf(a) < qcAdditionOf(b); };
+    { return qcUniqueIdOf(a) < qcUniqueIdOf(b); };
     std::sort(m_sought.begin(), m_sought.end(), isBefore);
     m_sought.erase(std::unique(m_sought.begin(), m_sought.end()), m_sought.end());
     std::vector<std::unique_ptr<qcSceneRigid>> known, now;
@@ -227,10 +227,10 @@ qcStatus qcSoftBodyMeshes::Synchronize(qcScene* scene, btScalar timeStep)
         if (rigid->meshes.empty())
             continue;
         rigid->object = object;
-        rigid->addition = qcAdditionOf(object);
+        rigid->uniqueId = qcUniqueIdOf(object);
         auto isSame = [&](const std::unique_ptr<qcSceneRigid>& other)
         {
-            return other && other->object == object && other->addition == rigid->addition &&
+            return other && other->object == object && other->uniqueId == rigid->uniqueId &&
                    AreSame(other->meshes, rigid->meshes);
         };
         auto found = std::find_if(known.begin(), known.end(), isSame);

@@ -30,7 +30,7 @@ struct qcSceneMesh
 struct qcSceneRigid
 {
     btCollisionObject* object = nullptr;
-    int addition = 0; ///< unique id of its broadphase proxy
+    int uniqueId = 0; ///< unique id of its broadphase proxy
     std::vector<qcSceneMesh> meshes;
     qcActivity activity = qc_activityMoving;
     btRigidBody* body = nullptr;                     ///< null: nothing that a contact could move

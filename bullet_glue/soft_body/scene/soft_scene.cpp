@@ -57,7 +57,7 @@ qcStatus qcSoftBodyScene::Add(btSoftBody* body)
 {
     qcSceneSoftBody added;
     added.body = body;
-    added.addition = qcAdditionOf(body);
+    added.uniqueId = qcUniqueIdOf(body);
     added.topology = qcTopologyOf(body);
     qcBodyDef def = qcDefaultBodyDef();
     def.positions = body->m_nodes.size() > 0 ? &body->m_nodes[0].m_x : nullptr;
@@ -79,12 +79,12 @@ void qcSoftBodyScene::DropGone(const btAlignedObjectArray<btSoftBody*>& bodies)
 {
     auto isGone = [&](const qcSceneSoftBody& known)
     {
-        bool same = bodies.findLinearSearch(known.body) < bodies.size() && known.addition == qcAdditionOf(known.body);
+        bool same = bodies.findLinearSearch(known.body) < bodies.size() && known.uniqueId == qcUniqueIdOf(known.body);
         if (same && known.start.size() == size_t(known.NodeCount()) && qcIsTopologyOf(known.topology, known.body))
             return false;
         qcScene_RemoveBody(m_scene, known.id);
         auto setting = m_settings.find(known.body);
-        if (!same && setting != m_settings.end() && setting->second.addition == known.addition)
+        if (!same && setting != m_settings.end() && setting->second.uniqueId == known.uniqueId)
             m_settings.erase(setting);
         return true;
     };
@@ -94,8 +94,8 @@ void qcSoftBodyScene::DropGone(const btAlignedObjectArray<btSoftBody*>& bodies)
 void qcSoftBodyScene::TakeSettings(qcSceneSoftBody& known)
 {
     auto found = m_settings.find(known.body);
-    if (found != m_settings.end() && found->second.addition == -1)
-        found->second.addition = known.addition;
+    if (found != m_settings.end() && found->second.uniqueId == -1)
+        found->second.uniqueId = known.uniqueId;
     qcSoftBodySettings settings = GetSettings(known.body);
     // Pairs that slept, or were left out, were not in the last result.
     known.startsAtEnd = known.moves == known.body->isActive() && known.settings.selfCollision == settings.selfCollision;
@@ -237,13 +237,13 @@ qcSceneSoftBody* qcSoftBodyScene::Find(uint32_t slot)
 
 void qcSoftBodyScene::SetSettings(const btSoftBody* body, const qcSoftBodySettings& settings)
 {
-    m_settings[body] = {qcAdditionOf(body), settings};
+    m_settings[body] = {qcUniqueIdOf(body), settings};
 }
 
 qcSoftBodySettings qcSoftBodyScene::GetSettings(const btSoftBody* body) const
 {
     auto found = m_settings.find(body);
-    bool isIts = found != m_settings.end() && found->second.addition == qcAdditionOf(body);
+    bool isIts = found != m_settings.end() && found->second.uniqueId == qcUniqueIdOf(body);
     return isIts ? found->second.settings : qcSoftBodySettings();
 }
 

@@ -16,7 +16,7 @@
 struct qcSceneSoftBody
 {
     btSoftBody* body = nullptr;
-    int addition = 0; ///< unique id of its broadphase proxy
+    int uniqueId = 0; ///< unique id of its broadphase proxy
     qcBodyId id{};
     qcSoftTopology topology; ///< as given to the scene
     qcSoftBodySettings settings;
@@ -112,7 +112,7 @@ class qcSoftBodyScene
   private:
     struct Setting
     {
-        int addition; ///< -1: given before the body was added
+        int uniqueId; ///< -1: given before the body was added
         qcSoftBodySettings settings;
     };
 
