@@ -1,4 +1,4 @@
-// Meshes near soft bodies: found through the broadphase, moved by contacts.
+// Meshes near soft bodies: collected from the broadphase, moved by contacts.
 #include "soft_body/scene/rigid_meshes.h"
 
 #include "common/compound_children.h"
@@ -13,7 +13,7 @@
 
 namespace
 {
-/// The shape's qcMeshShapes; their local transforms are the given one times that in the shape.
+/// The qcMeshShapes that a shape consists of; `local` of each is the given transform times its own in the shape.
 std::vector<qcSceneMesh> MeshesOf(const btCollisionShape* shape, const btTransform& transform)
 {
     std::vector<qcSceneMesh> meshes;
@@ -39,7 +39,7 @@ bool AreSame(const std::vector<qcSceneMesh>& a, const std::vector<qcSceneMesh>& 
     return std::equal(a.begin(), a.end(), b.begin(), b.end(), isSame);
 }
 
-/// With vertices at the same position as one, so that corners and edges that triangles share are met once.
+/// Adds a mesh with its vertices welded: contacts at corners and edges that triangles share are found once.
 qcStatus AddMesh(qcScene* scene, qcSceneMesh& mesh, qcActivity activity)
 {
     const qcMeshShape& shape = *mesh.shape;
@@ -48,13 +48,14 @@ qcStatus AddMesh(qcScene* scene, qcSceneMesh& mesh, qcActivity activity)
     for (uint32_t& index : indices)
         index = first[index];
     qcBodyDef def = qcMeshBodyDef(shape.getVertices(), shape.getVertexCount(), indices.data(), shape.getTriangleCount(),
-                                  mesh.placed, activity);
+                                  mesh.sceneTransform, activity);
     def.group = qcMeshGroup;
     def.mask = qcSoftGroup;
     return qcScene_AddBody(scene, &def, &mesh.id);
 }
 
-/// Where the object was a step ago. Bullet gives kinematic bodies the velocity that led to where they are.
+/// The object's transform at the start of the step: where the previous step left it, otherwise one step back along its
+/// velocity. Bullet gives kinematic bodies the velocity that led to where they are.
 btTransform StartOf(const qcSceneRigid& rigid, btScalar timeStep)
 {
     const btTransform& now = rigid.object->getWorldTransform();
@@ -63,23 +64,21 @@ btTransform StartOf(const qcSceneRigid& rigid, btScalar timeStep)
         return now;
     btTransform start;
     btTransformUtil::integrateTransform(now, body->getLinearVelocity(), body->getAngularVelocity(), -timeStep, start);
-    // Where that is known, to the last bit, with whatever Bullet did beside velocities: what did not penetrate there
-    // must not seem to. But further away than the mesh is large somebody put it elsewhere since then, which is no
-    // motion.
-    auto isThere = [&](const qcSceneMesh& mesh)
+    // The previous end is exact, also where Bullet moved the object by more than its velocity: triangles that were
+    // disjoint there must not seem to penetrate. An object further from it than half its size was put elsewhere since.
+    auto isNear = [&](const qcSceneMesh& mesh)
     {
         btVector3 box[2];
         mesh.shape->getAabb(btTransform::getIdentity(), box[0], box[1]);
-        return qcMotionOf(mesh, rigid.end * mesh.local, start * mesh.local) <= (box[1] - box[0]).length() / 2;
+        return qcMaxDisplacement(mesh, rigid.end * mesh.local, start * mesh.local) <= (box[1] - box[0]).length() / 2;
     };
-    bool known = rigid.ended && std::all_of(rigid.meshes.begin(), rigid.meshes.end(), isThere);
-    return known ? rigid.end : start;
+    return rigid.hasEnd && std::all_of(rigid.meshes.begin(), rigid.meshes.end(), isNear) ? rigid.end : start;
 }
 
-class Seeker : public btBroadphaseAabbCallback
+class OverlapCallback : public btBroadphaseAabbCallback
 {
   public:
-    explicit Seeker(std::vector<btCollisionObject*>* sought) : m_sought(sought)
+    explicit OverlapCallback(std::vector<btCollisionObject*>* objects) : m_objects(objects)
     {
     }
 
@@ -88,18 +87,56 @@ class Seeker : public btBroadphaseAabbCallback
         auto* object = static_cast<btCollisionObject*>(proxy->m_clientObject);
         const btCollisionShape* shape = object->getCollisionShape();
         if (shape->isCompound() || qcAsMeshShape(shape) != nullptr)
-            m_sought->push_back(object);
+            m_objects->push_back(object);
         return true;
     }
 
   private:
-    std::vector<btCollisionObject*>* m_sought;
+    std::vector<btCollisionObject*>* m_objects;
 };
+
+qcStatus AddMeshes(qcScene* scene, qcSceneRigid* rigid)
+{
+    for (qcSceneMesh& mesh : rigid->meshes)
+    {
+        mesh.sceneTransform = rigid->object->getWorldTransform() * mesh.local;
+        qcStatus status = AddMesh(scene, mesh, rigid->activity);
+        if (status != qc_statusOk)
+            return status;
+    }
+    return qc_statusOk;
+}
+
+void RemoveMeshes(qcScene* scene, const qcSceneRigid& rigid)
+{
+    for (const qcSceneMesh& mesh : rigid.meshes)
+        if (qcScene_IsValid(scene, mesh.id))
+            qcScene_RemoveBody(scene, mesh.id);
+}
+
+/// Reads what may differ in each step.
+void ReadState(qcSceneRigid* rigid, btScalar timeStep)
+{
+    btRigidBody* body = btRigidBody::upcast(rigid->object);
+    bool isPushed = body != nullptr && body->isActive() && !body->isStaticOrKinematicObject();
+    rigid->body = isPushed ? body : nullptr;
+    qcActivity activity = rigid->object->isStaticObject() ? qc_activityStatic
+                          : rigid->object->isActive()     ? qc_activityMoving
+                                                          : qc_activitySleeping;
+    // The previous result has no pairs of two sleeping bodies.
+    rigid->hasEnd = rigid->hasEnd && activity == rigid->activity;
+    rigid->activity = activity;
+    rigid->solved = rigid->object->getWorldTransform();
+    rigid->start = StartOf(*rigid, timeStep);
+    rigid->movedLinear.setZero();
+    rigid->movedAngular.setZero();
+    rigid->fromStart = false;
+}
 } // namespace
 
-btScalar qcMotionOf(const qcSceneMesh& mesh, const btTransform& from, const btTransform& to)
+btScalar qcMaxDisplacement(const qcSceneMesh& mesh, const btTransform& from, const btTransform& to)
 {
-    // The furthest moves a corner of the box, since a difference of motions is affine.
+    // A corner of the box moves furthest: the difference of two transforms is affine.
     btVector3 box[2];
     mesh.shape->getAabb(btTransform::getIdentity(), box[0], box[1]);
     btScalar largest = 0;
@@ -111,28 +148,28 @@ btScalar qcMotionOf(const qcSceneMesh& mesh, const btTransform& from, const btTr
     return btSqrt(largest);
 }
 
-bool qcFindPlace(const qcSceneRigid& rigid, const qcSceneMesh& mesh, btTransform* place)
+bool qcFindTransform(const qcSceneRigid& rigid, const qcSceneMesh& mesh, btTransform* transform)
 {
     std::vector<qcSceneMesh> present = MeshesOf(rigid.object->getCollisionShape(), rigid.object->getWorldTransform());
-    size_t number = size_t(&mesh - rigid.meshes.data());
-    if (number >= present.size() || present[number].shape != mesh.shape || present[number].revision != mesh.revision)
+    size_t index = size_t(&mesh - rigid.meshes.data());
+    if (index >= present.size() || present[index].shape != mesh.shape || present[index].revision != mesh.revision)
         return false;
-    *place = present[number].local;
+    *transform = present[index].local;
     return true;
 }
 
-void qcPlaceVertex(const qcSceneMesh& mesh, const btTransform& transform, uint32_t vertex, double place[3])
+void qcTransformVertex(const qcSceneMesh& mesh, const btTransform& transform, uint32_t vertex, double position[3])
 {
     const btVector3& p = mesh.shape->getVertices()[vertex];
     qcTransform t = qcTransformOf(transform);
     for (int axis = 0; axis < 3; axis++)
     {
         const double* row = &t.linear[3 * axis];
-        place[axis] = row[0] * double(p.x()) + row[1] * double(p.y()) + row[2] * double(p.z()) + t.translation[axis];
+        position[axis] = row[0] * double(p.x()) + row[1] * double(p.y()) + row[2] * double(p.z()) + t.translation[axis];
     }
 }
 
-btVector3 qcSceneRigid::Yield(const btVector3& arm, const btVector3& push) const
+btVector3 qcSceneRigid::DisplacementAt(const btVector3& arm, const btVector3& push) const
 {
     if (body == nullptr)
         return btVector3(0, 0, 0);
@@ -162,65 +199,22 @@ btTransform qcSceneRigid::MotionTo(const btTransform& transform) const
     return transform == start ? btTransform::getIdentity() : transform * start.inverse();
 }
 
-void qcSoftBodyMeshes::Seek(btBroadphaseInterface* broadphase, const btVector3& lower, const btVector3& upper)
+void qcSoftBodyMeshes::CollectOverlapping(btBroadphaseInterface* broadphase, const btVector3& lower,
+                                          const btVector3& upper)
 {
-    Seeker seeker(&m_sought);
-    broadphase->aabbTest(lower, upper, seeker);
+    OverlapCallback callback(&m_overlapping);
+    broadphase->aabbTest(lower, upper, callback);
 }
 
-qcStatus qcSoftBodyMeshes::Add(qcScene* scene, qcSceneRigid* rigid)
-{
-    for (qcSceneMesh& mesh : rigid->meshes)
-    {
-        mesh.placed = rigid->object->getWorldTransform() * mesh.local;
-        qcStatus status = AddMesh(scene, mesh, rigid->activity);
-        if (status != qc_statusOk)
-            return status;
-    }
-    return qc_statusOk;
-}
-
-/// What is another one in each step.
-void qcSoftBodyMeshes::Refresh(qcSceneRigid* rigid, btScalar timeStep)
-{
-    btRigidBody* body = btRigidBody::upcast(rigid->object);
-    bool pushed = body != nullptr && body->isActive() && !body->isStaticOrKinematicObject();
-    rigid->body = pushed ? body : nullptr;
-    qcActivity activity = rigid->object->isStaticObject() ? qc_activityStatic
-                          : rigid->object->isActive()     ? qc_activityMoving
-                                                          : qc_activitySleeping;
-    // Pairs that slept were not in the last result.
-    rigid->ended = rigid->ended && activity == rigid->activity;
-    rigid->activity = activity;
-    rigid->solved = rigid->object->getWorldTransform();
-    rigid->start = StartOf(*rigid, timeStep);
-    rigid->movedLinear.setZero();
-    rigid->movedAngular.setZero();
-    rigid->fromStart = false;
-}
-
-void qcSoftBodyMeshes::NumberMeshes()
-{
-    m_meshOfSlot.clear();
-    for (const std::unique_ptr<qcSceneRigid>& rigid : m_rigids)
-        for (size_t i = 0; i < rigid->meshes.size(); i++)
-        {
-            uint32_t slot = rigid->meshes[i].id.slot;
-            if (slot >= m_meshOfSlot.size())
-                m_meshOfSlot.resize(slot + 1, {nullptr, 0});
-            m_meshOfSlot[slot] = {rigid.get(), i};
-        }
-}
-
-qcStatus qcSoftBodyMeshes::Synchronize(qcScene* scene, btScalar timeStep)
+/// The collected objects that have meshes. Those that are tracked already, unchanged, are moved out of m_rigids.
+std::vector<std::unique_ptr<qcSceneRigid>> qcSoftBodyMeshes::TakeTracked()
 {
     auto isBefore = [](const btCollisionObject* a, const btCollisionObject* b)
     { return qcUniqueIdOf(a) < qcUniqueIdOf(b); };
-    std::sort(m_sought.begin(), m_sought.end(), isBefore);
-    m_sought.erase(std::unique(m_sought.begin(), m_sought.end()), m_sought.end());
-    std::vector<std::unique_ptr<qcSceneRigid>> known, now;
-    known.swap(m_rigids);
-    for (btCollisionObject* object : m_sought)
+    std::sort(m_overlapping.begin(), m_overlapping.end(), isBefore);
+    m_overlapping.erase(std::unique(m_overlapping.begin(), m_overlapping.end()), m_overlapping.end());
+    std::vector<std::unique_ptr<qcSceneRigid>> rigids;
+    for (btCollisionObject* object : m_overlapping)
     {
         std::unique_ptr<qcSceneRigid> rigid(new qcSceneRigid);
         rigid->meshes = MeshesOf(object->getCollisionShape(), btTransform::getIdentity());
@@ -233,64 +227,85 @@ qcStatus qcSoftBodyMeshes::Synchronize(qcScene* scene, btScalar timeStep)
             return other && other->object == object && other->uniqueId == rigid->uniqueId &&
                    AreSame(other->meshes, rigid->meshes);
         };
-        auto found = std::find_if(known.begin(), known.end(), isSame);
-        if (found != known.end())
+        auto found = std::find_if(m_rigids.begin(), m_rigids.end(), isSame);
+        if (found != m_rigids.end())
             rigid = std::move(*found);
-        now.push_back(std::move(rigid));
+        rigids.push_back(std::move(rigid));
     }
-    m_sought.clear();
-    auto removeFrom = [&](const qcSceneRigid& rigid)
-    {
-        for (const qcSceneMesh& mesh : rigid.meshes)
-            if (qcScene_IsValid(scene, mesh.id))
-                qcScene_RemoveBody(scene, mesh.id);
-    };
-    for (const std::unique_ptr<qcSceneRigid>& rigid : known)
-        if (rigid)
-            removeFrom(*rigid);
+    m_overlapping.clear();
+    return rigids;
+}
+
+/// Appends the object, with its meshes in the scene. After a failure it is not tracked, and none of them is there.
+qcStatus qcSoftBodyMeshes::Track(qcScene* scene, std::unique_ptr<qcSceneRigid> rigid, btScalar timeStep)
+{
+    qcActivity previous = rigid->activity;
+    ReadState(rigid.get(), timeStep);
     qcStatus status = qc_statusOk;
-    for (std::unique_ptr<qcSceneRigid>& rigid : now)
+    if (rigid->meshes[0].id.generation == 0)
+        status = AddMeshes(scene, rigid.get());
+    else if (rigid->activity != previous)
+        for (const qcSceneMesh& mesh : rigid->meshes)
+            status = std::max(status, qcScene_SetActivity(scene, mesh.id, rigid->activity));
+    if (status == qc_statusOk)
+        m_rigids.push_back(std::move(rigid));
+    else
+        RemoveMeshes(scene, *rigid);
+    return status;
+}
+
+void qcSoftBodyMeshes::IndexSlots()
+{
+    m_meshOfSlot.clear();
+    for (const std::unique_ptr<qcSceneRigid>& rigid : m_rigids)
+        for (size_t i = 0; i < rigid->meshes.size(); i++)
+        {
+            uint32_t slot = rigid->meshes[i].id.slot;
+            if (slot >= m_meshOfSlot.size())
+                m_meshOfSlot.resize(slot + 1, {nullptr, 0});
+            m_meshOfSlot[slot] = {rigid.get(), i};
+        }
+}
+
+qcStatus qcSoftBodyMeshes::Sync(qcScene* scene, btScalar timeStep)
+{
+    std::vector<std::unique_ptr<qcSceneRigid>> rigids = TakeTracked();
+    for (const std::unique_ptr<qcSceneRigid>& gone : m_rigids)
+        if (gone)
+            RemoveMeshes(scene, *gone);
+    m_rigids.clear();
+    qcStatus status = qc_statusOk;
+    for (std::unique_ptr<qcSceneRigid>& rigid : rigids)
     {
-        qcActivity before = rigid->activity;
-        Refresh(rigid.get(), timeStep);
-        qcStatus mine = qc_statusOk;
-        if (rigid->meshes[0].id.generation == 0)
-            mine = Add(scene, rigid.get());
-        else if (rigid->activity != before)
-            for (const qcSceneMesh& mesh : rigid->meshes)
-                mine = std::max(mine, qcScene_SetActivity(scene, mesh.id, rigid->activity));
-        if (mine == qc_statusOk)
-            m_rigids.push_back(std::move(rigid));
-        else
-            removeFrom(*rigid);
+        qcStatus tracked = Track(scene, std::move(rigid), timeStep);
         if (status == qc_statusOk)
-            status = mine;
+            status = tracked;
     }
-    NumberMeshes();
+    IndexSlots();
     return status;
 }
 
 bool qcSoftBodyMeshes::StartWhereTheyEnded() const
 {
-    auto isThere = [](const std::unique_ptr<qcSceneRigid>& rigid)
-    { return rigid->ended && rigid->start == rigid->end; };
-    return std::all_of(m_rigids.begin(), m_rigids.end(), isThere);
+    auto startsThere = [](const std::unique_ptr<qcSceneRigid>& rigid)
+    { return rigid->hasEnd && rigid->start == rigid->end; };
+    return std::all_of(m_rigids.begin(), m_rigids.end(), startsThere);
 }
 
-qcStatus qcSoftBodyMeshes::Place(qcScene* scene, bool atStart)
+qcStatus qcSoftBodyMeshes::SyncTransforms(qcScene* scene, bool atStart)
 {
     for (const std::unique_ptr<qcSceneRigid>& rigid : m_rigids)
         for (qcSceneMesh& mesh : rigid->meshes)
         {
             qcScene_SetMargin(scene, mesh.id, double(mesh.shape->getMargin()));
             btTransform transform = (atStart ? rigid->start : rigid->object->getWorldTransform()) * mesh.local;
-            if (mesh.placed == transform)
+            if (mesh.sceneTransform == transform)
                 continue;
-            qcTransform placed = qcTransformOf(transform);
-            qcStatus status = qcScene_SetTransform(scene, mesh.id, &placed);
+            qcTransform converted = qcTransformOf(transform);
+            qcStatus status = qcScene_SetTransform(scene, mesh.id, &converted);
             if (status != qc_statusOk)
                 return status;
-            mesh.placed = transform;
+            mesh.sceneTransform = transform;
         }
     return qc_statusOk;
 }
@@ -341,17 +356,17 @@ void qcSoftBodyMeshes::UpdateVelocities(btScalar timeStep)
             body->setLinearVelocity(body->getLinearVelocity() + rigid->movedLinear / timeStep);
             body->setAngularVelocity(body->getAngularVelocity() + rigid->movedAngular / timeStep);
         }
-        // What Bullet interpolates from, and the tensor, go along.
+        // Also sets Bullet's interpolation transform and the inertia tensor in world space.
         body->setCenterOfMassTransform(btTransform(rigid->object->getWorldTransform()));
     }
-    NoteEnds();
+    RecordEnds();
 }
 
-void qcSoftBodyMeshes::NoteEnds()
+void qcSoftBodyMeshes::RecordEnds()
 {
     for (const std::unique_ptr<qcSceneRigid>& rigid : m_rigids)
     {
-        rigid->ended = true;
+        rigid->hasEnd = true;
         rigid->end = rigid->object->getWorldTransform();
     }
 }
@@ -365,7 +380,7 @@ void qcSoftBodyMeshes::Restore()
         if (rigid->body != nullptr)
             rigid->object->setWorldTransform(rigid->solved);
     }
-    NoteEnds();
+    RecordEnds();
 }
 
 const qcSceneMesh* qcSoftBodyMeshes::Find(uint32_t slot, qcSceneRigid** rigid)
