@@ -163,10 +163,10 @@ static void TakeSettledBlock(void* context, size_t block, uint32_t worker)
     const Job* job = context;
     qcOverlapWorker* self = qcPairOverlaps_Worker(job->overlaps, worker);
     size_t end = (block + 1) * qc_pointBlock, count = job->input->topology->pairs.count;
-    if (qcPairOverlaps_Reserve(job->overlaps, worker, qc_pointBlock * qc_maxOverlapCorners))
-        self->status = EmptyViews(self);
-    for (uint32_t p = (uint32_t)(block * qc_pointBlock); p < (end < count ? end : count) && self->status == qc_statusOk;
-         p++)
+    if (!qcPairOverlaps_Reserve(job->overlaps, worker, qc_pointBlock * qc_maxOverlapCorners) ||
+        !qcWorkerResult_Add(&self->result, EmptyViews(self)))
+        return;
+    for (uint32_t p = (uint32_t)(block * qc_pointBlock); p < (end < count ? end : count); p++)
     {
         if (!qcContactRegions_IsSettled(job->input->regions, PairOf(job, p)))
             continue;

@@ -125,9 +125,9 @@ static qcStatus Build(const Job* job, qcBodyPairRange* bodyPair, uint32_t builde
 static void BuildOne(void* context, size_t index, uint32_t worker)
 {
     const Job* job = context;
-    qcStatus* status = &QC_AT(qcManifoldBuilder, job->all->builders, worker).status;
-    if (*status == qc_statusOk)
-        *status = Build(job, BodyPairAt(job->all, job->shared + index), worker, 1);
+    qcWorkerResult* result = &QC_AT(qcManifoldBuilder, job->all->builders, worker).result;
+    if (qcWorkerResult_IsOk(result))
+        (void)qcWorkerResult_Add(result, Build(job, BodyPairAt(job->all, job->shared + index), worker, 1));
 }
 
 static qcStatus BuildAll(Job* job, uint32_t threads)
@@ -142,23 +142,18 @@ static qcStatus BuildAll(Job* job, uint32_t threads)
         QC_TRY(Build(job, bodyPair, 0, threads));
     }
     qcParallel_For(threads, all->bodyPairs.count - job->shared, qc_minBodyPairs, BuildOne, job);
-    for (size_t i = 0; i < all->builders.count; i++)
-        // Messages are each thread's own: this one gets a copy.
-        if (QC_AT(qcManifoldBuilder, all->builders, i).status != qc_statusOk)
-            return qcArray_FailAgain(&QC_AT(qcManifoldBuilder, all->builders, i).manifoldPoints, "manifolds");
-    return qc_statusOk;
+    return qcWorkerResults_End(&all->builders, sizeof(qcManifoldBuilder));
 }
 
 static qcStatus BeginBuilders(qcAllManifolds* all, uint32_t threads)
 {
     const qcOverlapKernels* kernels = qcOverlapKernels_Get();
-    QC_TRY(qcArray_GrowZeroed(&all->builders, threads, sizeof(qcManifoldBuilder), "manifolds"));
+    QC_TRY(qcWorkerResults_Begin(&all->builders, threads, sizeof(qcManifoldBuilder), "manifolds"));
     for (size_t i = 0; i < all->builders.count; i++)
     {
         qcManifoldBuilder* m = &QC_AT(qcManifoldBuilder, all->builders, i);
         m->manifolds.count = m->manifoldPoints.count = 0;
         m->kernels = kernels;
-        m->status = qc_statusOk;
     }
     return qc_statusOk;
 }

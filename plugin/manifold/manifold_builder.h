@@ -4,9 +4,10 @@
 
 #include "manifold/points.h"
 
-/// A worker's. Keeps its memory between builds.
+/// One worker's. Keeps its memory between builds.
 typedef struct qcManifoldBuilder
 {
+    qcWorkerResult result;
     qcContactTopology topology;
     qcContactRegions regions;
     qcContactProximity proximity;
@@ -18,7 +19,6 @@ typedef struct qcManifoldBuilder
     //  results of all builds of this step, one after the other; first points count from 0 in each build
     qcArray manifolds;      ///< of qcManifold
     qcArray manifoldPoints; ///< of qcManifoldPoint
-    qcStatus status;
 } qcManifoldBuilder;
 
 /// Adds the manifolds of two bodies to the result. On `threads` threads, whose first is the calling one.

@@ -167,13 +167,13 @@ static qcStatus FindAdjacent(qcPairAdjacency* adjacency, uint32_t worker, const 
 static void FindBlock(void* context, size_t block, uint32_t worker)
 {
     const Job* job = context;
-    qcStatus* status = &QC_AT(qcAdjacencyWorker, job->adjacency->workers, worker).status;
+    qcWorkerResult* result = &QC_AT(qcAdjacencyWorker, job->adjacency->workers, worker).result;
     size_t count = job->topology->triangles.count, end = (block + 1) * qc_adjacencyBlock;
-    for (size_t t = block * qc_adjacencyBlock; t < (end < count ? end : count) && *status == qc_statusOk; t++)
+    for (size_t t = block * qc_adjacencyBlock; t < (end < count ? end : count) && qcWorkerResult_IsOk(result); t++)
     {
         const Triangle triangle = {&QC_AT(qcManifoldTriangle, job->topology->triangles, t),
                                    QC_AT(qcSideRange, job->adjacency->ranges, t)};
-        *status = FindAdjacent(job->adjacency, worker, &triangle);
+        (void)qcWorkerResult_Add(result, FindAdjacent(job->adjacency, worker, &triangle));
     }
 }
 
@@ -209,12 +209,11 @@ static qcStatus ListSides(const qcContactTopology* topology, const qcContactRegi
 
 static qcStatus BeginWorkers(uint32_t threads, size_t vertices, qcPairAdjacency* adjacency)
 {
-    QC_TRY(qcArray_GrowZeroed(&adjacency->workers, threads, sizeof(qcAdjacencyWorker), "neighbours in manifolds"));
+    QC_TRY(qcWorkerResults_Begin(&adjacency->workers, threads, sizeof(qcAdjacencyWorker), "neighbours in manifolds"));
     for (size_t i = 0; i < adjacency->workers.count; i++)
     {
         qcAdjacencyWorker* worker = &QC_AT(qcAdjacencyWorker, adjacency->workers, i);
         worker->adjacent.count = 0;
-        worker->status = qc_statusOk;
         if (i >= threads)
             continue;
         QC_TRY(qcArray_Resize(&worker->fanOfVertex, vertices, sizeof(uint32_t), "neighbours in manifolds"));
@@ -231,13 +230,7 @@ qcStatus qcPairAdjacency_Find(const qcContactTopology* topology, const qcContact
     Job job = {topology, adjacency};
     size_t blocks = (topology->triangles.count + qc_adjacencyBlock - 1) / qc_adjacencyBlock;
     qcParallel_For(threads, blocks, qc_minAdjacencyBlocks, FindBlock, &job);
-    for (size_t i = 0; i < adjacency->workers.count; i++)
-    {
-        const qcAdjacencyWorker* worker = &QC_AT(qcAdjacencyWorker, adjacency->workers, i);
-        if (worker->status != qc_statusOk)
-            return qcArray_FailAgain(&worker->adjacent, "neighbours in manifolds");
-    }
-    return qc_statusOk;
+    return qcWorkerResults_End(&adjacency->workers, sizeof(qcAdjacencyWorker));
 }
 
 void qcPairAdjacency_Free(qcPairAdjacency* adjacency)

@@ -40,11 +40,10 @@ typedef struct qcSideRange
 /// What one worker found, and its scratch.
 typedef struct qcAdjacencyWorker
 {
+    qcWorkerResult result;
     qcArray adjacent;               ///< of uint32_t: see qc_sideStep
     qcArray fanOfVertex;            ///< of uint32_t, by vertex: the fan of the current triangle plus 1, or 0
     qcArray fans, fanLists, visits; ///< of the current triangle
-    qcStatus status;
-    char padding[64]; ///< keeps the counts of two workers off one cache line
 } qcAdjacencyWorker;
 
 typedef struct qcPairAdjacency

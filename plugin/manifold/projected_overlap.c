@@ -49,31 +49,25 @@ bool qcProjectedOverlap_IsArea(const qcManifoldPair* pair, const qcRawPoint* cor
 
 qcStatus qcPairOverlaps_Begin(uint32_t threads, qcPairOverlaps* overlaps)
 {
-    QC_TRY(qcArray_GrowZeroed(&overlaps->workers, threads, sizeof(qcOverlapWorker), "contact points"));
+    QC_TRY(qcWorkerResults_Begin(&overlaps->workers, threads, sizeof(qcOverlapWorker), "contact points"));
     for (uint32_t i = 0; i < overlaps->workers.count; i++)
-    {
-        qcOverlapWorker* worker = qcPairOverlaps_Worker(overlaps, i);
-        worker->corners.count = 0;
-        worker->status = qc_statusOk;
-    }
+        qcPairOverlaps_Worker(overlaps, i)->corners.count = 0;
     return qc_statusOk;
 }
 
 bool qcPairOverlaps_Reserve(qcPairOverlaps* overlaps, uint32_t worker, size_t count)
 {
     qcOverlapWorker* self = qcPairOverlaps_Worker(overlaps, worker);
-    if (self->status == qc_statusOk)
-        self->status =
-            qcArray_Reserve(&self->corners, self->corners.count + count, sizeof(qcRawPoint), "contact points");
-    return self->status == qc_statusOk;
+    if (!qcWorkerResult_IsOk(&self->result))
+        return false;
+    count += self->corners.count;
+    return qcWorkerResult_Add(&self->result,
+                              qcArray_Reserve(&self->corners, count, sizeof(qcRawPoint), "contact points"));
 }
 
 qcStatus qcPairOverlaps_Status(const qcPairOverlaps* overlaps)
 {
-    for (uint32_t i = 0; i < overlaps->workers.count; i++)
-        if (qcPairOverlaps_Worker(overlaps, i)->status != qc_statusOk)
-            return qcArray_FailAgain(&qcPairOverlaps_Worker(overlaps, i)->corners, "contact points");
-    return qc_statusOk;
+    return qcWorkerResults_End(&overlaps->workers, sizeof(qcOverlapWorker));
 }
 
 void qcPairOverlaps_Set(qcPairOverlaps* overlaps, uint32_t pair, uint32_t worker, const qcProjectedOverlap* overlap,

@@ -4,6 +4,7 @@
 #define QC_MANIFOLD_PROJECTED_OVERLAP_H
 
 #include "manifold/topology.h"
+#include "base/worker_results.h"
 
 enum
 {
@@ -54,11 +55,10 @@ typedef struct qcCornerRange
 /// What one worker found.
 typedef struct qcOverlapWorker
 {
+    qcWorkerResult result;
     qcArray corners; ///< of qcRawPoint
     qcArray views;   ///< of qcTriangleView: scratch of the contact points
-    qcStatus status;
-    bool changed;     ///< scratch of the propagation: a normal has changed in this round
-    char padding[64]; ///< keeps the counts of two workers off one cache line
+    bool changed;    ///< scratch of the propagation: a normal has changed in this round
 } qcOverlapWorker;
 
 typedef struct qcPairOverlaps
@@ -69,9 +69,9 @@ typedef struct qcPairOverlaps
 
 /// Empties the lists of at least `threads` workers.
 qcStatus qcPairOverlaps_Begin(uint32_t threads, qcPairOverlaps* overlaps);
-/// Makes room for `count` more corners in a worker's list, unless the worker has failed. False if it has.
+/// Makes room for `count` more corners in a worker's list. False: this worker has failed, now or earlier.
 bool qcPairOverlaps_Reserve(qcPairOverlaps* overlaps, uint32_t worker, size_t count);
-/// The first failure of a worker, its message copied to this thread.
+/// The first failure among the workers.
 qcStatus qcPairOverlaps_Status(const qcPairOverlaps* overlaps);
 /// Appends the corners at distances up to `limit` to the worker's list, which has room, in place of those that the pair
 /// had. `opposite`: the overlap was computed along the opposite of the normal.
