@@ -1,6 +1,7 @@
 // Gathers the pairs of two bodies and their triangles: each triangle once, with its corners in world space and its
 // vertices welded. Vertices are the same if their positions are, bit for bit: soups without shared indices and seams of
 // texture coordinates are as connected as they look.
+#include "manifold/position_hash.h"
 #include "manifold/topology.h"
 #include "base/status.h"
 
@@ -16,26 +17,6 @@ typedef struct Side
 } Side;
 
 //  ---- vertices -------------------------------------------------------------------------------------------
-
-static uint64_t Mix(uint64_t hash, uint64_t bits)
-{
-    hash = (hash ^ bits) * 0x9e3779b97f4a7c15ULL;
-    return hash ^ hash >> 32;
-}
-
-static uint64_t Hash(const qcManifoldVertex* vertex)
-{
-    const double position[3] = {vertex->position.x, vertex->position.y, vertex->position.z};
-    uint64_t hash = vertex->slot;
-    for (int axis = 0; axis < 3; axis++)
-    {
-        double x = position[axis] + 0.0; // -0 becomes +0, which compares equal
-        uint64_t bits;
-        memcpy(&bits, &x, sizeof bits);
-        hash = Mix(hash, bits);
-    }
-    return hash;
-}
 
 /// The number of a body's vertex among those of the triangles; adds it if it is new.
 static uint32_t AddVertex(const Side* side, uint32_t index, qcContactTopology* topology)
@@ -57,7 +38,7 @@ static uint32_t Weld(qcContactTopology* topology, uint32_t number)
 {
     const qcManifoldVertex* vertex = &QC_AT(qcManifoldVertex, topology->vertices, number);
     size_t mask = topology->hashTable.count - 1;
-    for (size_t i = Hash(vertex) & mask;; i = (i + 1) & mask)
+    for (size_t i = qcPositionHash_Of(vertex->slot, vertex->position) & mask;; i = (i + 1) & mask)
     {
         uint32_t* entry = &QC_AT(uint32_t, topology->hashTable, i);
         if (*entry == 0)

@@ -6,6 +6,7 @@
 // rounding where their normals agree, else by the distance times the angle between them; and contacts within a small
 // share of the mesh's resolution act as one.
 #include "manifold/points.h"
+#include "manifold/position_hash.h"
 #include "manifold/stage_switches.h"
 #include "base/status.h"
 
@@ -64,17 +65,9 @@ qcStatus qcContactPoints_Order(const qcContactTopology* topology, qcContactPoint
     return SortWithinRegions(topology, points);
 }
 
-static uint64_t Mix(uint64_t hash, double x)
-{
-    uint64_t bits;
-    memcpy(&bits, &x, sizeof bits);
-    hash = (hash ^ bits) * 0x9e3779b97f4a7c15ULL;
-    return hash ^ hash >> 32;
-}
-
 static uint32_t* HeadOf(const qcContactPoints* points, uint32_t region, int end, double x, double y, double z)
 {
-    uint64_t hash = Mix(Mix(Mix((uint64_t)region << 1 | (unsigned)end, x), y), z);
+    uint64_t hash = qcPositionHash_Of((uint64_t)region << 1 | (unsigned)end, (qcVector){x, y, z});
     return &QC_AT(uint32_t, points->heads, hash & (points->heads.count - 1));
 }
 

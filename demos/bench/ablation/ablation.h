@@ -11,7 +11,7 @@ struct qcAblationResult
     double points = 0;      ///< a detection
     double depth = -1;      ///< still scenes: the deepest point over the true depth; 1 is right
     double penetration = 0; ///< moving scenes: the deepest overlap at the end, by all stages; mm
-    double speed = -1;      ///< moving scenes: root mean square of the bodies' speeds in the last second; mm/s
+    double speed = -1;      ///< moving scenes: half of the bodies are slower in the last second; mm/s
 };
 
 struct qcAblationScene

@@ -8,7 +8,6 @@
 #include <btBulletDynamicsCommon.h>
 
 #include <algorithm>
-#include <cmath>
 #include <memory>
 #include <random>
 
@@ -59,7 +58,7 @@ class World
     qcAblationResult Run(const char* stage, unsigned steps)
     {
         qcAblationResult result;
-        double squares = 0;
+        std::vector<double> speeds;
         qcSwitchOff(stage);
         for (unsigned step = 0; step < steps; step++)
         {
@@ -68,10 +67,11 @@ class World
             result.ms += m_contact.getStatistics().manifoldMs / steps;
             result.points += double(CountPoints()) / steps;
             if (step + s_lastSteps >= steps)
-                squares += MeanSquareSpeed() / s_lastSteps;
+                AddSpeeds(&speeds);
         }
         qcSwitchOff("");
-        result.speed = 1e3 * std::sqrt(squares);
+        std::nth_element(speeds.begin(), speeds.begin() + speeds.size() / 2, speeds.end());
+        result.speed = 1e3 * speeds[speeds.size() / 2];
         result.penetration = 1e3 * FindPenetration();
         return result;
     }
@@ -92,18 +92,11 @@ class World
         return points;
     }
 
-    double MeanSquareSpeed() const
+    void AddSpeeds(std::vector<double>* speeds) const
     {
-        double sum = 0;
-        size_t count = 0;
         for (const Body& body : m_bodies)
-        {
-            if (body.rigid->isStaticObject())
-                continue;
-            sum += double(body.rigid->getLinearVelocity().length2());
-            count++;
-        }
-        return sum / double(count);
+            if (!body.rigid->isStaticObject())
+                speeds->push_back(double(body.rigid->getLinearVelocity().length()));
     }
 
     /// The deepest overlap of the bodies, by a detection of its own.
