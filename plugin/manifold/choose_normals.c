@@ -128,10 +128,12 @@ static void FindLocalMinima(void* context, size_t block, uint32_t worker)
     for (size_t i = block * qc_normalBlock; i < qcNormalBlocks_End(input, block); i++)
     {
         uint32_t p = qcContactRegions_UnsettledPair(input->regions, i);
+        bool* isNoLocalMinimum = &qcContactNormals_Pair(job->normals, p)->isNoLocalMinimum;
+        *isNoLocalMinimum = false;
+        if (!qcContactProximity_Pair(input->proximity, p)->separated || !QC_STAGE_RUNS(localMinimum))
+            continue;
         qcNeighbourhood n = qcNeighbourhood_Of(input, p);
-        qcContactNormals_Pair(job->normals, p)->isNoLocalMinimum =
-            n.proximity->separated && QC_STAGE_RUNS(localMinimum) &&
-            HasCloserNeighbour(&n, &input->proximity->features[n.pair->source]);
+        *isNoLocalMinimum = HasCloserNeighbour(&n, &input->proximity->features[n.pair->source]);
     }
 }
 

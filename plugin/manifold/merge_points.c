@@ -100,15 +100,16 @@ static uint32_t Find(const qcContactPoints* points, const Search* search, double
         double x[2] = {qcFloor((p.x - t) * scale), qcFloor((p.x + t) * scale)};
         double y[2] = {qcFloor((p.y - t) * scale), qcFloor((p.y + t) * scale)};
         double z[2] = {qcFloor((p.z - t) * scale), qcFloor((p.z + t) * scale)};
-        for (int corner = 0; corner < 8; corner++)
-        {
-            int i = corner >> 2, j = corner >> 1 & 1, k = corner & 1;
-            if ((i && x[1] == x[0]) || (j && y[1] == y[0]) || (k && z[1] == z[0]))
-                continue;
-            uint32_t found = FindInCell(points, search, *HeadOf(points, search->region, end, x[i], y[j], z[k]));
-            if (found != UINT32_MAX)
-                return found;
-        }
+        for (int i = 0; i < 2; i++)
+            for (int j = 0; j < 2; j++)
+                for (int k = 0; k < 2; k++)
+                {
+                    if ((i && x[1] == x[0]) || (j && y[1] == y[0]) || (k && z[1] == z[0]))
+                        continue;
+                    uint32_t found = FindInCell(points, search, *HeadOf(points, search->region, end, x[i], y[j], z[k]));
+                    if (found != UINT32_MAX)
+                        return found;
+                }
     }
     return UINT32_MAX;
 }

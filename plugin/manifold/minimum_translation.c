@@ -137,7 +137,7 @@ static qcStatus ShortenRegion(const Job* job, Members* members)
 static qcStatus ListMembers(const qcContactInput* input, qcContactNormals* normals)
 {
     size_t unsettled = input->regions->unsettledPairs.count;
-    QC_TRY(qcArray_Reserve(&normals->items, unsettled, sizeof(qcSortItem), "ways out of regions"));
+    QC_TRY(qcArray_Reserve(&normals->items, unsettled, sizeof(qcSortItem), "pairs of regions"));
     normals->items.count = 0;
     for (size_t i = 0; i < unsettled; i++)
     {

@@ -234,7 +234,7 @@ static qcStatus GrowComponents(const Job* job, uint32_t* references, qcArray* so
         uint32_t p = PairAt(job, i);
         if (i % qc_linkRoom == 0)
             QC_TRY(qcArray_Reserve(job->links, job->links->count + 2 * qc_linkRoom * qc_maxAdjacentPairs,
-                                   sizeof(qcSortItem), "signs of normals"));
+                                   sizeof(qcSortItem), "orientation of normals"));
         for (int side = 0; side < 2 && Region(job, p)->ambiguous; side++)
             AddLinks(job, p, side);
     }
@@ -357,9 +357,9 @@ qcStatus qcContactNormals_Orient(const qcContactInput* input, const qcPairOverla
     if (!ambiguous)
         return qc_statusOk;
     size_t count = input->topology->pairs.count, regions = input->topology->regionCount;
-    QC_TRY(qcArray_Resize(&normals->components, count, sizeof(Component), "signs of normals"));
-    QC_TRY(qcArray_Resize(&normals->nodes, count, sizeof(uint32_t), "signs of normals"));
-    QC_TRY(qcArray_Resize(&normals->references, regions, sizeof(uint32_t), "signs of normals"));
+    QC_TRY(qcArray_Resize(&normals->components, count, sizeof(Component), "orientation of normals"));
+    QC_TRY(qcArray_Resize(&normals->nodes, count, sizeof(uint32_t), "orientation of normals"));
+    QC_TRY(qcArray_Resize(&normals->references, regions, sizeof(uint32_t), "orientation of normals"));
     Job job = {.input = input,
                .overlaps = overlaps,
                .normals = normals->pairs.data,

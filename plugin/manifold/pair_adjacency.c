@@ -57,9 +57,9 @@ typedef struct Job
 static qcStatus Begin(qcPairAdjacency* adjacency, qcAdjacencyWorker* worker, qcSideRange range, TrianglePairs* pairs)
 {
     size_t corners = 3 * (size_t)range.count;
-    QC_TRY(qcArray_Reserve(&worker->fans, corners, sizeof(Fan), "neighbours in manifolds"));
-    QC_TRY(qcArray_Reserve(&worker->fanLists, 3 * corners, sizeof(uint32_t), "neighbours in manifolds"));
-    QC_TRY(qcArray_Reserve(&worker->visits, range.count, sizeof(Visit), "neighbours in manifolds"));
+    QC_TRY(qcArray_Reserve(&worker->fans, corners, sizeof(Fan), "adjacent pairs of manifolds"));
+    QC_TRY(qcArray_Reserve(&worker->fanLists, 3 * corners, sizeof(uint32_t), "adjacent pairs of manifolds"));
+    QC_TRY(qcArray_Reserve(&worker->visits, range.count, sizeof(Visit), "adjacent pairs of manifolds"));
     uint32_t* lists = worker->fanLists.data;
     *pairs = (TrianglePairs){.worker = worker,
                              .first = range.first,
@@ -152,7 +152,7 @@ static qcStatus FindAdjacent(qcPairAdjacency* adjacency, uint32_t worker, const 
         size_t first = self->adjacent.count;
         if (i % qc_adjacencyRoom == 0)
             QC_TRY(qcArray_Reserve(&self->adjacent, first + (size_t)qc_adjacencyRoom * qc_maxAdjacentPairs,
-                                   sizeof(uint32_t), "neighbours in manifolds"));
+                                   sizeof(uint32_t), "adjacent pairs of manifolds"));
         uint32_t count = 0;
         for (uint32_t c = 0; c < 3; c++)
             count = AddFan(&pairs, i, c, &QC_AT(uint32_t, self->adjacent, first), count);
@@ -209,14 +209,15 @@ static qcStatus ListSides(const qcContactTopology* topology, const qcContactRegi
 
 static qcStatus BeginWorkers(uint32_t threads, size_t vertices, qcPairAdjacency* adjacency)
 {
-    QC_TRY(qcWorkerResults_Begin(&adjacency->workers, threads, sizeof(qcAdjacencyWorker), "neighbours in manifolds"));
+    QC_TRY(
+        qcWorkerResults_Begin(&adjacency->workers, threads, sizeof(qcAdjacencyWorker), "adjacent pairs of manifolds"));
     for (size_t i = 0; i < adjacency->workers.count; i++)
     {
         qcAdjacencyWorker* worker = &QC_AT(qcAdjacencyWorker, adjacency->workers, i);
         worker->adjacent.count = 0;
         if (i >= threads)
             continue;
-        QC_TRY(qcArray_Resize(&worker->fanOfVertex, vertices, sizeof(uint32_t), "neighbours in manifolds"));
+        QC_TRY(qcArray_Resize(&worker->fanOfVertex, vertices, sizeof(uint32_t), "adjacent pairs of manifolds"));
         memset(worker->fanOfVertex.data, 0, vertices * sizeof(uint32_t));
     }
     return qc_statusOk;
