@@ -2,7 +2,7 @@
 // kernels/separating_axis.inl.h: the same axes, scale and gap. The tests of `layers` run both (QC_LAYERS_REFINE).
 layout(std430, binding = 1) buffer Survivors { uvec2 outSurvivors[]; }; // triangle slots
 uniform uint trianglePairCapacity, survivorCapacity;
-uniform float pointError, reach; // in the frame; reach: the query distance
+uniform float pointError, queryDistance; // in the frame
 
 // The other corners of A and all of B, relative to the first corner of A.
 vec3 b, c, d, e, f;
@@ -43,7 +43,7 @@ void main()
     // A power of two, so that no product below underflows.
     float up = uintBitsToFloat((254u << 23) - (floatBitsToUint(size) & 0x7f800000u));
     b *= up, c *= up, d *= up, e *= up, f *= up;
-    gap = (4.0 * pointError + reach) * up * 1.0001 + 4e-6;
+    gap = (4.0 * pointError + queryDistance) * up * 1.0001 + 4e-6;
 
     vec3 bc = c - b, de = e - d, df = f - d, ef = f - e;
     precise vec3 n = cross(b, c), m = cross(de, df);
