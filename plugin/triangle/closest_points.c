@@ -304,7 +304,7 @@ void qcClosest_OfTriangles(const qcVector a[3], const qcVector b[3], qcClosestPo
     static const int s_edgesByCorner[3][3] = {{0, 2, 1}, {1, 0, 2}, {2, 1, 0}};
     for (int i = 0; i < 3; i++)
         for (int j = 0; j < 3; j++)
-            if (TryEdges(&search, s_edgesByCorner[nearA][i], s_rotations[nearB][j]))
+            if (TryEdges(&search, s_edgesByCorner[nearA][i], s_edgesByCorner[nearB][j]))
                 return;
     TryFace(&search, a, b, 1.0);
     TryFace(&search, b, a, -1.0);
