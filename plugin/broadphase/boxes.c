@@ -210,14 +210,16 @@ static qcStatus ReserveOneMore(qcBoxes* set)
 /// New bounds of a box.
 typedef struct Extent
 {
-    qcBounds bounds;
+    const double *lower, *upper;
     qcFloatBox floats; ///< the smallest box of floats that contains the bounds
     bool exact;        ///< the floats equal the bounds
 } Extent;
 
-static Extent MakeExtent(const double lower[3], const double upper[3])
+static inline Extent MakeExtent(const double lower[3], const double upper[3])
 {
-    Extent extent = {.bounds = {{lower[0], lower[1], lower[2]}, {upper[0], upper[1], upper[2]}}};
+    Extent extent;
+    extent.lower = lower;
+    extent.upper = upper;
     extent.exact = qcFloatBox_Enclose(&extent.floats, lower, upper);
     return extent;
 }
@@ -225,13 +227,19 @@ static Extent MakeExtent(const double lower[3], const double upper[3])
 static bool IsSame(const qcBoxes* set, uint32_t id, const Extent* extent)
 {
     const qcBox* box = qcBoxes_Box(set, id);
-    const qcBounds *old = &QC_AT(qcBounds, set->bounds, id), *bounds = &extent->bounds;
+    const qcBounds* old = &QC_AT(qcBounds, set->bounds, id);
     bool same = box->exact == extent->exact;
     for (int k = 0; k < 3 && same; k++)
         same = extent->floats.lower[k] == box->lower[k] && extent->floats.upper[k] == box->upper[k];
     for (int k = 0; k < 3 && same && !extent->exact; k++)
-        same = bounds->lower[k] == old->lower[k] && bounds->upper[k] == old->upper[k];
+        same = extent->lower[k] == old->lower[k] && extent->upper[k] == old->upper[k];
     return same;
+}
+
+static inline qcBounds MakeBounds(const Extent* extent)
+{
+    const double *l = extent->lower, *u = extent->upper;
+    return (qcBounds){{l[0], l[1], l[2]}, {u[0], u[1], u[2]}};
 }
 
 static void StoreExtent(qcBoxes* set, uint32_t id, const Extent* extent)
@@ -241,7 +249,7 @@ static void StoreExtent(qcBoxes* set, uint32_t id, const Extent* extent)
     memcpy(box->upper, extent->floats.upper, sizeof box->upper);
     box->exact = extent->exact;
     if (!extent->exact)
-        QC_AT(qcBounds, set->bounds, id) = extent->bounds;
+        QC_AT(qcBounds, set->bounds, id) = MakeBounds(extent);
 }
 
 __attribute__((noinline)) static qcStatus Add(qcBoxes* boxes, const double lower[3], const double upper[3],
@@ -313,8 +321,8 @@ __attribute__((noinline)) static qcStatus Move(qcBoxes* boxes, uint32_t id, cons
         EndStationary(boxes, id);
     if (wasStationary || !Fits(&QC_AT(qcFloatBox, boxes->forest.boxes, id), &extent.floats))
     {
-        qcBounds previous = qcBoxes_Bounds(boxes, id);
-        qcFloatBox fat = Fatten(&previous, &extent.bounds, StepsAhead(id));
+        qcBounds previous = qcBoxes_Bounds(boxes, id), bounds = MakeBounds(&extent);
+        qcFloatBox fat = Fatten(&previous, &bounds, StepsAhead(id));
         qcForest_Insert(&boxes->forest, id, &fat);
         boxes->insertedCount += box->state == qc_boxInTree;
         boxes->staleCount += box->state != qc_boxPairsStale;
