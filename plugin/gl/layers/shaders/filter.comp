@@ -1,5 +1,6 @@
 // Separating axes: rejects pairs that are proven farther apart than the query distance. One algorithm with
-// kernels/separating_axis.inl.h: the same axes, scale and gap. The tests of `layers` run both (QC_LAYERS_REFINE).
+// kernels/separating_axis.inl.h: the same scale, gap and 17 axes (the processor also tries the line between the centres).
+// Tests of `layers` run both with one body (QC_LAYERS_REFINE). Proof: plugin/docs/proofs/layers.md.
 layout(std430, binding = 1) buffer Survivors { uvec2 outSurvivors[]; }; // triangle slots
 uniform uint trianglePairCapacity, survivorCapacity;
 uniform float pointError, queryDistance; // in the frame
