@@ -191,7 +191,7 @@ static void WalkComponents(Order* o)
 
 static void SetHops(Order* o, float length)
 {
-    // Where all triangles are points, hops alone tell them apart.
+    // If all triangles are points, only hops distinguish them.
     float hop = length > 0 ? s_hop * length / 3 : 1.0f;
     const Hops* hops = o->hops.data;
     for (uint32_t t = 0; t < o->triangleCount; t++)

@@ -1,16 +1,10 @@
-// Connected components by union and find (Galler, Fischer: An improved equivalence algorithm, 1964).
+// Connected components of the graph of body pairs.
 #include "sweep/islands.h"
 
 #include "base/status.h"
+#include "base/union_find.h"
 
 #include <float.h>
-
-static uint32_t Root(uint32_t* parent, uint32_t body)
-{
-    while (parent[body] != body)
-        body = parent[body] = parent[parent[body]];
-    return body;
-}
 
 static void Include(qcPlanItem* part, const qcBody* body)
 {
@@ -30,14 +24,12 @@ qcStatus qcIslands_Find(qcIslands* parts, const qcStepTriangles* triangles, cons
     QC_TRY(qcArray_Reserve(&parts->parts, bodyCount, sizeof(qcPlanItem), "parts of the scene"));
     QC_TRY(qcArray_Resize(&parts->parents, bodyCount, sizeof(uint32_t), "parts of the scene"));
     uint32_t *partOf = parts->partOf.data, *parent = parts->parents.data;
-    for (uint32_t body = 0; body < bodyCount; body++)
-        parent[body] = body;
+    qcSigned_Init(parent, bodyCount);
     for (size_t i = 0; i < objects->pairs.count; i++)
     {
         qcBodyPair pair = QC_AT(qcBodyPair, objects->pairs, i);
-        uint32_t a = Root(parent, pair.a), b = Root(parent, pair.b);
-        // The lower body stands for the part, so that it is met first below.
-        parent[a < b ? b : a] = a < b ? a : b;
+        // The lowest body of an island is its root: the loop below visits it first.
+        qcSigned_Unite(parent, pair.a, pair.b, 0);
     }
     for (uint32_t body = 0; body < bodyCount; body++)
         partOf[body] = QC_NO_ISLAND;
@@ -48,7 +40,7 @@ qcStatus qcIslands_Find(qcIslands* parts, const qcStepTriangles* triangles, cons
         const qcBody* b = qcStepTriangles_Body(triangles, body);
         if (partOf[body] == QC_NO_ISLAND && !qcBody_HasSelfCollision(b))
             continue;
-        uint32_t root = Root(parent, body);
+        uint32_t root = qcSigned_Find(parent, body) >> 1;
         if (root == body)
         {
             partOf[body] = (uint32_t)parts->parts.count++;
