@@ -81,3 +81,26 @@ void qcParallel_For(uint32_t threads, size_t count, size_t minCount, qcParallelF
     for (size_t i = 0; i < count; i++)
         function(context, i, 0);
 }
+
+typedef struct PublicLoop
+{
+    qcLoopFunction* function;
+    void* context;
+} PublicLoop;
+
+static void RunPublicLoop(void* context, size_t index, uint32_t worker)
+{
+    const PublicLoop* loop = context;
+    loop->function(index, worker, loop->context);
+}
+
+uint32_t qcGetWorkerCount(void)
+{
+    return qcParallel_Threads(0);
+}
+
+void qcParallelFor(uint32_t workers, size_t count, qcLoopFunction* function, void* loopContext)
+{
+    PublicLoop loop = {.function = function, .context = loopContext};
+    qcParallel_For(qcParallel_Threads(workers), count, 2, RunPublicLoop, &loop);
+}
