@@ -196,8 +196,8 @@ START_TEST(candidate_triangles_of_meshes_are_drawn_in_red_where_the_bodies_are)
         std::vector<Corners> cubes =
             TrianglesOf(*static_cast<qcMeshShape*>(cube->getCollisionShape()), cube->getWorldTransform());
         size_t ofCube = CountDrawn(recorder, cubes), ofFloor = recorder.triangles.size() - ofCube;
-        // Everything within the shells is a candidate, and what is far from the other body is none. Of the cube: its
-        // bottom, and what stands on that.
+        // Triangles within the margins are candidates, triangles far from the other body are not. The cube's are its
+        // bottom and the sides that meet it.
         qcModel models[2] = {qcCubeModel(), qcFloorModel(4, 8)};
         models[0].Move(cube->getWorldTransform());
         std::set<std::pair<uint32_t, uint32_t>> near = NearTriangles(models, double(margin) + 0.011);

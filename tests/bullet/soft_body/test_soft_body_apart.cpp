@@ -1,5 +1,5 @@
-// What a step keeps apart, and what it lets go: momentum and energy where contacts can't part surfaces, cloth among
-// moving meshes, bodies that are tangled at the start.
+// Momentum and energy where contacts can't separate surfaces, cloth among moving meshes, bodies that are tangled at the
+// start.
 #include "bench/soft/pile_scene.h"
 #include "bullet/soft_body/soft_world.h"
 #include "bench/soft/tangle_scene.h"
@@ -19,17 +19,7 @@ struct FlyingWorld : qcSoftWorld
 {
     FlyingWorld()
     {
-        world.setGravity(btVector3(0, 0, 0));
-        world.getWorldInfo().m_gravity.setZero();
-    }
-
-    ~FlyingWorld()
-    {
-        for (btSoftBody* cloth : cloths)
-        {
-            world.removeSoftBody(cloth);
-            delete cloth;
-        }
+        SetGravity(btVector3(0, 0, 0));
     }
 
     /// A square; `tilt`: how much higher one corner lies.
