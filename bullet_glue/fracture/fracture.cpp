@@ -1,15 +1,15 @@
 // Breaks a mesh along the Voronoi cells of sites: a cell holds what remains of the mesh after clipping by the bisector
-// with each neighbour. Each cell starts from the island of the mesh near it (fracture/voronoi_cells.h). All
+// with each neighbour. Each cell starts from the part of the mesh near it (fracture/voronoi_cells.h). All
 // computations are in units of the mesh's length (fracture/unit_scale.h). The volumes of all cells must add up to that
 // of the mesh.
 #include "quickcullide/bullet_fracture.h"
 
+#include "fracture/cell_sites.h"
 #include "fracture/parallel_cells.h"
 #include "fracture/voronoi_cells.h"
-#include "fracture/cell_sites.h"
-#include "quickcullide/bullet_positions.h"
 
 #include "quickcullide/bullet_mesh.h"
+#include "quickcullide/bullet_positions.h"
 
 #include <BulletDynamics/Dynamics/btRigidBody.h>
 
@@ -26,11 +26,6 @@ constexpr double s_minShare = 1e-9; ///< volume of a piece by that of the mesh; 
 // cells, had rounding errors of up to 4e-15 and 5e-16.
 constexpr double s_volumeShare = 1e-12, s_volumeError = 1e-14;
 constexpr double s_minVolume = 100 * s_volumeError; ///< of a mesh: above the errors, so that a wrong sum is noticed
-
-qcClipPoint PointOf(const btVector3& v)
-{
-    return {double(v.x()), double(v.y()), double(v.z())};
-}
 
 bool IsFinite(const btVector3& v)
 {
@@ -56,7 +51,7 @@ std::string FindBadSite(const std::vector<btVector3>& sites)
             return "site " + std::to_string(i) + " is not finite";
     std::vector<std::pair<qcClipPoint, size_t>> sorted;
     for (size_t i = 0; i < sites.size(); i++)
-        sorted.emplace_back(PointOf(sites[i]), i);
+        sorted.emplace_back(qcDoubleVectorOf(sites[i]), i);
     std::sort(sorted.begin(), sorted.end());
     for (size_t i = 1; i < sorted.size(); i++)
         if (sorted[i].first == sorted[i - 1].first)
@@ -291,8 +286,8 @@ std::vector<CellPieces> ClipByDistance(const Job& job)
 double VolumeOf(const std::vector<CellPieces>& cellPieces)
 {
     double volume = 0;
-    for (const CellPieces& some : cellPieces)
-        volume += some.volume;
+    for (const CellPieces& cell : cellPieces)
+        volume += cell.volume;
     return volume;
 }
 
