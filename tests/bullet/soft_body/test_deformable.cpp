@@ -119,7 +119,7 @@ START_TEST(a_folded_deformable_cloth_comes_to_rest_untangled)
     for (int i = 0; i < 480; i++)
     {
         world.StepApart(1);
-        // Layers on top of it do not press the lowest one into the floor.
+        // The layers do not press the lowest one into the floor.
         ck_assert(qcLowestNode(cloth) > btScalar(0.002));
     }
     ck_assert_int_gt(world.world->getStatistics().contacts, 200);
@@ -141,8 +141,8 @@ START_TEST(the_same_cloth_tangles_without_self_collision)
 }
 END_TEST
 
-/// VF_DD finds contacts, and leaves the cloth tangled; its constraints between faces and nodes, which the implicit
-/// solve would see to, are never made.
+/// VF_DD finds contacts and leaves the cloth tangled: the constraints between faces and nodes, which the implicit solve
+/// would satisfy, are never made.
 START_TEST(bullets_own_self_collision_tangles_and_makes_no_constraints)
 {
     Bullets world;

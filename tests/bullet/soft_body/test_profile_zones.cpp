@@ -1,4 +1,4 @@
-// The zones that Bullet's profiling sees of ours: named, balanced and nested in the step, also when a query fails.
+// The library's zones in Bullet's profiling: named, balanced and nested in the step, also when a query fails.
 #include "quickcullide/bullet_deformable.h"
 
 #include <BulletSoftBody/btDeformableGravityForce.h>
@@ -40,7 +40,7 @@ void Leave()
         s_open.pop_back();
 }
 
-/// Bullet's functions are put back when it ends.
+/// Restores Bullet's functions at its end.
 struct Recording
 {
     btEnterProfileZoneFunc* enter = btGetCurrentEnterProfileZoneFunc();

@@ -17,7 +17,7 @@
 
 namespace
 {
-/// A floor, a small box on it, and whatever is added.
+/// A world with a floor.
 struct World : qcSoftWorld
 {
     btStaticPlaneShape floorShape{btVector3(0, 1, 0), 0};
@@ -124,7 +124,7 @@ START_TEST(cloths_that_fall_on_each_other_stay_apart)
     AddSheet(world, btScalar(0.10), btScalar(0.4), 1, -1);
     AddSheet(world, btScalar(0.20), btScalar(0.9), 1, -1);
     ck_assert_uint_eq(MaxPenetrating(world, 120), 0);
-    // In the order in which they fell.
+    // The order in which they fell.
     for (int i = 0; i + 1 < 3; i++)
     {
         btVector3 low, high, lowNext, highNext;
@@ -135,7 +135,7 @@ START_TEST(cloths_that_fall_on_each_other_stay_apart)
 }
 END_TEST
 
-/// Two sheets land on a box that floats: the upper one presses the lower one on the box, which takes that up.
+/// Two sheets land on a box that floats: the upper one presses the lower one on the box, which takes up the momentum.
 START_TEST(layers_that_land_on_a_free_box_keep_momentum)
 {
     World world;
@@ -191,7 +191,7 @@ START_TEST(self_contacts_stand_in_manifolds_until_the_next_step)
                 const btManifoldPoint& point = manifold->getContactPoint(p);
                 ck_assert(std::abs(point.m_normalWorldOnB.length() - 1) < btScalar(1e-3));
                 ck_assert(point.getDistance() <= 0);
-                // The points are as far apart as the distance between surfaces and the thickness say.
+                // The points are at the distance between surfaces plus the thickness.
                 btScalar apart = (point.getPositionWorldOnA() - point.getPositionWorldOnB()).length();
                 ck_assert(apart <= btScalar(0.01) + btScalar(1e-4));
             }
@@ -200,7 +200,7 @@ START_TEST(self_contacts_stand_in_manifolds_until_the_next_step)
         seen += points;
     }
     ck_assert_int_gt(seen, 100);
-    // A body may go between two steps.
+    // A body may be removed between two steps.
     world.world.removeSoftBody(cloth);
     world.cloths.clear();
     delete cloth;
@@ -230,7 +230,7 @@ START_TEST(a_changed_topology_collides)
     for (int i = 0; i < 60; i++)
         world.Step();
     int before = cloth->m_faces.size();
-    // Tear: the faces of the upper half are gone.
+    // A tear removes the faces of the upper half.
     for (int i = before - 1; i >= before / 2; i--)
     {
         cloth->m_faces.swap(i, cloth->m_faces.size() - 1);

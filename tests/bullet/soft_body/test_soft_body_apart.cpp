@@ -75,7 +75,7 @@ START_TEST(cloths_thrown_at_each_other_keep_momentum_and_gain_no_energy)
         ck_assert_double_le(double((momentum - btVector3(0, -speed, 0)).length()), 1e-3 * double(speed));
         ck_assert_double_le(double(world.Energy()), 1.01 * double(energy));
     }
-    // Contacts alone did not do it.
+    // Contacts alone did not separate them.
     ck_assert_int_gt(planes, 100);
 }
 END_TEST
@@ -146,7 +146,7 @@ START_TEST(rings_that_begin_inside_of_each_other_fall_freely_and_come_apart)
         if (step > 2)
             ck_assert_uint_eq(ours.CountTangled(), 0);
     }
-    // Free fall, in steps of which each moves on with the speed that it ends with.
+    // Free fall by semi-implicit Euler steps.
     ck_assert_double_eq_tol(double(start - ours.Height()), 10 * 30 * 31 / 7200.0, 1e-3);
     ck_assert_double_ge(double(start - ours.Height()), double(start - bullets.Height()));
     for (const btSoftBody* ring : ours.rings)

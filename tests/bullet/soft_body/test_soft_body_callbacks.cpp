@@ -104,7 +104,7 @@ struct World : qcSoftWorld
         while (!cloths.empty())
             RemoveCloth();
         RemovePlate();
-        // User data is given back later, by the solver.
+        // The solver releases user data later.
         gContactStartedCallback = nullptr;
         gContactEndedCallback = nullptr;
         gContactProcessedCallback = nullptr;
@@ -158,7 +158,7 @@ START_TEST(a_contact_of_a_cloth_with_a_mesh_starts_once_and_ends_once)
     const btSoftBody* cloth = world.AddCloth(btScalar(0.1));
     for (size_t times = 1; times <= 3; times++)
     {
-        // It falls onto the plate and lies there. The plate is taken away, and put under it again.
+        // It falls onto the plate and lies there. The plate is removed, and put under it again.
         world.Step(40);
         ck_assert_int_gt(world.softSolver.getStatistics().contacts, 0);
         ck_assert_uint_eq(s_started.size(), times);
@@ -236,7 +236,7 @@ START_TEST(each_point_is_reported_in_each_step_and_its_user_data_released)
         ck_assert_uint_gt(all, 500);
         ck_assert_uint_gt(s_given, s_givenBack);
     }
-    // Those of the last step with the solver.
+    // The solver releases those of the last step.
     ck_assert_uint_eq(s_givenBack, all);
 }
 END_TEST
@@ -374,7 +374,7 @@ START_TEST(no_callback_reports_the_end_of_a_contact_with_a_removed_mesh)
     world.RemovePlate();
     world.Step(3);
     ck_assert_uint_eq(s_ended.size(), 0);
-    // Another one, maybe at the same address, is another contact.
+    // Another cloth, maybe at the same address, is another contact.
     world.AddPlate(world.cloths[0]->m_nodes[0].m_x.y() - btScalar(0.1));
     world.Step(40);
     ck_assert_uint_eq(s_started.size(), 2);

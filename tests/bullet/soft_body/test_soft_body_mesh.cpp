@@ -137,7 +137,7 @@ START_TEST(a_cloth_that_falls_from_ten_metres_is_held_by_a_floor_of_triangles)
 }
 END_TEST
 
-/// Why: Bullet makes a prism 12 cm thick of each triangle and pushes each node out of each by itself, so that the
+/// Bullet makes a prism 12 cm thick of each triangle and pushes each node out of each by itself, so that the
 /// prisms of neighbours push it on. No qcSoftBodySolver, no contact of ours.
 START_TEST(bullets_own_algorithm_lets_a_cloth_fall_through_a_fine_mesh)
 {
@@ -217,15 +217,15 @@ START_TEST(a_cloth_that_is_held_at_its_corners_catches_a_mesh)
     world.AddCloth(0, 16, 1 + 2 + 4 + 8);
     world.StepApart(360);
     ck_assert(body->getLinearVelocity().length() < btScalar(0.3));
-    // In the sagging cloth, that is: above its lowest node.
+    // In the sagging cloth: above its lowest node.
     ck_assert(body->getWorldTransform().getOrigin().y() > qcLowestNode(world.cloth) + btScalar(0.1));
     ck_assert(body->getWorldTransform().getOrigin().y() > -1);
     ck_assert_uint_eq(qcCountPenetratingExactly(world.Soups()), 0);
 }
 END_TEST
 
-/// Balls, boxes and rings fall on a cloth on a floor, through two of Bullet's solvers and one of softSolver that know
-/// nothing of each other, in steps of 8 cm: it is squeezed, and not cut.
+/// Balls, boxes and rings fall on a cloth on a floor, in steps of 8 cm. Two of Bullet's solvers and one of this
+/// library's act independently of each other: the cloth is squeezed, but not cut.
 START_TEST(a_cloth_under_a_pile_of_meshes_is_never_penetrated)
 {
     World world;
@@ -394,7 +394,7 @@ START_TEST(meshes_may_change_and_be_removed_between_two_steps)
     world.AddCloth(btScalar(0.03), 6);
     world.StepApart(30);
     ck_assert_int_gt(world.softSolver.getStatistics().contacts, 0);
-    // Half as wide: what lay at its border hangs over.
+    // Half as wide: the cloth's border hangs over.
     mesh->setLocalScaling(btVector3(btScalar(0.4), 1, btScalar(0.4)));
     world.StepApart(30);
     ck_assert(qcLowestNode(world.cloth) < btScalar(-0.01));

@@ -13,7 +13,7 @@
 
 namespace
 {
-/// A floor of triangles at height 0, with a shell of 1 cm.
+/// A floor of triangles at height 0, with a margin of 1 cm.
 struct World : qcSoftWorld
 {
     std::unique_ptr<qcMeshShape> shape = qcFloorModel(4, 8).MakeShape();

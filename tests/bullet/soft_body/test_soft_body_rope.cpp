@@ -41,7 +41,7 @@ size_t CountThrough(const btSoftBody* rope, const btRigidBody& body)
     return qcCountPenetratingExactly({SegmentsOf(rope), soup}) - within;
 }
 
-/// Kinetic and potential, and that of the body.
+/// Kinetic and potential energy of the rope, and that of the body.
 btScalar EnergyOf(const btSoftBody* rope, const btRigidBody& body, const btVector3& gravity)
 {
     btScalar energy = 0;
@@ -88,7 +88,7 @@ struct World : qcSoftWorld
     }
 };
 
-/// Ten seconds; no link is ever inside, and then it hangs there.
+/// Ten seconds: no link is ever inside the cylinder, and at the end the rope is draped.
 void CheckStaysDraped(const qcRopeSceneDef& def)
 {
     qcRopeScene scene(def);
@@ -148,7 +148,7 @@ START_TEST(a_rope_thrown_along_itself_stays_where_friction_holds_it)
 }
 END_TEST
 
-/// Prints what becomes of it with Bullet's own solver: it creeps for twenty seconds, and falls off in most scenes.
+/// Prints the rope's fate with Bullet's own solver: it creeps for twenty seconds, and falls off in most scenes.
 START_TEST(a_rope_stays_where_it_creeps_with_bullets_own_solver)
 {
     const char* names[] = {"qcMeshShape", "btBvhTriangleMeshShape", "btCylinderShape"};
@@ -180,7 +180,7 @@ START_TEST(a_rope_stays_where_it_creeps_with_bullets_own_solver)
 }
 END_TEST
 
-/// An even number of nodes: all pass the pole, 4 and 10 mm thick, and only a link meets it.
+/// An even number of nodes: all pass the pole, 4 and 10 mm thick, and only a link hits it.
 START_TEST(a_link_is_caught_by_a_pole_between_its_nodes)
 {
     for (btScalar radius : {btScalar(0.002), btScalar(0.005)})
@@ -315,7 +315,7 @@ START_TEST(bending_links_and_braces_do_not_push)
 }
 END_TEST
 
-/// Links that are added and taken away later count from the next step on.
+/// Links that are added or removed later take effect from the next step on.
 START_TEST(links_may_be_added_and_removed_between_two_steps)
 {
     World world;
