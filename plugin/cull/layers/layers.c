@@ -233,7 +233,7 @@ static qcStatus TryDevice(Step* step, const qcPairKeys* keys, qcProfile* profile
     QC_TRY(qcLayersBodies_Prepare(&cull->bodies, job->triangles, &cull->frame, cull->takesPart.data,
                                   cull->interests.data, cull->meetsItself.data, job->threads));
     qcLayersStep device = {.pointError = cull->frame.pointError,
-                           .reach = cull->frame.reach,
+                           .queryDistance = cull->frame.reach,
                            .testNeighbours = job->testNeighbours,
                            .timed = job->timed};
     qcLayersBodies_FillStep(&cull->bodies, &device);
