@@ -1,9 +1,7 @@
 // CSV and closing table of the cloth demo.
 #include "cloth/report.h"
 
-extern "C" {
 #include "common/output_file.h"
-}
 
 #include <algorithm>
 #include <cinttypes>

@@ -16,7 +16,7 @@ enum
     qc_notFound = 127 // as a shell says it
 };
 
-bool qcBenchFiles_MakeFolder(const char* path, qcMessage* message)
+bool qcFiles_MakeFolder(const char* path, qcMessage* message)
 {
     char* part = strdup(path);
     if (part == NULL)
@@ -37,7 +37,7 @@ bool qcBenchFiles_MakeFolder(const char* path, qcMessage* message)
     return made;
 }
 
-bool qcBenchFiles_IsThere(const char* path)
+bool qcFiles_IsThere(const char* path)
 {
     FILE* stream = fopen(path, "rb");
     if (stream != NULL)
@@ -45,14 +45,14 @@ bool qcBenchFiles_IsThere(const char* path)
     return stream != NULL || errno != ENOENT;
 }
 
-bool qcBenchFiles_Check(const char* folder, const char* name, qcMessage* message)
+bool qcFiles_Check(const char* folder, const char* name, qcMessage* message)
 {
     char path[4096];
     snprintf(path, sizeof path, "%s/%s", folder, name);
-    return qcBenchFiles_MakeFolder(folder, message) && qcOutput_Check(path, message);
+    return qcFiles_MakeFolder(folder, message) && qcOutput_Check(path, message);
 }
 
-void qcBenchFiles_WriteQuoted(FILE* stream, const char* text)
+void qcFiles_WriteQuoted(FILE* stream, const char* text)
 {
     fputc('"', stream);
     for (; *text != 0; ++text)
@@ -87,7 +87,7 @@ static int RunGnuplot(const char* folder, const char* script)
     return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
 }
 
-bool qcBenchFiles_Draw(const char* folder, const char* script, qcMessage* message)
+bool qcFiles_Draw(const char* folder, const char* script, qcMessage* message)
 {
     int status = RunGnuplot(folder, script);
     if (status == qc_notFound)

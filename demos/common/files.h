@@ -8,19 +8,27 @@
 
 #include <stdio.h>
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 /// With all folders above it.
-bool qcBenchFiles_MakeFolder(const char* path, qcMessage* message);
+bool qcFiles_MakeFolder(const char* path, qcMessage* message);
 
 /// False: no such file. One that is there and can't be read is there.
-bool qcBenchFiles_IsThere(const char* path);
+bool qcFiles_IsThere(const char* path);
 
 /// Makes the folder and says early whether "FOLDER/NAME" can be written.
-bool qcBenchFiles_Check(const char* folder, const char* name, qcMessage* message);
+bool qcFiles_Check(const char* folder, const char* name, qcMessage* message);
 
 /// A field of a CSV, in quotes.
-void qcBenchFiles_WriteQuoted(FILE* stream, const char* text);
+void qcFiles_WriteQuoted(FILE* stream, const char* text);
 
 /// Runs "gnuplot SCRIPT" in the folder; without gnuplot a word on standard error. False: gnuplot failed.
-bool qcBenchFiles_Draw(const char* folder, const char* script, qcMessage* message);
+bool qcFiles_Draw(const char* folder, const char* script, qcMessage* message);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

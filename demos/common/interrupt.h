@@ -6,11 +6,19 @@
 
 #include <stdbool.h>
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 /// From here on the first SIGINT or SIGTERM is kept; a second one ends the program. One that is ignored (nohup) stays
 /// so.
 void qcInterrupt_Watch(void);
 
 /// The signal that came, or 0.
 int qcInterrupt_Signal(void);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

@@ -9,6 +9,10 @@
 
 #include <stdio.h>
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 typedef struct qcOutput
 {
     FILE* stream;    ///< write here
@@ -28,5 +32,9 @@ bool qcOutput_Commit(qcOutput* output, qcMessage* message);
 
 /// Closes and removes the temporary file.
 void qcOutput_Abort(qcOutput* output);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

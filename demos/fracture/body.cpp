@@ -1,11 +1,9 @@
 // Models and pieces as rigid bodies.
 #include "fracture/body.h"
 
-extern "C" {
 #include "common/mesh_io/bounds.h"
 #include "common/mesh_io/decimate.h"
 #include "common/mesh_io/mesh_file.h"
-}
 
 #include <algorithm>
 

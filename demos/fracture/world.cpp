@@ -5,9 +5,7 @@
 
 #include "fracture/sites.h"
 
-extern "C" {
 #include "common/stopwatch.h"
-}
 
 #include <algorithm>
 
@@ -122,7 +120,7 @@ qcMomentum qcFractureWorld::Momentum() const
 /// Replaces the body by its pieces.
 bool qcFractureWorld::BreakBody(const btVector3& impact)
 {
-    double start = qcBenchTime_NowMs();
+    double start = qcStopwatch_NowMs();
     std::unique_ptr<qcFractureBody> whole = std::move(m_bodies.front());
     m_break.happened = true;
     whole->AddMomentum(&m_break.before);
@@ -131,9 +129,9 @@ bool qcFractureWorld::BreakBody(const btVector3& impact)
     def.indices = m_model.indices;
     def.sites = qcScatterSitesInside(whole->shape, m_request.pieces, m_request.seed,
                                      whole->body.getWorldTransform().invXform(impact));
-    double scattered = qcBenchTime_NowMs();
+    double scattered = qcStopwatch_NowMs();
     qcFracture fracture = qcFracture_Split(def);
-    double split = qcBenchTime_NowMs();
+    double split = qcStopwatch_NowMs();
     m_world.removeRigidBody(&whole->body);
     m_bodies.clear();
     m_failure = fracture.message;
@@ -154,7 +152,7 @@ bool qcFractureWorld::BreakBody(const btVector3& impact)
     m_break.after = Momentum();
     m_break.sitesMs = scattered - start;
     m_break.splitMs = split - scattered;
-    m_break.bodiesMs = qcBenchTime_NowMs() - split;
+    m_break.bodiesMs = qcStopwatch_NowMs() - split;
     return fracture.status == qc_statusOk;
 }
 

@@ -145,11 +145,11 @@ static qcDetectDef MakeDef(const Bench* bench, const qcAccuracySetting* setting)
 /// New vertices in, pairs out.
 static qcStatus Step(Bench* bench, const qcDetectDef* def, bool pose, double* ms)
 {
-    double start = qcBenchTime_NowMs();
+    double start = qcStopwatch_NowMs();
     qcStatus status = SetVertices(bench, pose);
     if (status == qc_statusOk)
         status = qcScene_Detect(bench->scene, def, &bench->result);
-    *ms = qcBenchTime_NowMs() - start;
+    *ms = qcStopwatch_NowMs() - start;
     return status;
 }
 
@@ -227,7 +227,7 @@ static qcStatus Time(Bench* bench, const qcDetectDef* def, double firstMs, qcAcc
             spent += times[row->runs] + other;
         }
     }
-    row->ms = qcBenchTime_Median(times, row->runs);
+    row->ms = qcStopwatch_Median(times, row->runs);
     row->leastMs = times[0];
     return qc_statusOk;
 }

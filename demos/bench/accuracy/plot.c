@@ -237,5 +237,5 @@ bool qcAccuracy_Plot(const qcAccuracyOptions* options, const qcAccuracyTable* ta
     }
     if (!WriteScript(options, tables, tableCount, message))
         return false;
-    return qcBenchFiles_Draw(options->out, "accuracy.gp", message);
+    return qcFiles_Draw(options->out, "accuracy.gp", message);
 }

@@ -37,7 +37,7 @@ static void WriteRow(FILE* stream, const qcAccuracyOptions* options, const qcAcc
         fputs(",,,,,,,,,,,", stream);
     char note[sizeof row->skipped + 16];
     snprintf(note, sizeof note, "%s%s", ran ? "" : "skipped: ", ran ? row->note : row->skipped);
-    qcBenchFiles_WriteQuoted(stream, note);
+    qcFiles_WriteQuoted(stream, note);
     fputc('\n', stream);
 }
 

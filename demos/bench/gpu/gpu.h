@@ -90,8 +90,8 @@ typedef struct qcGpuTable
     uint32_t rowCount;
 } qcGpuTable;
 
-/// Opens the device and runs a small step of layers on it. A device that can't is closed, and qc_benchDevice returned.
-qcBenchExit qcGpu_OpenDevice(const qcGpuOptions* options, qcGpuDevice* device, qcMessage* message);
+/// Opens the device and runs a small step of layers on it. A device that can't is closed, and qc_exitDevice returned.
+qcExitStatus qcGpu_OpenDevice(const qcGpuOptions* options, qcGpuDevice* device, qcMessage* message);
 /// Measures a scene in a size. False with a message: out of memory, or the sweep failed.
 bool qcGpu_Measure(const qcGpuOptions* options, const qcGpuDevice* device, int scene, uint32_t size, qcGpuRow* row,
                    qcMessage* message);

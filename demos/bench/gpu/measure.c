@@ -53,9 +53,9 @@ static bool Step(Bench* bench, qcGpuRun* run)
 {
     uint32_t frame = bench->frame % qc_gpuFrames;
     bool seen = bench->frame++ >= qc_gpuFrames;
-    double start = qcBenchTime_NowMs();
+    double start = qcStopwatch_NowMs();
     bool ran = qcPeerOurs_Step(&bench->ours, bench->work, frame, &bench->def);
-    bench->ms = qcBenchTime_NowMs() - start;
+    bench->ms = qcStopwatch_NowMs() - start;
     if (!ran)
         return false;
     const char* fallback = bench->ours.result->profile.fallback;
@@ -123,9 +123,9 @@ static bool MeasureStages(Bench* bench, qcGpuRun* run, qcGpuRow* row)
         qcGpuStage* stage = &row->stages[i];
         stage->threadMs = stage->deviceMs = -1.0;
         if (times->threadCount[i] != 0)
-            stage->threadMs = qcBenchTime_Median(times->thread[i], times->threadCount[i]);
+            stage->threadMs = qcStopwatch_Median(times->thread[i], times->threadCount[i]);
         if (times->deviceCount[i] != 0)
-            stage->deviceMs = qcBenchTime_Median(times->device[i], times->deviceCount[i]);
+            stage->deviceMs = qcStopwatch_Median(times->device[i], times->deviceCount[i]);
     }
     free(times);
     return ran;
@@ -149,7 +149,7 @@ static bool Time(Bench* bench, qcGpuRun* run)
         times[run->steps++] = bench->ms;
         spent += bench->ms;
     }
-    run->ms = qcBenchTime_Median(times, run->steps);
+    run->ms = qcStopwatch_Median(times, run->steps);
     run->leastMs = times[0];
     return ran;
 }
@@ -172,7 +172,7 @@ static bool MeasureRun(const qcPeerWork* work, qcDevice* device, qcGpuRun* run, 
     bench.def.method = run->method;
     bench.def.threads = run->threads;
     run->steady = true;
-    qcBenchTime_Rest();
+    qcStopwatch_Rest();
     bool ran = qcPeerOurs_Open(work, device, &bench.ours);
     if (ran)
         ran = run->method == qc_methodLayers ? MeasureLayers(&bench, run, row) : Time(&bench, run);
@@ -230,9 +230,9 @@ static bool Try(const qcGpuOptions* options, qcGpuDevice* device, qcMessage* mes
     qcDetectDef def = qcDefaultDetectDef();
     def.method = qc_methodLayers;
     def.threads = options->threads;
-    double start = qcBenchTime_NowMs();
+    double start = qcStopwatch_NowMs();
     bool ran = qcPeerOurs_Open(&work, device->device, &ours) && qcPeerOurs_Step(&ours, &work, 0, &def);
-    device->firstStepMs = qcBenchTime_NowMs() - start;
+    device->firstStepMs = qcStopwatch_NowMs() - start;
     if (!ran || ours.result->profile.fallback != NULL)
         ran = qcMessage_Fail(message, "device %s (%s): %s", device->info.name, device->info.renderer,
                              ran ? ours.result->profile.fallback : qcLastMessage());
@@ -251,7 +251,7 @@ static void FindWhyNoGpu(qcGpuDevice* device)
     qcDevice_Destroy(gpu);
 }
 
-qcBenchExit qcGpu_OpenDevice(const qcGpuOptions* options, qcGpuDevice* device, qcMessage* message)
+qcExitStatus qcGpu_OpenDevice(const qcGpuOptions* options, qcGpuDevice* device, qcMessage* message)
 {
     *device = (qcGpuDevice){.device = NULL};
     ReadProcessor(device->processor, sizeof device->processor);
@@ -259,23 +259,23 @@ qcBenchExit qcGpu_OpenDevice(const qcGpuOptions* options, qcGpuDevice* device, q
     def.kind = options->device;
     def.gpuIndex = options->gpuIndex;
     def.gpuName = options->gpuName;
-    double start = qcBenchTime_NowMs();
+    double start = qcStopwatch_NowMs();
     qcStatus status = qcDevice_Create(&def, &device->device);
-    device->openMs = qcBenchTime_NowMs() - start;
+    device->openMs = qcStopwatch_NowMs() - start;
     if (status == qc_statusOk)
         status = qcDevice_GetInfo(device->device, &device->info);
     if (status != qc_statusOk)
     {
         qcMessage_Fail(message, "%s", qcLastMessage());
-        return status == qc_statusDevice ? qc_benchDevice : qc_benchBroken;
+        return status == qc_statusDevice ? qc_exitDevice : qc_exitFailed;
     }
     if (device->info.kind == qc_deviceNone)
     {
         qcMessage_Fail(message,
                        "no GL device works here, neither a GPU nor software GL; --device egl gives the reason");
-        return qc_benchDevice;
+        return qc_exitDevice;
     }
     if (options->device == qc_deviceAuto && device->info.software)
         FindWhyNoGpu(device);
-    return Try(options, device, message) ? qc_benchDone : qc_benchDevice;
+    return Try(options, device, message) ? qc_exitDone : qc_exitDevice;
 }

@@ -134,9 +134,9 @@ static void WriteRow(FILE* stream, const qcGpuDevice* device, const qcGpuRow* ro
             fprintf(stream, "%s%016" PRIx64, frame == 0 ? "," : "-", run->hashes[frame]);
         fprintf(stream, ",%d,%" PRIu64 ",%" PRIu64 ",%" PRIu64 ",", qcGpuRow_Agrees(row), isLayers ? row->entries : 0,
                 isLayers ? row->uploadedBytes : 0, isLayers ? row->deviceBytes : 0);
-        qcBenchFiles_WriteQuoted(stream, isLayers ? row->failure : "");
+        qcFiles_WriteQuoted(stream, isLayers ? row->failure : "");
         fputc(',', stream);
-        qcBenchFiles_WriteQuoted(stream, isLayers ? device->info.renderer : "");
+        qcFiles_WriteQuoted(stream, isLayers ? device->info.renderer : "");
         fputc('\n', stream);
     }
 }

@@ -115,7 +115,7 @@ static bool IsOurs(const Runner* runner)
 static void Open(Race* race, Runner* runner)
 {
     const qcPeerEntrant* entrant = &runner->row->entrant;
-    double start = qcBenchTime_NowMs();
+    double start = qcStopwatch_NowMs();
     if (!IsOurs(runner))
     {
         Pose(race, 0);
@@ -125,7 +125,7 @@ static void Open(Race* race, Runner* runner)
     }
     else if (!qcPeerOurs_Open(race->work, race->device, &runner->ours))
         Skip(runner, qcLastMessage());
-    runner->row->openMs = qcBenchTime_NowMs() - start;
+    runner->row->openMs = qcStopwatch_NowMs() - start;
 }
 
 static void Close(Runner* runner)
@@ -176,7 +176,7 @@ static double Step(Race* race, Runner* runner)
 {
     const qcPeerEntrant* entrant = &runner->row->entrant;
     uint32_t frame = runner->next++ % race->work->frameCount;
-    double start = qcBenchTime_NowMs();
+    double start = qcStopwatch_NowMs();
     bool ran;
     if (IsOurs(runner))
     {
@@ -190,7 +190,7 @@ static double Step(Race* race, Runner* runner)
         Pose(race, frame);
         ran = entrant->library->step(runner->state, race->poses, &runner->answer);
     }
-    double ms = qcBenchTime_NowMs() - start;
+    double ms = qcStopwatch_NowMs() - start;
     if (!ran)
         Skip(runner, IsOurs(runner) ? qcLastMessage() : "the library failed, or out of memory");
     else if (IsOurs(runner) && runner->ours.result->profile.fallback != NULL)
@@ -215,7 +215,7 @@ static void WarmUp(Race* race, Runner* runner)
 static void TakeTurn(Race* race, Runner* runner)
 {
     double spent = 0.0;
-    qcBenchTime_Rest();
+    qcStopwatch_Rest();
     for (uint32_t i = 0; i < race->work->frameCount && runner->row->skipped[0] == 0; ++i)
     {
         if (i > qc_leastTimed && spent > s_enoughMs)
@@ -246,7 +246,7 @@ static void Finish(Race* race)
     {
         Runner* runner = &race->runners[i];
         qcPeerRow* row = runner->row;
-        row->ms = qcBenchTime_Median(runner->times, row->steps);
+        row->ms = qcStopwatch_Median(runner->times, row->steps);
         row->leastMs = runner->times[0];
         Compare(race->runners[0].row, row);
     }

@@ -34,7 +34,7 @@ bool qcPeerOurs_Open(const qcPeerWork* work, qcDevice* device, qcPeerOurs* ours)
 bool qcPeerOurs_Step(qcPeerOurs* ours, const qcPeerWork* work, uint32_t frame, const qcDetectDef* def)
 {
     qcStatus status = qc_statusOk;
-    double start = qcBenchTime_NowMs();
+    double start = qcStopwatch_NowMs();
     for (uint32_t i = 0; status == qc_statusOk && i < work->bodyCount; ++i)
     {
         size_t k = (size_t)frame * work->bodyCount + i;
@@ -42,7 +42,7 @@ bool qcPeerOurs_Step(qcPeerOurs* ours, const qcPeerWork* work, uint32_t frame, c
                      ? qcScene_SetTransform(ours->scene, ours->ids[i], &work->transforms[k])
                      : qcScene_SetVertices(ours->scene, ours->ids[i], work->positions[k], qc_positionF32, 0);
     }
-    ours->moveMs = qcBenchTime_NowMs() - start;
+    ours->moveMs = qcStopwatch_NowMs() - start;
     if (status == qc_statusOk)
         status = qcScene_Detect(ours->scene, def, &ours->result);
     return status == qc_statusOk;

@@ -171,5 +171,5 @@ bool qcPeers_Plot(const qcPeersOptions* options, const qcPeersTable* tables, uin
     WriteMethods(output.stream, tables, tableCount);
     WriteTimes(output.stream, options, tables, tableCount);
     fputs(s_body, output.stream);
-    return qcOutput_Commit(&output, message) && qcBenchFiles_Draw(options->out, "peers.gp", message);
+    return qcOutput_Commit(&output, message) && qcFiles_Draw(options->out, "peers.gp", message);
 }

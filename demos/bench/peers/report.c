@@ -24,14 +24,14 @@ static void WriteRow(FILE* stream, const qcPeersTable* table, const qcPeerRow* r
     static const char* const kinds[] = {"self", "deforming", "rigid"};
     fprintf(stream, "%s,%s,%" PRIu32 ",%" PRIu32 ",%" PRIu32 ",%s,", qcPeerWork_Name(table->work), kinds[table->kind],
             table->bodyCount, table->triangleCount, row->threads, row->entrant.name);
-    qcBenchFiles_WriteQuoted(stream, LibraryOf(row));
+    qcFiles_WriteQuoted(stream, LibraryOf(row));
     if (row->skipped[0] == 0)
         fprintf(stream, ",%" PRIu32 ",%.4f,%.4f,%.4f,%.4f,%.4f,%.4f,%" PRIu64 ",%d,", row->steps, row->ms, row->leastMs,
                 Ratio(row->ms, qcPeersTable_FindOurs(table, row->threads)->ms), row->openMs, row->firstMs,
                 row->secondMs, row->pairs, row->agrees);
     else
         fputs(",,,,,,,,,,", stream);
-    qcBenchFiles_WriteQuoted(stream, row->skipped);
+    qcFiles_WriteQuoted(stream, row->skipped);
     fputc('\n', stream);
 }
 

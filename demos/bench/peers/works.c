@@ -81,7 +81,7 @@ static qcBenchMade MakeModel(const Recipe* recipe, const qcBenchModels* models, 
                        ? qc_benchMade
                        : qc_benchFailed;
         case source_bunny:
-            if (qcBenchFiles_IsThere(models->bunny))
+            if (qcFiles_IsThere(models->bunny))
                 return ReadModel(recipe, models->bunny, body, message);
             qcMessage_Fail(message, "%s is not there; the package glmark2-data has it", models->bunny);
             return qc_benchSkipped;

@@ -275,5 +275,5 @@ bool qcScaling_Plot(const qcScalingOptions* options, const qcScalingTable* table
     fputs(s_head, output.stream);
     WriteFacts(output.stream, options, table);
     fputs(s_body, output.stream);
-    return qcOutput_Commit(&output, message) && qcBenchFiles_Draw(options->out, "scaling.gp", message);
+    return qcOutput_Commit(&output, message) && qcFiles_Draw(options->out, "scaling.gp", message);
 }

@@ -6,6 +6,10 @@
 
 #include <quickcullide/scene.h>
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 /// A copy of floats. False: out of memory; then it is empty.
 bool qcBenchPile_Copy(const qcMesh* model, qcMesh* copy);
 
@@ -18,5 +22,9 @@ void qcBenchPile_Place(uint32_t count, qcTransform* places);
 
 /// The positions of a body at its place, as floats.
 void qcBenchPile_Put(const qcMesh* body, const qcTransform* place, float* positions);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

@@ -5,6 +5,10 @@
 #include "common/mesh_io/bunny_path.h"
 #include "common/mesh_io/mesh_file.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 typedef struct qcBenchScene
 {
     qcMesh* bodies;
@@ -42,5 +46,9 @@ bool qcBenchScene_Mark(const char* name, bool marks[qc_benchSceneCount]);
 /// Makes a scene; empty unless it was made. The same bits each time.
 qcBenchMade qcBenchScene_Make(int index, const qcBenchModels* models, qcBenchScene* scene, qcMessage* message);
 void qcBenchScene_Free(qcBenchScene* scene);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

@@ -10,6 +10,10 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 /// Vertices are numbered exactly as in the file: triangles are neighbours if they share an index.
 typedef struct qcMesh
 {
@@ -42,5 +46,9 @@ bool qcMesh_ReadBytes(const char* name, const char* bytes, size_t size, qcMeshPr
 
 /// Frees the arrays and empties the mesh.
 void qcMesh_Free(qcMesh* mesh);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

@@ -4,10 +4,8 @@
 
 #include "bullet/mesh/mesh_world.h"
 
-extern "C" {
 #include "common/mesh_io/decimate.h"
 #include "common/mesh_io/mesh_file.h"
-}
 
 /// About the centre of its mass, 1 high, of about as many triangles.
 inline qcModel qcBunnyModel(const char* path, uint32_t triangles = 2000)
