@@ -2,8 +2,6 @@
 #define _POSIX_C_SOURCE 200809L
 #include "common/files.h"
 
-#include "common/output_file.h"
-
 #include <errno.h>
 #include <stdlib.h>
 #include <string.h>
@@ -50,6 +48,13 @@ bool qcFiles_Check(const char* folder, const char* name, qcMessage* message)
     char path[4096];
     snprintf(path, sizeof path, "%s/%s", folder, name);
     return qcFiles_MakeFolder(folder, message) && qcOutput_Check(path, message);
+}
+
+bool qcFiles_Open(const char* folder, const char* name, qcOutput* output, qcMessage* message)
+{
+    char path[4096];
+    snprintf(path, sizeof path, "%s/%s", folder, name);
+    return qcOutput_Open(path, output, message);
 }
 
 void qcFiles_WriteQuoted(FILE* stream, const char* text)

@@ -4,9 +4,7 @@
 #ifndef QC_DEMOS_COMMON_FILES_H
 #define QC_DEMOS_COMMON_FILES_H
 
-#include "common/message.h"
-
-#include <stdio.h>
+#include "common/output_file.h"
 
 #ifdef __cplusplus
 extern "C" {
@@ -20,6 +18,9 @@ bool qcFiles_IsThere(const char* path);
 
 /// Makes the folder and says early whether "FOLDER/NAME" can be written.
 bool qcFiles_Check(const char* folder, const char* name, qcMessage* message);
+
+/// qcOutput_Open of "FOLDER/NAME".
+bool qcFiles_Open(const char* folder, const char* name, qcOutput* output, qcMessage* message);
 
 /// A field of a CSV, in quotes.
 void qcFiles_WriteQuoted(FILE* stream, const char* text);

@@ -102,10 +102,9 @@ static bool MeasureAll(const Options* options, FILE* stream)
 
 static bool Run(const Options* options, qcMessage* message)
 {
-    char path[4096];
     qcOutput output;
-    snprintf(path, sizeof path, "%s/broadphase.csv", options->out);
-    if (!qcFiles_Check(options->out, "broadphase.csv", message) || !qcOutput_Open(path, &output, message))
+    if (!qcFiles_Check(options->out, "broadphase.csv", message) ||
+        !qcFiles_Open(options->out, "broadphase.csv", &output, message))
         return false;
     fputs("boxes,percent,set,broadphase,frames,ms,least ms,worst ms,set ms,find ms,create ms,held,overlapping,"
           "expected\n",

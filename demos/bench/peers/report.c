@@ -2,7 +2,6 @@
 #include "bench/peers/peers.h"
 
 #include "common/files.h"
-#include "common/output_file.h"
 
 #include <inttypes.h>
 #include <string.h>
@@ -38,10 +37,8 @@ static void WriteRow(FILE* stream, const qcPeersTable* table, const qcPeerRow* r
 bool qcPeers_WriteCsv(const qcPeersOptions* options, const qcPeersTable* tables, uint32_t tableCount,
                       qcMessage* message)
 {
-    char path[4096];
-    snprintf(path, sizeof path, "%s/peers.csv", options->out);
     qcOutput output;
-    if (!qcOutput_Open(path, &output, message))
+    if (!qcFiles_Open(options->out, "peers.csv", &output, message))
         return false;
     fputs("scene,kind,bodies,triangles,threads,method,library,steps,ms,ms_least,of_ours,open_ms,first_ms,second_ms,"
           "pairs,agrees,skipped\n",

@@ -235,8 +235,7 @@ void PrintRows(const Rows& rows)
 bool WriteRows(const Options& options, const Rows& rows, qcMessage* message)
 {
     qcOutput output;
-    std::string path = std::string(options.out) + "/soft.csv";
-    if (!qcOutput_Open(path.c_str(), &output, message))
+    if (!qcFiles_Open(options.out, "soft.csv", &output, message))
         return false;
     std::fputs("scene,figure,ours,bullet\n", output.stream);
     for (const Row& row : rows)
