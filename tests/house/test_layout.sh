@@ -53,7 +53,7 @@ demos/bench/accuracy        demos/bench demos/bench/scenes demos/common/... demo
 demos/bench/broadphase      demos/bench demos/bench/scenes demos/common/... demos/common
 demos/bench/peers           demos/bench demos/bench/scenes demos/common/... demos/common
 demos/bench/scaling         demos/bench demos/bench/scenes demos/common/... demos/common
-demos/bench/gpu             demos/bench demos/bench/scenes demos/bench/peers demos/common/... demos/common
+demos/bench/gpu             demos/bench demos/bench/scenes demos/common/... demos/common
 demos/bench/soft            demos/bench demos/bench/scenes demos/common/... demos/common
 
 tests/support

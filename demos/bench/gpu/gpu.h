@@ -2,7 +2,9 @@
 #ifndef QC_DEMOS_BENCH_GPU_GPU_H
 #define QC_DEMOS_BENCH_GPU_GPU_H
 
-#include "bench/peers/peers.h"
+#include "bench/bench.h"
+#include "bench/scenes/animated_scene.h"
+#include "bench/scenes/scenes.h"
 
 #include <stdio.h>
 
@@ -37,7 +39,7 @@ const char* qcGpuScene_Title(int scene);
 /// Sizes of the scene that are no larger than the options allow.
 uint32_t qcGpuScene_CountSizes(int scene, const qcGpuOptions* options);
 /// Makes the bodies of the scene in a size and their frames; empty unless it was made. The same bits each time.
-bool qcGpuScene_Make(int scene, uint32_t size, qcPeerWork* work, qcMessage* message);
+bool qcGpuScene_Make(int scene, uint32_t size, qcAnimation* animation, qcMessage* message);
 
 //  ---- rows ----------------------------------------------------------------------------------------
 

@@ -27,8 +27,8 @@ typedef struct StageTimes
 
 typedef struct Bench
 {
-    const qcPeerWork* work;
-    qcPeerOurs ours;
+    const qcAnimation* animation;
+    qcAnimatedScene ours;
     qcDetectDef def;
     uint32_t frame; ///< the next
     double ms;      ///< of the last step
@@ -54,7 +54,7 @@ static bool Step(Bench* bench, qcGpuRun* run)
     uint32_t frame = bench->frame % qc_gpuFrames;
     bool seen = bench->frame++ >= qc_gpuFrames;
     double start = qcStopwatch_NowMs();
-    bool ran = qcPeerOurs_Step(&bench->ours, bench->work, frame, &bench->def);
+    bool ran = qcAnimatedScene_Step(&bench->ours, bench->animation, frame, &bench->def);
     bench->ms = qcStopwatch_NowMs() - start;
     if (!ran)
         return false;
@@ -85,7 +85,7 @@ static void Keep(StageTimes* times, qcGpuRow* row, uint32_t stage, const char* n
         times->device[stage][times->deviceCount[stage]++] = deviceMs;
 }
 
-/// The parts of a step in the order of the work.
+/// The parts of a step in the order in which they run.
 static void KeepStep(const Bench* bench, StageTimes* times, qcGpuRow* row)
 {
     const qcProfile* p = &bench->ours.result->profile;
@@ -166,40 +166,40 @@ static bool MeasureLayers(Bench* bench, qcGpuRun* run, qcGpuRow* row)
     return true;
 }
 
-static bool MeasureRun(const qcPeerWork* work, qcDevice* device, qcGpuRun* run, qcGpuRow* row)
+static bool MeasureRun(const qcAnimation* animation, qcDevice* device, qcGpuRun* run, qcGpuRow* row)
 {
-    Bench bench = {.work = work, .def = qcDefaultDetectDef()};
+    Bench bench = {.animation = animation, .def = qcDefaultDetectDef()};
     bench.def.method = run->method;
     bench.def.threads = run->threads;
     run->steady = true;
     qcStopwatch_Rest();
-    bool ran = qcPeerOurs_Open(work, device, &bench.ours);
+    bool ran = qcAnimatedScene_Open(animation, device, &bench.ours);
     if (ran)
         ran = run->method == qc_methodLayers ? MeasureLayers(&bench, run, row) : Time(&bench, run);
-    qcPeerOurs_Close(&bench.ours);
+    qcAnimatedScene_Close(&bench.ours);
     return ran;
 }
 
 bool qcGpu_Measure(const qcGpuOptions* options, const qcGpuDevice* device, int scene, uint32_t size, qcGpuRow* row,
                    qcMessage* message)
 {
-    qcPeerWork work;
+    qcAnimation animation;
     qcProgress_Begin(0, qcGpuScene_Name(scene));
-    bool measured = qcGpuScene_Make(scene, size, &work, message);
-    *row = (qcGpuRow){.scene = scene, .bodies = work.bodyCount, .triangles = work.triangleCount};
+    bool measured = qcGpuScene_Make(scene, size, &animation, message);
+    *row = (qcGpuRow){.scene = scene, .bodies = animation.bodyCount, .triangles = animation.triangleCount};
     row->runs[row->runCount++] = (qcGpuRun){.method = qc_methodLayers, .threads = options->threads};
     row->runs[row->runCount++] = (qcGpuRun){.method = qc_methodSweep, .threads = 1};
     if (options->threads != 1)
         row->runs[row->runCount++] = (qcGpuRun){.method = qc_methodSweep, .threads = options->threads};
     for (uint32_t i = 0; measured && i < row->runCount; ++i)
     {
-        measured = MeasureRun(&work, device->device, &row->runs[i], row);
+        measured = MeasureRun(&animation, device->device, &row->runs[i], row);
         if (!measured)
             qcMessage_Fail(message, "%s, %u triangles, %s: %s", qcGpuScene_Name(scene), row->triangles,
                            qcMethod_Name(row->runs[i].method), qcLastMessage());
     }
     qcProgress_End();
-    qcPeerWork_Free(&work);
+    qcAnimation_Free(&animation);
     return measured;
 }
 
@@ -223,21 +223,22 @@ static void ReadProcessor(char* name, size_t size)
 /// A step of the smallest cloth: a device that can't do it does none.
 static bool Try(const qcGpuOptions* options, qcGpuDevice* device, qcMessage* message)
 {
-    qcPeerWork work;
-    if (!qcGpuScene_Make(0, 0, &work, message))
+    qcAnimation animation;
+    if (!qcGpuScene_Make(0, 0, &animation, message))
         return false;
-    qcPeerOurs ours;
+    qcAnimatedScene ours;
     qcDetectDef def = qcDefaultDetectDef();
     def.method = qc_methodLayers;
     def.threads = options->threads;
     double start = qcStopwatch_NowMs();
-    bool ran = qcPeerOurs_Open(&work, device->device, &ours) && qcPeerOurs_Step(&ours, &work, 0, &def);
+    bool ran =
+        qcAnimatedScene_Open(&animation, device->device, &ours) && qcAnimatedScene_Step(&ours, &animation, 0, &def);
     device->firstStepMs = qcStopwatch_NowMs() - start;
     if (!ran || ours.result->profile.fallback != NULL)
         ran = qcMessage_Fail(message, "device %s (%s): %s", device->info.name, device->info.renderer,
                              ran ? ours.result->profile.fallback : qcLastMessage());
-    qcPeerOurs_Close(&ours);
-    qcPeerWork_Free(&work);
+    qcAnimatedScene_Close(&ours);
+    qcAnimation_Free(&animation);
     return ran;
 }
 

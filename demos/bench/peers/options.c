@@ -27,9 +27,9 @@ void qcPeers_ReadOptions(int argumentCount, char** arguments, qcPeersOptions* op
 {
     *options = (qcPeersOptions){
         .frames = 8, .rounds = 3, .device = qc_deviceNone, .models = {.bunny = QC_BUNNY_PATH}, .out = "out/bench"};
-    qcWord scenes[qc_peerWorkCount + 2] = {{"all", -1}}, peers[qc_peerLibraryCount + 1] = {{NULL, 0}};
-    for (int i = 0; i < qc_peerWorkCount; ++i)
-        scenes[i + 1] = (qcWord){qcPeerWork_Name(i), i};
+    qcWord scenes[qc_peerSceneCount + 2] = {{"all", -1}}, peers[qc_peerLibraryCount + 1] = {{NULL, 0}};
+    for (int i = 0; i < qc_peerSceneCount; ++i)
+        scenes[i + 1] = (qcWord){qcPeerScene_Name(i), i};
     for (int i = 0; i < qc_peerLibraryCount; ++i)
         peers[i] = (qcWord){qcPeerModule_Name(i), i};
     const qcOption rows[] = {
@@ -39,7 +39,7 @@ void qcPeers_ReadOptions(int argumentCount, char** arguments, qcPeersOptions* op
          "dragon: each with itself; bunnies-27 (of 5000 triangles: the model's vertices in each cell of a grid become "
          "one) and bunnies-8 (as they are): with each other, all vertices new in each frame; rigid-27, rigid-8: the "
          "same bodies, transforms new in each frame",
-         qcOption_Marks(options->works, qc_peerWorkCount, scenes)},
+         qcOption_Marks(options->scenes, qc_peerSceneCount, scenes)},
         {1, "peers", "LIST", "Of embree, bullet, cgal", qcOption_Marks(options->libraries, qc_peerLibraryCount, peers)},
         {.group = 2, .help = "How it is measured:"},
         {2, "threads", "LIST", "Numbers of threads; 1,2 by default",

@@ -1,4 +1,4 @@
-// Ours beside peer libraries: every method on every work, with each number of threads, in one run.
+// Ours beside peer libraries: every method on every scene, with each number of threads, in one run.
 #include "bench/peers/peers.h"
 
 #include "common/files.h"
@@ -79,7 +79,7 @@ static qcExitStatus AddDevice(Run* run, qcMessage* message)
 
 static qcExitStatus Prepare(Run* run, qcMessage* message)
 {
-    run->tables = calloc(qc_peerWorkCount, sizeof *run->tables);
+    run->tables = calloc(qc_peerSceneCount, sizeof *run->tables);
     if (run->tables == NULL)
     {
         qcMessage_Fail(message, "out of memory");
@@ -89,7 +89,7 @@ static qcExitStatus Prepare(Run* run, qcMessage* message)
     qcExitStatus ending = AddDevice(run, message);
     if (ending == qc_exitDone)
         ending = AddPeers(run, message);
-    // Better now than after minutes of work.
+    // Better now than after minutes of animation.
     if (ending == qc_exitDone && !qcFiles_Check(run->options.out, "peers.csv", message))
         ending = qc_exitFailed;
     return ending;
@@ -98,25 +98,27 @@ static qcExitStatus Prepare(Run* run, qcMessage* message)
 static qcExitStatus MeasureWork(Run* run, int index, qcMessage* message)
 {
     const qcPeersOptions* options = &run->options;
-    qcPeerWork work;
-    qcProgress_Begin(0, qcPeerWork_Name(index));
-    qcBenchMade made = qcPeerWork_Make(index, &options->models, options->frames, &work, message);
+    qcAnimation animation;
+    qcProgress_Begin(0, qcPeerScene_Name(index));
+    qcBenchMade made = qcPeerScene_Make(index, &options->models, options->frames, &animation, message);
     qcProgress_End();
     if (made == qc_benchSkipped)
     {
-        printf("\n%s is skipped: %s\n", qcPeerWork_Name(index), message->text);
+        printf("\n%s is skipped: %s\n", qcPeerScene_Name(index), message->text);
         return qc_exitDone;
     }
     if (made == qc_benchFailed)
         return qc_exitBadInput;
     qcPeersTable* table = &run->tables[run->tableCount++];
-    *table = (qcPeersTable){
-        .work = index, .kind = work.kind, .bodyCount = work.bodyCount, .triangleCount = work.triangleCount};
+    *table = (qcPeersTable){.scene = index,
+                            .kind = animation.kind,
+                            .bodyCount = animation.bodyCount,
+                            .triangleCount = animation.triangleCount};
     bool measured = true;
     for (uint32_t i = 0; measured && i < options->threadsCount; ++i)
-        measured = qcPeers_Measure(options, &work, run->entrants, run->entrantCount, run->device, options->threads[i],
-                                   table, message);
-    qcPeerWork_Free(&work);
+        measured = qcPeers_Measure(options, &animation, run->entrants, run->entrantCount, run->device,
+                                   options->threads[i], table, message);
+    qcAnimation_Free(&animation);
     if (!measured)
         return qc_exitFailed;
     qcPeers_PrintTable(table);
@@ -138,7 +140,7 @@ static qcExitStatus CheckPairs(const Run* run, qcMessage* message)
                 continue;
             qcMessage_Fail(message,
                            "%s: %s finds other pairs than our sweep (%" PRIu64 " and %" PRIu64 " in the first frame)",
-                           qcPeerWork_Name(table->work), row->entrant.name, row->pairs,
+                           qcPeerScene_Name(table->scene), row->entrant.name, row->pairs,
                            qcPeersTable_FindOurs(table, row->threads)->pairs);
             return qc_exitFailed;
         }
@@ -149,9 +151,9 @@ static qcExitStatus CheckPairs(const Run* run, qcMessage* message)
 static qcExitStatus Measure(Run* run, qcMessage* message)
 {
     qcExitStatus ending = Prepare(run, message);
-    for (int i = 0; ending == qc_exitDone && i < qc_peerWorkCount; ++i)
+    for (int i = 0; ending == qc_exitDone && i < qc_peerSceneCount; ++i)
     {
-        if (run->options.works[i])
+        if (run->options.scenes[i])
             ending = MeasureWork(run, i, message);
     }
     if (ending != qc_exitDone)

@@ -58,7 +58,7 @@ static void WriteScenes(FILE* stream, const qcPeersTable* tables, uint32_t table
 {
     fputs("scenes = '", stream);
     for (uint32_t t = 0; t < tableCount; ++t)
-        fprintf(stream, "%s ", qcPeerWork_Name(tables[t].work));
+        fprintf(stream, "%s ", qcPeerScene_Name(tables[t].scene));
     fputs("'\nsizes = '", stream);
     for (uint32_t t = 0; t < tableCount; ++t)
         fprintf(stream, "%" PRIu32 " ", tables[t].triangleCount);

@@ -21,7 +21,7 @@ static double Ratio(double a, double b)
 static void WriteRow(FILE* stream, const qcPeersTable* table, const qcPeerRow* row)
 {
     static const char* const kinds[] = {"self", "deforming", "rigid"};
-    fprintf(stream, "%s,%s,%" PRIu32 ",%" PRIu32 ",%" PRIu32 ",%s,", qcPeerWork_Name(table->work), kinds[table->kind],
+    fprintf(stream, "%s,%s,%" PRIu32 ",%" PRIu32 ",%" PRIu32 ",%s,", qcPeerScene_Name(table->scene), kinds[table->kind],
             table->bodyCount, table->triangleCount, row->threads, row->entrant.name);
     qcFiles_WriteQuoted(stream, LibraryOf(row));
     if (row->skipped[0] == 0)
@@ -86,7 +86,7 @@ static void PrintNewTopology(const qcPeersTable* table, const qcPeerRow* ours)
 
 void qcPeers_PrintTable(const qcPeersTable* table)
 {
-    printf("\n%s: %s, %" PRIu32 " triangles\n", qcPeerWork_Name(table->work), qcPeerWork_Title(table->work),
+    printf("\n%s: %s, %" PRIu32 " triangles\n", qcPeerScene_Name(table->scene), qcPeerScene_Title(table->scene),
            table->triangleCount);
     printf("  %-16s %7s %10s %10s %9s %9s\n", "", "threads", "ms median", "least", "of ours", "pairs");
     for (uint32_t i = 0; i < table->rowCount; ++i)
