@@ -45,7 +45,7 @@ static qcExitStatus CheckRows(const qcGpuTable* table, qcMessage* message)
 
 static qcExitStatus Measure(const qcGpuOptions* options, qcGpuDevice* device, qcGpuTable* table, qcMessage* message)
 {
-    // Better now than after minutes of animation.
+    // Better now than after minutes of work.
     if (!qcFiles_Check(options->out, "gpu.csv", message))
         return qc_exitFailed;
     qcExitStatus ending = qcGpu_OpenDevice(options, device, message);

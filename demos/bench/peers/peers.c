@@ -89,7 +89,7 @@ static qcExitStatus Prepare(Run* run, qcMessage* message)
     qcExitStatus ending = AddDevice(run, message);
     if (ending == qc_exitDone)
         ending = AddPeers(run, message);
-    // Better now than after minutes of animation.
+    // Better now than after minutes of work.
     if (ending == qc_exitDone && !qcFiles_Check(run->options.out, "peers.csv", message))
         ending = qc_exitFailed;
     return ending;
