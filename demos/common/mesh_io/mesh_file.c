@@ -108,6 +108,12 @@ bool qcMeshParser_ParseCoordinate(const qcMeshParser* parser, bool isDouble, con
     return isfinite(single);
 }
 
+void qcMeshParser_SkipEmptyLines(qcMeshParser* parser)
+{
+    for (; parser->cursor < parser->end && (qcIsBlank(*parser->cursor) || *parser->cursor == '\n'); ++parser->cursor)
+        parser->line += parser->line != 0 && *parser->cursor == '\n';
+}
+
 static bool HasEnding(const char* name, const char* ending)
 {
     size_t length = strlen(name), endingLength = strlen(ending);

@@ -39,6 +39,9 @@ static inline bool qcIsBlank(char c)
     return c == ' ' || c == '\t' || c == '\r' || c == '\v' || c == '\f';
 }
 
+/// Moves over blanks and line ends; binary data has no lines to count.
+void qcMeshParser_SkipEmptyLines(qcMeshParser* parser);
+
 /// A word of the file, for messages: at most `size` - 1 bytes, unprintable ones as '?'. Returns `buffer`.
 const char* qcQuoteWord(const char* word, const char* end, char* buffer, size_t size);
 
