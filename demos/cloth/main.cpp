@@ -1,5 +1,5 @@
-// qc-cloth, the main demo: the paper's cloth scene in Bullet, with our broadphase and our self-collision, and again
-// without self-collision; pictures, a CSV, a table.
+// qc-cloth, the main demo: the paper's cloth scene in Bullet with this library's broadphase and self-collision, and
+// again without self-collision; pictures, a CSV, a table.
 #include "cloth/measure.h"
 #include "cloth/picture.h"
 #include "cloth/report.h"
@@ -19,7 +19,7 @@ struct Options
     // 120 steps a second: 12 frames.
     qcDemoOptions common = {"out/cloth", 360, 10, qc_methodLayers, qc_deviceAuto, 0};
     uint32_t triangles = 20000;
-    uint32_t compareEvery = 4; ///< frames from one on which all methods are asked to the next
+    uint32_t compareEvery = 4; ///< frames from one on which all methods run to the next
     qcDetectDef request = qcDefaultDetectDef();
 };
 
@@ -41,8 +41,8 @@ class Demo
     bool Simulate(bool selfCollision, qcClothRun* run, size_t* triangles);
 
   private:
-    bool Look(qcClothWorld& world, size_t step, qcClothRun* run);
-    bool Ask(qcClothQuestion question, qcClothStep* measured);
+    bool MeasureStep(qcClothWorld& world, size_t step, qcClothRun* run);
+    bool Run(qcClothQuery query, qcClothStep* measured);
     bool Draw(qcClothWorld& world, const char* prefix, size_t frame);
     bool Compare(size_t step, qcClothStep* measured);
 
@@ -53,12 +53,12 @@ class Demo
     qcClothPicture m_picture;
 };
 
-bool Demo::Ask(qcClothQuestion question, qcClothStep* measured)
+bool Demo::Run(qcClothQuery query, qcClothStep* measured)
 {
-    return m_measure.Ask(question, &measured->answers[question]) || qcDemo_Fail(m_measure.Message());
+    return m_measure.Run(query, &measured->results[query]) || qcDemo_Fail(m_measure.Message());
 }
 
-/// The cloth, and the PCS that was asked last.
+/// The cloth, and the PCS of the last query.
 bool Demo::Draw(qcClothWorld& world, const char* prefix, size_t frame)
 {
     char name[64];
@@ -69,34 +69,34 @@ bool Demo::Draw(qcClothWorld& world, const char* prefix, size_t frame)
            qcDemo_Fail(message);
 }
 
-/// Runs the methods that are left, and compares all answers.
+/// Runs the methods that are left, and compares all results.
 bool Demo::Compare(size_t step, qcClothStep* measured)
 {
-    for (qcClothQuestion question : {qc_clothQuickSorted, qc_clothQuickSortedBack})
-        if (!Ask(question, measured))
+    for (qcClothQuery query : {qc_clothQuickSorted, qc_clothQuickSortedBack})
+        if (!Run(query, measured))
             return false;
-    m_measure.Judge(&measured->answers);
-    for (size_t i = 0; i < measured->answers.size(); i++)
+    m_measure.CountMissed(&measured->results);
+    for (size_t i = 0; i < measured->results.size(); i++)
     {
-        const qcClothAnswer& answer = measured->answers[i];
-        if (qcClothQuestions[i].neverMisses && answer.missed != 0)
-            return qcDemo_Fail("step " + std::to_string(step) + ": " + qcClothQuestions[i].label + " missed " +
-                               std::to_string(answer.missed) + " of " + std::to_string(answer.found + answer.missed) +
+        const qcClothResult& result = measured->results[i];
+        if (qcClothQueries[i].neverMisses && result.missed != 0)
+            return qcDemo_Fail("step " + std::to_string(step) + ": " + qcClothQueries[i].label + " missed " +
+                               std::to_string(result.missed) + " of " + std::to_string(result.found + result.missed) +
                                " pairs");
     }
     return true;
 }
 
 /// The frame of a step: runs the other methods, draws.
-bool Demo::Look(qcClothWorld& world, size_t step, qcClothRun* run)
+bool Demo::MeasureStep(qcClothWorld& world, size_t step, qcClothRun* run)
 {
     qcClothStep& measured = run->steps.back();
     if (!m_measure.Update(world.Positions()))
         return qcDemo_Fail(m_measure.Message());
     // In each step, as a simulation does: these follow a body from query to query, and take longer for one that has
     // moved far since.
-    for (qcClothQuestion question : {qc_clothSweep, qc_clothAuto, qc_clothLayers})
-        if (!Ask(question, &measured))
+    for (qcClothQuery query : {qc_clothSweep, qc_clothAuto, qc_clothLayers})
+        if (!Run(query, &measured))
             return false;
     bool isLast = step == m_options.common.steps;
     if (m_info.kind == qc_deviceNone || (step % m_options.common.frameEvery != 0 && !isLast))
@@ -106,11 +106,11 @@ bool Demo::Look(qcClothWorld& world, size_t step, qcClothRun* run)
     // Without self-collision only the frames for the table and the last picture are of use.
     if (!run->selfCollision && !measured.compared)
         return true;
-    if (!Ask(qc_clothQuick, &measured) || (run->selfCollision && !Draw(world, "frame", frame)))
+    if (!Run(qc_clothQuick, &measured) || (run->selfCollision && !Draw(world, "frame", frame)))
         return false;
     if (!measured.compared)
         return true;
-    return Ask(qc_clothCullide, &measured) &&
+    return Run(qc_clothCullide, &measured) &&
            Draw(world, run->selfCollision ? "with_cullide" : "without_cullide", frame) && Compare(step, &measured);
 }
 
@@ -136,7 +136,7 @@ bool Demo::Simulate(bool selfCollision, qcClothRun* run, size_t* triangles)
         run->steps.push_back(measured);
         if (measured.statistics.status != qc_statusOk)
             return qcDemo_Fail(std::string("step ") + std::to_string(step) + ": " + qcLastMessage());
-        if (!Look(world, step, run))
+        if (!MeasureStep(world, step, run))
             return false;
         qcProgress_Update(step);
     }

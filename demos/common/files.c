@@ -1,4 +1,4 @@
-// What every benchmark leaves behind: a folder, a CSV, a gnuplot script and the pictures it draws.
+// Output folders, fields of CSVs, and gnuplot.
 #define _POSIX_C_SOURCE 200809L
 #include "common/files.h"
 
@@ -11,7 +11,7 @@
 
 enum
 {
-    qc_notFound = 127 // as a shell says it
+    qc_notFound = 127 // the exit status of a shell
 };
 
 bool qcFiles_MakeFolder(const char* path, qcMessage* message)
@@ -72,7 +72,7 @@ void qcFiles_WriteQuoted(FILE* stream, const char* text)
 /// gnuplot's exit status, qc_notFound where there is none, or -1.
 static int RunGnuplot(const char* folder, const char* script)
 {
-    // Or the child would write once more what is waiting.
+    // The child would otherwise write buffered output a second time.
     fflush(stdout);
     pid_t child = fork();
     if (child < 0)

@@ -1,5 +1,5 @@
-// qc-fracture: a bunny falls on a floor, breaks in the midst of a step into hundreds of pieces, which collide and come
-// to rest, with our broadphase, mesh contact and fracture; pictures, a CSV, a table.
+// qc-fracture: a bunny falls on a floor and breaks in the midst of a step into hundreds of pieces, which collide and
+// come to rest; pictures, a CSV, a table.
 #include "common/bullet/demo_options.h"
 #include "fracture/picture.h"
 #include "fracture/report.h"

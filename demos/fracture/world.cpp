@@ -43,8 +43,9 @@ qcFractureWorld::qcFractureWorld(const qcFractureModel& model, const qcFractureR
     m_meshContact.addTo(&m_world);
     m_meshContact.setMethod(request.method);
     m_meshContact.setThreadCount(request.threads);
-    // Ten layers of pieces land on each other: with Bullet's 10 rounds the lowest are not told of the others in time,
-    // and the deepest are 13 to 24 mm in each other in most steps; with 50 it is 3 to 5, and a step takes no longer.
+    // Ten layers of pieces land on each other: in Bullet's 10 iterations the impulses of the upper ones don't reach the
+    // lowest, and the deepest are 13 to 24 mm in each other in most steps; with 50 it is 3 to 5, and a step takes no
+    // longer.
     m_world.getSolverInfo().m_numIterations = 50;
     // However deep, what overlaps is parted without giving it speed.
     m_world.getSolverInfo().m_splitImpulsePenetrationThreshold = 0;

@@ -39,7 +39,7 @@ static size_t PositionSize(const qcMesh* mesh)
     return 3 * (size_t)mesh->vertexCount * (mesh->isDouble ? sizeof(double) : sizeof(float));
 }
 
-/// As far as a vertex moves in a step of a simulation, say.
+/// About the motion of a vertex in a step of a simulation.
 static void MakePose(const qcMesh* mesh, double distance, void* pose)
 {
     uint64_t seed = 1;

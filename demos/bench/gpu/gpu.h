@@ -23,7 +23,7 @@ typedef struct qcGpuOptions
     uint32_t maxTriangles; ///< larger sizes are left out
     uint32_t threads;      ///< all
     qcDeviceKind device;
-    int32_t gpuIndex;    ///< as in qcDeviceDef
+    int32_t gpuIndex;    ///< see qcDeviceDef
     const char* gpuName; ///< likewise
     const char* out;
 } qcGpuOptions;
@@ -38,7 +38,7 @@ const char* qcGpuScene_Name(int scene);
 const char* qcGpuScene_Title(int scene);
 /// Sizes of the scene that are no larger than the options allow.
 uint32_t qcGpuScene_CountSizes(int scene, const qcGpuOptions* options);
-/// Makes the bodies of the scene in a size and their frames; empty unless it was made. The same bits each time.
+/// Makes the bodies of the scene in a size and their frames; empty unless it was made. Deterministic to the bit.
 bool qcGpuScene_Make(int scene, uint32_t size, qcAnimation* animation, qcMessage* message);
 
 //  ---- rows ----------------------------------------------------------------------------------------
@@ -83,7 +83,7 @@ typedef struct qcGpuRow
     qcGpuStage stages[qc_maxGpuStages];
     uint32_t stageCount;
     uint64_t entries, uploadedBytes, deviceBytes; ///< of layers, in its last step
-    char failure[256];                            ///< why layers did not answer; empty: it did
+    char failure[256];                            ///< why layers did not run; empty: it did
 } qcGpuRow;
 
 typedef struct qcGpuTable

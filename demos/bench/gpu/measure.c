@@ -109,7 +109,7 @@ static bool MeasureStages(Bench* bench, qcGpuRun* run, qcGpuRow* row)
     double spent = 0.0;
     bool ran = times != NULL;
     bench->def.layerTimes = true;
-    // Of the first, what is read back is not measured.
+    // The first ones: reading back is not measured in them.
     ran = ran && Step(bench, run);
     for (uint32_t i = 0; ran && (i < qc_minSteps || (i < qc_maxSteps && spent < s_enoughMs)); ++i)
     {

@@ -12,7 +12,7 @@
 
 enum
 {
-    // Of a turn whose frames are slow: more would not change the median by much.
+    // A turn with slow frames ends here: more would not change the median by much.
     qc_leastTimed = 2
 };
 

@@ -23,7 +23,7 @@ static void AddOurs(Run* run, qcMethod method)
     run->entrants[run->entrantCount++] = (qcPeerEntrant){qcMethod_Name(method), NULL, method, true};
 }
 
-/// Each library that was asked for and is there. Says which packages the others need.
+/// The libraries of --peers that are there. Prints which packages the others need.
 static qcExitStatus AddPeers(Run* run, qcMessage* message)
 {
     char packages[256] = "", missing[64] = "";

@@ -52,7 +52,7 @@ const char* qcPeerScene_Title(int index)
 
 //  ---- models --------------------------------------------------------------------------------------
 
-/// A model as floats of extent 1, with as many triangles as the recipe says.
+/// A model as floats of extent 1, with the number of triangles in the recipe.
 static qcBenchMade ReadModel(const Recipe* recipe, const char* path, qcMesh* body, qcMessage* message)
 {
     qcMesh model, coarse;

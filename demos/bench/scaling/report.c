@@ -6,7 +6,7 @@
 #include <inttypes.h>
 #include <math.h>
 
-// The range that the exponent of the growth is asked for.
+// The range of sizes for the exponent of the growth.
 static const double s_lowest = 19000.0, s_highest = 1050000.0;
 
 static const char* const s_stageNames[qc_scalingStageCount] = {"vertices", "objects", "triangles", "exact", "other"};

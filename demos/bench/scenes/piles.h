@@ -1,4 +1,4 @@
-// Copies of a model, heaped up so that each meets those beside it.
+// Copies of a model, piled up so that each overlaps its neighbours.
 #ifndef QC_DEMOS_BENCH_SCENES_PILES_H
 #define QC_DEMOS_BENCH_SCENES_PILES_H
 
@@ -17,7 +17,8 @@ bool qcBenchPile_Copy(const qcMesh* model, qcMesh* copy);
 /// point.
 bool qcBenchPile_Normalize(const qcMesh* model, qcMesh* body, qcMessage* message);
 
-/// Places for `count` bodies of extent 1: on a lattice 0.8 apart, each turned in its own way. The same bits each time.
+/// Transforms of `count` bodies of extent 1: on a lattice 0.8 apart, each turned in its own way. Deterministic to the
+/// bit.
 void qcBenchPile_Place(uint32_t count, qcTransform* places);
 
 /// The positions of a body at its place, as floats.

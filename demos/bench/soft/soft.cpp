@@ -90,8 +90,7 @@ void MakePileMesh(qcPileSceneDef* def)
         return;
     }
     // About its centre of mass.
-    qcPositionType type = sizeof(btScalar) == sizeof(double) ? qc_positionF64 : qc_positionF32;
-    btTransform frame = qcMeshShape(def->positions.data(), type, 0, uint32_t(def->positions.size() / 3),
+    btTransform frame = qcMeshShape(def->positions.data(), qcBulletPositions, 0, uint32_t(def->positions.size() / 3),
                                     def->indices.data(), uint32_t(def->indices.size() / 3))
                             .getMassProperties()
                             .principalFrame.inverse();

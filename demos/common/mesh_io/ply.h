@@ -87,7 +87,7 @@ typedef struct qcPlyEncoding
 {
     bool (*skip)(qcPlyReader* reader, const qcPlyType* type);
     bool (*nextInteger)(qcPlyReader* reader, const qcPlyType* type, int64_t* value);
-    /// Of a floating-point type; finite.
+    /// For floating-point types; finite.
     bool (*nextReal)(qcPlyReader* reader, const qcPlyType* type, double* value);
     /// Moves to the next element's values.
     void (*beginElement)(qcPlyReader* reader);
