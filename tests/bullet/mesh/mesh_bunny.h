@@ -4,10 +4,8 @@
 
 #include "bullet/mesh/mesh_world.h"
 
-extern "C" {
 #include "common/mesh_io/decimate.h"
 #include "common/mesh_io/mesh_file.h"
-}
 
 /// Its origin is its centre of mass; 1 high, with about this many triangles.
 inline qcModel qcBunnyModel(const char* path, uint32_t triangles = 2000)

@@ -97,8 +97,8 @@ void CheckStaysDraped(const qcRopeSceneDef& def)
     for (int i = 0; i < 600; i++)
     {
         scene.Step(s_step);
-        ck_assert_int_eq(scene.ours.getStatistics().status, qc_statusOk);
-        ck_assert_int_eq(scene.ours.getStatistics().remaining, 0);
+        ck_assert_int_eq(scene.quick.getStatistics().status, qc_statusOk);
+        ck_assert_int_eq(scene.quick.getStatistics().remaining, 0);
         if (i % 10 == 0)
             ck_assert_uint_eq(CountThrough(scene.rope, *scene.cylinder), 0);
         largest = btMax(largest, EnergyOf(scene.rope, *scene.cylinder, gravity));
@@ -197,7 +197,7 @@ START_TEST(a_link_is_caught_by_a_pole_between_its_nodes)
             for (int i = 0; i < 240; i++)
             {
                 scene.Step(s_step);
-                ck_assert_int_eq(scene.ours.getStatistics().remaining, 0);
+                ck_assert_int_eq(scene.quick.getStatistics().remaining, 0);
                 ck_assert_double_gt(double(scene.Measure().highest), 0);
             }
             ck_assert(scene.Measure().IsDraped(radius));
