@@ -3,6 +3,11 @@
 // Thread-safety: the hooks are set before anything else is called, that for threads also later, while no
 // other call runs; everything else here may be called from any thread.
 //
+// Versions: a definition (a struct that begins with structSize) may gain fields at its end. Start from its default
+// function, which sets structSize. Fields that a caller's older header doesn't have keep their defaults. A newer header
+// works with an older library while all fields that the library doesn't have are 0; otherwise qc_statusBadInput. All
+// other structs keep their layout within a minor version, which is the version of the shared library's name.
+//
 // Floating-point modes: results don't depend on the caller's rounding mode, nor on whether it flushes subnormals (FTZ,
 // DAZ) or traps. Each call computes in the default modes and puts the caller's back. A qcBoxFunction runs in the modes
 // of the caller; all other callbacks run in the default modes.
@@ -15,8 +20,6 @@
 
 #if defined(QC_STATIC)
 #define QC_API
-#elif defined(_WIN32)
-#define QC_API __declspec(dllexport)
 #else
 #define QC_API __attribute__((visibility("default")))
 #endif
