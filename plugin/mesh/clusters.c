@@ -405,8 +405,7 @@ static uint64_t FilledPlaces(const uint32_t* triangles)
 }
 
 /// What the table leaves out though both triangles exist and come in order.
-qcSlotPair* qcClusters_FindNeighbours(const qcClusters* clusters, uint32_t node, uint32_t link,
-                                      const qcPairExclusion* skips, int skipCount, qcSlotPair* pairs)
+qcSlotPair* qcClusters_FindNeighbours(const qcClusters* clusters, uint32_t node, uint32_t link, qcSlotPair* pairs)
 {
     qcLeafLink to = QC_AT(qcLeafLink, clusters->links, link);
     const uint32_t *triangles = clusters->triangles.data, a = node * qc_nodeSize, b = to.other * qc_nodeSize;
@@ -418,8 +417,6 @@ qcSlotPair* qcClusters_FindNeighbours(const qcClusters* clusters, uint32_t node,
         uint64_t left = PairsOfWord(word, filledA, filledB, node == to.other);
         if ((none >> word & 1u) == 0)
             left &= ~qcClusters_Word(table, word);
-        for (int k = 0; k < skipCount && left != 0; k++)
-            left &= ~qcClusters_Product(qcClusters_PlacesOf(skips[k].a, i), qcClusters_PlacesOf(skips[k].b, j));
         for (; left != 0; left &= left - 1)
         {
             uint32_t bit = (uint32_t)__builtin_ctzll(left);

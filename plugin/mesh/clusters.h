@@ -119,10 +119,9 @@ const uint64_t* qcClusters_OrderTable(void);
 qcStatus qcClusters_NameVertices(const qcClusters* clusters, const uint32_t* indices, uint32_t vertexCount,
                                  qcArray* corners, qcArray* vertexOf);
 
-/// Writes the pairs of neighbours of a node and the other of its link that no skip has, in no order but each once;
-/// there is room for qc_nodeSize^2. Returns the new end.
-qcSlotPair* qcClusters_FindNeighbours(const qcClusters* clusters, uint32_t node, uint32_t link,
-                                      const qcPairExclusion* skips, int skipCount, qcSlotPair* pairs);
+/// Writes the pairs of triangles of a leaf node and the other leaf node of its link that share a vertex: in no order,
+/// each once, into room for qc_nodeSize^2. Returns the new end.
+qcSlotPair* qcClusters_FindNeighbours(const qcClusters* clusters, uint32_t node, uint32_t link, qcSlotPair* pairs);
 void qcClusters_Free(qcClusters* clusters);
 
 #endif

@@ -2,10 +2,11 @@
 #ifndef QC_PLAN_COSTS_H
 #define QC_PLAN_COSTS_H
 
-/// Milliseconds of a step, and for each triangle that takes part.
+/// Milliseconds: of a step (Fixed), and for each triangle that takes part. The planner compares a whole step of `layers`
+/// with the triangles' share of a sweep: its own part of a step is not worth mentioning.
 typedef struct qcPlanCosts
 {
-    double sweepFixed, sweepPerTriangle;
+    double sweepPerTriangle;
     double layersFixed, layersPerTriangle;
 } qcPlanCosts;
 
