@@ -5,8 +5,8 @@
 #include "plan/plan.h"
 
 /// The costs with this number of threads. The first call for a device and a number of threads measures them (a few
-/// milliseconds, plus the compilation of the device's kernels); later ones return the saved costs. Infinite for a device
-/// that fails.
+/// milliseconds, plus the compilation of the device's kernels); later ones return the saved costs. Infinite for a
+/// device that fails.
 qcPlanCosts qcCalibrate(qcDevice* device, uint32_t threads);
 
 #endif

@@ -1,9 +1,10 @@
-// The scene's entry points: arguments are checked here, stages trust them.
+// The scene's entry points. Arguments are checked here; stages trust them.
 #include "pipeline/detect.h"
 
 #include "base/definition.h"
 #include "base/float_mode.h"
 #include "base/status.h"
+#include "pipeline/calibrate.h"
 
 #include <math.h>
 #include <string.h>
@@ -227,7 +228,7 @@ __attribute__((noinline)) static qcStatus Detect(qcScene* scene, const qcDetectD
     qcDetectDef def = qcDefaultDetectDef();
     QC_TRY(qcDef_Take(given, QC_DEF_LAYOUT("qcScene_Detect", qcDetectDef, method), &def));
     QC_TRY(CheckDetectDef(&def));
-    QC_TRY(qcDetector_Run(&scene->detector, &scene->bodies, scene->device, &def));
+    QC_TRY(qcDetector_Run(&def, scene->device, qcCalibrate, &scene->bodies, &scene->detector));
     *result = &scene->detector.result;
     return qc_statusOk;
 }

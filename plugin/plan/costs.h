@@ -2,8 +2,7 @@
 #ifndef QC_PLAN_COSTS_H
 #define QC_PLAN_COSTS_H
 
-/// Milliseconds: of a step (Fixed), and for each triangle that takes part. The planner compares a whole step of `layers`
-/// with the triangles' share of a sweep: its own part of a step is not worth mentioning.
+/// Milliseconds: of a step (Fixed), and for each triangle that takes part.
 typedef struct qcPlanCosts
 {
     double sweepPerTriangle;
