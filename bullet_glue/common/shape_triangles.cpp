@@ -1,7 +1,7 @@
 // Reading the triangles of Bullet's concave shapes.
 #include "common/shape_triangles.h"
 
-#include "common/scalar_type.h"
+#include "quickcullide/bullet_positions.h"
 
 #include <BulletCollision/Gimpact/btGImpactShape.h>
 

@@ -5,7 +5,7 @@
 
 #include "fracture/voronoi_cells.h"
 #include "fracture/cell_sites.h"
-#include "common/scalar_type.h"
+#include "quickcullide/bullet_positions.h"
 
 #include "quickcullide/bullet_mesh.h"
 

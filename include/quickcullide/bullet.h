@@ -1,10 +1,12 @@
-// Quick-CULLIDE inside Bullet. Link quickcullide::bullet, or quickcullide::bullet_double where Bullet is built with
-// BT_USE_DOUBLE_PRECISION.
+/// @file
+/// The parts for Bullet, but for fracture and deformable bodies. Link quickcullide::bullet, or
+/// quickcullide::bullet_double where Bullet is built with BT_USE_DOUBLE_PRECISION.
 #ifndef QUICKCULLIDE_BULLET_H
 #define QUICKCULLIDE_BULLET_H
 
 #include "bullet_broadphase.h"
 #include "bullet_mesh.h"
+#include "bullet_positions.h"
 #include "bullet_soft_body.h"
 #include "bullet_threads.h"
 

@@ -4,7 +4,7 @@
 #include "common/object_key.h"
 #include "common/shape_triangles.h"
 #include "common/weld_vertices.h"
-#include "common/scalar_type.h"
+#include "quickcullide/bullet_positions.h"
 
 #include <BulletCollision/BroadphaseCollision/btBroadphaseInterface.h>
 #include <BulletCollision/CollisionShapes/btCompoundShape.h>

@@ -2,7 +2,7 @@
 #include "soft_body/scene/soft_scene.h"
 
 #include "common/object_key.h"
-#include "common/scalar_type.h"
+#include "quickcullide/bullet_positions.h"
 
 #include <LinearMath/btQuickprof.h>
 
