@@ -8,7 +8,6 @@
 #include "triangle/closest_points.h"
 
 #include <math.h>
-#include <string.h>
 
 static const double s_corner[3][3] = {{1.0, 0.0, 0.0}, {0.0, 1.0, 0.0}, {0.0, 0.0, 1.0}};
 

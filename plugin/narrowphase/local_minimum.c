@@ -5,8 +5,6 @@
 
 #include "base/status.h"
 
-#include <string.h>
-
 // The angle between triangles, in radians, below which an edge is flat. Larger than the error of a plane in single
 // precision; a thousand such edges in a row bend by a tenth, an 80th of their length.
 static const double s_flat = 1e-4;

@@ -7,7 +7,7 @@
 #include "mesh/adjacency.h"
 #include "scene/bodies.h"
 
-/// Of one rigid body.
+/// The filter of one rigid body.
 typedef struct qcLocalMinima
 {
     uint32_t generation;   ///< of the body; 0: empty

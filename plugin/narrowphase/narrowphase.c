@@ -2,6 +2,7 @@
 #include "narrowphase/narrowphase.h"
 
 #include "base/clock.h"
+#include "base/parallel_for.h"
 #include "base/radix_sort.h"
 #include "base/status.h"
 #include "narrowphase/feature_contacts.h"

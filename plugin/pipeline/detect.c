@@ -3,6 +3,7 @@
 #include "pipeline/detect.h"
 
 #include "base/clock.h"
+#include "base/parallel_for.h"
 #include "base/status.h"
 #include "scene/feature_owners.h"
 
@@ -47,7 +48,7 @@ static void ReportDevice(const qcStep* step, qcProfile* profile)
     profile->softwareDevice = info.software;
 }
 
-/// Numbers the step's bodies and triangles, and prepares what contacts read.
+/// Numbers the step's bodies and triangles; finds the owners of features for contacts.
 static qcStatus BeginStep(const qcStep* step, qcBodies* bodies, qcStepTriangles* triangles, qcPcs* pcs,
                           qcProfile* profile)
 {

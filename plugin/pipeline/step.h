@@ -1,4 +1,4 @@
-// What a step is: the request, the device, the plan. Stages read it and change nothing.
+// The description of a step: request, device, plan. Stages read it and change nothing.
 #ifndef QC_PIPELINE_STEP_H
 #define QC_PIPELINE_STEP_H
 
@@ -20,8 +20,8 @@ typedef struct qcStep
     double queryDistance;
 } qcStep;
 
-/// Whether the bodies' BVHs find triangle pairs. The paper's methods sweep what their own culling leaves, brute force
-/// compares all boxes.
+/// Whether triangle pairs come from the bodies' BVHs. The paper's methods sweep their own PCS, brute force compares all
+/// boxes.
 static inline bool qcStep_UsesBvhs(const qcStep* step)
 {
     return !step->plan.useImage && step->plan.method != qc_methodBrute;

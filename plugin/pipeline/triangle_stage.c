@@ -1,4 +1,4 @@
-// Jobs for the methods, and what happens where the device fails.
+// Jobs for the methods, and the fallback after a device failure.
 #include "pipeline/triangle_stage.h"
 
 #include "base/status.h"

@@ -22,7 +22,7 @@ typedef struct qcTriangleStage
 qcStatus qcTriangleStage_Cull(const qcStep* step, const qcStepTriangles* triangles, const qcBodyPairs* pairs,
                               qcTriangleStage* stage, qcImageCull* imageCull, qcPcs* pcs, qcProfile* profile);
 
-/// Finds the candidates in what culling has left.
+/// Finds the candidates in the PCS. O(n log n + candidates) on the CPU.
 qcStatus qcTriangleStage_Sweep(const qcStep* step, const qcStepTriangles* triangles, const qcBodyPairs* pairs,
                                const qcPcs* pcs, qcTriangleStage* stage, qcProfile* profile);
 void qcTriangleStage_Free(qcTriangleStage* stage);

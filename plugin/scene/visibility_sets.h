@@ -1,4 +1,4 @@
-// The four sets and what lemmas 2 to 5 allow with them. Govindaraju, Lin, Manocha: Quick-CULLIDE, VR 2005, section 4.1.
+// The four visibility sets, and lemmas 2 to 5. Govindaraju, Lin, Manocha: Quick-CULLIDE, VR 2005, section 4.1.
 #ifndef QC_SCENE_VISIBILITY_SETS_H
 #define QC_SCENE_VISIBILITY_SETS_H
 

@@ -2,6 +2,7 @@
 // box arithmetic with sweep and prune or with the BVHs, so that it finds their mistakes.
 #include "sweep/candidates.h"
 
+#include "base/parallel_for.h"
 #include "base/status.h"
 
 typedef struct Search

@@ -1,4 +1,4 @@
-// Jobs for the search of BVHs, and what pairs of slots mean as triangles of the step.
+// Jobs for the search of BVHs, and candidate keys from pairs of slots.
 #include "sweep/bvh_candidates.h"
 
 #include "base/parallel_for.h"

@@ -63,7 +63,7 @@ qcStatus qcCandidates_End(qcCandidates* candidates, qcProfile* profile)
     for (size_t i = 0; i < candidates->buffers.count; i++)
     {
         const qcCandidateBuffer* buffer = &QC_AT(qcCandidateBuffer, candidates->buffers, i);
-        // The message is the worker's own; say it again on this thread.
+        // Copies the worker's error message to this thread.
         if (buffer->status != qc_statusOk)
             return qcArray_FailAgain(&buffer->keys, "candidate pairs");
         total += buffer->keys.count;

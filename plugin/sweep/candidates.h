@@ -3,7 +3,6 @@
 #ifndef QC_SWEEP_CANDIDATES_H
 #define QC_SWEEP_CANDIDATES_H
 
-#include "base/parallel_for.h"
 #include "base/radix_sort.h"
 #include "kernels/pair_buffer.h"
 #include "sweep/body_pairs.h"

@@ -81,7 +81,7 @@ static Layout Plan(const qcSweepBox* boxes, uint32_t count)
     layout.stripAxis = extent[u].room >= extent[v].room ? u : v;
     layout.otherAxis = extent[u].room >= extent[v].room ? v : u;
     const Extent* across = &extent[layout.stripAxis];
-    // Strips as wide as two boxes: with n boxes there are at most n + n / 2 entries, whatever their sizes.
+    // Strips as wide as two boxes: n boxes of any sizes have at most n + n / 2 entries.
     double strips = fmin(across->range / across->size / 2.0, (double)count);
     layout.stripCount = strips >= 1.0 ? (uint32_t)strips : 1;
     layout.stripOrigin = (float)across->low;

@@ -12,7 +12,7 @@
 #include <math.h>
 #include <string.h>
 
-//  ---- views -----------------------------------------------------------------------------------------------------
+//  ---- bounds ----------------------------------------------------------------------------------------------------
 
 static qcGridBounds MakeUnitBounds(void)
 {
@@ -110,9 +110,9 @@ static bool AreWithinReach(const double p[3], const double q[3], double reach)
     return within;
 }
 
-//  ---- what a device may make of it ------------------------------------------------------------------------------
+//  ---- roundings of a device -------------------------------------------------------------------------------------
 
-/// The float furthest in this direction (-1, 0: nearest, 1) that is right to one unit in the last place.
+/// The float furthest in this direction (-1, 1; 0: nearest) within one unit in the last place.
 static float Round(double exact, int direction)
 {
     float nearest = (float)exact;
@@ -189,7 +189,7 @@ START_TEST(boxes_of_points_within_the_query_distance_overlap_under_any_rounding)
         double p[3], q[3];
         PickInside(&random, &bounds, p);
         memcpy(q, p, sizeof q);
-        // As far as the reach along one axis, or nearly so along the diagonal of the image.
+        // The query distance along one axis, or nearly so along the diagonal of the image.
         bool diagonal = i % 2 == 0;
         for (int c = 0; c < 3; c++)
         {
@@ -229,7 +229,7 @@ START_TEST(a_world_box_overlaps_boxes_of_points_within_the_query_distance)
         {
             lower[axis] = fmin(a[axis], b[axis]);
             upper[axis] = fmax(a[axis], b[axis]);
-            // As far out as the reach or the bounds goes.
+            // Out to the query distance or the bounds.
             p[axis] = below ? fmax(StepOut(lower[axis], bounds.queryDistance, below), bounds.lower[axis])
                             : fmin(StepOut(upper[axis], bounds.queryDistance, below), bounds.upper[axis]);
         }

@@ -133,7 +133,7 @@ START_TEST(a_larger_definition_is_accepted_if_the_rest_is_zero)
 }
 END_TEST
 
-START_TEST(a_size_that_nobody_has_set_is_refused_without_reading_so_far)
+START_TEST(an_uninitialised_size_is_refused_without_reading_that_far)
 {
     // An address sanitizer would report the read.
     qcSceneDef def = qcDefaultSceneDef();
@@ -152,4 +152,4 @@ QC_RUN_TESTS("definitions", fields_beyond_a_smaller_body_definition_have_their_d
              fields_beyond_a_smaller_device_definition_have_their_defaults,
              fields_beyond_a_smaller_picture_definition_have_their_defaults,
              a_scene_definition_without_a_device_field_is_refused, a_larger_definition_is_accepted_if_the_rest_is_zero,
-             a_size_that_nobody_has_set_is_refused_without_reading_so_far)
+             an_uninitialised_size_is_refused_without_reading_that_far)

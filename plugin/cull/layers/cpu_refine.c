@@ -53,7 +53,8 @@ static void Flush(Queue* queue)
     qcPairBuffer_Add(&QC_AT(qcPairBuffer, r->memory->buffers, queue->worker), &found, r->job->listClassified, KeyOf, r);
 }
 
-/// As qcBodyPair_Classify, by the device's table; without the sets and the step's filter.
+/// Whether two bodies are tested, by the device's table: qcBodyPair_Classify without sets and without the step's
+/// filter.
 static bool AreTested(const qcLayersBody* a, const qcLayersBody* b)
 {
     return ((a->flags | b->flags) & qc_layersIsMoving) != 0 && (a->group & b->mask) != 0 && (b->group & a->mask) != 0 &&

@@ -4,7 +4,6 @@
 #include "gl/layers/layers_gpu.h"
 
 #include <math.h>
-#include <string.h>
 
 enum
 {

@@ -1,4 +1,4 @@
-// GPU residency: what `layers` has on the device of each body, and the uploads of a step.
+// GPU residency: the bodies of `layers` on the device, and the uploads of a step.
 #ifndef QC_CULL_LAYERS_GPU_RESIDENCY_H
 #define QC_CULL_LAYERS_GPU_RESIDENCY_H
 

@@ -4,8 +4,6 @@
 
 #include "base/status.h"
 
-#include <string.h>
-
 /// Which triangles of a body a level draws, by their packed sets in the PCS.
 typedef bool IsDrawn(uint8_t sets);
 
