@@ -1,4 +1,4 @@
-// Instruction sets.
+// Instruction sets of the processor.
 #include "base/cpu_features.h"
 
 #include <stdlib.h>
@@ -16,12 +16,12 @@ bool qcInstructionSet_IsAvailable(qcInstructionSet set)
     return set == qc_instructionsScalar;
 }
 
-qcInstructionSet qcInstructionSet_Choose(qcInstructionSet most)
+qcInstructionSet qcInstructionSet_Choose(qcInstructionSet max)
 {
     static const char* const s_names[] = {"plain", "avx2", "avx512"};
-    const char* wished = getenv("QC_KERNELS");
+    const char* limit = getenv("QC_KERNELS");
     qcInstructionSet set = qc_instructionsScalar;
-    while (set < most && qcInstructionSet_IsAvailable(set + 1) && (wished == NULL || strcmp(wished, s_names[set]) != 0))
+    while (set < max && qcInstructionSet_IsAvailable(set + 1) && (limit == NULL || strcmp(limit, s_names[set]) != 0))
         set++;
     return set;
 }

@@ -4,18 +4,18 @@
 
 #include <stdbool.h>
 
-/// Each has those before it.
+/// Ascending: each includes the previous ones.
 typedef enum qcInstructionSet
 {
-    qc_instructionsScalar, ///< what the compiler takes by default
+    qc_instructionsScalar, ///< the compiler's default
     qc_instructionsAvx2,   ///< with FMA
     qc_instructionsAvx512  ///< F, BW and VL
 } qcInstructionSet;
 
-/// Does this machine run it, and has it been compiled?
+/// True if this machine supports the set and kernels for it were compiled.
 bool qcInstructionSet_IsAvailable(qcInstructionSet set);
 
-/// The best up to `most` that is there; or a lesser one that the environment's QC_KERNELS names (plain, avx2, avx512).
-qcInstructionSet qcInstructionSet_Choose(qcInstructionSet most);
+/// The best available set up to `max`, limited by the environment variable QC_KERNELS (plain, avx2, avx512).
+qcInstructionSet qcInstructionSet_Choose(qcInstructionSet max);
 
 #endif

@@ -1,4 +1,4 @@
-// Which kernels for boxes this machine runs.
+// Selects the box kernels that this machine runs.
 #include "broadphase/box_kernels.h"
 
 #include "base/cpu_features.h"

@@ -10,27 +10,26 @@ static void AddKey(qcArray* keys, uint64_t key)
 
 qcStatus qcPairBuffers_Begin(qcArray* sinks, uint32_t threads)
 {
-    QC_TRY(qcArray_GrowZeroed(sinks, threads, sizeof(qcPairBuffer), "candidate pairs"));
+    QC_TRY(qcWorkerResults_Begin(sinks, threads, sizeof(qcPairBuffer), "candidate pairs"));
     for (size_t i = 0; i < sinks->count; i++)
     {
         qcPairBuffer* sink = &QC_AT(qcPairBuffer, *sinks, i);
         sink->keys.count = sink->contactKeys.count = sink->sure.count = 0;
-        sink->status = qc_statusOk;
     }
     return qc_statusOk;
+}
+
+static qcStatus ReserveAll(qcPairBuffer* sink, size_t count)
+{
+    QC_TRY(qcArray_Reserve(&sink->keys, sink->keys.count + count, sizeof(uint64_t), "candidate pairs"));
+    QC_TRY(qcArray_Reserve(&sink->contactKeys, sink->contactKeys.count + count, sizeof(uint64_t), "candidate pairs"));
+    return qcArray_Reserve(&sink->sure, sink->sure.count + count, sizeof(qcSortItem), "candidate pairs");
 }
 
 bool qcPairBuffer_Add(qcPairBuffer* sink, const qcClassifiedPairs* found, bool listKnown, qcPairKeyFunction* keyOf,
                       const void* context)
 {
-    qcArray* keyArrays[2] = {&sink->keys, &sink->contactKeys};
-    for (int i = 0; i < 2 && sink->status == qc_statusOk; i++)
-        sink->status =
-            qcArray_Reserve(keyArrays[i], keyArrays[i]->count + found->count, sizeof(uint64_t), "candidate pairs");
-    if (sink->status == qc_statusOk)
-        sink->status =
-            qcArray_Reserve(&sink->sure, sink->sure.count + found->count, sizeof(qcSortItem), "candidate pairs");
-    if (sink->status != qc_statusOk)
+    if (!qcWorkerResult_IsOk(&sink->result) || !qcWorkerResult_Add(&sink->result, ReserveAll(sink, found->count)))
         return false;
     size_t known = found->near + found->apart + found->penetrating;
     for (size_t i = 0; i < found->count; i++)
@@ -50,21 +49,20 @@ bool qcPairBuffer_Add(qcPairBuffer* sink, const qcClassifiedPairs* found, bool l
 void qcPairBuffer_AddNeighbours(qcPairBuffer* sink, const qcSlotPair* pairs, size_t count, qcPairKeyFunction* keyOf,
                                 const void* context)
 {
-    if (sink->status == qc_statusOk)
-        sink->status =
-            qcArray_Reserve(&sink->contactKeys, sink->contactKeys.count + count, sizeof(uint64_t), "neighbours");
-    for (size_t i = 0; i < count && sink->status == qc_statusOk; i++)
+    qcStatus status =
+        qcArray_Reserve(&sink->contactKeys, sink->contactKeys.count + count, sizeof(uint64_t), "neighbours");
+    if (!qcWorkerResult_Add(&sink->result, status))
+        return;
+    for (size_t i = 0; i < count; i++)
         AddKey(&sink->contactKeys, keyOf(context, pairs[i]));
 }
 
 qcStatus qcPairBuffers_End(const qcArray* sinks, const qcPairKeys* keys)
 {
+    QC_TRY(qcWorkerResults_End(sinks, sizeof(qcPairBuffer)));
     for (size_t i = 0; i < sinks->count; i++)
     {
         const qcPairBuffer* sink = &QC_AT(qcPairBuffer, *sinks, i);
-        // The message is the worker's own; say it again on this thread.
-        if (sink->status != qc_statusOk)
-            return qcArray_FailAgain(&sink->keys, "candidate pairs");
         QC_TRY(qcArray_Append(keys->keys, &sink->keys, sizeof(uint64_t), "candidate pairs"));
         QC_TRY(qcArray_Append(keys->contactKeys, &sink->contactKeys, sizeof(uint64_t), "candidate pairs"));
         QC_TRY(qcArray_Append(keys->sure, &sink->sure, sizeof(qcSortItem), "candidate pairs"));

@@ -3,17 +3,17 @@
 #define QC_KERNELS_PAIR_BUFFER_H
 
 #include "base/radix_sort.h"
+#include "base/worker_results.h"
 #include "kernels/pair_filter.h"
 #include "quickcullide/scene.h"
 
 /// What one worker found.
 typedef struct qcPairBuffer
 {
+    qcWorkerResult result;
     qcArray keys;        ///< uint64_t: lower rank << 32 | higher rank
     qcArray contactKeys; ///< uint64_t: for contacts: neighbours, and pairs whose relation is known
     qcArray sure;        ///< of qcSortItem: key and relation, of pairs that need no other test
-    qcStatus status;
-    char apart[64]; ///< keeps two workers off one cache line
 } qcPairBuffer;
 
 /// Pairs of all workers; as in a sink.

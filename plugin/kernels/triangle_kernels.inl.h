@@ -97,7 +97,7 @@ QC_INLINE qcSlotPair* AddPairs(uint64_t triangles, size_t clusterA, size_t clust
 /// The pairs of a word that a skip of these two clusters leaves.
 QC_INLINE uint64_t Leave(uint64_t word, const qcPairExclusion* skip, uint32_t i, uint32_t j)
 {
-    return word & ~qcClusters_Product(qcClusters_PlacesOf(skip->a, i), qcClusters_PlacesOf(skip->b, j));
+    return word & ~qcPairMask_Product(qcPairMask_OfCluster(skip->a, i), qcPairMask_OfCluster(skip->b, j));
 }
 
 static qcSlotPair* Collect(const qcSurfaceBoxes* a, uint32_t nodeA, const qcSurfaceBoxes* b, uint32_t nodeB,
@@ -109,7 +109,7 @@ static qcSlotPair* Collect(const qcSurfaceBoxes* a, uint32_t nodeA, const qcSurf
     for (; clusters != 0; clusters &= clusters - 1)
     {
         uint32_t bit = (uint32_t)__builtin_ctzll(clusters);
-        uint64_t word = qcClusters_Word(table, bit);
+        uint64_t word = qcPairMask_Word(table, bit);
         for (int i = 0; i < skipCount; i++)
             word = Leave(word, &skips[i], bit % qc_groupSize, bit / qc_groupSize);
         if (skipCount != 0 && word == 0)

@@ -112,11 +112,11 @@ bool qcLocalMinima_GetOppositeVertex(const qcLocalMinima* localMinima, const qcB
 
 static bool IsNearestCorner(const qcLocalMinima* localMinima, const qcBody* body, uint32_t vertex, qcVector outward)
 {
-    const uint32_t* first = &QC_AT(uint32_t, localMinima->adjacency.first, vertex);
+    const uint32_t* first = &QC_AT(uint32_t, localMinima->adjacency.around.first, vertex);
     qcVector x = WorldOf(body, vertex);
     for (uint32_t i = first[0]; i < first[1]; i++)
     {
-        const uint32_t* w = body->indices + 3 * (size_t)QC_AT(uint32_t, localMinima->adjacency.around, i);
+        const uint32_t* w = body->indices + 3 * (size_t)QC_AT(uint32_t, localMinima->adjacency.around.triangles, i);
         for (int c = 0; c < 3; c++)
             if (w[c] != vertex && !qcLocalMinima_LeadsAway(qcMinus(WorldOf(body, w[c]), x), outward))
                 return false;

@@ -85,8 +85,8 @@ static void TestPair(const Job* job, qcNarrowphaseWorker* worker, uint64_t key, 
     bool touching = job->def->touching || job->def->margin > 0.0;
     if (relation == qc_relationDisjoint || (relation == qc_relationTouching && !touching))
         return;
-    worker->status = qcArray_Reserve(&worker->found, worker->found.count + 1, sizeof(qcSortItem), "pairs");
-    if (worker->status == qc_statusOk)
+    qcStatus status = qcArray_Reserve(&worker->found, worker->found.count + 1, sizeof(qcSortItem), "pairs");
+    if (qcWorkerResult_Add(&worker->result, status))
         QC_AT(qcSortItem, worker->found, worker->found.count++) = (qcSortItem){key, (uint64_t)relation};
 }
 
@@ -115,10 +115,10 @@ static void AddContacts(qcNarrowphaseWorker* worker, uint64_t key, const qcConta
     size_t first = worker->contacts.count;
     if (count == 0)
         return;
-    worker->status = qcArray_Reserve(&worker->contacts, first + count, sizeof(qcContact), "contacts");
-    if (worker->status == qc_statusOk)
-        worker->status = qcArray_Reserve(&worker->contactKeys, first + count, sizeof(qcSortItem), "contacts");
-    if (worker->status != qc_statusOk)
+    qcStatus status = qcArray_Reserve(&worker->contacts, first + count, sizeof(qcContact), "contacts");
+    if (status == qc_statusOk)
+        status = qcArray_Reserve(&worker->contactKeys, first + count, sizeof(qcSortItem), "contacts");
+    if (!qcWorkerResult_Add(&worker->result, status))
         return;
     memcpy(&QC_AT(qcContact, worker->contacts, first), found, count * sizeof(qcContact));
     for (size_t i = 0; i < count; i++)
@@ -135,7 +135,7 @@ static void FindContacts(const Job* job, qcNarrowphaseWorker* worker, const uint
     for (size_t i = 0; i < count; i++)
         pairs[i] = ContactPairOf(job, keys[i]);
     qcContact_FindNear(job->kernels, pairs, count, near);
-    for (size_t i = 0; i < count && worker->status == qc_statusOk; i++)
+    for (size_t i = 0; i < count && qcWorkerResult_IsOk(&worker->result); i++)
     {
         qcContact found[qc_maxContactsPerPair];
         if (near[i] == 0)
@@ -161,13 +161,13 @@ static void TakeBlock(void* context, size_t block, uint32_t workerIndex)
     size_t first = (adjacent ? block - job->keyBlocks : block) * qc_blockSize;
     size_t end = first + qc_blockSize < keys->count ? first + qc_blockSize : keys->count;
     Corners corners[2] = {{.filled = false}, {.filled = false}};
-    for (size_t i = first; i < end && !adjacent && worker->status == qc_statusOk; i++)
+    for (size_t i = first; i < end && !adjacent && qcWorkerResult_IsOk(&worker->result); i++)
         TestPair(job, worker, QC_AT(uint64_t, *keys, i), corners);
     if (job->def->contactMargin == 0.0)
         return;
     double start = qcClock_Now();
     qcContactTriangle cached[2] = {{.index = NULL}, {.index = NULL}};
-    for (size_t i = first; i < end && worker->status == qc_statusOk; i += qc_featurePairs)
+    for (size_t i = first; i < end && qcWorkerResult_IsOk(&worker->result); i += qc_featurePairs)
         FindContacts(job, worker, &QC_AT(uint64_t, *keys, i), end - i < qc_featurePairs ? end - i : qc_featurePairs,
                      cached);
     worker->contactMs += qcClock_Now() - start;
@@ -175,14 +175,13 @@ static void TakeBlock(void* context, size_t block, uint32_t workerIndex)
 
 static qcStatus BeginWorkers(qcNarrowphase* narrow, uint32_t threads)
 {
-    QC_TRY(qcArray_GrowZeroed(&narrow->workers, threads, sizeof(qcNarrowphaseWorker), "pairs"));
+    QC_TRY(qcWorkerResults_Begin(&narrow->workers, threads, sizeof(qcNarrowphaseWorker), "pairs"));
     for (size_t i = 0; i < narrow->workers.count; i++)
     {
         qcNarrowphaseWorker* worker = &QC_AT(qcNarrowphaseWorker, narrow->workers, i);
         worker->found.count = worker->contacts.count = worker->contactKeys.count = 0;
         worker->tests = worker->fallbacks = 0;
         worker->contactMs = 0.0;
-        worker->status = qc_statusOk;
     }
     return qc_statusOk;
 }
@@ -302,13 +301,11 @@ static qcStatus RunWorkers(Job* job, uint32_t threads, qcProfile* profile, doubl
 {
     qcNarrowphase* narrow = job->narrow;
     qcParallel_For(threads, job->keyBlocks + BlockCount(job->adjacentKeys), qc_minBlocks, TakeBlock, job);
+    QC_TRY(qcWorkerResults_End(&narrow->workers, sizeof(qcNarrowphaseWorker)));
     *contactMs = 0.0;
     for (size_t i = 0; i < narrow->workers.count; i++)
     {
         const qcNarrowphaseWorker* worker = &QC_AT(qcNarrowphaseWorker, narrow->workers, i);
-        // Copies the worker's error message to this thread.
-        if (worker->status != qc_statusOk)
-            return qcArray_FailAgain(&worker->found, "pairs and contacts");
         profile->candidates += worker->tests;
         profile->exactFallbacks += worker->fallbacks;
         *contactMs += worker->contactMs / threads;

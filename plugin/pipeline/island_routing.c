@@ -18,7 +18,7 @@ static void MarkIslands(const qcStep* step, double start, qcIslandRouting* routi
     else if (qcPlan_IsWorthADevice(islands, count))
     {
         qcPlanCosts costs = step->measureCosts(step->device, step->threads);
-        qcPlan_ChooseParts(&costs, &routing->history, islands, count, &routing->plannedTriangles);
+        qcPlan_ChooseIslands(&costs, &routing->history, islands, count, &routing->plannedTriangles);
         // A calibration is no part of the methods' costs.
         profile->planMs += qcClock_Now() - start;
     }
@@ -36,9 +36,9 @@ qcStatus qcIslandRouting_ChooseDevice(const qcStep* step, const qcStepTriangles*
         QC_TRY(qcArray_Resize(flags[i], bodyCount, 1, "islands"));
     routing->plannedTriangles = 0.0;
     qcIslandRouting_LeaveDevice(routing);
-    if (qcStep_UsesBvhs(step) || step->plan.useLayers || step->plan.chooseParts)
+    if (qcStep_UsesBvhs(step) || step->plan.useLayers || step->plan.chooseIslands)
         QC_TRY(qcIslands_Find(triangles, pairs, &routing->islands));
-    if (!step->plan.useLayers && !step->plan.chooseParts)
+    if (!step->plan.useLayers && !step->plan.chooseIslands)
         return qc_statusOk;
     MarkIslands(step, start, routing, profile);
     for (uint32_t body = 0; body < bodyCount; body++)

@@ -7,11 +7,10 @@
 #include "sweep/bvh/verlet_list.h"
 #include "sweep/candidates.h"
 
-/// A queued BVH build or refit, and its result.
+/// A queued BVH build or refit.
 typedef struct qcRefitTask
 {
     uint32_t body;
-    qcStatus status;
     bool upToDate;
 } qcRefitTask;
 
@@ -27,6 +26,7 @@ typedef struct qcBvhCandidates
     uint64_t refittedTriangles, partlyRefittedTriangles;
     //  Scratch.
     qcArray tasks;        ///< of qcRefitTask
+    qcArray results;      ///< of qcWorkerResult, one a worker
     qcArray refitScratch; ///< of qcBvhScratch, one a worker
     qcBvhPairs pairs;
     qcArray jobs;         ///< of qcBvhPairsJob

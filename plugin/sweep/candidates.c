@@ -7,13 +7,12 @@
 
 qcStatus qcCandidates_Begin(qcCandidates* candidates, uint32_t threads)
 {
-    QC_TRY(qcArray_GrowZeroed(&candidates->buffers, threads, sizeof(qcCandidateBuffer), "candidates"));
+    QC_TRY(qcWorkerResults_Begin(&candidates->buffers, threads, sizeof(qcCandidateBuffer), "candidates"));
     for (size_t i = 0; i < candidates->buffers.count; i++)
     {
         qcCandidateBuffer* buffer = &QC_AT(qcCandidateBuffer, candidates->buffers, i);
         buffer->keys.count = buffer->adjacentKeys.count = 0;
         buffer->adjacentPairs = buffer->setPairs = 0;
-        buffer->status = qc_statusOk;
     }
     return qc_statusOk;
 }
@@ -49,23 +48,20 @@ void qcCandidates_Offer(const qcCandidateRules* rules, uint32_t bodyA, uint32_t 
         buffer->setPairs++;
         return;
     }
-    if (buffer->status != qc_statusOk)
+    if (!qcWorkerResult_IsOk(&buffer->result))
         return;
-    buffer->status = qcArray_Reserve(keys, keys->count + 1, sizeof(uint64_t), "candidate pairs");
-    if (buffer->status != qc_statusOk)
-        return;
-    QC_AT(uint64_t, *keys, keys->count++) = qcStepTriangles_Key(triangleA, triangleB);
+    qcStatus status = qcArray_Reserve(keys, keys->count + 1, sizeof(uint64_t), "candidate pairs");
+    if (qcWorkerResult_Add(&buffer->result, status))
+        QC_AT(uint64_t, *keys, keys->count++) = qcStepTriangles_Key(triangleA, triangleB);
 }
 
 qcStatus qcCandidates_End(qcCandidates* candidates, qcProfile* profile)
 {
+    QC_TRY(qcWorkerResults_End(&candidates->buffers, sizeof(qcCandidateBuffer)));
     size_t total = 0, adjacent = 0;
     for (size_t i = 0; i < candidates->buffers.count; i++)
     {
         const qcCandidateBuffer* buffer = &QC_AT(qcCandidateBuffer, candidates->buffers, i);
-        // Copies the worker's error message to this thread.
-        if (buffer->status != qc_statusOk)
-            return qcArray_FailAgain(&buffer->keys, "candidate pairs");
         total += buffer->keys.count;
         adjacent += buffer->adjacentKeys.count;
         profile->skippedNeighbours += buffer->adjacentPairs;

@@ -4,6 +4,7 @@
 #define QC_SWEEP_CANDIDATES_H
 
 #include "base/radix_sort.h"
+#include "base/worker_results.h"
 #include "kernels/pair_buffer.h"
 #include "sweep/body_pairs.h"
 #include "sweep/sweep_and_prune.h"
@@ -11,11 +12,10 @@
 /// The pairs that one worker found.
 typedef struct qcCandidateBuffer
 {
+    qcWorkerResult result;
     qcArray keys;                     ///< uint64_t, see qcStepTriangles_Key
     qcArray adjacentKeys;             ///< likewise
     uint64_t adjacentPairs, setPairs; ///< skipped
-    qcStatus status;
-    char padding[64]; ///< keeps the counters of two workers off one cache line
 } qcCandidateBuffer;
 
 typedef struct qcCandidates

@@ -59,24 +59,20 @@ static qcStatus AddTask(qcBvhCandidates* sweep, uint32_t body)
     return qc_statusOk;
 }
 
-/// Copies a worker's error message to this thread.
-static qcStatus CheckTasks(const qcBvhCandidates* sweep)
+static void AddResult(const qcBvhCandidates* sweep, uint32_t worker, qcStatus status)
 {
-    for (size_t i = 0; i < sweep->tasks.count; i++)
-        if (TaskAt(sweep, i)->status != qc_statusOk)
-            return qcArray_FailAgain(&sweep->tasks, "BVHs");
-    return qc_statusOk;
+    (void)qcWorkerResult_Add(&QC_AT(qcWorkerResult, sweep->results, worker), status);
 }
 
 static void BuildOne(void* context, size_t i, uint32_t worker)
 {
-    (void)worker;
     const Tasks* tasks = context;
-    qcRefitTask* task = TaskAt(tasks->sweep, i);
+    const qcRefitTask* task = TaskAt(tasks->sweep, i);
     const qcBody* body = qcStepTriangles_Body(tasks->triangles, task->body);
     qcTriangleBvh* bvh = qcBvhCandidates_At(tasks->sweep, qcStepTriangles_Slot(tasks->triangles, task->body));
-    task->status = bvh->generation == 0 ? qcTriangleBvh_Build(bvh, body, tasks->threads)
-                                        : qcTriangleBvh_Relate(bvh, body, tasks->threads);
+    AddResult(tasks->sweep, worker,
+              bvh->generation == 0 ? qcTriangleBvh_Build(bvh, body, tasks->threads)
+                                   : qcTriangleBvh_Relate(bvh, body, tasks->threads));
 }
 
 /// Builds the flagged BVHs that don't exist yet, and the adjacency of those whose body has self-collision only now.
@@ -91,11 +87,12 @@ static qcStatus BuildBvhs(const qcStepTriangles* triangles, uint32_t threads, co
         if (flags[body] && (bvh->generation == 0 || lacksAdjacency))
             QC_TRY(AddTask(sweep, body));
     }
+    QC_TRY(qcWorkerResults_Begin(&sweep->results, threads, sizeof(qcWorkerResult), "BVHs"));
     // Several side by side, or one by all threads.
     size_t count = sweep->tasks.count;
     Tasks tasks = {.sweep = sweep, .triangles = triangles, .threads = count == 1 ? threads : 1};
     qcParallel_For(count == 1 ? 1 : threads, count, 2, BuildOne, &tasks);
-    return CheckTasks(sweep);
+    return qcWorkerResults_End(&sweep->results, sizeof(qcWorkerResult));
 }
 
 static void RefitOne(void* context, size_t i, uint32_t worker)
@@ -104,9 +101,9 @@ static void RefitOne(void* context, size_t i, uint32_t worker)
     const qcBvhCandidates* sweep = tasks->sweep;
     qcRefitTask* task = TaskAt(sweep, i);
     qcTriangleBvh* bvh = qcBvhCandidates_At(sweep, qcStepTriangles_Slot(tasks->triangles, task->body));
-    task->status =
-        qcTriangleBvh_Fit(bvh, qcStepTriangles_Body(tasks->triangles, task->body), tasks->margin, sweep->kernels,
-                          tasks->threads, &QC_AT(qcBvhScratch, sweep->refitScratch, worker), &task->upToDate);
+    AddResult(sweep, worker,
+              qcTriangleBvh_Fit(bvh, qcStepTriangles_Body(tasks->triangles, task->body), tasks->margin, sweep->kernels,
+                                tasks->threads, &QC_AT(qcBvhScratch, sweep->refitScratch, worker), &task->upToDate));
 }
 
 /// Refits only the moved vertices, if the body's pairs in the Verlet list, found within more than this step's distance,
@@ -155,6 +152,7 @@ static qcStatus RefitBvhs(const qcBvhCandidatesJob* job, qcBvhCandidates* sweep,
     const qcStepTriangles* triangles = job->triangles;
     uint32_t threads = job->threads;
     QC_TRY(qcArray_GrowZeroed(&sweep->refitScratch, threads, sizeof(qcBvhScratch), "refits"));
+    QC_TRY(qcWorkerResults_Begin(&sweep->results, threads, sizeof(qcWorkerResult), "refits"));
     QC_TRY(QueueRefits(job, flags, sweep));
     uint64_t left = sweep->refittedTriangles;
     uint64_t large = left / (4 * (uint64_t)threads);
@@ -177,7 +175,7 @@ static qcStatus RefitBvhs(const qcBvhCandidatesJob* job, qcBvhCandidates* sweep,
     qcParallel_For(left > qc_smallBody ? threads : 1, small, 2, RefitOne, &tasks);
     for (size_t i = 0; i < sweep->tasks.count; i++)
         flags[TaskAt(sweep, i)->body] = TaskAt(sweep, i)->upToDate;
-    return CheckTasks(sweep);
+    return qcWorkerResults_End(&sweep->results, sizeof(qcWorkerResult));
 }
 
 qcStatus qcBvhCandidates_Prepare(const qcBvhCandidatesJob* job, qcBvhCandidates* sweep, uint8_t* flags)

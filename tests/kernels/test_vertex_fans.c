@@ -289,10 +289,10 @@ static int CheckStars(const qcCorners* corners, size_t count, uint32_t vertexCou
         const qcVertexFanBatch* batch = NULL;
         uint32_t lane = 0;
         bool isStar = IsStar(corners, count, v, triangles, &found);
-        uint32_t first = QC_AT(uint32_t, stars.firstPlace, v);
-        ck_assert_uint_eq(QC_AT(uint32_t, stars.firstPlace, v + 1) - first, found);
+        uint32_t first = QC_AT(uint32_t, stars.around.first, v);
+        ck_assert_uint_eq(QC_AT(uint32_t, stars.around.first, v + 1) - first, found);
         for (size_t i = 0; i < found; i++)
-            ck_assert_uint_eq(QC_AT(uint32_t, stars.places, first + i), triangles[i]);
+            ck_assert_uint_eq(QC_AT(uint32_t, stars.around.triangles, first + i), triangles[i]);
         ck_assert(FindStar(&stars, v, &batch, &lane) == isStar);
         if (!isStar)
             continue;

@@ -65,10 +65,10 @@ static bool AreTested(const qcLayersBody* a, const qcLayersBody* b)
 static const uint64_t* PairMasksOf(const Refining* r, uint32_t slot, uint32_t a, uint32_t b)
 {
     if (r->job->testNeighbours)
-        return a == b ? qcClusters_OrderTable() : NULL;
+        return a == b ? qcPairMask_OfOneNode() : NULL;
     const qcBodyResidency* body = &QC_AT(qcBodyResidency, r->job->residency->bodies, slot);
     uint32_t link = qcClusters_FindLink(&body->clusters, a - body->firstNode, b - body->firstNode);
-    return link != QC_NO_LINK ? qcClusters_Table(&body->clusters, link) : NULL;
+    return link != QC_NO_LINK ? qcClusters_PairMask(&body->clusters, link) : NULL;
 }
 
 /// Finds the pairs of two entries' nodes, which may be the same.

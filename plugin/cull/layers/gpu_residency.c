@@ -47,7 +47,7 @@ static void FindNeeds(const qcGpuResidency* residency, const qcBody* body, const
     needs[qc_layersTriangles] = (size_t)clusters->nodeCount * qc_nodeSize;
     needs[qc_layersNodes] = needs[qc_layersActiveNodes] = clusters->nodeCount;
     needs[qc_layersLinks] = residency->imageOnly ? 0 : clusters->links.count;
-    needs[qc_layersTables] = residency->imageOnly ? 0 : clusters->tables.count;
+    needs[qc_layersTables] = residency->imageOnly ? 0 : clusters->pairMasks.count;
     needs[qc_layersChunks] = needs[qc_layersVertices] / qc_chunkSize;
 }
 
@@ -237,10 +237,11 @@ static qcStatus UploadTables(qcGpuResidency* residency, const qcBodyResidency* r
     {
         qcLeafLink link = QC_AT(qcLeafLink, clusters->links, i);
         links[i][0] = resident->firstNode + link.other;
-        links[i][1] = resident->firstTable + link.table;
+        links[i][1] = resident->firstTable + link.mask;
     }
     QC_TRY(AddUpload(residency, qc_layersLinks, resident->firstLink, clusters->links.count, links));
-    return AddUpload(residency, qc_layersTables, resident->firstTable, clusters->tables.count, clusters->tables.data);
+    return AddUpload(residency, qc_layersTables, resident->firstTable, clusters->pairMasks.count,
+                     clusters->pairMasks.data);
 }
 
 static qcStatus UploadTopology(qcGpuResidency* residency, qcBodyResidency* resident, uint32_t slot, const qcBody* body)

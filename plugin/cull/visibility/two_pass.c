@@ -209,8 +209,8 @@ qcStatus qcCullVisibility_Run(const qcCullJob* job, qcCullScratch* scratch, qcVi
                            .corners = job->corners,
                            .triangleCount = job->triangleCount,
                            .resolution = job->resolution,
-                           .grown = job->reliable,
-                           .growth = {job->growth[0], job->growth[1], job->growth[2]}};
+                           .dilated = job->reliable,
+                           .dilation = {job->growth[0], job->growth[1], job->growth[2]}};
     QC_TRY(qcVisibility_Create(&def, &p.visibility));
     qcStatus status = RunViews(&p);
     qcVisibility_Destroy(p.visibility);

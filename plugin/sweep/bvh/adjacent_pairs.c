@@ -68,7 +68,7 @@ static void TakeVertices(void* context, size_t block, uint32_t worker)
 {
     const Search* s = context;
     const qcTriangleBvh* surface = s->job->surface;
-    const uint32_t *first = surface->stars.firstPlace.data, *places = surface->stars.places.data;
+    const uint32_t *first = surface->stars.around.first.data, *places = surface->stars.around.triangles.data;
     uint32_t begin = (uint32_t)block * qc_vertexBlock, left = surface->vertexCount - begin;
     qcSlotPair pairs[qc_room];
     size_t count = 0;

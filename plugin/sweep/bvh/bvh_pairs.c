@@ -94,12 +94,12 @@ static void CompareNodes(Queue* queue, uint32_t a, uint32_t b)
     int skipCount = 0;
     const uint64_t* table = NULL;
     if (job->neighbours)
-        table = a == b ? qcClusters_OrderTable() : NULL;
+        table = a == b ? qcPairMask_OfOneNode() : NULL;
     else
     {
         uint32_t link = qcClusters_FindLink(&job->a->clusters, a, b);
         if (link != QC_NO_LINK)
-            table = qcClusters_Table(&job->a->clusters, link);
+            table = qcClusters_PairMask(&job->a->clusters, link);
         if (link != QC_NO_LINK && job->flatDiscs)
             skipCount = qcTriangleBvh_FindSkips(job->a, a, link, skips);
         for (int i = 0; i < skipCount; i++)

@@ -119,7 +119,7 @@ static void Grow(qcTriangleBvh* surface, size_t place, const qcBoxRow* row)
 
 static void MarkStar(qcTriangleBvh* surface, uint32_t vertex, qcMotionMark mark, const qcBoxRow* row)
 {
-    const uint32_t *first = surface->stars.firstPlace.data, *places = surface->stars.places.data;
+    const uint32_t *first = surface->stars.around.first.data, *places = surface->stars.around.triangles.data;
     uint8_t* marks = surface->placeMarks.data;
     for (uint32_t i = first[vertex]; i < first[vertex + 1]; i++)
     {
@@ -131,7 +131,7 @@ static void MarkStar(qcTriangleBvh* surface, uint32_t vertex, qcMotionMark mark,
 /// Marks of the triangles around vertices that strayed before.
 static void ClearMarks(qcTriangleBvh* surface, size_t count)
 {
-    const uint32_t *first = surface->stars.firstPlace.data, *places = surface->stars.places.data;
+    const uint32_t *first = surface->stars.around.first.data, *places = surface->stars.around.triangles.data;
     for (size_t k = 0; k < count; k++)
     {
         uint32_t vertex = QC_AT(uint32_t, surface->strayed, k);

@@ -13,6 +13,7 @@
 #include "base/parallel_for.h"
 #include "base/rigid_transform.h"
 #include "base/status.h"
+#include "base/worker_results.h"
 
 #include <math.h>
 #include <string.h>
@@ -53,7 +54,7 @@ typedef struct Relating
     qcTriangleBvh* surface;
     const qcBody* body;
     qcAdjacency adjacency;
-    qcStatus status[2];
+    qcWorkerResult results[2];
 } Relating;
 
 static void RelatePart(void* context, size_t part, uint32_t worker)
@@ -61,8 +62,9 @@ static void RelatePart(void* context, size_t part, uint32_t worker)
     (void)worker;
     Relating* r = context;
     qcTriangleBvh* s = r->surface;
-    r->status[part] = part == 0 ? qcClusters_Link(&s->clusters, r->body->indices, r->body->vertexCount)
+    qcStatus status = part == 0 ? qcClusters_Link(&s->clusters, r->body->indices, r->body->vertexCount)
                                 : qcAdjacency_Build(&r->adjacency, s->corners.data, s->corners.count, s->vertexCount);
+    (void)qcWorkerResult_Add(&r->results[part], status);
 }
 
 static qcStatus Relate(Relating* r, uint32_t threads)
@@ -70,14 +72,12 @@ static qcStatus Relate(Relating* r, uint32_t threads)
     qcTriangleBvh* surface = r->surface;
     qcParallel_For(threads, 2, 2, RelatePart, r);
     for (int i = 0; i < 2; i++)
-        // The message is the worker's own; say it again on this thread.
-        if (r->status[i] != qc_statusOk)
-            return qcArray_FailAgain(&surface->corners, "pairs within a surface");
+        QC_TRY(qcWorkerResult_Check(&r->results[i]));
     QC_TRY(qcFlatPatches_Build(&surface->discs, &surface->clusters, &r->adjacency, surface->corners.data,
                                surface->vertexCount, threads));
-    QC_TRY(qcArray_Resize(&surface->flat, surface->discs.discs.count, 1, "discs of a surface"));
+    QC_TRY(qcArray_Resize(&surface->flat, surface->discs.patches.count, 1, "discs of a surface"));
     surface->rest.count = 0;
-    return qcArray_GrowZeroed(&surface->rest, surface->discs.discs.count, 1, "discs of a surface");
+    return qcArray_GrowZeroed(&surface->rest, surface->discs.patches.count, 1, "discs of a surface");
 }
 
 qcStatus qcTriangleBvh_Relate(qcTriangleBvh* surface, const qcBody* body, uint32_t threads)
@@ -95,10 +95,10 @@ qcStatus qcTriangleBvh_Relate(qcTriangleBvh* surface, const qcBody* body, uint32
 
 static qcStatus Build(qcTriangleBvh* surface, const qcBody* body, uint32_t threads)
 {
-    QC_TRY(qcClusters_Lay(&surface->clusters, body->indices, body->triangleCount,
-                          body->deforming ? body->world : body->local, body->vertexCount, threads));
-    QC_TRY(qcClusters_NameVertices(&surface->clusters, body->indices, body->vertexCount, &surface->corners,
-                                   &surface->vertexOf));
+    QC_TRY(qcClusters_Arrange(&surface->clusters, body->indices, body->triangleCount,
+                              body->deforming ? body->world : body->local, body->vertexCount, threads));
+    QC_TRY(qcClusters_NumberVertices(&surface->clusters, body->indices, body->vertexCount, &surface->corners,
+                                     &surface->vertexOf));
     surface->vertexCount = (uint32_t)surface->vertexOf.count;
     QC_TRY(LayLevels(surface));
     QC_TRY(qcArray_Resize(&surface->points, (size_t)surface->vertexCount + 1, sizeof(qcPoint), "points of a surface"));
@@ -282,10 +282,10 @@ float qcTriangleBvh_Reach(const qcTriangleBvh* surface, double margin)
 static bool AskDisc(const Fitting* f, uint32_t disc)
 {
     qcTriangleBvh* s = f->surface;
-    const qcFlatPatch* d = &QC_AT(qcFlatPatch, s->discs.discs, disc);
+    const qcFlatPatch* d = &QC_AT(qcFlatPatch, s->discs.patches, disc);
     uint8_t *flat = &QC_AT(uint8_t, s->flat, disc), *rest = &QC_AT(uint8_t, s->rest, disc);
     *flat = 0;
-    if (d->placeCount == 0)
+    if (d->slotCount == 0)
         return false;
     if (*rest > 0)
     {
@@ -294,9 +294,9 @@ static bool AskDisc(const Fitting* f, uint32_t disc)
     }
     qcPatchGeometry what = {.corners = s->corners.data,
                             .points = s->points.data,
-                            .places = &QC_AT(uint32_t, s->discs.places, d->firstPlace),
+                            .places = &QC_AT(uint32_t, s->discs.slots, d->firstSlot),
                             .loop = &QC_AT(uint32_t, s->discs.loops, d->firstLoop),
-                            .placeCount = d->placeCount,
+                            .placeCount = d->slotCount,
                             .loopCount = d->loopCount,
                             .pointError = s->pointError,
                             .reach = qcTriangleBvh_Reach(s, s->margin)};
@@ -353,7 +353,7 @@ int qcTriangleBvh_FindSkips(const qcTriangleBvh* surface, uint32_t node, uint32_
                             qcPairExclusion skips[qc_maxExclusions])
 {
     const qcFlatPatches* discs = &surface->discs;
-    const qcPatchLoop* ring = &QC_AT(qcPatchLoop, discs->rings, link);
+    const qcPatchLink* ring = &QC_AT(qcPatchLink, discs->links, link);
     const uint64_t* own = discs->own.data;
     uint32_t other = QC_AT(qcLeafLink, surface->clusters.links, link).other;
     int count = 0;

@@ -35,12 +35,9 @@ static qcVerletWorker* SinkAt(const qcVerletList* kept, size_t worker)
 
 qcStatus qcVerletList_Begin(qcVerletList* kept, uint32_t threads)
 {
-    QC_TRY(qcArray_GrowZeroed(&kept->sinks, threads, sizeof(qcVerletWorker), "pairs that are kept"));
+    QC_TRY(qcWorkerResults_Begin(&kept->sinks, threads, sizeof(qcVerletWorker), "pairs that are kept"));
     for (size_t i = 0; i < kept->sinks.count; i++)
-    {
         SinkAt(kept, i)->pairs.count = SinkAt(kept, i)->runs.count = 0;
-        SinkAt(kept, i)->status = qc_statusOk;
-    }
     return qc_statusOk;
 }
 
@@ -58,17 +55,13 @@ void qcVerletList_Add(qcVerletList* kept, uint32_t slot, const qcClassifiedPairs
 {
     qcVerletWorker* sink = SinkAt(kept, worker);
     KeptRun run = {slot, found->near + found->apart, found->count};
-    if (sink->status == qc_statusOk && run.count != 0)
-        sink->status = AddRun(sink, &run, found->pairs);
+    if (qcWorkerResult_IsOk(&sink->result) && run.count != 0)
+        (void)qcWorkerResult_Add(&sink->result, AddRun(sink, &run, found->pairs));
 }
 
 qcStatus qcVerletList_Check(const qcVerletList* kept)
 {
-    for (size_t i = 0; i < kept->sinks.count; i++)
-        // The message is the worker's own; say it again on this thread.
-        if (SinkAt(kept, i)->status != qc_statusOk)
-            return qcArray_FailAgain(&SinkAt(kept, i)->pairs, "pairs that are kept");
-    return qc_statusOk;
+    return qcWorkerResults_End(&kept->sinks, sizeof(qcVerletWorker));
 }
 
 //  ---- finding ---------------------------------------------------------------------------------------

@@ -4,15 +4,15 @@
 #ifndef QC_SWEEP_BVH_VERLET_LIST_H
 #define QC_SWEEP_BVH_VERLET_LIST_H
 
+#include "base/worker_results.h"
 #include "sweep/bvh/bvh_pairs.h"
 
 /// What one worker found.
 typedef struct qcVerletWorker
 {
+    qcWorkerResult result;
     qcArray pairs; ///< of qcSlotPair
     qcArray runs;  ///< of KeptRun: whose they are, and what was known of them
-    qcStatus status;
-    char apart[64]; ///< keeps two workers off one cache line
 } qcVerletWorker;
 
 /// Those of one step.
