@@ -1,5 +1,6 @@
-// The frame of `layers` against rational arithmetic: where positions come to lie, that boxes of levels overlap wherever
-// triangles are within reach, for any rounding that the kernels' proof allows (gl/layers.c), and when a frame stays.
+// The grid frame of `layers` against rational arithmetic: positions in the frame; boxes of levels overlap wherever
+// triangles are within the query distance, for any rounding that plugin/docs/proofs/layers.md admits; lifetime of a
+// frame.
 #include "support/check_ok.h"
 #include "gl/layers/layers_gpu.h"
 #include "cull/layers/gpu_residency.h"
@@ -270,6 +271,30 @@ static void SetTransform(qcRandom* random, qcTransform* transform)
         transform->translation[axis] = offset * qcRandom_Uniform(random, -1.0, 1.0);
 }
 
+/// Adds a random soup with a random transform, and grows the bounds by it.
+static void AddRandomBody(qcRandom* random, qcBodies* bodies, qcGridBounds* bounds)
+{
+    qcSoup soup = qcSoup_MakeRandom(qcRandom_Next(random), 40, 0.2);
+    double offset = qcRandom_Below(random, 3) == 0 ? 1e6 : 0.0;
+    qcSoup_Translate(&soup, offset, -offset, offset);
+    qcBodyDef def = qcDefaultBodyDef();
+    def.positions = soup.positions;
+    def.positionType = qc_positionF64;
+    def.vertexCount = soup.vertexCount;
+    def.indices = soup.indices;
+    def.triangleCount = soup.triangleCount;
+    SetTransform(random, &def.transform);
+    qcBodyId id;
+    CHECK_OK(qcBodies_Add(bodies, &def, &id));
+    qcSoup_Free(&soup);
+    const qcBody* body = &QC_AT(qcBody, bodies->slots, id.slot);
+    for (int axis = 0; axis < 3; axis++)
+    {
+        bounds->lower[axis] = fmin(bounds->lower[axis], body->lower[axis]);
+        bounds->upper[axis] = fmax(bounds->upper[axis], body->upper[axis]);
+    }
+}
+
 /// The number of bodies that the device transforms.
 static uint32_t CheckTransforms(qcRandom* random, uint32_t bodyCount)
 {
@@ -282,26 +307,8 @@ static uint32_t CheckTransforms(qcRandom* random, uint32_t bodyCount)
     uint32_t partnerBoxes[4 * 8] = {0}, transformed = 0;
     for (uint32_t i = 0; i < bodyCount; i++)
     {
-        qcSoup soup = qcSoup_MakeRandom(qcRandom_Next(random), 40, 0.2);
-        double offset = qcRandom_Below(random, 3) == 0 ? 1e6 : 0.0;
-        qcSoup_Translate(&soup, offset, -offset, offset);
-        qcBodyDef def = qcDefaultBodyDef();
-        def.positions = soup.positions;
-        def.positionType = qc_positionF64;
-        def.vertexCount = soup.vertexCount;
-        def.indices = soup.indices;
-        def.triangleCount = soup.triangleCount;
-        SetTransform(random, &def.transform);
-        qcBodyId id;
-        CHECK_OK(qcBodies_Add(&bodies, &def, &id));
-        qcSoup_Free(&soup);
         takesPart[i] = 1;
-        const qcBody* body = &QC_AT(qcBody, bodies.slots, i);
-        for (int axis = 0; axis < 3; axis++)
-        {
-            bounds.lower[axis] = fmin(bounds.lower[axis], body->lower[axis]);
-            bounds.upper[axis] = fmax(bounds.upper[axis], body->upper[axis]);
-        }
+        AddRandomBody(random, &bodies, &bounds);
     }
     ck_assert(qcGridFrame_Fit(&frame, &bounds));
     CHECK_OK(qcStepTriangles_Number(&triangles, &bodies));

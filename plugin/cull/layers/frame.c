@@ -1,4 +1,4 @@
-// Choice of the frame. The proof in gl/layers gives the slack that rounding needs.
+// Choice of the frame. The slack that rounding needs: plugin/docs/proofs/layers.md.
 #include "cull/layers/frame.h"
 
 #include "gl/layers/layers_gpu.h"
