@@ -20,11 +20,6 @@ typedef struct Step
     double started;
 } Step;
 
-static const uint32_t* PairAt(const qcCullLayersJob* job, size_t i)
-{
-    return (const uint32_t*)job->bodyPairs + 2 * i;
-}
-
 static double Now(const qcCullLayersJob* job)
 {
     return job->timed ? qcClock_Now() : 0.0;
@@ -50,7 +45,7 @@ static bool FindParticipants(Step* step)
     for (size_t i = 0; i < step->job->bodyPairCount; i++)
         for (int side = 0; side < 2; side++)
         {
-            uint32_t body = PairAt(step->job, i)[side];
+            uint32_t body = step->job->bodyPairs[i][side];
             takesPart[body] = step->job->bodies[body];
         }
     step->bounds = (qcGridBounds){.lower = {DBL_MAX, DBL_MAX, DBL_MAX},
@@ -82,7 +77,7 @@ static qcStatus FindPartnerBoxes(const Step* step)
         around[body] = (qcGridBounds){.lower = {DBL_MAX, DBL_MAX, DBL_MAX}, .upper = {-DBL_MAX, -DBL_MAX, -DBL_MAX}};
     for (size_t i = 0; i < step->job->bodyPairCount; i++)
     {
-        uint32_t a = PairAt(step->job, i)[0], b = PairAt(step->job, i)[1];
+        uint32_t a = step->job->bodyPairs[i][0], b = step->job->bodyPairs[i][1];
         IncludeBox(around[a].lower, around[a].upper, qcStepTriangles_Body(t, b));
         IncludeBox(around[b].lower, around[b].upper, qcStepTriangles_Body(t, a));
     }

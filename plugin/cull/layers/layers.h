@@ -33,8 +33,8 @@ typedef struct qcCullLayersJob
 {
     qcDevice* device;
     const qcStepTriangles* triangles;
-    const uint8_t* bodies; ///< by body: a flag, equal for both bodies of a pair; set: pairs are found here
-    const void* bodyPairs; ///< two uint32_t each: the pairs of bodies of the step
+    const uint8_t* bodies;          ///< by body: a flag, equal for both bodies of a pair; set: pairs are found here
+    const uint32_t (*bodyPairs)[2]; ///< the pairs of bodies of the step
     size_t bodyPairCount;
     double queryDistance;
     double margin;       ///< qcDetectDef::margin: pairs proven no further apart are classified near
