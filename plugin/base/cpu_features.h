@@ -1,21 +1,23 @@
-// The instruction sets that kernels are compiled for, and which of them are run.
+// The instruction sets that kernels are compiled for, and the choice among them at run time. A room that has kernels
+// compiles one table of functions for each set, and lists its tables in the order of qcInstructionSet.
 #ifndef QC_BASE_CPU_FEATURES_H
 #define QC_BASE_CPU_FEATURES_H
 
-#include <stdbool.h>
+#include <stddef.h>
 
-/// Each has those before it.
+/// Each includes the ones above it.
 typedef enum qcInstructionSet
 {
-    qc_instructionsScalar, ///< what the compiler takes by default
+    qc_instructionsScalar, ///< the compiler's default
     qc_instructionsAvx2,   ///< with FMA
     qc_instructionsAvx512  ///< F, BW and VL
 } qcInstructionSet;
 
-/// Does this machine run it, and has it been compiled?
-bool qcInstructionSet_IsAvailable(qcInstructionSet set);
+/// The table of the best instruction set that this CPU has, or of the lesser one that the environment's QC_KERNELS
+/// names (plain, avx2, avx512). tables[0] is the scalar one; `count` is at least 1.
+const void* qcKernelTables_Choose(const void* const* tables, size_t count);
 
-/// The best up to `most` that is there; or a lesser one that the environment's QC_KERNELS names (plain, avx2, avx512).
-qcInstructionSet qcInstructionSet_Choose(qcInstructionSet most);
+/// tables[i], or null if there is none or this CPU doesn't run it: for tests that run all of them.
+const void* qcKernelTables_Nth(const void* const* tables, size_t count, size_t i);
 
 #endif
