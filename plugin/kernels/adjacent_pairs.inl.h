@@ -19,44 +19,46 @@
 #include "kernels/triangle_distance.inl.h"
 
 /// QC_LANES pairs, corners by name: first the common ones, in the same order in both.
-typedef struct NeighbourLanes
+typedef struct AdjacentLanes
 {
     uint32_t a[3][QC_LANES], b[3][QC_LANES];
     uint32_t index[QC_LANES]; ///< of the pair
     size_t count;
-} NeighbourLanes;
+} AdjacentLanes;
 
 /// What a gap along w has to exceed.
-QC_INLINE Floats LeastGap(const qcDistanceThresholds* bound, Vectors w)
+QC_INLINE Floats MinGap(const qcDistanceThresholds* bound, Vectors w)
 {
     const Floats zero = {0};
     Floats length2 = Dot(w, w), rounding = zero + (4.01f * bound->pointError + 20.0f * 0x1p-24f);
-    return Choose(length2 > 1e-30f, 1.001f * bound->reach * Root(length2) + SumOfSizes(w) * rounding, zero + INFINITY);
+    return Select(length2 > 1e-30f, 1.001f * bound->query * SquareRoot(length2) + SumOfAbsolutes(w) * rounding,
+                  zero + INFINITY);
 }
 
 /// Are p and q, and r and s, on different sides of 0 along w, by more than the reach?
-QC_INLINE Ints AreParted(const qcDistanceThresholds* bound, Vectors w, Vectors p, Vectors q, Vectors r, Vectors s)
+QC_INLINE Ints AreSeparated(const qcDistanceThresholds* bound, Vectors w, Vectors p, Vectors q, Vectors r, Vectors s)
 {
-    Floats least = LeastGap(bound, w);
-    return (LeastFloats(Dot(w, p), Dot(w, q)) > least) & (MostFloats(Dot(w, r), Dot(w, s)) < -least);
+    Floats least = MinGap(bound, w);
+    return (MinFloats(Dot(w, p), Dot(w, q)) > least) & (MaxFloats(Dot(w, r), Dot(w, s)) < -least);
 }
 
-QC_INLINE Vectors Unit(Vectors a)
+QC_INLINE Vectors Normalize(Vectors a)
 {
     const Floats zero = {0};
-    return Times(a, 1.0f / Root(Dot(a, a) + (zero + 1e-30f)));
+    return Times(a, 1.0f / SquareRoot(Dot(a, a) + (zero + 1e-30f)));
 }
 
-QC_INLINE Ints AreQuietAtVertex(const qcDistanceThresholds* bound, const qcPoint* points, const NeighbourLanes* lanes)
+QC_INLINE Ints AreSeparatedAtVertex(const qcDistanceThresholds* bound, const qcPoint* points,
+                                    const AdjacentLanes* lanes)
 {
     Vectors at = LoadPoints(points, lanes->a[0]);
     Vectors a[2] = {Subtract(LoadPoints(points, lanes->a[1]), at), Subtract(LoadPoints(points, lanes->a[2]), at)};
     Vectors b[2] = {Subtract(LoadPoints(points, lanes->b[1]), at), Subtract(LoadPoints(points, lanes->b[2]), at)};
-    Vectors unitA[2] = {Unit(a[0]), Unit(a[1])}, unitB[2] = {Unit(b[0]), Unit(b[1])};
+    Vectors unitA[2] = {Normalize(a[0]), Normalize(a[1])}, unitB[2] = {Normalize(b[0]), Normalize(b[1])};
     Ints quiet = {0};
     for (int i = 0; i < 2; i++)
         for (int k = 0; k < 2; k++)
-            quiet |= AreParted(bound, Subtract(unitA[i], unitB[k]), a[0], a[1], b[0], b[1]);
+            quiet |= AreSeparated(bound, Subtract(unitA[i], unitB[k]), a[0], a[1], b[0], b[1]);
     return quiet;
 }
 
@@ -64,28 +66,29 @@ QC_INLINE Ints AreQuietAtVertex(const qcDistanceThresholds* bound, const qcPoint
 QC_INLINE Vectors Across(Vectors a, Vectors b)
 {
     const Floats zero = {0};
-    return PlusTimes(a, b, -Dot(a, b) / (Dot(b, b) + (zero + 1e-30f)));
+    return AddScaled(a, b, -Dot(a, b) / (Dot(b, b) + (zero + 1e-30f)));
 }
 
 /// Are the segments p q and r s surely further apart than the reach along w, in either direction?
-QC_INLINE Ints AreSegmentsParted(const qcDistanceThresholds* bound, Vectors w, Vectors p, Vectors q, Vectors r,
-                                 Vectors s)
+QC_INLINE Ints AreSegmentsSeparated(const qcDistanceThresholds* bound, Vectors w, Vectors p, Vectors q, Vectors r,
+                                    Vectors s)
 {
     Floats wp = Dot(w, p), wq = Dot(w, q), wr = Dot(w, r), ws = Dot(w, s);
-    Floats above = LeastFloats(wp, wq) - MostFloats(wr, ws), below = LeastFloats(wr, ws) - MostFloats(wp, wq);
-    return MostFloats(above, below) > LeastGap(bound, w);
+    Floats above = MinFloats(wp, wq) - MaxFloats(wr, ws), below = MinFloats(wr, ws) - MaxFloats(wp, wq);
+    return MaxFloats(above, below) > MinGap(bound, w);
 }
 
 /// Segments from 0 to a and from v to b.
-QC_INLINE Ints AreOppositeEdgesParted(const qcDistanceThresholds* bound, Vectors v, Vectors a, Vectors b)
+QC_INLINE Ints AreOppositeEdgesSeparated(const qcDistanceThresholds* bound, Vectors v, Vectors a, Vectors b)
 {
     const Floats zero = {0};
     const Vectors u = {zero, zero, zero};
-    return AreSegmentsParted(bound, Across(v, a), u, a, v, b) |
-           AreSegmentsParted(bound, Across(v, Subtract(b, v)), u, a, v, b) | AreSegmentsParted(bound, v, u, a, v, b);
+    return AreSegmentsSeparated(bound, Across(v, a), u, a, v, b) |
+           AreSegmentsSeparated(bound, Across(v, Subtract(b, v)), u, a, v, b) |
+           AreSegmentsSeparated(bound, v, u, a, v, b);
 }
 
-QC_INLINE Ints AreQuietAtEdge(const qcDistanceThresholds* bound, const qcPoint* points, const NeighbourLanes* lanes)
+QC_INLINE Ints AreSeparatedAtEdge(const qcDistanceThresholds* bound, const qcPoint* points, const AdjacentLanes* lanes)
 {
     const Floats zero = {0};
     const Vectors u = {zero, zero, zero};
@@ -93,17 +96,16 @@ QC_INLINE Ints AreQuietAtEdge(const qcDistanceThresholds* bound, const qcPoint* 
     Vectors v = Subtract(LoadPoints(points, lanes->a[1]), at), a = Subtract(LoadPoints(points, lanes->a[2]), at),
             b = Subtract(LoadPoints(points, lanes->b[2]), at);
     Vectors w = Across(Subtract(a, b), v);
-    Floats least = LeastGap(bound, w), wa = Dot(w, a), wb = Dot(w, b), wv = Dot(w, v);
-    Ints parted =
-        (wa - MostFloats(zero, MostFloats(wv, wb)) > least) & (LeastFloats(zero, LeastFloats(wv, wa)) - wb > least);
+    Floats least = MinGap(bound, w), wa = Dot(w, a), wb = Dot(w, b), wv = Dot(w, v);
+    Ints parted = (wa - MaxFloats(zero, MaxFloats(wv, wb)) > least) & (MinFloats(zero, MinFloats(wv, wa)) - wb > least);
     // From v's side the roles of u and v change.
     Vectors back = Subtract(u, v);
-    return parted & AreOppositeEdgesParted(bound, v, a, b) &
-           AreOppositeEdgesParted(bound, back, Subtract(a, v), Subtract(b, v));
+    return parted & AreOppositeEdgesSeparated(bound, v, a, b) &
+           AreOppositeEdgesSeparated(bound, back, Subtract(a, v), Subtract(b, v));
 }
 
 /// Adds a pair to the lanes of its kind: corners that both have first. Which kind: how many those are.
-QC_INLINE int AddNeighbours(const uint32_t* p, const uint32_t* q, uint32_t index, NeighbourLanes lanes[4])
+QC_INLINE int AddToLanes(const uint32_t* p, const uint32_t* q, uint32_t index, AdjacentLanes lanes[4])
 {
     uint32_t a[3], b[3];
     int common = 0, restA = 2, restB = 2;
@@ -123,7 +125,7 @@ QC_INLINE int AddNeighbours(const uint32_t* p, const uint32_t* q, uint32_t index
     for (int k = 0; k < 3; k++)
         if (!taken[k])
             b[restB--] = q[k];
-    NeighbourLanes* to = &lanes[common];
+    AdjacentLanes* to = &lanes[common];
     for (int c = 0; c < 3; c++)
     {
         to->a[c][to->count] = a[c];
@@ -133,8 +135,8 @@ QC_INLINE int AddNeighbours(const uint32_t* p, const uint32_t* q, uint32_t index
     return common;
 }
 
-QC_INLINE void JudgeLanes(const qcDistanceThresholds* bound, const qcPoint* points, int common, NeighbourLanes* lanes,
-                          uint8_t* keep)
+QC_INLINE void TestLanes(const qcDistanceThresholds* bound, const qcPoint* points, int common, AdjacentLanes* lanes,
+                         uint8_t* keep)
 {
     // Lanes that are empty stand for the first again.
     for (size_t lane = lanes->count; lane < QC_LANES; lane++)
@@ -145,31 +147,31 @@ QC_INLINE void JudgeLanes(const qcDistanceThresholds* bound, const qcPoint* poin
         }
     uint32_t quiet = 0;
     if (common == 1)
-        quiet = SignBits(AreQuietAtVertex(bound, points, lanes));
+        quiet = SignBits(AreSeparatedAtVertex(bound, points, lanes));
     else if (common == 2)
-        quiet = SignBits(AreQuietAtEdge(bound, points, lanes));
+        quiet = SignBits(AreSeparatedAtEdge(bound, points, lanes));
     for (size_t lane = 0; lane < lanes->count; lane++)
         keep[lanes->index[lane]] = (quiet >> lane & 1u) == 0;
     lanes->count = 0;
 }
 
-static size_t KeepNearNeighbours(const qcFilterSide* side, const qcDistanceThresholds* bound, qcSlotPair* pairs,
-                                 size_t count)
+static size_t FilterAdjacent(const qcIndexedTriangles* side, const qcDistanceThresholds* bound, qcSlotPair* pairs,
+                             size_t count)
 {
     uint8_t keep[qc_nodeSize * qc_nodeSize];
-    NeighbourLanes lanes[4];
+    AdjacentLanes lanes[4];
     for (int i = 0; i < 4; i++)
         lanes[i].count = 0;
     for (size_t i = 0; i < count; i++)
     {
         const uint32_t *p = side->corners[pairs[i].a].vertex, *q = side->corners[pairs[i].b].vertex;
-        int common = AddNeighbours(p, q, (uint32_t)i, lanes);
+        int common = AddToLanes(p, q, (uint32_t)i, lanes);
         if (lanes[common].count == QC_LANES)
-            JudgeLanes(bound, side->points, common, &lanes[common], keep);
+            TestLanes(bound, side->points, common, &lanes[common], keep);
     }
     for (int i = 0; i < 4; i++)
         if (lanes[i].count != 0)
-            JudgeLanes(bound, side->points, i, &lanes[i], keep);
+            TestLanes(bound, side->points, i, &lanes[i], keep);
     size_t kept = 0;
     for (size_t i = 0; i < count; i++)
     {

@@ -29,13 +29,13 @@ typedef struct FacetLanes
     Floats beyond[5]; ///< what is farther along is farther than the margin
 } FacetLanes;
 
-QC_INLINE Floats FindBeyond(const Vectors corner[3], Vectors w, Floats margin)
+QC_INLINE Floats FindLimit(const Vectors corner[3], Vectors w, Floats margin)
 {
     const Floats zero = {0};
-    Floats most = MostFloats(Dot(w, corner[0]), MostFloats(Dot(w, corner[1]), Dot(w, corner[2])));
-    Floats gap = 1.0001f * margin * Root(Dot(w, w)) + SumOfSizes(w) * 4e-6f;
+    Floats most = MaxFloats(Dot(w, corner[0]), MaxFloats(Dot(w, corner[1]), Dot(w, corner[2])));
+    Floats gap = 1.0001f * margin * SquareRoot(Dot(w, w)) + SumOfAbsolutes(w) * 4e-6f;
     // Below 1e-15 squares may have vanished.
-    return Choose(gap > 1e-15f, most + gap, zero + INFINITY);
+    return Select(gap > 1e-15f, most + gap, zero + INFINITY);
 }
 
 QC_INLINE FacetLanes MakeFacets(Vectors p, Vectors q, Vectors r, Floats margin)
@@ -52,7 +52,7 @@ QC_INLINE FacetLanes MakeFacets(Vectors p, Vectors q, Vectors r, Floats margin)
     for (int i = 0; i < 3; i++)
         f.across[i] = Cross(f.edge[i], normal);
     for (int i = 0; i < 5; i++)
-        f.beyond[i] = FindBeyond(f.corner, f.across[i], margin);
+        f.beyond[i] = FindLimit(f.corner, f.across[i], margin);
     return f;
 }
 
@@ -73,8 +73,8 @@ QC_INLINE Ints AreEdgesFar(const FacetLanes* a, int i, const FacetLanes* b, int 
     Ints outside = (s < -QC_OUTSIDE) | (s > d) | (t < -QC_OUTSIDE) | (t > d);
     Vectors w = Cross(along, across);
     Floats p0 = Dot(w, p), p1 = Dot(w, a->corner[(i + 1) % 3]), q0 = Dot(w, q), q1 = Dot(w, b->corner[(k + 1) % 3]);
-    Floats above = LeastFloats(p0, p1) - MostFloats(q0, q1), below = LeastFloats(q0, q1) - MostFloats(p0, p1);
-    Floats gap = MostFloats(above, below) - SumOfSizes(w) * 4e-6f;
+    Floats above = MinFloats(p0, p1) - MaxFloats(q0, q1), below = MinFloats(q0, q1) - MaxFloats(p0, p1);
+    Floats gap = MaxFloats(above, below) - SumOfAbsolutes(w) * 4e-6f;
     const Floats zero = {0};
     return outside | ((gap > zero) & IsGapAbove(gap, margin, Dot(w, w)));
 }
@@ -99,7 +99,7 @@ static void FindNearFeatures(const qcFeaturePairs* pairs, qcFeatureMask near[qc_
         for (int c = 0; c < 5; c++)
         {
             v[c] = LoadCorners(pairs, c, at);
-            size = MostFloats(size, Largest(v[c]));
+            size = MaxFloats(size, MaxAbsolute(v[c]));
         }
         // As in LoadLanes.
         Floats up = (Floats)((0x7f000000 - ((Ints)size & 0x7f800000)) & (size < 1e38f));

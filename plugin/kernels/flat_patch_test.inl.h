@@ -56,7 +56,7 @@ typedef struct Loop
     float p, q;
     float sign;  ///< of d's last axis in the direction that the disc faces
     float size;  ///< of the greatest coordinate u or v
-    float reach; ///< in the image
+    float query; ///< the query distance in the image
     //  What comparisons have to exceed for their rounding.
     float least; ///< of products of two lengths
     float gap;   ///< of coordinates
@@ -83,21 +83,21 @@ QC_INLINE float Sum(Floats f)
 }
 
 /// Past the end the loop goes on from its beginning.
-static void LoadLoop(const qcPatchGeometry* disc, Loop* loop)
+static void LoadLoop(const qcPatchGeometry* patch, Loop* loop)
 {
-    size_t count = disc->loopCount;
+    size_t count = patch->loopCount;
     uint32_t id[qc_maxLoop + 2 * QC_LANES];
-    memcpy(id, disc->loop, count * sizeof id[0]);
+    memcpy(id, patch->loop, count * sizeof id[0]);
     for (size_t i = count; i < count + 2 * QC_LANES; i++)
         id[i] = id[i - count];
-    const float* centre = disc->points[id[0]].x;
-    const float* opposite = disc->points[id[count / 2]].x;
+    const float* centre = patch->points[id[0]].x;
+    const float* opposite = patch->points[id[count / 2]].x;
     Floats at[3] = {{0}};
     for (int axis = 0; axis < 3; axis++)
         at[axis] += 0.5f * (centre[axis] + opposite[axis]);
     for (size_t i = 0; i < count + QC_LANES; i += QC_LANES)
     {
-        Vectors point = LoadPoints(disc->points, id + i);
+        Vectors point = LoadPoints(patch->points, id + i);
         StoreFloats(loop->x[0] + i, point.x - at[0]);
         StoreFloats(loop->x[1] + i, point.y - at[1]);
         StoreFloats(loop->x[2] + i, point.z - at[2]);
@@ -145,7 +145,7 @@ static void Project(size_t count, Loop* loop)
     {
         Floats depth = LoadFloats(z + i), u = LoadFloats(x + i) - loop->p * depth,
                v = LoadFloats(y + i) - loop->q * depth;
-        largest = MostFloats(largest, MostFloats(Absolute(u), Absolute(v)));
+        largest = MaxFloats(largest, MaxFloats(Absolute(u), Absolute(v)));
         StoreFloats(loop->u + i, u);
         StoreFloats(loop->v + i, v);
     }
@@ -155,10 +155,10 @@ static void Project(size_t count, Loop* loop)
 }
 
 /// What a product of a length along (u, v) and a distance has to exceed for the distance to exceed the reach.
-static float LeastAlong(const Loop* loop, float u, float v)
+static float MinProductAlong(const Loop* loop, float u, float v)
 {
     // Without a reach no root is taken.
-    return loop->reach > 0.0f ? loop->least + loop->reach * (__builtin_sqrtf(u * u + v * v) + loop->gap) : loop->least;
+    return loop->query > 0.0f ? loop->least + loop->query * (__builtin_sqrtf(u * u + v * v) + loop->gap) : loop->least;
 }
 
 /// Are both ends of edge k surely beyond the reach on the same side of edge i: of the line through it, or of one of the
@@ -167,7 +167,7 @@ static bool IsOneSided(const Loop* loop, size_t i, size_t k)
 {
     float u = loop->u[i], v = loop->v[i], endU = loop->u[i + 1], endV = loop->v[i + 1];
     float alongU = endU - u, alongV = endV - v, left[2], beyond[2], before[2];
-    float least = LeastAlong(loop, alongU, alongV);
+    float least = MinProductAlong(loop, alongU, alongV);
     for (size_t end = 0; end < 2; end++)
     {
         float otherU = loop->u[k + end], otherV = loop->v[k + end];
@@ -180,7 +180,7 @@ static bool IsOneSided(const Loop* loop, size_t i, size_t k)
 }
 
 /// Do edges i and k meet at most where they join, or are they further apart than the reach?
-static bool AreEdgesApart(const Loop* loop, size_t count, size_t i, size_t k)
+static bool AreEdgesSeparated(const Loop* loop, size_t count, size_t i, size_t k)
 {
     if (k == (i + 1) % count || i == (k + 1) % count)
     {
@@ -201,18 +201,18 @@ typedef struct Arc
     float lower[2], upper[2];
 } Arc;
 
-static bool AreArcsApart(const Loop* loop, size_t count, const Arc* a, const Arc* b)
+static bool AreArcsSeparated(const Loop* loop, size_t count, const Arc* a, const Arc* b)
 {
     for (size_t i = a->first; i < a->end; i++)
         for (size_t k = b->first; k < b->end; k++)
-            if (i != k && !AreEdgesApart(loop, count, i, k))
+            if (i != k && !AreEdgesSeparated(loop, count, i, k))
                 return false;
     return true;
 }
 
 /// Do all edges of two arcs, the one behind the other, go forward in one direction by more than the reach? Then none
 /// meets another, and those that don't follow each other are further apart.
-static bool GoForward(const Loop* loop, const Arc* a, const Arc* b)
+static bool AreMonotone(const Loop* loop, const Arc* a, const Arc* b)
 {
     float u = loop->u[b->end] - loop->u[a->first], v = loop->v[b->end] - loop->v[a->first];
     float slowest = INFINITY;
@@ -223,7 +223,7 @@ static bool GoForward(const Loop* loop, const Arc* a, const Arc* b)
             float step = u * (loop->u[i + 1] - loop->u[i]) + v * (loop->v[i + 1] - loop->v[i]);
             slowest = step < slowest ? step : slowest;
         }
-    return slowest > LeastAlong(loop, u, v);
+    return slowest > MinProductAlong(loop, u, v);
 }
 
 static Arc MakeArc(const Loop* loop, size_t first, size_t end)
@@ -242,10 +242,10 @@ static Arc MakeArc(const Loop* loop, size_t first, size_t end)
 }
 
 /// Does no edge of the loop meet another but where they join? By arcs of a few edges.
-static bool IsSimple(const qcPatchGeometry* disc, const Loop* loop)
+static bool IsSimple(const qcPatchGeometry* patch, const Loop* loop)
 {
-    size_t count = disc->loopCount, arcCount = (count + qc_arcEdges - 1) / qc_arcEdges;
-    float gap = loop->gap + loop->reach;
+    size_t count = patch->loopCount, arcCount = (count + qc_arcEdges - 1) / qc_arcEdges;
+    float gap = loop->gap + loop->query;
     Arc arcs[qc_maxLoop / qc_arcEdges];
     for (size_t a = 0; a < arcCount; a++)
     {
@@ -255,15 +255,15 @@ static bool IsSimple(const qcPatchGeometry* disc, const Loop* loop)
     for (size_t a = 0; a < arcCount; a++)
     {
         const Arc *arc = &arcs[a], *next = &arcs[(a + 1) % arcCount];
-        if (!GoForward(loop, arc, next) &&
-            !(AreArcsApart(loop, count, arc, arc) && AreArcsApart(loop, count, arc, next)))
+        if (!AreMonotone(loop, arc, next) &&
+            !(AreArcsSeparated(loop, count, arc, arc) && AreArcsSeparated(loop, count, arc, next)))
             return false;
         for (size_t b = a + 2; b < arcCount; b++)
         {
             const Arc* other = &arcs[b];
             bool apart = arc->lower[0] > other->upper[0] + gap || other->lower[0] > arc->upper[0] + gap ||
                          arc->lower[1] > other->upper[1] + gap || other->lower[1] > arc->upper[1] + gap;
-            if (!apart && (a != 0 || b != arcCount - 1) && !AreArcsApart(loop, count, arc, other))
+            if (!apart && (a != 0 || b != arcCount - 1) && !AreArcsSeparated(loop, count, arc, other))
                 return false;
         }
     }
@@ -271,52 +271,52 @@ static bool IsSimple(const qcPatchGeometry* disc, const Loop* loop)
 }
 
 /// Do all triangles face d's way, with altitudes above the reach? Lengths of edges are wrong by up to 4 e.
-static bool FacesOneWay(const qcPatchGeometry* disc, const Loop* loop)
+static bool FacesOneWay(const qcPatchGeometry* patch, const Loop* loop)
 {
-    for (size_t at = 0; at < disc->placeCount; at += QC_LANES)
+    for (size_t at = 0; at < patch->slotCount; at += QC_LANES)
     {
-        size_t count = disc->placeCount - at < QC_LANES ? disc->placeCount - at : QC_LANES;
+        size_t count = patch->slotCount - at < QC_LANES ? patch->slotCount - at : QC_LANES;
         uint32_t id[3][QC_LANES];
         for (size_t lane = 0; lane < QC_LANES; lane++)
         {
-            const uint32_t* vertex = disc->corners[disc->places[at + (lane < count ? lane : 0)]].vertex;
+            const uint32_t* vertex = patch->corners[patch->slots[at + (lane < count ? lane : 0)]].vertex;
             for (int c = 0; c < 3; c++)
                 id[c][lane] = vertex[c];
         }
-        Vectors first = LoadPoints(disc->points, id[0]);
-        Vectors e = Subtract(LoadPoints(disc->points, id[1]), first);
-        Vectors f = Subtract(LoadPoints(disc->points, id[2]), first);
+        Vectors first = LoadPoints(patch->points, id[0]);
+        Vectors e = Subtract(LoadPoints(patch->points, id[1]), first);
+        Vectors f = Subtract(LoadPoints(patch->points, id[2]), first);
         Vectors cross = Cross(e, f);
-        Floats normal[3] = {cross.x, cross.y, cross.z}, size = MostFloats(Largest(e), Largest(f));
+        Floats normal[3] = {cross.x, cross.y, cross.z}, size = MaxFloats(MaxAbsolute(e), MaxAbsolute(f));
         Floats facing =
             (normal[loop->axes[0]] * loop->p + normal[loop->axes[1]] * loop->q + normal[loop->axes[2]]) * loop->sign;
-        Floats least = size * (32.0f * disc->pointError + 44.0f * 0x1p-24f * size);
+        Floats least = size * (32.0f * patch->pointError + 44.0f * 0x1p-24f * size);
         if (SignBits(~(facing > least)) != 0)
             return false;
-        if (disc->reach > 0.0f)
+        if (patch->query > 0.0f)
         {
             Vectors g = Subtract(e, f);
-            Floats longest2 = MostFloats(MostFloats(Dot(e, e), Dot(f, f)), Dot(g, g));
-            Floats more = facing - least - 4.0f * disc->pointError * loop->reach;
-            if (SignBits(~((more > 1e-15f) & (more * more > loop->reach * loop->reach * longest2))) != 0)
+            Floats longest2 = MaxFloats(MaxFloats(Dot(e, e), Dot(f, f)), Dot(g, g));
+            Floats more = facing - least - 4.0f * patch->pointError * loop->query;
+            if (SignBits(~((more > 1e-15f) & (more * more > loop->query * loop->query * longest2))) != 0)
                 return false;
         }
     }
     return true;
 }
 
-static bool IsFlat(const qcPatchGeometry* disc)
+static bool IsPatchFlat(const qcPatchGeometry* patch)
 {
     Loop loop;
-    LoadLoop(disc, &loop);
-    if (!ChooseDirection(disc->loopCount, &loop))
+    LoadLoop(patch, &loop);
+    if (!ChooseDirection(patch->loopCount, &loop))
         return false;
-    Project(disc->loopCount, &loop);
-    loop.reach =
-        disc->reach > 0.0f ? 1.001f * disc->reach * __builtin_sqrtf(1.0f + loop.p * loop.p + loop.q * loop.q) : 0.0f;
-    loop.least = (48.0f * disc->pointError + 160.0f * 0x1p-24f) * loop.size;
-    loop.gap = 6.0f * disc->pointError + 12.0f * 0x1p-24f;
-    return FacesOneWay(disc, &loop) && IsSimple(disc, &loop);
+    Project(patch->loopCount, &loop);
+    loop.query =
+        patch->query > 0.0f ? 1.001f * patch->query * __builtin_sqrtf(1.0f + loop.p * loop.p + loop.q * loop.q) : 0.0f;
+    loop.least = (48.0f * patch->pointError + 160.0f * 0x1p-24f) * loop.size;
+    loop.gap = 6.0f * patch->pointError + 12.0f * 0x1p-24f;
+    return FacesOneWay(patch, &loop) && IsSimple(patch, &loop);
 }
 
 #endif

@@ -15,7 +15,7 @@ typedef float EightFloats __attribute__((vector_size(32)));
 typedef int32_t EightInts __attribute__((vector_size(32)));
 typedef int16_t EightShorts __attribute__((vector_size(16)));
 
-QC_INLINE EightFloats Pick(EightInts mask, EightFloats yes, EightFloats no)
+QC_INLINE EightFloats SelectEight(EightInts mask, EightFloats yes, EightFloats no)
 {
     return (EightFloats)((mask & (EightInts)yes) | (~mask & (EightInts)no));
 }
@@ -24,16 +24,16 @@ QC_INLINE EightFloats Pick(EightInts mask, EightFloats yes, EightFloats no)
 QC_INLINE EightFloats ClampLower(EightFloats level)
 {
     const EightFloats zero = {0}, most = zero + 65533.0f;
-    level = Pick(level > zero, level, zero);
-    return Pick(level < most, level, most);
+    level = SelectEight(level > zero, level, zero);
+    return SelectEight(level < most, level, most);
 }
 
 /// As ClampLower, but not a number is 65533.
 QC_INLINE EightFloats ClampUpper(EightFloats level)
 {
     const EightFloats zero = {0}, most = zero + 65533.0f;
-    level = Pick(level < most, level, most);
-    return Pick(level > zero, level, zero);
+    level = SelectEight(level < most, level, most);
+    return SelectEight(level > zero, level, zero);
 }
 
 QC_INLINE EightShorts LoadEnds(const int16_t* ends)
@@ -53,19 +53,19 @@ QC_INLINE void StoreEnds(EightFloats lower, EightFloats upper, const qcBox8* gro
     {
         EightShorts stored = __builtin_convertvector(ends[k], EightShorts);
         stored = (stored & ~empty) | (first & empty);
-        memcpy(mapped->ends[axis] + k * qc_groupSize, &stored, sizeof stored);
+        memcpy(mapped->ends[axis] + k * qc_boxLanes, &stored, sizeof stored);
     }
 }
 
 /// A box with centre c and half extents e goes to one around linear c + shift, with |linear| e.
-static void MapGroup(const qcBox8* group, const qcGroupMap* map, qcBox8* mapped)
+static void TransformBoxes(const qcBox8* group, const qcBoxTransform* map, qcBox8* mapped)
 {
     EightFloats centre[3], half[3];
     for (int axis = 0; axis < 3; axis++)
     {
         // A level is an interval: up to where the next begins.
         EightInts lower = __builtin_convertvector(LoadEnds(group->ends[axis]), EightInts),
-                  end = ~__builtin_convertvector(LoadEnds(group->ends[axis] + qc_groupSize), EightInts) + 1;
+                  end = ~__builtin_convertvector(LoadEnds(group->ends[axis] + qc_boxLanes), EightInts) + 1;
         centre[axis] = 0.5f * __builtin_convertvector(lower + end, EightFloats);
         half[axis] = 0.5f * __builtin_convertvector(end - lower, EightFloats);
     }
@@ -80,16 +80,16 @@ static void MapGroup(const qcBox8* group, const qcGroupMap* map, qcBox8* mapped)
 }
 
 /// Where corner c of the triangles of a cluster is, along an axis, before the shift.
-typedef struct MappedCorners
+typedef struct TransformedCorners
 {
-    float x[3][(int)QC_LANES > (int)qc_groupSize ? (int)QC_LANES : (int)qc_groupSize];
-} MappedCorners;
+    float x[3][(int)QC_LANES > (int)qc_boxLanes ? (int)QC_LANES : (int)qc_boxLanes];
+} TransformedCorners;
 
-QC_INLINE MappedCorners MapCorners(const qcMappedSurface* surface, uint32_t cluster, int c)
+QC_INLINE TransformedCorners TransformCorners(const qcTransformedBvh* surface, uint32_t cluster, int c)
 {
-    MappedCorners mapped;
+    TransformedCorners mapped;
     const qcCorners* corners = surface->triangles.corners + (size_t)cluster * qc_clusterSize;
-    for (int at = 0; at < qc_groupSize; at += QC_LANES)
+    for (int at = 0; at < qc_boxLanes; at += QC_LANES)
     {
         uint32_t vertex[QC_LANES];
         for (int lane = 0; lane < QC_LANES; lane++)
@@ -105,42 +105,42 @@ QC_INLINE MappedCorners MapCorners(const qcMappedSurface* surface, uint32_t clus
     return mapped;
 }
 
-static void MapTriangles(const qcMappedSurface* surface, uint32_t cluster, qcBox8* mapped)
+static void TransformTriangles(const qcTransformedBvh* surface, uint32_t cluster, qcBox8* mapped)
 {
-    const qcGroupMap* map = &surface->points;
-    MappedCorners corners[3];
+    const qcBoxTransform* map = &surface->points;
+    TransformedCorners corners[3];
     for (int c = 0; c < 3; c++)
-        corners[c] = MapCorners(surface, cluster, c);
+        corners[c] = TransformCorners(surface, cluster, c);
     for (int axis = 0; axis < 3; axis++)
     {
         EightFloats x[3];
         for (int c = 0; c < 3; c++)
             memcpy(&x[c], corners[c].x[axis], sizeof x[c]);
-        EightFloats lower = Pick(x[0] < x[1], x[0], x[1]), upper = Pick(x[0] > x[1], x[0], x[1]);
-        lower = Pick(lower < x[2], lower, x[2]);
-        upper = Pick(upper > x[2], upper, x[2]);
+        EightFloats lower = SelectEight(x[0] < x[1], x[0], x[1]), upper = SelectEight(x[0] > x[1], x[0], x[1]);
+        lower = SelectEight(lower < x[2], lower, x[2]);
+        upper = SelectEight(upper > x[2], upper, x[2]);
         StoreEnds(lower + map->shift[axis] - map->grow[axis], upper + map->shift[axis] + map->grow[axis],
                   &surface->boxes.clusters[cluster], axis, mapped);
     }
 }
 
-static qcSlotPair* CollectMapped(const qcSurfaceBoxes* a, uint32_t nodeA, const qcMappedSurface* b, uint32_t nodeB,
-                                 qcSlotPair* pairs)
+static qcSlotPair* CollectTransformedPairs(const qcBvhBoxes* a, uint32_t nodeA, const qcTransformedBvh* b,
+                                           uint32_t nodeB, qcSlotPair* pairs)
 {
     qcBox8 mapped;
-    MapGroup(&b->boxes.nodes[nodeB], &b->levels, &mapped);
-    uint64_t clusters = CompareGroups(&a->nodes[nodeA], &mapped);
-    for (uint32_t j = 0; j < qc_groupSize; j++)
+    TransformBoxes(&b->boxes.nodes[nodeB], &b->levels, &mapped);
+    uint64_t clusters = FindBoxOverlaps(&a->nodes[nodeA], &mapped);
+    for (uint32_t j = 0; j < qc_boxLanes; j++)
     {
-        uint32_t row = (uint32_t)(clusters >> qc_groupSize * j) & 0xffu;
+        uint32_t row = (uint32_t)(clusters >> qc_boxLanes * j) & 0xffu;
         if (row == 0)
             continue;
-        uint32_t clusterB = nodeB * qc_groupSize + j;
-        MapTriangles(b, clusterB, &mapped);
+        uint32_t clusterB = nodeB * qc_boxLanes + j;
+        TransformTriangles(b, clusterB, &mapped);
         for (; row != 0; row &= row - 1)
         {
-            size_t clusterA = (size_t)nodeA * qc_groupSize + (uint32_t)__builtin_ctz(row);
-            pairs = AddPairs(CompareGroups(&a->clusters[clusterA], &mapped), clusterA, clusterB, pairs);
+            size_t clusterA = (size_t)nodeA * qc_boxLanes + (uint32_t)__builtin_ctz(row);
+            pairs = AddPairs(FindBoxOverlaps(&a->clusters[clusterA], &mapped), clusterA, clusterB, pairs);
         }
     }
     return pairs;

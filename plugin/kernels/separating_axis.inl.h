@@ -65,9 +65,9 @@ QC_INLINE Floats Dot(Vectors a, Vectors b)
     return a.x * b.x + a.y * b.y + a.z * b.z;
 }
 
-QC_INLINE Floats Largest(Vectors a)
+QC_INLINE Floats MaxAbsolute(Vectors a)
 {
-    return MostFloats(MostFloats(Absolute(a.x), Absolute(a.y)), Absolute(a.z));
+    return MaxFloats(MaxFloats(Absolute(a.x), Absolute(a.y)), Absolute(a.z));
 }
 
 /// Where the axis separates: all bits.
@@ -76,14 +76,14 @@ QC_INLINE Ints Separates(const Lanes* l, Vectors axis)
     const Floats zero = {0};
     Floats u = Dot(axis, l->b), v = Dot(axis, l->c), p = Dot(axis, l->d), q = Dot(axis, l->e), r = Dot(axis, l->f);
     Floats least = (Absolute(axis.x) + Absolute(axis.y) + Absolute(axis.z)) * l->gap;
-    Floats above = LeastFloats(p, LeastFloats(q, r)) - MostFloats(zero, MostFloats(u, v));
-    Floats below = LeastFloats(zero, LeastFloats(u, v)) - MostFloats(p, MostFloats(q, r));
-    return (MostFloats(above, below) > least) & (MostFloats(above, below) > 1e-20f);
+    Floats above = MinFloats(p, MinFloats(q, r)) - MaxFloats(zero, MaxFloats(u, v));
+    Floats below = MinFloats(zero, MinFloats(u, v)) - MaxFloats(p, MaxFloats(q, r));
+    return (MaxFloats(above, below) > least) & (MaxFloats(above, below) > 1e-20f);
 }
 
-QC_INLINE Vectors MapPoints(const qcDistanceThresholds* bound, Vectors p)
+QC_INLINE Vectors TransformPoints(const qcDistanceThresholds* bound, Vectors p)
 {
-    if (!bound->mapped)
+    if (!bound->isTransformed)
         return p;
     Floats x[3];
     for (int i = 0; i < 3; i++)
@@ -95,7 +95,7 @@ QC_INLINE Vectors MapPoints(const qcDistanceThresholds* bound, Vectors p)
 }
 
 /// Pairs at .. at + QC_LANES; past the end the last one stands again.
-QC_INLINE Lanes LoadLanes(const qcFilterSide* a, const qcFilterSide* b, const qcDistanceThresholds* bound,
+QC_INLINE Lanes LoadLanes(const qcIndexedTriangles* a, const qcIndexedTriangles* b, const qcDistanceThresholds* bound,
                           const qcSlotPair* pairs, size_t count)
 {
     uint32_t id[6][QC_LANES];
@@ -112,17 +112,17 @@ QC_INLINE Lanes LoadLanes(const qcFilterSide* a, const qcFilterSide* b, const qc
     Vectors first = LoadPoints(a->points, id[0]);
     Lanes l = {.b = Subtract(LoadPoints(a->points, id[1]), first),
                .c = Subtract(LoadPoints(a->points, id[2]), first),
-               .d = Subtract(MapPoints(bound, LoadPoints(b->points, id[3])), first),
-               .e = Subtract(MapPoints(bound, LoadPoints(b->points, id[4])), first),
-               .f = Subtract(MapPoints(bound, LoadPoints(b->points, id[5])), first)};
-    Floats size = MostFloats(MostFloats(Largest(l.b), Largest(l.c)),
-                             MostFloats(MostFloats(Largest(l.d), Largest(l.e)), Largest(l.f)));
+               .d = Subtract(TransformPoints(bound, LoadPoints(b->points, id[3])), first),
+               .e = Subtract(TransformPoints(bound, LoadPoints(b->points, id[4])), first),
+               .f = Subtract(TransformPoints(bound, LoadPoints(b->points, id[5])), first)};
+    Floats size = MaxFloats(MaxFloats(MaxAbsolute(l.b), MaxAbsolute(l.c)),
+                            MaxFloats(MaxFloats(MaxAbsolute(l.d), MaxAbsolute(l.e)), MaxAbsolute(l.f)));
     // 2^-k for a size in [2^k, 2^(k+1)), by exponents: exact.
     Floats up = (Floats)(0x7f000000 - ((Ints)size & 0x7f800000));
     l.b = Times(l.b, up), l.c = Times(l.c, up), l.d = Times(l.d, up), l.e = Times(l.e, up), l.f = Times(l.f, up);
     l.up = up;
     l.error = bound->pointError * up;
-    l.gap = (4.0f * bound->pointError + bound->reach) * up * 1.0001f + 4e-6f;
+    l.gap = (4.0f * bound->pointError + bound->query) * up * 1.0001f + 4e-6f;
     return l;
 }
 
@@ -133,7 +133,7 @@ QC_INLINE Ints SeparatedByPlane(const Lanes* l)
 }
 
 /// The way from one middle to the other: what most triangles of one smooth surface are apart by that share no vertex.
-QC_INLINE Ints SeparatedByMiddles(const Lanes* l)
+QC_INLINE Ints SeparatedByCentroids(const Lanes* l)
 {
     // Three times each; the first corner of A is 0.
     Vectors a = {l->b.x + l->c.x, l->b.y + l->c.y, l->b.z + l->c.z};
@@ -162,15 +162,16 @@ QC_INLINE Ints SeparatedByEdges(const Lanes* l)
     return apart;
 }
 
-QC_INLINE Ints SeparatedByMiddlesOrPlane(const Lanes* l)
+QC_INLINE Ints SeparatedByCentroidsOrPlane(const Lanes* l)
 {
-    return SeparatedByMiddles(l) | SeparatedByPlane(l);
+    return SeparatedByCentroids(l) | SeparatedByPlane(l);
 }
 
 typedef Ints Separated(const Lanes* l);
 
-QC_INLINE size_t Keep(const qcFilterSide* a, const qcFilterSide* b, const qcDistanceThresholds* bound,
-                      qcSlotPair* pairs, size_t count, Separated* separated)
+QC_INLINE size_t KeepUnseparated(const qcIndexedTriangles* a, const qcIndexedTriangles* b,
+                                 const qcDistanceThresholds* bound, qcSlotPair* pairs, size_t count,
+                                 Separated* separated)
 {
     size_t kept = 0;
     for (size_t at = 0; at < count; at += QC_LANES)
@@ -184,15 +185,15 @@ QC_INLINE size_t Keep(const qcFilterSide* a, const qcFilterSide* b, const qcDist
     return kept;
 }
 
-static size_t Filter(const qcFilterSide* a, const qcFilterSide* b, const qcDistanceThresholds* bound, qcSlotPair* pairs,
-                     size_t count)
+static size_t Filter(const qcIndexedTriangles* a, const qcIndexedTriangles* b, const qcDistanceThresholds* bound,
+                     qcSlotPair* pairs, size_t count)
 {
     // Most that come within a reach are of one smooth surface, most others lie in layers. What stays is measured
     // (kernels/triangle_distance.inl.h), which takes no longer than more axes would.
-    if (bound->reach > 0.0f)
-        return Keep(a, b, bound, pairs, count, SeparatedByMiddlesOrPlane);
-    count = Keep(a, b, bound, pairs, count, SeparatedByPlane);
-    return Keep(a, b, bound, pairs, count, SeparatedByEdges);
+    if (bound->query > 0.0f)
+        return KeepUnseparated(a, b, bound, pairs, count, SeparatedByCentroidsOrPlane);
+    count = KeepUnseparated(a, b, bound, pairs, count, SeparatedByPlane);
+    return KeepUnseparated(a, b, bound, pairs, count, SeparatedByEdges);
 }
 
 //  ---- sure hits -----------------------------------------------------------------------------------
@@ -203,7 +204,7 @@ typedef struct Signs
     Ints above, below;
 } Signs;
 
-QC_INLINE Floats SumOfSizes(Vectors a)
+QC_INLINE Floats SumOfAbsolutes(Vectors a)
 {
     return Absolute(a.x) + Absolute(a.y) + Absolute(a.z);
 }
@@ -213,23 +214,23 @@ QC_INLINE Signs SignOf(Vectors u, Vectors v, Vectors w, Floats error)
 {
     Vectors vw = Cross(v, w);
     Floats x = Dot(u, vw);
-    Floats size = SumOfSizes(vw) + SumOfSizes(Cross(w, u)) + SumOfSizes(Cross(u, v));
+    Floats size = SumOfAbsolutes(vw) + SumOfAbsolutes(Cross(w, u)) + SumOfAbsolutes(Cross(u, v));
     Floats bound = error * (1.001f * size + 100.0f * error) + 1.2e-4f;
     return (Signs){x > bound, x < -bound};
 }
 
-QC_INLINE Ints AllAlike(Signs a, Signs b, Signs c)
+QC_INLINE Ints HaveSameSign(Signs a, Signs b, Signs c)
 {
     return (a.above & b.above & c.above) | (a.below & b.below & c.below);
 }
 
-QC_INLINE Ints AreOpposite(Signs a, Signs b)
+QC_INLINE Ints HaveOppositeSigns(Signs a, Signs b)
 {
     return (a.above & b.below) | (a.below & b.above);
 }
 
 /// Where an edge of one goes through the other: from one side of its plane to the other, within all three edges.
-QC_INLINE Ints Pierces(const Lanes* l)
+QC_INLINE Ints Intersects(const Lanes* l)
 {
     const Floats zero = {0};
     const Vectors origin = {zero, zero, zero};
@@ -249,21 +250,21 @@ QC_INLINE Ints Pierces(const Lanes* l)
     Ints pierces = {0};
     for (int i = 0; i < 3; i++)
     {
-        pierces |= AllAlike(side[0][i], side[1][i], side[2][i]) & AreOpposite(ofB[i], ofB[(i + 1) % 3]);
-        pierces |= AllAlike(side[i][0], side[i][1], side[i][2]) & AreOpposite(ofA[i], ofA[(i + 1) % 3]);
+        pierces |= HaveSameSign(side[0][i], side[1][i], side[2][i]) & HaveOppositeSigns(ofB[i], ofB[(i + 1) % 3]);
+        pierces |= HaveSameSign(side[i][0], side[i][1], side[i][2]) & HaveOppositeSigns(ofA[i], ofA[(i + 1) % 3]);
     }
     return pierces;
 }
 
-static size_t FindPiercing(const qcFilterSide* a, const qcFilterSide* b, const qcDistanceThresholds* bound,
-                           qcSlotPair* pairs, size_t count)
+static size_t FindIntersecting(const qcIndexedTriangles* a, const qcIndexedTriangles* b,
+                               const qcDistanceThresholds* bound, qcSlotPair* pairs, size_t count)
 {
     size_t found = 0;
     for (size_t at = 0; at < count; at += QC_LANES)
     {
         size_t left = count - at < QC_LANES ? count - at : QC_LANES;
         Lanes lanes = LoadLanes(a, b, bound, pairs + at, left);
-        uint32_t hits = SignBits(Pierces(&lanes)) & (uint32_t)((UINT64_C(1) << left) - 1);
+        uint32_t hits = SignBits(Intersects(&lanes)) & (uint32_t)((UINT64_C(1) << left) - 1);
         for (; hits != 0; hits &= hits - 1)
         {
             size_t i = at + (size_t)__builtin_ctz(hits);

@@ -8,7 +8,7 @@
 
 typedef __m128i Shorts;
 
-static inline Shorts LeastShorts(Shorts a, Shorts b)
+static inline Shorts MinShorts(Shorts a, Shorts b)
 {
     return _mm_min_epi16(a, b);
 }
@@ -40,7 +40,7 @@ static inline __m128i ToLevels(__m256d scaled)
     return _mm_sub_epi32(_mm256_cvttpd_epi32(scaled), _mm_set1_epi32(32768));
 }
 
-static inline void MapVertex(const qcLatticeTransform* map, const double* position, qcPoint* point, qcBoxRow* row)
+static inline void TransformVertex(const qcLatticeTransform* map, const double* position, qcPoint* point, qcBoxRow* row)
 {
     __m256d x = _mm256_set_m128d(_mm_load_sd(position + 2), _mm_loadu_pd(position));
     __m256d origin = _mm256_loadu_pd(map->origin), scale = _mm256_loadu_pd(map->scale);

@@ -6,23 +6,23 @@ enum
     QC_LANES = 16
 };
 
-static inline __m512 LeastFloats(__m512 a, __m512 b)
+static inline __m512 MinFloats(__m512 a, __m512 b)
 {
     return _mm512_min_ps(a, b);
 }
 
-static inline __m512 Root(__m512 a)
+static inline __m512 SquareRoot(__m512 a)
 {
     return _mm512_sqrt_ps(a);
 }
 
-static inline __m512 MostFloats(__m512 a, __m512 b)
+static inline __m512 MaxFloats(__m512 a, __m512 b)
 {
     return _mm512_max_ps(a, b);
 }
 
 /// Two rows of b at a time, against all boxes of a.
-static inline uint64_t CompareGroups(const qcBox8* a, const qcBox8* b)
+static inline uint64_t FindBoxOverlaps(const qcBox8* a, const qcBox8* b)
 {
     __m512i ends[3], limits[3];
     for (int axis = 0; axis < 3; axis++)
@@ -34,7 +34,7 @@ static inline uint64_t CompareGroups(const qcBox8* a, const qcBox8* b)
             _mm512_broadcast_i64x4(_mm256_xor_si256(_mm256_permute4x64_epi64(other, 0x4e), _mm256_set1_epi8(-1)));
     }
     uint64_t meet = 0;
-    for (int j = 0; j < qc_groupSize; j += 2)
+    for (int j = 0; j < qc_boxLanes; j += 2)
     {
         __m512i pick = _mm512_inserti64x4(_mm512_set1_epi16((short)(0x0100 + 0x0202 * j)),
                                           _mm256_set1_epi16((short)(0x0100 + 0x0202 * (j + 1))), 1);

@@ -4,10 +4,10 @@
 //
 //   QC_LANES                   floats in a vector
 //   Shorts                     eight int16_t
-//   LeastShorts, LeastFloats, MostFloats
+//   MinShorts, MinFloats, MaxFloats
 //   Transpose                  eight rows to eight columns
-//   MapVertex                  one vertex
-//   CompareGroups              as compare
+//   TransformVertex                  one vertex
+//   FindBoxOverlaps              as compare
 //
 // and after it:
 //
@@ -23,24 +23,25 @@
 
 #define QC_INLINE static inline __attribute__((always_inline))
 
-static void Map(const qcLatticeTransform* map, const qcVertexRange* range, qcPoint* points, qcBoxRow* rows)
+static void TransformVertices(const qcLatticeTransform* map, const qcVertexRange* range, qcPoint* points,
+                              qcBoxRow* rows)
 {
     for (size_t i = range->first; i < range->end; i++)
-        MapVertex(map, range->positions + 3 * (size_t)range->vertexOf[i], &points[i], &rows[i]);
+        TransformVertex(map, range->positions + 3 * (size_t)range->vertexOf[i], &points[i], &rows[i]);
 }
 
 /// Eight rows side by side; returns the row around them.
-QC_INLINE Shorts StoreGroup(const Shorts row[qc_groupSize], qcBox8* group)
+QC_INLINE Shorts StoreBox8(const Shorts row[qc_boxLanes], qcBox8* group)
 {
     Shorts column[8];
     Transpose(row, column);
     for (int axis = 0; axis < 3; axis++)
     {
         memcpy(group->ends[axis], &column[axis], sizeof(Shorts));
-        memcpy(group->ends[axis] + qc_groupSize, &column[axis + 4], sizeof(Shorts));
+        memcpy(group->ends[axis] + qc_boxLanes, &column[axis + 4], sizeof(Shorts));
     }
-    return LeastShorts(LeastShorts(LeastShorts(row[0], row[1]), LeastShorts(row[2], row[3])),
-                       LeastShorts(LeastShorts(row[4], row[5]), LeastShorts(row[6], row[7])));
+    return MinShorts(MinShorts(MinShorts(row[0], row[1]), MinShorts(row[2], row[3])),
+                     MinShorts(MinShorts(row[4], row[5]), MinShorts(row[6], row[7])));
 }
 
 QC_INLINE Shorts LoadRow(const qcBoxRow* row)
@@ -55,31 +56,31 @@ static void FitTriangles(const qcCorners* corners, const qcBoxRow* vertices, siz
 {
     for (size_t g = first; g < end; g++)
     {
-        Shorts row[qc_groupSize];
-        const qcCorners* c = corners + g * qc_groupSize;
-        for (int i = 0; i < qc_groupSize; i++)
-            row[i] = LeastShorts(LeastShorts(LoadRow(&vertices[c[i].vertex[0]]), LoadRow(&vertices[c[i].vertex[1]])),
-                                 LoadRow(&vertices[c[i].vertex[2]]));
-        Shorts around = StoreGroup(row, &groups[g]);
+        Shorts row[qc_boxLanes];
+        const qcCorners* c = corners + g * qc_boxLanes;
+        for (int i = 0; i < qc_boxLanes; i++)
+            row[i] = MinShorts(MinShorts(LoadRow(&vertices[c[i].vertex[0]]), LoadRow(&vertices[c[i].vertex[1]])),
+                               LoadRow(&vertices[c[i].vertex[2]]));
+        Shorts around = StoreBox8(row, &groups[g]);
         memcpy(&rows[g], &around, sizeof around);
     }
 }
 
-static void FitGroups(const qcBoxRow* children, size_t first, size_t end, qcBox8* groups, qcBoxRow* rows)
+static void FitBoxes(const qcBoxRow* children, size_t first, size_t end, qcBox8* groups, qcBoxRow* rows)
 {
     for (size_t g = first; g < end; g++)
     {
-        Shorts row[qc_groupSize];
-        for (int i = 0; i < qc_groupSize; i++)
-            row[i] = LoadRow(&children[g * qc_groupSize + i]);
-        Shorts around = StoreGroup(row, &groups[g]);
+        Shorts row[qc_boxLanes];
+        for (int i = 0; i < qc_boxLanes; i++)
+            row[i] = LoadRow(&children[g * qc_boxLanes + i]);
+        Shorts around = StoreBox8(row, &groups[g]);
         memcpy(&rows[g], &around, sizeof around);
     }
 }
 
-static uint64_t Compare(const qcBox8* a, const qcBox8* b)
+static uint64_t FindOverlaps(const qcBox8* a, const qcBox8* b)
 {
-    return CompareGroups(a, b);
+    return FindBoxOverlaps(a, b);
 }
 
 /// Adds the triangles of two clusters that meet and whose bits are set.
@@ -95,29 +96,29 @@ QC_INLINE qcSlotPair* AddPairs(uint64_t triangles, size_t clusterA, size_t clust
 }
 
 /// The pairs of a word that a skip of these two clusters leaves.
-QC_INLINE uint64_t Leave(uint64_t word, const qcPairExclusion* skip, uint32_t i, uint32_t j)
+QC_INLINE uint64_t RemoveExcluded(uint64_t word, const qcPairExclusion* skip, uint32_t i, uint32_t j)
 {
     return word & ~qcClusters_Product(qcClusters_PlacesOf(skip->a, i), qcClusters_PlacesOf(skip->b, j));
 }
 
-static qcSlotPair* Collect(const qcSurfaceBoxes* a, uint32_t nodeA, const qcSurfaceBoxes* b, uint32_t nodeB,
-                           const uint64_t* table, const qcPairExclusion* skips, int skipCount, qcSlotPair* pairs)
+static qcSlotPair* CollectPairs(const qcBvhBoxes* a, uint32_t nodeA, const qcBvhBoxes* b, uint32_t nodeB,
+                                const uint64_t* table, const qcPairExclusion* skips, int skipCount, qcSlotPair* pairs)
 {
     static const uint64_t all[] = {0, 0, 0};
     table = table != NULL ? table : all;
-    uint64_t clusters = CompareGroups(&a->nodes[nodeA], &b->nodes[nodeB]) & ~table[1];
+    uint64_t clusters = FindBoxOverlaps(&a->nodes[nodeA], &b->nodes[nodeB]) & ~table[1];
     for (; clusters != 0; clusters &= clusters - 1)
     {
         uint32_t bit = (uint32_t)__builtin_ctzll(clusters);
         uint64_t word = qcClusters_Word(table, bit);
         for (int i = 0; i < skipCount; i++)
-            word = Leave(word, &skips[i], bit % qc_groupSize, bit / qc_groupSize);
+            word = RemoveExcluded(word, &skips[i], bit % qc_boxLanes, bit / qc_boxLanes);
         if (skipCount != 0 && word == 0)
             continue;
-        size_t clusterA = (size_t)nodeA * qc_groupSize + bit % qc_groupSize;
-        size_t clusterB = (size_t)nodeB * qc_groupSize + bit / qc_groupSize;
+        size_t clusterA = (size_t)nodeA * qc_boxLanes + bit % qc_boxLanes;
+        size_t clusterB = (size_t)nodeB * qc_boxLanes + bit / qc_boxLanes;
         pairs =
-            AddPairs(CompareGroups(&a->clusters[clusterA], &b->clusters[clusterB]) & word, clusterA, clusterB, pairs);
+            AddPairs(FindBoxOverlaps(&a->clusters[clusterA], &b->clusters[clusterB]) & word, clusterA, clusterB, pairs);
     }
     return pairs;
 }
@@ -133,10 +134,12 @@ static qcSlotPair* Collect(const qcSurfaceBoxes* a, uint32_t nodeA, const qcSurf
 
 #define QC_KERNELS(title)                                                                                              \
     {                                                                                                                  \
-        .name = title, .map = Map, .fitTriangles = FitTriangles, .fitGroups = FitGroups, .compare = Compare,           \
-        .collect = Collect, .isFlat = IsFlat, .mapGroup = MapGroup, .mapTriangles = MapTriangles,                      \
-        .collectMapped = CollectMapped, .filter = Filter, .part = Part, .keepNearNeighbours = KeepNearNeighbours,      \
-        .findQuietStars = FindQuietStars, .findPiercing = FindPiercing, .findNearFeatures = FindNearFeatures           \
+        .name = title, .transformVertices = TransformVertices, .fitTriangles = FitTriangles, .fitBoxes = FitBoxes,     \
+        .findOverlaps = FindOverlaps, .collectPairs = CollectPairs, .isPatchFlat = IsPatchFlat,                        \
+        .transformBoxes = TransformBoxes, .transformTriangles = TransformTriangles,                                    \
+        .collectTransformedPairs = CollectTransformedPairs, .filter = Filter, .classify = Classify,                    \
+        .filterAdjacent = FilterAdjacent, .findSeparatedFans = FindSeparatedFans,                                      \
+        .findIntersecting = FindIntersecting, .findNearFeatures = FindNearFeatures                                     \
     }
 
 #endif

@@ -10,24 +10,24 @@ typedef int16_t Shorts __attribute__((vector_size(16)));
 typedef float FourFloats __attribute__((vector_size(16)));
 typedef int32_t FourInts __attribute__((vector_size(16)));
 
-static inline Shorts LeastShorts(Shorts a, Shorts b)
+static inline Shorts MinShorts(Shorts a, Shorts b)
 {
     Shorts less = a < b;
     return (a & less) | (b & ~less);
 }
 
-static inline FourFloats LeastFloats(FourFloats a, FourFloats b)
+static inline FourFloats MinFloats(FourFloats a, FourFloats b)
 {
     FourInts less = a < b;
     return (FourFloats)(((FourInts)a & less) | ((FourInts)b & ~less));
 }
 
-static inline FourFloats Root(FourFloats a)
+static inline FourFloats SquareRoot(FourFloats a)
 {
     return (FourFloats){__builtin_sqrtf(a[0]), __builtin_sqrtf(a[1]), __builtin_sqrtf(a[2]), __builtin_sqrtf(a[3])};
 }
 
-static inline FourFloats MostFloats(FourFloats a, FourFloats b)
+static inline FourFloats MaxFloats(FourFloats a, FourFloats b)
 {
     FourInts less = a < b;
     return (FourFloats)(((FourInts)b & less) | ((FourInts)a & ~less));
@@ -39,7 +39,7 @@ static inline void Transpose(const Shorts row[8], Shorts column[8])
         column[i] = (Shorts){row[0][i], row[1][i], row[2][i], row[3][i], row[4][i], row[5][i], row[6][i], row[7][i]};
 }
 
-static inline void MapVertex(const qcLatticeTransform* map, const double* position, qcPoint* point, qcBoxRow* row)
+static inline void TransformVertex(const qcLatticeTransform* map, const double* position, qcPoint* point, qcBoxRow* row)
 {
     *row = (qcBoxRow){{0}};
     for (int axis = 0; axis < 3; axis++)
@@ -61,21 +61,21 @@ static inline uint32_t ToBits(Shorts lanes)
 }
 
 /// A row of b at a time, against all boxes of a.
-static inline uint64_t CompareGroups(const qcBox8* a, const qcBox8* b)
+static inline uint64_t FindBoxOverlaps(const qcBox8* a, const qcBox8* b)
 {
     Shorts lower[3], upper[3];
     for (int axis = 0; axis < 3; axis++)
     {
         __builtin_memcpy(&lower[axis], a->ends[axis], sizeof(Shorts));
-        __builtin_memcpy(&upper[axis], a->ends[axis] + qc_groupSize, sizeof(Shorts));
+        __builtin_memcpy(&upper[axis], a->ends[axis] + qc_boxLanes, sizeof(Shorts));
     }
     uint64_t meet = 0;
-    for (int j = 0; j < qc_groupSize; j++)
+    for (int j = 0; j < qc_boxLanes; j++)
     {
         Shorts apart = {0};
         for (int axis = 0; axis < 3; axis++)
         {
-            int16_t lowerB = b->ends[axis][j], upperB = b->ends[axis][qc_groupSize + j];
+            int16_t lowerB = b->ends[axis][j], upperB = b->ends[axis][qc_boxLanes + j];
             apart |= (lower[axis] > (int16_t)~upperB) | (upper[axis] > (int16_t)~lowerB);
         }
         meet |= (uint64_t)ToBits(~apart) << 8 * j;

@@ -35,13 +35,13 @@
 #include "kernels/adjacent_pairs.inl.h"
 
 /// Points of a star, projected, and their distances from the middle.
-typedef struct StarLanes
+typedef struct FanLanes
 {
     Floats x[qc_maxFanSize], y[qc_maxFanSize], length[qc_maxFanSize];
-} StarLanes;
+} FanLanes;
 
 /// Seen along the sum of the triangles' normals.
-QC_INLINE void ProjectStar(const qcPoint* points, const uint32_t* vertices, uint32_t valence, StarLanes* star)
+QC_INLINE void ProjectFan(const qcPoint* points, const uint32_t* vertices, uint32_t valence, FanLanes* star)
 {
     const Floats zero = {0};
     Vectors at = LoadPoints(points, vertices), p[qc_maxFanSize], normal = {zero, zero, zero};
@@ -52,26 +52,26 @@ QC_INLINE void ProjectStar(const qcPoint* points, const uint32_t* vertices, uint
         Vectors n = Cross(p[i], p[i + 1 < valence ? i + 1 : 0]);
         normal = (Vectors){normal.x + n.x, normal.y + n.y, normal.z + n.z};
     }
-    normal = Unit(normal);
-    Vectors u = Unit(PlusTimes(p[0], normal, -Dot(normal, p[0]))), v = Cross(normal, u);
+    normal = Normalize(normal);
+    Vectors u = Normalize(AddScaled(p[0], normal, -Dot(normal, p[0]))), v = Cross(normal, u);
     for (uint32_t i = 0; i < valence; i++)
     {
         star->x[i] = Dot(u, p[i]);
         star->y[i] = Dot(v, p[i]);
-        star->length[i] = Root(star->x[i] * star->x[i] + star->y[i] * star->y[i]);
+        star->length[i] = SquareRoot(star->x[i] * star->x[i] + star->y[i] * star->y[i]);
     }
 }
 
 /// Are D(p_i, p_k) and D(p_k, p_i) large enough? `cross` is that of the two, `least` their part of the rounding.
-QC_INLINE Ints AreOffRays(const StarLanes* star, uint32_t i, uint32_t k, Floats cross, float reach, Floats least)
+QC_INLINE Ints AreOffRays(const FanLanes* star, uint32_t i, uint32_t k, Floats cross, float reach, Floats least)
 {
     const Floats zero = {0};
     Floats dot = star->x[i] * star->x[k] + star->y[i] * star->y[k];
-    Floats area = Choose(dot > zero, cross, star->length[i] * star->length[k]);
-    return area > reach * MostFloats(star->length[i], star->length[k]) + least;
+    Floats area = Select(dot > zero, cross, star->length[i] * star->length[k]);
+    return area > reach * MaxFloats(star->length[i], star->length[k]) + least;
 }
 
-QC_INLINE Ints IsStarQuiet(const StarLanes* star, uint32_t valence, float reach, float error)
+QC_INLINE Ints IsFanSeparated(const FanLanes* star, uint32_t valence, float reach, float error)
 {
     const Floats zero = {0};
     Ints quiet = (Ints)zero == 0, turns = {0};
@@ -81,23 +81,23 @@ QC_INLINE Ints IsStarQuiet(const StarLanes* star, uint32_t valence, float reach,
         Floats least = error * (star->length[i] + star->length[next]);
         Floats cross = star->x[i] * star->y[next] - star->y[i] * star->x[next];
         Floats x = star->x[next] - star->x[i], y = star->y[next] - star->y[i];
-        quiet &= cross > reach * Root(x * x + y * y) + least;
+        quiet &= cross > reach * SquareRoot(x * x + y * y) + least;
         quiet &= AreOffRays(star, i, next, cross, reach, least);
         turns += (star->y[i] < zero) & (star->y[next] >= zero);
     }
     return quiet & (turns == -1);
 }
 
-static uint32_t FindQuietStars(const qcPoint* points, const uint32_t* vertices, uint32_t valence,
-                               const qcDistanceThresholds* bound)
+static uint32_t FindSeparatedFans(const qcPoint* points, const uint32_t* vertices, uint32_t valence,
+                                  const qcDistanceThresholds* bound)
 {
-    float error = 16.0f * bound->pointError + 48.0f * 0x1p-24f, reach = 1.002f * bound->reach + 0x1p-24f;
+    float error = 16.0f * bound->pointError + 48.0f * 0x1p-24f, reach = 1.002f * bound->query + 0x1p-24f;
     uint32_t quiet = 0;
     for (uint32_t lane = 0; lane < qc_fanLanes; lane += QC_LANES)
     {
-        StarLanes star;
-        ProjectStar(points, vertices + lane, valence, &star);
-        quiet |= SignBits(IsStarQuiet(&star, valence, reach, error)) << lane;
+        FanLanes star;
+        ProjectFan(points, vertices + lane, valence, &star);
+        quiet |= SignBits(IsFanSeparated(&star, valence, reach, error)) << lane;
     }
     return quiet;
 }

@@ -13,23 +13,23 @@ enum
     qc_smallBody = 4096
 };
 
-static qcTriangleBvh* SurfaceAt(const qcBvhCandidates* sweep, uint32_t slot)
+static qcBodyBvh* BvhAt(const qcBvhCandidates* sweep, uint32_t slot)
 {
-    return &QC_AT(qcTriangleBvh, sweep->surfaces, slot);
+    return &QC_AT(qcBodyBvh, sweep->bvhs, slot);
 }
 
 /// Room for all slots; surfaces of bodies that are gone are freed.
 static qcStatus SyncSlots(qcBvhCandidates* sweep, const qcStepTriangles* t)
 {
     const qcArray* slots = &t->bodies->slots;
-    size_t old = sweep->surfaces.count;
-    QC_TRY(qcArray_GrowZeroed(&sweep->surfaces, slots->count, sizeof(qcTriangleBvh), "surfaces"));
+    size_t old = sweep->bvhs.count;
+    QC_TRY(qcArray_GrowZeroed(&sweep->bvhs, slots->count, sizeof(qcBodyBvh), "surfaces"));
     QC_TRY(qcArray_GrowZeroed(&sweep->seen, slots->count, sizeof(uint32_t), "surfaces"));
     for (uint32_t slot = 0; slot < old; slot++)
     {
-        qcTriangleBvh* surface = SurfaceAt(sweep, slot);
-        if (surface->generation != 0 && surface->generation != QC_AT(qcBody, *slots, slot).generation)
-            qcTriangleBvh_Free(surface);
+        qcBodyBvh* bvh = BvhAt(sweep, slot);
+        if (bvh->bvh.generation != 0 && bvh->bvh.generation != QC_AT(qcBody, *slots, slot).generation)
+            qcBodyBvh_Free(bvh);
     }
     return qc_statusOk;
 }
@@ -42,7 +42,7 @@ static bool MayHaveSurface(qcBvhCandidates* sweep, uint32_t slot, const qcBody* 
     uint32_t* seen = &QC_AT(uint32_t, sweep->seen, slot);
     bool isNew = *seen != body->generation;
     *seen = body->generation;
-    return SurfaceAt(sweep, slot)->generation != 0 || !isNew || !qcBody_HasSelfCollision(body) ||
+    return BvhAt(sweep, slot)->bvh.generation != 0 || !isNew || !qcBody_HasSelfCollision(body) ||
            body->triangleCount <= qc_smallBody || listNeighbours;
 }
 
@@ -82,9 +82,9 @@ static void MakeOne(void* context, size_t i, uint32_t worker)
     const Mending* making = context;
     qcRefitTask* order = OrderAt(making->sweep, i);
     const qcBody* body = qcStepTriangles_Body(making->triangles, order->body);
-    qcTriangleBvh* surface = SurfaceAt(making->sweep, qcStepTriangles_Slot(making->triangles, order->body));
-    order->status = surface->generation == 0 ? qcTriangleBvh_Build(surface, body, making->threads)
-                                             : qcTriangleBvh_Relate(surface, body, making->threads);
+    qcBodyBvh* bvh = BvhAt(making->sweep, qcStepTriangles_Slot(making->triangles, order->body));
+    order->status = bvh->bvh.generation == 0 ? qcBodyBvh_Build(bvh, body, making->threads)
+                                             : qcBodyBvh_BuildAdjacency(bvh, body, making->threads);
 }
 
 /// Surfaces that are wanted and not there yet, or that have not been asked for pairs with themselves before.
@@ -94,9 +94,9 @@ static qcStatus MakeSurfaces(qcBvhCandidates* sweep, const qcStepTriangles* tria
     sweep->orders.count = 0;
     for (uint32_t body = 0; body < triangles->bodyCount; body++)
     {
-        const qcTriangleBvh* surface = SurfaceAt(sweep, qcStepTriangles_Slot(triangles, body));
-        bool relates = qcBody_HasSelfCollision(qcStepTriangles_Body(triangles, body)) && !surface->related;
-        if (wanted[body] && (surface->generation == 0 || relates))
+        const qcBodyBvh* bvh = BvhAt(sweep, qcStepTriangles_Slot(triangles, body));
+        bool relates = qcBody_HasSelfCollision(qcStepTriangles_Body(triangles, body)) && !bvh->hasAdjacency;
+        if (wanted[body] && (bvh->bvh.generation == 0 || relates))
             QC_TRY(AddOrder(sweep, body));
     }
     // Several side by side, or one by all.
@@ -111,8 +111,8 @@ static void FitOne(void* context, size_t i, uint32_t worker)
     const Mending* fitting = context;
     const qcBvhCandidates* sweep = fitting->sweep;
     qcRefitTask* order = OrderAt(sweep, i);
-    qcTriangleBvh* surface = SurfaceAt(sweep, qcStepTriangles_Slot(fitting->triangles, order->body));
-    order->status = qcTriangleBvh_Fit(surface, qcStepTriangles_Body(fitting->triangles, order->body), fitting->margin,
+    qcBodyBvh* bvh = BvhAt(sweep, qcStepTriangles_Slot(fitting->triangles, order->body));
+    order->status = qcTriangleBvh_Fit(&bvh->bvh, qcStepTriangles_Body(fitting->triangles, order->body), fitting->margin,
                                       sweep->kernels, fitting->threads, &QC_AT(qcBvhScratch, sweep->scratches, worker),
                                       &order->fits);
 }
@@ -128,12 +128,12 @@ static double PairMargin(const qcBvhCandidatesJob* job, const qcBody* a, const q
 /// A body that meets itself, whose pairs within more than the job's margin are kept, may have moved but a little since.
 static qcStatus TryToFollow(qcBvhCandidates* sweep, const qcBvhCandidatesJob* job, uint32_t body)
 {
-    qcTriangleBvh* surface = SurfaceAt(sweep, qcStepTriangles_Slot(job->triangles, body));
+    qcBodyBvh* bvh = BvhAt(sweep, qcStepTriangles_Slot(job->triangles, body));
     const qcBody* b = qcStepTriangles_Body(job->triangles, body);
     bool follows = false;
-    if (qcBody_HasSelfCollision(b) && !job->testNeighbours && !job->listNeighbours && job->margin <= surface->margin)
-        QC_TRY(qcTriangleBvh_Follow(surface, b, (surface->keptMargin - PairMargin(job, b, b)) / 2.0, sweep->kernels,
-                                    &QC_AT(qcBvhScratch, sweep->scratches, 0), &follows));
+    if (qcBody_HasSelfCollision(b) && !job->testNeighbours && !job->listNeighbours && job->margin <= bvh->bvh.margin)
+        QC_TRY(qcBodyBvh_PartialRefit(bvh, b, (bvh->verlet.margin - PairMargin(job, b, b)) / 2.0, sweep->kernels,
+                                      &QC_AT(qcBvhScratch, sweep->scratches, 0), &follows));
     QC_AT(uint8_t, sweep->followed, body) = follows;
     return qc_statusOk;
 }
@@ -150,7 +150,7 @@ static qcStatus FollowOrOrder(qcBvhCandidates* sweep, const qcBvhCandidatesJob* 
         const qcBody* b = qcStepTriangles_Body(triangles, body);
         QC_AT(uint8_t, sweep->followed, body) = 0;
         if (!wanted[body] ||
-            qcTriangleBvh_IsFitted(SurfaceAt(sweep, qcStepTriangles_Slot(triangles, body)), b, job->margin))
+            qcTriangleBvh_IsUpToDate(&BvhAt(sweep, qcStepTriangles_Slot(triangles, body))->bvh, b, job->margin))
             continue;
         QC_TRY(TryToFollow(sweep, job, body));
         if (QC_AT(uint8_t, sweep->followed, body))
@@ -258,7 +258,7 @@ static qcStatus ClearReached(const Run* run)
     {
         bool some = run->job->bodies[body] && !qcBody_HasSelfCollision(qcStepTriangles_Body(t, body));
         QC_AT(size_t, sweep->firstReached, body) = some ? nodes : SIZE_MAX;
-        nodes += some ? SurfaceAt(sweep, qcStepTriangles_Slot(t, body))->clusters.nodeCount : 0;
+        nodes += some ? BvhAt(sweep, qcStepTriangles_Slot(t, body))->bvh.clusters.nodeCount : 0;
     }
     QC_TRY(qcArray_Resize(&sweep->reached, nodes, 1, "nodes that are reached"));
     if (nodes != 0)
@@ -272,9 +272,9 @@ static uint8_t* ReachedOf(const qcBvhCandidates* sweep, uint32_t body)
     return first != SIZE_MAX ? &QC_AT(uint8_t, sweep->reached, first) : NULL;
 }
 
-static qcTriangleBvh* SurfaceOf(const Run* run, uint32_t body)
+static qcBodyBvh* BvhOf(const Run* run, uint32_t body)
 {
-    return SurfaceAt(run->sweep, qcStepTriangles_Slot(run->job->triangles, body));
+    return BvhAt(run->sweep, qcStepTriangles_Slot(run->job->triangles, body));
 }
 
 static PairOfSurfaces MakeSides(const Run* run, uint32_t a, uint32_t b)
@@ -286,7 +286,7 @@ static PairOfSurfaces MakeSides(const Run* run, uint32_t a, uint32_t b)
     for (int i = 0; i < 2; i++)
     {
         sides.first[i] = qcStepTriangles_First(run->job->triangles, bodies[i]);
-        sides.triangles[i] = SurfaceOf(run, bodies[i])->clusters.triangles.data;
+        sides.triangles[i] = BvhOf(run, bodies[i])->bvh.clusters.triangles.data;
     }
     return sides;
 }
@@ -297,7 +297,7 @@ static void AddJob(const Run* run, uint32_t a, uint32_t b)
     qcBvhCandidates* sweep = run->sweep;
     const qcBvhCandidatesJob* job = run->job;
     // What is in the world comes first: the other goes to its coordinates, and nothing has to be inverted.
-    if (SurfaceOf(run, a)->isLocal && !SurfaceOf(run, b)->isLocal)
+    if (BvhOf(run, a)->bvh.isLocal && !BvhOf(run, b)->bvh.isLocal)
     {
         uint32_t first = b;
         b = a;
@@ -308,16 +308,16 @@ static void AddJob(const Run* run, uint32_t a, uint32_t b)
     *sides = MakeSides(run, a, b);
     QC_AT(qcBvhPairsJob, sweep->jobs, sweep->jobs.count++) =
         (qcBvhPairsJob){.kernels = sweep->kernels,
-                        .a = SurfaceOf(run, a),
-                        .b = SurfaceOf(run, b),
+                        .a = BvhOf(run, a),
+                        .b = BvhOf(run, b),
                         .bodyA = bodyA,
                         .bodyB = bodyB,
-                        .margin = PairMargin(job, bodyA, bodyB),
-                        .nearest = qcBody_PairMargin(bodyA, bodyB, job->nearest),
-                        .neighbours = job->testNeighbours,
-                        .flatDiscs = run->flatDiscs && a == b,
-                        .reachedA = ReachedOf(sweep, a),
-                        .reachedB = ReachedOf(sweep, b),
+                        .query = PairMargin(job, bodyA, bodyB),
+                        .near = qcBody_PairMargin(bodyA, bodyB, job->nearest),
+                        .includeAdjacent = job->testNeighbours,
+                        .skipFlatPatches = run->flatDiscs && a == b,
+                        .visitedA = ReachedOf(sweep, a),
+                        .visitedB = ReachedOf(sweep, b),
                         .function = AddKeys,
                         .context = sides};
 }
@@ -372,7 +372,7 @@ static void FindKept(void* context, size_t i, uint32_t worker)
     const KeptJobs* jobs = context;
     qcBvhCandidates* sweep = jobs->run->sweep;
     const qcBvhPairsJob* job = &QC_AT(qcBvhPairsJob, sweep->jobs, jobs->first + i);
-    uint32_t slot = (uint32_t)(job->a - (const qcTriangleBvh*)sweep->surfaces.data);
+    uint32_t slot = (uint32_t)(job->a - (const qcBodyBvh*)sweep->bvhs.data);
     qcVerletList_Find(&sweep->kept, slot, job, worker);
 }
 
@@ -403,8 +403,8 @@ static bool Keeps(const Run* run)
 /// From now on pairs within bodies are kept. What was kept before is of another step.
 static qcStatus BeginToKeep(const Run* run)
 {
-    for (uint32_t slot = 0; slot < run->sweep->surfaces.count; slot++)
-        qcTriangleBvh_Forget(SurfaceAt(run->sweep, slot));
+    for (uint32_t slot = 0; slot < run->sweep->bvhs.count; slot++)
+        qcVerletReference_Clear(&BvhAt(run->sweep, slot)->verlet);
     return qcVerletList_Begin(&run->sweep->kept, run->job->threads);
 }
 
@@ -417,8 +417,7 @@ static qcStatus EndKeeping(const Run* run)
         const qcBody* b = qcStepTriangles_Body(run->job->triangles, body);
         if (!IsAskedAboutItself(run, body) || !b->deforming)
             continue;
-        QC_TRY(qcTriangleBvh_Note(SurfaceOf(run, body), b));
-        SurfaceOf(run, body)->keptMargin = PairMargin(run->job, b, b);
+        QC_TRY(qcBodyBvh_SetVerletReference(BvhOf(run, body), b, PairMargin(run->job, b, b)));
     }
     return qc_statusOk;
 }
@@ -426,18 +425,18 @@ static qcStatus EndKeeping(const Run* run)
 static void AddContactKeys(void* context, const qcSlotPair* pairs, size_t count, uint32_t worker)
 {
     const PairOfSurfaces* sides = context;
-    qcPairBuffer_AddNeighbours(&QC_AT(qcPairBuffer, sides->run->sweep->sinks, worker), pairs, count, KeyOf, sides);
+    qcPairBuffer_AddAdjacent(&QC_AT(qcPairBuffer, sides->run->sweep->sinks, worker), pairs, count, KeyOf, sides);
 }
 
 static qcStatus AddNeighbours(const Run* run, uint32_t body, qcProfile* profile)
 {
-    qcTriangleBvh* surface = SurfaceOf(run, body);
+    qcBodyBvh* bvh = BvhOf(run, body);
     if (run->job->testNeighbours)
         return qc_statusOk;
-    profile->skippedNeighbours += surface->clusters.neighbourCount;
+    profile->skippedNeighbours += bvh->bvh.clusters.neighbourCount;
     PairOfSurfaces sides = MakeSides(run, body, body);
     qcAdjacentPairsJob job = {.kernels = run->sweep->kernels,
-                              .surface = surface,
+                              .body = bvh,
                               .threads = run->job->threads,
                               .function = AddContactKeys,
                               .context = &sides};
@@ -451,7 +450,7 @@ static void CountTriangles(const Run* run, uint32_t body, qcProfile* profile)
     uint32_t left = b->triangleCount;
     if (reached != NULL)
     {
-        const qcClusters* clusters = &SurfaceOf(run, body)->clusters;
+        const qcClusters* clusters = &BvhOf(run, body)->bvh.clusters;
         left = 0;
         for (uint32_t node = 0; node < clusters->nodeCount; node++)
             left += reached[node] ? qc_nodeSize : 0;
@@ -464,11 +463,11 @@ static void CountTriangles(const Run* run, uint32_t body, qcProfile* profile)
 
 static void FindFlat(const Run* run, uint32_t body, qcProfile* profile)
 {
-    qcTriangleBvh* surface = SurfaceOf(run, body);
+    qcBodyBvh* bvh = BvhOf(run, body);
     if (!run->flatDiscs || Follows(run, body))
         return;
-    qcTriangleBvh_FindFlat(surface, run->sweep->kernels, run->job->threads);
-    profile->flatTriangles += qcTriangleBvh_CountFlat(surface);
+    qcPatchState_Test(&bvh->patches, &bvh->bvh, run->sweep->kernels, run->job->threads);
+    profile->flatTriangles += qcPatchState_CountFlat(&bvh->patches);
 }
 
 qcStatus qcBvhCandidates_Run(qcBvhCandidates* sweep, const qcBvhCandidatesJob* job, qcProfile* profile)
@@ -503,15 +502,15 @@ qcStatus qcBvhCandidates_Run(qcBvhCandidates* sweep, const qcBvhCandidatesJob* j
 
 void qcBvhCandidates_Free(qcBvhCandidates* sweep)
 {
-    for (uint32_t slot = 0; slot < sweep->surfaces.count; slot++)
-        qcTriangleBvh_Free(SurfaceAt(sweep, slot));
+    for (uint32_t slot = 0; slot < sweep->bvhs.count; slot++)
+        qcBodyBvh_Free(BvhAt(sweep, slot));
     qcPairBuffers_Free(&sweep->sinks);
     for (size_t i = 0; i < sweep->scratches.count; i++)
         qcBvhScratch_Free(&QC_AT(qcBvhScratch, sweep->scratches, i));
     qcBvhPairs_Free(&sweep->pairs);
     qcVerletList_Free(&sweep->kept);
-    qcArray* arrays[] = {&sweep->surfaces, &sweep->seen,  &sweep->orders,  &sweep->scratches,   &sweep->followed,
-                         &sweep->jobs,     &sweep->sides, &sweep->reached, &sweep->firstReached};
+    qcArray* arrays[] = {&sweep->bvhs, &sweep->seen,  &sweep->orders,  &sweep->scratches,   &sweep->followed,
+                         &sweep->jobs, &sweep->sides, &sweep->reached, &sweep->firstReached};
     for (size_t i = 0; i < sizeof arrays / sizeof arrays[0]; i++)
         qcArray_Free(arrays[i]);
 }

@@ -19,7 +19,7 @@ typedef struct qcRefitTask
 typedef struct qcBvhCandidates
 {
     const qcTriangleKernels* kernels; ///< chosen at first use
-    qcArray surfaces;                 ///< of qcTriangleBvh, by slot
+    qcArray bvhs;                     ///< of qcBodyBvh, by slot
     qcArray seen;                     ///< uint32_t, by slot: generation of the body that the last step saw there
     qcArray orders;                   ///< of qcRefitTask
     qcArray scratches;                ///< of qcBvhScratch, one a worker

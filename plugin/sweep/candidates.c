@@ -160,7 +160,7 @@ qcStatus qcCandidates_Add(qcCandidates* candidates, const qcStepTriangles* trian
 {
     QC_TRY(AppendMeeting(&candidates->keys, triangles, keys->keys, sizeof(uint64_t)));
     QC_TRY(AppendMeeting(&candidates->neighbourKeys, triangles, keys->contactKeys, sizeof(uint64_t)));
-    return AppendMeeting(&candidates->sure, triangles, keys->sure, sizeof(qcSortItem));
+    return AppendMeeting(&candidates->sure, triangles, keys->classified, sizeof(qcSortItem));
 }
 
 void qcCandidates_Free(qcCandidates* candidates)

@@ -3,7 +3,7 @@
 #define QC_TESTS_KERNELS_KERNEL_PAIRS_H
 
 #include "support/pairs.h"
-#include "sweep/surfaces.h"
+#include "sweep/sample_bodies.h"
 
 #include <math.h>
 
@@ -39,9 +39,9 @@ static inline void qcBatch_Push(qcBatch* batch, double a[3][3], double b[3][3])
     }
 }
 
-static inline qcFilterSide qcBatch_Side(const qcBatch* batch, int side)
+static inline qcIndexedTriangles qcBatch_Side(const qcBatch* batch, int side)
 {
-    return (qcFilterSide){batch->corners, batch->points[side]};
+    return (qcIndexedTriangles){batch->corners, batch->points[side]};
 }
 
 static inline float qcRoundUp(double value)
@@ -169,7 +169,7 @@ static inline void qcMakeTurn(qcRandom* random, qcDistanceThresholds* bound, dou
     double q[4] = {qcRandom_Uniform(random, -1, 1), qcRandom_Uniform(random, -1, 1), qcRandom_Uniform(random, -1, 1),
                    qcRandom_Uniform(random, 0.5, 1)};
     double length = qcDot(q, q) + q[3] * q[3];
-    bound->mapped = true;
+    bound->isTransformed = true;
     for (int r = 0; r < 3; r++)
     {
         int s = (r + 1) % 3, t = (r + 2) % 3;

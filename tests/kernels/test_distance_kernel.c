@@ -20,23 +20,25 @@ typedef enum Verdict
 static Verdict Judge(const qcTriangleKernels* k, const qcBatch* batch, const qcDistanceThresholds* bound,
                      qcRandom* random)
 {
-    qcFilterSide a = qcBatch_Side(batch, 0), b = qcBatch_Side(batch, 1);
+    qcIndexedTriangles a = qcBatch_Side(batch, 0), b = qcBatch_Side(batch, 1);
     qcSlotPair pairs[qc_mostInBatch];
     uint8_t times[qc_mostInBatch] = {0};
     uint32_t last = (uint32_t)batch->count - 1, place = qcRandom_Below(random, (uint32_t)batch->count);
     for (uint32_t i = 0; i < batch->count; i++)
         pairs[i].a = pairs[i].b = i == place ? last : i == last ? place : i;
-    qcApartCounts counts = k->part(&a, &b, bound, pairs, batch->count);
-    CHECK_THAT(counts.near + counts.apart <= counts.count && counts.count <= batch->count,
-               "%s: %zu near, %zu apart, %zu of %zu kept", k->name, counts.near, counts.apart, counts.count,
-               batch->count);
+    qcClassifiedCounts counts = k->classify(&a, &b, bound, pairs, batch->count);
+    CHECK_THAT(counts.nearCount + counts.separateCount <= counts.count && counts.count <= batch->count,
+               "%s: %zu near, %zu apart, %zu of %zu kept", k->name, counts.nearCount, counts.separateCount,
+               counts.count, batch->count);
     Verdict verdict = verdict_far;
     for (size_t i = 0; i < counts.count; i++)
     {
         CHECK_THAT(pairs[i].a == pairs[i].b && pairs[i].a < batch->count && times[pairs[i].a]++ == 0,
                    "%s: pair %zu is twice there or was not given", k->name, i);
         if (pairs[i].a == last)
-            verdict = i < counts.near ? verdict_near : i < counts.near + counts.apart ? verdict_apart : verdict_left;
+            verdict = i < counts.nearCount                          ? verdict_near
+                      : i < counts.nearCount + counts.separateCount ? verdict_apart
+                                                                    : verdict_left;
     }
     return verdict;
 }
@@ -58,9 +60,9 @@ static void Ask(Inquiry* q, qcDistanceThresholds bound, const qcOracleDistance* 
 {
     double reach = qcRandom_Below(&q->random, 2) == 0 ? margin : 2.0 * margin;
     bool isDisjoint = qcOracleDistance_Compare(distance, 0.0) > 0;
-    bound.margin = qcRoundDown(margin * unit);
-    bound.beyond = qcRoundUp(margin * unit);
-    bound.reach = qcRoundUp(reach * unit);
+    bound.near = qcRoundDown(margin * unit);
+    bound.far = qcRoundUp(margin * unit);
+    bound.query = qcRoundUp(reach * unit);
     q->asked++;
     q->apart += isDisjoint;
     FOR_EACH_KERNELS(k)
@@ -70,10 +72,10 @@ static void Ask(Inquiry* q, qcDistanceThresholds bound, const qcOracleDistance* 
         switch (verdict)
         {
             case verdict_near:
-                isSo = isDisjoint && qcOracleDistance_Compare(distance, (double)bound.margin / unit) <= 0;
+                isSo = isDisjoint && qcOracleDistance_Compare(distance, (double)bound.near / unit) <= 0;
                 break;
             case verdict_apart: isSo = qcOracleDistance_Compare(distance, margin) > 0; break;
-            case verdict_far: isSo = qcOracleDistance_Compare(distance, (double)bound.reach / unit) > 0; break;
+            case verdict_far: isSo = qcOracleDistance_Compare(distance, (double)bound.query / unit) > 0; break;
             case verdict_left: break;
         }
         CHECK_THAT(isSo, "%s: verdict %d, margin %a, reach %a, distance %a: %s", k->name, (int)verdict, margin, reach,
@@ -194,7 +196,7 @@ START_TEST(errors_of_points_change_nothing)
         // What is mapped from another frame is b.
         if (i / 2 % 2 == 0)
             qcMakeTurn(&q.random, &bound, b, back);
-        bool isMapped = bound.mapped;
+        bool isMapped = bound.isTransformed;
         double by = error - 0x1p-24; // what rounding to float may add
         qcMoveApart(a, b, n, qcRandom_Below(&q.random, 2) == 0 ? by : -by);
         qcBatch_Push(&q.batch, a, isMapped ? back : b);
@@ -252,9 +254,9 @@ START_TEST(where_no_margin_is_told_nothing_is_near)
         qcMakeOverEachOther(&q.random, i % 2 == 0, 0.01, a, b, n);
         qcBatch_Push(&q.batch, a, b);
         qcDistanceThresholds bound = {.pointError = 0x1p-24f,
-                                      .reach = i % 3 == 0 ? 0.0f : 0.02f,
-                                      .margin = i % 2 == 0 ? -1.0f : -1e-4f,
-                                      .beyond = 0.0f};
+                                      .query = i % 3 == 0 ? 0.0f : 0.02f,
+                                      .near = i % 2 == 0 ? -1.0f : -1e-4f,
+                                      .far = 0.0f};
         FOR_EACH_KERNELS(k)
         ck_assert_int_eq(Judge(k, &q.batch, &bound, &q.random), i % 3 == 0 ? verdict_far : verdict_left);
     }
@@ -271,7 +273,7 @@ START_TEST(what_cannot_be_told_is_left)
         qcBatch_Push(&q.batch, points[0], points[i % 2]);
         const float errors[] = {0.0f, 1e6f, 0x1p-24f, 1e6f};
         float margin = i % 3 == 0 ? 1e30f : 0.5f;
-        qcDistanceThresholds bound = {.pointError = errors[i % 4], .reach = margin, .margin = margin, .beyond = margin};
+        qcDistanceThresholds bound = {.pointError = errors[i % 4], .query = margin, .near = margin, .far = margin};
         FOR_EACH_KERNELS(k)
         ck_assert_int_eq(Judge(k, &q.batch, &bound, &q.random), verdict_left);
     }

@@ -3,7 +3,7 @@
 #include "narrowphase/feature_contacts.h"
 #include "support/pairs.h"
 #include "support/suite.h"
-#include "sweep/surfaces.h"
+#include "sweep/sample_bodies.h"
 
 #include <float.h>
 #include <math.h>

@@ -10,13 +10,13 @@ static bool IsFlat(const qcTriangleKernels* k, const qcPatch* patch, float reach
 {
     qcPatchGeometry disc = {.corners = patch->corners,
                             .points = patch->points,
-                            .places = patch->places,
+                            .slots = patch->places,
                             .loop = patch->loop,
-                            .placeCount = patch->triangleCount,
+                            .slotCount = patch->triangleCount,
                             .loopCount = patch->loopCount,
                             .pointError = patch->pointError,
-                            .reach = reach};
-    return k->isFlat(&disc);
+                            .query = reach};
+    return k->isPatchFlat(&disc);
 }
 
 //  ---- how near a patch comes to itself ------------------------------------------------------------

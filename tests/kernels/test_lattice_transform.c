@@ -1,5 +1,5 @@
 // The kernels that bring the boxes of one surface to the lattice of another, against wider arithmetic.
-#include "kernels/box_groups.h"
+#include "kernels/boxes.h"
 
 #include <math.h>
 
@@ -12,9 +12,9 @@ typedef struct TrueMap
 } TrueMap;
 
 /// As the kernels get it: errors of floats are at most eleven roundings of the largest numbers that come up.
-static qcGroupMap ToGroupMap(const TrueMap* map)
+static qcBoxTransform ToGroupMap(const TrueMap* map)
 {
-    qcGroupMap rounded;
+    qcBoxTransform rounded;
     for (int axis = 0; axis < 3; axis++)
     {
         long double sum = 0.0L;
@@ -81,11 +81,11 @@ START_TEST(a_mapped_box_is_around_where_the_box_goes_and_little_larger)
     for (int round = 0; round < 12000; round++)
     {
         TrueMap map = MakeTrueMap(&random, round % 2 != 0);
-        qcGroupMap rounded = ToGroupMap(&map);
+        qcBoxTransform rounded = ToGroupMap(&map);
         qcBox8 group, mapped;
         MakeGroup(&random, round % 3 == 0 ? 0 : round % 3 == 1 ? 60000 : 30000, round % 5 == 0 ? 33 : 5533, &group);
-        k->mapGroup(&group, &rounded, &mapped);
-        for (int i = 0; i < qc_groupSize; i++)
+        k->transformBoxes(&group, &rounded, &mapped);
+        for (int i = 0; i < qc_boxLanes; i++)
         {
             Box box = BoxOfGroup(&group, i), found = BoxOfGroup(&mapped, i);
             if (box.lower[0] > box.upper[0])
@@ -114,7 +114,7 @@ START_TEST(a_map_that_floats_cannot_hold_gives_boxes_that_meet_everything)
         for (size_t j = 0; j < LENGTH(large); j++)
             for (int round = 0; round < 20; round++)
             {
-                qcGroupMap map = {{{0}}, {0}, {INFINITY, INFINITY, INFINITY}};
+                qcBoxTransform map = {{{0}}, {0}, {INFINITY, INFINITY, INFINITY}};
                 for (int axis = 0; axis < 3; axis++)
                 {
                     map.linear[axis][axis] = large[i];
@@ -122,8 +122,8 @@ START_TEST(a_map_that_floats_cannot_hold_gives_boxes_that_meet_everything)
                 }
                 qcBox8 group, mapped;
                 MakeGroup(&random, 0, 65533, &group);
-                k->mapGroup(&group, &map, &mapped);
-                for (int b = 0; b < qc_groupSize; b++)
+                k->transformBoxes(&group, &map, &mapped);
+                for (int b = 0; b < qc_boxLanes; b++)
                 {
                     Box all = {{0, 0, 0}, {65533, 65533, 65533}};
                     bool isEmpty = group.ends[0][b] == qc_emptyEnd;
@@ -146,7 +146,7 @@ typedef struct Other
     Nodes nodes;
     qcPoint points[qc_pointsInTest];
     qcCorners corners[qc_clustersInTest * qc_clusterSize];
-    qcMappedSurface mapped;
+    qcTransformedBvh mapped;
 } Other;
 
 static void MakeOther(qcRandom* random, int spread, Other* other)
@@ -158,8 +158,8 @@ static void MakeOther(qcRandom* random, int spread, Other* other)
     for (int i = 0; i < qc_clustersInTest * qc_clusterSize; i++)
         for (int c = 0; c < 3; c++)
             other->corners[i].vertex[c] = qcRandom_Below(random, qc_pointsInTest);
-    other->mapped = (qcMappedSurface){.boxes = {other->nodes.clusters, other->nodes.nodes},
-                                      .triangles = {other->corners, other->points}};
+    other->mapped = (qcTransformedBvh){.boxes = {other->nodes.clusters, other->nodes.nodes},
+                                       .triangles = {other->corners, other->points}};
 }
 
 /// From points, which are 1 at most, to levels.
@@ -213,8 +213,8 @@ START_TEST(the_box_of_a_mapped_triangle_is_around_its_corners_and_little_larger)
         }
         uint32_t cluster = qcRandom_Below(&random, qc_clustersInTest);
         qcBox8 mapped;
-        k->mapTriangles(&other.mapped, cluster, &mapped);
-        for (int i = 0; i < qc_groupSize; i++)
+        k->transformTriangles(&other.mapped, cluster, &mapped);
+        for (int i = 0; i < qc_boxLanes; i++)
         {
             Box found = BoxOfGroup(&mapped, i);
             if (other.nodes.clusters[cluster].ends[0][i] == qc_emptyEnd)
@@ -244,15 +244,15 @@ START_TEST(triangles_under_a_map_that_floats_cannot_hold_meet_everything)
         for (size_t j = 0; j < LENGTH(large); j++)
         {
             MakeOther(&random, 9, &other);
-            other.mapped.points = (qcGroupMap){{{0}}, {0}, {INFINITY, INFINITY, INFINITY}};
+            other.mapped.points = (qcBoxTransform){{{0}}, {0}, {INFINITY, INFINITY, INFINITY}};
             for (int axis = 0; axis < 3; axis++)
             {
                 other.mapped.points.linear[axis][axis] = large[i];
                 other.mapped.points.shift[axis] = large[j];
             }
             qcBox8 mapped;
-            k->mapTriangles(&other.mapped, 1, &mapped);
-            for (int b = 0; b < qc_groupSize; b++)
+            k->transformTriangles(&other.mapped, 1, &mapped);
+            for (int b = 0; b < qc_boxLanes; b++)
             {
                 Box all = {{0, 0, 0}, {65533, 65533, 65533}};
                 bool isEmpty = other.nodes.clusters[1].ends[0][b] == qc_emptyEnd;
@@ -268,10 +268,10 @@ static size_t CollectOneByOne(const qcTriangleKernels* k, const Nodes* a, uint32
                               uint32_t nodeB, qcSlotPair* pairs)
 {
     size_t count = 0;
-    qcBox8 node, clusters[qc_groupSize];
-    k->mapGroup(&b->nodes.nodes[nodeB], &b->mapped.levels, &node);
-    for (uint32_t j = 0; j < qc_groupSize; j++)
-        k->mapTriangles(&b->mapped, nodeB * 8 + j, &clusters[j]);
+    qcBox8 node, clusters[qc_boxLanes];
+    k->transformBoxes(&b->nodes.nodes[nodeB], &b->mapped.levels, &node);
+    for (uint32_t j = 0; j < qc_boxLanes; j++)
+        k->transformTriangles(&b->mapped, nodeB * 8 + j, &clusters[j]);
     for (uint32_t p = 0; p < qc_nodeSize; p++)
         for (uint32_t q = 0; q < qc_nodeSize; q++)
             if (Overlap(BoxOfGroup(&a->nodes[nodeA], (int)p / 8), BoxOfGroup(&node, (int)q / 8)) &&
@@ -295,7 +295,7 @@ START_TEST(pairs_of_nodes_of_two_lattices_are_those_whose_mapped_boxes_overlap)
         MakeOther(&random, 2 + round % 9, &b);
         for (int axis = 0; axis < 3; axis++)
         {
-            qcGroupMap *levels = &b.mapped.levels, *points = &b.mapped.points;
+            qcBoxTransform *levels = &b.mapped.levels, *points = &b.mapped.points;
             levels->linear[axis][axis] = (float)qcRandom_Uniform(&random, 0.5, 2.0);
             levels->shift[axis] = 1002.0f - levels->linear[axis][axis] * (1002.0f - 32768.0f);
             points->linear[axis][axis] = (float)qcRandom_Uniform(&random, 1.0, 9.0);
@@ -303,8 +303,8 @@ START_TEST(pairs_of_nodes_of_two_lattices_are_those_whose_mapped_boxes_overlap)
             levels->grow[axis] = points->grow[axis] = 0.1f;
         }
         uint32_t nodeA = qcRandom_Below(&random, qc_nodesInTest), nodeB = qcRandom_Below(&random, qc_nodesInTest);
-        qcSurfaceBoxes sideA = {a.clusters, a.nodes};
-        size_t count = (size_t)(k->collectMapped(&sideA, nodeA, &b.mapped, nodeB, found) - found);
+        qcBvhBoxes sideA = {a.clusters, a.nodes};
+        size_t count = (size_t)(k->collectTransformedPairs(&sideA, nodeA, &b.mapped, nodeB, found) - found);
         size_t expectedCount = CollectOneByOne(k, &a, nodeA, &b, nodeB, expected);
         CheckSamePairs(found, count, expected, expectedCount, k->name);
         pairs += count;

@@ -9,7 +9,7 @@
 /// Is the last pair kept, wherever it stands? What is left has to be a part of what was given, in its order.
 static bool Keeps(const qcTriangleKernels* k, const qcBatch* batch, const qcDistanceThresholds* bound, qcRandom* random)
 {
-    qcFilterSide a = qcBatch_Side(batch, 0), b = qcBatch_Side(batch, 1);
+    qcIndexedTriangles a = qcBatch_Side(batch, 0), b = qcBatch_Side(batch, 1);
     qcSlotPair pairs[qc_mostInBatch + 1], given[qc_mostInBatch + 1];
     uint32_t last = (uint32_t)batch->count - 1, place = qcRandom_Below(random, (uint32_t)batch->count);
     for (uint32_t i = 0; i < batch->count; i++)
@@ -39,7 +39,7 @@ static bool CheckKept(const qcTrianglePair* pair, double margin, qcBatch* batch,
     if (!isWithin || !qcUnitFrame_Find(&frame, pair, margin))
         return false;
     qcUnitFrame_Push(&frame, pair, batch);
-    qcDistanceThresholds bound = {.pointError = 0x1p-24f, .reach = qcRoundUp(margin * frame.unit)};
+    qcDistanceThresholds bound = {.pointError = 0x1p-24f, .query = qcRoundUp(margin * frame.unit)};
     char text[1024];
     FOR_EACH_KERNELS(k)
     CHECK_THAT(Keeps(k, batch, &bound, random), "%s drops %s, margin %a", k->name, qcTrianglePair_Print(pair, text),
@@ -65,12 +65,12 @@ END_TEST
 /// Is the last pair called a sure hit?
 static bool IsSure(const qcTriangleKernels* k, const qcBatch* batch, const qcDistanceThresholds* bound)
 {
-    qcFilterSide a = qcBatch_Side(batch, 0), b = qcBatch_Side(batch, 1);
+    qcIndexedTriangles a = qcBatch_Side(batch, 0), b = qcBatch_Side(batch, 1);
     qcSlotPair pairs[qc_mostInBatch];
     uint8_t times[qc_mostInBatch] = {0};
     for (uint32_t i = 0; i < batch->count; i++)
         pairs[i].a = pairs[i].b = i;
-    size_t sure = k->findPiercing(&a, &b, bound, pairs, batch->count);
+    size_t sure = k->findIntersecting(&a, &b, bound, pairs, batch->count);
     CHECK_THAT(sure <= batch->count, "%s: %zu of %zu sure", k->name, sure, batch->count);
     bool isSure = false;
     for (size_t i = 0; i < batch->count; i++)
@@ -118,7 +118,7 @@ START_TEST(a_sure_hit_penetrates)
         if (!qcUnitFrame_Find(&frame, &pair, 0.0))
             continue;
         qcUnitFrame_Push(&frame, &pair, &batch);
-        qcDistanceThresholds bound = {.pointError = 0x1p-24f, .reach = qcRoundUp(0.0)};
+        qcDistanceThresholds bound = {.pointError = 0x1p-24f, .query = qcRoundUp(0.0)};
         penetrating += penetrates && i % 2 == 1;
         char text[1024];
         FOR_EACH_KERNELS(k)
@@ -192,7 +192,7 @@ START_TEST(the_filter_keeps_what_errors_of_points_part)
                                        apart = i % 3 == 0 ? 0.0 : ldexp(1.0, -i % 20 - 2);
         qcMakeOverEachOther(&random, i % 2 == 0, apart, a, b, n);
         qcOracleDistance* distance = qcOracleDistance_Create((const double(*)[3])a, (const double(*)[3])b);
-        qcDistanceThresholds bound = {.pointError = (float)error, .reach = qcRoundUp(qcOracleDistance_Get(distance))};
+        qcDistanceThresholds bound = {.pointError = (float)error, .query = qcRoundUp(qcOracleDistance_Get(distance))};
         qcOracleDistance_Destroy(distance);
         qcMoveApart(a, b, n, error - 0x1p-24); // what rounding to float may add
         qcBatch_Push(&batch, a, b);
@@ -215,7 +215,7 @@ START_TEST(the_filter_keeps_what_meets_in_the_first_side_s_frame)
         qcDistanceThresholds bound = {.pointError = (float)error};
         qcMakeTurn(&random, &bound, b, mapped);
         qcOracleDistance* distance = qcOracleDistance_Create((const double(*)[3])a, (const double(*)[3])b);
-        bound.reach = qcRoundUp(qcOracleDistance_Get(distance));
+        bound.query = qcRoundUp(qcOracleDistance_Get(distance));
         qcOracleDistance_Destroy(distance);
         qcMoveApart(a, b, n, error - 0x1p-24); // b is back already
         qcBatch_Push(&batch, a, mapped);
@@ -234,7 +234,7 @@ START_TEST(the_filter_keeps_what_it_cannot_tell)
     {
         // All six corners one point; or far apart, with a reach or an error that is larger.
         qcBatch_Push(&batch, points[0], points[i % 2]);
-        qcDistanceThresholds bound = {.pointError = i % 4 == 1 ? 1e6f : 0x1p-24f, .reach = i % 4 == 3 ? 1e30f : 0.0f};
+        qcDistanceThresholds bound = {.pointError = i % 4 == 1 ? 1e6f : 0x1p-24f, .query = i % 4 == 3 ? 1e30f : 0.0f};
         FOR_EACH_KERNELS(k)
         ck_assert(Keeps(k, &batch, &bound, &random));
     }

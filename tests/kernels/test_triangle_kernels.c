@@ -2,7 +2,7 @@
 // time. (Boxes of another surface: kernels/test_lattice_transform.c; the filter: kernels/test_separating_axis.c; flat
 // discs: kernels/test_flat_patches.c.)
 #define _POSIX_C_SOURCE 200809L // setenv
-#include "kernels/box_groups.h"
+#include "kernels/boxes.h"
 #include "support/suite.h"
 
 #include <math.h>
@@ -87,7 +87,7 @@ START_TEST(a_vertex_has_its_point_and_its_levels)
         memset(points, 0x55, sizeof points);
         qcBoxRow untouched = rows[0];
         qcVertexRange range = {positions, vertexOf, first, end};
-        k->map(&map, &range, points, rows);
+        k->transformVertices(&map, &range, points, rows);
         for (size_t i = 0; i < count; i++)
         {
             if (i < first || i >= end)
@@ -128,7 +128,7 @@ START_TEST(the_boxes_of_triangles_are_around_their_corners_and_those_of_groups_a
     {
         qcBoxRow vertices[vertexCount], rows[groupCount];
         Box boxes[vertexCount];
-        qcCorners corners[groupCount * qc_groupSize];
+        qcCorners corners[groupCount * qc_boxLanes];
         qcBox8 groups[groupCount], untouched;
         for (int i = 0; i < vertexCount; i++)
         {
@@ -151,9 +151,9 @@ START_TEST(the_boxes_of_triangles_are_around_their_corners_and_those_of_groups_a
                 continue;
             }
             Box around = EmptyBox();
-            for (size_t i = 0; i < qc_groupSize; i++)
+            for (size_t i = 0; i < qc_boxLanes; i++)
             {
-                const uint32_t* c = corners[g * qc_groupSize + i].vertex;
+                const uint32_t* c = corners[g * qc_boxLanes + i].vertex;
                 Box box = Around(Around(boxes[c[0]], boxes[c[1]]), boxes[c[2]]);
                 CheckBox(BoxOfGroup(&groups[g], (int)i), box, k->name, i);
                 around = Around(around, box);
@@ -176,8 +176,8 @@ START_TEST(the_boxes_of_groups_are_those_of_their_children)
     FOR_EACH_KERNELS(k)
     for (size_t r = 0; r < LENGTH(s_ranges); r++)
     {
-        qcBoxRow children[groupCount * qc_groupSize], rows[groupCount];
-        Box boxes[groupCount * qc_groupSize];
+        qcBoxRow children[groupCount * qc_boxLanes], rows[groupCount];
+        Box boxes[groupCount * qc_boxLanes];
         qcBox8 groups[groupCount], untouched;
         for (size_t i = 0; i < LENGTH(boxes); i++)
         {
@@ -186,16 +186,16 @@ START_TEST(the_boxes_of_groups_are_those_of_their_children)
         }
         memset(groups, 0x55, sizeof groups);
         untouched = groups[0];
-        k->fitGroups(children, first, end, groups, rows);
+        k->fitBoxes(children, first, end, groups, rows);
         ck_assert_mem_eq(&groups[first - 1], &untouched, sizeof untouched);
         ck_assert_mem_eq(&groups[end], &untouched, sizeof untouched);
         for (size_t g = first; g < end; g++)
         {
             Box around = EmptyBox();
-            for (int i = 0; i < qc_groupSize; i++)
+            for (int i = 0; i < qc_boxLanes; i++)
             {
-                CheckBox(BoxOfGroup(&groups[g], i), boxes[g * qc_groupSize + i], k->name, (size_t)i);
-                around = Around(around, boxes[g * qc_groupSize + i]);
+                CheckBox(BoxOfGroup(&groups[g], i), boxes[g * qc_boxLanes + i], k->name, (size_t)i);
+                around = Around(around, boxes[g * qc_boxLanes + i]);
             }
             CheckBox(BoxOfRow(&rows[g]), around, k->name, g);
         }
@@ -206,8 +206,8 @@ END_TEST
 static uint64_t CompareOneByOne(const qcBox8* a, const qcBox8* b)
 {
     uint64_t meet = 0;
-    for (int i = 0; i < qc_groupSize; i++)
-        for (int j = 0; j < qc_groupSize; j++)
+    for (int i = 0; i < qc_boxLanes; i++)
+        for (int j = 0; j < qc_boxLanes; j++)
             meet |= (uint64_t)Overlap(BoxOfGroup(a, i), BoxOfGroup(b, j)) << (i + 8 * j);
     return meet;
 }
@@ -224,8 +224,8 @@ START_TEST(groups_meet_where_their_boxes_do)
             MakeGroup(&random, s_ranges[r].first, s_ranges[r].spread, &a);
             MakeGroup(&random, s_ranges[r].first, s_ranges[r].spread, &b);
             uint64_t expected = CompareOneByOne(&a, &b);
-            CHECK_THAT(k->compare(&a, &b) == expected, "%s: %llx, expected %llx", k->name,
-                       (unsigned long long)k->compare(&a, &b), (unsigned long long)expected);
+            CHECK_THAT(k->findOverlaps(&a, &b) == expected, "%s: %llx, expected %llx", k->name,
+                       (unsigned long long)k->findOverlaps(&a, &b), (unsigned long long)expected);
             meetings += (size_t)__builtin_popcountll(expected);
             all += 64;
         }
@@ -291,9 +291,9 @@ START_TEST(pairs_of_nodes_are_those_whose_boxes_overlap_whose_bit_is_set_and_tha
             skips[i] = (qcPairExclusion){qcRandom_Next(&random) & qcRandom_Next(&random), qcRandom_Next(&random)};
         Choice choice = {round % 2 == 0 ? words : NULL, skips, round % 3 == 0 ? round / 3 % (qc_maxExclusions + 1) : 0};
         uint32_t nodeA = qcRandom_Below(&random, qc_nodesInTest), nodeB = qcRandom_Below(&random, qc_nodesInTest);
-        qcSurfaceBoxes sideA = {a.clusters, a.nodes}, sideB = {b.clusters, b.nodes};
-        size_t count = (size_t)(k->collect(&sideA, nodeA, &sideB, nodeB, choice.words != NULL ? table : NULL, skips,
-                                           choice.skipCount, found) -
+        qcBvhBoxes sideA = {a.clusters, a.nodes}, sideB = {b.clusters, b.nodes};
+        size_t count = (size_t)(k->collectPairs(&sideA, nodeA, &sideB, nodeB, choice.words != NULL ? table : NULL,
+                                                skips, choice.skipCount, found) -
                                 found);
         size_t expectedCount = CollectOneByOne(&a, nodeA, &b, nodeB, &choice, expected);
         CheckSamePairs(found, count, expected, expectedCount, k->name);

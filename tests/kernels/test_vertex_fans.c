@@ -4,7 +4,7 @@
 #include "support/pairs.h"
 #include "support/suite.h"
 #include "mesh/vertex_fans.h"
-#include "sweep/surfaces.h"
+#include "sweep/sample_bodies.h"
 
 #include <math.h>
 
@@ -105,8 +105,8 @@ static uint32_t Ask(const qcTriangleKernels* k, const Star* const stars[qc_fanLa
             s_points[vertex] = stars[lane]->points[row];
             vertices[row * qc_fanLanes + lane] = vertex;
         }
-    qcDistanceThresholds bound = {.pointError = error, .reach = reach};
-    return k->findQuietStars(s_points, vertices, rows - 1, &bound);
+    qcDistanceThresholds bound = {.pointError = error, .query = reach};
+    return k->findSeparatedFans(s_points, vertices, rows - 1, &bound);
 }
 
 static bool IsQuiet(const qcTriangleKernels* k, const Star* star, float reach)

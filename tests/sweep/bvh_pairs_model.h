@@ -6,7 +6,7 @@
 #include "sweep/bvh/bvh_pairs.h"
 
 #include "support/oracle.h"
-#include "sweep/surfaces.h"
+#include "sweep/sample_bodies.h"
 
 #include <math.h>
 
@@ -20,21 +20,21 @@ typedef struct qcSide
 {
     qcSoup soup;
     qcBodies bodies;
-    qcTriangleBvh surface;
+    qcBodyBvh bvh;
 } qcSide;
 
 static inline qcSide qcSide_Make(qcSoup soup)
 {
     qcSide side = {.soup = soup};
     const qcBody* body = qcBodyAt(&side.bodies, qcAddToBodies(&side.bodies, &soup));
-    CHECK_OK(qcTriangleBvh_Build(&side.surface, body, 1));
-    CHECK_OK(qcTriangleBvh_Relate(&side.surface, body, 1));
+    CHECK_OK(qcBodyBvh_Build(&side.bvh, body, 1));
+    CHECK_OK(qcBodyBvh_BuildAdjacency(&side.bvh, body, 1));
     return side;
 }
 
 static inline void qcSide_Free(qcSide* side)
 {
-    qcTriangleBvh_Free(&side->surface);
+    qcBodyBvh_Free(&side->bvh);
     qcBodies_Free(&side->bodies);
     qcSoup_Free(&side->soup);
 }
@@ -43,7 +43,7 @@ static inline void qcSide_Fit(qcSide* side, double margin, const qcTriangleKerne
 {
     qcBvhScratch scratch = {0};
     bool fits;
-    CHECK_OK(qcTriangleBvh_Fit(&side->surface, qcBodyAt(&side->bodies, 0), margin, kernels, threads, &scratch, &fits));
+    CHECK_OK(qcTriangleBvh_Fit(&side->bvh.bvh, qcBodyAt(&side->bodies, 0), margin, kernels, threads, &scratch, &fits));
     ck_assert(fits);
     qcBvhScratch_Free(&scratch);
 }
@@ -79,13 +79,13 @@ static inline void qcFoundTimes_Free(qcFoundTimes* times)
 static inline bool qcFoundTimes_Add(void* context, const qcClassifiedPairs* found, uint32_t worker)
 {
     qcFoundTimes* times = context;
-    size_t known = found->near + found->apart + found->penetrating;
+    size_t known = found->nearCount + found->separateCount + found->intersectingCount;
     CHECK_THAT(worker < qc_mostThreads && found->count != 0 && known <= found->count,
                "worker %u, %zu pairs, %zu are told", worker, found->count, known);
     for (size_t i = 0; i < found->count; i++)
     {
-        uint32_t t = QC_AT(uint32_t, times->a->surface.clusters.triangles, found->pairs[i].a),
-                 u = QC_AT(uint32_t, times->b->surface.clusters.triangles, found->pairs[i].b);
+        uint32_t t = QC_AT(uint32_t, times->a->bvh.bvh.clusters.triangles, found->pairs[i].a),
+                 u = QC_AT(uint32_t, times->b->bvh.bvh.clusters.triangles, found->pairs[i].b);
         CHECK_THAT(t < times->a->soup.triangleCount && u < times->b->soup.triangleCount, "no such triangle");
         if (times->a == times->b && u < t)
         {
@@ -95,11 +95,11 @@ static inline bool qcFoundTimes_Add(void* context, const qcClassifiedPairs* foun
         }
         size_t at = (size_t)t * times->b->soup.triangleCount + u;
         times->times[worker][at] = (uint8_t)(times->times[worker][at] + (times->times[worker][at] < 255));
-        size_t apart = found->near + found->apart;
-        times->told[at] = (uint8_t)(i < found->near                  ? 1 + qc_relationNear
-                                    : i < apart                      ? 1 + qc_relationDisjoint
-                                    : i < apart + found->penetrating ? 1 + qc_relationPenetrating
-                                                                     : 0);
+        size_t apart = found->nearCount + found->separateCount;
+        times->told[at] = (uint8_t)(i < found->nearCount                   ? 1 + qc_relationNear
+                                    : i < apart                            ? 1 + qc_relationDisjoint
+                                    : i < apart + found->intersectingCount ? 1 + qc_relationPenetrating
+                                                                           : 0);
     }
     return true;
 }
@@ -116,8 +116,8 @@ static inline bool qcTakeNoMore(void* context, const qcClassifiedPairs* found, u
 static inline qcBvhPairsJob qcJobWithItself(const qcSide* side, size_t* calls)
 {
     return (qcBvhPairsJob){.kernels = qcTriangleKernels_Get(),
-                           .a = &side->surface,
-                           .b = &side->surface,
+                           .a = &side->bvh,
+                           .b = &side->bvh,
                            .bodyA = qcBodyAt(&side->bodies, 0),
                            .bodyB = qcBodyAt(&side->bodies, 0),
                            .function = qcTakeNoMore,
@@ -213,7 +213,7 @@ static inline void qcPairOracle_CheckTold(qcPairOracle* oracle, uint32_t t, uint
 
 static inline void qcCheckReached(const qcSide* side, const uint8_t* reached, uint32_t triangle)
 {
-    const qcArray* places = &side->surface.clusters.triangles;
+    const qcArray* places = &side->bvh.bvh.clusters.triangles;
     for (size_t i = 0; i < places->count; i++)
         if (QC_AT(uint32_t, *places, i) == triangle)
             CHECK_THAT(reached[i / qc_nodeSize] == 1, "node %zu was not reached", i / qc_nodeSize);
@@ -262,25 +262,25 @@ static inline size_t qcCheckPairs(qcSide* a, qcSide* b, double margin, bool neig
         qcFoundTimes found;
         qcFoundTimes_Make(&found, a, b);
         found.half = run % 2 == 1;
-        uint8_t* reached[2] = {calloc(a->surface.clusters.nodeCount, 1), calloc(b->surface.clusters.nodeCount, 1)};
+        uint8_t* reached[2] = {calloc(a->bvh.bvh.clusters.nodeCount, 1), calloc(b->bvh.bvh.clusters.nodeCount, 1)};
         found.reachedA = reached[0];
         found.reachedB = a == b ? reached[0] : reached[1];
         qcBvhPairs pairs = {0};
         qcBvhPairsJob job = {.kernels = k,
-                             .a = &a->surface,
-                             .b = &b->surface,
+                             .a = &a->bvh,
+                             .b = &b->bvh,
                              .bodyA = qcBodyAt(&a->bodies, 0),
                              .bodyB = qcBodyAt(&b->bodies, 0),
-                             .margin = margin,
-                             .nearest = found.half ? 0.5 * margin : margin,
-                             .neighbours = neighbours,
-                             .flatDiscs = run > 1,
-                             .reachedA = reached[0],
-                             .reachedB = a == b ? reached[0] : reached[1],
+                             .query = margin,
+                             .near = found.half ? 0.5 * margin : margin,
+                             .includeAdjacent = neighbours,
+                             .skipFlatPatches = run > 1,
+                             .visitedA = reached[0],
+                             .visitedB = a == b ? reached[0] : reached[1],
                              .function = qcFoundTimes_Add,
                              .context = &found};
-        if (job.flatDiscs)
-            qcTriangleBvh_FindFlat(&a->surface, k, threads);
+        if (job.skipFlatPatches)
+            qcPatchState_Test(&a->bvh.patches, &a->bvh.bvh, k, threads);
         CHECK_OK(qcBvhPairs_Find(&pairs, &job, 1, threads));
         qcFoundTimes_Check(&found, oracle, neighbours, what);
         CHECK_THAT(run % 2 == 0 || count == found.count, "%s: %zu pairs on one thread, %zu on three", what, count,
@@ -290,7 +290,7 @@ static inline size_t qcCheckPairs(qcSide* a, qcSide* b, double margin, bool neig
         qcFoundTimes_Free(&found);
         free(reached[0]);
         free(reached[1]);
-        a->surface.fitted = b->surface.fitted = false; // for the next kernels
+        a->bvh.bvh.fitted = b->bvh.bvh.fitted = false; // for the next kernels
     }
     return count;
 }

@@ -4,7 +4,7 @@
 #include "support/pairs.h"
 #include "support/suite.h"
 #include "sweep/bvh/adjacent_pairs.h"
-#include "sweep/surfaces.h"
+#include "sweep/sample_bodies.h"
 #include "scene/step_triangles.h"
 
 #include <math.h>
@@ -147,9 +147,9 @@ static bool Keeps(const qcTriangleKernels* k, const Neighbours* n, float reach, 
     size_t count = 1 + qcRandom_Below(random, qc_pairs), at = qcRandom_Below(random, (uint32_t)count);
     for (size_t i = 0; i < count; i++)
         pairs[i] = i == at ? (qcSlotPair){0, 1} : (qcSlotPair){2, 3};
-    qcFilterSide side = {corners, points};
-    qcDistanceThresholds bound = {.pointError = 0x1p-24f, .reach = reach};
-    size_t kept = k->keepNearNeighbours(&side, &bound, pairs, count);
+    qcIndexedTriangles side = {corners, points};
+    qcDistanceThresholds bound = {.pointError = 0x1p-24f, .query = reach};
+    size_t kept = k->filterAdjacent(&side, &bound, pairs, count);
     bool isKept = false;
     size_t others = 0;
     for (size_t i = 0; i < kept; i++)
@@ -276,14 +276,14 @@ enum
 /// What each worker was given.
 typedef struct Given
 {
-    const qcTriangleBvh* surface;
+    const qcTriangleBvh* bvh;
     qcArray keys[qc_mostThreads];
 } Given;
 
 static void Take(void* context, const qcSlotPair* pairs, size_t count, uint32_t worker)
 {
     Given* given = context;
-    const uint32_t* triangles = given->surface->clusters.triangles.data;
+    const uint32_t* triangles = given->bvh->clusters.triangles.data;
     CHECK_THAT(worker < qc_mostThreads, "worker %u", worker);
     qcArray* keys = &given->keys[worker];
     CHECK_THAT(qcArray_Reserve(keys, keys->count + count, sizeof(uint64_t), "keys") == qc_statusOk, "no memory");
@@ -295,19 +295,19 @@ static Found FindKeys(const qcTriangleKernels* kernels, const qcSoup* soup, doub
 {
     Found found = {.keys = {0}};
     found.body = qcBodyAt(&found.bodies, qcAddToBodies(&found.bodies, soup));
-    qcTriangleBvh surface;
+    qcBodyBvh bvh;
     qcBvhScratch scratch = {0};
     bool fits;
-    CHECK_OK(qcTriangleBvh_Build(&surface, found.body, 1));
-    CHECK_OK(qcTriangleBvh_Relate(&surface, found.body, 1));
-    CHECK_OK(qcTriangleBvh_Fit(&surface, found.body, margin, kernels, threads, &scratch, &fits));
+    CHECK_OK(qcBodyBvh_Build(&bvh, found.body, 1));
+    CHECK_OK(qcBodyBvh_BuildAdjacency(&bvh, found.body, 1));
+    CHECK_OK(qcTriangleBvh_Fit(&bvh.bvh, found.body, margin, kernels, threads, &scratch, &fits));
     ck_assert(fits);
-    Given given = {.surface = &surface};
+    Given given = {.bvh = &bvh.bvh};
     qcAdjacentPairsJob job = {
-        .kernels = kernels, .surface = &surface, .threads = threads, .function = Take, .context = &given};
+        .kernels = kernels, .body = &bvh, .threads = threads, .function = Take, .context = &given};
     CHECK_OK(qcAdjacentPairs_Find(&job));
-    for (uint32_t v = 0; v < surface.vertexCount; v++)
-        *(QC_AT(uint8_t, surface.quiet, v) ? &found.quiet : &found.loud) += 1;
+    for (uint32_t v = 0; v < bvh.bvh.vertexCount; v++)
+        *(QC_AT(uint8_t, bvh.isSeparated, v) ? &found.quiet : &found.loud) += 1;
     for (int worker = 0; worker < qc_mostThreads; worker++)
     {
         CHECK_OK(qcArray_Append(&found.keys, &given.keys[worker], sizeof(uint64_t), "keys"));
@@ -316,7 +316,7 @@ static Found FindKeys(const qcTriangleKernels* kernels, const qcSoup* soup, doub
     if (found.keys.count != 0)
         qsort(found.keys.data, found.keys.count, sizeof(uint64_t), CompareKeys);
     qcBvhScratch_Free(&scratch);
-    qcTriangleBvh_Free(&surface);
+    qcBodyBvh_Free(&bvh);
     return found;
 }
 

@@ -2,7 +2,7 @@
 #define _POSIX_C_SOURCE 200809L // setenv
 #include "support/scenes.h"
 #include "support/suite.h"
-#include "sweep/surfaces.h"
+#include "sweep/sample_bodies.h"
 
 #include <math.h>
 

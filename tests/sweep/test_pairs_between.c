@@ -191,7 +191,7 @@ START_TEST(nodes_that_lie_apart_are_not_reached)
         qcPairOracle oracle = qcPairOracle_Make(&a, &b, 0.0);
         qcSide_Fit(&a, 0.0, qcTriangleKernels_Get(), 1);
         qcSide_Fit(&b, 0.0, qcTriangleKernels_Get(), 1);
-        uint32_t nodes = a.surface.clusters.nodeCount, reachedNodes = 0;
+        uint32_t nodes = a.bvh.bvh.clusters.nodeCount, reachedNodes = 0;
         uint8_t reached[2][512] = {{0}};
         ck_assert_uint_le(nodes, 512);
         qcFoundTimes found;
@@ -200,12 +200,12 @@ START_TEST(nodes_that_lie_apart_are_not_reached)
         found.reachedB = reached[1];
         qcBvhPairs pairs = {0};
         qcBvhPairsJob job = {.kernels = qcTriangleKernels_Get(),
-                             .a = &a.surface,
-                             .b = &b.surface,
+                             .a = &a.bvh,
+                             .b = &b.bvh,
                              .bodyA = qcBodyAt(&a.bodies, 0),
                              .bodyB = qcBodyAt(&b.bodies, 0),
-                             .reachedA = reached[0],
-                             .reachedB = reached[1],
+                             .visitedA = reached[0],
+                             .visitedB = reached[1],
                              .function = qcFoundTimes_Add,
                              .context = &found};
         CHECK_OK(qcBvhPairs_Find(&pairs, &job, 1, 1));
@@ -244,14 +244,14 @@ static void CheckCrowd(const qcSide* sides, qcPairOracle* oracles, double margin
             found[count].reachedA = reached[a];
             found[count].reachedB = reached[b];
             jobs[count] = (qcBvhPairsJob){.kernels = qcTriangleKernels_Get(),
-                                          .a = &sides[a].surface,
-                                          .b = &sides[b].surface,
+                                          .a = &sides[a].bvh,
+                                          .b = &sides[b].bvh,
                                           .bodyA = qcBodyAt(&sides[a].bodies, 0),
                                           .bodyB = qcBodyAt(&sides[b].bodies, 0),
-                                          .margin = margin,
-                                          .nearest = margin,
-                                          .reachedA = reached[a],
-                                          .reachedB = reached[b],
+                                          .query = margin,
+                                          .near = margin,
+                                          .visitedA = reached[a],
+                                          .visitedB = reached[b],
                                           .function = qcFoundTimes_Add,
                                           .context = &found[count]};
         }
@@ -275,7 +275,7 @@ START_TEST(many_searches_side_by_side_find_each_its_own_pairs)
         // One of them has most of the triangles, some have one node alone.
         sides[i] = qcSide_Make(qcSoup_MakeRandom(30 + i, i == 5 ? 1500 : 10 + 13 * i, 0.1));
         qcSide_Fit(&sides[i], 0.01, qcTriangleKernels_Get(), 1);
-        ck_assert_uint_le(sides[i].surface.clusters.nodeCount, 64);
+        ck_assert_uint_le(sides[i].bvh.bvh.clusters.nodeCount, 64);
     }
     qcPairOracle oracles[qc_crowdPairs];
     size_t count = 0;

@@ -4,7 +4,7 @@
 
 #include "base/status.h"
 #include "support/suite.h"
-#include "sweep/surfaces.h"
+#include "sweep/sample_bodies.h"
 #include "support/transforms.h"
 
 #include <float.h>

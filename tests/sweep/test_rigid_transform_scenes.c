@@ -3,7 +3,7 @@
 #include "scene/bodies.h"
 #include "support/scenes.h"
 #include "support/suite.h"
-#include "sweep/surfaces.h"
+#include "sweep/sample_bodies.h"
 #include "support/transforms.h"
 
 #include <math.h>

@@ -105,13 +105,13 @@ START_TEST(flat_discs_of_a_sheet_leave_nothing_to_ask)
     for (double margin = 0.0; margin <= 0.25 / 40; margin += 0.125 / 40)
         FOR_EACH_KERNELS(k)
         {
-            a.surface.fitted = false;
+            a.bvh.bvh.fitted = false;
             qcSide_Fit(&a, margin, k, 1);
-            qcTriangleBvh_FindFlat(&a.surface, k, 1);
-            uint32_t flat = 0, nodes = a.surface.discs.nodeCount;
+            qcPatchState_Test(&a.bvh.patches, &a.bvh.bvh, k, 1);
+            uint32_t flat = 0, nodes = a.bvh.patches.patches.nodeCount;
             for (uint32_t node = 0; node < nodes; node++)
-                flat += qcTriangleBvh_IsFlat(&a.surface, qcFlatPatches_Large(&a.surface.discs, node)) ||
-                        qcTriangleBvh_IsFlat(&a.surface, node);
+                flat += qcPatchState_IsFlat(&a.bvh.patches, qcFlatPatches_Large(&a.bvh.patches.patches, node)) ||
+                        qcPatchState_IsFlat(&a.bvh.patches, node);
             CHECK_THAT(flat > nodes * 9 / 10, "%s, margin %g: %u of %u nodes are flat", k->name, margin, flat, nodes);
         }
     qcSide_Free(&a);

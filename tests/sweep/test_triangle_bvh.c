@@ -2,7 +2,8 @@
 // no level, whatever the scale and the place; and little more than those within it overlap.
 #include "support/failing_heap.h"
 #include "support/suite.h"
-#include "sweep/surfaces.h"
+#include "sweep/bvh/body_bvh.h"
+#include "sweep/sample_bodies.h"
 
 #include <math.h>
 
@@ -18,12 +19,12 @@ typedef struct Box
 
 static Box BoxAt(const qcTriangleBvh* s, uint32_t level, size_t i)
 {
-    const qcBox8* group = qcTriangleBvh_Group(s, level, (uint32_t)(i / qc_groupSize));
+    const qcBox8* group = qcTriangleBvh_Box8At(s, level, (uint32_t)(i / qc_boxLanes));
     Box box;
     for (int axis = 0; axis < 3; axis++)
     {
-        box.lower[axis] = group->ends[axis][i % qc_groupSize];
-        box.upper[axis] = ~group->ends[axis][qc_groupSize + i % qc_groupSize];
+        box.lower[axis] = group->ends[axis][i % qc_boxLanes];
+        box.upper[axis] = ~group->ends[axis][qc_boxLanes + i % qc_boxLanes];
     }
     return box;
 }
@@ -68,7 +69,7 @@ static bool AreClearlyApart(const qcTriangleBvh* s, const qcBody* body, uint32_t
     for (int axis = 0; axis < 3; axis++)
     {
         double slack =
-            1.01 / s->map.scale[axis] + 0x1p-50 * (fabs(body->lower[axis]) + fabs(body->upper[axis]) + margin);
+            1.01 / s->lattice.scale[axis] + 0x1p-50 * (fabs(body->lower[axis]) + fabs(body->upper[axis]) + margin);
         if (lowerA[axis] - upperB[axis] > margin + slack || lowerB[axis] - upperA[axis] > margin + slack)
             return true;
     }
@@ -104,7 +105,7 @@ static void CheckPoints(const qcTriangleBvh* s, const qcBody* body)
         {
             // The difference of doubles and a power of two: 64 bits are as good as all.
             long double x = body->world[3 * (size_t)QC_AT(uint32_t, s->vertexOf, v) + axis];
-            long double point = (x - s->map.origin[axis]) * s->map.unit[axis];
+            long double point = (x - s->lattice.origin[axis]) * s->lattice.unit[axis];
             CHECK_THAT(fabsl(QC_AT(qcPoint, s->points, v).x[axis] - point) <= s->pointError && fabsl(point) <= 1.0L,
                        "vertex %u is at %Lg, not %g", v, point, (double)QC_AT(qcPoint, s->points, v).x[axis]);
         }
@@ -113,17 +114,17 @@ static void CheckPoints(const qcTriangleBvh* s, const qcBody* body)
 /// Each box on a level is that of the eight below it, up to the one around all.
 static void CheckLevels(const qcTriangleBvh* s)
 {
-    ck_assert_uint_eq(s->groupCount[0], s->clusters.triangles.count / qc_groupSize);
-    ck_assert_uint_eq(s->groupCount[s->levels - 1], 1);
+    ck_assert_uint_eq(s->box8Count[0], s->clusters.triangles.count / qc_boxLanes);
+    ck_assert_uint_eq(s->box8Count[s->levels - 1], 1);
     for (uint32_t level = 1; level <= s->levels; level++)
     {
-        size_t below = s->groupCount[level - 1], groups = level < s->levels ? s->groupCount[level] : 1;
-        ck_assert_uint_eq(groups, (below + qc_groupSize - 1) / qc_groupSize);
-        for (size_t i = 0; i < groups * qc_groupSize; i++)
+        size_t below = s->box8Count[level - 1], groups = level < s->levels ? s->box8Count[level] : 1;
+        ck_assert_uint_eq(groups, (below + qc_boxLanes - 1) / qc_boxLanes);
+        for (size_t i = 0; i < groups * qc_boxLanes; i++)
         {
             Box box = BoxAt(s, level, i),
                 around = {{INT16_MAX, INT16_MAX, INT16_MAX}, {INT16_MIN, INT16_MIN, INT16_MIN}};
-            for (size_t k = i * qc_groupSize; k < (i + 1) * qc_groupSize && i < below; k++)
+            for (size_t k = i * qc_boxLanes; k < (i + 1) * qc_boxLanes && i < below; k++)
             {
                 Box child = BoxAt(s, level - 1, k);
                 for (int axis = 0; axis < 3; axis++)
@@ -174,10 +175,10 @@ static void CheckSurface(const qcTriangleBvh* s, const qcBody* body, double marg
 
 static bool AreSame(const qcTriangleBvh* a, const qcTriangleBvh* b)
 {
-    return a->groups.count == b->groups.count && a->points.count == b->points.count &&
-           memcmp(a->groups.data, b->groups.data, a->groups.count * sizeof(qcBox8)) == 0 &&
+    return a->boxes.count == b->boxes.count && a->points.count == b->points.count &&
+           memcmp(a->boxes.data, b->boxes.data, a->boxes.count * sizeof(qcBox8)) == 0 &&
            memcmp(a->points.data, b->points.data, a->points.count * sizeof(qcPoint)) == 0 &&
-           memcmp(&a->whole, &b->whole, sizeof a->whole) == 0;
+           memcmp(&a->root, &b->root, sizeof a->root) == 0;
 }
 
 /// With every kind of kernels, on one thread and on three: all as the first says, and right.
@@ -380,8 +381,7 @@ START_TEST(a_surface_follows_its_body_and_its_margin)
     qcTriangleBvh before = surface;
     float x = QC_AT(qcPoint, surface.points, 0).x[0];
     CHECK_OK(qcTriangleBvh_Fit(&surface, qcBodyAt(&bodies, slot), 0.0, qcTriangleKernels_Get(), 1, &scratch, &fits));
-    ck_assert(fits && QC_AT(qcPoint, surface.points, 0).x[0] == x &&
-              before.whole.ends[0][0] == surface.whole.ends[0][0]);
+    ck_assert(fits && QC_AT(qcPoint, surface.points, 0).x[0] == x && before.root.ends[0][0] == surface.root.ends[0][0]);
     qcBvhScratch_Free(&scratch);
     qcTriangleBvh_Free(&surface);
     qcBodies_Free(&bodies);
@@ -422,22 +422,22 @@ END_TEST
 
 //  ---- out of memory -------------------------------------------------------------------------------
 
-static qcStatus BuildAndFit(const qcBody* body, qcTriangleBvh* surface, qcBvhScratch* scratch)
+static qcStatus BuildAndFit(const qcBody* body, qcBodyBvh* bvh, qcBvhScratch* scratch)
 {
     bool fits;
-    qcStatus status = qcTriangleBvh_Build(surface, body, 1);
+    qcStatus status = qcBodyBvh_Build(bvh, body, 1);
     if (status != qc_statusOk)
-        ck_assert_uint_eq(surface->generation, 0);
+        ck_assert_uint_eq(bvh->bvh.generation, 0);
     else
-        status = qcTriangleBvh_Fit(surface, body, 0.0, qcTriangleKernels_Get(), 1, scratch, &fits);
-    if (status != qc_statusOk && surface->generation != 0)
+        status = qcTriangleBvh_Fit(&bvh->bvh, body, 0.0, qcTriangleKernels_Get(), 1, scratch, &fits);
+    if (status != qc_statusOk && bvh->bvh.generation != 0)
     {
-        // The surface is whole: the same call, with memory, succeeds.
-        ck_assert(!surface->fitted);
-        CHECK_OK(qcTriangleBvh_Fit(surface, body, 0.0, qcTriangleKernels_Get(), 1, scratch, &fits));
-        CheckSurface(surface, body, 0.0);
+        // The BVH is whole: the same call, with memory, succeeds.
+        ck_assert(!bvh->bvh.fitted);
+        CHECK_OK(qcTriangleBvh_Fit(&bvh->bvh, body, 0.0, qcTriangleKernels_Get(), 1, scratch, &fits));
+        CheckSurface(&bvh->bvh, body, 0.0);
     }
-    qcTriangleBvh_Free(surface);
+    qcBodyBvh_Free(bvh);
     qcBvhScratch_Free(scratch);
     return status;
 }
@@ -451,16 +451,16 @@ START_TEST(a_failed_allocation_leaves_nothing)
     const qcBody* body = qcBodyAt(&bodies, qcAddToBodies(&bodies, &soup));
     size_t live = heap.live;
     heap.calls = 0;
-    qcTriangleBvh surface;
+    qcBodyBvh bvh;
     qcBvhScratch scratch = {0};
-    CHECK_OK(BuildAndFit(body, &surface, &scratch));
+    CHECK_OK(BuildAndFit(body, &bvh, &scratch));
     size_t calls = heap.calls;
     ck_assert_uint_gt(calls, 10);
     for (size_t i = 1; i <= calls; i++)
     {
         heap = (qcFailingHeap){live, 0, i};
-        memset(&surface, 0xff, sizeof surface);
-        ck_assert_int_eq(BuildAndFit(body, &surface, &scratch), qc_statusOutOfMemory);
+        memset(&bvh, 0xff, sizeof bvh);
+        ck_assert_int_eq(BuildAndFit(body, &bvh, &scratch), qc_statusOutOfMemory);
         ck_assert_ptr_nonnull(strstr(qcLastMessage(), "out of memory"));
         ck_assert_uint_eq(heap.live, live);
     }

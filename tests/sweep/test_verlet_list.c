@@ -1,7 +1,7 @@
 // After a few vertices have moved, pairs come from those that were within a margin before: the same as brute force has.
 #include "support/scenes.h"
 #include "support/suite.h"
-#include "sweep/surfaces.h"
+#include "sweep/sample_bodies.h"
 
 enum
 {

@@ -24,7 +24,7 @@ typedef struct Refining
 {
     const qcLayersRefineJob* job;
     qcLayersRefine* memory;
-    qcFilterSide sides[2]; ///< the same
+    qcIndexedTriangles sides[2]; ///< the same
     qcDistanceThresholds bound;
     uint64_t trianglePairs;
 } Refining;
@@ -90,8 +90,8 @@ static void TakeNodes(Queue* queue, const qcLayersEntry* p, const qcLayersEntry*
         return;
     if (queue->end - queue->pairs >= qc_queueFull)
         Flush(queue);
-    const qcSurfaceBoxes boxes = {r->job->image->clusterGroups, r->job->image->nodeGroups};
-    queue->end = r->memory->kernels->collect(&boxes, a, &boxes, b, table, NULL, 0, queue->end);
+    const qcBvhBoxes boxes = {r->job->image->clusterGroups, r->job->image->nodeGroups};
+    queue->end = r->memory->kernels->collectPairs(&boxes, a, &boxes, b, table, NULL, 0, queue->end);
 }
 
 /// As OVERLAP in common.glsl: no subtraction borrows from a top bit.
@@ -154,8 +154,8 @@ qcStatus qcLayersRefine_Run(qcLayersRefine* refine, const qcLayersRefineJob* job
     Refining r = {
         .job = job,
         .memory = refine,
-        .bound = {.pointError = job->pointError, .reach = job->reach, .margin = job->margin, .beyond = job->margin}};
-    r.sides[0] = r.sides[1] = (qcFilterSide){job->bodies->corners.data, job->image->vertices};
+        .bound = {.pointError = job->pointError, .query = job->reach, .near = job->margin, .far = job->margin}};
+    r.sides[0] = r.sides[1] = (qcIndexedTriangles){job->bodies->corners.data, job->image->vertices};
     size_t blocks = ((size_t)job->image->entryCount + qc_entryBlock - 1) / qc_entryBlock;
     qcParallel_For(job->threads, blocks, qc_leastBlocks, TakeBlock, &r);
     *trianglePairs = r.trianglePairs;

@@ -1,24 +1,24 @@
-// Pairs of triangles of one surface that share a vertex, for contacts between their other features: those that are not
-// known to be without.
+// Pairs of adjacent triangles (sharing a vertex) of one body, for contacts between their other features. Pairs without
+// such contacts are left out where that is proven.
 #ifndef QC_SWEEP_BVH_ADJACENT_PAIRS_H
 #define QC_SWEEP_BVH_ADJACENT_PAIRS_H
 
-#include "sweep/bvh/triangle_bvh.h"
+#include "sweep/bvh/body_bvh.h"
 
-/// Takes pairs of places, in no order.
+/// Takes pairs of slots, in no order.
 typedef void qcAdjacentPairsFunction(void* context, const qcSlotPair* pairs, size_t count, uint32_t worker);
 
 typedef struct qcAdjacentPairsJob
 {
     const qcTriangleKernels* kernels;
-    qcTriangleBvh* surface; ///< fitted with the margin
+    qcBodyBvh* body; ///< fitted with the margin
     uint32_t threads;
     qcAdjacentPairsFunction* function;
     void* context;
 } qcAdjacentPairsJob;
 
-/// Finds, each once, at least all pairs with features (vertices, edges, triangles) that have no vertex in common and
-/// are within the surface's margin of each other. O(triangles + pairs around vertices whose star is not quiet).
+/// Finds, each once, at least all pairs of adjacent triangles with two features (vertices, edges, faces) that have no
+/// common vertex and are within the margin of the fit. O(triangles + pairs around vertices whose fan isn't separated).
 qcStatus qcAdjacentPairs_Find(const qcAdjacentPairsJob* job);
 
 #endif

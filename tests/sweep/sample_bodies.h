@@ -1,6 +1,6 @@
 // Bodies of all kinds and sizes, and their surfaces: for tests of what the ABI hides.
-#ifndef QC_TESTS_SWEEP_SURFACES_H
-#define QC_TESTS_SWEEP_SURFACES_H
+#ifndef QC_TESTS_SWEEP_SAMPLE_BODIES_H
+#define QC_TESTS_SWEEP_SAMPLE_BODIES_H
 
 #include "support/check_ok.h"
 #include "support/scenes.h"

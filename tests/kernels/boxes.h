@@ -1,9 +1,9 @@
 // Boxes of groups one at a time, for the kernels that compare eight with eight.
-#ifndef QC_TESTS_KERNELS_BOX_GROUPS_H
-#define QC_TESTS_KERNELS_BOX_GROUPS_H
+#ifndef QC_TESTS_KERNELS_BOXES_H
+#define QC_TESTS_KERNELS_BOXES_H
 
 #include "support/suite.h"
-#include "sweep/surfaces.h"
+#include "sweep/sample_bodies.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -20,7 +20,7 @@ static inline Box BoxOfGroup(const qcBox8* group, int i)
     for (int axis = 0; axis < 3; axis++)
     {
         box.lower[axis] = group->ends[axis][i] + 32768;
-        box.upper[axis] = -1 - group->ends[axis][qc_groupSize + i] + 32768;
+        box.upper[axis] = -1 - group->ends[axis][qc_boxLanes + i] + 32768;
     }
     return box;
 }
@@ -30,7 +30,7 @@ static inline void PutInGroup(const Box* box, qcBox8* group, int i)
     for (int axis = 0; axis < 3; axis++)
     {
         group->ends[axis][i] = (int16_t)(box->lower[axis] - 32768);
-        group->ends[axis][qc_groupSize + i] = (int16_t)(-1 - (box->upper[axis] - 32768));
+        group->ends[axis][qc_boxLanes + i] = (int16_t)(-1 - (box->upper[axis] - 32768));
     }
 }
 
@@ -66,7 +66,7 @@ static inline Box MakeBox(qcRandom* random, int first, int spread)
 
 static inline void MakeGroup(qcRandom* random, int first, int spread, qcBox8* group)
 {
-    for (int i = 0; i < qc_groupSize; i++)
+    for (int i = 0; i < qc_boxLanes; i++)
     {
         Box box = MakeBox(random, first, spread);
         PutInGroup(&box, group, i);
@@ -82,7 +82,7 @@ static inline void CheckBox(Box found, Box expected, const char* kernels, size_t
 enum
 {
     qc_nodesInTest = 3,
-    qc_clustersInTest = qc_nodesInTest * qc_groupSize,
+    qc_clustersInTest = qc_nodesInTest * qc_boxLanes,
     qc_mostPairs = qc_nodeSize * qc_nodeSize
 };
 
