@@ -21,6 +21,8 @@ qc_packages()
             loaders) echo libegl1 libopengl0 ;;
             # A client of libBulletCollision, to be run with qc-preload; without it that test is skipped.
             clients) echo libdart-dev libdart-collision-bullet-dev ;;
+            # For the target docs and its test; without it that test is skipped.
+            docs) echo doxygen ;;
         esac
     done
 }

@@ -1,8 +1,8 @@
 // Cloth, meshes and fracture in one Bullet world: a cloth lies on a slab over two supports, the slab breaks under it,
 // and pieces and cloth fall to the floor. Returns 0 if nothing fell through the floor and nothing penetrates.
 //
-// The order: collision configuration, dispatcher, broadphase, solvers and mesh contact, and then the world, which
-// refers to them; shapes before their bodies. Everything goes the other way round.
+// Order of construction: collision configuration, dispatcher, broadphase, solvers and mesh contact, then the world,
+// which refers to them; shapes before their bodies. Destruction is in reverse order.
 #include <quickcullide/bullet.h>
 #include <quickcullide/bullet_fracture.h>
 
@@ -26,7 +26,7 @@ struct Mesh
 
 struct World
 {
-    //  Members are made in this order, and destroyed in the opposite one.
+    //  Members are constructed in this order and destroyed in reverse.
     btSoftBodyRigidBodyCollisionConfiguration configuration;
     btCollisionDispatcher dispatcher{&configuration};
     qcBroadphase broadphase; // instead of btDbvtBroadphase
@@ -40,7 +40,7 @@ struct World
     World()
     {
         meshContact.addTo(&world); // before the world has objects
-        // Friction in two directions: without it piles of pieces tremble.
+        // Friction in two directions: without it piles of pieces jitter.
         world.getSolverInfo().m_solverMode |= SOLVER_USE_2_FRICTION_DIRECTIONS;
         world.getWorldInfo().m_gravity = world.getGravity();
     }
@@ -54,7 +54,7 @@ struct World
             world.removeRigidBody(mesh.body.get());
     }
 
-    /// Vertices are in the body's frame, whose origin is the centre of mass. Mass 0: it stays.
+    /// Vertices are in the body's frame, whose origin is the centre of mass. Mass 0: a static body.
     btRigidBody* Add(const std::vector<btVector3>& vertices, const std::vector<uint32_t>& indices, btScalar mass,
                      const btTransform& transform)
     {
@@ -88,12 +88,12 @@ struct World
         world.addSoftBody(cloth);
     }
 
-    /// Between two steps. Pieces take over the momentum of the body, which goes.
+    /// Call it between two steps. The pieces keep the momentum of the body, which is removed.
     bool Break(size_t i, const qcFractureDef& def)
     {
         qcFracture fracture = qcFracture_Split(def);
         if (fracture.status != qc_statusOk)
-            return false;                  // fracture.message names the trouble
+            return false;                  // fracture.message gives the reason
         Mesh whole = std::move(meshes[i]); // motions are read from it
         meshes.erase(meshes.begin() + std::ptrdiff_t(i));
         world.removeRigidBody(whole.body.get());
@@ -121,7 +121,7 @@ struct World
         return right;
     }
 
-    /// How far meshes are in each other, at most: the depth of Bullet's contact points beyond both margins.
+    /// Maximum penetration of meshes: the depth of Bullet's contact points beyond both margins.
     btScalar Depth()
     {
         btScalar depth = 0;
@@ -134,7 +134,7 @@ struct World
         return depth;
     }
 
-    /// The height of what is lowest: a node of the cloth, or a vertex of a mesh but for the first, the floor.
+    /// Height of the lowest node of the cloth or vertex of a mesh, the floor (the first mesh) excepted.
     btScalar Lowest() const
     {
         btScalar lowest = BT_LARGE_FLOAT;

@@ -1,11 +1,11 @@
-// Statuses, messages, hooks: what every part of the C ABI shares.
-//
-// Thread-safety: the hooks are set before anything else is called, that for threads also later, while no
-// other call runs; everything else here may be called from any thread.
-//
-// Floating-point modes: results don't depend on the caller's rounding mode, nor on whether it flushes subnormals (FTZ,
-// DAZ) or traps. Each call computes in the default modes and puts the caller's back. A qcBoxFunction runs in the modes
-// of the caller; all other callbacks run in the default modes.
+/// @file
+/// Status codes, messages, memory, logging, threads, version: shared by all parts of the C library.
+///
+/// Thread-safety: any thread may call these functions, but set the hooks before any other call; qcSetParallelFor also
+/// later, while no other call runs.
+/// Floating-point modes: results don't depend on the caller's rounding mode, FTZ, DAZ or traps. Each call computes in
+/// the default modes and restores the caller's. Callbacks run in the default modes, but a qcBoxFunction in the
+/// caller's.
 #ifndef QUICKCULLIDE_BASE_H
 #define QUICKCULLIDE_BASE_H
 
@@ -13,6 +13,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
+/// Marks exported names. Define QC_STATIC to link the static library.
 #if defined(QC_STATIC)
 #define QC_API
 #elif defined(_WIN32)
@@ -25,63 +26,69 @@
 extern "C" {
 #endif
 
-#define QC_VERSION_MAJOR 0
-#define QC_VERSION_MINOR 1
-#define QC_VERSION_PATCH 0
+#define QC_VERSION_MAJOR 0 ///< Grows with each incompatible release, from 1.0.0 on.
+#define QC_VERSION_MINOR 2 ///< Grows with each release that adds something; before 1.0.0 it may break the ABI.
+#define QC_VERSION_PATCH 0 ///< Grows with each release that only fixes something.
+/// The version of these headers as one number: 10000 * major + 100 * minor + patch.
+#define QC_VERSION (10000 * QC_VERSION_MAJOR + 100 * QC_VERSION_MINOR + QC_VERSION_PATCH)
 
-/// What a call says of itself. Anything but qc_statusOk leaves every object as it was before the call.
+/// The version of the loaded library, encoded as QC_VERSION. It differs from QC_VERSION if the program was compiled
+/// with the headers of another release. O(1). Any thread.
+QC_API uint32_t qcVersion(void);
+
+/// The result of a call. After anything but qc_statusOk all objects are as they were before the call.
 typedef enum qcStatus
 {
+    /// The call did what it should.
     qc_statusOk = 0,
-    /// The caller's mistake; qcLastMessage names the argument, the body and the element.
+    /// An argument is invalid; qcLastMessage names the argument, the body and the element.
     qc_statusBadInput = 1,
-    /// The named GL device does not exist here, or failed.
+    /// The GL device does not exist on this machine, or failed.
     qc_statusDevice = 2,
     /// An allocation failed.
     qc_statusOutOfMemory = 3,
-    /// The device's GL context is lost, as after a GPU reset; qcDevice_Reopen opens it anew.
+    /// The GL context of the device is lost, for example after a GPU reset; qcDevice_Reopen opens a new one.
     qc_statusDeviceLost = 4
 } qcStatus;
 
-/// The message of the last call of this thread that did not return qc_statusOk.
-/// Never null; valid until this thread's next failing call.
+/// The message of this thread's last call that failed. Never null. Valid until the thread's next failing call.
 QC_API const char* qcLastMessage(void);
 
-/// The name of a status, such as "bad input". Never null.
+/// The name of a status, such as "bad input". Never null; static.
 QC_API const char* qcStatus_Name(qcStatus status);
 
 /// Allocates `size` bytes (> 0) aligned to 64, or returns null.
 typedef void* qcAllocateFunction(size_t size, void* context);
-/// Frees what the allocate function returned for this `size`.
+/// Frees memory that the allocate function returned for this `size`.
 typedef void qcFreeFunction(void* memory, size_t size, void* context);
 
-/// Replaces the heap of the library. Null functions bring the default back. Any thread may call them, several at once.
-/// Call it while qcGetByteCount() is zero; otherwise qc_statusBadInput.
+/// Replaces the library's heap. Null functions restore the default. Both functions are called from any thread, several
+/// at once. qc_statusBadInput: qcGetByteCount() is not zero, or only one function is given.
 QC_API qcStatus qcSetAllocator(qcAllocateFunction* allocate, qcFreeFunction* release, void* context);
 
-/// Bytes that the library holds at this moment. Zero once every object is destroyed.
+/// Bytes that the library holds at present. Zero once every object is destroyed. O(1).
 QC_API size_t qcGetByteCount(void);
 
-/// Receives one line of text (no newline): a fallback, a skipped device.
+/// Receives one line of text without a newline, for example the reason for a fallback. `line` is valid during the call.
 typedef void qcLogFunction(const char* line, void* context);
 
-/// Sets where log lines go. Null (the default): nowhere.
+/// Sets the function that receives log lines. Null, the default: lines are discarded.
 QC_API void qcSetLog(qcLogFunction* log, void* context);
 
-/// A thread's share of a loop of the library: it takes what is left to do, piece by piece, and returns when nothing is.
+/// One worker of a parallel loop: processes blocks of the loop until none is left, then returns.
 typedef void qcTask(uint32_t index, void* taskContext);
 
-/// Calls task(index, taskContext) for each index below `count`, none twice, in any order and on any threads, at the
-/// same time or not, and returns when all calls have. Calls not begun when another one has returned may be left out:
-/// they would find nothing to do. If all are, the calling thread does the work after the return. Must not throw. It is
-/// called on the thread that uses the scene: on several at once if several scenes are used so.
+/// A parallel-for of the host: calls task(index, taskContext) once for each index below `count`, in any order, on any
+/// threads, and returns when all calls have returned. You may skip calls that haven't started once any call has
+/// returned. If you run none, the library does the work itself after you return. Must not throw. It is called on the
+/// thread that uses the scene; several threads may call it at once if they use different scenes.
 typedef void qcParallelForFunction(uint32_t count, qcTask* task, void* taskContext, void* context);
 
-/// Runs the library's loops on the host's threads: at most one task for each of `workers` threads (1 or more; beyond
-/// 256 as 256), fewer where a query asks for fewer. Loops too short to be worth it stay on the calling thread. Null
-/// brings the default back: threads of the library's own, asleep between loops. Results don't depend on any of it, nor
-/// on the floating-point modes of the host's threads: tasks set their own and put these back.
-/// `context` is in use until the next call of this. qc_statusBadInput: a function without workers; nothing changes.
+/// Runs the library's loops on the host's threads, with at most one task for each of `workers` threads (1 to 256, more
+/// count as 256). Loops too short to profit stay on the calling thread. Null restores the default: threads of the
+/// library's own, which sleep between loops. Results depend on neither the number of threads nor their floating-point
+/// modes. `context` must stay valid until the next call of this function.
+/// qc_statusBadInput: a function with 0 workers; nothing changes.
 QC_API qcStatus qcSetParallelFor(qcParallelForFunction* parallelFor, uint32_t workers, void* context);
 
 #ifdef __cplusplus

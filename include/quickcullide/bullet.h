@@ -1,5 +1,6 @@
-// Quick-CULLIDE inside Bullet. Link quickcullide::bullet, or quickcullide::bullet_double where Bullet is built with
-// BT_USE_DOUBLE_PRECISION.
+/// @file
+/// The parts for Bullet, but for fracture and deformable bodies. Link quickcullide::bullet, or
+/// quickcullide::bullet_double where Bullet is built with BT_USE_DOUBLE_PRECISION.
 #ifndef QUICKCULLIDE_BULLET_H
 #define QUICKCULLIDE_BULLET_H
 

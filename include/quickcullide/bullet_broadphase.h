@@ -1,10 +1,10 @@
-// The broadphase of a Bullet world, in the place of btDbvtBroadphase:
-//
-//     qcBroadphase broadphase;
-//     btDiscreteDynamicsWorld world(&dispatcher, &broadphase, &solver, &configuration);
-//
-// Cost follows what moved: a proxy whose box is the same as before costs a comparison and a look at its filter, a step
-// in which nothing moved nothing else.
+/// @file
+/// A broadphase for any Bullet world, in place of btDbvtBroadphase:
+///
+///     qcBroadphase broadphase;
+///     btDiscreteDynamicsWorld world(&dispatcher, &broadphase, &solver, &configuration);
+///
+/// Cost follows what moved: a proxy whose box did not change costs one comparison and one read of its filter.
 #ifndef QUICKCULLIDE_BULLET_BROADPHASE_H
 #define QUICKCULLIDE_BULLET_BROADPHASE_H
 
@@ -16,78 +16,84 @@
 
 class btIDebugDraw;
 
-/// After each calculateOverlappingPairs the pair cache holds exactly the pairs whose boxes overlap (closed, as
-/// TestAabbAgainstAabb2 says) and whose filters agree. Pairs that no longer do are removed with the dispatcher, which
-/// destroys their algorithms and manifolds. Pairs come in an order that depends on the calls made and on nothing else.
+/// A drop-in for btDbvtBroadphase.
 ///
-/// Filters may change at any time: groups and masks are looked at in each step, when the boxes are set or else when
-/// pairs are calculated; what changes between the two is seen in the next step. While there is a filter callback it is
-/// asked about every overlapping pair in each step. A pair cache of your own that overrides needsBroadphaseCollision
-/// without having a filter callback is asked when two begin to overlap, or a group or mask has changed.
+/// Pairs: after each calculateOverlappingPairs the pair cache holds exactly the pairs whose closed boxes overlap
+/// (TestAabbAgainstAabb2) and whose filters agree. Other pairs are removed with the dispatcher, which destroys their
+/// algorithms and manifolds. The order of pairs depends only on the calls made, not on addresses, threads or time.
 ///
-/// Bounds that are NaN count as unbounded, so the object meets everything rather than nothing.
+/// Filters: groups and masks may change at any time. They are read once a step: when the object's box is set, or else
+/// when pairs are calculated. A change between the two takes effect in the next step. A filter callback is called for
+/// every overlapping pair in every step. A pair cache of your own that overrides needsBroadphaseCollision and has no
+/// filter callback is queried when a pair begins to overlap or a group or mask has changed.
 ///
-/// Out of memory: proxies that find no room in the set are compared with every other one until there is room again;
-/// nothing is missed. A proxy that cannot be allocated itself is null: Bullet then holds an object that collides with
-/// nothing. getStatus tells. (Memory that Bullet's pair cache cannot get is Bullet's affair.)
+/// Bounds that are NaN count as unbounded: the object then overlaps everything.
 ///
-/// Profile zones (BT_PROFILE), within Bullet's "calculateOverlappingPairs": "qcBroadphase search" finds what changed
-/// between boxes, "qcBroadphase pairs" brings the cache up to date. A step in which nothing moved has neither.
+/// Out of memory: proxies that don't fit into the set are compared with every other proxy until there is memory again;
+/// no pair is missed. If a proxy itself can't be allocated, createProxy returns null, and Bullet then holds an object
+/// that collides with nothing. See getStatus. Failed allocations in Bullet's pair cache are not handled.
 ///
-/// Thread-safety: rayTest and aabbTest may run on several threads at once while nothing else does. The rest belongs to
-/// one thread. Callbacks of all kinds may create, move and destroy proxies; what they change while a query,
-/// destroyProxy or calculateOverlappingPairs runs takes effect at its end, except that a destroyed proxy is not seen
-/// again. Only a ghost-pair callback must not destroy any: Bullet's pair caches call it in the midst of a change.
+/// Profile zones (BT_PROFILE), within Bullet's "calculateOverlappingPairs": "qcBroadphase search" finds changed pairs,
+/// "qcBroadphase pairs" updates the cache. A step in which nothing moved has neither.
+///
+/// Thread-safety: rayTest and aabbTest may run on several threads at once while nothing else does. All other functions
+/// belong to one thread. Callbacks may create, move and destroy proxies. Such a change takes effect at the end of the
+/// running query, destroyProxy or calculateOverlappingPairs, but a destroyed proxy is not reported again. Only a
+/// ghost-pair callback must not destroy proxies, since Bullet's pair caches call it in the middle of a change.
 class QC_API qcBroadphase : public btBroadphaseInterface
 {
   public:
-    /// Null: makes a btHashedOverlappingPairCache and owns it. Any other pair cache must outlive the broadphase.
+    /// Null: creates and owns a btHashedOverlappingPairCache. Any other pair cache must outlive the broadphase.
     explicit qcBroadphase(btOverlappingPairCache* pairCache = nullptr);
-    /// Frees the proxies that are left; their pairs stay in the cache if it is not owned.
+    /// Frees the remaining proxies. Their pairs stay in the cache unless it is owned.
     ~qcBroadphase() override;
     qcBroadphase(const qcBroadphase&) = delete;
     qcBroadphase& operator=(const qcBroadphase&) = delete;
 
-    /// O(log n). Its pairs are in the cache after the next calculateOverlappingPairs; see setAabb.
+    /// Adds a proxy, O(log n). Its pairs are in the cache after the next calculateOverlappingPairs; see also setAabb.
+    /// Null: out of memory.
     btBroadphaseProxy* createProxy(const btVector3& aabbMin, const btVector3& aabbMax, int shapeType, void* userPtr,
                                    int collisionFilterGroup, int collisionFilterMask,
                                    btDispatcher* dispatcher) override;
-    /// Removes the proxy's pairs at once. O(pairs in the cache), as with any of Bullet's broadphases. Null is allowed.
+    /// Removes a proxy and its pairs. O(pairs in the cache), as in Bullet's broadphases. Null is allowed.
     void destroyProxy(btBroadphaseProxy* proxy, btDispatcher* dispatcher) override;
-    /// The same box again costs nothing; otherwise O(log n). The first boxes that change after a step find their new
-    /// pairs at once, since a character controller or a sensor moved by hand reads them before the next step.
+    /// Moves a proxy, O(log n); an unchanged box costs nothing. The first boxes that change after a step find their new
+    /// pairs at once, for character controllers and sensors that are moved by hand and read before the next step.
     void setAabb(btBroadphaseProxy* proxy, const btVector3& aabbMin, const btVector3& aabbMax,
                  btDispatcher* dispatcher) override;
+    /// The proxy's box, as it was set. O(1).
     void getAabb(btBroadphaseProxy* proxy, btVector3& aabbMin, btVector3& aabbMax) const override;
 
-    /// Reports every proxy whose box is met on the way from `rayFrom` to `rayTo` by a box of the given extents, nearer
-    /// ones first as far as the tree can tell, and few others. The way goes on beyond `rayTo`, or another way, where
-    /// the callback's m_rayDirectionInverse and m_lambda_max say so. The callback may lower its m_lambda_max to shorten
-    /// what is left of the way. What `process` returns is ignored, as by Bullet's broadphases.
+    /// Reports every proxy whose box is touched by a box of the given extents that moves from `rayFrom` to `rayTo`, and
+    /// few others; nearer ones first, as far as the tree can order them. The callback's m_rayDirectionInverse and
+    /// m_lambda_max may describe another way, which is then followed. The callback may lower m_lambda_max to shorten
+    /// the rest of the search. The return value of `process` is ignored, as in Bullet's broadphases.
     void rayTest(const btVector3& rayFrom, const btVector3& rayTo, btBroadphaseRayCallback& rayCallback,
                  const btVector3& aabbMin = btVector3(0, 0, 0), const btVector3& aabbMax = btVector3(0, 0, 0)) override;
-    /// Reports every proxy whose box meets the given one. What `process` returns is ignored.
+    /// Reports every proxy whose box overlaps the given one. The return value of `process` is ignored.
     void aabbTest(const btVector3& aabbMin, const btVector3& aabbMax, btBroadphaseAabbCallback& callback) override;
 
-    /// O(moved log n + pairs). Does nothing when called by a callback of its own.
+    /// Updates the pair cache. O(moved log n + pairs). Does nothing when one of its own callbacks calls it.
     void calculateOverlappingPairs(btDispatcher* dispatcher) override;
 
+    /// The pair cache, given or owned.
     btOverlappingPairCache* getOverlappingPairCache() override;
+    /// The pair cache, given or owned.
     const btOverlappingPairCache* getOverlappingPairCache() const override;
 
-    /// The smallest box around all proxies; zeros when there are none.
+    /// The smallest box around all proxies; zeros if there are none.
     void getBroadphaseAabb(btVector3& aabbMin, btVector3& aabbMax) const override;
-    /// When there are no proxies, unique ids start again and the same calls give the same results as on a new
-    /// broadphase.
+    /// If there are no proxies, unique ids start again: the same calls then give the same results as on a new
+    /// broadphase. Otherwise nothing happens.
     void resetPool(btDispatcher* dispatcher) override;
     /// Prints the numbers of proxies and pairs.
     void printStats() override;
-    /// Draws the box of each proxy in the drawer's colour of AABBs, and a line between the middles of the boxes of each
-    /// pair in the cache in its colour of contact points. Bounds that are not finite are left out. For any debug mode:
-    /// call it after debugDrawWorld, which draws AABBs of shapes and not these. Changes nothing.
+    /// Draws the box of each proxy in the drawer's colour of AABBs, and a line between the centres of each pair in the
+    /// cache in its colour of contact points. Boxes that are not finite are left out. Call it after debugDrawWorld,
+    /// which draws the AABBs of shapes and not these. The drawer's debug mode is ignored. Changes nothing.
     void debugDraw(btIDebugDraw* drawer) const;
 
-    /// qc_statusOutOfMemory after an allocation failed, until a calculateOverlappingPairs finds room for everything.
+    /// qc_statusOutOfMemory from a failed allocation until a calculateOverlappingPairs has found memory for everything.
     qcStatus getStatus() const;
 
   private:
@@ -152,7 +158,7 @@ class QC_API qcBroadphase : public btBroadphaseInterface
 
     std::atomic<int> m_walks{0}; ///< queries and searches that are running: the set must stay as it is
     Proxy* m_pending = nullptr;  ///< proxies whose changes wait for the last walk to end
-    unsigned m_destroyCount = 0; ///< tells a loop over pairs that a callback has removed some
+    unsigned m_destroyCount = 0; ///< changes when a callback removes pairs during a loop over them
 
     long long m_interval = 1; ///< between two searches for pairs
     bool m_anythingTouched = false, m_anythingSought = false;

@@ -1,12 +1,10 @@
-// Self-collision of deformable bodies, contact among them and with qcMeshShape, in place of VF_DD:
-//
-//     btDeformableBodySolver deformableSolver;
-//     btDeformableMultiBodyConstraintSolver solver;
-//     solver.setDeformableSolver(&deformableSolver);
-//     qcDeformableWorld world(&dispatcher, &broadphase, &solver, &configuration, &deformableSolver);
-//
-// Bullet's own self-collision of deformable bodies (VF_DD with setSelfCollision) looks at vertices and faces only, not
-// at pairs of edges, leaves patches out by their normals alone, and answers with impulses after its implicit solve.
+/// @file
+/// Self-collision of deformable bodies, and contact among them and with qcMeshShape, in place of VF_DD:
+///
+///     qcDeformableWorld world(&dispatcher, &broadphase, &solver, &configuration, &deformableSolver);
+///
+/// Bullet's own self-collision of deformable bodies (VF_DD with setSelfCollision) tests vertices against faces but not
+/// edges against edges, excludes patches by their normals alone, and applies impulses after its implicit solve.
 #ifndef QUICKCULLIDE_BULLET_DEFORMABLE_H
 #define QUICKCULLIDE_BULLET_DEFORMABLE_H
 
@@ -15,17 +13,19 @@
 #include <BulletSoftBody/btDeformableBodySolver.h>
 #include <BulletSoftBody/btDeformableMultiBodyDynamicsWorld.h>
 
-/// A drop-in for btDeformableMultiBodyDynamicsWorld, which differs in contact among soft bodies and with qcMeshShape
-/// only: bodies move as Bullet has it, then nodes are moved apart and their velocities with them, as qcSoftBodySolver
-/// does. VF_DD and btSoftBody::setSelfCollision are not asked, qcSoftBodySettings::selfCollision is; Bullet's repulsion
-/// and its geometric collisions don't run.
+/// A drop-in for btDeformableMultiBodyDynamicsWorld. Only contact among soft bodies and with qcMeshShape differs:
+/// Bullet moves the bodies, then nodes are moved apart and their velocities adapted, as qcSoftBodySolver does.
+/// qcSoftBodySettings::selfCollision replaces VF_DD and btSoftBody::setSelfCollision, which are ignored; Bullet's
+/// repulsion and its geometric collisions don't run.
 ///
-/// Nodes with an anchor and bodies of the reduced model are not moved by contacts; others are kept off them.
+/// Contacts don't move anchored nodes and bodies of the reduced model; other bodies are kept away from them.
 ///
-/// Destroy it before the dispatcher and the device.
+/// Destroy it before the dispatcher and the device. Thread-safety: as Bullet's world.
 class QC_API qcDeformableWorld : public btDeformableMultiBodyDynamicsWorld, public qcSoftBodyContact
 {
   public:
+    /// Parameters of btDeformableMultiBodyDynamicsWorld, and a device: it runs the methods that need GL; null is the
+    /// same as a device of kind none.
     qcDeformableWorld(btDispatcher* dispatcher, btBroadphaseInterface* broadphase,
                       btDeformableMultiBodyConstraintSolver* constraintSolver,
                       btCollisionConfiguration* collisionConfiguration, btDeformableBodySolver* deformableSolver,
@@ -33,7 +33,9 @@ class QC_API qcDeformableWorld : public btDeformableMultiBodyDynamicsWorld, publ
     ~qcDeformableWorld() override;
 
   protected:
+    /// One step of Bullet's, then manifolds and callbacks.
     void internalSingleStepSimulation(btScalar timeStep) override;
+    /// Bullet's integration, then the contacts of this class.
     void integrateTransforms(btScalar timeStep) override;
 };
 

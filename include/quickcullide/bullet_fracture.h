@@ -1,11 +1,11 @@
-// Breaks a closed triangle mesh into pieces: its parts in the cells of a Voronoi diagram, cut faces included. Link
-// quickcullide::fracture (or fracture_double), which is built where voro++ and GLU are installed.
-//
-//     qcFractureDef def;
-//     def.vertices = ..., def.indices = ...;
-//     def.sites = qcScatterSites(lower, upper, 100, 1, &impact);
-//     qcFracture fracture = qcFracture_Split(def);
-//     for (const qcPiece& piece : fracture.pieces) { a qcMeshShape over piece.vertices and piece.indices ... }
+/// @file
+/// Breaks a closed triangle mesh into pieces, one or more in each cell of a Voronoi diagram, with their cut faces. Link
+/// quickcullide::fracture (or fracture_double), which is built where voro++ and GLU are installed.
+///
+///     qcFractureDef def;
+///     def.vertices = ..., def.indices = ..., def.sites = qcScatterSites(lower, upper, 100, 1, &impact);
+///     qcFracture fracture = qcFracture_Split(def);
+///     for (const qcPiece& piece : fracture.pieces) { a qcMeshShape of piece.vertices and piece.indices ... }
 #ifndef QUICKCULLIDE_BULLET_FRACTURE_H
 #define QUICKCULLIDE_BULLET_FRACTURE_H
 
@@ -19,69 +19,73 @@
 
 class btRigidBody;
 
+/// A mesh, and where to break it.
 struct qcFractureDef
 {
-    /// Positions in the mesh's frame. Vertices at the same position count as one.
+    /// Positions in the mesh's frame. Vertices at equal positions count as one.
     std::vector<btVector3> vertices;
-    /// Three a triangle, counterclockwise as seen from outside.
+    /// Three for each triangle, counterclockwise as seen from outside.
     std::vector<uint32_t> indices;
-    /// The points that are nearer to one of them than to any other are its cell. They may lie anywhere.
+    /// One site for each Voronoi cell, anywhere: the cell is the set of points nearer to its site than to any other.
     std::vector<btVector3> sites;
 };
 
-/// A closed mesh in one part.
+/// A closed, connected mesh.
 struct qcPiece
 {
-    /// In the piece's frame. Rounded to btScalar once: they fit those of the pieces around.
+    /// Positions in the piece's frame, rounded to btScalar once, so that they fit those of the adjacent pieces.
     std::vector<btVector3> vertices;
-    std::vector<uint32_t> indices;
-    uint32_t firstCutTriangle = 0; ///< from here on triangles lie in cuts
-    uint32_t site = 0;             ///< of its cell: a cell may hold several pieces
-    /// The centre of mass and the principal axes, in the mesh's frame: a btRigidBody's tensor is diagonal in its frame.
-    /// The centre is rounded to btScalar: of a mesh at 1e6, in float, it is off by up to 0.03.
+    std::vector<uint32_t> indices; ///< three for each triangle, counterclockwise as seen from outside
+    uint32_t firstCutTriangle = 0; ///< triangles from this one on lie in cuts, the others on the mesh's surface
+    uint32_t site = 0;             ///< index of the cell's site; a cell may hold several pieces
+    /// Centre of mass and principal axes, in the mesh's frame: the tensor of a btRigidBody is diagonal in this frame.
+    /// The centre is rounded to btScalar: for a mesh at 1e6, in float, it is off by up to 0.03.
     btTransform frame = btTransform::getIdentity();
-    double volume = 0; ///< the mesh's unit of length cubed; a btScalar may not hold it
+    double volume = 0; ///< in cubed units of length; a btScalar might overflow
 };
 
+/// The pieces of a mesh.
 struct qcFracture
 {
-    qcStatus status = qc_statusOk;
-    std::string message; ///< the defect of the input, and its place
-    std::vector<qcPiece> pieces;
-    double volume = 0;     ///< of the mesh
-    double lostVolume = 0; ///< of splinters, below 1e-9 of the mesh's volume each, which are dropped
+    qcStatus status = qc_statusOk; ///< qc_statusBadInput: there are no pieces
+    std::string message;           ///< the defect of the input, and its place
+    std::vector<qcPiece> pieces;   ///< in an order that depends on the input only
+    double volume = 0;             ///< of the mesh
+    double lostVolume = 0;         ///< of dropped splinters, each below 1e-9 of the mesh's volume
 };
 
-/// Splits a mesh. The same input gives the same pieces; input scaled by a power of two gives the pieces scaled, bit by
-/// bit. Triangles back to back, with nothing between them, are dropped. Pieces and splinters together have the mesh's
-/// volume, within 1e-12 of it and 1e-14 of the cube of its length.
+/// Splits a mesh. Equal input gives equal pieces; input scaled by a power of two gives the pieces scaled, bit by bit.
+/// Coincident triangles with opposite orientation are dropped. The volumes of pieces and splinters sum up to the mesh's
+/// volume, with an error of at most 1e-12 of it plus 1e-14 of the cube of the mesh's length.
 ///
 /// qc_statusBadInput, and no pieces:
-/// - an index is out of range, a vertex or site is not finite, two sites are at the same place, there is no site;
-/// - the mesh is not closed (each edge has to be passed as often one way as the other) or is inside out;
+/// - an index is out of range, a vertex or site is not finite, two sites are equal, or there is no site;
+/// - the mesh is not closed (each edge must be used equally often in both directions) or is inside out;
 /// - the mesh is too thin: its volume is below 1e-12 of the cube of its length, where rounding errors hide overlaps;
 /// - the mesh is shorter than 1e-31 or longer than 8e37 (in double: its volume is not from 1e-298 to 1e308);
 /// - in double, the nearest site is further from the mesh than 1e144 times its length.
 ///
-/// About O(triangles * log(cells)). Where two sites are closer than 1e-6 of the mesh's length, or all are further away
-/// than 64 lengths, O(cells * (triangles + cells)).
+/// About O(triangles * log(cells)). If two sites are closer than 1e-6 of the mesh's length, or all sites are further
+/// away than 64 lengths, O(cells * (triangles + cells)).
 ///
 /// Thread-safety: any thread may call it, several at once. It uses all cores.
 QC_API qcFracture qcFracture_Split(const qcFractureDef& def);
 
-/// Sites within a box, the same for the same seed; around a point, if one is given, the denser the nearer to it.
+/// `count` sites in a box, the same for the same seed. With an impact point they are denser near it.
 QC_API std::vector<btVector3> qcScatterSites(const btVector3& lower, const btVector3& upper, uint32_t count,
                                              uint64_t seed, const btVector3* impact = nullptr);
 
-/// How a piece flies on when the body that it was part of is replaced: momentum and angular momentum are kept.
+/// The motion of a piece when the broken body is replaced: momentum and angular momentum are kept.
 struct qcPieceMotion
 {
-    btScalar mass;         ///< 0 only if the body is static: at least the smallest normal btScalar otherwise
-    btTransform transform; ///< of a body whose shape is the piece's vertices
-    btVector3 linearVelocity, angularVelocity;
+    btScalar mass;             ///< 0 only if the body is static, otherwise at least the smallest normal btScalar
+    btTransform transform;     ///< world transform of a body whose shape is the piece's vertices
+    btVector3 linearVelocity;  ///< of the piece's centre of mass
+    btVector3 angularVelocity; ///< that of the body
 };
 
-/// `fracture` is of the body's mesh in the body's frame, whose origin is its centre of mass.
+/// The motion of a piece of `body`. `fracture` must be of the body's mesh in the body's frame, whose origin is its
+/// centre of mass. O(1).
 QC_API qcPieceMotion qcMotionOfPiece(const btRigidBody& body, const qcFracture& fracture, const qcPiece& piece);
 
 #endif

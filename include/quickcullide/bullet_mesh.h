@@ -1,13 +1,10 @@
-// Triangle meshes that move and touch each other, in any Bullet world:
-//
-//     qcMeshContact meshContact;
-//     btDiscreteDynamicsWorld world(&dispatcher, &broadphase, &solver, &configuration);
-//     meshContact.addTo(&world);
-//     qcMeshShape shape(positions, qc_positionF32, 0, vertexCount, indices, triangleCount);
-//
-// Bullet has no contact among btConcaveShapes, but for btGImpactMeshShape, pair of triangles by pair of triangles. Here
-// all pairs of meshes of a step are found in one run of qcScene_Detect, and their contact points are those of whole
-// regions of contact: a mesh slides over the inner edges of another one without a bump.
+/// @file
+/// Triangle meshes that move and collide with each other, in any Bullet world:
+///
+///     qcMeshContact meshContact;
+///     btDiscreteDynamicsWorld world(&dispatcher, &broadphase, &solver, &configuration);
+///     meshContact.addTo(&world);
+///     qcMeshShape shape(positions, qc_positionF32, 0, vertexCount, indices, triangleCount);
 #ifndef QUICKCULLIDE_BULLET_MESH_H
 #define QUICKCULLIDE_BULLET_MESH_H
 
@@ -22,202 +19,214 @@
 class btIDebugDraw;
 class btStridingMeshInterface;
 
-/// What a mesh of homogeneous material weighs, and where.
+/// Mass properties of a mesh of homogeneous material.
 struct qcMassProperties
 {
-    /// qc_statusBadInput: the area or volume leaves the range of double, or the inertia that of btScalar (in float: of
-    /// meshes longer than 1e19, or shorter than 1e-19). What does so is 0, the rest holds.
+    /// qc_statusBadInput: the area or volume is outside the range of double, or the inertia outside that of btScalar
+    /// (in float: meshes longer than 1e19 or shorter than 1e-19). Values out of range are 0, the others hold.
     qcStatus status = qc_statusOk;
-    /// Each edge, of vertices at the same positions, is passed as often one way as the other, and there is an inside.
-    /// Otherwise the mesh counts as a thin shell.
+    /// Each edge (vertices at equal positions count as one) is used equally often in both directions, and the mesh has
+    /// an inside. Otherwise the mesh counts as a thin shell.
     bool closed = false;
-    double area = 0;
-    double volume = 0; ///< 0 unless closed
-    btVector3 center{0, 0, 0};
-    /// Of a body of mass 1, about its centre of mass, in the mesh's axes. Multiply by the mass.
+    double area = 0;           ///< in squared units of length
+    double volume = 0;         ///< in cubed units of length; 0 unless closed
+    btVector3 center{0, 0, 0}; ///< centre of mass, in the mesh's frame
+    /// Inertia tensor for mass 1, about the centre of mass, along the mesh's axes. Multiply by the mass.
     btMatrix3x3 inertia = btMatrix3x3::getIdentity();
-    /// The centre and the principal axes: a mesh moved by the inverse of this has a diagonal tensor about its origin.
+    /// Centre and principal axes: moved by the inverse of this, the mesh has a diagonal tensor about its origin.
     btTransform principalFrame = btTransform::getIdentity();
-    /// That diagonal, of a body of mass 1. Multiplied by the mass: the inertia of a btRigidBody.
+    /// The diagonal of that tensor, for mass 1. Multiplied by the mass: the inertia of a btRigidBody.
     btVector3 principalInertia{0, 0, 0};
 };
 
-/// A triangle soup, moving or static. Positions and indices are copied. Any soup will do: it need not be closed, its
-/// triangles may cross, lie on top of each other, or be degenerate. O(n), no preprocessing: a tree over the triangles
-/// is built when something first asks for one (convex shapes, rays, soft bodies), in O(n log n).
+/// A triangle soup, moving or static. Positions and indices are copied. It need not be closed; triangles may intersect,
+/// overlap or be degenerate. Creation is O(n); a tree over the triangles is built in O(n log n) when it is first needed
+/// (convex shapes, rays, soft bodies).
 ///
-/// Convex shapes, rays and swept shapes meet it through Bullet's own algorithms; meshes and planes, once a
-/// qcMeshContact was added to the world; soft bodies through qcSoftBodySolver and qcDeformableWorld, else Bullet's own.
-/// The shape type is FAST_CONCAVE_MESH_PROXYTYPE: CUSTOM_CONCAVE_SHAPE_TYPE is the same number as SDF_SHAPE_PROXYTYPE,
-/// and Bullet's convex-concave algorithm casts what bears it to btSdfCollisionShape.
+/// Contact: with convex shapes, rays and swept shapes by Bullet's own algorithms; with meshes and planes by a
+/// qcMeshContact of the world; with soft bodies by qcSoftBodySolver or qcDeformableWorld, otherwise by Bullet's own
+/// algorithm. The shape type is FAST_CONCAVE_MESH_PROXYTYPE, since CUSTOM_CONCAVE_SHAPE_TYPE equals
+/// SDF_SHAPE_PROXYTYPE, which Bullet casts to btSdfCollisionShape.
 ///
-/// The margin is a shell on both sides of each triangle; unless setMargin says otherwise 0.01, or a quarter of the mean
-/// edge where that is less. Two meshes rest with their shells touching: their triangles then don't, which is what makes
-/// their contact points dependable. Thick shells around small triangles cost time.
+/// Margin: a shell on both sides of each triangle. Default: 0.01, or a quarter of the mean edge if that is less. Two
+/// resting meshes touch with their shells, not with their triangles, which keeps contact points reliable. Thick shells
+/// around small triangles cost time.
 ///
-/// Dynamic bodies: the centre of mass must be the shape's origin, and the principal axes those of the shape. Bullet
-/// turns a body about its origin and keeps the diagonal of its tensor only; a mesh that lies otherwise wobbles and
-/// falls wrongly. makeRecentered makes a copy that lies so; getMassProperties gives the centre and the axes.
+/// Dynamic bodies: the shape's origin must be the centre of mass, and its axes the principal axes, since Bullet rotates
+/// a body about its origin and stores the diagonal of its tensor only. Otherwise the body wobbles and falls wrongly.
+/// makeRecentered makes a copy that lies so; getMassProperties gives centre and axes.
 ///
-/// Serialization (btSerializer): the mesh is saved as a btCompoundShape with one btBvhTriangleMeshShape at its origin.
-/// Bullet's importers read that as it is, with the mass of the body: they drop btGImpactMeshShape unless built with
-/// USE_GIMPACT, and a body with a bare triangle mesh comes back static. qcRestoreMeshes makes a qcMeshShape of it
-/// again. Vertices, indices, scaling and margin are kept; Bullet's format has scaling and margin in single precision.
-/// Until they are restored, loaded meshes touch convex shapes only. Of bodies Bullet's importers drop velocities,
-/// filters and collision flags, whatever the shape: a kinematic body comes back static.
+/// Serialization (btSerializer): the mesh is saved as a btCompoundShape with one btBvhTriangleMeshShape at its origin,
+/// which Bullet's importers load together with the body's mass. (They drop btGImpactMeshShape unless built with
+/// USE_GIMPACT, and load a body with a bare triangle mesh as static.) qcRestoreMeshes then makes a qcMeshShape of it;
+/// until then loaded meshes touch convex shapes only. Vertices, indices, scaling and margin are kept, the latter two in
+/// single precision. For all shapes Bullet's importers drop velocities, filters and collision flags: a kinematic body
+/// comes back static.
 ///
-/// Thread-safety: the const functions may be called from several threads at once while no other function runs.
+/// Thread-safety: const functions may run on several threads at once while no other function runs.
 ATTRIBUTE_ALIGNED16(class) QC_API qcMeshShape : public btConcaveShape
 {
   public:
     BT_DECLARE_ALIGNED_ALLOCATOR();
 
-    /// `vertexCount` positions, `stride` bytes apart (0: tightly packed); 3 * `triangleCount` indices.
+    /// A mesh of `vertexCount` positions, `stride` bytes apart (0: tightly packed), and 3 * `triangleCount` indices.
+    /// See getStatus.
     qcMeshShape(const void* positions, qcPositionType type, size_t stride, uint32_t vertexCount,
                 const uint32_t* indices, uint32_t triangleCount);
-    /// All parts of a mesh interface of Bullet's, with its scaling. Nothing is kept of it.
+    /// A copy of all parts of one of Bullet's mesh interfaces, with its scaling.
     explicit qcMeshShape(const btStridingMeshInterface* mesh);
     ~qcMeshShape() override;
     qcMeshShape(const qcMeshShape&) = delete;
     qcMeshShape& operator=(const qcMeshShape&) = delete;
 
-    /// qc_statusBadInput: an index was out of range, or a position not finite; the mesh is empty. qcLastMessage does
-    /// not tell more.
+    /// qc_statusBadInput: an index was out of range or a position not finite, and the mesh is empty. qcLastMessage has
+    /// no details.
     qcStatus getStatus() const;
 
-    uint32_t getVertexCount() const;
-    uint32_t getTriangleCount() const;
-    /// In the shape's frame, scaled. Valid until the next scaling.
+    uint32_t getVertexCount() const;   ///< the number of vertices
+    uint32_t getTriangleCount() const; ///< the number of triangles
+    /// Positions in the shape's frame, scaled. Valid until the next setLocalScaling.
     const btVector3* getVertices() const;
+    /// Three for each triangle. Valid as long as the shape.
     const uint32_t* getIndices() const;
-    /// Differs between any two shapes, and before and after a scaling.
+    /// A number that differs between any two shapes, and changes with each scaling.
     uint64_t getRevision() const;
 
-    /// O(n log n).
+    /// The mass properties of the scaled mesh. O(n log n).
     qcMassProperties getMassProperties() const;
-    /// A copy whose origin is the centre of mass and whose axes are the principal axes, with the same margin and its
-    /// scaling applied. `frame` (may be null) receives where the copy lies in this shape, principalFrame of the mass
-    /// properties: a body of the copy at T * frame has its triangles where a body of this shape has them at T.
-    /// O(n log n).
+    /// A copy whose origin is the centre of mass and whose axes are the principal axes, with the same margin; scaling
+    /// is applied. `frame` (may be null) receives principalFrame of the mass properties: a body of the copy at T *
+    /// frame has its triangles where a body of this shape has them at T. O(n log n).
     std::unique_ptr<qcMeshShape> makeRecentered(btTransform* frame = nullptr) const;
-    /// The diagonal of the tensor about the shape's origin, which Bullet takes for the centre of mass, in its axes. For
-    /// a mesh whose centre of mass lies elsewhere, see makeRecentered. A moment is 0 where btScalar can't hold it or
-    /// its inverse: Bullet doesn't turn the body about that axis. O(n log n).
+    /// The diagonal of the tensor about the shape's origin, which Bullet takes for the centre of mass. If the centre of
+    /// mass lies elsewhere, use makeRecentered. A moment is 0 if btScalar can't hold it or its inverse: Bullet then
+    /// doesn't rotate the body about that axis. O(n log n).
     void calculateLocalInertia(btScalar mass, btVector3 & inertia) const override;
 
+    /// The box around the transformed mesh, margin included.
     void getAabb(const btTransform& transform, btVector3& aabbMin, btVector3& aabbMax) const override;
+    /// Scales the mesh, O(n).
     void setLocalScaling(const btVector3& scaling) override;
-    const btVector3& getLocalScaling() const override;
-    const char* getName() const override;
+    const btVector3& getLocalScaling() const override; ///< the scaling; (1, 1, 1) by default
+    const char* getName() const override;              ///< "QCMESH"
 
-    /// Every triangle whose box meets the closed box. A btTriangleRaycastCallback gets only those that its ray may
-    /// still hit, nearer ones first as far as the tree can tell.
+    /// Reports every triangle whose box overlaps the closed box. A btTriangleRaycastCallback receives only triangles
+    /// that its ray may still hit, nearer ones first, as far as the tree can order them.
     void processAllTriangles(btTriangleCallback * callback, const btVector3& aabbMin, const btVector3& aabbMax)
         const override;
-    /// Every triangle that reaches below the plane normal . x = distance, and a few others.
+    /// Reports every triangle with a point below the plane normal . x = distance, and a few others.
     void processTrianglesBelow(btTriangleCallback * callback, const btVector3& normal, btScalar distance) const;
 
-    int calculateSerializeBufferSize() const override;
+    int calculateSerializeBufferSize() const override; ///< of the data that serialize writes
+    /// Writes the shape as Bullet's data; see the class.
     const char* serialize(void* dataBuffer, btSerializer* serializer) const override;
-    void serializeSingleShape(btSerializer * serializer) const override;
+    void serializeSingleShape(btSerializer * serializer) const override; ///< writes the shape as a chunk
 
   private:
     struct Implementation;
     std::unique_ptr<Implementation> m_implementation;
 };
 
-/// Puts qcMeshShapes back where a world was loaded with Bullet's importer: in the place of each btCompoundShape that
-/// holds a single btBvhTriangleMeshShape at its origin, as the shape of an object or as a child of its compounds.
-/// Shapes that were shared are shared again, but for children of compounds, of which the importer makes copies. Dynamic
-/// bodies whose root shape is replaced get the inertia of the mesh. Returns the shapes made, which must outlive the
-/// objects and compounds that use them; the replaced ones stay with the importer. Call it between steps. O(objects +
-/// triangles).
+/// Makes qcMeshShapes again in a world that Bullet's importer loaded: replaces each btCompoundShape that holds a single
+/// btBvhTriangleMeshShape at its origin, as the shape of an object or as a child of a compound. Shared shapes are
+/// shared again, except for children of compounds, which the importer copies. Dynamic bodies whose root shape is
+/// replaced get the mesh's inertia. Call it between steps. O(objects + triangles).
+///
+/// Returns the new shapes, which must outlive the objects and compounds that use them. The importer keeps the old ones.
 QC_API std::vector<std::unique_ptr<qcMeshShape>> qcRestoreMeshes(btCollisionWorld* world);
 
-/// What the last batch did.
+/// The work of the last batch.
 struct qcMeshContactStatistics
 {
-    /// Anything but qc_statusOk: a query failed (say, a transform is not finite); the pairs concerned have no contact.
+    /// Anything but qc_statusOk: a query failed, for example because a transform is not finite; its pairs then have no
+    /// contact.
     qcStatus status = qc_statusOk;
-    uint64_t batches = 0; ///< runs for all pairs, since the beginning: at most one a step
-    uint64_t queries = 0; ///< runs for one pair alone, since the beginning: contactTest, contactPairTest
-    int bodies = 0;       ///< meshes that the scene holds; a compound has one for each mesh in it
+    uint64_t batches = 0; ///< queries for all pairs, since the beginning: at most one in each step
+    uint64_t queries = 0; ///< queries for a single pair, since the beginning: contactTest, contactPairTest
+    int bodies = 0;       ///< meshes in the scene; a compound has one for each mesh in it
     int manifolds = 0;    ///< regions of contact
     int points = 0;       ///< contact points of these
-    /// What answered: never qc_methodAuto, `layers` as soon as the device had a share.
+    /// The method that ran; never qc_methodAuto: `layers` if the device answered for a part.
     qcMethod method = qc_methodSweep;
-    const char* device = "none";
-    const char* fallback = nullptr; ///< why another method than the one asked for ran, or null
-    int moments = 0;                ///< within the step that were looked at, for bodies that move fast
+    const char* device = "none";    ///< name of the device that was used; "none" if the CPU answered alone
+    const char* fallback = nullptr; ///< why another method than the requested one ran, or null
+    int moments = 0;                ///< times within the step at which fast bodies were sampled
     double gatherMs = 0;            ///< milliseconds of reading from Bullet
-    double aheadMs = 0;             ///< milliseconds of looking at these moments
-    /// Milliseconds of the query, and what its stages took of it.
-    double detectMs = 0, cullMs = 0, sweepMs = 0, exactMs = 0, manifoldMs = 0;
+    double aheadMs = 0;             ///< milliseconds of sampling fast bodies
+    double detectMs = 0;            ///< milliseconds of the query; the following are parts of it
+    double cullMs = 0;              ///< milliseconds of culling
+    double sweepMs = 0;             ///< milliseconds of finding candidates
+    double exactMs = 0;             ///< milliseconds of exact tests
+    double manifoldMs = 0;          ///< milliseconds of making manifolds
 };
 
 /// Contact of the meshes of a world: qcMeshShape with qcMeshShape, btGImpactMeshShape, static triangle meshes, terrains
-/// and planes, also as children of compounds.
+/// and planes, also as children of compounds. Bullet itself has contact between concave shapes for btGImpactMeshShape
+/// only, triangle pair by triangle pair. Here contact points belong to whole regions of contact, so that a mesh slides
+/// over inner edges of another one without bumps.
 ///
-/// The first pair of meshes that a step asks for starts one query for all pairs in the world's pair cache; all others
-/// read its result. So it works with any broadphase and any dispatcher, and which pair comes first, or on which thread,
-/// makes no difference. A pair that is asked for elsewhere (contactTest, contactPairTest, or with a transform of its
-/// own) is computed alone.
+/// Batches: the first pair of meshes in a step starts one query for all pairs in the world's pair cache; the others
+/// read its result. Any broadphase and any dispatcher will do; the order of pairs and their threads make no difference.
+/// A pair outside a step (contactTest, contactPairTest) or with another transform is computed alone.
 ///
-/// Contact points: those that the bodies' motion in the step may bring into touch, within Bullet's contact breaking
-/// threshold and, for fine meshes, half an edge, of each body, beyond both margins; on planes however fast a body
-/// comes. What the step brings within the threshold is in a manifold before: not met deep inside. Points are grouped by
-/// normal, and each group, up to four of them, has a manifold of its own with the four points that span it, the deepest
-/// among them, or one of the step before that is no more than 5 % of the threshold less deep. A point near one of the
-/// step before keeps its impulses.
+/// Contact points: all that the bodies' motion in the step may bring into contact, as far as Bullet's contact breaking
+/// threshold reaches and, for fine meshes, half an edge of each body, beyond both margins; on planes at any speed.
+/// Contacts that will come within the threshold during the step are created at its beginning, before the bodies
+/// penetrate. Points are grouped by normal. Each of up to four groups has a manifold of its own with the four points
+/// that span it, among them the deepest, or one of the previous step that is at most 5 % of the threshold less deep. A
+/// point near one of the previous step keeps its impulses.
 ///
-/// Rigid bodies that pass each other by more than the threshold and 5 % of the smaller one in a step are looked at in
-/// up to sixteen moments of it, carried along by the velocities of its beginning, and stop where they touch; so do
-/// those that follow them. What else the solver changes in the step is not foreseen. Nor are children of compounds, for
-/// which Bullet asks when boxes overlap and not before.
+/// Fast bodies: rigid bodies that pass each other by more than the threshold and 5 % of the smaller one are sampled at
+/// up to sixteen times in the step, along their initial velocities, and stop where they touch, together with bodies
+/// that follow them. Changes of velocity by the solver within the step are not foreseen, nor are children of compounds.
 ///
-/// While no point of a body has moved by 3 % of that threshold, its contact points move with it and nothing is
-/// searched: meshes at rest cost next to nothing.
+/// Rest: as long as no point of a body has moved by 3 % of the threshold, its contact points move with it and nothing
+/// is searched.
 ///
-/// debugDrawWorld shows qcMeshShapes as any concave shape (DBG_DrawWireframe, DBG_DrawAabb) and their contact points
-/// (DBG_DrawContactPoints); debugDraw the triangles that the culling left.
+/// debugDrawWorld draws qcMeshShapes like any concave shape (DBG_DrawWireframe, DBG_DrawAabb) and their contact points
+/// (DBG_DrawContactPoints); debugDraw draws the triangles that the culling left.
 ///
-/// Profile zones (BT_PROFILE), where the first pair of a step is read: "qcMeshContact batch", and in it "qcMeshContact
-/// gather", "qcMeshContact look ahead" and "qcMeshContact detect"; of each pair "qcMeshContact manifolds"; of a pair
-/// computed alone "qcMeshContact query".
+/// Profile zones (BT_PROFILE), at the first pair of a step: "qcMeshContact batch", and in it "qcMeshContact gather",
+/// "qcMeshContact look ahead" and "qcMeshContact detect"; at each pair "qcMeshContact manifolds"; at a pair computed
+/// alone "qcMeshContact query".
 ///
-/// Must outlive the world. Thread-safety: the algorithms may run on several threads at once.
+/// Must outlive the world. Thread-safety: the algorithms may run on several threads at once; the functions below belong
+/// to the world's thread.
 class QC_API qcMeshContact
 {
   public:
-    /// `device` draws for the methods that need GL; null is the same as a device of kind none. It must outlive this.
+    /// `device` runs the methods that need GL; null is the same as a device of kind none. It must outlive this object.
     explicit qcMeshContact(qcDevice* device = nullptr);
     ~qcMeshContact();
     qcMeshContact(const qcMeshContact&) = delete;
     qcMeshContact& operator=(const qcMeshContact&) = delete;
 
-    /// Registers with the world's dispatcher, which must be a btCollisionDispatcher. One world; before it has objects.
-    /// After btGImpactCollisionAlgorithm::registerAlgorithm, which would take the pairs with btGImpactMeshShape back.
+    /// Registers with the world's dispatcher, which must be a btCollisionDispatcher. For one world, before it has
+    /// objects, and after btGImpactCollisionAlgorithm::registerAlgorithm, which would replace the pairs with
+    /// btGImpactMeshShape.
     void addTo(btCollisionWorld* world);
-    /// From the next pairs on, btGImpactMeshShape with itself and with static triangle meshes is contact of this kind
-    /// too. Compounds of GImpact, and its contact with convex shapes and planes, stay as they are. After addTo.
+    /// From the next pairs on, contact of btGImpactMeshShape with itself and with static triangle meshes is computed
+    /// here too. Compounds of GImpact, and its contact with convex shapes and planes, stay Bullet's. Call it after
+    /// addTo.
     void takeOverGImpact();
 
-    /// The triangles of a shape of Bullet's (static triangle mesh, terrain, btGImpactMeshShape; not a compound of such)
-    /// are no longer where they were: to be called where Bullet wants refitTree or postUpdate. They are copied when a
-    /// pair first needs them, and are not looked at again without this call. Scaling is noticed.
+    /// Reports that the triangles of one of Bullet's shapes (static triangle mesh, terrain, btGImpactMeshShape; not a
+    /// compound of such) have moved: call it where Bullet requires refitTree or postUpdate. They are copied when a pair
+    /// first needs them, and again only after this call. Scaling is detected without it.
     void updateShape(const btCollisionShape* shape);
 
-    /// Threads of the queries; 0: one per core.
+    /// Threads of the queries; 0, the default: one per core.
     void setThreadCount(unsigned threads);
-    /// The method of the queries; qc_methodAuto if this is never called. `cullide` and `quick` are refused, since they
-    /// miss: qc_statusBadInput.
+    /// The method of the queries; qc_methodAuto by default. qc_statusBadInput: `cullide` and `quick`, which miss pairs.
     qcStatus setMethod(qcMethod method);
+    /// The work of the last batch. Valid until this object is destroyed; changes with each batch.
     const qcMeshContactStatistics& getStatistics() const;
 
-    /// Draws in red the potentially colliding set of the last batch: the triangles that are in a candidate pair, where
-    /// their objects are now. A step in which nothing moved keeps the batch before. Nothing if there was none, or its
-    /// query failed; objects that have left the world or changed their shape since are left out. For any debug mode:
-    /// call it between steps, after debugDrawWorld. Changes nothing. O(candidates + triangles of Bullet's own shapes).
+    /// Draws in red the potentially colliding set of the last batch: the triangles in candidate pairs, at their
+    /// objects' present places. After a step in which nothing moved it is that of the batch before. Nothing is drawn if
+    /// there was no batch or its query failed; objects that have left the world or changed their shape since are left
+    /// out. Call it between steps, after debugDrawWorld. The drawer's debug mode is ignored. Changes nothing.
+    /// O(candidates + triangles of Bullet's own shapes).
     void debugDraw(btIDebugDraw* drawer) const;
 
   private:

@@ -1,8 +1,9 @@
-// The library's loops on the threads of a Bullet task scheduler:
-//
-//     btITaskScheduler* scheduler = btCreateDefaultTaskScheduler();
-//     btSetTaskScheduler(scheduler); // Bullet's loops
-//     qcSetTaskScheduler(scheduler); // ours
+/// @file
+/// The library's loops on the threads of a Bullet task scheduler:
+///
+///     btITaskScheduler* scheduler = btCreateDefaultTaskScheduler();
+///     btSetTaskScheduler(scheduler); // Bullet's loops
+///     qcSetTaskScheduler(scheduler); // this library's loops
 #ifndef QUICKCULLIDE_BULLET_THREADS_H
 #define QUICKCULLIDE_BULLET_THREADS_H
 
@@ -10,17 +11,16 @@
 
 #include <LinearMath/btThreads.h>
 
-/// qcSetParallelFor with the scheduler's parallelFor and as many workers as its getNumThreads says now: call this again
-/// after setNumThreads. Null: the library's own threads again. The scheduler must live until the next call of this or
-/// of qcSetParallelFor. One process, one scheduler: this is not part of a world.
+/// Calls qcSetParallelFor with the scheduler's parallelFor and its present number of threads: call it again after
+/// setNumThreads. Null restores the library's own threads. The setting holds for the whole process, not for one world.
+/// The scheduler must live until the next call of this function or of qcSetParallelFor.
 ///
-/// Bullet's own thread numbers are not used, so that any scheduler will do, also one of yours in a Bullet that was
-/// built without BT_THREADSAFE. Such a Bullet, Debian's for one, has no threads of its own:
-/// btCreateDefaultTaskScheduler is null there, which leaves the library's own, and btGetSequentialTaskScheduler is one
-/// thread.
+/// Any scheduler works, also one of your own in a Bullet that was built without BT_THREADSAFE, because Bullet's thread
+/// numbers are not used. Such a Bullet (Debian's, for example) has no threads: btCreateDefaultTaskScheduler returns
+/// null, which leaves the library's own threads, and btGetSequentialTaskScheduler has one thread.
 ///
-/// qc_statusBadInput: the scheduler has no threads. Thread-safety: as qcSetParallelFor. Bullet's schedulers take one
-/// loop at a time: scenes used on several threads at once may find themselves on one thread each.
+/// qc_statusBadInput: the scheduler has no threads. Thread-safety: as qcSetParallelFor. Bullet's schedulers run one
+/// loop at a time: scenes used on several threads at once may run on one thread each.
 QC_API qcStatus qcSetTaskScheduler(btITaskScheduler* scheduler);
 
 #endif

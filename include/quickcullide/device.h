@@ -1,12 +1,10 @@
-// A device draws: it owns one OpenGL context, on a thread of its own, so that the context of the
-// calling thread (EGL, GLX or OSMesa) is never touched.
-//
-// Thread-safety: any thread may use a device; calls run one after another.
-//
-// Processes: a device stays in the process that opened it. In a child process, after fork(), it gives qc_statusDevice,
-// methods that can fall back to the sweep do so, and qcDevice_Destroy frees its memory but not its GL context. A child
-// of a process that has opened GL through this library can't open it again; qc_deviceNone it can. Mesa's own exit
-// handlers crash in a child of a process that has opened OSMesa: such a child ends with _exit() or exec.
+/// @file
+/// GL devices and pictures. A device owns one OpenGL context, on a thread of its own; the calling thread's context
+/// (EGL, GLX or OSMesa) is never touched. Thread-safety: any thread may use a device; calls run one after another.
+///
+/// A device works in the process that opened it only. In a child process, after fork(), its calls return
+/// qc_statusDevice and scenes that can do so fall back to `sweep`. qcDevice_Destroy then frees memory but not the GL
+/// context. See qcDevice_Create for what such a child may open.
 #ifndef QUICKCULLIDE_DEVICE_H
 #define QUICKCULLIDE_DEVICE_H
 
@@ -16,38 +14,42 @@
 extern "C" {
 #endif
 
+/// How a device opens GL.
 typedef enum qcDeviceKind
 {
-    /// The first of the following four that works here. Never fails: the last one always works. Surfaceless comes
-    /// before OSMesa where GALLIUM_DRIVER or MESA_LOADER_DRIVER_OVERRIDE in the environment name one of Mesa's drivers.
+    /// The first of the four kinds below that works on this machine. Never fails, since `none` always works. If
+    /// GALLIUM_DRIVER or MESA_LOADER_DRIVER_OVERRIDE in the environment names one of Mesa's drivers, surfaceless is
+    /// tried before OSMesa.
     qc_deviceAuto = 0,
     /// A hardware GPU, through EGL's device platform: no window system needed.
     qc_deviceEgl = 1,
-    /// Software GL in memory; libOSMesa is opened at run time. Fails where GALLIUM_DRIVER in the environment is neither
-    /// llvmpipe nor softpipe: libOSMesa crashes with other drivers.
+    /// Software GL in memory. libOSMesa is opened at run time. Fails if GALLIUM_DRIVER in the environment is neither
+    /// llvmpipe nor softpipe, since libOSMesa crashes with other drivers.
     qc_deviceOsmesa = 2,
-    /// Software (or any) GL through EGL's surfaceless platform.
+    /// Any GL, typically software, through EGL's surfaceless platform.
     qc_deviceSurfaceless = 3,
     /// No GL: every query is answered on the CPU.
     qc_deviceNone = 4
 } qcDeviceKind;
 
+/// A GL device.
 typedef struct qcDevice qcDevice;
 
+/// How to open a device. Make it with qcDefaultDeviceDef.
+///
+/// For kind egl, gpuIndex, gpuName and gpuUuid select the GPU: the first that matches all of those given. If none is
+/// given, it is the first hardware GPU that works; otherwise it may also be one that draws in software.
 typedef struct qcDeviceDef
 {
-    uint32_t structSize;
-    qcDeviceKind kind;
-    /// Which GPU: the first that fits all of the following three. None of them given: the first hardware GPU that
-    /// works; otherwise it may also be one that draws in software. For kind egl alone.
-    /// Number in EGL's list of devices, from 0; -1: any.
-    int32_t gpuIndex;
-    /// A part of its GL_RENDERER, at most 127 bytes, such as "RTX 4090"; null or empty: any.
+    uint32_t structSize; ///< sizeof(qcDeviceDef)
+    qcDeviceKind kind;   ///< qc_deviceAuto by default
+    int32_t gpuIndex;    ///< number in EGL's list of devices, from 0; -1, the default: any
+    /// Part of the GPU's GL_RENDERER, at most 127 bytes, such as "RTX 4090". Null or empty: any.
     const char* gpuName;
-    /// 16 bytes, as qcDeviceInfo::uuid; null: any.
-    const uint8_t* gpuUuid;
+    const uint8_t* gpuUuid; ///< 16 bytes, as qcDeviceInfo::uuid; null: any
 } qcDeviceDef;
 
+/// The default definition: kind auto, any GPU.
 static inline qcDeviceDef qcDefaultDeviceDef(void)
 {
     qcDeviceDef def;
@@ -59,77 +61,74 @@ static inline qcDeviceDef qcDefaultDeviceDef(void)
     return def;
 }
 
+/// The properties of an open device. Strings are valid until the device is reopened or destroyed.
 typedef struct qcDeviceInfo
 {
-    /// What was opened; never qc_deviceAuto.
-    qcDeviceKind kind;
-    /// "egl", "osmesa", "surfaceless" or "none".
-    const char* name;
-    /// GL_RENDERER and GL_VERSION; empty for none. Valid until the device is reopened or destroyed.
-    const char* renderer;
-    const char* version;
-    /// GL_VENDOR; likewise.
-    const char* vendor;
-    /// Pixels on a side of the largest square image; 0 for none.
-    uint32_t maxResolution;
-    /// The renderer runs on the CPU.
-    bool software;
-    /// Compute shaders (GL 4.3): what the method `layers` takes.
-    bool compute;
-    /// The GL context is lost: calls that need it return qc_statusDeviceLost until the device is reopened, `auto` and
-    /// `layers` fall back on the CPU.
+    qcDeviceKind kind;      ///< the kind that was opened; never qc_deviceAuto
+    const char* name;       ///< "egl", "osmesa", "surfaceless" or "none"
+    const char* renderer;   ///< GL_RENDERER; empty for none
+    const char* version;    ///< GL_VERSION; empty for none
+    const char* vendor;     ///< GL_VENDOR; empty for none
+    uint32_t maxResolution; ///< pixels on a side of the largest square image; 0 for none
+    bool software;          ///< the renderer runs on the CPU
+    bool compute;           ///< compute shaders (GL 4.3), which the method `layers` requires
+    /// The GL context is lost: calls that need it return qc_statusDeviceLost until the device is reopened, and the
+    /// methods auto and `layers` run on the CPU.
     bool lost;
-    /// GL_DEVICE_UUID_EXT, which is also Vulkan's and CUDA's UUID of the GPU; all 0: the driver reports none.
-    uint8_t uuid[16];
+    uint8_t uuid[16]; ///< GL_DEVICE_UUID_EXT, equal to Vulkan's and CUDA's UUID of the GPU; zeros: not reported
 } qcDeviceInfo;
 
-/// Opens a device. qc_statusDevice: the named kind or GPU does not work here; the message names the reason, for kind
-/// egl that of each GPU.
+/// Opens a device. qc_statusDevice: the kind or GPU does not work here; the message gives the reason, for kind egl that
+/// of each GPU. Takes milliseconds up to a second, for drivers and shaders.
+///
+/// A child of a process that has opened GL through this library can open qc_deviceNone only. Mesa's exit handlers crash
+/// in a child of a process that has opened OSMesa: such a child must end with _exit() or exec.
 QC_API qcStatus qcDevice_Create(const qcDeviceDef* def, qcDevice** device);
 
-/// Closes a device after the last scene that uses it. Null is allowed.
+/// Closes a device. Destroy the scenes that use it first. Null is allowed.
 QC_API void qcDevice_Destroy(qcDevice* device);
 
+/// Fills `info` with the device's properties. O(1).
 QC_API qcStatus qcDevice_GetInfo(const qcDevice* device, qcDeviceInfo* info);
 
-/// Closes the GL context, lost or not, and opens one by the same definition; of `auto` the kind is kept. Scenes that
-/// use the device stay valid and upload what they need in their next step. No other call may use the device meanwhile,
-/// nor its scenes. On failure the device stays lost, and another attempt is allowed. Does nothing on the device `none`.
+/// Closes the GL context, lost or not, and opens a new one by the same definition; a device of kind auto keeps the kind
+/// that it had opened. Scenes that use the device stay valid and upload their data in their next step. Meanwhile no
+/// other call may use the device or its scenes. On failure the device stays lost and you may try again. Does nothing
+/// for kind none.
 QC_API qcStatus qcDevice_Reopen(qcDevice* device);
 
 /// One coloured triangle soup in a picture.
 typedef struct qcPictureMesh
 {
-    /// `vertexCount` positions of three floats, tightly packed.
-    const float* positions;
-    uint32_t vertexCount;
-    /// 3 * `triangleCount` indices.
-    const uint32_t* indices;
-    uint32_t triangleCount;
-    /// Linear RGB in 0..1; the back of a triangle is drawn in `backColor`.
-    float color[3];
-    float backColor[3];
-    /// `triangleCount` flags, or null: a triangle with a flag other than 0 is drawn in `markColor`.
+    const float* positions;  ///< `vertexCount` positions of three floats, tightly packed
+    uint32_t vertexCount;    ///< number of vertices
+    const uint32_t* indices; ///< 3 * `triangleCount` indices below `vertexCount`
+    uint32_t triangleCount;  ///< number of triangles
+    float color[3];          ///< of front faces (counterclockwise), linear RGB in 0..1
+    float backColor[3];      ///< of back faces, linear RGB in 0..1
+    /// `triangleCount` flags, or null. A triangle with a nonzero flag is drawn in `markColor`.
     const uint8_t* marked;
-    float markColor[3];
-    /// Shade with normals averaged over the triangles around a vertex, otherwise flat.
-    bool smooth;
-    /// Draw the edges of the triangles as thin darker lines.
-    bool wireframe;
+    float markColor[3]; ///< of marked triangles, linear RGB in 0..1
+    bool smooth;        ///< shade with normals averaged around each vertex; otherwise flat
+    bool wireframe;     ///< draw the triangles' edges as thin darker lines
 } qcPictureMesh;
 
-/// A perspective picture of some meshes over a plain background, lit from above the eye.
+/// A perspective picture of meshes over a plain background, lit from above the eye. Make it with qcDefaultPictureDef.
 typedef struct qcPictureDef
 {
-    uint32_t structSize;
-    uint32_t width, height; ///< pixels, 1..8192
-    /// Eye, the point looked at, up direction; vertical field of view in degrees.
-    float eye[3], target[3], up[3], fieldOfView;
-    float background[3]; ///< linear RGB
-    const qcPictureMesh* meshes;
-    uint32_t meshCount;
+    uint32_t structSize;         ///< sizeof(qcPictureDef)
+    uint32_t width;              ///< pixels, 1..8192
+    uint32_t height;             ///< pixels, 1..8192
+    float eye[3];                ///< position of the eye, in scene units
+    float target[3];             ///< the point in the middle of the picture
+    float up[3];                 ///< upward direction, any length but 0
+    float fieldOfView;           ///< vertical, in degrees
+    float background[3];         ///< linear RGB in 0..1
+    const qcPictureMesh* meshes; ///< `meshCount` meshes
+    uint32_t meshCount;          ///< number of meshes
 } qcPictureDef;
 
+/// The default picture: 1280 x 720 pixels, seen from (0, 0, 5) towards the origin, without meshes.
 static inline qcPictureDef qcDefaultPictureDef(void)
 {
     qcPictureDef def = {
@@ -138,8 +137,8 @@ static inline qcPictureDef qcDefaultPictureDef(void)
     return def;
 }
 
-/// Draws a picture with antialiasing into `rgb`: width * height * 3 bytes, sRGB, top row first.
-/// qc_statusDevice on the device `none`.
+/// Draws an antialiased picture into `rgb`: width * height * 3 bytes, sRGB, top row first.
+/// qc_statusDevice: the device is of kind none.
 QC_API qcStatus qcDevice_DrawPicture(qcDevice* device, const qcPictureDef* def, uint8_t* rgb);
 
 #ifdef __cplusplus

@@ -1,4 +1,5 @@
-// The C ABI of Quick-CULLIDE for Bullet, in the order in which data travels.
+/// @file
+/// The C library, in the order in which data travels.
 #ifndef QUICKCULLIDE_QUICKCULLIDE_H
 #define QUICKCULLIDE_QUICKCULLIDE_H
 

@@ -1,12 +1,11 @@
-// A scene holds bodies, each a triangle soup, and answers which of their triangles meet.
-//
-//     qcScene* scene;                              qcSceneDef sceneDef = qcDefaultSceneDef();
-//     qcScene_Create(&sceneDef, &scene);           qcBodyDef bodyDef = qcDefaultBodyDef();
-//     bodyDef.positions = ...;                     qcScene_AddBody(scene, &bodyDef, &id);
-//     qcDetectDef def = qcDefaultDetectDef();      qcScene_Detect(scene, &def, &result);
-//
-// Thread-safety: a scene belongs to one thread at a time; two scenes are independent, also when they
-// share a device.
+/// @file
+/// A scene holds bodies, each a triangle soup, and finds the pairs of their triangles that intersect or come near. One
+/// thread at a time may use a scene. Two scenes are independent, even if they share a device.
+///
+///     qcScene* scene;                              qcSceneDef sceneDef = qcDefaultSceneDef();
+///     qcScene_Create(&sceneDef, &scene);           qcBodyDef bodyDef = qcDefaultBodyDef();
+///     bodyDef.positions = ...;                     qcScene_AddBody(scene, &bodyDef, &id);
+///     qcDetectDef def = qcDefaultDetectDef();      qcScene_Detect(scene, &def, &result);
 #ifndef QUICKCULLIDE_SCENE_H
 #define QUICKCULLIDE_SCENE_H
 
@@ -18,96 +17,96 @@
 extern "C" {
 #endif
 
+/// A set of bodies, and the results of its last step.
 typedef struct qcScene qcScene;
 
+/// How to make a scene. Make it with qcDefaultSceneDef.
 typedef struct qcSceneDef
 {
-    uint32_t structSize;
-    /// Draws for the methods that need GL; null is the same as a device of kind none.
-    /// Must outlive the scene.
+    uint32_t structSize; ///< sizeof(qcSceneDef)
+    /// Runs the methods that need GL. Null, the default, is the same as a device of kind none. Must outlive the scene.
     qcDevice* device;
 } qcSceneDef;
 
+/// The default definition: no device.
 static inline qcSceneDef qcDefaultSceneDef(void)
 {
     qcSceneDef def = {(uint32_t)sizeof(qcSceneDef), NULL};
     return def;
 }
 
+/// Makes an empty scene. qc_statusBadInput: structSize is wrong. qc_statusOutOfMemory.
 QC_API qcStatus qcScene_Create(const qcSceneDef* def, qcScene** scene);
-/// Null is allowed.
+/// Frees a scene, its bodies and its last result. Null is allowed.
 QC_API void qcScene_Destroy(qcScene* scene);
 
 //  ---- geometry in ---------------------------------------------------------------------------------
 
-/// Names a body for as long as it lives: an id of a removed body is refused, also after its slot is
-/// taken again. All zero is no body.
+/// Names a body during its life. The id of a removed body is refused, even if its slot was reused. {0, 0} is no body.
 typedef struct qcBodyId
 {
-    /// A small number, reused after a removal; results name bodies by it. First body: 0.
-    uint32_t slot;
-    /// 1 or more.
-    uint32_t generation;
+    uint32_t slot;       ///< a small number from 0, reused after a removal; results name bodies by it
+    uint32_t generation; ///< 1 or more
 } qcBodyId;
 
+/// The type of coordinates.
 typedef enum qcPositionType
 {
     qc_positionF32 = 0, ///< three floats
     qc_positionF64 = 1  ///< three doubles
 } qcPositionType;
 
+/// Which pairs of bodies can be skipped because neither moves.
 typedef enum qcActivity
 {
-    qc_activityMoving = 0,
-    /// A pair of two sleeping bodies is skipped, and so are both with themselves.
-    qc_activitySleeping = 1,
-    /// As sleeping; and a static body is skipped with a sleeping one too.
-    qc_activityStatic = 2
+    qc_activityMoving = 0,   ///< tested with every body
+    qc_activitySleeping = 1, ///< not tested with itself and with sleeping or static bodies
+    qc_activityStatic = 2    ///< not tested with itself and with sleeping or static bodies
 } qcActivity;
 
-/// World position = linear * local position + translation, computed in double, in this order, without
-/// contraction. The result is what "exact" refers to.
+/// A map from local to world space: world = linear * local + translation, computed in double, in this order, without
+/// fused multiply-add. All exact tests refer to the rounded result.
 typedef struct qcTransform
 {
-    double linear[9]; ///< row by row
-    double translation[3];
+    double linear[9];      ///< row by row
+    double translation[3]; ///< in scene units
 } qcTransform;
 
+/// The transform that changes nothing.
 static inline qcTransform qcIdentityTransform(void)
 {
     qcTransform t = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}};
     return t;
 }
 
-/// A triangle soup. Everything is copied; nothing is kept of the caller's memory.
+/// A triangle soup. All data is copied; the caller may free it after the call. Make it with qcDefaultBodyDef.
 typedef struct qcBodyDef
 {
-    uint32_t structSize;
-    /// `vertexCount` positions, `positionStride` bytes apart (0: tightly packed).
-    const void* positions;
-    qcPositionType positionType;
-    size_t positionStride;
-    uint32_t vertexCount;
-    /// 3 * `triangleCount` vertex indices, each below `vertexCount`.
-    const uint32_t* indices;
-    uint32_t triangleCount;
-    /// Deforming bodies get new vertices (world space) each step; rigid ones a new transform.
+    uint32_t structSize;         ///< sizeof(qcBodyDef)
+    const void* positions;       ///< `vertexCount` positions of type `positionType`, in scene units
+    qcPositionType positionType; ///< floats by default
+    size_t positionStride;       ///< bytes from one position to the next; 0, the default: tightly packed
+    uint32_t vertexCount;        ///< number of vertices
+    const uint32_t* indices;     ///< 3 * `triangleCount` vertex indices, each below `vertexCount`
+    uint32_t triangleCount;      ///< number of triangles
+    /// true: positions are in world space and change by qcScene_SetVertices. false, the default: a rigid body,
+    /// positions are in local space, and qcScene_SetTransform moves it.
     bool deforming;
-    /// Rigid bodies: from local to world space.
-    qcTransform transform;
-    qcActivity activity;
-    /// Two bodies meet if (a.group & b.mask) and (b.group & a.mask) are both other than 0.
+    qcTransform transform; ///< rigid bodies: from local to world space; the identity by default
+    qcActivity activity;   ///< moving by default
+    /// Bits. Two bodies are tested if (a.group & b.mask) and (b.group & a.mask) are both nonzero. Default 1.
     uint32_t group;
-    uint32_t mask;
-    /// Bodies of one owner never meet each other: parts of one rigid thing, say. A body meets itself as ever. 0: none.
+    uint32_t mask; ///< see group; all bits by default
+    /// Bodies with the same nonzero owner aren't tested with each other, for example the parts of one rigid compound.
+    /// Self-collision is not affected. 0, the default: none.
     uint32_t owner;
-    /// Report triangles of this body that meet each other.
-    bool selfCollision;
-    /// What this body has use for of a step's margins (qcDetectDef): of two bodies, or of one with itself, pairs and
-    /// contacts count that are no further apart than the sum of both margins. 0 or more, infinite by default.
+    bool selfCollision; ///< report pairs of triangles within this body; true by default
+    /// Caps qcDetectDef::margin and contactMargin, in scene units: a pair is reported if its distance is at most
+    /// min(def.margin, A.margin + B.margin); within one body, twice its margin. 0 or more; infinity by default.
     double margin;
 } qcBodyDef;
 
+/// The default body: empty, rigid, moving, in group 1, with self-collision.
 static inline qcBodyDef qcDefaultBodyDef(void)
 {
     qcBodyDef def = {(uint32_t)sizeof(qcBodyDef),
@@ -128,146 +127,151 @@ static inline qcBodyDef qcDefaultBodyDef(void)
     return def;
 }
 
-/// Adds a body. qc_statusBadInput names the index out of range or the vertex that is not finite.
+/// Adds a body and fills `id`. O(n). qc_statusBadInput: an index is out of range, a position is not finite, or a field
+/// of the definition is invalid; the message names the body and the element.
 QC_API qcStatus qcScene_AddBody(qcScene* scene, const qcBodyDef* def, qcBodyId* id);
+/// Removes a body and invalidates its id. qc_statusBadInput: the id is not valid, here and below.
 QC_API qcStatus qcScene_RemoveBody(qcScene* scene, qcBodyId id);
-/// Moves a rigid body.
+/// Moves a rigid body. qc_statusBadInput: also if the body deforms or the transform is not finite.
 QC_API qcStatus qcScene_SetTransform(qcScene* scene, qcBodyId id, const qcTransform* transform);
-/// Gives a deforming body new positions, as many as it has vertices.
+/// Gives a deforming body new positions in world space, as many as it has vertices, `stride` bytes apart (0: tightly
+/// packed). They are copied. O(n). qc_statusBadInput: also if the body is rigid or a position is not finite.
 QC_API qcStatus qcScene_SetVertices(qcScene* scene, qcBodyId id, const void* positions, qcPositionType type,
                                     size_t stride);
+/// See qcBodyDef::activity.
 QC_API qcStatus qcScene_SetActivity(qcScene* scene, qcBodyId id, qcActivity activity);
+/// See qcBodyDef::group.
 QC_API qcStatus qcScene_SetFilter(qcScene* scene, qcBodyId id, uint32_t group, uint32_t mask);
+/// See qcBodyDef::selfCollision.
 QC_API qcStatus qcScene_SetSelfCollision(qcScene* scene, qcBodyId id, bool selfCollision);
 /// See qcBodyDef::margin.
 QC_API qcStatus qcScene_SetMargin(qcScene* scene, qcBodyId id, double margin);
+/// The id names a body of the scene that was not removed. O(1).
 QC_API bool qcScene_IsValid(const qcScene* scene, qcBodyId id);
+/// The number of bodies. O(1).
 QC_API uint32_t qcScene_GetBodyCount(const qcScene* scene);
 
 //  ---- pairs and contacts out ----------------------------------------------------------------------
 
+/// How candidates are found. auto, brute, sweep and layers never miss a pair and give the same result.
 typedef enum qcMethod
 {
-    /// The planner chooses among the methods that never miss: `layers` on the device where that is measured to be
-    /// quicker, `sweep` for the rest. The answer is the same.
+    /// For each part of the scene the faster of `layers` and `sweep`, as measured on this machine.
     qc_methodAuto = 0,
-    /// Every pair of triangles through the exact test: O(n^2).
+    /// Every pair of triangles, O(n^2). The reference of the tests.
     qc_methodBrute = 1,
-    /// CULLIDE, 2003: image precision, misses what falls between samples. Needs GL.
+    /// CULLIDE (Govindaraju et al., Graphics Hardware 2003). Image precision: misses pairs between samples. Needs GL.
     qc_methodCullide = 2,
-    /// Quick-CULLIDE, VR 2005: as above with its four sets. Needs GL.
+    /// Quick-CULLIDE (Govindaraju, Lin, Manocha, IEEE VR 2005), with four visibility sets. Image precision. Needs GL.
     qc_methodQuick = 3,
-    /// Object space on the CPU.
+    /// Bounding volume hierarchies on the CPU.
     qc_methodSweep = 4,
-    /// Image space made exact: conservative coverage, depth intervals, a list per pixel and slice. Needs GL with
+    /// Image space without misses: conservative coverage, depth intervals, a list per pixel and slice. Needs GL with
     /// compute shaders.
     qc_methodLayers = 5
 } qcMethod;
 
-/// "auto", "brute", "cullide", "quick", "sweep", "layers".
+/// "auto", "brute", "cullide", "quick", "sweep", "layers". Static.
 QC_API const char* qcMethod_Name(qcMethod method);
 
+/// How two closed triangles lie. Degenerate triangles are segments or points.
 typedef enum qcRelation
 {
-    qc_relationDisjoint = 0,
-    /// The closed triangles meet, but only in boundary points of one of them.
-    qc_relationTouching = 1,
-    /// Their relative interiors meet.
-    qc_relationPenetrating = 2,
-    /// They don't meet, but are no further apart than the margin that was asked for.
-    qc_relationNear = 3
+    qc_relationDisjoint = 0,    ///< they have no point in common
+    qc_relationTouching = 1,    ///< they intersect, but only in boundary points of one of them
+    qc_relationPenetrating = 2, ///< their relative interiors intersect
+    qc_relationNear = 3         ///< they don't intersect; their distance is at most the margin
 } qcRelation;
 
-/// "disjoint", "touching", "penetrating", "near".
+/// "disjoint", "touching", "penetrating", "near". Static.
 QC_API const char* qcRelation_Name(qcRelation relation);
 
-/// The exact relation of two triangles, nine doubles each (corner by corner), degenerate ones included.
-/// Exact for any finite coordinates; O(1). Any thread.
+/// The relation of two triangles, nine doubles each (corner by corner): disjoint, touching or penetrating. Exact for
+/// all finite coordinates, degenerate triangles included. O(1). Any thread.
 QC_API qcRelation qcRelateTriangles(const double* a, const double* b);
 
-/// Where two triangles come nearest, and how to part them where they meet.
+/// Closest points of two triangles, and how to separate them if they intersect.
 typedef struct qcProximity
 {
-    /// In A and in B; the same point, of A ∩ B, where they meet.
-    double pointA[3], pointB[3];
-    /// Unit vector, from B towards A: along it A moves away from B. Pairs that are apart: from pointB to pointA. Pairs
-    /// that meet: the direction in which the least move parts them, of a face rather than of edges where both do.
+    double pointA[3]; ///< closest point of A; if they intersect, a common point
+    double pointB[3]; ///< closest point of B; equal to pointA if they intersect
+    /// Unit vector from B towards A. Separate triangles: from pointB to pointA. Intersecting ones: the direction of the
+    /// smallest translation that separates them; of equal ones a face's normal rather than one of edges.
     double normal[3];
-    /// 0 where they meet; infinity beyond the largest double.
-    double distance;
-    /// How far A has to move along the normal until it only touches B: the least such move over the directions of the
-    /// separating axes (both faces, nine edge pairs). 0 unless they penetrate, and for coplanar triangles.
+    double distance; ///< 0 if they intersect; infinity beyond the largest double
+    /// Penetration depth: the length of the smallest translation of A along a separating axis (the normals of both
+    /// faces, the cross products of nine pairs of edges) after which A only touches B. 0 unless the triangles
+    /// penetrate, and for coplanar ones.
     double depth;
 } qcProximity;
 
-/// Is the distance of two triangles at most `margin`? Exact for any finite coordinates and margin >= 0; O(1). False for
-/// a margin below 0 or NaN. `proximity` (may be null) is filled when the answer is yes: rounded in double, distance,
-/// depth and points to 1e-12 of the triangles' extent, however far from the origin they lie, the normal to 1e-15 times
-/// extent / distance. Exchanging A and B gives the mirror image to the last bit, opposite normals too. If A and B are
-/// equal corner by corner there is nothing to exchange: both orders have the same normal. Any thread.
+/// Is the distance of two triangles at most `margin`? Exact for all finite coordinates and margin >= 0; false for a
+/// negative margin or NaN. O(1). Any thread.
+///
+/// `proximity` (may be null) is filled if the answer is yes. It is rounded in double: distance, depth and points to
+/// 1e-12 of the triangles' extent, however far from the origin they lie; the normal to 1e-15 * extent / distance.
+/// Swapping A and B gives the mirror image to the last bit, with the opposite normal; if A and B are equal corner by
+/// corner, both orders have the same normal.
 QC_API bool qcTrianglesWithin(const double* a, const double* b, double margin, qcProximity* proximity);
 
-/// Are the triangles of two different bodies, named by their slots, of interest? Has to say the same of a pair for as
-/// long as the call takes that asks, and not to call the scene; may be asked on several threads, and more than once.
+/// Should the triangles of two different bodies, named by their slots, be tested? The answer for a pair must not change
+/// during a call of qcScene_Detect. It may be called several times for a pair and on several threads at once, and must
+/// not call functions of the scene.
 typedef bool (*qcPairFilter)(void* context, uint32_t slotA, uint32_t slotB);
 
+/// What a step computes, and how. Make it with qcDefaultDetectDef, which sets all fields to 0, false or null unless
+/// stated otherwise.
 typedef struct qcDetectDef
 {
-    uint32_t structSize;
-    qcMethod method;
-    /// Report all pairs no further apart than this, in scene units, touching ones too: decided exactly. 0: pairs that
-    /// meet. `cullide` and `quick` refuse it unless `reliable` is set.
+    uint32_t structSize; ///< sizeof(qcDetectDef)
+    qcMethod method;     ///< qc_methodAuto by default
+    /// Report all pairs at this distance or nearer, in scene units, decided exactly; touching pairs are then reported
+    /// too. 0: intersecting pairs only. `cullide` and `quick` refuse a margin unless `reliable` is set.
     double margin;
-    /// Report touching pairs too.
-    bool touching;
-    /// Test triangles of one body that share a vertex index too.
-    bool neighbours;
-    /// Compute the intersection segment of each penetrating pair.
-    bool segments;
-    /// Compute closest points, distance and depth of each reported pair.
-    bool proximities;
-    /// Merge the reported pairs of two bodies, or of a body with itself, into clean contact points.
-    bool manifolds;
-    /// 0: no contacts. Otherwise also report contacts between features (vertex and face, edge and edge)
-    /// of two triangles no further apart than this, in scene units. Not `cullide` and `quick`.
+    bool touching;    ///< report touching pairs too
+    bool neighbours;  ///< test pairs of triangles within a body that share a vertex index, too
+    bool segments;    ///< compute the intersection segment of each penetrating pair
+    bool proximities; ///< compute closest points, distance and depth of each reported pair
+    bool manifolds;   ///< merge the reported pairs of two bodies, or of one with itself, into contact points
+    /// Report contacts between features (vertex and face, edge and edge) at this distance or nearer, in scene units.
+    /// 0: no contacts. Not available with `cullide` and `quick`.
     double contactMargin;
-    /// Of the contacts between a deforming body and a rigid one report only those at points of the rigid body to which
-    /// no point around them is nearer: what keeps the deforming body off these keeps it off the others.
+    /// Between a deforming and a rigid body report only contacts that are local minima of distance on the rigid surface
+    /// (Voronoi-region filter).
     bool nearestContacts;
-    /// Leaves pairs of bodies out, beside what the bodies' own groups and owners do. Null: none. With a filter a step
-    /// is computed anew even if nothing moved.
+    /// Excludes pairs of bodies, in addition to groups and owners. Null: none. With a filter each step is computed,
+    /// even if nothing moved.
     qcPairFilter pairFilter;
-    void* pairFilterContext;
-    /// Threads to use; 0: one per core, or as many as qcSetParallelFor was given. The result does not depend on it.
+    void* pairFilterContext; ///< passed to pairFilter
+    /// Threads to use. 0: one per core, or the number given to qcSetParallelFor. The result does not depend on it.
     uint32_t threads;
-    //  What follows speaks to `layers` only; it changes the cost, never the answer.
-    /// Pixels on a side of the image, rounded down to a power of two, up to 4096; 0: from the triangles' sizes.
+    //  For `layers` only; these change the cost, not the result.
+    /// Pixels on a side of the image, rounded down to a power of two, up to 4096. 0: chosen from the triangles' sizes.
     uint32_t layerColumns;
-    /// 'x', 'y' or 'z': the axis that the image looks along; 0: the one along which the scene is thinnest. One view is
-    /// all it takes: intervals are compared along all axes at once, so that a further view has nothing left to cut.
+    /// 'x', 'y' or 'z': the viewing axis. 0: the axis along which the scene is thinnest. One view suffices, since
+    /// intervals are compared along all three axes.
     char layerDepthAxis;
-    /// Measure the parts of a step of `layers`: see qcProfile::layerTimes. Costs some microseconds; off, nothing.
-    bool layerTimes;
-    //  What follows speaks to `cullide` and `quick` only.
-    /// Axes to look along, in this order: 1 to 3 different letters of "xyz", ended by a zero.
+    bool layerTimes; ///< measure the parts of a step, at a cost of some microseconds: see qcProfile::layerTimes
+    //  For `cullide` and `quick` only.
+    /// Viewing axes, in this order: 1 to 3 different letters of "xyz", ended by a zero. "xyz" by default.
     char views[4];
-    /// Pixels on a side, 1..4096; the device's limit where that is lower.
+    /// Pixels on a side of the image, 1..4096 and at most the device's limit. 4096 by default.
     uint32_t resolution;
-    /// Rounds over the views; 0: until nothing changes.
-    uint32_t iterations;
-    //  Beyond the paper; all off is the paper.
-    /// Draw back to front along the view: what lies in front is drawn last, and is fully visible more often. Each view
-    /// has its own order, and so its own sets.
+    uint32_t iterations; ///< rounds over the views; 0: until nothing changes
+    //  Switches that go beyond the paper; all off is the paper.
+    /// Draw back to front along the view: front primitives are drawn last and are more often fully visible. Each view
+    /// has its own order and its own sets.
     bool backToFront;
-    /// Reverse the depth comparison in the second pass: fully behind is as good a separating surface as fully in front.
-    /// Pays back to front; in another order it prunes less than without.
+    /// Reverse the depth comparison in the second pass: a primitive fully behind the others is separated as well as one
+    /// fully in front. Use it with backToFront; in another order it prunes less than without.
     bool secondPassFromBack;
-    /// Grow each primitive by half a pixel and by half the margin in x, y and z before it is drawn and tested: nothing
-    /// is missed, at any resolution. For bodies and for triangles of different bodies; self-collision is left to the
-    /// sweep, since neighbours, grown, meet in every view.
+    /// Grow each primitive by half a pixel and half the margin in x, y and z before it is drawn and tested: nothing is
+    /// missed at any resolution. Applies to bodies and to triangles of different bodies. Self-collision is left to
+    /// `sweep`, since grown neighbours overlap in every view.
     bool reliable;
 } qcDetectDef;
 
+/// The default step: method auto, penetrating pairs only.
 static inline qcDetectDef qcDefaultDetectDef(void)
 {
     qcDetectDef def = {(uint32_t)sizeof(qcDetectDef),
@@ -295,189 +299,221 @@ static inline qcDetectDef qcDefaultDetectDef(void)
     return def;
 }
 
-/// bodyA, triangleA < bodyB, triangleB, in dictionary order; pairs are sorted by the four numbers.
+/// A pair of triangles, ordered so that (bodyA, triangleA) < (bodyB, triangleB).
 typedef struct qcPair
 {
-    uint32_t bodyA, triangleA; ///< slot of the body, index of the triangle in it
-    uint32_t bodyB, triangleB;
-    qcRelation relation;
+    uint32_t bodyA;      ///< slot of A's body
+    uint32_t triangleA;  ///< index of A in its body
+    uint32_t bodyB;      ///< slot of B's body
+    uint32_t triangleB;  ///< index of B in its body
+    qcRelation relation; ///< touching, penetrating or near
 } qcPair;
 
-/// Ends of A ∩ B in world space, rounded; where coplanar triangles overlap, its two farthest corners.
-/// Zeros for pairs that only touch.
+/// The intersection of two penetrating triangles, in world space, rounded. For coplanar triangles: the two corners of
+/// the common area that lie farthest apart. Zeros for pairs that only touch.
 typedef struct qcSegment
 {
-    double p[3], q[3];
+    double p[3]; ///< one end
+    double q[3]; ///< the other end
 } qcSegment;
 
+/// A triangle of a scene.
 typedef struct qcTriangleRef
 {
-    uint32_t body, triangle;
+    uint32_t body;     ///< slot
+    uint32_t triangle; ///< index in the body
 } qcTriangleRef;
 
-/// Two features within the contact margin that share no vertex. The closest points are the sums of the
-/// named vertices by weight: vertex-face has weightsA = {1, 0, 0}, edge-edge a zero third weight in both.
-/// Each pair of features is reported once, however many triangles share it. Rounded in double; lengths of 1e-70 to
-/// 1e70.
+/// Two features (vertex and face, edge and edge) within the contact margin that share no vertex. The closest points are
+/// the weighted sums of the named vertices. Vertex and face: weightsA = {1, 0, 0}. Edge and edge: both third weights
+/// are 0. Each pair of features is reported once, however many triangles share it. Rounded in double; valid for lengths
+/// from 1e-70 to 1e70.
 typedef struct qcContact
 {
-    uint32_t bodyA, bodyB; ///< slots
-    uint32_t verticesA[3], verticesB[3];
-    double weightsA[3], weightsB[3];
-    /// Unit vector from B's point to A's; the face's or the edges' normal where they coincide.
-    double normal[3];
-    double distance; ///< 0 or more, scene units
+    uint32_t bodyA;        ///< slot of A's body
+    uint32_t bodyB;        ///< slot of B's body
+    uint32_t verticesA[3]; ///< vertex indices in A's body
+    uint32_t verticesB[3]; ///< vertex indices in B's body
+    double weightsA[3];    ///< sum 1, each 0 or more
+    double weightsB[3];    ///< sum 1, each 0 or more
+    double normal[3];      ///< unit vector from B's point to A's; of the face or edges if the points coincide
+    double distance;       ///< 0 or more, scene units
 } qcContact;
 
-/// One clean contact point: what several pairs of triangles say of the same place, once. A corner of what two triangles
-/// have in common, seen along the normal: a vertex over a face, or two edges that cross.
+/// One contact point of a manifold: a corner of the common area of two triangles, projected along the normal (a vertex
+/// over a face, or two crossing edges). Several pairs of triangles that yield the same point report it once.
 typedef struct qcManifoldPoint
 {
-    /// One over the other: pointA = pointB + distance * normal, rounded.
-    double pointA[3], pointB[3];
-    /// Unit vector, from B towards A. Neighbouring points agree: none points back into what another one parts, unless
-    /// the triangles of both are apart and really lie so, as a sheet in a slit does.
+    double pointA[3]; ///< on A, world space; pointA = pointB + distance * normal, rounded
+    double pointB[3]; ///< on B, world space
+    /// Unit vector from B towards A. Normals of neighbouring points agree: none points into a body that another one
+    /// separates, unless both triangles are separate and really lie so, like a sheet in a slit.
     double normal[3];
-    /// At most the margin. Below 0: penetration depth, here. Where bodies touch it is rounding, and where they overlap
-    /// by a small share of their triangles, within the margin, a small multiple of the overlap at most; of larger
-    /// overlaps it may be more.
+    /// At most the margin; negative: penetration depth at this point. Where bodies touch, it is rounding error. Where
+    /// they overlap within the margin by a small part of their triangles, the depth is at most a small multiple of the
+    /// overlap. Larger overlaps may give larger depths.
     double distance;
-    uint32_t triangleA, triangleB; ///< of the pair that it was taken from
-    /// What touches, by vertex index: {v, v} a vertex, {v, w} with v < w an edge, {UINT32_MAX, UINT32_MAX} the face of
-    /// the triangle. A point with the same features as one of the step before is the same contact.
-    uint32_t featureA[2], featureB[2];
+    uint32_t triangleA; ///< triangle of A that the point was computed from
+    uint32_t triangleB; ///< triangle of B that the point was computed from
+    /// The feature of A by vertex index: {v, v} a vertex, {v, w} with v < w an edge, {UINT32_MAX, UINT32_MAX} the face.
+    /// A point with the same two features as one of the previous step is the same contact.
+    uint32_t featureA[2];
+    uint32_t featureB[2]; ///< the feature of B, likewise
 } qcManifoldPoint;
 
-/// The contact points of one connected region of contact of two bodies, or of a body with itself: pairs of triangles
-/// are connected if they have one triangle in common and the other two share a vertex. Vertices at the same position
-/// count as shared. No two points are at the same place with the same normal: nearer than 1/64 of the triangles' size.
-/// Each pair has a point, or one beside it has, or lies in a flat patch between two bodies that don't deform: of that
-/// only the corners are reported. Where the two stand flat and one plane parts the whole region, all points have its
-/// normal, and hold it for every pair. In a body with itself A and B are the two sides of the region, each triangleA
-/// connected with the others, whichever has the lower index.
+/// The contact points of one connected region of contact between two bodies, or of a body with itself. Pairs of
+/// triangles are connected if they have one triangle in common and the other two share a vertex; vertices at equal
+/// positions count as shared.
 ///
-/// Coordinates may be of any size. Triangles in contact must not be smaller than 1e-50 of the largest coordinate of the
-/// triangles that the two bodies have in contact: below, rounding may turn normals and drop points.
+/// Each pair in contact has a point, or an adjacent pair has one, or the pair lies in a flat patch between two rigid
+/// bodies, where only corners are reported. If both bodies are flat there and a plane separates the whole region, all
+/// points have the plane's normal. Two points at the same place (nearer than 1/64 of the triangles' size) have
+/// different normals. Within one body, A and B are the two sides of the region, whatever the order of their indices.
+///
+/// Coordinates may have any size, but triangles in contact must not be smaller than 1e-50 of the largest coordinate
+/// among the triangles in contact of these two bodies: below that, rounding may turn normals and drop points.
 typedef struct qcManifold
 {
-    uint32_t bodyA, bodyB;           ///< slots, bodyA <= bodyB
-    uint32_t firstPoint, pointCount; ///< sorted by distance, the deepest first; at least one
+    uint32_t bodyA;      ///< slot, at most bodyB
+    uint32_t bodyB;      ///< slot
+    uint32_t firstPoint; ///< index in qcResult::manifoldPoints; points are sorted by distance, the deepest first
+    uint32_t pointCount; ///< 1 or more
 } qcManifold;
 
+/// What a pass of the visibility culling tests.
 typedef enum qcCullLevel
 {
     qc_levelObjects = 0,   ///< bodies against bodies
-    qc_levelTriangles = 1, ///< triangles against the triangles of other bodies
+    qc_levelTriangles = 1, ///< triangles against triangles of other bodies
     qc_levelSelf = 2       ///< triangles of one body against each other
 } qcCullLevel;
 
-/// One pass of one view of the visibility culling: what it cost, and the sets after it (section 4.1).
+/// One pass of one view of the visibility culling (Quick-CULLIDE, section 4.1): its cost, and the sets after it.
 typedef struct qcPassRecord
 {
-    qcCullLevel level;
-    uint32_t body;               ///< slot; qc_levelSelf only
-    char axis;                   ///< 'x', 'y' or 'z'
-    uint32_t iteration, pass;    ///< from 1; pass 1 or 2
-    uint32_t queries, rendered;  ///< primitives tested, primitives drawn into the depth buffer
-    uint32_t bfv, ffv, sfv, nfv; ///< set sizes after the pass; bfv counts from the start of the level
-    uint32_t pcs;                ///< ffv + sfv + nfv
+    qcCullLevel level;  ///< what is tested
+    uint32_t body;      ///< slot; for qc_levelSelf only
+    char axis;          ///< of the view: 'x', 'y' or 'z'
+    uint32_t iteration; ///< from 1
+    uint32_t pass;      ///< 1 or 2
+    uint32_t queries;   ///< primitives tested
+    uint32_t rendered;  ///< primitives drawn into the depth buffer
+    uint32_t bfv;       ///< size of BFV: fully visible in both passes, and so removed, since the start of the level
+    uint32_t ffv;       ///< size of FFV: fully visible in the first pass only
+    uint32_t sfv;       ///< size of SFV: fully visible in the second pass only
+    uint32_t nfv;       ///< size of NFV: fully visible in neither
+    uint32_t pcs;       ///< size of the potentially colliding set, ffv + sfv + nfv
 } qcPassRecord;
 
-/// A part of a step of `layers`.
+/// The time of one part of a step of `layers`.
 typedef struct qcLayerTime
 {
-    const char* name; ///< "upload", "boxes"; static
-    /// Wall-clock milliseconds of the threads that run the part in turn, the calling one or the device's; for a kernel,
-    /// of starting it. Below 0: the part did not run.
+    const char* name; ///< for example "upload" or "boxes"; static
+    /// Wall-clock milliseconds on the calling thread or the device's; for a kernel, the time to start it. Negative: the
+    /// part did not run.
     double threadMs;
-    /// Milliseconds between timestamps of the device (GL_TIMESTAMP). Below 0: the part did not run there, or the device
-    /// has no timestamps. Of "counters" and "results", which are read back, it is that of the last measured step
-    /// before: no step waits for its own last timestamps.
+    /// Milliseconds between the device's timestamps (GL_TIMESTAMP). Negative: the part did not run on the device, or
+    /// the device has no timestamps. "counters" and "results" are read back, so theirs is that of the previous measured
+    /// step: no step waits for its own timestamps.
     double deviceMs;
 } qcLayerTime;
 
-/// What a step did, in the order of the line of data. Times are wall-clock milliseconds.
+/// The work of a step, in the order in which data travels. Times are wall-clock milliseconds.
 typedef struct qcProfile
 {
-    qcMethod method;    ///< what ran; never qc_methodAuto: `layers` as soon as the device answered for a part
-    const char* device; ///< name of the device that was used; "none" when the CPU answered alone
-    /// Why another method than the requested one ran, or null. A device that failed in several steps, one after
-    /// another, is not tried in each of the following ones, but again after 2, 4, 8 and at most 128 steps.
+    qcMethod method;    ///< the method that ran; never qc_methodAuto: `layers` if the device answered for a part
+    const char* device; ///< name of the device that was used; "none" if the CPU answered alone
+    /// Why another method than the requested one ran, or null. After failures in several successive steps a device is
+    /// tried again after 2, 4, 8 and at most 128 steps only.
     const char* fallback;
-    /// The last result was still right and is given again; all counters are those of that step.
+    /// Nothing changed since the last step: its result is returned again, and the counters are those of that step.
     bool reused;
 
-    double planMs, cullObjectsMs, sweepObjectsMs, cullTrianglesMs, sweepTrianglesMs, exactMs, contactMs, manifoldMs,
-        totalMs;
+    double planMs;           ///< planning
+    double cullObjectsMs;    ///< culling of bodies
+    double sweepObjectsMs;   ///< pairs of bodies
+    double cullTrianglesMs;  ///< culling of triangles
+    double sweepTrianglesMs; ///< pairs of triangles
+    double exactMs;          ///< exact tests, segments and proximities
+    double contactMs;        ///< feature contacts
+    double manifoldMs;       ///< manifolds
+    double totalMs;          ///< the whole step
 
-    uint32_t bodies, triangles;
-    uint32_t parts;             ///< groups of bodies that can meet; counted where the device may take some
-    uint32_t partsOnDevice;     ///< of these, answered by `layers`; the sweep answered the others
-    uint32_t objectPcs;         ///< bodies left after object-level culling
-    uint64_t bodyPairs;         ///< pairs of bodies whose boxes overlap and that may meet
-    uint32_t selfBodies;        ///< bodies tested with themselves
-    uint32_t trianglePcs;       ///< triangles left before the sweep over triangles
-    uint64_t candidates;        ///< pairs of triangles that reached the exact test, or were proven before
-    uint64_t filterHits;        ///< of these, pairs that single precision has proven to penetrate
-    uint64_t exactFallbacks;    ///< and pairs that double precision could not decide
-    uint64_t pairs, contacts;   ///< reported
-    uint32_t resolution;        ///< used; 0: no image
-    uint64_t queries, rendered; ///< sums over the passes
-    /// Of the image of `layers`, whose pixels are cut into slices of depth; 0: none.
-    uint32_t columns, rows, slices;
-    uint64_t fragments;     ///< entries of its lists
-    uint64_t listPairs;     ///< pairs of entries whose intervals overlap in all axes, neighbours left out
-    uint32_t reruns;        ///< times a device buffer was too small, grew, and the step ran again
-    uint64_t uploadedBytes; ///< to the device in this step
-    uint64_t deviceBytes;   ///< held on the device
-    /// All parts of the step of `layers`, in the order of the work, also those that did not run; valid as long as the
-    /// result: prepare, hand-over (to the device's thread), upload, vertices, boxes, clear (lists), nodes, node pairs,
-    /// cluster pairs, triangle pairs, filter, counters (the wait for the device, and how much it found), results,
-    /// hand-back, refine (on the processor). They are parts of cullTrianglesMs. Empty unless qcDetectDef::layerTimes is
-    /// set.
+    uint32_t bodies;         ///< bodies in the scene
+    uint32_t triangles;      ///< their triangles
+    uint32_t parts;          ///< islands of bodies that may collide; counted only if the device may take some
+    uint32_t partsOnDevice;  ///< islands computed by `layers`; `sweep` computed the others
+    uint32_t objectPcs;      ///< bodies left after culling of bodies
+    uint64_t bodyPairs;      ///< pairs of bodies to test: their boxes overlap and filters agree
+    uint32_t selfBodies;     ///< bodies tested with themselves
+    uint32_t trianglePcs;    ///< triangles left before the search for pairs of triangles
+    uint64_t candidates;     ///< candidate pairs of triangles
+    uint64_t filterHits;     ///< candidates that single precision proved to penetrate
+    uint64_t exactFallbacks; ///< candidates that double precision could not decide
+    uint64_t pairs;          ///< pairs reported
+    uint64_t contacts;       ///< feature contacts reported
+    uint32_t resolution;     ///< pixels on a side of the image; 0: no image
+    uint64_t queries;        ///< primitives tested, all passes
+    uint64_t rendered;       ///< primitives drawn, all passes
+    uint32_t columns;        ///< of the image of `layers`; 0: none
+    uint32_t rows;           ///< of the image of `layers`
+    uint32_t slices;         ///< of depth, in each pixel of `layers`
+    uint64_t fragments;      ///< entries in the lists of `layers`
+    uint64_t listPairs;      ///< pairs of entries whose intervals overlap along all axes, without neighbours
+    uint32_t reruns;         ///< reruns of the step because a device buffer was too small and had to grow
+    uint64_t uploadedBytes;  ///< to the device, in this step
+    uint64_t deviceBytes;    ///< held on the device
+    /// All parts of the step of `layers`, in order, also those that did not run: prepare, hand-over (to the device's
+    /// thread), upload, vertices, boxes, clear (lists), nodes, node pairs, cluster pairs, triangle pairs, filter,
+    /// counters (the wait for the device and its counts), results, hand-back, refine (on the CPU). All belong to
+    /// cullTrianglesMs. Empty unless qcDetectDef::layerTimes is set. Valid as long as the result.
     const qcLayerTime* layerTimes;
-    size_t layerTimeCount;
-    bool softwareDevice; ///< the device draws on the CPU
-    const qcPassRecord* passes;
-    size_t passCount;
+    size_t layerTimeCount;      ///< number of layerTimes
+    bool softwareDevice;        ///< the device draws on the CPU
+    const qcPassRecord* passes; ///< of `cullide` and `quick`; valid as long as the result
+    size_t passCount;           ///< number of passes
 
-    //  Skips.
-    uint64_t skippedStaticPairs;   ///< overlapping pairs of bodies at rest
-    uint64_t skippedFilteredPairs; ///< overlapping pairs whose groups don't meet, or of one owner
-    uint64_t skippedSetPairs;      ///< overlapping pairs inside one collision-free set (lemma 2)
-    uint32_t skippedBodies;        ///< bodies that overlap nothing and are not tested with themselves
+    //  Work that was skipped.
+    uint64_t skippedStaticPairs;   ///< overlapping pairs of bodies that both rest
+    uint64_t skippedFilteredPairs; ///< overlapping pairs of bodies with excluding groups or the same owner
+    uint64_t skippedSetPairs;      ///< overlapping pairs of bodies within one collision-free set (lemma 2)
+    uint32_t skippedBodies;        ///< bodies that overlap no other and have no self-collision
     uint32_t skippedTriangles;     ///< triangles outside the overlaps of their body's box with others
-    uint64_t skippedSetCandidates; ///< triangle pairs inside one collision-free set
-    uint64_t skippedNeighbours;    ///< triangle pairs that share a vertex index
-    uint64_t fittedTriangles;      ///< of bodies whose boxes the sweep had to make anew: not of those that didn't move
-    uint64_t followedTriangles;    ///< of bodies of which the sweep looked at what moved a little since, and no more
-    uint64_t flatTriangles;        ///< inside patches that were proven not to come near themselves
+    uint64_t skippedSetCandidates; ///< pairs of triangles within one collision-free set
+    uint64_t skippedNeighbours;    ///< pairs of triangles that share a vertex index
+    uint64_t fittedTriangles;      ///< triangles of bodies whose hierarchies `sweep` built or refitted
+    uint64_t followedTriangles;    ///< triangles of bodies of which `sweep` updated moved vertices only
+    uint64_t flatTriangles;        ///< triangles in flat patches, proven to have no self-contact
 } qcProfile;
 
-/// Owned by the scene; valid until the next call on this scene that changes it or detects again.
+/// The result of a step. Owned by the scene; valid until the next call that changes the scene or detects again.
+/// Pointers are null or arrays of the count that follows.
 typedef struct qcResult
 {
-    const qcPair* pairs;
-    size_t pairCount;
-    /// pairCount segments, or null if they were not asked for.
-    const qcSegment* segments;
-    /// pairCount proximities, or null if they were not asked for.
-    const qcProximity* proximities;
-    /// The potentially colliding set: triangles that reach the sweep over triangles (`cullide`, `quick`)
-    /// or that are in a candidate pair (the others); sorted.
+    const qcPair* pairs;            ///< sorted by bodyA, triangleA, bodyB, triangleB
+    size_t pairCount;               ///< number of pairs
+    const qcSegment* segments;      ///< one for each pair; null unless qcDetectDef::segments is set
+    const qcProximity* proximities; ///< one for each pair; null unless qcDetectDef::proximities is set
+    /// The potentially colliding set, sorted: triangles left before the search for pairs (`cullide`, `quick`) or in a
+    /// candidate pair (other methods).
     const qcTriangleRef* pcs;
-    size_t pcsCount;
-    const qcContact* contacts;
-    size_t contactCount;
-    /// Sorted by bodies; empty if they were not asked for.
-    const qcManifold* manifolds;
-    size_t manifoldCount;
-    const qcManifoldPoint* manifoldPoints;
-    size_t manifoldPointCount;
-    qcProfile profile;
+    size_t pcsCount;                       ///< number of triangles in it
+    const qcContact* contacts;             ///< see qcDetectDef::contactMargin
+    size_t contactCount;                   ///< number of contacts
+    const qcManifold* manifolds;           ///< sorted by bodies; empty unless qcDetectDef::manifolds is set
+    size_t manifoldCount;                  ///< number of manifolds
+    const qcManifoldPoint* manifoldPoints; ///< of all manifolds
+    size_t manifoldPointCount;             ///< number of points
+    qcProfile profile;                     ///< the work of the step
 } qcResult;
 
-/// Runs the line of data once. O(n log n + candidates) for `sweep`.
+/// Runs a step: finds the pairs, and what else `def` requests. The result does not depend on the number of threads, nor
+/// on the method among those that never miss. O(n log n + candidates) for `sweep`.
+///
+/// A method that needs GL where there is none falls back to `sweep`, which gives qcProfile::fallback.
+///
+/// qc_statusBadInput: `def` is invalid, or its method can't compute what it requests. qc_statusDevice and
+/// qc_statusDeviceLost: the device failed during `cullide` or `quick`; auto and `layers` fall back.
 QC_API qcStatus qcScene_Detect(qcScene* scene, const qcDetectDef* def, const qcResult** result);
 
 #ifdef __cplusplus

@@ -1,43 +1,21 @@
-# The programs in the README, as they stand there: each must compile, run, and return 0.
-set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/README.md)
-file(READ ${PROJECT_SOURCE_DIR}/README.md readme)
-
-# qc_readme_program(language file): the next program in a language becomes a file.
-macro(qc_readme_program language file)
-  string(FIND "${readme}" "```${language}\n" begin)
-  if(begin EQUAL -1)
-    message(FATAL_ERROR "README.md has no program in ${language} for ${file}")
-  endif()
-  string(SUBSTRING "${readme}" ${begin} -1 readme)
-  string(REGEX REPLACE "^```${language}\n" "" readme "${readme}")
-  string(FIND "${readme}" "```" end)
-  string(SUBSTRING "${readme}" 0 ${end} program)
-  string(SUBSTRING "${readme}" ${end} -1 readme)
-  file(CONFIGURE OUTPUT ${file} CONTENT "${program}" @ONLY)
-endmacro()
-
-qc_readme_program(cpp readme_broadphase.cpp)
-qc_readme_program(cpp readme_cloth.cpp)
-qc_readme_program(cpp readme_deformable.cpp)
-qc_readme_program(cpp readme_fracture.cpp)
-qc_readme_program(c readme.c)
-
-add_executable(readme_core ${CMAKE_CURRENT_BINARY_DIR}/readme.c)
-target_link_libraries(readme_core PRIVATE quickcullide::core)
-add_test(NAME readme_core COMMAND readme_core)
-# qc_readme_test(component program): with a component of the package, in both precisions of Bullet.
-function(qc_readme_test component program)
-  foreach(precision "" _double)
-    if(TARGET qc_${component}${precision})
-      set(name readme_${program}${precision})
-      add_executable(${name} ${CMAKE_CURRENT_BINARY_DIR}/readme_${program}.cpp)
-      target_link_libraries(${name} PRIVATE quickcullide::${component}${precision})
-      add_test(NAME ${name} COMMAND ${name})
+# The manual: the programs of demos/hello run and return 0, README.md's examples are excerpts of them, Doxygen has no
+# warning about the public headers, links in the documents lead somewhere.
+function(qc_hello_test program)
+  foreach(precision "" -double)
+    if(TARGET qc-hello-${program}${precision})
+      add_test(NAME test_hello_${program}${precision} COMMAND qc-hello-${program}${precision})
     endif()
   endforeach()
 endfunction()
+foreach(program core broadphase cloth deformable fracture world)
+  qc_hello_test(${program})
+endforeach()
 
-qc_readme_test(bullet broadphase)
-qc_readme_test(bullet cloth)
-qc_readme_test(bullet deformable)
-qc_readme_test(fracture fracture)
+add_test(NAME test_readme_examples COMMAND sh ${CMAKE_CURRENT_SOURCE_DIR}/test_readme_examples.sh ${PROJECT_SOURCE_DIR})
+add_test(NAME test_links COMMAND sh ${CMAKE_CURRENT_SOURCE_DIR}/test_links.sh ${PROJECT_SOURCE_DIR})
+# Exit status 77: Doxygen is not installed.
+add_test(NAME test_docs COMMAND sh ${CMAKE_CURRENT_SOURCE_DIR}/test_docs.sh ${PROJECT_BINARY_DIR}/plugin/docs/Doxyfile)
+set_tests_properties(test_docs PROPERTIES SKIP_RETURN_CODE 77)
+
+qc_test(test_version test_version.c)
+target_compile_definitions(test_version PRIVATE QC_PROJECT_VERSION="${PROJECT_VERSION}")
