@@ -47,12 +47,12 @@ bool qcPairBuffer_Add(qcPairBuffer* buffer, const qcClassifiedPairs* found, bool
     return true;
 }
 
-void qcPairBuffer_AddAdjacent(qcPairBuffer* buffer, const qcSlotPair* pairs, size_t count, qcPairKeyFunction* keyOf,
-                              const void* context)
+void qcPairBuffer_AddNeighbours(qcPairBuffer* buffer, const qcSlotPair* pairs, size_t count, qcPairKeyFunction* keyOf,
+                                const void* context)
 {
     if (buffer->status == qc_statusOk)
-        buffer->status = qcArray_Reserve(&buffer->contactKeys, buffer->contactKeys.count + count, sizeof(uint64_t),
-                                         "adjacent pairs");
+        buffer->status =
+            qcArray_Reserve(&buffer->contactKeys, buffer->contactKeys.count + count, sizeof(uint64_t), "neighbours");
     for (size_t i = 0; i < count && buffer->status == qc_statusOk; i++)
         AddKey(&buffer->contactKeys, keyOf(context, pairs[i]));
 }

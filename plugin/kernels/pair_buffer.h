@@ -10,7 +10,7 @@
 typedef struct qcPairBuffer
 {
     qcArray keys;        ///< uint64_t: pairs that need the exact test
-    qcArray contactKeys; ///< uint64_t: pairs that only contacts need: adjacent ones, and classified ones
+    qcArray contactKeys; ///< uint64_t: pairs that only contacts need: neighbours, and classified ones
     qcArray classified;  ///< of qcSortItem: key and relation of pairs that need no exact test
     qcStatus status;
     char padding[64]; ///< keeps two workers off one cache line
@@ -30,9 +30,9 @@ qcStatus qcPairBuffers_Begin(qcArray* buffers, uint32_t threads);
 /// pairs, separate ones too, are also added to `contactKeys`. False: the buffer has failed; its status has the reason.
 bool qcPairBuffer_Add(qcPairBuffer* buffer, const qcClassifiedPairs* found, bool listClassified,
                       qcPairKeyFunction* keyOf, const void* context);
-/// Adds adjacent pairs to `contactKeys`.
-void qcPairBuffer_AddAdjacent(qcPairBuffer* buffer, const qcSlotPair* pairs, size_t count, qcPairKeyFunction* keyOf,
-                              const void* context);
+/// Adds pairs of neighbours to `contactKeys`.
+void qcPairBuffer_AddNeighbours(qcPairBuffer* buffer, const qcSlotPair* pairs, size_t count, qcPairKeyFunction* keyOf,
+                                const void* context);
 /// Appends all buffers to `keys`. Fails if one of them has failed.
 qcStatus qcPairBuffers_End(const qcArray* buffers, const qcPairKeys* keys);
 void qcPairBuffers_Free(qcArray* buffers);

@@ -185,8 +185,8 @@ typedef struct qcTriangleKernels
 
     /// Keeps those pairs of triangles sharing a vertex whose other features (vertices, edges and faces without a common
     /// vertex) may be within the query distance. At most qc_nodeSize^2 pairs. Returns the number kept.
-    size_t (*filterAdjacent)(const qcIndexedTriangles* triangles, const qcDistanceThresholds* thresholds,
-                             qcSlotPair* pairs, size_t count);
+    size_t (*filterNeighbours)(const qcIndexedTriangles* triangles, const qcDistanceThresholds* thresholds,
+                               qcSlotPair* pairs, size_t count);
     /// A bit for each vertex fan of a batch (mesh/vertex_fans.h), set if no two of its features without a common vertex
     /// are within the query distance.
     uint32_t (*findSeparatedFans)(const qcPoint* points, const uint32_t* vertices, uint32_t valence,

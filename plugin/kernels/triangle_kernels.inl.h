@@ -129,7 +129,7 @@ static qcSlotPair* CollectPairs(const qcBvhBoxes* a, uint32_t nodeA, const qcBvh
 #include "kernels/flat_patch_test.inl.h"
 #include "kernels/lattice_transform.inl.h"
 #include "kernels/triangle_distance.inl.h"
-#include "kernels/adjacent_pairs.inl.h"
+#include "kernels/neighbour_pairs.inl.h"
 #include "kernels/vertex_fan_test.inl.h"
 
 #define QC_KERNELS(title)                                                                                              \
@@ -138,7 +138,7 @@ static qcSlotPair* CollectPairs(const qcBvhBoxes* a, uint32_t nodeA, const qcBvh
         .findOverlaps = FindOverlaps, .collectPairs = CollectPairs, .isPatchFlat = IsPatchFlat,                        \
         .transformBoxes = TransformBoxes, .transformTriangles = TransformTriangles,                                    \
         .collectTransformedPairs = CollectTransformedPairs, .filter = Filter, .classify = Classify,                    \
-        .filterAdjacent = FilterAdjacent, .findSeparatedFans = FindSeparatedFans,                                      \
+        .filterNeighbours = FilterNeighbours, .findSeparatedFans = FindSeparatedFans,                                  \
         .findIntersecting = FindIntersecting, .findNearFeatures = FindNearFeatures                                     \
     }
 

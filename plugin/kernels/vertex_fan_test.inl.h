@@ -32,7 +32,7 @@
 #define QC_KERNELS_VERTEX_FAN_TEST_INL_H
 
 #include "mesh/vertex_fans.h"
-#include "kernels/adjacent_pairs.inl.h"
+#include "kernels/neighbour_pairs.inl.h"
 
 /// Points of a star, projected, and their distances from the middle.
 typedef struct FanLanes

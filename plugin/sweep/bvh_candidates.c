@@ -314,7 +314,7 @@ static void AddJob(const Run* run, uint32_t a, uint32_t b)
                         .bodyB = bodyB,
                         .query = PairMargin(job, bodyA, bodyB),
                         .near = qcBody_PairMargin(bodyA, bodyB, job->nearest),
-                        .includeAdjacent = job->testNeighbours,
+                        .includeNeighbours = job->testNeighbours,
                         .skipFlatPatches = run->flatDiscs && a == b,
                         .visitedA = ReachedOf(sweep, a),
                         .visitedB = ReachedOf(sweep, b),
@@ -425,7 +425,7 @@ static qcStatus EndKeeping(const Run* run)
 static void AddContactKeys(void* context, const qcSlotPair* pairs, size_t count, uint32_t worker)
 {
     const PairOfSurfaces* sides = context;
-    qcPairBuffer_AddAdjacent(&QC_AT(qcPairBuffer, sides->run->sweep->sinks, worker), pairs, count, KeyOf, sides);
+    qcPairBuffer_AddNeighbours(&QC_AT(qcPairBuffer, sides->run->sweep->sinks, worker), pairs, count, KeyOf, sides);
 }
 
 static qcStatus AddNeighbours(const Run* run, uint32_t body, qcProfile* profile)
@@ -435,12 +435,12 @@ static qcStatus AddNeighbours(const Run* run, uint32_t body, qcProfile* profile)
         return qc_statusOk;
     profile->skippedNeighbours += bvh->bvh.clusters.neighbourCount;
     PairOfSurfaces sides = MakeSides(run, body, body);
-    qcAdjacentPairsJob job = {.kernels = run->sweep->kernels,
+    qcNeighbourPairsJob job = {.kernels = run->sweep->kernels,
                               .body = bvh,
                               .threads = run->job->threads,
                               .function = AddContactKeys,
                               .context = &sides};
-    return run->job->listNeighbours ? qcAdjacentPairs_Find(&job) : qc_statusOk;
+    return run->job->listNeighbours ? qcNeighbourPairs_Find(&job) : qc_statusOk;
 }
 
 static void CountTriangles(const Run* run, uint32_t body, qcProfile* profile)

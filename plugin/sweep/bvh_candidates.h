@@ -5,7 +5,7 @@
 #include "sweep/candidates.h"
 #include "sweep/bvh/verlet_list.h"
 #include "kernels/pair_buffer.h"
-#include "sweep/bvh/adjacent_pairs.h"
+#include "sweep/bvh/neighbour_pairs.h"
 
 /// A body of the step whose surface has something missing or isn't where the body is, and how mending that went.
 typedef struct qcRefitTask

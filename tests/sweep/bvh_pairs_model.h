@@ -273,7 +273,7 @@ static inline size_t qcCheckPairs(qcSide* a, qcSide* b, double margin, bool neig
                              .bodyB = qcBodyAt(&b->bodies, 0),
                              .query = margin,
                              .near = found.half ? 0.5 * margin : margin,
-                             .includeAdjacent = neighbours,
+                             .includeNeighbours = neighbours,
                              .skipFlatPatches = run > 1,
                              .visitedA = reached[0],
                              .visitedB = a == b ? reached[0] : reached[1],

@@ -10,10 +10,10 @@
 typedef struct qcBodyBvh
 {
     qcTriangleBvh bvh;
-    bool hasAdjacency; ///< the clusters are linked and the patches built: what self pairs without adjacent ones need
+    bool hasAdjacency; ///< the clusters are linked and the patches built: what self pairs without neighbours need
     qcPatchState patches;
     qcVertexFans fans;   ///< made when first needed
-    qcArray isSeparated; ///< uint8_t by vertex: its fan had no self-contact within the margin (adjacent_pairs.h)
+    qcArray isSeparated; ///< uint8_t by vertex: its fan had no self-contact within the margin (neighbour_pairs.h)
     qcVerletReference verlet;
 } qcBodyBvh;
 
@@ -21,7 +21,7 @@ typedef struct qcBodyBvh
 /// nothing is left.
 qcStatus qcBodyBvh_Build(qcBodyBvh* bodyBvh, const qcBody* body, uint32_t threads);
 
-/// Builds the adjacency if there is none. The body is the one that the BVH was built for. O(adjacent pairs).
+/// Builds the adjacency if there is none. The body is the one that the BVH was built for. O(pairs of neighbours).
 qcStatus qcBodyBvh_BuildAdjacency(qcBodyBvh* bodyBvh, const qcBody* body, uint32_t threads);
 
 /// Makes the fans if there are none. O(triangles).

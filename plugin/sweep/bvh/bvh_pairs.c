@@ -85,7 +85,7 @@ static bool FindRules(const qcBvhPairsJob* job, uint32_t a, uint32_t b, Rules* r
 {
     rules->pairMasks = NULL;
     rules->exclusionCount = 0;
-    if (job->includeAdjacent)
+    if (job->includeNeighbours)
     {
         rules->pairMasks = a == b ? qcClusters_OrderTable() : NULL;
         return true;
@@ -252,7 +252,7 @@ static void FindTransforms(Search* s)
 static void Prepare(Search* s, const qcBvhPairsJob* job)
 {
     *s = (Search){.job = job, .a = &job->a->bvh, .b = &job->b->bvh, .same = job->a == job->b, .filters = true};
-    assert(!s->same || job->includeAdjacent || job->a->hasAdjacency);
+    assert(!s->same || job->includeNeighbours || job->a->hasAdjacency);
     s->sides[0] = (qcIndexedTriangles){s->a->corners.data, s->a->points.data};
     s->sides[1] = (qcIndexedTriangles){s->b->corners.data, s->b->points.data};
     s->thresholds = qcTriangleBvh_Thresholds(s->a, job->query, job->near);

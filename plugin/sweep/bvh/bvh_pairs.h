@@ -17,10 +17,10 @@ typedef struct qcBvhPairsJob
     const qcTriangleKernels* kernels;
     const qcBodyBvh *a, *b; ///< equal: pairs within the body, each once
     const qcBody *bodyA, *bodyB;
-    double query;         ///< max distance of a pair; at most the margin of both fits
-    double near;          ///< pairs at most this far apart are near
-    bool includeAdjacent; ///< within one body: also pairs that share a vertex index
-    bool skipFlatPatches; ///< within one body: leave out pairs within patches that qcPatchState_Test proved flat
+    double query;           ///< max distance of a pair; at most the margin of both fits
+    double near;            ///< pairs at most this far apart are near
+    bool includeNeighbours; ///< within one body: also pairs that share a vertex index
+    bool skipFlatPatches;   ///< within one body: leave out pairs within patches that qcPatchState_Test proved flat
     uint8_t *visitedA, *visitedB; ///< by leaf node: set to 1 if it was compared with one of the other. May be null
     qcBvhPairsFunction* function;
     void* context;

@@ -137,7 +137,7 @@ static bool ShareVertex(const qcCorners* a, const qcCorners* b)
     return share;
 }
 
-/// A triangle and one that moved far. Each pair is pushed once, and none of adjacent triangles.
+/// A triangle and one that moved far. Each pair is pushed once, and no neighbours.
 static void PushFarPair(Search* s, uint32_t slot, uint32_t far)
 {
     const qcCorners* corners = s->sides[0].corners;

@@ -13,18 +13,18 @@
 // subtracted twice at most. A dot product with w is then wrong by |w|_1 (2 e + 6 * 2^-24), the difference of two by
 // twice that and |w|_1 2^-23: the kernel asks for a gap of 1.001 r |w| + |w|_1 (4.01 e + 20 * 2^-24). A w that is
 // shorter than 1e-15, whose square may vanish, doesn't count.
-#ifndef QC_KERNELS_ADJACENT_PAIRS_INL_H
-#define QC_KERNELS_ADJACENT_PAIRS_INL_H
+#ifndef QC_KERNELS_NEIGHBOUR_PAIRS_INL_H
+#define QC_KERNELS_NEIGHBOUR_PAIRS_INL_H
 
 #include "kernels/triangle_distance.inl.h"
 
 /// QC_LANES pairs, corners by name: first the common ones, in the same order in both.
-typedef struct AdjacentLanes
+typedef struct NeighbourLanes
 {
     uint32_t a[3][QC_LANES], b[3][QC_LANES];
     uint32_t index[QC_LANES]; ///< of the pair
     size_t count;
-} AdjacentLanes;
+} NeighbourLanes;
 
 /// What a gap along w has to exceed.
 QC_INLINE Floats MinGap(const qcDistanceThresholds* bound, Vectors w)
@@ -49,7 +49,7 @@ QC_INLINE Vectors Normalize(Vectors a)
 }
 
 QC_INLINE Ints AreSeparatedAtVertex(const qcDistanceThresholds* bound, const qcPoint* points,
-                                    const AdjacentLanes* lanes)
+                                    const NeighbourLanes* lanes)
 {
     Vectors at = LoadPoints(points, lanes->a[0]);
     Vectors a[2] = {Subtract(LoadPoints(points, lanes->a[1]), at), Subtract(LoadPoints(points, lanes->a[2]), at)};
@@ -88,7 +88,7 @@ QC_INLINE Ints AreOppositeEdgesSeparated(const qcDistanceThresholds* bound, Vect
            AreSegmentsSeparated(bound, v, u, a, v, b);
 }
 
-QC_INLINE Ints AreSeparatedAtEdge(const qcDistanceThresholds* bound, const qcPoint* points, const AdjacentLanes* lanes)
+QC_INLINE Ints AreSeparatedAtEdge(const qcDistanceThresholds* bound, const qcPoint* points, const NeighbourLanes* lanes)
 {
     const Floats zero = {0};
     const Vectors u = {zero, zero, zero};
@@ -105,7 +105,7 @@ QC_INLINE Ints AreSeparatedAtEdge(const qcDistanceThresholds* bound, const qcPoi
 }
 
 /// Adds a pair to the lanes of its kind: corners that both have first. Which kind: how many those are.
-QC_INLINE int AddToLanes(const uint32_t* p, const uint32_t* q, uint32_t index, AdjacentLanes lanes[4])
+QC_INLINE int AddToLanes(const uint32_t* p, const uint32_t* q, uint32_t index, NeighbourLanes lanes[4])
 {
     uint32_t a[3], b[3];
     int common = 0, restA = 2, restB = 2;
@@ -125,7 +125,7 @@ QC_INLINE int AddToLanes(const uint32_t* p, const uint32_t* q, uint32_t index, A
     for (int k = 0; k < 3; k++)
         if (!taken[k])
             b[restB--] = q[k];
-    AdjacentLanes* to = &lanes[common];
+    NeighbourLanes* to = &lanes[common];
     for (int c = 0; c < 3; c++)
     {
         to->a[c][to->count] = a[c];
@@ -135,7 +135,7 @@ QC_INLINE int AddToLanes(const uint32_t* p, const uint32_t* q, uint32_t index, A
     return common;
 }
 
-QC_INLINE void TestLanes(const qcDistanceThresholds* bound, const qcPoint* points, int common, AdjacentLanes* lanes,
+QC_INLINE void TestLanes(const qcDistanceThresholds* bound, const qcPoint* points, int common, NeighbourLanes* lanes,
                          uint8_t* keep)
 {
     // Lanes that are empty stand for the first again.
@@ -155,11 +155,11 @@ QC_INLINE void TestLanes(const qcDistanceThresholds* bound, const qcPoint* point
     lanes->count = 0;
 }
 
-static size_t FilterAdjacent(const qcIndexedTriangles* side, const qcDistanceThresholds* bound, qcSlotPair* pairs,
-                             size_t count)
+static size_t FilterNeighbours(const qcIndexedTriangles* side, const qcDistanceThresholds* bound, qcSlotPair* pairs,
+                               size_t count)
 {
     uint8_t keep[qc_nodeSize * qc_nodeSize];
-    AdjacentLanes lanes[4];
+    NeighbourLanes lanes[4];
     for (int i = 0; i < 4; i++)
         lanes[i].count = 0;
     for (size_t i = 0; i < count; i++)

@@ -3,7 +3,7 @@
 #include "support/oracle.h"
 #include "support/pairs.h"
 #include "support/suite.h"
-#include "sweep/bvh/adjacent_pairs.h"
+#include "sweep/bvh/neighbour_pairs.h"
 #include "sweep/sample_bodies.h"
 #include "scene/step_triangles.h"
 
@@ -149,7 +149,7 @@ static bool Keeps(const qcTriangleKernels* k, const Neighbours* n, float reach, 
         pairs[i] = i == at ? (qcSlotPair){0, 1} : (qcSlotPair){2, 3};
     qcIndexedTriangles side = {corners, points};
     qcDistanceThresholds bound = {.pointError = 0x1p-24f, .query = reach};
-    size_t kept = k->filterAdjacent(&side, &bound, pairs, count);
+    size_t kept = k->filterNeighbours(&side, &bound, pairs, count);
     bool isKept = false;
     size_t others = 0;
     for (size_t i = 0; i < kept; i++)
@@ -303,9 +303,9 @@ static Found FindKeys(const qcTriangleKernels* kernels, const qcSoup* soup, doub
     CHECK_OK(qcTriangleBvh_Fit(&bvh.bvh, found.body, margin, kernels, threads, &scratch, &fits));
     ck_assert(fits);
     Given given = {.bvh = &bvh.bvh};
-    qcAdjacentPairsJob job = {
+    qcNeighbourPairsJob job = {
         .kernels = kernels, .body = &bvh, .threads = threads, .function = Take, .context = &given};
-    CHECK_OK(qcAdjacentPairs_Find(&job));
+    CHECK_OK(qcNeighbourPairs_Find(&job));
     for (uint32_t v = 0; v < bvh.bvh.vertexCount; v++)
         *(QC_AT(uint8_t, bvh.isSeparated, v) ? &found.quiet : &found.loud) += 1;
     for (int worker = 0; worker < qc_mostThreads; worker++)

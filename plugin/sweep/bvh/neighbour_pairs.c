@@ -1,6 +1,6 @@
 // Most vertex fans are proven separated (kernels/vertex_fan_test.inl.h): their pairs are not even listed. Around the
 // other vertices the pairs are listed, and a kernel drops most of them.
-#include "sweep/bvh/adjacent_pairs.h"
+#include "sweep/bvh/neighbour_pairs.h"
 
 #include "base/parallel_for.h"
 #include "base/status.h"
@@ -18,7 +18,7 @@ enum
 
 typedef struct Search
 {
-    const qcAdjacentPairsJob* job;
+    const qcNeighbourPairsJob* job;
     const qcTriangleBvh* bvh;
     const qcVertexFans* fans;
     uint8_t* isSeparated; ///< by vertex
@@ -63,7 +63,7 @@ static bool IsListedAt(const Search* s, uint32_t vertex, uint32_t a, uint32_t b)
 
 static void ReportPairs(const Search* s, qcSlotPair* pairs, size_t count, uint32_t worker)
 {
-    count = s->job->kernels->filterAdjacent(&s->triangles, &s->thresholds, pairs, count);
+    count = s->job->kernels->filterNeighbours(&s->triangles, &s->thresholds, pairs, count);
     s->job->function(s->job->context, pairs, count, worker);
 }
 
@@ -93,7 +93,7 @@ static void FindPairsAtVertices(void* context, size_t block, uint32_t worker)
     ReportPairs(s, pairs, count, worker);
 }
 
-qcStatus qcAdjacentPairs_Find(const qcAdjacentPairsJob* job)
+qcStatus qcNeighbourPairs_Find(const qcNeighbourPairsJob* job)
 {
     qcBodyBvh* body = job->body;
     const qcTriangleBvh* bvh = &body->bvh;
