@@ -1,18 +1,8 @@
-// What the kernels have in common: boxes here and, of another surface, in kernels/lattice_transform.inl.h, triangles in
-// kernels/separating_axis.inl.h, flat discs in kernels/flat_patch_test.inl.h. The file of an instruction set defines,
-// before it includes this one:
-//
-//   QC_LANES                   floats in a vector
-//   Shorts                     eight int16_t
-//   MinShorts, MinFloats, MaxFloats
-//   Transpose                  eight rows to eight columns
-//   TransformVertex                  one vertex
-//   FindBoxOverlaps              as compare
-//
-// and after it:
-//
-//   LoadPoints                 QC_LANES points to three vectors
-//   SignBits                   a bit for each lane that is true
+// The kernels, written once for all instruction sets: boxes here, the rest in the headers that this one includes. The
+// source of an instruction set defines before it includes this header: QC_LANES (floats in a vector), Shorts (eight
+// int16_t), MinShorts, MinFloats, MaxFloats, SquareRoot, Transpose (eight rows to eight columns), TransformVertex (one
+// vertex) and FindBoxOverlaps (see findOverlaps); and after it: LoadPoints (QC_LANES points to three vectors) and
+// SignBits (a bit for each lane that is true).
 #ifndef QC_KERNELS_TRIANGLE_KERNELS_INL_H
 #define QC_KERNELS_TRIANGLE_KERNELS_INL_H
 
@@ -23,22 +13,22 @@
 
 #define QC_INLINE static inline __attribute__((always_inline))
 
-static void TransformVertices(const qcLatticeTransform* map, const qcVertexRange* range, qcPoint* points,
+static void TransformVertices(const qcLatticeTransform* lattice, const qcVertexRange* range, qcPoint* points,
                               qcBoxRow* rows)
 {
     for (size_t i = range->first; i < range->end; i++)
-        TransformVertex(map, range->positions + 3 * (size_t)range->vertexOf[i], &points[i], &rows[i]);
+        TransformVertex(lattice, range->positions + 3 * (size_t)range->vertexOf[i], &points[i], &rows[i]);
 }
 
-/// Eight rows side by side; returns the row around them.
-QC_INLINE Shorts StoreBox8(const Shorts row[qc_boxLanes], qcBox8* group)
+/// Stores eight rows side by side; returns the row around them.
+QC_INLINE Shorts StoreBox8(const Shorts row[qc_boxLanes], qcBox8* box8)
 {
     Shorts column[8];
     Transpose(row, column);
     for (int axis = 0; axis < 3; axis++)
     {
-        memcpy(group->ends[axis], &column[axis], sizeof(Shorts));
-        memcpy(group->ends[axis] + qc_boxLanes, &column[axis + 4], sizeof(Shorts));
+        memcpy(box8->ends[axis], &column[axis], sizeof(Shorts));
+        memcpy(box8->ends[axis] + qc_boxLanes, &column[axis + 4], sizeof(Shorts));
     }
     return MinShorts(MinShorts(MinShorts(row[0], row[1]), MinShorts(row[2], row[3])),
                      MinShorts(MinShorts(row[4], row[5]), MinShorts(row[6], row[7])));
@@ -51,7 +41,7 @@ QC_INLINE Shorts LoadRow(const qcBoxRow* row)
     return ends;
 }
 
-static void FitTriangles(const qcCorners* corners, const qcBoxRow* vertices, size_t first, size_t end, qcBox8* groups,
+static void FitTriangles(const qcCorners* corners, const qcBoxRow* vertices, size_t first, size_t end, qcBox8* boxes,
                          qcBoxRow* rows)
 {
     for (size_t g = first; g < end; g++)
@@ -61,19 +51,19 @@ static void FitTriangles(const qcCorners* corners, const qcBoxRow* vertices, siz
         for (int i = 0; i < qc_boxLanes; i++)
             row[i] = MinShorts(MinShorts(LoadRow(&vertices[c[i].vertex[0]]), LoadRow(&vertices[c[i].vertex[1]])),
                                LoadRow(&vertices[c[i].vertex[2]]));
-        Shorts around = StoreBox8(row, &groups[g]);
+        Shorts around = StoreBox8(row, &boxes[g]);
         memcpy(&rows[g], &around, sizeof around);
     }
 }
 
-static void FitBoxes(const qcBoxRow* children, size_t first, size_t end, qcBox8* groups, qcBoxRow* rows)
+static void FitBoxes(const qcBoxRow* children, size_t first, size_t end, qcBox8* boxes, qcBoxRow* rows)
 {
     for (size_t g = first; g < end; g++)
     {
         Shorts row[qc_boxLanes];
         for (int i = 0; i < qc_boxLanes; i++)
             row[i] = LoadRow(&children[g * qc_boxLanes + i]);
-        Shorts around = StoreBox8(row, &groups[g]);
+        Shorts around = StoreBox8(row, &boxes[g]);
         memcpy(&rows[g], &around, sizeof around);
     }
 }
@@ -83,7 +73,7 @@ static uint64_t FindOverlaps(const qcBox8* a, const qcBox8* b)
     return FindBoxOverlaps(a, b);
 }
 
-/// Adds the triangles of two clusters that meet and whose bits are set.
+/// Adds the pairs of triangles of two clusters whose bits are set.
 QC_INLINE qcSlotPair* AddPairs(uint64_t triangles, size_t clusterA, size_t clusterB, qcSlotPair* pairs)
 {
     uint32_t firstA = (uint32_t)clusterA * qc_clusterSize, firstB = (uint32_t)clusterB * qc_clusterSize;
@@ -95,25 +85,26 @@ QC_INLINE qcSlotPair* AddPairs(uint64_t triangles, size_t clusterA, size_t clust
     return pairs;
 }
 
-/// The pairs of a word that a skip of these two clusters leaves.
-QC_INLINE uint64_t RemoveExcluded(uint64_t word, const qcPairExclusion* skip, uint32_t i, uint32_t j)
+/// Clears the bits of excluded pairs of two clusters.
+QC_INLINE uint64_t RemoveExcluded(uint64_t word, const qcPairExclusion* exclusion, uint32_t i, uint32_t j)
 {
-    return word & ~qcClusters_Product(qcClusters_PlacesOf(skip->a, i), qcClusters_PlacesOf(skip->b, j));
+    return word & ~qcClusters_Product(qcClusters_PlacesOf(exclusion->a, i), qcClusters_PlacesOf(exclusion->b, j));
 }
 
 static qcSlotPair* CollectPairs(const qcBvhBoxes* a, uint32_t nodeA, const qcBvhBoxes* b, uint32_t nodeB,
-                                const uint64_t* table, const qcPairExclusion* skips, int skipCount, qcSlotPair* pairs)
+                                const uint64_t* pairMasks, const qcPairExclusion* exclusions, int exclusionCount,
+                                qcSlotPair* pairs)
 {
     static const uint64_t all[] = {0, 0, 0};
-    table = table != NULL ? table : all;
-    uint64_t clusters = FindBoxOverlaps(&a->nodes[nodeA], &b->nodes[nodeB]) & ~table[1];
+    pairMasks = pairMasks != NULL ? pairMasks : all;
+    uint64_t clusters = FindBoxOverlaps(&a->nodes[nodeA], &b->nodes[nodeB]) & ~pairMasks[1];
     for (; clusters != 0; clusters &= clusters - 1)
     {
         uint32_t bit = (uint32_t)__builtin_ctzll(clusters);
-        uint64_t word = qcClusters_Word(table, bit);
-        for (int i = 0; i < skipCount; i++)
-            word = RemoveExcluded(word, &skips[i], bit % qc_boxLanes, bit / qc_boxLanes);
-        if (skipCount != 0 && word == 0)
+        uint64_t word = qcClusters_Word(pairMasks, bit);
+        for (int i = 0; i < exclusionCount; i++)
+            word = RemoveExcluded(word, &exclusions[i], bit % qc_boxLanes, bit / qc_boxLanes);
+        if (exclusionCount != 0 && word == 0)
             continue;
         size_t clusterA = (size_t)nodeA * qc_boxLanes + bit % qc_boxLanes;
         size_t clusterB = (size_t)nodeB * qc_boxLanes + bit / qc_boxLanes;
