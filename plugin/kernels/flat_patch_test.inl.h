@@ -54,11 +54,11 @@ static void LoadLoop(const qcPatchGeometry* patch, Loop* loop)
     memcpy(id, patch->loop, count * sizeof id[0]);
     for (size_t i = count; i < count + 2 * QC_LANES; i++)
         id[i] = id[i - count];
-    const float* centre = patch->points[id[0]].x;
+    const float* first = patch->points[id[0]].x;
     const float* opposite = patch->points[id[count / 2]].x;
     Floats at[3] = {{0}};
     for (int axis = 0; axis < 3; axis++)
-        at[axis] += 0.5f * (centre[axis] + opposite[axis]);
+        at[axis] += 0.5f * (first[axis] + opposite[axis]);
     for (size_t i = 0; i < count + QC_LANES; i += QC_LANES)
     {
         Vectors point = LoadPoints(patch->points, id + i);

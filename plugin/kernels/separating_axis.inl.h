@@ -155,9 +155,9 @@ QC_INLINE Ints SeparatedByCentroidsOrPlane(const PairLanes* l)
 
 typedef Ints Separated(const PairLanes* l);
 
-QC_INLINE size_t KeepOthers(const qcIndexedTriangles* a, const qcIndexedTriangles* b,
-                            const qcDistanceThresholds* thresholds, qcSlotPair* pairs, size_t count,
-                            Separated* separated)
+QC_INLINE size_t KeepUnseparated(const qcIndexedTriangles* a, const qcIndexedTriangles* b,
+                                 const qcDistanceThresholds* thresholds, qcSlotPair* pairs, size_t count,
+                                 Separated* separated)
 {
     size_t kept = 0;
     for (size_t at = 0; at < count; at += QC_LANES)
@@ -177,9 +177,9 @@ static size_t Filter(const qcIndexedTriangles* a, const qcIndexedTriangles* b, c
     // With a query distance most pairs are of one smooth surface, most others lie in layers. The rest is measured
     // (kernels/triangle_distance.inl.h), which takes no longer than more axes would.
     if (thresholds->query > 0.0f)
-        return KeepOthers(a, b, thresholds, pairs, count, SeparatedByCentroidsOrPlane);
-    count = KeepOthers(a, b, thresholds, pairs, count, SeparatedByPlane);
-    return KeepOthers(a, b, thresholds, pairs, count, SeparatedByEdges);
+        return KeepUnseparated(a, b, thresholds, pairs, count, SeparatedByCentroidsOrPlane);
+    count = KeepUnseparated(a, b, thresholds, pairs, count, SeparatedByPlane);
+    return KeepUnseparated(a, b, thresholds, pairs, count, SeparatedByEdges);
 }
 
 //  ---- proven intersections ------------------------------------------------------------------------
