@@ -14,7 +14,7 @@ function(qc_add_fracture name glue precision)
   endif()
   add_library(qc_${name} fracture/fracture.cpp fracture/voronoi_cells.cpp fracture/plane_clip.cpp
     fracture/open_edges.cpp fracture/triangulate_face.cpp fracture/clip_mesh.cpp fracture/cell_sites.cpp
-    fracture/unit_scale.cpp)
+    fracture/unit_scale.cpp fracture/parallel_cells.cpp)
   target_include_directories(qc_${name} PRIVATE ${CMAKE_CURRENT_SOURCE_DIR})
   add_library(quickcullide::${name} ALIAS qc_${name})
   set_target_properties(qc_${name} PROPERTIES
@@ -22,7 +22,7 @@ function(qc_add_fracture name glue precision)
     VERSION ${PROJECT_VERSION} SOVERSION ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR})
   target_compile_options(qc_${name} PRIVATE -ffp-contract=off) # for sums that are exact (cell_sites.cpp)
   target_include_directories(qc_${name} SYSTEM PRIVATE ${VORO_INCLUDE_DIR})
-  target_link_libraries(qc_${name} PUBLIC quickcullide::${glue} PRIVATE ${VORO_LIBRARY} PkgConfig::GLU Threads::Threads)
+  target_link_libraries(qc_${name} PUBLIC quickcullide::${glue} PRIVATE ${VORO_LIBRARY} PkgConfig::GLU)
   qc_hide_others(qc_${name})
   install(TARGETS qc_${name} EXPORT quickcullide_${name})
   install(EXPORT quickcullide_${name} NAMESPACE quickcullide:: DESTINATION ${QC_PACKAGE_DIR}

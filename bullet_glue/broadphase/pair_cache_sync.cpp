@@ -1,33 +1,132 @@
-// The pair cache is kept equal to "boxes overlap and filters agree". What changed comes from qcBoxes; the cache is
-// touched for nothing else.
-//
-// A pair that overlapped at the last search and still does is in the cache, or was rejected by the groups and masks of
-// proxies that have not changed them. All pairs are looked at where that is not known: someone else changed the cache,
-// a filter changed, there is a filter callback, the cache removes nothing itself, a proxy has odd bounds.
-#include "broadphase/proxy.h"
+// Keeps a Bullet pair cache equal to "boxes overlap and filters agree".
+#include "broadphase/pair_cache_sync.h"
 
 #include <LinearMath/btQuickprof.h>
 
 #include <utility>
 
+namespace
+{
+// Proxies between two searches whose pairs are added at once: enough for a character or sensor, nothing beside a step
+// in which many boxes move.
+constexpr int qc_earlyQueries = 8;
+} // namespace
+
+qcPairCacheSync::qcPairCacheSync(btOverlappingPairCache* cache)
+    : m_cache(cache), m_ownsCache(cache == nullptr), m_earlyQueries(qc_earlyQueries)
+{
+    if (m_ownsCache)
+        m_cache = new (btAlignedAlloc(sizeof(btHashedOverlappingPairCache), 16)) btHashedOverlappingPairCache();
+    m_knownPairCount = m_cache->getNumOverlappingPairs();
+}
+
+qcPairCacheSync::~qcPairCacheSync()
+{
+    if (!m_ownsCache)
+        return;
+    m_cache->~btOverlappingPairCache();
+    btAlignedFree(m_cache);
+}
+
+void qcPairCacheSync::ResetEarlyQueries()
+{
+    m_earlyQueries = qc_earlyQueries;
+}
+
+//  ---- single proxies --------------------------------------------------------------------------------
+
+void qcPairCacheSync::Add(qcProxy* proxy)
+{
+    if (IsIterating())
+    {
+        m_proxies.Pend(proxy);
+        return;
+    }
+    m_proxies.List(proxy);
+    AddEarlyPairs(proxy);
+}
+
+void qcPairCacheSync::PendMove(qcProxy* proxy, const btVector3& aabbMin, const btVector3& aabbMax)
+{
+    proxy->state().moves = true;
+    proxy->state().pendingMin = aabbMin;
+    proxy->state().pendingMax = aabbMax;
+    m_proxies.Pend(proxy);
+}
+
+void qcPairCacheSync::MoveNow(qcProxy* proxy, const btVector3& aabbMin, const btVector3& aabbMax)
+{
+    m_proxies.Move(proxy, aabbMin, aabbMax);
+    AddEarlyPairs(proxy);
+}
+
+void qcPairCacheSync::Destroy(qcProxy* proxy, btDispatcher* dispatcher)
+{
+    if (proxy->state().destroyed)
+        return;
+    {
+        // A ghost-pair callback may create and move others: their pairs have to wait until the cache is whole again.
+        IterationGuard guard(*this);
+        int before = m_cache->getNumOverlappingPairs();
+        // Not later: a ghost-pair callback reads the object, which its owner is about to delete.
+        m_cache->removeOverlappingPairsContainingProxy(proxy, dispatcher);
+        m_knownPairCount += m_cache->getNumOverlappingPairs() - before;
+    }
+    m_destroyCount++;
+    if (!IsIterating())
+    {
+        Free(proxy);
+        return;
+    }
+    proxy->state().destroyed = true;
+    m_proxies.Pend(proxy);
+}
+
+void qcPairCacheSync::Free(qcProxy* proxy)
+{
+    if (proxy->state().addedPairs)
+        RemoveFrom(m_early, proxy);
+    RemoveFrom(m_rejected, proxy);
+    m_proxies.Free(proxy);
+}
+
+void qcPairCacheSync::ApplyPending()
+{
+    while (qcProxy* proxy = m_proxies.TakePending())
+    {
+        if (proxy->state().destroyed)
+        {
+            Free(proxy);
+            continue;
+        }
+        if (proxy->state().index < 0)
+            m_proxies.List(proxy);
+        if (proxy->state().moves)
+            m_proxies.Move(proxy, proxy->state().pendingMin, proxy->state().pendingMax);
+        proxy->state().moves = false;
+    }
+}
+
+//  ---- pairs -----------------------------------------------------------------------------------------
+
 /// Adds the pair of two proxies that overlap, if their filters agree. Returns whether they do.
-bool qcBroadphase::Judge(Proxy* a, Proxy* b)
+bool qcPairCacheSync::AddIfAccepted(qcProxy* a, qcProxy* b)
 {
     // Lower id first, as Bullet does it: a callback may rely on it.
     if (a->m_uniqueId > b->m_uniqueId)
         std::swap(a, b);
-    if (!m_pairCache->needsBroadphaseCollision(a, b))
+    if (!m_cache->needsBroadphaseCollision(a, b))
         return false;
-    // The callback may have destroyed one, and may do so now: Bullet's caches ask it once more.
+    // The callback may have destroyed one, and may do so now: Bullet's caches call it once more.
     if (!a->state().destroyed && !b->state().destroyed)
-        m_pairCache->addOverlappingPair(a, b);
-    for (Proxy* proxy : {a, b})
+        m_cache->addOverlappingPair(a, b);
+    for (qcProxy* proxy : {a, b})
         if (proxy->state().destroyed)
-            m_pairCache->removeOverlappingPairsContainingProxy(proxy, nullptr);
+            m_cache->removeOverlappingPairsContainingProxy(proxy, nullptr);
     return true;
 }
 
-void qcBroadphase::RemoveFrom(btAlignedObjectArray<Proxy*>& pairs, const Proxy* proxy)
+void qcPairCacheSync::RemoveFrom(Pairs& pairs, const qcProxy* proxy)
 {
     int kept = 0;
     for (int i = 0; i < pairs.size(); i += 2)
@@ -40,53 +139,54 @@ void qcBroadphase::RemoveFrom(btAlignedObjectArray<Proxy*>& pairs, const Proxy* 
     pairs.resize(kept);
 }
 
-/// A pair may end before the next search, and its filters may change: it is listed, and checked there.
-void qcBroadphase::AddPairNow(Proxy* a, Proxy* b)
+/// The pair may end before the next search, and its filters may change: it is listed, and checked there.
+void qcPairCacheSync::AddEarlyPair(qcProxy* a, qcProxy* b)
 {
     if (a->m_uniqueId > b->m_uniqueId)
         std::swap(a, b);
-    int before = m_pairCache->getNumOverlappingPairs();
-    if (a->state().destroyed || b->state().destroyed || !Judge(a, b) || m_pairCache->getNumOverlappingPairs() <= before)
+    int before = m_cache->getNumOverlappingPairs();
+    if (a->state().destroyed || b->state().destroyed || !AddIfAccepted(a, b) ||
+        m_cache->getNumOverlappingPairs() <= before)
         return;
     a->state().addedPairs = b->state().addedPairs = true;
-    m_addedPairs.push_back(a);
-    m_addedPairs.push_back(b);
+    m_early.push_back(a);
+    m_early.push_back(b);
 }
 
-void qcBroadphase::AddPairsNow(Proxy* proxy)
+void qcPairCacheSync::AddEarlyPairs(qcProxy* proxy)
 {
-    if (m_pairsAtOnce == 0)
+    if (m_earlyQueries == 0)
         return;
-    m_pairsAtOnce--;
-    // In a list first: a callback may change what is asked here. Most find nothing, and need no walk.
-    auto visit = [&](Proxy* other)
+    m_earlyQueries--;
+    // Into a list first: a callback may change the set. Most proxies find nothing and need no guard.
+    auto visit = [&](qcProxy* other)
     {
         if (other != proxy)
             m_found.push_back(other);
     };
-    if (m_oddCount > 0 || m_outsideCount > 0)
-        VisitBox(proxy->m_aabbMin, proxy->m_aabbMax, visit);
+    if (m_proxies.HasExceptions())
+        m_proxies.VisitBox(proxy->m_aabbMin, proxy->m_aabbMax, visit);
     else
     {
         auto function = [](uint32_t, void* other, void* context)
         {
-            (*static_cast<decltype(visit)*>(context))(static_cast<Proxy*>(other));
+            (*static_cast<decltype(visit)*>(context))(static_cast<qcProxy*>(other));
             return true;
         };
-        qcBoxes_QueryBegun(m_boxes, proxy->state().box, function, &visit);
+        qcBoxes_QueryBegun(m_proxies.GetBoxes(), proxy->state().box, function, &visit);
     }
     if (m_found.size() == 0)
         return;
-    Walk walk(*this);
-    int before = m_pairCache->getNumOverlappingPairs();
+    IterationGuard guard(*this);
+    int before = m_cache->getNumOverlappingPairs();
     for (int i = 0; i < m_found.size(); i++)
-        AddPairNow(proxy, m_found[i]);
-    m_knownPairCount += m_pairCache->getNumOverlappingPairs() - before;
+        AddEarlyPair(proxy, m_found[i]);
+    m_knownPairCount += m_cache->getNumOverlappingPairs() - before;
     m_found.resize(0);
 }
 
-/// A pair to ask the filter callback about again.
-void qcBroadphase::Reject(Proxy* a, Proxy* b)
+/// Lists a pair that the filter callback is called for again in the next search.
+void qcPairCacheSync::Reject(qcProxy* a, qcProxy* b)
 {
     if (m_filter == nullptr || a->state().destroyed || b->state().destroyed)
         return;
@@ -94,59 +194,33 @@ void qcBroadphase::Reject(Proxy* a, Proxy* b)
     m_rejected.push_back(b);
 }
 
-void qcBroadphase::Consider(Proxy* a, Proxy* b)
+void qcPairCacheSync::TestPair(qcProxy* a, qcProxy* b)
 {
-    if (a->state().destroyed || b->state().destroyed || !Overlap(a, b))
+    if (a->state().destroyed || b->state().destroyed || !qcOverlap(a, b))
         return;
-    if (!Judge(a, b))
+    if (!AddIfAccepted(a, b))
         Reject(a, b);
 }
 
-/// Looks for what changed by other hands than ours: filters, and the pair cache itself.
-void qcBroadphase::LookForChanges()
+/// Finds out what others changed: the filter callback, and the pair cache itself.
+void qcPairCacheSync::FindForeignChanges()
 {
-    const btOverlapFilterCallback* filter = m_pairCache->getOverlapFilterCallback();
-    m_judgeAll = m_judgeAll || filter != m_filter || m_pairCache->getNumOverlappingPairs() != m_knownPairCount;
+    const btOverlapFilterCallback* filter = m_cache->getOverlapFilterCallback();
+    m_filterAll = m_filterAll || filter != m_filter || m_cache->getNumOverlappingPairs() != m_knownPairCount;
     m_filter = filter;
-    for (int i = 0; m_outsideCount > 0 && i < m_proxyCount; i++)
-        if (m_proxies[i].proxy->state().box == qc_noBox)
-        {
-            AddBox(m_proxies[i].proxy);
-            // The set does not know what it overlapped before.
-            Seek(m_proxies[i].proxy);
-        }
+    m_proxies.AddMissingBoxes();
 }
 
-/// At the filters that were not looked at when boxes were set.
-void qcBroadphase::LookAtFilters()
-{
-    constexpr int at_once = 8;
-    int i = m_lookedCount;
-    for (; i + at_once <= m_proxyCount; i += at_once)
-    {
-        const Listed* listed = &m_proxies[i];
-        uint64_t differ = 0;
-        for (int j = 0; j < at_once; j++)
-        {
-            differ |= listed[j].filter ^ FilterOf(listed[j].proxy);
-        }
-        for (int j = 0; differ != 0 && j < at_once; j++)
-            LookAt(m_proxies[i + j]);
-    }
-    for (; i < m_proxyCount; i++)
-        LookAt(m_proxies[i]);
-}
-
-/// The callback may want now what it did not want before.
-void qcBroadphase::JudgeRejected()
+/// The callback may accept pairs now that it rejected before.
+void qcPairCacheSync::FilterRejected()
 {
     int kept = 0;
-    for (int i = 0; i < m_rejected.size() && !m_judgeAll && m_filter != nullptr; i += 2)
+    for (int i = 0; i < m_rejected.size() && !m_filterAll && m_filter != nullptr; i += 2)
     {
-        Proxy *a = m_rejected[i], *b = m_rejected[i + 1];
-        // Pairs of those that look for theirs are found anew.
-        if (a->state().destroyed || b->state().destroyed || IsSeeking(a) || IsSeeking(b) || !Overlap(a, b) ||
-            Judge(a, b))
+        qcProxy *a = m_rejected[i], *b = m_rejected[i + 1];
+        // Pairs of proxies that are queried again are found there.
+        if (a->state().destroyed || b->state().destroyed || m_proxies.NeedsQuery(a) || m_proxies.NeedsQuery(b) ||
+            !qcOverlap(a, b) || AddIfAccepted(a, b))
             continue;
         m_rejected[kept++] = a;
         m_rejected[kept++] = b;
@@ -154,147 +228,123 @@ void qcBroadphase::JudgeRejected()
     m_rejected.resize(kept);
 }
 
-/// Its overlaps don't follow from what changed between boxes.
-bool qcBroadphase::IsSeeking(const Proxy* proxy) const
+void qcPairCacheSync::QueryPairs()
 {
-    return proxy->state().sought == m_interval || proxy->state().odd || proxy->state().box == qc_noBox;
-}
-
-void qcBroadphase::SeekPairs()
-{
-    for (int i = 0; i < m_proxyCount; i++)
+    for (int i = 0; i < m_proxies.GetCount(); i++)
     {
-        Proxy* proxy = m_proxies[i].proxy;
-        if (!m_judgeAll && !IsSeeking(proxy))
+        qcProxy* proxy = m_proxies.At(i);
+        if (!m_filterAll && !m_proxies.NeedsQuery(proxy))
             continue;
-        VisitBox(proxy->m_aabbMin, proxy->m_aabbMax,
-                 [&](Proxy* other)
-                 {
-                     // Of two that look for pairs, one finds this one.
-                     bool both = m_judgeAll || IsSeeking(other);
-                     if (other != proxy && (!both || proxy->m_uniqueId < other->m_uniqueId))
-                         Consider(proxy, other);
-                 });
+        m_proxies.VisitBox(proxy->m_aabbMin, proxy->m_aabbMax,
+                           [&](qcProxy* other)
+                           {
+                               // A pair of two queried proxies is found once.
+                               bool both = m_filterAll || m_proxies.NeedsQuery(other);
+                               if (other != proxy && (!both || proxy->m_uniqueId < other->m_uniqueId))
+                                   TestPair(proxy, other);
+                           });
     }
 }
 
-qcBroadphase::Proxy* qcBroadphase::ProxyOf(uint32_t box) const
-{
-    return static_cast<Proxy*>(qcBoxes_GetUserData(m_boxes, box));
-}
-
-void qcBroadphase::AddBegun(const qcBoxChanges& changes)
+void qcPairCacheSync::AddBegun(const qcBoxChanges& changes)
 {
     for (size_t i = 0; i < changes.beganCount; i++)
     {
-        Proxy *a = ProxyOf(changes.began[i].a), *b = ProxyOf(changes.began[i].b);
-        // Pairs of those that look for theirs are found by them.
-        if (m_judgeAll || (m_seeking && (IsSeeking(a) || IsSeeking(b))))
+        qcProxy *a = m_proxies.OfBox(changes.began[i].a), *b = m_proxies.OfBox(changes.began[i].b);
+        // Pairs of proxies that are queried again are found by their queries.
+        if (m_filterAll || (m_querying && (m_proxies.NeedsQuery(a) || m_proxies.NeedsQuery(b))))
             continue;
-        Consider(a, b);
+        TestPair(a, b);
     }
 }
 
 /// Removes the pairs that no longer overlap, and those added since the last search whose filters no longer agree.
-void qcBroadphase::RemoveEnded(const qcBoxChanges& changes, btDispatcher* dispatcher)
+void qcPairCacheSync::RemoveEnded(const qcBoxChanges& changes, btDispatcher* dispatcher)
 {
     for (size_t i = 0; i < changes.endedCount; i++)
     {
-        Proxy *a = ProxyOf(changes.ended[i].a), *b = ProxyOf(changes.ended[i].b);
+        qcProxy *a = m_proxies.OfBox(changes.ended[i].a), *b = m_proxies.OfBox(changes.ended[i].b);
         if (!a->state().destroyed && !b->state().destroyed)
-            m_pairCache->removeOverlappingPair(a, b, dispatcher);
+            m_cache->removeOverlappingPair(a, b, dispatcher);
     }
-    for (int i = 0; i < m_addedPairs.size(); i += 2)
+    for (int i = 0; i < m_early.size(); i += 2)
     {
-        Proxy *a = m_addedPairs[i], *b = m_addedPairs[i + 1];
+        qcProxy *a = m_early[i], *b = m_early[i + 1];
         if (a->state().destroyed || b->state().destroyed ||
-            (Overlap(a, b) && m_pairCache->needsBroadphaseCollision(a, b)))
+            (qcOverlap(a, b) && m_cache->needsBroadphaseCollision(a, b)))
             continue;
         // A filter may have destroyed one, and with it the pair.
         if (!a->state().destroyed && !b->state().destroyed)
-            m_pairCache->removeOverlappingPair(a, b, dispatcher);
+            m_cache->removeOverlappingPair(a, b, dispatcher);
     }
 }
 
-/// What changed between boxes since the last search.
-qcBoxChanges qcBroadphase::FindChanges()
-{
-    BT_PROFILE("qcBroadphase search");
-    qcBoxChanges changes = {};
-    qcStatus status = m_boxes != nullptr ? qcBoxes_FindChangedPairs(m_boxes, &changes) : qc_statusOk;
-    m_judgeAll = m_judgeAll || status != qc_statusOk || changes.all;
-    if (status == qc_statusOk)
-        return changes;
-    m_status = status;
-    return {};
-}
-
 /// Brings the cache up to date.
-void qcBroadphase::UpdatePairs(const qcBoxChanges& changes, btDispatcher* dispatcher)
+void qcPairCacheSync::UpdatePairs(const qcBoxChanges& changes, btDispatcher* dispatcher)
 {
     BT_PROFILE("qcBroadphase pairs");
-    m_seeking = m_anythingSought || m_oddCount > 0 || m_outsideCount > 0;
-    JudgeRejected();
+    m_querying = m_proxies.HasRequeries() || m_proxies.HasExceptions();
+    FilterRejected();
     AddBegun(changes);
-    if (m_judgeAll || m_seeking)
-        SeekPairs();
-    if (m_judgeAll || m_seeking || m_filter != nullptr || m_pairCache->hasDeferredRemoval())
+    if (m_filterAll || m_querying)
+        QueryPairs();
+    if (m_filterAll || m_querying || m_filter != nullptr || m_cache->hasDeferredRemoval())
         RemovePairs(dispatcher);
     else
         RemoveEnded(changes, dispatcher);
 }
 
-bool qcBroadphase::IsStillWanted(const btBroadphasePair& pair)
+bool qcPairCacheSync::IsAccepted(const btBroadphasePair& pair)
 {
-    Proxy *a = static_cast<Proxy*>(pair.m_pProxy0), *b = static_cast<Proxy*>(pair.m_pProxy1);
+    qcProxy *a = static_cast<qcProxy*>(pair.m_pProxy0), *b = static_cast<qcProxy*>(pair.m_pProxy1);
     if (a == nullptr || b == nullptr || a->state().destroyed || b->state().destroyed)
         return false;
-    if (!Overlap(a, b))
+    if (!qcOverlap(a, b))
         return false;
-    if (m_pairCache->needsBroadphaseCollision(a, b))
+    if (m_cache->needsBroadphaseCollision(a, b))
         return true;
     Reject(a, b);
     return false;
 }
 
-void qcBroadphase::RemovePair(int index, btDispatcher* dispatcher)
+void qcPairCacheSync::RemovePair(int index, btDispatcher* dispatcher)
 {
-    btBroadphasePairArray& pairs = m_pairCache->getOverlappingPairArray();
-    if (!m_pairCache->hasDeferredRemoval())
+    btBroadphasePairArray& pairs = m_cache->getOverlappingPairArray();
+    if (!m_cache->hasDeferredRemoval())
     {
-        m_pairCache->removeOverlappingPair(pairs[index].m_pProxy0, pairs[index].m_pProxy1, dispatcher);
+        m_cache->removeOverlappingPair(pairs[index].m_pProxy0, pairs[index].m_pProxy1, dispatcher);
         return;
     }
-    // Such a cache leaves it to the broadphase. Out of the array first: what is cleaned may call back.
+    // Such a cache leaves removal to the broadphase. Out of the array first: cleaning may call back.
     btBroadphasePair pair = pairs[index];
     pairs.swap(index, pairs.size() - 1);
     pairs.pop_back();
-    m_pairCache->cleanOverlappingPair(pair, dispatcher);
+    m_cache->cleanOverlappingPair(pair, dispatcher);
 }
 
-void qcBroadphase::RemovePairs(btDispatcher* dispatcher)
+void qcPairCacheSync::RemovePairs(btDispatcher* dispatcher)
 {
-    btBroadphasePairArray& pairs = m_pairCache->getOverlappingPairArray();
+    btBroadphasePairArray& pairs = m_cache->getOverlappingPairArray();
     for (int i = 0; i < pairs.size();)
     {
         const unsigned destroyed = m_destroyCount;
         const int size = pairs.size();
-        bool wanted = IsStillWanted(pairs[i]);
-        if (!wanted && m_destroyCount == destroyed)
+        bool accepted = IsAccepted(pairs[i]);
+        if (!accepted && m_destroyCount == destroyed)
             RemovePair(i, dispatcher);
         if (m_destroyCount != destroyed)
             i = 0; // a callback destroyed a proxy: pairs are gone, others have taken their places
-        else if (wanted || pairs.size() == size)
+        else if (accepted || pairs.size() == size)
             i++;
     }
-    if (m_pairCache->hasDeferredRemoval())
+    if (m_cache->hasDeferredRemoval())
         RemoveDuplicates();
 }
 
 /// A cache with deferred removal may hold a pair twice; the first after sorting is the one that has an algorithm.
-void qcBroadphase::RemoveDuplicates()
+void qcPairCacheSync::RemoveDuplicates()
 {
-    btBroadphasePairArray& pairs = m_pairCache->getOverlappingPairArray();
+    btBroadphasePairArray& pairs = m_cache->getOverlappingPairArray();
     if (pairs.size() == 0)
         return;
     pairs.quickSort(btBroadphasePairSortPredicate());
@@ -305,25 +355,22 @@ void qcBroadphase::RemoveDuplicates()
     pairs.resize(kept);
 }
 
-void qcBroadphase::calculateOverlappingPairs(btDispatcher* dispatcher)
+void qcPairCacheSync::Update(btDispatcher* dispatcher)
 {
-    if (m_walks > 0)
-        return;
-    Walk walk(*this);
-    m_status = qc_statusOk;
-    LookForChanges();
-    qcBoxChanges changes = m_anythingTouched ? FindChanges() : qcBoxChanges{};
-    // Afterwards: what was set, and is looked at again by the search, is still in the processor's cache.
-    LookAtFilters();
-    if (m_anythingTouched || m_judgeAll || m_filter != nullptr)
+    IterationGuard guard(*this);
+    m_proxies.ClearStatus();
+    FindForeignChanges();
+    qcBoxChanges changes = m_proxies.HasChanges() ? m_proxies.FindChanges() : qcBoxChanges{};
+    m_filterAll = m_filterAll || changes.all;
+    // After the search: what was set, and is read again by it, is still in the processor's cache.
+    m_proxies.CompareFilters();
+    if (m_proxies.HasChanges() || m_filterAll || m_filter != nullptr)
         UpdatePairs(changes, dispatcher);
-    for (int i = 0; i < m_addedPairs.size(); i++)
-        m_addedPairs[i]->state().addedPairs = false;
-    m_addedPairs.resize(0);
-    m_interval++;
-    m_lookedCount = 0;
-    m_anythingTouched = m_anythingSought = false;
-    m_judgeAll = false;
-    m_pairsAtOnce = qc_pairsAtOnce;
-    m_knownPairCount = m_pairCache->getNumOverlappingPairs();
+    for (int i = 0; i < m_early.size(); i++)
+        m_early[i]->state().addedPairs = false;
+    m_early.resize(0);
+    m_proxies.EndInterval();
+    m_filterAll = false;
+    ResetEarlyQueries();
+    m_knownPairCount = m_cache->getNumOverlappingPairs();
 }

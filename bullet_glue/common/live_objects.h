@@ -1,4 +1,4 @@
-// Which objects are in a world, by what its broadphase holds.
+// The objects that are in a world, by the proxies of its broadphase.
 #ifndef QC_GLUE_COMMON_LIVE_OBJECTS_H
 #define QC_GLUE_COMMON_LIVE_OBJECTS_H
 
@@ -8,11 +8,11 @@
 #include <utility>
 #include <vector>
 
-/// Reads nothing of the objects, which may be gone.
-class qcObjectCensus : public btBroadphaseAabbCallback
+/// A snapshot of the proxies, taken by the first query. Reads nothing of the objects: they may be deleted already.
+class qcLiveObjects : public btBroadphaseAabbCallback
 {
   public:
-    explicit qcObjectCensus(btBroadphaseInterface* broadphase) : m_broadphase(broadphase)
+    explicit qcLiveObjects(btBroadphaseInterface* broadphase) : m_broadphase(broadphase)
     {
     }
 
@@ -22,8 +22,8 @@ class qcObjectCensus : public btBroadphaseAabbCallback
         return true;
     }
 
-    /// Is the object of this address, added to the world under this number, still there?
-    bool Has(const void* object, int addition)
+    /// True if the object of this address is in the world under this id (qcUniqueIdOf). O(log objects) after the first.
+    bool Contains(const void* object, int uniqueId)
     {
         if (m_objects.empty())
         {
@@ -31,11 +31,11 @@ class qcObjectCensus : public btBroadphaseAabbCallback
             m_broadphase->aabbTest(-far, far, *this);
             std::sort(m_objects.begin(), m_objects.end());
         }
-        return std::binary_search(m_objects.begin(), m_objects.end(), std::make_pair(object, addition));
+        return std::binary_search(m_objects.begin(), m_objects.end(), std::make_pair(object, uniqueId));
     }
 
-    /// Objects may have been added or removed.
-    void Forget()
+    /// The next query takes a new snapshot: objects may have been added or removed.
+    void Invalidate()
     {
         m_objects.clear();
     }

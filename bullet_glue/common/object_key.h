@@ -1,13 +1,13 @@
-// What several parts of the glue ask of Bullet's objects and vectors.
+// Identity of Bullet's objects, equality of its vectors.
 #ifndef QC_GLUE_COMMON_OBJECT_KEY_H
 #define QC_GLUE_COMMON_OBJECT_KEY_H
 
 #include <BulletCollision/BroadphaseCollision/btBroadphaseProxy.h>
 #include <BulletCollision/CollisionDispatch/btCollisionObject.h>
 
-/// Numbered anew whenever an object is added to a world: the same address may be another object later. -1 for one that
-/// is in no world.
-inline int qcAdditionOf(const btCollisionObject* object)
+/// The id of the object's proxy: a new one each time it is added to a world, so that a new object at an old address has
+/// another id. -1 for an object in no world.
+inline int qcUniqueIdOf(const btCollisionObject* object)
 {
     const btBroadphaseProxy* proxy = object->getBroadphaseHandle();
     return proxy != nullptr ? proxy->m_uniqueId : -1;

@@ -1,7 +1,7 @@
 // Reading the triangles of Bullet's concave shapes.
 #include "common/shape_triangles.h"
 
-#include "common/scalar_type.h"
+#include "quickcullide/bullet_positions.h"
 
 #include <BulletCollision/Gimpact/btGImpactShape.h>
 
@@ -94,22 +94,30 @@ qcMeshTriangles::qcMeshTriangles(const btCollisionShape* shape, const btVector3*
     count = uint32_t(sources.size());
 }
 
+qcBodyDef qcMeshBodyDef(const btVector3* points, uint32_t pointCount, const uint32_t* indices, uint32_t triangleCount,
+                        const btTransform& transform, qcActivity activity)
+{
+    qcBodyDef def = qcDefaultBodyDef();
+    def.positions = points;
+    def.positionType = qcBulletPositions;
+    def.positionStride = sizeof(btVector3);
+    def.vertexCount = pointCount;
+    def.indices = indices;
+    def.triangleCount = triangleCount;
+    def.transform = qcTransformOf(transform);
+    def.activity = activity;
+    def.selfCollision = false;
+    return def;
+}
+
 qcStatus qcAddMesh(qcScene* scene, const btCollisionShape* shape, const btTransform& transform, qcActivity activity,
                    uint32_t owner, const btVector3* box, qcBodyId* id, std::vector<qcTriangleSource>* sources)
 {
     qcMeshTriangles triangles(shape, box);
     *sources = std::move(triangles.sources);
-    qcBodyDef def = qcDefaultBodyDef();
-    def.positions = triangles.points;
-    def.vertexCount = triangles.pointCount;
-    def.indices = triangles.indices;
-    def.triangleCount = triangles.count;
-    def.positionType = qcBulletPositions;
-    def.positionStride = sizeof(btVector3);
-    def.transform = qcTransformOf(transform);
-    def.activity = activity;
+    qcBodyDef def =
+        qcMeshBodyDef(triangles.points, triangles.pointCount, triangles.indices, triangles.count, transform, activity);
     def.owner = owner;
-    def.selfCollision = false;
     return qcScene_AddBody(scene, &def, id);
 }
 

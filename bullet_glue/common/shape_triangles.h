@@ -49,6 +49,10 @@ class qcMeshTriangles
     std::vector<uint32_t> m_indices;
 };
 
+/// A rigid mesh in world space as a body of a scene, without self-collision. Refers to the arrays.
+qcBodyDef qcMeshBodyDef(const btVector3* points, uint32_t pointCount, const uint32_t* indices, uint32_t triangleCount,
+                        const btTransform& transform, qcActivity activity);
+
 /// Adds the shape's triangles to a scene. `owner`: of the body, see qcBodyDef. `box` (may be null): those of Bullet's
 /// own static shapes that do not meet it, in the shape's frame, may be left out. `sources` receives those of the
 /// triangles.

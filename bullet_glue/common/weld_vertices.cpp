@@ -1,18 +1,17 @@
-// By sorting: exact, and the same on every machine.
+// Vertices at the same position, by hashing.
 #include "common/weld_vertices.h"
 
-#include <algorithm>
-#include <array>
-#include <numeric>
+#include "common/hash_table.h"
 
 std::vector<uint32_t> qcFirstAtPosition(const btVector3* vertices, uint32_t count)
 {
-    std::vector<uint32_t> order(count), welded(count);
-    std::iota(order.begin(), order.end(), 0);
-    auto key = [&](uint32_t v) { return std::array<btScalar, 3>{vertices[v].x(), vertices[v].y(), vertices[v].z()}; };
-    std::sort(order.begin(), order.end(),
-              [&](uint32_t a, uint32_t b) { return key(a) != key(b) ? key(a) < key(b) : a < b; });
-    for (uint32_t i = 0; i < count; i++)
-        welded[order[i]] = i > 0 && key(order[i]) == key(order[i - 1]) ? welded[order[i - 1]] : order[i];
-    return welded;
+    qcHashTable<std::array<double, 3>, uint32_t> firstAt;
+    firstAt.Clear(count);
+    std::vector<uint32_t> first(count);
+    for (uint32_t v = 0; v < count; v++)
+    {
+        const btVector3& p = vertices[v];
+        first[v] = firstAt.FindOrAdd({double(p.x()), double(p.y()), double(p.z())}, v);
+    }
+    return first;
 }

@@ -7,7 +7,7 @@
 #include <cstdint>
 #include <vector>
 
-/// For each vertex the first one at the same position. O(n log n).
+/// For each vertex the first one at the same position. O(n).
 std::vector<uint32_t> qcFirstAtPosition(const btVector3* vertices, uint32_t count);
 
 #endif

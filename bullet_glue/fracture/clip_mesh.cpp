@@ -3,8 +3,6 @@
 
 #include "fracture/scratch.h"
 
-#include <numeric>
-
 namespace
 {
 constexpr uint32_t s_none = UINT32_MAX;
@@ -67,25 +65,18 @@ double qcClipMesh_Measure(const qcClipMesh& mesh, qcClipPoint* first)
 
 std::vector<qcClipMesh> qcClipMesh_FindParts(const qcClipMesh& mesh, qcClipScratch* scratch)
 {
-    std::vector<uint32_t>& root = scratch->roots;
-    root.resize(mesh.points.size());
-    std::iota(root.begin(), root.end(), 0u);
-    auto find = [&](uint32_t v)
-    {
-        while (root[v] != v)
-            v = root[v] = root[root[v]];
-        return v;
-    };
+    qcUnionFind& islands = scratch->islands;
+    islands.Reset(mesh.points.size());
     for (const qcClipTriangle& triangle : mesh.triangles)
         for (size_t c = 1; c < 3; c++)
-            root[find(triangle.corner[c])] = find(triangle.corner[0]);
+            islands.Unite(triangle.corner[c], triangle.corner[0]);
     std::vector<qcClipMesh> parts;
     std::vector<uint32_t>&partOf = scratch->parts, &places = scratch->places;
     partOf.assign(mesh.points.size(), s_none);
     places.assign(mesh.points.size(), s_none);
     for (qcClipTriangle triangle : mesh.triangles)
     {
-        uint32_t& part = partOf[find(triangle.corner[0])];
+        uint32_t& part = partOf[islands.Find(triangle.corner[0])];
         if (part == s_none)
         {
             part = uint32_t(parts.size());

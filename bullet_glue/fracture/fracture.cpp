@@ -3,9 +3,10 @@
 // the mesh's length (fracture/unit_scale.h), and the volumes of all cells must add up to that of the mesh.
 #include "quickcullide/bullet_fracture.h"
 
+#include "fracture/parallel_cells.h"
 #include "fracture/voronoi_cells.h"
 #include "fracture/cell_sites.h"
-#include "common/scalar_type.h"
+#include "quickcullide/bullet_positions.h"
 
 #include "quickcullide/bullet_mesh.h"
 
@@ -281,7 +282,7 @@ std::vector<Parts> CutByDistance(const Job& job)
         qcFractureSites_CutCell(job.sites, uint32_t(site), job.firstCut, &share, scratch);
         parts[site] = PartsOf(job, uint32_t(site), &share, scratch);
     };
-    qcForEachOnAllCores(parts.size(), cutCell);
+    qcForEachInParallel(parts.size(), cutCell);
     return parts;
 }
 

@@ -20,8 +20,8 @@ void qcClipEdges::FindLoops(bool turned, qcClipLoops* loops)
     for (const auto& edge : m_counts.Entries())
     {
         uint64_t upward = edge.key, downward = upward << 32 | upward >> 32;
-        uint64_t arrow = (edge.number > 0) == turned ? downward : upward;
-        for (int i = std::abs(edge.number); i > 0; i--)
+        uint64_t arrow = (edge.value > 0) == turned ? downward : upward;
+        for (int i = std::abs(edge.value); i > 0; i--)
             m_arrows.push_back(arrow);
     }
     if (m_arrows.empty())

@@ -2,7 +2,7 @@
 #ifndef QC_GLUE_FRACTURE_OPEN_EDGES_H
 #define QC_GLUE_FRACTURE_OPEN_EDGES_H
 
-#include "fracture/hash_table.h"
+#include "common/hash_table.h"
 
 /// An edge as a face passes it.
 struct qcClipArrow
@@ -25,7 +25,7 @@ struct qcClipLoops
 class qcClipEdges
 {
   public:
-    /// As qcClipTable::Clear.
+    /// As qcHashTable::Clear.
     void Clear(size_t expected)
     {
         m_counts.Clear(expected);
@@ -54,7 +54,7 @@ class qcClipEdges
         return uint64_t(std::min(a, b)) << 32 | std::max(a, b);
     }
 
-    qcClipTable<uint64_t, int> m_counts; ///< how much more often from the lower index to the higher one than back
+    qcHashTable<uint64_t, int> m_counts; ///< how much more often from the lower index to the higher one than back
     std::vector<uint64_t> m_arrows;      ///< from, to: in order
     std::vector<uint32_t> m_next;        ///< by point, the first of its arrows that no loop has passed
 };

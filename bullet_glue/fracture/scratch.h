@@ -2,6 +2,7 @@
 #ifndef QC_GLUE_FRACTURE_SCRATCH_H
 #define QC_GLUE_FRACTURE_SCRATCH_H
 
+#include "common/union_find.h"
 #include "fracture/open_edges.h"
 #include "fracture/clip_mesh.h"
 
@@ -37,7 +38,7 @@ struct qcClipCorner
 /// For one thread at a time; what is in it between two calls does not matter.
 struct qcClipScratch
 {
-    qcClipTable<qcClipPoint, uint32_t> positions; ///< points by position
+    qcHashTable<qcClipPoint, uint32_t> positions; ///< points by position
     std::vector<uint32_t> places;                 ///< of points
     //  Cuts.
     std::vector<double> sides;
@@ -55,7 +56,8 @@ struct qcClipScratch
     std::vector<qcClipCorner> corners, inward;
     std::vector<uint32_t> left;
     //  Parts.
-    std::vector<uint32_t> roots, parts; ///< of points
+    qcUnionFind islands;         ///< of points
+    std::vector<uint32_t> parts; ///< of points
 };
 
 #endif

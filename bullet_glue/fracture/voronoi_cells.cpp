@@ -3,14 +3,13 @@
 // binary search trees used for associative searching, 1975), and the solid is cut along the box of each half.
 #include "fracture/voronoi_cells.h"
 
+#include "fracture/parallel_cells.h"
+
 #include <voro++/voro++.hh>
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
-#include <future>
 #include <numeric>
-#include <thread>
 
 namespace
 {
@@ -65,7 +64,7 @@ Box FindWalls(const std::vector<qcClipPoint>& mesh, const std::vector<qcClipPoin
 /// in one of eight shifted grids of twice that width, close sites are in the same cell.
 bool AreAnyClose(const std::vector<qcClipPoint>& sites, double distance)
 {
-    qcClipTable<qcClipPoint, uint32_t> grid;
+    qcHashTable<qcClipPoint, uint32_t> grid;
     for (int shift = 0; shift < 8; shift++)
     {
         grid.Clear(sites.size());
@@ -210,23 +209,6 @@ std::array<std::vector<size_t>, 2> Halve(const std::vector<qcFractureCell>& cell
 }
 } // namespace
 
-void qcForEachOnAllCores(size_t count, const std::function<void(size_t i, qcClipScratch* scratch)>& function)
-{
-    std::atomic<size_t> next{0};
-    auto work = [&]
-    {
-        qcClipScratch scratch;
-        for (size_t i = next++; i < count; i = next++)
-            function(i, &scratch);
-    };
-    std::vector<std::future<void>> others;
-    for (size_t k = 1; k < std::min(count, size_t(std::thread::hardware_concurrency())); k++)
-        others.push_back(std::async(std::launch::async, work));
-    work();
-    for (std::future<void>& other : others)
-        other.get();
-}
-
 std::vector<qcFractureCell> qcFindFractureCells(const std::vector<qcClipPoint>& mesh,
                                                 const std::vector<qcClipPoint>& sites)
 {
@@ -236,7 +218,7 @@ std::vector<qcFractureCell> qcFindFractureCells(const std::vector<qcClipPoint>& 
         return {};
     std::vector<qcFractureCell> cells(sites.size(), {{}, walls.lower, walls.upper});
     size_t shares = std::min(mostShares, 1 + sites.size() / leastShare);
-    qcForEachOnAllCores(shares, [&](size_t share, qcClipScratch*) { FindCells(walls, sites, share, shares, &cells); });
+    qcForEachInParallel(shares, [&](size_t share, qcClipScratch*) { FindCells(walls, sites, share, shares, &cells); });
     return cells;
 }
 
@@ -261,7 +243,7 @@ void qcDealSolid(qcClipSolid solid, const std::vector<qcFractureCell>& cells, ui
             halves[i].solid = share.solid;
             CutAround(BoxOf(cells, halves[i].cells), firstFace, &halves[i].solid, scratch);
         };
-        qcForEachOnAllCores(halves.size(), halve);
+        qcForEachInParallel(halves.size(), halve);
         halves.erase(
             std::remove_if(halves.begin(), halves.end(), [](const Share& share) { return share.cells.empty(); }),
             halves.end());

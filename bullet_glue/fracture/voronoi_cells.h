@@ -18,10 +18,7 @@ struct qcFractureCell
 std::vector<qcFractureCell> qcFindFractureCells(const std::vector<qcClipPoint>& mesh,
                                                 const std::vector<qcClipPoint>& sites);
 
-/// Calls the function with each index below `count` and scratch, on all cores. Its exceptions are thrown here.
-void qcForEachOnAllCores(size_t count, const std::function<void(size_t i, qcClipScratch* scratch)>& function);
-
-/// Calls the function with each cell and what the solid is in its box, from all cores. The rest of the solid is mostly
+/// Calls the function with each cell and what the solid is in its box, in parallel. The rest of the solid is mostly
 /// cut off, by faces that are outside of the cell and have numbers from `firstFace` on.
 void qcDealSolid(qcClipSolid solid, const std::vector<qcFractureCell>& cells, uint32_t firstFace,
                  const std::function<void(size_t cell, qcClipSolid solid, qcClipScratch* scratch)>& take);

@@ -12,7 +12,7 @@
 /// Did the last query look at it, and as far as it may come?
 bool qcMeshBatch::IsSeen(const btCollisionObject* object, const Object& known) const
 {
-    if (known.seen != m_gathering || known.addition != qcAdditionOf(object))
+    if (known.seen != m_gathering || known.uniqueId != qcUniqueIdOf(object))
         return false;
     // Pushed since then, it may come further than the query looked.
     btScalar approach = qcApproach(object, known.radius, m_timeStep, known.limit, m_drift);
@@ -90,5 +90,5 @@ bool qcMeshBatch::IsAsChecked(const btCollisionObject* object) const
 {
     auto found = m_objects.find(object);
     return found != m_objects.end() && found->second.checked == m_check &&
-           found->second.addition == qcAdditionOf(object) && IsInState(object, found->second.state);
+           found->second.uniqueId == qcUniqueIdOf(object) && IsInState(object, found->second.state);
 }

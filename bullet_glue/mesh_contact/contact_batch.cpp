@@ -1,11 +1,11 @@
 // The batch: gathering the meshes of a world, one query, reading a pair.
 #include "mesh_contact/contact_batch.h"
 
+#include "common/compound_children.h"
 #include "common/stopwatch.h"
 #include "common/object_key.h"
 
 #include <BulletCollision/CollisionDispatch/btCollisionDispatcher.h>
-#include <BulletCollision/CollisionShapes/btCompoundShape.h>
 #include <BulletDynamics/Dynamics/btRigidBody.h>
 #include <LinearMath/btQuickprof.h>
 
@@ -87,18 +87,15 @@ btScalar qcMeshBatch::Reach(const btCollisionShape* a, const btCollisionShape* b
 void qcMeshBatch::CollectMeshes(const btCollisionShape* shape, const btTransform& transform,
                                 std::vector<Mesh>* meshes) const
 {
-    if (shape->isCompound())
+    auto add = [meshes](const btCollisionShape* mesh, const btTransform& meshTransform)
     {
-        const auto* compound = static_cast<const btCompoundShape*>(shape);
-        for (int i = 0; i < compound->getNumChildShapes(); i++)
-            CollectMeshes(compound->getChildShape(i), transform * compound->getChildTransform(i), meshes);
-    }
-    else if (qcIsMesh(shape))
-    {
+        if (!qcIsMesh(mesh))
+            return;
         meshes->emplace_back();
-        meshes->back().shape = shape;
-        meshes->back().transform = transform;
-    }
+        meshes->back().shape = mesh;
+        meshes->back().transform = meshTransform;
+    };
+    qcForEachSimpleShape(shape, transform, add);
 }
 
 /// Has the scene the mesh at this place, or so near that its contact points serve?
@@ -186,7 +183,7 @@ qcMeshBatch::Object* qcMeshBatch::Know(const btCollisionObject* object)
         return &known;
     if (known.owner == 0)
         known.owner = ++m_owners;
-    known.addition = qcAdditionOf(object);
+    known.uniqueId = qcUniqueIdOf(object);
     known.seen = known.present = m_gathering;
     known.state = StateOf(object);
     Refresh(object, &known);
@@ -313,15 +310,15 @@ void qcMeshBatch::ForgetGone()
         if (!qcMayHoldMeshes(objects[i]->getCollisionShape()))
             continue;
         auto found = m_objects.find(objects[i]);
-        if (found != m_objects.end() && found->second.addition == qcAdditionOf(objects[i]))
+        if (found != m_objects.end() && found->second.uniqueId == qcUniqueIdOf(objects[i]))
             found->second.present = m_gathering;
     }
     std::vector<std::pair<int, const btCollisionObject*>> gone;
     for (const auto& [object, known] : m_objects)
         if (known.present != m_gathering)
-            gone.emplace_back(known.addition, object);
+            gone.emplace_back(known.uniqueId, object);
     std::sort(gone.begin(), gone.end());
-    for (const auto& [addition, object] : gone)
+    for (const auto& [uniqueId, object] : gone)
     {
         Forget(&m_objects[object]);
         m_objects.erase(object);

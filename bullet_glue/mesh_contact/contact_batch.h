@@ -81,7 +81,7 @@ class qcMeshBatch
     /// numbers anew when an object is added tells them apart.
     struct Object
     {
-        int addition = -1;
+        int uniqueId = -1;
         uint32_t owner = 0;   ///< of its meshes: children of a compound don't meet each other
         unsigned seen = 0;    ///< the last gathering that looked at it
         unsigned present = 0; ///< the last gathering that found it in the world

@@ -11,7 +11,7 @@
 void qcMeshBatch::DrawObject(const btCollisionObject* object, btIDebugDraw* drawer) const
 {
     auto found = m_objects.find(object);
-    if (found == m_objects.end() || found->second.addition != qcAdditionOf(object))
+    if (found == m_objects.end() || found->second.uniqueId != qcUniqueIdOf(object))
         return;
     std::vector<Mesh> present;
     CollectMeshes(object->getCollisionShape(), object->getWorldTransform(), &present);

@@ -4,7 +4,7 @@
 #include "mesh_shape/mass_properties.h"
 #include "mesh_shape/serialize.h"
 #include "mesh_shape/triangle_tree.h"
-#include "common/scalar_type.h"
+#include "quickcullide/bullet_positions.h"
 
 #include <BulletCollision/CollisionShapes/btStridingMeshInterface.h>
 #include <BulletCollision/NarrowPhaseCollision/btRaycastCallback.h>

@@ -1,4 +1,4 @@
-// Takes the pairs of a soft body and a qcMeshShape from Bullet.
+// Replaces Bullet's collision algorithms for pairs of a soft body and a qcMeshShape.
 #ifndef QC_GLUE_SOFT_BODY_ALGORITHM_OVERRIDE_H
 #define QC_GLUE_SOFT_BODY_ALGORITHM_OVERRIDE_H
 
@@ -6,21 +6,21 @@
 
 class btDispatcher;
 
-/// While it lives, and from its first Register on, algorithms that a dispatcher makes for such pairs do nothing, with
-/// compounds of such meshes too.
-class qcSoftMeshTakeOver
+/// From the first Register until its end, algorithms that the dispatcher creates for such pairs do nothing, for
+/// children of compounds, too.
+class qcAlgorithmOverride
 {
   public:
-    qcSoftMeshTakeOver();
-    ~qcSoftMeshTakeOver();
+    qcAlgorithmOverride();
+    ~qcAlgorithmOverride();
 
-    /// Null, and a dispatcher that makes no algorithms, are allowed. Another one than before: that one gets its own
-    /// algorithms back.
+    /// Overrides the algorithms of this dispatcher; the previous one gets its own back. Null, and a dispatcher without
+    /// algorithms, are allowed.
     void Register(btDispatcher* dispatcher);
 
   private:
-    struct Create;
-    std::unique_ptr<Create> m_create, m_swappedCreate;
+    struct CreateFunc;
+    std::unique_ptr<CreateFunc> m_createFunc, m_swappedCreateFunc;
     btDispatcher* m_dispatcher = nullptr;
 };
 

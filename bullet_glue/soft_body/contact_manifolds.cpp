@@ -1,7 +1,7 @@
 // Contacts of soft bodies as Bullet manifolds.
 //
-// They live from the end of one step to the beginning of the next: before the next collision detection they are gone,
-// so the rigid-body solver never sees a body that was removed in between.
+// They live from the end of one step to the beginning of the next, and are gone before collision detection: the
+// rigid-body solver never gets a body that was removed in between.
 #include "soft_body/contact_manifolds.h"
 
 #include "common/live_objects.h"
@@ -13,25 +13,25 @@
 #include <algorithm>
 #include <iterator>
 
-bool qcManifolds::Meeting::IsPresent(qcObjectCensus* census) const
+bool qcContactManifolds::BodyPair::IsLive(qcLiveObjects* liveObjects) const
 {
-    return census->Has(a, additionA) && census->Has(b, additionB);
+    return liveObjects->Contains(a, uniqueIdA) && liveObjects->Contains(b, uniqueIdB);
 }
 
-qcManifolds::~qcManifolds()
+qcContactManifolds::~qcContactManifolds()
 {
     Release();
 }
 
-void qcManifolds::Release()
+void qcContactManifolds::Release()
 {
     for (Published& published : m_manifolds)
     {
         btPersistentManifold* manifold = published.manifold;
         for (int i = 0; i < manifold->getNumContacts(); i++)
             manifold->clearUserCache(manifold->getContactPoint(i));
-        // Bullet tells gContactEndedCallback of a manifold with points, which would look at its bodies: they may be
-        // gone, or still in contact.
+        // With points, Bullet would call gContactEndedCallback, which may read the bodies: they may be deleted, or
+        // still in contact.
         manifold->setNumContacts(0);
         published.dispatcher->releaseManifold(manifold);
     }
@@ -39,133 +39,136 @@ void qcManifolds::Release()
     m_broadphase = nullptr;
 }
 
-/// False if it is there already.
-bool qcManifolds::Insert(const Meeting& meeting)
+/// Adds a pair to those of this step. False: it is among them already.
+bool qcContactManifolds::Insert(const BodyPair& pair)
 {
-    auto at = std::lower_bound(m_meetings.begin(), m_meetings.end(), meeting);
-    if (at != m_meetings.end() && !(meeting < *at))
+    auto at = std::lower_bound(m_pairs.begin(), m_pairs.end(), pair);
+    if (at != m_pairs.end() && !(pair < *at))
         return false;
-    m_meetings.insert(at, meeting);
+    m_pairs.insert(at, pair);
     return true;
 }
 
-/// The last manifold if it is of these bodies and has room, else a new one.
-btPersistentManifold* qcManifolds::Next(btDispatcher* dispatcher, const Meeting& meeting)
+/// The last manifold if it belongs to these bodies and has room, else a new one; null: the dispatcher has none left.
+btPersistentManifold* qcContactManifolds::NextManifold(btDispatcher* dispatcher, const BodyPair& pair)
 {
     if (!m_manifolds.empty())
     {
         btPersistentManifold* last = m_manifolds.back().manifold;
-        if (last->getBody0() == meeting.a && last->getBody1() == meeting.b &&
-            last->getNumContacts() < MANIFOLD_CACHE_SIZE)
+        if (last->getBody0() == pair.a && last->getBody1() == pair.b && last->getNumContacts() < MANIFOLD_CACHE_SIZE)
             return last;
     }
-    btPersistentManifold* manifold = dispatcher->getNewManifold(meeting.a, meeting.b);
+    btPersistentManifold* manifold = dispatcher->getNewManifold(pair.a, pair.b);
     if (manifold == nullptr)
         return nullptr;
-    bool starts = Insert(meeting) && !std::binary_search(m_before.begin(), m_before.end(), meeting);
-    m_manifolds.push_back({dispatcher, manifold, meeting, starts});
+    bool starts = Insert(pair) && !std::binary_search(m_previousPairs.begin(), m_previousPairs.end(), pair);
+    m_manifolds.push_back({dispatcher, manifold, pair, starts});
     return manifold;
 }
 
-/// Of such a pair the scene reports nothing, in contact or not.
-bool qcManifolds::AreAtRest(qcSoftBodyScene& scene, const Meeting& meeting)
+/// True for two sleeping bodies: the scene's result has no pairs of theirs, in contact or not.
+bool qcContactManifolds::AreAtRest(qcSoftBodyScene& scene, const BodyPair& pair)
 {
-    auto isAtRest = [&](const btCollisionObject* object, int addition)
+    auto isAtRest = [&](const btCollisionObject* object, int uniqueId)
     {
         auto isSoft = [&](const qcSceneSoftBody& soft)
-        { return soft.body == object && soft.addition == addition && !soft.moves; };
+        { return soft.body == object && soft.uniqueId == uniqueId && !soft.moves; };
         auto isRigid = [&](const std::unique_ptr<qcSceneRigid>& rigid)
-        { return rigid->object == object && rigid->addition == addition && rigid->activity != qc_activityMoving; };
+        { return rigid->object == object && rigid->uniqueId == uniqueId && rigid->activity != qc_activityMoving; };
         const auto& softs = scene.Bodies();
         const auto& rigids = scene.meshes.Rigids();
         return std::any_of(softs.begin(), softs.end(), isSoft) || std::any_of(rigids.begin(), rigids.end(), isRigid);
     };
-    return isAtRest(meeting.a, meeting.additionA) && isAtRest(meeting.b, meeting.additionB);
+    return isAtRest(pair.a, pair.uniqueIdA) && isAtRest(pair.b, pair.uniqueIdB);
 }
 
-void qcManifolds::Publish(qcSoftBodyScene& scene, const qcResult& result, const std::vector<size_t>& contacts)
+/// The bodies of a contact. Swaps its points if its second soft body was added before the first.
+qcContactManifolds::BodyPair qcContactManifolds::PairOf(qcSoftContactView* view)
+{
+    const qcSceneSoftBody &a = *view->a, *b = view->b;
+    if (b == nullptr)
+        return {a.body, view->rigid->object, a.uniqueId, view->rigid->uniqueId};
+    if (a.uniqueId <= b->uniqueId)
+        return {a.body, b->body, a.uniqueId, b->uniqueId};
+    std::swap(view->onA, view->onB);
+    view->normal = -view->normal;
+    return {b->body, a.body, b->uniqueId, a.uniqueId};
+}
+
+void qcContactManifolds::Publish(qcSoftBodyScene& scene, const qcResult& result, const std::vector<size_t>& contacts)
 {
     BT_PROFILE("qcSoftBodyContact manifolds");
     m_broadphase = scene.Bodies().empty() ? nullptr : scene.Bodies()[0].body->getWorldInfo()->m_broadphase;
-    m_meetings.clear();
+    m_pairs.clear();
     for (size_t index : contacts)
     {
-        qcSoftTouch touch;
-        qcReadTouch(scene, result.contacts[index], &touch);
-        Meeting meeting{touch.a->body, touch.rigid != nullptr ? touch.rigid->object : touch.b->body, touch.a->addition,
-                        touch.rigid != nullptr ? touch.rigid->addition : touch.b->addition};
-        // A contact of two soft bodies names either first.
-        if (touch.rigid == nullptr && meeting.additionB < meeting.additionA)
-        {
-            std::swap(meeting.a, meeting.b);
-            std::swap(meeting.additionA, meeting.additionB);
-            std::swap(touch.onA, touch.onB);
-            touch.normal = -touch.normal;
-        }
-        btDispatcher* dispatcher = touch.a->body->getWorldInfo()->m_dispatcher;
-        btPersistentManifold* manifold = dispatcher != nullptr ? Next(dispatcher, meeting) : nullptr;
+        qcSoftContactView view;
+        qcViewContact(scene, result.contacts[index], &view);
+        BodyPair pair = PairOf(&view);
+        btDispatcher* dispatcher = view.a->body->getWorldInfo()->m_dispatcher;
+        btPersistentManifold* manifold = dispatcher != nullptr ? NextManifold(dispatcher, pair) : nullptr;
         if (manifold == nullptr)
             continue;
-        btManifoldPoint point(meeting.a->getWorldTransform().invXform(touch.onA),
-                              meeting.b->getWorldTransform().invXform(touch.onB), touch.normal,
-                              touch.distance - touch.thickness);
-        point.m_positionWorldOnA = touch.onA;
-        point.m_positionWorldOnB = touch.onB;
-        point.m_combinedFriction = touch.friction;
+        btManifoldPoint point(pair.a->getWorldTransform().invXform(view.onA),
+                              pair.b->getWorldTransform().invXform(view.onB), view.normal,
+                              view.distance - view.thickness);
+        point.m_positionWorldOnA = view.onA;
+        point.m_positionWorldOnB = view.onB;
+        point.m_combinedFriction = view.friction;
         manifold->addManifoldPoint(point);
     }
-    // What was in contact when both went to sleep is so until one wakes.
-    for (const Meeting& meeting : m_before)
-        if (!std::binary_search(m_meetings.begin(), m_meetings.end(), meeting) && AreAtRest(scene, meeting))
-            Insert(meeting);
+    // Two bodies that fell asleep in contact stay in contact until one wakes.
+    for (const BodyPair& pair : m_previousPairs)
+        if (!std::binary_search(m_pairs.begin(), m_pairs.end(), pair) && AreAtRest(scene, pair))
+            Insert(pair);
 }
 
-void qcManifolds::TellStarts(qcObjectCensus* census)
+void qcContactManifolds::DispatchStarts(qcLiveObjects* liveObjects) const
 {
     for (const Published& published : m_manifolds)
-        if (published.starts && gContactStartedCallback != nullptr && published.meeting.IsPresent(census))
+        if (published.starts && gContactStartedCallback != nullptr && published.pair.IsLive(liveObjects))
         {
             gContactStartedCallback(published.manifold);
-            census->Forget();
+            liveObjects->Invalidate();
         }
 }
 
-void qcManifolds::TellPoints(qcObjectCensus* census)
+void qcContactManifolds::DispatchPoints(qcLiveObjects* liveObjects) const
 {
     for (const Published& published : m_manifolds)
     {
         btPersistentManifold* manifold = published.manifold;
-        if (gContactProcessedCallback == nullptr || !published.meeting.IsPresent(census))
+        if (gContactProcessedCallback == nullptr || !published.pair.IsLive(liveObjects))
             continue;
-        auto *a = const_cast<btCollisionObject*>(published.meeting.a),
-             *b = const_cast<btCollisionObject*>(published.meeting.b);
+        auto *a = const_cast<btCollisionObject*>(published.pair.a),
+             *b = const_cast<btCollisionObject*>(published.pair.b);
         for (int i = 0; i < manifold->getNumContacts(); i++)
             gContactProcessedCallback(manifold->getContactPoint(i), a, b);
     }
 }
 
-void qcManifolds::TellEnds(const std::vector<Meeting>& ended, qcObjectCensus* census)
+void qcContactManifolds::DispatchEnds(const std::vector<BodyPair>& ended, qcLiveObjects* liveObjects)
 {
-    for (const Meeting& meeting : ended)
-        if (gContactEndedCallback != nullptr && meeting.IsPresent(census))
+    for (const BodyPair& pair : ended)
+        if (gContactEndedCallback != nullptr && pair.IsLive(liveObjects))
         {
-            btPersistentManifold manifold(meeting.a, meeting.b, 0, 0, 0);
-            btPersistentManifold* told = &manifold;
-            gContactEndedCallback(told);
-            census->Forget();
+            btPersistentManifold manifold(pair.a, pair.b, 0, 0, 0);
+            btPersistentManifold* pointer = &manifold;
+            gContactEndedCallback(pointer);
+            liveObjects->Invalidate();
         }
 }
 
-void qcManifolds::Tell()
+void qcContactManifolds::DispatchCallbacks()
 {
-    std::vector<Meeting> ended;
-    std::set_difference(m_before.begin(), m_before.end(), m_meetings.begin(), m_meetings.end(),
+    std::vector<BodyPair> ended;
+    std::set_difference(m_previousPairs.begin(), m_previousPairs.end(), m_pairs.begin(), m_pairs.end(),
                         std::back_inserter(ended));
-    m_before = m_meetings;
+    m_previousPairs = m_pairs;
     if (m_broadphase == nullptr)
         return;
-    qcObjectCensus census(m_broadphase);
-    TellStarts(&census);
-    TellPoints(&census);
-    TellEnds(ended, &census);
+    qcLiveObjects liveObjects(m_broadphase);
+    DispatchStarts(&liveObjects);
+    DispatchPoints(&liveObjects);
+    DispatchEnds(ended, &liveObjects);
 }

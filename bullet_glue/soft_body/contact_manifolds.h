@@ -1,4 +1,4 @@
-// Contacts of soft bodies as Bullet manifolds, for whoever listens to the dispatcher or to Bullet's callbacks.
+// Contacts of soft bodies as Bullet manifolds, for readers of the dispatcher and for Bullet's callbacks.
 #ifndef QC_GLUE_SOFT_BODY_CONTACT_MANIFOLDS_H
 #define QC_GLUE_SOFT_BODY_CONTACT_MANIFOLDS_H
 
@@ -9,67 +9,69 @@
 class btBroadphaseInterface;
 class btDispatcher;
 class btPersistentManifold;
-class qcObjectCensus;
+class qcLiveObjects;
 
-/// Manifolds are new ones in each step; what starts and ends is the contact of two bodies.
-class qcManifolds
+/// Manifolds are new in each step; a contact of two bodies lasts from its start to its end over many steps.
+class qcContactManifolds
 {
   public:
-    ~qcManifolds();
+    ~qcContactManifolds();
 
-    /// Gives all manifolds back. Nobody is told of an end: gContactDestroyedCallback alone, of points with user data.
+    /// Returns all manifolds to their dispatchers. Calls gContactDestroyedCallback for points with user data, and no
+    /// other callback.
     void Release();
 
-    /// Reports the contacts that became constraints. Distances are between surfaces of the bodies' thickness: negative
-    /// where they press into each other. Bodies whose world has no dispatcher are left out.
+    /// Makes manifolds of the contacts that became constraints. Distances are between surfaces of the bodies'
+    /// thickness: negative where they press into each other. Bodies whose world has no dispatcher are left out.
     void Publish(qcSoftBodyScene& scene, const qcResult& result, const std::vector<size_t>& contacts);
 
-    /// Tells Bullet's callbacks of what the last Publish changed: gContactStartedCallback of bodies that were not in
-    /// contact before, gContactProcessedCallback of every point, gContactEndedCallback, with a manifold without points,
-    /// of bodies that no longer are. Of bodies that have left the world nobody is told: what starts and ends may remove
-    /// any.
-    void Tell();
+    /// Calls gContactStartedCallback for each pair of bodies in contact that was not in the previous Publish,
+    /// gContactProcessedCallback for each point, and gContactEndedCallback, with a manifold without points, for each
+    /// pair of the previous Publish that is no longer in contact. Pairs with a body that has left the world are left
+    /// out; the callbacks of starts and ends may remove bodies.
+    void DispatchCallbacks();
 
-    /// That of the last Publish, until the next Release; else null.
+    /// The broadphase of the last Publish; null after Release.
     btBroadphaseInterface* GetBroadphase() const
     {
         return m_broadphase;
     }
 
   private:
-    /// Two bodies in contact, of two soft ones the one that was added first first. An address may be another body
-    /// later; what the broadphase numbers anew when a body is added tells them apart.
-    struct Meeting
+    /// Two bodies in contact; `a` is soft, and the one that was added first if both are.
+    struct BodyPair
     {
         const btCollisionObject *a, *b;
-        int additionA, additionB;
+        int uniqueIdA, uniqueIdB; ///< see qcUniqueIdOf
 
-        bool IsPresent(qcObjectCensus* census) const;
+        bool IsLive(qcLiveObjects* liveObjects) const;
 
-        bool operator<(const Meeting& other) const
+        bool operator<(const BodyPair& other) const
         {
-            return std::tie(additionA, additionB, a, b) < std::tie(other.additionA, other.additionB, other.a, other.b);
+            return std::tie(uniqueIdA, uniqueIdB, a, b) < std::tie(other.uniqueIdA, other.uniqueIdB, other.a, other.b);
         }
     };
 
     struct Published
     {
-        btDispatcher* dispatcher; ///< that it came from
+        btDispatcher* dispatcher; ///< owner of the manifold
         btPersistentManifold* manifold;
-        Meeting meeting;
-        bool starts; ///< the first manifold of a contact that was not there before
+        BodyPair pair;
+        bool starts; ///< first manifold of a contact that starts in this step
     };
 
-    bool Insert(const Meeting& meeting);
-    btPersistentManifold* Next(btDispatcher* dispatcher, const Meeting& meeting);
-    static bool AreAtRest(qcSoftBodyScene& scene, const Meeting& meeting);
-    void TellStarts(qcObjectCensus* census);
-    void TellPoints(qcObjectCensus* census);
-    void TellEnds(const std::vector<Meeting>& ended, qcObjectCensus* census);
+    static BodyPair PairOf(qcSoftContactView* view);
+    bool Insert(const BodyPair& pair);
+    btPersistentManifold* NextManifold(btDispatcher* dispatcher, const BodyPair& pair);
+    static bool AreAtRest(qcSoftBodyScene& scene, const BodyPair& pair);
+    void DispatchStarts(qcLiveObjects* liveObjects) const;
+    void DispatchPoints(qcLiveObjects* liveObjects) const;
+    static void DispatchEnds(const std::vector<BodyPair>& ended, qcLiveObjects* liveObjects);
 
     std::vector<Published> m_manifolds;
     btBroadphaseInterface* m_broadphase = nullptr; ///< of the last Publish; null: there was none in this step
-    std::vector<Meeting> m_meetings, m_before;     ///< of the last Publish, and as they were last told; in order
+    std::vector<BodyPair> m_pairs;                 ///< of the last Publish, sorted
+    std::vector<BodyPair> m_previousPairs;         ///< of the last DispatchCallbacks, sorted
 };
 
 #endif

@@ -1,8 +1,9 @@
-// Contact of soft bodies: nodes that went through meshes, contacts in rounds, then planes and zones for what still
-// penetrates.
+// The stages of contact in a step: continuous collision of nodes and links, untangling, contacts in rounds, then
+// separating planes and rigid zones for pairs that still penetrate.
 #include "soft_body/contact_step.h"
 
 #include "common/stopwatch.h"
+#include "soft_body/response/node_ccd.h"
 #include "soft_body/response/untangle.h"
 
 #include <LinearMath/btQuickprof.h>
@@ -19,26 +20,28 @@ constexpr int s_contactRounds = 4;
 constexpr int s_planeRounds = 6, s_planeSweeps = 6;
 } // namespace
 
-void qcSoftBodyContact::Implementation::Begin(const btAlignedObjectArray<btSoftBody*>& bodies)
+void qcSoftBodyContact::Implementation::BeginStep(const btAlignedObjectArray<btSoftBody*>& bodies)
 {
     manifolds.Release();
     for (int i = 0; i < bodies.size(); i++)
-        takeOver.Register(bodies[i]->getWorldInfo()->m_dispatcher);
+        algorithmOverride.Register(bodies[i]->getWorldInfo()->m_dispatcher);
 }
 
-void qcSoftBodyContact::Implementation::Start(const btAlignedObjectArray<btSoftBody*>& bodies,
-                                              btVector3 btSoftBody::Node::*start)
+void qcSoftBodyContact::Implementation::ReadStart(const btAlignedObjectArray<btSoftBody*>& bodies,
+                                                  btVector3 btSoftBody::Node::*start)
 {
     BT_PROFILE("qcSoftBodyContact gather");
-    double before = qcNowMs();
+    double begin = qcNowMs();
     m_candidates.Clear();
     statistics = qcSoftBodyStatistics();
-    statistics.status = scene.Synchronize(bodies, start);
-    statistics.gatherMs = qcNowMs() - before;
+    statistics.status = scene.Sync(bodies, start);
+    statistics.gatherMs = qcNowMs() - begin;
 }
 
-/// What the last detection ran, and what its stages took.
-void qcSoftBodyContact::Implementation::NoteProfile()
+//  ---- detection and projection ------------------------------------------------------------------------------------
+
+/// Adds the times of the last detection to the statistics, and records which method ran.
+void qcSoftBodyContact::Implementation::AddProfile()
 {
     const qcProfile& profile = m_result->profile;
     statistics.method = profile.method;
@@ -51,97 +54,70 @@ void qcSoftBodyContact::Implementation::NoteProfile()
     statistics.contactMs += profile.contactMs;
 }
 
-/// Fills m_result, and the statistics with what it cost and what penetrates.
+/// Fills m_result for the present positions, and sorts its penetrating pairs into unproven and exempt ones.
 qcStatus qcSoftBodyContact::Implementation::Detect(btScalar contactMargin, bool segments)
 {
     BT_PROFILE("qcSoftBodyContact detect");
-    double start = qcNowMs();
-    qcStatus status = scene.UpdatePlaces();
+    double begin = qcNowMs();
+    qcStatus status = scene.SyncPositions();
     double gathered = qcNowMs();
-    statistics.gatherMs += gathered - start;
+    statistics.gatherMs += gathered - begin;
     if (status == qc_statusOk)
         status = scene.Detect(contactMargin, segments, &m_result);
     statistics.detectMs += qcNowMs() - gathered;
     if (status != qc_statusOk)
         return status;
-    NoteProfile();
-    m_held.clear();
+    AddProfile();
+    m_unproven.clear();
     for (size_t i = 0; i < m_result->pairCount; i++)
-        if (qcMayPush(scene, m_result->pairs[i].bodyA, m_result->pairs[i].bodyB))
-            m_held.push_back(i);
-    statistics.remaining = int(m_held.size());
-    m_tangles.Split(scene, *m_result, &m_held, &m_exempt);
+        if (qcHasResponse(scene, m_result->pairs[i].bodyA, m_result->pairs[i].bodyB))
+            m_unproven.push_back(i);
+    statistics.remaining = int(m_unproven.size());
+    m_tangles.MoveExempt(scene, *m_result, &m_unproven, &m_exempt);
     return qc_statusOk;
 }
 
-void qcSoftBodyContact::Implementation::Solve()
+/// Projects positions and meshes onto m_constraints.
+void qcSoftBodyContact::Implementation::SolveConstraints()
 {
     if (m_constraints.empty())
         return;
     BT_PROFILE("qcSoftBodyContact respond");
-    double start = qcNowMs();
+    double begin = qcNowMs();
     if (solvesLinks)
         qcCollectLinks(scene, &m_links);
-    qcSolveSoftConstraints(&m_constraints, m_links, &m_supports, s_iterations);
+    qcSolveSoftConstraints(&m_constraints, m_links, &m_rigidNodeContacts, s_iterations);
     scene.meshes.Commit();
-    statistics.respondMs += qcNowMs() - start;
+    statistics.respondMs += qcNowMs() - begin;
 }
 
-/// Rounds of detection and projection until nothing penetrates, or rounds are up.
-qcStatus qcSoftBodyContact::Implementation::SolveContacts()
-{
-    btScalar margin = scene.Reach();
-    for (int round = 0; round < s_contactRounds; round++)
-    {
-        BT_PROFILE("qcSoftBodyContact round");
-        qcStatus status = Detect(margin);
-        if (status != qc_statusOk)
-            return status;
-        qcMakeSoftConstraints(scene, m_tangles, *m_result, &m_constraints, &m_contactOf);
-        if (round == 0)
-        {
-            statistics.contacts = int(m_constraints.size());
-            statistics.penetrating = statistics.remaining;
-            m_candidates.Note(*m_result);
-            manifolds.Publish(scene, *m_result, m_contactOf);
-        }
-        qcAddSweptLinks(scene, &m_constraints);
-        if (m_constraints.empty())
-            return qc_statusOk;
-        Solve();
-        statistics.rounds++;
-        status = Detect(0);
-        if (status != qc_statusOk || (m_held.empty() && !AreLinksThrough()))
-            return status;
-    }
-    return qc_statusOk;
-}
+//  ---- stages, in their order --------------------------------------------------------------------------------------
 
-/// Is some rope link on the other side of a mesh's edge than at the start of the step? Where it has passed a thin mesh
-/// altogether no pair penetrates.
-bool qcSoftBodyContact::Implementation::AreLinksThrough()
-{
-    m_constraints.clear();
-    qcAddSweptLinks(scene, &m_constraints);
-    return !m_constraints.empty();
-}
-
-/// Finds the triangles that penetrate at the start of the step. Where that is the end of the step before, its last
-/// result holds them already.
+/// Finds the tangles: what penetrates at the start of the step. If the step starts where the previous one ended, they
+/// are those of its last result.
 qcStatus qcSoftBodyContact::Implementation::FindTangles()
 {
-    bool known = m_tanglesAreOfEnd && scene.StartsWhereItEnded();
+    bool areFound = m_tanglesAreOfEnd && scene.StartsWhereStepEnded();
     m_tanglesAreOfEnd = false;
-    if (known)
+    if (areFound)
         return qc_statusOk;
-    double start = qcNowMs();
-    qcStatus status = scene.PlaceAtStart();
+    double begin = qcNowMs();
+    qcStatus status = scene.SyncStartPositions();
     if (status == qc_statusOk)
         status = scene.Detect(0, false, &m_result);
     if (status == qc_statusOk)
         m_tangles.Read(scene, *m_result);
-    statistics.detectMs += qcNowMs() - start;
+    statistics.detectMs += qcNowMs() - begin;
     return status;
+}
+
+/// Brings back nodes and rope links that went through a mesh.
+void qcSoftBodyContact::Implementation::SolveCcd()
+{
+    qcMakeNodeCcdConstraints(scene, &m_constraints);
+    qcAddLinkCcdConstraints(scene, &m_constraints);
+    statistics.sweptNodes = int(m_constraints.size());
+    SolveConstraints();
 }
 
 /// Moves tangled surfaces towards where they come apart.
@@ -156,21 +132,60 @@ qcStatus qcSoftBodyContact::Implementation::Untangle()
     return status;
 }
 
-/// Pushes pairs apart along the directions in which they were apart at the start of the step.
-qcStatus qcSoftBodyContact::Implementation::PushApart()
+/// True if a rope link is on the other side of a mesh's edge than at the start of the step. A link that has passed a
+/// thin mesh completely penetrates nothing.
+bool qcSoftBodyContact::Implementation::HaveLinksCrossed()
 {
-    if (m_held.empty())
+    m_constraints.clear();
+    qcAddLinkCcdConstraints(scene, &m_constraints);
+    return !m_constraints.empty();
+}
+
+/// Alternates detection and projection until nothing penetrates, for a limited number of rounds.
+qcStatus qcSoftBodyContact::Implementation::SolveContacts()
+{
+    btScalar margin = scene.ContactDistance();
+    for (int round = 0; round < s_contactRounds; round++)
+    {
+        BT_PROFILE("qcSoftBodyContact round");
+        qcStatus status = Detect(margin);
+        if (status != qc_statusOk)
+            return status;
+        qcMakeSoftConstraints(scene, m_tangles, *m_result, &m_constraints, &m_contactOfConstraint);
+        if (round == 0)
+        {
+            statistics.contacts = int(m_constraints.size());
+            statistics.penetrating = statistics.remaining;
+            m_candidates.Record(*m_result);
+            manifolds.Publish(scene, *m_result, m_contactOfConstraint);
+        }
+        qcAddLinkCcdConstraints(scene, &m_constraints);
+        if (m_constraints.empty())
+            return qc_statusOk;
+        SolveConstraints();
+        statistics.rounds++;
+        status = Detect(0);
+        if (status != qc_statusOk || (m_unproven.empty() && !HaveLinksCrossed()))
+            return status;
+    }
+    return qc_statusOk;
+}
+
+/// Pushes unproven pairs apart along the directions in which they were separated at the start of the step.
+qcStatus qcSoftBodyContact::Implementation::SolvePlanes()
+{
+    if (m_unproven.empty())
         return qc_statusOk;
     BT_PROFILE("qcSoftBodyContact push apart");
     m_planes.Clear();
-    for (int round = 0; round < s_planeRounds && !m_held.empty(); round++)
+    for (int round = 0; round < s_planeRounds && !m_unproven.empty(); round++)
     {
-        double start = qcNowMs();
-        for (size_t i : m_held)
+        double begin = qcNowMs();
+        for (size_t i : m_unproven)
             m_planes.Add(scene, m_result->pairs[i]);
         m_planes.Solve(s_planeSweeps);
         scene.meshes.Commit();
-        statistics.respondMs += qcNowMs() - start;
+        statistics.respondMs += qcNowMs() - begin;
         qcStatus status = Detect(0);
         if (status != qc_statusOk)
             return status;
@@ -179,18 +194,18 @@ qcStatus qcSoftBodyContact::Implementation::PushApart()
     return qc_statusOk;
 }
 
-/// Moves what planes could not part as one, from the start of the step. Zones only grow, or go back to the start, so
-/// this ends.
+/// Moves what planes could not separate as one rigid body, from the start of the step. Each round unites zones or
+/// returns one to its start: the loop ends.
 qcStatus qcSoftBodyContact::Implementation::MoveZones()
 {
-    if (m_held.empty())
+    if (m_unproven.empty())
         return qc_statusOk;
     BT_PROFILE("qcSoftBodyContact move zones");
     m_zones.Clear();
-    for (bool changed = true; changed && !m_held.empty();)
+    for (bool changed = true; changed && !m_unproven.empty();)
     {
         changed = false;
-        for (size_t i : m_held)
+        for (size_t i : m_unproven)
             changed = m_zones.Add(m_result->pairs[i]) || changed;
         m_zones.Move();
         qcStatus status = Detect(0);
@@ -201,32 +216,30 @@ qcStatus qcSoftBodyContact::Implementation::MoveZones()
     return qc_statusOk;
 }
 
-qcStatus qcSoftBodyContact::Implementation::TryResolve(btScalar timeStep)
+qcStatus qcSoftBodyContact::Implementation::RunStages(btScalar timeStep)
 {
-    double start = qcNowMs();
-    qcStatus status = scene.TakeSolved(timeStep);
+    double begin = qcNowMs();
+    qcStatus status = scene.ReadSolved(timeStep);
     statistics.meshes = int(scene.meshes.Rigids().size());
     if (status == qc_statusOk)
-        qcCollectSupports(scene, &m_supports);
-    statistics.gatherMs += qcNowMs() - start;
+        qcCollectRigidNodeContacts(scene, &m_rigidNodeContacts);
+    statistics.gatherMs += qcNowMs() - begin;
     if (status == qc_statusOk)
         status = FindTangles();
-    if (status != qc_statusOk)
-        return status;
-    qcMakeSweptConstraints(scene, &m_constraints);
-    qcAddSweptLinks(scene, &m_constraints);
-    statistics.sweptNodes = int(m_constraints.size());
-    Solve();
-    status = Untangle();
+    if (status == qc_statusOk)
+    {
+        SolveCcd();
+        status = Untangle();
+    }
     if (status == qc_statusOk)
         status = SolveContacts();
     if (status == qc_statusOk)
-        status = PushApart();
+        status = SolvePlanes();
     if (status == qc_statusOk)
         status = MoveZones();
     if (status != qc_statusOk)
         return status;
-    statistics.unproven = int(m_held.size());
+    statistics.unproven = int(m_unproven.size());
     statistics.exempt = statistics.remaining - statistics.unproven;
     m_tangles.Read(scene, *m_result);
     m_tanglesAreOfEnd = true;
@@ -238,22 +251,24 @@ bool qcSoftBodyContact::Implementation::Resolve(btScalar timeStep)
     if (statistics.status != qc_statusOk)
         return false;
     BT_PROFILE("qcSoftBodyContact resolve");
-    statistics.status = TryResolve(timeStep);
+    statistics.status = RunStages(timeStep);
     if (statistics.status != qc_statusOk)
     {
         scene.meshes.Restore();
         return false;
     }
     scene.meshes.UpdateVelocities(timeStep);
-    qcApplySupports(m_supports, timeStep);
+    qcApplyRigidNodeImpulses(m_rigidNodeContacts, timeStep);
     return true;
 }
 
-void qcSoftBodyContact::Implementation::Tell()
+void qcSoftBodyContact::Implementation::DispatchCallbacks()
 {
     BT_PROFILE("qcSoftBodyContact callbacks");
-    manifolds.Tell();
+    manifolds.DispatchCallbacks();
 }
+
+//  ---- public functions --------------------------------------------------------------------------------------------
 
 qcSoftBodyContact::qcSoftBodyContact(qcDevice* device) : m_implementation(new Implementation(device))
 {

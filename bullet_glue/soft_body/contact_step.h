@@ -1,63 +1,66 @@
-// Contact of the soft bodies of a world in one step: what qcSoftBodySolver and qcDeformableWorld have in common.
+// Contact of the soft bodies of a world in one step, shared by qcSoftBodySolver and qcDeformableWorld. The stages and
+// their terms: plugin/docs/soft_bodies.md.
 #ifndef QC_GLUE_SOFT_BODY_CONTACT_STEP_H
 #define QC_GLUE_SOFT_BODY_CONTACT_STEP_H
 
+#include "soft_body/algorithm_override.h"
 #include "soft_body/contact_manifolds.h"
 #include "soft_body/draw_contacts.h"
 #include "soft_body/response/position_constraints.h"
-#include "soft_body/response/separating_planes.h"
-#include "soft_body/algorithm_override.h"
 #include "soft_body/response/rigid_zones.h"
+#include "soft_body/response/separating_planes.h"
 
-/// The step of the world calls Begin first, then Start where node positions still are those of the start of the step,
-/// then Resolve where Bullet has moved everything, and Tell when all is done.
+/// A world's step calls, in this order, BeginStep before collision detection, ReadStart while nodes have the positions
+/// of the start of the step, Resolve after Bullet's own solvers, and DispatchCallbacks at its end.
 struct qcSoftBodyContact::Implementation
 {
     explicit Implementation(qcDevice* device) : scene(device), m_zones(scene)
     {
     }
 
-    /// Nothing of the last step may be seen by collision detection.
-    void Begin(const btAlignedObjectArray<btSoftBody*>& bodies);
-    /// `start`: the member of their nodes that holds these positions.
-    void Start(const btAlignedObjectArray<btSoftBody*>& bodies, btVector3 btSoftBody::Node::*start);
-    /// Moves places and meshes apart; the caller moves nodes to their places. False: a query failed, and everything is
-    /// where Bullet left it.
+    /// Releases the manifolds of the previous step: collision detection must not see them.
+    void BeginStep(const btAlignedObjectArray<btSoftBody*>& bodies);
+    /// `start`: the member of the nodes that holds the positions of the start of the step.
+    void ReadStart(const btAlignedObjectArray<btSoftBody*>& bodies, btVector3 btSoftBody::Node::*start);
+    /// Moves the scene's positions and the meshes apart; the caller then writes the positions to Bullet's nodes. False:
+    /// a query failed, and everything is as Bullet's solvers left it.
     bool Resolve(btScalar timeStep);
     /// Draws the candidate triangles of the step's first query.
     void Draw(btIDebugDraw* drawer);
-    /// Bullet's contact callbacks learn of the step. Last of all: they may remove bodies.
-    void Tell();
+    /// Calls Bullet's contact callbacks. The last call of a step: they may remove bodies.
+    void DispatchCallbacks();
 
     qcSoftBodyScene scene;
-    qcManifolds manifolds;
-    qcSoftMeshTakeOver takeOver;
+    qcContactManifolds manifolds;
+    qcAlgorithmOverride algorithmOverride;
     qcSoftBodyStatistics statistics;
-    /// Links are constraints on positions, as in the classic world; not forces, as in the deformable one.
+    /// Links are constraints on positions, as in the classic world; in the deformable one they are forces.
     bool solvesLinks = false;
 
   private:
-    void NoteProfile();
     qcStatus Detect(btScalar contactMargin, bool segments = false);
-    void Solve();
-    qcStatus SolveContacts();
-    bool AreLinksThrough();
+    void AddProfile();
+    void SolveConstraints();
     qcStatus FindTangles();
+    void SolveCcd();
     qcStatus Untangle();
-    qcStatus PushApart();
+    qcStatus SolveContacts();
+    bool HaveLinksCrossed();
+    qcStatus SolvePlanes();
     qcStatus MoveZones();
-    qcStatus TryResolve(btScalar timeStep);
+    qcStatus RunStages(btScalar timeStep);
 
     std::vector<qcSoftConstraint> m_constraints;
-    std::vector<size_t> m_contactOf;
+    std::vector<size_t> m_contactOfConstraint; ///< index in the result
     std::vector<qcSoftLink> m_links;
-    std::vector<qcSoftSupport> m_supports;
+    std::vector<qcRigidNodeContact> m_rigidNodeContacts;
     const qcResult* m_result = nullptr; ///< of the last detection
     qcSoftCandidates m_candidates;      ///< of the first detection of the step
-    //  Numbers of its penetrating pairs: those that have to be apart, and those that are tangled.
-    std::vector<size_t> m_held, m_exempt;
-    qcSoftTangles m_tangles; ///< of the start of the step; after it, of its end
-    bool m_tanglesAreOfEnd = false;
+    /// The penetrating pairs of the result, by index: `unproven` pairs have to be moved apart, `exempt` ones are
+    /// tangled since the start of the step.
+    std::vector<size_t> m_unproven, m_exempt;
+    qcSoftTangles m_tangles;        ///< of the start of the step; after it, of its end
+    bool m_tanglesAreOfEnd = false; ///< the previous step has ended, and left its tangles there
     qcSeparationPlanes m_planes;
     qcSoftZones m_zones;
 };

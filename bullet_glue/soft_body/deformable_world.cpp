@@ -1,30 +1,30 @@
-// The deformable world: Bullet's step with contact of ours in the place of its own.
+// The deformable world: Bullet's step with this library's contact instead of its own.
 //
-// Bullet 3.24 has constraints between faces and nodes (btDeformableFaceNodeContactConstraint), but never makes one:
-// btDeformableContactProjection::setConstraints does not read m_faceNodeContacts. It answers these with impulses of
-// applyRepulsionForce, after the implicit solve, in an order drawn from a random seed that all worlds of a process
-// share. So contact is a matter of positions here, as in the classic world.
+// Contact works on positions, as in the classic world. Bullet 3.24 has a constraint between faces and nodes
+// (btDeformableFaceNodeContactConstraint), but never creates one: btDeformableContactProjection::setConstraints does
+// not read m_faceNodeContacts. Bullet answers these contacts with impulses (applyRepulsionForce) after the implicit
+// solve, in an order drawn from a random seed that all worlds of a process share.
 #include "quickcullide/bullet_deformable.h"
 
 #include "soft_body/contact_step.h"
 
 namespace
 {
-/// Nodes that contacts moved go to their places; velocities, and what else Bullet keeps of positions, follow.
-void MoveNodes(const qcSceneSoftBody& known, btScalar timeStep)
+/// Writes the positions of the nodes that contacts moved, their velocities, and what Bullet derives from positions.
+void MoveNodes(const qcSceneSoftBody& soft, btScalar timeStep)
 {
     bool moved = false;
-    known.ForEachMoved(
+    soft.ForEachMoved(
         [&](int i)
         {
-            btSoftBody::Node& node = known.body->m_nodes[i];
-            node.m_v += known.MotionOf(size_t(i), node.m_x) / timeStep;
+            btSoftBody::Node& node = soft.body->m_nodes[i];
+            node.m_v += soft.MotionOf(size_t(i), node.m_x) / timeStep;
             node.m_vn = node.m_v;
-            node.m_q = node.m_x = known.places[size_t(i)];
+            node.m_q = node.m_x = soft.positions[size_t(i)];
             moved = true;
         });
     if (moved)
-        known.body->interpolateRenderMesh();
+        soft.body->interpolateRenderMesh();
 }
 } // namespace
 
@@ -40,13 +40,13 @@ qcDeformableWorld::qcDeformableWorld(btDispatcher* dispatcher, btBroadphaseInter
 
 qcDeformableWorld::~qcDeformableWorld() = default;
 
-/// As the base class has it, but for performDeformableCollisionDetection, applyRepulsionForce and
-/// performGeometricCollisions after the callbacks.
+/// The step of the base class without performDeformableCollisionDetection, applyRepulsionForce and
+/// performGeometricCollisions; the contact callbacks come last.
 void qcDeformableWorld::internalSingleStepSimulation(btScalar timeStep)
 {
     if (m_internalPreTickCallback != nullptr)
         m_internalPreTickCallback(this, timeStep);
-    m_implementation->Begin(getSoftBodyArray());
+    m_implementation->BeginStep(getSoftBodyArray());
     reinitialize(timeStep);
     applyRigidBodyGravity(timeStep);
     predictUnconstraintMotion(timeStep);
@@ -58,16 +58,16 @@ void qcDeformableWorld::internalSingleStepSimulation(btScalar timeStep)
     integrateTransforms(timeStep);
     updateActions(timeStep);
     updateActivationState(timeStep);
-    m_implementation->Tell();
+    m_implementation->DispatchCallbacks();
 }
 
 void qcDeformableWorld::integrateTransforms(btScalar timeStep)
 {
     Implementation& my = *m_implementation;
-    my.Start(getSoftBodyArray(), &btSoftBody::Node::m_x);
+    my.ReadStart(getSoftBodyArray(), &btSoftBody::Node::m_x);
     btDeformableMultiBodyDynamicsWorld::integrateTransforms(timeStep);
     if (!my.Resolve(timeStep))
         return;
-    for (const qcSceneSoftBody& known : my.scene.Bodies())
-        MoveNodes(known, timeStep);
+    for (const qcSceneSoftBody& soft : my.scene.Bodies())
+        MoveNodes(soft, timeStep);
 }

@@ -20,7 +20,7 @@ void DrawNode(const btVector3& node, btScalar size, btIDebugDraw* drawer)
     }
 }
 
-/// A triangle of the scene: a face, a rope link, or a single node. Faces may have been cut since the step.
+/// Draws a triangle of the scene: a face, a rope link or a single node. Nodes may have been removed since the step.
 void DrawTriangle(const qcSceneSoftBody& soft, uint32_t triangle, btIDebugDraw* drawer)
 {
     const uint32_t* nodes = &soft.topology.indices[3 * size_t(triangle)];
@@ -42,23 +42,24 @@ void DrawTriangle(const qcSceneSoftBody& soft, uint32_t triangle, btIDebugDraw* 
 void DrawSoft(const qcSoftCandidates& candidates, const qcSceneSoftBody& soft, btIDebugDraw* drawer)
 {
     for (uint32_t t = 0; t < soft.topology.indices.size() / 3; t++)
-        if (candidates.Has(soft.id.slot, t, &soft.topology.indices[3 * size_t(t)]))
+        if (candidates.Contains(soft.id.slot, t, &soft.topology.indices[3 * size_t(t)]))
             DrawTriangle(soft, t, drawer);
 }
 
-void DrawMesh(const qcSoftCandidates& candidates, const qcSceneMesh& mesh, const btTransform& place,
+void DrawMesh(const qcSoftCandidates& candidates, const qcSceneMesh& mesh, const btTransform& transform,
               btIDebugDraw* drawer)
 {
     const qcMeshShape& shape = *mesh.shape;
     const btVector3* vertices = shape.getVertices();
-    // As the scene has them.
+    // The indices that the scene has.
     std::vector<uint32_t> welded = qcFirstAtPosition(vertices, shape.getVertexCount());
     for (uint32_t t = 0; t < shape.getTriangleCount(); t++)
     {
         const uint32_t* index = shape.getIndices() + 3 * size_t(t);
         const uint32_t corners[3] = {welded[index[0]], welded[index[1]], welded[index[2]]};
-        if (candidates.Has(mesh.id.slot, t, corners))
-            qcDrawCandidate(drawer, place * vertices[index[0]], place * vertices[index[1]], place * vertices[index[2]]);
+        if (candidates.Contains(mesh.id.slot, t, corners))
+            qcDrawCandidate(drawer, transform * vertices[index[0]], transform * vertices[index[1]],
+                            transform * vertices[index[2]]);
     }
 }
 } // namespace
@@ -69,7 +70,7 @@ void qcSoftCandidates::Clear()
     m_features.clear();
 }
 
-void qcSoftCandidates::Note(const qcResult& result)
+void qcSoftCandidates::Record(const qcResult& result)
 {
     m_pcs.assign(result.pcs, result.pcs + result.pcsCount);
     m_features.clear();
@@ -98,18 +99,18 @@ qcSoftCandidates::Feature qcSoftCandidates::MakeFeature(uint32_t slot, uint32_t 
 {
     Feature feature{slot, {a, b, c}};
     std::sort(feature.vertices.begin(), feature.vertices.end());
-    // An edge may name either end twice.
+    // An edge may have either end twice.
     if (feature.vertices[0] == feature.vertices[1])
         feature.vertices[1] = feature.vertices[2];
     return feature;
 }
 
-bool qcSoftCandidates::HasFeature(const Feature& feature) const
+bool qcSoftCandidates::ContainsFeature(const Feature& feature) const
 {
     return std::binary_search(m_features.begin(), m_features.end(), feature);
 }
 
-bool qcSoftCandidates::Has(uint32_t slot, uint32_t triangle, const uint32_t corners[3]) const
+bool qcSoftCandidates::Contains(uint32_t slot, uint32_t triangle, const uint32_t corners[3]) const
 {
     auto isLess = [](const qcTriangleRef& x, const qcTriangleRef& y)
     { return std::tie(x.body, x.triangle) < std::tie(y.body, y.triangle); };
@@ -118,10 +119,10 @@ bool qcSoftCandidates::Has(uint32_t slot, uint32_t triangle, const uint32_t corn
     for (int c = 0; c < 3; c++)
     {
         uint32_t from = corners[c], to = corners[(c + 1) % 3];
-        if (HasFeature(MakeFeature(slot, from, from, from)) || HasFeature(MakeFeature(slot, from, to, to)))
+        if (ContainsFeature(MakeFeature(slot, from, from, from)) || ContainsFeature(MakeFeature(slot, from, to, to)))
             return true;
     }
-    return HasFeature(MakeFeature(slot, corners[0], corners[1], corners[2]));
+    return ContainsFeature(MakeFeature(slot, corners[0], corners[1], corners[2]));
 }
 
 void qcSoftBodyContact::Implementation::Draw(btIDebugDraw* drawer)
@@ -129,16 +130,16 @@ void qcSoftBodyContact::Implementation::Draw(btIDebugDraw* drawer)
     if (m_candidates.AreEmpty() || manifolds.GetBroadphase() == nullptr)
         return;
     m_candidates.Sort();
-    qcObjectCensus census(manifolds.GetBroadphase());
+    qcLiveObjects liveObjects(manifolds.GetBroadphase());
     for (const qcSceneSoftBody& soft : scene.Bodies())
-        if (census.Has(soft.body, soft.addition))
+        if (liveObjects.Contains(soft.body, soft.uniqueId))
             DrawSoft(m_candidates, soft, drawer);
     for (const std::unique_ptr<qcSceneRigid>& rigid : scene.meshes.Rigids())
         for (const qcSceneMesh& mesh : rigid->meshes)
         {
-            btTransform place;
-            if (census.Has(rigid->object, rigid->addition) && qcFindPlace(*rigid, mesh, &place))
-                DrawMesh(m_candidates, mesh, place, drawer);
+            btTransform transform;
+            if (liveObjects.Contains(rigid->object, rigid->uniqueId) && qcFindTransform(*rigid, mesh, &transform))
+                DrawMesh(m_candidates, mesh, transform, drawer);
         }
     drawer->flushLines();
 }

@@ -1,4 +1,4 @@
-// What debugDraw shows of a step of soft bodies.
+// The candidate triangles of a query, for debugDraw.
 #ifndef QC_GLUE_SOFT_BODY_DRAW_CONTACTS_H
 #define QC_GLUE_SOFT_BODY_DRAW_CONTACTS_H
 
@@ -9,21 +9,21 @@
 #include <tuple>
 #include <vector>
 
-/// The candidate triangles of a query with contacts. A result's PCS leaves out pairs that are proven disjoint, which
-/// are candidates for contacts nevertheless: a triangle that has a vertex or an edge in a contact is in such a pair.
+/// The candidate triangles of a query with contacts: those of the result's PCS, and those that have a vertex or an edge
+/// in a contact or are in one themselves. The PCS alone leaves out pairs that are proven disjoint but have a contact.
 class qcSoftCandidates
 {
   public:
     void Clear();
-    void Note(const qcResult& result);
+    void Record(const qcResult& result);
     bool AreEmpty() const;
-    /// Before Has.
+    /// Call it before Contains.
     void Sort();
-    /// Is this triangle of the body of a slot, with these corners, one of them?
-    bool Has(uint32_t slot, uint32_t triangle, const uint32_t corners[3]) const;
+    /// True if the triangle of the body in a slot, with these corners, is a candidate. O(log contacts).
+    bool Contains(uint32_t slot, uint32_t triangle, const uint32_t corners[3]) const;
 
   private:
-    /// A vertex thrice, an edge with its second vertex twice, or a face; in ascending order.
+    /// A vertex three times, an edge with its second vertex twice, or a face; in ascending order.
     struct Feature
     {
         uint32_t slot;
@@ -36,9 +36,9 @@ class qcSoftCandidates
     };
 
     static Feature MakeFeature(uint32_t slot, uint32_t a, uint32_t b, uint32_t c);
-    bool HasFeature(const Feature& feature) const;
+    bool ContainsFeature(const Feature& feature) const;
 
-    std::vector<qcTriangleRef> m_pcs; ///< in order
+    std::vector<qcTriangleRef> m_pcs; ///< sorted
     std::vector<Feature> m_features;
 };
 

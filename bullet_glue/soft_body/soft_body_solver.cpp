@@ -1,19 +1,19 @@
-// The soft-body solver of the classic world: Bullet's constraints, then contact.
+// The soft-body solver of the classic world: contact follows Bullet's own constraints.
 #include "soft_body/contact_step.h"
 
 namespace
 {
-/// Every node that is not where Bullet's own constraints left it goes to its place, with the velocity that leads there
-/// from the start of the step, as btSoftBody::solveConstraints sets it.
-void MoveNodes(const qcSceneSoftBody& known)
+/// Writes the positions of the nodes that contacts moved, with the velocity that leads there from the start of the
+/// step: btSoftBody::solveConstraints sets velocities in this way.
+void MoveNodes(const qcSceneSoftBody& soft)
 {
-    const btScalar perDistance = known.body->m_sst.isdt * (1 - known.body->m_cfg.kDP);
-    known.ForEachMoved(
+    const btScalar perDistance = soft.body->m_sst.isdt * (1 - soft.body->m_cfg.kDP);
+    soft.ForEachMoved(
         [&](int i)
         {
-            btSoftBody::Node& node = known.body->m_nodes[i];
-            node.m_x = known.places[size_t(i)];
-            node.m_v = known.MotionOf(size_t(i), known.start[size_t(i)]) * perDistance;
+            btSoftBody::Node& node = soft.body->m_nodes[i];
+            node.m_x = soft.positions[size_t(i)];
+            node.m_v = soft.MotionOf(size_t(i), soft.start[size_t(i)]) * perDistance;
         });
 }
 } // namespace
@@ -28,30 +28,30 @@ qcSoftBodySolver::~qcSoftBodySolver() = default;
 void qcSoftBodySolver::optimize(btAlignedObjectArray<btSoftBody*>& softBodies, bool forceUpdate)
 {
     // The first call of a step, before collision detection.
-    m_implementation->Begin(softBodies);
+    m_implementation->BeginStep(softBodies);
     btDefaultSoftBodySolver::optimize(softBodies, forceUpdate);
 }
 
 void qcSoftBodySolver::processCollision(btSoftBody*, btSoftBody*)
 {
-    // Solved with all others after Bullet's own constraints, when positions are known.
+    // All contacts are solved together, after Bullet's own constraints have moved the nodes.
 }
 
 void qcSoftBodySolver::solveConstraints(btScalar timeStep)
 {
     Implementation& my = *m_implementation;
-    // Here Bullet moves on from m_q; its constraints of drift write it anew.
-    my.Start(m_softBodySet, &btSoftBody::Node::m_q);
+    // m_q is where Bullet's step started from; its drift constraints overwrite it.
+    my.ReadStart(m_softBodySet, &btSoftBody::Node::m_q);
     btDefaultSoftBodySolver::solveConstraints(timeStep);
     if (!my.Resolve(timeStep))
         return;
-    for (const qcSceneSoftBody& known : my.scene.Bodies())
-        MoveNodes(known);
+    for (const qcSceneSoftBody& soft : my.scene.Bodies())
+        MoveNodes(soft);
 }
 
 void qcSoftBodySolver::updateSoftBodies()
 {
     // The last call of a step.
     btDefaultSoftBodySolver::updateSoftBodies();
-    m_implementation->Tell();
+    m_implementation->DispatchCallbacks();
 }

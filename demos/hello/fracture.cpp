@@ -15,9 +15,8 @@ struct Piece
 static Piece MakeBody(const std::vector<btVector3>& vertices, const std::vector<uint32_t>& indices, btScalar mass)
 {
     Piece made;
-    qcPositionType type = sizeof(btScalar) == sizeof(double) ? qc_positionF64 : qc_positionF32;
-    made.shape = std::make_unique<qcMeshShape>(vertices.data(), type, sizeof(btVector3), uint32_t(vertices.size()),
-                                               indices.data(), uint32_t(indices.size() / 3));
+    made.shape = std::make_unique<qcMeshShape>(vertices.data(), qcBulletPositions, sizeof(btVector3),
+                                               uint32_t(vertices.size()), indices.data(), uint32_t(indices.size() / 3));
     btVector3 inertia;
     made.shape->calculateLocalInertia(mass, inertia);
     made.body = std::make_unique<btRigidBody>(mass, nullptr, made.shape.get(), inertia);

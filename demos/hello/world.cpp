@@ -15,8 +15,6 @@
 #include <memory>
 #include <vector>
 
-static constexpr qcPositionType s_positions = sizeof(btScalar) == sizeof(double) ? qc_positionF64 : qc_positionF32;
-
 /// A rigid body and what it refers to.
 struct Mesh
 {
@@ -60,8 +58,8 @@ struct World
     {
         Mesh mesh;
         mesh.shape =
-            std::make_unique<qcMeshShape>(vertices.data(), s_positions, sizeof(btVector3), uint32_t(vertices.size()),
-                                          indices.data(), uint32_t(indices.size() / 3));
+            std::make_unique<qcMeshShape>(vertices.data(), qcBulletPositions, sizeof(btVector3),
+                                          uint32_t(vertices.size()), indices.data(), uint32_t(indices.size() / 3));
         btVector3 inertia(0, 0, 0);
         if (mass > 0)
             mesh.shape->calculateLocalInertia(mass, inertia);

@@ -4,8 +4,8 @@
 /// Thread-safety: any thread may call these functions, but set the hooks before any other call; qcSetParallelFor also
 /// later, while no other call runs.
 /// Floating-point modes: results don't depend on the caller's rounding mode, FTZ, DAZ or traps. Each call computes in
-/// the default modes and restores the caller's. Callbacks run in the default modes, but a qcBoxFunction in the
-/// caller's.
+/// the default modes and restores the caller's. Callbacks run in the default modes, but a qcBoxFunction and a
+/// qcLoopFunction in the caller's.
 #ifndef QUICKCULLIDE_BASE_H
 #define QUICKCULLIDE_BASE_H
 
@@ -90,6 +90,20 @@ typedef void qcParallelForFunction(uint32_t count, qcTask* task, void* taskConte
 /// modes. `context` must stay valid until the next call of this function.
 /// qc_statusBadInput: a function with 0 workers; nothing changes.
 QC_API qcStatus qcSetParallelFor(qcParallelForFunction* parallelFor, uint32_t workers, void* context);
+
+/// The body of a loop. `worker` is below the number of workers of the loop; two calls at the same time never have the
+/// same one, so it can index memory of the caller's. Must not throw.
+typedef void qcLoopFunction(size_t index, uint32_t worker, void* loopContext);
+
+/// Number of workers of the library's loops: those of qcSetParallelFor, by default one for each core that the process
+/// may use. 1 to 256. O(1).
+QC_API uint32_t qcGetWorkerCount(void);
+
+/// Runs a loop of the caller's where the library's own loops run: on the host's threads (qcSetParallelFor) or on the
+/// library's. Calls function(index, worker, loopContext) once for each index below `count`, in any order, on at most
+/// `workers` threads (0: qcGetWorkerCount()), and returns when all calls have returned. Several threads may call it at
+/// once; the library's own threads run one loop at a time, further loops then stay on their calling threads.
+QC_API void qcParallelFor(uint32_t workers, size_t count, qcLoopFunction* function, void* loopContext);
 
 #ifdef __cplusplus
 }

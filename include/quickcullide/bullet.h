@@ -6,6 +6,7 @@
 
 #include "bullet_broadphase.h"
 #include "bullet_mesh.h"
+#include "bullet_positions.h"
 #include "bullet_soft_body.h"
 #include "bullet_threads.h"
 

@@ -8,11 +8,9 @@
 #ifndef QUICKCULLIDE_BULLET_BROADPHASE_H
 #define QUICKCULLIDE_BULLET_BROADPHASE_H
 
-#include "boxes.h"
+#include "base.h"
 
 #include <BulletCollision/BroadphaseCollision/btOverlappingPairCache.h>
-
-#include <atomic>
 
 class btIDebugDraw;
 
@@ -97,81 +95,8 @@ class QC_API qcBroadphase : public btBroadphaseInterface
     qcStatus getStatus() const;
 
   private:
-    struct Proxy;
-    struct State;
-    union Room;
-    struct Block;
-    class Walk;
-    /// A proxy, and its filter when it was last looked at.
-    struct Listed
-    {
-        Proxy* proxy;
-        uint64_t filter; ///< group and mask
-    };
-
-    bool MakeRoom();
-    void List(Proxy* proxy);
-    void AddBox(Proxy* proxy);
-    void SetOdd(Proxy* proxy, bool odd);
-    void Free(Proxy* proxy);
-    void Seek(Proxy* proxy);
-    void MoveProxy(Proxy* proxy, const btVector3& aabbMin, const btVector3& aabbMax);
-    void Pend(Proxy* proxy);
-    void ApplyPending();
-    template <class Visit> void VisitBox(const btVector3& aabbMin, const btVector3& aabbMax, Visit visit) const;
-    bool Judge(Proxy* a, Proxy* b);
-    static void RemoveFrom(btAlignedObjectArray<Proxy*>& pairs, const Proxy* proxy);
-    void AddPairNow(Proxy* a, Proxy* b);
-    void AddPairsNow(Proxy* proxy);
-    void Reject(Proxy* a, Proxy* b);
-    void Consider(Proxy* a, Proxy* b);
-    void LookAt(Listed& listed);
-    void LookForChanges();
-    void LookAtFilters();
-    void JudgeRejected();
-    bool IsSeeking(const Proxy* proxy) const;
-    void SeekPairs();
-    Proxy* ProxyOf(uint32_t box) const;
-    void AddBegun(const qcBoxChanges& changes);
-    void RemoveEnded(const qcBoxChanges& changes, btDispatcher* dispatcher);
-    qcBoxChanges FindChanges();
-    void UpdatePairs(const qcBoxChanges& changes, btDispatcher* dispatcher);
-    bool IsStillWanted(const btBroadphasePair& pair);
-    void RemovePair(int index, btDispatcher* dispatcher);
-    void RemovePairs(btDispatcher* dispatcher);
-    void RemoveDuplicates();
-
-    btOverlappingPairCache* m_pairCache;
-    bool m_ownsPairCache;
-    qcBoxes* m_boxes = nullptr;
-    qcStatus m_status = qc_statusOk;
-
-    Block* m_blocks = nullptr;   ///< what proxies live in
-    Room* m_rooms = nullptr;     ///< those of them that are free
-    int m_roomCount = 0;         ///< all there are
-    Listed* m_proxies = nullptr; ///< with as many places as there are rooms
-    int m_proxyCount = 0;
-    int m_lookedCount = 0;  ///< the first so many filters were looked at since the last search
-    int m_outsideCount = 0; ///< proxies without a box in the set
-    int m_oddCount = 0;     ///< proxies whose bounds are NaN or inverted
-    int m_lastUniqueId = 0;
-
-    std::atomic<int> m_walks{0}; ///< queries and searches that are running: the set must stay as it is
-    Proxy* m_pending = nullptr;  ///< proxies whose changes wait for the last walk to end
-    unsigned m_destroyCount = 0; ///< changes when a callback removes pairs during a loop over them
-
-    long long m_interval = 1; ///< between two searches for pairs
-    bool m_anythingTouched = false, m_anythingSought = false;
-    bool m_seeking = false;   ///< some proxies look for all their pairs
-    bool m_judgeAll = false;  ///< someone else changed the cache: every pair is looked for again
-    int m_pairsAtOnce;        ///< how many proxies may still look for their pairs at once
-    int m_knownPairCount = 0; ///< size of the cache when we last touched it
-    const btOverlapFilterCallback* m_filter = nullptr;
-    /// While there is a filter callback: overlapping pairs that it did not want, two entries each.
-    btAlignedObjectArray<Proxy*> m_rejected;
-    btAlignedObjectArray<Proxy*> m_found; ///< by one proxy that looks for its pairs at once
-    /// Pairs that were added to the cache since the last search, two entries each, the lower id first.
-    btAlignedObjectArray<Proxy*> m_addedPairs;
+    struct Data;
+    Data* m_data;
 };
 
 #endif

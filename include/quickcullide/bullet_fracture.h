@@ -68,7 +68,8 @@ struct qcFracture
 /// About O(triangles * log(cells)). If two sites are closer than 1e-6 of the mesh's length, or all sites are further
 /// away than 64 lengths, O(cells * (triangles + cells)).
 ///
-/// Thread-safety: any thread may call it, several at once. It uses all cores.
+/// Thread-safety: any thread may call it, several at once. Its loops run where the library's do: on the threads of
+/// qcSetParallelFor or qcSetTaskScheduler, else on the library's own. Pieces don't depend on the number of threads.
 QC_API qcFracture qcFracture_Split(const qcFractureDef& def);
 
 /// `count` sites in a box, the same for the same seed. With an impact point they are denser near it.

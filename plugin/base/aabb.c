@@ -1,5 +1,5 @@
-// Compiled for numbers that are finite, whose zeros have no sign: then least and greatest are one instruction each, and
-// several lie side by side (CMakeLists.txt).
+// Compiled for finite numbers without signed zeros (plugin/CMakeLists.txt): minimum and maximum are then one
+// instruction each, for several numbers at once.
 #include "base/aabb.h"
 
 #include <float.h>
@@ -11,27 +11,27 @@ enum
 
 void qcBounds_Include(const double* positions, size_t vertexCount, double lower[3], double upper[3])
 {
-    double least[qc_boundsRun], most[qc_boundsRun];
+    double low[qc_boundsRun], high[qc_boundsRun];
     size_t count = 3 * vertexCount, i = 0;
     for (int k = 0; k < qc_boundsRun; k++)
     {
-        least[k] = DBL_MAX;
-        most[k] = -DBL_MAX;
+        low[k] = DBL_MAX;
+        high[k] = -DBL_MAX;
     }
     for (; i + qc_boundsRun <= count; i += qc_boundsRun)
         for (int k = 0; k < qc_boundsRun; k++)
         {
-            least[k] = positions[i + k] < least[k] ? positions[i + k] : least[k];
-            most[k] = positions[i + k] > most[k] ? positions[i + k] : most[k];
+            low[k] = positions[i + k] < low[k] ? positions[i + k] : low[k];
+            high[k] = positions[i + k] > high[k] ? positions[i + k] : high[k];
         }
     for (int k = 0; i < count; i++, k++)
     {
-        least[k] = positions[i] < least[k] ? positions[i] : least[k];
-        most[k] = positions[i] > most[k] ? positions[i] : most[k];
+        low[k] = positions[i] < low[k] ? positions[i] : low[k];
+        high[k] = positions[i] > high[k] ? positions[i] : high[k];
     }
     for (int k = 0; k < qc_boundsRun; k++)
     {
-        lower[k % 3] = least[k] < lower[k % 3] ? least[k] : lower[k % 3];
-        upper[k % 3] = most[k] > upper[k % 3] ? most[k] : upper[k % 3];
+        lower[k % 3] = low[k] < lower[k % 3] ? low[k] : lower[k % 3];
+        upper[k % 3] = high[k] > upper[k % 3] ? high[k] : upper[k % 3];
     }
 }

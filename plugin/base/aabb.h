@@ -1,10 +1,10 @@
-// The box around vertices.
+// The axis-aligned bounding box of vertices.
 #ifndef QC_BASE_AABB_H
 #define QC_BASE_AABB_H
 
 #include <stddef.h>
 
-/// Widens a box, least and greatest of each coordinate, by vertices. All are finite.
+/// Extends a box by vertices (three doubles each), all finite.
 void qcBounds_Include(const double* positions, size_t vertexCount, double lower[3], double upper[3]);
 
 #endif

@@ -1,5 +1,5 @@
 // The floating-point environment that the proofs assume: round to nearest, subnormals kept, no traps. Public functions
-// whose results depend on it set it and put the caller's back.
+// whose results depend on it set it and restore the caller's.
 //
 // x86-64: MXCSR alone, since nothing is computed in x87 registers. Other processors: <fenv.h>.
 #ifndef QC_BASE_FLOAT_MODE_H
@@ -17,24 +17,24 @@ typedef struct qcFloatMode
     uint32_t control;
 } qcFloatMode;
 
-/// The low six bits are flags of what has happened, not modes.
+/// The low six bits are exception flags, not modes.
 static inline bool qcFloatMode_IsDefault(qcFloatMode mode)
 {
     return (mode.control & ~0x3fu) == 0x1f80u;
 }
 
-/// Sets the default environment; returns the one before. The computation belongs into a function that is not inlined:
-/// the compiler doesn't know that arithmetic depends on the mode.
+/// Sets the default environment; returns the previous one. The computation belongs into a function that is not inlined:
+/// the compiler may move arithmetic across this call.
 static inline qcFloatMode qcFloatMode_Begin(void)
 {
     qcFloatMode mode = {_mm_getcsr()};
-    // Writing it takes some ten cycles more than reading it, and it hardly ever needs to be written.
+    // Writing takes some ten cycles more than reading, and is rarely needed.
     if (!qcFloatMode_IsDefault(mode))
         _mm_setcsr(0x1f80u);
     return mode;
 }
 
-/// Puts the environment back.
+/// Restores the environment.
 static inline void qcFloatMode_End(qcFloatMode mode)
 {
     if (!qcFloatMode_IsDefault(mode))

@@ -19,7 +19,7 @@ static atomic_size_t s_byteCount;
 static void* DefaultAllocate(size_t size, void* context)
 {
     (void)context;
-    // aligned_alloc wants a multiple of the alignment.
+    // aligned_alloc takes multiples of the alignment only.
     size_t rounded = (size + qc_alignment - 1) & ~(size_t)(qc_alignment - 1);
     return rounded < size ? NULL : aligned_alloc(qc_alignment, rounded);
 }
@@ -87,7 +87,7 @@ static size_t GrownCapacity(const qcArray* array)
     return capacity < 4096 ? 4096 : capacity;
 }
 
-/// To a block of another size, which holds all elements.
+/// Moves the elements to a block of another size, large enough for them.
 static qcStatus MoveTo(qcArray* array, size_t capacity, size_t elementSize, const char* purpose)
 {
     void* data = qcAllocate(capacity);
@@ -106,7 +106,7 @@ qcStatus qcArray_Grow(qcArray* array, size_t count, size_t elementSize, const ch
     if (count > SIZE_MAX / 2 / elementSize)
         return qcFailMemory(SIZE_MAX, purpose);
     size_t needed = count * elementSize;
-    // An array holds elements of one size as long as it lives.
+    // The element size of an array never changes.
     assert(array->count * elementSize <= array->capacity);
     size_t capacity = GrownCapacity(array);
     return MoveTo(array, capacity < needed ? needed : capacity, elementSize, purpose);
@@ -138,7 +138,7 @@ qcStatus qcArray_GrowZeroed(qcArray* array, size_t count, size_t elementSize, co
 qcStatus qcArray_Append(qcArray* array, const qcArray* other, size_t elementSize, const char* purpose)
 {
     QC_TRY(qcArray_Reserve(array, array->count + other->count, elementSize, purpose));
-    // Null is no array, not even an empty one.
+    // memcpy takes no null pointers, even for no bytes.
     if (other->count != 0)
         memcpy((char*)array->data + array->count * elementSize, other->data, other->count * elementSize);
     array->count += other->count;
@@ -149,9 +149,4 @@ void qcArray_Free(qcArray* array)
 {
     qcFree(array->data, array->capacity);
     *array = (qcArray){0};
-}
-
-qcStatus qcArray_FailAgain(const qcArray* array, const char* purpose)
-{
-    return qcFailMemory(GrownCapacity(array), purpose);
 }

@@ -6,7 +6,7 @@
 
 /// Null when there is no memory (or size is 0). Aligned to 64 bytes. Not cleared.
 void* qcAllocate(size_t size);
-/// As qcAllocate, all zero.
+/// Like qcAllocate, all zero.
 void* qcAllocateZeroed(size_t size);
 /// `size` is the one that was allocated. Null is allowed.
 void qcFree(void* memory, size_t size);
@@ -19,7 +19,7 @@ typedef struct qcArray
     size_t capacity; ///< bytes
 } qcArray;
 
-/// What qcArray_Reserve does where there is no room.
+/// The slow path of qcArray_Reserve.
 qcStatus qcArray_Grow(qcArray* array, size_t count, size_t elementSize, const char* purpose);
 /// Makes room for `count` elements of `elementSize` bytes; the count stays. qc_statusOutOfMemory leaves it as it was.
 static inline qcStatus qcArray_Reserve(qcArray* array, size_t count, size_t elementSize, const char* purpose)
@@ -32,11 +32,9 @@ qcStatus qcArray_Resize(qcArray* array, size_t count, size_t elementSize, const 
 qcStatus qcArray_GrowZeroed(qcArray* array, size_t count, size_t elementSize, const char* purpose);
 /// Adds copies of the other's elements, which are of the same size. qc_statusOutOfMemory leaves it as it was.
 qcStatus qcArray_Append(qcArray* array, const qcArray* other, size_t elementSize, const char* purpose);
-/// Gives back the room that is not used. qc_statusOutOfMemory leaves it as it was.
+/// Frees unused capacity. qc_statusOutOfMemory leaves it as it was.
 qcStatus qcArray_Trim(qcArray* array, size_t elementSize, const char* purpose);
 void qcArray_Free(qcArray* array);
-/// The status of a worker thread whose array could not grow, said again on this thread: messages are each thread's own.
-qcStatus qcArray_FailAgain(const qcArray* array, const char* purpose);
 
 /// array[i] as a T; no check.
 #define QC_AT(T, array, i) (((T*)(array).data)[i])

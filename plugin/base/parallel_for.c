@@ -1,6 +1,5 @@
-// Loops over threads, of the host or of our own pool: each thread gets one task, which draws indices until none is
-// left. So worker numbers need not come from the host, and the result can't depend on which of its threads run, how
-// many or when.
+// Loops over threads of the host or of our own pool: each thread gets one task, which takes indices until none is left.
+// So the host need not number its workers, and any number of its threads may run, at any time.
 #include "base/parallel_for.h"
 
 #include "base/thread_pool.h"
@@ -14,9 +13,9 @@ typedef struct Loop
     qcParallelFunction* function;
     void* context;
     size_t count;
-    /// Of the calling thread. Threads of a host may flush subnormals, which the error bounds don't allow for.
+    /// The caller's floating-point environment. Threads of a host may flush subnormals, which the error bounds exclude.
     fenv_t environment;
-    /// On a cache line of its own: it is written for each index, the rest is only read.
+    /// On a cache line of its own, since it is written for each index; the rest is only read.
     _Alignas(64) atomic_size_t next;
 } Loop;
 
@@ -44,7 +43,7 @@ uint32_t qcParallel_Threads(uint32_t requested)
     return threads < qc_maxWorkers ? threads : qc_maxWorkers;
 }
 
-static void DrawIndices(Loop* loop, uint32_t worker)
+static void TakeIndices(Loop* loop, uint32_t worker)
 {
     for (;;)
     {
@@ -61,13 +60,13 @@ static void RunTask(uint32_t index, void* taskContext)
     fenv_t own;
     fegetenv(&own);
     fesetenv(&loop->environment);
-    DrawIndices(loop, index);
+    TakeIndices(loop, index);
     fesetenv(&own);
 }
 
-void qcParallel_For(uint32_t threads, size_t count, size_t least, qcParallelFunction* function, void* context)
+void qcParallel_For(uint32_t threads, size_t count, size_t minCount, qcParallelFunction* function, void* context)
 {
-    if (threads > 1 && count >= least)
+    if (threads > 1 && count >= minCount)
     {
         Loop loop = {.function = function, .context = context, .count = count};
         fegetenv(&loop.environment);
@@ -76,9 +75,32 @@ void qcParallel_For(uint32_t threads, size_t count, size_t least, qcParallelFunc
             s_parallelFor(tasks, RunTask, &loop, s_context);
         else
             qcPool_Run(tasks, RunTask, &loop);
-        DrawIndices(&loop, 0);
+        TakeIndices(&loop, 0);
         return;
     }
     for (size_t i = 0; i < count; i++)
         function(context, i, 0);
+}
+
+typedef struct PublicLoop
+{
+    qcLoopFunction* function;
+    void* context;
+} PublicLoop;
+
+static void RunPublicLoop(void* context, size_t index, uint32_t worker)
+{
+    const PublicLoop* loop = context;
+    loop->function(index, worker, loop->context);
+}
+
+uint32_t qcGetWorkerCount(void)
+{
+    return qcParallel_Threads(0);
+}
+
+void qcParallelFor(uint32_t workers, size_t count, qcLoopFunction* function, void* loopContext)
+{
+    PublicLoop loop = {.function = function, .context = loopContext};
+    qcParallel_For(qcParallel_Threads(workers), count, 2, RunPublicLoop, &loop);
 }

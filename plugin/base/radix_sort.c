@@ -1,5 +1,5 @@
-// Least significant digit first, 11 bits a pass or, for few, 8; bits in which keys don't differ are left out between
-// the lower and the upper part of a digit, as keys made of two small numbers have them.
+// Least significant digit first, 11 bits a pass, or 8 for few items. A digit may consist of two parts with equal bits
+// between them, which are skipped: keys made of two small numbers have such a gap.
 #include "base/radix_sort.h"
 
 #include "base/status.h"
@@ -10,14 +10,14 @@ enum
 {
     qc_digitBits = 11,
     qc_digits = 1 << qc_digitBits,
-    // A pass over 11 bits takes 1.5 us for any few, one over 8 bits 0.2 us, but there are more of them.
+    // For few items a pass over 11 bits takes 1.5 us, one over 8 bits 0.2 us, but more passes are needed.
     qc_shortDigitBits = 8,
-    qc_fewItems = 1024,
+    qc_maxShortItems = 1024,
     // Insertion takes 0.5 us for 32 items.
-    qc_insertedItems = 32
+    qc_maxInsertedItems = 32
 };
 
-/// For so few that counting digits would take longer.
+/// Insertion sort, faster than counting digits for very few items.
 static void InsertItems(qcSortItem* items, size_t count)
 {
     for (size_t i = 1; i < count; i++)
@@ -30,26 +30,26 @@ static void InsertItems(qcSortItem* items, size_t count)
     }
 }
 
-/// Bits in which keys differ, in their order, from two places of the key: between them all keys are alike.
+/// Bits in which keys differ, ascending, from two places of the key; all keys agree between them.
 typedef struct Digit
 {
     int shift[2], width;
     uint64_t mask[2];
 } Digit;
 
-/// The lowest `bits` of those that are left, or a few less; takes them from there.
-static Digit TakeDigit(uint64_t* left, int bits)
+/// Removes up to `bits` of the lowest remaining bits.
+static Digit TakeDigit(uint64_t* remaining, int bits)
 {
-    Digit digit = {.shift = {__builtin_ctzll(*left), 0}};
-    uint64_t window = *left >> digit.shift[0] & (((uint64_t)1 << bits) - 1);
+    Digit digit = {.shift = {__builtin_ctzll(*remaining), 0}};
+    uint64_t window = *remaining >> digit.shift[0] & (((uint64_t)1 << bits) - 1);
     digit.width = 64 - __builtin_clzll(window);
     digit.mask[0] = ((uint64_t)1 << digit.width) - 1;
-    *left &= ~(digit.mask[0] << digit.shift[0]);
-    if (digit.width == bits || *left == 0)
+    *remaining &= ~(digit.mask[0] << digit.shift[0]);
+    if (digit.width == bits || *remaining == 0)
         return digit;
-    digit.shift[1] = __builtin_ctzll(*left);
+    digit.shift[1] = __builtin_ctzll(*remaining);
     digit.mask[1] = ((uint64_t)1 << (bits - digit.width)) - 1;
-    *left &= ~(digit.mask[1] << digit.shift[1]);
+    *remaining &= ~(digit.mask[1] << digit.shift[1]);
     return digit;
 }
 
@@ -77,7 +77,7 @@ static void SortByDigit(const qcSortItem* from, qcSortItem* to, size_t count, co
 
 qcStatus qcSort_Items(qcSortItem* items, size_t count, qcArray* scratch)
 {
-    if (count <= qc_insertedItems)
+    if (count <= qc_maxInsertedItems)
     {
         InsertItems(items, count);
         return qc_statusOk;
@@ -87,7 +87,7 @@ qcStatus qcSort_Items(qcSortItem* items, size_t count, qcArray* scratch)
     for (size_t i = 1; i < count; i++)
         differ |= items[i].key ^ items[0].key;
     qcSortItem *from = items, *to = scratch->data;
-    int bits = count <= qc_fewItems ? qc_shortDigitBits : qc_digitBits;
+    int bits = count <= qc_maxShortItems ? qc_shortDigitBits : qc_digitBits;
     while (differ != 0)
     {
         Digit digit = TakeDigit(&differ, bits);

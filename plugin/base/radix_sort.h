@@ -1,4 +1,4 @@
-// Stable radix sort of keys with values: the order of everything that leaves the library.
+// Stable radix sort of keys with values. All results of the library are sorted by it.
 #ifndef QC_BASE_RADIX_SORT_H
 #define QC_BASE_RADIX_SORT_H
 
@@ -11,6 +11,7 @@ typedef struct qcSortItem
 } qcSortItem;
 
 /// Sorts by key, ascending; items with the same key keep their order. O(count) per 11 bits in which keys differ.
+/// `scratch` is memory to reuse.
 qcStatus qcSort_Items(qcSortItem* items, size_t count, qcArray* scratch);
 
 /// A key whose order is the order of the floats (NaN excluded).
@@ -24,7 +25,7 @@ static inline uint32_t qcSort_FloatKey(float value)
     return bits.u & 0x80000000u ? ~bits.u : bits.u | 0x80000000u;
 }
 
-/// The same for doubles.
+/// As qcSort_FloatKey, for doubles.
 static inline uint64_t qcSort_DoubleKey(double value)
 {
     union

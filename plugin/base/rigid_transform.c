@@ -1,15 +1,9 @@
-// Inverse by cofactors; error bounds by the sizes of what goes in.
-//
-// Rounding. qcBody_GetVertex rounds each of six operations by 2^-53 of numbers that are at most |R| |x| + |t|; so do
-// the products and sums here, no more than a dozen each. The inverse is wrong by some 2^-50 of itself times the
-// condition number K, which is below 2^12; for needles by a share of K^2, through the determinant. 2^-46 K times the
-// sizes of both bodies in the world, taken back to a, is allowed for: of three million meetings near the limit of K the
-// worst was wrong by 2^-5 of that.
+// Inverse by cofactors, with an error bound. Proof: plugin/docs/proofs/rigid_transform.md.
 #include "base/rigid_transform.h"
 
 #include <math.h>
 
-static const double s_worstCondition = 4096.0;
+static const double s_maxCondition = 4096.0;
 
 /// Largest sum of absolute values in a row.
 static double RowSum(const double m[9])
@@ -20,7 +14,7 @@ static double RowSum(const double m[9])
     return largest;
 }
 
-/// The condition number, or infinity.
+/// Returns the condition number, or infinity for a matrix that is not inverted.
 static double Invert(const double m[9], double inverse[9])
 {
     for (int i = 0; i < 3; i++)
@@ -33,12 +27,12 @@ static double Invert(const double m[9], double inverse[9])
     for (int i = 0; i < 9; i++)
         inverse[i] /= determinant;
     double condition = RowSum(m) * RowSum(inverse);
-    // Scales at the ends of double would overflow, or lose the determinant. What is nearly flat in two directions has a
-    // determinant of roundings alone, some 2^-50 of the cube, and an inverse made of it may look harmless; what passes
-    // has 2^-30 or more.
+    // Extreme scales overflow, or lose the determinant. A matrix that is nearly flat in two directions has a
+    // determinant of rounding errors alone, some 2^-50 of the cube of its size, and an inverse that may look harmless;
+    // accepted ones have 2^-36 or more.
     double size = RowSum(m);
-    bool usable = size > 1e-60 && size < 1e60 && condition <= s_worstCondition &&
-                  fabs(determinant) > 0x1p-36 * size * size * size;
+    bool usable =
+        size > 1e-60 && size < 1e60 && condition <= s_maxCondition && fabs(determinant) > 0x1p-36 * size * size * size;
     return usable ? condition : INFINITY;
 }
 
@@ -48,7 +42,7 @@ bool qcTransform_IsInvertible(const qcTransform* transform)
     return isfinite(Invert(transform->linear, inverse));
 }
 
-/// What a body's coordinates can be at most in the world, along an axis, before they cancel.
+/// Bound for the terms of a body's world coordinates along an axis.
 static double Size(const qcRigidTransform* p, int axis)
 {
     double size = fabs(p->transform.translation[axis]);
@@ -57,7 +51,7 @@ static double Size(const qcRigidTransform* p, int axis)
     return size;
 }
 
-/// How many times longer a vector is at most: the 2-norm squared is that of the product with the transpose.
+/// Upper bound for the 2-norm: its square is the norm of the product with the transpose.
 static double FindNorm(const double m[9])
 {
     double largest = 0.0;
@@ -88,7 +82,7 @@ qcRelativeTransform qcRelativeTransform_Find(const qcRigidTransform* a, const qc
             for (int k = 0; k < 3; k++)
                 r.linear[i][k] += row[j] * b->transform.linear[3 * j + k];
         }
-        // Products may vanish too, each by 2^-1074 and then times the inverse, 2^212 at most.
+        // Products may underflow, each by 2^-1074 and then times the inverse, at most 2^212.
         r.error[i] = 0x1p-46 * condition * size + 1e-200;
     }
     r.stretch = FindNorm(inverse);

@@ -1,4 +1,5 @@
-// Rigid transforms backwards, and from one body's coordinates to another's.
+// Inverses of rigid transforms, and the transform from one body's coordinates to another's.
+// Error bounds: plugin/docs/proofs/rigid_transform.md.
 #ifndef QC_BASE_RIGID_TRANSFORM_H
 #define QC_BASE_RIGID_TRANSFORM_H
 
@@ -6,30 +7,30 @@
 
 #include <stdbool.h>
 
-/// Is it far enough from flattening things that its inverse is of use?
+/// True if the linear part is so far from singular that the inverse is accurate.
 bool qcTransform_IsInvertible(const qcTransform* transform);
 
-/// Where a body is: its transform, and the box around its own coordinates.
+/// A body's transform, and the bounding box of its local coordinates.
 typedef struct qcRigidTransform
 {
     qcTransform transform;
     double lower[3], upper[3];
 } qcRigidTransform;
 
-/// From coordinates of `b` to coordinates of `a`: x -> linear x + shift.
+/// The transform from coordinates of `b` to coordinates of `a`: x -> linear x + shift.
 typedef struct qcRelativeTransform
 {
     double linear[3][3], shift[3];
-    /// How far, in coordinates of `a`, the images of points that qcBody_GetVertex takes to one point of the world may
-    /// be apart, by the roundings there and here.
+    /// Error bound by axis, in coordinates of `a`: the distance between the images of two points that qcBody_GetVertex
+    /// maps to the same point of the world, from the rounding there and here.
     double error[3];
-    /// Vectors of the world, up to 1 in each coordinate, are up to so much in each of a's.
+    /// By axis: the maximum coordinate in `a` of a world vector whose coordinates are at most 1.
     double reach[3];
-    double stretch; ///< a vector of the world is at most so many times as long in coordinates of `a`
-    double growth;  ///< and one in coordinates of `a` so many times in the world
+    double stretch; ///< maximum ratio of a vector's length in coordinates of `a` to that in the world
+    double growth;  ///< maximum ratio of a vector's length in the world to that in coordinates of `a`
 } qcRelativeTransform;
 
-/// `a` is invertible.
+/// `a` is invertible (qcTransform_IsInvertible).
 qcRelativeTransform qcRelativeTransform_Find(const qcRigidTransform* a, const qcRigidTransform* b);
 
 #endif

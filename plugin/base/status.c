@@ -1,4 +1,4 @@
-// Statuses and their messages: the last message is kept per thread, so that two scenes on two threads don't mix.
+// Statuses and messages. Each thread has its own last message, so that scenes on two threads don't mix theirs.
 #include "base/status.h"
 
 #include <stdarg.h>

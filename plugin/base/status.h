@@ -1,19 +1,19 @@
-// Failing with a message that names the place.
+// Failures with a message that names the place.
 #ifndef QC_BASE_STATUS_H
 #define QC_BASE_STATUS_H
 
 #include "quickcullide/base.h"
 
-/// Keeps a printf-style message for qcLastMessage and returns `status`.
+/// Stores a printf-style message for qcLastMessage and returns `status`.
 __attribute__((format(printf, 2, 3))) qcStatus qcFail(qcStatus status, const char* format, ...);
 
-/// qc_statusOutOfMemory, naming what the memory was for.
+/// qc_statusOutOfMemory, with a message that gives the size and the purpose of the memory.
 qcStatus qcFailMemory(size_t size, const char* purpose);
 
 /// Sends a line to the host's log function, if there is one.
 __attribute__((format(printf, 1, 2))) void qcLog(const char* format, ...);
 
-/// Leaves the calling function with the status of a call that failed.
+/// Returns from the calling function if a call fails, with the call's status.
 #define QC_TRY(call)                                                                                                   \
     do                                                                                                                 \
     {                                                                                                                  \

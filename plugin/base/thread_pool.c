@@ -1,6 +1,6 @@
-// Threads that wait on a condition; one slot for a loop. The loops of a step follow each other closely: before a thread
-// goes to sleep it looks out for the next one, as waking it takes up to 100 microseconds (two cores, a virtual
-// machine).
+// Threads that wait on a condition variable; one loop at a time. The loops of a step follow each other closely, and
+// waking a thread takes up to 100 microseconds (two cores, a virtual machine): a thread spins for the next loop before
+// it goes to sleep.
 #define _GNU_SOURCE // sched_getaffinity
 
 #include "base/thread_pool.h"
@@ -15,27 +15,27 @@
 
 enum
 {
-    qc_mostThreads = 255,
-    qc_looksBetweenTimes = 64
+    qc_maxThreads = 255,
+    qc_spinsPerClockRead = 64
 };
 
-// Milliseconds that a thread looks out for the next loop, and the caller for the end of one.
-static const double s_lookout = 0.1;
+// Milliseconds that a thread spins for the next loop, and the caller for the end of one.
+static const double s_maxSpin = 0.1;
 
 typedef struct Pool
 {
     pthread_mutex_t mutex;
-    pthread_cond_t begun;    ///< there is a loop, or the end
+    pthread_cond_t begun;    ///< a loop has begun, or the process ends
     pthread_cond_t finished; ///< no thread is in the loop
-    pthread_t threads[qc_mostThreads];
+    pthread_t threads[qc_maxThreads];
     uint32_t threadCount;
     bool busy, ending, watchesForks;
     //  the loop
     qcTask* task;
     void* taskContext;
-    uint32_t next, count; ///< indices that no thread has; none: next >= count
+    uint32_t next, count; ///< the next free index, and all; none is free if next >= count
     atomic_uint inside;   ///< threads in the loop
-    atomic_uint begins;   ///< loops so far, and the end
+    atomic_uint begins;   ///< loops begun so far; the end of the process counts as one
 } Pool;
 
 static Pool s_pool = {
@@ -48,18 +48,18 @@ static void Pause(void)
 #endif
 }
 
-/// Until the number is another than it was; not for long.
-static void LookOut(atomic_uint* number, unsigned last)
+/// Spins until the number changes, for s_maxSpin at most.
+static void SpinWait(atomic_uint* number, unsigned last)
 {
     double start = qcClock_Now();
     do
-        for (int i = 0; i < qc_looksBetweenTimes; i++)
+        for (int i = 0; i < qc_spinsPerClockRead; i++)
         {
             if (atomic_load_explicit(number, memory_order_acquire) != last)
                 return;
             Pause();
         }
-    while (qcClock_Now() - start < s_lookout);
+    while (qcClock_Now() - start < s_maxSpin);
 }
 
 static void* Serve(void* argument)
@@ -72,7 +72,7 @@ static void* Serve(void* argument)
         {
             unsigned begins = atomic_load(&pool->begins);
             pthread_mutex_unlock(&pool->mutex);
-            LookOut(&pool->begins, begins);
+            SpinWait(&pool->begins, begins);
             pthread_mutex_lock(&pool->mutex);
         }
         while (!pool->ending && pool->next >= pool->count)
@@ -93,8 +93,8 @@ static void* Serve(void* argument)
     return NULL;
 }
 
-/// A child process has none of the threads, and nobody is in a loop there.
-static void ForgetThreads(void)
+/// After a fork: the child process has none of the threads, and no loop runs there.
+static void ResetInChild(void)
 {
     s_pool = (Pool){.mutex = PTHREAD_MUTEX_INITIALIZER,
                     .begun = PTHREAD_COND_INITIALIZER,
@@ -102,12 +102,12 @@ static void ForgetThreads(void)
                     .watchesForks = true};
 }
 
-/// As many as can be started; none if a child process would not learn that it has none.
-static void StartThreads(Pool* pool, uint32_t wanted)
+/// Starts up to `requested` threads; none if the fork handler can't be installed.
+static void StartThreads(Pool* pool, uint32_t requested)
 {
     if (!pool->watchesForks)
-        pool->watchesForks = pthread_atfork(NULL, NULL, ForgetThreads) == 0;
-    while (pool->watchesForks && pool->threadCount < wanted && pool->threadCount < qc_mostThreads)
+        pool->watchesForks = pthread_atfork(NULL, NULL, ResetInChild) == 0;
+    while (pool->watchesForks && pool->threadCount < requested && pool->threadCount < qc_maxThreads)
     {
         if (pthread_create(&pool->threads[pool->threadCount], NULL, Serve, pool) != 0)
             return;
@@ -141,7 +141,7 @@ void qcPool_Run(uint32_t count, qcTask* task, void* taskContext)
     if (inside != 0)
     {
         pthread_mutex_unlock(&pool->mutex);
-        LookOut(&pool->inside, inside);
+        SpinWait(&pool->inside, inside);
         pthread_mutex_lock(&pool->mutex);
     }
     while (atomic_load(&pool->inside) != 0)
@@ -159,7 +159,7 @@ uint32_t qcPool_CoreCount(void)
     return online > 0 ? (uint32_t)online : 1;
 }
 
-/// The library may be unloaded: its code must not be in use by then.
+/// When the library is unloaded no thread may run its code.
 __attribute__((destructor)) static void EndThreads(void)
 {
     Pool* pool = &s_pool;

@@ -1,21 +1,20 @@
-// The library's own threads: started when a loop first wants them, asleep between loops, gone at the end of the
-// process.
+// The library's own threads: started by the first loop that uses them, asleep between loops, ended with the process.
 //
-// Why not OpenMP's: at the end of a loop libgomp waits for all threads that it woke, and when the system has put one on
-// the caller's core, that is a time slice, 4 to 16 ms, on a busy machine; between loops its threads spin, on cores that
-// software GL draws with (folded cloth of 250 K on llvmpipe with two cores: 39 ms a step, 32 without them). Here the
-// caller does what threads haven't begun, and waits for those alone that have.
+// Why not OpenMP: libgomp waits at the end of a loop for all threads that it woke. If one shares the caller's core,
+// that is a time slice, 4 to 16 ms. Between loops its threads spin, on cores that software GL draws with (folded cloth
+// of 250 K on llvmpipe, two cores: 39 ms a step, 32 without). Here the caller takes the indices that no thread has
+// begun.
 #ifndef QC_BASE_THREAD_POOL_H
 #define QC_BASE_THREAD_POOL_H
 
 #include "quickcullide/base.h"
 
-/// Calls task(index, taskContext) for some of the indices from 1 to count - 1, none twice, each on a thread of its own,
-/// and for index 0 on the calling one; returns when those calls have. One loop at a time: while another thread's runs,
-/// task(0) is all there is.
+/// Calls task(index, taskContext) for index 0 on the calling thread, and for some of the indices from 1 to count - 1,
+/// none twice, each on another thread; returns when all these calls have. Any thread may call it, but only one loop
+/// runs at a time: during another thread's loop it calls task(0) alone.
 void qcPool_Run(uint32_t count, qcTask* task, void* taskContext);
 
-/// Cores that the process may run on.
+/// The number of cores that the process may run on, at least 1.
 uint32_t qcPool_CoreCount(void);
 
 #endif

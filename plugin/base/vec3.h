@@ -40,10 +40,10 @@ static inline qcVector qcCross(qcVector a, qcVector b)
     return (qcVector){a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
 }
 
-/// floor, which is a call on machines that a compiler targets by default. Never -0.
+/// floor without a library call, which SSE2 needs. Never -0.
 static inline double qcFloor(double x)
 {
-    // Beyond these all doubles are whole. NaN too is returned as it is.
+    // Larger doubles are integers. NaN is returned unchanged.
     if (!(x > -0x1p52 && x < 0x1p52))
         return x;
     double whole = (double)(int64_t)x;

@@ -1,4 +1,4 @@
-// Kernels for boxes, for x86-64 with AVX2.
+// Box kernels for x86-64 with AVX2.
 #include "broadphase/box_kernels.h"
 
 #include <immintrin.h>
@@ -19,18 +19,18 @@ static inline Lanes LoadLanes(const qcOctet* octet)
     return lanes;
 }
 
-static inline uint32_t MeetLanes(const Lanes* lanes, const qcFloatBox* box)
+static inline uint32_t OverlapLanes(const Lanes* lanes, const qcFloatBox* box)
 {
-    __m256 meet = _mm256_cmp_ps(lanes->lower[0], _mm256_set1_ps(box->upper[0]), _CMP_LE_OQ);
-    meet = _mm256_and_ps(meet, _mm256_cmp_ps(lanes->upper[0], _mm256_set1_ps(box->lower[0]), _CMP_GE_OQ));
+    __m256 overlap = _mm256_cmp_ps(lanes->lower[0], _mm256_set1_ps(box->upper[0]), _CMP_LE_OQ);
+    overlap = _mm256_and_ps(overlap, _mm256_cmp_ps(lanes->upper[0], _mm256_set1_ps(box->lower[0]), _CMP_GE_OQ));
     for (int k = 1; k < 3; k++)
     {
-        meet = _mm256_and_ps(meet, _mm256_cmp_ps(lanes->lower[k], _mm256_set1_ps(box->upper[k]), _CMP_LE_OQ));
-        meet = _mm256_and_ps(meet, _mm256_cmp_ps(lanes->upper[k], _mm256_set1_ps(box->lower[k]), _CMP_GE_OQ));
+        overlap = _mm256_and_ps(overlap, _mm256_cmp_ps(lanes->lower[k], _mm256_set1_ps(box->upper[k]), _CMP_LE_OQ));
+        overlap = _mm256_and_ps(overlap, _mm256_cmp_ps(lanes->upper[k], _mm256_set1_ps(box->lower[k]), _CMP_GE_OQ));
     }
-    return (uint32_t)_mm256_movemask_ps(meet);
+    return (uint32_t)_mm256_movemask_ps(overlap);
 }
 
 #include "broadphase/box_kernels.inl.h"
 
-const qcBoxKernels qcBoxKernels_avx2 = {Meet, Seek};
+const qcBoxKernels qcBoxKernels_avx2 = {Overlap, FindOverlaps};

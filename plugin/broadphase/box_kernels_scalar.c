@@ -1,4 +1,4 @@
-// Kernels for boxes in plain C: any processor. Vectors are the compiler's.
+// Box kernels in plain C, for any processor, with the compiler's vectors.
 #include "broadphase/box_kernels.h"
 
 #include <string.h>
@@ -19,20 +19,20 @@ static inline Lanes LoadLanes(const qcOctet* octet)
     return lanes;
 }
 
-static inline uint32_t MeetLanes(const Lanes* lanes, const qcFloatBox* box)
+static inline uint32_t OverlapLanes(const Lanes* lanes, const qcFloatBox* box)
 {
     const FourInts weights[2] = {{1, 2, 4, 8}, {16, 32, 64, 128}};
-    FourInts meet[2];
+    FourInts overlap[2];
     for (int half = 0; half < 2; half++)
     {
-        meet[half] = weights[half];
+        overlap[half] = weights[half];
         for (int k = 0; k < 3; k++)
-            meet[half] &= (lanes->lower[k][half] <= box->upper[k]) & (lanes->upper[k][half] >= box->lower[k]);
+            overlap[half] &= (lanes->lower[k][half] <= box->upper[k]) & (lanes->upper[k][half] >= box->lower[k]);
     }
-    meet[0] |= meet[1];
-    return (uint32_t)(meet[0][0] | meet[0][1] | meet[0][2] | meet[0][3]);
+    overlap[0] |= overlap[1];
+    return (uint32_t)(overlap[0][0] | overlap[0][1] | overlap[0][2] | overlap[0][3]);
 }
 
 #include "broadphase/box_kernels.inl.h"
 
-const qcBoxKernels qcBoxKernels_scalar = {Meet, Seek};
+const qcBoxKernels qcBoxKernels_scalar = {Overlap, FindOverlaps};

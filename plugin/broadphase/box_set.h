@@ -1,15 +1,14 @@
-// A set of boxes from the inside: what boxes.c keeps up to date, broadphase/overlap_pairs.c and broadphase/queries.c
-// read.
+// Internals of a set of boxes: the state that boxes.c maintains and the searches and queries read.
 #ifndef QC_BROADPHASE_BOX_SET_H
 #define QC_BROADPHASE_BOX_SET_H
 
 #include "quickcullide/boxes.h"
 
+#include "base/memory.h"
 #include "broadphase/bvh_forest.h"
 #include "broadphase/overlap_graph.h"
-#include "base/memory.h"
 
-#define QC_NO_MOVER UINT32_MAX
+#define QC_NOT_MOVED UINT32_MAX
 
 static inline double qcLower(double a, double b)
 {
@@ -26,62 +25,62 @@ typedef struct qcBounds
     double lower[3], upper[3];
 } qcBounds;
 
-/// In the forest.
+/// State of a box in the BVH forest.
 typedef enum qcBoxState
 {
-    qc_boxInTree,     ///< since the last search or longer
-    qc_boxPairsKnown, ///< put there since, and has found its neighbours
-    qc_boxPairsStale  ///< put there since, and has not
+    qc_boxInTree,     ///< unchanged since the last search
+    qc_boxPairsKnown, ///< inserted since; its overlaps are in the graph
+    qc_boxPairsStale  ///< inserted since; its overlaps are unknown
 } qcBoxState;
 
-/// What is looked at for each pair: half a cache line.
+/// The data read for each tested pair: half a cache line.
 typedef struct qcBox
 {
-    float lower[3]; ///< these and the upper ones: a box of floats around the box
-    uint32_t mover; ///< place in the list of moved boxes, or QC_NO_MOVER
+    float lower[3];      ///< with `upper`: the smallest box of floats that contains the box
+    uint32_t movedIndex; ///< index in the list of moved boxes, or QC_NOT_MOVED
     float upper[3];
-    bool alive; ///< otherwise the id is free
-    uint8_t at; ///< qcBoxState
-    bool still; ///< has not moved since it was added; the forest holds the box itself, not a larger one
-    bool exact; ///< the floats are the box; otherwise see qcBoxes.bounds
+    bool alive;      ///< false: the id is free
+    uint8_t state;   ///< qcBoxState
+    bool stationary; ///< not moved since it was added; the forest holds the box itself, not an enlarged one
+    bool exact;      ///< the floats equal the box; otherwise see qcBoxes.bounds
 } qcBox;
 
 /// A box that was added or moved since the last search for pairs.
-typedef struct qcMover
+typedef struct qcMovedBox
 {
     uint32_t id;
-    bool added;
-    //  At the last search, if it was there.
+    bool added; ///< since the last search; otherwise `box` and `bounds` are those of the last search
     qcBox box;
-    qcBounds bounds; ///< where floats are not exact
-} qcMover;
+    qcBounds bounds; ///< set where the floats are not exact
+} qcMovedBox;
 
 struct qcBoxes
 {
-    /// A box that contains each box, so that a box that moves a little changes nothing here. Where it does, the box is
-    /// young there.
+    /// Enlarged (fat) AABBs, so that small moves leave the forest unchanged. A box that leaves its fat AABB is inserted
+    /// anew and is dynamic until the next search.
     qcForest forest;
-    /// All pairs of boxes of the forest that meet, but those of two still boxes and those of lost ones; and pairs that
-    /// no longer do, of young ones. The mark: the boxes themselves met at the last search.
-    qcOverlapGraph neighbours;
+    /// All pairs whose AABBs in the forest overlap, except pairs of two stationary boxes and of stale boxes; pairs of
+    /// dynamic boxes may be outdated. QC_EDGE_MARK: the boxes themselves overlapped at the last search.
+    qcOverlapGraph overlaps;
     qcArray boxes;                 ///< qcBox, by id
-    qcArray bounds;                ///< qcBounds, by id, where floats are not exact
+    qcArray bounds;                ///< qcBounds, by id, set where the floats are not exact
     qcArray userData;              ///< void*, by id
     qcArray freeIds;               ///< uint32_t, a heap with the lowest id on top
-    qcArray movers;                ///< qcMover
+    qcArray movedBoxes;            ///< qcMovedBox
     qcArray hits;                  ///< qcOctetHit
-    qcArray stamps;                ///< uint32_t, by id
-    uint32_t stamp;                ///< the last one that was used
+    qcArray visitMarks;            ///< uint32_t, by id
+    uint32_t lastMark;             ///< the visit mark used last
     qcArray began, ended, scratch; ///< qcSortItem
     qcArray pairs;                 ///< qcBoxPair
     qcBoxProfile profile;          ///< of the last search
-    uint32_t putCount, lostCount;  ///< boxes that are not qc_boxInTree; that are qc_boxPairsStale
-    bool forgotten;                ///< a search failed: what was known of the last one is lost
+    uint32_t insertedCount;        ///< boxes that are not qc_boxInTree
+    uint32_t staleCount;           ///< boxes that are qc_boxPairsStale
+    bool historyLost;              ///< a search failed: the overlaps of the last search are unknown
 };
 
-static inline bool qcBounds_Meet(const qcBounds* a, const qcBounds* b)
+static inline bool qcBounds_Overlap(const qcBounds* a, const qcBounds* b)
 {
-    // One branch instead of six: which one turns a pair away is as good as random.
+    // One branch instead of six: which comparison fails is unpredictable.
     return (a->lower[0] <= b->upper[0]) & (a->upper[0] >= b->lower[0]) & (a->lower[1] <= b->upper[1]) &
            (a->upper[1] >= b->lower[1]) & (a->lower[2] <= b->upper[2]) & (a->upper[2] >= b->lower[2]);
 }
@@ -91,7 +90,7 @@ static inline qcBox* qcBoxes_Box(const qcBoxes* set, uint32_t id)
     return &QC_AT(qcBox, set->boxes, id);
 }
 
-/// If its floats are exact.
+/// The bounds of a box whose floats are exact.
 static inline qcBounds qcBox_Bounds(const qcBox* box)
 {
     return (qcBounds){{(double)box->lower[0], (double)box->lower[1], (double)box->lower[2]},
@@ -104,43 +103,43 @@ static inline qcBounds qcBoxes_Bounds(const qcBoxes* set, uint32_t id)
     return box->exact ? qcBox_Bounds(box) : QC_AT(qcBounds, set->bounds, id);
 }
 
-static inline bool qcBox_MeetsFloats(const qcBox* a, const float lower[3], const float upper[3])
+static inline bool qcBox_OverlapsFloats(const qcBox* a, const float lower[3], const float upper[3])
 {
     return (a->lower[0] <= upper[0]) & (a->upper[0] >= lower[0]) & (a->lower[1] <= upper[1]) &
            (a->upper[1] >= lower[1]) & (a->lower[2] <= upper[2]) & (a->upper[2] >= lower[2]);
 }
 
-/// Bounds are looked at only where floats are not exact.
-static inline bool qcBox_Meet(const qcBox* a, const qcBounds* boundsA, const qcBox* b, const qcBounds* boundsB)
+/// Whether two boxes overlap. Bounds are read only where the floats are not exact.
+static inline bool qcBox_Overlap(const qcBox* a, const qcBounds* boundsA, const qcBox* b, const qcBounds* boundsB)
 {
-    bool meet = qcBox_MeetsFloats(a, b->lower, b->upper);
-    // First what can be foreseen: whether they meet cannot.
+    bool overlap = qcBox_OverlapsFloats(a, b->lower, b->upper);
+    // The predictable branch first: the result of the comparison is unpredictable.
     if (a->exact & b->exact)
-        return meet;
-    if (!meet)
+        return overlap;
+    if (!overlap)
         return false;
     qcBounds x = a->exact ? qcBox_Bounds(a) : *boundsA, y = b->exact ? qcBox_Bounds(b) : *boundsB;
-    return qcBounds_Meet(&x, &y);
+    return qcBounds_Overlap(&x, &y);
 }
 
 /// Whether two boxes overlap now.
-static inline bool qcBoxes_Meet(const qcBoxes* set, uint32_t a, uint32_t b)
+static inline bool qcBoxes_Overlap(const qcBoxes* set, uint32_t a, uint32_t b)
 {
     const qcBounds* bounds = set->bounds.data;
-    return qcBox_Meet(qcBoxes_Box(set, a), &bounds[a], qcBoxes_Box(set, b), &bounds[b]);
+    return qcBox_Overlap(qcBoxes_Box(set, a), &bounds[a], qcBoxes_Box(set, b), &bounds[b]);
 }
 
 /// Whether two boxes overlapped at the last search.
-bool qcBoxes_Met(const qcBoxes* set, uint32_t a, uint32_t b);
+bool qcBoxes_OverlappedBefore(const qcBoxes* set, uint32_t a, uint32_t b);
 
-/// Marks the neighbours that are kept of a box: their stamps are what is returned.
-uint32_t qcBoxes_StampNeighbours(qcBoxes* set, uint32_t id);
+/// Gives all boxes that share an edge with a box a new visit mark, and returns it.
+uint32_t qcBoxes_MarkNeighbours(qcBoxes* set, uint32_t id);
 
-/// Looks for the neighbours of a box that is qc_boxPairsStale before the search does. It stays lost if it is still, or
-/// if there is no memory.
-void qcBoxes_Settle(qcBoxes* set, uint32_t id);
+/// Adds the overlaps of a box that is qc_boxPairsStale to the graph. The box stays stale if it is stationary, or if
+/// memory runs out.
+void qcBoxes_CommitPairs(qcBoxes* set, uint32_t id);
 
-/// A box begins to move: keeps its pairs with boxes that are still.
-void qcBoxes_KeepStillPairs(qcBoxes* set, uint32_t id);
+/// Adds the pairs of a box with stationary boxes to the graph, before the box moves for the first time.
+void qcBoxes_CommitStationaryPairs(qcBoxes* set, uint32_t id);
 
 #endif

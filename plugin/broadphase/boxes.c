@@ -1,5 +1,5 @@
-// A set of moving boxes over a forest of fattened boxes, so that a box that moves a little costs nothing there.
-// Fat boxes: Catto, Box2D.
+// A set of moving boxes over a BVH forest of fat AABBs: a small move leaves the forest unchanged. Fat AABBs: Catto,
+// Box2D.
 #include "broadphase/box_set.h"
 
 #include "base/float_mode.h"
@@ -54,37 +54,37 @@ static uint32_t PopFreeId(qcBoxes* set)
     return lowest;
 }
 
-//  ---- movers ----------------------------------------------------------------------------------------
+//  ---- moved boxes -----------------------------------------------------------------------------------
 
 /// To be called before the box changes.
 static void MarkMoved(qcBoxes* set, uint32_t id, bool added)
 {
     qcBox* box = qcBoxes_Box(set, id);
-    if (box->mover != QC_NO_MOVER)
+    if (box->movedIndex != QC_NOT_MOVED)
         return;
-    qcMover* mover = &QC_AT(qcMover, set->movers, set->movers.count);
-    mover->id = id;
-    mover->added = added;
-    mover->box = *box;
+    qcMovedBox* moved = &QC_AT(qcMovedBox, set->movedBoxes, set->movedBoxes.count);
+    moved->id = id;
+    moved->added = added;
+    moved->box = *box;
     if (!box->exact)
-        mover->bounds = QC_AT(qcBounds, set->bounds, id);
-    box->mover = (uint32_t)set->movers.count++;
+        moved->bounds = QC_AT(qcBounds, set->bounds, id);
+    box->movedIndex = (uint32_t)set->movedBoxes.count++;
 }
 
 static void UnmarkMoved(qcBoxes* set, uint32_t id)
 {
     qcBox* box = qcBoxes_Box(set, id);
-    if (box->mover == QC_NO_MOVER)
+    if (box->movedIndex == QC_NOT_MOVED)
         return;
-    qcMover last = QC_AT(qcMover, set->movers, --set->movers.count);
-    QC_AT(qcMover, set->movers, box->mover) = last;
-    qcBoxes_Box(set, last.id)->mover = box->mover;
-    box->mover = QC_NO_MOVER;
+    qcMovedBox last = QC_AT(qcMovedBox, set->movedBoxes, --set->movedBoxes.count);
+    QC_AT(qcMovedBox, set->movedBoxes, box->movedIndex) = last;
+    qcBoxes_Box(set, last.id)->movedIndex = box->movedIndex;
+    box->movedIndex = QC_NOT_MOVED;
 }
 
-//  ---- fat boxes -------------------------------------------------------------------------------------
+//  ---- fat AABBs -------------------------------------------------------------------------------------
 
-/// The longest edge, or 0 when it is infinite: what fattening is measured by.
+/// The longest edge, or 0 when it is infinite: the scale of the enlargement.
 static double LongestEdge(const qcBounds* bounds)
 {
     double longest = 0.0;
@@ -93,10 +93,10 @@ static double LongestEdge(const qcBounds* bounds)
     return longest <= DBL_MAX / 8.0 ? longest : 0.0;
 }
 
-/// The fat box still holds the box, given by the floats around it, and not too loosely.
+/// Whether the fat AABB contains the box, given as floats, and is not much larger. A box lies in a box of floats if and
+/// only if its smallest enclosing box of floats does.
 static bool Fits(const qcFloatBox* fat, const qcFloatBox* box)
 {
-    // What floats hold is in a box of floats if these are, and not otherwise.
     bool fits = true;
     float longest = 0.0f, loosest = 0.0f;
     for (int k = 0; k < 3; k++)
@@ -106,12 +106,13 @@ static bool Fits(const qcFloatBox* fat, const qcFloatBox* box)
         longest = edge > longest ? edge : longest;
         loosest = loose > loosest ? loose : loosest;
     }
-    // Five edges: more than twice what Fatten adds at most. To a box without end it adds nothing.
+    // Five edges: more than twice the most that Fatten adds. It adds nothing to an infinite box.
     return fits & !(loosest > (longest < INFINITY ? 5.0f * longest : 0.0f));
 }
 
-/// Room for jitter on all sides, and for a number of steps like the last one where a side moves outwards.
-static qcFloatBox Fatten(const qcBounds* old, const qcBounds* bounds, double steps)
+/// Enlarges a box by a margin for jitter on all sides, and by a number of steps like the last one where a side moves
+/// outwards.
+static qcFloatBox Fatten(const qcBounds* previous, const qcBounds* bounds, double steps)
 {
     qcBounds fat;
     double longest = LongestEdge(bounds);
@@ -121,9 +122,9 @@ static qcFloatBox Fatten(const qcBounds* old, const qcBounds* bounds, double ste
         // A fiftieth of the edge, for jitter. With 10 000 boxes that move a fifteenth of theirs, a twentieth costs a
         // tenth more time, none a few percent less.
         double margin = qcLower(0.02 * (upper - lower), longest);
-        // At most the box's length: a jump says nothing about the next step.
-        double down = qcLower(steps * (old->lower[k] - lower), longest);
-        double up = qcLower(steps * (upper - old->upper[k]), longest);
+        // At most the box's length: a jump doesn't predict the next step.
+        double down = qcLower(steps * (previous->lower[k] - lower), longest);
+        double up = qcLower(steps * (upper - previous->upper[k]), longest);
         fat.lower[k] = qcLower(lower, lower - qcUpper(down, 0.0) - margin);
         fat.upper[k] = qcUpper(upper, upper + qcUpper(up, 0.0) + margin);
     }
@@ -132,9 +133,9 @@ static qcFloatBox Fatten(const qcBounds* old, const qcBounds* bounds, double ste
     return box;
 }
 
-/// How many steps ahead a fat box is made: 10 to 25. With 5 to 12, a step that moves 10 of 1000 boxes takes a tenth
-/// more time, one that moves a tenth of 10 000 a tenth less, and where all move it is the same. It differs from box to
-/// box so that boxes which set out together don't all leave their fat boxes in the same step.
+/// Number of steps that a fat AABB covers: 10 to 25. With 5 to 12, a step that moves 10 of 1000 boxes takes a tenth
+/// more time, one that moves a tenth of 10 000 a tenth less, and one that moves all the same. The number varies by box,
+/// so that boxes which start together don't all leave their fat AABBs in the same step.
 static double StepsAhead(uint32_t id)
 {
     return 10.0 + (double)(id * 2654435769u >> 28);
@@ -149,7 +150,7 @@ qcStatus qcBoxes_Create(qcBoxes** boxes)
     qcBoxes* set = qcAllocateZeroed(sizeof *set);
     if (set == NULL)
         return qcFailMemory(sizeof *set, "a set of boxes");
-    qcOverlapGraph_Clear(&set->neighbours);
+    qcOverlapGraph_Clear(&set->overlaps);
     *boxes = set;
     return qc_statusOk;
 }
@@ -159,14 +160,14 @@ void qcBoxes_Destroy(qcBoxes* boxes)
     if (boxes == NULL)
         return;
     qcForest_Free(&boxes->forest);
-    qcOverlapGraph_Free(&boxes->neighbours);
+    qcOverlapGraph_Free(&boxes->overlaps);
     qcArray_Free(&boxes->boxes);
     qcArray_Free(&boxes->bounds);
     qcArray_Free(&boxes->userData);
     qcArray_Free(&boxes->freeIds);
-    qcArray_Free(&boxes->movers);
+    qcArray_Free(&boxes->movedBoxes);
     qcArray_Free(&boxes->hits);
-    qcArray_Free(&boxes->stamps);
+    qcArray_Free(&boxes->visitMarks);
     qcArray_Free(&boxes->began);
     qcArray_Free(&boxes->ended);
     qcArray_Free(&boxes->scratch);
@@ -179,18 +180,18 @@ void qcBoxes_Clear(qcBoxes* boxes)
     if (boxes == NULL)
         return;
     qcForest_Clear(&boxes->forest);
-    qcOverlapGraph_Clear(&boxes->neighbours);
+    qcOverlapGraph_Clear(&boxes->overlaps);
     boxes->boxes.count = 0;
-    boxes->stamps.count = 0;
-    boxes->stamp = 0;
+    boxes->visitMarks.count = 0;
+    boxes->lastMark = 0;
     boxes->freeIds.count = 0;
-    boxes->movers.count = 0;
-    boxes->putCount = 0;
-    boxes->lostCount = 0;
-    boxes->forgotten = false;
+    boxes->movedBoxes.count = 0;
+    boxes->insertedCount = 0;
+    boxes->staleCount = 0;
+    boxes->historyLost = false;
 }
 
-/// Room for one more box in every list that a box may come to be in, so that only adding can run out of memory.
+/// Reserves room for one more box in every list, so that only adding a box can run out of memory.
 static qcStatus ReserveOneMore(qcBoxes* set)
 {
     size_t count = set->boxes.count + (set->freeIds.count == 0);
@@ -199,11 +200,11 @@ static qcStatus ReserveOneMore(qcBoxes* set)
     QC_TRY(qcArray_Reserve(&set->boxes, count, sizeof(qcBox), "boxes"));
     QC_TRY(qcArray_Resize(&set->bounds, count, sizeof(qcBounds), "bounds of boxes"));
     QC_TRY(qcArray_Resize(&set->userData, count, sizeof(void*), "user data of boxes"));
-    QC_TRY(qcArray_GrowZeroed(&set->stamps, count, sizeof(uint32_t), "stamps of boxes"));
+    QC_TRY(qcArray_GrowZeroed(&set->visitMarks, count, sizeof(uint32_t), "visit marks of boxes"));
     QC_TRY(qcForest_Reserve(&set->forest, count));
-    QC_TRY(qcOverlapGraph_Reserve(&set->neighbours, count));
+    QC_TRY(qcOverlapGraph_Reserve(&set->overlaps, count));
     QC_TRY(qcArray_Reserve(&set->freeIds, count, sizeof(uint32_t), "free ids of boxes"));
-    return qcArray_Reserve(&set->movers, count, sizeof(qcMover), "moved boxes");
+    return qcArray_Reserve(&set->movedBoxes, count, sizeof(qcMovedBox), "moved boxes");
 }
 
 static bool IsSame(const qcBoxes* set, uint32_t id, const double lower[3], const double upper[3],
@@ -245,14 +246,15 @@ __attribute__((noinline)) static qcStatus Add(qcBoxes* boxes, const double lower
     *id = boxes->freeIds.count != 0 ? PopFreeId(boxes) : (uint32_t)boxes->boxes.count++;
     qcFloatBox around;
     bool exact = qcFloatBox_Enclose(&around, lower, upper);
-    *qcBoxes_Box(boxes, *id) = (qcBox){.mover = QC_NO_MOVER, .alive = true, .at = qc_boxPairsStale, .still = true};
-    boxes->putCount++;
-    boxes->lostCount++;
+    *qcBoxes_Box(boxes, *id) =
+        (qcBox){.movedIndex = QC_NOT_MOVED, .alive = true, .state = qc_boxPairsStale, .stationary = true};
+    boxes->insertedCount++;
+    boxes->staleCount++;
     StoreBounds(boxes, *id, lower, upper, &around, exact);
     MarkMoved(boxes, *id, true);
     QC_AT(void*, boxes->userData, *id) = userData;
-    // Not fattened: most boxes never move.
-    qcForest_Put(&boxes->forest, *id, &around);
+    // Not enlarged: most boxes never move.
+    qcForest_Insert(&boxes->forest, *id, &around);
     return qc_statusOk;
 }
 
@@ -269,22 +271,23 @@ qcStatus qcBoxes_Remove(qcBoxes* boxes, uint32_t id)
     if (GetBox(boxes, id) == NULL)
         return qcFail(qc_statusBadInput, "qcBoxes_Remove: there is no box %u", id);
     UnmarkMoved(boxes, id);
-    boxes->putCount -= qcBoxes_Box(boxes, id)->at != qc_boxInTree;
-    boxes->lostCount -= qcBoxes_Box(boxes, id)->at == qc_boxPairsStale;
-    qcOverlapGraph_Part(&boxes->neighbours, id);
+    boxes->insertedCount -= qcBoxes_Box(boxes, id)->state != qc_boxInTree;
+    boxes->staleCount -= qcBoxes_Box(boxes, id)->state == qc_boxPairsStale;
+    qcOverlapGraph_RemoveEdgesOf(&boxes->overlaps, id);
     qcForest_Remove(&boxes->forest, id);
     qcBoxes_Box(boxes, id)->alive = false;
     PushFreeId(boxes, id);
     return qc_statusOk;
 }
 
-/// Pairs of still boxes are not kept: when the first of the two moves, the search must know that they overlapped.
-static void BeginToMove(qcBoxes* set, uint32_t id)
+/// A stationary box moves. The graph has no edges between stationary boxes: the box's overlaps with these at the last
+/// search are added first, so that the next search can report their end.
+static void EndStationary(qcBoxes* set, uint32_t id)
 {
     qcBox* box = qcBoxes_Box(set, id);
-    box->still = false;
-    if (!QC_AT(qcMover, set->movers, box->mover).added)
-        qcBoxes_KeepStillPairs(set, id);
+    box->stationary = false;
+    if (!QC_AT(qcMovedBox, set->movedBoxes, box->movedIndex).added)
+        qcBoxes_CommitStationaryPairs(set, id);
 }
 
 __attribute__((noinline)) static qcStatus Move(qcBoxes* boxes, uint32_t id, const double lower[3],
@@ -299,18 +302,17 @@ __attribute__((noinline)) static qcStatus Move(qcBoxes* boxes, uint32_t id, cons
     if (IsSame(boxes, id, lower, upper, &around, exact))
         return qc_statusOk;
     MarkMoved(boxes, id, false);
-    bool wasStill = box->still;
-    // A still box may have still neighbours, which are not kept: it has to look for them.
-    if (wasStill)
-        BeginToMove(boxes, id);
-    if (wasStill || !Fits(&QC_AT(qcFloatBox, boxes->forest.boxes, id), &around))
+    bool wasStationary = box->stationary;
+    if (wasStationary)
+        EndStationary(boxes, id);
+    if (wasStationary || !Fits(&QC_AT(qcFloatBox, boxes->forest.boxes, id), &around))
     {
-        qcBounds old = qcBoxes_Bounds(boxes, id), bounds = MakeBounds(lower, upper);
-        qcFloatBox fat = Fatten(&old, &bounds, StepsAhead(id));
-        qcForest_Put(&boxes->forest, id, &fat);
-        boxes->putCount += box->at == qc_boxInTree;
-        boxes->lostCount += box->at != qc_boxPairsStale;
-        box->at = qc_boxPairsStale;
+        qcBounds previous = qcBoxes_Bounds(boxes, id), bounds = MakeBounds(lower, upper);
+        qcFloatBox fat = Fatten(&previous, &bounds, StepsAhead(id));
+        qcForest_Insert(&boxes->forest, id, &fat);
+        boxes->insertedCount += box->state == qc_boxInTree;
+        boxes->staleCount += box->state != qc_boxPairsStale;
+        box->state = qc_boxPairsStale;
     }
     StoreBounds(boxes, id, lower, upper, &around, exact);
     return qc_statusOk;

@@ -1,8 +1,8 @@
 // Median splits along the longest axis of the centres, down to eight boxes. Bentley: Multidimensional binary search
 // trees used for associative searching, 1975.
 //
-// Boxes much larger than most come behind the others, and are split among themselves: among small ones each would make
-// all nodes above it large, and a ground or an infinite box would be met on the way to everything.
+// Boxes much larger than the median come last and are split among themselves: among small boxes each would enlarge all
+// nodes above it, and every query would visit the nodes above a ground plane or an infinite box.
 #include "broadphase/bvh_build_order.h"
 
 #include <math.h>
@@ -11,13 +11,13 @@
 enum
 {
     qc_exponents = 256,
-    // Boxes this much larger than the median, as a power of two, come behind.
+    // Boxes more than 2^3 times as large as the median come last.
     qc_largeBy = 3
 };
 
 static float Finite(float x)
 {
-    // NaN too, of infinities that cancel.
+    // NaN too, which infinities that cancel give.
     if (!(x > -1e30f))
         return -1e30f;
     return x < 1e30f ? x : 1e30f;
@@ -33,7 +33,7 @@ qcBoxItem qcBoxItem_Make(const qcFloatBox* box, uint32_t id)
 
 //  ---- splits ----------------------------------------------------------------------------------------
 
-/// A strict order of all items: centres may be the same.
+/// A strict order of all items: by centre, then by id.
 static inline bool Before(const qcBoxItem* a, const qcBoxItem* b, int axis)
 {
     return (a->center[axis] < b->center[axis]) | ((a->center[axis] == b->center[axis]) & (a->id < b->id));
@@ -46,23 +46,23 @@ static void Exchange(qcBoxItem* a, qcBoxItem* b)
     *b = item;
 }
 
-/// Brings the median of three places to the last. The places are scattered, lest a regular order of the items, as a
-/// grid has it, make each choice a bad one.
+/// Moves the median of three samples to the end. The samples are scattered: at fixed positions a regular order of the
+/// items, such as a grid's, could make each choice a bad one.
 static void ChoosePivot(qcBoxItem* items, size_t count, int axis)
 {
-    size_t place[3];
+    size_t sample[3];
     for (size_t i = 0; i < 3; i++)
-        place[i] = (size_t)((count + i) * 0x9e3779b97f4a7c15u >> 32) % count;
-    if (Before(&items[place[1]], &items[place[0]], axis))
-        Exchange(&items[place[0]], &items[place[1]]);
-    if (Before(&items[place[2]], &items[place[1]], axis))
-        Exchange(&items[place[1]], &items[place[2]]);
-    if (Before(&items[place[1]], &items[place[0]], axis))
-        Exchange(&items[place[0]], &items[place[1]]);
-    Exchange(&items[place[1]], &items[count - 1]);
+        sample[i] = (size_t)((count + i) * 0x9e3779b97f4a7c15u >> 32) % count;
+    if (Before(&items[sample[1]], &items[sample[0]], axis))
+        Exchange(&items[sample[0]], &items[sample[1]]);
+    if (Before(&items[sample[2]], &items[sample[1]], axis))
+        Exchange(&items[sample[1]], &items[sample[2]]);
+    if (Before(&items[sample[1]], &items[sample[0]], axis))
+        Exchange(&items[sample[0]], &items[sample[1]]);
+    Exchange(&items[sample[1]], &items[count - 1]);
 }
 
-/// Puts the item that belongs at `nth` there, those before it before, the others behind. Hoare: Find, 1961.
+/// Partial sort: item `nth` is in its sorted position, smaller items before it, the others after. Hoare: Find, 1961.
 static void Select(qcBoxItem* items, size_t count, size_t nth, int axis)
 {
     while (count > 1)
@@ -72,7 +72,7 @@ static void Select(qcBoxItem* items, size_t count, size_t nth, int axis)
         size_t before = 0;
         for (size_t i = 0; i + 1 < count; i++)
         {
-            // Without a branch: which side an item belongs to is as good as random.
+            // Without a branch: the side of an item is unpredictable.
             qcBoxItem item = items[i];
             items[i] = items[before];
             items[before] = item;
@@ -111,7 +111,7 @@ static int LongestAxis(const qcBoxItem* items, size_t count)
     return longest;
 }
 
-/// Splits where a node of the tree ends, as near the middle as possible.
+/// Splits recursively, at the node boundary nearest to the middle.
 static void Split(qcBoxItem* items, size_t first, size_t end)
 {
     while (first / qc_lanes != (end - 1) / qc_lanes)
@@ -128,14 +128,14 @@ static void Split(qcBoxItem* items, size_t first, size_t end)
 
 //  ---- sizes -----------------------------------------------------------------------------------------
 
-/// Of the longest edge; of an infinite one, the greatest.
+/// Exponent of the longest edge; the greatest exponent for an infinite edge.
 static uint32_t SizeExponent(const qcFloatBox* box)
 {
     float longest = 0.0f;
     for (int k = 0; k < 3; k++)
     {
         float edge = box->upper[k] - box->lower[k];
-        // Written so that NaN, of a box at infinity, counts.
+        // The comparison keeps NaN, the edge of a box at infinity.
         longest = edge <= longest ? longest : edge;
     }
     union
@@ -146,17 +146,17 @@ static uint32_t SizeExponent(const qcFloatBox* box)
     return bits.u >> 23 & (qc_exponents - 1);
 }
 
-/// The exponent up to which boxes are not much larger than the median of those counted.
+/// The largest exponent that is not much larger than the median's. `counted`: boxes per exponent, `count` in all.
 static uint32_t FindLimit(const size_t counted[qc_exponents], size_t count)
 {
-    size_t seen = 0;
+    size_t sum = 0;
     uint32_t exponent = 0;
-    while ((seen += counted[exponent]) < (count + 1) / 2)
+    while ((sum += counted[exponent]) < (count + 1) / 2)
         exponent++;
     return exponent + qc_largeBy;
 }
 
-/// Puts those in front that are small beside the others, and splits; then the rest in the same way.
+/// Moves boxes up to the size limit to the front and splits them; then repeats with the rest.
 static void ArrangeBySize(qcBoxItem* items, size_t count, const qcFloatBox* boxes)
 {
     size_t counted[qc_exponents] = {0};
@@ -180,18 +180,18 @@ static void ArrangeBySize(qcBoxItem* items, size_t count, const qcFloatBox* boxe
     }
 }
 
-void qcBoxOrder_Arrange(qcBoxItem* items, size_t count, const qcFloatBox* boxes)
+void qcBuildOrder_Arrange(qcBoxItem* items, size_t count, const qcFloatBox* boxes)
 {
     if (count <= qc_lanes)
         return;
-    uint32_t least = qc_exponents, most = 0;
+    uint32_t min = qc_exponents, max = 0;
     for (size_t i = 0; i < count; i++)
     {
         uint32_t exponent = SizeExponent(&boxes[items[i].id]);
-        least = exponent < least ? exponent : least;
-        most = exponent > most ? exponent : most;
+        min = exponent < min ? exponent : min;
+        max = exponent > max ? exponent : max;
     }
-    if (most <= least + qc_largeBy)
+    if (max <= min + qc_largeBy)
         Split(items, 0, count);
     else
         ArrangeBySize(items, count, boxes);

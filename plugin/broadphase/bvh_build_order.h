@@ -1,10 +1,10 @@
-// Puts boxes into an order in which those that follow each other are near each other.
+// BVH build order by median splits: boxes that follow each other are near each other.
 #ifndef QC_BROADPHASE_BVH_BUILD_ORDER_H
 #define QC_BROADPHASE_BVH_BUILD_ORDER_H
 
 #include "broadphase/box_kernels.h"
 
-/// A box by its centre.
+/// A box's centre and id.
 typedef struct qcBoxItem
 {
     float center[3]; ///< finite
@@ -13,7 +13,7 @@ typedef struct qcBoxItem
 
 qcBoxItem qcBoxItem_Make(const qcFloatBox* box, uint32_t id);
 
-/// Orders items for a complete tree of eight over them. `boxes` are by id. O(count log count), as good as always.
-void qcBoxOrder_Arrange(qcBoxItem* items, size_t count, const qcFloatBox* boxes);
+/// Orders items for a complete 8-ary tree over them. `boxes` are by id. O(count log count) expected.
+void qcBuildOrder_Arrange(qcBoxItem* items, size_t count, const qcFloatBox* boxes);
 
 #endif

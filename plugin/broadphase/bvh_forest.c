@@ -1,8 +1,8 @@
-// Trees of boxes, more than twice as large each as the next. After Bentley, Saxe: Decomposable searching problems I:
-// static-to-dynamic transformation, 1980.
+// Static trees merged by size. After Bentley, Saxe: Decomposable searching problems I: static-to-dynamic
+// transformation, 1980.
 //
-// Cost: a box is moved to another tree when that is more than one and a half times as large as what it leaves, or when
-// half of its tree's boxes have gone, so it is moved O(log n) times for each time that it is put in.
+// Cost: a box changes its tree when the new one is more than one and a half times as large, or when half of its tree's
+// boxes are removed, so an inserted box takes part in O(log n) builds.
 #include "broadphase/bvh_forest.h"
 
 #include "broadphase/bvh_build_order.h"
@@ -35,44 +35,44 @@ static void Append(qcForest* forest, uint32_t id, const qcFloatBox* box)
         ClearLane(octet, i);
     SetLane(octet, lane, box);
     QC_AT(uint32_t, forest->listIds, at) = id;
-    QC_AT(qcBoxPlace, forest->places, id) = (qcBoxPlace){qc_inList, at};
+    QC_AT(qcLeafPosition, forest->positions, id) = (qcLeafPosition){qc_inList, at};
 }
 
-/// The last of the list takes the place of the one that goes.
-static void TakeFromList(qcForest* forest, uint32_t at)
+/// The last box of the list fills the gap.
+static void RemoveFromList(qcForest* forest, uint32_t at)
 {
     uint32_t last = (uint32_t)--forest->listIds.count, moved = QC_AT(uint32_t, forest->listIds, last);
     SetLane(&QC_AT(qcOctet, forest->listOctets, at / qc_lanes), at % qc_lanes,
             &QC_AT(qcFloatBox, forest->boxes, moved));
     QC_AT(uint32_t, forest->listIds, at) = moved;
-    QC_AT(qcBoxPlace, forest->places, moved).lane = at;
+    QC_AT(qcLeafPosition, forest->positions, moved).lane = at;
     ClearLane(&QC_AT(qcOctet, forest->listOctets, last / qc_lanes), last % qc_lanes);
 }
 
 static void DropTrees(qcForest* forest, uint64_t trees)
 {
-    forest->old &= ~trees;
-    forest->young &= ~trees;
+    forest->staticTrees &= ~trees;
+    forest->dynamicTrees &= ~trees;
 }
 
-static void TakeOut(qcForest* forest, uint32_t id)
+static void RemoveFromTree(qcForest* forest, uint32_t id)
 {
-    qcBoxPlace place = QC_AT(qcBoxPlace, forest->places, id);
-    if (place.tree == qc_inList)
+    qcLeafPosition position = QC_AT(qcLeafPosition, forest->positions, id);
+    if (position.tree == qc_inList)
     {
-        TakeFromList(forest, place.lane);
+        RemoveFromList(forest, position.lane);
         return;
     }
-    qcBoxTree* tree = &forest->trees[place.tree];
-    ClearLane(&QC_AT(qcOctet, tree->octets, place.lane / qc_lanes), place.lane % qc_lanes);
-    QC_AT(uint32_t, tree->ids, place.lane) = QC_NO_BOX;
+    qcBoxTree* tree = &forest->trees[position.tree];
+    ClearLane(&QC_AT(qcOctet, tree->octets, position.lane / qc_lanes), position.lane % qc_lanes);
+    QC_AT(uint32_t, tree->ids, position.lane) = QC_NO_BOX;
     if (--tree->boxCount == 0)
-        DropTrees(forest, (uint64_t)1 << place.tree);
+        DropTrees(forest, (uint64_t)1 << position.tree);
 }
 
 //  ---- trees -----------------------------------------------------------------------------------------
 
-/// What a new tree is made of.
+/// The trees and the list that a new tree is built of.
 typedef struct Sources
 {
     uint64_t trees;
@@ -109,7 +109,7 @@ static qcStatus CollectItems(qcForest* forest, const Sources* sources)
     return qc_statusOk;
 }
 
-/// Where each level of a tree over so many boxes begins; returns the number of octets.
+/// Sets the first octet of each level for a tree over `boxCount` boxes; returns the number of octets.
 static size_t LayOut(qcOctetTree* shape, size_t boxCount)
 {
     size_t octets = 0, level = boxCount;
@@ -123,7 +123,7 @@ static size_t LayOut(qcOctetTree* shape, size_t boxCount)
     return octets;
 }
 
-/// A source must not grow: when there is no memory for that, it is still needed.
+/// Whether a source can hold the new tree without growing. A source must not grow: it is still needed if that fails.
 static bool HasRoom(const qcForest* forest, const Sources* sources, uint32_t number, size_t octets)
 {
     const qcBoxTree* tree = &forest->trees[number];
@@ -131,13 +131,13 @@ static bool HasRoom(const qcForest* forest, const Sources* sources, uint32_t num
            tree->ids.capacity >= (sources->boxCount + qc_lanes) * sizeof(uint32_t);
 }
 
-/// The number of a tree with as much room as needed and little more, or, if none has that, with the most.
-static uint32_t FindRoom(const qcForest* forest, const Sources* sources, size_t octets)
+/// The unused tree whose capacity fits best, or else the one with the largest capacity; qc_inNoTree: all are in use.
+static uint32_t FindUnusedTree(const qcForest* forest, const Sources* sources, size_t octets)
 {
     uint32_t best = qc_inNoTree;
-    uint64_t used = forest->old | forest->young, empty = ~(forest->roomy | used);
+    uint64_t used = forest->staticTrees | forest->dynamicTrees, unallocated = ~(forest->allocatedTrees | used);
     size_t needed = octets * sizeof(qcOctet);
-    for (uint64_t trees = (forest->roomy & ~used) | sources->trees; trees != 0;)
+    for (uint64_t trees = (forest->allocatedTrees & ~used) | sources->trees; trees != 0;)
     {
         uint32_t t = qcForest_NextTree(&trees);
         if ((used >> t & 1) != 0 && !HasRoom(forest, sources, t, octets))
@@ -148,10 +148,10 @@ static uint32_t FindRoom(const qcForest* forest, const Sources* sources, size_t 
         if (best == qc_inNoTree || better)
             best = t;
     }
-    return best == qc_inNoTree && empty != 0 ? qcForest_NextTree(&empty) : best;
+    return best == qc_inNoTree && unallocated != 0 ? qcForest_NextTree(&unallocated) : best;
 }
 
-/// One lane around each octet of the level below.
+/// One lane bounds each octet of the level below.
 static void FillLevel(qcOctet* level, const qcOctet* below, size_t belowCount)
 {
     for (size_t i = 0; i < belowCount; i++)
@@ -180,7 +180,7 @@ static void FillTree(qcForest* forest, uint32_t number, size_t count)
             continue;
         }
         SetLane(&octets[i / qc_lanes], i % qc_lanes, &QC_AT(qcFloatBox, forest->boxes, id));
-        QC_AT(qcBoxPlace, forest->places, id) = (qcBoxPlace){number, (uint32_t)i};
+        QC_AT(qcLeafPosition, forest->positions, id) = (qcLeafPosition){number, (uint32_t)i};
     }
     for (uint32_t level = 1; level < tree->shape.levelCount; level++)
         FillLevel(octets + tree->shape.first[level], octets + tree->shape.first[level - 1],
@@ -190,33 +190,33 @@ static void FillTree(qcForest* forest, uint32_t number, size_t count)
     tree->shape.octets = octets;
 }
 
-/// Makes one tree of several and the list. When it fails, nothing has changed.
-static qcStatus MakeTree(qcForest* forest, const Sources* sources, bool young, uint32_t* number)
+/// Builds one tree of the sources, which are dropped. On failure nothing changes.
+static qcStatus BuildTree(qcForest* forest, const Sources* sources, bool dynamic, uint32_t* number)
 {
     qcOctetTree shape;
     size_t octets = LayOut(&shape, sources->boxCount);
     QC_TRY(CollectItems(forest, sources));
-    *number = FindRoom(forest, sources, octets);
+    *number = FindUnusedTree(forest, sources, octets);
     if (*number == qc_inNoTree)
-        return qcFailMemory(SIZE_MAX, "trees of boxes that could not be joined");
+        return qcFailMemory(SIZE_MAX, "trees of boxes that could not be merged");
     qcBoxTree* tree = &forest->trees[*number];
-    forest->roomy |= (uint64_t)1 << *number;
+    forest->allocatedTrees |= (uint64_t)1 << *number;
     QC_TRY(qcArray_Reserve(&tree->octets, octets, sizeof(qcOctet), "a tree of boxes"));
     QC_TRY(qcArray_Reserve(&tree->ids, sources->boxCount + qc_lanes, sizeof(uint32_t), "ids in a tree of boxes"));
     DropTrees(forest, sources->trees);
     if (sources->list)
         forest->listIds.count = 0;
-    qcBoxOrder_Arrange(forest->items.data, sources->boxCount, forest->boxes.data);
+    qcBuildOrder_Arrange(forest->items.data, sources->boxCount, forest->boxes.data);
     tree->shape = shape;
-    *(young ? &forest->young : &forest->old) |= (uint64_t)1 << *number;
+    *(dynamic ? &forest->dynamicTrees : &forest->staticTrees) |= (uint64_t)1 << *number;
     FillTree(forest, *number, sources->boxCount);
     forest->sortedCount += sources->boxCount;
     return qc_statusOk;
 }
 
-/// Adds some of the trees to the sources, until none is left that is not much larger than all of them together, or, if
-/// that is asked for, half empty.
-static void AddSmall(const qcForest* forest, Sources* sources, uint64_t trees, bool emptyOnes)
+/// Adds trees to the sources until each that is left has more than twice as many lanes as the sources have boxes. With
+/// `halfEmpty`, trees that lost half of their boxes are added too.
+static void AddSmallTrees(const qcForest* forest, Sources* sources, uint64_t trees, bool halfEmpty)
 {
     for (bool more = true; more;)
     {
@@ -225,7 +225,7 @@ static void AddSmall(const qcForest* forest, Sources* sources, uint64_t trees, b
         {
             uint32_t t = qcForest_NextTree(&rest);
             const qcBoxTree* tree = &forest->trees[t];
-            if (tree->laneCount > 2 * sources->boxCount && !(emptyOnes && tree->boxCount < tree->laneCount / 2))
+            if (tree->laneCount > 2 * sources->boxCount && !(halfEmpty && tree->boxCount < tree->laneCount / 2))
                 continue;
             AddSource(forest, sources, t);
             more = true;
@@ -233,43 +233,43 @@ static void AddSmall(const qcForest* forest, Sources* sources, uint64_t trees, b
     }
 }
 
-/// The list becomes a tree when it is long: a question looks at all of it.
+/// Builds a tree of the list when it is long: a query visits all of the list.
 static void ShortenList(qcForest* forest)
 {
     size_t length = forest->listIds.count;
     if (length < 128 || length < forest->boxCount / 8)
         return;
     Sources sources = {.list = true, .boxCount = length};
-    AddSmall(forest, &sources, forest->young, false);
+    AddSmallTrees(forest, &sources, forest->dynamicTrees, false);
     uint32_t number;
-    // Without memory the list stays as it is.
-    (void)MakeTree(forest, &sources, true, &number);
+    // If memory runs out, the list stays as it is.
+    (void)BuildTree(forest, &sources, true, &number);
 }
 
 //  ---- the forest ------------------------------------------------------------------------------------
 
 qcStatus qcForest_Reserve(qcForest* forest, size_t idCount)
 {
-    size_t known = forest->places.count;
+    size_t previous = forest->positions.count;
     if (forest->kernels == NULL)
         forest->kernels = qcBoxKernels_Get();
-    if (idCount <= known)
+    if (idCount <= previous)
         return qc_statusOk;
     QC_TRY(qcArray_Reserve(&forest->boxes, idCount, sizeof(qcFloatBox), "boxes in floats"));
     QC_TRY(qcArray_Reserve(&forest->listOctets, idCount / qc_lanes + 1, sizeof(qcOctet), "new boxes"));
     QC_TRY(qcArray_Reserve(&forest->listIds, idCount, sizeof(uint32_t), "ids of new boxes"));
-    QC_TRY(qcArray_Resize(&forest->places, idCount, sizeof(qcBoxPlace), "places of boxes"));
+    QC_TRY(qcArray_Resize(&forest->positions, idCount, sizeof(qcLeafPosition), "leaf positions of boxes"));
     forest->boxes.count = idCount;
     forest->listOctets.count = idCount / qc_lanes + 1;
-    for (size_t id = known; id < idCount; id++)
-        QC_AT(qcBoxPlace, forest->places, id).tree = qc_inNoTree;
+    for (size_t id = previous; id < idCount; id++)
+        QC_AT(qcLeafPosition, forest->positions, id).tree = qc_inNoTree;
     return qc_statusOk;
 }
 
 void qcForest_Clear(qcForest* forest)
 {
     DropTrees(forest, UINT64_MAX);
-    forest->places.count = 0;
+    forest->positions.count = 0;
     forest->listIds.count = 0;
     forest->boxCount = 0;
 }
@@ -282,67 +282,67 @@ void qcForest_Free(qcForest* forest)
         qcArray_Free(&forest->trees[t].ids);
     }
     qcArray_Free(&forest->boxes);
-    qcArray_Free(&forest->places);
+    qcArray_Free(&forest->positions);
     qcArray_Free(&forest->listOctets);
     qcArray_Free(&forest->listIds);
     qcArray_Free(&forest->items);
     *forest = (qcForest){.kernels = forest->kernels};
 }
 
-void qcForest_Put(qcForest* forest, uint32_t id, const qcFloatBox* box)
+void qcForest_Insert(qcForest* forest, uint32_t id, const qcFloatBox* box)
 {
-    qcBoxPlace* place = &QC_AT(qcBoxPlace, forest->places, id);
+    qcLeafPosition* position = &QC_AT(qcLeafPosition, forest->positions, id);
     QC_AT(qcFloatBox, forest->boxes, id) = *box;
-    if (place->tree == qc_inList)
+    if (position->tree == qc_inList)
     {
-        SetLane(&QC_AT(qcOctet, forest->listOctets, place->lane / qc_lanes), place->lane % qc_lanes, box);
+        SetLane(&QC_AT(qcOctet, forest->listOctets, position->lane / qc_lanes), position->lane % qc_lanes, box);
         return;
     }
-    if (place->tree == qc_inNoTree)
+    if (position->tree == qc_inNoTree)
         forest->boxCount++;
     else
-        TakeOut(forest, id);
+        RemoveFromTree(forest, id);
     Append(forest, id, box);
     ShortenList(forest);
 }
 
 void qcForest_Remove(qcForest* forest, uint32_t id)
 {
-    TakeOut(forest, id);
-    QC_AT(qcBoxPlace, forest->places, id).tree = qc_inNoTree;
+    RemoveFromTree(forest, id);
+    QC_AT(qcLeafPosition, forest->positions, id).tree = qc_inNoTree;
     forest->boxCount--;
 }
 
-qcStatus qcForest_GatherYoung(qcForest* forest, uint32_t* tree)
+qcStatus qcForest_MergeDynamic(qcForest* forest, uint32_t* tree)
 {
     Sources sources = {.list = true, .boxCount = forest->listIds.count};
     *tree = qc_inNoTree;
-    for (uint64_t trees = forest->young; trees != 0;)
+    for (uint64_t trees = forest->dynamicTrees; trees != 0;)
     {
         *tree = qcForest_NextTree(&trees);
         AddSource(forest, &sources, *tree);
     }
-    bool one = (forest->young & (forest->young - 1)) == 0;
-    return one && forest->listIds.count == 0 ? qc_statusOk : MakeTree(forest, &sources, true, tree);
+    bool one = (forest->dynamicTrees & (forest->dynamicTrees - 1)) == 0;
+    return one && forest->listIds.count == 0 ? qc_statusOk : BuildTree(forest, &sources, true, tree);
 }
 
-void qcForest_Age(qcForest* forest)
+void qcForest_Promote(qcForest* forest)
 {
     Sources sources = {.list = forest->listIds.count != 0, .boxCount = forest->listIds.count};
-    if (forest->young == 0 && !sources.list)
+    if (forest->dynamicTrees == 0 && !sources.list)
         return;
-    for (uint64_t trees = forest->young; trees != 0;)
+    for (uint64_t trees = forest->dynamicTrees; trees != 0;)
         AddSource(forest, &sources, qcForest_NextTree(&trees));
-    forest->old |= forest->young;
-    forest->young = 0;
-    AddSmall(forest, &sources, forest->old, true);
+    forest->staticTrees |= forest->dynamicTrees;
+    forest->dynamicTrees = 0;
+    AddSmallTrees(forest, &sources, forest->staticTrees, true);
     uint32_t number;
     if (sources.list || (sources.trees & (sources.trees - 1)) != 0)
-        (void)MakeTree(forest, &sources, false, &number);
+        (void)BuildTree(forest, &sources, false, &number);
 }
 
-void qcForest_Rejuvenate(qcForest* forest)
+void qcForest_Demote(qcForest* forest)
 {
-    forest->young |= forest->old;
-    forest->old = 0;
+    forest->dynamicTrees |= forest->staticTrees;
+    forest->staticTrees = 0;
 }

@@ -1,8 +1,8 @@
-// A set of boxes that is asked often and changes a little: a few complete trees of eight, each more than twice as large
-// as the next, that are never changed but for boxes taken out. What is put in gathers in a list, which becomes a tree
-// together with the trees that are not much larger. After Bentley, Saxe: Decomposable searching problems I, 1980.
+// A BVH with insertion and removal: a few complete 8-ary trees, each more than twice as large as the next. A tree is
+// never refitted; removal clears a lane. Inserted boxes gather in a list, which is built into a tree together with the
+// trees that are not much larger. After Bentley, Saxe: Decomposable searching problems I, 1980.
 //
-// Boxes that stay end up in the largest tree and are not looked at again; those that move a lot share small ones.
+// Boxes that stay end up in the largest tree and are not touched again; boxes that move often share small trees.
 #ifndef QC_BROADPHASE_BVH_FOREST_H
 #define QC_BROADPHASE_BVH_FOREST_H
 
@@ -13,8 +13,8 @@
 
 enum
 {
-    // Among the old trees each has more than twice the room of the next, and so among the young: 31 of either at most,
-    // unless there was no memory to join them.
+    // Among the static trees each has more than twice the lanes of the next, and so among the dynamic ones: at most 31
+    // of each, unless memory ran out when they were to be merged.
     qc_forestTrees = 64
 };
 
@@ -23,15 +23,15 @@ typedef struct qcBoxTree
     qcArray octets; ///< qcOctet
     qcArray ids;    ///< uint32_t, by lane of level 0, or QC_NO_BOX
     qcOctetTree shape;
-    uint32_t laneCount; ///< of level 0, when it was made
-    uint32_t boxCount;  ///< that are left
+    uint32_t laneCount; ///< lanes of level 0
+    uint32_t boxCount;  ///< boxes not removed since it was built
 } qcBoxTree;
 
-typedef struct qcBoxPlace
+typedef struct qcLeafPosition
 {
-    uint32_t tree; ///< or one of the following
-    uint32_t lane;
-} qcBoxPlace;
+    uint32_t tree; ///< or qc_inList, qc_inNoTree
+    uint32_t lane; ///< of level 0, or index in the list
+} qcLeafPosition;
 
 enum
 {
@@ -39,48 +39,49 @@ enum
     qc_inNoTree
 };
 
-/// All zero is an empty forest without kernels.
+/// All zero is an empty forest without kernels. Dynamic boxes are those inserted since the last qcForest_Promote, in
+/// the list or in a dynamic tree; all others are static.
 typedef struct qcForest
 {
     const qcBoxKernels* kernels;
     qcBoxTree trees[qc_forestTrees];
-    uint64_t old, young; ///< a bit for each tree there is; young: its boxes were put in since qcForest_Age
-    uint64_t roomy;      ///< a bit for each tree that there was: others have no memory
-    qcArray boxes;       ///< qcFloatBox, by id
-    qcArray places;      ///< qcBoxPlace, by id
-    qcArray listOctets;  ///< qcOctet; their count is that of boxes in the list
-    qcArray listIds;     ///< uint32_t
-    qcArray items;       ///< qcBoxItem
+    uint64_t staticTrees, dynamicTrees; ///< a bit for each tree in use
+    uint64_t allocatedTrees;            ///< a bit for each tree that has memory, in use or not
+    qcArray boxes;                      ///< qcFloatBox, by id
+    qcArray positions;                  ///< qcLeafPosition, by id
+    qcArray listOctets;                 ///< qcOctet; listIds.count of their lanes are filled
+    qcArray listIds;                    ///< uint32_t
+    qcArray items;                      ///< qcBoxItem, scratch
     uint32_t boxCount;
-    size_t sortedCount; ///< boxes that trees were made of, in all
+    size_t sortedCount; ///< boxes that trees were built of, added up
 } qcForest;
 
-/// Makes room for ids below `idCount`; taking boxes in and out, up to that many, cannot fail.
+/// Makes room for ids below `idCount`; inserting and removing these cannot fail.
 qcStatus qcForest_Reserve(qcForest* forest, size_t idCount);
-/// Empties the forest, keeps the memory.
+/// Removes all boxes, keeps the memory.
 void qcForest_Clear(qcForest* forest);
 void qcForest_Free(qcForest* forest);
 
-/// Puts a box in, or another one in its place. lower <= upper, infinities allowed. It is young until qcForest_Age.
-void qcForest_Put(qcForest* forest, uint32_t id, const qcFloatBox* box);
+/// Inserts a box, or replaces it. lower <= upper, infinities allowed. The box is dynamic until qcForest_Promote.
+void qcForest_Insert(qcForest* forest, uint32_t id, const qcFloatBox* box);
 void qcForest_Remove(qcForest* forest, uint32_t id);
 
-/// Brings all young boxes into one tree; `*tree` is its number, or qc_inNoTree if there are none.
-qcStatus qcForest_GatherYoung(qcForest* forest, uint32_t* tree);
-/// All boxes are old now, in trees that are joined with those that are not much larger. Without memory they stay apart,
-/// and what is in the list stays there, young.
-void qcForest_Age(qcForest* forest);
-/// Makes all boxes young.
-void qcForest_Rejuvenate(qcForest* forest);
+/// Merges all dynamic boxes into one tree; `*tree` is its number, or qc_inNoTree if there are none.
+qcStatus qcForest_MergeDynamic(qcForest* forest, uint32_t* tree);
+/// Makes all boxes static, merging dynamic trees with static ones that are not much larger. If memory runs out, trees
+/// stay unmerged and boxes of the list stay there, dynamic.
+void qcForest_Promote(qcForest* forest);
+/// Makes all boxes dynamic.
+void qcForest_Demote(qcForest* forest);
 
-/// Whether a box that is in the forest was put there since qcForest_Age.
-static inline bool qcForest_IsYoung(const qcForest* forest, uint32_t id)
+/// Whether a box of the forest was inserted since qcForest_Promote.
+static inline bool qcForest_IsDynamic(const qcForest* forest, uint32_t id)
 {
-    uint32_t tree = QC_AT(qcBoxPlace, forest->places, id).tree;
-    return tree == qc_inList || (forest->young >> tree & 1) != 0;
+    uint32_t tree = QC_AT(qcLeafPosition, forest->positions, id).tree;
+    return tree == qc_inList || (forest->dynamicTrees >> tree & 1) != 0;
 }
 
-/// Takes the lowest of some trees, given as bits; there is one.
+/// Removes the lowest tree from a nonempty set of bits, and returns it.
 static inline uint32_t qcForest_NextTree(uint64_t* trees)
 {
     uint32_t tree = (uint32_t)__builtin_ctzll(*trees);
@@ -88,7 +89,7 @@ static inline uint32_t qcForest_NextTree(uint64_t* trees)
     return tree;
 }
 
-/// Makes the smallest box of floats around a box. Returns whether it is the box itself.
+/// Makes the smallest box of floats that contains a box. Returns whether it equals the box.
 static inline bool qcFloatBox_Enclose(qcFloatBox* box, const double lower[3], const double upper[3])
 {
     bool around = true, inside = true;
@@ -99,7 +100,8 @@ static inline bool qcFloatBox_Enclose(qcFloatBox* box, const double lower[3], co
         around = around & ((double)box->lower[k] <= lower[k]) & ((double)box->upper[k] >= upper[k]);
         inside = inside & ((double)box->lower[k] >= lower[k]) & ((double)box->upper[k] <= upper[k]);
     }
-    // To the nearest, then outwards if that was inwards. A double beyond all floats becomes infinite.
+    // The cast rounds to nearest; a bound that moved inwards takes one step outwards. A double beyond all floats
+    // becomes infinite.
     for (int k = 0; k < 3 && !around; k++)
     {
         if ((double)box->lower[k] > lower[k])

@@ -1,4 +1,4 @@
-// Which boxes are near which: a graph whose edges hang in a list at each of their two boxes, as contacts do in Box2D
+// The overlap graph: edges in one list per box, doubly linked, and a free list. After the contact graph of Box2D
 // (Catto).
 #include "broadphase/overlap_graph.h"
 
@@ -31,11 +31,11 @@ static void Unlink(qcOverlapGraph* graph, uint32_t end, uint32_t box)
 
 qcStatus qcOverlapGraph_Reserve(qcOverlapGraph* graph, size_t boxCount)
 {
-    size_t known = graph->first.count;
-    if (boxCount <= known)
+    size_t previous = graph->first.count;
+    if (boxCount <= previous)
         return qc_statusOk;
-    QC_TRY(qcArray_Resize(&graph->first, boxCount, sizeof(uint32_t), "neighbours of boxes"));
-    for (size_t box = known; box < boxCount; box++)
+    QC_TRY(qcArray_Resize(&graph->first, boxCount, sizeof(uint32_t), "edge lists of boxes"));
+    for (size_t box = previous; box < boxCount; box++)
         QC_AT(uint32_t, graph->first, box) = QC_NO_EDGE;
     return qc_statusOk;
 }
@@ -48,7 +48,7 @@ void qcOverlapGraph_Clear(qcOverlapGraph* graph)
     graph->firstFree = QC_NO_EDGE;
 }
 
-void qcOverlapGraph_PartAll(qcOverlapGraph* graph)
+void qcOverlapGraph_RemoveAllEdges(qcOverlapGraph* graph)
 {
     graph->edges.count = 0;
     graph->ends.count = 0;
@@ -65,7 +65,7 @@ void qcOverlapGraph_Free(qcOverlapGraph* graph)
     qcOverlapGraph_Clear(graph);
 }
 
-qcStatus qcOverlapGraph_Join(qcOverlapGraph* graph, uint32_t a, uint32_t b, bool mark)
+qcStatus qcOverlapGraph_AddEdge(qcOverlapGraph* graph, uint32_t a, uint32_t b, bool mark)
 {
     uint32_t edge = graph->firstFree;
     if (edge != QC_NO_EDGE)
@@ -74,9 +74,9 @@ qcStatus qcOverlapGraph_Join(qcOverlapGraph* graph, uint32_t a, uint32_t b, bool
     {
         size_t count = graph->edges.count;
         if (count >= QC_NO_EDGE / 2)
-            return qcFailMemory(SIZE_MAX, "more than 2^31 pairs of boxes near each other");
-        QC_TRY(qcArray_Reserve(&graph->edges, count + 1, sizeof(qcEdge), "pairs of boxes near each other"));
-        QC_TRY(qcArray_Reserve(&graph->ends, 2 * count + 2, sizeof(qcEdgeEnd), "lists of boxes near each other"));
+            return qcFailMemory(SIZE_MAX, "more than 2^31 edges of an overlap graph");
+        QC_TRY(qcArray_Reserve(&graph->edges, count + 1, sizeof(qcEdge), "edges of an overlap graph"));
+        QC_TRY(qcArray_Reserve(&graph->ends, 2 * count + 2, sizeof(qcEdgeEnd), "edge lists of an overlap graph"));
         edge = (uint32_t)graph->edges.count++;
         graph->ends.count += 2;
     }
@@ -86,7 +86,7 @@ qcStatus qcOverlapGraph_Join(qcOverlapGraph* graph, uint32_t a, uint32_t b, bool
     return qc_statusOk;
 }
 
-void qcOverlapGraph_Cut(qcOverlapGraph* graph, uint32_t edge)
+void qcOverlapGraph_RemoveEdge(qcOverlapGraph* graph, uint32_t edge)
 {
     qcEdge* e = qcOverlapGraph_Edge(graph, edge);
     Unlink(graph, 2 * edge, e->box[0] & ~QC_EDGE_MARK);
@@ -96,8 +96,8 @@ void qcOverlapGraph_Cut(qcOverlapGraph* graph, uint32_t edge)
     graph->firstFree = edge;
 }
 
-void qcOverlapGraph_Part(qcOverlapGraph* graph, uint32_t box)
+void qcOverlapGraph_RemoveEdgesOf(qcOverlapGraph* graph, uint32_t box)
 {
-    for (uint32_t end; (end = qcOverlapGraph_First(graph, box)) != QC_NO_EDGE;)
-        qcOverlapGraph_Cut(graph, end / 2);
+    for (uint32_t end; (end = qcOverlapGraph_FirstEnd(graph, box)) != QC_NO_EDGE;)
+        qcOverlapGraph_RemoveEdge(graph, end / 2);
 }

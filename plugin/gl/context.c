@@ -1,4 +1,4 @@
-// What draws in the current context: renderer, version and UUID.
+// Identity of the current context: renderer, version and UUID.
 #include "gl/context.h"
 
 #include "base/status.h"
@@ -34,12 +34,12 @@ static bool HasExtension(const qcContext* context, const char* name)
 
 static void ReadUuid(const qcContext* context, uint8_t uuid[16])
 {
-    // Names that a driver doesn't support may still have a function behind them.
+    // A function may exist for a name that the driver doesn't support.
     if (!HasExtension(context, "GL_EXT_memory_object"))
         return;
     PFNGLGETUNSIGNEDBYTEI_VEXTPROC getBytes =
         (PFNGLGETUNSIGNEDBYTEI_VEXTPROC)context->getFunction("glGetUnsignedBytei_vEXT");
-    // Several GPUs may draw in one context; the first has number 0.
+    // Several GPUs may serve one context; the first has number 0.
     if (getBytes != NULL)
         getBytes(GL_DEVICE_UUID_EXT, 0, uuid);
 }

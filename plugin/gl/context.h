@@ -1,10 +1,10 @@
-// A GL context on the calling thread: what a platform opens for device.c.
+// A GL context on the calling thread: the interface of device.c to EGL and OSMesa.
 #ifndef QC_GL_CONTEXT_H
 #define QC_GL_CONTEXT_H
 
 #include "gl/gl_functions.h"
 
-/// Which GPU, as in qcDeviceDef.
+/// The requested GPU, see qcDeviceDef.
 typedef struct qcGpuChoice
 {
     int32_t index; ///< -1: any
@@ -13,7 +13,7 @@ typedef struct qcGpuChoice
     uint8_t uuid[16];
 } qcGpuChoice;
 
-/// What draws, as the driver reports it.
+/// The renderer that the driver reports.
 typedef struct qcGpuIdentity
 {
     char renderer[128], version[128], vendor[128]; ///< GL_RENDERER, GL_VERSION, GL_VENDOR
@@ -29,7 +29,7 @@ typedef struct qcContext
 } qcContext;
 
 /// Opens a context, GL 4.5 core or else 3.3 core, and leaves it current on the calling thread.
-/// qc_statusDevice: nothing is left open; the message names the reason. `choice` is for EGL's device platform alone.
+/// qc_statusDevice: nothing is left open; the message names the reason. Only EGL's device platform uses `choice`.
 typedef qcStatus qcOpenContext(const qcGpuChoice* choice, qcContext* context);
 /// Closes it on the thread that opened it.
 typedef void qcCloseContext(qcContext* context);
@@ -43,7 +43,7 @@ qcCloseContext qcCloseEglContext;
 qcOpenContext qcOpenOsmesaContext;
 qcCloseContext qcCloseOsmesaContext;
 
-/// Reads the identity from the context that is current. qc_statusDevice: the driver reports no renderer.
+/// Reads the identity of the current context. qc_statusDevice: the driver reports no renderer.
 qcStatus qcContext_Identify(const qcContext* context, qcGpuIdentity* identity);
 
 #endif

@@ -1,6 +1,6 @@
-// A device: one thread, one GL context that is current there for good, and jobs that are handed over.
-// The calling thread's context is thus never touched. (Saving, switching and restoring it could not keep that
-// promise: glvnd refuses eglMakeCurrent while GLX is current on the same thread.)
+// A device: one thread, one GL context that stays current there, and jobs that run there. The calling thread's context
+// is never touched. (Saving, switching and restoring it is no alternative: glvnd refuses eglMakeCurrent while GLX is
+// current on the same thread.)
 #define _POSIX_C_SOURCE 200809L
 #include "gl/device.h"
 
@@ -22,19 +22,19 @@
 enum
 {
     qc_messageSize = 512,
-    // glGetError can go on for ever once a context is lost.
+    // glGetError may never return GL_NO_ERROR once a context is lost.
     qc_maxGlErrors = 64,
-    // Drivers compile shaders here; some C libraries give threads only 128 KiB.
+    // Drivers compile shaders on this thread; some C libraries give threads only 128 KiB.
     qc_stackSize = 8 << 20,
-    // Numbers of threads that one process uses with one device.
-    qc_keptCosts = 8
+    // Thread counts for which costs are stored.
+    qc_maxCosts = 8
 };
 
-typedef struct KeptCosts
+typedef struct MeasuredCosts
 {
     uint32_t threads; ///< 0: none
     qcPlanCosts costs;
-} KeptCosts;
+} MeasuredCosts;
 
 typedef enum TurnState
 {
@@ -54,21 +54,21 @@ struct qcDevice
     qcGpuIdentity gpu;
     uint32_t maxResolution;
 
-    pid_t process;           ///< where the thread is: a child process has a copy of the device without it
+    pid_t process;           ///< the process of the thread: a child process has a copy of the device without it
     pthread_t thread;        ///< runs while the device is open
-    pthread_mutex_t callers; ///< held by the one caller whose job runs
-    KeptCosts costs[qc_keptCosts];
-    pthread_mutex_t costsMutex; ///< guards them
-    pthread_mutex_t mutex;      ///< guards the rest
+    pthread_mutex_t callers; ///< held by the caller whose job runs
+    MeasuredCosts costs[qc_maxCosts];
+    pthread_mutex_t costsMutex; ///< guards `costs`
+    pthread_mutex_t mutex;      ///< guards the fields below
     pthread_cond_t changed;
     bool open, lost;
-    uint32_t generation; ///< contexts opened so far
+    uint32_t generation; ///< number of contexts opened
     TurnState turn;
     qcDeviceJob* job;
     void* jobContext;
     const char* purpose;
     qcStatus status;
-    char message[qc_messageSize]; ///< messages are kept per thread: this one crosses over
+    char message[qc_messageSize]; ///< of the device's thread, for the caller's
 };
 
 static const struct
@@ -84,8 +84,8 @@ static const struct
     [qc_deviceNone] = {"none", NULL, NULL},
 };
 
-/// The process that has opened GL contexts, or tried to; 0: none. Drivers keep threads and locks as long as they are
-/// loaded: in a child process they wait for threads that aren't there.
+/// The process that has opened GL contexts, or tried to; 0: none. Drivers keep threads and locks while they are loaded:
+/// in a child process they would wait for threads that don't exist.
 static _Atomic pid_t s_glProcess;
 
 static bool IsInOtherProcess(const qcDevice* device)
@@ -131,7 +131,7 @@ static qcStatus FailLost(const char* purpose)
     return qcFail(qc_statusDeviceLost, "%s: the GL context is lost", purpose);
 }
 
-/// Runs the job that is posted; `lost`: whether the context is, before and after it.
+/// Runs the posted job. `lost`: whether the context is lost, in and out.
 static qcStatus RunJob(qcDevice* device, bool* lost)
 {
     const struct qcGlFunctions* gl = &device->gl;
@@ -146,7 +146,7 @@ static qcStatus RunJob(qcDevice* device, bool* lost)
         next = gl->GetError();
     *lost =
         first == GL_CONTEXT_LOST || (gl->GetGraphicsResetStatus != NULL && gl->GetGraphicsResetStatus() != GL_NO_ERROR);
-    // Whatever the job reports: results of a lost context have no meaning.
+    // Before the job's status: results of a lost context are meaningless.
     if (*lost)
         return FailLost(device->purpose);
     // The job's own status is nearer to the cause.
@@ -158,7 +158,7 @@ static qcStatus RunJob(qcDevice* device, bool* lost)
 }
 
 // The device's mutex is held.
-static void Answer(qcDevice* device, qcStatus status)
+static void PostResult(qcDevice* device, qcStatus status)
 {
     device->status = status;
     if (status != qc_statusOk)
@@ -170,7 +170,7 @@ static void Answer(qcDevice* device, qcStatus status)
 static void* ServeCallers(void* argument)
 {
     qcDevice* device = argument;
-    // A thread begins in the mode of the one that started it.
+    // A thread inherits the floating-point mode of its creator.
     (void)qcFloatMode_Begin();
     qcStatus opened = OpenContext(device);
     pthread_mutex_lock(&device->mutex);
@@ -180,7 +180,7 @@ static void* ServeCallers(void* argument)
         device->lost = false;
         ++device->generation;
     }
-    Answer(device, opened);
+    PostResult(device, opened);
     while (opened == qc_statusOk)
     {
         while (device->turn != turn_posted && device->turn != turn_quit)
@@ -192,7 +192,7 @@ static void* ServeCallers(void* argument)
         qcStatus status = RunJob(device, &lost);
         pthread_mutex_lock(&device->mutex);
         device->lost = lost;
-        Answer(device, status);
+        PostResult(device, status);
     }
     pthread_mutex_unlock(&device->mutex);
     if (opened == qc_statusOk)
@@ -201,7 +201,7 @@ static void* ServeCallers(void* argument)
 }
 
 // The device's mutex is held.
-static qcStatus WaitForAnswer(qcDevice* device)
+static qcStatus WaitForResult(qcDevice* device)
 {
     while (device->turn != turn_done)
         pthread_cond_wait(&device->changed, &device->mutex);
@@ -209,8 +209,8 @@ static qcStatus WaitForAnswer(qcDevice* device)
     return device->status;
 }
 
-/// False, and a message: GL was opened before this process was forked.
-static bool TakeGl(qcDevice* device)
+/// Claims GL for this process. False, and a message: GL was opened before this process was forked.
+static bool ClaimGl(qcDevice* device)
 {
     pid_t first = 0;
     if (atomic_compare_exchange_strong(&s_glProcess, &first, device->process) || first == device->process)
@@ -227,24 +227,24 @@ static bool StartThread(qcDevice* device)
     if (pthread_attr_init(&attributes) != 0)
         return false;
     pthread_attr_setstacksize(&attributes, qc_stackSize);
-    // The host's signal handlers stay on the host's threads.
-    sigset_t all, before;
+    // The host's signal handlers run on the host's threads.
+    sigset_t all, previous;
     sigfillset(&all);
-    pthread_sigmask(SIG_BLOCK, &all, &before);
+    pthread_sigmask(SIG_BLOCK, &all, &previous);
     bool started = pthread_create(&device->thread, &attributes, ServeCallers, device) == 0;
-    pthread_sigmask(SIG_SETMASK, &before, NULL);
+    pthread_sigmask(SIG_SETMASK, &previous, NULL);
     pthread_attr_destroy(&attributes);
     return started;
 }
 
-/// Opens the device as one kind; on failure the device's message says why, and another kind may be tried.
+/// Opens the device as one kind. On failure the device's message gives the reason, and another kind may be tried.
 static qcStatus OpenKind(qcDevice* device, qcDeviceKind kind)
 {
     device->kind = kind;
     if (kind == qc_deviceNone)
         return qc_statusOk;
     device->turn = turn_idle;
-    if (!TakeGl(device))
+    if (!ClaimGl(device))
         return qc_statusDevice;
     if (!StartThread(device))
     {
@@ -252,7 +252,7 @@ static qcStatus OpenKind(qcDevice* device, qcDeviceKind kind)
         return qc_statusDevice;
     }
     pthread_mutex_lock(&device->mutex);
-    qcStatus status = WaitForAnswer(device);
+    qcStatus status = WaitForResult(device);
     pthread_mutex_unlock(&device->mutex);
     if (status != qc_statusOk)
         pthread_join(device->thread, NULL);
@@ -309,8 +309,8 @@ static void KeepChoice(qcDevice* device, const qcDeviceDef* def)
         memcpy(device->choice.uuid, def->gpuUuid, sizeof device->choice.uuid);
 }
 
-/// Whether the environment names one of Mesa's drivers. EGL obeys both variables; OSMesa ignores the second, and of the
-/// first takes two values only.
+/// Whether the environment names one of Mesa's drivers. EGL uses both variables; OSMesa ignores the second and accepts
+/// two values of the first.
 static bool IsDriverNamed(void)
 {
     const char* names[] = {getenv("GALLIUM_DRIVER"), getenv("MESA_LOADER_DRIVER_OVERRIDE")};
@@ -389,8 +389,8 @@ void qcDevice_Destroy(qcDevice* device)
         return;
     if (device->kind != qc_deviceNone && IsInOtherProcess(device))
     {
-        // Another thread of the parent may have held the locks: they can't be destroyed here. The context is the
-        // parent's.
+        // The locks can't be destroyed here: a thread of the parent may have held them. The context belongs to the
+        // parent.
         qcFree(device, sizeof *device);
         return;
     }
@@ -443,7 +443,7 @@ static qcStatus RunPosted(qcDevice* device, qcDeviceJob* job, void* context, con
     device->purpose = purpose;
     device->turn = turn_posted;
     pthread_cond_broadcast(&device->changed);
-    qcStatus status = WaitForAnswer(device);
+    qcStatus status = WaitForResult(device);
     if (status != qc_statusOk)
         qcFail(status, "%s", device->message);
     return status;
@@ -455,7 +455,7 @@ qcStatus qcDevice_Run(qcDevice* device, qcDeviceJob* job, void* context, const c
         return qcFail(qc_statusDevice, "%s: the device none has no GL", purpose);
     if (IsInOtherProcess(device))
         return FailInOtherProcess(device, purpose);
-    // A job that runs a job would wait for itself.
+    // A job must not run a job: it would wait for itself.
     assert(!device->open || !pthread_equal(pthread_self(), device->thread));
 
     pthread_mutex_lock(&device->callers);
@@ -475,7 +475,7 @@ bool qcDevice_FindCosts(qcDevice* device, uint32_t threads, qcPlanCosts* costs)
         return true;
     }
     pthread_mutex_lock(&device->costsMutex);
-    for (int i = 0; i < qc_keptCosts && !found; i++)
+    for (int i = 0; i < qc_maxCosts && !found; i++)
     {
         found = device->costs[i].threads == threads;
         if (found)
@@ -488,9 +488,9 @@ bool qcDevice_FindCosts(qcDevice* device, uint32_t threads, qcPlanCosts* costs)
 void qcDevice_KeepCosts(qcDevice* device, uint32_t threads, const qcPlanCosts* costs)
 {
     pthread_mutex_lock(&device->costsMutex);
-    int place = 0;
-    while (place < qc_keptCosts - 1 && device->costs[place].threads != 0 && device->costs[place].threads != threads)
-        place++;
-    device->costs[place] = (KeptCosts){threads, *costs};
+    int i = 0;
+    while (i < qc_maxCosts - 1 && device->costs[i].threads != 0 && device->costs[i].threads != threads)
+        i++;
+    device->costs[i] = (MeasuredCosts){threads, *costs};
     pthread_mutex_unlock(&device->costsMutex);
 }

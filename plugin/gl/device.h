@@ -7,22 +7,22 @@
 
 struct qcGlFunctions;
 
-/// A job; it runs on the device's thread, with the device's context current and its function table.
-/// It finds GL's initial bindings and switches, and may leave them as it likes.
-/// Its return value, and the message it left, reach the caller of qcDevice_Run.
+/// A job; it runs on the device's thread, with the device's context current. GL's bindings and switches have their
+/// initial values, and the job need not restore them. qcDevice_Run returns its status and message.
 typedef qcStatus qcDeviceJob(const struct qcGlFunctions* gl, void* context);
 
-/// Runs a job and waits for it. Any thread. qc_statusDevice on a device without GL, and in a child process that was
-/// forked after the device was opened; qc_statusDeviceLost on a lost one. When the job left a GL error behind,
-/// qc_statusDevice, naming the error and `purpose`.
+/// Runs a job and waits for it. Any thread. Jobs of one device run one after another. qc_statusDevice: the device has
+/// no GL, or this is a child process forked after the device was opened, or the job caused a GL error; the message
+/// names it and `purpose`. qc_statusDeviceLost: the context is lost.
 qcStatus qcDevice_Run(qcDevice* device, qcDeviceJob* job, void* context, const char* purpose);
 
-/// How many contexts the device has opened so far: GL objects of another generation no longer exist.
+/// Number of contexts that the device has opened. GL objects of another generation no longer exist.
 uint32_t qcDevice_GetGeneration(qcDevice* device);
 
-/// Costs that were measured on the device with as many threads are kept with it. False: there are none yet. In a child
-/// process the device's costs are infinite. Any thread.
+/// Finds the costs measured on the device with this number of threads. False: there are none. In a child process the
+/// costs are infinite. Any thread.
 bool qcDevice_FindCosts(qcDevice* device, uint32_t threads, qcPlanCosts* costs);
+/// Stores measured costs with the device. Any thread.
 void qcDevice_KeepCosts(qcDevice* device, uint32_t threads, const qcPlanCosts* costs);
 
 #endif

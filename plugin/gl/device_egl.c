@@ -12,7 +12,7 @@
 #include <stdio.h>
 #include <string.h>
 
-/// What libEGL exports.
+/// Functions that libEGL exports.
 #define QC_EGL_FUNCTIONS(X)                                                                                            \
     X(PFNEGLBINDAPIPROC, BindAPI)                                                                                      \
     X(PFNEGLCHOOSECONFIGPROC, ChooseConfig)                                                                            \
@@ -33,7 +33,7 @@ static struct
     PFNEGLGETPLATFORMDISPLAYEXTPROC GetPlatformDisplayEXT;
     PFNEGLQUERYDEVICESEXTPROC QueryDevicesEXT;
     PFNEGLQUERYDEVICESTRINGEXTPROC QueryDeviceStringEXT;
-    const char* extensions; ///< of the client, not of a display
+    const char* extensions; ///< client extensions
     char error[256];        ///< why the library can't be used; empty when it can
 } s_egl;
 
@@ -54,8 +54,8 @@ static bool HasWord(const char* words, const char* word)
 
 static void LoadLibrary(void)
 {
-    // Local: its symbols must not come before those of a host's own EGL. Never closed: drivers have exit handlers
-    // and thread-local data whose code would be gone.
+    // RTLD_LOCAL: its symbols must not shadow those of a host's own EGL. Never closed: drivers have exit handlers and
+    // thread-local data that need its code.
     void* library = dlopen("libEGL.so.1", RTLD_NOW | RTLD_LOCAL);
     if (library == NULL)
     {
@@ -90,19 +90,19 @@ static EGLContext CreateContext(EGLDisplay display, EGLConfig config)
     {
         EGLint major, minor;
         bool reportsLoss;
-    } wishes[] = {{4, 5, true}, {4, 5, false}, {3, 3, true}, {3, 3, false}};
-    for (size_t i = 0; i < sizeof wishes / sizeof wishes[0]; ++i)
+    } versions[] = {{4, 5, true}, {4, 5, false}, {3, 3, true}, {3, 3, false}};
+    for (size_t i = 0; i < sizeof versions / sizeof versions[0]; ++i)
     {
-        // A context that doesn't report its loss goes on answering, with nonsense: a query that reads zero means
-        // "visible", and a collision would be missed without a word.
+        // A context that doesn't report its loss returns garbage afterwards: a query that reads zero means "visible",
+        // and a collision would be missed silently.
         const EGLint attributes[] = {EGL_CONTEXT_MAJOR_VERSION_KHR,
-                                     wishes[i].major,
+                                     versions[i].major,
                                      EGL_CONTEXT_MINOR_VERSION_KHR,
-                                     wishes[i].minor,
+                                     versions[i].minor,
                                      EGL_CONTEXT_OPENGL_PROFILE_MASK_KHR,
                                      EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT_KHR,
-                                     wishes[i].reportsLoss ? EGL_CONTEXT_OPENGL_RESET_NOTIFICATION_STRATEGY_KHR
-                                                           : EGL_NONE,
+                                     versions[i].reportsLoss ? EGL_CONTEXT_OPENGL_RESET_NOTIFICATION_STRATEGY_KHR
+                                                             : EGL_NONE,
                                      EGL_LOSE_CONTEXT_ON_RESET_KHR,
                                      EGL_NONE};
         EGLContext handle = s_egl.CreateContext(display, config, EGL_NO_CONTEXT, attributes);
@@ -112,8 +112,8 @@ static EGLContext CreateContext(EGLDisplay display, EGLConfig config)
     return EGL_NO_CONTEXT;
 }
 
-// The display stays initialised, on failure and after the last context: the process has one display for each
-// platform and native device, a host may be using the same one, and eglTerminate would end the host's contexts too.
+// The display stays initialised, on failure and after the last context: a process has one display per platform and
+// native device, the host may use the same one, and eglTerminate would end the host's contexts too.
 static qcStatus OpenOnDisplay(EGLDisplay display, qcContext* context)
 {
     if (display == EGL_NO_DISPLAY)
@@ -129,7 +129,7 @@ static qcStatus OpenOnDisplay(EGLDisplay display, qcContext* context)
     EGLConfig config = NULL;
     if (!HasWord(extensions, "EGL_KHR_no_config_context"))
     {
-        // Pbuffers, as the default asks for windows, which these platforms don't have.
+        // Pbuffers: the default requires windows, which these platforms don't have.
         const EGLint attributes[] = {EGL_RENDERABLE_TYPE, EGL_OPENGL_BIT, EGL_SURFACE_TYPE, EGL_PBUFFER_BIT, EGL_NONE};
         EGLint count = 0;
         if (!s_egl.ChooseConfig(display, attributes, &config, 1, &count) || count == 0)
@@ -180,7 +180,7 @@ static qcStatus OpenOnDevice(EGLDeviceEXT device, const qcGpuChoice* choice, qcC
     return status;
 }
 
-/// Appends the reason that this thread's last message gives; what doesn't fit is cut off.
+/// Appends this thread's last message as a reason, truncated to the space left.
 static void AddReason(char* reasons, size_t size, int index)
 {
     size_t length = strlen(reasons);

@@ -1,5 +1,5 @@
-// OSMesa contexts: software GL in memory, on any machine. The library is opened at run time, as Mesa 25.1 dropped it.
-// Mesa's interface osmesa.h, restated here: that header fights with epoxy's over GLAPI.
+// OSMesa contexts: software GL in memory, on any machine. The library is opened at run time, since Mesa 25.1 dropped
+// it. The interface of osmesa.h is restated here: that header conflicts with epoxy's over GLAPI.
 #define _POSIX_C_SOURCE 200809L
 #include "gl/context.h"
 
@@ -38,15 +38,15 @@ static pthread_once_t s_once = PTHREAD_ONCE_INIT;
 // Mesa before 22 keeps a list of images without a lock.
 static pthread_mutex_t s_mutex = PTHREAD_MUTEX_INITIALIZER;
 
-// Never drawn to: jobs draw to framebuffers of their own. Static, since Mesa before 22 remembers the
-// address after its context is gone.
+// Never drawn to: jobs draw to framebuffers of their own. Static, since Mesa before 22 uses the address after the
+// context is destroyed.
 static uint8_t s_image[qc_imageWidth * qc_imageHeight * 4];
 
 static void LoadLibrary(void)
 {
     static const char* const names[] = {"libOSMesa.so.8", "libOSMesa.so.6", "libOSMesa.so"};
-    // Local: its gl* symbols must not come before those of a host's own GL. Never closed: Mesa has exit handlers
-    // and thread-local data whose code would be gone.
+    // RTLD_LOCAL: its gl* symbols must not shadow those of a host's own GL. Never closed: Mesa has exit handlers and
+    // thread-local data that need its code.
     void* library = NULL;
     for (size_t i = 0; library == NULL && i < sizeof names / sizeof names[0]; ++i)
         library = dlopen(names[i], RTLD_NOW | RTLD_LOCAL);
@@ -79,7 +79,7 @@ static void* CreateContext(int major, int minor)
     return s_osmesa.CreateContextAttribs(attributes, NULL);
 }
 
-/// libOSMesa crashes where GALLIUM_DRIVER names a driver that it has not, and with zink (Mesa 22.3).
+/// libOSMesa crashes if GALLIUM_DRIVER names a driver that it lacks, and with zink (Mesa 22.3).
 static qcStatus CheckDriver(void)
 {
     const char* driver = getenv("GALLIUM_DRIVER");

@@ -1,5 +1,5 @@
-// Loads a device's GL functions and keeps its programs.
-// One table for each device: OSMesa and EGL answer the same name with different functions.
+// Loads a device's GL functions and keeps its programs. Each device has its own functions: OSMesa and EGL return
+// different ones for the same name.
 #include "gl/gl_functions.h"
 
 #include "base/status.h"
@@ -72,7 +72,7 @@ qcStatus qcGlFunctions_Load(struct qcGlFunctions* gl, qcGlGetFunction* getFuncti
     GLint major = 0, minor = 0;
     gl->GetIntegerv(GL_MAJOR_VERSION, &major);
     gl->GetIntegerv(GL_MINOR_VERSION, &minor);
-    // Asked for by version, as EGL hands out stubs for names that it doesn't support.
+    // The version decides: EGL returns stubs for names that it doesn't support.
     if (major * 10 + minor >= 45)
         gl->GetGraphicsResetStatus = (PFNGLGETGRAPHICSRESETSTATUSPROC)getFunction("glGetGraphicsResetStatus");
     if (major * 10 + minor >= 43)
@@ -103,7 +103,7 @@ void qcGlFunctions_ResetState(const struct qcGlFunctions* gl)
     gl->PixelStorei(GL_PACK_ROW_LENGTH, 0);
 }
 
-/// The program of this name if it is there, otherwise 0.
+/// The program of this name, or 0.
 static GLuint FindProgram(const struct qcGlFunctions* gl, const char* name)
 {
     const struct qcGlPrograms* programs = gl->programs;

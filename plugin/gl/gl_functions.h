@@ -7,7 +7,7 @@
 
 #include <epoxy/gl.h>
 
-/// Everything that a job may call: type, name without "gl". All are in GL 3.3 core.
+/// The functions that a job may call: type, name without "gl". All are in GL 3.3 core.
 #define QC_GL_FUNCTIONS(X)                                                                                             \
     X(PFNGLACTIVETEXTUREPROC, ActiveTexture)                                                                           \
     X(PFNGLATTACHSHADERPROC, AttachShader)                                                                             \
@@ -96,7 +96,7 @@ enum
     qc_maxPrograms = 16
 };
 
-/// Programs live as long as their device: compiling one takes longer than drawing with it.
+/// Programs live as long as their device: compiling a program takes longer than drawing with it.
 struct qcGlPrograms
 {
     uint32_t count;
@@ -132,15 +132,15 @@ typedef qcGlFunction* qcGlGetFunction(const char* name);
 /// Fills the functions. qc_statusDevice names the first that is missing.
 qcStatus qcGlFunctions_Load(struct qcGlFunctions* gl, qcGlGetFunction* getFunction);
 
-/// Brings back GL's initial bindings and switches, as far as jobs change them. Plain values, such as the viewport and
-/// the clear colour, are set by whoever uses them.
+/// Restores GL's initial bindings and switches, as far as jobs change them. Values such as the viewport and the clear
+/// colour are not restored: each job sets those it uses.
 void qcGlFunctions_ResetState(const struct qcGlFunctions* gl);
 
 /// The program of this name (a literal), compiled at its first use. Attribute 0 is `position`, attribute 1 `normal`.
 qcStatus qcGlFunctions_GetProgram(const struct qcGlFunctions* gl, const char* name, const char* vertexSource,
                                   const char* fragmentSource, GLuint* program);
 
-/// As above, for a compute shader whose source comes in parts.
+/// The compute program of this name (a literal), compiled at its first use. The source is given in parts.
 qcStatus qcGlFunctions_GetComputeProgram(const struct qcGlFunctions* gl, const char* name, const char* const* sources,
                                          int sourceCount, GLuint* program);
 

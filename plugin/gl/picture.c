@@ -1,5 +1,5 @@
-// Pictures: meshes shaded by a light above the eye and by the sky, antialiased, edges and marked triangles on wish.
-// Drawn tile by tile, so that the memory for the samples stays small however large the picture is.
+// Pictures of meshes, shaded by a light above the eye and by the sky, antialiased, with optional edges and marked
+// triangles. Drawn tile by tile, so that the memory for samples doesn't grow with the picture.
 #include "base/float_mode.h"
 #include "gl/device.h"
 #include "gl/gl_functions.h"
@@ -47,7 +47,7 @@ static const char* const s_fragmentShader =
     "{\n"
     "    vec3 base = gl_FrontFacing ? front : back;\n"
     "    vec3 toEye = -normalize(fromEye);\n"
-    "    vec3 facet = cross(dFdx(fromEye), dFdy(fromEye));\n" // of an edge it is nonsense
+    "    vec3 facet = cross(dFdx(fromEye), dFdy(fromEye));\n" // undefined for edges
     "    facet = !edges && dot(facet, facet) > 0.0 ? normalize(facet) : toEye;\n"
     "    facet = dot(facet, toEye) < 0.0 ? -facet : facet;\n"
     "    bool usesFacet = flatShading || dot(smoothNormal, smoothNormal) < 1e-6;\n"
@@ -67,7 +67,7 @@ typedef struct Camera
     float up[3];    ///< across the line of sight
 } Camera;
 
-/// A mesh as it goes to GL.
+/// A mesh for upload.
 typedef struct Upload
 {
     qcArray vertices; ///< position and normal, six floats
@@ -178,7 +178,7 @@ static qcStatus CheckDef(const qcDevice* device, const qcPictureDef* def, const 
     return qc_statusOk;
 }
 
-/// The distances along the line of sight between which everything lies that can be seen.
+/// Distances along the line of sight that bound all visible vertices.
 static void FindDepths(const qcPictureDef* def, const float forward[3], float* nearest, float* farthest)
 {
     float low = INFINITY, high = 0.0f;
@@ -195,7 +195,7 @@ static void FindDepths(const qcPictureDef* def, const float forward[3], float* n
         }
     }
     *farthest = high > 0.0f && isfinite(high) ? 1.01f * high : 1.0f;
-    // 1/5000: a depth buffer of 24 bits still tells layers apart that are 1/1000 of the scene away from each other.
+    // 1/5000: a depth buffer of 24 bits still separates layers at a distance of 1/1000 of the scene.
     float closest = *farthest / 5000.0f;
     *nearest = 0.99f * low > closest && low < high ? 0.99f * low : closest;
 }
@@ -211,7 +211,7 @@ static qcStatus PlaceCamera(const qcPictureDef* def, Camera* camera)
     if (!Normalize(up))
         return qcFail(qc_statusBadInput, "qcDevice_DrawPicture: up has no length");
     Cross(forward, up, right);
-    // 1e-4: nearer to the line of sight than this, rounding would turn the camera at will.
+    // 1e-4: closer to the line of sight than this, rounding dominates the camera's orientation.
     if (!(Dot(right, right) > 1e-8f))
         return qcFail(qc_statusBadInput, "qcDevice_DrawPicture: up is along the line of sight");
     Normalize(right);
@@ -257,7 +257,7 @@ static void AddNormals(const qcPictureMesh* mesh, float* vertices)
                 vertices[(size_t)6 * index[c] + 3 + (size_t)i] += normal[i];
         }
     }
-    // Of length 1 here: interpolated normals are to be weighted alike.
+    // Unit length: vertices get equal weight in the interpolation.
     for (size_t i = 0; i < mesh->vertexCount; ++i)
     {
         float* normal = vertices + 6 * i + 3;
@@ -342,7 +342,7 @@ static qcStatus CreateFramebuffers(const struct qcGlFunctions* gl, PictureJob* j
     return qc_statusOk;
 }
 
-/// The colours of both sides, and how much of the shading they do without.
+/// Sets the colours of both sides, and the share of the plain colour.
 static void SetColors(const struct qcGlFunctions* gl, GLuint program, const float front[3], const float back[3],
                       float glow)
 {
@@ -357,7 +357,7 @@ static void DrawMesh(const struct qcGlFunctions* gl, GLuint program, const qcPic
 {
     gl->BindVertexArray(upload->vertexArray);
     gl->PolygonMode(GL_FRONT_AND_BACK, edges ? GL_LINE : GL_FILL);
-    // Faces step back a little, so that the edges drawn over them show.
+    // An offset moves faces back, so that the edges drawn over them are visible.
     if (!edges)
         gl->Enable(GL_POLYGON_OFFSET_FILL);
     else
@@ -367,7 +367,7 @@ static void DrawMesh(const struct qcGlFunctions* gl, GLuint program, const qcPic
 
     SetColors(gl, program, mesh->color, mesh->backColor, 0.0f);
     gl->DrawElements(GL_TRIANGLES, (GLsizei)(3 * upload->plainCount), GL_UNSIGNED_INT, NULL);
-    // 0.5: bright from every side, and the shape still reads.
+    // 0.5: bright from every side, with enough shading to show the shape.
     SetColors(gl, program, mesh->markColor, mesh->markColor, 0.5f);
     size_t first = (size_t)3 * upload->plainCount;
     gl->DrawElements(GL_TRIANGLES, (GLsizei)(upload->indices.count - first), GL_UNSIGNED_INT,
@@ -412,7 +412,7 @@ static qcStatus DrawTiles(const struct qcGlFunctions* gl, PictureJob* job)
     gl->Uniform3fv(gl->GetUniformLocation(job->program, "up"), 1, job->camera.up);
     gl->Enable(GL_DEPTH_TEST);
     gl->Enable(GL_FRAMEBUFFER_SRGB);
-    // The picture is upside down, and with it the turning of its triangles.
+    // The picture is upside down, which reverses the winding of its triangles.
     gl->FrontFace(GL_CW);
     gl->PolygonOffset(1.0f, 1.0f);
     gl->ClearColor(def->background[0], def->background[1], def->background[2], 1.0f);

@@ -1,4 +1,4 @@
-// Timestamps in two sets that take turns, so that reading one never waits for the device.
+// Timestamps in two alternating sets, so that reading one never waits for the device.
 #include "gl/timers.h"
 
 #include "base/clock.h"
@@ -15,12 +15,12 @@ static qcGlTimestamps* Current(qcGlTimers* timers)
     return &timers->sets[timers->jobs % 2];
 }
 
-static void Make(const struct qcGlFunctions* gl, qcGlTimers* timers)
+static void Create(const struct qcGlFunctions* gl, qcGlTimers* timers)
 {
     GLint bits = 0;
     gl->GetQueryiv(GL_TIMESTAMP, GL_QUERY_COUNTER_BITS, &bits);
     timers->hasClock = bits > 0;
-    timers->made = true;
+    timers->created = true;
     for (int i = 0; i < 2; i++)
         gl->GenQueries(qc_maxTimestamps, timers->sets[i].queries);
 }
@@ -39,8 +39,8 @@ void qcGlTimers_Begin(const struct qcGlFunctions* gl, qcGlTimers* timers, bool o
     timers->on = on;
     if (!on)
         return;
-    if (!timers->made)
-        Make(gl, timers);
+    if (!timers->created)
+        Create(gl, timers);
     timers->jobs++;
     qcGlTimestamps* set = Current(timers);
     set->count = set->passed = set->read = 0;
@@ -84,19 +84,19 @@ void qcGlTimers_End(const struct qcGlFunctions* gl, qcGlTimers* timers)
 {
     if (!timers->on)
         return;
-    qcGlTimestamps *set = Current(timers), *before = &timers->sets[(timers->jobs + 1) % 2];
-    Read(gl, timers, before, before->count);
+    qcGlTimestamps *set = Current(timers), *previous = &timers->sets[(timers->jobs + 1) % 2];
+    Read(gl, timers, previous, previous->count);
     Read(gl, timers, set, set->passed);
-    // A job that ran out of timestamps has not measured all of any part.
+    // A job that ran out of timestamps has incomplete times.
     for (int i = 0; set->count == qc_maxTimestamps && i < qc_maxTimedParts; i++)
         timers->deviceMs[i] = -1.0;
-    // Or the last timestamps would wait in the driver until the next job.
+    // Without a flush the last timestamps stay in the driver until the next job.
     gl->Flush();
     timers->clock = qcClock_Now();
 }
 
 void qcGlTimers_Delete(const struct qcGlFunctions* gl, qcGlTimers* timers)
 {
-    for (int i = 0; timers->made && i < 2; i++)
+    for (int i = 0; timers->created && i < 2; i++)
         gl->DeleteQueries(qc_maxTimestamps, timers->sets[i].queries);
 }

@@ -10,27 +10,28 @@ static void AddKey(qcArray* keys, uint64_t key)
 
 qcStatus qcPairBuffers_Begin(qcArray* buffers, uint32_t threads)
 {
-    QC_TRY(qcArray_GrowZeroed(buffers, threads, sizeof(qcPairBuffer), "candidate pairs"));
+    QC_TRY(qcWorkerResults_Begin(buffers, threads, sizeof(qcPairBuffer), "candidate pairs"));
     for (size_t i = 0; i < buffers->count; i++)
     {
         qcPairBuffer* buffer = &QC_AT(qcPairBuffer, *buffers, i);
         buffer->keys.count = buffer->contactKeys.count = buffer->classified.count = 0;
-        buffer->status = qc_statusOk;
     }
     return qc_statusOk;
+}
+
+static qcStatus ReserveAll(qcPairBuffer* buffer, size_t count)
+{
+    QC_TRY(qcArray_Reserve(&buffer->keys, buffer->keys.count + count, sizeof(uint64_t), "candidate pairs"));
+    QC_TRY(
+        qcArray_Reserve(&buffer->contactKeys, buffer->contactKeys.count + count, sizeof(uint64_t), "candidate pairs"));
+    return qcArray_Reserve(&buffer->classified, buffer->classified.count + count, sizeof(qcSortItem),
+                           "candidate pairs");
 }
 
 bool qcPairBuffer_Add(qcPairBuffer* buffer, const qcClassifiedPairs* found, bool listClassified,
                       qcPairKeyFunction* keyOf, const void* context)
 {
-    qcArray* keyArrays[2] = {&buffer->keys, &buffer->contactKeys};
-    for (int i = 0; i < 2 && buffer->status == qc_statusOk; i++)
-        buffer->status =
-            qcArray_Reserve(keyArrays[i], keyArrays[i]->count + found->count, sizeof(uint64_t), "candidate pairs");
-    if (buffer->status == qc_statusOk)
-        buffer->status = qcArray_Reserve(&buffer->classified, buffer->classified.count + found->count,
-                                         sizeof(qcSortItem), "candidate pairs");
-    if (buffer->status != qc_statusOk)
+    if (!qcWorkerResult_IsOk(&buffer->result) || !qcWorkerResult_Add(&buffer->result, ReserveAll(buffer, found->count)))
         return false;
     size_t classified = found->nearCount + found->separateCount + found->intersectingCount;
     for (size_t i = 0; i < found->count; i++)
@@ -50,21 +51,20 @@ bool qcPairBuffer_Add(qcPairBuffer* buffer, const qcClassifiedPairs* found, bool
 void qcPairBuffer_AddNeighbours(qcPairBuffer* buffer, const qcSlotPair* pairs, size_t count, qcPairKeyFunction* keyOf,
                                 const void* context)
 {
-    if (buffer->status == qc_statusOk)
-        buffer->status =
-            qcArray_Reserve(&buffer->contactKeys, buffer->contactKeys.count + count, sizeof(uint64_t), "neighbours");
-    for (size_t i = 0; i < count && buffer->status == qc_statusOk; i++)
+    qcStatus status =
+        qcArray_Reserve(&buffer->contactKeys, buffer->contactKeys.count + count, sizeof(uint64_t), "neighbours");
+    if (!qcWorkerResult_Add(&buffer->result, status))
+        return;
+    for (size_t i = 0; i < count; i++)
         AddKey(&buffer->contactKeys, keyOf(context, pairs[i]));
 }
 
 qcStatus qcPairBuffers_End(const qcArray* buffers, const qcPairKeys* keys)
 {
+    QC_TRY(qcWorkerResults_End(buffers, sizeof(qcPairBuffer)));
     for (size_t i = 0; i < buffers->count; i++)
     {
         const qcPairBuffer* buffer = &QC_AT(qcPairBuffer, *buffers, i);
-        // Copy the worker's error message to this thread.
-        if (buffer->status != qc_statusOk)
-            return qcArray_FailAgain(&buffer->keys, "candidate pairs");
         QC_TRY(qcArray_Append(keys->keys, &buffer->keys, sizeof(uint64_t), "candidate pairs"));
         QC_TRY(qcArray_Append(keys->contactKeys, &buffer->contactKeys, sizeof(uint64_t), "candidate pairs"));
         QC_TRY(qcArray_Append(keys->classified, &buffer->classified, sizeof(qcSortItem), "candidate pairs"));

@@ -3,17 +3,17 @@
 #define QC_KERNELS_PAIR_BUFFER_H
 
 #include "base/radix_sort.h"
+#include "base/worker_results.h"
 #include "kernels/pair_filter.h"
 #include "quickcullide/scene.h"
 
 /// The pairs that one worker found. The key of a pair: lower global triangle index << 32 | higher one.
 typedef struct qcPairBuffer
 {
+    qcWorkerResult result;
     qcArray keys;        ///< uint64_t: pairs that need the exact test
     qcArray contactKeys; ///< uint64_t: pairs that only contacts need: neighbours, and classified ones
     qcArray classified;  ///< of qcSortItem: key and relation of pairs that need no exact test
-    qcStatus status;
-    char padding[64]; ///< keeps two workers off one cache line
 } qcPairBuffer;
 
 /// The pairs of all workers, as in qcPairBuffer.
@@ -27,7 +27,7 @@ typedef uint64_t qcPairKeyFunction(const void* context, qcSlotPair pair);
 /// Empties the buffers (of qcPairBuffer), one for each thread.
 qcStatus qcPairBuffers_Begin(qcArray* buffers, uint32_t threads);
 /// Adds undecided pairs to `keys`, near and intersecting ones to `classified`. With `listClassified` all classified
-/// pairs, separate ones too, are also added to `contactKeys`. False: the buffer has failed; its status has the reason.
+/// pairs, separate ones too, are also added to `contactKeys`. False: the buffer has failed; `result` has the reason.
 bool qcPairBuffer_Add(qcPairBuffer* buffer, const qcClassifiedPairs* found, bool listClassified,
                       qcPairKeyFunction* keyOf, const void* context);
 /// Adds pairs of neighbours to `contactKeys`.

@@ -88,7 +88,7 @@ QC_INLINE qcSlotPair* AddPairs(uint64_t triangles, size_t clusterA, size_t clust
 /// Clears the bits of excluded pairs of two clusters.
 QC_INLINE uint64_t RemoveExcluded(uint64_t word, const qcPairExclusion* exclusion, uint32_t i, uint32_t j)
 {
-    return word & ~qcClusters_Product(qcClusters_PlacesOf(exclusion->a, i), qcClusters_PlacesOf(exclusion->b, j));
+    return word & ~qcPairMask_Product(qcPairMask_OfCluster(exclusion->a, i), qcPairMask_OfCluster(exclusion->b, j));
 }
 
 static qcSlotPair* CollectPairs(const qcBvhBoxes* a, uint32_t nodeA, const qcBvhBoxes* b, uint32_t nodeB,
@@ -101,7 +101,7 @@ static qcSlotPair* CollectPairs(const qcBvhBoxes* a, uint32_t nodeA, const qcBvh
     for (; clusters != 0; clusters &= clusters - 1)
     {
         uint32_t bit = (uint32_t)__builtin_ctzll(clusters);
-        uint64_t word = qcClusters_Word(pairMasks, bit);
+        uint64_t word = qcPairMask_Word(pairMasks, bit);
         for (int i = 0; i < exclusionCount; i++)
             word = RemoveExcluded(word, &exclusions[i], bit % qc_boxLanes, bit / qc_boxLanes);
         if (exclusionCount != 0 && word == 0)

@@ -192,15 +192,11 @@ static void ChooseBlock(void* context, size_t block, uint32_t worker)
 {
     const Job* job = context;
     qcManifoldBuilder* m = job->manifolds;
-    qcStatus* status = &QC_AT(qcManifoldWorker, m->workers, worker).status;
     qcLook looks[2];
     Best best = {.look = &looks[0], .spare = &looks[1]};
-    qcArray* points = &QC_AT(qcManifoldWorker, m->workers, worker).points;
-    if (*status == qc_statusOk)
-        *status = qcArray_Reserve(points, points->count + qc_normalBlock * qc_maxCommonCorners, sizeof(qcRawPoint),
-                                  "contact points");
-    for (size_t i = block * qc_normalBlock; i < qcNormalBlocks_End(job->manifolds, block) && *status == qc_statusOk;
-         i++)
+    if (!qcManifoldWorker_ReservePoints(&QC_AT(qcManifoldWorker, m->workers, worker), qc_normalBlock))
+        return;
+    for (size_t i = block * qc_normalBlock; i < qcNormalBlocks_End(job->manifolds, block); i++)
     {
         uint32_t p = qcManifoldBuilder_FreePair(m, i);
         const qcManifoldPair* pair = qcManifoldBuilder_Pair(m, p);

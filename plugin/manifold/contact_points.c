@@ -156,13 +156,9 @@ static void TakeSettledBlock(void* context, size_t block, uint32_t worker)
     const Job* job = context;
     qcManifoldWorker* self = &QC_AT(qcManifoldWorker, job->manifolds->workers, worker);
     size_t end = (block + 1) * qc_pointBlock, count = job->manifolds->work.count;
-    if (self->status == qc_statusOk)
-        self->status = qcArray_Reserve(&self->points, self->points.count + qc_pointBlock * qc_maxCommonCorners,
-                                       sizeof(qcRawPoint), "contact points");
-    if (self->status == qc_statusOk)
-        self->status = EmptyViews(self);
-    for (uint32_t p = (uint32_t)(block * qc_pointBlock); p < (end < count ? end : count) && self->status == qc_statusOk;
-         p++)
+    if (!qcManifoldWorker_ReservePoints(self, qc_pointBlock) || !qcWorkerResult_Add(&self->result, EmptyViews(self)))
+        return;
+    for (uint32_t p = (uint32_t)(block * qc_pointBlock); p < (end < count ? end : count); p++)
     {
         const qcManifoldPair* pair = qcManifoldBuilder_Pair(job->manifolds, p);
         if (!pair->settled)

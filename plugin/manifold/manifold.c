@@ -116,9 +116,9 @@ static qcStatus Build(const Job* job, qcBodyPairRange* meeting, uint32_t maker, 
 static void TakeMeeting(void* context, size_t index, uint32_t worker)
 {
     const Job* job = context;
-    qcStatus* status = &QC_AT(qcManifoldBuilder, job->all->makers, worker).status;
-    if (*status == qc_statusOk)
-        *status = Build(job, MeetingAt(job->all, job->shared + index), worker, 1);
+    qcWorkerResult* result = &QC_AT(qcManifoldBuilder, job->all->makers, worker).result;
+    if (qcWorkerResult_IsOk(result))
+        (void)qcWorkerResult_Add(result, Build(job, MeetingAt(job->all, job->shared + index), worker, 1));
 }
 
 static qcStatus BuildAll(Job* job, uint32_t threads)
@@ -133,23 +133,18 @@ static qcStatus BuildAll(Job* job, uint32_t threads)
         QC_TRY(Build(job, meeting, 0, threads));
     }
     qcParallel_For(threads, all->meetings.count - job->shared, qc_leastMeetings, TakeMeeting, job);
-    for (size_t i = 0; i < all->makers.count; i++)
-        // The message is the thread's own; say it again on this one.
-        if (QC_AT(qcManifoldBuilder, all->makers, i).status != qc_statusOk)
-            return qcArray_FailAgain(&QC_AT(qcManifoldBuilder, all->makers, i).points, "manifolds");
-    return qc_statusOk;
+    return qcWorkerResults_End(&all->makers, sizeof(qcManifoldBuilder));
 }
 
 static qcStatus EmptyMakers(qcAllManifolds* all, uint32_t threads)
 {
     const qcOverlapKernels* sight = qcOverlapKernels_Get();
-    QC_TRY(qcArray_GrowZeroed(&all->makers, threads, sizeof(qcManifoldBuilder), "manifolds"));
+    QC_TRY(qcWorkerResults_Begin(&all->makers, threads, sizeof(qcManifoldBuilder), "manifolds"));
     for (size_t i = 0; i < all->makers.count; i++)
     {
         qcManifoldBuilder* m = &QC_AT(qcManifoldBuilder, all->makers, i);
         m->manifolds.count = m->points.count = 0;
         m->sight = sight;
-        m->status = qc_statusOk;
     }
     return qc_statusOk;
 }

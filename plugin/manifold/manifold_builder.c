@@ -77,23 +77,18 @@ static qcStatus WriteResult(qcManifoldBuilder* m)
 
 static qcStatus EmptyWorkers(qcManifoldBuilder* m, uint32_t threads)
 {
-    QC_TRY(qcArray_GrowZeroed(&m->workers, threads, sizeof(qcManifoldWorker), "contact points"));
+    QC_TRY(qcWorkerResults_Begin(&m->workers, threads, sizeof(qcManifoldWorker), "contact points"));
     for (size_t i = 0; i < m->workers.count; i++)
     {
         qcManifoldWorker* worker = &QC_AT(qcManifoldWorker, m->workers, i);
         worker->rings.count = worker->points.count = 0;
-        worker->status = qc_statusOk;
     }
     return qc_statusOk;
 }
 
 qcStatus qcManifoldBuilder_LoopStatus(const qcManifoldBuilder* m)
 {
-    for (size_t i = 0; i < m->workers.count; i++)
-        // The message is the worker's own; say it again on this thread.
-        if (QC_AT(qcManifoldWorker, m->workers, i).status != qc_statusOk)
-            return qcArray_FailAgain(&QC_AT(qcManifoldWorker, m->workers, i).points, "neighbours and contact points");
-    return qc_statusOk;
+    return qcWorkerResults_End(&m->workers, sizeof(qcManifoldWorker));
 }
 
 /// Without a pair there is nothing in the result.

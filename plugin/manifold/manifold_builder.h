@@ -5,6 +5,7 @@
 #include "manifold/manifold.h"
 #include "base/radix_sort.h"
 #include "base/vec3.h"
+#include "base/worker_results.h"
 
 enum
 {
@@ -130,14 +131,23 @@ typedef struct qcPairCorners
 /// What one worker found, and its tables.
 typedef struct qcManifoldWorker
 {
+    qcWorkerResult result;
     qcArray rings;                     ///< of qcRing entries
     qcArray points;                    ///< of qcRawPoint
     qcArray views;                     ///< of qcTriangleView, while points of settled pairs are looked for
     qcArray listOf, lists, fans, seen; ///< while rings are looked for
-    qcStatus status;
-    bool changed;   ///< some direction, in this round
-    char apart[64]; ///< keeps the counts of two workers off one cache line
+    bool changed;                      ///< some direction, in this round
 } qcManifoldWorker;
+
+/// Room for the points of `pairCount` more pairs. False: this worker has failed, now or before.
+static inline bool qcManifoldWorker_ReservePoints(qcManifoldWorker* worker, size_t pairCount)
+{
+    if (!qcWorkerResult_IsOk(&worker->result))
+        return false;
+    size_t count = worker->points.count + pairCount * qc_maxCommonCorners;
+    return qcWorkerResult_Add(&worker->result,
+                              qcArray_Reserve(&worker->points, count, sizeof(qcRawPoint), "contact points"));
+}
 
 /// How far side 0 has to move along a direction, and how far against it, until a plane perpendicular to it lies between
 /// the two triangles. Below 0: it does already, with so much room.
@@ -203,6 +213,7 @@ typedef struct qcOverlapKernels qcOverlapKernels;
 /// The manifolds of two bodies, or of one with itself, and what is needed on the way: a thread's.
 typedef struct qcManifoldBuilder
 {
+    qcWorkerResult result;
     qcArray work;      ///< of qcManifoldPair, in the order of the reported pairs
     qcArray triangles; ///< of qcManifoldTriangle: those of the pairs
     qcArray numbers;   ///< of each triangle of both bodies: one more than its place among these; all 0 between builds
@@ -231,7 +242,6 @@ typedef struct qcManifoldBuilder
     //  results of all builds of this step, one after the other; first points count from 0 in each
     qcArray manifolds, points; ///< of qcManifold, of qcManifoldPoint
     int exponent;              ///< of this build: its lengths times 2^exponent are those of the scene
-    qcStatus status;
     const qcOverlapKernels* sight;
 } qcManifoldBuilder;
 
@@ -288,7 +298,7 @@ static inline bool qcSigned_Unite(uint32_t* nodes, uint32_t i, uint32_t j, uint3
 
 //  ---- the parts, in the order in which they run ------------------------------------------------------------
 
-/// The status of a loop over the workers: their first failure, said again on this thread.
+/// The first failure among the workers of a loop.
 qcStatus qcManifoldBuilder_LoopStatus(const qcManifoldBuilder* manifolds);
 
 /// Adds the manifolds of a meeting to the result. On `threads` threads, whose first is the calling one.

@@ -158,10 +158,10 @@ static qcStatus FindRings(const qcManifoldBuilder* m, uint32_t worker, const qcM
 static void TakeBlock(void* context, size_t block, uint32_t worker)
 {
     const qcManifoldBuilder* m = context;
-    qcStatus* status = &QC_AT(qcManifoldWorker, m->workers, worker).status;
+    qcWorkerResult* result = &QC_AT(qcManifoldWorker, m->workers, worker).result;
     size_t end = (block + 1) * qc_ringBlock < m->triangles.count ? (block + 1) * qc_ringBlock : m->triangles.count;
-    for (size_t t = block * qc_ringBlock; t < end && *status == qc_statusOk; t++)
-        *status = FindRings(m, worker, &QC_AT(qcManifoldTriangle, m->triangles, t));
+    for (size_t t = block * qc_ringBlock; t < end && qcWorkerResult_IsOk(result); t++)
+        (void)qcWorkerResult_Add(result, FindRings(m, worker, &QC_AT(qcManifoldTriangle, m->triangles, t)));
 }
 
 qcStatus qcManifoldBuilder_FindRings(qcManifoldBuilder* m, uint32_t threads)

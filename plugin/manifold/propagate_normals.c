@@ -196,14 +196,12 @@ static void LookBlock(void* context, size_t block, uint32_t worker)
 {
     const Job* job = context;
     qcManifoldBuilder* m = job->manifolds;
-    qcManifoldWorker* self = &QC_AT(qcManifoldWorker, m->workers, worker);
     size_t end = qcNormalBlocks_End(job->manifolds, block), moved = 0;
     for (size_t i = block * qc_normalBlock; i < end; i++)
         moved += job->now[qcManifoldBuilder_FreePair(m, i)].moved;
-    if (self->status == qc_statusOk)
-        self->status = qcArray_Reserve(&self->points, self->points.count + moved * qc_maxCommonCorners,
-                                       sizeof(qcRawPoint), "contact points");
-    for (size_t i = block * qc_normalBlock; i < end && self->status == qc_statusOk; i++)
+    if (!qcManifoldWorker_ReservePoints(&QC_AT(qcManifoldWorker, m->workers, worker), moved))
+        return;
+    for (size_t i = block * qc_normalBlock; i < end; i++)
     {
         uint32_t p = qcManifoldBuilder_FreePair(m, i);
         if (!job->now[p].moved)

@@ -1,8 +1,10 @@
-// Halves the triangles again and again where they reach farthest (a k-d tree; Bentley 1975), in space and along the
-// mesh: the distance from two far vertices, in hops, keeps layers apart that lie on each other now and may part later.
+// Halves the triangles recursively along their longest axis (a k-d tree; Bentley 1975). Three axes are those of space,
+// two are distances along the mesh, in edges from two far vertices: they separate layers of cloth that touch now and
+// may part later.
 #include "mesh/cluster_order.h"
 
-#include "mesh/clusters.h"
+#include "mesh/limits.h"
+#include "mesh/vertex_triangles.h"
 #include "base/parallel_for.h"
 #include "base/radix_sort.h"
 #include "base/status.h"
@@ -12,23 +14,23 @@
 
 enum
 {
-    qc_walks = 4,        ///< over each component: two to find far vertices, two to keep
-    qc_fewVertices = 64, ///< of a component that fits into a node: there is nothing to tell apart by hops
+    qc_walks = 4,        ///< of each component: two find far vertices, two give the axes
+    qc_fewVertices = 64, ///< of a component that fits into a node: no hops needed
     qc_axes = 5,         ///< three of space, two of hops
-    // So many triangles around one vertex get nodes of their own: there all are neighbours, and the pairs of those
-    // nodes do without tables of their own. Fewer than 16 nodes have few pairs.
+    // A vertex with so many triangles is a hub: its triangles get nodes of their own, in which all are neighbours, so
+    // that those nodes share one pair mask. Fewer than 16 nodes have few pairs.
     qc_hubValence = 1024,
-    // Ranges that are halved side by side; one with fewer triangles takes less than half a millisecond.
-    qc_mostRanges = 8,
-    qc_leastRange = 4096
+    // Ranges that are halved in parallel; one with fewer triangles takes less than half a millisecond.
+    qc_maxRanges = 8,
+    qc_minRange = 4096
 };
 
 #define QC_NO_HUB UINT32_MAX
 #define QC_NOT_REACHED UINT32_MAX
 
-/// Less than a half: on a flat grid of squares hops along x and y add up, and yet reach less than space does, so that
-/// flat patches are halved in space alone. 0.25 leaves layers of a folded cloth together in twice as many nodes; 0.9
-/// makes a bunny's nodes 12 % longer.
+/// Length of a hop, in mean triangle lengths. Less than a half: on a flat grid of squares, where hops along x and y add
+/// up, the hop axes stay shorter than those of space, so that flat patches are halved in space alone. 0.25 leaves
+/// layers of a folded cloth together in twice as many nodes; 0.9 makes a bunny's nodes 12 % longer.
 static const float s_hop = 0.4f;
 
 typedef struct Item
@@ -37,7 +39,7 @@ typedef struct Item
     uint32_t triangle;
 } Item;
 
-/// Of a vertex: edges to the vertices from which walks began.
+/// Edges between a vertex and the start of each walk.
 typedef struct Hops
 {
     uint32_t from[qc_walks];
@@ -47,19 +49,17 @@ typedef struct Order
 {
     const uint32_t* indices;
     uint32_t triangleCount, vertexCount;
-    qcArray items;  ///< of Item
-    qcArray first;  ///< uint32_t of each vertex and one more: where its triangles begin
-    qcArray around; ///< uint32_t: the triangles; one that names a vertex twice stands there twice
-    qcArray hops;   ///< of Hops
-    qcArray queue;  ///< uint32_t: vertices of one component as a walk reached them
+    qcArray items; ///< of Item
+    qcVertexTriangles around;
+    qcArray hops;  ///< of Hops, by vertex
+    qcArray queue; ///< uint32_t: vertices of one component, in the order in which a walk reached them
     uint32_t threads;
 } Order;
 
 static void Free(Order* o)
 {
     qcArray_Free(&o->items);
-    qcArray_Free(&o->first);
-    qcArray_Free(&o->around);
+    qcVertexTriangles_Free(&o->around);
     qcArray_Free(&o->hops);
     qcArray_Free(&o->queue);
 }
@@ -71,7 +71,7 @@ static const uint32_t* Corners(const Order* o, uint32_t triangle)
 
 //  ---- axes ----------------------------------------------------------------------------------------
 
-// Without the library's care for NaN, which costs a call.
+// fmin and fmax handle NaN, which costs a call.
 static double Min(double a, double b)
 {
     return a < b ? a : b;
@@ -82,7 +82,7 @@ static double Max(double a, double b)
     return a > b ? a : b;
 }
 
-/// Eighths: no sum of three and no difference of finite numbers overflows.
+/// An eighth of the bounds: no sum of three and no difference of finite numbers overflows.
 static void Bounds(const Order* o, const double* positions, uint32_t triangle, double low[3], double high[3])
 {
     const uint32_t* corner = Corners(o, triangle);
@@ -95,7 +95,7 @@ static void Bounds(const Order* o, const double* positions, uint32_t triangle, d
     }
 }
 
-/// Sets the axes of space; returns a triangle's mean length in them.
+/// Sets the axes of space. Returns the mean length of a triangle in them.
 static float SetSpace(Order* o, const double* positions)
 {
     double low[3], high[3], a[3], b[3];
@@ -129,26 +129,11 @@ static float SetSpace(Order* o, const double* positions)
     return (float)(length / o->triangleCount);
 }
 
-static void FindAround(Order* o)
-{
-    size_t corners = 3 * (size_t)o->triangleCount;
-    uint32_t* first = o->first.data;
-    memset(first, 0, ((size_t)o->vertexCount + 1) * sizeof *first);
-    for (size_t i = 0; i < corners; i++)
-        first[o->indices[i]]++;
-    uint32_t end = 0;
-    for (uint32_t v = 0; v < o->vertexCount; v++)
-        first[v] = end += first[v];
-    first[o->vertexCount] = end;
-    for (size_t i = corners; i-- > 0;)
-        QC_AT(uint32_t, o->around, --first[o->indices[i]]) = (uint32_t)(i / 3);
-}
-
-/// Breadth first; returns the number of vertices reached, the queue lists them.
+/// Breadth first. Returns the number of vertices reached; the queue lists them.
 static uint32_t Walk(Order* o, uint32_t source, int walk)
 {
     uint32_t *queue = o->queue.data, count = 1;
-    const uint32_t *first = o->first.data, *around = o->around.data;
+    const uint32_t *first = o->around.first.data, *around = o->around.triangles.data;
     Hops* hops = o->hops.data;
     queue[0] = source;
     hops[source].from[walk] = 0;
@@ -169,7 +154,7 @@ static uint32_t Walk(Order* o, uint32_t source, int walk)
     return count;
 }
 
-static uint32_t Least(uint32_t a, uint32_t b)
+static uint32_t MinCount(uint32_t a, uint32_t b)
 {
     return a < b ? a : b;
 }
@@ -182,7 +167,7 @@ static void WalkComponents(Order* o)
     memset(o->hops.data, 0xff, o->vertexCount * sizeof(Hops));
     for (uint32_t v = 0; v < o->vertexCount; v++)
     {
-        if (hops[v].from[0] != QC_NOT_REACHED || QC_AT(uint32_t, o->first, v) == QC_AT(uint32_t, o->first, v + 1))
+        if (hops[v].from[0] != QC_NOT_REACHED || qcVertexTriangles_Count(&o->around, v) == 0)
             continue;
         uint32_t count = Walk(o, v, 0);
         if (count <= qc_fewVertices)
@@ -197,7 +182,7 @@ static void WalkComponents(Order* o)
         for (uint32_t i = 1; i < count; i++)
         {
             const uint32_t *far = hops[queue[i]].from, *best = hops[side].from;
-            if (Least(far[1], far[2]) > Least(best[1], best[2]))
+            if (MinCount(far[1], far[2]) > MinCount(best[1], best[2]))
                 side = queue[i];
         }
         Walk(o, side, 3);
@@ -252,8 +237,9 @@ static void SortAlong(Item* items, uint32_t count, int axis)
     }
 }
 
-/// Puts the `lower` least along an axis first (Hoare's Find). Pivots by chance: no order of a file is a bad one.
-static void Part(Item* items, uint32_t count, uint32_t lower, int axis)
+/// Moves the `lower` items with the lowest values along an axis to the front (Hoare's Find). Random pivots: no input
+/// order is a bad case.
+static void Partition(Item* items, uint32_t count, uint32_t lower, int axis)
 {
     uint32_t random = count;
     ptrdiff_t begin = 0, end = count, rank = lower;
@@ -274,7 +260,7 @@ static void Part(Item* items, uint32_t count, uint32_t lower, int axis)
             if (i <= j)
                 Swap(&items[i++], &items[j--]);
         }
-        // To j at most the pivot, from i on at least; between them the pivot itself.
+        // Items up to j are at most the pivot, those from i on at least; those between are equal to it.
         if (rank <= j)
             end = j + 1;
         else if (rank >= i)
@@ -302,19 +288,19 @@ static int LongestAxis(const Item* items, uint32_t count)
     return longest;
 }
 
-/// Puts first what is to be halved on its own; returns how many that are. Cuts are at multiples of the greatest size *
-/// 8^k, so that what eight nodes hold, and eight times eight, lies together too.
+/// Splits the items in two halves; returns the count of the first. Cuts lie at multiples of the largest size * 8^k that
+/// fits, so that the triangles of eight nodes, and of eight times eight, lie together too.
 static uint32_t Cut(Item* items, uint32_t count, uint32_t size)
 {
     uint32_t whole = size;
     while (whole < (count + 7) / 8)
         whole *= 8;
     uint32_t lower = ((count - 1) / whole + 2) / 2 * whole;
-    Part(items, count, lower, LongestAxis(items, count));
+    Partition(items, count, lower, LongestAxis(items, count));
     return lower;
 }
 
-/// Until no more than `size` are together. Only the last part is not full.
+/// Splits down to groups of `size`; only the last one may have fewer.
 static void Halve(Item* items, uint32_t count, uint32_t size)
 {
     if (count <= size)
@@ -330,7 +316,7 @@ typedef struct Range
     uint32_t count;
 } Range;
 
-/// Into nodes, and each node into clusters.
+/// Splits a range into nodes, and each node into clusters.
 static void HalveRange(void* context, size_t i, uint32_t worker)
 {
     (void)worker;
@@ -340,18 +326,18 @@ static void HalveRange(void* context, size_t i, uint32_t worker)
         Halve(range->items + k, range->count - k < qc_nodeSize ? range->count - k : qc_nodeSize, qc_clusterSize);
 }
 
-/// Cut a few times on this thread, then halved by all.
+/// Splits a few times on this thread, then in parallel.
 static void HalveAll(const Order* o, Item* items, uint32_t count)
 {
-    Range ranges[qc_mostRanges] = {{items, count}};
+    Range ranges[qc_maxRanges] = {{items, count}};
     size_t rangeCount = 1;
-    for (bool cut = true; cut && 2 * rangeCount <= qc_mostRanges;)
+    for (bool cut = true; cut && 2 * rangeCount <= qc_maxRanges;)
     {
         cut = false;
         for (size_t i = rangeCount; i-- > 0;)
         {
             Range all = ranges[i];
-            if (all.count < qc_leastRange)
+            if (all.count < qc_minRange)
                 continue;
             uint32_t lower = Cut(all.items, all.count, qc_nodeSize);
             ranges[i].count = lower;
@@ -364,18 +350,18 @@ static void HalveAll(const Order* o, Item* items, uint32_t count)
 
 //  ---- hubs ----------------------------------------------------------------------------------------
 
-/// The vertex of a triangle that has very many others, or QC_NO_HUB.
+/// The triangle's vertex with the most triangles if these are very many, or QC_NO_HUB.
 static uint32_t HubOf(const Order* o, uint32_t triangle)
 {
     const uint32_t* corner = Corners(o, triangle);
-    uint32_t hub = QC_NO_HUB, most = qc_hubValence - 1;
+    uint32_t hub = QC_NO_HUB, maxValence = qc_hubValence - 1;
     for (int k = 0; k < 3; k++)
     {
-        const uint32_t* first = &QC_AT(uint32_t, o->first, corner[k]);
-        if (first[1] - first[0] > most)
+        uint32_t valence = qcVertexTriangles_Count(&o->around, corner[k]);
+        if (valence > maxValence)
         {
             hub = corner[k];
-            most = first[1] - first[0];
+            maxValence = valence;
         }
     }
     return hub;
@@ -383,14 +369,13 @@ static uint32_t HubOf(const Order* o, uint32_t triangle)
 
 static bool HasHub(const Order* o)
 {
-    const uint32_t* first = o->first.data;
     for (uint32_t v = 0; v < o->vertexCount; v++)
-        if (first[v + 1] - first[v] >= qc_hubValence)
+        if (qcVertexTriangles_Count(&o->around, v) >= qc_hubValence)
             return true;
     return false;
 }
 
-/// The triangles of one hub together, those without at the end.
+/// Sorts by hub, triangles without one last.
 static qcStatus SortByHub(Order* o, qcArray* keys, qcArray* scratch)
 {
     uint32_t n = o->triangleCount;
@@ -412,28 +397,26 @@ static qcStatus Reserve(Order* o)
 {
     size_t n = o->triangleCount, vertices = o->vertexCount;
     QC_TRY(qcArray_Resize(&o->items, n, sizeof(Item), "order of triangles"));
-    QC_TRY(qcArray_Resize(&o->first, vertices + 1, sizeof(uint32_t), "order of triangles"));
-    QC_TRY(qcArray_Resize(&o->around, 3 * n, sizeof(uint32_t), "order of triangles"));
+    QC_TRY(qcVertexTriangles_Build(&o->around, o->indices, n, o->vertexCount));
     QC_TRY(qcArray_Resize(&o->hops, vertices, sizeof(Hops), "order of triangles"));
     return qcArray_Resize(&o->queue, vertices, sizeof(uint32_t), "order of triangles");
 }
 
-/// Adds the nodes of items that belong together.
-static qcStatus AddNodes(Order* o, Item* items, uint32_t count, qcArray* places)
+/// Appends the nodes of a group of items.
+static qcStatus AddNodes(Order* o, Item* items, uint32_t count, qcArray* slots)
 {
     HalveAll(o, items, count);
-    size_t first = places->count, nodes = ((size_t)count + qc_nodeSize - 1) / qc_nodeSize;
-    QC_TRY(qcArray_Resize(places, first + nodes * qc_nodeSize, sizeof(uint32_t), "order of triangles"));
+    size_t first = slots->count, nodes = ((size_t)count + qc_nodeSize - 1) / qc_nodeSize;
+    QC_TRY(qcArray_Resize(slots, first + nodes * qc_nodeSize, sizeof(uint32_t), "order of triangles"));
     for (uint32_t i = 0; i < nodes * qc_nodeSize; i++)
-        QC_AT(uint32_t, *places, first + i) = i < count ? items[i].triangle : QC_NO_TRIANGLE;
+        QC_AT(uint32_t, *slots, first + i) = i < count ? items[i].triangle : QC_NO_TRIANGLE;
     return qc_statusOk;
 }
 
-static qcStatus Make(Order* o, const double* positions, qcArray* places)
+static qcStatus Make(Order* o, const double* positions, qcArray* slots)
 {
     QC_TRY(Reserve(o));
     float length = SetSpace(o, positions);
-    FindAround(o);
     WalkComponents(o);
     SetHops(o, length);
 
@@ -452,21 +435,21 @@ static qcStatus Make(Order* o, const double* positions, qcArray* places)
         end = hasHub ? begin + 1 : o->triangleCount;
         while (end < o->triangleCount && HubOf(o, items[end].triangle) == HubOf(o, items[begin].triangle))
             end++;
-        QC_TRY(AddNodes(o, items + begin, end - begin, places));
+        QC_TRY(AddNodes(o, items + begin, end - begin, slots));
     }
     return qc_statusOk;
 }
 
-qcStatus qcClusterOrder_Make(qcArray* places, const uint32_t* indices, uint32_t triangleCount, const double* positions,
+qcStatus qcClusterOrder_Make(qcArray* slots, const uint32_t* indices, uint32_t triangleCount, const double* positions,
                              uint32_t vertexCount, uint32_t threads)
 {
     if (triangleCount > UINT32_MAX / 3)
         return qcFailMemory(SIZE_MAX, "order of more than 2^32 / 3 triangles");
-    places->count = 0;
+    slots->count = 0;
     if (triangleCount == 0)
         return qc_statusOk;
     Order order = {.indices = indices, .triangleCount = triangleCount, .vertexCount = vertexCount, .threads = threads};
-    qcStatus status = Make(&order, positions, places);
+    qcStatus status = Make(&order, positions, slots);
     Free(&order);
     return status;
 }

@@ -1,6 +1,6 @@
-// Nodes that share a vertex, and a table of 64 x 64 bits for each two: ones, then for each vertex zeros where both
-// triangles have it, by words; packed when the node's tables are done. Node pairs all of whose triangles are
-// neighbours, as in a fan, have one table together.
+// Links of nodes and their pair masks. A mask starts with all bits set; each shared vertex clears the pairs of
+// triangles that have it, a word at a time; a node's masks are packed when they are done. Links all of whose pairs are
+// neighbours, as in a large fan, share one mask.
 #include "mesh/clusters.h"
 
 #include "mesh/cluster_order.h"
@@ -15,10 +15,10 @@ enum
     qc_clustersOfNode = qc_nodeSize / qc_clusterSize
 };
 
-/// A vertex in a node: which of the node's places have it.
+/// A vertex in a node: a bit for each of the node's triangles that has it.
 typedef struct Share
 {
-    uint64_t places;
+    uint64_t triangles;
     uint32_t node;
 } Share;
 
@@ -27,19 +27,19 @@ typedef struct Builder
     qcClusters* clusters;
     const uint32_t* indices;
     uint32_t vertexCount;
-    uint32_t usedCount; ///< vertices that triangles have
-    qcArray corners;    ///< of qcCorners, by place
-    qcArray vertexOf;   ///< uint32_t, of each vertex that is used
-    qcArray filled;     ///< uint64_t of each node: places that have a triangle
+    uint32_t usedCount; ///< vertices of triangles
+    qcArray corners;    ///< of qcCorners, by slot
+    qcArray vertexOf;   ///< uint32_t, of each of them: its number in the body
+    qcArray filled;     ///< uint64_t of each node: a bit for each slot with a triangle
     qcArray first;      ///< uint32_t of each vertex and one more: where its shares begin
-    qcArray next;       ///< uint32_t of each vertex: its first share that no visit has come to
+    qcArray next;       ///< uint32_t of each vertex: its first share that is not visited yet
     qcArray shares;     ///< of Share, each vertex's ordered by node
-    qcArray seen;  ///< uint32_t of each node: the last link to it, plus 1; then its table among `words`, plus 1, or 0
+    qcArray seen;  ///< uint32_t of each node: the last link to it, plus 1; then its mask among `words`, plus 1, or 0
     qcArray items; ///< of qcSortItem: node and other node, whether all their triangles are neighbours
-    qcArray words; ///< uint64_t: the tables of the node that is visited, not packed
+    qcArray words; ///< uint64_t: the masks of the node that is visited, not packed
 } Builder;
 
-/// Two nodes, the same or in order, that have a vertex at these places.
+/// Called for two nodes, the same or in order, that share a vertex.
 typedef qcStatus Visit(Builder* b, const Share* share, const Share* other);
 
 static void Free(Builder* b)
@@ -55,9 +55,9 @@ static void Free(Builder* b)
     qcArray_Free(&b->words);
 }
 
-static bool HasTriangle(const Builder* b, size_t place)
+static bool HasTriangle(const Builder* b, size_t slot)
 {
-    return QC_AT(uint32_t, b->clusters->triangles, place) != QC_NO_TRIANGLE;
+    return QC_AT(uint32_t, b->clusters->triangles, slot) != QC_NO_TRIANGLE;
 }
 
 uint32_t qcClusters_FindLink(const qcClusters* clusters, uint32_t node, uint32_t other)
@@ -70,63 +70,38 @@ uint32_t qcClusters_FindLink(const qcClusters* clusters, uint32_t node, uint32_t
     return QC_NO_LINK;
 }
 
-size_t qcClusters_PackTable(const uint64_t words[qc_tableWords], uint64_t packed[qc_maxTableSize])
+qcStatus qcClusters_NumberVertices(const qcClusters* c, const uint32_t* indices, uint32_t vertexCount, qcArray* corners,
+                                   qcArray* vertexOf)
 {
-    uint64_t some = 0, none = 0;
-    size_t size = 2;
-    for (uint32_t word = 0; word < qc_tableWords; word++)
-    {
-        bool isNone = words[word] == 0, isSome = !isNone && words[word] != UINT64_MAX;
-        none |= (uint64_t)isNone << word;
-        some |= (uint64_t)isSome << word;
-        if (isSome)
-            packed[size++] = words[word];
-    }
-    packed[0] = some;
-    packed[1] = none;
-    return size;
-}
-
-const uint64_t* qcClusters_OrderTable(void)
-{
-    static const uint64_t diagonal = UINT64_C(0x8040201008040201), b = QC_IN_ORDER;
-    // Words i + 8 j with i > j have none; after the last is what qcClusters_Word may read.
-    static const uint64_t table[] = {diagonal, UINT64_C(0x0080c0e0f0f8fcfe), b, b, b, b, b, b, b, b, 0};
-    return table;
-}
-
-qcStatus qcClusters_NameVertices(const qcClusters* c, const uint32_t* indices, uint32_t vertexCount, qcArray* corners,
-                                 qcArray* vertexOf)
-{
-    qcArray names = {0};
+    qcArray numbers = {0};
     vertexOf->count = 0;
     QC_TRY(qcArray_Resize(corners, c->triangles.count, sizeof(qcCorners), "vertices of nodes"));
     QC_TRY(qcArray_Reserve(vertexOf, vertexCount, sizeof(uint32_t), "vertices of nodes"));
-    QC_TRY(qcArray_Resize(&names, vertexCount, sizeof(uint32_t), "vertices of nodes"));
+    QC_TRY(qcArray_Resize(&numbers, vertexCount, sizeof(uint32_t), "vertices of nodes"));
     if (vertexCount != 0)
-        memset(names.data, 0xff, vertexCount * sizeof(uint32_t));
+        memset(numbers.data, 0xff, vertexCount * sizeof(uint32_t));
     for (size_t i = 0; i < c->triangles.count; i++)
     {
         uint32_t t = QC_AT(uint32_t, c->triangles, i);
         for (int k = 0; k < 3 && t != QC_NO_TRIANGLE; k++)
         {
-            uint32_t vertex = indices[3 * (size_t)t + k], *name = &QC_AT(uint32_t, names, vertex);
-            if (*name == UINT32_MAX)
+            uint32_t vertex = indices[3 * (size_t)t + k], *number = &QC_AT(uint32_t, numbers, vertex);
+            if (*number == UINT32_MAX)
             {
-                *name = (uint32_t)vertexOf->count;
+                *number = (uint32_t)vertexOf->count;
                 QC_AT(uint32_t, *vertexOf, vertexOf->count++) = vertex;
             }
-            QC_AT(qcCorners, *corners, i).vertex[k] = *name;
+            QC_AT(qcCorners, *corners, i).vertex[k] = *number;
         }
     }
-    qcArray_Free(&names);
+    qcArray_Free(&numbers);
     for (size_t i = 0; i < c->triangles.count; i++)
         for (int k = 0; k < 3 && QC_AT(uint32_t, c->triangles, i) == QC_NO_TRIANGLE; k++)
             QC_AT(qcCorners, *corners, i).vertex[k] = (uint32_t)vertexOf->count;
     return qc_statusOk;
 }
 
-/// Gives each vertex its shares, node by node, so that they come ordered.
+/// Lists the shares of each vertex, node by node, so that they are ordered.
 static qcStatus FindShares(Builder* b)
 {
     const qcClusters* c = b->clusters;
@@ -137,7 +112,7 @@ static qcStatus FindShares(Builder* b)
     QC_TRY(qcArray_Resize(&b->next, (size_t)b->usedCount + 1, sizeof(uint32_t), "vertices of nodes"));
     uint32_t *first = b->first.data, *next = b->next.data;
     memset(first, 0, bytes);
-    memset(next, 0, bytes); // for now: the last node that had the vertex, plus 1
+    memset(next, 0, bytes); // in this loop: the last node that has the vertex, plus 1
     for (size_t i = 0; i < c->triangles.count; i++)
         for (int k = 0; k < 3 && HasTriangle(b, i); k++)
         {
@@ -163,22 +138,22 @@ static qcStatus FindShares(Builder* b)
             uint32_t v = QC_AT(qcCorners, b->corners, i).vertex[k];
             if (next[v] == first[v] || QC_AT(Share, b->shares, next[v] - 1).node != node)
                 QC_AT(Share, b->shares, next[v]++) = (Share){0, node};
-            QC_AT(Share, b->shares, next[v] - 1).places |= bit;
+            QC_AT(Share, b->shares, next[v] - 1).triangles |= bit;
         }
     }
     return qc_statusOk;
 }
 
-/// Visits the node with itself and with later ones, once for each vertex that they have. For nodes in order: each visit
-/// takes the node's shares off their vertices, so that a vertex met again at another triangle is known.
+/// Visits the node with itself and with later ones, once for each shared vertex. Nodes are visited in order: each visit
+/// removes the node's shares from their vertices, so that each vertex of the node is processed once.
 static qcStatus VisitNode(Builder* b, uint32_t node, Visit* visit)
 {
     const Share* shares = b->shares.data;
-    size_t place = (size_t)node * qc_nodeSize;
-    for (size_t end = place + qc_nodeSize; place < end; place++)
-        for (int k = 0; k < 3 && HasTriangle(b, place); k++)
+    size_t slot = (size_t)node * qc_nodeSize;
+    for (size_t end = slot + qc_nodeSize; slot < end; slot++)
+        for (int k = 0; k < 3 && HasTriangle(b, slot); k++)
         {
-            uint32_t v = QC_AT(qcCorners, b->corners, place).vertex[k], own = QC_AT(uint32_t, b->next, v);
+            uint32_t v = QC_AT(qcCorners, b->corners, slot).vertex[k], own = QC_AT(uint32_t, b->next, v);
             uint32_t endOfShares = QC_AT(uint32_t, b->first, v + 1);
             if (own == endOfShares || shares[own].node != node)
                 continue;
@@ -206,13 +181,13 @@ static qcStatus AddLink(Builder* b, const Share* share, const Share* other)
         *seen = (uint32_t)b->items.count;
         QC_AT(qcSortItem, b->items, *seen - 1) = (qcSortItem){key, false};
     }
-    if (share->places == QC_AT(uint64_t, b->filled, share->node) &&
-        other->places == QC_AT(uint64_t, b->filled, other->node))
+    if (share->triangles == QC_AT(uint64_t, b->filled, share->node) &&
+        other->triangles == QC_AT(uint64_t, b->filled, other->node))
         QC_AT(qcSortItem, b->items, *seen - 1).value = true;
     return qc_statusOk;
 }
 
-/// Links in order. Those of nodes all of whose triangles are neighbours have what is to be their table's place.
+/// Lists the links in order. Those all of whose pairs are neighbours already have their mask: the shared one.
 static qcStatus FindLinks(Builder* b)
 {
     qcClusters* c = b->clusters;
@@ -243,25 +218,25 @@ static qcStatus FindLinks(Builder* b)
     return qc_statusOk;
 }
 
-/// The pairs that a word of a table is about: both triangles exist and, in one node, are in order.
+/// The pairs of a mask's word whose triangles both exist and, in one node, are in order.
 static uint64_t PairsOfWord(uint32_t word, uint64_t filledA, uint64_t filledB, bool isSame)
 {
     uint32_t i = word % qc_clustersOfNode, j = word / qc_clustersOfNode;
-    uint64_t all = qcClusters_Product(qcClusters_PlacesOf(filledA, i), qcClusters_PlacesOf(filledB, j));
+    uint64_t all = qcPairMask_Product(qcPairMask_OfCluster(filledA, i), qcPairMask_OfCluster(filledB, j));
     if (!isSame || i < j)
         return all;
-    return i == j ? all & QC_IN_ORDER : 0;
+    return i == j ? all & QC_PAIRS_IN_ORDER : 0;
 }
 
-static void FillTable(uint64_t* table, uint64_t filledA, uint64_t filledB, bool isSame)
+static void FillMask(uint64_t* mask, uint64_t filledA, uint64_t filledB, bool isSame)
 {
-    for (uint32_t word = 0; word < qc_tableWords; word++)
-        table[word] = PairsOfWord(word, filledA, filledB, isSame);
+    for (uint32_t word = 0; word < qc_pairMaskWords; word++)
+        mask[word] = PairsOfWord(word, filledA, filledB, isSame);
 }
 
 static uint64_t* WordsOf(const Builder* b, uint32_t number)
 {
-    return &QC_AT(uint64_t, b->words, (size_t)(number - 1) * qc_tableWords);
+    return &QC_AT(uint64_t, b->words, (size_t)(number - 1) * qc_pairMaskWords);
 }
 
 static qcStatus ClearNeighbours(Builder* b, const Share* share, const Share* other)
@@ -269,53 +244,54 @@ static qcStatus ClearNeighbours(Builder* b, const Share* share, const Share* oth
     uint32_t number = QC_AT(uint32_t, b->seen, other->node);
     if (number == 0)
         return qc_statusOk;
-    uint64_t* table = WordsOf(b, number);
+    uint64_t* mask = WordsOf(b, number);
     for (int j = 0; j < qc_clustersOfNode; j++)
     {
-        unsigned placesB = qcClusters_PlacesOf(other->places, (uint32_t)j);
-        for (int i = 0; i < qc_clustersOfNode && placesB != 0; i++)
-            table[i + j * qc_clustersOfNode] &=
-                ~qcClusters_Product(qcClusters_PlacesOf(share->places, (uint32_t)i), placesB);
+        unsigned clusterB = qcPairMask_OfCluster(other->triangles, (uint32_t)j);
+        for (int i = 0; i < qc_clustersOfNode && clusterB != 0; i++)
+            mask[i + j * qc_clustersOfNode] &=
+                ~qcPairMask_Product(qcPairMask_OfCluster(share->triangles, (uint32_t)i), clusterB);
     }
     return qc_statusOk;
 }
 
-/// Pairs that a table could have.
+/// Pairs of existing triangles of a link.
 static uint64_t CountPairs(uint64_t filledA, uint64_t filledB, bool isSame)
 {
     uint64_t n = (uint64_t)__builtin_popcountll(filledA), m = (uint64_t)__builtin_popcountll(filledB);
     return isSame ? n * (n - 1) / 2 : n * m;
 }
 
-/// Adds a table; counts the pairs that it has.
-static qcStatus AddTable(qcClusters* c, const uint64_t words[qc_tableWords], uint32_t* place, uint64_t* pairs)
+/// Appends a mask; adds the number of its pairs to *pairs.
+static qcStatus AddMask(qcClusters* c, const uint64_t words[qc_pairMaskWords], uint32_t* offset, uint64_t* pairs)
 {
-    size_t at = c->tables.count;
-    // One more is what qcClusters_Word may read.
-    if (at > UINT32_MAX - qc_maxTableSize - 1)
-        return qcFailMemory(SIZE_MAX, "more than 2^32 words of tables of nodes");
-    QC_TRY(qcArray_Reserve(&c->tables, at + qc_maxTableSize + 1, sizeof(uint64_t), "pairs of near nodes"));
-    c->tables.count += qcClusters_PackTable(words, &QC_AT(uint64_t, c->tables, at));
-    *place = (uint32_t)at;
-    for (uint32_t i = 0; i < qc_tableWords; i++)
+    size_t at = c->pairMasks.count;
+    // One word more, which qcPairMask_Word may read.
+    if (at > UINT32_MAX - qc_maxPairMaskSize - 1)
+        return qcFailMemory(SIZE_MAX, "more than 2^32 words of pair masks");
+    QC_TRY(qcArray_Reserve(&c->pairMasks, at + qc_maxPairMaskSize + 1, sizeof(uint64_t), "pairs of near nodes"));
+    c->pairMasks.count += qcPairMask_Pack(words, &QC_AT(uint64_t, c->pairMasks, at));
+    *offset = (uint32_t)at;
+    for (uint32_t i = 0; i < qc_pairMaskWords; i++)
         *pairs += (uint64_t)__builtin_popcountll(words[i]);
     return qc_statusOk;
 }
 
-/// Those of the node's links that have one of their own.
-static qcStatus FillTablesOf(Builder* b, uint32_t node)
+/// Makes the masks of a node's links, where these are not shared.
+static qcStatus FillMasksOf(Builder* b, uint32_t node)
 {
     qcClusters* c = b->clusters;
     const uint64_t* filled = b->filled.data;
     uint32_t first = QC_AT(uint32_t, c->firstLink, node), end = QC_AT(uint32_t, c->firstLink, node + 1), number = 0;
-    QC_TRY(qcArray_Resize(&b->words, (size_t)(end - first) * qc_tableWords, sizeof(uint64_t), "pairs of near nodes"));
+    QC_TRY(
+        qcArray_Resize(&b->words, (size_t)(end - first) * qc_pairMaskWords, sizeof(uint64_t), "pairs of near nodes"));
     for (uint32_t l = first; l < end; l++)
     {
         qcLeafLink link = QC_AT(qcLeafLink, c->links, l);
-        bool own = link.table != 0;
+        bool own = link.mask != 0;
         QC_AT(uint32_t, b->seen, link.other) = own ? ++number : 0;
         if (own)
-            FillTable(WordsOf(b, number), filled[node], filled[link.other], link.other == node);
+            FillMask(WordsOf(b, number), filled[node], filled[link.other], link.other == node);
     }
     QC_TRY(VisitNode(b, node, ClearNeighbours));
     number = 0;
@@ -323,41 +299,41 @@ static qcStatus FillTablesOf(Builder* b, uint32_t node)
     {
         qcLeafLink* link = &QC_AT(qcLeafLink, c->links, l);
         uint64_t pairs = 0;
-        if (link->table != 0)
-            QC_TRY(AddTable(c, WordsOf(b, ++number), &link->table, &pairs));
+        if (link->mask != 0)
+            QC_TRY(AddMask(c, WordsOf(b, ++number), &link->mask, &pairs));
         c->neighbourCount += CountPairs(filled[node], filled[link->other], link->other == node) - pairs;
     }
     return qc_statusOk;
 }
 
-static qcStatus FillTables(Builder* b)
+static qcStatus FillMasks(Builder* b)
 {
     qcClusters* c = b->clusters;
-    // All zero: for links that have none of their own, if there are any.
-    static const uint64_t zero[qc_tableWords] = {0};
-    uint32_t place;
+    // All zero: the shared mask.
+    static const uint64_t zero[qc_pairMaskWords] = {0};
+    uint32_t offset;
     uint64_t pairs = 0;
-    QC_TRY(AddTable(c, zero, &place, &pairs));
+    QC_TRY(AddMask(c, zero, &offset, &pairs));
     RewindVisits(b);
     for (uint32_t node = 0; node < c->nodeCount; node++)
-        QC_TRY(FillTablesOf(b, node));
+        QC_TRY(FillMasksOf(b, node));
     // There is room for it.
-    QC_AT(uint64_t, c->tables, c->tables.count++) = 0;
-    return qcArray_Trim(&c->tables, sizeof(uint64_t), "pairs of near nodes");
+    QC_AT(uint64_t, c->pairMasks, c->pairMasks.count++) = 0;
+    return qcArray_Trim(&c->pairMasks, sizeof(uint64_t), "pairs of near nodes");
 }
 
 static qcStatus Link(Builder* b)
 {
     qcClusters* c = b->clusters;
-    QC_TRY(qcClusters_NameVertices(c, b->indices, b->vertexCount, &b->corners, &b->vertexOf));
+    QC_TRY(qcClusters_NumberVertices(c, b->indices, b->vertexCount, &b->corners, &b->vertexOf));
     b->usedCount = (uint32_t)b->vertexOf.count;
     QC_TRY(FindShares(b));
     QC_TRY(FindLinks(b));
-    return FillTables(b);
+    return FillMasks(b);
 }
 
-qcStatus qcClusters_Lay(qcClusters* clusters, const uint32_t* indices, uint32_t triangleCount, const double* positions,
-                        uint32_t vertexCount, uint32_t threads)
+qcStatus qcClusters_Arrange(qcClusters* clusters, const uint32_t* indices, uint32_t triangleCount,
+                            const double* positions, uint32_t vertexCount, uint32_t threads)
 {
     *clusters = (qcClusters){0};
     qcStatus status =
@@ -372,7 +348,7 @@ void qcClusters_Unlink(qcClusters* clusters)
 {
     qcArray_Free(&clusters->firstLink);
     qcArray_Free(&clusters->links);
-    qcArray_Free(&clusters->tables);
+    qcArray_Free(&clusters->pairMasks);
     clusters->neighbourCount = 0;
 }
 
@@ -389,14 +365,14 @@ qcStatus qcClusters_Link(qcClusters* clusters, const uint32_t* indices, uint32_t
 qcStatus qcClusters_Build(qcClusters* clusters, const uint32_t* indices, uint32_t triangleCount,
                           const double* positions, uint32_t vertexCount, uint32_t threads)
 {
-    QC_TRY(qcClusters_Lay(clusters, indices, triangleCount, positions, vertexCount, threads));
+    QC_TRY(qcClusters_Arrange(clusters, indices, triangleCount, positions, vertexCount, threads));
     qcStatus status = qcClusters_Link(clusters, indices, vertexCount);
     if (status != qc_statusOk)
         qcClusters_Free(clusters);
     return status;
 }
 
-static uint64_t FilledPlaces(const uint32_t* triangles)
+static uint64_t FilledSlots(const uint32_t* triangles)
 {
     uint64_t filled = 0;
     for (uint32_t i = 0; i < qc_nodeSize; i++)
@@ -404,22 +380,19 @@ static uint64_t FilledPlaces(const uint32_t* triangles)
     return filled;
 }
 
-/// What the table leaves out though both triangles exist and come in order.
-qcSlotPair* qcClusters_FindNeighbours(const qcClusters* clusters, uint32_t node, uint32_t link,
-                                      const qcPairExclusion* skips, int skipCount, qcSlotPair* pairs)
+/// The pairs that the mask lacks though both triangles exist and are in order.
+qcSlotPair* qcClusters_FindNeighbours(const qcClusters* clusters, uint32_t node, uint32_t link, qcSlotPair* pairs)
 {
     qcLeafLink to = QC_AT(qcLeafLink, clusters->links, link);
     const uint32_t *triangles = clusters->triangles.data, a = node * qc_nodeSize, b = to.other * qc_nodeSize;
-    const uint64_t* table = qcClusters_Table(clusters, link);
-    uint64_t filledA = FilledPlaces(triangles + a), filledB = FilledPlaces(triangles + b), none = table[1];
-    for (uint64_t words = table[0] | none; words != 0; words &= words - 1)
+    const uint64_t* mask = qcClusters_PairMask(clusters, link);
+    uint64_t filledA = FilledSlots(triangles + a), filledB = FilledSlots(triangles + b), none = mask[1];
+    for (uint64_t words = mask[0] | none; words != 0; words &= words - 1)
     {
         uint32_t word = (uint32_t)__builtin_ctzll(words), i = word % qc_clustersOfNode, j = word / qc_clustersOfNode;
         uint64_t left = PairsOfWord(word, filledA, filledB, node == to.other);
         if ((none >> word & 1u) == 0)
-            left &= ~qcClusters_Word(table, word);
-        for (int k = 0; k < skipCount && left != 0; k++)
-            left &= ~qcClusters_Product(qcClusters_PlacesOf(skips[k].a, i), qcClusters_PlacesOf(skips[k].b, j));
+            left &= ~qcPairMask_Word(mask, word);
         for (; left != 0; left &= left - 1)
         {
             uint32_t bit = (uint32_t)__builtin_ctzll(left);

@@ -1,9 +1,10 @@
-// Grows discs triangle by triangle: over one edge of the loop to a vertex that is not in the disc, or into a notch,
-// over two edges that follow each other on the loop. Either leaves a disc with one loop around it.
+// Grows patches triangle by triangle: over one edge of the loop to a vertex outside of the patch, or into a notch, over
+// two successive edges of the loop. Either way the patch stays a disc with one loop around it.
 #include "mesh/flat_patches.h"
 
 #include "base/parallel_for.h"
 #include "base/status.h"
+#include "base/worker_results.h"
 
 #include <stdbool.h>
 #include <string.h>
@@ -11,62 +12,62 @@
 enum
 {
     qc_seeds = 4,
-    // A disc that leaves out more of its node skips too little to be looked at.
-    qc_leastShare = qc_nodeSize / 2
+    // A patch with fewer triangles of each of its nodes excludes too few pairs to be worth its test.
+    qc_minShare = qc_nodeSize / 2
 };
 
 #define QC_INSIDE UINT32_MAX
 
-/// A vertex of the disc that grows.
-typedef struct Joint
+/// A vertex, as the growing patch sees it.
+typedef struct PatchVertex
 {
-    uint32_t disc;  ///< which it is in
+    uint32_t patch; ///< the last patch that has it
     uint32_t next;  ///< on the loop, or QC_INSIDE
-    uint32_t block; ///< the disc around whose own triangles have it
-} Joint;
+    uint32_t block; ///< the last patch whose block (the nodes that it is grown around) has it
+} PatchVertex;
 
-/// Grows the discs of one size.
+/// Grows the patches of one size.
 typedef struct Builder
 {
-    qcFlatPatches* discs;
+    qcFlatPatches* patches;
     const qcClusters* clusters;
     const qcAdjacency* adjacency;
     const qcCorners* corners;
     uint32_t vertexCount;
     int size;
-    qcStatus status;
-    qcArray places, loops; ///< of these discs, as in qcFlatPatches
-    qcArray inDisc;        ///< uint32_t by place: the disc it is in
-    qcArray joints;        ///< of Joint, by vertex
-    qcArray queue;         ///< uint32_t: places that may join
-    qcArray masks;         ///< uint64_t by node
-    //  the disc that grows
-    uint32_t disc, firstNode, endNode;
+    qcWorkerResult result;
+    qcArray slots, loops; ///< of these patches, as in qcFlatPatches
+    qcArray patchOf;      ///< uint32_t by slot: the last patch that has the triangle
+    qcArray vertices;     ///< of PatchVertex
+    qcArray queue;        ///< uint32_t: slots of triangles that may join
+    qcArray masks;        ///< uint64_t by node: its triangles in the patch
+    //  the patch that grows, its number from 1 on
+    uint32_t patch, firstNode, endNode;
     uint32_t start; ///< a vertex of the loop
 } Builder;
 
 static void Free(Builder* b)
 {
-    qcArray* arrays[] = {&b->places, &b->loops, &b->inDisc, &b->joints, &b->queue, &b->masks};
+    qcArray* arrays[] = {&b->slots, &b->loops, &b->patchOf, &b->vertices, &b->queue, &b->masks};
     for (size_t i = 0; i < sizeof arrays / sizeof arrays[0]; i++)
         qcArray_Free(arrays[i]);
 }
 
-static bool HasTriangle(const Builder* b, size_t place)
+static bool HasTriangle(const Builder* b, size_t slot)
 {
-    return QC_AT(uint32_t, b->clusters->triangles, place) != QC_NO_TRIANGLE;
+    return QC_AT(uint32_t, b->clusters->triangles, slot) != QC_NO_TRIANGLE;
 }
 
 //  ---- growth --------------------------------------------------------------------------------------
 
-static Joint* JointAt(const Builder* b, uint32_t vertex)
+static PatchVertex* VertexAt(const Builder* b, uint32_t vertex)
 {
-    return &QC_AT(Joint, b->joints, vertex);
+    return &QC_AT(PatchVertex, b->vertices, vertex);
 }
 
-static bool IsInDisc(const Builder* b, uint32_t place)
+static bool IsInPatch(const Builder* b, uint32_t slot)
 {
-    return place != QC_NO_SLOT && QC_AT(uint32_t, b->inDisc, place) == b->disc;
+    return slot != QC_NO_SLOT && QC_AT(uint32_t, b->patchOf, slot) == b->patch;
 }
 
 static void Begin(Builder* b, uint32_t seed)
@@ -74,94 +75,94 @@ static void Begin(Builder* b, uint32_t seed)
     const uint32_t* v = b->corners[seed].vertex;
     for (int c = 0; c < 3; c++)
     {
-        JointAt(b, v[c])->disc = b->disc;
-        JointAt(b, v[c])->next = v[(c + 1) % 3];
+        VertexAt(b, v[c])->patch = b->patch;
+        VertexAt(b, v[c])->next = v[(c + 1) % 3];
     }
     b->start = v[0];
 }
 
-/// Changes the loop so that the triangle is inside; false: it would not be a disc with one loop, or it is no notch and
-/// only those are wanted.
-static bool Join(Builder* b, uint32_t place, bool notchesOnly)
+/// Changes the loop so that the triangle is inside. False: the result would not be a disc with one loop, or the
+/// triangle is no notch and `notchesOnly` is set.
+static bool Join(Builder* b, uint32_t slot, bool notchesOnly)
 {
-    const uint32_t *v = b->corners[place].vertex, *across = &QC_AT(uint32_t, b->adjacency->across, 3 * (size_t)place);
+    const uint32_t *v = b->corners[slot].vertex, *across = &QC_AT(uint32_t, b->adjacency->across, 3 * (size_t)slot);
     bool shared[3];
     int count = 0;
     for (int c = 0; c < 3; c++)
-        count += shared[c] = IsInDisc(b, across[c]);
+        count += shared[c] = IsInPatch(b, across[c]);
     if (count == 1 && !notchesOnly)
     {
         int c = shared[0] ? 0 : shared[1] ? 1 : 2;
         // The loop has the edge in the other direction.
         uint32_t from = v[(c + 1) % 3], to = v[c], apex = v[(c + 2) % 3];
-        if (JointAt(b, apex)->disc == b->disc || JointAt(b, from)->next != to)
+        if (VertexAt(b, apex)->patch == b->patch || VertexAt(b, from)->next != to)
             return false;
-        *JointAt(b, apex) = (Joint){b->disc, to, JointAt(b, apex)->block};
-        JointAt(b, from)->next = apex;
+        *VertexAt(b, apex) = (PatchVertex){b->patch, to, VertexAt(b, apex)->block};
+        VertexAt(b, from)->next = apex;
         return true;
     }
     if (count == 2)
     {
         int c = !shared[0] ? 0 : !shared[1] ? 1 : 2;
         uint32_t from = v[c], to = v[(c + 1) % 3], notch = v[(c + 2) % 3];
-        if (JointAt(b, from)->next != notch || JointAt(b, notch)->next != to || JointAt(b, to)->next == from)
+        if (VertexAt(b, from)->next != notch || VertexAt(b, notch)->next != to || VertexAt(b, to)->next == from)
             return false;
-        JointAt(b, from)->next = to;
-        JointAt(b, notch)->next = QC_INSIDE;
+        VertexAt(b, from)->next = to;
+        VertexAt(b, notch)->next = QC_INSIDE;
         b->start = from;
         return true;
     }
     return false;
 }
 
-static bool IsOfBlock(const Builder* b, uint32_t place)
+static bool IsInBlock(const Builder* b, uint32_t slot)
 {
-    uint32_t node = place / qc_nodeSize;
+    uint32_t node = slot / qc_nodeSize;
     return node >= b->firstNode && node < b->endNode;
 }
 
-/// Around the block: it shares a vertex with it.
-static bool IsOfRing(const Builder* b, uint32_t place)
+/// True for triangles that share a vertex with the block.
+static bool TouchesBlock(const Builder* b, uint32_t slot)
 {
-    const uint32_t* v = b->corners[place].vertex;
-    return JointAt(b, v[0])->block == b->disc || JointAt(b, v[1])->block == b->disc ||
-           JointAt(b, v[2])->block == b->disc;
+    const uint32_t* v = b->corners[slot].vertex;
+    return VertexAt(b, v[0])->block == b->patch || VertexAt(b, v[1])->block == b->patch ||
+           VertexAt(b, v[2])->block == b->patch;
 }
 
-/// What lies over its edges may join next.
-static qcStatus PushAcross(Builder* b, uint32_t place)
+/// Queues the triangles over its edges.
+static qcStatus PushAcross(Builder* b, uint32_t slot)
 {
-    QC_TRY(qcArray_Reserve(&b->queue, b->queue.count + 3, sizeof(uint32_t), "discs of triangles"));
+    QC_TRY(qcArray_Reserve(&b->queue, b->queue.count + 3, sizeof(uint32_t), "flat patches"));
     for (int c = 0; c < 3; c++)
     {
-        uint32_t other = QC_AT(uint32_t, b->adjacency->across, 3 * (size_t)place + c);
-        if (other != QC_NO_SLOT && !IsInDisc(b, other))
+        uint32_t other = QC_AT(uint32_t, b->adjacency->across, 3 * (size_t)slot + c);
+        if (other != QC_NO_SLOT && !IsInPatch(b, other))
             QC_AT(uint32_t, b->queue, b->queue.count++) = other;
     }
     return qc_statusOk;
 }
 
-static qcStatus Add(Builder* b, uint32_t place)
+static qcStatus Add(Builder* b, uint32_t slot)
 {
-    qcArray* places = &b->places;
-    QC_TRY(qcArray_Reserve(places, places->count + 1, sizeof(uint32_t), "discs of triangles"));
-    QC_AT(uint32_t, *places, places->count++) = place;
-    QC_AT(uint32_t, b->inDisc, place) = b->disc;
-    return PushAcross(b, place);
+    qcArray* slots = &b->slots;
+    QC_TRY(qcArray_Reserve(slots, slots->count + 1, sizeof(uint32_t), "flat patches"));
+    QC_AT(uint32_t, *slots, slots->count++) = slot;
+    QC_AT(uint32_t, b->patchOf, slot) = b->patch;
+    return PushAcross(b, slot);
 }
 
 typedef enum Phase
 {
-    phase_block,   ///< over the block alone
-    phase_ring,    ///< over all that shares a vertex with it
-    phase_notches, ///< what makes the loop smoother: it is told quicker that a smooth one is simple
+    phase_block,   ///< triangles of the block
+    phase_ring,    ///< and those that share a vertex with it
+    phase_notches, ///< notches anywhere: the flatness test of a smooth loop is faster
     phase_end
 } Phase;
 
-/// From a seed. Breadth first: the disc stays round.
-static qcStatus Grow(Builder* b, uint32_t seed, qcFlatPatch* disc)
+/// Grows from a seed, breadth first, so that the patch stays round.
+static qcStatus Grow(Builder* b, uint32_t seed, qcFlatPatch* patch)
 {
-    disc->firstPlace = (uint32_t)b->places.count;
+    patch->firstSlot = (uint32_t)b->slots.count;
     b->queue.count = 0;
     Begin(b, seed);
     QC_TRY(Add(b, seed));
@@ -170,34 +171,35 @@ static qcStatus Grow(Builder* b, uint32_t seed, qcFlatPatch* disc)
         size_t refused = 0;
         for (size_t at = 0; at < b->queue.count; at++)
         {
-            uint32_t place = QC_AT(uint32_t, b->queue, at);
-            if (IsInDisc(b, place))
+            uint32_t slot = QC_AT(uint32_t, b->queue, at);
+            if (IsInPatch(b, slot))
                 continue;
-            bool allowed = phase == phase_notches || IsOfBlock(b, place) || (phase == phase_ring && IsOfRing(b, place));
-            if (allowed && Join(b, place, phase == phase_notches))
-                QC_TRY(Add(b, place));
+            bool allowed =
+                phase == phase_notches || IsInBlock(b, slot) || (phase == phase_ring && TouchesBlock(b, slot));
+            if (allowed && Join(b, slot, phase == phase_notches))
+                QC_TRY(Add(b, slot));
             else
-                QC_AT(uint32_t, b->queue, refused++) = place;
+                QC_AT(uint32_t, b->queue, refused++) = slot;
         }
-        // The next phase may take them.
+        // The next phase may accept them.
         b->queue.count = refused;
     }
-    disc->placeCount = (uint32_t)(b->places.count - disc->firstPlace);
+    patch->slotCount = (uint32_t)(b->slots.count - patch->firstSlot);
     return qc_statusOk;
 }
 
-/// Sets the masks of the disc's triangles by node; returns how many of the block it has.
-static uint32_t FillMasks(Builder* b, const qcFlatPatch* disc)
+/// Sets the masks of the patch by node. Returns the count of its triangles in the block.
+static uint32_t FillMasks(Builder* b, const qcFlatPatch* patch)
 {
     uint64_t* masks = b->masks.data;
     uint32_t ownCount = 0;
-    const uint32_t* places = &QC_AT(uint32_t, b->places, disc->firstPlace);
-    for (uint32_t i = 0; i < disc->placeCount; i++)
-        masks[places[i] / qc_nodeSize] = 0;
-    for (uint32_t i = 0; i < disc->placeCount; i++)
+    const uint32_t* slots = &QC_AT(uint32_t, b->slots, patch->firstSlot);
+    for (uint32_t i = 0; i < patch->slotCount; i++)
+        masks[slots[i] / qc_nodeSize] = 0;
+    for (uint32_t i = 0; i < patch->slotCount; i++)
     {
-        masks[places[i] / qc_nodeSize] |= UINT64_C(1) << places[i] % qc_nodeSize;
-        ownCount += IsOfBlock(b, places[i]);
+        masks[slots[i] / qc_nodeSize] |= UINT64_C(1) << slots[i] % qc_nodeSize;
+        ownCount += IsInBlock(b, slots[i]);
     }
     return ownCount;
 }
@@ -207,51 +209,51 @@ static uint32_t CountLoop(const Builder* b)
     uint32_t count = 0, v = b->start;
     do
     {
-        v = JointAt(b, v)->next;
+        v = VertexAt(b, v)->next;
         count++;
     } while (v != b->start);
     return count;
 }
 
-static qcStatus KeepLoop(Builder* b, qcFlatPatch* disc)
+static qcStatus KeepLoop(Builder* b, qcFlatPatch* patch)
 {
     qcArray* loops = &b->loops;
-    disc->firstLoop = (uint32_t)loops->count;
-    disc->loopCount = CountLoop(b);
-    QC_TRY(qcArray_Reserve(loops, loops->count + disc->loopCount, sizeof(uint32_t), "discs of triangles"));
+    patch->firstLoop = (uint32_t)loops->count;
+    patch->loopCount = CountLoop(b);
+    QC_TRY(qcArray_Reserve(loops, loops->count + patch->loopCount, sizeof(uint32_t), "flat patches"));
     uint32_t v = b->start;
-    for (uint32_t i = 0; i < disc->loopCount; i++, v = JointAt(b, v)->next)
+    for (uint32_t i = 0; i < patch->loopCount; i++, v = VertexAt(b, v)->next)
         QC_AT(uint32_t, *loops, loops->count++) = v;
     return qc_statusOk;
 }
 
-/// What the disc has of the nodes around its block, for each link between the two.
-static void FillRings(const Builder* b, const qcFlatPatch* disc)
+/// Writes the patch's masks to the links between its block and the nodes around.
+static void FillLinks(const Builder* b, const qcFlatPatch* patch)
 {
     const qcClusters* c = b->clusters;
-    const uint32_t *firstLink = c->firstLink.data, *places = &QC_AT(uint32_t, b->places, disc->firstPlace);
+    const uint32_t *firstLink = c->firstLink.data, *slots = &QC_AT(uint32_t, b->slots, patch->firstSlot);
     const qcLeafLink* links = c->links.data;
     const uint64_t* masks = b->masks.data;
-    qcPatchLoop* rings = b->discs->rings.data;
+    qcPatchLink* patchLinks = b->patches->links.data;
     for (uint32_t node = b->firstNode; node < b->endNode; node++)
     {
-        QC_AT(uint64_t, b->discs->own, qc_patchSizes * (size_t)node + b->size) = masks[node];
+        QC_AT(uint64_t, b->patches->own, qc_patchSizes * (size_t)node + b->size) = masks[node];
         for (uint32_t l = firstLink[node]; l < firstLink[node + 1]; l++)
-            rings[l].ofNode[b->size] = masks[links[l].other];
+            patchLinks[l].ofNode[b->size] = masks[links[l].other];
     }
-    for (uint32_t i = 0; i < disc->placeCount; i++)
+    for (uint32_t i = 0; i < patch->slotCount; i++)
     {
-        uint32_t node = places[i] / qc_nodeSize;
+        uint32_t node = slots[i] / qc_nodeSize;
         // Each node once: at the first of its triangles.
-        if ((masks[node] & (0 - masks[node])) != UINT64_C(1) << places[i] % qc_nodeSize)
+        if ((masks[node] & (0 - masks[node])) != UINT64_C(1) << slots[i] % qc_nodeSize)
             continue;
         for (uint32_t l = firstLink[node]; l < firstLink[node + 1]; l++)
             if (links[l].other >= b->firstNode && links[l].other < b->endNode)
-                rings[l].ofOther[b->size] = masks[node];
+                patchLinks[l].ofOther[b->size] = masks[node];
     }
 }
 
-/// Marks the block's own vertices, and clears the masks of all nodes that share one.
+/// Marks the vertices of the block, and clears the masks of all nodes that share one.
 static void MarkBlock(Builder* b)
 {
     uint64_t* masks = b->masks.data;
@@ -259,17 +261,17 @@ static void MarkBlock(Builder* b)
         for (int c = 0; c < 3 && HasTriangle(b, p); c++)
         {
             uint32_t v = b->corners[p].vertex[c];
-            JointAt(b, v)->block = b->disc;
-            const uint32_t* first = &QC_AT(uint32_t, b->adjacency->first, v);
+            VertexAt(b, v)->block = b->patch;
+            const uint32_t* first = &QC_AT(uint32_t, b->adjacency->around.first, v);
             for (uint32_t i = first[0]; i < first[1]; i++)
-                masks[QC_AT(uint32_t, b->adjacency->around, i) / qc_nodeSize] = 0;
+                masks[QC_AT(uint32_t, b->adjacency->around.triangles, i) / qc_nodeSize] = 0;
         }
 }
 
-static qcStatus GrowAround(Builder* b, uint32_t disc, uint32_t firstNode, uint32_t nodeCount)
+static qcStatus GrowAround(Builder* b, uint32_t patch, uint32_t firstNode, uint32_t nodeCount)
 {
-    qcFlatPatches* discs = b->discs;
-    qcFlatPatch* made = &QC_AT(qcFlatPatch, discs->discs, disc);
+    qcFlatPatches* patches = b->patches;
+    qcFlatPatch* made = &QC_AT(qcFlatPatch, patches->patches, patch);
     b->firstNode = firstNode;
     b->endNode = firstNode + nodeCount;
     uint32_t step = nodeCount * qc_nodeSize / qc_seeds, best = 0;
@@ -278,35 +280,35 @@ static qcStatus GrowAround(Builder* b, uint32_t disc, uint32_t firstNode, uint32
         uint32_t seed = firstNode * qc_nodeSize + (i + qc_seeds / 2) % qc_seeds * step;
         if (!HasTriangle(b, seed))
             continue;
-        b->disc++;
+        b->patch++;
         MarkBlock(b);
         QC_TRY(Grow(b, seed, made));
         best = FillMasks(b, made);
-        if (best < nodeCount * qc_leastShare || CountLoop(b) > qc_maxLoop)
+        if (best < nodeCount * qc_minShare || CountLoop(b) > qc_maxLoop)
         {
-            b->places.count = made->firstPlace;
+            b->slots.count = made->firstSlot;
             *made = (qcFlatPatch){0};
             best = 0;
             continue;
         }
         QC_TRY(KeepLoop(b, made));
-        FillRings(b, made);
+        FillLinks(b, made);
     }
     return qc_statusOk;
 }
 
 static qcStatus GrowAll(Builder* b)
 {
-    size_t places = b->clusters->triangles.count;
-    uint32_t nodes = b->discs->nodeCount, block = b->size == 0 ? 1 : qc_patchNodes;
-    QC_TRY(qcArray_Resize(&b->inDisc, places, sizeof(uint32_t), "discs of triangles"));
-    QC_TRY(qcArray_Resize(&b->joints, b->vertexCount, sizeof(Joint), "discs of triangles"));
-    QC_TRY(qcArray_Resize(&b->masks, nodes, sizeof(uint64_t), "discs of triangles"));
-    memset(b->inDisc.data, 0, places * sizeof(uint32_t));
-    memset(b->joints.data, 0, b->vertexCount * sizeof(Joint));
-    uint32_t disc = b->size == 0 ? 0 : nodes;
+    size_t slots = b->clusters->triangles.count;
+    uint32_t nodes = b->patches->nodeCount, block = b->size == 0 ? 1 : qc_patchNodes;
+    QC_TRY(qcArray_Resize(&b->patchOf, slots, sizeof(uint32_t), "flat patches"));
+    QC_TRY(qcArray_Resize(&b->vertices, b->vertexCount, sizeof(PatchVertex), "flat patches"));
+    QC_TRY(qcArray_Resize(&b->masks, nodes, sizeof(uint64_t), "flat patches"));
+    memset(b->patchOf.data, 0, slots * sizeof(uint32_t));
+    memset(b->vertices.data, 0, b->vertexCount * sizeof(PatchVertex));
+    uint32_t patch = b->size == 0 ? 0 : nodes;
     for (uint32_t first = 0; first < nodes; first += block)
-        QC_TRY(GrowAround(b, disc++, first, nodes - first < block ? nodes - first : block));
+        QC_TRY(GrowAround(b, patch++, first, nodes - first < block ? nodes - first : block));
     return qc_statusOk;
 }
 
@@ -314,62 +316,61 @@ static void GrowSize(void* context, size_t size, uint32_t worker)
 {
     (void)worker;
     Builder* builder = (Builder*)context + size;
-    builder->status = GrowAll(builder);
+    (void)qcWorkerResult_Add(&builder->result, GrowAll(builder));
 }
 
-/// Adds the places and loops of the discs of one size.
+/// Appends the slots and loops of the patches of one size.
 static qcStatus AddSize(qcFlatPatches* d, const Builder* b)
 {
-    if (b->status != qc_statusOk)
-        return qcArray_FailAgain(&b->places, "discs of triangles");
-    size_t first = b->size == 0 ? 0 : d->nodeCount, end = b->size == 0 ? d->nodeCount : d->discs.count;
+    QC_TRY(qcWorkerResult_Check(&b->result));
+    size_t first = b->size == 0 ? 0 : d->nodeCount, end = b->size == 0 ? d->nodeCount : d->patches.count;
     for (size_t i = first; i < end; i++)
     {
-        QC_AT(qcFlatPatch, d->discs, i).firstPlace += (uint32_t)d->places.count;
-        QC_AT(qcFlatPatch, d->discs, i).firstLoop += (uint32_t)d->loops.count;
+        QC_AT(qcFlatPatch, d->patches, i).firstSlot += (uint32_t)d->slots.count;
+        QC_AT(qcFlatPatch, d->patches, i).firstLoop += (uint32_t)d->loops.count;
     }
-    QC_TRY(qcArray_Append(&d->places, &b->places, sizeof(uint32_t), "discs of triangles"));
-    return qcArray_Append(&d->loops, &b->loops, sizeof(uint32_t), "discs of triangles");
+    QC_TRY(qcArray_Append(&d->slots, &b->slots, sizeof(uint32_t), "flat patches"));
+    return qcArray_Append(&d->loops, &b->loops, sizeof(uint32_t), "flat patches");
 }
 
 static qcStatus Build(qcFlatPatches* d, Builder builders[qc_patchSizes], uint32_t threads)
 {
     const qcClusters* c = builders[0].clusters;
     uint32_t nodes = d->nodeCount, large = (nodes + qc_patchNodes - 1) / qc_patchNodes;
-    QC_TRY(qcArray_GrowZeroed(&d->discs, (size_t)nodes + large, sizeof(qcFlatPatch), "discs of triangles"));
-    QC_TRY(qcArray_GrowZeroed(&d->own, qc_patchSizes * (size_t)nodes, sizeof(uint64_t), "discs of triangles"));
-    QC_TRY(qcArray_GrowZeroed(&d->rings, c->links.count, sizeof(qcPatchLoop), "discs of triangles"));
-    // The two sizes side by side: they write to what is each one's own.
+    QC_TRY(qcArray_GrowZeroed(&d->patches, (size_t)nodes + large, sizeof(qcFlatPatch), "flat patches"));
+    QC_TRY(qcArray_GrowZeroed(&d->own, qc_patchSizes * (size_t)nodes, sizeof(uint64_t), "flat patches"));
+    QC_TRY(qcArray_GrowZeroed(&d->links, c->links.count, sizeof(qcPatchLink), "flat patches"));
+    // The two sizes in parallel: each writes to elements of its own.
     qcParallel_For(threads, qc_patchSizes, qc_patchSizes, GrowSize, builders);
     for (int size = 0; size < qc_patchSizes; size++)
         QC_TRY(AddSize(d, &builders[size]));
     return qc_statusOk;
 }
 
-qcStatus qcFlatPatches_Build(qcFlatPatches* discs, const qcClusters* clusters, const qcAdjacency* adjacency,
+qcStatus qcFlatPatches_Build(qcFlatPatches* patches, const qcClusters* clusters, const qcAdjacency* adjacency,
                              const qcCorners* corners, uint32_t vertexCount, uint32_t threads)
 {
-    *discs = (qcFlatPatches){.nodeCount = clusters->nodeCount};
+    *patches = (qcFlatPatches){.nodeCount = clusters->nodeCount};
     Builder builders[qc_patchSizes];
     for (int size = 0; size < qc_patchSizes; size++)
-        builders[size] = (Builder){.discs = discs,
+        builders[size] = (Builder){.patches = patches,
                                    .clusters = clusters,
                                    .adjacency = adjacency,
                                    .corners = corners,
                                    .vertexCount = vertexCount,
                                    .size = size};
-    qcStatus status = Build(discs, builders, threads);
+    qcStatus status = Build(patches, builders, threads);
     for (int size = 0; size < qc_patchSizes; size++)
         Free(&builders[size]);
     if (status != qc_statusOk)
-        qcFlatPatches_Free(discs);
+        qcFlatPatches_Free(patches);
     return status;
 }
 
-void qcFlatPatches_Free(qcFlatPatches* discs)
+void qcFlatPatches_Free(qcFlatPatches* patches)
 {
-    qcArray* arrays[] = {&discs->discs, &discs->places, &discs->loops, &discs->own, &discs->rings};
+    qcArray* arrays[] = {&patches->patches, &patches->slots, &patches->loops, &patches->own, &patches->links};
     for (size_t i = 0; i < sizeof arrays / sizeof arrays[0]; i++)
         qcArray_Free(arrays[i]);
-    discs->nodeCount = 0;
+    patches->nodeCount = 0;
 }

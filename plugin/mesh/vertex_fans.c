@@ -1,35 +1,9 @@
-// Triangles by vertex, then for each vertex the one ring that all its triangles make, if they do.
+// Chains the triangles around a vertex, edge by edge, to the ring of vertices around it.
 #include "mesh/vertex_fans.h"
 
 #include "base/status.h"
 
-/// Is it the first corner of the triangle that has its vertex?
-static bool IsFirst(const qcCorners* corners, int c)
-{
-    const uint32_t* v = corners->vertex;
-    return (c < 1 || v[c] != v[0]) && (c < 2 || v[2] != v[1]);
-}
-
-static qcStatus ListPlaces(qcVertexFans* stars, const qcCorners* corners, size_t placeCount, uint32_t vertexCount)
-{
-    QC_TRY(qcArray_GrowZeroed(&stars->firstPlace, (size_t)vertexCount + 2, sizeof(uint32_t), "stars of a surface"));
-    uint32_t* first = stars->firstPlace.data;
-    // Counted two further on, so that filling, which moves each to its end, leaves it where the next one begins. Where
-    // there is no triangle nothing is counted.
-    for (size_t place = 0; place < placeCount; place++)
-        for (int c = 0; c < 3 && corners[place].vertex[0] != vertexCount; c++)
-            first[corners[place].vertex[c] + 2] += IsFirst(&corners[place], c);
-    for (uint32_t v = 0; v < vertexCount; v++)
-        first[v + 2] += first[v + 1];
-    QC_TRY(qcArray_Resize(&stars->places, first[vertexCount + 1], sizeof(uint32_t), "stars of a surface"));
-    for (size_t place = 0; place < placeCount; place++)
-        for (int c = 0; c < 3 && corners[place].vertex[0] != vertexCount; c++)
-            if (IsFirst(&corners[place], c))
-                QC_AT(uint32_t, stars->places, first[corners[place].vertex[c] + 1]++) = (uint32_t)place;
-    return qc_statusOk;
-}
-
-/// The two corners of a triangle beside one of its vertices. False: they are not three vertices.
+/// The two other corners of a triangle, in its direction. False: the three are not different vertices.
 static bool FindSides(const qcCorners* corners, uint32_t vertex, uint32_t sides[2])
 {
     int c = corners->vertex[0] == vertex ? 0 : corners->vertex[1] == vertex ? 1 : 2;
@@ -38,7 +12,7 @@ static bool FindSides(const qcCorners* corners, uint32_t vertex, uint32_t sides[
     return sides[0] != vertex && sides[1] != vertex && sides[0] != sides[1];
 }
 
-/// Takes the side that continues the ring at `end` out of those that are left; false: none does.
+/// Removes from the remaining sides one that begins or ends at `end`. False: there is none.
 static bool TakeNext(uint32_t sides[qc_maxFanSize][2], uint32_t* left, uint32_t end, uint32_t* next)
 {
     for (uint32_t i = 0; i < *left; i++)
@@ -56,13 +30,13 @@ static bool TakeNext(uint32_t sides[qc_maxFanSize][2], uint32_t* left, uint32_t 
 }
 
 /// The vertices around one, in one direction. False: its triangles are not one closed fan.
-static bool FindRing(const qcVertexFans* stars, const qcCorners* corners, uint32_t vertex, uint32_t valence,
-                     uint32_t* ring)
+static bool ChainRing(const qcVertexFans* fans, const qcCorners* corners, uint32_t vertex, uint32_t valence,
+                      uint32_t* ring)
 {
     uint32_t sides[qc_maxFanSize][2], left = valence;
-    const uint32_t* places = &QC_AT(uint32_t, stars->places, QC_AT(uint32_t, stars->firstPlace, vertex));
+    const uint32_t* triangles = &QC_AT(uint32_t, fans->around.triangles, QC_AT(uint32_t, fans->around.first, vertex));
     for (uint32_t i = 0; i < valence; i++)
-        if (!FindSides(&corners[places[i]], vertex, sides[i]))
+        if (!FindSides(&corners[triangles[i]], vertex, sides[i]))
             return false;
     ring[0] = sides[0][0];
     for (uint32_t i = 0; i < valence; i++)
@@ -70,7 +44,7 @@ static bool FindRing(const qcVertexFans* stars, const qcCorners* corners, uint32
         uint32_t next;
         if (!TakeNext(sides, &left, ring[i], &next))
             return false;
-        // Each vertex once, and back to the first with the last triangle.
+        // No vertex twice, except the first again with the last triangle.
         for (uint32_t k = 0; k <= i; k++)
             if (ring[k] == next && (k != 0 || left != 0))
                 return false;
@@ -81,22 +55,22 @@ static bool FindRing(const qcVertexFans* stars, const qcCorners* corners, uint32
     return false;
 }
 
-/// Adds a star to the last batch, or begins the next.
-static qcStatus AddStar(qcVertexFans* stars, uint32_t vertex, const uint32_t* ring, uint32_t valence)
+/// Adds a fan to the last batch, or to a new one.
+static qcStatus AddFan(qcVertexFans* fans, uint32_t vertex, const uint32_t* ring, uint32_t valence)
 {
-    size_t count = stars->batches.count;
-    const qcVertexFanBatch* last = count != 0 ? &QC_AT(qcVertexFanBatch, stars->batches, count - 1) : NULL;
+    size_t count = fans->batches.count;
+    const qcVertexFanBatch* last = count != 0 ? &QC_AT(qcVertexFanBatch, fans->batches, count - 1) : NULL;
     if (last == NULL || last->valence != valence || last->count == qc_fanLanes)
     {
-        size_t first = stars->vertices.count;
-        QC_TRY(qcArray_Resize(&stars->batches, count + 1, sizeof(qcVertexFanBatch), "stars of a surface"));
-        QC_TRY(qcArray_Resize(&stars->vertices, first + (size_t)qc_fanLanes * (1 + valence), sizeof(uint32_t),
-                              "stars of a surface"));
-        QC_AT(qcVertexFanBatch, stars->batches, count++) = (qcVertexFanBatch){valence, 0, first};
+        size_t first = fans->vertices.count;
+        QC_TRY(qcArray_Resize(&fans->batches, count + 1, sizeof(qcVertexFanBatch), "vertex fans"));
+        QC_TRY(qcArray_Resize(&fans->vertices, first + (size_t)qc_fanLanes * (1 + valence), sizeof(uint32_t),
+                              "vertex fans"));
+        QC_AT(qcVertexFanBatch, fans->batches, count++) = (qcVertexFanBatch){valence, 0, first};
     }
-    qcVertexFanBatch* batch = &QC_AT(qcVertexFanBatch, stars->batches, count - 1);
-    uint32_t* row = &QC_AT(uint32_t, stars->vertices, batch->firstVertex);
-    // The first one in all lanes, until others come.
+    qcVertexFanBatch* batch = &QC_AT(qcVertexFanBatch, fans->batches, count - 1);
+    uint32_t* row = &QC_AT(uint32_t, fans->vertices, batch->firstVertex);
+    // The first fan fills all lanes; later ones replace its copies.
     uint32_t from = batch->count++, to = from == 0 ? qc_fanLanes : from + 1;
     for (uint32_t lane = from; lane < to; lane++)
         for (uint32_t i = 0; i <= valence; i++)
@@ -104,36 +78,34 @@ static qcStatus AddStar(qcVertexFans* stars, uint32_t vertex, const uint32_t* ri
     return qc_statusOk;
 }
 
-static qcStatus Make(qcVertexFans* stars, const qcCorners* corners, size_t placeCount, uint32_t vertexCount)
+static qcStatus Make(qcVertexFans* fans, const qcCorners* corners, size_t slotCount, uint32_t vertexCount)
 {
-    QC_TRY(ListPlaces(stars, corners, placeCount, vertexCount));
-    const uint32_t* first = stars->firstPlace.data;
+    QC_TRY(qcVertexTriangles_Build(&fans->around, (const uint32_t*)corners, slotCount, vertexCount));
     for (uint32_t valence = qc_minFanSize; valence <= qc_maxFanSize; valence++)
         for (uint32_t v = 0; v < vertexCount; v++)
         {
             uint32_t ring[qc_maxFanSize];
-            if (first[v + 1] - first[v] == valence && FindRing(stars, corners, v, valence, ring))
-                QC_TRY(AddStar(stars, v, ring, valence));
+            if (qcVertexTriangles_Count(&fans->around, v) == valence && ChainRing(fans, corners, v, valence, ring))
+                QC_TRY(AddFan(fans, v, ring, valence));
         }
-    stars->made = true;
+    fans->made = true;
     return qc_statusOk;
 }
 
-qcStatus qcVertexFans_Make(qcVertexFans* stars, const qcCorners* corners, size_t placeCount, uint32_t vertexCount)
+qcStatus qcVertexFans_Make(qcVertexFans* fans, const qcCorners* corners, size_t slotCount, uint32_t vertexCount)
 {
-    if (stars->made)
+    if (fans->made)
         return qc_statusOk;
-    qcStatus status = Make(stars, corners, placeCount, vertexCount);
+    qcStatus status = Make(fans, corners, slotCount, vertexCount);
     if (status != qc_statusOk)
-        qcVertexFans_Free(stars);
+        qcVertexFans_Free(fans);
     return status;
 }
 
-void qcVertexFans_Free(qcVertexFans* stars)
+void qcVertexFans_Free(qcVertexFans* fans)
 {
-    qcArray_Free(&stars->firstPlace);
-    qcArray_Free(&stars->places);
-    qcArray_Free(&stars->batches);
-    qcArray_Free(&stars->vertices);
-    stars->made = false;
+    qcVertexTriangles_Free(&fans->around);
+    qcArray_Free(&fans->batches);
+    qcArray_Free(&fans->vertices);
+    fans->made = false;
 }

@@ -125,11 +125,11 @@ bool qcLocalMinima_GetOver(const qcLocalMinima* surroundings, const qcBody* body
 
 static bool IsNearestCorner(const qcLocalMinima* surroundings, const qcBody* body, uint32_t vertex, qcVector outward)
 {
-    const uint32_t* first = &QC_AT(uint32_t, surroundings->adjacency.first, vertex);
+    const uint32_t* first = &QC_AT(uint32_t, surroundings->adjacency.around.first, vertex);
     qcVector x = WorldOf(body, vertex);
     for (uint32_t i = first[0]; i < first[1]; i++)
     {
-        const uint32_t* w = body->indices + 3 * (size_t)QC_AT(uint32_t, surroundings->adjacency.around, i);
+        const uint32_t* w = body->indices + 3 * (size_t)QC_AT(uint32_t, surroundings->adjacency.around.triangles, i);
         for (int c = 0; c < 3; c++)
             if (w[c] != vertex && !qcLocalMinima_LeadsAway(qcMinus(WorldOf(body, w[c]), x), outward))
                 return false;

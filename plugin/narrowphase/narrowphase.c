@@ -85,8 +85,8 @@ static void Relate(const Job* job, qcNarrowphaseWorker* sink, uint64_t key, Corn
     bool touching = job->def->touching || job->def->margin > 0.0;
     if (relation == qc_relationDisjoint || (relation == qc_relationTouching && !touching))
         return;
-    sink->status = qcArray_Reserve(&sink->found, sink->found.count + 1, sizeof(qcSortItem), "pairs");
-    if (sink->status == qc_statusOk)
+    qcStatus status = qcArray_Reserve(&sink->found, sink->found.count + 1, sizeof(qcSortItem), "pairs");
+    if (qcWorkerResult_Add(&sink->result, status))
         QC_AT(qcSortItem, sink->found, sink->found.count++) = (qcSortItem){key, (uint64_t)relation};
 }
 
@@ -115,10 +115,10 @@ static void AddContacts(qcNarrowphaseWorker* sink, uint64_t key, const qcContact
     size_t first = sink->contacts.count;
     if (count == 0)
         return;
-    sink->status = qcArray_Reserve(&sink->contacts, first + count, sizeof(qcContact), "contacts");
-    if (sink->status == qc_statusOk)
-        sink->status = qcArray_Reserve(&sink->contactKeys, first + count, sizeof(qcSortItem), "contacts");
-    if (sink->status != qc_statusOk)
+    qcStatus status = qcArray_Reserve(&sink->contacts, first + count, sizeof(qcContact), "contacts");
+    if (status == qc_statusOk)
+        status = qcArray_Reserve(&sink->contactKeys, first + count, sizeof(qcSortItem), "contacts");
+    if (!qcWorkerResult_Add(&sink->result, status))
         return;
     memcpy(&QC_AT(qcContact, sink->contacts, first), found, count * sizeof(qcContact));
     for (size_t i = 0; i < count; i++)
@@ -135,7 +135,7 @@ static void FindContacts(const Job* job, qcNarrowphaseWorker* sink, const uint64
     for (size_t i = 0; i < count; i++)
         pairs[i] = ContactPairOf(job, keys[i]);
     qcContact_FindNear(job->kernels, pairs, count, near);
-    for (size_t i = 0; i < count && sink->status == qc_statusOk; i++)
+    for (size_t i = 0; i < count && qcWorkerResult_IsOk(&sink->result); i++)
     {
         qcContact found[qc_maxContactsPerPair];
         if (near[i] == 0)
@@ -161,13 +161,13 @@ static void TakeBlock(void* context, size_t block, uint32_t worker)
     size_t first = (neighbours ? block - job->keyBlocks : block) * qc_blockSize;
     size_t end = first + qc_blockSize < keys->count ? first + qc_blockSize : keys->count;
     Corners corners[2] = {{.known = false}, {.known = false}};
-    for (size_t i = first; i < end && !neighbours && sink->status == qc_statusOk; i++)
+    for (size_t i = first; i < end && !neighbours && qcWorkerResult_IsOk(&sink->result); i++)
         Relate(job, sink, QC_AT(uint64_t, *keys, i), corners);
     if (job->def->contactMargin == 0.0)
         return;
     double start = qcClock_Now();
     qcContactFacet facets[2] = {{.index = NULL}, {.index = NULL}};
-    for (size_t i = first; i < end && sink->status == qc_statusOk; i += qc_featurePairs)
+    for (size_t i = first; i < end && qcWorkerResult_IsOk(&sink->result); i += qc_featurePairs)
         FindContacts(job, sink, &QC_AT(uint64_t, *keys, i), end - i < qc_featurePairs ? end - i : qc_featurePairs,
                      facets);
     sink->contactMs += qcClock_Now() - start;
@@ -175,14 +175,13 @@ static void TakeBlock(void* context, size_t block, uint32_t worker)
 
 static qcStatus EmptySinks(qcNarrowphase* narrow, uint32_t threads)
 {
-    QC_TRY(qcArray_GrowZeroed(&narrow->sinks, threads, sizeof(qcNarrowphaseWorker), "pairs"));
+    QC_TRY(qcWorkerResults_Begin(&narrow->sinks, threads, sizeof(qcNarrowphaseWorker), "pairs"));
     for (size_t i = 0; i < narrow->sinks.count; i++)
     {
         qcNarrowphaseWorker* sink = &QC_AT(qcNarrowphaseWorker, narrow->sinks, i);
         sink->found.count = sink->contacts.count = sink->contactKeys.count = 0;
         sink->tests = sink->fallbacks = 0;
         sink->contactMs = 0.0;
-        sink->status = qc_statusOk;
     }
     return qc_statusOk;
 }
@@ -312,13 +311,11 @@ qcStatus qcNarrowphase_Run(qcNarrowphase* narrow, const qcStepTriangles* triangl
                .def = def,
                .kernels = qcTriangleKernels_Get()};
     qcParallel_For(threads, job.keyBlocks + BlockCount(job.neighbourKeys), qc_leastBlocks, TakeBlock, &job);
+    QC_TRY(qcWorkerResults_End(&narrow->sinks, sizeof(qcNarrowphaseWorker)));
     double contactMs = 0.0;
     for (size_t i = 0; i < narrow->sinks.count; i++)
     {
         const qcNarrowphaseWorker* sink = &QC_AT(qcNarrowphaseWorker, narrow->sinks, i);
-        // The message is the worker's own; say it again on this thread.
-        if (sink->status != qc_statusOk)
-            return qcArray_FailAgain(&sink->found, "pairs and contacts");
         profile->candidates += sink->tests;
         profile->exactFallbacks += sink->fallbacks;
         contactMs += sink->contactMs / threads;

@@ -2,18 +2,18 @@
 #ifndef QC_NARROWPHASE_NARROWPHASE_H
 #define QC_NARROWPHASE_NARROWPHASE_H
 
+#include "base/worker_results.h"
 #include "sweep/candidates.h"
 
 /// What one worker found.
 typedef struct qcNarrowphaseWorker
 {
+    qcWorkerResult result;
     qcArray found;       ///< of qcSortItem: candidate key, relation
     qcArray contacts;    ///< of qcContact
     qcArray contactKeys; ///< of qcSortItem: candidate key, place in `contacts`
     uint64_t tests, fallbacks;
     double contactMs;
-    qcStatus status;
-    char apart[64]; ///< keeps the counters of two workers off one cache line
 } qcNarrowphaseWorker;
 
 typedef struct qcNarrowphase

@@ -93,12 +93,13 @@ static void MeasureSheet(qcDevice* device, Sheet* sheet, uint32_t side, uint32_t
     qcScene_Destroy(scene);
 }
 
-/// The line through two measurements; neither part is below 0.
-static void Fit(double small, double large, double* fixed, double* perTriangle)
+static const double s_smallCount = 2.0 * qc_smallSheet * qc_smallSheet,
+                    s_largeCount = 2.0 * qc_largeSheet * qc_largeSheet;
+
+/// Slope of the line through two measurements, at least 0.
+static double PerTriangle(const double ms[2])
 {
-    const double smallCount = 2.0 * qc_smallSheet * qc_smallSheet, largeCount = 2.0 * qc_largeSheet * qc_largeSheet;
-    *perTriangle = fmax((large - small) / (largeCount - smallCount), 0.0);
-    *fixed = fmax(small - *perTriangle * smallCount, 0.0);
+    return fmax((ms[1] - ms[0]) / (s_largeCount - s_smallCount), 0.0);
 }
 
 qcPlanCosts qcCalibrate(qcDevice* device, uint32_t threads)
@@ -106,7 +107,7 @@ qcPlanCosts qcCalibrate(qcDevice* device, uint32_t threads)
     qcPlanCosts costs;
     if (qcDevice_FindCosts(device, threads, &costs))
         return costs;
-    costs = (qcPlanCosts){0.0, 0.0, INFINITY, INFINITY};
+    costs = (qcPlanCosts){0.0, INFINITY, INFINITY};
     Sheet* sheet = qcAllocate(sizeof *sheet);
     if (sheet == NULL)
         return costs;
@@ -114,9 +115,12 @@ qcPlanCosts qcCalibrate(qcDevice* device, uint32_t threads)
     MeasureSheet(device, sheet, qc_smallSheet, threads, &sweep[0], &layers[0]);
     MeasureSheet(device, sheet, qc_largeSheet, threads, &sweep[1], &layers[1]);
     qcFree(sheet, sizeof *sheet);
-    Fit(sweep[0], sweep[1], &costs.sweepFixed, &costs.sweepPerTriangle);
+    costs.sweepPerTriangle = PerTriangle(sweep);
     if (isfinite(layers[0]) && isfinite(layers[1]))
-        Fit(layers[0], layers[1], &costs.layersFixed, &costs.layersPerTriangle);
+    {
+        costs.layersPerTriangle = PerTriangle(layers);
+        costs.layersFixed = fmax(layers[0] - costs.layersPerTriangle * s_smallCount, 0.0);
+    }
     qcDevice_KeepCosts(device, threads, &costs);
     return costs;
 }

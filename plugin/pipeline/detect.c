@@ -111,9 +111,9 @@ static qcStatus ChooseParts(Step* step)
     d->plannedTriangles = 0.0;
     if (bodyCount != 0)
         memset(d->onDevice.data, 0, bodyCount);
-    if (SweepsSurfaces(step) || step->plan.useLayers || step->plan.chooseParts)
+    if (SweepsSurfaces(step) || step->plan.useLayers || step->plan.chooseIslands)
         QC_TRY(qcIslands_Find(&d->parts, &d->triangles, &d->objects));
-    if (!step->plan.useLayers && !step->plan.chooseParts)
+    if (!step->plan.useLayers && !step->plan.chooseIslands)
         return qc_statusOk;
     qcPlanItem* parts = d->parts.parts.data;
     size_t count = d->parts.parts.count;
@@ -124,7 +124,7 @@ static qcStatus ChooseParts(Step* step)
     else if (qcPlan_IsWorthADevice(parts, count))
     {
         qcPlanCosts costs = qcCalibrate(step->device, step->threads);
-        qcPlan_ChooseParts(&costs, &d->history, parts, count, &d->plannedTriangles);
+        qcPlan_ChooseIslands(&costs, &d->history, parts, count, &d->plannedTriangles);
         // Calibration is no part of the step's cost.
         step->profile.planMs += Lap(step);
     }

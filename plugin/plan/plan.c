@@ -10,7 +10,8 @@ enum
     qc_fewTriangles = 512
 };
 
-// Levels of the image (gl/layers.h) over a triangle, below which boxes no longer tell triangles apart.
+// Grid levels of the device (gl/layers) over a scene, and over a triangle; with fewer, boxes of neighbouring triangles
+// coincide.
 static const double s_levels = 32767.0, s_levelsPerTriangle = 4.0;
 
 qcPlan qcPlan_Make(const qcPlanInput* input)
@@ -19,9 +20,9 @@ qcPlan qcPlan_Make(const qcPlanInput* input)
     switch (input->method)
     {
         case qc_methodAuto:
-            // Of the methods that never miss, sweep is the one that is there on every machine.
+            // Sweep misses nothing and runs on every machine.
             plan.method = qc_methodSweep;
-            plan.chooseParts = input->haveCompute;
+            plan.chooseIslands = input->haveCompute;
             break;
         case qc_methodCullide:
         case qc_methodQuick:
@@ -48,11 +49,11 @@ qcPlan qcPlan_Make(const qcPlanInput* input)
     return plan;
 }
 
-bool qcPlan_IsWorthADevice(const qcPlanItem* parts, size_t count)
+bool qcPlan_IsWorthADevice(const qcPlanItem* islands, size_t count)
 {
     uint64_t triangles = 0;
     for (size_t i = 0; i < count; i++)
-        triangles += parts[i].triangles;
+        triangles += islands[i].triangles;
     return triangles >= qc_fewTriangles;
 }
 
@@ -61,29 +62,29 @@ static double Widest(const double lower[3], const double upper[3])
     return fmax(upper[0] - lower[0], fmax(upper[1] - lower[1], upper[2] - lower[2]));
 }
 
-void qcPlan_ChooseParts(const qcPlanCosts* costs, qcPlanHistory* history, qcPlanItem* parts, size_t count,
-                        double* triangles)
+void qcPlan_ChooseIslands(const qcPlanCosts* costs, qcPlanHistory* history, qcPlanItem* islands, size_t count,
+                          double* triangles)
 {
     double lower[3] = {INFINITY, INFINITY, INFINITY}, upper[3] = {-INFINITY, -INFINITY, -INFINITY};
     for (size_t i = 0; i < count; i++)
         for (int axis = 0; axis < 3; axis++)
         {
-            lower[axis] = fmin(lower[axis], parts[i].lower[axis]);
-            upper[axis] = fmax(upper[axis], parts[i].upper[axis]);
+            lower[axis] = fmin(lower[axis], islands[i].lower[axis]);
+            upper[axis] = fmax(upper[axis], islands[i].upper[axis]);
         }
-    // All parts on the device share one image: a part that is too small in it stays away.
+    // All islands on the device share one grid: an island that is too small in it stays on the CPU.
     double widest = Widest(lower, upper);
     *triangles = 0.0;
     for (size_t i = 0; i < count; i++)
     {
-        double across = s_levels * Widest(parts[i].lower, parts[i].upper) / widest;
-        parts[i].onDevice = across >= s_levelsPerTriangle * sqrt(parts[i].triangles);
-        *triangles += parts[i].onDevice ? parts[i].triangles : 0.0;
+        double across = s_levels * Widest(islands[i].lower, islands[i].upper) / widest;
+        islands[i].onDevice = across >= s_levelsPerTriangle * sqrt(islands[i].triangles);
+        *triangles += islands[i].onDevice ? islands[i].triangles : 0.0;
     }
-    // One trip for all that is left, or none.
+    // One transfer for all the others, or none.
     bool pays = *triangles > 0.0 && qcPlanHistory_Choose(history, costs, *triangles);
     for (size_t i = 0; i < count; i++)
-        parts[i].onDevice = parts[i].onDevice && pays;
+        islands[i].onDevice = islands[i].onDevice && pays;
 }
 
 const char* qcMethod_Name(qcMethod method)

@@ -1,5 +1,5 @@
-// What a step needs: a pure function of the request and of what the device can do. It changes cost, never the answer
-// of a method that does not miss.
+// The plan of a step: a pure function of the request and of the device's features. It affects cost; methods that miss
+// nothing give the same pairs under any plan.
 #ifndef QC_PLAN_PLAN_H
 #define QC_PLAN_PLAN_H
 
@@ -8,8 +8,8 @@
 
 typedef struct qcPlanInput
 {
-    qcMethod method;     ///< asked for
-    uint32_t resolution; ///< asked for
+    qcMethod method;     ///< requested
+    uint32_t resolution; ///< requested
     bool haveGl, haveCompute;
     uint32_t maxResolution; ///< of the device
 } qcPlanInput;
@@ -18,30 +18,29 @@ typedef struct qcPlan
 {
     qcMethod method;      ///< never qc_methodAuto
     bool useImage;        ///< visibility culling at object and triangle level
-    bool useLayers;       ///< culling to candidates on the device
-    bool chooseParts;     ///< on the device those parts of the scene for which that pays
+    bool useLayers;       ///< candidates from the device
+    bool chooseIslands;   ///< candidates of some islands from the device: those for which it is faster
     uint32_t resolution;  ///< 0 without an image
-    const char* fallback; ///< why another method than the one asked for, or null
+    const char* fallback; ///< why another method than the requested one runs, or null
 } qcPlan;
 
 qcPlan qcPlan_Make(const qcPlanInput* input);
 
-//  ---- `auto`: which parts of the scene go to the device ---------------------------------------------------------
+//  ---- `auto`: which islands go to the device ---------------------------------------------------------------------
 
-/// Bodies that can meet each other, directly or by way of others, and no other body.
+/// An island: bodies whose AABBs are connected by overlaps, and overlap no other body.
 typedef struct qcPlanItem
 {
     uint32_t triangles;
-    double lower[3], upper[3]; ///< around them
-    bool onDevice;             ///< the answer
+    double lower[3], upper[3]; ///< their AABB
+    bool onDevice;             ///< the result of qcPlan_ChooseIslands
 } qcPlanItem;
 
-/// Below this many triangles the sweep ends before a device has begun: not worth a calibration.
-bool qcPlan_IsWorthADevice(const qcPlanItem* parts, size_t count);
+/// False for so few triangles that the sweep ends before a device could start: no calibration pays.
+bool qcPlan_IsWorthADevice(const qcPlanItem* islands, size_t count);
 
-/// Chooses for each part. `triangles` receives how many the choice was about: those of parts that the device could
-/// take.
-void qcPlan_ChooseParts(const qcPlanCosts* costs, qcPlanHistory* history, qcPlanItem* parts, size_t count,
-                        double* triangles);
+/// Chooses for each island. `triangles` receives the count of triangles in islands that the device can take.
+void qcPlan_ChooseIslands(const qcPlanCosts* costs, qcPlanHistory* history, qcPlanItem* islands, size_t count,
+                          double* triangles);
 
 #endif

@@ -1,26 +1,26 @@
-// What the queries of one scene cost by either method.
+// Measured costs of queries, and trials of the other method.
 #include "plan/plan_history.h"
 
 #include <math.h>
 
-// A trial is worth while if the other method's estimate is within this factor of what the present one takes. The sweep
-// follows small motions at a fraction of its calibrated cost; `layers` does not.
-static const double s_sweepHope = 4.0, s_layersHope = 1.5;
-// Against going back and forth between methods that cost the same.
-static const double s_better = 0.95;
+// A trial starts if the other method's estimate is below this factor times the current cost. With small motions the
+// sweep takes a fraction of its calibrated cost; `layers` does not.
+static const double s_maxSweepRatio = 4.0, s_maxLayersRatio = 1.5;
+// A switch requires this ratio of costs, so that methods of equal cost don't alternate.
+static const double s_maxSwitchRatio = 0.95;
 
-/// Mean of the last queries but for the most expensive one; the estimate if there were not enough.
+/// Mean of the recent queries without the most expensive one, or the estimate if there are too few.
 static double Cost(const qcCostRecord* record, double estimate)
 {
     if (record->count < qc_recentQueries)
         return estimate;
-    double sum = 0.0, most = 0.0;
+    double sum = 0.0, max = 0.0;
     for (int i = 0; i < qc_recentQueries; i++)
     {
         sum += record->perTriangle[i];
-        most = fmax(most, record->perTriangle[i]);
+        max = fmax(max, record->perTriangle[i]);
     }
-    return (sum - most) / (qc_recentQueries - 1);
+    return (sum - max) / (qc_recentQueries - 1);
 }
 
 static void StartTrial(qcPlanHistory* history)
@@ -28,7 +28,7 @@ static void StartTrial(qcPlanHistory* history)
     history->trialLeft = qc_trialQueries;
     history->trialGap = history->trialGap == 0 ? qc_firstTrialGap : history->trialGap;
     history->nextTrial = history->queries + history->trialGap;
-    history->trialGap = history->trialGap < qc_lastTrialGap ? 2 * history->trialGap : qc_lastTrialGap;
+    history->trialGap = history->trialGap < qc_maxTrialGap ? 2 * history->trialGap : qc_maxTrialGap;
     history->onDevice = !history->onDevice;
 }
 
@@ -45,14 +45,14 @@ bool qcPlanHistory_Choose(qcPlanHistory* history, const qcPlanCosts* costs, doub
     double sweep = Cost(&history->sweep, costs->sweepPerTriangle), layers = Cost(&history->layers, layersEstimate);
     if (query == 0)
         history->onDevice = layers < sweep;
-    else if (history->onDevice ? sweep < s_better * layers : layers < s_better * sweep)
+    else if (history->onDevice ? sweep < s_maxSwitchRatio * layers : layers < s_maxSwitchRatio * sweep)
         history->onDevice = !history->onDevice;
     if (query >= history->nextTrial + qc_recentQueries)
     {
-        // An old observation gives way to the estimate: the scene may have changed.
-        bool hope =
-            history->onDevice ? costs->sweepPerTriangle < s_sweepHope * layers : layersEstimate < s_layersHope * sweep;
-        if (hope)
+        // The estimate, not an old measurement: the scene may have changed.
+        bool worthTrial = history->onDevice ? costs->sweepPerTriangle < s_maxSweepRatio * layers
+                                            : layersEstimate < s_maxLayersRatio * sweep;
+        if (worthTrial)
             StartTrial(history);
     }
     return history->onDevice;

@@ -1,5 +1,5 @@
-// What the queries of one scene cost by either method: `auto` starts from costs that were measured once per device on
-// another mesh, and goes on from what it sees.
+// Measured costs of one scene's queries by either method. `auto` starts from the costs of the device, which were
+// measured on another mesh, and continues with these.
 #ifndef QC_PLAN_PLAN_HISTORY_H
 #define QC_PLAN_PLAN_HISTORY_H
 
@@ -10,20 +10,20 @@
 
 enum
 {
-    /// Queries whose mean is the cost of a method: some, since a step of a host may be of several different ones.
+    /// Queries whose mean is the cost of a method. Several, since a step of a host may consist of different queries.
     qc_recentQueries = 8,
-    /// Queries of a trial: the first ones build what the later ones use.
+    /// Queries of a trial: the first ones build data that the later ones reuse.
     qc_trialQueries = qc_recentQueries + 2,
-    /// Queries from one trial to the next: at first, and at most. A trial at five times the cost is then 8 % of them.
+    /// Queries between trials: initially and at most. Trials at five times the cost then add 8 %.
     qc_firstTrialGap = 512,
-    qc_lastTrialGap = 8192
+    qc_maxTrialGap = 8192
 };
 
-/// Milliseconds for each triangle, of the last queries by one method.
+/// Milliseconds per triangle of the last queries by one method.
 typedef struct qcCostRecord
 {
     double perTriangle[qc_recentQueries];
-    uint32_t count; ///< of all queries so far
+    uint32_t count; ///< all queries so far, a ring buffer's position
 } qcCostRecord;
 
 /// All zero before the first query.
@@ -33,13 +33,13 @@ typedef struct qcPlanHistory
     uint32_t queries;   ///< so far
     uint32_t nextTrial; ///< number of the query at which the other method may be tried
     uint32_t trialGap;  ///< 0: there was no trial yet
-    uint32_t trialLeft; ///< queries left of a trial
-    bool onDevice;      ///< the method at present
+    uint32_t trialLeft; ///< remaining queries of a trial
+    bool onDevice;      ///< the current method
 } qcPlanHistory;
 
-/// Should the next query, of so many triangles, be answered by `layers`? Depends on its arguments alone.
+/// True if the next query, with this count of triangles, is to run by `layers`. Depends on its arguments alone.
 bool qcPlanHistory_Choose(qcPlanHistory* history, const qcPlanCosts* costs, double triangles);
-/// Adds what a query took: the stages in which the methods differ.
+/// Adds the milliseconds of a query, of the stages in which the methods differ.
 void qcPlanHistory_Add(qcPlanHistory* history, bool onDevice, double triangles, double ms);
 
 #endif

@@ -67,24 +67,20 @@ static qcStatus AddOrder(qcBvhCandidates* sweep, uint32_t body)
     return qc_statusOk;
 }
 
-/// The message of a worker is its own; say it again on this thread.
-static qcStatus CheckOrders(const qcBvhCandidates* sweep)
+static void AddResult(const qcBvhCandidates* sweep, uint32_t worker, qcStatus status)
 {
-    for (size_t i = 0; i < sweep->orders.count; i++)
-        if (OrderAt(sweep, i)->status != qc_statusOk)
-            return qcArray_FailAgain(&sweep->orders, "surfaces");
-    return qc_statusOk;
+    (void)qcWorkerResult_Add(&QC_AT(qcWorkerResult, sweep->results, worker), status);
 }
 
 static void MakeOne(void* context, size_t i, uint32_t worker)
 {
-    (void)worker;
     const Mending* making = context;
-    qcRefitTask* order = OrderAt(making->sweep, i);
+    const qcRefitTask* order = OrderAt(making->sweep, i);
     const qcBody* body = qcStepTriangles_Body(making->triangles, order->body);
     qcBodyBvh* bvh = BvhAt(making->sweep, qcStepTriangles_Slot(making->triangles, order->body));
-    order->status = bvh->bvh.generation == 0 ? qcBodyBvh_Build(bvh, body, making->threads)
-                                             : qcBodyBvh_BuildAdjacency(bvh, body, making->threads);
+    AddResult(making->sweep, worker,
+              bvh->bvh.generation == 0 ? qcBodyBvh_Build(bvh, body, making->threads)
+                                       : qcBodyBvh_BuildAdjacency(bvh, body, making->threads));
 }
 
 /// Surfaces that are wanted and not there yet, or that have not been asked for pairs with themselves before.
@@ -99,11 +95,12 @@ static qcStatus MakeSurfaces(qcBvhCandidates* sweep, const qcStepTriangles* tria
         if (wanted[body] && (bvh->bvh.generation == 0 || relates))
             QC_TRY(AddOrder(sweep, body));
     }
+    QC_TRY(qcWorkerResults_Begin(&sweep->results, threads, sizeof(qcWorkerResult), "surfaces"));
     // Several side by side, or one by all.
     size_t count = sweep->orders.count;
     Mending making = {.sweep = sweep, .triangles = triangles, .threads = count == 1 ? threads : 1};
     qcParallel_For(count == 1 ? 1 : threads, count, 2, MakeOne, &making);
-    return CheckOrders(sweep);
+    return qcWorkerResults_End(&sweep->results, sizeof(qcWorkerResult));
 }
 
 static void FitOne(void* context, size_t i, uint32_t worker)
@@ -112,9 +109,10 @@ static void FitOne(void* context, size_t i, uint32_t worker)
     const qcBvhCandidates* sweep = fitting->sweep;
     qcRefitTask* order = OrderAt(sweep, i);
     qcBodyBvh* bvh = BvhAt(sweep, qcStepTriangles_Slot(fitting->triangles, order->body));
-    order->status = qcTriangleBvh_Fit(&bvh->bvh, qcStepTriangles_Body(fitting->triangles, order->body), fitting->margin,
-                                      sweep->kernels, fitting->threads, &QC_AT(qcBvhScratch, sweep->scratches, worker),
-                                      &order->fits);
+    AddResult(sweep, worker,
+              qcTriangleBvh_Fit(&bvh->bvh, qcStepTriangles_Body(fitting->triangles, order->body), fitting->margin,
+                                sweep->kernels, fitting->threads, &QC_AT(qcBvhScratch, sweep->scratches, worker),
+                                &order->fits));
 }
 
 /// How far apart triangles of two bodies, or of one, count: what is near, and what is a candidate.
@@ -170,6 +168,7 @@ static qcStatus FitSurfaces(qcBvhCandidates* sweep, const qcBvhCandidatesJob* jo
     const qcStepTriangles* triangles = job->triangles;
     uint32_t threads = job->threads;
     QC_TRY(qcArray_GrowZeroed(&sweep->scratches, threads, sizeof(qcBvhScratch), "fitting surfaces"));
+    QC_TRY(qcWorkerResults_Begin(&sweep->results, threads, sizeof(qcWorkerResult), "fitting surfaces"));
     QC_TRY(FollowOrOrder(sweep, job, wanted));
     uint64_t left = sweep->fittedTriangles;
     uint64_t large = left / (4 * (uint64_t)threads);
@@ -192,7 +191,7 @@ static qcStatus FitSurfaces(qcBvhCandidates* sweep, const qcBvhCandidatesJob* jo
     qcParallel_For(left > qc_smallBody ? threads : 1, small, 2, FitOne, &fitting);
     for (size_t i = 0; i < sweep->orders.count; i++)
         wanted[OrderAt(sweep, i)->body] = OrderAt(sweep, i)->fits;
-    return CheckOrders(sweep);
+    return qcWorkerResults_End(&sweep->results, sizeof(qcWorkerResult));
 }
 
 qcStatus qcBvhCandidates_Prepare(qcBvhCandidates* sweep, const qcBvhCandidatesJob* job, uint8_t* wanted)
@@ -436,10 +435,10 @@ static qcStatus AddNeighbours(const Run* run, uint32_t body, qcProfile* profile)
     profile->skippedNeighbours += bvh->bvh.clusters.neighbourCount;
     PairOfSurfaces sides = MakeSides(run, body, body);
     qcNeighbourPairsJob job = {.kernels = run->sweep->kernels,
-                              .body = bvh,
-                              .threads = run->job->threads,
-                              .function = AddContactKeys,
-                              .context = &sides};
+                               .body = bvh,
+                               .threads = run->job->threads,
+                               .function = AddContactKeys,
+                               .context = &sides};
     return run->job->listNeighbours ? qcNeighbourPairs_Find(&job) : qc_statusOk;
 }
 
@@ -509,8 +508,8 @@ void qcBvhCandidates_Free(qcBvhCandidates* sweep)
         qcBvhScratch_Free(&QC_AT(qcBvhScratch, sweep->scratches, i));
     qcBvhPairs_Free(&sweep->pairs);
     qcVerletList_Free(&sweep->kept);
-    qcArray* arrays[] = {&sweep->bvhs, &sweep->seen,  &sweep->orders,  &sweep->scratches,   &sweep->followed,
-                         &sweep->jobs, &sweep->sides, &sweep->reached, &sweep->firstReached};
+    qcArray* arrays[] = {&sweep->bvhs,     &sweep->seen, &sweep->orders, &sweep->results, &sweep->scratches,
+                         &sweep->followed, &sweep->jobs, &sweep->sides,  &sweep->reached, &sweep->firstReached};
     for (size_t i = 0; i < sizeof arrays / sizeof arrays[0]; i++)
         qcArray_Free(arrays[i]);
 }

@@ -7,11 +7,10 @@
 #include "kernels/pair_buffer.h"
 #include "sweep/bvh/neighbour_pairs.h"
 
-/// A body of the step whose surface has something missing or isn't where the body is, and how mending that went.
+/// A body of the step whose surface has something missing or isn't where the body is.
 typedef struct qcRefitTask
 {
     uint32_t body;
-    qcStatus status;
     bool fits;
 } qcRefitTask;
 
@@ -22,6 +21,7 @@ typedef struct qcBvhCandidates
     qcArray bvhs;                     ///< of qcBodyBvh, by slot
     qcArray seen;                     ///< uint32_t, by slot: generation of the body that the last step saw there
     qcArray orders;                   ///< of qcRefitTask
+    qcArray results;                  ///< of qcWorkerResult, one a worker
     qcArray scratches;                ///< of qcBvhScratch, one a worker
     qcBvhPairs pairs;
     qcVerletList kept;

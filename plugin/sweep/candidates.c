@@ -7,13 +7,12 @@
 
 qcStatus qcCandidates_Begin(qcCandidates* candidates, uint32_t threads)
 {
-    QC_TRY(qcArray_GrowZeroed(&candidates->sinks, threads, sizeof(qcCandidateBuffer), "candidates"));
+    QC_TRY(qcWorkerResults_Begin(&candidates->sinks, threads, sizeof(qcCandidateBuffer), "candidates"));
     for (size_t i = 0; i < candidates->sinks.count; i++)
     {
         qcCandidateBuffer* sink = &QC_AT(qcCandidateBuffer, candidates->sinks, i);
         sink->keys.count = sink->neighbourKeys.count = 0;
         sink->neighbours = sink->setPairs = 0;
-        sink->status = qc_statusOk;
     }
     return qc_statusOk;
 }
@@ -48,23 +47,20 @@ void qcCandidates_Offer(const qcCandidateRules* rules, qcCandidateBuffer* sink, 
         sink->setPairs++;
         return;
     }
-    if (sink->status != qc_statusOk)
+    if (!qcWorkerResult_IsOk(&sink->result))
         return;
-    sink->status = qcArray_Reserve(keys, keys->count + 1, sizeof(uint64_t), "candidate pairs");
-    if (sink->status != qc_statusOk)
-        return;
-    QC_AT(uint64_t, *keys, keys->count++) = qcStepTriangles_Key(rankA, rankB);
+    qcStatus status = qcArray_Reserve(keys, keys->count + 1, sizeof(uint64_t), "candidate pairs");
+    if (qcWorkerResult_Add(&sink->result, status))
+        QC_AT(uint64_t, *keys, keys->count++) = qcStepTriangles_Key(rankA, rankB);
 }
 
 qcStatus qcCandidates_End(qcCandidates* candidates, qcProfile* profile)
 {
+    QC_TRY(qcWorkerResults_End(&candidates->sinks, sizeof(qcCandidateBuffer)));
     size_t total = 0, neighbours = 0;
     for (size_t i = 0; i < candidates->sinks.count; i++)
     {
         const qcCandidateBuffer* sink = &QC_AT(qcCandidateBuffer, candidates->sinks, i);
-        // The message is the worker's own; say it again on this thread.
-        if (sink->status != qc_statusOk)
-            return qcArray_FailAgain(&sink->keys, "candidate pairs");
         total += sink->keys.count;
         neighbours += sink->neighbourKeys.count;
         profile->skippedNeighbours += sink->neighbours;

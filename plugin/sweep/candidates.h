@@ -6,16 +6,16 @@
 #include "kernels/pair_buffer.h"
 #include "base/parallel_for.h"
 #include "base/radix_sort.h"
+#include "base/worker_results.h"
 #include "sweep/sweep_and_prune.h"
 
 /// What one worker found.
 typedef struct qcCandidateBuffer
 {
+    qcWorkerResult result;
     qcArray keys; ///< uint64_t: lower rank << 32 | higher rank
     qcArray neighbourKeys;
     uint64_t neighbours, setPairs;
-    qcStatus status;
-    char apart[64]; ///< keeps the counters of two workers off one cache line
 } qcCandidateBuffer;
 
 typedef struct qcCandidates

@@ -1,12 +1,7 @@
-// Integers of a fixed number of words that cannot overflow where they are used: all coordinates are scaled by one power
-// of two until each is an integer, which loses nothing, and then nothing is rounded, nothing underflows, and there is
-// no error bound.
-//
-// Why this can't overflow: a finite double is an integer multiple of 2^-1074 below 2^1024, so a scaled coordinate or
-// margin has at most 2098 bits and a difference 2099. The largest polynomials here are those of
-// triangle/distance_test.c, of degree six: a cross product of differences has 4199 bits, its product with a third one,
-// summed over the axes, 6300, and the square of that 12600: 197 words of 64. Usual coordinates (single precision, one
-// scene) take one or two words; the cost grows with the square of the words in use.
+// Integers of a fixed number of words, large enough for every polynomial whose sign is computed. Coordinates are scaled
+// by one power of two until each is an integer: nothing is rounded and nothing overflows.
+// Proof: plugin/docs/proofs/big_integer.md. The cost grows with the square of the words in use; usual coordinates
+// (single precision, one scene) take one or two.
 #include "triangle/big_integer.h"
 
 #include <assert.h>

@@ -1,4 +1,4 @@
-// Integers large enough for every polynomial in coordinates whose sign is asked for.
+// Integers large enough for every polynomial in coordinates whose sign is computed.
 #ifndef QC_TRIANGLE_BIG_INTEGER_H
 #define QC_TRIANGLE_BIG_INTEGER_H
 
@@ -22,8 +22,8 @@ typedef struct qcInteger
 
 /// The largest e for which each of the values is an integer multiple of 2^e; any finite values.
 int qcInteger_CommonExponent(const double* values, int count);
-/// The values / 2^commonExponent where all are below 2^60 in magnitude, otherwise false. Most coordinates of one scene
-/// are, and their determinants then take a few machine words.
+/// The values / 2^commonExponent if all are below 2^60 in magnitude, as most coordinates of one scene are; otherwise
+/// false. Determinants of short integers take a few machine words.
 bool qcInteger_AreShort(const double* values, int count, int commonExponent, int64_t* shorts);
 /// x = value / 2^commonExponent.
 void qcInteger_Set(qcInteger* x, double value, int commonExponent);

@@ -1,11 +1,6 @@
 // Closest points by features: nine pairs of edges, then the vertices over the other's face, as in PQP's TriDist
-// (Larsen, Gottschalk, Lin, Manocha: Fast Proximity Queries with Swept Sphere Volumes, 1999), all of them with clamped
-// parameters, so that every answer is a pair of points of the two, whatever rounding does: a distance is never too
-// small by more than rounding.
-//
-// Nor too large, also for nearly parallel edges and slivers of an angle w, whose cross products are right to 2^-53 / w
-// only. Edges: the second parameter is computed from the first, so that an error s of both moves the points apart by
-// s w only. Faces: two more steps correct the first; where w is 2^-40 and less the border is as near as the face.
+// (Larsen, Gottschalk, Lin, Manocha: Fast Proximity Queries with Swept Sphere Volumes, 1999). Parameters are clamped,
+// so that every answer is a pair of points of the two triangles. Accuracy: plugin/docs/proofs/closest_points.md.
 #include "triangle/closest_points.h"
 
 #include <float.h>
@@ -35,20 +30,20 @@ double qcClosest_OnSegment(qcVector p, qcVector q, qcVector x)
     return length2 > 0.0 ? Clamp01(qcDot(qcMinus(x, p), d) / length2) : 0.0;
 }
 
-/// The foot b u + c v of w in the plane of u and v, and w's difference to it. False: outside the triangle, or it is
-/// nothing but a line.
+/// The foot b u + c v of w in the plane of u and v, and w's difference to it. False: the foot is outside of the
+/// triangle, or the triangle is degenerate.
 static bool FindFoot(qcVector w, qcVector u, qcVector v, qcVector n, double* b, double* c, qcVector* difference)
 {
     double n2 = qcDot(n, n);
     *b = *c = 0.0;
     *difference = w;
-    // Of a sliver of angle w the first foot is off by 2^-53 / w of the way to it, the second by as much of that.
+    // Iterative refinement: on a sliver of angle w each step reduces the error by a factor of 2^-53 / w.
     for (int step = 0; step < 3; step++)
     {
         qcVector d = *difference;
         *b += qcDot(qcCross(d, v), n) / n2;
         *c += qcDot(qcCross(u, d), n) / n2;
-        // Not close to the inside: a first foot off by more is one on a sliver that is as well told by its border.
+        // Well outside. A first foot with a larger error lies on a sliver whose border is as near.
         if (!(*b >= -0x1p-10 && *c >= -0x1p-10 && *b + *c <= 1.0 + 0x1p-10))
             return false;
         *difference = qcPlusScaled(qcPlusScaled(w, u, -*b), v, -*c);
@@ -77,7 +72,7 @@ void qcClosest_OnTriangle(const qcVector corner[3], qcVector x, double weights[3
     qcVector u = qcMinus(corner[1], corner[0]), v = qcMinus(corner[2], corner[0]), w = qcMinus(x, corner[0]);
     qcVector difference;
     double b, c;
-    // Nearer than the border, too: on a sliver the normal, and all that came of it, may be nothing but rounding.
+    // The foot must be nearer than the border: on a sliver the normal may consist of rounding errors.
     if (!FindFoot(w, u, v, qcCross(u, v), &b, &c, &difference) || qcDot(difference, difference) >= best)
         return;
     weights[0] = Larger(1.0 - b - c, 0.0);
@@ -97,10 +92,9 @@ void qcClosest_OfSegments(qcVector p, qcVector q, qcVector r, qcVector s, double
         return;
     }
     double dw = qcDot(d, w), de = qcDot(d, e), ew = qcDot(e, w);
-    // Parallel within 1e-14 radians: any point will do.
+    // Parallel within 1e-14 radians: any parameter gives the distance.
     *t = n2 > 1e-28 * d2 * e2 ? Clamp01(qcDot(qcCross(w, e), n) / n2) : 0.0;
-    // The closest to that point, not computed apart from it: nearly parallel edges forgive an error in t that both
-    // share.
+    // Computed from t, not independently: for nearly parallel edges an error of t moves both points alike.
     *u = (*t * de - ew) / e2;
     if (*u >= 0.0 && *u <= 1.0)
         return;
@@ -125,7 +119,7 @@ qcVector qcClosest_FromSegment(qcVector p, qcVector q, qcVector r, qcVector s)
 
 //  ---- triangles -----------------------------------------------------------------------------------------------
 
-/// Differences to the origin, times a power of two; returns the largest.
+/// Differences to the origin, times a power of two. Returns the largest coordinate.
 static double Subtract(const double corners[3][3], const double origin[3], double factor, qcVector local[3])
 {
     double size = 0.0;
@@ -151,7 +145,7 @@ static double PowerOfTwo(int exponent)
     return power;
 }
 
-/// The exponent of the largest power of two that is no larger.
+/// floor(log2(size)).
 static int ExponentOf(double size)
 {
     if (size < DBL_MIN)
@@ -174,14 +168,14 @@ void qcPairFrame_Set(qcPairFrame* frame, const double a[3][3], const double b[3]
     double sizeA = Subtract(a, a[0], 1.0, frame->a), sizeB = Subtract(b, a[0], 1.0, frame->b);
     if (!(sizeA <= DBL_MAX && sizeB <= DBL_MAX))
     {
-        // A difference of the largest numbers; what a quarter of a denormal loses is nothing beside it.
+        // The difference overflows. The error of a quarter of a denormal is negligible beside it.
         sizeA = Subtract(a, a[0], 0.25, frame->a);
         sizeB = Subtract(b, a[0], 0.25, frame->b);
         frame->exponent = 2;
     }
     double size = sizeA > sizeB ? sizeA : sizeB;
     int exponent = size > 0.0 ? ExponentOf(size) : 0;
-    // In two steps: 2^1074 is no double. The second is nothing for all but extremes.
+    // In two steps, since 2^1074 is not a double. The second is 1 except for extreme sizes.
     int first = exponent < -1000 ? -1000 : exponent > 1000 ? 1000 : exponent;
     double factor = PowerOfTwo(-first), rest = PowerOfTwo(first - exponent);
     Scale(frame->a, factor);
@@ -196,8 +190,8 @@ void qcPairFrame_Set(qcPairFrame* frame, const double a[3][3], const double b[3]
     frame->exponent += exponent;
 }
 
-// In the frame. A direction found from points that are nearly as close as this is all rounding; one for points of the
-// distance D turns by 2^-50 / D and loses that times the extent. Losses below are not looked after.
+// Tolerance of a distance, in the frame. The direction between points at distance D is off by 2^-50 / D, which changes
+// distances by that times the extent; smaller differences are ignored.
 static const double s_loss = 0x1p-43;
 
 /// The best pair of points so far, and all corners along its difference.
@@ -209,8 +203,8 @@ typedef struct Search
     qcClosestPoints* closest;
 } Search;
 
-/// Weights are still to be set.
-static bool IsBest(Search* s, qcVector difference)
+/// Takes the difference if it is the shortest so far; the caller then sets the weights.
+static bool TakeIfBest(Search* s, qcVector difference)
 {
     double distance2 = qcDot(difference, difference);
     if (distance2 >= s->distance2)
@@ -225,14 +219,14 @@ static bool IsBest(Search* s, qcVector difference)
     return true;
 }
 
-/// Points of A and B with this gap along the best difference are no closer than the best, or by next to nothing.
+/// True if points of A and B with this gap along the best difference are not closer than the best by more than s_loss.
 static bool IsNoCloser(const Search* s, double gap)
 {
     double lost = s->distance2 - gap;
     return lost <= 0.0 || lost * lost <= s_loss * s_loss * s->distance2;
 }
 
-/// No points of the two are.
+/// True if no points of the two are closer than the best.
 static bool AreNoneCloser(const Search* s)
 {
     double nearestA = Smaller(Smaller(s->alongA[0], s->alongA[1]), s->alongA[2]);
@@ -240,7 +234,7 @@ static bool AreNoneCloser(const Search* s)
     return IsNoCloser(s, nearestA - nearestB);
 }
 
-/// The closest points of edge i of A and edge j of B. True: no others are closer.
+/// Tries the closest points of edge i of A and edge j of B. True: no other points are closer.
 static bool TryEdges(Search* s, int i, int j)
 {
     const qcVector *a = s->a, *b = s->b;
@@ -250,8 +244,8 @@ static bool TryEdges(Search* s, int i, int j)
         return false;
     double t, u;
     qcClosest_OfSegments(a[i], a[nextA], b[j], b[nextB], &t, &u);
-    if (!IsBest(s, qcPlusScaled(qcPlusScaled(qcMinus(a[i], b[j]), qcMinus(a[nextA], a[i]), t), qcMinus(b[nextB], b[j]),
-                                -u)))
+    if (!TakeIfBest(s, qcPlusScaled(qcPlusScaled(qcMinus(a[i], b[j]), qcMinus(a[nextA], a[i]), t),
+                                    qcMinus(b[nextB], b[j]), -u)))
         return false;
     s->closest->weightsA[i] = 1.0 - t;
     s->closest->weightsA[nextA] = t;
@@ -260,7 +254,7 @@ static bool TryEdges(Search* s, int i, int j)
     return AreNoneCloser(s);
 }
 
-/// Corners of one triangle over the face of the other; `sign` is -1 if the face is A's.
+/// Tries the corners of one triangle over the face of the other; `sign` is -1 if the face is A's.
 static void TryFace(Search* s, const qcVector points[3], const qcVector face[3], double sign)
 {
     qcVector u = qcMinus(face[1], face[0]), v = qcMinus(face[2], face[0]), n = qcCross(u, v);
@@ -269,12 +263,12 @@ static void TryFace(Search* s, const qcVector points[3], const qcVector face[3],
     {
         qcVector w = qcMinus(points[i], face[0]);
         double height = qcDot(w, n);
-        // Plainly too high: by more than the height itself may be off, 2^-45, since (x + y)^2 <= 2 (x^2 + y^2).
+        // Too high by more than the error of the height, 2^-45, since (x + y)^2 <= 2 (x^2 + y^2).
         if (height * height > 2.0 * (s->distance2 * n2 + 0x1p-90))
             continue;
         qcVector d;
         double b, c;
-        if (!FindFoot(w, u, v, n, &b, &c, &d) || !IsBest(s, (qcVector){sign * d.x, sign * d.y, sign * d.z}))
+        if (!FindFoot(w, u, v, n, &b, &c, &d) || !TakeIfBest(s, (qcVector){sign * d.x, sign * d.y, sign * d.z}))
             continue;
         double* vertexWeights = sign > 0.0 ? s->closest->weightsA : s->closest->weightsB;
         double* faceWeights = sign > 0.0 ? s->closest->weightsB : s->closest->weightsA;
@@ -289,28 +283,28 @@ void qcClosest_OfTriangles(const qcVector a[3], const qcVector b[3], qcClosestPo
 {
     Search search = {.a = a, .b = b, .distance2 = INFINITY, .closest = closest};
     int nearA = 0, nearB = 0;
-    double least = INFINITY;
+    double minDistance2 = INFINITY;
     for (int i = 0; i < 3; i++)
         for (int j = 0; j < 3; j++)
         {
             qcVector d = qcMinus(a[i], b[j]);
             double distance2 = qcDot(d, d);
-            if (distance2 < least)
+            if (distance2 < minDistance2)
             {
-                least = distance2;
+                minDistance2 = distance2;
                 nearA = i;
                 nearB = j;
             }
         }
-    IsBest(&search, qcMinus(a[nearA], b[nearB]));
+    TakeIfBest(&search, qcMinus(a[nearA], b[nearB]));
     closest->weightsA[nearA] = closest->weightsB[nearB] = 1.0;
     if (AreNoneCloser(&search))
         return;
-    // Edges of the two corners that are nearest first: mostly one of them has the answer.
-    static const int s_turned[3][3] = {{0, 2, 1}, {1, 0, 2}, {2, 1, 0}};
+    // First the edges of the two nearest corners: usually one of them is the closest.
+    static const int s_edgesByCorner[3][3] = {{0, 2, 1}, {1, 0, 2}, {2, 1, 0}};
     for (int i = 0; i < 3; i++)
         for (int j = 0; j < 3; j++)
-            if (TryEdges(&search, s_turned[nearA][i], s_turned[nearB][j]))
+            if (TryEdges(&search, s_edgesByCorner[nearA][i], s_edgesByCorner[nearB][j]))
                 return;
     TryFace(&search, a, b, 1.0);
     TryFace(&search, b, a, -1.0);

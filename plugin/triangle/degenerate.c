@@ -1,4 +1,4 @@
-// Degenerate triangles are segments or points, closed sets all the same: this tells which.
+// Degenerate triangles are segments or points: finds out which.
 #include "triangle/exact.h"
 
 static const double* Lower(const double* a, const double* b, int axis)
@@ -23,7 +23,7 @@ qcSimplex qcSimplex_Of(const double triangle[3][3], uint64_t* undecided)
         if (s.sign != 0)
             return s;
     }
-    // Flat in all three projections: the corners lie on one line, so one coordinate in which they differ orders them.
+    // Flat in all three projections: the corners are collinear. A coordinate in which they differ orders them.
     for (int axis = 0; axis < 3; axis++)
     {
         const double* low = Lower(Lower(a, b, axis), c, axis);

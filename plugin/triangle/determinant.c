@@ -6,7 +6,7 @@
 #include <math.h>
 #include <string.h>
 
-/// x * 2^exponent, its highest 64 bits rounded to 53: the bits below change the rounding only.
+/// x * 2^exponent. The highest 64 bits are rounded to 53; lower ones would affect the rounding only.
 static qcScaled ToScaled(const qcInteger* x, int exponent)
 {
     qcScaled scaled = {0.0, 0};
@@ -34,7 +34,7 @@ static void Minor(const qcInteger* a, const qcInteger* b, const qcInteger* c, co
     qcInteger_Subtract(out, &other, out);
 }
 
-/// The same for coordinates below 2^60: differences below 2^61, minors below 2^123, products below 2^184.
+/// qcExactDeterminant3 of coordinates below 2^60: differences are below 2^61, minors below 2^123, products below 2^184.
 static void ShortDeterminant3(const int64_t x[12], qcInteger* determinant)
 {
     int64_t row[3][3];

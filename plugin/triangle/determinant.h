@@ -1,4 +1,4 @@
-// Signs and values of small determinants in integer arithmetic: what the floating-point filter falls back on.
+// Signs and values of small determinants in integer arithmetic, for what the floating-point filter can't decide.
 #ifndef QC_TRIANGLE_DETERMINANT_H
 #define QC_TRIANGLE_DETERMINANT_H
 

@@ -1,31 +1,5 @@
-// Are two triangles no further apart than a margin? Decided exactly: a filter with certificates, then integers.
-//
-// Which pairs of features suffice. Let A and B be apart, x in A and y in B a closest pair, F and G the features
-// (corner, edge, face) of which x and y are inner points; of all closest pairs take one whose dim F + dim G is least.
-// If F and G had a direction in common, x and y could both move along it, keeping their difference, until one of them
-// leaves its feature over the border: a closest pair of less dimension. So they have none, dim F + dim G <= 3; and not
-// 3, because x - y is perpendicular to both and not zero. What is left: vertex and vertex (9), vertex and edge (18),
-// two edges that are not parallel (9), vertex and face (6); degenerate triangles are the unions of their edges and have
-// no face. In each case x and y are the feet of the perpendicular. On the other hand, any such feet within the closed
-// features are points of A and B. So the distance is at most d exactly if A and B meet (qcExact_Relate) or one of the
-// 42 pairs has its feet and says so, in polynomials of differences of corners:
-//   vertex, vertex:  |w|^2 <= d^2                                                      w from one to the other
-//   vertex, edge:    |w x e|^2 <= d^2 |e|^2,  0 <= w.e <= |e|^2,  e not 0             w from an end to the vertex
-//   edge, edge:      (n.w)^2 <= d^2 |n|^2, 0 <= (w x e).n, (w x d).n <= |n|^2, n not 0 n = d x e, w from start to start
-//   vertex, face:    (n.w)^2 <= d^2 |n|^2, 0 <= (w x v).n, (u x w).n, their sum <= |n|^2, n not 0          n = u x v
-//
-// The filter works in the frame of the pair (triangle/closest_points.h), where coordinates are below 2, corners
-// within 3.47 of the origin, and any two points of A and B within 7 of each other. It believes nothing but two kinds of
-// certificate. Their errors in units of 2^-53:
-//   - No points are nearer than A and B. The difference of two corners, or of the points of qcClosest_OfTriangles, is a
-//     sum of up to three differences of coordinates, times weights: off by less than 50 in each component, 90 in all.
-//     Its square, compared with that of the distance, is as good as off by 14 more.
-//   - For any vector v, whatever it came from, no points are nearer than (min a.v - max b.v) / |v|. A dot product is
-//     off by less than 10.5 |v|, the difference of two by 21 + 7, the comparison of squares by 21 more. Where |v| is
-//     2^-100 or more no underflow comes near that.
-//   - The frame moves a corner by up to 3.5, so that distances change by up to 7, and adding the slack rounds by 7.
-// Together below 130 in either case; the slack is 512. The margin in the frame is exact, or below 2^-1022, or so large
-// that it says yes rightly.
+// Are two triangles within a margin of each other? Decided exactly: a filter with certificates in double precision,
+// then all 42 pairs of features in integers. Proof: plugin/docs/proofs/distance_test.md.
 #include "triangle/exact.h"
 
 #include "triangle/closest_points.h"
@@ -38,7 +12,7 @@ static const double s_slack = 0x1p-44;
 
 //  ---- certificates ----------------------------------------------------------------------------------------
 
-/// What a direction tells: the hulls of two sets of points are gap / sqrt(length2) apart, or more.
+/// A lower bound for the distance of the hulls of two sets of points: gap / sqrt(length2).
 typedef struct Gap
 {
     double gap, length2;
@@ -63,24 +37,24 @@ static Gap GapAlong(qcVector v, const qcVector* a, int countA, const qcVector* b
     return (Gap){above > below ? above : below, qcDot(v, v)};
 }
 
-/// Surely?
+/// True if the bound proves that the distance is larger.
 static bool IsFartherThan(Gap g, double distance)
 {
-    double least = distance + s_slack;
-    return g.gap > 0.0 && g.length2 >= 0x1p-200 && g.gap * g.gap > least * least * g.length2;
+    double bound = distance + s_slack;
+    return g.gap > 0.0 && g.length2 >= 0x1p-200 && g.gap * g.gap > bound * bound * g.length2;
 }
 
-/// Do they surely overlap along the direction, by more than rounding?
+/// True if the sets overlap along the direction by more than rounding.
 static bool IsOverlap(Gap g)
 {
     return g.gap < 0.0 && g.length2 >= 0x1p-200 && g.gap * g.gap > s_slack * s_slack * g.length2;
 }
 
-/// Are two points, whose difference this is, surely no further apart?
+/// True if two points with this difference are proven to be within the distance.
 static bool IsNoFartherThan(double distance, qcVector difference)
 {
-    double most = distance - s_slack;
-    return most >= 0.0 && qcDot(difference, difference) <= most * most;
+    double bound = distance - s_slack;
+    return bound >= 0.0 && qcDot(difference, difference) <= bound * bound;
 }
 
 //  ---- features in integers ----------------------------------------------------------------------------------
@@ -132,9 +106,9 @@ static bool IsSquareWithin(const qcInteger* value, const qcInteger* margin2, con
     return IsAtMost(&left, &right);
 }
 
-static bool IsWithin0And(const qcInteger* x, const qcInteger* most)
+static bool IsWithin0And(const qcInteger* x, const qcInteger* max)
 {
-    return qcInteger_Sign(x) >= 0 && IsAtMost(x, most);
+    return qcInteger_Sign(x) >= 0 && IsAtMost(x, max);
 }
 
 static bool VertexVertex(const Point p, const Point q, const qcInteger* margin2)
@@ -233,7 +207,7 @@ static void SetIntegers(Pair* pair, const double a[3][3], const double b[3][3], 
     qcInteger_Multiply(&root, &root, &pair->margin2);
 }
 
-/// The vertices of triangle `one` and the faces, edges and vertices of the other; vertices with vertices once.
+/// Tests the vertices of triangle `one` with the faces, edges and vertices of the other; vertex pairs once.
 static bool IsAnyVertexWithin(const Pair* pair, int one)
 {
     const qcVector* points = one == 0 ? pair->frame->a : pair->frame->b;
@@ -244,7 +218,7 @@ static bool IsAnyVertexWithin(const Pair* pair, int one)
         qcVector x = points[i];
         qcVector d = qcClosest_FromTriangle(others, x);
         if (IsFartherThan(GapAlong(d, &x, 1, others, 3), pair->margin))
-            continue; // so are all features of the other
+            continue; // farther than the margin from the whole triangle
         if (VertexFace(corner[i], other, &pair->margin2))
             return true;
         for (int j = 0; j < 3; j++)
@@ -279,8 +253,8 @@ static bool IsAnyWithin(const Pair* pair)
 
 //  ---- the filter ----------------------------------------------------------------------------------------
 
-/// Three times the way from the middle of B to that of A.
-static qcVector BetweenMiddles(const qcPairFrame* f)
+/// Three times the vector from the centroid of B to that of A.
+static qcVector BetweenCentroids(const qcPairFrame* f)
 {
     qcVector a = qcPlusScaled(qcPlusScaled(f->a[0], f->a[1], 1.0), f->a[2], 1.0);
     qcVector b = qcPlusScaled(qcPlusScaled(f->b[0], f->b[1], 1.0), f->b[2], 1.0);
@@ -292,7 +266,7 @@ static qcVector Normal(const qcVector corner[3])
     return qcCross(qcMinus(corner[1], corner[0]), qcMinus(corner[2], corner[0]));
 }
 
-/// Is some corner of A surely near some corner of B?
+/// True if some corner of A is proven to be within the margin of some corner of B.
 static bool AreCornersWithin(const qcPairFrame* f, double margin)
 {
     bool within = false;
@@ -309,20 +283,20 @@ qcRelation qcExact_Within(const double a[3][3], const double b[3][3], double mar
     qcPairFrame frame;
     qcPairFrame_Set(&frame, a, b);
     double local = qcPairFrame_Length(&frame, margin);
-    // What lies flat on the other is parted by its face: faces first.
-    const qcVector directions[3] = {Normal(frame.a), Normal(frame.b), BetweenMiddles(&frame)};
-    bool apart = false, within = AreCornersWithin(&frame, local), across = true;
+    // Face normals first: they separate triangles that lie flat on each other.
+    const qcVector directions[3] = {Normal(frame.a), Normal(frame.b), BetweenCentroids(&frame)};
+    bool disjoint = false, within = AreCornersWithin(&frame, local), across = true;
     for (int i = 0; i < 3; i++)
     {
         Gap gap = GapAlong(directions[i], frame.a, 3, frame.b, 3);
-        apart = apart || IsFartherThan(gap, 0.0);
-        if (apart && within)
+        disjoint = disjoint || IsFartherThan(gap, 0.0);
+        if (disjoint && within)
             return qc_relationNear;
-        if (apart && IsFartherThan(gap, local))
+        if (disjoint && IsFartherThan(gap, local))
             return qc_relationDisjoint;
         across = across && IsOverlap(gap);
     }
-    // Each reaches through the other's plane: that costs the relation no exact arithmetic, and it says all.
+    // Each straddles the other's plane: the intersection test needs no exact arithmetic, and it decides.
     if (within && across)
     {
         qcRelation relation = qcExact_Relate(a, b, undecided);
@@ -333,7 +307,7 @@ qcRelation qcExact_Within(const double a[3][3], const double b[3][3], double mar
     Gap gap = GapAlong(closest.difference, frame.a, 3, frame.b, 3);
     if (IsFartherThan(gap, local))
         return qc_relationDisjoint;
-    if (!apart && !IsFartherThan(gap, 0.0))
+    if (!disjoint && !IsFartherThan(gap, 0.0))
     {
         qcRelation relation = qcExact_Relate(a, b, undecided);
         if (relation != qc_relationDisjoint)

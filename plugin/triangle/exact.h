@@ -1,16 +1,17 @@
 // Triangle against triangle, decided exactly for the given coordinates.
+// Proofs: plugin/docs/proofs/intersection_test.md, distance_test.md, orientation_filter.md.
 #ifndef QC_TRIANGLE_EXACT_H
 #define QC_TRIANGLE_EXACT_H
 
 #include "triangle/determinant.h"
 #include "quickcullide/scene.h"
 
-/// As qcRelateTriangles; `*undecided` (may be null) grows by the predicates that the floating-point filter could not
-/// decide.
+/// Like qcRelateTriangles. Adds to `*undecided` (may be null) the number of predicates that the floating-point filter
+/// could not decide.
 qcRelation qcExact_Relate(const double a[3][3], const double b[3][3], uint64_t* undecided);
 
-/// As qcExact_Relate, and qc_relationNear for triangles that do not meet but are no further apart than `margin`, 0 or
-/// more. A pair that the filter for distances could not decide counts as one more predicate in `*undecided`.
+/// Like qcExact_Relate, and qc_relationNear for disjoint triangles whose distance is at most `margin`, 0 or more. A
+/// pair that the filter for distances could not decide adds one to `*undecided`.
 qcRelation qcExact_Within(const double a[3][3], const double b[3][3], double margin, uint64_t* undecided);
 
 /// The ends of the intersection of two penetrating triangles, rounded; see qcSegment.
@@ -21,7 +22,7 @@ void qcExact_Segment(const double a[3][3], const double b[3][3], qcSegment* segm
 /// Sign of det(b - a, c - a, d - a): positive when d lies on the side to which (b - a) x (c - a) points.
 int qcOrient3d(const double a[3], const double b[3], const double c[3], const double d[3], uint64_t* undecided);
 
-/// The same determinant, right to at least 20 bits.
+/// The determinant of qcOrient3d, right to at least 20 bits.
 qcScaled qcOrient3dValue(const double a[3], const double b[3], const double c[3], const double d[3]);
 
 /// Sign of det(b - a, c - a) in the coordinates (u, v).
@@ -29,7 +30,7 @@ int qcOrient2d(const double a[3], const double b[3], const double c[3], int u, i
 
 //  ---- simplices --------------------------------------------------------------------------------------------
 
-/// What a triangle really is: a point, a segment or a triangle. The corners are the caller's.
+/// A triangle without its degeneracy: a point, a segment or a triangle. The corners are the caller's.
 typedef struct qcSimplex
 {
     int dimension;          ///< 0, 1 or 2

@@ -1,6 +1,6 @@
-// The segment in which two triangles meet, rounded to double. Callers have decided exactly that they penetrate; here
-// signs are exact too, so that every end is a true corner of the intersection, and its place along an edge comes from
-// determinants that are right to 20 bits more than their signs. Nothing is squared before it is scaled: no overflow.
+// The segment in which two penetrating triangles meet, rounded to double. Signs are exact, so that every end is a true
+// corner of the intersection; its position along an edge comes from determinants that are right to 20 bits. Values are
+// scaled before they are squared: no overflow.
 #include "triangle/exact.h"
 
 #include <math.h>
@@ -13,7 +13,7 @@ typedef struct Point
 
 enum
 {
-    // Three corners of either and the crossings of nine pairs of edges: never all, but room for all.
+    // Three corners of each and the crossings of nine pairs of edges; never all of them.
     qc_maxPoints = 15
 };
 
@@ -28,7 +28,7 @@ static void Push(Points* points, const double* p)
     memcpy(points->point[points->count++].x, p, sizeof points->point[0].x);
 }
 
-/// p + s (q - p) for s in 0..1, from the nearer end, so that an end is met without rounding.
+/// p + s (q - p) for s in 0..1, from the nearer end: exact at the ends.
 static Point Blend(const double* p, const double* q, double s)
 {
     const double* from = s <= 0.5 ? p : q;
@@ -41,7 +41,8 @@ static Point Blend(const double* p, const double* q, double s)
     return point;
 }
 
-/// Where a segment whose ends have these heights over a plane, of opposite signs, crosses it: |p| / (|p| + |q|).
+/// The parameter at which a segment crosses a plane, |p| / (|p| + |q|), from the heights of its ends, of opposite
+/// signs.
 static double Crossing(qcScaled p, qcScaled q)
 {
     if (p.mantissa == 0.0)
@@ -99,7 +100,7 @@ static int EdgeCount(const qcSimplex* s)
     return s->dimension == 2 ? 3 : s->dimension;
 }
 
-/// In the closed triangle or segment, seen in (u, v), in which it is not flat unless it is a segment.
+/// True if p lies in the closed triangle or segment, in (u, v), in which a triangle is not flat.
 static bool Contains(const qcSimplex* s, const double* p, int u, int v)
 {
     int signs[3] = {0, 0, 0};
@@ -130,7 +131,7 @@ static void PushEdgeCrossing(Points* points, const double* const a[2], const dou
     Push(points, crossing.x);
 }
 
-/// Both in one plane or line, seen one to one in (u, v): corners of either in the other, and crossings of edges.
+/// For two in one plane or line, which (u, v) shows one to one: corners of each in the other, and crossings of edges.
 static void InPlane(const qcSimplex* a, const qcSimplex* b, int u, int v, qcSegment* segment)
 {
     Points points = {.count = 0};
@@ -178,7 +179,7 @@ static void SegmentSegment(const qcSimplex* a, const qcSimplex* b, qcSegment* se
 
 //  ---- general position --------------------------------------------------------------------------------------
 
-/// Where the edges of a cross the plane of b: the ends of a's interval.
+/// The points in which the edges of a cross the plane of b: the ends of a's interval.
 static void PushCrossings(Points* points, const double a[3][3], const double b[3][3])
 {
     qcScaled height[3];

@@ -1,20 +1,14 @@
-// Disjoint, touching or penetrating: the relation of two closed triangles, degenerate ones included.
-//
-// General position: both triangles cross the line L in which their planes meet, in intervals whose ends are points
-// where edges cross the other plane. Two ends, on an edge p of A and an edge q of B, are ordered along L by the sign
-// of orient3d(p, q), times the directions in which the two edges cross (the idea of Guigue and Devillers, Fast and
-// Robust Triangle-Triangle Overlap Test, 2003; here without permutations: the four signs say all, see OnLine).
-// Everything else lies in a plane or on a line: there, two convex sets are disjoint (their relative interiors are
-// disjoint) if and only if an edge of their Minkowski difference strictly (weakly) separates them, and these edges are
-// parallel to edges of the two.
-// Only signs of exact predicates and comparisons of given coordinates are used: nothing is rounded.
+// Disjoint, touching or penetrating: the relation of two closed triangles, degenerate ones included. Only signs of
+// exact predicates and comparisons of given coordinates are used: nothing is rounded. The idea of Guigue and Devillers,
+// Fast and Robust Triangle-Triangle Overlap Test, 2003, without permutations. Proof:
+// plugin/docs/proofs/intersection_test.md.
 #include "triangle/exact.h"
 
 #include "base/float_mode.h"
 
 #include <stddef.h>
 
-/// How far an axis separates: not at all, weakly (only borders meet), strictly.
+/// How an axis separates: not at all, weakly (only borders meet), strictly.
 typedef enum Separation
 {
     separation_none = 0,
@@ -72,8 +66,8 @@ static bool Straddles(const int side[3])
     return positive && negative;
 }
 
-/// The corner whose two edges both cross (or end on) the other plane at the two ends of the interval: its side differs
-/// from that of both others. Of (0, +, -) a corner off the plane, since both edges of the one on it end there.
+/// The corner whose two edges cross (or end on) the other plane at the two ends of the interval: its side differs from
+/// that of both others. For (0, +, -) a corner off the plane, since both edges of the one on it end there.
 static int Apex(const int side[3])
 {
     int apex = -1;
@@ -88,7 +82,7 @@ static qcRelation OnLine(const double a[3][3], const double b[3][3], const int s
                          uint64_t* undecided)
 {
     int apexA = Apex(sideA), apexB = Apex(sideB);
-    bool before = false, behind = false, level = false;
+    bool below = false, above = false, level = false;
     for (int i = 1; i < 3; i++)
     {
         int endA = (apexA + i) % 3;
@@ -98,23 +92,23 @@ static qcRelation OnLine(const double a[3][3], const double b[3][3], const int s
             int endB = (apexB + j) % 3;
             int crossingB = sideB[endB] > sideB[apexB] ? 1 : -1;
             int order = qcOrient3d(a[apexA], a[endA], b[apexB], b[endB], undecided) * crossingA * crossingB;
-            before = before || order < 0;
-            behind = behind || order > 0;
+            below = below || order < 0;
+            above = above || order > 0;
             level = level || order == 0;
         }
     }
-    // The four orders compare each end of one interval with each end of the other. All alike and strict: the intervals
-    // are apart. Both strict orders: the open intervals overlap.
-    if (!level && before != behind)
+    // The four orders compare each end of one interval with each end of the other. All equal and strict: the intervals
+    // are disjoint. Both strict orders: the open intervals overlap.
+    if (!level && below != above)
         return qc_relationDisjoint;
-    if (before && behind && Straddles(sideA) && Straddles(sideB))
+    if (below && above && Straddles(sideA) && Straddles(sideB))
         return qc_relationPenetrating;
     return qc_relationTouching;
 }
 
 //  ---- in a plane, on a line -----------------------------------------------------------------------------------
 
-/// Do edges of the triangle t separate the points from it? All in one plane, seen in t's coordinates (u, v).
+/// The separation of the points from the triangle t by its edges. All in one plane, in t's coordinates (u, v).
 static Separation ByEdges(const qcSimplex* t, const qcSimplex* points, uint64_t* undecided)
 {
     Separation separation = separation_none;
@@ -134,7 +128,7 @@ static Separation ByEdges(const qcSimplex* t, const qcSimplex* points, uint64_t*
     return separation;
 }
 
-/// Does the line through the segment s separate it from the points?
+/// The separation of the points from the segment s by its line.
 static Separation ByLine(const qcSimplex* s, const qcSimplex* points, int u, int v, uint64_t* undecided)
 {
     bool left = false, right = false, on = false;
@@ -159,7 +153,7 @@ static qcRelation SegmentTriangle(const qcSimplex* s, const qcSimplex* t, uint64
         return FromSeparation(Larger(ByEdges(t, s, undecided), ByLine(s, t, t->u, t->v, undecided)));
     if (side[0] == side[1])
         return qc_relationDisjoint;
-    // The segment's line crosses the plane in one point; which side of each edge does it pass?
+    // The segment's line crosses the plane in one point: compute on which side of each edge.
     bool left = false, right = false, on = false;
     for (int e = 0; e < 3; e++)
     {
@@ -201,7 +195,7 @@ static qcRelation SegmentSegment(const qcSimplex* a, const qcSimplex* b, uint64_
     const double* p[4] = {a->point[0], a->point[1], b->point[0], b->point[1]};
     if (qcOrient3d(p[0], p[1], p[2], p[3], undecided) != 0)
         return qc_relationDisjoint;
-    // All in one plane. Where three of the four are not in line in (u, v), that plane is seen one to one.
+    // All in one plane. If three of the four are not collinear in (u, v), the projection is one to one.
     for (int axis = 0; axis < 3; axis++)
     {
         int u = (axis + 1) % 3, v = (axis + 2) % 3;

@@ -1,12 +1,6 @@
 // Orientation predicates: a floating-point filter, then integers. Error bounds: Shewchuk, Adaptive Precision
 // Floating-Point Arithmetic and Fast Robust Geometric Predicates, 1997, sections 4.2 and 4.3 (stage A).
-//
-// With u = 2^-53 and round-to-nearest without contraction, a computed determinant is within (7 + 56u)u * permanent
-// (three dimensions) or (3 + 16u)u * permanent (two) of the true one, where the permanent sums the absolute values
-// of the products as computed, provided nothing underflows. A difference never underflows; each product that does
-// adds at most 2^-1075, multiplied by at most one further difference: below 2^-1070 * (1 + their sum), far below the
-// term added here. An overflow makes the permanent, hence the bound, infinite or NaN, and no comparison holds. So a
-// sign that passes the filter is the true one.
+// Proof: plugin/docs/proofs/orientation_filter.md.
 #include "triangle/exact.h"
 
 #include "triangle/determinant.h"

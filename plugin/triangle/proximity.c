@@ -1,15 +1,6 @@
-// Where two triangles come nearest, and how to part them: closest points by features (triangle/closest_points.c),
-// directions by the separating axis theorem (Gottschalk, Lin, Manocha: OBBTree, 1996).
-//
-// The gap of A and B along a unit vector n is min a.n - max b.n: how far A lies beyond B. The largest gap over all
-// directions is the distance where they are apart, found along the difference of the closest points; where they meet it
-// is minus the depth, and found along a normal of a facet of the Minkowski difference: of a face, or of an edge of
-// each. A direction known only to a rounding e gives a gap too small by up to e times the extent. Along the difference
-// of points a distance D apart that is 2^-53 (extent / D)^2 of D: for close points the axes are asked too, and the
-// largest gap wins.
-//
-// Whatever order A and B are given in, the computation is the same: the answers are each other's mirror image to the
-// last bit (unless A and B have the same corners, when there are no two orders).
+// Distance, depth, normal and closest points of two triangles: closest points by features (triangle/closest_points.c),
+// directions by the separating axis theorem (Gottschalk, Lin, Manocha: OBBTree, 1996). Exchanging A and B gives the
+// mirror image to the last bit. Accuracy: plugin/docs/proofs/closest_points.md.
 #include "triangle/proximity.h"
 
 #include "triangle/closest_points.h"
@@ -19,10 +10,10 @@
 #include <math.h>
 #include <string.h>
 
-// In the frame of the pair, where the extent is about 1. An axis has to win by more than rounding, so that the first of
-// equals wins: a face before edges.
+// In the frame of the pair, where the extent is about 1. An axis must win by more than this, so that of equal axes the
+// first wins: a face before edges.
 static const double s_rounding = 0x1p-44;
-// A direction that loses more than this against the distance asks for a better one.
+// If the gap along a direction is smaller than the distance by more than this, more axes are tried.
 static const double s_loss = 0x1p-42;
 
 static double Length(qcVector v)
@@ -61,20 +52,21 @@ static void TryAxis(const qcPairFrame* frame, qcVector v, Axis* best)
         *best = (Axis){{-n.x, -n.y, -n.z}, b[0] - a[1]};
 }
 
-static qcVector WithoutPart(qcVector n, qcVector along)
+/// The part of n perpendicular to a vector.
+static qcVector Reject(qcVector n, qcVector along)
 {
     return qcPlusScaled(n, along, -qcDot(n, along) / qcDot(along, along));
 }
 
-/// Tries the direction across both, unless they are parallel or nothing as far as rounding lets us see.
+/// Tries the cross product of two edges, unless they are parallel or zero within rounding.
 static void TryCross(const qcPairFrame* frame, qcVector d, qcVector e, Axis* best)
 {
     qcVector n = qcCross(d, e);
     double d2 = qcDot(d, d), e2 = qcDot(e, e);
     if (!(d2 > 0x1p-200 && e2 > 0x1p-200 && qcDot(n, n) > s_rounding * s_rounding * d2 * e2))
         return;
-    // Nearly parallel: the cross product is not across them as well as it could be, and slivers are long.
-    n = d2 < e2 ? WithoutPart(WithoutPart(n, d), e) : WithoutPart(WithoutPart(n, e), d);
+    // For nearly parallel edges the cross product is not accurately perpendicular, and slivers are long.
+    n = d2 < e2 ? Reject(Reject(n, d), e) : Reject(Reject(n, e), d);
     TryAxis(frame, n, best);
 }
 
@@ -97,8 +89,8 @@ static void TryEdges(const qcPairFrame* frame, Axis* best)
                      best);
 }
 
-/// For triangles that are apart: their distance is that of two of their features, even if others are as near as far as
-/// rounding lets us see.
+/// For disjoint triangles: tries the directions between closest points of all pairs of features, of which several may
+/// be closest within rounding.
 static void TryFeatures(const qcPairFrame* frame, Axis* best)
 {
     for (int i = 0; i < 3; i++)
@@ -112,7 +104,7 @@ static void TryFeatures(const qcPairFrame* frame, Axis* best)
     }
 }
 
-/// For corners that lie on one line, and meet there: across it.
+/// For triangles on one line, which meet there: tries a direction perpendicular to it.
 static void TryAcrossLine(const qcPairFrame* frame, Axis* best)
 {
     qcVector along = {0.0, 0.0, 0.0};
@@ -122,32 +114,32 @@ static void TryAcrossLine(const qcPairFrame* frame, Axis* best)
         along = qcDot(d, d) > qcDot(along, along) ? d : along;
     }
     double x = fabs(along.x), y = fabs(along.y), z = fabs(along.z);
-    qcVector least = {x <= y && x <= z, 0.0, 0.0};
-    if (least.x == 0.0)
-        least = (qcVector){0.0, y <= z, y > z};
-    qcVector across = qcCross(along, least);
-    TryAxis(frame, qcDot(across, across) > 0.0 ? across : least, best);
+    qcVector shortest = {x <= y && x <= z, 0.0, 0.0};
+    if (shortest.x == 0.0)
+        shortest = (qcVector){0.0, y <= z, y > z};
+    qcVector across = qcCross(along, shortest);
+    TryAxis(frame, qcDot(across, across) > 0.0 ? across : shortest, best);
 }
 
 static Axis FindAxis(const qcPairFrame* frame, const qcClosestPoints* closest, double distance)
 {
     Axis best = {{0.0, 0.0, 0.0}, -INFINITY};
-    bool apart = distance > s_rounding;
-    if (apart)
+    bool disjoint = distance > s_rounding;
+    if (disjoint)
         TryAxis(frame, closest->difference, &best);
-    // Faces first: what comes so near mostly lies flat on the other, and two axes say so.
-    if (!apart || best.gap < distance - s_loss)
+    // Faces first: close triangles usually lie flat on each other, which two axes decide.
+    if (!disjoint || best.gap < distance - s_loss)
         TryFaces(frame, &best);
-    if (apart && best.gap < distance - s_loss)
+    if (disjoint && best.gap < distance - s_loss)
         TryFeatures(frame, &best);
-    if (!apart || best.gap < distance - s_loss)
+    if (!disjoint || best.gap < distance - s_loss)
         TryEdges(frame, &best);
     if (best.gap == -INFINITY)
         TryAcrossLine(frame, &best);
     return best;
 }
 
-/// Do all six corners lie in one plane?
+/// True if all six corners lie in one plane.
 static bool AreCoplanar(const double a[3][3], const double b[3][3])
 {
     for (int i = 0; i < 3; i++)
@@ -156,7 +148,7 @@ static bool AreCoplanar(const double a[3][3], const double b[3][3])
     return true;
 }
 
-/// ldexp, which is a call that looks at all that a number can be.
+/// ldexp without a library call in the usual range.
 static double TimesPowerOfTwo(double x, int exponent)
 {
     if (exponent < -1022 || exponent > 1023)
@@ -167,8 +159,7 @@ static double TimesPowerOfTwo(double x, int exponent)
     return x * power;
 }
 
-/// The mean of the corners by weight, in world space: from the heaviest corner, so that a corner is met without
-/// rounding.
+/// The weighted mean of the corners in world space, computed from the heaviest corner: exact at the corners.
 static void SetPoint(const double corners[3][3], const qcVector local[3], const double weights[3], int exponent,
                      double point[3])
 {
@@ -182,7 +173,7 @@ static void SetPoint(const double corners[3][3], const qcVector local[3], const 
     for (int axis = 0; axis < 3; axis++)
     {
         point[axis] = corners[h][axis] + TimesPowerOfTwo(steps[axis], exponent);
-        if (!isfinite(point[axis])) // the step alone, between corners at both ends of all numbers
+        if (!isfinite(point[axis])) // the step overflows, between corners of opposite extreme coordinates
             point[axis] = 2.0 * (0.5 * corners[h][axis] + ldexp(steps[axis], exponent - 1));
     }
 }
@@ -193,8 +184,8 @@ static void SetMiddle(const double p[3], const double q[3], double middle[3])
         middle[axis] = p[axis] == q[axis] ? p[axis] : 0.5 * p[axis] + 0.5 * q[axis];
 }
 
-/// How far a point of world space is from the triangle farther from it, in the frame.
-static double FarFromBoth(const qcPairFrame* frame, const double point[3])
+/// The larger of a world point's distances to the two triangles, in the frame.
+static double DistanceToBoth(const qcPairFrame* frame, const double point[3])
 {
     double local[3];
     for (int axis = 0; axis < 3; axis++)
@@ -203,7 +194,7 @@ static double FarFromBoth(const qcPairFrame* frame, const double point[3])
     return fmax(Length(qcClosest_FromTriangle(frame->a, x)), Length(qcClosest_FromTriangle(frame->b, x)));
 }
 
-/// The middle of the segment in which the two meet. Where they are nearly parallel its ends are right to 20 bits only,
+/// The midpoint of the segment in which the two meet. If they are nearly parallel, its ends are right to 20 bits only
 /// and it may lie outside: then an end, or the point between the closest points of features (`between`), is nearer.
 static void SetCommonPoint(const qcPairFrame* frame, const double a[3][3], const double b[3][3],
                            const double between[3], double point[3])
@@ -213,12 +204,12 @@ static void SetCommonPoint(const qcPairFrame* frame, const double a[3][3], const
     double middle[3];
     SetMiddle(segment.p, segment.q, middle);
     const double* candidates[4] = {middle, segment.p, segment.q, between};
-    // Points of world space cannot tell less than an ulp.
+    // Points of world space are rounded to an ulp.
     double size = fmax(fmax(fabs(middle[0]), fabs(middle[1])), fabs(middle[2]));
     double enough = s_rounding + 0x1p-50 * qcPairFrame_Length(frame, size), nearest = INFINITY;
     for (int i = 0; i < 4 && nearest > enough; i++)
     {
-        double far = FarFromBoth(frame, candidates[i]);
+        double far = DistanceToBoth(frame, candidates[i]);
         if (i == 0 || far < nearest)
         {
             nearest = far;
@@ -227,27 +218,28 @@ static void SetCommonPoint(const qcPairFrame* frame, const double a[3][3], const
     }
 }
 
-// A weight below is rounding.
-static const double s_noWeight = 1e-9;
+// Smaller weights are rounding errors.
+static const double s_minWeight = 1e-9;
 
-static uint8_t FootOf(const double weights[3])
+/// The corners that span the feature of a point.
+static uint8_t CornersOf(const double weights[3])
 {
-    uint8_t foot = 0;
+    uint8_t corners = 0;
     for (int c = 0; c < 3; c++)
-        foot |= (uint8_t)((weights[c] > s_noWeight) << c);
-    return foot;
+        corners |= (uint8_t)((weights[c] > s_minWeight) << c);
+    return corners;
 }
 
-/// As qcProximity_Of, for triangles in the order of their corners.
+/// qcProximity_Of for triangles in the order of IsBefore.
 static void Compute(const double a[3][3], const double b[3][3], qcRelation relation, qcProximity* proximity,
-                    qcClosestFeatures* feet)
+                    qcClosestFeatures* features)
 {
     bool meet = relation == qc_relationTouching || relation == qc_relationPenetrating;
     qcPairFrame frame;
     qcPairFrame_Set(&frame, a, b);
     qcClosestPoints closest;
     qcClosest_OfTriangles(frame.a, frame.b, &closest);
-    *feet = (qcClosestFeatures){{FootOf(closest.weightsA), FootOf(closest.weightsB)}};
+    *features = (qcClosestFeatures){{CornersOf(closest.weightsA), CornersOf(closest.weightsB)}};
     double distance = meet ? 0.0 : Length(closest.difference);
     SetPoint(a, frame.a, closest.weightsA, frame.exponent, proximity->pointA);
     SetPoint(b, frame.b, closest.weightsB, frame.exponent, proximity->pointB);
@@ -270,7 +262,7 @@ static void Compute(const double a[3][3], const double b[3][3], qcRelation relat
         proximity->depth = ldexp(-axis.gap, frame.exponent);
 }
 
-/// Does b come before a, by the first coordinate in which they differ?
+/// True if b is smaller than a in the first coordinate in which they differ.
 static bool IsBefore(const double b[3][3], const double a[3][3])
 {
     for (int i = 0; i < 9; i++)
@@ -280,17 +272,17 @@ static bool IsBefore(const double b[3][3], const double a[3][3])
 }
 
 void qcProximity_Of(const double a[3][3], const double b[3][3], qcRelation relation, qcProximity* proximity,
-                    qcClosestFeatures* feet)
+                    qcClosestFeatures* features)
 {
     if (!IsBefore(b, a))
     {
-        Compute(a, b, relation, proximity, feet);
+        Compute(a, b, relation, proximity, features);
         return;
     }
     qcProximity mirror;
-    qcClosestFeatures mirrorFeet;
-    Compute(b, a, relation, &mirror, &mirrorFeet);
-    *feet = (qcClosestFeatures){{mirrorFeet.corners[1], mirrorFeet.corners[0]}};
+    qcClosestFeatures mirrorFeatures;
+    Compute(b, a, relation, &mirror, &mirrorFeatures);
+    *features = (qcClosestFeatures){{mirrorFeatures.corners[1], mirrorFeatures.corners[0]}};
     *proximity = mirror;
     memcpy(proximity->pointA, mirror.pointB, sizeof mirror.pointB);
     memcpy(proximity->pointB, mirror.pointA, sizeof mirror.pointA);
@@ -310,9 +302,9 @@ __attribute__((noinline)) static bool AreWithin(const double* a, const double* b
     qcRelation relation = qcExact_Within(p, q, margin, NULL);
     if (relation == qc_relationDisjoint)
         return false;
-    qcClosestFeatures feet;
+    qcClosestFeatures features;
     if (proximity != NULL)
-        qcProximity_Of(p, q, relation, proximity, &feet);
+        qcProximity_Of(p, q, relation, proximity, &features);
     return true;
 }
 

@@ -4,14 +4,16 @@
 
 #include "quickcullide/scene.h"
 
-/// Of the closest points of a pair: between which corners of its triangle each lies; bit c: corner c.
+/// The features that the closest points of a pair lie on: for each triangle the corners that span it, bit c for corner
+/// c.
 typedef struct qcClosestFeatures
 {
     uint8_t corners[2];
 } qcClosestFeatures;
 
-/// `relation` is what qcExact_Relate or qcExact_Within says; any but disjoint, which counts as near.
+/// `relation` is the result of qcExact_Relate or qcExact_Within; disjoint is treated as near. `features` are those of
+/// the closest points.
 void qcProximity_Of(const double a[3][3], const double b[3][3], qcRelation relation, qcProximity* proximity,
-                    qcClosestFeatures* feet);
+                    qcClosestFeatures* features);
 
 #endif

@@ -1,4 +1,4 @@
-// A set of boxes beside a plain list of the same boxes: the list is asked box by box, the set must say the same.
+// A reference model of a set of boxes: a plain list with brute-force queries. The set's results must equal the list's.
 #ifndef QC_TESTS_BROADPHASE_BOX_MODEL_H
 #define QC_TESTS_BROADPHASE_BOX_MODEL_H
 
@@ -11,7 +11,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/// For loops that run a million times: ck_assert writes to a file each time that it is passed.
+/// For loops that run a million times: ck_assert writes to a file each time it passes.
 #define CHECK_QUICKLY(claim)                                                                                           \
     do                                                                                                                 \
     {                                                                                                                  \
@@ -33,9 +33,10 @@ typedef struct qcModelBox
 typedef struct qcModel
 {
     qcBoxes* set;
-    qcModelBox boxes[qc_modelRoom];                       ///< by id
-    uint32_t ends;                                        ///< ids are below it
-    uint8_t met[qc_modelRoom * (size_t)qc_modelRoom / 8]; ///< pairs that overlapped at the last search for changes
+    qcModelBox boxes[qc_modelRoom]; ///< by id
+    uint32_t ends;                  ///< ids are below it
+    uint8_t
+        overlapped[qc_modelRoom * (size_t)qc_modelRoom / 8]; ///< pairs that overlapped at the last search for changes
 } qcModel;
 
 static inline qcModel* qcModel_Make(void)
@@ -53,20 +54,21 @@ static inline void qcModel_Free(qcModel* model)
     ck_assert_uint_eq(qcGetByteCount(), 0);
 }
 
-/// Of a pair a < b.
-static inline bool qcModel_Met(const qcModel* model, uint32_t a, uint32_t b)
+/// Whether a pair a < b overlapped at the last search for changes.
+static inline bool qcModel_Overlapped(const qcModel* model, uint32_t a, uint32_t b)
 {
     size_t bit = a * (size_t)qc_modelRoom + b;
-    return (model->met[bit / 8] >> bit % 8 & 1) != 0;
+    return (model->overlapped[bit / 8] >> bit % 8 & 1) != 0;
 }
 
-static inline void qcModel_SetMet(qcModel* model, uint32_t a, uint32_t b, bool met)
+static inline void qcModel_SetOverlapped(qcModel* model, uint32_t a, uint32_t b, bool overlapped)
 {
     size_t bit = a * (size_t)qc_modelRoom + b;
-    model->met[bit / 8] = (uint8_t)((model->met[bit / 8] & ~(1u << bit % 8)) | (unsigned)met << bit % 8);
+    model->overlapped[bit / 8] =
+        (uint8_t)((model->overlapped[bit / 8] & ~(1u << bit % 8)) | (unsigned)overlapped << bit % 8);
 }
 
-/// Each box's user data is its place in the list.
+/// Each box's user data is its address in the list.
 static inline uint32_t qcModel_Add(qcModel* model, const double lower[3], const double upper[3])
 {
     uint32_t lowestFree = 0, id;
@@ -89,7 +91,7 @@ static inline void qcModel_Remove(qcModel* model, uint32_t id)
     CHECK_OK(qcBoxes_Remove(model->set, id));
     model->boxes[id].alive = false;
     for (uint32_t other = 0; other < model->ends; other++)
-        qcModel_SetMet(model, other < id ? other : id, other < id ? id : other, false);
+        qcModel_SetOverlapped(model, other < id ? other : id, other < id ? id : other, false);
 }
 
 static inline void qcModel_Move(qcModel* model, uint32_t id, const double lower[3], const double upper[3])
@@ -102,8 +104,8 @@ static inline void qcModel_Move(qcModel* model, uint32_t id, const double lower[
     memcpy(box->upper, upper, sizeof box->upper);
 }
 
-static inline bool qcModel_Meet(const double lowerA[3], const double upperA[3], const double lowerB[3],
-                                const double upperB[3])
+static inline bool qcModel_Overlap(const double lowerA[3], const double upperA[3], const double lowerB[3],
+                                   const double upperB[3])
 {
     for (int k = 0; k < 3; k++)
         if (lowerA[k] > upperB[k] || lowerB[k] > upperA[k])
@@ -111,7 +113,7 @@ static inline bool qcModel_Meet(const double lowerA[3], const double upperA[3], 
     return true;
 }
 
-/// Asks the set for the pairs of moved boxes, and the list box by box. Returns their number.
+/// Compares the set's pairs of moved boxes with the list's. Returns their number.
 static inline size_t qcModel_CheckMovedPairs(qcModel* model)
 {
     const qcBoxPair* pairs;
@@ -122,7 +124,7 @@ static inline size_t qcModel_CheckMovedPairs(qcModel* model)
         {
             const qcModelBox *x = &model->boxes[a], *y = &model->boxes[b];
             if (!x->alive || !y->alive || (!x->moved && !y->moved) ||
-                !qcModel_Meet(x->lower, x->upper, y->lower, y->upper))
+                !qcModel_Overlap(x->lower, x->upper, y->lower, y->upper))
                 continue;
             if (expected >= count || pairs[expected].a != a || pairs[expected].b != b)
                 ck_abort_msg("pair %zu of %zu should be %u %u", expected, count, a, b);
@@ -134,7 +136,7 @@ static inline size_t qcModel_CheckMovedPairs(qcModel* model)
     return count;
 }
 
-/// Asks the set for what changed since the last time, and the list box by box. Returns the number of changes.
+/// Compares the set's changed pairs with the list's. Returns the number of changes.
 static inline size_t qcModel_CheckChangedPairs(qcModel* model)
 {
     qcBoxChanges changes;
@@ -145,31 +147,31 @@ static inline size_t qcModel_CheckChangedPairs(qcModel* model)
         for (uint32_t b = a + 1; b < model->ends; b++)
         {
             const qcModelBox *x = &model->boxes[a], *y = &model->boxes[b];
-            bool meet = x->alive && y->alive && qcModel_Meet(x->lower, x->upper, y->lower, y->upper);
-            if (meet == qcModel_Met(model, a, b))
+            bool overlap = x->alive && y->alive && qcModel_Overlap(x->lower, x->upper, y->lower, y->upper);
+            if (overlap == qcModel_Overlapped(model, a, b))
                 continue;
-            size_t at = meet ? began++ : ended++;
-            const qcBoxPair* pair = (meet ? changes.began : changes.ended) + at;
-            if (at >= (meet ? changes.beganCount : changes.endedCount) || pair->a != a || pair->b != b)
-                ck_abort_msg("pair %zu that %s should be %u %u", at, meet ? "began" : "ended", a, b);
-            qcModel_SetMet(model, a, b, meet);
+            size_t at = overlap ? began++ : ended++;
+            const qcBoxPair* pair = (overlap ? changes.began : changes.ended) + at;
+            if (at >= (overlap ? changes.beganCount : changes.endedCount) || pair->a != a || pair->b != b)
+                ck_abort_msg("pair %zu that %s should be %u %u", at, overlap ? "began" : "ended", a, b);
+            qcModel_SetOverlapped(model, a, b, overlap);
         }
     ck_assert_uint_eq(changes.beganCount, began);
     ck_assert_uint_eq(changes.endedCount, ended);
     return began + ended;
 }
 
-/// A lane of the forest holds the box of its id, and the id knows where it is.
+/// Checks that a lane of the forest holds the box of its id, at the position stored for the id.
 static inline void qcModel_CheckLane(const qcModel* model, const qcOctet* octet, uint32_t tree, uint32_t at,
                                      uint32_t id)
 {
     const qcForest* forest = &model->set->forest;
     uint32_t lane = at % qc_lanes;
     const qcModelBox* box = &model->boxes[id];
-    const qcBoxPlace* place = &QC_AT(qcBoxPlace, forest->places, id);
+    const qcLeafPosition* position = &QC_AT(qcLeafPosition, forest->positions, id);
     const qcFloatBox* fat = &QC_AT(qcFloatBox, forest->boxes, id);
     CHECK_QUICKLY(box->alive);
-    CHECK_QUICKLY(place->tree == tree && place->lane == at);
+    CHECK_QUICKLY(position->tree == tree && position->lane == at);
     for (int k = 0; k < 3; k++)
     {
         CHECK_QUICKLY(octet->lower[k][lane] == fat->lower[k] && octet->upper[k][lane] == fat->upper[k]);
@@ -177,7 +179,7 @@ static inline void qcModel_CheckLane(const qcModel* model, const qcOctet* octet,
     }
 }
 
-/// Every lane holds the box of its id or all lanes below it, or is empty. Returns the number of boxes.
+/// Checks that every lane bounds its box, or the octet below it, or is empty. Returns the number of boxes.
 static inline uint32_t qcModel_CheckTree(const qcModel* model, uint32_t number)
 {
     const qcBoxTree* tree = &model->set->forest.trees[number];
@@ -206,36 +208,37 @@ static inline uint32_t qcModel_CheckTree(const qcModel* model, uint32_t number)
     return boxes;
 }
 
-/// Every box is in one place of the forest, and few trees there are of one size.
+/// Checks that every box is in the forest once, and that few trees are of one size.
 static inline void qcModel_CheckForest(const qcModel* model)
 {
     const qcForest* forest = &model->set->forest;
     uint32_t boxes = 0;
-    CHECK_QUICKLY((forest->old & forest->young) == 0);
+    CHECK_QUICKLY((forest->staticTrees & forest->dynamicTrees) == 0);
     for (uint32_t a = 0; a < qc_forestTrees; a++)
     {
-        uint64_t bit = (uint64_t)1 << a, same = (forest->old & bit) != 0 ? forest->old : forest->young;
-        if (((forest->old | forest->young) & bit) == 0)
+        uint64_t bit = (uint64_t)1 << a,
+                 same = (forest->staticTrees & bit) != 0 ? forest->staticTrees : forest->dynamicTrees;
+        if (((forest->staticTrees | forest->dynamicTrees) & bit) == 0)
             continue;
         boxes += qcModel_CheckTree(model, a);
         for (same &= bit - 1; same != 0;)
         {
             uint32_t x = forest->trees[a].laneCount, y = forest->trees[qcForest_NextTree(&same)].laneCount;
-            // Room is for eight at a time.
+            // Lanes come in eights.
             CHECK_QUICKLY(x + y + 3 * qc_lanes > 3 * (x < y ? x : y));
         }
     }
     for (size_t i = 0; i < forest->listIds.count; i++)
         qcModel_CheckLane(model, &QC_AT(qcOctet, forest->listOctets, i / qc_lanes), qc_inList, (uint32_t)i,
                           QC_AT(uint32_t, forest->listIds, i));
-    uint32_t put = 0, lost = 0;
+    uint32_t inserted = 0, stale = 0;
     for (uint32_t id = 0; id < model->ends; id++)
     {
         const qcBox* box = qcBoxes_Box(model->set, id);
-        put += box->alive && box->at != qc_boxInTree;
-        lost += box->alive && box->at == qc_boxPairsStale;
+        inserted += box->alive && box->state != qc_boxInTree;
+        stale += box->alive && box->state == qc_boxPairsStale;
     }
-    CHECK_QUICKLY(put == model->set->putCount && lost == model->set->lostCount);
+    CHECK_QUICKLY(inserted == model->set->insertedCount && stale == model->set->staleCount);
     ck_assert_uint_eq(boxes + forest->listIds.count, qcBoxes_GetCount(model->set));
     ck_assert_uint_eq(forest->boxCount, qcBoxes_GetCount(model->set));
 }

@@ -1,38 +1,38 @@
-// Rays and swept boxes: whatever rational arithmetic says is met is visited, the rest mostly not.
+// Ray and swept-box casts against rational arithmetic: every box that is hit is visited, few others are.
 #include "broadphase/box_model.h"
 #include "support/suite.h"
 
 #include <gmp.h>
 
-typedef struct Way
+typedef struct Path
 {
     double from[3], to[3], castLower[3], castUpper[3];
-} Way;
+} Path;
 
-/// Where on the way the boxes first meet, exactly; false: nowhere up to `last`. All numbers finite.
-static bool MeetExactly(const Way* way, const double lower[3], const double upper[3], double last, mpq_t entry)
+/// The exact fraction of the path at which the box is first hit; false: not up to `last`. All numbers are finite.
+static bool HitExactly(const Path* path, const double lower[3], const double upper[3], double last, mpq_t entry)
 {
     mpq_t leave, p, d, side[2], low;
     mpq_inits(leave, p, d, side[0], side[1], low, NULL);
     mpq_set_ui(entry, 0, 1);
     mpq_set_d(leave, last);
-    bool meet = true;
+    bool hit = true;
     for (int k = 0; k < 3; k++)
     {
-        mpq_set_d(p, way->from[k]);
-        mpq_set_d(d, way->to[k]);
+        mpq_set_d(p, path->from[k]);
+        mpq_set_d(d, path->to[k]);
         mpq_sub(d, d, p);
         for (int s = 0; s < 2; s++)
         {
-            // Where the swept box's upper side reaches the lower side of the box, and the reverse.
+            // The swept box's upper side touches the lower side of the box, and the reverse.
             mpq_set_d(side[s], s == 0 ? lower[k] : upper[k]);
-            mpq_set_d(low, s == 0 ? way->castUpper[k] : way->castLower[k]);
+            mpq_set_d(low, s == 0 ? path->castUpper[k] : path->castLower[k]);
             mpq_sub(side[s], side[s], low);
             mpq_sub(side[s], side[s], p);
         }
         if (mpq_sgn(d) == 0)
         {
-            meet = meet && mpq_sgn(side[0]) <= 0 && mpq_sgn(side[1]) >= 0;
+            hit = hit && mpq_sgn(side[0]) <= 0 && mpq_sgn(side[1]) >= 0;
             continue;
         }
         int first = mpq_sgn(d) > 0 ? 0 : 1;
@@ -43,9 +43,9 @@ static bool MeetExactly(const Way* way, const double lower[3], const double uppe
         if (mpq_cmp(side[1 - first], leave) < 0)
             mpq_set(leave, side[1 - first]);
     }
-    meet = meet && mpq_cmp(entry, leave) <= 0;
+    hit = hit && mpq_cmp(entry, leave) <= 0;
     mpq_clears(leave, p, d, side[0], side[1], low, NULL);
-    return meet;
+    return hit;
 }
 
 typedef struct Visits
@@ -53,7 +53,7 @@ typedef struct Visits
     uint8_t times[qc_modelRoom];
     uint32_t total;
     double fraction;
-    const Way* shortening; ///< each visit ends the way where its box is met, or null
+    const Path* shortening; ///< each visit ends the path where its box is hit; null: none does
     const qcModel* model;
 } Visits;
 
@@ -68,37 +68,38 @@ static bool Visit(uint32_t id, void* userData, void* context)
         mpq_t entry;
         mpq_init(entry);
         const qcModelBox* box = &visits->model->boxes[id];
-        if (MeetExactly(visits->shortening, box->lower, box->upper, visits->fraction, entry))
+        if (HitExactly(visits->shortening, box->lower, box->upper, visits->fraction, entry))
             visits->fraction = mpq_get_d(entry); // rounds down
         mpq_clear(entry);
     }
     return true;
 }
 
-/// Returns how many boxes are met; those visited in vain are added to `*inVain`.
-static uint32_t CheckCast(const qcModel* model, const Way* way, bool shorten, uint32_t* inVain)
+/// Returns the number of boxes that are hit; adds the number of boxes visited in vain to `*inVain`.
+static uint32_t CheckCast(const qcModel* model, const Path* path, bool shorten, uint32_t* inVain)
 {
-    Visits visits = {.fraction = 1.0, .shortening = shorten ? way : NULL, .model = model};
-    qcBoxes_CastBox(model->set, way->from, way->to, way->castLower, way->castUpper, &visits.fraction, Visit, &visits);
-    uint32_t met = 0;
+    Visits visits = {.fraction = 1.0, .shortening = shorten ? path : NULL, .model = model};
+    qcBoxes_CastBox(model->set, path->from, path->to, path->castLower, path->castUpper, &visits.fraction, Visit,
+                    &visits);
+    uint32_t hits = 0;
     mpq_t entry;
     mpq_init(entry);
     for (uint32_t id = 0; id < model->ends; id++)
     {
         const qcModelBox* box = &model->boxes[id];
         CHECK_QUICKLY(visits.times[id] <= box->alive);
-        // What is met before the way ended, or where it ended, must have been seen, whatever the order was.
-        if (box->alive && MeetExactly(way, box->lower, box->upper, visits.fraction, entry))
+        // A box hit up to the end of the path must have been visited, in any order.
+        if (box->alive && HitExactly(path, box->lower, box->upper, visits.fraction, entry))
         {
             if (visits.times[id] == 0)
-                ck_abort_msg("box %u is met at %.17g and was not visited", id, mpq_get_d(entry));
-            met++;
+                ck_abort_msg("box %u is hit at %.17g and was not visited", id, mpq_get_d(entry));
+            hits++;
         }
         else if (!shorten)
             *inVain += visits.times[id];
     }
     mpq_clear(entry);
-    return met;
+    return hits;
 }
 
 static void Scale(double v[3], double factor)
@@ -107,8 +108,8 @@ static void Scale(double v[3], double factor)
         v[k] *= factor;
 }
 
-/// Boxes and ways on a grid of integers, so that ways run along faces and through edges and corners, times a factor:
-/// then the sums round.
+/// Boxes and paths on a grid of integers, so that paths run along faces and through edges and corners, times a factor,
+/// so that sums round.
 static void CastThroughGrid(uint64_t seed, double factor, double offset, bool swept)
 {
     qcRandom random = {seed};
@@ -125,36 +126,36 @@ static void CastThroughGrid(uint64_t seed, double factor, double offset, bool sw
         Scale(upper, factor);
         qcModel_Add(model, lower, upper);
     }
-    uint32_t met = 0, inVain = 0;
+    uint32_t hits = 0, inVain = 0;
     for (int i = 0; i < 70; i++)
     {
-        Way way = {.castLower = {0}};
+        Path path = {.castLower = {0}};
         for (int k = 0; k < 3; k++)
         {
-            way.from[k] = offset + qcRandom_Integer(&random, -2, 14);
-            // Many are parallel to an axis or to a plane, some stand still.
-            way.to[k] = qcRandom_Below(&random, 2) ? way.from[k] : offset + qcRandom_Integer(&random, -2, 14);
+            path.from[k] = offset + qcRandom_Integer(&random, -2, 14);
+            // Many are parallel to an axis or to a plane, some have no length.
+            path.to[k] = qcRandom_Below(&random, 2) ? path.from[k] : offset + qcRandom_Integer(&random, -2, 14);
             if (swept)
             {
-                way.castLower[k] = -qcRandom_Integer(&random, 0, 2);
-                way.castUpper[k] = qcRandom_Integer(&random, 0, 2);
+                path.castLower[k] = -qcRandom_Integer(&random, 0, 2);
+                path.castUpper[k] = qcRandom_Integer(&random, 0, 2);
             }
         }
-        Scale(way.from, factor);
-        Scale(way.to, factor);
-        Scale(way.castLower, factor);
-        Scale(way.castUpper, factor);
-        met += CheckCast(model, &way, false, &inVain);
-        CheckCast(model, &way, true, NULL);
+        Scale(path.from, factor);
+        Scale(path.to, factor);
+        Scale(path.castLower, factor);
+        Scale(path.castUpper, factor);
+        hits += CheckCast(model, &path, false, &inVain);
+        CheckCast(model, &path, true, NULL);
     }
-    ck_assert_uint_gt(met, 60);
-    // Never missing must not mean visiting everything: only what touches within rounding may be extra. Directions that
-    // have no inverse are an exception.
-    ck_assert(factor < 1e-300 || inVain < met / 2);
+    ck_assert_uint_gt(hits, 60);
+    // Few boxes are visited in vain: those that the path misses by rounding. Directions without an inverse are an
+    // exception.
+    ck_assert(factor < 1e-300 || inVain < hits / 2);
     qcModel_Free(model);
 }
 
-START_TEST(what_a_way_meets_is_visited_also_at_faces_edges_and_corners)
+START_TEST(each_box_hit_is_visited_also_at_faces_edges_and_corners)
 {
     for (uint64_t seed = 1; seed <= 2; seed++)
         for (int swept = 0; swept <= 1; swept++)
@@ -169,11 +170,11 @@ START_TEST(what_a_way_meets_is_visited_also_at_faces_edges_and_corners)
 }
 END_TEST
 
-START_TEST(what_a_way_meets_is_visited_in_general_position)
+START_TEST(each_box_hit_is_visited_in_general_position)
 {
     qcRandom random = {3};
     qcModel* model = qcModel_Make();
-    uint32_t met = 0, inVain = 0;
+    uint32_t hits = 0, inVain = 0;
     for (int i = 0; i < 1000; i++)
     {
         double lower[3], upper[3];
@@ -186,50 +187,50 @@ START_TEST(what_a_way_meets_is_visited_in_general_position)
     }
     for (int i = 0; i < 100; i++)
     {
-        Way way = {.castLower = {0}};
+        Path path = {.castLower = {0}};
         for (int k = 0; k < 3; k++)
         {
-            way.from[k] = qcRandom_Uniform(&random, -12.0, 12.0);
-            way.to[k] = qcRandom_Uniform(&random, -12.0, 12.0);
-            way.castUpper[k] = i % 2 ? 0.0 : qcRandom_Uniform(&random, 0.0, 1.0);
-            way.castLower[k] = i % 2 ? 0.0 : -way.castUpper[k];
+            path.from[k] = qcRandom_Uniform(&random, -12.0, 12.0);
+            path.to[k] = qcRandom_Uniform(&random, -12.0, 12.0);
+            path.castUpper[k] = i % 2 ? 0.0 : qcRandom_Uniform(&random, 0.0, 1.0);
+            path.castLower[k] = i % 2 ? 0.0 : -path.castUpper[k];
         }
-        met += CheckCast(model, &way, false, &inVain);
-        CheckCast(model, &way, true, NULL);
+        hits += CheckCast(model, &path, false, &inVain);
+        CheckCast(model, &path, true, NULL);
     }
-    ck_assert_uint_gt(met, 500);
+    ck_assert_uint_gt(hits, 500);
     ck_assert_uint_eq(inVain, 0);
     qcModel_Free(model);
 }
 END_TEST
 
-START_TEST(near_boxes_come_first_so_that_a_shortened_way_sees_few)
+START_TEST(near_boxes_come_first_so_that_a_shortened_path_visits_few)
 {
     qcModel* model = qcModel_Make();
     for (int i = 0; i < 1000; i++)
         qcModel_Add(model, (double[3]){2 * i, 0, 0}, (double[3]){2 * i + 1, 1, 1});
-    Way way = {{-1, 0.5, 0.5}, {2001, 0.5, 0.5}, {0, 0, 0}, {0, 0, 0}};
-    Visits visits = {.fraction = 1.0, .shortening = &way, .model = model};
-    qcBoxes_CastBox(model->set, way.from, way.to, way.castLower, way.castUpper, &visits.fraction, Visit, &visits);
+    Path path = {{-1, 0.5, 0.5}, {2001, 0.5, 0.5}, {0, 0, 0}, {0, 0, 0}};
+    Visits visits = {.fraction = 1.0, .shortening = &path, .model = model};
+    qcBoxes_CastBox(model->set, path.from, path.to, path.castLower, path.castUpper, &visits.fraction, Visit, &visits);
     ck_assert_uint_eq(visits.times[0], 1);
     ck_assert_uint_le(visits.total, 10);
-    way = (Way){{2001, 0.5, 0.5}, {-1, 0.5, 0.5}, {0, 0, 0}, {0, 0, 0}};
-    visits = (Visits){.fraction = 1.0, .shortening = &way, .model = model};
-    qcBoxes_CastBox(model->set, way.from, way.to, way.castLower, way.castUpper, &visits.fraction, Visit, &visits);
+    path = (Path){{2001, 0.5, 0.5}, {-1, 0.5, 0.5}, {0, 0, 0}, {0, 0, 0}};
+    visits = (Visits){.fraction = 1.0, .shortening = &path, .model = model};
+    qcBoxes_CastBox(model->set, path.from, path.to, path.castLower, path.castUpper, &visits.fraction, Visit, &visits);
     ck_assert_uint_eq(visits.times[999], 1);
     ck_assert_uint_le(visits.total, 10);
     qcModel_Free(model);
 }
 END_TEST
 
-static uint32_t CountVisits(const qcModel* model, const Way* way, const double* fraction)
+static uint32_t CountVisits(const qcModel* model, const Path* path, const double* fraction)
 {
     Visits visits = {.model = model};
-    qcBoxes_CastBox(model->set, way->from, way->to, way->castLower, way->castUpper, fraction, Visit, &visits);
+    qcBoxes_CastBox(model->set, path->from, path->to, path->castLower, path->castUpper, fraction, Visit, &visits);
     return visits.total;
 }
 
-START_TEST(infinite_boxes_and_ways_are_met)
+START_TEST(infinite_boxes_and_paths_are_hit)
 {
     const double inf = INFINITY;
     qcModel* model = qcModel_Make();
@@ -237,7 +238,7 @@ START_TEST(infinite_boxes_and_ways_are_met)
     qcModel_Add(model, (double[3]){-inf, -inf, -inf}, (double[3]){inf, 0, inf}); // below y = 0
     qcModel_Add(model, (double[3]){-1e18, -1e18, -1e18}, (double[3]){1e18, 1e18, 1e18});
     qcModel_Add(model, (double[3]){5, 0, 0}, (double[3]){6, 1, 1});
-    static const Way ways[] = {
+    static const Path paths[] = {
         // Along the x axis, in the face of the half space and of the last box.
         {{0, 0, 0}, {10, 0, 0}, {0, 0, 0}, {0, 0, 0}},
         // To infinity.
@@ -247,35 +248,35 @@ START_TEST(infinite_boxes_and_ways_are_met)
         {{-1.7e308, 0, 0}, {1.7e308, 0, 0}, {0, 0, 0}, {0, 0, 0}},
         // Not moving, as large as everything.
         {{0, 0, 0}, {0, 0, 0}, {-INFINITY, -INFINITY, -INFINITY}, {INFINITY, INFINITY, INFINITY}},
-        // A way that is not a number meets everything.
+        // A path that is not a number hits everything.
         {{NAN, NAN, NAN}, {NAN, NAN, NAN}, {0, 0, 0}, {0, 0, 0}},
         {{0, 0, 0}, {NAN, 0, 0}, {0, 0, 0}, {0, 0, 0}},
         {{NAN, 0, 0}, {0, 0, 0}, {0, 0, 0}, {0, 0, 0}},
         {{0, 0, 0}, {1, 0, 0}, {NAN, NAN, NAN}, {NAN, NAN, NAN}},
     };
-    for (size_t i = 0; i < sizeof ways / sizeof *ways; i++)
-        ck_assert_msg(CountVisits(model, &ways[i], NULL) == 4, "way %zu", i);
+    for (size_t i = 0; i < sizeof paths / sizeof *paths; i++)
+        ck_assert_msg(CountVisits(model, &paths[i], NULL) == 4, "path %zu", i);
     // And one above the half space, ending before the last box.
-    Way above = {{0, 1, 0}, {4, 1, 0}, {0, 0, 0}, {0, 0, 0}};
+    Path above = {{0, 1, 0}, {4, 1, 0}, {0, 0, 0}, {0, 0, 0}};
     ck_assert_uint_eq(CountVisits(model, &above, NULL), 2);
     qcModel_Free(model);
 }
 END_TEST
 
-START_TEST(a_fraction_given_beforehand_ends_the_way)
+START_TEST(a_fraction_given_beforehand_ends_the_path)
 {
     qcModel* model = qcModel_Make();
     for (int i = 0; i < 10; i++)
         qcModel_Add(model, (double[3]){i, 0, 0}, (double[3]){i + 0.5, 1, 1});
-    Way way = {{-1, 0.5, 0.5}, {19, 0.5, 0.5}, {0, 0, 0}, {0, 0, 0}};
+    Path path = {{-1, 0.5, 0.5}, {19, 0.5, 0.5}, {0, 0, 0}, {0, 0, 0}};
     const double quarter = 0.25, none = 0.0;
-    ck_assert_uint_eq(CountVisits(model, &way, NULL), 10);
-    ck_assert_uint_eq(CountVisits(model, &way, &quarter), 5); // up to x = 4, where the fifth begins
-    ck_assert_uint_eq(CountVisits(model, &way, &none), 0);
+    ck_assert_uint_eq(CountVisits(model, &path, NULL), 10);
+    ck_assert_uint_eq(CountVisits(model, &path, &quarter), 5); // up to x = 4, where the fifth begins
+    ck_assert_uint_eq(CountVisits(model, &path, &none), 0);
     qcModel_Free(model);
 }
 END_TEST
 
-QC_RUN_TESTS("box casts", what_a_way_meets_is_visited_also_at_faces_edges_and_corners,
-             what_a_way_meets_is_visited_in_general_position, near_boxes_come_first_so_that_a_shortened_way_sees_few,
-             infinite_boxes_and_ways_are_met, a_fraction_given_beforehand_ends_the_way)
+QC_RUN_TESTS("box casts", each_box_hit_is_visited_also_at_faces_edges_and_corners,
+             each_box_hit_is_visited_in_general_position, near_boxes_come_first_so_that_a_shortened_path_visits_few,
+             infinite_boxes_and_paths_are_hit, a_fraction_given_beforehand_ends_the_path)

@@ -1,4 +1,4 @@
-// A set of moving boxes: pairs and queries against brute force, whatever is added, moved and removed.
+// A set of moving boxes: pairs and queries against brute force while boxes are added, moved and removed.
 #include "broadphase/box_model.h"
 #include "support/failing_heap.h"
 #include "support/suite.h"
@@ -10,7 +10,7 @@ typedef struct Visits
 {
     const qcModel* model;
     uint8_t times[qc_modelRoom];
-    uint32_t total, limit; ///< limit: stop after so many
+    uint32_t total, limit; ///< limit: the query stops after this many visits
 } Visits;
 
 static bool Count(uint32_t id, void* userData, void* context)
@@ -28,11 +28,11 @@ static void CheckQuery(const qcModel* model, const double lower[3], const double
     for (uint32_t id = 0; id < model->ends; id++)
     {
         const qcModelBox* box = &model->boxes[id];
-        CHECK_QUICKLY(visits.times[id] == (box->alive && qcModel_Meet(box->lower, box->upper, lower, upper)));
+        CHECK_QUICKLY(visits.times[id] == (box->alive && qcModel_Overlap(box->lower, box->upper, lower, upper)));
     }
 }
 
-/// What a box has come to overlap since the last search for changes.
+/// Compares the overlaps of a box that began since the last search for changes.
 static void CheckBegun(const qcModel* model, uint32_t id)
 {
     Visits visits = {.model = model, .limit = UINT32_MAX};
@@ -41,9 +41,9 @@ static void CheckBegun(const qcModel* model, uint32_t id)
     for (uint32_t other = 0; other < model->ends; other++)
     {
         const qcModelBox* y = &model->boxes[other];
-        bool met = qcModel_Met(model, other < id ? other : id, other < id ? id : other);
-        bool begun =
-            box->alive && y->alive && other != id && !met && qcModel_Meet(box->lower, box->upper, y->lower, y->upper);
+        bool overlapped = qcModel_Overlapped(model, other < id ? other : id, other < id ? id : other);
+        bool begun = box->alive && y->alive && other != id && !overlapped &&
+                     qcModel_Overlap(box->lower, box->upper, y->lower, y->upper);
         CHECK_QUICKLY(visits.times[other] == begun);
     }
 }
@@ -78,16 +78,16 @@ static void CheckList(const qcModel* model)
     }
 }
 
-//  ---- random lives ----------------------------------------------------------------------------------
+//  ---- random worlds ---------------------------------------------------------------------------------
 
 typedef struct World
 {
     uint64_t seed;
-    int room;      ///< boxes lie within 0 .. room
-    bool integers; ///< many touch, many are flat, segments or points
-    bool infinite; ///< some reach to infinity, or to where Bullet's planes do
-    double restless;
-    bool changes; ///< what changed is asked for, not what moved
+    int room;        ///< boxes lie within 0 .. room
+    bool integers;   ///< many boxes touch, many are flat, segments or points
+    bool infinite;   ///< some boxes are infinite, or as large as Bullet's planes
+    double restless; ///< fraction of the boxes that move in a step
+    bool changes;    ///< search for changed pairs; otherwise for pairs of moved boxes
 } World;
 
 static void RandomBox(qcRandom* random, const World* world, double lower[3], double upper[3])
@@ -149,7 +149,7 @@ static void StepOne(qcModel* model, qcRandom* random, const World* world, uint32
     qcModel_Move(model, id, lower, upper);
 }
 
-static void LiveThrough(const World* world)
+static void RunWorld(const World* world)
 {
     qcRandom random = {world->seed};
     qcModel* model = qcModel_Make();
@@ -169,7 +169,7 @@ static void LiveThrough(const World* world)
                 continue;
             if (qcRandom_Uniform(&random, 0.0, 1.0) < world->restless)
                 StepOne(model, &random, world, id);
-            // Between moves too: it may have found its neighbours when others come.
+            // Between moves too: others may be inserted after this box's overlaps were found.
             if (world->changes && qcRandom_Below(&random, 20) == 0)
                 CheckBegun(model, qcRandom_Below(&random, model->ends));
             if (qcRandom_Below(&random, 60) == 0)
@@ -179,7 +179,7 @@ static void LiveThrough(const World* world)
         {
             qcBoxes_Clear(model->set);
             memset(model->boxes, 0, sizeof model->boxes);
-            memset(model->met, 0, sizeof model->met);
+            memset(model->overlapped, 0, sizeof model->overlapped);
             model->ends = 0;
         }
         qcModel_CheckForest(model);
@@ -191,7 +191,7 @@ static void LiveThrough(const World* world)
         }
         for (int i = 0; world->changes && i < 20; i++)
             CheckBegun(model, qcRandom_Below(&random, model->ends + 2));
-        // Now and then changes gather over two steps.
+        // Sometimes changes gather over two steps.
         if (qcRandom_Below(&random, 4) != 0)
             found += world->changes ? qcModel_CheckChangedPairs(model) : qcModel_CheckMovedPairs(model);
     }
@@ -199,7 +199,7 @@ static void LiveThrough(const World* world)
     qcModel_Free(model);
 }
 
-static void LiveThroughAll(bool changes)
+static void RunAllWorlds(bool changes)
 {
     for (uint64_t seed = 1; seed <= 3; seed++)
     {
@@ -211,19 +211,19 @@ static void LiveThroughAll(bool changes)
             {.seed = seed, .room = 8, .integers = true, .infinite = true, .restless = 0.1, .changes = changes},
         };
         for (size_t i = 0; i < sizeof worlds / sizeof *worlds; i++)
-            LiveThrough(&worlds[i]);
+            RunWorld(&worlds[i]);
     }
 }
 
 START_TEST(pairs_and_queries_equal_brute_force_whatever_changes)
 {
-    LiveThroughAll(false);
+    RunAllWorlds(false);
 }
 END_TEST
 
 START_TEST(what_began_and_what_ended_equals_brute_force_whatever_changes)
 {
-    LiveThroughAll(true);
+    RunAllWorlds(true);
 }
 END_TEST
 
@@ -238,7 +238,7 @@ START_TEST(boxes_that_share_a_face_an_edge_or_a_corner_are_pairs)
                 {
                     qcModel* model = qcModel_Make();
                     double lower[3] = {x, y, z}, upper[3] = {x + 1, y + 1, z + 1};
-                    // As far away as a double can be without touching.
+                    // The smallest distance that doubles can have without touching.
                     if (apart)
                         lower[0] = nextafter(1.0, 2.0), upper[0] = 2.0;
                     qcModel_Add(model, (double[3]){0, 0, 0}, (double[3]){1, 1, 1});
@@ -249,7 +249,7 @@ START_TEST(boxes_that_share_a_face_an_edge_or_a_corner_are_pairs)
 }
 END_TEST
 
-START_TEST(a_step_shorter_than_floats_can_tell_begins_and_ends_a_pair)
+START_TEST(a_step_shorter_than_the_spacing_of_floats_begins_and_ends_a_pair)
 {
     qcModel* model = qcModel_Make();
     for (int i = 0; i < 10; i++)
@@ -278,7 +278,7 @@ START_TEST(a_pair_is_reported_only_when_one_of_the_two_moved)
     ck_assert_uint_eq(qcModel_CheckMovedPairs(model), 0);
     qcModel_Move(model, 1, zero, half);
     ck_assert_uint_eq(qcModel_CheckMovedPairs(model), 0);
-    // Smaller, within the place that it had: a move like any other.
+    // Smaller, within its previous bounds: a move like any other.
     qcModel_Move(model, 2, half, most);
     ck_assert_uint_eq(qcModel_CheckMovedPairs(model), 2);
     qcModel_Move(model, 2, half, most);
@@ -298,7 +298,7 @@ START_TEST(a_removed_box_is_in_no_pair)
     qcModel_Move(model, 0, one, two);
     qcModel_Remove(model, 0);
     ck_assert_uint_eq(qcModel_CheckMovedPairs(model), 0);
-    // Id 0 again, far away: it must not inherit neighbours.
+    // Id 0 again, far away: it must not inherit overlaps.
     qcModel_Add(model, two, three);
     ck_assert_uint_eq(qcModel_CheckMovedPairs(model), 0);
     qcModel_Free(model);
@@ -325,21 +325,21 @@ START_TEST(thousands_of_boxes_in_one_place_are_all_pairs)
 }
 END_TEST
 
-/// How many octets a point query looks at.
+/// Number of octets that a point query visits.
 static uint32_t CountOctets(const qcForest* forest, const double point[3])
 {
-    uint32_t seen = (uint32_t)(forest->listIds.count + qc_lanes - 1) / qc_lanes;
+    uint32_t visited = (uint32_t)(forest->listIds.count + qc_lanes - 1) / qc_lanes;
     qcFloatBox box;
     (void)qcFloatBox_Enclose(&box, point, point);
-    for (uint64_t trees = forest->old | forest->young; trees != 0;)
+    for (uint64_t trees = forest->staticTrees | forest->dynamicTrees; trees != 0;)
     {
         const qcBoxTree* tree = &forest->trees[qcForest_NextTree(&trees)];
-        seen++; // the top
+        visited++; // the root
         uint32_t levels = tree->shape.levelCount;
         for (uint32_t at = tree->shape.first[1]; levels > 1 && at <= tree->shape.first[levels - 1]; at++)
-            seen += (uint32_t)__builtin_popcount(forest->kernels->meet(&tree->shape.octets[at], &box));
+            visited += (uint32_t)__builtin_popcount(forest->kernels->overlap(&tree->shape.octets[at], &box));
     }
-    return seen;
+    return visited;
 }
 
 START_TEST(points_in_one_line_and_in_one_place_are_found)
@@ -353,7 +353,7 @@ START_TEST(points_in_one_line_and_in_one_place_are_found)
     qcModel_CheckForest(model);
     ck_assert_uint_eq(qcModel_CheckMovedPairs(model), 500);
     CheckQuery(model, (double[3]){250, 0, 0}, (double[3]){251, 0, 0});
-    // A query sees few of a thousand.
+    // A query visits few of a thousand.
     ck_assert_uint_le(CountOctets(&model->set->forest, (double[3]){250, 0, 0}), 12);
     qcModel_Free(model);
 }
@@ -378,7 +378,7 @@ START_TEST(infinite_boxes_do_not_spoil_the_tree)
     }
     qcModel_CheckForest(model);
     qcModel_CheckMovedPairs(model);
-    // 5 infinite boxes share an octet; without care they would open most of 400.
+    // 5 infinite boxes share an octet; among the others they would open most of 400.
     const double point[3] = {50, 50, 50}, outside[3] = {1e9, 0, 0};
     ck_assert_uint_le(CountOctets(&model->set->forest, point), 25);
     ck_assert_uint_le(CountOctets(&model->set->forest, outside), 10);
@@ -452,7 +452,7 @@ START_TEST(bad_input_is_refused_and_changes_nothing)
 }
 END_TEST
 
-START_TEST(a_query_ends_when_the_function_says_so)
+START_TEST(a_query_ends_when_the_function_returns_false)
 {
     qcModel* model = qcModel_Make();
     const double zero[3] = {0, 0, 0}, one[3] = {1, 1, 1};
@@ -481,7 +481,7 @@ static void* AskMany(void* context)
     return NULL;
 }
 
-START_TEST(several_threads_may_ask_at_once)
+START_TEST(several_threads_may_query_at_once)
 {
     qcModel* model = qcModel_Make();
     qcRandom random = {5};
@@ -522,7 +522,7 @@ static bool GrowCloud(qcBoxes* set, uint32_t step)
     return failed;
 }
 
-/// Returns whether a search ran out of memory; the next one finds what is there.
+/// Returns whether a search ran out of memory; the next search finds all pairs.
 static bool SearchCloud(qcBoxes* set, uint32_t step, bool changes)
 {
     // Neighbours in a grid of 30 by 10, corners too.
@@ -557,7 +557,7 @@ START_TEST(out_of_memory_is_a_status_and_the_next_try_finds_everything)
     for (int changes = 0; changes <= 1; changes++)
     {
         size_t failures = 0, quiet = 0;
-        // Some failures are no failure: trees stay apart, lists long.
+        // Some failures are harmless: trees stay unmerged, lists long.
         for (size_t failAt = 1; quiet < 5; failAt++)
         {
             heap = (qcFailingHeap){heap.live, 0, failAt};
@@ -587,9 +587,9 @@ END_TEST
 QC_RUN_TESTS("boxes", pairs_and_queries_equal_brute_force_whatever_changes,
              what_began_and_what_ended_equals_brute_force_whatever_changes,
              boxes_that_share_a_face_an_edge_or_a_corner_are_pairs,
-             a_step_shorter_than_floats_can_tell_begins_and_ends_a_pair,
+             a_step_shorter_than_the_spacing_of_floats_begins_and_ends_a_pair,
              a_pair_is_reported_only_when_one_of_the_two_moved, a_removed_box_is_in_no_pair,
              thousands_of_boxes_in_one_place_are_all_pairs, points_in_one_line_and_in_one_place_are_found,
              infinite_boxes_do_not_spoil_the_tree, ids_are_reused_lowest_first,
-             bad_input_is_refused_and_changes_nothing, a_query_ends_when_the_function_says_so,
-             several_threads_may_ask_at_once, out_of_memory_is_a_status_and_the_next_try_finds_everything)
+             bad_input_is_refused_and_changes_nothing, a_query_ends_when_the_function_returns_false,
+             several_threads_may_query_at_once, out_of_memory_is_a_status_and_the_next_try_finds_everything)

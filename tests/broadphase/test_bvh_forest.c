@@ -1,10 +1,9 @@
-// The forest below a set of boxes: its kernels against each other and against brute force, and what is left alone when
-// little moves.
+// The BVH forest of a set of boxes: its kernels against brute force, and the work that is saved when few boxes move.
 #include "broadphase/box_model.h"
 #include "broadphase/bvh_build_order.h"
 #include "support/suite.h"
 
-/// A forest of random boxes in one young tree, some of them taken out again.
+/// A forest of random boxes in one dynamic tree, some of them removed again.
 static uint32_t GrowTree(qcForest* forest, uint64_t seed, uint32_t count, bool infinite)
 {
     qcRandom random = {seed};
@@ -21,36 +20,36 @@ static uint32_t GrowTree(qcForest* forest, uint64_t seed, uint32_t count, bool i
             if (infinite && qcRandom_Below(&random, 20) == 0)
                 box.upper[k] = INFINITY;
         }
-        qcForest_Put(forest, id, &box);
+        qcForest_Insert(forest, id, &box);
     }
     uint32_t tree;
-    CHECK_OK(qcForest_GatherYoung(forest, &tree));
+    CHECK_OK(qcForest_MergeDynamic(forest, &tree));
     for (uint32_t id = 1; id < count; id += 1 + qcRandom_Below(&random, 9))
         qcForest_Remove(forest, id);
     return tree;
 }
 
-/// The boxes of the tree that meet one of an octet, as bits like those of a hit.
-static uint64_t MeetByHand(const qcForest* forest, const uint32_t* rows, const uint32_t* lanes)
+/// The lanes that overlap the rows, as bits like those of a hit.
+static uint64_t OverlapByHand(const qcForest* forest, const uint32_t* rows, const uint32_t* lanes)
 {
     const qcFloatBox* boxes = forest->boxes.data;
     uint64_t bits = 0;
     for (uint32_t row = 0; row < qc_lanes; row++)
         for (uint32_t lane = 0; lane < qc_lanes; lane++)
             if (rows[row] != QC_NO_BOX && lanes[lane] != QC_NO_BOX &&
-                qcFloatBox_Meet(&boxes[rows[row]], &boxes[lanes[lane]]))
+                qcFloatBox_Overlap(&boxes[rows[row]], &boxes[lanes[lane]]))
                 bits |= (uint64_t)1 << (lane + qc_lanes * row);
     return bits;
 }
 
-static void CheckSeek(const qcForest* forest, const qcBoxTree* tree, uint32_t octet, uint32_t first)
+static void CheckFindOverlaps(const qcForest* forest, const qcBoxTree* tree, uint32_t octet, uint32_t first)
 {
     qcOctetHit hits[qc_modelRoom / qc_lanes];
     const qcBoxKernels* kernels;
     for (size_t i = 0; (kernels = qcBoxKernels_Nth(i)) != NULL; i++)
     {
         uint64_t found[qc_modelRoom / qc_lanes] = {0};
-        size_t count = kernels->seek(&tree->shape.octets[octet], &tree->shape, first, hits);
+        size_t count = kernels->findOverlaps(&tree->shape.octets[octet], &tree->shape, first, hits);
         for (size_t h = 0; h < count; h++)
         {
             CHECK_QUICKLY(hits[h].octet >= first && hits[h].octet < tree->laneCount / qc_lanes);
@@ -58,8 +57,8 @@ static void CheckSeek(const qcForest* forest, const qcBoxTree* tree, uint32_t oc
             found[hits[h].octet] = hits[h].lanes;
         }
         for (uint32_t o = first; o < tree->laneCount / qc_lanes; o++)
-            CHECK_QUICKLY(found[o] == MeetByHand(forest, &QC_AT(uint32_t, tree->ids, qc_lanes * octet),
-                                                 &QC_AT(uint32_t, tree->ids, qc_lanes * o)));
+            CHECK_QUICKLY(found[o] == OverlapByHand(forest, &QC_AT(uint32_t, tree->ids, qc_lanes * octet),
+                                                    &QC_AT(uint32_t, tree->ids, qc_lanes * o)));
     }
 }
 
@@ -73,7 +72,7 @@ START_TEST(every_kernel_finds_what_brute_force_finds)
             const qcBoxTree* tree = &forest.trees[GrowTree(&forest, c + 1, counts[c], infinite)];
             uint32_t octets = tree->laneCount / qc_lanes;
             for (uint32_t octet = 0; octet < octets; octet++)
-                CheckSeek(&forest, tree, octet, octet % 3 == 0 ? 0 : octet);
+                CheckFindOverlaps(&forest, tree, octet, octet % 3 == 0 ? 0 : octet);
             qcForest_Free(&forest);
         }
     ck_assert_uint_eq(qcGetByteCount(), 0);
@@ -97,7 +96,7 @@ START_TEST(a_box_of_floats_is_the_smallest_around_a_box)
 }
 END_TEST
 
-START_TEST(order_keeps_every_item_and_neighbours_together)
+START_TEST(build_order_keeps_every_item_and_neighbours_together)
 {
     enum
     {
@@ -106,7 +105,7 @@ START_TEST(order_keeps_every_item_and_neighbours_together)
     static qcFloatBox boxes[count];
     static qcBoxItem items[count];
     bool seen[count] = {false};
-    // A line, backwards: an order that is bad for naive splits. One box far away, one everywhere.
+    // A line, backwards: an order that is bad for naive splits. One box is far away, one is infinite.
     for (uint32_t i = 0; i < count; i++)
     {
         float x = (float)(count - i);
@@ -116,7 +115,7 @@ START_TEST(order_keeps_every_item_and_neighbours_together)
     boxes[18] = (qcFloatBox){{-INFINITY, -INFINITY, -INFINITY}, {INFINITY, INFINITY, INFINITY}};
     for (uint32_t i = 0; i < count; i++)
         items[i] = qcBoxItem_Make(&boxes[i], i);
-    qcBoxOrder_Arrange(items, count, boxes);
+    qcBuildOrder_Arrange(items, count, boxes);
     uint32_t wide = 0;
     for (uint32_t i = 0; i < count; i += qc_lanes)
     {
@@ -134,7 +133,7 @@ START_TEST(order_keeps_every_item_and_neighbours_together)
 }
 END_TEST
 
-/// A grid of boxes that stay, and some that move about.
+/// A grid of boxes: `stay` of them stationary, `move` that will move.
 static qcModel* MakeWorld(uint32_t stay, uint32_t move)
 {
     qcModel* model = qcModel_Make();
@@ -147,7 +146,7 @@ static qcModel* MakeWorld(uint32_t stay, uint32_t move)
     return model;
 }
 
-START_TEST(where_nothing_moves_a_search_does_nothing)
+START_TEST(a_search_without_moves_does_nothing)
 {
     qcModel* model = MakeWorld(1000, 0);
     ck_assert_uint_eq(qcBoxes_GetProfile(model->set).moved, 1000);
@@ -164,8 +163,8 @@ START_TEST(where_nothing_moves_a_search_does_nothing)
 }
 END_TEST
 
-/// Steps of boxes that move on, behind 1000 that stay. Returns the sum of what the searches did.
-static qcBoxProfile MoveOn(qcModel* model, uint32_t count)
+/// Moves boxes that follow 1000 stationary ones, for 100 steps. Returns the sum of the searches' profiles.
+static qcBoxProfile MoveSteps(qcModel* model, uint32_t count)
 {
     qcRandom random = {5};
     qcBoxProfile sum = {0};
@@ -193,21 +192,21 @@ static qcBoxProfile MoveOn(qcModel* model, uint32_t count)
     return sum;
 }
 
-START_TEST(where_few_move_the_rest_is_left_alone)
+START_TEST(a_search_with_few_moves_leaves_the_rest_alone)
 {
     qcModel* model = MakeWorld(1000, 20);
-    qcBoxProfile sum = MoveOn(model, 20);
-    // Each of the 2000 moves would else look for neighbours, and would be sorted several times with others.
+    qcBoxProfile sum = MoveSteps(model, 20);
+    // Without fat AABBs each of the 2000 moves would search the forest, and would be sorted several times with others.
     ck_assert_uint_lt(sum.sought, 1000);
     ck_assert_uint_lt(sum.sorted, 8 * 1000);
     qcModel_Free(model);
 }
 END_TEST
 
-START_TEST(where_very_few_move_they_are_not_put_in_order_either)
+START_TEST(a_search_with_very_few_moves_builds_no_tree)
 {
     qcModel* model = MakeWorld(1000, 6);
-    qcBoxProfile sum = MoveOn(model, 6);
+    qcBoxProfile sum = MoveSteps(model, 6);
     ck_assert_uint_gt(sum.sought, 20);
     ck_assert_uint_eq(sum.sorted, 0);
     qcModel_Free(model);
@@ -215,5 +214,5 @@ START_TEST(where_very_few_move_they_are_not_put_in_order_either)
 END_TEST
 
 QC_RUN_TESTS("box forest", every_kernel_finds_what_brute_force_finds, a_box_of_floats_is_the_smallest_around_a_box,
-             order_keeps_every_item_and_neighbours_together, where_nothing_moves_a_search_does_nothing,
-             where_few_move_the_rest_is_left_alone, where_very_few_move_they_are_not_put_in_order_either)
+             build_order_keeps_every_item_and_neighbours_together, a_search_without_moves_does_nothing,
+             a_search_with_few_moves_leaves_the_rest_alone, a_search_with_very_few_moves_builds_no_tree)

@@ -1,5 +1,4 @@
-// Devices: what opens, and messages of what does not; the choice of a GPU, devices that are opened anew, jobs and their
-// errors.
+// Devices: opening and its messages, the choice of a GPU, reopening, jobs and their errors.
 #define _POSIX_C_SOURCE 200809L
 #include "gl/device_jobs.h"
 #include "base/status.h"
@@ -13,7 +12,7 @@ static const char* const s_names[] = {"auto", "egl", "osmesa", "surfaceless", "n
 
 //  ---- opening -------------------------------------------------------------------------------------
 
-START_TEST(a_named_kind_opens_or_says_why_not)
+START_TEST(a_named_kind_opens_or_gives_a_reason)
 {
     for (int kind = qc_deviceEgl; kind <= qc_deviceNone; ++kind)
     {
@@ -287,7 +286,7 @@ START_TEST(a_device_that_does_not_reopen_stays_lost_until_it_does)
 }
 END_TEST
 
-START_TEST(software_devices_say_what_they_are)
+START_TEST(software_devices_are_identified)
 {
     QC_FOR_EACH_DEVICE(device)
     {
@@ -295,7 +294,7 @@ START_TEST(software_devices_say_what_they_are)
         ck_assert_int_eq(qcDevice_GetInfo(device, &info), qc_statusOk);
         ck_assert_uint_gt(strlen(info.renderer), 0);
         ck_assert_uint_gt(strlen(info.version), 0);
-        ck_assert_uint_ge(info.maxResolution, 1024); // the least that GL 3.3 asks for
+        ck_assert_uint_ge(info.maxResolution, 1024); // the minimum of GL 3.3
         if (info.kind == qc_deviceOsmesa)
             ck_assert(info.software);
     }
@@ -373,7 +372,7 @@ END_TEST
 static qcStatus FailJob(const struct qcGlFunctions* gl, void* context)
 {
     (void)gl;
-    return qcFail(qc_statusOutOfMemory, "the job says %s", (const char*)context);
+    return qcFail(qc_statusOutOfMemory, "the job fails: %s", (const char*)context);
 }
 
 static qcStatus MakeGlErrors(const struct qcGlFunctions* gl, void* context)
@@ -390,7 +389,7 @@ START_TEST(status_and_message_of_a_job_reach_the_caller)
     QC_FOR_EACH_DEVICE(device)
     {
         ck_assert_int_eq(qcDevice_Run(device, FailJob, "no", "a test"), qc_statusOutOfMemory);
-        ck_assert_str_eq(qcLastMessage(), "the job says no");
+        ck_assert_str_eq(qcLastMessage(), "the job fails: no");
     }
 }
 END_TEST
@@ -559,12 +558,12 @@ START_TEST(devices_on_several_threads_do_not_disturb_each_other)
 }
 END_TEST
 
-QC_RUN_TESTS("device", a_named_kind_opens_or_says_why_not, the_device_none_always_opens_and_has_no_gl,
+QC_RUN_TESTS("device", a_named_kind_opens_or_gives_a_reason, the_device_none_always_opens_and_has_no_gl,
              auto_opens_the_first_kind_that_works_and_logs_the_others,
              auto_prefers_surfaceless_where_the_environment_names_a_driver, osmesa_refuses_drivers_that_it_crashes_with,
              a_bad_definition_is_refused_by_name, a_gpu_is_chosen_by_number_by_name_and_by_uuid,
              a_device_that_is_reopened_draws_again, a_device_that_does_not_reopen_stays_lost_until_it_does,
-             software_devices_say_what_they_are, no_memory_for_a_device_is_a_status,
+             software_devices_are_identified, no_memory_for_a_device_is_a_status,
              devices_open_and_close_many_times_and_side_by_side, a_job_finds_a_context_of_gl_3_3_or_more,
              status_and_message_of_a_job_reach_the_caller, a_gl_error_is_a_status_and_the_device_goes_on,
              a_job_finds_the_initial_state, many_callers_are_served_one_after_another_each_with_its_own_message,

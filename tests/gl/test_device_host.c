@@ -1,12 +1,12 @@
-// The host's own contexts stay current and draw, whatever devices are opened and used beside them.
-// The host of these tests opens OSMesa and EGL by itself, as an application would.
+// The host's own contexts stay current and draw while devices are opened and used beside them.
+// These tests open OSMesa and EGL by themselves, like an application.
 #include "gl/device_jobs.h"
 #include "support/suite.h"
 
 #include <dlfcn.h>
 #include <stdio.h>
 
-/// Opens, uses and closes each kind of device, as the library would during a step.
+/// Opens, uses and closes each kind of device, like the library during a step.
 static void UseEveryKind(void)
 {
     for (int kind = qc_deviceAuto; kind <= qc_deviceNone; ++kind)
@@ -77,7 +77,7 @@ START_TEST(an_osmesa_context_of_the_host_stays_current_and_draws)
 }
 END_TEST
 
-// EGL's interface, as far as the host needs it.
+// The part of EGL that the host uses.
 enum
 {
     egl_none = 0x3038,

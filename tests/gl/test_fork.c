@@ -1,4 +1,4 @@
-// Child processes: what fork() leaves behind is named, and nothing waits for it.
+// Child processes: a device that fork() leaves behind is named in messages, and nothing waits for it.
 #define _DEFAULT_SOURCE // fork, usleep
 
 #include "support/devices.h"
@@ -12,15 +12,15 @@
 
 enum
 {
-    // A bound against hanging, not a claim about speed.
+    // A limit against hanging, not a claim about speed.
     qc_childSeconds = 60
 };
 
-/// The status that a child made of its work; 0 is right.
+/// The exit status of a child; 0: success.
 typedef int Work(qcScene* scene, qcDevice* device);
 
-/// How a child ends: by exit(), so that the library's own end is run; by _exit() where the parent has OSMesa, whose
-/// exit handlers crash in any child.
+/// Ends a child: by exit(), so that the library's exit handlers run; by _exit() where the parent has OSMesa, whose exit
+/// handlers crash in any child.
 typedef void End(int);
 
 /// Runs the work in a child process.
@@ -60,7 +60,7 @@ static qcStatus Detect(qcScene* scene, qcMethod method, double margin, const qcR
     return qcScene_Detect(scene, &def, result);
 }
 
-/// So that the next step is computed anew.
+/// Changes the scene, so that the next step is computed anew.
 static qcStatus Move(qcScene* scene, double x)
 {
     const qcTransform moved = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {x, 0, 0}};
@@ -95,7 +95,7 @@ static int AskByLayers(qcScene* scene, qcDevice* device)
     return qcGetByteCount() == 0 ? 0 : 6;
 }
 
-START_TEST(layers_in_a_child_are_answered_by_the_sweep_and_say_why)
+START_TEST(layers_in_a_child_falls_back_to_the_sweep_and_gives_the_reason)
 {
     QC_FOR_EACH_DEVICE(device)
     {
@@ -122,14 +122,14 @@ static int AskByQuick(qcScene* scene, qcDevice* device)
     if (Move(scene, 1.0) != qc_statusOk || Detect(scene, qc_methodQuick, 0.0, &result) != qc_statusDevice ||
         !NamesParent(qcLastMessage()))
         return 1;
-    // The scene is as it was.
+    // The scene is unchanged.
     if (Detect(scene, qc_methodSweep, 0.0, &result) != qc_statusOk || result->pairCount == 0)
         return 2;
     qcDevice_Destroy(device);
     return 0;
 }
 
-START_TEST(what_needs_the_device_fails_in_a_child_and_names_the_process)
+START_TEST(calls_that_need_the_device_fail_in_a_child_and_name_the_process)
 {
     QC_FOR_EACH_DEVICE(device)
     {
@@ -164,7 +164,7 @@ static int OpenDevices(qcScene* scene, qcDevice* device)
 
 START_TEST(gl_can_not_be_opened_in_a_child_of_a_process_that_had_opened_it)
 {
-    // Open or closed again: drivers keep their threads.
+    // Whether it is still open or closed again: drivers keep their threads.
     for (size_t k = 0; k < qc_testDeviceCount; k++)
     {
         qcDevice* device = qcOpenOrSkip(qc_testKinds[k]);
@@ -280,8 +280,8 @@ START_TEST(a_child_closes_a_device_that_another_thread_was_using)
 }
 END_TEST
 
-QC_RUN_TESTS("fork", layers_in_a_child_are_answered_by_the_sweep_and_say_why,
-             what_needs_the_device_fails_in_a_child_and_names_the_process,
+QC_RUN_TESTS("fork", layers_in_a_child_falls_back_to_the_sweep_and_gives_the_reason,
+             calls_that_need_the_device_fail_in_a_child_and_name_the_process,
              gl_can_not_be_opened_in_a_child_of_a_process_that_had_opened_it, a_child_opens_gl_where_its_parent_has_not,
              a_child_of_a_process_whose_threads_are_in_a_loop_sweeps_with_its_own,
              a_child_closes_a_device_that_another_thread_was_using)

@@ -1,5 +1,5 @@
-// Which GL devices the tests of this run have. By itself in a list of tests: where no device opens it is skipped, so
-// that the list shows it; where one that is required doesn't open it fails.
+// The GL devices of this test run. A test of its own: skipped where no device opens, so that the list of tests shows
+// it; failed where a required device doesn't open.
 #include "support/devices.h"
 #include "support/suite.h"
 

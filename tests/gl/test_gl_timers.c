@@ -1,4 +1,4 @@
-// Timers of a job against a GL that counts calls and whose clock advances by a step a call.
+// Timers of a job against a fake GL that counts calls and whose clock advances with each call.
 #include "gl/timers.h"
 #include "base/clock.h"
 #include "support/suite.h"
@@ -18,9 +18,9 @@ static struct
 {
     GLint bits;
     uint64_t clock;
-    uint64_t times[fake_maxQueries + 1]; ///< by query; 0: never issued, or not passed when it is read
-    uint32_t issued, passed;             ///< timestamps: all, and those that a wait of the thread lies behind
-    uint32_t order[fake_maxQueries + 1]; ///< by query: as the how many-th it was issued
+    uint64_t times[fake_maxQueries + 1]; ///< by query; 0: not issued, or not passed when it is read
+    uint32_t issued, passed;             ///< timestamps: all, and those before the thread's last wait
+    uint32_t order[fake_maxQueries + 1]; ///< by query: index in the order of issue
     uint32_t calls, stalls;
 } s_fake;
 
@@ -156,7 +156,7 @@ START_TEST(a_job_with_more_marks_than_timestamps_has_thread_times_only)
     RunJob(&gl, &timers, true, 2 * qc_maxTimestamps);
     ck_assert_uint_eq(s_fake.issued, qc_maxTimestamps);
     ck_assert(timers.deviceMs[part_kernel] < 0.0 && timers.threadMs[part_kernel] >= 0.0);
-    // The next one is whole again.
+    // The next job is complete again.
     RunJob(&gl, &timers, true, 2);
     ck_assert_double_eq_tol(timers.deviceMs[part_kernel], 2.0, 1e-9);
     qcGlTimers_Delete(&gl, &timers);

@@ -1,5 +1,6 @@
-// Visibility queries: scenes with known answers, and random passes against a rasteriser on the CPU that leaves open
-// what rounding may decide. Every scene runs along each axis, with both comparisons, in one tile and in several.
+// Visibility queries: scenes with known results, and random passes against a rasteriser on the CPU that leaves
+// undecided what rounding may decide. Every scene runs along each axis, with both comparisons, in one tile and in
+// several.
 #include "support/devices.h"
 #include "gl/visibility/occlusion_queries.h"
 #include "base/memory.h"
@@ -38,7 +39,7 @@ static void AddSquare(Scene* scene, float x0, float y0, float x1, float y1, floa
     AddTriangle(scene, x0, y0, z0, x1, y1, z1, x0, y1, z0);
 }
 
-/// The same triangles in the world, for a view along an axis.
+/// Converts triangles to world coordinates, for a view along an axis.
 static void TurnToAxis(const float* image, size_t triangleCount, int axis, float* world)
 {
     for (size_t i = 0; i < 3 * triangleCount; ++i)
@@ -51,7 +52,7 @@ static void TurnToAxis(const float* image, size_t triangleCount, int axis, float
 
 static const qcVisibilityCompare s_compares[2] = {qc_compareGreaterEqual, qc_compareGreater};
 
-/// In tiles of `tileSize` pixels; 0: as the device likes it.
+/// Creates queries in tiles of `tileSize` pixels; 0: the device's default.
 static qcVisibility* Open(qcDevice* device, const float* corners, uint32_t triangleCount, uint32_t resolution,
                           uint32_t tileSize)
 {
@@ -74,7 +75,7 @@ static void RunPass(qcVisibility* visibility, int axis, qcVisibilityCompare comp
     ck_assert_msg(status == qc_statusOk, "%s", qcLastMessage());
 }
 
-/// What is seen from the back in their place.
+/// The mirrored triangles, for the view from the back.
 static void MirrorDepths(float* corners, size_t triangleCount, int axis)
 {
     for (size_t i = 0; i < 3 * triangleCount; ++i)
@@ -114,7 +115,7 @@ static void ExpectVisible(const Scene* scene, const qcVisibilityStep* steps, uin
 
 static const bool Y = true, N = false;
 
-START_TEST(what_is_drawn_before_hides_what_lies_behind_it_only)
+START_TEST(a_rendered_triangle_hides_only_triangles_behind_it)
 {
     Scene scene = {.count = 0};
     AddSquare(&scene, -0.5f, -0.5f, 0.5f, 0.5f, -0.3f, -0.3f);
@@ -176,7 +177,7 @@ START_TEST(both_orientations_of_a_triangle_are_drawn_and_tested)
 }
 END_TEST
 
-START_TEST(what_lies_to_the_side_stays_visible)
+START_TEST(a_triangle_to_the_side_stays_visible)
 {
     Scene scene = {.count = 0};
     AddSquare(&scene, -0.9f, -0.5f, -0.1f, 0.5f, -0.5f, -0.5f);
@@ -202,7 +203,7 @@ START_TEST(a_test_sees_the_renders_before_it_and_none_after)
     AddSquare(&scene, -0.5f, -0.5f, 0.5f, 0.5f, -0.3f, -0.3f);
     AddSquare(&scene, -0.4f, -0.4f, 0.6f, 0.6f, 0.3f, 0.3f);
     const qcVisibilityStep steps[5] = {{2, 2, Y, N}, {0, 2, N, Y}, {2, 2, Y, N}, {0, 2, Y, N}, {2, 2, N, Y}};
-    // The fourth step meets its own depth: hidden when equal depths hide.
+    // The fourth step is tested against its own depth: hidden if equal depths hide.
     ExpectVisible(&scene, steps, 5, "10000", "10010");
 }
 END_TEST
@@ -282,7 +283,7 @@ enum
     qc_soupSteps = 500
 };
 
-/// Per pixel the nearest depth that is surely there, and the nearest that may be.
+/// Per pixel: the nearest depth that is certain, and the nearest that is possible.
 typedef struct DepthBuffer
 {
     double sure[qc_resolution][qc_resolution], possible[qc_resolution][qc_resolution];
@@ -291,7 +292,7 @@ typedef struct DepthBuffer
 // Rasterisers round corners to 1/256 of a pixel or finer, and depths to about 24 bits.
 static const double s_pixelError = 0.02, s_depthError = 1e-4;
 
-/// What a pixel has of a triangle (image coordinates): 2 surely, 1 perhaps, 0 not; and the depth there.
+/// Coverage of a pixel by a triangle (image coordinates): 2 certain, 1 possible, 0 none; and the depth there.
 static int Cover(const float* corner, int px, int py, double* depth)
 {
     double x = (px + 0.5) * 2.0 / qc_resolution - 1.0, y = (py + 0.5) * 2.0 / qc_resolution - 1.0;
@@ -316,7 +317,7 @@ static int Cover(const float* corner, int px, int py, double* depth)
     return cover;
 }
 
-/// '1' visible, '0' hidden, '?' open, ' ' not tested. Draws the step, too.
+/// '1' visible, '0' hidden, '?' undecided, ' ' not tested. Draws the step, too.
 static char StepOnCpu(DepthBuffer* buffer, const float* corners, const qcVisibilityStep* step)
 {
     char answer = step->test ? '1' : ' ';
@@ -458,8 +459,8 @@ START_TEST(over_a_thousand_queries_in_one_pass_lose_none)
         side = 20,
         layer = 2 * side * side
     };
-    // Two flat grids; every triangle of the far one is behind the near one, and nothing else hides anything. In turns,
-    // so that what one query counts could reach the next.
+    // Two flat grids; every triangle of the far one is behind the near one, and nothing else hides anything. Visible
+    // and hidden ones alternate, so that a query's count could leak into the next.
     static float corners[9 * 2 * layer];
     static qcVisibilityStep steps[2 * layer];
     static uint8_t visible[2 * layer];
@@ -514,7 +515,7 @@ START_TEST(bad_resolutions_and_devices_are_refused)
         ck_assert_int_eq(qcVisibility_Create(&def, &visibility), qc_statusBadInput);
         // Grown, each becomes five.
         def.triangleCount = 0x7fffffff / 15 + 1;
-        def.grown = true;
+        def.dilated = true;
         ck_assert_int_eq(qcVisibility_Create(&def, &visibility), qc_statusBadInput);
         // The limit itself is fine; tiled, so that no GPU runs out of memory here.
         qcVisibility_Destroy(Open(device, corners, 1, info.maxResolution, 512));
@@ -551,7 +552,7 @@ static void Release(void* memory, size_t size, void* context)
 }
 
 /// Allows one allocation more each time, until a pass succeeds.
-static void FailEachAllocation(qcDevice* device, Heap* heap, bool grown)
+static void FailEachAllocation(qcDevice* device, Heap* heap, bool dilated)
 {
     Scene scene = {.count = 0};
     AddSquare(&scene, -0.5f, -0.5f, 0.5f, 0.5f, -0.3f, -0.3f);
@@ -563,7 +564,7 @@ static void FailEachAllocation(qcDevice* device, Heap* heap, bool grown)
                                  .triangleCount = scene.count,
                                  .resolution = 64,
                                  .tileSize = 17,
-                                 .grown = grown};
+                                 .dilated = dilated};
     size_t before = qcGetByteCount();
     int failures = 0;
     qcStatus status = qc_statusOutOfMemory;
@@ -596,17 +597,17 @@ START_TEST(any_allocation_may_fail_and_the_next_pass_succeeds)
     ck_assert_int_eq(qcSetAllocator(Allocate, Release, &heap), qc_statusOk);
     QC_FOR_EACH_DEVICE(device)
     {
-        for (int grown = 0; grown < 2; ++grown)
-            FailEachAllocation(device, &heap, grown == 1);
+        for (int dilated = 0; dilated < 2; ++dilated)
+            FailEachAllocation(device, &heap, dilated == 1);
     }
     ck_assert_int_eq(qcSetAllocator(NULL, NULL, NULL), qc_statusOk);
 }
 END_TEST
 
-QC_RUN_TESTS("visibility", what_is_drawn_before_hides_what_lies_behind_it_only,
+QC_RUN_TESTS("visibility", a_rendered_triangle_hides_only_triangles_behind_it,
              crossing_triangles_hide_each_other_in_either_order, triangles_that_share_an_edge_do_not_hide_each_other,
              equal_depth_hides_between_objects_and_not_within_one, both_orientations_of_a_triangle_are_drawn_and_tested,
-             what_lies_to_the_side_stays_visible, an_empty_buffer_hides_nothing_not_even_the_farthest_depth,
+             a_triangle_to_the_side_stays_visible, an_empty_buffer_hides_nothing_not_even_the_farthest_depth,
              a_test_sees_the_renders_before_it_and_none_after, a_test_alone_draws_nothing,
              a_step_that_tests_and_renders_does_not_hide_itself, the_nearest_depth_is_kept,
              one_hidden_triangle_hides_its_whole_object, a_step_without_triangles_is_visible_and_without_a_test_is_not,

@@ -1,5 +1,5 @@
-// Pictures: each colour where it belongs, the top row first, no seam between tiles, and bad input refused by name.
-// Colours are compared by which channel leads, since light changes their brightness.
+// Pictures: colours in the right pixels, the top row first, no seam between tiles, and bad input refused by name.
+// Colours are compared by their largest channel, since light changes their brightness.
 #include "support/devices.h"
 #include "support/suite.h"
 
@@ -53,7 +53,7 @@ static const uint8_t* Pixel(const Picture* picture, uint32_t x, uint32_t y)
     return picture->rgb + 3 * ((size_t)y * picture->def.width + x);
 }
 
-/// 'r', 'g' or 'b': the channel that leads by far; '.' where none does.
+/// 'r', 'g' or 'b': the channel that is largest by far; '.': there is none.
 static char Lead(const uint8_t* rgb)
 {
     for (int i = 0; i < 3; ++i)
@@ -295,7 +295,7 @@ static void Refuse(qcDevice* device, const qcPictureDef* def, const char* words)
 
 START_TEST(a_bad_camera_is_refused_by_name)
 {
-    // Input is checked before the device is asked.
+    // Input is checked before the device is used.
     qcDeviceDef deviceDef = qcDefaultDeviceDef();
     deviceDef.kind = qc_deviceNone;
     qcDevice* device = NULL;

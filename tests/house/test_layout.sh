@@ -76,6 +76,7 @@ tests/bullet/soft_body      tests/support tests/bullet tests/bullet/mesh demos/b
 tests/bullet/fracture       tests/support tests/bullet
 tests/bullet/preload
 tests/tools                 tests/support demos/...
+tests/house/golden
 tests/house                 tests/support
 tests/house/installed
 '

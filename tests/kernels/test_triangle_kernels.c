@@ -281,8 +281,8 @@ START_TEST(collected_pairs_overlap_have_their_bit_set_and_are_not_excluded)
         uint64_t words[qc_nodeSize];
         for (int i = 0; i < qc_nodeSize; i++)
             words[i] = i % 3 == 0 ? 0 : i % 5 == 0 ? UINT64_MAX : qcRandom_Next(&random);
-        uint64_t table[qc_maxTableSize + 1];
-        table[qcClusters_PackTable(words, table)] = qcRandom_Next(&random);
+        uint64_t table[qc_maxPairMaskSize + 1];
+        table[qcPairMask_Pack(words, table)] = qcRandom_Next(&random);
         qcPairExclusion skips[qc_maxExclusions];
         for (int i = 0; i < qc_maxExclusions; i++)
             skips[i] = (qcPairExclusion){qcRandom_Next(&random) & qcRandom_Next(&random), qcRandom_Next(&random)};

@@ -291,10 +291,10 @@ static int CheckFans(const qcCorners* corners, size_t count, uint32_t vertexCoun
         const qcVertexFanBatch* batch = NULL;
         uint32_t lane = 0;
         bool isFan = ListFan(corners, count, v, triangles, &found);
-        uint32_t first = QC_AT(uint32_t, fans.firstPlace, v);
-        ck_assert_uint_eq(QC_AT(uint32_t, fans.firstPlace, v + 1) - first, found);
+        uint32_t first = QC_AT(uint32_t, fans.around.first, v);
+        ck_assert_uint_eq(QC_AT(uint32_t, fans.around.first, v + 1) - first, found);
         for (size_t i = 0; i < found; i++)
-            ck_assert_uint_eq(QC_AT(uint32_t, fans.places, first + i), triangles[i]);
+            ck_assert_uint_eq(QC_AT(uint32_t, fans.around.triangles, first + i), triangles[i]);
         ck_assert(FindFan(&fans, v, &batch, &lane) == isFan);
         if (!isFan)
             continue;

@@ -1,4 +1,4 @@
-// Clusters say of each pair of a body's triangles what a loop over all pairs says.
+// Clusters against a loop over all pairs of triangles: each triangle in one slot, links and pair masks complete.
 #include "support/check_ok.h"
 #include "mesh/clusters.h"
 #include "support/failing_heap.h"
@@ -21,7 +21,7 @@ static qcSoup Allocate(uint32_t vertexCount, uint32_t triangleCount)
     return soup;
 }
 
-/// Any three vertices, the same one twice or three times among them: with few vertices everything is near everything.
+/// Triangles of random vertices, some with the same vertex two or three times. Few vertices: most pairs share one.
 static qcSoup MakeTangle(uint64_t seed, uint32_t vertexCount, uint32_t triangleCount)
 {
     qcRandom random = {seed};
@@ -33,7 +33,7 @@ static qcSoup MakeTangle(uint64_t seed, uint32_t vertexCount, uint32_t triangleC
     return soup;
 }
 
-/// Triangles around vertex 0, then around vertex 1, ...; the rims apart.
+/// Triangles around vertex 0, then around vertex 1, ...; each with a rim of its own.
 static qcSoup MakeFans(uint32_t fanCount, uint32_t valence)
 {
     qcSoup soup = Allocate(fanCount * (valence + 1), fanCount * valence);
@@ -50,7 +50,7 @@ static qcSoup MakeFans(uint32_t fanCount, uint32_t valence)
     return soup;
 }
 
-/// Two poles and rings of squares between them, as modellers make balls: two hubs in one component.
+/// A sphere of two poles and rings of squares between them: two hubs in one component.
 static qcSoup MakeGlobe(uint32_t rings, uint32_t valence)
 {
     qcSoup soup = Allocate(2 + rings * valence, 2 * rings * valence);
@@ -82,7 +82,7 @@ static qcSoup MakeGlobe(uint32_t rings, uint32_t valence)
     return soup;
 }
 
-/// Both, and vertices that no triangle names between and after them. Frees the two.
+/// Both in one, with unused vertices between and after them. Frees the two.
 static qcSoup Join(qcSoup a, qcSoup b)
 {
     enum
@@ -101,7 +101,7 @@ static qcSoup Join(qcSoup a, qcSoup b)
     return soup;
 }
 
-/// As a file may list them.
+/// The triangles in random order.
 static qcSoup Shuffle(qcSoup soup, uint64_t seed)
 {
     qcRandom random = {seed};
@@ -116,7 +116,7 @@ static qcSoup Shuffle(qcSoup soup, uint64_t seed)
     return soup;
 }
 
-//  ---- what must hold ------------------------------------------------------------------------------
+//  ---- checks -------------------------------------------------------------------------------------
 
 static qcClusters Build(const qcSoup* soup)
 {
@@ -125,9 +125,9 @@ static qcClusters Build(const qcSoup* soup)
     return clusters;
 }
 
-static uint32_t TriangleAt(const qcClusters* c, uint32_t node, uint32_t place)
+static uint32_t TriangleAt(const qcClusters* c, uint32_t node, uint32_t slotOfNode)
 {
-    return QC_AT(uint32_t, c->triangles, (size_t)node * qc_nodeSize + place);
+    return QC_AT(uint32_t, c->triangles, (size_t)node * qc_nodeSize + slotOfNode);
 }
 
 static void CheckTrianglesOnce(const qcClusters* c, const qcSoup* soup)
@@ -141,7 +141,7 @@ static void CheckTrianglesOnce(const qcClusters* c, const qcSoup* soup)
         if (t == QC_NO_TRIANGLE)
             continue;
         ck_assert_uint_lt(t, soup->triangleCount);
-        ck_assert_msg(!seen[t], "triangle %u stands at two places", t);
+        ck_assert_msg(!seen[t], "triangle %u has two slots", t);
         seen[t] = 1;
         count++;
     }
@@ -163,17 +163,17 @@ static void CheckOrderOfLinks(const qcClusters* c)
         {
             qcLeafLink link = QC_AT(qcLeafLink, c->links, l);
             ck_assert_uint_lt(link.other, c->nodeCount);
-            ck_assert_uint_lt(link.table + 2, c->tables.count);
+            ck_assert_uint_lt(link.mask + 2, c->pairMasks.count);
             ck_assert(l == first || QC_AT(qcLeafLink, c->links, l - 1).other < link.other);
         }
     }
 }
 
-/// What the table of two nodes has to say, by asking each two triangles. Returns whether the nodes share a vertex.
-static bool AskAll(const qcClusters* c, const qcSoup* soup, uint32_t a, uint32_t b, uint64_t table[64])
+/// The pair mask of two nodes by comparing all their triangles. Returns whether the nodes share a vertex.
+static bool CompareAll(const qcClusters* c, const qcSoup* soup, uint32_t a, uint32_t b, uint64_t mask[64])
 {
     bool isNear = false;
-    memset(table, 0, 64 * sizeof *table);
+    memset(mask, 0, 64 * sizeof *mask);
     for (uint32_t p = 0; p < qc_nodeSize; p++)
         for (uint32_t q = 0; q < qc_nodeSize; q++)
         {
@@ -183,12 +183,12 @@ static bool AskAll(const qcClusters* c, const qcSoup* soup, uint32_t a, uint32_t
             if (qcSoup_AreNeighbours(soup, t, u))
                 isNear = true;
             else if (a != b || p < q)
-                table[p / 8 + 8 * (q / 8)] |= UINT64_C(1) << (p % 8 + 8 * (q % 8));
+                mask[p / 8 + 8 * (q / 8)] |= UINT64_C(1) << (p % 8 + 8 * (q % 8));
         }
     return isNear;
 }
 
-static void CheckTables(const qcClusters* c, const qcSoup* soup)
+static void CheckPairMasks(const qcClusters* c, const qcSoup* soup)
 {
     for (uint32_t a = 0; a < c->nodeCount; a++)
     {
@@ -196,19 +196,19 @@ static void CheckTables(const qcClusters* c, const qcSoup* soup)
         for (uint32_t b = a; b < c->nodeCount; b++)
         {
             uint64_t expected[64];
-            bool isNear = AskAll(c, soup, a, b, expected);
+            bool isNear = CompareAll(c, soup, a, b, expected);
             bool isLinked = link < end && QC_AT(qcLeafLink, c->links, link).other == b;
             ck_assert_msg(isNear == isLinked, "nodes %u and %u: near %d, linked %d", a, b, isNear, isLinked);
             if (!isLinked)
                 continue;
-            const uint64_t* table = qcClusters_Table(c, link++);
+            const uint64_t* mask = qcClusters_PairMask(c, link++);
             for (uint32_t word = 0; word < 64; word++)
-                if (expected[word] != ((table[1] >> word & 1u) != 0 ? 0 : qcClusters_Word(table, word)))
+                if (expected[word] != ((mask[1] >> word & 1u) != 0 ? 0 : qcPairMask_Word(mask, word)))
                     ck_abort_msg("nodes %u and %u, word %u", a, b, word);
-            // What is read where it isn't used lies within.
+            // The word that is read but not used lies within the array.
             size_t last =
-                (size_t)(table - (const uint64_t*)c->tables.data) + 2 + (size_t)__builtin_popcountll(table[0]);
-            ck_assert_uint_lt(last, c->tables.count);
+                (size_t)(mask - (const uint64_t*)c->pairMasks.data) + 2 + (size_t)__builtin_popcountll(mask[0]);
+            ck_assert_uint_lt(last, c->pairMasks.count);
         }
         ck_assert_uint_eq(link, end);
     }
@@ -219,7 +219,7 @@ static void CheckAll(qcSoup soup)
     qcClusters clusters = Build(&soup);
     CheckTrianglesOnce(&clusters, &soup);
     CheckOrderOfLinks(&clusters);
-    CheckTables(&clusters, &soup);
+    CheckPairMasks(&clusters, &soup);
     qcClusters_Free(&clusters);
     ck_assert_uint_eq(qcGetByteCount(), 0);
     qcSoup_Free(&soup);
@@ -230,13 +230,13 @@ static bool AreEqual(const qcArray* a, const qcArray* b, size_t size)
     return a->count == b->count && (a->count == 0 || memcmp(a->data, b->data, a->count * size) == 0);
 }
 
-/// Places in use, of all, in hundredths.
+/// Percentage of slots in use.
 static uint32_t Fill(const qcClusters* c, const qcSoup* soup)
 {
     return (uint32_t)(100 * (size_t)soup->triangleCount / c->triangles.count);
 }
 
-/// 0 .. 2: of a folded cloth.
+/// The layer of a folded cloth that the triangle is in: 0 .. 2.
 static uint32_t LayerOf(const qcSoup* soup, uint32_t triangle, uint32_t side)
 {
     uint32_t column = side;
@@ -250,7 +250,7 @@ static uint32_t LayerOf(const qcSoup* soup, uint32_t triangle, uint32_t side)
 
 //  ---- tests ---------------------------------------------------------------------------------------
 
-START_TEST(meshes_have_each_triangle_once_and_the_tables_of_all_pairs)
+START_TEST(meshes_have_each_triangle_once_and_all_pairs_in_masks)
 {
     CheckAll(qcSoup_MakeFoldedCloth(3, 24, 0.02, 0.03));
     CheckAll(Shuffle(qcSoup_MakeFoldedCloth(4, 17, 0.02, 0.03), 1));
@@ -260,7 +260,7 @@ START_TEST(meshes_have_each_triangle_once_and_the_tables_of_all_pairs)
 }
 END_TEST
 
-START_TEST(any_number_of_triangles_has_each_once_and_the_tables_of_all_pairs)
+START_TEST(any_number_of_triangles_has_each_once_and_all_pairs_in_masks)
 {
     for (uint32_t n = 0; n <= 140; n++)
     {
@@ -270,7 +270,7 @@ START_TEST(any_number_of_triangles_has_each_once_and_the_tables_of_all_pairs)
 }
 END_TEST
 
-START_TEST(tangles_and_soups_have_each_triangle_once_and_the_tables_of_all_pairs)
+START_TEST(tangles_and_soups_have_each_triangle_once_and_all_pairs_in_masks)
 {
     const uint32_t vertexCounts[] = {1, 2, 3, 10, 60, 300, 1000, 5000};
     for (size_t i = 0; i < LENGTH(vertexCounts); i++)
@@ -280,7 +280,7 @@ START_TEST(tangles_and_soups_have_each_triangle_once_and_the_tables_of_all_pairs
 }
 END_TEST
 
-START_TEST(fans_have_each_triangle_once_and_the_tables_of_all_pairs)
+START_TEST(fans_have_each_triangle_once_and_all_pairs_in_masks)
 {
     CheckAll(MakeFans(1, 3));
     CheckAll(MakeFans(1, 64));
@@ -291,7 +291,7 @@ START_TEST(fans_have_each_triangle_once_and_the_tables_of_all_pairs)
 }
 END_TEST
 
-START_TEST(components_and_unused_vertices_have_each_triangle_once_and_the_tables_of_all_pairs)
+START_TEST(components_and_unused_vertices_have_each_triangle_once_and_all_pairs_in_masks)
 {
     qcSoup soup = qcSoup_MakeSphere(1, 1.0);
     for (int i = 0; i < 6; i++)
@@ -301,7 +301,7 @@ START_TEST(components_and_unused_vertices_have_each_triangle_once_and_the_tables
 }
 END_TEST
 
-START_TEST(positions_of_any_size_have_each_triangle_once_and_the_tables_of_all_pairs)
+START_TEST(positions_of_any_size_have_each_triangle_once_and_all_pairs_in_masks)
 {
     const double scales[] = {0.0, 5e-324, 1e-310, 1e300, 1.7976931348623157e308};
     for (size_t i = 0; i < LENGTH(scales); i++)
@@ -322,7 +322,7 @@ START_TEST(the_same_body_has_the_same_clusters)
     ck_assert(AreEqual(&a.triangles, &b.triangles, sizeof(uint32_t)));
     ck_assert(AreEqual(&a.firstLink, &b.firstLink, sizeof(uint32_t)));
     ck_assert(AreEqual(&a.links, &b.links, sizeof(qcLeafLink)));
-    ck_assert(AreEqual(&a.tables, &b.tables, sizeof(uint64_t)));
+    ck_assert(AreEqual(&a.pairMasks, &b.pairMasks, sizeof(uint64_t)));
     qcClusters_Free(&a);
     qcClusters_Free(&b);
     qcSoup_Free(&soup);
@@ -342,7 +342,7 @@ START_TEST(a_body_without_triangles_has_no_nodes)
 }
 END_TEST
 
-START_TEST(few_places_of_meshes_and_soups_are_empty)
+START_TEST(few_slots_of_meshes_and_soups_are_empty)
 {
     qcSoup soups[] = {qcSoup_MakeFoldedCloth(2, 60, 0.02, 0.03), Shuffle(qcSoup_MakeSphere(5, 1.0), 7),
                       Join(qcSoup_MakeGrid(33), qcSoup_MakeGrid(47)), qcSoup_MakeRandom(8, 5000, 0.1)};
@@ -367,9 +367,9 @@ START_TEST(a_mesh_has_few_links)
 }
 END_TEST
 
-START_TEST(layers_that_lie_on_each_other_are_in_nodes_apart)
+START_TEST(layers_on_top_of_each_other_get_different_nodes)
 {
-    // Three layers far closer than triangles are long: by position alone most nodes would have triangles of all.
+    // Three layers, far closer to each other than triangles are long: by position alone most nodes would mix them.
     enum
     {
         side = 60
@@ -391,7 +391,7 @@ START_TEST(layers_that_lie_on_each_other_are_in_nodes_apart)
 }
 END_TEST
 
-START_TEST(a_large_fan_has_one_table_for_its_nodes)
+START_TEST(the_nodes_of_a_large_fan_share_one_pair_mask)
 {
     qcSoup soup = Shuffle(MakeFans(1, 20000), 9);
     qcClusters clusters = Build(&soup);
@@ -400,22 +400,22 @@ START_TEST(a_large_fan_has_one_table_for_its_nodes)
     size_t nodes = clusters.nodeCount;
     ck_assert_uint_eq(nodes, (20000 + 63) / 64);
     ck_assert_uint_eq(clusters.links.count, nodes * (nodes + 1) / 2);
-    // No word has any bits; and one word more.
-    ck_assert_uint_eq(clusters.tables.count, 3);
-    ck_assert_uint_eq(qcClusters_Table(&clusters, 0)[1], UINT64_MAX);
+    // No word has any bits: two words, and the one more that may be read.
+    ck_assert_uint_eq(clusters.pairMasks.count, 3);
+    ck_assert_uint_eq(qcClusters_PairMask(&clusters, 0)[1], UINT64_MAX);
     qcClusters_Free(&clusters);
     qcSoup_Free(&soup);
 }
 END_TEST
 
-START_TEST(two_large_fans_on_one_rim_have_few_tables)
+START_TEST(two_large_fans_on_one_rim_have_few_pair_masks)
 {
     qcSoup soup = Shuffle(MakeGlobe(1, 20000), 10);
     qcClusters clusters = Build(&soup);
     CheckTrianglesOnce(&clusters, &soup);
     CheckOrderOfLinks(&clusters);
     ck_assert_uint_gt(clusters.links.count, (size_t)clusters.nodeCount * clusters.nodeCount / 4);
-    ck_assert_uint_lt(clusters.tables.count, (size_t)clusters.nodeCount * 100);
+    ck_assert_uint_lt(clusters.pairMasks.count, (size_t)clusters.nodeCount * 100);
     qcClusters_Free(&clusters);
     qcSoup_Free(&soup);
 }
@@ -450,13 +450,12 @@ START_TEST(a_failed_allocation_leaves_nothing)
 }
 END_TEST
 
-QC_RUN_TESTS("clusters", meshes_have_each_triangle_once_and_the_tables_of_all_pairs,
-             any_number_of_triangles_has_each_once_and_the_tables_of_all_pairs,
-             tangles_and_soups_have_each_triangle_once_and_the_tables_of_all_pairs,
-             fans_have_each_triangle_once_and_the_tables_of_all_pairs,
-             components_and_unused_vertices_have_each_triangle_once_and_the_tables_of_all_pairs,
-             positions_of_any_size_have_each_triangle_once_and_the_tables_of_all_pairs,
-             the_same_body_has_the_same_clusters, a_body_without_triangles_has_no_nodes,
-             few_places_of_meshes_and_soups_are_empty, a_mesh_has_few_links,
-             layers_that_lie_on_each_other_are_in_nodes_apart, a_large_fan_has_one_table_for_its_nodes,
-             two_large_fans_on_one_rim_have_few_tables, a_failed_allocation_leaves_nothing)
+QC_RUN_TESTS("clusters", meshes_have_each_triangle_once_and_all_pairs_in_masks,
+             any_number_of_triangles_has_each_once_and_all_pairs_in_masks,
+             tangles_and_soups_have_each_triangle_once_and_all_pairs_in_masks,
+             fans_have_each_triangle_once_and_all_pairs_in_masks,
+             components_and_unused_vertices_have_each_triangle_once_and_all_pairs_in_masks,
+             positions_of_any_size_have_each_triangle_once_and_all_pairs_in_masks, the_same_body_has_the_same_clusters,
+             a_body_without_triangles_has_no_nodes, few_slots_of_meshes_and_soups_are_empty, a_mesh_has_few_links,
+             layers_on_top_of_each_other_get_different_nodes, the_nodes_of_a_large_fan_share_one_pair_mask,
+             two_large_fans_on_one_rim_have_few_pair_masks, a_failed_allocation_leaves_nothing)

@@ -1,10 +1,10 @@
-// Nodes and rope links of soft bodies that went through a mesh in one step.
-//
-// Nodes: a ray for each node that moved further, seen from the mesh, than contacts at the end of the step would notice.
-// Links: continuous collision of two edges, the one moving in the mesh's frame, the other at rest there. They are
-// coplanar where a quadratic in time is 0: Provot: Collision and self-collision handling in cloth model dedicated to
-// design garments, 1997, section 3, for whom both edges move and it is a cubic.
-#include "soft_body/response/position_constraints.h"
+// Nodes: a ray for each node that moved, relative to the mesh, further than the contact distance at the end of the
+// step. Links: continuous collision of a moving edge with edges at rest, in the mesh's frame. They are coplanar at the
+// roots of a quadratic in time. Provot: Collision and self-collision handling in cloth model dedicated to design
+// garments, 1997, section 3; with both edges moving, as there, it is a cubic.
+#include "soft_body/response/node_ccd.h"
+
+#include "common/double_vector.h"
 
 #include <BulletCollision/NarrowPhaseCollision/btRaycastCallback.h>
 #include <LinearMath/btQuickprof.h>
@@ -29,46 +29,21 @@ class FirstHit : public btTriangleRaycastCallback
     }
 
     bool hit = false;
-    btVector3 hitNormal; ///< to the side that the ray came from
+    btVector3 hitNormal; ///< towards the origin of the ray
 };
 
-struct Vector
+qcDoubleVector Along(const qcDoubleVector& a, const qcDoubleVector& motion, double t)
 {
-    double x, y, z;
-};
-
-Vector VectorOf(const btVector3& v)
-{
-    return {double(v.x()), double(v.y()), double(v.z())};
+    return {a[0] + t * motion[0], a[1] + t * motion[1], a[2] + t * motion[2]};
 }
 
-Vector Minus(const Vector& a, const Vector& b)
-{
-    return {a.x - b.x, a.y - b.y, a.z - b.z};
-}
-
-Vector Along(const Vector& a, const Vector& motion, double t)
-{
-    return {a.x + t * motion.x, a.y + t * motion.y, a.z + t * motion.z};
-}
-
-Vector Cross(const Vector& a, const Vector& b)
-{
-    return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
-}
-
-double Dot(const Vector& a, const Vector& b)
-{
-    return a.x * b.x + a.y * b.y + a.z * b.z;
-}
-
-/// Real roots of c[0] + c[1] t + c[2] t^2, in order.
+/// Real roots of c[0] + c[1] t + c[2] t^2, in ascending order. Returns their count.
 int FindRoots(const double c[3], double roots[2])
 {
     double inner = c[1] * c[1] - 4 * c[2] * c[0];
     if (inner < 0)
         return 0;
-    // Without cancellation; a quadratic that is nearly linear has one of its roots nearly at infinity.
+    // Without cancellation. A nearly linear quadratic has one root near infinity.
     double q = -(c[1] + (c[1] < 0 ? -1 : 1) * std::sqrt(inner)) / 2;
     int count = 0;
     if (c[2] != 0)
@@ -80,14 +55,15 @@ int FindRoots(const double c[3], double roots[2])
     return count;
 }
 
-/// A rope link that moves from one place to another, and the first edge of the mesh that it crosses on its way.
+/// The first edge of a mesh that a moving rope link crosses.
 class FirstCrossing : public btTriangleCallback
 {
   public:
-    /// In the mesh's frame: both ends at the start and at the end of the step.
+    /// Both ends of the link at the start and at the end of the step, in the mesh's frame.
     FirstCrossing(const btVector3 start[2], const btVector3 end[2])
-        : m_start(VectorOf(start[0])), m_motion(VectorOf(end[0] - start[0])), m_link(VectorOf(start[1] - start[0])),
-          m_turn(VectorOf((end[1] - end[0]) - (start[1] - start[0])))
+        : m_start(qcDoubleVectorOf(start[0])), m_motion(qcDoubleVectorOf(end[0] - start[0])),
+          m_link(qcDoubleVectorOf(start[1] - start[0])),
+          m_turn(qcDoubleVectorOf((end[1] - end[0]) - (start[1] - start[0])))
     {
     }
 
@@ -98,18 +74,18 @@ class FirstCrossing : public btTriangleCallback
     }
 
     double time = 2;           ///< of the crossing, from 0 to 1; above 1: none
-    btScalar onLink = 0;       ///< where on the link, from its first end
-    btVector3 point{0, 0, 0};  ///< where on the mesh
-    btVector3 normal{0, 0, 0}; ///< unit, at right angles to both
+    btScalar onLink = 0;       ///< parameter on the link, from its first end
+    btVector3 point{0, 0, 0};  ///< on the mesh
+    btVector3 normal{0, 0, 0}; ///< unit, perpendicular to both
 
   private:
     void Test(const btVector3& from, const btVector3& to)
     {
-        Vector edge = VectorOf(to - from), offset = Minus(VectorOf(from), m_start);
-        const Vector back = {-m_motion.x, -m_motion.y, -m_motion.z};
-        const double c[3] = {Dot(edge, Cross(offset, m_link)),
-                             Dot(edge, Cross(offset, m_turn)) + Dot(edge, Cross(back, m_link)),
-                             Dot(edge, Cross(back, m_turn))};
+        qcDoubleVector edge = qcDoubleVectorOf(to - from), offset = qcMinus(qcDoubleVectorOf(from), m_start);
+        const qcDoubleVector back = {-m_motion[0], -m_motion[1], -m_motion[2]};
+        const double c[3] = {qcDotOf(edge, qcCrossOf(offset, m_link)),
+                             qcDotOf(edge, qcCrossOf(offset, m_turn)) + qcDotOf(edge, qcCrossOf(back, m_link)),
+                             qcDotOf(edge, qcCrossOf(back, m_turn))};
         double roots[2];
         int count = FindRoots(c, roots);
         for (int i = 0; i < count; i++)
@@ -117,47 +93,50 @@ class FirstCrossing : public btTriangleCallback
                 TestAt(roots[i], from, to, edge, Along(offset, back, roots[i]), Along(m_link, m_turn, roots[i]));
     }
 
-    /// Do they meet, at this time, between their ends?
-    void TestAt(double t, const btVector3& from, const btVector3& to, const Vector& edge, const Vector& offset,
-                const Vector& link)
+    /// Keeps the crossing at this time if it is between the ends of both.
+    void TestAt(double t, const btVector3& from, const btVector3& to, const qcDoubleVector& edge,
+                const qcDoubleVector& offset, const qcDoubleVector& link)
     {
-        // Ends are nodes and corners, which rounding must not let slip between an edge and the next.
+        // Ends are nodes and corners: rounding must not open a gap between two adjacent edges.
         const double slack = 1e-6;
-        Vector n = Cross(link, edge);
-        double n2 = Dot(n, n);
-        // Parallel edges touch in their ends: the ray of a node, or another edge there, finds it.
-        if (n2 <= 1e-12 * Dot(link, link) * Dot(edge, edge))
+        qcDoubleVector n = qcCrossOf(link, edge);
+        double n2 = qcDotOf(n, n);
+        // Parallel edges touch in their ends: the ray of a node, or another edge there, finds that.
+        if (n2 <= 1e-12 * qcDotOf(link, link) * qcDotOf(edge, edge))
             return;
-        double mine = Dot(Cross(offset, edge), n) / n2, others = Dot(Cross(offset, link), n) / n2;
-        if (mine < -slack || mine > 1 + slack || others < -slack || others > 1 + slack)
+        double linkParameter = qcDotOf(qcCrossOf(offset, edge), n) / n2,
+               edgeParameter = qcDotOf(qcCrossOf(offset, link), n) / n2;
+        if (linkParameter < -slack || linkParameter > 1 + slack || edgeParameter < -slack || edgeParameter > 1 + slack)
             return;
         time = t;
-        onLink = btClamped(btScalar(mine), btScalar(0), btScalar(1));
-        point = from + (to - from) * btClamped(btScalar(others), btScalar(0), btScalar(1));
-        normal = btVector3(btScalar(n.x), btScalar(n.y), btScalar(n.z)) / btScalar(std::sqrt(n2));
+        onLink = btClamped(btScalar(linkParameter), btScalar(0), btScalar(1));
+        point = from + (to - from) * btClamped(btScalar(edgeParameter), btScalar(0), btScalar(1));
+        normal = btVector3(btScalar(n[0]), btScalar(n[1]), btScalar(n[2])) / btScalar(std::sqrt(n2));
     }
 
-    const Vector m_start, m_motion, m_link, m_turn;
+    const qcDoubleVector m_start, m_motion, m_link, m_turn;
 };
 
-btScalar MotionOf(const qcSceneSoftBody& soft)
+/// The largest motion of a node in the step.
+btScalar MaxMotionOf(const qcSceneSoftBody& soft)
 {
     btScalar largest = 0;
-    for (size_t i = 0; i < soft.places.size(); i++)
-        largest = std::max(largest, soft.places[i].distance2(soft.start[i]));
+    for (size_t i = 0; i < soft.positions.size(); i++)
+        largest = std::max(largest, soft.positions[i].distance2(soft.start[i]));
     return btSqrt(largest);
 }
 
-void SweepNodes(qcSceneSoftBody& soft, qcSceneRigid& rigid, const qcSceneMesh& mesh, btScalar reach,
+/// Appends a constraint for each node that went through the mesh, and moved further than `distance` relative to it.
+void AddNodeCcd(qcSceneSoftBody& soft, qcSceneRigid& rigid, const qcSceneMesh& mesh, btScalar distance,
                 std::vector<qcSoftConstraint>* constraints)
 {
     btTransform from = (rigid.start * mesh.local).inverse();
     btTransform to = (rigid.object->getWorldTransform() * mesh.local).inverse();
     const double weights[3] = {1, 0, 0};
-    for (size_t i = 0; i < soft.places.size(); i++)
+    for (size_t i = 0; i < soft.positions.size(); i++)
     {
-        btVector3 start = from * soft.start[i], end = to * soft.places[i];
-        if (start.distance2(end) <= reach * reach)
+        btVector3 start = from * soft.start[i], end = to * soft.positions[i];
+        if (start.distance2(end) <= distance * distance)
             continue;
         FirstHit ray(start, end);
         btVector3 lower = start, upper = start;
@@ -170,18 +149,18 @@ void SweepNodes(qcSceneSoftBody& soft, qcSceneRigid& rigid, const qcSceneMesh& m
         btVector3 point = mesh.local * (start + (end - start) * ray.m_hitFraction);
         btVector3 normal = rigid.object->getWorldTransform().getBasis() * (mesh.local.getBasis() * ray.hitNormal);
         qcSoftConstraint constraint;
-        if (qcMakeMeshConstraint(soft, vertices, weights, rigid, point, normal, reach, &constraint))
+        if (qcMakeMeshConstraint(soft, vertices, weights, rigid, point, normal, distance, &constraint))
             constraints->push_back(constraint);
     }
 }
 
-void SweepLink(qcSceneSoftBody& soft, const uint32_t ends[2], qcSceneRigid& rigid, const qcSceneMesh& mesh,
-               std::vector<qcSoftConstraint>* constraints)
+void AddLinkCcd(qcSceneSoftBody& soft, const uint32_t ends[2], qcSceneRigid& rigid, const qcSceneMesh& mesh,
+                std::vector<qcSoftConstraint>* constraints)
 {
     btTransform from = (rigid.start * mesh.local).inverse(), now = rigid.object->getWorldTransform();
     btTransform to = (now * mesh.local).inverse();
     const btVector3 start[2] = {from * soft.start[ends[0]], from * soft.start[ends[1]]};
-    const btVector3 end[2] = {to * soft.places[ends[0]], to * soft.places[ends[1]]};
+    const btVector3 end[2] = {to * soft.positions[ends[0]], to * soft.positions[ends[1]]};
     btVector3 lower = start[0], upper = start[0];
     for (const btVector3& p : {start[1], end[0], end[1]})
     {
@@ -202,21 +181,21 @@ void SweepLink(qcSceneSoftBody& soft, const uint32_t ends[2], qcSceneRigid& rigi
 }
 } // namespace
 
-void qcAddSweptLinks(qcSoftBodyScene& scene, std::vector<qcSoftConstraint>* constraints)
+void qcAddLinkCcdConstraints(qcSoftBodyScene& scene, std::vector<qcSoftConstraint>* constraints)
 {
     for (qcSceneSoftBody& soft : scene.Bodies())
         for (const std::unique_ptr<qcSceneRigid>& rigid : scene.meshes.Rigids())
         {
             const qcSoftTopology& topology = soft.topology;
-            if (topology.ropeCount == 0 || !qcMayPush(soft, *rigid))
+            if (topology.ropeCount == 0 || !qcHasResponse(soft, *rigid))
                 continue;
             for (const qcSceneMesh& mesh : rigid->meshes)
                 for (size_t i = topology.faceCount; i < topology.faceCount + topology.ropeCount; i++)
-                    SweepLink(soft, &topology.indices[3 * i], *rigid, mesh, constraints);
+                    AddLinkCcd(soft, &topology.indices[3 * i], *rigid, mesh, constraints);
         }
 }
 
-void qcMakeSweptConstraints(qcSoftBodyScene& scene, std::vector<qcSoftConstraint>* constraints)
+void qcMakeNodeCcdConstraints(qcSoftBodyScene& scene, std::vector<qcSoftConstraint>* constraints)
 {
     constraints->clear();
     if (scene.meshes.Rigids().empty())
@@ -224,18 +203,18 @@ void qcMakeSweptConstraints(qcSoftBodyScene& scene, std::vector<qcSoftConstraint
     BT_PROFILE("qcSoftBodyContact sweep");
     for (qcSceneSoftBody& soft : scene.Bodies())
     {
-        btScalar softMotion = MotionOf(soft);
+        btScalar softMotion = MaxMotionOf(soft);
         for (const std::unique_ptr<qcSceneRigid>& rigid : scene.meshes.Rigids())
         {
-            if (!qcMayPush(soft, *rigid))
+            if (!qcHasResponse(soft, *rigid))
                 continue;
             for (const qcSceneMesh& mesh : rigid->meshes)
             {
-                btScalar reach = soft.thickness / 2 + mesh.shape->getMargin();
+                btScalar distance = soft.thickness / 2 + mesh.shape->getMargin();
                 btScalar motion =
-                    qcMotionOf(mesh, rigid->start * mesh.local, rigid->object->getWorldTransform() * mesh.local);
-                if (softMotion + motion > reach)
-                    SweepNodes(soft, *rigid, mesh, reach, constraints);
+                    qcMaxDisplacement(mesh, rigid->start * mesh.local, rigid->object->getWorldTransform() * mesh.local);
+                if (softMotion + motion > distance)
+                    AddNodeCcd(soft, *rigid, mesh, distance, constraints);
             }
         }
     }

@@ -1,6 +1,6 @@
-// Contact response of soft bodies: projections on positions, as Bullet's own soft-body constraints are.
-// The side of a contact is the one on which its points were at the start of the step, when nothing penetrated: Bridson,
-// Fedkiw, Anderson: Robust Treatment of Collisions, Contact and Friction for Cloth Animation, 2002, section 6.
+// Projections on positions, as Bullet's own soft-body constraints are. A contact acts towards the side on which its
+// points were at the start of the step, when nothing penetrated: Bridson, Fedkiw, Anderson: Robust Treatment of
+// Collisions, Contact and Friction for Cloth Animation, 2002, section 6.
 #include "soft_body/response/position_constraints.h"
 
 #include "common/shape_triangles.h"
@@ -13,7 +13,7 @@
 
 namespace
 {
-// Of a gap that is too small at the start of the step, the part made up for in one step: all at once would throw the
+// The share of a gap missing at the start of the step that one step restores. The whole gap at once would throw the
 // surfaces apart, since positions become velocities.
 constexpr btScalar s_recovery = btScalar(0.2);
 
@@ -28,7 +28,7 @@ void AddNodes(qcSceneSoftBody& body, const uint32_t vertices[3], const double we
             continue;
         btScalar weight = sign * btScalar(weights[i]);
         btScalar inverseMass = body.InverseMass(vertices[i]);
-        constraint->place[constraint->nodeCount] = &body.places[vertices[i]];
+        constraint->position[constraint->nodeCount] = &body.positions[vertices[i]];
         constraint->inverseMass[constraint->nodeCount] = inverseMass;
         constraint->weight[constraint->nodeCount++] = weight;
         constraint->inverseEffectiveMass += weight * weight * inverseMass;
@@ -40,62 +40,62 @@ btVector3 Offset(const qcSoftConstraint& constraint)
 {
     btVector3 offset(0, 0, 0);
     for (int i = 0; i < constraint.nodeCount; i++)
-        offset += constraint.weight[i] * *constraint.place[i];
+        offset += constraint.weight[i] * *constraint.position[i];
     if (const qcSceneRigid* rigid = constraint.rigid)
         offset -= constraint.point + rigid->linear + rigid->angular.cross(constraint.arm);
     return offset;
 }
 
-/// What the constraint lacks, shared out by weight and mass so that it then holds; but no node moves further than is
-/// lacking: where only one with a small weight can move, it would be thrown away.
-void Push(const qcSoftConstraint& constraint, const btVector3& lack)
+/// Moves the sides of the constraint apart by `missing`, divided by weight and mass. No node moves further than that: a
+/// single movable node of small weight would be thrown away.
+void Push(const qcSoftConstraint& constraint, const btVector3& missing)
 {
     btScalar largest = constraint.inverseEffectiveMass;
-    if (constraint.rigid != nullptr && lack.length2() > 0)
-        largest += constraint.rigid->Yield(constraint.arm, lack).dot(lack) / lack.length2();
+    if (constraint.rigid != nullptr && missing.length2() > 0)
+        largest += constraint.rigid->DisplacementAt(constraint.arm, missing).dot(missing) / missing.length2();
     for (int i = 0; i < constraint.nodeCount; i++)
         largest = std::max(largest, btFabs(constraint.weight[i]) * constraint.inverseMass[i]);
     if (largest <= 0)
         return;
     for (int i = 0; i < constraint.nodeCount; i++)
-        *constraint.place[i] += lack * (constraint.weight[i] * constraint.inverseMass[i] / largest);
+        *constraint.position[i] += missing * (constraint.weight[i] * constraint.inverseMass[i] / largest);
     if (constraint.rigid != nullptr)
-        constraint.rigid->Push(constraint.arm, -lack / largest);
+        constraint.rigid->Push(constraint.arm, -missing / largest);
 }
 
 void Solve(qcSoftConstraint& constraint)
 {
     btVector3 offset = Offset(constraint);
     btScalar missing = constraint.distance - constraint.normal.dot(offset);
-    const btScalar before = constraint.accumulates ? constraint.pushed : btScalar(0);
-    const btVector3 takenBefore = constraint.accumulates ? constraint.taken : btVector3(0, 0, 0);
-    constraint.pushed = before + missing;
+    const btScalar previous = constraint.accumulates ? constraint.pushed : btScalar(0);
+    const btVector3 previousTaken = constraint.accumulates ? constraint.taken : btVector3(0, 0, 0);
+    constraint.pushed = previous + missing;
     if (constraint.pushed <= 0)
         constraint.pushed = 0;
-    if (constraint.pushed == before)
+    if (constraint.pushed == previous)
         return;
-    Push(constraint, constraint.normal * (constraint.pushed - before));
-    // Coulomb: what the normal push was, times the coefficient, may take back of the sliding since the start.
+    Push(constraint, constraint.normal * (constraint.pushed - previous));
+    // Coulomb friction takes back sliding since the start, at most the normal push times the coefficient.
     btVector3 motion = offset - constraint.startOffset;
     btVector3 sliding = motion - constraint.normal * constraint.normal.dot(motion);
     if (sliding.length() <= SIMD_EPSILON)
         return;
-    btVector3 taken = takenBefore + sliding;
+    btVector3 taken = previousTaken + sliding;
     btScalar length = taken.length(), largest = constraint.friction * constraint.pushed;
     if (length > largest)
         taken *= largest / length;
-    Push(constraint, takenBefore - taken);
+    Push(constraint, previousTaken - taken);
     constraint.taken = taken;
 }
 
-/// Which way, and how far: what was apart at the start of the step stays on the side on which it was.
+/// Sets normal and distance: both sides stay on the sides of the start of the step.
 void Orient(btScalar thickness, const btVector3& normal, qcSoftConstraint* constraint)
 {
     constraint->normal = normal;
     btScalar startDistance = normal.dot(constraint->startOffset);
     if (startDistance < 0)
     {
-        // They have passed each other since.
+        // The sides have passed each other since.
         constraint->normal = -normal;
         startDistance = -startDistance;
     }
@@ -107,7 +107,7 @@ btVector3 PointOf(const qcSceneSoftBody& soft, const uint32_t vertices[3], const
 {
     btVector3 point(0, 0, 0);
     for (int i = 0; i < 3; i++)
-        point += btScalar(weights[i]) * soft.places[vertices[i]];
+        point += btScalar(weights[i]) * soft.positions[vertices[i]];
     return point;
 }
 
@@ -116,10 +116,10 @@ btVector3 PointOf(const qcSceneMesh& mesh, const uint32_t vertices[3], const dou
     btVector3 point(0, 0, 0);
     for (int i = 0; i < 3; i++)
         point += btScalar(weights[i]) * mesh.shape->getVertices()[vertices[i]];
-    return mesh.placed * point;
+    return mesh.sceneTransform * point;
 }
 
-/// Do Bullet's filters let them meet?
+/// True if Bullet's filters keep the bodies from colliding.
 bool AreFiltered(const btSoftBody* soft, const btCollisionObject* other)
 {
     const btSoftBodyWorldInfo* info = const_cast<btSoftBody*>(soft)->getWorldInfo();
@@ -132,55 +132,55 @@ bool AreFiltered(const btSoftBody* soft, const btCollisionObject* other)
 }
 } // namespace
 
-bool qcMayPush(const qcSceneSoftBody& soft, const qcSceneRigid& rigid)
+bool qcHasResponse(const qcSceneSoftBody& soft, const qcSceneRigid& rigid)
 {
     const auto& disabled = soft.body->m_collisionDisabledObjects;
-    return soft.MeetsRigidBodies() && rigid.object->hasContactResponse() && !AreFiltered(soft.body, rigid.object) &&
-           disabled.findLinearSearch(rigid.object) == disabled.size();
+    return soft.CollidesWithRigidBodies() && rigid.object->hasContactResponse() &&
+           !AreFiltered(soft.body, rigid.object) && disabled.findLinearSearch(rigid.object) == disabled.size();
 }
 
-bool qcMayPush(qcSoftBodyScene& scene, uint32_t slotA, uint32_t slotB)
+bool qcHasResponse(qcSoftBodyScene& scene, uint32_t slotA, uint32_t slotB)
 {
     const qcSceneSoftBody *a = scene.Find(slotA), *b = scene.Find(slotB);
     qcSceneRigid* rigid = nullptr;
     if (a == nullptr || b == nullptr)
     {
         scene.meshes.Find(a == nullptr ? slotA : slotB, &rigid);
-        return qcMayPush(a == nullptr ? *b : *a, *rigid);
+        return qcHasResponse(a == nullptr ? *b : *a, *rigid);
     }
-    // With itself: the scene reports only what has self-collision on.
-    // Asked here and not gathered from processCollision: Bullet overlaps boxes of predicted positions, and its own
-    // constraints may bring together what was apart there.
+    // A body has pairs with itself only where its self-collision is on. Pairs of bodies are filtered here and not
+    // gathered from processCollision: Bullet's boxes are of predicted positions, and its constraints may bring together
+    // bodies whose boxes were disjoint.
     return a == b || !AreFiltered(a->body, b->body);
 }
 
-bool qcReadTouch(qcSoftBodyScene& scene, const qcContact& contact, qcSoftTouch* touch)
+bool qcViewContact(qcSoftBodyScene& scene, const qcContact& contact, qcSoftContactView* view)
 {
     bool swapped = scene.Find(contact.bodyA) == nullptr;
     uint32_t slotA = swapped ? contact.bodyB : contact.bodyA, slotB = swapped ? contact.bodyA : contact.bodyB;
-    touch->a = scene.Find(slotA);
-    touch->b = scene.Find(slotB);
-    touch->verticesA = swapped ? contact.verticesB : contact.verticesA;
-    touch->verticesB = swapped ? contact.verticesA : contact.verticesB;
-    touch->weightsA = swapped ? contact.weightsB : contact.weightsA;
-    touch->weightsB = swapped ? contact.weightsA : contact.weightsB;
-    touch->normal = swapped ? -qcVectorOf(contact.normal) : qcVectorOf(contact.normal);
-    touch->distance = btScalar(contact.distance);
-    touch->onA = PointOf(*touch->a, touch->verticesA, touch->weightsA);
-    if (touch->b != nullptr)
+    view->a = scene.Find(slotA);
+    view->b = scene.Find(slotB);
+    view->verticesA = swapped ? contact.verticesB : contact.verticesA;
+    view->verticesB = swapped ? contact.verticesA : contact.verticesB;
+    view->weightsA = swapped ? contact.weightsB : contact.weightsA;
+    view->weightsB = swapped ? contact.weightsA : contact.weightsB;
+    view->normal = swapped ? -qcVectorOf(contact.normal) : qcVectorOf(contact.normal);
+    view->distance = btScalar(contact.distance);
+    view->onA = PointOf(*view->a, view->verticesA, view->weightsA);
+    if (view->b != nullptr)
     {
-        touch->thickness = (touch->a->thickness + touch->b->thickness) / 2;
-        touch->friction = (touch->a->settings.friction + touch->b->settings.friction) / 2;
-        touch->onB = PointOf(*touch->b, touch->verticesB, touch->weightsB);
+        view->thickness = (view->a->thickness + view->b->thickness) / 2;
+        view->friction = (view->a->settings.friction + view->b->settings.friction) / 2;
+        view->onB = PointOf(*view->b, view->verticesB, view->weightsB);
     }
     else
     {
-        const qcSceneMesh& mesh = *scene.meshes.Find(slotB, &touch->rigid);
-        touch->thickness = touch->a->thickness / 2 + mesh.shape->getMargin();
-        touch->friction = (touch->a->settings.friction + touch->rigid->object->getFriction()) / 2;
-        touch->onB = PointOf(mesh, touch->verticesB, touch->weightsB);
+        const qcSceneMesh& mesh = *scene.meshes.Find(slotB, &view->rigid);
+        view->thickness = view->a->thickness / 2 + mesh.shape->getMargin();
+        view->friction = (view->a->settings.friction + view->rigid->object->getFriction()) / 2;
+        view->onB = PointOf(mesh, view->verticesB, view->weightsB);
     }
-    return touch->distance <= touch->thickness && qcMayPush(scene, slotA, slotB);
+    return view->distance <= view->thickness && qcHasResponse(scene, slotA, slotB);
 }
 
 bool qcMakeMeshConstraint(qcSceneSoftBody& soft, const uint32_t vertices[3], const double weights[3],
@@ -196,7 +196,7 @@ bool qcMakeMeshConstraint(qcSceneSoftBody& soft, const uint32_t vertices[3], con
     constraint->startOffset -= rigid.start * point;
     constraint->friction = (soft.settings.friction + rigid.object->getFriction()) / 2;
     Orient(thickness, normal, constraint);
-    // As Bullet's own contact of soft bodies wakes what it touches; it is moved from the next step on.
+    // Contact wakes the rigid body, as Bullet's own contact of soft bodies does. It moves from the next step on.
     if (soft.moves && !rigid.object->isActive() && !rigid.object->isStaticOrKinematicObject())
         rigid.object->activate();
     return constraint->inverseEffectiveMass > 0 || rigid.body != nullptr;
@@ -209,25 +209,25 @@ void qcMakeSoftConstraints(qcSoftBodyScene& scene, const qcSoftTangles& tangles,
     contactOf->clear();
     for (size_t i = 0; i < result.contactCount; i++)
     {
-        qcSoftTouch touch;
-        if (!qcReadTouch(scene, result.contacts[i], &touch) || tangles.IsExempt(result.contacts[i]))
+        qcSoftContactView view;
+        if (!qcViewContact(scene, result.contacts[i], &view) || tangles.IsExempt(result.contacts[i]))
             continue;
         qcSoftConstraint constraint;
-        if (touch.rigid != nullptr)
+        if (view.rigid != nullptr)
         {
-            btVector3 point = touch.rigid->object->getWorldTransform().invXform(touch.onB);
-            if (!qcMakeMeshConstraint(*touch.a, touch.verticesA, touch.weightsA, *touch.rigid, point, touch.normal,
-                                      touch.thickness, &constraint))
+            btVector3 point = view.rigid->object->getWorldTransform().invXform(view.onB);
+            if (!qcMakeMeshConstraint(*view.a, view.verticesA, view.weightsA, *view.rigid, point, view.normal,
+                                      view.thickness, &constraint))
                 continue;
         }
         else
         {
-            AddNodes(*touch.a, touch.verticesA, touch.weightsA, 1, &constraint);
-            AddNodes(*touch.b, touch.verticesB, touch.weightsB, -1, &constraint);
+            AddNodes(*view.a, view.verticesA, view.weightsA, 1, &constraint);
+            AddNodes(*view.b, view.verticesB, view.weightsB, -1, &constraint);
             if (constraint.inverseEffectiveMass <= 0)
                 continue;
-            constraint.friction = touch.friction;
-            Orient(touch.thickness, touch.normal, &constraint);
+            constraint.friction = view.friction;
+            Orient(view.thickness, view.normal, &constraint);
         }
         constraints->push_back(constraint);
         contactOf->push_back(i);
@@ -235,19 +235,20 @@ void qcMakeSoftConstraints(qcSoftBodyScene& scene, const qcSoftTangles& tangles,
 }
 
 void qcSolveSoftConstraints(std::vector<qcSoftConstraint>* constraints, const std::vector<qcSoftLink>& links,
-                            std::vector<qcSoftSupport>* supports, int iterations)
+                            std::vector<qcRigidNodeContact>* rigidNodeContacts, int iterations)
 {
-    size_t held = 0;
+    size_t movedCount = 0;
     for (int i = 0; i < iterations; i++)
     {
-        // Before the first sweep links are as Bullet solved them.
+        // Bullet has solved the links before the first sweep.
         if (i > 0)
             qcSolveLinks(links);
         for (qcSoftConstraint& constraint : *constraints)
             Solve(constraint);
-        // Few of all nodes that lie on something are in a contact: they show in the first sweep, or in the last one.
+        // Few of the nodes on rigid bodies are in a contact. The first sweep moves these; the last one checks all
+        // nodes.
         if (i == 0)
-            held = qcMovedSupports(supports);
-        qcHoldSupports(supports, i + 1 < iterations ? held : supports->size());
+            movedCount = qcPartitionMovedContacts(rigidNodeContacts);
+        qcSolveRigidNodeContacts(rigidNodeContacts, i + 1 < iterations ? movedCount : rigidNodeContacts->size());
     }
 }

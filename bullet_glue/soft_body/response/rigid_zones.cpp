@@ -1,4 +1,4 @@
-// Parts of soft bodies and meshes that move through a step as one rigid body.
+// Zones of nodes and meshes that move through a step as one rigid body.
 #include "soft_body/response/rigid_zones.h"
 
 #include <LinearMath/btTransformUtil.h>
@@ -9,16 +9,15 @@
 namespace
 {
 constexpr uint32_t s_none = UINT32_MAX;
-// Of a tensor of inertia, relative to its trace: the least determinant with which it is inverted.
-constexpr btScalar s_flattest = btScalar(1e-4);
+// A tensor of inertia is inverted if its determinant, relative to its trace cubed, is at least this.
+constexpr btScalar s_minDeterminant = btScalar(1e-4);
 
 btTransform Translation(const btVector3& by)
 {
     return btTransform(btMatrix3x3::getIdentity(), by);
 }
 
-/// The motion of one rigid body that has the linear and angular momentum of its parts. No other rigid motion with these
-/// has less energy, and what the parts do has no less: a zone takes energy, and never gives any.
+/// The motion of one rigid body with the linear and angular momentum of its members.
 class RigidMotion
 {
   public:
@@ -62,10 +61,10 @@ class RigidMotion
     btTransform Find() const
     {
         btVector3 linear = m_linear / m_mass;
-        // Nodes on one line have no tensor to invert, and little to turn.
+        // The tensor of nodes on one line is singular: they don't rotate.
         btScalar size = m_inertia[0][0] + m_inertia[1][1] + m_inertia[2][2];
         btVector3 turn(0, 0, 0);
-        if (m_inertia.determinant() > s_flattest * size * size * size)
+        if (m_inertia.determinant() > s_minDeterminant * size * size * size)
             turn = m_inertia.inverse() * m_angular;
         btScalar angle = turn.length();
         btMatrix3x3 basis = btMatrix3x3::getIdentity();
@@ -83,124 +82,114 @@ class RigidMotion
 
 void qcSoftZones::Clear()
 {
-    m_parts.clear();
+    m_members.clear();
 }
 
-void qcSoftZones::Begin()
+void qcSoftZones::CollectMembers()
 {
     m_firstNode.clear();
     for (qcSceneSoftBody& soft : m_scene.Bodies())
     {
-        m_firstNode.push_back(uint32_t(m_parts.size()));
-        for (size_t i = 0; i < soft.places.size(); i++)
-            m_parts.push_back(
+        m_firstNode.push_back(uint32_t(m_members.size()));
+        for (size_t i = 0; i < soft.positions.size(); i++)
+            m_members.push_back(
                 {&soft, nullptr, uint32_t(i), Translation(soft.start[i] + soft.MotionOf(i, soft.start[i]))});
     }
-    m_firstObject = uint32_t(m_parts.size());
+    m_firstObject = uint32_t(m_members.size());
     for (const std::unique_ptr<qcSceneRigid>& rigid : m_scene.meshes.Rigids())
-        m_parts.push_back({nullptr, rigid.get(), 0, rigid->object->getWorldTransform()});
-    m_parents.resize(m_parts.size());
-    for (size_t i = 0; i < m_parents.size(); i++)
-        m_parents[i] = uint32_t(i);
-    m_isMember.assign(m_parts.size(), false);
-    m_isHeld.assign(m_parts.size(), false);
-    m_zones.assign(m_parts.size(), s_none);
+        m_members.push_back({nullptr, rigid.get(), 0, rigid->object->getWorldTransform()});
+    m_sets.Reset(m_members.size());
+    m_isInZone.assign(m_members.size(), false);
+    m_isFrozen.assign(m_members.size(), false);
+    m_zones.assign(m_members.size(), s_none);
 }
 
-uint32_t qcSoftZones::Find(uint32_t part)
-{
-    while (m_parents[part] != part)
-        part = m_parents[part] = m_parents[m_parents[part]];
-    return part;
-}
-
-void qcSoftZones::AddPartsOf(uint32_t slot, uint32_t triangle, std::vector<uint32_t>* parts) const
+void qcSoftZones::AppendMembersOf(uint32_t slot, uint32_t triangle, std::vector<uint32_t>* members) const
 {
     const qcSceneSoftBody* soft = m_scene.Find(slot);
     if (soft != nullptr)
     {
         uint32_t first = m_firstNode[size_t(soft - m_scene.Bodies().data())];
         for (size_t c = 0; c < 3; c++)
-            parts->push_back(first + soft->topology.indices[3 * size_t(triangle) + c]);
+            members->push_back(first + soft->topology.indices[3 * size_t(triangle) + c]);
         return;
     }
     qcSceneRigid* rigid = nullptr;
     m_scene.meshes.Find(slot, &rigid);
-    auto isIt = [rigid](const Part& part) { return part.rigid == rigid; };
-    auto part = std::find_if(m_parts.begin() + m_firstObject, m_parts.end(), isIt);
-    parts->push_back(uint32_t(part - m_parts.begin()));
+    auto isIt = [rigid](const Member& member) { return member.rigid == rigid; };
+    auto member = std::find_if(m_members.begin() + m_firstObject, m_members.end(), isIt);
+    members->push_back(uint32_t(member - m_members.begin()));
 }
 
 bool qcSoftZones::Add(const qcPair& pair)
 {
-    if (m_parts.empty())
-        Begin();
-    std::vector<uint32_t> parts;
-    AddPartsOf(pair.bodyA, pair.triangleA, &parts);
-    AddPartsOf(pair.bodyB, pair.triangleB, &parts);
-    uint32_t root = Find(parts[0]);
-    bool moved = true, held = false;
-    for (uint32_t part : parts)
+    if (m_members.empty())
+        CollectMembers();
+    std::vector<uint32_t> members;
+    AppendMembersOf(pair.bodyA, pair.triangleA, &members);
+    AppendMembersOf(pair.bodyB, pair.triangleB, &members);
+    uint32_t root = m_sets.Find(members[0]);
+    bool movedAsOne = true, isFrozen = false;
+    for (uint32_t member : members)
     {
-        uint32_t other = Find(part);
-        moved = moved && m_zones[part] != s_none && m_zones[part] == m_zones[parts[0]];
-        held = held || m_isHeld[other];
-        m_parents[std::max(root, other)] = std::min(root, other);
-        root = std::min(root, other);
-        m_isMember[part] = true;
+        movedAsOne = movedAsOne && m_zones[member] != s_none && m_zones[member] == m_zones[members[0]];
+        isFrozen = isFrozen || m_isFrozen[m_sets.Find(member)];
+        root = m_sets.Unite(root, member);
+        m_isInZone[member] = true;
     }
-    // They have moved as one, and still penetrate: by rounding alone, or pinned parts have different motions.
-    m_isHeld[root] = held || moved;
-    return !moved || !held;
+    // They have moved as one and still penetrate: by rounding alone, or since fixed members have different motions.
+    m_isFrozen[root] = isFrozen || movedAsOne;
+    return !movedAsOne || !isFrozen;
 }
 
-/// From the start of the zone's parts to their end.
-btTransform qcSoftZones::MotionOf(const std::vector<uint32_t>& zone) const
+/// The motion of a zone from the start of the step. A fixed member determines it.
+btTransform qcSoftZones::FindMotion(const std::vector<uint32_t>& zone) const
 {
     RigidMotion mean;
-    for (uint32_t number : zone)
+    for (uint32_t index : zone)
     {
-        const Part& part = m_parts[number];
-        if (part.rigid != nullptr)
+        const Member& member = m_members[index];
+        if (member.rigid != nullptr)
         {
-            if (!part.rigid->IsFree())
-                return part.rigid->MotionTo(part.target);
-            mean.AddMass(*part.rigid);
+            if (!member.rigid->IsFree())
+                return member.rigid->MotionTo(member.target);
+            mean.AddMass(*member.rigid);
             continue;
         }
-        const btVector3& start = part.soft->start[part.node];
-        if (part.soft->InverseMass(part.node) == 0)
-            return Translation(part.target.getOrigin() - start);
-        mean.AddMass(start, 1 / part.soft->InverseMass(part.node));
+        const btVector3& start = member.soft->start[member.node];
+        if (member.soft->InverseMass(member.node) == 0)
+            return Translation(member.target.getOrigin() - start);
+        mean.AddMass(start, 1 / member.soft->InverseMass(member.node));
     }
     mean.FindCenter();
-    for (uint32_t number : zone)
+    for (uint32_t index : zone)
     {
-        const Part& part = m_parts[number];
-        if (part.rigid != nullptr)
-            mean.AddMotion(*part.rigid, part.target);
+        const Member& member = m_members[index];
+        if (member.rigid != nullptr)
+            mean.AddMotion(*member.rigid, member.target);
         else
-            mean.AddMotion(part.soft->start[part.node], part.target.getOrigin(), 1 / part.soft->InverseMass(part.node));
+            mean.AddMotion(member.soft->start[member.node], member.target.getOrigin(),
+                           1 / member.soft->InverseMass(member.node));
     }
     return mean.Find();
 }
 
 void qcSoftZones::MoveZone(const std::vector<uint32_t>& zone)
 {
-    uint32_t root = Find(zone[0]);
-    btTransform motion = m_isHeld[root] ? btTransform::getIdentity() : MotionOf(zone);
+    uint32_t root = m_sets.Find(zone[0]);
+    btTransform motion = m_isFrozen[root] ? btTransform::getIdentity() : FindMotion(zone);
     bool stays = motion == btTransform::getIdentity();
-    for (uint32_t number : zone)
+    for (uint32_t index : zone)
     {
-        const Part& part = m_parts[number];
-        if (part.rigid != nullptr)
-            m_scene.meshes.MoveFromStart(*part.rigid, motion);
-        else if (part.soft->InverseMass(part.node) > 0)
+        const Member& member = m_members[index];
+        if (member.rigid != nullptr)
+            m_scene.meshes.MoveFromStart(*member.rigid, motion);
+        else if (member.soft->InverseMass(member.node) > 0)
         {
-            const btVector3& start = part.soft->start[part.node];
-            part.soft->places[part.node] = stays ? start : motion * start;
-            if (!part.soft->shifts.empty())
-                part.soft->shifts[part.node].setZero();
+            const btVector3& start = member.soft->start[member.node];
+            member.soft->positions[member.node] = stays ? start : motion * start;
+            if (!member.soft->shifts.empty())
+                member.soft->shifts[member.node].setZero();
         }
     }
 }
@@ -208,9 +197,9 @@ void qcSoftZones::MoveZone(const std::vector<uint32_t>& zone)
 void qcSoftZones::Move()
 {
     std::map<uint32_t, std::vector<uint32_t>> zones;
-    for (uint32_t i = 0; i < m_parts.size(); i++)
-        if (m_isMember[i])
-            zones[m_zones[i] = Find(i)].push_back(i);
+    for (uint32_t i = 0; i < m_members.size(); i++)
+        if (m_isInZone[i])
+            zones[m_zones[i] = m_sets.Find(i)].push_back(i);
     for (const auto& zone : zones)
         MoveZone(zone.second);
 }
@@ -218,7 +207,7 @@ void qcSoftZones::Move()
 int qcSoftZones::NodeCount() const
 {
     int count = 0;
-    for (size_t i = 0; i < m_parts.size(); i++)
-        count += m_isMember[i] && m_parts[i].rigid == nullptr;
+    for (size_t i = 0; i < m_members.size(); i++)
+        count += m_isInZone[i] && m_members[i].rigid == nullptr;
     return count;
 }

@@ -1,10 +1,12 @@
-// Zones: parts of soft bodies and meshes that planes can't keep apart move through a step as one rigid body.
+// Zones: nodes and meshes that separating planes could not keep apart, which move through the step as one rigid body.
 //
-// What was apart at the start of the step stays apart inside of a zone. Its motion is the mean of what its parts were
-// about to do: linear momentum is kept. A zone that holds something pinned moves as that does.
+// What was disjoint at the start of the step stays disjoint inside a zone. Its motion has the linear and angular
+// momentum of its members' own motions. A zone with a fixed member moves with that. Proof:
+// plugin/docs/proofs/rigid_zones.md.
 #ifndef QC_GLUE_SOFT_BODY_RESPONSE_RIGID_ZONES_H
 #define QC_GLUE_SOFT_BODY_RESPONSE_RIGID_ZONES_H
 
+#include "common/union_find.h"
 #include "soft_body/scene/soft_scene.h"
 
 class qcSoftZones
@@ -15,38 +17,37 @@ class qcSoftZones
     }
 
     void Clear();
-    /// Unites both triangles of a pair, and the zones that they are in. False if they are in one zone already, and that
-    /// is where it started: nothing is left to do.
+    /// Unites the zones of both triangles of a pair. False: nothing has changed, since both are in one zone already and
+    /// that was returned to its start.
     bool Add(const qcPair& pair);
     /// Moves all zones from the start of the step.
     void Move();
-    /// Of all zones.
+    /// Nodes in zones.
     int NodeCount() const;
 
   private:
     /// A node, or an object with meshes.
-    struct Part
+    struct Member
     {
         qcSceneSoftBody* soft;
         qcSceneRigid* rigid; ///< null for a node
         uint32_t node;
-        btTransform target; ///< before zones moved it; of a node its position, without what untangling moved it by
+        btTransform target; ///< at the end of its own motion; of a node the position, without its shift
     };
 
-    void Begin();
-    uint32_t Find(uint32_t part);
-    void AddPartsOf(uint32_t slot, uint32_t triangle, std::vector<uint32_t>* parts) const;
-    btTransform MotionOf(const std::vector<uint32_t>& zone) const;
+    void CollectMembers();
+    void AppendMembersOf(uint32_t slot, uint32_t triangle, std::vector<uint32_t>* members) const;
+    btTransform FindMotion(const std::vector<uint32_t>& zone) const;
     void MoveZone(const std::vector<uint32_t>& zone);
 
     qcSoftBodyScene& m_scene;
-    std::vector<Part> m_parts;         ///< all nodes, body by body, then all objects; empty before the first Add
-    std::vector<uint32_t> m_parents;   ///< a forest over the parts: its trees are the zones
-    std::vector<bool> m_isMember;      ///< of a zone
-    std::vector<uint32_t> m_zones;     ///< roots at the last Move
-    std::vector<bool> m_isHeld;        ///< of a root: the zone goes back to where it started, exactly
-    std::vector<uint32_t> m_firstNode; ///< of each soft body
-    uint32_t m_firstObject = 0;        ///< number of its part
+    std::vector<Member> m_members;     ///< all nodes by body, then all objects; empty before the first Add
+    qcUnionFind m_sets;                ///< of members: the zones
+    std::vector<bool> m_isInZone;      ///< by member
+    std::vector<uint32_t> m_zones;     ///< by member: its zone in the last Move
+    std::vector<bool> m_isFrozen;      ///< by representative: the zone returns to its start, exactly
+    std::vector<uint32_t> m_firstNode; ///< member index, by soft body
+    uint32_t m_firstObject = 0;        ///< member index
 };
 
 #endif

@@ -1,19 +1,19 @@
 // Links of ropes in the response of contacts.
 //
 // Bullet solves links, then contacts push nodes off what they touch. A face is pushed as a whole, but a rope over an
-// edge is pushed at some nodes only: the next step begins with stretched links, which pull these nodes into the edge by
-// centimetres. Contacts that push so far let the rope creep, though friction would hold it. Solved in turns, links and
-// contacts converge to a rope under tension that lies still.
+// edge at some nodes only: the next step begins with stretched links, which pull these nodes into the edge by
+// centimetres. Contacts that push that far let the rope creep, though friction would hold it. Solved in alternation,
+// links and contacts converge to a rope under tension that lies still.
 #include "soft_body/response/rope_links.h"
 
 namespace
 {
 void Add(qcSceneSoftBody& soft, const btSoftBody::Link& link, std::vector<qcSoftLink>* links)
 {
-    // m_c0 and m_c1 are Bullet's, prepared at the beginning of the step.
+    // Bullet prepares m_c0 and m_c1 at the beginning of the step.
     if (link.m_c0 <= 0)
         return;
-    links->push_back({{&soft.places[soft.NumberOf(link.m_n[0])], &soft.places[soft.NumberOf(link.m_n[1])]},
+    links->push_back({{&soft.positions[soft.IndexOf(link.m_n[0])], &soft.positions[soft.IndexOf(link.m_n[1])]},
                       {link.m_n[0]->m_im, link.m_n[1]->m_im},
                       link.m_c1,
                       link.m_c0});
@@ -36,12 +36,12 @@ void qcSolveLinks(const std::vector<qcSoftLink>& links)
 {
     for (const qcSoftLink& link : links)
     {
-        btVector3 along = *link.place[1] - *link.place[0];
+        btVector3 along = *link.position[1] - *link.position[0];
         btScalar length2 = along.length2();
         if (link.restLength2 + length2 <= SIMD_EPSILON)
             continue;
         along *= (link.restLength2 - length2) / (link.divisor * (link.restLength2 + length2));
-        *link.place[0] -= along * link.inverseMass[0];
-        *link.place[1] += along * link.inverseMass[1];
+        *link.position[0] -= along * link.inverseMass[0];
+        *link.position[1] += along * link.inverseMass[1];
     }
 }

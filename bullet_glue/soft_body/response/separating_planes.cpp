@@ -1,13 +1,14 @@
-// Planes between triangles that were apart at the start of a step.
+// Separating planes, solved by projection.
 #include "soft_body/response/separating_planes.h"
 
 #include "common/shape_triangles.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace
 {
-// Halvings of the interval in which the plane's level lies: what is left is the rounding of a float.
+// Bisection steps for the level of a plane: the interval that is left is below the rounding of a float.
 constexpr int s_halvings = 24;
 
 qcPlaneSide SideOf(qcSoftBodyScene& scene, uint32_t slot, uint32_t triangle)
@@ -25,21 +26,21 @@ qcPlaneSide SideOf(qcSoftBodyScene& scene, uint32_t slot, uint32_t triangle)
     return side;
 }
 
-/// A corner of a triangle as a plane sees it.
+/// A corner of a triangle, relative to a plane.
 struct Corner
 {
     btScalar height = 0;      ///< along the plane's normal, away from the plane
-    btScalar inverseMass = 0; ///< along the normal; 0: nothing moves it
-    btVector3 arm;            ///< of a mesh: from the centre of its body
+    btScalar inverseMass = 0; ///< along the normal; 0: fixed
+    btVector3 arm;            ///< of a mesh: from the centre of its object
 };
 
 struct Corners
 {
     const qcPlaneSide* side;
-    btVector3 outward; ///< the plane's normal, towards this side
+    btVector3 outward; ///< the plane's normal, away from the plane
     Corner corner[3];
-    btScalar lowest = BT_LARGE_FLOAT;       ///< height
-    btScalar lowestPinned = BT_LARGE_FLOAT; ///< of those that nothing moves
+    btScalar lowest = BT_LARGE_FLOAT;       ///< min height
+    btScalar lowestPinned = BT_LARGE_FLOAT; ///< min height of fixed corners
     bool moves = false;
 
     Corners(const qcPlaneSide& measured, const btVector3& direction) : side(&measured), outward(direction)
@@ -58,7 +59,7 @@ struct Corners
     Corner OfSoft(uint32_t vertex) const
     {
         Corner made;
-        made.height = outward.dot(side->soft->places[vertex]);
+        made.height = outward.dot(side->soft->positions[vertex]);
         made.inverseMass = side->soft->InverseMass(vertex);
         return made;
     }
@@ -71,11 +72,11 @@ struct Corners
         btVector3 point = now * (side->mesh->local * side->mesh->shape->getVertices()[vertex]);
         made.arm = point - now.getOrigin();
         made.height = outward.dot(point + rigid.linear + rigid.angular.cross(made.arm));
-        made.inverseMass = outward.dot(rigid.Yield(made.arm, outward));
+        made.inverseMass = outward.dot(rigid.DisplacementAt(made.arm, outward));
         return made;
     }
 
-    /// The corner of a mesh that lacks most, and that can be moved.
+    /// The lowest corner below the floor that can be moved; null: there is none.
     const Corner* Deepest(btScalar floor) const
     {
         const Corner* deepest = nullptr;
@@ -86,7 +87,7 @@ struct Corners
         return deepest;
     }
 
-    /// The impulse, times the step, that it takes to raise every corner to the floor.
+    /// The impulse, times the time step, that raises every corner to the floor.
     btScalar Impulse(btScalar floor) const
     {
         if (side->rigid != nullptr)
@@ -111,36 +112,37 @@ struct Corners
         }
         for (int i = 0; i < side->count; i++)
             if (corner[i].inverseMass > 0 && corner[i].height < floor)
-                side->soft->places[side->vertices[i]] += outward * (floor - corner[i].height);
+                side->soft->positions[side->vertices[i]] += outward * (floor - corner[i].height);
     }
 };
 
-/// Shares what the gap lacks out so that both sides get the same impulse.
+/// Divides the missing gap between both sides so that they get the same impulse.
 void SolvePlane(const qcSeparationPlane& plane)
 {
     Corners above(plane.above, plane.normal), below(plane.below, -plane.normal);
-    btScalar lack = plane.gap - above.lowest - below.lowest;
-    if (lack <= 0 || (!above.moves && !below.moves))
+    btScalar missing = plane.gap - above.lowest - below.lowest;
+    if (missing <= 0 || (!above.moves && !below.moves))
         return;
-    // The share of the upper side. What can't be moved bounds it from either end.
-    btScalar least = 0, most = 1;
+    // The share of the upper side. Fixed corners bound it from either end.
+    btScalar min = 0, max = 1;
     if (!below.moves)
-        least = 1;
+        min = 1;
     else if (!above.moves)
-        most = 0;
+        max = 0;
     else
     {
-        most = std::min(most, (above.lowestPinned - above.lowest) / lack);
-        least = std::min(most, std::max(least, 1 - (below.lowestPinned - below.lowest) / lack));
+        max = std::min(max, (above.lowestPinned - above.lowest) / missing);
+        min = std::min(max, std::max(min, 1 - (below.lowestPinned - below.lowest) / missing));
     }
-    for (int i = 0; i < s_halvings && least < most; i++)
+    for (int i = 0; i < s_halvings && min < max; i++)
     {
-        btScalar share = (least + most) / 2;
-        bool tooMuch = above.Impulse(above.lowest + share * lack) > below.Impulse(below.lowest + (1 - share) * lack);
-        (tooMuch ? most : least) = share;
+        btScalar share = (min + max) / 2;
+        bool isTooLarge =
+            above.Impulse(above.lowest + share * missing) > below.Impulse(below.lowest + (1 - share) * missing);
+        (isTooLarge ? max : min) = share;
     }
-    above.Raise(above.lowest + least * lack);
-    below.Raise(below.lowest + (1 - least) * lack);
+    above.Raise(above.lowest + min * missing);
+    below.Raise(below.lowest + (1 - min) * missing);
 }
 
 btScalar ThicknessOf(const qcPlaneSide& side)
@@ -160,8 +162,8 @@ void qcSeparationPlanes::Add(qcSoftBodyScene& scene, const qcPair& pair)
     if (!m_pairs.insert({pair.bodyA, pair.triangleA, pair.bodyB, pair.triangleB}).second)
         return;
     double above[9], below[9];
-    scene.StartOf(pair.bodyA, pair.triangleA, above);
-    scene.StartOf(pair.bodyB, pair.triangleB, below);
+    scene.GetStartCorners(pair.bodyA, pair.triangleA, above);
+    scene.GetStartCorners(pair.bodyB, pair.triangleB, below);
     qcProximity start;
     if (!qcTrianglesWithin(above, below, HUGE_VAL, &start))
         return;
@@ -169,8 +171,7 @@ void qcSeparationPlanes::Add(qcSoftBodyScene& scene, const qcPair& pair)
     plane.above = SideOf(scene, pair.bodyA, pair.triangleA);
     plane.below = SideOf(scene, pair.bodyB, pair.triangleB);
     plane.normal = qcVectorOf(start.normal);
-    // Contacts keep surfaces apart by their thickness; planes only see to it that there is a gap, and no greater one
-    // than there was.
+    // Contacts restore the thickness; a plane only restores a gap, no larger than that of the start.
     btScalar thickness = ThicknessOf(plane.above) + ThicknessOf(plane.below);
     plane.gap = std::min(btScalar(start.distance), thickness / 4);
     m_planes.push_back(plane);

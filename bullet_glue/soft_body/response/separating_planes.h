@@ -1,17 +1,15 @@
-// Planes between triangles that were apart at the start of a step and penetrate at its end.
-//
-// The plane's normal is the direction between the closest points of the start. Both triangles are pushed out of the gap
-// that they had along it: by equal and opposite momentum, and in any frame of reference alike.
+// Separating planes between triangles that are disjoint at the start of a step and penetrate at its end. The normal is
+// the direction between their closest points at the start. Both triangles are pushed out of the gap that they had along
+// it, by equal and opposite momentum: the response is the same in any frame of reference.
 #ifndef QC_GLUE_SOFT_BODY_RESPONSE_SEPARATING_PLANES_H
 #define QC_GLUE_SOFT_BODY_RESPONSE_SEPARATING_PLANES_H
 
-#include "soft_body/response/tangles.h"
+#include "soft_body/scene/soft_scene.h"
 
-#include <cmath>
-
+#include <array>
 #include <set>
 
-/// One triangle beside a plane: of a soft body or of a mesh.
+/// The triangle on one side of a plane, of a soft body or a mesh.
 struct qcPlaneSide
 {
     qcSceneSoftBody* soft = nullptr;
@@ -25,16 +23,16 @@ struct qcSeparationPlane
 {
     qcPlaneSide above, below;
     btVector3 normal; ///< unit, from below to above
-    btScalar gap;     ///< least distance of the two triangles along the normal
+    btScalar gap;     ///< required distance of the two triangles along the normal
 };
 
 class qcSeparationPlanes
 {
   public:
     void Clear();
-    /// Adds a plane for a pair that penetrates now and did not at the start of the step, unless the pair has one.
+    /// Adds a plane for a pair that penetrates now and was disjoint at the start of the step, unless the pair has one.
     void Add(qcSoftBodyScene& scene, const qcPair& pair);
-    /// Gauss-Seidel sweeps over all planes. Moves places of nodes; meshes move with the next Commit.
+    /// Gauss-Seidel sweeps over all planes. Moves positions of nodes; meshes move with the next Commit.
     void Solve(int sweeps);
     size_t Count() const
     {

@@ -1,4 +1,4 @@
-// What penetrates at the start of a step.
+// Tangles from the result of a query, and the pairs and contacts that they exempt.
 #include "soft_body/response/tangles.h"
 
 #include <algorithm>
@@ -12,42 +12,43 @@ template <typename Key> void SortUnique(std::vector<Key>* keys)
 }
 } // namespace
 
-bool qcSoftTangles::Has(const std::vector<Key>& keys, uint32_t body, uint32_t number, uint32_t other)
+bool qcSoftTangles::Contains(const std::vector<Key>& keys, uint32_t body, uint32_t index, uint32_t other)
 {
-    return std::binary_search(keys.begin(), keys.end(), Key{body, number, other});
+    return std::binary_search(keys.begin(), keys.end(), Key{body, index, other});
 }
 
-bool qcSoftTangles::IsNear(qcSoftBodyScene& scene, uint32_t body, uint32_t triangle, uint32_t other) const
+bool qcSoftTangles::IsNearTangle(qcSoftBodyScene& scene, uint32_t body, uint32_t triangle, uint32_t other) const
 {
     const qcSceneSoftBody* soft = scene.Find(body);
     if (soft == nullptr)
-        return Has(m_triangles, body, triangle, other);
+        return Contains(m_triangles, body, triangle, other);
     const uint32_t* corners = &soft->topology.indices[3 * size_t(triangle)];
-    return std::any_of(corners, corners + 3, [&](uint32_t corner) { return Has(m_vertices, body, corner, other); });
+    return std::any_of(corners, corners + 3,
+                       [&](uint32_t corner) { return Contains(m_vertices, body, corner, other); });
 }
 
-void qcSoftTangles::Split(qcSoftBodyScene& scene, const qcResult& result, std::vector<size_t>* held,
-                          std::vector<size_t>* exempt) const
+void qcSoftTangles::MoveExempt(qcSoftBodyScene& scene, const qcResult& result, std::vector<size_t>* pairs,
+                               std::vector<size_t>* exempt) const
 {
     exempt->clear();
     if (IsEmpty())
         return;
-    std::map<Bodies, size_t> counts;
-    for (size_t i : *held)
+    std::map<Slots, size_t> counts;
+    for (size_t i : *pairs)
         counts[{result.pairs[i].bodyA, result.pairs[i].bodyB}]++;
-    auto isHeld = [&](size_t i)
+    auto isNotExempt = [&](size_t i)
     {
         const qcPair& pair = result.pairs[i];
         uint32_t a = pair.bodyA, b = pair.bodyB;
-        if (Has(m_triangles, a, pair.triangleA, b) && Has(m_triangles, b, pair.triangleB, a))
+        if (Contains(m_triangles, a, pair.triangleA, b) && Contains(m_triangles, b, pair.triangleB, a))
             return false;
-        auto before = m_counts.find({a, b});
-        return before == m_counts.end() || counts[{a, b}] > before->second || !IsNear(scene, a, pair.triangleA, b) ||
-               !IsNear(scene, b, pair.triangleB, a);
+        auto atStart = m_counts.find({a, b});
+        return atStart == m_counts.end() || counts[{a, b}] > atStart->second ||
+               !IsNearTangle(scene, a, pair.triangleA, b) || !IsNearTangle(scene, b, pair.triangleB, a);
     };
-    auto middle = std::stable_partition(held->begin(), held->end(), isHeld);
-    exempt->assign(middle, held->end());
-    held->erase(middle, held->end());
+    auto middle = std::stable_partition(pairs->begin(), pairs->end(), isNotExempt);
+    exempt->assign(middle, pairs->end());
+    pairs->erase(middle, pairs->end());
 }
 
 void qcSoftTangles::Read(qcSoftBodyScene& scene, const qcResult& result)
@@ -77,10 +78,10 @@ bool qcSoftTangles::IsExempt(const qcContact& contact) const
     bool tangledA = true, tangledB = true;
     for (size_t i = 0; i < 3; i++)
     {
-        tangledA = tangledA &&
-                   (contact.weightsA[i] == 0 || Has(m_vertices, contact.bodyA, contact.verticesA[i], contact.bodyB));
-        tangledB = tangledB &&
-                   (contact.weightsB[i] == 0 || Has(m_vertices, contact.bodyB, contact.verticesB[i], contact.bodyA));
+        tangledA = tangledA && (contact.weightsA[i] == 0 ||
+                                Contains(m_vertices, contact.bodyA, contact.verticesA[i], contact.bodyB));
+        tangledB = tangledB && (contact.weightsB[i] == 0 ||
+                                Contains(m_vertices, contact.bodyB, contact.verticesB[i], contact.bodyA));
     }
     return tangledA || tangledB;
 }

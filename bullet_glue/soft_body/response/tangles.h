@@ -1,4 +1,4 @@
-// What penetrates at the start of a step: a step keeps apart what was apart, and lets the rest go.
+// Tangles: what penetrates at the start of a step. Contact keeps apart what was disjoint then, and exempts the rest.
 #ifndef QC_GLUE_SOFT_BODY_RESPONSE_TANGLES_H
 #define QC_GLUE_SOFT_BODY_RESPONSE_TANGLES_H
 
@@ -8,35 +8,36 @@
 #include <map>
 #include <vector>
 
-/// Tangled: a triangle, or a vertex of a triangle, of one body that penetrates another body (or its own) at the start
-/// of the step. Bodies are slots of the scene.
+/// A triangle is tangled with a body (another one or its own) if it penetrates that at the start of the step; so are
+/// its vertices. Bodies are slots of the scene.
 class qcSoftTangles
 {
   public:
-    /// From the result of a query at the positions of the start.
+    /// Reads the tangles from the result of a query at the positions of the start.
     void Read(qcSoftBodyScene& scene, const qcResult& result);
 
     bool IsEmpty() const
     {
         return m_triangles.empty();
     }
-    /// Moves the pairs that need not be held apart from `held`, which are numbers of a result's pairs, to `exempt`:
-    /// pairs of two tangled triangles; and, where two bodies have no more pairs than at the start, those around them: a
-    /// tangle may move but not grow.
-    void Split(qcSoftBodyScene& scene, const qcResult& result, std::vector<size_t>* held,
-               std::vector<size_t>* exempt) const;
-    /// All vertices of one side are tangled with the other side's body: it is not known which way they belong.
+    /// Moves the exempt pairs from `pairs`, indices of the result's pairs, to `exempt`. Exempt is a pair of two tangled
+    /// triangles. Where two bodies have no more pairs than at the start, so is a pair of two triangles near the tangle:
+    /// a soft body's with a tangled vertex, a mesh's that is tangled itself. So a tangle may move but not grow.
+    void MoveExempt(qcSoftBodyScene& scene, const qcResult& result, std::vector<size_t>* pairs,
+                    std::vector<size_t>* exempt) const;
+    /// True if all vertices of one side are tangled with the other side's body: the side on which they belong is
+    /// unknown.
     bool IsExempt(const qcContact& contact) const;
 
   private:
-    using Key = std::array<uint32_t, 3>; ///< slot, number in the body, slot of the other body
+    using Key = std::array<uint32_t, 3>; ///< slot, index in the body, slot of the other body
+    using Slots = std::pair<uint32_t, uint32_t>;
 
-    using Bodies = std::pair<uint32_t, uint32_t>; ///< slots
-    bool IsNear(qcSoftBodyScene& scene, uint32_t body, uint32_t triangle, uint32_t other) const;
-    static bool Has(const std::vector<Key>& keys, uint32_t body, uint32_t number, uint32_t other);
+    bool IsNearTangle(qcSoftBodyScene& scene, uint32_t body, uint32_t triangle, uint32_t other) const;
+    static bool Contains(const std::vector<Key>& keys, uint32_t body, uint32_t index, uint32_t other);
 
     std::vector<Key> m_triangles, m_vertices; ///< sorted
-    std::map<Bodies, size_t> m_counts;        ///< of pairs
+    std::map<Slots, size_t> m_counts;         ///< of pairs
 };
 
 #endif

@@ -1,7 +1,7 @@
 // Works tangled surfaces apart.
 //
-// Each end of a pair's segment is where an edge of one triangle runs through the other one. With e the edge, n the
-// normal of the face, and r the direction of the segment from that end, a motion d of the edge moves the end by
+// At each end of a pair's segment an edge of one triangle passes through the other triangle, the face. With e the edge,
+// n the normal of the face, and r the direction of the segment from that end, a motion d of the edge moves the end by
 // d - e (n.d) / (n.e), and so shortens the segment by d . (r - n (e.r) / (n.e)).
 #include "soft_body/response/untangle.h"
 
@@ -11,16 +11,16 @@
 
 namespace
 {
-// A node's largest motion in a step, by the thickness.
-constexpr btScalar s_largestShare = btScalar(0.25);
-// Edges flatter in the face than this sine don't say which way is out.
-constexpr btScalar s_flattestEdge = btScalar(0.05);
+// The largest motion of a node in a step, as a share of the thickness.
+constexpr btScalar s_maxShift = btScalar(0.25);
+// Edges with a smaller sine to the face give no reliable direction.
+constexpr btScalar s_minEdgeSlope = btScalar(0.05);
 
-/// The edge moves one way, and the face the other.
+/// Moves an edge one way and a face the other.
 struct Push
 {
     qcSceneSoftBody *edgeBody, *faceBody; ///< null: a mesh, which stays
-    uint32_t nodes[5];                    ///< two of the edge, three of the face
+    uint32_t nodes[5];                    ///< of the edge two, of the face three
     btScalar weights[5];
     btVector3 direction; ///< of the edge, no longer than 1
 };
@@ -39,7 +39,8 @@ struct Triangle
         {
             nodes[c] = soft != nullptr ? soft->topology.indices[3 * size_t(triangle) + c]
                                        : mesh->shape->getIndices()[3 * size_t(triangle) + c];
-            corners[c] = soft != nullptr ? soft->places[nodes[c]] : mesh->placed * mesh->shape->getVertices()[nodes[c]];
+            corners[c] = soft != nullptr ? soft->positions[nodes[c]]
+                                         : mesh->sceneTransform * mesh->shape->getVertices()[nodes[c]];
         }
     }
 
@@ -50,8 +51,8 @@ struct Triangle
     }
 };
 
-/// The share of an edge at which it comes nearest to a point, and how near.
-btScalar Nearest(const Triangle& triangle, int edge, const btVector3& point, btScalar* distance2)
+/// The parameter of the point of an edge that is nearest to a point, and the squared distance.
+btScalar NearestOnEdge(const Triangle& triangle, int edge, const btVector3& point, btScalar* distance2)
 {
     btVector3 from = triangle.corners[edge], along = triangle.corners[(edge + 1) % 3] - from;
     btScalar length2 = along.length2();
@@ -73,7 +74,7 @@ void Barycentric(const Triangle& face, const btVector3& normal, const btVector3&
         weights[c] = sum > 0 ? weights[c] / sum : btScalar(1) / 3;
 }
 
-/// False: it is not clear which way the edge would shorten the segment.
+/// False: the edge is too flat in the face to shorten the segment reliably.
 bool MakePush(const Triangle& a, const Triangle& b, const btVector3& end, const btVector3& along, Push* push)
 {
     const Triangle* best = nullptr;
@@ -82,7 +83,7 @@ bool MakePush(const Triangle& a, const Triangle& b, const btVector3& end, const 
     for (const Triangle* triangle : {&a, &b})
         for (int edge = 0; edge < 3; edge++)
         {
-            btScalar distance2, at = Nearest(*triangle, edge, end, &distance2);
+            btScalar distance2, at = NearestOnEdge(*triangle, edge, end, &distance2);
             if (distance2 >= nearest)
                 continue;
             nearest = distance2;
@@ -96,7 +97,7 @@ bool MakePush(const Triangle& a, const Triangle& b, const btVector3& end, const 
         return false;
     edge.normalize();
     btScalar slope = normal.dot(edge);
-    if (btFabs(slope) < s_flattestEdge)
+    if (btFabs(slope) < s_minEdgeSlope)
         return false;
     push->edgeBody = best->soft;
     push->faceBody = face.soft;
@@ -113,7 +114,7 @@ bool MakePush(const Triangle& a, const Triangle& b, const btVector3& end, const 
     return true;
 }
 
-/// function(body, node, share): the share of the push's relative motion that is the node's, face nodes against it.
+/// function(body, node, share): the node's part of the push's relative motion, negative for the nodes of the face.
 template <typename Function> void ForEachNode(const Push& push, Function function)
 {
     btScalar sum = 0, largest = 0;
@@ -152,20 +153,20 @@ void qcUntangle(qcSoftBodyScene& scene, const qcResult& result, const std::vecto
         if (MakePush(a, b, q, -along, &push))
             pushes.push_back(push);
     }
-    // One factor for all nodes, by the one that would move furthest: momentum is kept.
-    btScalar most = 0;
+    // One factor for all nodes, given by the one that would move furthest, keeps momentum.
+    btScalar maxShare = 0;
     for (qcSceneSoftBody& soft : scene.Bodies())
-        soft.shifts.assign(soft.places.size(), btVector3(0, 0, 0));
+        soft.shifts.assign(soft.positions.size(), btVector3(0, 0, 0));
     for (const Push& push : pushes)
         ForEachNode(push, [&](qcSceneSoftBody* body, uint32_t node, btScalar share)
                     { body->shifts[node] += push.direction * share; });
     for (const qcSceneSoftBody& soft : scene.Bodies())
         for (const btVector3& shift : soft.shifts)
-            most = std::max(most, shift.length() / (s_largestShare * soft.thickness));
+            maxShare = std::max(maxShare, shift.length() / (s_maxShift * soft.thickness));
     for (qcSceneSoftBody& soft : scene.Bodies())
-        for (size_t i = 0; i < soft.shifts.size() && most > 0; i++)
+        for (size_t i = 0; i < soft.shifts.size() && maxShare > 0; i++)
         {
-            soft.shifts[i] /= most;
-            soft.places[i] += soft.shifts[i];
+            soft.shifts[i] /= maxShare;
+            soft.positions[i] += soft.shifts[i];
         }
 }

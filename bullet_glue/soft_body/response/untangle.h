@@ -1,12 +1,12 @@
-// Works tangled surfaces apart: shortens the curve in which they meet. Volino, Magnenat-Thalmann: Resolving Surface
+// Works tangled surfaces apart by shortening their curve of intersection. Volino, Magnenat-Thalmann: Resolving Surface
 // Collisions through Intersection Contour Minimization, 2006.
 #ifndef QC_GLUE_SOFT_BODY_RESPONSE_UNTANGLE_H
 #define QC_GLUE_SOFT_BODY_RESPONSE_UNTANGLE_H
 
 #include "soft_body/scene/soft_scene.h"
 
-/// Moves places of nodes of some of the result's pairs, which have segments. Momentum is kept, and no velocity comes of
-/// it (qcSceneSoftBody::shifts). No node moves by more than a quarter of its body's thickness.
+/// Moves nodes of these pairs of the result, which has segments: by up to a quarter of the body's thickness each.
+/// Momentum is kept. The motion is recorded in qcSceneSoftBody::shifts and gives no velocity.
 void qcUntangle(qcSoftBodyScene& scene, const qcResult& result, const std::vector<size_t>& pairs);
 
 #endif

@@ -1,36 +1,35 @@
-// Meshes near soft bodies: found through the broadphase, moved by contacts.
+// Meshes near soft bodies: collected from the broadphase, moved by contacts.
 #include "soft_body/scene/rigid_meshes.h"
 
+#include "common/compound_children.h"
 #include "common/object_key.h"
 #include "common/shape_triangles.h"
 #include "common/weld_vertices.h"
-#include "common/scalar_type.h"
 
 #include <BulletCollision/BroadphaseCollision/btBroadphaseInterface.h>
-#include <BulletCollision/CollisionShapes/btCompoundShape.h>
 #include <LinearMath/btTransformUtil.h>
 
 #include <algorithm>
 
 namespace
 {
-void CollectMeshes(const btCollisionShape* shape, const btTransform& local, std::vector<qcSceneMesh>* meshes)
+/// The qcMeshShapes that a shape consists of; `local` of each is the given transform times its own in the shape.
+std::vector<qcSceneMesh> MeshesOf(const btCollisionShape* shape, const btTransform& transform)
 {
-    if (shape->isCompound())
+    std::vector<qcSceneMesh> meshes;
+    auto add = [&meshes](const btCollisionShape* simple, const btTransform& local)
     {
-        const auto* compound = static_cast<const btCompoundShape*>(shape);
-        for (int i = 0; i < compound->getNumChildShapes(); i++)
-            CollectMeshes(compound->getChildShape(i), local * compound->getChildTransform(i), meshes);
-        return;
-    }
-    const qcMeshShape* ours = qcAsMeshShape(shape);
-    if (ours == nullptr || ours->getTriangleCount() == 0)
-        return;
-    qcSceneMesh mesh;
-    mesh.shape = ours;
-    mesh.local = local;
-    mesh.revision = ours->getRevision();
-    meshes->push_back(mesh);
+        const qcMeshShape* mesh = qcAsMeshShape(simple);
+        if (mesh != nullptr && mesh->getTriangleCount() > 0)
+        {
+            meshes.emplace_back();
+            meshes.back().shape = mesh;
+            meshes.back().local = local;
+            meshes.back().revision = mesh->getRevision();
+        }
+    };
+    qcForEachSimpleShape(shape, transform, add);
+    return meshes;
 }
 
 bool AreSame(const std::vector<qcSceneMesh>& a, const std::vector<qcSceneMesh>& b)
@@ -40,7 +39,7 @@ bool AreSame(const std::vector<qcSceneMesh>& a, const std::vector<qcSceneMesh>& 
     return std::equal(a.begin(), a.end(), b.begin(), b.end(), isSame);
 }
 
-/// With vertices at the same position as one, so that corners and edges that triangles share are met once.
+/// Adds a mesh with its vertices welded: contacts at corners and edges that triangles share are found once.
 qcStatus AddMesh(qcScene* scene, qcSceneMesh& mesh, qcActivity activity)
 {
     const qcMeshShape& shape = *mesh.shape;
@@ -48,22 +47,15 @@ qcStatus AddMesh(qcScene* scene, qcSceneMesh& mesh, qcActivity activity)
     std::vector<uint32_t> indices(shape.getIndices(), shape.getIndices() + 3 * size_t(shape.getTriangleCount()));
     for (uint32_t& index : indices)
         index = first[index];
-    qcBodyDef def = qcDefaultBodyDef();
-    def.positions = shape.getVertices();
-    def.positionType = qcBulletPositions;
-    def.positionStride = sizeof(btVector3);
-    def.vertexCount = shape.getVertexCount();
-    def.indices = indices.data();
-    def.triangleCount = shape.getTriangleCount();
-    def.transform = qcTransformOf(mesh.placed);
-    def.activity = activity;
-    def.selfCollision = false;
+    qcBodyDef def = qcMeshBodyDef(shape.getVertices(), shape.getVertexCount(), indices.data(), shape.getTriangleCount(),
+                                  mesh.sceneTransform, activity);
     def.group = qcMeshGroup;
     def.mask = qcSoftGroup;
     return qcScene_AddBody(scene, &def, &mesh.id);
 }
 
-/// Where the object was a step ago. Bullet gives kinematic bodies the velocity that led to where they are.
+/// The object's transform at the start of the step: where the previous step left it, otherwise one step back along its
+/// velocity. Bullet gives kinematic bodies the velocity that led to where they are.
 btTransform StartOf(const qcSceneRigid& rigid, btScalar timeStep)
 {
     const btTransform& now = rigid.object->getWorldTransform();
@@ -72,23 +64,21 @@ btTransform StartOf(const qcSceneRigid& rigid, btScalar timeStep)
         return now;
     btTransform start;
     btTransformUtil::integrateTransform(now, body->getLinearVelocity(), body->getAngularVelocity(), -timeStep, start);
-    // Where that is known, to the last bit, with whatever Bullet did beside velocities: what did not penetrate there
-    // must not seem to. But further away than the mesh is large somebody put it elsewhere since then, which is no
-    // motion.
-    auto isThere = [&](const qcSceneMesh& mesh)
+    // The previous end is exact, also where Bullet moved the object by more than its velocity: triangles that were
+    // disjoint there must not seem to penetrate. An object further from it than half its size was put elsewhere since.
+    auto isNear = [&](const qcSceneMesh& mesh)
     {
         btVector3 box[2];
         mesh.shape->getAabb(btTransform::getIdentity(), box[0], box[1]);
-        return qcMotionOf(mesh, rigid.end * mesh.local, start * mesh.local) <= (box[1] - box[0]).length() / 2;
+        return qcMaxDisplacement(mesh, rigid.end * mesh.local, start * mesh.local) <= (box[1] - box[0]).length() / 2;
     };
-    bool known = rigid.ended && std::all_of(rigid.meshes.begin(), rigid.meshes.end(), isThere);
-    return known ? rigid.end : start;
+    return rigid.hasEnd && std::all_of(rigid.meshes.begin(), rigid.meshes.end(), isNear) ? rigid.end : start;
 }
 
-class Seeker : public btBroadphaseAabbCallback
+class OverlapCallback : public btBroadphaseAabbCallback
 {
   public:
-    explicit Seeker(std::vector<btCollisionObject*>* sought) : m_sought(sought)
+    explicit OverlapCallback(std::vector<btCollisionObject*>* objects) : m_objects(objects)
     {
     }
 
@@ -97,18 +87,56 @@ class Seeker : public btBroadphaseAabbCallback
         auto* object = static_cast<btCollisionObject*>(proxy->m_clientObject);
         const btCollisionShape* shape = object->getCollisionShape();
         if (shape->isCompound() || qcAsMeshShape(shape) != nullptr)
-            m_sought->push_back(object);
+            m_objects->push_back(object);
         return true;
     }
 
   private:
-    std::vector<btCollisionObject*>* m_sought;
+    std::vector<btCollisionObject*>* m_objects;
 };
+
+qcStatus AddMeshes(qcScene* scene, qcSceneRigid* rigid)
+{
+    for (qcSceneMesh& mesh : rigid->meshes)
+    {
+        mesh.sceneTransform = rigid->object->getWorldTransform() * mesh.local;
+        qcStatus status = AddMesh(scene, mesh, rigid->activity);
+        if (status != qc_statusOk)
+            return status;
+    }
+    return qc_statusOk;
+}
+
+void RemoveMeshes(qcScene* scene, const qcSceneRigid& rigid)
+{
+    for (const qcSceneMesh& mesh : rigid.meshes)
+        if (qcScene_IsValid(scene, mesh.id))
+            qcScene_RemoveBody(scene, mesh.id);
+}
+
+/// Reads what may differ in each step.
+void ReadState(qcSceneRigid* rigid, btScalar timeStep)
+{
+    btRigidBody* body = btRigidBody::upcast(rigid->object);
+    bool isPushed = body != nullptr && body->isActive() && !body->isStaticOrKinematicObject();
+    rigid->body = isPushed ? body : nullptr;
+    qcActivity activity = rigid->object->isStaticObject() ? qc_activityStatic
+                          : rigid->object->isActive()     ? qc_activityMoving
+                                                          : qc_activitySleeping;
+    // The previous result has no pairs of two sleeping bodies.
+    rigid->hasEnd = rigid->hasEnd && activity == rigid->activity;
+    rigid->activity = activity;
+    rigid->solved = rigid->object->getWorldTransform();
+    rigid->start = StartOf(*rigid, timeStep);
+    rigid->movedLinear.setZero();
+    rigid->movedAngular.setZero();
+    rigid->fromStart = false;
+}
 } // namespace
 
-btScalar qcMotionOf(const qcSceneMesh& mesh, const btTransform& from, const btTransform& to)
+btScalar qcMaxDisplacement(const qcSceneMesh& mesh, const btTransform& from, const btTransform& to)
 {
-    // The furthest moves a corner of the box, since a difference of motions is affine.
+    // A corner of the box moves furthest: the difference of two transforms is affine.
     btVector3 box[2];
     mesh.shape->getAabb(btTransform::getIdentity(), box[0], box[1]);
     btScalar largest = 0;
@@ -120,29 +148,28 @@ btScalar qcMotionOf(const qcSceneMesh& mesh, const btTransform& from, const btTr
     return btSqrt(largest);
 }
 
-bool qcFindPlace(const qcSceneRigid& rigid, const qcSceneMesh& mesh, btTransform* place)
+bool qcFindTransform(const qcSceneRigid& rigid, const qcSceneMesh& mesh, btTransform* transform)
 {
-    std::vector<qcSceneMesh> present;
-    CollectMeshes(rigid.object->getCollisionShape(), rigid.object->getWorldTransform(), &present);
-    size_t number = size_t(&mesh - rigid.meshes.data());
-    if (number >= present.size() || present[number].shape != mesh.shape || present[number].revision != mesh.revision)
+    std::vector<qcSceneMesh> present = MeshesOf(rigid.object->getCollisionShape(), rigid.object->getWorldTransform());
+    size_t index = size_t(&mesh - rigid.meshes.data());
+    if (index >= present.size() || present[index].shape != mesh.shape || present[index].revision != mesh.revision)
         return false;
-    *place = present[number].local;
+    *transform = present[index].local;
     return true;
 }
 
-void qcPlaceVertex(const qcSceneMesh& mesh, const btTransform& transform, uint32_t vertex, double place[3])
+void qcTransformVertex(const qcSceneMesh& mesh, const btTransform& transform, uint32_t vertex, double position[3])
 {
     const btVector3& p = mesh.shape->getVertices()[vertex];
     qcTransform t = qcTransformOf(transform);
     for (int axis = 0; axis < 3; axis++)
     {
         const double* row = &t.linear[3 * axis];
-        place[axis] = row[0] * double(p.x()) + row[1] * double(p.y()) + row[2] * double(p.z()) + t.translation[axis];
+        position[axis] = row[0] * double(p.x()) + row[1] * double(p.y()) + row[2] * double(p.z()) + t.translation[axis];
     }
 }
 
-btVector3 qcSceneRigid::Yield(const btVector3& arm, const btVector3& push) const
+btVector3 qcSceneRigid::DisplacementAt(const btVector3& arm, const btVector3& push) const
 {
     if (body == nullptr)
         return btVector3(0, 0, 0);
@@ -172,44 +199,62 @@ btTransform qcSceneRigid::MotionTo(const btTransform& transform) const
     return transform == start ? btTransform::getIdentity() : transform * start.inverse();
 }
 
-void qcSoftBodyMeshes::Seek(btBroadphaseInterface* broadphase, const btVector3& lower, const btVector3& upper)
+void qcSoftBodyMeshes::CollectOverlapping(btBroadphaseInterface* broadphase, const btVector3& lower,
+                                          const btVector3& upper)
 {
-    Seeker seeker(&m_sought);
-    broadphase->aabbTest(lower, upper, seeker);
+    OverlapCallback callback(&m_overlapping);
+    broadphase->aabbTest(lower, upper, callback);
 }
 
-qcStatus qcSoftBodyMeshes::Add(qcScene* scene, qcSceneRigid* rigid)
+/// The collected objects that have meshes. Those that are tracked already, unchanged, are moved out of m_rigids.
+std::vector<std::unique_ptr<qcSceneRigid>> qcSoftBodyMeshes::TakeTracked()
 {
-    for (qcSceneMesh& mesh : rigid->meshes)
+    auto isBefore = [](const btCollisionObject* a, const btCollisionObject* b)
+    { return qcUniqueIdOf(a) < qcUniqueIdOf(b); };
+    std::sort(m_overlapping.begin(), m_overlapping.end(), isBefore);
+    m_overlapping.erase(std::unique(m_overlapping.begin(), m_overlapping.end()), m_overlapping.end());
+    std::vector<std::unique_ptr<qcSceneRigid>> rigids;
+    for (btCollisionObject* object : m_overlapping)
     {
-        mesh.placed = rigid->object->getWorldTransform() * mesh.local;
-        qcStatus status = AddMesh(scene, mesh, rigid->activity);
-        if (status != qc_statusOk)
-            return status;
+        std::unique_ptr<qcSceneRigid> rigid(new qcSceneRigid);
+        rigid->meshes = MeshesOf(object->getCollisionShape(), btTransform::getIdentity());
+        if (rigid->meshes.empty())
+            continue;
+        rigid->object = object;
+        rigid->uniqueId = qcUniqueIdOf(object);
+        auto isSame = [&](const std::unique_ptr<qcSceneRigid>& other)
+        {
+            return other && other->object == object && other->uniqueId == rigid->uniqueId &&
+                   AreSame(other->meshes, rigid->meshes);
+        };
+        auto found = std::find_if(m_rigids.begin(), m_rigids.end(), isSame);
+        if (found != m_rigids.end())
+            rigid = std::move(*found);
+        rigids.push_back(std::move(rigid));
     }
-    return qc_statusOk;
+    m_overlapping.clear();
+    return rigids;
 }
 
-/// What is another one in each step.
-void qcSoftBodyMeshes::Refresh(qcSceneRigid* rigid, btScalar timeStep)
+/// Appends the object, with its meshes in the scene. After a failure it is not tracked, and none of them is there.
+qcStatus qcSoftBodyMeshes::Track(qcScene* scene, std::unique_ptr<qcSceneRigid> rigid, btScalar timeStep)
 {
-    btRigidBody* body = btRigidBody::upcast(rigid->object);
-    bool pushed = body != nullptr && body->isActive() && !body->isStaticOrKinematicObject();
-    rigid->body = pushed ? body : nullptr;
-    qcActivity activity = rigid->object->isStaticObject() ? qc_activityStatic
-                          : rigid->object->isActive()     ? qc_activityMoving
-                                                          : qc_activitySleeping;
-    // Pairs that slept were not in the last result.
-    rigid->ended = rigid->ended && activity == rigid->activity;
-    rigid->activity = activity;
-    rigid->solved = rigid->object->getWorldTransform();
-    rigid->start = StartOf(*rigid, timeStep);
-    rigid->movedLinear.setZero();
-    rigid->movedAngular.setZero();
-    rigid->fromStart = false;
+    qcActivity previous = rigid->activity;
+    ReadState(rigid.get(), timeStep);
+    qcStatus status = qc_statusOk;
+    if (rigid->meshes[0].id.generation == 0)
+        status = AddMeshes(scene, rigid.get());
+    else if (rigid->activity != previous)
+        for (const qcSceneMesh& mesh : rigid->meshes)
+            status = std::max(status, qcScene_SetActivity(scene, mesh.id, rigid->activity));
+    if (status == qc_statusOk)
+        m_rigids.push_back(std::move(rigid));
+    else
+        RemoveMeshes(scene, *rigid);
+    return status;
 }
 
-void qcSoftBodyMeshes::NumberMeshes()
+void qcSoftBodyMeshes::IndexSlots()
 {
     m_meshOfSlot.clear();
     for (const std::unique_ptr<qcSceneRigid>& rigid : m_rigids)
@@ -222,85 +267,45 @@ void qcSoftBodyMeshes::NumberMeshes()
         }
 }
 
-qcStatus qcSoftBodyMeshes::Synchronize(qcScene* scene, btScalar timeStep)
+qcStatus qcSoftBodyMeshes::Sync(qcScene* scene, btScalar timeStep)
 {
-    auto isBefore = [](const btCollisionObject* a, const btCollisionObject* b)
-    { return qcAdditionOf(a) < qcAdditionOf(b); };
-    std::sort(m_sought.begin(), m_sought.end(), isBefore);
-    m_sought.erase(std::unique(m_sought.begin(), m_sought.end()), m_sought.end());
-    std::vector<std::unique_ptr<qcSceneRigid>> known, now;
-    known.swap(m_rigids);
-    for (btCollisionObject* object : m_sought)
-    {
-        std::unique_ptr<qcSceneRigid> rigid(new qcSceneRigid);
-        CollectMeshes(object->getCollisionShape(), btTransform::getIdentity(), &rigid->meshes);
-        if (rigid->meshes.empty())
-            continue;
-        rigid->object = object;
-        rigid->addition = qcAdditionOf(object);
-        auto isSame = [&](const std::unique_ptr<qcSceneRigid>& other)
-        {
-            return other && other->object == object && other->addition == rigid->addition &&
-                   AreSame(other->meshes, rigid->meshes);
-        };
-        auto found = std::find_if(known.begin(), known.end(), isSame);
-        if (found != known.end())
-            rigid = std::move(*found);
-        now.push_back(std::move(rigid));
-    }
-    m_sought.clear();
-    auto removeFrom = [&](const qcSceneRigid& rigid)
-    {
-        for (const qcSceneMesh& mesh : rigid.meshes)
-            if (qcScene_IsValid(scene, mesh.id))
-                qcScene_RemoveBody(scene, mesh.id);
-    };
-    for (const std::unique_ptr<qcSceneRigid>& rigid : known)
-        if (rigid)
-            removeFrom(*rigid);
+    std::vector<std::unique_ptr<qcSceneRigid>> rigids = TakeTracked();
+    for (const std::unique_ptr<qcSceneRigid>& gone : m_rigids)
+        if (gone)
+            RemoveMeshes(scene, *gone);
+    m_rigids.clear();
     qcStatus status = qc_statusOk;
-    for (std::unique_ptr<qcSceneRigid>& rigid : now)
+    for (std::unique_ptr<qcSceneRigid>& rigid : rigids)
     {
-        qcActivity before = rigid->activity;
-        Refresh(rigid.get(), timeStep);
-        qcStatus mine = qc_statusOk;
-        if (rigid->meshes[0].id.generation == 0)
-            mine = Add(scene, rigid.get());
-        else if (rigid->activity != before)
-            for (const qcSceneMesh& mesh : rigid->meshes)
-                mine = std::max(mine, qcScene_SetActivity(scene, mesh.id, rigid->activity));
-        if (mine == qc_statusOk)
-            m_rigids.push_back(std::move(rigid));
-        else
-            removeFrom(*rigid);
+        qcStatus tracked = Track(scene, std::move(rigid), timeStep);
         if (status == qc_statusOk)
-            status = mine;
+            status = tracked;
     }
-    NumberMeshes();
+    IndexSlots();
     return status;
 }
 
 bool qcSoftBodyMeshes::StartWhereTheyEnded() const
 {
-    auto isThere = [](const std::unique_ptr<qcSceneRigid>& rigid)
-    { return rigid->ended && rigid->start == rigid->end; };
-    return std::all_of(m_rigids.begin(), m_rigids.end(), isThere);
+    auto startsThere = [](const std::unique_ptr<qcSceneRigid>& rigid)
+    { return rigid->hasEnd && rigid->start == rigid->end; };
+    return std::all_of(m_rigids.begin(), m_rigids.end(), startsThere);
 }
 
-qcStatus qcSoftBodyMeshes::Place(qcScene* scene, bool atStart)
+qcStatus qcSoftBodyMeshes::SyncTransforms(qcScene* scene, bool atStart)
 {
     for (const std::unique_ptr<qcSceneRigid>& rigid : m_rigids)
         for (qcSceneMesh& mesh : rigid->meshes)
         {
             qcScene_SetMargin(scene, mesh.id, double(mesh.shape->getMargin()));
             btTransform transform = (atStart ? rigid->start : rigid->object->getWorldTransform()) * mesh.local;
-            if (mesh.placed == transform)
+            if (mesh.sceneTransform == transform)
                 continue;
-            qcTransform placed = qcTransformOf(transform);
-            qcStatus status = qcScene_SetTransform(scene, mesh.id, &placed);
+            qcTransform converted = qcTransformOf(transform);
+            qcStatus status = qcScene_SetTransform(scene, mesh.id, &converted);
             if (status != qc_statusOk)
                 return status;
-            mesh.placed = transform;
+            mesh.sceneTransform = transform;
         }
     return qc_statusOk;
 }
@@ -351,17 +356,17 @@ void qcSoftBodyMeshes::UpdateVelocities(btScalar timeStep)
             body->setLinearVelocity(body->getLinearVelocity() + rigid->movedLinear / timeStep);
             body->setAngularVelocity(body->getAngularVelocity() + rigid->movedAngular / timeStep);
         }
-        // What Bullet interpolates from, and the tensor, go along.
+        // Also sets Bullet's interpolation transform and the inertia tensor in world space.
         body->setCenterOfMassTransform(btTransform(rigid->object->getWorldTransform()));
     }
-    NoteEnds();
+    RecordEnds();
 }
 
-void qcSoftBodyMeshes::NoteEnds()
+void qcSoftBodyMeshes::RecordEnds()
 {
     for (const std::unique_ptr<qcSceneRigid>& rigid : m_rigids)
     {
-        rigid->ended = true;
+        rigid->hasEnd = true;
         rigid->end = rigid->object->getWorldTransform();
     }
 }
@@ -375,7 +380,7 @@ void qcSoftBodyMeshes::Restore()
         if (rigid->body != nullptr)
             rigid->object->setWorldTransform(rigid->solved);
     }
-    NoteEnds();
+    RecordEnds();
 }
 
 const qcSceneMesh* qcSoftBodyMeshes::Find(uint32_t slot, qcSceneRigid** rigid)

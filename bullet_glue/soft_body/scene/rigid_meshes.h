@@ -1,5 +1,5 @@
-// Meshes near soft bodies, as rigid bodies of the soft bodies' scene: pushed by their contacts, and never tested among
-// each other there.
+// The qcMeshShapes near soft bodies, as rigid bodies of the soft bodies' scene. Contacts move them; the scene never
+// tests them against each other.
 #ifndef QC_GLUE_SOFT_BODY_SCENE_RIGID_MESHES_H
 #define QC_GLUE_SOFT_BODY_SCENE_RIGID_MESHES_H
 
@@ -12,77 +12,76 @@
 
 class btBroadphaseInterface;
 
-/// Filter groups of the scene: soft bodies meet each other and meshes, meshes meet soft bodies only.
+/// Filter groups of the scene: soft bodies collide with each other and with meshes, meshes with soft bodies only.
 constexpr uint32_t qcSoftGroup = 1, qcMeshGroup = 2;
 
 /// A qcMeshShape of an object. A compound may have several.
 struct qcSceneMesh
 {
     const qcMeshShape* shape = nullptr;
-    btTransform local = btTransform::getIdentity(); ///< of the shape in the object
-    uint64_t revision = 0;
+    btTransform local = btTransform::getIdentity(); ///< from the shape's frame to the object's
+    uint64_t revision = 0;                          ///< of the shape, when it was added to the scene
     qcBodyId id{};
-    btTransform placed = btTransform::getIdentity(); ///< where the scene has it
+    btTransform sceneTransform = btTransform::getIdentity(); ///< that the scene has
 };
 
-/// An object with meshes. The same address may be another object later: what the broadphase numbers anew when an object
-/// is added tells them apart.
+/// An object with meshes.
 struct qcSceneRigid
 {
     btCollisionObject* object = nullptr;
-    int addition = 0; ///< unique id of its broadphase proxy
+    int uniqueId = 0; ///< see qcUniqueIdOf
     std::vector<qcSceneMesh> meshes;
     qcActivity activity = qc_activityMoving;
-    btRigidBody* body = nullptr;                     ///< null: nothing that a contact could move
+    btRigidBody* body = nullptr;                     ///< null: contacts can't move the object
     btTransform start = btTransform::getIdentity();  ///< of the object, at the start of the step
-    btTransform solved = btTransform::getIdentity(); ///< where the world left it
+    btTransform solved = btTransform::getIdentity(); ///< of the object, after Bullet's own solvers
 
-    //  Pushes since the last Commit, of the centre and around it.
+    //  Translation of the centre and rotation vector that contacts gave it since the last Commit, and in the step.
     btVector3 linear{0, 0, 0}, angular{0, 0, 0};
-    //  All pushes of the step.
     btVector3 movedLinear{0, 0, 0}, movedAngular{0, 0, 0};
-    bool fromStart = false;                       ///< moved anew from the start of the step: its velocity is anew, too
-    bool ended = false;                           ///< it was there in the step before, and
-    btTransform end = btTransform::getIdentity(); ///< this is where that step left it
+    bool fromStart = false; ///< a zone moves it from the start of the step, which determines its velocity, too
+    bool hasEnd = false;    ///< it was in the previous step, which
+    btTransform end = btTransform::getIdentity(); ///< left it here
 
-    /// How a push at a point, `arm` away from the centre, moves that point.
-    btVector3 Yield(const btVector3& arm, const btVector3& push) const;
+    /// Displacement of the point at `arm` from the centre, if `push` acts there: an impulse times the time step.
+    btVector3 DisplacementAt(const btVector3& arm, const btVector3& push) const;
+    /// Adds that motion to `linear` and `angular`.
     void Push(const btVector3& arm, const btVector3& push);
-    /// False: something keeps it from moving as its zone does.
+    /// True if it can take any rigid motion: it is dynamic, and no factor or infinite inertia restricts it.
     bool IsFree() const;
     /// The motion from the start of the step to another transform; the identity, exactly, if these are equal.
     btTransform MotionTo(const btTransform& transform) const;
 };
 
-/// How far a point of the mesh moves at most from one transform of the mesh to another.
-btScalar qcMotionOf(const qcSceneMesh& mesh, const btTransform& from, const btTransform& to);
+/// The largest displacement of a point of the mesh's box from one transform of the mesh to another.
+btScalar qcMaxDisplacement(const qcSceneMesh& mesh, const btTransform& from, const btTransform& to);
 
-/// Where a mesh of the object lies now; false if the object no longer has it as it was.
-bool qcFindPlace(const qcSceneRigid& rigid, const qcSceneMesh& mesh, btTransform* place);
+/// The present transform of a mesh of the object. False if the object no longer has this mesh, unchanged.
+bool qcFindTransform(const qcSceneRigid& rigid, const qcSceneMesh& mesh, btTransform* transform);
 
-/// Where a vertex is in world space, as the scene computes it, if the mesh has this transform.
-void qcPlaceVertex(const qcSceneMesh& mesh, const btTransform& transform, uint32_t vertex, double place[3]);
+/// A vertex in world space under this transform of the mesh, rounded as the scene rounds it.
+void qcTransformVertex(const qcSceneMesh& mesh, const btTransform& transform, uint32_t vertex, double position[3]);
 
 class qcSoftBodyMeshes
 {
   public:
-    /// Notes the objects with meshes whose boxes meet this one. Boxes of rigid bodies span the motion that Bullet
-    /// predicted for the step.
-    void Seek(btBroadphaseInterface* broadphase, const btVector3& lower, const btVector3& upper);
-    /// Makes the scene's meshes those that were noted since the last call.
-    qcStatus Synchronize(qcScene* scene, btScalar timeStep);
+    /// Collects the objects with meshes whose proxies overlap this box, for the next Sync. Proxies of rigid bodies span
+    /// the motion that Bullet predicted for the step.
+    void CollectOverlapping(btBroadphaseInterface* broadphase, const btVector3& lower, const btVector3& upper);
+    /// Makes the scene's meshes those of the objects collected since the last call.
+    qcStatus Sync(qcScene* scene, btScalar timeStep);
     /// Gives the scene the objects' present transforms, or those of the start of the step.
-    qcStatus Place(qcScene* scene, bool atStart = false);
-    /// True if each of the objects is known since the step before, and starts where that one left it.
+    qcStatus SyncTransforms(qcScene* scene, bool atStart = false);
+    /// True if each of the objects was in the previous step, and starts where that one left it.
     bool StartWhereTheyEnded() const;
 
-    /// Moves objects as contacts pushed them since the last call.
+    /// Moves objects by what contacts pushed them since the last call.
     void Commit();
-    /// Moves an object from where it was at the start of the step, if it is free.
+    /// Moves an object from its transform at the start of the step, if it is free.
     void MoveFromStart(qcSceneRigid& rigid, const btTransform& motion);
-    /// Ends the step. Velocities from what Commit and MoveFromStart moved.
+    /// Ends the step: changes velocities by the motions of Commit and MoveFromStart.
     void UpdateVelocities(btScalar timeStep);
-    /// Ends the step, and undoes all moves.
+    /// Ends the step, and undoes all motions.
     void Restore();
 
     /// The mesh of a slot and its object, or null.
@@ -93,13 +92,13 @@ class qcSoftBodyMeshes
     }
 
   private:
-    qcStatus Add(qcScene* scene, qcSceneRigid* rigid);
-    void Refresh(qcSceneRigid* rigid, btScalar timeStep);
-    void NumberMeshes();
-    void NoteEnds();
+    std::vector<std::unique_ptr<qcSceneRigid>> TakeTracked();
+    qcStatus Track(qcScene* scene, std::unique_ptr<qcSceneRigid> rigid, btScalar timeStep);
+    void IndexSlots();
+    void RecordEnds();
 
-    std::vector<btCollisionObject*> m_sought;
-    std::vector<std::unique_ptr<qcSceneRigid>> m_rigids; ///< in the order in which they came into the world
+    std::vector<btCollisionObject*> m_overlapping;
+    std::vector<std::unique_ptr<qcSceneRigid>> m_rigids; ///< by unique id: in the order in which they were added
     std::vector<std::pair<qcSceneRigid*, size_t>> m_meshOfSlot;
 };
 

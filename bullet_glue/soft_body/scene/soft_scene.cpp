@@ -2,7 +2,7 @@
 #include "soft_body/scene/soft_scene.h"
 
 #include "common/object_key.h"
-#include "common/scalar_type.h"
+#include "quickcullide/bullet_positions.h"
 
 #include <LinearMath/btQuickprof.h>
 
@@ -11,39 +11,39 @@
 
 namespace
 {
-/// Nodes that Bullet puts to their anchors at the end of each step, or where the reduced model has them.
-void NoteHeld(qcSceneSoftBody& known)
+/// Pins the nodes that Bullet itself places at the end of each step: at their anchors, or by the reduced model.
+void FindPinned(qcSceneSoftBody& tracked)
 {
-    known.held.clear();
-    if (known.body->m_reducedModel)
-        known.held.resize(size_t(known.NodeCount()), true);
-    for (int i = 0; i < known.body->m_deformableAnchors.size(); i++)
+    tracked.pinned.clear();
+    if (tracked.body->m_reducedModel)
+        tracked.pinned.resize(size_t(tracked.NodeCount()), true);
+    for (int i = 0; i < tracked.body->m_deformableAnchors.size(); i++)
     {
-        known.held.resize(size_t(known.NodeCount()), false);
-        known.held[known.NumberOf(known.body->m_deformableAnchors[i].m_node)] = true;
+        tracked.pinned.resize(size_t(tracked.NodeCount()), false);
+        tracked.pinned[tracked.IndexOf(tracked.body->m_deformableAnchors[i].m_node)] = true;
     }
 }
 
-/// The box of a soft body from the start of the step to where Bullet left it; false if it has none.
-bool BoxOf(const qcSceneSoftBody& known, btVector3 box[2])
+/// The box of a soft body's motion from the start of the step to its solved positions. False: it has no finite box.
+bool BoxOf(const qcSceneSoftBody& tracked, btVector3 box[2])
 {
-    if (known.NodeCount() == 0)
+    if (tracked.NodeCount() == 0)
         return false;
-    box[0] = box[1] = known.start[0];
+    box[0] = box[1] = tracked.start[0];
     btVector3 sum(0, 0, 0);
-    for (size_t i = 0; i < known.solved.size(); i++)
+    for (size_t i = 0; i < tracked.solved.size(); i++)
     {
-        const btVector3 &start = known.start[i], &x = known.solved[i];
+        const btVector3 &start = tracked.start[i], &x = tracked.solved[i];
         box[0].setMin(start);
         box[0].setMin(x);
         box[1].setMax(start);
         box[1].setMax(x);
         sum += start + x;
     }
-    btVector3 reach(known.thickness, known.thickness, known.thickness);
-    box[0] -= reach;
-    box[1] += reach;
-    // A node that is not finite is the query's to name; a broadphase should not see it.
+    btVector3 enlargement(tracked.thickness, tracked.thickness, tracked.thickness);
+    box[0] -= enlargement;
+    box[1] += enlargement;
+    // The scene's query reports a node that is not finite; a broadphase must not get such a box.
     return std::isfinite(sum.x() + sum.y() + sum.z());
 }
 } // namespace
@@ -53,11 +53,11 @@ qcSoftBodyScene::~qcSoftBodyScene()
     qcScene_Destroy(m_scene);
 }
 
-qcStatus qcSoftBodyScene::Add(btSoftBody* body)
+qcStatus qcSoftBodyScene::Track(btSoftBody* body)
 {
     qcSceneSoftBody added;
     added.body = body;
-    added.addition = qcAdditionOf(body);
+    added.uniqueId = qcUniqueIdOf(body);
     added.topology = qcTopologyOf(body);
     qcBodyDef def = qcDefaultBodyDef();
     def.positions = body->m_nodes.size() > 0 ? &body->m_nodes[0].m_x : nullptr;
@@ -75,131 +75,140 @@ qcStatus qcSoftBodyScene::Add(btSoftBody* body)
     return status;
 }
 
-void qcSoftBodyScene::DropGone(const btAlignedObjectArray<btSoftBody*>& bodies)
+void qcSoftBodyScene::UntrackRemoved(const btAlignedObjectArray<btSoftBody*>& bodies)
 {
-    auto isGone = [&](const qcSceneSoftBody& known)
+    auto isRemoved = [&](const qcSceneSoftBody& tracked)
     {
-        bool same = bodies.findLinearSearch(known.body) < bodies.size() && known.addition == qcAdditionOf(known.body);
-        if (same && known.start.size() == size_t(known.NodeCount()) && qcIsTopologyOf(known.topology, known.body))
+        bool same =
+            bodies.findLinearSearch(tracked.body) < bodies.size() && tracked.uniqueId == qcUniqueIdOf(tracked.body);
+        if (same && tracked.start.size() == size_t(tracked.NodeCount()) &&
+            qcIsTopologyOf(tracked.topology, tracked.body))
             return false;
-        qcScene_RemoveBody(m_scene, known.id);
-        auto setting = m_settings.find(known.body);
-        if (!same && setting != m_settings.end() && setting->second.addition == known.addition)
+        qcScene_RemoveBody(m_scene, tracked.id);
+        auto setting = m_settings.find(tracked.body);
+        if (!same && setting != m_settings.end() && setting->second.uniqueId == tracked.uniqueId)
             m_settings.erase(setting);
         return true;
     };
-    m_bodies.erase(std::remove_if(m_bodies.begin(), m_bodies.end(), isGone), m_bodies.end());
+    m_bodies.erase(std::remove_if(m_bodies.begin(), m_bodies.end(), isRemoved), m_bodies.end());
 }
 
-void qcSoftBodyScene::TakeSettings(qcSceneSoftBody& known)
+void qcSoftBodyScene::ApplySettings(qcSceneSoftBody& tracked)
 {
-    auto found = m_settings.find(known.body);
-    if (found != m_settings.end() && found->second.addition == -1)
-        found->second.addition = known.addition;
-    qcSoftBodySettings settings = GetSettings(known.body);
-    // Pairs that slept, or were left out, were not in the last result.
-    known.startsAtEnd = known.moves == known.body->isActive() && known.settings.selfCollision == settings.selfCollision;
-    known.settings = settings;
-    known.thickness = known.settings.thickness > 0
-                          ? known.settings.thickness
-                          : std::min(known.topology.defaultThickness, known.body->getCollisionShape()->getMargin());
-    known.moves = known.body->isActive();
-    qcScene_SetMargin(m_scene, known.id, double(known.thickness) / 2);
-    qcScene_SetSelfCollision(m_scene, known.id, known.settings.selfCollision);
-    qcScene_SetActivity(m_scene, known.id, known.moves ? qc_activityMoving : qc_activitySleeping);
+    auto found = m_settings.find(tracked.body);
+    if (found != m_settings.end() && found->second.uniqueId == -1)
+        found->second.uniqueId = tracked.uniqueId;
+    qcSoftBodySettings settings = GetSettings(tracked.body);
+    // The previous result has no pairs of sleeping bodies, nor self-collisions that were off.
+    tracked.startsWhereItEnded =
+        tracked.moves == tracked.body->isActive() && tracked.settings.selfCollision == settings.selfCollision;
+    tracked.settings = settings;
+    tracked.thickness = tracked.settings.thickness > 0 ? tracked.settings.thickness
+                                                       : std::min(tracked.topology.defaultThickness,
+                                                                  tracked.body->getCollisionShape()->getMargin());
+    tracked.moves = tracked.body->isActive();
+    qcScene_SetMargin(m_scene, tracked.id, double(tracked.thickness) / 2);
+    qcScene_SetSelfCollision(m_scene, tracked.id, tracked.settings.selfCollision);
+    qcScene_SetActivity(m_scene, tracked.id, tracked.moves ? qc_activityMoving : qc_activitySleeping);
 }
 
-qcStatus qcSoftBodyScene::Synchronize(const btAlignedObjectArray<btSoftBody*>& bodies,
-                                      btVector3 btSoftBody::Node::*start)
+qcStatus qcSoftBodyScene::CreateScene()
 {
-    if (m_scene == nullptr)
-    {
-        qcSceneDef def = qcDefaultSceneDef();
-        def.device = m_device;
-        qcStatus status = qcScene_Create(&def, &m_scene);
-        if (status != qc_statusOk)
-            return status;
-    }
-    DropGone(bodies);
+    qcSceneDef def = qcDefaultSceneDef();
+    def.device = m_device;
+    return qcScene_Create(&def, &m_scene);
+}
+
+void qcSoftBodyScene::ReadStart(qcSceneSoftBody& tracked, btVector3 btSoftBody::Node::*start)
+{
+    ApplySettings(tracked);
+    tracked.start.resize(size_t(tracked.NodeCount()));
+    // A body that Bullet does not simulate stays where it is.
+    for (int n = 0; n < tracked.NodeCount(); n++)
+        tracked.start[size_t(n)] = tracked.moves ? tracked.body->m_nodes[n].*start : tracked.body->m_nodes[n].m_x;
+    tracked.startsWhereItEnded = tracked.startsWhereItEnded && tracked.start == tracked.positions;
+    FindPinned(tracked);
+}
+
+qcStatus qcSoftBodyScene::Sync(const btAlignedObjectArray<btSoftBody*>& bodies, btVector3 btSoftBody::Node::*start)
+{
+    qcStatus status = m_scene == nullptr ? CreateScene() : qc_statusOk;
+    if (status != qc_statusOk)
+        return status;
+    UntrackRemoved(bodies);
     for (int i = 0; i < bodies.size(); i++)
     {
-        auto isIt = [&](const qcSceneSoftBody& known) { return known.body == bodies[i]; };
+        auto isIt = [&](const qcSceneSoftBody& tracked) { return tracked.body == bodies[i]; };
         if (std::any_of(m_bodies.begin(), m_bodies.end(), isIt))
             continue;
-        qcStatus status = Add(bodies[i]);
+        status = Track(bodies[i]);
         if (status != qc_statusOk)
             return status;
     }
     m_bodyOfSlot.clear();
     for (size_t i = 0; i < m_bodies.size(); i++)
     {
-        qcSceneSoftBody& known = m_bodies[i];
-        if (known.id.slot >= m_bodyOfSlot.size())
-            m_bodyOfSlot.resize(known.id.slot + 1, SIZE_MAX);
-        m_bodyOfSlot[known.id.slot] = i;
-        TakeSettings(known);
-        known.start.resize(size_t(known.NodeCount()));
-        // A body that Bullet does not simulate stays where it is.
-        for (int n = 0; n < known.NodeCount(); n++)
-            known.start[size_t(n)] = known.moves ? known.body->m_nodes[n].*start : known.body->m_nodes[n].m_x;
-        known.startsAtEnd = known.startsAtEnd && known.start == known.places;
-        NoteHeld(known);
+        uint32_t slot = m_bodies[i].id.slot;
+        if (slot >= m_bodyOfSlot.size())
+            m_bodyOfSlot.resize(slot + 1, SIZE_MAX);
+        m_bodyOfSlot[slot] = i;
+        ReadStart(m_bodies[i], start);
     }
     return qc_statusOk;
 }
 
-qcStatus qcSoftBodyScene::TakeSolved(btScalar timeStep)
+qcStatus qcSoftBodyScene::ReadSolved(btScalar timeStep)
 {
     BT_PROFILE("qcSoftBodyContact gather");
-    for (qcSceneSoftBody& known : m_bodies)
+    for (qcSceneSoftBody& tracked : m_bodies)
     {
-        known.solved.resize(size_t(known.NodeCount()));
-        for (int i = 0; i < known.NodeCount(); i++)
-            known.solved[size_t(i)] = known.body->m_nodes[i].m_x;
-        known.places = known.solved;
-        known.shifts.clear();
-        known.inContact = false;
-        const btSoftBodyWorldInfo* info = known.body->getWorldInfo();
+        tracked.solved.resize(size_t(tracked.NodeCount()));
+        for (int i = 0; i < tracked.NodeCount(); i++)
+            tracked.solved[size_t(i)] = tracked.body->m_nodes[i].m_x;
+        tracked.positions = tracked.solved;
+        tracked.shifts.clear();
+        tracked.inContact = false;
+        const btSoftBodyWorldInfo* info = tracked.body->getWorldInfo();
         btVector3 box[2];
-        if (known.MeetsRigidBodies() && info->m_broadphase != nullptr && BoxOf(known, box))
-            meshes.Seek(info->m_broadphase, box[0], box[1]);
+        if (tracked.CollidesWithRigidBodies() && info->m_broadphase != nullptr && BoxOf(tracked, box))
+            meshes.CollectOverlapping(info->m_broadphase, box[0], box[1]);
     }
-    return meshes.Synchronize(m_scene, timeStep);
+    return meshes.Sync(m_scene, timeStep);
 }
 
 qcStatus qcSoftBodyScene::SetVertices(std::vector<btVector3> qcSceneSoftBody::*positions)
 {
-    for (const qcSceneSoftBody& known : m_bodies)
+    for (const qcSceneSoftBody& tracked : m_bodies)
     {
-        if (known.places.empty())
+        if (tracked.positions.empty())
             continue;
-        const std::vector<btVector3>& from = known.*positions;
-        qcStatus status = qcScene_SetVertices(m_scene, known.id, from.data(), qcBulletPositions, sizeof(btVector3));
+        const std::vector<btVector3>& from = tracked.*positions;
+        qcStatus status = qcScene_SetVertices(m_scene, tracked.id, from.data(), qcBulletPositions, sizeof(btVector3));
         if (status != qc_statusOk)
             return status;
     }
     return qc_statusOk;
 }
 
-qcStatus qcSoftBodyScene::UpdatePlaces()
+qcStatus qcSoftBodyScene::SyncPositions()
 {
-    qcStatus status = SetVertices(&qcSceneSoftBody::places);
-    return status == qc_statusOk ? meshes.Place(m_scene) : status;
+    qcStatus status = SetVertices(&qcSceneSoftBody::positions);
+    return status == qc_statusOk ? meshes.SyncTransforms(m_scene) : status;
 }
 
-qcStatus qcSoftBodyScene::PlaceAtStart()
+qcStatus qcSoftBodyScene::SyncStartPositions()
 {
     qcStatus status = SetVertices(&qcSceneSoftBody::start);
-    return status == qc_statusOk ? meshes.Place(m_scene, true) : status;
+    return status == qc_statusOk ? meshes.SyncTransforms(m_scene, true) : status;
 }
 
-bool qcSoftBodyScene::StartsWhereItEnded() const
+bool qcSoftBodyScene::StartsWhereStepEnded() const
 {
-    auto isThere = [](const qcSceneSoftBody& known) { return known.startsAtEnd; };
-    return std::all_of(m_bodies.begin(), m_bodies.end(), isThere) && meshes.StartWhereTheyEnded();
+    auto startsThere = [](const qcSceneSoftBody& tracked) { return tracked.startsWhereItEnded; };
+    return std::all_of(m_bodies.begin(), m_bodies.end(), startsThere) && meshes.StartWhereTheyEnded();
 }
 
-void qcSoftBodyScene::StartOf(uint32_t slot, uint32_t triangle, double corners[9])
+void qcSoftBodyScene::GetStartCorners(uint32_t slot, uint32_t triangle, double corners[9])
 {
     const qcSceneSoftBody* soft = Find(slot);
     qcSceneRigid* rigid = nullptr;
@@ -210,7 +219,7 @@ void qcSoftBodyScene::StartOf(uint32_t slot, uint32_t triangle, double corners[9
         if (mesh != nullptr)
         {
             uint32_t vertex = mesh->shape->getIndices()[corner];
-            qcPlaceVertex(*mesh, rigid->start * mesh->local, vertex, &corners[3 * c]);
+            qcTransformVertex(*mesh, rigid->start * mesh->local, vertex, &corners[3 * c]);
             continue;
         }
         const btVector3& point = soft->start[soft->topology.indices[corner]];
@@ -237,23 +246,23 @@ qcSceneSoftBody* qcSoftBodyScene::Find(uint32_t slot)
 
 void qcSoftBodyScene::SetSettings(const btSoftBody* body, const qcSoftBodySettings& settings)
 {
-    m_settings[body] = {qcAdditionOf(body), settings};
+    m_settings[body] = {qcUniqueIdOf(body), settings};
 }
 
 qcSoftBodySettings qcSoftBodyScene::GetSettings(const btSoftBody* body) const
 {
     auto found = m_settings.find(body);
-    bool isIts = found != m_settings.end() && found->second.addition == qcAdditionOf(body);
+    bool isIts = found != m_settings.end() && found->second.uniqueId == qcUniqueIdOf(body);
     return isIts ? found->second.settings : qcSoftBodySettings();
 }
 
-btScalar qcSoftBodyScene::Reach() const
+btScalar qcSoftBodyScene::ContactDistance() const
 {
     btScalar soft = 0, rigid = 0;
-    for (const qcSceneSoftBody& known : m_bodies)
-        soft = std::max(soft, known.thickness);
-    for (const std::unique_ptr<qcSceneRigid>& known : meshes.Rigids())
-        for (const qcSceneMesh& mesh : known->meshes)
+    for (const qcSceneSoftBody& tracked : m_bodies)
+        soft = std::max(soft, tracked.thickness);
+    for (const std::unique_ptr<qcSceneRigid>& tracked : meshes.Rigids())
+        for (const qcSceneMesh& mesh : tracked->meshes)
             rigid = std::max(rigid, mesh.shape->getMargin());
     return std::max(soft, soft / 2 + rigid);
 }

@@ -11,54 +11,52 @@
 #include <utility>
 #include <vector>
 
-/// A soft body that the scene knows. The same address may be another body later: what the broadphase numbers anew when
-/// a body is added tells them apart.
+/// A soft body of the scene.
 struct qcSceneSoftBody
 {
     btSoftBody* body = nullptr;
-    int addition = 0; ///< unique id of its broadphase proxy
+    int uniqueId = 0; ///< see qcUniqueIdOf
     qcBodyId id{};
-    qcSoftTopology topology; ///< as given to the scene
+    qcSoftTopology topology; ///< that the scene has
     qcSoftBodySettings settings;
-    btScalar thickness = 0;        ///< settings.thickness, or what stands for its zero
-    bool moves = true;             ///< false: Bullet does not simulate it at present, and neither do contacts
-    bool startsAtEnd = false;      ///< all as it was at the end of the step before
-    std::vector<btVector3> start;  ///< node positions at the start of the step
-    std::vector<btVector3> solved; ///< as Bullet left them
-    /// Where contacts have them by now. Bullet's own nodes, which are large, are written when all is done.
-    std::vector<btVector3> places;
-    /// What untangling moved places by in this step, without velocity; empty if there was nothing to do.
+    btScalar thickness = 0;           ///< settings.thickness, or the default where that is 0
+    bool moves = true;                ///< false: Bullet does not simulate it at present, and contacts don't move it
+    bool startsWhereItEnded = false;  ///< its state is that of the end of the previous step
+    std::vector<btVector3> start;     ///< node positions at the start of the step
+    std::vector<btVector3> solved;    ///< after Bullet's own solvers
+    std::vector<btVector3> positions; ///< after contacts so far; copied to Bullet's nodes at the end of the step
+    /// The parts of the positions that untangling added in this step: no velocity comes of them. Empty: none.
     std::vector<btVector3> shifts;
-    std::vector<bool> held; ///< nodes that contacts don't move; empty if there are none
-    bool inContact = false; ///< some contact of this step may have moved it
+    std::vector<bool> pinned; ///< nodes that contacts don't move; empty: none
+    bool inContact = false;   ///< it is in a constraint of this step
 
     int NodeCount() const
     {
         return body->m_nodes.size();
     }
-    size_t NumberOf(const btSoftBody::Node* node) const
+    size_t IndexOf(const btSoftBody::Node* node) const
     {
         return size_t(node - &body->m_nodes[0]);
     }
-    /// How far a node goes in the step, what untangling moved it by left out.
+    /// The motion of a node in the step, without the shift.
     btVector3 MotionOf(size_t node, const btVector3& from) const
     {
-        return places[node] - from - (shifts.empty() ? btVector3(0, 0, 0) : shifts[node]);
+        return positions[node] - from - (shifts.empty() ? btVector3(0, 0, 0) : shifts[node]);
     }
-    /// function(node number) for each that contacts moved.
+    /// function(node index) for each node that contacts moved.
     template <typename Function> void ForEachMoved(Function function) const
     {
-        for (size_t i = 0; i < places.size(); i++)
-            if (places[i] != solved[i])
+        for (size_t i = 0; i < positions.size(); i++)
+            if (positions[i] != solved[i])
                 function(int(i));
     }
     /// 0: contacts don't move the node.
     btScalar InverseMass(uint32_t node) const
     {
-        bool pinned = !moves || (!held.empty() && held[node]);
-        return pinned ? btScalar(0) : body->m_nodes[int(node)].m_im;
+        bool isFixed = !moves || (!pinned.empty() && pinned[node]);
+        return isFixed ? btScalar(0) : body->m_nodes[int(node)].m_im;
     }
-    bool MeetsRigidBodies() const
+    bool CollidesWithRigidBodies() const
     {
         return (body->m_cfg.collisions & btSoftBody::fCollision::RVSmask) != 0;
     }
@@ -75,25 +73,24 @@ class qcSoftBodyScene
     qcSoftBodyScene(const qcSoftBodyScene&) = delete;
     qcSoftBodyScene& operator=(const qcSoftBodyScene&) = delete;
 
-    /// Makes the scene's soft bodies those of the array, and notes where they start this step: at this member of their
-    /// nodes.
-    qcStatus Synchronize(const btAlignedObjectArray<btSoftBody*>& bodies, btVector3 btSoftBody::Node::*start);
-    /// Notes where Bullet left the nodes, and makes the scene's meshes those near its soft bodies, between the start of
-    /// the step and there.
-    qcStatus TakeSolved(btScalar timeStep);
-    /// Gives the scene the places of nodes and meshes.
-    qcStatus UpdatePlaces();
+    /// Makes the scene's soft bodies those of the array, and reads their positions at the start of the step from this
+    /// member of their nodes.
+    qcStatus Sync(const btAlignedObjectArray<btSoftBody*>& bodies, btVector3 btSoftBody::Node::*start);
+    /// Reads the positions after Bullet's own solvers, and makes the scene's meshes those near the motions from the
+    /// start of the step to there.
+    qcStatus ReadSolved(btScalar timeStep);
+    /// Gives the scene the present positions of nodes and transforms of meshes.
+    qcStatus SyncPositions();
     /// Gives the scene the positions of the start of the step.
-    qcStatus PlaceAtStart();
-    /// True if all bodies, and the meshes near them, are where the step before left them, and nothing else changed that
-    /// decides which of their triangles can meet. After TakeSolved.
-    bool StartsWhereItEnded() const;
+    qcStatus SyncStartPositions();
+    /// True if all bodies and meshes start where the previous step left them, and all that decides which triangles are
+    /// tested is unchanged. After ReadSolved.
+    bool StartsWhereStepEnded() const;
     /// The corners of a triangle at the start of the step.
-    void StartOf(uint32_t slot, uint32_t triangle, double corners[9]);
-    /// Runs the line of data.
+    void GetStartCorners(uint32_t slot, uint32_t triangle, double corners[9]);
     qcStatus Detect(btScalar contactMargin, bool segments, const qcResult** result);
 
-    /// The body of a slot, or null.
+    /// The soft body of a slot, or null.
     qcSceneSoftBody* Find(uint32_t slot);
     std::vector<qcSceneSoftBody>& Bodies()
     {
@@ -103,7 +100,7 @@ class qcSoftBodyScene
     void SetSettings(const btSoftBody* body, const qcSoftBodySettings& settings);
     qcSoftBodySettings GetSettings(const btSoftBody* body) const;
     /// The largest distance at which two of the bodies push each other.
-    btScalar Reach() const;
+    btScalar ContactDistance() const;
 
     qcSoftBodyMeshes meshes;
     unsigned threads = 0;
@@ -112,14 +109,16 @@ class qcSoftBodyScene
   private:
     struct Setting
     {
-        int addition; ///< -1: given before the body was added
+        int uniqueId; ///< -1: given before the body was added
         qcSoftBodySettings settings;
     };
 
-    qcStatus Add(btSoftBody* body);
+    qcStatus CreateScene();
+    qcStatus Track(btSoftBody* body);
+    void UntrackRemoved(const btAlignedObjectArray<btSoftBody*>& bodies);
+    void ReadStart(qcSceneSoftBody& tracked, btVector3 btSoftBody::Node::*start);
+    void ApplySettings(qcSceneSoftBody& tracked);
     qcStatus SetVertices(std::vector<btVector3> qcSceneSoftBody::*positions);
-    void DropGone(const btAlignedObjectArray<btSoftBody*>& bodies);
-    void TakeSettings(qcSceneSoftBody& known);
 
     qcDevice* m_device;
     qcScene* m_scene = nullptr;

@@ -5,8 +5,8 @@
 
 namespace
 {
-// Thickness of a rope by the length of its links. A rope is thinner than its links are long: at half of it, as for
-// cloth, a rope of 20 links 10 cm long would lie 3 cm above a mesh.
+// Thickness of a rope by the length of its links. A rope is thinner than its links are long: with half the length, the
+// share that cloth has, a rope of 20 links of 10 cm would lie 3 cm above a mesh.
 constexpr btScalar s_ropeThickness = btScalar(0.125);
 
 struct Neighbour
@@ -15,7 +15,7 @@ struct Neighbour
     btScalar length; ///< of the link to it, at rest
 };
 
-uint32_t NumberOf(const btSoftBody* body, const btSoftBody::Node* node)
+uint32_t IndexOf(const btSoftBody* body, const btSoftBody::Node* node)
 {
     return uint32_t(node - &body->m_nodes[0]);
 }
@@ -23,7 +23,7 @@ uint32_t NumberOf(const btSoftBody* body, const btSoftBody::Node* node)
 std::pair<uint32_t, uint32_t> EndsOf(const btSoftBody* body, int link)
 {
     const btSoftBody::Link& l = body->m_links[link];
-    return {NumberOf(body, l.m_n[0]), NumberOf(body, l.m_n[1])};
+    return {IndexOf(body, l.m_n[0]), IndexOf(body, l.m_n[1])};
 }
 
 /// Neighbours of each node along links, without those that only resist bending.
@@ -41,8 +41,8 @@ std::vector<std::vector<Neighbour>> NeighboursOf(const btSoftBody* body)
     return neighbours;
 }
 
-/// Is a link a brace, that is, do two shorter links connect its ends? In a rope with links over two or the diagonals of
-/// a net, braces cross what they brace: as segments they would be pushed off it.
+/// True for a brace: a link whose ends two shorter links connect (the diagonal of a net, a link over two others of a
+/// rope). A brace crosses the links that it braces: as a segment it would be pushed off them.
 bool IsBrace(const std::vector<std::vector<Neighbour>>& neighbours, std::pair<uint32_t, uint32_t> ends, btScalar length)
 {
     for (const Neighbour& first : neighbours[ends.first])
@@ -52,7 +52,7 @@ bool IsBrace(const std::vector<std::vector<Neighbour>>& neighbours, std::pair<ui
     return false;
 }
 
-/// Appends the links that are ropes, each once; marks their nodes as no longer loose.
+/// Appends each rope link once, and clears the marks of its nodes.
 void AddRopes(const btSoftBody* body, qcSoftTopology* topology, std::vector<bool>* loose)
 {
     const std::vector<std::vector<Neighbour>> neighbours = NeighboursOf(body);
@@ -101,12 +101,12 @@ qcSoftTopology qcTopologyOf(const btSoftBody* body)
     qcSoftTopology topology;
     topology.faceCount = size_t(body->m_faces.size());
     topology.indices.reserve(3 * topology.faceCount);
-    // Nodes inside of a skin of faces touch nothing before the skin does.
+    // Nodes inside a skin of faces don't collide: the skin is hit first.
     std::vector<bool> loose(size_t(body->m_nodes.size()), body->m_tetras.size() == 0 || topology.faceCount == 0);
     for (int i = 0; i < body->m_faces.size(); i++)
         for (const btSoftBody::Node* node : body->m_faces[i].m_n)
         {
-            topology.indices.push_back(NumberOf(body, node));
+            topology.indices.push_back(IndexOf(body, node));
             loose[topology.indices.back()] = false;
         }
     if (body->m_tetras.size() == 0 && std::find(loose.begin(), loose.end(), true) != loose.end())
@@ -127,8 +127,9 @@ bool qcIsTopologyOf(const qcSoftTopology& topology, const btSoftBody* body)
         for (const btSoftBody::Node* node : body->m_faces[i].m_n)
             if (node != &body->m_nodes[0] + *index++)
                 return false;
-    auto isThere = [&](const std::pair<int, std::pair<uint32_t, uint32_t>>& link)
+    auto isUnchanged = [&](const std::pair<int, std::pair<uint32_t, uint32_t>>& link)
     { return EndsOf(body, link.first) == link.second; };
-    return topology.linkCount == -1 || (topology.linkCount == body->m_links.size() &&
-                                        std::all_of(topology.looseLinks.begin(), topology.looseLinks.end(), isThere));
+    return topology.linkCount == -1 ||
+           (topology.linkCount == body->m_links.size() &&
+            std::all_of(topology.looseLinks.begin(), topology.looseLinks.end(), isUnchanged));
 }

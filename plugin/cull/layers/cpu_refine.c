@@ -70,10 +70,10 @@ static bool MayMeet(const qcLayersBody* a, const qcLayersBody* b)
 static const uint64_t* TableOf(const Refining* r, uint32_t slot, uint32_t a, uint32_t b)
 {
     if (r->job->testNeighbours)
-        return a == b ? qcClusters_OrderTable() : NULL;
+        return a == b ? qcPairMask_OfOneNode() : NULL;
     const qcLayersPlace* place = &QC_AT(qcLayersPlace, r->job->bodies->places, slot);
     uint32_t link = qcClusters_FindLink(&place->clusters, a - place->firstNode, b - place->firstNode);
-    return link != QC_NO_LINK ? qcClusters_Table(&place->clusters, link) : NULL;
+    return link != QC_NO_LINK ? qcClusters_PairMask(&place->clusters, link) : NULL;
 }
 
 /// Entries of two nodes, or one and the same.

@@ -58,7 +58,7 @@ static void FindNeeds(const qcLayersBodies* bodies, const qcBody* body, const qc
     needs[qc_layersTriangles] = (size_t)clusters->nodeCount * qc_nodeSize;
     needs[qc_layersNodes] = needs[qc_layersActiveNodes] = clusters->nodeCount;
     needs[qc_layersLinks] = bodies->imageOnly ? 0 : clusters->links.count;
-    needs[qc_layersTables] = bodies->imageOnly ? 0 : clusters->tables.count;
+    needs[qc_layersTables] = bodies->imageOnly ? 0 : clusters->pairMasks.count;
     needs[qc_layersChunks] = needs[qc_layersVertices] / qc_chunkSize;
 }
 
@@ -243,10 +243,10 @@ static qcStatus UploadTables(qcLayersBodies* bodies, const qcLayersPlace* place)
     {
         qcLeafLink link = QC_AT(qcLeafLink, clusters->links, i);
         links[i][0] = place->firstNode + link.other;
-        links[i][1] = place->firstTable + link.table;
+        links[i][1] = place->firstTable + link.mask;
     }
     QC_TRY(AddUpload(bodies, qc_layersLinks, place->firstLink, clusters->links.count, links));
-    return AddUpload(bodies, qc_layersTables, place->firstTable, clusters->tables.count, clusters->tables.data);
+    return AddUpload(bodies, qc_layersTables, place->firstTable, clusters->pairMasks.count, clusters->pairMasks.data);
 }
 
 static qcStatus UploadTopology(qcLayersBodies* bodies, qcLayersPlace* place, uint32_t slot, const qcBody* body)

@@ -269,7 +269,7 @@ static void ListNeighboursOf(const qcClusters* clusters, uint32_t first, uint32_
 {
     const uint32_t* triangles = clusters->triangles.data;
     qcSlotPair pairs[qc_nodeSize * qc_nodeSize];
-    const qcSlotPair* end = qcClusters_FindNeighbours(clusters, node, link, NULL, 0, pairs);
+    const qcSlotPair* end = qcClusters_FindNeighbours(clusters, node, link, pairs);
     for (const qcSlotPair* pair = pairs; pair < end; pair++)
         QC_AT(uint64_t, *keys, keys->count++) =
             qcStepTriangles_Key(first + triangles[pair->a], first + triangles[pair->b]);

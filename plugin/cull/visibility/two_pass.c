@@ -10,7 +10,8 @@
 // Which side a pass looks from makes no difference to that: a surface of unit depth complexity parts a primitive from
 // what it is fully in front of, and from what it is fully behind.
 //
-// At samples this has image precision: what falls between them is lost, as in the paper. Grown primitives (gl/growth.c)
+// At samples this has image precision: what falls between them is lost, as in the paper. Dilated primitives
+// (gl/visibility/conservative_dilation.c)
 // lose nothing: two that come within the margin somewhere have a pixel in common in which the depths that each may have
 // overlap, and there neither is in front of the other or behind it, by the comparison between objects.
 #include "cull/visibility/two_pass.h"
@@ -220,8 +221,8 @@ qcStatus qcCullVisibility_Run(const qcCullJob* job, qcCullScratch* scratch, qcVi
                            .corners = job->corners,
                            .triangleCount = job->triangleCount,
                            .resolution = job->resolution,
-                           .grown = job->reliable,
-                           .growth = {job->growth[0], job->growth[1], job->growth[2]}};
+                           .dilated = job->reliable,
+                           .dilation = {job->growth[0], job->growth[1], job->growth[2]}};
     QC_TRY(qcVisibility_Create(&def, &p.visibility));
     qcStatus status = RunViews(&p);
     qcVisibility_Destroy(p.visibility);

@@ -1,9 +1,9 @@
 // Visibility queries: depth only, one occlusion query for each test. Quick-CULLIDE, VR 2005, sections 3.1 and 3.2.
-// The order of drawing is gl/visibility/tile_schedule.c's; this file only draws it.
+// gl/visibility/tile_schedule.c gives the order of drawing.
 #include "gl/visibility/occlusion_queries.h"
 
 #include "gl/device.h"
-#include "gl/visibility/conservative_growth.h"
+#include "gl/visibility/conservative_dilation.h"
 #include "gl/visibility/tile_schedule.h"
 #include "gl/gl_functions.h"
 #include "base/status.h"
@@ -17,12 +17,12 @@
 enum
 {
     // Software rasterisers bin each query into every 64 x 64 block of the framebuffer: 20 000 queries at 4096 x 4096
-    // take 1.8 s untiled, 0.35 s in tiles of this size, more in smaller or larger ones (llvmpipe, 2 cores).
+    // take 1.8 s untiled, 0.35 s in tiles of this size, more in smaller or larger tiles (llvmpipe, 2 cores).
     qc_softwareTileSize = 512,
-    // llvmpipe counts wrongly (hidden where it is visible) when its 36 MiB of commands run full at a query's begin or
-    // end; a test and the render after it take up to 128 KiB of them.
+    // llvmpipe gives wrong results (hidden instead of visible) when its 36 MiB of commands run full at a query's begin
+    // or end. A test and the render after it take up to 128 KiB of them.
     qc_queriesPerFlush = 128,
-    // Bounds the memory in query objects. Reading less often than this is no faster.
+    // Limits the memory for query objects. Reading less often is no faster.
     qc_maxPending = 16384
 };
 
@@ -31,18 +31,18 @@ struct qcVisibility
     qcDevice* device;
     uint32_t triangleCount;
     uint32_t resolution, tileSize;
-    bool isGrown;
-    double growth[3];
+    bool isDilated;
+    double dilation[3];
     qcArray corners; ///< of float
-    qcArray grown;   ///< of qcGrownCorner: for one axis
-    int grownAxis;   ///< the axis they lie on the device for, or -1
-    qcSchedule schedule;
+    qcArray dilated; ///< of qcDilatedCorner, for one axis
+    int dilatedAxis; ///< the axis of those on the device, or -1
+    qcTileSchedule schedule;
     GLuint program, vertexArray, vertexBuffer, indexBuffer, framebuffer, depthBuffer;
     qcArray queries; ///< of GLuint
 };
 
-// `scale`: 0.9, so that every depth stays off the ends of the range and the cleared depth is behind everything; -0.9 to
-// look from the other side, with the same comparison.
+// `scale`: 0.9 keeps every depth off the ends of the range, so the cleared depth is behind everything. -0.9: the view
+// from the other side, with the same comparison.
 static const char* const s_vertexShader =
     "#version 330 core\n"
     "in vec3 position;\n"
@@ -58,56 +58,56 @@ static const char* const s_fragmentShader = "#version 330 core\n"
                                             "{\n"
                                             "}\n";
 
-// Grown triangles: a depth is computed from flat values where it is needed. Interpolated ones would be off by more than
-// any bound where a triangle is seen nearly edge-on.
-static const char* const s_grownVertexShader = "#version 330 core\n"
-                                               "layout(location = 0) in vec4 position;\n"
-                                               "layout(location = 1) in vec4 plane;\n"
-                                               "flat out vec2 range;\n"
-                                               "flat out vec4 face;\n"
-                                               "void main()\n"
-                                               "{\n"
-                                               "    range = position.zw;\n"
-                                               "    face = plane;\n"
-                                               "    gl_Position = vec4(position.xy, 0.0, 1.0);\n"
-                                               "}\n";
+// Dilated triangles: each fragment computes its depth from flat values. The error of interpolated ones has no bound
+// where a triangle is seen nearly edge-on.
+static const char* const s_dilatedVertexShader = "#version 330 core\n"
+                                                 "layout(location = 0) in vec4 position;\n"
+                                                 "layout(location = 1) in vec4 plane;\n"
+                                                 "flat out vec2 range;\n"
+                                                 "flat out vec4 face;\n"
+                                                 "void main()\n"
+                                                 "{\n"
+                                                 "    range = position.zw;\n"
+                                                 "    face = plane;\n"
+                                                 "    gl_Position = vec4(position.xy, 0.0, 1.0);\n"
+                                                 "}\n";
 
-// `place`: first pixel of the tile in the image, then -1 for the nearest depth a triangle may have, 1 for the farthest.
-static const char* const s_grownFragmentShader =
+// `tile`: first pixel of the tile in the image, then -1 for a triangle's nearest possible depth, 1 for its farthest.
+static const char* const s_dilatedFragmentShader =
     "#version 330 core\n"
     "flat in vec2 range;\n"
     "flat in vec4 face;\n"
-    "uniform vec3 place;\n"
+    "uniform vec3 tile;\n"
     "uniform float scale;\n"
     "void main()\n"
     "{\n"
-    "    vec2 pixel = gl_FragCoord.xy + place.xy;\n"
-    "    float depth = face.x + face.y * pixel.x + face.z * pixel.y + place.z * face.w;\n"
+    "    vec2 pixel = gl_FragCoord.xy + tile.xy;\n"
+    "    float depth = face.x + face.y * pixel.x + face.z * pixel.y + tile.z * face.w;\n"
     "    gl_FragDepth = 0.5 + 0.5 * scale * clamp(depth, range.x, range.y);\n"
     "}\n";
 
-/// The layout of what is drawn: corners as they came, uploaded once, or grown, uploaded for each axis.
+/// Sets the vertex layout: the caller's corners, uploaded once here, or dilated ones, uploaded for each axis.
 static void LayOutVertices(const struct qcGlFunctions* gl, const qcVisibility* v)
 {
     gl->EnableVertexAttribArray(0);
-    if (!v->isGrown)
+    if (!v->isDilated)
     {
         gl->BufferData(GL_ARRAY_BUFFER, (GLsizeiptr)(v->corners.count * sizeof(float)), v->corners.data,
                        GL_STATIC_DRAW);
         gl->VertexAttribPointer(0, 3, GL_FLOAT, GL_FALSE, 0, NULL);
         return;
     }
-    gl->VertexAttribPointer(0, 4, GL_FLOAT, GL_FALSE, sizeof(qcGrownCorner), (void*)offsetof(qcGrownCorner, x));
+    gl->VertexAttribPointer(0, 4, GL_FLOAT, GL_FALSE, sizeof(qcDilatedCorner), (void*)offsetof(qcDilatedCorner, x));
     gl->EnableVertexAttribArray(1);
-    gl->VertexAttribPointer(1, 4, GL_FLOAT, GL_FALSE, sizeof(qcGrownCorner), (void*)offsetof(qcGrownCorner, base));
+    gl->VertexAttribPointer(1, 4, GL_FLOAT, GL_FALSE, sizeof(qcDilatedCorner), (void*)offsetof(qcDilatedCorner, base));
 }
 
 static qcStatus CreateObjects(const struct qcGlFunctions* gl, void* context)
 {
     qcVisibility* v = context;
-    if (v->isGrown)
-        QC_TRY(
-            qcGlFunctions_GetProgram(gl, "grown visibility", s_grownVertexShader, s_grownFragmentShader, &v->program));
+    if (v->isDilated)
+        QC_TRY(qcGlFunctions_GetProgram(gl, "dilated visibility", s_dilatedVertexShader, s_dilatedFragmentShader,
+                                        &v->program));
     else
         QC_TRY(qcGlFunctions_GetProgram(gl, "visibility", s_vertexShader, s_fragmentShader, &v->program));
 
@@ -150,20 +150,20 @@ typedef struct PassJob
 {
     qcVisibility* visibility;
     const qcVisibilityPass* pass;
-    GLint place; ///< of the uniform; grown triangles only
+    GLint tileUniform; ///< location; dilated triangles only
     uint8_t* visible;
-    size_t firstPending, endPending; ///< tests that were issued and not read yet
+    size_t firstPending, endPending; ///< tests that were issued and are not read yet
     size_t unflushed;
 } PassJob;
 
 static uint32_t GetPolygonCorners(const qcVisibility* v)
 {
-    return v->isGrown ? qc_grownCorners : 3;
+    return v->isDilated ? qc_dilatedCorners : 3;
 }
 
 static void DrawPolygons(const struct qcGlFunctions* gl, const qcVisibility* v, size_t first, size_t count)
 {
-    size_t indexCount = qcSchedule_GetIndexCount(GetPolygonCorners(v));
+    size_t indexCount = qcTileSchedule_GetIndexCount(GetPolygonCorners(v));
     gl->DrawElements(GL_TRIANGLES, (GLsizei)(indexCount * count), GL_UNSIGNED_INT,
                      (const void*)(first * indexCount * sizeof(uint32_t)));
 }
@@ -192,13 +192,13 @@ static void IssueTest(const struct qcGlFunctions* gl, PassJob* job, const qcSche
     ++job->endPending;
 }
 
-/// A grown triangle hides with the depth towards the eye, and is tested with the one away from it.
-static void PickDepth(const struct qcGlFunctions* gl, const PassJob* job, const qcScheduleTile* tile, bool test)
+/// Selects the depth of dilated triangles: the nearest to the eye to hide others, the farthest from it to be tested.
+static void SelectDepth(const struct qcGlFunctions* gl, const PassJob* job, const qcScheduleTile* tile, bool test)
 {
-    if (!job->visibility->isGrown)
+    if (!job->visibility->isDilated)
         return;
-    const float place[3] = {(float)tile->x, (float)tile->y, test == job->pass->fromBack ? -1.0f : 1.0f};
-    gl->Uniform3fv(job->place, 1, place);
+    const float values[3] = {(float)tile->x, (float)tile->y, test == job->pass->fromBack ? -1.0f : 1.0f};
+    gl->Uniform3fv(job->tileUniform, 1, values);
 }
 
 static void DrawTile(const struct qcGlFunctions* gl, PassJob* job, const qcScheduleTile* tile)
@@ -214,7 +214,7 @@ static void DrawTile(const struct qcGlFunctions* gl, PassJob* job, const qcSched
         {
             gl->DepthFunc(job->pass->compare == qc_compareGreater ? GL_GREATER : GL_GEQUAL);
             gl->DepthMask(GL_FALSE);
-            PickDepth(gl, job, tile, true);
+            SelectDepth(gl, job, tile, true);
             for (size_t i = 0; i < batch->testCount; ++i)
                 IssueTest(gl, job, &QC_AT(qcScheduleTest, v->schedule.tests, batch->firstTest + i));
             gl->DepthFunc(GL_LESS);
@@ -222,7 +222,7 @@ static void DrawTile(const struct qcGlFunctions* gl, PassJob* job, const qcSched
         }
         if (batch->polygonCount > 0)
         {
-            PickDepth(gl, job, tile, false);
+            SelectDepth(gl, job, tile, false);
             DrawPolygons(gl, v, batch->firstPolygon, batch->polygonCount);
         }
     }
@@ -233,7 +233,7 @@ static void ReadPending(const struct qcGlFunctions* gl, PassJob* job)
     const qcVisibility* v = job->visibility;
     for (size_t i = job->firstPending; i < job->endPending; ++i)
     {
-        // A query that can't be read leaves this as it is: hidden is the safe answer.
+        // A query that can't be read leaves this value: hidden is the conservative result.
         GLuint failed = GL_TRUE;
         gl->GetQueryObjectuiv(QC_AT(GLuint, v->queries, i - job->firstPending), GL_QUERY_RESULT, &failed);
         if (failed)
@@ -242,30 +242,30 @@ static void ReadPending(const struct qcGlFunctions* gl, PassJob* job)
     job->firstPending = job->endPending;
 }
 
-static void UploadGrown(const struct qcGlFunctions* gl, qcVisibility* v, int axis)
+static void UploadDilated(const struct qcGlFunctions* gl, qcVisibility* v, int axis)
 {
-    if (v->grownAxis == axis)
+    if (v->dilatedAxis == axis)
         return;
     gl->BindBuffer(GL_ARRAY_BUFFER, v->vertexBuffer);
-    gl->BufferData(GL_ARRAY_BUFFER, (GLsizeiptr)(v->grown.count * sizeof(qcGrownCorner)), v->grown.data,
+    gl->BufferData(GL_ARRAY_BUFFER, (GLsizeiptr)(v->dilated.count * sizeof(qcDilatedCorner)), v->dilated.data,
                    GL_STREAM_DRAW);
-    v->grownAxis = axis;
+    v->dilatedAxis = axis;
 }
 
 static qcStatus DrawPass(const struct qcGlFunctions* gl, void* context)
 {
     PassJob* job = context;
     qcVisibility* v = job->visibility;
-    const qcSchedule* schedule = &v->schedule;
+    const qcTileSchedule* schedule = &v->schedule;
     gl->UseProgram(v->program);
     gl->Uniform1f(gl->GetUniformLocation(v->program, "scale"), job->pass->fromBack ? -0.9f : 0.9f);
     gl->BindVertexArray(v->vertexArray);
-    if (!v->isGrown)
+    if (!v->isDilated)
         gl->Uniform1i(gl->GetUniformLocation(v->program, "axis"), job->pass->axis);
     else
     {
-        job->place = gl->GetUniformLocation(v->program, "place");
-        UploadGrown(gl, v, job->pass->axis);
+        job->tileUniform = gl->GetUniformLocation(v->program, "tile");
+        UploadDilated(gl, v, job->pass->axis);
     }
     gl->BufferData(GL_ELEMENT_ARRAY_BUFFER, (GLsizeiptr)(schedule->indices.count * sizeof(uint32_t)),
                    schedule->indices.data, GL_STREAM_DRAW);
@@ -293,9 +293,9 @@ static qcStatus CheckDef(const qcVisibilityDef* def, const qcDeviceInfo* info)
         return qcFail(qc_statusBadInput, "visibility queries: resolution %u is not in 1..%u, the limit of device %s",
                       def->resolution, info->maxResolution, info->name);
     // GL counts the indices of a draw in an int.
-    uint32_t most = (uint32_t)(INT_MAX / qcSchedule_GetIndexCount(def->grown ? qc_grownCorners : 3));
-    if (def->triangleCount > most)
-        return qcFail(qc_statusBadInput, "visibility queries: %u triangles are more than %u", def->triangleCount, most);
+    uint32_t max = (uint32_t)(INT_MAX / qcTileSchedule_GetIndexCount(def->dilated ? qc_dilatedCorners : 3));
+    if (def->triangleCount > max)
+        return qcFail(qc_statusBadInput, "visibility queries: %u triangles are more than %u", def->triangleCount, max);
     return qc_statusOk;
 }
 
@@ -307,15 +307,15 @@ qcStatus qcVisibility_Create(const qcVisibilityDef* def, qcVisibility** visibili
     qcVisibility* v = qcAllocateZeroed(sizeof *v);
     if (v == NULL)
         return qcFailMemory(sizeof *v, "visibility queries");
-    uint32_t best = info.software ? qc_softwareTileSize : def->resolution;
-    uint32_t tileSize = def->tileSize != 0 ? def->tileSize : best;
+    uint32_t defaultSize = info.software ? qc_softwareTileSize : def->resolution;
+    uint32_t tileSize = def->tileSize != 0 ? def->tileSize : defaultSize;
     v->device = def->device;
     v->triangleCount = def->triangleCount;
     v->resolution = def->resolution;
     v->tileSize = tileSize < def->resolution ? tileSize : def->resolution;
-    v->isGrown = def->grown;
-    v->grownAxis = -1;
-    memcpy(v->growth, def->growth, sizeof v->growth);
+    v->isDilated = def->dilated;
+    v->dilatedAxis = -1;
+    memcpy(v->dilation, def->dilation, sizeof v->dilation);
     size_t floatCount = (size_t)9 * def->triangleCount;
     qcStatus status = qcArray_Resize(&v->corners, floatCount, sizeof(float), "triangles of visibility queries");
     if (status == qc_statusOk)
@@ -337,30 +337,30 @@ void qcVisibility_Destroy(qcVisibility* v)
 {
     if (v == NULL)
         return;
-    // It is called after failures too: the message of the first is the one to keep.
+    // Called after failures too: the message of the first failure stays.
     char message[512];
     snprintf(message, sizeof message, "%s", qcLastMessage());
     if (qcDevice_Run(v->device, DeleteObjects, v, "visibility queries, release") != qc_statusOk)
         qcFail(qc_statusDevice, "%s", message);
     qcArray_Free(&v->corners);
-    qcArray_Free(&v->grown);
+    qcArray_Free(&v->dilated);
     qcArray_Free(&v->queries);
-    qcSchedule_Free(&v->schedule);
+    qcTileSchedule_Free(&v->schedule);
     qcFree(v, sizeof *v);
 }
 
-/// Makes the polygons of an axis, unless they are on the device, and says how far they reach.
-static qcStatus Grow(qcVisibility* v, int axis, float reach[2])
+/// Dilates the triangles for an axis, unless those on the device are. `reach`: pixels that they extend beyond.
+static qcStatus Dilate(qcVisibility* v, int axis, float reach[2])
 {
-    qcGrowth growth = {.axis = axis, .resolution = v->resolution};
-    memcpy(growth.size, v->growth, sizeof growth.size);
+    qcDilation dilation = {.axis = axis, .resolution = v->resolution};
+    memcpy(dilation.size, v->dilation, sizeof dilation.size);
     for (int i = 0; i < 2; ++i)
-        reach[i] = (float)qcGrowth_GetReach(&growth, (axis + 1 + i) % 3);
-    if (v->grownAxis == axis)
+        reach[i] = (float)qcDilation_GetReach(&dilation, (axis + 1 + i) % 3);
+    if (v->dilatedAxis == axis)
         return qc_statusOk;
-    size_t count = (size_t)v->triangleCount * qc_grownCorners;
-    QC_TRY(qcArray_Resize(&v->grown, count, sizeof(qcGrownCorner), "grown triangles"));
-    qcGrowth_Apply(&growth, v->corners.data, v->triangleCount, v->grown.data);
+    size_t count = (size_t)v->triangleCount * qc_dilatedCorners;
+    QC_TRY(qcArray_Resize(&v->dilated, count, sizeof(qcDilatedCorner), "dilated triangles"));
+    qcDilation_Apply(&dilation, v->corners.data, v->triangleCount, v->dilated.data);
     return qc_statusOk;
 }
 
@@ -379,9 +379,9 @@ qcStatus qcVisibility_RunPass(qcVisibility* v, const qcVisibilityPass* pass, con
                            .tileSize = v->tileSize,
                            .axis = pass->axis,
                            .polygonCorners = GetPolygonCorners(v)};
-    if (v->isGrown)
-        QC_TRY(Grow(v, pass->axis, view.reach));
-    QC_TRY(qcSchedule_Build(&v->schedule, &view, steps, stepCount));
+    if (v->isDilated)
+        QC_TRY(Dilate(v, pass->axis, view.reach));
+    QC_TRY(qcTileSchedule_Build(&v->schedule, &view, steps, stepCount));
     PassJob job = {.visibility = v, .pass = pass, .visible = visible};
     return qcDevice_Run(v->device, DrawPass, &job, "visibility queries, pass");
 }

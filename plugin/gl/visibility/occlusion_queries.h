@@ -1,5 +1,5 @@
-// Visibility queries: the part of CULLIDE that only GL can do. Triangles go up once; passes of tests and
-// renders in a given order come after, one for each view and direction.
+// Visibility queries of CULLIDE. Triangles are uploaded once. Each pass, for a view and a direction, tests and renders
+// them in a given order.
 #ifndef QC_GL_VISIBILITY_OCCLUSION_QUERIES_H
 #define QC_GL_VISIBILITY_OCCLUSION_QUERIES_H
 
@@ -7,11 +7,11 @@
 
 typedef struct qcVisibility qcVisibility;
 
-/// What a pass does to a run of triangles that lie together in memory.
+/// What a pass does to a range of triangles.
 typedef struct qcVisibilityStep
 {
     uint32_t firstTriangle, triangleCount;
-    /// Test against what was rendered before, with an occlusion query; nothing is drawn.
+    /// Test against the depths rendered so far, with an occlusion query; nothing is drawn.
     bool test;
     /// Then draw into the depth buffer, keeping the nearest depth.
     bool render;
@@ -31,13 +31,13 @@ typedef struct qcVisibilityDef
     const float* corners; ///< nine floats a triangle, every coordinate within [-1, 1] (x, y, z as in the world)
     uint32_t triangleCount;
     uint32_t resolution; ///< pixels on a side, at most the device's limit
-    /// The image is cut into tiles of this many pixels on a side; 0: as is best on the device. The samples are the
-    /// same; corners and depths may be rounded differently in the last bit.
+    /// The image is drawn in tiles of this many pixels on a side; 0: the device's default. Samples don't depend on it;
+    /// corners and depths may be rounded differently in the last bit.
     uint32_t tileSize;
-    /// Grow each triangle by half a pixel and by a box of these half sizes: what is fully visible then has no point
-    /// within the half sizes of both it and what was rendered (see gl/visibility/conservative_growth.c).
-    bool grown;
-    double growth[3];
+    /// Dilate each triangle by half a pixel and by a box of these half sizes. No point is then within the half sizes of
+    /// both a fully visible triangle and a rendered one. Proof: plugin/docs/proofs/conservative_dilation.md.
+    bool dilated;
+    double dilation[3];
 } qcVisibilityDef;
 
 qcStatus qcVisibility_Create(const qcVisibilityDef* def, qcVisibility** visibility);
@@ -45,15 +45,15 @@ void qcVisibility_Destroy(qcVisibility* visibility);
 
 typedef struct qcVisibilityPass
 {
-    int axis; ///< looked along: 0, 1, 2
+    int axis; ///< of view: 0, 1, 2
     qcVisibilityCompare compare;
-    /// Look from the other side: rendering keeps the farthest depth, and fully visible means fully behind.
+    /// View from the other side: rendering keeps the farthest depth, and fully visible means fully behind.
     bool fromBack;
 } qcVisibilityPass;
 
 /// Runs one pass from an empty buffer. The steps take effect in their order.
 /// visible[i] = 1 when step i has its test flag and no fragment of it fails; else 0.
-/// Queries are issued all together and read afterwards.
+/// All queries are issued before they are read.
 qcStatus qcVisibility_RunPass(qcVisibility* visibility, const qcVisibilityPass* pass, const qcVisibilityStep* steps,
                               uint32_t stepCount, uint8_t* visible);
 

@@ -1,5 +1,5 @@
-// Bins the triangles of a pass into tiles, then gives each step of a tile the earliest level that keeps its meaning.
-// A level is a batch: all its tests, then all its renders. Boxes of pixels stand for triangles, so it is conservative.
+// Bins the triangles of a pass into tiles, then gives each step of a tile the earliest level that keeps its result. A
+// level is a batch: all its tests, then all its renders. Pixel boxes stand for triangles, which is conservative.
 #include "gl/visibility/tile_schedule.h"
 
 #include "base/status.h"
@@ -8,14 +8,14 @@
 
 enum
 {
-    // Pixels on a side of the cells in which steps are found to overlap: about the size of a triangle when 20 000 of
+    // Pixels on a side of the cells by which overlaps of steps are found: about the size of a triangle when 20 000 of
     // them fill an image of 1024 pixels.
     qc_cellSize = 8,
     // Cells on a side of a tile at most, so that a step as large as the image stays cheap.
     qc_maxCells = 256
 };
 
-/// Pixels that fragments of a triangle may have, both ends included.
+/// Pixels that fragments of a triangle may cover, both ends included.
 typedef struct PixelBox
 {
     uint16_t x0, y0, x1, y1;
@@ -35,7 +35,7 @@ typedef struct Run
     size_t firstEntry;
 } Run;
 
-/// The levels of what touched a cell so far.
+/// Levels of the steps that touched a cell so far.
 typedef struct Cell
 {
     uint32_t afterRenders; ///< first level whose tests see every render so far
@@ -47,7 +47,16 @@ typedef struct CellBox
     uint32_t x0, y0, x1, y1;
 } CellBox;
 
-/// The pixel that holds a coordinate in pixels, moved into the image; not a number gives 0.
+/// The pass that is scheduled.
+typedef struct Pass
+{
+    const qcScheduleView* view;
+    const qcVisibilityStep* steps;
+    uint32_t stepCount;
+    uint32_t tilesPerSide;
+} Pass;
+
+/// The pixel that contains a coordinate in pixels, clamped to the image; NaN gives 0.
 static uint16_t ClampPixel(float pixel, uint32_t resolution)
 {
     if (!(pixel > 0.0f))
@@ -69,7 +78,7 @@ static PixelBox FindBox(const qcScheduleView* view, uint32_t triangle)
             upper[k] = point[k] > upper[k] ? point[k] : upper[k];
         }
     }
-    // One pixel wider: rasterisers round corners to a grid of their own, of 1/256 pixel or so.
+    // One pixel wider: rasterisers round corners to a grid of about 1/256 pixel.
     float half = 0.5f * (float)view->resolution, reachX = view->reach[0] + 1.0f, reachY = view->reach[1] + 1.0f;
     return (PixelBox){ClampPixel((lower[0] + 1.0f) * half - reachX, view->resolution),
                       ClampPixel((lower[1] + 1.0f) * half - reachY, view->resolution),
@@ -77,46 +86,49 @@ static PixelBox FindBox(const qcScheduleView* view, uint32_t triangle)
                       ClampPixel((upper[1] + 1.0f) * half + reachY, view->resolution)};
 }
 
-/// Entries sorted by tile, in the order of the steps within a tile. tileFirst has one element more than there are
-/// tiles.
-static qcStatus BinTriangles(qcSchedule* s, const qcScheduleView* view, const qcVisibilityStep* steps,
-                             uint32_t stepCount, uint32_t tilesPerSide)
+/// Counts the triangle in each tile that its box touches, or, if `entries` isn't null, adds it to each. `tileFirst` is
+/// two elements ahead of the tile when counting, and one when adding: counts turn into begins, and begins into ends, in
+/// place.
+static void BinTriangle(const Pass* pass, size_t* tileFirst, Entry* entries, uint32_t step, uint32_t triangle)
 {
-    size_t tileCount = (size_t)tilesPerSide * tilesPerSide;
-    // Two more: counts are kept two places up, so that they turn into firsts, and then into ends, where they lie.
+    uint32_t tileSize = pass->view->tileSize;
+    PixelBox box = FindBox(pass->view, triangle);
+    for (uint32_t ty = box.y0 / tileSize; ty <= box.y1 / tileSize; ++ty)
+    {
+        for (uint32_t tx = box.x0 / tileSize; tx <= box.x1 / tileSize; ++tx)
+        {
+            size_t tile = (size_t)ty * pass->tilesPerSide + tx;
+            if (entries == NULL)
+                ++tileFirst[tile + 2];
+            else
+                entries[tileFirst[tile + 1]++] = (Entry){step, triangle, box};
+        }
+    }
+}
+
+static void BinSteps(const Pass* pass, size_t* tileFirst, Entry* entries)
+{
+    for (uint32_t i = 0; i < pass->stepCount; ++i)
+    {
+        const qcVisibilityStep* step = &pass->steps[i];
+        for (uint32_t k = 0; (step->test || step->render) && k < step->triangleCount; ++k)
+            BinTriangle(pass, tileFirst, entries, i, step->firstTriangle + k);
+    }
+}
+
+/// Sorts entries by tile, in step order within a tile. Entries of tile i are tileFirst[i] .. tileFirst[i + 1].
+static qcStatus BinTriangles(qcTileSchedule* s, const Pass* pass)
+{
+    size_t tileCount = (size_t)pass->tilesPerSide * pass->tilesPerSide;
     QC_TRY(qcArray_Resize(&s->tileFirst, tileCount + 2, sizeof(size_t), "tiles"));
     size_t* tileFirst = s->tileFirst.data;
     memset(tileFirst, 0, (tileCount + 2) * sizeof(size_t));
-    for (int fill = 0; fill < 2; ++fill)
-    {
-        for (uint32_t i = 0; i < stepCount; ++i)
-        {
-            if (!steps[i].test && !steps[i].render)
-                continue;
-            for (uint32_t k = 0; k < steps[i].triangleCount; ++k)
-            {
-                uint32_t triangle = steps[i].firstTriangle + k;
-                PixelBox box = FindBox(view, triangle);
-                for (uint32_t ty = box.y0 / view->tileSize; ty <= box.y1 / view->tileSize; ++ty)
-                {
-                    for (uint32_t tx = box.x0 / view->tileSize; tx <= box.x1 / view->tileSize; ++tx)
-                    {
-                        size_t tile = (size_t)ty * tilesPerSide + tx;
-                        if (fill == 0)
-                            ++tileFirst[tile + 2];
-                        else
-                            QC_AT(Entry, s->entries, tileFirst[tile + 1]++) = (Entry){i, triangle, box};
-                    }
-                }
-            }
-        }
-        if (fill == 0)
-        {
-            for (size_t tile = 1; tile < tileCount + 2; ++tile)
-                tileFirst[tile] += tileFirst[tile - 1];
-            QC_TRY(qcArray_Resize(&s->entries, tileFirst[tileCount + 1], sizeof(Entry), "triangles in tiles"));
-        }
-    }
+    BinSteps(pass, tileFirst, NULL);
+    for (size_t tile = 1; tile < tileCount + 2; ++tile)
+        tileFirst[tile] += tileFirst[tile - 1];
+    QC_TRY(qcArray_Resize(&s->entries, tileFirst[tileCount + 1], sizeof(Entry), "triangles in tiles"));
+    if (s->entries.count != 0)
+        BinSteps(pass, tileFirst, s->entries.data);
     return qc_statusOk;
 }
 
@@ -135,7 +147,8 @@ static PixelBox JoinBoxes(PixelBox a, PixelBox b)
                       a.y1 > b.y1 ? a.y1 : b.y1};
 }
 
-/// The first level at which a step still sees what it must see and doesn't show what it must not show yet.
+/// Gives a step the first level at which its tests see all earlier renders, and its renders are not seen by earlier
+/// tests. Updates the cells.
 static uint32_t TakeLevel(Cell* cells, uint32_t cellsPerSide, CellBox box, const qcVisibilityStep* step)
 {
     uint32_t level = 0;
@@ -146,7 +159,7 @@ static uint32_t TakeLevel(Cell* cells, uint32_t cellsPerSide, CellBox box, const
             const Cell* cell = &cells[(size_t)y * cellsPerSide + x];
             if (step->test && cell->afterRenders > level)
                 level = cell->afterRenders;
-            // In its own level a render comes after the tests. Renders among themselves may change places.
+            // Within a level renders come after tests. The order of renders does not matter.
             if (step->render && cell->lastTest > level)
                 level = cell->lastTest;
         }
@@ -165,28 +178,35 @@ static uint32_t TakeLevel(Cell* cells, uint32_t cellsPerSide, CellBox box, const
     return level;
 }
 
-/// The runs of a tile, each with its level. Returns the number of levels through the last pointer.
-static qcStatus FindRuns(qcSchedule* s, const qcScheduleView* view, const qcVisibilityStep* steps,
-                         const qcScheduleTile* tile, size_t firstEntry, size_t endEntry, uint32_t* levelCount)
+/// Clears the cells of a tile. Returns their number on a side and their size in pixels.
+static qcStatus ClearCells(qcTileSchedule* s, uint32_t tileSize, uint32_t* cellsPerSide, uint32_t* cellSize)
 {
-    uint32_t cellSize = (view->tileSize + qc_maxCells - 1) / qc_maxCells;
-    if (cellSize < qc_cellSize)
-        cellSize = qc_cellSize;
-    uint32_t cellsPerSide = (view->tileSize + cellSize - 1) / cellSize;
-    size_t cellCount = (size_t)cellsPerSide * cellsPerSide;
+    *cellSize = (tileSize + qc_maxCells - 1) / qc_maxCells;
+    if (*cellSize < qc_cellSize)
+        *cellSize = qc_cellSize;
+    *cellsPerSide = (tileSize + *cellSize - 1) / *cellSize;
+    size_t cellCount = (size_t)*cellsPerSide * *cellsPerSide;
     QC_TRY(qcArray_Resize(&s->cells, cellCount, sizeof(Cell), "cells of a tile"));
     memset(s->cells.data, 0, cellCount * sizeof(Cell));
-    QC_TRY(qcArray_Resize(&s->runs, 0, sizeof(Run), "runs of a tile"));
+    return qc_statusOk;
+}
 
+/// Finds the runs of a tile, each with its level, from the tile's entries.
+static qcStatus FindRuns(qcTileSchedule* s, const Pass* pass, const qcScheduleTile* tile, const size_t entryRange[2],
+                         uint32_t* levelCount)
+{
+    uint32_t tileSize = pass->view->tileSize, cellsPerSide = 0, cellSize = 0;
+    QC_TRY(ClearCells(s, tileSize, &cellsPerSide, &cellSize));
+    QC_TRY(qcArray_Resize(&s->runs, 0, sizeof(Run), "runs of a tile"));
     *levelCount = 0;
     const Entry* entries = s->entries.data;
-    for (size_t i = firstEntry, end; i < endEntry; i = end)
+    for (size_t i = entryRange[0], end; i < entryRange[1]; i = end)
     {
         PixelBox box = entries[i].box;
-        for (end = i + 1; end < endEntry && entries[end].step == entries[i].step; ++end)
+        for (end = i + 1; end < entryRange[1] && entries[end].step == entries[i].step; ++end)
             box = JoinBoxes(box, entries[end].box);
-        CellBox cells = FindCells(box, tile, view->tileSize, cellSize);
-        uint32_t level = TakeLevel(s->cells.data, cellsPerSide, cells, &steps[entries[i].step]);
+        CellBox cells = FindCells(box, tile, tileSize, cellSize);
+        uint32_t level = TakeLevel(s->cells.data, cellsPerSide, cells, &pass->steps[entries[i].step]);
         if (level + 1 > *levelCount)
             *levelCount = level + 1;
         QC_TRY(qcArray_Reserve(&s->runs, s->runs.count + 1, sizeof(Run), "runs of a tile"));
@@ -197,12 +217,12 @@ static qcStatus FindRuns(qcSchedule* s, const qcScheduleView* view, const qcVisi
 
 static size_t SortKey(const Run* run, const qcVisibilityStep* steps)
 {
-    // Runs that render come last in their level, so that one draw shows them all.
+    // Runs that render come last in their level: one draw renders them all.
     return (size_t)2 * run->level + (steps[run->step].render ? 1 : 0);
 }
 
 /// Counting sort of the runs by level.
-static qcStatus SortRuns(qcSchedule* s, const qcVisibilityStep* steps, uint32_t levelCount)
+static qcStatus SortRuns(qcTileSchedule* s, const qcVisibilityStep* steps, uint32_t levelCount)
 {
     size_t keyCount = (size_t)2 * levelCount + 1;
     QC_TRY(qcArray_Resize(&s->keys, keyCount, sizeof(size_t), "levels of a tile"));
@@ -219,7 +239,7 @@ static qcStatus SortRuns(qcSchedule* s, const qcVisibilityStep* steps, uint32_t 
     return qc_statusOk;
 }
 
-/// Writes the fan of a triangle's polygon. Returns the end of what is written.
+/// Writes the fan of a triangle's polygon. Returns the end of the indices.
 static uint32_t* WriteFan(uint32_t* indices, uint32_t triangle, uint32_t polygonCorners)
 {
     uint32_t first = triangle * polygonCorners;
@@ -232,12 +252,13 @@ static uint32_t* WriteFan(uint32_t* indices, uint32_t triangle, uint32_t polygon
     return indices;
 }
 
-/// Writes the sorted runs as index list, tests and batches. The arrays have room.
-static void WriteBatches(qcSchedule* s, const qcVisibilityStep* steps, uint32_t polygonCorners, qcScheduleTile* tile)
+/// Writes the sorted runs as indices, tests and batches. The arrays have room.
+static void WriteBatches(qcTileSchedule* s, const qcVisibilityStep* steps, uint32_t polygonCorners,
+                         qcScheduleTile* tile)
 {
     const Run* runs = s->order.data;
     const Entry* entries = s->entries.data;
-    size_t polygon = s->indices.count / qcSchedule_GetIndexCount(polygonCorners);
+    size_t polygon = s->indices.count / qcTileSchedule_GetIndexCount(polygonCorners);
     uint32_t* index = &QC_AT(uint32_t, s->indices, s->indices.count);
     qcScheduleBatch* batch = NULL;
     for (size_t i = 0; i < s->order.count; ++i)
@@ -269,43 +290,45 @@ static void WriteBatches(qcSchedule* s, const qcVisibilityStep* steps, uint32_t 
     tile->testCount = s->tests.count - tile->firstTest;
 }
 
-static qcStatus AddTile(qcSchedule* s, const qcScheduleView* view, const qcVisibilityStep* steps, uint32_t x,
-                        uint32_t y, size_t firstEntry, size_t endEntry)
+static qcStatus AddTile(qcTileSchedule* s, const Pass* pass, uint32_t tx, uint32_t ty, const size_t entryRange[2])
 {
-    qcScheduleTile tile = {.x = x, .y = y, .firstBatch = s->batches.count, .firstTest = s->tests.count};
+    qcScheduleTile tile = {.x = tx * pass->view->tileSize,
+                           .y = ty * pass->view->tileSize,
+                           .firstBatch = s->batches.count,
+                           .firstTest = s->tests.count};
     uint32_t levelCount = 0;
-    QC_TRY(FindRuns(s, view, steps, &tile, firstEntry, endEntry, &levelCount));
-    QC_TRY(SortRuns(s, steps, levelCount));
+    QC_TRY(FindRuns(s, pass, &tile, entryRange, &levelCount));
+    QC_TRY(SortRuns(s, pass->steps, levelCount));
     QC_TRY(qcArray_Reserve(&s->tests, s->tests.count + s->runs.count, sizeof(qcScheduleTest), "visibility tests"));
     QC_TRY(qcArray_Reserve(&s->batches, s->batches.count + levelCount, sizeof(qcScheduleBatch), "visibility batches"));
     QC_TRY(qcArray_Reserve(&s->tiles, s->tiles.count + 1, sizeof(qcScheduleTile), "visibility tiles"));
-    WriteBatches(s, steps, view->polygonCorners, &tile);
+    WriteBatches(s, pass->steps, pass->view->polygonCorners, &tile);
     QC_AT(qcScheduleTile, s->tiles, s->tiles.count++) = tile;
     return qc_statusOk;
 }
 
-qcStatus qcSchedule_Build(qcSchedule* s, const qcScheduleView* view, const qcVisibilityStep* steps, uint32_t stepCount)
+qcStatus qcTileSchedule_Build(qcTileSchedule* s, const qcScheduleView* view, const qcVisibilityStep* steps,
+                              uint32_t stepCount)
 {
-    uint32_t tilesPerSide = (view->resolution + view->tileSize - 1) / view->tileSize;
+    Pass pass = {view, steps, stepCount, (view->resolution + view->tileSize - 1) / view->tileSize};
     s->indices.count = s->tests.count = s->batches.count = s->tiles.count = 0;
-    QC_TRY(BinTriangles(s, view, steps, stepCount, tilesPerSide));
-    size_t indexCount = qcSchedule_GetIndexCount(view->polygonCorners);
+    QC_TRY(BinTriangles(s, &pass));
+    size_t indexCount = qcTileSchedule_GetIndexCount(view->polygonCorners);
     QC_TRY(qcArray_Reserve(&s->indices, indexCount * s->entries.count, sizeof(uint32_t), "visibility indices"));
     const size_t* tileFirst = s->tileFirst.data;
-    for (uint32_t ty = 0; ty < tilesPerSide; ++ty)
+    for (uint32_t ty = 0; ty < pass.tilesPerSide; ++ty)
     {
-        for (uint32_t tx = 0; tx < tilesPerSide; ++tx)
+        for (uint32_t tx = 0; tx < pass.tilesPerSide; ++tx)
         {
-            size_t tile = (size_t)ty * tilesPerSide + tx;
-            if (tileFirst[tile] < tileFirst[tile + 1])
-                QC_TRY(AddTile(s, view, steps, tx * view->tileSize, ty * view->tileSize, tileFirst[tile],
-                               tileFirst[tile + 1]));
+            const size_t* range = &tileFirst[(size_t)ty * pass.tilesPerSide + tx];
+            if (range[0] < range[1])
+                QC_TRY(AddTile(s, &pass, tx, ty, range));
         }
     }
     return qc_statusOk;
 }
 
-void qcSchedule_Free(qcSchedule* s)
+void qcTileSchedule_Free(qcTileSchedule* s)
 {
     qcArray* arrays[] = {&s->indices, &s->tests, &s->batches, &s->tiles, &s->tileFirst,
                          &s->entries, &s->runs,  &s->order,   &s->keys,  &s->cells};

@@ -1,5 +1,5 @@
-// The order in which a visibility pass is drawn: tile by tile, and within a tile in batches of tests that may go
-// together, each followed by one draw. Same answers as the steps one by one, far fewer changes of GL state.
+// The order in which a visibility pass is drawn: tile by tile, and within a tile in batches of tests, each followed by
+// one draw. Results equal those of the steps one by one, with far fewer changes of GL state.
 #ifndef QC_GL_VISIBILITY_TILE_SCHEDULE_H
 #define QC_GL_VISIBILITY_TILE_SCHEDULE_H
 
@@ -14,7 +14,7 @@ typedef struct qcScheduleTest
     size_t firstPolygon; ///< in the index list
 } qcScheduleTest;
 
-/// Tests that see the same depth buffer as in their turn, then what is drawn after them.
+/// Tests with the same depth buffer as in step order, then the polygons drawn after them.
 typedef struct qcScheduleBatch
 {
     size_t firstTest, testCount;
@@ -23,40 +23,39 @@ typedef struct qcScheduleBatch
 
 typedef struct qcScheduleTile
 {
-    uint32_t x, y; ///< of its first pixel in the image
+    uint32_t x, y; ///< first pixel in the image
     size_t firstBatch, batchCount;
     size_t firstTest, testCount;
 } qcScheduleTile;
 
 /// All zero at first; keeps its memory between passes.
-typedef struct qcSchedule
+typedef struct qcTileSchedule
 {
     qcArray indices; ///< uint32_t: a fan of triangles a polygon
     qcArray tests, batches, tiles;
     qcArray tileFirst, entries, runs, order, keys, cells; // scratch
-} qcSchedule;
+} qcTileSchedule;
 
-/// Where the triangles are, and the image they are seen in.
+/// The triangles and their image.
 typedef struct qcScheduleView
 {
-    const float* corners; ///< nine floats a triangle, within [-1, 1]
-    uint32_t resolution;  ///< pixels on a side of the image
-    uint32_t tileSize;    ///< pixels on a side of a tile
-    int axis;             ///< looked along; the image's x is the next axis in cyclic order
-    float reach[2];       ///< pixels by which a triangle's fragments may lie beyond it, in the image's x and y
-    /// What is drawn for a triangle is a polygon of this many corners, which lie together: 3 or more.
-    uint32_t polygonCorners;
+    const float* corners;    ///< nine floats a triangle, within [-1, 1]
+    uint32_t resolution;     ///< pixels on a side of the image
+    uint32_t tileSize;       ///< pixels on a side of a tile
+    int axis;                ///< of view; the image's x is the next axis in cyclic order
+    float reach[2];          ///< pixels by which a triangle's fragments may lie beyond it, in the image's x and y
+    uint32_t polygonCorners; ///< of the polygon drawn for a triangle, consecutive in memory: 3 or more
 } qcScheduleView;
 
 /// Indices of a polygon drawn as triangles.
-static inline size_t qcSchedule_GetIndexCount(uint32_t polygonCorners)
+static inline size_t qcTileSchedule_GetIndexCount(uint32_t polygonCorners)
 {
     return 3 * ((size_t)polygonCorners - 2);
 }
 
-/// O(triangles times tiles that each touches), plus O(runs times cells that each touches).
-qcStatus qcSchedule_Build(qcSchedule* schedule, const qcScheduleView* view, const qcVisibilityStep* steps,
-                          uint32_t stepCount);
-void qcSchedule_Free(qcSchedule* schedule);
+/// Builds the order of a pass. O(triangles times tiles that each covers), plus O(runs times cells that each covers).
+qcStatus qcTileSchedule_Build(qcTileSchedule* schedule, const qcScheduleView* view, const qcVisibilityStep* steps,
+                              uint32_t stepCount);
+void qcTileSchedule_Free(qcTileSchedule* schedule);
 
 #endif

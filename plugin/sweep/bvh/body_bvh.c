@@ -3,6 +3,7 @@
 
 #include "base/parallel_for.h"
 #include "base/status.h"
+#include "base/worker_results.h"
 
 /// Two tasks that don't depend on each other.
 typedef struct Linking
@@ -10,7 +11,7 @@ typedef struct Linking
     qcTriangleBvh* bvh;
     const qcBody* body;
     qcAdjacency adjacency;
-    qcStatus status[2];
+    qcWorkerResult results[2];
 } Linking;
 
 static void LinkTask(void* context, size_t task, uint32_t worker)
@@ -18,18 +19,17 @@ static void LinkTask(void* context, size_t task, uint32_t worker)
     (void)worker;
     Linking* l = context;
     qcTriangleBvh* bvh = l->bvh;
-    l->status[task] = task == 0
+    qcStatus status = task == 0
                           ? qcClusters_Link(&bvh->clusters, l->body->indices, l->body->vertexCount)
                           : qcAdjacency_Build(&l->adjacency, bvh->corners.data, bvh->corners.count, bvh->vertexCount);
+    (void)qcWorkerResult_Add(&l->results[task], status);
 }
 
 static qcStatus BuildAdjacency(qcBodyBvh* bodyBvh, Linking* linking, uint32_t threads)
 {
     qcParallel_For(threads, 2, 2, LinkTask, linking);
     for (int i = 0; i < 2; i++)
-        // Copy the worker's error message to this thread.
-        if (linking->status[i] != qc_statusOk)
-            return qcArray_FailAgain(&bodyBvh->bvh.corners, "adjacency of triangles");
+        QC_TRY(qcWorkerResult_Check(&linking->results[i]));
     return qcPatchState_Build(&bodyBvh->patches, &bodyBvh->bvh, &linking->adjacency, threads);
 }
 

@@ -87,14 +87,14 @@ static bool FindRules(const qcBvhPairsJob* job, uint32_t a, uint32_t b, Rules* r
     rules->exclusionCount = 0;
     if (job->includeNeighbours)
     {
-        rules->pairMasks = a == b ? qcClusters_OrderTable() : NULL;
+        rules->pairMasks = a == b ? qcPairMask_OfOneNode() : NULL;
         return true;
     }
     const qcClusters* clusters = &job->a->bvh.clusters;
     uint32_t link = qcClusters_FindLink(clusters, a, b);
     if (link == QC_NO_LINK)
         return true;
-    rules->pairMasks = qcClusters_Table(clusters, link);
+    rules->pairMasks = qcClusters_PairMask(clusters, link);
     if (job->skipFlatPatches)
         rules->exclusionCount = qcPatchState_FindExclusions(&job->a->patches, clusters, a, link, rules->exclusions);
     for (int i = 0; i < rules->exclusionCount; i++)

@@ -70,7 +70,7 @@ static void ReportPairs(const Search* s, qcSlotPair* pairs, size_t count, uint32
 static void FindPairsAtVertices(void* context, size_t block, uint32_t worker)
 {
     const Search* s = context;
-    const uint32_t *first = s->fans->firstPlace.data, *slots = s->fans->places.data;
+    const uint32_t *first = s->fans->around.first.data, *slots = s->fans->around.triangles.data;
     uint32_t begin = (uint32_t)block * qc_vertexBlock, left = s->bvh->vertexCount - begin;
     qcSlotPair pairs[qc_maxPairs];
     size_t count = 0;

@@ -86,7 +86,7 @@ static void Grow(qcTriangleBvh* bvh, size_t slot, const qcBoxRow* row)
 
 static void MoveFan(qcBodyBvh* bodyBvh, uint32_t vertex, qcMotionFlag flag, const qcBoxRow* row)
 {
-    const uint32_t *first = bodyBvh->fans.firstPlace.data, *slots = bodyBvh->fans.places.data;
+    const uint32_t *first = bodyBvh->fans.around.first.data, *slots = bodyBvh->fans.around.triangles.data;
     uint8_t* flags = bodyBvh->verlet.motionFlags.data;
     for (uint32_t i = first[vertex]; i < first[vertex + 1]; i++)
     {
@@ -98,7 +98,7 @@ static void MoveFan(qcBodyBvh* bodyBvh, uint32_t vertex, qcMotionFlag flag, cons
 /// Clears the flags of triangles around the first `count` moved vertices.
 static void ClearFlags(qcBodyBvh* bodyBvh, size_t count)
 {
-    const uint32_t *first = bodyBvh->fans.firstPlace.data, *slots = bodyBvh->fans.places.data;
+    const uint32_t *first = bodyBvh->fans.around.first.data, *slots = bodyBvh->fans.around.triangles.data;
     for (size_t k = 0; k < count; k++)
     {
         uint32_t vertex = QC_AT(uint32_t, bodyBvh->verlet.movedVertices, k);

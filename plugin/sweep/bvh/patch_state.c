@@ -17,8 +17,8 @@ static qcStatus Build(qcPatchState* state, const qcTriangleBvh* bvh, const qcAdj
 {
     QC_TRY(
         qcFlatPatches_Build(&state->patches, &bvh->clusters, adjacency, bvh->corners.data, bvh->vertexCount, threads));
-    QC_TRY(qcArray_Resize(&state->isFlat, state->patches.discs.count, 1, "flat patches"));
-    return qcArray_GrowZeroed(&state->cooldown, state->patches.discs.count, 1, "flat patches");
+    QC_TRY(qcArray_Resize(&state->isFlat, state->patches.patches.count, 1, "flat patches"));
+    return qcArray_GrowZeroed(&state->cooldown, state->patches.patches.count, 1, "flat patches");
 }
 
 qcStatus qcPatchState_Build(qcPatchState* state, const qcTriangleBvh* bvh, const qcAdjacency* adjacency,
@@ -41,10 +41,10 @@ typedef struct Testing
 static void TestPatch(const Testing* t, uint32_t patch)
 {
     const qcFlatPatches* patches = &t->state->patches;
-    const qcFlatPatch* p = &QC_AT(qcFlatPatch, patches->discs, patch);
+    const qcFlatPatch* p = &QC_AT(qcFlatPatch, patches->patches, patch);
     uint8_t *isFlat = &QC_AT(uint8_t, t->state->isFlat, patch), *cooldown = &QC_AT(uint8_t, t->state->cooldown, patch);
     *isFlat = 0;
-    if (p->placeCount == 0)
+    if (p->slotCount == 0)
         return;
     if (*cooldown > 0)
     {
@@ -53,9 +53,9 @@ static void TestPatch(const Testing* t, uint32_t patch)
     }
     qcPatchGeometry geometry = {.corners = t->bvh->corners.data,
                                 .points = t->bvh->points.data,
-                                .slots = &QC_AT(uint32_t, patches->places, p->firstPlace),
+                                .slots = &QC_AT(uint32_t, patches->slots, p->firstSlot),
                                 .loop = &QC_AT(uint32_t, patches->loops, p->firstLoop),
-                                .slotCount = p->placeCount,
+                                .slotCount = p->slotCount,
                                 .loopCount = p->loopCount,
                                 .pointError = t->bvh->pointError,
                                 .query = qcTriangleBvh_DistanceInFrame(t->bvh, t->bvh->margin)};
@@ -113,7 +113,7 @@ int qcPatchState_FindExclusions(const qcPatchState* state, const qcClusters* clu
                                 qcPairExclusion exclusions[qc_maxExclusions])
 {
     const qcFlatPatches* patches = &state->patches;
-    const qcPatchLoop* ring = &QC_AT(qcPatchLoop, patches->rings, link);
+    const qcPatchLink* patchLink = &QC_AT(qcPatchLink, patches->links, link);
     const uint64_t* own = patches->own.data;
     uint32_t other = QC_AT(qcLeafLink, clusters->links, link).other;
     int count = 0;
@@ -121,10 +121,11 @@ int qcPatchState_FindExclusions(const qcPatchState* state, const qcClusters* clu
     {
         uint32_t patch = size == 0 ? node : qcFlatPatches_Large(patches, node),
                  patchOfOther = size == 0 ? other : qcFlatPatches_Large(patches, other);
-        if (qcPatchState_IsFlat(state, patch) && ring->ofNode[size] != 0)
-            exclusions[count++] = (qcPairExclusion){own[qc_patchSizes * (size_t)node + size], ring->ofNode[size]};
-        if (patch != patchOfOther && qcPatchState_IsFlat(state, patchOfOther) && ring->ofOther[size] != 0)
-            exclusions[count++] = (qcPairExclusion){ring->ofOther[size], own[qc_patchSizes * (size_t)other + size]};
+        if (qcPatchState_IsFlat(state, patch) && patchLink->ofNode[size] != 0)
+            exclusions[count++] = (qcPairExclusion){own[qc_patchSizes * (size_t)node + size], patchLink->ofNode[size]};
+        if (patch != patchOfOther && qcPatchState_IsFlat(state, patchOfOther) && patchLink->ofOther[size] != 0)
+            exclusions[count++] =
+                (qcPairExclusion){patchLink->ofOther[size], own[qc_patchSizes * (size_t)other + size]};
     }
     return count;
 }

@@ -37,9 +37,9 @@ static qcStatus LayLevels(qcTriangleBvh* bvh)
 
 static qcStatus Build(qcTriangleBvh* bvh, const qcBody* body, uint32_t threads)
 {
-    QC_TRY(qcClusters_Lay(&bvh->clusters, body->indices, body->triangleCount,
-                          body->deforming ? body->world : body->local, body->vertexCount, threads));
-    QC_TRY(qcClusters_NameVertices(&bvh->clusters, body->indices, body->vertexCount, &bvh->corners, &bvh->vertexOf));
+    QC_TRY(qcClusters_Arrange(&bvh->clusters, body->indices, body->triangleCount,
+                              body->deforming ? body->world : body->local, body->vertexCount, threads));
+    QC_TRY(qcClusters_NumberVertices(&bvh->clusters, body->indices, body->vertexCount, &bvh->corners, &bvh->vertexOf));
     bvh->vertexCount = (uint32_t)bvh->vertexOf.count;
     QC_TRY(LayLevels(bvh));
     QC_TRY(qcArray_Resize(&bvh->points, (size_t)bvh->vertexCount + 1, sizeof(qcPoint), "points of a BVH"));

@@ -22,12 +22,9 @@ static qcVerletWorker* WorkerAt(const qcVerletList* list, size_t worker)
 
 qcStatus qcVerletList_Begin(qcVerletList* list, uint32_t threads)
 {
-    QC_TRY(qcArray_GrowZeroed(&list->workers, threads, sizeof(qcVerletWorker), "a Verlet list"));
+    QC_TRY(qcWorkerResults_Begin(&list->workers, threads, sizeof(qcVerletWorker), "a Verlet list"));
     for (size_t i = 0; i < list->workers.count; i++)
-    {
         WorkerAt(list, i)->pairs.count = WorkerAt(list, i)->runs.count = 0;
-        WorkerAt(list, i)->status = qc_statusOk;
-    }
     return qc_statusOk;
 }
 
@@ -45,17 +42,13 @@ void qcVerletList_Add(qcVerletList* list, uint32_t slot, const qcClassifiedPairs
 {
     qcVerletWorker* to = WorkerAt(list, worker);
     PairRun run = {slot, found->nearCount + found->separateCount, found->count};
-    if (to->status == qc_statusOk && run.count != 0)
-        to->status = AddRun(to, &run, found->pairs);
+    if (qcWorkerResult_IsOk(&to->result) && run.count != 0)
+        (void)qcWorkerResult_Add(&to->result, AddRun(to, &run, found->pairs));
 }
 
 qcStatus qcVerletList_Check(const qcVerletList* list)
 {
-    for (size_t i = 0; i < list->workers.count; i++)
-        // Copy the worker's error message to this thread.
-        if (WorkerAt(list, i)->status != qc_statusOk)
-            return qcArray_FailAgain(&WorkerAt(list, i)->pairs, "a Verlet list");
-    return qc_statusOk;
+    return qcWorkerResults_End(&list->workers, sizeof(qcVerletWorker));
 }
 
 //  ---- search ----------------------------------------------------------------------------------------

@@ -4,15 +4,15 @@
 #ifndef QC_SWEEP_BVH_VERLET_LIST_H
 #define QC_SWEEP_BVH_VERLET_LIST_H
 
+#include "base/worker_results.h"
 #include "sweep/bvh/bvh_pairs.h"
 
 /// The pairs that one worker found.
 typedef struct qcVerletWorker
 {
+    qcWorkerResult result;
     qcArray pairs; ///< of qcSlotPair
     qcArray runs;  ///< of PairRun: which body has them, and how many are classified
-    qcStatus status;
-    char padding[64]; ///< keeps two workers off one cache line
 } qcVerletWorker;
 
 /// The pairs of all bodies, as one step found them.

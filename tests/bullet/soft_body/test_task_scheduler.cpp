@@ -6,11 +6,10 @@
 #include <BulletSoftBody/btSoftRigidDynamicsWorld.h>
 #include <btBulletDynamicsCommon.h>
 
-#include <algorithm>
-#include <atomic>
 #include <cstring>
-#include <thread>
 #include <vector>
+
+#include "bullet/thread_scheduler.h"
 
 // After the standard headers: check defines a macro named fail.
 #include "support/check_ok.h"
@@ -18,52 +17,6 @@
 
 namespace
 {
-/// Of the host's own, for a Bullet that has none: a thread for each run of `grainSize` iterations.
-class Scheduler : public btITaskScheduler
-{
-  public:
-    explicit Scheduler(int threads) : btITaskScheduler("test"), m_threads(threads)
-    {
-    }
-
-    int getMaxNumThreads() const override
-    {
-        return m_threads;
-    }
-
-    int getNumThreads() const override
-    {
-        return m_threads;
-    }
-
-    void setNumThreads(int threads) override
-    {
-        m_threads = threads;
-    }
-
-    void parallelFor(int begin, int end, int grainSize, const btIParallelForBody& body) override
-    {
-        loops++;
-        most = std::max(most, end - begin);
-        std::vector<std::thread> threads;
-        for (int i = begin; i < end; i += grainSize)
-            threads.emplace_back([&body, i, end, grainSize] { body.forLoop(i, std::min(i + grainSize, end)); });
-        for (std::thread& thread : threads)
-            thread.join();
-    }
-
-    btScalar parallelSum(int begin, int end, int, const btIParallelSumBody& body) override
-    {
-        return body.sumLoop(begin, end);
-    }
-
-    int loops = 0;
-    int most = 0; ///< iterations of a loop
-
-  private:
-    int m_threads;
-};
-
 /// The nodes of a cloth of 1800 faces after it has fallen into folds for some steps.
 std::vector<btVector3> Fold()
 {
@@ -104,7 +57,7 @@ START_TEST(a_world_moves_on_a_scheduler_as_it_does_without)
 {
     CHECK_OK(qcSetTaskScheduler(nullptr));
     const std::vector<btVector3> expected = Fold();
-    Scheduler scheduler(3);
+    qcThreadScheduler scheduler(3);
     // Null for a Bullet without threads.
     btITaskScheduler* others[] = {&scheduler, btGetSequentialTaskScheduler(), btCreateDefaultTaskScheduler()};
     for (btITaskScheduler* other : others)
@@ -113,7 +66,7 @@ START_TEST(a_world_moves_on_a_scheduler_as_it_does_without)
         ck_assert(Fold() == expected);
     }
     ck_assert_int_gt(scheduler.loops, 8);
-    ck_assert_int_eq(scheduler.most, 3);
+    ck_assert_int_eq(scheduler.maxIterations, 3);
     CHECK_OK(qcSetTaskScheduler(nullptr));
     delete others[2];
 }
@@ -121,14 +74,14 @@ END_TEST
 
 START_TEST(null_takes_the_scheduler_away_and_the_number_of_threads_is_that_of_the_call)
 {
-    Scheduler scheduler(2);
+    qcThreadScheduler scheduler(2);
     CHECK_OK(qcSetTaskScheduler(&scheduler));
     scheduler.setNumThreads(4);
     Fold();
-    ck_assert_int_eq(scheduler.most, 2);
+    ck_assert_int_eq(scheduler.maxIterations, 2);
     CHECK_OK(qcSetTaskScheduler(&scheduler));
     Fold();
-    ck_assert_int_eq(scheduler.most, 4);
+    ck_assert_int_eq(scheduler.maxIterations, 4);
     int loops = scheduler.loops;
     CHECK_OK(qcSetTaskScheduler(nullptr));
     Fold();
@@ -138,11 +91,11 @@ END_TEST
 
 START_TEST(a_scheduler_without_threads_is_refused)
 {
-    Scheduler scheduler(2);
+    qcThreadScheduler scheduler(2);
     CHECK_OK(qcSetTaskScheduler(&scheduler));
     for (int threads = -1; threads <= 0; threads++)
     {
-        Scheduler none(threads);
+        qcThreadScheduler none(threads);
         ck_assert_int_eq(qcSetTaskScheduler(&none), qc_statusBadInput);
         ck_assert_ptr_nonnull(std::strstr(qcLastMessage(), "workers is 0"));
     }

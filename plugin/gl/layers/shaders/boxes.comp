@@ -9,24 +9,24 @@ uniform uint nodeCount; // changed nodes: the first of activeNodes
 uniform vec3 scale;
 uniform vec4 slack;     // levels; w: of the diagonal
 
-// Level 0 is the empty box's: its lower ends are the highest level, and what reaches to both ends would meet it.
+// Not below 1: an empty box ends at level 0 and begins at the highest, so it overlaps no other box.
 uvec4 toLevels(vec4 x)
 {
     return uvec4(clamp(x, 1.0, 32767.0));
 }
 
-void findBox(int place, out uvec4 lower, out uvec4 upper)
+void findBox(int slot, out uvec4 lower, out uvec4 upper)
 {
-    uvec4 t = texelFetch(triangles, place);
+    uvec4 t = texelFetch(triangles, slot);
     bool exists = t.x != none;
     vec3 a = texelFetch(vertices, int(exists ? t.x : 0u)).xyz * scale,
          b = texelFetch(vertices, int(exists ? t.y : 0u)).xyz * scale,
          c = texelFetch(vertices, int(exists ? t.z : 0u)).xyz * scale;
     vec3 d = 0.5 * vec3(a.x + a.y, b.x + b.y, c.x + c.y);
-    vec4 least = vec4(min(a, min(b, c)), min(d.x, min(d.y, d.z))),
-         most = vec4(max(a, max(b, c)), max(d.x, max(d.y, d.z)));
-    lower = exists ? toLevels(least - slack) : uvec4(0x7fffu);
-    upper = exists ? toLevels(most + slack) : uvec4(0u);
+    vec4 low = vec4(min(a, min(b, c)), min(d.x, min(d.y, d.z))),
+         high = vec4(max(a, max(b, c)), max(d.x, max(d.y, d.z)));
+    lower = exists ? toLevels(low - slack) : uvec4(0x7fffu);
+    upper = exists ? toLevels(high + slack) : uvec4(0u);
 }
 
 void main()

@@ -1,9 +1,9 @@
-// What the kernels of `layers` share. See gl/layers/layers_gpu.c for the way through them and for the proof.
+// Shared code of the kernels of `layers`. The README.md of gl/layers gives their order. Proof: plugin/docs/proofs/layers.md.
 layout(local_size_x = LOCAL_SIZE) in;
 
-// Resident: written when bodies come or move.
+// Uploaded when bodies are added or move.
 uniform samplerBuffer vertices;           // in the frame; see gl/layers/layers_gpu.h
-uniform usamplerBuffer triangles;         // three places of vertices; x = none: no triangle
+uniform usamplerBuffer triangles;         // by slot: three vertices; x = none: no triangle
 uniform usamplerBuffer nodes, links, tables;
 uniform usamplerBuffer bodies;            // BODY_TEXELS each
 uniform usamplerBuffer activeNodes;
@@ -11,7 +11,7 @@ uniform usamplerBuffer activeNodes;
 uniform usamplerBuffer boxes, clusterBoxes, nodeBoxes, entries, nodePairs, nodePairTables, clusterPairs, trianglePairs;
 
 layout(std430, binding = 0) buffer Counters { uint counters[]; };
-uniform usamplerBuffer counted; // the same; reading it as a texture takes a tenth of the time on llvmpipe
+uniform usamplerBuffer counted; // the counters as a texture, which takes a tenth of the time to read on llvmpipe
 
 const uint none = 0xffffffffu;
 
@@ -23,45 +23,46 @@ uint cellAt(uvec3 at)
     return (at.z << 15u - cellShift.y | at.y) << 15u - cellShift.x | at.x;
 }
 
-// One invocation an item. (A loop in the kernel over more items than invocations takes twice as long on llvmpipe.)
+// One invocation per item: a loop over several items takes twice as long on llvmpipe.
 #define ITEM ((gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x) * gl_WorkGroupSize.x + gl_LocalInvocationID.x)
 
-// Where the counters stand, each on a cache line of its own: of a list, items and, next to them, the workgroups that its
-// taker is dispatched with.
+// Indices of the counters, each on a cache line of its own. For a list: the number of items, then the workgroup counts of
+// the kernel that reads it.
 const int entryCounter = 0, nodePairCounter = 16, clusterPairCounter = 32, trianglePairCounter = 48,
           survivorCounter = 64, skippedCounter = 80, stoppedCounter = 96, overflowCounter = 112, finishedCounter = 128;
 
-// The last kernel's mark: counters that are read back without it are not those of this run.
+// The last kernel writes the run's number: counters read back without it are not those of this run.
 uniform uint runNumber;
 #define MARK_FINISHED                                                                                                  \
     if (ITEM == 0u)                                                                                                    \
         counters[finishedCounter] = runNumber;
 
-// Of a body: group, mask, flags.
-const uint isMoving = 1u, meetsItself = 2u;
+// Flags of a body.
+const uint isMoving = 1u, selfCollides = 2u;
 
-bool bodyMeetsItself(uint body)
+bool bodySelfCollides(uint body)
 {
-    return (texelFetch(bodies, int(body) * BODY_TEXELS).z & meetsItself) != 0u;
+    return (texelFetch(bodies, int(body) * BODY_TEXELS).z & selfCollides) != 0u;
 }
 
-// Items in a list that another kernel has counted.
+// Number of items in a list of an earlier kernel.
 uint countOf(int counter, uint capacity)
 {
     return min(texelFetch(counted, counter).x, capacity);
 }
 
-// Counts more items of a list, and the workgroups for those that fit; returns how many items there were.
+// Adds items to a list's count, and workgroups for those that fit. Returns the previous count.
 uint append(int counter, uint count, uint capacity)
 {
-    uint place = atomicAdd(counters[counter], count);
-    uint takerSize = TAKER_SIZES[counter / 16], groups = (min(place + count, capacity) + takerSize - 1u) / takerSize;
-    if (groups > (place + takerSize - 1u) / takerSize)
+    uint previous = atomicAdd(counters[counter], count);
+    uint consumerSize = CONSUMER_SIZES[counter / 16],
+         groups = (min(previous + count, capacity) + consumerSize - 1u) / consumerSize;
+    if (groups > (previous + consumerSize - 1u) / consumerSize)
     {
         atomicMax(counters[counter + 1], min(groups, GROUPS_IN_ROW));
         atomicMax(counters[counter + 2], (groups + GROUPS_IN_ROW - 1u) / GROUPS_IN_ROW);
     }
-    return place;
+    return previous;
 }
 
 // A box of 15-bit levels: lower ends (x | y << 16, z | d << 16), upper ends likewise with the top bit of each half set.
@@ -87,8 +88,7 @@ uvec4 upperEnds(uvec4 box)
     return uvec4(box.z & 0x7fffu, box.z >> 16 & 0x7fffu, box.w & 0x7fffu, box.w >> 16 & 0x7fffu);
 }
 
-// Boxes k and k + 1 of a group of eight side by side (qcBoxGroup): by axis, lower ends, then complements of upper ends,
-// two of each a word.
+// Boxes k and k + 1 of a qcBox8: by axis, lower ends, then complements of upper ends, two to a word.
 #define WRITE_TWO_OF_GROUP(groups, group, k, lower, upper)                                                             \
     for (int axis = 0; axis < 3; axis++)                                                                               \
     {                                                                                                                  \
@@ -97,11 +97,12 @@ uvec4 upperEnds(uvec4 box)
         groups[word + 4] = ~(upper[0][axis] | upper[1][axis] << 16);                                                   \
     }
 
-// Eight boxes against eight: bit u + 8 v of the mask (low, high word) says that u of the one meets v of the other.
-#define MEET(p, q, bit) (OVERLAP(p, q) ? 1u << (bit) : 0u)
+// Eight boxes against eight: bit u + 8 v of the mask (low, high word) is set if u of the one overlaps v of the other.
+#define OVERLAP_BIT(p, q, bit) (OVERLAP(p, q) ? 1u << (bit) : 0u)
 #define ROW(q, bit)                                                                                                    \
-    (MEET(p0, q, bit) | MEET(p1, q, bit + 1) | MEET(p2, q, bit + 2) | MEET(p3, q, bit + 3) | MEET(p4, q, bit + 4) |     \
-     MEET(p5, q, bit + 5) | MEET(p6, q, bit + 6) | MEET(p7, q, bit + 7))
+    (OVERLAP_BIT(p0, q, bit) | OVERLAP_BIT(p1, q, bit + 1) | OVERLAP_BIT(p2, q, bit + 2) |                             \
+     OVERLAP_BIT(p3, q, bit + 3) | OVERLAP_BIT(p4, q, bit + 4) | OVERLAP_BIT(p5, q, bit + 5) |                         \
+     OVERLAP_BIT(p6, q, bit + 6) | OVERLAP_BIT(p7, q, bit + 7))
 #define EIGHT_AGAINST_EIGHT(source, first, second, mask)                                                               \
     uvec4 p0 = texelFetch(source, first), p1 = texelFetch(source, first + 1), p2 = texelFetch(source, first + 2),      \
           p3 = texelFetch(source, first + 3), p4 = texelFetch(source, first + 4), p5 = texelFetch(source, first + 5),  \
@@ -113,19 +114,19 @@ uvec4 upperEnds(uvec4 box)
     q3 = texelFetch(source, second + 7);                                                                               \
     mask.y &= ROW(q0, 0) | ROW(q1, 8) | ROW(q2, 16) | ROW(q3, 24);
 
-// Writes item << 6 | bit for each bit of the mask. One atomic an invocation: they are what costs most on a CPU. A list
-// has room for one more than its capacity: what does not fit goes there, without a branch.
+// Writes item << 6 | bit for each bit of the mask. One atomic per invocation: atomics cost most on a CPU. A list has room
+// for one item more than its capacity: items that do not fit go there, without a branch.
 #define WRITE_BITS(list, capacity, counter, item, mask)                                                                \
     uint count = uint(bitCount(mask.x) + bitCount(mask.y));                                                            \
     if (count != 0u)                                                                                                   \
     {                                                                                                                  \
-        uint place = append(counter, count, capacity);                                                                 \
-        for (; (mask.x | mask.y) != 0u; place++)                                                                       \
+        uint at = append(counter, count, capacity);                                                                    \
+        for (; (mask.x | mask.y) != 0u; at++)                                                                          \
         {                                                                                                              \
             bool isLow = mask.x != 0u;                                                                                 \
             uint word = isLow ? mask.x : mask.y, bit = uint(findLSB(word)) + (isLow ? 0u : 32u);                       \
             word &= word - 1u;                                                                                         \
             mask = isLow ? uvec2(word, mask.y) : uvec2(0u, word);                                                      \
-            list[min(place, capacity)] = item << 6 | bit;                                                              \
+            list[min(at, capacity)] = item << 6 | bit;                                                                 \
         }                                                                                                              \
     }

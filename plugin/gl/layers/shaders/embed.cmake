@@ -1,5 +1,5 @@
 # Writes the kernels into a C header, one string each: cmake -D OUT=... -D FOLDER=... -P embed.cmake
-set(text "// Made from plugin/gl/layers/shaders by embed.cmake.\n")
+set(text "// Generated from plugin/gl/layers/shaders by embed.cmake.\n")
 foreach(pair Common:common.glsl Vertices:vertices.comp Boxes:boxes.comp Nodes:nodes.comp NodePairs:node_pairs.comp
         ClusterPairs:cluster_pairs.comp TrianglePairs:triangle_pairs.comp Filter:filter.comp)
   string(REPLACE ":" ";" pair ${pair})

@@ -1,22 +1,23 @@
-// Separating axes: what is surely further apart than the reach goes.
-layout(std430, binding = 1) buffer Survivors { uvec2 outSurvivors[]; }; // places of triangles
+// Separating axes: rejects pairs that are proven farther apart than the query distance. One algorithm with
+// kernels/separating_axis.inl.h: the same axes, scale and gap. The tests of `layers` run both (QC_LAYERS_REFINE).
+layout(std430, binding = 1) buffer Survivors { uvec2 outSurvivors[]; }; // triangle slots
 uniform uint trianglePairCapacity, survivorCapacity;
-uniform float pointError, reach; // in the frame
+uniform float pointError, reach; // in the frame; reach: the query distance
 
-// The other corners of A and all of B, as seen from the first corner of A.
+// The other corners of A and all of B, relative to the first corner of A.
 vec3 b, c, d, e, f;
-float gap; // least distance along an axis of length 1
+float gap; // required distance along an axis of length 1
 
-// Whether the triangles are further apart than the reach along the cross product of two vectors. The axis need not be
-// exact, but must be the same in all dot products: GLSL may evaluate what is not `precise` anew for each use, and round
-// it differently.
+// Whether the cross product of two vectors separates the triangles by more than the query distance. The axis need not be
+// exact, but must be equal in all dot products: GLSL may evaluate an expression that is not `precise` anew for each use,
+// and round it differently.
 bool separates(vec3 first, vec3 second)
 {
     precise vec3 axis = cross(first, second);
     float u = dot(axis, b), v = dot(axis, c), p = dot(axis, d), q = dot(axis, e), r = dot(axis, f);
-    float size = abs(axis.x) + abs(axis.y) + abs(axis.z), least = size * gap;
+    float size = abs(axis.x) + abs(axis.y) + abs(axis.z), required = size * gap;
     float above = min(p, min(q, r)) - max(0.0, max(u, v)), below = min(0.0, min(u, v)) - max(p, max(q, r));
-    return max(above, below) > max(least, 1e-20);
+    return max(above, below) > max(required, 1e-20);
 }
 
 void main()
@@ -39,14 +40,14 @@ void main()
     f = texelFetch(vertices, int(i1.z)).xyz - a;
     vec3 largest = max(max(max(abs(b), abs(c)), max(abs(d), abs(e))), abs(f));
     float size = max(largest.x, max(largest.y, largest.z));
-    // Powers of two, so that no product below is lost to underflow; see gl/layers/layers_gpu.c.
+    // A power of two, so that no product below underflows.
     float up = uintBitsToFloat((254u << 23) - (floatBitsToUint(size) & 0x7f800000u));
     b *= up, c *= up, d *= up, e *= up, f *= up;
     gap = (4.0 * pointError + reach) * up * 1.0001 + 4e-6;
 
     vec3 bc = c - b, de = e - d, df = f - d, ef = f - e;
     precise vec3 n = cross(b, c), m = cross(de, df);
-    // No short cuts: arithmetic costs less than branches.
+    // No early exit: arithmetic costs less than branches.
     bool apart = separates(b, c);
     apart = separates(de, df) || apart;
     apart = separates(b, de) || apart;
@@ -66,7 +67,7 @@ void main()
     apart = separates(m, ef) || apart;
     if (!apart)
     {
-        uint place = atomicAdd(counters[survivorCounter], 1u);
-        outSurvivors[min(place, survivorCapacity)] = uvec2(s, t);
+        uint at = atomicAdd(counters[survivorCounter], 1u);
+        outSurvivors[min(at, survivorCapacity)] = uvec2(s, t);
     }
 }

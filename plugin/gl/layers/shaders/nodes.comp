@@ -1,4 +1,4 @@
-// Boxes of nodes, and the image: each node goes into the list of every cell that its box covers.
+// Boxes of nodes, and the image: each node is added to the list of every cell that its box covers.
 layout(std430, binding = 1) buffer NodeBoxes { uvec4 outNodeBoxes[]; };
 layout(std430, binding = 2) buffer Heads { uint heads[]; };
 layout(std430, binding = 3) buffer Entries { uvec4 outEntries[]; }; // node, next entry, cell, body
@@ -33,28 +33,28 @@ void main()
     }
     uvec4 box = packBox(lower, upper);
     outNodeBoxes[node] = box;
-    // Only what lies where its body can meet another takes part.
+    // Nodes outside the AABB of their body's partners are skipped.
     uint body = texelFetch(nodes, node).x;
     uvec4 interest = texelFetch(bodies, int(body) * BODY_TEXELS + 1);
     if (OVERLAP(box, interest))
     {
         uvec3 first = lower.xyz >> cellShift, last = upper.xyz >> cellShift, size = last - first + 1u;
         uint count = size.x * size.y * size.z;
-        uint place = append(entryCounter, count, entryCapacity), end = place + count;
-        for (uvec3 at = first; place != end && place < entryCapacity; place++)
+        uint index = append(entryCounter, count, entryCapacity), end = index + count;
+        for (uvec3 at = first; index != end && index < entryCapacity; index++)
         {
-            uint cell = cellAt(at), next = atomicExchange(heads[cell], place);
-            outEntries[place] = uvec4(uint(node), next, cell, body);
+            uint cell = cellAt(at), next = atomicExchange(heads[cell], index);
+            outEntries[index] = uvec4(uint(node), next, cell, body);
             at.x++;
             at = at.x > last.x ? uvec3(first.x, at.y + 1u, at.z) : at;
             at = at.y > last.y ? uvec3(first.xy, at.z + 1u) : at;
         }
-        // Some implementations stop the loops of an invocation after 65 535 trips in all.
-        if (place < min(end, entryCapacity))
+        // Some implementations stop the loops of an invocation after 65 535 iterations in all.
+        if (index < min(end, entryCapacity))
             counters[stoppedCounter] = 1u;
 #ifndef IMAGE_ONLY
-        // With itself: here, and so next to each other, since they are taken apart into more than others.
-        if (bodyMeetsItself(body))
+        // A node with itself: appended here, so that these pairs, which yield more than others, lie together.
+        if (bodySelfCollides(body))
             outNodePairs[min(append(nodePairCounter, 1u, nodePairCapacity), nodePairCapacity)] = uvec2(node);
 #endif
         if (end >= 0x80000000u)

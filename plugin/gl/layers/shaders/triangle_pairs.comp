@@ -1,8 +1,8 @@
-// The triangles of two clusters against each other, neighbours left out.
+// Overlapping triangles of two clusters, except neighbours.
 layout(std430, binding = 1) buffer TrianglePairs { uint outTrianglePairs[]; }; // cluster pair << 6 | triangle + 8 * triangle
 uniform uint clusterPairCapacity, trianglePairCapacity, testNeighbours;
 
-/// As qcClusters_Word, and none for words without bits.
+// The pair mask of two clusters, see qcClusters_Word; none where the table has no word.
 uvec2 wordOf(uint table, uint bit)
 {
     uvec2 some = texelFetch(tables, int(table)).xy, empty = texelFetch(tables, int(table + 1u)).xy;

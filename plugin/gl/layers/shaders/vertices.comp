@@ -1,6 +1,6 @@
-// Rigid bodies: from local space to the frame. A chunk is 64 vertices of one body.
+// Transforms vertices of rigid bodies from local space to the grid frame. A chunk is 64 vertices of one body.
 layout(std430, binding = 1) buffer Vertices { vec4 outVertices[]; };
-// xyz: bits of a position about the body's centre; w: the body's place. Integer texels: read as a float a small integer is
+// xyz: bits of a position about the body's centre; w: the body's slot. Integer texels: a small integer read as a float is
 // denormal, and GLSL allows denormals to become 0.
 uniform usamplerBuffer locals;
 uniform usamplerBuffer chunks;

@@ -1,7 +1,7 @@
-// Grown triangles: whatever comes within the growth is never fully visible, wherever it lies between the samples.
-// Points that two triangles have in common are put there first; triangles of every shape are then laid through them.
+// Conservative dilation: triangles within the dilation of one point are never fully visible, wherever that point lies
+// between the samples. The point is chosen first; triangles of every shape are then placed through it.
 #include "support/devices.h"
-#include "gl/visibility/conservative_growth.h"
+#include "gl/visibility/conservative_dilation.h"
 #include "gl/visibility/occlusion_queries.h"
 #include "base/memory.h"
 #include "support/soups.h"
@@ -24,7 +24,7 @@ typedef enum Shape
     shape_count
 } Shape;
 
-/// 2^lower .. 2^upper, all magnitudes as often.
+/// 2^lower .. 2^upper, uniform in the exponent.
 static double Magnitude(qcRandom* random, double lower, double upper)
 {
     return exp2(qcRandom_Uniform(random, lower, upper));
@@ -51,7 +51,7 @@ static void MakeTriangle(qcRandom* random, Shape shape, int axis, double size, d
     }
 }
 
-/// Moves a triangle so that some point of it, often of its border, is at `to`.
+/// Moves a triangle so that a random point of it, often of its border, is at `to`.
 static void PutThrough(qcRandom* random, const double to[3], double t[3][3])
 {
     double weights[3] = {qcRandom_Uniform(random, 0.0, 1.0), qcRandom_Uniform(random, 0.0, 1.0), 1.0};
@@ -77,17 +77,17 @@ static bool IsInImage(const double t[3][3])
     return true;
 }
 
-/// A triangle in the image with a point within `growth` of m in each axis.
-static Shape MakeNear(qcRandom* random, int axis, const double growth[3], const double m[3], double t[3][3])
+/// A triangle in the image with a point within `dilation` of m in each axis.
+static Shape MakeNear(qcRandom* random, int axis, const double dilation[3], const double m[3], double t[3][3])
 {
-    for (double largest = 0.0;; largest -= 0.5) // smaller ones fit in the end
+    for (double largest = 0.0;; largest -= 0.5) // a triangle that is small enough fits
     {
         Shape shape = (Shape)qcRandom_Below(random, shape_count);
         double to[3];
         for (int k = 0; k < 3; k++)
         {
             double side = qcRandom_Below(random, 3) == 0 ? 1.0 : qcRandom_Uniform(random, 0.0, 1.0);
-            to[k] = m[k] + (qcRandom_Below(random, 2) == 0 ? side : -side) * growth[k];
+            to[k] = m[k] + (qcRandom_Below(random, 2) == 0 ? side : -side) * dilation[k];
             to[k] = to[k] < -1.0 ? -1.0 : to[k] > 1.0 ? 1.0 : to[k];
         }
         MakeTriangle(random, shape, axis, Magnitude(random, largest - 16.0, largest), t);
@@ -97,12 +97,12 @@ static Shape MakeNear(qcRandom* random, int axis, const double growth[3], const 
     }
 }
 
-static void MakeGrowth(qcRandom* random, double growth[3])
+static void MakeDilation(qcRandom* random, double dilation[3])
 {
     uint32_t kind = qcRandom_Below(random, 3);
     double all = Magnitude(random, -20.0, -1.0);
     for (int k = 0; k < 3; k++)
-        growth[k] = kind == 0 ? 0.0 : kind == 1 ? all : Magnitude(random, -20.0, 2.0);
+        dilation[k] = kind == 0 ? 0.0 : kind == 1 ? all : Magnitude(random, -20.0, 2.0);
 }
 
 /// A point of the image; often on the border of a pixel, or at its centre, or at the image's border.
@@ -132,13 +132,13 @@ enum
 
 //  ---- polygons and depths -------------------------------------------------------------------------
 
-/// How often a polygon winds around a point.
-static int WindAround(const qcGrownCorner* ring, double x, double y)
+/// Winding number of a polygon around a point.
+static int WindAround(const qcDilatedCorner* ring, double x, double y)
 {
     int winding = 0;
-    for (int i = 0; i < qc_grownCorners; i++)
+    for (int i = 0; i < qc_dilatedCorners; i++)
     {
-        const qcGrownCorner *a = &ring[i], *b = &ring[(i + 1) % qc_grownCorners];
+        const qcDilatedCorner *a = &ring[i], *b = &ring[(i + 1) % qc_dilatedCorners];
         bool aboveA = a->y > y, aboveB = b->y > y;
         double side = ((double)b->x - a->x) * (y - a->y) - (x - a->x) * ((double)b->y - a->y);
         winding += !aboveA && aboveB && side > 0.0;
@@ -153,34 +153,33 @@ START_TEST(each_pixel_near_a_triangle_lies_well_inside_its_polygon_and_its_depth
     qcRandom random = {31};
     for (int round = 0; round < 100000; round++)
     {
-        qcGrowth growth = {.axis = (int)qcRandom_Below(&random, 3),
-                           .resolution = s_resolutions[qcRandom_Below(&random, qc_resolutionCount)]};
-        int axes[3] = {(growth.axis + 1) % 3, (growth.axis + 2) % 3, growth.axis};
+        qcDilation dilation = {.axis = (int)qcRandom_Below(&random, 3),
+                               .resolution = s_resolutions[qcRandom_Below(&random, qc_resolutionCount)]};
+        int axes[3] = {(dilation.axis + 1) % 3, (dilation.axis + 2) % 3, dilation.axis};
         double m[3], t[3][3];
-        MakeGrowth(&random, growth.size);
-        MakePoint(&random, growth.resolution, m);
-        shapes[MakeNear(&random, growth.axis, growth.size, m, t)]++;
+        MakeDilation(&random, dilation.size);
+        MakePoint(&random, dilation.resolution, m);
+        shapes[MakeNear(&random, dilation.axis, dilation.size, m, t)]++;
         float corners[9];
         Store(t, corners);
-        qcGrownCorner ring[qc_grownCorners];
-        qcGrowth_Apply(&growth, corners, 1, ring);
+        qcDilatedCorner ring[qc_dilatedCorners];
+        qcDilation_Apply(&dilation, corners, 1, ring);
 
-        // A pixel that holds m, and points nearly an eighth of a pixel around its centre, where it will be in GL's
-        // eyes.
-        double pixel = 2.0 / growth.resolution, at[2], place[2];
+        // A pixel that contains m, and points nearly an eighth of a pixel around its centre: GL rounds by less.
+        double pixel = 2.0 / dilation.resolution, at[2], place[2];
         for (int k = 0; k < 2; k++)
         {
             place[k] = floor((m[axes[k]] + 1.0) / pixel - qcRandom_Below(&random, 2) * 1e-9);
-            place[k] = fmin(fmax(place[k], 0.0), growth.resolution - 1.0) + 0.5;
+            place[k] = fmin(fmax(place[k], 0.0), dilation.resolution - 1.0) + 0.5;
             at[k] = place[k] * pixel - 1.0;
         }
         for (int k = 0; k < 4; k++)
             ck_assert_msg(WindAround(ring, at[0] + (k & 1 ? 0.124 : -0.124) * pixel,
                                      at[1] + (k & 2 ? 0.124 : -0.124) * pixel) == 1,
                           "round %d: outside", round);
-        for (int i = 0; i < qc_grownCorners; i++)
+        for (int i = 0; i < qc_dilatedCorners; i++)
         {
-            // As the fragment shader computes it.
+            // The arithmetic of the fragment shader.
             float depth = ring[i].base + ring[i].slopeX * (float)place[0] + ring[i].slopeY * (float)place[1];
             float nearest = fminf(fmaxf(depth - ring[i].slack, ring[i].nearest), ring[i].farthest);
             float farthest = fminf(fmaxf(depth + ring[i].slack, ring[i].nearest), ring[i].farthest);
@@ -193,32 +192,32 @@ START_TEST(each_pixel_near_a_triangle_lies_well_inside_its_polygon_and_its_depth
 }
 END_TEST
 
-START_TEST(a_polygon_covers_no_more_than_its_triangle_grown_by_a_pixel)
+START_TEST(a_polygon_covers_no_more_than_its_triangle_dilated_by_a_pixel)
 {
     qcRandom random = {37};
     for (int round = 0; round < 20000; round++)
     {
-        qcGrowth growth = {.axis = 2, .resolution = s_resolutions[qcRandom_Below(&random, qc_resolutionCount)]};
-        double m[3], t[3][3], pixel = 2.0 / growth.resolution;
+        qcDilation dilation = {.axis = 2, .resolution = s_resolutions[qcRandom_Below(&random, qc_resolutionCount)]};
+        double m[3], t[3][3], pixel = 2.0 / dilation.resolution;
         const double none[3] = {0.0, 0.0, 0.0};
-        MakeGrowth(&random, growth.size);
-        MakePoint(&random, growth.resolution, m);
+        MakeDilation(&random, dilation.size);
+        MakePoint(&random, dilation.resolution, m);
         MakeNear(&random, 2, none, m, t);
         float corners[9];
         Store(t, corners);
-        qcGrownCorner ring[qc_grownCorners];
-        qcGrowth_Apply(&growth, corners, 1, ring);
-        // Its extent in each of the directions in which the grown triangle's is known.
+        qcDilatedCorner ring[qc_dilatedCorners];
+        qcDilation_Apply(&dilation, corners, 1, ring);
+        // Its extent in 16 directions.
         for (int direction = 0; direction < 16; direction++)
         {
             double nx = cos(direction * 0.39269908), ny = sin(direction * 0.39269908), triangle = -9.0, polygon = -9.0;
             for (int i = 0; i < 3; i++)
                 triangle = fmax(triangle, nx * corners[3 * i] + ny * corners[3 * i + 1]);
-            for (int i = 0; i < qc_grownCorners; i++)
+            for (int i = 0; i < qc_dilatedCorners; i++)
                 polygon = fmax(polygon, nx * ring[i].x + ny * ring[i].y);
-            double most = fabs(nx) * (fmin(growth.size[0], 2.0) + 0.65 * pixel) +
-                          fabs(ny) * (fmin(growth.size[1], 2.0) + 0.65 * pixel);
-            ck_assert_msg(polygon <= triangle + most, "round %d: %g beyond %g", round, polygon - triangle, most);
+            double max = fabs(nx) * (fmin(dilation.size[0], 2.0) + 0.65 * pixel) +
+                         fabs(ny) * (fmin(dilation.size[1], 2.0) + 0.65 * pixel);
+            ck_assert_msg(polygon <= triangle + max, "round %d: %g beyond %g", round, polygon - triangle, max);
         }
     }
 }
@@ -226,7 +225,7 @@ END_TEST
 
 //  ---- visibility ----------------------------------------------------------------------------------
 
-/// Is the first triangle of two fully visible once the second is rendered?
+/// Whether the first triangle of two is fully visible after the second is rendered.
 static bool IsVisible(qcDevice* device, const qcVisibilityDef* def, int axis, bool fromBack)
 {
     const qcVisibilityStep steps[2] = {{1, 1, false, true}, {0, 1, true, false}};
@@ -241,7 +240,7 @@ static bool IsVisible(qcDevice* device, const qcVisibilityDef* def, int axis, bo
     return visible[1] != 0;
 }
 
-START_TEST(triangles_within_the_growth_of_one_point_hide_each_other_from_both_sides)
+START_TEST(triangles_within_the_dilation_of_one_point_hide_each_other_from_both_sides)
 {
     QC_FOR_EACH_DEVICE(device)
     {
@@ -254,14 +253,14 @@ START_TEST(triangles_within_the_growth_of_one_point_hide_each_other_from_both_si
             qcVisibilityDef def = {.triangleCount = 2,
                                    .resolution = resolution,
                                    .tileSize = resolution < 100 ? 1 + qcRandom_Below(&random, resolution) : 0,
-                                   .grown = true};
-            MakeGrowth(&random, def.growth);
+                                   .dilated = true};
+            MakeDilation(&random, def.dilation);
             MakePoint(&random, resolution, m);
             float corners[18];
             int shapes[2];
             for (int i = 0; i < 2; i++)
             {
-                shapes[i] = MakeNear(&random, axis, def.growth, m, t[i]);
+                shapes[i] = MakeNear(&random, axis, def.dilation, m, t[i]);
                 Store(t[i], corners + 9 * i);
             }
             def.corners = corners;
@@ -275,7 +274,7 @@ START_TEST(triangles_within_the_growth_of_one_point_hide_each_other_from_both_si
 }
 END_TEST
 
-START_TEST(parallel_planes_are_parted_as_soon_as_their_gap_exceeds_the_growth_and_a_pixel)
+START_TEST(parallel_planes_separate_as_soon_as_their_gap_exceeds_the_dilation_and_a_pixel)
 {
     QC_FOR_EACH_DEVICE(device)
     {
@@ -284,15 +283,15 @@ START_TEST(parallel_planes_are_parted_as_soon_as_their_gap_exceeds_the_growth_an
         {
             uint32_t resolution = s_resolutions[3 + qcRandom_Below(&random, qc_resolutionCount - 3)];
             int axis = (int)qcRandom_Below(&random, 3), x = (axis + 1) % 3, y = (axis + 2) % 3;
-            qcVisibilityDef def = {.triangleCount = 2, .resolution = resolution, .grown = true};
+            qcVisibilityDef def = {.triangleCount = 2, .resolution = resolution, .dilated = true};
             double slopeX = qcRandom_Uniform(&random, -0.3, 0.3), slopeY = qcRandom_Uniform(&random, -0.3, 0.3);
             for (int k = 0; k < 3; k++)
-                def.growth[k] = qcRandom_Below(&random, 2) == 0 ? 0.0 : Magnitude(&random, -12.0, -5.0);
+                def.dilation[k] = qcRandom_Below(&random, 2) == 0 ? 0.0 : Magnitude(&random, -12.0, -5.0);
             // 5/8 of a pixel on either side.
-            double change = fabs(slopeX) * (def.growth[x] + 1.25 / resolution) +
-                            fabs(slopeY) * (def.growth[y] + 1.25 / resolution) + def.growth[axis];
+            double change = fabs(slopeX) * (def.dilation[x] + 1.25 / resolution) +
+                            fabs(slopeY) * (def.dilation[y] + 1.25 / resolution) + def.dilation[axis];
             double gap = 2.0 * change + 1e-4;
-            // A large triangle, and a smaller one before or behind it.
+            // A large triangle, and a smaller one in front of it or behind it.
             static const double places[2][3][2] = {{{-0.9, -0.9}, {0.9, -0.8}, {0.1, 0.9}},
                                                    {{-0.2, -0.1}, {0.3, -0.2}, {0.1, 0.4}}};
             bool isBehind = qcRandom_Below(&random, 2) == 0;
@@ -313,7 +312,7 @@ START_TEST(parallel_planes_are_parted_as_soon_as_their_gap_exceeds_the_growth_an
 }
 END_TEST
 
-START_TEST(triangles_a_pixel_and_the_growth_apart_in_the_image_are_fully_visible)
+START_TEST(triangles_a_pixel_and_the_dilation_apart_in_the_image_are_fully_visible)
 {
     QC_FOR_EACH_DEVICE(device)
     {
@@ -322,13 +321,13 @@ START_TEST(triangles_a_pixel_and_the_growth_apart_in_the_image_are_fully_visible
         {
             uint32_t resolution = s_resolutions[3 + qcRandom_Below(&random, qc_resolutionCount - 3)];
             int axis = (int)qcRandom_Below(&random, 3);
-            qcVisibilityDef def = {.triangleCount = 2, .resolution = resolution, .grown = true};
+            qcVisibilityDef def = {.triangleCount = 2, .resolution = resolution, .dilated = true};
             for (int k = 0; k < 3; k++)
-                def.growth[k] = qcRandom_Below(&random, 2) == 0 ? 0.0 : Magnitude(&random, -12.0, -5.0);
+                def.dilation[k] = qcRandom_Below(&random, 2) == 0 ? 0.0 : Magnitude(&random, -12.0, -5.0);
             // On both sides of a line of any direction.
             double angle = qcRandom_Uniform(&random, 0.0, 6.2831853), nx = cos(angle), ny = sin(angle);
-            double reach = fabs(nx) * (def.growth[(axis + 1) % 3] + 1.4 / resolution) +
-                           fabs(ny) * (def.growth[(axis + 2) % 3] + 1.4 / resolution);
+            double reach = fabs(nx) * (def.dilation[(axis + 1) % 3] + 1.4 / resolution) +
+                           fabs(ny) * (def.dilation[(axis + 2) % 3] + 1.4 / resolution);
             float corners[18];
             for (int i = 0; i < 6; i++)
             {
@@ -346,8 +345,8 @@ START_TEST(triangles_a_pixel_and_the_growth_apart_in_the_image_are_fully_visible
 }
 END_TEST
 
-QC_RUN_TESTS("growth", each_pixel_near_a_triangle_lies_well_inside_its_polygon_and_its_depths_hold,
-             a_polygon_covers_no_more_than_its_triangle_grown_by_a_pixel,
-             triangles_within_the_growth_of_one_point_hide_each_other_from_both_sides,
-             parallel_planes_are_parted_as_soon_as_their_gap_exceeds_the_growth_and_a_pixel,
-             triangles_a_pixel_and_the_growth_apart_in_the_image_are_fully_visible)
+QC_RUN_TESTS("conservative dilation", each_pixel_near_a_triangle_lies_well_inside_its_polygon_and_its_depths_hold,
+             a_polygon_covers_no_more_than_its_triangle_dilated_by_a_pixel,
+             triangles_within_the_dilation_of_one_point_hide_each_other_from_both_sides,
+             parallel_planes_separate_as_soon_as_their_gap_exceeds_the_dilation_and_a_pixel,
+             triangles_a_pixel_and_the_dilation_apart_in_the_image_are_fully_visible)

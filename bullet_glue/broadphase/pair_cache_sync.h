@@ -1,0 +1,126 @@
+// Keeps a Bullet pair cache equal to "boxes overlap and filters agree".
+#ifndef QC_GLUE_BROADPHASE_PAIR_CACHE_SYNC_H
+#define QC_GLUE_BROADPHASE_PAIR_CACHE_SYNC_H
+
+#include "broadphase/proxy_set.h"
+#include "common/object_key.h"
+
+#include <BulletCollision/BroadphaseCollision/btOverlappingPairCache.h>
+
+#include <atomic>
+
+/// What changed comes from the set of boxes; the cache is changed for nothing else. A pair that overlapped at the last
+/// search and still does is in the cache, or was rejected by groups and masks that have not changed since. All pairs
+/// are filtered again where that can't be relied on: someone else changed the cache, a filter changed, there is a
+/// filter callback, the cache defers removal, a proxy has invalid bounds.
+///
+/// Callbacks may create, move and destroy proxies. While an iteration runs (IterationGuard) such changes are pending.
+class qcPairCacheSync
+{
+  public:
+    /// Null: makes a btHashedOverlappingPairCache and owns it.
+    explicit qcPairCacheSync(btOverlappingPairCache* cache);
+    qcPairCacheSync(const qcPairCacheSync&) = delete;
+    qcPairCacheSync& operator=(const qcPairCacheSync&) = delete;
+    ~qcPairCacheSync();
+
+    /// A value, so that setAabb reaches it without one more pointer.
+    qcProxySet& GetProxies()
+    {
+        return m_proxies;
+    }
+    const qcProxySet& GetProxies() const
+    {
+        return m_proxies;
+    }
+    btOverlappingPairCache* GetCache() const
+    {
+        return m_cache;
+    }
+    bool IsIterating() const
+    {
+        return m_iterations > 0;
+    }
+    /// Lists a new proxy and adds its pairs; its changes are pending while an iteration runs.
+    void Add(qcProxy* proxy);
+    void Move(qcProxy* proxy, const btVector3& aabbMin, const btVector3& aabbMax);
+    /// Removes the proxy's pairs, and frees it now or at the end of the last iteration.
+    void Destroy(qcProxy* proxy, btDispatcher* dispatcher);
+    /// Brings the cache up to date.
+    void Update(btDispatcher* dispatcher);
+    /// Some of the next proxies that change have their pairs added before the search.
+    void ResetEarlyQueries();
+
+    /// While one lives, the set of proxies stays as it is.
+    class IterationGuard
+    {
+      public:
+        explicit IterationGuard(qcPairCacheSync& sync) : m_sync(sync)
+        {
+            ++m_sync.m_iterations;
+        }
+        ~IterationGuard()
+        {
+            if (--m_sync.m_iterations == 0)
+                m_sync.ApplyPending();
+        }
+        IterationGuard(const IterationGuard&) = delete;
+        IterationGuard& operator=(const IterationGuard&) = delete;
+
+      private:
+        qcPairCacheSync& m_sync;
+    };
+
+  private:
+    using Pairs = btAlignedObjectArray<qcProxy*>; ///< two entries a pair
+
+    void PendMove(qcProxy* proxy, const btVector3& aabbMin, const btVector3& aabbMax);
+    void MoveNow(qcProxy* proxy, const btVector3& aabbMin, const btVector3& aabbMax);
+    void Free(qcProxy* proxy);
+    void ApplyPending();
+    static void RemoveFrom(Pairs& pairs, const qcProxy* proxy);
+    bool AddIfAccepted(qcProxy* a, qcProxy* b);
+    void AddEarlyPair(qcProxy* a, qcProxy* b);
+    void AddEarlyPairs(qcProxy* proxy);
+    void Reject(qcProxy* a, qcProxy* b);
+    void TestPair(qcProxy* a, qcProxy* b);
+    void FindForeignChanges();
+    void FilterRejected();
+    void QueryPairs();
+    void AddBegun(const qcBoxChanges& changes);
+    void RemoveEnded(const qcBoxChanges& changes, btDispatcher* dispatcher);
+    void UpdatePairs(const qcBoxChanges& changes, btDispatcher* dispatcher);
+    bool IsAccepted(const btBroadphasePair& pair);
+    void RemovePair(int index, btDispatcher* dispatcher);
+    void RemovePairs(btDispatcher* dispatcher);
+    void RemoveDuplicates();
+
+    qcProxySet m_proxies;
+    btOverlappingPairCache* m_cache;
+    bool m_ownsCache;
+    std::atomic<int> m_iterations{0}; ///< queries and searches that are running
+    unsigned m_destroyCount = 0;      ///< lets a loop over pairs notice that a callback has removed some
+    bool m_querying = false;          ///< the pairs of some proxies are queried again
+    bool m_filterAll = false;         ///< all pairs are queried and filtered again
+    int m_earlyQueries;               ///< proxies left whose pairs are added before the search
+    int m_knownPairCount = 0;         ///< size of the cache after our last change
+    const btOverlapFilterCallback* m_filter = nullptr;
+    Pairs m_rejected; ///< while there is a filter callback: overlapping pairs that it rejected
+    Pairs m_found;    ///< single proxies: by one whose pairs are added before the search
+    Pairs m_early;    ///< pairs that were added to the cache since the last search, the lower id first
+};
+
+// Inline up to the comparison of boxes: most boxes that a world sets stay where they are.
+inline void qcPairCacheSync::Move(qcProxy* proxy, const btVector3& aabbMin, const btVector3& aabbMax)
+{
+    if (IsIterating())
+    {
+        PendMove(proxy, aabbMin, aabbMax);
+        return;
+    }
+    m_proxies.CompareFilterInTurn(proxy);
+    if (!qcAreSame(aabbMin, proxy->m_aabbMin) || !qcAreSame(aabbMax, proxy->m_aabbMax))
+        MoveNow(proxy, aabbMin, aabbMax);
+}
+
+#endif

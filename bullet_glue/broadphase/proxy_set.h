@@ -1,0 +1,186 @@
+// The proxies of a broadphase: their memory, their list, their boxes in a qcBoxes, and which of them need a new query.
+#ifndef QC_GLUE_BROADPHASE_PROXY_SET_H
+#define QC_GLUE_BROADPHASE_PROXY_SET_H
+
+#include "broadphase/proxy.h"
+
+/// A proxy's box in the set has NaN bounds opened to infinity and inverted ones put in order. It then overlaps every
+/// box that TestAabbAgainstAabb2 lets the proxy overlap: a comparison with NaN is never true there, and two boxes of
+/// which one is inverted overlap there only if the other one contains it. So answers of the set are filtered by
+/// TestAabbAgainstAabb2.
+class qcProxySet
+{
+  public:
+    /// A proxy, and its filter when it was last compared.
+    struct Entry
+    {
+        qcProxy* proxy;
+        uint64_t filter; ///< group and mask
+    };
+
+    qcProxySet() = default;
+    qcProxySet(const qcProxySet&) = delete;
+    qcProxySet& operator=(const qcProxySet&) = delete;
+    ~qcProxySet();
+
+    /// Null if there is no memory, which getStatus then reports. The proxy is not listed.
+    qcProxy* Create(const btVector3& aabbMin, const btVector3& aabbMax, void* userPtr, int group, int mask);
+    /// Adds a proxy to the list and, if there is memory, its box to the set.
+    void List(qcProxy* proxy);
+    void Free(qcProxy* proxy);
+    void Move(qcProxy* proxy, const btVector3& aabbMin, const btVector3& aabbMax);
+    /// Lists the proxy among those that TakePending returns.
+    void Pend(qcProxy* proxy);
+    /// A proxy whose changes are pending, which they no longer are; null: there is none.
+    qcProxy* TakePending();
+    /// Ids start again, where there are no proxies.
+    void Reset();
+
+    /// All pairs of the proxy are queried again in the next search.
+    void Requery(qcProxy* proxy);
+    /// The pairs of the proxy don't follow from what changed between boxes.
+    bool NeedsQuery(const qcProxy* proxy) const;
+    /// Compares the filter with what it was.
+    void CompareFilter(Entry& entry);
+    /// Compares the proxy's filter if all before it in the list have been compared. A world sets all boxes in the order
+    /// in which the objects came, which is that of the list: the proxy is then in the processor's cache.
+    void CompareFilterInTurn(const qcProxy* proxy);
+    /// Compares the filters that were not compared when boxes were set.
+    void CompareFilters();
+    /// Adds to the set the boxes for which there was no memory.
+    void AddMissingBoxes();
+    /// What changed between boxes since the last search. On failure everything counts as changed.
+    qcBoxChanges FindChanges();
+    /// Ends the interval between two searches.
+    void EndInterval();
+
+    /// Calls visit(qcProxy*) for each proxy whose box overlaps the given one.
+    template <class Visit> void VisitBox(const btVector3& aabbMin, const btVector3& aabbMax, Visit visit) const;
+    /// Calls visit(qcProxy*) for each proxy that is not in the set of boxes.
+    template <class Visit> void VisitOutside(Visit visit) const;
+    /// The smallest box around all proxies; zeros when there are none.
+    void GetBounds(double lower[3], double upper[3]) const;
+
+    qcProxy* At(int index) const
+    {
+        return m_entries[index].proxy;
+    }
+    int GetCount() const
+    {
+        return m_count;
+    }
+    qcProxy* OfBox(uint32_t box) const
+    {
+        return static_cast<qcProxy*>(qcBoxes_GetUserData(m_boxes, box));
+    }
+    const qcBoxes* GetBoxes() const
+    {
+        return m_boxes;
+    }
+    qcBoxes* GetBoxes()
+    {
+        return m_boxes;
+    }
+    /// Proxies without a box in the set.
+    int GetOutsideCount() const
+    {
+        return m_outsideCount;
+    }
+    /// Some proxies' overlaps are not those of their boxes in the set.
+    bool HasExceptions() const
+    {
+        return m_invalidCount > 0 || m_outsideCount > 0;
+    }
+    bool HasRequeries() const
+    {
+        return m_requeried;
+    }
+    bool HasChanges() const
+    {
+        return m_changed;
+    }
+    qcStatus GetStatus() const
+    {
+        return m_status;
+    }
+    void ClearStatus()
+    {
+        m_status = qc_statusOk;
+    }
+
+  private:
+    void CompareFilterRange(int first, int end);
+    bool Grow();
+    void AddBox(qcProxy* proxy);
+    void SetInvalid(qcProxy* proxy, bool invalid);
+
+    qcBoxes* m_boxes = nullptr;
+    qcStatus m_status = qc_statusOk;
+    qcProxyBlock* m_blocks = nullptr; ///< allocations
+    qcProxySlot* m_freeSlots = nullptr;
+    int m_slotCount = 0;
+    Entry* m_entries = nullptr; ///< with room for m_slotCount
+    int m_count = 0;
+    int m_comparedCount = 0; ///< filters of this many entries, from the first, were compared since the last search
+    int m_outsideCount = 0;
+    int m_invalidCount = 0; ///< proxies whose bounds are NaN or inverted
+    int m_lastUniqueId = 0;
+    qcProxy* m_pending = nullptr;
+    long long m_interval = 1; ///< between two searches for pairs
+    bool m_changed = false, m_requeried = false;
+};
+
+/// Queries all pairs of the proxy again if its filter has changed.
+inline void qcProxySet::CompareFilter(Entry& entry)
+{
+    if (entry.filter == qcFilterOf(entry.proxy))
+        return;
+    entry.filter = qcFilterOf(entry.proxy);
+    Requery(entry.proxy);
+}
+
+inline void qcProxySet::CompareFilterInTurn(const qcProxy* proxy)
+{
+    bool next = m_comparedCount < m_count && m_entries[m_comparedCount].proxy == proxy;
+    // Boxes that are set once more: filters may have changed in between.
+    if (!next && proxy->state().index < m_comparedCount)
+    {
+        m_comparedCount = 0;
+        next = proxy->state().index == 0;
+    }
+    if (next)
+        CompareFilter(m_entries[m_comparedCount++]);
+}
+
+inline bool qcProxySet::NeedsQuery(const qcProxy* proxy) const
+{
+    const qcProxyState& state = proxy->state();
+    return state.queryInterval == m_interval || state.invalidAabb || state.box == qc_noBox;
+}
+
+template <class Visit> void qcProxySet::VisitOutside(Visit visit) const
+{
+    for (int i = 0; m_outsideCount > 0 && i < m_count; i++)
+        if (m_entries[i].proxy->state().box == qc_noBox)
+            visit(m_entries[i].proxy);
+}
+
+template <class Visit> void qcProxySet::VisitBox(const btVector3& aabbMin, const btVector3& aabbMax, Visit visit) const
+{
+    auto test = [&](qcProxy* proxy)
+    {
+        if (!proxy->state().destroyed && TestAabbAgainstAabb2(proxy->m_aabbMin, proxy->m_aabbMax, aabbMin, aabbMax))
+            visit(proxy);
+    };
+    auto function = [](uint32_t, void* proxy, void* context)
+    {
+        (*static_cast<decltype(test)*>(context))(static_cast<qcProxy*>(proxy));
+        return true;
+    };
+    const double lower[3] = {double(aabbMin[0]), double(aabbMin[1]), double(aabbMin[2])};
+    const double upper[3] = {double(aabbMax[0]), double(aabbMax[1]), double(aabbMax[2])};
+    qcBoxes_QueryBox(m_boxes, lower, upper, function, &test);
+    VisitOutside(test);
+}
+
+#endif

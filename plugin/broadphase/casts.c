@@ -1,0 +1,201 @@
+// Ray and swept-box casts against a set of boxes. Slabs: Kay, Kajiya: Ray tracing complex scenes, 1986.
+// Proof that no box is missed: plugin/docs/proofs/box_casts.md.
+#include "broadphase/box_query.h"
+
+#include <float.h>
+#include <math.h>
+
+/// 16 u, u = 2^-53: see the proof.
+#define QC_CAST_TOLERANCE 0x1p-49
+
+typedef struct Cast
+{
+    double from[3], castLower[3], castUpper[3];
+    double pathLower[3], pathUpper[3]; ///< AABB of the whole path
+    qcFloatBox pathBox;                ///< the smallest box of floats that contains it
+    double inverse[3];                 ///< of the direction; 0: no slab in this axis
+    double magnitude[3];               ///< |from| + the larger cast extent: scales the rounding error
+    const double* fraction;
+} Cast;
+
+/// NaN if one of them is: then no comparison rejects a box.
+static double LowerOrNan(double a, double b)
+{
+    return a < b ? a : b <= a ? b : NAN;
+}
+
+static double UpperOrNan(double a, double b)
+{
+    return a > b ? a : b >= a ? b : NAN;
+}
+
+__attribute__((noinline)) static Cast PrepareCast(const double from[3], const double to[3], const double castLower[3],
+                                                  const double castUpper[3], const double* fraction)
+{
+    static const double wholePath = 1.0;
+    Cast cast = {.fraction = fraction != NULL ? fraction : &wholePath};
+    qcBounds unbounded; ///< the path, with NaN made infinite
+    for (int k = 0; k < 3; k++)
+    {
+        cast.from[k] = from[k];
+        cast.castLower[k] = castLower[k];
+        cast.castUpper[k] = castUpper[k];
+        cast.pathLower[k] = LowerOrNan(from[k], to[k]) + castLower[k];
+        cast.pathUpper[k] = UpperOrNan(from[k], to[k]) + castUpper[k];
+        double direction = to[k] - from[k], length = fabs(direction);
+        cast.inverse[k] = length >= DBL_MIN && length <= 0x1p1021 ? 1.0 / direction : 0.0;
+        cast.magnitude[k] = fabs(from[k]) + qcUpper(fabs(castLower[k]), fabs(castUpper[k]));
+        unbounded.lower[k] = isnan(cast.pathLower[k]) ? -INFINITY : cast.pathLower[k];
+        unbounded.upper[k] = isnan(cast.pathUpper[k]) ? INFINITY : cast.pathUpper[k];
+    }
+    (void)qcFloatBox_Enclose(&cast.pathBox, unbounded.lower, unbounded.upper);
+    return cast;
+}
+
+/// Slab test. `*entry`: a lower bound of the fraction of the path at which the box is hit.
+static bool HitsBounds(const Cast* cast, const double lower[3], const double upper[3], double* entry)
+{
+    double enter = 0.0, leave = *cast->fraction;
+    for (int k = 0; k < 3; k++)
+    {
+        if (lower[k] > cast->pathUpper[k] || upper[k] < cast->pathLower[k])
+            return false;
+        double inverse = cast->inverse[k];
+        if (inverse == 0.0)
+            continue;
+        double low = lower[k] - cast->castUpper[k] - cast->from[k] - 0x1p-51 * (fabs(lower[k]) + cast->magnitude[k]);
+        double high = upper[k] - cast->castLower[k] - cast->from[k] + 0x1p-51 * (fabs(upper[k]) + cast->magnitude[k]);
+        double near = (inverse > 0.0 ? low : high) * inverse, far = (inverse > 0.0 ? high : low) * inverse;
+        if (near > enter)
+            enter = near;
+        if (far < leave)
+            leave = far;
+    }
+    *entry = enter;
+    return !(enter > leave + QC_CAST_TOLERANCE);
+}
+
+/// A node of a tree, or a box, that is hit.
+typedef struct CastNode
+{
+    const qcBoxTree* tree; ///< null: a box
+    uint32_t level, octet; ///< a box: its id in `octet`
+    double entry;
+} CastNode;
+
+enum
+{
+    // Boxes of the list that are sorted by entry at a time.
+    qc_listStep = 64,
+    qc_castStack = 7 * qc_treeLevels + qc_forestTrees + qc_listStep + qc_lanes
+};
+
+typedef struct CastStack
+{
+    CastNode nodes[qc_castStack];
+    uint32_t count;
+} CastStack;
+
+/// Insertion sort of the nodes from `first` on: the nearest is popped first.
+static void SortNearestLast(CastStack* stack, uint32_t first)
+{
+    for (uint32_t i = first + 1; i < stack->count; i++)
+    {
+        CastNode node = stack->nodes[i];
+        uint32_t at = i;
+        for (; at > first && stack->nodes[at - 1].entry < node.entry; at--)
+            stack->nodes[at] = stack->nodes[at - 1];
+        stack->nodes[at] = node;
+    }
+}
+
+/// Pushes a box if it is hit. Its entry is tested anew: the AABB in the forest may be larger and hit earlier.
+static void PushBox(const qcBoxes* boxes, const Cast* cast, CastStack* stack, uint32_t id)
+{
+    qcBounds bounds = qcBoxes_Bounds(boxes, id);
+    CastNode node = {NULL, 0, id, 0.0};
+    if (HitsBounds(cast, bounds.lower, bounds.upper, &node.entry))
+        stack->nodes[stack->count++] = node;
+}
+
+/// Pushes the children of a node that are hit.
+static void PushChildren(const qcBoxes* boxes, const Cast* cast, CastStack* stack, const CastNode* parent)
+{
+    const qcOctetTree* shape = &parent->tree->shape;
+    const qcOctet* octet = &shape->octets[shape->first[parent->level] + parent->octet];
+    uint32_t lanes = boxes->forest.kernels->overlap(octet, &cast->pathBox), first = stack->count;
+    for (; lanes != 0; lanes &= lanes - 1)
+    {
+        uint32_t lane = (uint32_t)__builtin_ctz(lanes), below = qc_lanes * parent->octet + lane;
+        if (parent->level == 0)
+        {
+            PushBox(boxes, cast, stack, QC_AT(uint32_t, parent->tree->ids, below));
+            continue;
+        }
+        double lower[3], upper[3];
+        for (int k = 0; k < 3; k++)
+        {
+            lower[k] = (double)octet->lower[k][lane];
+            upper[k] = (double)octet->upper[k][lane];
+        }
+        CastNode node = {parent->tree, parent->level - 1, below, 0.0};
+        if (HitsBounds(cast, lower, upper, &node.entry))
+            stack->nodes[stack->count++] = node;
+    }
+    SortNearestLast(stack, first);
+}
+
+/// Pops until the stack is empty. Returns false if the function stops the query.
+static bool VisitStack(const qcBoxes* boxes, const Cast* cast, CastStack* stack, qcHostFunction* host)
+{
+    while (stack->count > 0)
+    {
+        CastNode node = stack->nodes[--stack->count];
+        // The fraction may have been lowered since the node was pushed.
+        if (node.entry > *cast->fraction + QC_CAST_TOLERANCE)
+            continue;
+        if (node.tree != NULL)
+            PushChildren(boxes, cast, stack, &node);
+        else if (!qcHostFunction_Call(node.octet, QC_AT(void*, boxes->userData, node.octet), host))
+            return false;
+    }
+    return true;
+}
+
+__attribute__((noinline)) static void CastBox(const qcBoxes* boxes, const Cast* cast, qcHostFunction* host)
+{
+    const qcForest* forest = &boxes->forest;
+    CastStack stack;
+    stack.count = 0;
+    for (uint64_t trees = forest->staticTrees | forest->dynamicTrees; trees != 0;)
+    {
+        const qcBoxTree* tree = &forest->trees[qcForest_NextTree(&trees)];
+        CastNode root = {tree, tree->shape.levelCount - 1, 0, 0.0};
+        qcFloatBox around = qcOctet_Around(&tree->shape.octets[tree->shape.first[root.level]]);
+        double lower[3] = {(double)around.lower[0], (double)around.lower[1], (double)around.lower[2]};
+        double upper[3] = {(double)around.upper[0], (double)around.upper[1], (double)around.upper[2]};
+        if (HitsBounds(cast, lower, upper, &root.entry))
+            stack.nodes[stack.count++] = root;
+    }
+    SortNearestLast(&stack, 0);
+    bool more = VisitStack(boxes, cast, &stack, host);
+    for (size_t i = 0; more && i < forest->listIds.count; i++)
+    {
+        PushBox(boxes, cast, &stack, QC_AT(uint32_t, forest->listIds, i));
+        if ((i + 1) % qc_listStep != 0 && i + 1 < forest->listIds.count)
+            continue;
+        SortNearestLast(&stack, 0);
+        more = VisitStack(boxes, cast, &stack, host);
+    }
+}
+
+void qcBoxes_CastBox(const qcBoxes* boxes, const double from[3], const double to[3], const double castLower[3],
+                     const double castUpper[3], const double* fraction, qcBoxFunction* function, void* context)
+{
+    if (qcBoxes_GetCount(boxes) == 0)
+        return;
+    qcHostFunction host = {function, context, qcFloatMode_Begin()};
+    Cast cast = PrepareCast(from, to, castLower, castUpper, fraction);
+    CastBox(boxes, &cast, &host);
+    qcFloatMode_End(host.mode);
+}

@@ -1,0 +1,62 @@
+// Pair masks: which pairs of triangles of two leaf nodes are to be tested, a bit a pair, packed.
+//
+// A mask has 64 words. Word i + 8 j is about cluster i of the first node and cluster j of the second; its bit u + 8 v
+// is about triangle u of the one cluster and triangle v of the other.
+#ifndef QC_MESH_PAIR_MASK_H
+#define QC_MESH_PAIR_MASK_H
+
+#include "mesh/limits.h"
+
+#include <stddef.h>
+
+enum
+{
+    qc_pairMaskWords = 64,
+    qc_maxPairMaskSize = 2 + qc_pairMaskWords ///< packed
+};
+
+/// Bits u + 8 v with u < v: the pairs of a cluster with itself.
+#define QC_PAIRS_IN_ORDER UINT64_C(0x7f3f1f0f07030100)
+
+/// A word of a mask: the pairs of these triangles of two clusters, a bit for each triangle.
+static inline uint64_t qcPairMask_Product(unsigned a, unsigned b)
+{
+    // Bit v of b to bit 8 v: seven bits by one multiplication, without carries; then a copy of a at each.
+    uint64_t spread = ((b & 0x7fu) * UINT64_C(0x0002040810204081) & UINT64_C(0x0001010101010101)) | (uint64_t)(b >> 7)
+                                                                                                        << 56;
+    return spread * a;
+}
+
+/// The bits of one cluster, from a bit for each triangle of its node.
+static inline unsigned qcPairMask_OfCluster(uint64_t nodeBits, uint32_t cluster)
+{
+    return (unsigned)(nodeBits >> qc_clusterSize * cluster & 0xffu);
+}
+
+enum
+{
+    qc_maxExclusions = 4
+};
+
+/// Pairs of two nodes that need no test: those of a triangle in `a` with one in `b`.
+typedef struct qcPairExclusion
+{
+    uint64_t a, b; ///< a bit for each triangle of the node
+} qcPairExclusion;
+
+/// Packs a mask; returns its size in words. Most words of most masks have all bits set, or none: a packed mask has a
+/// bit for each word that has some, a bit for each word that has none, then the former words in order.
+size_t qcPairMask_Pack(const uint64_t words[qc_pairMaskWords], uint64_t packed[qc_maxPairMaskSize]);
+
+/// A word of a packed mask that has any bits. Reads one word more than the mask has, without using it.
+static inline uint64_t qcPairMask_Word(const uint64_t* packed, uint32_t word)
+{
+    uint64_t bit = UINT64_C(1) << word;
+    uint64_t some = packed[2 + __builtin_popcountll(packed[0] & (bit - 1))];
+    return (packed[0] & bit) != 0 ? some : UINT64_MAX;
+}
+
+/// The packed mask of a node with itself if no two of its triangles had a vertex in common: each pair once.
+const uint64_t* qcPairMask_OfOneNode(void);
+
+#endif

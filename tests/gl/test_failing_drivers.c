@@ -1,0 +1,300 @@
+// Drivers that fail, and lost devices: the failure is reported, and `layers` still finds every pair, by the sweep if it
+// must.
+#define _POSIX_C_SOURCE 200809L
+#include "gl/replaced_driver.h"
+#include "support/suite.h"
+
+//  ---- failures ------------------------------------------------------------------------------------------------------
+
+static int s_failures; // still to happen
+
+static void APIENTRY FailTexBuffer(GLenum target, GLenum format, GLuint buffer)
+{
+    // The second call is one of many in the first step.
+    s_real.TexBuffer(target, ++s_failures == 2 ? 0xdead : format, buffer);
+}
+
+static void MakeErring(struct qcGlFunctions* gl)
+{
+    gl->TexBuffer = FailTexBuffer;
+}
+
+START_TEST(a_gl_error_between_two_allocations_is_reported)
+{
+    QC_FOR_EACH_DEVICE(device)
+    {
+        if (!MakeDriver(device, MakeErring))
+            continue;
+        s_failures = 0;
+        World world = MakeWorld(device);
+        CheckReason(CheckPairs(world.scene, 0.0), "GL_INVALID_ENUM");
+        MoveAll(&world);
+        ck_assert_ptr_null(CheckPairs(world.scene, 0.0));
+        qcScene_Destroy(world.scene);
+    }
+}
+END_TEST
+
+static void APIENTRY ReadNothing(GLenum target, GLintptr offset, GLsizeiptr size, void* data)
+{
+    if (s_failures > 0)
+        s_failures--;
+    else
+        s_real.GetBufferSubData(target, offset, size, data);
+}
+
+static void MakeUnreadable(struct qcGlFunctions* gl)
+{
+    gl->GetBufferSubData = ReadNothing;
+}
+
+static void APIENTRY ReadNoPairs(GLenum target, GLintptr offset, GLsizeiptr size, void* data)
+{
+    if (++s_failures != 2) // the counters come first
+        s_real.GetBufferSubData(target, offset, size, data);
+}
+
+static void MakePairsUnreadable(struct qcGlFunctions* gl)
+{
+    gl->GetBufferSubData = ReadNoPairs;
+}
+
+static void APIENTRY DispatchNothing(GLuint x, GLuint y, GLuint z)
+{
+    if (s_failures <= 0)
+        s_real.DispatchCompute(x, y, z);
+}
+
+static void APIENTRY DispatchNothingIndirect(GLintptr at)
+{
+    if (s_failures <= 0)
+        s_real.DispatchComputeIndirect(at);
+}
+
+static void MakeIdle(struct qcGlFunctions* gl)
+{
+    gl->DispatchCompute = DispatchNothing;
+    gl->DispatchComputeIndirect = DispatchNothingIndirect;
+}
+
+/// Only the last kernel, the filter, does not run.
+static void APIENTRY DispatchAllButLast(GLintptr at)
+{
+    if (s_failures <= 0 || at != 3 * 64 + 4)
+        s_real.DispatchComputeIndirect(at);
+}
+
+static void MakeNearlyDone(struct qcGlFunctions* gl)
+{
+    gl->DispatchComputeIndirect = DispatchAllButLast;
+}
+
+static void CheckUnfinished(qcReplace* replace, int failures, const char* refiner)
+{
+    setenv("QC_LAYERS_REFINE", refiner, 1);
+    QC_FOR_EACH_DEVICE(device)
+    {
+        if (!MakeDriver(device, replace))
+            continue;
+        World world = MakeWorld(device);
+        s_failures = failures;
+        CheckReason(CheckPairs(world.scene, 0.0), "the device did not finish");
+        s_failures = 0;
+        MoveAll(&world);
+        CheckPairs(world.scene, 0.0);
+        // Again after a successful step: in the first one no result has been read before.
+        MoveAll(&world);
+        s_failures = failures;
+        CheckReason(CheckPairs(world.scene, 0.0), "the device did not finish");
+        qcScene_Destroy(world.scene);
+    }
+}
+
+START_TEST(a_readback_that_does_nothing_is_no_result)
+{
+    CheckUnfinished(MakeUnreadable, 1, "device");
+    CheckUnfinished(MakeUnreadable, 1, "processor");
+    CheckUnfinished(MakePairsUnreadable, 0, "device");
+}
+END_TEST
+
+START_TEST(kernels_that_do_not_run_give_no_result)
+{
+    CheckUnfinished(MakeIdle, 1, "device");
+    CheckUnfinished(MakeIdle, 1, "processor");
+    CheckUnfinished(MakeNearlyDone, 1, "device");
+}
+END_TEST
+
+static uint32_t s_attempts;
+static bool s_hasRun, s_isFull;
+
+static void APIENTRY CountAttempts(GLsizei count, GLuint* buffers)
+{
+    s_attempts++;
+    s_hasRun = false;
+    s_real.GenBuffers(count, buffers);
+}
+
+static void APIENTRY NoteRun(GLuint x, GLuint y, GLuint z)
+{
+    s_hasRun = true;
+    s_real.DispatchCompute(x, y, z);
+}
+
+static void APIENTRY RunOutOfMemory(GLenum target, GLsizeiptr size, const void* data, GLenum usage)
+{
+    // Like a failing GL: no memory, and the error.
+    s_isFull = s_failures > 0 && s_hasRun;
+    s_real.BufferData(target, s_isFull ? 0 : size, data, usage);
+}
+
+static GLenum APIENTRY GetMemoryError(void)
+{
+    GLenum error = s_isFull ? GL_OUT_OF_MEMORY : s_real.GetError();
+    s_isFull = false;
+    return error;
+}
+
+static void MakeSmall(struct qcGlFunctions* gl)
+{
+    gl->GenBuffers = CountAttempts;
+    gl->DispatchCompute = NoteRun;
+    gl->BufferData = RunOutOfMemory;
+    gl->GetError = GetMemoryError;
+}
+
+static void DetectLayers(qcScene* scene, const char** fallback)
+{
+    qcDetectDef def = qcDefaultDetectDef();
+    def.method = qc_methodLayers;
+    const qcResult* result = NULL;
+    CHECK_OK(qcScene_Detect(scene, &def, &result));
+    *fallback = result->profile.fallback;
+}
+
+START_TEST(a_device_that_keeps_failing_is_tried_ever_less)
+{
+    setenv("QC_LAYERS_REFINE", "device", 1);
+    // All triangles overlap: lists must grow.
+    qcSoup soup = qcSoup_MakeRandom(5, 1200, 0.25);
+    QC_FOR_EACH_DEVICE(device)
+    {
+        if (!MakeDriver(device, MakeSmall))
+            continue;
+        s_failures = 1;
+        s_attempts = 0;
+        qcScene* scene = qcMakeScene(device);
+        qcBodyDef body = qcBodyDefOf(&soup);
+        body.deforming = true;
+        qcBodyId id;
+        CHECK_OK(qcScene_AddBody(scene, &body, &id));
+        const char* fallback = NULL;
+        for (int step = 0; step < 64; step++)
+        {
+            CHECK_OK(qcScene_SetVertices(scene, id, soup.positions, qc_positionF64, 0));
+            DetectLayers(scene, &fallback);
+            CheckReason(fallback, "no memory for");
+        }
+        ck_assert_uint_ge(s_attempts, 4);
+        ck_assert_uint_le(s_attempts, 8);
+        // The device is never given up.
+        s_failures = 0;
+        int steps = 0;
+        for (; fallback != NULL && steps < 256; steps++)
+        {
+            CHECK_OK(qcScene_SetVertices(scene, id, soup.positions, qc_positionF64, 0));
+            DetectLayers(scene, &fallback);
+        }
+        ck_assert_ptr_null(fallback);
+        ck_assert_ptr_null(CheckPairs(scene, 0.0));
+        qcScene_Destroy(scene);
+    }
+    qcSoup_Free(&soup);
+}
+END_TEST
+
+//  ---- lost devices --------------------------------------------------------------------------------------------------
+
+static GLenum APIENTRY ReportReset(void)
+{
+    return GL_INNOCENT_CONTEXT_RESET;
+}
+
+static void MakeLost(struct qcGlFunctions* gl)
+{
+    gl->GetGraphicsResetStatus = ReportReset;
+}
+
+static qcStatus DetectQuick(qcScene* scene)
+{
+    qcDetectDef def = qcDefaultDetectDef();
+    def.method = qc_methodQuick;
+    def.resolution = 256;
+    const qcResult* result = NULL;
+    return qcScene_Detect(scene, &def, &result);
+}
+
+static qcStatus Draw(qcDevice* device)
+{
+    uint8_t rgb[16 * 16 * 3];
+    qcPictureDef def = qcDefaultPictureDef();
+    def.width = def.height = 16;
+    return qcDevice_DrawPicture(device, &def, rgb);
+}
+
+START_TEST(a_lost_device_is_reported_and_its_scenes_go_on_once_it_is_reopened)
+{
+    QC_FOR_EACH_DEVICE(device)
+    {
+        qcDeviceInfo info;
+        CHECK_OK(qcDevice_GetInfo(device, &info));
+        if (!info.compute)
+            continue;
+        World worlds[2] = {MakeWorld(device), MakeWorld(device)};
+        for (int i = 0; i < 2; i++)
+            ck_assert_ptr_null(CheckPairs(worlds[i].scene, 0.0));
+        CHECK_OK(Draw(device));
+
+        Replacement replacement = {MakeLost};
+        ck_assert_int_eq(qcDevice_Run(device, Replace, &replacement, "a test"), qc_statusDeviceLost);
+        ck_assert_str_eq(qcLastMessage(), "a test: the GL context is lost");
+        CHECK_OK(qcDevice_GetInfo(device, &info));
+        ck_assert(info.lost);
+        for (int i = 0; i < 2; i++)
+        {
+            MoveAll(&worlds[i]);
+            CheckReason(CheckPairs(worlds[i].scene, 0.0), "the GL context is lost");
+        }
+        ck_assert_int_eq(DetectQuick(worlds[0].scene), qc_statusDeviceLost);
+        ck_assert_int_eq(Draw(device), qc_statusDeviceLost);
+
+        CHECK_OK(qcDevice_Reopen(device));
+        CHECK_OK(qcDevice_GetInfo(device, &info));
+        ck_assert(!info.lost);
+        // In reverse order: names in the new context belong to other objects than before.
+        for (int i = 1; i >= 0; i--)
+        {
+            MoveAll(&worlds[i]);
+            ck_assert_ptr_null(CheckPairs(worlds[i].scene, 0.0));
+        }
+        CHECK_OK(DetectQuick(worlds[0].scene));
+        CHECK_OK(Draw(device));
+
+        // Objects of a lost context are not deleted in the new one.
+        CHECK_OK(qcDevice_Reopen(device));
+        MoveAll(&worlds[1]);
+        ck_assert_ptr_null(CheckPairs(worlds[1].scene, 0.0));
+        qcScene_Destroy(worlds[0].scene);
+        MoveAll(&worlds[1]);
+        ck_assert_ptr_null(CheckPairs(worlds[1].scene, 0.0));
+        qcScene_Destroy(worlds[1].scene);
+    }
+    ck_assert_uint_eq(qcGetByteCount(), 0);
+}
+END_TEST
+
+QC_RUN_TESTS("failing drivers", a_gl_error_between_two_allocations_is_reported,
+             a_readback_that_does_nothing_is_no_result, kernels_that_do_not_run_give_no_result,
+             a_device_that_keeps_failing_is_tried_ever_less,
+             a_lost_device_is_reported_and_its_scenes_go_on_once_it_is_reopened)
