@@ -1,4 +1,4 @@
-// The caller's floating-point modes: results are the same in all of them, and they are the same after each call.
+// The caller's floating-point modes: results don't depend on them, and calls leave them unchanged.
 #include "support/devices.h"
 #include "support/pairs.h"
 #include "support/scenes.h"
@@ -18,7 +18,7 @@ typedef struct Mode
 {
     const char* name;
     int rounding;
-    unsigned control; ///< bits of MXCSR that are changed; 0: none
+    unsigned control; ///< bits of MXCSR to change; 0: none
 } Mode;
 
 static const Mode s_modes[] = {
@@ -52,7 +52,7 @@ static bool IsIn(const Mode* mode)
     return is;
 }
 
-/// Back to the default; the mode must be the one that was entered.
+/// Returns to the default; checks first that the mode is still the one that was entered.
 static void Leave(const Mode* mode)
 {
     bool is = IsIn(mode);
@@ -65,7 +65,7 @@ static const Mode s_default = {"default", FE_TONEAREST, 0};
 
 //  ---- two triangles -------------------------------------------------------------------------------
 
-/// A pair of any kind; every other one among the subnormals.
+/// A pair of any kind; every other one is subnormal.
 static void MakePair(qcRandom* random, int i, qcTrianglePair* pair)
 {
     if (i % 2 == 0)
@@ -82,7 +82,7 @@ static void MakePair(qcRandom* random, int i, qcTrianglePair* pair)
     }
 }
 
-START_TEST(triangles_relate_the_same_in_every_mode)
+START_TEST(relations_of_triangles_are_the_same_in_every_mode)
 {
     const Mode* mode = &s_modes[_i];
     qcRandom random = {1};
@@ -137,9 +137,9 @@ typedef struct Question
 {
     qcMethod method;
     bool floats;        ///< positions are floats
-    int exponent;       ///< of the power of two that scales the scene
+    int exponent;       ///< the scene is scaled by this power of two
     bool rest;          ///< segments, proximities, manifolds, contacts
-    double marginShare; ///< of the size
+    double marginShare; ///< margin relative to the size
 } Question;
 
 static const Question s_questions[] = {
@@ -155,7 +155,7 @@ enum
     qc_questionCount = sizeof s_questions / sizeof s_questions[0]
 };
 
-/// The two bodies of a question: positions as they are handed over.
+/// The two bodies of a question, positions in its type.
 typedef struct Bodies
 {
     qcSoup soups[2];
@@ -191,7 +191,7 @@ static void FreeBodies(Bodies* bodies)
     }
 }
 
-/// A scene that was made, moved and detected in a mode. Its result lives as long as the scene.
+/// Creates a scene, moves it and detects, all in a mode. The result lives as long as the scene.
 static const qcResult* Detect(const Mode* mode, const Question* question, qcDevice* device, qcScene** scene)
 {
     Bodies bodies = MakeBodies(question);
@@ -266,7 +266,7 @@ static void CheckQuestion(const Question* question, qcDevice* device)
     qcScene_Destroy(scene);
 }
 
-START_TEST(scenes_give_the_same_in_every_mode)
+START_TEST(results_of_scenes_are_the_same_in_every_mode)
 {
     const Question* question = &s_questions[_i];
     if (question->method != qc_methodLayers)
@@ -282,7 +282,7 @@ START_TEST(scenes_give_the_same_in_every_mode)
 }
 END_TEST
 
-START_TEST(a_device_opened_in_a_mode_answers_as_any)
+START_TEST(a_device_opened_in_any_mode_gives_the_same_results)
 {
     qcScene *scene, *other;
     const Question question = {qc_methodLayers, false, 0, true, 0.01};
@@ -313,7 +313,7 @@ enum
 
 static void Draw(const Mode* mode, qcDevice* device, uint8_t rgb[3 * qc_pictureSize * qc_pictureSize])
 {
-    // So small that squares of normals are subnormal.
+    // So small that squares of normals become subnormal.
     static const float positions[] = {-1e-10f, -7e-11f,  1e-11f, 1.1e-10f,  -9e-11f, 6e-11f,
                                       2e-11f,  1.3e-10f, 0.0f,   -1.4e-10f, 9e-11f,  -8e-11f};
     static const uint32_t indices[] = {0, 1, 2, 0, 2, 3};
@@ -354,7 +354,7 @@ enum
     qc_foundRoom = 4 * qc_boxCount * qc_boxCount
 };
 
-/// All that a set of boxes answers.
+/// All results of a set of boxes.
 typedef struct Answers
 {
     uint32_t found[qc_foundRoom];
@@ -399,7 +399,7 @@ static void RandomBox(qcRandom* random, int exponent, double lower[3], double up
     }
 }
 
-/// Boxes come, move and are looked for, in coordinates that are small integers times a power of two.
+/// Adds, moves and queries boxes, in coordinates that are small integers times a power of two.
 static void AnswerAll(const Mode* mode, int exponent, Answers* answers)
 {
     static double boxes[3][qc_boxCount][2][3];
@@ -447,7 +447,7 @@ static void AnswerAll(const Mode* mode, int exponent, Answers* answers)
     ck_assert(ok);
 }
 
-START_TEST(boxes_answer_the_same_in_every_mode_and_call_back_in_the_callers)
+START_TEST(results_of_boxes_are_the_same_in_every_mode_and_callbacks_run_in_the_callers)
 {
     static const int exponents[] = {0, -149, -1074, -1030};
     static Answers expected, found;
@@ -471,12 +471,13 @@ int main(void)
     Suite* suite = suite_create("float modes");
     TCase* tests = tcase_create("float modes");
     tcase_set_timeout(tests, 300); // a bound against hanging, not a claim about speed
-    tcase_add_loop_test(tests, triangles_relate_the_same_in_every_mode, 0, qc_modeCount);
+    tcase_add_loop_test(tests, relations_of_triangles_are_the_same_in_every_mode, 0, qc_modeCount);
     tcase_add_loop_test(tests, proximities_are_the_same_in_every_mode, 0, qc_modeCount);
-    tcase_add_loop_test(tests, scenes_give_the_same_in_every_mode, 0, qc_questionCount);
-    tcase_add_loop_test(tests, a_device_opened_in_a_mode_answers_as_any, 0, qc_modeCount);
+    tcase_add_loop_test(tests, results_of_scenes_are_the_same_in_every_mode, 0, qc_questionCount);
+    tcase_add_loop_test(tests, a_device_opened_in_any_mode_gives_the_same_results, 0, qc_modeCount);
     tcase_add_loop_test(tests, pictures_are_the_same_in_every_mode, 0, qc_modeCount);
-    tcase_add_loop_test(tests, boxes_answer_the_same_in_every_mode_and_call_back_in_the_callers, 0, qc_modeCount);
+    tcase_add_loop_test(tests, results_of_boxes_are_the_same_in_every_mode_and_callbacks_run_in_the_callers, 0,
+                        qc_modeCount);
     suite_add_tcase(suite, tests);
     return qcRunSuite(suite);
 }

@@ -1,4 +1,4 @@
-// Loops on threads of the host: whatever it does with its tasks, results are those of one thread.
+// Loops on threads of the host: results are those of one thread, however the host runs its tasks.
 #define _POSIX_C_SOURCE 200809L
 
 #include "support/devices.h"
@@ -20,7 +20,7 @@ enum
     qc_mostTasks = 8
 };
 
-/// One loop as a host gets it.
+/// One loop as passed to the host.
 typedef struct Loop
 {
     uint32_t count;
@@ -50,7 +50,7 @@ static void RunLast(const Loop* loop)
     loop->task(loop->count - 1, loop->taskContext);
 }
 
-/// A thread that runs every `step`-th task, from the last one down.
+/// A share of the tasks: every `step`-th, descending.
 typedef struct Share
 {
     const Loop* loop;
@@ -84,13 +84,13 @@ static void RunThreads(const Loop* loop)
     RunOn(loop, loop->count);
 }
 
-/// Two tasks and more on one thread, another one beside it.
+/// Several tasks on one thread, and a second thread.
 static void RunTwoThreads(const Loop* loop)
 {
     RunOn(loop, 2);
 }
 
-/// Modes that make arithmetic wrong are the thread's own affair.
+/// A thread in another rounding mode, which must not affect results.
 static void* RunRoundingUp(void* context)
 {
     fesetround(FE_UPWARD);
@@ -135,7 +135,7 @@ enum
 static void RunLoop(uint32_t count, qcTask* task, void* taskContext, void* context)
 {
     Host* host = context;
-    // Two at least, or it would not be worth a call.
+    // A loop of one task runs on the caller.
     if (count < 2 || count > host->workers)
         abort();
     host->run(&(Loop){count, task, taskContext});
@@ -172,7 +172,7 @@ static void CountIndex(void* context, size_t index, uint32_t worker)
     atomic_flag_clear(&counts->busy[worker]);
 }
 
-START_TEST(each_index_runs_once_and_no_two_at_a_time_have_one_worker)
+START_TEST(each_index_runs_once_and_concurrent_calls_have_different_workers)
 {
     Host* host = &s_hosts[_i];
     Use(host);
@@ -218,7 +218,7 @@ static uint64_t Hash(uint64_t hash, const void* data, size_t size)
     return hash;
 }
 
-/// Of all arrays, which are without padding, and of the counts.
+/// The hash of all arrays, which have no padding, and of the counts.
 static uint64_t HashOf(const qcResult* r)
 {
     const size_t counts[] = {r->pairCount,     r->pcsCount,           r->contactCount,
@@ -233,7 +233,7 @@ static uint64_t HashOf(const qcResult* r)
     return Hash(hash, r->manifoldPoints, r->manifoldPointCount * sizeof *r->manifoldPoints);
 }
 
-/// A cloth that meets itself and a sphere; large enough for loops to take threads.
+/// A self-colliding cloth and a sphere, large enough for loops to use threads.
 typedef struct World
 {
     qcScene* scene;
@@ -264,7 +264,7 @@ typedef struct Question
     qcMethod method;
     double margin, contactMargin;
     bool rest;      ///< segments, proximities, manifolds
-    uint32_t loops; ///< so many are long enough for threads, in a step that is not the first
+    uint32_t loops; ///< minimum count of loops on threads, in each step after the first
 } Question;
 
 static const Question s_questions[] = {
@@ -289,7 +289,7 @@ static qcDetectDef DefOf(const Question* question, uint32_t threads)
     return def;
 }
 
-/// With new vertices.
+/// Sets new vertices and detects.
 static uint64_t Step(World* world, uint64_t seed, const Question* question, uint32_t threads)
 {
     qcSoup cloth = MakeCloth(seed);
@@ -305,7 +305,7 @@ static uint64_t Step(World* world, uint64_t seed, const Question* question, uint
     return HashOf(result);
 }
 
-/// Step by step on another host, and on the library's own threads, what a scene beside it finds on one thread.
+/// Compares a scene whose steps run on changing hosts, and on the library's own threads, with a scene on one thread.
 static void CheckQuestion(qcDevice* device, const Question* question)
 {
     World world = MakeWorld(device), serial = MakeWorld(device);
@@ -398,7 +398,7 @@ START_TEST(scenes_on_two_threads_share_the_librarys_own_threads)
 }
 END_TEST
 
-START_TEST(a_child_process_has_threads_of_its_own)
+START_TEST(a_child_process_starts_its_own_threads)
 {
     User parent, child;
     StepOften(&parent, 3);
@@ -418,9 +418,9 @@ START_TEST(a_child_process_has_threads_of_its_own)
 }
 END_TEST
 
-//  ---- mistakes ----------------------------------------------------------------------------------------------------
+//  ---- bad input ----------------------------------------------------------------------------------------------------
 
-START_TEST(a_host_without_workers_is_refused_and_the_old_one_stays)
+START_TEST(a_host_without_workers_is_rejected_and_the_previous_one_stays)
 {
     Host* host = &s_hosts[3];
     Use(host);
@@ -434,7 +434,7 @@ START_TEST(a_host_without_workers_is_refused_and_the_old_one_stays)
 }
 END_TEST
 
-START_TEST(workers_beyond_the_most_are_as_many_as_the_most)
+START_TEST(the_count_of_workers_is_limited_to_the_maximum)
 {
     CHECK_OK(qcSetParallelFor(RunLoop, UINT32_MAX, &s_hosts[3]));
     ck_assert_uint_eq(qcParallel_Threads(0), qc_maxWorkers);
@@ -448,14 +448,14 @@ int main(void)
     Suite* suite = suite_create("tasks");
     TCase* tests = tcase_create("tasks");
     tcase_set_timeout(tests, 300);
-    tcase_add_loop_test(tests, each_index_runs_once_and_no_two_at_a_time_have_one_worker, 0, qc_hostCount);
+    tcase_add_loop_test(tests, each_index_runs_once_and_concurrent_calls_have_different_workers, 0, qc_hostCount);
     tcase_add_loop_test(tests, tasks_run_in_the_rounding_mode_of_the_caller, 0, qc_hostCount);
     tcase_add_loop_test(tests, hosts_that_change_step_by_step_give_the_results_of_one_thread, 0, qc_questionCount);
     tcase_add_test(tests, scenes_on_two_threads_share_a_host);
     tcase_add_test(tests, scenes_on_two_threads_share_the_librarys_own_threads);
-    tcase_add_test(tests, a_child_process_has_threads_of_its_own);
-    tcase_add_test(tests, a_host_without_workers_is_refused_and_the_old_one_stays);
-    tcase_add_test(tests, workers_beyond_the_most_are_as_many_as_the_most);
+    tcase_add_test(tests, a_child_process_starts_its_own_threads);
+    tcase_add_test(tests, a_host_without_workers_is_rejected_and_the_previous_one_stays);
+    tcase_add_test(tests, the_count_of_workers_is_limited_to_the_maximum);
     suite_add_tcase(suite, tests);
     return qcRunSuite(suite);
 }

@@ -21,7 +21,7 @@ typedef struct Row
     int count;
 } Row;
 
-/// Takes a line apart; a comma in quotes is text.
+/// Splits a line; a comma in quotes is text.
 static inline void Split(const char* text, Row* row)
 {
     size_t length = strcspn(text, "\n");
@@ -69,7 +69,7 @@ static inline bool Is(const Row* row, const char* column, const char* value)
     return strcmp(Get(row, column), value) == 0;
 }
 
-/// Calls a function for each row of the file, whose header must be the given one; returns how many there are.
+/// Calls a function for each row of the file, whose header must be the given one. Returns the number of rows.
 static inline int ForEachRow(const char* path, const char* header, void (*take)(const Row* row, void* context),
                              void* context)
 {

@@ -2,10 +2,9 @@
 //   egl          a hardware GPU
 //   osmesa       software GL in memory
 //   surfaceless  Mesa's GL through EGL
-//   zink         the same over Vulkan, with a compiler and a memory model of its own. It takes variables that are set
-//                before Mesa is opened: device.cmake runs programs a second time in that environment, where zink is the
-//                only device.
-// QC_TEST_DEVICES names, separated by commas, those that must open: a test fails where one of them doesn't.
+//   zink         Mesa's GL over Vulkan, with a compiler and a memory model of its own. Environment variables select it
+//                before Mesa is loaded: programs run a second time with these, and zink is then the only device.
+// QC_TEST_DEVICES lists, separated by commas, devices that must open: a test fails if one of them doesn't.
 #ifndef QC_TESTS_SUPPORT_DEVICES_H
 #define QC_TESTS_SUPPORT_DEVICES_H
 
@@ -19,7 +18,7 @@
 enum
 {
     qc_testDeviceCount = 3,
-    qc_testZink = qc_testDeviceCount ///< after the kinds: the place of zink's name
+    qc_testZink = qc_testDeviceCount ///< index of zink's name
 };
 
 static const qcDeviceKind qc_testKinds[qc_testDeviceCount] = {qc_deviceEgl, qc_deviceOsmesa, qc_deviceSurfaceless};
@@ -31,7 +30,7 @@ static inline bool qcIsZinkProcess(void)
     return driver != NULL && strcmp(driver, "zink") == 0;
 }
 
-/// Null, and a line of output, where this kind does not work here.
+/// Null, after a line of output, if this kind does not work here.
 static inline qcDevice* qcOpenOrSkip(qcDeviceKind kind)
 {
     qcDeviceDef def = qcDefaultDeviceDef();
@@ -53,8 +52,8 @@ static inline qcDevice* qcOpenOrSkip(qcDeviceKind kind)
     return NULL;
 }
 
-/// Fails where QC_TEST_DEVICES names a device of this process that did not open, or none that there is. `opened`: a
-/// flag for each of qc_testDeviceNames.
+/// Fails if QC_TEST_DEVICES lists a device of this process that did not open, or an unknown one. `opened`: a flag for
+/// each of qc_testDeviceNames.
 static inline void qcCheckRequired(const bool opened[qc_testDeviceCount + 1])
 {
     const char* required = getenv("QC_TEST_DEVICES");
@@ -73,7 +72,7 @@ static inline void qcCheckRequired(const bool opened[qc_testDeviceCount + 1])
     }
 }
 
-/// Prints and checks which devices a test has run on; how many those are.
+/// Prints and checks which devices a test has run on. Returns their count.
 static inline int qcReportDevices(const bool opened[qc_testDeviceCount + 1])
 {
     int count = 0;
@@ -99,7 +98,7 @@ static inline int qcGetTestName(int kind)
     return qcIsZinkProcess() ? qc_testZink : kind;
 }
 
-/// Opens all devices at once, null for those that do not open; how many did.
+/// Opens all devices at once, null for those that do not open. Returns the count of open ones.
 static inline int qcOpenTestDevices(qcDevice* devices[qc_testDeviceCount])
 {
     bool opened[qc_testDeviceCount + 1] = {false};
@@ -118,7 +117,7 @@ static inline void qcCloseTestDevices(qcDevice* devices[qc_testDeviceCount])
         qcDevice_Destroy(devices[i]);
 }
 
-/// A walk over the devices, one open at a time.
+/// Iterates over the devices, one open at a time.
 typedef struct qcDeviceWalk
 {
     int next; ///< of qc_testKinds
@@ -126,7 +125,7 @@ typedef struct qcDeviceWalk
     qcDevice* device;
 } qcDeviceWalk;
 
-/// Closes the device that is open and opens the next; false, after a report, when there is no other.
+/// Closes the open device and opens the next. False, after a report, if there is no other.
 static inline bool qcDeviceWalk_Next(qcDeviceWalk* walk)
 {
     qcDevice_Destroy(walk->device);
@@ -143,7 +142,7 @@ static inline bool qcDeviceWalk_Next(qcDeviceWalk* walk)
     return walk->device != NULL;
 }
 
-/// Runs what follows on each device, open as `device`.
+/// Runs the following statement for each device, open as `device`.
 #define QC_FOR_EACH_DEVICE(device)                                                                                     \
     for (qcDeviceWalk device##Walk = {0, {false, false, false, false}, NULL}; qcDeviceWalk_Next(&device##Walk);)       \
         for (qcDevice* device = device##Walk.device; device != NULL; device = NULL)

@@ -1,4 +1,4 @@
-// A heap for qcSetAllocator one of whose allocations fails.
+// A heap for qcSetAllocator of which one allocation fails.
 #ifndef QC_TESTS_SUPPORT_FAILING_HEAP_H
 #define QC_TESTS_SUPPORT_FAILING_HEAP_H
 
@@ -7,7 +7,7 @@
 
 typedef struct qcFailingHeap
 {
-    size_t live, calls, failAt; ///< failAt: the number of the call that fails; 0: none
+    size_t live, calls, failAt; ///< failAt: number of the failing call, from 1 on; 0: none
 } qcFailingHeap;
 
 static inline void* qcFailingHeap_Allocate(size_t size, void* context)

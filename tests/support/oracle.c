@@ -1,14 +1,6 @@
 // The relation of two triangles as a question about a polytope, answered in integers without any geometry.
 // Rockafellar, Convex Analysis (1970), theorem 6.9; vertices by integer pivoting: Edmonds 1967, Bareiss 1968.
-//
-// P = {(l, m) >= 0 : sum l = 1, sum m = 1, sum l[i] A[i] = sum m[i] B[i]} has a point for each way to write a
-// common point of A and B as a mean of either's corners.
-//   - A and B meet exactly if P is not empty. P is bounded, so then it has vertices, its basic feasible solutions.
-//   - The relative interior of the hull of some points is the set of their means with positive weights only, also
-//     where the hull is a segment or a point. So relint(A) meets relint(B) exactly if P has a positive point.
-//   - A coordinate that is zero at every vertex of P is zero on all of P; the mean of the vertices is positive in all
-//     others. So P has a positive point exactly if each of the six unknowns is positive at some vertex.
-//   - The corners of A ∩ B, an image of P under a linear map, are images of vertices of P.
+// Proof: plugin/docs/proofs/oracle.md.
 #include "support/oracle.h"
 
 #include "support/oracle_integers.h"
@@ -22,7 +14,7 @@ enum
     qc_equations = 5
 };
 
-// A row i with a basic column b stands for divisor * x[b] + sum over the columns that are not basic = right-hand side.
+// A row i with a basic column b is the equation divisor * x[b] + sum over the other columns = right-hand side.
 typedef struct Tableau
 {
     mpz_t entry[qc_equations][qc_unknowns + 1];
@@ -75,7 +67,7 @@ int qcOracle_ToIntegers(mpz_t* const integers[], const double* const values[], i
     return smallest;
 }
 
-// Every entry is a minor of the first tableau, so that the division leaves no rest and nothing grows.
+// Each entry is a minor of the first tableau: the division is exact.
 static void Tableau_Pivot(Tableau* t, int row, int column)
 {
     mpz_t* pivotRow = t->entry[row];
@@ -95,7 +87,7 @@ static void Tableau_Pivot(Tableau* t, int row, int column)
     t->basic[row] = column;
 }
 
-// Gives each row a basic column and drops the rows that say nothing. False: the equations contradict each other.
+// Gives each row a basic column and removes redundant rows. False: the equations are inconsistent.
 static bool Tableau_FindBasis(Tableau* t)
 {
     int row = 0;
@@ -119,10 +111,10 @@ static bool Tableau_FindBasis(Tableau* t)
     return true;
 }
 
-// Exchanges columns until the basis is the set `wanted`. False: those columns depend on each other.
-static bool Tableau_MoveTo(Tableau* t, unsigned wanted)
+// Exchanges columns until the basis is `target`. False: those columns are linearly dependent.
+static bool Tableau_MoveTo(Tableau* t, unsigned target)
 {
-    unsigned missing = wanted;
+    unsigned missing = target;
     for (int i = 0; i < t->rowCount; ++i)
         missing &= ~(1u << t->basic[i]);
     for (int column = 0; column < qc_unknowns; ++column)
@@ -130,7 +122,7 @@ static bool Tableau_MoveTo(Tableau* t, unsigned wanted)
         if ((missing >> column & 1u) == 0)
             continue;
         int row = 0;
-        while (row < t->rowCount && ((wanted >> t->basic[row] & 1u) != 0 || mpz_sgn(t->entry[row][column]) == 0))
+        while (row < t->rowCount && ((target >> t->basic[row] & 1u) != 0 || mpz_sgn(t->entry[row][column]) == 0))
             ++row;
         if (row == t->rowCount)
             return false;
@@ -162,7 +154,7 @@ static int CountBits(unsigned set)
     return count;
 }
 
-// A rational number, scaled by 2^exponent, cut off to a double.
+// A rational number, scaled by 2^exponent, rounded toward zero.
 static double ToDouble(mpz_t numerator, const mpz_t denominator, int exponent)
 {
     mpq_t q;
@@ -202,7 +194,7 @@ static void AddPoint(Tableau* t, const Corners* a, qcOracleAnswer* answer)
     ++answer->pointCount;
 }
 
-// Visits the vertices of P. Without a list of points to fill it stops at the first proof of penetration.
+// Visits the vertices of P. Without a list of points to fill, it stops once penetration is proven.
 static qcRelation VisitVertices(Tableau* t, const Corners* a, qcOracleAnswer* answer)
 {
     const unsigned all = (1u << qc_unknowns) - 1;
@@ -286,7 +278,7 @@ void qcOracle_Intersect(const double a[3][3], const double b[3][3], qcOracleAnsw
     answer->relation = Solve(a, b, answer);
 }
 
-// Each axis may have a scale of its own: it changes a determinant by a positive factor.
+// Each axis has its own scale, which multiplies the determinant by a positive factor.
 static void SetDifferences(mpz_t* const differences[], const double* const values[], int count)
 {
     qcOracle_ToIntegers(differences, values, count);

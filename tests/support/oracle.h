@@ -1,5 +1,5 @@
-// The relation of two triangles, by linear programming, and their distance, by quadratic programming, in rational
-// arithmetic: what every test believes. Needs GMP. Any thread; nothing is kept between calls.
+// The oracle of all tests: the relation of two triangles by linear programming, and their distance by quadratic
+// programming, in rational arithmetic (GMP). Proofs: plugin/docs/proofs/oracle.md. Thread-safe; without state.
 #ifndef QC_TESTS_SUPPORT_ORACLE_H
 #define QC_TESTS_SUPPORT_ORACLE_H
 
@@ -11,16 +11,16 @@ extern "C" {
 
 enum
 {
-    // Bases of a system in six unknowns: at most 6 over 3.
+    // Bases of a system in six unknowns: at most 6 choose 3.
     qc_oracleMaxPoints = 20
 };
 
 typedef struct qcOracleAnswer
 {
     qcRelation relation;
-    /// Points that differ as doubles; 0 for a disjoint pair.
+    /// Number of different points; 0 for a disjoint pair.
     int pointCount;
-    /// Each coordinate is the exact one, cut off toward zero to a double. The corners of A ∩ B are all among them;
+    /// Each coordinate is the exact one, rounded toward zero. The corners of A ∩ B are all among them;
     /// degenerate triangles may add points between the corners.
     double points[qc_oracleMaxPoints][3];
 } qcOracleAnswer;
@@ -46,11 +46,12 @@ qcOracleDistance* qcOracleDistance_Create(const double a[3][3], const double b[3
 void qcOracleDistance_Destroy(qcOracleDistance* distance);
 /// The sign of the distance minus a margin of 0 or more.
 int qcOracleDistance_Compare(const qcOracleDistance* distance, double margin);
-/// To 2^-51 of itself; infinity beyond the largest double.
+/// The distance with a relative error of 2^-51; infinity on overflow.
 double qcOracleDistance_Get(const qcOracleDistance* distance);
 
-/// How far A, which meets B, has to move along a normal of a face of either or across an edge of each until their
-/// projections onto it overlap no more: the least over all these axes, both ways. To 2^-51 of itself.
+/// The penetration depth of A and B, which meet: the minimum, over face normals and cross products of edges in both
+/// directions, of the distance that A moves until their projections onto this axis no longer overlap. With a relative
+/// error of 2^-51.
 double qcOracle_Depth(const double a[3][3], const double b[3][3]);
 
 #ifdef __cplusplus

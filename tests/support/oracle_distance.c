@@ -1,11 +1,6 @@
-// The distance of two triangles as a quadratic program, in integers: the least |sum l[i] A[i] - sum m[j] B[j]|^2 over
-// all weights l, m >= 0 that sum to 1 each. By active sets: Theil and van de Panne 1960.
-//
-// Of all optimal weights take some with the fewest positive ones, at the corners I of A and J of B. Then the vectors
-// A[i] - A[i0], B[j] - B[j0] for i in I, j in J (all but the first of each) are independent: otherwise the weights
-// could be moved, changing no point's difference, until one of them is 0. So their Gram matrix is regular, there are at
-// most three, and the weights are the solution of the normal equations. On the other hand the solution for any I and J
-// gives a pair of points if no weight is negative. So the least of these is the answer; 0 exactly if the two meet.
+// The distance of two triangles as a quadratic program, in integers: the minimum of |sum l[i] A[i] - sum m[j] B[j]|^2
+// over all weights l, m >= 0 that sum to 1 each. By active sets: Theil and van de Panne 1960. Proof:
+// plugin/docs/proofs/oracle.md.
 #include "support/oracle.h"
 #include "support/oracle_integers.h"
 
@@ -15,8 +10,8 @@
 enum
 {
     qc_corners = 6,
-    qc_mostVectors = 3,
-    // Beyond the 53 bits of a double.
+    qc_maxVectors = 3,
+    // More than the 53 bits of a double.
     qc_rootBits = 64
 };
 
@@ -79,13 +74,13 @@ static double Root(const mpz_t numerator, const mpz_t denominator, int exponent)
 
 //  ---- normal equations ------------------------------------------------------------------------------------
 
-// Inner products of all corners, and what one choice of I and J needs.
+// Inner products of all corners, and the equations of one choice of I and J.
 typedef struct Program
 {
     mpz_t product[qc_corners][qc_corners];
-    // A column more than vectors: minus the inner products with the difference of the first corners.
-    mpz_t matrix[qc_mostVectors][qc_mostVectors + 1];
-    mpz_t solution[qc_mostVectors], determinant, value, constant, left, right;
+    // One column more than vectors: minus the inner products with the difference of the first corners.
+    mpz_t matrix[qc_maxVectors][qc_maxVectors + 1];
+    mpz_t solution[qc_maxVectors], determinant, value, constant, left, right;
 } Program;
 
 static void Program_Init(Program* p, const mpz_t corners[qc_corners][3])
@@ -96,10 +91,10 @@ static void Program_Init(Program* p, const mpz_t corners[qc_corners][3])
             mpz_init(p->product[i][j]);
             Dot(p->product[i][j], corners[i], corners[j]);
         }
-    for (int i = 0; i < qc_mostVectors; ++i)
+    for (int i = 0; i < qc_maxVectors; ++i)
     {
         mpz_init(p->solution[i]);
-        for (int j = 0; j <= qc_mostVectors; ++j)
+        for (int j = 0; j <= qc_maxVectors; ++j)
             mpz_init(p->matrix[i][j]);
     }
     mpz_inits(p->determinant, p->value, p->constant, p->left, p->right, NULL);
@@ -110,16 +105,16 @@ static void Program_Clear(Program* p)
     for (int i = 0; i < qc_corners; ++i)
         for (int j = 0; j < qc_corners; ++j)
             mpz_clear(p->product[i][j]);
-    for (int i = 0; i < qc_mostVectors; ++i)
+    for (int i = 0; i < qc_maxVectors; ++i)
     {
         mpz_clear(p->solution[i]);
-        for (int j = 0; j <= qc_mostVectors; ++j)
+        for (int j = 0; j <= qc_maxVectors; ++j)
             mpz_clear(p->matrix[i][j]);
     }
     mpz_clears(p->determinant, p->value, p->constant, p->left, p->right, NULL);
 }
 
-// (p - q) . (r - s) by their numbers.
+// (p - q) . (r - s) by the corners' numbers.
 static void ProductOf(mpz_t out, const Program* program, const int p[2], const int r[2])
 {
     mpz_sub(out, program->product[p[0]][r[0]], program->product[p[0]][r[1]]);
@@ -127,12 +122,12 @@ static void ProductOf(mpz_t out, const Program* program, const int p[2], const i
     mpz_add(out, out, program->product[p[1]][r[1]]);
 }
 
-// The determinant of the first `count` columns, with `replaced` (-1: none) of them exchanged for the last one.
+// The determinant of the first `count` columns, where the last one replaces column `replaced` (-1: none).
 static void Determinant(mpz_t out, Program* p, int count, int replaced)
 {
-    int c[qc_mostVectors];
-    for (int i = 0; i < qc_mostVectors; ++i)
-        c[i] = i == replaced ? qc_mostVectors : i;
+    int c[qc_maxVectors];
+    for (int i = 0; i < qc_maxVectors; ++i)
+        c[i] = i == replaced ? qc_maxVectors : i;
     if (count < 3)
     {
         mpz_set_ui(out, 1);
@@ -155,7 +150,7 @@ static void Determinant(mpz_t out, Program* p, int count, int replaced)
     }
 }
 
-// No weight is negative: neither those of the vectors, counted from `first`, nor what they leave for the first corner.
+// True if no weight is negative: those of the vectors from `first` on, and the remainder for the first corner.
 static bool AreWeights(Program* p, int first, int end)
 {
     mpz_set_ui(p->left, 0);
@@ -177,13 +172,13 @@ static int Members(unsigned set, int offset, int members[3])
     return count;
 }
 
-// The closest points of the hulls of two sets of corners, if they lie inside: the squared distance becomes
-// value / determinant.
+// The closest points of the affine hulls of two sets of corners, if they lie within the convex hulls: the squared
+// distance is value / determinant.
 static bool Solve(Program* p, unsigned setA, unsigned setB)
 {
     int i[3], j[3], vectors[4][2], count = 0;
     int countA = Members(setA, 0, i), countB = Members(setB, 3, j);
-    if (countA + countB - 2 > qc_mostVectors)
+    if (countA + countB - 2 > qc_maxVectors)
         return false;
     for (int k = 1; k < countA; ++k, ++count)
     {
@@ -200,7 +195,7 @@ static bool Solve(Program* p, unsigned setA, unsigned setB)
     {
         for (int c = 0; c < count; ++c)
             ProductOf(p->matrix[r][c], p, vectors[r], vectors[c]);
-        ProductOf(p->matrix[r][qc_mostVectors], p, vectors[r], opposite);
+        ProductOf(p->matrix[r][qc_maxVectors], p, vectors[r], opposite);
     }
     Determinant(p->determinant, p, count, -1);
     if (mpz_sgn(p->determinant) == 0)
@@ -212,7 +207,7 @@ static bool Solve(Program* p, unsigned setA, unsigned setB)
     ProductOf(p->constant, p, difference, difference);
     mpz_mul(p->value, p->constant, p->determinant);
     for (int k = 0; k < count; ++k)
-        mpz_submul(p->value, p->solution[k], p->matrix[k][qc_mostVectors]);
+        mpz_submul(p->value, p->solution[k], p->matrix[k][qc_maxVectors]);
     return true;
 }
 

@@ -1,4 +1,4 @@
-// Doubles as GMP integers: for the oracles among themselves.
+// Doubles as GMP integers, shared by the oracles.
 #ifndef QC_TESTS_SUPPORT_ORACLE_INTEGERS_H
 #define QC_TESTS_SUPPORT_ORACLE_INTEGERS_H
 
@@ -10,7 +10,7 @@ enum
     qc_oracleMaxIntegers = 19
 };
 
-// *integers[i] * 2^result = *values[i], as small as a common power of two allows.
+// Sets *integers[i] so that *integers[i] * 2^result = *values[i], with the largest possible result.
 int qcOracle_ToIntegers(mpz_t* const integers[], const double* const values[], int count);
 
 #endif

@@ -1,5 +1,5 @@
-// Seeded pairs of triangles near the border between two relations, built from small integers so that they lie on it.
-// Local coordinates (s, t, h), multiples of 12, in a random integer frame; h = 0 is the plane of the first triangle.
+// Seeded pairs of triangles on the border between two relations, built exactly from small integers: local coordinates
+// (s, t, h), multiples of 12, in a random integer frame; h = 0 is the plane of the first triangle.
 #include "support/pairs.h"
 
 #include <math.h>
@@ -46,12 +46,12 @@ static void SetOnTriangle(qcRandom* random, double p[3], const double corners[3]
         weights[1] = qcRandom_Integer(random, 1, qc_unit - 1 - (int)weights[0]);
         weights[2] = qc_unit - weights[0] - weights[1];
     }
-    uint32_t turn = qcRandom_Below(random, 3);
+    uint32_t shift = qcRandom_Below(random, 3);
     for (int axis = 0; axis < 3; ++axis)
     {
         p[axis] = 0;
         for (uint32_t i = 0; i < 3; ++i)
-            p[axis] += weights[(i + turn) % 3] * corners[i][axis] / qc_unit;
+            p[axis] += weights[(i + shift) % 3] * corners[i][axis] / qc_unit;
     }
 }
 
@@ -150,7 +150,7 @@ static void Collapse(qcRandom* random, double corners[3][3])
     }
 }
 
-// In local coordinates. `pair->a` lies in the plane, `pair->b` anywhere, until the kind says more.
+// In local coordinates. `pair->a` lies in the plane, `pair->b` anywhere, except for what the kind sets.
 static void SetLattice(qcRandom* random, qcPairKind kind, qcTrianglePair* pair)
 {
     for (int i = 0; i < 3; ++i)
@@ -185,14 +185,14 @@ static void SetLattice(qcRandom* random, qcPairKind kind, qcTrianglePair* pair)
     }
 }
 
-// The axes of the frame, or of half of all frames those of the world in any order.
+// Random axes; in half of all calls a permutation of the world's.
 static void SetFrame(qcRandom* random, double frame[3][3])
 {
     if (qcRandom_Below(random, 2) == 0)
     {
-        uint32_t turn = qcRandom_Below(random, 3);
+        uint32_t shift = qcRandom_Below(random, 3);
         for (uint32_t i = 0; i < 9; ++i)
-            frame[i / 3][i % 3] = (i / 3 + turn) % 3 == i % 3;
+            frame[i / 3][i % 3] = (i / 3 + shift) % 3 == i % 3;
         return;
     }
     double determinant = 0;
@@ -277,9 +277,9 @@ void qcTrianglePair_Make(qcRandom* random, qcPairKind kind, qcTrianglePair* pair
     Shuffle(random, pair->b);
     if (qcRandom_Below(random, 2) == 0)
     {
-        qcTrianglePair given = *pair;
-        memcpy(pair->a, given.b, sizeof pair->a);
-        memcpy(pair->b, given.a, sizeof pair->b);
+        qcTrianglePair original = *pair;
+        memcpy(pair->a, original.b, sizeof pair->a);
+        memcpy(pair->b, original.a, sizeof pair->b);
     }
 }
 
@@ -318,7 +318,7 @@ static void ScaleToExtreme(qcRandom* random, qcTrianglePair* pair, double larges
 {
     if (largest == 0)
         return;
-    // Up to the last binade, a product too large or too small for a double, and denormals of 4 to 40 bits.
+    // The last binade, sizes whose products overflow or underflow, and denormals of 4 to 40 bits.
     int magnitude =
         (const int[]){1023, 1000, -990, (int)qcRandom_Integer(random, -1070, -1034)}[qcRandom_Below(random, 4)];
     Scale(pair, 1, magnitude - ilogb(largest));
@@ -344,7 +344,7 @@ void qcTrianglePair_MoveByUlps(qcRandom* random, qcTrianglePair* pair)
 
 void qcTrianglePair_Disturb(qcRandom* random, qcTrianglePair* pair)
 {
-    // The mixed exponents leave no room above.
+    // Mixed exponents must not be scaled up.
     if (qcTrianglePair_GetLargest(pair) < 1e40)
     {
         uint32_t scale = qcRandom_Below(random, 8);
@@ -366,9 +366,10 @@ void qcTrianglePair_MakeAny(qcRandom* random, qcTrianglePair* pair)
     qcTrianglePair_Disturb(random, pair);
 }
 
-//  ---- apart -------------------------------------------------------------------------------------------------
+//  ---- at a known distance
+//  -------------------------------------------------------------------------------------------------
 
-// Corners 0 .. count - 1 in the plane h = 0 with the origin in their hull, the others on it or on the side of `side`.
+// Corners 0 .. count - 1 lie in the plane h = 0 with the origin in their hull, the others in it or on one side of it.
 static void SetAround(qcRandom* random, double corners[3][3], int count, int side)
 {
     for (int i = 0; i < 3; ++i)
@@ -389,8 +390,8 @@ static void SetAround(qcRandom* random, double corners[3][3], int count, int sid
     }
 }
 
-// Three perpendicular integer axes of the same integer length, which is returned: a turn by an integer quaternion.
-static double SetTurn(qcRandom* random, double frame[3][3])
+// Three perpendicular integer axes of the same integer length, which is returned: a rotation by an integer quaternion.
+static double SetRotation(qcRandom* random, double frame[3][3])
 {
     double q[4], length = 0;
     while (length == 0)
@@ -421,7 +422,7 @@ void qcTrianglePair_MakeApart(qcRandom* random, int cornersA, int cornersB, qcTr
     SetAround(random, pair->b, cornersB, 1);
     for (int i = 0; i < 3; ++i)
         pair->b[i][2] += *distance;
-    *distance *= SetTurn(random, frame);
+    *distance *= SetRotation(random, frame);
     ApplyFrame((const double(*)[3])frame, pair->a);
     ApplyFrame((const double(*)[3])frame, pair->b);
     Shuffle(random, pair->a);
@@ -447,9 +448,9 @@ char* qcTrianglePair_Print(const qcTrianglePair* pair, char text[1024])
     return text;
 }
 
-int qcGetTestPairCount(int least)
+int qcGetTestPairCount(int minCount)
 {
     const char* text = getenv("QC_TEST_PAIRS");
     int count = text != NULL ? atoi(text) : 0;
-    return count > least ? count : least;
+    return count > minCount ? count : minCount;
 }

@@ -1,4 +1,4 @@
-// Runs a program as a user would, in a folder of its own, and keeps what it said.
+// Runs programs in a folder of their own.
 #define _POSIX_C_SOURCE 200809L
 #define _XOPEN_SOURCE 700
 #include "support/run_program.h"
@@ -52,7 +52,7 @@ int Run(const char* format, ...)
     va_end(arguments);
     static const char redirection[] = " >.stdout 2>.stderr";
     ck_assert_uint_lt((size_t)length + sizeof redirection, sizeof command);
-    // Before the command's own, which then win.
+    // Before the command's own redirections, which take precedence.
     char whole[sizeof command + sizeof redirection + 8];
     snprintf(whole, sizeof whole, "exec%s; %s", redirection, command);
     int status = system(whole);

@@ -1,15 +1,15 @@
-// Runs a program as a user would, in a folder of its own, and keeps what it said.
+// Runs a program as a user would, in a folder of its own, and keeps its output.
 #ifndef QC_TESTS_SUPPORT_RUN_PROGRAM_H
 #define QC_TESTS_SUPPORT_RUN_PROGRAM_H
 
 #include <stdbool.h>
 #include <stddef.h>
 
-/// What the last program wrote to standard output and standard error.
+/// The last program's standard output and standard error.
 const char* GetOutput(void);
 const char* GetErrors(void);
 
-/// Makes an empty folder and goes there; the second removes it with all it holds.
+/// Creates an empty folder and changes to it; the second function removes it with its contents.
 void EnterFolder(void);
 void LeaveFolder(void);
 
@@ -17,9 +17,9 @@ void LeaveFolder(void);
 __attribute__((format(printf, 1, 2))) int Run(const char* format, ...);
 
 void WriteText(const char* path, const char* text);
-/// Reads a file into `text`, ended by a zero; false: there is none.
+/// Reads a file into `text`, terminated by a zero. False: there is no such file.
 bool ReadText(const char* path, char* text, size_t size);
-/// Entries of the folder, without "." and "..".
+/// The number of entries of the folder, without "." and "..".
 size_t CountEntries(void);
 
 #endif

@@ -1,4 +1,4 @@
-// Soups as bodies of a scene, and results compared: what the tests of the ABI share.
+// Helpers of tests of the C API: soups as bodies of a scene, comparison of results.
 #ifndef QC_TESTS_SUPPORT_SCENES_H
 #define QC_TESTS_SUPPORT_SCENES_H
 
@@ -72,13 +72,13 @@ static inline int qcComparePairs(const void* x, const void* y)
     return 0;
 }
 
-/// Pair for pair, the first difference in the message.
+/// Checks that both have the same pairs; reports the first difference.
 static inline void qcCheckSamePairs(const qcPairList* expected, const qcPairList* found, const char* what)
 {
     for (size_t i = 0; i < expected->count && i < found->count; i++)
     {
         const qcPair *e = &expected->pairs[i], *f = &found->pairs[i];
-        // An assertion writes to a file even where it holds.
+        // No assertion for each: passing ones write to a file.
         if (qcComparePairs(e, f) != 0 || e->relation != f->relation)
             ck_abort_msg("%s: pair %zu is %u %u %u %u %s, expected %u %u %u %u %s", what, i, f->bodyA, f->triangleA,
                          f->bodyB, f->triangleB, qcRelation_Name(f->relation), e->bodyA, e->triangleA, e->bodyB,

@@ -1,4 +1,4 @@
-// Seeded triangle soups. Only operations that IEEE 754 rounds correctly, so that a seed means the same everywhere.
+// Seeded triangle soups. Only operations that IEEE 754 rounds correctly, so that a seed gives the same bits everywhere.
 // Random numbers: Steele, Lea, Flood: Fast splittable pseudorandom number generators, OOPSLA 2014 (splitmix64).
 #include "support/soups.h"
 
@@ -148,7 +148,7 @@ qcSoup qcSoup_MakeDegenerate(uint64_t seed, uint32_t triangleCount, double size,
     return soup;
 }
 
-// Vertices row by row from `firstVertex`, triangles from `firstTriangle`; positions are left to the caller.
+// Vertices row by row from `firstVertex`, triangles from `firstTriangle`. The caller sets positions.
 static void ConnectGrid(qcSoup* soup, uint32_t firstVertex, uint32_t firstTriangle, uint32_t side)
 {
     uint32_t* index = soup->indices + 3 * (size_t)firstTriangle;
@@ -236,11 +236,11 @@ static qcSoup MakeIcosahedron(double radius)
     return soup;
 }
 
-// The vertex in the middle of each edge, found by its lower vertex: a list for each.
+// The midpoint vertices of edges: a list for the lower vertex of each edge.
 typedef struct Midpoints
 {
-    uint32_t* first;        // by vertex; 0: none
-    uint32_t *next, *other; // by new vertex, counted from the old ones
+    uint32_t* first;        // by vertex; 0: empty
+    uint32_t *next, *other; // by midpoint
 } Midpoints;
 
 static uint32_t GetMidpoint(Midpoints* midpoints, qcSoup* fine, uint32_t oldCount, uint32_t a, uint32_t b,

@@ -1,4 +1,4 @@
-// Seeded triangle soups for all tests: the same seed gives the same bits on every machine.
+// Seeded triangle soups for all tests: a seed gives the same bits on every machine.
 // Random numbers: Steele, Lea, Flood: Fast splittable pseudorandom number generators, OOPSLA 2014 (splitmix64).
 #ifndef QC_TESTS_SUPPORT_SOUPS_H
 #define QC_TESTS_SUPPORT_SOUPS_H
@@ -28,8 +28,7 @@ double qcRandom_Uniform(qcRandom* random, double lower, double upper);
 
 //  ---- soups ---------------------------------------------------------------------------------------
 
-/// An indexed triangle soup; positions are three doubles a vertex, tightly packed. A soup that could not be
-/// allocated ends the program.
+/// An indexed triangle soup; positions are three doubles a vertex. Without memory for it the program ends.
 typedef struct qcSoup
 {
     double* positions;
@@ -43,20 +42,20 @@ void qcSoup_Free(qcSoup* soup);
 /// The corners of a triangle.
 void qcSoup_GetTriangle(const qcSoup* soup, uint32_t triangle, double corners[3][3]);
 
-/// Two triangles name the same vertex.
+/// True if two triangles have a vertex index in common.
 bool qcSoup_AreNeighbours(const qcSoup* soup, uint32_t triangleA, uint32_t triangleB);
 
-/// Rounds each position to the nearest float, for callers that pass floats on.
+/// Rounds each position to the nearest float.
 void qcSoup_RoundToFloat(qcSoup* soup);
 
-/// Moves every vertex.
+/// Translates every vertex.
 void qcSoup_Translate(qcSoup* soup, double x, double y, double z);
 
 /// Triangles in general position, corners at most `size` (per axis) from a centre in the unit box; no shared
 /// vertices.
 qcSoup qcSoup_MakeRandom(uint64_t seed, uint32_t triangleCount, double size);
 
-/// As above; about `share` (0..1) of the triangles are segments, points, or name a vertex twice.
+/// Like qcSoup_MakeRandom; about `share` (0..1) of the triangles are segments, points, or have a vertex twice.
 qcSoup qcSoup_MakeDegenerate(uint64_t seed, uint32_t triangleCount, double size, double share);
 
 /// side * side squares of two triangles each, exactly in the plane z = 0, over [0, 1] x [0, 1].
@@ -69,7 +68,7 @@ qcSoup qcSoup_MakeFoldedCloth(uint64_t seed, uint32_t side, double gap, double n
 /// A closed mesh of 20 * 4^level triangles around the origin.
 qcSoup qcSoup_MakeSphere(uint32_t level, double radius);
 
-/// `layerCount` flat grids as above, `gap` apart in z: boxes overlap little, and no triangles of two layers meet.
+/// `layerCount` flat grids, `gap` apart in z: boxes overlap little, and triangles of different layers are disjoint.
 qcSoup qcSoup_MakeSheets(uint32_t layerCount, uint32_t side, double gap);
 
 #ifdef __cplusplus

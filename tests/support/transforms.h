@@ -1,4 +1,4 @@
-// Linear maps of all shapes for rigid bodies: turned, mirrored, sheared, nearly flat.
+// Linear maps for rigid bodies: rotations, reflections, shears, nearly singular maps.
 #ifndef QC_TESTS_SUPPORT_TRANSFORMS_H
 #define QC_TESTS_SUPPORT_TRANSFORMS_H
 
@@ -9,12 +9,12 @@
 
 typedef enum qcShape
 {
-    qc_shapeTurned,
-    qc_shapeScaled,  ///< along its own axes
-    qc_shapeSheared, ///< by small integers, exactly
+    qc_shapeRotated,
+    qc_shapeScaled,  ///< along the axes
+    qc_shapeSheared, ///< exactly, by small integers
     qc_shapeMirrored,
-    qc_shapePlate,  ///< flattened in one direction, down to a share
-    qc_shapeNeedle, ///< in two
+    qc_shapePlate,  ///< thin in one direction, by the share
+    qc_shapeNeedle, ///< thin in two
     qc_shapeCount
 } qcShape;
 
@@ -39,7 +39,7 @@ static inline void qcMakeRotation(qcRandom* random, double m[9])
     memcpy(m, r, sizeof r);
 }
 
-/// Flat shapes are `share` as thick as they are wide.
+/// `share`: the ratio of thickness and width of plates and needles.
 static inline void qcMakeLinear(qcRandom* random, qcShape shape, double share, double scale, double m[9])
 {
     double left[9], right[9], half[9], middle[9] = {0.0};
@@ -48,7 +48,7 @@ static inline void qcMakeLinear(qcRandom* random, qcShape shape, double share, d
     for (int k = 0; k < 3; k++)
     {
         bool flat = (shape == qc_shapePlate && k == 0) || (shape == qc_shapeNeedle && k != 0);
-        middle[4 * k] = flat ? share : shape == qc_shapeTurned ? 1.0 : qcRandom_Uniform(random, 0.2, 2.0);
+        middle[4 * k] = flat ? share : shape == qc_shapeRotated ? 1.0 : qcRandom_Uniform(random, 0.2, 2.0);
     }
     middle[0] = shape == qc_shapeMirrored ? -middle[0] : middle[0];
     qcMultiplyLinear(left, middle, half);
@@ -62,11 +62,11 @@ static inline void qcMakeLinear(qcRandom* random, qcShape shape, double share, d
         m[i] *= scale;
 }
 
-/// Of any shape, larger by a power of two.
-static inline void qcMakeAnyLinear(qcRandom* random, int leastExponent, int mostExponent, double m[9])
+/// A map of a random shape, scaled by a random power of two.
+static inline void qcMakeAnyLinear(qcRandom* random, int minExponent, int maxExponent, double m[9])
 {
     double share = exp2(-qcRandom_Uniform(random, 0.0, 11.0));
-    double scale = ldexp(1.0, (int)qcRandom_Integer(random, leastExponent, mostExponent));
+    double scale = ldexp(1.0, (int)qcRandom_Integer(random, minExponent, maxExponent));
     qcMakeLinear(random, (qcShape)qcRandom_Below(random, qc_shapeCount), share, scale, m);
 }
 

@@ -10,11 +10,11 @@
 #include <stdlib.h>
 #include <string.h>
 
-// An end lies along an edge where two determinants say that are right to 20 bits: an error of 2^-19 in their ratio
-// moves it by at most a quarter of that, times an edge that spans up to twice the largest coordinate.
+// The position of an end along an edge is a ratio of two determinants that are right to 20 bits. An error of 2^-19 of
+// the ratio moves the end by at most a quarter of that, times an edge of up to twice the largest coordinate.
 static const double s_tolerance = 0x1p-20;
-// Coordinates this small have no bits left to be right in.
-static const double s_leastDouble = 0x1p-1074;
+// The rounding of subnormal coordinates.
+static const double s_smallestDouble = 0x1p-1074;
 
 static bool AreNear(const double p[3], const double q[3], double tolerance)
 {
@@ -24,7 +24,7 @@ static bool AreNear(const double p[3], const double q[3], double tolerance)
     return true;
 }
 
-// In units of `largest`, in which nothing overflows or vanishes.
+// In units of `largest`, in which nothing overflows or underflows.
 static double GetLength(const double p[3], const double q[3], double largest)
 {
     double difference[3];
@@ -33,7 +33,7 @@ static double GetLength(const double p[3], const double q[3], double largest)
     return sqrt(difference[0] * difference[0] + difference[1] * difference[1] + difference[2] * difference[2]);
 }
 
-static double GetGreatestLength(const qcOracleAnswer* exact, double largest)
+static double GetMaxLength(const qcOracleAnswer* exact, double largest)
 {
     double length = 0;
     for (int i = 0; i < exact->pointCount; ++i)
@@ -48,7 +48,7 @@ static void CheckSegment(const qcTrianglePair* pair, const qcOracleAnswer* exact
     qcSegment s;
     qcExact_Segment(pair->a, pair->b, &s);
     const double largest = qcTrianglePair_GetLargest(pair);
-    const double tolerance = s_tolerance * largest + 4 * s_leastDouble;
+    const double tolerance = s_tolerance * largest + 4 * s_smallestDouble;
     bool nearP = false, nearQ = false;
     for (int i = 0; i < exact->pointCount; ++i)
     {
@@ -59,7 +59,7 @@ static void CheckSegment(const qcTrianglePair* pair, const qcOracleAnswer* exact
                   s.q[0], s.q[1], s.q[2], qcTrianglePair_Print(pair, text));
     if (largest == 0)
         return;
-    double got = GetLength(s.p, s.q, largest), expected = GetGreatestLength(exact, largest);
+    double got = GetLength(s.p, s.q, largest), expected = GetMaxLength(exact, largest);
     ck_assert_msg(fabs(got - expected) <= 4 * tolerance / largest,
                   "(%a, %a, %a) (%a, %a, %a) are not the farthest corners for %s", s.p[0], s.p[1], s.p[2], s.q[0],
                   s.q[1], s.q[2], qcTrianglePair_Print(pair, text));

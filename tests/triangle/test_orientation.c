@@ -61,7 +61,7 @@ START_TEST(a_left_turn_is_positive_in_the_named_coordinates)
 }
 END_TEST
 
-START_TEST(one_ulp_off_a_plane_is_seen_at_every_scale)
+START_TEST(one_ulp_off_a_plane_changes_the_sign_at_every_scale)
 {
     for (int exponent = -1074; exponent <= 1020; ++exponent)
     {
@@ -77,7 +77,7 @@ START_TEST(one_ulp_off_a_plane_is_seen_at_every_scale)
 }
 END_TEST
 
-START_TEST(one_ulp_off_a_line_is_seen_at_every_scale)
+START_TEST(one_ulp_off_a_line_changes_the_sign_at_every_scale)
 {
     for (int exponent = -1074; exponent <= 1020; ++exponent)
     {
@@ -93,7 +93,7 @@ START_TEST(one_ulp_off_a_line_is_seen_at_every_scale)
 }
 END_TEST
 
-START_TEST(the_largest_and_the_smallest_double_may_meet_in_one_call)
+START_TEST(signs_are_exact_for_the_largest_and_the_smallest_double_in_one_call)
 {
     const double large = DBL_MAX, small = 0x1p-1074;
     const double coordinates[] = {-large, -1, -small, 0, small, 0.1, large};
@@ -110,7 +110,7 @@ START_TEST(the_largest_and_the_smallest_double_may_meet_in_one_call)
 END_TEST
 
 /// Integers of up to 63 bits times a power of two, many in one plane.
-START_TEST(signs_are_exact_where_integers_are_short_and_just_beyond)
+START_TEST(signs_are_exact_for_short_integers_and_slightly_longer_ones)
 {
     qcRandom random = {17};
     int zeros = 0;
@@ -123,7 +123,7 @@ START_TEST(signs_are_exact_where_integers_are_short_and_just_beyond)
             int own = qcRandom_Below(&random, 3) == 0 ? (int)qcRandom_Below(&random, (uint32_t)bits) : bits;
             p[j / 3][j % 3] = trunc(ldexp(qcRandom_Uniform(&random, -1.0, 1.0), own));
         }
-        // The last in the plane of the others, as far as doubles go, or nearly.
+        // The last in the plane of the others, within rounding, or next to it.
         double s = (double)qcRandom_Integer(&random, -1, 2), t = (double)qcRandom_Integer(&random, -1, 2);
         for (int axis = 0; axis < 3 && i % 4 != 0; ++axis)
             p[3][axis] = p[0][axis] + s * (p[1][axis] - p[0][axis]) + t * (p[2][axis] - p[0][axis]) +
@@ -192,7 +192,7 @@ START_TEST(the_filter_decides_points_in_general_position)
 }
 END_TEST
 
-START_TEST(what_the_filter_can_not_decide_is_counted)
+START_TEST(undecided_predicates_are_counted)
 {
     const double a[3] = {0, 0, 0}, b[3] = {0.1, 0, 0.1}, c[3] = {0, 0.1, 0.1}, d[3] = {0.1, 0.1, 0.2};
     uint64_t undecided = 5;
@@ -204,8 +204,9 @@ START_TEST(what_the_filter_can_not_decide_is_counted)
 END_TEST
 
 QC_RUN_TESTS("exact predicates", a_point_on_the_side_of_the_normal_is_positive,
-             a_left_turn_is_positive_in_the_named_coordinates, one_ulp_off_a_plane_is_seen_at_every_scale,
-             one_ulp_off_a_line_is_seen_at_every_scale, the_largest_and_the_smallest_double_may_meet_in_one_call,
-             signs_are_exact_where_integers_are_short_and_just_beyond, signs_near_zero_are_exact,
+             a_left_turn_is_positive_in_the_named_coordinates, one_ulp_off_a_plane_changes_the_sign_at_every_scale,
+             one_ulp_off_a_line_changes_the_sign_at_every_scale,
+             signs_are_exact_for_the_largest_and_the_smallest_double_in_one_call,
+             signs_are_exact_for_short_integers_and_slightly_longer_ones, signs_near_zero_are_exact,
              exchanging_two_points_changes_the_sign, the_filter_decides_points_in_general_position,
-             what_the_filter_can_not_decide_is_counted)
+             undecided_predicates_are_counted)

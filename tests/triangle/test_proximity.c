@@ -11,15 +11,15 @@
 #include <math.h>
 #include <string.h>
 
-// Of the extent: what scene.h promises.
+// Accuracy relative to the extent, as documented in scene.h.
 static const double s_relative = 1e-12;
 
 static qcProximity Find(const double a[3][3], const double b[3][3])
 {
     qcRelation relation = qcExact_Relate(a, b, NULL);
     qcProximity p;
-    qcClosestFeatures feet;
-    qcProximity_Of(a, b, relation, &p, &feet);
+    qcClosestFeatures features;
+    qcProximity_Of(a, b, relation, &p, &features);
     return p;
 }
 
@@ -47,16 +47,9 @@ static const Example s_examples[] = {
      {0, 0.6, -0.8},
      5,
      0},
-    {"segments_that_cross_apart",
-     s_segment,
-     {{4, -4, 2}, {4, 4, 2}, {4, 4, 2}},
-     {4, 0, 0},
-     {4, 0, 2},
-     {0, 0, -1},
-     2,
-     0},
-    {"two_points_apart", s_point, {{1, 1, 3}, {1, 1, 3}, {1, 1, 3}}, {1, 1, 0}, {1, 1, 3}, {0, 0, -1}, 3, 0},
-    {"collinear_segments_apart",
+    {"skew_segments", s_segment, {{4, -4, 2}, {4, 4, 2}, {4, 4, 2}}, {4, 0, 0}, {4, 0, 2}, {0, 0, -1}, 2, 0},
+    {"two_different_points", s_point, {{1, 1, 3}, {1, 1, 3}, {1, 1, 3}}, {1, 1, 0}, {1, 1, 3}, {0, 0, -1}, 3, 0},
+    {"disjoint_collinear_segments",
      s_segment,
      {{10, 0, 0}, {12, 0, 0}, {12, 0, 0}},
      {8, 0, 0},
@@ -65,22 +58,8 @@ static const Example s_examples[] = {
      2,
      0},
     {"a_vertex_that_touches_a_face", s_face, {{1, 1, 0}, {1, 1, 3}, {2, 1, 3}}, {1, 1, 0}, {1, 1, 0}, {0, 0, -1}, 0, 0},
-    {"a_tip_that_has_come_through",
-     s_face,
-     {{1, 1, -1}, {1, 1, 9}, {3, 1, 9}},
-     {1.1, 1, 0},
-     {1.1, 1, 0},
-     {0, 0, -1},
-     0,
-     1},
-    {"a_segment_that_has_come_through",
-     s_face,
-     {{1, 3, 2}, {1, 3, -9}, {1, 3, -9}},
-     {1, 3, 0},
-     {1, 3, 0},
-     {1, 0, 0},
-     0,
-     1},
+    {"a_vertex_through_a_face", s_face, {{1, 1, -1}, {1, 1, 9}, {3, 1, 9}}, {1.1, 1, 0}, {1.1, 1, 0}, {0, 0, -1}, 0, 1},
+    {"a_segment_through_a_face", s_face, {{1, 3, 2}, {1, 3, -9}, {1, 3, -9}}, {1, 3, 0}, {1, 3, 0}, {1, 0, 0}, 0, 1},
     {"a_point_in_a_face", s_point, {{0, 0, 0}, {8, 0, 0}, {0, 8, 0}}, {1, 1, 0}, {1, 1, 0}, {0, 0, -1}, 0, 0},
     {"a_face_in_a_face", s_face, {{1, 1, 0}, {2, 1, 0}, {1, 2, 0}}, {1.5, 1.5, 0}, {1.5, 1.5, 0}, {0, 0, 1}, 0, 0},
     {"segments_that_cross", s_segment, {{4, 1, 0}, {4, -1, 0}, {4, -1, 0}}, {4, 0, 0}, {4, 0, 0}, {0, 0, -1}, 0, 0},
@@ -132,7 +111,7 @@ END_TEST
 
 //  ---- generated pairs ---------------------------------------------------------------------------------------
 
-/// Kinds of pairs.h, and pairs apart as the last.
+/// A pair of a kind of pairs.h, or a disjoint one for the kind after the last.
 static void MakePair(qcRandom* random, int kind, qcTrianglePair* pair)
 {
     double distance;
@@ -145,7 +124,7 @@ static void MakePair(qcRandom* random, int kind, qcTrianglePair* pair)
         qcTrianglePair_Disturb(random, pair);
 }
 
-/// The largest difference of coordinates to the first corner; infinite for pairs as large as doubles get.
+/// The largest difference of coordinates to the first corner; infinite where that overflows.
 static double GetExtent(const qcTrianglePair* pair)
 {
     double extent = 0;
@@ -157,7 +136,7 @@ static double GetExtent(const qcTrianglePair* pair)
     return extent;
 }
 
-/// What rounding to coordinates of the world costs, whatever is computed.
+/// The error of rounding to world coordinates, of any algorithm.
 static double GetWorldRounding(const qcTrianglePair* pair)
 {
     return 4 * DBL_EPSILON * qcTrianglePair_GetLargest(pair) + 4 * 0x1p-1074;
@@ -174,7 +153,7 @@ static double GetDistanceTo(const double point[3], const double triangle[3][3])
     return distance;
 }
 
-/// How far A lies beyond B along the normal.
+/// The gap of A and B along the normal.
 static double GetGap(const qcTrianglePair* pair, const double normal[3])
 {
     long double low = INFINITY, high = -INFINITY;
@@ -209,7 +188,7 @@ static void CheckPoints(const qcTrianglePair* pair, const qcProximity* p)
     CHECK(offB <= tolerance, "the point of B is off B", offB, 0.0);
 }
 
-static void CheckApart(const qcTrianglePair* pair, const qcProximity* p)
+static void CheckDisjoint(const qcTrianglePair* pair, const qcProximity* p)
 {
     const double extent = GetExtent(pair), rounding = 4 * 0x1p-1074;
     qcOracleDistance* exact = qcOracleDistance_Create(pair->a, pair->b);
@@ -219,22 +198,22 @@ static void CheckApart(const qcTrianglePair* pair, const qcProximity* p)
     CHECK(off <= s_relative * extent + rounding, "distance", p->distance, distance);
     CHECK(p->depth == 0, "depth", p->depth, 0.0);
     CheckPoints(pair, p);
-    double apart =
+    double between =
         sqrt(pow((p->pointA[0] - p->pointB[0]) / extent, 2) + pow((p->pointA[1] - p->pointB[1]) / extent, 2) +
              pow((p->pointA[2] - p->pointB[2]) / extent, 2));
     double tolerance = 2 * s_relative + 2 * GetWorldRounding(pair) / extent;
-    CHECK(fabs(apart - distance / extent) <= tolerance, "points apart", apart * extent, distance);
-    // The points are right to 1e-15 or so of the extent; a direction between them is to that over their distance.
-    double turn = distance > 0 ? 1e-15 * (extent / distance) : 1;
+    CHECK(fabs(between - distance / extent) <= tolerance, "distance of the points", between * extent, distance);
+    // The points are right to about 1e-15 of the extent; the direction between them to that over their distance.
+    double angle = distance > 0 ? 1e-15 * (extent / distance) : 1;
     double gap = GetGap(pair, p->normal);
-    CHECK(gap >= distance - (s_relative + turn) * extent - rounding, "gap along the normal", gap, distance);
+    CHECK(gap >= distance - (s_relative + angle) * extent - rounding, "gap along the normal", gap, distance);
 }
 
-static qcRelation RelateMoved(const qcTrianglePair* pair, const qcProximity* p, double way)
+static qcRelation RelateMoved(const qcTrianglePair* pair, const qcProximity* p, double length)
 {
     double moved[3][3];
     for (int i = 0; i < 9; ++i)
-        moved[i / 3][i % 3] = pair->a[i / 3][i % 3] + way * p->normal[i % 3];
+        moved[i / 3][i % 3] = pair->a[i / 3][i % 3] + length * p->normal[i % 3];
     return qcRelateTriangles(&moved[0][0], &pair->b[0][0]);
 }
 
@@ -260,42 +239,43 @@ static void CheckMeeting(const qcTrianglePair* pair, const qcProximity* p, qcRel
     CHECK(fabs(p->depth - depth) <= tolerance, "depth", p->depth, depth);
     if (AreCoplanar(pair))
         CHECK(p->depth == 0, "depth in one plane", p->depth, depth);
-    // Only touches: what rounding of the moved corners may do besides is less than the tolerance.
+    // Moved by the depth they touch; the rounding of the moved corners is below the tolerance.
     tolerance += 2 * GetWorldRounding(pair);
     qcRelation beyond = RelateMoved(pair, p, p->depth + tolerance), within = RelateMoved(pair, p, p->depth - tolerance);
     CHECK(beyond != qc_relationPenetrating, "moved beyond the depth", p->depth, depth);
     CHECK(within != qc_relationDisjoint || p->depth <= tolerance, "moved by less than the depth", p->depth, depth);
 }
 
-/// Does the point lie between the corners that are its foot?
-static void CheckFoot(const qcTrianglePair* pair, const double triangle[3][3], const double point[3], unsigned foot)
+/// The point lies on the feature that these corners span.
+static void CheckFeature(const qcTrianglePair* pair, const double triangle[3][3], const double point[3],
+                         unsigned corners)
 {
-    CHECK(foot > 0 && foot < 8, "corners of a foot", (double)foot, 7.0);
-    double between[3][3];
-    int first = foot & 1u ? 0 : foot & 2u ? 1 : 2;
+    CHECK(corners > 0 && corners < 8, "corners of a feature", (double)corners, 7.0);
+    double feature[3][3];
+    int first = corners & 1u ? 0 : corners & 2u ? 1 : 2;
     for (int c = 0; c < 3; c++)
-        memcpy(between[c], triangle[foot >> c & 1u ? c : first], sizeof between[c]);
-    // A corner of a weight below 1e-9 is none.
-    double away = GetDistanceTo(point, (const double(*)[3])between);
+        memcpy(feature[c], triangle[corners >> c & 1u ? c : first], sizeof feature[c]);
+    // Corners of a weight below 1e-9 are not part of the feature.
+    double away = GetDistanceTo(point, (const double(*)[3])feature);
     double tolerance = 4e-9 * GetExtent(pair) + 2 * GetWorldRounding(pair);
-    CHECK(away <= tolerance, "away from the foot", away, 0.0);
+    CHECK(away <= tolerance, "distance from the feature", away, 0.0);
 }
 
 static void CheckPair(const qcTrianglePair* pair)
 {
     qcRelation relation = qcExact_Relate(pair->a, pair->b, NULL);
     qcProximity p;
-    qcClosestFeatures feet;
-    qcProximity_Of(pair->a, pair->b, relation, &p, &feet);
+    qcClosestFeatures features;
+    qcProximity_Of(pair->a, pair->b, relation, &p, &features);
     if (relation == qc_relationDisjoint)
     {
-        CheckFoot(pair, pair->a, p.pointA, feet.corners[0]);
-        CheckFoot(pair, pair->b, p.pointB, feet.corners[1]);
+        CheckFeature(pair, pair->a, p.pointA, features.corners[0]);
+        CheckFeature(pair, pair->b, p.pointB, features.corners[1]);
     }
     double length = sqrt(p.normal[0] * p.normal[0] + p.normal[1] * p.normal[1] + p.normal[2] * p.normal[2]);
     CHECK(fabs(length - 1) <= 1e-15, "length of the normal", length, 1.0);
     if (relation == qc_relationDisjoint)
-        CheckApart(pair, &p);
+        CheckDisjoint(pair, &p);
     else
         CheckMeeting(pair, &p, relation);
 }
@@ -303,13 +283,13 @@ static void CheckPair(const qcTrianglePair* pair)
 START_TEST(generated_pairs_have_the_distance_and_the_depth_of_the_oracle)
 {
     qcRandom random = {1200 + (uint64_t)_i};
-    // Coordinates from the least to the largest double make integers of a thousand bits and more: some will do.
+    // Fewer of mixed exponents: their integers have a thousand bits and more.
     int count = qcGetTestPairCount(40000) / qc_pairKindCount / (_i == qc_pairMixedExponents ? 20 : 1);
     for (int i = 0; i < count; ++i)
     {
         qcTrianglePair pair;
         MakePair(&random, _i, &pair);
-        // Beyond: a distance that is no double.
+        // Larger ones may have a distance that overflows.
         if (GetExtent(&pair) <= DBL_MAX / 4)
             CheckPair(&pair);
     }
@@ -328,18 +308,18 @@ static void CheckMirror(const double a[3][3], const double b[3][3], double sign)
     }
 }
 
-START_TEST(equal_triangles_have_opposite_normals_only_where_their_corners_come_in_another_order)
+START_TEST(equal_triangles_have_opposite_normals_unless_their_corners_have_the_same_order)
 {
     // A triangle, a segment, a point.
     static const double triangles[3][3][3] = {{{0.0, 0.0, 0.0}, {1.0, 0.5, 0.25}, {0.0, 2.0, 1.0}},
                                               {{1.0, 2.0, 3.0}, {2.0, 4.0, 6.0}, {1.0, 2.0, 3.0}},
                                               {{1.0, 2.0, 3.0}, {1.0, 2.0, 3.0}, {1.0, 2.0, 3.0}}};
     for (int t = 0; t < 3; t++)
-        for (int turn = 0; turn < 3; turn++)
+        for (int shift = 0; shift < 3; shift++)
         {
             double other[3][3];
             for (int c = 0; c < 3; c++)
-                memcpy(other[c], triangles[t][(c + turn) % 3], sizeof other[c]);
+                memcpy(other[c], triangles[t][(c + shift) % 3], sizeof other[c]);
             bool same = memcmp(other, triangles[t], sizeof other) == 0;
             CheckMirror(triangles[t], (const double(*)[3])other, same ? 1.0 : -1.0);
         }
@@ -368,7 +348,7 @@ START_TEST(exchanging_the_two_gives_the_mirror_image)
 }
 END_TEST
 
-START_TEST(far_from_the_origin_nothing_is_lost)
+START_TEST(results_are_as_accurate_far_from_the_origin)
 {
     qcRandom random = {1400};
     for (int i = 0; i < 20000; ++i)
@@ -401,7 +381,7 @@ START_TEST(far_from_the_origin_nothing_is_lost)
 }
 END_TEST
 
-START_TEST(scale_changes_lengths_by_the_scale_and_nothing_else)
+START_TEST(a_power_of_two_scales_lengths_exactly)
 {
     qcRandom random = {1500};
     const int exponents[] = {20, -20, 500, -500, 1000, -960};
@@ -425,9 +405,9 @@ START_TEST(scale_changes_lengths_by_the_scale_and_nothing_else)
 }
 END_TEST
 
-START_TEST(a_vertex_over_a_sliver_is_as_near_as_it_is)
+START_TEST(a_vertex_over_a_sliver_has_the_exact_distance)
 {
-    // One of 10^-9 in width, 220 long, with a vertex of the other 8 * 10^-12 above it.
+    // A sliver 10^-9 wide and 220 long, with a vertex of the other 8 * 10^-12 above it.
     const qcTrianglePair sliver = {{{0x1.637d26db38f6bp+18, -0x1.16e37524d69ep+23, -0x1.1151c8e3dc169p+22},
                                     {0x1.6396d36bba4f4p+18, -0x1.16e41b09b76bap+23, -0x1.1150cc1960f5cp+22},
                                     {0x1.638c751dad755p+18, -0x1.16e3d3f0c4ca5p+23, -0x1.1150fb7f580bdp+22}},
@@ -441,15 +421,15 @@ END_TEST
 
 START_TEST(points_of_the_largest_triangles_are_finite)
 {
-    const double most = DBL_MAX;
-    const double a[3][3] = {{-most, 0, -most}, {most, 0, -most}, {most, 0, most}};
-    const double x[3] = {0.32 * most, most / 16, -0.34 * most};
+    const double max = DBL_MAX;
+    const double a[3][3] = {{-max, 0, -max}, {max, 0, -max}, {max, 0, max}};
+    const double x[3] = {0.32 * max, max / 16, -0.34 * max};
     const double b[3][3] = {{x[0], x[1], x[2]}, {x[0], x[1], x[2]}, {x[0], x[1], x[2]}};
     qcProximity p = Find(a, b);
-    ck_assert_double_eq_tol(p.pointA[0] / most, 0.32, 1e-15);
-    ck_assert_double_eq_tol(p.pointA[1] / most, 0, 1e-15);
-    ck_assert_double_eq_tol(p.pointA[2] / most, -0.34, 1e-15);
-    ck_assert_double_eq_tol(p.distance / most, 1.0 / 16, 1e-15);
+    ck_assert_double_eq_tol(p.pointA[0] / max, 0.32, 1e-15);
+    ck_assert_double_eq_tol(p.pointA[1] / max, 0, 1e-15);
+    ck_assert_double_eq_tol(p.pointA[2] / max, -0.34, 1e-15);
+    ck_assert_double_eq_tol(p.distance / max, 1.0 / 16, 1e-15);
     ck_assert_double_eq_tol(p.normal[1], -1, 1e-15);
 }
 END_TEST
@@ -468,11 +448,11 @@ int main(void)
     tcase_add_test(tcase, a_pair_beyond_the_margin_leaves_the_proximity_alone);
     tcase_add_loop_test(tcase, generated_pairs_have_the_distance_and_the_depth_of_the_oracle, 0, qc_pairKindCount + 1);
     tcase_add_test(tcase, exchanging_the_two_gives_the_mirror_image);
-    tcase_add_test(tcase, equal_triangles_have_opposite_normals_only_where_their_corners_come_in_another_order);
-    tcase_add_test(tcase, far_from_the_origin_nothing_is_lost);
-    tcase_add_test(tcase, a_vertex_over_a_sliver_is_as_near_as_it_is);
+    tcase_add_test(tcase, equal_triangles_have_opposite_normals_unless_their_corners_have_the_same_order);
+    tcase_add_test(tcase, results_are_as_accurate_far_from_the_origin);
+    tcase_add_test(tcase, a_vertex_over_a_sliver_has_the_exact_distance);
     tcase_add_test(tcase, points_of_the_largest_triangles_are_finite);
-    tcase_add_test(tcase, scale_changes_lengths_by_the_scale_and_nothing_else);
+    tcase_add_test(tcase, a_power_of_two_scales_lengths_exactly);
     suite_add_tcase(suite, tcase);
     return qcRunSuite(suite);
 }

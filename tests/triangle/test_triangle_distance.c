@@ -1,4 +1,4 @@
-// Are two triangles within a margin? Against examples and rational arithmetic, on the border and next to it.
+// The distance test of two triangles against examples and rational arithmetic, at the margin and next to it.
 // QC_TEST_PAIRS in the environment raises the number of generated pairs.
 #include "triangle/exact.h"
 #include "support/oracle.h"
@@ -20,14 +20,14 @@ static double Above(double x)
     return nextafter(x, INFINITY);
 }
 
-/// Both orders of the two; `expected` may be null: then only "within or not" counts.
+/// Checks both orders of the two. `expected` may be null: then any relation but disjoint is within.
 static void CheckWithin(const qcTrianglePair* pair, double margin, bool within, const qcRelation* expected)
 {
     for (int exchanged = 0; exchanged < 2; ++exchanged)
     {
         qcRelation got = qcExact_Within(exchanged ? pair->b : pair->a, exchanged ? pair->a : pair->b, margin, NULL);
         char text[1024];
-        // Not an assertion each: passing ones cost a write to a file.
+        // No assertion for each: passing ones write to a file.
         if ((got != qc_relationDisjoint) != within || (expected != NULL && got != *expected))
             ck_abort_msg("%s at margin %a, exchanged %d, for %s", qcRelation_Name(got), margin, exchanged,
                          qcTrianglePair_Print(pair, text));
@@ -49,8 +49,11 @@ static const double s_segment[3][3] = {{0, 0, 0}, {8, 0, 0}, {8, 0, 0}};
 static const double s_point[3][3] = {{1, 1, 0}, {1, 1, 0}, {1, 1, 0}};
 
 static const Claim s_claims[] = {
-    {"parallel_faces_are_their_planes_apart", s_face, {{1, 1, 2}, {2, 1, 2}, {1, 2, 2}}, 2},
-    {"parallel_faces_that_cover_each_other_only_with_edges", s_face, {{-1, 2, 3}, {-1, 1, 3}, {9, 1, 3}}, 3},
+    {"parallel_faces_have_the_distance_of_their_planes", s_face, {{1, 1, 2}, {2, 1, 2}, {1, 2, 2}}, 2},
+    {"parallel_faces_whose_projections_overlap_without_a_vertex_inside",
+     s_face,
+     {{-1, 2, 3}, {-1, 1, 3}, {9, 1, 3}},
+     3},
     {"a_vertex_over_a_face", s_face, {{1, 1, -5}, {9, 1, -9}, {1, 9, -8}}, 5},
     {"a_vertex_over_an_edge", s_face, {{4, -3, 4}, {5, -9, 4}, {4, -3, 9}}, 5},
     {"a_vertex_over_a_vertex", s_face, {{-1, -2, 2}, {-1, -9, 9}, {-9, -2, 3}}, 3},
@@ -70,7 +73,7 @@ static const Claim s_claims[] = {
     {"a_point_beside_a_segment", s_segment, {{1, 5, 12}, {1, 5, 12}, {1, 5, 12}}, 13},
     {"a_point_beyond_a_segment", s_segment, {{10, 3, 6}, {10, 3, 6}, {10, 3, 6}}, 7},
     {"two_points", s_point, {{3, 4, 6}, {3, 4, 6}, {3, 4, 6}}, 7},
-    {"two_points_the_least_distance_apart",
+    {"two_points_at_the_smallest_distance",
      s_point,
      {{1, 1, 0x1p-1074}, {1, 1, 0x1p-1074}, {1, 1, 0x1p-1074}},
      0x1p-1074},
@@ -94,19 +97,19 @@ START_TEST(the_claim_holds_for_any_order_of_corners_and_triangles)
 {
     const Claim* claim = &s_claims[_i];
     const double distance = claim->distance;
-    const qcRelation nearby = qc_relationNear, apart = qc_relationDisjoint;
+    const qcRelation near = qc_relationNear, disjoint = qc_relationDisjoint;
     for (int orders = 0; orders < qc_orderCount * qc_orderCount; ++orders)
     {
         qcTrianglePair pair = {.kind = qc_pairKindCount};
         Reorder(pair.a, claim->a, orders / qc_orderCount);
         Reorder(pair.b, claim->b, orders % qc_orderCount);
-        CheckWithin(&pair, distance, true, distance > 0 ? &nearby : NULL);
-        CheckWithin(&pair, Above(distance), true, distance > 0 ? &nearby : NULL);
-        CheckWithin(&pair, DBL_MAX, true, distance > 0 ? &nearby : NULL);
+        CheckWithin(&pair, distance, true, distance > 0 ? &near : NULL);
+        CheckWithin(&pair, Above(distance), true, distance > 0 ? &near : NULL);
+        CheckWithin(&pair, DBL_MAX, true, distance > 0 ? &near : NULL);
         if (distance > 0)
         {
-            CheckWithin(&pair, Below(distance), false, &apart);
-            CheckWithin(&pair, 0, false, &apart);
+            CheckWithin(&pair, Below(distance), false, &disjoint);
+            CheckWithin(&pair, 0, false, &disjoint);
         }
     }
 }
@@ -123,7 +126,7 @@ START_TEST(the_oracle_agrees_with_the_claim)
 }
 END_TEST
 
-START_TEST(a_margin_that_is_no_number_or_negative_holds_nothing)
+START_TEST(no_pair_is_within_a_margin_that_is_nan_or_negative)
 {
     const double* p = &s_face[0][0];
     ck_assert(qcTrianglesWithin(p, p, 0, NULL));
@@ -132,35 +135,35 @@ START_TEST(a_margin_that_is_no_number_or_negative_holds_nothing)
 }
 END_TEST
 
-START_TEST(an_infinite_margin_holds_everything)
+START_TEST(every_pair_is_within_an_infinite_margin)
 {
     double b[3][3] = {{-DBL_MAX, DBL_MAX, -DBL_MAX}, {-DBL_MAX, DBL_MAX, 0}, {-DBL_MAX, 0, 0}};
     const double a[3][3] = {{DBL_MAX, -DBL_MAX, DBL_MAX}, {DBL_MAX, -DBL_MAX, 0}, {DBL_MAX, 0, 0}};
     ck_assert(qcTrianglesWithin(&a[0][0], &b[0][0], INFINITY, NULL));
-    // They are twice that apart.
+    // Their distance is twice that.
     ck_assert(!qcTrianglesWithin(&a[0][0], &b[0][0], DBL_MAX, NULL));
 }
 END_TEST
 
-//  ---- at the margin exactly -------------------------------------------------------------------------------
+//  ---- exactly at the margin -------------------------------------------------------------------------------
 
 START_TEST(pairs_exactly_at_the_margin_are_within_and_below_it_are_not)
 {
     qcRandom random = {600 + (uint64_t)_i};
-    const qcRelation nearby = qc_relationNear, apart = qc_relationDisjoint;
+    const qcRelation near = qc_relationNear, disjoint = qc_relationDisjoint;
     for (int i = qcGetTestPairCount(63000) / 9; i >= 0; --i)
     {
         qcTrianglePair pair;
         double distance;
         qcTrianglePair_MakeApart(&random, 1 + _i / 3, 1 + _i % 3, &pair, &distance);
-        CheckWithin(&pair, distance, true, &nearby);
-        CheckWithin(&pair, Below(distance), false, &apart);
-        CheckWithin(&pair, Above(distance), true, &nearby);
+        CheckWithin(&pair, distance, true, &near);
+        CheckWithin(&pair, Below(distance), false, &disjoint);
+        CheckWithin(&pair, Above(distance), true, &near);
     }
 }
 END_TEST
 
-START_TEST(pairs_made_to_be_a_distance_apart_are_so_for_the_oracle)
+START_TEST(pairs_generated_at_a_distance_have_it_for_the_oracle)
 {
     qcRandom random = {700};
     for (int i = 0; i < 3000; ++i)
@@ -171,13 +174,13 @@ START_TEST(pairs_made_to_be_a_distance_apart_are_so_for_the_oracle)
         qcTrianglePair_MakeApart(&random, 1 + i % 3, 1 + i / 3 % 3, &pair, &distance);
         qcOracleDistance* exact = qcOracleDistance_Create(pair.a, pair.b);
         if (qcOracleDistance_Compare(exact, distance) != 0)
-            ck_abort_msg("not %a apart: %s", distance, qcTrianglePair_Print(&pair, text));
+            ck_abort_msg("not at distance %a: %s", distance, qcTrianglePair_Print(&pair, text));
         qcOracleDistance_Destroy(exact);
     }
 }
 END_TEST
 
-START_TEST(at_the_margin_exactly_the_filter_gives_way_to_integers)
+START_TEST(pairs_exactly_at_the_margin_are_decided_in_integers)
 {
     qcRandom random = {800};
     uint64_t undecided = 0;
@@ -194,7 +197,7 @@ END_TEST
 
 //  ---- the oracle --------------------------------------------------------------------------------------------
 
-/// A margin near the exact distance, in the size of the pair, or the least of all.
+/// A margin near the exact distance, of the size of the pair, or the smallest double.
 static double SomeMargin(qcRandom* random, const qcTrianglePair* pair, double distance)
 {
     switch (qcRandom_Below(random, 16))
@@ -217,7 +220,7 @@ static void CheckAgainstOracle(qcRandom* random, const qcTrianglePair* pair)
     for (size_t m = 0; m < sizeof margins / sizeof margins[0]; ++m)
         if (isfinite(margins[m]))
             CheckWithin(pair, margins[m], qcOracleDistance_Compare(exact, margins[m]) <= 0, NULL);
-    // The oracles of relation and distance are two.
+    // The oracles of relation and distance are independent.
     qcRelation relation = qcOracle_Relate(pair->a, pair->b);
     if ((qcOracleDistance_Compare(exact, 0) == 0) != (relation != qc_relationDisjoint))
         ck_abort_msg("the oracles disagree: %s", qcRelation_Name(relation));
@@ -229,7 +232,7 @@ static void CheckAgainstOracle(qcRandom* random, const qcTrianglePair* pair)
 START_TEST(generated_pairs_are_within_exactly_the_margins_of_the_oracle)
 {
     qcRandom random = {900 + (uint64_t)_i};
-    // Coordinates from the least to the largest double make integers of a thousand bits and more: some will do.
+    // Fewer of mixed exponents: their integers have a thousand bits and more.
     int count = qcGetTestPairCount(27000) / qc_pairKindCount / (_i == qc_pairMixedExponents ? 10 : 1);
     for (int i = 0; i < count; ++i)
     {
@@ -242,7 +245,7 @@ START_TEST(generated_pairs_are_within_exactly_the_margins_of_the_oracle)
 }
 END_TEST
 
-START_TEST(pairs_ulps_beside_the_margin_are_within_as_the_oracle_says)
+START_TEST(pairs_ulps_beside_the_margin_agree_with_the_oracle)
 {
     qcRandom random = {1000};
     for (int i = qcGetTestPairCount(15000); i >= 0; --i)
@@ -284,13 +287,13 @@ int main(void)
     }
     TCase* tcase = tcase_create("generated");
     tcase_set_timeout(tcase, 0);
-    tcase_add_test(tcase, a_margin_that_is_no_number_or_negative_holds_nothing);
-    tcase_add_test(tcase, an_infinite_margin_holds_everything);
+    tcase_add_test(tcase, no_pair_is_within_a_margin_that_is_nan_or_negative);
+    tcase_add_test(tcase, every_pair_is_within_an_infinite_margin);
     tcase_add_loop_test(tcase, pairs_exactly_at_the_margin_are_within_and_below_it_are_not, 0, 9);
-    tcase_add_test(tcase, pairs_made_to_be_a_distance_apart_are_so_for_the_oracle);
-    tcase_add_test(tcase, at_the_margin_exactly_the_filter_gives_way_to_integers);
+    tcase_add_test(tcase, pairs_generated_at_a_distance_have_it_for_the_oracle);
+    tcase_add_test(tcase, pairs_exactly_at_the_margin_are_decided_in_integers);
     tcase_add_loop_test(tcase, generated_pairs_are_within_exactly_the_margins_of_the_oracle, 0, qc_pairKindCount);
-    tcase_add_test(tcase, pairs_ulps_beside_the_margin_are_within_as_the_oracle_says);
+    tcase_add_test(tcase, pairs_ulps_beside_the_margin_agree_with_the_oracle);
     tcase_add_test(tcase, the_filter_decides_pairs_in_general_position);
     suite_add_tcase(suite, tcase);
     return qcRunSuite(suite);

@@ -1,4 +1,4 @@
-// The relation of two triangles, against the contract by example and against rational arithmetic.
+// The relation of two triangles against examples of its definition and against rational arithmetic.
 // QC_TEST_PAIRS in the environment raises the number of generated pairs.
 #include "triangle/exact.h"
 #include "support/oracle.h"
@@ -10,7 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-//  ---- the contract, by example ----------------------------------------------------------------------
+//  ---- examples of the definition ----------------------------------------------------------------------
 
 typedef struct Claim
 {
@@ -25,7 +25,7 @@ typedef struct Claim
 #define PENETRATING qc_relationPenetrating
 
 static const double s_face[3][3] = {{0, 0, 0}, {4, 0, 0}, {0, 4, 0}};
-// Its box does not give away what is above it.
+// A slope: triangles above it overlap its box.
 static const double s_slope[3][3] = {{0, 0, 0}, {4, 0, 4}, {0, 4, 4}};
 static const double s_segment[3][3] = {{0, 0, 0}, {4, 4, 4}, {4, 4, 4}};
 static const double s_point[3][3] = {{1, 1, 0}, {1, 1, 0}, {1, 1, 0}};
@@ -86,7 +86,7 @@ static const Claim s_claims[] = {
     {"a_shared_vertex_does_not_hide_a_penetration", s_face, {{0, 0, 0}, {2, 2, 1}, {2, 2, -1}}, PENETRATING},
     {"identical_triangles_penetrate", s_face, {{0, 0, 0}, {4, 0, 0}, {0, 4, 0}}, PENETRATING},
     {"coplanar_triangles_that_overlap_penetrate", s_face, {{1, 1, 0}, {5, 1, 0}, {1, 5, 0}}, PENETRATING},
-    {"a_star_of_two_coplanar_triangles_penetrates", s_face, {{2, 2, 0}, {-1, 2, 0}, {2, -1, 0}}, PENETRATING},
+    {"coplanar_triangles_that_form_a_star_penetrate", s_face, {{2, 2, 0}, {-1, 2, 0}, {2, -1, 0}}, PENETRATING},
     {"a_triangle_inside_another_penetrates", s_face, {{1, 1, 0}, {2, 1, 0}, {1, 2, 0}}, PENETRATING},
     {"a_triangle_inside_another_up_to_the_border_penetrates", s_face, {{2, 0, 0}, {2, 2, 0}, {0, 2, 0}}, PENETRATING},
     {"a_triangle_folded_onto_its_neighbour_penetrates", s_face, {{0, 0, 0}, {4, 0, 0}, {3, 3, 0}}, PENETRATING},
@@ -138,10 +138,10 @@ static void CheckRelationInAnyOrder(const qcTrianglePair* pair, qcRelation expec
 {
     for (int orders = 0; orders < qc_orderCount * qc_orderCount; ++orders)
     {
-        qcTrianglePair turned = {.kind = pair->kind};
-        Reorder(turned.a, pair->a, orders / qc_orderCount);
-        Reorder(turned.b, pair->b, orders % qc_orderCount);
-        CheckRelation(&turned, expected);
+        qcTrianglePair reordered = {.kind = pair->kind};
+        Reorder(reordered.a, pair->a, orders / qc_orderCount);
+        Reorder(reordered.b, pair->b, orders % qc_orderCount);
+        CheckRelation(&reordered, expected);
     }
 }
 
@@ -186,7 +186,7 @@ START_TEST(generated_pairs_have_the_relation_of_the_oracle)
 }
 END_TEST
 
-START_TEST(generated_pairs_may_be_given_in_any_order)
+START_TEST(the_relation_of_generated_pairs_is_independent_of_order)
 {
     qcRandom random = {200};
     for (int i = qcGetTestPairCount(100000) / 50; i >= 0; --i)
@@ -234,10 +234,10 @@ END_TEST
 
 typedef struct Count
 {
-    int touching, penetrating, penetratingStrangers;
+    int touching, penetrating, penetratingNonNeighbours;
 } Count;
 
-// Every pair of a soup against the oracle, and what was met.
+// Compares every pair of a soup with the oracle, and counts the relations.
 static Count CheckSoup(qcSoup* soup)
 {
     Count count = {0, 0, 0};
@@ -251,7 +251,7 @@ static Count CheckSoup(qcSoup* soup)
             CheckRelation(&pair, relation);
             count.touching += relation == qc_relationTouching;
             count.penetrating += relation == qc_relationPenetrating;
-            count.penetratingStrangers += relation == qc_relationPenetrating && !qcSoup_AreNeighbours(soup, a, b);
+            count.penetratingNonNeighbours += relation == qc_relationPenetrating && !qcSoup_AreNeighbours(soup, a, b);
         }
     qcSoup_Free(soup);
     return count;
@@ -293,8 +293,8 @@ START_TEST(noise_makes_the_layers_of_a_folded_cloth_penetrate)
 {
     qcSoup calm = qcSoup_MakeFoldedCloth(1, 12, 0.05, 0.005);
     qcSoup noisy = qcSoup_MakeFoldedCloth(1, 12, 0.05, 0.05);
-    ck_assert_int_eq(CheckSoup(&calm).penetratingStrangers, 0);
-    ck_assert_int_gt(CheckSoup(&noisy).penetratingStrangers, 20);
+    ck_assert_int_eq(CheckSoup(&calm).penetratingNonNeighbours, 0);
+    ck_assert_int_gt(CheckSoup(&noisy).penetratingNonNeighbours, 20);
 }
 END_TEST
 
@@ -323,7 +323,7 @@ int main(void)
     TCase* tcase = tcase_create("generated");
     tcase_set_timeout(tcase, 0);
     tcase_add_loop_test(tcase, generated_pairs_have_the_relation_of_the_oracle, 0, qc_pairKindCount);
-    tcase_add_test(tcase, generated_pairs_may_be_given_in_any_order);
+    tcase_add_test(tcase, the_relation_of_generated_pairs_is_independent_of_order);
     tcase_add_test(tcase, generated_pairs_are_finite_and_of_every_relation);
     tcase_add_test(tcase, the_filter_decides_pairs_in_general_position);
     tcase_add_test(tcase, triangles_of_a_flat_grid_only_touch);
