@@ -40,9 +40,9 @@ static void Make(const double a[3][3], const double b[3][3], double margin, Pair
 
 static int Find(const Pair* made, qcFeatureMask near, qcContact contacts[qc_maxContactsPerPair])
 {
-    qcContactFacet a = {.index = NULL}, b = {.index = NULL};
-    qcContactFacet_Set(&a, &made->pair.a);
-    qcContactFacet_Set(&b, &made->pair.b);
+    qcContactTriangle a = {.index = NULL}, b = {.index = NULL};
+    qcContactTriangle_Load(&a, &made->pair.a);
+    qcContactTriangle_Load(&b, &made->pair.b);
     return qcContact_Find(&a, &b, made->pair.margin, near, contacts);
 }
 
