@@ -250,7 +250,7 @@ static qcStatus TryDevice(Step* step, const qcPairKeys* keys, qcProfile* profile
                                          .threads = job->threads};
     QC_TRY(qcGpuResidency_Prepare(&residencyJob, &cull->residency));
     qcLayersStep device = {.pointError = cull->frame.pointError,
-                           .reach = cull->frame.queryDistance,
+                           .queryDistance = cull->frame.queryDistance,
                            .testNeighbours = job->testNeighbours,
                            .timed = job->timed};
     qcGpuResidency_FillStep(&cull->residency, &device);
