@@ -4,9 +4,9 @@
 //
 // Adjacency changes one side at a time, so that the two sides of a thin sheet stay apart: a sheet in a slit touches
 // both walls with the same triangles, but the walls are not adjacent, and their normals are opposite.
-#include "manifold/signed_sets.h"
 #include "manifold/topology.h"
 #include "base/status.h"
+#include "base/union_find.h"
 
 #include <string.h>
 
@@ -30,7 +30,7 @@ static size_t JoinPairs(const qcManifoldTriangle* triangle, qcContactTopology* t
                 continue;
             qcPairEntry other = entries[previous - 1];
             if (nodes[self.pair] >> 1 != nodes[other.pair] >> 1)
-                joined += qcSignedSets_Unite(nodes, self.pair, other.pair, self.side ^ other.side);
+                joined += qcSigned_Unite(nodes, self.pair, other.pair, self.side ^ other.side);
         }
     }
     return joined;
@@ -45,7 +45,7 @@ static void NumberRegions(qcContactTopology* topology)
     for (uint32_t p = 0; p < topology->pairs.count; p++)
     {
         qcManifoldPair* pair = &pairs[p];
-        uint32_t root = qcSignedSets_Find(nodes, p);
+        uint32_t root = qcSigned_Find(nodes, p);
         // The root is the lowest pair: it has its number already.
         pair->region = root >> 1 == p ? topology->regionCount++ : pairs[root >> 1].region;
         if ((root & 1u) == 0)
@@ -63,8 +63,7 @@ qcStatus qcContactTopology_JoinRegions(qcContactTopology* topology)
     QC_TRY(qcArray_Resize(&topology->nodes, count, sizeof(uint32_t), "regions of contact"));
     QC_TRY(qcArray_Resize(&topology->lastEntry, vertices, sizeof(uint32_t), "regions of contact"));
     memset(topology->lastEntry.data, 0, vertices * sizeof(uint32_t));
-    for (uint32_t p = 0; p < count; p++)
-        QC_AT(uint32_t, topology->nodes, p) = p << 1;
+    qcSigned_Init(topology->nodes.data, count);
     // Most bodies have one region of contact, and it is connected long before the last triangle.
     size_t sets = count;
     for (size_t t = 0; t < topology->triangles.count && sets > 1; t++)

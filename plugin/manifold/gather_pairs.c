@@ -1,8 +1,8 @@
 // Gathers the pairs of two bodies and their triangles: each triangle once, with its corners in world space and its
 // vertices welded. Vertices are the same if their positions are, bit for bit: soups without shared indices and seams of
 // texture coordinates are as connected as they look.
-#include "manifold/position_hash.h"
 #include "manifold/topology.h"
+#include "base/point_hash.h"
 #include "base/status.h"
 
 #include <math.h>
@@ -17,6 +17,11 @@ typedef struct Side
 } Side;
 
 //  ---- vertices -------------------------------------------------------------------------------------------
+
+static uint64_t Hash(const qcManifoldVertex* vertex)
+{
+    return qcPointHash_Of(vertex->slot, vertex->position.x, vertex->position.y, vertex->position.z);
+}
 
 /// The number of a body's vertex among those of the triangles; adds it if it is new.
 static uint32_t AddVertex(const Side* side, uint32_t index, qcContactTopology* topology)
@@ -38,7 +43,7 @@ static uint32_t Weld(qcContactTopology* topology, uint32_t number)
 {
     const qcManifoldVertex* vertex = &QC_AT(qcManifoldVertex, topology->vertices, number);
     size_t mask = topology->hashTable.count - 1;
-    for (size_t i = qcPositionHash_Of(vertex->slot, vertex->position) & mask;; i = (i + 1) & mask)
+    for (size_t i = Hash(vertex) & mask;; i = (i + 1) & mask)
     {
         uint32_t* entry = &QC_AT(uint32_t, topology->hashTable, i);
         if (*entry == 0)

@@ -6,8 +6,8 @@
 // rounding where their normals agree, else by the distance times the angle between them; and contacts within a small
 // share of the mesh's resolution act as one.
 #include "manifold/points.h"
-#include "manifold/position_hash.h"
 #include "manifold/stage_switches.h"
+#include "base/point_hash.h"
 #include "base/status.h"
 
 #include <math.h>
@@ -67,7 +67,7 @@ qcStatus qcContactPoints_Order(const qcContactTopology* topology, qcContactPoint
 
 static uint32_t* HeadOf(const qcContactPoints* points, uint32_t region, int end, double x, double y, double z)
 {
-    uint64_t hash = qcPositionHash_Of((uint64_t)region << 1 | (unsigned)end, (qcVector){x, y, z});
+    uint64_t hash = qcPointHash_Of((uint64_t)region << 1 | (unsigned)end, x, y, z);
     return &QC_AT(uint32_t, points->heads, hash & (points->heads.count - 1));
 }
 

@@ -1,8 +1,11 @@
 // Kernels of the projected overlap for x86-64 with AVX2.
+#include "manifold/overlap_kernels.inl.h"
+
 #include <immintrin.h>
 
-#define QC_MASK_BITS(mask) ((unsigned)_mm256_movemask_pd((__m256d)(mask)) & 7u)
-
-#include "manifold/overlap_kernels.inl.h"
+QC_INLINE unsigned MaskBits(Mask mask)
+{
+    return (unsigned)_mm256_movemask_pd((__m256d)mask) & 7u;
+}
 
 const qcOverlapKernels qcOverlapKernels_avx2 = {FindOverlap};

@@ -1,5 +1,5 @@
-// The corners of a projected overlap, with the signed distance there. The file of an instruction set defines, before it
-// includes this one, QC_MASK_BITS: bit i is set if lane i of a mask is, i < 3.
+// The corners of a projected overlap, with the signed distance there. The file of an instruction set includes this one,
+// then defines MaskBits.
 //
 // Over the overlap the distance of the two planes is linear, so its smallest and its largest value are at corners: a
 // vertex of one triangle over the other's face, or two edges that cross. A face seen edge-on has several heights over
@@ -19,10 +19,8 @@
 typedef double Lanes __attribute__((vector_size(8 * qc_overlapLanes)));
 typedef int64_t Mask __attribute__((vector_size(8 * qc_overlapLanes)));
 
-QC_INLINE unsigned MaskBits(Mask mask)
-{
-    return QC_MASK_BITS(mask);
-}
+/// Bit i is set if lane i of the mask is, i < 3.
+QC_INLINE unsigned MaskBits(Mask mask);
 
 /// Three vectors, one a lane.
 typedef struct Vectors

@@ -77,7 +77,7 @@ typedef struct qcContactTopology
     qcArray vertexNumbers;   ///< likewise of each vertex
     qcArray hashTable;       ///< of vertices by position: their numbers plus 1
     qcArray welded;          ///< of each vertex: the first one at its position
-    qcArray nodes;           ///< of each pair: see manifold/signed_sets.h
+    qcArray nodes;           ///< of each pair: see base/union_find.h
     qcArray lastEntry;       ///< of each vertex: the last pair found there, as an index of pairsOf plus 1
 } qcContactTopology;
 
