@@ -28,6 +28,28 @@ fail()
     exit "${2-1}"
 }
 
+root=$(CDPATH='' cd -- "$(dirname -- "$0")/.." && pwd)
+
+# check_options [ARGUMENT...]: refuses an unknown option before minutes of building. The names are those of the table of
+# "qc-bench gpu", whose rows begin with a group and a name; values are checked by the program.
+check_options()
+{
+    names=$(sed -n 's/^ *{[0-9], "\([a-z-]*\)".*/\1/p' "$root/demos/bench/gpu/options.c" | tr '\n' ' ')
+    for argument in "$@"; do
+        name=${argument%%=*}
+        case $name in
+            --help | --usage) ;;
+            --?*)
+                # A beginning of a name is enough.
+                case " $names" in
+                    *" ${name#--}"*) ;;
+                    *) fail "unrecognized option '$name'; \"demos/gpu.sh --list-options\" lists them" 2 ;;
+                esac
+                ;;
+        esac
+    done
+}
+
 bundle=
 case ${1-} in
     -h | --help)
@@ -52,8 +74,8 @@ case ${1-} in
         ;;
     --list-options) set -- --help ;;
 esac
+[ -n "$bundle" ] || check_options "$@"
 
-root=$(CDPATH='' cd -- "$(dirname -- "$0")/.." && pwd)
 # shellcheck source=/dev/null
 . "$root/tests/setup.sh"
 qc_folder=$root/build-gpu

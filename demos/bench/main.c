@@ -9,7 +9,7 @@ typedef struct Benchmark
 {
     const char* name;
     char* called; ///< in messages and in its help
-    qcBenchExit (*run)(int argumentCount, char** arguments);
+    qcExitStatus (*run)(int argumentCount, char** arguments);
 } Benchmark;
 
 static const Benchmark s_benchmarks[] = {
@@ -82,7 +82,7 @@ int main(int argumentCount, char** arguments)
 {
     static const struct argp parser = {NULL, ReadOption, "BENCHMARK [OPTION...]", s_help, NULL, NULL, NULL};
     Choice choice = {NULL, 0};
-    argp_err_exit_status = qc_benchUsage;
+    argp_err_exit_status = qc_exitUsage;
     argp_parse(&parser, argumentCount, arguments, ARGP_IN_ORDER, NULL, &choice);
     arguments[choice.first] = choice.benchmark->called;
     return choice.benchmark->run(argumentCount - choice.first, arguments + choice.first);

@@ -1,16 +1,13 @@
-// qc-cloth, the main demo: the paper's cloth scene in Bullet, with our broadphase and our self-collision, and again
-// without self-collision; pictures, a CSV, a table.
+// qc-cloth, the main demo: the paper's cloth scene in Bullet with this library's broadphase and self-collision, and
+// again without self-collision; pictures, a CSV, a table.
 #include "cloth/measure.h"
 #include "cloth/picture.h"
 #include "cloth/report.h"
 #include "cloth/world.h"
 #include "common/bullet/demo_options.h"
 
-extern "C" {
 #include "common/interrupt.h"
-#include "common/option_values.h"
 #include "common/progress.h"
-}
 
 #include <cstdio>
 #include <cstring>
@@ -21,52 +18,10 @@ struct Options
 {
     // 120 steps a second: 12 frames.
     qcDemoOptions common = {"out/cloth", 360, 10, qc_methodLayers, qc_deviceAuto, 0};
-    unsigned triangles = 20000;
-    unsigned compareEvery = 4; ///< frames from one on which all methods are asked to the next
+    uint32_t triangles = 20000;
+    uint32_t compareEvery = 4; ///< frames from one on which all methods run to the next
     qcDetectDef request = qcDefaultDetectDef();
 };
-
-enum OptionKey
-{
-    key_triangles = qc_demoFirstKey,
-    key_compareEvery,
-    key_views,
-    key_resolution,
-    key_iterations
-};
-
-error_t ReadOption(int key, char* text, argp_state* state)
-{
-    auto* options = static_cast<Options*>(state->input);
-    switch (key)
-    {
-        case ARGP_KEY_INIT: state->child_inputs[0] = &options->common; return 0;
-        case key_triangles: options->triangles = qcOption_ReadNumber(state, "--triangles", text, 2, 2000000); return 0;
-        case key_compareEvery:
-            options->compareEvery = qcOption_ReadNumber(state, "--compare-every", text, 1, 1000000);
-            return 0;
-        case key_views: qcOption_ReadViews(state, "--views", text, options->request.views); return 0;
-        case key_resolution:
-            options->request.resolution = qcOption_ReadNumber(state, "--resolution", text, 1, 4096);
-            return 0;
-        case key_iterations:
-            options->request.iterations = qcOption_ReadNumber(state, "--iterations", text, 0, UINT32_MAX);
-            return 0;
-        default: return ARGP_ERR_UNKNOWN;
-    }
-}
-
-const argp_child s_children[] = {{&qcDemoArgp, 0, nullptr, 0}, {nullptr, 0, nullptr, 0}};
-
-const argp_option s_options[] = {
-    {"triangles", key_triangles, "N", 0, "Triangles of the cloth, at least; 20000 by default", 1},
-    {"compare-every", key_compareEvery, "N", 0,
-     "Frames from one on which all methods are compared to the next; 4 by default", 1},
-    {nullptr, 0, nullptr, 0, "For quick and cullide:", 2},
-    {"views", key_views, "LETTERS", 0, "Axes to look along; xz by default, as in the paper", 2},
-    {"resolution", key_resolution, "N", 0, "Pixels on a side, 1..4096; 4096 by default", 2},
-    {"iterations", key_iterations, "N", 0, "Rounds over the views; 2 by default, 0: until nothing changes", 2},
-    {nullptr, 0, nullptr, 0, nullptr, 0}};
 
 const char s_help[] =
     "A cloth falls over a round table and folds on itself: twice, with and without self-collision.\v"
@@ -86,8 +41,8 @@ class Demo
     bool Simulate(bool selfCollision, qcClothRun* run, size_t* triangles);
 
   private:
-    bool Look(qcClothWorld& world, size_t step, qcClothRun* run);
-    bool Ask(qcClothQuestion question, qcClothStep* measured);
+    bool MeasureStep(qcClothWorld& world, size_t step, qcClothRun* run);
+    bool Run(qcClothQuery query, qcClothStep* measured);
     bool Draw(qcClothWorld& world, const char* prefix, size_t frame);
     bool Compare(size_t step, qcClothStep* measured);
 
@@ -98,50 +53,50 @@ class Demo
     qcClothPicture m_picture;
 };
 
-bool Demo::Ask(qcClothQuestion question, qcClothStep* measured)
+bool Demo::Run(qcClothQuery query, qcClothStep* measured)
 {
-    return m_measure.Ask(question, &measured->answers[question]) || qcDemo_Fail(m_measure.Message());
+    return m_measure.Run(query, &measured->results[query]) || qcDemo_Fail(m_measure.Message());
 }
 
-/// The cloth, and the PCS that was asked last.
+/// The cloth, and the PCS of the last query.
 bool Demo::Draw(qcClothWorld& world, const char* prefix, size_t frame)
 {
     char name[64];
     std::snprintf(name, sizeof name, "/%s_%04zu.png", prefix, frame);
     std::string message;
     return m_picture.Write(m_device, world.Positions(), world.Indices(), m_measure.Marked(),
-                           m_options.common.out + name, &message) ||
+                           std::string(m_options.common.out) + name, &message) ||
            qcDemo_Fail(message);
 }
 
-/// Runs the methods that are left, and compares all answers.
+/// Runs the methods that are left, and compares all results.
 bool Demo::Compare(size_t step, qcClothStep* measured)
 {
-    for (qcClothQuestion question : {qc_clothQuickSorted, qc_clothQuickSortedBack})
-        if (!Ask(question, measured))
+    for (qcClothQuery query : {qc_clothQuickSorted, qc_clothQuickSortedBack})
+        if (!Run(query, measured))
             return false;
-    m_measure.Judge(&measured->answers);
-    for (size_t i = 0; i < measured->answers.size(); i++)
+    m_measure.CountMissed(&measured->results);
+    for (size_t i = 0; i < measured->results.size(); i++)
     {
-        const qcClothAnswer& answer = measured->answers[i];
-        if (qcClothQuestions[i].neverMisses && answer.missed != 0)
-            return qcDemo_Fail("step " + std::to_string(step) + ": " + qcClothQuestions[i].label + " missed " +
-                               std::to_string(answer.missed) + " of " + std::to_string(answer.found + answer.missed) +
+        const qcClothResult& result = measured->results[i];
+        if (qcClothQueries[i].neverMisses && result.missed != 0)
+            return qcDemo_Fail("step " + std::to_string(step) + ": " + qcClothQueries[i].label + " missed " +
+                               std::to_string(result.missed) + " of " + std::to_string(result.found + result.missed) +
                                " pairs");
     }
     return true;
 }
 
 /// The frame of a step: runs the other methods, draws.
-bool Demo::Look(qcClothWorld& world, size_t step, qcClothRun* run)
+bool Demo::MeasureStep(qcClothWorld& world, size_t step, qcClothRun* run)
 {
     qcClothStep& measured = run->steps.back();
     if (!m_measure.Update(world.Positions()))
         return qcDemo_Fail(m_measure.Message());
     // In each step, as a simulation does: these follow a body from query to query, and take longer for one that has
     // moved far since.
-    for (qcClothQuestion question : {qc_clothSweep, qc_clothAuto, qc_clothLayers})
-        if (!Ask(question, &measured))
+    for (qcClothQuery query : {qc_clothSweep, qc_clothAuto, qc_clothLayers})
+        if (!Run(query, &measured))
             return false;
     bool isLast = step == m_options.common.steps;
     if (m_info.kind == qc_deviceNone || (step % m_options.common.frameEvery != 0 && !isLast))
@@ -151,11 +106,11 @@ bool Demo::Look(qcClothWorld& world, size_t step, qcClothRun* run)
     // Without self-collision only the frames for the table and the last picture are of use.
     if (!run->selfCollision && !measured.compared)
         return true;
-    if (!Ask(qc_clothQuick, &measured) || (run->selfCollision && !Draw(world, "frame", frame)))
+    if (!Run(qc_clothQuick, &measured) || (run->selfCollision && !Draw(world, "frame", frame)))
         return false;
     if (!measured.compared)
         return true;
-    return Ask(qc_clothCullide, &measured) &&
+    return Run(qc_clothCullide, &measured) &&
            Draw(world, run->selfCollision ? "with_cullide" : "without_cullide", frame) && Compare(step, &measured);
 }
 
@@ -181,7 +136,7 @@ bool Demo::Simulate(bool selfCollision, qcClothRun* run, size_t* triangles)
         run->steps.push_back(measured);
         if (measured.statistics.status != qc_statusOk)
             return qcDemo_Fail(std::string("step ") + std::to_string(step) + ": " + qcLastMessage());
-        if (!Look(world, step, run))
+        if (!MeasureStep(world, step, run))
             return false;
         qcProgress_Update(step);
     }
@@ -197,12 +152,13 @@ int Run(const Options& options, qcDevice* device)
     qcClothRun with, without;
     size_t triangles = 0;
     if (!demo.Simulate(true, &with, &triangles) || !demo.Simulate(false, &without, &triangles))
-        return qc_exitOutput;
+        return qc_exitFailed;
     std::string message;
-    if (!qcWriteClothCsv(options.common.out + "/cloth.csv", with, without, qcClothWorld::stepSeconds, &message))
+    if (!qcWriteClothCsv(std::string(options.common.out) + "/cloth.csv", with, without, qcClothWorld::stepSeconds,
+                         &message))
     {
         qcDemo_Fail(message);
-        return qc_exitOutput;
+        return qc_exitFailed;
     }
     qcPrintClothTable(with, without, triangles, options.common.method, options.request, info);
     return qcInterrupt_Signal() == 0 ? qc_exitDone : qc_exitSignal + qcInterrupt_Signal();
@@ -214,9 +170,20 @@ int main(int argumentCount, char** arguments)
     Options options;
     std::memcpy(options.request.views, "xz", 3);
     options.request.iterations = 2;
-    const argp parser = {s_options, ReadOption, nullptr, s_help, s_children, nullptr, nullptr};
+    const std::vector<qcOption> rows = {
+        {1, "triangles", "N", "Triangles of the cloth, at least; %s by default",
+         qcOption_Number(&options.triangles, 2, 2000000)},
+        {1, "compare-every", "N", "Frames from one on which all methods are compared to the next; %s by default",
+         qcOption_Number(&options.compareEvery, 1, 1000000)},
+        {2, nullptr, nullptr, "For quick and cullide:", {}},
+        {2, "views", "LETTERS", "Axes to look along; xz by default, as in the paper",
+         qcOption_Views(&options.request.views)},
+        {2, "resolution", "N", "Pixels on a side, 1..4096; 4096 by default",
+         qcOption_Number(&options.request.resolution, 1, 4096)},
+        {2, "iterations", "N", "Rounds over the views; %s by default, 0: until nothing changes",
+         qcOption_Number(&options.request.iterations, 0, UINT32_MAX)}};
     qcDevice* device = nullptr;
-    int status = qcDemo_Begin(&parser, argumentCount, arguments, &options, &options.common, &device);
+    int status = qcDemo_Begin(rows, s_help, argumentCount, arguments, &options.common, &device);
     if (status != qc_exitDone)
         return status;
     options.request.threads = options.common.threads;

@@ -1,11 +1,11 @@
-// The cloth of one moment in scenes of its own. What was found by any method is there, for the exact test confirms each
-// pair: so the union of all answers is what each is held against.
+// Each query has a scene of its own. The exact test confirms each pair, so the union of all results is the reference of
+// each.
 #include "cloth/measure.h"
 
 #include <algorithm>
 #include <iterator>
 
-const std::array<qcClothQuestionDef, qc_clothQuestionCount> qcClothQuestions = {{
+const std::array<qcClothQueryDef, qc_clothQueryCount> qcClothQueries = {{
     {"cullide", "cullide", qc_methodCullide, false, false, false},
     {"quick", "quick", qc_methodQuick, false, false, false},
     {"quick, back to front", "quick_sorted", qc_methodQuick, true, false, false},
@@ -21,8 +21,8 @@ qcClothMeasure::qcClothMeasure(qcDevice* device, const qcDetectDef& request) : m
 
 qcClothMeasure::~qcClothMeasure()
 {
-    for (Asked& asked : m_asked)
-        qcScene_Destroy(asked.scene);
+    for (Queried& queried : m_queried)
+        qcScene_Destroy(queried.scene);
 }
 
 bool qcClothMeasure::Check(qcStatus status)
@@ -43,60 +43,60 @@ bool qcClothMeasure::Begin(const std::vector<float>& positions, const std::vecto
     bodyDef.triangleCount = uint32_t(indices.size() / 3);
     bodyDef.deforming = true;
     m_marked.resize(bodyDef.triangleCount);
-    for (Asked& asked : m_asked)
+    for (Queried& queried : m_queried)
     {
-        qcScene_Destroy(asked.scene);
-        asked.scene = nullptr;
-        if (!Check(qcScene_Create(&sceneDef, &asked.scene)) ||
-            !Check(qcScene_AddBody(asked.scene, &bodyDef, &asked.cloth)))
+        qcScene_Destroy(queried.scene);
+        queried.scene = nullptr;
+        if (!Check(qcScene_Create(&sceneDef, &queried.scene)) ||
+            !Check(qcScene_AddBody(queried.scene, &bodyDef, &queried.cloth)))
             return false;
     }
-    qcClothAnswer answer;
-    return Ask(qc_clothSweep, &answer) && Ask(qc_clothAuto, &answer) && Ask(qc_clothLayers, &answer);
+    qcClothResult result;
+    return Run(qc_clothSweep, &result) && Run(qc_clothAuto, &result) && Run(qc_clothLayers, &result);
 }
 
 bool qcClothMeasure::Update(const std::vector<float>& positions)
 {
-    for (Asked& asked : m_asked)
-        if (!Check(qcScene_SetVertices(asked.scene, asked.cloth, positions.data(), qc_positionF32, 0)))
+    for (Queried& queried : m_queried)
+        if (!Check(qcScene_SetVertices(queried.scene, queried.cloth, positions.data(), qc_positionF32, 0)))
             return false;
     return true;
 }
 
-bool qcClothMeasure::Ask(qcClothQuestion question, qcClothAnswer* answer)
+bool qcClothMeasure::Run(qcClothQuery query, qcClothResult* result)
 {
-    const qcClothQuestionDef& what = qcClothQuestions[question];
-    Asked& asked = m_asked[question];
+    const qcClothQueryDef& settings = qcClothQueries[query];
+    Queried& queried = m_queried[query];
     qcDetectDef def = m_request;
-    def.method = what.method;
-    def.backToFront = what.backToFront;
-    def.secondPassFromBack = what.secondPassFromBack;
-    const qcResult* result;
-    if (!Check(qcScene_Detect(asked.scene, &def, &result)))
+    def.method = settings.method;
+    def.backToFront = settings.backToFront;
+    def.secondPassFromBack = settings.secondPassFromBack;
+    const qcResult* found;
+    if (!Check(qcScene_Detect(queried.scene, &def, &found)))
         return false;
-    answer->pcs = uint32_t(result->pcsCount);
-    answer->ms = result->profile.totalMs;
-    answer->resolution = result->profile.resolution;
-    answer->byDevice = result->profile.method != qc_methodSweep;
-    answer->found = result->pairCount;
-    asked.pairs.clear();
-    for (size_t i = 0; i < result->pairCount; i++)
-        asked.pairs.emplace_back(result->pairs[i].triangleA, result->pairs[i].triangleB);
+    result->pcs = uint32_t(found->pcsCount);
+    result->ms = found->profile.totalMs;
+    result->resolution = found->profile.resolution;
+    result->byDevice = found->profile.method != qc_methodSweep;
+    result->found = found->pairCount;
+    queried.pairs.clear();
+    for (size_t i = 0; i < found->pairCount; i++)
+        queried.pairs.emplace_back(found->pairs[i].triangleA, found->pairs[i].triangleB);
     std::fill(m_marked.begin(), m_marked.end(), uint8_t(0));
-    for (size_t i = 0; i < result->pcsCount; i++)
-        m_marked[result->pcs[i].triangle] = 1;
+    for (size_t i = 0; i < found->pcsCount; i++)
+        m_marked[found->pcs[i].triangle] = 1;
     return true;
 }
 
-void qcClothMeasure::Judge(qcClothAnswers* answers) const
+void qcClothMeasure::CountMissed(qcClothResults* results) const
 {
     Pairs all, merged;
-    for (const Asked& asked : m_asked)
+    for (const Queried& queried : m_queried)
     {
         merged.clear();
-        std::set_union(all.begin(), all.end(), asked.pairs.begin(), asked.pairs.end(), std::back_inserter(merged));
+        std::set_union(all.begin(), all.end(), queried.pairs.begin(), queried.pairs.end(), std::back_inserter(merged));
         all.swap(merged);
     }
-    for (size_t i = 0; i < m_asked.size(); i++)
-        (*answers)[i].missed = all.size() - m_asked[i].pairs.size();
+    for (size_t i = 0; i < m_queried.size(); i++)
+        (*results)[i].missed = all.size() - m_queried[i].pairs.size();
 }

@@ -1,4 +1,4 @@
-// The cloth of one moment, asked by several methods side by side: the paper's, and those that never miss.
+// One state of the cloth, queried by several methods side by side: the paper's, and those that never miss.
 #ifndef QC_DEMOS_CLOTH_MEASURE_H
 #define QC_DEMOS_CLOTH_MEASURE_H
 
@@ -9,8 +9,8 @@
 #include <utility>
 #include <vector>
 
-/// Who is asked, in the order of the table.
-enum qcClothQuestion
+/// The queries, in the order of the table.
+enum qcClothQuery
 {
     qc_clothCullide,
     qc_clothQuick,
@@ -19,10 +19,10 @@ enum qcClothQuestion
     qc_clothSweep,
     qc_clothAuto,
     qc_clothLayers,
-    qc_clothQuestionCount
+    qc_clothQueryCount
 };
 
-struct qcClothQuestionDef
+struct qcClothQueryDef
 {
     const char* label;  ///< in the table
     const char* column; ///< begins the names of its columns in the CSV
@@ -31,20 +31,20 @@ struct qcClothQuestionDef
     bool neverMisses;
 };
 
-extern const std::array<qcClothQuestionDef, qc_clothQuestionCount> qcClothQuestions;
+extern const std::array<qcClothQueryDef, qc_clothQueryCount> qcClothQueries;
 
-/// What one of them said of one moment.
-struct qcClothAnswer
+/// The result of one query on one state of the cloth.
+struct qcClothResult
 {
     uint32_t pcs = 0;
     double ms = 0;
     uint32_t resolution = 0; ///< pixels on a side; 0 without sampling
-    bool byDevice = false;   ///< the device had a share
-    /// Penetrating pairs that it found, all of them real, and pairs that one of the others found and it did not.
+    bool byDevice = false;   ///< part of it ran on the device
+    /// Penetrating pairs that it found, all of them real, and pairs that another query found and it did not.
     size_t found = 0, missed = 0;
 };
 
-using qcClothAnswers = std::array<qcClothAnswer, qc_clothQuestionCount>;
+using qcClothResults = std::array<qcClothResult, qc_clothQueryCount>;
 
 /// Each function returns false with a message when a call failed.
 class qcClothMeasure
@@ -56,16 +56,17 @@ class qcClothMeasure
     qcClothMeasure(const qcClothMeasure&) = delete;
     qcClothMeasure& operator=(const qcClothMeasure&) = delete;
 
-    /// Takes a first cloth, and has the device compile and the planner calibrate: no cost of a frame.
+    /// Takes a first cloth and runs the methods once: shaders are compiled and the planner is calibrated before the
+    /// first frame.
     bool Begin(const std::vector<float>& positions, const std::vector<uint32_t>& indices);
-    /// Takes over the cloth of this moment.
+    /// Takes the current state of the cloth.
     bool Update(const std::vector<float>& positions);
-    /// All of the answer but what it missed.
-    bool Ask(qcClothQuestion question, qcClothAnswer* answer);
-    /// What each missed of what any found; all have been asked since the last update.
-    void Judge(qcClothAnswers* answers) const;
+    /// Fills all of the result but `missed`.
+    bool Run(qcClothQuery query, qcClothResult* result);
+    /// Fills `missed`: the pairs that any query found and this one did not. Each has run since the last update.
+    void CountMissed(qcClothResults* results) const;
 
-    /// A flag a triangle: in the PCS of the last answer.
+    /// A flag a triangle: in the PCS of the last query.
     const std::vector<uint8_t>& Marked() const
     {
         return m_marked;
@@ -78,8 +79,8 @@ class qcClothMeasure
   private:
     using Pairs = std::vector<std::pair<uint32_t, uint32_t>>;
 
-    /// One scene each: none profits from what another has just computed.
-    struct Asked
+    /// One scene each: no query profits from what another has just computed.
+    struct Queried
     {
         qcScene* scene = nullptr;
         qcBodyId cloth{};
@@ -90,7 +91,7 @@ class qcClothMeasure
 
     qcDevice* m_device;
     qcDetectDef m_request;
-    std::array<Asked, qc_clothQuestionCount> m_asked;
+    std::array<Queried, qc_clothQueryCount> m_queried;
     std::vector<uint8_t> m_marked;
     std::string m_message;
 };

@@ -1,9 +1,7 @@
 // CSV and closing table of the cloth demo.
 #include "cloth/report.h"
 
-extern "C" {
 #include "common/output_file.h"
-}
 
 #include <algorithm>
 #include <cinttypes>
@@ -15,9 +13,9 @@ void WriteHeading(FILE* stream)
     std::fprintf(stream, "self_collision,step,seconds,step_ms,method,device,detect_ms,cull_ms,sweep_ms,exact_ms,"
                          "contact_ms,respond_ms,contacts,penetrating_before,rounds,planes,zone_nodes,manifolds,"
                          "penetrating_after");
-    for (const qcClothQuestionDef& question : qcClothQuestions)
-        std::fprintf(stream, ",%s_pcs,%s_found,%s_missed,%s_ms", question.column, question.column, question.column,
-                     question.column);
+    for (const qcClothQueryDef& query : qcClothQueries)
+        std::fprintf(stream, ",%s_pcs,%s_found,%s_missed,%s_ms", query.column, query.column, query.column,
+                     query.column);
     std::fprintf(stream, "\n");
 }
 
@@ -32,9 +30,9 @@ void WriteRows(FILE* stream, const qcClothRun& run, double stepSeconds)
                      qcMethod_Name(s.method), s.device, s.detectMs, s.cullMs, s.sweepMs, s.exactMs, s.contactMs,
                      s.respondMs, s.contacts, s.penetrating, s.rounds, s.planes, s.zoneNodes, step.manifolds,
                      step.Penetrating());
-        for (const qcClothAnswer& answer : step.answers)
+        for (const qcClothResult& result : step.results)
             if (step.compared)
-                std::fprintf(stream, ",%" PRIu32 ",%zu,%zu,%.3f", answer.pcs, answer.found, answer.missed, answer.ms);
+                std::fprintf(stream, ",%" PRIu32 ",%zu,%zu,%.3f", result.pcs, result.found, result.missed, result.ms);
             else
                 std::fprintf(stream, ",,,,");
         std::fprintf(stream, "\n");
@@ -70,27 +68,27 @@ void PrintCompared(const char* label, const qcClothRun& run)
         steps += step.compared;
     std::printf("  %s: %zu frame%s\n", label, steps, steps == 1 ? "" : "s");
     std::printf("    %-34s %10s %10s %8s %8s %10s\n", "", "PCS, mean", "ms, mean", "found", "missed", "by device");
-    for (size_t i = 0; i < qcClothQuestions.size() && steps != 0; i++)
+    for (size_t i = 0; i < qcClothQueries.size() && steps != 0; i++)
     {
         double pcs = 0, ms = 0;
         size_t found = 0, missed = 0, byDevice = 0;
         for (const qcClothStep& step : run.steps)
         {
-            const qcClothAnswer& answer = step.answers[i];
+            const qcClothResult& result = step.results[i];
             if (!step.compared)
                 continue;
-            pcs += double(answer.pcs) / double(steps);
-            ms += answer.ms / double(steps);
-            found += answer.found;
-            missed += answer.missed;
-            byDevice += answer.byDevice;
+            pcs += double(result.pcs) / double(steps);
+            ms += result.ms / double(steps);
+            found += result.found;
+            missed += result.missed;
+            byDevice += result.byDevice;
         }
-        std::printf("    %-34s %10.0f %10.1f %8zu %8zu %10zu\n", qcClothQuestions[i].label, pcs, ms, found, missed,
+        std::printf("    %-34s %10.0f %10.1f %8zu %8zu %10zu\n", qcClothQueries[i].label, pcs, ms, found, missed,
                     byDevice);
     }
 }
 
-/// What the simulation asked, and what answered.
+/// The method that the simulation requested, and where it ran.
 void PrintLoop(const qcClothRun& run, qcMethod method, const qcDeviceInfo& device)
 {
     size_t byDevice = 0;
@@ -152,7 +150,7 @@ void qcPrintClothTable(const qcClothRun& with, const qcClothRun& without, size_t
         std::printf("\n  No GL on this machine: no pictures, and the methods were not compared.\n");
         return;
     }
-    auto resolution = uint32_t(Largest(with, [](const qcClothStep& s) { return s.answers[qc_clothQuick].resolution; }));
+    auto resolution = uint32_t(Largest(with, [](const qcClothStep& s) { return s.results[qc_clothQuick].resolution; }));
     std::printf("\nAll methods on the same frames, %s (%s); cullide and quick: views %s, %u x %u pixels, ", device.name,
                 device.renderer, request.views, resolution, resolution);
     if (request.iterations == 0)

@@ -15,13 +15,13 @@ struct qcClothStep
     qcStepCosts costs;
     int manifolds = 0;
     qcSoftBodyStatistics statistics;
-    qcClothAnswers answers;
-    bool compared = false; ///< all answers are there; otherwise that of the sweep, which each step is asked
+    qcClothResults results;
+    bool compared = false; ///< all results are there; otherwise only that of the sweep, which runs in each step
 
-    /// Exactly, at the end of the step.
+    /// Pairs at the end of the step, by the exact test.
     size_t Penetrating() const
     {
-        return answers[qc_clothSweep].found;
+        return results[qc_clothSweep].found;
     }
 };
 
@@ -29,7 +29,7 @@ struct qcClothStep
 struct qcClothRun
 {
     bool selfCollision = false;
-    std::string fallback; ///< why another method than the one asked for ran, the last time; empty if none did
+    std::string fallback; ///< why another method than the requested one ran, the last time; empty if none did
     std::vector<qcClothStep> steps;
 };
 
@@ -37,8 +37,8 @@ struct qcClothRun
 bool qcWriteClothCsv(const std::string& path, const qcClothRun& with, const qcClothRun& without, double stepSeconds,
                      std::string* message);
 
-/// Prints the closing table to standard output. `method`: what the simulation asked for; `request`: how the sampled
-/// methods were asked; `device`: on what.
+/// Prints the closing table to standard output. `method`: requested by the simulation; `request`: the settings of the
+/// sampled methods; `device`: where they ran.
 void qcPrintClothTable(const qcClothRun& with, const qcClothRun& without, size_t triangles, qcMethod method,
                        const qcDetectDef& request, const qcDeviceInfo& device);
 

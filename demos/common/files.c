@@ -1,8 +1,6 @@
-// What every benchmark leaves behind: a folder, a CSV, a gnuplot script and the pictures it draws.
+// Output folders, fields of CSVs, and gnuplot.
 #define _POSIX_C_SOURCE 200809L
 #include "common/files.h"
-
-#include "common/output_file.h"
 
 #include <errno.h>
 #include <stdlib.h>
@@ -13,10 +11,10 @@
 
 enum
 {
-    qc_notFound = 127 // as a shell says it
+    qc_notFound = 127 // the exit status of a shell
 };
 
-bool qcBenchFiles_MakeFolder(const char* path, qcMessage* message)
+bool qcFiles_MakeFolder(const char* path, qcMessage* message)
 {
     char* part = strdup(path);
     if (part == NULL)
@@ -37,7 +35,7 @@ bool qcBenchFiles_MakeFolder(const char* path, qcMessage* message)
     return made;
 }
 
-bool qcBenchFiles_IsThere(const char* path)
+bool qcFiles_IsThere(const char* path)
 {
     FILE* stream = fopen(path, "rb");
     if (stream != NULL)
@@ -45,14 +43,21 @@ bool qcBenchFiles_IsThere(const char* path)
     return stream != NULL || errno != ENOENT;
 }
 
-bool qcBenchFiles_Check(const char* folder, const char* name, qcMessage* message)
+bool qcFiles_Check(const char* folder, const char* name, qcMessage* message)
 {
     char path[4096];
     snprintf(path, sizeof path, "%s/%s", folder, name);
-    return qcBenchFiles_MakeFolder(folder, message) && qcOutput_Check(path, message);
+    return qcFiles_MakeFolder(folder, message) && qcOutput_Check(path, message);
 }
 
-void qcBenchFiles_WriteQuoted(FILE* stream, const char* text)
+bool qcFiles_Open(const char* folder, const char* name, qcOutput* output, qcMessage* message)
+{
+    char path[4096];
+    snprintf(path, sizeof path, "%s/%s", folder, name);
+    return qcOutput_Open(path, output, message);
+}
+
+void qcFiles_WriteQuoted(FILE* stream, const char* text)
 {
     fputc('"', stream);
     for (; *text != 0; ++text)
@@ -67,7 +72,7 @@ void qcBenchFiles_WriteQuoted(FILE* stream, const char* text)
 /// gnuplot's exit status, qc_notFound where there is none, or -1.
 static int RunGnuplot(const char* folder, const char* script)
 {
-    // Or the child would write once more what is waiting.
+    // The child would otherwise write buffered output a second time.
     fflush(stdout);
     pid_t child = fork();
     if (child < 0)
@@ -87,7 +92,7 @@ static int RunGnuplot(const char* folder, const char* script)
     return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
 }
 
-bool qcBenchFiles_Draw(const char* folder, const char* script, qcMessage* message)
+bool qcFiles_Draw(const char* folder, const char* script, qcMessage* message)
 {
     int status = RunGnuplot(folder, script);
     if (status == qc_notFound)

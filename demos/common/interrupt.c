@@ -1,4 +1,4 @@
-// Ctrl-C as a question: a handler that keeps the signal once.
+// Ctrl-C as a flag: a handler that keeps the first signal.
 #define _POSIX_C_SOURCE 200809L
 #define _XOPEN_SOURCE 700
 #include "common/interrupt.h"
@@ -21,7 +21,7 @@ void qcInterrupt_Watch(void)
         struct sigaction old;
         if (sigaction(signals[i], NULL, &old) != 0 || old.sa_handler != SIG_DFL)
             continue;
-        // SA_RESETHAND: whoever sends it again does not want to wait.
+        // SA_RESETHAND: the second signal ends the program at once.
         struct sigaction action = {.sa_handler = Keep, .sa_flags = (int)(SA_RESETHAND | SA_RESTART)};
         sigemptyset(&action.sa_mask);
         sigaction(signals[i], &action, NULL);

@@ -1,4 +1,4 @@
-// Ctrl-C as a question: the program asks whether it came, ends what it is at, and says what it has done.
+// Ctrl-C as a flag: the program polls it, finishes its step and reports what was done.
 //
 // Thread-safety: any thread.
 #ifndef QC_DEMOS_COMMON_INTERRUPT_H
@@ -6,11 +6,19 @@
 
 #include <stdbool.h>
 
-/// From here on the first SIGINT or SIGTERM is kept; a second one ends the program. One that is ignored (nohup) stays
-/// so.
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/// From here on the first SIGINT or SIGTERM sets the flag; a second one ends the program. A signal that is ignored
+/// (nohup) stays ignored.
 void qcInterrupt_Watch(void);
 
 /// The signal that came, or 0.
 int qcInterrupt_Signal(void);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

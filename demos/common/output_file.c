@@ -15,7 +15,7 @@ enum
 {
     // A table for the signal handler, which must not walk a list that is changing. Nobody writes more at once.
     qc_maxOpen = 8,
-    // As many as Linux follows.
+    // The limit of Linux.
     qc_maxLinks = 40
 };
 

@@ -9,6 +9,10 @@
 
 #include <stdio.h>
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 typedef struct qcOutput
 {
     FILE* stream;    ///< write here
@@ -16,7 +20,7 @@ typedef struct qcOutput
     char* temporary; ///< beside the path; null where the path is no regular file and is written directly
 } qcOutput;
 
-/// Says early whether the path can be written; nothing is left behind.
+/// Checks that the path can be written, and leaves nothing behind; call it before long work.
 bool qcOutput_Check(const char* path, qcMessage* message);
 
 /// Opens a temporary file beside the path, in the folder of the file that is replaced. A signal that ends the program
@@ -28,5 +32,9 @@ bool qcOutput_Commit(qcOutput* output, qcMessage* message);
 
 /// Closes and removes the temporary file.
 void qcOutput_Abort(qcOutput* output);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

@@ -6,8 +6,16 @@
 
 #include <stdint.h>
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 /// `rgb` holds width * height * 3 bytes, sRGB, top row first. The file appears when it is complete; on failure an
 /// old one stays, and the message names the path.
 bool qcPng_Write(const char* path, uint32_t width, uint32_t height, const uint8_t* rgb, qcMessage* message);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

@@ -7,6 +7,10 @@
 
 #include <stdint.h>
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 /// Begins a piece of work of `total` steps; 0: their number is not known. The label ("reading a.ply") is copied.
 /// A thread does the showing, so that work which can't call qcProgress_Update shows too.
 void qcProgress_Begin(uint64_t total, const char* label);
@@ -16,5 +20,9 @@ void qcProgress_Update(uint64_t done);
 
 /// Ends it and clears the terminal's line. Call it before anything else is written to standard error.
 void qcProgress_End(void);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <time.h>
 
-double qcBenchTime_NowMs(void)
+double qcStopwatch_NowMs(void)
 {
     struct timespec now;
     clock_gettime(CLOCK_MONOTONIC, &now);
@@ -18,7 +18,7 @@ static int CompareTimes(const void* a, const void* b)
     return (x > y) - (x < y);
 }
 
-double qcBenchTime_Median(double* times, size_t count)
+double qcStopwatch_Median(double* times, size_t count)
 {
     if (count == 0)
         return 0.0;
@@ -26,7 +26,7 @@ double qcBenchTime_Median(double* times, size_t count)
     return 0.5 * (times[(count - 1) / 2] + times[count / 2]);
 }
 
-void qcBenchTime_Rest(void)
+void qcStopwatch_Rest(void)
 {
     // libgomp's threads look for work some milliseconds long.
     const struct timespec rest = {.tv_nsec = 20000000};

@@ -4,14 +4,22 @@
 
 #include <stddef.h>
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 /// Milliseconds of a clock that never goes back.
-double qcBenchTime_NowMs(void);
+double qcStopwatch_NowMs(void);
 
 /// Sorts the times and returns their median; 0 for none.
-double qcBenchTime_Median(double* times, size_t count);
+double qcStopwatch_Median(double* times, size_t count);
 
 /// Until threads that wait for work by looking again and again have gone to sleep: the next one that is measured would
 /// find its cores busy.
-void qcBenchTime_Rest(void);
+void qcStopwatch_Rest(void);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

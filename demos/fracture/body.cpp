@@ -1,17 +1,15 @@
 // Models and pieces as rigid bodies.
 #include "fracture/body.h"
 
-extern "C" {
 #include "common/mesh_io/bounds.h"
 #include "common/mesh_io/decimate.h"
 #include "common/mesh_io/mesh_file.h"
-}
+#include "quickcullide/bullet_positions.h"
 
 #include <algorithm>
 
 namespace
 {
-constexpr qcPositionType s_positionType = sizeof(btScalar) == sizeof(double) ? qc_positionF64 : qc_positionF32;
 // Metres. Pieces of one body begin with their shells in each other: thin ones part without a sound.
 constexpr btScalar s_margin = btScalar(0.001);
 
@@ -76,7 +74,7 @@ bool qcReadFractureModel(const std::string& path, uint32_t triangleCount, btScal
     qcMesh_Free(&mesh);
     FaceOutwards(model);
     qcMassProperties mass =
-        qcMeshShape(model->vertices.data(), s_positionType, sizeof(btVector3), uint32_t(model->vertices.size()),
+        qcMeshShape(model->vertices.data(), qcBulletPositions, sizeof(btVector3), uint32_t(model->vertices.size()),
                     model->indices.data(), uint32_t(model->indices.size() / 3))
             .getMassProperties();
     if (!mass.closed)
@@ -94,7 +92,7 @@ bool qcReadFractureModel(const std::string& path, uint32_t triangleCount, btScal
 
 qcFractureBody::qcFractureBody(const std::vector<btVector3>& vertices, const std::vector<uint32_t>& indices,
                                uint32_t firstCutTriangle, btScalar mass, const btTransform& place)
-    : shape(vertices.data(), s_positionType, sizeof(btVector3), uint32_t(vertices.size()), indices.data(),
+    : shape(vertices.data(), qcBulletPositions, sizeof(btVector3), uint32_t(vertices.size()), indices.data(),
             uint32_t(indices.size() / 3)),
       body(Material(mass, &shape, place)), firstCutTriangle(firstCutTriangle)
 {
@@ -132,7 +130,7 @@ qcStatus qcFractureBody::AddTo(qcScene* scene) const
 {
     qcBodyDef def = qcDefaultBodyDef();
     def.positions = shape.getVertices();
-    def.positionType = s_positionType;
+    def.positionType = qcBulletPositions;
     def.positionStride = sizeof(btVector3);
     def.vertexCount = shape.getVertexCount();
     def.indices = shape.getIndices();

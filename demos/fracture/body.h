@@ -42,7 +42,7 @@ ATTRIBUTE_ALIGNED16(struct) qcFractureBody
     btScalar Lowest() const;
     double KineticEnergy() const;
     void AddMomentum(qcMomentum * sum) const;
-    /// As it lies now, without collision with itself.
+    /// At its current transform, without self-collision.
     qcStatus AddTo(qcScene * scene) const;
 
     qcMeshShape shape;

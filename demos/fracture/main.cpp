@@ -1,17 +1,14 @@
-// qc-fracture: a bunny falls on a floor, breaks in the midst of a step into hundreds of pieces, which collide and come
-// to rest, with our broadphase, mesh contact and fracture; pictures, a CSV, a table.
+// qc-fracture: a bunny falls on a floor and breaks in the midst of a step into hundreds of pieces, which collide and
+// come to rest; pictures, a CSV, a table.
 #include "common/bullet/demo_options.h"
 #include "fracture/picture.h"
 #include "fracture/report.h"
 #include "fracture/world.h"
 
-extern "C" {
 #include "common/files.h"
 #include "common/mesh_io/bunny_path.h"
 #include "common/interrupt.h"
-#include "common/option_values.h"
 #include "common/progress.h"
-}
 
 #include <cstdio>
 
@@ -23,44 +20,10 @@ struct Options
 {
     // 240 steps a second: 24 frames.
     qcDemoOptions common = {"out/fracture", 720, 10, qc_methodAuto, qc_deviceAuto, 0};
-    std::string mesh = QC_BUNNY_PATH;
-    unsigned triangles = 5000;
+    const char* mesh = QC_BUNNY_PATH;
+    uint32_t triangles = 5000;
     qcFractureRequest request;
 };
-
-enum OptionKey
-{
-    key_mesh = qc_demoFirstKey,
-    key_triangles,
-    key_pieces,
-    key_seed
-};
-
-error_t ReadOption(int key, char* text, argp_state* state)
-{
-    auto* options = static_cast<Options*>(state->input);
-    switch (key)
-    {
-        case ARGP_KEY_INIT: state->child_inputs[0] = &options->common; return 0;
-        case key_mesh: options->mesh = text; return 0;
-        case key_triangles:
-            options->triangles = qcOption_ReadNumber(state, "--triangles", text, 100, 10000000);
-            return 0;
-        case key_pieces: options->request.pieces = qcOption_ReadNumber(state, "--pieces", text, 1, 10000); return 0;
-        case key_seed: options->request.seed = qcOption_ReadNumber(state, "--seed", text, 0, UINT32_MAX); return 0;
-        default: return ARGP_ERR_UNKNOWN;
-    }
-}
-
-const argp_child s_children[] = {{&qcDemoArgp, 0, nullptr, 0}, {nullptr, 0, nullptr, 0}};
-
-const argp_option s_options[] = {
-    {"mesh", key_mesh, "FILE", 0,
-     "What breaks: a closed mesh, PLY or OBJ; the bunny of the package glmark2-data by default", 1},
-    {"triangles", key_triangles, "N", 0, "The mesh is made coarser until it has about as many; 5000 by default", 1},
-    {"pieces", key_pieces, "N", 0, "Voronoi cells, each with a piece or more; 200 by default", 1},
-    {"seed", key_seed, "N", 0, "Where the cells are; 1 by default", 1},
-    {nullptr, 0, nullptr, 0, nullptr, 0}};
 
 const char s_help[] =
     "A bunny of 4 m falls on a floor, breaks on its first hard impact, and its pieces come to rest.\v"
@@ -92,7 +55,8 @@ bool Draw(const Options& options, qcDevice* device, const qcFractureWorld& world
     char name[64];
     std::snprintf(name, sizeof name, "/frame_%04zu.png", frame);
     std::string message;
-    return picture->Write(device, world.Bodies(), options.common.out + name, &message) || qcDemo_Fail(message);
+    return picture->Write(device, world.Bodies(), std::string(options.common.out) + name, &message) ||
+           qcDemo_Fail(message);
 }
 
 /// False with a message on standard error.
@@ -128,8 +92,8 @@ bool Simulate(const Options& options, qcDevice* device, const qcDeviceInfo& info
 bool ReadModel(const Options& options, qcFractureModel* model)
 {
     std::string message;
-    if (options.mesh == QC_BUNNY_PATH && !qcBenchFiles_IsThere(QC_BUNNY_PATH))
-        return qcDemo_Fail(options.mesh +
+    if (std::string(options.mesh) == QC_BUNNY_PATH && !qcFiles_IsThere(QC_BUNNY_PATH))
+        return qcDemo_Fail(std::string(options.mesh) +
                            " is not there; the package glmark2-data has it, or name another mesh with --mesh");
     return qcReadFractureModel(options.mesh, options.triangles, s_extent, model, &message) || qcDemo_Fail(message);
 }
@@ -141,12 +105,12 @@ int Run(const Options& options, qcDevice* device)
     qcDeviceInfo info;
     qcDevice_GetInfo(device, &info);
     if (!ReadModel(options, &model) || !Simulate(options, device, info, model, &run))
-        return qc_exitOutput;
+        return qc_exitFailed;
     std::string message;
-    if (!qcWriteFractureCsv(options.common.out + "/fracture.csv", run, &message))
+    if (!qcWriteFractureCsv(std::string(options.common.out) + "/fracture.csv", run, &message))
     {
         qcDemo_Fail(message);
-        return qc_exitOutput;
+        return qc_exitFailed;
     }
     qcPrintFractureTable(run, info);
     return qcInterrupt_Signal() == 0 ? qc_exitDone : qc_exitSignal + qcInterrupt_Signal();
@@ -156,9 +120,16 @@ int Run(const Options& options, qcDevice* device)
 int main(int argumentCount, char** arguments)
 {
     Options options;
-    const argp parser = {s_options, ReadOption, nullptr, s_help, s_children, nullptr, nullptr};
+    const std::vector<qcOption> rows = {
+        {1, "mesh", "FILE", "What breaks: a closed mesh, PLY or OBJ; the bunny of the package glmark2-data by default",
+         qcOption_Text(&options.mesh)},
+        {1, "triangles", "N", "The mesh is made coarser until it has about as many; %s by default",
+         qcOption_Number(&options.triangles, 100, 10000000)},
+        {1, "pieces", "N", "Voronoi cells, each with a piece or more; %s by default",
+         qcOption_Number(&options.request.pieces, 1, 10000)},
+        {1, "seed", "N", "Where the cells are; %s by default", qcOption_Number(&options.request.seed, 0, UINT32_MAX)}};
     qcDevice* device = nullptr;
-    int status = qcDemo_Begin(&parser, argumentCount, arguments, &options, &options.common, &device);
+    int status = qcDemo_Begin(rows, s_help, argumentCount, arguments, &options.common, &device);
     if (status != qc_exitDone)
         return status;
     options.request.method = options.common.method;

@@ -1,9 +1,7 @@
 // CSV and closing table of the fracture demo.
 #include "fracture/report.h"
 
-extern "C" {
 #include "common/output_file.h"
-}
 
 #include <algorithm>
 

@@ -5,9 +5,7 @@
 
 #include "fracture/sites.h"
 
-extern "C" {
 #include "common/stopwatch.h"
-}
 
 #include <algorithm>
 
@@ -45,8 +43,9 @@ qcFractureWorld::qcFractureWorld(const qcFractureModel& model, const qcFractureR
     m_meshContact.addTo(&m_world);
     m_meshContact.setMethod(request.method);
     m_meshContact.setThreadCount(request.threads);
-    // Ten layers of pieces land on each other: with Bullet's 10 rounds the lowest are not told of the others in time,
-    // and the deepest are 13 to 24 mm in each other in most steps; with 50 it is 3 to 5, and a step takes no longer.
+    // Ten layers of pieces land on each other: in Bullet's 10 iterations the impulses of the upper ones don't reach the
+    // lowest, and the deepest are 13 to 24 mm in each other in most steps; with 50 it is 3 to 5, and a step takes no
+    // longer.
     m_world.getSolverInfo().m_numIterations = 50;
     // However deep, what overlaps is parted without giving it speed.
     m_world.getSolverInfo().m_splitImpulsePenetrationThreshold = 0;
@@ -122,7 +121,7 @@ qcMomentum qcFractureWorld::Momentum() const
 /// Replaces the body by its pieces.
 bool qcFractureWorld::BreakBody(const btVector3& impact)
 {
-    double start = qcBenchTime_NowMs();
+    double start = qcStopwatch_NowMs();
     std::unique_ptr<qcFractureBody> whole = std::move(m_bodies.front());
     m_break.happened = true;
     whole->AddMomentum(&m_break.before);
@@ -131,9 +130,9 @@ bool qcFractureWorld::BreakBody(const btVector3& impact)
     def.indices = m_model.indices;
     def.sites = qcScatterSitesInside(whole->shape, m_request.pieces, m_request.seed,
                                      whole->body.getWorldTransform().invXform(impact));
-    double scattered = qcBenchTime_NowMs();
+    double scattered = qcStopwatch_NowMs();
     qcFracture fracture = qcFracture_Split(def);
-    double split = qcBenchTime_NowMs();
+    double split = qcStopwatch_NowMs();
     m_world.removeRigidBody(&whole->body);
     m_bodies.clear();
     m_failure = fracture.message;
@@ -154,7 +153,7 @@ bool qcFractureWorld::BreakBody(const btVector3& impact)
     m_break.after = Momentum();
     m_break.sitesMs = scattered - start;
     m_break.splitMs = split - scattered;
-    m_break.bodiesMs = qcBenchTime_NowMs() - split;
+    m_break.bodiesMs = qcStopwatch_NowMs() - split;
     return fracture.status == qc_statusOk;
 }
 

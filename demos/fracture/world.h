@@ -33,7 +33,7 @@ struct qcFractureStep
     qcStepCosts costs;
     bool breaks = false;              ///< in this step
     qcMethod method = qc_methodSweep; ///< that answered
-    const char* fallback = nullptr;   ///< why another method than the one asked for ran
+    const char* fallback = nullptr;   ///< why another method than the requested one ran
     size_t bodies = 0;                ///< the whole body, or its pieces
     size_t awake = 0;                 ///< of these, that Bullet simulates
     int pairs = 0;                    ///< of overlapping boxes

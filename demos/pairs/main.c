@@ -33,7 +33,7 @@ static qcStatus OpenDevice(qcDeviceKind kind, qcDevice** device, qcDeviceInfo* i
 }
 
 /// Opens what this run needs and no more: a GL context takes longer than many a query.
-static qcPairsExit OpenDevices(qcPairsRun* run, qcMessage* message)
+static qcExitStatus OpenDevices(qcPairsRun* run, qcMessage* message)
 {
     const qcPairsOptions* options = run->options;
     bool draws = options->detect.method == qc_methodQuick || options->detect.method == qc_methodCullide ||
@@ -41,7 +41,7 @@ static qcPairsExit OpenDevices(qcPairsRun* run, qcMessage* message)
     qcStatus status = qc_statusOk;
     run->deviceInfo =
         (qcDeviceInfo){.kind = qc_deviceNone, .name = "none", .renderer = "", .version = "", .vendor = ""};
-    if (draws || options->deviceNamed)
+    if (draws || options->deviceName != NULL)
         status = OpenDevice(options->device, &run->device, &run->deviceInfo);
     if (status == qc_statusOk && options->picture != NULL)
     {
@@ -154,12 +154,12 @@ static qcStatus FillAndDetect(qcPairsRun* run, qcBodyId* ids, double* times, con
     return status;
 }
 
-static qcPairsExit FindPairs(qcPairsRun* run, qcMessage* message)
+static qcExitStatus FindPairs(qcPairsRun* run, qcMessage* message)
 {
     const qcPairsOptions* options = run->options;
     qcBodyId* ids = malloc(options->pathCount * sizeof *ids);
     double* times = malloc((size_t)options->reps * qc_stageCount * sizeof *times);
-    qcPairsExit ending = qc_exitDone;
+    qcExitStatus ending = qc_exitDone;
     const char* place = "detecting";
     if (ids == NULL || times == NULL)
     {
@@ -181,7 +181,7 @@ static qcPairsExit FindPairs(qcPairsRun* run, qcMessage* message)
     return ending;
 }
 
-static qcPairsExit WriteResults(const qcPairsRun* run, qcMessage* message)
+static qcExitStatus WriteResults(const qcPairsRun* run, qcMessage* message)
 {
     const qcPairsOptions* options = run->options;
     if (options->out != NULL && !qcPairs_WritePairs(run, message))
@@ -189,7 +189,7 @@ static qcPairsExit WriteResults(const qcPairsRun* run, qcMessage* message)
     if (options->picture != NULL)
     {
         qcProgress_Begin(0, "drawing");
-        qcPairsExit ending = qcPairs_DrawPicture(run, message);
+        qcExitStatus ending = qcPairs_DrawPicture(run, message);
         qcProgress_End();
         if (ending != qc_exitDone)
             return ending;
@@ -197,7 +197,7 @@ static qcPairsExit WriteResults(const qcPairsRun* run, qcMessage* message)
     return qcPairs_WriteReport(run, message) ? qc_exitDone : qc_exitFailed;
 }
 
-static qcPairsExit Run(qcPairsRun* run, qcMessage* message)
+static qcExitStatus Run(qcPairsRun* run, qcMessage* message)
 {
     const qcPairsOptions* options = run->options;
     // Better now than after minutes of work.
@@ -212,7 +212,7 @@ static qcPairsExit Run(qcPairsRun* run, qcMessage* message)
     }
     if (!ReadMeshes(run, message))
         return qc_exitBadInput;
-    qcPairsExit ending = OpenDevices(run, message);
+    qcExitStatus ending = OpenDevices(run, message);
     if (ending == qc_exitDone)
         ending = FindPairs(run, message);
     return ending == qc_exitDone ? WriteResults(run, message) : ending;
@@ -224,7 +224,7 @@ int main(int argumentCount, char** arguments)
     qcPairs_ReadOptions(argumentCount, arguments, &options);
     qcPairsRun run = {.options = &options};
     qcMessage message = {""};
-    qcPairsExit ending = Run(&run, &message);
+    qcExitStatus ending = Run(&run, &message);
     if (ending != qc_exitDone)
         fprintf(stderr, "qc-pairs: %s\n", message.text);
     qcScene_Destroy(run.scene);

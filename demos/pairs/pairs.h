@@ -2,25 +2,16 @@
 #ifndef QC_DEMOS_PAIRS_PAIRS_H
 #define QC_DEMOS_PAIRS_PAIRS_H
 
+#include "common/exit_status.h"
 #include "common/mesh_io/mesh_file.h"
 
 #include <quickcullide/quickcullide.h>
-
-/// Exit statuses, part of what the tool promises.
-typedef enum qcPairsExit
-{
-    qc_exitDone = 0,
-    qc_exitFailed = 1, ///< output could not be written, or out of memory
-    qc_exitUsage = 2,
-    qc_exitBadInput = 3,
-    qc_exitDevice = 4
-} qcPairsExit;
 
 typedef struct qcPairsOptions
 {
     qcDetectDef detect;
     qcDeviceKind device;
-    bool deviceNamed; ///< on the command line
+    const char* deviceName; ///< on the command line, or null
     bool selfCollision;
     bool f64;
     uint32_t reps;
@@ -65,6 +56,6 @@ bool qcPairs_WritePairs(const qcPairsRun* run, qcMessage* message);
 /// The report for a reader, or the JSON object, on standard output.
 bool qcPairs_WriteReport(const qcPairsRun* run, qcMessage* message);
 /// Draws the meshes with the PCS in red into options->picture.
-qcPairsExit qcPairs_DrawPicture(const qcPairsRun* run, qcMessage* message);
+qcExitStatus qcPairs_DrawPicture(const qcPairsRun* run, qcMessage* message);
 
 #endif

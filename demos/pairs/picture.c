@@ -118,8 +118,8 @@ static bool FillMesh(const qcPairsRun* run, const Frame* frame, uint32_t index, 
     return true;
 }
 
-static qcPairsExit Draw(const qcPairsRun* run, qcPictureMesh* meshes, uint8_t* rgb, qcPictureDef* def,
-                        qcMessage* message)
+static qcExitStatus Draw(const qcPairsRun* run, qcPictureMesh* meshes, uint8_t* rgb, qcPictureDef* def,
+                         qcMessage* message)
 {
     Frame frame = FindFrame(run);
     PlaceEye(&frame, def);
@@ -140,14 +140,14 @@ static qcPairsExit Draw(const qcPairsRun* run, qcPictureMesh* meshes, uint8_t* r
     return qcPng_Write(run->options->picture, def->width, def->height, rgb, message) ? qc_exitDone : qc_exitFailed;
 }
 
-qcPairsExit qcPairs_DrawPicture(const qcPairsRun* run, qcMessage* message)
+qcExitStatus qcPairs_DrawPicture(const qcPairsRun* run, qcMessage* message)
 {
     qcPictureDef def = qcDefaultPictureDef();
     def.meshCount = run->options->pathCount;
     qcPictureMesh* meshes = calloc(def.meshCount, sizeof *meshes);
     uint8_t* rgb = malloc((size_t)def.width * def.height * 3);
     def.meshes = meshes;
-    qcPairsExit ending = Draw(run, meshes, rgb, &def, message);
+    qcExitStatus ending = Draw(run, meshes, rgb, &def, message);
     for (uint32_t i = 0; meshes != NULL && i < def.meshCount; ++i)
     {
         free((void*)meshes[i].positions);

@@ -1,4 +1,4 @@
-// What qc-pairs says of a run: the pairs as lines, the profile for a reader or as JSON.
+// The output of qc-pairs: the pairs as lines, the profile for a reader or as JSON.
 // The names in the JSON object are those of qcProfile and qcPassRecord.
 #include "pairs/pairs.h"
 
@@ -120,7 +120,7 @@ static void AddReal(json_object* object, const char* name, double value)
 
 static void AddMs(json_object* object, const char* name, double ms)
 {
-    // Nanoseconds: a clock tells no more.
+    // Nanoseconds, the resolution of the clock.
     char text[32];
     snprintf(text, sizeof text, "%.6f", ms);
     json_object_object_add(object, name, json_object_new_double_s(ms, text));

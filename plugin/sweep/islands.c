@@ -1,16 +1,10 @@
-// Connected components by union-find (Galler, Fischer: An improved equivalence algorithm, 1964).
+// Connected components of the graph of body pairs.
 #include "sweep/islands.h"
 
 #include "base/status.h"
+#include "base/union_find.h"
 
 #include <float.h>
-
-static uint32_t Root(uint32_t* parent, uint32_t body)
-{
-    while (parent[body] != body)
-        body = parent[body] = parent[parent[body]];
-    return body;
-}
 
 static void Include(qcPlanItem* island, const qcBody* body)
 {
@@ -23,19 +17,16 @@ static void Include(qcPlanItem* island, const qcBody* body)
 }
 
 /// Fills the union-find forest, and marks the bodies of pairs in islandOf by 0, all others by QC_NO_ISLAND.
-static void Unite(const qcBodyPairs* pairs, uint32_t bodyCount, uint32_t* parent, uint32_t* islandOf)
+static void Unite(const qcBodyPairs* pairs, uint32_t bodyCount, uint32_t* nodes, uint32_t* islandOf)
 {
+    qcSigned_Init(nodes, bodyCount);
     for (uint32_t body = 0; body < bodyCount; body++)
-    {
-        parent[body] = body;
         islandOf[body] = QC_NO_ISLAND;
-    }
     for (size_t i = 0; i < pairs->pairs.count; i++)
     {
         qcBodyPair pair = QC_AT(qcBodyPair, pairs->pairs, i);
-        uint32_t a = Root(parent, pair.a), b = Root(parent, pair.b);
-        // The lowest body is the root: a loop over bodies comes to it first.
-        parent[a < b ? b : a] = a < b ? a : b;
+        // The lowest body of an island is its root: a loop over bodies visits it first.
+        qcSigned_Unite(nodes, pair.a, pair.b, 0);
         islandOf[pair.a] = islandOf[pair.b] = 0;
     }
 }
@@ -47,14 +38,14 @@ qcStatus qcIslands_Find(const qcStepTriangles* triangles, const qcBodyPairs* pai
     QC_TRY(qcArray_Resize(&islands->islandOf, bodyCount, sizeof(uint32_t), "islands"));
     QC_TRY(qcArray_Reserve(&islands->items, bodyCount, sizeof(qcPlanItem), "islands"));
     QC_TRY(qcArray_Resize(&islands->scratch, bodyCount, sizeof(uint32_t), "islands"));
-    uint32_t *islandOf = islands->islandOf.data, *parent = islands->scratch.data;
-    Unite(pairs, bodyCount, parent, islandOf);
+    uint32_t *islandOf = islands->islandOf.data, *nodes = islands->scratch.data;
+    Unite(pairs, bodyCount, nodes, islandOf);
     for (uint32_t body = 0; body < bodyCount; body++)
     {
         const qcBody* b = qcStepTriangles_Body(triangles, body);
         if (islandOf[body] == QC_NO_ISLAND && !qcBody_HasSelfCollision(b))
             continue;
-        uint32_t root = Root(parent, body);
+        uint32_t root = qcSigned_Find(nodes, body) >> 1;
         if (root == body)
         {
             islandOf[body] = (uint32_t)islands->items.count++;

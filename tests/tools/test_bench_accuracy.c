@@ -1,5 +1,5 @@
-// The benchmark as its users meet it: what a row of its CSV says, what it skips, draws and refuses. The oracle is every
-// pair of triangles through the exact test.
+// `qc-bench accuracy` as a user runs it: rows of its CSV, skipped scenes, pictures, refused options. The oracle is
+// every pair of triangles through the exact test.
 #include "bench/scenes/scenes.h"
 #include "support/csv_rows.h"
 #include "support/run_program.h"
@@ -128,7 +128,8 @@ START_TEST(each_row_accounts_for_every_pair_of_the_scene)
     // auto, sweep, brute; layers once and over 2 images; cullide over 2 * 2, quick in four orders.
     ck_assert_int_eq(ForEachRow("deep/er/accuracy.csv", s_header, CheckRow, &seen), 3 + 3 + 4 + 16);
     ck_assert_int_ge(seen.ran, 3);
-    // Of 64 * 64 pixels over triangles of half a pixel, some come to lie beside a crossing: the count is no constant 0.
+    // With 64 * 64 pixels over triangles of half a pixel, some come to lie beside a crossing: the count is no constant
+    // 0.
     ck_assert(seen.sampled == 0 || (seen.sampled == 20 && seen.leastMissed < seen.exact));
     ck_assert_ptr_nonnull(strstr(GetOutput(), "auto "));
 }

@@ -234,7 +234,7 @@ START_TEST(what_is_wrong_is_said)
         {"--triangles x", 2, "--triangles: 'x' is not"},
         {"--method quick", 2, "--method: 'quick' is not one of layers, auto, sweep"},
         {"--out ''", 2, "--out: no folder is named"},
-        {"bunny.obj", 2, "'bunny.obj' is not expected"},
+        {"bunny.obj", 2, "'bunny.obj': options only"},
         {"--mesh none.obj", 1, "none.obj: No such file"},
         {"--mesh open.obj", 1, "open.obj: the mesh is not closed"},
         {"--out angle.obj/o", 1, "angle.obj/o"},

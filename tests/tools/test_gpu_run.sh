@@ -16,13 +16,13 @@ cd "$folder/work"
 # expect STATUS COMMAND...: output and messages go to $folder/log.
 expect()
 {
-    wanted=$1
+    expected=$1
     shift
     status=0
     "$@" >"$folder/log" 2>&1 || status=$?
-    [ "$status" -eq "$wanted" ] && return
+    [ "$status" -eq "$expected" ] && return
     cat "$folder/log"
-    echo "exit status $status instead of $wanted: $*"
+    echo "exit status $status instead of $expected: $*"
     exit 1
 }
 
@@ -69,6 +69,9 @@ contains "'clot' is not one of"
 expect 0 sh "$folder/run.sh" --help
 expect 0 sh "$source/demos/gpu.sh" --help
 contains 'Usage: demos/gpu.sh'
+# Before anything is built.
+expect 2 sh "$source/demos/gpu.sh" --scenes cloth --treads 2
+contains "unrecognized option '--treads'"
 expect 2 sh "$source/demos/gpu.sh" --bundle
 expect 2 sh "$source/demos/gpu.sh" --bundle file.zip
 contains "'file.zip' is no name of a .tar.gz"

@@ -16,12 +16,12 @@ typedef struct Run
     uint32_t tableCount;
 } Run;
 
-static qcBenchExit Prepare(Run* run, qcMessage* message)
+static qcExitStatus Prepare(Run* run, qcMessage* message)
 {
     const qcAccuracyOptions* options = &run->options;
     // Better now than after minutes of work.
-    if (!qcBenchFiles_Check(options->out, "accuracy.csv", message))
-        return qc_benchBroken;
+    if (!qcFiles_Check(options->out, "accuracy.csv", message))
+        return qc_exitFailed;
     qcDeviceDef def = qcDefaultDeviceDef();
     def.kind = options->device;
     qcStatus status = qcDevice_Create(&def, &run->device);
@@ -30,14 +30,14 @@ static qcBenchExit Prepare(Run* run, qcMessage* message)
     if (status != qc_statusOk)
     {
         qcMessage_Fail(message, "%s", qcLastMessage());
-        return status == qc_statusDevice ? qc_benchDevice : qc_benchBroken;
+        return status == qc_statusDevice ? qc_exitDevice : qc_exitFailed;
     }
     printf("device: %s%s%s\n", run->info.name, run->info.renderer[0] != 0 ? ", " : "", run->info.renderer);
     qcAccuracy_WarmUp(options, run->device);
-    return qc_benchDone;
+    return qc_exitDone;
 }
 
-static qcBenchExit MeasureScene(Run* run, int index, qcMessage* message)
+static qcExitStatus MeasureScene(Run* run, int index, qcMessage* message)
 {
     qcBenchScene scene;
     qcProgress_Begin(0, qcBenchScene_Name(index));
@@ -46,25 +46,25 @@ static qcBenchExit MeasureScene(Run* run, int index, qcMessage* message)
     if (made == qc_benchSkipped)
     {
         printf("\n%s is skipped: %s\n", qcBenchScene_Name(index), message->text);
-        return qc_benchDone;
+        return qc_exitDone;
     }
     if (made == qc_benchFailed)
-        return qc_benchBadModel;
+        return qc_exitBadInput;
     qcAccuracyTable* table = &run->tables[run->tableCount++];
     *table = (qcAccuracyTable){.scene = index, .threads = run->options.threads};
     snprintf(table->device, sizeof table->device, "%s", run->info.name);
     bool measured = qcAccuracy_Measure(&run->options, &scene, run->device, table, message);
     qcBenchScene_Free(&scene);
     if (!measured)
-        return qc_benchBroken;
+        return qc_exitFailed;
     qcAccuracy_PrintTable(table);
     // A long run is read while it goes on, and what it has is kept if it ends early.
     fflush(stdout);
-    return qcAccuracy_WriteCsv(&run->options, run->tables, run->tableCount, message) ? qc_benchDone : qc_benchBroken;
+    return qcAccuracy_WriteCsv(&run->options, run->tables, run->tableCount, message) ? qc_exitDone : qc_exitFailed;
 }
 
 /// What never misses must not miss here either.
-static qcBenchExit CheckPromise(const Run* run, qcMessage* message)
+static qcExitStatus CheckPromise(const Run* run, qcMessage* message)
 {
     for (uint32_t t = 0; t < run->tableCount; ++t)
     {
@@ -78,37 +78,37 @@ static qcBenchExit CheckPromise(const Run* run, qcMessage* message)
             qcMessage_Fail(message, "%s: %s missed %" PRIu64 " pairs of %s and reported %" PRIu64 " that it does not",
                            qcBenchScene_Name(table->scene), qcMethod_Name(row->setting.method), row->missed,
                            qcMethod_Name(table->reference), row->extra);
-            return qc_benchBroken;
+            return qc_exitFailed;
         }
     }
-    return qc_benchDone;
+    return qc_exitDone;
 }
 
-static qcBenchExit Measure(Run* run, qcMessage* message)
+static qcExitStatus Measure(Run* run, qcMessage* message)
 {
-    qcBenchExit ending = Prepare(run, message);
-    for (int i = 0; ending == qc_benchDone && i < qc_benchSceneCount; ++i)
+    qcExitStatus ending = Prepare(run, message);
+    for (int i = 0; ending == qc_exitDone && i < qc_benchSceneCount; ++i)
     {
         if (run->options.scenes[i])
             ending = MeasureScene(run, i, message);
     }
-    if (ending != qc_benchDone)
+    if (ending != qc_exitDone)
         return ending;
     if (!qcAccuracy_WriteCsv(&run->options, run->tables, run->tableCount, message))
-        return qc_benchBroken;
+        return qc_exitFailed;
     printf("\nAll rows: %s/accuracy.csv\n", run->options.out);
     if (!qcAccuracy_Plot(&run->options, run->tables, run->tableCount, message))
-        return qc_benchBroken;
+        return qc_exitFailed;
     return CheckPromise(run, message);
 }
 
-qcBenchExit qcBench_RunAccuracy(int argumentCount, char** arguments)
+qcExitStatus qcBench_RunAccuracy(int argumentCount, char** arguments)
 {
     Run run = {.device = NULL};
     qcMessage message = {""};
     qcAccuracy_ReadOptions(argumentCount, arguments, &run.options);
-    qcBenchExit ending = Measure(&run, &message);
-    if (ending != qc_benchDone)
+    qcExitStatus ending = Measure(&run, &message);
+    if (ending != qc_exitDone)
         fprintf(stderr, "qc-bench accuracy: %s\n", message.text);
     for (uint32_t i = 0; i < run.tableCount; ++i)
         free(run.tables[i].rows);

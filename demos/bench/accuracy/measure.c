@@ -39,7 +39,7 @@ static size_t PositionSize(const qcMesh* mesh)
     return 3 * (size_t)mesh->vertexCount * (mesh->isDouble ? sizeof(double) : sizeof(float));
 }
 
-/// As far as a vertex moves in a step of a simulation, say.
+/// About the motion of a vertex in a step of a simulation.
 static void MakePose(const qcMesh* mesh, double distance, void* pose)
 {
     uint64_t seed = 1;
@@ -145,11 +145,11 @@ static qcDetectDef MakeDef(const Bench* bench, const qcAccuracySetting* setting)
 /// New vertices in, pairs out.
 static qcStatus Step(Bench* bench, const qcDetectDef* def, bool pose, double* ms)
 {
-    double start = qcBenchTime_NowMs();
+    double start = qcStopwatch_NowMs();
     qcStatus status = SetVertices(bench, pose);
     if (status == qc_statusOk)
         status = qcScene_Detect(bench->scene, def, &bench->result);
-    *ms = qcBenchTime_NowMs() - start;
+    *ms = qcStopwatch_NowMs() - start;
     return status;
 }
 
@@ -227,7 +227,7 @@ static qcStatus Time(Bench* bench, const qcDetectDef* def, double firstMs, qcAcc
             spent += times[row->runs] + other;
         }
     }
-    row->ms = qcBenchTime_Median(times, row->runs);
+    row->ms = qcStopwatch_Median(times, row->runs);
     row->leastMs = times[0];
     return qc_statusOk;
 }

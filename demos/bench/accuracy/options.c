@@ -1,28 +1,9 @@
-// The command line of `qc-bench accuracy`. A word that is not known is refused with the words that are.
+// The command line of `qc-bench accuracy`.
 #include "bench/accuracy/accuracy.h"
 
-#include "common/option_values.h"
+#include "common/options.h"
 
 #include <string.h>
-
-typedef enum OptionKey
-{
-    // Beyond every character: no option has a short name.
-    key_scenes = 256,
-    key_methods,
-    key_resolutions,
-    key_views,
-    key_runs,
-    key_rounds,
-    key_full,
-    key_margin,
-    key_touching,
-    key_threads,
-    key_device,
-    key_bunny,
-    key_dragon,
-    key_out
-} OptionKey;
 
 static const uint32_t s_resolutions[] = {256, 512, 1024, 2048, 4096};
 // `layers` needs no more than this; larger images cost more and change nothing.
@@ -48,24 +29,6 @@ static void TakeScene(const struct argp_state* state, const char* word, void* co
     argp_error(state, "--scenes: '%s' is not one of %s", word, known);
 }
 
-static void TakeMethod(const struct argp_state* state, const char* word, void* context)
-{
-    qcAccuracyOptions* options = context;
-    qcWord words[qc_methodCount + 1] = {{NULL, 0}};
-    for (int i = 0; i < qc_methodCount; ++i)
-        words[i] = (qcWord){qcMethod_Name((qcMethod)i), i};
-    options->methods[qcOption_ReadWord(state, "--methods", word, words)] = true;
-}
-
-static void TakeResolution(const struct argp_state* state, const char* word, void* context)
-{
-    qcAccuracyOptions* options = context;
-    uint32_t resolution = qcOption_ReadNumber(state, "--resolutions", word, 1, 4096);
-    if (options->resolutionCount == qc_maxResolutions)
-        argp_error(state, "--resolutions: more than %d of them", qc_maxResolutions);
-    options->resolutions[options->resolutionCount++] = resolution;
-}
-
 static void TakeViews(const struct argp_state* state, const char* word, void* context)
 {
     qcAccuracyOptions* options = context;
@@ -76,28 +39,16 @@ static void TakeViews(const struct argp_state* state, const char* word, void* co
     memcpy(options->views[options->viewCount++], views, sizeof views);
 }
 
-static double ReadShare(const struct argp_state* state, const char* option, const char* text)
+/// Lists that are not given get their defaults.
+static void Complete(const struct argp_state* state, void* context)
 {
-    double share = qcOption_ReadLength(state, option, text);
-    if (share > 1.0)
-        argp_error(state, "%s: '%s' is more than the scene's extent, 1", option, text);
-    return share;
-}
-
-static bool Any(const bool* flags, int count)
-{
-    return memchr(flags, true, (size_t)count) != NULL;
-}
-
-/// What was not named gets its default.
-static void Complete(qcAccuracyOptions* options)
-{
-    // Somebody who names images wants them on every scene.
+    qcAccuracyOptions* options = context;
+    if (options->margin > 1.0)
+        argp_error(state, "--margin: '%g' is more than the scene's extent, 1", options->margin);
+    // Images that are given are measured on every scene.
     options->thin = !options->full && options->resolutionCount == 0 && options->viewCount == 0;
-    if (!Any(options->scenes, qc_benchSceneCount))
+    if (memchr(options->scenes, true, sizeof options->scenes) == NULL)
         memset(options->scenes, true, sizeof options->scenes);
-    if (!Any(options->methods, qc_methodCount))
-        memset(options->methods, true, sizeof options->methods);
     bool named = options->resolutionCount != 0;
     if (!named)
     {
@@ -118,67 +69,6 @@ static void Complete(qcAccuracyOptions* options)
     }
 }
 
-static error_t ReadOption(int key, char* text, struct argp_state* state)
-{
-    qcAccuracyOptions* options = state->input;
-    switch (key)
-    {
-        case key_scenes: qcOption_ReadList(state, "--scenes", text, TakeScene); return 0;
-        case key_methods: qcOption_ReadList(state, "--methods", text, TakeMethod); return 0;
-        case key_resolutions: qcOption_ReadList(state, "--resolutions", text, TakeResolution); return 0;
-        case key_views: qcOption_ReadList(state, "--views", text, TakeViews); return 0;
-        case key_runs: options->runs = qcOption_ReadNumber(state, "--runs", text, 1, qc_maxRuns); return 0;
-        case key_rounds: options->rounds = qcOption_ReadNumber(state, "--rounds", text, 0, UINT32_MAX); return 0;
-        case key_full: options->full = true; return 0;
-        case key_margin: options->margin = ReadShare(state, "--margin", text); return 0;
-        case key_touching: options->touching = true; return 0;
-        case key_threads: options->threads = qcOption_ReadNumber(state, "--threads", text, 0, 1024); return 0;
-        case key_device:
-            options->device = (qcDeviceKind)qcOption_ReadWord(state, "--device", text, qcDeviceWords);
-            return 0;
-        case key_bunny: options->models.bunny = text; return 0;
-        case key_dragon: options->models.dragon = text; return 0;
-        case key_out: options->out = qcOption_ReadFolder(state, "--out", text); return 0;
-        case ARGP_KEY_ARG: argp_error(state, "'%s': options only, please; scenes follow --scenes", text); return 0;
-        case ARGP_KEY_END: Complete(options); return 0;
-        default: return ARGP_ERR_UNKNOWN;
-    }
-}
-
-static const struct argp_option s_options[] = {
-    {NULL, 0, NULL, 0, "What is tried; all of it by default:", 1},
-    {"scenes", key_scenes, "LIST", 0,
-     "Of cloth-20k, cloth-250k, cloth-2m (all but cullide and quick), pile (three bunnies), dragon (with itself), "
-     "sheets-1e-1 to sheets-1e-6 (two sheets, their gap as a share of the extent), slivers; \"cloth\" and \"sheets\" "
-     "are all of their kind",
-     1},
-    {"methods", key_methods, "LIST", 0, "Of auto, brute, cullide, quick, sweep, layers", 1},
-    {"resolutions", key_resolutions, "LIST", 0,
-     "Pixels on a side of the image; 256,512,1024,2048,4096 by default, for layers 4,16,64,256 unless --full", 1},
-    {"views", key_views, "LIST", 0,
-     "Axes to look along, in this order; z,xz,xyz by default. layers looks along one: it takes those of one letter", 1},
-    {"full", key_full, NULL, 0,
-     "Every setting on every scene, all switches of quick, and brute force for up to 300 000 triangles: hours on "
-     "software GL",
-     1},
-    {"runs", key_runs, "N", 0, "Timed runs of a quick setting, at most; 15 by default", 1},
-    {NULL, 0, NULL, 0, "How it is asked:", 2},
-    {"rounds", key_rounds, "N", 0,
-     "Rounds of cullide and quick over the views; 0: until nothing changes. 1 by default: it costs and misses least",
-     2},
-    {"touching", key_touching, NULL, 0, "Pairs that only touch count too", 2},
-    {"margin", key_margin, "SHARE", 0, "Pairs no further apart than this share of the scene's extent count too", 2},
-    {"threads", key_threads, "N", 0, "Threads; 0, the default: one per core", 2},
-    {"device", key_device, "DEVICE", 0,
-     "auto (the default), egl (a GPU), osmesa or surfaceless (software), or none (methods that draw are skipped)", 2},
-    {NULL, 0, NULL, 0, "Files:", 3},
-    {"bunny", key_bunny, "FILE", 0, "The model of pile; that of the package glmark2-data by default", 3},
-    {"dragon", key_dragon, "FILE", 0, "The model of dragon, which is skipped without it; tests/dragon.sh fetches it",
-     3},
-    {"out", key_out, "FOLDER", 0,
-     "Where accuracy.csv, accuracy.gp and the pictures go; out/bench by default, made if it is missing", 3},
-    {0}};
-
 static const char s_help[] =
     "Run time against error. Each method answers scenes whose pairs are known; a row of the CSV says how long it took "
     "(new vertices in, pairs out) and how many pairs it found, missed, and reported without reason. gnuplot draws it.\v"
@@ -188,9 +78,53 @@ static const char s_help[] =
 
 void qcAccuracy_ReadOptions(int argumentCount, char** arguments, qcAccuracyOptions* options)
 {
-    static const struct argp parser = {s_options, ReadOption, NULL, s_help, NULL, NULL, NULL};
     *options =
         (qcAccuracyOptions){.runs = qc_maxRuns, .rounds = 1, .models = {.bunny = QC_BUNNY_PATH}, .out = "out/bench"};
-    argp_err_exit_status = qc_benchUsage;
-    argp_parse(&parser, argumentCount, arguments, 0, NULL, options);
+    qcWord methods[qc_methodCount + 1] = {{NULL, 0}};
+    for (int i = 0; i < qc_methodCount; ++i)
+        methods[i] = (qcWord){qcMethod_Name((qcMethod)i), i};
+    const qcOption rows[] = {
+        {.group = 1, .help = "What is tried; all of it by default:"},
+        {1, "scenes", "LIST",
+         "Of cloth-20k, cloth-250k, cloth-2m (all but cullide and quick), pile (three bunnies), dragon (with itself), "
+         "sheets-1e-1 to sheets-1e-6 (two sheets, their gap as a share of the extent), slivers; \"cloth\" and "
+         "\"sheets\" are all of their kind",
+         qcOption_Texts(TakeScene, options)},
+        {1, "methods", "LIST", "Of auto, brute, cullide, quick, sweep, layers",
+         qcOption_Marks(options->methods, qc_methodCount, methods)},
+        {1, "resolutions", "LIST",
+         "Pixels on a side of the image; 256,512,1024,2048,4096 by default, for layers 4,16,64,256 unless --full",
+         qcOption_Numbers(options->resolutions, &options->resolutionCount, qc_maxResolutions, 1, 4096, false)},
+        {1, "views", "LIST",
+         "Axes to look along, in this order; z,xz,xyz by default. layers looks along one: it takes those of one letter",
+         qcOption_Texts(TakeViews, options)},
+        {1, "full", NULL,
+         "Every setting on every scene, all switches of quick, and brute force for up to 300 000 triangles: hours on "
+         "software GL",
+         qcOption_Flag(&options->full, true)},
+        {1, "runs", "N", "Timed runs of a quick setting, at most; %s by default",
+         qcOption_Number(&options->runs, 1, qc_maxRuns)},
+        {.group = 2, .help = "How it is queried:"},
+        {2, "rounds", "N",
+         "Rounds of cullide and quick over the views; 0: until nothing changes. %s by default: it costs and misses "
+         "least",
+         qcOption_Number(&options->rounds, 0, UINT32_MAX)},
+        {2, "touching", NULL, "Pairs that only touch are reported too", qcOption_Flag(&options->touching, true)},
+        {2, "margin", "SHARE", "Pairs no further apart than this share of the scene's extent are reported too",
+         qcOption_Length(&options->margin)},
+        {2, "threads", "N", "Threads; 0, the default: one per core", qcOption_Number(&options->threads, 0, 1024)},
+        {2, "device", "DEVICE",
+         "auto (the default), egl (a GPU), osmesa or surfaceless (software), or none (methods that draw are skipped)",
+         qcOption_Device(&options->device)},
+        {.group = 3, .help = "Files:"},
+        {3, "bunny", "FILE", "The model of pile; that of the package glmark2-data by default",
+         qcOption_Text(&options->models.bunny)},
+        {3, "dragon", "FILE", "The model of dragon, which is skipped without it; tests/dragon.sh fetches it",
+         qcOption_Text(&options->models.dragon)},
+        {3, "out", "FOLDER",
+         "Where accuracy.csv, accuracy.gp and the pictures go; %s by default, made if it is missing",
+         qcOption_Folder(&options->out)},
+        {0}};
+    qcCommandLine line = {.options = rows, .help = s_help, .complete = Complete, .context = options};
+    qcCommandLine_Parse(&line, argumentCount, arguments);
 }

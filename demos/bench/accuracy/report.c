@@ -2,7 +2,6 @@
 #include "bench/accuracy/accuracy.h"
 
 #include "common/files.h"
-#include "common/output_file.h"
 
 #include <inttypes.h>
 #include <string.h>
@@ -37,17 +36,15 @@ static void WriteRow(FILE* stream, const qcAccuracyOptions* options, const qcAcc
         fputs(",,,,,,,,,,,", stream);
     char note[sizeof row->skipped + 16];
     snprintf(note, sizeof note, "%s%s", ran ? "" : "skipped: ", ran ? row->note : row->skipped);
-    qcBenchFiles_WriteQuoted(stream, note);
+    qcFiles_WriteQuoted(stream, note);
     fputc('\n', stream);
 }
 
 bool qcAccuracy_WriteCsv(const qcAccuracyOptions* options, const qcAccuracyTable* tables, uint32_t tableCount,
                          qcMessage* message)
 {
-    char path[4096];
-    snprintf(path, sizeof path, "%s/accuracy.csv", options->out);
     qcOutput output;
-    if (!qcOutput_Open(path, &output, message))
+    if (!qcFiles_Open(options->out, "accuracy.csv", &output, message))
         return false;
     fputs("scene,bodies,triangles,margin,touching,reference,exact,method,ran,resolution,views,rounds,order,"
           "second_pass,reliable,device,threads,image,queries,runs,ms,ms_least,pcs,candidates,found,missed,extra,"

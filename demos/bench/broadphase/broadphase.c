@@ -2,11 +2,10 @@
 #include "bench/broadphase/broadphase.h"
 
 #include "common/files.h"
-#include "common/option_values.h"
+#include "common/options.h"
 #include "common/output_file.h"
 #include "bench/bench.h"
 
-#include <argp.h>
 #include <stdio.h>
 
 enum
@@ -25,55 +24,6 @@ typedef struct Options
     uint32_t frames;
     const char* out;
 } Options;
-
-typedef enum OptionKey
-{
-    // Beyond every character: no option has a short name.
-    key_boxes = 256,
-    key_moving,
-    key_frames,
-    key_out
-} OptionKey;
-
-static void Take(const struct argp_state* state, const char* option, uint32_t value, List* list)
-{
-    if (list->count == qc_maxListed)
-        argp_error(state, "%s: more than %d of them", option, qc_maxListed);
-    list->values[list->count++] = value;
-}
-
-static void TakeBoxes(const struct argp_state* state, const char* word, void* context)
-{
-    Options* options = context;
-    Take(state, "--boxes", qcOption_ReadNumber(state, "--boxes", word, 2, 1000000), &options->boxes);
-}
-
-static void TakePercent(const struct argp_state* state, const char* word, void* context)
-{
-    Options* options = context;
-    Take(state, "--moving", qcOption_ReadNumber(state, "--moving", word, 0, 100), &options->percents);
-}
-
-static error_t ReadOption(int key, char* text, struct argp_state* state)
-{
-    Options* options = state->input;
-    switch (key)
-    {
-        case key_boxes: qcOption_ReadList(state, "--boxes", text, TakeBoxes); return 0;
-        case key_moving: qcOption_ReadList(state, "--moving", text, TakePercent); return 0;
-        case key_frames: options->frames = qcOption_ReadNumber(state, "--frames", text, 1, 100000); return 0;
-        case key_out: options->out = qcOption_ReadFolder(state, "--out", text); return 0;
-        case ARGP_KEY_ARG: argp_error(state, "'%s': options only, please", text); return 0;
-        default: return ARGP_ERR_UNKNOWN;
-    }
-}
-
-static const struct argp_option s_options[] = {
-    {"boxes", key_boxes, "LIST", 0, "Numbers of boxes; 1000,10000,50000 by default", 1},
-    {"moving", key_moving, "LIST", 0, "Percentages of them that move; 0,1,10,100 by default", 1},
-    {"frames", key_frames, "N", 0, "Frames of each scene at most; 100 by default", 1},
-    {"out", key_out, "FOLDER", 0, "Where broadphase.csv goes; out/bench by default, made if it is missing", 2},
-    {0}};
 
 static const char s_help[] =
     "Boxes with edges of 1 to 2 that go 0.1 a frame, in a cube so dense that each meets about four others, in "
@@ -108,7 +58,7 @@ static void WriteRows(FILE* stream, const qcBroadphaseScene* scene, const qcBroa
     {
         const qcBroadphaseRow* row = &result->rows[i];
         fprintf(stream, "%u,%u,%s,", scene->boxes, scene->percent, scene->setsAll ? "all" : "movers");
-        qcBenchFiles_WriteQuoted(stream, row->name);
+        qcFiles_WriteQuoted(stream, row->name);
         fprintf(stream, ",%u,%.6f,%.6f,%.6f,%.6f,%.6f,%.6f,%zu,%zu,%zu\n", result->frames, row->frameMs, row->leastMs,
                 row->worstMs, row->setMs, row->findMs, row->createMs, row->held, row->overlapping, result->expected);
     }
@@ -152,10 +102,9 @@ static bool MeasureAll(const Options* options, FILE* stream)
 
 static bool Run(const Options* options, qcMessage* message)
 {
-    char path[4096];
     qcOutput output;
-    snprintf(path, sizeof path, "%s/broadphase.csv", options->out);
-    if (!qcBenchFiles_Check(options->out, "broadphase.csv", message) || !qcOutput_Open(path, &output, message))
+    if (!qcFiles_Check(options->out, "broadphase.csv", message) ||
+        !qcFiles_Open(options->out, "broadphase.csv", &output, message))
         return false;
     fputs("boxes,percent,set,broadphase,frames,ms,least ms,worst ms,set ms,find ms,create ms,held,overlapping,"
           "expected\n",
@@ -168,19 +117,27 @@ static bool Run(const Options* options, qcMessage* message)
     return qcOutput_Commit(&output, message);
 }
 
-qcBenchExit qcBench_RunBroadphase(int argumentCount, char** arguments)
+qcExitStatus qcBench_RunBroadphase(int argumentCount, char** arguments)
 {
-    static const struct argp parser = {s_options, ReadOption, NULL, s_help, NULL, NULL, NULL};
     Options options = {.frames = 100, .out = "out/bench"};
-    argp_err_exit_status = qc_benchUsage;
-    argp_parse(&parser, argumentCount, arguments, 0, NULL, &options);
+    const qcOption rows[] = {
+        {1, "boxes", "LIST", "Numbers of boxes; 1000,10000,50000 by default",
+         qcOption_Numbers(options.boxes.values, &options.boxes.count, qc_maxListed, 2, 1000000, false)},
+        {1, "moving", "LIST", "Percentages of them that move; 0,1,10,100 by default",
+         qcOption_Numbers(options.percents.values, &options.percents.count, qc_maxListed, 0, 100, false)},
+        {1, "frames", "N", "Frames of each scene at most; %s by default", qcOption_Number(&options.frames, 1, 100000)},
+        {2, "out", "FOLDER", "Where broadphase.csv goes; %s by default, made if it is missing",
+         qcOption_Folder(&options.out)},
+        {0}};
+    qcCommandLine line = {.options = rows, .help = s_help};
+    qcCommandLine_Parse(&line, argumentCount, arguments);
     if (options.boxes.count == 0)
         options.boxes = (List){{1000, 10000, 50000}, 3};
     if (options.percents.count == 0)
         options.percents = (List){{0, 1, 10, 100}, 4};
     qcMessage message;
     if (Run(&options, &message))
-        return qc_benchDone;
+        return qc_exitDone;
     fprintf(stderr, "%s: %s\n", arguments[0], message.text);
-    return qc_benchBroken;
+    return qc_exitFailed;
 }

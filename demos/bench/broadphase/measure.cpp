@@ -2,9 +2,7 @@
 // all, and each finds the caches as another has left them, as it does beside the rest of a simulation.
 #include "bench/broadphase/broadphase.h"
 
-extern "C" {
 #include "common/stopwatch.h"
-}
 
 #include <quickcullide/bullet_broadphase.h>
 
@@ -119,24 +117,24 @@ class Contestant
 
     void Create(const Boxes& boxes)
     {
-        double start = qcBenchTime_NowMs();
+        double start = qcStopwatch_NowMs();
         for (size_t i = 0; i < boxes.lower.size(); i++)
             m_proxies.push_back(m_broadphase->createProxy(boxes.lower[i], boxes.upper[i], BOX_SHAPE_PROXYTYPE,
                                                           reinterpret_cast<void*>(i), btBroadphaseProxy::DefaultFilter,
                                                           btBroadphaseProxy::AllFilter, &m_dispatcher));
-        m_createMs = qcBenchTime_NowMs() - start;
+        m_createMs = qcStopwatch_NowMs() - start;
         m_broadphase->calculateOverlappingPairs(&m_dispatcher);
     }
 
     /// Returns the time in milliseconds.
     double Step(const Boxes& boxes, size_t setCount, bool counts)
     {
-        double start = qcBenchTime_NowMs();
+        double start = qcStopwatch_NowMs();
         for (size_t i = 0; i < setCount; i++)
             m_broadphase->setAabb(m_proxies[i], boxes.lower[i], boxes.upper[i], &m_dispatcher);
-        double set = qcBenchTime_NowMs();
+        double set = qcStopwatch_NowMs();
         m_broadphase->calculateOverlappingPairs(&m_dispatcher);
-        double end = qcBenchTime_NowMs();
+        double end = qcStopwatch_NowMs();
         if (counts)
         {
             m_setMs.push_back(set - start);

@@ -2,7 +2,9 @@
 #ifndef QC_DEMOS_BENCH_GPU_GPU_H
 #define QC_DEMOS_BENCH_GPU_GPU_H
 
-#include "bench/peers/peers.h"
+#include "bench/bench.h"
+#include "bench/scenes/animated_scene.h"
+#include "bench/scenes/scenes.h"
 
 #include <stdio.h>
 
@@ -21,7 +23,7 @@ typedef struct qcGpuOptions
     uint32_t maxTriangles; ///< larger sizes are left out
     uint32_t threads;      ///< all
     qcDeviceKind device;
-    int32_t gpuIndex;    ///< as in qcDeviceDef
+    int32_t gpuIndex;    ///< see qcDeviceDef
     const char* gpuName; ///< likewise
     const char* out;
 } qcGpuOptions;
@@ -36,8 +38,8 @@ const char* qcGpuScene_Name(int scene);
 const char* qcGpuScene_Title(int scene);
 /// Sizes of the scene that are no larger than the options allow.
 uint32_t qcGpuScene_CountSizes(int scene, const qcGpuOptions* options);
-/// Makes the bodies of the scene in a size and their frames; empty unless it was made. The same bits each time.
-bool qcGpuScene_Make(int scene, uint32_t size, qcPeerWork* work, qcMessage* message);
+/// Makes the bodies of the scene in a size and their frames; empty unless it was made. Deterministic to the bit.
+bool qcGpuScene_Make(int scene, uint32_t size, qcAnimation* animation, qcMessage* message);
 
 //  ---- rows ----------------------------------------------------------------------------------------
 
@@ -81,7 +83,7 @@ typedef struct qcGpuRow
     qcGpuStage stages[qc_maxGpuStages];
     uint32_t stageCount;
     uint64_t entries, uploadedBytes, deviceBytes; ///< of layers, in its last step
-    char failure[256];                            ///< why layers did not answer; empty: it did
+    char failure[256];                            ///< why layers did not run; empty: it did
 } qcGpuRow;
 
 typedef struct qcGpuTable
@@ -90,8 +92,8 @@ typedef struct qcGpuTable
     uint32_t rowCount;
 } qcGpuTable;
 
-/// Opens the device and runs a small step of layers on it. A device that can't is closed, and qc_benchDevice returned.
-qcBenchExit qcGpu_OpenDevice(const qcGpuOptions* options, qcGpuDevice* device, qcMessage* message);
+/// Opens the device and runs a small step of layers on it. A device that can't is closed, and qc_exitDevice returned.
+qcExitStatus qcGpu_OpenDevice(const qcGpuOptions* options, qcGpuDevice* device, qcMessage* message);
 /// Measures a scene in a size. False with a message: out of memory, or the sweep failed.
 bool qcGpu_Measure(const qcGpuOptions* options, const qcGpuDevice* device, int scene, uint32_t size, qcGpuRow* row,
                    qcMessage* message);

@@ -27,8 +27,8 @@ typedef struct StageTimes
 
 typedef struct Bench
 {
-    const qcPeerWork* work;
-    qcPeerOurs ours;
+    const qcAnimation* animation;
+    qcAnimatedScene ours;
     qcDetectDef def;
     uint32_t frame; ///< the next
     double ms;      ///< of the last step
@@ -53,9 +53,9 @@ static bool Step(Bench* bench, qcGpuRun* run)
 {
     uint32_t frame = bench->frame % qc_gpuFrames;
     bool seen = bench->frame++ >= qc_gpuFrames;
-    double start = qcBenchTime_NowMs();
-    bool ran = qcPeerOurs_Step(&bench->ours, bench->work, frame, &bench->def);
-    bench->ms = qcBenchTime_NowMs() - start;
+    double start = qcStopwatch_NowMs();
+    bool ran = qcAnimatedScene_Step(&bench->ours, bench->animation, frame, &bench->def);
+    bench->ms = qcStopwatch_NowMs() - start;
     if (!ran)
         return false;
     const char* fallback = bench->ours.result->profile.fallback;
@@ -85,7 +85,7 @@ static void Keep(StageTimes* times, qcGpuRow* row, uint32_t stage, const char* n
         times->device[stage][times->deviceCount[stage]++] = deviceMs;
 }
 
-/// The parts of a step in the order of the work.
+/// The parts of a step in the order in which they run.
 static void KeepStep(const Bench* bench, StageTimes* times, qcGpuRow* row)
 {
     const qcProfile* p = &bench->ours.result->profile;
@@ -109,7 +109,7 @@ static bool MeasureStages(Bench* bench, qcGpuRun* run, qcGpuRow* row)
     double spent = 0.0;
     bool ran = times != NULL;
     bench->def.layerTimes = true;
-    // Of the first, what is read back is not measured.
+    // The first ones: reading back is not measured in them.
     ran = ran && Step(bench, run);
     for (uint32_t i = 0; ran && (i < qc_minSteps || (i < qc_maxSteps && spent < s_enoughMs)); ++i)
     {
@@ -123,9 +123,9 @@ static bool MeasureStages(Bench* bench, qcGpuRun* run, qcGpuRow* row)
         qcGpuStage* stage = &row->stages[i];
         stage->threadMs = stage->deviceMs = -1.0;
         if (times->threadCount[i] != 0)
-            stage->threadMs = qcBenchTime_Median(times->thread[i], times->threadCount[i]);
+            stage->threadMs = qcStopwatch_Median(times->thread[i], times->threadCount[i]);
         if (times->deviceCount[i] != 0)
-            stage->deviceMs = qcBenchTime_Median(times->device[i], times->deviceCount[i]);
+            stage->deviceMs = qcStopwatch_Median(times->device[i], times->deviceCount[i]);
     }
     free(times);
     return ran;
@@ -149,7 +149,7 @@ static bool Time(Bench* bench, qcGpuRun* run)
         times[run->steps++] = bench->ms;
         spent += bench->ms;
     }
-    run->ms = qcBenchTime_Median(times, run->steps);
+    run->ms = qcStopwatch_Median(times, run->steps);
     run->leastMs = times[0];
     return ran;
 }
@@ -166,40 +166,40 @@ static bool MeasureLayers(Bench* bench, qcGpuRun* run, qcGpuRow* row)
     return true;
 }
 
-static bool MeasureRun(const qcPeerWork* work, qcDevice* device, qcGpuRun* run, qcGpuRow* row)
+static bool MeasureRun(const qcAnimation* animation, qcDevice* device, qcGpuRun* run, qcGpuRow* row)
 {
-    Bench bench = {.work = work, .def = qcDefaultDetectDef()};
+    Bench bench = {.animation = animation, .def = qcDefaultDetectDef()};
     bench.def.method = run->method;
     bench.def.threads = run->threads;
     run->steady = true;
-    qcBenchTime_Rest();
-    bool ran = qcPeerOurs_Open(work, device, &bench.ours);
+    qcStopwatch_Rest();
+    bool ran = qcAnimatedScene_Open(animation, device, &bench.ours);
     if (ran)
         ran = run->method == qc_methodLayers ? MeasureLayers(&bench, run, row) : Time(&bench, run);
-    qcPeerOurs_Close(&bench.ours);
+    qcAnimatedScene_Close(&bench.ours);
     return ran;
 }
 
 bool qcGpu_Measure(const qcGpuOptions* options, const qcGpuDevice* device, int scene, uint32_t size, qcGpuRow* row,
                    qcMessage* message)
 {
-    qcPeerWork work;
+    qcAnimation animation;
     qcProgress_Begin(0, qcGpuScene_Name(scene));
-    bool measured = qcGpuScene_Make(scene, size, &work, message);
-    *row = (qcGpuRow){.scene = scene, .bodies = work.bodyCount, .triangles = work.triangleCount};
+    bool measured = qcGpuScene_Make(scene, size, &animation, message);
+    *row = (qcGpuRow){.scene = scene, .bodies = animation.bodyCount, .triangles = animation.triangleCount};
     row->runs[row->runCount++] = (qcGpuRun){.method = qc_methodLayers, .threads = options->threads};
     row->runs[row->runCount++] = (qcGpuRun){.method = qc_methodSweep, .threads = 1};
     if (options->threads != 1)
         row->runs[row->runCount++] = (qcGpuRun){.method = qc_methodSweep, .threads = options->threads};
     for (uint32_t i = 0; measured && i < row->runCount; ++i)
     {
-        measured = MeasureRun(&work, device->device, &row->runs[i], row);
+        measured = MeasureRun(&animation, device->device, &row->runs[i], row);
         if (!measured)
             qcMessage_Fail(message, "%s, %u triangles, %s: %s", qcGpuScene_Name(scene), row->triangles,
                            qcMethod_Name(row->runs[i].method), qcLastMessage());
     }
     qcProgress_End();
-    qcPeerWork_Free(&work);
+    qcAnimation_Free(&animation);
     return measured;
 }
 
@@ -223,21 +223,22 @@ static void ReadProcessor(char* name, size_t size)
 /// A step of the smallest cloth: a device that can't do it does none.
 static bool Try(const qcGpuOptions* options, qcGpuDevice* device, qcMessage* message)
 {
-    qcPeerWork work;
-    if (!qcGpuScene_Make(0, 0, &work, message))
+    qcAnimation animation;
+    if (!qcGpuScene_Make(0, 0, &animation, message))
         return false;
-    qcPeerOurs ours;
+    qcAnimatedScene ours;
     qcDetectDef def = qcDefaultDetectDef();
     def.method = qc_methodLayers;
     def.threads = options->threads;
-    double start = qcBenchTime_NowMs();
-    bool ran = qcPeerOurs_Open(&work, device->device, &ours) && qcPeerOurs_Step(&ours, &work, 0, &def);
-    device->firstStepMs = qcBenchTime_NowMs() - start;
+    double start = qcStopwatch_NowMs();
+    bool ran =
+        qcAnimatedScene_Open(&animation, device->device, &ours) && qcAnimatedScene_Step(&ours, &animation, 0, &def);
+    device->firstStepMs = qcStopwatch_NowMs() - start;
     if (!ran || ours.result->profile.fallback != NULL)
         ran = qcMessage_Fail(message, "device %s (%s): %s", device->info.name, device->info.renderer,
                              ran ? ours.result->profile.fallback : qcLastMessage());
-    qcPeerOurs_Close(&ours);
-    qcPeerWork_Free(&work);
+    qcAnimatedScene_Close(&ours);
+    qcAnimation_Free(&animation);
     return ran;
 }
 
@@ -251,7 +252,7 @@ static void FindWhyNoGpu(qcGpuDevice* device)
     qcDevice_Destroy(gpu);
 }
 
-qcBenchExit qcGpu_OpenDevice(const qcGpuOptions* options, qcGpuDevice* device, qcMessage* message)
+qcExitStatus qcGpu_OpenDevice(const qcGpuOptions* options, qcGpuDevice* device, qcMessage* message)
 {
     *device = (qcGpuDevice){.device = NULL};
     ReadProcessor(device->processor, sizeof device->processor);
@@ -259,23 +260,23 @@ qcBenchExit qcGpu_OpenDevice(const qcGpuOptions* options, qcGpuDevice* device, q
     def.kind = options->device;
     def.gpuIndex = options->gpuIndex;
     def.gpuName = options->gpuName;
-    double start = qcBenchTime_NowMs();
+    double start = qcStopwatch_NowMs();
     qcStatus status = qcDevice_Create(&def, &device->device);
-    device->openMs = qcBenchTime_NowMs() - start;
+    device->openMs = qcStopwatch_NowMs() - start;
     if (status == qc_statusOk)
         status = qcDevice_GetInfo(device->device, &device->info);
     if (status != qc_statusOk)
     {
         qcMessage_Fail(message, "%s", qcLastMessage());
-        return status == qc_statusDevice ? qc_benchDevice : qc_benchBroken;
+        return status == qc_statusDevice ? qc_exitDevice : qc_exitFailed;
     }
     if (device->info.kind == qc_deviceNone)
     {
         qcMessage_Fail(message,
                        "no GL device works here, neither a GPU nor software GL; --device egl gives the reason");
-        return qc_benchDevice;
+        return qc_exitDevice;
     }
     if (options->device == qc_deviceAuto && device->info.software)
         FindWhyNoGpu(device);
-    return Try(options, device, message) ? qc_benchDone : qc_benchDevice;
+    return Try(options, device, message) ? qc_exitDone : qc_exitDevice;
 }

@@ -2,7 +2,6 @@
 #include "bench/gpu/gpu.h"
 
 #include "common/files.h"
-#include "common/output_file.h"
 
 #include <inttypes.h>
 #include <string.h>
@@ -107,11 +106,11 @@ void qcGpu_WriteScene(FILE* stream, const qcGpuTable* table, int scene)
     WriteStages(stream, rows, rowCount, false);
 }
 
-static bool WriteText(const char* path, const qcGpuOptions* options, const qcGpuDevice* device, const qcGpuTable* table,
+static bool WriteText(const qcGpuOptions* options, const qcGpuDevice* device, const qcGpuTable* table,
                       qcMessage* message)
 {
     qcOutput output;
-    if (!qcOutput_Open(path, &output, message))
+    if (!qcFiles_Open(options->out, "gpu.txt", &output, message))
         return false;
     qcGpu_WriteDevice(output.stream, options, device);
     for (int scene = 0; scene < qc_gpuSceneCount; ++scene)
@@ -134,9 +133,9 @@ static void WriteRow(FILE* stream, const qcGpuDevice* device, const qcGpuRow* ro
             fprintf(stream, "%s%016" PRIx64, frame == 0 ? "," : "-", run->hashes[frame]);
         fprintf(stream, ",%d,%" PRIu64 ",%" PRIu64 ",%" PRIu64 ",", qcGpuRow_Agrees(row), isLayers ? row->entries : 0,
                 isLayers ? row->uploadedBytes : 0, isLayers ? row->deviceBytes : 0);
-        qcBenchFiles_WriteQuoted(stream, isLayers ? row->failure : "");
+        qcFiles_WriteQuoted(stream, isLayers ? row->failure : "");
         fputc(',', stream);
-        qcBenchFiles_WriteQuoted(stream, isLayers ? device->info.renderer : "");
+        qcFiles_WriteQuoted(stream, isLayers ? device->info.renderer : "");
         fputc('\n', stream);
     }
 }
@@ -163,22 +162,18 @@ static void WriteRowStages(FILE* stream, const qcGpuRow* row)
 bool qcGpu_WriteFiles(const qcGpuOptions* options, const qcGpuDevice* device, const qcGpuTable* table,
                       qcMessage* message)
 {
-    static const char* const names[] = {"gpu.csv", "gpu_stages.csv", "gpu.txt"};
-    char paths[3][4096];
-    for (int i = 0; i < 3; ++i)
-        snprintf(paths[i], sizeof paths[i], "%s/%s", options->out, names[i]);
     qcOutput rows, stages;
-    if (!qcOutput_Open(paths[0], &rows, message))
+    if (!qcFiles_Open(options->out, "gpu.csv", &rows, message))
         return false;
     fputs("scene,bodies,triangles,method,threads,steps,ms,ms_least,first_ms,candidates,pairs,hash,agrees,entries,"
           "uploaded_bytes,device_bytes,failure,renderer\n",
           rows.stream);
     for (uint32_t i = 0; i < table->rowCount; ++i)
         WriteRow(rows.stream, device, &table->rows[i]);
-    if (!qcOutput_Commit(&rows, message) || !qcOutput_Open(paths[1], &stages, message))
+    if (!qcOutput_Commit(&rows, message) || !qcFiles_Open(options->out, "gpu_stages.csv", &stages, message))
         return false;
     fputs("scene,triangles,stage,thread_ms,device_ms\n", stages.stream);
     for (uint32_t i = 0; i < table->rowCount; ++i)
         WriteRowStages(stages.stream, &table->rows[i]);
-    return qcOutput_Commit(&stages, message) && WriteText(paths[2], options, device, table, message);
+    return qcOutput_Commit(&stages, message) && WriteText(options, device, table, message);
 }

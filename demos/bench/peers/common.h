@@ -19,7 +19,7 @@ struct qcPeerBox
     float lower[3], upper[3];
 };
 
-inline bool qcPeerBox_Meet(const qcPeerBox& a, const qcPeerBox& b)
+inline bool qcPeerBox_Overlap(const qcPeerBox& a, const qcPeerBox& b)
 {
     return a.lower[0] <= b.upper[0] && b.lower[0] <= a.upper[0] && a.lower[1] <= b.upper[1] &&
            b.lower[1] <= a.upper[1] && a.lower[2] <= b.upper[2] && b.lower[2] <= a.upper[2];
@@ -70,7 +70,7 @@ class qcPeerLanes
     /// The calling thread's list.
     std::vector<qcPeerPair>& Mine()
     {
-        // Asked for every candidate: a look at the thread's own memory is all that it costs.
+        // Called for every candidate: it costs one access to the thread's own memory.
         static thread_local unsigned long long s_step = 0;
         static thread_local std::vector<qcPeerPair>* s_lane = nullptr;
         if (s_step != m_step)

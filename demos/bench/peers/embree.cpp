@@ -74,7 +74,7 @@ class Embree
         std::vector<float> positions; ///< of this step
     };
 
-    /// What a callback knows.
+    /// The context of a callback.
     struct Pair
     {
         Embree* owner;
@@ -98,7 +98,7 @@ class Embree
         rtcReleaseGeometry(body.geometry);
     }
 
-    /// Copies what may lie in main memory: read in order here, it is at hand when Embree asks for the bounds of
+    /// Copies what may lie in main memory: read in order here, it is in the cache when Embree requests the bounds of
     /// triangles in the order of its tree. That takes a tenth off the whole step of 250 K triangles.
     void Take(const qcPeerPose* poses)
     {

@@ -1,7 +1,7 @@
-// What `qc-bench peers` asks of a peer library. Each library lies behind it in a module of its own, which is loaded at
-// run time: neither qc-bench nor anything else links a peer.
+// The interface of `qc-bench peers` to a peer library. Each library is in a module of its own, which is loaded at run
+// time: neither qc-bench nor anything else links a peer.
 //
-// Thread-safety: one thread calls; a method may use as many as its task says.
+// Thread-safety: one thread calls; a method may use qcPeerTask::threads of its own.
 #ifndef QC_DEMOS_BENCH_PEERS_LIBRARY_H
 #define QC_DEMOS_BENCH_PEERS_LIBRARY_H
 
@@ -26,7 +26,7 @@ typedef struct qcPeerPose
     const double* doubles;
 } qcPeerPose;
 
-/// What is asked in each step: which triangles penetrate, neighbours (by vertex index) left out.
+/// The task of each step: find the pairs of triangles that penetrate, without neighbours (by vertex index).
 typedef struct qcPeerTask
 {
     const qcPeerBody* bodies;
@@ -48,7 +48,7 @@ typedef struct qcPeerAnswer
     size_t count;
 } qcPeerAnswer;
 
-/// One way to ask a library.
+/// A method of a library.
 typedef struct qcPeerMethod
 {
     const char* name; ///< "embree-refit"

@@ -1,4 +1,4 @@
-// All methods on one work in one run. They take turns: in each round each goes through the frames once, so that what
+// All methods on one scene in one run. They take turns: in each round each goes through the frames once, so that what
 // slows the machine down for a while slows them all. The first frame of a turn brings a method's data back into the
 // caches and is not timed.
 #include "bench/peers/peers.h"
@@ -12,18 +12,18 @@
 
 enum
 {
-    // Of a turn whose frames are slow: more would not change the median by much.
+    // A turn with slow frames ends here: more would not change the median by much.
     qc_leastTimed = 2
 };
 
 // Enough of one turn.
 static const double s_enoughMs = 400.0;
 
-/// A method at work.
+/// A method that is being measured.
 typedef struct Runner
 {
     qcPeerRow* row;
-    qcPeerOurs ours; ///< or a peer:
+    qcAnimatedScene ours; ///< or a peer:
     void* state;
     qcPeerAnswer answer;
     uint32_t next; ///< frame
@@ -33,7 +33,7 @@ typedef struct Runner
 typedef struct Race
 {
     const qcPeersOptions* options;
-    const qcPeerWork* work;
+    const qcAnimation* animation;
     qcDevice* device;
     uint32_t threads;
     qcPeerBody* bodies;
@@ -65,38 +65,38 @@ static void Carry(const qcMesh* body, const qcTransform* t, uint32_t threads, do
 
 static void Pose(Race* race, uint32_t frame)
 {
-    const qcPeerWork* work = race->work;
-    for (uint32_t i = 0; i < work->bodyCount; ++i)
+    const qcAnimation* animation = race->animation;
+    for (uint32_t i = 0; i < animation->bodyCount; ++i)
     {
-        size_t k = (size_t)frame * work->bodyCount + i;
-        if (work->kind == qc_peerRigid)
+        size_t k = (size_t)frame * animation->bodyCount + i;
+        if (animation->kind == qc_animatedRigid)
         {
-            Carry(&work->bodies[i], &work->transforms[k], race->threads, race->world[i]);
+            Carry(&animation->bodies[i], &animation->transforms[k], race->threads, race->world[i]);
             race->poses[i] = (qcPeerPose){NULL, race->world[i]};
         }
         else
-            race->poses[i] = (qcPeerPose){work->positions[k], NULL};
+            race->poses[i] = (qcPeerPose){animation->positions[k], NULL};
     }
 }
 
 static bool Prepare(Race* race, uint32_t runnerCount, qcMessage* message)
 {
-    const qcPeerWork* work = race->work;
-    race->bodies = calloc(work->bodyCount, sizeof *race->bodies);
-    race->poses = calloc(work->bodyCount, sizeof *race->poses);
-    race->world = calloc(work->bodyCount, sizeof *race->world);
+    const qcAnimation* animation = race->animation;
+    race->bodies = calloc(animation->bodyCount, sizeof *race->bodies);
+    race->poses = calloc(animation->bodyCount, sizeof *race->poses);
+    race->world = calloc(animation->bodyCount, sizeof *race->world);
     race->runners = calloc(runnerCount, sizeof *race->runners);
     bool made = race->bodies != NULL && race->poses != NULL && race->world != NULL && race->runners != NULL;
-    for (uint32_t i = 0; made && i < work->bodyCount; ++i)
+    for (uint32_t i = 0; made && i < animation->bodyCount; ++i)
     {
-        const qcMesh* mesh = &work->bodies[i];
+        const qcMesh* mesh = &animation->bodies[i];
         race->bodies[i] = (qcPeerBody){mesh->indices, mesh->vertexCount, mesh->triangleCount};
-        if (work->kind != qc_peerRigid)
+        if (animation->kind != qc_animatedRigid)
             continue;
         race->world[i] = malloc((size_t)mesh->vertexCount * 3 * sizeof(double));
         made = race->world[i] != NULL;
     }
-    race->task = (qcPeerTask){race->bodies, work->bodyCount, work->kind == qc_peerSelf, race->threads};
+    race->task = (qcPeerTask){race->bodies, animation->bodyCount, animation->kind == qc_animatedSelf, race->threads};
     return made || qcMessage_Fail(message, "out of memory");
 }
 
@@ -115,7 +115,7 @@ static bool IsOurs(const Runner* runner)
 static void Open(Race* race, Runner* runner)
 {
     const qcPeerEntrant* entrant = &runner->row->entrant;
-    double start = qcBenchTime_NowMs();
+    double start = qcStopwatch_NowMs();
     if (!IsOurs(runner))
     {
         Pose(race, 0);
@@ -123,16 +123,16 @@ static void Open(Race* race, Runner* runner)
         if (runner->state == NULL)
             Skip(runner, "the library refused the bodies, or out of memory");
     }
-    else if (!qcPeerOurs_Open(race->work, race->device, &runner->ours))
+    else if (!qcAnimatedScene_Open(race->animation, race->device, &runner->ours))
         Skip(runner, qcLastMessage());
-    runner->row->openMs = qcBenchTime_NowMs() - start;
+    runner->row->openMs = qcStopwatch_NowMs() - start;
 }
 
 static void Close(Runner* runner)
 {
     if (runner->state != NULL)
         runner->row->entrant.library->close(runner->state);
-    qcPeerOurs_Close(&runner->ours);
+    qcAnimatedScene_Close(&runner->ours);
 }
 
 /// Each pair's number, whichever of its triangles comes first.
@@ -175,22 +175,22 @@ static void Look(Runner* runner, uint32_t frame)
 static double Step(Race* race, Runner* runner)
 {
     const qcPeerEntrant* entrant = &runner->row->entrant;
-    uint32_t frame = runner->next++ % race->work->frameCount;
-    double start = qcBenchTime_NowMs();
+    uint32_t frame = runner->next++ % race->animation->frameCount;
+    double start = qcStopwatch_NowMs();
     bool ran;
     if (IsOurs(runner))
     {
         qcDetectDef def = qcDefaultDetectDef();
         def.method = (qcMethod)entrant->method;
         def.threads = race->threads;
-        ran = qcPeerOurs_Step(&runner->ours, race->work, frame, &def);
+        ran = qcAnimatedScene_Step(&runner->ours, race->animation, frame, &def);
     }
     else
     {
         Pose(race, frame);
         ran = entrant->library->step(runner->state, race->poses, &runner->answer);
     }
-    double ms = qcBenchTime_NowMs() - start;
+    double ms = qcStopwatch_NowMs() - start;
     if (!ran)
         Skip(runner, IsOurs(runner) ? qcLastMessage() : "the library failed, or out of memory");
     else if (IsOurs(runner) && runner->ours.result->profile.fallback != NULL)
@@ -215,8 +215,8 @@ static void WarmUp(Race* race, Runner* runner)
 static void TakeTurn(Race* race, Runner* runner)
 {
     double spent = 0.0;
-    qcBenchTime_Rest();
-    for (uint32_t i = 0; i < race->work->frameCount && runner->row->skipped[0] == 0; ++i)
+    qcStopwatch_Rest();
+    for (uint32_t i = 0; i < race->animation->frameCount && runner->row->skipped[0] == 0; ++i)
     {
         if (i > qc_leastTimed && spent > s_enoughMs)
             break;
@@ -246,7 +246,7 @@ static void Finish(Race* race)
     {
         Runner* runner = &race->runners[i];
         qcPeerRow* row = runner->row;
-        row->ms = qcBenchTime_Median(runner->times, row->steps);
+        row->ms = qcStopwatch_Median(runner->times, row->steps);
         row->leastMs = runner->times[0];
         Compare(race->runners[0].row, row);
     }
@@ -274,12 +274,12 @@ static void Run(Race* race, const qcPeerEntrant* entrants, uint32_t entrantCount
     Finish(race);
 }
 
-bool qcPeers_Measure(const qcPeersOptions* options, const qcPeerWork* work, const qcPeerEntrant* entrants,
+bool qcPeers_Measure(const qcPeersOptions* options, const qcAnimation* animation, const qcPeerEntrant* entrants,
                      uint32_t entrantCount, qcDevice* device, uint32_t threads, qcPeersTable* table, qcMessage* message)
 {
-    Race race = {.options = options, .work = work, .device = device, .threads = threads};
+    Race race = {.options = options, .animation = animation, .device = device, .threads = threads};
     char label[64];
-    snprintf(label, sizeof label, "%s, threads: %u", qcPeerWork_Name(work->index), threads);
+    snprintf(label, sizeof label, "%s, threads: %u", qcPeerScene_Name(animation->index), threads);
     bool prepared = Prepare(&race, entrantCount, message);
     if (prepared)
     {
@@ -290,14 +290,14 @@ bool qcPeers_Measure(const qcPeersOptions* options, const qcPeerWork* work, cons
     const char* broken = race.runnerCount != 0 ? race.runners[0].row->skipped : "";
     for (uint32_t i = 0; i < race.runnerCount; ++i)
         Close(&race.runners[i]);
-    for (uint32_t i = 0; race.world != NULL && i < work->bodyCount; ++i)
+    for (uint32_t i = 0; race.world != NULL && i < animation->bodyCount; ++i)
         free(race.world[i]);
     free(race.bodies);
     free(race.poses);
     free(race.world);
     free(race.runners);
     if (prepared && broken[0] != 0)
-        return qcMessage_Fail(message, "%s: %s", qcPeerWork_Name(work->index), broken);
+        return qcMessage_Fail(message, "%s: %s", qcPeerScene_Name(animation->index), broken);
     return prepared;
 }
 

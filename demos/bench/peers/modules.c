@@ -46,7 +46,7 @@ bool qcPeerModule_Load(int library, const qcPeerLibrary** loaded, qcMessage* mes
     *loaded = NULL;
     if (!FindPath(library, path, sizeof path, message))
         return false;
-    if (!qcBenchFiles_IsThere(path))
+    if (!qcFiles_IsThere(path))
         return true;
     void* module = dlopen(path, RTLD_NOW | RTLD_LOCAL);
     void* symbol = module != NULL ? dlsym(module, "qcPeer_GetLibrary") : NULL;

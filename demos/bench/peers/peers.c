@@ -1,4 +1,4 @@
-// Ours beside peer libraries: every method on every work, with each number of threads, in one run.
+// Ours beside peer libraries: every method on every scene, with each number of threads, in one run.
 #include "bench/peers/peers.h"
 
 #include "common/files.h"
@@ -23,8 +23,8 @@ static void AddOurs(Run* run, qcMethod method)
     run->entrants[run->entrantCount++] = (qcPeerEntrant){qcMethod_Name(method), NULL, method, true};
 }
 
-/// Each library that was asked for and is there. Says which packages the others need.
-static qcBenchExit AddPeers(Run* run, qcMessage* message)
+/// The libraries of --peers that are there. Prints which packages the others need.
+static qcExitStatus AddPeers(Run* run, qcMessage* message)
 {
     char packages[256] = "", missing[64] = "";
     uint32_t libraryCount = 0;
@@ -34,7 +34,7 @@ static qcBenchExit AddPeers(Run* run, qcMessage* message)
         if (!run->options.libraries[i])
             continue;
         if (!qcPeerModule_Load(i, &library, message))
-            return qc_benchBroken;
+            return qc_exitFailed;
         if (library == NULL)
         {
             strcat(strcat(missing, missing[0] != 0 ? ", " : ""), qcPeerModule_Name(i));
@@ -48,21 +48,21 @@ static qcBenchExit AddPeers(Run* run, qcMessage* message)
                 (qcPeerEntrant){library->methods[m].name, library, m, library->methods[m].threaded};
     }
     if (libraryCount != 0 && missing[0] == 0)
-        return qc_benchDone;
+        return qc_exitDone;
     qcMessage_Fail(message, "not built with: %s. Install%s, or run \"demos/run.sh bench peers\", and build again",
                    missing, packages);
     if (libraryCount == 0)
-        return qc_benchNoPeers;
+        return qc_exitNoPeers;
     fprintf(stderr, "%s\n", message->text);
-    return qc_benchDone;
+    return qc_exitDone;
 }
 
-static qcBenchExit AddDevice(Run* run, qcMessage* message)
+static qcExitStatus AddDevice(Run* run, qcMessage* message)
 {
     qcDeviceDef def = qcDefaultDeviceDef();
     qcDeviceInfo info;
     if (run->options.device == qc_deviceNone)
-        return qc_benchDone;
+        return qc_exitDone;
     def.kind = run->options.device;
     qcStatus status = qcDevice_Create(&def, &run->device);
     if (status == qc_statusOk)
@@ -70,63 +70,65 @@ static qcBenchExit AddDevice(Run* run, qcMessage* message)
     if (status != qc_statusOk)
     {
         qcMessage_Fail(message, "%s", qcLastMessage());
-        return status == qc_statusDevice ? qc_benchDevice : qc_benchBroken;
+        return status == qc_statusDevice ? qc_exitDevice : qc_exitFailed;
     }
     printf("device: %s%s%s\n", info.name, info.renderer[0] != 0 ? ", " : "", info.renderer);
     AddOurs(run, qc_methodLayers);
-    return qc_benchDone;
+    return qc_exitDone;
 }
 
-static qcBenchExit Prepare(Run* run, qcMessage* message)
+static qcExitStatus Prepare(Run* run, qcMessage* message)
 {
-    run->tables = calloc(qc_peerWorkCount, sizeof *run->tables);
+    run->tables = calloc(qc_peerSceneCount, sizeof *run->tables);
     if (run->tables == NULL)
     {
         qcMessage_Fail(message, "out of memory");
-        return qc_benchBroken;
+        return qc_exitFailed;
     }
     AddOurs(run, qc_methodSweep);
-    qcBenchExit ending = AddDevice(run, message);
-    if (ending == qc_benchDone)
+    qcExitStatus ending = AddDevice(run, message);
+    if (ending == qc_exitDone)
         ending = AddPeers(run, message);
     // Better now than after minutes of work.
-    if (ending == qc_benchDone && !qcBenchFiles_Check(run->options.out, "peers.csv", message))
-        ending = qc_benchBroken;
+    if (ending == qc_exitDone && !qcFiles_Check(run->options.out, "peers.csv", message))
+        ending = qc_exitFailed;
     return ending;
 }
 
-static qcBenchExit MeasureWork(Run* run, int index, qcMessage* message)
+static qcExitStatus MeasureWork(Run* run, int index, qcMessage* message)
 {
     const qcPeersOptions* options = &run->options;
-    qcPeerWork work;
-    qcProgress_Begin(0, qcPeerWork_Name(index));
-    qcBenchMade made = qcPeerWork_Make(index, &options->models, options->frames, &work, message);
+    qcAnimation animation;
+    qcProgress_Begin(0, qcPeerScene_Name(index));
+    qcBenchMade made = qcPeerScene_Make(index, &options->models, options->frames, &animation, message);
     qcProgress_End();
     if (made == qc_benchSkipped)
     {
-        printf("\n%s is skipped: %s\n", qcPeerWork_Name(index), message->text);
-        return qc_benchDone;
+        printf("\n%s is skipped: %s\n", qcPeerScene_Name(index), message->text);
+        return qc_exitDone;
     }
     if (made == qc_benchFailed)
-        return qc_benchBadModel;
+        return qc_exitBadInput;
     qcPeersTable* table = &run->tables[run->tableCount++];
-    *table = (qcPeersTable){
-        .work = index, .kind = work.kind, .bodyCount = work.bodyCount, .triangleCount = work.triangleCount};
+    *table = (qcPeersTable){.scene = index,
+                            .kind = animation.kind,
+                            .bodyCount = animation.bodyCount,
+                            .triangleCount = animation.triangleCount};
     bool measured = true;
     for (uint32_t i = 0; measured && i < options->threadsCount; ++i)
-        measured = qcPeers_Measure(options, &work, run->entrants, run->entrantCount, run->device, options->threads[i],
-                                   table, message);
-    qcPeerWork_Free(&work);
+        measured = qcPeers_Measure(options, &animation, run->entrants, run->entrantCount, run->device,
+                                   options->threads[i], table, message);
+    qcAnimation_Free(&animation);
     if (!measured)
-        return qc_benchBroken;
+        return qc_exitFailed;
     qcPeers_PrintTable(table);
     // A long run is read while it goes on, and what it has is kept if it ends early.
     fflush(stdout);
-    return qcPeers_WriteCsv(options, run->tables, run->tableCount, message) ? qc_benchDone : qc_benchBroken;
+    return qcPeers_WriteCsv(options, run->tables, run->tableCount, message) ? qc_exitDone : qc_exitFailed;
 }
 
 /// All tests are exact: whoever finds other pairs than ours is wrong, or we are.
-static qcBenchExit CheckPairs(const Run* run, qcMessage* message)
+static qcExitStatus CheckPairs(const Run* run, qcMessage* message)
 {
     for (uint32_t t = 0; t < run->tableCount; ++t)
     {
@@ -138,39 +140,39 @@ static qcBenchExit CheckPairs(const Run* run, qcMessage* message)
                 continue;
             qcMessage_Fail(message,
                            "%s: %s finds other pairs than our sweep (%" PRIu64 " and %" PRIu64 " in the first frame)",
-                           qcPeerWork_Name(table->work), row->entrant.name, row->pairs,
+                           qcPeerScene_Name(table->scene), row->entrant.name, row->pairs,
                            qcPeersTable_FindOurs(table, row->threads)->pairs);
-            return qc_benchBroken;
+            return qc_exitFailed;
         }
     }
-    return qc_benchDone;
+    return qc_exitDone;
 }
 
-static qcBenchExit Measure(Run* run, qcMessage* message)
+static qcExitStatus Measure(Run* run, qcMessage* message)
 {
-    qcBenchExit ending = Prepare(run, message);
-    for (int i = 0; ending == qc_benchDone && i < qc_peerWorkCount; ++i)
+    qcExitStatus ending = Prepare(run, message);
+    for (int i = 0; ending == qc_exitDone && i < qc_peerSceneCount; ++i)
     {
-        if (run->options.works[i])
+        if (run->options.scenes[i])
             ending = MeasureWork(run, i, message);
     }
-    if (ending != qc_benchDone)
+    if (ending != qc_exitDone)
         return ending;
     if (!qcPeers_WriteCsv(&run->options, run->tables, run->tableCount, message))
-        return qc_benchBroken;
+        return qc_exitFailed;
     printf("\nAll rows: %s/peers.csv\n", run->options.out);
     if (!qcPeers_Plot(&run->options, run->tables, run->tableCount, message))
-        return qc_benchBroken;
+        return qc_exitFailed;
     return CheckPairs(run, message);
 }
 
-qcBenchExit qcBench_RunPeers(int argumentCount, char** arguments)
+qcExitStatus qcBench_RunPeers(int argumentCount, char** arguments)
 {
     Run run = {.device = NULL};
     qcMessage message = {""};
     qcPeers_ReadOptions(argumentCount, arguments, &run.options);
-    qcBenchExit ending = Measure(&run, &message);
-    if (ending != qc_benchDone)
+    qcExitStatus ending = Measure(&run, &message);
+    if (ending != qc_exitDone)
         fprintf(stderr, "qc-bench peers: %s\n", message.text);
     free(run.tables);
     qcDevice_Destroy(run.device);

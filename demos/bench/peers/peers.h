@@ -1,8 +1,8 @@
-// What the parts of `qc-bench peers` share: the options, a work with its frames, the methods, a row for each.
+// What the parts of `qc-bench peers` share: the options, the scenes, the methods, a row for each.
 #ifndef QC_DEMOS_BENCH_PEERS_PEERS_H
 #define QC_DEMOS_BENCH_PEERS_PEERS_H
 
-#include "bench/scenes/motion.h"
+#include "bench/scenes/animated_scene.h"
 #include "bench/scenes/scenes.h"
 #include "bench/bench.h"
 #include "bench/peers/library.h"
@@ -11,7 +11,7 @@
 
 enum
 {
-    qc_peerWorkCount = 11,
+    qc_peerSceneCount = 11,
     qc_peerLibraryCount = 3,
     qc_peerLibraryMethods = 4, // of one library, at most
     qc_maxPeerMethods = 2 + qc_peerLibraryCount * qc_peerLibraryMethods,
@@ -22,7 +22,7 @@ enum
 
 typedef struct qcPeersOptions
 {
-    bool works[qc_peerWorkCount];
+    bool scenes[qc_peerSceneCount];
     bool libraries[qc_peerLibraryCount];
     uint32_t threads[qc_maxPeerThreads];
     uint32_t threadsCount;
@@ -35,39 +35,15 @@ typedef struct qcPeersOptions
 /// Reads the command line; ends the program after --help and on a mistake.
 void qcPeers_ReadOptions(int argumentCount, char** arguments, qcPeersOptions* options);
 
-//  ---- works ---------------------------------------------------------------------------------------
+//  ---- scenes ------------------------------------------------------------------------------------
 
-typedef enum qcPeerKind
-{
-    qc_peerSelf,      ///< one deforming body with itself
-    qc_peerDeforming, ///< bodies with each other, all vertices new in each frame
-    qc_peerRigid      ///< bodies with each other, transforms new in each frame
-} qcPeerKind;
+/// "cloth-20k"; `index` below qc_peerSceneCount.
+const char* qcPeerScene_Name(int index);
+const char* qcPeerScene_Title(int index);
 
-/// Bodies, and where they are in each frame.
-typedef struct qcPeerWork
-{
-    int index;
-    qcPeerKind kind;
-    qcMesh* bodies; ///< floats; local space where rigid
-    uint32_t bodyCount, triangleCount;
-    uint32_t frameCount;
-    float** positions;       ///< frameCount * bodyCount arrays; null where rigid
-    qcTransform* transforms; ///< frameCount * bodyCount; null where deforming
-} qcPeerWork;
-
-/// "cloth-20k"; `index` below qc_peerWorkCount.
-const char* qcPeerWork_Name(int index);
-const char* qcPeerWork_Title(int index);
-
-/// Makes a work; empty unless it was made. The same bits each time.
-qcBenchMade qcPeerWork_Make(int index, const qcBenchModels* models, uint32_t frameCount, qcPeerWork* work,
-                            qcMessage* message);
-/// Makes the frames of a work whose kind, bodies and frameCount are set; bodies of the kinds other than qc_peerSelf are
-/// piled up first. False: out of memory.
-bool qcPeerWork_Animate(qcPeerWork* work);
-void qcPeerWork_Free(qcPeerWork* work);
-
+/// Makes the animation of a scene; empty unless it was made. Deterministic to the bit.
+qcBenchMade qcPeerScene_Make(int index, const qcBenchModels* models, uint32_t frameCount, qcAnimation* animation,
+                             qcMessage* message);
 //  ---- methods -------------------------------------------------------------------------------------
 
 /// "embree"; `library` below qc_peerLibraryCount.
@@ -86,21 +62,6 @@ typedef struct qcPeerEntrant
     uint32_t method;              ///< of the library, or a qcMethod
     bool threaded;
 } qcPeerEntrant;
-
-/// One of ours on a work.
-typedef struct qcPeerOurs
-{
-    qcScene* scene;
-    qcBodyId* ids;
-    const qcResult* result; ///< of the last step
-    double moveMs;          ///< of the last step: positions or transforms in
-} qcPeerOurs;
-
-/// False: qcLastMessage says why. Close it in any case.
-bool qcPeerOurs_Open(const qcPeerWork* work, qcDevice* device, qcPeerOurs* ours);
-/// A frame's positions or transforms in, pairs out.
-bool qcPeerOurs_Step(qcPeerOurs* ours, const qcPeerWork* work, uint32_t frame, const qcDetectDef* def);
-void qcPeerOurs_Close(qcPeerOurs* ours);
 
 //  ---- rows ----------------------------------------------------------------------------------------
 
@@ -126,18 +87,18 @@ typedef struct qcPeerRow
     bool agrees;    ///< with our sweep, in every frame that both saw
 } qcPeerRow;
 
-/// One work and what was measured on it.
+/// One scene and what was measured on it.
 typedef struct qcPeersTable
 {
-    int work;
-    qcPeerKind kind;
+    int scene;
+    qcAnimationKind kind;
     uint32_t bodyCount, triangleCount;
     qcPeerRow rows[qc_maxPeerThreads * qc_maxPeerMethods]; ///< those of a number of threads together, our sweep first
     uint32_t rowCount;
 } qcPeersTable;
 
 /// Adds a row for each entrant with this number of threads. False with a message: out of memory, or our sweep failed.
-bool qcPeers_Measure(const qcPeersOptions* options, const qcPeerWork* work, const qcPeerEntrant* entrants,
+bool qcPeers_Measure(const qcPeersOptions* options, const qcAnimation* animation, const qcPeerEntrant* entrants,
                      uint32_t entrantCount, qcDevice* device, uint32_t threads, qcPeersTable* table,
                      qcMessage* message);
 
@@ -151,7 +112,7 @@ double qcPeersTable_Preprocessing(const qcPeersTable* table, const qcPeerRow* ou
 
 //  ---- reports -------------------------------------------------------------------------------------
 
-/// What was found on one work, for a reader, on standard output.
+/// What was found on one scene, for a reader, on standard output.
 void qcPeers_PrintTable(const qcPeersTable* table);
 bool qcPeers_WriteCsv(const qcPeersOptions* options, const qcPeersTable* tables, uint32_t tableCount,
                       qcMessage* message);

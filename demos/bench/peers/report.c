@@ -2,7 +2,6 @@
 #include "bench/peers/peers.h"
 
 #include "common/files.h"
-#include "common/output_file.h"
 
 #include <inttypes.h>
 #include <string.h>
@@ -22,26 +21,24 @@ static double Ratio(double a, double b)
 static void WriteRow(FILE* stream, const qcPeersTable* table, const qcPeerRow* row)
 {
     static const char* const kinds[] = {"self", "deforming", "rigid"};
-    fprintf(stream, "%s,%s,%" PRIu32 ",%" PRIu32 ",%" PRIu32 ",%s,", qcPeerWork_Name(table->work), kinds[table->kind],
+    fprintf(stream, "%s,%s,%" PRIu32 ",%" PRIu32 ",%" PRIu32 ",%s,", qcPeerScene_Name(table->scene), kinds[table->kind],
             table->bodyCount, table->triangleCount, row->threads, row->entrant.name);
-    qcBenchFiles_WriteQuoted(stream, LibraryOf(row));
+    qcFiles_WriteQuoted(stream, LibraryOf(row));
     if (row->skipped[0] == 0)
         fprintf(stream, ",%" PRIu32 ",%.4f,%.4f,%.4f,%.4f,%.4f,%.4f,%" PRIu64 ",%d,", row->steps, row->ms, row->leastMs,
                 Ratio(row->ms, qcPeersTable_FindOurs(table, row->threads)->ms), row->openMs, row->firstMs,
                 row->secondMs, row->pairs, row->agrees);
     else
         fputs(",,,,,,,,,,", stream);
-    qcBenchFiles_WriteQuoted(stream, row->skipped);
+    qcFiles_WriteQuoted(stream, row->skipped);
     fputc('\n', stream);
 }
 
 bool qcPeers_WriteCsv(const qcPeersOptions* options, const qcPeersTable* tables, uint32_t tableCount,
                       qcMessage* message)
 {
-    char path[4096];
-    snprintf(path, sizeof path, "%s/peers.csv", options->out);
     qcOutput output;
-    if (!qcOutput_Open(path, &output, message))
+    if (!qcFiles_Open(options->out, "peers.csv", &output, message))
         return false;
     fputs("scene,kind,bodies,triangles,threads,method,library,steps,ms,ms_least,of_ours,open_ms,first_ms,second_ms,"
           "pairs,agrees,skipped\n",
@@ -89,7 +86,7 @@ static void PrintNewTopology(const qcPeersTable* table, const qcPeerRow* ours)
 
 void qcPeers_PrintTable(const qcPeersTable* table)
 {
-    printf("\n%s: %s, %" PRIu32 " triangles\n", qcPeerWork_Name(table->work), qcPeerWork_Title(table->work),
+    printf("\n%s: %s, %" PRIu32 " triangles\n", qcPeerScene_Name(table->scene), qcPeerScene_Title(table->scene),
            table->triangleCount);
     printf("  %-16s %7s %10s %10s %9s %9s\n", "", "threads", "ms median", "least", "of ours", "pairs");
     for (uint32_t i = 0; i < table->rowCount; ++i)

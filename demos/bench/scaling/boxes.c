@@ -28,7 +28,7 @@ static const uint32_t s_percents[qc_scalingFractions] = {0, 1, 10, 100};
 uint32_t qcScaling_CountBoxSizes(const qcScalingOptions* options)
 {
     uint32_t count = 0;
-    while (count < qc_scalingBoxSizes && s_sizes[count] <= options->mostBoxes)
+    while (count < qc_scalingBoxSizes && s_sizes[count] <= options->maxBoxes)
         ++count;
     return count;
 }
@@ -100,12 +100,12 @@ static qcStatus Step(World* world, uint32_t moving, double* ms)
     for (uint32_t i = 0; i < moving; ++i)
         Drift(world, &world->boxes[i]);
     qcStatus status = qc_statusOk;
-    double start = qcBenchTime_NowMs();
+    double start = qcStopwatch_NowMs();
     for (uint32_t i = 0; status == qc_statusOk && i < moving; ++i)
         status = qcBoxes_Move(world->set, world->boxes[i].id, world->boxes[i].lower, world->boxes[i].upper);
     if (status == qc_statusOk)
         status = qcBoxes_FindMovedPairs(world->set, &world->pairs, &world->pairCount);
-    *ms = qcBenchTime_NowMs() - start;
+    *ms = qcStopwatch_NowMs() - start;
     return status;
 }
 
@@ -120,7 +120,7 @@ static qcStatus Time(World* world, qcScalingBoxRow* row)
         status = Step(world, row->moving, &times[row->steps]);
         spent += times[row->steps++];
     }
-    row->ms = qcBenchTime_Median(times, row->steps);
+    row->ms = qcStopwatch_Median(times, row->steps);
     row->leastMs = times[0];
     return status;
 }
@@ -129,9 +129,9 @@ static qcStatus MeasureRow(World* world, qcScalingBoxRow* row)
 {
     size_t before = qcGetByteCount();
     Scatter(world);
-    double start = qcBenchTime_NowMs();
+    double start = qcStopwatch_NowMs();
     qcStatus status = Fill(world);
-    row->addMs = qcBenchTime_NowMs() - start;
+    row->addMs = qcStopwatch_NowMs() - start;
     if (status == qc_statusOk)
         status = Time(world, row);
     row->bytes = (double)(qcGetByteCount() - before) / row->boxes;

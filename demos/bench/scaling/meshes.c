@@ -28,7 +28,7 @@ static const uint32_t s_sizes[qc_scalingMeshSizes] = {1000,   2000,   4000,   80
 uint32_t qcScaling_CountMeshSizes(const qcScalingOptions* options)
 {
     uint32_t count = 0;
-    while (count < qc_scalingMeshSizes && s_sizes[count] <= options->mostTriangles)
+    while (count < qc_scalingMeshSizes && s_sizes[count] <= options->maxTriangles)
         ++count;
     return count;
 }
@@ -103,12 +103,12 @@ static qcStatus Step(Bench* bench, uint32_t threads, double* ms, double* vertice
     def.method = qc_methodSweep;
     def.threads = threads;
     const float* positions = bench->cloth->frames[bench->frame++ % qc_frameCount];
-    double start = qcBenchTime_NowMs();
+    double start = qcStopwatch_NowMs();
     qcStatus status = qcScene_SetVertices(bench->scene, bench->body, positions, qc_positionF32, 0);
-    *verticesMs = qcBenchTime_NowMs() - start;
+    *verticesMs = qcStopwatch_NowMs() - start;
     if (status == qc_statusOk)
         status = qcScene_Detect(bench->scene, &def, &bench->result);
-    *ms = qcBenchTime_NowMs() - start;
+    *ms = qcStopwatch_NowMs() - start;
     return status;
 }
 
@@ -152,16 +152,16 @@ static bool MeasureRow(const Cloth* cloth, Times* times, qcScalingMeshRow* row, 
 {
     Bench bench;
     size_t before = qcGetByteCount();
-    qcBenchTime_Rest();
+    qcStopwatch_Rest();
     qcStatus status = Open(cloth, &bench);
     if (status == qc_statusOk)
         status = Time(&bench, times, row);
     if (status == qc_statusOk)
     {
-        row->ms = qcBenchTime_Median(times->total, row->steps);
+        row->ms = qcStopwatch_Median(times->total, row->steps);
         row->leastMs = times->total[0];
         for (int i = 0; i < qc_scalingStageCount; ++i)
-            row->stages[i] = qcBenchTime_Median(times->stages[i], row->steps);
+            row->stages[i] = qcStopwatch_Median(times->stages[i], row->steps);
         row->bytes = (double)(qcGetByteCount() - before) / row->triangles;
         row->candidates = bench.result->profile.candidates;
         row->pairs = bench.result->pairCount;

@@ -1,66 +1,18 @@
 // The command line of `qc-bench scaling`.
 #include "bench/scaling/scaling.h"
 
-#include "common/option_values.h"
+#include "common/options.h"
 
-typedef enum OptionKey
+/// Without a list of threads: 1 and 2.
+static void Complete(const struct argp_state* state, void* context)
 {
-    // Beyond every character: no option has a short name.
-    key_triangles = 256,
-    key_boxes,
-    key_threads,
-    key_out
-} OptionKey;
-
-static void TakeThreads(const struct argp_state* state, const char* word, void* context)
-{
+    (void)state;
     qcScalingOptions* options = context;
-    uint32_t threads = qcOption_ReadNumber(state, "--threads", word, 1, 1024);
-    for (uint32_t i = 0; i < options->threadsCount; ++i)
-    {
-        if (options->threads[i] == threads)
-            argp_error(state, "--threads: '%s' is named twice", word);
-    }
-    if (options->threadsCount == qc_maxScalingThreads)
-        argp_error(state, "--threads: more than %d of them", qc_maxScalingThreads);
-    options->threads[options->threadsCount++] = threads;
-}
-
-/// What was not named gets its default.
-static void Complete(qcScalingOptions* options)
-{
     if (options->threadsCount != 0)
         return;
     options->threads[options->threadsCount++] = 1;
     options->threads[options->threadsCount++] = 2;
 }
-
-static error_t ReadOption(int key, char* text, struct argp_state* state)
-{
-    qcScalingOptions* options = state->input;
-    switch (key)
-    {
-        case key_triangles:
-            options->mostTriangles = qcOption_ReadNumber(state, "--triangles", text, 0, UINT32_MAX);
-            return 0;
-        case key_boxes: options->mostBoxes = qcOption_ReadNumber(state, "--boxes", text, 0, UINT32_MAX); return 0;
-        case key_threads: qcOption_ReadList(state, "--threads", text, TakeThreads); return 0;
-        case key_out: options->out = qcOption_ReadFolder(state, "--out", text); return 0;
-        case ARGP_KEY_ARG: argp_error(state, "'%s': options only, please", text); return 0;
-        case ARGP_KEY_END: Complete(options); return 0;
-        default: return ARGP_ERR_UNKNOWN;
-    }
-}
-
-static const struct argp_option s_options[] = {
-    {"triangles", key_triangles, "N", 0, "Cloths of 1000 triangles up to this many; 4000000 by default, 0: none", 1},
-    {"boxes", key_boxes, "N", 0, "Sets of 100 boxes up to this many; 200000 by default, 0: none", 1},
-    {"threads", key_threads, "LIST", 0, "Numbers of threads for the cloths; 1,2 by default", 1},
-    {"out", key_out, "FOLDER", 0,
-     "Where scaling_meshes.csv, scaling_boxes.csv, scaling.gp and the picture go; out/bench by default, made if it is "
-     "missing",
-     2},
-    {0}};
 
 static const char s_help[] =
     "Time and memory against size. A folded cloth with itself by sweep, each step with new vertices: time, its stages, "
@@ -70,8 +22,19 @@ static const char s_help[] =
 
 void qcScaling_ReadOptions(int argumentCount, char** arguments, qcScalingOptions* options)
 {
-    static const struct argp parser = {s_options, ReadOption, NULL, s_help, NULL, NULL, NULL};
-    *options = (qcScalingOptions){.mostTriangles = 4000000, .mostBoxes = 200000, .out = "out/bench"};
-    argp_err_exit_status = qc_benchUsage;
-    argp_parse(&parser, argumentCount, arguments, 0, NULL, options);
+    *options = (qcScalingOptions){.maxTriangles = 4000000, .maxBoxes = 200000, .out = "out/bench"};
+    const qcOption rows[] = {
+        {1, "triangles", "N", "Cloths of 1000 triangles up to this many; %s by default, 0: none",
+         qcOption_Number(&options->maxTriangles, 0, UINT32_MAX)},
+        {1, "boxes", "N", "Sets of 100 boxes up to this many; %s by default, 0: none",
+         qcOption_Number(&options->maxBoxes, 0, UINT32_MAX)},
+        {1, "threads", "LIST", "Numbers of threads for the cloths; 1,2 by default",
+         qcOption_Numbers(options->threads, &options->threadsCount, qc_maxScalingThreads, 1, 1024, true)},
+        {2, "out", "FOLDER",
+         "Where scaling_meshes.csv, scaling_boxes.csv, scaling.gp and the picture go; %s by default, made if it is "
+         "missing",
+         qcOption_Folder(&options->out)},
+        {0}};
+    qcCommandLine line = {.options = rows, .help = s_help, .complete = Complete, .context = options};
+    qcCommandLine_Parse(&line, argumentCount, arguments);
 }

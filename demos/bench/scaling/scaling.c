@@ -6,42 +6,42 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-static qcBenchExit Measure(const qcScalingOptions* options, qcScalingTable* table, qcMessage* message)
+static qcExitStatus Measure(const qcScalingOptions* options, qcScalingTable* table, qcMessage* message)
 {
     // Better now than after minutes of work.
-    if (!qcBenchFiles_Check(options->out, "scaling_meshes.csv", message))
-        return qc_benchBroken;
+    if (!qcFiles_Check(options->out, "scaling_meshes.csv", message))
+        return qc_exitFailed;
     for (uint32_t i = 0; i < qcScaling_CountMeshSizes(options); ++i)
     {
         if (!qcScaling_MeasureMesh(options, i, &table->meshes[table->meshCount], message))
-            return qc_benchBroken;
+            return qc_exitFailed;
         table->meshCount += options->threadsCount;
     }
     for (uint32_t i = 0; i < qcScaling_CountBoxSizes(options); ++i)
     {
         if (!qcScaling_MeasureBoxes(i, &table->boxes[table->boxCount], message))
-            return qc_benchBroken;
+            return qc_exitFailed;
         table->boxCount += qc_scalingFractions;
     }
     qcScaling_PrintTable(options, table);
     if (!qcScaling_WriteCsv(options, table, message))
-        return qc_benchBroken;
+        return qc_exitFailed;
     printf("\nAll rows: %s/scaling_meshes.csv, %s/scaling_boxes.csv\n", options->out, options->out);
-    return qcScaling_Plot(options, table, message) ? qc_benchDone : qc_benchBroken;
+    return qcScaling_Plot(options, table, message) ? qc_exitDone : qc_exitFailed;
 }
 
-qcBenchExit qcBench_RunScaling(int argumentCount, char** arguments)
+qcExitStatus qcBench_RunScaling(int argumentCount, char** arguments)
 {
     qcScalingOptions options;
     qcMessage message = {""};
     qcScaling_ReadOptions(argumentCount, arguments, &options);
-    qcBenchExit ending = qc_benchBroken;
+    qcExitStatus ending = qc_exitFailed;
     qcScalingTable* table = calloc(1, sizeof *table);
     if (table != NULL)
         ending = Measure(&options, table, &message);
     else
         qcMessage_Fail(&message, "out of memory");
-    if (ending != qc_benchDone)
+    if (ending != qc_exitDone)
         fprintf(stderr, "qc-bench scaling: %s\n", message.text);
     free(table);
     return ending;

@@ -19,7 +19,7 @@ enum
 
 typedef struct qcScalingOptions
 {
-    uint32_t mostTriangles, mostBoxes; ///< larger sizes are left out
+    uint32_t maxTriangles, maxBoxes; ///< larger sizes are left out
     uint32_t threads[qc_maxScalingThreads];
     uint32_t threadsCount;
     const char* out;

@@ -6,6 +6,10 @@
 
 #include <quickcullide/scene.h>
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 /// Frames of a motion of a scene.
 typedef struct qcBenchMotion
 {
@@ -23,5 +27,9 @@ void qcBenchMotion_Deform(const qcBenchMotion* motion, const qcMesh* body, uint3
 /// Where a rigid body is in a frame: it sways about its place and turns a little to and fro, each body in its own way,
 /// by about 0.3 % of the diagonal a frame.
 qcTransform qcBenchMotion_Carry(const qcBenchMotion* motion, const qcTransform* place, uint32_t body, uint32_t frame);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

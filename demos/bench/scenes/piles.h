@@ -1,10 +1,14 @@
-// Copies of a model, heaped up so that each meets those beside it.
+// Copies of a model, piled up so that each overlaps its neighbours.
 #ifndef QC_DEMOS_BENCH_SCENES_PILES_H
 #define QC_DEMOS_BENCH_SCENES_PILES_H
 
 #include "common/mesh_io/mesh_file.h"
 
 #include <quickcullide/scene.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
 
 /// A copy of floats. False: out of memory; then it is empty.
 bool qcBenchPile_Copy(const qcMesh* model, qcMesh* copy);
@@ -13,10 +17,15 @@ bool qcBenchPile_Copy(const qcMesh* model, qcMesh* copy);
 /// point.
 bool qcBenchPile_Normalize(const qcMesh* model, qcMesh* body, qcMessage* message);
 
-/// Places for `count` bodies of extent 1: on a lattice 0.8 apart, each turned in its own way. The same bits each time.
+/// Transforms of `count` bodies of extent 1: on a lattice 0.8 apart, each turned in its own way. Deterministic to the
+/// bit.
 void qcBenchPile_Place(uint32_t count, qcTransform* places);
 
 /// The positions of a body at its place, as floats.
 void qcBenchPile_Put(const qcMesh* body, const qcTransform* place, float* positions);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

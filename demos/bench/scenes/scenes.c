@@ -102,7 +102,7 @@ static bool PutBunny(const qcMesh* model, const Place* place, const double lower
 
 static qcBenchMade MakePile(const char* path, qcBenchScene* scene, qcMessage* message)
 {
-    if (!qcBenchFiles_IsThere(path))
+    if (!qcFiles_IsThere(path))
     {
         qcMessage_Fail(message, "%s is not there; the package glmark2-data has it", path);
         return qc_benchSkipped;

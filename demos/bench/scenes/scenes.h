@@ -5,6 +5,10 @@
 #include "common/mesh_io/bunny_path.h"
 #include "common/mesh_io/mesh_file.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 typedef struct qcBenchScene
 {
     qcMesh* bodies;
@@ -23,7 +27,7 @@ typedef struct qcBenchModels
 typedef enum qcBenchMade
 {
     qc_benchMade,
-    qc_benchSkipped, ///< a model is not there; the message says how to get it
+    qc_benchSkipped, ///< a model is not there; how to get it is in the message
     qc_benchFailed   ///< a model that is there can't be read, or out of memory
 } qcBenchMade;
 
@@ -39,8 +43,12 @@ const char* qcBenchScene_Title(int index);
 /// Marks the scene of that name, or all whose names begin with it and a hyphen ("sheets"); false: there is none.
 bool qcBenchScene_Mark(const char* name, bool marks[qc_benchSceneCount]);
 
-/// Makes a scene; empty unless it was made. The same bits each time.
+/// Makes a scene; empty unless it was made. Deterministic to the bit.
 qcBenchMade qcBenchScene_Make(int index, const qcBenchModels* models, qcBenchScene* scene, qcMessage* message);
 void qcBenchScene_Free(qcBenchScene* scene);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

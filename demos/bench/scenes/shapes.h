@@ -5,6 +5,10 @@
 
 #include "common/mesh_io/mesh_file.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 /// A random number in lower .. upper; the state is the seed.
 double qcBenchShapes_Random(uint64_t* state, double lower, double upper);
 
@@ -19,5 +23,9 @@ bool qcBenchShapes_MakeSheets(double gap, qcMesh sheets[2]);
 /// Needles of a tenth of the unit cube: the tip of each second one pokes through the one before, by a tenth to a ten
 /// thousandth of its length.
 bool qcBenchShapes_MakeSlivers(uint32_t count, qcMesh* mesh);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

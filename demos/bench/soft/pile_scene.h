@@ -3,17 +3,13 @@
 #ifndef QC_DEMOS_BENCH_SOFT_PILE_SCENE_H
 #define QC_DEMOS_BENCH_SOFT_PILE_SCENE_H
 
-#include "quickcullide/bullet.h"
+#include "bench/soft/soft_scene.h"
 
 #include <BulletCollision/CollisionShapes/btStaticPlaneShape.h>
 #include <BulletCollision/CollisionShapes/btTriangleIndexVertexArray.h>
 #include <BulletCollision/Gimpact/btGImpactCollisionAlgorithm.h>
 #include <BulletCollision/Gimpact/btGImpactShape.h>
-#include <BulletDynamics/ConstraintSolver/btSequentialImpulseConstraintSolver.h>
 #include <BulletDynamics/Dynamics/btRigidBody.h>
-#include <BulletSoftBody/btSoftBodyHelpers.h>
-#include <BulletSoftBody/btSoftBodyRigidBodyCollisionConfiguration.h>
-#include <BulletSoftBody/btSoftRigidDynamicsWorld.h>
 
 #include <algorithm>
 #include <memory>
@@ -39,14 +35,11 @@ struct qcPileMeasure
     size_t below = 0;    ///< nodes under the ground
 };
 
-class qcPileScene
+class qcPileScene : public qcSoftScene
 {
   public:
-    explicit qcPileScene(const qcPileSceneDef& sceneDef) : def(sceneDef)
+    explicit qcPileScene(const qcPileSceneDef& sceneDef) : qcSoftScene(sceneDef.ours), def(sceneDef)
     {
-        btSoftBodySolver* softSolver = def.ours ? static_cast<btSoftBodySolver*>(&quick) : &bullets;
-        world.reset(new btSoftRigidDynamicsWorld(&dispatcher, &broadphase, &solver, &configuration, softSolver));
-        world->getWorldInfo().m_gravity = world->getGravity();
         if (def.ours)
             contact.addTo(world.get());
         else
@@ -69,18 +62,16 @@ class qcPileScene
             world->removeRigidBody(body.get());
         world->removeRigidBody(&ground);
     }
-    qcPileScene(const qcPileScene&) = delete;
-    qcPileScene& operator=(const qcPileScene&) = delete;
 
     void Step()
     {
         m_before.clear();
         for (int i = 0; i < cloth->m_nodes.size(); i++)
             m_before.push_back(cloth->m_nodes[i].m_x);
-        world->stepSimulation(btScalar(1.0 / 60), 0);
+        qcSoftScene::Step();
     }
 
-    /// Of the last step.
+    /// The state after the last step.
     qcPileMeasure Measure() const
     {
         qcPileMeasure measure;
@@ -97,14 +88,6 @@ class qcPileScene
     }
 
     const qcPileSceneDef def;
-    btSoftBodyRigidBodyCollisionConfiguration configuration;
-    btCollisionDispatcher dispatcher{&configuration};
-    qcBroadphase broadphase;
-    btSequentialImpulseConstraintSolver solver;
-    qcSoftBodySolver quick;
-    btDefaultSoftBodySolver bullets;
-    qcMeshContact contact;
-    std::unique_ptr<btSoftRigidDynamicsWorld> world;
     btStaticPlaneShape plane{btVector3(0, 1, 0), 0};
     btRigidBody ground{0, nullptr, &plane};
     std::unique_ptr<btTriangleIndexVertexArray> triangles;
@@ -115,8 +98,7 @@ class qcPileScene
   private:
     void MakeShape()
     {
-        qcPositionType type = sizeof(btScalar) == sizeof(double) ? qc_positionF64 : qc_positionF32;
-        std::unique_ptr<qcMeshShape> mesh(new qcMeshShape(def.positions.data(), type, 0,
+        std::unique_ptr<qcMeshShape> mesh(new qcMeshShape(def.positions.data(), qcBulletPositions, 0,
                                                           uint32_t(def.positions.size() / 3), def.indices.data(),
                                                           uint32_t(def.indices.size() / 3)));
         mesh->calculateLocalInertia(s_mass, m_inertia);

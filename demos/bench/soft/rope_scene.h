@@ -1,24 +1,19 @@
-// A rope that falls over a horizontal cylinder: as a qcMeshShape with qcSoftBodySolver, or as Bullet alone has it.
-// Builds the scene, and measures what becomes of the rope.
+// A rope that falls over a horizontal cylinder, by this library or by Bullet alone, and measures of the rope.
 #ifndef QC_DEMOS_BENCH_SOFT_ROPE_SCENE_H
 #define QC_DEMOS_BENCH_SOFT_ROPE_SCENE_H
 
-#include "quickcullide/bullet.h"
+#include "bench/soft/soft_scene.h"
 
 #include <BulletCollision/CollisionShapes/btBvhTriangleMeshShape.h>
 #include <BulletCollision/CollisionShapes/btCylinderShape.h>
 #include <BulletCollision/CollisionShapes/btTriangleMesh.h>
-#include <BulletDynamics/ConstraintSolver/btSequentialImpulseConstraintSolver.h>
 #include <BulletDynamics/Dynamics/btRigidBody.h>
-#include <BulletSoftBody/btSoftBodyHelpers.h>
-#include <BulletSoftBody/btSoftBodyRigidBodyCollisionConfiguration.h>
-#include <BulletSoftBody/btSoftRigidDynamicsWorld.h>
 
 #include <cmath>
 #include <memory>
 #include <vector>
 
-/// Who answers the contact of rope and cylinder.
+/// What computes the contact of rope and cylinder.
 enum class qcRopeContact
 {
     ours,          ///< qcSoftBodySolver, a qcMeshShape
@@ -29,7 +24,7 @@ enum class qcRopeContact
 struct qcRopeSceneDef
 {
     qcRopeContact contact = qcRopeContact::ours;
-    /// Of the cylinder, metres. Its axis is z, and its middle the origin.
+    /// The cylinder, metres. Its axis is z, and its middle the origin.
     btScalar radius = btScalar(0.25);
     btScalar length = 2;
     int sides = 32;
@@ -58,17 +53,13 @@ struct qcRopeMeasure
     }
 };
 
-/// A world with a rope and a cylinder; members are in the order in which Bullet has to have them made, and the other
-/// way round destroyed.
-class qcRopeScene
+/// A world with a rope and a cylinder.
+class qcRopeScene : public qcSoftScene
 {
   public:
-    explicit qcRopeScene(const qcRopeSceneDef& sceneDef) : def(sceneDef)
+    explicit qcRopeScene(const qcRopeSceneDef& sceneDef)
+        : qcSoftScene(sceneDef.contact == qcRopeContact::ours), def(sceneDef)
     {
-        btSoftBodySolver* softSolver =
-            def.contact == qcRopeContact::ours ? static_cast<btSoftBodySolver*>(&ours) : &bullets;
-        world.reset(new btSoftRigidDynamicsWorld(&dispatcher, &broadphase, &solver, &configuration, softSolver));
-        world->getWorldInfo().m_gravity = world->getGravity();
         MakeCylinder();
         cylinder.reset(new btRigidBody(0, nullptr, shape.get()));
         cylinder->setFriction(def.friction);
@@ -81,7 +72,7 @@ class qcRopeScene
         rope->setVelocity(def.velocity);
         qcSoftBodySettings settings;
         settings.friction = def.friction;
-        ours.setSettings(rope, settings);
+        quick.setSettings(rope, settings);
         world->addSoftBody(rope);
         m_length = Length();
     }
@@ -91,13 +82,6 @@ class qcRopeScene
         world->removeSoftBody(rope);
         delete rope;
         world->removeRigidBody(cylinder.get());
-    }
-    qcRopeScene(const qcRopeScene&) = delete;
-    qcRopeScene& operator=(const qcRopeScene&) = delete;
-
-    void Step(btScalar timeStep = btScalar(1.0 / 60))
-    {
-        world->stepSimulation(timeStep, 0);
     }
 
     btScalar Length() const
@@ -132,13 +116,6 @@ class qcRopeScene
     }
 
     const qcRopeSceneDef def;
-    btSoftBodyRigidBodyCollisionConfiguration configuration;
-    btCollisionDispatcher dispatcher{&configuration};
-    qcBroadphase broadphase;
-    btSequentialImpulseConstraintSolver solver;
-    qcSoftBodySolver ours;
-    btDefaultSoftBodySolver bullets;
-    std::unique_ptr<btSoftRigidDynamicsWorld> world;
     std::unique_ptr<btTriangleMesh> triangles;
     std::unique_ptr<btCollisionShape> shape;
     std::unique_ptr<btRigidBody> cylinder;

@@ -4,18 +4,14 @@
 #include "bench/soft/rope_scene.h"
 #include "bench/soft/tangle_scene.h"
 
-extern "C" {
 #include "common/files.h"
 #include "bench/scenes/scenes.h"
 #include "common/stopwatch.h"
 #include "common/mesh_io/decimate.h"
 #include "common/mesh_io/mesh_file.h"
-#include "common/option_values.h"
+#include "common/options.h"
 #include "common/output_file.h"
 #include "bench/bench.h"
-}
-
-#include <argp.h>
 
 #include <cmath>
 #include <cstdio>
@@ -46,9 +42,9 @@ class StepTime
   public:
     template <typename Scene> void Step(Scene& scene)
     {
-        double start = qcBenchTime_NowMs();
+        double start = qcStopwatch_NowMs();
         scene.Step();
-        m_sum += qcBenchTime_NowMs() - start;
+        m_sum += qcStopwatch_NowMs() - start;
         m_count++;
     }
     double Mean() const
@@ -94,8 +90,7 @@ void MakePileMesh(qcPileSceneDef* def)
         return;
     }
     // About its centre of mass.
-    qcPositionType type = sizeof(btScalar) == sizeof(double) ? qc_positionF64 : qc_positionF32;
-    btTransform frame = qcMeshShape(def->positions.data(), type, 0, uint32_t(def->positions.size() / 3),
+    btTransform frame = qcMeshShape(def->positions.data(), qcBulletPositions, 0, uint32_t(def->positions.size() / 3),
                                     def->indices.data(), uint32_t(def->indices.size() / 3))
                             .getMassProperties()
                             .principalFrame.inverse();
@@ -239,55 +234,37 @@ void PrintRows(const Rows& rows)
 bool WriteRows(const Options& options, const Rows& rows, qcMessage* message)
 {
     qcOutput output;
-    std::string path = std::string(options.out) + "/soft.csv";
-    if (!qcOutput_Open(path.c_str(), &output, message))
+    if (!qcFiles_Open(options.out, "soft.csv", &output, message))
         return false;
     std::fputs("scene,figure,ours,bullet\n", output.stream);
     for (const Row& row : rows)
     {
-        qcBenchFiles_WriteQuoted(output.stream, row.scene);
+        qcFiles_WriteQuoted(output.stream, row.scene);
         std::fputc(',', output.stream);
-        qcBenchFiles_WriteQuoted(output.stream, row.figure);
+        qcFiles_WriteQuoted(output.stream, row.figure);
         std::fprintf(output.stream, ",%.6g,%.6g\n", row.ours, row.bullets);
     }
     return qcOutput_Commit(&output, message);
 }
-
-enum OptionKey
-{
-    // Beyond every character: no option has a short name.
-    key_out = 256
-};
-
-error_t ReadOption(int key, char* text, argp_state* state)
-{
-    Options* options = static_cast<Options*>(state->input);
-    switch (key)
-    {
-        case key_out: options->out = qcOption_ReadFolder(state, "--out", text); return 0;
-        case ARGP_KEY_ARG: argp_error(state, "'%s': options only, please", text); return 0;
-        default: return ARGP_ERR_UNKNOWN;
-    }
-}
 } // namespace
 
-extern "C" qcBenchExit qcBench_RunSoft(int argumentCount, char** arguments)
+extern "C" qcExitStatus qcBench_RunSoft(int argumentCount, char** arguments)
 {
-    static const argp_option known[] = {
-        {"out", key_out, "FOLDER", 0, "Where soft.csv goes; out/bench by default, made if it is missing", 0}, {}};
     static const char help[] =
         "Scenes that are hard for soft bodies, by this library and by Bullet alone: a cloth that falls over a pile of "
         "moving meshes (btGImpactMeshShape in Bullet), bodies that are tangled at the start, and a rope that is thrown "
         "over a cylinder of triangles.\vExit status: as for qc-bench.";
-    static const argp parser = {known, ReadOption, nullptr, help, nullptr, nullptr, nullptr};
     Options options;
-    argp_err_exit_status = qc_benchUsage;
-    argp_parse(&parser, argumentCount, arguments, 0, nullptr, &options);
+    const qcOption table[] = {{0, "out", "FOLDER", "Where soft.csv goes; %s by default, made if it is missing",
+                               qcOption_Folder(&options.out)},
+                              {}};
+    qcCommandLine line = {table, help, nullptr, nullptr, 0, nullptr, nullptr};
+    qcCommandLine_Parse(&line, argumentCount, arguments);
     qcMessage message;
-    if (!qcBenchFiles_Check(options.out, "soft.csv", &message))
+    if (!qcFiles_Check(options.out, "soft.csv", &message))
     {
         std::fprintf(stderr, "%s: %s\n", arguments[0], message.text);
-        return qc_benchBroken;
+        return qc_exitFailed;
     }
     Rows rows;
     MeasurePile(&rows);
@@ -296,7 +273,7 @@ extern "C" qcBenchExit qcBench_RunSoft(int argumentCount, char** arguments)
     MeasureRopes(&rows);
     PrintRows(rows);
     if (WriteRows(options, rows, &message))
-        return qc_benchDone;
+        return qc_exitDone;
     std::fprintf(stderr, "%s: %s\n", arguments[0], message.text);
-    return qc_benchBroken;
+    return qc_exitFailed;
 }

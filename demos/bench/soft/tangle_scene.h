@@ -1,16 +1,12 @@
-// Soft bodies that penetrate at the start, by this library or as Bullet alone has them: a cube of tetrahedra whose
+// Soft bodies that penetrate at the start, by this library or by Bullet alone: a cube of tetrahedra whose
 // nodes are scrambled, and three rings that run through each other.
 #ifndef QC_DEMOS_BENCH_SOFT_TANGLE_SCENE_H
 #define QC_DEMOS_BENCH_SOFT_TANGLE_SCENE_H
 
-#include "quickcullide/bullet.h"
+#include "bench/soft/soft_scene.h"
 #include "quickcullide/bullet_deformable.h"
 
-#include <BulletDynamics/ConstraintSolver/btSequentialImpulseConstraintSolver.h>
 #include <BulletSoftBody/btDeformableLinearElasticityForce.h>
-#include <BulletSoftBody/btSoftBodyHelpers.h>
-#include <BulletSoftBody/btSoftBodyRigidBodyCollisionConfiguration.h>
-#include <BulletSoftBody/btSoftRigidDynamicsWorld.h>
 
 #include <algorithm>
 #include <array>
@@ -18,7 +14,7 @@
 #include <random>
 #include <vector>
 
-/// Pairs of triangles that penetrate, in and among soft bodies: found anew, without what the worlds have found.
+/// Pairs of triangles that penetrate, in and among soft bodies; computed here, whatever the worlds have found.
 inline size_t qcCountTangled(const std::vector<const btSoftBody*>& bodies)
 {
     qcSceneDef sceneDef = qcDefaultSceneDef();
@@ -34,7 +30,7 @@ inline size_t qcCountTangled(const std::vector<const btSoftBody*>& bodies)
                 indices.push_back(uint32_t(node - &body->m_nodes[0]));
         qcBodyDef def = qcDefaultBodyDef();
         def.positions = &body->m_nodes[0].m_x;
-        def.positionType = sizeof(btScalar) == sizeof(double) ? qc_positionF64 : qc_positionF32;
+        def.positionType = qcBulletPositions;
         def.positionStride = sizeof(btSoftBody::Node);
         def.vertexCount = uint32_t(body->m_nodes.size());
         def.indices = indices.data();
@@ -50,7 +46,7 @@ inline size_t qcCountTangled(const std::vector<const btSoftBody*>& bodies)
     return count;
 }
 
-/// Mean of the nodes.
+/// The mean of the nodes.
 inline btScalar qcMeanHeight(const btSoftBody* body)
 {
     btScalar sum = 0;
@@ -78,7 +74,7 @@ class qcScrambledScene
         MakeCube(cells);
         world->addSoftBody(cube);
         world->addForce(cube, &elasticity);
-        // After the rest shape is known.
+        // After the rest shape was taken.
         std::minstd_rand random(1);
         std::uniform_real_distribution<double> place(-1, 1);
         for (int i = 0; i < cube->m_nodes.size(); i++)
@@ -166,15 +162,11 @@ class qcScrambledScene
 };
 
 /// Three rings in free fall, side by side, each a quarter turn from the next: they begin inside of each other.
-class qcRingsScene
+class qcRingsScene : public qcSoftScene
 {
   public:
-    explicit qcRingsScene(bool ours)
+    explicit qcRingsScene(bool ours) : qcSoftScene(ours)
     {
-        btSoftBodySolver* softSolver = ours ? static_cast<btSoftBodySolver*>(&quick) : &bullets;
-        world.reset(new btSoftRigidDynamicsWorld(&dispatcher, &broadphase, &solver, &configuration, softSolver));
-        world->setGravity(btVector3(0, -10, 0));
-        world->getWorldInfo().m_gravity = world->getGravity();
         for (int i = 0; i < 3; i++)
             AddRing(btVector3(btScalar(2.95) * btScalar(i), 0, 0), i & 1);
     }
@@ -186,13 +178,6 @@ class qcRingsScene
             world->removeSoftBody(ring);
             delete ring;
         }
-    }
-    qcRingsScene(const qcRingsScene&) = delete;
-    qcRingsScene& operator=(const qcRingsScene&) = delete;
-
-    void Step()
-    {
-        world->stepSimulation(btScalar(1.0 / 60), 0);
     }
 
     size_t CountTangled() const
@@ -209,13 +194,6 @@ class qcRingsScene
         return sum;
     }
 
-    btSoftBodyRigidBodyCollisionConfiguration configuration;
-    btCollisionDispatcher dispatcher{&configuration};
-    qcBroadphase broadphase;
-    btSequentialImpulseConstraintSolver solver;
-    qcSoftBodySolver quick;
-    btDefaultSoftBodySolver bullets;
-    std::unique_ptr<btSoftRigidDynamicsWorld> world;
     std::vector<btSoftBody*> rings;
 
   private:

@@ -1,9 +1,7 @@
 // Pictures of the demos of Bullet.
 #include "common/bullet/demo_picture.h"
 
-extern "C" {
 #include "common/png_file.h"
-}
 
 #include <cstring>
 

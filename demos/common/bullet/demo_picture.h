@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-/// Of colours, eyes, and so on.
+/// Three numbers: a colour, a position of the eye, and so on.
 void qcSet3(float v[3], float x, float y, float z);
 
 /// Adds a square in the plane y = 0, seen from above.

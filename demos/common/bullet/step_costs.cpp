@@ -1,9 +1,7 @@
 // Bullet calls back when it enters a profile zone and when it leaves one; zones that stand for a cost are timed.
 #include "common/bullet/step_costs.h"
 
-extern "C" {
 #include "common/stopwatch.h"
-}
 
 #include <LinearMath/btQuickprof.h>
 
@@ -67,7 +65,7 @@ void Enter(const char* name)
     auto found = std::find_if(std::begin(s_zones), std::end(s_zones),
                               [&](const auto& known) { return std::strcmp(known.zone, name) == 0; });
     if (found != std::end(s_zones))
-        s_stack.push_back({found->cost, qcBenchTime_NowMs()});
+        s_stack.push_back({found->cost, qcStopwatch_NowMs()});
     else
         s_stack.push_back({-1, -1});
 }
@@ -80,7 +78,7 @@ void Leave()
     Zone zone = s_stack.back();
     s_stack.pop_back();
     if (zone.start >= 0)
-        s_costs.ms[size_t(zone.cost)] += qcBenchTime_NowMs() - zone.start;
+        s_costs.ms[size_t(zone.cost)] += qcStopwatch_NowMs() - zone.start;
 }
 
 void PrintRow(const char* label, const std::vector<double>& values, int digits)
@@ -120,9 +118,9 @@ qcStepCosts qcTimeStep(btDynamicsWorld* world, double seconds)
     btSetCustomLeaveProfileZoneFunc(Leave);
     s_stack.clear();
     s_costs = qcStepCosts();
-    double start = qcBenchTime_NowMs();
+    double start = qcStopwatch_NowMs();
     world->stepSimulation(btScalar(seconds), 0);
-    s_costs.ms[qc_costRest] = qcBenchTime_NowMs() - start - s_costs.Total();
+    s_costs.ms[qc_costRest] = qcStopwatch_NowMs() - start - s_costs.Total();
     btSetCustomEnterProfileZoneFunc(enter);
     btSetCustomLeaveProfileZoneFunc(leave);
     return s_costs;

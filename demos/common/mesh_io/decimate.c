@@ -9,7 +9,7 @@
 
 enum
 {
-    qc_mostCells = 1 << 12 // along the longest edge of the box
+    qc_maxCells = 1 << 12 // along the longest edge of the box
 };
 
 typedef struct Member
@@ -71,15 +71,15 @@ static uint32_t CountTriangles(const Clusters* c)
     return count;
 }
 
-/// The finest grid with no more triangles than wanted.
-static uint32_t FindCells(Clusters* c, uint32_t wanted)
+/// The finest grid with at most `maxTriangles` triangles.
+static uint32_t FindCells(Clusters* c, uint32_t maxTriangles)
 {
-    uint32_t low = 1, high = qc_mostCells;
+    uint32_t low = 1, high = qc_maxCells;
     while (low + 1 < high)
     {
         uint32_t middle = (low + high) / 2;
         Cluster(c, middle);
-        if (CountTriangles(c) <= wanted)
+        if (CountTriangles(c) <= maxTriangles)
             low = middle;
         else
             high = middle;
@@ -104,13 +104,13 @@ static void PutVertices(const Clusters* c, float* positions)
     }
 }
 
-static bool Build(Clusters* c, uint32_t wanted, qcMesh* coarse)
+static bool Build(Clusters* c, uint32_t triangleCount, qcMesh* coarse)
 {
     c->members = malloc(c->mesh->vertexCount * sizeof *c->members);
     c->clusters = malloc(c->mesh->vertexCount * sizeof *c->clusters);
     if (c->members == NULL || c->clusters == NULL)
         return false;
-    Cluster(c, FindCells(c, wanted));
+    Cluster(c, FindCells(c, triangleCount));
     coarse->vertexCount = c->clusterCount;
     coarse->positions = malloc((size_t)c->clusterCount * 3 * sizeof(float));
     coarse->indices = malloc(((size_t)CountTriangles(c) * 3 + 1) * sizeof(uint32_t));
@@ -128,13 +128,13 @@ static bool Build(Clusters* c, uint32_t wanted, qcMesh* coarse)
     return true;
 }
 
-bool qcMesh_Decimate(const qcMesh* mesh, uint32_t wanted, qcMesh* coarse)
+bool qcMesh_Decimate(const qcMesh* mesh, uint32_t triangleCount, qcMesh* coarse)
 {
     Clusters clusters = {.mesh = mesh};
     double upper[3];
     *coarse = (qcMesh){0};
     clusters.extent = qcMesh_FindBox(mesh, 1, clusters.lower, upper);
-    bool built = Build(&clusters, wanted, coarse);
+    bool built = Build(&clusters, triangleCount, coarse);
     free(clusters.members);
     free(clusters.clusters);
     if (!built)

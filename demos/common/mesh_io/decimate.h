@@ -4,9 +4,17 @@
 
 #include "common/mesh_io/mesh_file.h"
 
-/// Makes a mesh of floats with about `wanted` triangles: the vertices in each cell of a grid become their mean, and
-/// triangles that collapse are left out. Good for the look of it; the surface may meet itself. The same bits each time.
-/// False: out of memory.
-bool qcMesh_Decimate(const qcMesh* mesh, uint32_t wanted, qcMesh* coarse);
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/// Makes a mesh of floats with about `triangleCount` triangles: the vertices in each cell of a grid become their mean,
+/// and triangles that collapse are left out. Keeps the shape; the surface may intersect itself. Deterministic to the
+/// bit. False: out of memory.
+bool qcMesh_Decimate(const qcMesh* mesh, uint32_t triangleCount, qcMesh* coarse);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

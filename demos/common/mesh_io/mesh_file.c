@@ -33,21 +33,21 @@ const char* qcQuoteWord(const char* word, const char* end, char* buffer, size_t 
 }
 
 static bool Grow(qcMeshParser* parser, void** data, size_t* capacity, size_t count, size_t elementSize,
-                 const char* what)
+                 const char* name)
 {
     if (count <= *capacity)
         return true;
-    // Each is numbered in 32 bits.
+    // Indices have 32 bits.
     if (count > UINT32_MAX)
-        return qcMeshParser_Fail(parser, "more than %u %s", UINT32_MAX, what);
-    size_t wanted = *capacity + *capacity / 2;
-    if (wanted < count)
-        wanted = count;
-    void* grown = realloc(*data, wanted * elementSize);
+        return qcMeshParser_Fail(parser, "more than %u %s", UINT32_MAX, name);
+    size_t newCapacity = *capacity + *capacity / 2;
+    if (newCapacity < count)
+        newCapacity = count;
+    void* grown = realloc(*data, newCapacity * elementSize);
     if (grown == NULL)
-        return qcMeshParser_Fail(parser, "out of memory: %zu bytes for %s", wanted * elementSize, what);
+        return qcMeshParser_Fail(parser, "out of memory: %zu bytes for %s", newCapacity * elementSize, name);
     *data = grown;
-    *capacity = wanted;
+    *capacity = newCapacity;
     return true;
 }
 
@@ -106,6 +106,12 @@ bool qcMeshParser_ParseCoordinate(const qcMeshParser* parser, bool isDouble, con
         return false;
     *value = single;
     return isfinite(single);
+}
+
+void qcMeshParser_SkipEmptyLines(qcMeshParser* parser)
+{
+    for (; parser->cursor < parser->end && (qcIsBlank(*parser->cursor) || *parser->cursor == '\n'); ++parser->cursor)
+        parser->line += parser->line != 0 && *parser->cursor == '\n';
 }
 
 static bool HasEnding(const char* name, const char* ending)

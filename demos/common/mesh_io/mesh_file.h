@@ -10,6 +10,10 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 /// Vertices are numbered exactly as in the file: triangles are neighbours if they share an index.
 typedef struct qcMesh
 {
@@ -36,11 +40,15 @@ typedef enum qcMeshPrecision
 /// element. Never takes more memory than a small multiple of the file's size.
 bool qcMesh_ReadFile(const char* path, qcMeshPrecision precision, qcMesh* mesh, qcMessage* message);
 
-/// As qcMesh_ReadFile, from bytes in memory; `name` stands for the path.
+/// Reads a file that is in memory, in the manner of qcMesh_ReadFile; `name` stands for the path.
 bool qcMesh_ReadBytes(const char* name, const char* bytes, size_t size, qcMeshPrecision precision, qcMesh* mesh,
                       qcMessage* message);
 
 /// Frees the arrays and empties the mesh.
 void qcMesh_Free(qcMesh* mesh);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

@@ -1,4 +1,4 @@
-// What the PLY and the OBJ reader share: a cursor that knows its line, and a mesh that grows.
+// What the PLY and the OBJ reader share: a cursor with its line, and a mesh that grows.
 #ifndef QC_DEMOS_COMMON_MESH_IO_MESH_PARSER_H
 #define QC_DEMOS_COMMON_MESH_IO_MESH_PARSER_H
 
@@ -25,7 +25,8 @@ bool qcMeshParser_ReserveTriangles(qcMeshParser* parser, size_t count);
 bool qcMeshParser_PushVertex(qcMeshParser* parser, const double position[3]);
 bool qcMeshParser_PushTriangle(qcMeshParser* parser, uint32_t a, uint32_t b, uint32_t c);
 
-/// A number that fills [text, end), as a double if it is declared as one or all are wanted, otherwise as a float.
+/// A number that fills [text, end), as a double if it is declared as one or the precision is qc_meshDouble,
+/// otherwise as a float.
 /// False: something else, or not finite.
 bool qcMeshParser_ParseCoordinate(const qcMeshParser* parser, bool isDouble, const char* text, const char* end,
                                   double* value);
@@ -38,6 +39,9 @@ static inline bool qcIsBlank(char c)
 {
     return c == ' ' || c == '\t' || c == '\r' || c == '\v' || c == '\f';
 }
+
+/// Moves over blanks and line ends; binary data has no lines to count.
+void qcMeshParser_SkipEmptyLines(qcMeshParser* parser);
 
 /// A word of the file, for messages: at most `size` - 1 bytes, unprintable ones as '?'. Returns `buffer`.
 const char* qcQuoteWord(const char* word, const char* end, char* buffer, size_t size);
