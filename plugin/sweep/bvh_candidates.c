@@ -59,7 +59,7 @@ static qcStatus ClearVisited(const Run* run)
     {
         bool some = run->job->bodies[body] && !qcBody_HasSelfCollision(qcStepTriangles_Body(t, body));
         QC_AT(size_t, sweep->firstVisited, body) = some ? nodes : SIZE_MAX;
-        nodes += some ? qcBvhCandidates_At(sweep, qcStepTriangles_Slot(t, body))->clusters.nodeCount : 0;
+        nodes += some ? qcBvhCandidates_At(sweep, qcStepTriangles_Slot(t, body))->bvh.clusters.nodeCount : 0;
     }
     QC_TRY(qcArray_Resize(&sweep->visited, nodes, 1, "visited nodes"));
     if (nodes != 0)
@@ -73,7 +73,7 @@ static uint8_t* VisitedOf(const qcBvhCandidates* sweep, uint32_t body)
     return first != SIZE_MAX ? &QC_AT(uint8_t, sweep->visited, first) : NULL;
 }
 
-static qcTriangleBvh* BvhOf(const Run* run, uint32_t body)
+static qcBodyBvh* BvhOf(const Run* run, uint32_t body)
 {
     return qcBvhCandidates_At(run->sweep, qcStepTriangles_Slot(run->job->triangles, body));
 }
@@ -87,7 +87,7 @@ static PairSides MakeSides(const Run* run, uint32_t a, uint32_t b)
     for (int i = 0; i < 2; i++)
     {
         sides.first[i] = qcStepTriangles_First(run->job->triangles, bodies[i]);
-        sides.triangles[i] = BvhOf(run, bodies[i])->clusters.triangles.data;
+        sides.triangles[i] = BvhOf(run, bodies[i])->bvh.clusters.triangles.data;
     }
     return sides;
 }
@@ -98,7 +98,7 @@ static void AddJob(const Run* run, uint32_t a, uint32_t b)
     qcBvhCandidates* sweep = run->sweep;
     const qcBvhCandidatesJob* job = run->job;
     // World coordinates come first: the local BVH is transformed into them, and no transform is inverted.
-    if (BvhOf(run, a)->isLocal && !BvhOf(run, b)->isLocal)
+    if (BvhOf(run, a)->bvh.isLocal && !BvhOf(run, b)->bvh.isLocal)
     {
         uint32_t first = b;
         b = a;
@@ -113,12 +113,12 @@ static void AddJob(const Run* run, uint32_t a, uint32_t b)
                         .b = BvhOf(run, b),
                         .bodyA = bodyA,
                         .bodyB = bodyB,
-                        .margin = qcBvhCandidates_PairDistance(job, bodyA, bodyB),
-                        .nearest = qcBody_PairMargin(bodyA, bodyB, job->margin),
-                        .neighbours = job->testNeighbours,
-                        .flatDiscs = run->flatPatches && a == b,
-                        .reachedA = VisitedOf(sweep, a),
-                        .reachedB = VisitedOf(sweep, b),
+                        .query = qcBvhCandidates_PairDistance(job, bodyA, bodyB),
+                        .near = qcBody_PairMargin(bodyA, bodyB, job->margin),
+                        .includeNeighbours = job->testNeighbours,
+                        .skipFlatPatches = run->flatPatches && a == b,
+                        .visitedA = VisitedOf(sweep, a),
+                        .visitedB = VisitedOf(sweep, b),
                         .function = AddKeys,
                         .context = sides};
 }
@@ -174,7 +174,7 @@ static void ReadVerletList(void* context, size_t i, uint32_t worker)
     const VerletJobs* jobs = context;
     qcBvhCandidates* sweep = jobs->run->sweep;
     const qcBvhPairsJob* job = &QC_AT(qcBvhPairsJob, sweep->jobs, jobs->first + i);
-    uint32_t slot = (uint32_t)(job->a - (const qcTriangleBvh*)sweep->bvhs.data);
+    uint32_t slot = (uint32_t)(job->a - (const qcBodyBvh*)sweep->bvhs.data);
     qcVerletList_Find(&sweep->verletList, slot, job, worker);
 }
 
@@ -206,7 +206,7 @@ static bool FillsVerlet(const Run* run)
 static qcStatus BeginVerlet(const Run* run)
 {
     for (uint32_t slot = 0; slot < run->sweep->bvhs.count; slot++)
-        qcTriangleBvh_Forget(qcBvhCandidates_At(run->sweep, slot));
+        qcVerletReference_Clear(&qcBvhCandidates_At(run->sweep, slot)->verlet);
     return qcVerletList_Begin(&run->sweep->verletList, run->job->threads);
 }
 
@@ -219,8 +219,7 @@ static qcStatus EndVerlet(const Run* run)
         const qcBody* b = qcStepTriangles_Body(run->job->triangles, body);
         if (!FindsSelfPairs(run, body) || !b->deforming)
             continue;
-        QC_TRY(qcTriangleBvh_Note(BvhOf(run, body), b));
-        BvhOf(run, body)->keptMargin = qcBvhCandidates_PairDistance(run->job, b, b);
+        QC_TRY(qcBodyBvh_SetVerletReference(BvhOf(run, body), b, qcBvhCandidates_PairDistance(run->job, b, b)));
     }
     return qc_statusOk;
 }
@@ -233,17 +232,17 @@ static void AddAdjacentKeys(void* context, const qcSlotPair* pairs, size_t count
 
 static qcStatus AddAdjacentPairs(const Run* run, uint32_t body, qcProfile* profile)
 {
-    qcTriangleBvh* bvh = BvhOf(run, body);
+    qcBodyBvh* bvh = BvhOf(run, body);
     if (run->job->testNeighbours)
         return qc_statusOk;
-    profile->skippedNeighbours += bvh->clusters.neighbourCount;
+    profile->skippedNeighbours += bvh->bvh.clusters.neighbourCount;
     PairSides sides = MakeSides(run, body, body);
-    qcAdjacentPairsJob job = {.kernels = run->sweep->kernels,
-                              .surface = bvh,
-                              .threads = run->job->threads,
-                              .function = AddAdjacentKeys,
-                              .context = &sides};
-    return run->job->listNeighbours ? qcAdjacentPairs_Find(&job) : qc_statusOk;
+    qcNeighbourPairsJob job = {.kernels = run->sweep->kernels,
+                               .body = bvh,
+                               .threads = run->job->threads,
+                               .function = AddAdjacentKeys,
+                               .context = &sides};
+    return run->job->listNeighbours ? qcNeighbourPairs_Find(&job) : qc_statusOk;
 }
 
 static void CountTriangles(const Run* run, uint32_t body, qcProfile* profile)
@@ -253,7 +252,7 @@ static void CountTriangles(const Run* run, uint32_t body, qcProfile* profile)
     uint32_t left = b->triangleCount;
     if (visited != NULL)
     {
-        const qcClusters* clusters = &BvhOf(run, body)->clusters;
+        const qcClusters* clusters = &BvhOf(run, body)->bvh.clusters;
         left = 0;
         for (uint32_t node = 0; node < clusters->nodeCount; node++)
             left += visited[node] ? qc_nodeSize : 0;
@@ -266,11 +265,11 @@ static void CountTriangles(const Run* run, uint32_t body, qcProfile* profile)
 
 static void FindFlatPatches(const Run* run, uint32_t body, qcProfile* profile)
 {
-    qcTriangleBvh* bvh = BvhOf(run, body);
+    qcBodyBvh* bvh = BvhOf(run, body);
     if (!run->flatPatches || UsesVerlet(run, body))
         return;
-    qcTriangleBvh_FindFlat(bvh, run->sweep->kernels, run->job->threads);
-    profile->flatTriangles += qcTriangleBvh_CountFlat(bvh);
+    qcPatchState_Test(&bvh->patches, &bvh->bvh, run->sweep->kernels, run->job->threads);
+    profile->flatTriangles += qcPatchState_CountFlat(&bvh->patches);
 }
 
 qcStatus qcBvhCandidates_Run(const qcBvhCandidatesJob* job, qcBvhCandidates* sweep, qcCandidates* candidates,
@@ -307,7 +306,7 @@ qcStatus qcBvhCandidates_Run(const qcBvhCandidatesJob* job, qcBvhCandidates* swe
 void qcBvhCandidates_Free(qcBvhCandidates* sweep)
 {
     for (uint32_t slot = 0; slot < sweep->bvhs.count; slot++)
-        qcTriangleBvh_Free(qcBvhCandidates_At(sweep, slot));
+        qcBodyBvh_Free(qcBvhCandidates_At(sweep, slot));
     qcPairBuffers_Free(&sweep->buffers);
     for (size_t i = 0; i < sweep->refitScratch.count; i++)
         qcBvhScratch_Free(&QC_AT(qcBvhScratch, sweep->refitScratch, i));

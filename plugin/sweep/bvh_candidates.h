@@ -3,7 +3,7 @@
 #define QC_SWEEP_BVH_CANDIDATES_H
 
 #include "kernels/pair_buffer.h"
-#include "sweep/bvh/adjacent_pairs.h"
+#include "sweep/bvh/neighbour_pairs.h"
 #include "sweep/bvh/verlet_list.h"
 #include "sweep/candidates.h"
 
@@ -18,7 +18,7 @@ typedef struct qcRefitTask
 typedef struct qcBvhCandidates
 {
     const qcTriangleKernels* kernels; ///< chosen at first use
-    qcArray bvhs;                     ///< of qcTriangleBvh, by slot
+    qcArray bvhs;                     ///< of qcBodyBvh, by slot
     qcArray seen;                     ///< uint32_t, by slot: generation of the body in the last step
     qcVerletList verletList;
     //  Of the step.
@@ -62,9 +62,9 @@ qcStatus qcBvhCandidates_Run(const qcBvhCandidatesJob* job, qcBvhCandidates* swe
                              qcProfile* profile);
 void qcBvhCandidates_Free(qcBvhCandidates* sweep);
 
-static inline qcTriangleBvh* qcBvhCandidates_At(const qcBvhCandidates* sweep, uint32_t slot)
+static inline qcBodyBvh* qcBvhCandidates_At(const qcBvhCandidates* sweep, uint32_t slot)
 {
-    return &QC_AT(qcTriangleBvh, sweep->bvhs, slot);
+    return &QC_AT(qcBodyBvh, sweep->bvhs, slot);
 }
 
 /// The distance within which pairs of two bodies, or of one, are candidates.

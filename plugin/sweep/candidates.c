@@ -167,7 +167,7 @@ qcStatus qcCandidates_Add(const qcStepTriangles* triangles, const qcPcs* pcs, co
 {
     QC_TRY(AppendFiltered(triangles, pcs, keys->keys, sizeof(uint64_t), &candidates->keys));
     QC_TRY(AppendFiltered(triangles, pcs, keys->contactKeys, sizeof(uint64_t), &candidates->adjacentKeys));
-    return AppendFiltered(triangles, pcs, keys->sure, sizeof(qcSortItem), &candidates->classified);
+    return AppendFiltered(triangles, pcs, keys->classified, sizeof(qcSortItem), &candidates->classified);
 }
 
 void qcCandidates_Free(qcCandidates* candidates)

@@ -15,13 +15,13 @@ static qcStatus SyncSlots(const qcStepTriangles* t, qcBvhCandidates* sweep)
 {
     const qcArray* slots = &t->bodies->slots;
     size_t old = sweep->bvhs.count;
-    QC_TRY(qcArray_GrowZeroed(&sweep->bvhs, slots->count, sizeof(qcTriangleBvh), "BVHs"));
+    QC_TRY(qcArray_GrowZeroed(&sweep->bvhs, slots->count, sizeof(qcBodyBvh), "BVHs"));
     QC_TRY(qcArray_GrowZeroed(&sweep->seen, slots->count, sizeof(uint32_t), "BVHs"));
     for (uint32_t slot = 0; slot < old; slot++)
     {
-        qcTriangleBvh* bvh = qcBvhCandidates_At(sweep, slot);
-        if (bvh->generation != 0 && bvh->generation != QC_AT(qcBody, *slots, slot).generation)
-            qcTriangleBvh_Free(bvh);
+        qcBodyBvh* bvh = qcBvhCandidates_At(sweep, slot);
+        if (bvh->bvh.generation != 0 && bvh->bvh.generation != QC_AT(qcBody, *slots, slot).generation)
+            qcBodyBvh_Free(bvh);
     }
     return qc_statusOk;
 }
@@ -34,7 +34,7 @@ static bool MayHaveBvh(qcBvhCandidates* sweep, uint32_t slot, const qcBody* body
     uint32_t* seen = &QC_AT(uint32_t, sweep->seen, slot);
     bool isNew = *seen != body->generation;
     *seen = body->generation;
-    return qcBvhCandidates_At(sweep, slot)->generation != 0 || !isNew || !qcBody_HasSelfCollision(body) ||
+    return qcBvhCandidates_At(sweep, slot)->bvh.generation != 0 || !isNew || !qcBody_HasSelfCollision(body) ||
            body->triangleCount <= qc_smallBody || listNeighbours;
 }
 
@@ -69,10 +69,10 @@ static void BuildOne(void* context, size_t i, uint32_t worker)
     const Tasks* tasks = context;
     const qcRefitTask* task = TaskAt(tasks->sweep, i);
     const qcBody* body = qcStepTriangles_Body(tasks->triangles, task->body);
-    qcTriangleBvh* bvh = qcBvhCandidates_At(tasks->sweep, qcStepTriangles_Slot(tasks->triangles, task->body));
+    qcBodyBvh* bvh = qcBvhCandidates_At(tasks->sweep, qcStepTriangles_Slot(tasks->triangles, task->body));
     AddResult(tasks->sweep, worker,
-              bvh->generation == 0 ? qcTriangleBvh_Build(bvh, body, tasks->threads)
-                                   : qcTriangleBvh_Relate(bvh, body, tasks->threads));
+              bvh->bvh.generation == 0 ? qcBodyBvh_Build(bvh, body, tasks->threads)
+                                       : qcBodyBvh_BuildAdjacency(bvh, body, tasks->threads));
 }
 
 /// Builds the flagged BVHs that don't exist yet, and the adjacency of those whose body has self-collision only now.
@@ -82,9 +82,9 @@ static qcStatus BuildBvhs(const qcStepTriangles* triangles, uint32_t threads, co
     sweep->tasks.count = 0;
     for (uint32_t body = 0; body < triangles->bodyCount; body++)
     {
-        const qcTriangleBvh* bvh = qcBvhCandidates_At(sweep, qcStepTriangles_Slot(triangles, body));
-        bool lacksAdjacency = qcBody_HasSelfCollision(qcStepTriangles_Body(triangles, body)) && !bvh->related;
-        if (flags[body] && (bvh->generation == 0 || lacksAdjacency))
+        const qcBodyBvh* bvh = qcBvhCandidates_At(sweep, qcStepTriangles_Slot(triangles, body));
+        bool lacksAdjacency = qcBody_HasSelfCollision(qcStepTriangles_Body(triangles, body)) && !bvh->hasAdjacency;
+        if (flags[body] && (bvh->bvh.generation == 0 || lacksAdjacency))
             QC_TRY(AddTask(sweep, body));
     }
     QC_TRY(qcWorkerResults_Begin(&sweep->results, threads, sizeof(qcWorkerResult), "BVHs"));
@@ -100,22 +100,24 @@ static void RefitOne(void* context, size_t i, uint32_t worker)
     const Tasks* tasks = context;
     const qcBvhCandidates* sweep = tasks->sweep;
     qcRefitTask* task = TaskAt(sweep, i);
-    qcTriangleBvh* bvh = qcBvhCandidates_At(sweep, qcStepTriangles_Slot(tasks->triangles, task->body));
+    qcBodyBvh* bvh = qcBvhCandidates_At(sweep, qcStepTriangles_Slot(tasks->triangles, task->body));
     AddResult(sweep, worker,
-              qcTriangleBvh_Fit(bvh, qcStepTriangles_Body(tasks->triangles, task->body), tasks->margin, sweep->kernels,
-                                tasks->threads, &QC_AT(qcBvhScratch, sweep->refitScratch, worker), &task->upToDate));
+              qcTriangleBvh_Fit(&bvh->bvh, qcStepTriangles_Body(tasks->triangles, task->body), tasks->margin,
+                                sweep->kernels, tasks->threads, &QC_AT(qcBvhScratch, sweep->refitScratch, worker),
+                                &task->upToDate));
 }
 
 /// Refits only the moved vertices, if the body's pairs in the Verlet list, found within more than this step's distance,
 /// cover their motion.
 static qcStatus TryPartialRefit(const qcBvhCandidatesJob* job, uint32_t body, qcBvhCandidates* sweep)
 {
-    qcTriangleBvh* bvh = qcBvhCandidates_At(sweep, qcStepTriangles_Slot(job->triangles, body));
+    qcBodyBvh* bvh = qcBvhCandidates_At(sweep, qcStepTriangles_Slot(job->triangles, body));
     const qcBody* b = qcStepTriangles_Body(job->triangles, body);
     bool done = false;
-    if (qcBody_HasSelfCollision(b) && !job->testNeighbours && !job->listNeighbours && job->queryDistance <= bvh->margin)
-        QC_TRY(qcTriangleBvh_Follow(bvh, b, (bvh->keptMargin - qcBvhCandidates_PairDistance(job, b, b)) / 2.0,
-                                    sweep->kernels, &QC_AT(qcBvhScratch, sweep->refitScratch, 0), &done));
+    if (qcBody_HasSelfCollision(b) && !job->testNeighbours && !job->listNeighbours &&
+        job->queryDistance <= bvh->bvh.margin)
+        QC_TRY(qcBodyBvh_PartialRefit(bvh, b, (bvh->verlet.margin - qcBvhCandidates_PairDistance(job, b, b)) / 2.0,
+                                      sweep->kernels, &QC_AT(qcBvhScratch, sweep->refitScratch, 0), &done));
     QC_AT(uint8_t, sweep->partlyRefitted, body) = done;
     return qc_statusOk;
 }
@@ -131,8 +133,9 @@ static qcStatus QueueRefits(const qcBvhCandidatesJob* job, const uint8_t* flags,
     {
         const qcBody* b = qcStepTriangles_Body(triangles, body);
         QC_AT(uint8_t, sweep->partlyRefitted, body) = 0;
-        if (!flags[body] || qcTriangleBvh_IsFitted(qcBvhCandidates_At(sweep, qcStepTriangles_Slot(triangles, body)), b,
-                                                   job->queryDistance))
+        if (!flags[body] ||
+            qcTriangleBvh_IsUpToDate(&qcBvhCandidates_At(sweep, qcStepTriangles_Slot(triangles, body))->bvh, b,
+                                     job->queryDistance))
             continue;
         QC_TRY(TryPartialRefit(job, body, sweep));
         if (QC_AT(uint8_t, sweep->partlyRefitted, body))

@@ -17,7 +17,7 @@ typedef struct Refining
 {
     const qcCpuRefineJob* job;
     qcCpuRefine* memory;
-    qcFilterSide sides[2]; ///< the same
+    qcIndexedTriangles sides[2]; ///< the same
     qcDistanceThresholds bound;
     uint64_t trianglePairs;
 } Refining;
@@ -85,8 +85,8 @@ static void FindPairs(Queue* queue, const qcLayersEntry* p, const qcLayersEntry*
         return;
     if (queue->end - queue->pairs >= qc_queueFull)
         Flush(queue);
-    const qcSurfaceBoxes boxes = {r->job->image->clusterGroups, r->job->image->nodeGroups};
-    queue->end = r->memory->kernels->collect(&boxes, a, &boxes, b, pairMasks, NULL, 0, queue->end);
+    const qcBvhBoxes boxes = {r->job->image->clusterGroups, r->job->image->nodeGroups};
+    queue->end = r->memory->kernels->collectPairs(&boxes, a, &boxes, b, pairMasks, NULL, 0, queue->end);
 }
 
 /// OVERLAP of common.glsl: no subtraction borrows from a top bit.
@@ -149,9 +149,8 @@ qcStatus qcCpuRefine_Run(const qcCpuRefineJob* job, qcCpuRefine* refine, const q
     Refining r = {
         .job = job,
         .memory = refine,
-        .bound = {
-            .pointError = job->pointError, .reach = job->queryDistance, .margin = job->margin, .beyond = job->margin}};
-    r.sides[0] = r.sides[1] = (qcFilterSide){job->residency->corners.data, job->image->vertices};
+        .bound = {.pointError = job->pointError, .query = job->queryDistance, .near = job->margin, .far = job->margin}};
+    r.sides[0] = r.sides[1] = (qcIndexedTriangles){job->residency->corners.data, job->image->vertices};
     size_t blocks = ((size_t)job->image->entryCount + qc_entryBlock - 1) / qc_entryBlock;
     qcParallel_For(job->threads, blocks, qc_minBlocks, TakeBlock, &r);
     *trianglePairs = r.trianglePairs;
