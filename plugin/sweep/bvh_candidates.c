@@ -297,6 +297,8 @@ qcStatus qcBvhCandidates_Run(const qcBvhCandidatesJob* job, qcBvhCandidates* swe
     }
     profile->fittedTriangles += sweep->refittedTriangles;
     profile->followedTriangles += sweep->partlyRefittedTriangles;
+    // A step of `brute` or an image method prepares no BVH and has no refits to report.
+    sweep->refittedTriangles = sweep->partlyRefittedTriangles = 0;
     const qcPairKeys keys = {&candidates->keys, &candidates->adjacentKeys, &candidates->classified};
     return qcPairBuffers_End(&sweep->buffers, &keys);
 }

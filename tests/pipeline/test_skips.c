@@ -111,6 +111,24 @@ START_TEST(a_deforming_body_is_refitted_only_after_it_moved)
 }
 END_TEST
 
+START_TEST(a_step_of_brute_force_reports_no_refits)
+{
+    qcScene* scene = qcMakeScene(NULL);
+    qcSoup cloth = qcSoup_MakeFoldedCloth(2, 24, 0.02, 0.03);
+    qcAddSoup(scene, &cloth);
+    // The sweep before it has some.
+    ck_assert_uint_eq(Detect(scene, 0.0)->fittedTriangles, cloth.triangleCount);
+    qcDetectDef def = qcDefaultDetectDef();
+    def.method = qc_methodBrute;
+    const qcResult* result;
+    CHECK_OK(qcScene_Detect(scene, &def, &result));
+    ck_assert_uint_eq(result->profile.fittedTriangles, 0);
+    ck_assert_uint_eq(result->profile.followedTriangles, 0);
+    qcSoup_Free(&cloth);
+    qcScene_Destroy(scene);
+}
+END_TEST
+
 START_TEST(flat_patches_are_skipped_unless_the_margin_is_as_wide_as_triangles)
 {
     qcScene* scene = qcMakeScene(NULL);
@@ -143,5 +161,6 @@ END_TEST
 
 QC_RUN_TESTS("skips", a_sleeping_world_of_10_000_bodies_has_no_refit_and_no_candidate,
              rigid_bodies_are_refitted_once_for_all_transforms, a_deforming_body_is_refitted_only_after_it_moved,
+             a_step_of_brute_force_reports_no_refits,
              flat_patches_are_skipped_unless_the_margin_is_as_wide_as_triangles,
              pairs_proven_in_single_precision_need_no_exact_test)
