@@ -10,7 +10,7 @@
 
 namespace
 {
-// Metres. Pieces of one body begin with their shells in each other: thin ones part without a sound.
+// Metres. Pieces of one body begin with overlapping margins: thin ones separate gently.
 constexpr btScalar s_margin = btScalar(0.001);
 
 btRigidBody::btRigidBodyConstructionInfo Material(btScalar mass, btCollisionShape* shape, const btTransform& place)

@@ -51,7 +51,7 @@ static void PrintStages(const qcPairsRun* run)
     for (size_t i = 0; i < qc_stageCount; ++i)
     {
         const qcPairsStage* stage = &run->stages[i];
-        // A stage that did not run is no news; the total always is.
+        // Stages that did not run are left out; the total stays.
         if (stage->median < 0.0005 && i + 1 < qc_stageCount)
             continue;
         printf("  %-14s %10.3f ms", stage->name, stage->median);

@@ -111,7 +111,7 @@ START_TEST(exponents_of_any_length_end_at_zero_or_infinity)
 }
 END_TEST
 
-START_TEST(what_is_no_decimal_number_is_no_number)
+START_TEST(text_that_is_no_decimal_number_is_refused)
 {
     static const char* texts[] = {"",    "-",   ".",    "e5",  "1e",   "1e+", "1.2.3", "0x10", "nan",   "inf",
                                   "1,5", "1 2", "1.5f", "--1", "1e5.", "1d5", "+-1",   "1_0",  "1e5e5", "INFINITY"};
@@ -133,7 +133,7 @@ int main(void)
     tcase_add_test(numbers, points_halfway_between_two_floats_are_rounded_to_even);
     tcase_add_test(numbers, a_digit_far_behind_the_point_still_decides_the_rounding);
     tcase_add_test(numbers, exponents_of_any_length_end_at_zero_or_infinity);
-    tcase_add_test(numbers, what_is_no_decimal_number_is_no_number);
+    tcase_add_test(numbers, text_that_is_no_decimal_number_is_refused);
     suite_add_tcase(suite, numbers);
     return qcRunSuite(suite);
 }

@@ -26,7 +26,7 @@ struct Options
     const char* out = "out/bench";
 };
 
-/// One figure of a scene, by this library and by Bullet. NaN: there is none.
+/// One measure of a scene, by this library and by Bullet. NaN: none.
 struct Row
 {
     const char* scene;
@@ -89,7 +89,7 @@ void MakePileMesh(qcPileSceneDef* def)
         }
         return;
     }
-    // About its centre of mass.
+    // The scene needs the centre of mass at the origin. qcMeshShape::makeRecentered rounds differently in the last bit.
     btTransform frame = qcMeshShape(def->positions.data(), qcBulletPositions, 0, uint32_t(def->positions.size() / 3),
                                     def->indices.data(), uint32_t(def->indices.size() / 3))
                             .getMassProperties()
