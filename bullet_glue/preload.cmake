@@ -1,4 +1,4 @@
-# qc-preload: our broadphase in programs that know nothing of it (LD_PRELOAD), for each precision of Bullet's library.
+# qc-preload: qcBroadphase in programs that were built without it (LD_PRELOAD), for each precision of Bullet.
 function(qc_add_preload name component)
   # Interposition is the affair of ELF's dynamic linkers, and needs a Bullet that is a shared library as well.
   if(NOT TARGET quickcullide::${component} OR NOT BUILD_SHARED_LIBS OR NOT CMAKE_SYSTEM_NAME STREQUAL "Linux")

@@ -1,4 +1,4 @@
-// How debugDraw shows candidate triangles.
+// Debug drawing of candidate triangles.
 #ifndef QC_GLUE_COMMON_DEBUG_DRAW_H
 #define QC_GLUE_COMMON_DEBUG_DRAW_H
 

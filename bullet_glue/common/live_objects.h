@@ -1,4 +1,4 @@
-// The objects that are in a world, by the proxies of its broadphase.
+// The objects in a world, by the proxies of its broadphase.
 #ifndef QC_GLUE_COMMON_LIVE_OBJECTS_H
 #define QC_GLUE_COMMON_LIVE_OBJECTS_H
 

@@ -2,6 +2,8 @@
 #ifndef QC_GLUE_COMMON_OBJECT_KEY_H
 #define QC_GLUE_COMMON_OBJECT_KEY_H
 
+#include "common/hash_table.h"
+
 #include <BulletCollision/BroadphaseCollision/btBroadphaseProxy.h>
 #include <BulletCollision/CollisionDispatch/btCollisionObject.h>
 
@@ -12,6 +14,30 @@ inline int qcUniqueIdOf(const btCollisionObject* object)
     const btBroadphaseProxy* proxy = object->getBroadphaseHandle();
     return proxy != nullptr ? proxy->m_uniqueId : -1;
 }
+
+/// An object from its addition to a world to its removal.
+struct qcObjectKey
+{
+    const btCollisionObject* object;
+    int uniqueId; ///< see qcUniqueIdOf
+
+    explicit qcObjectKey(const btCollisionObject* object) : object(object), uniqueId(qcUniqueIdOf(object))
+    {
+    }
+    bool operator==(const qcObjectKey& other) const
+    {
+        return object == other.object && uniqueId == other.uniqueId;
+    }
+};
+
+/// For the standard library's hash tables.
+struct qcObjectKeyHash
+{
+    size_t operator()(const qcObjectKey& key) const
+    {
+        return size_t(qcMixHash(uint64_t(key.uniqueId), reinterpret_cast<uintptr_t>(key.object)));
+    }
+};
 
 /// The fourth component means nothing, but Bullet's own operator compares it.
 inline bool qcAreSame(const btVector3& a, const btVector3& b)

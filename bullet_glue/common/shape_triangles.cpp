@@ -48,7 +48,7 @@ bool qcIsMesh(const btCollisionShape* shape)
 
 const qcMeshShape* qcAsMeshShape(const btCollisionShape* shape)
 {
-    // Somebody else may use the type, too.
+    // Other classes may use the type, too.
     return shape->getShapeType() == FAST_CONCAVE_MESH_PROXYTYPE ? dynamic_cast<const qcMeshShape*>(shape) : nullptr;
 }
 
@@ -82,7 +82,7 @@ qcMeshTriangles::qcMeshTriangles(const btCollisionShape* shape, const btVector3*
     }
     btVector3 lower, upper;
     shape->getAabb(btTransform::getIdentity(), lower, upper);
-    // Nothing may be lost to rounding at the faces of the box.
+    // Larger than rounding errors at the faces of the box.
     btVector3 slack = (upper - lower) * btScalar(0.01) + btVector3(1, 1, 1);
     bool whole = box == nullptr || shape->getShapeType() == GIMPACT_SHAPE_PROXYTYPE;
     Reader reader(&m_points, &m_indices, &sources);
@@ -110,14 +110,13 @@ qcBodyDef qcMeshBodyDef(const btVector3* points, uint32_t pointCount, const uint
     return def;
 }
 
-qcStatus qcAddMesh(qcScene* scene, const btCollisionShape* shape, const btTransform& transform, qcActivity activity,
-                   uint32_t owner, const btVector3* box, qcBodyId* id, std::vector<qcTriangleSource>* sources)
+qcStatus qcAddMesh(qcScene* scene, const qcMeshDef& mesh, qcBodyId* id, std::vector<qcTriangleSource>* sources)
 {
-    qcMeshTriangles triangles(shape, box);
+    qcMeshTriangles triangles(mesh.shape, mesh.box);
     *sources = std::move(triangles.sources);
-    qcBodyDef def =
-        qcMeshBodyDef(triangles.points, triangles.pointCount, triangles.indices, triangles.count, transform, activity);
-    def.owner = owner;
+    qcBodyDef def = qcMeshBodyDef(triangles.points, triangles.pointCount, triangles.indices, triangles.count,
+                                  mesh.transform, mesh.activity);
+    def.owner = mesh.owner;
     return qcScene_AddBody(scene, &def, id);
 }
 

@@ -6,33 +6,35 @@
 
 #include <vector>
 
-/// Which triangle of a shape this is, as Bullet counts them.
+/// A triangle of a shape, in Bullet's numbering.
 struct qcTriangleSource
 {
     int part, index;
 };
 
-/// False for roots that hold no mesh, so that most objects of a world cost no more than this.
+/// False if neither the shape nor a child of it can be a mesh. A cheap test that excludes most objects of a world.
 inline bool qcMayHoldMeshes(const btCollisionShape* shape)
 {
     return shape->isConcave() || shape->isCompound();
 }
 
-/// Does the shape consist of triangles? Planes, which have none of their own, and compounds do not.
+/// True if the shape consists of triangles. Planes and compounds don't.
 bool qcIsMesh(const btCollisionShape* shape);
 
-/// The shape as ours, or null.
+/// The shape as a qcMeshShape; null if it is none.
 const qcMeshShape* qcAsMeshShape(const btCollisionShape* shape);
+/// True for a mesh of GImpact, false for a compound of GImpact.
 bool qcIsGImpactMesh(const btCollisionShape* shape);
 
-/// Differs between two meshes that are not the same, as far as can be told without reading them.
+/// A number that changes with the mesh. For Bullet's own shapes: with its scaling and its box, since their triangles
+/// are not read.
 uint64_t qcMeshRevision(const btCollisionShape* shape);
 
 /// The triangles of a shape, in its frame. Refers to the shape: valid while that stays as it is.
 class qcMeshTriangles
 {
   public:
-    /// `box`: see qcAddMesh.
+    /// `box`: see qcMeshDef.
     qcMeshTriangles(const btCollisionShape* shape, const btVector3* box);
     qcMeshTriangles(const qcMeshTriangles&) = delete;
     qcMeshTriangles& operator=(const qcMeshTriangles&) = delete;
@@ -41,7 +43,7 @@ class qcMeshTriangles
     uint32_t pointCount;
     const uint32_t* indices; ///< three a triangle
     uint32_t count;          ///< triangles
-    /// What each triangle is; empty for a qcMeshShape, whose triangles keep their numbers.
+    /// For each triangle; empty for a qcMeshShape, whose triangles keep their numbers.
     std::vector<qcTriangleSource> sources;
 
   private:
@@ -53,11 +55,20 @@ class qcMeshTriangles
 qcBodyDef qcMeshBodyDef(const btVector3* points, uint32_t pointCount, const uint32_t* indices, uint32_t triangleCount,
                         const btTransform& transform, qcActivity activity);
 
-/// Adds the shape's triangles to a scene. `owner`: of the body, see qcBodyDef. `box` (may be null): those of Bullet's
-/// own static shapes that do not meet it, in the shape's frame, may be left out. `sources` receives those of the
-/// triangles.
-qcStatus qcAddMesh(qcScene* scene, const btCollisionShape* shape, const btTransform& transform, qcActivity activity,
-                   uint32_t owner, const btVector3* box, qcBodyId* id, std::vector<qcTriangleSource>* sources);
+/// A mesh to add to a scene.
+struct qcMeshDef
+{
+    const btCollisionShape* shape;
+    btTransform transform;
+    qcActivity activity = qc_activityMoving;
+    uint32_t owner = 0; ///< see qcBodyDef
+    /// Lower and upper corner of a box in the shape's frame, or null. Triangles of Bullet's own static shapes that
+    /// don't overlap it may be left out.
+    const btVector3* box = nullptr;
+};
+
+/// Adds the triangles of a shape to a scene. `sources` receives those of the triangles.
+qcStatus qcAddMesh(qcScene* scene, const qcMeshDef& mesh, qcBodyId* id, std::vector<qcTriangleSource>* sources);
 
 qcTransform qcTransformOf(const btTransform& transform);
 

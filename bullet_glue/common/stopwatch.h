@@ -4,7 +4,7 @@
 
 #include <chrono>
 
-/// Milliseconds of a clock that never goes back.
+/// Milliseconds of a monotonic clock.
 inline double qcNowMs()
 {
     using namespace std::chrono;

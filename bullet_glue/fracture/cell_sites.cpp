@@ -1,6 +1,6 @@
-// Sites in the units of a mesh. Products and sums that cancel are exact: expansions after Shewchuk (Adaptive precision
-// floating-point arithmetic and fast robust geometric predicates, 1997). Compiled without contraction to fused
-// multiply-adds, which would break them.
+// Sites in the units of a mesh. Sums that cancel are exact: expansions after Shewchuk, Adaptive precision
+// floating-point arithmetic and fast robust geometric predicates, 1997. Compiled without contraction to fused
+// multiply-adds, which would make them inexact.
 #include "fracture/cell_sites.h"
 
 #include <algorithm>
@@ -9,24 +9,19 @@
 
 namespace
 {
-// Squares of distances stay finite, sums of some included.
-const double s_mostDistance = std::ldexp(1, 480);
+// Squares of distances, and sums of a few of them, stay finite.
+const double s_maxDistance = std::ldexp(1, 480);
 
 double LengthOf(const qcClipPoint& v)
 {
-    double most = std::max({std::fabs(v[0]), std::fabs(v[1]), std::fabs(v[2])});
-    if (most == 0 || std::isinf(most))
-        return most;
-    qcClipPoint u = {v[0] / most, v[1] / most, v[2] / most};
-    return most * std::sqrt(qcDotOf(u, u));
+    double longest = std::max({std::fabs(v[0]), std::fabs(v[1]), std::fabs(v[2])});
+    if (longest == 0 || std::isinf(longest))
+        return longest;
+    qcClipPoint u = {v[0] / longest, v[1] / longest, v[2] / longest};
+    return longest * std::sqrt(qcDotOf(u, u));
 }
 
-qcClipPoint Minus(const qcClipPoint& a, const qcClipPoint& b)
-{
-    return {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
-}
-
-/// An exact sum of products, as parts that don't overlap, smallest first.
+/// An exact sum of products: a non-overlapping expansion, smallest component first.
 class ExactSum
 {
   public:
@@ -41,7 +36,7 @@ class ExactSum
     {
         double sum = 0;
         for (size_t i = 0; i < m_count; i++)
-            sum += m_parts[i];
+            sum += m_components[i];
         return sum;
     }
 
@@ -51,18 +46,18 @@ class ExactSum
         size_t kept = 0;
         for (size_t i = 0; i < m_count; i++)
         {
-            double part = m_parts[i], sum = x + part, virtualPart = sum - x;
-            double rest = (x - (sum - virtualPart)) + (part - virtualPart);
+            double component = m_components[i], sum = x + component, virtualComponent = sum - x;
+            double rest = (x - (sum - virtualComponent)) + (component - virtualComponent);
             if (rest != 0)
-                m_parts[kept++] = rest;
+                m_components[kept++] = rest;
             x = sum;
         }
         if (x != 0)
-            m_parts[kept++] = x;
+            m_components[kept++] = x;
         m_count = kept;
     }
 
-    std::array<double, 24> m_parts; ///< of twelve products at most
+    std::array<double, 24> m_components; ///< of at most twelve products
     size_t m_count = 0;
 };
 
@@ -97,15 +92,15 @@ std::string qcFractureSites_Find(const qcFractureDef& def, const qcFractureUnits
     qcClipPoint centre = {(lower[0] + upper[0]) / 2, (lower[1] + upper[1]) / 2, (lower[2] + upper[2]) / 2};
     std::vector<double> distances;
     for (const btVector3& site : def.sites)
-        distances.push_back(LengthOf(Minus(units.Local(site), centre)));
+        distances.push_back(LengthOf(qcMinus(units.Local(site), centre)));
     size_t nearest = size_t(std::min_element(distances.begin(), distances.end()) - distances.begin());
-    if (!(distances[nearest] < s_mostDistance))
-        return "site " + std::to_string(nearest) + ", the nearest, is more than " + qcTextOf(s_mostDistance) +
+    if (!(distances[nearest] < s_maxDistance))
+        return "site " + std::to_string(nearest) + ", the nearest, is more than " + qcTextOf(s_maxDistance) +
                " times as far from the mesh as the mesh is long";
-    // Each point of the mesh is nearer to the nearest site than to one that is further away than this.
-    double reach = distances[nearest] * (1 + 1e-9) + LengthOf(Minus(upper, lower));
+    // Every point of the mesh is nearer to the nearest site than to a site further away than this.
+    double maxDistance = distances[nearest] * (1 + 1e-9) + LengthOf(qcMinus(upper, lower));
     for (size_t i = 0; i < def.sites.size(); i++)
-        if (distances[i] <= reach)
+        if (distances[i] <= maxDistance)
         {
             sites->numbers.push_back(uint32_t(i));
             sites->scaled.push_back(units.Scaled(def.sites[i]));
@@ -124,33 +119,33 @@ qcClipPlane qcFractureSites_Bisect(const qcFractureSites& sites, uint32_t site, 
         const qcClipPoint& n = mirrored.normal;
         return {{-n[0], -n[1], -n[2]}, -mirrored.distance, face};
     }
-    qcClipPoint across = Minus(b, a);
+    qcClipPoint across = qcMinus(b, a);
     double length = LengthOf(across);
     return {{across[0] / length, across[1] / length, across[2] / length},
             DifferenceOfSquares(a, b, sites.origin) / 2 / length,
             face};
 }
 
-void qcFractureSites_CutCell(const qcFractureSites& sites, uint32_t site, uint32_t firstFace, qcClipSolid* solid,
-                             qcClipScratch* scratch)
+void qcFractureSites_ClipCell(const qcFractureSites& sites, uint32_t site, uint32_t firstFace, qcClipSolid* solid,
+                              qcClipScratch* scratch)
 {
     std::vector<std::pair<double, uint32_t>> others;
     for (uint32_t other = 0; other < sites.scaled.size(); other++)
         if (other != site)
-            others.emplace_back(LengthOf(Minus(sites.scaled[other], sites.scaled[site])), other);
-    // A heap: only the nearest few are sorted.
+            others.emplace_back(LengthOf(qcMinus(sites.scaled[other], sites.scaled[site])), other);
+    // A heap, since only the nearest few are used.
     auto isFurther = std::greater<std::pair<double, uint32_t>>();
     std::make_heap(others.begin(), others.end(), isFurther);
     while (!others.empty())
     {
         double radius = 0;
         for (const qcClipPoint& p : solid->points)
-            radius = std::max(radius, LengthOf(Minus(p, sites.local[site])));
+            radius = std::max(radius, LengthOf(qcMinus(p, sites.local[site])));
         auto [distance, other] = others.front();
-        // All that is left is nearer to this site.
+        // Every remaining point is nearer to this site.
         if (distance > 2 * radius * (1 + 1e-9))
             return;
-        qcClipSolid_Cut(solid, qcFractureSites_Bisect(sites, site, other, firstFace + other), scratch);
+        qcClipSolid_Clip(solid, qcFractureSites_Bisect(sites, site, other, firstFace + other), scratch);
         std::pop_heap(others.begin(), others.end(), isFurther);
         others.pop_back();
     }

@@ -1,4 +1,4 @@
-// Meshes at both ends of a fracture.
+// Welding, volume and islands of meshes.
 #include "fracture/clip_mesh.h"
 
 #include "fracture/scratch.h"
@@ -8,16 +8,16 @@ namespace
 constexpr uint32_t s_none = UINT32_MAX;
 }
 
-void qcWeldPoints(std::vector<qcClipPoint>* points, std::vector<uint32_t>* places, qcClipScratch* scratch)
+void qcWeldPoints(std::vector<qcClipPoint>* points, std::vector<uint32_t>* newIndices, qcClipScratch* scratch)
 {
     scratch->positions.Clear(points->size());
-    places->resize(points->size());
+    newIndices->resize(points->size());
     uint32_t count = 0;
     for (size_t i = 0; i < points->size(); i++)
     {
-        uint32_t place = scratch->positions.FindOrAdd((*points)[i], count);
-        (*places)[i] = place;
-        if (place == count)
+        uint32_t newIndex = scratch->positions.FindOrAdd((*points)[i], count);
+        (*newIndices)[i] = newIndex;
+        if (newIndex == count)
             (*points)[count++] = (*points)[i];
     }
     points->resize(count);
@@ -25,12 +25,13 @@ void qcWeldPoints(std::vector<qcClipPoint>* points, std::vector<uint32_t>* place
 
 void qcClipMesh_Weld(qcClipMesh* mesh, qcClipScratch* scratch)
 {
-    std::vector<uint32_t>& places = scratch->places;
-    qcWeldPoints(&mesh->points, &places, scratch);
+    std::vector<uint32_t>& newIndices = scratch->newIndices;
+    qcWeldPoints(&mesh->points, &newIndices, scratch);
     size_t kept = 0;
     for (const qcClipTriangle& triangle : mesh->triangles)
     {
-        uint32_t a = places[triangle.corner[0]], b = places[triangle.corner[1]], c = places[triangle.corner[2]];
+        uint32_t a = newIndices[triangle.corner[0]], b = newIndices[triangle.corner[1]],
+                 c = newIndices[triangle.corner[2]];
         mesh->triangles[kept] = {{a, b, c}, triangle.face};
         kept += a != b && b != c && c != a;
     }
@@ -43,7 +44,7 @@ double qcClipMesh_Measure(const qcClipMesh& mesh, qcClipPoint* first)
     *first = {0, 0, 0};
     if (mesh.points.empty())
         return 0;
-    // Tetrahedra from a point of the mesh: from far away they would cancel.
+    // Tetrahedra from a point of the mesh: from a far point their volumes would cancel.
     const qcClipPoint& from = mesh.points[0];
     for (const qcClipTriangle& triangle : mesh.triangles)
     {
@@ -63,36 +64,36 @@ double qcClipMesh_Measure(const qcClipMesh& mesh, qcClipPoint* first)
     return volume;
 }
 
-std::vector<qcClipMesh> qcClipMesh_FindParts(const qcClipMesh& mesh, qcClipScratch* scratch)
+std::vector<qcClipMesh> qcClipMesh_FindIslands(const qcClipMesh& mesh, qcClipScratch* scratch)
 {
     qcUnionFind& islands = scratch->islands;
     islands.Reset(mesh.points.size());
     for (const qcClipTriangle& triangle : mesh.triangles)
         for (size_t c = 1; c < 3; c++)
             islands.Unite(triangle.corner[c], triangle.corner[0]);
-    std::vector<qcClipMesh> parts;
-    std::vector<uint32_t>&partOf = scratch->parts, &places = scratch->places;
-    partOf.assign(mesh.points.size(), s_none);
-    places.assign(mesh.points.size(), s_none);
+    std::vector<qcClipMesh> meshes;
+    std::vector<uint32_t>&islandOf = scratch->island, &newIndices = scratch->newIndices;
+    islandOf.assign(mesh.points.size(), s_none);
+    newIndices.assign(mesh.points.size(), s_none);
     for (qcClipTriangle triangle : mesh.triangles)
     {
-        uint32_t& part = partOf[islands.Find(triangle.corner[0])];
-        if (part == s_none)
+        uint32_t& island = islandOf[islands.Find(triangle.corner[0])];
+        if (island == s_none)
         {
-            part = uint32_t(parts.size());
-            parts.emplace_back();
+            island = uint32_t(meshes.size());
+            meshes.emplace_back();
         }
         for (uint32_t& corner : triangle.corner)
         {
-            uint32_t& place = places[corner];
-            if (place == s_none)
+            uint32_t& newIndex = newIndices[corner];
+            if (newIndex == s_none)
             {
-                place = uint32_t(parts[part].points.size());
-                parts[part].points.push_back(mesh.points[corner]);
+                newIndex = uint32_t(meshes[island].points.size());
+                meshes[island].points.push_back(mesh.points[corner]);
             }
-            corner = place;
+            corner = newIndex;
         }
-        parts[part].triangles.push_back(triangle);
+        meshes[island].triangles.push_back(triangle);
     }
-    return parts;
+    return meshes;
 }

@@ -1,23 +1,21 @@
-// Triangles with numbered faces, as they come and as they go.
+// Triangle meshes in double precision with numbered faces: the input and the output of clipping.
 #ifndef QC_GLUE_FRACTURE_CLIP_MESH_H
 #define QC_GLUE_FRACTURE_CLIP_MESH_H
 
+#include "common/double_vector.h"
+
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
 
-using qcClipPoint = std::array<double, 3>;
-
-inline double qcDotOf(const qcClipPoint& a, const qcClipPoint& b)
-{
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
+using qcClipPoint = qcDoubleVector;
 
 struct qcClipTriangle
 {
     std::array<uint32_t, 3> corner;
-    uint32_t face; ///< what it is a part of: triangles of one face lie in one plane
+    uint32_t face; ///< triangles of one face lie in one plane
 };
 
 struct qcClipMesh
@@ -26,19 +24,39 @@ struct qcClipMesh
     std::vector<qcClipTriangle> triangles;
 };
 
+/// The axis along which the items have the largest extent; `coordinate`: of an item along an axis.
+template <typename Item, typename Coordinate>
+size_t qcLongestAxis(const std::vector<Item>& items, const Coordinate& coordinate)
+{
+    size_t longest = 0;
+    double maxLength = -1;
+    for (size_t axis = 0; axis < 3; axis++)
+    {
+        auto isLower = [&](const Item& a, const Item& b) { return coordinate(a, axis) < coordinate(b, axis); };
+        auto ends = std::minmax_element(items.begin(), items.end(), isLower);
+        double length = coordinate(*ends.second, axis) - coordinate(*ends.first, axis);
+        if (length > maxLength)
+        {
+            maxLength = length;
+            longest = axis;
+        }
+    }
+    return longest;
+}
+
 /// fracture/scratch.h
 struct qcClipScratch;
 
-/// Points at the same position become one. Fills the place of each among those that are left.
-void qcWeldPoints(std::vector<qcClipPoint>* points, std::vector<uint32_t>* places, qcClipScratch* scratch);
+/// Merges points at the same position. `newIndices` receives the index of each point among the remaining ones.
+void qcWeldPoints(std::vector<qcClipPoint>* points, std::vector<uint32_t>* newIndices, qcClipScratch* scratch);
 
-/// Vertices at the same position become one, and triangles that have one twice are dropped.
+/// Merges vertices at the same position, and drops triangles that then have a vertex twice.
 void qcClipMesh_Weld(qcClipMesh* mesh, qcClipScratch* scratch);
 
-/// Volume, and the integral of positions over it.
+/// Returns the volume; `first` receives the integral of positions over it.
 double qcClipMesh_Measure(const qcClipMesh& mesh, qcClipPoint* first);
 
-/// What is connected over vertices, one after another, each with the vertices it has.
-std::vector<qcClipMesh> qcClipMesh_FindParts(const qcClipMesh& mesh, qcClipScratch* scratch);
+/// The islands of the mesh, connected over vertices, each with its own vertices. In the order of their first triangles.
+std::vector<qcClipMesh> qcClipMesh_FindIslands(const qcClipMesh& mesh, qcClipScratch* scratch);
 
 #endif

@@ -1,14 +1,15 @@
-// A mesh broken along the Voronoi cells of sites: in a cell is what is left of the mesh when the bisector with each
-// neighbour has cut it. Each cell starts from what is near to it (fracture/voronoi_cells.h). All is done in units of
-// the mesh's length (fracture/unit_scale.h), and the volumes of all cells must add up to that of the mesh.
+// Breaks a mesh along the Voronoi cells of sites: a cell holds what remains of the mesh after clipping by the bisector
+// with each neighbour. Each cell starts from the part of the mesh near it (fracture/voronoi_cells.h). All
+// computations are in units of the mesh's length (fracture/unit_scale.h). The volumes of all cells must add up to that
+// of the mesh.
 #include "quickcullide/bullet_fracture.h"
 
+#include "fracture/cell_sites.h"
 #include "fracture/parallel_cells.h"
 #include "fracture/voronoi_cells.h"
-#include "fracture/cell_sites.h"
-#include "quickcullide/bullet_positions.h"
 
 #include "quickcullide/bullet_mesh.h"
+#include "quickcullide/bullet_positions.h"
 
 #include <BulletDynamics/Dynamics/btRigidBody.h>
 
@@ -19,17 +20,12 @@
 
 namespace
 {
-constexpr btScalar s_leastMass = std::numeric_limits<btScalar>::min();
-constexpr double s_leastShare = 1e-9; ///< of the mesh's volume, that a piece has
-// Of sums of volumes by rounding, relative and in cubic units: with boxes, needles and tori turned at random, in up to
-// 125 cells, they were off by 4e-15 and 5e-16 at most.
+constexpr btScalar s_minMass = std::numeric_limits<btScalar>::min();
+constexpr double s_minShare = 1e-9; ///< volume of a piece by that of the mesh; smaller ones are dropped
+// Tolerances for a sum of volumes, relative and in cubic units. Boxes, needles and tori turned at random, in up to 125
+// cells, had rounding errors of up to 4e-15 and 5e-16.
 constexpr double s_volumeShare = 1e-12, s_volumeError = 1e-14;
-constexpr double s_leastVolume = 100 * s_volumeError; ///< of a mesh: a wrong sum of volumes shows
-
-qcClipPoint PointOf(const btVector3& v)
-{
-    return {double(v.x()), double(v.y()), double(v.z())};
-}
+constexpr double s_minVolume = 100 * s_volumeError; ///< of a mesh: above the errors, so that a wrong sum is noticed
 
 bool IsFinite(const btVector3& v)
 {
@@ -55,7 +51,7 @@ std::string FindBadSite(const std::vector<btVector3>& sites)
             return "site " + std::to_string(i) + " is not finite";
     std::vector<std::pair<qcClipPoint, size_t>> sorted;
     for (size_t i = 0; i < sites.size(); i++)
-        sorted.emplace_back(PointOf(sites[i]), i);
+        sorted.emplace_back(qcDoubleVectorOf(sites[i]), i);
     std::sort(sorted.begin(), sorted.end());
     for (size_t i = 1; i < sorted.size(); i++)
         if (sorted[i].first == sorted[i - 1].first)
@@ -65,7 +61,7 @@ std::string FindBadSite(const std::vector<btVector3>& sites)
 }
 
 /// The first defect of the definition, or an empty text.
-std::string FindFault(const qcFractureDef& def)
+std::string FindDefect(const qcFractureDef& def)
 {
     if (def.indices.empty() || def.indices.size() % 3 != 0)
         return std::to_string(def.indices.size()) + " indices: there must be three a triangle, and a triangle";
@@ -86,11 +82,12 @@ struct Job
     qcFractureSites sites;
     qcClipSolid solid;
     double volume = 0;
-    /// The faces: triangles of the mesh, then cuts by the site on their other side, then those of boxes around cells.
+    /// Numbers of faces: first the triangles of the mesh, then cut faces by the site on their other side, then the
+    /// sides of boxes around cells.
     uint32_t firstCut = 0;
 };
 
-/// In local positions. Vertices without a triangle are put onto another vertex: welding drops them.
+/// The mesh in local positions. Vertices without a triangle get the position of another vertex: welding drops them.
 qcClipMesh MeshOf(const qcFractureDef& def, const qcFractureUnits& units)
 {
     qcClipMesh mesh;
@@ -105,12 +102,12 @@ qcClipMesh MeshOf(const qcFractureDef& def, const qcFractureUnits& units)
     return mesh;
 }
 
-/// The job of a definition without a fault. Returns why it can't be done, or an empty text.
+/// Makes the job of a definition without defects. Returns the reason why it can't be done, or an empty text.
 std::string Prepare(const qcFractureDef& def, qcClipScratch* scratch, Job* job)
 {
-    std::string fault = qcFractureUnits_Find(def, &job->units);
-    if (!fault.empty())
-        return fault;
+    std::string defect = qcFractureUnits_Find(def, &job->units);
+    if (!defect.empty())
+        return defect;
     qcClipMesh mesh = MeshOf(def, job->units);
     qcClipMesh_Weld(&mesh, scratch);
     size_t open = qcClipSolid_Make(&mesh, &job->solid);
@@ -126,11 +123,11 @@ std::string Prepare(const qcFractureDef& def, qcClipScratch* scratch, Job* job)
     job->volume = qcClipMesh_Measure(mesh, &first);
     if (!(job->volume > 0))
         return "the volume is not positive: triangles must be counterclockwise as seen from outside";
-    if (job->volume < s_leastVolume)
+    if (job->volume < s_minVolume)
         return "the mesh is too thin: its volume is about " + qcTextOf(job->volume) +
-               " of the cube of its length, less than " + qcTextOf(s_leastVolume);
+               " of the cube of its length, less than " + qcTextOf(s_minVolume);
     double volume = job->units.GlobalVolume(job->volume);
-    if (!std::isnormal(s_leastShare * volume) || !std::isfinite(volume))
+    if (!std::isnormal(s_minShare * volume) || !std::isfinite(volume))
         return "the volume of the mesh, " + qcTextOf(job->volume) + " times the cube of " +
                qcTextOf(job->units.length) + ", leaves the range of double";
     job->firstCut = uint32_t(def.indices.size() / 3);
@@ -139,9 +136,9 @@ std::string Prepare(const qcFractureDef& def, qcClipScratch* scratch, Job* job)
 
 //  ---- pieces ----------------------------------------------------------------------------------------
 
-/// A hollow in a piece is a part of its own, inside out: it goes to the part around it, the first of those whose box
-/// holds it.
-void JoinHollows(std::vector<qcClipMesh>* parts)
+/// Joins hollows to the pieces around them. A hollow is an island of its own, inside out; it belongs to the first
+/// island whose box contains its box.
+void JoinHollows(std::vector<qcClipMesh>* islands)
 {
     auto holds = [](const qcClipMesh& outer, const qcClipMesh& inner)
     {
@@ -155,14 +152,14 @@ void JoinHollows(std::vector<qcClipMesh>* parts)
         }
         return true;
     };
-    for (size_t i = 0; i < parts->size(); i++)
+    for (size_t i = 0; i < islands->size(); i++)
     {
         qcClipPoint first;
-        if (qcClipMesh_Measure((*parts)[i], &first) >= 0)
+        if (qcClipMesh_Measure((*islands)[i], &first) >= 0)
             continue;
-        for (size_t k = 0; k < parts->size(); k++)
+        for (size_t k = 0; k < islands->size(); k++)
         {
-            qcClipMesh &outer = (*parts)[k], &inner = (*parts)[i];
+            qcClipMesh &outer = (*islands)[k], &inner = (*islands)[i];
             if (k == i || qcClipMesh_Measure(outer, &first) <= 0 || !holds(outer, inner))
                 continue;
             uint32_t offset = uint32_t(outer.points.size());
@@ -179,38 +176,38 @@ void JoinHollows(std::vector<qcClipMesh>* parts)
     }
 }
 
-/// What a cell holds. Volumes are in units.
-struct Parts
+/// The pieces in a cell. Volumes are in cubic units.
+struct CellPieces
 {
     std::vector<qcPiece> pieces;
-    double volume = 0; ///< with what is lost; parts that are inside out are subtracted
+    double volume = 0; ///< of all islands, lost ones included; islands that are inside out count negative
     double lostVolume = 0;
 };
 
-/// The part in the frame of its centre of mass (in local positions) and its principal axes.
-void PutInFrame(const qcClipMesh& part, const qcClipPoint& center, const qcFractureUnits& units, qcPiece* piece)
+/// Fills the piece's vertices in its frame: the centre of mass (given in local positions) and the principal axes.
+void PutInFrame(const qcClipMesh& island, const qcClipPoint& center, const qcFractureUnits& units, qcPiece* piece)
 {
-    // Vertices are about the origin of the frame, which is rounded to btScalar.
+    // Vertices are relative to the origin of the frame after its rounding to btScalar.
     piece->frame.setOrigin(units.Global(center));
     const qcClipPoint origin = units.Local(piece->frame.getOrigin());
     auto about = [&](const qcClipPoint& p) {
         return qcClipPoint{p[0] - origin[0], p[1] - origin[1], p[2] - origin[2]};
     };
-    for (const qcClipPoint& p : part.points)
+    for (const qcClipPoint& p : island.points)
     {
         qcClipPoint v = about(p);
         piece->vertices.emplace_back(btScalar(v[0]), btScalar(v[1]), btScalar(v[2]));
     }
-    // In units, where no moment overflows.
+    // In units, so that no moment overflows.
     btMatrix3x3 axes =
         qcMeshShape(piece->vertices.data(), qcBulletPositions, sizeof(btVector3), uint32_t(piece->vertices.size()),
                     piece->indices.data(), uint32_t(piece->indices.size() / 3))
             .getMassProperties()
             .principalFrame.getBasis();
-    for (size_t i = 0; i < part.points.size(); i++)
+    for (size_t i = 0; i < island.points.size(); i++)
     {
-        // Rounded once: cuts of two pieces that lie on each other do so in their frames, too.
-        qcClipPoint v = about(part.points[i]);
+        // Rounded once: cut faces of two pieces that coincide do so in their frames, too.
+        qcClipPoint v = about(island.points[i]);
         for (int k = 0; k < 3; k++)
             piece->vertices[i][k] = btScalar(
                 (v[0] * double(axes[0][k]) + v[1] * double(axes[1][k]) + v[2] * double(axes[2][k])) * units.length);
@@ -218,86 +215,86 @@ void PutInFrame(const qcClipMesh& part, const qcClipPoint& center, const qcFract
     piece->frame.setBasis(axes);
 }
 
-void AddPiece(const Job& job, const qcClipMesh& part, uint32_t site, Parts* parts)
+void AddPiece(const Job& job, const qcClipMesh& island, uint32_t site, CellPieces* cellPieces)
 {
     qcClipPoint first;
-    double volume = qcClipMesh_Measure(part, &first);
-    parts->volume += volume;
-    if (!(volume > s_leastShare * job.volume))
+    double volume = qcClipMesh_Measure(island, &first);
+    cellPieces->volume += volume;
+    if (!(volume > s_minShare * job.volume))
     {
-        parts->lostVolume += std::fabs(volume);
+        cellPieces->lostVolume += std::fabs(volume);
         return;
     }
     qcPiece piece;
     piece.site = site;
     piece.volume = job.units.GlobalVolume(volume);
-    piece.vertices.reserve(part.points.size());
-    piece.indices.reserve(3 * part.triangles.size());
+    piece.vertices.reserve(island.points.size());
+    piece.indices.reserve(3 * island.triangles.size());
     for (bool isCut : {false, true})
-        for (const qcClipTriangle& triangle : part.triangles)
+        for (const qcClipTriangle& triangle : island.triangles)
             if ((triangle.face >= job.firstCut) == isCut)
             {
                 piece.firstCutTriangle += !isCut;
                 piece.indices.insert(piece.indices.end(), triangle.corner.begin(), triangle.corner.end());
             }
-    PutInFrame(part, {first[0] / volume, first[1] / volume, first[2] / volume}, job.units, &piece);
-    parts->pieces.push_back(std::move(piece));
+    PutInFrame(island, {first[0] / volume, first[1] / volume, first[2] / volume}, job.units, &piece);
+    cellPieces->pieces.push_back(std::move(piece));
 }
 
-/// What is left of a solid in the cell of a site.
-Parts PartsOf(const Job& job, uint32_t site, qcClipSolid* share, qcClipScratch* scratch)
+/// The pieces of a solid that is clipped to the cell of a site.
+CellPieces PiecesOf(const Job& job, uint32_t site, qcClipSolid* solid, qcClipScratch* scratch)
 {
-    Parts parts;
-    qcClipMesh made;
-    qcClipSolid_Triangulate(share, &made, scratch);
-    std::vector<qcClipMesh> meshes = qcClipMesh_FindParts(made, scratch);
-    JoinHollows(&meshes);
-    for (const qcClipMesh& part : meshes)
-        AddPiece(job, part, job.sites.numbers[site], &parts);
-    return parts;
+    CellPieces cellPieces;
+    qcClipMesh mesh;
+    qcClipSolid_Triangulate(solid, &mesh, scratch);
+    std::vector<qcClipMesh> islands = qcClipMesh_FindIslands(mesh, scratch);
+    JoinHollows(&islands);
+    for (const qcClipMesh& island : islands)
+        AddPiece(job, island, job.sites.numbers[site], &cellPieces);
+    return cellPieces;
 }
 
-/// The parts of each cell, cut by its neighbours.
-std::vector<Parts> CutByNeighbours(const Job& job, const std::vector<qcFractureCell>& cells)
+/// The pieces of each cell, clipped by its neighbours.
+std::vector<CellPieces> ClipByNeighbours(const Job& job, const std::vector<qcFractureCell>& cells)
 {
-    std::vector<Parts> parts(cells.size());
-    auto cutCell = [&](size_t site, qcClipSolid share, qcClipScratch* scratch)
+    std::vector<CellPieces> cellPieces(cells.size());
+    auto clipCell = [&](size_t site, qcClipSolid solid, qcClipScratch* scratch)
     {
         for (uint32_t other : cells[site].neighbours)
-            qcClipSolid_Cut(&share, qcFractureSites_Bisect(job.sites, uint32_t(site), other, job.firstCut + other),
-                            scratch);
-        parts[site] = PartsOf(job, uint32_t(site), &share, scratch);
+            qcClipSolid_Clip(&solid, qcFractureSites_Bisect(job.sites, uint32_t(site), other, job.firstCut + other),
+                             scratch);
+        cellPieces[site] = PiecesOf(job, uint32_t(site), &solid, scratch);
     };
-    qcDealSolid(job.solid, cells, job.firstCut + uint32_t(cells.size()), cutCell);
-    return parts;
+    qcDistributeSolid(job.solid, cells, job.firstCut + uint32_t(cells.size()), clipCell);
+    return cellPieces;
 }
 
-/// The parts of each cell, cut by all sites that are near enough: slower, without voro++.
-std::vector<Parts> CutByDistance(const Job& job)
+/// The pieces of each cell, clipped by all sites that are near enough. Slower, but without voro++.
+std::vector<CellPieces> ClipByDistance(const Job& job)
 {
-    std::vector<Parts> parts(job.sites.numbers.size());
-    auto cutCell = [&](size_t site, qcClipScratch* scratch)
+    std::vector<CellPieces> cellPieces(job.sites.numbers.size());
+    auto clipCell = [&](size_t site, qcClipScratch* scratch)
     {
-        qcClipSolid share = job.solid;
-        qcFractureSites_CutCell(job.sites, uint32_t(site), job.firstCut, &share, scratch);
-        parts[site] = PartsOf(job, uint32_t(site), &share, scratch);
+        qcClipSolid solid = job.solid;
+        qcFractureSites_ClipCell(job.sites, uint32_t(site), job.firstCut, &solid, scratch);
+        cellPieces[site] = PiecesOf(job, uint32_t(site), &solid, scratch);
     };
-    qcForEachInParallel(parts.size(), cutCell);
-    return parts;
+    qcForEachInParallel(cellPieces.size(), clipCell);
+    return cellPieces;
 }
 
-double VolumeOf(const std::vector<Parts>& parts)
+double VolumeOf(const std::vector<CellPieces>& cellPieces)
 {
     double volume = 0;
-    for (const Parts& some : parts)
-        volume += some.volume;
+    for (const CellPieces& cell : cellPieces)
+        volume += cell.volume;
     return volume;
 }
 
-/// Whether parts are as large together as the mesh: none is missing, none overlap.
-bool FillMesh(const Job& job, const std::vector<Parts>& parts)
+/// True if the pieces together have the volume of the mesh: none is missing, none overlap.
+bool FillMesh(const Job& job, const std::vector<CellPieces>& cellPieces)
 {
-    return std::fabs(VolumeOf(parts) - job.volume) <= s_volumeShare * job.volume + s_volumeError;
+    return std::fabs(VolumeOf(cellPieces) - job.volume) <= s_volumeShare * job.volume + s_volumeError;
 }
 
 double Random(uint64_t* state)
@@ -314,24 +311,24 @@ qcFracture qcFracture_Split(const qcFractureDef& def)
 {
     Job job;
     qcClipScratch scratch;
-    std::string fault = FindFault(def);
-    if (fault.empty())
-        fault = Prepare(def, &scratch, &job);
-    if (!fault.empty())
-        return Fail(fault);
-    std::vector<Parts> parts;
+    std::string defect = FindDefect(def);
+    if (defect.empty())
+        defect = Prepare(def, &scratch, &job);
+    if (!defect.empty())
+        return Fail(defect);
+    std::vector<CellPieces> cellPieces;
     std::vector<qcFractureCell> cells = qcFindFractureCells(job.solid.points, job.sites.local);
     if (!cells.empty())
-        parts = CutByNeighbours(job, cells);
-    if (cells.empty() || !FillMesh(job, parts))
-        parts = CutByDistance(job);
-    if (!FillMesh(job, parts))
-        return Fail("the pieces hold " + qcTextOf(VolumeOf(parts) / job.volume) +
+        cellPieces = ClipByNeighbours(job, cells);
+    if (cells.empty() || !FillMesh(job, cellPieces))
+        cellPieces = ClipByDistance(job);
+    if (!FillMesh(job, cellPieces))
+        return Fail("the pieces hold " + qcTextOf(VolumeOf(cellPieces) / job.volume) +
                     " of the mesh's volume: rounding errors of the cuts are too large");
     qcFracture fracture;
     fracture.volume = job.units.GlobalVolume(job.volume);
     double lost = 0;
-    for (Parts& some : parts)
+    for (CellPieces& some : cellPieces)
     {
         std::move(some.pieces.begin(), some.pieces.end(), std::back_inserter(fracture.pieces));
         lost += some.lostVolume;
@@ -350,7 +347,7 @@ std::vector<btVector3> qcScatterSites(const btVector3& lower, const btVector3& u
         for (int axis = 0; axis < 3; axis++)
             site[axis] = lower[axis] + btScalar(Random(&seed)) * (upper[axis] - lower[axis]);
         site.setW(0);
-        // Towards the point by a random share: densities fall as the square of the distance.
+        // Towards the point by a random solid: densities fall as the square of the distance.
         sites.push_back(impact != nullptr ? impact->lerp(site, btScalar(Random(&seed))) : site);
     }
     return sites;
@@ -366,7 +363,7 @@ qcPieceMotion qcMotionOfPiece(const btRigidBody& body, const qcFracture& fractur
     btVector3 arm = transform.getBasis() * piece.frame.getOrigin();
     double inverseMass = double(body.getInvMass());
     // A body of mass 0 is a static one.
-    motion.mass = inverseMass > 0 ? std::max(btScalar(piece.volume / total / inverseMass), s_leastMass) : btScalar(0);
+    motion.mass = inverseMass > 0 ? std::max(btScalar(piece.volume / total / inverseMass), s_minMass) : btScalar(0);
     motion.transform = btTransform(transform.getBasis() * piece.frame.getBasis(), transform.getOrigin() + arm);
     motion.linearVelocity = body.getLinearVelocity() + body.getAngularVelocity().cross(arm);
     motion.angularVelocity = body.getAngularVelocity();

@@ -1,11 +1,11 @@
-// Counts how triangles pass their edges, and chains those that are open into loops.
+// Net counts of half-edges, and the loops that open edges form.
 #ifndef QC_GLUE_FRACTURE_OPEN_EDGES_H
 #define QC_GLUE_FRACTURE_OPEN_EDGES_H
 
 #include "common/hash_table.h"
 
-/// An edge as a face passes it.
-struct qcClipArrow
+/// A directed edge of a face, counterclockwise as seen from outside.
+struct qcHalfEdge
 {
     uint32_t from, to;
 };
@@ -14,7 +14,7 @@ struct qcClipArrow
 struct qcClipLoops
 {
     std::vector<uint32_t> points;
-    std::vector<size_t> ends; ///< of each loop, in the points
+    std::vector<size_t> ends; ///< end of each loop in the points
 
     size_t Begin(size_t loop) const
     {
@@ -22,10 +22,11 @@ struct qcClipLoops
     }
 };
 
-class qcClipEdges
+/// For each edge, its half-edges in one direction less those in the other. A closed surface has zero everywhere.
+class qcEdgeCounts
 {
   public:
-    /// As qcHashTable::Clear.
+    /// Empties the counts, and makes room for a number of edges; more make it grow.
     void Clear(size_t expected)
     {
         m_counts.Clear(expected);
@@ -44,9 +45,9 @@ class qcClipEdges
         Add(corners[2], corners[0]);
     }
 
-    /// Loops of edges that are passed more often one way than the other: `turned`, in the way that is missing. They
-    /// depend on the counts alone, not on the order in which edges came.
-    void FindLoops(bool turned, qcClipLoops* loops);
+    /// Chains the surplus half-edges into loops; `reversed`: in the opposite direction, as the missing half-edges. The
+    /// loops depend on the counts alone, not on the order in which edges were added.
+    void FindLoops(bool reversed, qcClipLoops* loops);
 
   private:
     static uint64_t KeyOf(uint32_t a, uint32_t b)
@@ -54,9 +55,9 @@ class qcClipEdges
         return uint64_t(std::min(a, b)) << 32 | std::max(a, b);
     }
 
-    qcHashTable<uint64_t, int> m_counts; ///< how much more often from the lower index to the higher one than back
-    std::vector<uint64_t> m_arrows;      ///< from, to: in order
-    std::vector<uint32_t> m_next;        ///< by point, the first of its arrows that no loop has passed
+    qcHashTable<uint64_t, int> m_counts; ///< half-edges from the lower index to the higher one less those back
+    std::vector<uint64_t> m_halfEdges;   ///< from << 32 | to, sorted
+    std::vector<uint32_t> m_next;        ///< by point: the first half-edge from there that is in no loop yet
 };
 
 #endif

@@ -1,7 +1,7 @@
-// Each face is a chain of edges that ends nowhere: where it leaves the plane's inside it comes back as often. An edge
-// of each such place to another closes it again, and all those edges together bound the new face. So whatever rounding
-// did to the points, all stays closed. Which place is joined to which makes no difference to what edges cover of the
-// line in which the face meets the plane; next to next, none lie on each other.
+// Clipping on the edges of faces. The edges of a face form closed chains, so a face that leaves the inside of the plane
+// enters it again as often. An edge from each such point to another closes the face, and these edges together bound the
+// cut face: the solid stays closed, whatever rounding did to the points. Which points are joined makes no difference to
+// what the edges cover of the line in which plane and face intersect; sorted along the line, no two edges overlap.
 #include "fracture/plane_clip.h"
 
 #include "fracture/triangulate_face.h"
@@ -16,23 +16,23 @@ constexpr uint32_t s_none = UINT32_MAX;
 
 //  ---- edges of a mesh -------------------------------------------------------------------------------
 
-/// An edge as one triangle passes it.
-struct Pass
+/// A half-edge of a triangle, listed at its point with the lower index.
+struct TriangleEdge
 {
     uint32_t high;
-    bool isDownward; ///< to the point with the lower number
+    bool isDownward; ///< it leads to the point with the lower index
     uint32_t triangle;
 
-    bool operator<(const Pass& other) const
+    bool operator<(const TriangleEdge& other) const
     {
         return std::tie(high, isDownward, triangle) < std::tie(other.high, other.isDownward, other.triangle);
     }
 };
 
-/// Passes by the lower point; `ends` of those of each.
-std::vector<Pass> SortPasses(const qcClipMesh& mesh, std::vector<size_t>* ends)
+/// Half-edges by their lower points, sorted; `ends` receives the end of those of each point.
+std::vector<TriangleEdge> SortTriangleEdges(const qcClipMesh& mesh, std::vector<size_t>* ends)
 {
-    std::vector<Pass> passes(3 * mesh.triangles.size());
+    std::vector<TriangleEdge> triangleEdges(3 * mesh.triangles.size());
     ends->assign(mesh.points.size() + 1, 0);
     for (const qcClipTriangle& triangle : mesh.triangles)
         for (size_t c = 0; c < 3; c++)
@@ -43,34 +43,34 @@ std::vector<Pass> SortPasses(const qcClipMesh& mesh, std::vector<size_t>* ends)
         for (size_t c = 0; c < 3; c++)
         {
             uint32_t from = mesh.triangles[i].corner[c], to = mesh.triangles[i].corner[(c + 1) % 3];
-            passes[(*ends)[std::min(from, to)]++] = {std::max(from, to), from > to, uint32_t(i)};
+            triangleEdges[(*ends)[std::min(from, to)]++] = {std::max(from, to), from > to, uint32_t(i)};
         }
     ends->pop_back();
     size_t first = 0;
     for (size_t end : *ends)
     {
-        std::sort(passes.begin() + std::ptrdiff_t(first), passes.begin() + std::ptrdiff_t(end));
+        std::sort(triangleEdges.begin() + std::ptrdiff_t(first), triangleEdges.begin() + std::ptrdiff_t(end));
         first = end;
     }
-    return passes;
+    return triangleEdges;
 }
 
-/// Two triangles back to back hold nothing between them: drops them. Whether there were any.
-bool DropPairs(const std::vector<Pass>& passes, const std::vector<size_t>& ends, qcClipMesh* mesh)
+/// Drops pairs of triangles back to back, which hold no volume. True if there were any.
+bool DropBackToBack(const std::vector<TriangleEdge>& triangleEdges, const std::vector<size_t>& ends, qcClipMesh* mesh)
 {
     std::vector<bool> isDropped;
-    auto isFree = [&](const Pass& pass) { return isDropped.empty() || !isDropped[pass.triangle]; };
-    auto thirdOf = [&](const Pass& pass, uint32_t low)
+    auto isFree = [&](const TriangleEdge& edge) { return isDropped.empty() || !isDropped[edge.triangle]; };
+    auto thirdOf = [&](const TriangleEdge& edge, uint32_t low)
     {
-        const std::array<uint32_t, 3>& v = mesh->triangles[pass.triangle].corner;
-        return v[0] + v[1] + v[2] - low - pass.high;
+        const std::array<uint32_t, 3>& v = mesh->triangles[edge.triangle].corner;
+        return v[0] + v[1] + v[2] - low - edge.high;
     };
     size_t first = 0;
     for (uint32_t low = 0; low < ends.size(); low++)
         for (; first < ends[low]; first++)
-            for (size_t i = first + 1; i < ends[low] && passes[i].high == passes[first].high; i++)
+            for (size_t i = first + 1; i < ends[low] && triangleEdges[i].high == triangleEdges[first].high; i++)
             {
-                const Pass &a = passes[first], &b = passes[i];
+                const TriangleEdge &a = triangleEdges[first], &b = triangleEdges[i];
                 if (a.isDownward == b.isDownward || thirdOf(a, low) != thirdOf(b, low) || !isFree(a) || !isFree(b))
                     continue;
                 isDropped.resize(mesh->triangles.size());
@@ -89,7 +89,7 @@ bool DropPairs(const std::vector<Pass>& passes, const std::vector<size_t>& ends,
 
 //  ---- the cut ---------------------------------------------------------------------------------------
 
-/// Fills the sides of points. Whether any is outside.
+/// Signed distances of the points from the plane. True if any is outside.
 bool FindSides(const qcClipSolid& solid, const qcClipPlane& plane, std::vector<double>* sides)
 {
     sides->resize(solid.points.size());
@@ -103,24 +103,24 @@ bool FindSides(const qcClipSolid& solid, const qcClipPlane& plane, std::vector<d
     return any;
 }
 
-/// Puts the points that are not outside into the scratch, with their places there.
+/// Copies the points that are not outside to the scratch, and fills their new indices.
 void KeepInside(const qcClipSolid& solid, qcClipScratch* scratch)
 {
     size_t count = solid.points.size();
-    scratch->places.resize(count);
+    scratch->newIndices.resize(count);
     scratch->points.resize(count);
     uint32_t kept = 0;
     for (size_t i = 0; i < count; i++)
     {
         bool isInside = !(scratch->sides[i] > 0);
-        scratch->places[i] = isInside ? kept : s_none;
+        scratch->newIndices[i] = isInside ? kept : s_none;
         scratch->points[kept] = solid.points[i];
         kept += isInside;
     }
     scratch->points.resize(kept);
 }
 
-/// Where an edge meets the plane. Always from the nearer point on: the plane's mirror image finds the same.
+/// Intersection of an edge with the plane, computed from its nearer point: a mirrored plane gives the same point.
 qcClipPoint Crossing(const qcClipSolid& solid, const std::vector<double>& sides, uint32_t a, uint32_t b)
 {
     double nearer = std::abs(sides[a]), further = std::abs(sides[b]);
@@ -131,137 +131,126 @@ qcClipPoint Crossing(const qcClipSolid& solid, const std::vector<double>& sides,
     return {p[0] + t * (q[0] - p[0]), p[1] + t * (q[1] - p[1]), p[2] + t * (q[2] - p[2])};
 }
 
-/// What the plane does to each face that it cuts.
-class Seams
+/// The edges that close the faces which the plane cuts.
+class CutEdges
 {
   public:
-    explicit Seams(qcClipScratch* scratch) : m_seams(scratch->seams), m_places(scratch->seamOf), m_more(scratch->ends)
+    explicit CutEdges(qcClipScratch* scratch)
+        : m_cutEdges(scratch->cutEdges), m_cutEdgeOf(scratch->cutEdgeOf), m_extraPoints(scratch->extraPoints)
     {
-        m_seams.clear();
-        m_more.clear();
+        m_cutEdges.clear();
+        m_extraPoints.clear();
     }
 
     /// A face leaves the inside at a point.
     void Leave(uint32_t face, uint32_t point)
     {
-        Add(face, point, &qcClipSeam::leave, true);
+        Add(face, point, &qcCutEdge::leave, true);
     }
 
-    /// It comes back.
+    /// A face enters the inside at a point.
     void Enter(uint32_t face, uint32_t point)
     {
-        Add(face, point, &qcClipSeam::enter, false);
+        Add(face, point, &qcCutEdge::enter, false);
     }
 
-    /// Adds the edges that close all faces, with a new one beyond them.
-    void Close(uint32_t newFace, const std::vector<qcClipPoint>& points, std::vector<qcClipEdge>* edges)
+    /// Appends the edges that close all faces; the cut face is on their other side.
+    void Close(uint32_t cutFace, const std::vector<qcClipPoint>& points, std::vector<qcClipEdge>* edges)
     {
-        std::stable_sort(m_more.begin(), m_more.end(),
-                         [](const qcClipEnd& a, const qcClipEnd& b) { return a.face < b.face; });
-        for (const qcClipSeam& seam : m_seams)
+        std::stable_sort(m_extraPoints.begin(), m_extraPoints.end(),
+                         [](const qcCutPoint& a, const qcCutPoint& b) { return a.face < b.face; });
+        for (const qcCutEdge& cutEdge : m_cutEdges)
         {
-            auto isBefore = [](const qcClipEnd& end, uint32_t face) { return end.face < face; };
-            auto first =
-                m_more.empty() ? m_more.end() : std::lower_bound(m_more.begin(), m_more.end(), seam.face, isBefore);
-            if (first == m_more.end() || first->face != seam.face)
-                edges->push_back({seam.leave, seam.enter, seam.face, newFace});
+            auto isBefore = [](const qcCutPoint& end, uint32_t face) { return end.face < face; };
+            auto first = m_extraPoints.empty()
+                             ? m_extraPoints.end()
+                             : std::lower_bound(m_extraPoints.begin(), m_extraPoints.end(), cutEdge.face, isBefore);
+            if (first == m_extraPoints.end() || first->face != cutEdge.face)
+                edges->push_back({cutEdge.leave, cutEdge.enter, cutEdge.face, cutFace});
             else
-                CloseAlongLine(seam, size_t(first - m_more.begin()), newFace, points, edges);
+                CloseAlongLine(cutEdge, size_t(first - m_extraPoints.begin()), cutFace, points, edges);
         }
     }
 
   private:
-    void Add(uint32_t face, uint32_t point, uint32_t qcClipSeam::*end, bool leaves)
+    void Add(uint32_t face, uint32_t point, uint32_t qcCutEdge::*end, bool leaves)
     {
-        if (face >= m_places.size())
-            m_places.resize(face + 1);
-        uint32_t& place = m_places[face];
-        // What is in it may be left from other cuts.
-        if (place >= m_seams.size() || m_seams[place].face != face)
+        if (face >= m_cutEdgeOf.size())
+            m_cutEdgeOf.resize(face + 1);
+        uint32_t& index = m_cutEdgeOf[face];
+        // The entry may be of an earlier cut.
+        if (index >= m_cutEdges.size() || m_cutEdges[index].face != face)
         {
-            place = uint32_t(m_seams.size());
-            m_seams.push_back({face, s_none, s_none});
+            index = uint32_t(m_cutEdges.size());
+            m_cutEdges.push_back({face, s_none, s_none});
         }
-        uint32_t& known = m_seams[place].*end;
-        if (known == s_none)
-            known = point;
+        uint32_t& existing = m_cutEdges[index].*end;
+        if (existing == s_none)
+            existing = point;
         else
-            m_more.push_back({face, point, leaves});
+            m_extraPoints.push_back({face, point, leaves});
     }
 
-    /// A face that comes back more than once.
-    void CloseAlongLine(const qcClipSeam& seam, size_t first, uint32_t newFace, const std::vector<qcClipPoint>& points,
-                        std::vector<qcClipEdge>* edges)
+    /// Closes a face that leaves the inside more than once: joins points in their order along the line of intersection.
+    void CloseAlongLine(const qcCutEdge& cutEdge, size_t first, uint32_t cutFace,
+                        const std::vector<qcClipPoint>& points, std::vector<qcClipEdge>* edges)
     {
-        std::vector<uint32_t> leaves = {seam.leave}, enters = {seam.enter};
-        for (size_t i = first; i < m_more.size() && m_more[i].face == seam.face; i++)
-            (m_more[i].leaves ? leaves : enters).push_back(m_more[i].point);
-        size_t axis = 0;
-        double most = -1;
-        for (size_t i = 0; i < 3; i++)
-        {
-            auto isLower = [&](uint32_t a, uint32_t b) { return points[a][i] < points[b][i]; };
-            auto ends = std::minmax_element(leaves.begin(), leaves.end(), isLower);
-            double length = points[*ends.second][i] - points[*ends.first][i];
-            if (length > most)
-            {
-                most = length;
-                axis = i;
-            }
-        }
+        std::vector<uint32_t> leaves = {cutEdge.leave}, enters = {cutEdge.enter};
+        for (size_t i = first; i < m_extraPoints.size() && m_extraPoints[i].face == cutEdge.face; i++)
+            (m_extraPoints[i].leaves ? leaves : enters).push_back(m_extraPoints[i].point);
+        size_t axis = qcLongestAxis(leaves, [&](uint32_t point, size_t i) { return points[point][i]; });
         auto isLower = [&](uint32_t a, uint32_t b)
         { return std::make_pair(points[a][axis], a) < std::make_pair(points[b][axis], b); };
         std::sort(leaves.begin(), leaves.end(), isLower);
         std::sort(enters.begin(), enters.end(), isLower);
         for (size_t i = 0; i < leaves.size(); i++)
-            edges->push_back({leaves[i], enters[i], seam.face, newFace});
+            edges->push_back({leaves[i], enters[i], cutEdge.face, cutFace});
     }
 
-    std::vector<qcClipSeam>& m_seams;
-    std::vector<uint32_t>& m_places; ///< by face, of its seam
-    std::vector<qcClipEnd>& m_more;  ///< of faces that leave or come back more than once
+    std::vector<qcCutEdge>& m_cutEdges;
+    std::vector<uint32_t>& m_cutEdgeOf;     ///< by face
+    std::vector<qcCutPoint>& m_extraPoints; ///< of faces that leave the inside more than once
 };
 
 //  ---- triangles -------------------------------------------------------------------------------------
 
-/// Puts all edges into the scratch as each of their faces passes them, by face; the ends of those of each as well.
+/// Fills the half-edges of the scratch, sorted by face, and the ends of those of each face.
 void SortByFace(const std::vector<qcClipEdge>& edges, qcClipScratch* scratch)
 {
-    std::vector<qcClipFaceEdges>& faces = scratch->faces;
-    std::vector<uint32_t>& places = scratch->seamOf;
+    std::vector<qcFaceEdges>& faces = scratch->faces;
+    std::vector<uint32_t>& faceIndex = scratch->faceIndex;
     faces.clear();
     auto count = [&](uint32_t face)
     {
-        if (face >= places.size())
-            places.resize(face + 1);
-        uint32_t& place = places[face];
-        if (place >= faces.size() || faces[place].face != face)
+        if (face >= faceIndex.size())
+            faceIndex.resize(face + 1);
+        uint32_t& index = faceIndex[face];
+        if (index >= faces.size() || faces[index].face != face)
         {
-            place = uint32_t(faces.size());
+            index = uint32_t(faces.size());
             faces.push_back({face, 0});
         }
-        faces[place].end++;
+        faces[index].end++;
     };
     for (const qcClipEdge& edge : edges)
     {
         count(edge.left);
         count(edge.right);
     }
-    std::sort(faces.begin(), faces.end(),
-              [](const qcClipFaceEdges& a, const qcClipFaceEdges& b) { return a.face < b.face; });
+    std::sort(faces.begin(), faces.end(), [](const qcFaceEdges& a, const qcFaceEdges& b) { return a.face < b.face; });
     size_t begin = 0;
     for (size_t i = 0; i < faces.size(); i++)
     {
-        places[faces[i].face] = uint32_t(i);
+        faceIndex[faces[i].face] = uint32_t(i);
         size_t length = faces[i].end;
         faces[i].end = begin;
         begin += length;
     }
-    scratch->arrows.resize(begin);
+    scratch->halfEdges.resize(begin);
     for (const qcClipEdge& edge : edges)
     {
-        scratch->arrows[faces[places[edge.left]].end++] = {edge.from, edge.to};
-        scratch->arrows[faces[places[edge.right]].end++] = {edge.to, edge.from};
+        scratch->halfEdges[faces[faceIndex[edge.left]].end++] = {edge.from, edge.to};
+        scratch->halfEdges[faces[faceIndex[edge.right]].end++] = {edge.to, edge.from};
     }
 }
 } // namespace
@@ -269,81 +258,81 @@ void SortByFace(const std::vector<qcClipEdge>& edges, qcClipScratch* scratch)
 size_t qcClipSolid_Make(qcClipMesh* mesh, qcClipSolid* solid)
 {
     std::vector<size_t> ends;
-    std::vector<Pass> passes = SortPasses(*mesh, &ends);
-    if (DropPairs(passes, ends, mesh))
-        passes = SortPasses(*mesh, &ends);
+    std::vector<TriangleEdge> triangleEdges = SortTriangleEdges(*mesh, &ends);
+    if (DropBackToBack(triangleEdges, ends, mesh))
+        triangleEdges = SortTriangleEdges(*mesh, &ends);
     solid->points = mesh->points;
     solid->edges.clear();
     size_t open = mesh->triangles.size();
     for (size_t low = 0, first = 0; low < ends.size(); low++)
         while (first < ends[low])
         {
-            uint32_t high = passes[first].high;
+            uint32_t high = triangleEdges[first].high;
             size_t middle = first, last = first;
-            for (; last < ends[low] && passes[last].high == high; last++)
-                middle += !passes[last].isDownward;
+            for (; last < ends[low] && triangleEdges[last].high == high; last++)
+                middle += !triangleEdges[last].isDownward;
             if (middle - first != last - middle)
                 for (size_t i = first; i < last; i++)
-                    open = std::min(open, size_t(passes[i].triangle));
+                    open = std::min(open, size_t(triangleEdges[i].triangle));
             for (size_t i = 0; i < std::min(middle - first, last - middle); i++)
-                solid->edges.push_back({uint32_t(low), high, mesh->triangles[passes[first + i].triangle].face,
-                                        mesh->triangles[passes[middle + i].triangle].face});
+                solid->edges.push_back({uint32_t(low), high, mesh->triangles[triangleEdges[first + i].triangle].face,
+                                        mesh->triangles[triangleEdges[middle + i].triangle].face});
             first = last;
         }
     return open;
 }
 
-void qcClipSolid_Cut(qcClipSolid* solid, const qcClipPlane& plane, qcClipScratch* scratch)
+void qcClipSolid_Clip(qcClipSolid* solid, const qcClipPlane& plane, qcClipScratch* scratch)
 {
     if (!FindSides(*solid, plane, &scratch->sides))
         return;
     KeepInside(*solid, scratch);
-    const std::vector<uint32_t>& places = scratch->places;
+    const std::vector<uint32_t>& newIndices = scratch->newIndices;
     std::vector<qcClipPoint>& points = scratch->points;
-    Seams seams(scratch);
+    CutEdges cutEdges(scratch);
     size_t kept = 0;
     for (qcClipEdge edge : solid->edges)
     {
-        uint32_t from = places[edge.from], to = places[edge.to];
+        uint32_t from = newIndices[edge.from], to = newIndices[edge.to];
         if (from == s_none && to == s_none)
             continue;
         if (from == s_none || to == s_none)
         {
             uint32_t made = uint32_t(points.size());
             points.push_back(Crossing(*solid, scratch->sides, edge.from, edge.to));
-            seams.Leave(to == s_none ? edge.left : edge.right, made);
-            seams.Enter(to == s_none ? edge.right : edge.left, made);
+            cutEdges.Leave(to == s_none ? edge.left : edge.right, made);
+            cutEdges.Enter(to == s_none ? edge.right : edge.left, made);
             (to == s_none ? to : from) = made;
         }
         solid->edges[kept++] = {from, to, edge.left, edge.right};
     }
     solid->edges.resize(kept);
-    seams.Close(plane.face, points, &solid->edges);
+    cutEdges.Close(plane.face, points, &solid->edges);
     solid->points.swap(points);
 }
 
 void qcClipSolid_Triangulate(qcClipSolid* solid, qcClipMesh* mesh, qcClipScratch* scratch)
 {
-    std::vector<uint32_t>& places = scratch->places;
-    qcWeldPoints(&solid->points, &places, scratch);
-    scratch->edgesOf.assign(solid->points.size(), 0);
+    std::vector<uint32_t>& newIndices = scratch->newIndices;
+    qcWeldPoints(&solid->points, &newIndices, scratch);
+    scratch->edgeCount.assign(solid->points.size(), 0);
     size_t kept = 0;
     for (const qcClipEdge& edge : solid->edges)
     {
-        uint32_t from = places[edge.from], to = places[edge.to];
+        uint32_t from = newIndices[edge.from], to = newIndices[edge.to];
         solid->edges[kept] = {from, to, edge.left, edge.right};
         kept += from != to;
-        scratch->edgesOf[from] += from != to;
-        scratch->edgesOf[to] += from != to;
+        scratch->edgeCount[from] += from != to;
+        scratch->edgeCount[to] += from != to;
     }
     solid->edges.resize(kept);
     SortByFace(solid->edges, scratch);
     mesh->points = solid->points;
     mesh->triangles.clear();
     size_t begin = 0;
-    for (const qcClipFaceEdges& face : scratch->faces)
+    for (const qcFaceEdges& face : scratch->faces)
     {
-        qcClipFace_Add(mesh, face.face, scratch->arrows.data() + begin, face.end - begin, scratch);
+        qcClipFace_Add(mesh, face.face, scratch->halfEdges.data() + begin, face.end - begin, scratch);
         begin = face.end;
     }
 }

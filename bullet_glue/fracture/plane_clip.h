@@ -1,42 +1,42 @@
-// Cuts closed meshes by planes and closes them again. A solid is bounded by faces, each of any number of edges; they
-// are made triangles of when all cuts are done.
+// Clips closed solids by planes. A solid is bounded by faces, polygons of any number of edges, which are triangulated
+// after the last cut.
 #ifndef QC_GLUE_FRACTURE_PLANE_CLIP_H
 #define QC_GLUE_FRACTURE_PLANE_CLIP_H
 
 #include "fracture/clip_mesh.h"
 
-/// As seen from outside its left face passes it forwards, its right face backwards.
+/// An edge and its two faces: the half-edge from `from` to `to` belongs to the left one, its opposite to the right one.
 struct qcClipEdge
 {
     uint32_t from, to;
     uint32_t left, right;
 };
 
-/// Closed, as each edge has two faces, if at each point each face begins as many edges as it ends.
+/// Closed if at each point each face has as many half-edges that leave as enter.
 struct qcClipSolid
 {
     std::vector<qcClipPoint> points;
     std::vector<qcClipEdge> edges;
 };
 
-/// What is outside has normal . x > distance.
+/// Outside: normal . x > distance.
 struct qcClipPlane
 {
     qcClipPoint normal;
     double distance;
-    uint32_t face; ///< that closes the cut
+    uint32_t face; ///< number of the cut face
 };
 
-/// A solid of the triangles of a mesh, which loses those that lie back to back. Returns a triangle with an edge that is
-/// passed more often one way than the other, or the number of triangles.
+/// Makes a solid of a mesh, from which it drops triangles back to back. Returns the first triangle with an open edge:
+/// one with more half-edges in one direction than in the other; without such the number of triangles.
 size_t qcClipSolid_Make(qcClipMesh* mesh, qcClipSolid* solid);
 
-/// Takes away what is outside of the plane, and puts a face there. Where the plane cuts an edge, the point is the same
-/// for the plane and for its mirror image (the same numbers with other signs), bit by bit. O(edges).
-void qcClipSolid_Cut(qcClipSolid* solid, const qcClipPlane& plane, qcClipScratch* scratch);
+/// Removes the part outside the plane, and closes the solid with a cut face. A plane and its mirror image (the same
+/// numbers with other signs) cut an edge at the same point, bit by bit. O(edges).
+void qcClipSolid_Clip(qcClipSolid* solid, const qcClipPlane& plane, qcClipScratch* scratch);
 
-/// Triangles of all faces, in the order of these: a closed mesh with no two points at one place, but for those where
-/// rounding made edges of one face cross.
+/// Triangulates all faces, in ascending order: a closed mesh. Its points have different positions, except those added
+/// where rounding made edges of one face cross.
 void qcClipSolid_Triangulate(qcClipSolid* solid, qcClipMesh* mesh, qcClipScratch* scratch);
 
 #endif

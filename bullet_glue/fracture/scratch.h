@@ -1,63 +1,66 @@
-// Memory that cuts keep from one to the next: each takes some dozen small arrays.
+// Memory that clipping keeps from one cut to the next: each cut needs some dozen small arrays.
 #ifndef QC_GLUE_FRACTURE_SCRATCH_H
 #define QC_GLUE_FRACTURE_SCRATCH_H
 
 #include "common/union_find.h"
-#include "fracture/open_edges.h"
 #include "fracture/clip_mesh.h"
+#include "fracture/open_edges.h"
 
-/// Where a face leaves the inside of a plane, and where it comes back: the first such points.
-struct qcClipSeam
+/// The edge that closes a face again which a plane cuts: the first points where the face leaves the inside and enters
+/// it.
+struct qcCutEdge
 {
     uint32_t face, leave, enter;
 };
 
-/// A further such point.
-struct qcClipEnd
+/// A further such point of a face.
+struct qcCutPoint
 {
     uint32_t face, point;
     bool leaves;
 };
 
-/// Edges of a face, up to an end.
-struct qcClipFaceEdges
+/// The half-edges of a face, up to an end.
+struct qcFaceEdges
 {
     uint32_t face;
     size_t end;
 };
 
-/// A corner of an outline, as seen along an axis.
-struct qcClipCorner
+/// A corner of an outline, projected along an axis.
+struct qcOutlineCorner
 {
     double u, v;
-    uint32_t point, place; ///< which of the mesh, and which of the outline
-    uint32_t obstacle;     ///< the place of a corner that, while it is left, keeps this one from being an ear
-    bool isLeft;
+    uint32_t point;    ///< index in the mesh
+    uint32_t index;    ///< in the outline
+    uint32_t obstacle; ///< index of a corner that, while it remains, keeps this one from being an ear
+    bool remains;
 };
 
-/// For one thread at a time; what is in it between two calls does not matter.
+/// For one thread at a time. Its contents between two calls don't matter.
 struct qcClipScratch
 {
     qcHashTable<qcClipPoint, uint32_t> positions; ///< points by position
-    std::vector<uint32_t> places;                 ///< of points
+    std::vector<uint32_t> newIndices;             ///< by point
     //  Cuts.
     std::vector<double> sides;
     std::vector<qcClipPoint> points;
-    std::vector<qcClipSeam> seams;
-    std::vector<uint32_t> seamOf; ///< faces
-    std::vector<qcClipEnd> ends;
+    std::vector<qcCutEdge> cutEdges;
+    std::vector<uint32_t> cutEdgeOf; ///< by face
+    std::vector<qcCutPoint> extraPoints;
     //  Faces.
-    std::vector<qcClipFaceEdges> faces;
-    std::vector<qcClipArrow> arrows;
-    std::vector<uint32_t> arrowOf; ///< points
-    std::vector<uint32_t> edgesOf; ///< points: how many there are
-    qcClipEdges edges;
+    std::vector<qcFaceEdges> faces;
+    std::vector<uint32_t> faceIndex; ///< by face, in `faces`
+    std::vector<qcHalfEdge> halfEdges;
+    std::vector<uint32_t> halfEdgeFrom; ///< by point
+    std::vector<uint32_t> edgeCount;    ///< by point
+    qcEdgeCounts edges;
     qcClipLoops loops, openLoops;
-    std::vector<qcClipCorner> corners, inward;
-    std::vector<uint32_t> left;
-    //  Parts.
-    qcUnionFind islands;         ///< of points
-    std::vector<uint32_t> parts; ///< of points
+    std::vector<qcOutlineCorner> corners, inward;
+    std::vector<uint32_t> remaining;
+    //  Islands.
+    qcUnionFind islands;          ///< of points
+    std::vector<uint32_t> island; ///< by representative point
 };
 
 #endif

@@ -1,8 +1,8 @@
-// A face by cutting off ears (Meisters: Polygons have ears, 1975), or by GLU's tesselator (it needs no GL context),
-// which takes holes and islands alike, but thousands of instructions a point.
+// Triangulates a face by ear clipping (Meisters: Polygons have ears, 1975), or by GLU's tesselator, which handles holes
+// and islands, but takes thousands of instructions a point. GLU needs no GL context.
 //
-// However a loop is triangulated, how often triangles cover a place (those that are turned counted off) is how often
-// the loop goes round it. So where each triangle faces the right way they lie side by side.
+// Any triangulation of a loop covers each point of the plane as often as the loop winds around it, reversed triangles
+// counted negative. So triangles that all face the right way do not overlap.
 #include "fracture/triangulate_face.h"
 
 #include <GL/glu.h>
@@ -15,18 +15,18 @@ namespace
 {
 //  ---- one loop --------------------------------------------------------------------------------------
 
-// Ears take about the square of the points: with 50, 100 or 200 of them at most, fracture takes as long.
-constexpr size_t s_mostCorners = 200;
+// Ear clipping is about quadratic. With limits of 50, 100 and 200 corners fracture takes equally long.
+constexpr size_t s_maxCorners = 200;
 constexpr uint32_t s_none = UINT32_MAX;
-constexpr double s_flat = 1e-6;    ///< height by length: pieces may be of single precision
-constexpr size_t s_mostStarts = 4; ///< tried in a search for triangles that are not flat
+constexpr double s_flat = 1e-6;   ///< min height of a triangle by its length: pieces may be of single precision
+constexpr size_t s_maxStarts = 4; ///< of searches for a triangulation without flat triangles
 
-/// The only loop, as the normal sees it.
+/// A single loop, projected along the normal.
 class Outline
 {
   public:
     Outline(const qcClipMesh& mesh, const qcClipPoint& normal, const qcClipLoops& loops, qcClipScratch* scratch)
-        : m_corners(scratch->corners), m_inward(scratch->inward), m_left(scratch->left)
+        : m_corners(scratch->corners), m_inward(scratch->inward), m_remaining(scratch->remaining)
     {
         size_t axis = 0;
         for (size_t i = 1; i < 3; i++)
@@ -38,17 +38,17 @@ class Outline
         m_corners.clear();
         for (uint32_t point : loops.points)
         {
-            uint32_t place = uint32_t(m_corners.size());
-            m_corners.push_back({mesh.points[point][u], mesh.points[point][v], point, place, s_none, true});
+            uint32_t index = uint32_t(m_corners.size());
+            m_corners.push_back({mesh.points[point][u], mesh.points[point][v], point, index, s_none, true});
         }
     }
 
-    /// Adds triangles of corners that all face the right way; none if it finds no such. Where a plane has cut triangles
-    /// that lie in one plane, corners are flat: first it looks for triangles none of which is.
+    /// Adds triangles that all face the right way; none if it finds no such. Corners are flat where a plane has cut
+    /// coplanar triangles: it searches first for a triangulation without flat triangles.
     bool Triangulate(uint32_t face, std::vector<qcClipTriangle>* triangles)
     {
         m_flat = s_flat;
-        for (size_t start = 0; start < std::min(s_mostStarts, m_corners.size()); start++)
+        for (size_t start = 0; start < std::min(s_maxStarts, m_corners.size()); start++)
             if (CutEars(start, face, triangles))
                 return true;
         m_flat = 0;
@@ -59,93 +59,93 @@ class Outline
     bool CutEars(size_t start, uint32_t face, std::vector<qcClipTriangle>* triangles)
     {
         size_t before = triangles->size();
-        m_left.resize(m_corners.size());
-        std::iota(m_left.begin(), m_left.end(), 0u);
-        for (qcClipCorner& corner : m_corners)
+        m_remaining.resize(m_corners.size());
+        std::iota(m_remaining.begin(), m_remaining.end(), 0u);
+        for (qcOutlineCorner& corner : m_corners)
         {
             corner.obstacle = s_none;
-            corner.isLeft = true;
+            corner.remains = true;
         }
         m_inward.clear();
-        for (size_t i = 0; i < m_left.size(); i++)
-            if (!IsTip(Left(i), Left(i + 1), Left(i + 2)))
-                m_inward.push_back(Left(i + 1));
-        // Round and round: from one corner they would be a fan of slivers.
-        for (size_t at = start, missed = 0; m_left.size() > 3 && missed < m_left.size(); at = Wrap(at + 1))
+        for (size_t i = 0; i < m_remaining.size(); i++)
+            if (!IsTip(Remaining(i), Remaining(i + 1), Remaining(i + 2)))
+                m_inward.push_back(Remaining(i + 1));
+        // Ears around the outline in turn: ears at one corner would make a fan of slivers.
+        for (size_t at = start, missed = 0; m_remaining.size() > 3 && missed < m_remaining.size(); at = Wrap(at + 1))
         {
-            qcClipCorner& b = Left(at + 1);
+            qcOutlineCorner& b = Remaining(at + 1);
             missed++;
-            if (b.obstacle != s_none && m_corners[b.obstacle].isLeft)
+            if (b.obstacle != s_none && m_corners[b.obstacle].remains)
                 continue;
-            qcClipCorner &a = Left(at), &c = Left(at + 2);
+            qcOutlineCorner &a = Remaining(at), &c = Remaining(at + 2);
             b.obstacle = FindObstacle(a, b, c);
             if (b.obstacle != s_none)
                 continue;
-            b.isLeft = false;
+            b.remains = false;
             a.obstacle = c.obstacle = s_none;
             triangles->push_back({{a.point, b.point, c.point}, face});
-            auto isTip = [&](const qcClipCorner& corner) { return corner.place == b.place; };
+            auto isTip = [&](const qcOutlineCorner& corner) { return corner.index == b.index; };
             m_inward.erase(std::remove_if(m_inward.begin(), m_inward.end(), isTip), m_inward.end());
-            m_left.erase(m_left.begin() + std::ptrdiff_t(Wrap(at + 1)));
+            m_remaining.erase(m_remaining.begin() + std::ptrdiff_t(Wrap(at + 1)));
             missed = 0;
         }
-        if (m_left.size() == 3 && IsTip(Left(0), Left(1), Left(2)))
-            triangles->push_back({{Left(0).point, Left(1).point, Left(2).point}, face});
+        if (m_remaining.size() == 3 && IsTip(Remaining(0), Remaining(1), Remaining(2)))
+            triangles->push_back({{Remaining(0).point, Remaining(1).point, Remaining(2).point}, face});
         else
             triangles->resize(before);
         return triangles->size() > before;
     }
 
-    /// As the remainder, of less than three times as many as are left.
+    /// i modulo the number of remaining corners; i is less than three times that.
     size_t Wrap(size_t i) const
     {
-        while (i >= m_left.size())
-            i -= m_left.size();
+        while (i >= m_remaining.size())
+            i -= m_remaining.size();
         return i;
     }
 
-    qcClipCorner& Left(size_t i)
+    qcOutlineCorner& Remaining(size_t i)
     {
-        return m_corners[m_left[Wrap(i)]];
+        return m_corners[m_remaining[Wrap(i)]];
     }
 
-    /// Twice the area of a triangle, positive if it faces the right way.
-    static double Turn(const qcClipCorner& a, const qcClipCorner& b, const qcClipCorner& c)
+    /// Twice the signed area of a triangle, positive if it faces the right way.
+    static double Turn(const qcOutlineCorner& a, const qcOutlineCorner& b, const qcOutlineCorner& c)
     {
         return (b.u - a.u) * (c.v - a.v) - (b.v - a.v) * (c.u - a.u);
     }
 
-    /// Whether a triangle faces the right way, and is not flat.
-    bool IsTip(const qcClipCorner& a, const qcClipCorner& b, const qcClipCorner& c) const
+    /// True if a triangle faces the right way and is not flat.
+    bool IsTip(const qcOutlineCorner& a, const qcOutlineCorner& b, const qcOutlineCorner& c) const
     {
-        auto length2 = [](const qcClipCorner& p, const qcClipCorner& q)
+        auto length2 = [](const qcOutlineCorner& p, const qcOutlineCorner& q)
         { return (q.u - p.u) * (q.u - p.u) + (q.v - p.v) * (q.v - p.v); };
         return Turn(a, b, c) > m_flat * (length2(a, b) + length2(b, c));
     }
 
-    /// A corner that is in the triangle, the tip itself if it faces the wrong way, or none. Of what is in it the corner
-    /// furthest in turns inward, and did so from the start.
-    uint32_t FindObstacle(const qcClipCorner& a, const qcClipCorner& b, const qcClipCorner& c) const
+    /// The index of a corner inside the triangle, or of the tip itself if it is reflex or flat; s_none: it is an ear.
+    /// If any corner is inside, so is one that was reflex or flat from the start: the one furthest in.
+    uint32_t FindObstacle(const qcOutlineCorner& a, const qcOutlineCorner& b, const qcOutlineCorner& c) const
     {
         if (!IsTip(a, b, c))
-            return b.place;
-        // Most are beyond the side that the ear does not share with the outline.
-        for (const qcClipCorner& k : m_inward)
+            return b.index;
+        // Most corners are beyond the side that the ear does not share with the outline: it is tested first.
+        for (const qcOutlineCorner& k : m_inward)
             if (Turn(c, a, k) >= 0 && Turn(a, b, k) >= 0 && Turn(b, c, k) >= 0 && k.point != a.point &&
                 k.point != b.point && k.point != c.point)
-                return k.place;
+                return k.index;
         return s_none;
     }
 
-    std::vector<qcClipCorner>& m_corners;
-    std::vector<qcClipCorner>& m_inward; ///< corners left that don't turn to the left
-    std::vector<uint32_t>& m_left;
+    std::vector<qcOutlineCorner>& m_corners;
+    std::vector<qcOutlineCorner>& m_inward; ///< remaining corners that are reflex or flat
+    std::vector<uint32_t>& m_remaining;
     double m_flat = 0;
 };
 
 //  ---- any loops -------------------------------------------------------------------------------------
 
-/// What the tesselator makes.
+/// Receives the tesselator's triangles.
 struct Face
 {
     qcClipMesh* mesh;
@@ -170,7 +170,7 @@ void APIENTRY OnVertex(void* data, void* face)
 
 void APIENTRY OnEdge(GLboolean, void*)
 {
-    // That it is there makes the tesselator give single triangles.
+    // Its presence makes the tesselator give single triangles.
 }
 
 void APIENTRY OnError(GLenum, void* face)
@@ -178,22 +178,17 @@ void APIENTRY OnError(GLenum, void* face)
     static_cast<Face*>(face)->failed = true;
 }
 
-qcClipPoint Minus(const qcClipPoint& a, const qcClipPoint& b)
-{
-    return {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
-}
-
 /// The point of the first segment that is nearest to the line through the second.
 qcClipPoint Crossing(const qcClipPoint& a, const qcClipPoint& b, const qcClipPoint& c, const qcClipPoint& d)
 {
-    qcClipPoint u = Minus(b, a), v = Minus(d, c), w = Minus(a, c);
+    qcClipPoint u = qcMinus(b, a), v = qcMinus(d, c), w = qcMinus(a, c);
     double uu = qcDotOf(u, u), uv = qcDotOf(u, v), vv = qcDotOf(v, v), den = uu * vv - uv * uv;
     double t = den > 0 ? (uv * qcDotOf(v, w) - vv * qcDotOf(u, w)) / den : 0;
     t = std::min(std::max(t, 0.0), 1.0);
     return {a[0] + t * u[0], a[1] + t * u[1], a[2] + t * u[2]};
 }
 
-/// Where edges of the loops cross or touch. The position that the tesselator gives is of single precision.
+/// A point where edges of the loops cross or touch. The tesselator's own position is of single precision.
 void APIENTRY OnCombine(GLdouble[3], void* data[4], GLfloat[4], void** out, void* context)
 {
     Face* face = static_cast<Face*>(context);
@@ -218,7 +213,7 @@ template <typename Function> void SetCallback(GLUtesselator* tesselator, GLenum 
     gluTessCallback(tesselator, which, reinterpret_cast<void(APIENTRY*)()>(function));
 }
 
-/// Loops may pass a point twice.
+/// Skips triangles with a point twice: loops may contain a point twice.
 void AddTriangle(qcClipMesh* mesh, const std::array<uint32_t, 3>& v, uint32_t face)
 {
     if (v[0] != v[1] && v[1] != v[2] && v[2] != v[0])
@@ -255,8 +250,8 @@ void Tesselate(qcClipMesh* mesh, const qcClipPoint& normal, uint32_t number, con
         AddTriangle(mesh, {face.corners[i], face.corners[i + 1], face.corners[i + 2]}, number);
 }
 
-/// Closes what triangles from a first one on leave open of the edges of loops (without area, or that cross), whatever
-/// it looks like: what is open is the edges of loops, with the right signed volume.
+/// Closes the edges that the face's triangles, from `first` on, leave open, with fans. They may be degenerate or
+/// overlap: only closedness and the signed volume matter. This happens to loops without area, or that cross.
 void AddFans(qcClipMesh* mesh, size_t first, uint32_t face, const qcClipLoops& loops, qcClipScratch* scratch)
 {
     scratch->edges.Clear(loops.points.size());
@@ -274,36 +269,36 @@ void AddFans(qcClipMesh* mesh, size_t first, uint32_t face, const qcClipLoops& l
 
 //  ---- loops of edges --------------------------------------------------------------------------------
 
-/// One loop that passes each of its points once, as that of nearly every face. False if the edges make no such.
-bool FindSimpleLoop(const qcClipArrow* arrows, size_t count, size_t pointCount, qcClipScratch* scratch)
+/// The loop of a face whose half-edges form a single loop with each point once, as nearly all do. False: another face.
+bool FindSimpleLoop(const qcHalfEdge* halfEdges, size_t count, size_t pointCount, qcClipScratch* scratch)
 {
     qcClipLoops* loops = &scratch->loops;
-    std::vector<uint32_t>& arrowOf = scratch->arrowOf;
-    arrowOf.resize(std::max(arrowOf.size(), pointCount));
+    std::vector<uint32_t>& halfEdgeFrom = scratch->halfEdgeFrom;
+    halfEdgeFrom.resize(std::max(halfEdgeFrom.size(), pointCount));
     for (size_t i = 0; i < count; i++)
-        arrowOf[arrows[i].from] = uint32_t(i);
+        halfEdgeFrom[halfEdges[i].from] = uint32_t(i);
     loops->points.clear();
     loops->ends.clear();
     size_t at = 0;
     do
     {
-        loops->points.push_back(arrows[at].from);
-        at = arrowOf[arrows[at].to];
+        loops->points.push_back(halfEdges[at].from);
+        at = halfEdgeFrom[halfEdges[at].to];
     } while (at != 0 && loops->points.size() < count);
     loops->ends.push_back(loops->points.size());
     return at == 0 && loops->points.size() == count;
 }
 
-/// Drops points where two edges meet that are between the same two faces: these then go straight on, or lie on each
-/// other. A loop may be left with nothing.
-void DropBends(const std::vector<uint32_t>& edgesOf, qcClipLoops* loops)
+/// Drops points at which only two edges meet: both edges are between the same two faces, so they are collinear. A loop
+/// may lose all points.
+void DropBends(const std::vector<uint32_t>& edgeCount, qcClipLoops* loops)
 {
     size_t kept = 0, keptLoops = 0, i = 0;
     for (size_t end : loops->ends)
     {
         size_t first = kept;
         for (; i < end; i++)
-            if (edgesOf[loops->points[i]] != 2)
+            if (edgeCount[loops->points[i]] != 2)
                 loops->points[kept++] = loops->points[i];
         if (kept - first < 3)
             kept = first;
@@ -314,7 +309,7 @@ void DropBends(const std::vector<uint32_t>& edgesOf, qcClipLoops* loops)
     loops->ends.resize(keptLoops);
 }
 
-/// The direction that the loops face, by twice their area.
+/// The normal of the loops, with twice their area as its length.
 qcClipPoint NormalOf(const qcClipMesh& mesh, const qcClipLoops& loops)
 {
     qcClipPoint normal = {0, 0, 0};
@@ -333,17 +328,17 @@ qcClipPoint NormalOf(const qcClipMesh& mesh, const qcClipLoops& loops)
 }
 } // namespace
 
-void qcClipFace_Add(qcClipMesh* mesh, uint32_t face, const qcClipArrow* arrows, size_t count, qcClipScratch* scratch)
+void qcClipFace_Add(qcClipMesh* mesh, uint32_t face, const qcHalfEdge* halfEdges, size_t count, qcClipScratch* scratch)
 {
     qcClipLoops& loops = scratch->loops;
-    if (!FindSimpleLoop(arrows, count, mesh->points.size(), scratch))
+    if (!FindSimpleLoop(halfEdges, count, mesh->points.size(), scratch))
     {
         scratch->edges.Clear(count);
         for (size_t i = 0; i < count; i++)
-            scratch->edges.Add(arrows[i].from, arrows[i].to);
+            scratch->edges.Add(halfEdges[i].from, halfEdges[i].to);
         scratch->edges.FindLoops(false, &loops);
     }
-    DropBends(scratch->edgesOf, &loops);
+    DropBends(scratch->edgeCount, &loops);
     if (loops.ends.empty())
         return;
     if (loops.points.size() == 3)
@@ -352,7 +347,7 @@ void qcClipFace_Add(qcClipMesh* mesh, uint32_t face, const qcClipArrow* arrows, 
         return;
     }
     qcClipPoint normal = NormalOf(*mesh, loops);
-    bool isSimple = loops.ends.size() == 1 && loops.points.size() <= s_mostCorners;
+    bool isSimple = loops.ends.size() == 1 && loops.points.size() <= s_maxCorners;
     if (isSimple && Outline(*mesh, normal, loops, scratch).Triangulate(face, &mesh->triangles))
         return;
     size_t first = mesh->triangles.size();

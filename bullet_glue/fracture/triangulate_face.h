@@ -1,12 +1,13 @@
-// Faces bounded by loops of points of a mesh.
+// Triangulation of faces that are bounded by loops of a mesh's points.
 #ifndef QC_GLUE_FRACTURE_TRIANGULATE_FACE_H
 #define QC_GLUE_FRACTURE_TRIANGULATE_FACE_H
 
 #include "fracture/scratch.h"
 
-/// Adds triangles over what the edges of a face go round, all of them counterclockwise as it is seen from outside but
-/// where rounding made edges cross; there, points may be added. Each edge has its triangle, as often as it is there and
-/// not there backwards too, and all others have two.
-void qcClipFace_Add(qcClipMesh* mesh, uint32_t face, const qcClipArrow* arrows, size_t count, qcClipScratch* scratch);
+/// Adds triangles over the area that the half-edges of a face bound, counterclockwise as seen from outside. Where
+/// rounding made edges cross, points may be added and triangles may face the other way. Each half-edge that has no
+/// opposite among the given ones belongs to one triangle, as often as it is given; all other edges of triangles belong
+/// to two.
+void qcClipFace_Add(qcClipMesh* mesh, uint32_t face, const qcHalfEdge* halfEdges, size_t count, qcClipScratch* scratch);
 
 #endif

@@ -9,11 +9,11 @@
 namespace
 {
 // Pieces down to 1e-3 of the mesh's length keep all digits of btScalar.
-constexpr double s_leastLength =
-    double(std::numeric_limits<btScalar>::min() / std::numeric_limits<btScalar>::epsilon());
-// Vertices are rotated about a centre: they come to lie up to 1.8 lengths from it.
-constexpr double s_greatestLength = double(std::numeric_limits<btScalar>::max() / 4);
-// Beyond it the difference between a vertex and the origin is exact (Sterbenz: Floating-point computation, 1974).
+constexpr double s_minLength = double(std::numeric_limits<btScalar>::min() / std::numeric_limits<btScalar>::epsilon());
+// Vertices are rotated about a centre, and then lie up to 1.8 lengths from it.
+constexpr double s_maxLength = double(std::numeric_limits<btScalar>::max() / 4);
+// At a larger distance the difference between a vertex and the origin is exact (Sterbenz: Floating-point computation,
+// 1974).
 constexpr double s_far = 8;
 } // namespace
 
@@ -60,10 +60,10 @@ std::string qcFractureUnits_Find(const qcFractureDef& def, qcFractureUnits* unit
             to = *ends.second;
         }
     }
-    if (!(size >= s_leastLength && size <= s_greatestLength))
+    if (!(size >= s_minLength && size <= s_maxLength))
         return "vertices " + std::to_string(from) + " and " + std::to_string(to) + " are at distance " +
-               qcTextOf(size) + " along an axis: the length of the mesh must be " + qcTextOf(s_leastLength) + " to " +
-               qcTextOf(s_greatestLength);
+               qcTextOf(size) + " along an axis: the length of the mesh must be " + qcTextOf(s_minLength) + " to " +
+               qcTextOf(s_maxLength);
     int exponent;
     std::frexp(size, &exponent);
     units->length = std::ldexp(1, exponent - 1);

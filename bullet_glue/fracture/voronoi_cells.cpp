@@ -1,6 +1,7 @@
 // Voronoi cells by voro++ (Rycroft: Voro++: a three-dimensional Voronoi cell library in C++, 2009), which gives the
-// neighbours and corners of each. Cells are halved again and again, as in a k-d tree (Bentley: Multidimensional
-// binary search trees used for associative searching, 1975), and the solid is cut along the box of each half.
+// neighbours and corners of each. To distribute the solid, the cells are halved recursively, as in a k-d tree (Bentley:
+// Multidimensional binary search trees used for associative searching, 1975), and the solid is clipped to each half's
+// box.
 #include "fracture/voronoi_cells.h"
 
 #include "fracture/parallel_cells.h"
@@ -13,12 +14,13 @@
 
 namespace
 {
-// voro++ takes squares of lengths that differ by less than 1e-11 as equal. What is given to it is 4 to 8 long: its
-// rounding errors stay a hundred times below that.
+// voro++ treats squares of lengths that differ by less than 1e-11 as equal. Its input is scaled to a length of 4 to 8:
+// rounding errors stay a hundred times below that tolerance.
 constexpr int s_voroExponent = 3;
-constexpr double s_greatestSpread = 64; ///< of sites around a mesh, in units
-// Of the longest side of the walls. Two sites this close: voro++ takes bisectors as equal that are 1e-7 apart.
-constexpr double s_leastDistance = 1e-6;
+constexpr double s_maxSpread = 64; ///< of sites around a mesh, in units
+// By the longest side of the walls. voro++ treats bisectors at a distance of 1e-7 as equal; closer sites come near
+// that.
+constexpr double s_minDistance = 1e-6;
 
 struct Box
 {
@@ -40,28 +42,28 @@ double LengthOf(const Box& box)
     return std::max({box.upper[0] - box.lower[0], box.upper[1] - box.lower[1], box.upper[2] - box.lower[2]});
 }
 
-void AddRoom(double room, Box* box)
+void Enlarge(double by, Box* box)
 {
     for (size_t i = 0; i < 3; i++)
     {
-        box->lower[i] -= room;
-        box->upper[i] += room;
+        box->lower[i] -= by;
+        box->upper[i] += by;
     }
 }
 
-/// The box of the mesh and the sites, with room around it.
+/// The enlarged AABB of the mesh and the sites.
 Box FindWalls(const std::vector<qcClipPoint>& mesh, const std::vector<qcClipPoint>& sites)
 {
     Box walls = {sites[0], sites[0]};
     for (const std::vector<qcClipPoint>* points : {&mesh, &sites})
         for (const qcClipPoint& p : *points)
             walls.Add(p, p);
-    AddRoom(LengthOf(walls) / 16, &walls);
+    Enlarge(LengthOf(walls) / 16, &walls);
     return walls;
 }
 
-/// Whether two sites are no further apart than this along each axis. Some that are up to twice as far apart count, too:
-/// in one of eight shifted grids of twice that width, close sites are in the same cell.
+/// True if two sites are within this distance along each axis; it may be true up to twice the distance. In one of eight
+/// shifted grids of twice that width, close sites are in the same cell.
 bool AreAnyClose(const std::vector<qcClipPoint>& sites, double distance)
 {
     qcHashTable<qcClipPoint, uint32_t> grid;
@@ -82,7 +84,7 @@ bool AreAnyClose(const std::vector<qcClipPoint>& sites, double distance)
 
 //  ---- cells -----------------------------------------------------------------------------------------
 
-/// `scale`: from units to those of voro++.
+/// Copies a cell of voro++. `scale`: from the mesh's units to those of voro++.
 qcFractureCell CellOf(voro::voronoicell_neighbor* found, const Box& walls, const std::vector<qcClipPoint>& sites,
                       size_t site, double scale)
 {
@@ -112,15 +114,15 @@ qcFractureCell CellOf(voro::voronoicell_neighbor* found, const Box& walls, const
             corner[axis] = sites[site][axis] + corners[i + axis] / scale;
         box.Add(corner, corner);
     }
-    // Far above the rounding errors of voro++, and too little to matter.
-    AddRoom(LengthOf(walls) / 1024, &box);
+    // Far above the rounding errors of voro++, and small enough not to matter.
+    Enlarge(LengthOf(walls) / 1024, &box);
     cell.lower = box.lower;
     cell.upper = box.upper;
     return cell;
 }
 
-/// One share of the cells.
-void FindCells(const Box& walls, const std::vector<qcClipPoint>& sites, size_t share, size_t shares,
+/// Computes one of `batches` batches of the cells.
+void FindCells(const Box& walls, const std::vector<qcClipPoint>& sites, size_t batch, size_t batches,
                std::vector<qcFractureCell>* cells)
 {
     int exponent;
@@ -146,15 +148,15 @@ void FindCells(const Box& walls, const std::vector<qcClipPoint>& sites, size_t s
     do
     {
         size_t site = size_t(loop.pid());
-        if (i++ * shares / sites.size() == share && container.compute_cell(found, loop))
+        if (i++ * batches / sites.size() == batch && container.compute_cell(found, loop))
             (*cells)[site] = CellOf(&found, walls, sites, site, scale);
     } while (loop.inc());
 }
 
-//  ---- dealing ---------------------------------------------------------------------------------------
+//  ---- distribution ----------------------------------------------------------------------------------
 
-/// Some of the cells, and what the solid is in their box.
-struct Share
+/// Some of the cells, and the solid clipped to their box.
+struct Portion
 {
     std::vector<size_t> cells;
     qcClipSolid solid;
@@ -168,8 +170,8 @@ Box BoxOf(const std::vector<qcFractureCell>& cells, const std::vector<size_t>& s
     return box;
 }
 
-/// Cuts off what is outside of the box, where that is enough to be worth a face.
-void CutAround(const Box& box, uint32_t firstFace, qcClipSolid* solid, qcClipScratch* scratch)
+/// Clips the solid by those sides of the box that remove more than a quarter of its points.
+void ClipToBox(const Box& box, uint32_t firstFace, qcClipSolid* solid, qcClipScratch* scratch)
 {
     for (size_t side = 0; side < 6; side++)
     {
@@ -179,28 +181,16 @@ void CutAround(const Box& box, uint32_t firstFace, qcClipSolid* solid, qcClipScr
         plane.normal[axis] = sign;
         auto isOutside = [&](const qcClipPoint& p) { return sign * p[axis] > plane.distance; };
         size_t outside = size_t(std::count_if(solid->points.begin(), solid->points.end(), isOutside));
-        if (4 * outside > solid->points.size()) // 2, 8 and 16 take as many instructions, within 1% (bunny)
-            qcClipSolid_Cut(solid, plane, scratch);
+        if (4 * outside > solid->points.size()) // 2, 8 and 16 take equally many instructions, within 1 % (bunny)
+            qcClipSolid_Clip(solid, plane, scratch);
     }
 }
 
-/// Halves the cells where their centres are furthest apart.
+/// Halves the cells at the median of their centres, along the longest axis of these.
 std::array<std::vector<size_t>, 2> Halve(const std::vector<qcFractureCell>& cells, std::vector<size_t> some)
 {
     auto centre = [&](size_t cell, size_t axis) { return cells[cell].lower[axis] + cells[cell].upper[axis]; };
-    size_t longest = 0;
-    double most = -1;
-    for (size_t axis = 0; axis < 3; axis++)
-    {
-        auto isLower = [&](size_t a, size_t b) { return centre(a, axis) < centre(b, axis); };
-        auto ends = std::minmax_element(some.begin(), some.end(), isLower);
-        double length = centre(*ends.second, axis) - centre(*ends.first, axis);
-        if (length > most)
-        {
-            most = length;
-            longest = axis;
-        }
-    }
+    size_t longest = qcLongestAxis(some, centre);
     auto middle = some.begin() + std::ptrdiff_t(some.size() / 2);
     std::nth_element(some.begin(), middle, some.end(),
                      [&](size_t a, size_t b)
@@ -212,41 +202,42 @@ std::array<std::vector<size_t>, 2> Halve(const std::vector<qcFractureCell>& cell
 std::vector<qcFractureCell> qcFindFractureCells(const std::vector<qcClipPoint>& mesh,
                                                 const std::vector<qcClipPoint>& sites)
 {
-    constexpr size_t leastShare = 16, mostShares = 64; // of cells: each needs a container of all sites
+    constexpr size_t minBatch = 16, maxBatches = 64; // each batch of cells needs a container of all sites
     Box walls = FindWalls(mesh, sites);
-    if (LengthOf(walls) > s_greatestSpread || AreAnyClose(sites, s_leastDistance * LengthOf(walls)))
+    if (LengthOf(walls) > s_maxSpread || AreAnyClose(sites, s_minDistance * LengthOf(walls)))
         return {};
     std::vector<qcFractureCell> cells(sites.size(), {{}, walls.lower, walls.upper});
-    size_t shares = std::min(mostShares, 1 + sites.size() / leastShare);
-    qcForEachInParallel(shares, [&](size_t share, qcClipScratch*) { FindCells(walls, sites, share, shares, &cells); });
+    size_t batches = std::min(maxBatches, 1 + sites.size() / minBatch);
+    qcForEachInParallel(batches,
+                        [&](size_t batch, qcClipScratch*) { FindCells(walls, sites, batch, batches, &cells); });
     return cells;
 }
 
-void qcDealSolid(qcClipSolid solid, const std::vector<qcFractureCell>& cells, uint32_t firstFace,
-                 const std::function<void(size_t cell, qcClipSolid solid, qcClipScratch* scratch)>& take)
+void qcDistributeSolid(qcClipSolid solid, const std::vector<qcFractureCell>& cells, uint32_t firstFace,
+                       const std::function<void(size_t cell, qcClipSolid solid, qcClipScratch* scratch)>& take)
 {
-    std::vector<Share> shares(1);
-    shares[0].cells.resize(cells.size());
-    std::iota(shares[0].cells.begin(), shares[0].cells.end(), size_t(0));
-    shares[0].solid = std::move(solid);
-    while (!shares.empty())
+    std::vector<Portion> portions(1);
+    portions[0].cells.resize(cells.size());
+    std::iota(portions[0].cells.begin(), portions[0].cells.end(), size_t(0));
+    portions[0].solid = std::move(solid);
+    while (!portions.empty())
     {
-        std::vector<Share> halves(2 * shares.size());
+        std::vector<Portion> halves(2 * portions.size());
         auto halve = [&](size_t i, qcClipScratch* scratch)
         {
-            const Share& share = shares[i / 2];
-            if (share.cells.size() == 1 && i % 2 == 0)
-                take(share.cells[0], share.solid, scratch);
-            if (share.cells.size() == 1)
+            const Portion& portion = portions[i / 2];
+            if (portion.cells.size() == 1 && i % 2 == 0)
+                take(portion.cells[0], portion.solid, scratch);
+            if (portion.cells.size() == 1)
                 return;
-            halves[i].cells = std::move(Halve(cells, share.cells)[i % 2]);
-            halves[i].solid = share.solid;
-            CutAround(BoxOf(cells, halves[i].cells), firstFace, &halves[i].solid, scratch);
+            halves[i].cells = std::move(Halve(cells, portion.cells)[i % 2]);
+            halves[i].solid = portion.solid;
+            ClipToBox(BoxOf(cells, halves[i].cells), firstFace, &halves[i].solid, scratch);
         };
         qcForEachInParallel(halves.size(), halve);
         halves.erase(
-            std::remove_if(halves.begin(), halves.end(), [](const Share& share) { return share.cells.empty(); }),
+            std::remove_if(halves.begin(), halves.end(), [](const Portion& portion) { return portion.cells.empty(); }),
             halves.end());
-        shares = std::move(halves);
+        portions = std::move(halves);
     }
 }

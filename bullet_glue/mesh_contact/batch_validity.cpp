@@ -1,94 +1,60 @@
-// Does the last query hold for the pairs of this step? The first pair that a step asks for has all of them looked at,
-// so that what a pair reads does not depend on which comes first.
-#include "mesh_contact/contact_batch.h"
-
-#include "common/object_key.h"
+// Decides whether the last batch holds for the pairs of a step.
+#include "mesh_contact/batch_validity.h"
 
 #include <BulletCollision/BroadphaseCollision/btDispatcher.h>
-#include <BulletDynamics/Dynamics/btRigidBody.h>
 
 #include <algorithm>
 
-/// Did the last query look at it, and as far as it may come?
-bool qcMeshBatch::IsSeen(const btCollisionObject* object, const Object& known) const
+/// True if the last gathering has all meshes of the object where they are.
+bool qcBatchValidity::IsValid(const btCollisionObject* object, const qcBatchObject& gathered)
 {
-    if (known.seen != m_gathering || known.uniqueId != qcUniqueIdOf(object))
+    if (!m_scene.IsUpToDate(object, gathered))
         return false;
-    // Pushed since then, it may come further than the query looked.
-    btScalar approach = qcApproach(object, known.radius, m_timeStep, known.limit, m_drift);
-    return approach <= known.approach + s_rest * known.threshold / 2;
-}
-
-qcMeshBatch::State qcMeshBatch::StateOf(const btCollisionObject* object)
-{
-    const btRigidBody* body = btRigidBody::upcast(object);
-    const btVector3 zero(0, 0, 0);
-    return {object->getWorldTransform(), body != nullptr ? body->getLinearVelocity() : zero,
-            body != nullptr ? body->getAngularVelocity() : zero, object->isActive()};
-}
-
-bool qcMeshBatch::IsInState(const btCollisionObject* object, const State& state)
-{
-    State now = StateOf(object);
-    return qcAreSame(state.transform, now.transform) && qcAreSame(state.linear, now.linear) &&
-           qcAreSame(state.angular, now.angular) && state.active == now.active;
-}
-
-/// Did the last query see all its meshes where they are?
-bool qcMeshBatch::IsHeld(const btCollisionObject* object, const Object& known)
-{
-    if (!IsSeen(object, known))
+    // Fast objects were sampled along the velocities that they had.
+    bool isFast = 2 * qcRigidMotion(object).MaxSpeed(gathered.radius) * m_scene.GetTimeStep() > gathered.threshold;
+    if (isFast && !gathered.state.IsStateOf(object))
         return false;
-    // Of what is fast it looked further ahead, in the direction that it had.
-    if (2 * qcMeshMotion(object).Fastest(known.radius) * m_timeStep > known.threshold &&
-        !IsInState(object, known.state))
-        return false;
-    m_collected.clear();
-    CollectMeshes(object->getCollisionShape(), object->getWorldTransform(), &m_collected);
-    auto isSame = [](const Mesh& held, const Mesh& now) { return IsAs(held, now.shape, now.transform); };
-    return std::equal(known.meshes.begin(), known.meshes.end(), m_collected.begin(), m_collected.end(), isSame);
+    m_present.clear();
+    qcCollectMeshes(object->getCollisionShape(), object->getWorldTransform(), &m_present);
+    auto isCurrent = [](const qcBatchMesh& mesh, const qcBatchMesh& now)
+    { return mesh.IsCurrent(now.shape, now.transform); };
+    return std::equal(gathered.meshes.begin(), gathered.meshes.end(), m_present.begin(), m_present.end(), isCurrent);
 }
 
-/// What this check finds of an object; null: nothing is known of it yet.
-qcMeshBatch::Object* qcMeshBatch::Check(const btCollisionObject* object)
+/// Checks an object once a check. Null: it was never gathered.
+const qcBatchObject* qcBatchValidity::CheckObject(const btCollisionObject* object)
 {
-    auto found = m_objects.find(object);
-    if (found == m_objects.end())
-        return nullptr;
-    Object& known = found->second;
-    if (known.checked != m_check)
+    qcBatchObject* gathered = m_scene.Find(object);
+    if (gathered != nullptr && gathered->checked != m_number)
     {
-        known.checked = m_check;
-        known.held = IsHeld(object, known);
-        known.state = StateOf(object);
+        gathered->checked = m_number;
+        gathered->isValid = IsValid(object, *gathered);
+        gathered->state = qcObjectState::Of(object);
     }
-    return &known;
+    return gathered;
 }
 
-/// Does the last query hold for all pairs that the step will ask for?
-bool qcMeshBatch::CheckAll()
+bool qcBatchValidity::Check()
 {
-    m_check++;
-    bool all = m_result != nullptr;
-    ForEachPair(
+    m_number++;
+    bool all = true;
+    btDispatcher* dispatcher = m_scene.GetSettings().world->getDispatcher();
+    m_scene.ForEachPair(
         [&](const btCollisionObject* object0, const btCollisionObject* object1)
         {
-            const Object *known0 = Check(object0), *known1 = Check(object1);
-            bool known = known0 != nullptr && known1 != nullptr;
-            bool ours =
-                !known || (!known0->meshes.empty() && !known1->meshes.empty() && (known0->ours || known1->ours));
-            if (!ours || !world->getDispatcher()->needsCollision(object0, object1))
+            const qcBatchObject *a = CheckObject(object0), *b = CheckObject(object1);
+            bool gathered = a != nullptr && b != nullptr;
+            bool isOurs = !gathered || (!a->meshes.empty() && !b->meshes.empty() && (a->isOurs || b->isOurs));
+            if (!isOurs || !dispatcher->needsCollision(object0, object1))
                 return;
-            all = all && known && known0->held && known1->held &&
-                  (known0->activity == qc_activityMoving || known1->activity == qc_activityMoving);
+            all = all && gathered && a->isValid && b->isValid &&
+                  (a->activity == qc_activityMoving || b->activity == qc_activityMoving);
         });
     return all;
 }
 
-/// Is it in the state in which the last check found it?
-bool qcMeshBatch::IsAsChecked(const btCollisionObject* object) const
+bool qcBatchValidity::IsAsChecked(const btCollisionObject* object) const
 {
-    auto found = m_objects.find(object);
-    return found != m_objects.end() && found->second.checked == m_check &&
-           found->second.uniqueId == qcUniqueIdOf(object) && IsInState(object, found->second.state);
+    const qcBatchObject* gathered = static_cast<const qcBatchScene&>(m_scene).Find(object);
+    return gathered != nullptr && gathered->checked == m_number && gathered->state.IsStateOf(object);
 }

@@ -1,7 +1,7 @@
 // From contact points to Bullet's manifolds.
 //
-// Points are found anew in each step, so nothing old is kept but impulses: a point of the manifold that has no
-// successor is removed, the others are replaced by addContactPoint, which hands the impulses of the nearest one on.
+// Points are found anew in each step; only impulses are kept. A point of a manifold without a successor is removed. The
+// others are replaced by addContactPoint, which passes on the impulses of the nearest point.
 #include "mesh_contact/collision_algorithm.h"
 
 #include <BulletCollision/CollisionDispatch/btCollisionDispatcher.h>
@@ -15,23 +15,23 @@
 
 namespace
 {
-// Of a distance, so that Bullet, which computes it anew from two rounded ends, accepts it.
-constexpr btScalar s_accepted = btScalar(1.001);
+// Factor of a distance to accept: Bullet computes it again, from two rounded ends.
+constexpr btScalar s_acceptedFactor = btScalar(1.001);
 
-/// The manifold's point that would hand its impulses on to this one, or -1.
-int Predecessor(const btPersistentManifold& manifold, const qcMeshPoint& point, const btTransform& bodyA)
+/// The manifold's point whose impulses addContactPoint would pass on to this one; -1: none.
+int FindPredecessor(const btPersistentManifold& manifold, const qcMeshPoint& point, const btTransform& bodyA)
 {
     btManifoldPoint probe;
     probe.m_localPointA = bodyA.invXform(point.onB + point.normal * point.distance);
     return manifold.getCacheEntry(probe);
 }
 
-/// How many points of a group have one.
+/// The number of points in the group with a predecessor.
 int CountSuccessors(const btPersistentManifold& manifold, const qcPointGroup& group, const btTransform& bodyA)
 {
     int count = 0;
     for (int i = 0; i < group.count; i++)
-        count += Predecessor(manifold, *group.points[i], bodyA) >= 0;
+        count += FindPredecessor(manifold, *group.points[i], bodyA) >= 0;
     return count;
 }
 
@@ -40,7 +40,7 @@ void RemoveWithoutSuccessor(btPersistentManifold* manifold, const qcPointGroup& 
     bool kept[MANIFOLD_CACHE_SIZE] = {};
     for (int i = 0; i < group.count; i++)
     {
-        int entry = Predecessor(*manifold, *group.points[i], bodyA);
+        int entry = FindPredecessor(*manifold, *group.points[i], bodyA);
         if (entry >= 0)
             kept[entry] = true;
     }
@@ -49,7 +49,7 @@ void RemoveWithoutSuccessor(btPersistentManifold* manifold, const qcPointGroup& 
             manifold->removeContactPoint(i);
 }
 
-/// As getNewManifold finds it.
+/// The threshold of a new manifold, by the rule of btCollisionDispatcher::getNewManifold.
 btScalar BreakingThreshold(const btDispatcher* dispatcher, const btCollisionObjectWrapper& body0,
                            const btCollisionObjectWrapper& body1)
 {
@@ -64,7 +64,7 @@ btScalar BreakingThreshold(const btDispatcher* dispatcher, const btCollisionObje
 
 void Report(const qcMeshPoint& point, const btCollisionObjectWrapper& body0, btManifoldResult* result)
 {
-    // The result may have its bodies the other way around, and wants to know the triangles of its own.
+    // The result may have the bodies in the other order.
     bool swapped = result->getBody0Internal() != body0.getCollisionObject();
     const qcTriangleSource &first = swapped ? point.sourceB : point.sourceA,
                            &second = swapped ? point.sourceA : point.sourceB;
@@ -73,25 +73,54 @@ void Report(const qcMeshPoint& point, const btCollisionObjectWrapper& body0, btM
     result->addContactPoint(point.normal, point.onB, point.distance);
 }
 
-/// Drops points further apart than `reach` unless the motion of this step brings them within: then the solver has to
-/// know of them now, or they are met deep inside. (Bullet's contacts ahead of time, with what a step needs of them.)
-void DropFar(const btCollisionObject* object0, const btCollisionObject* object1, btScalar reach, btScalar timeStep,
-             std::vector<qcMeshPoint>* points)
+/// Moves the ends of points from the triangles to the surfaces of the margins.
+void ApplyMargins(btScalar marginA, btScalar marginB, std::vector<qcMeshPoint>* points)
 {
-    qcMeshMotion motion0(object0), motion1(object1);
     for (qcMeshPoint& point : *points)
     {
-        btVector3 closing = motion1.At(point.onB) - motion0.At(point.onA);
-        btScalar ahead = point.distance - closing.dot(point.normal) * timeStep;
-        // Known to come nearer, where it is known who will be stopped.
-        point.ahead = timeStep > 0 ? std::min(point.ahead, ahead) : point.distance;
+        point.onA -= point.normal * marginA;
+        point.onB += point.normal * marginB;
+        point.distance -= marginA + marginB;
     }
-    auto isFar = [&](const qcMeshPoint& point) { return std::min(point.distance, point.ahead) > reach; };
-    points->erase(std::remove_if(points->begin(), points->end(), isFar), points->end());
 }
 
-/// How far a point of a mesh comes against a direction in a step at most.
-btScalar TravelOf(const btCollisionObjectWrapper& mesh, const btVector3& normal, btScalar timeStep)
+/// Removes points that are further apart than the contact distance and stay so in the step. The others become
+/// speculative contacts: without them the bodies would touch only after they have penetrated. A time step of 0 keeps no
+/// speculative contacts.
+void RemoveDistant(const btCollisionObject* object0, const btCollisionObject* object1, btScalar contactDistance,
+                   btScalar timeStep, std::vector<qcMeshPoint>* points)
+{
+    qcRigidMotion motion0(object0), motion1(object1);
+    for (qcMeshPoint& point : *points)
+    {
+        btVector3 closing = motion1.VelocityAt(point.onB) - motion0.VelocityAt(point.onA);
+        btScalar endDistance = point.distance - closing.dot(point.normal) * timeStep;
+        // Impact sampling may have found a smaller one, from bodies that stop.
+        point.endDistance = timeStep > 0 ? std::min(point.endDistance, endDistance) : point.distance;
+    }
+    auto isDistant = [&](const qcMeshPoint& point)
+    { return std::min(point.distance, point.endDistance) > contactDistance; };
+    points->erase(std::remove_if(points->begin(), points->end(), isDistant), points->end());
+}
+
+/// Replaces the points of a manifold by those of a group.
+void WriteGroup(const qcPointGroup& group, btScalar threshold, const btCollisionObjectWrapper& body0,
+                btPersistentManifold* manifold, btManifoldResult* result)
+{
+    manifold->setContactBreakingThreshold(threshold);
+    RemoveWithoutSuccessor(manifold, group, body0.getCollisionObject()->getWorldTransform());
+    result->setPersistentManifold(manifold);
+    for (int i = 0; i < group.count; i++)
+    {
+        const qcMeshPoint& point = *group.points[i];
+        manifold->setContactBreakingThreshold(std::max(threshold, point.distance * s_acceptedFactor));
+        Report(point, body0, result);
+    }
+    result->refreshContactPoints();
+}
+
+/// Upper bound of the motion of a mesh's points against a direction in a step.
+btScalar MaxTravelAgainst(const btCollisionObjectWrapper& mesh, const btVector3& normal, btScalar timeStep)
 {
     const btRigidBody* body = btRigidBody::upcast(mesh.getCollisionObject());
     if (body == nullptr || body->isStaticObject())
@@ -101,6 +130,56 @@ btScalar TravelOf(const btCollisionObjectWrapper& mesh, const btVector3& normal,
     return std::max(speed * timeStep, btScalar(0));
 }
 
+/// Makes contact points of a plane with the corners of triangles.
+class PlanePoints : public btTriangleCallback
+{
+  public:
+    /// `swapped`: the plane is the first body.
+    PlanePoints(const btTransform& mesh, const btTransform& plane, const btStaticPlaneShape& shape, bool swapped,
+                std::vector<qcMeshPoint>* points)
+        : m_mesh(mesh), m_normal(plane.getBasis() * shape.getPlaneNormal()),
+          m_offset(shape.getPlaneConstant() + m_normal.dot(plane.getOrigin())), m_swapped(swapped), m_points(points)
+    {
+    }
+
+    const btVector3& GetNormal() const
+    {
+        return m_normal;
+    }
+
+    /// Collects corners at most `maxDistance` above the plane.
+    void Collect(const qcMeshShape& mesh, btScalar maxDistance)
+    {
+        m_maxDistance = maxDistance;
+        btVector3 localNormal = m_mesh.getBasis().transpose() * m_normal;
+        btScalar localOffset = m_offset - m_normal.dot(m_mesh.getOrigin());
+        mesh.processTrianglesBelow(this, localNormal, localOffset + maxDistance);
+    }
+
+    void processTriangle(btVector3* triangle, int part, int index) override
+    {
+        for (int c = 0; c < 3; c++)
+        {
+            btVector3 corner = m_mesh * triangle[c];
+            btScalar distance = m_normal.dot(corner) - m_offset;
+            if (distance > m_maxDistance)
+                continue;
+            btVector3 foot = corner - m_normal * distance;
+            if (m_swapped)
+                m_points->push_back({foot, corner, -m_normal, distance, {-1, -1}, {part, index}});
+            else
+                m_points->push_back({corner, foot, m_normal, distance, {part, index}, {-1, -1}});
+        }
+    }
+
+  private:
+    btTransform m_mesh;
+    btVector3 m_normal;
+    btScalar m_offset, m_maxDistance = 0;
+    bool m_swapped;
+    std::vector<qcMeshPoint>* m_points;
+};
+
 qcPlacedMesh PlacedMesh(const btCollisionObjectWrapper& body)
 {
     return {body.getCollisionObject(), body.getCollisionShape(), body.getWorldTransform()};
@@ -108,125 +187,123 @@ qcPlacedMesh PlacedMesh(const btCollisionObjectWrapper& body)
 } // namespace
 
 qcPointsAlgorithm::qcPointsAlgorithm(const btCollisionAlgorithmConstructionInfo& info, qcMeshBatch* batch, bool query)
-    : btCollisionAlgorithm(info), m_batch(batch), m_query(query), m_shared(info.m_manifold != nullptr)
+    : btCollisionAlgorithm(info), m_batch(batch), m_query(query), m_isShared(info.m_manifold != nullptr)
 {
     m_manifolds[0] = info.m_manifold;
 }
 
 qcPointsAlgorithm::~qcPointsAlgorithm()
 {
-    for (int i = 0; i < s_groups && !m_shared; i++)
+    for (int i = 0; i < s_maxGroups && !m_isShared; i++)
         if (m_manifolds[i] != nullptr)
             m_dispatcher->releaseManifold(m_manifolds[i]);
 }
 
-btPersistentManifold* qcPointsAlgorithm::Manifold(int i, const btCollisionObjectWrapper& body0,
-                                                  const btCollisionObjectWrapper& body1)
+btPersistentManifold* qcPointsAlgorithm::GetManifold(int i, const btCollisionObjectWrapper& body0,
+                                                     const btCollisionObjectWrapper& body1)
 {
     if (m_manifolds[i] == nullptr)
         m_manifolds[i] = m_dispatcher->getNewManifold(body0.getCollisionObject(), body1.getCollisionObject());
     return m_manifolds[i];
 }
 
-/// The manifold for a group: one that has points near those of the group, or else an empty one.
-int qcPointsAlgorithm::Successor(const qcPointGroup& group, const btTransform& bodyA, const bool used[s_groups]) const
+/// The unused manifold with the most points near those of the group; an empty one if there is none.
+int qcPointsAlgorithm::ChooseManifold(const qcPointGroup& group, const btTransform& bodyA,
+                                      const bool used[s_maxGroups]) const
 {
-    int best = -1, most = -1;
-    for (int i = 0; i < s_groups; i++)
+    int best = -1, maxCount = -1;
+    for (int i = 0; i < s_maxGroups; i++)
     {
         int count = used[i] ? -1 : m_manifolds[i] != nullptr ? CountSuccessors(*m_manifolds[i], group, bodyA) : 0;
-        if (count > most)
+        if (count > maxCount)
         {
-            most = count;
+            maxCount = count;
             best = i;
         }
     }
     return best;
 }
 
-/// Empties the manifolds that no group has, and gives back those that were empty before: one that was made in this
-/// dispatch has points, so none is made and released in the same one.
-void qcPointsAlgorithm::Clear(const bool used[s_groups])
+/// Empties the unused manifolds, and releases those that were empty: a manifold made in this dispatch has points, so
+/// none is made and released in the same dispatch.
+void qcPointsAlgorithm::ClearUnused(const bool used[s_maxGroups])
 {
-    for (int i = 0; i < s_groups; i++)
+    for (int i = 0; i < s_maxGroups; i++)
     {
         btPersistentManifold* manifold = m_manifolds[i];
         if (used[i] || manifold == nullptr)
             continue;
-        if (manifold->getNumContacts() == 0 && !m_shared)
+        if (manifold->getNumContacts() == 0 && !m_isShared)
         {
             m_dispatcher->releaseManifold(manifold);
             m_manifolds[i] = nullptr;
+            continue;
         }
-        for (int k = manifold->getNumContacts() - 1; m_manifolds[i] != nullptr && k >= 0; k--)
+        for (int k = manifold->getNumContacts() - 1; k >= 0; k--)
             manifold->removeContactPoint(k);
     }
 }
 
-void qcPointsAlgorithm::ReportAll(const std::vector<qcMeshPoint>& points, btScalar reach,
+void qcPointsAlgorithm::MarkKnown(const btTransform& bodyA, std::vector<qcMeshPoint>* points) const
+{
+    for (qcMeshPoint& point : *points)
+        for (int i = 0; i < s_maxGroups && !point.isKnown; i++)
+            point.isKnown = m_manifolds[i] != nullptr && FindPredecessor(*m_manifolds[i], point, bodyA) >= 0;
+}
+
+void qcPointsAlgorithm::ReportAll(const std::vector<qcMeshPoint>& points, btScalar contactDistance,
                                   const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1,
                                   btManifoldResult* result)
 {
-    btPersistentManifold* manifold = points.empty() ? nullptr : Manifold(0, body0, body1);
+    btPersistentManifold* manifold = points.empty() ? nullptr : GetManifold(0, body0, body1);
     if (manifold == nullptr)
         return;
     result->setPersistentManifold(manifold);
     for (const qcMeshPoint& point : points)
-        if (point.distance <= reach)
+        if (point.distance <= contactDistance)
             Report(point, body0, result);
+}
+
+/// Reduces the points, and replaces those of the manifolds by them.
+void qcPointsAlgorithm::UpdateManifolds(std::vector<qcMeshPoint>* points, btScalar contactDistance,
+                                        const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1,
+                                        btManifoldResult* result)
+{
+    btScalar threshold = BreakingThreshold(m_dispatcher, body0, body1);
+    const btTransform& bodyA = body0.getCollisionObject()->getWorldTransform();
+    MarkKnown(bodyA, points);
+    qcPointGroup groups[s_maxGroups];
+    int groupCount = qcGroupPoints(points, contactDistance, threshold, m_isShared ? 1 : s_maxGroups, groups);
+    bool used[s_maxGroups] = {};
+    for (int g = 0; g < groupCount; g++)
+    {
+        int i = ChooseManifold(groups[g], bodyA, used);
+        used[i] = true;
+        if (btPersistentManifold* manifold = GetManifold(i, body0, body1))
+            WriteGroup(groups[g], threshold, body0, manifold, result);
+    }
+    ClearUnused(used);
 }
 
 void qcPointsAlgorithm::processCollision(const btCollisionObjectWrapper* body0, const btCollisionObjectWrapper* body1,
                                          const btDispatcherInfo& dispatchInfo, btManifoldResult* result)
 {
     std::vector<qcMeshPoint> points;
-    btScalar marginA = MarginOf(body0->getCollisionShape()), marginB = MarginOf(body1->getCollisionShape());
-    btScalar reach = m_batch->Reach(body0->getCollisionShape(), body1->getCollisionShape()) +
-                     result->m_closestPointDistanceThreshold;
-    FindPoints(*body0, *body1, reach, dispatchInfo.m_timeStep, &points);
-    for (qcMeshPoint& point : points)
-    {
-        point.onA -= point.normal * marginA;
-        point.onB += point.normal * marginB;
-        point.distance -= marginA + marginB;
-    }
+    const btCollisionShape *shape0 = body0->getCollisionShape(), *shape1 = body1->getCollisionShape();
+    btScalar contactDistance = qcContactDistance(shape0, shape1) + result->m_closestPointDistanceThreshold;
+    FindPoints(*body0, *body1, contactDistance, dispatchInfo.m_timeStep, &points);
+    ApplyMargins(MarginOf(shape0), MarginOf(shape1), &points);
     if (m_query)
     {
-        ReportAll(points, reach, *body0, *body1, result);
+        ReportAll(points, contactDistance, *body0, *body1, result);
         return;
     }
     BT_PROFILE("qcMeshContact manifolds");
-    btScalar threshold = BreakingThreshold(m_dispatcher, *body0, *body1);
-    reach = std::min(reach, threshold);
-    // The threshold of a manifold of others is not ours to raise.
-    DropFar(body0->getCollisionObject(), body1->getCollisionObject(), reach, m_shared ? 0 : dispatchInfo.m_timeStep,
-            &points);
-    const btTransform& bodyA = body0->getCollisionObject()->getWorldTransform();
-    for (qcMeshPoint& point : points)
-        for (int i = 0; i < s_groups && !point.kept; i++)
-            point.kept = m_manifolds[i] != nullptr && Predecessor(*m_manifolds[i], point, bodyA) >= 0;
-    qcPointGroup groups[s_groups];
-    int groupCount = qcGroupPoints(&points, reach, threshold, m_shared ? 1 : s_groups, groups);
-    bool used[s_groups] = {};
-    for (int g = 0; g < groupCount; g++)
-    {
-        int i = Successor(groups[g], bodyA, used);
-        used[i] = true;
-        btPersistentManifold* manifold = Manifold(i, *body0, *body1);
-        if (manifold == nullptr)
-            continue;
-        manifold->setContactBreakingThreshold(threshold);
-        RemoveWithoutSuccessor(manifold, groups[g], bodyA);
-        result->setPersistentManifold(manifold);
-        for (int k = 0; k < groups[g].count; k++)
-        {
-            const qcMeshPoint& point = *groups[g].points[k];
-            manifold->setContactBreakingThreshold(std::max(threshold, point.distance * s_accepted));
-            Report(point, *body0, result);
-        }
-        result->refreshContactPoints();
-    }
-    Clear(used);
+    contactDistance = std::min(contactDistance, BreakingThreshold(m_dispatcher, *body0, *body1));
+    // The threshold of a parent's manifold can't be raised to that of speculative contacts.
+    RemoveDistant(body0->getCollisionObject(), body1->getCollisionObject(), contactDistance,
+                  m_isShared ? 0 : dispatchInfo.m_timeStep, &points);
+    UpdateManifolds(&points, contactDistance, *body0, *body1, result);
 }
 
 btScalar qcPointsAlgorithm::calculateTimeOfImpact(btCollisionObject*, btCollisionObject*, const btDispatcherInfo&,
@@ -243,16 +320,16 @@ void qcPointsAlgorithm::getAllContactManifolds(btManifoldArray& manifolds)
 }
 
 void qcMeshMeshAlgorithm::FindPoints(const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1,
-                                     btScalar reach, btScalar timeStep, std::vector<qcMeshPoint>* points)
+                                     btScalar contactDistance, btScalar timeStep, std::vector<qcMeshPoint>* points)
 {
     qcPlacedMesh a = PlacedMesh(body0), b = PlacedMesh(body1);
-    // An object may have been given another shape meanwhile, which Bullet's pairs don't notice.
+    // An object may have another shape than at the creation of the algorithm, without notice from Bullet's pair.
     if (!qcIsMesh(a.shape) || !qcIsMesh(b.shape))
         return;
     if (m_query)
-        m_batch->Query(a, b, reach + MarginOf(a.shape) + MarginOf(b.shape), points);
+        m_batch->QueryPair(a, b, contactDistance + MarginOf(a.shape) + MarginOf(b.shape), points);
     else
-        m_batch->Find(a, b, timeStep, &m_check, points);
+        m_batch->FindPoints(a, b, timeStep, &m_check, points);
 }
 
 btScalar qcMeshMeshAlgorithm::MarginOf(const btCollisionShape* shape) const
@@ -261,7 +338,7 @@ btScalar qcMeshMeshAlgorithm::MarginOf(const btCollisionShape* shape) const
 }
 
 void qcMeshPlaneAlgorithm::FindPoints(const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1,
-                                      btScalar reach, btScalar timeStep, std::vector<qcMeshPoint>* points)
+                                      btScalar contactDistance, btScalar timeStep, std::vector<qcMeshPoint>* points)
 {
     bool swapped = body0.getCollisionShape()->getShapeType() == STATIC_PLANE_PROXYTYPE;
     const btCollisionObjectWrapper &meshBody = swapped ? body1 : body0, &planeBody = swapped ? body0 : body1;
@@ -269,44 +346,13 @@ void qcMeshPlaneAlgorithm::FindPoints(const btCollisionObjectWrapper& body0, con
     if (mesh == nullptr || planeBody.getCollisionShape()->getShapeType() != STATIC_PLANE_PROXYTYPE)
         return;
     const auto* plane = static_cast<const btStaticPlaneShape*>(planeBody.getCollisionShape());
-
-    struct Collector : btTriangleCallback
-    {
-        btTransform transform;
-        btVector3 normal;
-        btScalar offset, limit;
-        bool swapped;
-        std::vector<qcMeshPoint>* points;
-
-        void processTriangle(btVector3* triangle, int part, int index) override
-        {
-            for (int c = 0; c < 3; c++)
-            {
-                btVector3 corner = transform * triangle[c];
-                btScalar distance = normal.dot(corner) - offset;
-                if (distance > limit)
-                    continue;
-                btVector3 foot = corner - normal * distance;
-                if (swapped)
-                    points->push_back({foot, corner, -normal, distance, {-1, -1}, {part, index}});
-                else
-                    points->push_back({corner, foot, normal, distance, {part, index}, {-1, -1}});
-            }
-        }
-    } collector;
-    collector.transform = meshBody.getWorldTransform();
-    collector.normal = planeBody.getWorldTransform().getBasis() * plane->getPlaneNormal();
-    collector.offset = plane->getPlaneConstant() + collector.normal.dot(planeBody.getWorldTransform().getOrigin());
-    collector.limit = reach + mesh->getMargin() + TravelOf(meshBody, collector.normal, timeStep);
-    collector.swapped = swapped;
-    collector.points = points;
-    btVector3 localNormal = collector.transform.getBasis().transpose() * collector.normal;
-    btScalar localOffset = collector.offset - collector.normal.dot(collector.transform.getOrigin());
-    mesh->processTrianglesBelow(&collector, localNormal, localOffset + collector.limit);
+    PlanePoints collector(meshBody.getWorldTransform(), planeBody.getWorldTransform(), *plane, swapped, points);
+    collector.Collect(*mesh, contactDistance + mesh->getMargin() +
+                                 MaxTravelAgainst(meshBody, collector.GetNormal(), timeStep));
 }
 
 btScalar qcMeshPlaneAlgorithm::MarginOf(const btCollisionShape* shape) const
 {
-    // Bullet's planes have no shell for convex shapes either.
+    // Bullet's planes have no margin for convex shapes either.
     return shape->getShapeType() == STATIC_PLANE_PROXYTYPE ? btScalar(0) : shape->getMargin();
 }

@@ -1,4 +1,4 @@
-// The collision algorithms of a pair with a mesh: from contact points to Bullet's manifolds.
+// The collision algorithms of pairs with a mesh: from contact points to Bullet's manifolds.
 #ifndef QC_GLUE_MESH_CONTACT_COLLISION_ALGORITHM_H
 #define QC_GLUE_MESH_CONTACT_COLLISION_ALGORITHM_H
 
@@ -7,12 +7,12 @@
 
 #include <BulletCollision/BroadphaseCollision/btCollisionAlgorithm.h>
 
-/// What all algorithms for points found at once do: group them, and keep a manifold for each group.
+/// Groups the contact points of a pair, and keeps a manifold for each group. Derived classes find the points.
 class qcPointsAlgorithm : public btCollisionAlgorithm
 {
   public:
-    /// `query`: the algorithm lives for one question (contactTest, contactPairTest): every point is reported, and
-    /// nothing is read from a batch.
+    /// `query`: the algorithm lives for one query (contactTest, contactPairTest), which reports every point and reads
+    /// no batch.
     qcPointsAlgorithm(const btCollisionAlgorithmConstructionInfo& info, qcMeshBatch* batch, bool query);
     ~qcPointsAlgorithm() override;
 
@@ -24,27 +24,33 @@ class qcPointsAlgorithm : public btCollisionAlgorithm
     void getAllContactManifolds(btManifoldArray& manifolds) override;
 
   protected:
-    /// Points from body 1 towards body 0: all whose shells are no further apart than `reach`, or than a step brings
-    /// them together.
+    /// Appends points with normals from body 1 to body 0: at least those whose distance beyond the margins is at most
+    /// `contactDistance`, and those that the motion of the step brings so near.
     virtual void FindPoints(const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1,
-                            btScalar reach, btScalar timeStep, std::vector<qcMeshPoint>* points) = 0;
-    /// What the shells take of a distance.
+                            btScalar contactDistance, btScalar timeStep, std::vector<qcMeshPoint>* points) = 0;
+    /// The part of a distance between triangles that belongs to the shape's margin.
     virtual btScalar MarginOf(const btCollisionShape* shape) const = 0;
 
     qcMeshBatch* m_batch;
     bool m_query;
 
   private:
-    static constexpr int s_groups = 4;
+    static constexpr int s_maxGroups = 4;
 
-    btPersistentManifold* Manifold(int i, const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1);
-    int Successor(const qcPointGroup& group, const btTransform& bodyA, const bool used[s_groups]) const;
-    void Clear(const bool used[s_groups]);
-    void ReportAll(const std::vector<qcMeshPoint>& points, btScalar reach, const btCollisionObjectWrapper& body0,
-                   const btCollisionObjectWrapper& body1, btManifoldResult* result);
+    btPersistentManifold* GetManifold(int i, const btCollisionObjectWrapper& body0,
+                                      const btCollisionObjectWrapper& body1);
+    int ChooseManifold(const qcPointGroup& group, const btTransform& bodyA, const bool used[s_maxGroups]) const;
+    void ClearUnused(const bool used[s_maxGroups]);
+    void MarkKnown(const btTransform& bodyA, std::vector<qcMeshPoint>* points) const;
+    void ReportAll(const std::vector<qcMeshPoint>& points, btScalar contactDistance,
+                   const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1,
+                   btManifoldResult* result);
+    void UpdateManifolds(std::vector<qcMeshPoint>* points, btScalar contactDistance,
+                         const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1,
+                         btManifoldResult* result);
 
-    bool m_shared; ///< the manifold is that of a parent: one, not ours to release
-    btPersistentManifold* m_manifolds[s_groups] = {};
+    bool m_isShared; ///< the manifold belongs to a parent algorithm: there is one, and it is not released here
+    btPersistentManifold* m_manifolds[s_maxGroups] = {};
 };
 
 /// Two meshes.
@@ -54,23 +60,23 @@ class qcMeshMeshAlgorithm : public qcPointsAlgorithm
     using qcPointsAlgorithm::qcPointsAlgorithm;
 
   protected:
-    void FindPoints(const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1, btScalar reach,
-                    btScalar timeStep, std::vector<qcMeshPoint>* points) override;
+    void FindPoints(const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1,
+                    btScalar contactDistance, btScalar timeStep, std::vector<qcMeshPoint>* points) override;
     btScalar MarginOf(const btCollisionShape* shape) const override;
 
   private:
-    unsigned m_check = 0; ///< of the batch, when this pair last asked
+    unsigned m_check = 0; ///< number of the batch's check at this pair's last call
 };
 
-/// A qcMeshShape and a btStaticPlaneShape, in either order: the mesh's vertices.
+/// A qcMeshShape and a btStaticPlaneShape, in either order. Contact points are the mesh's vertices.
 class qcMeshPlaneAlgorithm : public qcPointsAlgorithm
 {
   public:
     using qcPointsAlgorithm::qcPointsAlgorithm;
 
   protected:
-    void FindPoints(const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1, btScalar reach,
-                    btScalar timeStep, std::vector<qcMeshPoint>* points) override;
+    void FindPoints(const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1,
+                    btScalar contactDistance, btScalar timeStep, std::vector<qcMeshPoint>* points) override;
     btScalar MarginOf(const btCollisionShape* shape) const override;
 };
 

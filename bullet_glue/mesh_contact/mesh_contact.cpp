@@ -12,12 +12,12 @@
 
 namespace
 {
-// Shapes of triangles that Bullet has.
+// Bullet's shape types that consist of triangles.
 constexpr int s_meshTypes[] = {TRIANGLE_MESH_SHAPE_PROXYTYPE, SCALED_TRIANGLE_MESH_SHAPE_PROXYTYPE,
                                TERRAIN_SHAPE_PROXYTYPE,       MULTIMATERIAL_TRIANGLE_MESH_PROXYTYPE,
                                CUSTOM_CONCAVE_SHAPE_TYPE,     FAST_CONCAVE_MESH_PROXYTYPE};
 
-// btPoolAllocator hands out slots of the size of Bullet's largest algorithm without looking.
+// btPoolAllocator returns slots of the size of Bullet's largest algorithm, whatever size is requested.
 static_assert(sizeof(qcMeshMeshAlgorithm) <= sizeof(btConvexConcaveCollisionAlgorithm), "fits into Bullet's pool");
 static_assert(sizeof(qcMeshPlaneAlgorithm) <= sizeof(btConvexConcaveCollisionAlgorithm), "fits into Bullet's pool");
 
@@ -39,7 +39,7 @@ struct MeshMeshCreate : btCollisionAlgorithmCreateFunc
     {
         if (qcIsMesh(body0->getCollisionShape()) && qcIsMesh(body1->getCollisionShape()))
             return Make<qcMeshMeshAlgorithm>(info, batch, query);
-        // A compound of GImpact.
+        // A compound of GImpact: Bullet's own algorithm.
         btGImpactCollisionAlgorithm::CreateFunc gimpact;
         return gimpact.CreateCollisionAlgorithm(info, body0, body1);
     }
@@ -58,7 +58,7 @@ struct MeshPlaneCreate : btCollisionAlgorithmCreateFunc
                                                    const btCollisionObjectWrapper* body0,
                                                    const btCollisionObjectWrapper* body1) override
     {
-        // Another class with the shape type of qcMeshShape: as without us.
+        // Another class with the shape type of qcMeshShape: Bullet has no algorithm for it.
         if (qcAsMeshShape(body0->getCollisionShape()) == nullptr &&
             qcAsMeshShape(body1->getCollisionShape()) == nullptr)
             return new (info.m_dispatcher1->allocateCollisionAlgorithm(sizeof(btEmptyAlgorithm)))
@@ -85,7 +85,7 @@ struct qcMeshContact::Implementation
     MeshPlaneCreate planeContact{&batch, false}, planeQuery{&batch, true};
 };
 
-/// In both orders.
+/// Registers for both orders of the types.
 void qcMeshContact::Implementation::Register(int type0, int type1, btCollisionAlgorithmCreateFunc* contact,
                                              btCollisionAlgorithmCreateFunc* query)
 {
@@ -104,7 +104,7 @@ qcMeshContact::~qcMeshContact() = default;
 void qcMeshContact::addTo(btCollisionWorld* world)
 {
     Implementation& my = *m_implementation;
-    my.batch.world = world;
+    my.batch.settings.world = world;
     my.dispatcher = static_cast<btCollisionDispatcher*>(world->getDispatcher());
     for (int type : s_meshTypes)
         my.Register(FAST_CONCAVE_MESH_PROXYTYPE, type, &my.meshContact, &my.meshQuery);
@@ -115,7 +115,7 @@ void qcMeshContact::addTo(btCollisionWorld* world)
 void qcMeshContact::takeOverGImpact()
 {
     Implementation& my = *m_implementation;
-    my.batch.gimpact = true;
+    my.batch.settings.gimpact = true;
     for (int type : s_meshTypes)
         my.Register(GIMPACT_SHAPE_PROXYTYPE, type, &my.meshContact, &my.meshQuery);
     my.Register(GIMPACT_SHAPE_PROXYTYPE, GIMPACT_SHAPE_PROXYTYPE, &my.meshContact, &my.meshQuery);
@@ -123,19 +123,19 @@ void qcMeshContact::takeOverGImpact()
 
 void qcMeshContact::updateShape(const btCollisionShape* shape)
 {
-    m_implementation->batch.Change(shape);
+    m_implementation->batch.InvalidateShape(shape);
 }
 
 void qcMeshContact::setThreadCount(unsigned threads)
 {
-    m_implementation->batch.threads = threads;
+    m_implementation->batch.settings.threads = threads;
 }
 
 qcStatus qcMeshContact::setMethod(qcMethod method)
 {
     if (method == qc_methodCullide || method == qc_methodQuick)
         return qc_statusBadInput;
-    m_implementation->batch.method = method;
+    m_implementation->batch.settings.method = method;
     return qc_statusOk;
 }
 

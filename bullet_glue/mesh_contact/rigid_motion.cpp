@@ -1,11 +1,11 @@
-// How far bodies come in a step.
+// Motion of rigid bodies within a step, and bounds on it.
 #include "mesh_contact/rigid_motion.h"
 
 #include <BulletDynamics/Dynamics/btRigidBody.h>
 
 #include <algorithm>
 
-qcMeshMotion::qcMeshMotion(const btCollisionObject* object) : centre(object->getWorldTransform().getOrigin())
+qcRigidMotion::qcRigidMotion(const btCollisionObject* object) : centre(object->getWorldTransform().getOrigin())
 {
     const btRigidBody* body = btRigidBody::upcast(object);
     if (body != nullptr && !object->isStaticObject())
@@ -15,7 +15,7 @@ qcMeshMotion::qcMeshMotion(const btCollisionObject* object) : centre(object->get
     }
 }
 
-btScalar qcMotion(const btTransform& from, const btTransform& to, btScalar radius)
+btScalar qcDisplacementBound(const btTransform& from, const btTransform& to, btScalar radius)
 {
     btScalar turn = 0;
     for (int row = 0; row < 3; row++)
@@ -27,14 +27,14 @@ btScalar qcMotion(const btTransform& from, const btTransform& to, btScalar radiu
     return from.getOrigin().distance(to.getOrigin()) + btSqrt(turn) * radius;
 }
 
-btScalar qcApproach(const btCollisionObject* object, btScalar radius, btScalar timeStep, btScalar limit,
-                    const qcMeshMotion& drift)
+btScalar qcMaxClosingDistance(const btCollisionObject* object, btScalar radius, btScalar timeStep, btScalar limit,
+                              const qcRigidMotion& meanMotion)
 {
     const btRigidBody* body = btRigidBody::upcast(object);
     if (!object->isStaticObject() && (body == nullptr || timeStep <= 0))
-        return limit; // not known
-    qcMeshMotion motion(object);
-    motion.linear -= drift.At(motion.centre);
-    motion.angular -= drift.angular;
-    return std::min(limit, motion.Fastest(radius) * timeStep);
+        return limit;
+    qcRigidMotion motion(object);
+    motion.linear -= meanMotion.VelocityAt(motion.centre);
+    motion.angular -= meanMotion.angular;
+    return std::min(limit, motion.MaxSpeed(radius) * timeStep);
 }

@@ -1,38 +1,37 @@
-// How far bodies come in a step.
+// Motion of rigid bodies within a step, and bounds on it.
 #ifndef QC_GLUE_MESH_CONTACT_RIGID_MOTION_H
 #define QC_GLUE_MESH_CONTACT_RIGID_MOTION_H
 
 #include <BulletCollision/CollisionDispatch/btCollisionObject.h>
 
-/// How something moves now.
-struct qcMeshMotion
+/// Velocities of the points of a rigid body.
+struct qcRigidMotion
 {
     btVector3 centre{0, 0, 0}, linear{0, 0, 0}, angular{0, 0, 0};
 
-    /// Stands still.
-    qcMeshMotion() = default;
-    /// A rigid body's velocities; anything else stands still.
-    explicit qcMeshMotion(const btCollisionObject* object);
+    /// At rest.
+    qcRigidMotion() = default;
+    /// The present velocities of a rigid body. Static objects, and objects of other types, are at rest.
+    explicit qcRigidMotion(const btCollisionObject* object);
 
-    btVector3 At(const btVector3& point) const
+    btVector3 VelocityAt(const btVector3& point) const
     {
         return linear + angular.cross(point - centre);
     }
 
-    /// The speed of a point no further than `radius` from the centre, at most.
-    btScalar Fastest(btScalar radius) const
+    /// Upper bound of the speed of points at most `radius` from the centre.
+    btScalar MaxSpeed(btScalar radius) const
     {
         return linear.length() + angular.length() * radius;
     }
 };
 
-/// How far a point of a body moves at most from one place to another one, if it is no further than `radius` from the
-/// body's origin.
-btScalar qcMotion(const btTransform& from, const btTransform& to, btScalar radius);
+/// Upper bound of the displacement between two transforms of points at most `radius` from the body's origin.
+btScalar qcDisplacementBound(const btTransform& from, const btTransform& to, btScalar radius);
 
-/// How far a point of an object, no further than `radius` from its origin, may come in a step, as seen by who drifts;
-/// at most `limit`.
-btScalar qcApproach(const btCollisionObject* object, btScalar radius, btScalar timeStep, btScalar limit,
-                    const qcMeshMotion& drift);
+/// Upper bound of the displacement in a step, relative to `meanMotion`, of an object's points at most `radius` from its
+/// origin. At most `limit`, which is also the result if the motion is unknown.
+btScalar qcMaxClosingDistance(const btCollisionObject* object, btScalar radius, btScalar timeStep, btScalar limit,
+                              const qcRigidMotion& meanMotion);
 
 #endif

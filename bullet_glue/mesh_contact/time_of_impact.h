@@ -1,9 +1,10 @@
-// What meshes come upon in the course of a step, further ahead than contact points reach at its beginning.
+// Speculative contacts of fast meshes: samples the rigid motion of a step and keeps the contact points found there.
+// Terms, reasons and limits: plugin/docs/mesh_contact.md.
 #ifndef QC_GLUE_MESH_CONTACT_TIME_OF_IMPACT_H
 #define QC_GLUE_MESH_CONTACT_TIME_OF_IMPACT_H
 
-#include "mesh_contact/rigid_motion.h"
 #include "mesh_contact/contact_reduction.h"
+#include "mesh_contact/rigid_motion.h"
 
 #include <unordered_map>
 
@@ -12,90 +13,99 @@ struct qcMovingMesh
 {
     const btCollisionObject* object;
     qcBodyId id;
-    btTransform transform; ///< as the scene has it
+    btTransform transform; ///< in the scene
     const std::vector<qcTriangleSource>* sources;
-    btScalar radius;    ///< of the object, from its origin
-    btScalar threshold; ///< contact breaking threshold of the object
-    btScalar reach;     ///< how far beyond its shell contact points are found at the beginning of the step
-    btScalar margin;    ///< the shell
+    btScalar radius;          ///< upper bound of the distance of the object's points from its origin
+    btScalar threshold;       ///< contact breaking threshold of the object
+    btScalar margin;          ///< collision margin
+    btScalar contactDistance; ///< contact is found up to this distance from its margin at the beginning of the step
 };
 
-/// A step as a row of moments. Bodies are carried along as they move when the step begins, and at each moment the pairs
-/// that move fast are looked at as if it were the beginning of a step. A point of contact found there is one that the
-/// solver has to know of now: Bullet's constraint for a point at a distance lets the bodies come as far as that.
-///
-/// Then again, for who follows: a body that came upon one that stands still stays where it met that, and pairs that
-/// move along with each other are looked at if one of them stays, and so on. So a column that falls is stopped from its
-/// foot to its head in one step.
-///
-/// Conservative advancement (Mirtich 1996) would need the distance of two soups at each of its steps;
-/// this needs contact only, which is what the scene is quick at.
-class qcMeshAhead
+/// Finds contacts that fast pairs reach within the step, and adds them at its beginning: Bullet's constraint for a
+/// point at a distance lets the bodies close exactly that distance. Further passes stop bodies that follow a stopped
+/// one.
+class qcImpactSampler
 {
   public:
-    /// Forgets the step before.
+    /// Forgets the previous step.
     void Begin(btScalar timeStep);
-    /// Takes the pair in if one of the two comes by more in the step than contact points reach.
-    void Consider(const qcMovingMesh& a, const qcMovingMesh& b);
-    /// Looks at all moments. `def`: of the query at the beginning. The scene's bodies are where they were afterwards,
-    /// its last result is not. Nothing is done if no pair passes by fast.
-    qcStatus Find(qcScene* scene, const qcDetectDef& def);
-    /// Adds what a pair comes upon, with its ends on the bodies as they are now.
-    void Append(qcBodyId a, const btTransform& transformA, qcBodyId b, const btTransform& transformB,
-                std::vector<qcMeshPoint>* points) const;
+    /// Adds a pair if its bodies pass each other, or one of them moves, by more than contact distances cover.
+    void AddPair(const qcMovingMesh& a, const qcMovingMesh& b);
+    /// Samples the step. `def`: of the query at the beginning of the step. Bodies of the scene are at the beginning of
+    /// the step again afterwards; the scene's last result is lost. No pairs: does nothing.
+    qcStatus Sample(qcScene* scene, const qcDetectDef& def);
+    /// Appends the speculative contacts of a pair, with ends on the bodies at these transforms.
+    void AppendPoints(qcBodyId a, const btTransform& transformA, qcBodyId b, const btTransform& transformB,
+                      std::vector<qcMeshPoint>* points) const;
 
-    /// That were looked at.
-    int GetMomentCount() const
+    /// Queries of the last Sample.
+    int GetSampleCount() const
     {
-        return m_momentCount;
+        return m_sampleCount;
     }
 
   private:
     struct Mesh
     {
         qcMovingMesh moving;
-        qcMeshMotion motion;
-        btScalar stop = BT_LARGE_FLOAT; ///< when it meets what stands still
+        qcRigidMotion motion;
+        btScalar stopTime = BT_LARGE_FLOAT; ///< when it touches a body that is stopped or quasi-static
 
-        bool Stays(btScalar time) const
+        bool IsStoppedAt(btScalar time) const
         {
-            return stop <= time;
+            return stopTime <= time;
         }
     };
 
-    /// Two meshes, by index: the slot of the first is lower.
+    /// Two meshes; the slot of the first is lower.
     struct Pair
     {
         uint32_t slotA, slotB;
-        size_t a, b;
-        int moments;
-        btScalar speed;                  ///< at which the two pass each other, at most
-        btScalar reach;                  ///< what is nearer at the beginning is found without this
-        bool still[2];                   ///< one as slow that the other, where it meets it, stays
-        bool follows;                    ///< one the other: to be looked at if one of them stays
-        btScalar before = 0;             ///< its last moment
-        bool asked = false;              ///< in this round
-        bool due = false;                ///< to be looked at in this moment
-        bool over = false;               ///< was asked for, or nothing that follows would mean anything
-        std::vector<qcMeshPoint> points; ///< each end in the frame of its mesh
+        size_t a, b; ///< indices of the meshes
+        int sampleCount;
+        btScalar maxSpeed;               ///< upper bound of the speed at which the bodies pass each other
+        btScalar contactDistance;        ///< nearer points are found at the beginning of the step
+        bool isQuasiStatic[2];           ///< so slow that the other body stops where it touches this one
+        bool isCoMoving;                 ///< sampled only once one of the bodies has stopped
+        btScalar previousTime = 0;       ///< of the pair's previous sample
+        bool isSelected = false;         ///< for the present pass
+        bool isDue = false;              ///< for the present sample
+        bool isDone = false;             ///< sampled, or so deep that further samples mean nothing
+        std::vector<qcMeshPoint> points; ///< ends in the frames of their meshes
     };
 
-    size_t Keep(const qcMovingMesh& mesh);
-    const Pair* PairOf(uint32_t slotA, uint32_t slotB) const;
-    static btTransform At(const Mesh& mesh, btScalar time);
-    qcStatus Place(qcScene* scene, btScalar time) const;
-    bool ChooseAsked(bool first);
-    bool ChooseDue(int moment, int moments);
-    qcStatus Look(qcScene* scene, const qcDetectDef& def);
-    void Take(const qcResult& result, btScalar time, Pair* pair);
+    /// The transforms of a pair at a time.
+    struct PairTransforms
+    {
+        btTransform a, b;
+
+        /// Distance of a point's ends along its normal. The ends are in the frames of their meshes.
+        btScalar DistanceOf(const qcMeshPoint& point) const
+        {
+            return (a * point.onA - b * point.onB).dot(point.normal);
+        }
+    };
+
+    size_t AddMesh(const qcMovingMesh& mesh);
+    const Pair* FindPair(uint32_t slotA, uint32_t slotB) const;
+    static btTransform TransformAt(const Mesh& mesh, btScalar time);
+    PairTransforms TransformsAt(const Pair& pair, btScalar time) const;
+    qcStatus SetTransforms(qcScene* scene, btScalar time) const;
+    bool SelectPairs(bool firstPass);
+    bool SelectDue(int sample, int sampleCount);
+    void SortPairs();
+    qcDetectDef SampleDef(const qcDetectDef& def);
+    qcStatus RunPass(qcScene* scene, const qcDetectDef& def);
+    void TakeResult(const qcResult& result, btScalar time, Pair* pair);
+    btScalar TakeRegion(qcMeshPoint* begin, qcMeshPoint* end, btScalar time, Pair* pair);
     static bool IsDue(void* context, uint32_t slotA, uint32_t slotB);
 
     btScalar m_timeStep = 0;
-    int m_momentCount = 0;
+    int m_sampleCount = 0;
     std::vector<Mesh> m_meshes;
-    std::vector<btScalar> m_stops;                  ///< of the meshes, as they are found
+    std::vector<btScalar> m_stopTimes;              ///< of the meshes, found in the present pass
     std::unordered_map<uint32_t, size_t> m_indexOf; ///< of a mesh, by slot
-    std::vector<Pair> m_pairs;                      ///< in order of slots, once they are looked at
+    std::vector<Pair> m_pairs;                      ///< sorted by slots while they are sampled
 };
 
 #endif

@@ -14,23 +14,23 @@
 
 namespace
 {
-// A closed mesh whose volume is less, by the ball of the same area, has no inside: a sheet with two sides.
-constexpr double s_leastFill = 1e-6;
+// A closed mesh with less volume, relative to the ball of the same area, has no inside: it is a sheet with two sides.
+constexpr double s_minFill = 1e-6;
 constexpr double s_pi = 3.14159265358979323846;
 
 typedef std::array<double, 3> Point;
 
-/// Whether each edge is passed as often one way as the other.
+/// True if each edge is used equally often in both directions.
 bool IsClosed(const btVector3* vertices, uint32_t vertexCount, const uint32_t* indices, uint32_t triangleCount)
 {
     struct Edge
     {
         uint32_t high;
-        int way;
+        int direction; ///< 1 or -1
     };
     std::vector<uint32_t> welded = qcFirstAtPosition(vertices, vertexCount);
     std::vector<Edge> edges(3 * size_t(triangleCount));
-    std::vector<size_t> ends(size_t(vertexCount) + 1, 0); // of those of each lower vertex
+    std::vector<size_t> ends(size_t(vertexCount) + 1, 0); // of the edges of each lower vertex
     auto forEach = [&](auto function)
     {
         for (size_t t = 0; t < triangleCount; t++)
@@ -52,7 +52,7 @@ bool IsClosed(const btVector3* vertices, uint32_t vertexCount, const uint32_t* i
         {
             int sum = 0;
             for (uint32_t high = edges[i].high; i < ends[low] && edges[i].high == high; i++)
-                sum += edges[i].way;
+                sum += edges[i].direction;
             if (sum != 0)
                 return false;
         }
@@ -60,9 +60,9 @@ bool IsClosed(const btVector3* vertices, uint32_t vertexCount, const uint32_t* i
     return true;
 }
 
-/// Adds a simplex with the corners p and, if n is 4, the origin, of the given content. The integral of x over a simplex
-/// of n corners is its content times the mean of the corners, that of x y its content / (n (n + 1)) times the sum of
-/// x_i y_i over all corners and of x_i y_j over all pairs of them.
+/// Adds a simplex of the given content, with the corners p and, if n is 4, the origin. Over a simplex of n corners the
+/// integral of x is its content times the mean of the corners; that of x y is its content / (n (n + 1)) times the sum
+/// of x_i y_i over all corners and of x_i y_j over all pairs of them.
 void AddSimplex(const Point p[3], double content, double n, qcMoments* moments)
 {
     Point sum = {};
@@ -100,7 +100,7 @@ double Area(const Point p[3])
     return std::sqrt(x * x + y * y + z * z) / 2;
 }
 
-/// Rotations that make a symmetric matrix diagonal; their product goes to `axes`, column by column.
+/// Makes a symmetric matrix diagonal by rotations; the columns of `axes` receive their product.
 void Diagonalize(double m[3][3], double axes[3][3])
 {
     for (int i = 0; i < 3; i++)
@@ -134,7 +134,7 @@ void Diagonalize(double m[3][3], double axes[3][3])
         }
 }
 
-/// The tensor of a body of mass 1 about a point, which is given from the origin of the moments. All in units.
+/// The tensor of a body of mass 1 about a point, which is relative to the origin of the moments. In units.
 void InertiaAbout(const qcMoments& m, const double point[3], double tensor[3][3])
 {
     double second[6];
@@ -161,14 +161,14 @@ btMatrix3x3 ToMatrix(const double m[3][3], double factor)
     return matrix;
 }
 
-/// Whether a type holds what a number in units becomes, and its inverse, with all digits.
+/// True if a type holds `number` and its inverse with all digits, or if the value in units is 0.
 template <typename Scalar> bool Holds(double inUnits, double number)
 {
     return inUnits == 0 || (number >= double(std::numeric_limits<Scalar>::min()) &&
                             number <= double(std::numeric_limits<Scalar>::max()));
 }
 
-/// The diagonal of a tensor of mass 1, in units, for a body of a mass.
+/// The diagonal of the tensor of a body, from the tensor for mass 1 in units.
 btVector3 MomentsOf(const double tensor[3][3], double mass, double unit)
 {
     btVector3 diagonal(0, 0, 0);
@@ -180,19 +180,59 @@ btVector3 MomentsOf(const double tensor[3][3], double mass, double unit)
     return diagonal;
 }
 
-/// The unit for a mesh: more than half of the distance, along an axis, of a vertex from the first one.
-double UnitOf(const btVector3* vertices, const uint32_t* indices, uint32_t triangleCount)
+/// The triangles of a mesh relative to its first vertex, in units.
+class UnitTriangles
 {
-    double half = 0; // of the distance: it does not overflow
-    for (size_t i = 0; i < 3 * size_t(triangleCount); i++)
-        for (int axis = 0; axis < 3; axis++)
-            half = std::max(half,
-                            std::fabs(double(vertices[indices[i]][axis]) / 2 - double(vertices[indices[0]][axis]) / 2));
-    int exponent;
-    std::frexp(half, &exponent);
-    // It and its inverse are finite.
-    return half > 0 ? std::ldexp(1, std::min(std::max(exponent, -1000), 1000)) : 1;
-}
+  public:
+    UnitTriangles(const btVector3* vertices, const uint32_t* indices, uint32_t triangleCount)
+        : m_vertices(vertices), m_indices(indices), m_count(triangleCount), m_unit(ChooseUnit()), m_perUnit(1 / m_unit)
+    {
+    }
+
+    /// Calls function(corners) for each triangle.
+    template <typename Function> void ForEach(Function function) const
+    {
+        const btVector3& origin = GetOrigin();
+        for (size_t t = 0; t < m_count; t++)
+        {
+            Point p[3];
+            for (size_t c = 0; c < 3; c++)
+                for (size_t axis = 0; axis < 3; axis++)
+                    p[c][axis] = double(m_vertices[m_indices[3 * t + c]][int(axis)]) * m_perUnit -
+                                 double(origin[int(axis)]) * m_perUnit;
+            function(p);
+        }
+    }
+
+    const btVector3& GetOrigin() const
+    {
+        return m_vertices[m_indices[0]];
+    }
+    double GetUnit() const
+    {
+        return m_unit;
+    }
+
+  private:
+    /// Between half and all of the greatest distance, along an axis, of a vertex from the first one.
+    double ChooseUnit() const
+    {
+        const btVector3& origin = GetOrigin();
+        double half = 0; // of the distance, which could overflow
+        for (size_t i = 0; i < 3 * size_t(m_count); i++)
+            for (int axis = 0; axis < 3; axis++)
+                half = std::max(half, std::fabs(double(m_vertices[m_indices[i]][axis]) / 2 - double(origin[axis]) / 2));
+        int exponent;
+        std::frexp(half, &exponent);
+        // The unit and its inverse are finite.
+        return half > 0 ? std::ldexp(1, std::min(std::max(exponent, -1000), 1000)) : 1;
+    }
+
+    const btVector3* m_vertices;
+    const uint32_t* m_indices;
+    uint32_t m_count;
+    double m_unit, m_perUnit;
+};
 } // namespace
 
 qcMoments qcMeasureMesh(const btVector3* vertices, uint32_t vertexCount, const uint32_t* indices,
@@ -202,40 +242,26 @@ qcMoments qcMeasureMesh(const btVector3* vertices, uint32_t vertexCount, const u
     moments.unit = 1;
     if (triangleCount == 0)
         return moments;
-    const double unit = UnitOf(vertices, indices, triangleCount), perUnit = 1 / unit;
-    const btVector3& origin = vertices[indices[0]];
-    auto forEach = [&](auto function)
-    {
-        for (size_t t = 0; t < triangleCount; t++)
-        {
-            Point p[3];
-            for (size_t c = 0; c < 3; c++)
-                for (size_t axis = 0; axis < 3; axis++)
-                    p[c][axis] =
-                        double(vertices[indices[3 * t + c]][int(axis)]) * perUnit - double(origin[int(axis)]) * perUnit;
-            function(p);
-        }
-    };
+    const UnitTriangles triangles(vertices, indices, triangleCount);
     double area = 0;
-    forEach(
+    triangles.ForEach(
         [&](const Point p[3])
         {
             AddSimplex(p, Determinant(p) / 6, 4, &moments);
             area += Area(p);
         });
     double ball = std::pow(area, 1.5) / (6 * std::sqrt(s_pi));
-    bool closed =
-        IsClosed(vertices, vertexCount, indices, triangleCount) && std::fabs(moments.mass) > s_leastFill * ball;
+    bool closed = IsClosed(vertices, vertexCount, indices, triangleCount) && std::fabs(moments.mass) > s_minFill * ball;
     if (!closed)
     {
         moments = {};
-        forEach([&](const Point p[3]) { AddSimplex(p, Area(p), 3, &moments); });
+        triangles.ForEach([&](const Point p[3]) { AddSimplex(p, Area(p), 3, &moments); });
     }
     moments.closed = closed;
     moments.area = area;
-    moments.unit = unit;
+    moments.unit = triangles.GetUnit();
     for (int axis = 0; axis < 3; axis++)
-        moments.origin[axis] = double(origin[axis]);
+        moments.origin[axis] = double(triangles.GetOrigin()[axis]);
     return moments;
 }
 
@@ -259,12 +285,12 @@ qcMassProperties qcMassPropertiesOf(const qcMoments& moments)
         properties.center[axis] = btScalar(moments.origin[axis] + center[axis] * unit);
     }
     InertiaAbout(moments, center, tensor);
-    // The sign of a volume depends on whether the triangles face outwards; it cancels in all quotients.
+    // The volume is negative if the triangles face inwards. The sign cancels in all quotients.
     double volume = moments.closed ? std::fabs(moments.mass) : 0;
-    double greatest = std::max({tensor[0][0], tensor[1][1], tensor[2][2]});
+    double maxMoment = std::max({tensor[0][0], tensor[1][1], tensor[2][2]});
     bool holdsArea = Holds<double>(moments.area, moments.area * unit * unit);
     bool holdsVolume = Holds<double>(volume, volume * unit * unit * unit);
-    bool holdsInertia = Holds<btScalar>(greatest, greatest * unit * unit);
+    bool holdsInertia = Holds<btScalar>(maxMoment, maxMoment * unit * unit);
     properties.status = holdsArea && holdsVolume && holdsInertia ? qc_statusOk : qc_statusBadInput;
     properties.closed = moments.closed;
     properties.area = holdsArea ? moments.area * unit * unit : 0;

@@ -4,12 +4,12 @@
 
 #include "quickcullide/bullet_mesh.h"
 
-/// The moments of a mass distribution of density 1 about a vertex of the mesh, which is about one unit long: meshes of
-/// any size, anywhere, have moments that neither overflow nor cancel.
+/// Moments of a mass distribution of density 1 about a vertex of the mesh, in units of about the mesh's length: so they
+/// neither overflow nor cancel, whatever the mesh's size and place.
 struct qcMoments
 {
     bool closed;
-    double unit;      ///< of length, in the mesh's frame: a power of two
+    double unit;      ///< length of a unit in the mesh's frame: a power of two
     double origin[3]; ///< the vertex, in the mesh's frame
     double area;
     double mass;      ///< the volume of a closed mesh, the area of a shell
@@ -17,10 +17,11 @@ struct qcMoments
     double second[6]; ///< of xx, yy, zz, xy, yz, zx
 };
 
+/// O(n log n).
 qcMoments qcMeasureMesh(const btVector3* vertices, uint32_t vertexCount, const uint32_t* indices,
                         uint32_t triangleCount);
 
-/// The diagonal of the tensor of a body about the origin of the mesh's frame. A moment is 0 where btScalar can't hold
+/// The diagonal of a body's inertia tensor about the origin of the mesh's frame. A moment is 0 if btScalar can't hold
 /// it or its inverse.
 btVector3 qcInertiaAboutOrigin(const qcMoments& moments, double mass);
 

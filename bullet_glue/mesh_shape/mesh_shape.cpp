@@ -22,7 +22,7 @@ namespace
 {
 std::atomic<uint64_t> s_lastRevision{0};
 
-/// In double: squares of lengths leave the range of float.
+/// In double, since squares of lengths can leave the range of float.
 btScalar MeanEdge(const std::vector<btVector3>& points, const std::vector<uint32_t>& indices)
 {
     double sum = 0;
@@ -61,8 +61,8 @@ class TriangleReader : public btInternalTriangleIndexCallback
 struct qcMeshShape::Implementation
 {
     qcStatus status = qc_statusOk;
-    std::vector<btVector3> given;  ///< before scaling; empty while the scaling is 1
-    std::vector<btVector3> points; ///< scaled
+    std::vector<btVector3> unscaled; ///< empty while the scaling is 1
+    std::vector<btVector3> points;   ///< scaled
     std::vector<uint32_t> indices;
     btVector3 scaling{1, 1, 1};
     btVector3 lower{0, 0, 0}, upper{0, 0, 0}; ///< of the points
@@ -72,12 +72,13 @@ struct qcMeshShape::Implementation
     mutable std::atomic<const qcMeshTree*> tree{nullptr};
 
     void ReadPositions(const void* positions, qcPositionType type, size_t stride, uint32_t count);
-    /// Refuses what is not a mesh.
-    void Check();
-    void Changed();
+    /// Empties the mesh and sets the status if an index is out of range or a position not finite.
+    void Validate();
+    /// After each change of points or indices.
+    void Update();
     btScalar DefaultMargin() const;
-    /// Built by whoever asks first.
-    const qcMeshTree& Tree() const;
+    /// Built by the first call. Any thread.
+    const qcMeshTree& GetTree() const;
     void Report(btTriangleCallback* callback, uint32_t triangle) const;
 };
 
@@ -90,7 +91,7 @@ void qcMeshShape::Implementation::ReadPositions(const void* positions, qcPositio
     points.resize(count);
     for (size_t v = 0; v < count; v++)
     {
-        // Copied: any stride is allowed, so they need not be aligned.
+        // Copied, since with any stride they need not be aligned.
         const char* at = static_cast<const char*>(positions) + v * stride;
         double wide[3];
         float narrow[3];
@@ -102,7 +103,7 @@ void qcMeshShape::Implementation::ReadPositions(const void* positions, qcPositio
     }
 }
 
-void qcMeshShape::Implementation::Check()
+void qcMeshShape::Implementation::Validate()
 {
     for (uint32_t index : indices)
         if (index >= points.size())
@@ -116,7 +117,7 @@ void qcMeshShape::Implementation::Check()
     indices.clear();
 }
 
-void qcMeshShape::Implementation::Changed()
+void qcMeshShape::Implementation::Update()
 {
     revision = ++s_lastRevision;
     tree = nullptr;
@@ -129,13 +130,13 @@ void qcMeshShape::Implementation::Changed()
     }
 }
 
-/// Shells much thicker than the triangles are long make each triangle the neighbour of many.
+/// With margins much wider than the triangles are long, each triangle is near many others.
 btScalar qcMeshShape::Implementation::DefaultMargin() const
 {
     return std::min(btScalar(0.01), MeanEdge(points, indices) / 4);
 }
 
-const qcMeshTree& qcMeshShape::Implementation::Tree() const
+const qcMeshTree& qcMeshShape::Implementation::GetTree() const
 {
     const qcMeshTree* built = tree.load(std::memory_order_acquire);
     if (built != nullptr)
@@ -161,8 +162,8 @@ qcMeshShape::qcMeshShape(const void* positions, qcPositionType type, size_t stri
     m_shapeType = FAST_CONCAVE_MESH_PROXYTYPE;
     m_implementation->ReadPositions(positions, type, stride, vertexCount);
     m_implementation->indices.assign(indices, indices + 3 * size_t(triangleCount));
-    m_implementation->Check();
-    m_implementation->Changed();
+    m_implementation->Validate();
+    m_implementation->Update();
     m_collisionMargin = m_implementation->DefaultMargin();
 }
 
@@ -172,8 +173,8 @@ qcMeshShape::qcMeshShape(const btStridingMeshInterface* mesh) : m_implementation
     TriangleReader reader(&m_implementation->points, &m_implementation->indices);
     btVector3 far(BT_LARGE_FLOAT, BT_LARGE_FLOAT, BT_LARGE_FLOAT);
     mesh->InternalProcessAllTriangles(&reader, -far, far);
-    m_implementation->Check();
-    m_implementation->Changed();
+    m_implementation->Validate();
+    m_implementation->Update();
     m_collisionMargin = m_implementation->DefaultMargin();
 }
 
@@ -246,12 +247,12 @@ void qcMeshShape::setLocalScaling(const btVector3& scaling)
     Implementation& my = *m_implementation;
     if (scaling == my.scaling)
         return;
-    if (my.given.empty())
-        my.given = my.points;
+    if (my.unscaled.empty())
+        my.unscaled = my.points;
     for (size_t i = 0; i < my.points.size(); i++)
-        my.points[i] = my.given[i] * scaling;
+        my.points[i] = my.unscaled[i] * scaling;
     my.scaling = scaling;
-    my.Changed();
+    my.Update();
 }
 
 const btVector3& qcMeshShape::getLocalScaling() const
@@ -271,17 +272,17 @@ void qcMeshShape::processAllTriangles(btTriangleCallback* callback, const btVect
     if (!TestAabbAgainstAabb2(my.lower, my.upper, aabbMin, aabbMax) || my.indices.empty())
         return;
     auto report = [&](uint32_t triangle) { my.Report(callback, triangle); };
-    // The box around a long ray holds most of a mesh.
+    // The box around a long ray overlaps most of a mesh.
     if (const auto* ray = dynamic_cast<const btTriangleRaycastCallback*>(callback))
-        my.Tree().VisitRay(ray->m_from, ray->m_to, ray->m_hitFraction, report);
+        my.GetTree().VisitRay(ray->m_from, ray->m_to, ray->m_hitFraction, report);
     else
-        my.Tree().VisitBox(aabbMin, aabbMax, report);
+        my.GetTree().VisitBox(aabbMin, aabbMax, report);
 }
 
 void qcMeshShape::processTrianglesBelow(btTriangleCallback* callback, const btVector3& normal, btScalar distance) const
 {
     const Implementation& my = *m_implementation;
-    my.Tree().VisitBelow(normal, distance, [&](uint32_t triangle) { my.Report(callback, triangle); });
+    my.GetTree().VisitBelow(normal, distance, [&](uint32_t triangle) { my.Report(callback, triangle); });
 }
 
 int qcMeshShape::calculateSerializeBufferSize() const
@@ -291,8 +292,8 @@ int qcMeshShape::calculateSerializeBufferSize() const
 
 void qcMeshShape::serializeSingleShape(btSerializer* serializer) const
 {
-    // A compound that was saved before may have brought it along. Bullet's importer resolves the pointers of two chunks
-    // of one shape wrongly.
+    // A compound that was saved before may contain it: one chunk only, since Bullet's importer resolves pointers
+    // wrongly if a shape has two.
     if (serializer->findPointer(const_cast<qcMeshShape*>(this)) == nullptr)
         btConcaveShape::serializeSingleShape(serializer);
 }
@@ -301,6 +302,6 @@ const char* qcMeshShape::serialize(void* dataBuffer, btSerializer* serializer) c
 {
     const Implementation& my = *m_implementation;
     btCollisionShape::serialize(dataBuffer, serializer); // the name
-    qcSavedMesh mesh{my.given.empty() ? my.points : my.given, my.indices, my.scaling, m_collisionMargin, &my};
+    qcSavedMesh mesh{my.unscaled.empty() ? my.points : my.unscaled, my.indices, my.scaling, m_collisionMargin, &my};
     return qcSaveMesh(mesh, dataBuffer, serializer);
 }

@@ -1,8 +1,8 @@
 // A mesh in the structures of Bullet's serializer, and back.
 //
-// Why a compound of a btBvhTriangleMeshShape: Bullet 3.24's importers read btGImpactMeshShape only if they were built
-// with USE_GIMPACT, which neither CMake nor Debian does; and btWorldImporter::convertRigidBodyFloat sets the mass to 0
-// where the shape isNonMoving(), which a triangle mesh is and a compound is not.
+// The mesh is saved as a compound of a btBvhTriangleMeshShape. Bullet 3.24's importers read btGImpactMeshShape only if
+// they were built with USE_GIMPACT, which neither CMake nor Debian does. btWorldImporter::convertRigidBodyFloat sets
+// the mass to 0 if the shape isNonMoving(), as a bare triangle mesh is.
 #include "mesh_shape/serialize.h"
 
 #include "common/object_key.h"
@@ -19,7 +19,7 @@
 
 namespace
 {
-/// The triangles, as a chunk that the importer converts when it comes to the compound, and not as a shape of its own.
+/// Adds the triangles as a chunk that the importer converts with the compound, not as a shape of its own.
 void SaveTriangles(const qcSavedMesh& mesh, btSerializer* serializer)
 {
     btTriangleIndexVertexArray triangles;
@@ -43,7 +43,7 @@ void SaveTriangles(const qcSavedMesh& mesh, btSerializer* serializer)
     serializer->finalizeChunk(chunk, "btTriangleMeshShapeData", BT_ARRAY_CODE, const_cast<void*>(mesh.key));
 }
 
-/// The mesh that a compound was saved from, or null.
+/// The mesh that a compound was saved from; null if there is none.
 std::unique_ptr<qcMeshShape> Restore(const btCompoundShape& compound)
 {
     if (compound.getNumChildShapes() != 1 ||
@@ -75,7 +75,7 @@ std::unique_ptr<qcMeshShape> Restore(const btCompoundShape& compound)
 class Restorer
 {
   public:
-    /// What stands for a shape: itself, or the mesh that it was saved from. Children of compounds are replaced.
+    /// The mesh that a shape was saved from, else the shape. Replaces children of compounds.
     btCollisionShape* Replace(btCollisionShape* shape)
     {
         if (!shape->isCompound())
@@ -145,7 +145,7 @@ std::vector<std::unique_ptr<qcMeshShape>> qcRestoreMeshes(btCollisionWorld* worl
         btCollisionShape* loaded = object->getCollisionShape();
         if (!loaded->isCompound())
             continue;
-        // Algorithms of its pairs refer to the shapes that were there.
+        // Algorithms of its pairs refer to the old shapes.
         if (btBroadphaseProxy* proxy = object->getBroadphaseHandle())
             world->getPairCache()->cleanProxyFromPairs(proxy, world->getDispatcher());
         btCollisionShape* shape = restorer.Replace(loaded);

@@ -15,14 +15,14 @@ struct qcSavedMesh
     const std::vector<uint32_t>& indices;
     btVector3 scaling;
     btScalar margin;
-    const void* key; ///< an address that stands for the triangles in the file; not the shape's
+    const void* key; ///< address that identifies the triangles in the file; not that of the shape
 };
 
-/// Bytes of the buffer for qcSaveMesh.
+/// Size of the buffer for qcSaveMesh, in bytes.
 int qcSavedMeshSize();
 
-/// Completes the buffer, whose leading btCollisionShapeData is filled, to a compound of one static triangle mesh, and
-/// adds the chunks that belong to it. Returns the name of the buffer's structure.
+/// Fills the buffer, whose leading btCollisionShapeData is set, with a compound of one static triangle mesh, and adds
+/// the compound's chunks to the serializer. Returns the name of the buffer's structure.
 const char* qcSaveMesh(const qcSavedMesh& mesh, void* buffer, btSerializer* serializer);
 
 #endif

@@ -1,4 +1,4 @@
-// Building the tree of boxes over triangles.
+// Building the BVH over triangles.
 #include "mesh_shape/triangle_tree.h"
 
 #include <algorithm>
@@ -8,18 +8,18 @@ namespace
 {
 struct Centroid
 {
-    btScalar at[3]; ///< times three
+    btScalar at[3]; ///< three times the position
     uint32_t triangle;
 };
 
-/// Puts the centroids in an order in which each run of `unit`, and then of each eighth of it, lies together.
-void Cut(Centroid* begin, Centroid* end, size_t unit, size_t width)
+/// Sorts centroids so that each run of `unit`, of an eighth of it, and so on down to `width` lies close together.
+void Sort(Centroid* begin, Centroid* end, size_t unit, size_t width)
 {
     size_t count = size_t(end - begin);
     if (count <= unit)
     {
         if (unit > width)
-            Cut(begin, end, unit / width, width);
+            Sort(begin, end, unit / width, width);
         return;
     }
     btScalar lower[3], upper[3];
@@ -38,8 +38,8 @@ void Cut(Centroid* begin, Centroid* end, size_t unit, size_t width)
     Centroid* middle = begin + ((count + unit - 1) / unit + 1) / 2 * unit;
     std::nth_element(begin, middle, end,
                      [longest](const Centroid& a, const Centroid& b) { return a.at[longest] < b.at[longest]; });
-    Cut(begin, middle, unit, width);
-    Cut(middle, end, unit, width);
+    Sort(begin, middle, unit, width);
+    Sort(middle, end, unit, width);
 }
 } // namespace
 
@@ -53,7 +53,7 @@ void qcMeshTree::Clear(Block* block)
     }
 }
 
-/// Boxes around the blocks of the last level.
+/// Adds a level of boxes around the blocks of the top level.
 void qcMeshTree::AddLevel()
 {
     Level below = m_levels.back();
@@ -89,7 +89,7 @@ qcMeshTree::qcMeshTree(const btVector3* vertices, const uint32_t* indices, uint3
     size_t unit = s_width;
     while (unit < triangleCount)
         unit *= s_width;
-    Cut(centroids.data(), centroids.data() + triangleCount, unit, s_width);
+    Sort(centroids.data(), centroids.data() + triangleCount, unit, s_width);
     m_order.resize(triangleCount);
     m_levels.push_back({0, (triangleCount + s_width - 1) / s_width});
     m_blocks.resize(m_levels[0].count);

@@ -1,16 +1,9 @@
-// The functions of btDbvtBroadphase over a qcBroadphase. Preloaded, they take the place of those in the distribution's
-// libBulletCollision, for programs that know nothing of it:
+// The functions of btDbvtBroadphase over a qcBroadphase. Preloaded, they replace those in the distribution's
+// libBulletCollision, for programs that were built without this library:
 //
 //     LD_PRELOAD=libqc-preload.so QC_PRELOAD_STATISTICS=1 PROGRAM
 //
-// Why that is safe: the class is Bullet's own, compiled from the header of the Bullet that is linked, so objects have
-// its size and layout, and the constructors, destructors, vtable, type and functions that a program sees are all of
-// this file. Bullet reaches into a btDbvtBroadphase nowhere else: of its libraries only libBulletCollision names it at
-// all, in btAxisSweep3, which makes one for its rays, sets m_deferedcollide and calls its functions. In the headers
-// that programs compile, setVelocityPrediction and getVelocityPrediction use m_prediction, and nothing else is inline.
-//
-// What is left: a program that looks at the trees (m_sets) or casts a proxy to btDbvtProxy finds the trees empty, and
-// something else behind the proxy. It must not be run with this. Bullet linked statically is not reached.
+// Proof that this is safe: plugin/docs/proofs/preload.md.
 #include "quickcullide/bullet_broadphase.h"
 
 #include <BulletCollision/BroadphaseCollision/btDbvtBroadphase.h>
@@ -27,15 +20,15 @@
 
 namespace
 {
-/// What a process did with broadphases; queries may come from several threads.
+/// Calls of this process; queries may run on several threads.
 struct Statistics
 {
     std::atomic<long long> broadphases{0}, proxies{0}, boxes{0}, searches{0}, pairs{0}, rays{0}, boxTests{0};
 
     ~Statistics()
     {
-        const char* wanted = std::getenv("QC_PRELOAD_STATISTICS");
-        if (wanted == nullptr || std::strcmp(wanted, "1") != 0)
+        const char* setting = std::getenv("QC_PRELOAD_STATISTICS");
+        if (setting == nullptr || std::strcmp(setting, "1") != 0)
             return;
         std::fprintf(stderr,
                      "qc-preload: %lld broadphases, %lld proxies, %lld boxes set, %lld searches for pairs that found "
@@ -53,7 +46,7 @@ int AppendName(dl_phdr_info* info, size_t, void* names)
     return 0;
 }
 
-/// The file that has a symbol for who looks from that file on, or an empty name.
+/// The file that defines a symbol, in the search order that begins with `file`; an empty name if there is none.
 std::string DefinerSeenFrom(const std::string& file, const char* symbol)
 {
     std::string definer;
@@ -68,9 +61,9 @@ std::string DefinerSeenFrom(const std::string& file, const char* symbol)
     return definer;
 }
 
-/// Bullet's libraries of both precisions, of all versions, and those inside of other libraries, have the same names
-/// for objects that differ. The one that this file was built with is there, so any other one is one too many. Looked
-/// for at start, and whenever a broadphase is made, since libraries may have been opened meanwhile.
+/// Ends the process if it has a second Bullet: libraries of other precisions and versions, and copies inside of other
+/// libraries, have the same symbols for different objects. The Bullet that this file was built with is always loaded.
+/// Called at start and for each new broadphase, since libraries may have been opened in between.
 __attribute__((constructor)) void CheckLibraries()
 {
     std::vector<std::string> files;
@@ -81,7 +74,7 @@ __attribute__((constructor)) void CheckLibraries()
     std::string bullet;
     for (const std::string& file : files)
     {
-        // The program has no name there, and sees us first.
+        // The program has no name here, and finds this file's symbols first.
         if (file.empty() || file == self.dli_fname)
             continue;
         const std::string definer = DefinerSeenFrom(file, "_ZN16btDbvtBroadphaseC1EP22btOverlappingPairCache");
@@ -101,10 +94,10 @@ __attribute__((constructor)) void CheckLibraries()
     }
 }
 
-/// It stands where the list of resting proxies would begin.
-qcBroadphase& BroadphaseOf(const btDbvtBroadphase* face)
+/// Stored where btDbvtBroadphase has the head of its list of resting proxies.
+qcBroadphase& BroadphaseOf(const btDbvtBroadphase* interface)
 {
-    return *reinterpret_cast<qcBroadphase*>(face->m_stageRoots[btDbvtBroadphase::STAGECOUNT]);
+    return *reinterpret_cast<qcBroadphase*>(interface->m_stageRoots[btDbvtBroadphase::STAGECOUNT]);
 }
 } // namespace
 
@@ -117,7 +110,7 @@ btDbvtBroadphase::btDbvtBroadphase(btOverlappingPairCache* paircache)
     m_stageRoots[STAGECOUNT] = reinterpret_cast<btDbvtProxy*>(broadphase);
     m_paircache = broadphase->getOverlappingPairCache();
     m_releasepaircache = paircache == nullptr;
-    // What Bullet's own begins with, for who reads it; nothing here does.
+    // Bullet's initial values, for programs that read them.
     m_prediction = 0;
     m_stageCurrent = 0;
     m_fupdates = 1;
@@ -184,7 +177,7 @@ void btDbvtBroadphase::aabbTest(const btVector3& aabbMin, const btVector3& aabbM
     BroadphaseOf(this).aabbTest(aabbMin, aabbMax, callback);
 }
 
-/// Bullet's two halves of calculateOverlappingPairs: all of it is in the first.
+/// Bullet splits calculateOverlappingPairs into this function and performDeferredRemoval. All work is done here.
 void btDbvtBroadphase::collide(btDispatcher* dispatcher)
 {
     BroadphaseOf(this).calculateOverlappingPairs(dispatcher);
@@ -202,7 +195,7 @@ void btDbvtBroadphase::calculateOverlappingPairs(btDispatcher* dispatcher)
     performDeferredRemoval(dispatcher);
 }
 
-/// Of trees, of which there are none.
+/// Bullet optimizes its trees here. There are none.
 void btDbvtBroadphase::optimize()
 {
 }
@@ -232,7 +225,7 @@ void btDbvtBroadphase::printStats()
     BroadphaseOf(this).printStats();
 }
 
-/// Empty in Bullet as it is distributed, too.
+/// Empty in distributed builds of Bullet, too.
 void btDbvtBroadphase::benchmark(btBroadphaseInterface*)
 {
 }

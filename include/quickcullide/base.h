@@ -3,6 +3,10 @@
 ///
 /// Thread-safety: any thread may call these functions, but set the hooks before any other call; qcSetParallelFor also
 /// later, while no other call runs.
+/// Versions: a definition (a struct that begins with structSize) may gain fields at its end. Start from its default
+/// function, which sets structSize. Fields that a caller's older header doesn't have keep their defaults. A newer header
+/// works with an older library while all fields that the library doesn't have are 0; otherwise qc_statusBadInput. All
+/// other structs keep their layout within a minor version, which is the version of the shared library's name.
 /// Floating-point modes: results don't depend on the caller's rounding mode, FTZ, DAZ or traps. Each call computes in
 /// the default modes and restores the caller's. Callbacks run in the default modes, but a qcBoxFunction and a
 /// qcLoopFunction in the caller's.
@@ -16,8 +20,6 @@
 /// Marks exported names. Define QC_STATIC to link the static library.
 #if defined(QC_STATIC)
 #define QC_API
-#elif defined(_WIN32)
-#define QC_API __declspec(dllexport)
 #else
 #define QC_API __attribute__((visibility("default")))
 #endif

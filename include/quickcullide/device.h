@@ -131,9 +131,20 @@ typedef struct qcPictureDef
 /// The default picture: 1280 x 720 pixels, seen from (0, 0, 5) towards the origin, without meshes.
 static inline qcPictureDef qcDefaultPictureDef(void)
 {
-    qcPictureDef def = {
-        (uint32_t)sizeof(qcPictureDef), 1280, 720, {0.0f, 0.0f, 5.0f}, {0.0f, 0.0f, 0.0f}, {0.0f, 1.0f, 0.0f}, 35.0f,
-        {0.93f, 0.94f, 0.95f},          NULL, 0};
+    qcPictureDef def;
+    def.structSize = (uint32_t)sizeof(qcPictureDef);
+    def.width = 1280;
+    def.height = 720;
+    for (int axis = 0; axis < 3; axis++)
+        def.eye[axis] = def.target[axis] = def.up[axis] = 0.0f;
+    def.eye[2] = 5.0f;
+    def.up[1] = 1.0f;
+    def.fieldOfView = 35.0f;
+    def.background[0] = 0.93f;
+    def.background[1] = 0.94f;
+    def.background[2] = 0.95f;
+    def.meshes = NULL;
+    def.meshCount = 0;
     return def;
 }
 

@@ -31,7 +31,9 @@ typedef struct qcSceneDef
 /// The default definition: no device.
 static inline qcSceneDef qcDefaultSceneDef(void)
 {
-    qcSceneDef def = {(uint32_t)sizeof(qcSceneDef), NULL};
+    qcSceneDef def;
+    def.structSize = (uint32_t)sizeof(qcSceneDef);
+    def.device = NULL;
     return def;
 }
 
@@ -109,21 +111,22 @@ typedef struct qcBodyDef
 /// The default body: empty, rigid, moving, in group 1, with self-collision.
 static inline qcBodyDef qcDefaultBodyDef(void)
 {
-    qcBodyDef def = {(uint32_t)sizeof(qcBodyDef),
-                     NULL,
-                     qc_positionF32,
-                     0,
-                     0,
-                     NULL,
-                     0,
-                     false,
-                     {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}},
-                     qc_activityMoving,
-                     1u,
-                     0xffffffffu,
-                     0u,
-                     true,
-                     (double)INFINITY};
+    qcBodyDef def;
+    def.structSize = (uint32_t)sizeof(qcBodyDef);
+    def.positions = NULL;
+    def.positionType = qc_positionF32;
+    def.positionStride = 0;
+    def.vertexCount = 0;
+    def.indices = NULL;
+    def.triangleCount = 0;
+    def.deforming = false;
+    def.transform = qcIdentityTransform();
+    def.activity = qc_activityMoving;
+    def.group = 1u;
+    def.mask = 0xffffffffu;
+    def.owner = 0;
+    def.selfCollision = true;
+    def.margin = (double)INFINITY;
     return def;
 }
 
@@ -274,28 +277,32 @@ typedef struct qcDetectDef
 /// The default step: method auto, penetrating pairs only.
 static inline qcDetectDef qcDefaultDetectDef(void)
 {
-    qcDetectDef def = {(uint32_t)sizeof(qcDetectDef),
-                       qc_methodAuto,
-                       0.0,
-                       false,
-                       false,
-                       false,
-                       false,
-                       false,
-                       0.0,
-                       false,
-                       NULL,
-                       NULL,
-                       0,
-                       0,
-                       0,
-                       false,
-                       {'x', 'y', 'z', 0},
-                       4096,
-                       0,
-                       false,
-                       false,
-                       false};
+    qcDetectDef def;
+    def.structSize = (uint32_t)sizeof(qcDetectDef);
+    def.method = qc_methodAuto;
+    def.margin = 0.0;
+    def.touching = false;
+    def.neighbours = false;
+    def.segments = false;
+    def.proximities = false;
+    def.manifolds = false;
+    def.contactMargin = 0.0;
+    def.nearestContacts = false;
+    def.pairFilter = NULL;
+    def.pairFilterContext = NULL;
+    def.threads = 0;
+    def.layerColumns = 0;
+    def.layerDepthAxis = 0;
+    def.layerTimes = false;
+    def.views[0] = 'x';
+    def.views[1] = 'y';
+    def.views[2] = 'z';
+    def.views[3] = 0;
+    def.resolution = 4096;
+    def.iterations = 0;
+    def.backToFront = false;
+    def.secondPassFromBack = false;
+    def.reliable = false;
     return def;
 }
 

@@ -1,27 +1,33 @@
-// Instruction sets of the processor.
+// Instruction sets.
 #include "base/cpu_features.h"
 
+#include <stdbool.h>
 #include <stdlib.h>
 #include <string.h>
 
-bool qcInstructionSet_IsAvailable(qcInstructionSet set)
+static bool IsAvailable(size_t set)
 {
 #ifdef QC_KERNELS_X86
     if (set == qc_instructionsAvx2)
         return __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma");
     if (set == qc_instructionsAvx512)
-        return qcInstructionSet_IsAvailable(qc_instructionsAvx2) && __builtin_cpu_supports("avx512f") &&
+        return IsAvailable(qc_instructionsAvx2) && __builtin_cpu_supports("avx512f") &&
                __builtin_cpu_supports("avx512bw") && __builtin_cpu_supports("avx512vl");
 #endif
     return set == qc_instructionsScalar;
 }
 
-qcInstructionSet qcInstructionSet_Choose(qcInstructionSet max)
+const void* qcKernelTables_Choose(const void* const* tables, size_t count)
 {
     static const char* const s_names[] = {"plain", "avx2", "avx512"};
-    const char* limit = getenv("QC_KERNELS");
-    qcInstructionSet set = qc_instructionsScalar;
-    while (set < max && qcInstructionSet_IsAvailable(set + 1) && (limit == NULL || strcmp(limit, s_names[set]) != 0))
+    const char* requested = getenv("QC_KERNELS");
+    size_t set = qc_instructionsScalar;
+    while (set + 1 < count && IsAvailable(set + 1) && (requested == NULL || strcmp(requested, s_names[set]) != 0))
         set++;
-    return set;
+    return tables[set];
+}
+
+const void* qcKernelTables_Nth(const void* const* tables, size_t count, size_t i)
+{
+    return i < count && IsAvailable(i) ? tables[i] : NULL;
 }

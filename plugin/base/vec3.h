@@ -2,7 +2,7 @@
 #ifndef QC_BASE_VEC3_H
 #define QC_BASE_VEC3_H
 
-#include <stdint.h>
+#include "base/scalar.h"
 
 typedef struct qcVector
 {
@@ -38,16 +38,6 @@ static inline double qcDot(qcVector a, qcVector b)
 static inline qcVector qcCross(qcVector a, qcVector b)
 {
     return (qcVector){a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
-}
-
-/// floor without a library call, which SSE2 needs. Never -0.
-static inline double qcFloor(double x)
-{
-    // Larger doubles are integers. NaN is returned unchanged.
-    if (!(x > -0x1p52 && x < 0x1p52))
-        return x;
-    double whole = (double)(int64_t)x;
-    return whole > x ? whole - 1.0 : whole;
 }
 
 #endif

@@ -1,21 +1,26 @@
-// Selects the box kernels that this machine runs.
+// The tables of box kernels, one for each instruction set.
 #include "broadphase/box_kernels.h"
 
 #include "base/cpu_features.h"
 
-static const qcBoxKernels* const s_known[] = {
+static const void* const s_tables[] = {
     &qcBoxKernels_scalar,
 #ifdef QC_KERNELS_X86
     &qcBoxKernels_avx2,
 #endif
 };
 
-const qcBoxKernels* qcBoxKernels_Nth(size_t i)
+enum
 {
-    return i <= qc_instructionsAvx2 && qcInstructionSet_IsAvailable((qcInstructionSet)i) ? s_known[i] : NULL;
-}
+    qc_tableCount = sizeof s_tables / sizeof s_tables[0]
+};
 
 const qcBoxKernels* qcBoxKernels_Get(void)
 {
-    return s_known[qcInstructionSet_Choose(qc_instructionsAvx2)];
+    return qcKernelTables_Choose(s_tables, qc_tableCount);
+}
+
+const qcBoxKernels* qcBoxKernels_Nth(size_t i)
+{
+    return qcKernelTables_Nth(s_tables, qc_tableCount, i);
 }

@@ -56,7 +56,7 @@ static uint32_t PopFreeId(qcBoxes* set)
 
 //  ---- moved boxes -----------------------------------------------------------------------------------
 
-/// To be called before the box changes.
+/// Lists a box as moved, with its present bounds. Call it before the box changes.
 static void MarkMoved(qcBoxes* set, uint32_t id, bool added)
 {
     qcBox* box = qcBoxes_Box(set, id);
@@ -106,7 +106,7 @@ static bool Fits(const qcFloatBox* fat, const qcFloatBox* box)
         longest = edge > longest ? edge : longest;
         loosest = loose > loosest ? loose : loosest;
     }
-    // Five edges: more than twice the most that Fatten adds. It adds nothing to an infinite box.
+    // Five edges: more than twice the maximum that Fatten adds. It adds nothing to an infinite box.
     return fits & !(loosest > (longest < INFINITY ? 5.0f * longest : 0.0f));
 }
 
@@ -207,33 +207,49 @@ static qcStatus ReserveOneMore(qcBoxes* set)
     return qcArray_Reserve(&set->movedBoxes, count, sizeof(qcMovedBox), "moved boxes");
 }
 
-static bool IsSame(const qcBoxes* set, uint32_t id, const double lower[3], const double upper[3],
-                   const qcFloatBox* around, bool exact)
+/// New bounds of a box.
+typedef struct Extent
+{
+    const double *lower, *upper;
+    qcFloatBox floats; ///< the smallest box of floats that contains the bounds
+    bool exact;        ///< the floats equal the bounds
+} Extent;
+
+static inline Extent MakeExtent(const double lower[3], const double upper[3])
+{
+    Extent extent;
+    extent.lower = lower;
+    extent.upper = upper;
+    extent.exact = qcFloatBox_Enclose(&extent.floats, lower, upper);
+    return extent;
+}
+
+static bool IsSame(const qcBoxes* set, uint32_t id, const Extent* extent)
 {
     const qcBox* box = qcBoxes_Box(set, id);
     const qcBounds* old = &QC_AT(qcBounds, set->bounds, id);
-    bool same = box->exact == exact;
+    bool same = box->exact == extent->exact;
     for (int k = 0; k < 3 && same; k++)
-        same = around->lower[k] == box->lower[k] && around->upper[k] == box->upper[k];
-    for (int k = 0; k < 3 && same && !exact; k++)
-        same = lower[k] == old->lower[k] && upper[k] == old->upper[k];
+        same = extent->floats.lower[k] == box->lower[k] && extent->floats.upper[k] == box->upper[k];
+    for (int k = 0; k < 3 && same && !extent->exact; k++)
+        same = extent->lower[k] == old->lower[k] && extent->upper[k] == old->upper[k];
     return same;
 }
 
-static qcBounds MakeBounds(const double lower[3], const double upper[3])
+static inline qcBounds MakeBounds(const Extent* extent)
 {
-    return (qcBounds){{lower[0], lower[1], lower[2]}, {upper[0], upper[1], upper[2]}};
+    const double *l = extent->lower, *u = extent->upper;
+    return (qcBounds){{l[0], l[1], l[2]}, {u[0], u[1], u[2]}};
 }
 
-static void StoreBounds(qcBoxes* set, uint32_t id, const double lower[3], const double upper[3],
-                        const qcFloatBox* around, bool exact)
+static void StoreExtent(qcBoxes* set, uint32_t id, const Extent* extent)
 {
     qcBox* box = qcBoxes_Box(set, id);
-    memcpy(box->lower, around->lower, sizeof box->lower);
-    memcpy(box->upper, around->upper, sizeof box->upper);
-    box->exact = exact;
-    if (!exact)
-        QC_AT(qcBounds, set->bounds, id) = MakeBounds(lower, upper);
+    memcpy(box->lower, extent->floats.lower, sizeof box->lower);
+    memcpy(box->upper, extent->floats.upper, sizeof box->upper);
+    box->exact = extent->exact;
+    if (!extent->exact)
+        QC_AT(qcBounds, set->bounds, id) = MakeBounds(extent);
 }
 
 __attribute__((noinline)) static qcStatus Add(qcBoxes* boxes, const double lower[3], const double upper[3],
@@ -244,17 +260,16 @@ __attribute__((noinline)) static qcStatus Add(qcBoxes* boxes, const double lower
     QC_TRY(CheckBounds("qcBoxes_Add", lower, upper));
     QC_TRY(ReserveOneMore(boxes));
     *id = boxes->freeIds.count != 0 ? PopFreeId(boxes) : (uint32_t)boxes->boxes.count++;
-    qcFloatBox around;
-    bool exact = qcFloatBox_Enclose(&around, lower, upper);
+    Extent extent = MakeExtent(lower, upper);
     *qcBoxes_Box(boxes, *id) =
         (qcBox){.movedIndex = QC_NOT_MOVED, .alive = true, .state = qc_boxPairsStale, .stationary = true};
     boxes->insertedCount++;
     boxes->staleCount++;
-    StoreBounds(boxes, *id, lower, upper, &around, exact);
+    StoreExtent(boxes, *id, &extent);
     MarkMoved(boxes, *id, true);
     QC_AT(void*, boxes->userData, *id) = userData;
     // Not enlarged: most boxes never move.
-    qcForest_Insert(&boxes->forest, *id, &around);
+    qcForest_Insert(&boxes->forest, *id, &extent.floats);
     return qc_statusOk;
 }
 
@@ -297,24 +312,23 @@ __attribute__((noinline)) static qcStatus Move(qcBoxes* boxes, uint32_t id, cons
     if (box == NULL)
         return qcFail(qc_statusBadInput, "qcBoxes_Move: there is no box %u", id);
     QC_TRY(CheckBounds("qcBoxes_Move", lower, upper));
-    qcFloatBox around;
-    bool exact = qcFloatBox_Enclose(&around, lower, upper);
-    if (IsSame(boxes, id, lower, upper, &around, exact))
+    Extent extent = MakeExtent(lower, upper);
+    if (IsSame(boxes, id, &extent))
         return qc_statusOk;
     MarkMoved(boxes, id, false);
     bool wasStationary = box->stationary;
     if (wasStationary)
         EndStationary(boxes, id);
-    if (wasStationary || !Fits(&QC_AT(qcFloatBox, boxes->forest.boxes, id), &around))
+    if (wasStationary || !Fits(&QC_AT(qcFloatBox, boxes->forest.boxes, id), &extent.floats))
     {
-        qcBounds previous = qcBoxes_Bounds(boxes, id), bounds = MakeBounds(lower, upper);
+        qcBounds previous = qcBoxes_Bounds(boxes, id), bounds = MakeBounds(&extent);
         qcFloatBox fat = Fatten(&previous, &bounds, StepsAhead(id));
         qcForest_Insert(&boxes->forest, id, &fat);
         boxes->insertedCount += box->state == qc_boxInTree;
         boxes->staleCount += box->state != qc_boxPairsStale;
         box->state = qc_boxPairsStale;
     }
-    StoreBounds(boxes, id, lower, upper, &around, exact);
+    StoreExtent(boxes, id, &extent);
     return qc_statusOk;
 }
 

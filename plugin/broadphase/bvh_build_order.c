@@ -69,26 +69,26 @@ static void Select(qcBoxItem* items, size_t count, size_t nth, int axis)
     {
         ChoosePivot(items, count, axis);
         const qcBoxItem pivot = items[count - 1];
-        size_t before = 0;
+        size_t smaller = 0;
         for (size_t i = 0; i + 1 < count; i++)
         {
             // Without a branch: the side of an item is unpredictable.
             qcBoxItem item = items[i];
-            items[i] = items[before];
-            items[before] = item;
-            before += Before(&item, &pivot, axis);
+            items[i] = items[smaller];
+            items[smaller] = item;
+            smaller += Before(&item, &pivot, axis);
         }
-        Exchange(&items[before], &items[count - 1]);
-        if (nth == before)
+        Exchange(&items[smaller], &items[count - 1]);
+        if (nth == smaller)
             return;
-        if (nth < before)
+        if (nth < smaller)
         {
-            count = before;
+            count = smaller;
             continue;
         }
-        items += before + 1;
-        count -= before + 1;
-        nth -= before + 1;
+        items += smaller + 1;
+        count -= smaller + 1;
+        nth -= smaller + 1;
     }
 }
 

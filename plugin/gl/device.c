@@ -4,6 +4,7 @@
 #define _POSIX_C_SOURCE 200809L
 #include "gl/device.h"
 
+#include "base/definition.h"
 #include "base/float_mode.h"
 #include "gl/context.h"
 #include "base/memory.h"
@@ -283,9 +284,6 @@ static void FreeDevice(qcDevice* device)
 
 static qcStatus CheckDef(const qcDeviceDef* def)
 {
-    if (def->structSize != sizeof(qcDeviceDef))
-        return qcFail(qc_statusBadInput, "qcDevice_Create: def->structSize is %u, not %zu", def->structSize,
-                      sizeof(qcDeviceDef));
     if ((unsigned)def->kind > qc_deviceNone)
         return qcFail(qc_statusBadInput, "qcDevice_Create: def->kind is %d", (int)def->kind);
     if (def->gpuIndex < -1)
@@ -336,11 +334,13 @@ static qcStatus OpenAuto(qcDevice* device)
     return status;
 }
 
-qcStatus qcDevice_Create(const qcDeviceDef* def, qcDevice** result)
+qcStatus qcDevice_Create(const qcDeviceDef* given, qcDevice** result)
 {
-    if (def == NULL || result == NULL)
-        return qcFail(qc_statusBadInput, "qcDevice_Create: %s is null", def == NULL ? "def" : "device");
-    QC_TRY(CheckDef(def));
+    if (given == NULL || result == NULL)
+        return qcFail(qc_statusBadInput, "qcDevice_Create: %s is null", given == NULL ? "def" : "device");
+    qcDeviceDef def = qcDefaultDeviceDef();
+    QC_TRY(qcDef_Take(given, QC_DEF_LAYOUT("qcDevice_Create", qcDeviceDef, kind), &def));
+    QC_TRY(CheckDef(&def));
     qcDevice* device = qcAllocateZeroed(sizeof *device);
     if (device == NULL)
         return qcFailMemory(sizeof *device, "a device");
@@ -350,8 +350,8 @@ qcStatus qcDevice_Create(const qcDeviceDef* def, qcDevice** result)
     pthread_mutex_init(&device->costsMutex, NULL);
     pthread_cond_init(&device->changed, NULL);
 
-    KeepChoice(device, def);
-    qcStatus status = def->kind == qc_deviceAuto ? OpenAuto(device) : OpenKind(device, def->kind);
+    KeepChoice(device, &def);
+    qcStatus status = def.kind == qc_deviceAuto ? OpenAuto(device) : OpenKind(device, def.kind);
     if (status != qc_statusOk)
     {
         qcFail(status, "device %s: %s", s_kinds[device->kind].name, device->message);

@@ -26,11 +26,19 @@ static const char* StageName(GLenum stage)
     return stage == GL_VERTEX_SHADER ? "vertex" : stage == GL_FRAGMENT_SHADER ? "fragment" : "compute";
 }
 
-static qcStatus CompileShader(const struct qcGlFunctions* gl, const char* name, GLenum stage,
-                              const char* const* sources, int sourceCount, GLuint* shader)
+/// The source of a shader, in parts.
+typedef struct ShaderSource
 {
-    *shader = gl->CreateShader(stage);
-    gl->ShaderSource(*shader, sourceCount, sources, NULL);
+    GLenum stage;
+    const char* const* parts;
+    int partCount;
+} ShaderSource;
+
+static qcStatus CompileShader(const struct qcGlFunctions* gl, const char* name, const ShaderSource* source,
+                              GLuint* shader)
+{
+    *shader = gl->CreateShader(source->stage);
+    gl->ShaderSource(*shader, source->partCount, source->parts, NULL);
     gl->CompileShader(*shader);
     GLint compiled = GL_FALSE;
     gl->GetShaderiv(*shader, GL_COMPILE_STATUS, &compiled);
@@ -38,7 +46,7 @@ static qcStatus CompileShader(const struct qcGlFunctions* gl, const char* name, 
         return qc_statusOk;
     char log[256] = "";
     gl->GetShaderInfoLog(*shader, sizeof log, NULL, log);
-    return qcFail(qc_statusDevice, "%s: the %s shader does not compile: %s", name, StageName(stage), log);
+    return qcFail(qc_statusDevice, "%s: the %s shader does not compile: %s", name, StageName(source->stage), log);
 }
 
 static qcStatus LinkProgram(const struct qcGlFunctions* gl, const char* name, const GLuint* shaders, int shaderCount,
@@ -113,20 +121,19 @@ static GLuint FindProgram(const struct qcGlFunctions* gl, const char* name)
     return 0;
 }
 
-/// Compiles, links and keeps a program; a linked program keeps what it needs of its shaders.
-static qcStatus BuildProgram(const struct qcGlFunctions* gl, const char* name, const GLenum* stages,
-                             const char* const* const* sources, const int* sourceCounts, int stageCount,
-                             GLuint* program)
+/// Compiles, links and stores a program; a linked program keeps what it needs of its shaders.
+static qcStatus BuildProgram(const struct qcGlFunctions* gl, const char* name, const ShaderSource* sources,
+                             int sourceCount, GLuint* program)
 {
     struct qcGlPrograms* programs = gl->programs;
-    assert(programs->count < qc_maxPrograms && stageCount <= 2);
+    assert(programs->count < qc_maxPrograms && sourceCount <= 2);
     GLuint shaders[2] = {0, 0};
     qcStatus status = qc_statusOk;
-    for (int i = 0; i < stageCount && status == qc_statusOk; i++)
-        status = CompileShader(gl, name, stages[i], sources[i], sourceCounts[i], &shaders[i]);
+    for (int i = 0; i < sourceCount && status == qc_statusOk; i++)
+        status = CompileShader(gl, name, &sources[i], &shaders[i]);
     if (status == qc_statusOk)
-        status = LinkProgram(gl, name, shaders, stageCount, program);
-    for (int i = 0; i < stageCount; i++)
+        status = LinkProgram(gl, name, shaders, sourceCount, program);
+    for (int i = 0; i < sourceCount; i++)
         gl->DeleteShader(shaders[i]); // zero is ignored
     if (status == qc_statusOk)
     {
@@ -143,10 +150,8 @@ qcStatus qcGlFunctions_GetProgram(const struct qcGlFunctions* gl, const char* na
     *program = FindProgram(gl, name);
     if (*program != 0)
         return qc_statusOk;
-    const GLenum stages[] = {GL_VERTEX_SHADER, GL_FRAGMENT_SHADER};
-    const char* const* sources[] = {&vertexSource, &fragmentSource};
-    const int sourceCounts[] = {1, 1};
-    return BuildProgram(gl, name, stages, sources, sourceCounts, 2, program);
+    const ShaderSource sources[] = {{GL_VERTEX_SHADER, &vertexSource, 1}, {GL_FRAGMENT_SHADER, &fragmentSource, 1}};
+    return BuildProgram(gl, name, sources, 2, program);
 }
 
 qcStatus qcGlFunctions_GetComputeProgram(const struct qcGlFunctions* gl, const char* name, const char* const* sources,
@@ -155,6 +160,6 @@ qcStatus qcGlFunctions_GetComputeProgram(const struct qcGlFunctions* gl, const c
     *program = FindProgram(gl, name);
     if (*program != 0)
         return qc_statusOk;
-    const GLenum stage = GL_COMPUTE_SHADER;
-    return BuildProgram(gl, name, &stage, &sources, &sourceCount, 1, program);
+    const ShaderSource source = {GL_COMPUTE_SHADER, sources, sourceCount};
+    return BuildProgram(gl, name, &source, 1, program);
 }

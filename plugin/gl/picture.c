@@ -1,5 +1,6 @@
 // Pictures of meshes, shaded by a light above the eye and by the sky, antialiased, with optional edges and marked
 // triangles. Drawn tile by tile, so that the memory for samples doesn't grow with the picture.
+#include "base/definition.h"
 #include "base/float_mode.h"
 #include "gl/device.h"
 #include "gl/gl_functions.h"
@@ -153,14 +154,8 @@ static qcStatus CheckMesh(const qcPictureMesh* mesh, uint32_t m)
     return qc_statusOk;
 }
 
-static qcStatus CheckDef(const qcDevice* device, const qcPictureDef* def, const uint8_t* rgb)
+static qcStatus CheckDef(const qcPictureDef* def)
 {
-    if (device == NULL || def == NULL || rgb == NULL)
-        return qcFail(qc_statusBadInput, "qcDevice_DrawPicture: %s is null",
-                      device == NULL ? "device" : (def == NULL ? "def" : "rgb"));
-    if (def->structSize != sizeof(qcPictureDef))
-        return qcFail(qc_statusBadInput, "qcDevice_DrawPicture: def->structSize is %u, not %zu", def->structSize,
-                      sizeof(qcPictureDef));
     if (def->width == 0 || def->width > qc_maxPictureSide || def->height == 0 || def->height > qc_maxPictureSide)
         return qcFail(qc_statusBadInput, "qcDevice_DrawPicture: %u x %u pixels are not in 1..%d", def->width,
                       def->height, qc_maxPictureSide);
@@ -455,11 +450,16 @@ static qcStatus PrepareMeshes(PictureJob* job)
     return qc_statusOk;
 }
 
-__attribute__((noinline)) static qcStatus DrawPicture(qcDevice* device, const qcPictureDef* def, uint8_t* rgb)
+__attribute__((noinline)) static qcStatus DrawPicture(qcDevice* device, const qcPictureDef* given, uint8_t* rgb)
 {
-    QC_TRY(CheckDef(device, def, rgb));
-    PictureJob job = {.def = def, .rgb = rgb};
-    QC_TRY(PlaceCamera(def, &job.camera));
+    if (device == NULL || given == NULL || rgb == NULL)
+        return qcFail(qc_statusBadInput, "qcDevice_DrawPicture: %s is null",
+                      device == NULL ? "device" : (given == NULL ? "def" : "rgb"));
+    qcPictureDef def = qcDefaultPictureDef();
+    QC_TRY(qcDef_Take(given, QC_DEF_LAYOUT("qcDevice_DrawPicture", qcPictureDef, width), &def));
+    QC_TRY(CheckDef(&def));
+    PictureJob job = {.def = &def, .rgb = rgb};
+    QC_TRY(PlaceCamera(&def, &job.camera));
     qcStatus status = PrepareMeshes(&job);
     if (status == qc_statusOk)
         status = qcDevice_Run(device, RunPictureJob, &job, "qcDevice_DrawPicture");

@@ -1,9 +1,9 @@
-// Which kernels this machine runs.
+// The tables of triangle kernels, one for each instruction set.
 #include "kernels/triangle_kernels.h"
 
 #include "base/cpu_features.h"
 
-static const qcTriangleKernels* const s_known[] = {
+static const void* const s_tables[] = {
     &qcTriangleKernels_scalar,
 #ifdef QC_KERNELS_X86
     &qcTriangleKernels_avx2,
@@ -11,12 +11,17 @@ static const qcTriangleKernels* const s_known[] = {
 #endif
 };
 
-const qcTriangleKernels* qcTriangleKernels_Nth(size_t i)
+enum
 {
-    return i <= qc_instructionsAvx512 && qcInstructionSet_IsAvailable((qcInstructionSet)i) ? s_known[i] : NULL;
-}
+    qc_tableCount = sizeof s_tables / sizeof s_tables[0]
+};
 
 const qcTriangleKernels* qcTriangleKernels_Get(void)
 {
-    return s_known[qcInstructionSet_Choose(qc_instructionsAvx512)];
+    return qcKernelTables_Choose(s_tables, qc_tableCount);
+}
+
+const qcTriangleKernels* qcTriangleKernels_Nth(size_t i)
+{
+    return qcKernelTables_Nth(s_tables, qc_tableCount, i);
 }

@@ -1,41 +1,30 @@
-// The kernel that tells which corners and faces, and which edges, of two triangles may come within a margin: contacts
-// are looked for in double (narrowphase/feature_contacts.c) only there. In single precision.
-//
-// Where projections of two features on a direction w leave a gap, they are apart by the gap over |w|. For a corner and
-// a face w is across the face, or in its plane and across an edge; for two edges across both. Two edges meet only
-// where points inside both are the closest. These are the closest ones of their lines then: at s / D along the one and
-// t / D along the other, with D = |a|^2 |b|^2 - (a . b)^2 for edges a and b. So s or t outside 0 .. D will do, too.
-//
-// Rounding. Coordinates are those of the filter (kernels/separating_axis.inl.h) with no error but that of being rounded
-// to float once: by 2^-24 of themselves or, below 2^-126, by 2^-149, which scaled by 2^127 is 2^-22. So a gap is wrong
-// by |w|_1 2.9e-6 at most, and the margin, scaled, by 2^-22 besides what is relative. Edges, and what is between them,
-// are below 4 in each coordinate and wrong by 3 * 2^-22: a dot product is wrong by 108 * 2^-22, and s, t and D, made of
-// two products of two such below 48 each, by 5.5e-3. Double arithmetic rounds by so much less that it comes to the same
-// end. What is too large for floats is not scaled: there nothing is told.
+// The kernel that finds which corners and faces, and which edges, of two triangles may be within a margin, in single
+// precision: only these are tested in double (narrowphase/feature_contacts.c).
+// Proof: plugin/docs/proofs/feature_distance.md.
 #ifndef QC_KERNELS_FEATURE_DISTANCE_INL_H
 #define QC_KERNELS_FEATURE_DISTANCE_INL_H
 
 #include "kernels/triangle_distance.inl.h"
 
-// Twice what s or t and D are wrong by, and more.
+// More than twice the error of s, t and D.
 #define QC_OUTSIDE 0x1p-6f
 
-/// QC_LANES triangles: corners, edges from each to the next, and what a corner of the other is looked at along: the
-/// normal, both ways, and away from the edges.
+/// QC_LANES triangles: corners, edges from each to the next, and the axes for corners of the other triangle: outward
+/// normals of the edges, then the face's normal in both directions.
 typedef struct FacetLanes
 {
-    Vectors corner[3], edge[3], across[5];
+    Vectors corner[3], edge[3], axis[5];
     Floats edge2[3];
-    Floats beyond[5]; ///< what is farther along is farther than the margin
+    Floats limit[5]; ///< a corner farther along the axis is farther away than the margin
 } FacetLanes;
 
-QC_INLINE Floats FindBeyond(const Vectors corner[3], Vectors w, Floats margin)
+QC_INLINE Floats FindLimit(const Vectors corner[3], Vectors w, Floats margin)
 {
     const Floats zero = {0};
-    Floats most = MostFloats(Dot(w, corner[0]), MostFloats(Dot(w, corner[1]), Dot(w, corner[2])));
-    Floats gap = 1.0001f * margin * Root(Dot(w, w)) + SumOfSizes(w) * 4e-6f;
-    // Below 1e-15 squares may have vanished.
-    return Choose(gap > 1e-15f, most + gap, zero + INFINITY);
+    Floats largest = MaxFloats(Dot(w, corner[0]), MaxFloats(Dot(w, corner[1]), Dot(w, corner[2])));
+    Floats gap = 1.0001f * margin * SquareRoot(Dot(w, w)) + SumOfAbsolutes(w) * 4e-6f;
+    // Below 1e-15 squares may have underflowed.
+    return Select(gap > 1e-15f, largest + gap, zero + INFINITY);
 }
 
 QC_INLINE FacetLanes MakeFacets(Vectors p, Vectors q, Vectors r, Floats margin)
@@ -47,12 +36,12 @@ QC_INLINE FacetLanes MakeFacets(Vectors p, Vectors q, Vectors r, Floats margin)
         f.edge2[i] = Dot(f.edge[i], f.edge[i]);
     }
     Vectors normal = Cross(f.edge[0], f.edge[1]);
-    f.across[3] = normal;
-    f.across[4] = (Vectors){-normal.x, -normal.y, -normal.z};
+    f.axis[3] = normal;
+    f.axis[4] = (Vectors){-normal.x, -normal.y, -normal.z};
     for (int i = 0; i < 3; i++)
-        f.across[i] = Cross(f.edge[i], normal);
+        f.axis[i] = Cross(f.edge[i], normal);
     for (int i = 0; i < 5; i++)
-        f.beyond[i] = FindBeyond(f.corner, f.across[i], margin);
+        f.limit[i] = FindLimit(f.corner, f.axis[i], margin);
     return f;
 }
 
@@ -60,7 +49,7 @@ QC_INLINE Ints IsCornerFar(Vectors x, const FacetLanes* face)
 {
     Ints far = {0};
     for (int i = 0; i < 5; i++)
-        far |= Dot(face->across[i], x) > face->beyond[i];
+        far |= Dot(face->axis[i], x) > face->limit[i];
     return far;
 }
 
@@ -73,8 +62,8 @@ QC_INLINE Ints AreEdgesFar(const FacetLanes* a, int i, const FacetLanes* b, int 
     Ints outside = (s < -QC_OUTSIDE) | (s > d) | (t < -QC_OUTSIDE) | (t > d);
     Vectors w = Cross(along, across);
     Floats p0 = Dot(w, p), p1 = Dot(w, a->corner[(i + 1) % 3]), q0 = Dot(w, q), q1 = Dot(w, b->corner[(k + 1) % 3]);
-    Floats above = LeastFloats(p0, p1) - MostFloats(q0, q1), below = LeastFloats(q0, q1) - MostFloats(p0, p1);
-    Floats gap = MostFloats(above, below) - SumOfSizes(w) * 4e-6f;
+    Floats above = MinFloats(p0, p1) - MaxFloats(q0, q1), below = MinFloats(q0, q1) - MaxFloats(p0, p1);
+    Floats gap = MaxFloats(above, below) - SumOfAbsolutes(w) * 4e-6f;
     const Floats zero = {0};
     return outside | ((gap > zero) & IsGapAbove(gap, margin, Dot(w, w)));
 }
@@ -99,13 +88,13 @@ static void FindNearFeatures(const qcFeaturePairs* pairs, qcFeatureMask near[qc_
         for (int c = 0; c < 5; c++)
         {
             v[c] = LoadCorners(pairs, c, at);
-            size = MostFloats(size, Largest(v[c]));
+            size = MaxFloats(size, MaxAbsolute(v[c]));
         }
-        // As in LoadLanes.
-        Floats up = (Floats)((0x7f000000 - ((Ints)size & 0x7f800000)) & (size < 1e38f));
+        // Like in LoadPairs; coordinates that are too large are not scaled.
+        Floats scale = (Floats)((0x7f000000 - ((Ints)size & 0x7f800000)) & (size < 1e38f));
         for (int c = 0; c < 5; c++)
-            v[c] = Times(v[c], up);
-        margin *= up;
+            v[c] = Times(v[c], scale);
+        margin *= scale;
         FacetLanes a = MakeFacets((Vectors){zero, zero, zero}, v[0], v[1], margin),
                    b = MakeFacets(v[2], v[3], v[4], margin);
         Ints far = {0};

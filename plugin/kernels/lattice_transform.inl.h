@@ -1,39 +1,38 @@
-// The kernels that bring boxes of one surface to the lattice of another, and compare them there.
+// The kernels that transform boxes of one BVH to the lattice of another, and compare them there. Boxes of clusters are
+// transformed as boxes: cheap, but larger than necessary. Boxes of triangles are computed from the corners: between
+// rotated bunnies, half as many pairs of triangles then reach the filter.
 //
-// Boxes of clusters go there as boxes: cheap, and larger than need be. Boxes of triangles are made there from the
-// corners: of bunnies turned in every way barely half as many pairs of triangles then come to the filter.
-//
-// Rounding is in `grow` (sweep/bvh/bvh_pairs.c). Where it is infinite, a map isn't to be trusted, whatever else it has:
-// ends are then infinite or not a number, and both are clamped to the ends of the lattice.
+// The rounding is in `grow`. If it is infinite, the transform is useless: ends are then infinite or NaN, and both are
+// clamped to the ends of the lattice. Proof: plugin/docs/proofs/bvh_pairs.md.
 #ifndef QC_KERNELS_LATTICE_TRANSFORM_INL_H
 #define QC_KERNELS_LATTICE_TRANSFORM_INL_H
 
 #include "kernels/separating_axis.inl.h"
 
-// As many as a group has boxes, whatever the instruction set: the compiler makes of it what there is.
+// Eight lanes for every instruction set: the compiler splits them where necessary.
 typedef float EightFloats __attribute__((vector_size(32)));
 typedef int32_t EightInts __attribute__((vector_size(32)));
 typedef int16_t EightShorts __attribute__((vector_size(16)));
 
-QC_INLINE EightFloats Pick(EightInts mask, EightFloats yes, EightFloats no)
+QC_INLINE EightFloats SelectEight(EightInts mask, EightFloats yes, EightFloats no)
 {
     return (EightFloats)((mask & (EightInts)yes) | (~mask & (EightInts)no));
 }
 
-/// Levels from 0 to 65533; not a number is 0.
+/// Clamps to levels, 0 to 65533. NaN becomes 0.
 QC_INLINE EightFloats ClampLower(EightFloats level)
 {
-    const EightFloats zero = {0}, most = zero + 65533.0f;
-    level = Pick(level > zero, level, zero);
-    return Pick(level < most, level, most);
+    const EightFloats zero = {0}, largest = zero + 65533.0f;
+    level = SelectEight(level > zero, level, zero);
+    return SelectEight(level < largest, level, largest);
 }
 
-/// As ClampLower, but not a number is 65533.
+/// Clamps to levels. NaN becomes 65533.
 QC_INLINE EightFloats ClampUpper(EightFloats level)
 {
-    const EightFloats zero = {0}, most = zero + 65533.0f;
-    level = Pick(level < most, level, most);
-    return Pick(level > zero, level, zero);
+    const EightFloats zero = {0}, largest = zero + 65533.0f;
+    level = SelectEight(level < largest, level, largest);
+    return SelectEight(level > zero, level, zero);
 }
 
 QC_INLINE EightShorts LoadEnds(const int16_t* ends)
@@ -43,104 +42,105 @@ QC_INLINE EightShorts LoadEnds(const int16_t* ends)
     return loaded;
 }
 
-/// Ends of boxes along an axis; those that are empty in `group` stay so.
-QC_INLINE void StoreEnds(EightFloats lower, EightFloats upper, const qcBox8* group, int axis, qcBox8* mapped)
+/// Stores the ends of boxes along an axis. Boxes that are empty in `source` stay empty.
+QC_INLINE void StoreEnds(EightFloats lower, EightFloats upper, const qcBox8* source, int axis, qcBox8* transformed)
 {
     EightInts ends[2] = {__builtin_convertvector(ClampLower(lower), EightInts) - 32768,
                          ~(__builtin_convertvector(ClampUpper(upper), EightInts) - 32768)};
-    EightShorts first = LoadEnds(group->ends[0]), empty = first == qc_emptyEnd;
+    EightShorts first = LoadEnds(source->ends[0]), empty = first == qc_emptyEnd;
     for (int k = 0; k < 2; k++)
     {
         EightShorts stored = __builtin_convertvector(ends[k], EightShorts);
         stored = (stored & ~empty) | (first & empty);
-        memcpy(mapped->ends[axis] + k * qc_groupSize, &stored, sizeof stored);
+        memcpy(transformed->ends[axis] + k * qc_boxLanes, &stored, sizeof stored);
     }
 }
 
-/// A box with centre c and half extents e goes to one around linear c + shift, with |linear| e.
-static void MapGroup(const qcBox8* group, const qcGroupMap* map, qcBox8* mapped)
+/// A box with centre c and half extents h goes to one around linear c + shift with half extents |linear| h + grow.
+static void TransformBoxes(const qcBox8* boxes, const qcBoxTransform* transform, qcBox8* transformed)
 {
     EightFloats centre[3], half[3];
     for (int axis = 0; axis < 3; axis++)
     {
-        // A level is an interval: up to where the next begins.
-        EightInts lower = __builtin_convertvector(LoadEnds(group->ends[axis]), EightInts),
-                  end = ~__builtin_convertvector(LoadEnds(group->ends[axis] + qc_groupSize), EightInts) + 1;
+        // A level is an interval, up to the beginning of the next.
+        EightInts lower = __builtin_convertvector(LoadEnds(boxes->ends[axis]), EightInts),
+                  end = ~__builtin_convertvector(LoadEnds(boxes->ends[axis] + qc_boxLanes), EightInts) + 1;
         centre[axis] = 0.5f * __builtin_convertvector(lower + end, EightFloats);
         half[axis] = 0.5f * __builtin_convertvector(end - lower, EightFloats);
     }
     for (int axis = 0; axis < 3; axis++)
     {
-        const float* row = map->linear[axis];
+        const float* row = transform->linear[axis];
         float size[3] = {__builtin_fabsf(row[0]), __builtin_fabsf(row[1]), __builtin_fabsf(row[2])};
-        EightFloats at = row[0] * centre[0] + row[1] * centre[1] + row[2] * centre[2] + map->shift[axis];
-        EightFloats around = size[0] * half[0] + size[1] * half[1] + size[2] * half[2] + map->grow[axis];
-        StoreEnds(at - around, at + around, group, axis, mapped);
+        EightFloats at = row[0] * centre[0] + row[1] * centre[1] + row[2] * centre[2] + transform->shift[axis];
+        EightFloats around = size[0] * half[0] + size[1] * half[1] + size[2] * half[2] + transform->grow[axis];
+        StoreEnds(at - around, at + around, boxes, axis, transformed);
     }
 }
 
-/// Where corner c of the triangles of a cluster is, along an axis, before the shift.
-typedef struct MappedCorners
+/// Corner c of a cluster's triangles in the other lattice, by axis, before the shift.
+typedef struct TransformedCorners
 {
-    float x[3][(int)QC_LANES > (int)qc_groupSize ? (int)QC_LANES : (int)qc_groupSize];
-} MappedCorners;
+    float x[3][(int)QC_LANES > (int)qc_boxLanes ? (int)QC_LANES : (int)qc_boxLanes];
+} TransformedCorners;
 
-QC_INLINE MappedCorners MapCorners(const qcMappedSurface* surface, uint32_t cluster, int c)
+QC_INLINE TransformedCorners TransformCorners(const qcTransformedBvh* bvh, uint32_t cluster, int c)
 {
-    MappedCorners mapped;
-    const qcCorners* corners = surface->triangles.corners + (size_t)cluster * qc_clusterSize;
-    for (int at = 0; at < qc_groupSize; at += QC_LANES)
+    TransformedCorners transformed;
+    const qcCorners* corners = bvh->triangles.corners + (size_t)cluster * qc_clusterSize;
+    for (int at = 0; at < qc_boxLanes; at += QC_LANES)
     {
         uint32_t vertex[QC_LANES];
         for (int lane = 0; lane < QC_LANES; lane++)
             vertex[lane] = corners[(at + lane) % qc_clusterSize].vertex[c];
-        Vectors p = LoadPoints(surface->triangles.points, vertex);
+        Vectors p = LoadPoints(bvh->triangles.points, vertex);
         for (int axis = 0; axis < 3; axis++)
         {
-            const float* row = surface->points.linear[axis];
+            const float* row = bvh->points.linear[axis];
             Floats x = p.x * row[0] + p.y * row[1] + p.z * row[2];
-            memcpy(mapped.x[axis] + at, &x, sizeof x);
+            memcpy(transformed.x[axis] + at, &x, sizeof x);
         }
     }
-    return mapped;
+    return transformed;
 }
 
-static void MapTriangles(const qcMappedSurface* surface, uint32_t cluster, qcBox8* mapped)
+static void TransformTriangles(const qcTransformedBvh* bvh, uint32_t cluster, qcBox8* transformed)
 {
-    const qcGroupMap* map = &surface->points;
-    MappedCorners corners[3];
+    const qcBoxTransform* transform = &bvh->points;
+    TransformedCorners corners[3];
     for (int c = 0; c < 3; c++)
-        corners[c] = MapCorners(surface, cluster, c);
+        corners[c] = TransformCorners(bvh, cluster, c);
     for (int axis = 0; axis < 3; axis++)
     {
         EightFloats x[3];
         for (int c = 0; c < 3; c++)
             memcpy(&x[c], corners[c].x[axis], sizeof x[c]);
-        EightFloats lower = Pick(x[0] < x[1], x[0], x[1]), upper = Pick(x[0] > x[1], x[0], x[1]);
-        lower = Pick(lower < x[2], lower, x[2]);
-        upper = Pick(upper > x[2], upper, x[2]);
-        StoreEnds(lower + map->shift[axis] - map->grow[axis], upper + map->shift[axis] + map->grow[axis],
-                  &surface->boxes.clusters[cluster], axis, mapped);
+        EightFloats lower = SelectEight(x[0] < x[1], x[0], x[1]), upper = SelectEight(x[0] > x[1], x[0], x[1]);
+        lower = SelectEight(lower < x[2], lower, x[2]);
+        upper = SelectEight(upper > x[2], upper, x[2]);
+        StoreEnds(lower + transform->shift[axis] - transform->grow[axis],
+                  upper + transform->shift[axis] + transform->grow[axis], &bvh->boxes.clusters[cluster], axis,
+                  transformed);
     }
 }
 
-static qcSlotPair* CollectMapped(const qcSurfaceBoxes* a, uint32_t nodeA, const qcMappedSurface* b, uint32_t nodeB,
-                                 qcSlotPair* pairs)
+static qcSlotPair* CollectTransformedPairs(const qcBvhBoxes* a, uint32_t nodeA, const qcTransformedBvh* b,
+                                           uint32_t nodeB, qcSlotPair* pairs)
 {
-    qcBox8 mapped;
-    MapGroup(&b->boxes.nodes[nodeB], &b->levels, &mapped);
-    uint64_t clusters = CompareGroups(&a->nodes[nodeA], &mapped);
-    for (uint32_t j = 0; j < qc_groupSize; j++)
+    qcBox8 transformed;
+    TransformBoxes(&b->boxes.nodes[nodeB], &b->levels, &transformed);
+    uint64_t clusters = FindBoxOverlaps(&a->nodes[nodeA], &transformed);
+    for (uint32_t j = 0; j < qc_boxLanes; j++)
     {
-        uint32_t row = (uint32_t)(clusters >> qc_groupSize * j) & 0xffu;
+        uint32_t row = (uint32_t)(clusters >> qc_boxLanes * j) & 0xffu;
         if (row == 0)
             continue;
-        uint32_t clusterB = nodeB * qc_groupSize + j;
-        MapTriangles(b, clusterB, &mapped);
+        uint32_t clusterB = nodeB * qc_boxLanes + j;
+        TransformTriangles(b, clusterB, &transformed);
         for (; row != 0; row &= row - 1)
         {
-            size_t clusterA = (size_t)nodeA * qc_groupSize + (uint32_t)__builtin_ctz(row);
-            pairs = AddPairs(CompareGroups(&a->clusters[clusterA], &mapped), clusterA, clusterB, pairs);
+            size_t clusterA = (size_t)nodeA * qc_boxLanes + (uint32_t)__builtin_ctz(row);
+            pairs = AddPairs(FindBoxOverlaps(&a->clusters[clusterA], &transformed), clusterA, clusterB, pairs);
         }
     }
     return pairs;

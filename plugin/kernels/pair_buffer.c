@@ -1,4 +1,4 @@
-// Sinks of pairs.
+// Buffers for pairs of triangles.
 #include "kernels/pair_buffer.h"
 
 #include "base/status.h"
@@ -8,75 +8,77 @@ static void AddKey(qcArray* keys, uint64_t key)
     QC_AT(uint64_t, *keys, keys->count++) = key;
 }
 
-qcStatus qcPairBuffers_Begin(qcArray* sinks, uint32_t threads)
+qcStatus qcPairBuffers_Begin(qcArray* buffers, uint32_t threads)
 {
-    QC_TRY(qcWorkerResults_Begin(sinks, threads, sizeof(qcPairBuffer), "candidate pairs"));
-    for (size_t i = 0; i < sinks->count; i++)
+    QC_TRY(qcWorkerResults_Begin(buffers, threads, sizeof(qcPairBuffer), "candidate pairs"));
+    for (size_t i = 0; i < buffers->count; i++)
     {
-        qcPairBuffer* sink = &QC_AT(qcPairBuffer, *sinks, i);
-        sink->keys.count = sink->contactKeys.count = sink->sure.count = 0;
+        qcPairBuffer* buffer = &QC_AT(qcPairBuffer, *buffers, i);
+        buffer->keys.count = buffer->contactKeys.count = buffer->classified.count = 0;
     }
     return qc_statusOk;
 }
 
-static qcStatus ReserveAll(qcPairBuffer* sink, size_t count)
+static qcStatus ReserveAll(qcPairBuffer* buffer, size_t count)
 {
-    QC_TRY(qcArray_Reserve(&sink->keys, sink->keys.count + count, sizeof(uint64_t), "candidate pairs"));
-    QC_TRY(qcArray_Reserve(&sink->contactKeys, sink->contactKeys.count + count, sizeof(uint64_t), "candidate pairs"));
-    return qcArray_Reserve(&sink->sure, sink->sure.count + count, sizeof(qcSortItem), "candidate pairs");
+    QC_TRY(qcArray_Reserve(&buffer->keys, buffer->keys.count + count, sizeof(uint64_t), "candidate pairs"));
+    QC_TRY(
+        qcArray_Reserve(&buffer->contactKeys, buffer->contactKeys.count + count, sizeof(uint64_t), "candidate pairs"));
+    return qcArray_Reserve(&buffer->classified, buffer->classified.count + count, sizeof(qcSortItem),
+                           "candidate pairs");
 }
 
-bool qcPairBuffer_Add(qcPairBuffer* sink, const qcClassifiedPairs* found, bool listKnown, qcPairKeyFunction* keyOf,
-                      const void* context)
+bool qcPairBuffer_Add(qcPairBuffer* buffer, const qcClassifiedPairs* found, bool listClassified,
+                      qcPairKeyFunction* keyOf, const void* context)
 {
-    if (!qcWorkerResult_IsOk(&sink->result) || !qcWorkerResult_Add(&sink->result, ReserveAll(sink, found->count)))
+    if (!qcWorkerResult_IsOk(&buffer->result) || !qcWorkerResult_Add(&buffer->result, ReserveAll(buffer, found->count)))
         return false;
-    size_t known = found->near + found->apart + found->penetrating;
+    size_t classified = found->nearCount + found->separateCount + found->intersectingCount;
     for (size_t i = 0; i < found->count; i++)
     {
         uint64_t key = keyOf(context, found->pairs[i]);
-        if (i >= known)
-            AddKey(&sink->keys, key);
-        else if (i < found->near || i >= found->near + found->apart)
-            QC_AT(qcSortItem, sink->sure, sink->sure.count++) =
-                (qcSortItem){key, i < found->near ? qc_relationNear : qc_relationPenetrating};
-        if (i < known && listKnown)
-            AddKey(&sink->contactKeys, key);
+        if (i >= classified)
+            AddKey(&buffer->keys, key);
+        else if (i < found->nearCount || i >= found->nearCount + found->separateCount)
+            QC_AT(qcSortItem, buffer->classified, buffer->classified.count++) =
+                (qcSortItem){key, i < found->nearCount ? qc_relationNear : qc_relationPenetrating};
+        if (i < classified && listClassified)
+            AddKey(&buffer->contactKeys, key);
     }
     return true;
 }
 
-void qcPairBuffer_AddNeighbours(qcPairBuffer* sink, const qcSlotPair* pairs, size_t count, qcPairKeyFunction* keyOf,
+void qcPairBuffer_AddNeighbours(qcPairBuffer* buffer, const qcSlotPair* pairs, size_t count, qcPairKeyFunction* keyOf,
                                 const void* context)
 {
     qcStatus status =
-        qcArray_Reserve(&sink->contactKeys, sink->contactKeys.count + count, sizeof(uint64_t), "neighbours");
-    if (!qcWorkerResult_Add(&sink->result, status))
+        qcArray_Reserve(&buffer->contactKeys, buffer->contactKeys.count + count, sizeof(uint64_t), "neighbours");
+    if (!qcWorkerResult_Add(&buffer->result, status))
         return;
     for (size_t i = 0; i < count; i++)
-        AddKey(&sink->contactKeys, keyOf(context, pairs[i]));
+        AddKey(&buffer->contactKeys, keyOf(context, pairs[i]));
 }
 
-qcStatus qcPairBuffers_End(const qcArray* sinks, const qcPairKeys* keys)
+qcStatus qcPairBuffers_End(const qcArray* buffers, const qcPairKeys* keys)
 {
-    QC_TRY(qcWorkerResults_End(sinks, sizeof(qcPairBuffer)));
-    for (size_t i = 0; i < sinks->count; i++)
+    QC_TRY(qcWorkerResults_End(buffers, sizeof(qcPairBuffer)));
+    for (size_t i = 0; i < buffers->count; i++)
     {
-        const qcPairBuffer* sink = &QC_AT(qcPairBuffer, *sinks, i);
-        QC_TRY(qcArray_Append(keys->keys, &sink->keys, sizeof(uint64_t), "candidate pairs"));
-        QC_TRY(qcArray_Append(keys->contactKeys, &sink->contactKeys, sizeof(uint64_t), "candidate pairs"));
-        QC_TRY(qcArray_Append(keys->sure, &sink->sure, sizeof(qcSortItem), "candidate pairs"));
+        const qcPairBuffer* buffer = &QC_AT(qcPairBuffer, *buffers, i);
+        QC_TRY(qcArray_Append(keys->keys, &buffer->keys, sizeof(uint64_t), "candidate pairs"));
+        QC_TRY(qcArray_Append(keys->contactKeys, &buffer->contactKeys, sizeof(uint64_t), "candidate pairs"));
+        QC_TRY(qcArray_Append(keys->classified, &buffer->classified, sizeof(qcSortItem), "candidate pairs"));
     }
     return qc_statusOk;
 }
 
-void qcPairBuffers_Free(qcArray* sinks)
+void qcPairBuffers_Free(qcArray* buffers)
 {
-    for (size_t i = 0; i < sinks->count; i++)
+    for (size_t i = 0; i < buffers->count; i++)
     {
-        qcArray_Free(&QC_AT(qcPairBuffer, *sinks, i).keys);
-        qcArray_Free(&QC_AT(qcPairBuffer, *sinks, i).contactKeys);
-        qcArray_Free(&QC_AT(qcPairBuffer, *sinks, i).sure);
+        qcArray_Free(&QC_AT(qcPairBuffer, *buffers, i).keys);
+        qcArray_Free(&QC_AT(qcPairBuffer, *buffers, i).contactKeys);
+        qcArray_Free(&QC_AT(qcPairBuffer, *buffers, i).classified);
     }
-    qcArray_Free(sinks);
+    qcArray_Free(buffers);
 }

@@ -1,4 +1,4 @@
-// Where workers put the pairs of triangles that they find: each its own, in the end put together.
+// Per-thread buffers for pairs of triangles. Each worker fills its own; at the end they are appended to one list.
 #ifndef QC_KERNELS_PAIR_BUFFER_H
 #define QC_KERNELS_PAIR_BUFFER_H
 
@@ -7,34 +7,34 @@
 #include "kernels/pair_filter.h"
 #include "quickcullide/scene.h"
 
-/// What one worker found.
+/// The pairs that one worker found. The key of a pair: lower global triangle index << 32 | higher one.
 typedef struct qcPairBuffer
 {
     qcWorkerResult result;
-    qcArray keys;        ///< uint64_t: lower rank << 32 | higher rank
-    qcArray contactKeys; ///< uint64_t: for contacts: neighbours, and pairs whose relation is known
-    qcArray sure;        ///< of qcSortItem: key and relation, of pairs that need no other test
+    qcArray keys;        ///< uint64_t: pairs that need the exact test
+    qcArray contactKeys; ///< uint64_t: pairs that only contacts need: neighbours, and classified ones
+    qcArray classified;  ///< of qcSortItem: key and relation of pairs that need no exact test
 } qcPairBuffer;
 
-/// Pairs of all workers; as in a sink.
+/// The pairs of all workers, as in qcPairBuffer.
 typedef struct qcPairKeys
 {
-    qcArray *keys, *contactKeys, *sure;
+    qcArray *keys, *contactKeys, *classified;
 } qcPairKeys;
 
 typedef uint64_t qcPairKeyFunction(const void* context, qcSlotPair pair);
 
-/// Empties the sinks (of qcPairBuffer) of as many workers.
-qcStatus qcPairBuffers_Begin(qcArray* sinks, uint32_t threads);
-/// What is known needs no exact test; with `listKnown`, it is among the contact keys, too: who asks for contacts makes
-/// them of all that is near. False: the sink has failed, and nothing more is wanted.
-bool qcPairBuffer_Add(qcPairBuffer* sink, const qcClassifiedPairs* found, bool listKnown, qcPairKeyFunction* keyOf,
-                      const void* context);
-/// Adds neighbours to the contact keys.
-void qcPairBuffer_AddNeighbours(qcPairBuffer* sink, const qcSlotPair* pairs, size_t count, qcPairKeyFunction* keyOf,
+/// Empties the buffers (of qcPairBuffer), one for each thread.
+qcStatus qcPairBuffers_Begin(qcArray* buffers, uint32_t threads);
+/// Adds undecided pairs to `keys`, near and intersecting ones to `classified`. With `listClassified` all classified
+/// pairs, separate ones too, are also added to `contactKeys`. False: the buffer has failed; `result` has the reason.
+bool qcPairBuffer_Add(qcPairBuffer* buffer, const qcClassifiedPairs* found, bool listClassified,
+                      qcPairKeyFunction* keyOf, const void* context);
+/// Adds pairs of neighbours to `contactKeys`.
+void qcPairBuffer_AddNeighbours(qcPairBuffer* buffer, const qcSlotPair* pairs, size_t count, qcPairKeyFunction* keyOf,
                                 const void* context);
-/// Adds what all have; fails if one has.
-qcStatus qcPairBuffers_End(const qcArray* sinks, const qcPairKeys* keys);
-void qcPairBuffers_Free(qcArray* sinks);
+/// Appends all buffers to `keys`. Fails if one of them has failed.
+qcStatus qcPairBuffers_End(const qcArray* buffers, const qcPairKeys* keys);
+void qcPairBuffers_Free(qcArray* buffers);
 
 #endif

@@ -1,17 +1,18 @@
 // The filter of candidate pairs.
 #include "kernels/pair_filter.h"
 
-void qcClassifiedPairs_Filter(qcClassifiedPairs* found, const qcTriangleKernels* kernels, const qcFilterSide sides[2],
-                              const qcDistanceThresholds* bound)
+void qcClassifiedPairs_Filter(qcClassifiedPairs* found, const qcTriangleKernels* kernels,
+                              const qcIndexedTriangles sides[2], const qcDistanceThresholds* thresholds)
 {
-    found->count = kernels->filter(&sides[0], &sides[1], bound, found->pairs, found->count);
-    if (bound->reach > 0.0f)
+    found->count = kernels->filter(&sides[0], &sides[1], thresholds, found->pairs, found->count);
+    if (thresholds->query > 0.0f)
     {
-        qcApartCounts counts = kernels->part(&sides[0], &sides[1], bound, found->pairs, found->count);
-        found->near = counts.near;
-        found->apart = counts.apart;
+        qcClassifiedCounts counts = kernels->classify(&sides[0], &sides[1], thresholds, found->pairs, found->count);
+        found->nearCount = counts.nearCount;
+        found->separateCount = counts.separateCount;
         found->count = counts.count;
     }
-    size_t known = found->near + found->apart;
-    found->penetrating = kernels->findPiercing(&sides[0], &sides[1], bound, found->pairs + known, found->count - known);
+    size_t disjoint = found->nearCount + found->separateCount;
+    found->intersectingCount =
+        kernels->findIntersecting(&sides[0], &sides[1], thresholds, found->pairs + disjoint, found->count - disjoint);
 }

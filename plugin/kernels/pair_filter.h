@@ -15,15 +15,15 @@ enum
 typedef struct qcClassifiedPairs
 {
     qcSlotPair* pairs;
-    size_t near;        ///< proven no further apart than the bound's `margin`
-    size_t apart;       ///< proven apart by more than that
-    size_t penetrating; ///< proven to intersect
-    size_t count;       ///< in all
+    size_t nearCount;         ///< proven disjoint, at most qcDistanceThresholds::near apart
+    size_t separateCount;     ///< proven disjoint, farther apart than qcDistanceThresholds::far
+    size_t intersectingCount; ///< proven to intersect
+    size_t count;             ///< in all
 } qcClassifiedPairs;
 
-/// Removes pairs that the kernels prove further apart than the query distance, and classifies the rest. Any order of
-/// pairs is accepted.
-void qcClassifiedPairs_Filter(qcClassifiedPairs* found, const qcTriangleKernels* kernels, const qcFilterSide sides[2],
-                              const qcDistanceThresholds* bound);
+/// Drops pairs that are proven farther apart than the query distance, and classifies the others. The pairs come in any
+/// order.
+void qcClassifiedPairs_Filter(qcClassifiedPairs* found, const qcTriangleKernels* kernels,
+                              const qcIndexedTriangles sides[2], const qcDistanceThresholds* thresholds);
 
 #endif

@@ -1,4 +1,4 @@
-// What the kernels for AVX2 and AVX-512 have in common.
+// The common part of the kernels for AVX2 and AVX-512.
 #ifndef QC_KERNELS_SIMD_X86_H
 #define QC_KERNELS_SIMD_X86_H
 
@@ -8,7 +8,7 @@
 
 typedef __m128i Shorts;
 
-static inline Shorts LeastShorts(Shorts a, Shorts b)
+static inline Shorts MinShorts(Shorts a, Shorts b)
 {
     return _mm_min_epi16(a, b);
 }
@@ -34,20 +34,21 @@ static inline void Transpose(const Shorts row[8], Shorts column[8])
     }
 }
 
-/// Levels from 0 to 65533 into the range of shorts.
+/// Levels lower 0 to 65533, moved to the range of shorts.
 static inline __m128i ToLevels(__m256d scaled)
 {
     return _mm_sub_epi32(_mm256_cvttpd_epi32(scaled), _mm_set1_epi32(32768));
 }
 
-static inline void MapVertex(const qcLatticeTransform* map, const double* position, qcPoint* point, qcBoxRow* row)
+static inline void TransformVertex(const qcLatticeTransform* lattice, const double* position, qcPoint* point,
+                                   qcBoxRow* row)
 {
     __m256d x = _mm256_set_m128d(_mm_load_sd(position + 2), _mm_loadu_pd(position));
-    __m256d origin = _mm256_loadu_pd(map->origin), scale = _mm256_loadu_pd(map->scale);
-    __m256d from = _mm256_sub_pd(x, origin);
-    __m256d upTo = _mm256_sub_pd(_mm256_add_pd(x, _mm256_loadu_pd(map->margin)), origin);
-    _mm_storeu_ps(point->x, _mm256_cvtpd_ps(_mm256_mul_pd(from, _mm256_loadu_pd(map->unit))));
-    __m128i ends = _mm_packs_epi32(ToLevels(_mm256_mul_pd(from, scale)), ToLevels(_mm256_mul_pd(upTo, scale)));
+    __m256d origin = _mm256_loadu_pd(lattice->origin), scale = _mm256_loadu_pd(lattice->scale);
+    __m256d lower = _mm256_sub_pd(x, origin);
+    __m256d upper = _mm256_sub_pd(_mm256_add_pd(x, _mm256_loadu_pd(lattice->margin)), origin);
+    _mm_storeu_ps(point->x, _mm256_cvtpd_ps(_mm256_mul_pd(lower, _mm256_loadu_pd(lattice->unit))));
+    __m128i ends = _mm_packs_epi32(ToLevels(_mm256_mul_pd(lower, scale)), ToLevels(_mm256_mul_pd(upper, scale)));
     _mm_storeu_si128((__m128i*)row, _mm_xor_si128(ends, _mm_set_epi64x(-1, 0)));
 }
 

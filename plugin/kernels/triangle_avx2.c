@@ -6,34 +6,34 @@ enum
     QC_LANES = 8
 };
 
-static inline __m256 LeastFloats(__m256 a, __m256 b)
+static inline __m256 MinFloats(__m256 a, __m256 b)
 {
     return _mm256_min_ps(a, b);
 }
 
-static inline __m256 Root(__m256 a)
+static inline __m256 SquareRoot(__m256 a)
 {
     return _mm256_sqrt_ps(a);
 }
 
-static inline __m256 MostFloats(__m256 a, __m256 b)
+static inline __m256 MaxFloats(__m256 a, __m256 b)
 {
     return _mm256_max_ps(a, b);
 }
 
-/// A row of b at a time, against all boxes of a; two rows leave together.
-static inline uint64_t CompareGroups(const qcBox8* a, const qcBox8* b)
+/// Two boxes of b at a time, against all boxes of a.
+static inline uint64_t FindBoxOverlaps(const qcBox8* a, const qcBox8* b)
 {
     __m256i ends[3], limits[3];
     for (int axis = 0; axis < 3; axis++)
     {
         ends[axis] = _mm256_loadu_si256((const __m256i*)a->ends[axis]);
-        // Lower ends of a are compared with upper ends of b, and the other way round.
+        // Lower ends of a are compared with upper ends of b, and vice versa.
         __m256i other = _mm256_loadu_si256((const __m256i*)b->ends[axis]);
         limits[axis] = _mm256_xor_si256(_mm256_permute4x64_epi64(other, 0x4e), _mm256_set1_epi8(-1));
     }
-    uint64_t apart = 0;
-    for (int j = 0; j < qc_groupSize; j += 2)
+    uint64_t disjoint = 0;
+    for (int j = 0; j < qc_boxLanes; j += 2)
     {
         __m256i row[2];
         for (int k = 0; k < 2; k++)
@@ -46,9 +46,9 @@ static inline uint64_t CompareGroups(const qcBox8* a, const qcBox8* b)
         }
         __m256i both = _mm256_packs_epi16(row[0], row[1]);
         __m128i either = _mm_or_si128(_mm256_castsi256_si128(both), _mm256_extracti128_si256(both, 1));
-        apart |= (uint64_t)(uint32_t)_mm_movemask_epi8(either) << 8 * j;
+        disjoint |= (uint64_t)(uint32_t)_mm_movemask_epi8(either) << 8 * j;
     }
-    return ~apart;
+    return ~disjoint;
 }
 
 #include "kernels/triangle_kernels.inl.h"

@@ -6,35 +6,35 @@ enum
     QC_LANES = 16
 };
 
-static inline __m512 LeastFloats(__m512 a, __m512 b)
+static inline __m512 MinFloats(__m512 a, __m512 b)
 {
     return _mm512_min_ps(a, b);
 }
 
-static inline __m512 Root(__m512 a)
+static inline __m512 SquareRoot(__m512 a)
 {
     return _mm512_sqrt_ps(a);
 }
 
-static inline __m512 MostFloats(__m512 a, __m512 b)
+static inline __m512 MaxFloats(__m512 a, __m512 b)
 {
     return _mm512_max_ps(a, b);
 }
 
-/// Two rows of b at a time, against all boxes of a.
-static inline uint64_t CompareGroups(const qcBox8* a, const qcBox8* b)
+/// Two boxes of b at a time, against all boxes of a.
+static inline uint64_t FindBoxOverlaps(const qcBox8* a, const qcBox8* b)
 {
     __m512i ends[3], limits[3];
     for (int axis = 0; axis < 3; axis++)
     {
         ends[axis] = _mm512_broadcast_i64x4(_mm256_loadu_si256((const __m256i*)a->ends[axis]));
-        // Lower ends of a are compared with upper ends of b, and the other way round.
+        // Lower ends of a are compared with upper ends of b, and vice versa.
         __m256i other = _mm256_loadu_si256((const __m256i*)b->ends[axis]);
         limits[axis] =
             _mm512_broadcast_i64x4(_mm256_xor_si256(_mm256_permute4x64_epi64(other, 0x4e), _mm256_set1_epi8(-1)));
     }
-    uint64_t meet = 0;
-    for (int j = 0; j < qc_groupSize; j += 2)
+    uint64_t overlaps = 0;
+    for (int j = 0; j < qc_boxLanes; j += 2)
     {
         __m512i pick = _mm512_inserti64x4(_mm512_set1_epi16((short)(0x0100 + 0x0202 * j)),
                                           _mm256_set1_epi16((short)(0x0100 + 0x0202 * (j + 1))), 1);
@@ -42,14 +42,14 @@ static inline uint64_t CompareGroups(const qcBox8* a, const qcBox8* b)
         both = _mm512_mask_cmple_epi16_mask(both, ends[1], _mm512_shuffle_epi8(limits[1], pick));
         both = _mm512_mask_cmple_epi16_mask(both, ends[2], _mm512_shuffle_epi8(limits[2], pick));
         uint32_t rows = both & both >> 8 & 0x00ff00ffu;
-        meet |= (uint64_t)((rows | rows >> 8) & 0xffffu) << 8 * j;
+        overlaps |= (uint64_t)((rows | rows >> 8) & 0xffffu) << 8 * j;
     }
-    return meet;
+    return overlaps;
 }
 
 #include "kernels/triangle_kernels.inl.h"
 
-/// Four floats of each fourth lane side by side, then columns to vectors.
+/// The four floats of every fourth lane side by side, then columns to vectors.
 QC_INLINE Vectors LoadPoints(const qcPoint* points, const uint32_t vertex[QC_LANES])
 {
     __m512 row[4];

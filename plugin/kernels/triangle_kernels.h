@@ -1,10 +1,10 @@
-// The inner loops of the sweep over triangles, compiled once for each instruction set and chosen at run time. What each
-// computes does not depend on the instruction set, but for the filter, which may keep more pairs or fewer that are
-// apart.
+// The inner loops of collision detection between triangles, compiled once for each instruction set and chosen at run
+// time. The result of a kernel doesn't depend on the instruction set, except that the filters may keep more or fewer of
+// the pairs that are separated: rounding differs.
 //
-// Boxes are in a surface's own lattice (sweep/bvh/triangle_bvh.h): 16-bit levels. An upper end is kept as its
-// complement, ~upper, so that the box around boxes is one minimum, and two boxes overlap unless one of two such numbers
-// is the greater.
+// Boxes lie on the lattice of their BVH (sweep/bvh/triangle_bvh.h), in 16-bit levels. The upper end of an interval is
+// stored as its complement, ~upper. So the box around boxes is one minimum, and two boxes overlap unless some lower end
+// is greater than the other box's upper end.
 #ifndef QC_KERNELS_TRIANGLE_KERNELS_H
 #define QC_KERNELS_TRIANGLE_KERNELS_H
 
@@ -16,39 +16,38 @@
 
 enum
 {
-    qc_groupSize = 8,
-    // What no level reaches: a box of it alone meets nothing, and adds nothing to a box around it.
-    qc_emptyEnd = INT16_MAX
+    qc_boxLanes = 8,
+    qc_emptyEnd = INT16_MAX ///< above all levels: both ends of an empty box, which overlaps nothing
 };
 
-/// Eight boxes side by side. By axis: lower ends, then complements of upper ends.
+/// Eight boxes side by side. For each axis the lower ends, then the complements of the upper ends.
 typedef struct qcBox8
 {
-    int16_t ends[3][2 * qc_groupSize];
+    int16_t ends[3][2 * qc_boxLanes];
 } qcBox8;
 
-/// One box, or one vertex: three lower ends, one end that means nothing, three complements of upper ends, another.
+/// One box, or one vertex: three lower ends, one unused, three complements of upper ends, one unused.
 typedef struct qcBoxRow
 {
     int16_t ends[8];
 } qcBoxRow;
 
-/// A vertex in its surface's frame.
+/// A vertex in the frame of its BVH.
 typedef struct qcPoint
 {
     float x[4]; ///< the last is 0
 } qcPoint;
 
-/// From world positions to a surface's frame and lattice.
+/// From world positions to the frame and the lattice of a BVH.
 typedef struct qcLatticeTransform
 {
     double origin[4]; ///< the last of each four is 0
-    double unit[4];   ///< of points: (x - origin) * unit
-    double scale[4];  ///< of levels: (x - origin) * scale, from 0 to 65533
+    double unit[4];   ///< to the frame: (x - origin) * unit
+    double scale[4];  ///< to the lattice: (x - origin) * scale, from 0 to 65533
     double margin[4]; ///< upper ends are those of x + margin
 } qcLatticeTransform;
 
-/// Which vertices are mapped: vertexOf[i] is the place of vertex i in `positions`, three doubles each.
+/// The vertices to transform: vertexOf[i] is the index of vertex i in `positions`, three doubles each.
 typedef struct qcVertexRange
 {
     const double* positions;
@@ -56,76 +55,78 @@ typedef struct qcVertexRange
     size_t first, end;
 } qcVertexRange;
 
-/// What pairs are found among: groups of triangles, and of the clusters of nodes.
-typedef struct qcSurfaceBoxes
+/// The two lowest levels of a BVH: the boxes of each cluster's triangles, and of each leaf node's clusters.
+typedef struct qcBvhBoxes
 {
     const qcBox8 *clusters, *nodes;
-} qcSurfaceBoxes;
+} qcBvhBoxes;
 
-/// Triangles to be compared: corners by place, points by vertex.
-typedef struct qcFilterSide
+/// Triangles of one BVH: corners by slot, points by vertex.
+typedef struct qcIndexedTriangles
 {
     const qcCorners* corners;
     const qcPoint* points;
-} qcFilterSide;
+} qcIndexedTriangles;
 
-/// In the frame of the first side. Points p of the second are at linear p + shift there.
+/// Distances that pairs are classified by, in the frame of the first triangles. A point p of the second ones is at
+/// linear p + shift there.
 typedef struct qcDistanceThresholds
 {
-    float pointError; ///< of a coordinate, of either side, once there
-    float reach;      ///< how far apart triangles count
-    float margin;     ///< what is no further apart is near. Below 0: neither this nor the next is told
-    float beyond;     ///< what is further apart is not near
-    bool mapped;      ///< otherwise both sides have one frame
+    float pointError;   ///< max error of a coordinate in that frame
+    float query;        ///< pairs farther apart are dropped
+    float near;         ///< pairs no farther apart are near. Below 0: no classification by distance
+    float far;          ///< pairs farther apart are not near; at least `near`
+    bool isTransformed; ///< false: both have one frame, and linear and shift are unused
     float linear[3][3], shift[3];
 } qcDistanceThresholds;
 
-/// From the lattice of one surface (levels begin at -32768 here), or from its points, to another's lattice (where
-/// levels count from 0): what is at x here is within `grow` of linear x + shift there.
-typedef struct qcGroupMap
+/// From the lattice of one BVH (levels begin at -32768), or from its points, to the lattice of another (levels begin at
+/// 0): the image of x is within `grow` of linear x + shift.
+typedef struct qcBoxTransform
 {
     float linear[3][3], shift[3], grow[3];
-} qcGroupMap;
+} qcBoxTransform;
 
-/// Another surface than the first, which pairs are found with.
-typedef struct qcMappedSurface
+/// The second of two BVHs, and its transforms to the first.
+typedef struct qcTransformedBvh
 {
-    qcSurfaceBoxes boxes;
-    qcFilterSide triangles;
-    qcGroupMap levels; ///< from its lattice to the first's
-    qcGroupMap points; ///< from its points to the first's lattice
-} qcMappedSurface;
+    qcBvhBoxes boxes;
+    qcIndexedTriangles triangles;
+    qcBoxTransform levels; ///< from its lattice to that of the first
+    qcBoxTransform points; ///< from its points to the lattice of the first
+} qcTransformedBvh;
 
-/// Triangles that make a disc, and the vertices of the loop around it, in its direction.
+/// A patch of triangles (mesh/flat_patches.h), and the vertices of its boundary loop in order.
 typedef struct qcPatchGeometry
 {
     const qcCorners* corners;
     const qcPoint* points;
-    const uint32_t *places, *loop;
-    size_t placeCount, loopCount; ///< 3 to qc_maxLoop
-    float pointError, reach;
+    const uint32_t *slots, *loop;
+    size_t slotCount, loopCount; ///< the latter is 3 to qc_maxLoop
+    float pointError, query;     ///< as in qcDistanceThresholds
 } qcPatchGeometry;
 
-/// Of pairs that lie in this order: near ones, those that are farther apart than the margin, and all others.
-typedef struct qcApartCounts
+/// Sizes of the classes of pairs, in the order in which the pairs lie: near, separate, undecided.
+typedef struct qcClassifiedCounts
 {
-    size_t near, apart, count; ///< the last: of all that are kept
-} qcApartCounts;
+    size_t nearCount, separateCount;
+    size_t count; ///< of all pairs that are kept
+} qcClassifiedCounts;
 
 enum
 {
     qc_featurePairs = 16
 };
 
-/// Pairs of triangles A and B, not of one surface's points: their corners, seen from the first of A.
+/// Pairs of triangles A and B by their corners, relative to the first corner of A.
 typedef struct qcFeaturePairs
 {
-    float corner[5][3][qc_featurePairs]; ///< the second and the third of A, those of B
-    float margin[qc_featurePairs];
+    float corner[5][3][qc_featurePairs]; ///< the second and the third of A, then those of B
+    float margin[qc_featurePairs];       ///< max distance of features
 } qcFeaturePairs;
 
-/// Of a pair, what may be within its margin: bits of the corners of A beside B's face, of the corners of B beside A's,
-/// and of edges.
+/// The pairs of features of two triangles that may be within the margin: a bit for each corner of A with B's face, each
+/// corner of B with A's face, and each two edges.
 typedef uint16_t qcFeatureMask;
 
 enum
@@ -137,51 +138,67 @@ enum
 typedef struct qcTriangleKernels
 {
     const char* name;
-    /// Vertices into points and rows.
-    void (*map)(const qcLatticeTransform* map, const qcVertexRange* range, qcPoint* points, qcBoxRow* rows);
-    /// Groups first .. end of eight triangles each, and a row around each group. `vertices` are rows too.
-    void (*fitTriangles)(const qcCorners* corners, const qcBoxRow* vertices, size_t first, size_t end, qcBox8* groups,
+
+    //  Boxes.
+
+    /// Vertices to points and rows.
+    void (*transformVertices)(const qcLatticeTransform* lattice, const qcVertexRange* range, qcPoint* points,
+                              qcBoxRow* rows);
+    /// Fits boxes first .. end - 1 around eight triangles each, and writes the row around each of them. `vertices`: the
+    /// rows of transformVertices.
+    void (*fitTriangles)(const qcCorners* corners, const qcBoxRow* vertices, size_t first, size_t end, qcBox8* boxes,
                          qcBoxRow* rows);
-    /// Groups first .. end of eight rows each, and a row around each group.
-    void (*fitGroups)(const qcBoxRow* children, size_t first, size_t end, qcBox8* groups, qcBoxRow* rows);
+    /// Packs eight rows each into boxes first .. end - 1, and writes the row around each of them.
+    void (*fitBoxes)(const qcBoxRow* children, size_t first, size_t end, qcBox8* boxes, qcBoxRow* rows);
     /// Bit i + 8 j: box i of a and box j of b overlap.
-    uint64_t (*compare)(const qcBox8* a, const qcBox8* b);
-    /// Adds the pairs of triangles of two nodes whose boxes overlap, and whose bit is set in `table` (packed, as in
-    /// qcClusters; null: all are), and that none of the `skipCount` skips has. Returns the new end of `pairs`, which
-    /// has room for qc_nodeSize^2.
-    qcSlotPair* (*collect)(const qcSurfaceBoxes* a, uint32_t nodeA, const qcSurfaceBoxes* b, uint32_t nodeB,
-                           const uint64_t* table, const qcPairExclusion* skips, int skipCount, qcSlotPair* pairs);
-    /// True: no two features (vertices, edges, triangles) of the disc that have no vertex in common come within the
-    /// reach of each other; with none, no two triangles that share no vertex have a common point.
-    bool (*isFlat)(const qcPatchGeometry* disc);
-    /// The boxes of a group in another lattice, rounded outward. What the map can't tell is unbounded.
-    void (*mapGroup)(const qcBox8* group, const qcGroupMap* map, qcBox8* mapped);
-    /// The boxes of a cluster's triangles in another lattice, from their corners, rounded outward: smaller than those
-    /// that mapGroup makes of boxes.
-    void (*mapTriangles)(const qcMappedSurface* surface, uint32_t cluster, qcBox8* mapped);
-    /// As collect, for two surfaces.
-    qcSlotPair* (*collectMapped)(const qcSurfaceBoxes* a, uint32_t nodeA, const qcMappedSurface* b, uint32_t nodeB,
-                                 qcSlotPair* pairs);
-    /// Keeps of `pairs` those that may be within the reach; their number is returned. The order stays.
-    size_t (*filter)(const qcFilterSide* a, const qcFilterSide* b, const qcDistanceThresholds* bound, qcSlotPair* pairs,
-                     size_t count);
-    /// Puts first those of `pairs` that surely are apart by no more than the margin, next those that surely are by
-    /// more, and drops what surely is farther apart than the reach.
-    qcApartCounts (*part)(const qcFilterSide* a, const qcFilterSide* b, const qcDistanceThresholds* bound,
-                          qcSlotPair* pairs, size_t count);
-    /// Keeps of pairs of one side, all of which share vertices, those whose other features (vertices, edges, triangles
-    /// without a common vertex) may be within the reach of each other. No more than qc_nodeSize^2 pairs.
-    size_t (*keepNearNeighbours)(const qcFilterSide* side, const qcDistanceThresholds* bound, qcSlotPair* pairs,
-                                 size_t count);
-    /// A bit for each star of a batch (mesh/vertex_fans.h): true where no two features of it (vertices, edges,
-    /// triangles) that have no vertex in common are within the reach of each other.
-    uint32_t (*findQuietStars)(const qcPoint* points, const uint32_t* vertices, uint32_t valence,
-                               const qcDistanceThresholds* bound);
-    /// Puts first those of `pairs` that surely penetrate, whatever the reach; their number is returned.
-    size_t (*findPiercing)(const qcFilterSide* a, const qcFilterSide* b, const qcDistanceThresholds* bound,
-                           qcSlotPair* pairs, size_t count);
-    /// A corner and a face whose bit is not set are farther apart than the margin, by more than double arithmetic
-    /// rounds their distance; so are two edges, or an end of one is a closest point.
+    uint64_t (*findOverlaps)(const qcBox8* a, const qcBox8* b);
+    /// Adds the pairs of triangles of two leaf nodes whose boxes overlap, whose bit is set in `pairMasks` (packed, see
+    /// qcClusters; null: all bits are set), and which no exclusion contains. Returns the new end of `pairs`, which has
+    /// room for qc_nodeSize^2 more.
+    qcSlotPair* (*collectPairs)(const qcBvhBoxes* a, uint32_t nodeA, const qcBvhBoxes* b, uint32_t nodeB,
+                                const uint64_t* pairMasks, const qcPairExclusion* exclusions, int exclusionCount,
+                                qcSlotPair* pairs);
+    /// Transforms boxes to another lattice, rounded outward. A box that the transform can't bound becomes unbounded.
+    void (*transformBoxes)(const qcBox8* boxes, const qcBoxTransform* transform, qcBox8* transformed);
+    /// Boxes of a cluster's triangles in another lattice, from their corners, rounded outward: tighter than those of
+    /// transformBoxes.
+    void (*transformTriangles)(const qcTransformedBvh* bvh, uint32_t cluster, qcBox8* transformed);
+    /// Like collectPairs, for two BVHs.
+    qcSlotPair* (*collectTransformedPairs)(const qcBvhBoxes* a, uint32_t nodeA, const qcTransformedBvh* b,
+                                           uint32_t nodeB, qcSlotPair* pairs);
+
+    //  Pairs of triangles.
+
+    /// Drops pairs that are proven farther apart than the query distance, and keeps the others in their order. Returns
+    /// their number.
+    size_t (*filter)(const qcIndexedTriangles* a, const qcIndexedTriangles* b, const qcDistanceThresholds* thresholds,
+                     qcSlotPair* pairs, size_t count);
+    /// Drops pairs that are proven farther apart than the query distance. Moves to the front the pairs that are proven
+    /// disjoint and near, then those proven farther apart than `far`.
+    qcClassifiedCounts (*classify)(const qcIndexedTriangles* a, const qcIndexedTriangles* b,
+                                   const qcDistanceThresholds* thresholds, qcSlotPair* pairs, size_t count);
+    /// Moves to the front the pairs that are proven to intersect in their interiors. Returns their number.
+    size_t (*findIntersecting)(const qcIndexedTriangles* a, const qcIndexedTriangles* b,
+                               const qcDistanceThresholds* thresholds, qcSlotPair* pairs, size_t count);
+
+    //  Self-collision near common vertices.
+
+    /// Keeps those pairs of triangles sharing a vertex whose other features (vertices, edges and faces without a common
+    /// vertex) may be within the query distance. At most qc_nodeSize^2 pairs. Returns the number kept.
+    size_t (*filterNeighbours)(const qcIndexedTriangles* triangles, const qcDistanceThresholds* thresholds,
+                               qcSlotPair* pairs, size_t count);
+    /// A bit for each vertex fan of a batch (mesh/vertex_fans.h), set if no two of its features without a common vertex
+    /// are within the query distance.
+    uint32_t (*findSeparatedFans)(const qcPoint* points, const uint32_t* vertices, uint32_t valence,
+                                  const qcDistanceThresholds* thresholds);
+    /// True: no two features of the patch without a common vertex are within the query distance. With distance 0, no
+    /// two triangles without a common vertex intersect.
+    bool (*isPatchFlat)(const qcPatchGeometry* patch);
+
+    //  Contacts.
+
+    /// A clear bit proves a corner and a face farther apart than the margin, by more than double arithmetic rounds
+    /// their distance; for two edges it proves that, or that an end of one is among the closest points.
     void (*findNearFeatures)(const qcFeaturePairs* pairs, qcFeatureMask near[qc_featurePairs]);
 } qcTriangleKernels;
 
@@ -190,10 +207,10 @@ extern const qcTriangleKernels qcTriangleKernels_scalar;
 extern const qcTriangleKernels qcTriangleKernels_avx2, qcTriangleKernels_avx512;
 #endif
 
-/// The best that this machine runs. The environment's QC_KERNELS (plain, avx2, avx512) names another.
+/// The best that this CPU runs, or the lesser one that the environment's QC_KERNELS names (plain, avx2, avx512).
 const qcTriangleKernels* qcTriangleKernels_Get(void);
 
-/// All that this machine runs, for tests: the i-th, or null.
+/// All that this CPU runs, for tests: the i-th, or null.
 const qcTriangleKernels* qcTriangleKernels_Nth(size_t i);
 
 #endif

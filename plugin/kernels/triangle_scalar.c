@@ -1,4 +1,4 @@
-// Kernels in plain C: any processor. Vectors are the compiler's.
+// Kernels in plain C, for any CPU. The vectors are the compiler's.
 #include "kernels/triangle_kernels.h"
 
 enum
@@ -10,24 +10,24 @@ typedef int16_t Shorts __attribute__((vector_size(16)));
 typedef float FourFloats __attribute__((vector_size(16)));
 typedef int32_t FourInts __attribute__((vector_size(16)));
 
-static inline Shorts LeastShorts(Shorts a, Shorts b)
+static inline Shorts MinShorts(Shorts a, Shorts b)
 {
     Shorts less = a < b;
     return (a & less) | (b & ~less);
 }
 
-static inline FourFloats LeastFloats(FourFloats a, FourFloats b)
+static inline FourFloats MinFloats(FourFloats a, FourFloats b)
 {
     FourInts less = a < b;
     return (FourFloats)(((FourInts)a & less) | ((FourInts)b & ~less));
 }
 
-static inline FourFloats Root(FourFloats a)
+static inline FourFloats SquareRoot(FourFloats a)
 {
     return (FourFloats){__builtin_sqrtf(a[0]), __builtin_sqrtf(a[1]), __builtin_sqrtf(a[2]), __builtin_sqrtf(a[3])};
 }
 
-static inline FourFloats MostFloats(FourFloats a, FourFloats b)
+static inline FourFloats MaxFloats(FourFloats a, FourFloats b)
 {
     FourInts less = a < b;
     return (FourFloats)(((FourInts)b & less) | ((FourInts)a & ~less));
@@ -39,48 +39,50 @@ static inline void Transpose(const Shorts row[8], Shorts column[8])
         column[i] = (Shorts){row[0][i], row[1][i], row[2][i], row[3][i], row[4][i], row[5][i], row[6][i], row[7][i]};
 }
 
-static inline void MapVertex(const qcLatticeTransform* map, const double* position, qcPoint* point, qcBoxRow* row)
+static inline void TransformVertex(const qcLatticeTransform* lattice, const double* position, qcPoint* point,
+                                   qcBoxRow* row)
 {
     *row = (qcBoxRow){{0}};
     for (int axis = 0; axis < 3; axis++)
     {
-        double from = position[axis] - map->origin[axis], upTo = position[axis] + map->margin[axis] - map->origin[axis];
-        point->x[axis] = (float)(from * map->unit[axis]);
-        row->ends[axis] = (int16_t)((int32_t)(from * map->scale[axis]) - 32768);
-        row->ends[axis + 4] = (int16_t) ~((int32_t)(upTo * map->scale[axis]) - 32768);
+        double lower = position[axis] - lattice->origin[axis],
+               upper = position[axis] + lattice->margin[axis] - lattice->origin[axis];
+        point->x[axis] = (float)(lower * lattice->unit[axis]);
+        row->ends[axis] = (int16_t)((int32_t)(lower * lattice->scale[axis]) - 32768);
+        row->ends[axis + 4] = (int16_t) ~((int32_t)(upper * lattice->scale[axis]) - 32768);
     }
     point->x[3] = 0.0f;
 }
 
-/// A bit for each lane that is -1.
+/// A bit for each lane of -1.
 static inline uint32_t ToBits(Shorts lanes)
 {
     const Shorts weights = {1, 2, 4, 8, 16, 32, 64, 128};
-    Shorts some = lanes & weights;
-    return (uint32_t)(some[0] + some[1] + some[2] + some[3] + some[4] + some[5] + some[6] + some[7]);
+    Shorts bits = lanes & weights;
+    return (uint32_t)(bits[0] + bits[1] + bits[2] + bits[3] + bits[4] + bits[5] + bits[6] + bits[7]);
 }
 
-/// A row of b at a time, against all boxes of a.
-static inline uint64_t CompareGroups(const qcBox8* a, const qcBox8* b)
+/// One box of b at a time, against all boxes of a.
+static inline uint64_t FindBoxOverlaps(const qcBox8* a, const qcBox8* b)
 {
     Shorts lower[3], upper[3];
     for (int axis = 0; axis < 3; axis++)
     {
         __builtin_memcpy(&lower[axis], a->ends[axis], sizeof(Shorts));
-        __builtin_memcpy(&upper[axis], a->ends[axis] + qc_groupSize, sizeof(Shorts));
+        __builtin_memcpy(&upper[axis], a->ends[axis] + qc_boxLanes, sizeof(Shorts));
     }
-    uint64_t meet = 0;
-    for (int j = 0; j < qc_groupSize; j++)
+    uint64_t overlaps = 0;
+    for (int j = 0; j < qc_boxLanes; j++)
     {
-        Shorts apart = {0};
+        Shorts disjoint = {0};
         for (int axis = 0; axis < 3; axis++)
         {
-            int16_t lowerB = b->ends[axis][j], upperB = b->ends[axis][qc_groupSize + j];
-            apart |= (lower[axis] > (int16_t)~upperB) | (upper[axis] > (int16_t)~lowerB);
+            int16_t lowerB = b->ends[axis][j], upperB = b->ends[axis][qc_boxLanes + j];
+            disjoint |= (lower[axis] > (int16_t)~upperB) | (upper[axis] > (int16_t)~lowerB);
         }
-        meet |= (uint64_t)ToBits(~apart) << 8 * j;
+        overlaps |= (uint64_t)ToBits(~disjoint) << 8 * j;
     }
-    return meet;
+    return overlaps;
 }
 
 #include "kernels/triangle_kernels.inl.h"

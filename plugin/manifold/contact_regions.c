@@ -78,8 +78,7 @@ qcStatus qcManifoldBuilder_JoinRegions(qcManifoldBuilder* m)
     QC_TRY(qcArray_Resize(&m->nodes, m->work.count, sizeof(uint32_t), "regions of contact"));
     QC_TRY(qcArray_Resize(&m->last, m->vertices.count, sizeof(uint32_t), "regions of contact"));
     memset(m->last.data, 0, m->vertices.count * sizeof(uint32_t));
-    for (uint32_t p = 0; p < m->work.count; p++)
-        QC_AT(uint32_t, m->nodes, p) = p << 1;
+    qcSigned_Init(m->nodes.data, m->work.count);
     // Most bodies meet in one region, and long before all triangles have said so.
     size_t sets = m->work.count;
     for (size_t t = 0; t < m->triangles.count && sets > 1; t++)

@@ -4,6 +4,7 @@
 // Vertices are the same if their positions are, bit for bit: soups without shared indices and seams of texture
 // coordinates are as connected as they look.
 #include "manifold/manifold_builder.h"
+#include "base/point_hash.h"
 #include "base/status.h"
 
 #include <math.h>
@@ -19,24 +20,9 @@ typedef struct Side
 
 //  ---- vertices -------------------------------------------------------------------------------------------
 
-static uint64_t Mix(uint64_t hash, uint64_t bits)
-{
-    hash = (hash ^ bits) * 0x9e3779b97f4a7c15ULL;
-    return hash ^ hash >> 32;
-}
-
 static uint64_t Hash(const qcManifoldVertex* vertex)
 {
-    const double position[3] = {vertex->position.x, vertex->position.y, vertex->position.z};
-    uint64_t hash = vertex->slot;
-    for (int axis = 0; axis < 3; axis++)
-    {
-        double x = position[axis] + 0.0; // -0 becomes +0, which compares equal
-        uint64_t bits;
-        memcpy(&bits, &x, sizeof bits);
-        hash = Mix(hash, bits);
-    }
-    return hash;
+    return qcPointHash_Of(vertex->slot, vertex->position.x, vertex->position.y, vertex->position.z);
 }
 
 /// The number of a vertex of a body among those of the triangles.

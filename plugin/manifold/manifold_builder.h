@@ -4,6 +4,7 @@
 
 #include "manifold/manifold.h"
 #include "base/radix_sort.h"
+#include "base/union_find.h"
 #include "base/vec3.h"
 #include "base/worker_results.h"
 
@@ -266,35 +267,6 @@ typedef struct qcMeetingInput
     const qcClosestFeatures* feet;
     double margin;
 } qcMeetingInput;
-
-//  ---- trees with a sign at every branch -------------------------------------------------------------------
-
-/// Disjoint sets whose members are equal or opposite to each other: a node is twice its parent, plus 1 if it is
-/// opposite to it.
-static inline uint32_t qcSigned_Find(uint32_t* nodes, uint32_t i)
-{
-    uint32_t opposite = 0;
-    while (nodes[i] >> 1 != i)
-    {
-        uint32_t up = nodes[nodes[i] >> 1];
-        nodes[i] = (up & ~1u) | ((nodes[i] ^ up) & 1u);
-        opposite ^= nodes[i] & 1u;
-        i = nodes[i] >> 1;
-    }
-    return i << 1 | opposite;
-}
-
-/// The lower root stays. If the two are in one set already, what it says of them stands; returns whether they were not.
-static inline bool qcSigned_Unite(uint32_t* nodes, uint32_t i, uint32_t j, uint32_t opposite)
-{
-    uint32_t a = qcSigned_Find(nodes, i), b = qcSigned_Find(nodes, j);
-    uint32_t relation = (a ^ b ^ opposite) & 1u;
-    if (a >> 1 < b >> 1)
-        nodes[b >> 1] = (a & ~1u) | relation;
-    else if (b >> 1 < a >> 1)
-        nodes[a >> 1] = (b & ~1u) | relation;
-    return a >> 1 != b >> 1;
-}
 
 //  ---- the parts, in the order in which they run ------------------------------------------------------------
 

@@ -7,6 +7,7 @@
 // contacts nearer than a small share of the mesh that found them are one contact to whoever pushes bodies with them.
 #include "manifold/manifold_builder.h"
 #include "base/radix_sort.h"
+#include "base/point_hash.h"
 #include "base/status.h"
 
 #include <math.h>
@@ -70,17 +71,9 @@ qcStatus qcManifoldBuilder_OrderKept(qcManifoldBuilder* m)
     return SortWithinRegions(m);
 }
 
-static uint64_t Mix(uint64_t hash, double x)
-{
-    uint64_t bits;
-    memcpy(&bits, &x, sizeof bits);
-    hash = (hash ^ bits) * 0x9e3779b97f4a7c15ULL;
-    return hash ^ hash >> 32;
-}
-
 static uint32_t* HeadOf(qcManifoldBuilder* m, uint32_t region, int end, double x, double y, double z)
 {
-    uint64_t hash = Mix(Mix(Mix((uint64_t)region << 1 | (unsigned)end, x), y), z);
+    uint64_t hash = qcPointHash_Of((uint64_t)region << 1 | (unsigned)end, x, y, z);
     return &QC_AT(uint32_t, m->heads, hash & (m->heads.count - 1));
 }
 

@@ -1,5 +1,5 @@
 // Kernels for what triangles have in common, for x86-64 with AVX2.
-#include "manifold/overlap_lanes.h"
+#include "manifold/overlap_kernels.inl.h"
 
 #include <immintrin.h>
 
@@ -7,7 +7,5 @@ QC_INLINE unsigned BitsOf(Marks marks)
 {
     return (unsigned)_mm256_movemask_pd((__m256d)marks) & 7u;
 }
-
-#include "manifold/overlap_kernels.inl.h"
 
 const qcOverlapKernels qcOverlapKernels_avx2 = {FindCommonPart};

@@ -1,16 +1,21 @@
-// Which kernels for what triangles have in common this machine runs.
+// The tables of overlap kernels, one for each instruction set.
 #include "manifold/overlap_kernels.h"
 
 #include "base/cpu_features.h"
 
-static const qcOverlapKernels* const s_known[] = {
+static const void* const s_tables[] = {
     &qcOverlapKernels_scalar,
 #ifdef QC_KERNELS_X86
     &qcOverlapKernels_avx2,
 #endif
 };
 
+enum
+{
+    qc_tableCount = sizeof s_tables / sizeof s_tables[0]
+};
+
 const qcOverlapKernels* qcOverlapKernels_Get(void)
 {
-    return s_known[qcInstructionSet_Choose(qc_instructionsAvx2)];
+    return qcKernelTables_Choose(s_tables, qc_tableCount);
 }

@@ -1,5 +1,5 @@
 // The corners of what two triangles have in common, seen along a direction, with the gap there. The file of an
-// instruction set defines, before it includes this one, BitsOf: a bit for each of three lanes that is marked.
+// instruction set includes this one, then defines BitsOf.
 //
 // Over the common part the gap between the two planes is linear, so its least and its largest values are at corners: a
 // corner of one triangle over the other's face, or two edges that cross. A face seen edge-on has several heights over
@@ -9,10 +9,18 @@
 #ifndef QC_MANIFOLD_OVERLAP_KERNELS_INL_H
 #define QC_MANIFOLD_OVERLAP_KERNELS_INL_H
 
-#include "manifold/overlap_lanes.h"
+#include "manifold/overlap_kernels.h"
 
 #include <math.h>
 #include <string.h>
+
+#define QC_INLINE static inline __attribute__((always_inline))
+
+typedef double Lanes __attribute__((vector_size(8 * qc_overlapLanes)));
+typedef int64_t Marks __attribute__((vector_size(8 * qc_overlapLanes)));
+
+/// A bit for each of the first three lanes that is marked.
+QC_INLINE unsigned BitsOf(Marks marks);
 
 /// Three vectors, one a lane.
 typedef struct Vectors

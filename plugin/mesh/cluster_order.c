@@ -7,6 +7,7 @@
 #include "mesh/vertex_triangles.h"
 #include "base/parallel_for.h"
 #include "base/radix_sort.h"
+#include "base/scalar.h"
 #include "base/status.h"
 
 #include <stdbool.h>
@@ -71,17 +72,6 @@ static const uint32_t* Corners(const Order* o, uint32_t triangle)
 
 //  ---- axes ----------------------------------------------------------------------------------------
 
-// fmin and fmax handle NaN, which costs a call.
-static double Min(double a, double b)
-{
-    return a < b ? a : b;
-}
-
-static double Max(double a, double b)
-{
-    return a > b ? a : b;
-}
-
 /// An eighth of the bounds: no sum of three and no difference of finite numbers overflows.
 static void Bounds(const Order* o, const double* positions, uint32_t triangle, double low[3], double high[3])
 {
@@ -90,8 +80,8 @@ static void Bounds(const Order* o, const double* positions, uint32_t triangle, d
     {
         double a = positions[3 * (size_t)corner[0] + k] / 8, b = positions[3 * (size_t)corner[1] + k] / 8,
                c = positions[3 * (size_t)corner[2] + k] / 8;
-        low[k] = Min(a, Min(b, c));
-        high[k] = Max(a, Max(b, c));
+        low[k] = qcMin(a, qcMin(b, c));
+        high[k] = qcMax(a, qcMax(b, c));
     }
 }
 
@@ -105,11 +95,11 @@ static float SetSpace(Order* o, const double* positions)
         Bounds(o, positions, t, a, b);
         for (int k = 0; k < 3; k++)
         {
-            low[k] = Min(low[k], a[k]);
-            high[k] = Max(high[k], b[k]);
+            low[k] = qcMin(low[k], a[k]);
+            high[k] = qcMax(high[k], b[k]);
         }
     }
-    double extent = Max(Max(high[0] - low[0], high[1] - low[1]), high[2] - low[2]), length = 0;
+    double extent = qcMax(qcMax(high[0] - low[0], high[1] - low[1]), high[2] - low[2]), length = 0;
     for (uint32_t t = 0; t < o->triangleCount; t++)
     {
         Item* item = &QC_AT(Item, o->items, t);
@@ -122,7 +112,7 @@ static float SetSpace(Order* o, const double* positions)
             double centre = positions[3 * (size_t)c[0] + k] / 24 + positions[3 * (size_t)c[1] + k] / 24 +
                             positions[3 * (size_t)c[2] + k] / 24;
             item->at[k] = extent > 0 ? (float)((centre - low[k]) / extent) : 0.0f;
-            longest = Max(longest, b[k] - a[k]);
+            longest = qcMax(longest, b[k] - a[k]);
         }
         length += extent > 0 ? longest / extent : 0;
     }
@@ -191,7 +181,7 @@ static void WalkComponents(Order* o)
 
 static void SetHops(Order* o, float length)
 {
-    // Where all triangles are points, hops alone tell them apart.
+    // If all triangles are points, only hops distinguish them.
     float hop = length > 0 ? s_hop * length / 3 : 1.0f;
     const Hops* hops = o->hops.data;
     for (uint32_t t = 0; t < o->triangleCount; t++)

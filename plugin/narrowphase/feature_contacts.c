@@ -1,14 +1,13 @@
 // Vertex against face and edge against edge, by the closest points of the two features.
 //
-// A vertex meets the whole closed face, so corner and border cases are found here; two edges meet only where the
-// closest points lie inside both, since an end of an edge is a vertex. Distances are rounded in double: a contact is
-// reported when the rounded distance is within the margin.
+// A vertex is tested with the whole closed face, which covers corners and borders. Two edges have a contact only where
+// the closest points lie inside both: an end of an edge is a vertex. Distances are rounded in double; a contact is
+// reported if the rounded distance is within the margin.
 #include "narrowphase/feature_contacts.h"
 
 #include "triangle/closest_points.h"
 
 #include <math.h>
-#include <string.h>
 
 static const double s_corner[3][3] = {{1.0, 0.0, 0.0}, {0.0, 1.0, 0.0}, {0.0, 0.0, 1.0}};
 
@@ -39,83 +38,85 @@ static qcVector VertexOf(const qcBody* body, uint32_t vertex)
     return qcVector_Load(position);
 }
 
-void qcContactFacet_Set(qcContactFacet* facet, const qcContactSide* side)
+void qcContactTriangle_Load(qcContactTriangle* cached, const qcContactSide* side)
 {
-    const qcContactSide* old = &facet->side;
-    if (old->body == side->body && old->triangle == side->triangle && old->surroundings == side->surroundings)
+    const qcContactSide* old = &cached->side;
+    if (old->body == side->body && old->triangle == side->triangle && old->localMinima == side->localMinima)
         return;
-    facet->side = *side;
-    facet->index = side->body->indices + 3 * (size_t)side->triangle;
+    cached->side = *side;
+    cached->index = side->body->indices + 3 * (size_t)side->triangle;
     for (int c = 0; c < 3; c++)
-        facet->corner[c] = VertexOf(side->body, facet->index[c]);
-    facet->asked = facet->hasOver = 0;
+        cached->corner[c] = VertexOf(side->body, cached->index[c]);
+    cached->queriedEdges = cached->hasOppositeVertex = 0;
 }
 
-/// Of a facet with surroundings: see qcLocalMinima_GetOver.
-static bool GetOver(qcContactFacet* facet, int edge)
+/// Fills cached->oppositeVertex[edge] on first use; false: there is none. The side has a filter.
+static bool HasOppositeVertex(qcContactTriangle* cached, int edge)
 {
-    const qcContactSide* side = &facet->side;
+    const qcContactSide* side = &cached->side;
     unsigned bit = 1u << edge;
-    if ((facet->asked & bit) == 0)
+    if ((cached->queriedEdges & bit) == 0)
     {
-        facet->asked |= bit;
-        if (qcLocalMinima_GetOver(side->surroundings, side->body, side->triangle, edge, &facet->over[edge]))
-            facet->hasOver |= bit;
+        cached->queriedEdges |= bit;
+        if (qcLocalMinima_GetOppositeVertex(side->localMinima, side->body, side->triangle, edge,
+                                            &cached->oppositeVertex[edge]))
+            cached->hasOppositeVertex |= bit;
     }
-    return (facet->hasOver & bit) != 0;
+    return (cached->hasOppositeVertex & bit) != 0;
 }
 
-/// Is one interval, ends in any order, farther than `reach` from the other?
-static bool AreApart(double a, double b, double c, double d, double reach)
+/// Whether two intervals, ends in any order, are farther apart than the distance.
+static bool AreFar(double a, double b, double c, double d, double distance)
 {
     double aLow = a < b ? a : b, aHigh = a < b ? b : a, cLow = c < d ? c : d, cHigh = c < d ? d : c;
-    return aLow - cHigh > reach || cLow - aHigh > reach;
+    return aLow - cHigh > distance || cLow - aHigh > distance;
 }
 
-/// Is x farther than `reach` from the interval of the three?
-static bool IsApart(double x, double a, double b, double c, double reach)
+/// Whether x is farther than the distance from the interval around three numbers.
+static bool IsFar(double x, double a, double b, double c, double distance)
 {
-    return (x - a > reach && x - b > reach && x - c > reach) || (a - x > reach && b - x > reach && c - x > reach);
+    return (x - a > distance && x - b > distance && x - c > distance) ||
+           (a - x > distance && b - x > distance && c - x > distance);
 }
 
-/// Does the point of this side with these weights count, where `outward` leads to the other side?
+/// Whether the filter keeps a contact at the point of this side with these weights; `outward` leads to the other side.
 static bool IsNearest(const qcContactSide* side, const double weights[3], qcVector outward)
 {
-    return side->surroundings == NULL ||
-           qcLocalMinima_IsNearest(side->surroundings, side->body, side->triangle, weights, outward);
+    return side->localMinima == NULL ||
+           qcLocalMinima_IsNearest(side->localMinima, side->body, side->triangle, weights, outward);
 }
 
-/// The same of points of an edge, and of directions along a line.
-static bool IsNearestEdge(qcContactFacet* facet, int edge, qcVector outward, bool eitherWay)
+/// Whether the filter keeps a contact at an edge. `eitherWay`: in one of the directions outward and -outward.
+static bool IsNearestEdge(qcContactTriangle* cached, int edge, qcVector outward, bool eitherWay)
 {
-    const qcContactSide* side = &facet->side;
-    qcVector p = facet->corner[edge];
-    if (side->surroundings == NULL)
+    const qcContactSide* side = &cached->side;
+    qcVector p = cached->corner[edge];
+    if (side->localMinima == NULL)
         return true;
-    qcVector mine = qcMinus(facet->corner[(edge + 2) % 3], p), inward = qcNegated(outward);
+    qcVector mine = qcMinus(cached->corner[(edge + 2) % 3], p), inward = qcNegated(outward);
     bool out = qcLocalMinima_LeadsAway(mine, outward), in = eitherWay && qcLocalMinima_LeadsAway(mine, inward);
-    if ((!out && !in) || !GetOver(facet, edge))
+    if ((!out && !in) || !HasOppositeVertex(cached, edge))
         return out || in;
-    qcVector over = qcMinus(facet->over[edge], p);
-    return (out && qcLocalMinima_LeadsAway(over, outward)) || (in && qcLocalMinima_LeadsAway(over, inward));
+    qcVector other = qcMinus(cached->oppositeVertex[edge], p);
+    return (out && qcLocalMinima_LeadsAway(other, outward)) || (in && qcLocalMinima_LeadsAway(other, inward));
 }
 
-static bool VertexFace(const qcContactFacet* vertexFacet, int corner, const qcContactFacet* face, double margin,
-                       double reach, qcContact* contact)
+static bool VertexFace(const qcContactTriangle* vertexTriangle, int corner, const qcContactTriangle* face,
+                       double margin, double boxDistance, qcContact* contact)
 {
-    const qcContactSide *vertexSide = &vertexFacet->side, *faceSide = &face->side;
-    uint32_t vertex = vertexFacet->index[corner];
+    const qcContactSide *vertexSide = &vertexTriangle->side, *faceSide = &face->side;
+    uint32_t vertex = vertexTriangle->index[corner];
     if (vertexSide->slot == faceSide->slot && HasVertex(face->index, vertex))
         return false;
-    qcVector x = vertexFacet->corner[corner];
+    qcVector x = vertexTriangle->corner[corner];
     const qcVector* corners = face->corner;
-    if (IsApart(x.x, corners[0].x, corners[1].x, corners[2].x, reach) ||
-        IsApart(x.y, corners[0].y, corners[1].y, corners[2].y, reach) ||
-        IsApart(x.z, corners[0].z, corners[1].z, corners[2].z, reach))
+    if (IsFar(x.x, corners[0].x, corners[1].x, corners[2].x, boxDistance) ||
+        IsFar(x.y, corners[0].y, corners[1].y, corners[2].y, boxDistance) ||
+        IsFar(x.z, corners[0].z, corners[1].z, corners[2].z, boxDistance))
         return false;
     double weights[3];
     qcClosest_OnTriangle(corners, x, weights);
-    // Differences first: far from the origin a sum of weighted corners would round away what lies between.
+    // Differences first: far from the origin a sum of weighted corners would lose the digits of a small distance.
     qcVector d = qcMinus(x, corners[0]);
     d = qcPlusScaled(d, qcMinus(corners[1], corners[0]), -weights[1]);
     d = qcPlusScaled(d, qcMinus(corners[2], corners[0]), -weights[2]);
@@ -133,16 +134,16 @@ static bool VertexFace(const qcContactFacet* vertexFacet, int corner, const qcCo
     return true;
 }
 
-static bool EdgeEdge(qcContactFacet* a, int edgeA, qcContactFacet* b, int edgeB, double margin, double reach,
-                     qcContact* contact)
+static bool EdgeEdge(qcContactTriangle* a, int edgeA, qcContactTriangle* b, int edgeB, double margin,
+                     double boxDistance, qcContact* contact)
 {
     int nextA = (edgeA + 1) % 3, nextB = (edgeB + 1) % 3;
     uint32_t p = a->index[edgeA], q = a->index[nextA], r = b->index[edgeB], s = b->index[nextB];
     if (a->side.slot == b->side.slot && (p == r || p == s || q == r || q == s))
         return false;
     qcVector vp = a->corner[edgeA], vq = a->corner[nextA], vr = b->corner[edgeB], vs = b->corner[nextB];
-    if (AreApart(vp.x, vq.x, vr.x, vs.x, reach) || AreApart(vp.y, vq.y, vr.y, vs.y, reach) ||
-        AreApart(vp.z, vq.z, vr.z, vs.z, reach))
+    if (AreFar(vp.x, vq.x, vr.x, vs.x, boxDistance) || AreFar(vp.y, vq.y, vr.y, vs.y, boxDistance) ||
+        AreFar(vp.z, vq.z, vr.z, vs.z, boxDistance))
         return false;
     qcVector across = qcCross(qcMinus(vq, vp), qcMinus(vs, vr));
     if (!IsNearestEdge(a, edgeA, across, true) || !IsNearestEdge(b, edgeB, across, true))
@@ -167,11 +168,11 @@ static bool EdgeEdge(qcContactFacet* a, int edgeA, qcContactFacet* b, int edgeB,
 
 static qcOwnedFeatures OwnedBy(const qcContactSide* side)
 {
-    return side->surroundings != NULL ? qcLocalMinima_Owned(side->surroundings, side->triangle)
-                                      : side->body->owned[side->triangle];
+    return side->localMinima != NULL ? qcLocalMinima_Owned(side->localMinima, side->triangle)
+                                     : side->body->owned[side->triangle];
 }
 
-/// Corners of a pair, seen from the first. Subtracted as they are: nothing but the difference is rounded.
+/// Corners of a pair relative to the first. They are subtracted in double: the difference alone is rounded.
 static void LoadPair(const qcContactPair* pair, size_t at, qcFeaturePairs* loaded)
 {
     double a[3][3], b[3][3];
@@ -187,7 +188,7 @@ static void LoadPair(const qcContactPair* pair, size_t at, qcFeaturePairs* loade
     loaded->margin[at] = (float)pair->margin;
 }
 
-/// What stands for a feature of its own on both sides.
+/// The pairs of features that both triangles own.
 static qcFeatureMask OwnedByPair(const qcContactPair* pair)
 {
     unsigned a = OwnedBy(&pair->a), b = OwnedBy(&pair->b), edgesA = a >> 3, edgesB = b >> 3;
@@ -206,22 +207,22 @@ void qcContact_FindNear(const qcTriangleKernels* kernels, const qcContactPair* p
         near[i] &= OwnedByPair(&pairs[i]);
 }
 
-int qcContact_Find(qcContactFacet* a, qcContactFacet* b, double margin, qcFeatureMask near, qcContact* contacts)
+int qcContact_Find(qcContactTriangle* a, qcContactTriangle* b, double margin, qcFeatureMask near, qcContact* contacts)
 {
-    // Boxes only spare work: wider than the margin, so that their rounding decides nothing; and narrower than those
-    // that found the pair (qcContactDistance), so that who found it decides nothing either.
-    double reach = margin * (1.0 + 1e-9);
+    // Boxes only save work. They are wider than the margin, so that their rounding decides nothing, and narrower than
+    // the query distance (qcContactDistance), so that the stage that found the pair decides nothing either.
+    double boxDistance = margin * (1.0 + 1e-9);
     int count = 0;
     for (unsigned left = near; left != 0; left &= left - 1)
     {
         int at = __builtin_ctz(left), edges = at - qc_nearEdges;
         qcContact* contact = contacts + count;
         if (edges >= 0)
-            count += EdgeEdge(a, edges / 3, b, edges % 3, margin, reach, contact);
+            count += EdgeEdge(a, edges / 3, b, edges % 3, margin, boxDistance, contact);
         else if (at >= qc_nearCornersOfB)
-            count += VertexFace(b, at - qc_nearCornersOfB, a, margin, reach, contact);
+            count += VertexFace(b, at - qc_nearCornersOfB, a, margin, boxDistance, contact);
         else
-            count += VertexFace(a, at, b, margin, reach, contact);
+            count += VertexFace(a, at, b, margin, boxDistance, contact);
     }
     return count;
 }

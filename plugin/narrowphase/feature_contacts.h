@@ -1,4 +1,4 @@
-// Contacts: features of two triangles that come within a margin.
+// Contacts: features of two triangles (vertex and face, edge and edge) within a margin of each other.
 #ifndef QC_NARROWPHASE_FEATURE_CONTACTS_H
 #define QC_NARROWPHASE_FEATURE_CONTACTS_H
 
@@ -11,40 +11,38 @@ enum
     qc_maxContactsPerPair = 15
 };
 
-/// One triangle of a body, named by its slot.
+/// One triangle of a body, and the body's slot.
 typedef struct qcContactSide
 {
-    const qcBody* body; ///< with owners
+    const qcBody* body; ///< with feature owners
     uint32_t slot, triangle;
-    /// Of a rigid body, whose points count only where none around is nearer; otherwise null.
-    const qcLocalMinima* surroundings;
+    const qcLocalMinima* localMinima; ///< the filter, of a rigid body; null: no filter
 } qcContactSide;
 
-/// A triangle with what is asked of it at hand: neighbours in a list of pairs mostly have one in common. All zero: of
-/// none yet.
-typedef struct qcContactFacet
+/// Triangle cache: consecutive pairs of a list mostly share one triangle. All zero: empty.
+typedef struct qcContactTriangle
 {
     qcContactSide side;
     const uint32_t* index;
     qcVector corner[3];
-    qcVector over[3];        ///< beyond each edge, of those in hasOver
-    unsigned asked, hasOver; ///< bits of edges
-} qcContactFacet;
+    qcVector oppositeVertex[3];               ///< across each edge, of those in hasOppositeVertex
+    unsigned queriedEdges, hasOppositeVertex; ///< bits of edges
+} qcContactTriangle;
 
-void qcContactFacet_Set(qcContactFacet* facet, const qcContactSide* side);
+void qcContactTriangle_Load(qcContactTriangle* cached, const qcContactSide* side);
 
-/// Two triangles whose contacts within a margin are wanted.
+/// Two triangles, and the margin of their contacts.
 typedef struct qcContactPair
 {
     qcContactSide a, b;
     double margin;
 } qcContactPair;
 
-/// Which features that the triangles stand for may have contacts. For 1 to qc_featurePairs pairs.
+/// The owned features of each of 1 to qc_featurePairs pairs that may have contacts.
 void qcContact_FindNear(const qcTriangleKernels* kernels, const qcContactPair* pairs, size_t count,
                         qcFeatureMask near[qc_featurePairs]);
 
-/// Writes the contacts between these features; returns their number. The facets are those of the pair.
-int qcContact_Find(qcContactFacet* a, qcContactFacet* b, double margin, qcFeatureMask near, qcContact* contacts);
+/// Writes the contacts of these features of the loaded triangles; returns their number, at most qc_maxContactsPerPair.
+int qcContact_Find(qcContactTriangle* a, qcContactTriangle* b, double margin, qcFeatureMask near, qcContact* contacts);
 
 #endif

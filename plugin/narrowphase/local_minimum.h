@@ -1,41 +1,43 @@
-// What lies around the points of a rigid body, and so at which of them a contact can bind.
+// The local-minimum filter: contacts of a deforming body with a rigid one that bind, which are those at points of the
+// rigid surface whose distance is a local minimum. Proof: plugin/docs/proofs/local_minimum_filter.md.
 #ifndef QC_NARROWPHASE_LOCAL_MINIMUM_H
 #define QC_NARROWPHASE_LOCAL_MINIMUM_H
 
+#include "base/vec3.h"
 #include "mesh/adjacency.h"
 #include "scene/bodies.h"
-#include "base/vec3.h"
 
+/// The filter of one rigid body.
 typedef struct qcLocalMinima
 {
-    uint32_t generation;   ///< the body's; 0: nothing is known
+    uint32_t generation;   ///< of the body; 0: empty
     qcAdjacency adjacency; ///< by triangle
-    qcArray owned;         ///< qcOwnedFeatures by triangle: what it stands for, without what is flat
+    qcArray owned;         ///< qcOwnedFeatures by triangle: qcBody::owned without flat edges and corners
 } qcLocalMinima;
 
-/// Of a body with owners. O(triangles) for another body than before.
-qcStatus qcLocalMinima_Make(qcLocalMinima* surroundings, const qcBody* body);
-void qcLocalMinima_Free(qcLocalMinima* surroundings);
+/// For a body with feature owners. O(triangles) for another body than in the last call, otherwise O(1).
+qcStatus qcLocalMinima_Make(qcLocalMinima* localMinima, const qcBody* body);
+void qcLocalMinima_Free(qcLocalMinima* localMinima);
 
-static inline qcOwnedFeatures qcLocalMinima_Owned(const qcLocalMinima* surroundings, uint32_t triangle)
+static inline qcOwnedFeatures qcLocalMinima_Owned(const qcLocalMinima* localMinima, uint32_t triangle)
 {
-    return QC_AT(qcOwnedFeatures, surroundings->owned, triangle);
+    return QC_AT(qcOwnedFeatures, localMinima->owned, triangle);
 }
 
-/// `outward` leads from a point of the triangle, which has these weights, to a point of another body: is no point of
-/// the triangles around nearer to that?
-bool qcLocalMinima_IsNearest(const qcLocalMinima* surroundings, const qcBody* body, uint32_t triangle,
+/// Whether no point of the adjacent triangles is nearer to the other body than the triangle's point with these weights.
+/// `outward` leads from that point to the other body's.
+bool qcLocalMinima_IsNearest(const qcLocalMinima* localMinima, const qcBody* body, uint32_t triangle,
                              const double weights[3], qcVector outward);
 
-/// The corner of the triangle over the edge from corner `edge` to the next; false: there is not one.
-bool qcLocalMinima_GetOver(const qcLocalMinima* surroundings, const qcBody* body, uint32_t triangle, int edge,
-                           qcVector* over);
+/// The opposite vertex of the triangle across the edge from corner `edge` to the next; false: there is none.
+bool qcLocalMinima_GetOppositeVertex(const qcLocalMinima* localMinima, const qcBody* body, uint32_t triangle, int edge,
+                                     qcVector* opposite);
 
-/// `side` leads from an edge to the far corner of a triangle that has it, `outward` from the edge to a point of another
-/// body, at right angles to the edge: is no point of the triangle nearer to that?
+/// Whether no point of a triangle is nearer to the other body than its edge is. `side` leads from the edge to the
+/// triangle's third corner, `outward` from the edge to the other body, at right angles to the edge.
 static inline bool qcLocalMinima_LeadsAway(qcVector side, qcVector outward)
 {
-    // 1e-6: of points that are as near as each other rounding must not drop all.
+    // 1e-6: rounding must not drop all of several equally near points.
     double dot = qcDot(side, outward);
     return dot <= 0.0 || dot * dot <= 1e-12 * qcDot(side, side) * qcDot(outward, outward);
 }

@@ -1,4 +1,4 @@
-// Candidates through the exact test, in parallel; pairs, segments, proximities and contacts out, sorted.
+// The narrow phase: candidates through the exact test, in parallel; pairs, segments, proximities and contacts, sorted.
 #ifndef QC_NARROWPHASE_NARROWPHASE_H
 #define QC_NARROWPHASE_NARROWPHASE_H
 
@@ -11,25 +11,27 @@ typedef struct qcNarrowphaseWorker
     qcWorkerResult result;
     qcArray found;       ///< of qcSortItem: candidate key, relation
     qcArray contacts;    ///< of qcContact
-    qcArray contactKeys; ///< of qcSortItem: candidate key, place in `contacts`
+    qcArray contactKeys; ///< of qcSortItem: candidate key, index in `contacts`
     uint64_t tests, fallbacks;
     double contactMs;
 } qcNarrowphaseWorker;
 
 typedef struct qcNarrowphase
 {
-    qcArray sinks; ///< of qcNarrowphaseWorker
-    qcArray order, scratch;
-    qcArray surroundings; ///< of qcLocalMinima, by slot
-    //  results
+    //  Results.
     qcArray pairs, segments, contacts;
-    qcArray proximities; ///< of qcProximity, one a pair; if they were asked for
-    qcArray feet;        ///< of qcClosestFeatures, of the proximities
+    qcArray proximities;     ///< of qcProximity, one a pair; empty without qcDetectDef::proximities
+    qcArray closestFeatures; ///< of qcClosestFeatures, of the proximities
+    //  Retained between steps.
+    qcArray localMinima; ///< of qcLocalMinima, by slot
+    qcArray workers;     ///< of qcNarrowphaseWorker
+    qcArray order, scratch;
 } qcNarrowphase;
 
-/// `def` says what is reported. Adds to the profile's counters and to exactMs and contactMs.
-qcStatus qcNarrowphase_Run(qcNarrowphase* narrow, const qcStepTriangles* triangles, const qcCandidates* candidates,
-                           const qcDetectDef* def, uint32_t threads, qcProfile* profile);
-void qcNarrowphase_Free(qcNarrowphase* narrow);
+/// `def` selects what is reported. Adds to the profile's counters, sets exactMs and contactMs.
+/// O(candidates + results log results).
+qcStatus qcNarrowphase_Run(const qcStepTriangles* triangles, const qcCandidates* candidates, const qcDetectDef* def,
+                           uint32_t threads, qcNarrowphase* narrowphase, qcProfile* profile);
+void qcNarrowphase_Free(qcNarrowphase* narrowphase);
 
 #endif

@@ -1,9 +1,9 @@
-// A folded sheet at two sizes through both methods, by the same calls as any user's.
+// Times a folded sheet at two sizes through both methods, by the public API.
 #include "pipeline/calibrate.h"
 
 #include "base/clock.h"
-#include "gl/device.h"
 #include "base/memory.h"
+#include "gl/device.h"
 
 #include <math.h>
 
@@ -22,8 +22,8 @@ typedef struct Sheet
     uint32_t indices[2 * qc_largeSheet * qc_largeSheet][3];
 } Sheet;
 
-/// A sheet folded into four layers that lie close and cross a little, one triangle in 45: about what a cloth asks of
-/// either method. (Where many cross, both would spend their time on the exact test, and look alike.)
+/// A sheet folded into four layers that lie close and cross a little, one triangle in 45, like a cloth. With many
+/// crossings both methods would spend their time on the exact test and look alike.
 static void MakeSheet(Sheet* sheet, uint32_t side)
 {
     const float pi = 3.14159265f;
@@ -47,14 +47,14 @@ static void MakeSheet(Sheet* sheet, uint32_t side)
         }
 }
 
-/// Milliseconds of the fastest repetition; infinity if the method fails, or another answers for it.
+/// Milliseconds of the fastest repetition; infinity if the method fails or another method runs in its place.
 static double Measure(qcScene* scene, qcBodyId body, const Sheet* sheet, qcMethod method, uint32_t threads)
 {
     qcDetectDef def = qcDefaultDetectDef();
     def.method = method;
     def.threads = threads;
-    double least = INFINITY;
-    // The first warms up, and its time does not count: memory and kernels are made at first use.
+    double fastest = INFINITY;
+    // The first repetition allocates memory and compiles kernels: its time is left out.
     for (int i = 0; i <= qc_repetitions; i++)
     {
         const qcResult* result;
@@ -63,12 +63,12 @@ static double Measure(qcScene* scene, qcBodyId body, const Sheet* sheet, qcMetho
             qcScene_Detect(scene, &def, &result) != qc_statusOk || result->profile.method != method)
             return INFINITY;
         double ms = qcClock_Now() - start;
-        least = i > 0 && ms < least ? ms : least;
+        fastest = i > 0 && ms < fastest ? ms : fastest;
     }
-    return least;
+    return fastest;
 }
 
-/// Fills both methods' times for a sheet of this size.
+/// Times both methods on a sheet of this size.
 static void MeasureSheet(qcDevice* device, Sheet* sheet, uint32_t side, uint32_t threads, double* sweep, double* layers)
 {
     *sweep = *layers = INFINITY;
@@ -93,13 +93,13 @@ static void MeasureSheet(qcDevice* device, Sheet* sheet, uint32_t side, uint32_t
     qcScene_Destroy(scene);
 }
 
-static const double s_smallCount = 2.0 * qc_smallSheet * qc_smallSheet,
-                    s_largeCount = 2.0 * qc_largeSheet * qc_largeSheet;
+static const double s_smallCount = 2.0 * qc_smallSheet * qc_smallSheet;
+static const double s_largeCount = 2.0 * qc_largeSheet * qc_largeSheet;
 
-/// Slope of the line through two measurements, at least 0.
-static double PerTriangle(const double ms[2])
+/// The slope of the line through both measurements; not below 0.
+static double FitPerTriangle(double small, double large)
 {
-    return fmax((ms[1] - ms[0]) / (s_largeCount - s_smallCount), 0.0);
+    return fmax((large - small) / (s_largeCount - s_smallCount), 0.0);
 }
 
 qcPlanCosts qcCalibrate(qcDevice* device, uint32_t threads)
@@ -107,7 +107,7 @@ qcPlanCosts qcCalibrate(qcDevice* device, uint32_t threads)
     qcPlanCosts costs;
     if (qcDevice_FindCosts(device, threads, &costs))
         return costs;
-    costs = (qcPlanCosts){0.0, INFINITY, INFINITY};
+    costs = (qcPlanCosts){.layersFixed = INFINITY, .layersPerTriangle = INFINITY};
     Sheet* sheet = qcAllocate(sizeof *sheet);
     if (sheet == NULL)
         return costs;
@@ -115,10 +115,10 @@ qcPlanCosts qcCalibrate(qcDevice* device, uint32_t threads)
     MeasureSheet(device, sheet, qc_smallSheet, threads, &sweep[0], &layers[0]);
     MeasureSheet(device, sheet, qc_largeSheet, threads, &sweep[1], &layers[1]);
     qcFree(sheet, sizeof *sheet);
-    costs.sweepPerTriangle = PerTriangle(sweep);
+    costs.sweepPerTriangle = FitPerTriangle(sweep[0], sweep[1]);
     if (isfinite(layers[0]) && isfinite(layers[1]))
     {
-        costs.layersPerTriangle = PerTriangle(layers);
+        costs.layersPerTriangle = FitPerTriangle(layers[0], layers[1]);
         costs.layersFixed = fmax(layers[0] - costs.layersPerTriangle * s_smallCount, 0.0);
     }
     qcDevice_KeepCosts(device, threads, &costs);

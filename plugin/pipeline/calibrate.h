@@ -1,11 +1,12 @@
-// What the methods cost on this machine with this device: measured once for each, for the planner.
+// Measures what the methods cost on this machine with this device, for the planner.
 #ifndef QC_PIPELINE_CALIBRATE_H
 #define QC_PIPELINE_CALIBRATE_H
 
 #include "plan/plan.h"
 
-/// The costs with as many threads; measured at the first call (a few milliseconds, and the device compiles its
-/// kernels), then kept with the device. A device that fails costs infinitely much.
+/// The costs with this number of threads. The first call for a device and a number of threads measures them (a few
+/// milliseconds, plus the compilation of the device's kernels); later ones return the saved costs. Infinite for a
+/// device that fails.
 qcPlanCosts qcCalibrate(qcDevice* device, uint32_t threads);
 
 #endif

@@ -1,44 +1,34 @@
-// The whole line, once: what a scene keeps between steps, and the step.
+// A step: the whole line that data travels, once.
 #ifndef QC_PIPELINE_DETECT_H
 #define QC_PIPELINE_DETECT_H
 
-#include "sweep/candidates.h"
-#include "cull/visibility/image_cull.h"
-#include "cull/layers/layers.h"
 #include "manifold/manifold.h"
 #include "narrowphase/narrowphase.h"
-#include "sweep/islands.h"
-#include "sweep/bvh_candidates.h"
+#include "pipeline/pcs_report.h"
+#include "pipeline/triangle_stage.h"
 
+/// The memory of each stage, retained between steps, and the last result.
 typedef struct qcDetector
 {
     qcStepTriangles triangles;
-    qcCull cull;
-    qcCullLayers cullLayers;
-    qcBodyPairs objects;
-    qcIslands parts;
-    qcPlanHistory history;
-    double plannedTriangles; ///< what the planner chose a method for in the step; 0: it did not choose
-    qcBvhCandidates surfaces;
-    qcArray onDevice;             ///< uint8_t, by body of the step: answered by the device
-    qcArray onSurfaces;           ///< uint8_t, by body of the step: answered by the sweep of surfaces
-    qcArray elsewhere;            ///< uint8_t, by body of the step: either
-    qcArray neighboursOnSurfaces; ///< uint8_t, by body of the step: answered by the device, its neighbours by the sweep
-    qcArray layersKeys, layersContactKeys, layersSure; ///< the device's candidates, as in qcPairBuffer
-    qcCandidates candidates;
-    qcNarrowphase narrow;
+    qcPcs pcs;
+    qcImageCull imageCull;
+    qcBodyPairs bodyPairs;
+    qcTriangleStage triangleStage;
+    qcNarrowphase narrowphase;
     qcAllManifolds manifolds;
-    qcArray pcs, marks;
+    qcPcsReport pcsReport;
     qcResult result;
-    char fallback[320]; ///< what the profile points at
-    //  What the result answers; valid: there is one.
+    //  The request that the result answers, and the scene's revision then; valid: there is a result.
     bool valid;
     uint64_t revision;
     qcDetectDef def;
 } qcDetector;
 
-/// `def` has been checked. `device` may be null.
-qcStatus qcDetector_Run(qcDetector* detector, qcBodies* bodies, qcDevice* device, const qcDetectDef* def);
+/// `def` has been checked; `device` may be null. Fills detector->result, or retains it if scene and request are the
+/// same as in the last call.
+qcStatus qcDetector_Run(const qcDetectDef* def, qcDevice* device, qcMeasureCosts* measureCosts, qcBodies* bodies,
+                        qcDetector* detector);
 void qcDetector_Free(qcDetector* detector);
 
 #endif

@@ -1,7 +1,10 @@
-// The scene's entry points: arguments are checked here, stages trust them.
+// The scene's entry points. Arguments are checked here; stages trust them.
 #include "pipeline/detect.h"
+
+#include "base/definition.h"
 #include "base/float_mode.h"
 #include "base/status.h"
+#include "pipeline/calibrate.h"
 
 #include <math.h>
 #include <string.h>
@@ -13,28 +16,21 @@ struct qcScene
     qcDetector detector;
 };
 
-static qcStatus CheckSize(uint32_t structSize, size_t expected, const char* function, const char* type)
-{
-    if (structSize == expected)
-        return qc_statusOk;
-    return qcFail(qc_statusBadInput, "%s: structSize of %s is %u, expected %zu (start from its default function)",
-                  function, type, structSize, expected);
-}
-
 static qcStatus CheckPointer(const void* pointer, const char* function, const char* argument)
 {
     return pointer != NULL ? qc_statusOk : qcFail(qc_statusBadInput, "%s: %s is null", function, argument);
 }
 
-qcStatus qcScene_Create(const qcSceneDef* def, qcScene** scene)
+qcStatus qcScene_Create(const qcSceneDef* given, qcScene** scene)
 {
-    QC_TRY(CheckPointer(def, "qcScene_Create", "def"));
+    QC_TRY(CheckPointer(given, "qcScene_Create", "def"));
     QC_TRY(CheckPointer(scene, "qcScene_Create", "scene"));
-    QC_TRY(CheckSize(def->structSize, sizeof *def, "qcScene_Create", "qcSceneDef"));
+    qcSceneDef def = qcDefaultSceneDef();
+    QC_TRY(qcDef_Take(given, QC_DEF_LAYOUT("qcScene_Create", qcSceneDef, device), &def));
     qcScene* created = qcAllocateZeroed(sizeof(qcScene));
     if (created == NULL)
         return qcFailMemory(sizeof(qcScene), "a scene");
-    created->device = def->device;
+    created->device = def.device;
     *scene = created;
     return qc_statusOk;
 }
@@ -48,14 +44,15 @@ void qcScene_Destroy(qcScene* scene)
     qcFree(scene, sizeof *scene);
 }
 
-qcStatus qcScene_AddBody(qcScene* scene, const qcBodyDef* def, qcBodyId* id)
+qcStatus qcScene_AddBody(qcScene* scene, const qcBodyDef* given, qcBodyId* id)
 {
     QC_TRY(CheckPointer(scene, "qcScene_AddBody", "scene"));
-    QC_TRY(CheckPointer(def, "qcScene_AddBody", "def"));
+    QC_TRY(CheckPointer(given, "qcScene_AddBody", "def"));
     QC_TRY(CheckPointer(id, "qcScene_AddBody", "id"));
-    QC_TRY(CheckSize(def->structSize, sizeof *def, "qcScene_AddBody", "qcBodyDef"));
+    qcBodyDef def = qcDefaultBodyDef();
+    QC_TRY(qcDef_Take(given, QC_DEF_LAYOUT("qcScene_AddBody", qcBodyDef, positions), &def));
     qcFloatMode mode = qcFloatMode_Begin();
-    qcStatus status = qcBodies_Add(&scene->bodies, def, id);
+    qcStatus status = qcBodies_Add(&scene->bodies, &def, id);
     qcFloatMode_End(mode);
     return status;
 }
@@ -199,7 +196,6 @@ static qcStatus CheckMargin(double margin, const char* name)
 
 static qcStatus CheckDetectDef(const qcDetectDef* def)
 {
-    QC_TRY(CheckSize(def->structSize, sizeof *def, "qcScene_Detect", "qcDetectDef"));
     if ((unsigned)def->method > qc_methodLayers)
         return qcFail(qc_statusBadInput, "qcScene_Detect: unknown method %d", (int)def->method);
     QC_TRY(CheckMargin(def->margin, "margin"));
@@ -224,13 +220,15 @@ static qcStatus CheckDetectDef(const qcDetectDef* def)
     return CheckViews(def->views);
 }
 
-__attribute__((noinline)) static qcStatus Detect(qcScene* scene, const qcDetectDef* def, const qcResult** result)
+__attribute__((noinline)) static qcStatus Detect(qcScene* scene, const qcDetectDef* given, const qcResult** result)
 {
     QC_TRY(CheckPointer(scene, "qcScene_Detect", "scene"));
-    QC_TRY(CheckPointer(def, "qcScene_Detect", "def"));
+    QC_TRY(CheckPointer(given, "qcScene_Detect", "def"));
     QC_TRY(CheckPointer(result, "qcScene_Detect", "result"));
-    QC_TRY(CheckDetectDef(def));
-    QC_TRY(qcDetector_Run(&scene->detector, &scene->bodies, scene->device, def));
+    qcDetectDef def = qcDefaultDetectDef();
+    QC_TRY(qcDef_Take(given, QC_DEF_LAYOUT("qcScene_Detect", qcDetectDef, method), &def));
+    QC_TRY(CheckDetectDef(&def));
+    QC_TRY(qcDetector_Run(&def, scene->device, qcCalibrate, &scene->bodies, &scene->detector));
     *result = &scene->detector.result;
     return qc_statusOk;
 }

@@ -1,10 +1,9 @@
-// Bodies come in here: checked first, then copied, so that a refused call leaves everything as it was.
+// Input is checked first, then copied: a refused call changes nothing.
 #include "scene/bodies.h"
 
 #include "base/aabb.h"
-#include "scene/vertex_input.h"
-#include "base/radix_sort.h"
 #include "base/status.h"
+#include "scene/vertex_input.h"
 
 #include <float.h>
 #include <math.h>
@@ -53,8 +52,8 @@ static void EmptyBox(double lower[3], double upper[3])
     }
 }
 
-/// Around all triangles as `positions` has them. A vertex that no triangle has would spoil the box, and the image with
-/// it.
+/// The box around all triangles at these positions. Vertices without a triangle are left out: they would enlarge the
+/// box and the image.
 static void FindBounds(const qcBody* body, const double* positions, double lower[3], double upper[3])
 {
     EmptyBox(lower, upper);
@@ -65,8 +64,8 @@ static void FindBounds(const qcBody* body, const double* positions, double lower
             Include(positions + 3 * (size_t)v, lower, upper);
 }
 
-/// The box that holds what a box goes to. Each operation is monotone in each operand, so that the same operations on
-/// the right ends bound what qcBody_GetVertex returns, roundings included. False: something overflows.
+/// A box around a transformed box. Each operation is monotone in each operand: the same operations on the matching ends
+/// bound what qcBody_GetVertex returns, roundings included. False: an end overflows.
 static bool TransformBox(const double lower[3], const double upper[3], const qcTransform* t, double lowerOut[3],
                          double upperOut[3])
 {
@@ -87,8 +86,8 @@ static bool TransformBox(const double lower[3], const double upper[3], const qcT
     return finite;
 }
 
-/// Sets the body's transform and its box; refused transforms leave the body as it was. O(1), but for those near the
-/// end of all numbers.
+/// Sets the body's transform and its box; a refused transform changes nothing. O(1); O(vertices) where the transformed
+/// box overflows.
 static qcStatus Place(qcBody* body, uint32_t slot, const qcTransform* transform)
 {
     qcBody placed = *body;
@@ -96,14 +95,15 @@ static qcStatus Place(qcBody* body, uint32_t slot, const qcTransform* transform)
     placed.isIdentity = IsIdentity(transform);
     memcpy(placed.lower, body->localLower, sizeof placed.lower);
     memcpy(placed.upper, body->localUpper, sizeof placed.upper);
-    bool hasBox = placed.lower[0] <= placed.upper[0], known = placed.isIdentity || placed.vertexCount == 0;
+    bool hasBox = placed.lower[0] <= placed.upper[0], isBounded = placed.isIdentity || placed.vertexCount == 0;
     double lower[3], upper[3];
-    if (!known)
-        known = TransformBox(body->vertexLower, body->vertexUpper, transform, lower, upper) &&
-                (!hasBox || TransformBox(body->localLower, body->localUpper, transform, placed.lower, placed.upper));
-    if (!known && hasBox)
+    if (!isBounded)
+        isBounded =
+            TransformBox(body->vertexLower, body->vertexUpper, transform, lower, upper) &&
+            (!hasBox || TransformBox(body->localLower, body->localUpper, transform, placed.lower, placed.upper));
+    if (!isBounded && hasBox)
         EmptyBox(placed.lower, placed.upper);
-    for (uint32_t v = 0; v < placed.vertexCount && !known; v++)
+    for (uint32_t v = 0; v < placed.vertexCount && !isBounded; v++)
     {
         double p[3];
         qcBody_GetVertex(&placed, v, p);
@@ -164,7 +164,7 @@ static qcStatus CheckDef(const qcBodyDef* def, uint32_t slot)
     return CheckTransform(slot, &def->transform);
 }
 
-/// The new body's own memory, all or nothing.
+/// Allocates the new body's arrays, all or none.
 static qcStatus AllocateBody(qcBody* body)
 {
     size_t positionBytes = 3 * sizeof(double) * body->vertexCount,
@@ -180,44 +180,48 @@ static qcStatus AllocateBody(qcBody* body)
     return qcFailMemory(positionBytes + indexBytes, "a body");
 }
 
+/// Fills the new body from the definition, which has been checked; on failure nothing is left.
+static qcStatus MakeBody(const qcBodyDef* def, const qcVertexInput* source, uint32_t slot, qcBody* body)
+{
+    *body = (qcBody){.deforming = def->deforming,
+                     .selfCollision = def->selfCollision,
+                     .activity = def->activity,
+                     .group = def->group,
+                     .mask = def->mask,
+                     .owner = def->owner,
+                     .margin = def->margin,
+                     .transform = def->deforming ? qcIdentityTransform() : def->transform,
+                     .vertexCount = def->vertexCount,
+                     .triangleCount = def->triangleCount};
+    QC_TRY(AllocateBody(body));
+    double* positions = body->deforming ? body->world : body->local;
+    qcVertexInput_Read(source, positions);
+    if (body->triangleCount != 0)
+        memcpy(body->indices, def->indices, 3 * sizeof(uint32_t) * body->triangleCount);
+    qcStatus status = FindUsed(body);
+    if (status == qc_statusOk)
+    {
+        FindBounds(body, positions, body->localLower, body->localUpper);
+        EmptyBox(body->vertexLower, body->vertexUpper);
+        qcBounds_Include(positions, body->vertexCount, body->vertexLower, body->vertexUpper);
+        status = Place(body, slot, &body->transform);
+    }
+    if (status != qc_statusOk)
+        FreeBody(body);
+    return status;
+}
+
 qcStatus qcBodies_Add(qcBodies* bodies, const qcBodyDef* def, qcBodyId* id)
 {
     uint32_t slot = bodies->lowestFree;
     while (slot < bodies->slots.count && qcBody_IsUsed(&QC_AT(qcBody, bodies->slots, slot)))
         slot++;
     QC_TRY(CheckDef(def, slot));
-    qcVertexInput source = {def->positions, def->positionType, def->positionStride, def->vertexCount};
+    const qcVertexInput source = {def->positions, def->positionType, def->positionStride, def->vertexCount};
     QC_TRY(qcVertexInput_Check(&source, slot));
     QC_TRY(qcArray_Reserve(&bodies->slots, slot + 1, sizeof(qcBody), "the list of bodies"));
-
-    qcBody body = {.deforming = def->deforming,
-                   .selfCollision = def->selfCollision,
-                   .activity = def->activity,
-                   .group = def->group,
-                   .mask = def->mask,
-                   .owner = def->owner,
-                   .margin = def->margin,
-                   .transform = def->deforming ? qcIdentityTransform() : def->transform,
-                   .vertexCount = def->vertexCount,
-                   .triangleCount = def->triangleCount};
-    QC_TRY(AllocateBody(&body));
-    double* positions = body.deforming ? body.world : body.local;
-    qcVertexInput_Read(&source, positions);
-    if (body.triangleCount != 0)
-        memcpy(body.indices, def->indices, 3 * sizeof(uint32_t) * body.triangleCount);
-    qcStatus status = FindUsed(&body);
-    if (status == qc_statusOk)
-    {
-        FindBounds(&body, positions, body.localLower, body.localUpper);
-        EmptyBox(body.vertexLower, body.vertexUpper);
-        qcBounds_Include(positions, body.vertexCount, body.vertexLower, body.vertexUpper);
-        status = Place(&body, slot, &body.transform);
-    }
-    if (status != qc_statusOk)
-    {
-        FreeBody(&body);
-        return status;
-    }
+    qcBody body;
+    QC_TRY(MakeBody(def, &source, slot, &body));
 
     if (slot == bodies->slots.count)
     {
@@ -275,46 +279,6 @@ qcStatus qcBodies_SetVertices(qcBodies* bodies, uint32_t slot, const void* posit
     FindBounds(body, body->world, body->lower, body->upper);
     body->moved = ++bodies->revision;
     return qc_statusOk;
-}
-
-qcStatus qcBody_FindOwners(qcBody* body, qcArray* scratch)
-{
-    size_t edgeCount = 3 * (size_t)body->triangleCount;
-    if (body->owned != NULL || edgeCount == 0)
-        return qc_statusOk;
-    qcArray items = {0};
-    qcOwnedFeatures* owned = qcAllocateZeroed(body->triangleCount);
-    uint8_t* seen = qcAllocateZeroed(body->vertexCount);
-    qcStatus status = owned == NULL || seen == NULL ? qcFailMemory(body->triangleCount, "owners of features")
-                                                    : qcArray_Resize(&items, edgeCount, sizeof(qcSortItem), "edges");
-    if (status == qc_statusOk)
-    {
-        qcSortItem* edges = items.data;
-        for (size_t i = 0; i < edgeCount; i++)
-        {
-            uint32_t a = body->indices[i], b = body->indices[i % 3 == 2 ? i - 2 : i + 1];
-            edges[i] = (qcSortItem){a < b ? (uint64_t)a << 32 | b : (uint64_t)b << 32 | a, i};
-            if (!seen[a])
-                owned[i / 3] |= (qcOwnedFeatures)(1u << i % 3);
-            seen[a] = 1;
-        }
-        status = qcSort_Items(edges, edgeCount, scratch);
-        if (status == qc_statusOk)
-            for (size_t i = 0; i < edgeCount; i++)
-            {
-                bool first = i == 0 || edges[i].key != edges[i - 1].key;
-                bool isEdge = (uint32_t)edges[i].key != (uint32_t)(edges[i].key >> 32);
-                if (first && isEdge)
-                    owned[edges[i].value / 3] |= (qcOwnedFeatures)(8u << edges[i].value % 3);
-            }
-    }
-    if (status == qc_statusOk)
-        body->owned = owned;
-    else
-        qcFree(owned, body->triangleCount);
-    qcFree(seen, body->vertexCount);
-    qcArray_Free(&items);
-    return status;
 }
 
 void qcBodies_Free(qcBodies* bodies)

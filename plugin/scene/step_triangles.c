@@ -3,8 +3,6 @@
 
 #include "base/status.h"
 
-#include <string.h>
-
 static qcStatus Number(qcStepTriangles* t, const qcBodies* bodies)
 {
     uint64_t total = 0;
@@ -18,22 +16,20 @@ static qcStatus Number(qcStepTriangles* t, const qcBodies* bodies)
     t->count = (uint32_t)total;
     QC_TRY(qcArray_Resize(&t->slots, t->bodyCount, sizeof(uint32_t), "bodies of a step"));
     QC_TRY(qcArray_Resize(&t->first, (size_t)t->bodyCount + 1, sizeof(uint32_t), "bodies of a step"));
-    QC_TRY(qcArray_Resize(&t->bodySet, t->bodyCount, 1, "bodies of a step"));
     QC_TRY(qcArray_Resize(&t->bodyOf, t->count, sizeof(uint32_t), "triangles of a step"));
-    QC_TRY(qcArray_Resize(&t->pcs, t->count, 1, "triangles of a step"));
-    uint32_t body = 0, rank = 0;
+    uint32_t body = 0, global = 0;
     for (uint32_t slot = 0; slot < bodies->slots.count; slot++)
     {
         const qcBody* b = &QC_AT(qcBody, bodies->slots, slot);
         if (!qcBody_IsUsed(b))
             continue;
         QC_AT(uint32_t, t->slots, body) = slot;
-        QC_AT(uint32_t, t->first, body) = rank;
+        QC_AT(uint32_t, t->first, body) = global;
         for (uint32_t i = 0; i < b->triangleCount; i++)
-            QC_AT(uint32_t, t->bodyOf, rank++) = body;
+            QC_AT(uint32_t, t->bodyOf, global++) = body;
         body++;
     }
-    QC_AT(uint32_t, t->first, body) = rank;
+    QC_AT(uint32_t, t->first, body) = global;
     return qc_statusOk;
 }
 
@@ -46,10 +42,6 @@ qcStatus qcStepTriangles_Number(qcStepTriangles* t, const qcBodies* bodies)
         QC_TRY(Number(t, bodies));
         t->numbered = bodies->added;
     }
-    if (t->bodyCount != 0)
-        memset(t->bodySet.data, qc_setNfv, t->bodyCount);
-    if (t->count != 0)
-        memset(t->pcs.data, qcStepTriangles_Pcs(qc_setBfv, qc_setBfv), t->count);
     return qc_statusOk;
 }
 
@@ -58,6 +50,4 @@ void qcStepTriangles_Free(qcStepTriangles* t)
     qcArray_Free(&t->slots);
     qcArray_Free(&t->first);
     qcArray_Free(&t->bodyOf);
-    qcArray_Free(&t->bodySet);
-    qcArray_Free(&t->pcs);
 }

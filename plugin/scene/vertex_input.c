@@ -1,4 +1,4 @@
-// A number is finite unless all bits of its exponent are set. Asked of bits, so that many are looked at in one go.
+// A number is finite unless all bits of its exponent are set. Integer tests on the bits let the compiler vectorise.
 #include "scene/vertex_input.h"
 
 #include "base/status.h"
@@ -60,12 +60,12 @@ static bool AreDoublesFinite(const char* at, size_t count)
     return bad == 0;
 }
 
-/// Three floats, and one more that lies behind them in memory.
+/// A vertex, and the four bytes behind it.
 typedef uint32_t FourWords __attribute__((vector_size(16)));
 typedef float FourFloats __attribute__((vector_size(16)));
 typedef double FourDoubles __attribute__((vector_size(32)));
 
-/// All but the last vertex, behind which there may be nothing.
+/// All vertices but the last, behind which the caller's memory may end.
 static bool AreSpacedFloatsFinite(const char* at, size_t stride, size_t count)
 {
     const FourWords exponent = {0x7f800000u, 0x7f800000u, 0x7f800000u, 0};
@@ -109,7 +109,7 @@ qcStatus qcVertexInput_Check(const qcVertexInput* p, uint32_t slot)
     return qcFail(qc_statusBadInput, "vertex %u of body %u is not finite", vertex, slot);
 }
 
-/// A fourth number is written behind each three, and then overwritten by the next.
+/// Writes four numbers a vertex; the next vertex overwrites the fourth.
 static void ReadSpacedFloats(const char* at, size_t stride, size_t count, double* out)
 {
     size_t v = 0;
@@ -135,7 +135,7 @@ void qcVertexInput_Read(const qcVertexInput* p, double* out)
     const char* at = p->data;
     if (p->count == 0)
         return;
-    // Close together they are as so many numbers.
+    // Tightly packed: one run of numbers.
     if (p->type == qc_positionF32 && stride == 3 * sizeof(float))
         for (size_t i = 0; i < 3 * (size_t)p->count; i++)
         {

@@ -1,4 +1,4 @@
-// Set transitions of section 4.1, and of CULLIDE told in the same words.
+// Set transitions of section 4.1, and CULLIDE's in the same terms.
 #include "scene/visibility_sets.h"
 
 bool qcVisibilitySet_IsTested(qcVisibilitySet set, int pass, bool quick)

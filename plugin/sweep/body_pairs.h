@@ -1,11 +1,12 @@
-// Bodies against bodies: which pairs may meet, which triangles of theirs take part.
+// Bodies against bodies: which pairs are tested, and which of their triangles take part.
 #ifndef QC_SWEEP_BODY_PAIRS_H
 #define QC_SWEEP_BODY_PAIRS_H
 
-#include "sweep/sweep_and_prune.h"
+#include "scene/pcs.h"
 #include "scene/step_triangles.h"
+#include "sweep/sweep_and_prune.h"
 
-/// Two bodies of a step (numbers, not slots) whose boxes overlap and that may meet; a < b.
+/// Two bodies of a step (numbers, not slots), a < b, whose boxes come within the query distance and that are tested.
 typedef struct qcBodyPair
 {
     uint32_t a, b;
@@ -13,36 +14,38 @@ typedef struct qcBodyPair
 
 typedef enum qcPairVerdict
 {
-    qc_verdictYes,
-    qc_verdictAtRest,   ///< neither moves
-    qc_verdictFiltered, ///< group and mask, one owner, or the filter of the step
-    qc_verdictSameSet   ///< inside one collision-free set (lemma 2)
+    qc_pairTest,
+    qc_pairAtRest,   ///< neither body moves
+    qc_pairFiltered, ///< by group and mask, by a common owner, or by the filter of the step
+    qc_pairSameSet   ///< both bodies in one collision-free set (lemma 2)
 } qcPairVerdict;
 
-/// May two different bodies meet, as far as their definitions and sets tell?
-qcPairVerdict qcBodyPair_Classify(const qcStepTriangles* triangles, uint32_t a, uint32_t b);
+/// Whether two different bodies are tested, by their definitions and sets.
+qcPairVerdict qcBodyPair_Classify(const qcStepTriangles* triangles, const qcPcs* pcs, uint32_t a, uint32_t b);
 
-/// Memory that the stage keeps between steps.
 typedef struct qcBodyPairs
 {
+    qcArray pairs;         ///< of qcBodyPair
+    qcArray partnerCounts; ///< uint32_t, by body: the number of pairs with it
+    //  Scratch, retained between steps.
     qcSweep sweep;
     qcArray boxes;
-    qcArray pairs;    ///< of qcBodyPair
-    qcArray partners; ///< of uint32_t: how many pairs a body is in
 } qcBodyPairs;
 
-/// Finds the pairs of bodies, and counts what was skipped into the profile.
-qcStatus qcBodyPairs_FindPairs(qcBodyPairs* objects, const qcStepTriangles* triangles, double margin,
-                               qcProfile* profile);
-/// The same pairs by comparing every box with every other, as given: O(bodies^2), and nothing of the sweep.
-qcStatus qcBodyPairs_FindPairsBrute(qcBodyPairs* objects, const qcStepTriangles* triangles, double margin,
-                                    qcProfile* profile);
+/// Finds the pairs of bodies by sweep and prune; skipped pairs are counted in the profile.
+qcStatus qcBodyPairs_Find(const qcStepTriangles* triangles, const qcPcs* pcs, double queryDistance, qcBodyPairs* pairs,
+                          qcProfile* profile);
+/// The reference: the same pairs by comparing each box with every other, unrounded. O(bodies^2).
+qcStatus qcBodyPairs_FindBrute(const qcStepTriangles* triangles, const qcPcs* pcs, double queryDistance,
+                               qcBodyPairs* pairs, qcProfile* profile);
 
-/// Puts into NFV the triangles that take part: of a body that is tested with itself all; of a body with one to a few
-/// partners those whose boxes come within the margin of a partner's; of one with many, or with `wholeBodies`, all.
-/// `elsewhere`: a flag a body; those set, and so all whom they meet, are answered elsewhere and left out. May be null.
-qcStatus qcBodyPairs_MarkTriangles(qcBodyPairs* objects, qcStepTriangles* triangles, double margin, bool wholeBodies,
-                                   const uint8_t* elsewhere, qcProfile* profile);
-void qcBodyPairs_Free(qcBodyPairs* objects);
+/// Puts the triangles that take part into NFV.
+/// - A body with self-collision: all triangles, against their own body.
+/// - A body with one to a few partners: triangles whose boxes come within the query distance of a partner's box.
+/// - A body with many partners, or with `wholeBodies`: all triangles.
+/// `handledElsewhere`: a flag for each body, equal for both bodies of a pair; triangles of flagged bodies are left out.
+void qcBodyPairs_MarkTriangles(const qcBodyPairs* pairs, const qcStepTriangles* triangles, double queryDistance,
+                               bool wholeBodies, const uint8_t* handledElsewhere, qcPcs* pcs, qcProfile* profile);
+void qcBodyPairs_Free(qcBodyPairs* pairs);
 
 #endif

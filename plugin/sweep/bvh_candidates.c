@@ -1,4 +1,4 @@
-// Which bodies have surfaces, and what pairs of places mean.
+// Jobs for the search of BVHs, and candidate keys from pairs of slots.
 #include "sweep/bvh_candidates.h"
 
 #include "base/parallel_for.h"
@@ -7,285 +7,87 @@
 
 #include <string.h>
 
-enum
-{
-    // A body no larger is laid together at once, in about a millisecond.
-    qc_smallBody = 4096
-};
-
-static qcTriangleBvh* SurfaceAt(const qcBvhCandidates* sweep, uint32_t slot)
-{
-    return &QC_AT(qcTriangleBvh, sweep->surfaces, slot);
-}
-
-/// Room for all slots; surfaces of bodies that are gone are freed.
-static qcStatus SyncSlots(qcBvhCandidates* sweep, const qcStepTriangles* t)
-{
-    const qcArray* slots = &t->bodies->slots;
-    size_t old = sweep->surfaces.count;
-    QC_TRY(qcArray_GrowZeroed(&sweep->surfaces, slots->count, sizeof(qcTriangleBvh), "surfaces"));
-    QC_TRY(qcArray_GrowZeroed(&sweep->seen, slots->count, sizeof(uint32_t), "surfaces"));
-    for (uint32_t slot = 0; slot < old; slot++)
-    {
-        qcTriangleBvh* surface = SurfaceAt(sweep, slot);
-        if (surface->generation != 0 && surface->generation != QC_AT(qcBody, *slots, slot).generation)
-            qcTriangleBvh_Free(surface);
-    }
-    return qc_statusOk;
-}
-
-/// Has the body a surface in this step? A large one that is new and meets itself has not: what is made for its pairs
-/// with itself takes as long as a step without it, and its topology may not live for another. Where neighbours are
-/// asked for such a step takes twice as long.
-static bool MayHaveSurface(qcBvhCandidates* sweep, uint32_t slot, const qcBody* body, bool listNeighbours)
-{
-    uint32_t* seen = &QC_AT(uint32_t, sweep->seen, slot);
-    bool isNew = *seen != body->generation;
-    *seen = body->generation;
-    return SurfaceAt(sweep, slot)->generation != 0 || !isNew || !qcBody_HasSelfCollision(body) ||
-           body->triangleCount <= qc_smallBody || listNeighbours;
-}
-
-typedef struct Mending
-{
-    qcBvhCandidates* sweep;
-    const qcStepTriangles* triangles;
-    double margin;
-    uint32_t threads; ///< of each
-} Mending;
-
-static qcRefitTask* OrderAt(const qcBvhCandidates* sweep, size_t i)
-{
-    return &QC_AT(qcRefitTask, sweep->orders, i);
-}
-
-static qcStatus AddOrder(qcBvhCandidates* sweep, uint32_t body)
-{
-    size_t at = sweep->orders.count;
-    QC_TRY(qcArray_Resize(&sweep->orders, at + 1, sizeof(qcRefitTask), "surfaces"));
-    *OrderAt(sweep, at) = (qcRefitTask){.body = body};
-    return qc_statusOk;
-}
-
-static void AddResult(const qcBvhCandidates* sweep, uint32_t worker, qcStatus status)
-{
-    (void)qcWorkerResult_Add(&QC_AT(qcWorkerResult, sweep->results, worker), status);
-}
-
-static void MakeOne(void* context, size_t i, uint32_t worker)
-{
-    const Mending* making = context;
-    const qcRefitTask* order = OrderAt(making->sweep, i);
-    const qcBody* body = qcStepTriangles_Body(making->triangles, order->body);
-    qcTriangleBvh* surface = SurfaceAt(making->sweep, qcStepTriangles_Slot(making->triangles, order->body));
-    AddResult(making->sweep, worker,
-              surface->generation == 0 ? qcTriangleBvh_Build(surface, body, making->threads)
-                                       : qcTriangleBvh_Relate(surface, body, making->threads));
-}
-
-/// Surfaces that are wanted and not there yet, or that have not been asked for pairs with themselves before.
-static qcStatus MakeSurfaces(qcBvhCandidates* sweep, const qcStepTriangles* triangles, uint32_t threads,
-                             const uint8_t* wanted)
-{
-    sweep->orders.count = 0;
-    for (uint32_t body = 0; body < triangles->bodyCount; body++)
-    {
-        const qcTriangleBvh* surface = SurfaceAt(sweep, qcStepTriangles_Slot(triangles, body));
-        bool relates = qcBody_HasSelfCollision(qcStepTriangles_Body(triangles, body)) && !surface->related;
-        if (wanted[body] && (surface->generation == 0 || relates))
-            QC_TRY(AddOrder(sweep, body));
-    }
-    QC_TRY(qcWorkerResults_Begin(&sweep->results, threads, sizeof(qcWorkerResult), "surfaces"));
-    // Several side by side, or one by all.
-    size_t count = sweep->orders.count;
-    Mending making = {.sweep = sweep, .triangles = triangles, .threads = count == 1 ? threads : 1};
-    qcParallel_For(count == 1 ? 1 : threads, count, 2, MakeOne, &making);
-    return qcWorkerResults_End(&sweep->results, sizeof(qcWorkerResult));
-}
-
-static void FitOne(void* context, size_t i, uint32_t worker)
-{
-    const Mending* fitting = context;
-    const qcBvhCandidates* sweep = fitting->sweep;
-    qcRefitTask* order = OrderAt(sweep, i);
-    qcTriangleBvh* surface = SurfaceAt(sweep, qcStepTriangles_Slot(fitting->triangles, order->body));
-    AddResult(sweep, worker,
-              qcTriangleBvh_Fit(surface, qcStepTriangles_Body(fitting->triangles, order->body), fitting->margin,
-                                sweep->kernels, fitting->threads, &QC_AT(qcBvhScratch, sweep->scratches, worker),
-                                &order->fits));
-}
-
-/// How far apart triangles of two bodies, or of one, count: what is near, and what is a candidate.
-static double PairMargin(const qcBvhCandidatesJob* job, const qcBody* a, const qcBody* b)
-{
-    double nearest = qcBody_PairMargin(a, b, job->nearest);
-    double contacts = qcContactDistance(qcBody_PairMargin(a, b, job->contactMargin));
-    return nearest > contacts ? nearest : contacts;
-}
-
-/// A body that meets itself, whose pairs within more than the job's margin are kept, may have moved but a little since.
-static qcStatus TryToFollow(qcBvhCandidates* sweep, const qcBvhCandidatesJob* job, uint32_t body)
-{
-    qcTriangleBvh* surface = SurfaceAt(sweep, qcStepTriangles_Slot(job->triangles, body));
-    const qcBody* b = qcStepTriangles_Body(job->triangles, body);
-    bool follows = false;
-    if (qcBody_HasSelfCollision(b) && !job->testNeighbours && !job->listNeighbours && job->margin <= surface->margin)
-        QC_TRY(qcTriangleBvh_Follow(surface, b, (surface->keptMargin - PairMargin(job, b, b)) / 2.0, sweep->kernels,
-                                    &QC_AT(qcBvhScratch, sweep->scratches, 0), &follows));
-    QC_AT(uint8_t, sweep->followed, body) = follows;
-    return qc_statusOk;
-}
-
-/// Surfaces that follow their bodies, and orders for the others that are not where they are.
-static qcStatus FollowOrOrder(qcBvhCandidates* sweep, const qcBvhCandidatesJob* job, const uint8_t* wanted)
-{
-    const qcStepTriangles* triangles = job->triangles;
-    QC_TRY(qcArray_Resize(&sweep->followed, triangles->bodyCount, 1, "surfaces"));
-    sweep->orders.count = 0;
-    sweep->fittedTriangles = sweep->followedTriangles = 0;
-    for (uint32_t body = 0; body < triangles->bodyCount; body++)
-    {
-        const qcBody* b = qcStepTriangles_Body(triangles, body);
-        QC_AT(uint8_t, sweep->followed, body) = 0;
-        if (!wanted[body] ||
-            qcTriangleBvh_IsFitted(SurfaceAt(sweep, qcStepTriangles_Slot(triangles, body)), b, job->margin))
-            continue;
-        QC_TRY(TryToFollow(sweep, job, body));
-        if (QC_AT(uint8_t, sweep->followed, body))
-        {
-            sweep->followedTriangles += b->triangleCount;
-            continue;
-        }
-        QC_TRY(AddOrder(sweep, body));
-        sweep->fittedTriangles += b->triangleCount;
-    }
-    return qc_statusOk;
-}
-
-/// Large bodies one after another by all threads, then the others side by side.
-static qcStatus FitSurfaces(qcBvhCandidates* sweep, const qcBvhCandidatesJob* job, uint8_t* wanted)
-{
-    const qcStepTriangles* triangles = job->triangles;
-    uint32_t threads = job->threads;
-    QC_TRY(qcArray_GrowZeroed(&sweep->scratches, threads, sizeof(qcBvhScratch), "fitting surfaces"));
-    QC_TRY(qcWorkerResults_Begin(&sweep->results, threads, sizeof(qcWorkerResult), "fitting surfaces"));
-    QC_TRY(FollowOrOrder(sweep, job, wanted));
-    uint64_t left = sweep->fittedTriangles;
-    uint64_t large = left / (4 * (uint64_t)threads);
-    Mending fitting = {sweep, triangles, job->margin, threads};
-    size_t small = 0;
-    for (size_t i = 0; i < sweep->orders.count; i++)
-    {
-        uint32_t count = qcStepTriangles_Body(triangles, OrderAt(sweep, i)->body)->triangleCount;
-        if (count >= large)
-        {
-            FitOne(&fitting, i, 0);
-            left -= count;
-            continue;
-        }
-        qcRefitTask done = *OrderAt(sweep, small);
-        *OrderAt(sweep, small++) = *OrderAt(sweep, i);
-        *OrderAt(sweep, i) = done;
-    }
-    fitting.threads = 1;
-    qcParallel_For(left > qc_smallBody ? threads : 1, small, 2, FitOne, &fitting);
-    for (size_t i = 0; i < sweep->orders.count; i++)
-        wanted[OrderAt(sweep, i)->body] = OrderAt(sweep, i)->fits;
-    return qcWorkerResults_End(&sweep->results, sizeof(qcWorkerResult));
-}
-
-qcStatus qcBvhCandidates_Prepare(qcBvhCandidates* sweep, const qcBvhCandidatesJob* job, uint8_t* wanted)
-{
-    const qcStepTriangles* triangles = job->triangles;
-    if (sweep->kernels == NULL)
-        sweep->kernels = qcTriangleKernels_Get();
-    QC_TRY(SyncSlots(sweep, triangles));
-    for (uint32_t body = 0; body < triangles->bodyCount; body++)
-    {
-        bool may = MayHaveSurface(sweep, qcStepTriangles_Slot(triangles, body), qcStepTriangles_Body(triangles, body),
-                                  job->listNeighbours && !job->testNeighbours);
-        wanted[body] = wanted[body] && may;
-    }
-    QC_TRY(MakeSurfaces(sweep, triangles, job->threads, wanted));
-    return FitSurfaces(sweep, job, wanted);
-}
-
-//  ---- pairs ---------------------------------------------------------------------------------------
-
 typedef struct Run
 {
     qcBvhCandidates* sweep;
     const qcBvhCandidatesJob* job;
-    bool flatDiscs; ///< what is flat doesn't come near itself, but where it is neighbour of itself
-    bool keeps;     ///< pairs within a body, for a step that follows
+    bool flatPatches; ///< flat patches have no pairs within, but adjacent ones
+    bool fillsVerlet; ///< pairs within bodies go to the Verlet list, too
 } Run;
 
-/// What the places of a pair mean: triangles of these two surfaces, the first of which have these numbers in the step.
-typedef struct PairOfSurfaces
+/// The BVHs of a pair of slots, by the triangles of their bodies.
+typedef struct PairSides
 {
     const Run* run;
-    const uint32_t* triangles[2];
-    uint32_t first[2];
-    uint32_t keptOf; ///< slot of the body whose pairs these are, if they are kept, or UINT32_MAX
-} PairOfSurfaces;
+    const uint32_t* triangles[2]; ///< by slot: index in the body
+    uint32_t first[2];            ///< global index of the body's first triangle
+    uint32_t verletSlot;          ///< slot of the body whose pairs go to the Verlet list, or UINT32_MAX
+} PairSides;
+
+double qcBvhCandidates_PairDistance(const qcBvhCandidatesJob* job, const qcBody* a, const qcBody* b)
+{
+    double near = qcBody_PairMargin(a, b, job->margin);
+    double contacts = qcContactDistance(qcBody_PairMargin(a, b, job->contactMargin));
+    return near > contacts ? near : contacts;
+}
 
 static uint64_t KeyOf(const void* context, qcSlotPair pair)
 {
-    const PairOfSurfaces* sides = context;
+    const PairSides* sides = context;
     return qcStepTriangles_Key(sides->first[0] + sides->triangles[0][pair.a],
                                sides->first[1] + sides->triangles[1][pair.b]);
 }
 
 static bool AddKeys(void* context, const qcClassifiedPairs* found, uint32_t worker)
 {
-    const PairOfSurfaces* sides = context;
+    const PairSides* sides = context;
     const Run* run = sides->run;
-    if (sides->keptOf != UINT32_MAX)
-        qcVerletList_Add(&run->sweep->kept, sides->keptOf, found, worker);
-    return qcPairBuffer_Add(&QC_AT(qcPairBuffer, run->sweep->sinks, worker), found, run->job->listNeighbours, KeyOf,
+    if (sides->verletSlot != UINT32_MAX)
+        qcVerletList_Add(&run->sweep->verletList, sides->verletSlot, found, worker);
+    return qcPairBuffer_Add(&QC_AT(qcPairBuffer, run->sweep->buffers, worker), found, run->job->listNeighbours, KeyOf,
                             sides);
 }
 
-/// Flags for the nodes of bodies whose triangles need not all take part.
-static qcStatus ClearReached(const Run* run)
+/// Clears the flags of leaf nodes of bodies without self-collision, of which not all triangles may take part.
+static qcStatus ClearVisited(const Run* run)
 {
     qcBvhCandidates* sweep = run->sweep;
     const qcStepTriangles* t = run->job->triangles;
     size_t nodes = 0;
-    QC_TRY(qcArray_Resize(&sweep->firstReached, t->bodyCount, sizeof(size_t), "nodes that are reached"));
+    QC_TRY(qcArray_Resize(&sweep->firstVisited, t->bodyCount, sizeof(size_t), "visited nodes"));
     for (uint32_t body = 0; body < t->bodyCount; body++)
     {
         bool some = run->job->bodies[body] && !qcBody_HasSelfCollision(qcStepTriangles_Body(t, body));
-        QC_AT(size_t, sweep->firstReached, body) = some ? nodes : SIZE_MAX;
-        nodes += some ? SurfaceAt(sweep, qcStepTriangles_Slot(t, body))->clusters.nodeCount : 0;
+        QC_AT(size_t, sweep->firstVisited, body) = some ? nodes : SIZE_MAX;
+        nodes += some ? qcBvhCandidates_At(sweep, qcStepTriangles_Slot(t, body))->bvh.clusters.nodeCount : 0;
     }
-    QC_TRY(qcArray_Resize(&sweep->reached, nodes, 1, "nodes that are reached"));
+    QC_TRY(qcArray_Resize(&sweep->visited, nodes, 1, "visited nodes"));
     if (nodes != 0)
-        memset(sweep->reached.data, 0, nodes);
+        memset(sweep->visited.data, 0, nodes);
     return qc_statusOk;
 }
 
-static uint8_t* ReachedOf(const qcBvhCandidates* sweep, uint32_t body)
+static uint8_t* VisitedOf(const qcBvhCandidates* sweep, uint32_t body)
 {
-    size_t first = QC_AT(size_t, sweep->firstReached, body);
-    return first != SIZE_MAX ? &QC_AT(uint8_t, sweep->reached, first) : NULL;
+    size_t first = QC_AT(size_t, sweep->firstVisited, body);
+    return first != SIZE_MAX ? &QC_AT(uint8_t, sweep->visited, first) : NULL;
 }
 
-static qcTriangleBvh* SurfaceOf(const Run* run, uint32_t body)
+static qcBodyBvh* BvhOf(const Run* run, uint32_t body)
 {
-    return SurfaceAt(run->sweep, qcStepTriangles_Slot(run->job->triangles, body));
+    return qcBvhCandidates_At(run->sweep, qcStepTriangles_Slot(run->job->triangles, body));
 }
 
-static PairOfSurfaces MakeSides(const Run* run, uint32_t a, uint32_t b)
+static PairSides MakeSides(const Run* run, uint32_t a, uint32_t b)
 {
-    PairOfSurfaces sides = {.run = run, .keptOf = UINT32_MAX};
+    PairSides sides = {.run = run, .verletSlot = UINT32_MAX};
     const uint32_t bodies[2] = {a, b};
-    if (run->keeps && a == b)
-        sides.keptOf = qcStepTriangles_Slot(run->job->triangles, a);
+    if (run->fillsVerlet && a == b)
+        sides.verletSlot = qcStepTriangles_Slot(run->job->triangles, a);
     for (int i = 0; i < 2; i++)
     {
         sides.first[i] = qcStepTriangles_First(run->job->triangles, bodies[i]);
-        sides.triangles[i] = SurfaceOf(run, bodies[i])->clusters.triangles.data;
+        sides.triangles[i] = BvhOf(run, bodies[i])->bvh.clusters.triangles.data;
     }
     return sides;
 }
@@ -295,53 +97,54 @@ static void AddJob(const Run* run, uint32_t a, uint32_t b)
 {
     qcBvhCandidates* sweep = run->sweep;
     const qcBvhCandidatesJob* job = run->job;
-    // What is in the world comes first: the other goes to its coordinates, and nothing has to be inverted.
-    if (SurfaceOf(run, a)->isLocal && !SurfaceOf(run, b)->isLocal)
+    // World coordinates come first: the local BVH is transformed into them, and no transform is inverted.
+    if (BvhOf(run, a)->bvh.isLocal && !BvhOf(run, b)->bvh.isLocal)
     {
         uint32_t first = b;
         b = a;
         a = first;
     }
     const qcBody *bodyA = qcStepTriangles_Body(job->triangles, a), *bodyB = qcStepTriangles_Body(job->triangles, b);
-    PairOfSurfaces* sides = &QC_AT(PairOfSurfaces, sweep->sides, sweep->jobs.count);
+    PairSides* sides = &QC_AT(PairSides, sweep->sides, sweep->jobs.count);
     *sides = MakeSides(run, a, b);
     QC_AT(qcBvhPairsJob, sweep->jobs, sweep->jobs.count++) =
         (qcBvhPairsJob){.kernels = sweep->kernels,
-                        .a = SurfaceOf(run, a),
-                        .b = SurfaceOf(run, b),
+                        .a = BvhOf(run, a),
+                        .b = BvhOf(run, b),
                         .bodyA = bodyA,
                         .bodyB = bodyB,
-                        .margin = PairMargin(job, bodyA, bodyB),
-                        .nearest = qcBody_PairMargin(bodyA, bodyB, job->nearest),
-                        .neighbours = job->testNeighbours,
-                        .flatDiscs = run->flatDiscs && a == b,
-                        .reachedA = ReachedOf(sweep, a),
-                        .reachedB = ReachedOf(sweep, b),
+                        .query = qcBvhCandidates_PairDistance(job, bodyA, bodyB),
+                        .near = qcBody_PairMargin(bodyA, bodyB, job->margin),
+                        .includeNeighbours = job->testNeighbours,
+                        .skipFlatPatches = run->flatPatches && a == b,
+                        .visitedA = VisitedOf(sweep, a),
+                        .visitedB = VisitedOf(sweep, b),
                         .function = AddKeys,
                         .context = sides};
 }
 
-static bool IsAskedAboutItself(const Run* run, uint32_t body)
+/// Whether pairs of the body with itself are found here.
+static bool FindsSelfPairs(const Run* run, uint32_t body)
 {
     return run->job->bodies[body] && qcBody_HasSelfCollision(qcStepTriangles_Body(run->job->triangles, body));
 }
 
-/// Of what isn't asked about nothing is known: it may not have been prepared.
-static bool Follows(const Run* run, uint32_t body)
+/// Whether the body's pairs with itself come from the Verlet list. The flag is valid for prepared bodies only.
+static bool UsesVerlet(const Run* run, uint32_t body)
 {
-    return IsAskedAboutItself(run, body) && QC_AT(uint8_t, run->sweep->followed, body) != 0;
+    return FindsSelfPairs(run, body) && QC_AT(uint8_t, run->sweep->partlyRefitted, body) != 0;
 }
 
-/// All at once, so that threads have enough to do where many small bodies meet; those within bodies that were followed
-/// come last, and `searchCount` tells how many there are without them.
+/// All jobs of the step, so that threads have enough to do with many small bodies. The last ones, behind the first
+/// `searchCount`, take their pairs from the Verlet list.
 static qcStatus MakeJobs(const Run* run, size_t* searchCount)
 {
     qcBvhCandidates* sweep = run->sweep;
     const qcBvhCandidatesJob* job = run->job;
-    const qcArray* pairs = &job->objects->pairs;
-    size_t most = pairs->count + job->triangles->bodyCount;
-    QC_TRY(qcArray_Reserve(&sweep->jobs, most, sizeof(qcBvhPairsJob), "pairs of surfaces"));
-    QC_TRY(qcArray_Resize(&sweep->sides, most, sizeof(PairOfSurfaces), "pairs of surfaces"));
+    const qcArray* pairs = &job->pairs->pairs;
+    size_t maxCount = pairs->count + job->triangles->bodyCount;
+    QC_TRY(qcArray_Reserve(&sweep->jobs, maxCount, sizeof(qcBvhPairsJob), "pairs of BVHs"));
+    QC_TRY(qcArray_Resize(&sweep->sides, maxCount, sizeof(PairSides), "pairs of BVHs"));
     sweep->jobs.count = 0;
     for (size_t i = 0; i < pairs->count; i++)
     {
@@ -349,30 +152,30 @@ static qcStatus MakeJobs(const Run* run, size_t* searchCount)
         if (job->bodies[pair.a])
             AddJob(run, pair.a, pair.b);
     }
-    for (int followed = 0; followed < 2; followed++)
+    for (int verlet = 0; verlet < 2; verlet++)
     {
         for (uint32_t body = 0; body < job->triangles->bodyCount; body++)
-            if (IsAskedAboutItself(run, body) && Follows(run, body) == (followed != 0))
+            if (FindsSelfPairs(run, body) && UsesVerlet(run, body) == (verlet != 0))
                 AddJob(run, body, body);
-        if (!followed)
+        if (!verlet)
             *searchCount = sweep->jobs.count;
     }
     return qc_statusOk;
 }
 
-typedef struct KeptJobs
+typedef struct VerletJobs
 {
     const Run* run;
     size_t first;
-} KeptJobs;
+} VerletJobs;
 
-static void FindKept(void* context, size_t i, uint32_t worker)
+static void ReadVerletList(void* context, size_t i, uint32_t worker)
 {
-    const KeptJobs* jobs = context;
+    const VerletJobs* jobs = context;
     qcBvhCandidates* sweep = jobs->run->sweep;
     const qcBvhPairsJob* job = &QC_AT(qcBvhPairsJob, sweep->jobs, jobs->first + i);
-    uint32_t slot = (uint32_t)(job->a - (const qcTriangleBvh*)sweep->surfaces.data);
-    qcVerletList_Find(&sweep->kept, slot, job, worker);
+    uint32_t slot = (uint32_t)(job->a - (const qcBodyBvh*)sweep->bvhs.data);
+    qcVerletList_Find(&sweep->verletList, slot, job, worker);
 }
 
 static qcStatus FindPairs(const Run* run)
@@ -381,136 +184,134 @@ static qcStatus FindPairs(const Run* run)
     size_t searchCount = 0;
     QC_TRY(MakeJobs(run, &searchCount));
     QC_TRY(qcBvhPairs_Find(&sweep->pairs, sweep->jobs.data, searchCount, run->job->threads));
-    KeptJobs kept = {run, searchCount};
-    qcParallel_For(run->job->threads, sweep->jobs.count - searchCount, 2, FindKept, &kept);
+    VerletJobs verlet = {run, searchCount};
+    qcParallel_For(run->job->threads, sweep->jobs.count - searchCount, 2, ReadVerletList, &verlet);
     return qc_statusOk;
 }
 
-/// Whether what is found within a body is kept. Not where a body takes its pairs from those that were kept before,
-/// which are good for more steps than those within a smaller margin would be.
-static bool Keeps(const Run* run)
+/// Whether the step fills the Verlet list. Not if a body uses it: its pairs are good for more steps than those within
+/// this step's smaller distance would be.
+static bool FillsVerlet(const Run* run)
 {
-    bool finds = false, takes = false;
+    bool finds = false, uses = false;
     for (uint32_t body = 0; body < run->job->triangles->bodyCount; body++)
     {
-        finds = finds || IsAskedAboutItself(run, body);
-        takes = takes || Follows(run, body);
+        finds = finds || FindsSelfPairs(run, body);
+        uses = uses || UsesVerlet(run, body);
     }
-    return finds && !takes && run->job->margin > 0.0 && !run->job->testNeighbours;
+    return finds && !uses && run->job->queryDistance > 0.0 && !run->job->testNeighbours;
 }
 
-/// From now on pairs within bodies are kept. What was kept before is of another step.
-static qcStatus BeginToKeep(const Run* run)
+/// Empties the Verlet list.
+static qcStatus BeginVerlet(const Run* run)
 {
-    for (uint32_t slot = 0; slot < run->sweep->surfaces.count; slot++)
-        qcTriangleBvh_Forget(SurfaceAt(run->sweep, slot));
-    return qcVerletList_Begin(&run->sweep->kept, run->job->threads);
+    for (uint32_t slot = 0; slot < run->sweep->bvhs.count; slot++)
+        qcVerletReference_Clear(&qcBvhCandidates_At(run->sweep, slot)->verlet);
+    return qcVerletList_Begin(&run->sweep->verletList, run->job->threads);
 }
 
-/// They have been found.
-static qcStatus EndKeeping(const Run* run)
+/// Stores the reference positions of the list that was filled.
+static qcStatus EndVerlet(const Run* run)
 {
-    QC_TRY(qcVerletList_Check(&run->sweep->kept));
+    QC_TRY(qcVerletList_Check(&run->sweep->verletList));
     for (uint32_t body = 0; body < run->job->triangles->bodyCount; body++)
     {
         const qcBody* b = qcStepTriangles_Body(run->job->triangles, body);
-        if (!IsAskedAboutItself(run, body) || !b->deforming)
+        if (!FindsSelfPairs(run, body) || !b->deforming)
             continue;
-        QC_TRY(qcTriangleBvh_Note(SurfaceOf(run, body), b));
-        SurfaceOf(run, body)->keptMargin = PairMargin(run->job, b, b);
+        QC_TRY(qcBodyBvh_SetVerletReference(BvhOf(run, body), b, qcBvhCandidates_PairDistance(run->job, b, b)));
     }
     return qc_statusOk;
 }
 
-static void AddContactKeys(void* context, const qcSlotPair* pairs, size_t count, uint32_t worker)
+static void AddAdjacentKeys(void* context, const qcSlotPair* pairs, size_t count, uint32_t worker)
 {
-    const PairOfSurfaces* sides = context;
-    qcPairBuffer_AddNeighbours(&QC_AT(qcPairBuffer, sides->run->sweep->sinks, worker), pairs, count, KeyOf, sides);
+    const PairSides* sides = context;
+    qcPairBuffer_AddNeighbours(&QC_AT(qcPairBuffer, sides->run->sweep->buffers, worker), pairs, count, KeyOf, sides);
 }
 
-static qcStatus AddNeighbours(const Run* run, uint32_t body, qcProfile* profile)
+static qcStatus AddAdjacentPairs(const Run* run, uint32_t body, qcProfile* profile)
 {
-    qcTriangleBvh* surface = SurfaceOf(run, body);
+    qcBodyBvh* bvh = BvhOf(run, body);
     if (run->job->testNeighbours)
         return qc_statusOk;
-    profile->skippedNeighbours += surface->clusters.neighbourCount;
-    PairOfSurfaces sides = MakeSides(run, body, body);
-    qcAdjacentPairsJob job = {.kernels = run->sweep->kernels,
-                              .surface = surface,
-                              .threads = run->job->threads,
-                              .function = AddContactKeys,
-                              .context = &sides};
-    return run->job->listNeighbours ? qcAdjacentPairs_Find(&job) : qc_statusOk;
+    profile->skippedNeighbours += bvh->bvh.clusters.neighbourCount;
+    PairSides sides = MakeSides(run, body, body);
+    qcNeighbourPairsJob job = {.kernels = run->sweep->kernels,
+                               .body = bvh,
+                               .threads = run->job->threads,
+                               .function = AddAdjacentKeys,
+                               .context = &sides};
+    return run->job->listNeighbours ? qcNeighbourPairs_Find(&job) : qc_statusOk;
 }
 
 static void CountTriangles(const Run* run, uint32_t body, qcProfile* profile)
 {
     const qcBody* b = qcStepTriangles_Body(run->job->triangles, body);
-    const uint8_t* reached = ReachedOf(run->sweep, body);
+    const uint8_t* visited = VisitedOf(run->sweep, body);
     uint32_t left = b->triangleCount;
-    if (reached != NULL)
+    if (visited != NULL)
     {
-        const qcClusters* clusters = &SurfaceOf(run, body)->clusters;
+        const qcClusters* clusters = &BvhOf(run, body)->bvh.clusters;
         left = 0;
         for (uint32_t node = 0; node < clusters->nodeCount; node++)
-            left += reached[node] ? qc_nodeSize : 0;
+            left += visited[node] ? qc_nodeSize : 0;
         left = left < b->triangleCount ? left : b->triangleCount;
     }
-    profile->selfBodies += reached == NULL;
+    profile->selfBodies += visited == NULL;
     profile->trianglePcs += left;
     profile->skippedTriangles += b->triangleCount - left;
 }
 
-static void FindFlat(const Run* run, uint32_t body, qcProfile* profile)
+static void FindFlatPatches(const Run* run, uint32_t body, qcProfile* profile)
 {
-    qcTriangleBvh* surface = SurfaceOf(run, body);
-    if (!run->flatDiscs || Follows(run, body))
+    qcBodyBvh* bvh = BvhOf(run, body);
+    if (!run->flatPatches || UsesVerlet(run, body))
         return;
-    qcTriangleBvh_FindFlat(surface, run->sweep->kernels, run->job->threads);
-    profile->flatTriangles += qcTriangleBvh_CountFlat(surface);
+    qcPatchState_Test(&bvh->patches, &bvh->bvh, run->sweep->kernels, run->job->threads);
+    profile->flatTriangles += qcPatchState_CountFlat(&bvh->patches);
 }
 
-qcStatus qcBvhCandidates_Run(qcBvhCandidates* sweep, const qcBvhCandidatesJob* job, qcProfile* profile)
+qcStatus qcBvhCandidates_Run(const qcBvhCandidatesJob* job, qcBvhCandidates* sweep, qcCandidates* candidates,
+                             qcProfile* profile)
 {
     const qcStepTriangles* t = job->triangles;
-    Run run = {.sweep = sweep, .job = job, .flatDiscs = !job->testNeighbours};
-    run.keeps = Keeps(&run);
-    QC_TRY(qcPairBuffers_Begin(&sweep->sinks, job->threads));
-    QC_TRY(ClearReached(&run));
-    if (run.keeps)
-        QC_TRY(BeginToKeep(&run));
+    Run run = {.sweep = sweep, .job = job, .flatPatches = !job->testNeighbours};
+    run.fillsVerlet = FillsVerlet(&run);
+    QC_TRY(qcPairBuffers_Begin(&sweep->buffers, job->threads));
+    QC_TRY(ClearVisited(&run));
+    if (run.fillsVerlet)
+        QC_TRY(BeginVerlet(&run));
     for (uint32_t body = 0; body < t->bodyCount; body++)
-        if (IsAskedAboutItself(&run, body) || job->neighbourBodies[body])
-            FindFlat(&run, body, profile);
+        if (FindsSelfPairs(&run, body) || job->adjacentOnly[body])
+            FindFlatPatches(&run, body, profile);
     QC_TRY(FindPairs(&run));
-    if (run.keeps)
-        QC_TRY(EndKeeping(&run));
-    // What was reached is known now.
+    if (run.fillsVerlet)
+        QC_TRY(EndVerlet(&run));
     for (uint32_t body = 0; body < t->bodyCount; body++)
     {
         if (job->bodies[body])
             CountTriangles(&run, body, profile);
-        if (IsAskedAboutItself(&run, body) || job->neighbourBodies[body])
-            QC_TRY(AddNeighbours(&run, body, profile));
+        if (FindsSelfPairs(&run, body) || job->adjacentOnly[body])
+            QC_TRY(AddAdjacentPairs(&run, body, profile));
     }
-    profile->fittedTriangles += sweep->fittedTriangles;
-    profile->followedTriangles += sweep->followedTriangles;
-    qcCandidates* candidates = job->candidates;
-    qcPairKeys keys = {&candidates->keys, &candidates->neighbourKeys, &candidates->sure};
-    return qcPairBuffers_End(&sweep->sinks, &keys);
+    profile->fittedTriangles += sweep->refittedTriangles;
+    profile->followedTriangles += sweep->partlyRefittedTriangles;
+    const qcPairKeys keys = {&candidates->keys, &candidates->adjacentKeys, &candidates->classified};
+    return qcPairBuffers_End(&sweep->buffers, &keys);
 }
 
 void qcBvhCandidates_Free(qcBvhCandidates* sweep)
 {
-    for (uint32_t slot = 0; slot < sweep->surfaces.count; slot++)
-        qcTriangleBvh_Free(SurfaceAt(sweep, slot));
-    qcPairBuffers_Free(&sweep->sinks);
-    for (size_t i = 0; i < sweep->scratches.count; i++)
-        qcBvhScratch_Free(&QC_AT(qcBvhScratch, sweep->scratches, i));
+    for (uint32_t slot = 0; slot < sweep->bvhs.count; slot++)
+        qcBodyBvh_Free(qcBvhCandidates_At(sweep, slot));
+    qcPairBuffers_Free(&sweep->buffers);
+    for (size_t i = 0; i < sweep->refitScratch.count; i++)
+        qcBvhScratch_Free(&QC_AT(qcBvhScratch, sweep->refitScratch, i));
     qcBvhPairs_Free(&sweep->pairs);
-    qcVerletList_Free(&sweep->kept);
-    qcArray* arrays[] = {&sweep->surfaces, &sweep->seen, &sweep->orders, &sweep->results, &sweep->scratches,
-                         &sweep->followed, &sweep->jobs, &sweep->sides,  &sweep->reached, &sweep->firstReached};
+    qcVerletList_Free(&sweep->verletList);
+    qcArray* arrays[] = {&sweep->bvhs,           &sweep->seen, &sweep->tasks, &sweep->results, &sweep->refitScratch,
+                         &sweep->partlyRefitted, &sweep->jobs, &sweep->sides, &sweep->visited, &sweep->firstVisited};
     for (size_t i = 0; i < sizeof arrays / sizeof arrays[0]; i++)
         qcArray_Free(arrays[i]);
 }

@@ -1,63 +1,73 @@
-// The sweep over triangles by the surfaces of bodies: each with itself, and the two of each pair of bodies.
+// The sweep over triangles by BVHs: of each body with itself, and of both bodies of each pair.
 #ifndef QC_SWEEP_BVH_CANDIDATES_H
 #define QC_SWEEP_BVH_CANDIDATES_H
 
-#include "sweep/candidates.h"
-#include "sweep/bvh/verlet_list.h"
 #include "kernels/pair_buffer.h"
-#include "sweep/bvh/adjacent_pairs.h"
+#include "sweep/bvh/neighbour_pairs.h"
+#include "sweep/bvh/verlet_list.h"
+#include "sweep/candidates.h"
 
-/// A body of the step whose surface has something missing or isn't where the body is.
+/// A queued BVH build or refit.
 typedef struct qcRefitTask
 {
     uint32_t body;
-    bool fits;
+    bool upToDate;
 } qcRefitTask;
 
-/// Memory that the stage keeps between steps.
+/// BVHs of the bodies, and scratch; retained between steps.
 typedef struct qcBvhCandidates
 {
     const qcTriangleKernels* kernels; ///< chosen at first use
-    qcArray surfaces;                 ///< of qcTriangleBvh, by slot
-    qcArray seen;                     ///< uint32_t, by slot: generation of the body that the last step saw there
-    qcArray orders;                   ///< of qcRefitTask
-    qcArray results;                  ///< of qcWorkerResult, one a worker
-    qcArray scratches;                ///< of qcBvhScratch, one a worker
+    qcArray bvhs;                     ///< of qcBodyBvh, by slot
+    qcArray seen;                     ///< uint32_t, by slot: generation of the body in the last step
+    qcVerletList verletList;
+    //  Of the step.
+    qcArray partlyRefitted; ///< uint8_t, by body: only the moved vertices were refitted
+    uint64_t refittedTriangles, partlyRefittedTriangles;
+    //  Scratch.
+    qcArray tasks;        ///< of qcRefitTask
+    qcArray results;      ///< of qcWorkerResult, one a worker
+    qcArray refitScratch; ///< of qcBvhScratch, one a worker
     qcBvhPairs pairs;
-    qcVerletList kept;
-    qcArray followed;         ///< uint8_t, by body of the step: its surface only followed it
-    qcArray jobs;             ///< of qcBvhPairsJob
-    qcArray sides;            ///< of PairOfSurfaces: of each job
-    qcArray sinks;            ///< of qcPairBuffer
-    qcArray reached;          ///< uint8_t, by node, of bodies that are not tested with themselves
-    qcArray firstReached;     ///< size_t, by body of the step: where its nodes begin, or SIZE_MAX
-    uint64_t fittedTriangles; ///< in this step
-    uint64_t followedTriangles;
+    qcArray jobs;         ///< of qcBvhPairsJob
+    qcArray sides;        ///< of PairSides: of each job
+    qcArray buffers;      ///< of qcPairBuffer
+    qcArray visited;      ///< uint8_t, by leaf node, of bodies without self-collision
+    qcArray firstVisited; ///< size_t, by body: index of its first leaf node in `visited`, or SIZE_MAX
 } qcBvhCandidates;
 
 typedef struct qcBvhCandidatesJob
 {
     const qcStepTriangles* triangles;
-    const qcBodyPairs* objects;
-    const uint8_t* bodies;          ///< by body of the step: whether it is asked about. Whoever meets it is too.
-    const uint8_t* neighbourBodies; ///< by body of the step: asked about its neighbours alone; never one of the above
-    double margin;                  ///< with which surfaces are fitted: no less than any pair needs
-    double nearest;                 ///< pairs that are no further apart, as far as their bodies' margins go, are near
-    double contactMargin;           ///< pairs within its qcContactDistance are candidates, too
-    bool testNeighbours;            ///< triangles of one body that share a vertex are candidates too
-    bool listNeighbours;            ///< and otherwise a list of their own
+    const qcBodyPairs* pairs;
+    const uint8_t* bodies;       ///< by body: a flag, equal for both bodies of a pair; set: pairs are found here
+    const uint8_t* adjacentOnly; ///< by body: a flag; set: only adjacent pairs are found here. Never both
+    double queryDistance;        ///< the refit's margin: no less than any pair needs
+    double margin;               ///< qcDetectDef::margin: pairs proven no further apart are classified near
+    double contactMargin;        ///< pairs within its qcContactDistance are candidates too
+    bool testNeighbours;         ///< triangles of one body that share a vertex are candidates too
+    bool listNeighbours;         ///< otherwise: they are listed in adjacentKeys
     uint32_t threads;
-    qcCandidates* candidates; ///< what is found is added there
 } qcBvhCandidatesJob;
 
-/// Makes surfaces of the bodies whose flag in `wanted` is set, for the job, and clears the flags of those that have
-/// none this time: large ones that meet themselves and are new, whose topology may not live for another step, unless
-/// neighbours are listed, and what no lattice can hold.
-qcStatus qcBvhCandidates_Prepare(qcBvhCandidates* sweep, const qcBvhCandidatesJob* job, uint8_t* wanted);
+/// Builds or refits the BVHs of the flagged bodies. Clears the flag where none is built:
+/// - of a large new body with self-collision, whose topology may change again before a BVH pays, unless neighbours are
+///   listed;
+/// - of a body whose coordinates no 16-bit lattice can hold.
+qcStatus qcBvhCandidates_Prepare(const qcBvhCandidatesJob* job, qcBvhCandidates* sweep, uint8_t* flags);
 
-/// Adds pairs to the keys, or to those that are sure; where neighbours are listed, pairs whose relation is known are
-/// among these too. All bodies that are asked about are prepared.
-qcStatus qcBvhCandidates_Run(qcBvhCandidates* sweep, const qcBvhCandidatesJob* job, qcProfile* profile);
+/// Adds pairs to the candidates, with neighbours listed also classified ones to adjacentKeys. All bodies of the job are
+/// prepared.
+qcStatus qcBvhCandidates_Run(const qcBvhCandidatesJob* job, qcBvhCandidates* sweep, qcCandidates* candidates,
+                             qcProfile* profile);
 void qcBvhCandidates_Free(qcBvhCandidates* sweep);
+
+static inline qcBodyBvh* qcBvhCandidates_At(const qcBvhCandidates* sweep, uint32_t slot)
+{
+    return &QC_AT(qcBodyBvh, sweep->bvhs, slot);
+}
+
+/// The distance within which pairs of two bodies, or of one, are candidates.
+double qcBvhCandidates_PairDistance(const qcBvhCandidatesJob* job, const qcBody* a, const qcBody* b);
 
 #endif

@@ -1,63 +1,66 @@
-// Triangle pairs that reach the exact test: collected by worker, filtered by the same rules whoever finds them.
+// Candidates: triangle pairs for the narrow phase. Workers collect them; the same rules filter them, whichever stage
+// finds them.
 #ifndef QC_SWEEP_CANDIDATES_H
 #define QC_SWEEP_CANDIDATES_H
 
-#include "sweep/body_pairs.h"
-#include "kernels/pair_buffer.h"
-#include "base/parallel_for.h"
 #include "base/radix_sort.h"
 #include "base/worker_results.h"
+#include "kernels/pair_buffer.h"
+#include "sweep/body_pairs.h"
 #include "sweep/sweep_and_prune.h"
 
-/// What one worker found.
+/// The pairs that one worker found.
 typedef struct qcCandidateBuffer
 {
     qcWorkerResult result;
-    qcArray keys; ///< uint64_t: lower rank << 32 | higher rank
-    qcArray neighbourKeys;
-    uint64_t neighbours, setPairs;
+    qcArray keys;                     ///< uint64_t, see qcStepTriangles_Key
+    qcArray adjacentKeys;             ///< likewise
+    uint64_t adjacentPairs, setPairs; ///< skipped
 } qcCandidateBuffer;
 
 typedef struct qcCandidates
 {
+    qcArray keys;         ///< uint64_t: candidates, in no order
+    qcArray adjacentKeys; ///< uint64_t: pairs for contacts only: adjacent triangles, and pairs that are classified
+    qcArray classified;   ///< of qcSortItem: key and relation, of pairs that need no exact test; not among the keys
+    //  Scratch, retained between steps.
     qcSweep sweep;
-    qcArray boxes;         ///< of qcSweepBox: sweep
-    qcArray rows, ranks;   ///< of double, of uint32_t: brute
-    qcArray sinks;         ///< of qcCandidateBuffer
-    qcArray keys;          ///< uint64_t: the result, in no order
-    qcArray neighbourKeys; ///< as keys: what only contacts ask for, neighbours and pairs whose relation is known
-    qcArray sure;          ///< of qcSortItem: key and relation, of pairs that need no other test; not among the keys
+    qcArray boxes;          ///< of qcSweepBox: sweep
+    qcArray rows, rowOwner; ///< of double, of uint32_t: brute
+    qcArray buffers;        ///< of qcCandidateBuffer
 } qcCandidates;
 
 typedef struct qcCandidateRules
 {
     const qcStepTriangles* triangles;
-    const uint8_t* elsewhere; ///< by body: whose triangles another part of the line answers for
-    double margin;            ///< boxes this far apart still count as overlapping
-    bool testNeighbours;      ///< triangles of one body that share a vertex are candidates too
-    bool listNeighbours;      ///< and otherwise a list of their own
+    const qcPcs* pcs;
+    const uint8_t* handledElsewhere; ///< by body: its triangle pairs come from another stage
+    double queryDistance;            ///< boxes this far apart still overlap
+    bool testNeighbours;             ///< triangles of one body that share a vertex are candidates too
+    bool listNeighbours;             ///< otherwise: they are listed in adjacentKeys
     uint32_t threads;
 } qcCandidateRules;
 
-/// By sweep and prune over the triangles of the PCS.
-qcStatus qcCandidates_Sweep(qcCandidates* candidates, const qcCandidateRules* rules, qcProfile* profile);
+/// By sweep and prune over the triangles of the PCS. Replaces the candidates.
+qcStatus qcCandidates_Sweep(const qcCandidateRules* rules, qcCandidates* candidates, qcProfile* profile);
 
-/// By comparing every box with every other: O(n^2).
-qcStatus qcCandidates_Brute(qcCandidates* candidates, const qcCandidateRules* rules, qcProfile* profile);
+/// By comparing every box with every other: O(n^2). Replaces the candidates.
+qcStatus qcCandidates_Brute(const qcCandidateRules* rules, qcCandidates* candidates, qcProfile* profile);
 
-/// Adds pairs that were found elsewhere: on a device, which cannot ask the step's filter.
-qcStatus qcCandidates_Add(qcCandidates* candidates, const qcStepTriangles* triangles, const qcPairKeys* keys);
+/// Adds pairs from a device, which can't call the step's filter.
+qcStatus qcCandidates_Add(const qcStepTriangles* triangles, const qcPcs* pcs, const qcPairKeys* keys,
+                          qcCandidates* candidates);
 
 void qcCandidates_Free(qcCandidates* candidates);
 
-//  ---- for the two ways of finding -----------------------------------------------------------------------
+//  ---- for sweep and brute force -------------------------------------------------------------------------
 
-/// Empties the sinks of as many workers.
+/// Empties the buffers of this many workers.
 qcStatus qcCandidates_Begin(qcCandidates* candidates, uint32_t threads);
-/// Keeps the pair if the rules let it; `bodyA`, `bodyB` as in qcStepTriangles.
-void qcCandidates_Offer(const qcCandidateRules* rules, qcCandidateBuffer* sink, uint32_t bodyA, uint32_t rankA,
-                        uint32_t bodyB, uint32_t rankB);
-/// Puts the sinks together.
+/// Adds the pair if the rules allow it; triangles by global index, `bodyA`, `bodyB` as in qcStepTriangles.
+void qcCandidates_Offer(const qcCandidateRules* rules, uint32_t bodyA, uint32_t triangleA, uint32_t bodyB,
+                        uint32_t triangleB, qcCandidateBuffer* buffer);
+/// Joins the buffers.
 qcStatus qcCandidates_End(qcCandidates* candidates, qcProfile* profile);
 
 #endif

@@ -1,83 +1,80 @@
-// Connected components by union and find (Galler, Fischer: An improved equivalence algorithm, 1964).
+// Connected components of the graph of body pairs.
 #include "sweep/islands.h"
 
 #include "base/status.h"
+#include "base/union_find.h"
 
 #include <float.h>
 
-static uint32_t Root(uint32_t* parent, uint32_t body)
+static void Include(qcPlanItem* island, const qcBody* body)
 {
-    while (parent[body] != body)
-        body = parent[body] = parent[parent[body]];
-    return body;
-}
-
-static void Include(qcPlanItem* part, const qcBody* body)
-{
-    part->triangles += body->triangleCount;
+    island->triangles += body->triangleCount;
     for (int axis = 0; axis < 3; axis++)
     {
-        part->lower[axis] = body->lower[axis] < part->lower[axis] ? body->lower[axis] : part->lower[axis];
-        part->upper[axis] = body->upper[axis] > part->upper[axis] ? body->upper[axis] : part->upper[axis];
+        island->lower[axis] = body->lower[axis] < island->lower[axis] ? body->lower[axis] : island->lower[axis];
+        island->upper[axis] = body->upper[axis] > island->upper[axis] ? body->upper[axis] : island->upper[axis];
     }
 }
 
-qcStatus qcIslands_Find(qcIslands* parts, const qcStepTriangles* triangles, const qcBodyPairs* objects)
+/// Fills the union-find forest, and marks the bodies of pairs in islandOf by 0, all others by QC_NO_ISLAND.
+static void Unite(const qcBodyPairs* pairs, uint32_t bodyCount, uint32_t* parent, uint32_t* islandOf)
+{
+    qcSigned_Init(parent, bodyCount);
+    for (uint32_t body = 0; body < bodyCount; body++)
+        islandOf[body] = QC_NO_ISLAND;
+    for (size_t i = 0; i < pairs->pairs.count; i++)
+    {
+        qcBodyPair pair = QC_AT(qcBodyPair, pairs->pairs, i);
+        // The lowest body of an island is its root: a loop over bodies visits it first.
+        qcSigned_Unite(parent, pair.a, pair.b, 0);
+        islandOf[pair.a] = islandOf[pair.b] = 0;
+    }
+}
+
+qcStatus qcIslands_Find(const qcStepTriangles* triangles, const qcBodyPairs* pairs, qcIslands* islands)
 {
     uint32_t bodyCount = triangles->bodyCount;
-    parts->parts.count = 0;
-    QC_TRY(qcArray_Resize(&parts->partOf, bodyCount, sizeof(uint32_t), "parts of the scene"));
-    QC_TRY(qcArray_Reserve(&parts->parts, bodyCount, sizeof(qcPlanItem), "parts of the scene"));
-    QC_TRY(qcArray_Resize(&parts->parents, bodyCount, sizeof(uint32_t), "parts of the scene"));
-    uint32_t *partOf = parts->partOf.data, *parent = parts->parents.data;
-    for (uint32_t body = 0; body < bodyCount; body++)
-        parent[body] = body;
-    for (size_t i = 0; i < objects->pairs.count; i++)
-    {
-        qcBodyPair pair = QC_AT(qcBodyPair, objects->pairs, i);
-        uint32_t a = Root(parent, pair.a), b = Root(parent, pair.b);
-        // The lower body stands for the part, so that it is met first below.
-        parent[a < b ? b : a] = a < b ? a : b;
-    }
-    for (uint32_t body = 0; body < bodyCount; body++)
-        partOf[body] = QC_NO_ISLAND;
-    for (size_t i = 0; i < objects->pairs.count; i++)
-        partOf[QC_AT(qcBodyPair, objects->pairs, i).a] = partOf[QC_AT(qcBodyPair, objects->pairs, i).b] = 0;
+    islands->items.count = 0;
+    QC_TRY(qcArray_Resize(&islands->islandOf, bodyCount, sizeof(uint32_t), "islands"));
+    QC_TRY(qcArray_Reserve(&islands->items, bodyCount, sizeof(qcPlanItem), "islands"));
+    QC_TRY(qcArray_Resize(&islands->scratch, bodyCount, sizeof(uint32_t), "islands"));
+    uint32_t *islandOf = islands->islandOf.data, *parent = islands->scratch.data;
+    Unite(pairs, bodyCount, parent, islandOf);
     for (uint32_t body = 0; body < bodyCount; body++)
     {
         const qcBody* b = qcStepTriangles_Body(triangles, body);
-        if (partOf[body] == QC_NO_ISLAND && !qcBody_HasSelfCollision(b))
+        if (islandOf[body] == QC_NO_ISLAND && !qcBody_HasSelfCollision(b))
             continue;
-        uint32_t root = Root(parent, body);
+        uint32_t root = qcSigned_Find(parent, body) >> 1;
         if (root == body)
         {
-            partOf[body] = (uint32_t)parts->parts.count++;
-            QC_AT(qcPlanItem, parts->parts, partOf[body]) =
+            islandOf[body] = (uint32_t)islands->items.count++;
+            QC_AT(qcPlanItem, islands->items, islandOf[body]) =
                 (qcPlanItem){.lower = {DBL_MAX, DBL_MAX, DBL_MAX}, .upper = {-DBL_MAX, -DBL_MAX, -DBL_MAX}};
         }
         else
-            partOf[body] = partOf[root];
-        Include(&QC_AT(qcPlanItem, parts->parts, partOf[body]), b);
+            islandOf[body] = islandOf[root];
+        Include(&QC_AT(qcPlanItem, islands->items, islandOf[body]), b);
     }
     return qc_statusOk;
 }
 
-void qcIslands_Unite(qcIslands* parts, uint8_t* flags)
+void qcIslands_KeepWhole(qcIslands* islands, uint8_t* flags)
 {
-    uint32_t* isWhole = parts->parents.data; // of each part; they are no more than bodies
-    const uint32_t* partOf = parts->partOf.data;
-    for (size_t i = 0; i < parts->parts.count; i++)
+    uint32_t* isWhole = islands->scratch.data; // by island: there are no more islands than bodies
+    const uint32_t* islandOf = islands->islandOf.data;
+    for (size_t i = 0; i < islands->items.count; i++)
         isWhole[i] = 1;
-    for (size_t body = 0; body < parts->partOf.count; body++)
-        if (partOf[body] != QC_NO_ISLAND && !flags[body])
-            isWhole[partOf[body]] = 0;
-    for (size_t body = 0; body < parts->partOf.count; body++)
-        flags[body] = partOf[body] != QC_NO_ISLAND && isWhole[partOf[body]];
+    for (size_t body = 0; body < islands->islandOf.count; body++)
+        if (islandOf[body] != QC_NO_ISLAND && !flags[body])
+            isWhole[islandOf[body]] = 0;
+    for (size_t body = 0; body < islands->islandOf.count; body++)
+        flags[body] = islandOf[body] != QC_NO_ISLAND && isWhole[islandOf[body]];
 }
 
-void qcIslands_Free(qcIslands* parts)
+void qcIslands_Free(qcIslands* islands)
 {
-    qcArray_Free(&parts->parts);
-    qcArray_Free(&parts->partOf);
-    qcArray_Free(&parts->parents);
+    qcArray_Free(&islands->items);
+    qcArray_Free(&islands->islandOf);
+    qcArray_Free(&islands->scratch);
 }

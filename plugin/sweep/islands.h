@@ -1,25 +1,26 @@
-// The parts of a scene: bodies that can meet each other, directly or by way of others. What is found in one part is
-// independent of all others, so that each may be answered by another method.
+// Islands: the connected components of bodies under body pairs. No triangle pair crosses from one to another, so that
+// each island may be answered by another method.
 #ifndef QC_SWEEP_ISLANDS_H
 #define QC_SWEEP_ISLANDS_H
 
-#include "sweep/body_pairs.h"
 #include "plan/plan.h"
+#include "sweep/body_pairs.h"
 
 typedef struct qcIslands
 {
-    qcArray parts;  ///< of qcPlanItem
-    qcArray partOf; ///< uint32_t, by body of the step: its part, or QC_NO_ISLAND
-    qcArray parents;
+    qcArray items;    ///< of qcPlanItem, an island each
+    qcArray islandOf; ///< uint32_t, by body of the step: index of its island, or QC_NO_ISLAND
+    qcArray scratch;  ///< uint32_t, by body
 } qcIslands;
 
-/// The body meets nothing.
+/// A body without partners and without self-collision.
 #define QC_NO_ISLAND UINT32_MAX
 
-qcStatus qcIslands_Find(qcIslands* parts, const qcStepTriangles* triangles, const qcBodyPairs* objects);
-/// Clears the flags (by body) of parts that have a body whose flag is not set, and of bodies that meet nothing. After
-/// qcIslands_Find.
-void qcIslands_Unite(qcIslands* parts, uint8_t* flags);
-void qcIslands_Free(qcIslands* parts);
+/// O(bodies + pairs), almost.
+qcStatus qcIslands_Find(const qcStepTriangles* triangles, const qcBodyPairs* pairs, qcIslands* islands);
+/// Clears the flags (by body) of islands in which not all bodies are flagged, and of bodies without an island. Its
+/// input is the last qcIslands_Find.
+void qcIslands_KeepWhole(qcIslands* islands, uint8_t* flags);
+void qcIslands_Free(qcIslands* islands);
 
 #endif

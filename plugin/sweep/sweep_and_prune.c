@@ -1,11 +1,5 @@
-// Sweep and prune (Cohen, Lin, Manocha, Ponamgi: I-COLLIDE, 1995) along one axis, in strips along another, so that
-// boxes far apart in two axes never meet in the sweep.
-//
-// Why no pair is lost to rounding: a box goes through x -> (float)(x - origin), and first through x -> x + margin for
-// its upper ends. Rounded addition, subtraction and conversion are monotone, so lower(A) <= upper(B) + margin in real
-// numbers, where lower(A) is a double, stays true after each of them (and an overflow to infinity keeps order too).
-// Strips are numbered by another monotone map, so overlapping intervals share the strip of the higher of their lower
-// ends; a pair is reported in that strip alone.
+// Sweep and prune (Cohen, Lin, Manocha, Ponamgi: I-COLLIDE, 1995) along one axis, in strips along another: boxes far
+// apart in either axis are never compared. Proof that rounding loses no pair: plugin/docs/proofs/sweep_and_prune.md.
 #include "sweep/sweep_and_prune.h"
 
 #include "base/parallel_for.h"
@@ -35,22 +29,22 @@ typedef struct Layout
     float stripOrigin, stripsPerUnit;
 } Layout;
 
-/// Strip of a coordinate: monotone, and within range whatever the coordinate is.
+/// The strip of a coordinate: monotone, and in range for any coordinate.
 static uint32_t StripOf(const Layout* layout, float x)
 {
-    float place = (x - layout->stripOrigin) * layout->stripsPerUnit;
-    // Written so that NaN (infinity times zero) lands in strip 0 for lower and upper ends alike.
-    if (!(place >= 1.0f))
+    float strip = (x - layout->stripOrigin) * layout->stripsPerUnit;
+    // NaN (infinity times zero) goes to strip 0, for lower and upper ends alike.
+    if (!(strip >= 1.0f))
         return 0;
-    return place < (float)layout->stripCount ? (uint32_t)place : layout->stripCount - 1;
+    return strip < (float)layout->stripCount ? (uint32_t)strip : layout->stripCount - 1;
 }
 
-/// How boxes lie along one axis.
+/// The boxes along one axis.
 typedef struct Extent
 {
     double low, range; ///< of all boxes
     double size;       ///< of a box, mean
-    double room; ///< how many boxes fit beside each other where most of them are: the more, the better it separates
+    double room;       ///< boxes that fit side by side where most of them are: the more, the better the axis separates
 } Extent;
 
 static Extent FindExtent(const qcSweepBox* boxes, uint32_t count, int axis)
@@ -62,13 +56,13 @@ static Extent FindExtent(const qcSweepBox* boxes, uint32_t count, int axis)
         low = fminf(low, boxes[i].lower[axis]);
         high = fmaxf(high, boxes[i].upper[axis]);
         size += (double)boxes[i].upper[axis] - (double)boxes[i].lower[axis];
-        double place = (double)boxes[i].lower[axis] - (double)boxes[0].lower[axis];
-        sum += place;
-        squares += place * place;
+        double offset = (double)boxes[i].lower[axis] - (double)boxes[0].lower[axis];
+        sum += offset;
+        squares += offset * offset;
     }
     Extent e = {.low = low, .range = (double)high - (double)low, .size = size / count};
-    // Not the range: some boxes high over a flat crowd would make it look wide. A uniform crowd as wide as sqrt(12)
-    // standard deviations; infinite boxes leave no number.
+    // The width of a uniform distribution: sqrt(12) standard deviations. (The range would count a few outliers high
+    // over a flat crowd.) Infinite boxes make it NaN.
     double mean = sum / count, spread = sqrt(12.0 * fmax(squares / count - mean * mean, 0.0)) + e.size;
     e.room = e.size > 0.0 && isfinite(spread) ? spread / e.size : e.range > 0.0 ? count : 1.0;
     return e;
@@ -87,7 +81,7 @@ static Layout Plan(const qcSweepBox* boxes, uint32_t count)
     layout.stripAxis = extent[u].room >= extent[v].room ? u : v;
     layout.otherAxis = extent[u].room >= extent[v].room ? v : u;
     const Extent* across = &extent[layout.stripAxis];
-    // Strips as wide as two boxes: with n boxes there are at most n + n / 2 entries, whatever their sizes.
+    // Strips as wide as two boxes: n boxes of any sizes have at most n + n / 2 entries.
     double strips = fmin(across->range / across->size / 2.0, (double)count);
     layout.stripCount = strips >= 1.0 ? (uint32_t)strips : 1;
     layout.stripOrigin = (float)across->low;
@@ -113,18 +107,18 @@ static void SweepStrip(void* context, size_t strip, uint32_t worker)
     const qcSweepBox* end = job->entries + job->stripFirst[strip + 1];
     for (const qcSweepBox* a = job->entries + job->stripFirst[strip]; a < end; a++)
     {
-        float reach = a->upper[s];
-        for (const qcSweepBox* b = a + 1; b < end && b->lower[s] <= reach; b++)
+        float upper = a->upper[s];
+        for (const qcSweepBox* b = a + 1; b < end && b->lower[s] <= upper; b++)
         {
-            bool meet = (a->lower[t] <= b->upper[t]) & (b->lower[t] <= a->upper[t]) & (a->lower[o] <= b->upper[o]) &
-                        (b->lower[o] <= a->upper[o]);
-            if (meet && StripOf(layout, fmaxf(a->lower[t], b->lower[t])) == strip)
+            bool overlap = (a->lower[t] <= b->upper[t]) & (b->lower[t] <= a->upper[t]) & (a->lower[o] <= b->upper[o]) &
+                           (b->lower[o] <= a->upper[o]);
+            if (overlap && StripOf(layout, fmaxf(a->lower[t], b->lower[t])) == strip)
                 job->function(job->context, a, b, worker);
         }
     }
 }
 
-/// Copies each box into every strip that it meets, in the order of its lower end along the sweep axis.
+/// Copies each box into all strips that it overlaps, sorted by lower ends along the sweep axis.
 static qcStatus FillStrips(qcSweep* sweep, const qcSweepBox* boxes, uint32_t count, const Layout* layout)
 {
     QC_TRY(qcArray_Resize(&sweep->order, count, sizeof(qcSortItem), "sweep order"));
@@ -145,7 +139,7 @@ static qcStatus FillStrips(qcSweep* sweep, const qcSweepBox* boxes, uint32_t cou
         first[s] += first[s - 1];
     QC_TRY(qcArray_Resize(&sweep->entries, first[layout->stripCount + 1], sizeof(qcSweepBox), "sweep entries"));
     qcSweepBox* entries = sweep->entries.data;
-    // first[s + 1] is where strip s is filled; filled, it is where strip s + 1 begins.
+    // first[s + 1] is the end of strip s while it is filled, and then the begin of strip s + 1.
     for (uint32_t k = 0; k < count; k++)
     {
         const qcSweepBox* box = &boxes[order[k].value];

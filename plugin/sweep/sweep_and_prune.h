@@ -1,31 +1,31 @@
-// Object-space overlap of boxes: sweep and prune in strips.
+// Overlapping boxes by sweep and prune in strips.
 #ifndef QC_SWEEP_SWEEP_AND_PRUNE_H
 #define QC_SWEEP_SWEEP_AND_PRUNE_H
 
 #include "base/memory.h"
 
-/// A box in the sweep's own coordinates (see qcSweepFrame), with two numbers of the caller's.
+/// A box in the coordinates of a qcSweepFrame, with two numbers of the caller.
 typedef struct qcSweepBox
 {
     float lower[3], upper[3];
     uint32_t body, item;
 } qcSweepBox;
 
-/// Maps world coordinates to the sweep's, by one subtraction and one rounding.
+/// From world coordinates to single precision near the origin.
 typedef struct qcSweepFrame
 {
     double origin[3];
-    /// Boxes are this much larger at their upper ends: boxes no further apart than it in every axis overlap.
+    /// Upper ends grow by this: boxes no further apart in any axis overlap.
     double margin;
 } qcSweepFrame;
 
 qcSweepBox qcSweepFrame_Map(const qcSweepFrame* frame, const double lower[3], const double upper[3], uint32_t body,
                             uint32_t item);
 
-/// Called once for each pair of boxes that overlap, in no order; `worker` as in qcParallel_For.
+/// Receives each pair of overlapping boxes once, in no order; `worker` as in qcParallel_For.
 typedef void qcSweepFunction(void* context, const qcSweepBox* a, const qcSweepBox* b, uint32_t worker);
 
-/// Memory that a sweep keeps between steps.
+/// Memory, retained between steps.
 typedef struct qcSweep
 {
     qcArray order, scratch, stripFirst, entries;

@@ -8,16 +8,6 @@
 #include <stdint.h>
 #include <string.h>
 
-static double Smaller(double x, double y)
-{
-    return x < y ? x : y;
-}
-
-static double Larger(double x, double y)
-{
-    return x > y ? x : y;
-}
-
 static double Clamp01(double x)
 {
     return x < 0.0 ? 0.0 : x > 1.0 ? 1.0 : x;
@@ -75,7 +65,7 @@ void qcClosest_OnTriangle(const qcVector corner[3], qcVector x, double weights[3
     // The foot must be nearer than the border: on a sliver the normal may consist of rounding errors.
     if (!FindFoot(w, u, v, qcCross(u, v), &b, &c, &difference) || qcDot(difference, difference) >= best)
         return;
-    weights[0] = Larger(1.0 - b - c, 0.0);
+    weights[0] = qcMax(1.0 - b - c, 0.0);
     weights[1] = b;
     weights[2] = c;
 }
@@ -136,15 +126,6 @@ static double Subtract(const double corners[3][3], const double origin[3], doubl
     return size;
 }
 
-/// 2^exponent, a normal double.
-static double PowerOfTwo(int exponent)
-{
-    uint64_t bits = (uint64_t)(1023 + exponent) << 52;
-    double power;
-    memcpy(&power, &bits, sizeof power);
-    return power;
-}
-
 /// floor(log2(size)).
 static int ExponentOf(double size)
 {
@@ -177,7 +158,7 @@ void qcPairFrame_Set(qcPairFrame* frame, const double a[3][3], const double b[3]
     int exponent = size > 0.0 ? ExponentOf(size) : 0;
     // In two steps, since 2^1074 is not a double. The second is 1 except for extreme sizes.
     int first = exponent < -1000 ? -1000 : exponent > 1000 ? 1000 : exponent;
-    double factor = PowerOfTwo(-first), rest = PowerOfTwo(first - exponent);
+    double factor = qcPowerOfTwo(-first), rest = qcPowerOfTwo(first - exponent);
     Scale(frame->a, factor);
     Scale(frame->b, factor);
     if (first != exponent)
@@ -186,7 +167,7 @@ void qcPairFrame_Set(qcPairFrame* frame, const double a[3][3], const double b[3]
         Scale(frame->b, rest);
     }
     frame->factors[0] = factor;
-    frame->factors[1] = rest * PowerOfTwo(-frame->exponent);
+    frame->factors[1] = rest * qcPowerOfTwo(-frame->exponent);
     frame->exponent += exponent;
 }
 
@@ -229,8 +210,8 @@ static bool IsNoCloser(const Search* s, double gap)
 /// True if no points of the two are closer than the best.
 static bool AreNoneCloser(const Search* s)
 {
-    double nearestA = Smaller(Smaller(s->alongA[0], s->alongA[1]), s->alongA[2]);
-    double nearestB = Larger(Larger(s->alongB[0], s->alongB[1]), s->alongB[2]);
+    double nearestA = qcMin(qcMin(s->alongA[0], s->alongA[1]), s->alongA[2]);
+    double nearestB = qcMax(qcMax(s->alongB[0], s->alongB[1]), s->alongB[2]);
     return IsNoCloser(s, nearestA - nearestB);
 }
 
@@ -239,7 +220,7 @@ static bool TryEdges(Search* s, int i, int j)
 {
     const qcVector *a = s->a, *b = s->b;
     int nextA = i < 2 ? i + 1 : 0, nextB = j < 2 ? j + 1 : 0;
-    double nearestA = Smaller(s->alongA[i], s->alongA[nextA]), nearestB = Larger(s->alongB[j], s->alongB[nextB]);
+    double nearestA = qcMin(s->alongA[i], s->alongA[nextA]), nearestB = qcMax(s->alongB[j], s->alongB[nextB]);
     if (IsNoCloser(s, nearestA - nearestB))
         return false;
     double t, u;
@@ -273,7 +254,7 @@ static void TryFace(Search* s, const qcVector points[3], const qcVector face[3],
         double* vertexWeights = sign > 0.0 ? s->closest->weightsA : s->closest->weightsB;
         double* faceWeights = sign > 0.0 ? s->closest->weightsB : s->closest->weightsA;
         vertexWeights[i] = 1.0;
-        faceWeights[0] = Larger(1.0 - b - c, 0.0);
+        faceWeights[0] = qcMax(1.0 - b - c, 0.0);
         faceWeights[1] = b;
         faceWeights[2] = c;
     }

@@ -151,12 +151,7 @@ static bool AreCoplanar(const double a[3][3], const double b[3][3])
 /// ldexp without a library call in the usual range.
 static double TimesPowerOfTwo(double x, int exponent)
 {
-    if (exponent < -1022 || exponent > 1023)
-        return ldexp(x, exponent);
-    uint64_t bits = (uint64_t)(1023 + exponent) << 52;
-    double power;
-    memcpy(&power, &bits, sizeof power);
-    return x * power;
+    return exponent < -1022 || exponent > 1023 ? ldexp(x, exponent) : x * qcPowerOfTwo(exponent);
 }
 
 /// The weighted mean of the corners in world space, computed from the heaviest corner: exact at the corners.

@@ -176,14 +176,14 @@ START_TEST(each_index_runs_once_and_concurrent_calls_have_different_workers)
 {
     Host* host = &s_hosts[_i];
     Use(host);
-    for (uint32_t wished = 0; wished <= 6; wished++)
+    for (uint32_t requested = 0; requested <= 6; requested++)
         for (size_t count = 0; count <= qc_loopCount; count = 3 * count + 1)
         {
             static Counts counts;
             memset(&counts, 0, sizeof counts);
             counts.rounding = FE_TONEAREST;
-            counts.threads = qcParallel_Threads(wished);
-            ck_assert_uint_eq(counts.threads, wished == 0 || wished > host->workers ? host->workers : wished);
+            counts.threads = qcParallel_Threads(requested);
+            ck_assert_uint_eq(counts.threads, requested == 0 || requested > host->workers ? host->workers : requested);
             qcParallel_For(counts.threads, count, 2, CountIndex, &counts);
             ck_assert_int_eq(counts.wrong, 0);
             for (size_t i = 0; i < qc_loopCount; i++)

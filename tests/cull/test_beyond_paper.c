@@ -1,4 +1,4 @@
-// quick and cullide with the switches that the paper does not have: what each prunes, and that reliable culling finds
+// quick and cullide with the switches beyond the paper: what each prunes, and that reliable culling finds
 // the pairs of the sweep at any resolution, in any order, from both sides, along any views.
 #include "support/devices.h"
 #include "support/scenes.h"
@@ -76,7 +76,7 @@ START_TEST(back_to_front_one_round_prunes_a_stack_in_any_order)
 }
 END_TEST
 
-START_TEST(from_the_back_what_is_fully_behind_is_pruned_too)
+START_TEST(a_second_pass_from_the_back_prunes_primitives_fully_behind)
 {
     QC_FOR_EACH_DEVICE(device)
     {
@@ -143,7 +143,7 @@ static void AddDegenerate(qcScene* scene, uint64_t seed)
     }
 }
 
-/// Waves that cross by a little, next to a mesh that meets itself.
+/// Waves that cross by a little, next to a self-intersecting mesh.
 static void AddWaves(qcScene* scene, uint64_t seed)
 {
     double depth = pow(10.0, -(double)(seed % 5) - 1.0);
@@ -163,7 +163,7 @@ static void AddWaves(qcScene* scene, uint64_t seed)
     qcSoup_Free(&cloth);
 }
 
-/// Tilted sheets a small gap apart: nothing meets.
+/// Tilted sheets a small gap apart: no pair intersects.
 static void AddSheets(qcScene* scene, uint64_t seed)
 {
     double gap = pow(10.0, -(double)(seed % 6) / 2.0 - 0.5);
@@ -241,7 +241,7 @@ typedef struct Tally
     size_t missed; ///< by the same culling when it is not reliable
 } Tally;
 
-/// Random switches, views and resolution, with the same answer as the sweep.
+/// Random switches, views and resolution: the pairs are those of the sweep.
 static void CheckReliable(qcScene* scene, qcRandom* random, double margin, Tally* tally)
 {
     static const char* const s_views[] = {"z", "x", "yz", "xyz", "zxy"};
@@ -330,7 +330,7 @@ START_TEST(reliable_culling_finds_all_pairs_within_the_margin)
 }
 END_TEST
 
-START_TEST(at_every_resolution_what_falls_between_the_samples_is_found)
+START_TEST(reliable_culling_finds_pairs_between_the_samples_at_every_resolution)
 {
     QC_FOR_EACH_DEVICE(device)
     {
@@ -377,8 +377,8 @@ START_TEST(reliable_culling_leaves_self_collision_to_the_sweep)
 END_TEST
 
 QC_RUN_TESTS("beyond_paper", back_to_front_one_round_prunes_a_stack_in_any_order,
-             from_the_back_what_is_fully_behind_is_pruned_too, each_view_has_its_own_order,
+             a_second_pass_from_the_back_prunes_primitives_fully_behind, each_view_has_its_own_order,
              reliable_culling_finds_all_pairs_of_the_sweep_and_no_other,
              reliable_culling_finds_all_pairs_within_the_margin,
-             at_every_resolution_what_falls_between_the_samples_is_found,
+             reliable_culling_finds_pairs_between_the_samples_at_every_resolution,
              reliable_culling_leaves_self_collision_to_the_sweep)

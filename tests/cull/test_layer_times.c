@@ -1,4 +1,4 @@
-// The times of the parts of a step of layers, on each device.
+// qcProfile::layerTimes on each device.
 #include "support/devices.h"
 #include "support/scenes.h"
 #include "support/suite.h"
@@ -51,12 +51,12 @@ static void CheckTimes(const qcProfile* profile, bool rigid)
     for (size_t i = 0; i < sizeof always / sizeof always[0]; i++)
         ck_assert_msg(FindPart(profile, always[i])->threadMs >= 0.0, "%s did not run", always[i]);
     ck_assert((FindPart(profile, "vertices")->threadMs >= 0.0) == rigid);
-    // Parts of one stage, one after another by the same clock.
+    // The parts of one stage follow each other on one clock.
     ck_assert_double_gt(sum, 0.0);
     ck_assert_double_le(sum, profile->cullTrianglesMs);
 }
 
-START_TEST(a_step_of_layers_gives_its_times_only_on_request)
+START_TEST(a_step_of_layers_reports_its_times_only_on_request)
 {
     QC_FOR_EACH_DEVICE(device)
     {
@@ -93,4 +93,4 @@ START_TEST(a_step_of_layers_gives_its_times_only_on_request)
 }
 END_TEST
 
-QC_RUN_TESTS("layers, times", a_step_of_layers_gives_its_times_only_on_request)
+QC_RUN_TESTS("layers, times", a_step_of_layers_reports_its_times_only_on_request)

@@ -1,5 +1,5 @@
-// The method `layers` from step to step: lists grow once, only what has changed is uploaded, what the device can't do
-// the sweep does, and scenes that share a device don't disturb each other. (Random steps: test_layers_steps.c.)
+// The method `layers` from step to step: lists grow once, only changed bodies are uploaded, the sweep runs where the
+// device can't, and scenes that share a device are independent. (Random steps: test_layers_steps.c.)
 #define _POSIX_C_SOURCE 200809L
 #include "support/devices.h"
 #include "support/scenes.h"
@@ -9,12 +9,12 @@
 #include <pthread.h>
 #include <stdio.h>
 
-//  ---- answers ---------------------------------------------------------------------------------------------------
+//  ---- comparison ------------------------------------------------------------------------------------------------
 
 /// `layers` on this scene against another method on it; the result of `layers`.
-static const qcResult* CheckAgainst(qcMethod method, qcScene* scene, const qcDetectDef* asked, const char* what)
+static const qcResult* CheckAgainst(qcMethod method, qcScene* scene, const qcDetectDef* given, const char* what)
 {
-    qcDetectDef def = *asked;
+    qcDetectDef def = *given;
     def.method = method;
     qcPairList expected = qcDetectPairs(scene, &def);
     def.method = qc_methodLayers;
@@ -33,7 +33,7 @@ static void CheckOnDevice(const qcResult* result)
     ck_assert_int_eq(result->profile.method, qc_methodLayers);
 }
 
-/// As above, and the device has answered.
+/// CheckAgainst the sweep; the pairs came from the device.
 static const qcResult* CheckLayers(qcScene* scene, const qcDetectDef* def, const char* what)
 {
     const qcResult* result = CheckAgainst(qc_methodSweep, scene, def, what);
@@ -66,7 +66,7 @@ static void CheckCollapse(const char* refinedBy, uint32_t columns)
         qc_count = 1200
     };
     setenv("QC_LAYERS_REFINE", refinedBy, 1);
-    // The same centres: apart, and larger than the distances of most.
+    // Equal centres: disjoint triangles, and ones larger than most distances.
     qcSoup apart = qcSoup_MakeRandom(5, qc_count, 0.005), crowded = qcSoup_MakeRandom(5, qc_count, 0.25);
     QC_FOR_EACH_DEVICE(device)
     {
@@ -95,7 +95,7 @@ static void CheckCollapse(const char* refinedBy, uint32_t columns)
     ck_assert_uint_eq(qcGetByteCount(), 0);
 }
 
-START_TEST(a_scene_that_collapses_runs_again_once_and_then_no_more)
+START_TEST(a_collapsing_scene_reruns_its_step_once)
 {
     CheckCollapse("device", 0);
     CheckCollapse("processor", 32);
@@ -157,12 +157,12 @@ static Row MakeRow(qcDevice* device)
     return row;
 }
 
-START_TEST(only_what_has_changed_is_uploaded)
+START_TEST(only_changed_bodies_are_uploaded)
 {
     QC_FOR_EACH_DEVICE(device)
     {
         Row row = MakeRow(device);
-        ck_assert_double_lt(row.tableBytes, 0.5 * row.vertexBytes); // or it would say little
+        ck_assert_double_lt(row.tableBytes, 0.5 * row.vertexBytes); // or the test would show little
         ck_assert_double_gt(CheckUpload(&row, "the first step"), 7 * row.vertexBytes);
         ck_assert_double_le(CheckUpload(&row, "nothing moved"), row.tableBytes - 7 * 80.0);
         MoveBall(&row, 3, 0.01);
@@ -195,7 +195,7 @@ START_TEST(only_what_has_changed_is_uploaded)
 }
 END_TEST
 
-//  ---- what the device can't ----------------------------------------------------------------------------------------
+//  ---- limits of the device -----------------------------------------------------------------------------------------
 
 static void CheckFallback(const qcResult* result, const char* reason)
 {
@@ -207,7 +207,7 @@ static void CheckFallback(const qcResult* result, const char* reason)
     ck_assert_uint_gt(result->pairCount, 10);
 }
 
-START_TEST(without_compute_shaders_the_sweep_answers_and_says_so)
+START_TEST(without_compute_shaders_the_sweep_runs_and_the_profile_names_it)
 {
     qcDevice* none = qcOpenOrSkip(qc_deviceNone);
     qcSoup soup = qcSoup_MakeRandom(3, 200, 0.2);
@@ -225,7 +225,7 @@ START_TEST(without_compute_shaders_the_sweep_answers_and_says_so)
 }
 END_TEST
 
-START_TEST(what_does_not_fit_the_frame_or_the_loops_is_swept_and_the_next_step_is_on_the_device_again)
+START_TEST(a_scene_beyond_the_frame_or_the_loops_is_swept_and_the_next_step_uses_the_device_again)
 {
     qcSoup soup = qcSoup_MakeRandom(3, 200, 0.2), huge = qcSoup_MakeRandom(3, 200, 0.2);
     for (uint32_t i = 0; i < 3 * huge.vertexCount; i++)
@@ -275,7 +275,7 @@ static void CheckSmall(qcScene* scene, const char* what)
     }
 }
 
-START_TEST(scenes_of_nothing_of_points_and_of_degenerate_triangles_are_answered)
+START_TEST(empty_scenes_points_and_degenerate_triangles_have_the_pairs_of_the_sweep)
 {
     qcSoup degenerate = qcSoup_MakeDegenerate(8, 100, 0.3, 1), point = qcSoup_MakeRandom(8, 66, 0.3),
            same = qcSoup_MakeRandom(8, 66, 0.3);
@@ -321,7 +321,7 @@ START_TEST(scenes_of_nothing_of_points_and_of_degenerate_triangles_are_answered)
 }
 END_TEST
 
-START_TEST(a_margin_as_wide_as_the_scene_finds_all_pairs_and_no_triangle_that_is_not_there)
+START_TEST(a_margin_as_wide_as_the_scene_finds_all_pairs_and_no_padding)
 {
     // Clusters and nodes that are full and not; boxes that are all of the image.
     static const uint32_t s_counts[] = {1, 3, 20, 64, 70};
@@ -371,7 +371,7 @@ static bool AreSame(const qcPairList* a, const qcPairList* b)
     return same;
 }
 
-/// Counts what is wrong: an assertion belongs to the main thread.
+/// Counts differences: assertions belong to the main thread.
 static void TakeStep(User* user, int step)
 {
     qcSoup soup = qcSoup_MakeFoldedCloth(user->seed + (uint64_t)step, user->side, 0.02, 0.03);
@@ -455,7 +455,7 @@ START_TEST(the_pairs_do_not_depend_on_device_columns_or_depth_axis)
 }
 END_TEST
 
-/// Is the number of cells along each axis what is said? 0: more than one.
+/// Whether the grid has this number of cells along each axis. 0: more than one.
 static void CheckCells(const qcResult* result, uint32_t columns, uint32_t rows, uint32_t slices, const char* what)
 {
     const uint32_t cells[3] = {result->profile.columns, result->profile.rows, result->profile.slices},
@@ -465,7 +465,7 @@ static void CheckCells(const qcResult* result, uint32_t columns, uint32_t rows, 
                       "%s: %" PRIu32 " x %" PRIu32 " x %" PRIu32 " cells", what, cells[0], cells[1], cells[2]);
 }
 
-START_TEST(cells_are_as_large_as_what_lies_in_them)
+START_TEST(cells_are_about_as_large_as_the_nodes_in_them)
 {
     qcSoup small = qcSoup_MakeRandom(3, 20000, 0.01), large = qcSoup_MakeRandom(3, 300, 2.0),
            flat = qcSoup_MakeRandom(3, 20000, 0.01);
@@ -500,10 +500,10 @@ START_TEST(cells_are_as_large_as_what_lies_in_them)
 }
 END_TEST
 
-QC_RUN_TESTS("layers", a_scene_that_collapses_runs_again_once_and_then_no_more, only_what_has_changed_is_uploaded,
-             without_compute_shaders_the_sweep_answers_and_says_so,
-             what_does_not_fit_the_frame_or_the_loops_is_swept_and_the_next_step_is_on_the_device_again,
-             scenes_of_nothing_of_points_and_of_degenerate_triangles_are_answered,
-             a_margin_as_wide_as_the_scene_finds_all_pairs_and_no_triangle_that_is_not_there,
+QC_RUN_TESTS("layers", a_collapsing_scene_reruns_its_step_once, only_changed_bodies_are_uploaded,
+             without_compute_shaders_the_sweep_runs_and_the_profile_names_it,
+             a_scene_beyond_the_frame_or_the_loops_is_swept_and_the_next_step_uses_the_device_again,
+             empty_scenes_points_and_degenerate_triangles_have_the_pairs_of_the_sweep,
+             a_margin_as_wide_as_the_scene_finds_all_pairs_and_no_padding,
              two_scenes_share_a_device_in_turn_and_on_two_threads,
-             the_pairs_do_not_depend_on_device_columns_or_depth_axis, cells_are_as_large_as_what_lies_in_them)
+             the_pairs_do_not_depend_on_device_columns_or_depth_axis, cells_are_about_as_large_as_the_nodes_in_them)

@@ -1,5 +1,6 @@
-// The frame of `layers` against rational arithmetic: where positions come to lie, that boxes of levels overlap wherever
-// triangles are within reach, for any rounding that the kernels' proof allows (gl/layers.c), and when a frame stays.
+// The grid frame of `layers` against rational arithmetic: positions in the frame; boxes of levels overlap wherever
+// triangles are within the query distance, for any rounding that plugin/docs/proofs/layers.md admits; lifetime of a
+// frame.
 #include "support/check_ok.h"
 #include "gl/layers/layers_gpu.h"
 #include "cull/layers/gpu_residency.h"
@@ -12,11 +13,11 @@
 #include <math.h>
 #include <string.h>
 
-//  ---- views -----------------------------------------------------------------------------------------------------
+//  ---- bounds ----------------------------------------------------------------------------------------------------
 
-static qcLayersView MakeUnitView(void)
+static qcGridBounds MakeUnitBounds(void)
 {
-    return (qcLayersView){.upper = {1.0, 2.0, 4.0}};
+    return (qcGridBounds){.upper = {1.0, 2.0, 4.0}};
 }
 
 static double Pick(qcRandom* random, const double values[], uint32_t count)
@@ -25,34 +26,34 @@ static double Pick(qcRandom* random, const double values[], uint32_t count)
 }
 
 /// Any size, far from the origin or not, with axes of no extent or little.
-static qcLayersView MakeView(qcRandom* random)
+static qcGridBounds MakeBounds(qcRandom* random)
 {
     static const double s_sizes[] = {0.0, 0x1p-900, 1e-6, 1.0, 1.0, 1.0, 1e6, 0x1p900};
     static const double s_shares[] = {0.0, 1e-9, 0.01, 1.0, 1.0};
     static const double s_offsets[] = {0.0, 1.0, 1e3, 1e7, 1e12};
     static const double s_reaches[] = {0.0, 0.0, 1e-12, 1e-3, 1.0, 1e3};
     double size = Pick(random, s_sizes, 8), offset = Pick(random, s_offsets, 5);
-    qcLayersView view = {.reach = size * Pick(random, s_reaches, 6) * qcRandom_Uniform(random, 0.5, 1.0),
-                         .depthAxis = "\0xyz"[qcRandom_Below(random, 4)],
-                         .transforms = qcRandom_Below(random, 2) == 0};
+    qcGridBounds bounds = {.queryDistance = size * Pick(random, s_reaches, 6) * qcRandom_Uniform(random, 0.5, 1.0),
+                           .depthAxis = "\0xyz"[qcRandom_Below(random, 4)],
+                           .transforms = qcRandom_Below(random, 2) == 0};
     for (int axis = 0; axis < 3; axis++)
     {
-        view.lower[axis] = qcRandom_Uniform(random, -1.0, 1.0) * size * offset;
-        view.upper[axis] = view.lower[axis] + qcRandom_Uniform(random, 0.1, 1.0) * size * Pick(random, s_shares, 5);
+        bounds.lower[axis] = qcRandom_Uniform(random, -1.0, 1.0) * size * offset;
+        bounds.upper[axis] = bounds.lower[axis] + qcRandom_Uniform(random, 0.1, 1.0) * size * Pick(random, s_shares, 5);
     }
     // A reach of 1e6 times the extent and more is refused: another test's.
     double widest = 0.0;
     for (int axis = 0; axis < 3; axis++)
-        widest = fmax(widest, view.upper[axis] - view.lower[axis]);
-    view.reach = fmin(view.reach, 1e5 * (widest > 0.0 ? widest : 1.0));
-    return view;
+        widest = fmax(widest, bounds.upper[axis] - bounds.lower[axis]);
+    bounds.queryDistance = fmin(bounds.queryDistance, 1e5 * (widest > 0.0 ? widest : 1.0));
+    return bounds;
 }
 
-static void PickInside(qcRandom* random, const qcLayersView* view, double p[3])
+static void PickInside(qcRandom* random, const qcGridBounds* bounds, double p[3])
 {
     for (int axis = 0; axis < 3; axis++)
     {
-        double lower = view->lower[axis], upper = view->upper[axis], x = qcRandom_Uniform(random, lower, upper);
+        double lower = bounds->lower[axis], upper = bounds->upper[axis], x = qcRandom_Uniform(random, lower, upper);
         uint32_t where = qcRandom_Below(random, 4);
         p[axis] = where == 0 ? lower : where == 1 || x > upper ? upper : x;
     }
@@ -110,9 +111,9 @@ static bool AreWithinReach(const double p[3], const double q[3], double reach)
     return within;
 }
 
-//  ---- what a device may make of it ------------------------------------------------------------------------------
+//  ---- roundings of a device -------------------------------------------------------------------------------------
 
-/// The float furthest in this direction (-1, 0: nearest, 1) that is right to one unit in the last place.
+/// The float furthest in this direction (-1, 1; 0: nearest) within one unit in the last place.
 static float Round(double exact, int direction)
 {
     float nearest = (float)exact;
@@ -138,10 +139,10 @@ static uint32_t ToLevel(float x)
 }
 
 /// One end of the box of a point, as boxes.comp makes it: -1 lower, 1 upper; all errors away from the other end's side.
-static void MakeEnd(const qcLayersFrame* frame, const double world[3], int end, uint32_t levels[4])
+static void MakeEnd(const qcGridFrame* frame, const double world[3], int end, uint32_t levels[4])
 {
     double exact[3];
-    qcLayersFrame_Map(frame, world, exact);
+    qcGridFrame_Map(frame, world, exact);
     float g[4];
     for (int i = 0; i < 3; i++)
         g[i] = Round((double)Misplace(exact[i], frame->pointError, -end) * frame->scale[i], -end);
@@ -157,14 +158,14 @@ START_TEST(an_uploaded_position_lies_in_the_frame_within_the_point_error)
     qcRandom random = {41};
     for (int i = 0; i < 4000; i++)
     {
-        qcLayersView view = MakeView(&random);
-        qcLayersFrame frame = {0};
-        ck_assert(qcLayersFrame_Fit(&frame, &view));
+        qcGridBounds bounds = MakeBounds(&random);
+        qcGridFrame frame = {0};
+        ck_assert(qcGridFrame_Fit(&frame, &bounds));
         for (int k = 0; k < 8; k++)
         {
             double p[3], x[3];
-            PickInside(&random, &view, p);
-            qcLayersFrame_Map(&frame, p, x);
+            PickInside(&random, &bounds, p);
+            qcGridFrame_Map(&frame, p, x);
             for (int c = 0; c < 3; c++)
             {
                 float uploaded = (float)x[c];
@@ -177,35 +178,35 @@ START_TEST(an_uploaded_position_lies_in_the_frame_within_the_point_error)
 }
 END_TEST
 
-START_TEST(boxes_of_points_within_reach_overlap_whatever_the_rounding)
+START_TEST(boxes_of_points_within_the_query_distance_overlap_under_any_rounding)
 {
     qcRandom random = {42};
     uint64_t apart = 0;
     for (int i = 0; i < 20000; i++)
     {
-        qcLayersView view = MakeView(&random);
-        qcLayersFrame frame = {0};
-        ck_assert(qcLayersFrame_Fit(&frame, &view));
+        qcGridBounds bounds = MakeBounds(&random);
+        qcGridFrame frame = {0};
+        ck_assert(qcGridFrame_Fit(&frame, &bounds));
         double p[3], q[3];
-        PickInside(&random, &view, p);
+        PickInside(&random, &bounds, p);
         memcpy(q, p, sizeof q);
-        // As far as the reach along one axis, or nearly so along the diagonal of the image.
+        // The query distance along one axis, or nearly so along the diagonal of the image.
         bool diagonal = i % 2 == 0;
         for (int c = 0; c < 3; c++)
         {
             int axis = frame.axes[c];
             double share = !diagonal ? (i / 2 % 3 == c ? 1.0 : 0.0) : c < 2 ? 0.7071067 : 0.0;
-            q[axis] = fmin(StepOut(p[axis], share * view.reach, false), view.upper[axis]);
+            q[axis] = fmin(StepOut(p[axis], share * bounds.queryDistance, false), bounds.upper[axis]);
         }
-        ck_assert(AreWithinReach(p, q, view.reach));
+        ck_assert(AreWithinReach(p, q, bounds.queryDistance));
         uint32_t upper[4], lower[4];
         MakeEnd(&frame, p, 1, upper);
         MakeEnd(&frame, q, -1, lower);
         for (int c = 0; c < 4; c++)
             ck_assert_msg(lower[c] <= upper[c], "case %d, component %d: level %u is above %u", i, c, lower[c],
                           upper[c]);
-        MakeEnd(&frame, view.lower, 1, upper);
-        MakeEnd(&frame, view.upper, -1, lower);
+        MakeEnd(&frame, bounds.lower, 1, upper);
+        MakeEnd(&frame, bounds.upper, -1, lower);
         apart += lower[0] > upper[0];
     }
     // It is the slack that makes them overlap, not a frame without levels.
@@ -213,28 +214,28 @@ START_TEST(boxes_of_points_within_reach_overlap_whatever_the_rounding)
 }
 END_TEST
 
-START_TEST(a_box_of_the_world_overlaps_what_is_within_reach_of_it)
+START_TEST(a_world_box_overlaps_boxes_of_points_within_the_query_distance)
 {
     qcRandom random = {43};
     for (int i = 0; i < 20000; i++)
     {
-        qcLayersView view = MakeView(&random);
-        qcLayersFrame frame = {0};
-        ck_assert(qcLayersFrame_Fit(&frame, &view));
+        qcGridBounds bounds = MakeBounds(&random);
+        qcGridFrame frame = {0};
+        ck_assert(qcGridFrame_Fit(&frame, &bounds));
         double a[3], b[3], lower[3], upper[3], p[3];
-        PickInside(&random, &view, a);
-        PickInside(&random, &view, b);
+        PickInside(&random, &bounds, a);
+        PickInside(&random, &bounds, b);
         bool below = i % 2 == 0;
         for (int axis = 0; axis < 3; axis++)
         {
             lower[axis] = fmin(a[axis], b[axis]);
             upper[axis] = fmax(a[axis], b[axis]);
-            // As far out as the reach or the view goes.
-            p[axis] = below ? fmax(StepOut(lower[axis], view.reach, below), view.lower[axis])
-                            : fmin(StepOut(upper[axis], view.reach, below), view.upper[axis]);
+            // Out to the query distance or the bounds.
+            p[axis] = below ? fmax(StepOut(lower[axis], bounds.queryDistance, below), bounds.lower[axis])
+                            : fmin(StepOut(upper[axis], bounds.queryDistance, below), bounds.upper[axis]);
         }
         uint32_t box[4], end[4];
-        qcLayersFrame_MapBox(&frame, lower, upper, box);
+        qcGridFrame_MapBox(&frame, lower, upper, box);
         MakeEnd(&frame, p, below ? 1 : -1, end);
         const uint32_t least[3] = {box[0] & 0x7fff, box[0] >> 16, box[1] & 0x7fff};
         const uint32_t most[3] = {box[2] & 0x7fff, box[2] >> 16 & 0x7fff, box[3] & 0x7fff};
@@ -250,7 +251,7 @@ END_TEST
 
 //  ---- rigid bodies ----------------------------------------------------------------------------------------------
 
-/// As vertices.comp does it, with every error in one direction, or products and sums rounded to nearest.
+/// The arithmetic of vertices.comp: all roundings in one direction, or to nearest.
 static float TransformCoordinate(const float row[4], const float local[3], int direction)
 {
     float sum = Round((double)row[0] * local[0], direction);
@@ -270,44 +271,51 @@ static void SetTransform(qcRandom* random, qcTransform* transform)
         transform->translation[axis] = offset * qcRandom_Uniform(random, -1.0, 1.0);
 }
 
-/// Returns how many of the bodies are transformed by the device.
+/// Adds a random soup with a random transform, and grows the bounds by it.
+static void AddRandomBody(qcRandom* random, qcBodies* bodies, qcGridBounds* bounds)
+{
+    qcSoup soup = qcSoup_MakeRandom(qcRandom_Next(random), 40, 0.2);
+    double offset = qcRandom_Below(random, 3) == 0 ? 1e6 : 0.0;
+    qcSoup_Translate(&soup, offset, -offset, offset);
+    qcBodyDef def = qcDefaultBodyDef();
+    def.positions = soup.positions;
+    def.positionType = qc_positionF64;
+    def.vertexCount = soup.vertexCount;
+    def.indices = soup.indices;
+    def.triangleCount = soup.triangleCount;
+    SetTransform(random, &def.transform);
+    qcBodyId id;
+    CHECK_OK(qcBodies_Add(bodies, &def, &id));
+    qcSoup_Free(&soup);
+    const qcBody* body = &QC_AT(qcBody, bodies->slots, id.slot);
+    for (int axis = 0; axis < 3; axis++)
+    {
+        bounds->lower[axis] = fmin(bounds->lower[axis], body->lower[axis]);
+        bounds->upper[axis] = fmax(bounds->upper[axis], body->upper[axis]);
+    }
+}
+
+/// The number of bodies that the device transforms.
 static uint32_t CheckTransforms(qcRandom* random, uint32_t bodyCount)
 {
     qcBodies bodies = {0};
     qcStepTriangles triangles = {0};
-    qcLayersBodies onDevice = {0};
-    qcLayersFrame frame = {0};
-    qcLayersView view = {{DBL_MAX, DBL_MAX, DBL_MAX}, {-DBL_MAX, -DBL_MAX, -DBL_MAX}, 0.0, 0, true};
-    uint8_t takesPart[8], meetsItself[8] = {0};
-    uint32_t interests[4 * 8] = {0}, transformed = 0;
+    qcGpuResidency onDevice = {0};
+    qcGridFrame frame = {0};
+    qcGridBounds bounds = {{DBL_MAX, DBL_MAX, DBL_MAX}, {-DBL_MAX, -DBL_MAX, -DBL_MAX}, 0.0, 0, true};
+    uint8_t takesPart[8], hasSelfPairs[8] = {0};
+    uint32_t partnerBoxes[4 * 8] = {0}, transformed = 0;
     for (uint32_t i = 0; i < bodyCount; i++)
     {
-        qcSoup soup = qcSoup_MakeRandom(qcRandom_Next(random), 40, 0.2);
-        double offset = qcRandom_Below(random, 3) == 0 ? 1e6 : 0.0;
-        qcSoup_Translate(&soup, offset, -offset, offset);
-        qcBodyDef def = qcDefaultBodyDef();
-        def.positions = soup.positions;
-        def.positionType = qc_positionF64;
-        def.vertexCount = soup.vertexCount;
-        def.indices = soup.indices;
-        def.triangleCount = soup.triangleCount;
-        SetTransform(random, &def.transform);
-        qcBodyId id;
-        CHECK_OK(qcBodies_Add(&bodies, &def, &id));
-        qcSoup_Free(&soup);
         takesPart[i] = 1;
-        const qcBody* body = &QC_AT(qcBody, bodies.slots, i);
-        for (int axis = 0; axis < 3; axis++)
-        {
-            view.lower[axis] = fmin(view.lower[axis], body->lower[axis]);
-            view.upper[axis] = fmax(view.upper[axis], body->upper[axis]);
-        }
+        AddRandomBody(random, &bodies, &bounds);
     }
-    ck_assert(qcLayersFrame_Fit(&frame, &view));
+    ck_assert(qcGridFrame_Fit(&frame, &bounds));
     CHECK_OK(qcStepTriangles_Number(&triangles, &bodies));
-    CHECK_OK(qcLayersBodies_Prepare(&onDevice, &triangles, &frame, takesPart, interests, meetsItself, 1));
+    const qcResidencyJob job = {&triangles, &frame, takesPart, hasSelfPairs, partnerBoxes, 1};
+    CHECK_OK(qcGpuResidency_Prepare(&job, &onDevice));
     qcLayersStep step;
-    qcLayersBodies_FillStep(&onDevice, &step);
+    qcGpuResidency_FillStep(&onDevice, &step);
     for (size_t u = 0; u < step.uploadCount; u++)
     {
         const qcLayersUpload* upload = &step.uploads[u];
@@ -316,10 +324,10 @@ static uint32_t CheckTransforms(qcRandom* random, uint32_t bodyCount)
         const float(*locals)[4] = upload->data;
         uint32_t slot;
         memcpy(&slot, &locals[0][3], sizeof slot);
-        if (!QC_AT(qcLayersPlace, onDevice.places, slot).transformed)
+        if (!QC_AT(qcBodyResidency, onDevice.bodies, slot).transformed)
             continue;
         transformed++;
-        const qcLayersBody* entry = &QC_AT(qcLayersBody, onDevice.sentBodies, slot);
+        const qcLayersBody* entry = &QC_AT(qcLayersBody, onDevice.uploadedTable, slot);
         for (size_t i = 0; i < 9 * upload->count; i++)
         {
             size_t v = i / 9;
@@ -330,7 +338,7 @@ static uint32_t CheckTransforms(qcRandom* random, uint32_t bodyCount)
             ck_assert(IsWithin(x, world[frame.axes[c]], frame.origin[c], frame.exponent, frame.pointError));
         }
     }
-    qcLayersBodies_Free(&onDevice);
+    qcGpuResidency_Free(&onDevice);
     qcStepTriangles_Free(&triangles);
     qcBodies_Free(&bodies);
     return transformed;
@@ -346,7 +354,7 @@ START_TEST(a_transformed_vertex_lies_in_the_frame_within_the_point_error)
         transformed += CheckTransforms(&random, count);
         all += count;
     }
-    // Some would be less exact than that: their vertices are uploaded.
+    // The vertices of all others are uploaded: a transform would not be exact enough.
     ck_assert_uint_gt(transformed, all / 3);
     ck_assert_uint_lt(transformed, all);
     ck_assert_uint_eq(qcGetByteCount(), 0);
@@ -355,103 +363,103 @@ END_TEST
 
 //  ---- which frame -----------------------------------------------------------------------------------------------
 
-START_TEST(the_thinnest_axis_is_the_depth_unless_another_is_asked_for)
+START_TEST(the_thinnest_axis_is_the_depth_unless_another_is_given)
 {
     for (int thin = 0; thin < 3; thin++)
-        for (int asked = 0; asked < 4; asked++)
+        for (int given = 0; given < 4; given++)
         {
-            qcLayersView view = {.upper = {3.0, 3.0, 3.0}, .depthAxis = "\0xyz"[asked]};
-            view.upper[thin] = 1.0;
-            qcLayersFrame frame = {0};
-            ck_assert(qcLayersFrame_Fit(&frame, &view));
-            ck_assert_int_eq(frame.axes[2], asked == 0 ? thin : asked - 1);
+            qcGridBounds bounds = {.upper = {3.0, 3.0, 3.0}, .depthAxis = "\0xyz"[given]};
+            bounds.upper[thin] = 1.0;
+            qcGridFrame frame = {0};
+            ck_assert(qcGridFrame_Fit(&frame, &bounds));
+            ck_assert_int_eq(frame.axes[2], given == 0 ? thin : given - 1);
             ck_assert_int_eq((1 << frame.axes[0]) | (1 << frame.axes[1]) | (1 << frame.axes[2]), 7);
         }
 }
 END_TEST
 
-/// Does a frame for the first view serve the second as well?
-static bool Stays(const qcLayersView* first, const qcLayersView* second)
+/// Whether a frame for the first bounds suits the second.
+static bool Stays(const qcGridBounds* first, const qcGridBounds* second)
 {
-    qcLayersFrame frame = {0};
-    ck_assert(qcLayersFrame_Fit(&frame, first));
+    qcGridFrame frame = {0};
+    ck_assert(qcGridFrame_Fit(&frame, first));
     uint64_t number = frame.number;
-    ck_assert(qcLayersFrame_Fit(&frame, second));
+    ck_assert(qcGridFrame_Fit(&frame, second));
     ck_assert(frame.number == number || frame.number == number + 1);
     return frame.number == number;
 }
 
-START_TEST(a_frame_stays_while_what_is_in_it_fits_and_does_not_shrink_by_half)
+START_TEST(a_frame_stays_while_the_bounds_fit_and_are_more_than_half_as_wide)
 {
-    const qcLayersView view = MakeUnitView();
-    qcLayersView other = view;
-    ck_assert(Stays(&view, &other));
+    const qcGridBounds bounds = MakeUnitBounds();
+    qcGridBounds other = bounds;
+    ck_assert(Stays(&bounds, &other));
     for (int axis = 0; axis < 3; axis++)
     {
-        other = view;
+        other = bounds;
         other.lower[axis] -= 0.1;
         other.upper[axis] += 0.1;
-        ck_assert(Stays(&view, &other));
+        ck_assert(Stays(&bounds, &other));
         other.lower[axis] -= 1.0;
-        ck_assert(!Stays(&view, &other));
-        other.lower[axis] = view.lower[axis];
+        ck_assert(!Stays(&bounds, &other));
+        other.lower[axis] = bounds.lower[axis];
         other.upper[axis] += 1.0;
-        ck_assert(!Stays(&view, &other));
-        other.upper[axis] = view.upper[axis] * 0.9;
-        ck_assert(Stays(&view, &other));
+        ck_assert(!Stays(&bounds, &other));
+        other.upper[axis] = bounds.upper[axis] * 0.9;
+        ck_assert(Stays(&bounds, &other));
     }
-    other = view;
+    other = bounds;
     other.upper[2] = 1.9;
-    ck_assert(!Stays(&view, &other));
+    ck_assert(!Stays(&bounds, &other));
 }
 END_TEST
 
-START_TEST(a_frame_is_made_anew_for_another_reach_or_axis_or_for_transforms)
+START_TEST(another_query_distance_or_axis_or_transforms_need_a_new_frame)
 {
-    const qcLayersView view = MakeUnitView();
-    qcLayersView other = view;
-    other.reach = 1e-9;
-    ck_assert(!Stays(&view, &other));
-    ck_assert(!Stays(&other, &view));
-    other = view;
+    const qcGridBounds bounds = MakeUnitBounds();
+    qcGridBounds other = bounds;
+    other.queryDistance = 1e-9;
+    ck_assert(!Stays(&bounds, &other));
+    ck_assert(!Stays(&other, &bounds));
+    other = bounds;
     other.depthAxis = 'y';
-    ck_assert(!Stays(&view, &other));
-    other = view;
+    ck_assert(!Stays(&bounds, &other));
+    other = bounds;
     other.transforms = true;
-    ck_assert(!Stays(&view, &other));
-    ck_assert(!Stays(&other, &view));
+    ck_assert(!Stays(&bounds, &other));
+    ck_assert(!Stays(&other, &bounds));
 }
 END_TEST
 
-START_TEST(what_no_frame_can_hold_is_refused_and_the_frame_stays)
+START_TEST(bounds_that_no_frame_can_hold_are_refused_and_the_frame_stays)
 {
-    const qcLayersView view = MakeUnitView();
-    qcLayersView bad[5] = {view, view, view, view, view};
+    const qcGridBounds bounds = MakeUnitBounds();
+    qcGridBounds bad[5] = {bounds, bounds, bounds, bounds, bounds};
     bad[0].upper[1] = 0x1p961;
     bad[1].lower[0] = -DBL_MAX, bad[1].upper[0] = DBL_MAX;
-    bad[2].reach = DBL_MAX;
+    bad[2].queryDistance = DBL_MAX;
     bad[3].upper[0] = 0x1p-970, bad[3].upper[1] = bad[3].upper[2] = 0.0;
-    bad[4].reach = 4e7;
-    qcLayersFrame frame = {0};
+    bad[4].queryDistance = 4e7;
+    qcGridFrame frame = {0};
     for (int pass = 0; pass < 2; pass++)
     {
         for (int i = 0; i < 5; i++)
         {
-            qcLayersFrame before = frame;
-            ck_assert(!qcLayersFrame_Fit(&frame, &bad[i]));
+            qcGridFrame before = frame;
+            ck_assert(!qcGridFrame_Fit(&frame, &bad[i]));
             ck_assert_mem_eq(&before, &frame, sizeof frame);
         }
-        ck_assert(qcLayersFrame_Fit(&frame, &view));
+        ck_assert(qcGridFrame_Fit(&frame, &bounds));
         ck_assert_uint_eq(frame.number, 1);
     }
 }
 END_TEST
 
 QC_RUN_TESTS("layers, frame", an_uploaded_position_lies_in_the_frame_within_the_point_error,
-             boxes_of_points_within_reach_overlap_whatever_the_rounding,
-             a_box_of_the_world_overlaps_what_is_within_reach_of_it,
+             boxes_of_points_within_the_query_distance_overlap_under_any_rounding,
+             a_world_box_overlaps_boxes_of_points_within_the_query_distance,
              a_transformed_vertex_lies_in_the_frame_within_the_point_error,
-             the_thinnest_axis_is_the_depth_unless_another_is_asked_for,
-             a_frame_stays_while_what_is_in_it_fits_and_does_not_shrink_by_half,
-             a_frame_is_made_anew_for_another_reach_or_axis_or_for_transforms,
-             what_no_frame_can_hold_is_refused_and_the_frame_stays)
+             the_thinnest_axis_is_the_depth_unless_another_is_given,
+             a_frame_stays_while_the_bounds_fit_and_are_more_than_half_as_wide,
+             another_query_distance_or_axis_or_transforms_need_a_new_frame,
+             bounds_that_no_frame_can_hold_are_refused_and_the_frame_stays)

@@ -1,5 +1,5 @@
-// Random changes of a scene, step after step: bodies come, go, move a little or far, fall asleep; questions change,
-// other methods run in between. After each step `layers` on each device reports what a scene without a device does.
+// Random changes of a scene, step after step: bodies are added, removed, moved a little or far, put to sleep; requests
+// change, other methods run in between. After each step `layers` on each device has the pairs of a scene without one.
 #include "support/devices.h"
 #include "support/scenes.h"
 #include "support/suite.h"
@@ -10,9 +10,9 @@
 
 enum
 {
-    qc_mostThings = 12,
-    qc_crowd = 60,          ///< up to so many triangles may all meet
-    qc_bruteTriangles = 300 ///< up to so many, brute force is asked, beyond it the sweep
+    qc_maxThings = 12,
+    qc_crowd = 60,          ///< max. triangles that may all intersect
+    qc_bruteTriangles = 300 ///< max. triangles for brute force as the oracle; beyond it the sweep is
 };
 
 typedef struct Thing
@@ -31,9 +31,9 @@ typedef struct World
     int sceneCount;
     uint32_t sceneTriangles, bodyTriangles; ///< at most
     double offset[3];                       ///< about where things are
-    Thing things[qc_mostThings];
+    Thing things[qc_maxThings];
     uint32_t count;
-    char log[400]; ///< what the step has done
+    char log[400]; ///< the changes of the step
 } World;
 
 typedef struct Tally
@@ -62,7 +62,7 @@ static uint32_t CountTriangles(const World* world)
     return count;
 }
 
-/// Distances to which something goes now and then: far out only what few others would crowd one pixel for.
+/// Distances to which a body may move: far out only few, or all others would share one pixel.
 static double Distance(World* world)
 {
     static const double s_distances[] = {0.3, 0.3, 0.3, 1, 1, 30}, s_far[] = {1e3, 1e4, 1e9, 1e150, 1e300};
@@ -122,7 +122,7 @@ static void AddThing(World* world)
 {
     qcRandom* random = &world->random;
     qcSoup soup = MakeSoup(world);
-    if (world->count == qc_mostThings || CountTriangles(world) + soup.triangleCount > world->sceneTriangles)
+    if (world->count == qc_maxThings || CountTriangles(world) + soup.triangleCount > world->sceneTriangles)
     {
         qcSoup_Free(&soup);
         return;
@@ -345,7 +345,7 @@ static void RunWorld(uint64_t seed, uint32_t bodyTriangles, int steps, qcDevice*
         qcScene_Destroy(world.scenes[i]);
 }
 
-START_TEST(any_sequence_of_changes_gives_the_pairs_of_a_scene_without_a_device)
+START_TEST(after_any_sequence_of_changes_layers_finds_the_pairs_of_a_scene_without_a_device)
 {
     // Few triangles: all is tried, often. More: several nodes to a body, lists that grow.
     static const struct
@@ -376,4 +376,4 @@ START_TEST(any_sequence_of_changes_gives_the_pairs_of_a_scene_without_a_device)
 }
 END_TEST
 
-QC_RUN_TESTS("layers, steps", any_sequence_of_changes_gives_the_pairs_of_a_scene_without_a_device)
+QC_RUN_TESTS("layers, steps", after_any_sequence_of_changes_layers_finds_the_pairs_of_a_scene_without_a_device)

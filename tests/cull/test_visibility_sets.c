@@ -35,7 +35,7 @@ START_TEST(a_pruned_primitive_is_neither_tested_nor_rendered)
 }
 END_TEST
 
-START_TEST(cullide_tests_and_renders_whatever_is_left_in_both_passes)
+START_TEST(cullide_tests_and_renders_all_but_bfv_in_both_passes)
 {
     for (int pass = 1; pass <= 2; pass++)
         for (int set = qc_setFfv; set <= qc_setNfv; set++)
@@ -69,7 +69,7 @@ START_TEST(visible_in_both_passes_of_one_view_prunes_nfv)
 }
 END_TEST
 
-START_TEST(hidden_changes_nothing)
+START_TEST(a_hidden_primitive_stays_in_its_set)
 {
     for (int pass = 1; pass <= 2; pass++)
         for (int set = qc_setBfv; set <= qc_setNfv; set++)
@@ -77,7 +77,7 @@ START_TEST(hidden_changes_nothing)
 }
 END_TEST
 
-START_TEST(two_of_one_collision_free_set_are_not_paired)
+START_TEST(primitives_of_one_collision_free_set_are_not_paired)
 {
     const unsigned sets[] = {qc_setBfv, qc_setFfv, qc_setSfv, qc_setNfv};
     const bool expected[4][4] = {{false, false, false, false},
@@ -90,7 +90,7 @@ START_TEST(two_of_one_collision_free_set_are_not_paired)
 }
 END_TEST
 
-START_TEST(only_quick_keeps_sets_from_view_to_view)
+START_TEST(only_quick_passes_ffv_and_sfv_from_view_to_view)
 {
     for (int set = qc_setBfv; set <= qc_setNfv; set++)
         ck_assert_int_eq(qcVisibilitySet_NextView((qcVisibilitySet)set, true), set);
@@ -102,9 +102,8 @@ END_TEST
 
 QC_RUN_TESTS("visibility sets", the_first_pass_tests_sfv_and_nfv_and_renders_ffv_and_nfv,
              the_second_pass_tests_ffv_and_nfv_and_renders_sfv_and_nfv,
-             a_pruned_primitive_is_neither_tested_nor_rendered,
-             cullide_tests_and_renders_whatever_is_left_in_both_passes,
+             a_pruned_primitive_is_neither_tested_nor_rendered, cullide_tests_and_renders_all_but_bfv_in_both_passes,
              visible_in_the_first_pass_moves_nfv_to_ffv_and_prunes_sfv,
              visible_in_the_second_pass_moves_nfv_to_sfv_and_prunes_ffv, visible_in_both_passes_of_one_view_prunes_nfv,
-             hidden_changes_nothing, two_of_one_collision_free_set_are_not_paired,
-             only_quick_keeps_sets_from_view_to_view)
+             a_hidden_primitive_stays_in_its_set, primitives_of_one_collision_free_set_are_not_paired,
+             only_quick_passes_ffv_and_sfv_from_view_to_view)

@@ -513,7 +513,7 @@ START_TEST(bad_resolutions_and_devices_are_refused)
         def.resolution = 64;
         def.triangleCount = 0x80000000u;
         ck_assert_int_eq(qcVisibility_Create(&def, &visibility), qc_statusBadInput);
-        // Grown, each becomes five.
+        // Dilated, each triangle becomes five.
         def.triangleCount = 0x7fffffff / 15 + 1;
         def.dilated = true;
         ck_assert_int_eq(qcVisibility_Create(&def, &visibility), qc_statusBadInput);
@@ -604,7 +604,7 @@ START_TEST(any_allocation_may_fail_and_the_next_pass_succeeds)
 }
 END_TEST
 
-QC_RUN_TESTS("visibility", a_rendered_triangle_hides_only_triangles_behind_it,
+QC_RUN_TESTS("occlusion queries", a_rendered_triangle_hides_only_triangles_behind_it,
              crossing_triangles_hide_each_other_in_either_order, triangles_that_share_an_edge_do_not_hide_each_other,
              equal_depth_hides_between_objects_and_not_within_one, both_orientations_of_a_triangle_are_drawn_and_tested,
              a_triangle_to_the_side_stays_visible, an_empty_buffer_hides_nothing_not_even_the_farthest_depth,

@@ -1,29 +1,29 @@
-// Pairs of triangles for the kernels that compare them, in single precision and side by side.
+// Pairs of triangles in single precision, side by side, for the kernels that compare them.
 #ifndef QC_TESTS_KERNELS_KERNEL_PAIRS_H
 #define QC_TESTS_KERNELS_KERNEL_PAIRS_H
 
 #include "support/pairs.h"
-#include "sweep/surfaces.h"
+#include "sweep/sample_bodies.h"
 
 #include <math.h>
 
 enum
 {
-    qc_mostInBatch = 48
+    qc_maxBatch = 48
 };
 
-/// Triangles of both sides, side by side: pair i is of triangle i and triangle i.
+/// Triangles of both sides: pair i consists of triangle i of each.
 typedef struct qcBatch
 {
-    qcPoint points[2][3 * qc_mostInBatch];
-    qcCorners corners[qc_mostInBatch];
+    qcPoint points[2][3 * qc_maxBatch];
+    qcCorners corners[qc_maxBatch];
     size_t count;
 } qcBatch;
 
-/// The last is the one that is asked about; the others are what was asked before.
+/// The last pair is the one under test; the others are those of previous tests.
 static inline void qcBatch_Push(qcBatch* batch, double a[3][3], double b[3][3])
 {
-    if (batch->count == qc_mostInBatch)
+    if (batch->count == qc_maxBatch)
         batch->count = 0;
     size_t at = batch->count++;
     for (uint32_t c = 0; c < 3; c++)
@@ -39,9 +39,9 @@ static inline void qcBatch_Push(qcBatch* batch, double a[3][3], double b[3][3])
     }
 }
 
-static inline qcFilterSide qcBatch_Side(const qcBatch* batch, int side)
+static inline qcIndexedTriangles qcBatch_Side(const qcBatch* batch, int side)
 {
-    return (qcFilterSide){batch->corners, batch->points[side]};
+    return (qcIndexedTriangles){batch->corners, batch->points[side]};
 }
 
 static inline float qcRoundUp(double value)
@@ -54,13 +54,13 @@ static inline float qcRoundDown(double value)
     return value > 0.0 ? nextafterf((float)value, 0.0f) : 0.0f;
 }
 
-/// From a pair's own coordinates to the unit box, by a power of two: 2^-24 is what that costs at most.
+/// From a pair's own coordinates to the unit box, by a power of two. The error of points is at most 2^-24.
 typedef struct qcUnitFrame
 {
     double unit, origin[3];
 } qcUnitFrame;
 
-/// False: not to be told by doubles.
+/// False: too large or too small for doubles.
 static inline bool qcUnitFrame_Find(qcUnitFrame* frame, const qcTrianglePair* pair, double margin)
 {
     double widest = margin;
@@ -83,18 +83,18 @@ static inline bool qcUnitFrame_Find(qcUnitFrame* frame, const qcTrianglePair* pa
     return true;
 }
 
-static inline void qcUnitFrame_Map(const qcUnitFrame* frame, const double corners[3][3], double mapped[3][3])
+static inline void qcUnitFrame_Transform(const qcUnitFrame* frame, const double corners[3][3], double inUnitBox[3][3])
 {
     for (int c = 0; c < 3; c++)
         for (int axis = 0; axis < 3; axis++)
-            mapped[c][axis] = (corners[c][axis] - frame->origin[axis]) * frame->unit;
+            inUnitBox[c][axis] = (corners[c][axis] - frame->origin[axis]) * frame->unit;
 }
 
 static inline void qcUnitFrame_Push(const qcUnitFrame* frame, const qcTrianglePair* pair, qcBatch* batch)
 {
     double a[3][3], b[3][3];
-    qcUnitFrame_Map(frame, pair->a, a);
-    qcUnitFrame_Map(frame, pair->b, b);
+    qcUnitFrame_Transform(frame, pair->a, a);
+    qcUnitFrame_Transform(frame, pair->b, b);
     qcBatch_Push(batch, a, b);
 }
 
@@ -109,9 +109,9 @@ static inline double qcDot(const double a[3], const double b[3])
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
-/// Two triangles `apart` along n: a vertex over a face, or two edges that cross; the rest of both leans away from the
-/// plane between them, if only by a little.
-static inline void qcMakeOverEachOther(qcRandom* random, bool edges, double apart, double a[3][3], double b[3][3],
+/// Two triangles at distance `distance` along n: a vertex over a face, or two edges that cross. The rest of both leans
+/// away from the plane between them, at least slightly.
+static inline void qcMakeOverEachOther(qcRandom* random, bool edges, double distance, double a[3][3], double b[3][3],
                                        double n[3])
 {
     double u[3], v[3], foot[3];
@@ -133,9 +133,10 @@ static inline void qcMakeOverEachOther(qcRandom* random, bool edges, double apar
                lean = qcRandom_Uniform(random, 0.0, 0.01);
         for (int i = 0; i < 3; i++)
         {
-            // A has the plane through the foot below it, or its edge along u; B its corner above, or its edge along v.
+            // A lies in the plane through the foot, or has its edge along u; B has its corner above, or its edge along
+            // v.
             a[c][i] = foot[i] + (c == 0 ? -u[i] - v[i] : c == 1 ? u[i] - 0.5 * v[i] : v[i]) * 0.5;
-            b[c][i] = foot[i] + n[i] * apart;
+            b[c][i] = foot[i] + n[i] * distance;
             if (edges)
             {
                 a[c][i] = foot[i] + (c == 0 ? -0.5 * u[i] : c == 1 ? 0.5 * u[i] : s * u[i] + t * v[i] - lean * n[i]);
@@ -147,7 +148,7 @@ static inline void qcMakeOverEachOther(qcRandom* random, bool edges, double apar
     }
 }
 
-/// Moves both along n, one this way and the other that way: closer to each other where `by` is negative.
+/// Moves both along n in opposite directions: closer to each other if `by` is negative.
 static inline void qcMoveApart(double a[3][3], double b[3][3], const double n[3], double by)
 {
     for (int axis = 0; axis < 3; axis++)
@@ -161,30 +162,33 @@ static inline void qcMoveApart(double a[3][3], double b[3][3], const double n[3]
     }
 }
 
-/// From a second side's frame to the first's: turned, scaled and moved; in `back` is the way back of its corners `b`.
-static inline void qcMakeTurn(qcRandom* random, qcDistanceThresholds* bound, double b[3][3], double back[3][3])
+/// A random transform from the second side's frame to the first: rotated, scaled and moved. `back`: the corners `b` in
+/// the second frame.
+static inline void qcMakeTransform(qcRandom* random, qcDistanceThresholds* thresholds, double b[3][3],
+                                   double back[3][3])
 {
-    // The rotation of a quaternion, its length left in.
+    // The rotation of a quaternion that isn't normalized.
     double scale = exp2(qcRandom_Uniform(random, -6.0, 6.0));
     double q[4] = {qcRandom_Uniform(random, -1, 1), qcRandom_Uniform(random, -1, 1), qcRandom_Uniform(random, -1, 1),
                    qcRandom_Uniform(random, 0.5, 1)};
     double length = qcDot(q, q) + q[3] * q[3];
-    bound->mapped = true;
+    thresholds->isTransformed = true;
     for (int r = 0; r < 3; r++)
     {
         int s = (r + 1) % 3, t = (r + 2) % 3;
-        bound->linear[r][r] = (float)((q[3] * q[3] + q[r] * q[r] - q[s] * q[s] - q[t] * q[t]) / length * scale);
-        bound->linear[r][s] = (float)(2.0 * (q[r] * q[s] - q[t] * q[3]) / length * scale);
-        bound->linear[r][t] = (float)(2.0 * (q[r] * q[t] + q[s] * q[3]) / length * scale);
-        bound->shift[r] = (float)qcRandom_Uniform(random, -4.0, 4.0);
+        thresholds->linear[r][r] = (float)((q[3] * q[3] + q[r] * q[r] - q[s] * q[s] - q[t] * q[t]) / length * scale);
+        thresholds->linear[r][s] = (float)(2.0 * (q[r] * q[s] - q[t] * q[3]) / length * scale);
+        thresholds->linear[r][t] = (float)(2.0 * (q[r] * q[t] + q[s] * q[3]) / length * scale);
+        thresholds->shift[r] = (float)qcRandom_Uniform(random, -4.0, 4.0);
     }
-    // The transpose, by the square of the scale.
+    // The transpose, over the square of the scale.
     for (int c = 0; c < 3; c++)
         for (int r = 0; r < 3; r++)
         {
             back[c][r] = 0.0;
             for (int s = 0; s < 3; s++)
-                back[c][r] += (double)bound->linear[s][r] * (b[c][s] - (double)bound->shift[s]) / (scale * scale);
+                back[c][r] +=
+                    (double)thresholds->linear[s][r] * (b[c][s] - (double)thresholds->shift[s]) / (scale * scale);
         }
 }
 

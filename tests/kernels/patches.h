@@ -1,5 +1,5 @@
-// Patches of triangles, each a disc with one loop around it: strips that bend, fold and cross themselves, and discs
-// that grow triangle by triangle, with notches, slivers and fans.
+// Patches of triangles with one boundary loop: strips that bend, fold and cross themselves, and patches that grow
+// triangle by triangle, with notches, slivers and fans.
 #ifndef QC_TESTS_KERNELS_PATCHES_H
 #define QC_TESTS_KERNELS_PATCHES_H
 
@@ -7,20 +7,20 @@
 
 enum
 {
-    qc_patchColumns = 24, ///< of squares, along a strip, at most
+    qc_patchColumns = 24, ///< max squares along a strip
     qc_patchRows = 2,
     qc_patchVertices = (qc_patchColumns + 1) * (qc_patchRows + 1),
     qc_patchTriangles = 2 * qc_patchColumns * qc_patchRows
 };
 
-/// Corners where they are and, no further than the error from there, as floats.
+/// Exact corners, and as floats, wrong by at most the error.
 typedef struct qcPatch
 {
     double positions[qc_patchVertices][3];
     qcPoint points[qc_patchVertices];
     qcCorners corners[qc_patchTriangles];
     uint32_t vertexCount, triangleCount, loopCount;
-    uint32_t places[qc_patchTriangles], loop[qc_patchVertices];
+    uint32_t slots[qc_patchTriangles], loop[qc_patchVertices];
     float pointError;
 } qcPatch;
 
@@ -32,7 +32,7 @@ static inline uint32_t qcPatch_Vertex(uint32_t column, uint32_t row)
 static inline void qcPatch_AddTriangle(qcPatch* patch, uint32_t a, uint32_t b, uint32_t c)
 {
     patch->corners[patch->triangleCount] = (qcCorners){{a, b, c}};
-    patch->places[patch->triangleCount] = patch->triangleCount;
+    patch->slots[patch->triangleCount] = patch->triangleCount;
     patch->triangleCount++;
 }
 
@@ -60,7 +60,7 @@ static inline void qcPatch_MakeStrip(qcPatch* patch, uint32_t columns)
     patch->loopCount = at;
 }
 
-/// Three directions at right angles: any, or those of the axes.
+/// Three perpendicular directions: any, or those of the axes.
 static inline void qcMakeDirections(qcRandom* random, bool ofAxes, double direction[3][3])
 {
     memset(direction, 0, 9 * sizeof(double));
@@ -84,8 +84,8 @@ static inline void qcMakeDirections(qcRandom* random, bool ofAxes, double direct
     }
 }
 
-/// Part of a ring, or more than one round of it; `rise` is how far it climbs in a round, `noise` moves each vertex. At
-/// one round and no rise the ends lie on each other. Turned so that it faces any way.
+/// Part of a ring, or more than one turn of it. `rise`: its height per turn; `noise`: max displacement of a vertex.
+/// With one turn and no rise the ends coincide. It faces any direction.
 static inline void qcPatch_MakeRing(qcRandom* random, uint32_t columns, double rounds, double rise, double noise,
                                     qcPatch* patch)
 {
@@ -107,8 +107,8 @@ static inline void qcPatch_MakeRing(qcRandom* random, uint32_t columns, double r
         }
 }
 
-/// From coordinates in a plane and above it to some place of the unit box, `size` of it. Points are wrong by any
-/// `error`, and the less often the nearer to it they get.
+/// From coordinates in a plane and above it to a random position in the unit box, scaled to `size`. Points are wrong by
+/// up to `error`; large errors are rarer.
 static inline void qcPatch_Place(qcPatch* patch, qcRandom* random, bool ofAxes, double size, double error)
 {
     double direction[3][3], low[3] = {INFINITY, INFINITY, INFINITY}, widest = 0.0, turned[qc_patchVertices][3];
@@ -137,18 +137,18 @@ static inline void qcPatch_Place(qcPatch* patch, qcRandom* random, bool ofAxes, 
     }
 }
 
-/// Which way a strip goes in its plane.
+/// The course of a strip in its plane.
 typedef enum qcStripKind
 {
     qc_stripStraight,
-    qc_stripU, ///< there and back: the arms come near each other
+    qc_stripU, ///< there and back: the arms are near each other
     qc_stripZigzag,
-    qc_stripMeander, ///< any way
+    qc_stripMeander, ///< in any direction
     qc_stripKindCount
 } qcStripKind;
 
-/// A strip of steps of about 1. `notch`: how far vertices of its contour may go inward, of its width; `noise`: how far
-/// any may go. `height`: of waves across the plane.
+/// A strip with steps of about 1. `notch`: max inward displacement of contour vertices, relative to the width; `noise`:
+/// max displacement of any vertex; `height`: that of waves across the plane.
 static inline void qcPatch_MakePath(qcRandom* random, qcStripKind kind, uint32_t columns, double notch, double noise,
                                     double height, qcPatch* patch)
 {
@@ -177,7 +177,7 @@ static inline void qcPatch_MakePath(qcRandom* random, qcStripKind kind, uint32_t
             double side = (double)r / qc_patchRows - 0.5;
             if (r == 0 || r == qc_patchRows)
                 side *= 1.0 - notch * qcRandom_Uniform(random, 0.0, 1.0);
-            // To the right of the way.
+            // To the right of the course.
             x[0] = at[0] - side * width * (sin(heading) + shear) + qcRandom_Uniform(random, -noise, noise);
             x[1] = at[1] + side * width * cos(heading) + qcRandom_Uniform(random, -noise, noise);
             x[2] = height * sin(0.7 * at[0] + 0.3 * at[1]) + 0.3 * qcRandom_Uniform(random, -noise, noise);
@@ -185,7 +185,7 @@ static inline void qcPatch_MakePath(qcRandom* random, qcStripKind kind, uint32_t
     }
 }
 
-/// Triangles around a vertex, almost all around it: what is left open is a sharp notch. Of any radii.
+/// Triangles almost all around a vertex: a sharp notch stays open. Any radii.
 static inline void qcPatch_MakeFan(qcRandom* random, uint32_t triangles, double open, double height, qcPatch* patch)
 {
     *patch = (qcPatch){.vertexCount = triangles + 2, .loopCount = triangles + 2};
@@ -204,11 +204,11 @@ static inline void qcPatch_MakeFan(qcRandom* random, uint32_t triangles, double 
         patch->loop[i] = i;
 }
 
-/// A row of triangles with teeth on it, which lean to either side: their tips come near each other.
+/// A row of triangles with teeth, which lean to either side: their tips are near each other.
 static inline void qcPatch_MakeTeeth(qcRandom* random, uint32_t teeth, double lean, double height, qcPatch* patch)
 {
     *patch = (qcPatch){.vertexCount = 3 * teeth + 1};
-    // By threes: the base of a tooth, its tip, and what is below; last, where the last one ends.
+    // In threes: the base of a tooth, its tip, and the point below; finally the end of the last one.
     for (uint32_t v = 0; v < patch->vertexCount; v++)
     {
         double* x = patch->positions[v];
@@ -232,7 +232,7 @@ static inline void qcPatch_MakeTeeth(qcRandom* random, uint32_t teeth, double le
     patch->loopCount = 3 * teeth + 1;
 }
 
-/// The loop without its i-th vertex, or with one more before that.
+/// The loop without its i-th vertex, or with one more in front of it.
 static inline void qcPatch_ChangeLoop(qcPatch* patch, uint32_t i, bool add, uint32_t vertex)
 {
     uint32_t* from = patch->loop + i + !add;
@@ -242,8 +242,8 @@ static inline void qcPatch_ChangeLoop(qcPatch* patch, uint32_t i, bool add, uint
         patch->loop[i] = vertex;
 }
 
-/// Triangle by triangle: over some edge of the loop to a new vertex, or into a notch. Some are slivers; `fan`: the
-/// likelihood that the new one is next to the last. What would lie on what is there is, mostly, not added.
+/// Grows triangle by triangle: from an edge of the loop to a new vertex, or into a notch. Some are slivers. `fan`: the
+/// probability that a new triangle is next to the previous one. Most triangles that would overlap others are not added.
 static inline void qcPatch_MakeGrown(qcRandom* random, uint32_t triangles, double fan, double height, qcPatch* patch)
 {
     *patch = (qcPatch){.vertexCount = 3, .loopCount = 3, .loop = {0, 1, 2}};

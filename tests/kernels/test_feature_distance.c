@@ -1,9 +1,9 @@
-// What the kernels of every instruction set say has no contact has none in double arithmetic either: of pairs of all
-// kinds and scales, and at the margin; and of most features that have none they say so.
+// Features that the kernels of every instruction set prove without a contact have none in double arithmetic either: for
+// pairs of all kinds and scales, also at the margin. Most features without a contact are proven so.
 #include "narrowphase/feature_contacts.h"
 #include "support/pairs.h"
 #include "support/suite.h"
-#include "sweep/surfaces.h"
+#include "sweep/sample_bodies.h"
 
 #include <float.h>
 #include <math.h>
@@ -40,23 +40,23 @@ static void Make(const double a[3][3], const double b[3][3], double margin, Pair
 
 static int Find(const Pair* made, qcFeatureMask near, qcContact contacts[qc_maxContactsPerPair])
 {
-    qcContactFacet a = {.index = NULL}, b = {.index = NULL};
-    qcContactFacet_Set(&a, &made->pair.a);
-    qcContactFacet_Set(&b, &made->pair.b);
+    qcContactTriangle a = {.index = NULL}, b = {.index = NULL};
+    qcContactTriangle_Load(&a, &made->pair.a);
+    qcContactTriangle_Load(&b, &made->pair.b);
     return qcContact_Find(&a, &b, made->pair.margin, near, contacts);
 }
 
 static const qcFeatureMask s_all = 0x7fff;
 
-typedef struct Inquiry
+typedef struct Counts
 {
     Pair pairs[qc_featurePairs];
     size_t count;
-    int contacts, without;    ///< features that have one, and that have none
-    int told[qc_mostKernels]; ///< of the latter
-} Inquiry;
+    int contacts, without;     ///< pairs of features with a contact, and without
+    int proven[qc_maxKernels]; ///< of the latter
+} Counts;
 
-static void AskOne(Inquiry* q, const Pair* pair, qcFeatureMask near, size_t kernel, const char* name)
+static void AskOne(Counts* q, const Pair* pair, qcFeatureMask near, size_t kernel, const char* name)
 {
     qcContact all[qc_maxContactsPerPair], found[qc_maxContactsPerPair];
     memset(all, 0, sizeof all);
@@ -64,7 +64,7 @@ static void AskOne(Inquiry* q, const Pair* pair, qcFeatureMask near, size_t kern
     int count = Find(pair, s_all, all), foundCount = Find(pair, near, found);
     CHECK_THAT(count == foundCount && memcmp(all, found, (size_t)count * sizeof all[0]) == 0,
                "%s: %d of %d contacts within %a, features %x", name, foundCount, count, pair->pair.margin, near);
-    q->told[kernel] += 15 - __builtin_popcount(near);
+    q->proven[kernel] += 15 - __builtin_popcount(near);
     if (kernel == 0)
     {
         q->contacts += count;
@@ -72,7 +72,7 @@ static void AskOne(Inquiry* q, const Pair* pair, qcFeatureMask near, size_t kern
     }
 }
 
-static void Flush(Inquiry* q)
+static void Flush(Counts* q)
 {
     qcContactPair pairs[qc_featurePairs];
     qcFeatureMask near[qc_featurePairs];
@@ -89,15 +89,15 @@ static void Flush(Inquiry* q)
     q->count = 0;
 }
 
-static void Ask(Inquiry* q, const double a[3][3], const double b[3][3], double margin)
+static void CheckMargin(Counts* q, const double a[3][3], const double b[3][3], double margin)
 {
     Make(a, b, margin, &q->pairs[q->count]);
     if (++q->count == qc_featurePairs)
         Flush(q);
 }
 
-/// With margins at the distances of its features, and about.
-static void AskAtDistances(Inquiry* q, const qcTrianglePair* pair, double off)
+/// With margins at and about the distances of its features.
+static void AskAtDistances(Counts* q, const qcTrianglePair* pair, double off)
 {
     Pair made;
     qcContact contacts[qc_maxContactsPerPair];
@@ -106,15 +106,15 @@ static void AskAtDistances(Inquiry* q, const qcTrianglePair* pair, double off)
     for (int i = 0; i < count; i++)
     {
         double distance = contacts[i].distance;
-        Ask(q, pair->a, pair->b, distance);
-        Ask(q, pair->a, pair->b, distance * (1.0 + off));
-        Ask(q, pair->a, pair->b, distance * (1.0 - off));
+        CheckMargin(q, pair->a, pair->b, distance);
+        CheckMargin(q, pair->a, pair->b, distance * (1.0 + off));
+        CheckMargin(q, pair->a, pair->b, distance * (1.0 - off));
     }
 }
 
-START_TEST(no_contact_is_left_out)
+START_TEST(no_contact_is_lost)
 {
-    Inquiry q = {.count = 0};
+    Counts q = {.count = 0};
     qcRandom random = {41};
     int count = qcGetTestPairCount(6000);
     for (int i = 0; i < count; i++)
@@ -122,8 +122,8 @@ START_TEST(no_contact_is_left_out)
         qcTrianglePair pair;
         qcTrianglePair_MakeAny(&random, &pair);
         AskAtDistances(&q, &pair, ldexp(1.0, -i % 50));
-        Ask(&q, pair.a, pair.b, 0.0);
-        // Batches that are not full, too.
+        CheckMargin(&q, pair.a, pair.b, 0.0);
+        // Also batches that are not full.
         if (i % 3 == 0)
             Flush(&q);
     }
@@ -134,7 +134,7 @@ END_TEST
 
 START_TEST(nearly_parallel_edges_keep_their_contacts)
 {
-    Inquiry q = {.count = 0};
+    Counts q = {.count = 0};
     qcRandom random = {42};
     for (int i = 0; i < 20000; i++)
     {
@@ -154,13 +154,13 @@ START_TEST(nearly_parallel_edges_keep_their_contacts)
 }
 END_TEST
 
-START_TEST(numbers_at_both_ends_are_right)
+START_TEST(the_smallest_and_the_largest_numbers_lose_no_contact)
 {
-    Inquiry q = {.count = 0};
+    Counts q = {.count = 0};
     qcRandom random = {43};
     for (int i = 0; i < 4000; i++)
     {
-        // Floats end at 2^128 and at 2^-149.
+        // Floats range from 2^-149 to 2^128.
         qcTrianglePair pair = {.kind = qc_pairGeneral};
         double size = ldexp(1.0, i % 2 == 0 ? 120 + i / 2 % 30 : -115 - i / 2 % 60);
         for (int c = 0; c < 3; c++)
@@ -176,13 +176,13 @@ START_TEST(numbers_at_both_ends_are_right)
 }
 END_TEST
 
-START_TEST(most_that_has_no_contact_is_told)
+START_TEST(most_features_without_a_contact_are_proven_so)
 {
-    Inquiry q = {.count = 0};
+    Counts q = {.count = 0};
     qcRandom random = {44};
     for (int i = 0; i < 20000; i++)
     {
-        // As triangles of a mesh come near others, in a world of another size.
+        // Like triangles of two meshes near each other, in a world of another size.
         qcTrianglePair pair = {.kind = qc_pairGeneral};
         for (int axis = 0; axis < 3; axis++)
         {
@@ -193,14 +193,14 @@ START_TEST(most_that_has_no_contact_is_told)
                 pair.b[c][axis] = other + qcRandom_Uniform(&random, -1.0, 1.0);
             }
         }
-        Ask(&q, pair.a, pair.b, 0.2);
+        CheckMargin(&q, pair.a, pair.b, 0.2);
     }
     Flush(&q);
     FOR_EACH_KERNELS(k)
-    CHECK_THAT(q.told[kernelIndex] > q.without / 100 * 80, "%s tells %d of %d", k->name, q.told[kernelIndex],
+    CHECK_THAT(q.proven[kernelIndex] > q.without / 100 * 80, "%s tells %d of %d", k->name, q.proven[kernelIndex],
                q.without);
 }
 END_TEST
 
-QC_RUN_TESTS("contact_features", no_contact_is_left_out, nearly_parallel_edges_keep_their_contacts,
-             numbers_at_both_ends_are_right, most_that_has_no_contact_is_told)
+QC_RUN_TESTS("feature_distance", no_contact_is_lost, nearly_parallel_edges_keep_their_contacts,
+             the_smallest_and_the_largest_numbers_lose_no_contact, most_features_without_a_contact_are_proven_so)

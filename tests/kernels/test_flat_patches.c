@@ -1,27 +1,27 @@
-// What the kernels of every instruction set call flat doesn't meet itself, nor come within the reach of itself, by
-// rational arithmetic; and what bends little is called flat.
+// A patch that the kernels of every instruction set prove flat has no self-contact within the query distance, by
+// rational arithmetic; and patches that bend little are proven flat.
 #include "support/oracle.h"
 #include "kernels/patches.h"
 #include "support/suite.h"
 
 #include <stdio.h>
 
-static bool IsFlat(const qcTriangleKernels* k, const qcPatch* patch, float reach)
+static bool IsFlat(const qcTriangleKernels* k, const qcPatch* patch, float query)
 {
-    qcPatchGeometry disc = {.corners = patch->corners,
-                            .points = patch->points,
-                            .places = patch->places,
-                            .loop = patch->loop,
-                            .placeCount = patch->triangleCount,
-                            .loopCount = patch->loopCount,
-                            .pointError = patch->pointError,
-                            .reach = reach};
-    return k->isFlat(&disc);
+    qcPatchGeometry geometry = {.corners = patch->corners,
+                                .points = patch->points,
+                                .slots = patch->slots,
+                                .loop = patch->loop,
+                                .slotCount = patch->triangleCount,
+                                .loopCount = patch->loopCount,
+                                .pointError = patch->pointError,
+                                .query = query};
+    return k->isPatchFlat(&geometry);
 }
 
-//  ---- how near a patch comes to itself ------------------------------------------------------------
+//  ---- least distance of a patch from itself -------------------------------------------------------
 
-/// A vertex, an edge or a triangle: some corners are the same.
+/// A vertex, an edge or a triangle: a corner may be repeated.
 typedef struct Feature
 {
     uint32_t vertex[3];
@@ -30,7 +30,7 @@ typedef struct Feature
 
 enum
 {
-    qc_mostFeatures = qc_patchVertices + 4 * qc_patchTriangles
+    qc_maxFeatures = qc_patchVertices + 4 * qc_patchTriangles
 };
 
 static void AddFeature(const qcPatch* patch, uint32_t a, uint32_t b, uint32_t c, Feature* features, size_t* count)
@@ -52,7 +52,7 @@ static int CompareLowEnds(const void* f, const void* g)
     return (a > b) - (a < b);
 }
 
-/// In order of their low ends. Inner edges come twice.
+/// Ordered by lower ends. Inner edges occur twice.
 static size_t ListFeatures(const qcPatch* patch, Feature* features)
 {
     size_t count = 0;
@@ -78,16 +78,16 @@ static bool ShareVertex(const Feature* f, const Feature* g)
     return false;
 }
 
-static bool AreBoxesWithin(const Feature* f, const Feature* g, double reach)
+static bool AreBoxesWithin(const Feature* f, const Feature* g, double query)
 {
     for (int i = 0; i < 3; i++)
-        if (f->low[i] > g->high[i] + reach || g->low[i] > f->high[i] + reach)
+        if (f->low[i] > g->high[i] + query || g->low[i] > f->high[i] + query)
             return false;
     return true;
 }
 
-/// Are their projections on a direction surely further apart than the reach? For coordinates up to 1.
-static bool Separates(const double w[3], const Feature* f, const Feature* g, double reach)
+/// Their projections on a direction prove them farther disjoint than the distance. For coordinates up to 1.
+static bool Separates(const double w[3], const Feature* f, const Feature* g, double query)
 {
     double length = sqrt(qcDot(w, w)), low[2] = {INFINITY, INFINITY}, high[2] = {-INFINITY, -INFINITY};
     for (int c = 0; c < 3; c++)
@@ -99,11 +99,11 @@ static bool Separates(const double w[3], const Feature* f, const Feature* g, dou
             high[k] = fmax(high[k], at[k]);
         }
     }
-    return fmax(low[0] - high[1], low[1] - high[0]) > (reach + 1e-14) * length;
+    return fmax(low[0] - high[1], low[1] - high[0]) > (query + 1e-14) * length;
 }
 
-/// By edges and by normals of both, and by what is across edges: leaves little to the oracle.
-static bool AreSurelyBeyond(const Feature* f, const Feature* g, double reach)
+/// By edges and normals of both, and by directions across edges: few pairs remain for the oracle.
+static bool AreProvenFarther(const Feature* f, const Feature* g, double query)
 {
     const Feature* both[2] = {f, g};
     double edges[2][3][3], w[3], n[3];
@@ -116,10 +116,10 @@ static bool AreSurelyBeyond(const Feature* f, const Feature* g, double reach)
         {
             for (int i = 0; i < 3; i++)
                 w[i] = f->corners[c][i] - g->corners[d][i];
-            if (Separates(w, f, g, reach))
+            if (Separates(w, f, g, query))
                 return true;
             qcCross(edges[0][c], edges[1][d], n);
-            if (Separates(n, f, g, reach))
+            if (Separates(n, f, g, query))
                 return true;
             // Across the edge of one, from a corner of the other.
             for (int s = 0; s < 2; s++)
@@ -128,27 +128,26 @@ static bool AreSurelyBeyond(const Feature* f, const Feature* g, double reach)
                 double along = qcDot(w, e) / qcDot(e, e), across[3];
                 for (int i = 0; i < 3; i++)
                     across[i] = w[i] - along * e[i];
-                if (Separates(across, f, g, reach))
+                if (Separates(across, f, g, query))
                     return true;
             }
         }
     for (int s = 0; s < 2; s++)
     {
         qcCross(edges[s][0], edges[s][1], n);
-        if (Separates(n, f, g, reach))
+        if (Separates(n, f, g, query))
             return true;
     }
     return false;
 }
 
-/// The least distance of two features that have no vertex in common: no more than 1e-9 of itself, or 3e-14, too
-/// large.
+/// The least distance of two features without a common vertex: too large by at most 1e-9 of itself, or 3e-14.
 static double FindLeast(const qcPatch* patch)
 {
-    Feature features[qc_mostFeatures];
+    Feature features[qc_maxFeatures];
     size_t count = ListFeatures(patch, features);
     double least = INFINITY;
-    // The ends of an edge, for a start: this spares the oracle most.
+    // A first bound from the ends of edges: it spares the oracle most.
     for (uint32_t t = 0; t < patch->triangleCount; t++)
         for (int c = 0; c < 3; c++)
         {
@@ -161,9 +160,10 @@ static double FindLeast(const qcPatch* patch)
         for (size_t k = i + 1; k < count && least > 0.0 && features[k].low[0] <= features[i].high[0] + least; k++)
         {
             const Feature *f = &features[i], *g = &features[k];
-            // What has just been asked is part of many others.
-            double wanted = least - fmax(1e-9 * least, 3e-14);
-            if (!AreBoxesWithin(f, g, least) || ShareVertex(f, g) || (wanted > 0.0 && AreSurelyBeyond(f, g, wanted)))
+            // The features just tested are part of many others.
+            double minDistance = least - fmax(1e-9 * least, 3e-14);
+            if (!AreBoxesWithin(f, g, least) || ShareVertex(f, g) ||
+                (minDistance > 0.0 && AreProvenFarther(f, g, minDistance)))
                 continue;
             qcOracleDistance* distance =
                 qcOracleDistance_Create((const double(*)[3])f->corners, (const double(*)[3])g->corners);
@@ -173,18 +173,18 @@ static double FindLeast(const qcPatch* patch)
     return least;
 }
 
-/// Of the best kernels: how many patches there are; how many of them don't meet themselves, and are flat with a reach
-/// of so much of the least distance.
+/// Counts of the first kernels: all patches, those without self-intersection, and those proven flat with distance 0,
+/// and with half and nearly all of their least distance.
 typedef struct Counts
 {
-    int all, apart, flat, flatHalf, flatNearly;
+    int all, disjoint, flat, flatHalf, flatNearly;
 } Counts;
 
-/// With any reach, and one that is just not exceeded.
+/// With any query distance, also one at the least distance.
 static void CheckPatch(qcRandom* random, const qcPatch* patch, Counts* counts, const char* what)
 {
     double least = FindLeast(patch);
-    const float reaches[] = {0.0f,
+    const float queries[] = {0.0f,
                              (float)(0.5 * least),
                              (float)(0.98 * least),
                              qcRoundUp(least),
@@ -192,16 +192,17 @@ static void CheckPatch(qcRandom* random, const qcPatch* patch, Counts* counts, c
                              ldexpf(1.0f, -(int)qcRandom_Below(random, 25))};
     bool flat[3] = {false};
     FOR_EACH_KERNELS(k)
-    for (size_t i = 0; i < sizeof reaches / sizeof reaches[0]; i++)
+    for (size_t i = 0; i < sizeof queries / sizeof queries[0]; i++)
     {
-        bool isFlat = IsFlat(k, patch, reaches[i]);
-        CHECK_THAT(!isFlat || (double)reaches[i] < least, "%s: %s comes within %a of itself, to %a", k->name, what,
-                   (double)reaches[i], least);
+        bool isFlat = IsFlat(k, patch, queries[i]);
+        CHECK_THAT(!isFlat || (double)queries[i] < least,
+                   "%s: %s is called flat with a query distance of %a; its least distance is %a", k->name, what,
+                   (double)queries[i], least);
         if (kernelIndex == 0 && i < 3)
             flat[i] = isFlat;
     }
     counts->all++;
-    counts->apart += least > 0.0;
+    counts->disjoint += least > 0.0;
     counts->flat += flat[0];
     counts->flatHalf += flat[1];
     counts->flatNearly += flat[2];
@@ -209,13 +210,13 @@ static void CheckPatch(qcRandom* random, const qcPatch* patch, Counts* counts, c
 
 //  ---- tests ---------------------------------------------------------------------------------------
 
-START_TEST(part_of_a_ring_that_is_flat_does_not_come_near_itself)
+START_TEST(part_of_a_ring_that_is_flat_has_no_self_contact)
 {
     qcRandom random = {17};
     Counts counts = {0};
     for (int i = 0; i < 1200; i++)
     {
-        // Ends on each other, a hair apart or overlapping; ramps that face one way everywhere; crumpled ones.
+        // Ends coincide, almost touch or overlap; ramps that face one way everywhere; crumpled ones.
         double near = i % 3 == 0 ? 0.0 : ldexp(qcRandom_Uniform(&random, -1.0, 1.0), -(i / 4 % 28));
         double rounds = i % 2 == 0 ? 1.0 + near : qcRandom_Uniform(&random, 0.3, i % 8 < 4 ? 7.0 : 2.5);
         double rise = i % 4 == 0 || i % 8 == 3 ? 0.0 : i % 4 == 1 ? 0.05 : ldexp(1.0, -(i / 4 % 30));
@@ -226,13 +227,13 @@ START_TEST(part_of_a_ring_that_is_flat_does_not_come_near_itself)
         snprintf(what, sizeof what, "patch %d of %a rounds, rise %a, noise %a", i, rounds, rise, noise);
         CheckPatch(&random, &patch, &counts, what);
     }
-    ck_assert_int_gt(counts.all - counts.apart, 50);
-    ck_assert_int_gt(counts.apart, 50);
-    ck_assert_int_gt(counts.flat, counts.apart / 8);
+    ck_assert_int_gt(counts.all - counts.disjoint, 50);
+    ck_assert_int_gt(counts.disjoint, 50);
+    ck_assert_int_gt(counts.flat, counts.disjoint / 8);
 }
 END_TEST
 
-/// Most of the unit box or a small part of it; points that are right or not.
+/// Most of the unit box or a small part of it; points with errors or without.
 static void PlaceAny(qcRandom* random, int i, qcPatch* patch)
 {
     double size = i % 4 == 3 ? ldexp(1.0, -1 - i / 4 % 14) : 0.9;
@@ -240,7 +241,7 @@ static void PlaceAny(qcRandom* random, int i, qcPatch* patch)
     qcPatch_Place(patch, random, i % 2 == 0, size, error < 0x1p-24 ? 0.0 : error);
 }
 
-/// Enough patches were flat, with a reach too, for the test to mean something.
+/// Enough patches were proven flat, also with a query distance, for the test to mean something.
 static void CheckCounts(const Counts* counts, int count)
 {
     ck_assert_int_gt(counts->flat, count / 4);
@@ -248,7 +249,7 @@ static void CheckCounts(const Counts* counts, int count)
     ck_assert_int_gt(counts->flatNearly, count / 50);
 }
 
-START_TEST(a_strip_that_is_flat_does_not_come_near_itself)
+START_TEST(a_strip_that_is_flat_has_no_self_contact)
 {
     qcRandom random = {31};
     Counts counts = {0};
@@ -270,7 +271,7 @@ START_TEST(a_strip_that_is_flat_does_not_come_near_itself)
 }
 END_TEST
 
-START_TEST(a_grown_disc_that_is_flat_does_not_come_near_itself)
+START_TEST(a_grown_patch_that_is_flat_has_no_self_contact)
 {
     qcRandom random = {32};
     Counts counts = {0};
@@ -283,14 +284,14 @@ START_TEST(a_grown_disc_that_is_flat_does_not_come_near_itself)
         qcPatch_MakeGrown(&random, triangles, fan, height, &patch);
         PlaceAny(&random, i, &patch);
         char what[128];
-        snprintf(what, sizeof what, "disc %d of %u triangles", i, patch.triangleCount);
+        snprintf(what, sizeof what, "grown patch %d of %u triangles", i, patch.triangleCount);
         CheckPatch(&random, &patch, &counts, what);
     }
     CheckCounts(&counts, count);
 }
 END_TEST
 
-START_TEST(a_fan_that_is_flat_does_not_come_near_itself)
+START_TEST(a_fan_that_is_flat_has_no_self_contact)
 {
     qcRandom random = {34};
     Counts counts = {0};
@@ -309,7 +310,7 @@ START_TEST(a_fan_that_is_flat_does_not_come_near_itself)
 }
 END_TEST
 
-START_TEST(a_row_of_teeth_that_is_flat_does_not_come_near_itself)
+START_TEST(a_row_of_teeth_that_is_flat_has_no_self_contact)
 {
     qcRandom random = {35};
     Counts counts = {0};
@@ -328,7 +329,7 @@ START_TEST(a_row_of_teeth_that_is_flat_does_not_come_near_itself)
 }
 END_TEST
 
-START_TEST(what_bends_little_is_flat_and_what_folds_is_not)
+START_TEST(a_patch_that_bends_little_is_flat_and_one_that_folds_is_not)
 {
     qcRandom random = {18};
     for (int i = 0; i < 40; i++)
@@ -337,7 +338,7 @@ START_TEST(what_bends_little_is_flat_and_what_folds_is_not)
         qcPatch_MakeRing(&random, qc_patchColumns, 0.6, 0.05, 0.001, &patch);
         FOR_EACH_KERNELS(k)
         ck_assert(IsFlat(k, &patch, 0.0f));
-        // One vertex over the edge across from it; or all in one point.
+        // One vertex beyond the opposite edge; or all at one point.
         uint32_t v = qcPatch_Vertex(5 + (uint32_t)i % 10, 0);
         patch.points[v] = patch.points[qcPatch_Vertex(3 + (uint32_t)i % 10, 1)];
         FOR_EACH_KERNELS(k)
@@ -350,7 +351,7 @@ START_TEST(what_bends_little_is_flat_and_what_folds_is_not)
 }
 END_TEST
 
-START_TEST(what_bends_little_is_flat_with_a_reach_of_a_quarter_of_an_edge)
+START_TEST(a_patch_that_bends_little_is_flat_within_a_quarter_of_an_edge)
 {
     qcRandom random = {33};
     for (int i = 0; i < 400; i++)
@@ -370,15 +371,15 @@ START_TEST(what_bends_little_is_flat_with_a_reach_of_a_quarter_of_an_edge)
         qcPatch_Place(&patch, &random, i % 4 == 0, size, 0.0);
         double* ends[2] = {patch.positions[qcPatch_Vertex(0, 1)], patch.positions[qcPatch_Vertex(qc_patchColumns, 1)]};
         double across[3] = {ends[1][0] - ends[0][0], ends[1][1] - ends[0][1], ends[1][2] - ends[0][2]};
-        float reach = (float)(0.25 * sqrt(qcDot(across, across)) / qc_patchColumns);
+        float query = (float)(0.25 * sqrt(qcDot(across, across)) / qc_patchColumns);
         FOR_EACH_KERNELS(k)
-        CHECK_THAT(IsFlat(k, &patch, reach), "%s: patch %d is not flat", k->name, i);
+        CHECK_THAT(IsFlat(k, &patch, query), "%s: patch %d is not flat", k->name, i);
     }
 }
 END_TEST
 
-QC_RUN_TESTS("surface_flat", part_of_a_ring_that_is_flat_does_not_come_near_itself,
-             a_strip_that_is_flat_does_not_come_near_itself, a_grown_disc_that_is_flat_does_not_come_near_itself,
-             a_fan_that_is_flat_does_not_come_near_itself, a_row_of_teeth_that_is_flat_does_not_come_near_itself,
-             what_bends_little_is_flat_and_what_folds_is_not,
-             what_bends_little_is_flat_with_a_reach_of_a_quarter_of_an_edge)
+QC_RUN_TESTS("flat_patches", part_of_a_ring_that_is_flat_has_no_self_contact, a_strip_that_is_flat_has_no_self_contact,
+             a_grown_patch_that_is_flat_has_no_self_contact, a_fan_that_is_flat_has_no_self_contact,
+             a_row_of_teeth_that_is_flat_has_no_self_contact,
+             a_patch_that_bends_little_is_flat_and_one_that_folds_is_not,
+             a_patch_that_bends_little_is_flat_within_a_quarter_of_an_edge)

@@ -1,20 +1,20 @@
-// The kernels that bring the boxes of one surface to the lattice of another, against wider arithmetic.
-#include "kernels/box_groups.h"
+// The kernels that transform boxes of one BVH to the lattice of another, against wider arithmetic.
+#include "kernels/boxes.h"
 
 #include <math.h>
 
 #define LENGTH(array) (sizeof(array) / sizeof(array)[0])
 
-/// A map as it is meant; the kernels have its floats.
-typedef struct TrueMap
+/// The exact transform; the kernels get it rounded to floats.
+typedef struct ExactTransform
 {
     long double linear[3][3], shift[3];
-} TrueMap;
+} ExactTransform;
 
-/// As the kernels get it: errors of floats are at most eleven roundings of the largest numbers that come up.
-static qcGroupMap ToGroupMap(const TrueMap* map)
+/// The transform for the kernels. Its float error is at most eleven roundings of the largest numbers that occur.
+static qcBoxTransform ToBoxTransform(const ExactTransform* map)
 {
-    qcGroupMap rounded;
+    qcBoxTransform rounded;
     for (int axis = 0; axis < 3; axis++)
     {
         long double sum = 0.0L;
@@ -29,8 +29,8 @@ static qcGroupMap ToGroupMap(const TrueMap* map)
     return rounded;
 }
 
-/// Where the box goes: a level is an interval up to where the next begins.
-static void MapBox(const TrueMap* map, Box box, int axis, long double* low, long double* high)
+/// The exact image of the box. A level is an interval, up to the beginning of the next.
+static void TransformBox(const ExactTransform* map, Box box, int axis, long double* low, long double* high)
 {
     *low = *high = map->shift[axis];
     for (int k = 0; k < 3; k++)
@@ -42,10 +42,10 @@ static void MapBox(const TrueMap* map, Box box, int axis, long double* low, long
     }
 }
 
-/// Turned by any angle if asked for; the lattice there shows a part of the one here, all of it, or nothing.
-static TrueMap MakeTrueMap(qcRandom* random, bool turned)
+/// Rotated by any angle or not; the target lattice contains a part of the source lattice, all of it, or nothing.
+static ExactTransform MakeTrueMap(qcRandom* random, bool turned)
 {
-    TrueMap map = {{{0.0L}}, {0.0L}};
+    ExactTransform map = {{{0.0L}}, {0.0L}};
     double scale = exp2(qcRandom_Uniform(random, -20.0, 20.0));
     for (int axis = 0; axis < 3; axis++)
     {
@@ -58,8 +58,8 @@ static TrueMap MakeTrueMap(qcRandom* random, bool turned)
     return map;
 }
 
-/// The box is around low .. high, as far as the lattice has levels, and goes twice `grow` beyond at most. Returns
-/// whether the lattice has some.
+/// The box contains low .. high within the lattice and exceeds it by at most twice `grow`. Returns whether the lattice
+/// contains any part of it.
 static bool CheckRange(Box found, int axis, long double low, long double high, long double grow, const char* kernels)
 {
     bool isInside = high >= 0.0L && low < 65533.0L;
@@ -73,21 +73,21 @@ static bool CheckRange(Box found, int axis, long double low, long double high, l
     return isInside;
 }
 
-START_TEST(a_mapped_box_is_around_where_the_box_goes_and_little_larger)
+START_TEST(a_transformed_box_contains_the_image_of_the_box_and_is_little_larger)
 {
     qcRandom random = {6};
     size_t inside = 0;
     FOR_EACH_KERNELS(k)
     for (int round = 0; round < 12000; round++)
     {
-        TrueMap map = MakeTrueMap(&random, round % 2 != 0);
-        qcGroupMap rounded = ToGroupMap(&map);
-        qcBox8 group, mapped;
-        MakeGroup(&random, round % 3 == 0 ? 0 : round % 3 == 1 ? 60000 : 30000, round % 5 == 0 ? 33 : 5533, &group);
-        k->mapGroup(&group, &rounded, &mapped);
-        for (int i = 0; i < qc_groupSize; i++)
+        ExactTransform map = MakeTrueMap(&random, round % 2 != 0);
+        qcBoxTransform rounded = ToBoxTransform(&map);
+        qcBox8 boxes, transformed;
+        MakeBox8(&random, round % 3 == 0 ? 0 : round % 3 == 1 ? 60000 : 30000, round % 5 == 0 ? 33 : 5533, &boxes);
+        k->transformBoxes(&boxes, &rounded, &transformed);
+        for (int i = 0; i < qc_boxLanes; i++)
         {
-            Box box = BoxOfGroup(&group, i), found = BoxOfGroup(&mapped, i);
+            Box box = BoxAt(&boxes, i), found = BoxAt(&transformed, i);
             if (box.lower[0] > box.upper[0])
             {
                 CheckBox(found, EmptyBox(), k->name, (size_t)i);
@@ -96,7 +96,7 @@ START_TEST(a_mapped_box_is_around_where_the_box_goes_and_little_larger)
             for (int axis = 0; axis < 3; axis++)
             {
                 long double low, high;
-                MapBox(&map, box, axis, &low, &high);
+                TransformBox(&map, box, axis, &low, &high);
                 inside += CheckRange(found, axis, low, high, rounded.grow[axis], k->name);
             }
         }
@@ -105,7 +105,7 @@ START_TEST(a_mapped_box_is_around_where_the_box_goes_and_little_larger)
 }
 END_TEST
 
-START_TEST(a_map_that_floats_cannot_hold_gives_boxes_that_meet_everything)
+START_TEST(a_transform_too_large_for_floats_gives_boxes_that_overlap_everything)
 {
     const float large[] = {INFINITY, -INFINITY, 3e38f, -3e38f, 1e35f, 0.0f};
     qcRandom random = {7};
@@ -114,20 +114,20 @@ START_TEST(a_map_that_floats_cannot_hold_gives_boxes_that_meet_everything)
         for (size_t j = 0; j < LENGTH(large); j++)
             for (int round = 0; round < 20; round++)
             {
-                qcGroupMap map = {{{0}}, {0}, {INFINITY, INFINITY, INFINITY}};
+                qcBoxTransform map = {{{0}}, {0}, {INFINITY, INFINITY, INFINITY}};
                 for (int axis = 0; axis < 3; axis++)
                 {
                     map.linear[axis][axis] = large[i];
                     map.shift[axis] = large[j];
                 }
-                qcBox8 group, mapped;
-                MakeGroup(&random, 0, 65533, &group);
-                k->mapGroup(&group, &map, &mapped);
-                for (int b = 0; b < qc_groupSize; b++)
+                qcBox8 boxes, transformed;
+                MakeBox8(&random, 0, 65533, &boxes);
+                k->transformBoxes(&boxes, &map, &transformed);
+                for (int b = 0; b < qc_boxLanes; b++)
                 {
                     Box all = {{0, 0, 0}, {65533, 65533, 65533}};
-                    bool isEmpty = group.ends[0][b] == qc_emptyEnd;
-                    CheckBox(BoxOfGroup(&mapped, b), isEmpty ? EmptyBox() : all, k->name, (size_t)b);
+                    bool isEmpty = boxes.ends[0][b] == qc_emptyEnd;
+                    CheckBox(BoxAt(&transformed, b), isEmpty ? EmptyBox() : all, k->name, (size_t)b);
                 }
             }
 }
@@ -140,13 +140,13 @@ enum
     qc_pointsInTest = 40
 };
 
-/// Another surface, with triangles between any of its points; where a box is empty there is none.
+/// Another BVH, with triangles between any of its points; an empty box has no triangle.
 typedef struct Other
 {
     Nodes nodes;
     qcPoint points[qc_pointsInTest];
     qcCorners corners[qc_clustersInTest * qc_clusterSize];
-    qcMappedSurface mapped;
+    qcTransformedBvh transformed;
 } Other;
 
 static void MakeOther(qcRandom* random, int spread, Other* other)
@@ -158,14 +158,14 @@ static void MakeOther(qcRandom* random, int spread, Other* other)
     for (int i = 0; i < qc_clustersInTest * qc_clusterSize; i++)
         for (int c = 0; c < 3; c++)
             other->corners[i].vertex[c] = qcRandom_Below(random, qc_pointsInTest);
-    other->mapped = (qcMappedSurface){.boxes = {other->nodes.clusters, other->nodes.nodes},
-                                      .triangles = {other->corners, other->points}};
+    other->transformed = (qcTransformedBvh){.boxes = {other->nodes.clusters, other->nodes.nodes},
+                                            .triangles = {other->corners, other->points}};
 }
 
-/// From points, which are 1 at most, to levels.
-static TrueMap MakePointMap(qcRandom* random, double least, double most)
+/// From points, whose coordinates are at most 1, to levels.
+static ExactTransform MakePointTransform(qcRandom* random, double least, double most)
 {
-    TrueMap map = {{{0.0L}}, {0.0L}};
+    ExactTransform map = {{{0.0L}}, {0.0L}};
     double scale = qcRandom_Uniform(random, least, most);
     for (int axis = 0; axis < 3; axis++)
     {
@@ -176,7 +176,7 @@ static TrueMap MakePointMap(qcRandom* random, double least, double most)
     return map;
 }
 
-static void FindRange(const TrueMap* map, const Other* other, size_t triangle, int axis, long double* low,
+static void FindRange(const ExactTransform* map, const Other* other, size_t triangle, int axis, long double* low,
                       long double* high)
 {
     *low = INFINITY;
@@ -192,7 +192,7 @@ static void FindRange(const TrueMap* map, const Other* other, size_t triangle, i
     }
 }
 
-START_TEST(the_box_of_a_mapped_triangle_is_around_its_corners_and_little_larger)
+START_TEST(the_box_of_a_transformed_triangle_contains_its_corners_and_is_little_larger)
 {
     static Other other;
     qcRandom random = {16};
@@ -201,22 +201,23 @@ START_TEST(the_box_of_a_mapped_triangle_is_around_its_corners_and_little_larger)
     for (int round = 0; round < 3000; round++)
     {
         MakeOther(&random, 9, &other);
-        TrueMap map = round % 2 == 0 ? MakePointMap(&random, 1.0, 9.0) : MakePointMap(&random, 1000.0, 300000.0);
-        // ToGroupMap allows for levels; points are smaller.
-        other.mapped.points = ToGroupMap(&map);
+        ExactTransform map =
+            round % 2 == 0 ? MakePointTransform(&random, 1.0, 9.0) : MakePointTransform(&random, 1000.0, 300000.0);
+        // ToBoxTransform allows for levels; points are smaller.
+        other.transformed.points = ToBoxTransform(&map);
         for (int axis = 0; axis < 3; axis++)
         {
             long double sizes = fabsl(map.shift[axis]);
             for (int j = 0; j < 3; j++)
                 sizes += fabsl(map.linear[axis][j]);
-            other.mapped.points.grow[axis] = (float)(0x1p-20L * sizes + 0x1p-4L);
+            other.transformed.points.grow[axis] = (float)(0x1p-20L * sizes + 0x1p-4L);
         }
         uint32_t cluster = qcRandom_Below(&random, qc_clustersInTest);
-        qcBox8 mapped;
-        k->mapTriangles(&other.mapped, cluster, &mapped);
-        for (int i = 0; i < qc_groupSize; i++)
+        qcBox8 transformed;
+        k->transformTriangles(&other.transformed, cluster, &transformed);
+        for (int i = 0; i < qc_boxLanes; i++)
         {
-            Box found = BoxOfGroup(&mapped, i);
+            Box found = BoxAt(&transformed, i);
             if (other.nodes.clusters[cluster].ends[0][i] == qc_emptyEnd)
             {
                 CheckBox(found, EmptyBox(), k->name, (size_t)i);
@@ -226,7 +227,7 @@ START_TEST(the_box_of_a_mapped_triangle_is_around_its_corners_and_little_larger)
             {
                 long double low, high;
                 FindRange(&map, &other, cluster * qc_clusterSize + (size_t)i, axis, &low, &high);
-                inside += CheckRange(found, axis, low, high, other.mapped.points.grow[axis], k->name);
+                inside += CheckRange(found, axis, low, high, other.transformed.points.grow[axis], k->name);
             }
         }
     }
@@ -234,7 +235,7 @@ START_TEST(the_box_of_a_mapped_triangle_is_around_its_corners_and_little_larger)
 }
 END_TEST
 
-START_TEST(triangles_under_a_map_that_floats_cannot_hold_meet_everything)
+START_TEST(triangles_under_a_transform_too_large_for_floats_overlap_everything)
 {
     static Other other;
     const float large[] = {INFINITY, -INFINITY, 3e38f, -3e38f, 1e35f, 0.0f, NAN};
@@ -244,19 +245,19 @@ START_TEST(triangles_under_a_map_that_floats_cannot_hold_meet_everything)
         for (size_t j = 0; j < LENGTH(large); j++)
         {
             MakeOther(&random, 9, &other);
-            other.mapped.points = (qcGroupMap){{{0}}, {0}, {INFINITY, INFINITY, INFINITY}};
+            other.transformed.points = (qcBoxTransform){{{0}}, {0}, {INFINITY, INFINITY, INFINITY}};
             for (int axis = 0; axis < 3; axis++)
             {
-                other.mapped.points.linear[axis][axis] = large[i];
-                other.mapped.points.shift[axis] = large[j];
+                other.transformed.points.linear[axis][axis] = large[i];
+                other.transformed.points.shift[axis] = large[j];
             }
-            qcBox8 mapped;
-            k->mapTriangles(&other.mapped, 1, &mapped);
-            for (int b = 0; b < qc_groupSize; b++)
+            qcBox8 transformed;
+            k->transformTriangles(&other.transformed, 1, &transformed);
+            for (int b = 0; b < qc_boxLanes; b++)
             {
                 Box all = {{0, 0, 0}, {65533, 65533, 65533}};
                 bool isEmpty = other.nodes.clusters[1].ends[0][b] == qc_emptyEnd;
-                CheckBox(BoxOfGroup(&mapped, b), isEmpty ? EmptyBox() : all, k->name, (size_t)b);
+                CheckBox(BoxAt(&transformed, b), isEmpty ? EmptyBox() : all, k->name, (size_t)b);
             }
         }
 }
@@ -268,22 +269,21 @@ static size_t CollectOneByOne(const qcTriangleKernels* k, const Nodes* a, uint32
                               uint32_t nodeB, qcSlotPair* pairs)
 {
     size_t count = 0;
-    qcBox8 node, clusters[qc_groupSize];
-    k->mapGroup(&b->nodes.nodes[nodeB], &b->mapped.levels, &node);
-    for (uint32_t j = 0; j < qc_groupSize; j++)
-        k->mapTriangles(&b->mapped, nodeB * 8 + j, &clusters[j]);
+    qcBox8 node, clusters[qc_boxLanes];
+    k->transformBoxes(&b->nodes.nodes[nodeB], &b->transformed.levels, &node);
+    for (uint32_t j = 0; j < qc_boxLanes; j++)
+        k->transformTriangles(&b->transformed, nodeB * 8 + j, &clusters[j]);
     for (uint32_t p = 0; p < qc_nodeSize; p++)
         for (uint32_t q = 0; q < qc_nodeSize; q++)
-            if (Overlap(BoxOfGroup(&a->nodes[nodeA], (int)p / 8), BoxOfGroup(&node, (int)q / 8)) &&
-                Overlap(BoxOfGroup(&a->clusters[nodeA * 8 + p / 8], (int)p % 8),
-                        BoxOfGroup(&clusters[q / 8], (int)q % 8)))
+            if (Overlap(BoxAt(&a->nodes[nodeA], (int)p / 8), BoxAt(&node, (int)q / 8)) &&
+                Overlap(BoxAt(&a->clusters[nodeA * 8 + p / 8], (int)p % 8), BoxAt(&clusters[q / 8], (int)q % 8)))
                 pairs[count++] = (qcSlotPair){nodeA * qc_nodeSize + p, nodeB * qc_nodeSize + q};
     return count;
 }
 
-START_TEST(pairs_of_nodes_of_two_lattices_are_those_whose_mapped_boxes_overlap)
+START_TEST(collected_pairs_of_two_lattices_are_those_whose_transformed_boxes_overlap)
 {
-    static qcSlotPair found[qc_mostPairs], expected[qc_mostPairs];
+    static qcSlotPair found[qc_maxPairs], expected[qc_maxPairs];
     static Other b;
     qcRandom random = {8};
     size_t pairs = 0;
@@ -295,7 +295,7 @@ START_TEST(pairs_of_nodes_of_two_lattices_are_those_whose_mapped_boxes_overlap)
         MakeOther(&random, 2 + round % 9, &b);
         for (int axis = 0; axis < 3; axis++)
         {
-            qcGroupMap *levels = &b.mapped.levels, *points = &b.mapped.points;
+            qcBoxTransform *levels = &b.transformed.levels, *points = &b.transformed.points;
             levels->linear[axis][axis] = (float)qcRandom_Uniform(&random, 0.5, 2.0);
             levels->shift[axis] = 1002.0f - levels->linear[axis][axis] * (1002.0f - 32768.0f);
             points->linear[axis][axis] = (float)qcRandom_Uniform(&random, 1.0, 9.0);
@@ -303,8 +303,8 @@ START_TEST(pairs_of_nodes_of_two_lattices_are_those_whose_mapped_boxes_overlap)
             levels->grow[axis] = points->grow[axis] = 0.1f;
         }
         uint32_t nodeA = qcRandom_Below(&random, qc_nodesInTest), nodeB = qcRandom_Below(&random, qc_nodesInTest);
-        qcSurfaceBoxes sideA = {a.clusters, a.nodes};
-        size_t count = (size_t)(k->collectMapped(&sideA, nodeA, &b.mapped, nodeB, found) - found);
+        qcBvhBoxes sideA = {a.clusters, a.nodes};
+        size_t count = (size_t)(k->collectTransformedPairs(&sideA, nodeA, &b.transformed, nodeB, found) - found);
         size_t expectedCount = CollectOneByOne(k, &a, nodeA, &b, nodeB, expected);
         CheckSamePairs(found, count, expected, expectedCount, k->name);
         pairs += count;
@@ -313,8 +313,8 @@ START_TEST(pairs_of_nodes_of_two_lattices_are_those_whose_mapped_boxes_overlap)
 }
 END_TEST
 
-QC_RUN_TESTS("surface_mapped", a_mapped_box_is_around_where_the_box_goes_and_little_larger,
-             a_map_that_floats_cannot_hold_gives_boxes_that_meet_everything,
-             the_box_of_a_mapped_triangle_is_around_its_corners_and_little_larger,
-             triangles_under_a_map_that_floats_cannot_hold_meet_everything,
-             pairs_of_nodes_of_two_lattices_are_those_whose_mapped_boxes_overlap)
+QC_RUN_TESTS("lattice_transform", a_transformed_box_contains_the_image_of_the_box_and_is_little_larger,
+             a_transform_too_large_for_floats_gives_boxes_that_overlap_everything,
+             the_box_of_a_transformed_triangle_contains_its_corners_and_is_little_larger,
+             triangles_under_a_transform_too_large_for_floats_overlap_everything,
+             collected_pairs_of_two_lattices_are_those_whose_transformed_boxes_overlap)

@@ -1,21 +1,22 @@
-// The filter of every instruction set that the machine has keeps what is within the reach, by rational arithmetic, and
-// drops nearly all else.
+// The filter of every instruction set that this CPU has keeps all pairs within the query distance, by rational
+// arithmetic, and drops nearly all others.
 #include "kernels/kernel_pairs.h"
 #include "support/oracle.h"
 #include "support/suite.h"
 
 //  ---- filter --------------------------------------------------------------------------------------
 
-/// Is the last pair kept, wherever it stands? What is left has to be a part of what was given, in its order.
-static bool Keeps(const qcTriangleKernels* k, const qcBatch* batch, const qcDistanceThresholds* bound, qcRandom* random)
+/// True if the last pair is kept, at any position. The pairs kept must be some of the given ones, in the same order.
+static bool Keeps(const qcTriangleKernels* k, const qcBatch* batch, const qcDistanceThresholds* thresholds,
+                  qcRandom* random)
 {
-    qcFilterSide a = qcBatch_Side(batch, 0), b = qcBatch_Side(batch, 1);
-    qcSlotPair pairs[qc_mostInBatch + 1], given[qc_mostInBatch + 1];
-    uint32_t last = (uint32_t)batch->count - 1, place = qcRandom_Below(random, (uint32_t)batch->count);
+    qcIndexedTriangles a = qcBatch_Side(batch, 0), b = qcBatch_Side(batch, 1);
+    qcSlotPair pairs[qc_maxBatch + 1], given[qc_maxBatch + 1];
+    uint32_t last = (uint32_t)batch->count - 1, position = qcRandom_Below(random, (uint32_t)batch->count);
     for (uint32_t i = 0; i < batch->count; i++)
-        given[i].a = given[i].b = i == place ? last : i == last ? place : i;
+        given[i].a = given[i].b = i == position ? last : i == last ? position : i;
     memcpy(pairs, given, sizeof given);
-    size_t kept = k->filter(&a, &b, bound, pairs, batch->count), at = 0;
+    size_t kept = k->filter(&a, &b, thresholds, pairs, batch->count), at = 0;
     CHECK_THAT(kept <= batch->count, "%s: %zu of %zu kept", k->name, kept, batch->count);
     bool isKept = false;
     for (size_t i = 0; i < kept; i++)
@@ -29,7 +30,7 @@ static bool Keeps(const qcTriangleKernels* k, const qcBatch* batch, const qcDist
     return isKept;
 }
 
-/// Fails the test where a pair within the margin is dropped; says whether it was within.
+/// Fails the test if a pair within the margin is dropped; returns whether it was within.
 static bool CheckKept(const qcTrianglePair* pair, double margin, qcBatch* batch, qcRandom* random)
 {
     qcUnitFrame frame;
@@ -39,15 +40,15 @@ static bool CheckKept(const qcTrianglePair* pair, double margin, qcBatch* batch,
     if (!isWithin || !qcUnitFrame_Find(&frame, pair, margin))
         return false;
     qcUnitFrame_Push(&frame, pair, batch);
-    qcDistanceThresholds bound = {.pointError = 0x1p-24f, .reach = qcRoundUp(margin * frame.unit)};
+    qcDistanceThresholds thresholds = {.pointError = 0x1p-24f, .query = qcRoundUp(margin * frame.unit)};
     char text[1024];
     FOR_EACH_KERNELS(k)
-    CHECK_THAT(Keeps(k, batch, &bound, random), "%s drops %s, margin %a", k->name, qcTrianglePair_Print(pair, text),
-               margin);
+    CHECK_THAT(Keeps(k, batch, &thresholds, random), "%s drops %s, margin %a", k->name,
+               qcTrianglePair_Print(pair, text), margin);
     return true;
 }
 
-START_TEST(the_filter_keeps_what_meets)
+START_TEST(the_filter_keeps_pairs_that_meet)
 {
     qcRandom random = {9};
     qcBatch batch = {.count = 0};
@@ -62,27 +63,27 @@ START_TEST(the_filter_keeps_what_meets)
 }
 END_TEST
 
-/// Is the last pair called a sure hit?
-static bool IsSure(const qcTriangleKernels* k, const qcBatch* batch, const qcDistanceThresholds* bound)
+/// True if the last pair is proven to intersect.
+static bool IsProven(const qcTriangleKernels* k, const qcBatch* batch, const qcDistanceThresholds* thresholds)
 {
-    qcFilterSide a = qcBatch_Side(batch, 0), b = qcBatch_Side(batch, 1);
-    qcSlotPair pairs[qc_mostInBatch];
-    uint8_t times[qc_mostInBatch] = {0};
+    qcIndexedTriangles a = qcBatch_Side(batch, 0), b = qcBatch_Side(batch, 1);
+    qcSlotPair pairs[qc_maxBatch];
+    uint8_t times[qc_maxBatch] = {0};
     for (uint32_t i = 0; i < batch->count; i++)
         pairs[i].a = pairs[i].b = i;
-    size_t sure = k->findPiercing(&a, &b, bound, pairs, batch->count);
-    CHECK_THAT(sure <= batch->count, "%s: %zu of %zu sure", k->name, sure, batch->count);
-    bool isSure = false;
+    size_t proven = k->findIntersecting(&a, &b, thresholds, pairs, batch->count);
+    CHECK_THAT(proven <= batch->count, "%s: %zu of %zu proven", k->name, proven, batch->count);
+    bool isProven = false;
     for (size_t i = 0; i < batch->count; i++)
     {
         CHECK_THAT(pairs[i].a == pairs[i].b && pairs[i].a < batch->count && times[pairs[i].a]++ == 0,
                    "%s: pair %zu is lost or twice there", k->name, i);
-        isSure = isSure || (i < sure && pairs[i].a + 1 == batch->count);
+        isProven = isProven || (i < proven && pairs[i].a + 1 == batch->count);
     }
-    return isSure;
+    return isProven;
 }
 
-/// Random triangles, some of which only just reach each other.
+/// Random triangles, some of which barely touch.
 static void MakeNearlyPiercing(qcRandom* random, qcTrianglePair* pair)
 {
     for (int c = 0; c < 3; c++)
@@ -91,7 +92,7 @@ static void MakeNearlyPiercing(qcRandom* random, qcTrianglePair* pair)
             pair->a[c][axis] = qcRandom_Uniform(random, -1.0, 1.0);
             pair->b[c][axis] = qcRandom_Uniform(random, -1.0, 1.0);
         }
-    // A corner of B close to a point of A, one side or the other.
+    // A corner of B close to a point of A, on either side.
     if (qcRandom_Below(random, 2) == 0)
         return;
     double u = qcRandom_Uniform(random, 0.0, 0.6), v = qcRandom_Uniform(random, 0.0, 0.4);
@@ -101,11 +102,11 @@ static void MakeNearlyPiercing(qcRandom* random, qcTrianglePair* pair)
                            v * (pair->a[2][axis] - pair->a[0][axis]) + off;
 }
 
-START_TEST(a_sure_hit_penetrates)
+START_TEST(a_proven_intersection_is_one)
 {
     qcRandom random = {19};
     qcBatch batch = {.count = 0};
-    int sure = 0, penetrating = 0, count = qcGetTestPairCount(12000);
+    int proven = 0, penetrating = 0, count = qcGetTestPairCount(12000);
     for (int i = 0; i < count; i++)
     {
         qcTrianglePair pair;
@@ -118,23 +119,23 @@ START_TEST(a_sure_hit_penetrates)
         if (!qcUnitFrame_Find(&frame, &pair, 0.0))
             continue;
         qcUnitFrame_Push(&frame, &pair, &batch);
-        qcDistanceThresholds bound = {.pointError = 0x1p-24f, .reach = qcRoundUp(0.0)};
+        qcDistanceThresholds thresholds = {.pointError = 0x1p-24f, .query = qcRoundUp(0.0)};
         penetrating += penetrates && i % 2 == 1;
         char text[1024];
         FOR_EACH_KERNELS(k)
         {
-            bool isSure = IsSure(k, &batch, &bound);
-            CHECK_THAT(!isSure || penetrates, "%s: %s", k->name, qcTrianglePair_Print(&pair, text));
-            sure += isSure && i % 2 == 1 && k == qcTriangleKernels_Get();
+            bool isProven = IsProven(k, &batch, &thresholds);
+            CHECK_THAT(!isProven || penetrates, "%s: %s", k->name, qcTrianglePair_Print(&pair, text));
+            proven += isProven && i % 2 == 1 && k == qcTriangleKernels_Get();
         }
     }
-    // Nearly all that aren't built to be on the border.
+    // Nearly all of those that aren't built to be on the border.
     ck_assert_int_gt(penetrating, count / 20);
-    ck_assert_int_gt(sure, penetrating * 8 / 10);
+    ck_assert_int_gt(proven, penetrating * 8 / 10);
 }
 END_TEST
 
-START_TEST(the_filter_keeps_what_is_exactly_the_reach_apart)
+START_TEST(the_filter_keeps_pairs_exactly_at_the_query_distance)
 {
     qcRandom random = {10};
     qcBatch batch = {.count = 0};
@@ -152,12 +153,12 @@ START_TEST(the_filter_keeps_what_is_exactly_the_reach_apart)
 }
 END_TEST
 
-START_TEST(the_filter_keeps_what_meets_in_exact_coordinates)
+START_TEST(the_filter_keeps_pairs_that_meet_in_exact_coordinates)
 {
-    // Nothing but the filter's own rounding.
+    // Only the filter's own rounding.
     qcRandom random = {11};
     qcBatch batch = {.count = 0};
-    qcDistanceThresholds bound = {.pointError = 0.0f};
+    qcDistanceThresholds thresholds = {.pointError = 0.0f};
     int meeting = 0;
     for (int i = 0; i < 12000; i++)
     {
@@ -175,15 +176,15 @@ START_TEST(the_filter_keeps_what_meets_in_exact_coordinates)
         meeting++;
         char text[1024];
         FOR_EACH_KERNELS(k)
-        CHECK_THAT(Keeps(k, &batch, &bound, &random), "%s drops %s", k->name, qcTrianglePair_Print(&pair, text));
+        CHECK_THAT(Keeps(k, &batch, &thresholds, &random), "%s drops %s", k->name, qcTrianglePair_Print(&pair, text));
     }
     ck_assert_int_gt(meeting, 3000);
 }
 END_TEST
 
-START_TEST(the_filter_keeps_what_errors_of_points_part)
+START_TEST(the_filter_keeps_pairs_that_only_errors_of_points_separate)
 {
-    // All of one triangle is wrong one way and all of the other the other way.
+    // The errors of the two triangles are opposite.
     qcRandom random = {12};
     qcBatch batch = {.count = 0};
     for (int i = 0; i < 4000; i++)
@@ -192,60 +193,62 @@ START_TEST(the_filter_keeps_what_errors_of_points_part)
                                        apart = i % 3 == 0 ? 0.0 : ldexp(1.0, -i % 20 - 2);
         qcMakeOverEachOther(&random, i % 2 == 0, apart, a, b, n);
         qcOracleDistance* distance = qcOracleDistance_Create((const double(*)[3])a, (const double(*)[3])b);
-        qcDistanceThresholds bound = {.pointError = (float)error, .reach = qcRoundUp(qcOracleDistance_Get(distance))};
+        qcDistanceThresholds thresholds = {.pointError = (float)error,
+                                           .query = qcRoundUp(qcOracleDistance_Get(distance))};
         qcOracleDistance_Destroy(distance);
         qcMoveApart(a, b, n, error - 0x1p-24); // what rounding to float may add
         qcBatch_Push(&batch, a, b);
         FOR_EACH_KERNELS(k)
-        CHECK_THAT(Keeps(k, &batch, &bound, &random), "%s: pair %d, error %a, apart %a", k->name, i, error, apart);
+        CHECK_THAT(Keeps(k, &batch, &thresholds, &random), "%s: pair %d, error %a, apart %a", k->name, i, error, apart);
     }
 }
 END_TEST
 
-START_TEST(the_filter_keeps_what_meets_in_the_first_side_s_frame)
+START_TEST(the_filter_keeps_pairs_that_meet_after_a_transform)
 {
-    // The second side turned, scaled and moved: errors of what is mapped, and of the floats on the way.
+    // The second side rotated, scaled and moved: errors of its points, and of the transform in floats.
     qcRandom random = {13};
     qcBatch batch = {.count = 0};
     for (int i = 0; i < 4000; i++)
     {
-        double a[3][3], b[3][3], n[3], mapped[3][3], error = ldexp(1.0, -10 - i % 10);
+        double a[3][3], b[3][3], n[3], inFrameOfB[3][3], error = ldexp(1.0, -10 - i % 10);
         double apart = i % 3 == 0 ? 0.0 : ldexp(1.0, -i % 20 - 2);
         qcMakeOverEachOther(&random, i % 2 == 0, apart, a, b, n);
-        qcDistanceThresholds bound = {.pointError = (float)error};
-        qcMakeTurn(&random, &bound, b, mapped);
+        qcDistanceThresholds thresholds = {.pointError = (float)error};
+        qcMakeTransform(&random, &thresholds, b, inFrameOfB);
         qcOracleDistance* distance = qcOracleDistance_Create((const double(*)[3])a, (const double(*)[3])b);
-        bound.reach = qcRoundUp(qcOracleDistance_Get(distance));
+        thresholds.query = qcRoundUp(qcOracleDistance_Get(distance));
         qcOracleDistance_Destroy(distance);
         qcMoveApart(a, b, n, error - 0x1p-24); // b is back already
-        qcBatch_Push(&batch, a, mapped);
+        qcBatch_Push(&batch, a, inFrameOfB);
         FOR_EACH_KERNELS(k)
-        CHECK_THAT(Keeps(k, &batch, &bound, &random), "%s: pair %d, error %a, apart %a", k->name, i, error, apart);
+        CHECK_THAT(Keeps(k, &batch, &thresholds, &random), "%s: pair %d, error %a, apart %a", k->name, i, error, apart);
     }
 }
 END_TEST
 
-START_TEST(the_filter_keeps_what_it_cannot_tell)
+START_TEST(the_filter_keeps_undecidable_pairs)
 {
     double points[][3][3] = {{{0.5, 0.5, 0.5}, {0.5, 0.5, 0.5}, {0.5, 0.5, 0.5}}, {{0}}};
     qcRandom random = {14};
     qcBatch batch = {.count = 0};
     for (int i = 0; i < 40; i++)
     {
-        // All six corners one point; or far apart, with a reach or an error that is larger.
+        // All six corners coincide; or they are far apart, with a larger query distance or error.
         qcBatch_Push(&batch, points[0], points[i % 2]);
-        qcDistanceThresholds bound = {.pointError = i % 4 == 1 ? 1e6f : 0x1p-24f, .reach = i % 4 == 3 ? 1e30f : 0.0f};
+        qcDistanceThresholds thresholds = {.pointError = i % 4 == 1 ? 1e6f : 0x1p-24f,
+                                           .query = i % 4 == 3 ? 1e30f : 0.0f};
         FOR_EACH_KERNELS(k)
-        ck_assert(Keeps(k, &batch, &bound, &random));
+        ck_assert(Keeps(k, &batch, &thresholds, &random));
     }
 }
 END_TEST
 
-START_TEST(the_filter_drops_nearly_all_that_is_clearly_apart)
+START_TEST(the_filter_drops_nearly_all_clearly_separate_pairs)
 {
     qcRandom random = {15};
     qcBatch batch = {.count = 0};
-    int apart = 0, dropped[qc_mostKernels] = {0};
+    int apart = 0, dropped[qc_maxKernels] = {0};
     for (int i = 0; i < 4000; i++)
     {
         double corners[2][3][3];
@@ -264,9 +267,9 @@ START_TEST(the_filter_drops_nearly_all_that_is_clearly_apart)
             continue;
         apart++;
         qcBatch_Push(&batch, corners[0], corners[1]);
-        qcDistanceThresholds bound = {.pointError = 0x1p-24f};
+        qcDistanceThresholds thresholds = {.pointError = 0x1p-24f};
         FOR_EACH_KERNELS(k)
-        dropped[kernelIndex] += !Keeps(k, &batch, &bound, &random);
+        dropped[kernelIndex] += !Keeps(k, &batch, &thresholds, &random);
     }
     ck_assert_int_gt(apart, 1000);
     FOR_EACH_KERNELS(k)
@@ -274,13 +277,13 @@ START_TEST(the_filter_drops_nearly_all_that_is_clearly_apart)
 }
 END_TEST
 
-START_TEST(the_filter_parts_triangles_in_one_plane)
+START_TEST(the_filter_separates_triangles_in_one_plane)
 {
     qcRandom random = {16};
     qcBatch batch = {.count = 0};
     for (int i = 0; i < 500; i++)
     {
-        // Side by side in a plane askew, a tenth of their size apart.
+        // Side by side in an oblique plane, a tenth of their size apart.
         double a[3][3], b[3][3], slope[2] = {qcRandom_Uniform(&random, -1, 1), qcRandom_Uniform(&random, -1, 1)};
         for (int c = 0; c < 3; c++)
             for (int t = 0; t < 2; t++)
@@ -293,15 +296,16 @@ START_TEST(the_filter_parts_triangles_in_one_plane)
                 x[2] = slope[0] * x[0] + slope[1] * x[1];
             }
         qcBatch_Push(&batch, a, b);
-        qcDistanceThresholds bound = {.pointError = 0x1p-24f};
+        qcDistanceThresholds thresholds = {.pointError = 0x1p-24f};
         FOR_EACH_KERNELS(k)
-        CHECK_THAT(!Keeps(k, &batch, &bound, &random), "%s keeps pair %d", k->name, i);
+        CHECK_THAT(!Keeps(k, &batch, &thresholds, &random), "%s keeps pair %d", k->name, i);
     }
 }
 END_TEST
 
-QC_RUN_TESTS("surface_filter", a_sure_hit_penetrates, the_filter_keeps_what_meets,
-             the_filter_keeps_what_is_exactly_the_reach_apart, the_filter_keeps_what_meets_in_exact_coordinates,
-             the_filter_keeps_what_errors_of_points_part, the_filter_keeps_what_meets_in_the_first_side_s_frame,
-             the_filter_keeps_what_it_cannot_tell, the_filter_drops_nearly_all_that_is_clearly_apart,
-             the_filter_parts_triangles_in_one_plane)
+QC_RUN_TESTS("separating_axis", a_proven_intersection_is_one, the_filter_keeps_pairs_that_meet,
+             the_filter_keeps_pairs_exactly_at_the_query_distance,
+             the_filter_keeps_pairs_that_meet_in_exact_coordinates,
+             the_filter_keeps_pairs_that_only_errors_of_points_separate,
+             the_filter_keeps_pairs_that_meet_after_a_transform, the_filter_keeps_undecidable_pairs,
+             the_filter_drops_nearly_all_clearly_separate_pairs, the_filter_separates_triangles_in_one_plane)

@@ -1,8 +1,7 @@
-// The kernels of every instruction set that the machine has, against one vertex, one box or one pair of boxes at a
-// time. (Boxes of another surface: kernels/test_lattice_transform.c; the filter: kernels/test_separating_axis.c; flat
-// discs: kernels/test_flat_patches.c.)
+// The box kernels of every instruction set that this CPU has, against one vertex, one box or one pair of boxes at a
+// time. (Boxes of another BVH: kernels/test_lattice_transform.c.)
 #define _POSIX_C_SOURCE 200809L // setenv
-#include "kernels/box_groups.h"
+#include "kernels/boxes.h"
 #include "support/suite.h"
 
 #include <math.h>
@@ -51,7 +50,7 @@ static const struct
 
 //  ---- vertices ------------------------------------------------------------------------------------
 
-START_TEST(a_vertex_has_its_point_and_its_levels)
+START_TEST(a_vertex_becomes_its_point_and_its_levels)
 {
     enum
     {
@@ -87,7 +86,7 @@ START_TEST(a_vertex_has_its_point_and_its_levels)
         memset(points, 0x55, sizeof points);
         qcBoxRow untouched = rows[0];
         qcVertexRange range = {positions, vertexOf, first, end};
-        k->map(&map, &range, points, rows);
+        k->transformVertices(&map, &range, points, rows);
         for (size_t i = 0; i < count; i++)
         {
             if (i < first || i >= end)
@@ -113,12 +112,12 @@ END_TEST
 
 //  ---- boxes ---------------------------------------------------------------------------------------
 
-START_TEST(the_boxes_of_triangles_are_around_their_corners_and_those_of_groups_around_them)
+START_TEST(boxes_of_triangles_and_their_rows_are_tight)
 {
     enum
     {
         vertexCount = 90,
-        groupCount = 11,
+        box8Count = 11,
         first = 2,
         end = 10
     };
@@ -126,10 +125,10 @@ START_TEST(the_boxes_of_triangles_are_around_their_corners_and_those_of_groups_a
     FOR_EACH_KERNELS(k)
     for (size_t r = 0; r < LENGTH(s_ranges); r++)
     {
-        qcBoxRow vertices[vertexCount], rows[groupCount];
+        qcBoxRow vertices[vertexCount], rows[box8Count];
         Box boxes[vertexCount];
-        qcCorners corners[groupCount * qc_groupSize];
-        qcBox8 groups[groupCount], untouched;
+        qcCorners corners[box8Count * qc_boxLanes];
+        qcBox8 fitted[box8Count], untouched;
         for (int i = 0; i < vertexCount; i++)
         {
             boxes[i] = i == vertexCount - 1 ? EmptyBox() : MakeBox(&random, s_ranges[r].first, s_ranges[r].spread);
@@ -138,24 +137,24 @@ START_TEST(the_boxes_of_triangles_are_around_their_corners_and_those_of_groups_a
         for (size_t i = 0; i < LENGTH(corners); i++)
             for (int c = 0; c < 3; c++)
                 corners[i].vertex[c] = i % 5 == 4 ? vertexCount - 1 : qcRandom_Below(&random, vertexCount);
-        memset(groups, 0x55, sizeof groups);
+        memset(fitted, 0x55, sizeof fitted);
         memset(rows, 0x55, sizeof rows);
-        untouched = groups[0];
-        k->fitTriangles(corners, vertices, first, end, groups, rows);
-        for (size_t g = 0; g < groupCount; g++)
+        untouched = fitted[0];
+        k->fitTriangles(corners, vertices, first, end, fitted, rows);
+        for (size_t g = 0; g < box8Count; g++)
         {
             if (g < first || g >= end)
             {
-                ck_assert_mem_eq(&groups[g], &untouched, sizeof untouched);
+                ck_assert_mem_eq(&fitted[g], &untouched, sizeof untouched);
                 ck_assert_mem_eq(&rows[g], &untouched, sizeof rows[g]);
                 continue;
             }
             Box around = EmptyBox();
-            for (size_t i = 0; i < qc_groupSize; i++)
+            for (size_t i = 0; i < qc_boxLanes; i++)
             {
-                const uint32_t* c = corners[g * qc_groupSize + i].vertex;
+                const uint32_t* c = corners[g * qc_boxLanes + i].vertex;
                 Box box = Around(Around(boxes[c[0]], boxes[c[1]]), boxes[c[2]]);
-                CheckBox(BoxOfGroup(&groups[g], (int)i), box, k->name, i);
+                CheckBox(BoxAt(&fitted[g], (int)i), box, k->name, i);
                 around = Around(around, box);
             }
             CheckBox(BoxOfRow(&rows[g]), around, k->name, g);
@@ -164,11 +163,11 @@ START_TEST(the_boxes_of_triangles_are_around_their_corners_and_those_of_groups_a
 }
 END_TEST
 
-START_TEST(the_boxes_of_groups_are_those_of_their_children)
+START_TEST(boxes_of_nodes_are_those_of_their_children)
 {
     enum
     {
-        groupCount = 9,
+        box8Count = 9,
         first = 1,
         end = 8
     };
@@ -176,26 +175,26 @@ START_TEST(the_boxes_of_groups_are_those_of_their_children)
     FOR_EACH_KERNELS(k)
     for (size_t r = 0; r < LENGTH(s_ranges); r++)
     {
-        qcBoxRow children[groupCount * qc_groupSize], rows[groupCount];
-        Box boxes[groupCount * qc_groupSize];
-        qcBox8 groups[groupCount], untouched;
+        qcBoxRow children[box8Count * qc_boxLanes], rows[box8Count];
+        Box boxes[box8Count * qc_boxLanes];
+        qcBox8 fitted[box8Count], untouched;
         for (size_t i = 0; i < LENGTH(boxes); i++)
         {
             boxes[i] = MakeBox(&random, s_ranges[r].first, s_ranges[r].spread);
             PutInRow(&boxes[i], &children[i]);
         }
-        memset(groups, 0x55, sizeof groups);
-        untouched = groups[0];
-        k->fitGroups(children, first, end, groups, rows);
-        ck_assert_mem_eq(&groups[first - 1], &untouched, sizeof untouched);
-        ck_assert_mem_eq(&groups[end], &untouched, sizeof untouched);
+        memset(fitted, 0x55, sizeof fitted);
+        untouched = fitted[0];
+        k->fitBoxes(children, first, end, fitted, rows);
+        ck_assert_mem_eq(&fitted[first - 1], &untouched, sizeof untouched);
+        ck_assert_mem_eq(&fitted[end], &untouched, sizeof untouched);
         for (size_t g = first; g < end; g++)
         {
             Box around = EmptyBox();
-            for (int i = 0; i < qc_groupSize; i++)
+            for (int i = 0; i < qc_boxLanes; i++)
             {
-                CheckBox(BoxOfGroup(&groups[g], i), boxes[g * qc_groupSize + i], k->name, (size_t)i);
-                around = Around(around, boxes[g * qc_groupSize + i]);
+                CheckBox(BoxAt(&fitted[g], i), boxes[g * qc_boxLanes + i], k->name, (size_t)i);
+                around = Around(around, boxes[g * qc_boxLanes + i]);
             }
             CheckBox(BoxOfRow(&rows[g]), around, k->name, g);
         }
@@ -205,14 +204,14 @@ END_TEST
 
 static uint64_t CompareOneByOne(const qcBox8* a, const qcBox8* b)
 {
-    uint64_t meet = 0;
-    for (int i = 0; i < qc_groupSize; i++)
-        for (int j = 0; j < qc_groupSize; j++)
-            meet |= (uint64_t)Overlap(BoxOfGroup(a, i), BoxOfGroup(b, j)) << (i + 8 * j);
-    return meet;
+    uint64_t overlaps = 0;
+    for (int i = 0; i < qc_boxLanes; i++)
+        for (int j = 0; j < qc_boxLanes; j++)
+            overlaps |= (uint64_t)Overlap(BoxAt(a, i), BoxAt(b, j)) << (i + 8 * j);
+    return overlaps;
 }
 
-START_TEST(groups_meet_where_their_boxes_do)
+START_TEST(bits_are_set_for_overlapping_boxes)
 {
     qcRandom random = {4};
     size_t meetings = 0, all = 0;
@@ -221,11 +220,11 @@ START_TEST(groups_meet_where_their_boxes_do)
         for (int round = 0; round < 3000; round++)
         {
             qcBox8 a, b;
-            MakeGroup(&random, s_ranges[r].first, s_ranges[r].spread, &a);
-            MakeGroup(&random, s_ranges[r].first, s_ranges[r].spread, &b);
+            MakeBox8(&random, s_ranges[r].first, s_ranges[r].spread, &a);
+            MakeBox8(&random, s_ranges[r].first, s_ranges[r].spread, &b);
             uint64_t expected = CompareOneByOne(&a, &b);
-            CHECK_THAT(k->compare(&a, &b) == expected, "%s: %llx, expected %llx", k->name,
-                       (unsigned long long)k->compare(&a, &b), (unsigned long long)expected);
+            CHECK_THAT(k->findOverlaps(&a, &b) == expected, "%s: %llx, expected %llx", k->name,
+                       (unsigned long long)k->findOverlaps(&a, &b), (unsigned long long)expected);
             meetings += (size_t)__builtin_popcountll(expected);
             all += 64;
         }
@@ -236,7 +235,7 @@ END_TEST
 
 //  ---- pairs of two nodes --------------------------------------------------------------------------
 
-/// What collect is asked for besides the nodes.
+/// The arguments of collectPairs besides the nodes.
 typedef struct Choice
 {
     const uint64_t* words;
@@ -261,18 +260,16 @@ static size_t CollectOneByOne(const Nodes* a, uint32_t nodeA, const Nodes* b, ui
         for (uint32_t q = 0; q < qc_nodeSize; q++)
         {
             uint32_t i = p / 8, j = q / 8;
-            if (IsChosen(choice, p, q) &&
-                Overlap(BoxOfGroup(&a->nodes[nodeA], (int)i), BoxOfGroup(&b->nodes[nodeB], (int)j)) &&
-                Overlap(BoxOfGroup(&a->clusters[nodeA * 8 + i], (int)p % 8),
-                        BoxOfGroup(&b->clusters[nodeB * 8 + j], (int)q % 8)))
+            if (IsChosen(choice, p, q) && Overlap(BoxAt(&a->nodes[nodeA], (int)i), BoxAt(&b->nodes[nodeB], (int)j)) &&
+                Overlap(BoxAt(&a->clusters[nodeA * 8 + i], (int)p % 8), BoxAt(&b->clusters[nodeB * 8 + j], (int)q % 8)))
                 pairs[count++] = (qcSlotPair){nodeA * qc_nodeSize + p, nodeB * qc_nodeSize + q};
         }
     return count;
 }
 
-START_TEST(pairs_of_nodes_are_those_whose_boxes_overlap_whose_bit_is_set_and_that_no_skip_has)
+START_TEST(collected_pairs_overlap_have_their_bit_set_and_are_not_excluded)
 {
-    static qcSlotPair found[qc_mostPairs], expected[qc_mostPairs];
+    static qcSlotPair found[qc_maxPairs], expected[qc_maxPairs];
     qcRandom random = {5};
     size_t pairs = 0;
     FOR_EACH_KERNELS(k)
@@ -291,9 +288,9 @@ START_TEST(pairs_of_nodes_are_those_whose_boxes_overlap_whose_bit_is_set_and_tha
             skips[i] = (qcPairExclusion){qcRandom_Next(&random) & qcRandom_Next(&random), qcRandom_Next(&random)};
         Choice choice = {round % 2 == 0 ? words : NULL, skips, round % 3 == 0 ? round / 3 % (qc_maxExclusions + 1) : 0};
         uint32_t nodeA = qcRandom_Below(&random, qc_nodesInTest), nodeB = qcRandom_Below(&random, qc_nodesInTest);
-        qcSurfaceBoxes sideA = {a.clusters, a.nodes}, sideB = {b.clusters, b.nodes};
-        size_t count = (size_t)(k->collect(&sideA, nodeA, &sideB, nodeB, choice.words != NULL ? table : NULL, skips,
-                                           choice.skipCount, found) -
+        qcBvhBoxes sideA = {a.clusters, a.nodes}, sideB = {b.clusters, b.nodes};
+        size_t count = (size_t)(k->collectPairs(&sideA, nodeA, &sideB, nodeB, choice.words != NULL ? table : NULL,
+                                                skips, choice.skipCount, found) -
                                 found);
         size_t expectedCount = CollectOneByOne(&a, nodeA, &b, nodeB, &choice, expected);
         CheckSamePairs(found, count, expected, expectedCount, k->name);
@@ -305,7 +302,7 @@ END_TEST
 
 //  ---- choice --------------------------------------------------------------------------------------
 
-START_TEST(the_environment_names_the_kernels)
+START_TEST(the_environment_selects_the_kernels)
 {
     unsetenv("QC_KERNELS");
     const qcTriangleKernels* best = qcTriangleKernels_Get();
@@ -321,8 +318,6 @@ START_TEST(the_environment_names_the_kernels)
 }
 END_TEST
 
-QC_RUN_TESTS("surface_kernels", a_vertex_has_its_point_and_its_levels,
-             the_boxes_of_triangles_are_around_their_corners_and_those_of_groups_around_them,
-             the_boxes_of_groups_are_those_of_their_children, groups_meet_where_their_boxes_do,
-             pairs_of_nodes_are_those_whose_boxes_overlap_whose_bit_is_set_and_that_no_skip_has,
-             the_environment_names_the_kernels)
+QC_RUN_TESTS("triangle_kernels", a_vertex_becomes_its_point_and_its_levels, boxes_of_triangles_and_their_rows_are_tight,
+             boxes_of_nodes_are_those_of_their_children, bits_are_set_for_overlapping_boxes,
+             collected_pairs_overlap_have_their_bit_set_and_are_not_excluded, the_environment_selects_the_kernels)

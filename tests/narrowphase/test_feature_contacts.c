@@ -88,7 +88,7 @@ START_TEST(every_vertex_near_a_face_is_reported_once)
                 continue;
             double distance = SampledDistance(&soup, vertex, triangle);
             if (fabs(distance - margin) < 1e-6)
-                continue; // too close to the margin for the sampled distance to tell
+                continue; // too close to the margin for the sampled distance
             ck_assert_uint_eq(CountVertexFace(result, vertex, face), distance < margin);
             near += distance < margin;
         }
@@ -267,7 +267,7 @@ START_TEST(a_vertex_on_a_sliver_is_in_contact)
 }
 END_TEST
 
-START_TEST(nearly_parallel_edges_meet_where_they_cross)
+START_TEST(nearly_parallel_edges_have_a_contact_where_they_cross)
 {
     for (double angle = 1e-3; angle > 1e-12; angle /= 10)
     {
@@ -293,5 +293,5 @@ END_TEST
 QC_RUN_TESTS("contacts", every_vertex_near_a_face_is_reported_once,
              distance_normal_and_weights_agree_with_the_closest_points, no_pair_of_edges_is_reported_twice,
              methods_and_threads_give_the_same_contacts_in_the_same_order, image_methods_refuse_a_contact_margin,
-             a_vertex_on_a_sliver_is_in_contact, nearly_parallel_edges_meet_where_they_cross,
+             a_vertex_on_a_sliver_is_in_contact, nearly_parallel_edges_have_a_contact_where_they_cross,
              methods_agree_at_the_margin_itself)

@@ -89,7 +89,7 @@ START_TEST(each_vertex_keeps_its_nearest_contact_and_few_others)
 }
 END_TEST
 
-START_TEST(on_a_fine_ball_the_nearest_of_all_is_kept)
+START_TEST(on_a_fine_ball_the_nearest_contact_of_all_is_kept)
 {
     qcSoup cloth = qcSoup_MakeGrid(7), ball = qcSoup_MakeSphere(4, 0.4);
     for (int place = 0; place < 20; place++)
@@ -128,7 +128,7 @@ static size_t CountUnder(double width, double length)
     return found.count;
 }
 
-START_TEST(what_is_smaller_than_a_triangle_holds_it_by_its_border)
+START_TEST(a_rigid_body_smaller_than_a_triangle_has_contacts_at_its_border)
 {
     // Ten vertices, of which four are corners; all lie on the border.
     ck_assert_uint_eq(CountUnder(0.1, 0.1), 10);
@@ -137,7 +137,7 @@ START_TEST(what_is_smaller_than_a_triangle_holds_it_by_its_border)
 }
 END_TEST
 
-START_TEST(contacts_go_as_far_as_margins_of_bodies)
+START_TEST(contacts_are_reported_up_to_the_sum_of_the_margins_of_their_bodies)
 {
     qcSoup soups[2] = {qcSoup_MakeFoldedCloth(5, 20, 0.02, 0.004), qcSoup_MakeSphere(3, 0.2)};
     qcSoup_Translate(&soups[1], 0.5, 0.5, 0.2);
@@ -186,5 +186,6 @@ START_TEST(contacts_go_as_far_as_margins_of_bodies)
 END_TEST
 
 QC_RUN_TESTS("nearest contacts", each_vertex_keeps_its_nearest_contact_and_few_others,
-             on_a_fine_ball_the_nearest_of_all_is_kept, what_is_smaller_than_a_triangle_holds_it_by_its_border,
-             contacts_go_as_far_as_margins_of_bodies)
+             on_a_fine_ball_the_nearest_contact_of_all_is_kept,
+             a_rigid_body_smaller_than_a_triangle_has_contacts_at_its_border,
+             contacts_are_reported_up_to_the_sum_of_the_margins_of_their_bodies)

@@ -1,11 +1,11 @@
-// A real mesh, the Stanford bunny: sweep against brute force, pair for pair; what quick reports is real.
+// A real mesh, the Stanford bunny: sweep against brute force, pair by pair; pairs of quick are among them.
 // The file is the program's argument; without it there is nothing to test.
 #include "support/devices.h"
 #include "common/mesh_io/mesh_file.h"
 #include "support/scenes.h"
 #include "support/suite.h"
 
-/// Makes some triangles of a smooth mesh meet each other: every vertex moves by up to `size`, on a grid of floats.
+/// Makes some triangles of a smooth mesh intersect: every vertex moves by up to `size`, on a grid of floats.
 static void Crumple(qcMesh* mesh, float size)
 {
     qcRandom random = {2005};
@@ -14,7 +14,7 @@ static void Crumple(qcMesh* mesh, float size)
         positions[i] += (float)qcRandom_Uniform(&random, -size, size);
 }
 
-/// The bunny, and a part of it again, moved a little so that the two cross.
+/// The bunny, and a copy of a part of it, moved a little so that both intersect.
 static qcScene* MakeScene(qcDevice* device)
 {
     qcMesh mesh;

@@ -1,5 +1,5 @@
 // A scene far from the origin is as exact as at the origin: coordinates on a lattice that doubles hold in both places
-// give the same pairs, relation by relation. Every method that does not miss answers; floats would not hold them.
+// give the same pairs and relations, by every method that does not miss. Single precision would lose them.
 #include "support/devices.h"
 #include "support/scenes.h"
 #include "support/suite.h"
@@ -78,7 +78,7 @@ static qcScene* MakeFarScene(qcDevice* device, uint64_t seed, const double offse
     return scene;
 }
 
-/// What the origin answers, and what is to be compared with it far away.
+/// The result at the origin, to be compared with the one far away.
 static void CheckSame(qcScene* near, qcScene* far, const qcDetectDef* def, const double offset[3], const char* what)
 {
     qcDetectDef brute = *def;
@@ -107,7 +107,7 @@ static void CheckSame(qcScene* near, qcScene* far, const qcDetectDef* def, const
 }
 
 /// All methods at all offsets, each reached in another way; with a device, which takes longer, at one of them.
-static void CheckMethods(qcDevice* device, const qcDetectDef* asked, uint64_t seed)
+static void CheckMethods(qcDevice* device, const qcDetectDef* given, uint64_t seed)
 {
     const double origin[3] = {0.0, 0.0, 0.0};
     qcScene* near = MakeFarScene(NULL, seed, origin, way_positions);
@@ -118,7 +118,7 @@ static void CheckMethods(qcDevice* device, const qcDetectDef* asked, uint64_t se
         qcScene* far = MakeFarScene(device, seed, s_offsets[offset], way);
         for (int method = 0; method < qc_methodCount; method++)
         {
-            qcDetectDef def = *asked;
+            qcDetectDef def = *given;
             def.method = s_methods[device != NULL][method];
             def.reliable = true;
             def.resolution = 256;
@@ -132,12 +132,12 @@ static void CheckMethods(qcDevice* device, const qcDetectDef* asked, uint64_t se
     qcScene_Destroy(near);
 }
 
-static void CheckEverywhere(const qcDetectDef* asked, uint64_t seed)
+static void CheckEverywhere(const qcDetectDef* given, uint64_t seed)
 {
-    CheckMethods(NULL, asked, seed);
+    CheckMethods(NULL, given, seed);
     QC_FOR_EACH_DEVICE(device)
     {
-        CheckMethods(device, asked, seed);
+        CheckMethods(device, given, seed);
     }
 }
 
@@ -154,7 +154,7 @@ START_TEST(ten_million_units_from_the_origin_the_pairs_and_relations_are_those_a
 }
 END_TEST
 
-START_TEST(within_a_margin_too)
+START_TEST(pairs_within_a_margin_are_those_at_the_origin)
 {
     // On the lattice itself, so that pairs are exactly that far apart, and next to it.
     static const double s_margins[] = {0x1p-4, 0x1p-20, 0.0123456789, 0x1p-6 + 0x1p-50};
@@ -169,7 +169,7 @@ START_TEST(within_a_margin_too)
 }
 END_TEST
 
-START_TEST(floats_would_not_hold_them)
+START_TEST(single_precision_would_lose_these_pairs)
 {
     qcSoup soup = MakeSoup(2, 0);
     qcSoup_Translate(&soup, 1e7, 1e7, 1e7);
@@ -190,4 +190,4 @@ START_TEST(floats_would_not_hold_them)
 END_TEST
 
 QC_RUN_TESTS("far_away", ten_million_units_from_the_origin_the_pairs_and_relations_are_those_at_the_origin,
-             within_a_margin_too, floats_would_not_hold_them)
+             pairs_within_a_margin_are_those_at_the_origin, single_precision_would_lose_these_pairs)

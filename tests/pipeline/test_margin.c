@@ -276,7 +276,7 @@ static void CheckMarginsOfBodies(qcDevice* device, bool deforming)
         qcSoup_Free(&soups[i]);
 }
 
-START_TEST(pairs_count_as_far_as_the_margins_of_their_bodies_go)
+START_TEST(pairs_are_reported_up_to_the_sum_of_the_margins_of_their_bodies)
 {
     QC_FOR_EACH_DEVICE(device)
     {
@@ -286,7 +286,7 @@ START_TEST(pairs_count_as_far_as_the_margins_of_their_bodies_go)
 }
 END_TEST
 
-START_TEST(the_largest_margin_holds_all_pairs)
+START_TEST(the_largest_margin_reports_all_pairs)
 {
     qcSoup soup = qcSoup_MakeRandom(36, 40, 0.1);
     for (uint32_t v = 0; v < 3 * soup.vertexCount; v++)
@@ -310,7 +310,7 @@ END_TEST
 
 //  ---- proximities -------------------------------------------------------------------------------------------
 
-START_TEST(each_pair_has_the_proximity_of_its_triangles_if_it_was_asked_for)
+START_TEST(each_pair_has_the_proximity_of_its_triangles_on_request)
 {
     qcSoup soup = qcSoup_MakeRandom(37, 300, 0.2);
     qcScene* scene = qcMakeScene(NULL);
@@ -348,5 +348,5 @@ QC_RUN_TESTS("margin", every_method_finds_the_pairs_of_the_oracle_in_random_soup
              every_method_finds_the_pairs_of_the_oracle_on_a_sphere,
              sheets_exactly_the_margin_apart_are_near_and_by_an_ulp_less_are_not,
              bodies_exactly_the_margin_apart_are_found_and_by_an_ulp_less_are_not,
-             pairs_count_as_far_as_the_margins_of_their_bodies_go, the_largest_margin_holds_all_pairs,
-             each_pair_has_the_proximity_of_its_triangles_if_it_was_asked_for)
+             pairs_are_reported_up_to_the_sum_of_the_margins_of_their_bodies, the_largest_margin_reports_all_pairs,
+             each_pair_has_the_proximity_of_its_triangles_on_request)

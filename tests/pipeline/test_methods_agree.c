@@ -1,5 +1,5 @@
-// The sweep finds exactly what brute force finds, on every kind of soup, with every option and number of threads; brute
-// force finds exactly what the oracle of the relation says, pair by pair.
+// The sweep finds the pairs of brute force, on every kind of soup, with every option and number of threads; brute force
+// finds the pairs of the exact intersection test, one by one.
 #include "support/scenes.h"
 #include "support/suite.h"
 
@@ -75,7 +75,7 @@ END_TEST
 
 START_TEST(sweep_equals_brute_force_far_from_the_origin)
 {
-    // Where single precision tells nothing apart any more, the frame's origin still does.
+    // In single precision all vertices would coincide, but for the origin of the frame.
     qcSoup soup = qcSoup_MakeRandom(3, 800, 0.1);
     qcSoup_Translate(&soup, 1e7, -3e7, 2e9);
     ck_assert_uint_gt(CompareOn(soup, "far soup"), 100);
@@ -134,7 +134,7 @@ START_TEST(sweep_equals_brute_force_among_bodies)
 }
 END_TEST
 
-START_TEST(brute_force_reports_exactly_the_related_pairs)
+START_TEST(brute_force_reports_exactly_the_pairs_that_intersect)
 {
     qcSoup soup = qcSoup_MakeDegenerate(21, 120, 0.4, 0.3);
     qcScene* scene = qcMakeScene(NULL);
@@ -169,7 +169,7 @@ START_TEST(brute_force_reports_exactly_the_related_pairs)
 }
 END_TEST
 
-START_TEST(rotated_rigid_bodies_meet_as_their_transformed_vertices_do)
+START_TEST(rotated_rigid_bodies_have_the_pairs_of_their_transformed_vertices)
 {
     qcSoup soup = qcSoup_MakeSphere(2, 0.5), moved = qcSoup_MakeSphere(2, 0.5);
     qcTransform transform = {{0.36, 0.48, -0.8, -0.8, 0.6, 0.0, 0.48, 0.64, 0.6}, {0.7, 0.1, -0.2}};
@@ -232,9 +232,9 @@ START_TEST(a_segment_is_given_for_each_penetrating_pair)
 }
 END_TEST
 
-START_TEST(a_scene_that_grows_between_methods_is_answered_by_each)
+START_TEST(each_method_finds_the_pairs_of_a_scene_that_grows_in_between)
 {
-    // Each method keeps memory of its own sizes from step to step.
+    // Each method retains memory of its own sizes from step to step.
     qcScene* scene = qcMakeScene(NULL);
     for (int round = 0; round < 4; round++)
     {
@@ -248,7 +248,7 @@ START_TEST(a_scene_that_grows_between_methods_is_answered_by_each)
 }
 END_TEST
 
-START_TEST(a_vertex_that_no_triangle_has_changes_nothing)
+START_TEST(a_vertex_without_a_triangle_changes_nothing)
 {
     qcSoup soup = qcSoup_MakeRandom(6, 300, 0.2);
     qcScene* scene = qcMakeScene(NULL);
@@ -301,6 +301,7 @@ QC_RUN_TESTS("methods", sweep_equals_brute_force_on_random_soups, sweep_equals_b
              sweep_equals_brute_force_on_folded_cloth, sweep_equals_brute_force_on_a_flat_grid_and_on_sheets,
              sweep_equals_brute_force_far_from_the_origin, sweep_equals_brute_force_at_extreme_scales,
              sweep_equals_brute_force_when_sizes_differ_wildly, sweep_equals_brute_force_among_bodies,
-             brute_force_reports_exactly_the_related_pairs, rotated_rigid_bodies_meet_as_their_transformed_vertices_do,
-             a_segment_is_given_for_each_penetrating_pair, a_scene_that_grows_between_methods_is_answered_by_each,
-             a_vertex_that_no_triangle_has_changes_nothing, sweep_equals_brute_force_under_many_partners)
+             brute_force_reports_exactly_the_pairs_that_intersect,
+             rotated_rigid_bodies_have_the_pairs_of_their_transformed_vertices,
+             a_segment_is_given_for_each_penetrating_pair, each_method_finds_the_pairs_of_a_scene_that_grows_in_between,
+             a_vertex_without_a_triangle_changes_nothing, sweep_equals_brute_force_under_many_partners)

@@ -1,6 +1,6 @@
-// Pairs of triangles built to sit on the border between meeting and not, or exactly the margin apart, thousands to a
-// scene: what brute force reports, `layers` on each device, `sweep` and `auto` report too, and nothing else.
-// QC_TEST_PAIRS says how many pairs to build (and CK_TIMEOUT_MULTIPLIER gives them the time).
+// Pairs of triangles on the border between intersecting and disjoint, or exactly the margin apart, thousands to a
+// scene: `layers` on each device, `sweep` and `auto` report the pairs of brute force and no other. QC_TEST_PAIRS: the
+// number of pairs to build (raise CK_TIMEOUT_MULTIPLIER with it).
 #include "support/devices.h"
 #include "support/oracle.h"
 #include "support/pairs.h"
@@ -14,8 +14,8 @@ enum
 {
     qc_pairsInScene = 1200,
     qc_pairsInGroup = 24,  ///< where there are many bodies
-    qc_leastPairs = 36000, ///< by test
-    qc_oracleStride = 400, ///< every so many-th pair is shown to the oracle
+    qc_minPairs = 36000,   ///< by test
+    qc_oracleStride = 400, ///< one pair in 400 goes through the oracle
     qc_mostBodies = 2 * qc_pairsInScene / qc_pairsInGroup
 };
 
@@ -25,8 +25,8 @@ enum
 typedef struct Recipe
 {
     double unit;      ///< the largest triangles are about this large; a power of two
-    int shrink;       ///< up to so many powers of two smaller
-    double margin;    ///< 0, or as many bits as keep what is built exact
+    int shrink;       ///< max. powers of two by which it is smaller
+    double margin;    ///< 0, or with so few bits that the pair is exact
     bool isHeap;      ///< pairs among each other, or each by itself
     double offset[3]; ///< of the scene
 } Recipe;
@@ -121,7 +121,7 @@ static void MakeNearlyApart(qcRandom* random, const Recipe* recipe, qcTrianglePa
 /// In the scene: a cell of its own, or anywhere in a heap, by steps that keep the pair as it is where bits suffice.
 static void Place(qcRandom* random, const Recipe* recipe, uint32_t number, qcTrianglePair* pair)
 {
-    // 11^3 cells hold qc_pairsInScene; a cell holds a pair and twice the margin. In the heap each meets a few.
+    // 11^3 cells hold qc_pairsInScene; a cell holds a pair and twice the margin. In the heap each overlaps a few.
     uint32_t cell[3] = {number % 11, number / 11 % 11, number / 121};
     double by[3];
     for (int axis = 0; axis < 3; axis++)
@@ -144,7 +144,7 @@ typedef enum Layout
     layout_count
 } Layout;
 
-/// What the bodies of a scene are made from; the same for the scene of each device.
+/// The bodies of a scene, equal for the scenes of all devices.
 typedef struct Plan
 {
     uint64_t seed;
@@ -214,7 +214,7 @@ static void ToLocal(const qcTransform* transform, const double world[3], double 
     }
 }
 
-/// As scene.h says it.
+/// The arithmetic of qcTransform in scene.h.
 static void ToWorld(const qcTransform* transform, const double local[3], double world[3])
 {
     for (int axis = 0; axis < 3; axis++)
@@ -312,9 +312,9 @@ static qcScene* MakeScene(const Plan* plan, qcDevice* device)
     return scene;
 }
 
-//  ---- answers ---------------------------------------------------------------------------------------------------
+//  ---- comparison ------------------------------------------------------------------------------------------------
 
-/// What has been seen over all scenes of a test.
+/// Counts over all scenes of a test.
 typedef struct Tally
 {
     uint64_t built, found, verified;         ///< pairs made; of these, reported by brute force; shown to the oracle
@@ -342,7 +342,7 @@ static const qcPair* FindPair(const Plan* plan, const qcPairList* list, uint32_t
 }
 
 /// Brute force against rational arithmetic.
-static void AskOracle(const Plan* plan, uint32_t pair, const qcPair* found)
+static void CheckWithOracle(const Plan* plan, uint32_t pair, const qcPair* found)
 {
     double corners[2][3][3];
     const double(*a)[3] = (const double(*)[3])corners[0], (*b)[3] = (const double(*)[3])corners[1];
@@ -374,12 +374,12 @@ static void LookAtPairs(const Plan* plan, const qcPairList* list, Tally* tally)
         tally->found += found != NULL;
         if (tally->built++ % qc_oracleStride != 0)
             continue;
-        AskOracle(plan, pair, found);
+        CheckWithOracle(plan, pair, found);
         tally->verified++;
     }
 }
 
-/// Asks, compares, and adds to the hash.
+/// Detects, compares, and adds to the hash.
 static void Check(const Plan* plan, qcScene* scene, const qcDetectDef* def, const qcPairList* expected,
                   const char* device, uint64_t* hash)
 {
@@ -419,7 +419,7 @@ static void RunScene(const Plan* plan, qcDevice* const devices[qc_testDeviceCoun
     def.threads = (const uint32_t[]){1, 2, 8}[qcRandom_Below(&random, 3)];
     def.method = qc_methodSweep;
     Check(plan, plain, &def, &expected, "none", &tally->hashes[1]);
-    // Where many bodies lie across each other, each covers most of the image.
+    // Many bodies that lie across each other each cover most of the image.
     def.layerColumns =
         (const uint32_t[]){0, 0, 1, 4, 16, 100}[qcRandom_Below(&random, plan->layout == layout_many ? 5 : 6)];
     def.layerDepthAxis = "\0xyz"[qcRandom_Below(&random, 4)];
@@ -446,7 +446,7 @@ static void RunScenes(const char* name, uint64_t firstSeed, Layout layout, bool 
     qcDevice* devices[qc_testDeviceCount];
     qcOpenTestDevices(devices);
     Tally tally = {0};
-    uint64_t count = (uint64_t)qcGetTestPairCount(6 * qc_leastPairs) / 6;
+    uint64_t count = (uint64_t)qcGetTestPairCount(6 * qc_minPairs) / 6;
     for (uint64_t seed = firstSeed; tally.built < count; seed++)
     {
         Plan* plan = MakePlan(seed, layout, hasMargin);
@@ -467,19 +467,19 @@ static void RunScenes(const char* name, uint64_t firstSeed, Layout layout, bool 
     ck_assert_uint_eq(qcGetByteCount(), 0);
 }
 
-START_TEST(pairs_that_just_meet_in_one_body_are_never_missed)
+START_TEST(barely_touching_pairs_in_one_body_are_never_missed)
 {
     RunScenes("one body", UINT64_C(1000000), layout_one, false);
 }
 END_TEST
 
-START_TEST(pairs_that_just_meet_of_two_bodies_are_never_missed)
+START_TEST(barely_touching_pairs_of_two_bodies_are_never_missed)
 {
     RunScenes("two bodies", UINT64_C(2000000), layout_two, false);
 }
 END_TEST
 
-START_TEST(pairs_that_just_meet_of_many_bodies_are_never_missed)
+START_TEST(barely_touching_pairs_of_many_bodies_are_never_missed)
 {
     RunScenes("many bodies", UINT64_C(3000000), layout_many, false);
 }
@@ -503,7 +503,8 @@ START_TEST(pairs_the_margin_apart_of_many_bodies_are_never_missed)
 }
 END_TEST
 
-QC_RUN_TESTS("never miss", pairs_that_just_meet_in_one_body_are_never_missed,
-             pairs_that_just_meet_of_two_bodies_are_never_missed, pairs_that_just_meet_of_many_bodies_are_never_missed,
-             pairs_the_margin_apart_in_one_body_are_never_missed, pairs_the_margin_apart_of_two_bodies_are_never_missed,
+QC_RUN_TESTS("never miss", barely_touching_pairs_in_one_body_are_never_missed,
+             barely_touching_pairs_of_two_bodies_are_never_missed,
+             barely_touching_pairs_of_many_bodies_are_never_missed, pairs_the_margin_apart_in_one_body_are_never_missed,
+             pairs_the_margin_apart_of_two_bodies_are_never_missed,
              pairs_the_margin_apart_of_many_bodies_are_never_missed)

@@ -1,4 +1,4 @@
-// Bodies of one owner never meet each other, by any method, and nothing is made of their pairs.
+// No method reports pairs between bodies of one owner, nor makes candidates of them.
 #include "support/devices.h"
 #include "support/scenes.h"
 #include "support/suite.h"
@@ -20,7 +20,7 @@ static uint32_t OwnerOf(uint32_t body)
     return body % 3 == 0 ? 0 : 70000u * (body % 3);
 }
 
-/// Spheres that all overlap, and don't meet themselves.
+/// Spheres that all overlap, without self-collision.
 static qcScene* MakeSpheres(qcDevice* device, Rule rule)
 {
     qcScene* scene = qcMakeScene(device);
@@ -76,26 +76,26 @@ static qcDetectDef DefOf(qcMethod method)
     return def;
 }
 
-static bool MayMeet(void* asked, uint32_t slotA, uint32_t slotB)
+static bool MayCollide(void* calls, uint32_t slotA, uint32_t slotB)
 {
-    __atomic_fetch_add((int*)asked, 1, __ATOMIC_RELAXED);
+    __atomic_fetch_add((int*)calls, 1, __ATOMIC_RELAXED);
     return OwnerOf(slotA) == 0 || OwnerOf(slotA) != OwnerOf(slotB);
 }
 
-/// The filter of a step leaves out the same, in the steps that have one.
+/// The filter of a step leaves out the same pairs, in the steps that have one.
 static void CheckPairFilter(qcDevice* device, qcMethod method, const qcPairList* expected)
 {
     qcScene* scene = MakeSpheres(device, rule_none);
     qcDetectDef def = DefOf(method);
     qcPairList all = qcDetectPairs(scene, &def);
-    int asked = 0;
-    def.pairFilter = MayMeet;
-    def.pairFilterContext = &asked;
+    int calls = 0;
+    def.pairFilter = MayCollide;
+    def.pairFilterContext = &calls;
     qcPairList found = qcDetectPairs(scene, &def);
     qcCheckSamePairs(expected, &found, qcMethod_Name(method));
-    ck_assert_int_ge(asked, 66);
+    ck_assert_int_ge(calls, 66);
     free(found.pairs);
-    // What it says may be something else next time.
+    // A filter may decide differently in the next step.
     const qcResult* result;
     CHECK_OK(qcScene_Detect(scene, &def, &result));
     ck_assert(!result->profile.reused);
@@ -132,7 +132,7 @@ static void CheckMethod(qcDevice* device, qcMethod method, const qcPairList* exp
     CheckPairFilter(device, method, expected);
 }
 
-START_TEST(bodies_of_one_owner_never_meet_by_any_method)
+START_TEST(no_method_reports_pairs_between_bodies_of_one_owner)
 {
     qcPairList expected = ExpectedPairs();
     CheckMethod(NULL, qc_methodBrute, &expected);
@@ -176,7 +176,7 @@ static void CheckNothingIsMade(qcDevice* device, qcMethod method)
     qcScene_Destroy(scene);
 }
 
-START_TEST(no_candidates_are_made_of_bodies_of_one_owner)
+START_TEST(bodies_of_one_owner_have_no_candidates)
 {
     CheckNothingIsMade(NULL, qc_methodBrute);
     CheckNothingIsMade(NULL, qc_methodSweep);
@@ -190,7 +190,7 @@ START_TEST(no_candidates_are_made_of_bodies_of_one_owner)
 }
 END_TEST
 
-START_TEST(a_body_with_an_owner_meets_itself)
+START_TEST(a_body_with_an_owner_has_self_collision)
 {
     qcScene* scenes[2];
     for (uint32_t i = 0; i < 2; i++)
@@ -214,5 +214,5 @@ START_TEST(a_body_with_an_owner_meets_itself)
 }
 END_TEST
 
-QC_RUN_TESTS("owners", bodies_of_one_owner_never_meet_by_any_method, no_candidates_are_made_of_bodies_of_one_owner,
-             a_body_with_an_owner_meets_itself)
+QC_RUN_TESTS("owners", no_method_reports_pairs_between_bodies_of_one_owner, bodies_of_one_owner_have_no_candidates,
+             a_body_with_an_owner_has_self_collision)

@@ -1,7 +1,6 @@
 // Scenes that live: bodies of any size anywhere are added, moved, bent, switched and removed between detections of
-// every kind, some of which run out of memory. What brute force reports, `sweep` and `auto` report too, and nothing
-// else. QC_TEST_SCENES says how many scenes (and CK_TIMEOUT_MULTIPLIER gives them the time), QC_TEST_SEED the first
-// one.
+// every kind, some of which run out of memory. `sweep` and `auto` report the pairs of brute force and no other.
+// QC_TEST_SCENES: the number of scenes (raise CK_TIMEOUT_MULTIPLIER with it); QC_TEST_SEED: the seed of the first.
 #include "support/scenes.h"
 #include "support/suite.h"
 
@@ -10,9 +9,9 @@
 
 enum
 {
-    qc_mostBodies = 5,
+    qc_maxBodies = 5,
     qc_steps = 24,
-    qc_leastScenes = 20
+    qc_minScenes = 20
 };
 
 typedef struct Body
@@ -29,9 +28,9 @@ typedef struct World
     qcScene* scene;
     double size;      ///< of bodies
     double offset[3]; ///< of all of them
-    double wide;      ///< the margin that pairs are kept within
-    bool isCalm;      ///< little moves, so that much is followed
-    Body bodies[qc_mostBodies];
+    double wide;      ///< the margin of the Verlet list
+    bool isCalm;      ///< few vertices move: many partial refits
+    Body bodies[qc_maxBodies];
 } World;
 
 //  ---- memory that fails -------------------------------------------------------------------------------
@@ -104,7 +103,7 @@ static void Spoil(World* w, qcSoup* soup)
         else
             index[0] = other[Below(w, 3)];
     }
-    // Vertices at one place.
+    // Coincident vertices.
     for (uint32_t i = Below(w, 4); i > 0; i--)
         memcpy(soup->positions + 3 * (size_t)Below(w, soup->vertexCount),
                soup->positions + 3 * (size_t)Below(w, soup->vertexCount), 3 * sizeof(double));
@@ -129,7 +128,7 @@ static void Keep(Body* body)
     memcpy(body->before, body->soup.positions, 3 * sizeof(double) * body->soup.vertexCount);
 }
 
-//  ---- what is done with a scene -----------------------------------------------------------------------
+//  ---- changes of a scene ------------------------------------------------------------------------------
 
 /// Positions as the body has them, with garbage between them.
 static void* Pack(World* w, const Body* body, size_t* stride)
@@ -216,7 +215,7 @@ static void Turn(World* w, Body* body)
         memset(t.linear + 3 * (size_t)Below(w, 3), 0, 3 * sizeof(double));
     for (int axis = 0; axis < 3; axis++)
     {
-        // About its place.
+        // Near its position.
         double moved = 0.0;
         for (int k = 0; k < 3; k++)
             moved += t.linear[3 * axis + k] * w->offset[k];
@@ -256,7 +255,7 @@ static void ChangeBody(World* w, Body* body)
         Turn(w, body);
 }
 
-//  ---- what is asked -----------------------------------------------------------------------------------
+//  ---- requests ----------------------------------------------------------------------------------------
 
 static qcDetectDef MakeDef(World* w)
 {
@@ -282,20 +281,20 @@ static qcDetectDef MakeDef(World* w)
     return def;
 }
 
-/// A copy of what a detection reported.
-typedef struct Answer
+/// A copy of a result.
+typedef struct Result
 {
     qcPairList pairs;
     qcContact* contacts;
     size_t contactCount;
     uint64_t followed;
-} Answer;
+} Result;
 
-static Answer Ask(World* w, const qcDetectDef* def)
+static Result Detect(World* w, const qcDetectDef* def)
 {
     const qcResult* result = NULL;
     CHECK_OK(qcScene_Detect(w->scene, def, &result));
-    Answer answer = {.pairs = {malloc((result->pairCount + 1) * sizeof(qcPair)), result->pairCount},
+    Result answer = {.pairs = {malloc((result->pairCount + 1) * sizeof(qcPair)), result->pairCount},
                      .contacts = malloc((result->contactCount + 1) * sizeof(qcContact)),
                      .contactCount = result->contactCount,
                      .followed = result->profile.followedTriangles};
@@ -307,7 +306,7 @@ static Answer Ask(World* w, const qcDetectDef* def)
     return answer;
 }
 
-static void FreeAnswer(Answer* answer)
+static void FreeAnswer(Result* answer)
 {
     free(answer->pairs.pairs);
     free(answer->contacts);
@@ -333,9 +332,9 @@ static void Check(World* w, const char* where, Totals* totals)
     qcDetectDef def = MakeDef(w);
     if (OneIn(w, 6))
         RunOutOfMemory(w, &def);
-    Answer found = Ask(w, &def);
+    Result found = Detect(w, &def);
     def.method = qc_methodBrute;
-    Answer expected = Ask(w, &def);
+    Result expected = Detect(w, &def);
     char what[200];
     snprintf(what, sizeof what, "%s, size %g, at %g, margin %g, contacts %g, neighbours %d, threads %u, followed %u",
              where, w->size, w->offset[0] + w->offset[1] + w->offset[2], def.margin, def.contactMargin, def.neighbours,
@@ -350,8 +349,8 @@ static void Check(World* w, const char* where, Totals* totals)
     totals->followed += found.followed;
     FreeAnswer(&found);
     FreeAnswer(&expected);
-    // What is kept is kept from here.
-    for (int i = 0; i < qc_mostBodies; i++)
+    // The Verlet list is filled in this step.
+    for (int i = 0; i < qc_maxBodies; i++)
         if (w->bodies[i].isUsed && OneIn(w, 3))
             Keep(&w->bodies[i]);
 }
@@ -372,10 +371,10 @@ static void RunScene(uint64_t seed, Totals* totals)
         char where[64];
         snprintf(where, sizeof where, "scene %llu, step %d", (unsigned long long)seed, step);
         Check(&w, where, totals);
-        for (int i = 0; i < qc_mostBodies; i++)
+        for (int i = 0; i < qc_maxBodies; i++)
             ChangeBody(&w, &w.bodies[i]);
     }
-    for (int i = 0; i < qc_mostBodies; i++)
+    for (int i = 0; i < qc_maxBodies; i++)
         if (w.bodies[i].isUsed)
             RemoveBody(&w, &w.bodies[i]);
     qcScene_Destroy(w.scene);
@@ -388,14 +387,14 @@ static uint64_t Environment(const char* name, uint64_t otherwise)
     return text != NULL ? strtoull(text, NULL, 10) : otherwise;
 }
 
-START_TEST(whatever_is_done_to_a_scene_it_has_the_pairs_of_brute_force)
+START_TEST(after_any_sequence_of_changes_a_scene_has_the_pairs_of_brute_force)
 {
     CHECK_OK(qcSetAllocator(Allocate, Release, NULL));
-    uint64_t first = Environment("QC_TEST_SEED", 1), count = Environment("QC_TEST_SCENES", qc_leastScenes);
+    uint64_t first = Environment("QC_TEST_SEED", 1), count = Environment("QC_TEST_SCENES", qc_minScenes);
     Totals totals = {0, 0, 0, 0};
     for (uint64_t seed = first; seed < first + count; seed++)
         RunScene(seed, &totals);
-    if (count > qc_leastScenes)
+    if (count > qc_minScenes)
         printf("%llu detections, %llu pairs, %llu contacts, %llu triangles followed\n",
                (unsigned long long)totals.detections, (unsigned long long)totals.pairs,
                (unsigned long long)totals.contacts, (unsigned long long)totals.followed);
@@ -406,4 +405,4 @@ START_TEST(whatever_is_done_to_a_scene_it_has_the_pairs_of_brute_force)
 }
 END_TEST
 
-QC_RUN_TESTS("random steps", whatever_is_done_to_a_scene_it_has_the_pairs_of_brute_force)
+QC_RUN_TESTS("random steps", after_any_sequence_of_changes_a_scene_has_the_pairs_of_brute_force)

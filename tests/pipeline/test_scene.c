@@ -238,7 +238,7 @@ START_TEST(positions_of_any_type_and_stride_mean_the_same)
 }
 END_TEST
 
-START_TEST(moved_deformed_and_filtered_bodies_are_seen)
+START_TEST(moved_deformed_and_filtered_bodies_change_the_result)
 {
     qcScene* scene = qcMakeScene(NULL);
     qcBodyDef def = Crossing();
@@ -270,7 +270,7 @@ START_TEST(moved_deformed_and_filtered_bodies_are_seen)
 }
 END_TEST
 
-START_TEST(an_unchanged_scene_gives_its_last_result_again)
+START_TEST(an_unchanged_scene_reuses_its_last_result)
 {
     qcScene* scene = qcMakeScene(NULL);
     qcBodyDef def = Crossing();
@@ -313,7 +313,7 @@ START_TEST(an_empty_scene_and_empty_bodies_have_no_pairs)
 }
 END_TEST
 
-START_TEST(names_and_statuses_read_well)
+START_TEST(methods_relations_and_statuses_have_names)
 {
     ck_assert_str_eq(qcMethod_Name(qc_methodQuick), "quick");
     ck_assert_str_eq(qcRelation_Name(qc_relationTouching), "touching");
@@ -327,5 +327,5 @@ QC_RUN_TESTS("scene", crossing_triangles_of_one_body_are_reported,
              ids_of_removed_bodies_are_refused_also_when_the_slot_is_taken_again,
              bad_bodies_are_refused_with_the_place_and_change_nothing, bad_updates_are_refused_and_change_nothing,
              bad_requests_are_refused_with_the_field, positions_of_any_type_and_stride_mean_the_same,
-             moved_deformed_and_filtered_bodies_are_seen, an_unchanged_scene_gives_its_last_result_again,
-             an_empty_scene_and_empty_bodies_have_no_pairs, names_and_statuses_read_well)
+             moved_deformed_and_filtered_bodies_change_the_result, an_unchanged_scene_reuses_its_last_result,
+             an_empty_scene_and_empty_bodies_have_no_pairs, methods_relations_and_statuses_have_names)

@@ -1,4 +1,4 @@
-// What a scene doesn't need isn't done: each skip has a counter in the profile.
+// Work that a scene doesn't need is skipped, and counted in the profile.
 #include "support/oracle.h"
 #include "support/scenes.h"
 #include "support/soups.h"
@@ -40,7 +40,7 @@ static qcBodyId AddSpheres(qcScene* scene, uint32_t count, qcActivity activity)
     return id;
 }
 
-START_TEST(a_sleeping_world_of_10_000_bodies_costs_no_fit_and_no_candidate)
+START_TEST(a_sleeping_world_of_10_000_bodies_has_no_refit_and_no_candidate)
 {
     qcScene* scene = qcMakeScene(NULL);
     qcBodyId last = AddSpheres(scene, 10000, qc_activitySleeping);
@@ -54,7 +54,7 @@ START_TEST(a_sleeping_world_of_10_000_bodies_costs_no_fit_and_no_candidate)
         ck_assert_uint_eq(profile->uploadedBytes, 0);
         ck_assert_uint_gt(profile->skippedStaticPairs, 10000);
     }
-    // Nothing at all has changed: the last answer again.
+    // Nothing has changed: the last result is reused.
     ck_assert(Detect(scene, 0.0)->reused);
     // One wakes up: its neighbours are looked at, and no others.
     CHECK_OK(qcScene_SetActivity(scene, last, qc_activityMoving));
@@ -66,7 +66,7 @@ START_TEST(a_sleeping_world_of_10_000_bodies_costs_no_fit_and_no_candidate)
 }
 END_TEST
 
-START_TEST(rigid_bodies_are_fitted_once_wherever_they_go)
+START_TEST(rigid_bodies_are_refitted_once_for_all_transforms)
 {
     qcScene* scene = qcMakeScene(NULL);
     qcSoup soup = qcSoup_MakeSphere(3, 0.6);
@@ -93,7 +93,7 @@ START_TEST(rigid_bodies_are_fitted_once_wherever_they_go)
 }
 END_TEST
 
-START_TEST(a_deforming_body_is_fitted_when_it_has_moved)
+START_TEST(a_deforming_body_is_refitted_only_after_it_moved)
 {
     qcScene* scene = qcMakeScene(NULL);
     qcSoup cloth = qcSoup_MakeFoldedCloth(2, 24, 0.02, 0.03), sheet = qcSoup_MakeSphere(2, 0.1);
@@ -128,7 +128,7 @@ START_TEST(flat_patches_are_skipped_unless_the_margin_is_as_wide_as_triangles)
 }
 END_TEST
 
-START_TEST(pairs_that_single_precision_has_proven_need_no_exact_test)
+START_TEST(pairs_proven_in_single_precision_need_no_exact_test)
 {
     qcScene* scene = qcMakeScene(NULL);
     qcSoup soup = qcSoup_MakeRandom(5, 300, 0.5);
@@ -141,7 +141,7 @@ START_TEST(pairs_that_single_precision_has_proven_need_no_exact_test)
 }
 END_TEST
 
-QC_RUN_TESTS("skips", a_sleeping_world_of_10_000_bodies_costs_no_fit_and_no_candidate,
-             rigid_bodies_are_fitted_once_wherever_they_go, a_deforming_body_is_fitted_when_it_has_moved,
+QC_RUN_TESTS("skips", a_sleeping_world_of_10_000_bodies_has_no_refit_and_no_candidate,
+             rigid_bodies_are_refitted_once_for_all_transforms, a_deforming_body_is_refitted_only_after_it_moved,
              flat_patches_are_skipped_unless_the_margin_is_as_wide_as_triangles,
-             pairs_that_single_precision_has_proven_need_no_exact_test)
+             pairs_proven_in_single_precision_need_no_exact_test)

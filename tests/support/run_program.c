@@ -29,8 +29,8 @@ const char* GetErrors(void)
 
 void EnterFolder(void)
 {
-    const char* place = getenv("TMPDIR");
-    snprintf(s_folder, sizeof s_folder, "%s/qc_test.XXXXXX", place != NULL ? place : P_tmpdir);
+    const char* parent = getenv("TMPDIR");
+    snprintf(s_folder, sizeof s_folder, "%s/qc_test.XXXXXX", parent != NULL ? parent : P_tmpdir);
     ck_assert_ptr_nonnull(mkdtemp(s_folder));
     ck_assert_int_eq(chdir(s_folder), 0);
 }

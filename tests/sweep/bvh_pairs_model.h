@@ -1,40 +1,40 @@
-// Pairs of surfaces against rational arithmetic, each triangle with each: none within the margin is missing, none comes
-// twice, and what is told of some is so.
+// Pairs of one or two BVHs against rational arithmetic, all triangles with all others: no pair within the query
+// distance is missing, none is found twice, and the class of each is right.
 #ifndef QC_TESTS_SWEEP_BVH_PAIRS_MODEL_H
 #define QC_TESTS_SWEEP_BVH_PAIRS_MODEL_H
 
 #include "sweep/bvh/bvh_pairs.h"
 
 #include "support/oracle.h"
-#include "sweep/surfaces.h"
+#include "sweep/sample_bodies.h"
 
 #include <math.h>
 
 enum
 {
-    qc_mostThreads = 3
+    qc_maxThreads = 3
 };
 
-/// A soup, its body and the surface of that.
+/// A soup, its body and the body's BVH.
 typedef struct qcSide
 {
     qcSoup soup;
     qcBodies bodies;
-    qcTriangleBvh surface;
+    qcBodyBvh bvh;
 } qcSide;
 
 static inline qcSide qcSide_Make(qcSoup soup)
 {
     qcSide side = {.soup = soup};
     const qcBody* body = qcBodyAt(&side.bodies, qcAddToBodies(&side.bodies, &soup));
-    CHECK_OK(qcTriangleBvh_Build(&side.surface, body, 1));
-    CHECK_OK(qcTriangleBvh_Relate(&side.surface, body, 1));
+    CHECK_OK(qcBodyBvh_Build(&side.bvh, body, 1));
+    CHECK_OK(qcBodyBvh_BuildAdjacency(&side.bvh, body, 1));
     return side;
 }
 
 static inline void qcSide_Free(qcSide* side)
 {
-    qcTriangleBvh_Free(&side->surface);
+    qcBodyBvh_Free(&side->bvh);
     qcBodies_Free(&side->bodies);
     qcSoup_Free(&side->soup);
 }
@@ -43,49 +43,48 @@ static inline void qcSide_Fit(qcSide* side, double margin, const qcTriangleKerne
 {
     qcBvhScratch scratch = {0};
     bool fits;
-    CHECK_OK(qcTriangleBvh_Fit(&side->surface, qcBodyAt(&side->bodies, 0), margin, kernels, threads, &scratch, &fits));
+    CHECK_OK(qcTriangleBvh_Fit(&side->bvh.bvh, qcBodyAt(&side->bodies, 0), margin, kernels, threads, &scratch, &fits));
     ck_assert(fits);
     qcBvhScratch_Free(&scratch);
 }
 
-/// How often each two triangles were found, and what was told of them: two bytes for each, one more row for each
-/// triangle of the first.
-typedef struct qcFoundTimes
+/// How often each two triangles were found, and their class: a row for each triangle of the first side.
+typedef struct qcFoundPairs
 {
     const qcSide *a, *b;
-    uint8_t* times[qc_mostThreads]; ///< of each worker
-    uint8_t* told;                  ///< 0: nothing, or 1 + a relation
-    bool half;                      ///< with half the margin
+    uint8_t* times[qc_maxThreads]; ///< by worker
+    uint8_t* classes;              ///< 0: undecided, or 1 + a relation
+    bool half;                     ///< the near distance is half of the query distance
     size_t calls, count;
-    const uint8_t *reachedA, *reachedB;
-} qcFoundTimes;
+    const uint8_t *visitedA, *visitedB;
+} qcFoundPairs;
 
-static inline void qcFoundTimes_Make(qcFoundTimes* times, const qcSide* a, const qcSide* b)
+static inline void qcFoundPairs_Make(qcFoundPairs* times, const qcSide* a, const qcSide* b)
 {
     size_t cells = (size_t)a->soup.triangleCount * b->soup.triangleCount;
-    *times = (qcFoundTimes){.a = a, .b = b, .told = calloc(cells, 1)};
-    ck_assert_ptr_nonnull(times->told);
-    for (int w = 0; w < qc_mostThreads; w++)
+    *times = (qcFoundPairs){.a = a, .b = b, .classes = calloc(cells, 1)};
+    ck_assert_ptr_nonnull(times->classes);
+    for (int w = 0; w < qc_maxThreads; w++)
         ck_assert_ptr_nonnull(times->times[w] = calloc(cells, 1));
 }
 
-static inline void qcFoundTimes_Free(qcFoundTimes* times)
+static inline void qcFoundPairs_Free(qcFoundPairs* times)
 {
-    for (int w = 0; w < qc_mostThreads; w++)
+    for (int w = 0; w < qc_maxThreads; w++)
         free(times->times[w]);
-    free(times->told);
+    free(times->classes);
 }
 
-static inline bool qcFoundTimes_Add(void* context, const qcClassifiedPairs* found, uint32_t worker)
+static inline bool qcFoundPairs_Add(void* context, const qcClassifiedPairs* found, uint32_t worker)
 {
-    qcFoundTimes* times = context;
-    size_t known = found->near + found->apart + found->penetrating;
-    CHECK_THAT(worker < qc_mostThreads && found->count != 0 && known <= found->count,
-               "worker %u, %zu pairs, %zu are told", worker, found->count, known);
+    qcFoundPairs* times = context;
+    size_t classified = found->nearCount + found->separateCount + found->intersectingCount;
+    CHECK_THAT(worker < qc_maxThreads && found->count != 0 && classified <= found->count,
+               "worker %u, %zu pairs, %zu are classified", worker, found->count, classified);
     for (size_t i = 0; i < found->count; i++)
     {
-        uint32_t t = QC_AT(uint32_t, times->a->surface.clusters.triangles, found->pairs[i].a),
-                 u = QC_AT(uint32_t, times->b->surface.clusters.triangles, found->pairs[i].b);
+        uint32_t t = QC_AT(uint32_t, times->a->bvh.bvh.clusters.triangles, found->pairs[i].a),
+                 u = QC_AT(uint32_t, times->b->bvh.bvh.clusters.triangles, found->pairs[i].b);
         CHECK_THAT(t < times->a->soup.triangleCount && u < times->b->soup.triangleCount, "no such triangle");
         if (times->a == times->b && u < t)
         {
@@ -95,16 +94,16 @@ static inline bool qcFoundTimes_Add(void* context, const qcClassifiedPairs* foun
         }
         size_t at = (size_t)t * times->b->soup.triangleCount + u;
         times->times[worker][at] = (uint8_t)(times->times[worker][at] + (times->times[worker][at] < 255));
-        size_t apart = found->near + found->apart;
-        times->told[at] = (uint8_t)(i < found->near                  ? 1 + qc_relationNear
-                                    : i < apart                      ? 1 + qc_relationDisjoint
-                                    : i < apart + found->penetrating ? 1 + qc_relationPenetrating
-                                                                     : 0);
+        size_t disjoint = found->nearCount + found->separateCount;
+        times->classes[at] = (uint8_t)(i < found->nearCount                      ? 1 + qc_relationNear
+                                       : i < disjoint                            ? 1 + qc_relationDisjoint
+                                       : i < disjoint + found->intersectingCount ? 1 + qc_relationPenetrating
+                                                                                 : 0);
     }
     return true;
 }
 
-static inline bool qcTakeNoMore(void* context, const qcClassifiedPairs* found, uint32_t worker)
+static inline bool qcStopSearch(void* context, const qcClassifiedPairs* found, uint32_t worker)
 {
     (void)found;
     (void)worker;
@@ -112,15 +111,15 @@ static inline bool qcTakeNoMore(void* context, const qcClassifiedPairs* found, u
     return false;
 }
 
-/// A surface with itself, for who takes nothing; `calls` counts what is offered.
-static inline qcBvhPairsJob qcJobWithItself(const qcSide* side, size_t* calls)
+/// A BVH with itself, for a function that stops the search; `calls` counts its calls.
+static inline qcBvhPairsJob qcMakeSelfJob(const qcSide* side, size_t* calls)
 {
     return (qcBvhPairsJob){.kernels = qcTriangleKernels_Get(),
-                           .a = &side->surface,
-                           .b = &side->surface,
+                           .a = &side->bvh,
+                           .b = &side->bvh,
                            .bodyA = qcBodyAt(&side->bodies, 0),
                            .bodyB = qcBodyAt(&side->bodies, 0),
-                           .function = qcTakeNoMore,
+                           .function = qcStopSearch,
                            .context = calls};
 }
 
@@ -132,22 +131,22 @@ static inline bool qcAreBoxesWithin(const double a[3][3], const double b[3][3], 
                highA = fmax(a[0][axis], fmax(a[1][axis], a[2][axis]));
         double lowB = fmin(b[0][axis], fmin(b[1][axis], b[2][axis])),
                highB = fmax(b[0][axis], fmax(b[1][axis], b[2][axis]));
-        // Monotone: what this parts is apart.
+        // Rounding is monotone: boxes that this separates are separate.
         if (lowA > highB + margin || lowB > highA + margin)
             return false;
     }
     return true;
 }
 
-/// What rational arithmetic says of each two triangles, once it was asked.
+/// Results of rational arithmetic for each two triangles, computed when first needed.
 typedef struct qcPairOracle
 {
     const qcSide *a, *b;
     double margin;
-    uint8_t* within;                  ///< 0: not asked yet, 1: they are apart, 2: they are within the margin
-    uint8_t* relation;                ///< 0: not asked yet, or 1 + the relation where there is no margin
-    size_t boxes;                     ///< of pairs that were asked about, those whose boxes are within the margin
-    size_t told[qc_relationNear + 1]; ///< by relation: how many pairs it was told of, by all kernels
+    uint8_t* within;   ///< 0: unknown, 1: farther apart than the margin, 2: within it, 3: within half of it
+    uint8_t* relation; ///< 0: unknown, or 1 + the relation without a margin
+    size_t boxes;      ///< tested pairs whose boxes are within the margin
+    size_t classes[qc_relationNear + 1]; ///< classified pairs by relation, of all kernels
 } qcPairOracle;
 
 static inline qcPairOracle qcPairOracle_Make(const qcSide* a, const qcSide* b, double margin)
@@ -198,29 +197,30 @@ static inline qcRelation qcPairOracle_Relate(qcPairOracle* oracle, uint32_t t, u
     return (qcRelation)(*relation - 1);
 }
 
-/// Is it so, what was told of two triangles? `half`: the margin that was told is half of the one that is searched.
-static inline void qcPairOracle_CheckTold(qcPairOracle* oracle, uint32_t t, uint32_t u, bool half, qcRelation told,
-                                          const char* what)
+/// Checks the class of two triangles. `half`: the near distance is half of the query distance.
+static inline void qcPairOracle_CheckClass(qcPairOracle* oracle, uint32_t t, uint32_t u, bool half, qcRelation class,
+                                           const char* what)
 {
     qcRelation relation = qcPairOracle_Relate(oracle, t, u);
     bool isWithin = qcPairOracle_AreWithin(oracle, t, u) &&
                     (!half || oracle->within[(size_t)t * oracle->b->soup.triangleCount + u] == 3);
     if (relation == qc_relationDisjoint && isWithin)
         relation = qc_relationNear;
-    CHECK_THAT(told == relation, "%s: %u and %u are told to be %d, and are %d", what, t, u, (int)told, (int)relation);
-    oracle->told[told]++;
+    CHECK_THAT(class == relation, "%s: %u and %u are classified %d, and are %d", what, t, u, (int)class, (int)relation);
+    oracle->classes[class]++;
 }
 
-static inline void qcCheckReached(const qcSide* side, const uint8_t* reached, uint32_t triangle)
+static inline void qcCheckVisited(const qcSide* side, const uint8_t* visited, uint32_t triangle)
 {
-    const qcArray* places = &side->surface.clusters.triangles;
-    for (size_t i = 0; i < places->count; i++)
-        if (QC_AT(uint32_t, *places, i) == triangle)
-            CHECK_THAT(reached[i / qc_nodeSize] == 1, "node %zu was not reached", i / qc_nodeSize);
+    const qcArray* slots = &side->bvh.bvh.clusters.triangles;
+    for (size_t i = 0; i < slots->count; i++)
+        if (QC_AT(uint32_t, *slots, i) == triangle)
+            CHECK_THAT(visited[i / qc_nodeSize] == 1, "node %zu was not visited", i / qc_nodeSize);
 }
 
-/// Compares what the workers found; adds up what they did.
-static inline void qcFoundTimes_Check(qcFoundTimes* found, qcPairOracle* oracle, bool neighbours, const char* what)
+/// Checks the pairs of all workers against the oracle, and adds up their number.
+static inline void qcFoundPairs_Check(qcFoundPairs* found, qcPairOracle* oracle, bool includeNeighbours,
+                                      const char* what)
 {
     size_t n = found->a->soup.triangleCount, m = found->b->soup.triangleCount;
     for (uint32_t t = 0; t < n; t++)
@@ -228,74 +228,74 @@ static inline void qcFoundTimes_Check(qcFoundTimes* found, qcPairOracle* oracle,
         {
             size_t at = t * m + u;
             int times = found->times[0][at] + found->times[1][at] + found->times[2][at];
-            bool self = found->a == found->b, left = self && !neighbours && qcSoup_AreNeighbours(&found->a->soup, t, u);
+            bool self = found->a == found->b,
+                 isExcluded = self && !includeNeighbours && qcSoup_AreNeighbours(&found->a->soup, t, u);
             CHECK_THAT(times <= 1, "%s: %u and %u are found %d times", what, t, u, times);
-            CHECK_THAT(times == 0 || (!left && (!self || t < u)), "%s: %u and %u are found", what, t, u);
-            // Only what is missing is asked about.
-            CHECK_THAT(times == 1 || left || (self && t >= u) || !qcPairOracle_AreWithin(oracle, t, u),
+            CHECK_THAT(times == 0 || (!isExcluded && (!self || t < u)), "%s: %u and %u are found", what, t, u);
+            // Only missing pairs are tested.
+            CHECK_THAT(times == 1 || isExcluded || (self && t >= u) || !qcPairOracle_AreWithin(oracle, t, u),
                        "%s: %u and %u are not found", what, t, u);
             found->count += (size_t)times;
-            if (found->told[at] != 0)
-                qcPairOracle_CheckTold(oracle, t, u, found->half, (qcRelation)(found->told[at] - 1), what);
+            if (found->classes[at] != 0)
+                qcPairOracle_CheckClass(oracle, t, u, found->half, (qcRelation)(found->classes[at] - 1), what);
             if (times != 0 && at % 509 == 0)
             {
-                qcCheckReached(found->a, found->reachedA, t);
-                qcCheckReached(found->b, found->reachedB, u);
+                qcCheckVisited(found->a, found->visitedA, t);
+                qcCheckVisited(found->b, found->visitedB, u);
             }
         }
 }
 
-/// Finds the pairs with all kernels, on one thread and, with half the margin told, on three; without and with flat
-/// discs.
-/// Returns how many there were, with the last.
-static inline size_t qcCheckPairs(qcSide* a, qcSide* b, double margin, bool neighbours, qcPairOracle* oracle,
+/// Finds the pairs with all kernels, on one thread and, with half the near distance, on three; without and with flat
+/// patches. Returns their number, with the last kernels.
+static inline size_t qcCheckPairs(qcSide* a, qcSide* b, double margin, bool includeNeighbours, qcPairOracle* oracle,
                                   const char* what)
 {
     size_t count = 0;
-    bool flat = a == b && !neighbours;
+    bool flat = a == b && !includeNeighbours;
     FOR_EACH_KERNELS(k)
     for (int run = 0; run < (flat ? 4 : 2); run++)
     {
-        uint32_t threads = run % 2 == 0 ? 1 : qc_mostThreads;
+        uint32_t threads = run % 2 == 0 ? 1 : qc_maxThreads;
         qcSide_Fit(a, margin, k, threads);
         qcSide_Fit(b, margin, k, threads);
-        qcFoundTimes found;
-        qcFoundTimes_Make(&found, a, b);
+        qcFoundPairs found;
+        qcFoundPairs_Make(&found, a, b);
         found.half = run % 2 == 1;
-        uint8_t* reached[2] = {calloc(a->surface.clusters.nodeCount, 1), calloc(b->surface.clusters.nodeCount, 1)};
-        found.reachedA = reached[0];
-        found.reachedB = a == b ? reached[0] : reached[1];
+        uint8_t* visited[2] = {calloc(a->bvh.bvh.clusters.nodeCount, 1), calloc(b->bvh.bvh.clusters.nodeCount, 1)};
+        found.visitedA = visited[0];
+        found.visitedB = a == b ? visited[0] : visited[1];
         qcBvhPairs pairs = {0};
         qcBvhPairsJob job = {.kernels = k,
-                             .a = &a->surface,
-                             .b = &b->surface,
+                             .a = &a->bvh,
+                             .b = &b->bvh,
                              .bodyA = qcBodyAt(&a->bodies, 0),
                              .bodyB = qcBodyAt(&b->bodies, 0),
-                             .margin = margin,
-                             .nearest = found.half ? 0.5 * margin : margin,
-                             .neighbours = neighbours,
-                             .flatDiscs = run > 1,
-                             .reachedA = reached[0],
-                             .reachedB = a == b ? reached[0] : reached[1],
-                             .function = qcFoundTimes_Add,
+                             .query = margin,
+                             .near = found.half ? 0.5 * margin : margin,
+                             .includeNeighbours = includeNeighbours,
+                             .skipFlatPatches = run > 1,
+                             .visitedA = visited[0],
+                             .visitedB = a == b ? visited[0] : visited[1],
+                             .function = qcFoundPairs_Add,
                              .context = &found};
-        if (job.flatDiscs)
-            qcTriangleBvh_FindFlat(&a->surface, k, threads);
+        if (job.skipFlatPatches)
+            qcPatchState_Test(&a->bvh.patches, &a->bvh.bvh, k, threads);
         CHECK_OK(qcBvhPairs_Find(&pairs, &job, 1, threads));
-        qcFoundTimes_Check(&found, oracle, neighbours, what);
+        qcFoundPairs_Check(&found, oracle, includeNeighbours, what);
         CHECK_THAT(run % 2 == 0 || count == found.count, "%s: %zu pairs on one thread, %zu on three", what, count,
                    found.count);
         count = found.count;
         qcBvhPairs_Free(&pairs);
-        qcFoundTimes_Free(&found);
-        free(reached[0]);
-        free(reached[1]);
-        a->surface.fitted = b->surface.fitted = false; // for the next kernels
+        qcFoundPairs_Free(&found);
+        free(visited[0]);
+        free(visited[1]);
+        a->bvh.bvh.fitted = b->bvh.bvh.fitted = false; // for the next kernels
     }
     return count;
 }
 
-/// Returns how many pairs are found.
+/// Returns the number of pairs.
 static inline size_t qcCheckBetween(qcSoup soupA, qcSoup soupB, double margin, const char* what)
 {
     qcSide a = qcSide_Make(soupA), b = qcSide_Make(soupB);
@@ -312,8 +312,8 @@ static inline void qcCheckWithin(qcSoup soup, double margin, const char* what)
 {
     qcSide a = qcSide_Make(soup);
     qcPairOracle oracle = qcPairOracle_Make(&a, &a, margin);
-    for (int neighbours = 0; neighbours <= 1; neighbours++)
-        qcCheckPairs(&a, &a, margin, neighbours != 0, &oracle, what);
+    for (int includeNeighbours = 0; includeNeighbours <= 1; includeNeighbours++)
+        qcCheckPairs(&a, &a, margin, includeNeighbours != 0, &oracle, what);
     qcPairOracle_Free(&oracle);
     qcSide_Free(&a);
     ck_assert_uint_eq(qcGetByteCount(), 0);
@@ -322,7 +322,7 @@ static inline void qcCheckWithin(qcSoup soup, double margin, const char* what)
 static const char* const qcSoupKindNames[] = {"one",  "node and one", "random", "degenerate", "sphere", "cloth",
                                               "flat", "line",         "point",  "fan",        "twins"};
 
-/// Of the sort that has few pairs within, so that the oracle is asked about few.
+/// Soups with few pairs within the margin, so that the oracle tests few.
 static inline qcSoup qcMakeSmallSoup(qcSoupKind kind, uint64_t seed)
 {
     qcSoup soup = qcMakeSoup(kind, seed);

@@ -1,14 +1,15 @@
-// Scenes, step by step, by surfaces and by brute force: bodies that come and go, move, sleep, wake and change sides.
+// Scenes, step by step, with BVHs and with brute force: bodies are added and removed, move, sleep, wake and change
+// their filters.
 #define _POSIX_C_SOURCE 200809L // setenv
 #include "support/scenes.h"
 #include "support/suite.h"
-#include "sweep/surfaces.h"
+#include "sweep/sample_bodies.h"
 
 #include <math.h>
 
 enum
 {
-    qc_largeSide = 47, ///< of a cloth of 4418 triangles: too large to be laid together on the first step
+    qc_largeSide = 47, ///< of a cloth of 4418 triangles: too large for a BVH in the first step
     qc_bodiesInScene = 9
 };
 
@@ -34,7 +35,7 @@ static uint64_t HashOf(const qcResult* result)
     return hash;
 }
 
-static uint64_t Ask(qcScene* scene, qcDetectDef def, qcMethod method, uint32_t threads, qcProfile* profile)
+static uint64_t Detect(qcScene* scene, qcDetectDef def, qcMethod method, uint32_t threads, qcProfile* profile)
 {
     const qcResult* result;
     def.method = method;
@@ -54,7 +55,7 @@ static qcScene* MakeDeforming(const qcSoup* soup, qcBodyId* id)
     return scene;
 }
 
-START_TEST(a_large_body_has_the_same_pairs_by_strips_and_then_by_surfaces)
+START_TEST(a_large_body_has_the_same_pairs_by_strips_and_then_by_a_bvh)
 {
     qcSoup soup = qcSoup_MakeFoldedCloth(1, qc_largeSide, 0.01, 0.01);
     qcBodyId id;
@@ -70,11 +71,11 @@ START_TEST(a_large_body_has_the_same_pairs_by_strips_and_then_by_surfaces)
         def.touching = true;
         def.margin = step == 3 ? 0.002 : 0.0;
         qcProfile profile, expected;
-        uint64_t hash = Ask(scene, def, qc_methodSweep, 1 + (uint32_t)step % 3, &profile);
-        CHECK_THAT(hash == Ask(scene, def, qc_methodBrute, 2, &expected), "step %d: other pairs", step);
+        uint64_t hash = Detect(scene, def, qc_methodSweep, 1 + (uint32_t)step % 3, &profile);
+        CHECK_THAT(hash == Detect(scene, def, qc_methodBrute, 2, &expected), "step %d: other pairs", step);
         ck_assert_uint_gt(expected.pairs, 10);
         ck_assert_uint_eq(profile.pairs, expected.pairs);
-        // Strips know boxes; surfaces tell most of what they let through.
+        // Strips compare boxes only; BVHs classify most of the pairs that overlap.
         if (step == 0)
             candidates = profile.candidates;
         else if (step == 1)
@@ -86,7 +87,7 @@ START_TEST(a_large_body_has_the_same_pairs_by_strips_and_then_by_surfaces)
 }
 END_TEST
 
-START_TEST(large_bodies_that_do_not_meet_themselves_have_surfaces_at_once)
+START_TEST(large_bodies_without_self_collision_have_a_bvh_at_once)
 {
     qcScene* scene = qcMakeScene(NULL);
     qcSoup soup = qcSoup_MakeFoldedCloth(1, qc_largeSide, 0.01, 0.01);
@@ -103,10 +104,10 @@ START_TEST(large_bodies_that_do_not_meet_themselves_have_surfaces_at_once)
     for (uint32_t threads = 2; threads > 0; threads--)
     {
         qcProfile profile;
-        uint64_t hash = Ask(scene, def, qc_methodSweep, threads, &profile);
+        uint64_t hash = Detect(scene, def, qc_methodSweep, threads, &profile);
         ck_assert_uint_eq(profile.fittedTriangles, threads == 2 ? 3 * soup.triangleCount : 0);
         ck_assert_uint_gt(profile.pairs, 10);
-        CHECK_THAT(hash == Ask(scene, def, qc_methodBrute, 2, NULL), "other pairs");
+        CHECK_THAT(hash == Detect(scene, def, qc_methodBrute, 2, NULL), "other pairs");
     }
     qcScene_Destroy(scene);
     qcSoup_Free(&soup);
@@ -114,7 +115,7 @@ START_TEST(large_bodies_that_do_not_meet_themselves_have_surfaces_at_once)
 }
 END_TEST
 
-START_TEST(asked_for_contacts_a_large_new_body_has_its_surface_at_once)
+START_TEST(a_large_new_body_with_contacts_has_a_bvh_at_once)
 {
     qcSoup soup = qcSoup_MakeFoldedCloth(1, qc_largeSide, 0.01, 0.01);
     qcBodyId id;
@@ -122,17 +123,17 @@ START_TEST(asked_for_contacts_a_large_new_body_has_its_surface_at_once)
     qcDetectDef def = qcDefaultDetectDef();
     def.contactMargin = 0.004;
     qcProfile profile;
-    uint64_t hash = Ask(scene, def, qc_methodSweep, 2, &profile);
+    uint64_t hash = Detect(scene, def, qc_methodSweep, 2, &profile);
     ck_assert_uint_eq(profile.fittedTriangles, soup.triangleCount);
     ck_assert_uint_gt(profile.contacts, 10);
-    CHECK_THAT(hash == Ask(scene, def, qc_methodBrute, 2, NULL), "other pairs or contacts");
+    CHECK_THAT(hash == Detect(scene, def, qc_methodBrute, 2, NULL), "other pairs or contacts");
     qcScene_Destroy(scene);
     qcSoup_Free(&soup);
     ck_assert_uint_eq(qcGetByteCount(), 0);
 }
 END_TEST
 
-/// A body of some kind somewhere near the origin.
+/// A random body near the origin.
 static qcBodyId AddAny(qcScene* scene, qcRandom* random)
 {
     qcSoup soup = qcMakeSoup((qcSoupKind)qcRandom_Below(random, qc_soupKindCount), qcRandom_Next(random));
@@ -149,7 +150,7 @@ static qcBodyId AddAny(qcScene* scene, qcRandom* random)
     return id;
 }
 
-/// One change: a body goes and another comes into its slot, or one moves, sleeps, wakes or changes sides.
+/// One change: a body is replaced by another in its slot, or one moves, sleeps, wakes or changes its filter.
 static void ChangeAny(qcScene* scene, qcRandom* random, qcBodyId ids[qc_bodiesInScene])
 {
     qcBodyId* id = &ids[qcRandom_Below(random, qc_bodiesInScene)];
@@ -169,7 +170,7 @@ static void ChangeAny(qcScene* scene, qcRandom* random, qcBodyId ids[qc_bodiesIn
     }
 }
 
-/// Thirty steps of one scene; returns the hash of all answers. `checked`: brute force says the same.
+/// Thirty steps of one scene; returns the hash of all results. `checked`: they are compared with brute force.
 static uint64_t PlayScene(bool checked, uint32_t threads)
 {
     qcScene* scene = qcMakeScene(NULL);
@@ -188,10 +189,10 @@ static uint64_t PlayScene(bool checked, uint32_t threads)
         def.margin = step % 4 == 1 ? 0.01 : step % 4 == 2 ? 0.03 : 0.0;
         def.contactMargin = step % 6 == 3 ? 0.02 : 0.0;
         qcProfile profile;
-        uint64_t answer = Ask(scene, def, step % 2 == 0 ? qc_methodSweep : qc_methodAuto, threads, &profile);
+        uint64_t result = Detect(scene, def, step % 2 == 0 ? qc_methodSweep : qc_methodAuto, threads, &profile);
         if (checked)
-            CHECK_THAT(answer == Ask(scene, def, qc_methodBrute, 1, NULL), "step %d: other pairs", step);
-        hash = Mix(hash, answer);
+            CHECK_THAT(result == Detect(scene, def, qc_methodBrute, 1, NULL), "step %d: other pairs", step);
+        hash = Mix(hash, result);
         pairs += profile.pairs;
         contacts += profile.contacts;
     }
@@ -201,7 +202,7 @@ static uint64_t PlayScene(bool checked, uint32_t threads)
     return hash;
 }
 
-START_TEST(bodies_that_come_and_go_have_the_same_pairs_as_by_brute_force_with_all_kernels)
+START_TEST(changing_scenes_have_the_pairs_of_brute_force_with_all_kernels)
 {
     unsetenv("QC_KERNELS");
     uint64_t expected = PlayScene(true, 1);
@@ -214,9 +215,9 @@ START_TEST(bodies_that_come_and_go_have_the_same_pairs_as_by_brute_force_with_al
 }
 END_TEST
 
-START_TEST(a_smooth_sheet_has_all_pairs_within_a_margin_that_comes_and_goes)
+START_TEST(a_smooth_sheet_has_all_pairs_within_a_changing_margin)
 {
-    // Flat everywhere: no two triangles meet, but those next to neighbours are within the margin.
+    // Flat everywhere: no triangles intersect, but those next to neighbours are within the margin.
     qcScene* scene = qcMakeScene(NULL);
     qcSoup soup = qcSoup_MakeGrid(30);
     for (uint32_t v = 0; v < soup.vertexCount; v++)
@@ -227,7 +228,7 @@ START_TEST(a_smooth_sheet_has_all_pairs_within_a_margin_that_comes_and_goes)
     CHECK_OK(qcScene_AddBody(scene, &bodyDef, &id));
     for (int step = 0; step < 7; step++)
     {
-        // At last it is rolled up tightly, through itself.
+        // In the last step it is rolled up tightly, through itself.
         for (uint32_t v = 0; v < soup.vertexCount && step == 6; v++)
         {
             double* x = soup.positions + 3 * (size_t)v;
@@ -241,8 +242,8 @@ START_TEST(a_smooth_sheet_has_all_pairs_within_a_margin_that_comes_and_goes)
         def.margin = step == 1 ? 0.04 : step == 5 ? 0.036 : 0.0;
         def.contactMargin = step == 3 ? 0.03 : 0.0;
         qcProfile profile;
-        uint64_t hash = Ask(scene, def, qc_methodSweep, 1 + (uint32_t)step % 2, &profile);
-        CHECK_THAT(hash == Ask(scene, def, qc_methodBrute, 1, NULL), "step %d: other pairs", step);
+        uint64_t hash = Detect(scene, def, qc_methodSweep, 1 + (uint32_t)step % 2, &profile);
+        CHECK_THAT(hash == Detect(scene, def, qc_methodBrute, 1, NULL), "step %d: other pairs", step);
         ck_assert_int_eq(profile.pairs > 20, step == 1 || step >= 5);
         ck_assert_int_eq(profile.contacts > 0, step == 3);
     }
@@ -251,7 +252,7 @@ START_TEST(a_smooth_sheet_has_all_pairs_within_a_margin_that_comes_and_goes)
 }
 END_TEST
 
-START_TEST(a_body_that_no_lattice_holds_is_answered_too)
+START_TEST(a_body_too_large_for_a_lattice_has_its_pairs_too)
 {
     qcScene* scene = qcMakeScene(NULL);
     qcSoup soup = qcSoup_MakeRandom(3, 200, 0.2), large = qcSoup_MakeRandom(3, 200, 0.2);
@@ -266,7 +267,7 @@ START_TEST(a_body_that_no_lattice_holds_is_answered_too)
         CHECK_OK(qcScene_SetVertices(scene, id, (step % 2 == 0 ? &large : &soup)->positions, qc_positionF64, 0));
         qcDetectDef def = qcDefaultDetectDef();
         def.touching = true;
-        CHECK_THAT(Ask(scene, def, qc_methodSweep, 1, NULL) == Ask(scene, def, qc_methodBrute, 1, NULL),
+        CHECK_THAT(Detect(scene, def, qc_methodSweep, 1, NULL) == Detect(scene, def, qc_methodBrute, 1, NULL),
                    "step %d: other pairs", step);
     }
     qcScene_Destroy(scene);
@@ -275,9 +276,7 @@ START_TEST(a_body_that_no_lattice_holds_is_answered_too)
 }
 END_TEST
 
-QC_RUN_TESTS("surface_scenes", a_large_body_has_the_same_pairs_by_strips_and_then_by_surfaces,
-             large_bodies_that_do_not_meet_themselves_have_surfaces_at_once,
-             asked_for_contacts_a_large_new_body_has_its_surface_at_once,
-             bodies_that_come_and_go_have_the_same_pairs_as_by_brute_force_with_all_kernels,
-             a_smooth_sheet_has_all_pairs_within_a_margin_that_comes_and_goes,
-             a_body_that_no_lattice_holds_is_answered_too)
+QC_RUN_TESTS("bvh_scenes", a_large_body_has_the_same_pairs_by_strips_and_then_by_a_bvh,
+             large_bodies_without_self_collision_have_a_bvh_at_once, a_large_new_body_with_contacts_has_a_bvh_at_once,
+             changing_scenes_have_the_pairs_of_brute_force_with_all_kernels,
+             a_smooth_sheet_has_all_pairs_within_a_changing_margin, a_body_too_large_for_a_lattice_has_its_pairs_too)

@@ -1,4 +1,4 @@
-// Pairs of triangles of two surfaces, of any scales and anywhere: each within the margin once.
+// Pairs of triangles of two bodies, of any scales and anywhere: each within the margin once.
 #include "sweep/bvh_pairs_model.h"
 
 #include "support/pairs.h"
@@ -8,9 +8,7 @@
 
 #define LENGTH(array) (sizeof(array) / sizeof(array)[0])
 
-//  ---- tests: two surfaces -------------------------------------------------------------------------
-
-START_TEST(two_surfaces_have_each_pair_within_the_margin_once)
+START_TEST(each_pair_of_two_bodies_within_the_margin_is_found_once)
 {
     size_t within = 0;
     for (int i = 0; i < qc_soupKindCount; i++)
@@ -25,7 +23,7 @@ START_TEST(two_surfaces_have_each_pair_within_the_margin_once)
 }
 END_TEST
 
-/// More levels than any other body here has.
+/// More levels than any other body of this test.
 static qcSoup MakeLargeFan(void)
 {
     qcSoup fan = qcSoup_MakeRandom(20, 5000, 0.5);
@@ -34,7 +32,7 @@ static qcSoup MakeLargeFan(void)
     return fan;
 }
 
-START_TEST(a_large_fan_has_its_pairs_with_others_and_none_with_itself)
+START_TEST(a_large_fan_has_pairs_with_others_and_none_with_itself)
 {
     ck_assert_uint_gt(qcCheckBetween(MakeLargeFan(), qcSoup_MakeRandom(21, 2, 0.5), 0.0, "fan and two"), 100);
     ck_assert_uint_gt(qcCheckBetween(qcSoup_MakeRandom(21, 2, 0.5), MakeLargeFan(), 0.0, "two and fan"), 100);
@@ -43,7 +41,7 @@ START_TEST(a_large_fan_has_its_pairs_with_others_and_none_with_itself)
     qcSide_Fit(&a, 0.0, qcTriangleKernels_Get(), 1);
     size_t calls = 0;
     qcBvhPairs pairs = {0};
-    qcBvhPairsJob job = qcJobWithItself(&a, &calls);
+    qcBvhPairsJob job = qcMakeSelfJob(&a, &calls);
     CHECK_OK(qcBvhPairs_Find(&pairs, &job, 1, 1));
     ck_assert_uint_eq(calls, 0);
     qcBvhPairs_Free(&pairs);
@@ -51,7 +49,7 @@ START_TEST(a_large_fan_has_its_pairs_with_others_and_none_with_itself)
 }
 END_TEST
 
-/// So that one vertex comes to lie at `x`, all others scaled around it.
+/// Scales a soup around one vertex, and moves that to (x, x, x).
 static qcSoup MakeAround(qcSoupKind kind, double scale, double x)
 {
     qcSoup soup = qcMakeSoup(kind, 10);
@@ -62,7 +60,7 @@ static qcSoup MakeAround(qcSoupKind kind, double scale, double x)
     return soup;
 }
 
-START_TEST(surfaces_of_any_two_scales_have_each_pair_within_the_margin_once)
+START_TEST(each_pair_is_found_once_for_any_two_scales)
 {
     const double scales[] = {1.0, 1e-3, 1e-6, 1e-12, 1e-30, 1e-34, 5e-35, 2e-36, 1e-38, 1e-60, 1e-300, 1e3, 1e280};
     for (size_t i = 0; i < LENGTH(scales); i++)
@@ -79,16 +77,16 @@ START_TEST(surfaces_of_any_two_scales_have_each_pair_within_the_margin_once)
 }
 END_TEST
 
-START_TEST(a_small_surface_meets_any_part_of_one_that_floats_cannot_compare_it_with)
+START_TEST(a_body_too_small_for_floats_is_found_in_any_part_of_a_large_one)
 {
-    // The large one's boxes lie anywhere around its middle, where numbers of its lattice are zero.
+    // The boxes of the large body lie anywhere around its centre, where levels of its lattice are zero.
     qcRandom random = {11};
     for (int round = 0; round < 60; round++)
     {
         double scale = pow(10.0, qcRandom_Uniform(&random, -39.0, -32.0));
         qcSoup large = qcSoup_MakeRandom((uint64_t)round, 40, 0.3), small = qcSoup_MakeRandom(1, 5, 0.5);
         uint32_t t = qcRandom_Below(&random, large.triangleCount);
-        // A point well inside one triangle comes to lie in the middle of the small one.
+        // A point well inside one triangle moves to the centre of the small body.
         double corners[3][3];
         qcSoup_GetTriangle(&large, t, corners);
         for (int axis = 0; axis < 3; axis++)
@@ -107,7 +105,7 @@ START_TEST(a_small_surface_meets_any_part_of_one_that_floats_cannot_compare_it_w
 }
 END_TEST
 
-START_TEST(surfaces_far_from_the_origin_have_each_pair_within_the_margin_once)
+START_TEST(each_pair_is_found_once_far_from_the_origin)
 {
     const double offsets[] = {1e3, -1e9, 1e12, 1e15};
     for (size_t i = 0; i < LENGTH(offsets); i++)
@@ -121,7 +119,7 @@ START_TEST(surfaces_far_from_the_origin_have_each_pair_within_the_margin_once)
 }
 END_TEST
 
-/// A pair on the border of the margin, no larger than `size`; returns what to scale it by.
+/// A pair at the margin, at most `size` large after scaling by the returned factor.
 static double MakeBorderPair(qcRandom* random, uint32_t i, double size, double margin, qcTrianglePair* pair)
 {
     for (;;)
@@ -139,7 +137,7 @@ static double MakeBorderPair(qcRandom* random, uint32_t i, double size, double m
     }
 }
 
-/// Both sides of many small pairs, each in a cell of its own; the second has a triangle far off.
+/// Both sides of many small pairs, each in a cell of its own; the second side has one triangle far away.
 static void MakeCells(qcRandom* random, double size, double margin, qcSoup* a, qcSoup* b)
 {
     enum
@@ -165,7 +163,7 @@ static void MakeCells(qcRandom* random, double size, double margin, qcSoup* a, q
         b->positions[9 * (size_t)cells + k] = qcRandom_Uniform(random, -200.0, -100.0);
 }
 
-START_TEST(pairs_on_the_border_are_found_between_two_frames)
+START_TEST(pairs_at_the_margin_are_found_between_two_frames)
 {
     qcRandom random = {14};
     size_t within = 0;
@@ -180,7 +178,7 @@ START_TEST(pairs_on_the_border_are_found_between_two_frames)
 }
 END_TEST
 
-START_TEST(nodes_that_lie_apart_are_not_reached)
+START_TEST(separate_nodes_are_not_visited)
 {
     qcSide a = qcSide_Make(qcSoup_MakeSphere(3, 1.0)), b = qcSide_Make(qcSoup_MakeSphere(3, 1.0));
     qcSoup_Translate(&b.soup, 1.9, 0.0, 0.0);
@@ -191,31 +189,31 @@ START_TEST(nodes_that_lie_apart_are_not_reached)
         qcPairOracle oracle = qcPairOracle_Make(&a, &b, 0.0);
         qcSide_Fit(&a, 0.0, qcTriangleKernels_Get(), 1);
         qcSide_Fit(&b, 0.0, qcTriangleKernels_Get(), 1);
-        uint32_t nodes = a.surface.clusters.nodeCount, reachedNodes = 0;
-        uint8_t reached[2][512] = {{0}};
+        uint32_t nodes = a.bvh.bvh.clusters.nodeCount, visitedNodes = 0;
+        uint8_t visited[2][512] = {{0}};
         ck_assert_uint_le(nodes, 512);
-        qcFoundTimes found;
-        qcFoundTimes_Make(&found, &a, &b);
-        found.reachedA = reached[0];
-        found.reachedB = reached[1];
+        qcFoundPairs found;
+        qcFoundPairs_Make(&found, &a, &b);
+        found.visitedA = visited[0];
+        found.visitedB = visited[1];
         qcBvhPairs pairs = {0};
         qcBvhPairsJob job = {.kernels = qcTriangleKernels_Get(),
-                             .a = &a.surface,
-                             .b = &b.surface,
+                             .a = &a.bvh,
+                             .b = &b.bvh,
                              .bodyA = qcBodyAt(&a.bodies, 0),
                              .bodyB = qcBodyAt(&b.bodies, 0),
-                             .reachedA = reached[0],
-                             .reachedB = reached[1],
-                             .function = qcFoundTimes_Add,
+                             .visitedA = visited[0],
+                             .visitedB = visited[1],
+                             .function = qcFoundPairs_Add,
                              .context = &found};
         CHECK_OK(qcBvhPairs_Find(&pairs, &job, 1, 1));
-        qcFoundTimes_Check(&found, &oracle, false, "spheres");
+        qcFoundPairs_Check(&found, &oracle, false, "spheres");
         for (uint32_t i = 0; i < nodes; i++)
-            reachedNodes += reached[0][i];
+            visitedNodes += visited[0][i];
         ck_assert_int_eq(found.count > 0, step == 0);
-        ck_assert_int_eq(reachedNodes > 0, step == 0);
-        ck_assert_uint_lt(reachedNodes, nodes / 4);
-        qcFoundTimes_Free(&found);
+        ck_assert_int_eq(visitedNodes > 0, step == 0);
+        ck_assert_uint_lt(visitedNodes, nodes / 4);
+        qcFoundPairs_Free(&found);
         qcPairOracle_Free(&oracle);
         qcBvhPairs_Free(&pairs);
     }
@@ -226,56 +224,56 @@ END_TEST
 
 enum
 {
-    // Each with itself and with all others: more searches than are prepared in one block.
+    // Each body with itself and with all others: more searches than one block prepares.
     qc_crowd = 18,
     qc_crowdPairs = qc_crowd * (qc_crowd + 1) / 2
 };
 
 static void CheckCrowd(const qcSide* sides, qcPairOracle* oracles, double margin, uint32_t threads)
 {
-    qcFoundTimes found[qc_crowdPairs];
+    qcFoundPairs found[qc_crowdPairs];
     qcBvhPairsJob jobs[qc_crowdPairs];
-    static uint8_t reached[qc_crowd][64];
+    static uint8_t visited[qc_crowd][64];
     size_t count = 0, pairCount = 0;
     for (int a = 0; a < qc_crowd; a++)
         for (int b = a; b < qc_crowd; b++, count++)
         {
-            qcFoundTimes_Make(&found[count], &sides[a], &sides[b]);
-            found[count].reachedA = reached[a];
-            found[count].reachedB = reached[b];
+            qcFoundPairs_Make(&found[count], &sides[a], &sides[b]);
+            found[count].visitedA = visited[a];
+            found[count].visitedB = visited[b];
             jobs[count] = (qcBvhPairsJob){.kernels = qcTriangleKernels_Get(),
-                                          .a = &sides[a].surface,
-                                          .b = &sides[b].surface,
+                                          .a = &sides[a].bvh,
+                                          .b = &sides[b].bvh,
                                           .bodyA = qcBodyAt(&sides[a].bodies, 0),
                                           .bodyB = qcBodyAt(&sides[b].bodies, 0),
-                                          .margin = margin,
-                                          .nearest = margin,
-                                          .reachedA = reached[a],
-                                          .reachedB = reached[b],
-                                          .function = qcFoundTimes_Add,
+                                          .query = margin,
+                                          .near = margin,
+                                          .visitedA = visited[a],
+                                          .visitedB = visited[b],
+                                          .function = qcFoundPairs_Add,
                                           .context = &found[count]};
         }
     qcBvhPairs pairs = {0};
     CHECK_OK(qcBvhPairs_Find(&pairs, jobs, count, threads));
     for (size_t i = 0; i < count; i++)
     {
-        qcFoundTimes_Check(&found[i], &oracles[i], false, "crowd");
+        qcFoundPairs_Check(&found[i], &oracles[i], false, "crowd");
         pairCount += found[i].count;
-        qcFoundTimes_Free(&found[i]);
+        qcFoundPairs_Free(&found[i]);
     }
     ck_assert_uint_gt(pairCount, 1000);
     qcBvhPairs_Free(&pairs);
 }
 
-START_TEST(many_searches_side_by_side_find_each_its_own_pairs)
+START_TEST(many_parallel_searches_find_their_own_pairs)
 {
     qcSide sides[qc_crowd];
     for (uint32_t i = 0; i < qc_crowd; i++)
     {
-        // One of them has most of the triangles, some have one node alone.
+        // One body has most of the triangles, some have a single leaf node.
         sides[i] = qcSide_Make(qcSoup_MakeRandom(30 + i, i == 5 ? 1500 : 10 + 13 * i, 0.1));
         qcSide_Fit(&sides[i], 0.01, qcTriangleKernels_Get(), 1);
-        ck_assert_uint_le(sides[i].surface.clusters.nodeCount, 64);
+        ck_assert_uint_le(sides[i].bvh.bvh.clusters.nodeCount, 64);
     }
     qcPairOracle oracles[qc_crowdPairs];
     size_t count = 0;
@@ -291,10 +289,8 @@ START_TEST(many_searches_side_by_side_find_each_its_own_pairs)
 }
 END_TEST
 
-QC_RUN_TESTS("surface_pairs_between", two_surfaces_have_each_pair_within_the_margin_once,
-             a_large_fan_has_its_pairs_with_others_and_none_with_itself,
-             surfaces_of_any_two_scales_have_each_pair_within_the_margin_once,
-             a_small_surface_meets_any_part_of_one_that_floats_cannot_compare_it_with,
-             surfaces_far_from_the_origin_have_each_pair_within_the_margin_once,
-             pairs_on_the_border_are_found_between_two_frames, nodes_that_lie_apart_are_not_reached,
-             many_searches_side_by_side_find_each_its_own_pairs)
+QC_RUN_TESTS("pairs_between", each_pair_of_two_bodies_within_the_margin_is_found_once,
+             a_large_fan_has_pairs_with_others_and_none_with_itself, each_pair_is_found_once_for_any_two_scales,
+             a_body_too_small_for_floats_is_found_in_any_part_of_a_large_one,
+             each_pair_is_found_once_far_from_the_origin, pairs_at_the_margin_are_found_between_two_frames,
+             separate_nodes_are_not_visited, many_parallel_searches_find_their_own_pairs)

@@ -1,16 +1,16 @@
-// Where rigid bodies are, and what goes from one's coordinates to another's: against long double, and against vertices
-// as qcBody_GetVertex rounds them.
+// Rigid transforms and the relative transform of two bodies, against long double and against vertices as
+// qcBody_GetVertex rounds them.
 #include "base/rigid_transform.h"
 
 #include "base/status.h"
 #include "support/suite.h"
-#include "sweep/surfaces.h"
+#include "sweep/sample_bodies.h"
 #include "support/transforms.h"
 
 #include <float.h>
 #include <math.h>
 
-//  ---- what is true --------------------------------------------------------------------------------
+//  ---- invertible transforms -----------------------------------------------------------------------
 
 static void GetWorld(const qcTransform* transform, const double x[3], double world[3])
 {
@@ -27,8 +27,8 @@ static long double RowSum(const long double m[9])
     return largest;
 }
 
-/// The condition number by row sums, or infinity where even long double finds no inverse: its product with the matrix
-/// is looked at.
+/// The condition number by row sums, or infinity if even long double finds no inverse (its product with the matrix is
+/// checked).
 static long double InvertWell(const double m[9], long double inverse[9])
 {
     long double wide[9], rest[9];
@@ -77,7 +77,7 @@ START_TEST(a_transform_is_invertible_up_to_a_condition_number_of_4096)
 }
 END_TEST
 
-START_TEST(what_has_no_inverse_in_double_is_not_invertible)
+START_TEST(a_transform_without_an_inverse_in_double_is_not_invertible)
 {
     const double scales[] = {0.0, 1e-300, 1e-61, 1e61, 1e300, DBL_MAX};
     for (size_t i = 0; i < sizeof scales / sizeof scales[0]; i++)
@@ -97,14 +97,14 @@ START_TEST(what_has_no_inverse_in_double_is_not_invertible)
 }
 END_TEST
 
-//  ---- from one to another -------------------------------------------------------------------------
+//  ---- relative transforms -------------------------------------------------------------------------
 
-/// Two bodies that meet at points `x[0]` and `x[1]` of theirs, with boxes around them.
+/// Two bodies whose local points x[0] and x[1] coincide in the world, and boxes around the points.
 typedef struct Meeting
 {
     qcRigidTransform placement[2];
     double x[2][3];
-    double apart; ///< the greatest difference of a coordinate of the two points in the world
+    double apart; ///< max difference of a coordinate of the two points in the world
 } Meeting;
 
 static double FindApart(const qcTransform* transform, const double x[3], const double world[3])
@@ -116,7 +116,7 @@ static double FindApart(const qcTransform* transform, const double x[3], const d
     return apart;
 }
 
-/// Another point that goes to the same point of the world, or one nearly so.
+/// Another local point with the same image in the world, or nearly the same.
 static void MoveWithin(qcRandom* random, Meeting* m, const long double inverse[9], const double world[3])
 {
     const qcTransform* t = &m->placement[0].transform;
@@ -150,7 +150,7 @@ static void MakeBox(qcRandom* random, const double x[3], double size, qcRigidTra
     }
 }
 
-/// False: no meeting was found, as the first is not invertible.
+/// False: the first transform is not invertible.
 static bool Meet(qcRandom* random, Meeting* m)
 {
     int range = (int)qcRandom_Below(random, 3) * 60;
@@ -167,7 +167,7 @@ static bool Meet(qcRandom* random, Meeting* m)
             t->translation[axis] = size * (side == 0 ? away * qcRandom_Uniform(random, -1.0, 1.0)
                                                      : m->placement[0].transform.translation[axis]) +
                                    size * qcRandom_Uniform(random, -1.0, 1.0);
-        // Coordinates of a body's own may be far from their origin too.
+        // Local coordinates may be far from their origin too.
         double local = size / scale[side] * (qcRandom_Below(random, 3) == 0 ? 1e3 : 1.0);
         for (int axis = 0; axis < 3; axis++)
             m->x[side][axis] = qcRandom_Below(random, 8) == 0 ? 0.0 : local * qcRandom_Uniform(random, -1.0, 1.0);
@@ -177,7 +177,7 @@ static bool Meet(qcRandom* random, Meeting* m)
     InvertWell(a->linear, inverse);
     if (!qcTransform_IsInvertible(a))
         return false;
-    // The second is moved so that they meet; what it takes the point to then is where the first's is looked for.
+    // The second body is moved so that the points meet; then the first body's point is searched near the image.
     double to[3];
     GetWorld(a, m->x[0], to);
     GetWorld(&m->placement[1].transform, m->x[1], world);
@@ -198,7 +198,7 @@ static bool Meet(qcRandom* random, Meeting* m)
     return true;
 }
 
-START_TEST(points_that_meet_in_the_world_meet_in_coordinates_of_either)
+START_TEST(points_that_coincide_in_the_world_coincide_in_local_coordinates)
 {
     qcRandom random = {2};
     size_t same = 0;
@@ -222,7 +222,7 @@ START_TEST(points_that_meet_in_the_world_meet_in_coordinates_of_either)
         }
     }
     ck_assert_uint_gt(same, 10000);
-    // Nor is the bound out of proportion.
+    // The bound is tight.
     ck_assert(worst > 0x1p-12);
 }
 END_TEST
@@ -288,7 +288,7 @@ static uint32_t AddRigid(qcBodies* bodies, const qcSoup* soup)
     return id.slot;
 }
 
-/// A soup of some kind; `spare` vertices more that no triangle has, far outside.
+/// A random soup, with `spare` more vertices far outside that no triangle has.
 static qcSoup MakeWithSpare(qcRandom* random, uint32_t spare)
 {
     qcSoup soup = qcMakeSoup((qcSoupKind)qcRandom_Below(random, qc_soupKindCount), qcRandom_Next(random));
@@ -319,7 +319,7 @@ static void FindWorldBox(const qcBody* body, double lower[3], double upper[3])
     }
 }
 
-START_TEST(the_box_of_a_moved_body_holds_its_vertices_as_they_are_rounded)
+START_TEST(the_box_of_a_moved_body_contains_its_rounded_vertices)
 {
     qcRandom random = {4};
     size_t larger = 0;
@@ -331,7 +331,7 @@ START_TEST(the_box_of_a_moved_body_holds_its_vertices_as_they_are_rounded)
         const qcBody* body = qcBodyAt(&bodies, AddRigid(&bodies, &soup));
         for (int move = 0; move < 10; move++)
         {
-            // Along the axes, the ends of the box are those of vertices.
+            // For axis-aligned transforms the ends of the box are those of vertices.
             bool tight = move % 2 == 0;
             qcTransform t = qcIdentityTransform();
             if (!tight)
@@ -363,7 +363,7 @@ START_TEST(the_box_of_a_moved_body_holds_its_vertices_as_they_are_rounded)
 }
 END_TEST
 
-START_TEST(zeros_of_either_sign_are_an_identity)
+START_TEST(an_identity_may_have_zeros_of_either_sign)
 {
     qcBodies bodies = {0};
     qcSoup soup = qcSoup_MakeGrid(2);
@@ -397,9 +397,9 @@ static void CheckRefused(qcBodies* bodies, const qcTransform* transform, const c
     ck_assert_uint_eq(bodies->revision, revision);
 }
 
-START_TEST(a_transform_that_takes_a_vertex_beyond_all_numbers_is_refused)
+START_TEST(a_transform_that_overflows_for_a_vertex_is_refused)
 {
-    // The last vertex is no triangle's.
+    // No triangle has the last vertex.
     double positions[15] = {1e308, 0.0, 0.0, 0.0, 1e308, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.5e308};
     uint32_t indices[6] = {0, 1, 2, 1, 2, 3};
     qcSoup soup = {positions, 5, indices, 2};
@@ -408,7 +408,7 @@ START_TEST(a_transform_that_takes_a_vertex_beyond_all_numbers_is_refused)
         qcBodies bodies = {0};
         soup.triangleCount = triangles;
         const qcBody* body = qcBodyAt(&bodies, AddRigid(&bodies, &soup));
-        // The sum of all greatest coordinates is too large, but no vertex is: the box is that of vertices.
+        // The sum of all largest coordinates overflows, but no vertex does: the box is that of the vertices.
         qcTransform t = qcIdentityTransform();
         t.linear[1] = -1.0;
         t.linear[2] = 1.0;
@@ -433,7 +433,7 @@ START_TEST(a_transform_that_takes_a_vertex_beyond_all_numbers_is_refused)
 }
 END_TEST
 
-START_TEST(a_body_without_triangles_has_an_empty_box_wherever_it_goes)
+START_TEST(a_body_without_triangles_has_an_empty_box_under_any_transform)
 {
     double positions[3] = {1.0, 2.0, 3.0};
     for (uint32_t vertexCount = 0; vertexCount < 2; vertexCount++)
@@ -456,16 +456,16 @@ START_TEST(a_body_without_triangles_has_an_empty_box_wherever_it_goes)
 }
 END_TEST
 
-//  ---- surfaces ------------------------------------------------------------------------------------
+//  ---- fits ----------------------------------------------------------------------------------------
 
-/// Was it fitted anew? Every fit writes all points; the first is marked before.
-static bool FitsAnew(qcTriangleBvh* surface, const qcBody* body, double margin)
+/// True if it was fitted anew. A fit writes all points; the first is marked before.
+static bool FitsAnew(qcTriangleBvh* bvh, const qcBody* body, double margin)
 {
     qcBvhScratch scratch = {0};
     bool fits;
-    float* mark = &QC_AT(qcPoint, surface->points, 0).x[0];
+    float* mark = &QC_AT(qcPoint, bvh->points, 0).x[0];
     *mark = -5.0f;
-    CHECK_OK(qcTriangleBvh_Fit(surface, body, margin, qcTriangleKernels_Get(), 1, &scratch, &fits));
+    CHECK_OK(qcTriangleBvh_Fit(bvh, body, margin, qcTriangleKernels_Get(), 1, &scratch, &fits));
     ck_assert(fits);
     qcBvhScratch_Free(&scratch);
     bool anew = *mark != -5.0f;
@@ -473,55 +473,55 @@ static bool FitsAnew(qcTriangleBvh* surface, const qcBody* body, double margin)
     return anew;
 }
 
-START_TEST(a_rigid_body_is_fitted_once_while_it_is_turned_and_not_tested_with_itself)
+START_TEST(a_rigid_body_without_self_collision_is_fitted_once)
 {
     qcRandom random = {6};
     qcBodies bodies = {0};
     qcSoup soup = qcSoup_MakeSphere(2, 1.0);
     AddRigid(&bodies, &soup);
     qcBody* body = &QC_AT(qcBody, bodies.slots, 0);
-    qcTriangleBvh surface;
-    CHECK_OK(qcTriangleBvh_Build(&surface, body, 1));
+    qcTriangleBvh bvh;
+    CHECK_OK(qcTriangleBvh_Build(&bvh, body, 1));
     qcTransform t = qcIdentityTransform(), flat = t;
     flat.linear[8] = 0.0;
     body->selfCollision = false;
-    ck_assert(FitsAnew(&surface, body, 0.0) && surface.isLocal);
+    ck_assert(FitsAnew(&bvh, body, 0.0) && bvh.isLocal);
     for (int i = 0; i < 20; i++)
     {
         qcMakeAnyLinear(&random, -10, 10, t.linear);
         if (!qcTransform_IsInvertible(&t))
             continue;
         CHECK_OK(qcBodies_SetTransform(&bodies, 0, &t));
-        ck_assert(!FitsAnew(&surface, body, 0.01 * i) && surface.isLocal);
+        ck_assert(!FitsAnew(&bvh, body, 0.01 * i) && bvh.isLocal);
     }
     for (int i = 0; i < 2; i++)
     {
         CHECK_OK(qcBodies_SetTransform(&bodies, 0, &flat));
-        ck_assert(FitsAnew(&surface, body, 0.0) && !surface.isLocal);
-        ck_assert(!FitsAnew(&surface, body, 0.0));
-        ck_assert(FitsAnew(&surface, body, 0.5));
+        ck_assert(FitsAnew(&bvh, body, 0.0) && !bvh.isLocal);
+        ck_assert(!FitsAnew(&bvh, body, 0.0));
+        ck_assert(FitsAnew(&bvh, body, 0.5));
         CHECK_OK(qcBodies_SetTransform(&bodies, 0, &t));
-        ck_assert(FitsAnew(&surface, body, 0.5) && surface.isLocal && surface.margin == 0.0);
+        ck_assert(FitsAnew(&bvh, body, 0.5) && bvh.isLocal && bvh.margin == 0.0);
         body->selfCollision = true;
-        ck_assert(FitsAnew(&surface, body, 0.5) && !surface.isLocal && surface.margin == 0.5);
+        ck_assert(FitsAnew(&bvh, body, 0.5) && !bvh.isLocal && bvh.margin == 0.5);
         body->activity = qc_activitySleeping;
-        ck_assert(FitsAnew(&surface, body, 0.5) && surface.isLocal);
+        ck_assert(FitsAnew(&bvh, body, 0.5) && bvh.isLocal);
         body->activity = qc_activityMoving;
         body->selfCollision = false;
-        ck_assert(!FitsAnew(&surface, body, 0.5));
+        ck_assert(!FitsAnew(&bvh, body, 0.5));
     }
-    qcTriangleBvh_Free(&surface);
+    qcTriangleBvh_Free(&bvh);
     qcBodies_Free(&bodies);
     qcSoup_Free(&soup);
     ck_assert_uint_eq(qcGetByteCount(), 0);
 }
 END_TEST
 
-QC_RUN_TESTS("placement", a_transform_is_invertible_up_to_a_condition_number_of_4096,
-             what_has_no_inverse_in_double_is_not_invertible,
-             points_that_meet_in_the_world_meet_in_coordinates_of_either,
+QC_RUN_TESTS("rigid_transform", a_transform_is_invertible_up_to_a_condition_number_of_4096,
+             a_transform_without_an_inverse_in_double_is_not_invertible,
+             points_that_coincide_in_the_world_coincide_in_local_coordinates,
              reach_and_stretch_are_those_of_the_inverse_and_growth_is_that_of_the_transform,
-             the_box_of_a_moved_body_holds_its_vertices_as_they_are_rounded, zeros_of_either_sign_are_an_identity,
-             a_transform_that_takes_a_vertex_beyond_all_numbers_is_refused,
-             a_body_without_triangles_has_an_empty_box_wherever_it_goes,
-             a_rigid_body_is_fitted_once_while_it_is_turned_and_not_tested_with_itself)
+             the_box_of_a_moved_body_contains_its_rounded_vertices, an_identity_may_have_zeros_of_either_sign,
+             a_transform_that_overflows_for_a_vertex_is_refused,
+             a_body_without_triangles_has_an_empty_box_under_any_transform,
+             a_rigid_body_without_self_collision_is_fitted_once)

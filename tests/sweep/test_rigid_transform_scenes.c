@@ -1,15 +1,15 @@
-// Worlds of rigid bodies, turned, sheared and flattened, near and far, by surfaces and by brute force.
+// Scenes of rotated, sheared and flattened rigid bodies, near and far, with BVHs and with brute force.
 #define _POSIX_C_SOURCE 200809L // setenv
 #include "scene/bodies.h"
 #include "support/scenes.h"
 #include "support/suite.h"
-#include "sweep/surfaces.h"
+#include "sweep/sample_bodies.h"
 #include "support/transforms.h"
 
 #include <math.h>
 #include <stdio.h>
 
-//  ---- both answers --------------------------------------------------------------------------------
+//  ---- both methods --------------------------------------------------------------------------------
 
 typedef struct Totals
 {
@@ -28,7 +28,7 @@ static void CheckSameContacts(const qcContact* expected, const qcResult* result,
     }
 }
 
-/// By brute force and by surfaces: the same pairs, and the same contacts.
+/// BVHs find the pairs and contacts of brute force.
 static void CheckStep(qcScene* scene, qcDetectDef def, const char* what, Totals* totals)
 {
     def.method = qc_methodBrute;
@@ -60,25 +60,25 @@ static void CheckStep(qcScene* scene, qcDetectDef def, const char* what, Totals*
 enum
 {
     qc_bodiesInWorld = 7,
-    qc_largeSide = 47 ///< of a cloth of 4418 triangles: strips answer for it on the first step
+    qc_largeSide = 47 ///< of a cloth of 4418 triangles: it has no BVH in the first step
 };
 
 typedef struct World
 {
     qcScene* scene;
-    double size, away;                                       ///< of the world, and how far from the origin it is
-    double unit[qc_bodiesInWorld], centre[qc_bodiesInWorld]; ///< of coordinates of bodies' own
+    double size, away;                                       ///< of the world, and its distance from the origin
+    double unit[qc_bodiesInWorld], centre[qc_bodiesInWorld]; ///< of local coordinates
     bool deforming[qc_bodiesInWorld];
     qcSoup soup[qc_bodiesInWorld];
     qcBodyId ids[qc_bodiesInWorld];
 } World;
 
-/// Somewhere in the world; the body's centre goes there.
+/// A transform that moves the body's centre to a random point of the world.
 static qcTransform AnyTransform(qcRandom* random, const World* world, int body)
 {
     qcTransform t = qcIdentityTransform();
     qcMakeAnyLinear(random, -1, 1, t.linear);
-    // Now and then nothing of one or two directions is left, exactly or nearly so.
+    // Sometimes one or two directions are flattened, exactly or nearly.
     if (qcRandom_Below(random, 8) == 0)
         qcMakeLinear(random, qcRandom_Below(random, 2) == 0 ? qc_shapePlate : qc_shapeNeedle,
                      qcRandom_Below(random, 2) == 0 ? 0.0 : exp2(-qcRandom_Uniform(random, 11.0, 60.0)), 1.0, t.linear);
@@ -159,7 +159,7 @@ static void PlayWorld(uint64_t seed, bool large, double away, int exponent, Tota
     ck_assert_uint_eq(qcGetByteCount(), 0);
 }
 
-START_TEST(rigid_bodies_meet_as_by_brute_force_wherever_they_are)
+START_TEST(rigid_bodies_have_the_pairs_of_brute_force_anywhere)
 {
     const double away[] = {0.0, 1e3, 1e9, 1e12};
     const int exponents[] = {0, -40, 60};
@@ -170,7 +170,7 @@ START_TEST(rigid_bodies_meet_as_by_brute_force_wherever_they_are)
 }
 END_TEST
 
-//  ---- touches made on purpose ---------------------------------------------------------------------
+//  ---- constructed touches -------------------------------------------------------------------------
 
 static void GetWorld(const qcSoup* soup, const qcTransform* transform, uint32_t vertex, double world[3])
 {
@@ -178,7 +178,7 @@ static void GetWorld(const qcSoup* soup, const qcTransform* transform, uint32_t 
     qcBody_GetVertex(&body, vertex, world);
 }
 
-/// Moves the body so that its vertex comes to a point exactly. False: no number does that.
+/// Moves the body so that its vertex coincides with a point exactly. False: no double does that.
 static bool BringTo(const qcSoup* soup, uint32_t vertex, const double point[3], qcTransform* transform)
 {
     double at[3];
@@ -277,7 +277,7 @@ START_TEST(faces_that_coincide_touch_and_those_at_the_margin_are_within_it)
     qcSoup soup = qcSoup_MakeGrid(5);
     for (int i = 0; i < 60; i++)
     {
-        // Multiples of powers of two: positions are exact, far away and after scaling.
+        // Multiples of powers of two: positions are exact, also far away and after scaling.
         double gap = i % 3 == 0 ? 0.0 : ldexp(1.0, -(i % 7)), scale = ldexp(1.0, i % 5 * 20 - 40);
         qcScene* scene = qcMakeScene(NULL);
         qcBodyId ids[2];
@@ -308,9 +308,9 @@ START_TEST(faces_that_coincide_touch_and_those_at_the_margin_are_within_it)
 }
 END_TEST
 
-START_TEST(bodies_that_vanish_in_the_world_touch)
+START_TEST(bodies_that_shrink_to_a_point_touch)
 {
-    // Products below the least double are 0: all of both bodies is one point.
+    // Products below the smallest double are 0: both bodies become one point.
     const double sizes[] = {1e-270, 1e-280, 1e-285}, scales[] = {1e-59, 1e-50, 1e-45};
     for (int i = 0; i < 3; i++)
     {
@@ -339,6 +339,6 @@ START_TEST(bodies_that_vanish_in_the_world_touch)
 }
 END_TEST
 
-QC_RUN_TESTS("placement_scenes", rigid_bodies_meet_as_by_brute_force_wherever_they_are,
+QC_RUN_TESTS("rigid_transform_scenes", rigid_bodies_have_the_pairs_of_brute_force_anywhere,
              a_vertex_that_stands_on_another_body_touches_it,
-             faces_that_coincide_touch_and_those_at_the_margin_are_within_it, bodies_that_vanish_in_the_world_touch)
+             faces_that_coincide_touch_and_those_at_the_margin_are_within_it, bodies_that_shrink_to_a_point_touch)

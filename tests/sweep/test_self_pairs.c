@@ -1,5 +1,4 @@
-// Pairs of triangles of one surface: each within the margin once, what is told of them is so, and flat discs leave
-// out nothing that is wanted.
+// Pairs of triangles of one body: each within the margin once, classified right; flat patches lose none.
 #include "sweep/bvh_pairs_model.h"
 
 #include "support/failing_heap.h"
@@ -7,9 +6,7 @@
 
 #define LENGTH(array) (sizeof(array) / sizeof(array)[0])
 
-//  ---- tests: one surface --------------------------------------------------------------------------
-
-START_TEST(a_surface_has_each_pair_within_the_margin_once)
+START_TEST(each_pair_within_the_margin_is_found_once)
 {
     const double margins[] = {0.0, 0.01};
     for (int kind = 0; kind < qc_soupKindCount; kind++)
@@ -18,7 +15,7 @@ START_TEST(a_surface_has_each_pair_within_the_margin_once)
 }
 END_TEST
 
-START_TEST(a_surface_far_away_or_of_any_scale_has_each_pair_within_the_margin_once)
+START_TEST(each_pair_is_found_once_far_away_and_at_any_scale)
 {
     const double scales[] = {1e-300, 1e-6, 1e6, 1e280}, offsets[] = {1e6, 1e12, 1e15};
     for (int kind = qc_soupDegenerate; kind < qc_soupKindCount; kind += 2)
@@ -39,7 +36,7 @@ START_TEST(a_surface_far_away_or_of_any_scale_has_each_pair_within_the_margin_on
 }
 END_TEST
 
-START_TEST(few_pairs_that_are_apart_are_found)
+START_TEST(few_separate_pairs_are_found)
 {
     qcSide a = qcSide_Make(qcSoup_MakeRandom(6, 400, 0.2)), b = qcSide_Make(qcSoup_MakeRandom(7, 400, 0.2));
     qcSide* sides[] = {&a, &b};
@@ -60,7 +57,7 @@ START_TEST(few_pairs_that_are_apart_are_found)
 }
 END_TEST
 
-/// A strip that goes round twice and is closed: where its two turns cross, it faces one way as everywhere.
+/// A closed strip of two turns that faces one way everywhere, also where the turns cross.
 static qcSoup MakeCoil(uint32_t columns, uint32_t rows, double height)
 {
     qcSoup soup = qcSoup_MakeRandom(1, 2 * columns * rows, 0.1);
@@ -82,45 +79,45 @@ static qcSoup MakeCoil(uint32_t columns, uint32_t rows, double height)
     return soup;
 }
 
-START_TEST(a_surface_that_faces_one_way_has_the_pairs_where_it_crosses_itself)
+START_TEST(a_strip_that_faces_one_way_has_the_pairs_where_it_crosses_itself)
 {
     for (uint32_t columns = 16; columns <= 100; columns += 14)
         for (uint32_t rows = 1; rows <= 4; rows++)
         {
-            // With a margin up to where hardly anything is flat.
+            // Margins up to where hardly any patch is flat.
             double margin = columns % 4 == 0 ? 0.0 : 0.4 / columns / (1 << columns / 2 % 4);
             qcCheckWithin(MakeCoil(columns, rows, rows % 2 == 0 ? 0.2 : 1e-4), margin, "coil");
         }
 }
 END_TEST
 
-START_TEST(flat_discs_of_a_sheet_leave_nothing_to_ask)
+START_TEST(nearly_all_patches_of_a_smooth_sheet_are_flat)
 {
-    // Waves that don't come back: all that is found is known to be apart.
+    // Waves without self-contact: all pairs are proven separate.
     qcSide a = qcSide_Make(qcSoup_MakeGrid(40));
     for (uint32_t v = 0; v < a.soup.vertexCount; v++)
         a.soup.positions[3 * v + 2] = 0.05 * sin(12.0 * a.soup.positions[3 * v] + 5.0 * a.soup.positions[3 * v + 1]);
     CHECK_OK(qcBodies_SetVertices(&a.bodies, 0, a.soup.positions, qc_positionF64, 0));
-    // Edges are as long as 1 / 40.
+    // Edges have length 1 / 40.
     for (double margin = 0.0; margin <= 0.25 / 40; margin += 0.125 / 40)
         FOR_EACH_KERNELS(k)
         {
-            a.surface.fitted = false;
+            a.bvh.bvh.fitted = false;
             qcSide_Fit(&a, margin, k, 1);
-            qcTriangleBvh_FindFlat(&a.surface, k, 1);
-            uint32_t flat = 0, nodes = a.surface.discs.nodeCount;
+            qcPatchState_Test(&a.bvh.patches, &a.bvh.bvh, k, 1);
+            uint32_t flat = 0, nodes = a.bvh.patches.patches.nodeCount;
             for (uint32_t node = 0; node < nodes; node++)
-                flat += qcTriangleBvh_IsFlat(&a.surface, qcFlatPatches_Large(&a.surface.discs, node)) ||
-                        qcTriangleBvh_IsFlat(&a.surface, node);
+                flat += qcPatchState_IsFlat(&a.bvh.patches, qcFlatPatches_Large(&a.bvh.patches.patches, node)) ||
+                        qcPatchState_IsFlat(&a.bvh.patches, node);
             CHECK_THAT(flat > nodes * 9 / 10, "%s, margin %g: %u of %u nodes are flat", k->name, margin, flat, nodes);
         }
     qcSide_Free(&a);
 }
 END_TEST
 
-START_TEST(what_is_told_of_pairs_is_so_and_is_told_of_most)
+START_TEST(most_pairs_are_classified_and_all_of_these_right)
 {
-    // Three layers of cloth in each other, with neighbours or without.
+    // Three intersecting layers of cloth, and random triangles without neighbours.
     qcSide a = qcSide_Make(qcMakeSoup(qc_soupCloth, 30)), b = qcSide_Make(qcSoup_MakeRandom(31, 400, 0.2));
     qcSide* sides[] = {&a, &b};
     for (int i = 0; i < 4; i++)
@@ -129,23 +126,24 @@ START_TEST(what_is_told_of_pairs_is_so_and_is_told_of_most)
         double margin = i < 2 ? 0.02 : 0.0;
         qcPairOracle oracle = qcPairOracle_Make(side, side, margin);
         qcCheckPairs(side, side, margin, false, &oracle, i % 2 == 0 ? "cloth" : "random");
-        size_t is[qc_relationNear + 1] = {0}, times = 0;
+        size_t expected[qc_relationNear + 1] = {0}, times = 0;
         for (uint32_t t = 0; t < side->soup.triangleCount; t++)
             for (uint32_t u = t + 1; u < side->soup.triangleCount; u++)
                 if (!qcSoup_AreNeighbours(&side->soup, t, u) && qcPairOracle_AreWithin(&oracle, t, u))
-                    is[qcPairOracle_Relate(&oracle, t, u)]++;
-        // By all kernels, on one thread and on three, without flat discs and with them.
+                    expected[qcPairOracle_Relate(&oracle, t, u)]++;
+        // By all kernels, on one thread and on three, without flat patches and with them.
         FOR_EACH_KERNELS(k)
         times += 4;
-        size_t apart = oracle.told[qc_relationNear] + oracle.told[qc_relationDisjoint];
-        CHECK_THAT(apart >= is[qc_relationDisjoint] * times * 9 / 10, "%zu of %zu are told to be apart", apart,
-                   is[qc_relationDisjoint] * times);
-        CHECK_THAT(oracle.told[qc_relationPenetrating] >= is[qc_relationPenetrating] * times * 8 / 10,
-                   "%zu of %zu penetrate", oracle.told[qc_relationPenetrating], is[qc_relationPenetrating] * times);
-        ck_assert_int_eq(oracle.told[qc_relationNear] > apart / 10, margin > 0.0);
-        ck_assert_int_eq(oracle.told[qc_relationDisjoint] > apart / 10, margin > 0.0);
-        ck_assert_uint_gt(is[qc_relationPenetrating], 100);
-        ck_assert_int_eq(is[qc_relationDisjoint] > 100, margin > 0.0);
+        size_t disjoint = oracle.classes[qc_relationNear] + oracle.classes[qc_relationDisjoint];
+        CHECK_THAT(disjoint >= expected[qc_relationDisjoint] * times * 9 / 10, "%zu of %zu are classified disjoint",
+                   disjoint, expected[qc_relationDisjoint] * times);
+        CHECK_THAT(oracle.classes[qc_relationPenetrating] >= expected[qc_relationPenetrating] * times * 8 / 10,
+                   "%zu of %zu penetrate", oracle.classes[qc_relationPenetrating],
+                   expected[qc_relationPenetrating] * times);
+        ck_assert_int_eq(oracle.classes[qc_relationNear] > disjoint / 10, margin > 0.0);
+        ck_assert_int_eq(oracle.classes[qc_relationDisjoint] > disjoint / 10, margin > 0.0);
+        ck_assert_uint_gt(expected[qc_relationPenetrating], 100);
+        ck_assert_int_eq(expected[qc_relationDisjoint] > 100, margin > 0.0);
         qcPairOracle_Free(&oracle);
     }
     qcSide_Free(&a);
@@ -153,13 +151,13 @@ START_TEST(what_is_told_of_pairs_is_so_and_is_told_of_most)
 }
 END_TEST
 
-START_TEST(who_wants_no_more_gets_no_more)
+START_TEST(a_search_stops_when_its_function_returns_false)
 {
     qcSide a = qcSide_Make(qcSoup_MakeRandom(2, 1500, 0.3));
     qcSide_Fit(&a, 0.0, qcTriangleKernels_Get(), 1);
     size_t calls = 0;
     qcBvhPairs pairs = {0};
-    qcBvhPairsJob job = qcJobWithItself(&a, &calls);
+    qcBvhPairsJob job = qcMakeSelfJob(&a, &calls);
     CHECK_OK(qcBvhPairs_Find(&pairs, &job, 1, 1));
     ck_assert_uint_eq(calls, 1);
     qcBvhPairs_Free(&pairs);
@@ -179,7 +177,7 @@ START_TEST(a_failed_allocation_finds_nothing_and_leaves_nothing)
         heap = (qcFailingHeap){live, 0, i};
         taken = 0;
         qcBvhPairs pairs = {0};
-        qcBvhPairsJob job = qcJobWithItself(&a, &taken);
+        qcBvhPairsJob job = qcMakeSelfJob(&a, &taken);
         ck_assert_int_eq(qcBvhPairs_Find(&pairs, &job, 1, 2), i == 0 ? qc_statusOk : qc_statusOutOfMemory);
         ck_assert_int_eq(taken > 0, i == 0);
         calls = i == 0 ? heap.calls : calls;
@@ -192,8 +190,7 @@ START_TEST(a_failed_allocation_finds_nothing_and_leaves_nothing)
 }
 END_TEST
 
-QC_RUN_TESTS("surface_pairs", a_surface_has_each_pair_within_the_margin_once,
-             a_surface_far_away_or_of_any_scale_has_each_pair_within_the_margin_once,
-             few_pairs_that_are_apart_are_found, a_surface_that_faces_one_way_has_the_pairs_where_it_crosses_itself,
-             flat_discs_of_a_sheet_leave_nothing_to_ask, what_is_told_of_pairs_is_so_and_is_told_of_most,
-             who_wants_no_more_gets_no_more, a_failed_allocation_finds_nothing_and_leaves_nothing)
+QC_RUN_TESTS("self_pairs", each_pair_within_the_margin_is_found_once, each_pair_is_found_once_far_away_and_at_any_scale,
+             few_separate_pairs_are_found, a_strip_that_faces_one_way_has_the_pairs_where_it_crosses_itself,
+             nearly_all_patches_of_a_smooth_sheet_are_flat, most_pairs_are_classified_and_all_of_these_right,
+             a_search_stops_when_its_function_returns_false, a_failed_allocation_finds_nothing_and_leaves_nothing)

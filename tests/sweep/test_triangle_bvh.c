@@ -1,8 +1,9 @@
-// Boxes in a lattice say of two triangles what their coordinates say, exactly: no pair within the margin is parted, on
-// no level, whatever the scale and the place; and little more than those within it overlap.
+// Boxes on the lattice agree with exact coordinates: two boxes within the margin overlap, on each level, at any scale
+// and anywhere; and few others do.
 #include "support/failing_heap.h"
 #include "support/suite.h"
-#include "sweep/surfaces.h"
+#include "sweep/bvh/body_bvh.h"
+#include "sweep/sample_bodies.h"
 
 #include <math.h>
 
@@ -10,7 +11,7 @@
 
 //  ---- boxes ---------------------------------------------------------------------------------------
 
-/// Ends as levels; an empty place has lower above upper.
+/// Ends as levels. lower > upper: an empty slot.
 typedef struct Box
 {
     int lower[3], upper[3];
@@ -18,12 +19,12 @@ typedef struct Box
 
 static Box BoxAt(const qcTriangleBvh* s, uint32_t level, size_t i)
 {
-    const qcBox8* group = qcTriangleBvh_Group(s, level, (uint32_t)(i / qc_groupSize));
+    const qcBox8* box8 = qcTriangleBvh_Box8At(s, level, (uint32_t)(i / qc_boxLanes));
     Box box;
     for (int axis = 0; axis < 3; axis++)
     {
-        box.lower[axis] = group->ends[axis][i % qc_groupSize];
-        box.upper[axis] = ~group->ends[axis][qc_groupSize + i % qc_groupSize];
+        box.lower[axis] = box8->ends[axis][i % qc_boxLanes];
+        box.upper[axis] = ~box8->ends[axis][qc_boxLanes + i % qc_boxLanes];
     }
     return box;
 }
@@ -59,7 +60,7 @@ static bool AreWithin(const qcBody* body, uint32_t a, uint32_t b, double margin)
     return true;
 }
 
-/// Two levels and some roundings of the coordinates: what may overlap though it is apart.
+/// Farther apart than the margin, two levels and some roundings of coordinates: such boxes must not overlap.
 static bool AreClearlyApart(const qcTriangleBvh* s, const qcBody* body, uint32_t a, uint32_t b, double margin)
 {
     double lowerA[3], upperA[3], lowerB[3], upperB[3];
@@ -68,32 +69,32 @@ static bool AreClearlyApart(const qcTriangleBvh* s, const qcBody* body, uint32_t
     for (int axis = 0; axis < 3; axis++)
     {
         double slack =
-            1.01 / s->map.scale[axis] + 0x1p-50 * (fabs(body->lower[axis]) + fabs(body->upper[axis]) + margin);
+            1.01 / s->lattice.scale[axis] + 0x1p-50 * (fabs(body->lower[axis]) + fabs(body->upper[axis]) + margin);
         if (lowerA[axis] - upperB[axis] > margin + slack || lowerB[axis] - upperA[axis] > margin + slack)
             return true;
     }
     return false;
 }
 
-//  ---- what must hold ------------------------------------------------------------------------------
+//  ---- invariants ----------------------------------------------------------------------------------
 
-static uint32_t TriangleAt(const qcTriangleBvh* s, size_t place)
+static uint32_t TriangleAt(const qcTriangleBvh* s, size_t slot)
 {
-    return QC_AT(uint32_t, s->clusters.triangles, place);
+    return QC_AT(uint32_t, s->clusters.triangles, slot);
 }
 
 static void CheckCorners(const qcTriangleBvh* s, const qcBody* body)
 {
-    for (size_t place = 0; place < s->corners.count; place++)
+    for (size_t slot = 0; slot < s->corners.count; slot++)
         for (int c = 0; c < 3; c++)
         {
-            uint32_t vertex = QC_AT(qcCorners, s->corners, place).vertex[c];
-            if (TriangleAt(s, place) == QC_NO_TRIANGLE)
-                CHECK_THAT(vertex == s->vertexCount, "empty place %zu has vertex %u", place, vertex);
+            uint32_t vertex = QC_AT(qcCorners, s->corners, slot).vertex[c];
+            if (TriangleAt(s, slot) == QC_NO_TRIANGLE)
+                CHECK_THAT(vertex == s->vertexCount, "empty slot %zu has vertex %u", slot, vertex);
             else
                 CHECK_THAT(vertex < s->vertexCount && QC_AT(uint32_t, s->vertexOf, vertex) ==
-                                                          body->indices[3 * (size_t)TriangleAt(s, place) + c],
-                           "place %zu, corner %d: vertex %u", place, c, vertex);
+                                                          body->indices[3 * (size_t)TriangleAt(s, slot) + c],
+                           "slot %zu, corner %d: vertex %u", slot, c, vertex);
         }
 }
 
@@ -102,69 +103,70 @@ static void CheckPoints(const qcTriangleBvh* s, const qcBody* body)
     for (uint32_t v = 0; v < s->vertexCount; v++)
         for (int axis = 0; axis < 3; axis++)
         {
-            // The difference of doubles and a power of two: 64 bits are as good as all.
+            // A difference of doubles times a power of two: 64 bits suffice.
             long double x = body->world[3 * (size_t)QC_AT(uint32_t, s->vertexOf, v) + axis];
-            long double point = (x - s->map.origin[axis]) * s->map.unit[axis];
+            long double point = (x - s->lattice.origin[axis]) * s->lattice.unit[axis];
             CHECK_THAT(fabsl(QC_AT(qcPoint, s->points, v).x[axis] - point) <= s->pointError && fabsl(point) <= 1.0L,
                        "vertex %u is at %Lg, not %g", v, point, (double)QC_AT(qcPoint, s->points, v).x[axis]);
         }
 }
 
-/// Each box on a level is that of the eight below it, up to the one around all.
+/// Each box is the one around its eight children, up to the root.
 static void CheckLevels(const qcTriangleBvh* s)
 {
-    ck_assert_uint_eq(s->groupCount[0], s->clusters.triangles.count / qc_groupSize);
-    ck_assert_uint_eq(s->groupCount[s->levels - 1], 1);
+    ck_assert_uint_eq(s->box8Count[0], s->clusters.triangles.count / qc_boxLanes);
+    ck_assert_uint_eq(s->box8Count[s->levels - 1], 1);
     for (uint32_t level = 1; level <= s->levels; level++)
     {
-        size_t below = s->groupCount[level - 1], groups = level < s->levels ? s->groupCount[level] : 1;
-        ck_assert_uint_eq(groups, (below + qc_groupSize - 1) / qc_groupSize);
-        for (size_t i = 0; i < groups * qc_groupSize; i++)
+        size_t below = s->box8Count[level - 1], box8s = level < s->levels ? s->box8Count[level] : 1;
+        ck_assert_uint_eq(box8s, (below + qc_boxLanes - 1) / qc_boxLanes);
+        for (size_t i = 0; i < box8s * qc_boxLanes; i++)
         {
             Box box = BoxAt(s, level, i),
-                around = {{INT16_MAX, INT16_MAX, INT16_MAX}, {INT16_MIN, INT16_MIN, INT16_MIN}};
-            for (size_t k = i * qc_groupSize; k < (i + 1) * qc_groupSize && i < below; k++)
+                expected = {{INT16_MAX, INT16_MAX, INT16_MAX}, {INT16_MIN, INT16_MIN, INT16_MIN}};
+            for (size_t k = i * qc_boxLanes; k < (i + 1) * qc_boxLanes && i < below; k++)
             {
                 Box child = BoxAt(s, level - 1, k);
                 for (int axis = 0; axis < 3; axis++)
                 {
-                    around.lower[axis] =
-                        child.lower[axis] < around.lower[axis] ? child.lower[axis] : around.lower[axis];
-                    around.upper[axis] =
-                        child.upper[axis] > around.upper[axis] ? child.upper[axis] : around.upper[axis];
+                    expected.lower[axis] =
+                        child.lower[axis] < expected.lower[axis] ? child.lower[axis] : expected.lower[axis];
+                    expected.upper[axis] =
+                        child.upper[axis] > expected.upper[axis] ? child.upper[axis] : expected.upper[axis];
                 }
             }
-            CHECK_THAT(memcmp(&box, &around, sizeof box) == 0, "level %u, box %zu isn't around its children", level, i);
+            CHECK_THAT(memcmp(&box, &expected, sizeof box) == 0, "level %u, box %zu is not the one around its children",
+                       level, i);
         }
     }
 }
 
 static void CheckPairs(const qcTriangleBvh* s, const qcBody* body, double margin)
 {
-    size_t places = s->clusters.triangles.count;
-    for (size_t p = 0; p < places; p++)
+    size_t slots = s->clusters.triangles.count;
+    for (size_t p = 0; p < slots; p++)
     {
         Box a = BoxAt(s, 0, p);
         uint32_t t = TriangleAt(s, p);
-        CHECK_THAT(IsEmpty(&a) == (t == QC_NO_TRIANGLE), "place %zu", p);
-        for (size_t q = p; q < places && t != QC_NO_TRIANGLE; q++)
+        CHECK_THAT(IsEmpty(&a) == (t == QC_NO_TRIANGLE), "slot %zu", p);
+        for (size_t q = p; q < slots && t != QC_NO_TRIANGLE; q++)
         {
             Box b = BoxAt(s, 0, q);
             uint32_t u = TriangleAt(s, q);
             if (u == QC_NO_TRIANGLE)
             {
-                CHECK_THAT(!Overlap(&a, &b), "place %zu meets the empty place %zu", p, q);
+                CHECK_THAT(!Overlap(&a, &b), "slot %zu overlaps the empty slot %zu", p, q);
                 continue;
             }
             if (Overlap(&a, &b))
                 CHECK_THAT(!AreClearlyApart(s, body, t, u, margin), "the boxes of %u and %u overlap", t, u);
             else
-                CHECK_THAT(!AreWithin(body, t, u, margin), "the boxes of %u and %u are parted", t, u);
+                CHECK_THAT(!AreWithin(body, t, u, margin), "the boxes of %u and %u don't overlap", t, u);
         }
     }
 }
 
-static void CheckSurface(const qcTriangleBvh* s, const qcBody* body, double margin)
+static void CheckBvh(const qcTriangleBvh* s, const qcBody* body, double margin)
 {
     CheckCorners(s, body);
     CheckPoints(s, body);
@@ -174,34 +176,34 @@ static void CheckSurface(const qcTriangleBvh* s, const qcBody* body, double marg
 
 static bool AreSame(const qcTriangleBvh* a, const qcTriangleBvh* b)
 {
-    return a->groups.count == b->groups.count && a->points.count == b->points.count &&
-           memcmp(a->groups.data, b->groups.data, a->groups.count * sizeof(qcBox8)) == 0 &&
+    return a->boxes.count == b->boxes.count && a->points.count == b->points.count &&
+           memcmp(a->boxes.data, b->boxes.data, a->boxes.count * sizeof(qcBox8)) == 0 &&
            memcmp(a->points.data, b->points.data, a->points.count * sizeof(qcPoint)) == 0 &&
-           memcmp(&a->whole, &b->whole, sizeof a->whole) == 0;
+           memcmp(&a->root, &b->root, sizeof a->root) == 0;
 }
 
-/// With every kind of kernels, on one thread and on three: all as the first says, and right.
+/// With all kernels, on one thread and on three: all fits are equal and right.
 static void CheckFits(const qcBody* body, double margin)
 {
     qcTriangleBvh first = {0};
     FOR_EACH_KERNELS(k)
     for (uint32_t threads = 1; threads <= 3; threads += 2)
     {
-        qcTriangleBvh surface;
+        qcTriangleBvh bvh;
         qcBvhScratch scratch = {0};
         bool fits;
-        CHECK_OK(qcTriangleBvh_Build(&surface, body, 1));
-        CHECK_OK(qcTriangleBvh_Fit(&surface, body, margin, k, threads, &scratch, &fits));
+        CHECK_OK(qcTriangleBvh_Build(&bvh, body, 1));
+        CHECK_OK(qcTriangleBvh_Fit(&bvh, body, margin, k, threads, &scratch, &fits));
         ck_assert(fits);
         qcBvhScratch_Free(&scratch);
         if (first.levels == 0)
         {
-            CheckSurface(&surface, body, margin);
-            first = surface;
+            CheckBvh(&bvh, body, margin);
+            first = bvh;
             continue;
         }
-        CHECK_THAT(AreSame(&first, &surface), "%s on %u threads fits another way", k->name, threads);
-        qcTriangleBvh_Free(&surface);
+        CHECK_THAT(AreSame(&first, &bvh), "%s on %u threads fits differently", k->name, threads);
+        qcTriangleBvh_Free(&bvh);
     }
     qcTriangleBvh_Free(&first);
 }
@@ -217,7 +219,7 @@ static void CheckSoup(qcSoup* soup, double margin)
 
 //  ---- tests ---------------------------------------------------------------------------------------
 
-START_TEST(no_pair_within_the_margin_is_parted_and_few_others_overlap)
+START_TEST(boxes_within_the_margin_overlap_and_few_others_do)
 {
     const double margins[] = {0.0, 0.01, 3.0};
     for (int kind = 0; kind < qc_soupKindCount; kind++)
@@ -229,9 +231,9 @@ START_TEST(no_pair_within_the_margin_is_parted_and_few_others_overlap)
 }
 END_TEST
 
-START_TEST(no_pair_is_parted_far_from_the_origin)
+START_TEST(boxes_within_the_margin_overlap_far_from_the_origin)
 {
-    // Where coordinates have few bits left, down to one that they all round to.
+    // Coordinates have few bits left, down to one value that they all round to.
     const double offsets[] = {1e3, -1e9, 1e12, 1e15, -1e17};
     for (size_t i = 0; i < LENGTH(offsets); i++)
         for (int kind = 0; kind < qc_soupKindCount; kind++)
@@ -243,7 +245,7 @@ START_TEST(no_pair_is_parted_far_from_the_origin)
 }
 END_TEST
 
-START_TEST(no_pair_is_parted_at_any_scale)
+START_TEST(boxes_within_the_margin_overlap_at_any_scale)
 {
     const double scales[] = {5e-324, 1e-310, 1e-300, 1e-280, 1e-30, 1e30, 1e280};
     for (size_t i = 0; i < LENGTH(scales); i++)
@@ -256,7 +258,7 @@ START_TEST(no_pair_is_parted_at_any_scale)
 }
 END_TEST
 
-/// Thin triangles in a row along each axis, each the margin from the next, or next to it by some ulps.
+/// Thin triangles in a row along each axis, each at the margin from the next, give or take some ulps.
 static qcSoup MakeRow(qcRandom* random, uint32_t count, double margin, double offset)
 {
     qcSoup soup = qcSoup_MakeRandom(1, count, 0.1);
@@ -278,7 +280,7 @@ static qcSoup MakeRow(qcRandom* random, uint32_t count, double margin, double of
     return soup;
 }
 
-START_TEST(no_pair_exactly_the_margin_apart_is_parted)
+START_TEST(boxes_exactly_at_the_margin_overlap)
 {
     qcRandom random = {9};
     const double margins[] = {0.0, 0.001, 0.1, 1e-9}, offsets[] = {0.0, -0.3, 1e6, 1e13};
@@ -310,21 +312,21 @@ START_TEST(large_bodies_are_fitted_on_any_number_of_threads)
     FOR_EACH_KERNELS(k)
     for (uint32_t threads = 1; threads <= 4; threads++)
     {
-        qcTriangleBvh surface;
+        qcTriangleBvh bvh;
         qcBvhScratch scratch = {0};
         bool fits;
-        CHECK_OK(qcTriangleBvh_Build(&surface, body, 1));
-        CHECK_OK(qcTriangleBvh_Fit(&surface, body, 0.001, k, threads, &scratch, &fits));
+        CHECK_OK(qcTriangleBvh_Build(&bvh, body, 1));
+        CHECK_OK(qcTriangleBvh_Fit(&bvh, body, 0.001, k, threads, &scratch, &fits));
         qcBvhScratch_Free(&scratch);
-        CheckCorners(&surface, body);
-        CheckPoints(&surface, body);
-        CheckLevels(&surface);
+        CheckCorners(&bvh, body);
+        CheckPoints(&bvh, body);
+        CheckLevels(&bvh);
         if (first.levels != 0)
         {
-            ck_assert(AreSame(&first, &surface));
+            ck_assert(AreSame(&first, &bvh));
             qcTriangleBvh_Free(&first);
         }
-        first = surface;
+        first = bvh;
     }
     ck_assert_uint_ge(first.levels, 5);
     qcTriangleBvh_Free(&first);
@@ -333,7 +335,7 @@ START_TEST(large_bodies_are_fitted_on_any_number_of_threads)
 }
 END_TEST
 
-START_TEST(vertices_that_no_triangle_has_are_left_out)
+START_TEST(vertices_without_a_triangle_are_left_out)
 {
     qcSoup soup = qcSoup_MakeRandom(4, 100, 0.1);
     soup.triangleCount = 80;
@@ -341,25 +343,25 @@ START_TEST(vertices_that_no_triangle_has_are_left_out)
         soup.positions[3 * v] = 1e300;
     qcBodies bodies = {0};
     const qcBody* body = qcBodyAt(&bodies, qcAddToBodies(&bodies, &soup));
-    qcTriangleBvh surface;
-    CHECK_OK(qcTriangleBvh_Build(&surface, body, 1));
-    ck_assert_uint_eq(surface.vertexCount, 240);
-    qcTriangleBvh_Free(&surface);
+    qcTriangleBvh bvh;
+    CHECK_OK(qcTriangleBvh_Build(&bvh, body, 1));
+    ck_assert_uint_eq(bvh.vertexCount, 240);
+    qcTriangleBvh_Free(&bvh);
     CheckFits(body, 0.0);
     qcBodies_Free(&bodies);
     qcSoup_Free(&soup);
 }
 END_TEST
 
-START_TEST(a_surface_follows_its_body_and_its_margin)
+START_TEST(a_fit_follows_the_body_and_the_margin)
 {
     qcSoup soup = qcSoup_MakeFoldedCloth(3, 12, 0.02, 0.03);
     qcBodies bodies = {0};
     uint32_t slot = qcAddToBodies(&bodies, &soup);
-    qcTriangleBvh surface;
+    qcTriangleBvh bvh;
     qcBvhScratch scratch = {0};
     bool fits;
-    CHECK_OK(qcTriangleBvh_Build(&surface, qcBodyAt(&bodies, slot), 1));
+    CHECK_OK(qcTriangleBvh_Build(&bvh, qcBodyAt(&bodies, slot), 1));
     for (int step = 0; step < 6; step++)
     {
         double margin = step == 3 ? 0.05 : step == 4 ? 0.01 : 0.0;
@@ -370,51 +372,49 @@ START_TEST(a_surface_follows_its_body_and_its_margin)
             CHECK_OK(qcBodies_SetVertices(&bodies, slot, next.positions, qc_positionF64, 0));
             qcSoup_Free(&next);
         }
-        CHECK_OK(
-            qcTriangleBvh_Fit(&surface, qcBodyAt(&bodies, slot), margin, qcTriangleKernels_Get(), 1, &scratch, &fits));
+        CHECK_OK(qcTriangleBvh_Fit(&bvh, qcBodyAt(&bodies, slot), margin, qcTriangleKernels_Get(), 1, &scratch, &fits));
         ck_assert(fits);
-        CheckSurface(&surface, qcBodyAt(&bodies, slot), margin);
+        CheckBvh(&bvh, qcBodyAt(&bodies, slot), margin);
     }
-    // A body that has not moved isn't looked at.
+    // A body that has not moved is not read.
     qcBodyAt(&bodies, slot)->world[0] += 1.0;
-    qcTriangleBvh before = surface;
-    float x = QC_AT(qcPoint, surface.points, 0).x[0];
-    CHECK_OK(qcTriangleBvh_Fit(&surface, qcBodyAt(&bodies, slot), 0.0, qcTriangleKernels_Get(), 1, &scratch, &fits));
-    ck_assert(fits && QC_AT(qcPoint, surface.points, 0).x[0] == x &&
-              before.whole.ends[0][0] == surface.whole.ends[0][0]);
+    qcTriangleBvh before = bvh;
+    float x = QC_AT(qcPoint, bvh.points, 0).x[0];
+    CHECK_OK(qcTriangleBvh_Fit(&bvh, qcBodyAt(&bodies, slot), 0.0, qcTriangleKernels_Get(), 1, &scratch, &fits));
+    ck_assert(fits && QC_AT(qcPoint, bvh.points, 0).x[0] == x && before.root.ends[0][0] == bvh.root.ends[0][0]);
     qcBvhScratch_Free(&scratch);
-    qcTriangleBvh_Free(&surface);
+    qcTriangleBvh_Free(&bvh);
     qcBodies_Free(&bodies);
     qcSoup_Free(&soup);
     ck_assert_uint_eq(qcGetByteCount(), 0);
 }
 END_TEST
 
-START_TEST(what_no_lattice_holds_does_not_fit_and_may_fit_later)
+START_TEST(a_body_too_large_for_a_lattice_does_not_fit_and_may_fit_later)
 {
     const double scales[] = {1e300, 1.0}, margins[] = {0.0, 1e300};
     qcSoup soup = qcSoup_MakeRandom(4, 100, 0.1);
     qcBodies bodies = {0};
     uint32_t slot = qcAddToBodies(&bodies, &soup);
-    qcTriangleBvh surface;
+    qcTriangleBvh bvh;
     qcBvhScratch scratch = {0};
-    CHECK_OK(qcTriangleBvh_Build(&surface, qcBodyAt(&bodies, slot), 1));
+    CHECK_OK(qcTriangleBvh_Build(&bvh, qcBodyAt(&bodies, slot), 1));
     for (int i = 0; i < 4; i++)
     {
         qcSoup next = qcSoup_MakeRandom(4, 100, 0.1);
         qcSoup_Place(&next, scales[i % 2], 0.0, 0.0, 0.0);
         CHECK_OK(qcBodies_SetVertices(&bodies, slot, next.positions, qc_positionF64, 0));
         bool fits, expected = scales[i % 2] == 1.0 && margins[i / 2] == 0.0;
-        CHECK_OK(qcTriangleBvh_Fit(&surface, qcBodyAt(&bodies, slot), margins[i / 2], qcTriangleKernels_Get(), 1,
-                                   &scratch, &fits));
+        CHECK_OK(qcTriangleBvh_Fit(&bvh, qcBodyAt(&bodies, slot), margins[i / 2], qcTriangleKernels_Get(), 1, &scratch,
+                                   &fits));
         ck_assert_int_eq(fits, expected);
-        ck_assert_int_eq(surface.fitted, expected);
+        ck_assert_int_eq(bvh.fitted, expected);
         if (fits)
-            CheckSurface(&surface, qcBodyAt(&bodies, slot), 0.0);
+            CheckBvh(&bvh, qcBodyAt(&bodies, slot), 0.0);
         qcSoup_Free(&next);
     }
     qcBvhScratch_Free(&scratch);
-    qcTriangleBvh_Free(&surface);
+    qcTriangleBvh_Free(&bvh);
     qcBodies_Free(&bodies);
     qcSoup_Free(&soup);
 }
@@ -422,22 +422,22 @@ END_TEST
 
 //  ---- out of memory -------------------------------------------------------------------------------
 
-static qcStatus BuildAndFit(const qcBody* body, qcTriangleBvh* surface, qcBvhScratch* scratch)
+static qcStatus BuildAndFit(const qcBody* body, qcBodyBvh* bvh, qcBvhScratch* scratch)
 {
     bool fits;
-    qcStatus status = qcTriangleBvh_Build(surface, body, 1);
+    qcStatus status = qcBodyBvh_Build(bvh, body, 1);
     if (status != qc_statusOk)
-        ck_assert_uint_eq(surface->generation, 0);
+        ck_assert_uint_eq(bvh->bvh.generation, 0);
     else
-        status = qcTriangleBvh_Fit(surface, body, 0.0, qcTriangleKernels_Get(), 1, scratch, &fits);
-    if (status != qc_statusOk && surface->generation != 0)
+        status = qcTriangleBvh_Fit(&bvh->bvh, body, 0.0, qcTriangleKernels_Get(), 1, scratch, &fits);
+    if (status != qc_statusOk && bvh->bvh.generation != 0)
     {
-        // The surface is whole: the same call, with memory, succeeds.
-        ck_assert(!surface->fitted);
-        CHECK_OK(qcTriangleBvh_Fit(surface, body, 0.0, qcTriangleKernels_Get(), 1, scratch, &fits));
-        CheckSurface(surface, body, 0.0);
+        // The BVH is whole: the same call, with memory, succeeds.
+        ck_assert(!bvh->bvh.fitted);
+        CHECK_OK(qcTriangleBvh_Fit(&bvh->bvh, body, 0.0, qcTriangleKernels_Get(), 1, scratch, &fits));
+        CheckBvh(&bvh->bvh, body, 0.0);
     }
-    qcTriangleBvh_Free(surface);
+    qcBodyBvh_Free(bvh);
     qcBvhScratch_Free(scratch);
     return status;
 }
@@ -451,16 +451,16 @@ START_TEST(a_failed_allocation_leaves_nothing)
     const qcBody* body = qcBodyAt(&bodies, qcAddToBodies(&bodies, &soup));
     size_t live = heap.live;
     heap.calls = 0;
-    qcTriangleBvh surface;
+    qcBodyBvh bvh;
     qcBvhScratch scratch = {0};
-    CHECK_OK(BuildAndFit(body, &surface, &scratch));
+    CHECK_OK(BuildAndFit(body, &bvh, &scratch));
     size_t calls = heap.calls;
     ck_assert_uint_gt(calls, 10);
     for (size_t i = 1; i <= calls; i++)
     {
         heap = (qcFailingHeap){live, 0, i};
-        memset(&surface, 0xff, sizeof surface);
-        ck_assert_int_eq(BuildAndFit(body, &surface, &scratch), qc_statusOutOfMemory);
+        memset(&bvh, 0xff, sizeof bvh);
+        ck_assert_int_eq(BuildAndFit(body, &bvh, &scratch), qc_statusOutOfMemory);
         ck_assert_ptr_nonnull(strstr(qcLastMessage(), "out of memory"));
         ck_assert_uint_eq(heap.live, live);
     }
@@ -470,9 +470,9 @@ START_TEST(a_failed_allocation_leaves_nothing)
 }
 END_TEST
 
-QC_RUN_TESTS("surface", no_pair_within_the_margin_is_parted_and_few_others_overlap,
-             no_pair_is_parted_far_from_the_origin, no_pair_is_parted_at_any_scale,
-             no_pair_exactly_the_margin_apart_is_parted, bodies_of_any_number_of_triangles_have_all_levels,
-             large_bodies_are_fitted_on_any_number_of_threads, vertices_that_no_triangle_has_are_left_out,
-             a_surface_follows_its_body_and_its_margin, what_no_lattice_holds_does_not_fit_and_may_fit_later,
+QC_RUN_TESTS("triangle_bvh", boxes_within_the_margin_overlap_and_few_others_do,
+             boxes_within_the_margin_overlap_far_from_the_origin, boxes_within_the_margin_overlap_at_any_scale,
+             boxes_exactly_at_the_margin_overlap, bodies_of_any_number_of_triangles_have_all_levels,
+             large_bodies_are_fitted_on_any_number_of_threads, vertices_without_a_triangle_are_left_out,
+             a_fit_follows_the_body_and_the_margin, a_body_too_large_for_a_lattice_does_not_fit_and_may_fit_later,
              a_failed_allocation_leaves_nothing)

@@ -1,7 +1,7 @@
-// After a few vertices have moved, pairs come from those that were within a margin before: the same as brute force has.
+// After few vertices have moved, pairs come from the Verlet list: they equal those of brute force.
 #include "support/scenes.h"
 #include "support/suite.h"
-#include "sweep/surfaces.h"
+#include "sweep/sample_bodies.h"
 
 enum
 {
@@ -9,12 +9,12 @@ enum
     qc_rounds = 40
 };
 
-/// Cloths as the scene has them.
+/// A cloth of the scene.
 typedef struct Cloth
 {
     qcSoup soup;
     qcBodyId id;
-    double* first; ///< positions when its pairs were last kept
+    double* first; ///< reference positions
 } Cloth;
 
 static Cloth AddCloth(qcScene* scene, uint64_t seed, double z, double away)
@@ -35,13 +35,13 @@ static void FreeCloth(Cloth* cloth)
     free(cloth->first);
 }
 
-static void Keep(Cloth* cloth)
+static void SetReference(Cloth* cloth)
 {
     memcpy(cloth->first, cloth->soup.positions, 3 * sizeof(double) * cloth->soup.vertexCount);
 }
 
-/// Some vertices go some way, most of them a small one; others go back.
-static void MoveSome(Cloth* cloth, qcRandom* random, uint32_t count, double most)
+/// Some vertices move, most of them a little; others move back.
+static void MoveSome(Cloth* cloth, qcRandom* random, uint32_t count, double motion)
 {
     for (uint32_t i = 0; i < count; i++)
     {
@@ -50,13 +50,13 @@ static void MoveSome(Cloth* cloth, qcRandom* random, uint32_t count, double most
         for (int axis = 0; axis < 3; axis++)
             cloth->soup.positions[at + (size_t)axis] =
                 cloth->first[at + (size_t)axis] +
-                (back ? 0.0 : (far ? 8.0 : 1.0) * most * qcRandom_Uniform(random, -1.0, 1.0));
+                (back ? 0.0 : (far ? 8.0 : 1.0) * motion * qcRandom_Uniform(random, -1.0, 1.0));
     }
 }
 
-static void Move(qcScene* scene, Cloth* cloth, qcRandom* random, uint32_t count, double most)
+static void Move(qcScene* scene, Cloth* cloth, qcRandom* random, uint32_t count, double motion)
 {
-    MoveSome(cloth, random, count, most);
+    MoveSome(cloth, random, count, motion);
     CHECK_OK(qcScene_SetVertices(scene, cloth->id, cloth->soup.positions, qc_positionF64, 0));
 }
 
@@ -76,7 +76,7 @@ static qcProfile Detect(qcScene* scene, qcDetectDef def, qcMethod method, uint64
     return result->profile;
 }
 
-/// As brute force has it; returns how many pairs there are.
+/// Compares with brute force; returns the number of pairs.
 static uint64_t Check(qcScene* scene, qcDetectDef def, int round, qcProfile* profile)
 {
     uint64_t hash, expected;
@@ -88,41 +88,41 @@ static uint64_t Check(qcScene* scene, qcDetectDef def, int round, qcProfile* pro
     return brute.pairs;
 }
 
-/// Contacts in `kept`, then pairs within `asked` again and again while vertices move by about `most`, so far `away`
-/// from the origin.
-static void CheckSceneAway(double away, uint64_t seed, int clothCount, double kept, double asked, double most,
-                           bool mustFollow)
+/// Fills the list with contacts within `listMargin`, then detects pairs within `margin` several times while vertices
+/// move by about `motion`, at distance `away` from the origin.
+static void CheckSceneAway(double away, uint64_t seed, int clothCount, double listMargin, double margin, double motion,
+                           bool mustRefit)
 {
     qcScene* scene = qcMakeScene(NULL);
     qcRandom random = {seed};
     Cloth cloths[2];
     for (int i = 0; i < clothCount; i++)
         cloths[i] = AddCloth(scene, seed + (uint64_t)i, 0.004 * i, away);
-    qcDetectDef keeping = qcDefaultDetectDef(), asking = qcDefaultDetectDef();
-    keeping.contactMargin = kept;
-    asking.margin = asked;
+    qcDetectDef listDef = qcDefaultDetectDef(), def = qcDefaultDetectDef();
+    listDef.contactMargin = listMargin;
+    def.margin = margin;
     uint64_t pairs = 0, followed = 0, triangles = 0;
     for (int round = 0; round < qc_rounds; round++)
     {
         qcProfile profile;
-        keeping.threads = asking.threads = 1 + (uint32_t)round % 3;
+        listDef.threads = def.threads = 1 + (uint32_t)round % 3;
         if (round % 5 == 0)
         {
             for (int i = 0; i < clothCount; i++)
-                Keep(&cloths[i]);
-            (void)Check(scene, keeping, round, &profile);
+                SetReference(&cloths[i]);
+            (void)Check(scene, listDef, round, &profile);
             ck_assert_uint_eq(profile.followedTriangles, 0);
         }
         for (int i = 0; i < clothCount; i++)
             if (qcRandom_Below(&random, 4) != 0)
-                Move(scene, &cloths[i], &random, 1 + qcRandom_Below(&random, 60), most);
-        asking.touching = round % 2 == 0;
-        pairs += Check(scene, asking, round, &profile);
+                Move(scene, &cloths[i], &random, 1 + qcRandom_Below(&random, 60), motion);
+        def.touching = round % 2 == 0;
+        pairs += Check(scene, def, round, &profile);
         followed += profile.followedTriangles;
         triangles += (uint64_t)clothCount * cloths[0].soup.triangleCount;
     }
     ck_assert_uint_gt(pairs, 100);
-    if (mustFollow)
+    if (mustRefit)
         ck_assert_uint_gt(followed, triangles / 2);
     for (int i = 0; i < clothCount; i++)
         FreeCloth(&cloths[i]);
@@ -130,33 +130,33 @@ static void CheckSceneAway(double away, uint64_t seed, int clothCount, double ke
     ck_assert_uint_eq(qcGetByteCount(), 0);
 }
 
-static void CheckScene(uint64_t seed, int clothCount, double kept, double asked, double most, bool mustFollow)
+static void CheckScene(uint64_t seed, int clothCount, double listMargin, double margin, double motion, bool mustRefit)
 {
-    CheckSceneAway(0.0, seed, clothCount, kept, asked, most, mustFollow);
+    CheckSceneAway(0.0, seed, clothCount, listMargin, margin, motion, mustRefit);
 }
 
-START_TEST(what_moves_a_little_is_all_that_is_looked_at)
+START_TEST(small_motion_is_refitted_partially)
 {
     for (uint64_t seed = 1; seed <= 4; seed++)
         CheckScene(seed, 1, 0.006, 0.0, 0.0015, true);
 }
 END_TEST
 
-START_TEST(what_moves_far_is_looked_for_everywhere)
+START_TEST(large_motion_loses_no_pair)
 {
     for (uint64_t seed = 1; seed <= 4; seed++)
         CheckScene(seed, 1, 0.004, 0.0, 0.006, false);
 }
 END_TEST
 
-START_TEST(a_smaller_margin_is_had_from_a_larger_one)
+START_TEST(a_list_serves_smaller_margins)
 {
     for (uint64_t seed = 1; seed <= 3; seed++)
         CheckScene(seed, 1, 0.008, 0.003, 0.0015, true);
 }
 END_TEST
 
-START_TEST(bodies_that_follow_meet_others_where_they_are)
+START_TEST(partially_refitted_bodies_meet_others_at_their_current_positions)
 {
     for (uint64_t seed = 1; seed <= 3; seed++)
     {
@@ -166,21 +166,21 @@ START_TEST(bodies_that_follow_meet_others_where_they_are)
 }
 END_TEST
 
-START_TEST(far_from_the_origin_margins_are_rounded_and_nothing_is_lost)
+START_TEST(no_pair_is_lost_far_from_the_origin_where_margins_are_rounded)
 {
-    // There the coordinates are multiples of 2^-9: margins are not, or those asked for are, to the last bit.
-    const double asked[] = {0.0, 0x1p-9, 0.003};
+    // There the coordinates are multiples of 2^-9. The list's margin is not; two of the margins are.
+    const double margin[] = {0.0, 0x1p-9, 0.003};
     for (uint64_t seed = 1; seed <= 3; seed++)
-        CheckSceneAway(0x1.4p43, seed, 1, 0.0067, asked[seed - 1], 0.01, false);
+        CheckSceneAway(0x1.4p43, seed, 1, 0.0067, margin[seed - 1], 0.01, false);
 }
 END_TEST
 
-/// A cloth whose pairs within a margin are kept.
-static qcScene* MakeKept(Cloth* cloth)
+/// A cloth with a Verlet list.
+static qcScene* MakeWithList(Cloth* cloth)
 {
     qcScene* scene = qcMakeScene(NULL);
     *cloth = AddCloth(scene, 3, 0.0, 0.0);
-    Keep(cloth);
+    SetReference(cloth);
     qcDetectDef def = qcDefaultDetectDef();
     def.contactMargin = 0.006;
     qcProfile profile;
@@ -188,19 +188,19 @@ static qcScene* MakeKept(Cloth* cloth)
     return scene;
 }
 
-static void EndKept(qcScene* scene, Cloth* cloth)
+static void EndWithList(qcScene* scene, Cloth* cloth)
 {
     FreeCloth(cloth);
     qcScene_Destroy(scene);
     ck_assert_uint_eq(qcGetByteCount(), 0);
 }
 
-START_TEST(a_body_is_fitted_again_where_much_of_it_moved_or_left_its_box)
+START_TEST(a_body_is_fitted_anew_if_much_of_it_moved_or_left_its_box)
 {
     for (int kind = 0; kind < 2; kind++)
     {
         Cloth cloth;
-        qcScene* scene = MakeKept(&cloth);
+        qcScene* scene = MakeWithList(&cloth);
         qcDetectDef def = qcDefaultDetectDef();
         if (kind == 0)
             for (uint32_t v = 0; v < cloth.soup.vertexCount / 2; v++)
@@ -212,15 +212,15 @@ START_TEST(a_body_is_fitted_again_where_much_of_it_moved_or_left_its_box)
         (void)Check(scene, def, kind, &profile);
         ck_assert_uint_eq(profile.followedTriangles, 0);
         ck_assert_uint_eq(profile.fittedTriangles, cloth.soup.triangleCount);
-        EndKept(scene, &cloth);
+        EndWithList(scene, &cloth);
     }
 }
 END_TEST
 
-START_TEST(what_asks_for_more_than_was_kept_is_searched_anew)
+START_TEST(a_step_that_needs_more_than_the_list_searches_anew)
 {
     Cloth cloth;
-    qcScene* scene = MakeKept(&cloth);
+    qcScene* scene = MakeWithList(&cloth);
     qcRandom random = {5};
     qcDetectDef wider = qcDefaultDetectDef(), contacts = qcDefaultDetectDef(), neighbours = qcDefaultDetectDef();
     wider.margin = 0.007;
@@ -234,14 +234,14 @@ START_TEST(what_asks_for_more_than_was_kept_is_searched_anew)
         (void)Check(scene, defs[i], i, &profile);
         ck_assert_uint_eq(profile.followedTriangles, 0);
     }
-    EndKept(scene, &cloth);
+    EndWithList(scene, &cloth);
 }
 END_TEST
 
-START_TEST(what_was_kept_ends_with_the_body)
+START_TEST(a_list_ends_with_its_body)
 {
     Cloth cloth, next;
-    qcScene* scene = MakeKept(&cloth);
+    qcScene* scene = MakeWithList(&cloth);
     qcDetectDef def = qcDefaultDetectDef();
     qcProfile profile;
     CHECK_OK(qcScene_RemoveBody(scene, cloth.id));
@@ -250,34 +250,34 @@ START_TEST(what_was_kept_ends_with_the_body)
     (void)Check(scene, def, 0, &profile);
     ck_assert_uint_eq(profile.followedTriangles, 0);
     FreeCloth(&next);
-    EndKept(scene, &cloth);
+    EndWithList(scene, &cloth);
 }
 END_TEST
 
-START_TEST(a_body_that_slept_while_others_were_kept_is_fitted)
+START_TEST(a_body_that_slept_while_the_list_was_filled_is_fitted)
 {
     Cloth cloth;
-    qcScene* scene = MakeKept(&cloth);
+    qcScene* scene = MakeWithList(&cloth);
     qcRandom random = {7};
-    qcDetectDef keeping = qcDefaultDetectDef(), asking = qcDefaultDetectDef();
-    keeping.contactMargin = 0.006;
+    qcDetectDef listDef = qcDefaultDetectDef(), def = qcDefaultDetectDef();
+    listDef.contactMargin = 0.006;
     qcProfile profile;
     CHECK_OK(qcScene_SetActivity(scene, cloth.id, qc_activitySleeping));
     Cloth other = AddCloth(scene, 9, 3.0, 0.0);
-    (void)Check(scene, keeping, 0, &profile);
+    (void)Check(scene, listDef, 0, &profile);
     CHECK_OK(qcScene_SetActivity(scene, cloth.id, qc_activityMoving));
     Move(scene, &cloth, &random, 20, 0.001);
-    (void)Check(scene, asking, 1, &profile);
+    (void)Check(scene, def, 1, &profile);
     ck_assert_uint_eq(profile.followedTriangles, other.soup.triangleCount);
     ck_assert_uint_eq(profile.fittedTriangles, cloth.soup.triangleCount);
     FreeCloth(&other);
-    EndKept(scene, &cloth);
+    EndWithList(scene, &cloth);
 }
 END_TEST
 
-QC_RUN_TESTS("follow", what_moves_a_little_is_all_that_is_looked_at, what_moves_far_is_looked_for_everywhere,
-             a_smaller_margin_is_had_from_a_larger_one, bodies_that_follow_meet_others_where_they_are,
-             far_from_the_origin_margins_are_rounded_and_nothing_is_lost,
-             a_body_is_fitted_again_where_much_of_it_moved_or_left_its_box,
-             what_asks_for_more_than_was_kept_is_searched_anew, what_was_kept_ends_with_the_body,
-             a_body_that_slept_while_others_were_kept_is_fitted)
+QC_RUN_TESTS("verlet_list", small_motion_is_refitted_partially, large_motion_loses_no_pair,
+             a_list_serves_smaller_margins, partially_refitted_bodies_meet_others_at_their_current_positions,
+             no_pair_is_lost_far_from_the_origin_where_margins_are_rounded,
+             a_body_is_fitted_anew_if_much_of_it_moved_or_left_its_box,
+             a_step_that_needs_more_than_the_list_searches_anew, a_list_ends_with_its_body,
+             a_body_that_slept_while_the_list_was_filled_is_fitted)

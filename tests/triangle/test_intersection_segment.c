@@ -173,7 +173,7 @@ END_TEST
 
 int main(void)
 {
-    Suite* suite = suite_create("exact segment");
+    Suite* suite = suite_create("intersection segment");
     TCase* tcase = tcase_create("ends");
     tcase_set_timeout(tcase, 0);
     tcase_add_test(tcase, triangles_that_cross_share_the_overlap_of_two_intervals);

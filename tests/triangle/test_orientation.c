@@ -203,7 +203,7 @@ START_TEST(undecided_predicates_are_counted)
 }
 END_TEST
 
-QC_RUN_TESTS("exact predicates", a_point_on_the_side_of_the_normal_is_positive,
+QC_RUN_TESTS("orientation", a_point_on_the_side_of_the_normal_is_positive,
              a_left_turn_is_positive_in_the_named_coordinates, one_ulp_off_a_plane_changes_the_sign_at_every_scale,
              one_ulp_off_a_line_changes_the_sign_at_every_scale,
              signs_are_exact_for_the_largest_and_the_smallest_double_in_one_call,

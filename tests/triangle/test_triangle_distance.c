@@ -277,7 +277,7 @@ END_TEST
 
 int main(void)
 {
-    Suite* suite = suite_create("exact distance");
+    Suite* suite = suite_create("triangle distance");
     for (int i = 0; i < qc_claimCount; ++i)
     {
         TCase* claim = tcase_create(s_claims[i].name);

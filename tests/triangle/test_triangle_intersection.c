@@ -312,7 +312,7 @@ END_TEST
 
 int main(void)
 {
-    Suite* suite = suite_create("exact relation");
+    Suite* suite = suite_create("triangle intersection");
     for (int i = 0; i < qc_claimCount; ++i)
     {
         TCase* claim = tcase_create(s_claims[i].name);

@@ -1,28 +1,27 @@
-// Choice of the frame. Rounding: gl/layers.c says how large the slack has to be, and why.
+// Choice of the frame. The slack that rounding needs: plugin/docs/proofs/layers.md.
 #include "cull/layers/frame.h"
 
 #include "gl/layers/layers_gpu.h"
 
 #include <math.h>
-#include <string.h>
 
 enum
 {
     // Beyond these a power of two, or its inverse, or a product with one, may leave the range of double.
-    qc_largestExponent = 960
+    qc_maxExponent = 960
 };
 
-/// Does the frame hold the view without wasting most of its levels?
-static bool Suits(const qcLayersFrame* frame, const qcLayersView* view)
+/// Whether the frame holds the bounds without wasting most of its levels.
+static bool Suits(const qcGridFrame* frame, const qcGridBounds* bounds)
 {
-    const qcLayersView* old = &frame->view;
-    if (frame->number == 0 || old->reach != view->reach || old->depthAxis != view->depthAxis ||
-        old->transforms != view->transforms)
+    const qcGridBounds* old = &frame->bounds;
+    if (frame->number == 0 || old->queryDistance != bounds->queryDistance || old->depthAxis != bounds->depthAxis ||
+        old->transforms != bounds->transforms)
         return false;
     double widest = 0.0, frameWidest = 0.0;
     for (int i = 0; i < 3; i++)
     {
-        double lower = view->lower[frame->axes[i]], upper = view->upper[frame->axes[i]];
+        double lower = bounds->lower[frame->axes[i]], upper = bounds->upper[frame->axes[i]];
         if (lower < frame->origin[i] || upper > frame->origin[i] + frame->extent[i])
             return false;
         widest = fmax(widest, upper - lower);
@@ -31,14 +30,14 @@ static bool Suits(const qcLayersFrame* frame, const qcLayersView* view)
     return widest >= 0.5 * frameWidest;
 }
 
-static void ChooseAxes(qcLayersFrame* frame, const qcLayersView* view)
+static void ChooseAxes(qcGridFrame* frame, const qcGridBounds* bounds)
 {
-    int depth = view->depthAxis - 'x';
-    if (view->depthAxis == 0)
+    int depth = bounds->depthAxis - 'x';
+    if (bounds->depthAxis == 0)
     {
         depth = 2;
         for (int axis = 1; axis >= 0; axis--)
-            if (view->upper[axis] - view->lower[axis] < view->upper[depth] - view->lower[depth])
+            if (bounds->upper[axis] - bounds->lower[axis] < bounds->upper[depth] - bounds->lower[depth])
                 depth = axis;
     }
     frame->axes[0] = (depth + 1) % 3;
@@ -46,13 +45,13 @@ static void ChooseAxes(qcLayersFrame* frame, const qcLayersView* view)
     frame->axes[2] = depth;
 }
 
-bool qcLayersFrame_Fit(qcLayersFrame* frame, const qcLayersView* view)
+bool qcGridFrame_Fit(qcGridFrame* frame, const qcGridBounds* bounds)
 {
-    if (Suits(frame, view))
+    if (Suits(frame, bounds))
         return true;
     double widest = 0.0;
     for (int axis = 0; axis < 3; axis++)
-        widest = fmax(widest, view->upper[axis] - view->lower[axis]);
+        widest = fmax(widest, bounds->upper[axis] - bounds->lower[axis]);
     double room = widest / 16.0;
     int exponent = 0;
     if (!isfinite(widest + 2.0 * room))
@@ -60,25 +59,26 @@ bool qcLayersFrame_Fit(qcLayersFrame* frame, const qcLayersView* view)
     // The extent and its room are at most 1 in the frame.
     if (widest > 0.0)
         frexp(1.125 * widest, &exponent);
-    if (exponent > qc_largestExponent || exponent < -qc_largestExponent)
+    if (exponent > qc_maxExponent || exponent < -qc_maxExponent)
         return false;
 
-    qcLayersFrame made = {
-        .number = frame->number + 1, .exponent = exponent, .unit = ldexp(1.0, -exponent), .view = *view};
-    ChooseAxes(&made, view);
-    made.pointError = view->transforms ? 0x1p-18f : 0x1p-23f;
-    double reach = view->reach * made.unit;
-    if (!(reach < 1e6))
+    qcGridFrame made = {
+        .number = frame->number + 1, .exponent = exponent, .unit = ldexp(1.0, -exponent), .bounds = *bounds};
+    ChooseAxes(&made, bounds);
+    made.pointError = bounds->transforms ? 0x1p-18f : 0x1p-23f;
+    double queryDistance = bounds->queryDistance * made.unit;
+    if (!(queryDistance < 1e6))
         return false;
-    made.reach = nextafterf((float)reach, INFINITY);
+    made.queryDistance = nextafterf((float)queryDistance, INFINITY);
     for (int i = 0; i < 3; i++)
     {
         int axis = made.axes[i];
-        made.origin[i] = view->lower[axis] - room;
-        made.extent[i] = view->upper[axis] - view->lower[axis] + 2.0 * room;
-        // A thin axis doesn't get levels finer than coordinates are exact.
+        made.origin[i] = bounds->lower[axis] - room;
+        made.extent[i] = bounds->upper[axis] - bounds->lower[axis] + 2.0 * room;
+        // Along a thin axis levels are no finer than the error of coordinates.
         made.scale[i] = (float)((qc_layersLevels - 1) / fmax(made.extent[i] * made.unit, 1.0 / 64.0));
-        made.slack[i] = (float)((made.pointError + 0x1p-22 + 0.5 * made.reach) * made.scale[i] * 1.0001 + 0x1p-6);
+        made.slack[i] =
+            (float)((made.pointError + 0x1p-22 + 0.5 * made.queryDistance) * made.scale[i] * 1.0001 + 0x1p-6);
     }
     made.slack[3] = 0.5f * (made.slack[0] + made.slack[1]) * 1.0001f + 0x1p-6f;
     *frame = made;
@@ -90,16 +90,16 @@ static uint32_t ToLevel(double x)
     return x <= 1.0 ? 1 : x >= qc_layersLevels ? qc_layersLevels : (uint32_t)x;
 }
 
-void qcLayersFrame_MapBox(const qcLayersFrame* frame, const double lower[3], const double upper[3], uint32_t box[4])
+void qcGridFrame_MapBox(const qcGridFrame* frame, const double lower[3], const double upper[3], uint32_t box[4])
 {
     double a[3], b[3];
-    qcLayersFrame_Map(frame, lower, a);
-    qcLayersFrame_Map(frame, upper, b);
-    uint32_t least[4] = {0}, most[4] = {[3] = qc_layersLevels};
+    qcGridFrame_Map(frame, lower, a);
+    qcGridFrame_Map(frame, upper, b);
+    uint32_t first[4] = {0}, last[4] = {[3] = qc_layersLevels};
     for (int i = 0; i < 3; i++)
     {
-        least[i] = ToLevel(a[i] * frame->scale[i] - frame->slack[i] - 1.0);
-        most[i] = ToLevel(b[i] * frame->scale[i] + frame->slack[i] + 1.0);
+        first[i] = ToLevel(a[i] * frame->scale[i] - frame->slack[i] - 1.0);
+        last[i] = ToLevel(b[i] * frame->scale[i] + frame->slack[i] + 1.0);
     }
-    qcLayers_PackBox(least, most, box);
+    qcLayers_PackBox(first, last, box);
 }

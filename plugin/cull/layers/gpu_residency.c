@@ -1,12 +1,5 @@
-// Places, staging and uploads.
-//
-// Rounding, in units of the frame (gl/layers.c calls the bound on a vertex pointError):
-// - An uploaded vertex is (world - origin) * 2^-exponent in double, wrong by at most 2^-52, then rounded to float: for
-//   values up to 1 by at most 2^-25. Together below 2^-23.
-// - A transformed one is R l + u in floats. Each coordinate of l (at most 1) and each entry of R is rounded once
-//   (2^-24 relative), u too; three products and three sums round once more each, to a unit in the last place (2^-23).
-//   With rho the greatest sum over a row of |R|: wrong by at most (10 rho + 5 |u|) 2^-24. What is exact, the world
-//   position in double, is itself wrong by 2^-50 (|linear| |local| + |translation|) beside the real product.
+// Ranges of the device's buffers, staging, uploads.
+// Proof of the bounds on vertex errors (pointError): plugin/docs/proofs/layers_vertices.md.
 #include "cull/layers/gpu_residency.h"
 
 #include "base/parallel_for.h"
@@ -20,7 +13,7 @@ enum
     qc_chunkSize = 64,
     // 16384 vertices take about 60 microseconds.
     qc_vertexBlock = 4096,
-    qc_leastBlocks = 4
+    qc_minBlocks = 4
 };
 
 typedef struct Vertex
@@ -31,17 +24,13 @@ typedef struct Vertex
 
 typedef struct Prepare
 {
-    qcLayersBodies* bodies;
-    const qcStepTriangles* triangles;
-    const qcLayersFrame* frame;
-    const uint8_t *takesPart, *meetsItself;
-    const uint32_t* interests;
-    uint32_t threads;
+    qcGpuResidency* residency;
+    const qcResidencyJob* job;
 } Prepare;
 
-static qcLayersPlace* PlaceAt(const qcLayersBodies* bodies, uint32_t slot)
+static qcBodyResidency* BodyAt(const qcGpuResidency* residency, uint32_t slot)
 {
-    return &QC_AT(qcLayersPlace, bodies->places, slot);
+    return &QC_AT(qcBodyResidency, residency->bodies, slot);
 }
 
 static size_t PaddedVertices(const qcBody* body)
@@ -49,103 +38,107 @@ static size_t PaddedVertices(const qcBody* body)
     return ((size_t)body->vertexCount + qc_chunkSize - 1) / qc_chunkSize * qc_chunkSize;
 }
 
-/// What a body takes of each input buffer.
-static void FindNeeds(const qcLayersBodies* bodies, const qcBody* body, const qcClusters* clusters,
+/// The number of elements of each input buffer that a body needs.
+static void FindNeeds(const qcGpuResidency* residency, const qcBody* body, const qcClusters* clusters,
                       size_t needs[qc_layersInputCount])
 {
     memset(needs, 0, qc_layersInputCount * sizeof needs[0]);
     needs[qc_layersVertices] = needs[qc_layersLocals] = PaddedVertices(body);
     needs[qc_layersTriangles] = (size_t)clusters->nodeCount * qc_nodeSize;
     needs[qc_layersNodes] = needs[qc_layersActiveNodes] = clusters->nodeCount;
-    needs[qc_layersLinks] = bodies->imageOnly ? 0 : clusters->links.count;
-    needs[qc_layersTables] = bodies->imageOnly ? 0 : clusters->pairMasks.count;
+    needs[qc_layersLinks] = residency->imageOnly ? 0 : clusters->links.count;
+    needs[qc_layersTables] = residency->imageOnly ? 0 : clusters->pairMasks.count;
     needs[qc_layersChunks] = needs[qc_layersVertices] / qc_chunkSize;
 }
 
-static void Assign(qcLayersBodies* bodies, qcLayersPlace* place, const qcBody* body)
+static void AssignRanges(qcGpuResidency* residency, qcBodyResidency* resident, const qcBody* body)
 {
     size_t needs[qc_layersInputCount];
-    FindNeeds(bodies, body, &place->clusters, needs);
-    place->firstVertex = (uint32_t)bodies->used[qc_layersVertices];
-    place->firstNode = (uint32_t)bodies->used[qc_layersNodes];
-    place->firstLink = (uint32_t)bodies->used[qc_layersLinks];
-    place->firstTable = (uint32_t)bodies->used[qc_layersTables];
-    place->placed = true;
-    place->frame = 0;
+    FindNeeds(residency, body, &resident->clusters, needs);
+    resident->firstVertex = (uint32_t)residency->used[qc_layersVertices];
+    resident->firstNode = (uint32_t)residency->used[qc_layersNodes];
+    resident->firstLink = (uint32_t)residency->used[qc_layersLinks];
+    resident->firstTable = (uint32_t)residency->used[qc_layersTables];
+    resident->assigned = true;
+    resident->frame = 0;
     for (int i = 0; i < qc_layersInputCount; i++)
-        bodies->used[i] += needs[i];
+        residency->used[i] += needs[i];
 }
 
-static void Release(qcLayersBodies* bodies, qcLayersPlace* place)
+static void Release(qcGpuResidency* residency, qcBodyResidency* resident)
 {
-    bodies->goneNodes += place->placed ? place->clusters.nodeCount : 0;
-    qcClusters_Free(&place->clusters);
-    *place = (qcLayersPlace){0};
+    residency->freedNodes += resident->assigned ? resident->clusters.nodeCount : 0;
+    qcClusters_Free(&resident->clusters);
+    *resident = (qcBodyResidency){0};
 }
 
-/// Places for all slots, empty ones for bodies that are gone.
+/// Entries for all slots; empties those of removed bodies.
 static qcStatus SyncSlots(const Prepare* p)
 {
-    qcLayersBodies* bodies = p->bodies;
-    const qcArray* slots = &p->triangles->bodies->slots;
-    size_t old = bodies->places.count;
+    qcGpuResidency* residency = p->residency;
+    const qcArray* slots = &p->job->triangles->bodies->slots;
+    size_t old = residency->bodies.count;
     if (slots->count > old)
     {
-        QC_TRY(qcArray_Resize(&bodies->places, slots->count, sizeof(qcLayersPlace), "bodies on the device"));
-        memset(PlaceAt(bodies, (uint32_t)old), 0, (slots->count - old) * sizeof(qcLayersPlace));
+        QC_TRY(qcArray_Resize(&residency->bodies, slots->count, sizeof(qcBodyResidency), "bodies on the device"));
+        memset(BodyAt(residency, (uint32_t)old), 0, (slots->count - old) * sizeof(qcBodyResidency));
     }
     for (uint32_t slot = 0; slot < old; slot++)
     {
-        qcLayersPlace* place = PlaceAt(bodies, slot);
-        if (place->generation != 0 && place->generation != QC_AT(qcBody, *slots, slot).generation)
-            Release(bodies, place);
+        qcBodyResidency* resident = BodyAt(residency, slot);
+        if (resident->generation != 0 && resident->generation != QC_AT(qcBody, *slots, slot).generation)
+            Release(residency, resident);
     }
     return qc_statusOk;
 }
 
-/// A place of its own for each body that takes part and has none; all anew where much is given to bodies that are gone.
-static qcStatus AssignPlaces(const Prepare* p)
+/// Assigns ranges to each body that takes part and has none. If removed bodies have most of the nodes, all bodies are
+/// assigned anew.
+static qcStatus AssignBodies(const Prepare* p)
 {
-    qcLayersBodies* bodies = p->bodies;
-    if (2 * bodies->goneNodes > bodies->used[qc_layersNodes])
-        qcLayersBodies_Forget(bodies);
-    for (uint32_t body = 0; body < p->triangles->bodyCount; body++)
+    qcGpuResidency* residency = p->residency;
+    if (2 * residency->freedNodes > residency->used[qc_layersNodes])
+        qcGpuResidency_Forget(residency);
+    for (uint32_t body = 0; body < p->job->triangles->bodyCount; body++)
     {
-        qcLayersPlace* place = PlaceAt(bodies, qcStepTriangles_Slot(p->triangles, body));
-        const qcBody* b = qcStepTriangles_Body(p->triangles, body);
-        if (!p->takesPart[body] || place->placed)
+        qcBodyResidency* resident = BodyAt(residency, qcStepTriangles_Slot(p->job->triangles, body));
+        const qcBody* b = qcStepTriangles_Body(p->job->triangles, body);
+        if (!p->job->takesPart[body] || resident->assigned)
             continue;
-        if (place->generation == 0)
-            QC_TRY(qcClusters_Build(&place->clusters, b->indices, b->triangleCount, b->deforming ? b->world : b->local,
-                                    b->vertexCount, p->threads));
-        place->generation = b->generation;
-        Assign(bodies, place, b);
+        if (resident->generation == 0)
+            QC_TRY(qcClusters_Build(&resident->clusters, b->indices, b->triangleCount,
+                                    b->deforming ? b->world : b->local, b->vertexCount, p->job->threads));
+        resident->generation = b->generation;
+        AssignRanges(residency, resident, b);
     }
-    if (bodies->used[qc_layersTriangles] > UINT32_MAX - 1 || bodies->used[qc_layersVertices] > UINT32_MAX - 1)
-        return qcFail(qc_statusDevice, "layers: more than 2^32 - 2 places on the device");
-    bodies->used[qc_layersBodies] = p->triangles->bodies->slots.count * qc_layersBodyTexels;
+    if (residency->used[qc_layersTriangles] > UINT32_MAX - 1 || residency->used[qc_layersVertices] > UINT32_MAX - 1)
+        return qcFail(qc_statusDevice, "layers: more than 2^32 - 2 triangles or vertices on the device");
+    residency->used[qc_layersBodies] = p->job->triangles->bodies->slots.count * qc_layersBodyTexels;
     bool grown = false;
     for (int i = 0; i < qc_layersInputCount; i++)
-        if (bodies->used[i] > bodies->capacity[i])
+        if (residency->used[i] > residency->capacity[i])
         {
-            bodies->capacity[i] = bodies->used[i] + bodies->used[i] / 4;
+            residency->capacity[i] = residency->used[i] + residency->used[i] / 4;
             grown = true;
         }
-    // A buffer that grows loses what it held. (The bodies' own grows with their number, and then they are sent anyway.)
-    for (uint32_t slot = 0; grown && slot < bodies->places.count; slot++)
-        PlaceAt(bodies, slot)->frame = 0;
+    // A buffer that grows loses its contents. (The table of bodies grows with their number, and is then uploaded
+    // anyway.)
+    for (uint32_t slot = 0; grown && slot < residency->bodies.count; slot++)
+        BodyAt(residency, slot)->frame = 0;
     return qc_statusOk;
 }
 
-static qcStatus AddUpload(qcLayersBodies* bodies, qcLayersBuffer buffer, size_t first, size_t count, const void* data)
+static qcStatus AddUpload(qcGpuResidency* residency, qcLayersBuffer buffer, size_t first, size_t count,
+                          const void* data)
 {
-    size_t at = bodies->uploads.count;
-    QC_TRY(qcArray_Reserve(&bodies->uploads, at + 1, sizeof(qcLayersUpload), "uploads"));
-    QC_AT(qcLayersUpload, bodies->uploads, bodies->uploads.count++) = (qcLayersUpload){buffer, first, count, data};
+    size_t at = residency->uploads.count;
+    QC_TRY(qcArray_Reserve(&residency->uploads, at + 1, sizeof(qcLayersUpload), "uploads"));
+    QC_AT(qcLayersUpload, residency->uploads, residency->uploads.count++) =
+        (qcLayersUpload){buffer, first, count, data};
     return qc_statusOk;
 }
 
-/// Room at the end of a staging array, whose final size was reserved before: uploads point into it.
+/// Room at the end of a staging array. Its final size has been reserved: uploads point into it.
 static void* Stage(qcArray* array, size_t count, size_t elementSize)
 {
     size_t at = array->count;
@@ -158,52 +151,53 @@ typedef struct StagingNeeds
     size_t vertices, locals, triangles, nodes, links;
 } StagingNeeds;
 
-static bool HasMoved(const Prepare* p, const qcLayersPlace* place, const qcBody* body)
+static bool HasMoved(const Prepare* p, const qcBodyResidency* resident, const qcBody* body)
 {
-    return place->moved != body->moved || place->frame != p->frame->number;
+    return resident->moved != body->moved || resident->frame != p->job->frame->number;
 }
 
 static qcStatus ReserveStaging(const Prepare* p)
 {
-    qcLayersBodies* bodies = p->bodies;
+    qcGpuResidency* residency = p->residency;
     StagingNeeds needs = {0};
-    for (uint32_t body = 0; body < p->triangles->bodyCount; body++)
+    for (uint32_t body = 0; body < p->job->triangles->bodyCount; body++)
     {
-        const qcLayersPlace* place = PlaceAt(bodies, qcStepTriangles_Slot(p->triangles, body));
-        const qcBody* b = qcStepTriangles_Body(p->triangles, body);
-        if (!p->takesPart[body])
+        const qcBodyResidency* resident = BodyAt(residency, qcStepTriangles_Slot(p->job->triangles, body));
+        const qcBody* b = qcStepTriangles_Body(p->job->triangles, body);
+        if (!p->job->takesPart[body])
             continue;
-        needs.vertices += HasMoved(p, place, b) ? b->vertexCount : 0;
-        if (place->frame != 0)
+        needs.vertices += HasMoved(p, resident, b) ? b->vertexCount : 0;
+        if (resident->frame != 0)
             continue;
         needs.locals += b->deforming ? 0 : b->vertexCount;
-        needs.triangles += (size_t)place->clusters.nodeCount * qc_nodeSize;
-        needs.nodes += place->clusters.nodeCount;
-        needs.links += place->clusters.links.count;
+        needs.triangles += (size_t)resident->clusters.nodeCount * qc_nodeSize;
+        needs.nodes += resident->clusters.nodeCount;
+        needs.links += resident->clusters.links.count;
     }
     if (needs.triangles == 0)
     {
-        // Topology comes once: what its upload took is given back.
-        qcArray_Free(&bodies->triangles);
-        qcArray_Free(&bodies->nodes);
-        qcArray_Free(&bodies->links);
-        qcArray_Free(&bodies->locals);
+        // Topology is uploaded once: its staging memory is given back.
+        qcArray_Free(&residency->triangles);
+        qcArray_Free(&residency->nodes);
+        qcArray_Free(&residency->links);
+        qcArray_Free(&residency->locals);
     }
-    bodies->vertices.count = bodies->locals.count = bodies->triangles.count = 0;
-    bodies->nodes.count = bodies->links.count = bodies->uploads.count = 0;
-    QC_TRY(qcArray_Reserve(&bodies->vertices, needs.vertices, sizeof(Vertex), "vertices for the device"));
-    QC_TRY(qcArray_Reserve(&bodies->locals, needs.locals, sizeof(Vertex), "vertices for the device"));
-    QC_TRY(qcArray_Reserve(&bodies->triangles, needs.triangles, 4 * sizeof(uint32_t), "triangles for the device"));
-    QC_TRY(qcArray_Reserve(&bodies->nodes, needs.nodes, 4 * sizeof(uint32_t), "nodes for the device"));
-    QC_TRY(qcArray_Reserve(&bodies->links, needs.links, 2 * sizeof(uint32_t), "links for the device"));
-    if (bodies->imageOnly)
-        QC_TRY(qcArray_Resize(&bodies->corners, bodies->used[qc_layersTriangles], sizeof(qcCorners),
+    residency->vertices.count = residency->locals.count = residency->triangles.count = 0;
+    residency->nodes.count = residency->links.count = residency->uploads.count = 0;
+    QC_TRY(qcArray_Reserve(&residency->vertices, needs.vertices, sizeof(Vertex), "vertices for the device"));
+    QC_TRY(qcArray_Reserve(&residency->locals, needs.locals, sizeof(Vertex), "vertices for the device"));
+    QC_TRY(qcArray_Reserve(&residency->triangles, needs.triangles, 4 * sizeof(uint32_t), "triangles for the device"));
+    QC_TRY(qcArray_Reserve(&residency->nodes, needs.nodes, 4 * sizeof(uint32_t), "nodes for the device"));
+    QC_TRY(qcArray_Reserve(&residency->links, needs.links, 2 * sizeof(uint32_t), "links for the device"));
+    if (residency->imageOnly)
+        QC_TRY(qcArray_Resize(&residency->corners, residency->used[qc_layersTriangles], sizeof(qcCorners),
                               "triangles for the device"));
-    return qcArray_Resize(&bodies->nodeSlot, bodies->used[qc_layersNodes], sizeof(uint32_t), "nodes for the device");
+    return qcArray_Resize(&residency->nodeSlot, residency->used[qc_layersNodes], sizeof(uint32_t),
+                          "nodes for the device");
 }
 
-/// A rigid body's vertices about its centre, in units of 2^exponent: within [-1, 1] if a triangle has them.
-static qcStatus UploadLocals(qcLayersBodies* bodies, qcLayersPlace* place, uint32_t slot, const qcBody* body)
+/// A rigid body's vertices relative to its centre, in units of 2^exponent: those of triangles lie within [-1, 1].
+static qcStatus UploadLocals(qcGpuResidency* residency, qcBodyResidency* resident, uint32_t slot, const qcBody* body)
 {
     double lower[3] = {INFINITY, INFINITY, INFINITY}, upper[3] = {-INFINITY, -INFINITY, -INFINITY}, half = 0.0;
     for (size_t i = 0; i < 3 * (size_t)body->triangleCount; i++)
@@ -215,78 +209,79 @@ static qcStatus UploadLocals(qcLayersBodies* bodies, qcLayersPlace* place, uint3
         }
     for (int axis = 0; axis < 3; axis++)
     {
-        place->center[axis] = 0.5 * lower[axis] + 0.5 * upper[axis];
-        half = fmax(half, fmax(upper[axis] - place->center[axis], place->center[axis] - lower[axis]));
+        resident->center[axis] = 0.5 * lower[axis] + 0.5 * upper[axis];
+        half = fmax(half, fmax(upper[axis] - resident->center[axis], resident->center[axis] - lower[axis]));
     }
-    place->exponent = 0;
+    resident->exponent = 0;
     if (half > 0.0)
-        frexp(half, &place->exponent);
-    // So that the inverse is finite too.
-    place->exponent = place->exponent < -960 ? -960 : place->exponent;
-    double unit = ldexp(1.0, -place->exponent);
-    Vertex* staged = Stage(&bodies->locals, body->vertexCount, sizeof(Vertex));
+        frexp(half, &resident->exponent);
+    // The inverse must be finite, too.
+    resident->exponent = resident->exponent < -960 ? -960 : resident->exponent;
+    double unit = ldexp(1.0, -resident->exponent);
+    Vertex* staged = Stage(&residency->locals, body->vertexCount, sizeof(Vertex));
     for (uint32_t v = 0; v < body->vertexCount; v++)
     {
         for (int axis = 0; axis < 3; axis++)
-            staged[v].x[axis] = (float)((body->local[3 * (size_t)v + axis] - place->center[axis]) * unit);
+            staged[v].x[axis] = (float)((body->local[3 * (size_t)v + axis] - resident->center[axis]) * unit);
         staged[v].body = slot;
     }
-    return AddUpload(bodies, qc_layersLocals, place->firstVertex, body->vertexCount, staged);
+    return AddUpload(residency, qc_layersLocals, resident->firstVertex, body->vertexCount, staged);
 }
 
-/// Who of a body's nodes are neighbours.
-static qcStatus UploadTables(qcLayersBodies* bodies, const qcLayersPlace* place)
+/// The adjacency of a body's leaf nodes.
+static qcStatus UploadTables(qcGpuResidency* residency, const qcBodyResidency* resident)
 {
-    const qcClusters* clusters = &place->clusters;
-    uint32_t(*links)[2] = Stage(&bodies->links, clusters->links.count, sizeof *links);
+    const qcClusters* clusters = &resident->clusters;
+    uint32_t(*links)[2] = Stage(&residency->links, clusters->links.count, sizeof *links);
     for (size_t i = 0; i < clusters->links.count; i++)
     {
         qcLeafLink link = QC_AT(qcLeafLink, clusters->links, i);
-        links[i][0] = place->firstNode + link.other;
-        links[i][1] = place->firstTable + link.mask;
+        links[i][0] = resident->firstNode + link.other;
+        links[i][1] = resident->firstTable + link.mask;
     }
-    QC_TRY(AddUpload(bodies, qc_layersLinks, place->firstLink, clusters->links.count, links));
-    return AddUpload(bodies, qc_layersTables, place->firstTable, clusters->pairMasks.count, clusters->pairMasks.data);
+    QC_TRY(AddUpload(residency, qc_layersLinks, resident->firstLink, clusters->links.count, links));
+    return AddUpload(residency, qc_layersTables, resident->firstTable, clusters->pairMasks.count,
+                     clusters->pairMasks.data);
 }
 
-static qcStatus UploadTopology(qcLayersBodies* bodies, qcLayersPlace* place, uint32_t slot, const qcBody* body)
+static qcStatus UploadTopology(qcGpuResidency* residency, qcBodyResidency* resident, uint32_t slot, const qcBody* body)
 {
-    const qcClusters* clusters = &place->clusters;
+    const qcClusters* clusters = &resident->clusters;
     uint32_t nodeCount = clusters->nodeCount;
-    uint32_t(*triangles)[4] = Stage(&bodies->triangles, (size_t)nodeCount * qc_nodeSize, sizeof *triangles);
+    uint32_t(*triangles)[4] = Stage(&residency->triangles, (size_t)nodeCount * qc_nodeSize, sizeof *triangles);
     for (size_t i = 0; i < (size_t)nodeCount * qc_nodeSize; i++)
     {
         uint32_t t = QC_AT(uint32_t, clusters->triangles, i);
         for (int c = 0; c < 3; c++)
             triangles[i][c] =
-                t == QC_NO_TRIANGLE ? QC_NO_TRIANGLE : place->firstVertex + body->indices[3 * (size_t)t + c];
+                t == QC_NO_TRIANGLE ? QC_NO_TRIANGLE : resident->firstVertex + body->indices[3 * (size_t)t + c];
         triangles[i][3] = 0;
-        if (bodies->imageOnly)
-            memcpy(&QC_AT(qcCorners, bodies->corners, (size_t)place->firstNode * qc_nodeSize + i), triangles[i],
+        if (residency->imageOnly)
+            memcpy(&QC_AT(qcCorners, residency->corners, (size_t)resident->firstNode * qc_nodeSize + i), triangles[i],
                    sizeof(qcCorners));
     }
-    uint32_t(*nodes)[4] = Stage(&bodies->nodes, nodeCount, sizeof *nodes);
+    uint32_t(*nodes)[4] = Stage(&residency->nodes, nodeCount, sizeof *nodes);
     for (uint32_t n = 0; n < nodeCount; n++)
     {
         nodes[n][0] = slot;
-        nodes[n][1] = place->firstLink + QC_AT(uint32_t, clusters->firstLink, n);
-        nodes[n][2] = place->firstLink + QC_AT(uint32_t, clusters->firstLink, n + 1);
+        nodes[n][1] = resident->firstLink + QC_AT(uint32_t, clusters->firstLink, n);
+        nodes[n][2] = resident->firstLink + QC_AT(uint32_t, clusters->firstLink, n + 1);
         nodes[n][3] = 0;
-        QC_AT(uint32_t, bodies->nodeSlot, place->firstNode + n) = slot;
+        QC_AT(uint32_t, residency->nodeSlot, resident->firstNode + n) = slot;
     }
-    QC_TRY(AddUpload(bodies, qc_layersTriangles, (size_t)place->firstNode * qc_nodeSize,
+    QC_TRY(AddUpload(residency, qc_layersTriangles, (size_t)resident->firstNode * qc_nodeSize,
                      (size_t)nodeCount * qc_nodeSize, triangles));
-    QC_TRY(AddUpload(bodies, qc_layersNodes, place->firstNode, nodeCount, nodes));
-    if (!bodies->imageOnly)
-        QC_TRY(UploadTables(bodies, place));
-    return body->deforming ? qc_statusOk : UploadLocals(bodies, place, slot, body);
+    QC_TRY(AddUpload(residency, qc_layersNodes, resident->firstNode, nodeCount, nodes));
+    if (!residency->imageOnly)
+        QC_TRY(UploadTables(residency, resident));
+    return body->deforming ? qc_statusOk : UploadLocals(residency, resident, slot, body);
 }
 
-/// The transform from qc_layersLocals into the frame, in floats; false: it would be less exact than the frame demands.
-static bool FindTransform(const qcLayersPlace* place, const qcBody* body, const qcLayersFrame* frame,
+/// The transform from qc_layersLocals into the frame, in single precision; false: its error could exceed pointError.
+static bool FindTransform(const qcBodyResidency* resident, const qcBody* body, const qcGridFrame* frame,
                           float transform[3][4])
 {
-    double size = ldexp(1.0, place->exponent);
+    double size = ldexp(1.0, resident->exponent);
     for (int i = 0; i < 3; i++)
     {
         const double* row = body->transform.linear + 3 * frame->axes[i];
@@ -296,14 +291,14 @@ static bool FindTransform(const qcLayersPlace* place, const qcBody* body, const 
         {
             transform[i][j] = (float)(row[j] * size * frame->unit);
             rho += fabs(row[j]) * size * frame->unit;
-            world += fabs(row[j]) * (fabs(place->center[j]) + size);
-            at += row[j] * place->center[j];
+            world += fabs(row[j]) * (fabs(resident->center[j]) + size);
+            at += row[j] * resident->center[j];
         }
         transform[i][3] = (float)(at * frame->unit);
-        // The sums that make `at` are in double: as exact as world positions are.
+        // `at` is summed in double: as exact as world positions.
         double error = (10.0 * rho + 5.0 * fabs(at * frame->unit)) * 0x1p-24 +
                        0x1p-49 * (world + fabs(frame->origin[i])) * frame->unit;
-        // Not a number when something overflowed on the way. Below the smallest float, products would be lost.
+        // NaN after an overflow. 2^-60: products below the smallest float are lost.
         if (!(error + 0x1p-60 <= frame->pointError))
             return false;
     }
@@ -313,7 +308,7 @@ static bool FindTransform(const qcLayersPlace* place, const qcBody* body, const 
 typedef struct Conversion
 {
     const qcBody* body;
-    const qcLayersFrame* frame;
+    const qcGridFrame* frame;
     Vertex* staged;
 } Conversion;
 
@@ -321,25 +316,25 @@ static void Convert(void* context, size_t block, uint32_t worker)
 {
     (void)worker;
     const Conversion* c = context;
-    const qcLayersFrame frame = *c->frame;
+    const qcGridFrame frame = *c->frame;
     uint32_t first = (uint32_t)block * qc_vertexBlock;
     uint32_t count = c->body->vertexCount, end = count - first < qc_vertexBlock ? count : first + qc_vertexBlock;
     for (uint32_t v = first; v < end; v++)
     {
         double world[3], x[3];
         qcBody_GetVertex(c->body, v, world);
-        qcLayersFrame_Map(&frame, world, x);
+        qcGridFrame_Map(&frame, world, x);
         c->staged[v] = (Vertex){{(float)x[0], (float)x[1], (float)x[2]}, 0};
     }
 }
 
-static qcStatus UploadVertices(const Prepare* p, const qcLayersPlace* place, const qcBody* body)
+static qcStatus UploadVertices(const Prepare* p, const qcBodyResidency* resident, const qcBody* body)
 {
-    Conversion c = {body, p->frame, NULL};
-    c.staged = Stage(&p->bodies->vertices, body->vertexCount, sizeof(Vertex));
-    qcParallel_For(p->threads, (body->vertexCount + (size_t)qc_vertexBlock - 1) / qc_vertexBlock, qc_leastBlocks,
+    Conversion c = {body, p->job->frame, NULL};
+    c.staged = Stage(&p->residency->vertices, body->vertexCount, sizeof(Vertex));
+    qcParallel_For(p->job->threads, (body->vertexCount + (size_t)qc_vertexBlock - 1) / qc_vertexBlock, qc_minBlocks,
                    Convert, &c);
-    return AddUpload(p->bodies, qc_layersVertices, place->firstVertex, body->vertexCount, c.staged);
+    return AddUpload(p->residency, qc_layersVertices, resident->firstVertex, body->vertexCount, c.staged);
 }
 
 static qcStatus AddRange(qcArray* array, uint32_t first, uint32_t count)
@@ -352,109 +347,109 @@ static qcStatus AddRange(qcArray* array, uint32_t first, uint32_t count)
 
 static qcStatus UploadBody(const Prepare* p, uint32_t body)
 {
-    qcLayersBodies* bodies = p->bodies;
-    uint32_t slot = qcStepTriangles_Slot(p->triangles, body);
-    const qcBody* b = qcStepTriangles_Body(p->triangles, body);
-    qcLayersPlace* place = PlaceAt(bodies, slot);
-    qcLayersBody* entry = &QC_AT(qcLayersBody, bodies->bodies, slot);
+    qcGpuResidency* residency = p->residency;
+    uint32_t slot = qcStepTriangles_Slot(p->job->triangles, body);
+    const qcBody* b = qcStepTriangles_Body(p->job->triangles, body);
+    qcBodyResidency* resident = BodyAt(residency, slot);
+    qcLayersBody* entry = &QC_AT(qcLayersBody, residency->table, slot);
     *entry = (qcLayersBody){.group = b->group,
                             .mask = b->mask,
                             .flags = (b->activity == qc_activityMoving ? qc_layersIsMoving : 0u) |
-                                     (p->meetsItself[body] ? qc_layersMeetsItself : 0u),
+                                     (p->job->hasSelfPairs[body] ? qc_layersMeetsItself : 0u),
                             .owner = b->owner};
-    memcpy(entry->interest, p->interests + 4 * (size_t)body, sizeof entry->interest);
-    if (place->frame == 0)
-        QC_TRY(UploadTopology(bodies, place, slot, b));
-    place->transformed = !b->deforming && FindTransform(place, b, p->frame, entry->transform);
-    place->changed = HasMoved(p, place, b);
-    if (place->changed && place->transformed)
-        QC_TRY(
-            AddRange(&bodies->chunks, place->firstVertex / qc_chunkSize, (uint32_t)(PaddedVertices(b) / qc_chunkSize)));
-    else if (place->changed)
-        QC_TRY(UploadVertices(p, place, b));
-    place->moved = b->moved;
-    place->frame = p->frame->number;
+    memcpy(entry->interest, p->job->partnerBoxes + 4 * (size_t)body, sizeof entry->interest);
+    if (resident->frame == 0)
+        QC_TRY(UploadTopology(residency, resident, slot, b));
+    resident->transformed = !b->deforming && FindTransform(resident, b, p->job->frame, entry->transform);
+    resident->changed = HasMoved(p, resident, b);
+    if (resident->changed && resident->transformed)
+        QC_TRY(AddRange(&residency->chunks, resident->firstVertex / qc_chunkSize,
+                        (uint32_t)(PaddedVertices(b) / qc_chunkSize)));
+    else if (resident->changed)
+        QC_TRY(UploadVertices(p, resident, b));
+    resident->moved = b->moved;
+    resident->frame = p->job->frame->number;
     return qc_statusOk;
 }
 
-/// Nodes of bodies that take part; those whose boxes change first.
+/// Lists the leaf nodes of bodies that take part, changed bodies first.
 static qcStatus ListNodes(const Prepare* p)
 {
-    qcLayersBodies* bodies = p->bodies;
-    bodies->activeNodes.count = 0;
+    qcGpuResidency* residency = p->residency;
+    residency->activeNodes.count = 0;
     for (int changed = 1; changed >= 0; changed--)
     {
-        for (uint32_t body = 0; body < p->triangles->bodyCount; body++)
+        for (uint32_t body = 0; body < p->job->triangles->bodyCount; body++)
         {
-            const qcLayersPlace* place = PlaceAt(bodies, qcStepTriangles_Slot(p->triangles, body));
-            if (p->takesPart[body] && place->changed == (changed != 0))
-                QC_TRY(AddRange(&bodies->activeNodes, place->firstNode, place->clusters.nodeCount));
+            const qcBodyResidency* resident = BodyAt(residency, qcStepTriangles_Slot(p->job->triangles, body));
+            if (p->job->takesPart[body] && resident->changed == (changed != 0))
+                QC_TRY(AddRange(&residency->activeNodes, resident->firstNode, resident->clusters.nodeCount));
         }
         if (changed)
-            bodies->changedNodes = (uint32_t)bodies->activeNodes.count;
+            residency->changedNodes = (uint32_t)residency->activeNodes.count;
     }
-    return AddUpload(bodies, qc_layersActiveNodes, 0, bodies->activeNodes.count, bodies->activeNodes.data);
+    return AddUpload(residency, qc_layersActiveNodes, 0, residency->activeNodes.count, residency->activeNodes.data);
 }
 
-/// The table of bodies, if it is another than the device has.
-static qcStatus UploadTable(qcLayersBodies* bodies)
+/// Uploads the table of bodies if it differs from the device's.
+static qcStatus UploadTable(qcGpuResidency* residency)
 {
-    size_t count = bodies->bodies.count, bytes = count * sizeof(qcLayersBody);
-    if (bodies->sentBodies.count == count && memcmp(bodies->sentBodies.data, bodies->bodies.data, bytes) == 0)
+    size_t count = residency->table.count, bytes = count * sizeof(qcLayersBody);
+    if (residency->uploadedTable.count == count &&
+        memcmp(residency->uploadedTable.data, residency->table.data, bytes) == 0)
         return qc_statusOk;
-    QC_TRY(qcArray_Resize(&bodies->sentBodies, count, sizeof(qcLayersBody), "bodies for the device"));
-    memcpy(bodies->sentBodies.data, bodies->bodies.data, bytes);
-    return AddUpload(bodies, qc_layersBodies, 0, count * qc_layersBodyTexels, bodies->sentBodies.data);
+    QC_TRY(qcArray_Resize(&residency->uploadedTable, count, sizeof(qcLayersBody), "bodies for the device"));
+    memcpy(residency->uploadedTable.data, residency->table.data, bytes);
+    return AddUpload(residency, qc_layersBodies, 0, count * qc_layersBodyTexels, residency->uploadedTable.data);
 }
 
-qcStatus qcLayersBodies_Prepare(qcLayersBodies* bodies, const qcStepTriangles* triangles, const qcLayersFrame* frame,
-                                const uint8_t* takesPart, const uint32_t* interests, const uint8_t* meetsItself,
-                                uint32_t threads)
+qcStatus qcGpuResidency_Prepare(const qcResidencyJob* job, qcGpuResidency* residency)
 {
-    const Prepare p = {bodies, triangles, frame, takesPart, meetsItself, interests, threads};
+    const Prepare p = {residency, job};
     QC_TRY(SyncSlots(&p));
-    QC_TRY(AssignPlaces(&p));
+    QC_TRY(AssignBodies(&p));
     QC_TRY(ReserveStaging(&p));
+    const qcStepTriangles* triangles = job->triangles;
     size_t slots = triangles->bodies->slots.count;
-    QC_TRY(qcArray_Resize(&bodies->bodies, slots, sizeof(qcLayersBody), "bodies for the device"));
-    memset(bodies->bodies.data, 0, slots * sizeof(qcLayersBody));
-    bodies->chunks.count = 0;
+    QC_TRY(qcArray_Resize(&residency->table, slots, sizeof(qcLayersBody), "bodies for the device"));
+    memset(residency->table.data, 0, slots * sizeof(qcLayersBody));
+    residency->chunks.count = 0;
     for (uint32_t body = 0; body < triangles->bodyCount; body++)
-        if (takesPart[body])
+        if (job->takesPart[body])
             QC_TRY(UploadBody(&p, body));
     QC_TRY(ListNodes(&p));
-    QC_TRY(AddUpload(bodies, qc_layersChunks, 0, bodies->chunks.count, bodies->chunks.data));
-    return UploadTable(bodies);
+    QC_TRY(AddUpload(residency, qc_layersChunks, 0, residency->chunks.count, residency->chunks.data));
+    return UploadTable(residency);
 }
 
-void qcLayersBodies_FillStep(const qcLayersBodies* bodies, qcLayersStep* step)
+void qcGpuResidency_FillStep(const qcGpuResidency* residency, qcLayersStep* step)
 {
-    memcpy(step->capacity, bodies->capacity, sizeof step->capacity);
-    step->uploads = bodies->uploads.data;
-    step->uploadCount = bodies->uploads.count;
-    step->chunkCount = (uint32_t)bodies->chunks.count;
-    step->changedNodes = bodies->changedNodes;
-    step->activeNodes = (uint32_t)bodies->activeNodes.count;
+    memcpy(step->capacity, residency->capacity, sizeof step->capacity);
+    step->uploads = residency->uploads.data;
+    step->uploadCount = residency->uploads.count;
+    step->chunkCount = (uint32_t)residency->chunks.count;
+    step->changedNodes = residency->changedNodes;
+    step->activeNodes = (uint32_t)residency->activeNodes.count;
 }
 
-void qcLayersBodies_Forget(qcLayersBodies* bodies)
+void qcGpuResidency_Forget(qcGpuResidency* residency)
 {
-    for (uint32_t slot = 0; slot < bodies->places.count; slot++)
-        PlaceAt(bodies, slot)->placed = false;
-    memset(bodies->used, 0, sizeof bodies->used);
-    memset(bodies->capacity, 0, sizeof bodies->capacity);
-    bodies->goneNodes = 0;
-    bodies->sentBodies.count = 0;
+    for (uint32_t slot = 0; slot < residency->bodies.count; slot++)
+        BodyAt(residency, slot)->assigned = false;
+    memset(residency->used, 0, sizeof residency->used);
+    memset(residency->capacity, 0, sizeof residency->capacity);
+    residency->freedNodes = 0;
+    residency->uploadedTable.count = 0;
 }
 
-void qcLayersBodies_Free(qcLayersBodies* bodies)
+void qcGpuResidency_Free(qcGpuResidency* residency)
 {
-    for (uint32_t slot = 0; slot < bodies->places.count; slot++)
-        Release(bodies, PlaceAt(bodies, slot));
-    qcArray* arrays[] = {&bodies->places, &bodies->nodeSlot,   &bodies->corners,     &bodies->vertices,
-                         &bodies->locals, &bodies->triangles,  &bodies->nodes,       &bodies->links,
-                         &bodies->bodies, &bodies->sentBodies, &bodies->activeNodes, &bodies->chunks,
-                         &bodies->uploads};
+    for (uint32_t slot = 0; slot < residency->bodies.count; slot++)
+        Release(residency, BodyAt(residency, slot));
+    qcArray* arrays[] = {&residency->bodies, &residency->nodeSlot,      &residency->corners,     &residency->vertices,
+                         &residency->locals, &residency->triangles,     &residency->nodes,       &residency->links,
+                         &residency->table,  &residency->uploadedTable, &residency->activeNodes, &residency->chunks,
+                         &residency->uploads};
     for (size_t i = 0; i < sizeof arrays / sizeof arrays[0]; i++)
         qcArray_Free(arrays[i]);
 }

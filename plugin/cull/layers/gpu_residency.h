@@ -1,68 +1,77 @@
-// What `layers` keeps of each body on the device, and what has to be uploaded when bodies come, go or move.
+// GPU residency: the bodies of `layers` on the device, and the uploads of a step.
 #ifndef QC_CULL_LAYERS_GPU_RESIDENCY_H
 #define QC_CULL_LAYERS_GPU_RESIDENCY_H
 
-#include "mesh/clusters.h"
-#include "gl/layers/layers_gpu.h"
 #include "cull/layers/frame.h"
+#include "gl/layers/layers_gpu.h"
+#include "mesh/clusters.h"
 #include "scene/step_triangles.h"
 
-/// A body's place in the buffers; bodies are placed by slot.
-typedef struct qcLayersPlace
+/// A body on the device.
+typedef struct qcBodyResidency
 {
-    uint32_t generation; ///< of the body whose clusters these are; 0: none
+    uint32_t generation; ///< of the body that the clusters belong to; 0: none
     qcClusters clusters;
-    bool placed; ///< what follows has been given out
+    bool assigned; ///< to ranges of the device's buffers, which begin here
     uint32_t firstVertex, firstNode, firstLink, firstTable;
-    bool transformed;      ///< by the device; otherwise its vertices are uploaded
-    double center[3];      ///< local: what qc_layersLocals are about
-    int exponent;          ///< and their unit
-    uint64_t moved, frame; ///< what the device's vertices belong to; frame 0: the device has nothing of the body
-    bool changed;          ///< in this step: boxes are to be made anew
-} qcLayersPlace;
+    bool transformed;      ///< by the device; otherwise its vertices are uploaded in world space
+    double center[3];      ///< local: origin of qc_layersLocals
+    int exponent;          ///< their unit is 2^exponent
+    uint64_t moved, frame; ///< qcBody::moved and the frame of the device's vertices; frame 0: nothing is uploaded
+    bool changed;          ///< in this step: its boxes are computed anew
+} qcBodyResidency;
 
-typedef struct qcLayersBodies
+typedef struct qcGpuResidency
 {
-    bool imageOnly;                                    ///< what the device finds; to be set before all else
-    qcArray places;                                    ///< of qcLayersPlace, by slot
-    size_t capacity[qc_layersInputCount];              ///< elements that the device holds
-    size_t used[qc_layersInputCount];                  ///< elements given to bodies, also to those that are gone
-    uint32_t goneNodes;                                ///< of these
-    qcArray nodeSlot;                                  ///< uint32_t: slot of a node's body
-    qcArray corners;                                   ///< of qcCorners, by place, for an image only
-    qcArray vertices, locals, triangles, nodes, links; ///< what is uploaded; kept until the step has run
-    qcArray bodies, sentBodies;                        ///< of qcLayersBody, by slot
-    qcArray activeNodes, chunks;                       ///< uint32_t
-    qcArray uploads;                                   ///< of qcLayersUpload
-    uint32_t changedNodes;
-} qcLayersBodies;
+    bool imageOnly;                       ///< the device makes the image alone; set before the first step
+    qcArray bodies;                       ///< of qcBodyResidency, by slot
+    size_t capacity[qc_layersInputCount]; ///< elements of the device's buffers
+    size_t used[qc_layersInputCount];     ///< elements assigned to bodies, removed ones included
+    uint32_t freedNodes;                  ///< leaf nodes of these that removed bodies had
+    qcArray nodeSlot;                     ///< uint32_t: slot of the body of a leaf node
+    qcArray corners;                      ///< of qcCorners, by triangle slot; with imageOnly
+    uint32_t changedNodes;                ///< leaf nodes of changed bodies: the first of activeNodes
+    //  Data of the step's uploads, valid until the step has run.
+    qcArray vertices, locals, triangles, nodes, links;
+    qcArray table, uploadedTable; ///< of qcLayersBody, by slot: of this step, and on the device
+    qcArray activeNodes, chunks;  ///< uint32_t
+    qcArray uploads;              ///< of qcLayersUpload
+} qcGpuResidency;
 
-/// Plans the uploads of a step for the bodies that take part. `takesPart`: a flag a body of the step; `interests`: four
-/// words each, a box of levels outside of which the body meets nothing.
-qcStatus qcLayersBodies_Prepare(qcLayersBodies* bodies, const qcStepTriangles* triangles, const qcLayersFrame* frame,
-                                const uint8_t* takesPart, const uint32_t* interests, const uint8_t* meetsItself,
-                                uint32_t threads);
-
-/// Fills what the step takes from here: capacity, uploads, chunks and nodes.
-void qcLayersBodies_FillStep(const qcLayersBodies* bodies, qcLayersStep* step);
-
-/// The triangle at a place, and its body's slot.
-static inline uint32_t qcLayersBodies_TriangleAt(const qcLayersBodies* bodies, uint32_t place, uint32_t* slot)
+/// The bodies of a step. By body: flags of those that take part and of those with self-collision; four words each, the
+/// box of levels outside of which the body can't overlap a partner (qcLayers_PackBox).
+typedef struct qcResidencyJob
 {
-    uint32_t node = place / qc_nodeSize;
-    *slot = QC_AT(uint32_t, bodies->nodeSlot, node);
-    const qcLayersPlace* at = &QC_AT(qcLayersPlace, bodies->places, *slot);
-    return QC_AT(uint32_t, at->clusters.triangles, place - at->firstNode * qc_nodeSize);
+    const qcStepTriangles* triangles;
+    const qcGridFrame* frame;
+    const uint8_t *takesPart, *hasSelfPairs;
+    const uint32_t* partnerBoxes;
+    uint32_t threads;
+} qcResidencyJob;
+
+/// Plans the uploads of a step.
+qcStatus qcGpuResidency_Prepare(const qcResidencyJob* job, qcGpuResidency* residency);
+
+/// Fills the device's step with capacity, uploads, chunks and nodes.
+void qcGpuResidency_FillStep(const qcGpuResidency* residency, qcLayersStep* step);
+
+/// The index in its body of the triangle at a slot of the device, and the body's slot.
+static inline uint32_t qcGpuResidency_TriangleAt(const qcGpuResidency* residency, uint32_t triangleSlot, uint32_t* slot)
+{
+    uint32_t node = triangleSlot / qc_nodeSize;
+    *slot = QC_AT(uint32_t, residency->nodeSlot, node);
+    const qcBodyResidency* body = &QC_AT(qcBodyResidency, residency->bodies, *slot);
+    return QC_AT(uint32_t, body->clusters.triangles, triangleSlot - body->firstNode * qc_nodeSize);
 }
 
 /// The clusters of a body that took part in the last step.
-static inline qcClusters* qcLayersBodies_Clusters(const qcLayersBodies* bodies, uint32_t slot)
+static inline qcClusters* qcGpuResidency_Clusters(const qcGpuResidency* residency, uint32_t slot)
 {
-    return &QC_AT(qcLayersPlace, bodies->places, slot).clusters;
+    return &QC_AT(qcBodyResidency, residency->bodies, slot).clusters;
 }
 
-/// After a failure: places are given out and everything is uploaded again in the next step.
-void qcLayersBodies_Forget(qcLayersBodies* bodies);
-void qcLayersBodies_Free(qcLayersBodies* bodies);
+/// After a failure: the next step assigns ranges and uploads everything again.
+void qcGpuResidency_Forget(qcGpuResidency* residency);
+void qcGpuResidency_Free(qcGpuResidency* residency);
 
 #endif

@@ -1,13 +1,13 @@
-// The image of `layers`: how fine its pixels are, and into how many slices of depth their lists are cut.
+// The grid resolution of `layers`: columns and rows of the image, and slices of depth.
 #ifndef QC_CULL_LAYERS_GRID_RESOLUTION_H
 #define QC_CULL_LAYERS_GRID_RESOLUTION_H
 
 #include "cull/layers/gpu_residency.h"
 
-/// Logarithms (to base 2) of the numbers of columns, rows and slices for the nodes that take part in the step: cells of
-/// about two nodes' size, as a few of the nodes show it. `columns`: 0, or how many columns and rows there are to be,
-/// rounded down to a power of two. `numberOf`: by slot, the body of the step.
-void qcLayersImage_Choose(const qcLayersBodies* bodies, const qcStepTriangles* triangles, const qcLayersFrame* frame,
-                          const uint32_t* numberOf, uint32_t columns, uint32_t cellsLog2[3]);
+/// Chooses the logarithms (to base 2) of the numbers of columns, rows and slices, for the active leaf nodes of the
+/// step: cells of about two nodes' size, by a sample of the nodes. `columns`: the number of columns and rows, rounded
+/// down to a power of two; 0: chosen. `bodyOf`: by slot, the body of the step. O(1).
+void qcGridResolution_Choose(const qcGpuResidency* residency, const qcStepTriangles* triangles,
+                             const qcGridFrame* frame, const uint32_t* bodyOf, uint32_t columns, uint32_t cellsLog2[3]);
 
 #endif

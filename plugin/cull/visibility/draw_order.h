@@ -8,22 +8,22 @@
 typedef struct qcCullPrimitive
 {
     uint32_t firstTriangle, triangleCount; ///< nine floats a triangle
-    /// Primitives of one group don't hide each other: the triangles of one body, seen by other bodies. Groups are
-    /// numbered from 0 and lie together.
+    /// Primitives of one group don't hide each other: triangles of one body, culled against other bodies. Groups are
+    /// numbered from 0 and contiguous.
     uint32_t group;
 } qcCullPrimitive;
 
-/// Memory that ordering keeps between steps.
+/// The order, and memory retained between steps.
 typedef struct qcCullOrder
 {
     qcArray primitives; ///< uint32_t: the order, the primitives of a group together
     qcArray groups, scratch;
 } qcCullOrder;
 
-/// The order of their numbers.
+/// By index.
 qcStatus qcCullOrder_ByNumber(qcCullOrder* order, uint32_t primitiveCount);
 
-/// Farthest first along an axis (0, 1, 2), each group where the mean of its corners is. O(triangles).
+/// Farthest first along an axis (0, 1, 2); a group's depth is the mean depth of its corners. O(triangles).
 qcStatus qcCullOrder_BackToFront(qcCullOrder* order, const qcCullPrimitive* primitives, uint32_t primitiveCount,
                                  const float* corners, int axis);
 void qcCullOrder_Free(qcCullOrder* order);

@@ -1,32 +1,30 @@
-// Puts bodies and triangles into image space, and the sets that come back into the PCS.
+// Maps bodies and triangles to image space, and the sets found there to the PCS.
 // Quick-CULLIDE, VR 2005, sections 3.2 and 4.2.
 #include "cull/visibility/image_cull.h"
 
 #include "base/status.h"
 
-#include <string.h>
+/// Which triangles of a body a level draws, by their packed sets in the PCS.
+typedef bool IsDrawn(uint8_t sets);
 
-/// Which triangles of a body a level draws: all, or those whose set in the PCS is not BFV.
-typedef bool IsDrawn(uint8_t pcs);
-
-static bool DrawAll(uint8_t pcs)
+static bool DrawAll(uint8_t sets)
 {
-    (void)pcs;
+    (void)sets;
     return true;
 }
 
-static bool DrawInter(uint8_t pcs)
+static bool DrawInter(uint8_t sets)
 {
-    return qcStepTriangles_InterSet(pcs) != qc_setBfv;
+    return qcPcs_InterSet(sets) != qc_setBfv;
 }
 
-static bool DrawSelf(uint8_t pcs)
+static bool DrawSelf(uint8_t sets)
 {
-    return qcStepTriangles_SelfSet(pcs) != qc_setBfv;
+    return qcPcs_SelfSet(sets) != qc_setBfv;
 }
 
-// Far below it doubles are denormal, and halves of them are rounded.
-static const double s_leastExtent = 0x1p-960;
+// Far below it doubles are subnormal, and half of one is rounded.
+static const double s_minExtent = 0x1p-960;
 
 /// From world to image space: the box around the bodies of the level becomes [-1, 1] in each axis.
 typedef struct Frame
@@ -34,22 +32,22 @@ typedef struct Frame
     double lower[3], upper[3];
 } Frame;
 
-/// Half the size of the box in an axis; 0 where it is too small to tell places apart: then all are at the same one.
+/// Half the size of the box in an axis; 0 where it is too small to tell positions apart: then all coincide.
 static double HalfExtent(const Frame* frame, int axis)
 {
     // Halves, so that the extent of a scene as large as double allows is still finite.
     double half = 0.5 * frame->upper[axis] - 0.5 * frame->lower[axis];
-    return half > s_leastExtent ? half : 0.0;
+    return half > s_minExtent ? half : 0.0;
 }
 
 static float ToImage(const Frame* frame, int axis, double x)
 {
     double half = HalfExtent(frame, axis);
-    double place = half > 0.0 ? (0.5 * x - 0.5 * frame->lower[axis]) / half * 2.0 - 1.0 : 0.0;
-    return (float)(place < -1.0 ? -1.0 : place > 1.0 ? 1.0 : place);
+    double inImage = half > 0.0 ? (0.5 * x - 0.5 * frame->lower[axis]) / half * 2.0 - 1.0 : 0.0;
+    return (float)(inImage < -1.0 ? -1.0 : inImage > 1.0 ? 1.0 : inImage);
 }
 
-static qcStatus AddCorners(qcCull* cull, const Frame* frame, const qcBody* body, uint32_t triangle)
+static qcStatus AddCorners(qcImageCull* cull, const Frame* frame, const qcBody* body, uint32_t triangle)
 {
     size_t at = cull->corners.count;
     QC_TRY(qcArray_Reserve(&cull->corners, at + 9, sizeof(float), "image-space triangles"));
@@ -61,7 +59,7 @@ static qcStatus AddCorners(qcCull* cull, const Frame* frame, const qcBody* body,
     return qc_statusOk;
 }
 
-static qcStatus AddPrimitive(qcCull* cull, uint32_t firstTriangle, uint32_t triangleCount, uint32_t group)
+static qcStatus AddPrimitive(qcImageCull* cull, uint32_t firstTriangle, uint32_t triangleCount, uint32_t group)
 {
     size_t at = cull->primitives.count;
     QC_TRY(qcArray_Reserve(&cull->primitives, at + 1, sizeof(qcCullPrimitive), "image-space primitives"));
@@ -73,7 +71,7 @@ static qcStatus AddPrimitive(qcCull* cull, uint32_t firstTriangle, uint32_t tria
 }
 
 /// The box around the level's bodies.
-static Frame FindFrame(const qcCull* cull, const qcStepTriangles* triangles)
+static Frame FindFrame(const qcImageCull* cull, const qcStepTriangles* triangles)
 {
     Frame frame = {{0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}};
     for (size_t i = 0; i < cull->bodies.count; i++)
@@ -89,8 +87,8 @@ static Frame FindFrame(const qcCull* cull, const qcStepTriangles* triangles)
 }
 
 /// Fills corners and primitives with the triangles of the level's bodies.
-static qcStatus Gather(qcCull* cull, const qcStepTriangles* triangles, const Frame* frame, qcCullLevel level,
-                       IsDrawn* isDrawn)
+static qcStatus Gather(const qcStepTriangles* triangles, const qcPcs* pcs, const Frame* frame, qcCullLevel level,
+                       IsDrawn* isDrawn, qcImageCull* cull)
 {
     cull->corners.count = cull->primitives.count = cull->sets.count = 0;
     for (size_t i = 0; i < cull->bodies.count; i++)
@@ -100,12 +98,12 @@ static qcStatus Gather(qcCull* cull, const qcStepTriangles* triangles, const Fra
         uint32_t begin = (uint32_t)(cull->corners.count / 9);
         for (uint32_t t = 0; t < body->triangleCount; t++)
         {
-            if (!isDrawn(QC_AT(uint8_t, triangles->pcs, first + t)))
+            if (!isDrawn(QC_AT(uint8_t, pcs->triangleSets, first + t)))
                 continue;
-            uint32_t place = (uint32_t)(cull->corners.count / 9);
+            uint32_t drawn = (uint32_t)(cull->corners.count / 9);
             QC_TRY(AddCorners(cull, frame, body, t));
             if (level != qc_levelObjects)
-                QC_TRY(AddPrimitive(cull, place, 1, level == qc_levelSelf ? place : (uint32_t)i));
+                QC_TRY(AddPrimitive(cull, drawn, 1, level == qc_levelSelf ? drawn : (uint32_t)i));
         }
         if (level == qc_levelObjects)
             QC_TRY(AddPrimitive(cull, begin, (uint32_t)(cull->corners.count / 9) - begin, (uint32_t)i));
@@ -113,119 +111,116 @@ static qcStatus Gather(qcCull* cull, const qcStepTriangles* triangles, const Fra
     return qc_statusOk;
 }
 
-/// Half the margin in image space, a little more than less.
+/// Half the margin in image space, rounded up a little.
 static double FindGrowth(const Frame* frame, int axis, double margin)
 {
     double half = HalfExtent(frame, axis);
     return half > 0.0 ? 0.5 * margin / half * (1.0 + 0x1p-40) : 0.0;
 }
 
-static qcStatus RunLevel(qcCull* cull, const qcStepTriangles* triangles, qcCullLevel level, IsDrawn* isDrawn,
-                         uint32_t slot, qcDevice* device, const qcPlan* plan, const qcDetectDef* def)
+/// Fills cull->sets, one for each primitive. `slot` names the records of qc_levelSelf.
+static qcStatus RunLevel(const qcImageCullJob* job, const qcStepTriangles* triangles, const qcPcs* pcs,
+                         qcCullLevel level, IsDrawn* isDrawn, uint32_t slot, qcImageCull* cull)
 {
+    const qcDetectDef* def = job->def;
     Frame frame = FindFrame(cull, triangles);
-    QC_TRY(Gather(cull, triangles, &frame, level, isDrawn));
+    QC_TRY(Gather(triangles, pcs, &frame, level, isDrawn, cull));
     if (cull->primitives.count < 2)
-        return qc_statusOk; // nothing to collide with; the caller leaves it in NFV
-    qcCullJob job = {.device = device,
-                     .quick = plan->method == qc_methodQuick,
-                     .level = level,
-                     .body = slot,
-                     .views = def->views,
-                     .resolution = plan->resolution,
-                     .iterations = def->iterations,
-                     .backToFront = def->backToFront,
-                     .secondPassFromBack = def->secondPassFromBack,
-                     .reliable = def->reliable,
-                     .corners = cull->corners.data,
-                     .triangleCount = (uint32_t)(cull->corners.count / 9),
-                     .primitives = cull->primitives.data,
-                     .primitiveCount = (uint32_t)cull->primitives.count};
+        return qc_statusOk; // a single primitive stays in NFV: there is nothing to hide it
+    qcCullJob twoPass = {.device = job->device,
+                         .quick = job->plan->method == qc_methodQuick,
+                         .level = level,
+                         .body = slot,
+                         .views = def->views,
+                         .resolution = job->plan->resolution,
+                         .iterations = def->iterations,
+                         .backToFront = def->backToFront,
+                         .secondPassFromBack = def->secondPassFromBack,
+                         .reliable = def->reliable,
+                         .corners = cull->corners.data,
+                         .triangleCount = (uint32_t)(cull->corners.count / 9),
+                         .primitives = cull->primitives.data,
+                         .primitiveCount = (uint32_t)cull->primitives.count};
     for (int axis = 0; axis < 3; axis++)
-        job.growth[axis] = FindGrowth(&frame, axis, def->margin);
-    return qcCullVisibility_Run(&job, &cull->scratch, cull->sets.data, &cull->records);
+        twoPass.growth[axis] = FindGrowth(&frame, axis, def->margin);
+    return qcCullVisibility_Run(&twoPass, &cull->scratch, cull->sets.data, &cull->records);
 }
 
-static qcStatus TakeBody(qcCull* cull, uint32_t body)
+static qcStatus AddBody(qcImageCull* cull, uint32_t body)
 {
     QC_TRY(qcArray_Reserve(&cull->bodies, cull->bodies.count + 1, sizeof(uint32_t), "bodies in the image"));
     QC_AT(uint32_t, cull->bodies, cull->bodies.count++) = body;
     return qc_statusOk;
 }
 
-qcStatus qcCull_Objects(qcCull* cull, qcStepTriangles* triangles, qcDevice* device, const qcPlan* plan,
-                        const qcDetectDef* def)
+qcStatus qcImageCull_Bodies(const qcImageCullJob* job, const qcStepTriangles* triangles, qcImageCull* cull, qcPcs* pcs)
 {
     cull->records.count = cull->bodies.count = 0;
     for (uint32_t body = 0; body < triangles->bodyCount; body++)
         if (qcStepTriangles_Body(triangles, body)->triangleCount != 0)
-            QC_TRY(TakeBody(cull, body));
-    QC_TRY(RunLevel(cull, triangles, qc_levelObjects, DrawAll, 0, device, plan, def));
+            QC_TRY(AddBody(cull, body));
+    QC_TRY(RunLevel(job, triangles, pcs, qc_levelObjects, DrawAll, 0, cull));
     for (size_t i = 0; i < cull->bodies.count; i++)
-        QC_AT(uint8_t, triangles->bodySet, QC_AT(uint32_t, cull->bodies, i)) =
+        QC_AT(uint8_t, pcs->bodySets, QC_AT(uint32_t, cull->bodies, i)) =
             (uint8_t)QC_AT(qcVisibilitySet, cull->sets, i);
     return qc_statusOk;
 }
 
-/// Writes the sets of the level's primitives, triangle by triangle, where they came from.
-static void KeepSets(qcCull* cull, qcStepTriangles* triangles, bool self)
+/// Writes the sets of the level's primitives, one a triangle, to the PCS.
+static void StoreSets(const qcImageCull* cull, const qcStepTriangles* triangles, bool self, qcPcs* pcs)
 {
     size_t at = 0;
     for (size_t i = 0; i < cull->bodies.count; i++)
     {
         uint32_t body = QC_AT(uint32_t, cull->bodies, i);
-        for (uint32_t r = qcStepTriangles_First(triangles, body); r < qcStepTriangles_First(triangles, body + 1); r++)
+        for (uint32_t t = qcStepTriangles_First(triangles, body); t < qcStepTriangles_First(triangles, body + 1); t++)
         {
-            uint8_t* pcs = &QC_AT(uint8_t, triangles->pcs, r);
-            unsigned inter = qcStepTriangles_InterSet(*pcs), own = qcStepTriangles_SelfSet(*pcs);
+            uint8_t* sets = &QC_AT(uint8_t, pcs->triangleSets, t);
+            unsigned inter = qcPcs_InterSet(*sets), own = qcPcs_SelfSet(*sets);
             if ((self ? own : inter) == qc_setBfv)
                 continue;
             unsigned set = QC_AT(qcVisibilitySet, cull->sets, at++);
-            *pcs = self ? qcStepTriangles_Pcs(inter, set) : qcStepTriangles_Pcs(set, own);
+            *sets = self ? qcPcs_Pack(inter, set) : qcPcs_Pack(set, own);
         }
     }
 }
 
-static bool TakesPart(const qcStepTriangles* triangles, uint32_t body, bool self)
+static bool TakesPart(const qcStepTriangles* triangles, const qcPcs* pcs, uint32_t body, IsDrawn* isDrawn)
 {
-    for (uint32_t r = qcStepTriangles_First(triangles, body); r < qcStepTriangles_First(triangles, body + 1); r++)
-    {
-        uint8_t pcs = QC_AT(uint8_t, triangles->pcs, r);
-        if ((self ? qcStepTriangles_SelfSet(pcs) : qcStepTriangles_InterSet(pcs)) != qc_setBfv)
+    for (uint32_t t = qcStepTriangles_First(triangles, body); t < qcStepTriangles_First(triangles, body + 1); t++)
+        if (isDrawn(QC_AT(uint8_t, pcs->triangleSets, t)))
             return true;
-    }
     return false;
 }
 
-qcStatus qcCull_Triangles(qcCull* cull, qcStepTriangles* triangles, qcDevice* device, const qcPlan* plan,
-                          const qcDetectDef* def)
+qcStatus qcImageCull_Triangles(const qcImageCullJob* job, const qcStepTriangles* triangles, qcImageCull* cull,
+                               qcPcs* pcs)
 {
     cull->bodies.count = 0;
     for (uint32_t body = 0; body < triangles->bodyCount; body++)
-        if (TakesPart(triangles, body, false))
-            QC_TRY(TakeBody(cull, body));
+        if (TakesPart(triangles, pcs, body, DrawInter))
+            QC_TRY(AddBody(cull, body));
     if (cull->bodies.count != 0)
     {
-        QC_TRY(RunLevel(cull, triangles, qc_levelTriangles, DrawInter, 0, device, plan, def));
-        KeepSets(cull, triangles, false);
+        QC_TRY(RunLevel(job, triangles, pcs, qc_levelTriangles, DrawInter, 0, cull));
+        StoreSets(cull, triangles, false, pcs);
     }
-    // Grown, neighbours meet in every view, and nothing of a mesh would be fully visible.
-    if (def->reliable)
+    // Dilated neighbours overlap in every view: no triangle of a mesh would be fully visible.
+    if (job->def->reliable)
         return qc_statusOk;
     for (uint32_t body = 0; body < triangles->bodyCount; body++)
     {
-        if (!TakesPart(triangles, body, true))
+        if (!TakesPart(triangles, pcs, body, DrawSelf))
             continue;
         cull->bodies.count = 0;
-        QC_TRY(TakeBody(cull, body));
-        QC_TRY(RunLevel(cull, triangles, qc_levelSelf, DrawSelf, qcStepTriangles_Slot(triangles, body), device, plan,
-                        def));
-        KeepSets(cull, triangles, true);
+        QC_TRY(AddBody(cull, body));
+        QC_TRY(RunLevel(job, triangles, pcs, qc_levelSelf, DrawSelf, qcStepTriangles_Slot(triangles, body), cull));
+        StoreSets(cull, triangles, true, pcs);
     }
     return qc_statusOk;
 }
 
-void qcCull_Free(qcCull* cull)
+void qcImageCull_Free(qcImageCull* cull)
 {
     qcArray_Free(&cull->corners);
     qcArray_Free(&cull->primitives);

@@ -1,19 +1,7 @@
-// Two-pass visibility culling. CULLIDE (Govindaraju, Redon, Lin, Manocha, 2003) as told in section 3.1 of Quick-CULLIDE
+// Two-pass visibility culling. CULLIDE (Govindaraju, Redon, Lin, Manocha, 2003) as in section 3.1 of Quick-CULLIDE
 // (VR 2005), self-collision of its section 3.2, sets and lemmas of its section 4.1.
-//
-// What a pass shows: a primitive that is fully visible does not collide with what was rendered before it in the pass.
-// The paper's lemmas use no more than that, and hold for any order of the primitives, as long as it is one order: FFV
-// holds those that collide with none before them, SFV those that collide with none after them, and of two in one set
-// one comes before the other. Back to front, each view has an order of its own, and with it its own FFV and SFV; only
-// BFV, which speaks of no order, goes from view to view. CULLIDE begins each view afresh anyway.
-//
-// Which side a pass looks from makes no difference to that: a surface of unit depth complexity parts a primitive from
-// what it is fully in front of, and from what it is fully behind.
-//
-// At samples this has image precision: what falls between them is lost, as in the paper. Dilated primitives
-// (gl/visibility/conservative_dilation.c)
-// lose nothing: two that come within the margin somewhere have a pixel in common in which the depths that each may have
-// overlap, and there neither is in front of the other or behind it, by the comparison between objects.
+// Proof for any draw order, for a second pass from the back, and for `reliable`:
+// plugin/docs/proofs/two_pass_culling.md.
 #include "cull/visibility/two_pass.h"
 
 #include "gl/visibility/occlusion_queries.h"
@@ -41,14 +29,14 @@ static qcStatus AddStep(qcCullScratch* scratch, const qcCullPrimitive* primitive
     return qc_statusOk;
 }
 
-/// The steps of one group: all its tests come before its renders, so that it does not hide itself.
+/// The steps of one group: tests precede renders, so that it does not hide itself.
 static qcStatus AddGroup(const Pass* p, int pass, uint32_t first, uint32_t end)
 {
     const qcCullJob* job = p->job;
     for (int round = 0; round < 2; round++)
-        for (uint32_t place = first; place < end; place++)
+        for (uint32_t at = first; at < end; at++)
         {
-            uint32_t i = QC_AT(uint32_t, p->scratch->order.primitives, place);
+            uint32_t i = QC_AT(uint32_t, p->scratch->order.primitives, at);
             bool test = qcVisibilitySet_IsTested(p->sets[i], pass, job->quick);
             bool render = qcVisibilitySet_IsRendered(p->sets[i], pass, job->quick);
             bool alone = end == first + 1;
@@ -63,9 +51,9 @@ static qcStatus AddGroup(const Pass* p, int pass, uint32_t first, uint32_t end)
     return qc_statusOk;
 }
 
-static uint32_t GroupAt(const Pass* p, uint32_t place)
+static uint32_t GroupAt(const Pass* p, uint32_t at)
 {
-    return p->job->primitives[QC_AT(uint32_t, p->scratch->order.primitives, place)].group;
+    return p->job->primitives[QC_AT(uint32_t, p->scratch->order.primitives, at)].group;
 }
 
 /// First pass: in order; second pass: groups in reverse order.
@@ -132,32 +120,32 @@ static qcStatus RunPass(const Pass* p, char axis, uint32_t iteration, int pass, 
     for (uint32_t i = 0; i < stepCount && !anyTest; i++)
         anyTest = QC_AT(qcVisibilityStep, scratch->steps, i).test;
     if (!anyTest)
-        return qc_statusOk; // nobody asks, so nothing needs to be drawn
+        return qc_statusOk; // without a test there is nothing to draw for
     QC_TRY(qcArray_Resize(&scratch->visible, stepCount, 1, "visibility results"));
-    qcVisibilityPass look = {.axis = axis - 'x',
-                             .compare = job->level == qc_levelSelf ? qc_compareGreater : qc_compareGreaterEqual,
-                             .fromBack = job->secondPassFromBack && pass == 2};
-    QC_TRY(qcVisibility_RunPass(p->visibility, &look, scratch->steps.data, stepCount, scratch->visible.data));
+    qcVisibilityPass setup = {.axis = axis - 'x',
+                              .compare = job->level == qc_levelSelf ? qc_compareGreater : qc_compareGreaterEqual,
+                              .fromBack = job->secondPassFromBack && pass == 2};
+    QC_TRY(qcVisibility_RunPass(p->visibility, &setup, scratch->steps.data, stepCount, scratch->visible.data));
     for (uint32_t i = 0; i < stepCount; i++)
     {
         if (!QC_AT(qcVisibilityStep, scratch->steps, i).test)
             continue;
         qcVisibilitySet* set = &p->sets[QC_AT(uint32_t, scratch->stepOf, i)];
         qcVisibilitySet after = qcVisibilitySet_After(*set, pass, QC_AT(uint8_t, scratch->visible, i) != 0);
-        // CULLIDE starts each view afresh, so only a pruned primitive is progress there.
+        // CULLIDE resets the sets for each view: only a pruned primitive is progress there.
         *changed = *changed || (after != *set && (job->quick || after == qc_setBfv));
         *set = after;
     }
     return AddRecord(p, axis, iteration, pass);
 }
 
-/// Whether FFV and SFV are kept for each view, and not handed from view to view.
+/// Whether each view has its own FFV and SFV, which are not passed from view to view.
 static bool HasSetsOfViews(const qcCullJob* job)
 {
     return job->quick && job->backToFront;
 }
 
-/// The sets with which a view's next round begins, all views' one after another.
+/// Resets the sets with which each view's next round begins: view after view.
 static qcStatus ResetViews(const Pass* p)
 {
     size_t count = HasSetsOfViews(p->job) ? strlen(p->job->views) * p->job->primitiveCount : 0;
@@ -207,7 +195,7 @@ static qcStatus RunViews(const Pass* p)
                 QC_TRY(RunPass(p, *axis, iteration, pass, &changed));
             EndView(p, axis);
         }
-        // A round that changes nothing is the last that could: the next would see the same.
+        // After a round without a change the next one would repeat it.
         if (!changed)
             break;
     }

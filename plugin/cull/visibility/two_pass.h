@@ -10,9 +10,9 @@ typedef struct qcCullJob
 {
     qcDevice* device;
     bool quick;                                     ///< quick or cullide
-    qcCullLevel level;                              ///< decides the depth comparison, and names the records
-    uint32_t body;                                  ///< names the records of qc_levelSelf
-    const char* views;                              ///< letters, ended by a zero
+    qcCullLevel level;                              ///< of the records; decides the depth comparison
+    uint32_t body;                                  ///< of the records of qc_levelSelf: slot
+    const char* views;                              ///< axes as letters, zero-terminated
     uint32_t resolution, iterations;                ///< 0 iterations: until nothing changes
     bool backToFront, secondPassFromBack, reliable; ///< as in qcDetectDef
     double growth[3];                               ///< reliable: half the margin in each axis of the image
@@ -22,7 +22,7 @@ typedef struct qcCullJob
     uint32_t primitiveCount;
 } qcCullJob;
 
-/// Memory that culling keeps between steps.
+/// Memory, retained between steps.
 typedef struct qcCullScratch
 {
     qcArray steps, visible, stepOf, setsOfViews;

@@ -65,11 +65,12 @@ void qcLayersBuffers_Delete(const struct qcGlFunctions* gl, const qcLayersBuffer
     gl->DeleteBuffers(qc_layersBufferCount, b->buffers);
 }
 
-static qcStatus CheckError(const struct qcGlFunctions* gl, const char* place)
+static qcStatus CheckError(const struct qcGlFunctions* gl, const char* moment)
 {
     GLenum error = gl->GetError();
-    return error == GL_NO_ERROR ? qc_statusOk
-                                : qcFail(qc_statusDevice, "layers: %s: %s (0x%x)", place, qcGl_ErrorName(error), error);
+    return error == GL_NO_ERROR
+               ? qc_statusOk
+               : qcFail(qc_statusDevice, "layers: %s: %s (0x%x)", moment, qcGl_ErrorName(error), error);
 }
 
 static void BindTexture(const struct qcGlFunctions* gl, const qcLayersBuffers* b, int buffer)

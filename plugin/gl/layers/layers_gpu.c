@@ -124,7 +124,7 @@ static qcLayersUniforms MakeUniforms(const qcLayers* layers, uint32_t nodeCount)
         .testNeighbours = step->testNeighbours,
         .runNumber = layers->runNumber,
         .pointError = step->pointError,
-        .reach = step->reach,
+        .queryDistance = step->queryDistance,
     };
     for (int axis = 0; axis < 3; axis++)
         values.cellShift[axis] = 15 - step->cellsLog2[axis];

@@ -89,7 +89,7 @@ typedef struct qcLayersStep
     float scale[3];                     ///< levels = coordinate * scale
     float slack[4];                     ///< levels by which boxes are enlarged; the fourth: along the diagonal
     uint32_t cellsLog2[3];              ///< columns, rows and slices of the image: 0..12 each, 0..24 in all
-    float pointError, reach;            ///< in the frame; reach: the query distance
+    float pointError, queryDistance;    ///< in the frame
     bool testNeighbours;
     bool timed;
 } qcLayersStep;

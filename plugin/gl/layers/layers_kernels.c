@@ -74,7 +74,7 @@ static const struct
     {"scale", type_vec3, offsetof(qcLayersUniforms, scale)},
     {"slack", type_vec4, offsetof(qcLayersUniforms, slack)},
     {"pointError", type_float, offsetof(qcLayersUniforms, pointError)},
-    {"reach", type_float, offsetof(qcLayersUniforms, reach)},
+    {"queryDistance", type_float, offsetof(qcLayersUniforms, queryDistance)},
 };
 _Static_assert(sizeof s_uniforms / sizeof s_uniforms[0] == qc_uniformCount, "a location for each uniform");
 

@@ -30,7 +30,7 @@ typedef struct qcLayersUniforms
     uint32_t testNeighbours, runNumber;
     uint32_t cellShift[3];
     float scale[3], slack[4];
-    float pointError, reach;
+    float pointError, queryDistance;
 } qcLayersUniforms;
 
 enum

@@ -10,7 +10,7 @@
 // Points of the image are at most this far apart on an axis.
 static const double s_maxSize = 2.0;
 
-double qcDilation_GetReach(const qcDilation* dilation, int axis)
+double qcDilation_InPixels(const qcDilation* dilation, int axis)
 {
     return 0.5 * dilation->size[axis] * dilation->resolution + 0.625;
 }

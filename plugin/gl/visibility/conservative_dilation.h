@@ -26,7 +26,7 @@ typedef struct qcDilation
 } qcDilation;
 
 /// Distance, in pixels along an axis of the image, by which a dilated triangle's pixels may lie beyond it.
-double qcDilation_GetReach(const qcDilation* dilation, int axis);
+double qcDilation_InPixels(const qcDilation* dilation, int axis);
 
 /// Dilates triangles. `corners`: nine floats a triangle, within [-1, 1]. Fills qc_dilatedCorners corners a triangle, to
 /// be drawn as a fan. O(triangleCount).

@@ -349,13 +349,13 @@ void qcVisibility_Destroy(qcVisibility* v)
     qcFree(v, sizeof *v);
 }
 
-/// Dilates the triangles for an axis, unless those on the device are. `reach`: pixels that they extend beyond.
-static qcStatus Dilate(qcVisibility* v, int axis, float reach[2])
+/// Dilates the triangles for an axis, unless those on the device are. `pixels`: by which they extend.
+static qcStatus Dilate(qcVisibility* v, int axis, float pixels[2])
 {
     qcDilation dilation = {.axis = axis, .resolution = v->resolution};
     memcpy(dilation.size, v->dilation, sizeof dilation.size);
     for (int i = 0; i < 2; ++i)
-        reach[i] = (float)qcDilation_GetReach(&dilation, (axis + 1 + i) % 3);
+        pixels[i] = (float)qcDilation_InPixels(&dilation, (axis + 1 + i) % 3);
     if (v->dilatedAxis == axis)
         return qc_statusOk;
     size_t count = (size_t)v->triangleCount * qc_dilatedCorners;
@@ -380,7 +380,7 @@ qcStatus qcVisibility_RunPass(qcVisibility* v, const qcVisibilityPass* pass, con
                            .axis = pass->axis,
                            .polygonCorners = GetPolygonCorners(v)};
     if (v->isDilated)
-        QC_TRY(Dilate(v, pass->axis, view.reach));
+        QC_TRY(Dilate(v, pass->axis, view.dilation));
     QC_TRY(qcTileSchedule_Build(&v->schedule, &view, steps, stepCount));
     PassJob job = {.visibility = v, .pass = pass, .visible = visible};
     return qcDevice_Run(v->device, DrawPass, &job, "visibility queries, pass");

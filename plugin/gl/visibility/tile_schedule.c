@@ -79,11 +79,12 @@ static PixelBox FindBox(const qcScheduleView* view, uint32_t triangle)
         }
     }
     // One pixel wider: rasterisers round corners to a grid of about 1/256 pixel.
-    float half = 0.5f * (float)view->resolution, reachX = view->reach[0] + 1.0f, reachY = view->reach[1] + 1.0f;
-    return (PixelBox){ClampPixel((lower[0] + 1.0f) * half - reachX, view->resolution),
-                      ClampPixel((lower[1] + 1.0f) * half - reachY, view->resolution),
-                      ClampPixel((upper[0] + 1.0f) * half + reachX, view->resolution),
-                      ClampPixel((upper[1] + 1.0f) * half + reachY, view->resolution)};
+    float half = 0.5f * (float)view->resolution, dilationX = view->dilation[0] + 1.0f,
+          dilationY = view->dilation[1] + 1.0f;
+    return (PixelBox){ClampPixel((lower[0] + 1.0f) * half - dilationX, view->resolution),
+                      ClampPixel((lower[1] + 1.0f) * half - dilationY, view->resolution),
+                      ClampPixel((upper[0] + 1.0f) * half + dilationX, view->resolution),
+                      ClampPixel((upper[1] + 1.0f) * half + dilationY, view->resolution)};
 }
 
 /// Counts the triangle in each tile that its box touches, or, if `entries` isn't null, adds it to each. `tileFirst` is

@@ -43,7 +43,7 @@ typedef struct qcScheduleView
     uint32_t resolution;     ///< pixels on a side of the image
     uint32_t tileSize;       ///< pixels on a side of a tile
     int axis;                ///< of view; the image's x is the next axis in cyclic order
-    float reach[2];          ///< pixels by which a triangle's fragments may lie beyond it, in the image's x and y
+    float dilation[2];       ///< pixels by which a triangle's fragments may lie beyond it, in the image's x and y
     uint32_t polygonCorners; ///< of the polygon drawn for a triangle, consecutive in memory: 3 or more
 } qcScheduleView;
 

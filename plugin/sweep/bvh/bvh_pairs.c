@@ -1,10 +1,6 @@
-// From the tops of two surfaces downwards: eight boxes against eight at a time, on all levels alike, down to triangles.
-// (Two trees at once: Brinkhoff, Kriegel, Seeger: Efficient Processing of Spatial Joins Using R-Trees, 1993.)
-//
-// Why no pair is lost. Boxes within the margin of each other overlap in the lattice (sweep/bvh/triangle_bvh.c), and
-// then so do the boxes around them on every level. Boxes of another surface come from its own lattice: see qcGroupMap.
-// The tables leave out neighbours and nothing else, and the filter what is surely apart
-// (kernels/separating_axis.inl.h).
+// From the roots of two BVHs downwards: eight boxes against eight at a time, both BVHs at the same level, down to
+// triangles. (Simultaneous traversal: Brinkhoff, Kriegel, Seeger: Efficient Processing of Spatial Joins Using R-Trees,
+// 1993.) Proof that no pair is lost: plugin/docs/proofs/bvh_pairs.md.
 #include "sweep/bvh/bvh_pairs.h"
 
 #include "base/parallel_for.h"
@@ -17,38 +13,41 @@
 
 enum
 {
-    // Pairs of groups that are given to threads: enough that no thread waits long for the last.
-    qc_itemsPerThread = 64,
+    // Pairs of nodes that are dealt to threads: enough that no thread waits long for the last.
+    qc_nodePairsPerThread = 64,
     qc_tasksPerThread = 16,
-    // Searches that are prepared together, in about ten microseconds, and as many times as waking a thread is worth.
+    // Searches that are prepared together, in about ten microseconds, and the least number of blocks that is worth
+    // waking a thread for.
     qc_searchBlock = 16,
-    qc_leastSearchBlocks = 8,
+    qc_minSearchBlocks = 8,
     qc_queueRoom = qc_queueFull + qc_nodeSize * qc_nodeSize
 };
 
-typedef struct Item
+/// Two nodes, of the level that their search is at.
+typedef struct NodePair
 {
     uint32_t search, a, b;
-} Item;
+} NodePair;
 
 typedef struct Search
 {
     const qcBvhPairsJob* job;
-    uint32_t level;         ///< of the items
-    qcMappedSurface mapped; ///< b, as a sees it
-    qcFilterSide sides[2];
-    qcDistanceThresholds bound;
+    const qcTriangleBvh *a, *b;
+    uint32_t level;               ///< of its node pairs
+    qcTransformedBvh transformed; ///< b in the lattice of a
+    qcIndexedTriangles sides[2];
+    qcDistanceThresholds thresholds;
     bool same;
-    bool filters; ///< the bound is of use
+    bool filters; ///< the thresholds are of use
 } Search;
 
-/// What one worker has found and not yet given away.
+/// The pairs that one worker has found and not yet reported.
 typedef struct Queue
 {
     const Search* search;
     qcSlotPair *pairs, *end;
     uint32_t worker;
-    bool wanted;
+    bool isOpen; ///< the job's function takes more
 } Queue;
 
 /// Bits i + 8 j with i <= j.
@@ -59,181 +58,206 @@ static void Flush(Queue* queue)
     const Search* s = queue->search;
     size_t count = (size_t)(queue->end - queue->pairs);
     queue->end = queue->pairs;
-    if (count == 0 || !queue->wanted)
+    if (count == 0 || !queue->isOpen)
         return;
     qcClassifiedPairs found = {.pairs = queue->pairs, .count = count};
     if (s->filters)
-        qcClassifiedPairs_Filter(&found, s->job->kernels, s->sides, &s->bound);
-    queue->wanted = found.count == 0 || s->job->function(s->job->context, &found, queue->worker);
+        qcClassifiedPairs_Filter(&found, s->job->kernels, s->sides, &s->thresholds);
+    queue->isOpen = found.count == 0 || s->job->function(s->job->context, &found, queue->worker);
 }
 
-static qcSurfaceBoxes BoxesOf(const qcTriangleBvh* surface)
+static qcBvhBoxes BoxesOf(const qcTriangleBvh* bvh)
 {
-    const qcBox8* groups = surface->groups.data;
-    return (qcSurfaceBoxes){groups, groups + surface->firstGroup[1]};
+    const qcBox8* boxes = bvh->boxes.data;
+    return (qcBvhBoxes){boxes, boxes + bvh->firstBox8[1]};
 }
 
-static void CompareNodes(Queue* queue, uint32_t a, uint32_t b)
+/// What pairs of two leaf nodes of one body leave out.
+typedef struct Rules
+{
+    const uint64_t* pairMasks; ///< null: nothing
+    qcPairExclusion exclusions[qc_maxExclusions];
+    int exclusionCount;
+} Rules;
+
+/// False: all pairs are left out.
+static bool FindRules(const qcBvhPairsJob* job, uint32_t a, uint32_t b, Rules* rules)
+{
+    rules->pairMasks = NULL;
+    rules->exclusionCount = 0;
+    if (job->includeNeighbours)
+    {
+        rules->pairMasks = a == b ? qcPairMask_OfOneNode() : NULL;
+        return true;
+    }
+    const qcClusters* clusters = &job->a->bvh.clusters;
+    uint32_t link = qcClusters_FindLink(clusters, a, b);
+    if (link == QC_NO_LINK)
+        return true;
+    rules->pairMasks = qcClusters_PairMask(clusters, link);
+    if (job->skipFlatPatches)
+        rules->exclusionCount = qcPatchState_FindExclusions(&job->a->patches, clusters, a, link, rules->exclusions);
+    for (int i = 0; i < rules->exclusionCount; i++)
+        if ((rules->exclusions[i].a & rules->exclusions[i].b) == UINT64_MAX)
+            return false;
+    return true;
+}
+
+static void CompareLeafNodes(Queue* queue, uint32_t a, uint32_t b)
 {
     const Search* s = queue->search;
     const qcBvhPairsJob* job = s->job;
-    if (job->reachedA != NULL)
-        __atomic_store_n(&job->reachedA[a], 1, __ATOMIC_RELAXED);
-    if (job->reachedB != NULL)
-        __atomic_store_n(&job->reachedB[b], 1, __ATOMIC_RELAXED);
+    if (job->visitedA != NULL)
+        __atomic_store_n(&job->visitedA[a], 1, __ATOMIC_RELAXED);
+    if (job->visitedB != NULL)
+        __atomic_store_n(&job->visitedB[b], 1, __ATOMIC_RELAXED);
     if (queue->end - queue->pairs >= qc_queueFull)
         Flush(queue);
-    qcSurfaceBoxes sideA = BoxesOf(job->a);
+    qcBvhBoxes boxesA = BoxesOf(s->a);
     if (!s->same)
     {
-        queue->end = job->kernels->collectMapped(&sideA, a, &s->mapped, b, queue->end);
+        queue->end = job->kernels->collectTransformedPairs(&boxesA, a, &s->transformed, b, queue->end);
         return;
     }
-    qcSurfaceBoxes sideB = BoxesOf(job->b);
-    qcPairExclusion skips[qc_maxExclusions];
-    int skipCount = 0;
-    const uint64_t* table = NULL;
-    if (job->neighbours)
-        table = a == b ? qcPairMask_OfOneNode() : NULL;
-    else
-    {
-        uint32_t link = qcClusters_FindLink(&job->a->clusters, a, b);
-        if (link != QC_NO_LINK)
-            table = qcClusters_PairMask(&job->a->clusters, link);
-        if (link != QC_NO_LINK && job->flatDiscs)
-            skipCount = qcTriangleBvh_FindSkips(job->a, a, link, skips);
-        for (int i = 0; i < skipCount; i++)
-            if ((skips[i].a & skips[i].b) == UINT64_MAX)
-                return;
-    }
-    queue->end = job->kernels->collect(&sideA, a, &sideB, b, table, skips, skipCount, queue->end);
+    Rules rules;
+    if (FindRules(job, a, b, &rules))
+        queue->end = job->kernels->collectPairs(&boxesA, a, &boxesA, b, rules.pairMasks, rules.exclusions,
+                                                rules.exclusionCount, queue->end);
 }
 
-/// The groups of the level below that meet: bit i + 8 j.
-static uint64_t CompareGroups(const Search* s, uint32_t level, Item item)
+/// The overlapping children of two nodes: bit i + 8 j.
+static uint64_t FindOverlaps(const Search* s, uint32_t level, NodePair nodes)
 {
-    const qcBox8* a = qcTriangleBvh_Group(s->job->a, level, item.a);
-    const qcBox8* b = qcTriangleBvh_Group(s->job->b, level, item.b);
+    const qcBox8* a = qcTriangleBvh_Box8At(s->a, level, nodes.a);
+    const qcBox8* b = qcTriangleBvh_Box8At(s->b, level, nodes.b);
     if (!s->same)
     {
-        qcBox8 mapped;
-        s->job->kernels->mapGroup(b, &s->mapped.levels, &mapped);
-        return s->job->kernels->compare(a, &mapped);
+        qcBox8 transformed;
+        s->job->kernels->transformBoxes(b, &s->transformed.levels, &transformed);
+        return s->job->kernels->findOverlaps(a, &transformed);
     }
-    uint64_t meet = s->job->kernels->compare(a, b);
-    return item.a == item.b ? meet & s_inOrder : meet;
+    uint64_t overlaps = s->job->kernels->findOverlaps(a, b);
+    return nodes.a == nodes.b ? overlaps & s_inOrder : overlaps;
 }
 
-static Item Child(Item item, uint32_t bit)
+static NodePair ChildAt(NodePair nodes, uint32_t bit)
 {
-    return (Item){item.search, item.a * qc_groupSize + bit % qc_groupSize, item.b * qc_groupSize + bit / qc_groupSize};
+    return (NodePair){nodes.search, nodes.a * qc_boxLanes + bit % qc_boxLanes,
+                      nodes.b * qc_boxLanes + bit / qc_boxLanes};
 }
 
-static void Descend(Queue* queue, uint32_t level, Item item)
+static void Descend(Queue* queue, uint32_t level, NodePair nodes)
 {
     if (level == 1)
     {
-        CompareNodes(queue, item.a, item.b);
+        CompareLeafNodes(queue, nodes.a, nodes.b);
         return;
     }
-    for (uint64_t meet = CompareGroups(queue->search, level, item); meet != 0; meet &= meet - 1)
-        Descend(queue, level - 1, Child(item, (uint32_t)__builtin_ctzll(meet)));
+    for (uint64_t overlaps = FindOverlaps(queue->search, level, nodes); overlaps != 0; overlaps &= overlaps - 1)
+        Descend(queue, level - 1, ChildAt(nodes, (uint32_t)__builtin_ctzll(overlaps)));
 }
 
-static qcRigidTransform PlacementOf(const qcTriangleBvh* surface, const qcBody* body)
+//  ---- two bodies ------------------------------------------------------------------------------------
+
+static qcRigidTransform TransformOf(const qcTriangleBvh* bvh, const qcBody* body)
 {
-    qcRigidTransform p = {.transform = surface->isLocal ? body->transform : qcIdentityTransform()};
-    memcpy(p.lower, surface->isLocal ? body->localLower : body->lower, sizeof p.lower);
-    memcpy(p.upper, surface->isLocal ? body->localUpper : body->upper, sizeof p.upper);
-    return p;
+    qcRigidTransform t = {.transform = bvh->isLocal ? body->transform : qcIdentityTransform()};
+    memcpy(t.lower, bvh->isLocal ? body->localLower : body->lower, sizeof t.lower);
+    memcpy(t.upper, bvh->isLocal ? body->localUpper : body->upper, sizeof t.upper);
+    return t;
 }
 
-/// What a map's errors come to, in levels: floats round each number and each operation by 2^-24 of what goes in, eight
-/// times at most; 16 times are allowed for, and 2^-4 of a level for levels as the kernels compute them.
+/// The error of a transform in levels. Floats round each number and each operation by 2^-24 of the operands, at most
+/// eight times; this allows 16 times, and 2^-4 of a level for levels as the kernels compute them.
 static float FindGrowth(double sizes, double error)
 {
     double grow = 0x1p-20 * sizes + 0x1p-4 + error;
-    // Numbers too large for floats, and products that may leave their range, make boxes that meet everything.
+    // Numbers that are too large for floats, or whose products may overflow, make boxes that overlap everything.
     return grow < 0x1p80 ? nextafterf((float)grow, INFINITY) : INFINITY;
 }
 
-/// What is no further apart in a's frame is near in the world, where vectors of the frame are at most `growth` times as
-/// long; and what is further is not, as vectors of the world are at most `stretch` times as long in the frame.
-static void SetMargin(qcDistanceThresholds* bound, double margin, double growth, double stretch)
+/// Thresholds of a distance in a's frame. Vectors of the frame are at most `growth` times as long in the world, so
+/// pairs within near / growth are near; vectors of the world are at most `stretch` times as long in the frame, so pairs
+/// farther apart than near * stretch are not.
+static void SetNear(qcDistanceThresholds* thresholds, double near, double growth, double stretch)
 {
-    bound->margin = nextafterf((float)(margin / growth), 0.0f);
-    bound->beyond = nextafterf((float)(margin * stretch), INFINITY);
+    thresholds->near = nextafterf((float)(near / growth), 0.0f);
+    thresholds->far = nextafterf((float)(near * stretch), INFINITY);
 }
 
-qcDistanceThresholds qcTriangleBvh_FindBound(const qcTriangleBvh* surface, double margin, double nearest)
+qcDistanceThresholds qcTriangleBvh_Thresholds(const qcTriangleBvh* bvh, double query, double near)
 {
-    qcDistanceThresholds bound = {.pointError = surface->pointError, .reach = qcTriangleBvh_Reach(surface, margin)};
-    // Where bodies are in the world, lengths are as they are there.
-    SetMargin(&bound, nearest * surface->map.unit[0], 1.0, 1.0);
-    return bound;
+    qcDistanceThresholds thresholds = {.pointError = bvh->pointError,
+                                       .query = qcTriangleBvh_DistanceInFrame(bvh, query)};
+    // For bodies in the world: in their frames lengths are those of the world, scaled.
+    SetNear(&thresholds, near * bvh->lattice.unit[0], 1.0, 1.0);
+    return thresholds;
 }
 
-/// From b's lattice and frame to a's: back to b's coordinates, from there to a's, and on. Coordinates of points, in
-/// units of b's frame, are 1 at most.
-static void FindMaps(Search* s)
+/// Row i of the transforms from b's lattice and frame to a's: back to b's coordinates, from there to a's, and on.
+/// Coordinates of points, in units of b's frame, are 1 at most.
+static void FindTransformRow(Search* s, const qcRelativeTransform* r, int i)
 {
-    const qcTriangleBvh *a = s->job->a, *b = s->job->b;
-    qcRigidTransform placementA = PlacementOf(a, s->job->bodyA), placementB = PlacementOf(b, s->job->bodyB);
-    qcRelativeTransform r = qcRelativeTransform_Find(&placementA, &placementB);
-    qcGroupMap *levels = &s->mapped.levels, *points = &s->mapped.points;
+    const qcTriangleBvh *a = s->a, *b = s->b;
+    const qcLatticeTransform *latticeA = &a->lattice, *latticeB = &b->lattice;
+    qcBoxTransform *levels = &s->transformed.levels, *points = &s->transformed.points;
     const double half = 32768.0;
-    for (int i = 0; i < 3; i++)
+    double origin = r->shift[i] - latticeA->origin[i], level = 0.0, levelSizes = 0.0, pointSizes = 0.0, ratios = 0.0;
+    for (int k = 0; k < 3; k++)
+        origin += r->linear[i][k] * latticeB->origin[k];
+    for (int k = 0; k < 3; k++)
     {
-        double origin = r.shift[i] - a->map.origin[i], level = 0.0, levelSizes = 0.0, pointSizes = 0.0, rho = 0.0;
-        for (int k = 0; k < 3; k++)
-            origin += r.linear[i][k] * b->map.origin[k];
-        for (int k = 0; k < 3; k++)
-        {
-            double scale = a->map.scale[i] * r.linear[i][k] / b->map.scale[k];
-            double pointScale = a->map.scale[i] * r.linear[i][k] / b->map.unit[k];
-            double ratio = a->map.unit[i] * r.linear[i][k] / b->map.unit[k];
-            levels->linear[i][k] = (float)scale;
-            points->linear[i][k] = (float)pointScale;
-            s->bound.linear[i][k] = (float)ratio;
-            level += half * scale;
-            levelSizes += 2.0 * half * fabs(scale);
-            pointSizes += fabs(pointScale);
-            rho += fabs(ratio);
-        }
-        double offset = origin * a->map.scale[i], at = origin * a->map.unit[i];
-        // Of two bodies in the world nothing has been rounded on the way.
-        double rounding = a->isLocal || b->isLocal ? r.error[i] : 0.0;
-        // Boxes in the world have the margin. Local ones don't, nor do points: then b's boxes get it, on both sides.
-        double margin = s->job->margin * r.reach[i] * (1.0 + 1e-8);
-        levels->shift[i] = (float)(offset + level);
-        levels->grow[i] = FindGrowth(fabs(offset) + levelSizes,
-                                     a->map.scale[i] * (rounding + (a->isLocal || b->isLocal ? margin : 0.0)));
-        points->shift[i] = (float)offset;
-        points->grow[i] = FindGrowth(fabs(offset) + pointSizes,
-                                     a->map.scale[i] * (rounding + margin) + pointSizes * (double)b->pointError);
-        s->bound.shift[i] = (float)at;
-        double error = (12.0 * rho + 6.0 * fabs(at)) * 0x1p-24 + rounding * a->map.unit[i];
-        s->bound.pointError = fmaxf(s->bound.pointError, nextafterf((float)error, INFINITY));
-        s->filters = s->filters && error < 1e6;
+        double scale = latticeA->scale[i] * r->linear[i][k] / latticeB->scale[k];
+        double pointScale = latticeA->scale[i] * r->linear[i][k] / latticeB->unit[k];
+        double ratio = latticeA->unit[i] * r->linear[i][k] / latticeB->unit[k];
+        levels->linear[i][k] = (float)scale;
+        points->linear[i][k] = (float)pointScale;
+        s->thresholds.linear[i][k] = (float)ratio;
+        level += half * scale;
+        levelSizes += 2.0 * half * fabs(scale);
+        pointSizes += fabs(pointScale);
+        ratios += fabs(ratio);
     }
-    s->bound.reach = qcTriangleBvh_Reach(a, s->job->margin * r.stretch);
-    if (a->isLocal)
-        SetMargin(&s->bound, s->job->nearest * a->map.unit[0], r.growth, r.stretch);
-    s->bound.mapped = true;
-    s->mapped.boxes = BoxesOf(b);
-    s->mapped.triangles = s->sides[1];
+    double offset = origin * latticeA->scale[i], at = origin * latticeA->unit[i];
+    // Between two bodies in the world coordinates are compared as they are: nothing is rounded.
+    double rounding = a->isLocal || b->isLocal ? r->error[i] : 0.0;
+    // Boxes in the world include the margin. Local boxes and points don't; then b's boxes get it, at both ends.
+    double margin = s->job->query * r->reach[i] * (1.0 + 1e-8);
+    levels->shift[i] = (float)(offset + level);
+    levels->grow[i] = FindGrowth(fabs(offset) + levelSizes,
+                                 latticeA->scale[i] * (rounding + (a->isLocal || b->isLocal ? margin : 0.0)));
+    points->shift[i] = (float)offset;
+    points->grow[i] = FindGrowth(fabs(offset) + pointSizes,
+                                 latticeA->scale[i] * (rounding + margin) + pointSizes * (double)b->pointError);
+    s->thresholds.shift[i] = (float)at;
+    double error = (12.0 * ratios + 6.0 * fabs(at)) * 0x1p-24 + rounding * latticeA->unit[i];
+    s->thresholds.pointError = fmaxf(s->thresholds.pointError, nextafterf((float)error, INFINITY));
+    s->filters = s->filters && error < 1e6;
+}
+
+static void FindTransforms(Search* s)
+{
+    qcRigidTransform transformA = TransformOf(s->a, s->job->bodyA), transformB = TransformOf(s->b, s->job->bodyB);
+    qcRelativeTransform r = qcRelativeTransform_Find(&transformA, &transformB);
+    for (int i = 0; i < 3; i++)
+        FindTransformRow(s, &r, i);
+    s->thresholds.query = qcTriangleBvh_DistanceInFrame(s->a, s->job->query * r.stretch);
+    if (s->a->isLocal)
+        SetNear(&s->thresholds, s->job->near * s->a->lattice.unit[0], r.growth, r.stretch);
+    s->thresholds.isTransformed = true;
+    s->transformed.boxes = BoxesOf(s->b);
+    s->transformed.triangles = s->sides[1];
 }
 
 static void Prepare(Search* s, const qcBvhPairsJob* job)
 {
-    *s = (Search){.job = job, .same = job->a == job->b, .filters = true};
-    assert(!s->same || job->neighbours || job->a->related);
-    const qcTriangleBvh* sides[2] = {job->a, job->b};
-    for (int i = 0; i < 2; i++)
-        s->sides[i] = (qcFilterSide){sides[i]->corners.data, sides[i]->points.data};
-    s->bound = qcTriangleBvh_FindBound(job->a, job->margin, job->nearest);
+    *s = (Search){.job = job, .a = &job->a->bvh, .b = &job->b->bvh, .same = job->a == job->b, .filters = true};
+    assert(!s->same || job->includeNeighbours || job->a->hasAdjacency);
+    s->sides[0] = (qcIndexedTriangles){s->a->corners.data, s->a->points.data};
+    s->sides[1] = (qcIndexedTriangles){s->b->corners.data, s->b->points.data};
+    s->thresholds = qcTriangleBvh_Thresholds(s->a, job->query, job->near);
     if (!s->same)
-        FindMaps(s);
+        FindTransforms(s);
 }
 
 //  ---- all searches ----------------------------------------------------------------------------------
@@ -243,7 +267,7 @@ typedef struct Run
     qcBvhPairs* memory;
     const qcBvhPairsJob* jobs;
     size_t jobCount;
-    size_t share; ///< items that a worker takes at a time
+    size_t share; ///< pairs of nodes in a task
 } Run;
 
 static Search* SearchAt(const Run* run, size_t i)
@@ -259,27 +283,26 @@ static void PrepareBlock(void* context, size_t block, uint32_t worker)
         Prepare(SearchAt(run, i), &run->jobs[i]);
 }
 
-/// From the tops down, level by level, until there are enough.
-static qcStatus FindItems(qcArray* items, Search* s, uint32_t number, size_t enough)
+/// From the roots down, level by level, until there are `enough` pairs of nodes.
+static qcStatus FindNodePairs(qcArray* nodePairs, Search* s, uint32_t number, size_t enough)
 {
-    const qcBvhPairsJob* job = s->job;
-    s->level = job->a->levels > job->b->levels ? job->a->levels : job->b->levels;
-    size_t first = items->count;
-    QC_TRY(qcArray_Resize(items, first + 1, sizeof(Item), "pairs of groups"));
-    QC_AT(Item, *items, first) = (Item){number, 0, 0};
-    while (s->level > 1 && items->count > first && items->count - first < enough)
+    s->level = s->a->levels > s->b->levels ? s->a->levels : s->b->levels;
+    size_t first = nodePairs->count;
+    QC_TRY(qcArray_Resize(nodePairs, first + 1, sizeof(NodePair), "pairs of nodes"));
+    QC_AT(NodePair, *nodePairs, first) = (NodePair){number, 0, 0};
+    while (s->level > 1 && nodePairs->count > first && nodePairs->count - first < enough)
     {
-        size_t end = items->count, at = end;
+        size_t end = nodePairs->count, at = end;
         for (size_t i = first; i < end; i++)
         {
-            Item item = QC_AT(Item, *items, i);
-            QC_TRY(qcArray_Reserve(items, at + 64, sizeof(Item), "pairs of groups"));
-            for (uint64_t meet = CompareGroups(s, s->level, item); meet != 0; meet &= meet - 1)
-                QC_AT(Item, *items, at++) = Child(item, (uint32_t)__builtin_ctzll(meet));
-            items->count = at;
+            NodePair nodes = QC_AT(NodePair, *nodePairs, i);
+            QC_TRY(qcArray_Reserve(nodePairs, at + 64, sizeof(NodePair), "pairs of nodes"));
+            for (uint64_t overlaps = FindOverlaps(s, s->level, nodes); overlaps != 0; overlaps &= overlaps - 1)
+                QC_AT(NodePair, *nodePairs, at++) = ChildAt(nodes, (uint32_t)__builtin_ctzll(overlaps));
+            nodePairs->count = at;
         }
-        items->count = first + (at - end);
-        memmove(&QC_AT(Item, *items, first), &QC_AT(Item, *items, end), (at - end) * sizeof(Item));
+        nodePairs->count = first + (at - end);
+        memmove(&QC_AT(NodePair, *nodePairs, first), &QC_AT(NodePair, *nodePairs, end), (at - end) * sizeof(NodePair));
         s->level--;
     }
     return qc_statusOk;
@@ -287,41 +310,41 @@ static qcStatus FindItems(qcArray* items, Search* s, uint32_t number, size_t eno
 
 static size_t SizeOf(const qcBvhPairsJob* job)
 {
-    return job->a->groupCount[0] + job->b->groupCount[0];
+    return job->a->bvh.box8Count[0] + job->b->bvh.box8Count[0];
 }
 
-/// To each search as many as it has of all clusters.
-static qcStatus FindAllItems(const Run* run, uint32_t threads)
+/// Each search gets a share in proportion to its clusters.
+static qcStatus FindAllNodePairs(const Run* run, uint32_t threads)
 {
-    qcArray* items = &run->memory->items;
-    double wanted = threads > 1 ? (double)threads * qc_itemsPerThread : 0.0, clusters = 0.0;
+    qcArray* nodePairs = &run->memory->nodePairs;
+    double total = threads > 1 ? (double)threads * qc_nodePairsPerThread : 0.0, clusters = 0.0;
     for (size_t i = 0; i < run->jobCount; i++)
         clusters += (double)SizeOf(&run->jobs[i]);
-    items->count = 0;
+    nodePairs->count = 0;
     for (size_t i = 0; i < run->jobCount; i++)
     {
-        double enough = wanted * (double)SizeOf(&run->jobs[i]) / clusters;
-        QC_TRY(FindItems(items, SearchAt(run, i), (uint32_t)i, (size_t)enough));
+        double enough = total * (double)SizeOf(&run->jobs[i]) / clusters;
+        QC_TRY(FindNodePairs(nodePairs, SearchAt(run, i), (uint32_t)i, (size_t)enough));
     }
     return qc_statusOk;
 }
 
-static void TakeItems(void* context, size_t task, uint32_t worker)
+static void SearchTask(void* context, size_t task, uint32_t worker)
 {
     const Run* run = context;
-    const qcArray* items = &run->memory->items;
-    Queue queue = {.worker = worker, .wanted = true};
+    const qcArray* nodePairs = &run->memory->nodePairs;
+    Queue queue = {.worker = worker, .isOpen = true};
     queue.pairs = queue.end = &QC_AT(qcSlotPair, run->memory->queues, (size_t)worker * qc_queueRoom);
-    size_t first = task * run->share, left = items->count - first,
+    size_t first = task * run->share, left = nodePairs->count - first,
            end = first + (left < run->share ? left : run->share);
     for (size_t k = first; k < end; k++)
     {
-        Item item = QC_AT(Item, *items, k);
-        const Search* search = SearchAt(run, item.search);
+        NodePair nodes = QC_AT(NodePair, *nodePairs, k);
+        const Search* search = SearchAt(run, nodes.search);
         if (queue.search != NULL && queue.search != search)
             Flush(&queue);
         queue.search = search;
-        Descend(&queue, search->level, item);
+        Descend(&queue, search->level, nodes);
     }
     Flush(&queue);
 }
@@ -329,20 +352,20 @@ static void TakeItems(void* context, size_t task, uint32_t worker)
 qcStatus qcBvhPairs_Find(qcBvhPairs* pairs, const qcBvhPairsJob* jobs, size_t jobCount, uint32_t threads)
 {
     Run run = {.memory = pairs, .jobs = jobs, .jobCount = jobCount};
-    QC_TRY(qcArray_Resize(&pairs->searches, jobCount, sizeof(Search), "pairs of surfaces"));
-    QC_TRY(qcArray_Resize(&pairs->queues, (size_t)threads * qc_queueRoom, sizeof(qcSlotPair), "pairs of places"));
-    qcParallel_For(threads, (jobCount + qc_searchBlock - 1) / qc_searchBlock, qc_leastSearchBlocks, PrepareBlock, &run);
-    QC_TRY(FindAllItems(&run, threads));
-    size_t count = pairs->items.count;
+    QC_TRY(qcArray_Resize(&pairs->searches, jobCount, sizeof(Search), "searches of BVHs"));
+    QC_TRY(qcArray_Resize(&pairs->queues, (size_t)threads * qc_queueRoom, sizeof(qcSlotPair), "pairs of slots"));
+    qcParallel_For(threads, (jobCount + qc_searchBlock - 1) / qc_searchBlock, qc_minSearchBlocks, PrepareBlock, &run);
+    QC_TRY(FindAllNodePairs(&run, threads));
+    size_t count = pairs->nodePairs.count;
     run.share = threads > 1 ? count / (threads * qc_tasksPerThread) + 1 : count;
     if (count != 0)
-        qcParallel_For(threads, (count + run.share - 1) / run.share, 2, TakeItems, &run);
+        qcParallel_For(threads, (count + run.share - 1) / run.share, 2, SearchTask, &run);
     return qc_statusOk;
 }
 
 void qcBvhPairs_Free(qcBvhPairs* pairs)
 {
     qcArray_Free(&pairs->searches);
-    qcArray_Free(&pairs->items);
+    qcArray_Free(&pairs->nodePairs);
     qcArray_Free(&pairs->queues);
 }

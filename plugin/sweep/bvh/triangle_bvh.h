@@ -1,12 +1,11 @@
-// What the sweep over triangles keeps of a body: its triangles laid together (clusters.h), boxes around them on several
-// levels, and its vertices in single precision. Made once per topology, fitted whenever the body has moved.
+// A bounding volume hierarchy over a body's triangles: clusters of 8, leaf nodes of 8 clusters (mesh/clusters.h), 8
+// children a node above. Its boxes lie on a 16-bit lattice; its vertices are also stored in single precision. Built
+// once per topology, fitted whenever the body has moved.
 #ifndef QC_SWEEP_BVH_TRIANGLE_BVH_H
 #define QC_SWEEP_BVH_TRIANGLE_BVH_H
 
 #include "scene/bodies.h"
 #include "mesh/clusters.h"
-#include "mesh/flat_patches.h"
-#include "mesh/vertex_fans.h"
 #include "kernels/triangle_kernels.h"
 
 enum
@@ -17,92 +16,62 @@ enum
 
 typedef struct qcTriangleBvh
 {
-    uint32_t generation; ///< of the body that this is; 0: none
+    //  Topology.
+    uint32_t generation; ///< of the body that it was built for; 0: none
     qcClusters clusters;
-    uint32_t vertexCount; ///< that triangles have
-    qcArray vertexOf;     ///< uint32_t: the body's number of each, in the order in which clusters have them
-    qcArray corners;      ///< of qcCorners by place; where there is no triangle, the vertex vertexCount
-    qcArray points;       ///< of qcPoint by vertex; one more, at 0
-    qcFlatPatches discs;
-    qcVertexFans stars; ///< made when neighbours are first asked for
-    qcArray quiet;   ///< uint8_t by vertex: no features of its star without a common vertex are near, as it is fitted
-    qcArray flat;    ///< uint8_t by disc: whether it is known to be flat where the body is
-    qcArray rest;    ///< uint8_t by disc: how many more times it need not be asked
-    qcArray groups;  ///< of qcBox8: triangles of clusters, clusters of nodes, and so on
-    uint32_t levels; ///< of groups; the last has one group
-    size_t firstGroup[qc_maxLevels];
-    size_t groupCount[qc_maxLevels];
-    qcBox8 whole; ///< one box, around all
-    bool related; ///< clusters have links, and there are discs: what pairs within the surface take
+    uint32_t vertexCount; ///< vertices with a triangle
+    qcArray vertexOf;     ///< uint32_t by vertex: its index in the body. Vertices are in the order of the clusters
+    qcArray corners;      ///< of qcCorners by slot; vertexCount three times in a slot without a triangle
+    uint32_t levels;      ///< of boxes; the last has one qcBox8
+    size_t firstBox8[qc_maxLevels];
+    size_t box8Count[qc_maxLevels];
+
+    //  Geometry, of the last fit.
+    qcArray points; ///< of qcPoint by vertex; one more, at 0
+    qcArray boxes;  ///< of qcBox8: triangles of clusters, clusters of leaf nodes, and so on
+    qcBox8 root;    ///< one box around all
     bool fitted;
-    uint64_t fits;  ///< how many times
-    bool isLocal;   ///< fitted to the local positions of a rigid body, without a margin: valid wherever it goes
-    bool flatKnown; ///< of this fit
-    uint64_t moved; ///< what was fitted, and with which margin
-    double margin;
-    qcLatticeTransform map;
-    double limit[3];    ///< of the lattice: x + margin - origin may be as much
-    float pointError;   ///< of coordinates of points
-    qcArray noted;      ///< double, three a vertex of the body: where it was noted (sweep/bvh/partial_refit.h), or none
-    qcArray nameOf;     ///< uint32_t by vertex of the body: its number here, or vertexCount
-    qcArray strayed;    ///< uint32_t: vertices that are not where they were noted
-    qcArray placeMarks; ///< uint8_t by place: qcMotionMark since then
-    double keptMargin;  ///< up to which its pairs with itself are kept from there (sweep/bvh/verlet_list.h)
+    bool isLocal;      ///< in the local coordinates of a rigid body, without a margin: valid wherever it moves
+    uint64_t fitCount; ///< fits and partial refits so far
+    uint64_t revision; ///< qcBody::moved at the last fit
+    double margin;     ///< of the last fit
+    qcLatticeTransform lattice;
+    double latticeExtent[3]; ///< max of x + margin - origin
+    float pointError;        ///< max error of a coordinate of points
 } qcTriangleBvh;
 
-/// Memory that fitting takes, for surfaces one after another.
+/// Memory for fitting, reused for one BVH after another.
 typedef struct qcBvhScratch
 {
-    qcArray positions; ///< double, three a vertex: of a rigid body in the world
+    qcArray positions; ///< double, three a vertex: a rigid body's, in the world
     qcArray vertices;  ///< of qcBoxRow
-    qcArray rows;      ///< of qcBoxRow: of the groups of all levels
+    qcArray rows;      ///< of qcBoxRow: around each qcBox8 of all levels
 } qcBvhScratch;
 
-/// For a body with triangles, related if the body meets itself. O(triangles log triangles). On failure nothing is left.
-qcStatus qcTriangleBvh_Build(qcTriangleBvh* surface, const qcBody* body, uint32_t threads);
+/// For a body with triangles. O(triangles log triangles). On failure nothing is left.
+qcStatus qcTriangleBvh_Build(qcTriangleBvh* bvh, const qcBody* body, uint32_t threads);
 
-/// Makes ready for pairs within the surface, once for all; the body is the one that it was built for. O(pairs of
-/// neighbours).
-qcStatus qcTriangleBvh_Relate(qcTriangleBvh* surface, const qcBody* body, uint32_t threads);
-
-/// Boxes and points of where the body is now; nothing is done where they are that already. Boxes are larger by the
-/// margin at their upper ends. A rigid body that isn't tested with itself is fitted once, in local coordinates, unless
-/// its transform nearly flattens it. `fits` is false where no lattice can hold the body (it is too large for doubles).
-/// O(triangles).
-qcStatus qcTriangleBvh_Fit(qcTriangleBvh* surface, const qcBody* body, double margin, const qcTriangleKernels* kernels,
+/// Fits boxes and points to the body's current positions; does nothing if they are up to date. Each box is enlarged by
+/// the margin at its upper end. A rigid body without self-collision is fitted once, in local coordinates, unless its
+/// transform nearly flattens it. `fits` is false if no lattice can hold the body (too large for doubles). O(triangles).
+qcStatus qcTriangleBvh_Fit(qcTriangleBvh* bvh, const qcBody* body, double margin, const qcTriangleKernels* kernels,
                            uint32_t threads, qcBvhScratch* scratch, bool* fits);
 
-/// Whether qcTriangleBvh_Fit has nothing to do.
-bool qcTriangleBvh_IsFitted(const qcTriangleBvh* surface, const qcBody* body, double margin);
+/// True if qcTriangleBvh_Fit has nothing to do.
+bool qcTriangleBvh_IsUpToDate(const qcTriangleBvh* bvh, const qcBody* body, double margin);
 
-/// A margin in the surface's frame, rounded up.
-float qcTriangleBvh_Reach(const qcTriangleBvh* surface, double margin);
+/// A distance in the frame of the BVH's points, rounded up.
+float qcTriangleBvh_DistanceInFrame(const qcTriangleBvh* bvh, double distance);
 
-/// Finds out which discs are flat, once for each fit. O(triangles).
-void qcTriangleBvh_FindFlat(qcTriangleBvh* surface, const qcTriangleKernels* kernels, uint32_t threads);
-
-/// Triangles in discs that are known to be flat.
-uint64_t qcTriangleBvh_CountFlat(const qcTriangleBvh* surface);
-
-/// What flat discs prove of a node and the other of its link: the pairs of their triangles that both lie in one disc.
-/// Returns how many skips there are.
-int qcTriangleBvh_FindSkips(const qcTriangleBvh* surface, uint32_t node, uint32_t link,
-                            qcPairExclusion skips[qc_maxExclusions]);
-
-static inline bool qcTriangleBvh_IsFlat(const qcTriangleBvh* surface, uint32_t disc)
+/// Eight boxes of a level: those of node i's children. Above the last level is the root alone.
+static inline const qcBox8* qcTriangleBvh_Box8At(const qcTriangleBvh* bvh, uint32_t level, uint32_t i)
 {
-    return QC_AT(uint8_t, surface->flat, disc) != 0;
+    if (level >= bvh->levels)
+        return &bvh->root;
+    return &QC_AT(qcBox8, bvh->boxes, bvh->firstBox8[level] + i);
 }
 
-/// The group at a level. Above the last level is one box alone.
-static inline const qcBox8* qcTriangleBvh_Group(const qcTriangleBvh* surface, uint32_t level, uint32_t i)
-{
-    if (level >= surface->levels)
-        return &surface->whole;
-    return &QC_AT(qcBox8, surface->groups, surface->firstGroup[level] + i);
-}
-
-void qcTriangleBvh_Free(qcTriangleBvh* surface);
+void qcTriangleBvh_Free(qcTriangleBvh* bvh);
 void qcBvhScratch_Free(qcBvhScratch* scratch);
 
 #endif

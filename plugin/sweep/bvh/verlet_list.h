@@ -1,37 +1,37 @@
-// Pairs of surfaces with themselves that were found within a margin, kept for a step that asks for less of it after few
-// vertices have moved: what they make up for is the motion. (Verlet: Computer "Experiments" on Classical Fluids, 1967:
-// lists of neighbours that outlive a step.)
+// The Verlet list (cached neighbour list) of self-colliding bodies: pairs that were found within a margin, reused in
+// steps with a smaller margin after few vertices have moved. The difference of the margins allows for the motion.
+// (Verlet: Computer "Experiments" on Classical Fluids, 1967.)
 #ifndef QC_SWEEP_BVH_VERLET_LIST_H
 #define QC_SWEEP_BVH_VERLET_LIST_H
 
 #include "base/worker_results.h"
 #include "sweep/bvh/bvh_pairs.h"
 
-/// What one worker found.
+/// The pairs that one worker found.
 typedef struct qcVerletWorker
 {
     qcWorkerResult result;
     qcArray pairs; ///< of qcSlotPair
-    qcArray runs;  ///< of KeptRun: whose they are, and what was known of them
+    qcArray runs;  ///< of PairRun: which body has them, and how many are classified
 } qcVerletWorker;
 
-/// Those of one step.
+/// The pairs of all bodies, as one step found them.
 typedef struct qcVerletList
 {
-    qcArray sinks; ///< of qcVerletWorker
+    qcArray workers; ///< of qcVerletWorker
 } qcVerletList;
 
-/// What was kept is forgotten.
-qcStatus qcVerletList_Begin(qcVerletList* kept, uint32_t threads);
-/// Keeps all that were found of the surface of a slot.
-void qcVerletList_Add(qcVerletList* kept, uint32_t slot, const qcClassifiedPairs* found, uint32_t worker);
-/// Fails if a worker has.
-qcStatus qcVerletList_Check(const qcVerletList* kept);
+/// Empties the list.
+qcStatus qcVerletList_Begin(qcVerletList* list, uint32_t threads);
+/// Adds pairs of the body with this slot.
+void qcVerletList_Add(qcVerletList* list, uint32_t slot, const qcClassifiedPairs* found, uint32_t worker);
+/// Fails if a worker has failed.
+qcStatus qcVerletList_Check(const qcVerletList* list);
 
-/// The job's pairs: all those of a surface with itself. It follows its body (sweep/bvh/partial_refit.h) from where its
-/// pairs within surface->keptMargin were kept, and vertices that moved by more than half of what the job's margin is
-/// less than that are marked as far. O(pairs kept + triangles).
-void qcVerletList_Find(const qcVerletList* kept, uint32_t slot, const qcBvhPairsJob* job, uint32_t worker);
-void qcVerletList_Free(qcVerletList* kept);
+/// Finds the job's pairs: all those of a body with itself. Its BVH is partially refitted (sweep/bvh/partial_refit.h)
+/// with a `maxMotion` of half of what the job's query distance is below the reference's margin. O(pairs in the list +
+/// triangles).
+void qcVerletList_Find(const qcVerletList* list, uint32_t slot, const qcBvhPairsJob* job, uint32_t worker);
+void qcVerletList_Free(qcVerletList* list);
 
 #endif

@@ -1,4 +1,4 @@
-// A qcBroadphase beside a plain list of its proxies: the list is asked pair by pair, the pair cache must say the same.
+// A qcBroadphase beside a plain list of its proxies: the pair cache must hold what brute force over the list finds.
 #ifndef QC_TESTS_BULLET_BROADPHASE_BROADPHASE_MODEL_H
 #define QC_TESTS_BULLET_BROADPHASE_BROADPHASE_MODEL_H
 
@@ -18,7 +18,7 @@
 #include <utility>
 #include <vector>
 
-/// For loops that run a million times: ck_assert writes to a file each time that it is passed.
+/// For loops that run a million times: each ck_assert writes to a file.
 #define CHECK_QUICKLY(claim)                                                                                           \
     do                                                                                                                 \
     {                                                                                                                  \
@@ -40,7 +40,7 @@ inline qcIdPair qcIdsOf(const btBroadphaseProxy* a, const btBroadphaseProxy* b)
     return {std::min(a->m_uniqueId, b->m_uniqueId), std::max(a->m_uniqueId, b->m_uniqueId)};
 }
 
-/// The pairs in a cache, sorted; a pair that is there twice is a failure.
+/// The pairs in a cache, sorted. Duplicates are a failure.
 inline std::vector<qcIdPair> qcPairsIn(btOverlappingPairCache* cache)
 {
     std::vector<qcIdPair> pairs;
@@ -82,7 +82,7 @@ struct qcBroadphaseModel
 
     void Move(size_t i, const btVector3& aabbMin, const btVector3& aabbMax)
     {
-        // First, since a callback may move it once more.
+        // Before the call, in which a callback may move it once more.
         proxies[i].aabbMin = aabbMin;
         proxies[i].aabbMax = aabbMax;
         broadphase.setAabb(proxies[i].proxy, aabbMin, aabbMax, &dispatcher);

@@ -12,7 +12,7 @@ namespace
 {
 constexpr uint32_t qc_mostObjects = 70;
 
-/// A hit: which object, and how far on the way.
+/// An object that was hit, and the fraction of the way.
 typedef std::pair<int, btScalar> Hit;
 
 struct AllRayHits : btCollisionWorld::RayResultCallback
@@ -37,7 +37,7 @@ struct AllSweepHits : btCollisionWorld::ConvexResultCallback
     }
 };
 
-/// What a ray and a sphere meet from one point to another.
+/// Hits of a ray and of a sphere between two points.
 struct Answers
 {
     std::vector<Hit> rayHits, sweepHits;
@@ -116,25 +116,10 @@ void qcRandomWorld::MakeShapes()
     m_movable.push_back(compound);
 }
 
-/// Hills as triangles.
 void qcRandomWorld::MakeMesh()
 {
-    const int n = 10;
-    for (int i = 0; i <= n; i++)
-        for (int j = 0; j <= n; j++)
-            for (btScalar x : {btScalar(i - n), Uniform(0, 1), btScalar(2 * j - n)})
-                m_vertices.push_back(x);
-    for (int i = 0; i < n; i++)
-        for (int j = 0; j < n; j++)
-        {
-            const int a = i * (n + 1) + j, b = a + n + 1;
-            for (int index : {a, a + 1, b, b, a + 1, b + 1})
-                m_indices.push_back(index);
-        }
-    m_mesh = std::make_unique<btTriangleIndexVertexArray>(int(m_indices.size() / 3), m_indices.data(),
-                                                          int(3 * sizeof(int)), int(m_vertices.size() / 3),
-                                                          m_vertices.data(), int(3 * sizeof(btScalar)));
-    world.AddBody(0, btVector3(0, 0, 0), world.Make<btBvhTriangleMeshShape>(m_mesh.get(), true));
+    m_hills = std::make_unique<qcHills>(10, btScalar(1), [this](int, int) { return Uniform(0, 1); });
+    world.AddBody(0, btVector3(0, 0, 0), world.Make<btBvhTriangleMeshShape>(&m_hills->mesh, true));
 }
 
 void qcRandomWorld::MakeScenery()
@@ -182,7 +167,7 @@ void qcRandomWorld::AddSomething()
         }
         default:
         {
-            // Some are debris, which does not meet its own kind.
+            // Some are debris, which does not collide with debris.
             const bool debris = Below(5) == 0;
             btRigidBody* body =
                 world.AddBody(Uniform(0.5, 2), Place(), shape,
@@ -203,7 +188,7 @@ void qcRandomWorld::AddSomething()
 qcRandomWorld::qcRandomWorld(uint64_t seed, qcWorldKind kind, btBroadphaseInterface* broadphase)
     : world(kind, broadphase), m_random{seed}
 {
-    // As most applications do, or the cheaper way.
+    // With and without boxes set for objects at rest.
     world.world->setForceUpdateAllAabbs(Below(3) != 0);
     MakeShapes();
     MakeScenery();
@@ -231,7 +216,7 @@ void qcRandomWorld::Change()
             static_cast<btSoftBody*>(object)->addVelocity(Point(-1, 1));
         else if (kind < 4)
         {
-            // Elsewhere; static ones too, which the cheaper way must be told.
+            // Moved by hand, static ones too: without boxes set for all objects, the world needs a call for these.
             object->setWorldTransform(Place());
             object->setInterpolationWorldTransform(object->getWorldTransform());
             world.world->updateSingleAabb(object);
@@ -263,7 +248,7 @@ void qcRandomWorld::Step()
 
 size_t qcRandomWorld::CompareQueries()
 {
-    // To the places that the objects have come to.
+    // The proxies' present boxes.
     const bool all = world.world->getForceUpdateAllAabbs();
     world.world->setForceUpdateAllAabbs(true);
     world.world->updateAabbs();
@@ -286,7 +271,7 @@ size_t qcRandomWorld::CompareQueries()
 
     CHECK_QUICKLY(ours.rayHits == theirs.rayHits);
     CHECK_QUICKLY(ours.sweepHits == theirs.sweepHits);
-    // What is cut short by a nearer hit is computed in another order.
+    // Nearest hits shorten the way in another order, so they are equal up to rounding.
     CHECK_QUICKLY(btFabs(ours.rayFraction - theirs.rayFraction) < btScalar(1e-4));
     CHECK_QUICKLY(btFabs(ours.sweepFraction - theirs.sweepFraction) < btScalar(1e-4));
     return ours.rayHits.size() + ours.sweepHits.size();

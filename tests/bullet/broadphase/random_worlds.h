@@ -1,24 +1,25 @@
-// Seeded worlds of mixed shapes that live through random changes. The same seed makes the same calls.
+// Seeded worlds of mixed shapes with random changes. Equal seeds make equal calls.
 #ifndef QC_TESTS_BULLET_BROADPHASE_RANDOM_WORLDS_H
 #define QC_TESTS_BULLET_BROADPHASE_RANDOM_WORLDS_H
 
-#include "support/soups.h"
+#include "bullet/broadphase/hills.h"
 #include "bullet/broadphase/world_kinds.h"
+#include "support/soups.h"
 
 class qcRandomWorld
 {
   public:
     /// Boxes, spheres, capsules, hulls, compounds, planes, a static triangle mesh, a heightfield, ghosts, kinematic and
-    /// static bodies, cloth where the kind takes it. Takes the broadphase over.
+    /// static bodies, cloth where the kind has it. Takes ownership of the broadphase.
     qcRandomWorld(uint64_t seed, qcWorldKind kind, btBroadphaseInterface* broadphase);
 
-    /// Some objects are added, removed, pushed, put elsewhere, sent to sleep or woken; filters change.
+    /// Adds, removes, pushes, moves, puts to sleep and wakes some objects, and changes filters.
     void Change();
     void Step();
     /// A ray and a sweep through the world, each on the world's broadphase and on a btDbvtBroadphase with the same
     /// boxes: all hits must be the same to the last bit, and the nearest ones to rounding. Returns the number of hits.
     size_t CompareQueries();
-    /// Of all places and velocities.
+    /// Hash of all transforms and velocities.
     uint64_t Hash() const;
 
     qcWorld world;
@@ -36,11 +37,9 @@ class qcRandomWorld
 
     qcRandom m_random;
     std::vector<btCollisionShape*> m_movable; ///< shapes that a body may have
-    std::vector<btScalar> m_vertices;
-    std::vector<int> m_indices;
     std::vector<float> m_heights;
-    std::unique_ptr<btStridingMeshInterface> m_mesh;
-    int m_sceneryCount = 0; ///< the first so many objects stay
+    std::unique_ptr<qcHills> m_hills;
+    int m_sceneryCount = 0; ///< this many objects, the first ones, are never removed
 };
 
 #endif

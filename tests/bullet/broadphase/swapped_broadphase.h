@@ -1,5 +1,5 @@
-// Included before all else into a program that was not written for it: what it calls btDbvtBroadphase or btAxisSweep3
-// is qcBroadphase. Bullet's own headers have to come first, since they define these names.
+// Included first in a program that was not written for it: btDbvtBroadphase and btAxisSweep3 become qcBroadphase there.
+// Bullet's headers, which define these names, come before the macros.
 #ifndef QC_TESTS_BULLET_BROADPHASE_SWAPPED_BROADPHASE_H
 #define QC_TESTS_BULLET_BROADPHASE_SWAPPED_BROADPHASE_H
 
@@ -12,7 +12,7 @@
 
 namespace qcSwapped
 {
-/// Says at the end that it was there.
+/// Prints its name at the end, as evidence.
 struct Broadphase : qcBroadphase
 {
     explicit Broadphase(btOverlappingPairCache* pairCache = nullptr) : qcBroadphase(pairCache)

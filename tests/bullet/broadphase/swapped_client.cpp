@@ -1,5 +1,5 @@
-// A program that was not written for us: boxes fall on a floor, once on each of two broadphases of Bullet's. It is
-// built twice, as it is and with swapped_broadphase.h in front, and prints the same.
+// A program for Bullet alone: boxes fall on a floor, once on each of two of Bullet's broadphases. It is built twice, as
+// it is and with swapped_broadphase.h included first, and both print the same.
 #include <BulletCollision/BroadphaseCollision/btAxisSweep3.h>
 #include <btBulletDynamicsCommon.h>
 

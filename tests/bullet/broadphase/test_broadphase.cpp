@@ -1,4 +1,4 @@
-// The pairs of qcBroadphase: after each step the cache holds exactly those that overlap and whose filters agree.
+// The pairs of qcBroadphase: after each step the cache holds exactly the overlapping pairs that filters accept.
 #include "bullet/broadphase/broadphase_moves.h"
 
 #include <cstdlib>
@@ -8,7 +8,7 @@
 
 namespace
 {
-/// Changes its mind from time to time.
+/// Accepts other pairs each time that its mood changes.
 struct Moody : btOverlapFilterCallback
 {
     int mood = 0;
@@ -23,7 +23,7 @@ struct Moody : btOverlapFilterCallback
     }
 };
 
-/// A ghost-pair callback that keeps the pairs it was told about.
+/// A ghost-pair callback that keeps the pairs that have begun and not ended.
 struct Ghosts : btOverlappingPairCallback
 {
     std::map<qcIdPair, int> pairs;
@@ -50,7 +50,7 @@ struct Life
     uint64_t seed;
     qcBoxKinds kinds;
     bool filters = false; ///< groups and masks change
-    bool moody = false;   ///< a filter callback comes, goes, and changes its mind
+    bool moody = false;   ///< a filter callback is set, removed and changed
     bool meddle = false;  ///< the cache is changed by others
 };
 
@@ -73,7 +73,7 @@ void Meddle(qcBroadphaseModel& model, qcRandom* random)
     }
 }
 
-/// One random change after the other, the cache checked after each step. Returns all pairs seen.
+/// Makes random changes and checks the cache after each step. Returns the number of all pairs.
 size_t LiveThrough(const Life& life, btOverlappingPairCache* given = nullptr, Ghosts* ghosts = nullptr)
 {
     qcRandom random = {life.seed};
@@ -90,11 +90,11 @@ size_t LiveThrough(const Life& life, btOverlappingPairCache* given = nullptr, Gh
             int group = life.filters ? int(qcRandom_Below(&random, 8)) : 1;
             model.Create(aabbMin, aabbMax, group, life.filters ? int(qcRandom_Below(&random, 8)) : -1);
         }
-        // All are set now and then, as a world does it.
+        // Now and then all boxes are set, as a world does.
         bool quiet = qcRandom_Below(&random, 4) == 0, inOrder = qcRandom_Below(&random, 3) == 0;
         for (size_t i = 0; i < model.proxies.size(); i++)
         {
-            // Before the box is set, or it would be seen one step later.
+            // Before setAabb: a later change takes effect one step later.
             if (life.filters && qcRandom_Below(&random, 20) == 0)
                 model.proxies[i].proxy->m_collisionFilterMask = int(qcRandom_Below(&random, 8));
             if (!quiet && (inOrder || qcRandom_Below(&random, 2) == 0))
@@ -122,7 +122,7 @@ size_t LiveThrough(const Life& life, btOverlappingPairCache* given = nullptr, Gh
     return seen;
 }
 
-/// All kinds of lives.
+/// All combinations.
 std::vector<Life> Lives(uint64_t seeds = 1)
 {
     std::vector<Life> lives;
@@ -143,7 +143,7 @@ std::vector<Life> Lives(uint64_t seeds = 1)
 
 //  ---- exactly the pairs -----------------------------------------------------------------------------
 
-START_TEST(the_cache_holds_exactly_the_pairs_that_overlap_and_agree)
+START_TEST(the_cache_holds_exactly_the_overlapping_pairs_that_filters_accept)
 {
     for (const Life& life : Lives(2))
         ck_assert_uint_gt(LiveThrough(life), 500);
@@ -151,7 +151,7 @@ START_TEST(the_cache_holds_exactly_the_pairs_that_overlap_and_agree)
 }
 END_TEST
 
-START_TEST(a_sorted_cache_holds_exactly_the_pairs_that_overlap_and_agree)
+START_TEST(a_sorted_cache_holds_exactly_the_overlapping_pairs_that_filters_accept)
 {
     for (const Life& life : Lives())
     {
@@ -161,7 +161,7 @@ START_TEST(a_sorted_cache_holds_exactly_the_pairs_that_overlap_and_agree)
 }
 END_TEST
 
-START_TEST(a_cache_that_others_change_too_is_put_right)
+START_TEST(a_cache_changed_by_others_is_corrected_in_the_next_step)
 {
     for (Life life : Lives())
     {
@@ -172,7 +172,7 @@ START_TEST(a_cache_that_others_change_too_is_put_right)
 }
 END_TEST
 
-START_TEST(a_ghost_pair_callback_is_told_of_each_pair_that_comes_and_goes)
+START_TEST(a_ghost_pair_callback_is_called_for_each_pair_that_begins_or_ends)
 {
     for (const Life& life : Lives())
     {
@@ -183,7 +183,7 @@ START_TEST(a_ghost_pair_callback_is_told_of_each_pair_that_comes_and_goes)
 }
 END_TEST
 
-START_TEST(a_null_cache_is_left_alone)
+START_TEST(a_null_cache_stays_empty)
 {
     btNullPairCache cache;
     qcBroadphaseModel model(&cache);
@@ -197,7 +197,7 @@ START_TEST(a_null_cache_is_left_alone)
 }
 END_TEST
 
-START_TEST(boxes_that_touch_are_a_pair_and_boxes_one_step_of_a_scalar_apart_are_none)
+START_TEST(boxes_that_touch_are_a_pair_and_boxes_one_ulp_apart_are_none)
 {
     qcBroadphaseModel model;
     const btScalar beyond = std::nextafter(btScalar(1), btScalar(2));
@@ -239,7 +239,7 @@ START_TEST(a_pair_lives_as_long_as_its_boxes_overlap)
 }
 END_TEST
 
-START_TEST(what_moves_first_after_a_step_finds_its_pairs_at_once)
+START_TEST(the_first_boxes_moved_after_a_step_have_their_pairs_at_once)
 {
     qcBroadphaseModel model;
     for (int i = 0; i < 100; i++)
@@ -257,7 +257,7 @@ START_TEST(what_moves_first_after_a_step_finds_its_pairs_at_once)
 }
 END_TEST
 
-START_TEST(a_filter_that_changes_after_the_box_was_set_is_seen_in_the_next_step)
+START_TEST(a_filter_changed_after_set_aabb_takes_effect_in_the_next_step)
 {
     qcBroadphaseModel model;
     for (int i = 0; i < 3; i++)
@@ -276,9 +276,9 @@ START_TEST(a_filter_that_changes_after_the_box_was_set_is_seen_in_the_next_step)
 }
 END_TEST
 
-START_TEST(a_filter_that_changes_before_boxes_are_set_once_more_is_seen_at_once)
+START_TEST(a_filter_changed_before_set_aabb_takes_effect_in_the_same_step)
 {
-    // All are set again, or one of them after the one that changed, as a world does it that leaves out what sleeps.
+    // All are set again, or one after the changed one, as in a world that leaves out sleeping objects.
     for (size_t first : {size_t(0), size_t(2)})
     {
         qcBroadphaseModel model;
@@ -314,7 +314,7 @@ START_TEST(the_same_calls_give_the_same_pairs_in_the_same_order)
     std::vector<qcIdPair> first;
     for (int run = 0; run < 3; run++)
     {
-        // The last run is on a broadphase that had a life before and was reset.
+        // The last run is on a broadphase that was used and reset.
         auto model = std::make_unique<qcBroadphaseModel>();
         if (run == 2)
         {
@@ -370,7 +370,7 @@ START_TEST(unique_ids_are_not_used_twice)
 }
 END_TEST
 
-START_TEST(the_broadphase_box_is_the_smallest_around_all)
+START_TEST(the_broadphase_box_is_the_smallest_around_all_proxies)
 {
     qcBroadphaseModel model;
     btVector3 aabbMin(1, 1, 1), aabbMax(2, 2, 2);
@@ -386,7 +386,7 @@ START_TEST(the_broadphase_box_is_the_smallest_around_all)
 }
 END_TEST
 
-START_TEST(statistics_name_the_numbers_of_proxies_and_pairs)
+START_TEST(statistics_count_proxies_and_pairs)
 {
     qcBroadphaseModel model;
     for (int i = 0; i < 7; i++)
@@ -441,7 +441,7 @@ void Release(void* memory, size_t, void*)
 }
 } // namespace
 
-START_TEST(out_of_memory_loses_no_pair_and_is_over_when_there_is_memory_again)
+START_TEST(no_pair_is_lost_without_memory_and_errors_end_with_new_memory)
 {
     Heap heap = {0, 0, 0};
     ck_assert_int_eq(qcSetAllocator(Allocate, Release, &heap), qc_statusOk);
@@ -507,12 +507,12 @@ void FreeNothing(void*)
 }
 } // namespace
 
-START_TEST(a_proxy_that_bullet_has_no_memory_for_is_null)
+START_TEST(create_proxy_returns_null_without_memory)
 {
     qcBroadphaseModel model;
     model.Create(btVector3(0, 0, 0), btVector3(1, 1, 1));
     btAlignedAllocSetCustomAligned(AllocateNothing, FreeNothing);
-    // There may be room left for some. They overlap nothing: Bullet's cache asks for memory too, and takes it as given.
+    // Free slots may be left for some. They overlap nothing, since Bullet's cache does not check its allocations.
     btBroadphaseProxy* proxy = nullptr;
     std::vector<btBroadphaseProxy*> made;
     do
@@ -530,15 +530,15 @@ START_TEST(a_proxy_that_bullet_has_no_memory_for_is_null)
 }
 END_TEST
 
-QC_RUN_TESTS("broadphase", the_cache_holds_exactly_the_pairs_that_overlap_and_agree,
-             a_sorted_cache_holds_exactly_the_pairs_that_overlap_and_agree, a_cache_that_others_change_too_is_put_right,
-             a_ghost_pair_callback_is_told_of_each_pair_that_comes_and_goes, a_null_cache_is_left_alone,
-             boxes_that_touch_are_a_pair_and_boxes_one_step_of_a_scalar_apart_are_none,
-             a_pair_lives_as_long_as_its_boxes_overlap, what_moves_first_after_a_step_finds_its_pairs_at_once,
-             a_filter_that_changes_after_the_box_was_set_is_seen_in_the_next_step,
-             a_filter_that_changes_before_boxes_are_set_once_more_is_seen_at_once,
+QC_RUN_TESTS("broadphase", the_cache_holds_exactly_the_overlapping_pairs_that_filters_accept,
+             a_sorted_cache_holds_exactly_the_overlapping_pairs_that_filters_accept,
+             a_cache_changed_by_others_is_corrected_in_the_next_step,
+             a_ghost_pair_callback_is_called_for_each_pair_that_begins_or_ends, a_null_cache_stays_empty,
+             boxes_that_touch_are_a_pair_and_boxes_one_ulp_apart_are_none, a_pair_lives_as_long_as_its_boxes_overlap,
+             the_first_boxes_moved_after_a_step_have_their_pairs_at_once,
+             a_filter_changed_after_set_aabb_takes_effect_in_the_next_step,
+             a_filter_changed_before_set_aabb_takes_effect_in_the_same_step,
              a_thousand_new_boxes_in_one_place_are_all_pairs, the_same_calls_give_the_same_pairs_in_the_same_order,
-             unique_ids_are_not_used_twice, the_broadphase_box_is_the_smallest_around_all,
-             statistics_name_the_numbers_of_proxies_and_pairs, null_proxies_are_ignored,
-             out_of_memory_loses_no_pair_and_is_over_when_there_is_memory_again,
-             a_proxy_that_bullet_has_no_memory_for_is_null)
+             unique_ids_are_not_used_twice, the_broadphase_box_is_the_smallest_around_all_proxies,
+             statistics_count_proxies_and_pairs, null_proxies_are_ignored,
+             no_pair_is_lost_without_memory_and_errors_end_with_new_memory, create_proxy_returns_null_without_memory)

@@ -1,11 +1,11 @@
-// Changes from inside: callbacks of filters, of ghost pairs and of worlds that create, move and destroy proxies.
+// Callbacks of filters and ghost pairs that create, move and destroy proxies.
 #include "bullet/broadphase/broadphase_moves.h"
 
 #include <map>
 
 namespace
 {
-/// A filter that, once, destroys one of the proxies it is asked about, another one, moves a third and creates a fourth.
+/// A filter that, once, destroys one of its two proxies and another one, moves a third and creates a fourth.
 struct Vandal : btOverlapFilterCallback
 {
     qcBroadphaseModel* model;
@@ -52,7 +52,7 @@ START_TEST(a_filter_may_create_move_and_destroy_proxies)
             vandal.countdown = moment;
             model.broadphase.calculateOverlappingPairs(&model.dispatcher);
             vandal.countdown = 0;
-            // What came and moved meanwhile is seen by the next step; of the rest, no pair that is gone was left over.
+            // New and moved proxies have their pairs after the next step. The others have no pair that ended.
             std::map<int, const qcModelProxy*> alive;
             for (const qcModelProxy& p : model.proxies)
                 alive[p.proxy->m_uniqueId] = &p;
@@ -75,7 +75,7 @@ END_TEST
 
 namespace
 {
-/// A filter that destroys the first of the two it is asked about, once.
+/// A filter that, once, destroys the first of its two proxies.
 struct Assassin : btOverlapFilterCallback
 {
     qcBroadphaseModel* model;
@@ -95,9 +95,9 @@ struct Assassin : btOverlapFilterCallback
 };
 } // namespace
 
-START_TEST(a_filter_that_destroys_while_pairs_are_found_at_once_leaves_no_pair_of_the_dead)
+START_TEST(a_filter_that_destroys_a_proxy_during_set_aabb_leaves_no_pair_of_it)
 {
-    // Bullet's caches ask once more when a pair is added.
+    // Bullet's caches call the filter once more when a pair is added.
     for (int moment = 1; moment <= 12; moment++)
         for (int sorted = 0; sorted <= 1; sorted++)
         {
@@ -125,7 +125,7 @@ END_TEST
 
 namespace
 {
-/// A ghost-pair callback that creates and moves proxies when pairs come and go.
+/// A ghost-pair callback that creates and moves proxies when pairs begin and end.
 struct Breeder : btOverlappingPairCallback
 {
     qcBroadphaseModel* model;
@@ -171,8 +171,8 @@ START_TEST(a_ghost_pair_callback_may_create_and_move_proxies)
     model.cache->setInternalGhostPairCallback(&breeder);
     for (int step = 0; step < 200; step++)
     {
-        // Before anything moves: the first that come and move after a step find their pairs at once. The pairs of what
-        // is destroyed go, each of which may give birth to another proxy.
+        // Before anything moves, since the first boxes moved after a step have their pairs at once. Each pair that ends
+        // with a destroyed proxy may create another proxy.
         for (int deaths = 0; deaths < 5 && model.proxies.size() > 5; deaths++)
         {
             btBroadphaseProxy* doomed = model.proxies[0].proxy;
@@ -182,7 +182,7 @@ START_TEST(a_ghost_pair_callback_may_create_and_move_proxies)
         for (size_t i = 0; i < model.proxies.size(); i += 3)
             qcMoveOne(model, &breeder.random, qcBoxKinds(), i);
         model.broadphase.calculateOverlappingPairs(&model.dispatcher);
-        // What moved meanwhile counts from here on.
+        // Boxes moved by callbacks take effect from here on.
         model.cache->setInternalGhostPairCallback(nullptr);
         model.Check();
         model.cache->setInternalGhostPairCallback(&breeder);
@@ -206,7 +206,7 @@ struct Generous : btOverlapFilterCallback
 constexpr int s_groupA = 2, s_groupB = 4;
 } // namespace
 
-START_TEST(a_pair_that_a_filter_let_in_between_two_steps_goes_with_the_filter)
+START_TEST(a_pair_accepted_by_a_filter_between_steps_ends_with_the_filter)
 {
     for (int sorted = 0; sorted <= 1; sorted++)
         for (int moves = 0; moves <= 1; moves++)
@@ -230,7 +230,7 @@ START_TEST(a_pair_that_a_filter_let_in_between_two_steps_goes_with_the_filter)
 }
 END_TEST
 
-START_TEST(a_pair_that_a_group_let_in_between_two_steps_goes_with_the_group)
+START_TEST(a_pair_accepted_by_its_groups_between_steps_ends_with_the_groups)
 {
     qcBroadphaseModel model;
     model.Create(btVector3(0, 0, 0), btVector3(1, 1, 1), s_groupA, s_groupA);
@@ -246,7 +246,7 @@ START_TEST(a_pair_that_a_group_let_in_between_two_steps_goes_with_the_group)
 END_TEST
 
 QC_RUN_TESTS("broadphase callbacks", a_filter_may_create_move_and_destroy_proxies,
-             a_filter_that_destroys_while_pairs_are_found_at_once_leaves_no_pair_of_the_dead,
+             a_filter_that_destroys_a_proxy_during_set_aabb_leaves_no_pair_of_it,
              a_ghost_pair_callback_may_create_and_move_proxies,
-             a_pair_that_a_filter_let_in_between_two_steps_goes_with_the_filter,
-             a_pair_that_a_group_let_in_between_two_steps_goes_with_the_group)
+             a_pair_accepted_by_a_filter_between_steps_ends_with_the_filter,
+             a_pair_accepted_by_its_groups_between_steps_ends_with_the_groups)

@@ -1,4 +1,4 @@
-// Questions to qcBroadphase: boxes and rays, beside btDbvtBroadphase and a plain list; changes made by callbacks.
+// Queries of qcBroadphase: boxes and rays, beside btDbvtBroadphase and a plain list; changes made by callbacks.
 #include "bullet/broadphase/broadphase_model.h"
 
 #include <BulletCollision/BroadphaseCollision/btDbvtBroadphase.h>
@@ -24,7 +24,7 @@ struct Visits : btBroadphaseRayCallback
         return answer;
     }
 
-    /// A callback's own view of the ray, as btCollisionWorld::rayTest makes it.
+    /// Sets the callback's fields for the ray, as btCollisionWorld::rayTest does.
     void Aim(const btVector3& direction, btScalar lambda)
     {
         for (int k = 0; k < 3; k++)
@@ -35,7 +35,7 @@ struct Visits : btBroadphaseRayCallback
         m_lambda_max = lambda;
     }
 
-    /// Sorted; nothing is reported twice.
+    /// The ids, sorted. Duplicates are a failure.
     std::vector<int> Sorted() const
     {
         std::vector<int> sorted = ids;
@@ -50,7 +50,7 @@ bool Includes(const std::vector<int>& all, const std::vector<int>& some)
     return std::includes(all.begin(), all.end(), some.begin(), some.end());
 }
 
-/// Unique ids of the proxies whose box, grown by `slack` times its size and distance, is met on the way.
+/// Unique ids of the proxies whose box, grown by `slack` times its size and distance, is hit on the way.
 std::vector<int> Met(const qcBroadphaseModel& model, const btVector3& from, const btVector3& to,
                      const btVector3& castMin, const btVector3& castMax, double slack)
 {
@@ -80,7 +80,7 @@ std::vector<int> Met(const qcBroadphaseModel& model, const btVector3& from, cons
     return met;
 }
 
-/// The same boxes in Bullet's own tree, with the same unique ids.
+/// A btDbvtBroadphase with the model's boxes and unique ids.
 struct Peer
 {
     btDbvtBroadphase broadphase;
@@ -111,7 +111,7 @@ void Fill(qcBroadphaseModel& model, qcRandom* random, int count, bool grid)
         btVector3 aabbMin = grid ? qcRandomGridPoint(random, 12) : qcRandomPoint(random, 12);
         model.Create(aabbMin, aabbMin + (grid ? qcRandomGridPoint(random, 2) : qcRandomPoint(random, 2)));
     }
-    // Some have moved since, so that the tree holds more than the boxes.
+    // Some boxes move, so that the tree's enlarged boxes differ from them.
     for (size_t i = 0; i < model.proxies.size(); i += 3)
     {
         btVector3 step = grid ? qcRandomGridPoint(random, 1) : qcRandomPoint(random, 0.1);
@@ -121,7 +121,7 @@ void Fill(qcBroadphaseModel& model, qcRandom* random, int count, bool grid)
 }
 } // namespace
 
-START_TEST(a_box_meets_what_it_overlaps_and_nothing_else)
+START_TEST(a_box_query_visits_exactly_the_proxies_that_it_overlaps)
 {
     for (int grid = 0; grid <= 1; grid++)
     {
@@ -151,7 +151,7 @@ START_TEST(a_box_meets_what_it_overlaps_and_nothing_else)
 }
 END_TEST
 
-START_TEST(a_ray_meets_all_that_bullet_meets_and_that_geometry_says)
+START_TEST(a_ray_visits_all_proxies_that_bullet_visits_and_that_geometry_requires)
 {
     size_t met = 0, visited = 0;
     for (int grid = 0; grid <= 1; grid++)
@@ -179,7 +179,7 @@ START_TEST(a_ray_meets_all_that_bullet_meets_and_that_geometry_says)
             }
             btVector3 way = to - from;
             Visits ours, theirs;
-            // As the world does it, and with lambda as a fraction of the way.
+            // With lambda in units of length, as in a world, and as a fraction of the way.
             if (i % 3 && !way.fuzzyZero())
                 ours.Aim(way.normalized(), way.normalized().dot(way));
             else
@@ -201,7 +201,7 @@ START_TEST(a_ray_meets_all_that_bullet_meets_and_that_geometry_says)
 }
 END_TEST
 
-START_TEST(a_ray_goes_where_the_callback_says_and_where_the_caller_says)
+START_TEST(a_ray_covers_the_way_of_the_callback_and_that_of_the_caller)
 {
     qcBroadphaseModel model;
     for (int i = 0; i < 10; i++)
@@ -214,7 +214,7 @@ START_TEST(a_ray_goes_where_the_callback_says_and_where_the_caller_says)
     asUsual.Aim(btVector3(1, 0, 0), 3);
     model.broadphase.rayTest(from, to, asUsual);
     ck_assert(asUsual.Sorted() == std::vector<int>({1, 2}));
-    // Longer than to `to`: Bullet's tree would go there.
+    // Longer than the way to `to`, as Bullet's tree allows.
     Visits longer;
     longer.Aim(btVector3(1, 0, 0), btScalar(7.1));
     model.broadphase.rayTest(from, to, longer);
@@ -223,12 +223,12 @@ START_TEST(a_ray_goes_where_the_callback_says_and_where_the_caller_says)
     endless.Aim(btVector3(1, 0, 0), BT_LARGE_FLOAT);
     model.broadphase.rayTest(from, to, endless);
     ck_assert(Includes(endless.Sorted(), {1, 2, 3, 4, 5, 6, 7, 8, 9, 10}));
-    // Shorter: other broadphases would go to `to`.
+    // Shorter: other broadphases go to `to`.
     Visits shorter;
     shorter.Aim(btVector3(1, 0, 0), 1);
     model.broadphase.rayTest(from, to, shorter);
     ck_assert(shorter.Sorted() == std::vector<int>({1, 2}));
-    // A callback that says nothing of use.
+    // A callback without a valid direction.
     Visits useless;
     useless.Aim(btVector3(nan, nan, nan), nan);
     model.broadphase.rayTest(from, to, useless);
@@ -237,12 +237,12 @@ START_TEST(a_ray_goes_where_the_callback_says_and_where_the_caller_says)
     elsewhere.Aim(btVector3(0, 1, 0), 100);
     model.broadphase.rayTest(from, to, elsewhere);
     ck_assert(Includes(elsewhere.Sorted(), {1, 2, 11}));
-    // No way at all: where a box is, it is met.
+    // A way of length 0 hits the boxes that contain its point.
     Visits standing;
     standing.Aim(btVector3(nan, nan, nan), nan);
     model.broadphase.rayTest(to, to, standing);
     ck_assert(standing.Sorted() == std::vector<int>({2}));
-    // Not a number: everything, rather than nothing.
+    // A start that is not finite: all proxies are visited, to miss none.
     Visits lost;
     lost.Aim(btVector3(nan, nan, nan), nan);
     model.broadphase.rayTest(btVector3(nan, nan, nan), to, lost);
@@ -328,7 +328,7 @@ START_TEST(a_query_callback_may_create_move_and_destroy_proxies)
                     case 2: model.Move(other, btVector3(0, 0, 0), btVector3(12, 12, 12)); break;
                     default:
                     {
-                        // Created and moved within, or created and destroyed within.
+                        // Created and moved, or created and destroyed, in one callback.
                         size_t created = model.Create(btVector3(0, 0, 0), btVector3(1, 1, 1));
                         model.Move(created, btVector3(5, 5, 5), btVector3(6, 6, 6));
                         if (qcRandom_Below(&random, 2) == 0)
@@ -350,7 +350,7 @@ START_TEST(a_query_callback_may_create_move_and_destroy_proxies)
                 model.broadphase.aabbTest(btVector3(3, 3, 3), btVector3(8, 8, 8), visits);
             CHECK_QUICKLY(!visits.ids.empty());
             model.Check();
-            // What was created meanwhile is found now.
+            // Proxies created by the callback are found now.
             Visits after;
             model.broadphase.aabbTest(btVector3(-99, -99, -99), btVector3(99, 99, 99), after);
             CHECK_QUICKLY(after.Sorted().size() == model.proxies.size());
@@ -358,8 +358,8 @@ START_TEST(a_query_callback_may_create_move_and_destroy_proxies)
 }
 END_TEST
 
-QC_RUN_TESTS("broadphase queries", a_box_meets_what_it_overlaps_and_nothing_else,
-             a_ray_meets_all_that_bullet_meets_and_that_geometry_says,
-             a_ray_goes_where_the_callback_says_and_where_the_caller_says,
+QC_RUN_TESTS("broadphase queries", a_box_query_visits_exactly_the_proxies_that_it_overlaps,
+             a_ray_visits_all_proxies_that_bullet_visits_and_that_geometry_requires,
+             a_ray_covers_the_way_of_the_callback_and_that_of_the_caller,
              a_callback_that_lowers_lambda_shortens_the_ray, several_threads_may_cast_rays_at_once,
              a_query_callback_may_create_move_and_destroy_proxies)

@@ -1,5 +1,5 @@
-// What rests on btDbvtBroadphase rests on qcBroadphase too, and in the same place: ten seconds of a stack of boxes, a
-// row of dominoes and a pile of compounds.
+// Bodies come to rest on qcBroadphase in the places in which they do on btDbvtBroadphase: ten seconds of a stack of
+// boxes, a row of dominoes and a pile of compounds.
 #include "bullet/broadphase/broadphase_model.h"
 #include "bullet/broadphase/world_kinds.h"
 
@@ -45,7 +45,7 @@ void FillPile(qcWorld& world)
     }
 }
 
-/// Ten seconds on both, after which something has moved by `least`.
+/// Ten seconds on both, in which at least one body moves by `least`.
 void Compare(void (*fill)(qcWorld& world), double least)
 {
     qcWorld ours(qcWorldKind::discrete, new qcBroadphase), theirs(qcWorldKind::discrete, new btDbvtBroadphase);

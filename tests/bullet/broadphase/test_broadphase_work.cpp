@@ -1,9 +1,9 @@
-// What qcBroadphase does to the pair cache, counted: nothing for what stays, once for each pair that begins or ends.
+// Calls of the pair cache, counted: none for boxes that stay, one for each pair that begins or ends.
 #include "bullet/broadphase/broadphase_model.h"
 
 namespace
 {
-/// Counts what is asked of it.
+/// Counts its calls.
 struct CountingCache : btHashedOverlappingPairCache
 {
     int added = 0, removed = 0;
@@ -35,7 +35,7 @@ START_TEST(the_cache_is_touched_only_for_pairs_that_begin_and_end)
     int begun = 0, ended = 0;
     for (int step = 0; step < 20; step++)
     {
-        // Asleep at first, as a world does it: each box is set, and is the same.
+        // Asleep at first: each box is set to equal bounds, as a world does.
         for (size_t i = 0; i < model.proxies.size(); i++)
         {
             btVector3 way(0, step < 5 ? btScalar(0) : btScalar(0.01) * btScalar(i % 9), 0);
@@ -61,7 +61,7 @@ START_TEST(the_cache_is_touched_only_for_pairs_that_begin_and_end)
 }
 END_TEST
 
-START_TEST(ten_thousand_sleeping_boxes_cost_no_pair_anything)
+START_TEST(ten_thousand_sleeping_boxes_cause_no_work_on_pairs)
 {
     CountingCache cache;
     qcBroadphaseModel model(&cache);
@@ -81,7 +81,7 @@ START_TEST(ten_thousand_sleeping_boxes_cost_no_pair_anything)
         ck_assert_int_eq(cache.added, added);
         ck_assert_int_eq(cache.removed, 0);
     }
-    // Each by each it would take long: Bullet's cache looks through all pairs.
+    // One by one it would take long: Bullet's cache searches all pairs each time.
     model.proxies.clear();
 }
 END_TEST
@@ -94,7 +94,7 @@ START_TEST(thousands_of_new_boxes_in_one_place_cost_what_their_pairs_cost)
     for (int i = 0; i < count; i++)
     {
         model.Create(btVector3(0, 0, 0), btVector3(1, 1, 1));
-        // Only the first few look for their pairs at once.
+        // Only the first few have their pairs at once.
         ck_assert_int_le(cache.added, 8 * i);
     }
     const int atOnce = cache.added;
@@ -123,5 +123,5 @@ START_TEST(thousands_of_new_boxes_in_one_place_cost_what_their_pairs_cost)
 END_TEST
 
 QC_RUN_TESTS("work of the broadphase", the_cache_is_touched_only_for_pairs_that_begin_and_end,
-             ten_thousand_sleeping_boxes_cost_no_pair_anything,
+             ten_thousand_sleeping_boxes_cause_no_work_on_pairs,
              thousands_of_new_boxes_in_one_place_cost_what_their_pairs_cost)

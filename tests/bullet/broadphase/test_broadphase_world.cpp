@@ -1,6 +1,7 @@
-// qcBroadphase inside worlds: the pairs of each step beside those of btDbvtBroadphase, and whole simulations beside the
-// same ones on btDbvtBroadphase.
+// qcBroadphase in worlds: the pairs of each step, and whole simulations, compared with btDbvtBroadphase.
 #include "bullet/broadphase/broadphase_model.h"
+#include "bullet/broadphase/hills.h"
+#include "bullet/broadphase/world_kinds.h"
 
 #include <BulletCollision/BroadphaseCollision/btAxisSweep3.h>
 #include <BulletCollision/BroadphaseCollision/btDbvtBroadphase.h>
@@ -13,51 +14,13 @@
 
 namespace
 {
-/// A Bullet world as an application makes it, on either broadphase.
-struct World
+/// A btDiscreteDynamicsWorld on either broadphase.
+struct World : qcWorld
 {
-    btDefaultCollisionConfiguration configuration;
-    btCollisionDispatcher dispatcher{&configuration};
-    btSequentialImpulseConstraintSolver solver;
-    std::unique_ptr<btBroadphaseInterface> broadphase;
-    btGhostPairCallback ghostPairs;
-    btDiscreteDynamicsWorld world;
-    std::vector<std::unique_ptr<btCollisionShape>> shapes;
-    std::vector<std::unique_ptr<btStridingMeshInterface>> meshes;
-    std::vector<std::unique_ptr<btCollisionObject>> objects;
-    std::vector<btScalar> ground;
-    std::vector<int> groundIndices;
+    std::unique_ptr<qcHills> hills;
 
-    explicit World(btBroadphaseInterface* made)
-        : broadphase(made), world(&dispatcher, broadphase.get(), &solver, &configuration)
+    explicit World(btBroadphaseInterface* made) : qcWorld(qcWorldKind::discrete, made)
     {
-        world.setGravity(btVector3(0, -10, 0));
-        world.getDispatchInfo().m_deterministicOverlappingPairs = true;
-        world.getPairCache()->setInternalGhostPairCallback(&ghostPairs);
-    }
-
-    ~World()
-    {
-        while (!objects.empty())
-            Remove(objects.back().get());
-    }
-
-    template <class Shape, class... Arguments> Shape* Make(Arguments... arguments)
-    {
-        shapes.push_back(std::make_unique<Shape>(arguments...));
-        return static_cast<Shape*>(shapes.back().get());
-    }
-
-    btRigidBody* Add(btScalar mass, const btVector3& place, btCollisionShape* shape)
-    {
-        btVector3 inertia(0, 0, 0);
-        if (mass > 0)
-            shape->calculateLocalInertia(mass, inertia);
-        auto body = std::make_unique<btRigidBody>(mass, nullptr, shape, inertia);
-        body->setWorldTransform(btTransform(btQuaternion::getIdentity(), place));
-        world.addRigidBody(body.get());
-        objects.push_back(std::move(body));
-        return static_cast<btRigidBody*>(objects.back().get());
     }
 
     btPairCachingGhostObject* AddGhost(const btVector3& place, btCollisionShape* shape)
@@ -66,52 +29,24 @@ struct World
         ghost->setCollisionShape(shape);
         ghost->setCollisionFlags(btCollisionObject::CF_NO_CONTACT_RESPONSE);
         ghost->setWorldTransform(btTransform(btQuaternion::getIdentity(), place));
-        world.addCollisionObject(ghost.get(), btBroadphaseProxy::SensorTrigger,
-                                 btBroadphaseProxy::AllFilter & ~btBroadphaseProxy::SensorTrigger);
-        objects.push_back(std::move(ghost));
-        return static_cast<btPairCachingGhostObject*>(objects.back().get());
+        btPairCachingGhostObject* added = ghost.get();
+        AddObject(std::move(ghost), btBroadphaseProxy::SensorTrigger,
+                  btBroadphaseProxy::AllFilter & ~btBroadphaseProxy::SensorTrigger);
+        return added;
     }
 
-    void Remove(btCollisionObject* object)
+    btCollisionShape* MakeHills()
     {
-        if (btRigidBody* body = btRigidBody::upcast(object))
-            world.removeRigidBody(body);
-        else
-            world.removeCollisionObject(object);
-        objects.erase(std::find_if(objects.begin(), objects.end(), [&](const auto& o) { return o.get() == object; }));
+        hills =
+            std::make_unique<qcHills>(12, btScalar(2), [](int i, int j) { return btScalar((i * 7 + j * 5) % 4) / 4; });
+        return Make<btBvhTriangleMeshShape>(&hills->mesh, true);
     }
 
-    void Step()
-    {
-        world.stepSimulation(btScalar(1) / 60, 0);
-    }
-
-    /// Hills of triangles.
-    btCollisionShape* MakeGround()
-    {
-        const int n = 12;
-        for (int i = 0; i <= n; i++)
-            for (int j = 0; j <= n; j++)
-                for (btScalar x : {btScalar(2 * i - n), btScalar((i * 7 + j * 5) % 4) / 4, btScalar(2 * j - n)})
-                    ground.push_back(x);
-        for (int i = 0; i < n; i++)
-            for (int j = 0; j < n; j++)
-            {
-                int a = i * (n + 1) + j, b = a + n + 1;
-                for (int index : {a, a + 1, b, b, a + 1, b + 1})
-                    groundIndices.push_back(index);
-            }
-        meshes.push_back(std::make_unique<btTriangleIndexVertexArray>(
-            int(groundIndices.size() / 3), groundIndices.data(), int(3 * sizeof(int)), int(ground.size() / 3),
-            ground.data(), int(3 * sizeof(btScalar))));
-        return Make<btBvhTriangleMeshShape>(meshes.back().get(), true);
-    }
-
-    /// All kinds of shapes falling on hills over a plane, past a sensor.
+    /// Shapes of all kinds that fall on hills over a plane, past a sensor.
     void FillWithEverything(bool compounds = true)
     {
-        Add(0, btVector3(0, -5, 0), Make<btStaticPlaneShape>(btVector3(0, 1, 0), btScalar(0)));
-        Add(0, btVector3(0, 0, 0), MakeGround());
+        AddBody(0, btVector3(0, -5, 0), Make<btStaticPlaneShape>(btVector3(0, 1, 0), btScalar(0)));
+        AddBody(0, btVector3(0, 0, 0), MakeHills());
         AddGhost(btVector3(0, 3, 0), Make<btBoxShape>(btVector3(3, 1, 3)));
         btCompoundShape* dumbbell = Make<btCompoundShape>();
         btCollisionShape* ball = Make<btSphereShape>(btScalar(0.4));
@@ -124,15 +59,16 @@ struct World
         for (int i = 0; i < 60; i++)
         {
             btVector3 place = qcRandomPoint(&random, 8) + btVector3(-4, 3, -4);
-            Add(1, place, kinds[i % 4])->setLinearVelocity(qcRandomPoint(&random, 4) - btVector3(2, 2, 2));
+            AddBody(1, place, kinds[i % 4])->setLinearVelocity(qcRandomPoint(&random, 4) - btVector3(2, 2, 2));
         }
     }
 
-    /// Bodies come and go between two steps; the same ones in every world.
+    /// Adds and removes bodies between two steps, equal ones in every world.
     void ComeAndGo(int step)
     {
         if (step % 10 == 3)
-            Add(1, btVector3(btScalar(step % 7) - 3, 9, btScalar(step % 5) - 2), shapes[size_t(4 + step % 2)].get());
+            AddBody(1, btVector3(btScalar(step % 7) - 3, 9, btScalar(step % 5) - 2),
+                    shapes[size_t(4 + step % 2)].get());
         if (step % 15 == 8)
             Remove(objects[5 + size_t(step) % (objects.size() - 5)].get());
     }
@@ -142,7 +78,7 @@ struct World
 std::vector<qcIdPair> TruePairs(World& world)
 {
     std::vector<qcIdPair> pairs;
-    const btBroadphasePairArray& array = world.world.getPairCache()->getOverlappingPairArray();
+    const btBroadphasePairArray& array = world.world->getPairCache()->getOverlappingPairArray();
     for (int i = 0; i < array.size(); i++)
     {
         const btBroadphaseProxy *a = array[i].m_pProxy0, *b = array[i].m_pProxy1;
@@ -153,7 +89,7 @@ std::vector<qcIdPair> TruePairs(World& world)
     return pairs;
 }
 
-/// btDbvtBroadphase, given the boxes of another world's proxies.
+/// A btDbvtBroadphase with the boxes of another world's proxies.
 struct Shadow
 {
     btDbvtBroadphase broadphase;
@@ -168,9 +104,9 @@ struct Shadow
     std::vector<qcIdPair> Follow(World& world)
     {
         std::map<int, btBroadphaseProxy*> gone = proxies;
-        for (int i = 0; i < world.world.getNumCollisionObjects(); i++)
+        for (int i = 0; i < world.world->getNumCollisionObjects(); i++)
         {
-            const btBroadphaseProxy* theirs = world.world.getCollisionObjectArray()[i]->getBroadphaseHandle();
+            const btBroadphaseProxy* theirs = world.world->getCollisionObjectArray()[i]->getBroadphaseHandle();
             gone.erase(theirs->m_uniqueId);
             btBroadphaseProxy*& mine = proxies[theirs->m_uniqueId];
             if (mine == nullptr)
@@ -200,7 +136,7 @@ struct Shadow
     }
 };
 
-/// What the sensor holds, as unique ids, beside what the pair cache says.
+/// The sensor's overlaps are those of the pair cache.
 void CheckGhost(World& world)
 {
     auto* ghost = static_cast<btPairCachingGhostObject*>(world.objects[2].get());
@@ -208,7 +144,7 @@ void CheckGhost(World& world)
     std::vector<int> inside, expected;
     for (int i = 0; i < ghost->getNumOverlappingObjects(); i++)
         inside.push_back(ghost->getOverlappingObject(i)->getBroadphaseHandle()->m_uniqueId);
-    for (const qcIdPair& pair : qcPairsIn(world.world.getPairCache()))
+    for (const qcIdPair& pair : qcPairsIn(world.world->getPairCache()))
         if (pair.first == id || pair.second == id)
             expected.push_back(pair.first == id ? pair.second : pair.first);
     std::sort(inside.begin(), inside.end());
@@ -227,7 +163,7 @@ START_TEST(in_each_step_of_a_world_the_pairs_are_those_that_bullet_finds)
     for (int step = 0; step < 200; step++)
     {
         world.Step();
-        std::vector<qcIdPair> held = qcPairsIn(world.world.getPairCache());
+        std::vector<qcIdPair> held = qcPairsIn(world.world->getPairCache());
         CHECK_QUICKLY(held == shadow.Follow(world));
         CheckGhost(world);
         seen += held.size();
@@ -236,7 +172,7 @@ START_TEST(in_each_step_of_a_world_the_pairs_are_those_that_bullet_finds)
         world.ComeAndGo(step);
     }
     ck_assert_uint_gt(seen, 10000);
-    ck_assert_int_gt(world.dispatcher.getNumManifolds(), 30);
+    ck_assert_int_gt(world.dispatcher->getNumManifolds(), 30);
     ck_assert(slept);
 }
 END_TEST
@@ -246,10 +182,10 @@ START_TEST(a_world_moves_as_it_does_on_btDbvtBroadphase)
     World ours(new qcBroadphase), theirs(new btDbvtBroadphase);
     for (World* world : {&ours, &theirs})
     {
-        // A compound has several manifolds in a pair, which Bullet's deterministic order leaves in the order of their
-        // making.
+        // The several manifolds of a compound's pair stay in the order of their creation, even in Bullet's
+        // deterministic order.
         world->FillWithEverything(false);
-        // Bullet's tree holds pairs that no longer overlap, and bodies go to sleep pair by pair: later there than here.
+        // Bullet's tree keeps pairs that no longer overlap. Islands are built from pairs, so bodies sleep later there.
         for (auto& object : world->objects)
             object->setActivationState(DISABLE_DEACTIVATION);
     }
@@ -295,10 +231,10 @@ START_TEST(rays_and_sweeps_hit_what_they_hit_on_btDbvtBroadphase)
         {
             World& world = w ? theirs : ours;
             btCollisionWorld::ClosestRayResultCallback ray(from, to);
-            world.world.rayTest(from, to, ray);
+            world.world->rayTest(from, to, ray);
             btCollisionWorld::ClosestConvexResultCallback sweep(from, to);
-            world.world.convexSweepTest(&ball, btTransform(btQuaternion::getIdentity(), from),
-                                        btTransform(btQuaternion::getIdentity(), to), sweep);
+            world.world->convexSweepTest(&ball, btTransform(btQuaternion::getIdentity(), from),
+                                         btTransform(btQuaternion::getIdentity(), to), sweep);
             hit[w][0] = ray.m_collisionObject;
             hit[w][1] = sweep.m_hitCollisionObject;
             fraction[w][0] = ray.m_closestHitFraction;
@@ -306,7 +242,7 @@ START_TEST(rays_and_sweeps_hit_what_they_hit_on_btDbvtBroadphase)
         }
         for (int kind = 0; kind < 2; kind++)
         {
-            // The order of the visits differs, and what is hit within rounding of the nearest.
+            // The order of visits differs, so nearest hits are equal up to rounding.
             CHECK_QUICKLY(btFabs(fraction[0][kind] - fraction[1][kind]) < btScalar(1e-4));
             CHECK_QUICKLY((hit[0][kind] == nullptr) == (hit[1][kind] == nullptr));
             if (hit[0][kind] == nullptr)
@@ -320,29 +256,29 @@ START_TEST(rays_and_sweeps_hit_what_they_hit_on_btDbvtBroadphase)
 }
 END_TEST
 
-START_TEST(manifolds_go_when_bodies_part_and_when_they_are_removed)
+START_TEST(manifolds_end_when_bodies_separate_and_when_they_are_removed)
 {
     World world(new qcBroadphase);
     btCollisionShape* box = world.Make<btBoxShape>(btVector3(1, 1, 1));
-    world.Add(0, btVector3(0, 0, 0), box);
-    btRigidBody* body = world.Add(1, btVector3(0, btScalar(1.9), 0), box);
+    world.AddBody(0, btVector3(0, 0, 0), box);
+    btRigidBody* body = world.AddBody(1, btVector3(0, btScalar(1.9), 0), box);
     world.Step();
-    ck_assert_int_eq(world.dispatcher.getNumManifolds(), 1);
+    ck_assert_int_eq(world.dispatcher->getNumManifolds(), 1);
     body->setWorldTransform(btTransform(btQuaternion::getIdentity(), btVector3(0, 50, 0)));
     world.Step();
-    ck_assert_int_eq(world.dispatcher.getNumManifolds(), 0);
+    ck_assert_int_eq(world.dispatcher->getNumManifolds(), 0);
     body->setWorldTransform(btTransform(btQuaternion::getIdentity(), btVector3(0, btScalar(1.9), 0)));
     world.Step();
-    ck_assert_int_eq(world.dispatcher.getNumManifolds(), 1);
+    ck_assert_int_eq(world.dispatcher->getNumManifolds(), 1);
     // A mask changed behind Bullet's back.
     body->getBroadphaseHandle()->m_collisionFilterMask = 0;
     world.Step();
-    ck_assert_int_eq(world.dispatcher.getNumManifolds(), 0);
+    ck_assert_int_eq(world.dispatcher->getNumManifolds(), 0);
     body->getBroadphaseHandle()->m_collisionFilterMask = -1;
     world.Step();
-    ck_assert_int_eq(world.dispatcher.getNumManifolds(), 1);
+    ck_assert_int_eq(world.dispatcher->getNumManifolds(), 1);
     world.Remove(body);
-    ck_assert_int_eq(world.dispatcher.getNumManifolds(), 0);
+    ck_assert_int_eq(world.dispatcher->getNumManifolds(), 0);
 }
 END_TEST
 
@@ -351,7 +287,7 @@ namespace
 World* s_world;
 int s_removed, s_added;
 
-/// Removes one of the two, now and then, and adds another body: as an application may that breaks things.
+/// Now and then removes one of the two and adds another body, as an application with fracture may.
 void NearCallback(btBroadphasePair& pair, btCollisionDispatcher& dispatcher, const btDispatcherInfo& info)
 {
     auto* a = static_cast<btCollisionObject*>(pair.m_pProxy0->m_clientObject);
@@ -369,34 +305,34 @@ void NearCallback(btBroadphasePair& pair, btCollisionDispatcher& dispatcher, con
 void TickCallback(btDynamicsWorld*, btScalar)
 {
     // In mid-step: Bullet's fracture world makes its pieces there.
-    s_world->Add(1, btVector3(btScalar(s_added % 5), 6, btScalar(s_added % 3)), s_world->shapes[4].get());
+    s_world->AddBody(1, btVector3(btScalar(s_added % 5), 6, btScalar(s_added % 3)), s_world->shapes[4].get());
     s_added++;
     s_world->Remove(s_world->objects[5 + size_t(s_added * 7) % (s_world->objects.size() - 5)].get());
 }
 } // namespace
 
-START_TEST(bodies_may_be_destroyed_and_made_in_callbacks_of_the_world)
+START_TEST(bodies_may_be_destroyed_and_created_in_callbacks_of_the_world)
 {
     World world(new qcBroadphase);
     Shadow shadow;
     s_world = &world;
     world.FillWithEverything();
     // Sorted traversal keeps indices of pairs that a removal makes invalid.
-    world.world.getDispatchInfo().m_deterministicOverlappingPairs = false;
-    world.dispatcher.setNearCallback(NearCallback);
-    world.world.setInternalTickCallback(TickCallback);
+    world.world->getDispatchInfo().m_deterministicOverlappingPairs = false;
+    world.dispatcher->setNearCallback(NearCallback);
+    world.dynamics->setInternalTickCallback(TickCallback);
     for (int step = 0; step < 150; step++)
     {
         if (step % 4 == 0)
-            world.Add(1, btVector3(btScalar(step % 7) - 3, 5, btScalar(step % 5) - 2), world.shapes[5].get());
+            world.AddBody(1, btVector3(btScalar(step % 7) - 3, 5, btScalar(step % 5) - 2), world.shapes[5].get());
         world.Step();
-        for (const qcIdPair& pair : qcPairsIn(world.world.getPairCache()))
+        for (const qcIdPair& pair : qcPairsIn(world.world->getPairCache()))
             for (int id : {pair.first, pair.second})
                 CHECK_QUICKLY(std::any_of(world.objects.begin(), world.objects.end(),
                                           [&](const auto& object)
                                           { return object->getBroadphaseHandle()->m_uniqueId == id; }));
-        world.world.getBroadphase()->calculateOverlappingPairs(&world.dispatcher);
-        CHECK_QUICKLY(qcPairsIn(world.world.getPairCache()) == shadow.Follow(world));
+        world.world->getBroadphase()->calculateOverlappingPairs(world.dispatcher.get());
+        CHECK_QUICKLY(qcPairsIn(world.world->getPairCache()) == shadow.Follow(world));
     }
     ck_assert_int_gt(s_removed, 10);
     ck_assert_int_eq(s_added, 150);
@@ -408,36 +344,36 @@ START_TEST(a_character_walks_as_on_btAxisSweep3)
     btTransform path[2][240];
     for (int w = 0; w < 2; w++)
     {
-        // Boxes there are as exact as ours. On btDbvtBroadphase, a character also sees what is only near its box.
+        // btAxisSweep3 has exact boxes, too. On btDbvtBroadphase a character also overlaps bodies that are only near.
         btBroadphaseInterface* sweep = nullptr;
         if (w == 1)
             sweep = new bt32BitAxisSweep3(btVector3(-60, -60, -60), btVector3(60, 60, 60));
         World world(sweep != nullptr ? sweep : new qcBroadphase);
         btCollisionShape* box = world.Make<btBoxShape>(btVector3(btScalar(0.5), btScalar(0.5), btScalar(0.5)));
-        world.Add(0, btVector3(0, -1, 0), world.Make<btBoxShape>(btVector3(50, 1, 50)));
+        world.AddBody(0, btVector3(0, -1, 0), world.Make<btBoxShape>(btVector3(50, 1, 50)));
         // Stairs, then a wall.
         for (int i = 0; i < 8; i++)
-            world.Add(0, btVector3(2 + btScalar(i) / 2, btScalar(i) / 5 - btScalar(0.4), 0), box);
-        world.Add(0, btVector3(8, 2, 0), world.Make<btBoxShape>(btVector3(1, 3, 3)));
+            world.AddBody(0, btVector3(2 + btScalar(i) / 2, btScalar(i) / 5 - btScalar(0.4), 0), box);
+        world.AddBody(0, btVector3(8, 2, 0), world.Make<btBoxShape>(btVector3(1, 3, 3)));
         btPairCachingGhostObject ghost;
         btCapsuleShape capsule(btScalar(0.3), 1);
         ghost.setCollisionShape(&capsule);
         ghost.setCollisionFlags(btCollisionObject::CF_CHARACTER_OBJECT);
         ghost.setWorldTransform(btTransform(btQuaternion::getIdentity(), btVector3(0, 1, 0)));
         btKinematicCharacterController character(&ghost, &capsule, btScalar(0.35), btVector3(0, 1, 0));
-        world.world.addCollisionObject(&ghost, btBroadphaseProxy::CharacterFilter, btBroadphaseProxy::AllFilter);
-        world.world.addAction(&character);
+        world.world->addCollisionObject(&ghost, btBroadphaseProxy::CharacterFilter, btBroadphaseProxy::AllFilter);
+        world.dynamics->addAction(&character);
         for (int step = 0; step < 240; step++)
         {
-            // Forward, then aside; and once put by hand into the stairs.
+            // Forward, then aside, and once moved by hand into the stairs.
             character.setWalkDirection(step < 150 ? btVector3(btScalar(0.05), 0, 0) : btVector3(0, 0, btScalar(0.05)));
             if (step == 200)
                 character.warp(btVector3(4, btScalar(0.9), 0));
             world.Step();
             path[w][step] = ghost.getWorldTransform();
         }
-        world.world.removeAction(&character);
-        world.world.removeCollisionObject(&ghost);
+        world.dynamics->removeAction(&character);
+        world.world->removeCollisionObject(&ghost);
     }
     for (int step = 0; step < 240; step++)
         CHECK_QUICKLY(path[0][step].getOrigin().distance(path[1][step].getOrigin()) < btScalar(1e-5));
@@ -446,20 +382,20 @@ START_TEST(a_character_walks_as_on_btAxisSweep3)
 }
 END_TEST
 
-START_TEST(a_sensor_put_elsewhere_by_hand_sees_at_once_what_is_there)
+START_TEST(a_sensor_moved_by_hand_has_its_new_overlaps_at_once)
 {
     World world(new qcBroadphase);
     btCollisionShape* box = world.Make<btBoxShape>(btVector3(1, 1, 1));
     for (int i = 0; i < 50; i++)
-        world.Add(1, btVector3(btScalar(5 * i), 0, 0), box);
+        world.AddBody(1, btVector3(btScalar(5 * i), 0, 0), box);
     btPairCachingGhostObject* sensor = world.AddGhost(btVector3(0, 50, 0), box);
     world.Step();
     ck_assert_int_eq(sensor->getNumOverlappingObjects(), 0);
     sensor->setWorldTransform(btTransform(btQuaternion::getIdentity(), btVector3(100, 0, 0)));
-    world.world.updateSingleAabb(sensor);
+    world.world->updateSingleAabb(sensor);
     ck_assert_int_eq(sensor->getNumOverlappingObjects(), 1);
-    world.dispatcher.dispatchAllCollisionPairs(sensor->getOverlappingPairCache(), world.world.getDispatchInfo(),
-                                               &world.dispatcher);
+    world.dispatcher->dispatchAllCollisionPairs(sensor->getOverlappingPairCache(), world.world->getDispatchInfo(),
+                                                world.dispatcher.get());
     btManifoldArray manifolds;
     sensor->getOverlappingPairCache()->getOverlappingPairArray()[0].m_algorithm->getAllContactManifolds(manifolds);
     ck_assert_int_eq(manifolds.size(), 1);
@@ -470,9 +406,9 @@ END_TEST
 START_TEST(a_fast_ball_with_continuous_detection_does_not_pass_a_wall)
 {
     World world(new qcBroadphase);
-    world.world.setGravity(btVector3(0, 0, 0));
-    world.Add(0, btVector3(0, 0, 0), world.Make<btBoxShape>(btVector3(btScalar(0.05), 5, 5)));
-    btRigidBody* ball = world.Add(1, btVector3(-10, 0, 0), world.Make<btSphereShape>(btScalar(0.2)));
+    world.dynamics->setGravity(btVector3(0, 0, 0));
+    world.AddBody(0, btVector3(0, 0, 0), world.Make<btBoxShape>(btVector3(btScalar(0.05), 5, 5)));
+    btRigidBody* ball = world.AddBody(1, btVector3(-10, 0, 0), world.Make<btSphereShape>(btScalar(0.2)));
     ball->setLinearVelocity(btVector3(500, 0, 0));
     ball->setCcdMotionThreshold(btScalar(0.1));
     ball->setCcdSweptSphereRadius(btScalar(0.15));
@@ -482,7 +418,7 @@ START_TEST(a_fast_ball_with_continuous_detection_does_not_pass_a_wall)
 }
 END_TEST
 
-START_TEST(a_contact_test_sees_a_body_at_once_after_it_was_added)
+START_TEST(a_contact_test_finds_a_body_right_after_it_was_added)
 {
     struct Counter : btCollisionWorld::ContactResultCallback
     {
@@ -496,20 +432,20 @@ START_TEST(a_contact_test_sees_a_body_at_once_after_it_was_added)
     };
     World world(new qcBroadphase);
     btCollisionShape* box = world.Make<btBoxShape>(btVector3(1, 1, 1));
-    btRigidBody* first = world.Add(1, btVector3(0, 0, 0), box);
+    btRigidBody* first = world.AddBody(1, btVector3(0, 0, 0), box);
     Counter none, some;
-    world.world.contactTest(first, none);
+    world.world->contactTest(first, none);
     ck_assert_int_eq(none.count, 0);
-    world.Add(1, btVector3(1, 0, 0), box);
-    world.world.contactTest(first, some);
+    world.AddBody(1, btVector3(1, 0, 0), box);
+    world.world->contactTest(first, some);
     ck_assert_int_gt(some.count, 0);
 }
 END_TEST
 
 QC_RUN_TESTS("broadphase in worlds", in_each_step_of_a_world_the_pairs_are_those_that_bullet_finds,
              a_world_moves_as_it_does_on_btDbvtBroadphase, rays_and_sweeps_hit_what_they_hit_on_btDbvtBroadphase,
-             manifolds_go_when_bodies_part_and_when_they_are_removed,
-             bodies_may_be_destroyed_and_made_in_callbacks_of_the_world, a_character_walks_as_on_btAxisSweep3,
-             a_sensor_put_elsewhere_by_hand_sees_at_once_what_is_there,
+             manifolds_end_when_bodies_separate_and_when_they_are_removed,
+             bodies_may_be_destroyed_and_created_in_callbacks_of_the_world, a_character_walks_as_on_btAxisSweep3,
+             a_sensor_moved_by_hand_has_its_new_overlaps_at_once,
              a_fast_ball_with_continuous_detection_does_not_pass_a_wall,
-             a_contact_test_sees_a_body_at_once_after_it_was_added)
+             a_contact_test_finds_a_body_right_after_it_was_added)

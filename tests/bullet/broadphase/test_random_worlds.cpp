@@ -1,5 +1,5 @@
 // Random worlds on qcBroadphase: in each step the pairs that brute force finds, the hits of btDbvtBroadphase, and the
-// same world twice. QC_TEST_WORLDS in the environment says how many (CK_TIMEOUT_MULTIPLIER gives them the time).
+// equal results in two runs. The environment's QC_TEST_WORLDS sets their number (CK_TIMEOUT_MULTIPLIER, the time).
 #include "bullet/broadphase/random_worlds.h"
 #include "bullet/broadphase/watched_broadphase.h"
 
@@ -23,7 +23,7 @@ qcWorldKind KindOf(int seed)
 
 struct Life
 {
-    std::vector<uint64_t> steps; ///< hashes of all places and velocities
+    std::vector<uint64_t> steps; ///< hashes of all transforms and velocities
     uint64_t order = 0;          ///< hash of all pairs, in their order
     size_t pairs = 0, hits = 0;
 };

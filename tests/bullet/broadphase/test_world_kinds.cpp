@@ -1,11 +1,11 @@
-// qcBroadphase in each kind of world that Bullet has: the pairs of every step beside brute force, while bodies and
-// cloth fall, and while callbacks of all kinds make and destroy bodies.
+// qcBroadphase in each kind of Bullet world: the pairs of every step compared with brute force, while bodies and cloth
+// fall, and while callbacks of all kinds create and destroy bodies.
 #include "bullet/broadphase/watched_broadphase.h"
 #include "bullet/broadphase/world_kinds.h"
 
 namespace
 {
-/// Boxes over a floor, and a cloth where the kind of world takes one.
+/// Boxes over a floor, and a cloth where the kind of world has one.
 void Fill(qcWorld& world)
 {
     world.AddBody(0, btVector3(0, -1, 0), world.Make<btBoxShape>(btVector3(20, 1, 20)));
@@ -50,7 +50,7 @@ END_TEST
 
 namespace
 {
-/// Makes and destroys bodies from within callbacks.
+/// Creates and destroys bodies in callbacks.
 struct Chaos
 {
     qcWorld* world;
@@ -61,7 +61,7 @@ struct Chaos
 
     void Strike(const btCollisionObject* spareA = nullptr, const btCollisionObject* spareB = nullptr)
     {
-        // What is made here asks the filter, which would strike again.
+        // New bodies are filtered, and the filter calls this function again.
         if (busy)
             return;
         busy = true;
@@ -84,7 +84,7 @@ struct Chaos
     }
 };
 
-/// By which callback.
+/// The callback that strikes.
 enum Moment
 {
     beforeTick,
@@ -106,13 +106,13 @@ void Tick(btDynamicsWorld*, btScalar)
 bool ContactAdded(btManifoldPoint&, const btCollisionObjectWrapper* a, int, int, const btCollisionObjectWrapper* b, int,
                   int)
 {
-    // Bullet's algorithm still works on these two.
+    // Bullet's algorithm still uses these two.
     if (s_contactsAdded++ % 20 == 0)
         s_chaos->Strike(a->getCollisionObject(), b->getCollisionObject());
     return false;
 }
 
-/// In mid-step, after the solver: Bullet's fracture world makes its pieces there.
+/// In mid-step, after the solver, where Bullet's fracture world makes its pieces.
 struct Action : btActionInterface
 {
     void updateAction(btCollisionWorld*, btScalar) override
@@ -124,7 +124,7 @@ struct Action : btActionInterface
     }
 };
 
-/// Agrees as groups and masks do.
+/// Accepts the pairs that groups and masks accept.
 struct Filter : btOverlapFilterCallback
 {
     mutable int calls = 0;
@@ -172,7 +172,7 @@ void RunWith(qcWorldKind kind, Moment moment)
 }
 } // namespace
 
-START_TEST(bodies_may_be_made_and_destroyed_in_callbacks_of_every_kind_of_world)
+START_TEST(bodies_may_be_created_and_destroyed_in_callbacks_of_every_kind_of_world)
 {
     for (int kind = 0; kind < qc_worldKindCount; kind++)
         for (int moment = 0; moment < momentCount; moment++)
@@ -189,4 +189,4 @@ START_TEST(bodies_may_be_made_and_destroyed_in_callbacks_of_every_kind_of_world)
 END_TEST
 
 QC_RUN_TESTS("broadphase in kinds of worlds", every_kind_of_world_holds_the_pairs_of_brute_force_in_each_step,
-             bodies_may_be_made_and_destroyed_in_callbacks_of_every_kind_of_world)
+             bodies_may_be_created_and_destroyed_in_callbacks_of_every_kind_of_world)

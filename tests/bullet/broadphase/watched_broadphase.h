@@ -1,5 +1,5 @@
-// A qcBroadphase that compares its pairs with brute force each time that they are calculated, over the boxes that it
-// was told: whatever world it is in, none of its steps is left out.
+// A qcBroadphase that compares its pairs with brute force over the boxes that were set, each time that pairs are
+// calculated: in every step of any world.
 #ifndef QC_TESTS_BULLET_BROADPHASE_WATCHED_BROADPHASE_H
 #define QC_TESTS_BULLET_BROADPHASE_WATCHED_BROADPHASE_H
 
@@ -10,9 +10,9 @@
 class qcWatchedBroadphase : public qcBroadphase
 {
   public:
-    size_t comparisons = 0; ///< times that pairs were calculated
-    size_t pairs = 0;       ///< all that were held then
-    uint64_t order = 0;     ///< a hash of all of them, in the order of the cache
+    size_t comparisons = 0; ///< number of times that pairs were calculated
+    size_t pairs = 0;       ///< sum of the numbers of pairs held then
+    uint64_t order = 0;     ///< hash of all these pairs, in the order of the cache
 
     btBroadphaseProxy* createProxy(const btVector3& aabbMin, const btVector3& aabbMax, int shapeType, void* userPtr,
                                    int group, int mask, btDispatcher* dispatcher) override
@@ -32,9 +32,9 @@ class qcWatchedBroadphase : public qcBroadphase
     void setAabb(btBroadphaseProxy* proxy, const btVector3& aabbMin, const btVector3& aabbMax,
                  btDispatcher* dispatcher) override
     {
-        auto told = m_boxes.find(proxy->m_uniqueId);
-        CHECK_QUICKLY(told != m_boxes.end());
-        told->second = {proxy, aabbMin, aabbMax, m_calculating};
+        auto box = m_boxes.find(proxy->m_uniqueId);
+        CHECK_QUICKLY(box != m_boxes.end());
+        box->second = {proxy, aabbMin, aabbMax, m_calculating};
         qcBroadphase::setAabb(proxy, aabbMin, aabbMax, dispatcher);
     }
 
@@ -49,11 +49,11 @@ class qcWatchedBroadphase : public qcBroadphase
     }
 
   private:
-    struct Told
+    struct Box
     {
         btBroadphaseProxy* proxy;
         btVector3 aabbMin, aabbMax;
-        bool late; ///< while pairs were calculated, by a callback: it counts from the next time on
+        bool late; ///< set by a callback while pairs were calculated: takes effect the next time
     };
 
     void Compare()
@@ -73,8 +73,8 @@ class qcWatchedBroadphase : public qcBroadphase
                 if (!late && !std::binary_search(other.begin(), other.end(), pair))
                     ck_abort_msg("pair %d %d is %s", pair.first, pair.second, list == &held ? "too many" : "missing");
             }
-        for (auto& [id, told] : m_boxes)
-            told.late = false;
+        for (auto& [id, box] : m_boxes)
+            box.late = false;
         const btBroadphasePairArray& array = getOverlappingPairCache()->getOverlappingPairArray();
         for (int i = 0; i < array.size(); i++)
             for (const btBroadphaseProxy* proxy : {array[i].m_pProxy0, array[i].m_pProxy1})
@@ -83,14 +83,14 @@ class qcWatchedBroadphase : public qcBroadphase
         pairs += held.size();
     }
 
-    /// A filter callback that counts its calls, say, is not asked by us.
+    /// By groups and masks only: a filter callback may count its calls.
     static bool Agree(const btBroadphaseProxy* a, const btBroadphaseProxy* b)
     {
         return (a->m_collisionFilterGroup & b->m_collisionFilterMask) != 0 &&
                (b->m_collisionFilterGroup & a->m_collisionFilterMask) != 0;
     }
 
-    std::map<int, Told> m_boxes; ///< by unique id
+    std::map<int, Box> m_boxes; ///< by unique id
     bool m_calculating = false;
 };
 

@@ -23,7 +23,7 @@ const char* const qcWorldKindNames[qc_worldKindCount] = {
 
 namespace
 {
-/// A Bullet without threads has none of its own but the sequential one.
+/// A Bullet without threads has only the sequential scheduler.
 btITaskScheduler* TaskScheduler()
 {
     static btITaskScheduler* s_scheduler = btCreateDefaultTaskScheduler();
@@ -88,7 +88,7 @@ qcWorld::qcWorld(qcWorldKind kind, btBroadphaseInterface* made)
         }
     }
     world->getPairCache()->setInternalGhostPairCallback(&ghostPairs);
-    // Bullet's order of the solver's contacts, too.
+    // So that the solver's contacts have the same order in all runs.
     world->getDispatchInfo().m_deterministicOverlappingPairs = true;
     if (dynamics != nullptr)
         dynamics->setGravity(btVector3(0, -10, 0));

@@ -1,4 +1,4 @@
-// Each kind of world that Bullet has, with all that it needs, on any broadphase.
+// Each kind of Bullet world, with its parts, on any broadphase.
 #ifndef QC_TESTS_BULLET_BROADPHASE_WORLD_KINDS_H
 #define QC_TESTS_BULLET_BROADPHASE_WORLD_KINDS_H
 
@@ -24,7 +24,7 @@ extern const char* const qcWorldKindNames[qc_worldKindCount];
 class qcWorld
 {
   public:
-    /// Takes the broadphase over.
+    /// Takes ownership of the broadphase.
     qcWorld(qcWorldKind kind, btBroadphaseInterface* broadphase);
     ~qcWorld();
     qcWorld(const qcWorld&) = delete;
@@ -39,11 +39,11 @@ class qcWorld
     /// A rigid body; mass 0: static.
     btRigidBody* AddBody(btScalar mass, const btTransform& place, btCollisionShape* shape, int group, int mask);
     btRigidBody* AddBody(btScalar mass, const btVector3& place, btCollisionShape* shape);
-    /// Takes the object over.
+    /// Takes ownership of the object.
     void AddObject(std::unique_ptr<btCollisionObject> object, int group, int mask);
-    /// A piece of cloth, or null if this kind of world takes none.
+    /// A piece of cloth; null if this kind of world has none.
     btSoftBody* AddCloth(const btVector3& centre);
-    /// And destroys it.
+    /// Removes and destroys it.
     void Remove(btCollisionObject* object);
     /// One sixtieth of a second. A btCollisionWorld moves bodies by their velocities alone.
     void Step();

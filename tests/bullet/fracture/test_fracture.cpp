@@ -1,5 +1,5 @@
-// Pieces of a broken mesh are closed, lie in their cells, fill the mesh, keep its momentum; what can't be broken is
-// refused with its place.
+// Pieces of a broken mesh are closed, lie in their cells, fill the mesh and keep its momentum; bad input is refused
+// with the place of the defect.
 #include "quickcullide/bullet_fracture.h"
 #include "quickcullide/bullet_mesh.h"
 
@@ -25,7 +25,7 @@ const double s_rounding = sizeof(btScalar) == sizeof(float) ? 2e-6 : 1e-12;
 /// How far a piece leaves its cell.
 double Excess(const qcFractureDef& def, const qcPiece& piece)
 {
-    double most = 0;
+    double max = 0;
     const btVector3& site = def.sites[piece.site];
     for (const btVector3& vertex : piece.vertices)
         for (const btVector3& other : def.sites)
@@ -33,12 +33,12 @@ double Excess(const qcFractureDef& def, const qcPiece& piece)
             btVector3 across = other - site, at = piece.frame * vertex - (site + other) / 2;
             double length = double(across.length());
             if (length > 0)
-                most = std::max(most, double(at.dot(across)) / length);
+                max = std::max(max, double(at.dot(across)) / length);
         }
-    return most;
+    return max;
 }
 
-/// The least height of a triangle, and the greatest turn at an edge, as the cosine between two normals.
+/// The minimum height of a triangle, and the minimum cosine between the normals at an edge.
 void MeasureTriangles(const qcPiece& piece, double* height, double* cosine)
 {
     std::map<std::pair<uint32_t, uint32_t>, btVector3> normals;
@@ -118,20 +118,20 @@ START_TEST(pieces_are_closed_lie_in_their_cells_and_fill_the_mesh)
 }
 END_TEST
 
-START_TEST(a_cell_that_holds_two_parts_makes_two_pieces)
+START_TEST(two_islands_in_a_cell_make_two_pieces)
 {
-    // Slabs across the ring: its two sides are parts of their own.
+    // Slabs across the ring: its two sides are islands.
     qcFractureDef torus = qcTorusToBreak(48, 12, 1, 0.25);
     for (int i = -2; i <= 2; i++)
         torus.sites.push_back(btVector3(0, btScalar(0.45 * i), 0));
     qcFracture fracture = qcFracture_Split(torus);
     ck_assert_int_eq(fracture.status, qc_statusOk);
-    std::map<uint32_t, int> partsOf;
+    std::map<uint32_t, int> piecesOf;
     for (const qcPiece& piece : fracture.pieces)
-        partsOf[piece.site]++;
-    ck_assert_int_eq(partsOf[2], 2);
-    ck_assert_int_eq(partsOf[0], 1);
-    ck_assert_int_eq(partsOf[4], 1);
+        piecesOf[piece.site]++;
+    ck_assert_int_eq(piecesOf[2], 2);
+    ck_assert_int_eq(piecesOf[0], 1);
+    ck_assert_int_eq(piecesOf[4], 1);
 }
 END_TEST
 
@@ -266,7 +266,7 @@ START_TEST(momentum_and_angular_momentum_are_kept)
         btVector3 orbit = (motion.transform.getOrigin() - body.getWorldTransform().getOrigin())
                               .cross(motion.linearVelocity * motion.mass);
         angular += spin + orbit;
-        // As Bullet has it: of a body's tensor it knows the diagonal.
+        // Bullet's bodies have the diagonal of the tensor only.
         mesh.calculateLocalInertia(motion.mass, inertia);
         angularOfBodies += basis * (inertia * (basis.transpose() * motion.angularVelocity)) + orbit;
     }
@@ -297,7 +297,7 @@ START_TEST(pieces_of_a_very_light_body_are_not_static)
 }
 END_TEST
 
-START_TEST(what_can_not_be_broken_is_refused_with_its_place)
+START_TEST(bad_input_is_refused_with_its_place)
 {
     qcFractureDef box = qcBoxToBreak(1, 1, 1), def = box;
     ExpectRefusal(def, "there is no site");
@@ -326,9 +326,9 @@ START_TEST(what_can_not_be_broken_is_refused_with_its_place)
 }
 END_TEST
 
-QC_RUN_TESTS("fracture", pieces_are_closed_lie_in_their_cells_and_fill_the_mesh,
-             a_cell_that_holds_two_parts_makes_two_pieces, cuts_through_vertices_and_along_faces_are_closed,
-             cuts_through_flat_sides_leave_no_flat_or_folded_triangle, triangles_back_to_back_are_dropped,
-             hollows_make_holes_in_cuts, the_same_input_gives_the_same_pieces_and_sites_gather_around_an_impact,
+QC_RUN_TESTS("fracture", pieces_are_closed_lie_in_their_cells_and_fill_the_mesh, two_islands_in_a_cell_make_two_pieces,
+             cuts_through_vertices_and_along_faces_are_closed, cuts_through_flat_sides_leave_no_flat_or_folded_triangle,
+             triangles_back_to_back_are_dropped, hollows_make_holes_in_cuts,
+             the_same_input_gives_the_same_pieces_and_sites_gather_around_an_impact,
              momentum_and_angular_momentum_are_kept, pieces_of_a_very_light_body_are_not_static,
-             what_can_not_be_broken_is_refused_with_its_place)
+             bad_input_is_refused_with_its_place)

@@ -238,7 +238,7 @@ START_TEST(meshes_far_from_the_origin_fall_into_pieces_that_fill_them)
 }
 END_TEST
 
-START_TEST(sites_that_are_too_far_away_to_matter_change_nothing)
+START_TEST(sites_too_far_away_to_matter_change_nothing)
 {
     for (const qcFractureDef& def : MakeCases(21))
     {
@@ -368,7 +368,7 @@ START_TEST(nearly_regular_lattices_of_sites_cut_pieces_that_fill_the_mesh)
 }
 END_TEST
 
-START_TEST(what_a_btscalar_or_double_can_not_hold_is_refused_with_its_place)
+START_TEST(input_beyond_the_range_of_btscalar_or_double_is_refused_with_its_place)
 {
     qcFractureDef def = qcBoxToBreak(1, 1, 1);
     def.sites = {btVector3(0, 0, 0), btVector3(1, 0, 0)};
@@ -399,12 +399,11 @@ END_TEST
 
 QC_RUN_TESTS("fracture scale", meshes_of_any_size_fall_into_pieces_that_fill_them,
              a_mesh_scaled_by_a_power_of_two_falls_into_the_pieces_scaled,
-             meshes_far_from_the_origin_fall_into_pieces_that_fill_them,
-             sites_that_are_too_far_away_to_matter_change_nothing,
+             meshes_far_from_the_origin_fall_into_pieces_that_fill_them, sites_too_far_away_to_matter_change_nothing,
              sites_that_are_all_far_away_cut_where_their_bisectors_lie,
              planes_between_distant_sites_are_rounded_only_once,
              sites_on_a_distant_sphere_cut_pieces_that_fill_the_mesh,
              random_sites_near_far_and_close_together_cut_pieces_that_fill_the_mesh,
              sites_however_close_to_each_other_have_a_cut_between_them,
              nearly_regular_lattices_of_sites_cut_pieces_that_fill_the_mesh,
-             what_a_btscalar_or_double_can_not_hold_is_refused_with_its_place)
+             input_beyond_the_range_of_btscalar_or_double_is_refused_with_its_place)

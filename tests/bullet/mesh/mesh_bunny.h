@@ -1,4 +1,4 @@
-// The Stanford bunny, coarse enough for a pile of it.
+// The Stanford bunny, coarse enough for piles.
 #ifndef QC_TESTS_BULLET_MESH_MESH_BUNNY_H
 #define QC_TESTS_BULLET_MESH_MESH_BUNNY_H
 
@@ -7,7 +7,7 @@
 #include "common/mesh_io/decimate.h"
 #include "common/mesh_io/mesh_file.h"
 
-/// About the centre of its mass, 1 high, of about as many triangles.
+/// Its origin is its centre of mass; 1 high, with about this many triangles.
 inline qcModel qcBunnyModel(const char* path, uint32_t triangles = 2000)
 {
     qcMesh mesh, coarse;

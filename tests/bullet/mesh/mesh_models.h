@@ -61,7 +61,7 @@ struct qcModel
         return shape;
     }
 
-    /// Refers to the model.
+    /// The interface refers to the model.
     std::unique_ptr<btTriangleIndexVertexArray> MakeInterface()
     {
         return std::unique_ptr<btTriangleIndexVertexArray>(new btTriangleIndexVertexArray(
@@ -120,7 +120,7 @@ inline qcModel qcBoxModel(const btVector3& half, int n)
     return model;
 }
 
-/// An icosahedron whose triangles were cut in four `levels` times, facing outwards.
+/// An icosahedron whose triangles are split in four `levels` times, facing outwards.
 inline qcModel qcSphereModel(double radius, int levels)
 {
     const double t = (1 + std::sqrt(5.0)) / 2;
@@ -168,7 +168,7 @@ inline qcModel qcSphereModel(double radius, int levels)
     return model;
 }
 
-/// Around the y axis: `radius` from its middle to the middle of the tube.
+/// Around the y axis; `radius`: from its centre to the centre of the tube.
 inline qcModel qcTorusModel(double radius, double tube, int around, int across)
 {
     qcModel model;

@@ -1,4 +1,4 @@
-// A Bullet world with contact of meshes, for tests: it owns what it is given, and steps.
+// A Bullet world with contact of meshes, for tests.
 #ifndef QC_TESTS_BULLET_MESH_MESH_WORLD_H
 #define QC_TESTS_BULLET_MESH_MESH_WORLD_H
 
@@ -21,7 +21,7 @@
 
 constexpr btScalar qcStep = btScalar(1.0 / 60);
 
-/// A world with contact of meshes and whatever is added; it owns what it is given.
+/// Owns its bodies, shapes and models.
 struct qcMeshWorld
 {
     qcMeshContact contact;
@@ -34,7 +34,7 @@ struct qcMeshWorld
     std::vector<std::unique_ptr<btCollisionShape>> shapes;
     std::vector<std::unique_ptr<qcModel>> models;
     std::vector<std::unique_ptr<btStridingMeshInterface>> interfaces;
-    double stepMs = 0; ///< of the last Step
+    double stepMs = 0; ///< mean time of a step in the last Step
 
     qcMeshWorld()
     {
@@ -118,7 +118,7 @@ struct qcMeshWorld
     }
 };
 
-/// What all manifolds of a world say.
+/// All contact points of a dispatcher.
 struct qcWorldContacts
 {
     int points = 0;
@@ -142,7 +142,7 @@ inline qcModel qcCubeModel(int n = 2)
     return qcBoxModel(btVector3(btScalar(0.5), btScalar(0.5), btScalar(0.5)), n);
 }
 
-/// Five walls, open at the top, with the inside 2 * `half` wide.
+/// A floor and four walls, open at the top, 2 * `half` wide inside.
 inline qcModel qcBinModel(btScalar half, btScalar height)
 {
     qcModel model;

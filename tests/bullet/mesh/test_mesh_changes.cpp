@@ -1,5 +1,4 @@
-// Shapes that change, or are exchanged, while their bodies lie on each other: what is remembered of a mesh is of the
-// mesh as it is now.
+// Shapes that change or are replaced while their bodies lie on each other: contact is that of the present mesh.
 #include "bullet/mesh/mesh_world.h"
 
 #include <functional>
@@ -13,7 +12,7 @@ double HeightOf(const btRigidBody* body)
     return double(body->getWorldTransform().getOrigin().y());
 }
 
-/// A cube whose shell lies on the shell of the floor, and that stays awake.
+/// A cube whose margin lies on the margin of the floor, and that never sleeps.
 btRigidBody* AddCube(qcMeshWorld& world, btCollisionShape* shape, btScalar floorMargin)
 {
     btRigidBody* cube = world.Add(shape, 1, btVector3(0, btScalar(0.5) + shape->getMargin() + floorMargin, 0));
@@ -22,7 +21,7 @@ btRigidBody* AddCube(qcMeshWorld& world, btCollisionShape* shape, btScalar floor
     return cube;
 }
 
-START_TEST(a_cube_that_grows_where_it_lies_rises)
+START_TEST(a_resting_cube_that_is_scaled_up_rises)
 {
     qcMeshWorld world;
     btScalar margin = qcAddFloor(world, qc_floorStatic);
@@ -35,12 +34,12 @@ START_TEST(a_cube_that_grows_where_it_lies_rises)
 }
 END_TEST
 
-START_TEST(a_cube_that_grows_into_another_meets_it_in_that_step)
+START_TEST(a_cube_scaled_into_another_has_contact_in_that_step)
 {
     qcMeshWorld world;
     world.world.setGravity(btVector3(0, 0, 0));
     btRigidBody* cubes[4];
-    // Two pairs side by side, that don't meet each other.
+    // Two pairs side by side, without contact with each other.
     for (int i = 0; i < 4; i++)
     {
         btScalar x = btScalar(1.025) * btScalar(i) + (i < 2 ? btScalar(0) : btScalar(0.5));
@@ -48,7 +47,7 @@ START_TEST(a_cube_that_grows_into_another_meets_it_in_that_step)
         cubes[i]->setActivationState(DISABLE_DEACTIVATION);
     }
     world.Step(2);
-    // The outer ones go away: the only pair is a new one, of cubes that are where they were.
+    // Without the outer ones the only pair is a new one, of cubes that have not moved.
     for (int i = 0; i < 4; i += 3)
         cubes[i]->setWorldTransform(btTransform(btQuaternion::getIdentity(), btVector3(0, btScalar(10 + 10 * i), 0)));
     cubes[1]->getCollisionShape()->setLocalScaling(btVector3(btScalar(2.02), 1, 1));
@@ -57,7 +56,7 @@ START_TEST(a_cube_that_grows_into_another_meets_it_in_that_step)
 }
 END_TEST
 
-START_TEST(another_mesh_at_the_same_address_is_another_mesh)
+START_TEST(a_new_mesh_at_an_old_address_is_read_anew)
 {
     qcMeshWorld world;
     btScalar margin = qcAddFloor(world, qc_floorOurs);
@@ -85,7 +84,7 @@ START_TEST(another_mesh_at_the_same_address_is_another_mesh)
 }
 END_TEST
 
-/// Floors of Bullet's own whose triangles are the user's. Their box stays as it is: a corner of the model is a spike.
+/// Floors of Bullet's shapes whose triangles the application changes. A spike in the model's corner keeps the box.
 struct RisingFloor
 {
     qcMeshWorld world;
@@ -132,7 +131,7 @@ struct RisingFloor
     }
 };
 
-START_TEST(bullets_own_meshes_may_change_under_a_mesh)
+START_TEST(bullets_meshes_may_change_under_a_resting_mesh)
 {
     for (qcFloor kind : {qc_floorStatic, qc_floorGImpact, qc_floorTerrain})
     {
@@ -150,7 +149,7 @@ START_TEST(bullets_own_meshes_may_change_under_a_mesh)
 }
 END_TEST
 
-START_TEST(a_change_of_bounds_shows_by_itself)
+START_TEST(a_change_of_bounds_is_detected_without_update_shape)
 {
     qcMeshWorld world;
     qcModel model = qcFloorModel(4, 8);
@@ -187,7 +186,7 @@ START_TEST(a_body_may_be_given_a_shape_of_any_kind)
         for (btCollisionShape* other :
              {box, static_cast<btCollisionShape*>(compound), static_cast<btCollisionShape*>(plane)})
         {
-            // As with Bullet's algorithms of concave shapes: no contact until the body is added again.
+            // No contact until the body is added again, as with Bullet's algorithms for concave shapes.
             cube->setCollisionShape(other);
             world.Step(3);
             ck_assert_int_eq(qcContactsOf(world.dispatcher).points, 0);
@@ -199,7 +198,7 @@ START_TEST(a_body_may_be_given_a_shape_of_any_kind)
 }
 END_TEST
 
-START_TEST(what_is_empty_or_nowhere_does_not_disturb_the_others)
+START_TEST(empty_meshes_and_transforms_that_are_not_finite_disturb_no_other_body)
 {
     qcMeshWorld world;
     btScalar margin = qcAddFloor(world, qc_floorStatic);
@@ -228,7 +227,8 @@ START_TEST(what_is_empty_or_nowhere_does_not_disturb_the_others)
 END_TEST
 } // namespace
 
-QC_RUN_TESTS("mesh_changes", a_cube_that_grows_where_it_lies_rises,
-             a_cube_that_grows_into_another_meets_it_in_that_step, another_mesh_at_the_same_address_is_another_mesh,
-             bullets_own_meshes_may_change_under_a_mesh, a_change_of_bounds_shows_by_itself,
-             a_body_may_be_given_a_shape_of_any_kind, what_is_empty_or_nowhere_does_not_disturb_the_others)
+QC_RUN_TESTS("mesh_changes", a_resting_cube_that_is_scaled_up_rises,
+             a_cube_scaled_into_another_has_contact_in_that_step, a_new_mesh_at_an_old_address_is_read_anew,
+             bullets_meshes_may_change_under_a_resting_mesh, a_change_of_bounds_is_detected_without_update_shape,
+             a_body_may_be_given_a_shape_of_any_kind,
+             empty_meshes_and_transforms_that_are_not_finite_disturb_no_other_body)

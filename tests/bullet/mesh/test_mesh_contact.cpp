@@ -1,4 +1,4 @@
-// The contact of meshes in Bullet worlds: what it asks, tells, and survives.
+// Contact of meshes in Bullet worlds: queries, points, statistics, and changes between steps.
 #include <BulletSoftBody/btSoftBodyHelpers.h>
 #include <BulletSoftBody/btSoftBodyRigidBodyCollisionConfiguration.h>
 #include <BulletSoftBody/btSoftRigidDynamicsWorld.h>
@@ -8,12 +8,12 @@
 
 namespace
 {
-/// What contactTest and its kind report.
+/// Collects the results of contactTest and contactPairTest.
 struct Gatherer : btCollisionWorld::ContactResultCallback
 {
     int points = 0;
     double deepest = 1e9;
-    btVector3 towardsFirst{0, 0, 0}; ///< the normal of the deepest, if it pushes the first body
+    btVector3 towardsFirst{0, 0, 0}; ///< normal of the deepest point, as it pushes the first body
     const btCollisionObject* first = nullptr;
 
     btScalar addSingleResult(btManifoldPoint& point, const btCollisionObjectWrapper* body0, int, int,
@@ -30,7 +30,7 @@ struct Gatherer : btCollisionWorld::ContactResultCallback
     }
 };
 
-START_TEST(contact_tests_see_where_bodies_are_now)
+START_TEST(contact_tests_use_present_transforms)
 {
     qcMeshWorld world;
     btRigidBody* floor = world.Add(world.StaticMesh(qcFloorModel(4, 8)), 0, btVector3(0, 0, 0));
@@ -70,7 +70,7 @@ START_TEST(contact_tests_see_where_bodies_are_now)
     ck_assert_int_ge(all.points, 4);
     ck_assert_double_eq_tol(all.deepest, double(low->getWorldTransform().getOrigin().y()) - 0.51, 1e-3);
     ck_assert_double_gt(double(all.towardsFirst.y()), 0.99);
-    // A convex shape is Bullet's affair.
+    // Pairs with a convex shape are Bullet's.
     btBoxShape box(btVector3(1, 1, 1));
     btCollisionObject convex;
     convex.setCollisionShape(&box);
@@ -79,7 +79,7 @@ START_TEST(contact_tests_see_where_bodies_are_now)
     Gatherer touching;
     world.world.contactPairTest(&convex, low, touching);
     ck_assert_double_eq_tol(touching.deepest, -0.01, 1e-3);
-    // Also something that is in no world.
+    // An object in no world.
     btCollisionObject probe;
     probe.setCollisionShape(shape);
     probe.setWorldTransform(btTransform(btQuaternion::getIdentity(), btVector3(3, btScalar(0.5), 3)));
@@ -92,7 +92,7 @@ START_TEST(contact_tests_see_where_bodies_are_now)
 }
 END_TEST
 
-/// Of a point from the box around a triangle.
+/// Distance of a point from the box around a triangle.
 double DistanceFromBox(const qcModel& model, uint32_t triangle, const btVector3& point)
 {
     btVector3 lower = model.Corner(triangle, 0), upper = lower, nearest = point;
@@ -131,7 +131,7 @@ START_TEST(normals_point_from_the_second_body_to_the_first)
                 btVector3 gap = point.m_positionWorldOnA - point.m_positionWorldOnB;
                 ck_assert_double_eq_tol(double(gap.dot(point.m_normalWorldOnB)), double(point.getDistance()), 1e-5);
                 ck_assert_int_eq(point.getLifeTime(), 2);
-                // The triangle that is named has the point at its shell.
+                // The point lies on the margin of the reported triangle.
                 bool cubeFirst = !manifold->getBody0()->isStaticObject();
                 int triangle = cubeFirst ? point.m_index0 : point.m_index1;
                 btVector3 onCube = cubeFirst ? point.m_positionWorldOnA : point.m_positionWorldOnB;
@@ -143,7 +143,7 @@ START_TEST(normals_point_from_the_second_body_to_the_first)
 }
 END_TEST
 
-START_TEST(children_of_a_compound_do_not_meet_each_other)
+START_TEST(children_of_a_compound_have_no_contact_with_each_other)
 {
     qcMeshWorld world;
     qcAddFloor(world, qc_floorOurs);
@@ -158,7 +158,7 @@ START_TEST(children_of_a_compound_do_not_meet_each_other)
     // Each of the six cubes with the floor.
     ck_assert_int_eq(world.contact.getStatistics().bodies, 7);
     ck_assert_int_eq(world.contact.getStatistics().manifolds, 6);
-    // Two compounds do.
+    // Two compounds have contact.
     second->setWorldTransform(btTransform(btQuaternion::getIdentity(), btVector3(0, btScalar(1.515), 0)));
     second->activate();
     first->activate();
@@ -181,9 +181,9 @@ btTransform CornerPlace(const qcModel& cube, qcRandom* random, btScalar depth)
     return place;
 }
 
-START_TEST(the_deepest_point_has_a_place_whatever_lies_beside_it)
+START_TEST(the_deepest_point_is_in_a_manifold_whatever_lies_beside_it)
 {
-    // Bullet would put points that are near each other on its first body into each other's places.
+    // A Bullet manifold replaces a point by another one that is near it on its first body.
     const btScalar margin = btScalar(0.001);
     qcModel cube = qcCubeModel(1), floor = qcFloorModel(4, 40);
     for (uint64_t seed = 0; seed < 200; seed++)
@@ -228,7 +228,7 @@ START_TEST(gimpact_pairs_can_be_taken_over)
 }
 END_TEST
 
-START_TEST(one_query_a_step_sees_all_pairs)
+START_TEST(one_query_a_step_covers_all_pairs)
 {
     qcMeshWorld world;
     qcAddFloor(world, qc_floorStatic);
@@ -255,7 +255,7 @@ START_TEST(a_body_replaced_by_pieces_between_two_steps_costs_one_query)
     btVector3 center = world.bodies.back()->getWorldTransform().getOrigin();
     world.world.removeRigidBody(world.bodies.back().get());
     world.bodies.pop_back();
-    world.shapes.pop_back(); // the shape goes, too; the pieces' may come to lie where it was
+    world.shapes.pop_back(); // shapes of the pieces may get its address
     btVector3 half(btScalar(0.09), btScalar(0.09), btScalar(0.09));
     for (int i = 0; i < 64; i++)
     {
@@ -266,8 +266,8 @@ START_TEST(a_body_replaced_by_pieces_between_two_steps_costs_one_query)
     uint64_t batches = world.contact.getStatistics().batches;
     world.Step();
     ck_assert_uint_eq(world.contact.getStatistics().batches, batches + 1);
-    ck_assert_int_eq(world.contact.getStatistics().bodies, 64); // the floor is far
-    // Each of the 144 inner faces has its contact.
+    ck_assert_int_eq(world.contact.getStatistics().bodies, 64); // the floor is too far
+    // Each of the 144 inner faces has contact.
     ck_assert_int_ge(world.dispatcher.getNumManifolds(), 144);
     world.Step(60);
     for (size_t i = 1; i < world.bodies.size(); i++)
@@ -303,7 +303,7 @@ START_TEST(margins_may_change_while_bodies_rest)
 }
 END_TEST
 
-/// The lowest node ever of a cloth that falls on a floor at height 0.
+/// The lowest height of a cloth's node, ever, while it falls on a floor at height 0.
 double LowestNode(btCollisionShape* floor)
 {
     qcMeshContact contact;
@@ -377,7 +377,7 @@ START_TEST(the_same_calls_give_the_same_trajectories)
 }
 END_TEST
 
-START_TEST(methods_that_miss_are_refused)
+START_TEST(methods_that_miss_pairs_are_refused)
 {
     qcMeshContact contact;
     ck_assert_int_eq(contact.setMethod(qc_methodQuick), qc_statusBadInput);
@@ -387,9 +387,10 @@ START_TEST(methods_that_miss_are_refused)
 END_TEST
 } // namespace
 
-QC_RUN_TESTS("mesh_contact", contact_tests_see_where_bodies_are_now, normals_point_from_the_second_body_to_the_first,
-             children_of_a_compound_do_not_meet_each_other, the_deepest_point_has_a_place_whatever_lies_beside_it,
-             gimpact_pairs_can_be_taken_over, one_query_a_step_sees_all_pairs,
-             a_body_replaced_by_pieces_between_two_steps_costs_one_query, a_shape_may_be_scaled_while_it_rests,
-             margins_may_change_while_bodies_rest, a_soft_body_lies_on_a_mesh_as_on_bullets_static_mesh,
-             the_same_calls_give_the_same_trajectories, methods_that_miss_are_refused)
+QC_RUN_TESTS("mesh_contact", contact_tests_use_present_transforms, normals_point_from_the_second_body_to_the_first,
+             children_of_a_compound_have_no_contact_with_each_other,
+             the_deepest_point_is_in_a_manifold_whatever_lies_beside_it, gimpact_pairs_can_be_taken_over,
+             one_query_a_step_covers_all_pairs, a_body_replaced_by_pieces_between_two_steps_costs_one_query,
+             a_shape_may_be_scaled_while_it_rests, margins_may_change_while_bodies_rest,
+             a_soft_body_lies_on_a_mesh_as_on_bullets_static_mesh, the_same_calls_give_the_same_trajectories,
+             methods_that_miss_pairs_are_refused)

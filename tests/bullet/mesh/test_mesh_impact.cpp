@@ -1,4 +1,4 @@
-// Meshes that move by more in a step than contact points reach: they meet where they come to touch, not deep inside.
+// Meshes that move by more than the contact distance in a step: they stop where they touch, not deep inside.
 // The pile of bunnies is left out where their file is missing.
 #include "bullet/mesh/mesh_world.h"
 
@@ -15,7 +15,7 @@ btScalar HeightOf(const btRigidBody* body)
     return body->getWorldTransform().getOrigin().y();
 }
 
-/// Drops a shape, whose lowest point is half below its origin, from twenty heights.
+/// Drops a shape, whose lowest point is 0.5 below its origin, from twenty heights.
 void CheckFall(qcFloor floor, bool compound, btScalar turn)
 {
     for (int i = 0; i < 20; i++)
@@ -38,12 +38,12 @@ void CheckFall(qcFloor floor, bool compound, btScalar turn)
         {
             world.Step();
             moments = std::max(moments, world.contact.getStatistics().moments);
-            // A step's gravity, which the motion of its beginning doesn't have, is all that may go wrong.
+            // The velocity at the beginning of the step lacks only the step's gravity.
             ck_assert_double_gt(double(HeightOf(cube)), double(rest) - 2e-3);
         }
         ck_assert_double_lt(double(HeightOf(cube)), double(rest) + 0.02);
         ck_assert_int_ge(moments, 2);
-        // It lies there now.
+        // At rest.
         ck_assert_int_eq(world.contact.getStatistics().moments, 0);
     }
 }
@@ -54,7 +54,7 @@ START_TEST(a_fast_cube_is_stopped_on_any_mesh_not_in_it)
 }
 END_TEST
 
-START_TEST(two_that_fall_side_by_side_are_not_looked_at)
+START_TEST(bodies_that_fall_side_by_side_are_not_sampled)
 {
     qcMeshWorld world;
     btCollisionShape* cube = world.Keep(qcCubeModel().MakeShape());
@@ -74,8 +74,8 @@ END_TEST
 
 START_TEST(a_falling_column_is_stopped_from_its_foot_to_its_head)
 {
-    // 5 cm apart; the first stops while the others come by 10 cm a step, along with each other. Bullet's solver takes
-    // more than its ten rounds to hand a blow from one end to the other.
+    // 5 cm apart; the first stops while the others move by 10 cm a step, together. Bullet's solver needs more than its
+    // ten iterations to propagate an impulse from one end to the other.
     double deepest = 0;
     for (int start = 0; start < 8; start++)
     {
@@ -94,7 +94,7 @@ START_TEST(a_falling_column_is_stopped_from_its_foot_to_its_head)
             deepest = std::min(deepest, qcContactsOf(world.dispatcher).deepest);
         }
     }
-    ck_assert_double_gt(deepest, -2e-3); // without a look ahead 0.16 to 0.55, with one at fast pairs alone 0.10
+    ck_assert_double_gt(deepest, -2e-3); // without sampling 0.16 to 0.55, with sampling of fast pairs only 0.10
 }
 END_TEST
 
@@ -111,7 +111,7 @@ START_TEST(the_end_of_a_spinning_bar_does_not_pass_through_a_post)
         btRigidBody* spinning =
             world.Add(world.Keep(bar.MakeShape()), 1,
                       btTransform(btQuaternion(btVector3(0, 1, 0), btScalar(0.023 * i)), btVector3(0, 0, 0)));
-        // Its end comes by 0.2 m in a step, twice what it is wide.
+        // Its end moves by 0.2 m in a step, twice its width.
         spinning->setAngularVelocity(btVector3(0, -12, 0));
         for (int step = 0; step < 30; step++)
         {
@@ -120,35 +120,35 @@ START_TEST(the_end_of_a_spinning_bar_does_not_pass_through_a_post)
         }
         ck_assert_double_gt(double(spinning->getAngularVelocity().y()), -4);
     }
-    // What it turns by in a step is not straight. Without a look ahead it gets in to its middle and further: 95 mm.
+    // Its way in a step is curved. Without sampling it penetrates beyond its middle: 95 mm.
     ck_assert_double_gt(deepest, -0.04);
 }
 END_TEST
 
-START_TEST(what_is_pushed_after_a_query_is_looked_at_anew)
+START_TEST(a_body_pushed_after_a_query_is_queried_again)
 {
     qcMeshWorld world;
     world.world.setGravity(btVector3(0, 0, 0));
     btScalar rest = btScalar(0.51) + qcAddFloor(world, qc_floorOurs);
-    // So near that they are a pair, and beyond what contact points reach.
+    // Near enough to be a pair, but beyond the contact distance.
     btRigidBody* cube = world.Add(world.Keep(qcCubeModel().MakeShape()), 1, btVector3(0, rest + btScalar(0.022), 0));
     cube->setActivationState(DISABLE_DEACTIVATION);
     world.Step(3);
     uint64_t batches = world.contact.getStatistics().batches;
     world.Step(3);
-    ck_assert_uint_eq(world.contact.getStatistics().batches, batches); // it stands still: nothing is asked
+    ck_assert_uint_eq(world.contact.getStatistics().batches, batches); // at rest: no query
     cube->setLinearVelocity(btVector3(0, -20, 0));
     world.Step();
     ck_assert_int_gt(world.contact.getStatistics().moments, 2);
     ck_assert_double_gt(double(HeightOf(cube)), double(rest) - 1e-4);
-    // Another way, and it is free.
+    // Pushed the other way, it is free.
     cube->setLinearVelocity(btVector3(0, 20, 0));
     world.Step();
     ck_assert_double_gt(double(HeightOf(cube)), double(rest) + 0.3);
 }
 END_TEST
 
-START_TEST(velocities_that_are_no_numbers_harm_nobody_else)
+START_TEST(velocities_that_are_not_finite_disturb_no_other_body)
 {
     qcMeshWorld world;
     btScalar rest = btScalar(0.51) + qcAddFloor(world, qc_floorOurs);
@@ -157,14 +157,14 @@ START_TEST(velocities_that_are_no_numbers_harm_nobody_else)
     cube->setLinearVelocity(btVector3(0, -s_speed, 0));
     btRigidBody* odd = world.Add(shape, 1, btVector3(2, rest + btScalar(0.05), 0));
     odd->setLinearVelocity(btVector3(0, btScalar(-1e30), 0));
-    // Not Step: it wants all to be well, as it is not once the odd one has flown off.
+    // Not Step, which requires status ok: the body without a finite place has an error.
     world.world.stepSimulation(qcStep, 0);
     ck_assert_double_gt(double(HeightOf(cube)), double(rest) - 2e-3);
 }
 END_TEST
 
 #ifdef QC_BUNNY
-/// Five bunnies thrown into a bin at 6 m/s. Returns where they are after two seconds.
+/// Throws five bunnies into a bin at 6 m/s. Returns their places after two seconds.
 std::vector<btTransform> ThrowBunnies(const qcModel& model, btScalar aside, double* deepest)
 {
     qcMeshWorld world;
@@ -191,14 +191,14 @@ std::vector<btTransform> ThrowBunnies(const qcModel& model, btScalar aside, doub
     return places;
 }
 
-START_TEST(bunnies_that_are_thrown_don_t_hook_into_each_other)
+START_TEST(thrown_bunnies_do_not_hook_into_each_other)
 {
     qcModel model = qcBunnyModel(QC_BUNNY);
     double deepest = 0;
     for (int i = 0; i < 4; i++)
         ThrowBunnies(model, btScalar(0.001 * i), &deepest);
     printf("bunnies of 1 m at 6 m/s: deepest ever %.0f mm\n", -1e3 * deepest);
-    // Without a look ahead 100 to 150: half of what they come by in a step.
+    // Without sampling 100 to 150: half of their way in a step.
     ck_assert_double_gt(deepest, -0.06);
 }
 END_TEST
@@ -222,13 +222,13 @@ int main()
     TCase* tests = tcase_create("mesh_ahead");
     tcase_set_timeout(tests, 300); // a bound against hanging, not a claim about speed
     tcase_add_loop_test(tests, a_fast_cube_is_stopped_on_any_mesh_not_in_it, 0, qc_floorPlane);
-    tcase_add_test(tests, two_that_fall_side_by_side_are_not_looked_at);
+    tcase_add_test(tests, bodies_that_fall_side_by_side_are_not_sampled);
     tcase_add_test(tests, a_falling_column_is_stopped_from_its_foot_to_its_head);
     tcase_add_test(tests, the_end_of_a_spinning_bar_does_not_pass_through_a_post);
-    tcase_add_test(tests, what_is_pushed_after_a_query_is_looked_at_anew);
-    tcase_add_test(tests, velocities_that_are_no_numbers_harm_nobody_else);
+    tcase_add_test(tests, a_body_pushed_after_a_query_is_queried_again);
+    tcase_add_test(tests, velocities_that_are_not_finite_disturb_no_other_body);
 #ifdef QC_BUNNY
-    tcase_add_test(tests, bunnies_that_are_thrown_don_t_hook_into_each_other);
+    tcase_add_test(tests, thrown_bunnies_do_not_hook_into_each_other);
     tcase_add_test(tests, the_same_throw_ends_the_same_way);
 #endif
     suite_add_tcase(suite, tests);

@@ -1,5 +1,5 @@
-// qcMeshShape as each kind of collision object, in worlds of several kinds, far from the origin, on several threads;
-// and what the manifolds of meshes keep and give back.
+// qcMeshShape in each kind of collision object, in worlds of several kinds, far from the origin, on several threads;
+// impulses and lifetime of manifolds.
 #include "bullet/mesh/mesh_world.h"
 
 #include <BulletCollision/CollisionDispatch/btGhostObject.h>
@@ -35,7 +35,7 @@ START_TEST(a_kinematic_mesh_carries_a_mesh_up_and_down)
         height += way;
         lift->setWorldTransform(btTransform(btQuaternion::getIdentity(), s_up * height));
         world.Step();
-        // In a step the cube goes as fast as the lift, after it. Where the lift turns, it flies on for a while.
+        // The cube follows the lift with a delay of a step. Where the lift turns, it flies on for a while.
         ck_assert_double_gt(HeightOf(cube), double(height) + 0.49);
         if (i < 120)
             ck_assert_double_lt(HeightOf(cube), double(height) + 0.55);
@@ -45,7 +45,7 @@ START_TEST(a_kinematic_mesh_carries_a_mesh_up_and_down)
 }
 END_TEST
 
-START_TEST(a_ghost_of_triangles_sees_the_meshes_that_it_meets)
+START_TEST(a_ghost_with_a_mesh_finds_the_meshes_that_it_overlaps)
 {
     qcMeshWorld world;
     qcAddFloor(world, qc_floorStatic);
@@ -62,7 +62,7 @@ START_TEST(a_ghost_of_triangles_sees_the_meshes_that_it_meets)
     world.Step(10);
     ck_assert_int_eq(ghost.getNumOverlappingObjects(), 1);
     ck_assert_ptr_eq(ghost.getOverlappingObject(0), cube);
-    // As a character controller asks.
+    // The query of a character controller.
     btHashedOverlappingPairCache* pairs = ghost.getOverlappingPairCache();
     world.dispatcher.dispatchAllCollisionPairs(pairs, world.world.getDispatchInfo(), &world.dispatcher);
     btManifoldArray manifolds;
@@ -72,7 +72,7 @@ START_TEST(a_ghost_of_triangles_sees_the_meshes_that_it_meets)
         for (int i = 0; i < manifolds[m]->getNumContacts(); i++)
             deepest = std::min(deepest, double(manifolds[m]->getContactPoint(i).getDistance()));
     ck_assert_double_eq_tol(deepest, -0.13, 5e-3);
-    // It pushes nothing.
+    // A ghost has no response.
     ck_assert_double_eq_tol(HeightOf(cube), 0.51, 2e-3);
     world.world.removeCollisionObject(&ghost);
 }
@@ -121,9 +121,9 @@ START_TEST(links_of_a_multibody_rest_on_a_mesh)
 }
 END_TEST
 
-START_TEST(meshes_touch_far_from_the_origin_as_finely_as_bullet_counts)
+START_TEST(contact_far_from_the_origin_is_as_fine_as_btscalar)
 {
-    // A float's steps there are a 16th of a millimetre, a double's a tenth of a nanometre.
+    // The resolution there is a 16th of a millimetre in float, a tenth of a nanometre in double.
     const bool wide = sizeof(btScalar) == sizeof(double);
     const btVector3 origin = wide ? btVector3(1e6, 1e6, -1e6) : btVector3(1000, 1000, -1000);
     qcMeshWorld world;
@@ -150,7 +150,7 @@ double ImpulsesOf(btDispatcher& dispatcher)
     return sum;
 }
 
-START_TEST(points_that_are_found_anew_keep_their_impulses)
+START_TEST(contact_points_found_again_keep_their_impulses)
 {
     qcMeshWorld world;
     qcAddFloor(world, qc_floorStatic);
@@ -174,7 +174,7 @@ START_TEST(points_that_are_found_anew_keep_their_impulses)
 }
 END_TEST
 
-START_TEST(manifolds_go_with_the_meshes)
+START_TEST(manifolds_end_with_the_meshes)
 {
     for (qcFloor floor : {qc_floorStatic, qc_floorPlane})
     {
@@ -194,7 +194,7 @@ START_TEST(manifolds_go_with_the_meshes)
 }
 END_TEST
 
-/// Heights of tori that fell into a heap.
+/// Heights of tori that have fallen into a heap.
 std::vector<double> Pile()
 {
     qcMeshWorld world;
@@ -230,7 +230,6 @@ END_TEST
 } // namespace
 
 QC_RUN_TESTS("mesh_kinds", a_kinematic_mesh_carries_a_mesh_up_and_down,
-             a_ghost_of_triangles_sees_the_meshes_that_it_meets, links_of_a_multibody_rest_on_a_mesh,
-             meshes_touch_far_from_the_origin_as_finely_as_bullet_counts,
-             points_that_are_found_anew_keep_their_impulses, manifolds_go_with_the_meshes,
-             two_worlds_on_two_threads_move_as_one_alone)
+             a_ghost_with_a_mesh_finds_the_meshes_that_it_overlaps, links_of_a_multibody_rest_on_a_mesh,
+             contact_far_from_the_origin_is_as_fine_as_btscalar, contact_points_found_again_keep_their_impulses,
+             manifolds_end_with_the_meshes, two_worlds_on_two_threads_move_as_one_alone)

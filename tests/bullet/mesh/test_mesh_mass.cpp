@@ -1,4 +1,4 @@
-// Mass properties of meshes of any size, anywhere: those of a box, or 0 and a status where a type can't hold them.
+// Mass properties of meshes of any size and place: those of a box, or 0 and a status where a type can't hold them.
 #include "quickcullide/bullet_mesh.h"
 
 #include "bullet/mesh/mesh_models.h"
@@ -13,7 +13,7 @@
 namespace
 {
 const bool s_isFloat = sizeof(btScalar) == sizeof(float);
-// Of a body of mass 1 whose sides are 1, 2 and 3 long, ascending.
+// Moments of a box of mass 1 with sides of 1, 2 and 3, ascending.
 const double s_moments[3] = {5.0 / 12, 10.0 / 12, 13.0 / 12};
 
 qcModel BoxAt(double scale, double x, double y, double z)
@@ -41,7 +41,7 @@ void CheckVolume(const qcMassProperties& mass, double scale)
 }
 } // namespace
 
-START_TEST(boxes_of_any_size_weigh_what_a_box_does)
+START_TEST(boxes_of_any_size_have_the_mass_properties_of_a_box)
 {
     int last = s_isFloat ? 18 : 100;
     for (int exponent = -last; exponent <= last; exponent += 2)
@@ -81,14 +81,14 @@ START_TEST(moments_that_a_btscalar_can_not_hold_are_0_with_a_status)
         btVector3 inertia;
         shape->calculateLocalInertia(1, inertia);
         ck_assert(inertia == btVector3(0, 0, 0));
-        // With a mass that makes up for it, it can.
+        // With a mass that compensates, btScalar can hold them.
         shape->calculateLocalInertia(btScalar(1 / scale), inertia);
         CheckMoments(inertia, scale, 1e-5);
     }
 }
 END_TEST
 
-START_TEST(a_box_far_from_its_origin_weighs_what_it_does_there)
+START_TEST(a_box_far_from_its_origin_has_the_mass_properties_of_that_box)
 {
     for (double distance : {1e2, 1e5, 1e6, 1e9, 1e12})
     {
@@ -120,7 +120,7 @@ START_TEST(the_margin_of_a_tiny_mesh_is_a_quarter_of_its_mean_edge)
 }
 END_TEST
 
-QC_RUN_TESTS("mesh mass", boxes_of_any_size_weigh_what_a_box_does,
+QC_RUN_TESTS("mesh mass", boxes_of_any_size_have_the_mass_properties_of_a_box,
              moments_that_a_btscalar_can_not_hold_are_0_with_a_status,
-             a_box_far_from_its_origin_weighs_what_it_does_there,
+             a_box_far_from_its_origin_has_the_mass_properties_of_that_box,
              the_margin_of_a_tiny_mesh_is_a_quarter_of_its_mean_edge)

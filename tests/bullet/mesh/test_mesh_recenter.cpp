@@ -1,4 +1,4 @@
-// A mesh whose origin isn't its centre of mass, recentred: where its copy lies, and how that flies.
+// A mesh whose origin isn't its centre of mass, recentred: place and free flight of the copy.
 #include "bullet/mesh/mesh_world.h"
 
 namespace
@@ -50,7 +50,7 @@ START_TEST(a_recentered_copy_lies_where_the_mesh_does_with_its_mass_at_the_origi
 }
 END_TEST
 
-START_TEST(what_has_no_triangles_is_recentered_to_what_has_none)
+START_TEST(a_mesh_without_triangles_has_a_recentered_copy_without_triangles)
 {
     ck_assert_int_eq(qcModel().MakeShape()->makeRecentered()->getStatus(), qc_statusOk);
     qcModel bad = LModel();
@@ -64,7 +64,7 @@ END_TEST
 constexpr btScalar s_mass = 2, s_timeStep = btScalar(1.0 / 240);
 constexpr int s_steps = 480;
 
-/// A throw without damping, measured on the mesh itself: where its mass is, and what that does.
+/// A throw without damping, measured by the mesh's own mass properties.
 struct Throw
 {
     qcMeshWorld world;
@@ -81,7 +81,7 @@ struct Throw
         body = world.Add(world.Keep(std::move(shape)), s_mass, place);
         body->setActivationState(DISABLE_DEACTIVATION);
         body->setAngularVelocity(btVector3(3, 1, 2));
-        // The same motion, whichever point of it is the body's origin.
+        // Equal motions, whichever point of the mesh is the body's origin.
         btVector3 arm = Centre() - body->getCenterOfMassPosition();
         body->setLinearVelocity(btVector3(4, 6, -2) - body->getAngularVelocity().cross(arm));
         start = Centre();
@@ -91,7 +91,7 @@ struct Throw
         {
             world.world.stepSimulation(s_timeStep, 0);
             btScalar time = btScalar(i) * s_timeStep;
-            // As semi-implicit steps have it: t (t + dt) for t^2.
+            // Semi-implicit Euler steps: t (t + dt) for t^2.
             btVector3 there = start + velocity * time + world.world.getGravity() * (time * (time + s_timeStep) / 2);
             farthest = std::max(farthest, double(Centre().distance(there)));
             Measure(i == 1 ? 0 : 1, (Centre() - before) / s_timeStep);
@@ -126,7 +126,7 @@ START_TEST(a_recentered_body_in_free_flight_keeps_energy_and_angular_momentum_on
     ck_assert_double_lt(double(flight.momenta[1].distance(flight.momenta[0])),
                         0.01 * double(flight.momenta[0].length()));
     ck_assert_double_eq_tol(flight.energies[1], flight.energies[0], 0.01 * flight.energies[0]);
-    // The mesh as it is: its centre goes around the origin, and the measures above see it.
+    // Not recentred, its centre moves around the origin, and the measures above detect it.
     Throw wobble(std::move(shape), place);
     ck_assert(flight.start.distance(wobble.start) < btScalar(1e-5));
     ck_assert_double_gt(wobble.farthest, 1);
@@ -136,5 +136,5 @@ END_TEST
 } // namespace
 
 QC_RUN_TESTS("mesh_recenter", a_recentered_copy_lies_where_the_mesh_does_with_its_mass_at_the_origin,
-             what_has_no_triangles_is_recentered_to_what_has_none,
+             a_mesh_without_triangles_has_a_recentered_copy_without_triangles,
              a_recentered_body_in_free_flight_keeps_energy_and_angular_momentum_on_a_parabola)

@@ -1,5 +1,5 @@
-// Meshes at rest and sliding, beside btGImpactMeshShape in the same scenes.
-// The pile of bunnies is left out where their file is missing.
+// Meshes at rest and sliding, compared with btGImpactMeshShape in equal scenes. The pile of bunnies is left out where
+// their file is missing.
 #include "bullet/mesh/mesh_world.h"
 
 #ifdef QC_BUNNY
@@ -34,7 +34,7 @@ END_TEST
 
 START_TEST(a_fast_cube_is_stopped_on_a_plane_not_in_it)
 {
-    // Up to 8 cm a step, and a threshold of 1.7.
+    // Up to 8 cm a step, with a threshold of 1.7 cm.
     for (int i = 0; i < 20; i++)
     {
         qcMeshWorld world;
@@ -99,7 +99,7 @@ START_TEST(bullets_convex_shapes_rest_on_a_mesh_and_a_mesh_on_them)
 }
 END_TEST
 
-/// Steps a world and says how it went, beside the other shape's.
+/// Steps a world and returns its outcome.
 void Report(qcMeshWorld& world, const char* what, double ms)
 {
     qcWorldContacts contacts = qcContactsOf(world.dispatcher);
@@ -257,7 +257,7 @@ START_TEST(walls_of_a_corner_have_manifolds_of_their_own)
                                        btFabs(manifolds[m]->getContactPoint(i).m_normalWorldOnB[2])),
                                 0.999);
     }
-    // Lifted out, none has a point left, and the end was told.
+    // Lifted out, no manifold has a point left, and the end was reported.
     cube->setWorldTransform(btTransform(btQuaternion::getIdentity(), btVector3(0, btScalar(1.5), 0)));
     cube->activate();
     world.Step();
@@ -271,7 +271,7 @@ START_TEST(compounds_with_mesh_children_rest_on_meshes_and_on_each_other)
     qcAddFloor(world, qc_floorStatic);
     btCollisionShape* cube = world.Keep(qcCubeModel().MakeShape());
     auto* compound = new btCompoundShape;
-    // The same shape twice, and one turned, in a compound of its own.
+    // One shape twice, and once turned in a compound of its own.
     auto* inner = new btCompoundShape;
     inner->addChildShape(btTransform(btQuaternion(btVector3(0, 1, 0), SIMD_HALF_PI), btVector3(0, 0, 0)), cube);
     compound->addChildShape(btTransform(btQuaternion::getIdentity(), btVector3(-1, 0, 0)), cube);

@@ -1,5 +1,5 @@
-// A world with qcMeshShapes through btDefaultSerializer and Bullet's importer, as that is packaged: what comes back,
-// what it does in Bullet alone, and after qcRestoreMeshes.
+// Worlds with qcMeshShapes saved by btDefaultSerializer and loaded by Bullet's packaged importer: what is loaded, how
+// it moves in Bullet alone, and after qcRestoreMeshes.
 #include <BulletWorldImporter/btBulletWorldImporter.h>
 #include <LinearMath/btSerializer.h>
 
@@ -11,7 +11,7 @@
 
 namespace
 {
-/// A saved world: what its buffer holds.
+/// A copy of a saved world's buffer.
 std::vector<char> Save(qcMeshWorld* world)
 {
     btDefaultSerializer serializer;
@@ -24,7 +24,7 @@ std::vector<char> Save(qcMeshWorld* world)
     return std::vector<char>(buffer, buffer + serializer.getCurrentBufferSize());
 }
 
-/// A world that was loaded. The importer owns bodies and shapes, and takes them off.
+/// A loaded world. The importer owns bodies and shapes, and removes them.
 struct Loaded
 {
     qcMeshWorld empty;
@@ -81,7 +81,7 @@ void CollectTriangles(const btCollisionShape* shape, const btTransform& place, T
     }
 }
 
-/// In the frame of the shape, in an order that depends on their corners only.
+/// Triangles in the frame of the shape, sorted by their corners.
 std::vector<Triangle> TrianglesOf(const btCollisionShape* shape)
 {
     TriangleCollector collector;
@@ -100,7 +100,7 @@ void CheckTriangles(const btCollisionShape* loaded, const btCollisionShape* save
             ck_assert_double_le(std::fabs(double(found[t][i] - expected[t][i])), tolerance);
 }
 
-/// A floor, two tori of one shape, a compound of a mesh and a box, a kinematic mesh. Numbers of the bodies.
+/// Indices of the bodies: a floor, two tori of one shape, a compound of a mesh and a box, a kinematic mesh.
 enum
 {
     s_floor,
@@ -111,7 +111,7 @@ enum
     s_count
 };
 
-// Numbers that single precision has: Bullet's format holds margins, scalings and children's transforms in it.
+// Numbers that single precision can hold: Bullet's format has margins, scalings and children's transforms in it.
 void FillWorld(qcMeshWorld* world)
 {
     const btScalar margin = btScalar(1) / 128;
@@ -155,14 +155,14 @@ START_TEST(bullets_importer_reads_static_dynamic_and_compound_bodies_of_meshes)
 }
 END_TEST
 
-START_TEST(scaling_is_kept_as_bullet_stores_it)
+START_TEST(scaling_is_kept_in_the_precision_of_bullets_format)
 {
     qcMeshWorld saved;
     btCollisionShape* shape = saved.Keep(qcSphereModel(1, 2).MakeShape());
     shape->setLocalScaling(btVector3(btScalar(0.1), btScalar(0.7), btScalar(1.3)));
     saved.Add(shape, 1, btVector3(0, 0, 0));
     Loaded loaded(Save(&saved));
-    // In single precision: of a double the format has the first 24 bits.
+    // The format has single precision: 24 bits.
     CheckTriangles(loaded.Body(0)->getCollisionShape(), shape, sizeof(btScalar) == sizeof(float) ? 0 : 1e-7);
 }
 END_TEST
@@ -215,7 +215,7 @@ START_TEST(restored_meshes_have_the_vertices_indices_scaling_and_margin_that_wer
         for (int axis = 0; axis < 3; axis++)
             ck_assert_double_eq_tol(double(inertia[axis]), double(expected[axis]), 1e-5);
     }
-    // Once more: nothing is left to replace.
+    // A second call has nothing to replace.
     ck_assert_uint_eq(qcRestoreMeshes(&loaded.empty.world).size(), 0);
 }
 END_TEST
@@ -225,7 +225,7 @@ START_TEST(a_restored_world_goes_on_as_the_saved_one)
     qcMeshWorld saved;
     FillWorld(&saved);
     Loaded loaded(Save(&saved));
-    // Algorithms of a step before are those of the shapes that Bullet loaded.
+    // Algorithms from an earlier step belong to the shapes that Bullet loaded.
     loaded.empty.world.performDiscreteCollisionDetection();
     loaded.meshes = qcRestoreMeshes(&loaded.empty.world);
     saved.Step(60);
@@ -298,7 +298,7 @@ END_TEST
 } // namespace
 
 QC_RUN_TESTS("mesh_save", bullets_importer_reads_static_dynamic_and_compound_bodies_of_meshes,
-             scaling_is_kept_as_bullet_stores_it, a_loaded_mesh_falls_onto_convex_shapes_in_bullet_alone,
+             scaling_is_kept_in_the_precision_of_bullets_format, a_loaded_mesh_falls_onto_convex_shapes_in_bullet_alone,
              restored_meshes_have_the_vertices_indices_scaling_and_margin_that_were_saved,
              a_restored_world_goes_on_as_the_saved_one, a_mesh_used_alone_and_in_a_compound_comes_back_in_both,
              a_body_without_triangles_comes_back_without_triangles, compounds_of_other_kinds_are_not_replaced)

@@ -1,4 +1,4 @@
-// The mesh shape by itself: what Bullet asks of a shape, next to brute force, btBvhTriangleMeshShape and formulas.
+// qcMeshShape by itself: Bullet's interface of a shape, compared with brute force, btBvhTriangleMeshShape and formulas.
 #include "quickcullide/bullet.h"
 
 #include "bullet/mesh/mesh_models.h"
@@ -32,7 +32,7 @@ btVector3 RandomPoint(qcRandom* random, double low, double high)
     return btVector3(btScalar(x), btScalar(y), btScalar(qcRandom_Uniform(random, low, high)));
 }
 
-/// Triangles reported, each with its own corners; a triangle reported twice is a failure.
+/// Collects reported triangles. Wrong corners and duplicates are failures.
 struct Collector : btTriangleCallback
 {
     const qcModel* model;
@@ -62,7 +62,7 @@ bool BoxMeets(const qcModel& model, uint32_t triangle, const btVector3& lower, c
     return TestAabbAgainstAabb2(low, high, lower, upper);
 }
 
-START_TEST(a_box_gets_the_triangles_whose_boxes_meet_it_and_no_others)
+START_TEST(a_box_query_reports_exactly_the_triangles_whose_boxes_overlap_it)
 {
     const uint32_t counts[] = {0, 1, 7, 8, 9, 63, 64, 65, 513, 3000};
     qcRandom random = {1};
@@ -76,7 +76,7 @@ START_TEST(a_box_gets_the_triangles_whose_boxes_meet_it_and_no_others)
             lower.setMin(upper);
             upper = lower + RandomPoint(&random, 0, i < 20 ? 0.1 : 1);
             if (count > 0 && i == 0)
-                lower = upper = model.Corner(count / 2, 1); // a point, and it touches
+                lower = upper = model.Corner(count / 2, 1); // a point that touches
             if (i == 1)
             {
                 upper = btVector3(BT_LARGE_FLOAT, BT_LARGE_FLOAT, BT_LARGE_FLOAT);
@@ -94,7 +94,7 @@ START_TEST(a_box_gets_the_triangles_whose_boxes_meet_it_and_no_others)
 }
 END_TEST
 
-START_TEST(no_triangle_that_reaches_below_a_plane_is_left_out)
+START_TEST(every_triangle_with_a_point_below_a_plane_is_reported)
 {
     qcModel model = ModelOf(qcSoup_MakeRandom(3, 700, 0.1));
     auto shape = model.MakeShape();
@@ -116,7 +116,7 @@ START_TEST(no_triangle_that_reaches_below_a_plane_is_left_out)
 }
 END_TEST
 
-/// The same model as a qcMeshShape and as a btBvhTriangleMeshShape, each in a world of its own, at the same place.
+/// A model as a qcMeshShape and as a btBvhTriangleMeshShape, each in a world of its own, at equal transforms.
 struct TwoWorlds
 {
     struct World
@@ -224,7 +224,7 @@ START_TEST(swept_shapes_hit_what_they_hit_in_bullets_static_mesh)
             expected(from.getOrigin(), to.getOrigin());
         worlds.a.world.convexSweepTest(cast, from, to, hit);
         worlds.b.world.convexSweepTest(cast, from, to, expected);
-        // The order of triangles differs, and the iteration's tolerance is 1e-3 of the way.
+        // The order of triangles differs, and the iteration has a tolerance of 1e-3 of the way.
         ck_assert_double_eq_tol(double(hit.m_closestHitFraction), double(expected.m_closestHitFraction), 2e-3);
         hits += expected.hasHit();
     }
@@ -232,7 +232,7 @@ START_TEST(swept_shapes_hit_what_they_hit_in_bullets_static_mesh)
 }
 END_TEST
 
-START_TEST(the_box_holds_every_vertex_and_the_margin)
+START_TEST(the_aabb_contains_every_vertex_and_the_margin)
 {
     qcModel model = ModelOf(qcSoup_MakeRandom(9, 300, 0.3));
     auto shape = model.MakeShape(btScalar(0.05));
@@ -262,7 +262,7 @@ void CheckVector(const btVector3& v, double x, double y, double z, double tolera
     ck_assert_double_eq_tol(double(v.z()), z, tolerance);
 }
 
-START_TEST(a_box_of_triangles_weighs_what_a_box_does)
+START_TEST(a_mesh_of_a_box_has_the_mass_properties_of_a_box)
 {
     btVector3 half(btScalar(0.5), 1, btScalar(1.5));
     auto shape = qcBoxModel(half, 3).MakeShape();
@@ -278,7 +278,7 @@ START_TEST(a_box_of_triangles_weighs_what_a_box_does)
 }
 END_TEST
 
-START_TEST(a_fine_sphere_of_triangles_weighs_what_a_sphere_does)
+START_TEST(a_fine_mesh_of_a_sphere_has_the_mass_properties_of_a_sphere)
 {
     auto shape = qcSphereModel(2, 5).MakeShape();
     qcMassProperties mass = shape->getMassProperties();
@@ -315,7 +315,7 @@ START_TEST(principal_axes_of_a_turned_and_moved_box_are_its_sides)
 }
 END_TEST
 
-START_TEST(a_mesh_turned_inside_out_weighs_the_same)
+START_TEST(a_mesh_turned_inside_out_has_the_same_mass_properties)
 {
     qcModel model = qcTorusModel(1, 0.4, 40, 30);
     qcMassProperties mass = model.MakeShape()->getMassProperties();
@@ -331,7 +331,7 @@ START_TEST(a_mesh_turned_inside_out_weighs_the_same)
 }
 END_TEST
 
-START_TEST(an_open_mesh_weighs_as_a_shell)
+START_TEST(an_open_mesh_has_the_mass_properties_of_a_shell)
 {
     qcModel sheet = qcFloorModel(1, 4); // a square of side 2: m (a^2) / 12 in its plane, twice that across
     qcMassProperties mass = sheet.MakeShape()->getMassProperties();
@@ -346,7 +346,7 @@ START_TEST(an_open_mesh_weighs_as_a_shell)
     mass = sheet.MakeShape()->getMassProperties();
     ck_assert(!mass.closed);
     CheckVector(mass.principalInertia, 1.0 / 3, 2.0 / 3, 1.0 / 3, 1e-5);
-    // A box that lacks one triangle.
+    // A box without one of its triangles.
     qcModel box = qcBoxModel(btVector3(1, 1, 1), 2);
     ck_assert(box.MakeShape()->getMassProperties().closed);
     box.indices.resize(box.indices.size() - 3);
@@ -381,7 +381,7 @@ START_TEST(a_scaled_shape_is_the_shape_of_the_scaled_mesh)
 }
 END_TEST
 
-START_TEST(what_is_no_mesh_is_refused_and_empty)
+START_TEST(invalid_meshes_are_refused_and_empty)
 {
     qcModel model = qcBoxModel(btVector3(1, 1, 1), 1);
     ck_assert_int_eq(model.MakeShape()->getStatus(), qc_statusOk);
@@ -410,7 +410,7 @@ START_TEST(positions_come_in_both_precisions_with_any_stride)
     for (size_t v = 0; v < count; v++)
         for (size_t axis = 0; axis < 3; axis++)
         {
-            // Unaligned on purpose.
+            // Deliberately unaligned.
             float f = float(model.positions[3 * v + axis]);
             double d = double(model.positions[3 * v + axis]);
             memcpy(&narrow[1 + 13 * v + 4 * axis], &f, 4);
@@ -456,7 +456,7 @@ START_TEST(the_margin_is_a_centimetre_or_a_quarter_of_an_edge)
 }
 END_TEST
 
-START_TEST(threads_may_ask_first_at_the_same_time)
+START_TEST(the_first_queries_may_run_on_several_threads_at_once)
 {
     qcModel model = qcSphereModel(1, 4);
     auto shape = model.MakeShape();
@@ -476,12 +476,13 @@ START_TEST(threads_may_ask_first_at_the_same_time)
 END_TEST
 } // namespace
 
-QC_RUN_TESTS("mesh_shape", a_box_gets_the_triangles_whose_boxes_meet_it_and_no_others,
-             no_triangle_that_reaches_below_a_plane_is_left_out, rays_hit_what_they_hit_in_bullets_static_mesh,
-             swept_shapes_hit_what_they_hit_in_bullets_static_mesh, the_box_holds_every_vertex_and_the_margin,
-             a_box_of_triangles_weighs_what_a_box_does, a_fine_sphere_of_triangles_weighs_what_a_sphere_does,
-             principal_axes_of_a_turned_and_moved_box_are_its_sides, a_mesh_turned_inside_out_weighs_the_same,
-             an_open_mesh_weighs_as_a_shell, a_scaled_shape_is_the_shape_of_the_scaled_mesh,
-             what_is_no_mesh_is_refused_and_empty, positions_come_in_both_precisions_with_any_stride,
-             a_mesh_interface_of_bullets_makes_the_same_shape, the_margin_is_a_centimetre_or_a_quarter_of_an_edge,
-             threads_may_ask_first_at_the_same_time)
+QC_RUN_TESTS("mesh_shape", a_box_query_reports_exactly_the_triangles_whose_boxes_overlap_it,
+             every_triangle_with_a_point_below_a_plane_is_reported, rays_hit_what_they_hit_in_bullets_static_mesh,
+             swept_shapes_hit_what_they_hit_in_bullets_static_mesh, the_aabb_contains_every_vertex_and_the_margin,
+             a_mesh_of_a_box_has_the_mass_properties_of_a_box,
+             a_fine_mesh_of_a_sphere_has_the_mass_properties_of_a_sphere,
+             principal_axes_of_a_turned_and_moved_box_are_its_sides,
+             a_mesh_turned_inside_out_has_the_same_mass_properties, an_open_mesh_has_the_mass_properties_of_a_shell,
+             a_scaled_shape_is_the_shape_of_the_scaled_mesh, invalid_meshes_are_refused_and_empty,
+             positions_come_in_both_precisions_with_any_stride, a_mesh_interface_of_bullets_makes_the_same_shape,
+             the_margin_is_a_centimetre_or_a_quarter_of_an_edge, the_first_queries_may_run_on_several_threads_at_once)

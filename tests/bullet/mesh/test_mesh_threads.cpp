@@ -1,8 +1,8 @@
-// Contact of meshes and our broadphase in Bullet's Mt world, and on threads: the contacts are those of the plain world.
+// Contact of meshes, and qcBroadphase, in Bullet's Mt world and on threads: contacts are those of the plain world.
 //
-// A Bullet that was built without BT_THREADSAFE, as Debian's, runs the loops of the Mt classes on the calling thread;
-// manifolds are then still collected and numbered in their way, after the pairs were dispatched. Threads are those of a
-// dispatcher of the test's own, which locks what Bullet itself doesn't.
+// A Bullet without BT_THREADSAFE, like Debian's, runs the loops of the Mt classes on the calling thread; it still
+// collects and numbers manifolds in their way, after all pairs are dispatched. So threads come from the test's own
+// dispatcher, which locks what Bullet doesn't.
 #include "quickcullide/bullet.h"
 
 #include "bullet/mesh/mesh_models.h"
@@ -27,7 +27,7 @@
 
 namespace
 {
-/// Null, if Bullet has no threads.
+/// Null if Bullet has no threads.
 btITaskScheduler* s_scheduler = nullptr;
 
 void SetScheduler()
@@ -37,7 +37,7 @@ void SetScheduler()
     btSetTaskScheduler(s_scheduler != nullptr ? s_scheduler : btGetSequentialTaskScheduler());
 }
 
-/// Hands pairs to threads whatever Bullet was built with; what it shares is locked.
+/// Dispatches pairs on threads, whatever Bullet was built with. Shared data is locked.
 class Threaded : public btCollisionDispatcher
 {
   public:
@@ -86,8 +86,8 @@ class Threaded : public btCollisionDispatcher
     std::mutex m_mutex;
 };
 
-/// Solvers go through manifolds in the dispatcher's order, which is of when they were made and released, and that is
-/// each dispatcher's own: here it is that of bodies and points.
+/// Sorts manifolds by bodies and points. Solvers take them in the dispatcher's order, which follows from when they were
+/// created and released and differs between dispatchers.
 template <class Base> class Sorted : public Base
 {
   public:
@@ -128,7 +128,7 @@ enum class Kind
     threaded
 };
 
-/// Meshes that fall on a floor that is a mesh, and boxes and a compound of two meshes among them.
+/// Meshes, boxes and a compound of two meshes that fall on a mesh.
 class World
 {
   public:
@@ -196,7 +196,7 @@ class World
         return std::equal(bodies.begin(), bodies.end(), other.bodies.begin(), other.bodies.end(), isThere);
     }
 
-    /// Puts all bodies where another world has them, and finds their contacts.
+    /// Moves all bodies to their places in another world, and finds their contacts.
     void Follow(const World& other)
     {
         for (size_t i = 0; i < bodies.size(); i++)
@@ -214,7 +214,7 @@ class World
     using Point = std::array<btScalar, 7>;
     using Contacts = std::map<std::pair<int, int>, std::vector<Point>>;
 
-    /// By the numbers of the bodies, points in order; all manifolds of a pair together.
+    /// By the indices of the bodies, over all manifolds of a pair; points sorted.
     Contacts AllContacts() const
     {
         Contacts contacts;

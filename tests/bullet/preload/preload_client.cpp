@@ -1,5 +1,4 @@
-// A program that knows Bullet and nothing else: it makes btDbvtBroadphases in every way that there is, and prints what
-// it sees of them.
+// A program for Bullet alone: it creates btDbvtBroadphases in all possible ways, and prints their results.
 #include <BulletCollision/BroadphaseCollision/btAxisSweep3.h>
 #include <BulletCollision/BroadphaseCollision/btDbvtBroadphase.h>
 #include <btBulletDynamicsCommon.h>
@@ -10,7 +9,7 @@
 
 namespace
 {
-/// As some programs have one: it adds to what it inherits.
+/// A derived class, as some programs have: it overrides a function.
 struct Derived : btDbvtBroadphase
 {
     int boxes = 0;
@@ -47,7 +46,7 @@ void Simulate(const char* name, btBroadphaseInterface& broadphase)
         const btVector3 place(btScalar(i * 7 % 5) * btScalar(0.8), btScalar(i) * btScalar(0.4) - 1,
                               btScalar(i * 3 % 4) * btScalar(0.7));
         bodies.back()->setWorldTransform(btTransform(btQuaternion::getIdentity(), place));
-        // Bullet's own trees hold more pairs, so that bodies go to sleep later there.
+        // Bullet's trees keep more pairs, so bodies sleep later there.
         bodies.back()->setActivationState(DISABLE_DEACTIVATION);
         world.addRigidBody(bodies.back().get());
     }
@@ -118,7 +117,7 @@ int main()
     Simulate("derived", derived);
     std::printf("derived: %d boxes\n", derived.boxes);
 
-    // It makes a btDbvtBroadphase for its rays.
+    // btAxisSweep3 creates a btDbvtBroadphase for its rays.
     bt32BitAxisSweep3 sweep(btVector3(-50, -50, -50), btVector3(50, 50, 50));
     Simulate("axis sweep", sweep);
     return 0;

@@ -1,5 +1,5 @@
-// DART with its Bullet plugin, which makes a btDbvtBroadphase of its own: boxes and balls fall on a floor, and every
-// contact is printed. Rounded, and those of a step in order: DART's solver adds them up in the order of Bullet's pairs.
+// DART with its Bullet plugin, which creates its own btDbvtBroadphase: boxes and balls fall on a floor, and every
+// contact is printed. Rounded, and sorted in each step: DART's solver sums contacts in the order of Bullet's pairs.
 #include <dart/collision/bullet/BulletCollisionDetector.hpp>
 #include <dart/constraint/ConstraintSolver.hpp>
 #include <dart/dynamics/BodyNode.hpp>

@@ -1,5 +1,5 @@
 #!/bin/sh
-# A program that knows nothing of us prints the same with and without qc-preload, and with it our broadphase did the work.
+# A program for Bullet alone prints the same with and without qc-preload, and with it qcBroadphase does the work.
 # test_preload.sh PROGRAM PRELOAD
 set -eu
 
@@ -20,11 +20,11 @@ fail()
 
 LD_PRELOAD=$preload "$program" >"$work/with" 2>"$work/messages"
 cmp "$work/without" "$work/with" || fail "$(diff "$work/without" "$work/with" | head -20)"
-[ ! -s "$work/messages" ] || fail "statistics that nobody wanted: $(cat "$work/messages")"
+[ ! -s "$work/messages" ] || fail "statistics without QC_PRELOAD_STATISTICS: $(cat "$work/messages")"
 
 LD_PRELOAD=$preload QC_PRELOAD_STATISTICS=1 "$program" >"$work/with" 2>"$work/messages"
 cmp "$work/without" "$work/with"
 cat "$work/messages"
 grep -Eq '^qc-preload: [1-9][0-9]* broadphases, [1-9][0-9]* proxies, [1-9][0-9]* boxes set, [1-9][0-9]* searches' \
-    "$work/messages" || fail "no statistics of our broadphase"
+    "$work/messages" || fail "no statistics of qcBroadphase"
 echo "the same $(wc -l <"$work/with") lines"

@@ -1,6 +1,6 @@
 #!/bin/sh
-# qc-preload of one precision ends a program of the other one at once, and says why, and leaves alone what has no Bullet.
-# It shows the functions of btDbvtBroadphase that Bullet's library shows, and nothing else.
+# qc-preload of one precision ends a program of the other one at once, with a message, and changes nothing in a program
+# without Bullet. It exports the functions of btDbvtBroadphase that Bullet's library exports, and nothing else.
 # test_preload_precision.sh PRELOAD PROGRAM_OF_THE_SAME_PRECISION PROGRAM_OF_THE_OTHER
 set -eu
 

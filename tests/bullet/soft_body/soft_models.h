@@ -1,4 +1,4 @@
-// The triangles of soft bodies and of meshes as they lie in a Bullet world, and how many of them penetrate.
+// The triangles of soft bodies and of meshes as they lie in a Bullet world, and the count of penetrating pairs.
 #ifndef QC_TESTS_BULLET_SOFT_BODY_SOFT_MODELS_H
 #define QC_TESTS_BULLET_SOFT_BODY_SOFT_MODELS_H
 
@@ -34,7 +34,7 @@ inline qcSoup qcSoupOf(const btSoftBody* body)
     return soup;
 }
 
-/// Of the nodes that can move.
+/// Momentum of the nodes that can move.
 inline btVector3 qcMomentumOf(const btSoftBody* body)
 {
     btVector3 sum(0, 0, 0);
@@ -44,7 +44,7 @@ inline btVector3 qcMomentumOf(const btSoftBody* body)
     return sum;
 }
 
-/// Mean over the nodes.
+/// Mean speed of the nodes.
 inline btScalar qcSpeedOf(const btSoftBody* body)
 {
     btScalar sum = 0;
@@ -121,8 +121,8 @@ inline bool qcShareIndex(const qcSoup& soup, size_t a, size_t b)
     return false;
 }
 
-/// Penetrating pairs within the first soup, and between it and the others, in rational arithmetic: nothing of the
-/// library counts here.
+/// Penetrating pairs within the first soup, and between it and the others, in rational arithmetic, without
+/// the library.
 inline size_t qcCountPenetratingExactly(const std::vector<qcSoup>& soups)
 {
     size_t count = 0;

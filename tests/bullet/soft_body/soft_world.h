@@ -1,16 +1,21 @@
-// Bullet's soft-rigid world with our broadphase and our solver of soft bodies.
+// Bullet's worlds of soft bodies with this library's broadphase and contact.
 #ifndef QC_TESTS_BULLET_SOFT_BODY_SOFT_WORLD_H
 #define QC_TESTS_BULLET_SOFT_BODY_SOFT_WORLD_H
 
 #include "quickcullide/bullet.h"
+#include "quickcullide/bullet_deformable.h"
+
+#include "bullet/mesh/mesh_models.h"
 
 #include <BulletDynamics/ConstraintSolver/btSequentialImpulseConstraintSolver.h>
+#include <BulletDynamics/Dynamics/btRigidBody.h>
 #include <BulletSoftBody/btSoftBodyRigidBodyCollisionConfiguration.h>
 #include <BulletSoftBody/btSoftRigidDynamicsWorld.h>
 
+#include <memory>
 #include <vector>
 
-/// Whoever adds to it takes off again.
+/// A soft-rigid world. It removes and deletes the soft bodies, rigid bodies and shapes in its lists.
 struct qcSoftWorld
 {
     btSoftBodyRigidBodyCollisionConfiguration configuration;
@@ -18,14 +23,99 @@ struct qcSoftWorld
     qcBroadphase broadphase;
     btSequentialImpulseConstraintSolver solver;
     qcSoftBodySolver softSolver;
-    btSoftRigidDynamicsWorld world{&dispatcher, &broadphase, &solver, &configuration, &softSolver};
+    btDefaultSoftBodySolver bulletsSolver;
+    qcMeshContact meshContact;
+    btSoftRigidDynamicsWorld world;
     std::vector<btSoftBody*> cloths;
+    std::vector<std::unique_ptr<btCollisionShape>> shapes;
+    std::vector<std::unique_ptr<btRigidBody>> bodies;
 
-    explicit qcSoftWorld(qcDevice* device = nullptr) : softSolver(device)
+    /// `isPlain`: with Bullet's own soft-body solver.
+    explicit qcSoftWorld(qcDevice* device = nullptr, bool isPlain = false)
+        : softSolver(device), world(&dispatcher, &broadphase, &solver, &configuration,
+                                    isPlain ? &bulletsSolver : static_cast<btSoftBodySolver*>(&softSolver))
     {
         world.getWorldInfo().m_gravity = world.getGravity();
         softSolver.setThreadCount(1);
     }
+
+    ~qcSoftWorld()
+    {
+        while (!cloths.empty())
+            RemoveCloth();
+        for (const auto& body : bodies)
+            world.removeRigidBody(body.get());
+    }
+    qcSoftWorld(const qcSoftWorld&) = delete;
+    qcSoftWorld& operator=(const qcSoftWorld&) = delete;
+
+    void SetGravity(const btVector3& gravity)
+    {
+        world.setGravity(gravity);
+        world.getWorldInfo().m_gravity = gravity;
+    }
+
+    qcMeshShape* KeepMesh(const qcModel& model)
+    {
+        std::unique_ptr<qcMeshShape> shape = model.MakeShape();
+        qcMeshShape* mesh = shape.get();
+        shapes.push_back(std::move(shape));
+        return mesh;
+    }
+
+    btRigidBody* AddBody(btCollisionShape* shape, btScalar mass, const btVector3& at)
+    {
+        btVector3 inertia(0, 0, 0);
+        if (mass > 0)
+            shape->calculateLocalInertia(mass, inertia);
+        bodies.emplace_back(new btRigidBody(mass, nullptr, shape, inertia));
+        bodies.back()->setWorldTransform(btTransform(btQuaternion::getIdentity(), at));
+        bodies.back()->setInterpolationWorldTransform(bodies.back()->getWorldTransform());
+        world.addRigidBody(bodies.back().get());
+        return bodies.back().get();
+    }
+
+    btRigidBody* AddMesh(const qcModel& model, btScalar mass, const btVector3& at)
+    {
+        return AddBody(KeepMesh(model), mass, at);
+    }
+
+    /// The last one of the list.
+    void RemoveCloth()
+    {
+        world.removeSoftBody(cloths.back());
+        delete cloths.back();
+        cloths.pop_back();
+    }
+};
+
+/// A deformable world: qcDeformableWorld, or Bullet's own. It removes and deletes the soft bodies in its list.
+template <class DeformableWorld> struct qcDeformableTestWorld
+{
+    btSoftBodyRigidBodyCollisionConfiguration configuration;
+    btCollisionDispatcher dispatcher{&configuration};
+    qcBroadphase broadphase;
+    btDeformableBodySolver deformableSolver;
+    btDeformableMultiBodyConstraintSolver solver;
+    std::unique_ptr<DeformableWorld> world;
+    std::vector<btSoftBody*> cloths;
+
+    qcDeformableTestWorld()
+    {
+        solver.setDeformableSolver(&deformableSolver);
+        world.reset(new DeformableWorld(&dispatcher, &broadphase, &solver, &configuration, &deformableSolver));
+    }
+
+    ~qcDeformableTestWorld()
+    {
+        for (btSoftBody* cloth : cloths)
+        {
+            world->removeSoftBody(cloth);
+            delete cloth;
+        }
+    }
+    qcDeformableTestWorld(const qcDeformableTestWorld&) = delete;
+    qcDeformableTestWorld& operator=(const qcDeformableTestWorld&) = delete;
 };
 
 #endif

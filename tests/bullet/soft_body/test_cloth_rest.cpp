@@ -20,7 +20,7 @@ double SpeedBetween(const std::vector<float>& before, const std::vector<float>& 
     return std::sqrt(3 * sum / double(after.size()));
 }
 
-/// A scene that is asked anew, without whatever the solver keeps.
+/// Counted by a new scene, without the solver's state.
 size_t CountPenetrating(qcClothWorld& cloth)
 {
     qcSceneDef sceneDef = qcDefaultSceneDef();

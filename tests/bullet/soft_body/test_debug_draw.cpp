@@ -1,4 +1,4 @@
-// What a btIDebugDraw is given: by Bullet's own debugDrawWorld of our shapes and manifolds, and by debugDraw of ours.
+// Debug drawing: Bullet's own debugDrawWorld of our shapes and manifolds, and debugDraw of our classes.
 #include <BulletSoftBody/btSoftBodyHelpers.h>
 
 #include <set>
@@ -43,7 +43,7 @@ std::vector<Corners> FacesOf(const btSoftBody* body)
     return triangles;
 }
 
-/// How many of the recorded triangles are among these. All must be red.
+/// The count of recorded triangles among these. All must be red.
 size_t CountDrawn(const qcDebugRecorder& recorder, const std::vector<Corners>& triangles)
 {
     std::set<Corners> all(triangles.begin(), triangles.end());
@@ -106,7 +106,7 @@ START_TEST(bullet_draws_the_contact_points_of_meshes_on_the_mesh_below)
     ck_assert_int_eq(recorder.points.size(), qcContactsOf(world.dispatcher).points);
     for (const qcDebugRecorder::Point& point : recorder.points)
     {
-        // On the shell of one, with the normal to the other.
+        // On the surface of one enlarged by its margin, with the normal towards the other.
         ck_assert_double_eq_tol(std::fabs(double(point.normal.y())), 1, 1e-4);
         ck_assert_double_eq_tol(double(point.onB.y()), double(margin), 2e-3);
         ck_assert_double_le(std::fabs(double(point.onB.x())), 0.5001);
@@ -196,8 +196,8 @@ START_TEST(candidate_triangles_of_meshes_are_drawn_in_red_where_the_bodies_are)
         std::vector<Corners> cubes =
             TrianglesOf(*static_cast<qcMeshShape*>(cube->getCollisionShape()), cube->getWorldTransform());
         size_t ofCube = CountDrawn(recorder, cubes), ofFloor = recorder.triangles.size() - ofCube;
-        // Everything within the shells is a candidate, and what is far from the other body is none. Of the cube: its
-        // bottom, and what stands on that.
+        // Triangles within the margins are candidates, triangles far from the other body are not. The cube's are its
+        // bottom and the sides that meet it.
         qcModel models[2] = {qcCubeModel(), qcFloorModel(4, 8)};
         models[0].Move(cube->getWorldTransform());
         std::set<std::pair<uint32_t, uint32_t>> near = NearTriangles(models, double(margin) + 0.011);
@@ -219,7 +219,7 @@ START_TEST(candidate_triangles_of_meshes_are_drawn_in_red_where_the_bodies_are)
             ck_assert(TestAabbAgainstAabb2(lower, upper, btVector3(btScalar(-0.3), -1, btScalar(-0.3)),
                                            btVector3(btScalar(0.9), 1, btScalar(0.9))));
         }
-        // They go where the body goes, and are those of the same batch.
+        // Drawn where the body is now; the triangles are those of the same batch.
         btTransform away(btQuaternion(0, 1, 1, 1).normalized(), btVector3(1, 2, 3));
         cube->setWorldTransform(away);
         size_t before = recorder.triangles.size();

@@ -1,7 +1,8 @@
-// The deformable world with contact of ours: folds come to rest untangled, Bullet's own contact keeps out of it.
+// The deformable world with this library's contact: folds come to rest untangled, and Bullet makes no contact of its
+// own.
 #include "quickcullide/bullet_deformable.h"
 
-#include "bullet/mesh/mesh_models.h"
+#include "bullet/soft_body/soft_world.h"
 
 #include <BulletSoftBody/btDeformableGravityForce.h>
 #include <BulletSoftBody/btDeformableMassSpringForce.h>
@@ -22,24 +23,17 @@ namespace
 constexpr btScalar s_step = btScalar(1.0 / 240);
 
 /// A floor, and cloths of masses and springs. `DeformableWorld` is Bullet's world or ours.
-template <class DeformableWorld> struct World
+template <class DeformableWorld> struct World : qcDeformableTestWorld<DeformableWorld>
 {
-    btSoftBodyRigidBodyCollisionConfiguration configuration;
-    btCollisionDispatcher dispatcher{&configuration};
-    qcBroadphase broadphase;
-    btDeformableBodySolver deformableSolver;
-    btDeformableMultiBodyConstraintSolver solver;
-    std::unique_ptr<DeformableWorld> world;
+    using qcDeformableTestWorld<DeformableWorld>::world;
+    using qcDeformableTestWorld<DeformableWorld>::cloths;
     btBoxShape floorShape{btVector3(5, 1, 5)};
     btRigidBody floor{btRigidBody::btRigidBodyConstructionInfo(0, nullptr, &floorShape)};
     btDeformableMassSpringForce springs{10, btScalar(0.05), true};
     btDeformableGravityForce gravity;
-    std::vector<btSoftBody*> cloths;
 
     explicit World(const btVector3& g = btVector3(0, -10, 0)) : gravity(g)
     {
-        solver.setDeformableSolver(&deformableSolver);
-        world.reset(new DeformableWorld(&dispatcher, &broadphase, &solver, &configuration, &deformableSolver));
         world->setGravity(g);
         world->getWorldInfo().m_gravity = g;
         world->getWorldInfo().m_sparsesdf.setDefaultVoxelsz(btScalar(0.25));
@@ -55,6 +49,7 @@ template <class DeformableWorld> struct World
             world->removeSoftBody(cloth);
             delete cloth;
         }
+        cloths.clear();
         world->removeRigidBody(&floor);
     }
 
@@ -124,7 +119,7 @@ START_TEST(a_folded_deformable_cloth_comes_to_rest_untangled)
     for (int i = 0; i < 480; i++)
     {
         world.StepApart(1);
-        // Layers on top of it do not press the lowest one into the floor.
+        // The layers do not press the lowest one into the floor.
         ck_assert(qcLowestNode(cloth) > btScalar(0.002));
     }
     ck_assert_int_gt(world.world->getStatistics().contacts, 200);
@@ -146,8 +141,8 @@ START_TEST(the_same_cloth_tangles_without_self_collision)
 }
 END_TEST
 
-/// VF_DD finds contacts, and leaves the cloth tangled; its constraints between faces and nodes, which the implicit
-/// solve would see to, are never made.
+/// VF_DD finds contacts and leaves the cloth tangled: the constraints between faces and nodes, which the implicit solve
+/// would satisfy, are never made.
 START_TEST(bullets_own_self_collision_tangles_and_makes_no_constraints)
 {
     Bullets world;
@@ -168,7 +163,7 @@ START_TEST(bullets_own_self_collision_tangles_and_makes_no_constraints)
 }
 END_TEST
 
-START_TEST(bullet_does_not_answer_beside_us)
+START_TEST(bullet_makes_no_contact_of_its_own)
 {
     Ours world;
     world.AddUprightCloth(12);
@@ -340,7 +335,7 @@ END_TEST
 
 QC_RUN_TESTS("deformable", a_folded_deformable_cloth_comes_to_rest_untangled,
              the_same_cloth_tangles_without_self_collision, bullets_own_self_collision_tangles_and_makes_no_constraints,
-             bullet_does_not_answer_beside_us, without_contact_a_step_is_bullets,
+             bullet_makes_no_contact_of_its_own, without_contact_a_step_is_bullets,
              sheets_fall_on_each_other_and_stay_apart, momentum_is_kept_between_two_cloths,
              a_deformable_cloth_rests_on_a_mesh_and_pushes_one, an_anchored_node_stays_at_its_anchor,
              contacts_stand_in_manifolds_until_the_next_step, a_node_that_is_not_finite_is_named_and_nothing_crashes,

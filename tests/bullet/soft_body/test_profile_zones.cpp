@@ -1,4 +1,4 @@
-// The zones that Bullet's profiling sees of ours: named, balanced and nested in the step, also when a query fails.
+// The library's zones in Bullet's profiling: named, balanced and nested in the step, also when a query fails.
 #include "quickcullide/bullet_deformable.h"
 
 #include <BulletSoftBody/btDeformableGravityForce.h>
@@ -40,7 +40,7 @@ void Leave()
         s_open.pop_back();
 }
 
-/// Bullet's functions are put back when it ends.
+/// Restores Bullet's functions at its end.
 struct Recording
 {
     btEnterProfileZoneFunc* enter = btGetCurrentEnterProfileZoneFunc();
@@ -211,15 +211,10 @@ START_TEST(soft_bodies_show_detection_and_response_in_rounds)
 }
 END_TEST
 
-START_TEST(the_deformable_world_shows_the_same)
+START_TEST(the_deformable_world_shows_detection_and_response_in_rounds)
 {
-    btSoftBodyRigidBodyCollisionConfiguration configuration;
-    btCollisionDispatcher dispatcher(&configuration);
-    qcBroadphase broadphase;
-    btDeformableBodySolver deformableSolver;
-    btDeformableMultiBodyConstraintSolver solver;
-    solver.setDeformableSolver(&deformableSolver);
-    qcDeformableWorld world(&dispatcher, &broadphase, &solver, &configuration, &deformableSolver);
+    qcDeformableTestWorld<qcDeformableWorld> deformable;
+    qcDeformableWorld& world = *deformable.world;
     world.setThreadCount(1);
     world.getWorldInfo().m_gravity = world.getGravity();
     auto mesh = qcFloorModel(2, 4).MakeShape();
@@ -250,4 +245,4 @@ END_TEST
 QC_RUN_TESTS("profile_zones", a_broadphase_shows_its_search_and_its_pairs_where_something_moves,
              mesh_contact_shows_its_stages_in_the_batch, a_pair_computed_alone_is_a_query,
              zones_are_left_when_a_query_of_meshes_fails, soft_bodies_show_detection_and_response_in_rounds,
-             the_deformable_world_shows_the_same)
+             the_deformable_world_shows_detection_and_response_in_rounds)

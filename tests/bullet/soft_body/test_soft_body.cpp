@@ -1,4 +1,5 @@
-// The soft-body solver in Bullet's soft-rigid world: what penetrates without it does not with it, in both precisions.
+// The soft-body solver in Bullet's soft-rigid world: cloth that penetrates without it does not with it, in both
+// precisions.
 #include "bullet/soft_body/soft_world.h"
 
 #include <BulletSoftBody/btSoftBodyHelpers.h>
@@ -16,7 +17,7 @@
 
 namespace
 {
-/// A floor, a small box on it, and whatever is added.
+/// A world with a floor.
 struct World : qcSoftWorld
 {
     btStaticPlaneShape floorShape{btVector3(0, 1, 0), 0};
@@ -29,11 +30,8 @@ struct World : qcSoftWorld
 
     ~World()
     {
-        for (btSoftBody* cloth : cloths)
-        {
-            world.removeSoftBody(cloth);
-            delete cloth;
-        }
+        while (!cloths.empty())
+            RemoveCloth();
         world.removeRigidBody(&floor);
     }
 
@@ -74,30 +72,30 @@ size_t CountPenetrating(const World& world)
     return qcCountPenetrating(soups);
 }
 
-/// The most penetrating pairs after any step.
-size_t MostPenetrating(World& world, int steps)
+/// The maximum of penetrating pairs over the steps.
+size_t MaxPenetrating(World& world, int steps)
 {
-    size_t most = 0;
+    size_t max = 0;
     for (int i = 0; i < steps; i++)
     {
         world.Step();
         ck_assert_int_eq(world.softSolver.getStatistics().status, qc_statusOk);
-        most = std::max(most, CountPenetrating(world));
-        ck_assert_uint_eq(size_t(world.softSolver.getStatistics().remaining), most);
+        max = std::max(max, CountPenetrating(world));
+        ck_assert_uint_eq(size_t(world.softSolver.getStatistics().remaining), max);
     }
-    return most;
+    return max;
 }
 
 START_TEST(a_falling_cloth_never_penetrates_itself)
 {
     World world;
     world.AddUprightCloth(24);
-    ck_assert_uint_eq(MostPenetrating(world, 150), 0);
+    ck_assert_uint_eq(MaxPenetrating(world, 150), 0);
     ck_assert_int_gt(world.softSolver.getStatistics().contacts, 20);
 }
 END_TEST
 
-START_TEST(the_same_cloth_does_without_self_collision)
+START_TEST(a_falling_cloth_penetrates_itself_without_self_collision)
 {
     World world;
     btSoftBody* cloth = world.AddUprightCloth(24);
@@ -125,8 +123,8 @@ START_TEST(cloths_that_fall_on_each_other_stay_apart)
     AddSheet(world, btScalar(0.02), 0, 1, -1);
     AddSheet(world, btScalar(0.10), btScalar(0.4), 1, -1);
     AddSheet(world, btScalar(0.20), btScalar(0.9), 1, -1);
-    ck_assert_uint_eq(MostPenetrating(world, 120), 0);
-    // In the order in which they fell.
+    ck_assert_uint_eq(MaxPenetrating(world, 120), 0);
+    // The order in which they fell.
     for (int i = 0; i + 1 < 3; i++)
     {
         btVector3 low, high, lowNext, highNext;
@@ -137,7 +135,7 @@ START_TEST(cloths_that_fall_on_each_other_stay_apart)
 }
 END_TEST
 
-/// Two sheets land on a box that floats: the upper one presses the lower one on the box, which takes that up.
+/// Two sheets land on a box that floats: the upper one presses the lower one on the box, which takes up the momentum.
 START_TEST(layers_that_land_on_a_free_box_keep_momentum)
 {
     World world;
@@ -153,7 +151,7 @@ START_TEST(layers_that_land_on_a_free_box_keep_momentum)
     btSoftBody *lower = AddSheet(world, btScalar(2.13), 0, 1, -1), *upper = AddSheet(world, btScalar(2.2), 0, 1, -1);
     upper->setVelocity(btVector3(0, -1, 0));
     btVector3 before = qcMomentumOf(lower) + qcMomentumOf(upper) + box.getLinearVelocity();
-    MostPenetrating(world, 60);
+    MaxPenetrating(world, 60);
     btVector3 after = qcMomentumOf(lower) + qcMomentumOf(upper) + box.getLinearVelocity();
     ck_assert(box.getLinearVelocity().y() < btScalar(-0.05));
     ck_assert((after - before).length() < btScalar(1e-3) * before.length());
@@ -193,7 +191,7 @@ START_TEST(self_contacts_stand_in_manifolds_until_the_next_step)
                 const btManifoldPoint& point = manifold->getContactPoint(p);
                 ck_assert(std::abs(point.m_normalWorldOnB.length() - 1) < btScalar(1e-3));
                 ck_assert(point.getDistance() <= 0);
-                // The points are as far apart as the distance between surfaces and the thickness say.
+                // The points are at the distance between surfaces plus the thickness.
                 btScalar apart = (point.getPositionWorldOnA() - point.getPositionWorldOnB()).length();
                 ck_assert(apart <= btScalar(0.01) + btScalar(1e-4));
             }
@@ -202,7 +200,7 @@ START_TEST(self_contacts_stand_in_manifolds_until_the_next_step)
         seen += points;
     }
     ck_assert_int_gt(seen, 100);
-    // A body may go between two steps.
+    // A body may be removed between two steps.
     world.world.removeSoftBody(cloth);
     world.cloths.clear();
     delete cloth;
@@ -225,14 +223,14 @@ START_TEST(a_node_that_is_not_finite_is_named_and_nothing_crashes)
 }
 END_TEST
 
-START_TEST(a_new_topology_is_taken_over)
+START_TEST(a_changed_topology_collides)
 {
     World world;
     btSoftBody* cloth = world.AddUprightCloth(12);
     for (int i = 0; i < 60; i++)
         world.Step();
     int before = cloth->m_faces.size();
-    // Tear: the faces of the upper half are gone.
+    // A tear removes the faces of the upper half.
     for (int i = before - 1; i >= before / 2; i--)
     {
         cloth->m_faces.swap(i, cloth->m_faces.size() - 1);
@@ -247,7 +245,7 @@ START_TEST(a_new_topology_is_taken_over)
 }
 END_TEST
 
-START_TEST(faces_wired_anew_without_a_change_of_number_are_taken_over)
+START_TEST(faces_with_other_nodes_but_the_same_count_collide)
 {
     World world;
     btSoftBody* cloth = world.AddUprightCloth(12);
@@ -262,7 +260,7 @@ START_TEST(faces_wired_anew_without_a_change_of_number_are_taken_over)
 }
 END_TEST
 
-START_TEST(settings_end_with_the_body_and_wait_for_one_that_is_not_there_yet)
+START_TEST(settings_last_until_removal_and_may_be_given_before_the_body_is_added)
 {
     World world;
     btSoftBody* cloth = world.AddUprightCloth(4);
@@ -271,7 +269,7 @@ START_TEST(settings_end_with_the_body_and_wait_for_one_that_is_not_there_yet)
     world.softSolver.setSettings(cloth, settings);
     world.Step();
     ck_assert(world.softSolver.getSettings(cloth).friction == 7);
-    // The same address again, as a body allocated after another was deleted may have: added anew, it is another body.
+    // An address again, which a body allocated after another was deleted may have: added anew, it is another body.
     world.world.removeSoftBody(cloth);
     world.world.addSoftBody(cloth);
     ck_assert(world.softSolver.getSettings(cloth).friction != 7);
@@ -321,7 +319,7 @@ START_TEST(a_body_that_is_not_simulated_stays_where_it_is_and_holds_others_up)
     std::vector<btVector3> before;
     for (int i = 0; i < lower->m_nodes.size(); i++)
         before.push_back(lower->m_nodes[i].m_x);
-    ck_assert_uint_eq(MostPenetrating(world, 60), 0);
+    ck_assert_uint_eq(MaxPenetrating(world, 60), 0);
     for (int i = 0; i < lower->m_nodes.size(); i++)
         ck_assert(lower->m_nodes[i].m_x == before[size_t(i)]);
     btVector3 low, high;
@@ -330,7 +328,7 @@ START_TEST(a_body_that_is_not_simulated_stays_where_it_is_and_holds_others_up)
 }
 END_TEST
 
-/// Manifolds whose end Bullet told us of, and the bodies they named.
+/// Manifolds whose end Bullet reported, and their bodies.
 std::vector<const void*> s_ended;
 
 void NoteEnded(btPersistentManifold* const& manifold)
@@ -338,7 +336,7 @@ void NoteEnded(btPersistentManifold* const& manifold)
     s_ended.push_back(manifold->getBody0());
 }
 
-START_TEST(nobody_is_told_of_the_end_of_contacts_of_a_body_that_is_gone)
+START_TEST(no_callback_reports_the_end_of_contacts_of_a_removed_body)
 {
     World world;
     btSoftBody* cloth = world.AddUprightCloth(16);
@@ -432,7 +430,7 @@ START_TEST(layers_simulates_what_sweep_does_bit_by_bit)
 }
 END_TEST
 
-START_TEST(layers_without_a_device_falls_back_and_says_so)
+START_TEST(layers_without_a_device_falls_back_and_reports_it)
 {
     World world;
     Trail(world, qc_methodLayers, qc_methodSweep, "none");
@@ -464,7 +462,7 @@ START_TEST(a_method_without_contacts_leaves_a_step_to_bullet)
 }
 END_TEST
 
-START_TEST(everything_is_given_back)
+START_TEST(all_memory_is_freed)
 {
     QC_FOR_EACH_DEVICE(device)
     {
@@ -480,15 +478,16 @@ START_TEST(everything_is_given_back)
 END_TEST
 } // namespace
 
-QC_RUN_TESTS("soft body", a_falling_cloth_never_penetrates_itself, the_same_cloth_does_without_self_collision,
-             cloths_that_fall_on_each_other_stay_apart, cloths_that_the_broadphase_filters_do_not_touch,
-             layers_that_land_on_a_free_box_keep_momentum, self_contacts_stand_in_manifolds_until_the_next_step,
-             a_node_that_is_not_finite_is_named_and_nothing_crashes, a_new_topology_is_taken_over,
-             faces_wired_anew_without_a_change_of_number_are_taken_over,
-             settings_end_with_the_body_and_wait_for_one_that_is_not_there_yet,
+QC_RUN_TESTS("soft body", a_falling_cloth_never_penetrates_itself,
+             a_falling_cloth_penetrates_itself_without_self_collision, cloths_that_fall_on_each_other_stay_apart,
+             cloths_that_the_broadphase_filters_do_not_touch, layers_that_land_on_a_free_box_keep_momentum,
+             self_contacts_stand_in_manifolds_until_the_next_step,
+             a_node_that_is_not_finite_is_named_and_nothing_crashes, a_changed_topology_collides,
+             faces_with_other_nodes_but_the_same_count_collide,
+             settings_last_until_removal_and_may_be_given_before_the_body_is_added,
              a_face_with_one_free_corner_is_not_thrown_away,
              a_body_that_is_not_simulated_stays_where_it_is_and_holds_others_up,
-             nobody_is_told_of_the_end_of_contacts_of_a_body_that_is_gone,
+             no_callback_reports_the_end_of_contacts_of_a_removed_body,
              two_runs_agree_bit_by_bit_for_any_number_of_threads, layers_simulates_what_sweep_does_bit_by_bit,
-             layers_without_a_device_falls_back_and_says_so, a_method_without_contacts_leaves_a_step_to_bullet,
-             everything_is_given_back)
+             layers_without_a_device_falls_back_and_reports_it, a_method_without_contacts_leaves_a_step_to_bullet,
+             all_memory_is_freed)

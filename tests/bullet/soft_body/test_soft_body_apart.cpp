@@ -1,5 +1,5 @@
-// What a step keeps apart, and what it lets go: momentum and energy where contacts can't part surfaces, cloth among
-// moving meshes, bodies that are tangled at the start.
+// Momentum and energy where contacts can't separate surfaces, cloth among moving meshes, bodies that are tangled at the
+// start.
 #include "bench/soft/pile_scene.h"
 #include "bullet/soft_body/soft_world.h"
 #include "bench/soft/tangle_scene.h"
@@ -19,17 +19,7 @@ struct FlyingWorld : qcSoftWorld
 {
     FlyingWorld()
     {
-        world.setGravity(btVector3(0, 0, 0));
-        world.getWorldInfo().m_gravity.setZero();
-    }
-
-    ~FlyingWorld()
-    {
-        for (btSoftBody* cloth : cloths)
-        {
-            world.removeSoftBody(cloth);
-            delete cloth;
-        }
+        SetGravity(btVector3(0, 0, 0));
     }
 
     /// A square; `tilt`: how much higher one corner lies.
@@ -85,7 +75,7 @@ START_TEST(cloths_thrown_at_each_other_keep_momentum_and_gain_no_energy)
         ck_assert_double_le(double((momentum - btVector3(0, -speed, 0)).length()), 1e-3 * double(speed));
         ck_assert_double_le(double(world.Energy()), 1.01 * double(energy));
     }
-    // Contacts alone did not do it.
+    // Contacts alone did not separate them.
     ck_assert_int_gt(planes, 100);
 }
 END_TEST
@@ -156,7 +146,7 @@ START_TEST(rings_that_begin_inside_of_each_other_fall_freely_and_come_apart)
         if (step > 2)
             ck_assert_uint_eq(ours.CountTangled(), 0);
     }
-    // Free fall, in steps of which each moves on with the speed that it ends with.
+    // Free fall by semi-implicit Euler steps.
     ck_assert_double_eq_tol(double(start - ours.Height()), 10 * 30 * 31 / 7200.0, 1e-3);
     ck_assert_double_ge(double(start - ours.Height()), double(start - bullets.Height()));
     for (const btSoftBody* ring : ours.rings)

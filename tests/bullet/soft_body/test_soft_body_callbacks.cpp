@@ -1,4 +1,4 @@
-// What Bullet's contact callbacks are told of soft bodies: each contact of two bodies starts once and ends once.
+// Bullet's contact callbacks for soft bodies: each contact of two bodies starts once and ends once.
 #include "quickcullide/bullet.h"
 #include "quickcullide/bullet_deformable.h"
 
@@ -21,18 +21,18 @@ namespace
 {
 using Bodies = std::pair<const btCollisionObject*, const btCollisionObject*>;
 
-/// What the callbacks were told, in order; and what to do once it was noted.
+/// The bodies of the callbacks so far, in order, and a function that each call runs at its end.
 std::vector<Bodies> s_started, s_ended, s_processed;
 std::function<void()> s_afterwards;
 size_t s_given, s_givenBack; // user data of points
 
-void Note(std::vector<Bodies>* told, const void* a, const void* b)
+void Note(std::vector<Bodies>* list, const void* a, const void* b)
 {
     Bodies bodies(static_cast<const btCollisionObject*>(a), static_cast<const btCollisionObject*>(b));
-    // They must be there to be looked at.
+    // They must be readable.
     ck_assert_ptr_nonnull(bodies.first->getCollisionShape());
     ck_assert_ptr_nonnull(bodies.second->getCollisionShape());
-    told->push_back(bodies);
+    list->push_back(bodies);
 }
 
 void NoteStarted(btPersistentManifold* const& manifold)
@@ -104,7 +104,7 @@ struct World : qcSoftWorld
         while (!cloths.empty())
             RemoveCloth();
         RemovePlate();
-        // User data is given back later, by the solver.
+        // The solver releases user data later.
         gContactStartedCallback = nullptr;
         gContactEndedCallback = nullptr;
         gContactProcessedCallback = nullptr;
@@ -143,13 +143,6 @@ struct World : qcSoftWorld
         return cloth;
     }
 
-    void RemoveCloth()
-    {
-        world.removeSoftBody(cloths.back());
-        delete cloths.back();
-        cloths.pop_back();
-    }
-
     void Step(int steps)
     {
         for (int i = 0; i < steps; i++)
@@ -165,7 +158,7 @@ START_TEST(a_contact_of_a_cloth_with_a_mesh_starts_once_and_ends_once)
     const btSoftBody* cloth = world.AddCloth(btScalar(0.1));
     for (size_t times = 1; times <= 3; times++)
     {
-        // It falls onto the plate and lies there. The plate is taken away, and put under it again.
+        // It falls onto the plate and lies there. The plate is removed, and put under it again.
         world.Step(40);
         ck_assert_int_gt(world.softSolver.getStatistics().contacts, 0);
         ck_assert_uint_eq(s_started.size(), times);
@@ -181,7 +174,7 @@ START_TEST(a_contact_of_a_cloth_with_a_mesh_starts_once_and_ends_once)
 }
 END_TEST
 
-START_TEST(contacts_of_two_cloths_start_and_end_in_turns_and_name_the_older_one_first)
+START_TEST(contacts_of_two_cloths_start_and_end_alternately_with_the_older_one_first)
 {
     World world;
     const btSoftBody *lower = world.AddCloth(0, 1 + 2 + 4 + 8), *upper = world.AddCloth(btScalar(0.1));
@@ -220,7 +213,7 @@ START_TEST(contacts_of_two_cloths_start_and_end_in_turns_and_name_the_older_one_
 }
 END_TEST
 
-START_TEST(each_point_is_told_of_in_each_step_and_its_user_data_given_back)
+START_TEST(each_point_is_reported_in_each_step_and_its_user_data_released)
 {
     size_t all = 0;
     {
@@ -243,12 +236,12 @@ START_TEST(each_point_is_told_of_in_each_step_and_its_user_data_given_back)
         ck_assert_uint_gt(all, 500);
         ck_assert_uint_gt(s_given, s_givenBack);
     }
-    // Those of the last step with the solver.
+    // The solver releases those of the last step.
     ck_assert_uint_eq(s_givenBack, all);
 }
 END_TEST
 
-START_TEST(what_sleeps_stays_in_contact)
+START_TEST(sleeping_bodies_stay_in_contact)
 {
     World world;
     world.AddPlate(0);
@@ -320,7 +313,7 @@ START_TEST(bodies_may_be_removed_when_a_contact_starts)
                 world.RemoveCloth();
         };
         world.StepUntilStarted();
-        // Nobody is told of the points of what is gone, nor of its contacts.
+        // No callback gets points or contacts of removed bodies.
         ck_assert_uint_eq(s_started.size(), 1);
         ck_assert_ptr_eq(s_started[0].first, first);
         ck_assert(plate == s_processed.empty());
@@ -371,7 +364,7 @@ START_TEST(bodies_may_be_added_in_callbacks)
 }
 END_TEST
 
-START_TEST(nobody_is_told_of_the_end_of_a_contact_with_a_mesh_that_is_gone)
+START_TEST(no_callback_reports_the_end_of_a_contact_with_a_removed_mesh)
 {
     World world;
     world.AddCloth(btScalar(0.1));
@@ -381,7 +374,7 @@ START_TEST(nobody_is_told_of_the_end_of_a_contact_with_a_mesh_that_is_gone)
     world.RemovePlate();
     world.Step(3);
     ck_assert_uint_eq(s_ended.size(), 0);
-    // Another one, maybe at the same address, is another contact.
+    // Another cloth, maybe at the same address, is another contact.
     world.AddPlate(world.cloths[0]->m_nodes[0].m_x.y() - btScalar(0.1));
     world.Step(40);
     ck_assert_uint_eq(s_started.size(), 2);
@@ -389,7 +382,7 @@ START_TEST(nobody_is_told_of_the_end_of_a_contact_with_a_mesh_that_is_gone)
 }
 END_TEST
 
-START_TEST(nobody_is_told_of_the_end_of_contacts_of_a_cloth_that_is_gone)
+START_TEST(no_callback_reports_the_end_of_contacts_of_a_removed_cloth)
 {
     World world;
     world.AddCloth(0, 1 + 2 + 4 + 8);
@@ -404,7 +397,7 @@ START_TEST(nobody_is_told_of_the_end_of_contacts_of_a_cloth_that_is_gone)
 }
 END_TEST
 
-START_TEST(a_plate_that_is_taken_away_in_the_step_that_ends_the_contact_is_not_told_of)
+START_TEST(no_callback_reports_a_plate_removed_in_the_step_that_ends_its_contact)
 {
     World world;
     world.AddCloth(btScalar(0.1));
@@ -416,16 +409,11 @@ START_TEST(a_plate_that_is_taken_away_in_the_step_that_ends_the_contact_is_not_t
     ck_assert_uint_eq(s_ended.size(), 0);
 }
 END_TEST
-START_TEST(deformable_bodies_have_the_same)
+START_TEST(contacts_of_deformable_bodies_start_once_and_end_once)
 {
     Listen();
-    btSoftBodyRigidBodyCollisionConfiguration configuration;
-    btCollisionDispatcher dispatcher(&configuration);
-    qcBroadphase broadphase;
-    btDeformableBodySolver deformableSolver;
-    btDeformableMultiBodyConstraintSolver solver;
-    solver.setDeformableSolver(&deformableSolver);
-    qcDeformableWorld world(&dispatcher, &broadphase, &solver, &configuration, &deformableSolver);
+    qcDeformableTestWorld<qcDeformableWorld> deformable;
+    qcDeformableWorld& world = *deformable.world;
     world.setThreadCount(1);
     btDeformableGravityForce gravity(world.getGravity());
     std::unique_ptr<qcMeshShape> shape = qcFloorModel(2, 1).MakeShape();
@@ -462,11 +450,11 @@ END_TEST
 } // namespace
 
 QC_RUN_TESTS("contact callbacks of soft bodies", a_contact_of_a_cloth_with_a_mesh_starts_once_and_ends_once,
-             contacts_of_two_cloths_start_and_end_in_turns_and_name_the_older_one_first,
-             each_point_is_told_of_in_each_step_and_its_user_data_given_back, what_sleeps_stays_in_contact,
+             contacts_of_two_cloths_start_and_end_alternately_with_the_older_one_first,
+             each_point_is_reported_in_each_step_and_its_user_data_released, sleeping_bodies_stay_in_contact,
              two_contacts_may_start_and_end_in_one_step, bodies_may_be_removed_when_a_contact_starts,
              bodies_may_be_removed_when_a_contact_ends, bodies_may_be_added_in_callbacks,
-             nobody_is_told_of_the_end_of_a_contact_with_a_mesh_that_is_gone,
-             nobody_is_told_of_the_end_of_contacts_of_a_cloth_that_is_gone,
-             a_plate_that_is_taken_away_in_the_step_that_ends_the_contact_is_not_told_of,
-             deformable_bodies_have_the_same)
+             no_callback_reports_the_end_of_a_contact_with_a_removed_mesh,
+             no_callback_reports_the_end_of_contacts_of_a_removed_cloth,
+             no_callback_reports_a_plate_removed_in_the_step_that_ends_its_contact,
+             contacts_of_deformable_bodies_start_once_and_end_once)

@@ -1,13 +1,11 @@
-// Soft bodies against qcMeshShape in Bullet's soft-rigid world: they rest on it, push it, and never end up inside.
+// Soft bodies against qcMeshShape in Bullet's soft-rigid world: they rest on it, push it, and never penetrate it.
 #include "quickcullide/bullet.h"
 
-#include "bullet/mesh/mesh_models.h"
+#include "bullet/soft_body/soft_world.h"
 
 #include <BulletCollision/CollisionShapes/btBvhTriangleMeshShape.h>
 #include <BulletCollision/CollisionShapes/btCompoundShape.h>
 #include <BulletSoftBody/btSoftBodyHelpers.h>
-#include <BulletSoftBody/btSoftBodyRigidBodyCollisionConfiguration.h>
-#include <BulletSoftBody/btSoftRigidDynamicsWorld.h>
 #include <btBulletDynamicsCommon.h>
 
 #include <cmath>
@@ -22,70 +20,25 @@ namespace
 {
 constexpr btScalar s_step = btScalar(1.0 / 120);
 
-/// A world of cloths and meshes; it owns what it is given.
-struct World
+/// A world of meshes and at most one cloth.
+struct World : qcSoftWorld
 {
-    btSoftBodyRigidBodyCollisionConfiguration configuration;
-    btCollisionDispatcher dispatcher{&configuration};
-    qcBroadphase broadphase;
-    btSequentialImpulseConstraintSolver solver;
-    qcSoftBodySolver ours;
-    btDefaultSoftBodySolver bullets;
-    qcMeshContact meshContact;
-    btSoftRigidDynamicsWorld world;
-    std::vector<std::unique_ptr<btCollisionShape>> shapes;
-    std::vector<std::unique_ptr<btRigidBody>> bodies;
     btSoftBody* cloth = nullptr;
 
-    /// `plain`: with Bullet's own soft-body solver.
-    explicit World(bool plain = false)
-        : world(&dispatcher, &broadphase, &solver, &configuration,
-                plain ? &bullets : static_cast<btSoftBodySolver*>(&ours))
+    explicit World(bool isPlain = false) : qcSoftWorld(nullptr, isPlain)
     {
-        world.getWorldInfo().m_gravity = world.getGravity();
-        ours.setThreadCount(1);
     }
 
     ~World()
     {
         RemoveCloth();
-        for (auto& body : bodies)
-            world.removeRigidBody(body.get());
     }
 
     void RemoveCloth()
     {
-        if (cloth == nullptr)
-            return;
-        world.removeSoftBody(cloth);
-        delete cloth;
+        if (cloth != nullptr)
+            qcSoftWorld::RemoveCloth();
         cloth = nullptr;
-    }
-
-    void SetGravity(const btVector3& gravity)
-    {
-        world.setGravity(gravity);
-        world.getWorldInfo().m_gravity = gravity;
-    }
-
-    qcMeshShape* KeepMesh(const qcModel& model)
-    {
-        std::unique_ptr<qcMeshShape> shape = model.MakeShape();
-        qcMeshShape* mesh = shape.get();
-        shapes.push_back(std::move(shape));
-        return mesh;
-    }
-
-    btRigidBody* AddBody(btCollisionShape* shape, btScalar mass, const btVector3& at)
-    {
-        btVector3 inertia(0, 0, 0);
-        if (mass > 0)
-            shape->calculateLocalInertia(mass, inertia);
-        bodies.emplace_back(new btRigidBody(mass, nullptr, shape, inertia));
-        bodies.back()->setWorldTransform(btTransform(btQuaternion::getIdentity(), at));
-        bodies.back()->setInterpolationWorldTransform(bodies.back()->getWorldTransform());
-        world.addRigidBody(bodies.back().get());
-        return bodies.back().get();
     }
 
     /// A square metre at a height; fixed: +1 +2 +4 +8 for its corners.
@@ -100,6 +53,7 @@ struct World
         cloth->m_cfg.kKHR = 1;
         cloth->setTotalMass(btScalar(0.5));
         world.addSoftBody(cloth);
+        cloths.push_back(cloth);
     }
 
     void Step(btScalar timeStep = s_step)
@@ -113,8 +67,8 @@ struct World
         for (int i = 0; i < steps; i++)
         {
             Step(timeStep);
-            ck_assert_int_eq(ours.getStatistics().status, qc_statusOk);
-            ck_assert_int_eq(ours.getStatistics().remaining, 0);
+            ck_assert_int_eq(softSolver.getStatistics().status, qc_statusOk);
+            ck_assert_int_eq(softSolver.getStatistics().remaining, 0);
         }
     }
 
@@ -148,8 +102,8 @@ START_TEST(a_cloth_comes_to_rest_on_a_mesh_without_penetrating)
     btRigidBody* body = world.AddBody(hill, 0, btVector3(0, 0, 0));
     world.AddCloth(btScalar(0.6), 14);
     world.StepApart(240);
-    ck_assert_int_gt(world.ours.getStatistics().contacts, 100);
-    ck_assert_int_eq(world.ours.getStatistics().frozenNodes, 0);
+    ck_assert_int_gt(world.softSolver.getStatistics().contacts, 100);
+    ck_assert_int_eq(world.softSolver.getStatistics().frozenNodes, 0);
     ck_assert(qcSpeedOf(world.cloth) < btScalar(0.01));
     ck_assert_uint_eq(qcCountPenetratingExactly(world.Soups()), 0);
     // On the hill, and not above it: the thickness of both keeps them apart.
@@ -175,7 +129,7 @@ START_TEST(a_cloth_that_falls_from_ten_metres_is_held_by_a_floor_of_triangles)
     for (int i = 0; i < 120; i++)
     {
         world.StepApart(1, btScalar(1.0 / 60));
-        swept += world.ours.getStatistics().sweptNodes;
+        swept += world.softSolver.getStatistics().sweptNodes;
         ck_assert(qcLowestNode(world.cloth) > 0);
     }
     ck_assert_int_gt(swept, 50);
@@ -183,7 +137,7 @@ START_TEST(a_cloth_that_falls_from_ten_metres_is_held_by_a_floor_of_triangles)
 }
 END_TEST
 
-/// Why: Bullet makes a prism 12 cm thick of each triangle and pushes each node out of each by itself, so that the
+/// Bullet makes a prism 12 cm thick of each triangle and pushes each node out of each by itself, so that the
 /// prisms of neighbours push it on. No qcSoftBodySolver, no contact of ours.
 START_TEST(bullets_own_algorithm_lets_a_cloth_fall_through_a_fine_mesh)
 {
@@ -197,7 +151,7 @@ START_TEST(bullets_own_algorithm_lets_a_cloth_fall_through_a_fine_mesh)
 }
 END_TEST
 
-START_TEST(bullet_does_not_answer_beside_us)
+START_TEST(bullet_makes_no_contact_of_its_own)
 {
     World world;
     world.AddBody(world.KeepMesh(HillModel(12)), 0, btVector3(0, 0, 0));
@@ -207,7 +161,7 @@ START_TEST(bullet_does_not_answer_beside_us)
         world.StepApart(1);
         ck_assert_int_eq(world.cloth->m_rcontacts.size(), 0);
     }
-    ck_assert_int_gt(world.ours.getStatistics().contacts, 0);
+    ck_assert_int_gt(world.softSolver.getStatistics().contacts, 0);
     ck_assert_int_eq(world.world.getWorldInfo().m_sparsesdf.ncells, 0);
 }
 END_TEST
@@ -224,7 +178,7 @@ START_TEST(other_triangle_meshes_stay_bullets)
     for (int i = 0; i < 60; i++)
     {
         world.StepApart(1);
-        ck_assert_int_eq(world.ours.getStatistics().meshes, 0);
+        ck_assert_int_eq(world.softSolver.getStatistics().meshes, 0);
         contacts += world.cloth->m_rcontacts.size();
     }
     ck_assert_int_gt(contacts, 0);
@@ -263,15 +217,15 @@ START_TEST(a_cloth_that_is_held_at_its_corners_catches_a_mesh)
     world.AddCloth(0, 16, 1 + 2 + 4 + 8);
     world.StepApart(360);
     ck_assert(body->getLinearVelocity().length() < btScalar(0.3));
-    // In the sagging cloth, that is: above its lowest node.
+    // In the sagging cloth: above its lowest node.
     ck_assert(body->getWorldTransform().getOrigin().y() > qcLowestNode(world.cloth) + btScalar(0.1));
     ck_assert(body->getWorldTransform().getOrigin().y() > -1);
     ck_assert_uint_eq(qcCountPenetratingExactly(world.Soups()), 0);
 }
 END_TEST
 
-/// Balls, boxes and rings fall on a cloth on a floor, through two of Bullet's solvers and one of ours that know nothing
-/// of each other, in steps of 8 cm: it is squeezed, and not cut.
+/// Balls, boxes and rings fall on a cloth on a floor, in steps of 8 cm. Two of Bullet's solvers and one of this
+/// library's act independently of each other: the cloth is squeezed, but not cut.
 START_TEST(a_cloth_under_a_pile_of_meshes_is_never_penetrated)
 {
     World world;
@@ -334,7 +288,7 @@ START_TEST(meshes_in_a_compound_hold_a_cloth)
     world.AddBody(compound.get(), 0, btVector3(0, 0, 0));
     world.AddCloth(btScalar(0.3), 16);
     world.StepApart(90);
-    ck_assert_int_gt(world.ours.getStatistics().contacts, 20);
+    ck_assert_int_gt(world.softSolver.getStatistics().contacts, 20);
     ck_assert_int_eq(world.cloth->m_rcontacts.size(), 0);
     ck_assert(qcLowestNode(world.cloth) > -1);
     world.RemoveCloth();
@@ -343,7 +297,7 @@ START_TEST(meshes_in_a_compound_hold_a_cloth)
 }
 END_TEST
 
-START_TEST(what_bullet_lets_pass_passes)
+START_TEST(pairs_that_bullet_filters_out_have_no_contact)
 {
     for (int kind = 0; kind < 4; kind++)
     {
@@ -361,7 +315,7 @@ START_TEST(what_bullet_lets_pass_passes)
         for (int i = 0; i < 60; i++)
         {
             world.Step();
-            ck_assert_int_eq(world.ours.getStatistics().contacts, 0);
+            ck_assert_int_eq(world.softSolver.getStatistics().contacts, 0);
         }
         ck_assert(qcLowestNode(world.cloth) < -1);
     }
@@ -412,7 +366,7 @@ START_TEST(a_mesh_that_sleeps_is_woken_and_moves)
 }
 END_TEST
 
-START_TEST(a_transform_that_is_not_finite_is_refused_and_bullets_positions_stay)
+START_TEST(a_transform_that_is_not_finite_is_refused_and_bullets_positions_remain)
 {
     World world;
     btRigidBody* body = world.AddBody(world.KeepMesh(qcFloorModel(1, 4)), 0, btVector3(0, 0, 0));
@@ -423,7 +377,7 @@ START_TEST(a_transform_that_is_not_finite_is_refused_and_bullets_positions_stay)
     world.world.setForceUpdateAllAabbs(false);
     body->setWorldTransform(broken);
     world.Step();
-    ck_assert_int_eq(world.ours.getStatistics().status, qc_statusBadInput);
+    ck_assert_int_eq(world.softSolver.getStatistics().status, qc_statusBadInput);
     ck_assert_ptr_nonnull(std::strstr(qcLastMessage(), "not finite"));
     for (int i = 0; i < world.cloth->m_nodes.size(); i++)
         ck_assert(std::isfinite(world.cloth->m_nodes[i].m_x.y()));
@@ -432,22 +386,22 @@ START_TEST(a_transform_that_is_not_finite_is_refused_and_bullets_positions_stay)
 }
 END_TEST
 
-START_TEST(meshes_may_change_and_go_between_two_steps)
+START_TEST(meshes_may_change_and_be_removed_between_two_steps)
 {
     World world;
     qcMeshShape* mesh = world.KeepMesh(qcFloorModel(1, 4));
     btRigidBody* body = world.AddBody(mesh, 0, btVector3(0, 0, 0));
     world.AddCloth(btScalar(0.03), 6);
     world.StepApart(30);
-    ck_assert_int_gt(world.ours.getStatistics().contacts, 0);
-    // Half as wide: what lay at its border hangs over.
+    ck_assert_int_gt(world.softSolver.getStatistics().contacts, 0);
+    // Half as wide: the cloth's border hangs over.
     mesh->setLocalScaling(btVector3(btScalar(0.4), 1, btScalar(0.4)));
     world.StepApart(30);
     ck_assert(qcLowestNode(world.cloth) < btScalar(-0.01));
     world.world.removeRigidBody(body);
     world.bodies.clear();
     world.StepApart(60);
-    ck_assert_int_eq(world.ours.getStatistics().meshes, 0);
+    ck_assert_int_eq(world.softSolver.getStatistics().meshes, 0);
     ck_assert(qcLowestNode(world.cloth) < btScalar(-0.5));
 }
 END_TEST
@@ -478,10 +432,11 @@ END_TEST
 
 QC_RUN_TESTS("soft body on mesh", a_cloth_comes_to_rest_on_a_mesh_without_penetrating,
              a_cloth_that_falls_from_ten_metres_is_held_by_a_floor_of_triangles,
-             bullets_own_algorithm_lets_a_cloth_fall_through_a_fine_mesh, bullet_does_not_answer_beside_us,
+             bullets_own_algorithm_lets_a_cloth_fall_through_a_fine_mesh, bullet_makes_no_contact_of_its_own,
              other_triangle_meshes_stay_bullets, momentum_is_kept_between_a_cloth_and_a_free_mesh,
              a_cloth_that_is_held_at_its_corners_catches_a_mesh, a_cloth_under_a_pile_of_meshes_is_never_penetrated,
-             a_kinematic_mesh_lifts_a_cloth, meshes_in_a_compound_hold_a_cloth, what_bullet_lets_pass_passes,
-             contacts_with_a_mesh_stand_in_manifolds, a_mesh_that_sleeps_is_woken_and_moves,
-             a_transform_that_is_not_finite_is_refused_and_bullets_positions_stay,
-             meshes_may_change_and_go_between_two_steps, two_runs_agree_bit_by_bit)
+             a_kinematic_mesh_lifts_a_cloth, meshes_in_a_compound_hold_a_cloth,
+             pairs_that_bullet_filters_out_have_no_contact, contacts_with_a_mesh_stand_in_manifolds,
+             a_mesh_that_sleeps_is_woken_and_moves,
+             a_transform_that_is_not_finite_is_refused_and_bullets_positions_remain,
+             meshes_may_change_and_be_removed_between_two_steps, two_runs_agree_bit_by_bit)

@@ -1,4 +1,4 @@
-// Nodes of soft bodies that no face has: ropes, tetrahedra without faces, what was cut off. They meet meshes as points.
+// Nodes that belong to no face (of ropes, of tetrahedra without faces, cut off) collide with meshes as points.
 #include "bullet/mesh/mesh_models.h"
 #include "bullet/soft_body/soft_world.h"
 
@@ -13,7 +13,7 @@
 
 namespace
 {
-/// A floor of triangles at height 0, with a shell of 1 cm.
+/// A floor of triangles at height 0, with a margin of 1 cm.
 struct World : qcSoftWorld
 {
     std::unique_ptr<qcMeshShape> shape = qcFloorModel(4, 8).MakeShape();

@@ -1,4 +1,4 @@
-// Ropes, soft bodies of links without faces, against meshes, cloth and each other: links collide, not nodes alone.
+// Ropes, soft bodies of links without faces, against meshes, cloth and each other: links collide, not only nodes.
 #include "quickcullide/bullet_deformable.h"
 
 #include "bullet/mesh/mesh_models.h"
@@ -41,7 +41,7 @@ size_t CountThrough(const btSoftBody* rope, const btRigidBody& body)
     return qcCountPenetratingExactly({SegmentsOf(rope), soup}) - within;
 }
 
-/// Kinetic and potential, and that of the body.
+/// Kinetic and potential energy of the rope, and that of the body.
 btScalar EnergyOf(const btSoftBody* rope, const btRigidBody& body, const btVector3& gravity)
 {
     btScalar energy = 0;
@@ -59,45 +59,9 @@ btScalar EnergyOf(const btSoftBody* rope, const btRigidBody& body, const btVecto
            body.getAngularVelocity().dot(inertia * body.getAngularVelocity()) / 2;
 }
 
-/// A world of ropes, cloths and meshes; it owns the meshes' shapes.
+/// A world of ropes, cloths and meshes.
 struct World : qcSoftWorld
 {
-    std::vector<std::unique_ptr<qcMeshShape>> shapes;
-    std::vector<std::unique_ptr<btRigidBody>> bodies;
-
-    World() = default;
-    World(const World&) = delete;
-
-    ~World()
-    {
-        for (btSoftBody* body : cloths)
-        {
-            world.removeSoftBody(body);
-            delete body;
-        }
-        for (auto& body : bodies)
-            world.removeRigidBody(body.get());
-    }
-
-    void SetGravity(const btVector3& gravity)
-    {
-        world.setGravity(gravity);
-        world.getWorldInfo().m_gravity = gravity;
-    }
-
-    btRigidBody* AddMesh(const qcModel& model, btScalar mass, const btVector3& at)
-    {
-        shapes.push_back(model.MakeShape());
-        btVector3 inertia(0, 0, 0);
-        if (mass > 0)
-            shapes.back()->calculateLocalInertia(mass, inertia);
-        bodies.emplace_back(new btRigidBody(mass, nullptr, shapes.back().get(), inertia));
-        bodies.back()->setWorldTransform(btTransform(btQuaternion::getIdentity(), at));
-        bodies.back()->setInterpolationWorldTransform(bodies.back()->getWorldTransform());
-        world.addRigidBody(bodies.back().get());
-        return bodies.back().get();
-    }
-
     /// `fixed`: +1 and +2 for its ends.
     btSoftBody* AddRope(const btVector3& from, const btVector3& to, int nodes, int fixed = 0)
     {
@@ -124,7 +88,7 @@ struct World : qcSoftWorld
     }
 };
 
-/// Ten seconds; no link is ever inside, and then it hangs there.
+/// Ten seconds: no link is ever inside the cylinder, and at the end the rope is draped.
 void CheckStaysDraped(const qcRopeSceneDef& def)
 {
     qcRopeScene scene(def);
@@ -184,7 +148,7 @@ START_TEST(a_rope_thrown_along_itself_stays_where_friction_holds_it)
 }
 END_TEST
 
-/// Prints what becomes of it with Bullet's own solver: it creeps for twenty seconds, and falls off in most scenes.
+/// Prints the rope's fate with Bullet's own solver: it creeps for twenty seconds, and falls off in most scenes.
 START_TEST(a_rope_stays_where_it_creeps_with_bullets_own_solver)
 {
     const char* names[] = {"qcMeshShape", "btBvhTriangleMeshShape", "btCylinderShape"};
@@ -216,7 +180,7 @@ START_TEST(a_rope_stays_where_it_creeps_with_bullets_own_solver)
 }
 END_TEST
 
-/// An even number of nodes: all pass the pole, 4 and 10 mm thick, and only a link meets it.
+/// An even number of nodes: all pass the pole, 4 and 10 mm thick, and only a link hits it.
 START_TEST(a_link_is_caught_by_a_pole_between_its_nodes)
 {
     for (btScalar radius : {btScalar(0.002), btScalar(0.005)})
@@ -351,8 +315,8 @@ START_TEST(bending_links_and_braces_do_not_push)
 }
 END_TEST
 
-/// Links that are added and taken away later count from the next step on.
-START_TEST(links_may_come_and_go_between_two_steps)
+/// Links that are added or removed later take effect from the next step on.
+START_TEST(links_may_be_added_and_removed_between_two_steps)
 {
     World world;
     world.AddMesh(qcBoxModel(btVector3(btScalar(0.004), btScalar(0.004), btScalar(0.5)), 1), 0, btVector3(0, 0, 0));
@@ -413,13 +377,8 @@ START_TEST(a_rope_of_springs_stays_draped_and_is_caught_by_a_pole)
         def.radius = radius;
         def.sides = radius < btScalar(0.01) ? 6 : 32;
         qcRopeScene shapes(def);
-        btSoftBodyRigidBodyCollisionConfiguration configuration;
-        btCollisionDispatcher dispatcher(&configuration);
-        qcBroadphase broadphase;
-        btDeformableBodySolver deformableSolver;
-        btDeformableMultiBodyConstraintSolver solver;
-        solver.setDeformableSolver(&deformableSolver);
-        qcDeformableWorld world(&dispatcher, &broadphase, &solver, &configuration, &deformableSolver);
+        qcDeformableTestWorld<qcDeformableWorld> deformable;
+        qcDeformableWorld& world = *deformable.world;
         btRigidBody body(0, nullptr, shapes.shape.get());
         body.setFriction(1);
         world.addRigidBody(&body);
@@ -461,5 +420,5 @@ QC_RUN_TESTS("soft_body_rope", a_rope_thrown_over_a_cylinder_stays_draped,
              a_rope_thrown_along_itself_stays_where_friction_holds_it,
              a_rope_stays_where_it_creeps_with_bullets_own_solver, a_link_is_caught_by_a_pole_between_its_nodes,
              a_ring_hangs_on_a_rope, momentum_is_kept_between_a_rope_and_a_free_mesh, a_kinematic_pole_lifts_a_rope,
-             bending_links_and_braces_do_not_push, links_may_come_and_go_between_two_steps,
+             bending_links_and_braces_do_not_push, links_may_be_added_and_removed_between_two_steps,
              a_rope_lies_on_a_rope_and_on_a_cloth, a_rope_of_springs_stays_draped_and_is_caught_by_a_pole)

@@ -1,8 +1,9 @@
 // Separating axes: rejects pairs that are proven farther apart than the query distance. One algorithm with
-// kernels/separating_axis.inl.h: the same axes, scale and gap. The tests of `layers` run both (QC_LAYERS_REFINE).
+// kernels/separating_axis.inl.h: the same scale, gap and 17 axes (the processor also tries the line between the centres).
+// Tests of `layers` run both with one body (QC_LAYERS_REFINE). Proof: plugin/docs/proofs/layers.md.
 layout(std430, binding = 1) buffer Survivors { uvec2 outSurvivors[]; }; // triangle slots
 uniform uint trianglePairCapacity, survivorCapacity;
-uniform float pointError, reach; // in the frame; reach: the query distance
+uniform float pointError, queryDistance; // in the frame
 
 // The other corners of A and all of B, relative to the first corner of A.
 vec3 b, c, d, e, f;
@@ -43,7 +44,7 @@ void main()
     // A power of two, so that no product below underflows.
     float up = uintBitsToFloat((254u << 23) - (floatBitsToUint(size) & 0x7f800000u));
     b *= up, c *= up, d *= up, e *= up, f *= up;
-    gap = (4.0 * pointError + reach) * up * 1.0001 + 4e-6;
+    gap = (4.0 * pointError + queryDistance) * up * 1.0001 + 4e-6;
 
     vec3 bc = c - b, de = e - d, df = f - d, ef = f - e;
     precise vec3 n = cross(b, c), m = cross(de, df);

@@ -1,6 +1,6 @@
-// Bodies of all kinds and sizes, and their surfaces: for tests of what the ABI hides.
-#ifndef QC_TESTS_SWEEP_SURFACES_H
-#define QC_TESTS_SWEEP_SURFACES_H
+// Bodies of all kinds and sizes, for tests of internal functions.
+#ifndef QC_TESTS_SWEEP_SAMPLE_BODIES_H
+#define QC_TESTS_SWEEP_SAMPLE_BODIES_H
 
 #include "support/check_ok.h"
 #include "support/scenes.h"
@@ -11,7 +11,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/// As ck_assert_msg, which writes to a file even where it holds.
+/// Like ck_assert_msg, which writes to a file even if the condition holds.
 #define CHECK_THAT(holds, ...)                                                                                         \
     do                                                                                                                 \
     {                                                                                                                  \
@@ -21,18 +21,18 @@
 
 enum
 {
-    qc_mostKernels = 8
+    qc_maxKernels = 8
 };
 
-/// Runs what follows with each instruction set of the machine.
+/// Runs the following statement with the kernels of each instruction set of this CPU.
 #define FOR_EACH_KERNELS(k)                                                                                            \
-    for (size_t kernelIndex = 0; kernelIndex < qc_mostKernels; kernelIndex++)                                          \
+    for (size_t kernelIndex = 0; kernelIndex < qc_maxKernels; kernelIndex++)                                           \
         for (const qcTriangleKernels* k = qcTriangleKernels_Nth(kernelIndex); k != NULL; k = NULL)
 
 typedef enum qcSoupKind
 {
     qc_soupOne,        ///< one triangle
-    qc_soupNodeAndOne, ///< 65: one more than a node has
+    qc_soupNodeAndOne, ///< 65: one more than a leaf node has
     qc_soupRandom,
     qc_soupDegenerate,
     qc_soupSphere,
@@ -40,12 +40,12 @@ typedef enum qcSoupKind
     qc_soupFlat,  ///< in one plane
     qc_soupLine,  ///< on one line
     qc_soupPoint, ///< all at one point
-    qc_soupFan,   ///< around one vertex, more than a hub needs
-    qc_soupTwins, ///< each vertex twice: neighbours by place, not by index
+    qc_soupFan,   ///< around one vertex, more than a fan may have
+    qc_soupTwins, ///< each vertex twice: neighbours by position, not by index
     qc_soupKindCount
 } qcSoupKind;
 
-/// Nothing larger than 1.
+/// Coordinates are at most 1.
 static inline qcSoup qcMakeSoup(qcSoupKind kind, uint64_t seed)
 {
     qcRandom random = {seed};
@@ -68,7 +68,7 @@ static inline qcSoup qcMakeSoup(qcSoupKind kind, uint64_t seed)
             soup = qcSoup_MakeSphere(2, 0.5);
             for (uint32_t t = 0; t < soup.triangleCount / 2; t++)
                 memcpy(soup.indices + 3 * (t + soup.triangleCount / 2), soup.indices + 3 * t, 3 * sizeof(uint32_t));
-            // The second half has vertices of its own, at the same places.
+            // The second half has its own vertices, at the same positions.
             soup.positions = realloc(soup.positions, 6 * sizeof(double) * soup.vertexCount);
             ck_assert_ptr_nonnull(soup.positions);
             memcpy(soup.positions + 3 * (size_t)soup.vertexCount, soup.positions,

@@ -1,10 +1,10 @@
-// Neighbours that the kernel drops have no features without a common vertex within the reach, by rational arithmetic;
-// nearly all neighbours of a smooth mesh are dropped; and the pairs that are left are those of the tables.
+// Pairs of neighbours that the kernel drops have no features without a common vertex within the query distance, by
+// rational arithmetic. Nearly all neighbours of a smooth mesh are dropped; all others are listed once.
 #include "support/oracle.h"
 #include "support/pairs.h"
 #include "support/suite.h"
-#include "sweep/bvh/adjacent_pairs.h"
-#include "sweep/surfaces.h"
+#include "sweep/bvh/neighbour_pairs.h"
+#include "sweep/sample_bodies.h"
 #include "scene/step_triangles.h"
 
 #include <math.h>
@@ -12,7 +12,7 @@
 
 enum
 {
-    qc_checked = 11 ///< of so many pairs that are left out one goes through rational arithmetic
+    qc_checked = 11 ///< one of so many dropped pairs is tested in rational arithmetic
 };
 
 typedef struct Corner
@@ -21,7 +21,7 @@ typedef struct Corner
     double x[3];
 } Corner;
 
-/// Two triangles, with `common` corners that are the same vertex.
+/// Two triangles with `common` common vertices.
 typedef struct Neighbours
 {
     Corner a[3], b[3];
@@ -30,13 +30,13 @@ typedef struct Neighbours
 
 //  ---- the oracle ----------------------------------------------------------------------------------
 
-/// Two features: some corners of the one and of the other.
+/// Two features, by their corners.
 typedef struct Features
 {
     double a[3][3], b[3][3];
 } Features;
 
-/// False: they have a vertex in common.
+/// False: they have a common vertex.
 static bool SetFeatures(Features* f, const Corner* a, int countA, const Corner* b, int countB)
 {
     for (int i = 0; i < countA; i++)
@@ -51,7 +51,7 @@ static bool SetFeatures(Features* f, const Corner* a, int countA, const Corner* 
     return true;
 }
 
-/// Corners against triangles and edges against edges, where they have no vertex in common. Returns how many.
+/// Corners with triangles and edges with edges, without a common vertex. Returns their number.
 static int ListFeatures(const Neighbours* n, Features features[16])
 {
     int count = 0;
@@ -68,8 +68,8 @@ static int ListFeatures(const Neighbours* n, Features features[16])
     return count;
 }
 
-/// Surely, by their boxes?
-static bool AreBoxesFarther(const Features* f, double reach)
+/// By their boxes.
+static bool AreBoxesFarther(const Features* f, double query)
 {
     for (int axis = 0; axis < 3; axis++)
     {
@@ -77,31 +77,31 @@ static bool AreBoxesFarther(const Features* f, double reach)
                highA = fmax(f->a[0][axis], fmax(f->a[1][axis], f->a[2][axis])),
                lowB = fmin(f->b[0][axis], fmin(f->b[1][axis], f->b[2][axis])),
                highB = fmax(f->b[0][axis], fmax(f->b[1][axis], f->b[2][axis]));
-        if (lowA - highB > 1.001 * reach || lowB - highA > 1.001 * reach)
+        if (lowA - highB > 1.001 * query || lowB - highA > 1.001 * query)
             return true;
     }
     return false;
 }
 
-static bool AreQuiet(const Neighbours* n, double reach)
+static bool AreSeparated(const Neighbours* n, double query)
 {
     Features features[16];
     int count = ListFeatures(n, features);
-    bool isQuiet = true;
-    for (int i = 0; i < count && isQuiet; i++)
+    bool isSeparated = true;
+    for (int i = 0; i < count && isSeparated; i++)
     {
-        if (AreBoxesFarther(&features[i], reach))
+        if (AreBoxesFarther(&features[i], query))
             continue;
         qcOracleDistance* distance =
             qcOracleDistance_Create((const double(*)[3])features[i].a, (const double(*)[3])features[i].b);
-        isQuiet = qcOracleDistance_Compare(distance, reach) > 0;
+        isSeparated = qcOracleDistance_Compare(distance, query) > 0;
         qcOracleDistance_Destroy(distance);
     }
-    return isQuiet;
+    return isSeparated;
 }
 
-/// About the largest reach at which the pair is quiet.
-static double FindQuietReach(const Neighbours* n)
+/// The least distance of two features without a common vertex, roughly.
+static double FindLeastDistance(const Neighbours* n)
 {
     Features features[16];
     int count = ListFeatures(n, features);
@@ -118,8 +118,8 @@ static double FindQuietReach(const Neighbours* n)
 
 //  ---- the kernel ----------------------------------------------------------------------------------
 
-/// Among copies of another pair, so that it stands in any lane.
-static bool Keeps(const qcTriangleKernels* k, const Neighbours* n, float reach, qcRandom* random)
+/// Tests a pair among copies of another one, so that it is in any lane.
+static bool Keeps(const qcTriangleKernels* k, const Neighbours* n, float query, qcRandom* random)
 {
     enum
     {
@@ -127,7 +127,7 @@ static bool Keeps(const qcTriangleKernels* k, const Neighbours* n, float reach, 
     };
     static uint32_t s_vertices[6];
     qcPoint points[9] = {{{0.0f, 0.0f, 0.0f, 0.0f}}};
-    // The others: neighbours that lie flat and far from what does not belong together.
+    // The other pair: flat neighbours whose features are far apart.
     qcCorners corners[4] = {{{0}}, {{0}}, {{6, 7, 8}}, {{6, 8, 7}}};
     uint32_t names = 0;
     for (int side = 0; side < 2; side++)
@@ -147,9 +147,9 @@ static bool Keeps(const qcTriangleKernels* k, const Neighbours* n, float reach, 
     size_t count = 1 + qcRandom_Below(random, qc_pairs), at = qcRandom_Below(random, (uint32_t)count);
     for (size_t i = 0; i < count; i++)
         pairs[i] = i == at ? (qcSlotPair){0, 1} : (qcSlotPair){2, 3};
-    qcFilterSide side = {corners, points};
-    qcDistanceThresholds bound = {.pointError = 0x1p-24f, .reach = reach};
-    size_t kept = k->keepNearNeighbours(&side, &bound, pairs, count);
+    qcIndexedTriangles side = {corners, points};
+    qcDistanceThresholds thresholds = {.pointError = 0x1p-24f, .query = query};
+    size_t kept = k->filterNeighbours(&side, &thresholds, pairs, count);
     bool isKept = false;
     size_t others = 0;
     for (size_t i = 0; i < kept; i++)
@@ -157,7 +157,7 @@ static bool Keeps(const qcTriangleKernels* k, const Neighbours* n, float reach, 
         isKept = isKept || pairs[i].a == 0;
         others += pairs[i].a == 2;
     }
-    // Triangles with three common corners have no features to tell, and are kept.
+    // Triangles with three common corners are always kept.
     CHECK_THAT(others == count - 1 && kept == others + isKept, "%s: %zu of %zu kept", k->name, kept, count);
     return isKept;
 }
@@ -175,7 +175,7 @@ static void Shuffle(qcRandom* random, Corner corners[3])
     }
 }
 
-/// Around a vertex: at angles in a plane, bent out of it, or anywhere; some as flat as a needle.
+/// Around a vertex: in a plane, bent out of it, or anywhere; some are needles.
 static Neighbours MakeNeighbours(qcRandom* random, int common)
 {
     Neighbours n = {.common = common};
@@ -209,27 +209,27 @@ static Neighbours MakeNeighbours(qcRandom* random, int common)
     return n;
 }
 
-START_TEST(dropped_neighbours_have_no_other_features_within_the_reach)
+START_TEST(dropped_neighbours_have_no_other_features_within_the_query_distance)
 {
     qcRandom random = {23};
-    int quiet = 0, dropped = 0, count = qcGetTestPairCount(800);
+    int separated = 0, dropped = 0, count = qcGetTestPairCount(800);
     for (int i = 0; i < count; i++)
     {
         Neighbours n = MakeNeighbours(&random, 1 + i % 2);
-        double limit = FindQuietReach(&n);
-        // Just below what is quiet, just above it, or anything.
+        double limit = FindLeastDistance(&n);
+        // Just below the least distance, just above it, or any.
         const double factors[4] = {1.0 - 0x1p-10, 1.0 + 0x1p-20, 0.5, 2.0};
-        float reach = (float)(limit * factors[i / 2 % 4]);
-        bool isQuiet = AreQuiet(&n, reach);
+        float query = (float)(limit * factors[i / 2 % 4]);
+        bool isSeparated = AreSeparated(&n, query);
         FOR_EACH_KERNELS(k)
         {
-            bool isKept = Keeps(k, &n, reach, &random);
-            CHECK_THAT(isKept || isQuiet, "%s: pair %d, %d common, reach %a", k->name, i, n.common, (double)reach);
+            bool isKept = Keeps(k, &n, query, &random);
+            CHECK_THAT(isKept || isSeparated, "%s: pair %d, %d common, query %a", k->name, i, n.common, (double)query);
             dropped += kernelIndex == 0 && !isKept && factors[i / 2 % 4] == 0.5;
-            quiet += kernelIndex == 0 && factors[i / 2 % 4] == 0.5;
+            separated += kernelIndex == 0 && factors[i / 2 % 4] == 0.5;
         }
     }
-    ck_assert_int_gt(dropped, quiet / 4);
+    ck_assert_int_gt(dropped, separated / 4);
 }
 END_TEST
 
@@ -243,23 +243,23 @@ START_TEST(neighbours_with_three_common_or_repeated_corners_are_kept)
             memcpy(n.b, n.a, sizeof n.b);
         else
             n.b[i % 3] = n.b[(i + 1) % 3];
-        float reach = (float)ldexp(1.0, -i % 24);
-        if (i % 3 != 0 && AreQuiet(&n, reach))
+        float query = (float)ldexp(1.0, -i % 24);
+        if (i % 3 != 0 && AreSeparated(&n, query))
             continue;
         FOR_EACH_KERNELS(k)
-        ck_assert(Keeps(k, &n, reach, &random));
+        ck_assert(Keeps(k, &n, query, &random));
     }
 }
 END_TEST
 
-//  ---- surfaces ------------------------------------------------------------------------------------
+//  ---- bodies --------------------------------------------------------------------------------------
 
 typedef struct Found
 {
     qcBodies bodies;
     const qcBody* body;
-    qcArray keys;       ///< sorted
-    size_t quiet, loud; ///< vertices
+    qcArray keys;             ///< sorted
+    size_t separated, others; ///< vertices by their fans
 } Found;
 
 static int CompareKeys(const void* a, const void* b)
@@ -270,21 +270,21 @@ static int CompareKeys(const void* a, const void* b)
 
 enum
 {
-    qc_mostThreads = 4
+    qc_maxThreads = 4
 };
 
-/// What each worker was given.
+/// The pairs of each worker.
 typedef struct Given
 {
-    const qcTriangleBvh* surface;
-    qcArray keys[qc_mostThreads];
+    const qcTriangleBvh* bvh;
+    qcArray keys[qc_maxThreads];
 } Given;
 
 static void Take(void* context, const qcSlotPair* pairs, size_t count, uint32_t worker)
 {
     Given* given = context;
-    const uint32_t* triangles = given->surface->clusters.triangles.data;
-    CHECK_THAT(worker < qc_mostThreads, "worker %u", worker);
+    const uint32_t* triangles = given->bvh->clusters.triangles.data;
+    CHECK_THAT(worker < qc_maxThreads, "worker %u", worker);
     qcArray* keys = &given->keys[worker];
     CHECK_THAT(qcArray_Reserve(keys, keys->count + count, sizeof(uint64_t), "keys") == qc_statusOk, "no memory");
     for (size_t i = 0; i < count; i++)
@@ -295,20 +295,20 @@ static Found FindKeys(const qcTriangleKernels* kernels, const qcSoup* soup, doub
 {
     Found found = {.keys = {0}};
     found.body = qcBodyAt(&found.bodies, qcAddToBodies(&found.bodies, soup));
-    qcTriangleBvh surface;
+    qcBodyBvh bvh;
     qcBvhScratch scratch = {0};
     bool fits;
-    CHECK_OK(qcTriangleBvh_Build(&surface, found.body, 1));
-    CHECK_OK(qcTriangleBvh_Relate(&surface, found.body, 1));
-    CHECK_OK(qcTriangleBvh_Fit(&surface, found.body, margin, kernels, threads, &scratch, &fits));
+    CHECK_OK(qcBodyBvh_Build(&bvh, found.body, 1));
+    CHECK_OK(qcBodyBvh_BuildAdjacency(&bvh, found.body, 1));
+    CHECK_OK(qcTriangleBvh_Fit(&bvh.bvh, found.body, margin, kernels, threads, &scratch, &fits));
     ck_assert(fits);
-    Given given = {.surface = &surface};
-    qcAdjacentPairsJob job = {
-        .kernels = kernels, .surface = &surface, .threads = threads, .function = Take, .context = &given};
-    CHECK_OK(qcAdjacentPairs_Find(&job));
-    for (uint32_t v = 0; v < surface.vertexCount; v++)
-        *(QC_AT(uint8_t, surface.quiet, v) ? &found.quiet : &found.loud) += 1;
-    for (int worker = 0; worker < qc_mostThreads; worker++)
+    Given given = {.bvh = &bvh.bvh};
+    qcNeighbourPairsJob job = {
+        .kernels = kernels, .body = &bvh, .threads = threads, .function = Take, .context = &given};
+    CHECK_OK(qcNeighbourPairs_Find(&job));
+    for (uint32_t v = 0; v < bvh.bvh.vertexCount; v++)
+        *(QC_AT(uint8_t, bvh.isSeparated, v) ? &found.separated : &found.others) += 1;
+    for (int worker = 0; worker < qc_maxThreads; worker++)
     {
         CHECK_OK(qcArray_Append(&found.keys, &given.keys[worker], sizeof(uint64_t), "keys"));
         qcArray_Free(&given.keys[worker]);
@@ -316,7 +316,7 @@ static Found FindKeys(const qcTriangleKernels* kernels, const qcSoup* soup, doub
     if (found.keys.count != 0)
         qsort(found.keys.data, found.keys.count, sizeof(uint64_t), CompareKeys);
     qcBvhScratch_Free(&scratch);
-    qcTriangleBvh_Free(&surface);
+    qcBodyBvh_Free(&bvh);
     return found;
 }
 
@@ -341,8 +341,7 @@ static Neighbours NeighboursOf(const qcBody* body, uint32_t a, uint32_t b)
     return n;
 }
 
-/// Every pair of neighbours is either listed, once, or quiet, as far as it is looked at. Returns how many are not
-/// listed.
+/// Each pair of neighbours is listed once, or has no such contact; some of the latter are tested. Returns their number.
 static size_t CheckListed(const Found* found, double margin, const char* what)
 {
     size_t missing = 0, at = 0;
@@ -356,13 +355,13 @@ static size_t CheckListed(const Found* found, double margin, const char* what)
             if (n.common == 0)
                 CHECK_THAT(!isListed, "%s: %u and %u are no neighbours", what, a, b);
             else if (!isListed && missing++ % qc_checked == 0)
-                CHECK_THAT(AreQuiet(&n, margin), "%s: %u and %u are left out", what, a, b);
+                CHECK_THAT(AreSeparated(&n, margin), "%s: %u and %u are missing", what, a, b);
         }
     CHECK_THAT(at == found->keys.count, "%s: a pair is listed twice", what);
     return missing;
 }
 
-START_TEST(what_is_not_listed_of_a_surface_is_quiet)
+START_TEST(neighbours_that_are_not_listed_have_no_other_features_within_the_margin)
 {
     for (int kind = 0; kind < qc_soupKindCount; kind++)
     {
@@ -383,7 +382,7 @@ START_TEST(what_is_not_listed_of_a_surface_is_quiet)
 }
 END_TEST
 
-START_TEST(of_a_smooth_surface_hardly_any_neighbours_are_listed)
+START_TEST(hardly_any_neighbours_of_a_smooth_mesh_are_listed)
 {
     qcSoup sphere = qcSoup_MakeSphere(3, 0.5);
     FOR_EACH_KERNELS(k)
@@ -393,13 +392,14 @@ START_TEST(of_a_smooth_surface_hardly_any_neighbours_are_listed)
         size_t missing = CheckListed(&found, 0.015, k->name);
         ck_assert_uint_gt(missing, 1000);
         ck_assert_uint_lt(found.keys.count, missing / 50);
-        ck_assert_uint_lt(found.loud, found.quiet / 50);
+        ck_assert_uint_lt(found.others, found.separated / 50);
         Found_Free(&found);
     }
     qcSoup_Free(&sphere);
 }
 END_TEST
 
-QC_RUN_TESTS("surface_neighbours", dropped_neighbours_have_no_other_features_within_the_reach,
-             neighbours_with_three_common_or_repeated_corners_are_kept, what_is_not_listed_of_a_surface_is_quiet,
-             of_a_smooth_surface_hardly_any_neighbours_are_listed)
+QC_RUN_TESTS("neighbour_pairs", dropped_neighbours_have_no_other_features_within_the_query_distance,
+             neighbours_with_three_common_or_repeated_corners_are_kept,
+             neighbours_that_are_not_listed_have_no_other_features_within_the_margin,
+             hardly_any_neighbours_of_a_smooth_mesh_are_listed)

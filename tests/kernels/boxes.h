@@ -1,40 +1,40 @@
-// Boxes of groups one at a time, for the kernels that compare eight with eight.
-#ifndef QC_TESTS_KERNELS_BOX_GROUPS_H
-#define QC_TESTS_KERNELS_BOX_GROUPS_H
+// Boxes one at a time, for the kernels that compare eight with eight.
+#ifndef QC_TESTS_KERNELS_BOXES_H
+#define QC_TESTS_KERNELS_BOXES_H
 
 #include "support/suite.h"
-#include "sweep/surfaces.h"
+#include "sweep/sample_bodies.h"
 
 #include <stdlib.h>
 #include <string.h>
 
-/// From 0 to 65533, both ends included; lower > upper: none.
+/// Levels from 0 to 65533, both ends included. lower > upper: an empty box.
 typedef struct Box
 {
     int lower[3], upper[3];
 } Box;
 
-static inline Box BoxOfGroup(const qcBox8* group, int i)
+static inline Box BoxAt(const qcBox8* boxes, int i)
 {
     Box box;
     for (int axis = 0; axis < 3; axis++)
     {
-        box.lower[axis] = group->ends[axis][i] + 32768;
-        box.upper[axis] = -1 - group->ends[axis][qc_groupSize + i] + 32768;
+        box.lower[axis] = boxes->ends[axis][i] + 32768;
+        box.upper[axis] = -1 - boxes->ends[axis][qc_boxLanes + i] + 32768;
     }
     return box;
 }
 
-static inline void PutInGroup(const Box* box, qcBox8* group, int i)
+static inline void SetBox(const Box* box, qcBox8* boxes, int i)
 {
     for (int axis = 0; axis < 3; axis++)
     {
-        group->ends[axis][i] = (int16_t)(box->lower[axis] - 32768);
-        group->ends[axis][qc_groupSize + i] = (int16_t)(-1 - (box->upper[axis] - 32768));
+        boxes->ends[axis][i] = (int16_t)(box->lower[axis] - 32768);
+        boxes->ends[axis][qc_boxLanes + i] = (int16_t)(-1 - (box->upper[axis] - 32768));
     }
 }
 
-/// Its ends are qc_emptyEnd.
+/// Both of its ends are qc_emptyEnd.
 static inline Box EmptyBox(void)
 {
     return (Box){{65535, 65535, 65535}, {0, 0, 0}};
@@ -48,7 +48,7 @@ static inline bool Overlap(Box a, Box b)
     return true;
 }
 
-/// Levels first .. first + spread: with a small spread most boxes touch or are next to each other. Some are none.
+/// Levels first .. first + spread; with a small spread most boxes touch or are next to each other. Some are empty.
 static inline Box MakeBox(qcRandom* random, int first, int spread)
 {
     if (qcRandom_Below(random, 8) == 0)
@@ -64,26 +64,26 @@ static inline Box MakeBox(qcRandom* random, int first, int spread)
     return box;
 }
 
-static inline void MakeGroup(qcRandom* random, int first, int spread, qcBox8* group)
+static inline void MakeBox8(qcRandom* random, int first, int spread, qcBox8* boxes)
 {
-    for (int i = 0; i < qc_groupSize; i++)
+    for (int i = 0; i < qc_boxLanes; i++)
     {
         Box box = MakeBox(random, first, spread);
-        PutInGroup(&box, group, i);
+        SetBox(&box, boxes, i);
     }
 }
 
-static inline void CheckBox(Box found, Box expected, const char* kernels, size_t place)
+static inline void CheckBox(Box found, Box expected, const char* kernels, size_t index)
 {
-    CHECK_THAT(memcmp(&found, &expected, sizeof found) == 0, "%s: box %zu is %d %d %d .. %d %d %d", kernels, place,
+    CHECK_THAT(memcmp(&found, &expected, sizeof found) == 0, "%s: box %zu is %d %d %d .. %d %d %d", kernels, index,
                found.lower[0], found.lower[1], found.lower[2], found.upper[0], found.upper[1], found.upper[2]);
 }
 
 enum
 {
     qc_nodesInTest = 3,
-    qc_clustersInTest = qc_nodesInTest * qc_groupSize,
-    qc_mostPairs = qc_nodeSize * qc_nodeSize
+    qc_clustersInTest = qc_nodesInTest * qc_boxLanes,
+    qc_maxPairs = qc_nodeSize * qc_nodeSize
 };
 
 typedef struct Nodes
@@ -91,16 +91,16 @@ typedef struct Nodes
     qcBox8 clusters[qc_clustersInTest], nodes[qc_nodesInTest];
 } Nodes;
 
-/// Boxes of clusters that have nothing to do with those of triangles, so that it shows which were asked.
+/// The boxes of clusters are unrelated to those of triangles, so that the test shows which were read.
 static inline void MakeNodes(qcRandom* random, int spread, Nodes* nodes)
 {
     for (int i = 0; i < qc_clustersInTest; i++)
-        MakeGroup(random, 1000, spread, &nodes->clusters[i]);
+        MakeBox8(random, 1000, spread, &nodes->clusters[i]);
     for (int i = 0; i < qc_nodesInTest; i++)
-        MakeGroup(random, 1000, spread, &nodes->nodes[i]);
+        MakeBox8(random, 1000, spread, &nodes->nodes[i]);
 }
 
-static inline int ComparePlacePairs(const void* x, const void* y)
+static inline int CompareSlotPairs(const void* x, const void* y)
 {
     const qcSlotPair *a = x, *b = y;
     if (a->a != b->a)
@@ -112,10 +112,10 @@ static inline void CheckSamePairs(qcSlotPair* found, size_t count, qcSlotPair* e
                                   const char* kernels)
 {
     CHECK_THAT(count == expectedCount, "%s: %zu pairs, expected %zu", kernels, count, expectedCount);
-    qsort(found, count, sizeof *found, ComparePlacePairs);
-    qsort(expected, count, sizeof *expected, ComparePlacePairs);
+    qsort(found, count, sizeof *found, CompareSlotPairs);
+    qsort(expected, count, sizeof *expected, CompareSlotPairs);
     for (size_t i = 0; i < count; i++)
-        CHECK_THAT(ComparePlacePairs(&found[i], &expected[i]) == 0, "%s: pair %u %u, expected %u %u", kernels,
+        CHECK_THAT(CompareSlotPairs(&found[i], &expected[i]) == 0, "%s: pair %u %u, expected %u %u", kernels,
                    found[i].a, found[i].b, expected[i].a, expected[i].b);
 }
 

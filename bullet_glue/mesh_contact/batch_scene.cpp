@@ -1,0 +1,344 @@
+// The meshes of a world as bodies of one scene. Why contact is searched this far: plugin/docs/mesh_contact.md.
+#include "mesh_contact/batch_scene.h"
+
+#include "common/compound_children.h"
+
+#include <BulletDynamics/Dynamics/btRigidBody.h>
+#include <LinearMath/btQuickprof.h>
+
+#include <algorithm>
+
+namespace
+{
+// The scene keeps a mesh's transform until a point has moved by this part of the contact breaking threshold: meshes at
+// rest, which creep by a thousandth of that in each step, need no query. The query reaches as much further.
+constexpr btScalar s_tolerance = btScalar(0.03);
+// Contact of fine meshes is searched no further than this part of an edge: within 4 cm of a triangle of 1 cm lie a
+// hundred others.
+constexpr btScalar s_maxEdges = btScalar(0.5);
+// Bodies move together if their speeds relative to the mean motion are less than this share of their speeds. (Bodies
+// that only tremble at rest have no mean motion, which would make contact flicker.)
+constexpr btScalar s_maxRelativeSpeed = btScalar(0.25);
+
+/// An estimate of a mesh's edge length, for an area equal to that of its box.
+btScalar EdgeLengthOf(const btCollisionShape* shape, size_t triangleCount)
+{
+    btVector3 lower, upper;
+    shape->getAabb(btTransform::getIdentity(), lower, upper);
+    btVector3 size = upper - lower;
+    btScalar area = 2 * (size.x() * size.y() + size.y() * size.z() + size.z() * size.x());
+    return triangleCount > 0 ? btScalar(1.5) * btSqrt(area / btScalar(triangleCount)) : BT_LARGE_FLOAT;
+}
+
+btScalar RadiusOf(const btCollisionShape* shape)
+{
+    btVector3 lower, upper;
+    shape->getAabb(btTransform::getIdentity(), lower, upper);
+    btVector3 far = lower.absolute();
+    far.setMax(upper.absolute());
+    return far.length();
+}
+} // namespace
+
+bool qcBatchMesh::IsAt(const btTransform& at) const
+{
+    return placed && qcDisplacementBound(transform, at, radius) <= tolerance;
+}
+
+bool qcBatchMesh::IsCurrent(const btCollisionShape* present, const btTransform& at) const
+{
+    return shape == present && margin == present->getMargin() && IsAt(at) && revision == qcMeshRevision(present);
+}
+
+void qcCollectMeshes(const btCollisionShape* shape, const btTransform& transform, std::vector<qcBatchMesh>* meshes)
+{
+    auto add = [meshes](const btCollisionShape* mesh, const btTransform& meshTransform)
+    {
+        if (!qcIsMesh(mesh))
+            return;
+        meshes->emplace_back();
+        meshes->back().shape = mesh;
+        meshes->back().transform = meshTransform;
+    };
+    qcForEachSimpleShape(shape, transform, add);
+}
+
+qcObjectState qcObjectState::Of(const btCollisionObject* object)
+{
+    const btRigidBody* body = btRigidBody::upcast(object);
+    const btVector3 zero(0, 0, 0);
+    return {object->getWorldTransform(), body != nullptr ? body->getLinearVelocity() : zero,
+            body != nullptr ? body->getAngularVelocity() : zero, object->isActive()};
+}
+
+bool qcObjectState::IsStateOf(const btCollisionObject* object) const
+{
+    qcObjectState now = Of(object);
+    return qcAreSame(transform, now.transform) && qcAreSame(linear, now.linear) && qcAreSame(angular, now.angular) &&
+           active == now.active;
+}
+
+qcBatchScene::~qcBatchScene()
+{
+    qcScene_Destroy(m_scene);
+}
+
+qcStatus qcBatchScene::Create(qcDevice* device)
+{
+    qcSceneDef def = qcDefaultSceneDef();
+    def.device = device;
+    return qcScene_Create(&def, &m_scene);
+}
+
+const qcBatchObject* qcBatchScene::Find(const btCollisionObject* object) const
+{
+    auto found = m_objects.find(qcObjectKey(object));
+    return found != m_objects.end() ? &found->second : nullptr;
+}
+
+qcBatchObject* qcBatchScene::Find(const btCollisionObject* object)
+{
+    auto found = m_objects.find(qcObjectKey(object));
+    return found != m_objects.end() ? &found->second : nullptr;
+}
+
+bool qcBatchScene::IsUpToDate(const btCollisionObject* object, const qcBatchObject& gathered) const
+{
+    if (gathered.gathered != m_gathering)
+        return false;
+    // An impulse since the gathering may have made it faster.
+    btScalar maxClosing =
+        qcMaxClosingDistance(object, gathered.radius, m_timeStep, gathered.maxContactDistance, m_meanMotion);
+    return maxClosing <= gathered.maxClosing + s_restDistance * gathered.threshold / 2;
+}
+
+void qcBatchScene::InvalidateShape(const btCollisionShape* shape)
+{
+    for (auto& [key, object] : m_objects)
+        for (qcBatchMesh& mesh : object.meshes)
+            if (mesh.shape == shape)
+                mesh.revision = 0; // no shape has this one
+}
+
+/// Sets what depends on the shape only.
+void qcBatchScene::Measure(const btCollisionShape& root, qcBatchObject* object) const
+{
+    object->threshold =
+        std::min(root.getContactBreakingThreshold(gContactBreakingThreshold), 2 * gContactBreakingThreshold);
+    object->isOurs = false;
+    object->radius = RadiusOf(&root);
+    for (qcBatchMesh& mesh : object->meshes)
+    {
+        mesh.tolerance = s_tolerance * object->threshold;
+        mesh.radius = RadiusOf(mesh.shape);
+        const qcMeshShape* ours = qcAsMeshShape(mesh.shape);
+        if (ours != nullptr)
+            mesh.edgeLength = EdgeLengthOf(ours, ours->getTriangleCount());
+        object->isOurs = object->isOurs || ours != nullptr ||
+                         (m_settings.gimpact && mesh.shape->getShapeType() == GIMPACT_SHAPE_PROXYTYPE);
+    }
+}
+
+/// Takes over the object's present meshes, and keeps those in the scene that are unchanged.
+void qcBatchScene::Refresh(const btCollisionObject* object, qcBatchObject* gathered)
+{
+    m_present.clear();
+    qcCollectMeshes(object->getCollisionShape(), object->getWorldTransform(), &m_present);
+    for (qcBatchMesh& mesh : m_present)
+    {
+        mesh.revision = qcMeshRevision(mesh.shape);
+        mesh.margin = mesh.shape->getMargin();
+    }
+    auto isSame = [](const qcBatchMesh& a, const qcBatchMesh& b)
+    { return a.shape == b.shape && a.revision == b.revision; };
+    bool same =
+        std::equal(m_present.begin(), m_present.end(), gathered->meshes.begin(), gathered->meshes.end(), isSame);
+    for (size_t i = 0; same && i < m_present.size(); i++)
+    {
+        qcBatchMesh& mesh = gathered->meshes[i];
+        mesh.margin = m_present[i].margin;
+        if (mesh.IsAt(m_present[i].transform))
+            continue;
+        mesh.placed = false;
+        mesh.transform = m_present[i].transform;
+    }
+    if (!same)
+    {
+        RemoveMeshes(gathered);
+        gathered->meshes.swap(m_present);
+        Measure(*object->getCollisionShape(), gathered);
+    }
+    btScalar edgeLength = BT_LARGE_FLOAT;
+    for (const qcBatchMesh& mesh : gathered->meshes)
+        edgeLength = std::min(edgeLength, mesh.edgeLength);
+    gathered->maxContactDistance =
+        std::min(gathered->threshold, std::max(s_restDistance * gathered->threshold, s_maxEdges * edgeLength));
+    gathered->maxClosing =
+        qcMaxClosingDistance(object, gathered->radius, m_timeStep, gathered->maxContactDistance, m_meanMotion);
+    gathered->margin = 0;
+    for (const qcBatchMesh& mesh : gathered->meshes)
+        gathered->margin = std::max(gathered->margin, mesh.margin + mesh.tolerance);
+}
+
+void qcBatchScene::RemoveMeshes(qcBatchObject* object)
+{
+    for (qcBatchMesh& mesh : object->meshes)
+        if (mesh.inScene)
+            qcScene_RemoveBody(m_scene, mesh.id);
+    object->meshes.clear();
+}
+
+/// Updates the object once a gathering, and adds it if it is new.
+qcBatchObject* qcBatchScene::Update(const btCollisionObject* object)
+{
+    qcBatchObject& gathered = m_objects[qcObjectKey(object)];
+    if (gathered.gathered == m_gathering)
+        return &gathered;
+    if (gathered.owner == 0)
+        gathered.owner = ++m_ownerCount;
+    gathered.gathered = gathered.present = m_gathering;
+    gathered.state = qcObjectState::Of(object);
+    Refresh(object, &gathered);
+    return &gathered;
+}
+
+/// Sets the mean motion of the bodies that may hold meshes if most of their motion is common, else none. Fragments of a
+/// body that flew and turned don't close in on each other.
+void qcBatchScene::FindMeanMotion()
+{
+    m_meanMotion = qcRigidMotion();
+    std::vector<const btRigidBody*> moving;
+    const btCollisionObjectArray& objects = m_settings.world->getCollisionObjectArray();
+    for (int i = 0; i < objects.size(); i++)
+    {
+        const btRigidBody* body = btRigidBody::upcast(objects[i]);
+        if (body != nullptr && !body->isStaticOrKinematicObject() && body->isActive() &&
+            qcMayHoldMeshes(body->getCollisionShape()))
+            moving.push_back(body);
+    }
+    qcRigidMotion mean;
+    for (const btRigidBody* body : moving)
+    {
+        btScalar share = 1 / btScalar(moving.size());
+        mean.centre += share * body->getWorldTransform().getOrigin();
+        mean.linear += share * body->getLinearVelocity();
+        mean.angular += share * body->getAngularVelocity();
+    }
+    btScalar speeds = 0, relativeSpeeds = 0;
+    for (const btRigidBody* body : moving)
+    {
+        speeds += body->getLinearVelocity().length();
+        relativeSpeeds += (body->getLinearVelocity() - mean.VelocityAt(body->getWorldTransform().getOrigin())).length();
+    }
+    if (relativeSpeeds < s_maxRelativeSpeed * speeds)
+        m_meanMotion = mean;
+}
+
+/// Updates the objects of pairs, marks those whose pairs are computed here, and sets the margin of the query.
+void qcBatchScene::UpdatePairs()
+{
+    m_margin = 0;
+    ForEachPair(
+        [this](const btCollisionObject* object0, const btCollisionObject* object1)
+        {
+            qcBatchObject &a = *Update(object0), &b = *Update(object1);
+            if (a.meshes.empty() || b.meshes.empty() || !(a.isOurs || b.isOurs))
+                return;
+            a.inScene = b.inScene = true;
+            btScalar rest = s_restDistance * std::min(a.threshold, b.threshold);
+            btScalar contactDistance =
+                std::min({a.maxContactDistance, b.maxContactDistance, rest + a.maxClosing + b.maxClosing});
+            m_margin = std::max(m_margin, contactDistance + a.margin + b.margin);
+        });
+}
+
+qcStatus qcBatchScene::UpdateMesh(qcBatchMesh* mesh, const qcBatchObject& gathered, qcActivity activity)
+{
+    qcStatus status = qc_statusOk;
+    if (!mesh->inScene)
+    {
+        qcMeshDef def{mesh->shape, mesh->transform, activity, gathered.owner};
+        status = qcAddMesh(m_scene, def, &mesh->id, &mesh->sources);
+        mesh->inScene = status == qc_statusOk;
+        if (!mesh->sources.empty())
+            mesh->edgeLength = EdgeLengthOf(mesh->shape, mesh->sources.size());
+    }
+    else
+    {
+        if (activity != gathered.activity)
+            status = qcScene_SetActivity(m_scene, mesh->id, activity);
+        if (!mesh->placed && status == qc_statusOk)
+        {
+            qcTransform transform = qcTransformOf(mesh->transform);
+            status = qcScene_SetTransform(m_scene, mesh->id, &transform);
+        }
+    }
+    // The sum over two bodies is at least the distance that UpdatePairs requires for them.
+    btScalar contactDistance =
+        std::min(gathered.maxContactDistance, s_restDistance * gathered.threshold / 2 + gathered.maxClosing);
+    if (status == qc_statusOk)
+        status = qcScene_SetMargin(m_scene, mesh->id, double(contactDistance + mesh->margin + mesh->tolerance));
+    mesh->placed = status == qc_statusOk;
+    return status;
+}
+
+/// Brings the scene up to date with an object.
+void qcBatchScene::UpdateScene(const btCollisionObject* object, qcBatchObject* gathered)
+{
+    qcActivity activity = object->isActive()         ? qc_activityMoving
+                          : object->isStaticObject() ? qc_activityStatic
+                                                     : qc_activitySleeping;
+    for (qcBatchMesh& mesh : gathered->meshes)
+    {
+        qcStatus status = UpdateMesh(&mesh, *gathered, activity);
+        if (status != qc_statusOk)
+            m_status = status;
+        m_bodyCount += mesh.inScene;
+    }
+    gathered->activity = activity;
+}
+
+/// Removes objects that left the world in the order in which they were added: slots that are used again must not depend
+/// on addresses.
+void qcBatchScene::RemoveGone()
+{
+    const btCollisionObjectArray& objects = m_settings.world->getCollisionObjectArray();
+    for (int i = 0; i < objects.size(); i++)
+        if (qcMayHoldMeshes(objects[i]->getCollisionShape()))
+            if (qcBatchObject* found = Find(objects[i]))
+                found->present = m_gathering;
+    std::vector<qcObjectKey> gone;
+    for (const auto& [key, object] : m_objects)
+        if (object.present != m_gathering)
+            gone.push_back(key);
+    std::sort(gone.begin(), gone.end(),
+              [](const qcObjectKey& a, const qcObjectKey& b)
+              { return std::make_pair(a.uniqueId, a.object) < std::make_pair(b.uniqueId, b.object); });
+    for (const qcObjectKey& key : gone)
+    {
+        auto found = m_objects.find(key);
+        RemoveMeshes(&found->second);
+        m_objects.erase(found);
+    }
+}
+
+qcStatus qcBatchScene::Gather()
+{
+    BT_PROFILE("qcMeshContact gather");
+    m_gathering++;
+    m_status = qc_statusOk;
+    m_bodyCount = 0;
+    RemoveGone();
+    FindMeanMotion();
+    UpdatePairs();
+    const btCollisionObjectArray& objects = m_settings.world->getCollisionObjectArray();
+    for (int i = 0; i < objects.size(); i++)
+    {
+        if (!qcMayHoldMeshes(objects[i]->getCollisionShape()) || Find(objects[i]) == nullptr)
+            continue;
+        qcBatchObject* gathered = Update(objects[i]);
+        if (gathered->inScene)
+            UpdateScene(objects[i], gathered);
+    }
+    return m_status;
+}

@@ -1,0 +1,13 @@
+// Debug drawing of a batch's candidate triangles.
+#ifndef QC_GLUE_MESH_CONTACT_DRAW_CANDIDATES_H
+#define QC_GLUE_MESH_CONTACT_DRAW_CANDIDATES_H
+
+#include "mesh_contact/batch_scene.h"
+
+class btIDebugDraw;
+
+/// Draws the candidate triangles of a result of the scene, at the present transforms of their objects. Objects that
+/// have left the world since, or whose shape has changed, are left out.
+void qcDrawCandidates(const qcBatchScene& scene, const qcResult& result, btIDebugDraw* drawer);
+
+#endif

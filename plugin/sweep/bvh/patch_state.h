@@ -1,0 +1,42 @@
+// The flat patches of a body (mesh/flat_patches.h), and which of them are proven flat where the body is: pairs of
+// triangles of one flat patch need no test.
+#ifndef QC_SWEEP_BVH_PATCH_STATE_H
+#define QC_SWEEP_BVH_PATCH_STATE_H
+
+#include "mesh/flat_patches.h"
+#include "sweep/bvh/triangle_bvh.h"
+
+typedef struct qcPatchState
+{
+    qcFlatPatches patches;
+    qcArray isFlat;    ///< uint8_t by patch: proven flat by the last test
+    qcArray cooldown;  ///< uint8_t by patch: fits left until its flatness is tested again
+    uint64_t fitCount; ///< qcTriangleBvh::fitCount at the last test; 0: none yet
+} qcPatchState;
+
+/// Builds the patches of a BVH whose clusters are linked; `adjacency` is that of its corners. O(triangles). On failure
+/// nothing is left.
+qcStatus qcPatchState_Build(qcPatchState* state, const qcTriangleBvh* bvh, const qcAdjacency* adjacency,
+                            uint32_t threads);
+
+/// Tests which patches have no self-contact within the margin of the fit; once for each fit. A patch that isn't flat is
+/// skipped for the next seven fits. O(triangles).
+void qcPatchState_Test(qcPatchState* state, const qcTriangleBvh* bvh, const qcTriangleKernels* kernels,
+                       uint32_t threads);
+
+/// Triangles in patches that are flat.
+uint64_t qcPatchState_CountFlat(const qcPatchState* state);
+
+/// The pairs of triangles of a leaf node and the other node of its link that lie in one flat patch. Returns the number
+/// of exclusions.
+int qcPatchState_FindExclusions(const qcPatchState* state, const qcClusters* clusters, uint32_t node, uint32_t link,
+                                qcPairExclusion exclusions[qc_maxExclusions]);
+
+static inline bool qcPatchState_IsFlat(const qcPatchState* state, uint32_t patch)
+{
+    return QC_AT(uint8_t, state->isFlat, patch) != 0;
+}
+
+void qcPatchState_Free(qcPatchState* state);
+
+#endif

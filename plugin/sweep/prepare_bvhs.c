@@ -1,0 +1,198 @@
+// Which bodies have a BVH in this step, and its build, refit or partial refit.
+#include "base/parallel_for.h"
+#include "base/status.h"
+#include "sweep/bvh/partial_refit.h"
+#include "sweep/bvh_candidates.h"
+
+enum
+{
+    // The build of a BVH for a body no larger takes at most about a millisecond.
+    qc_smallBody = 4096
+};
+
+/// Room for all slots; frees BVHs of removed bodies.
+static qcStatus SyncSlots(const qcStepTriangles* t, qcBvhCandidates* sweep)
+{
+    const qcArray* slots = &t->bodies->slots;
+    size_t old = sweep->bvhs.count;
+    QC_TRY(qcArray_GrowZeroed(&sweep->bvhs, slots->count, sizeof(qcBodyBvh), "BVHs"));
+    QC_TRY(qcArray_GrowZeroed(&sweep->seen, slots->count, sizeof(uint32_t), "BVHs"));
+    for (uint32_t slot = 0; slot < old; slot++)
+    {
+        qcBodyBvh* bvh = qcBvhCandidates_At(sweep, slot);
+        if (bvh->bvh.generation != 0 && bvh->bvh.generation != QC_AT(qcBody, *slots, slot).generation)
+            qcBodyBvh_Free(bvh);
+    }
+    return qc_statusOk;
+}
+
+/// Whether the body may have a BVH in this step. Not a large new one with self-collision: its build takes as long as a
+/// step without it, and the topology may not live for another step. Listing neighbours without a BVH would take twice
+/// as long.
+static bool MayHaveBvh(qcBvhCandidates* sweep, uint32_t slot, const qcBody* body, bool listNeighbours)
+{
+    uint32_t* seen = &QC_AT(uint32_t, sweep->seen, slot);
+    bool isNew = *seen != body->generation;
+    *seen = body->generation;
+    return qcBvhCandidates_At(sweep, slot)->bvh.generation != 0 || !isNew || !qcBody_HasSelfCollision(body) ||
+           body->triangleCount <= qc_smallBody || listNeighbours;
+}
+
+typedef struct Tasks
+{
+    qcBvhCandidates* sweep;
+    const qcStepTriangles* triangles;
+    double margin;
+    uint32_t threads; ///< of each task
+} Tasks;
+
+static qcRefitTask* TaskAt(const qcBvhCandidates* sweep, size_t i)
+{
+    return &QC_AT(qcRefitTask, sweep->tasks, i);
+}
+
+static qcStatus AddTask(qcBvhCandidates* sweep, uint32_t body)
+{
+    size_t at = sweep->tasks.count;
+    QC_TRY(qcArray_Resize(&sweep->tasks, at + 1, sizeof(qcRefitTask), "BVHs"));
+    *TaskAt(sweep, at) = (qcRefitTask){.body = body};
+    return qc_statusOk;
+}
+
+static void AddResult(const qcBvhCandidates* sweep, uint32_t worker, qcStatus status)
+{
+    (void)qcWorkerResult_Add(&QC_AT(qcWorkerResult, sweep->results, worker), status);
+}
+
+static void BuildOne(void* context, size_t i, uint32_t worker)
+{
+    const Tasks* tasks = context;
+    const qcRefitTask* task = TaskAt(tasks->sweep, i);
+    const qcBody* body = qcStepTriangles_Body(tasks->triangles, task->body);
+    qcBodyBvh* bvh = qcBvhCandidates_At(tasks->sweep, qcStepTriangles_Slot(tasks->triangles, task->body));
+    AddResult(tasks->sweep, worker,
+              bvh->bvh.generation == 0 ? qcBodyBvh_Build(bvh, body, tasks->threads)
+                                       : qcBodyBvh_BuildAdjacency(bvh, body, tasks->threads));
+}
+
+/// Builds the flagged BVHs that don't exist yet, and the adjacency of those whose body has self-collision only now.
+static qcStatus BuildBvhs(const qcStepTriangles* triangles, uint32_t threads, const uint8_t* flags,
+                          qcBvhCandidates* sweep)
+{
+    sweep->tasks.count = 0;
+    for (uint32_t body = 0; body < triangles->bodyCount; body++)
+    {
+        const qcBodyBvh* bvh = qcBvhCandidates_At(sweep, qcStepTriangles_Slot(triangles, body));
+        bool lacksAdjacency = qcBody_HasSelfCollision(qcStepTriangles_Body(triangles, body)) && !bvh->hasAdjacency;
+        if (flags[body] && (bvh->bvh.generation == 0 || lacksAdjacency))
+            QC_TRY(AddTask(sweep, body));
+    }
+    QC_TRY(qcWorkerResults_Begin(&sweep->results, threads, sizeof(qcWorkerResult), "BVHs"));
+    // Several side by side, or one by all threads.
+    size_t count = sweep->tasks.count;
+    Tasks tasks = {.sweep = sweep, .triangles = triangles, .threads = count == 1 ? threads : 1};
+    qcParallel_For(count == 1 ? 1 : threads, count, 2, BuildOne, &tasks);
+    return qcWorkerResults_End(&sweep->results, sizeof(qcWorkerResult));
+}
+
+static void RefitOne(void* context, size_t i, uint32_t worker)
+{
+    const Tasks* tasks = context;
+    const qcBvhCandidates* sweep = tasks->sweep;
+    qcRefitTask* task = TaskAt(sweep, i);
+    qcBodyBvh* bvh = qcBvhCandidates_At(sweep, qcStepTriangles_Slot(tasks->triangles, task->body));
+    AddResult(sweep, worker,
+              qcTriangleBvh_Fit(&bvh->bvh, qcStepTriangles_Body(tasks->triangles, task->body), tasks->margin,
+                                sweep->kernels, tasks->threads, &QC_AT(qcBvhScratch, sweep->refitScratch, worker),
+                                &task->upToDate));
+}
+
+/// Refits only the moved vertices, if the body's pairs in the Verlet list, found within more than this step's distance,
+/// cover their motion.
+static qcStatus TryPartialRefit(const qcBvhCandidatesJob* job, uint32_t body, qcBvhCandidates* sweep)
+{
+    qcBodyBvh* bvh = qcBvhCandidates_At(sweep, qcStepTriangles_Slot(job->triangles, body));
+    const qcBody* b = qcStepTriangles_Body(job->triangles, body);
+    bool done = false;
+    if (qcBody_HasSelfCollision(b) && !job->testNeighbours && !job->listNeighbours &&
+        job->queryDistance <= bvh->bvh.margin)
+        QC_TRY(qcBodyBvh_PartialRefit(bvh, b, (bvh->verlet.margin - qcBvhCandidates_PairDistance(job, b, b)) / 2.0,
+                                      sweep->kernels, &QC_AT(qcBvhScratch, sweep->refitScratch, 0), &done));
+    QC_AT(uint8_t, sweep->partlyRefitted, body) = done;
+    return qc_statusOk;
+}
+
+/// Partial refits where they suffice, tasks for the other BVHs that aren't up to date.
+static qcStatus QueueRefits(const qcBvhCandidatesJob* job, const uint8_t* flags, qcBvhCandidates* sweep)
+{
+    const qcStepTriangles* triangles = job->triangles;
+    QC_TRY(qcArray_Resize(&sweep->partlyRefitted, triangles->bodyCount, 1, "BVHs"));
+    sweep->tasks.count = 0;
+    sweep->refittedTriangles = sweep->partlyRefittedTriangles = 0;
+    for (uint32_t body = 0; body < triangles->bodyCount; body++)
+    {
+        const qcBody* b = qcStepTriangles_Body(triangles, body);
+        QC_AT(uint8_t, sweep->partlyRefitted, body) = 0;
+        if (!flags[body] ||
+            qcTriangleBvh_IsUpToDate(&qcBvhCandidates_At(sweep, qcStepTriangles_Slot(triangles, body))->bvh, b,
+                                     job->queryDistance))
+            continue;
+        QC_TRY(TryPartialRefit(job, body, sweep));
+        if (QC_AT(uint8_t, sweep->partlyRefitted, body))
+        {
+            sweep->partlyRefittedTriangles += b->triangleCount;
+            continue;
+        }
+        QC_TRY(AddTask(sweep, body));
+        sweep->refittedTriangles += b->triangleCount;
+    }
+    return qc_statusOk;
+}
+
+/// Large bodies one after another by all threads, then the others side by side.
+static qcStatus RefitBvhs(const qcBvhCandidatesJob* job, qcBvhCandidates* sweep, uint8_t* flags)
+{
+    const qcStepTriangles* triangles = job->triangles;
+    uint32_t threads = job->threads;
+    QC_TRY(qcArray_GrowZeroed(&sweep->refitScratch, threads, sizeof(qcBvhScratch), "refits"));
+    QC_TRY(qcWorkerResults_Begin(&sweep->results, threads, sizeof(qcWorkerResult), "refits"));
+    QC_TRY(QueueRefits(job, flags, sweep));
+    uint64_t left = sweep->refittedTriangles;
+    uint64_t large = left / (4 * (uint64_t)threads);
+    Tasks tasks = {sweep, triangles, job->queryDistance, threads};
+    size_t small = 0;
+    for (size_t i = 0; i < sweep->tasks.count; i++)
+    {
+        uint32_t count = qcStepTriangles_Body(triangles, TaskAt(sweep, i)->body)->triangleCount;
+        if (count >= large)
+        {
+            RefitOne(&tasks, i, 0);
+            left -= count;
+            continue;
+        }
+        qcRefitTask done = *TaskAt(sweep, small);
+        *TaskAt(sweep, small++) = *TaskAt(sweep, i);
+        *TaskAt(sweep, i) = done;
+    }
+    tasks.threads = 1;
+    qcParallel_For(left > qc_smallBody ? threads : 1, small, 2, RefitOne, &tasks);
+    for (size_t i = 0; i < sweep->tasks.count; i++)
+        flags[TaskAt(sweep, i)->body] = TaskAt(sweep, i)->upToDate;
+    return qcWorkerResults_End(&sweep->results, sizeof(qcWorkerResult));
+}
+
+qcStatus qcBvhCandidates_Prepare(const qcBvhCandidatesJob* job, qcBvhCandidates* sweep, uint8_t* flags)
+{
+    const qcStepTriangles* triangles = job->triangles;
+    if (sweep->kernels == NULL)
+        sweep->kernels = qcTriangleKernels_Get();
+    QC_TRY(SyncSlots(triangles, sweep));
+    for (uint32_t body = 0; body < triangles->bodyCount; body++)
+    {
+        bool may = MayHaveBvh(sweep, qcStepTriangles_Slot(triangles, body), qcStepTriangles_Body(triangles, body),
+                              job->listNeighbours && !job->testNeighbours);
+        flags[body] = flags[body] && may;
+    }
+    QC_TRY(BuildBvhs(triangles, job->threads, flags, sweep));
+    return RefitBvhs(job, sweep, flags);
+}
