@@ -41,7 +41,7 @@ void TakePositions(const qcMesh& mesh, btScalar extent, qcFractureModel* model)
     model->indices.assign(mesh.indices, mesh.indices + 3 * size_t(mesh.triangleCount));
 }
 
-/// Turns a mesh whose triangles are seen clockwise from outside.
+/// Flips the triangles of a mesh that is wound clockwise seen from outside.
 void FaceOutwards(qcFractureModel* model)
 {
     double volume = 0;

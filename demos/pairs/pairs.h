@@ -26,7 +26,7 @@ typedef struct qcPairsOptions
 typedef struct qcPairsStage
 {
     const char* name;
-    double least, median;
+    double min, median;
 } qcPairsStage;
 
 enum
