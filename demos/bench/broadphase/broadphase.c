@@ -119,11 +119,11 @@ static bool Run(const Options* options, qcMessage* message)
 
 qcExitStatus qcBench_RunBroadphase(int argumentCount, char** arguments)
 {
-    Options options = {.frames = 100, .out = "out/bench"};
+    Options options = {{{1000, 10000, 50000}, 3}, {{0, 1, 10, 100}, 4}, 100, "out/bench"};
     const qcOption rows[] = {
-        {1, "boxes", "LIST", "Numbers of boxes; 1000,10000,50000 by default",
+        {1, "boxes", "LIST", "Numbers of boxes; %s by default",
          qcOption_Numbers(options.boxes.values, &options.boxes.count, qc_maxListed, 2, 1000000, false)},
-        {1, "moving", "LIST", "Percentages of them that move; 0,1,10,100 by default",
+        {1, "moving", "LIST", "Percentages of them that move; %s by default",
          qcOption_Numbers(options.percents.values, &options.percents.count, qc_maxListed, 0, 100, false)},
         {1, "frames", "N", "Frames of each scene at most; %s by default", qcOption_Number(&options.frames, 1, 100000)},
         {2, "out", "FOLDER", "Where broadphase.csv goes; %s by default, made if it is missing",
@@ -131,10 +131,6 @@ qcExitStatus qcBench_RunBroadphase(int argumentCount, char** arguments)
         {0}};
     qcCommandLine line = {.options = rows, .help = s_help};
     qcCommandLine_Parse(&line, argumentCount, arguments);
-    if (options.boxes.count == 0)
-        options.boxes = (List){{1000, 10000, 50000}, 3};
-    if (options.percents.count == 0)
-        options.percents = (List){{0, 1, 10, 100}, 4};
     qcMessage message;
     if (Run(&options, &message))
         return qc_exitDone;
