@@ -1,4 +1,4 @@
-// What the benchmarks of qc-bench share: how they end, and the list of them.
+// The benchmarks of qc-bench.
 #ifndef QC_DEMOS_BENCH_BENCH_H
 #define QC_DEMOS_BENCH_BENCH_H
 
@@ -10,15 +10,15 @@ extern "C" {
 
 /// Run time against error. `arguments[0]` is "qc-bench accuracy"; ends the program after --help and on a mistake.
 qcExitStatus qcBench_RunAccuracy(int argumentCount, char** arguments);
-/// Ours beside other libraries, in the same way.
+/// This library's sweep beside other libraries; likewise.
 qcExitStatus qcBench_RunPeers(int argumentCount, char** arguments);
-/// Time and memory against size, in the same way.
+/// Time and memory against size; likewise.
 qcExitStatus qcBench_RunScaling(int argumentCount, char** arguments);
-/// layers on a GL device beside sweep, in the same way.
+/// layers on a GL device beside sweep; likewise.
 qcExitStatus qcBench_RunGpu(int argumentCount, char** arguments);
-/// qcBroadphase beside Bullet's own, in the same way; only where Bullet was found (QC_HAS_BULLET).
+/// qcBroadphase beside Bullet's own; likewise. Only where Bullet was found (QC_HAS_BULLET).
 qcExitStatus qcBench_RunBroadphase(int argumentCount, char** arguments);
-/// Soft bodies beside Bullet alone, in the same way, and where Bullet was found.
+/// Soft bodies beside Bullet alone; likewise. Only where Bullet was found.
 qcExitStatus qcBench_RunSoft(int argumentCount, char** arguments);
 
 #ifdef __cplusplus

@@ -131,7 +131,7 @@ bool Demo::Simulate(bool selfCollision, qcClothRun* run, size_t* triangles)
         measured.manifolds = world.ManifoldCount();
         if (measured.statistics.fallback != nullptr)
             run->fallback = measured.statistics.fallback;
-        // It ends with the solver.
+        // The text ends with the solver.
         measured.statistics.fallback = nullptr;
         run->steps.push_back(measured);
         if (measured.statistics.status != qc_statusOk)

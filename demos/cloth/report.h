@@ -1,4 +1,4 @@
-// What the cloth demo measured: a row a step as CSV, and the closing table.
+// Reports of the cloth demo: a row a step as CSV, and the closing table.
 #ifndef QC_DEMOS_CLOTH_REPORT_H
 #define QC_DEMOS_CLOTH_REPORT_H
 

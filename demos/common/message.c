@@ -1,4 +1,4 @@
-// What went wrong, in words for the person at the terminal.
+// A message for the user: the reason of a failure.
 #include "common/message.h"
 
 #include <stdarg.h>

@@ -1,4 +1,4 @@
-// What went wrong, in words for the person at the terminal.
+// A message for the user: the reason of a failure.
 #ifndef QC_DEMOS_COMMON_MESSAGE_H
 #define QC_DEMOS_COMMON_MESSAGE_H
 

@@ -208,6 +208,12 @@ static void ReadValue(const struct argp_state* state, const qcOption* row, char*
 
 //  ---- argp ----------------------------------------------------------------------------------------
 
+typedef struct Parse
+{
+    qcCommandLine* line;
+    bool given[qc_maxOptions];
+} Parse;
+
 static uint32_t CountRows(const qcOption* rows)
 {
     uint32_t count = 0;
@@ -235,11 +241,22 @@ static void RefuseArgument(const struct argp_state* state, const qcOption* rows,
     argp_error(state, "'%s': options only, please%s", text, hasScenes ? "; scenes follow --scenes" : "");
 }
 
+/// The first list that is given replaces the default.
+static void EmptyList(Parse* parse, int row)
+{
+    const qcOptionValue* value = &parse->line->options[row].value;
+    if (value->kind == qc_optionNumbers && !parse->given[row])
+        *value->count = 0;
+    parse->given[row] = true;
+}
+
 static error_t ReadOption(int key, char* text, struct argp_state* state)
 {
-    qcCommandLine* line = state->input;
+    Parse* parse = state->input;
+    qcCommandLine* line = parse->line;
     if (key >= qc_firstKey && key < qc_firstKey + qc_maxOptions)
     {
+        EmptyList(parse, key - qc_firstKey);
         ReadValue(state, &line->options[key - qc_firstKey], text);
         return 0;
     }
@@ -267,19 +284,27 @@ static error_t ReadOption(int key, char* text, struct argp_state* state)
 /// Puts the default in the place of "%s"; argp frees the text.
 static char* WriteDefault(int key, const char* text, void* input)
 {
-    const qcCommandLine* line = input;
+    const Parse* parse = input;
     const char* mark = text != NULL ? strstr(text, "%s") : NULL;
-    if (line == NULL || mark == NULL || key < qc_firstKey || key >= qc_firstKey + qc_maxOptions)
+    if (parse == NULL || mark == NULL || key < qc_firstKey || key >= qc_firstKey + qc_maxOptions)
         return (char*)text;
-    const qcOptionValue* value = &line->options[key - qc_firstKey].value;
-    char number[16];
-    const char* shown = number;
+    const qcOptionValue* value = &parse->line->options[key - qc_firstKey].value;
+    char numbers[256] = "";
+    const char* shown = numbers;
     if (value->kind == qc_optionText || value->kind == qc_optionFolder)
         shown = *(const char**)value->target;
     else if (value->kind == qc_optionMethod)
         shown = qcMethod_Name(*(qcMethod*)value->target);
     else
-        snprintf(number, sizeof number, "%u", *(uint32_t*)value->target);
+    {
+        uint32_t count = value->kind == qc_optionNumbers ? *value->count : 1;
+        for (uint32_t i = 0; i < count; ++i)
+        {
+            size_t length = strlen(numbers);
+            snprintf(numbers + length, sizeof numbers - length, "%s%u", i == 0 ? "" : ",",
+                     ((uint32_t*)value->target)[i]);
+        }
+    }
     char* filled;
     int length = asprintf(&filled, "%.*s%s%s", (int)(mark - text), text, shown, mark + 2);
     return length < 0 ? (char*)text : filled;
@@ -302,5 +327,6 @@ void qcCommandLine_Parse(qcCommandLine* commandLine, int argumentCount, char** a
     }
     struct argp parser = {options, ReadOption, commandLine->arguments, commandLine->help, NULL, WriteDefault, NULL};
     argp_err_exit_status = qc_exitUsage;
-    argp_parse(&parser, argumentCount, arguments, 0, NULL, commandLine);
+    Parse parse = {.line = commandLine};
+    argp_parse(&parser, argumentCount, arguments, 0, NULL, &parse);
 }

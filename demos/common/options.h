@@ -78,7 +78,7 @@ qcOptionValue qcOption_Method(qcMethod* target, const qcWord* words);
 qcOptionValue qcOption_Device(qcDeviceKind* target);
 /// 1 to 3 different letters of x, y, z.
 qcOptionValue qcOption_Views(char (*target)[4]);
-/// "1,2,5", appended to a list.
+/// "1,2,5", in place of a default list.
 qcOptionValue qcOption_Numbers(uint32_t* targets, uint32_t* count, uint32_t capacity, uint32_t lowest, uint32_t highest,
                                bool distinct);
 /// "a,b,c": sets the flag at each word's value; a negative value sets all. If none is named, all are set.

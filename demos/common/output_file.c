@@ -13,7 +13,8 @@
 
 enum
 {
-    // A table for the signal handler, which must not walk a list that is changing. Nobody writes more at once.
+    // A table for the signal handler, which must not walk a list that is changing. No program writes more files at
+    // once.
     qc_maxOpen = 8,
     // The limit of Linux.
     qc_maxLinks = 40
@@ -39,7 +40,7 @@ static void WatchSignals(void)
     for (size_t i = 0; i < sizeof s_signals / sizeof s_signals[0]; ++i)
     {
         struct sigaction old;
-        // Leave a host's handler alone, and nohup's wish too.
+        // A handler of the program stays, and so does SIG_IGN, which nohup sets.
         if (sigaction(s_signals[i], NULL, &old) != 0 || old.sa_handler != SIG_DFL)
             continue;
         struct sigaction action = {.sa_handler = RemoveTemporaries, .sa_flags = (int)SA_RESETHAND};

@@ -1,4 +1,4 @@
-// Shows on standard error how far a piece of work is, if it takes longer than a second.
+// Progress of work on standard error: a thread prints until the work ends.
 #define _POSIX_C_SOURCE 200809L
 #include "common/progress.h"
 

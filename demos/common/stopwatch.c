@@ -28,7 +28,7 @@ double qcStopwatch_Median(double* times, size_t count)
 
 void qcStopwatch_Rest(void)
 {
-    // libgomp's threads look for work some milliseconds long.
+    // Threads of libgomp spin for some milliseconds.
     const struct timespec rest = {.tv_nsec = 20000000};
     nanosleep(&rest, NULL);
 }

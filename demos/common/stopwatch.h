@@ -14,8 +14,7 @@ double qcStopwatch_NowMs(void);
 /// Sorts the times and returns their median; 0 for none.
 double qcStopwatch_Median(double* times, size_t count);
 
-/// Until threads that wait for work by looking again and again have gone to sleep: the next one that is measured would
-/// find its cores busy.
+/// Waits until spinning threads have gone to sleep: they would keep cores busy during the next measurement.
 void qcStopwatch_Rest(void);
 
 #ifdef __cplusplus

@@ -10,7 +10,7 @@
 
 namespace
 {
-// Metres. Pieces of one body begin with their shells in each other: thin ones part without a sound.
+// Metres. Pieces of one body begin with overlapping margins: thin ones separate gently.
 constexpr btScalar s_margin = btScalar(0.001);
 
 btRigidBody::btRigidBodyConstructionInfo Material(btScalar mass, btCollisionShape* shape, const btTransform& place)
@@ -41,7 +41,7 @@ void TakePositions(const qcMesh& mesh, btScalar extent, qcFractureModel* model)
     model->indices.assign(mesh.indices, mesh.indices + 3 * size_t(mesh.triangleCount));
 }
 
-/// Turns a mesh whose triangles are seen clockwise from outside.
+/// Flips the triangles of a mesh that is wound clockwise seen from outside.
 void FaceOutwards(qcFractureModel* model)
 {
     double volume = 0;

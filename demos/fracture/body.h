@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-/// A closed mesh about its centre of mass, its principal axes along those of its frame.
+/// A closed mesh, its centre of mass at the origin and its principal axes along the axes of its frame.
 struct qcFractureModel
 {
     std::vector<btVector3> vertices;
@@ -34,7 +34,7 @@ ATTRIBUTE_ALIGNED16(struct) qcFractureBody
 {
     BT_DECLARE_ALIGNED_ALLOCATOR();
 
-    /// Triangles from `firstCutTriangle` on lie in cuts.
+    /// Triangles from `firstCutTriangle` on are faces of cuts.
     qcFractureBody(const std::vector<btVector3>& vertices, const std::vector<uint32_t>& indices,
                    uint32_t firstCutTriangle, btScalar mass, const btTransform& place);
 

@@ -1,4 +1,4 @@
-// What the fracture demo measured: a row a step as CSV, and the closing table.
+// Reports of the fracture demo: a row a step as CSV, and the closing table.
 #ifndef QC_DEMOS_FRACTURE_REPORT_H
 #define QC_DEMOS_FRACTURE_REPORT_H
 

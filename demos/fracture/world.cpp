@@ -1,6 +1,6 @@
-// The falling body. It breaks after collision detection has found the impact and before the solver answers it: pieces
-// take over the motion of the body before the impact, are looked at by a second detection in the same step, and meet
-// the floor and each other on their own. (Broken after the solver, they would all have been stopped as one.)
+// The falling body. It breaks between collision detection, which finds the impact, and the solver. The pieces inherit
+// the motion of the body before the impact. A second detection in the same step finds their contacts with the floor and
+// with each other. If the body broke after the solver, all pieces would have been stopped as one.
 #include "fracture/world.h"
 
 #include "fracture/sites.h"
@@ -47,10 +47,10 @@ qcFractureWorld::qcFractureWorld(const qcFractureModel& model, const qcFractureR
     // lowest, and the deepest are 13 to 24 mm in each other in most steps; with 50 it is 3 to 5, and a step takes no
     // longer.
     m_world.getSolverInfo().m_numIterations = 50;
-    // However deep, what overlaps is parted without giving it speed.
+    // Penetration of any depth is resolved without adding speed.
     m_world.getSolverInfo().m_splitImpulsePenetrationThreshold = 0;
     m_world.addRigidBody(&m_floor);
-    // It comes down on an edge.
+    // The body lands on an edge.
     btTransform place(btMatrix3x3(btQuaternion(btVector3(0, 0, 1), btScalar(0.35))) * model.upright);
     auto whole = std::make_unique<qcFractureBody>(model.vertices, model.indices, uint32_t(model.indices.size() / 3),
                                                   model.volume * s_density, place);
@@ -74,7 +74,7 @@ void qcFractureWorld::Add(std::unique_ptr<qcFractureBody> body)
     m_bodies.push_back(std::move(body));
 }
 
-/// Keeps what the last query did; nothing if there was none since the last call.
+/// Appends the statistics of the last query, if there was one since the last call.
 void qcFractureWorld::NoteContact()
 {
     const qcMeshContactStatistics& statistics = m_meshContact.getStatistics();
@@ -83,7 +83,7 @@ void qcFractureWorld::NoteContact()
     m_batches = statistics.batches;
 }
 
-/// Where the body meets the floor fastest in this step; false if that is not fast enough to break it.
+/// The contact with the floor of the highest closing speed in this step; false: too slow to break the body.
 bool qcFractureWorld::FindImpact(btVector3* place, btScalar* speed) const
 {
     const btRigidBody& body = m_bodies.front()->body;
@@ -91,7 +91,7 @@ bool qcFractureWorld::FindImpact(btVector3* place, btScalar* speed) const
     bool found = false;
     for (int m = 0; m < m_dispatcher.getNumManifolds(); m++)
     {
-        // Only the body and the floor are there.
+        // The world holds only the body and the floor.
         const btPersistentManifold& manifold = *m_dispatcher.getManifoldByIndexInternal(m);
         for (int i = 0; i < manifold.getNumContacts(); i++)
         {
@@ -157,7 +157,7 @@ bool qcFractureWorld::BreakBody(const btVector3& impact)
     return fracture.status == qc_statusOk;
 }
 
-/// What can be seen at the end of a step.
+/// Fills the measures at the end of a step.
 void qcFractureWorld::Measure(qcFractureStep* step) const
 {
     step->bodies = m_bodies.size();

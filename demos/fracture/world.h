@@ -68,7 +68,7 @@ class qcFractureWorld
     }
 
   private:
-    /// Looks for an impact between collision detection and what the world does with it.
+    /// Searches for an impact between collision detection and the solver.
     class World : public btDiscreteDynamicsWorld
     {
       public:

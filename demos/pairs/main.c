@@ -1,4 +1,4 @@
-// qc-pairs: which triangles of these meshes intersect? Each mesh is a rigid body where its file puts it.
+// qc-pairs: finds the triangles of meshes that intersect. Each mesh is a rigid body at the positions of its file.
 #include "pairs/pairs.h"
 
 #include "common/output_file.h"
@@ -32,7 +32,7 @@ static qcStatus OpenDevice(qcDeviceKind kind, qcDevice** device, qcDeviceInfo* i
     return status == qc_statusOk ? qcDevice_GetInfo(*device, info) : status;
 }
 
-/// Opens what this run needs and no more: a GL context takes longer than many a query.
+/// Opens a device only if this run needs one: a GL context takes longer than many queries.
 static qcExitStatus OpenDevices(qcPairsRun* run, qcMessage* message)
 {
     const qcPairsOptions* options = run->options;
@@ -112,7 +112,7 @@ static qcStatus Detect(qcPairsRun* run, const qcBodyId* ids, double* times)
     qcTransform identity = qcIdentityTransform();
     for (uint32_t rep = 0; rep < options->reps; ++rep)
     {
-        // A scene that has not changed would hand out its last result again.
+        // A scene that has not changed would return its last result.
         for (uint32_t i = 0; rep > 0 && i < options->pathCount; ++i)
         {
             qcStatus status = qcScene_SetTransform(run->scene, ids[i], &identity);

@@ -25,7 +25,7 @@ static void CheckTogether(const struct argp_state* state, void* context)
     qcPairsOptions* options = context;
     if (options->deviceName != NULL)
         options->device = (qcDeviceKind)qcOption_ReadWord(state, "--device", options->deviceName, qcDeviceWords);
-    // "--out a.ply b.ply" forgot the output's name; it would replace the mesh.
+    // "--out a.ply b.ply" lacks the name of the output and would replace the mesh.
     if (options->out != NULL && (HasEnding(options->out, ".ply") || HasEnding(options->out, ".obj")))
         argp_error(state, "--out: '%s' is named as a mesh; it would be overwritten with pairs", options->out);
     if (options->picture != NULL && !HasEnding(options->picture, ".png"))

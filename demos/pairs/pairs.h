@@ -26,7 +26,7 @@ typedef struct qcPairsOptions
 typedef struct qcPairsStage
 {
     const char* name;
-    double least, median;
+    double min, median;
 } qcPairsStage;
 
 enum
@@ -38,7 +38,7 @@ typedef struct qcPairsRun
 {
     const qcPairsOptions* options;
     qcMesh* meshes; ///< options->pathCount
-    /// `device` answers the queries, null: none; `pictureDevice` is the same one where that can draw.
+    /// `device` runs the queries, null: none; `pictureDevice` is the same one where that can draw.
     qcDevice* device;
     qcDevice* pictureDevice;
     qcDeviceInfo deviceInfo;

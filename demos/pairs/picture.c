@@ -53,7 +53,7 @@ static double Dot(const double a[3], const double b[3])
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
-/// Looks at the box from its front, right and above, from as near as shows all its corners.
+/// Views the box from its front, right and above, at the smallest distance that shows all its corners.
 static void PlaceEye(const Frame* frame, qcPictureDef* def)
 {
     static const double back[3] = {0.48, 0.36, 0.8}; // a unit vector, from the box to the eye

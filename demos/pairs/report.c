@@ -51,12 +51,12 @@ static void PrintStages(const qcPairsRun* run)
     for (size_t i = 0; i < qc_stageCount; ++i)
     {
         const qcPairsStage* stage = &run->stages[i];
-        // A stage that did not run is no news; the total always is.
+        // Stages that did not run are left out; the total stays.
         if (stage->median < 0.0005 && i + 1 < qc_stageCount)
             continue;
         printf("  %-14s %10.3f ms", stage->name, stage->median);
         if (reps > 1)
-            printf(" median, %10.3f ms least of %" PRIu32, stage->least, reps);
+            printf(" median, %10.3f ms least of %" PRIu32, stage->min, reps);
         putchar('\n');
     }
 }
@@ -147,7 +147,7 @@ static json_object* DescribeStages(const qcPairsRun* run)
     for (size_t i = 0; i < qc_stageCount; ++i)
     {
         json_object* stage = json_object_new_object();
-        AddMs(stage, "min", run->stages[i].least);
+        AddMs(stage, "min", run->stages[i].min);
         AddMs(stage, "median", run->stages[i].median);
         json_object_object_add(stages, run->stages[i].name, stage);
     }

@@ -1,4 +1,4 @@
-// Mesh files put together byte by byte, and what becomes of them when they are read.
+// Mesh files built byte by byte, and checks of what the readers return for them.
 #ifndef QC_TESTS_TOOLS_MESH_BYTES_H
 #define QC_TESTS_TOOLS_MESH_BYTES_H
 
@@ -99,7 +99,7 @@ static inline void BeginPly(Bytes* bytes, Encoding encoding, const char* declara
     AddText(bytes, "ply\nformat %s 1.0\n%send_header\n", s_formats[encoding], declarations);
 }
 
-/// From memory of exactly this size, so that a checker of memory sees a read beyond the end.
+/// Reads from memory of exactly this size: a memory checker finds reads beyond the end.
 static inline bool ReadAs(qcMeshPrecision precision, const char* name, const char* data, size_t size, qcMesh* mesh,
                           qcMessage* message)
 {

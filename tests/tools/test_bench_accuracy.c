@@ -37,7 +37,7 @@ static void GetTriangle(const qcMesh* mesh, uint32_t triangle, double corners[9]
     }
 }
 
-/// Penetrating pairs of one triangle of each mesh: all pairs whose boxes meet, through the exact test.
+/// Penetrating pairs of one triangle of each mesh: all pairs whose boxes overlap, through the exact test.
 static uint32_t CountPairs(const qcMesh* a, const qcMesh* b)
 {
     uint32_t count = 0;
@@ -144,7 +144,7 @@ static void CheckSkipped(const Row* row, void* context)
     *skipped += IsSkipped(row);
 }
 
-START_TEST(what_the_device_cannot_do_is_skipped_with_a_reason)
+START_TEST(methods_that_the_device_cannot_run_are_skipped_with_a_reason)
 {
     ck_assert_int_eq(Run("%s accuracy --scenes dragon,sheets-1e-6 --methods sweep,quick,cullide --resolutions 32 "
                          "--views z --device none --runs 1 --out .",
@@ -209,7 +209,7 @@ static size_t CountScenePairs(const char* name, size_t* between)
     return list.count;
 }
 
-START_TEST(each_scene_has_pairs_enough_to_tell_a_share)
+START_TEST(each_scene_has_enough_pairs_for_a_share)
 {
     size_t between, pairs = CountScenePairs("cloth-20k", &between);
     ck_assert_uint_gt(pairs, 200);
@@ -237,7 +237,7 @@ START_TEST(gnuplot_draws_a_picture_a_scene_and_one_of_all)
     if (Run("command -v gnuplot") != 0)
         return;
     ck_assert_int_eq(Run("%s " TINY " --full", BENCH), 0);
-    // gnuplot's own complaints, and progress shown on a slow machine, go there.
+    // gnuplot's warnings, and progress on a slow machine, go there.
     ck_assert_ptr_null(strstr(GetErrors(), "arning"));
     // The CSV, the script, two pictures.
     ck_assert_uint_eq(CountEntries(), 4);
@@ -353,9 +353,9 @@ END_TEST
 int main(void)
 {
     const TTest* const tests[] = {each_row_accounts_for_every_pair_of_the_scene,
-                                  what_the_device_cannot_do_is_skipped_with_a_reason,
+                                  methods_that_the_device_cannot_run_are_skipped_with_a_reason,
                                   a_scene_is_the_same_each_time,
-                                  each_scene_has_pairs_enough_to_tell_a_share,
+                                  each_scene_has_enough_pairs_for_a_share,
                                   gnuplot_draws_a_picture_a_scene_and_one_of_all,
                                   without_gnuplot_there_is_the_csv_and_the_script,
                                   a_gnuplot_that_fails_is_reported,

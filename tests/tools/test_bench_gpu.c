@@ -1,4 +1,4 @@
-// `qc-bench gpu` as its users meet it, on whatever device this machine has; and what counts as the same lists.
+// `qc-bench gpu` as a user runs it, on any device of this machine; and the comparison of lists of pairs.
 #include "support/csv_rows.h"
 #include "bench/gpu/gpu.h"
 #include "support/run_program.h"
@@ -73,7 +73,7 @@ START_TEST(each_scene_and_size_has_its_rows_with_equal_lists)
     // Four scenes in two sizes, three in one; three runs each.
     ck_assert_int_eq(ForEachRow("deep/er/gpu.csv", HEADER, CheckRow, hash), (4 * 2 + 3) * 3);
     ck_assert_ptr_null(strstr(GetOutput(), "DIFFERENT"));
-    // What is no GPU is named.
+    // Software GL is named.
     ck_assert((strstr(GetOutput(), "*** THIS IS NO GPU. ") != NULL) == IsSoftware());
     static char s_text[1 << 18];
     ck_assert(ReadText("deep/er/gpu.txt", s_text, sizeof s_text));
@@ -171,7 +171,7 @@ START_TEST(a_run_that_is_ended_keeps_its_rows)
     ck_assert_int_eq(status, 128 + 15);
     char hash[128] = "";
     ck_assert_int_ge(ForEachRow("out/gpu.csv", HEADER, CheckRow, hash), 2);
-    // Nothing half-written lies about.
+    // No half-written file is left.
     ck_assert_int_eq(Run("test $(ls -A out | wc -l) -eq 3"), 0);
 }
 END_TEST

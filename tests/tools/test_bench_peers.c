@@ -1,5 +1,5 @@
-// `qc-bench peers` as its users meet it, with the peers that were built, without, and with one that errs. The oracle is
-// every pair of triangles through the exact test.
+// `qc-bench peers` as a user runs it: with the peers that were built, without, and with one that is wrong. The oracle
+// is every pair of triangles through the exact test.
 #include "bench/scenes/motion.h"
 #include "bench/scenes/shapes.h"
 #include "support/csv_rows.h"
@@ -42,13 +42,13 @@ START_TEST(the_triangle_test_of_the_peers_is_exact)
         penetrating += penetrate;
         guessed += guess >= 0;
     }
-    // It settles many of each, or it would be no test of it.
+    // The bound decides many of each: otherwise this would only test the exact test.
     ck_assert_int_gt(penetrating, count / 20);
     ck_assert_int_gt(guessed, count / 5);
 }
 END_TEST
 
-//  ---- the works -----------------------------------------------------------------------------------
+//  ---- the scenes ----------------------------------------------------------------------------------
 
 enum
 {
@@ -89,7 +89,7 @@ START_TEST(a_frame_moves_each_vertex_by_little_and_the_last_leads_to_the_first)
 }
 END_TEST
 
-START_TEST(a_decimated_mesh_has_about_as_many_triangles_as_asked)
+START_TEST(a_decimated_mesh_has_about_the_requested_number_of_triangles)
 {
     qcMesh mesh, coarse;
     ck_assert(qcBenchShapes_MakeCloth(60, 1.0, &mesh));
@@ -323,7 +323,7 @@ int main(void)
     tcase_set_timeout(tcase, 300); // a bound against hanging, not a claim about speed
     tcase_add_test(tcase, the_triangle_test_of_the_peers_is_exact);
     tcase_add_test(tcase, a_frame_moves_each_vertex_by_little_and_the_last_leads_to_the_first);
-    tcase_add_test(tcase, a_decimated_mesh_has_about_as_many_triangles_as_asked);
+    tcase_add_test(tcase, a_decimated_mesh_has_about_the_requested_number_of_triangles);
     // Where no peer was built there is nothing to compare.
     if (QC_BENCH_PEERS > 0)
     {

@@ -1,4 +1,4 @@
-// `qc-bench scaling` as its users meet it; and the exponent, of times whose exponent is known.
+// `qc-bench scaling` as a user runs it; and the exponent of times whose exponent is known.
 #include "support/csv_rows.h"
 #include "bench/scaling/scaling.h"
 #include "support/run_program.h"
@@ -15,7 +15,7 @@ START_TEST(the_exponent_is_that_of_the_times_from_20_k_to_1_m)
     static qcScalingTable table;
     for (uint32_t n = 1000; n <= 4096000; n *= 2)
     {
-        // What lies outside of the range, and other threads, must not count.
+        // Sizes outside of the range, and other numbers of threads, are not used.
         bool inside = n > 19000 && n < 1050000;
         double ms = inside ? 0.001 * pow(n, 1.25) : 7.0;
         table.meshes[table.meshCount++] = (qcScalingMeshRow){.triangles = n, .threads = 1, .ms = ms};
@@ -55,7 +55,7 @@ static void CheckBoxes(const Row* row, void* context)
     double boxes = GetNumber(row, "boxes"), percent = GetNumber(row, "percent"), moving = GetNumber(row, "moving");
     ck_assert(moving == floor(boxes * percent / 100.0));
     ck_assert((GetNumber(row, "pairs") > 0.0) == (percent > 1.0) || percent == 1.0);
-    // Each meets about four others.
+    // Each overlaps about four others.
     if (percent == 100.0)
         ck_assert(GetNumber(row, "pairs") > boxes && GetNumber(row, "pairs") < 3.0 * boxes);
     ck_assert(GetNumber(row, "ms") >= GetNumber(row, "ms_least"));
@@ -79,7 +79,7 @@ START_TEST(each_size_has_its_rows)
 }
 END_TEST
 
-START_TEST(what_is_0_is_left_out)
+START_TEST(sizes_of_0_are_left_out)
 {
     ck_assert_int_eq(Run("%s scaling --triangles 0 --boxes 100 --out .", BENCH), 0);
     ck_assert_ptr_null(strstr(GetOutput(), "triangles threads"));
@@ -101,7 +101,7 @@ int main(void)
     tcase_set_timeout(tcase, 300); // a bound against hanging, not a claim about speed
     tcase_add_test(tcase, the_exponent_is_that_of_the_times_from_20_k_to_1_m);
     tcase_add_test(tcase, each_size_has_its_rows);
-    tcase_add_test(tcase, what_is_0_is_left_out);
+    tcase_add_test(tcase, sizes_of_0_are_left_out);
     suite_add_tcase(suite, tcase);
     return qcRunSuite(suite);
 }

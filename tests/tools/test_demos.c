@@ -1,5 +1,5 @@
-// The demos of Bullet as their users meet them: the tables add up, a body breaks once and keeps its momentum, pictures
-// and CSV are there, what is wrong on the command line is said, a signal ends them with what was done.
+// The demos of Bullet as a user runs them: the tables add up, a body breaks once and keeps its momentum, pictures and
+// CSV are there, mistakes are refused, a signal ends them with a table.
 #define _POSIX_C_SOURCE 200809L
 #include "support/csv_rows.h"
 #include "support/run_program.h"
@@ -169,14 +169,14 @@ START_TEST(a_body_breaks_once_keeps_its_momentum_and_its_pieces_stay_above_the_f
     ck_assert_double_gt(course.lowest, -60.0);
     ck_assert_double_lt(course.energy, 0.5 * course.energyAtBreak);
     ck_assert_double_lt(LastNumber(FindLine(GetOutput(), "  momentum, kg m/s")), 1e-5);
-    // Bullet keeps but the diagonal of a piece's tensor.
+    // Bullet keeps only the diagonal of a piece's tensor.
     ck_assert_double_lt(LastNumber(FindLine(GetOutput(), "  angular momentum, ")), 0.1);
     FindLine(GetOutput(), "It broke in step ");
     LeaveFolder();
 }
 END_TEST
 
-/// Without what is measured.
+/// Without the measured times.
 static void KeepCourse(const Row* row, void* context)
 {
     char* text = context;
@@ -185,7 +185,7 @@ static void KeepCourse(const Row* row, void* context)
              Get(row, "penetration_mm"), Get(row, "lowest_mm"), Get(row, "kinetic_j"));
 }
 
-START_TEST(the_seed_decides_and_method_and_threads_do_not)
+START_TEST(the_result_depends_on_the_seed_and_not_on_method_and_threads)
 {
     static const char* const options[] = {"--seed 7 --threads 1", "--seed 7 --method sweep --threads 2", "--seed 8"};
     static char texts[3][qc_textSize];
@@ -218,7 +218,7 @@ START_TEST(frames_are_drawn_where_there_is_a_device)
 }
 END_TEST
 
-START_TEST(what_is_wrong_is_said)
+START_TEST(mistakes_are_refused_with_a_message)
 {
     static const struct
     {
@@ -257,7 +257,7 @@ START_TEST(what_is_wrong_is_said)
 }
 END_TEST
 
-START_TEST(a_signal_ends_them_with_what_was_done)
+START_TEST(a_signal_ends_them_with_a_table)
 {
     EnterFolder();
     WriteAngle();
@@ -280,5 +280,5 @@ END_TEST
 
 QC_RUN_TESTS("demos", the_costs_of_a_step_add_up_to_it,
              a_body_breaks_once_keeps_its_momentum_and_its_pieces_stay_above_the_floor,
-             the_seed_decides_and_method_and_threads_do_not, frames_are_drawn_where_there_is_a_device,
-             what_is_wrong_is_said, a_signal_ends_them_with_what_was_done)
+             the_result_depends_on_the_seed_and_not_on_method_and_threads, frames_are_drawn_where_there_is_a_device,
+             mistakes_are_refused_with_a_message, a_signal_ends_them_with_a_table)

@@ -1,4 +1,4 @@
-// The mesh readers: what they accept, what they keep, and where they say that a file is wrong.
+// The mesh readers: accepted files, exact positions and indices, errors with their line.
 #define _DEFAULT_SOURCE
 #include "tools/mesh_bytes.h"
 #include "support/run_program.h"
@@ -106,7 +106,7 @@ START_TEST(doubles_keep_all_their_bits)
 }
 END_TEST
 
-START_TEST(unknown_elements_properties_and_lists_are_passed_over)
+START_TEST(unknown_elements_properties_and_lists_are_skipped)
 {
     static const uint32_t indices[] = {2, 1, 0};
     for (Encoding encoding = 0; encoding < encoding_count; ++encoding)
@@ -360,7 +360,7 @@ END_TEST
 
 //  ---- files ---------------------------------------------------------------------------------------
 
-START_TEST(what_is_no_mesh_file_is_refused_by_name)
+START_TEST(a_file_that_is_no_mesh_is_refused_by_name)
 {
     qcMesh mesh;
     qcMessage message;
@@ -398,7 +398,7 @@ START_TEST(a_file_on_disk_is_read_as_its_bytes_are)
 }
 END_TEST
 
-START_TEST(where_doubles_are_wanted_all_digits_of_a_text_count)
+START_TEST(with_doubles_requested_all_digits_of_a_text_are_used)
 {
     static const char* const texts[][2] = {
         {"a.obj", "v 10000000.1 1e300 -0.1\nv 0 0 0\nv 1 1 1\nf 1 2 3\n"},
@@ -421,7 +421,7 @@ START_TEST(where_doubles_are_wanted_all_digits_of_a_text_count)
 }
 END_TEST
 
-START_TEST(where_doubles_are_wanted_binary_floats_become_doubles)
+START_TEST(with_doubles_requested_binary_floats_become_doubles)
 {
     for (Encoding encoding = encoding_little; encoding <= encoding_big; ++encoding)
     {
@@ -442,7 +442,7 @@ END_TEST
 
 //  ---- damage --------------------------------------------------------------------------------------
 
-/// A reader may refuse damaged bytes or read them; what it gives out is always a mesh.
+/// A reader may refuse damaged bytes or read them; a mesh that it returns is always valid.
 static void AssertSoundOrRefused(const char* name, const char* data, size_t size)
 {
     qcMesh mesh;
@@ -459,7 +459,7 @@ static void AssertSoundOrRefused(const char* name, const char* data, size_t size
     qcMesh_Free(&mesh);
 }
 
-START_TEST(damaged_files_are_refused_or_give_sound_meshes)
+START_TEST(damaged_files_are_refused_or_give_valid_meshes)
 {
     static Bytes originals[4];
     BuildBinary(&originals[0], encoding_ascii);
@@ -498,7 +498,7 @@ int main(void)
     tcase_add_test(ply, every_encoding_gives_the_same_mesh);
     tcase_add_test(ply, positions_are_doubles_where_a_float_would_lose_bits);
     tcase_add_test(ply, doubles_keep_all_their_bits);
-    tcase_add_test(ply, unknown_elements_properties_and_lists_are_passed_over);
+    tcase_add_test(ply, unknown_elements_properties_and_lists_are_skipped);
     tcase_add_test(ply, a_polygon_is_a_fan_around_its_first_corner);
     tcase_add_test(ply, line_ends_blank_lines_and_the_last_newline_do_not_matter);
     tcase_add_loop_test(ply, a_mistake_in_a_ply_file_is_named_with_its_line, 0,
@@ -512,13 +512,13 @@ int main(void)
                         sizeof s_objMistakes / sizeof s_objMistakes[0]);
     suite_add_tcase(suite, obj);
     TCase* files = tcase_create("files");
-    tcase_add_test(files, what_is_no_mesh_file_is_refused_by_name);
+    tcase_add_test(files, a_file_that_is_no_mesh_is_refused_by_name);
     tcase_add_test(files, a_file_on_disk_is_read_as_its_bytes_are);
-    tcase_add_test(files, where_doubles_are_wanted_all_digits_of_a_text_count);
-    tcase_add_test(files, where_doubles_are_wanted_binary_floats_become_doubles);
+    tcase_add_test(files, with_doubles_requested_all_digits_of_a_text_are_used);
+    tcase_add_test(files, with_doubles_requested_binary_floats_become_doubles);
     suite_add_tcase(suite, files);
     TCase* damage = tcase_create("damage");
-    tcase_add_test(damage, damaged_files_are_refused_or_give_sound_meshes);
+    tcase_add_test(damage, damaged_files_are_refused_or_give_valid_meshes);
     tcase_set_timeout(damage, 60);
     suite_add_tcase(suite, damage);
     return qcRunSuite(suite);

@@ -1,4 +1,4 @@
-// Triangle strips in PLY files: their triangles, and the place that errors name.
+// Triangle strips in PLY files: their triangles, and the positions that errors name.
 #include "tools/mesh_bytes.h"
 #include "support/suite.h"
 
@@ -71,7 +71,7 @@ START_TEST(strips_alone_are_a_mesh)
 }
 END_TEST
 
-START_TEST(a_bad_strip_in_a_binary_file_is_named_by_its_place)
+START_TEST(a_bad_strip_in_a_binary_file_is_named_by_its_position)
 {
     for (Encoding encoding = encoding_little; encoding < encoding_count; ++encoding)
     {
@@ -96,7 +96,7 @@ typedef struct Mistake
     const char* expected;
 } Mistake;
 
-START_TEST(a_mistake_in_a_strip_is_named_with_its_line_and_place)
+START_TEST(a_mistake_in_a_strip_is_named_with_its_line_and_position)
 {
     static const Mistake mistakes[] = {
         {"ply\nformat ascii 1.0\n" VERTICES "element tristrips 1\nproperty list int int strips\nend_header\n"
@@ -120,4 +120,5 @@ START_TEST(a_mistake_in_a_strip_is_named_with_its_line_and_place)
 END_TEST
 
 QC_RUN_TESTS("mesh strips", strips_give_their_triangles_wound_alike_in_every_encoding, strips_alone_are_a_mesh,
-             a_bad_strip_in_a_binary_file_is_named_by_its_place, a_mistake_in_a_strip_is_named_with_its_line_and_place)
+             a_bad_strip_in_a_binary_file_is_named_by_its_position,
+             a_mistake_in_a_strip_is_named_with_its_line_and_position)

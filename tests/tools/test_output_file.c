@@ -1,4 +1,4 @@
-// Files that appear when they are complete, pictures among them; and progress, which must not disturb them.
+// Output files and pictures that appear when they are complete; progress on standard error.
 #define _POSIX_C_SOURCE 200809L
 #define _XOPEN_SOURCE 700
 #include "common/output_file.h"
@@ -38,7 +38,7 @@ START_TEST(an_old_file_stays_until_the_new_one_is_complete)
 }
 END_TEST
 
-START_TEST(an_output_given_up_leaves_the_folder_as_it_was)
+START_TEST(an_aborted_output_leaves_the_folder_as_it_was)
 {
     qcOutput output;
     qcMessage message;
@@ -256,7 +256,7 @@ START_TEST(long_work_shows_its_share_and_short_work_nothing)
         qcProgress_End();
         qcProgress_Begin(10, "long");
         qcProgress_Update(5);
-        // Works until it was seen.
+        // Works until the line was read.
         _exit(read(go[0], &byte, 1) == 0 ? (qcProgress_End(), 0) : 1);
     }
     close(shown[1]);
@@ -281,7 +281,7 @@ int main(void)
     TCase* tests = tcase_create("output");
     tcase_add_checked_fixture(tests, EnterFolder, LeaveFolder);
     tcase_add_test(tests, an_old_file_stays_until_the_new_one_is_complete);
-    tcase_add_test(tests, an_output_given_up_leaves_the_folder_as_it_was);
+    tcase_add_test(tests, an_aborted_output_leaves_the_folder_as_it_was);
     tcase_add_test(tests, a_signal_leaves_no_half_written_file);
     tcase_add_test(tests, a_signal_that_the_host_ignores_stays_ignored);
     tcase_add_test(tests, a_new_file_is_an_ordinary_one_and_an_old_one_keeps_its_mode);

@@ -3,6 +3,7 @@
 #include "support/suite.h"
 
 #include <check.h>
+#include <locale.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -111,7 +112,26 @@ START_TEST(exponents_of_any_length_end_at_zero_or_infinity)
 }
 END_TEST
 
-START_TEST(what_is_no_decimal_number_is_no_number)
+START_TEST(the_locale_of_the_program_does_not_matter)
+{
+    // With one of these, where it is installed, strtod expects a comma.
+    static const char* const locales[] = {"de_DE.UTF-8", "de_DE", "fr_FR.UTF-8", "fr_FR"};
+    for (size_t i = 0; i < sizeof locales / sizeof locales[0]; ++i)
+        setlocale(LC_ALL, locales[i]);
+    static const char texts[2][40] = {"1.5", "1.500000000000000000000000000001"};
+    for (int i = 0; i < 2; ++i)
+    {
+        float single;
+        double twice;
+        ck_assert(qcParseFloat(texts[i], texts[i] + strlen(texts[i]), &single));
+        ck_assert(qcParseDouble(texts[i], texts[i] + strlen(texts[i]), &twice));
+        ck_assert(single == 1.5f && twice == 1.5);
+    }
+    setlocale(LC_ALL, "C");
+}
+END_TEST
+
+START_TEST(text_that_is_no_decimal_number_is_refused)
 {
     static const char* texts[] = {"",    "-",   ".",    "e5",  "1e",   "1e+", "1.2.3", "0x10", "nan",   "inf",
                                   "1,5", "1 2", "1.5f", "--1", "1e5.", "1d5", "+-1",   "1_0",  "1e5e5", "INFINITY"};
@@ -133,7 +153,8 @@ int main(void)
     tcase_add_test(numbers, points_halfway_between_two_floats_are_rounded_to_even);
     tcase_add_test(numbers, a_digit_far_behind_the_point_still_decides_the_rounding);
     tcase_add_test(numbers, exponents_of_any_length_end_at_zero_or_infinity);
-    tcase_add_test(numbers, what_is_no_decimal_number_is_no_number);
+    tcase_add_test(numbers, the_locale_of_the_program_does_not_matter);
+    tcase_add_test(numbers, text_that_is_no_decimal_number_is_refused);
     suite_add_tcase(suite, numbers);
     return qcRunSuite(suite);
 }

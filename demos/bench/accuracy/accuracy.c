@@ -1,4 +1,4 @@
-// Run time against error: every setting on every scene, held against the exact pairs.
+// Run time against error: every setting on every scene, compared with the exact pairs.
 #include "bench/accuracy/accuracy.h"
 
 #include "common/files.h"
@@ -58,12 +58,12 @@ static qcExitStatus MeasureScene(Run* run, int index, qcMessage* message)
     if (!measured)
         return qc_exitFailed;
     qcAccuracy_PrintTable(table);
-    // A long run is read while it goes on, and what it has is kept if it ends early.
+    // Rows of a long run can be read while it goes on, and stay if it ends early.
     fflush(stdout);
     return qcAccuracy_WriteCsv(&run->options, run->tables, run->tableCount, message) ? qc_exitDone : qc_exitFailed;
 }
 
-/// What never misses must not miss here either.
+/// Methods that never miss must not miss here.
 static qcExitStatus CheckPromise(const Run* run, qcMessage* message)
 {
     for (uint32_t t = 0; t < run->tableCount; ++t)

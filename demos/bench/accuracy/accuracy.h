@@ -45,7 +45,7 @@ void qcAccuracy_ReadOptions(int argumentCount, char** arguments, qcAccuracyOptio
 
 //  ---- settings ------------------------------------------------------------------------------------
 
-/// One way to ask. What a method does not know is zero.
+/// The settings of one query. Settings that a method does not have are zero.
 typedef struct qcAccuracySetting
 {
     qcMethod method;
@@ -58,8 +58,7 @@ typedef struct qcAccuracySetting
 uint32_t qcAccuracy_ListSettings(const qcAccuracyOptions* options, int scene, uint32_t triangleCount,
                                  qcAccuracySetting* settings);
 
-/// What the answer is held against: brute force where that is a matter of seconds, otherwise the sweep, which the tests
-/// hold equal to brute force.
+/// The reference: brute force where that takes seconds, otherwise the sweep, which the tests compare with brute force.
 qcMethod qcAccuracy_ChooseReference(const qcAccuracyOptions* options, uint32_t triangleCount);
 
 /// The settings that differ by their image alone: a line of the report, and of the plot's legend.
@@ -80,7 +79,7 @@ extern const qcAccuracySeries qcAccuracySeries_all[qc_accuracySeriesCount];
 
 bool qcAccuracy_IsOf(const qcAccuracySeries* series, const qcAccuracySetting* setting);
 
-/// `cullide` and `quick`, which see what their pixels see.
+/// `cullide` and `quick`, which sample at pixels.
 bool qcAccuracy_IsSampled(qcMethod method);
 
 //  ---- rows ----------------------------------------------------------------------------------------
@@ -89,12 +88,12 @@ typedef struct qcAccuracyRow
 {
     qcAccuracySetting setting;
     char skipped[256]; ///< why it did not run; empty: it did
-    char note[256];    ///< why another method answered for `auto`; or empty
+    char note[256];    ///< why another method ran for `auto`; or empty
     qcMethod ran;
-    uint32_t image;     ///< pixels on a side or columns that were used; 0: none
-    uint32_t runs;      ///< timed
-    double ms, leastMs; ///< new vertices in, pairs out: median and least of the runs
-    uint64_t queries;   ///< visibility queries; 0: the image had no say
+    uint32_t image;   ///< pixels on a side or columns that were used; 0: none
+    uint32_t runs;    ///< timed
+    double ms, minMs; ///< new vertices in, pairs out: median and least of the runs
+    uint64_t queries; ///< visibility queries; 0: the image was not used
     uint64_t pcs, candidates, found, missed, extra;
 } qcAccuracyRow;
 
@@ -132,7 +131,7 @@ void qcAccuracy_PrintTable(const qcAccuracyTable* table);
 bool qcAccuracy_WriteCsv(const qcAccuracyOptions* options, const qcAccuracyTable* tables, uint32_t tableCount,
                          qcMessage* message);
 
-/// Writes the gnuplot script beside the CSV and runs it; without gnuplot a word on standard error.
+/// Writes the gnuplot script beside the CSV and runs it; without gnuplot a message on standard error.
 bool qcAccuracy_Plot(const qcAccuracyOptions* options, const qcAccuracyTable* tables, uint32_t tableCount,
                      qcMessage* message);
 

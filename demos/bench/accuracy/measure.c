@@ -1,7 +1,7 @@
-// One scene through every setting: how long, how many pairs, which of them the reference has.
+// One scene with every setting: time, number of pairs, and those that the reference lacks or has in addition.
 //
 // A timed run is what a step of a deforming scene costs: new vertices for each body, then the detection. Before it the
-// scene was in another pose, so that no result is left to be used again.
+// scene was in another pose, so that no earlier result can be reused.
 #include "bench/accuracy/accuracy.h"
 
 #include "bench/scenes/shapes.h"
@@ -17,7 +17,7 @@ enum
     qc_leastRuns = 3
 };
 
-// Enough of one setting.
+// The time limit of one setting.
 static const double s_enoughMs = 500.0;
 
 typedef struct Bench
@@ -205,7 +205,8 @@ static double SlowMs(const qcAccuracySetting* setting)
 {
     if (qcAccuracy_IsSampled(setting->method) || setting->method == qc_methodBrute)
         return 100.0;
-    // The first run may have grown buffers. What a user gets without asking for an image is worth the time.
+    // The first run may have grown buffers. Settings without an image, the defaults of a user, are always measured
+    // again.
     return setting->resolution != 0 ? 1000.0 : HUGE_VAL;
 }
 
@@ -228,7 +229,7 @@ static qcStatus Time(Bench* bench, const qcDetectDef* def, double firstMs, qcAcc
         }
     }
     row->ms = qcStopwatch_Median(times, row->runs);
-    row->leastMs = times[0];
+    row->minMs = times[0];
     return qc_statusOk;
 }
 
@@ -300,7 +301,7 @@ static bool MeasureAll(Bench* bench, qcMessage* message)
         qcMethod method = row->setting.method;
         if (MeasureSetting(bench, row) != qc_statusOk)
         {
-            // Without a reason to be refused, these have to answer.
+            // These must run: there is no reason to skip them.
             if (method == qc_methodAuto || method == qc_methodSweep || method == qc_methodBrute)
                 measured = Fail(message, qcMethod_Name(method));
             snprintf(row->skipped, sizeof row->skipped, "%s", qcLastMessage());

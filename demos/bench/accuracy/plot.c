@@ -43,7 +43,7 @@ static void WriteScenes(FILE* stream, const qcAccuracyOptions* options, const qc
     count = 0;
     for (uint32_t i = 0; i < tableCount; ++i)
     {
-        // gnuplot would look in vain for the ends of the axes.
+        // gnuplot would find no range for the axes.
         if (!AnyRan(&tables[i], 1))
             continue;
         ++count;

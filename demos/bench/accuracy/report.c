@@ -1,4 +1,4 @@
-// What was measured, as CSV with a row a setting, and in short for a reader.
+// The results: a CSV with a row a setting, and a summary for a reader.
 #include "bench/accuracy/accuracy.h"
 
 #include "common/files.h"
@@ -30,7 +30,7 @@ static void WriteRow(FILE* stream, const qcAccuracyOptions* options, const qcAcc
         fprintf(stream,
                 "%" PRIu32 ",%" PRIu64 ",%" PRIu32 ",%.4f,%.4f,%" PRIu64 ",%" PRIu64 ",%" PRIu64 ",%" PRIu64 ",%" PRIu64
                 ",%.6f,",
-                row->image, row->queries, row->runs, row->ms, row->leastMs, row->pcs, row->candidates, row->found,
+                row->image, row->queries, row->runs, row->ms, row->minMs, row->pcs, row->candidates, row->found,
                 row->missed, row->extra, qcAccuracy_MissedShare(table, row));
     else
         fputs(",,,,,,,,,,,", stream);
@@ -67,7 +67,7 @@ typedef struct Family
     const qcAccuracyRow* rows;
     uint32_t count, ran;
     const qcAccuracyRow *quickest, *slowest, *best, *worst; ///< of those that ran
-    uint64_t leastPcs, mostPcs;
+    uint64_t minPcs, maxPcs;
 } Family;
 
 static const char* TitleOf(const qcAccuracySetting* setting)
@@ -82,7 +82,7 @@ static const char* TitleOf(const qcAccuracySetting* setting)
 
 static Family FindFamily(const qcAccuracyTable* table, uint32_t first)
 {
-    Family f = {.title = TitleOf(&table->rows[first].setting), .rows = &table->rows[first], .leastPcs = UINT64_MAX};
+    Family f = {.title = TitleOf(&table->rows[first].setting), .rows = &table->rows[first], .minPcs = UINT64_MAX};
     for (; first + f.count < table->rowCount && TitleOf(&f.rows[f.count].setting) == f.title; ++f.count)
     {
         const qcAccuracyRow* row = &f.rows[f.count];
@@ -93,8 +93,8 @@ static Family FindFamily(const qcAccuracyTable* table, uint32_t first)
         f.slowest = f.slowest == NULL || row->ms > f.slowest->ms ? row : f.slowest;
         f.best = f.best == NULL || row->missed < f.best->missed ? row : f.best;
         f.worst = f.worst == NULL || row->missed > f.worst->missed ? row : f.worst;
-        f.leastPcs = row->pcs < f.leastPcs ? row->pcs : f.leastPcs;
-        f.mostPcs = row->pcs > f.mostPcs ? row->pcs : f.mostPcs;
+        f.minPcs = row->pcs < f.minPcs ? row->pcs : f.minPcs;
+        f.maxPcs = row->pcs > f.maxPcs ? row->pcs : f.maxPcs;
     }
     return f;
 }
@@ -124,7 +124,7 @@ static void PrintFamily(const qcAccuracyTable* table, const Family* f)
         printf("  %-30s %" PRIu32 " settings: %.*f to %.*f ms, PCS %" PRIu64 " to %" PRIu64
                ", %.1f to %.1f %% missed\n",
                f->title, f->ran, CountDecimals(f->quickest->ms), f->quickest->ms, CountDecimals(f->slowest->ms),
-               f->slowest->ms, f->leastPcs, f->mostPcs, 100.0 * qcAccuracy_MissedShare(table, f->best),
+               f->slowest->ms, f->minPcs, f->maxPcs, 100.0 * qcAccuracy_MissedShare(table, f->best),
                100.0 * qcAccuracy_MissedShare(table, f->worst));
     else if (f->ran == 1 && qcAccuracy_IsSampled(f->rows[0].setting.method))
         PrintRow(f, f->quickest);
@@ -147,7 +147,7 @@ static void PrintVerdict(const qcAccuracyTable* table)
     for (uint32_t i = 0; standard != NULL && i < table->rowCount; ++i)
     {
         const qcAccuracyRow* row = &table->rows[i];
-        // Without a query the sweep alone has answered: `reliable` where there is one body.
+        // Without visibility queries only the sweep ran: `reliable` with a single body.
         if (!qcAccuracy_IsSampled(row->setting.method) || row->skipped[0] != 0 || row->queries == 0)
             continue;
         ++sampled;

@@ -1,4 +1,4 @@
-// qc-bench broadphase: qcBroadphase inside Bullet, beside Bullet's own.
+// qc-bench broadphase: qcBroadphase inside Bullet, beside Bullet's own broadphases.
 #include "bench/broadphase/broadphase.h"
 
 #include "common/files.h"
@@ -26,7 +26,7 @@ typedef struct Options
 } Options;
 
 static const char s_help[] =
-    "Boxes with edges of 1 to 2 that go 0.1 a frame, in a cube so dense that each meets about four others, in "
+    "Boxes with edges of 1 to 2 that go 0.1 a frame, in a cube so dense that each overlaps about four others, in "
     "qcBroadphase, btDbvtBroadphase (as it is, and with m_deferedcollide), bt32BitAxisSweep3 (up to 10000 boxes) and "
     "btSimpleBroadphase (up to 500), each with its pair cache. A frame is setAabb, for the boxes that move or for "
     "all, "
@@ -46,8 +46,8 @@ static void PrintRows(const qcBroadphaseResult* result)
     for (uint32_t i = 0; i < result->count; i++)
     {
         const qcBroadphaseRow* row = &result->rows[i];
-        printf("%-26s %10.4f %10.4f %10.4f %10.4f %10.4f %10.2f %7.2f %8zu\n", row->name, row->frameMs, row->leastMs,
-               row->worstMs, row->setMs, row->findMs, row->createMs, row->frameMs / result->rows[0].frameMs, row->held);
+        printf("%-26s %10.4f %10.4f %10.4f %10.4f %10.4f %10.2f %7.2f %8zu\n", row->name, row->frameMs, row->minMs,
+               row->maxMs, row->setMs, row->findMs, row->createMs, row->frameMs / result->rows[0].frameMs, row->held);
     }
     fflush(stdout);
 }
@@ -59,12 +59,12 @@ static void WriteRows(FILE* stream, const qcBroadphaseScene* scene, const qcBroa
         const qcBroadphaseRow* row = &result->rows[i];
         fprintf(stream, "%u,%u,%s,", scene->boxes, scene->percent, scene->setsAll ? "all" : "movers");
         qcFiles_WriteQuoted(stream, row->name);
-        fprintf(stream, ",%u,%.6f,%.6f,%.6f,%.6f,%.6f,%.6f,%zu,%zu,%zu\n", result->frames, row->frameMs, row->leastMs,
-                row->worstMs, row->setMs, row->findMs, row->createMs, row->held, row->overlapping, result->expected);
+        fprintf(stream, ",%u,%.6f,%.6f,%.6f,%.6f,%.6f,%.6f,%zu,%zu,%zu\n", result->frames, row->frameMs, row->minMs,
+                row->maxMs, row->setMs, row->findMs, row->createMs, row->held, row->overlapping, result->expected);
     }
 }
 
-/// Ours holds the pairs that overlap and no other. What others miss is said, and is theirs.
+/// qcBroadphase must hold exactly the pairs that overlap. Pairs that others miss are printed only.
 static bool IsRight(const qcBroadphaseResult* result)
 {
     for (uint32_t i = 0; i < result->count; i++)
@@ -80,7 +80,7 @@ static bool MeasureAll(const Options* options, FILE* stream)
     qcBroadphaseScene scene = {.frames = options->frames};
     for (uint32_t i = 0; i < options->boxes.count; i++)
         for (uint32_t j = 0; j < options->percents.count; j++)
-            // Where all move, both ways are one.
+            // If all boxes move, both variants are the same.
             for (int all = options->percents.values[j] == 100; all <= 1; all++)
             {
                 qcBroadphaseResult result;
@@ -119,11 +119,11 @@ static bool Run(const Options* options, qcMessage* message)
 
 qcExitStatus qcBench_RunBroadphase(int argumentCount, char** arguments)
 {
-    Options options = {.frames = 100, .out = "out/bench"};
+    Options options = {{{1000, 10000, 50000}, 3}, {{0, 1, 10, 100}, 4}, 100, "out/bench"};
     const qcOption rows[] = {
-        {1, "boxes", "LIST", "Numbers of boxes; 1000,10000,50000 by default",
+        {1, "boxes", "LIST", "Numbers of boxes; %s by default",
          qcOption_Numbers(options.boxes.values, &options.boxes.count, qc_maxListed, 2, 1000000, false)},
-        {1, "moving", "LIST", "Percentages of them that move; 0,1,10,100 by default",
+        {1, "moving", "LIST", "Percentages of them that move; %s by default",
          qcOption_Numbers(options.percents.values, &options.percents.count, qc_maxListed, 0, 100, false)},
         {1, "frames", "N", "Frames of each scene at most; %s by default", qcOption_Number(&options.frames, 1, 100000)},
         {2, "out", "FOLDER", "Where broadphase.csv goes; %s by default, made if it is missing",
@@ -131,10 +131,6 @@ qcExitStatus qcBench_RunBroadphase(int argumentCount, char** arguments)
         {0}};
     qcCommandLine line = {.options = rows, .help = s_help};
     qcCommandLine_Parse(&line, argumentCount, arguments);
-    if (options.boxes.count == 0)
-        options.boxes = (List){{1000, 10000, 50000}, 3};
-    if (options.percents.count == 0)
-        options.percents = (List){{0, 1, 10, 100}, 4};
     qcMessage message;
     if (Run(&options, &message))
         return qc_exitDone;

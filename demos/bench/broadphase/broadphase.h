@@ -15,7 +15,7 @@ enum
     qc_maxBroadphases = 5
 };
 
-/// What is measured together.
+/// Broadphases that are measured in turns, on one scene.
 typedef struct qcBroadphaseScene
 {
     uint32_t boxes, percent; ///< so many boxes, of which this part moves
@@ -23,15 +23,15 @@ typedef struct qcBroadphaseScene
     uint32_t frames;         ///< at most
 } qcBroadphaseScene;
 
-/// One broadphase in a scene. Times are milliseconds; medians, where nothing else is said.
+/// One broadphase in a scene. Times are milliseconds, and medians unless named otherwise.
 typedef struct qcBroadphaseRow
 {
     const char* name;
-    double createMs;                  ///< all proxies, once
-    double setMs, findMs;             ///< setAabb; calculateOverlappingPairs
-    double frameMs, leastMs, worstMs; ///< both together
-    size_t held;                      ///< pairs in the cache after the last frame
-    size_t overlapping;               ///< those of them whose boxes overlap
+    double createMs;              ///< all proxies, once
+    double setMs, findMs;         ///< setAabb; calculateOverlappingPairs
+    double frameMs, minMs, maxMs; ///< both together
+    size_t held;                  ///< pairs in the cache after the last frame
+    size_t overlapping;           ///< those of them whose boxes overlap
 } qcBroadphaseRow;
 
 typedef struct qcBroadphaseResult

@@ -1,5 +1,5 @@
-// Broadphases over the same moving boxes. They take turns frame by frame, so that what disturbs the machine disturbs
-// all, and each finds the caches as another has left them, as it does beside the rest of a simulation.
+// Broadphases over the same moving boxes. They take turns frame by frame: disturbances of the machine affect all alike,
+// and each starts with caches that another has filled, like in a simulation.
 #include "bench/broadphase/broadphase.h"
 
 #include "common/stopwatch.h"
@@ -23,13 +23,13 @@
 namespace
 {
 constexpr uint32_t c_warmFrames = 10, c_leastFrames = 10;
-// Enough of one scene.
+// The time limit of one scene.
 constexpr double c_enoughMs = 10000.0;
 // Creating 50 000 proxies takes bt32BitAxisSweep3 half a minute. A frame of 1000 takes btSimpleBroadphase 11 ms, and
-// all others then find nothing of theirs in the caches.
+// all others then start with cold caches.
 constexpr uint32_t c_mostForSweep = 10000, c_mostForSimple = 500;
 
-/// Boxes with edges of 1 to 2 that go 0.1 a frame, in a cube so dense that each meets about four others.
+/// Boxes with edges of 1 to 2 that go 0.1 a frame, in a cube so dense that each overlaps about four others.
 class Boxes
 {
   public:
@@ -152,8 +152,8 @@ class Contestant
         row.setMs = Median(m_setMs);
         row.findMs = Median(m_findMs);
         row.frameMs = Median(m_frameMs);
-        row.leastMs = *std::min_element(m_frameMs.begin(), m_frameMs.end());
-        row.worstMs = *std::max_element(m_frameMs.begin(), m_frameMs.end());
+        row.minMs = *std::min_element(m_frameMs.begin(), m_frameMs.end());
+        row.maxMs = *std::max_element(m_frameMs.begin(), m_frameMs.end());
         const btBroadphasePairArray& pairs = m_broadphase->getOverlappingPairCache()->getOverlappingPairArray();
         row.held = size_t(pairs.size());
         for (int i = 0; i < pairs.size(); i++)
@@ -187,7 +187,7 @@ Contestants Invite(const Boxes& boxes)
     uint32_t count = uint32_t(boxes.lower.size());
     invite("qcBroadphase", new qcBroadphase);
     invite("btDbvtBroadphase", new btDbvtBroadphase);
-    // Pairs are sought once a frame for all that moved, not in each setAabb.
+    // Pairs are found once a frame for all moved boxes, not in each setAabb.
     btDbvtBroadphase* deferred = new btDbvtBroadphase;
     deferred->m_deferedcollide = true;
     invite("btDbvtBroadphase deferred", deferred);

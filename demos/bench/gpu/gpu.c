@@ -13,7 +13,7 @@ static qcExitStatus MeasureScene(const qcGpuOptions* options, const qcGpuDevice*
         if (!qcGpu_Measure(options, device, scene, size, &table->rows[table->rowCount], message))
             return qc_exitFailed;
         ++table->rowCount;
-        // What a long run has is kept if it ends early.
+        // Rows of a long run stay if it ends early.
         if (!qcGpu_WriteFiles(options, device, table, message))
             return qc_exitFailed;
     }
@@ -22,7 +22,7 @@ static qcExitStatus MeasureScene(const qcGpuOptions* options, const qcGpuDevice*
     return qc_exitDone;
 }
 
-/// `layers` must have answered, and as `sweep` does. The worse is reported.
+/// `layers` must have run and found the pairs of `sweep`. The more serious failure is reported.
 static qcExitStatus CheckRows(const qcGpuTable* table, qcMessage* message)
 {
     qcExitStatus ending = qc_exitDone;

@@ -43,7 +43,7 @@ bool qcGpuScene_Make(int scene, uint32_t size, qcAnimation* animation, qcMessage
 
 //  ---- rows ----------------------------------------------------------------------------------------
 
-/// What draws, and how long it took to begin with.
+/// The device, and the time that opening it and its first step took.
 typedef struct qcGpuDevice
 {
     qcDevice* device;
@@ -58,8 +58,8 @@ typedef struct qcGpuRun
 {
     qcMethod method;
     uint32_t threads;
-    uint32_t steps;     ///< timed
-    double ms, leastMs; ///< positions in, pairs out: median and least
+    uint32_t steps;   ///< timed
+    double ms, minMs; ///< positions in, pairs out: median and least
     double firstMs;
     uint64_t candidates, pairs;    ///< in the first frame
     uint64_t hashes[qc_gpuFrames]; ///< of the list of pairs in each frame

@@ -15,7 +15,7 @@ enum
     qc_maxSteps = 64
 };
 
-// Enough of one size.
+// The time limit of one size.
 static const double s_enoughMs = 600.0;
 
 /// Times of each part over the steps that were measured with timers.
@@ -133,7 +133,7 @@ static bool MeasureStages(Bench* bench, qcGpuRun* run, qcGpuRow* row)
 
 //  ---- rows ----------------------------------------------------------------------------------------
 
-/// Each frame once, then steps whose time counts.
+/// Each frame once, then timed steps.
 static bool Time(Bench* bench, qcGpuRun* run)
 {
     double times[qc_maxSteps], spent = 0.0;
@@ -150,7 +150,7 @@ static bool Time(Bench* bench, qcGpuRun* run)
         spent += bench->ms;
     }
     run->ms = qcStopwatch_Median(times, run->steps);
-    run->leastMs = times[0];
+    run->minMs = times[0];
     return ran;
 }
 
@@ -220,7 +220,7 @@ static void ReadProcessor(char* name, size_t size)
         fclose(stream);
 }
 
-/// A step of the smallest cloth: a device that can't do it does none.
+/// A step of the smallest cloth, to find out whether the device works.
 static bool Try(const qcGpuOptions* options, qcGpuDevice* device, qcMessage* message)
 {
     qcAnimation animation;

@@ -1,4 +1,4 @@
-// What was measured on the device: tables for a reader, and two CSV.
+// The results of the device: tables for a reader, and two CSVs.
 #include "bench/gpu/gpu.h"
 
 #include "common/files.h"
@@ -128,7 +128,7 @@ static void WriteRow(FILE* stream, const qcGpuDevice* device, const qcGpuRow* ro
         bool isLayers = run->method == qc_methodLayers;
         fprintf(stream, "%s,%" PRIu32 ",%" PRIu32 ",%s,%" PRIu32 ",%" PRIu32 ",%.4f,%.4f,%.4f,%" PRIu64 ",%" PRIu64,
                 qcGpuScene_Name(row->scene), row->bodies, row->triangles, qcMethod_Name(run->method), run->threads,
-                run->steps, run->ms, run->leastMs, run->firstMs, run->candidates, run->pairs);
+                run->steps, run->ms, run->minMs, run->firstMs, run->candidates, run->pairs);
         for (int frame = 0; frame < qc_gpuFrames; ++frame)
             fprintf(stream, "%s%016" PRIx64, frame == 0 ? "," : "-", run->hashes[frame]);
         fprintf(stream, ",%d,%" PRIu64 ",%" PRIu64 ",%" PRIu64 ",", qcGpuRow_Agrees(row), isLayers ? row->entries : 0,

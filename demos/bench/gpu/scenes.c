@@ -1,5 +1,5 @@
 // The scenes of `qc-bench gpu`: cloths with themselves and with each other from 1 K to 1 M triangles, and shapes that
-// are hard to tell apart.
+// lie close to each other.
 #include "bench/gpu/gpu.h"
 
 #include "bench/scenes/piles.h"

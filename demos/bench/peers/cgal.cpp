@@ -1,5 +1,5 @@
-// CGAL's box_self_intersection_d and box_intersection_d over the boxes of the triangles; nothing lasts from step to
-// step. Between two bodies only the triangles in reach of the other body's box take part.
+// CGAL's box_self_intersection_d and box_intersection_d over the boxes of the triangles; nothing is kept from step to
+// step. Between two bodies only triangles whose boxes overlap the other body's box are tested.
 #include "bench/peers/common.h"
 
 #include <CGAL/box_intersection_d.h>

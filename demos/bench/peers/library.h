@@ -60,7 +60,8 @@ typedef struct qcPeerLibrary
     const char* name; ///< "Embree 3.13.5"
     const qcPeerMethod* methods;
     uint32_t methodCount;
-    /// Builds what lasts from step to step, for the bodies where they are now. Null: it failed. The task outlives it.
+    /// Builds the structures that are kept from step to step, for the current positions. Null: it failed. The task
+    /// outlives it.
     void* (*open)(const qcPeerTask* task, uint32_t method, const qcPeerPose* poses);
     /// New positions in (a pose a body, valid until the next step), pairs out. False: it failed.
     bool (*step)(void* state, const qcPeerPose* poses, qcPeerAnswer* answer);

@@ -16,7 +16,7 @@ enum
     qc_leastTimed = 2
 };
 
-// Enough of one turn.
+// The time limit of one turn.
 static const double s_enoughMs = 400.0;
 
 /// A method that is being measured.
@@ -135,7 +135,7 @@ static void Close(Runner* runner)
     qcAnimatedScene_Close(&runner->ours);
 }
 
-/// Each pair's number, whichever of its triangles comes first.
+/// A hash of the pair, the same in either order of its triangles.
 static uint64_t HashPair(uint32_t bodyA, uint32_t triangleA, uint32_t bodyB, uint32_t triangleB)
 {
     uint64_t a = (uint64_t)bodyA << 32 | triangleA, b = (uint64_t)bodyB << 32 | triangleB;
@@ -202,7 +202,7 @@ static double Step(Race* race, Runner* runner)
 
 //  ---- turns ---------------------------------------------------------------------------------------
 
-/// A turn before the clock counts: structures are made, buffers grow, our surfaces are laid together.
+/// A turn that is not timed: structures are built, and buffers grow.
 static void WarmUp(Race* race, Runner* runner)
 {
     Open(race, runner);
@@ -227,7 +227,7 @@ static void TakeTurn(Race* race, Runner* runner)
     }
 }
 
-/// What a method saw is compared in the frames that our sweep saw too.
+/// A method is compared with our sweep in the frames in which both ran.
 static void Compare(const qcPeerRow* ours, qcPeerRow* row)
 {
     row->pairs = row->seen[0].pairs;
@@ -247,7 +247,7 @@ static void Finish(Race* race)
         Runner* runner = &race->runners[i];
         qcPeerRow* row = runner->row;
         row->ms = qcStopwatch_Median(runner->times, row->steps);
-        row->leastMs = runner->times[0];
+        row->minMs = runner->times[0];
         Compare(race->runners[0].row, row);
     }
 }
@@ -301,7 +301,7 @@ bool qcPeers_Measure(const qcPeersOptions* options, const qcAnimation* animation
     return prepared;
 }
 
-//  ---- what the rows say ---------------------------------------------------------------------------
+//  ---- rows ----------------------------------------------------------------------------------------
 
 const qcPeerRow* qcPeersTable_FindOurs(const qcPeersTable* table, uint32_t threads)
 {

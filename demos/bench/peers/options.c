@@ -3,17 +3,6 @@
 
 #include "common/options.h"
 
-/// Without a list of threads: 1 and 2.
-static void Complete(const struct argp_state* state, void* context)
-{
-    (void)state;
-    qcPeersOptions* options = context;
-    if (options->threadsCount != 0)
-        return;
-    options->threads[options->threadsCount++] = 1;
-    options->threads[options->threadsCount++] = 2;
-}
-
 static const char s_help[] =
     "Our sweep beside other libraries: Embree's rtcCollide, Bullet's btDbvt, CGAL's box_intersection_d, as far as they "
     "were installed when this was built. All get the same meshes in the same run, and a triangle test that is as exact "
@@ -25,8 +14,13 @@ static const char s_help[] =
 
 void qcPeers_ReadOptions(int argumentCount, char** arguments, qcPeersOptions* options)
 {
-    *options = (qcPeersOptions){
-        .frames = 8, .rounds = 3, .device = qc_deviceNone, .models = {.bunny = QC_BUNNY_PATH}, .out = "out/bench"};
+    *options = (qcPeersOptions){.threads = {1, 2},
+                                .threadsCount = 2,
+                                .frames = 8,
+                                .rounds = 3,
+                                .device = qc_deviceNone,
+                                .models = {.bunny = QC_BUNNY_PATH},
+                                .out = "out/bench"};
     qcWord scenes[qc_peerSceneCount + 2] = {{"all", -1}}, peers[qc_peerLibraryCount + 1] = {{NULL, 0}};
     for (int i = 0; i < qc_peerSceneCount; ++i)
         scenes[i + 1] = (qcWord){qcPeerScene_Name(i), i};
@@ -42,7 +36,7 @@ void qcPeers_ReadOptions(int argumentCount, char** arguments, qcPeersOptions* op
          qcOption_Marks(options->scenes, qc_peerSceneCount, scenes)},
         {1, "peers", "LIST", "Of embree, bullet, cgal", qcOption_Marks(options->libraries, qc_peerLibraryCount, peers)},
         {.group = 2, .help = "How it is measured:"},
-        {2, "threads", "LIST", "Numbers of threads; 1,2 by default",
+        {2, "threads", "LIST", "Numbers of threads; %s by default",
          qcOption_Numbers(options->threads, &options->threadsCount, qc_maxPeerThreads, 1, 1024, true)},
         // In a closed motion of two frames the second would be the way back.
         {2, "frames", "N", "Frames of the motion, 3 to 32; %s by default",
@@ -60,6 +54,6 @@ void qcPeers_ReadOptions(int argumentCount, char** arguments, qcPeersOptions* op
         {3, "out", "FOLDER", "Where peers.csv, peers.gp and the picture go; %s by default, made if it is missing",
          qcOption_Folder(&options->out)},
         {0}};
-    qcCommandLine line = {.options = rows, .help = s_help, .complete = Complete, .context = options};
+    qcCommandLine line = {.options = rows, .help = s_help};
     qcCommandLine_Parse(&line, argumentCount, arguments);
 }

@@ -122,12 +122,12 @@ static qcExitStatus MeasureWork(Run* run, int index, qcMessage* message)
     if (!measured)
         return qc_exitFailed;
     qcPeers_PrintTable(table);
-    // A long run is read while it goes on, and what it has is kept if it ends early.
+    // Rows of a long run can be read while it goes on, and stay if it ends early.
     fflush(stdout);
     return qcPeers_WriteCsv(options, run->tables, run->tableCount, message) ? qc_exitDone : qc_exitFailed;
 }
 
-/// All tests are exact: whoever finds other pairs than ours is wrong, or we are.
+/// All tests are exact: if a method finds other pairs than ours, one of both is wrong.
 static qcExitStatus CheckPairs(const Run* run, qcMessage* message)
 {
     for (uint32_t t = 0; t < run->tableCount; ++t)

@@ -54,7 +54,7 @@ const char* qcPeerModule_Packages(int library);
 /// False with a message: it is there and does not load.
 bool qcPeerModule_Load(int library, const qcPeerLibrary** loaded, qcMessage* message);
 
-/// A method of ours or of a peer.
+/// A method of this library or of a peer.
 typedef struct qcPeerEntrant
 {
     const char* name;
@@ -80,8 +80,8 @@ typedef struct qcPeerRow
     char skipped[256]; ///< why it did not run; empty: it did
     double openMs;     ///< structures for bodies at rest, and their copies
     double firstMs, secondMs;
-    uint32_t steps;     ///< timed
-    double ms, leastMs; ///< positions in, pairs out: median and least
+    uint32_t steps;   ///< timed
+    double ms, minMs; ///< positions in, pairs out: median and least
     qcPeerSeen seen[qc_maxPeerFrames];
     uint64_t pairs; ///< in the first frame
     bool agrees;    ///< with our sweep, in every frame that both saw
@@ -106,8 +106,8 @@ bool qcPeers_Measure(const qcPeersOptions* options, const qcAnimation* animation
 const qcPeerRow* qcPeersTable_FindOurs(const qcPeersTable* table, uint32_t threads);
 /// The quickest row of Embree with this number of threads; null: none ran.
 const qcPeerRow* qcPeersTable_FindEmbree(const qcPeersTable* table, uint32_t threads);
-/// Seconds for 100 K triangles that a step of ours, which took `ms`, took longer than later ones. In the first or in
-/// the second the topology is laid together.
+/// Preprocessing in seconds for 100 K triangles: the time by which this step of ours, which took `ms`, exceeds later
+/// ones. The BVH is built in the first or the second step.
 double qcPeersTable_Preprocessing(const qcPeersTable* table, const qcPeerRow* ours, double ms);
 
 //  ---- reports -------------------------------------------------------------------------------------

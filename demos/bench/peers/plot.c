@@ -7,7 +7,7 @@
 #include <inttypes.h>
 #include <string.h>
 
-/// A color for each method, by its name: ours stand out, one library's are kin.
+/// A color for each method, by its name; the methods of one library have similar colors.
 static const char* ColorOf(const char* name)
 {
     static const char* const colors[][2] = {{"sweep", "#d7191c"},         {"layers", "#1b9e77"},

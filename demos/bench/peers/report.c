@@ -1,4 +1,4 @@
-// What was measured beside the peers, as CSV with a row a method and number of threads, and in short for a reader.
+// The results beside the peers: a CSV with a row a method and number of threads, and a summary for a reader.
 #include "bench/peers/peers.h"
 
 #include "common/files.h"
@@ -25,7 +25,7 @@ static void WriteRow(FILE* stream, const qcPeersTable* table, const qcPeerRow* r
             table->bodyCount, table->triangleCount, row->threads, row->entrant.name);
     qcFiles_WriteQuoted(stream, LibraryOf(row));
     if (row->skipped[0] == 0)
-        fprintf(stream, ",%" PRIu32 ",%.4f,%.4f,%.4f,%.4f,%.4f,%.4f,%" PRIu64 ",%d,", row->steps, row->ms, row->leastMs,
+        fprintf(stream, ",%" PRIu32 ",%.4f,%.4f,%.4f,%.4f,%.4f,%.4f,%" PRIu64 ",%d,", row->steps, row->ms, row->minMs,
                 Ratio(row->ms, qcPeersTable_FindOurs(table, row->threads)->ms), row->openMs, row->firstMs,
                 row->secondMs, row->pairs, row->agrees);
     else
@@ -62,10 +62,10 @@ static void PrintRow(const qcPeersTable* table, const qcPeerRow* row)
         return;
     }
     printf("  %-16s %7" PRIu32 " %10.3f %10.3f %9.2f %9" PRIu64 "%s\n", row->entrant.name, row->threads, row->ms,
-           row->leastMs, Ratio(row->ms, ours->ms), row->pairs, row->agrees ? "" : "  other pairs than ours");
+           row->minMs, Ratio(row->ms, ours->ms), row->pairs, row->agrees ? "" : "  other pairs than ours");
 }
 
-/// What a number of threads comes to.
+/// The summary of a number of threads.
 static void PrintVerdict(const qcPeersTable* table, const qcPeerRow* ours)
 {
     const qcPeerRow *embree = qcPeersTable_FindEmbree(table, ours->threads), *one = qcPeersTable_FindOurs(table, 1);

@@ -1,5 +1,5 @@
-// The triangle test that all peers are given: in double, with a bound on its error, and our exact test where the bound
-// does not decide. So every method must find the very same pairs.
+// The triangle test of all peers: in double, with a bound on its error, and the library's exact test where the bound
+// does not decide. So every method must find the same pairs.
 // Guigue, Devillers: Fast and robust triangle-triangle overlap test using orientation predicates, JGT 2003.
 //
 // The bound: coordinates are differences of doubles, at most e and f in size. Each is off by a rounding, each product
@@ -49,7 +49,7 @@ static inline void qcPeerTriangle_Subtract(const double a[3], const double b[3],
         out[i] = a[i] - b[i];
 }
 
-/// On which sides of the plane of a triangle do `count` points lie? -1, 1, or 0: too near to say.
+/// On which sides of the plane of a triangle do `count` points lie? -1, 1, or 0: too near to decide.
 static inline void qcPeerTriangle_Sides(const double* a, const double* b, const double* c, const double* const* points,
                                         int count, int* sides)
 {

@@ -18,7 +18,7 @@ enum
     qc_warmSteps = 3
 };
 
-// Enough of one row.
+// The time limit of one row.
 static const double s_enoughMs = 300.0;
 
 static const uint32_t s_sizes[qc_scalingBoxSizes] = {100,   200,   500,   1000,   2000,  5000,
@@ -49,8 +49,8 @@ typedef struct World
     size_t pairCount;
 } World;
 
-/// Edges of 1 to 2, so dense that each meets four others: two boxes overlap if their middles are nearer than half the
-/// sum of their edges, 1.5 in the mean, along each axis.
+/// Edges of 1 to 2, so dense that each overlaps four others: two boxes overlap if their middles are nearer than half
+/// the sum of their edges, 1.5 in the mean, along each axis.
 static void Scatter(World* world)
 {
     uint64_t seed = world->count;
@@ -94,7 +94,7 @@ static qcStatus Fill(World* world)
     return status;
 }
 
-/// Where the boxes are is known before the clock starts: a simulation's part.
+/// The boxes are moved before the clock starts: in a simulation that is not the broadphase's work.
 static qcStatus Step(World* world, uint32_t moving, double* ms)
 {
     for (uint32_t i = 0; i < moving; ++i)
@@ -121,7 +121,7 @@ static qcStatus Time(World* world, qcScalingBoxRow* row)
         spent += times[row->steps++];
     }
     row->ms = qcStopwatch_Median(times, row->steps);
-    row->leastMs = times[0];
+    row->minMs = times[0];
     return status;
 }
 

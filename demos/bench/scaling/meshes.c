@@ -19,7 +19,7 @@ enum
     qc_mostSteps = 64
 };
 
-// Enough of one size.
+// The time limit of one size.
 static const double s_enoughMs = 600.0;
 
 static const uint32_t s_sizes[qc_scalingMeshSizes] = {1000,   2000,   4000,   8000,    20000,   40000,  80000,
@@ -131,7 +131,7 @@ static void Keep(const qcProfile* profile, double ms, double verticesMs, uint32_
 static qcStatus Time(Bench* bench, Times* times, qcScalingMeshRow* row)
 {
     double ms, verticesMs, spent = 0.0;
-    // The topology is laid together in the second step; in the third buffers may grow a last time.
+    // The BVH is built in the second step; in the third buffers may grow a last time.
     qcStatus status = Step(bench, row->threads, &row->firstMs, &verticesMs);
     if (status == qc_statusOk)
         status = Step(bench, row->threads, &row->secondMs, &verticesMs);
@@ -159,7 +159,7 @@ static bool MeasureRow(const Cloth* cloth, Times* times, qcScalingMeshRow* row, 
     if (status == qc_statusOk)
     {
         row->ms = qcStopwatch_Median(times->total, row->steps);
-        row->leastMs = times->total[0];
+        row->minMs = times->total[0];
         for (int i = 0; i < qc_scalingStageCount; ++i)
             row->stages[i] = qcStopwatch_Median(times->stages[i], row->steps);
         row->bytes = (double)(qcGetByteCount() - before) / row->triangles;

@@ -61,7 +61,7 @@ static void PrintMeshes(const qcScalingOptions* options, const qcScalingTable* t
     for (uint32_t i = 0; i < table->meshCount; ++i)
     {
         const qcScalingMeshRow* row = &table->meshes[i];
-        printf("%9" PRIu32 " %7" PRIu32 " %10.3f %10.3f %9.1f", row->triangles, row->threads, row->ms, row->leastMs,
+        printf("%9" PRIu32 " %7" PRIu32 " %10.3f %10.3f %9.1f", row->triangles, row->threads, row->ms, row->minMs,
                row->bytes);
         for (int k = 0; k < qc_scalingStageCount; ++k)
             printf(" %9.3f", row->stages[k]);
@@ -83,7 +83,7 @@ static void PrintBoxes(const qcScalingTable* table)
     {
         const qcScalingBoxRow* row = &table->boxes[i];
         printf("%9" PRIu32 " %5" PRIu32 " %% %10.4f %10.4f %9.1f %10.3f %8" PRIu64 "\n", row->boxes, row->percent,
-               row->ms, row->leastMs, row->bytes, row->addMs, row->pairs);
+               row->ms, row->minMs, row->bytes, row->addMs, row->pairs);
     }
 }
 
@@ -107,7 +107,7 @@ static void WriteMeshes(FILE* stream, const qcScalingTable* table)
     {
         const qcScalingMeshRow* row = &table->meshes[i];
         fprintf(stream, "%" PRIu32 ",%" PRIu32 ",%" PRIu32 ",%.4f,%.4f,%.4f,%.4f,%.2f", row->triangles, row->threads,
-                row->steps, row->ms, row->leastMs, row->firstMs, row->secondMs, row->bytes);
+                row->steps, row->ms, row->minMs, row->firstMs, row->secondMs, row->bytes);
         for (int k = 0; k < qc_scalingStageCount; ++k)
             fprintf(stream, ",%.4f", row->stages[k]);
         fprintf(stream, ",%" PRIu64 ",%" PRIu64 "\n", row->candidates, row->pairs);
@@ -121,7 +121,7 @@ static void WriteBoxes(FILE* stream, const qcScalingTable* table)
     {
         const qcScalingBoxRow* row = &table->boxes[i];
         fprintf(stream, "%" PRIu32 ",%" PRIu32 ",%" PRIu32 ",%" PRIu32 ",%.5f,%.5f,%.4f,%.2f,%" PRIu64 "\n", row->boxes,
-                row->percent, row->moving, row->steps, row->ms, row->leastMs, row->addMs, row->bytes, row->pairs);
+                row->percent, row->moving, row->steps, row->ms, row->minMs, row->addMs, row->bytes, row->pairs);
     }
 }
 

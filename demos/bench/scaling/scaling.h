@@ -30,7 +30,7 @@ void qcScaling_ReadOptions(int argumentCount, char** arguments, qcScalingOptions
 
 //  ---- meshes --------------------------------------------------------------------------------------
 
-/// Where a step's time goes, in the order of the line of data.
+/// The stages of a step, in their order.
 typedef enum qcScalingStage
 {
     qc_stageVertices, ///< new vertices in
@@ -48,8 +48,8 @@ const char* qcScalingStage_Name(qcScalingStage stage);
 typedef struct qcScalingMeshRow
 {
     uint32_t triangles, threads;
-    uint32_t steps;     ///< timed
-    double ms, leastMs; ///< new vertices in, pairs out: median and least
+    uint32_t steps;   ///< timed
+    double ms, minMs; ///< new vertices in, pairs out: median and least
     double firstMs, secondMs;
     double stages[qc_scalingStageCount]; ///< medians
     double bytes;                        ///< of the library, for a triangle
@@ -67,11 +67,11 @@ bool qcScaling_MeasureMesh(const qcScalingOptions* options, uint32_t size, qcSca
 typedef struct qcScalingBoxRow
 {
     uint32_t boxes, percent, moving;
-    uint32_t steps;     ///< timed
-    double ms, leastMs; ///< moves in, pairs out: median and least
-    double addMs;       ///< all boxes, and the pairs among them
-    double bytes;       ///< of the library, for a box
-    uint64_t pairs;     ///< of boxes that moved, in the last step
+    uint32_t steps;   ///< timed
+    double ms, minMs; ///< moves in, pairs out: median and least
+    double addMs;     ///< all boxes, and the pairs among them
+    double bytes;     ///< of the library, for a box
+    uint64_t pairs;   ///< of boxes that moved, in the last step
 } qcScalingBoxRow;
 
 uint32_t qcScaling_CountBoxSizes(const qcScalingOptions* options);

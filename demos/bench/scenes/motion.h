@@ -1,4 +1,4 @@
-// Motion for the benchmarks: smooth, the same bits each time, and closed, so that its last frame leads to its first.
+// Motion for the benchmarks: smooth, deterministic to the bit, and closed: its last frame leads to its first.
 #ifndef QC_DEMOS_BENCH_SCENES_MOTION_H
 #define QC_DEMOS_BENCH_SCENES_MOTION_H
 

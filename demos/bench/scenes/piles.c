@@ -1,4 +1,4 @@
-// Copies of a model, heaped up so that each meets those beside it.
+// Copies of a model, piled up so that each overlaps its neighbours.
 // Uniform rotations: Shoemake: Uniform random rotations, Graphics Gems III, 1992.
 #include "bench/scenes/piles.h"
 
@@ -11,7 +11,7 @@
 
 static const double s_pi = 3.14159265358979323846;
 
-// Bodies of extent 1: at less than 1 they reach into each other.
+// Bodies of extent 1: at a spacing below 1 they overlap.
 static const double s_spacing = 0.8;
 
 bool qcBenchPile_Copy(const qcMesh* model, qcMesh* copy)

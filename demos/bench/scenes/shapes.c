@@ -124,7 +124,7 @@ static double SumWaves(const Wrinkles* wrinkles, int axis, double u, double v)
     return sum;
 }
 
-/// Turns by angles that no view and no axis of a box is parallel to.
+/// Rotates by generic angles: no face is parallel to a view or to an axis.
 static void Turn(double p[3])
 {
     static const double angles[3] = {0.5, 0.3, 0.8};

@@ -10,6 +10,29 @@
 #include <BulletSoftBody/btSoftRigidDynamicsWorld.h>
 
 #include <memory>
+#include <vector>
+
+/// A torus around the z axis: three numbers a point, three indices a triangle.
+struct qcTorus
+{
+    std::vector<btScalar> points;
+    std::vector<int> indices;
+
+    /// `radius`: of the circle of the tube's centres; `tube`: of the tube; `around`, `across`: points along both
+    /// circles.
+    qcTorus(btScalar radius, btScalar tube, int around, int across)
+    {
+        for (int i = 0; i < around; i++)
+            for (int j = 0; j < across; j++)
+            {
+                btScalar a = SIMD_2_PI * btScalar(i) / btScalar(around), b = SIMD_2_PI * btScalar(j) / btScalar(across);
+                btScalar far = radius + tube * btCos(b);
+                points.insert(points.end(), {far * btCos(a), far * btSin(a), tube * btSin(b)});
+                int here = i * across, right = (i + 1) % around * across, up = (j + 1) % across;
+                indices.insert(indices.end(), {here + j, right + j, right + up, here + j, right + up, here + up});
+            }
+    }
+};
 
 /// Members are in the order in which Bullet requires them to be made; they are destroyed in the opposite order, after
 /// those of the scene that derives from this one.

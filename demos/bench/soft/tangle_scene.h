@@ -199,20 +199,9 @@ class qcRingsScene : public qcSoftScene
   private:
     void AddRing(const btVector3& center, bool turned)
     {
-        const int around = 32, across = 12;
-        std::vector<btScalar> points;
-        std::vector<int> indices;
-        for (int i = 0; i < around; i++)
-            for (int j = 0; j < across; j++)
-            {
-                btScalar a = SIMD_2_PI * btScalar(i) / around, b = SIMD_2_PI * btScalar(j) / across;
-                btScalar far = 1 + btScalar(0.5) * btCos(b), height = btScalar(0.5) * btSin(b);
-                points.insert(points.end(), {far * btCos(a), far * btSin(a), height});
-                int right = (i + 1) % around * across, up = (j + 1) % across, here = i * across;
-                indices.insert(indices.end(), {here + j, right + j, right + up, here + j, right + up, here + up});
-            }
-        btSoftBody* ring = btSoftBodyHelpers::CreateFromTriMesh(world->getWorldInfo(), points.data(), indices.data(),
-                                                                int(indices.size() / 3));
+        qcTorus torus(1, btScalar(0.5), 32, 12);
+        btSoftBody* ring = btSoftBodyHelpers::CreateFromTriMesh(world->getWorldInfo(), torus.points.data(),
+                                                                torus.indices.data(), int(torus.indices.size() / 3));
         ring->generateBendingConstraints(2);
         ring->m_cfg.piterations = 2;
         ring->m_cfg.collisions |= btSoftBody::fCollision::VF_SS;

@@ -1,4 +1,4 @@
-// Pictures of the demos of Bullet: what all of them show, and the way into a PNG file.
+// Pictures of the demos of Bullet: shared meshes, drawing, and writing PNG files.
 #ifndef QC_DEMOS_COMMON_BULLET_DEMO_PICTURE_H
 #define QC_DEMOS_COMMON_BULLET_DEMO_PICTURE_H
 

@@ -1,4 +1,4 @@
-// Where the time of a step of Bullet goes: what Bullet does itself, and what our glue does in its stead.
+// The time of a step of Bullet by stage: Bullet's own stages, and those of this library.
 #ifndef QC_DEMOS_COMMON_BULLET_STEP_COSTS_H
 #define QC_DEMOS_COMMON_BULLET_STEP_COSTS_H
 
@@ -15,7 +15,7 @@ enum qcStepCost
     qc_costBoxes,     ///< Bullet: boxes of all objects, handed to the broadphase
     qc_costPairs,     ///< the broadphase finds pairs of boxes
     qc_costGather,    ///< ours: geometry is read from Bullet
-    qc_costAhead,     ///< ours: what fast bodies come upon in the step
+    qc_costAhead,     ///< ours: speculative contacts of fast bodies
     qc_costCull,      ///< ours: the stages of the query
     qc_costSweep,     ///< ours
     qc_costExact,     ///< ours
@@ -30,18 +30,18 @@ enum qcStepCost
     qc_costCount
 };
 
-/// Milliseconds; nothing is counted twice.
+/// Milliseconds; no time is part of two costs.
 struct qcStepCosts
 {
     std::array<double, qc_costCount> ms{};
 
     double Total() const;
-    /// A part of what counted as `from` so far was `to`.
+    /// Moves a part of the cost `from` to the cost `to`.
     void Move(qcStepCost from, qcStepCost to, double part);
     void Add(const qcStepCosts& other, double weight);
 };
 
-/// Means of the costs of steps; `begin` and `end` are iterators of what has `costs`.
+/// Means of the costs of steps; `begin` and `end` are iterators over structs with a member `costs`.
 template <typename Iterator> qcStepCosts qcMeanCosts(Iterator begin, Iterator end)
 {
     qcStepCosts mean;

@@ -1,4 +1,4 @@
-// Where meshes lie.
+// Vertices and bounding boxes of meshes.
 #include "common/mesh_io/bounds.h"
 
 #include <math.h>

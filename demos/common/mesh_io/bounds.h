@@ -1,4 +1,4 @@
-// Where meshes lie.
+// Vertices and bounding boxes of meshes.
 #ifndef QC_DEMOS_COMMON_MESH_IO_BOUNDS_H
 #define QC_DEMOS_COMMON_MESH_IO_BOUNDS_H
 

@@ -1,4 +1,4 @@
-// Wavefront OBJ: vertices and faces; every other statement is passed over.
+// Wavefront OBJ: vertices and faces; every other statement is skipped.
 // Wavefront Technologies, Advanced Visualizer Manual, appendix B1, Object Files.
 #include "common/mesh_io/mesh_parser.h"
 

@@ -225,8 +225,8 @@ static bool ReadHeader(qcPlyReader* reader)
     return hasFormat || qcMeshParser_Fail(parser, "the header names no format");
 }
 
-/// The fewest bytes in which the file can hold one element.
-static uint64_t GetLeastSize(const qcPlyReader* reader, const qcPlyElement* element)
+/// The minimum of bytes that an element takes in the file.
+static uint64_t GetMinSize(const qcPlyReader* reader, const qcPlyElement* element)
 {
     uint64_t size = 0;
     for (size_t i = 0; i < element->propertyCount; ++i)
@@ -251,12 +251,12 @@ static bool CheckHeader(qcPlyReader* reader)
         vertices = element->isVertex ? element : vertices;
         faces = element->isFace ? element : faces;
         strips = element->isStrips ? element : strips;
-        uint64_t leastSize = GetLeastSize(reader, element);
-        if (leastSize == 0)
+        uint64_t minSize = GetMinSize(reader, element);
+        if (minSize == 0)
             return qcMessage_Fail(parser->message, "%s: line %llu: element %s has no properties", parser->name,
                                   (unsigned long long)element->line, element->name);
         // One more than the file holds: the last blank may be missing.
-        if (element->count > (remaining + 1) / leastSize)
+        if (element->count > (remaining + 1) / minSize)
             return qcMessage_Fail(parser->message, "%s: line %llu: the file is too short for %llu elements %s",
                                   parser->name, (unsigned long long)element->line, (unsigned long long)element->count,
                                   element->name);
