@@ -11,7 +11,7 @@ typedef struct Run
 {
     qcBvhCandidates* sweep;
     const qcBvhCandidatesJob* job;
-    bool flatPatches; ///< flat patches have no pairs within, but adjacent ones
+    bool flatPatches; ///< pairs within flat patches are skipped; false where neighbours are candidates
     bool fillsVerlet; ///< pairs within bodies go to the Verlet list, too
 } Run;
 
@@ -92,7 +92,7 @@ static PairSides MakeSides(const Run* run, uint32_t a, uint32_t b)
     return sides;
 }
 
-/// There is room for it.
+/// Appends a job; there is room for it.
 static void AddJob(const Run* run, uint32_t a, uint32_t b)
 {
     qcBvhCandidates* sweep = run->sweep;
@@ -135,8 +135,8 @@ static bool UsesVerlet(const Run* run, uint32_t body)
     return FindsSelfPairs(run, body) && QC_AT(uint8_t, run->sweep->partlyRefitted, body) != 0;
 }
 
-/// All jobs of the step, so that threads have enough to do with many small bodies. The last ones, behind the first
-/// `searchCount`, take their pairs from the Verlet list.
+/// Makes all jobs of the step together, so that threads have enough work with many small bodies. The first
+/// `searchCount` are searches; the others take their pairs from the Verlet list.
 static qcStatus MakeJobs(const Run* run, size_t* searchCount)
 {
     qcBvhCandidates* sweep = run->sweep;
@@ -189,8 +189,8 @@ static qcStatus FindPairs(const Run* run)
     return qc_statusOk;
 }
 
-/// Whether the step fills the Verlet list. Not if a body uses it: its pairs are good for more steps than those within
-/// this step's smaller distance would be.
+/// Whether the step fills the Verlet list. It does not while a body uses the list: pairs found within this step's
+/// smaller distance would last for fewer steps.
 static bool FillsVerlet(const Run* run)
 {
     bool finds = false, uses = false;

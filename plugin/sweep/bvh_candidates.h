@@ -46,7 +46,7 @@ typedef struct qcBvhCandidatesJob
     double margin;               ///< qcDetectDef::margin: pairs proven no further apart are classified near
     double contactMargin;        ///< pairs within its qcContactDistance are candidates too
     bool testNeighbours;         ///< triangles of one body that share a vertex are candidates too
-    bool listNeighbours;         ///< otherwise: they are listed in adjacentKeys
+    bool listNeighbours;         ///< without testNeighbours: they are listed in adjacentKeys
     uint32_t threads;
 } qcBvhCandidatesJob;
 

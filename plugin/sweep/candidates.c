@@ -27,7 +27,7 @@ void qcCandidates_Offer(const qcCandidateRules* rules, uint32_t bodyA, uint32_t 
     unsigned setA = self ? qcPcs_SelfSet(a) : qcPcs_InterSet(a);
     unsigned setB = self ? qcPcs_SelfSet(b) : qcPcs_InterSet(b);
     if (setA == qc_setBfv || setB == qc_setBfv)
-        return; // in the PCS against other partners only
+        return; // the triangle is in the PCS against other partners only
     qcArray* keys = &buffer->keys;
     if (self)
     {
@@ -42,7 +42,7 @@ void qcCandidates_Offer(const qcCandidateRules* rules, uint32_t bodyA, uint32_t 
         }
     }
     else if (qcBodyPair_Classify(t, rules->pcs, bodyA, bodyB) != qc_pairTest)
-        return; // the profile has it as a pair of bodies
+        return; // counted in the profile as a skipped body pair
     if (!qcVisibilitySet_MayCollide(setA, setB))
     {
         buffer->setPairs++;

@@ -37,7 +37,7 @@ typedef struct qcCandidateRules
     const uint8_t* handledElsewhere; ///< by body: its triangle pairs come from another stage
     double queryDistance;            ///< boxes this far apart still overlap
     bool testNeighbours;             ///< triangles of one body that share a vertex are candidates too
-    bool listNeighbours;             ///< otherwise: they are listed in adjacentKeys
+    bool listNeighbours;             ///< without testNeighbours: they are listed in adjacentKeys
     uint32_t threads;
 } qcCandidateRules;
 
