@@ -13,7 +13,8 @@
 
 enum
 {
-    // Large beside the cost of taking a block, small beside all candidates of a small scene.
+    // The work of a block is large compared with the cost of taking it, and small compared with all candidates of a
+    // small scene.
     qc_blockSize = 128,
     // 1024 pairs take about 0.3 ms.
     qc_minBlocks = 8,
@@ -103,7 +104,7 @@ static qcContactPair ContactPairOf(const Job* job, uint64_t key)
 {
     qcContactPair pair = {.a = ContactSideOf(job, SideOf(job->triangles, (uint32_t)(key >> 32))),
                           .b = ContactSideOf(job, SideOf(job->triangles, (uint32_t)key))};
-    // The filter is for contacts of a deforming body with a rigid one.
+    // The filter applies to contacts of a deforming body with a rigid one.
     if (pair.a.body->deforming == pair.b.body->deforming)
         pair.a.localMinima = pair.b.localMinima = NULL;
     pair.margin = qcBody_PairMargin(pair.a.body, pair.b.body, job->def->contactMargin);
@@ -280,7 +281,8 @@ static qcStatus CollectContacts(qcNarrowphase* narrow)
         const qcNarrowphaseWorker* worker = &QC_AT(qcNarrowphaseWorker, narrow->workers, i);
         for (size_t k = 0; k < worker->contactKeys.count; k++, at++)
         {
-            // The upper 16 bits: the worker. All contacts of a key are one worker's, in order, and the sort is stable.
+            // The upper 16 bits hold the worker. All contacts of a key are one worker's, in order, and the sort is
+            // stable.
             qcSortItem item = QC_AT(qcSortItem, worker->contactKeys, k);
             item.value |= (uint64_t)i << 48;
             QC_AT(qcSortItem, narrow->order, at) = item;
