@@ -1,4 +1,4 @@
-// The flags of each stage, by island.
+// Sets each stage's flags of bodies, island by island.
 #include "pipeline/island_routing.h"
 
 #include "base/clock.h"

@@ -1,4 +1,4 @@
-// Which islands are answered by `layers` on the device, and which bodies by BVHs on the CPU.
+// Which islands are processed by `layers` on the device, and which bodies by BVHs on the CPU.
 #ifndef QC_PIPELINE_ISLAND_ROUTING_H
 #define QC_PIPELINE_ISLAND_ROUTING_H
 

@@ -10,7 +10,7 @@ static qcPairKeys LayersKeys(qcTriangleStage* stage)
     return (qcPairKeys){&stage->layersKeys, &stage->layersAdjacentKeys, &stage->layersClassified};
 }
 
-/// Sends the device's islands to the CPU after a failure, whose message the thread has.
+/// Sends the device's islands to the CPU after a failure, whose message is in qcLastMessage.
 static void FallBack(qcTriangleStage* stage, qcProfile* profile)
 {
     snprintf(stage->fallback, sizeof stage->fallback, "%s: sweep answered on the CPU", qcLastMessage());
@@ -21,7 +21,7 @@ static void FallBack(qcTriangleStage* stage, qcProfile* profile)
     profile->fallback = stage->fallback;
 }
 
-/// The islands on the device, from bodies to candidates.
+/// Runs the islands on the device, from bodies to candidates.
 static qcStatus RunLayers(const qcStep* step, const qcStepTriangles* triangles, const qcBodyPairs* pairs,
                           qcTriangleStage* stage, qcProfile* profile)
 {
@@ -99,7 +99,7 @@ qcStatus qcTriangleStage_Cull(const qcStep* step, const qcStepTriangles* triangl
     return qc_statusOk;
 }
 
-/// All adjacent pairs of bodies on the device that have no BVH yet.
+/// Lists all adjacent pairs of bodies on the device that have no BVH yet.
 static qcStatus ListNeighbours(const qcStep* step, const qcStepTriangles* triangles, qcTriangleStage* stage)
 {
     for (uint32_t body = 0; qcStep_ListsNeighbours(step) && body < triangles->bodyCount; body++)
