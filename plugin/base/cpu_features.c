@@ -1,4 +1,4 @@
-// Instruction sets.
+// Detects the instruction sets of this CPU and chooses a table of kernels.
 #include "base/cpu_features.h"
 
 #include <stdbool.h>

@@ -7,7 +7,7 @@
 
 enum
 {
-    // Bytes beyond this version's size that are read. More is taken for a structSize that nobody has set.
+    // Max bytes beyond this version's size that are checked. A larger structSize is taken for an uninitialised one.
     qc_maxExtraBytes = 256
 };
 

@@ -5,7 +5,7 @@
 
 #include "quickcullide/base.h"
 
-/// A definition as this version has it.
+/// The layout of a definition in this version.
 typedef struct qcDefLayout
 {
     const char *function, *type; ///< named in messages
@@ -20,8 +20,9 @@ typedef struct qcDefLayout
 /// Copies the caller's definition over `taken`, which holds this version's defaults.
 /// - A smaller structSize: the fields beyond it keep their defaults.
 /// - A larger one: accepted if all bytes beyond this version's size are 0, which means the default there too.
-/// qc_statusBadInput: below minSize, no multiple of 4, more than 256 bytes larger, or a byte beyond that isn't 0;
-/// `taken` is as before. A new field starts at or after the size that the struct had: never in its padding.
+/// qc_statusBadInput leaves `taken` unchanged: structSize is below minSize, not a multiple of 4 or more than 256 bytes
+/// larger, or a byte beyond this version's size isn't 0. A new field starts at or after the struct's previous size,
+/// never in its padding.
 qcStatus qcDef_Take(const void* def, qcDefLayout layout, void* taken);
 
 #endif

@@ -23,8 +23,8 @@ static inline bool qcFloatMode_IsDefault(qcFloatMode mode)
     return (mode.control & ~0x3fu) == 0x1f80u;
 }
 
-/// Sets the default environment; returns the previous one. The computation belongs into a function that is not inlined:
-/// the compiler may move arithmetic across this call.
+/// Sets the default environment; returns the previous one. Put the computation into a function that is not inlined: the
+/// compiler may move arithmetic across this call.
 static inline qcFloatMode qcFloatMode_Begin(void)
 {
     qcFloatMode mode = {_mm_getcsr()};

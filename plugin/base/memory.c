@@ -80,7 +80,7 @@ void qcFree(void* memory, size_t size)
     s_free(memory, size, s_context);
 }
 
-/// Half as much again, so that n pushes cost O(n).
+/// One and a half times the capacity, at least 4096 bytes: n pushes cost O(n).
 static size_t GrownCapacity(const qcArray* array)
 {
     size_t capacity = array->capacity + array->capacity / 2;

@@ -1,5 +1,5 @@
-// Loops over threads of the host or of our own pool: each thread gets one task, which takes indices until none is left.
-// So the host need not number its workers, and any number of its threads may run, at any time.
+// Loops over threads of the host or of our own pool. Each thread gets one task, which takes indices until none is left:
+// the host need not number its workers, and may run any number of its threads at any time.
 #include "base/parallel_for.h"
 
 #include "base/thread_pool.h"

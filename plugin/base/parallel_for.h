@@ -14,12 +14,12 @@ enum
 /// `worker` is below the number of threads; two calls at the same time never have the same worker.
 typedef void qcParallelFunction(void* context, size_t index, uint32_t worker);
 
-/// The number of threads to use if `requested` are (0: one per core). At most qc_maxWorkers, and at most the workers of
-/// the host's qcSetParallelFor.
+/// The number of threads to use when `requested` are given (0: one per core): at most qc_maxWorkers, and at most the
+/// workers of the host's qcSetParallelFor.
 uint32_t qcParallel_Threads(uint32_t requested);
 
-/// Calls the function once for each index below `count` and returns when all calls have. Fewer than `minCount` indices
-/// (2 or more) run on the calling thread alone: waking another one takes 20 to 100 microseconds.
+/// Calls the function once for each index below `count`; returns once all calls have returned. Fewer than `minCount`
+/// indices (2 or more) run on the calling thread alone: waking another one takes 20 to 100 microseconds.
 void qcParallel_For(uint32_t threads, size_t count, size_t minCount, qcParallelFunction* function, void* context);
 
 #endif

@@ -30,7 +30,7 @@ static void InsertItems(qcSortItem* items, size_t count)
     }
 }
 
-/// Bits in which keys differ, ascending, from two places of the key; all keys agree between them.
+/// Bits in which keys differ, ascending, from two ranges of the key; all keys agree between the ranges.
 typedef struct Digit
 {
     int shift[2], width;

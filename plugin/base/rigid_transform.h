@@ -21,8 +21,8 @@ typedef struct qcRigidTransform
 typedef struct qcRelativeTransform
 {
     double linear[3][3], shift[3];
-    /// Error bound by axis, in coordinates of `a`: the distance between the images of two points that qcBody_GetVertex
-    /// maps to the same point of the world, from the rounding there and here.
+    /// Error bound by axis, in coordinates of `a`. If qcBody_GetVertex maps a point of `a` and a point of `b` to the
+    /// same world position, the transform maps the point of `b` to within this of the point of `a`.
     double error[3];
     /// By axis: the maximum coordinate in `a` of a world vector whose coordinates are at most 1.
     double reach[3];

@@ -5,13 +5,13 @@
 #include <stdint.h>
 #include <string.h>
 
-/// fmin without its care for NaN: y if one is NaN.
+/// Like fmin, but without its handling of NaN: y if one is NaN.
 static inline double qcMin(double x, double y)
 {
     return x < y ? x : y;
 }
 
-/// fmax without its care for NaN: y if one is NaN.
+/// Like fmax, but without its handling of NaN: y if one is NaN.
 static inline double qcMax(double x, double y)
 {
     return x > y ? x : y;

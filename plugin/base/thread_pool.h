@@ -1,7 +1,7 @@
 // The library's own threads: started by the first loop that uses them, asleep between loops, ended with the process.
 //
-// Why not OpenMP: libgomp waits at the end of a loop for all threads that it woke. If one shares the caller's core,
-// that is a time slice, 4 to 16 ms. Between loops its threads spin, on cores that software GL draws with (folded cloth
+// Why not OpenMP: at the end of a loop libgomp waits for all threads that it woke. If one shares the caller's core, the
+// wait is a time slice, 4 to 16 ms. Between loops its threads spin, on cores that software GL draws with (folded cloth
 // of 250 K on llvmpipe, two cores: 39 ms a step, 32 without). Here the caller takes the indices that no thread has
 // begun.
 #ifndef QC_BASE_THREAD_POOL_H
@@ -10,8 +10,8 @@
 #include "quickcullide/base.h"
 
 /// Calls task(index, taskContext) for index 0 on the calling thread, and for some of the indices from 1 to count - 1,
-/// none twice, each on another thread; returns when all these calls have. Any thread may call it, but only one loop
-/// runs at a time: during another thread's loop it calls task(0) alone.
+/// none twice, each on another thread; returns once all these calls have returned. Any thread may call it, but only one
+/// loop runs at a time: during another thread's loop it calls task(0) alone.
 void qcPool_Run(uint32_t count, qcTask* task, void* taskContext);
 
 /// The number of cores that the process may run on, at least 1.

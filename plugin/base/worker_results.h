@@ -1,5 +1,5 @@
-// How each worker of a parallel loop fared. Messages belong to a thread (qcLastMessage), so a worker that fails keeps
-// its message here, and the thread that started the loop takes it over.
+// Status and message of each worker of a parallel loop. Messages belong to a thread (qcLastMessage): a worker that
+// fails stores its message here, and the thread that started the loop copies it.
 //
 // A worker's own struct begins with a qcWorkerResult; an array of these structs, one a worker, goes through
 // qcWorkerResults_Begin before the loop and qcWorkerResults_End after it.
@@ -10,8 +10,7 @@
 
 #include <stdbool.h>
 
-/// All zero: no failure. It fills two cache lines, so that what follows shares none with the previous worker's
-/// counters.
+/// All zero: no failure. It fills two cache lines: the fields after it share none with the previous worker's counters.
 typedef struct qcWorkerResult
 {
     _Alignas(64) qcStatus status; ///< of the first call that failed

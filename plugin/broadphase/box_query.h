@@ -36,7 +36,7 @@ bool qcBoxQuery_Test(const qcBoxQuery* query, uint32_t id);
 /// Tests the boxes of some qcForestPart.
 void qcBoxQuery_Run(const qcBoxQuery* query, unsigned parts);
 
-/// The host's function; it runs in the host's floating-point environment.
+/// A function of the host. It runs in the host's floating-point environment.
 typedef struct qcHostFunction
 {
     qcBoxFunction* function;

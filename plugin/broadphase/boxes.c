@@ -110,8 +110,8 @@ static bool Fits(const qcFloatBox* fat, const qcFloatBox* box)
     return fits & !(loosest > (longest < INFINITY ? 5.0f * longest : 0.0f));
 }
 
-/// Enlarges a box by a margin for jitter on all sides, and by a number of steps like the last one where a side moves
-/// outwards.
+/// Enlarges a box: on all sides by a margin for jitter, and where a side moves outwards by `steps` steps as long as the
+/// last one.
 static qcFloatBox Fatten(const qcBounds* previous, const qcBounds* bounds, double steps)
 {
     qcBounds fat;
@@ -119,10 +119,10 @@ static qcFloatBox Fatten(const qcBounds* previous, const qcBounds* bounds, doubl
     for (int k = 0; k < 3; k++)
     {
         double lower = bounds->lower[k], upper = bounds->upper[k];
-        // A fiftieth of the edge, for jitter. With 10 000 boxes that move a fifteenth of theirs, a twentieth costs a
-        // tenth more time, none a few percent less.
+        // A fiftieth of the edge, for jitter. With 10 000 boxes that move by a fifteenth of their edge, a margin of a
+        // twentieth takes a tenth more time, and no margin takes a few percent less.
         double margin = qcLower(0.02 * (upper - lower), longest);
-        // At most the box's length: a jump doesn't predict the next step.
+        // At most the longest edge: a jump doesn't predict the next step.
         double down = qcLower(steps * (previous->lower[k] - lower), longest);
         double up = qcLower(steps * (upper - previous->upper[k]), longest);
         fat.lower[k] = qcLower(lower, lower - qcUpper(down, 0.0) - margin);
@@ -295,8 +295,8 @@ qcStatus qcBoxes_Remove(qcBoxes* boxes, uint32_t id)
     return qc_statusOk;
 }
 
-/// A stationary box moves. The graph has no edges between stationary boxes: the box's overlaps with these at the last
-/// search are added first, so that the next search can report their end.
+/// Called when a stationary box moves. The graph has no edges between stationary boxes: the box's overlaps with these
+/// at the last search are added first, so that the next search can report their end.
 static void EndStationary(qcBoxes* set, uint32_t id)
 {
     qcBox* box = qcBoxes_Box(set, id);

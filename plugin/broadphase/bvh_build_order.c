@@ -17,7 +17,7 @@ enum
 
 static float Finite(float x)
 {
-    // NaN too, which infinities that cancel give.
+    // True for NaN, too: the result of infinities that cancel.
     if (!(x > -1e30f))
         return -1e30f;
     return x < 1e30f ? x : 1e30f;
@@ -146,7 +146,8 @@ static uint32_t SizeExponent(const qcFloatBox* box)
     return bits.u >> 23 & (qc_exponents - 1);
 }
 
-/// The largest exponent that is not much larger than the median's. `counted`: boxes per exponent, `count` in all.
+/// The largest exponent of a box that is not much larger than the median. `counted`: boxes per exponent, `count` in
+/// all.
 static uint32_t FindLimit(const size_t counted[qc_exponents], size_t count)
 {
     size_t sum = 0;

@@ -38,7 +38,7 @@ static void Append(qcForest* forest, uint32_t id, const qcFloatBox* box)
     QC_AT(qcLeafPosition, forest->positions, id) = (qcLeafPosition){qc_inList, at};
 }
 
-/// The last box of the list fills the gap.
+/// Removes a box from the list; the last box takes its position.
 static void RemoveFromList(qcForest* forest, uint32_t at)
 {
     uint32_t last = (uint32_t)--forest->listIds.count, moved = QC_AT(uint32_t, forest->listIds, last);
@@ -123,7 +123,8 @@ static size_t LayOut(qcOctetTree* shape, size_t boxCount)
     return octets;
 }
 
-/// Whether a source can hold the new tree without growing. A source must not grow: it is still needed if that fails.
+/// Whether source `number` can hold the new tree without growing. A source must not grow: if that fails, the source is
+/// still needed.
 static bool HasRoom(const qcForest* forest, const Sources* sources, uint32_t number, size_t octets)
 {
     const qcBoxTree* tree = &forest->trees[number];
@@ -151,7 +152,7 @@ static uint32_t FindUnusedTree(const qcForest* forest, const Sources* sources, s
     return best == qc_inNoTree && unallocated != 0 ? qcForest_NextTree(&unallocated) : best;
 }
 
-/// One lane bounds each octet of the level below.
+/// Fills a level: each lane bounds one octet of the level below.
 static void FillLevel(qcOctet* level, const qcOctet* below, size_t belowCount)
 {
     for (size_t i = 0; i < belowCount; i++)
@@ -214,8 +215,8 @@ static qcStatus BuildTree(qcForest* forest, const Sources* sources, bool dynamic
     return qc_statusOk;
 }
 
-/// Adds trees to the sources until each that is left has more than twice as many lanes as the sources have boxes. With
-/// `halfEmpty`, trees that lost half of their boxes are added too.
+/// Adds trees to the sources until each remaining tree has more than twice as many lanes as the sources have boxes.
+/// With `halfEmpty`, trees that lost half of their boxes are added too.
 static void AddSmallTrees(const qcForest* forest, Sources* sources, uint64_t trees, bool halfEmpty)
 {
     for (bool more = true; more;)

@@ -53,7 +53,7 @@ typedef struct qcForest
     qcArray listIds;                    ///< uint32_t
     qcArray items;                      ///< qcBoxItem, scratch
     uint32_t boxCount;
-    size_t sortedCount; ///< boxes that trees were built of, added up
+    size_t sortedCount; ///< boxes of all tree builds since the last search, added up
 } qcForest;
 
 /// Makes room for ids below `idCount`; inserting and removing these cannot fail.

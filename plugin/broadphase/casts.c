@@ -18,7 +18,7 @@ typedef struct Cast
     const double* fraction;
 } Cast;
 
-/// NaN if one of them is: then no comparison rejects a box.
+/// The lower of two numbers, or NaN if one of them is: then no comparison rejects a box.
 static double LowerOrNan(double a, double b)
 {
     return a < b ? a : b <= a ? b : NAN;
@@ -75,7 +75,7 @@ static bool HitsBounds(const Cast* cast, const double lower[3], const double upp
     return !(enter > leave + QC_CAST_TOLERANCE);
 }
 
-/// A node of a tree, or a box, that is hit.
+/// A node of a tree, or a box, that the cast hits.
 typedef struct CastNode
 {
     const qcBoxTree* tree; ///< null: a box
@@ -85,7 +85,7 @@ typedef struct CastNode
 
 enum
 {
-    // Boxes of the list that are sorted by entry at a time.
+    // Boxes of the list that are sorted together, by entry.
     qc_listStep = 64,
     qc_castStack = 7 * qc_treeLevels + qc_forestTrees + qc_listStep + qc_lanes
 };

@@ -11,7 +11,7 @@ enum
 {
     // Two octets.
     qc_shortList = 16,
-    // Edges of one box that are compared at a time.
+    // Edges of one box that are compared together.
     qc_edgeBlock = 32
 };
 
@@ -45,7 +45,8 @@ static qcStatus AddOverlap(qcBoxes* set, Report report, uint32_t a, uint32_t b)
     const qcBox *x = qcBoxes_Box(set, a), *y = qcBoxes_Box(set, b);
     if (!x->stationary || !y->stationary)
         return qcOverlapGraph_AddEdge(&set->overlaps, a, b, false);
-    // No edge: scenery costs nothing once its pairs are reported. Unless the history is lost, one of the two is new.
+    // No edge: pairs of stationary boxes cost nothing once they are reported. Unless the history is lost, one of the
+    // two boxes is new.
     bool reported = report == CHANGED || (x->movedIndex & y->movedIndex) != QC_NOT_MOVED;
     return reported && qcBoxes_Overlap(set, a, b) ? PushPair(set, &set->began, a, b) : qc_statusOk;
 }
@@ -180,8 +181,8 @@ static qcStatus UpdateGraph(qcBoxes* set, Report report)
 
 //  ---- pairs -----------------------------------------------------------------------------------------
 
-/// Updates the mark of an edge, of which one box has moved or the history is lost, and reports the pair if it is one of
-/// those to report.
+/// Updates the mark of an edge with a moved box, or of any edge after a loss of history, and reports the pair if
+/// `report` includes it.
 static inline qcStatus ReportOverlap(qcBoxes* set, Report report, qcEdge* edge, bool moved)
 {
     uint32_t a = edge->box[0] & ~QC_EDGE_MARK, b = edge->box[1];

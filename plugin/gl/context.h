@@ -31,7 +31,7 @@ typedef struct qcContext
 /// Opens a context, GL 4.5 core or else 3.3 core, and leaves it current on the calling thread.
 /// qc_statusDevice: nothing is left open; the message names the reason. Only EGL's device platform uses `choice`.
 typedef qcStatus qcOpenContext(const qcGpuChoice* choice, qcContext* context);
-/// Closes it on the thread that opened it.
+/// Closes a context, on the thread that opened it.
 typedef void qcCloseContext(qcContext* context);
 
 /// A GPU through EGL's device platform.

@@ -150,7 +150,7 @@ static qcStatus RunJob(qcDevice* device, bool* lost)
     // Before the job's status: results of a lost context are meaningless.
     if (*lost)
         return FailLost(device->purpose);
-    // The job's own status is nearer to the cause.
+    // The job's status comes before GL's error: it is closer to the cause.
     if (status != qc_statusOk)
         return status;
     if (first != GL_NO_ERROR)

@@ -46,7 +46,7 @@ QC_INLINE float Sum(Floats f)
     return sum;
 }
 
-/// Past the end the loop is repeated from its beginning.
+/// Loads the loop. Past its end it is repeated from the beginning.
 static void LoadLoop(const qcPatchGeometry* patch, Loop* loop)
 {
     size_t count = patch->loopCount;

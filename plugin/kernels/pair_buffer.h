@@ -12,7 +12,7 @@ typedef struct qcPairBuffer
 {
     qcWorkerResult result;
     qcArray keys;        ///< uint64_t: pairs that need the exact test
-    qcArray contactKeys; ///< uint64_t: pairs that only contacts need: neighbours, and classified ones
+    qcArray contactKeys; ///< uint64_t: pairs needed for contacts only: neighbours, and classified ones
     qcArray classified;  ///< of qcSortItem: key and relation of pairs that need no exact test
 } qcPairBuffer;
 

@@ -174,8 +174,9 @@ QC_INLINE size_t KeepUnseparated(const qcIndexedTriangles* a, const qcIndexedTri
 static size_t Filter(const qcIndexedTriangles* a, const qcIndexedTriangles* b, const qcDistanceThresholds* thresholds,
                      qcSlotPair* pairs, size_t count)
 {
-    // With a query distance most pairs are of one smooth surface, most others lie in layers. The rest is measured
-    // (kernels/triangle_distance.inl.h), which takes no longer than more axes would.
+    // With a query distance most pairs belong to one smooth surface, and most others to two layers: these axes separate
+    // most of both. The distance of the rest is computed (kernels/triangle_distance.inl.h), which takes no longer than
+    // more axes would.
     if (thresholds->query > 0.0f)
         return KeepUnseparated(a, b, thresholds, pairs, count, SeparatedByCentroidsOrPlane);
     count = KeepUnseparated(a, b, thresholds, pairs, count, SeparatedByPlane);

@@ -124,7 +124,7 @@ QC_INLINE Classes ClassifyLanes(const PairLanes* l, const qcDistanceThresholds* 
                      disjoint & IsGapAbove(gap, thresholds->query * scale * 1.0001f, length2)};
 }
 
-/// Appends a pair to its class. The first pair of each class behind moves to the end of that class.
+/// Appends a pair to its class. The first pair of each later class moves to the end of that class.
 QC_INLINE void Insert(qcSlotPair* pairs, qcSlotPair pair, bool isNear, bool isSeparate, qcClassifiedCounts* counts)
 {
     size_t firstUndecided = counts->nearCount + counts->separateCount;

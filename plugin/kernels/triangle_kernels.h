@@ -1,6 +1,6 @@
 // The inner loops of collision detection between triangles, compiled once for each instruction set and chosen at run
-// time. The result of a kernel doesn't depend on the instruction set, except that the filters may keep more or fewer of
-// the pairs that are separated: rounding differs.
+// time. Results don't depend on the instruction set, with one exception: rounding differs, so a filter may keep a
+// separated pair with one set and drop it with another.
 //
 // Boxes lie on the lattice of their BVH (sweep/bvh/triangle_bvh.h), in 16-bit levels. The upper end of an interval is
 // stored as its complement, ~upper. So the box around boxes is one minimum, and two boxes overlap unless some lower end
@@ -73,9 +73,9 @@ typedef struct qcIndexedTriangles
 typedef struct qcDistanceThresholds
 {
     float pointError;   ///< max error of a coordinate in that frame
-    float query;        ///< pairs farther apart are dropped
-    float near;         ///< pairs no farther apart are near. Below 0: no classification by distance
-    float far;          ///< pairs farther apart are not near; at least `near`
+    float query;        ///< pairs proven farther apart are dropped
+    float near;         ///< pairs proven no farther apart are near. Below 0: no classification by distance
+    float far;          ///< pairs proven farther apart are separate; at least `near`
     bool isTransformed; ///< false: both have one frame, and linear and shift are unused
     float linear[3][3], shift[3];
 } qcDistanceThresholds;
@@ -197,8 +197,8 @@ typedef struct qcTriangleKernels
 
     //  Contacts.
 
-    /// A clear bit proves a corner and a face farther apart than the margin, by more than double arithmetic rounds
-    /// their distance; for two edges it proves that, or that an end of one is among the closest points.
+    /// A clear bit proves a corner and a face farther apart than the margin, by more than the rounding error of their
+    /// distance in double. For two edges it proves that, or that an end of one is among the closest points.
     void (*findNearFeatures)(const qcFeaturePairs* pairs, qcFeatureMask near[qc_featurePairs]);
 } qcTriangleKernels;
 

@@ -32,7 +32,7 @@ typedef struct Best
     qcProjectedOverlap *overlap, *spare;
 } Best;
 
-/// A pair that is separated takes no normal that makes it a contact: along it, or along its opposite, the projected
+/// A separated pair takes no normal that makes it a contact: along the normal, or along its opposite, the projected
 /// triangles are disjoint, or side 0 lies above side 1.
 static bool IsAllowed(const qcContactInput* input, const qcNeighbourhood* n, const qcNormalCandidate* candidate,
                       bool opposite)
@@ -98,8 +98,8 @@ static bool HasVertex(const qcManifoldTriangle* triangle, uint32_t v)
     return triangle->vertex[0] == v || triangle->vertex[1] == v || triangle->vertex[2] == v;
 }
 
-/// True if an adjacent pair whose triangles have both closest features too is closer. One of them is on the common
-/// triangle.
+/// True if a closer adjacent pair contains both closest features: one lies on the common triangle, the other must lie
+/// on the adjacent pair's other triangle.
 static bool HasCloserNeighbour(const qcNeighbourhood* n, const qcClosestFeatures* features)
 {
     double closer = s_closer * n->proximity->gap;
@@ -138,7 +138,7 @@ static void FindLocalMinima(void* context, size_t block, uint32_t worker)
 }
 
 /// The adjacent pair with the smallest signed distance, or the pair itself. A separated pair does not take the normal
-/// of an intersecting one, which may be wrong itself; pairs that are no local minimum have none to give.
+/// of an intersecting one, which may be wrong itself. Pairs that are no local minimum are skipped.
 static uint32_t ClosestAround(const Job* job, const qcNeighbourhood* n, uint32_t pair)
 {
     uint32_t closest = pair;
@@ -198,7 +198,7 @@ static void ChooseBlock(void* context, size_t block, uint32_t worker)
         ChooseNormal(job, p, &best);
         qcProjectedOverlap_Compute(input->kernels, pair, best.opposite ? qcNegated(best.normal) : best.normal,
                                    best.overlap);
-        // Field by field: other threads read isNoLocalMinimum.
+        // Field by field, since other threads read isNoLocalMinimum.
         qcPairNormal* normal = qcContactNormals_Pair(job->normals, p);
         normal->normal = best.normal;
         normal->cost = best.cost;
@@ -214,7 +214,7 @@ static void ChooseBlock(void* context, size_t block, uint32_t worker)
 
 qcStatus qcContactNormals_Choose(const qcContactInput* input, qcPairOverlaps* overlaps, qcContactNormals* normals)
 {
-    // Each pair reads the proximities of others, none a normal that another pair has chosen: the order does not matter.
+    // Each pair reads the proximities of others, but no normal that another pair has chosen: the order does not matter.
     Job job = {input, overlaps, normals};
     size_t blocks = qcNormalBlocks_Count(input);
     qcParallel_For(input->threads, blocks, qc_minNormalBlocks, FindLocalMinima, &job);

@@ -2,8 +2,8 @@
 // other triangles share a vertex. A region names its sides once: in a pair of one body with itself A and B depend on
 // indices alone, so an adjacent pair that has the common triangle on the other side is swapped.
 //
-// Adjacency changes one side at a time, so that the two sides of a thin sheet stay apart: a sheet in a slit touches
-// both walls with the same triangles, but the walls are not adjacent, and their normals are opposite.
+// Adjacency changes one side at a time, which keeps the two sides of a thin sheet in separate regions: a sheet in a
+// slit touches both walls with the same triangles, but the walls are not adjacent, and their normals are opposite.
 #include "manifold/topology.h"
 #include "base/status.h"
 #include "base/union_find.h"
@@ -11,7 +11,7 @@
 #include <string.h>
 
 /// Joins the pairs of a triangle whose other triangles share a vertex: in the list of a vertex each pair is joined to
-/// the previous one. Returns by how many the number of sets falls.
+/// the previous one. Returns the decrease in the number of sets.
 static size_t JoinPairs(const qcManifoldTriangle* triangle, qcContactTopology* topology)
 {
     size_t joined = 0;
@@ -25,7 +25,7 @@ static size_t JoinPairs(const qcManifoldTriangle* triangle, qcContactTopology* t
         {
             uint32_t previous = last[vertex[c]];
             last[vertex[c]] = i + 1;
-            // From an earlier triangle, or this pair itself: degenerate triangles have a vertex twice.
+            // The entry is of an earlier triangle, or of this pair: degenerate triangles have a vertex twice.
             if (previous <= first || previous == i + 1)
                 continue;
             qcPairEntry other = entries[previous - 1];
@@ -46,7 +46,7 @@ static void NumberRegions(qcContactTopology* topology)
     {
         qcManifoldPair* pair = &pairs[p];
         uint32_t root = qcUnionFind_Find(nodes, p);
-        // The root is the lowest pair: it has its number already.
+        // The root is the lowest pair and has been numbered.
         pair->region = root >> 1 == p ? topology->regionCount++ : pairs[root >> 1].region;
         if ((root & 1u) == 0)
             continue;

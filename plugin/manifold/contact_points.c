@@ -98,7 +98,8 @@ static void FindSettledCorners(const Job* job, uint32_t index, uint32_t worker)
         (qcCornerRange){self->corners.count, (uint16_t)worker, (uint8_t)count};
 }
 
-/// The deepest first; those that differ by rounding only in the order in which they were found.
+/// Sorts points deepest first. Points whose distances differ by rounding only stay in the order in which they were
+/// found.
 static void SortByDepth(qcRawPoint* points, int count, double rounding)
 {
     for (int i = 1; i < count; i++)
@@ -119,7 +120,8 @@ static bool IsSameAsAny(const qcRawPoint* points, int count, const qcRawPoint* p
     return false;
 }
 
-/// Keeps those corners of the pair's overlap that become points: within the margin, and the deepest at its place.
+/// Keeps the corners of the pair's overlap that become points: those within the margin, and of several at one position
+/// the deepest.
 static void KeepPoints(const Job* job, uint32_t index)
 {
     const qcManifoldPair* pair = PairOf(job, index);
@@ -141,8 +143,8 @@ static void KeepPoints(const Job* job, uint32_t index)
         if (corners[i].distance <= limit && !IsSameAsAny(corners, kept, &corners[i], tolerance))
             corners[kept++] = corners[i];
     range->count = kept;
-    // The closest points lie over each other along the reported normal: some corner is as close, unless rounding or a
-    // face seen edge-on has hidden it.
+    // Seen along the reported normal the closest points coincide, so some corner is as close as they are, unless
+    // rounding or a face seen edge-on has hidden it.
     bool mayBeHidden = normal->disjoint && normal->keepsReported && !normal->flipped && kept != 0;
     QC_AT(bool, job->points->hasFallback, index) =
         mayBeHidden &&
@@ -178,8 +180,8 @@ static void TakeSettledBlock(void* context, size_t block, uint32_t worker)
 
 //  ---- fallback points ------------------------------------------------------------------------------------
 
-/// The pair's closest points, or those of its shortest way out. The normal is the reported one, reversed if the pair's
-/// normal is and the sign of the reported one is open.
+/// The pair's closest points, or for an intersecting pair the points of its depth. The normal is the reported one. If
+/// its sign is undetermined, it gets the sign of the pair's normal.
 static qcRawPoint FallbackPoint(const Job* job, uint32_t index)
 {
     const qcManifoldPair* pair = PairOf(job, index);
@@ -202,7 +204,8 @@ static qcRawPoint FallbackPoint(const Job* job, uint32_t index)
     return point;
 }
 
-/// True if neither the pair nor an adjacent one has a point, and none is closer.
+/// True if the pair needs a fallback point: it is unsettled, no adjacent pair is closer at its closest features, and
+/// neither the pair nor an adjacent one has a point.
 static bool IsUncovered(const Job* job, uint32_t index)
 {
     const qcPairAdjacency* adjacency = job->input->adjacency;
@@ -258,7 +261,7 @@ qcStatus qcContactPoints_Collect(const qcContactInput* input, const qcContactNor
     QC_TRY(qcArray_Resize(&points->hasFallback, pairs, sizeof(bool), "contact points"));
     QC_TRY(qcArray_Resize(&points->firstOfPair, pairs + 1, sizeof(size_t), "contact points"));
     Job job = {input, normals, overlaps, points};
-    // Settled pairs come second: they let the workers' lists grow, and no thread may read another one's list then.
+    // Settled pairs come second: they add to the workers' lists, which no other thread may read then.
     size_t blocks = (unsettled + qc_pointBlock - 1) / qc_pointBlock;
     qcParallel_For(input->threads, blocks, qc_minPointBlocks, TakeUnsettledBlock, &job);
     blocks = (pairs + qc_pointBlock - 1) / qc_pointBlock;

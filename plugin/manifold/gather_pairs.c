@@ -1,6 +1,6 @@
 // Gathers the pairs of two bodies and their triangles: each triangle once, with its corners in world space and its
-// vertices welded. Vertices are the same if their positions are, bit for bit: soups without shared indices and seams of
-// texture coordinates are as connected as they look.
+// vertices welded. Vertices are the same if their positions are, bit for bit: this connects soups without shared
+// indices, and both sides of a texture seam.
 #include "manifold/topology.h"
 #include "base/point_hash.h"
 #include "base/status.h"
@@ -126,7 +126,7 @@ static size_t Min(size_t a, size_t b)
     return a < b ? a : b;
 }
 
-/// Room for all triangles that the pairs can name, and for their vertices.
+/// Makes room for all triangles that the pairs can have, and for their vertices.
 static qcStatus EmptyTriangles(const Side sides[2], const qcBodyPairInput* input, qcContactTopology* topology)
 {
     const qcBody *a = sides[0].body, *b = sides[1].body;
@@ -169,7 +169,7 @@ static size_t RunOf(const qcBodyPairInput* input, uint32_t run, size_t* end)
     return first;
 }
 
-/// Each once, in the order of the pairs.
+/// Adds each triangle once, in the order of the pairs.
 static void AddTriangles(const Side sides[2], const qcBodyPairInput* input, qcContactTopology* topology)
 {
     for (uint32_t r = 0; r < input->runCount; r++)
@@ -181,7 +181,7 @@ static void AddTriangles(const Side sides[2], const qcBodyPairInput* input, qcCo
     }
 }
 
-/// What depends on welded vertices and on the unit of length.
+/// Fills the fields of triangles that depend on welded vertices and on the unit of length.
 static void FinishTriangles(qcContactTopology* topology)
 {
     for (size_t i = 0; i < topology->triangles.count; i++)
@@ -222,7 +222,7 @@ static void AddPair(const Side sides[2], const qcBodyPairInput* input, size_t i,
     const qcPair* reported = &input->reported->pairs[i];
     qcManifoldTriangle* a = TriangleAt(&sides[0], reported->triangleA, topology);
     qcManifoldTriangle* b = TriangleAt(&sides[1], reported->triangleB, topology);
-    // A seam, or adjacent triangles: that they are connected is no contact.
+    // Triangles of one body that share a welded vertex touch because they are connected: no contact.
     if (reported->relation == qc_relationTouching && reported->bodyA == reported->bodyB && ShareVertex(a, b))
         return;
     a->pairCount++;

@@ -13,11 +13,11 @@
 
 enum
 {
-    // One takes from 1 to 1 000 microseconds.
+    // A body pair takes from 1 to 1 000 microseconds.
     qc_minBodyPairs = 4,
-    // Pairs that are worth the waking of threads at every stage: some milliseconds.
+    // Min pairs for which waking threads at every stage pays: they take some milliseconds.
     qc_minSharedPairs = 2048,
-    // Far above the memory of any machine; numbers of their sides have 32 bits, with room for two more.
+    // More than fits into the memory of any machine. Numbers of pair sides have 32 bits, with room for two more bits.
     qc_maxManifoldPairs = 1 << 28
 };
 
@@ -26,8 +26,8 @@ typedef struct qcBodyPairRange
 {
     uint32_t firstRun, runCount;
     uint32_t pairCount;
-    uint32_t builder;                 ///< that has its manifolds
-    size_t firstManifold, firstPoint; ///< there
+    uint32_t builder;                 ///< index of the builder that holds the manifolds
+    size_t firstManifold, firstPoint; ///< in the lists of the builder
     size_t manifoldCount, pointCount;
 } qcBodyPairRange;
 
@@ -36,7 +36,7 @@ typedef struct Job
     qcAllManifolds* all;
     const qcStepTriangles* triangles;
     const qcManifoldInput* input;
-    size_t shared; ///< body pairs that are done
+    size_t shared; ///< number of body pairs built by all threads together; the others are built by one worker each
 } Job;
 
 //  ---- body pairs -----------------------------------------------------------------------------------------
@@ -57,7 +57,7 @@ static size_t EndOfRun(const qcManifoldInput* input, size_t first)
     return end;
 }
 
-/// Sorted by bodies; those of two bodies stay in their order, and so do the pairs.
+/// Lists the runs sorted by bodies. Runs of the same two bodies stay in the order of their pairs.
 static qcStatus ListRuns(qcAllManifolds* all, const qcManifoldInput* input)
 {
     size_t count = 0;
@@ -135,7 +135,8 @@ static qcStatus BuildAll(Job* job, uint32_t threads)
     const qcAllManifolds* all = job->all;
     for (; threads > 1 && job->shared < all->bodyPairs.count; job->shared++)
     {
-        // The largest come first. More than half of a thread's share: begun last, it would end late.
+        // The largest body pairs come first. One with more than half of a thread's share of the pairs is built by all
+        // threads: begun last by one worker, it would delay the end.
         qcBodyPairRange* bodyPair = BodyPairAt(all, job->shared);
         if (bodyPair->pairCount < qc_minSharedPairs || bodyPair->pairCount < job->input->count / (2 * threads))
             break;
@@ -158,7 +159,7 @@ static qcStatus BeginBuilders(qcAllManifolds* all, uint32_t threads)
     return qc_statusOk;
 }
 
-/// In the order of the bodies.
+/// Appends the manifolds of all body pairs in the order of the bodies.
 static qcStatus Gather(qcAllManifolds* all)
 {
     size_t manifoldCount = 0, pointCount = 0;

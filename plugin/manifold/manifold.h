@@ -24,7 +24,7 @@ typedef struct qcManifoldInput
     const qcProximity* proximities;    ///< null: those that are needed are computed
     const qcClosestFeatures* features; ///< of the proximities
     size_t count;
-    double margin; ///< no point has a larger distance
+    double margin; ///< max distance of a contact point, in scene units
 } qcManifoldInput;
 
 /// Builds the manifolds of the pairs of a result, which are sorted as the ABI promises. O(n log n). Where two bodies

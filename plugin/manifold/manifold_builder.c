@@ -14,7 +14,7 @@ static void Store(qcVector v, int exponent, double out[3])
         out[axis] = ldexp(out[axis], exponent);
 }
 
-/// In the scene's unit of length.
+/// Converts a raw point to the scene's unit of length.
 static qcManifoldPoint PointOf(const qcContactTopology* topology, const qcRawPoint* raw)
 {
     const qcManifoldPair* pair = qcContactTopology_Pair(topology, raw->pair);
@@ -30,7 +30,8 @@ static qcManifoldPoint PointOf(const qcContactTopology* topology, const qcRawPoi
     return point;
 }
 
-/// Every region has a point: its first pair is covered by one, and the reduction keeps at least one.
+/// Appends the manifolds. Every region has a point: its first pair is covered by one, and the reduction keeps at least
+/// one.
 static qcStatus WriteResult(qcManifoldBuilder* b)
 {
     const qcManifoldPair* any = qcContactTopology_Pair(&b->topology, 0);

@@ -4,7 +4,7 @@
 
 #include "manifold/points.h"
 
-/// One worker's. Keeps its memory between builds.
+/// The stages and results of one worker. Memory is retained between builds.
 typedef struct qcManifoldBuilder
 {
     qcWorkerResult result;
@@ -16,12 +16,12 @@ typedef struct qcManifoldBuilder
     qcContactNormals normals;
     qcContactPoints points;
     const qcOverlapKernels* kernels;
-    //  results of all builds of this step, one after the other; first points count from 0 in each build
+    //  results of all builds of this step, one after the other; in each build first points count from 0
     qcArray manifolds;      ///< of qcManifold
     qcArray manifoldPoints; ///< of qcManifoldPoint
 } qcManifoldBuilder;
 
-/// Adds the manifolds of two bodies to the result. On `threads` threads, whose first is the calling one.
+/// Adds the manifolds of two bodies to the results. `threads` includes the calling one.
 qcStatus qcManifoldBuilder_Build(qcManifoldBuilder* builder, const qcStepTriangles* triangles,
                                  const qcBodyPairInput* input, uint32_t threads);
 void qcManifoldBuilder_Free(qcManifoldBuilder* builder);

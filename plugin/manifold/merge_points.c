@@ -1,6 +1,6 @@
-// Merges points that several pairs have found at one place: the deepest first, each unless one that is kept is the
-// same. Neighbours by hashing a grid (Teschner, Heidelberger, Mueller, Pomeranets, Gross: Optimized spatial hashing,
-// 2003), so that the work is linear.
+// Merges points that several pairs have found at one position. Points are visited deepest first; one is kept unless a
+// kept one is the same. Neighbours by hashing a grid (Teschner, Heidelberger, Mueller, Pomeranets, Gross: Optimized
+// spatial hashing, 2003), so that the work is linear.
 //
 // The tolerance is a share of the size of the region's triangles: a feature found from two triangles differs by
 // rounding where their normals agree, else by the distance times the angle between them; and contacts within a small
@@ -18,7 +18,7 @@ static const double s_cell = 8.0;
 // Distances are equal within this share of the tolerance: a hundred millionth of the size of the triangles.
 static const double s_step = 0x1p-20;
 
-/// A representative in the lists of the cells of its two ends.
+/// An entry of a representative in the list of a cell: it has one for each of its two ends.
 typedef struct Link
 {
     uint32_t raw;
@@ -90,7 +90,7 @@ static uint32_t FindInCell(const qcContactPoints* points, const Search* search, 
     return UINT32_MAX;
 }
 
-/// A representative that is the same point, or UINT32_MAX.
+/// Finds a representative that is the same point; UINT32_MAX: there is none.
 static uint32_t Find(const qcContactPoints* points, const Search* search, double scale)
 {
     for (int end = 0; end < 2; end++)

@@ -32,10 +32,10 @@ typedef struct Members
     const qcSortItem* items; ///< their values are pairs
     size_t count;
     double deepest;
-    uint32_t last; ///< the pair that ruled out the last candidate, and likely rules out the next: it comes first
+    uint32_t last; ///< the pair that ruled out the last candidate; tested first, as it often rules out the next
 } Members;
 
-/// A normal that separates the region, and how far side 0 moves along it.
+/// A normal that separates the region, and the distance by which side 0 moves along it.
 typedef struct Translation
 {
     qcVector normal;
@@ -78,8 +78,8 @@ static void Evaluate(const Job* job, qcVector normal, Members* members, Translat
         *best = (Translation){normal, length};
 }
 
-/// The shortest translation if it is much shorter than the deepest contact; otherwise one of the length that is too
-/// long.
+/// The shortest translation that is shorter than half of the deepest contact. If there is none, the length of the
+/// result is half of the deepest contact, and its normal is unused.
 static Translation FindTranslation(const Job* job, Members* members)
 {
     qcVector evaluated[qc_maxCandidates];
@@ -100,7 +100,7 @@ static Translation FindTranslation(const Job* job, Members* members)
     return best;
 }
 
-/// Gives a pair a normal, and its overlap along it.
+/// Sets the normal of a pair, and computes its overlap along it.
 static qcStatus AdoptNormal(const Job* job, uint32_t index, qcVector normal)
 {
     const qcManifoldPair* pair = qcContactTopology_Pair(job->input->topology, index);

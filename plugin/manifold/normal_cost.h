@@ -24,7 +24,7 @@ typedef struct qcNeighbourhood
     double rounding;             ///< of a cost
 } qcNeighbourhood;
 
-/// A candidate normal, evaluated in both directions.
+/// A candidate normal, with the costs of both directions.
 typedef struct qcNormalCandidate
 {
     qcVector normal;
@@ -47,10 +47,9 @@ static inline size_t qcNormalBlocks_End(const qcContactInput* input, size_t bloc
 }
 
 qcNeighbourhood qcNeighbourhood_Of(const qcContactInput* input, uint32_t pair);
-/// Side 0 moves along the candidate until the pair is separated, or against it: how far do the adjacent pairs still
-/// overlap? The cost is the sum of the separation distances, in which an adjacent pair weighs as many times as it
-/// shares vertices, and the pair itself six times. False: neither direction costs less than `limit`; the costs may then
-/// be incomplete.
+/// Computes the costs of a candidate and of its opposite: the weighted sum of the separation distances of the pair and
+/// of the adjacent pairs, negative ones taken as 0. The pair itself has weight six, an adjacent pair the number of
+/// vertices that it shares. False: neither direction costs less than `limit`; the costs may then be incomplete.
 bool qcNeighbourhood_FindCost(const qcNeighbourhood* n, double limit, qcNormalCandidate* candidate);
 
 static inline double qcPositive(double x)
@@ -64,7 +63,8 @@ static inline double qcNeighbourhood_Limit(const qcNeighbourhood* n, double best
     return QC_CHEAPER * best - n->rounding;
 }
 
-/// Corners of a pair's overlap at larger distances are not kept: none is dropped where the normal may be reversed.
+/// Max distance of the corners of a pair's overlap that are kept. Infinity where the orientation may reverse the
+/// normal.
 double qcContactInput_CornerLimit(const qcContactInput* input, const qcManifoldPair* pair);
 
 #endif

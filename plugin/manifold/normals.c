@@ -8,7 +8,7 @@ static bool AreEqual(qcVector a, qcVector b)
     return a.x == b.x && a.y == b.y && a.z == b.z;
 }
 
-/// Settled pairs: the normals of their regions. The others: whether the choice has kept the reported one.
+/// Settled pairs get the normals of their regions. For the others: whether the choice has kept the reported normal.
 static void FinishChoice(const qcContactInput* input, qcContactNormals* normals)
 {
     for (uint32_t p = 0; p < input->topology->pairs.count; p++)

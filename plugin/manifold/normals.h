@@ -5,7 +5,7 @@
 
 #include "manifold/pair_adjacency.h"
 
-/// What the stages before have found, and how this one is to run.
+/// Results of the earlier stages, and how this stage runs.
 typedef struct qcContactInput
 {
     const qcContactTopology* topology;
@@ -27,8 +27,8 @@ typedef struct qcPairNormal
     //  propagation
     bool changed;      ///< the normal is that of an adjacent pair
     bool intersecting; ///< the normal is one along which triangles intersect or touch
-    bool reliable;     ///< of a coplanar contact, or taken from one
-    uint16_t round;    ///< in which the normal has changed last, from 1
+    bool reliable;     ///< the normal is that of a coplanar contact, or taken from one
+    uint16_t round;    ///< the last round in which the normal has changed, from 1
     double cost;       ///< see qcNeighbourhood_FindCost
 } qcPairNormal;
 
@@ -42,20 +42,20 @@ typedef struct qcContactNormals
     qcArray items, sortScratch; ///< of the orientation: links; of the minimum translation: pairs by region
 } qcContactNormals;
 
-/// The normals of all pairs, with the overlaps along them. Serial where not said otherwise below.
+/// Finds the normals of all pairs, and the overlaps along them. The steps below are serial unless stated otherwise.
 qcStatus qcContactNormals_Find(const qcContactInput* input, qcPairOverlaps* overlaps, qcContactNormals* normals);
 void qcContactNormals_Free(qcContactNormals* normals);
 
 //  ---- the steps, in their order ---------------------------------------------------------------------------
 
-/// From the pair itself and those adjacent to it. In parallel.
+/// Chooses the normal of each pair from the pair itself and those adjacent to it. In parallel.
 qcStatus qcContactNormals_Choose(const qcContactInput* input, qcPairOverlaps* overlaps, qcContactNormals* normals);
-/// Where triangles intersect: from coplanar contacts to the pairs around them. In parallel.
+/// Propagates normals where triangles intersect: from coplanar contacts to the pairs around them. In parallel.
 qcStatus qcContactNormals_Propagate(const qcContactInput* input, qcPairOverlaps* overlaps, qcContactNormals* normals);
-/// The signs of the normals in each region that is ambiguous.
+/// Determines the signs of the normals in each ambiguous region.
 qcStatus qcContactNormals_Orient(const qcContactInput* input, const qcPairOverlaps* overlaps,
                                  qcContactNormals* normals);
-/// The minimum-translation fallback of regions that penetrate.
+/// Applies the minimum-translation fallback to regions that penetrate.
 qcStatus qcContactNormals_Shorten(const qcContactInput* input, qcPairOverlaps* overlaps, qcContactNormals* normals);
 
 static inline qcPairNormal* qcContactNormals_Pair(const qcContactNormals* normals, uint32_t pair)

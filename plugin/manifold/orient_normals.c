@@ -16,7 +16,7 @@ enum
 
 // The cosine of 60 degrees: normals within it, or opposite ones, belong to one surface.
 static const double s_linked = 0.5;
-// One less a cosine that differs by rounding only.
+// 1 minus the cosine of the angle between normals that differ by rounding only.
 static const double s_same = 1e-12;
 // A separation distance is clearly shorter than another one by this factor.
 static const double s_shorter = 0.75;
@@ -121,7 +121,7 @@ static int CertainSign(const Component* component)
                                                                    : 0;
 }
 
-/// Joins two components; but not by a doubtful link that contradicts their signs if both are certain.
+/// Joins two components, unless the link is doubtful and contradicts their signs, and these are certain.
 static void Join(const Job* job, uint32_t i, uint32_t j, uint32_t opposite, bool doubtful)
 {
     uint32_t a = qcUnionFind_Find(job->nodes, i), b = qcUnionFind_Find(job->nodes, j);
@@ -140,7 +140,7 @@ static void Join(const Job* job, uint32_t i, uint32_t j, uint32_t opposite, bool
 
 //  ---- links ----------------------------------------------------------------------------------------------
 
-/// The more certain, the lower; the last bit is set if the two normals are opposite.
+/// The sort key of a link: the more certain, the lower. The last bit is set if the two normals are opposite.
 static uint64_t LinkKey(double dot)
 {
     double doubt = 1.0 - fabs(dot);
@@ -196,8 +196,8 @@ static void DropJoinedLinks(const Job* job)
     job->links->count = kept;
 }
 
-/// The first disjoint pair of each region in which nothing penetrates: its reference. `references`, by region, or
-/// UINT32_MAX. All its disjoint pairs keep their signs: they are joined to the reference from the start.
+/// Joins all disjoint pairs of each ambiguous region in which nothing penetrates: they keep their signs. The first one
+/// is the region's reference. `references`: by region, the pair or UINT32_MAX.
 static void JoinDisjointPairs(const Job* job, uint32_t* references)
 {
     for (uint32_t r = 0; r < job->input->topology->regionCount; r++)
@@ -214,8 +214,8 @@ static void JoinDisjointPairs(const Job* job, uint32_t* references)
     }
 }
 
-/// Spanning trees of pairs that are equal or opposite: disjoint pairs, then certain links, then the others in the order
-/// of their certainty.
+/// Grows spanning trees of pairs whose signs are equal or opposite: by disjoint pairs, then by certain links, then by
+/// the others in the order of their certainty.
 static qcStatus GrowComponents(const Job* job, uint32_t* references, qcArray* sortScratch)
 {
     for (size_t i = 0; i < CountPairs(job); i++)
@@ -253,8 +253,8 @@ static void Flip(qcPairNormal* normal)
     normal->flipped = !normal->flipped;
 }
 
-/// Gives the pairs of each component the sign of its first pair; or that of the region's reference, if this is among
-/// them: such a component's signs are final.
+/// Makes the signs of each component consistent with its first pair. A component with the region's reference takes the
+/// reference's sign instead: its signs are final.
 static void MakeConsistent(const Job* job, const uint32_t* references)
 {
     for (size_t i = 0; i < CountPairs(job); i++)
@@ -293,12 +293,12 @@ static double Size2(const qcBody* body, int exponent)
     return qcDot(diagonal, diagonal);
 }
 
-/// Above 0: the centres of the bodies lie on the sides that the normals give; below: on the other sides; 0: on neither
+/// The side of the bodies' centres. Above 0: the sides that the normals give; below 0: the opposite sides; 0: neither
 /// clearly.
 static double SideOfBodies(const Component* component, const qcManifoldPair* pair, int exponent)
 {
     double length = sqrt(qcDot(component->normal, component->normal));
-    // Normals all around a body have no common side.
+    // If normals point all around a body, there is no common side.
     const qcBody *bodyA = pair->side[0]->body, *bodyB = pair->side[1]->body;
     if (bodyA == bodyB || !(length > 0.5 * component->count))
         return 0.0;

@@ -10,11 +10,11 @@ enum
     qc_overlapLanes = 4 ///< of a triangle's corners or edges; the fourth is the first again
 };
 
-/// A triangle seen along a direction: what does not depend on the other triangle, computed at first use.
+/// A triangle seen along a direction: the data that does not depend on the other triangle, computed at first use.
 typedef struct qcTriangleView
 {
     const qcManifoldTriangle* triangle;
-    uint32_t region; ///< whose normal the direction is, where views are cached
+    uint32_t region; ///< where views are cached: the region whose normal is the direction
     bool hasEdges, hasFace;
     //  by axis, then by lane:
     double edge[3][qc_overlapLanes];        ///< edge e: from corner e to the next

@@ -99,7 +99,7 @@ static uint32_t VertexName(const Overlap* overlap, int side, int corner)
     return overlap->pair->side[side]->bodyVertex[corner];
 }
 
-/// A bit for each corner of a side that is proven outside of the other's face, seen along the direction. Most are.
+/// A bit for each corner of a side that is proven outside of the other's face, seen along the direction: most corners.
 QC_INLINE unsigned OutsideFaceBits(const Overlap* overlap, int side)
 {
     double facing = overlap->view[1 - side]->facing;
@@ -166,7 +166,7 @@ static void NameEdge(const Overlap* overlap, int side, int e, uint32_t feature[2
     feature[1] = v < w ? w : v;
 }
 
-/// Lanes whose quotient is proven to be outside of 0..1. Most are, and save a division.
+/// Lanes whose quotient is proven to be outside of 0..1: most lanes, which saves a division.
 QC_INLINE Mask IsOutsideEdge(Lanes numerator, Lanes denominator)
 {
     Lanes zero = Broadcast(0.0);
@@ -300,7 +300,8 @@ static int FindOverlap(const qcManifoldPair* pair, qcVector direction, qcTriangl
         return 0;
     ComputeFace(views[0], direction);
     ComputeFace(views[1], direction);
-    // Vertices first: where one lies on an edge of the other triangle, its name is the steadier one.
+    // Vertices first: where a vertex lies on an edge of the other triangle, its feature id is more persistent than that
+    // of a crossing.
     AddVerticesOverFace(&overlap, 0);
     AddVerticesOverFace(&overlap, 1);
     AddEdgeCrossings(&overlap);

@@ -23,10 +23,10 @@ enum
 typedef struct qcPairSide
 {
     const qcManifoldTriangle* other; ///< the triangle of the other side
-    qcHeightRange heights;           ///< its, along the normal of this side's triangle, from that one's first corner
-    double gap;                      ///< the pair's
+    qcHeightRange heights;           ///< of `other`, along the normal of this side's triangle, from its first corner
+    double gap;                      ///< signed distance of the pair
     uint32_t pair;
-    uint16_t worker; ///< that lists the adjacent pairs
+    uint16_t worker; ///< whose list has the adjacent pairs
     uint8_t adjacentCount;
     uint64_t firstAdjacent; ///< in the worker's list
 } qcPairSide;

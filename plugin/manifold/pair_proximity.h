@@ -4,10 +4,10 @@
 
 #include "manifold/separating_plane.h"
 
-/// One unsettled pair.
+/// The proximity of one unsettled pair.
 typedef struct qcPairProximity
 {
-    qcVector normal;  ///< unit, from side 1 towards side 0: along the closest points, or the shortest way out
+    qcVector normal;  ///< unit, from side 1 towards side 0: along the closest points, or the direction of least depth
     double gap;       ///< the distance, or minus the depth
     bool separated;   ///< not intersecting, and a plane across the normal lies between the triangles
     bool penetrating; ///< other than in one plane
@@ -17,7 +17,7 @@ typedef struct qcPairProximity
 typedef struct qcRegionProximity
 {
     bool ambiguous;   ///< some pair is not separated: the region's orientation needs a decision
-    bool penetrating; ///< some pair is
+    bool penetrating; ///< some pair penetrates
 } qcRegionProximity;
 
 typedef struct qcContactProximity
@@ -26,7 +26,7 @@ typedef struct qcContactProximity
     const qcClosestFeatures* features; ///< likewise
     qcArray pairs;                     ///< of qcPairProximity, by pair; set where unsettled
     qcArray regions;                   ///< of qcRegionProximity
-    //  what `reported` and `features` point to where the input has none
+    //  the proximities and features, where the input has none
     qcArray computed, computedFeatures;
 } qcContactProximity;
 

@@ -1,5 +1,6 @@
-// The projected overlap of a pair: what its two triangles have in common seen along a direction, a convex polygon whose
-// corners are its possible contact points. The stages of normals fill a list of them, those of points read it.
+// The projected overlap of a pair: the intersection of the projections of its two triangles along a direction, a convex
+// polygon whose corners are its possible contact points. The stages of normals fill a list of them, those of points
+// read it.
 #ifndef QC_MANIFOLD_PROJECTED_OVERLAP_H
 #define QC_MANIFOLD_PROJECTED_OVERLAP_H
 

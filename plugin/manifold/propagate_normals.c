@@ -13,9 +13,10 @@
 
 enum
 {
-    // The reach of the fan around a corner of a cut, from a coplanar pair. In most scenes nothing changes after 3.
+    // Max propagation distance, in pairs: from a coplanar pair around the fan at a corner of a cut. In most scenes
+    // nothing changes after 3 rounds.
     qc_maxRounds = 4,
-    // Evaluated candidates that are remembered for one pair.
+    // Max evaluated candidates stored for one pair.
     qc_maxEvaluated = 8
 };
 
@@ -51,8 +52,8 @@ static bool IsCoplanar(const Job* job, uint32_t index, qcVector normal)
                                      qcPairOverlaps_Count(job->overlaps, index));
 }
 
-/// Cheaper than the best, or as cheap and nearer to the pair's own normal: the order of the adjacent pairs does not
-/// matter.
+/// True if cheaper than the best, or as cheap and closer to the pair's own normal: the order of the adjacent pairs does
+/// not matter.
 static bool IsBetter(const Propagated* propagated, const Propagated* best, double rounding)
 {
     if (fabs(propagated->cost - best->cost) > rounding)
@@ -74,8 +75,8 @@ typedef struct Evaluated
     bool isCheap, isConsidered;
 } Evaluated;
 
-/// Most pairs beside a cut have one normal: finds it among those that have been evaluated, or the place of a new one.
-/// For a pair that is not disjoint a normal stands for its opposite too.
+/// Finds the normal among the evaluated ones, or the entry for a new one: most pairs beside a cut have one normal. For
+/// a pair that is not disjoint a normal stands for its opposite too.
 static Evaluated* FindEvaluated(Evaluated* evaluated, int count, const qcPairNormal* own, qcVector normal)
 {
     int i = 0;
@@ -103,8 +104,8 @@ static void Consider(const qcNeighbourhood* n, const qcPairNormal* own, const qc
     }
 }
 
-/// The best of the normals of adjacent pairs that changed in the previous round and are reliable, or are not; its cost
-/// is infinity if there is none.
+/// The best normal among those of adjacent pairs that changed in the previous round and are reliable, or are not
+/// reliable. Its cost is infinity if there is none.
 static Propagated FindPropagated(const Job* job, const qcNeighbourhood* n, const qcPairNormal* own, bool reliable)
 {
     Propagated best = {.normal = own->normal, .cost = INFINITY};

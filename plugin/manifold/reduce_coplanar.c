@@ -10,12 +10,14 @@
 
 enum
 {
-    // More pairs than share any but a degenerate point; those beyond are not visited, and the point may be kept.
+    // Max pairs visited for one point: more than share any point of triangles that aren't degenerate. If further pairs
+    // share it, the point may be kept.
     qc_maxCones = 48
 };
 
 static const double s_pi = 3.14159265358979323846;
-// A disc of half a million sides keeps its outline.
+// Max angle in radians, or difference of slopes, of directions along one line. A regular polygon of half a million
+// sides keeps its corners.
 static const double s_straight = 1e-5;
 // Faces within this cosine are one plane: 0.03 degrees.
 static const double s_onePlane = 1.0 - 1e-7;
@@ -66,7 +68,8 @@ static double Wrapped(double angle)
     return angle - 2.0 * s_pi * qcFloor(angle / (2.0 * s_pi) + 0.5);
 }
 
-/// The cone of a raw point towards the others of its pair; false if there are none, or the pair's normal differs.
+/// Finds the cone of a raw point towards the other points of its pair. False: there are none, or the pair's normal
+/// differs.
 static bool FindCone(const Input* input, const Basis* basis, uint32_t raw, Cone* cone)
 {
     const qcContactPoints* points = input->points;
@@ -160,7 +163,7 @@ void qcContactPoints_Reduce(const qcContactTopology* topology, const qcContactNo
             uint32_t raw = (uint32_t)items[end].value;
             if (representatives[raw] != raw)
                 continue;
-            // The points that it represents are dropped with it.
+            // The points represented by a dropped one are dropped with it.
             if (IsRedundant(&input, raw, tolerance))
                 representatives[raw] = UINT32_MAX;
             else

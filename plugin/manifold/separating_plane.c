@@ -10,7 +10,7 @@
 // Corners given in single precision, and rotated, are off by less than this share of the size of a triangle, unless
 // they are far from the origin.
 static const double s_rounding = 0x1p-20;
-// The shorter separation distance is certain to be the right one if it is at most this share of the other one.
+// The shorter separation distance is certain to be the correct one if it is at most this share of the other.
 static const double s_shorter = 0.25;
 
 /// The plane of a region lies along a face of its reference pair.
@@ -18,7 +18,7 @@ typedef struct Plane
 {
     double area;               ///< twice that of the smaller triangle of the reference pair; 0: there is none
     uint32_t reference;        ///< the pair: see IsCoplanar
-    bool intersecting;         ///< some pair of the region is
+    bool intersecting;         ///< some pair of the region intersects
     qcHeightRange sides[2][2]; ///< along the face of a side of the reference pair, of a side of the region
 } Plane;
 
@@ -111,7 +111,8 @@ static bool HasPoint(const qcManifoldPair* pair, qcVector normal, const qcOverla
     return found;
 }
 
-/// A plane separates the region if it does so along a face of the reference pair, which has a point along its normal.
+/// Finds the plane of a region, along a face of the reference pair. The pair must have a point along the plane's
+/// normal.
 static void FindPlane(const qcContactTopology* topology, const Plane* plane, const qcOverlapKernels* kernels,
                       double margin, qcContactRegion* region)
 {

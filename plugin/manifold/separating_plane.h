@@ -1,5 +1,5 @@
-// Second stage: regions whose two sides one plane separates. All their pairs have its normal; the later stages of
-// normals see the pairs of the other regions only, the unsettled ones.
+// Second stage: regions whose two sides are separated by one plane. All their pairs have its normal. The later stages
+// of normals process the pairs of the other regions only, the unsettled ones.
 #ifndef QC_MANIFOLD_SEPARATING_PLANE_H
 #define QC_MANIFOLD_SEPARATING_PLANE_H
 
@@ -20,7 +20,7 @@ typedef struct qcContactRegions
     qcArray visitedBy; ///< of uint32_t, by triangle: the region and side that have its heights
 } qcContactRegions;
 
-/// Points at distances up to the margin count.
+/// `margin`: max distance of a contact point, in the topology's unit of length.
 qcStatus qcContactRegions_Find(const qcContactTopology* topology, const qcOverlapKernels* kernels, double margin,
                                qcContactRegions* regions);
 void qcContactRegions_Free(qcContactRegions* regions);

@@ -7,7 +7,7 @@
 #include "base/radix_sort.h"
 #include "base/vec3.h"
 
-/// Relative rounding error of a length, as a share of the size of the triangles.
+/// Rounding error of a length, as a share of the size of the triangles.
 #define QC_MANIFOLD_ROUNDING 1e-9
 /// The cosine of 3 degrees: a face is perpendicular to a direction. Rounding turns small triangles by more than large
 /// ones, but not by more than this.
@@ -24,7 +24,7 @@ typedef struct qcBodyPairInput
     size_t pairCount;
 } qcBodyPairInput;
 
-/// A vertex of some triangle.
+/// A vertex of a triangle of the pairs.
 typedef struct qcManifoldVertex
 {
     uint32_t slot;
@@ -32,7 +32,7 @@ typedef struct qcManifoldVertex
     qcVector position;
 } qcManifoldVertex;
 
-/// A triangle of at least one pair, with what is the same for all its pairs.
+/// A triangle of at least one pair, with the data that all its pairs share.
 typedef struct qcManifoldTriangle
 {
     qcVector corner[3];

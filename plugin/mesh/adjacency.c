@@ -7,11 +7,11 @@
 
 enum
 {
-    // An edge between two vertices of more triangles is taken to have no other side.
+    // An edge both of whose vertices have more triangles is treated as a border.
     qc_maxAround = 64
 };
 
-/// The one other triangle that has the edge u v, if it has it as v u.
+/// The only other triangle with the edge u v, if it has the edge in the opposite direction; otherwise QC_NO_SLOT.
 static uint32_t FindAcross(const qcAdjacency* a, const qcCorners* corners, uint32_t slot, uint32_t u, uint32_t v)
 {
     const uint32_t *first = a->around.first.data, *around = a->around.triangles.data;

@@ -1,17 +1,17 @@
-// Which triangle lies over each edge of a mesh, and which lie around each vertex. Made once per topology.
+// The triangle across each edge of a mesh, and the triangles around each vertex. Made once per topology.
 #ifndef QC_MESH_ADJACENCY_H
 #define QC_MESH_ADJACENCY_H
 
 #include "mesh/clusters.h"
 #include "mesh/vertex_triangles.h"
 
-/// In place of a slot: none.
+/// Stands for no slot.
 #define QC_NO_SLOT UINT32_MAX
 
 typedef struct qcAdjacency
 {
     qcVertexTriangles around;
-    /// uint32_t, three a slot: the one other triangle over the edge from corner c to the next, if it has that edge in
+    /// uint32_t, three a slot: the only other triangle with the edge from corner c to the next, if it has that edge in
     /// the opposite direction; otherwise QC_NO_SLOT.
     qcArray across;
 } qcAdjacency;

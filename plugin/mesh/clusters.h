@@ -13,7 +13,7 @@ typedef struct qcSlotPair
     uint32_t a, b;
 } qcSlotPair;
 
-/// A node that shares a vertex with another, or is the same.
+/// The adjacency of a leaf node with another one that shares a vertex, or with itself.
 typedef struct qcLeafLink
 {
     uint32_t other; ///< not below the node that has the link

@@ -18,15 +18,15 @@ enum
 
 #define QC_INSIDE UINT32_MAX
 
-/// A vertex, as the growing patch sees it.
+/// The state of a vertex during the growth of patches.
 typedef struct PatchVertex
 {
     uint32_t patch; ///< the last patch that has it
     uint32_t next;  ///< on the loop, or QC_INSIDE
-    uint32_t block; ///< the last patch whose block (the nodes that it is grown around) has it
+    uint32_t block; ///< the last patch with it in its block, the nodes that the patch is grown around
 } PatchVertex;
 
-/// Grows the patches of one size.
+/// The growth of the patches of one size.
 typedef struct Builder
 {
     qcFlatPatches* patches;
@@ -81,7 +81,7 @@ static void Begin(Builder* b, uint32_t seed)
     b->start = v[0];
 }
 
-/// Changes the loop so that the triangle is inside. False: the result would not be a disc with one loop, or the
+/// Adds a triangle to the patch and updates the loop. False: the result would not be a disc with one loop, or the
 /// triangle is no notch and `notchesOnly` is set.
 static bool Join(Builder* b, uint32_t slot, bool notchesOnly)
 {
@@ -129,7 +129,7 @@ static bool TouchesBlock(const Builder* b, uint32_t slot)
            VertexAt(b, v[2])->block == b->patch;
 }
 
-/// Queues the triangles over its edges.
+/// Queues the triangles across the edges of a triangle.
 static qcStatus PushAcross(Builder* b, uint32_t slot)
 {
     QC_TRY(qcArray_Reserve(&b->queue, b->queue.count + 3, sizeof(uint32_t), "flat patches"));

@@ -56,7 +56,7 @@ static inline uint64_t qcPairMask_Word(const uint64_t* packed, uint32_t word)
     return (packed[0] & bit) != 0 ? some : UINT64_MAX;
 }
 
-/// The packed mask of a node with itself if no two of its triangles had a vertex in common: each pair once.
+/// The packed mask of all pairs within one node, each once, as if no two of its triangles shared a vertex.
 const uint64_t* qcPairMask_OfOneNode(void);
 
 #endif

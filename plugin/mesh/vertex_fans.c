@@ -29,7 +29,7 @@ static bool TakeNext(uint32_t sides[qc_maxFanSize][2], uint32_t* left, uint32_t 
     return false;
 }
 
-/// The vertices around one, in one direction. False: its triangles are not one closed fan.
+/// The ring of vertices around a vertex, in one direction. False: its triangles are not one closed fan.
 static bool ChainRing(const qcVertexFans* fans, const qcCorners* corners, uint32_t vertex, uint32_t valence,
                       uint32_t* ring)
 {

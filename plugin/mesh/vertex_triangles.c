@@ -6,7 +6,7 @@
 #include <stdbool.h>
 #include <string.h>
 
-/// True for the first corner of a triangle that has its vertex.
+/// True if no earlier corner of the triangle has the same vertex.
 static bool IsFirst(const uint32_t* v, int corner)
 {
     return (corner < 1 || v[corner] != v[0]) && (corner < 2 || v[2] != v[1]);

@@ -151,7 +151,7 @@ static bool EdgeEdge(qcContactTriangle* a, int edgeA, qcContactTriangle* b, int 
     double t, u;
     qcClosest_OfSegments(vp, vq, vr, vs, &t, &u);
     if (t == 0.0 || t == 1.0 || u == 0.0 || u == 1.0)
-        return false; // at an end, which is a vertex
+        return false; // at an end of an edge: a contact of a vertex
     qcVector d = qcPlusScaled(qcPlusScaled(qcMinus(vp, vr), qcMinus(vq, vp), t), qcMinus(vs, vr), -u);
     double distance = sqrt(qcDot(d, d));
     if (!(distance <= margin) || !IsNearestEdge(b, edgeB, d, false) || !IsNearestEdge(a, edgeA, qcNegated(d), false))
@@ -209,8 +209,8 @@ void qcContact_FindNear(const qcTriangleKernels* kernels, const qcContactPair* p
 
 int qcContact_Find(qcContactTriangle* a, qcContactTriangle* b, double margin, qcFeatureMask near, qcContact* contacts)
 {
-    // Boxes only save work. They are wider than the margin, so that their rounding decides nothing, and narrower than
-    // the query distance (qcContactDistance), so that the stage that found the pair decides nothing either.
+    // Boxes only save work: they change no result. They are wider than the margin by more than rounding, and narrower
+    // than the query distance (qcContactDistance), so that all stages that find pairs give the same contacts.
     double boxDistance = margin * (1.0 + 1e-9);
     int count = 0;
     for (unsigned left = near; left != 0; left &= left - 1)

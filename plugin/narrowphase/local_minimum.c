@@ -5,8 +5,8 @@
 
 #include "base/status.h"
 
-// The angle between triangles, in radians, below which an edge is flat. Larger than the error of a plane in single
-// precision; a thousand such edges in a row bend by a tenth, an 80th of their length.
+// The angle between triangles, in radians, below which an edge is flat. It exceeds the error of a plane in single
+// precision. A thousand such edges in a row bend a surface by 0.1 radians: it is off a plane by an 80th of its length.
 static const double s_flat = 1e-4;
 
 static qcVector LocalOf(const qcBody* body, uint32_t vertex)

@@ -1,5 +1,5 @@
-// The local-minimum filter: contacts of a deforming body with a rigid one that bind, which are those at points of the
-// rigid surface whose distance is a local minimum. Proof: plugin/docs/proofs/local_minimum_filter.md.
+// The local-minimum filter: of the contacts between a deforming and a rigid body it keeps those at points of the rigid
+// surface whose distance is a local minimum. Proof: plugin/docs/proofs/local_minimum_filter.md.
 #ifndef QC_NARROWPHASE_LOCAL_MINIMUM_H
 #define QC_NARROWPHASE_LOCAL_MINIMUM_H
 

@@ -13,7 +13,8 @@
 
 enum
 {
-    // Large beside the cost of taking a block, small beside all candidates of a small scene.
+    // The work of a block is large compared with the cost of taking it, and small compared with all candidates of a
+    // small scene.
     qc_blockSize = 128,
     // 1024 pairs take about 0.3 ms.
     qc_minBlocks = 8,
@@ -29,7 +30,7 @@ typedef struct Job
 {
     qcNarrowphase* narrow;
     const qcStepTriangles* triangles;
-    const qcArray *keys, *adjacentKeys; ///< of uint64_t; blocks of the second follow those of the first
+    const qcArray *keys, *contactKeys; ///< of uint64_t; blocks of the second follow those of the first
     size_t keyBlocks;
     const qcDetectDef* def;
     const qcTriangleKernels* kernels;
@@ -103,7 +104,7 @@ static qcContactPair ContactPairOf(const Job* job, uint64_t key)
 {
     qcContactPair pair = {.a = ContactSideOf(job, SideOf(job->triangles, (uint32_t)(key >> 32))),
                           .b = ContactSideOf(job, SideOf(job->triangles, (uint32_t)key))};
-    // The filter is for contacts of a deforming body with a rigid one.
+    // The filter applies to contacts of a deforming body with a rigid one.
     if (pair.a.body->deforming == pair.b.body->deforming)
         pair.a.localMinima = pair.b.localMinima = NULL;
     pair.margin = qcBody_PairMargin(pair.a.body, pair.b.body, job->def->contactMargin);
@@ -156,12 +157,12 @@ static void TakeBlock(void* context, size_t block, uint32_t workerIndex)
 {
     const Job* job = context;
     qcNarrowphaseWorker* worker = &QC_AT(qcNarrowphaseWorker, job->narrow->workers, workerIndex);
-    bool adjacent = block >= job->keyBlocks;
-    const qcArray* keys = adjacent ? job->adjacentKeys : job->keys;
-    size_t first = (adjacent ? block - job->keyBlocks : block) * qc_blockSize;
+    bool contactsOnly = block >= job->keyBlocks;
+    const qcArray* keys = contactsOnly ? job->contactKeys : job->keys;
+    size_t first = (contactsOnly ? block - job->keyBlocks : block) * qc_blockSize;
     size_t end = first + qc_blockSize < keys->count ? first + qc_blockSize : keys->count;
     Corners corners[2] = {{.filled = false}, {.filled = false}};
-    for (size_t i = first; i < end && !adjacent && qcWorkerResult_IsOk(&worker->result); i++)
+    for (size_t i = first; i < end && !contactsOnly && qcWorkerResult_IsOk(&worker->result); i++)
         TestPair(job, worker, QC_AT(uint64_t, *keys, i), corners);
     if (job->def->contactMargin == 0.0)
         return;
@@ -280,7 +281,8 @@ static qcStatus CollectContacts(qcNarrowphase* narrow)
         const qcNarrowphaseWorker* worker = &QC_AT(qcNarrowphaseWorker, narrow->workers, i);
         for (size_t k = 0; k < worker->contactKeys.count; k++, at++)
         {
-            // The upper 16 bits: the worker. All contacts of a key are one worker's, in order, and the sort is stable.
+            // The upper 16 bits hold the worker. All contacts of a key are one worker's, in order, and the sort is
+            // stable.
             qcSortItem item = QC_AT(qcSortItem, worker->contactKeys, k);
             item.value |= (uint64_t)i << 48;
             QC_AT(qcSortItem, narrow->order, at) = item;
@@ -300,7 +302,7 @@ static qcStatus CollectContacts(qcNarrowphase* narrow)
 static qcStatus RunWorkers(Job* job, uint32_t threads, qcProfile* profile, double* contactMs)
 {
     qcNarrowphase* narrow = job->narrow;
-    qcParallel_For(threads, job->keyBlocks + BlockCount(job->adjacentKeys), qc_minBlocks, TakeBlock, job);
+    qcParallel_For(threads, job->keyBlocks + BlockCount(job->contactKeys), qc_minBlocks, TakeBlock, job);
     QC_TRY(qcWorkerResults_End(&narrow->workers, sizeof(qcNarrowphaseWorker)));
     *contactMs = 0.0;
     for (size_t i = 0; i < narrow->workers.count; i++)
@@ -344,7 +346,7 @@ qcStatus qcNarrowphase_Run(const qcStepTriangles* triangles, const qcCandidates*
     Job job = {.narrow = narrow,
                .triangles = triangles,
                .keys = &candidates->keys,
-               .adjacentKeys = &candidates->adjacentKeys,
+               .contactKeys = &candidates->contactKeys,
                .keyBlocks = BlockCount(&candidates->keys),
                .def = def,
                .kernels = qcTriangleKernels_Get()};

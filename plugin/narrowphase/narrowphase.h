@@ -1,4 +1,5 @@
-// The narrow phase: candidates through the exact test, in parallel; pairs, segments, proximities and contacts, sorted.
+// The narrowphase: tests candidates exactly, in parallel. Results are pairs, segments, proximities and contacts,
+// sorted.
 #ifndef QC_NARROWPHASE_NARROWPHASE_H
 #define QC_NARROWPHASE_NARROWPHASE_H
 

@@ -9,7 +9,7 @@
 
 #include <string.h>
 
-/// Milliseconds since *last, which becomes now.
+/// Returns the milliseconds since *last, and sets *last to now.
 static double Lap(double* last)
 {
     double now = qcClock_Now(), ms = now - *last;
@@ -163,7 +163,7 @@ static qcStatus RunStages(const qcStep* step, qcBodies* bodies, double start, qc
     return qc_statusOk;
 }
 
-/// Whether both requests have the same answer. By field: padding has no meaning.
+/// Whether both requests have the same result. By field: padding has no meaning.
 static bool IsSameRequest(const qcDetectDef* a, const qcDetectDef* b)
 {
     return a->pairFilter == NULL && b->pairFilter == NULL && a->method == b->method && a->margin == b->margin &&

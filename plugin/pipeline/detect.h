@@ -1,4 +1,4 @@
-// A step: the whole line that data travels, once.
+// One step: all stages, in the order of the data flow.
 #ifndef QC_PIPELINE_DETECT_H
 #define QC_PIPELINE_DETECT_H
 
@@ -19,7 +19,7 @@ typedef struct qcDetector
     qcAllManifolds manifolds;
     qcPcsReport pcsReport;
     qcResult result;
-    //  The request that the result answers, and the scene's revision then; valid: there is a result.
+    //  The request of the last result, and the scene's revision then. valid: there is a result.
     bool valid;
     uint64_t revision;
     qcDetectDef def;

@@ -1,4 +1,4 @@
-// The flags of each stage, by island.
+// Sets each stage's flags of bodies, island by island.
 #include "pipeline/island_routing.h"
 
 #include "base/clock.h"
@@ -31,7 +31,7 @@ qcStatus qcIslandRouting_ChooseDevice(const qcStep* step, const qcStepTriangles*
 {
     double start = qcClock_Now();
     uint32_t bodyCount = triangles->bodyCount;
-    qcArray* flags[] = {&routing->onDevice, &routing->onBvhs, &routing->handledElsewhere, &routing->adjacentOnBvhs};
+    qcArray* flags[] = {&routing->onDevice, &routing->onBvhs, &routing->handledElsewhere, &routing->neighboursOnBvhs};
     for (int i = 0; i < 4; i++)
         QC_TRY(qcArray_Resize(flags[i], bodyCount, 1, "islands"));
     routing->plannedTriangles = 0.0;
@@ -61,26 +61,26 @@ qcStatus qcIslandRouting_PrepareBvhs(const qcStep* step, const qcBvhCandidatesJo
 {
     const qcStepTriangles* triangles = job->triangles;
     uint32_t bodyCount = triangles->bodyCount;
-    uint8_t *onBvhs = routing->onBvhs.data, *adjacent = routing->adjacentOnBvhs.data;
+    uint8_t *onBvhs = routing->onBvhs.data, *neighbours = routing->neighboursOnBvhs.data;
     uint8_t* either = routing->handledElsewhere.data;
     const uint8_t* onDevice = routing->onDevice.data;
     for (uint32_t body = 0; body < bodyCount; body++)
     {
         onBvhs[body] = qcStep_UsesBvhs(step) && !onDevice[body];
-        adjacent[body] = onDevice[body] && qcStep_ListsNeighbours(step) &&
-                         qcBody_HasSelfCollision(qcStepTriangles_Body(triangles, body));
+        neighbours[body] = onDevice[body] && qcStep_ListsNeighbours(step) &&
+                           qcBody_HasSelfCollision(qcStepTriangles_Body(triangles, body));
     }
     if (qcStep_UsesBvhs(step))
     {
         // Bodies without an island need no BVH.
         qcIslands_KeepWhole(&routing->islands, onBvhs);
         for (uint32_t body = 0; body < bodyCount; body++)
-            either[body] = onBvhs[body] || adjacent[body];
+            either[body] = onBvhs[body] || neighbours[body];
         QC_TRY(qcBvhCandidates_Prepare(job, bvhs, either));
         for (uint32_t body = 0; body < bodyCount; body++)
         {
             onBvhs[body] = onBvhs[body] && either[body];
-            adjacent[body] = adjacent[body] && either[body];
+            neighbours[body] = neighbours[body] && either[body];
         }
         qcIslands_KeepWhole(&routing->islands, onBvhs);
     }
@@ -95,5 +95,5 @@ void qcIslandRouting_Free(qcIslandRouting* routing)
     qcArray_Free(&routing->onDevice);
     qcArray_Free(&routing->onBvhs);
     qcArray_Free(&routing->handledElsewhere);
-    qcArray_Free(&routing->adjacentOnBvhs);
+    qcArray_Free(&routing->neighboursOnBvhs);
 }

@@ -1,4 +1,4 @@
-// Which islands are answered by `layers` on the device, and which bodies by BVHs on the CPU.
+// Which islands are processed by `layers` on the device, and which bodies by BVHs on the CPU.
 #ifndef QC_PIPELINE_ISLAND_ROUTING_H
 #define QC_PIPELINE_ISLAND_ROUTING_H
 
@@ -15,7 +15,7 @@ typedef struct qcIslandRouting
     qcArray onDevice;         ///< its triangle pairs come from the device
     qcArray onBvhs;           ///< its triangle pairs come from BVHs
     qcArray handledElsewhere; ///< either: sweep and prune leaves it out
-    qcArray adjacentOnBvhs;   ///< on the device, but its adjacent pairs come from its BVH
+    qcArray neighboursOnBvhs; ///< on the device, but its neighbours come from its BVH
 } qcIslandRouting;
 
 /// Finds the islands and sends some to the device: all for `layers`, those for which it pays for `auto`. Measures the

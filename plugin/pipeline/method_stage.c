@@ -7,10 +7,10 @@
 
 static qcPairKeys LayersKeys(qcMethodStage* stage)
 {
-    return (qcPairKeys){&stage->layersKeys, &stage->layersAdjacentKeys, &stage->layersClassified};
+    return (qcPairKeys){&stage->layersKeys, &stage->layersContactKeys, &stage->layersClassified};
 }
 
-/// Sends the device's islands to the CPU after a failure, whose message the thread has.
+/// Sends the device's islands to the CPU after a failure, whose message is in qcLastMessage.
 static void FallBack(qcMethodStage* stage, qcProfile* profile)
 {
     snprintf(stage->fallback, sizeof stage->fallback, "%s: sweep answered on the CPU", qcLastMessage());
@@ -21,11 +21,11 @@ static void FallBack(qcMethodStage* stage, qcProfile* profile)
     profile->fallback = stage->fallback;
 }
 
-/// The islands on the device, from bodies to candidates.
+/// Runs the islands on the device, from bodies to candidates.
 static qcStatus RunLayers(const qcStep* step, const qcStepTriangles* triangles, const qcBodyPairs* pairs,
                           qcMethodStage* stage, qcProfile* profile)
 {
-    stage->layersKeys.count = stage->layersAdjacentKeys.count = stage->layersClassified.count = 0;
+    stage->layersKeys.count = stage->layersContactKeys.count = stage->layersClassified.count = 0;
     if (profile->partsOnDevice == 0)
         return qc_statusOk;
     const qcCullLayersJob job = {.device = step->device,
@@ -60,7 +60,7 @@ static qcBvhCandidatesJob BvhJob(const qcStep* step, const qcStepTriangles* tria
     return (qcBvhCandidatesJob){.triangles = triangles,
                                 .pairs = pairs,
                                 .bodies = routing->onBvhs.data,
-                                .adjacentOnly = routing->adjacentOnBvhs.data,
+                                .neighboursOnly = routing->neighboursOnBvhs.data,
                                 .queryDistance = step->queryDistance,
                                 .margin = step->def->margin,
                                 .contactMargin = step->def->contactMargin,
@@ -99,13 +99,13 @@ qcStatus qcMethodStage_Cull(const qcStep* step, const qcStepTriangles* triangles
     return qc_statusOk;
 }
 
-/// All adjacent pairs of bodies on the device that have no BVH yet.
+/// Lists all neighbours of bodies on the device that have no BVH yet.
 static qcStatus ListNeighbours(const qcStep* step, const qcStepTriangles* triangles, qcMethodStage* stage)
 {
     for (uint32_t body = 0; qcStep_ListsNeighbours(step) && body < triangles->bodyCount; body++)
-        if (QC_AT(uint8_t, stage->routing.onDevice, body) && !QC_AT(uint8_t, stage->routing.adjacentOnBvhs, body) &&
+        if (QC_AT(uint8_t, stage->routing.onDevice, body) && !QC_AT(uint8_t, stage->routing.neighboursOnBvhs, body) &&
             qcBody_HasSelfCollision(qcStepTriangles_Body(triangles, body)))
-            QC_TRY(qcCullLayers_ListNeighbours(&stage->layers, triangles, body, &stage->layersAdjacentKeys));
+            QC_TRY(qcCullLayers_ListNeighbours(&stage->layers, triangles, body, &stage->layersContactKeys));
     return qc_statusOk;
 }
 
@@ -136,7 +136,7 @@ void qcMethodStage_Free(qcMethodStage* stage)
     qcIslandRouting_Free(&stage->routing);
     qcCullLayers_Free(&stage->layers);
     qcArray_Free(&stage->layersKeys);
-    qcArray_Free(&stage->layersAdjacentKeys);
+    qcArray_Free(&stage->layersContactKeys);
     qcArray_Free(&stage->layersClassified);
     qcBvhCandidates_Free(&stage->bvhs);
 }

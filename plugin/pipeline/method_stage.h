@@ -10,15 +10,15 @@
 typedef struct qcMethodStage
 {
     qcCandidates candidates; ///< the output
-    char fallback[320];      ///< why the device did not answer: qcProfile::fallback points here
+    char fallback[320];      ///< why the device failed: qcProfile::fallback points here
     qcIslandRouting routing;
     qcCullLayers layers;
-    qcArray layersKeys, layersAdjacentKeys, layersClassified; ///< the device's pairs, as in qcCandidates
+    qcArray layersKeys, layersContactKeys, layersClassified; ///< the device's pairs, as in qcCandidates
     qcBvhCandidates bvhs;
 } qcMethodStage;
 
-/// Culls to the PCS: islands on the device to candidates already, BVHs of the other bodies are brought up to date, the
-/// triangles of all others are marked, and culled in the image by `cullide` and `quick`.
+/// Culls to the PCS. The device finds the candidates of its islands here already. The BVHs of the bodies that use them
+/// are brought up to date. Triangles of all other bodies are marked; `cullide` and `quick` also cull them in the image.
 qcStatus qcMethodStage_Cull(const qcStep* step, const qcStepTriangles* triangles, const qcBodyPairs* pairs,
                             qcMethodStage* stage, qcImageCull* imageCull, qcPcs* pcs, qcProfile* profile);
 

@@ -10,7 +10,7 @@ typedef struct qcPcsReport
     qcArray bits;      ///< scratch: a bit a triangle, since most triangles of most scenes are not in the PCS
 } qcPcsReport;
 
-/// With an image: the triangles that culling has left. Otherwise: the triangles of candidate pairs.
+/// With an image: the triangles left by culling. Otherwise: the triangles of candidate pairs.
 qcStatus qcPcsReport_Fill(const qcStepTriangles* triangles, const qcPcs* pcs, const qcCandidates* candidates,
                           bool ofImage, qcPcsReport* report);
 void qcPcsReport_Free(qcPcsReport* report);

@@ -27,7 +27,7 @@ static inline bool qcStep_UsesBvhs(const qcStep* step)
     return !step->plan.useImage && step->plan.method != qc_methodBrute;
 }
 
-/// Whether adjacent triangles of a body are listed, apart from the candidates: contacts exist between their features.
+/// Whether neighbours are listed, apart from the candidates: contacts exist between their features.
 static inline bool qcStep_ListsNeighbours(const qcStep* step)
 {
     return step->def->contactMargin > 0.0 && !step->def->neighbours;

@@ -81,7 +81,7 @@ void qcPlan_ChooseIslands(const qcPlanCosts* costs, qcPlanHistory* history, qcPl
         islands[i].onDevice = across >= s_levelsPerTriangle * sqrt(islands[i].triangles);
         *triangles += islands[i].onDevice ? islands[i].triangles : 0.0;
     }
-    // One transfer for all the others, or none.
+    // All other islands go to the device in one transfer, or none does.
     bool pays = *triangles > 0.0 && qcPlanHistory_Choose(history, costs, *triangles);
     for (size_t i = 0; i < count; i++)
         islands[i].onDevice = islands[i].onDevice && pays;

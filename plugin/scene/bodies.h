@@ -22,7 +22,7 @@ typedef struct qcBody
     double* world; ///< three a vertex, of deforming bodies; null for rigid ones: see qcBody_GetVertex
     uint32_t* indices;
     qcOwnedFeatures* owned;                ///< one a triangle; null until the first step with contacts
-    uint8_t* used;                         ///< by vertex: a flag, whether a triangle has it; null: all have one
+    uint8_t* used;                         ///< by vertex: 1 if a triangle has it, else 0; null: all vertices have one
     uint64_t moved;                        ///< qcBodies::revision when positions last changed
     qcTransform transform;                 ///< of rigid bodies
     bool isIdentity;                       ///< the transform

@@ -4,8 +4,8 @@
 #include "base/radix_sort.h"
 #include "base/status.h"
 
-/// Marks the corners that are first to have their vertex, and fills the edges: both vertices, lower first, and the
-/// index of the corner where the edge starts.
+/// Marks the first corner of each vertex, and fills the edges: both vertices, lower first, and the index of the corner
+/// where the edge starts.
 static void MarkCorners(const qcBody* body, uint8_t* seen, qcOwnedFeatures* owned, qcSortItem* edges)
 {
     for (size_t i = 0; i < 3 * (size_t)body->triangleCount; i++)

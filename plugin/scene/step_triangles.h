@@ -4,8 +4,9 @@
 
 #include "scene/bodies.h"
 
-/// Bodies are numbered by slot without gaps, triangles by body, then by index in it: the global triangle index. Pairs
-/// sorted by global indices are in the order that the ABI promises. Stages read it and change nothing.
+/// Bodies are numbered without gaps, in the order of their slots; triangles by body, then by index in it: the global
+/// triangle index. Pairs sorted by global indices are in the order that the ABI promises. Stages read the numbering and
+/// change nothing.
 typedef struct qcStepTriangles
 {
     const qcBodies* bodies;

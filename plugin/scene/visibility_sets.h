@@ -18,13 +18,14 @@ typedef enum qcVisibilitySet
 /// SFV the second. CULLIDE: all but BFV.
 bool qcVisibilitySet_IsTested(qcVisibilitySet set, int pass, bool quick);
 
-/// Whether it is rendered. Quick: lemma 5 spares SFV the first pass and FFV the second. CULLIDE: all but BFV.
+/// Whether a primitive of this set is rendered in this pass. Quick: lemma 5 spares SFV the first pass and FFV the
+/// second. CULLIDE: all but BFV.
 bool qcVisibilitySet_IsRendered(qcVisibilitySet set, int pass, bool quick);
 
-/// The set after a test in this pass.
+/// The set of a primitive after a test in this pass.
 qcVisibilitySet qcVisibilitySet_After(qcVisibilitySet set, int pass, bool fullyVisible);
 
-/// The set at the beginning of the next view. CULLIDE resets FFV and SFV.
+/// The set of a primitive at the beginning of the next view. CULLIDE resets FFV and SFV.
 qcVisibilitySet qcVisibilitySet_NextView(qcVisibilitySet set, bool quick);
 
 /// Whether two primitives of these sets may collide: neither is pruned, and they aren't in one collision-free set.

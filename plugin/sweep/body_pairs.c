@@ -62,7 +62,7 @@ static void OfferBoxes(void* context, const qcSweepBox* x, const qcSweepBox* y, 
     OfferPair(context, x->body < y->body ? x->body : y->body, x->body < y->body ? y->body : x->body);
 }
 
-/// Whether the body has triangles and culling has left it.
+/// Whether the body has triangles and was not culled.
 static bool IsPresent(const qcStepTriangles* triangles, const qcPcs* pcs, uint32_t body)
 {
     return qcStepTriangles_Body(triangles, body)->triangleCount != 0 &&

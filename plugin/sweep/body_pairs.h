@@ -1,4 +1,4 @@
-// Bodies against bodies: which pairs are tested, and which of their triangles take part.
+// Body pairs: which bodies are tested with each other, and which of their triangles take part.
 #ifndef QC_SWEEP_BODY_PAIRS_H
 #define QC_SWEEP_BODY_PAIRS_H
 

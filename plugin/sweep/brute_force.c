@@ -1,5 +1,5 @@
 // The reference: each triangle of the PCS against every other, by boxes in double, then the exact test. It shares no
-// box arithmetic with sweep and prune or with the BVHs, so that it finds their mistakes.
+// box arithmetic with sweep and prune or with the BVHs, so that a comparison reveals their errors.
 #include "sweep/candidates.h"
 
 #include "base/parallel_for.h"

@@ -11,7 +11,7 @@ typedef struct Run
 {
     qcBvhCandidates* sweep;
     const qcBvhCandidatesJob* job;
-    bool flatPatches; ///< flat patches have no pairs within, but adjacent ones
+    bool flatPatches; ///< pairs within flat patches are skipped; false where neighbours are candidates
     bool fillsVerlet; ///< pairs within bodies go to the Verlet list, too
 } Run;
 
@@ -92,7 +92,7 @@ static PairSides MakeSides(const Run* run, uint32_t a, uint32_t b)
     return sides;
 }
 
-/// There is room for it.
+/// Appends a job; there is room for it.
 static void AddJob(const Run* run, uint32_t a, uint32_t b)
 {
     qcBvhCandidates* sweep = run->sweep;
@@ -135,8 +135,8 @@ static bool UsesVerlet(const Run* run, uint32_t body)
     return FindsSelfPairs(run, body) && QC_AT(uint8_t, run->sweep->partlyRefitted, body) != 0;
 }
 
-/// All jobs of the step, so that threads have enough to do with many small bodies. The last ones, behind the first
-/// `searchCount`, take their pairs from the Verlet list.
+/// Makes all jobs of the step together, so that threads have enough work with many small bodies. The first
+/// `searchCount` are searches; the others take their pairs from the Verlet list.
 static qcStatus MakeJobs(const Run* run, size_t* searchCount)
 {
     qcBvhCandidates* sweep = run->sweep;
@@ -189,8 +189,8 @@ static qcStatus FindPairs(const Run* run)
     return qc_statusOk;
 }
 
-/// Whether the step fills the Verlet list. Not if a body uses it: its pairs are good for more steps than those within
-/// this step's smaller distance would be.
+/// Whether the step fills the Verlet list. It does not while a body uses the list: pairs found within this step's
+/// smaller distance would last for fewer steps.
 static bool FillsVerlet(const Run* run)
 {
     bool finds = false, uses = false;
@@ -224,13 +224,13 @@ static qcStatus EndVerlet(const Run* run)
     return qc_statusOk;
 }
 
-static void AddAdjacentKeys(void* context, const qcSlotPair* pairs, size_t count, uint32_t worker)
+static void AddContactKeys(void* context, const qcSlotPair* pairs, size_t count, uint32_t worker)
 {
     const PairSides* sides = context;
     qcPairBuffer_AddNeighbours(&QC_AT(qcPairBuffer, sides->run->sweep->buffers, worker), pairs, count, KeyOf, sides);
 }
 
-static qcStatus AddAdjacentPairs(const Run* run, uint32_t body, qcProfile* profile)
+static qcStatus AddNeighbourPairs(const Run* run, uint32_t body, qcProfile* profile)
 {
     qcBodyBvh* bvh = BvhOf(run, body);
     if (run->job->testNeighbours)
@@ -240,7 +240,7 @@ static qcStatus AddAdjacentPairs(const Run* run, uint32_t body, qcProfile* profi
     qcNeighbourPairsJob job = {.kernels = run->sweep->kernels,
                                .body = bvh,
                                .threads = run->job->threads,
-                               .function = AddAdjacentKeys,
+                               .function = AddContactKeys,
                                .context = &sides};
     return run->job->listNeighbours ? qcNeighbourPairs_Find(&job) : qc_statusOk;
 }
@@ -283,7 +283,7 @@ qcStatus qcBvhCandidates_Run(const qcBvhCandidatesJob* job, qcBvhCandidates* swe
     if (run.fillsVerlet)
         QC_TRY(BeginVerlet(&run));
     for (uint32_t body = 0; body < t->bodyCount; body++)
-        if (FindsSelfPairs(&run, body) || job->adjacentOnly[body])
+        if (FindsSelfPairs(&run, body) || job->neighboursOnly[body])
             FindFlatPatches(&run, body, profile);
     QC_TRY(FindPairs(&run));
     if (run.fillsVerlet)
@@ -292,14 +292,14 @@ qcStatus qcBvhCandidates_Run(const qcBvhCandidatesJob* job, qcBvhCandidates* swe
     {
         if (job->bodies[body])
             CountTriangles(&run, body, profile);
-        if (FindsSelfPairs(&run, body) || job->adjacentOnly[body])
-            QC_TRY(AddAdjacentPairs(&run, body, profile));
+        if (FindsSelfPairs(&run, body) || job->neighboursOnly[body])
+            QC_TRY(AddNeighbourPairs(&run, body, profile));
     }
     profile->fittedTriangles += sweep->refittedTriangles;
     profile->followedTriangles += sweep->partlyRefittedTriangles;
     // A step of `brute` or an image method prepares no BVH and has no refits to report.
     sweep->refittedTriangles = sweep->partlyRefittedTriangles = 0;
-    const qcPairKeys keys = {&candidates->keys, &candidates->adjacentKeys, &candidates->classified};
+    const qcPairKeys keys = {&candidates->keys, &candidates->contactKeys, &candidates->classified};
     return qcPairBuffers_End(&sweep->buffers, &keys);
 }
 

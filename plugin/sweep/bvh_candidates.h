@@ -40,13 +40,13 @@ typedef struct qcBvhCandidatesJob
 {
     const qcStepTriangles* triangles;
     const qcBodyPairs* pairs;
-    const uint8_t* bodies;       ///< by body: a flag, equal for both bodies of a pair; set: pairs are found here
-    const uint8_t* adjacentOnly; ///< by body: a flag; set: only adjacent pairs are found here. Never both
-    double queryDistance;        ///< the refit's margin: no less than any pair needs
-    double margin;               ///< qcDetectDef::margin: pairs proven no further apart are classified near
-    double contactMargin;        ///< pairs within its qcContactDistance are candidates too
-    bool testNeighbours;         ///< triangles of one body that share a vertex are candidates too
-    bool listNeighbours;         ///< otherwise: they are listed in adjacentKeys
+    const uint8_t* bodies;         ///< by body: a flag, equal for both bodies of a pair; set: pairs are found here
+    const uint8_t* neighboursOnly; ///< by body: a flag; set: only neighbours are found here. Never both
+    double queryDistance;          ///< the refit's margin: no less than any pair needs
+    double margin;                 ///< qcDetectDef::margin: pairs proven no further apart are classified near
+    double contactMargin;          ///< pairs within its qcContactDistance are candidates too
+    bool testNeighbours;           ///< triangles of one body that share a vertex are candidates too
+    bool listNeighbours;           ///< without testNeighbours: they are listed in contactKeys
     uint32_t threads;
 } qcBvhCandidatesJob;
 
@@ -56,7 +56,7 @@ typedef struct qcBvhCandidatesJob
 /// - of a body whose coordinates no 16-bit lattice can hold.
 qcStatus qcBvhCandidates_Prepare(const qcBvhCandidatesJob* job, qcBvhCandidates* sweep, uint8_t* flags);
 
-/// Adds pairs to the candidates, with neighbours listed also classified ones to adjacentKeys. All bodies of the job are
+/// Adds pairs to the candidates, with neighbours listed also classified ones to contactKeys. All bodies of the job are
 /// prepared.
 qcStatus qcBvhCandidates_Run(const qcBvhCandidatesJob* job, qcBvhCandidates* sweep, qcCandidates* candidates,
                              qcProfile* profile);

@@ -11,8 +11,8 @@ qcStatus qcCandidates_Begin(qcCandidates* candidates, uint32_t threads)
     for (size_t i = 0; i < candidates->buffers.count; i++)
     {
         qcCandidateBuffer* buffer = &QC_AT(qcCandidateBuffer, candidates->buffers, i);
-        buffer->keys.count = buffer->adjacentKeys.count = 0;
-        buffer->adjacentPairs = buffer->setPairs = 0;
+        buffer->keys.count = buffer->contactKeys.count = 0;
+        buffer->neighbourPairs = buffer->setPairs = 0;
     }
     return qc_statusOk;
 }
@@ -27,22 +27,22 @@ void qcCandidates_Offer(const qcCandidateRules* rules, uint32_t bodyA, uint32_t 
     unsigned setA = self ? qcPcs_SelfSet(a) : qcPcs_InterSet(a);
     unsigned setB = self ? qcPcs_SelfSet(b) : qcPcs_InterSet(b);
     if (setA == qc_setBfv || setB == qc_setBfv)
-        return; // in the PCS against other partners only
+        return; // the triangle is in the PCS against other partners only
     qcArray* keys = &buffer->keys;
     if (self)
     {
         uint32_t first = qcStepTriangles_First(t, bodyA);
         if (qcBody_AreNeighbours(qcStepTriangles_Body(t, bodyA), triangleA - first, triangleB - first))
         {
-            buffer->adjacentPairs += !rules->testNeighbours;
+            buffer->neighbourPairs += !rules->testNeighbours;
             if (!rules->testNeighbours && !rules->listNeighbours)
                 return;
             if (!rules->testNeighbours)
-                keys = &buffer->adjacentKeys;
+                keys = &buffer->contactKeys;
         }
     }
     else if (qcBodyPair_Classify(t, rules->pcs, bodyA, bodyB) != qc_pairTest)
-        return; // the profile has it as a pair of bodies
+        return; // counted in the profile as a skipped body pair
     if (!qcVisibilitySet_MayCollide(setA, setB))
     {
         buffer->setPairs++;
@@ -58,23 +58,23 @@ void qcCandidates_Offer(const qcCandidateRules* rules, uint32_t bodyA, uint32_t 
 qcStatus qcCandidates_End(qcCandidates* candidates, qcProfile* profile)
 {
     QC_TRY(qcWorkerResults_End(&candidates->buffers, sizeof(qcCandidateBuffer)));
-    size_t total = 0, adjacent = 0;
+    size_t total = 0, contactCount = 0;
     for (size_t i = 0; i < candidates->buffers.count; i++)
     {
         const qcCandidateBuffer* buffer = &QC_AT(qcCandidateBuffer, candidates->buffers, i);
         total += buffer->keys.count;
-        adjacent += buffer->adjacentKeys.count;
-        profile->skippedNeighbours += buffer->adjacentPairs;
+        contactCount += buffer->contactKeys.count;
+        profile->skippedNeighbours += buffer->neighbourPairs;
         profile->skippedSetCandidates += buffer->setPairs;
     }
-    candidates->keys.count = candidates->adjacentKeys.count = candidates->classified.count = 0;
+    candidates->keys.count = candidates->contactKeys.count = candidates->classified.count = 0;
     QC_TRY(qcArray_Reserve(&candidates->keys, total, sizeof(uint64_t), "candidate pairs"));
-    QC_TRY(qcArray_Reserve(&candidates->adjacentKeys, adjacent, sizeof(uint64_t), "candidate pairs"));
+    QC_TRY(qcArray_Reserve(&candidates->contactKeys, contactCount, sizeof(uint64_t), "candidate pairs"));
     for (size_t i = 0; i < candidates->buffers.count; i++)
     {
         const qcCandidateBuffer* buffer = &QC_AT(qcCandidateBuffer, candidates->buffers, i);
         QC_TRY(qcArray_Append(&candidates->keys, &buffer->keys, sizeof(uint64_t), "candidate pairs"));
-        QC_TRY(qcArray_Append(&candidates->adjacentKeys, &buffer->adjacentKeys, sizeof(uint64_t), "candidate pairs"));
+        QC_TRY(qcArray_Append(&candidates->contactKeys, &buffer->contactKeys, sizeof(uint64_t), "candidate pairs"));
     }
     return qc_statusOk;
 }
@@ -166,7 +166,7 @@ qcStatus qcCandidates_Add(const qcStepTriangles* triangles, const qcPcs* pcs, co
                           qcCandidates* candidates)
 {
     QC_TRY(AppendFiltered(triangles, pcs, keys->keys, sizeof(uint64_t), &candidates->keys));
-    QC_TRY(AppendFiltered(triangles, pcs, keys->contactKeys, sizeof(uint64_t), &candidates->adjacentKeys));
+    QC_TRY(AppendFiltered(triangles, pcs, keys->contactKeys, sizeof(uint64_t), &candidates->contactKeys));
     return AppendFiltered(triangles, pcs, keys->classified, sizeof(qcSortItem), &candidates->classified);
 }
 
@@ -175,7 +175,7 @@ void qcCandidates_Free(qcCandidates* candidates)
     for (size_t i = 0; i < candidates->buffers.count; i++)
     {
         qcArray_Free(&QC_AT(qcCandidateBuffer, candidates->buffers, i).keys);
-        qcArray_Free(&QC_AT(qcCandidateBuffer, candidates->buffers, i).adjacentKeys);
+        qcArray_Free(&QC_AT(qcCandidateBuffer, candidates->buffers, i).contactKeys);
     }
     qcSweep_Free(&candidates->sweep);
     qcArray_Free(&candidates->boxes);
@@ -183,6 +183,6 @@ void qcCandidates_Free(qcCandidates* candidates)
     qcArray_Free(&candidates->rowOwner);
     qcArray_Free(&candidates->buffers);
     qcArray_Free(&candidates->keys);
-    qcArray_Free(&candidates->adjacentKeys);
+    qcArray_Free(&candidates->contactKeys);
     qcArray_Free(&candidates->classified);
 }

@@ -13,16 +13,16 @@
 typedef struct qcCandidateBuffer
 {
     qcWorkerResult result;
-    qcArray keys;                     ///< uint64_t, see qcStepTriangles_Key
-    qcArray adjacentKeys;             ///< likewise
-    uint64_t adjacentPairs, setPairs; ///< skipped
+    qcArray keys;                      ///< uint64_t, see qcStepTriangles_Key
+    qcArray contactKeys;               ///< likewise
+    uint64_t neighbourPairs, setPairs; ///< skipped
 } qcCandidateBuffer;
 
 typedef struct qcCandidates
 {
-    qcArray keys;         ///< uint64_t: candidates, in no order
-    qcArray adjacentKeys; ///< uint64_t: pairs for contacts only: adjacent triangles, and pairs that are classified
-    qcArray classified;   ///< of qcSortItem: key and relation, of pairs that need no exact test; not among the keys
+    qcArray keys;        ///< uint64_t: candidates, in no order
+    qcArray contactKeys; ///< uint64_t: pairs for contacts only: neighbours, and pairs that are classified
+    qcArray classified;  ///< of qcSortItem: key and relation, of pairs that need no exact test; not among the keys
     //  Scratch, retained between steps.
     qcSweep sweep;
     qcArray boxes;          ///< of qcSweepBox: sweep
@@ -37,7 +37,7 @@ typedef struct qcCandidateRules
     const uint8_t* handledElsewhere; ///< by body: its triangle pairs come from another stage
     double queryDistance;            ///< boxes this far apart still overlap
     bool testNeighbours;             ///< triangles of one body that share a vertex are candidates too
-    bool listNeighbours;             ///< otherwise: they are listed in adjacentKeys
+    bool listNeighbours;             ///< without testNeighbours: they are listed in contactKeys
     uint32_t threads;
 } qcCandidateRules;
 

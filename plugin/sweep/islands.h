@@ -1,5 +1,5 @@
-// Islands: the connected components of bodies under body pairs. No triangle pair crosses from one to another, so that
-// each island may be answered by another method.
+// Islands: the connected components of the graph of body pairs. No triangle pair has triangles of two islands, so each
+// island may use a different method.
 #ifndef QC_SWEEP_ISLANDS_H
 #define QC_SWEEP_ISLANDS_H
 

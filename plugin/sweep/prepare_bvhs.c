@@ -26,9 +26,9 @@ static qcStatus SyncSlots(const qcStepTriangles* t, qcBvhCandidates* sweep)
     return qc_statusOk;
 }
 
-/// Whether the body may have a BVH in this step. Not a large new one with self-collision: its build takes as long as a
-/// step without it, and the topology may not live for another step. Listing neighbours without a BVH would take twice
-/// as long.
+/// Whether the body may have a BVH in this step. A large new body with self-collision has none: its build takes as long
+/// as a step without it, and the topology may not live for another step. Neighbours are an exception: listing them
+/// without a BVH would take twice as long.
 static bool MayHaveBvh(qcBvhCandidates* sweep, uint32_t slot, const qcBody* body, bool listNeighbours)
 {
     uint32_t* seen = &QC_AT(uint32_t, sweep->seen, slot);
@@ -107,8 +107,8 @@ static void RefitOne(void* context, size_t i, uint32_t worker)
                                 &task->upToDate));
 }
 
-/// Refits only the moved vertices, if the body's pairs in the Verlet list, found within more than this step's distance,
-/// cover their motion.
+/// Refits only the moved vertices, if the Verlet list allows for their motion: its pairs were found within a larger
+/// distance than this step's.
 static qcStatus TryPartialRefit(const qcBvhCandidatesJob* job, uint32_t body, qcBvhCandidates* sweep)
 {
     qcBodyBvh* bvh = qcBvhCandidates_At(sweep, qcStepTriangles_Slot(job->triangles, body));

@@ -61,8 +61,8 @@ static Extent FindExtent(const qcSweepBox* boxes, uint32_t count, int axis)
         squares += offset * offset;
     }
     Extent e = {.low = low, .range = (double)high - (double)low, .size = size / count};
-    // The width of a uniform distribution: sqrt(12) standard deviations. (The range would count a few outliers high
-    // over a flat crowd.) Infinite boxes make it NaN.
+    // The width of a uniform distribution: sqrt(12) standard deviations. The range would overrate an axis along which a
+    // few outliers lie far from all other boxes. Infinite boxes make it NaN.
     double mean = sum / count, spread = sqrt(12.0 * fmax(squares / count - mean * mean, 0.0)) + e.size;
     e.room = e.size > 0.0 && isfinite(spread) ? spread / e.size : e.range > 0.0 ? count : 1.0;
     return e;

@@ -33,7 +33,8 @@ static bool FindFoot(qcVector w, qcVector u, qcVector v, qcVector n, double* b, 
         qcVector d = *difference;
         *b += qcDot(qcCross(d, v), n) / n2;
         *c += qcDot(qcCross(u, d), n) / n2;
-        // Well outside. A first foot with a larger error lies on a sliver whose border is as near.
+        // The foot is well outside. Only on a sliver is the error of the first foot larger, and a sliver's border is as
+        // near.
         if (!(*b >= -0x1p-10 && *c >= -0x1p-10 && *b + *c <= 1.0 + 0x1p-10))
             return false;
         *difference = qcPlusScaled(qcPlusScaled(w, u, -*b), v, -*c);

@@ -32,7 +32,7 @@ typedef struct qcPairFrame
     /// World = origin + 2^exponent * local.
     const double* origin;
     int exponent;
-    double factors[2]; ///< their product is 2^-exponent, which may be no double
+    double factors[2]; ///< their product is 2^-exponent, which may exceed the range of double
 } qcPairFrame;
 
 /// Points to `a`.
@@ -50,7 +50,7 @@ typedef struct qcClosestPoints
     qcVector difference;             ///< from B's point to A's
 } qcClosestPoints;
 
-/// The closest points of two disjoint triangles in their frame. For triangles that meet: some points of each.
+/// The closest points of two disjoint triangles in their frame. For intersecting triangles: some points of each.
 void qcClosest_OfTriangles(const qcVector a[3], const qcVector b[3], qcClosestPoints* closest);
 
 #endif

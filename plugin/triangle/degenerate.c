@@ -1,4 +1,4 @@
-// Degenerate triangles are segments or points: finds out which.
+// Finds whether a triangle is degenerate: a segment or a point.
 #include "triangle/exact.h"
 
 static const double* Lower(const double* a, const double* b, int axis)

@@ -1,5 +1,5 @@
-// Are two triangles within a margin of each other? Decided exactly: a filter with certificates in double precision,
-// then all 42 pairs of features in integers. Proof: plugin/docs/proofs/distance_test.md.
+// Whether two triangles are within a margin of each other, decided exactly: a filter with certificates in double
+// precision, then all 42 pairs of features in integers. Proof: plugin/docs/proofs/distance_test.md.
 #include "triangle/exact.h"
 
 #include "triangle/closest_points.h"
@@ -296,7 +296,8 @@ qcRelation qcExact_Within(const double a[3][3], const double b[3][3], double mar
             return qc_relationDisjoint;
         across = across && IsOverlap(gap);
     }
-    // Each straddles the other's plane: the intersection test needs no exact arithmetic, and it decides.
+    // Each triangle straddles the other's plane: the intersection test rarely needs exact arithmetic and gives the
+    // result.
     if (within && across)
     {
         qcRelation relation = qcExact_Relate(a, b, undecided);

@@ -13,7 +13,7 @@ typedef struct Point
 
 enum
 {
-    // Three corners of each and the crossings of nine pairs of edges; never all of them.
+    // An upper bound: three corners of each triangle and the crossings of nine pairs of edges.
     qc_maxPoints = 15
 };
 
@@ -131,7 +131,8 @@ static void PushEdgeCrossing(Points* points, const double* const a[2], const dou
     Push(points, crossing.x);
 }
 
-/// For two in one plane or line, which (u, v) shows one to one: corners of each in the other, and crossings of edges.
+/// Two simplices in one plane or line, which the projection to (u, v) maps one to one. Candidates: corners of each that
+/// lie in the other, and crossings of edges.
 static void InPlane(const qcSimplex* a, const qcSimplex* b, int u, int v, qcSegment* segment)
 {
     Points points = {.count = 0};

@@ -58,7 +58,7 @@ static bool AllZero(const int side[3])
     return side[0] == 0 && side[1] == 0 && side[2] == 0;
 }
 
-/// Corners strictly on both sides: then, and only then, the relative interior meets the plane.
+/// True if corners lie strictly on both sides. This holds if and only if the relative interior intersects the plane.
 static bool Straddles(const int side[3])
 {
     bool positive = side[0] > 0 || side[1] > 0 || side[2] > 0;
@@ -66,8 +66,9 @@ static bool Straddles(const int side[3])
     return positive && negative;
 }
 
-/// The corner whose two edges cross (or end on) the other plane at the two ends of the interval: its side differs from
-/// that of both others. For (0, +, -) a corner off the plane, since both edges of the one on it end there.
+/// The corner whose two edges cross (or end on) the other plane, at the two ends of the interval: its side differs from
+/// that of both others. For sides (0, +, -) it is a corner off the plane, since both edges of the corner on the plane
+/// end there.
 static int Apex(const int side[3])
 {
     int apex = -1;
@@ -77,7 +78,7 @@ static int Apex(const int side[3])
     return apex;
 }
 
-/// The planes meet in one line and both triangles reach it.
+/// The relation of triangles whose planes intersect in a line that both triangles touch or cross.
 static qcRelation OnLine(const double a[3][3], const double b[3][3], const int sideA[3], const int sideB[3],
                          uint64_t* undecided)
 {

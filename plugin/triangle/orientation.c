@@ -10,7 +10,7 @@
 
 static const double s_bound3 = (7.0 + 56.0 * (DBL_EPSILON / 2)) * (DBL_EPSILON / 2);
 static const double s_bound2 = (3.0 + 16.0 * (DBL_EPSILON / 2)) * (DBL_EPSILON / 2);
-// Above all underflow by far and below any determinant of a scene with edges longer than 1e-90.
+// Far above any underflow, and below any determinant of a scene with edges longer than 1e-90.
 static const double s_underflow = 1e-290;
 
 typedef struct Filtered

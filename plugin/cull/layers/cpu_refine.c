@@ -1,4 +1,4 @@
-// Lists of cells, clusters, boxes of triangles, separating axes, classification.
+// Refines the lists of cells to clusters, to boxes of triangles, then tests separating axes and classifies.
 // Proof that no pair is lost: plugin/docs/proofs/layers_refine.md.
 #include "cull/layers/cpu_refine.h"
 

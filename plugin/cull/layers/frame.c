@@ -1,4 +1,4 @@
-// Choice of the frame. The slack that rounding needs: plugin/docs/proofs/layers.md.
+// Chooses the grid frame. Slack for rounding: plugin/docs/proofs/layers.md.
 #include "cull/layers/frame.h"
 
 #include "gl/layers/layers_gpu.h"

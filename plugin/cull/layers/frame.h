@@ -1,12 +1,12 @@
-// The grid frame of `layers`: from world coordinates to the grid's levels. It stays while the scene fits, so that
-// bodies at rest are not uploaded again.
+// The grid frame of `layers`: from world coordinates to the grid's levels. A frame is retained while the scene fits
+// into it, so that bodies at rest are not uploaded again.
 #ifndef QC_CULL_LAYERS_FRAME_H
 #define QC_CULL_LAYERS_FRAME_H
 
 #include <stdbool.h>
 #include <stdint.h>
 
-/// What a frame must hold.
+/// The bounds and distances that a frame is made for.
 typedef struct qcGridBounds
 {
     double lower[3], upper[3]; ///< world AABB of the bodies that take part

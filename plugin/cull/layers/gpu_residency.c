@@ -1,4 +1,4 @@
-// Ranges of the device's buffers, staging, uploads.
+// Assigns ranges of the device's buffers, stages data and plans uploads.
 // Proof of the bounds on vertex errors (pointError): plugin/docs/proofs/layers_vertices.md.
 #include "cull/layers/gpu_residency.h"
 

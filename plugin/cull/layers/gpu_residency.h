@@ -27,10 +27,10 @@ typedef struct qcGpuResidency
     qcArray bodies;                       ///< of qcBodyResidency, by slot
     size_t capacity[qc_layersInputCount]; ///< elements of the device's buffers
     size_t used[qc_layersInputCount];     ///< elements assigned to bodies, removed ones included
-    uint32_t freedNodes;                  ///< leaf nodes of these that removed bodies had
+    uint32_t freedNodes;                  ///< assigned leaf nodes of removed bodies
     qcArray nodeSlot;                     ///< uint32_t: slot of the body of a leaf node
     qcArray corners;                      ///< of qcCorners, by triangle slot; with imageOnly
-    uint32_t changedNodes;                ///< leaf nodes of changed bodies: the first of activeNodes
+    uint32_t changedNodes;                ///< number of leaf nodes of changed bodies, which come first in activeNodes
     //  Data of the step's uploads, valid until the step has run.
     qcArray vertices, locals, triangles, nodes, links;
     qcArray table, uploadedTable; ///< of qcLayersBody, by slot: of this step, and on the device

@@ -1,4 +1,4 @@
-// By the mean extent of sampled leaf nodes.
+// Chooses the grid resolution by the mean extent of sampled leaf nodes.
 #include "cull/layers/grid_resolution.h"
 
 #include <float.h>

@@ -1,4 +1,4 @@
-// Which bodies take part, the device's step, and its answer as candidate keys.
+// Selects the bodies that take part, runs the device's step, and converts its pairs to candidate keys.
 #include "cull/layers/layers.h"
 
 #include "base/clock.h"
@@ -210,7 +210,7 @@ static qcStatus Refine(Step* step, const qcLayersStep* device, qcLayersAnswer* a
     return qcCpuRefine_Run(&job, &cull->refine, keys, &answer->trianglePairs);
 }
 
-/// Fails without an attempt if the device's last failures are too recent.
+/// Fails without an attempt while the device is paused after failures.
 static qcStatus CheckFailures(qcCullLayersFailures* failures, qcDevice* device)
 {
     if (failures->generation != qcDevice_GetGeneration(device))
@@ -221,9 +221,9 @@ static qcStatus CheckFailures(qcCullLayersFailures* failures, qcDevice* device)
     return qcFail(qc_statusDevice, "%s (next attempt in %u steps)", failures->reason, failures->waiting + 1);
 }
 
-/// A failure costs an upload and the kernels. After the first one the next step tries again: the scene may have
-/// changed. After further ones 1, 3, 7 and at most 127 steps don't: of many steps less than a hundredth fail on the
-/// device.
+/// Sets the number of steps without an attempt. A failure costs an upload and the kernels. After the first failure the
+/// next step tries again, since the scene may have changed; further ones in a row pause the device for 1, 3, 7, ... up
+/// to 127 steps. In the long run less than one step in a hundred fails on the device.
 static void CountFailure(qcCullLayersFailures* failures)
 {
     snprintf(failures->reason, sizeof failures->reason, "%s", qcLastMessage());

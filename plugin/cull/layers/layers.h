@@ -50,7 +50,7 @@ typedef struct qcCullLayersJob
 /// message, and another method must find the pairs.
 qcStatus qcCullLayers_Run(const qcCullLayersJob* job, qcCullLayers* cull, const qcPairKeys* keys, qcProfile* profile);
 
-/// Adds the keys of all adjacent pairs of a body whose self pairs were found in the last step.
+/// Adds the keys of all neighbours of a body whose self pairs were found in the last step.
 qcStatus qcCullLayers_ListNeighbours(const qcCullLayers* cull, const qcStepTriangles* triangles, uint32_t body,
                                      qcArray* keys);
 void qcCullLayers_Free(qcCullLayers* cull);

@@ -1,4 +1,5 @@
-// Back to front along the view, in which visibility culling prunes most. Quick-CULLIDE, VR 2005, section 5.1.3.
+// Sorts primitives back to front along the view: in this order visibility culling prunes most. Quick-CULLIDE, VR 2005,
+// section 5.1.3.
 #include "cull/visibility/draw_order.h"
 
 #include "base/radix_sort.h"

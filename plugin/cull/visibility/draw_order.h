@@ -20,10 +20,11 @@ typedef struct qcCullOrder
     qcArray groups, scratch;
 } qcCullOrder;
 
-/// By index.
+/// Fills the order by index.
 qcStatus qcCullOrder_ByNumber(qcCullOrder* order, uint32_t primitiveCount);
 
-/// Farthest first along an axis (0, 1, 2); a group's depth is the mean depth of its corners. O(triangles).
+/// Fills the order farthest first along an axis (0, 1, 2); a group's depth is the mean depth of its corners.
+/// O(triangles).
 qcStatus qcCullOrder_BackToFront(qcCullOrder* order, const qcCullPrimitive* primitives, uint32_t primitiveCount,
                                  const float* corners, int axis);
 void qcCullOrder_Free(qcCullOrder* order);

@@ -23,7 +23,7 @@ static bool DrawSelf(uint8_t sets)
     return qcPcs_SelfSet(sets) != qc_setBfv;
 }
 
-// Far below it doubles are subnormal, and half of one is rounded.
+// Doubles far below it are subnormal, and half of a subnormal is rounded.
 static const double s_minExtent = 0x1p-960;
 
 /// From world to image space: the box around the bodies of the level becomes [-1, 1] in each axis.
@@ -126,7 +126,7 @@ static qcStatus RunLevel(const qcImageCullJob* job, const qcStepTriangles* trian
     Frame frame = FindFrame(cull, triangles);
     QC_TRY(Gather(triangles, pcs, &frame, level, isDrawn, cull));
     if (cull->primitives.count < 2)
-        return qc_statusOk; // a single primitive stays in NFV: there is nothing to hide it
+        return qc_statusOk; // a single primitive stays in NFV: no other one can hide it
     qcCullJob twoPass = {.device = job->device,
                          .quick = job->plan->method == qc_methodQuick,
                          .level = level,

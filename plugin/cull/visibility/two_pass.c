@@ -155,7 +155,7 @@ static qcStatus ResetViews(const Pass* p)
     return qc_statusOk;
 }
 
-/// The order and the sets of a view, before its two passes.
+/// Prepares the order and the sets of a view for its two passes.
 static qcStatus BeginView(const Pass* p, const char* axis)
 {
     const qcCullJob* job = p->job;

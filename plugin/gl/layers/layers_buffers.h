@@ -1,4 +1,4 @@
-// The buffers of `layers` on the device: what the caller uploads, and what the kernels make of it.
+// The buffers of `layers` on the device: inputs uploaded by the caller, and outputs of the kernels.
 #ifndef QC_GL_LAYERS_LAYERS_BUFFERS_H
 #define QC_GL_LAYERS_LAYERS_BUFFERS_H
 
@@ -38,10 +38,9 @@ void qcLayersBuffers_Delete(const struct qcGlFunctions* gl, const qcLayersBuffer
 const char* qcLayersBuffers_SamplerName(int buffer);
 size_t qcLayersBuffers_ElementSize(int buffer);
 
-/// Gives a buffer room for exactly `count` elements; their content is lost. qc_statusDevice names the limit or the
-/// error.
+/// Resizes a buffer to exactly `count` elements; its content is lost. qc_statusDevice names the limit or the error.
 qcStatus qcLayersBuffers_Resize(const struct qcGlFunctions* gl, qcLayersBuffers* b, int buffer, size_t count);
-/// Gives a buffer room for `count` elements or more; the content stays where there is enough room.
+/// Makes room for `count` elements or more; the content stays if the buffer is large enough already.
 qcStatus qcLayersBuffers_Reserve(const struct qcGlFunctions* gl, qcLayersBuffers* b, int buffer, size_t count);
 
 /// Returns the number of bytes uploaded.

@@ -93,7 +93,7 @@ static qcStatus DeleteObjects(const struct qcGlFunctions* gl, void* context)
 
 //  ---- kernels -----------------------------------------------------------------------------------------------------
 
-/// Lists up to the one whose items are the result.
+/// The number of lists, up to the one with the result.
 static int ListCount(const qcLayers* layers)
 {
     return layers->kernels.imageOnly ? list_entries + 1 : list_count;
@@ -104,7 +104,7 @@ static uint32_t CountOf(const qcLayers* layers, List list)
     return layers->counters.lists[list].count;
 }
 
-/// One less than the buffer's capacity: see WRITE_BITS in common.glsl.
+/// The number of items that a list holds, one less than the buffer's capacity: see WRITE_BITS in common.glsl.
 static uint32_t ListCapacity(const qcLayers* layers, int buffer)
 {
     return (uint32_t)(layers->buffers.capacity[buffer] - 1);

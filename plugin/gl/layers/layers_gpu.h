@@ -23,7 +23,7 @@ typedef enum qcLayersBuffer
     qc_layersNodes,
     /// 8 bytes: an adjacent node, not below this one; its pair masks in qc_layersTables.
     qc_layersLinks,
-    /// 8 bytes: words of packed pair masks, qcClusters::tables.
+    /// 8 bytes: words of packed pair masks, qcClusters::pairMasks.
     qc_layersTables,
     /// qc_layersBodyTexels per body slot: see qcLayersBody.
     qc_layersBodies,

@@ -131,7 +131,7 @@ static void SetUniform(const struct qcGlFunctions* gl, GLint location, UniformTy
     }
 }
 
-/// Makes a kernel the one to dispatch.
+/// Selects a kernel for the next dispatch.
 static void Use(const struct qcGlFunctions* gl, const qcLayersKernels* kernels, const qcLayersBuffers* b,
                 qcLayersKernel kernel, const qcLayersUniforms* values)
 {

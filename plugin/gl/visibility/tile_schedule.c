@@ -87,9 +87,9 @@ static PixelBox FindBox(const qcScheduleView* view, uint32_t triangle)
                       ClampPixel((upper[1] + 1.0f) * half + dilationY, view->resolution)};
 }
 
-/// Counts the triangle in each tile that its box touches, or, if `entries` isn't null, adds it to each. `tileFirst` is
-/// two elements ahead of the tile when counting, and one when adding: counts turn into begins, and begins into ends, in
-/// place.
+/// Counts a triangle in each tile that its box touches or, if `entries` isn't null, adds it to each of these tiles.
+/// Counts are written at tileFirst[tile + 2]; their sums become the begins at tileFirst[tile + 1], and adding the
+/// entries turns these into ends, in place.
 static void BinTriangle(const Pass* pass, size_t* tileFirst, Entry* entries, uint32_t step, uint32_t triangle)
 {
     uint32_t tileSize = pass->view->tileSize;
@@ -148,8 +148,8 @@ static PixelBox JoinBoxes(PixelBox a, PixelBox b)
                       a.y1 > b.y1 ? a.y1 : b.y1};
 }
 
-/// Gives a step the first level at which its tests see all earlier renders, and its renders are not seen by earlier
-/// tests. Updates the cells.
+/// Returns the first level of a step at which its tests see all earlier renders, and no earlier test sees its renders.
+/// Updates the cells.
 static uint32_t TakeLevel(Cell* cells, uint32_t cellsPerSide, CellBox box, const qcVisibilityStep* step)
 {
     uint32_t level = 0;

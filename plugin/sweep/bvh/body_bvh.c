@@ -1,4 +1,4 @@
-// What the sweep stores of a body.
+// Builds a body's BVH, its adjacency, fans and Verlet reference.
 #include "sweep/bvh/body_bvh.h"
 
 #include "base/parallel_for.h"

@@ -1,5 +1,5 @@
-// All that the sweep stores of a body between steps: its BVH, and what speeds up its pairs with itself: vertex fans,
-// flat patches and the reference of its Verlet list.
+// The sweep's data of a body between steps: its BVH and, for pairs of the body with itself, vertex fans, flat patches
+// and the reference of its Verlet list.
 #ifndef QC_SWEEP_BVH_BODY_BVH_H
 #define QC_SWEEP_BVH_BODY_BVH_H
 
@@ -10,7 +10,7 @@
 typedef struct qcBodyBvh
 {
     qcTriangleBvh bvh;
-    bool hasAdjacency; ///< the clusters are linked and the patches built: what self pairs without neighbours need
+    bool hasAdjacency; ///< the clusters are linked and the patches built, for self pairs without neighbours
     qcPatchState patches;
     qcVertexFans fans;   ///< made when first needed
     qcArray isSeparated; ///< uint8_t by vertex: its fan had no self-contact within the margin (neighbour_pairs.h)

@@ -16,14 +16,14 @@ enum
     // Pairs of nodes that are dealt to threads: enough that no thread waits long for the last.
     qc_nodePairsPerThread = 64,
     qc_tasksPerThread = 16,
-    // Searches that are prepared together, in about ten microseconds, and the least number of blocks that is worth
-    // waking a thread for.
+    // Searches that are prepared together, in about ten microseconds, and the min number of blocks that is worth waking
+    // a thread for.
     qc_searchBlock = 16,
     qc_minSearchBlocks = 8,
     qc_queueRoom = qc_queueFull + qc_nodeSize * qc_nodeSize
 };
 
-/// Two nodes, of the level that their search is at.
+/// Two nodes of the current level of their search.
 typedef struct NodePair
 {
     uint32_t search, a, b;
@@ -38,7 +38,7 @@ typedef struct Search
     qcIndexedTriangles sides[2];
     qcDistanceThresholds thresholds;
     bool same;
-    bool filters; ///< the thresholds are of use
+    bool filters; ///< false: the thresholds are too inexact for the filter
 } Search;
 
 /// The pairs that one worker has found and not yet reported.
@@ -47,7 +47,7 @@ typedef struct Queue
     const Search* search;
     qcSlotPair *pairs, *end;
     uint32_t worker;
-    bool isOpen; ///< the job's function takes more
+    bool isOpen; ///< false: the job's function has stopped the search
 } Queue;
 
 /// Bits i + 8 j with i <= j.
@@ -72,10 +72,10 @@ static qcBvhBoxes BoxesOf(const qcTriangleBvh* bvh)
     return (qcBvhBoxes){boxes, boxes + bvh->firstBox8[1]};
 }
 
-/// What pairs of two leaf nodes of one body leave out.
+/// The pairs of two leaf nodes of one body that are left out.
 typedef struct Rules
 {
-    const uint64_t* pairMasks; ///< null: nothing
+    const uint64_t* pairMasks; ///< null: all pairs are tested
     qcPairExclusion exclusions[qc_maxExclusions];
     int exclusionCount;
 } Rules;
@@ -194,8 +194,8 @@ qcDistanceThresholds qcTriangleBvh_Thresholds(const qcTriangleBvh* bvh, double q
     return thresholds;
 }
 
-/// Row i of the transforms from b's lattice and frame to a's: back to b's coordinates, from there to a's, and on.
-/// Coordinates of points, in units of b's frame, are 1 at most.
+/// Row i of the transforms from b's lattice and frame to a's: back to b's coordinates, then to a's coordinates, then to
+/// a's lattice and frame. Coordinates of points, in units of b's frame, are 1 at most.
 static void FindTransformRow(Search* s, const qcRelativeTransform* r, int i)
 {
     const qcTriangleBvh *a = s->a, *b = s->b;
@@ -219,9 +219,9 @@ static void FindTransformRow(Search* s, const qcRelativeTransform* r, int i)
         ratios += fabs(ratio);
     }
     double offset = origin * latticeA->scale[i], at = origin * latticeA->unit[i];
-    // Between two bodies in the world coordinates are compared as they are: nothing is rounded.
+    // If both BVHs are in world coordinates, these are compared unchanged: nothing is rounded.
     double rounding = a->isLocal || b->isLocal ? r->error[i] : 0.0;
-    // Boxes in the world include the margin. Local boxes and points don't; then b's boxes get it, at both ends.
+    // World boxes include the margin. Local boxes and points don't: then b's boxes get the margin, at both ends.
     double margin = s->job->query * r->reach[i] * (1.0 + 1e-8);
     levels->shift[i] = (float)(offset + level);
     levels->grow[i] = FindGrowth(fabs(offset) + levelSizes,

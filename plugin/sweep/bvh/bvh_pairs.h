@@ -9,7 +9,7 @@
 /// apart than `query` are dropped.
 qcDistanceThresholds qcTriangleBvh_Thresholds(const qcTriangleBvh* bvh, double query, double near);
 
-/// Takes what was found. False: the search may stop.
+/// Receives pairs. False: the search may stop.
 typedef bool qcBvhPairsFunction(void* context, const qcClassifiedPairs* found, uint32_t worker);
 
 typedef struct qcBvhPairsJob

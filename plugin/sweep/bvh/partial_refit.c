@@ -1,6 +1,6 @@
-// Positions are compared bit by bit: a vertex without a changed bit has not moved, and what was proven of it still
-// holds. Boxes only grow, by rows computed like those of a fit, so what a fit proves of boxes
-// (sweep/bvh/triangle_bvh.c) stays true.
+// Positions are compared bit by bit. A vertex without a changed bit has not moved, and the proofs about it still hold.
+// Boxes only grow, by rows computed like those of a fit, so the guarantees of a fit (sweep/bvh/triangle_bvh.c) still
+// hold.
 #include "sweep/bvh/partial_refit.h"
 
 #include "base/status.h"
@@ -10,13 +10,13 @@
 
 enum
 {
-    // One vertex of so many may have moved. A cloth of 20 000 triangles of which one twentieth moved takes half the
-    // time of a whole fit and search (AVX2, one thread).
+    // At most one in so many vertices may have moved. A cloth of 20 000 triangles with one twentieth of them moved
+    // takes half the time of a whole fit and search (AVX2, one thread).
     qc_maxMovedShare = 8,
     qc_compareRun = 16 ///< vertices that are compared together: most have not moved
 };
 
-// Below, rounding counts.
+// For smaller motions rounding errors are not negligible.
 static const double s_minMotion = 1e-300;
 
 static bool IsInLattice(const qcTriangleBvh* bvh, const double x[3])
@@ -41,7 +41,7 @@ static qcMotionFlag FlagOf(const double from[3], const double to[3], double maxM
     return largest <= 0.57 * maxMotion ? qc_motionSmall : qc_motionLarge; // 1 / sqrt(3)
 }
 
-/// Appends the vertices that are not where they were to those of the previous step. False: too many, or too far.
+/// Appends the vertices that differ from the reference to those of the previous step. False: too many, or too far.
 static bool FindMovedVertices(qcBodyBvh* bodyBvh, const qcBody* body, size_t maxCount)
 {
     qcVerletReference* reference = &bodyBvh->verlet;
@@ -138,13 +138,13 @@ qcStatus qcBodyBvh_PartialRefit(qcBodyBvh* bodyBvh, const qcBody* body, double m
     QC_TRY(qcArray_Reserve(moved, maxCount, sizeof(uint32_t), "refitting a BVH"));
     if (!FindMovedVertices(bodyBvh, body, maxCount))
     {
-        // The list is incomplete now: vertices that moved before may have come back.
+        // The new list is incomplete, and vertices of the previous one may have returned to the reference.
         qcVerletReference_Clear(reference);
         return qc_statusOk;
     }
     ClearFlags(bodyBvh, previous);
     MoveVertices(bodyBvh, body, maxMotion, kernels, scratch->vertices.data);
-    // A vertex that moved before and is still away is in the list twice. The previous part of the list goes.
+    // Drops the previous part of the list: vertices that still differ from the reference are in the new part too.
     if (moved->count > previous)
         memmove(moved->data, &QC_AT(uint32_t, *moved, previous), (moved->count - previous) * sizeof(uint32_t));
     moved->count -= previous;

@@ -1,5 +1,5 @@
-// The flat patches of a body (mesh/flat_patches.h), and which of them are proven flat where the body is: pairs of
-// triangles of one flat patch need no test.
+// The flat patches of a body (mesh/flat_patches.h), and which of them are proven flat at its current positions: pairs
+// of triangles of one flat patch need no test.
 #ifndef QC_SWEEP_BVH_PATCH_STATE_H
 #define QC_SWEEP_BVH_PATCH_STATE_H
 

@@ -1,4 +1,5 @@
-// Topology once, boxes and points for each new position. Levels are rounded so that boxes within the margin overlap.
+// Builds the topology once, fits boxes and points to new positions. Levels are rounded so that boxes within the margin
+// overlap.
 // Proof: plugin/docs/proofs/triangle_bvh.md.
 #include "sweep/bvh/triangle_bvh.h"
 
@@ -21,7 +22,7 @@ enum
 
 //  ---- topology ------------------------------------------------------------------------------------
 
-/// Boxes of each level, up to the level with one qcBox8.
+/// Lays out the boxes of each level, up to the level with one qcBox8.
 static qcStatus LayLevels(qcTriangleBvh* bvh)
 {
     size_t count = (size_t)bvh->clusters.nodeCount * qc_boxLanes, total = 0;
@@ -82,7 +83,7 @@ static bool ChooseLattice(qcLatticeTransform* lattice, const double lower[3], co
     for (int axis = 0; axis < 3; axis++)
     {
         lattice->unit[axis] = ldexp(1.0, -exponent);
-        // A flat body's thin axis doesn't get levels finer than coordinates are.
+        // Along the thin axis of a flat body levels are no finer than the precision of coordinates.
         double levels = 65533.0 * (1.0 - 0x1p-50) / fmax(extent[axis], widest * 0x1p-30);
         lattice->scale[axis] = widest > 0.0 ? fmin(levels, 0x1p1000) : 1.0;
     }

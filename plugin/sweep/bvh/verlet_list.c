@@ -69,7 +69,7 @@ typedef struct Search
     qcIndexedTriangles sides[2];
     qcDistanceThresholds thresholds;
     uint32_t worker;
-    bool isOpen;  ///< the job's function takes more
+    bool isOpen;  ///< false: the job's function has stopped the search
     size_t count; ///< in the queue
     qcSlotPair queue[qc_queueFull];
 } Search;
@@ -91,8 +91,8 @@ static void Push(Search* s, qcSlotPair pair)
     s->queue[s->count++] = pair;
 }
 
-/// Pairs of the list whose triangles have not moved far. With a query distance of 0 disjoint pairs that have not moved
-/// at all are still disjoint.
+/// Queues pairs of the list whose triangles have not moved far. With a query distance of 0, disjoint pairs that have
+/// not moved at all are left out: they are still disjoint.
 static void PushRun(Search* s, const PairRun* run, const qcSlotPair* pairs)
 {
     size_t disjoint = s->job->query == 0.0 ? run->disjoint : 0;
@@ -130,7 +130,7 @@ static bool ShareVertex(const qcCorners* a, const qcCorners* b)
     return share;
 }
 
-/// A triangle and one that moved far. Each pair is pushed once, and no neighbours.
+/// Queues a triangle and one that moved far: each pair once, no neighbours.
 static void PushFarPair(Search* s, uint32_t slot, uint32_t far)
 {
     const qcCorners* corners = s->sides[0].corners;

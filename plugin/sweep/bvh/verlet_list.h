@@ -28,8 +28,8 @@ void qcVerletList_Add(qcVerletList* list, uint32_t slot, const qcClassifiedPairs
 /// Fails if a worker has failed.
 qcStatus qcVerletList_Check(const qcVerletList* list);
 
-/// Finds the job's pairs: all those of a body with itself. Its BVH is partially refitted (sweep/bvh/partial_refit.h)
-/// with a `maxMotion` of half of what the job's query distance is below the reference's margin. O(pairs in the list +
+/// Finds the job's pairs: all those of a body with itself. Its BVH has been refitted by qcBodyBvh_PartialRefit, with a
+/// `maxMotion` of half the difference of the reference's margin and the job's query distance. O(pairs in the list +
 /// triangles).
 void qcVerletList_Find(const qcVerletList* list, uint32_t slot, const qcBvhPairsJob* job, uint32_t worker);
 void qcVerletList_Free(qcVerletList* list);

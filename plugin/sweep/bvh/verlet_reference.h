@@ -1,5 +1,5 @@
-// Where a body's vertices were when its pairs were put in the Verlet list (sweep/bvh/verlet_list.h), and which vertices
-// have moved since.
+// Reference positions of a body: those of its vertices when its pairs were put in the Verlet list
+// (sweep/bvh/verlet_list.h), and the vertices that have moved since.
 #ifndef QC_SWEEP_BVH_VERLET_REFERENCE_H
 #define QC_SWEEP_BVH_VERLET_REFERENCE_H
 
@@ -10,16 +10,16 @@ typedef enum qcMotionFlag
 {
     qc_motionNone,
     qc_motionSmall,
-    qc_motionLarge ///< more than the list allows for. A bit that the others don't have
+    qc_motionLarge ///< more than the list allows for. It has a bit that the others don't have
 } qcMotionFlag;
 
 typedef struct qcVerletReference
 {
-    double margin;         ///< pairs no farther apart were in the list
+    double margin;         ///< the list had all pairs up to this distance, in scene units
     qcArray positions;     ///< double, three a vertex of the body. Empty: there is no reference
-    uint64_t fitCount;     ///< qcTriangleBvh::fitCount that it belongs to
+    uint64_t fitCount;     ///< qcTriangleBvh::fitCount of the reference or its last partial refit
     qcArray bvhVertex;     ///< uint32_t by vertex of the body: its index in the BVH, or vertexCount
-    qcArray movedVertices; ///< uint32_t: vertices of the BVH that are not where they were
+    qcArray movedVertices; ///< uint32_t: vertices of the BVH that differ from the reference
     qcArray motionFlags;   ///< uint8_t by slot: qcMotionFlag
 } qcVerletReference;
 

@@ -2,7 +2,7 @@
 layout(std430, binding = 1) buffer TrianglePairs { uint outTrianglePairs[]; }; // cluster pair << 6 | triangle + 8 * triangle
 uniform uint clusterPairCapacity, trianglePairCapacity, testNeighbours;
 
-// The pair mask of two clusters, see qcClusters_Word; none where the table has no word.
+// The pair mask of two clusters, see qcPairMask_Word; none where the table has no word.
 uvec2 wordOf(uint table, uint bit)
 {
     uvec2 some = texelFetch(tables, int(table)).xy, empty = texelFetch(tables, int(table + 1u)).xy;
