@@ -1,5 +1,5 @@
 // CPU refinement: from the image to triangle pairs, where GL is software. It does on the CPU's vectors what the kernels
-// of gl/layers after node_pairs do on a GPU, by the same algorithm.
+// of gl/layers from node_pairs on do on a GPU, by the same algorithm.
 #ifndef QC_CULL_LAYERS_CPU_REFINE_H
 #define QC_CULL_LAYERS_CPU_REFINE_H
 
