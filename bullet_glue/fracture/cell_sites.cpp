@@ -79,7 +79,7 @@ double DifferenceOfSquares(const qcClipPoint& a, const qcClipPoint& b, const qcC
 }
 } // namespace
 
-std::string qcFractureSites_Find(const qcFractureDef& def, const qcFractureUnits& units, const qcClipMesh& mesh,
+std::string qcFractureSites_Find(const qcFractureDef& def, const qcFractureUnits& units, const qcFacetedMesh& mesh,
                                  qcFractureSites* sites)
 {
     qcClipPoint lower = mesh.points[0], upper = lower;

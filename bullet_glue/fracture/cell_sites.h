@@ -15,7 +15,7 @@ struct qcFractureSites
 };
 
 /// Finds the sites for a mesh in local positions. Returns the reason why the mesh can't be divided, or an empty text.
-std::string qcFractureSites_Find(const qcFractureDef& def, const qcFractureUnits& units, const qcClipMesh& mesh,
+std::string qcFractureSites_Find(const qcFractureDef& def, const qcFractureUnits& units, const qcFacetedMesh& mesh,
                                  qcFractureSites* sites);
 
 /// The bisector of two sites in local positions; the second site is outside. Exchanging the sites exactly negates the

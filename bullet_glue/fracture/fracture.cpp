@@ -88,9 +88,9 @@ struct Job
 };
 
 /// The mesh in local positions. Vertices without a triangle get the position of another vertex: welding drops them.
-qcClipMesh MeshOf(const qcFractureDef& def, const qcFractureUnits& units)
+qcFacetedMesh MeshOf(const qcFractureDef& def, const qcFractureUnits& units)
 {
-    qcClipMesh mesh;
+    qcFacetedMesh mesh;
     mesh.points.assign(def.vertices.size(), units.Local(def.vertices[def.indices[0]]));
     for (size_t i = 0; i < def.indices.size(); i += 3)
     {
@@ -108,8 +108,8 @@ std::string Prepare(const qcFractureDef& def, qcClipScratch* scratch, Job* job)
     std::string defect = qcFractureUnits_Find(def, &job->units);
     if (!defect.empty())
         return defect;
-    qcClipMesh mesh = MeshOf(def, job->units);
-    qcClipMesh_Weld(&mesh, scratch);
+    qcFacetedMesh mesh = MeshOf(def, job->units);
+    qcFacetedMesh_Weld(&mesh, scratch);
     size_t open = qcClipSolid_Make(&mesh, &job->solid);
     if (open < mesh.triangles.size())
     {
@@ -120,7 +120,7 @@ std::string Prepare(const qcFractureDef& def, qcClipScratch* scratch, Job* job)
                ", is not passed as often one way as the other";
     }
     qcClipPoint first;
-    job->volume = qcClipMesh_Measure(mesh, &first);
+    job->volume = qcFacetedMesh_Measure(mesh, &first);
     if (!(job->volume > 0))
         return "the volume is not positive: triangles must be counterclockwise as seen from outside";
     if (job->volume < s_minVolume)
@@ -138,9 +138,9 @@ std::string Prepare(const qcFractureDef& def, qcClipScratch* scratch, Job* job)
 
 /// Joins hollows to the pieces around them. A hollow is an island of its own, inside out; it belongs to the first
 /// island whose box contains its box.
-void JoinHollows(std::vector<qcClipMesh>* islands)
+void JoinHollows(std::vector<qcFacetedMesh>* islands)
 {
-    auto holds = [](const qcClipMesh& outer, const qcClipMesh& inner)
+    auto holds = [](const qcFacetedMesh& outer, const qcFacetedMesh& inner)
     {
         for (size_t axis = 0; axis < 3; axis++)
         {
@@ -155,12 +155,12 @@ void JoinHollows(std::vector<qcClipMesh>* islands)
     for (size_t i = 0; i < islands->size(); i++)
     {
         qcClipPoint first;
-        if (qcClipMesh_Measure((*islands)[i], &first) >= 0)
+        if (qcFacetedMesh_Measure((*islands)[i], &first) >= 0)
             continue;
         for (size_t k = 0; k < islands->size(); k++)
         {
-            qcClipMesh &outer = (*islands)[k], &inner = (*islands)[i];
-            if (k == i || qcClipMesh_Measure(outer, &first) <= 0 || !holds(outer, inner))
+            qcFacetedMesh &outer = (*islands)[k], &inner = (*islands)[i];
+            if (k == i || qcFacetedMesh_Measure(outer, &first) <= 0 || !holds(outer, inner))
                 continue;
             uint32_t offset = uint32_t(outer.points.size());
             outer.points.insert(outer.points.end(), inner.points.begin(), inner.points.end());
@@ -170,7 +170,7 @@ void JoinHollows(std::vector<qcClipMesh>* islands)
                     corner += offset;
                 outer.triangles.push_back(triangle);
             }
-            inner = qcClipMesh();
+            inner = qcFacetedMesh();
             break;
         }
     }
@@ -185,7 +185,7 @@ struct CellPieces
 };
 
 /// Fills the piece's vertices in its frame: the centre of mass (given in local positions) and the principal axes.
-void PutInFrame(const qcClipMesh& island, const qcClipPoint& center, const qcFractureUnits& units, qcPiece* piece)
+void PutInFrame(const qcFacetedMesh& island, const qcClipPoint& center, const qcFractureUnits& units, qcPiece* piece)
 {
     // Vertices are relative to the origin of the frame after its rounding to btScalar.
     piece->frame.setOrigin(units.Global(center));
@@ -215,10 +215,10 @@ void PutInFrame(const qcClipMesh& island, const qcClipPoint& center, const qcFra
     piece->frame.setBasis(axes);
 }
 
-void AddPiece(const Job& job, const qcClipMesh& island, uint32_t site, CellPieces* cellPieces)
+void AddPiece(const Job& job, const qcFacetedMesh& island, uint32_t site, CellPieces* cellPieces)
 {
     qcClipPoint first;
-    double volume = qcClipMesh_Measure(island, &first);
+    double volume = qcFacetedMesh_Measure(island, &first);
     cellPieces->volume += volume;
     if (!(volume > s_minShare * job.volume))
     {
@@ -245,11 +245,11 @@ void AddPiece(const Job& job, const qcClipMesh& island, uint32_t site, CellPiece
 CellPieces PiecesOf(const Job& job, uint32_t site, qcClipSolid* solid, qcClipScratch* scratch)
 {
     CellPieces cellPieces;
-    qcClipMesh mesh;
+    qcFacetedMesh mesh;
     qcClipSolid_Triangulate(solid, &mesh, scratch);
-    std::vector<qcClipMesh> islands = qcClipMesh_FindIslands(mesh, scratch);
+    std::vector<qcFacetedMesh> islands = qcFacetedMesh_FindIslands(mesh, scratch);
     JoinHollows(&islands);
-    for (const qcClipMesh& island : islands)
+    for (const qcFacetedMesh& island : islands)
         AddPiece(job, island, job.sites.numbers[site], &cellPieces);
     return cellPieces;
 }

@@ -30,7 +30,7 @@ struct TriangleEdge
 };
 
 /// Half-edges by their lower points, sorted; `ends` receives the end of those of each point.
-std::vector<TriangleEdge> SortTriangleEdges(const qcClipMesh& mesh, std::vector<size_t>* ends)
+std::vector<TriangleEdge> SortTriangleEdges(const qcFacetedMesh& mesh, std::vector<size_t>* ends)
 {
     std::vector<TriangleEdge> triangleEdges(3 * mesh.triangles.size());
     ends->assign(mesh.points.size() + 1, 0);
@@ -56,7 +56,8 @@ std::vector<TriangleEdge> SortTriangleEdges(const qcClipMesh& mesh, std::vector<
 }
 
 /// Drops pairs of triangles back to back, which hold no volume. True if there were any.
-bool DropBackToBack(const std::vector<TriangleEdge>& triangleEdges, const std::vector<size_t>& ends, qcClipMesh* mesh)
+bool DropBackToBack(const std::vector<TriangleEdge>& triangleEdges, const std::vector<size_t>& ends,
+                    qcFacetedMesh* mesh)
 {
     std::vector<bool> isDropped;
     auto isFree = [&](const TriangleEdge& edge) { return isDropped.empty() || !isDropped[edge.triangle]; };
@@ -255,7 +256,7 @@ void SortByFace(const std::vector<qcClipEdge>& edges, qcClipScratch* scratch)
 }
 } // namespace
 
-size_t qcClipSolid_Make(qcClipMesh* mesh, qcClipSolid* solid)
+size_t qcClipSolid_Make(qcFacetedMesh* mesh, qcClipSolid* solid)
 {
     std::vector<size_t> ends;
     std::vector<TriangleEdge> triangleEdges = SortTriangleEdges(*mesh, &ends);
@@ -311,7 +312,7 @@ void qcClipSolid_Clip(qcClipSolid* solid, const qcClipPlane& plane, qcClipScratc
     solid->points.swap(points);
 }
 
-void qcClipSolid_Triangulate(qcClipSolid* solid, qcClipMesh* mesh, qcClipScratch* scratch)
+void qcClipSolid_Triangulate(qcClipSolid* solid, qcFacetedMesh* mesh, qcClipScratch* scratch)
 {
     std::vector<uint32_t>& newIndices = scratch->newIndices;
     qcWeldPoints(&solid->points, &newIndices, scratch);

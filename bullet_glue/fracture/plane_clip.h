@@ -3,7 +3,7 @@
 #ifndef QC_GLUE_FRACTURE_PLANE_CLIP_H
 #define QC_GLUE_FRACTURE_PLANE_CLIP_H
 
-#include "fracture/clip_mesh.h"
+#include "fracture/faceted_mesh.h"
 
 /// An edge and its two faces: the half-edge from `from` to `to` belongs to the left one, its opposite to the right one.
 struct qcClipEdge
@@ -29,7 +29,7 @@ struct qcClipPlane
 
 /// Makes a solid of a mesh, from which it drops triangles back to back. Returns the index of the first triangle with an
 /// open edge (more half-edges in one direction than in the other), or the number of triangles if there is none.
-size_t qcClipSolid_Make(qcClipMesh* mesh, qcClipSolid* solid);
+size_t qcClipSolid_Make(qcFacetedMesh* mesh, qcClipSolid* solid);
 
 /// Removes the part outside the plane, and closes the solid with a cut face. A plane and its mirror image (the same
 /// numbers with other signs) cut an edge at the same point, bit by bit. O(edges).
@@ -37,6 +37,6 @@ void qcClipSolid_Clip(qcClipSolid* solid, const qcClipPlane& plane, qcClipScratc
 
 /// Triangulates all faces, in ascending order: a closed mesh. Its points have different positions, except those added
 /// where rounding made edges of one face cross.
-void qcClipSolid_Triangulate(qcClipSolid* solid, qcClipMesh* mesh, qcClipScratch* scratch);
+void qcClipSolid_Triangulate(qcClipSolid* solid, qcFacetedMesh* mesh, qcClipScratch* scratch);
 
 #endif

@@ -3,7 +3,7 @@
 #define QC_GLUE_FRACTURE_SCRATCH_H
 
 #include "common/union_find.h"
-#include "fracture/clip_mesh.h"
+#include "fracture/faceted_mesh.h"
 #include "fracture/open_edges.h"
 
 /// The edge that closes a face cut by a plane: the points where the face first leaves and first enters the inside.

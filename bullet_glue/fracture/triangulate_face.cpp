@@ -25,7 +25,7 @@ constexpr size_t s_maxStarts = 4; ///< of searches for a triangulation without f
 class Outline
 {
   public:
-    Outline(const qcClipMesh& mesh, const qcClipPoint& normal, const qcClipLoops& loops, qcClipScratch* scratch)
+    Outline(const qcFacetedMesh& mesh, const qcClipPoint& normal, const qcClipLoops& loops, qcClipScratch* scratch)
         : m_corners(scratch->corners), m_inward(scratch->inward), m_remaining(scratch->remaining)
     {
         size_t axis = 0;
@@ -148,7 +148,7 @@ class Outline
 /// Receives the tesselator's triangles.
 struct Face
 {
-    qcClipMesh* mesh;
+    qcFacetedMesh* mesh;
     std::vector<uint32_t> corners;
     bool failed = false;
 };
@@ -214,13 +214,13 @@ template <typename Function> void SetCallback(GLUtesselator* tesselator, GLenum 
 }
 
 /// Skips triangles with a point twice: loops may contain a point twice.
-void AddTriangle(qcClipMesh* mesh, const std::array<uint32_t, 3>& v, uint32_t face)
+void AddTriangle(qcFacetedMesh* mesh, const std::array<uint32_t, 3>& v, uint32_t face)
 {
     if (v[0] != v[1] && v[1] != v[2] && v[2] != v[0])
         mesh->triangles.push_back({v, face});
 }
 
-void Tesselate(qcClipMesh* mesh, const qcClipPoint& normal, uint32_t number, const qcClipLoops& loops)
+void Tesselate(qcFacetedMesh* mesh, const qcClipPoint& normal, uint32_t number, const qcClipLoops& loops)
 {
     GLUtesselator* tesselator = loops.ends.empty() ? nullptr : gluNewTess();
     if (tesselator == nullptr)
@@ -252,7 +252,7 @@ void Tesselate(qcClipMesh* mesh, const qcClipPoint& normal, uint32_t number, con
 
 /// Closes the edges that the face's triangles, from `first` on, leave open, with fans. They may be degenerate or
 /// overlap: only closedness and the signed volume matter. This happens to loops without area, or that cross.
-void AddFans(qcClipMesh* mesh, size_t first, uint32_t face, const qcClipLoops& loops, qcClipScratch* scratch)
+void AddFans(qcFacetedMesh* mesh, size_t first, uint32_t face, const qcClipLoops& loops, qcClipScratch* scratch)
 {
     scratch->edges.Clear(loops.points.size());
     for (size_t loop = 0; loop < loops.ends.size(); loop++)
@@ -311,7 +311,7 @@ void DropBends(const std::vector<uint32_t>& edgeCount, qcClipLoops* loops)
 }
 
 /// The normal of the loops, with twice their area as its length.
-qcClipPoint NormalOf(const qcClipMesh& mesh, const qcClipLoops& loops)
+qcClipPoint NormalOf(const qcFacetedMesh& mesh, const qcClipLoops& loops)
 {
     qcClipPoint normal = {0, 0, 0};
     for (size_t loop = 0; loop < loops.ends.size(); loop++)
@@ -329,7 +329,8 @@ qcClipPoint NormalOf(const qcClipMesh& mesh, const qcClipLoops& loops)
 }
 } // namespace
 
-void qcClipFace_Add(qcClipMesh* mesh, uint32_t face, const qcHalfEdge* halfEdges, size_t count, qcClipScratch* scratch)
+void qcClipFace_Add(qcFacetedMesh* mesh, uint32_t face, const qcHalfEdge* halfEdges, size_t count,
+                    qcClipScratch* scratch)
 {
     qcClipLoops& loops = scratch->loops;
     if (!FindSimpleLoop(halfEdges, count, mesh->points.size(), scratch))

@@ -8,6 +8,7 @@
 /// rounding made edges cross, points may be added and triangles may face the other way. Each half-edge that has no
 /// opposite among the given ones belongs to one triangle, as often as it is given; all other edges of triangles belong
 /// to two.
-void qcClipFace_Add(qcClipMesh* mesh, uint32_t face, const qcHalfEdge* halfEdges, size_t count, qcClipScratch* scratch);
+void qcClipFace_Add(qcFacetedMesh* mesh, uint32_t face, const qcHalfEdge* halfEdges, size_t count,
+                    qcClipScratch* scratch);
 
 #endif

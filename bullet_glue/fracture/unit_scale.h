@@ -3,7 +3,7 @@
 #ifndef QC_GLUE_FRACTURE_UNIT_SCALE_H
 #define QC_GLUE_FRACTURE_UNIT_SCALE_H
 
-#include "fracture/clip_mesh.h"
+#include "fracture/faceted_mesh.h"
 
 #include "quickcullide/bullet_fracture.h"
 

@@ -4,7 +4,7 @@
 
 #include "mesh_contact/batch_scene.h"
 #include "mesh_contact/batch_validity.h"
-#include "mesh_contact/time_of_impact.h"
+#include "mesh_contact/impact_sampling.h"
 
 #include <mutex>
 

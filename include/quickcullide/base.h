@@ -3,10 +3,6 @@
 ///
 /// Thread-safety: any thread may call these functions, but set the hooks before any other call; qcSetParallelFor also
 /// later, while no other call runs.
-/// Versions: a definition (a struct that begins with structSize) may gain fields at its end. Start from its default
-/// function, which sets structSize. Fields that a caller's older header doesn't have keep their defaults. A newer header
-/// works with an older library while all fields that the library doesn't have are 0; otherwise qc_statusBadInput. All
-/// other structs keep their layout within a minor version, which is the version of the shared library's name.
 /// Floating-point modes: results don't depend on the caller's rounding mode, FTZ, DAZ or traps. Each call computes in
 /// the default modes and restores the caller's. Callbacks run in the default modes, but a qcBoxFunction and a
 /// qcLoopFunction in the caller's.
@@ -32,6 +28,11 @@ extern "C" {
 #define QC_VERSION_MINOR 2 ///< Grows with each release that adds something; before 1.0.0 it may break the ABI.
 #define QC_VERSION_PATCH 0 ///< Grows with each release that only fixes something.
 /// The version of these headers as one number: 10000 * major + 100 * minor + patch.
+///
+/// A definition (a struct that begins with structSize) may gain fields at its end. Start from its default function,
+/// which sets structSize. Fields that a caller's older header doesn't have keep their defaults. A newer header works
+/// with an older library while all fields that the library doesn't have are 0; otherwise qc_statusBadInput. All other
+/// structs keep their layout within a minor version, which is the version of the shared library's name.
 #define QC_VERSION (10000 * QC_VERSION_MAJOR + 100 * QC_VERSION_MINOR + QC_VERSION_PATCH)
 
 /// The version of the loaded library, encoded as QC_VERSION. It differs from QC_VERSION if the program was compiled

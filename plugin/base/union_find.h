@@ -8,14 +8,14 @@
 #include <stdint.h>
 
 /// A node is twice its parent, plus 1 if it is opposite to it. Indices are below 2^31.
-static inline void qcSigned_Init(uint32_t* nodes, size_t count)
+static inline void qcUnionFind_Init(uint32_t* nodes, size_t count)
 {
     for (size_t i = 0; i < count; i++)
         nodes[i] = (uint32_t)i << 1;
 }
 
 /// Twice the root of i, plus 1 if i is opposite to it. Halves the path.
-static inline uint32_t qcSigned_Find(uint32_t* nodes, uint32_t i)
+static inline uint32_t qcUnionFind_Find(uint32_t* nodes, uint32_t i)
 {
     uint32_t opposite = 0;
     while (nodes[i] >> 1 != i)
@@ -30,9 +30,9 @@ static inline uint32_t qcSigned_Find(uint32_t* nodes, uint32_t i)
 
 /// Unites the sets of i and j; the lower root becomes the root. False: they are in one set already, and `opposite` is
 /// ignored.
-static inline bool qcSigned_Unite(uint32_t* nodes, uint32_t i, uint32_t j, uint32_t opposite)
+static inline bool qcUnionFind_Unite(uint32_t* nodes, uint32_t i, uint32_t j, uint32_t opposite)
 {
-    uint32_t a = qcSigned_Find(nodes, i), b = qcSigned_Find(nodes, j);
+    uint32_t a = qcUnionFind_Find(nodes, i), b = qcUnionFind_Find(nodes, j);
     uint32_t relation = (a ^ b ^ opposite) & 1u;
     if (a >> 1 < b >> 1)
         nodes[b >> 1] = (a & ~1u) | relation;

@@ -30,7 +30,7 @@ static size_t JoinPairs(const qcManifoldTriangle* triangle, qcContactTopology* t
                 continue;
             qcPairEntry other = entries[previous - 1];
             if (nodes[self.pair] >> 1 != nodes[other.pair] >> 1)
-                joined += qcSigned_Unite(nodes, self.pair, other.pair, self.side ^ other.side);
+                joined += qcUnionFind_Unite(nodes, self.pair, other.pair, self.side ^ other.side);
         }
     }
     return joined;
@@ -45,7 +45,7 @@ static void NumberRegions(qcContactTopology* topology)
     for (uint32_t p = 0; p < topology->pairs.count; p++)
     {
         qcManifoldPair* pair = &pairs[p];
-        uint32_t root = qcSigned_Find(nodes, p);
+        uint32_t root = qcUnionFind_Find(nodes, p);
         // The root is the lowest pair: it has its number already.
         pair->region = root >> 1 == p ? topology->regionCount++ : pairs[root >> 1].region;
         if ((root & 1u) == 0)
@@ -63,7 +63,7 @@ qcStatus qcContactTopology_JoinRegions(qcContactTopology* topology)
     QC_TRY(qcArray_Resize(&topology->nodes, count, sizeof(uint32_t), "regions of contact"));
     QC_TRY(qcArray_Resize(&topology->lastEntry, vertices, sizeof(uint32_t), "regions of contact"));
     memset(topology->lastEntry.data, 0, vertices * sizeof(uint32_t));
-    qcSigned_Init(topology->nodes.data, count);
+    qcUnionFind_Init(topology->nodes.data, count);
     // Most bodies have one region of contact, and it is connected long before the last triangle.
     size_t sets = count;
     for (size_t t = 0; t < topology->triangles.count && sets > 1; t++)

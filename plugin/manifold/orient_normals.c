@@ -124,14 +124,14 @@ static int CertainSign(const Component* component)
 /// Joins two components; but not by a doubtful link that contradicts their signs if both are certain.
 static void Join(const Job* job, uint32_t i, uint32_t j, uint32_t opposite, bool doubtful)
 {
-    uint32_t a = qcSigned_Find(job->nodes, i), b = qcSigned_Find(job->nodes, j);
+    uint32_t a = qcUnionFind_Find(job->nodes, i), b = qcUnionFind_Find(job->nodes, j);
     if (a >> 1 == b >> 1)
         return;
     Component *first = &job->components[a >> 1], *second = &job->components[b >> 1];
     bool reversed = (a ^ b ^ opposite) & 1u;
     if (doubtful && CertainSign(first) * CertainSign(second) * (reversed ? -1 : 1) < 0)
         return;
-    qcSigned_Unite(job->nodes, i, j, opposite);
+    qcUnionFind_Unite(job->nodes, i, j, opposite);
     if (a >> 1 < b >> 1)
         AddComponent(second, reversed, first);
     else
@@ -151,20 +151,20 @@ static uint64_t LinkKey(double dot)
 /// room for them.
 static void AddLinks(const Job* job, uint32_t p, int side)
 {
-    uint32_t *nodes = job->nodes, root = qcSigned_Find(nodes, p) >> 1;
+    uint32_t *nodes = job->nodes, root = qcUnionFind_Find(nodes, p) >> 1;
     const qcPairNormal* own = &job->normals[p];
     qcAdjacentPairs adjacent = qcPairAdjacency_Of(job->input->adjacency, p, side);
     for (uint32_t i = 0; i < adjacent.count; i++)
     {
         uint32_t q = qcPairAdjacency_Side(job->input->adjacency, adjacent.entries[i])->pair;
-        if (q >= p || nodes[q] >> 1 == root || qcSigned_Find(nodes, q) >> 1 == root)
+        if (q >= p || nodes[q] >> 1 == root || qcUnionFind_Find(nodes, q) >> 1 == root)
             continue;
         const qcPairNormal* other = &job->normals[q];
         double dot = qcDot(own->normal, other->normal);
         if (dot >= s_linked && own->disjoint && other->disjoint)
         {
             Join(job, q, p, 0, false);
-            root = qcSigned_Find(nodes, p) >> 1;
+            root = qcUnionFind_Find(nodes, p) >> 1;
         }
         else if (fabs(dot) >= s_linked)
             QC_AT(qcSortItem, *job->links, job->links->count++) = (qcSortItem){LinkKey(dot), (uint64_t)q << 32 | p};
@@ -190,7 +190,7 @@ static void DropJoinedLinks(const Job* job)
     for (size_t i = 0; i < job->links->count; i++)
     {
         uint32_t first = (uint32_t)(links[i].value >> 32), second = (uint32_t)links[i].value;
-        if (qcSigned_Find(job->nodes, first) >> 1 != qcSigned_Find(job->nodes, second) >> 1)
+        if (qcUnionFind_Find(job->nodes, first) >> 1 != qcUnionFind_Find(job->nodes, second) >> 1)
             links[kept++] = links[i];
     }
     job->links->count = kept;
@@ -262,9 +262,9 @@ static void MakeConsistent(const Job* job, const uint32_t* references)
         uint32_t p = PairAt(job, i);
         if (!Region(job, p)->ambiguous)
             continue;
-        uint32_t root = qcSigned_Find(job->nodes, p), reference = references[Pair(job, p)->region];
+        uint32_t root = qcUnionFind_Find(job->nodes, p), reference = references[Pair(job, p)->region];
         if (reference != UINT32_MAX)
-            reference = qcSigned_Find(job->nodes, reference);
+            reference = qcUnionFind_Find(job->nodes, reference);
         bool isFinal = reference >> 1 == root >> 1;
         if ((isFinal ? root ^ reference : root) & 1u)
             Flip(&job->normals[p]);
@@ -344,7 +344,7 @@ static void FlipOppositeComponents(const Job* job)
     for (size_t i = 0; i < CountPairs(job); i++)
     {
         uint32_t p = PairAt(job, i);
-        if (job->components[qcSigned_Find(job->nodes, p) >> 1].isOpposite)
+        if (job->components[qcUnionFind_Find(job->nodes, p) >> 1].isOpposite)
             Flip(&job->normals[p]);
     }
 }

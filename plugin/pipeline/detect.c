@@ -142,9 +142,9 @@ static qcStatus RunStages(const qcStep* step, qcBodies* bodies, double start, qc
     profile.sweepObjectsMs = Lap(&lap);
 
     double planned = profile.planMs;
-    QC_TRY(qcTriangleStage_Cull(step, triangles, &d->bodyPairs, &d->triangleStage, &d->imageCull, &d->pcs, &profile));
+    QC_TRY(qcMethodStage_Cull(step, triangles, &d->bodyPairs, &d->triangleStage, &d->imageCull, &d->pcs, &profile));
     profile.cullTrianglesMs = Lap(&lap) - (profile.planMs - planned);
-    QC_TRY(qcTriangleStage_Sweep(step, triangles, &d->bodyPairs, &d->pcs, &d->triangleStage, &profile));
+    QC_TRY(qcMethodStage_Sweep(step, triangles, &d->bodyPairs, &d->pcs, &d->triangleStage, &profile));
     profile.sweepTrianglesMs = Lap(&lap);
     const qcIslandRouting* routing = &d->triangleStage.routing;
     qcPlanHistory_Add(&d->triangleStage.routing.history, profile.partsOnDevice != 0, routing->plannedTriangles,
@@ -214,7 +214,7 @@ void qcDetector_Free(qcDetector* detector)
     qcPcs_Free(&detector->pcs);
     qcImageCull_Free(&detector->imageCull);
     qcBodyPairs_Free(&detector->bodyPairs);
-    qcTriangleStage_Free(&detector->triangleStage);
+    qcMethodStage_Free(&detector->triangleStage);
     qcNarrowphase_Free(&detector->narrowphase);
     qcAllManifolds_Free(&detector->manifolds);
     qcPcsReport_Free(&detector->pcsReport);

@@ -5,7 +5,7 @@
 #include "manifold/manifold.h"
 #include "narrowphase/narrowphase.h"
 #include "pipeline/pcs_report.h"
-#include "pipeline/triangle_stage.h"
+#include "pipeline/method_stage.h"
 
 /// The memory of each stage, retained between steps, and the last result.
 typedef struct qcDetector
@@ -14,7 +14,7 @@ typedef struct qcDetector
     qcPcs pcs;
     qcImageCull imageCull;
     qcBodyPairs bodyPairs;
-    qcTriangleStage triangleStage;
+    qcMethodStage triangleStage;
     qcNarrowphase narrowphase;
     qcAllManifolds manifolds;
     qcPcsReport pcsReport;

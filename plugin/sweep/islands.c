@@ -19,14 +19,14 @@ static void Include(qcPlanItem* island, const qcBody* body)
 /// Fills the union-find forest, and marks the bodies of pairs in islandOf by 0, all others by QC_NO_ISLAND.
 static void Unite(const qcBodyPairs* pairs, uint32_t bodyCount, uint32_t* parent, uint32_t* islandOf)
 {
-    qcSigned_Init(parent, bodyCount);
+    qcUnionFind_Init(parent, bodyCount);
     for (uint32_t body = 0; body < bodyCount; body++)
         islandOf[body] = QC_NO_ISLAND;
     for (size_t i = 0; i < pairs->pairs.count; i++)
     {
         qcBodyPair pair = QC_AT(qcBodyPair, pairs->pairs, i);
         // The lowest body of an island is its root: a loop over bodies visits it first.
-        qcSigned_Unite(parent, pair.a, pair.b, 0);
+        qcUnionFind_Unite(parent, pair.a, pair.b, 0);
         islandOf[pair.a] = islandOf[pair.b] = 0;
     }
 }
@@ -45,7 +45,7 @@ qcStatus qcIslands_Find(const qcStepTriangles* triangles, const qcBodyPairs* pai
         const qcBody* b = qcStepTriangles_Body(triangles, body);
         if (islandOf[body] == QC_NO_ISLAND && !qcBody_HasSelfCollision(b))
             continue;
-        uint32_t root = qcSigned_Find(parent, body) >> 1;
+        uint32_t root = qcUnionFind_Find(parent, body) >> 1;
         if (root == body)
         {
             islandOf[body] = (uint32_t)islands->items.count++;

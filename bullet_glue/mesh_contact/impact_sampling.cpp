@@ -1,5 +1,5 @@
 // Sampling the rigid motion of a step. plugin/docs/mesh_contact.md
-#include "mesh_contact/time_of_impact.h"
+#include "mesh_contact/impact_sampling.h"
 
 #include <LinearMath/btTransformUtil.h>
 

@@ -1,6 +1,6 @@
 // Triangle meshes in double precision with numbered faces: the input and the output of clipping.
-#ifndef QC_GLUE_FRACTURE_CLIP_MESH_H
-#define QC_GLUE_FRACTURE_CLIP_MESH_H
+#ifndef QC_GLUE_FRACTURE_FACETED_MESH_H
+#define QC_GLUE_FRACTURE_FACETED_MESH_H
 
 #include "common/double_vector.h"
 
@@ -18,7 +18,7 @@ struct qcClipTriangle
     uint32_t face; ///< triangles of one face lie in one plane
 };
 
-struct qcClipMesh
+struct qcFacetedMesh
 {
     std::vector<qcClipPoint> points;
     std::vector<qcClipTriangle> triangles;
@@ -51,12 +51,12 @@ struct qcClipScratch;
 void qcWeldPoints(std::vector<qcClipPoint>* points, std::vector<uint32_t>* newIndices, qcClipScratch* scratch);
 
 /// Merges vertices at the same position, and drops triangles that then have a vertex twice.
-void qcClipMesh_Weld(qcClipMesh* mesh, qcClipScratch* scratch);
+void qcFacetedMesh_Weld(qcFacetedMesh* mesh, qcClipScratch* scratch);
 
 /// Returns the volume; `first` receives the integral of positions over it.
-double qcClipMesh_Measure(const qcClipMesh& mesh, qcClipPoint* first);
+double qcFacetedMesh_Measure(const qcFacetedMesh& mesh, qcClipPoint* first);
 
 /// The islands of the mesh, connected over vertices, each with its own vertices. In the order of their first triangles.
-std::vector<qcClipMesh> qcClipMesh_FindIslands(const qcClipMesh& mesh, qcClipScratch* scratch);
+std::vector<qcFacetedMesh> qcFacetedMesh_FindIslands(const qcFacetedMesh& mesh, qcClipScratch* scratch);
 
 #endif

@@ -1,13 +1,13 @@
 // From body pairs to candidates: the cull and the sweep over triangles, each island by its method.
-#ifndef QC_PIPELINE_TRIANGLE_STAGE_H
-#define QC_PIPELINE_TRIANGLE_STAGE_H
+#ifndef QC_PIPELINE_METHOD_STAGE_H
+#define QC_PIPELINE_METHOD_STAGE_H
 
 #include "cull/layers/layers.h"
 #include "cull/visibility/image_cull.h"
 #include "pipeline/island_routing.h"
 
 /// Retained between steps.
-typedef struct qcTriangleStage
+typedef struct qcMethodStage
 {
     qcCandidates candidates; ///< the output
     char fallback[320];      ///< why the device did not answer: qcProfile::fallback points here
@@ -15,16 +15,16 @@ typedef struct qcTriangleStage
     qcCullLayers layers;
     qcArray layersKeys, layersAdjacentKeys, layersClassified; ///< the device's pairs, as in qcCandidates
     qcBvhCandidates bvhs;
-} qcTriangleStage;
+} qcMethodStage;
 
 /// Culls to the PCS: islands on the device to candidates already, BVHs of the other bodies are brought up to date, the
 /// triangles of all others are marked, and culled in the image by `cullide` and `quick`.
-qcStatus qcTriangleStage_Cull(const qcStep* step, const qcStepTriangles* triangles, const qcBodyPairs* pairs,
-                              qcTriangleStage* stage, qcImageCull* imageCull, qcPcs* pcs, qcProfile* profile);
+qcStatus qcMethodStage_Cull(const qcStep* step, const qcStepTriangles* triangles, const qcBodyPairs* pairs,
+                            qcMethodStage* stage, qcImageCull* imageCull, qcPcs* pcs, qcProfile* profile);
 
 /// Finds the candidates in the PCS. O(n log n + candidates) on the CPU.
-qcStatus qcTriangleStage_Sweep(const qcStep* step, const qcStepTriangles* triangles, const qcBodyPairs* pairs,
-                               const qcPcs* pcs, qcTriangleStage* stage, qcProfile* profile);
-void qcTriangleStage_Free(qcTriangleStage* stage);
+qcStatus qcMethodStage_Sweep(const qcStep* step, const qcStepTriangles* triangles, const qcBodyPairs* pairs,
+                             const qcPcs* pcs, qcMethodStage* stage, qcProfile* profile);
+void qcMethodStage_Free(qcMethodStage* stage);
 
 #endif

@@ -1,17 +1,17 @@
 // Jobs for the methods, and the fallback after a device failure.
-#include "pipeline/triangle_stage.h"
+#include "pipeline/method_stage.h"
 
 #include "base/status.h"
 
 #include <stdio.h>
 
-static qcPairKeys LayersKeys(qcTriangleStage* stage)
+static qcPairKeys LayersKeys(qcMethodStage* stage)
 {
     return (qcPairKeys){&stage->layersKeys, &stage->layersAdjacentKeys, &stage->layersClassified};
 }
 
 /// Sends the device's islands to the CPU after a failure, whose message the thread has.
-static void FallBack(qcTriangleStage* stage, qcProfile* profile)
+static void FallBack(qcMethodStage* stage, qcProfile* profile)
 {
     snprintf(stage->fallback, sizeof stage->fallback, "%s: sweep answered on the CPU", qcLastMessage());
     qcLog("%s", stage->fallback);
@@ -23,7 +23,7 @@ static void FallBack(qcTriangleStage* stage, qcProfile* profile)
 
 /// The islands on the device, from bodies to candidates.
 static qcStatus RunLayers(const qcStep* step, const qcStepTriangles* triangles, const qcBodyPairs* pairs,
-                          qcTriangleStage* stage, qcProfile* profile)
+                          qcMethodStage* stage, qcProfile* profile)
 {
     stage->layersKeys.count = stage->layersAdjacentKeys.count = stage->layersClassified.count = 0;
     if (profile->partsOnDevice == 0)
@@ -78,8 +78,8 @@ static uint32_t CountInPcs(const qcPcs* pcs)
     return count;
 }
 
-qcStatus qcTriangleStage_Cull(const qcStep* step, const qcStepTriangles* triangles, const qcBodyPairs* pairs,
-                              qcTriangleStage* stage, qcImageCull* imageCull, qcPcs* pcs, qcProfile* profile)
+qcStatus qcMethodStage_Cull(const qcStep* step, const qcStepTriangles* triangles, const qcBodyPairs* pairs,
+                            qcMethodStage* stage, qcImageCull* imageCull, qcPcs* pcs, qcProfile* profile)
 {
     qcIslandRouting* routing = &stage->routing;
     QC_TRY(qcIslandRouting_ChooseDevice(step, triangles, pairs, routing, profile));
@@ -100,7 +100,7 @@ qcStatus qcTriangleStage_Cull(const qcStep* step, const qcStepTriangles* triangl
 }
 
 /// All adjacent pairs of bodies on the device that have no BVH yet.
-static qcStatus ListNeighbours(const qcStep* step, const qcStepTriangles* triangles, qcTriangleStage* stage)
+static qcStatus ListNeighbours(const qcStep* step, const qcStepTriangles* triangles, qcMethodStage* stage)
 {
     for (uint32_t body = 0; qcStep_ListsNeighbours(step) && body < triangles->bodyCount; body++)
         if (QC_AT(uint8_t, stage->routing.onDevice, body) && !QC_AT(uint8_t, stage->routing.adjacentOnBvhs, body) &&
@@ -109,8 +109,8 @@ static qcStatus ListNeighbours(const qcStep* step, const qcStepTriangles* triang
     return qc_statusOk;
 }
 
-qcStatus qcTriangleStage_Sweep(const qcStep* step, const qcStepTriangles* triangles, const qcBodyPairs* pairs,
-                               const qcPcs* pcs, qcTriangleStage* stage, qcProfile* profile)
+qcStatus qcMethodStage_Sweep(const qcStep* step, const qcStepTriangles* triangles, const qcBodyPairs* pairs,
+                             const qcPcs* pcs, qcMethodStage* stage, qcProfile* profile)
 {
     const qcCandidateRules rules = {.triangles = triangles,
                                     .pcs = pcs,
@@ -130,7 +130,7 @@ qcStatus qcTriangleStage_Sweep(const qcStep* step, const qcStepTriangles* triang
     return qcCandidates_Add(triangles, pcs, &keys, &stage->candidates);
 }
 
-void qcTriangleStage_Free(qcTriangleStage* stage)
+void qcMethodStage_Free(qcMethodStage* stage)
 {
     qcCandidates_Free(&stage->candidates);
     qcIslandRouting_Free(&stage->routing);

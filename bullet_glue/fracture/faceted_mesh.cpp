@@ -1,5 +1,5 @@
 // Welding, volume and islands of meshes.
-#include "fracture/clip_mesh.h"
+#include "fracture/faceted_mesh.h"
 
 #include "fracture/scratch.h"
 
@@ -23,7 +23,7 @@ void qcWeldPoints(std::vector<qcClipPoint>* points, std::vector<uint32_t>* newIn
     points->resize(count);
 }
 
-void qcClipMesh_Weld(qcClipMesh* mesh, qcClipScratch* scratch)
+void qcFacetedMesh_Weld(qcFacetedMesh* mesh, qcClipScratch* scratch)
 {
     std::vector<uint32_t>& newIndices = scratch->newIndices;
     qcWeldPoints(&mesh->points, &newIndices, scratch);
@@ -38,7 +38,7 @@ void qcClipMesh_Weld(qcClipMesh* mesh, qcClipScratch* scratch)
     mesh->triangles.resize(kept);
 }
 
-double qcClipMesh_Measure(const qcClipMesh& mesh, qcClipPoint* first)
+double qcFacetedMesh_Measure(const qcFacetedMesh& mesh, qcClipPoint* first)
 {
     double volume = 0;
     *first = {0, 0, 0};
@@ -64,14 +64,14 @@ double qcClipMesh_Measure(const qcClipMesh& mesh, qcClipPoint* first)
     return volume;
 }
 
-std::vector<qcClipMesh> qcClipMesh_FindIslands(const qcClipMesh& mesh, qcClipScratch* scratch)
+std::vector<qcFacetedMesh> qcFacetedMesh_FindIslands(const qcFacetedMesh& mesh, qcClipScratch* scratch)
 {
     qcUnionFind& islands = scratch->islands;
     islands.Reset(mesh.points.size());
     for (const qcClipTriangle& triangle : mesh.triangles)
         for (size_t c = 1; c < 3; c++)
             islands.Unite(triangle.corner[c], triangle.corner[0]);
-    std::vector<qcClipMesh> meshes;
+    std::vector<qcFacetedMesh> meshes;
     std::vector<uint32_t>&islandOf = scratch->island, &newIndices = scratch->newIndices;
     islandOf.assign(mesh.points.size(), s_none);
     newIndices.assign(mesh.points.size(), s_none);

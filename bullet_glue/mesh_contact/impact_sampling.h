@@ -1,7 +1,7 @@
 // Speculative contacts of fast meshes: samples the rigid motion of a step and keeps the contact points found there.
 // Terms, reasons and limits: plugin/docs/mesh_contact.md.
-#ifndef QC_GLUE_MESH_CONTACT_TIME_OF_IMPACT_H
-#define QC_GLUE_MESH_CONTACT_TIME_OF_IMPACT_H
+#ifndef QC_GLUE_MESH_CONTACT_IMPACT_SAMPLING_H
+#define QC_GLUE_MESH_CONTACT_IMPACT_SAMPLING_H
 
 #include "mesh_contact/contact_reduction.h"
 #include "mesh_contact/rigid_motion.h"
