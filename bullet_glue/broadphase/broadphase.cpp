@@ -59,7 +59,7 @@ Path MakePath(const btVector3& rayFrom, const btVector3& rayTo, const btBroadpha
     double share = farLength > 0 ? std::min(std::max(along / farLength, 0.0), 1.0) : 0.0;
     for (int k = 0; k < 3; k++)
     {
-        // The second term is for the rounding of the first, and of the new end.
+        // The second term bounds the rounding of the first term and of the new end.
         double difference = std::fabs(near[k] - share * far[k]) +
                             1e-15 * (std::fabs(path.from[k]) + std::fabs(near[k]) + std::fabs(far[k]));
         path.to[k] = path.from[k] + far[k];

@@ -7,8 +7,8 @@
 
 namespace
 {
-// Proxies between two searches whose pairs are added at once: enough for a character or sensor, nothing beside a step
-// in which many boxes move.
+// Max number of proxies whose pairs are added at once between two searches: enough for a character or a sensor, and
+// negligible cost in a step that moves many boxes.
 constexpr int qc_earlyQueries = 8;
 } // namespace
 
@@ -65,10 +65,11 @@ void qcPairCacheSync::Destroy(qcProxy* proxy, btDispatcher* dispatcher)
     if (proxy->state().destroyed)
         return;
     {
-        // A ghost-pair callback may create and move others: their pairs have to wait until the cache is whole again.
+        // A ghost-pair callback may create and move other proxies: their pairs are added once the cache is consistent
+        // again.
         IterationGuard guard(*this);
         int before = m_cache->getNumOverlappingPairs();
-        // Not later: a ghost-pair callback reads the object, which its owner is about to delete.
+        // Removed at once: a ghost-pair callback reads the object, which its owner is about to delete.
         m_cache->removeOverlappingPairsContainingProxy(proxy, dispatcher);
         m_knownPairCount += m_cache->getNumOverlappingPairs() - before;
     }
@@ -109,15 +110,16 @@ void qcPairCacheSync::ApplyPending()
 
 //  ---- pairs -----------------------------------------------------------------------------------------
 
-/// Adds the pair of two proxies that overlap, if their filters agree. Returns whether they do.
+/// Adds the pair of two overlapping proxies if their filters agree. Returns whether they agree.
 bool qcPairCacheSync::AddIfAccepted(qcProxy* a, qcProxy* b)
 {
-    // Lower id first, as Bullet does it: a callback may rely on it.
+    // Lower id first, as in Bullet: a callback may rely on this order.
     if (a->m_uniqueId > b->m_uniqueId)
         std::swap(a, b);
     if (!m_cache->needsBroadphaseCollision(a, b))
         return false;
-    // The callback may have destroyed one, and may do so now: Bullet's caches call it once more.
+    // The filter may have destroyed a proxy, and may destroy one during the addition: Bullet's caches call it once
+    // more.
     if (!a->state().destroyed && !b->state().destroyed)
         m_cache->addOverlappingPair(a, b);
     for (qcProxy* proxy : {a, b})
@@ -139,7 +141,8 @@ void qcPairCacheSync::RemoveFrom(Pairs& pairs, const qcProxy* proxy)
     pairs.resize(kept);
 }
 
-/// The pair may end before the next search, and its filters may change: it is listed, and checked there.
+/// Adds a pair before the next search. It is listed for a check in that search: by then the pair may have ended, or its
+/// filters may have changed.
 void qcPairCacheSync::AddEarlyPair(qcProxy* a, qcProxy* b)
 {
     if (a->m_uniqueId > b->m_uniqueId)
@@ -158,7 +161,7 @@ void qcPairCacheSync::AddEarlyPairs(qcProxy* proxy)
     if (m_earlyQueries == 0)
         return;
     m_earlyQueries--;
-    // Into a list first: a callback may change the set. Most proxies find nothing and need no guard.
+    // Collected in a list first: a callback may change the set. Most proxies find nothing and need no guard.
     auto visit = [&](qcProxy* other)
     {
         if (other != proxy)
@@ -185,7 +188,7 @@ void qcPairCacheSync::AddEarlyPairs(qcProxy* proxy)
     m_found.resize(0);
 }
 
-/// Lists a pair that the filter callback is called for again in the next search.
+/// Lists a rejected pair. The next search calls the filter callback for it again.
 void qcPairCacheSync::Reject(qcProxy* a, qcProxy* b)
 {
     if (m_filter == nullptr || a->state().destroyed || b->state().destroyed)
@@ -202,7 +205,7 @@ void qcPairCacheSync::TestPair(qcProxy* a, qcProxy* b)
         Reject(a, b);
 }
 
-/// Finds out what others changed: the filter callback, and the pair cache itself.
+/// Detects changes by others: to the filter callback and to the pair cache itself.
 void qcPairCacheSync::FindForeignChanges()
 {
     const btOverlapFilterCallback* filter = m_cache->getOverlapFilterCallback();
@@ -211,14 +214,14 @@ void qcPairCacheSync::FindForeignChanges()
     m_proxies.AddMissingBoxes();
 }
 
-/// The callback may accept pairs now that it rejected before.
+/// Tests the rejected pairs again: the callback may accept them now.
 void qcPairCacheSync::FilterRejected()
 {
     int kept = 0;
     for (int i = 0; i < m_rejected.size() && !m_filterAll && m_filter != nullptr; i += 2)
     {
         qcProxy *a = m_rejected[i], *b = m_rejected[i + 1];
-        // Pairs of proxies that are queried again are found there.
+        // Skips proxies that are queried again: their queries find these pairs.
         if (a->state().destroyed || b->state().destroyed || m_proxies.NeedsQuery(a) || m_proxies.NeedsQuery(b) ||
             !qcOverlap(a, b) || AddIfAccepted(a, b))
             continue;
@@ -251,7 +254,7 @@ void qcPairCacheSync::AddBegun(const qcBoxChanges& changes)
     for (size_t i = 0; i < changes.beganCount; i++)
     {
         qcProxy *a = m_proxies.OfBox(changes.began[i].a), *b = m_proxies.OfBox(changes.began[i].b);
-        // Pairs of proxies that are queried again are found by their queries.
+        // Skips proxies that are queried again: their queries find these pairs.
         if (m_filterAll || (m_querying && (m_proxies.NeedsQuery(a) || m_proxies.NeedsQuery(b))))
             continue;
         TestPair(a, b);
@@ -315,7 +318,8 @@ void qcPairCacheSync::RemovePair(int index, btDispatcher* dispatcher)
         m_cache->removeOverlappingPair(pairs[index].m_pProxy0, pairs[index].m_pProxy1, dispatcher);
         return;
     }
-    // Such a cache leaves removal to the broadphase. Out of the array first: cleaning may call back.
+    // A cache with deferred removal leaves the removal to the broadphase. The pair leaves the array first: cleaning may
+    // call back.
     btBroadphasePair pair = pairs[index];
     pairs.swap(index, pairs.size() - 1);
     pairs.pop_back();
@@ -362,7 +366,7 @@ void qcPairCacheSync::Update(btDispatcher* dispatcher)
     FindForeignChanges();
     qcBoxChanges changes = m_proxies.HasChanges() ? m_proxies.FindChanges() : qcBoxChanges{};
     m_filterAll = m_filterAll || changes.all;
-    // After the search: what was set, and is read again by it, is still in the processor's cache.
+    // After the search, which reads the boxes just set while they are still in the processor's cache.
     m_proxies.CompareFilters();
     if (m_proxies.HasChanges() || m_filterAll || m_filter != nullptr)
         UpdatePairs(changes, dispatcher);

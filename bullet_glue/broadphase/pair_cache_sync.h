@@ -9,10 +9,10 @@
 
 #include <atomic>
 
-/// What changed comes from the set of boxes; the cache is changed for nothing else. A pair that overlapped at the last
-/// search and still does is in the cache, or was rejected by groups and masks that have not changed since. All pairs
-/// are filtered again where that can't be relied on: someone else changed the cache, a filter changed, there is a
-/// filter callback, the cache defers removal, a proxy has invalid bounds.
+/// Applies the changes of overlaps that the set of boxes reports. Invariant: a pair that overlapped at the last search
+/// and still does is in the cache, or was rejected by groups and masks that have not changed since. Where the invariant
+/// may be broken, all pairs are filtered again: someone else changed the cache, a filter changed, there is a filter
+/// callback, the cache defers removal, or a proxy has invalid bounds.
 ///
 /// Callbacks may create, move and destroy proxies. While an iteration runs (IterationGuard) such changes are pending.
 class qcPairCacheSync
@@ -24,7 +24,7 @@ class qcPairCacheSync
     qcPairCacheSync& operator=(const qcPairCacheSync&) = delete;
     ~qcPairCacheSync();
 
-    /// A value, so that setAabb reaches it without one more pointer.
+    /// The proxies. Stored by value: setAabb accesses them without one more pointer.
     qcProxySet& GetProxies()
     {
         return m_proxies;
@@ -48,7 +48,7 @@ class qcPairCacheSync
     void Destroy(qcProxy* proxy, btDispatcher* dispatcher);
     /// Brings the cache up to date.
     void Update(btDispatcher* dispatcher);
-    /// Some of the next proxies that change have their pairs added before the search.
+    /// Allows the next few proxies that change to get their pairs before the search.
     void ResetEarlyQueries();
 
     /// While one lives, the set of proxies stays as it is.
@@ -99,18 +99,18 @@ class qcPairCacheSync
     btOverlappingPairCache* m_cache;
     bool m_ownsCache;
     std::atomic<int> m_iterations{0}; ///< queries and searches that are running
-    unsigned m_destroyCount = 0;      ///< lets a loop over pairs notice that a callback has removed some
+    unsigned m_destroyCount = 0;      ///< Destroy calls: a loop over pairs notices removed pairs by a change
     bool m_querying = false;          ///< the pairs of some proxies are queried again
     bool m_filterAll = false;         ///< all pairs are queried and filtered again
     int m_earlyQueries;               ///< proxies left whose pairs are added before the search
     int m_knownPairCount = 0;         ///< size of the cache after our last change
     const btOverlapFilterCallback* m_filter = nullptr;
     Pairs m_rejected; ///< while there is a filter callback: overlapping pairs that it rejected
-    Pairs m_found;    ///< single proxies: by one whose pairs are added before the search
-    Pairs m_early;    ///< pairs that were added to the cache since the last search, the lower id first
+    Pairs m_found;    ///< scratch: overlapping proxies of one whose pairs are added before the search
+    Pairs m_early;    ///< pairs added to the cache since the last search, the lower id first
 };
 
-// Inline up to the comparison of boxes: most boxes that a world sets stay where they are.
+// Inline up to the comparison of boxes: most boxes that a world sets are unchanged.
 inline void qcPairCacheSync::Move(qcProxy* proxy, const btVector3& aabbMin, const btVector3& aabbMax)
 {
     if (IsIterating())

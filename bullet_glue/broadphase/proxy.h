@@ -11,7 +11,8 @@ constexpr uint32_t qc_noBox = UINT32_MAX;
 
 struct qcProxyState;
 
-/// What Bullet sees, and all that a box that stays needs: with floats, one cache line.
+/// The part of a proxy that Bullet reads, with all that setAabb needs for an unchanged box. One cache line with float
+/// scalars.
 struct qcProxy : btBroadphaseProxy
 {
     using btBroadphaseProxy::btBroadphaseProxy;
@@ -19,17 +20,17 @@ struct qcProxy : btBroadphaseProxy
     qcProxyState& state() const;
 };
 
-/// What only the broadphase reads of a proxy.
+/// The part of a proxy that only the broadphase reads.
 struct qcProxyState
 {
     uint32_t box = qc_noBox;
-    int index = -1;              ///< in the list of all proxies; negative: not listed yet
-    long long queryInterval = 0; ///< the interval in which all its pairs were last queried again
+    int index = -1;              ///< position in the list of all proxies; negative: not listed yet
+    long long queryInterval = 0; ///< number of the interval in which all its pairs were last queried again
     bool invalidAabb = false;    ///< bounds are NaN or inverted: its overlaps are not those of its box in the set
-    bool addedPairs = false;     ///< is in the list of pairs that were added before the search
+    bool addedPairs = false;     ///< one of its pairs is in the list of pairs added before the search
     bool pending = false;        ///< changes are applied at the end of the last iteration
     bool destroyed = false;      ///< freed at the end of the last iteration
-    bool moves = false;          ///< to pendingMin, pendingMax at the end of the last iteration
+    bool moves = false;          ///< its box becomes pendingMin, pendingMax at the end of the last iteration
     qcProxy* nextPending = nullptr;
     btVector3 pendingMin, pendingMax;
 };
@@ -48,16 +49,16 @@ union qcProxySlot
 
 constexpr size_t qc_proxyBlockSize = 16384;
 
-/// Proxies lie side by side, since each step reads the filters of all: in a step that moves 10 of 1000 boxes, beside
-/// other broadphases that fill the processor's cache, that took a third of the time when they were scattered. States
-/// lie apart from what Bullet reads: a twentieth of the time.
+/// A block of proxies, side by side: each step reads the filters of all. When they were scattered, that took a third of
+/// a step that moves 10 of 1000 boxes (beside other broadphases that fill the processor's cache). States are stored
+/// apart from the proxies, which saves a twentieth.
 struct alignas(qc_proxyBlockSize) qcProxyBlock
 {
     static constexpr size_t c_slotCount = (qc_proxyBlockSize - 64) / (sizeof(qcProxySlot) + sizeof(qcProxyState));
 
     alignas(64) unsigned char slots[c_slotCount * sizeof(qcProxySlot)];
     alignas(qcProxyState) unsigned char states[c_slotCount * sizeof(qcProxyState)];
-    qcProxyBlock* next; ///< of the blocks that begin an allocation
+    qcProxyBlock* next; ///< next allocation; used in the first block of each allocation
 };
 
 inline qcProxyState& qcProxy::state() const
@@ -72,7 +73,7 @@ template <class Box> inline bool qcOverlap(const Box* a, const Box* b)
     return TestAabbAgainstAabb2(a->m_aabbMin, a->m_aabbMax, b->m_aabbMin, b->m_aabbMax);
 }
 
-/// Group and mask in one number, which is compared at once.
+/// Group and mask packed into one number, for a single comparison.
 inline uint64_t qcFilterOf(const btBroadphaseProxy* proxy)
 {
     return uint64_t(uint32_t(proxy->m_collisionFilterMask)) << 32 | uint32_t(proxy->m_collisionFilterGroup);

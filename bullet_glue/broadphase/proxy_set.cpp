@@ -48,7 +48,7 @@ qcProxySet::~qcProxySet()
 
 //  ---- memory ----------------------------------------------------------------------------------------
 
-/// Half as many slots more. Returns false if there is no memory.
+/// Grows by half as many slots. Returns false if there is no memory.
 bool qcProxySet::Grow()
 {
     const int perBlock = int(qcProxyBlock::c_slotCount), blockCount = 1 + m_slotCount / perBlock / 2;
@@ -68,7 +68,7 @@ bool qcProxySet::Grow()
     blocks->next = m_blocks;
     m_blocks = blocks;
     m_slotCount = slotCount;
-    // The first slot on top, so that proxies that are created one after the other lie in that order.
+    // The first slot on top, so that proxies created one after another are adjacent in memory.
     for (int i = blockCount * perBlock; i-- > 0;)
     {
         qcProxySlot* slot = new (blocks[i / perBlock].slots + sizeof(qcProxySlot) * size_t(i % perBlock)) qcProxySlot;

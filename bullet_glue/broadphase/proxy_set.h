@@ -5,8 +5,8 @@
 #include "broadphase/proxy.h"
 
 /// A proxy's box in the set has NaN bounds opened to infinity and inverted ones put in order. It then overlaps every
-/// box that TestAabbAgainstAabb2 lets the proxy overlap: a comparison with NaN is never true there, and two boxes of
-/// which one is inverted overlap there only if the other one contains it. So answers of the set are filtered by
+/// box that TestAabbAgainstAabb2 lets the proxy overlap: a comparison with NaN is never true there, and an inverted box
+/// overlaps another one there only if the other one contains it. Results of the set are therefore filtered by
 /// TestAabbAgainstAabb2.
 class qcProxySet
 {
@@ -23,33 +23,33 @@ class qcProxySet
     qcProxySet& operator=(const qcProxySet&) = delete;
     ~qcProxySet();
 
-    /// Null if there is no memory, which getStatus then reports. The proxy is not listed.
+    /// Creates a proxy that is not listed yet. Null if there is no memory; getStatus then reports it.
     qcProxy* Create(const btVector3& aabbMin, const btVector3& aabbMax, void* userPtr, int group, int mask);
     /// Adds a proxy to the list and, if there is memory, its box to the set.
     void List(qcProxy* proxy);
     void Free(qcProxy* proxy);
     void Move(qcProxy* proxy, const btVector3& aabbMin, const btVector3& aabbMax);
-    /// Lists the proxy among those that TakePending returns.
+    /// Adds the proxy to those with pending changes.
     void Pend(qcProxy* proxy);
-    /// A proxy whose changes are pending, which they no longer are; null: there is none.
+    /// Removes a proxy from those with pending changes and returns it. Null: none is left.
     qcProxy* TakePending();
-    /// Ids start again, where there are no proxies.
+    /// Clears the set of boxes and restarts the ids. Call it only without proxies.
     void Reset();
 
-    /// All pairs of the proxy are queried again in the next search.
+    /// Marks the proxy: the next search queries all its pairs again.
     void Requery(qcProxy* proxy);
-    /// The pairs of the proxy don't follow from what changed between boxes.
+    /// True if the proxy's pairs must be queried: the changes between boxes don't determine them.
     bool NeedsQuery(const qcProxy* proxy) const;
-    /// Compares the filter with what it was.
+    /// Requeries the proxy if its filter has changed since the last comparison.
     void CompareFilter(Entry& entry);
-    /// Compares the proxy's filter if all before it in the list have been compared. A world sets all boxes in the order
-    /// in which the objects came, which is that of the list: the proxy is then in the processor's cache.
+    /// Compares the proxy's filter if all before it in the list have been compared. A world sets boxes in the order in
+    /// which its objects were added, which is the order of the list: the proxy is then in the processor's cache.
     void CompareFilterInTurn(const qcProxy* proxy);
-    /// Compares the filters that were not compared when boxes were set.
+    /// Compares the remaining filters: those that were not compared when boxes were set.
     void CompareFilters();
     /// Adds to the set the boxes for which there was no memory.
     void AddMissingBoxes();
-    /// What changed between boxes since the last search. On failure everything counts as changed.
+    /// The changes of overlaps since the last search. On failure everything counts as changed.
     qcBoxChanges FindChanges();
     /// Ends the interval between two searches.
     void EndInterval();
@@ -86,7 +86,7 @@ class qcProxySet
     {
         return m_outsideCount;
     }
-    /// Some proxies' overlaps are not those of their boxes in the set.
+    /// True if some proxies' overlaps differ from those of their boxes in the set.
     bool HasExceptions() const
     {
         return m_invalidCount > 0 || m_outsideCount > 0;
@@ -121,12 +121,12 @@ class qcProxySet
     int m_slotCount = 0;
     Entry* m_entries = nullptr; ///< with room for m_slotCount
     int m_count = 0;
-    int m_comparedCount = 0; ///< filters of this many entries, from the first, were compared since the last search
+    int m_comparedCount = 0; ///< leading entries whose filters were compared since the last search
     int m_outsideCount = 0;
     int m_invalidCount = 0; ///< proxies whose bounds are NaN or inverted
     int m_lastUniqueId = 0;
     qcProxy* m_pending = nullptr;
-    long long m_interval = 1; ///< between two searches for pairs
+    long long m_interval = 1; ///< number of the current interval between two searches
     bool m_changed = false, m_requeried = false;
 };
 
@@ -142,7 +142,7 @@ inline void qcProxySet::CompareFilter(Entry& entry)
 inline void qcProxySet::CompareFilterInTurn(const qcProxy* proxy)
 {
     bool next = m_comparedCount < m_count && m_entries[m_comparedCount].proxy == proxy;
-    // Boxes that are set once more: filters may have changed in between.
+    // Boxes are set a second time: filters may have changed in between.
     if (!next && proxy->state().index < m_comparedCount)
     {
         m_comparedCount = 0;

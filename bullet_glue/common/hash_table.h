@@ -1,4 +1,4 @@
-// Values by key, by open addressing. Its memory is kept from one use to the next: cuts fill thousands of small tables.
+// Values by key, by open addressing. Memory is reused: cuts fill thousands of small tables.
 #ifndef QC_GLUE_COMMON_HASH_TABLE_H
 #define QC_GLUE_COMMON_HASH_TABLE_H
 

@@ -26,8 +26,8 @@ const qcMeshShape* qcAsMeshShape(const btCollisionShape* shape);
 /// True for a mesh of GImpact, false for a compound of GImpact.
 bool qcIsGImpactMesh(const btCollisionShape* shape);
 
-/// A number that changes with the mesh. For Bullet's own shapes: with its scaling and its box, since their triangles
-/// are not read.
+/// A number that changes with the mesh. For Bullet's own shapes it depends on scaling and box only: their triangles are
+/// not read.
 uint64_t qcMeshRevision(const btCollisionShape* shape);
 
 /// The triangles of a shape, in its frame. Refers to the shape: valid while that stays as it is.
@@ -43,7 +43,7 @@ class qcMeshTriangles
     uint32_t pointCount;
     const uint32_t* indices; ///< three a triangle
     uint32_t count;          ///< triangles
-    /// For each triangle; empty for a qcMeshShape, whose triangles keep their numbers.
+    /// One for each triangle; empty for a qcMeshShape, whose triangles keep their numbers.
     std::vector<qcTriangleSource> sources;
 
   private:
@@ -67,12 +67,12 @@ struct qcMeshDef
     const btVector3* box = nullptr;
 };
 
-/// Adds the triangles of a shape to a scene. `sources` receives those of the triangles.
+/// Adds the triangles of a shape to a scene. `sources` receives qcMeshTriangles::sources.
 qcStatus qcAddMesh(qcScene* scene, const qcMeshDef& mesh, qcBodyId* id, std::vector<qcTriangleSource>* sources);
 
 qcTransform qcTransformOf(const btTransform& transform);
 
-/// Rounded to Bullet's precision.
+/// The vector, rounded to Bullet's precision.
 inline btVector3 qcVectorOf(const double v[3])
 {
     return btVector3(btScalar(v[0]), btScalar(v[1]), btScalar(v[2]));

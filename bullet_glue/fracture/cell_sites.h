@@ -14,12 +14,12 @@ struct qcFractureSites
     qcClipPoint origin = {0, 0, 0};  ///< of the local positions
 };
 
-/// Finds them for a mesh in local positions. Returns the reason why the mesh can't be divided, or an empty text.
+/// Finds the sites for a mesh in local positions. Returns the reason why the mesh can't be divided, or an empty text.
 std::string qcFractureSites_Find(const qcFractureDef& def, const qcFractureUnits& units, const qcFacetedMesh& mesh,
                                  qcFractureSites* sites);
 
-/// The bisector of two sites in local positions; the second site is outside. Exchanged sites give the same numbers with
-/// other signs. It is exact but for one rounding, however far away the sites are.
+/// The bisector of two sites in local positions; the second site is outside. Exchanging the sites exactly negates the
+/// numbers. The result is exact but for one rounding, however far away the sites are.
 qcClipPlane qcFractureSites_Bisect(const qcFractureSites& sites, uint32_t site, uint32_t other, uint32_t face);
 
 /// Clips a solid to the cell of a site without a list of its neighbours: by the nearest sites, until the next one is

@@ -21,11 +21,11 @@
 namespace
 {
 constexpr btScalar s_minMass = std::numeric_limits<btScalar>::min();
-constexpr double s_minShare = 1e-9; ///< volume of a piece by that of the mesh; smaller ones are dropped
+constexpr double s_minShare = 1e-9; ///< min volume of a piece relative to the mesh; smaller pieces are dropped
 // Tolerances for a sum of volumes, relative and in cubic units. Boxes, needles and tori turned at random, in up to 125
 // cells, had rounding errors of up to 4e-15 and 5e-16.
 constexpr double s_volumeShare = 1e-12, s_volumeError = 1e-14;
-constexpr double s_minVolume = 100 * s_volumeError; ///< of a mesh: above the errors, so that a wrong sum is noticed
+constexpr double s_minVolume = 100 * s_volumeError; ///< of a mesh: above the errors, so that wrong sums are detected
 
 bool IsFinite(const btVector3& v)
 {
@@ -198,7 +198,7 @@ void PutInFrame(const qcFacetedMesh& island, const qcClipPoint& center, const qc
         qcClipPoint v = about(p);
         piece->vertices.emplace_back(btScalar(v[0]), btScalar(v[1]), btScalar(v[2]));
     }
-    // In units, so that no moment overflows.
+    // In units, so that no moment of inertia overflows.
     btMatrix3x3 axes =
         qcMeshShape(piece->vertices.data(), qcBulletPositions, sizeof(btVector3), uint32_t(piece->vertices.size()),
                     piece->indices.data(), uint32_t(piece->indices.size() / 3))
@@ -206,7 +206,7 @@ void PutInFrame(const qcFacetedMesh& island, const qcClipPoint& center, const qc
             .principalFrame.getBasis();
     for (size_t i = 0; i < island.points.size(); i++)
     {
-        // Rounded once: cut faces of two pieces that coincide do so in their frames, too.
+        // Rounded once, so that coinciding cut faces of two pieces also coincide in their frames.
         qcClipPoint v = about(island.points[i]);
         for (int k = 0; k < 3; k++)
             piece->vertices[i][k] = btScalar(
@@ -347,7 +347,7 @@ std::vector<btVector3> qcScatterSites(const btVector3& lower, const btVector3& u
         for (int axis = 0; axis < 3; axis++)
             site[axis] = lower[axis] + btScalar(Random(&seed)) * (upper[axis] - lower[axis]);
         site.setW(0);
-        // Towards the point by a random solid: densities fall as the square of the distance.
+        // A random share of the way from the impact to the site: densities fall as the square of the distance.
         sites.push_back(impact != nullptr ? impact->lerp(site, btScalar(Random(&seed))) : site);
     }
     return sites;

@@ -43,7 +43,7 @@ void qcEdgeCounts::FindLoops(bool reversed, qcClipLoops* loops)
             loops->points.push_back(from);
             m_next[from] = uint32_t(i + 1);
             i = m_next[to];
-            // Past the maxPoint half-edge from there, or an entry of an earlier call.
+            // `i` is past the last half-edge from this point, or an entry of an earlier call.
             if (i < m_halfEdges.size() && FromOf(m_halfEdges[i]) != to)
                 break;
         }

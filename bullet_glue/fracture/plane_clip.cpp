@@ -1,7 +1,7 @@
 // Clipping on the edges of faces. The edges of a face form closed chains, so a face that leaves the inside of the plane
 // enters it again as often. An edge from each such point to another closes the face, and these edges together bound the
-// cut face: the solid stays closed, whatever rounding did to the points. Which points are joined makes no difference to
-// what the edges cover of the line in which plane and face intersect; sorted along the line, no two edges overlap.
+// cut face: the solid stays closed under any rounding of points. Any choice of joined points covers the same part of
+// the line in which plane and face intersect. Joined in their order along the line, no two edges overlap.
 #include "fracture/plane_clip.h"
 
 #include "fracture/triangulate_face.h"

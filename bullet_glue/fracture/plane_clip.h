@@ -27,8 +27,8 @@ struct qcClipPlane
     uint32_t face; ///< number of the cut face
 };
 
-/// Makes a solid of a mesh, from which it drops triangles back to back. Returns the first triangle with an open edge:
-/// one with more half-edges in one direction than in the other; without such the number of triangles.
+/// Makes a solid of a mesh, from which it drops triangles back to back. Returns the index of the first triangle with an
+/// open edge (more half-edges in one direction than in the other), or the number of triangles if there is none.
 size_t qcClipSolid_Make(qcFacetedMesh* mesh, qcClipSolid* solid);
 
 /// Removes the part outside the plane, and closes the solid with a cut face. A plane and its mirror image (the same

@@ -6,21 +6,20 @@
 #include "fracture/faceted_mesh.h"
 #include "fracture/open_edges.h"
 
-/// The edge that closes a face again which a plane cuts: the first points where the face leaves the inside and enters
-/// it.
+/// The edge that closes a face cut by a plane: the points where the face first leaves and first enters the inside.
 struct qcCutEdge
 {
     uint32_t face, leave, enter;
 };
 
-/// A further such point of a face.
+/// A further point where a face leaves or enters the inside.
 struct qcCutPoint
 {
     uint32_t face, point;
     bool leaves;
 };
 
-/// The half-edges of a face, up to an end.
+/// The half-edges of a face: up to `end`, from the end of the previous face.
 struct qcFaceEdges
 {
     uint32_t face;

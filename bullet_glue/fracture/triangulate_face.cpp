@@ -43,8 +43,8 @@ class Outline
         }
     }
 
-    /// Adds triangles that all face the right way; none if it finds no such. Corners are flat where a plane has cut
-    /// coplanar triangles: it searches first for a triangulation without flat triangles.
+    /// Adds triangles that all face the right way; none if no such triangulation is found. Corners are flat where a
+    /// plane has cut coplanar triangles: the search prefers triangulations without flat triangles.
     bool Triangulate(uint32_t face, std::vector<qcClipTriangle>* triangles)
     {
         m_flat = s_flat;
@@ -269,7 +269,8 @@ void AddFans(qcFacetedMesh* mesh, size_t first, uint32_t face, const qcClipLoops
 
 //  ---- loops of edges --------------------------------------------------------------------------------
 
-/// The loop of a face whose half-edges form a single loop with each point once, as nearly all do. False: another face.
+/// The loop of a face whose half-edges form a single loop with each point once, as in nearly all faces. False for other
+/// faces.
 bool FindSimpleLoop(const qcHalfEdge* halfEdges, size_t count, size_t pointCount, qcClipScratch* scratch)
 {
     qcClipLoops* loops = &scratch->loops;

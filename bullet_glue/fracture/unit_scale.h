@@ -9,7 +9,7 @@
 
 struct qcFractureUnits
 {
-    double length = 1;              ///< of a unit: a power of two, so that scaling rounds nothing
+    double length = 1;              ///< of a unit, in the mesh's frame: a power of two, so that scaling is exact
     qcClipPoint origin = {0, 0, 0}; ///< in the mesh's frame, in units; 0 along an axis unless the mesh is far from it
 
     /// In units from the origin of the mesh's frame. Exact unless it overflows.

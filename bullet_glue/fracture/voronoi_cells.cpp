@@ -17,9 +17,9 @@ namespace
 // voro++ treats squares of lengths that differ by less than 1e-11 as equal. Its input is scaled to a length of 4 to 8:
 // rounding errors stay a hundred times below that tolerance.
 constexpr int s_voroExponent = 3;
-constexpr double s_maxSpread = 64; ///< of sites around a mesh, in units
-// By the longest side of the walls. voro++ treats bisectors at a distance of 1e-7 as equal; closer sites come near
-// that.
+constexpr double s_maxSpread = 64; ///< max length of the walls, in units
+// Min distance of two sites relative to the longest side of the walls. voro++ treats bisectors at a distance of 1e-7 as
+// equal; those of closer sites come near that.
 constexpr double s_minDistance = 1e-6;
 
 struct Box

@@ -11,7 +11,8 @@
 namespace
 {
 // The scene keeps a mesh's transform until a point has moved by this part of the contact breaking threshold: meshes at
-// rest, which creep by a thousandth of that in each step, need no query. The query reaches as much further.
+// rest, which creep by a thousandth of that in each step, need no query. The query distance is larger by the same
+// length.
 constexpr btScalar s_tolerance = btScalar(0.03);
 // Contact of fine meshes is searched no further than this part of an edge: within 4 cm of a triangle of 1 cm lie a
 // hundred others.
@@ -106,7 +107,7 @@ bool qcBatchScene::IsUpToDate(const btCollisionObject* object, const qcBatchObje
 {
     if (gathered.gathered != m_gathering)
         return false;
-    // An impulse since the gathering may have made it faster.
+    // An impulse since the gathering may have made the object faster.
     btScalar maxClosing =
         qcMaxClosingDistance(object, gathered.radius, m_timeStep, gathered.maxContactDistance, m_meanMotion);
     return maxClosing <= gathered.maxClosing + s_restDistance * gathered.threshold / 2;
@@ -117,7 +118,7 @@ void qcBatchScene::InvalidateShape(const btCollisionShape* shape)
     for (auto& [key, object] : m_objects)
         for (qcBatchMesh& mesh : object.meshes)
             if (mesh.shape == shape)
-                mesh.revision = 0; // no shape has this one
+                mesh.revision = 0; // stale: no shape has revision 0
 }
 
 /// Sets what depends on the shape only.

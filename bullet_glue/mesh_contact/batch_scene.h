@@ -16,23 +16,23 @@ struct qcBatchMesh
     uint64_t revision = 0; ///< see qcMeshRevision; 0: stale
     btScalar margin = 0;
     bool inScene = false;
-    bool placed = false;                  ///< the scene has it at this transform
+    bool placed = false;                  ///< the mesh is in the scene, at this transform
     btScalar radius = 0;                  ///< upper bound of its points' distance from its origin
     btScalar edgeLength = BT_LARGE_FLOAT; ///< estimate; this value until triangles of Bullet's shapes are counted
     btScalar tolerance = 0;               ///< its points may move this far before the scene is updated
     qcBodyId id{};
     std::vector<qcTriangleSource> sources;
 
-    /// True if the scene has it at this transform or within the tolerance.
+    /// True if the scene has the mesh at this transform, within the tolerance.
     bool IsAt(const btTransform& at) const;
-    /// True if the scene has it as this shape is now, at this transform or within the tolerance.
+    /// True if the scene has the mesh with the shape's present triangles, at this transform within the tolerance.
     bool IsCurrent(const btCollisionShape* present, const btTransform& at) const;
 };
 
 /// Appends the meshes of a shape, at the transforms of Bullet's compound algorithms, to the last bit.
 void qcCollectMeshes(const btCollisionShape* shape, const btTransform& transform, std::vector<qcBatchMesh>* meshes);
 
-/// What changes between two dispatches only, unless the application moves the object.
+/// State that changes only between two dispatches, unless the application moves the object.
 struct qcObjectState
 {
     btTransform transform;
@@ -43,19 +43,19 @@ struct qcObjectState
     bool IsStateOf(const btCollisionObject* object) const;
 };
 
-/// An object that may hold meshes. Contact distances are beyond the margins of both meshes.
+/// An object that may hold meshes. Contact distances exclude the margins of both meshes.
 struct qcBatchObject
 {
     uint32_t owner = 0;    ///< of its meshes: children of a compound aren't tested with each other
-    unsigned gathered = 0; ///< number of the last gathering that updated it
-    unsigned present = 0;  ///< number of the last gathering that found it in the world
+    unsigned gathered = 0; ///< number of the last gathering that updated the object
+    unsigned present = 0;  ///< number of the last gathering that found the object in the world
     bool isOurs = false;   ///< the library computes contact of one of its meshes with any other mesh
-    bool inScene = false;  ///< since its first pair that the library computes
+    bool inScene = false;  ///< its meshes are in the scene: from its first pair that the library computes
     qcActivity activity = qc_activityMoving;
     btScalar threshold = 0;          ///< upper bound of its contact breaking threshold
     btScalar margin = 0;             ///< largest of its meshes, tolerance included
     btScalar radius = 0;             ///< upper bound of its points' distance from its origin
-    btScalar maxContactDistance = 0; ///< limit of the next two
+    btScalar maxContactDistance = 0; ///< upper bound of its contact distance and of maxClosing
     btScalar maxClosing = 0;         ///< upper bound of its motion in a step relative to the mean motion
     qcObjectState state;             ///< at the last gathering or check
     unsigned checked = 0;            ///< number of the last check of the object (qcBatchValidity)
@@ -63,7 +63,7 @@ struct qcBatchObject
     std::vector<qcBatchMesh> meshes;
 };
 
-/// What an application sets.
+/// Settings of the application.
 struct qcBatchSettings
 {
     btCollisionWorld* world = nullptr;
@@ -85,13 +85,13 @@ class qcBatchScene
     qcStatus Create(qcDevice* device);
     /// Brings the scene up to date with the world. Returns the last error; an object with an error has no contact.
     qcStatus Gather();
-    /// Reads the shape anew in the next gathering.
+    /// Makes the next gathering read the shape anew.
     void InvalidateShape(const btCollisionShape* shape);
 
-    /// Null: not gathered.
+    /// The object as last gathered; null: never gathered.
     const qcBatchObject* Find(const btCollisionObject* object) const;
     qcBatchObject* Find(const btCollisionObject* object);
-    /// True if the last gathering updated the object, and contact was searched as far as the object may move.
+    /// True if the last gathering updated the object, and its contact distance covers the object's motion in the step.
     bool IsUpToDate(const btCollisionObject* object, const qcBatchObject& gathered) const;
     /// Calls function(object0, object1) for the world's pairs of objects that may hold meshes.
     template <typename Function> void ForEachPair(Function function) const;
@@ -126,7 +126,7 @@ class qcBatchScene
     }
 
   private:
-    /// Contact is searched as far as bodies may move in the step, and this part of the threshold further.
+    /// Contact is searched up to the motion of the bodies in the step, plus this part of the threshold.
     static constexpr btScalar s_restDistance = btScalar(0.05);
 
     void Measure(const btCollisionShape& root, qcBatchObject* object) const;

@@ -5,7 +5,7 @@
 
 #include <algorithm>
 
-/// True if the last gathering has all meshes of the object where they are.
+/// True if the last gathering has all meshes of the object at their present transforms.
 bool qcBatchValidity::IsValid(const btCollisionObject* object, const qcBatchObject& gathered)
 {
     if (!m_scene.IsUpToDate(object, gathered))

@@ -95,7 +95,7 @@ void RemoveDistant(const btCollisionObject* object0, const btCollisionObject* ob
     {
         btVector3 closing = motion1.VelocityAt(point.onB) - motion0.VelocityAt(point.onA);
         btScalar endDistance = point.distance - closing.dot(point.normal) * timeStep;
-        // Impact sampling may have found a smaller one, from bodies that stop.
+        // Impact sampling may have found a smaller distance, for bodies that stop within the step.
         point.endDistance = timeStep > 0 ? std::min(point.endDistance, endDistance) : point.distance;
     }
     auto isDistant = [&](const qcMeshPoint& point)

@@ -49,7 +49,7 @@ class qcPointsAlgorithm : public btCollisionAlgorithm
                          const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1,
                          btManifoldResult* result);
 
-    bool m_isShared; ///< the manifold belongs to a parent algorithm: there is one, and it is not released here
+    bool m_isShared; ///< a parent algorithm owns the only manifold
     btPersistentManifold* m_manifolds[s_maxGroups] = {};
 };
 

@@ -141,7 +141,7 @@ const qcBatchMesh* qcMeshBatch::FindMesh(const qcPlacedMesh& mesh, bool* moving)
     return found != gathered->meshes.end() ? &*found : nullptr;
 }
 
-/// Appends the pair's points of the last batch. False if that does not have the pair.
+/// Appends the pair's points of the last batch. False if the batch does not contain the pair.
 bool qcMeshBatch::ReadPair(const qcPlacedMesh& a, const qcPlacedMesh& b, std::vector<qcMeshPoint>* points) const
 {
     bool moving = false;

@@ -18,7 +18,7 @@ struct qcPlacedMesh
     btTransform transform;
 };
 
-/// Thread-safety: the functions may run on several threads at once, except for those that say otherwise.
+/// Thread-safety: the functions may run on several threads at once, except where noted.
 class qcMeshBatch
 {
   public:
@@ -28,14 +28,14 @@ class qcMeshBatch
     qcMeshBatch(const qcMeshBatch&) = delete;
     qcMeshBatch& operator=(const qcMeshBatch&) = delete;
 
-    /// Appends the contact points of a pair, up to the contact distance and as far as the motion of the step requires:
-    /// from the last batch if it holds for all pairs of the world, else from a new one. Pairs that the batch does not
-    /// have are queried alone. `check`: state of the pair's algorithm, 0 at first.
+    /// Appends the contact points of a pair, up to the contact distance and within the motion of the step: from the
+    /// last batch if it holds for all pairs of the world, else from a new one. Pairs that are not in the batch are
+    /// queried alone. `check`: state of the pair's algorithm, 0 at first.
     void FindPoints(const qcPlacedMesh& a, const qcPlacedMesh& b, btScalar timeStep, unsigned* check,
                     std::vector<qcMeshPoint>* points);
     /// Appends the contact points of a pair whose triangles are at most `distance` apart, from a query for it alone.
     void QueryPair(const qcPlacedMesh& a, const qcPlacedMesh& b, btScalar distance, std::vector<qcMeshPoint>* points);
-    /// The triangles of a shape have changed.
+    /// Call it after the triangles of a shape have changed.
     void InvalidateShape(const btCollisionShape* shape);
     /// Draws the candidate triangles of the last batch, at the present transforms of their objects.
     void Draw(btIDebugDraw* drawer);
@@ -60,7 +60,7 @@ class qcMeshBatch
     std::mutex m_mutex;
 };
 
-/// Contact distance of two shapes: points beyond their margins by more are no contact.
+/// Contact distance of two shapes: points that are farther beyond their margins are no contact.
 btScalar qcContactDistance(const btCollisionShape* a, const btCollisionShape* b);
 
 #endif

@@ -25,7 +25,7 @@ struct Members
     std::vector<const qcMeshPoint*> points;
 };
 
-/// How far a point lies from the point, the line or the triangle that the chosen points span.
+/// Distance of a point from the point, the line or the triangle that the chosen points span.
 btScalar ExtentOf(const qcPointGroup& group, const btVector3& normal, const btVector3& point)
 {
     btVector3 a = group.points[0]->onB;
@@ -52,8 +52,8 @@ btScalar ExtentOf(const qcPointGroup& group, const btVector3& normal, const btVe
     return outside;
 }
 
-/// The distance that decides between points. One that comes within the contact distance only at the end of the step has
-/// its distance then, but counts as no nearer than half of the contact distance: others may touch before it.
+/// The distance by which points are ranked. A point beyond the contact distance has its distance at the end of the
+/// step, but at least half of the contact distance: others may touch before it.
 btScalar EffectiveDistance(const qcMeshPoint& point, btScalar contactDistance)
 {
     btScalar distance =
@@ -61,8 +61,9 @@ btScalar EffectiveDistance(const qcMeshPoint& point, btScalar contactDistance)
     return point.isKnown ? distance - s_knownNearer * contactDistance : distance;
 }
 
-/// True if Bullet's manifold would replace another point of the group by this one. It compares points on the first
-/// body, which depth moves along the normal, and takes them for one within the distance that it has to accept.
+/// True if Bullet's manifold would replace another point of the group by this one. Bullet compares the points on the
+/// first body, which move along the normal with depth, and merges points within the breaking threshold, which is at
+/// least their distance.
 bool IsNear(const qcPointGroup& group, const qcMeshPoint& point, btScalar minSpacing)
 {
     for (int i = 0; i < group.count; i++)
@@ -87,7 +88,7 @@ void ChoosePoints(const Members& members, btScalar contactDistance, btScalar min
         btScalar maxGain = 0;
         for (const qcMeshPoint* point : members.points)
         {
-            // A wide but distant point carries nothing soon: it must not replace those that carry the body.
+            // A wide but distant point carries no load soon: it must not replace those that carry the body.
             btScalar distance = std::max(EffectiveDistance(*point, contactDistance), btScalar(0));
             btScalar gap = std::min(distance - std::max(deepest, btScalar(0)), span);
             btScalar weight = (1 - gap / span) * (1 - gap / span);

@@ -35,7 +35,8 @@ btScalar MaxSpeedBetween(const qcMovingMesh& a, const qcMovingMesh& b)
            (motionA.angular - motionB.angular).length() * small.radius;
 }
 
-/// When two bodies touched, whose distance was `previous`, and is now `distance`, 0 or less.
+/// The time at which two bodies touched, by linear interpolation of their distance: `previous` at `previousTime`, and
+/// `distance`, 0 or less, at `time`.
 btScalar TouchTime(btScalar previousTime, btScalar previous, btScalar time, btScalar distance)
 {
     return previous > 0 ? previousTime + (time - previousTime) * previous / (previous - distance) : previousTime;
@@ -214,7 +215,7 @@ btScalar qcImpactSampler::TakeRegion(qcMeshPoint* begin, qcMeshPoint* end, btSca
     return stopTime;
 }
 
-/// Takes the points of a pair from a sample, and the stop times that follow.
+/// Takes the points of a pair from a sample, and updates the stop times.
 void qcImpactSampler::TakeResult(const qcResult& result, btScalar time, Pair* pair)
 {
     const Mesh &a = m_meshes[pair->a], &b = m_meshes[pair->b];
@@ -234,7 +235,7 @@ void qcImpactSampler::TakeResult(const qcResult& result, btScalar time, Pair* pa
         m_stopTimes[pair->a] = std::min(m_stopTimes[pair->a], stopTime);
 }
 
-/// Samples the selected pairs, which are done then.
+/// Samples the selected pairs and marks them as done.
 qcStatus qcImpactSampler::RunPass(qcScene* scene, const qcDetectDef& def)
 {
     int sampleCount = 0;

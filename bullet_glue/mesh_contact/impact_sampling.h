@@ -27,7 +27,7 @@ struct qcMovingMesh
 class qcImpactSampler
 {
   public:
-    /// Forgets the previous step.
+    /// Clears the pairs and points of the previous step, and sets the time step.
     void Begin(btScalar timeStep);
     /// Adds a pair if its bodies pass each other, or one of them moves, by more than contact distances cover.
     void AddPair(const qcMovingMesh& a, const qcMovingMesh& b);

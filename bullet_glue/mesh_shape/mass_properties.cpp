@@ -214,7 +214,7 @@ class UnitTriangles
     }
 
   private:
-    /// Between half and all of the greatest distance, along an axis, of a vertex from the first one.
+    /// A power of two between half and all of the largest distance, along an axis, of a vertex from the first one.
     double ChooseUnit() const
     {
         const btVector3& origin = GetOrigin();

@@ -4,8 +4,8 @@
 
 #include "quickcullide/bullet_mesh.h"
 
-/// Moments of a mass distribution of density 1 about a vertex of the mesh, in units of about the mesh's length: so they
-/// neither overflow nor cancel, whatever the mesh's size and place.
+/// Moments of a mass distribution of density 1 about a vertex of the mesh, in units of about the mesh's length: they
+/// neither overflow nor cancel for any size and position of the mesh.
 struct qcMoments
 {
     bool closed;

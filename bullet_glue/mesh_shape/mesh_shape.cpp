@@ -74,10 +74,10 @@ struct qcMeshShape::Implementation
     void ReadPositions(const void* positions, qcPositionType type, size_t stride, uint32_t count);
     /// Empties the mesh and sets the status if an index is out of range or a position not finite.
     void Validate();
-    /// After each change of points or indices.
+    /// Call it after each change of points or indices.
     void Update();
     btScalar DefaultMargin() const;
-    /// Built by the first call. Any thread.
+    /// The BVH, built by the first call. Thread-safe.
     const qcMeshTree& GetTree() const;
     void Report(btTriangleCallback* callback, uint32_t triangle) const;
 };

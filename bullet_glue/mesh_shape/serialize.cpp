@@ -1,4 +1,4 @@
-// A mesh in the structures of Bullet's serializer, and back.
+// Converts a mesh to the structures of Bullet's serializer, and back.
 //
 // The mesh is saved as a compound of a btBvhTriangleMeshShape. Bullet 3.24's importers read btGImpactMeshShape only if
 // they were built with USE_GIMPACT, which neither CMake nor Debian does. btWorldImporter::convertRigidBodyFloat sets
@@ -75,7 +75,7 @@ std::unique_ptr<qcMeshShape> Restore(const btCompoundShape& compound)
 class Restorer
 {
   public:
-    /// The mesh that a shape was saved from, else the shape. Replaces children of compounds.
+    /// The mesh that a shape was saved from, or the shape itself. Replaces children of compounds.
     btCollisionShape* Replace(btCollisionShape* shape)
     {
         if (!shape->isCompound())

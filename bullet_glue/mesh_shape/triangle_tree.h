@@ -52,7 +52,7 @@ class qcMeshTree
 
   private:
     static constexpr int s_width = 8;
-    /// What a vectorized comparison of coordinates yields: an integer of their size.
+    /// The result type of a vectorized comparison of coordinates: an integer of their size.
     typedef std::conditional_t<sizeof(btScalar) == 8, int64_t, int32_t> Lane;
 
     /// Boxes of up to eight triangles or blocks. Unused ones are inverted: nothing hits them.

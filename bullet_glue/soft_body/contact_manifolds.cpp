@@ -39,7 +39,7 @@ void qcContactManifolds::Release()
     m_broadphase = nullptr;
 }
 
-/// Adds a pair to those of this step. False: it is among them already.
+/// Adds a pair to those of this step. False: the pair is listed already.
 bool qcContactManifolds::Insert(const BodyPair& pair)
 {
     auto at = std::lower_bound(m_pairs.begin(), m_pairs.end(), pair);

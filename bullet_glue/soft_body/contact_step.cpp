@@ -93,8 +93,8 @@ void qcSoftBodyContact::Implementation::SolveConstraints()
 
 //  ---- stages, in their order --------------------------------------------------------------------------------------
 
-/// Finds the tangles: what penetrates at the start of the step. If the step starts where the previous one ended, they
-/// are those of its last result.
+/// Finds the tangles: pairs that penetrate at the start of the step. If the step starts where the previous one ended,
+/// its last result has them already.
 qcStatus qcSoftBodyContact::Implementation::FindTangles()
 {
     bool areFound = m_tanglesAreOfEnd && scene.StartsWhereStepEnded();
@@ -120,7 +120,7 @@ void qcSoftBodyContact::Implementation::SolveCcd()
     SolveConstraints();
 }
 
-/// Moves tangled surfaces towards where they come apart.
+/// Moves tangled surfaces towards separation.
 qcStatus qcSoftBodyContact::Implementation::Untangle()
 {
     if (m_tangles.IsEmpty())
@@ -194,8 +194,8 @@ qcStatus qcSoftBodyContact::Implementation::SolvePlanes()
     return qc_statusOk;
 }
 
-/// Moves what planes could not separate as one rigid body, from the start of the step. Each round unites zones or
-/// returns one to its start: the loop ends.
+/// Moves nodes and meshes that planes could not separate in zones, as one rigid body each, from the start of the step.
+/// Each round unites zones or returns one to its start, so the loop ends.
 qcStatus qcSoftBodyContact::Implementation::MoveZones()
 {
     if (m_unproven.empty())

@@ -59,8 +59,8 @@ struct qcSoftBodyContact::Implementation
     /// The penetrating pairs of the result, by index: `unproven` pairs have to be moved apart, `exempt` ones are
     /// tangled since the start of the step.
     std::vector<size_t> m_unproven, m_exempt;
-    qcSoftTangles m_tangles;        ///< of the start of the step; after it, of its end
-    bool m_tanglesAreOfEnd = false; ///< the previous step has ended, and left its tangles there
+    qcSoftTangles m_tangles;        ///< of the start of the step; after the step, of its end
+    bool m_tanglesAreOfEnd = false; ///< m_tangles are those of the end of the previous step
     qcSeparationPlanes m_planes;
     qcSoftZones m_zones;
 };

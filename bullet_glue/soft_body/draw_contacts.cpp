@@ -51,7 +51,7 @@ void DrawMesh(const qcSoftCandidates& candidates, const qcSceneMesh& mesh, const
 {
     const qcMeshShape& shape = *mesh.shape;
     const btVector3* vertices = shape.getVertices();
-    // The indices that the scene has.
+    // Vertex indices as in the scene.
     std::vector<uint32_t> welded = qcFirstAtPosition(vertices, shape.getVertexCount());
     for (uint32_t t = 0; t < shape.getTriangleCount(); t++)
     {

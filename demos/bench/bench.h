@@ -1,4 +1,5 @@
-// The benchmarks of qc-bench.
+// The benchmarks of qc-bench. Each function ends the program after --help and on a mistake. `arguments[0]` is
+// "qc-bench" and the benchmark's name.
 #ifndef QC_DEMOS_BENCH_BENCH_H
 #define QC_DEMOS_BENCH_BENCH_H
 
@@ -8,17 +9,17 @@
 extern "C" {
 #endif
 
-/// Run time against error. `arguments[0]` is "qc-bench accuracy"; ends the program after --help and on a mistake.
+/// Run time against error.
 qcExitStatus qcBench_RunAccuracy(int argumentCount, char** arguments);
-/// This library's sweep beside other libraries; likewise.
+/// This library's sweep beside other libraries.
 qcExitStatus qcBench_RunPeers(int argumentCount, char** arguments);
-/// Time and memory against size; likewise.
+/// Time and memory against size.
 qcExitStatus qcBench_RunScaling(int argumentCount, char** arguments);
-/// layers on a GL device beside sweep; likewise.
+/// layers on a GL device beside sweep.
 qcExitStatus qcBench_RunGpu(int argumentCount, char** arguments);
-/// qcBroadphase beside Bullet's own; likewise. Only where Bullet was found (QC_HAS_BULLET).
+/// qcBroadphase beside Bullet's own. Only where Bullet was found (QC_HAS_BULLET).
 qcExitStatus qcBench_RunBroadphase(int argumentCount, char** arguments);
-/// Soft bodies beside Bullet alone; likewise. Only where Bullet was found.
+/// Soft bodies beside Bullet alone. Only where Bullet was found.
 qcExitStatus qcBench_RunSoft(int argumentCount, char** arguments);
 
 #ifdef __cplusplus

@@ -87,14 +87,14 @@ bool Demo::Compare(size_t step, qcClothStep* measured)
     return true;
 }
 
-/// The frame of a step: runs the other methods, draws.
+/// Measures the frame of a step: runs the other methods and draws.
 bool Demo::MeasureStep(qcClothWorld& world, size_t step, qcClothRun* run)
 {
     qcClothStep& measured = run->steps.back();
     if (!m_measure.Update(world.Positions()))
         return qcDemo_Fail(m_measure.Message());
-    // In each step, as a simulation does: these follow a body from query to query, and take longer for one that has
-    // moved far since.
+    // Run in each step, as in a simulation: their data persist from query to query, and a body that has moved far costs
+    // more time.
     for (qcClothQuery query : {qc_clothSweep, qc_clothAuto, qc_clothLayers})
         if (!Run(query, &measured))
             return false;
@@ -103,7 +103,7 @@ bool Demo::MeasureStep(qcClothWorld& world, size_t step, qcClothRun* run)
         return true;
     size_t frame = (step - 1) / m_options.common.frameEvery;
     measured.compared = frame % m_options.compareEvery == m_options.compareEvery - 1 || isLast;
-    // Without self-collision only the frames for the table and the last picture are of use.
+    // Without self-collision only frames for the table and the last picture are used.
     if (!run->selfCollision && !measured.compared)
         return true;
     if (!Run(qc_clothQuick, &measured) || (run->selfCollision && !Draw(world, "frame", frame)))
@@ -131,7 +131,7 @@ bool Demo::Simulate(bool selfCollision, qcClothRun* run, size_t* triangles)
         measured.manifolds = world.ManifoldCount();
         if (measured.statistics.fallback != nullptr)
             run->fallback = measured.statistics.fallback;
-        // The text ends with the solver.
+        // The solver owns the text, which is invalid after the solver's end.
         measured.statistics.fallback = nullptr;
         run->steps.push_back(measured);
         if (measured.statistics.status != qc_statusOk)

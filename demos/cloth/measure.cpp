@@ -1,5 +1,5 @@
-// Each query has a scene of its own. The exact test confirms each pair, so the union of all results is the reference of
-// each.
+// Each query has a scene of its own. The exact test confirms each pair, so the union of all results is the reference
+// for each result.
 #include "cloth/measure.h"
 
 #include <algorithm>

@@ -25,7 +25,7 @@ enum qcClothQuery
 struct qcClothQueryDef
 {
     const char* label;  ///< in the table
-    const char* column; ///< begins the names of its columns in the CSV
+    const char* column; ///< prefix of its columns in the CSV
     qcMethod method;
     bool backToFront, secondPassFromBack;
     bool neverMisses;
@@ -40,7 +40,7 @@ struct qcClothResult
     double ms = 0;
     uint32_t resolution = 0; ///< pixels on a side; 0 without sampling
     bool byDevice = false;   ///< part of it ran on the device
-    /// Penetrating pairs that it found, all of them real, and pairs that another query found and it did not.
+    /// Penetrating pairs that the query found, confirmed by the exact test, and pairs that only other queries found.
     size_t found = 0, missed = 0;
 };
 
@@ -63,10 +63,11 @@ class qcClothMeasure
     bool Update(const std::vector<float>& positions);
     /// Fills all of the result but `missed`.
     bool Run(qcClothQuery query, qcClothResult* result);
-    /// Fills `missed`: the pairs that any query found and this one did not. Each has run since the last update.
+    /// Fills `missed`: the pairs that another query found and this one did not. Call it after all queries have run
+    /// since the last update.
     void CountMissed(qcClothResults* results) const;
 
-    /// A flag a triangle: in the PCS of the last query.
+    /// A flag for each triangle: it is in the PCS of the last query.
     const std::vector<uint8_t>& Marked() const
     {
         return m_marked;
@@ -79,7 +80,7 @@ class qcClothMeasure
   private:
     using Pairs = std::vector<std::pair<uint32_t, uint32_t>>;
 
-    /// One scene each: no query profits from what another has just computed.
+    /// One scene for each query: no query reuses data of another.
     struct Queried
     {
         qcScene* scene = nullptr;

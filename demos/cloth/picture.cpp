@@ -33,7 +33,7 @@ void AddCylinder(float radius, float bottom, float top, std::vector<float>* posi
 
 qcClothPicture::qcClothPicture()
 {
-    // Bullet keeps the nodes of a soft body off the table, not the faces between them: these cut across its rim.
+    // Bullet keeps the nodes of a soft body off the table, not the faces between them, which cut across its rim.
     constexpr float inset = 0.015f;
     constexpr float bottom = qcClothTable::height - qcClothTable::thickness;
     AddCylinder(qcClothTable::radius - inset, bottom, qcClothTable::height - inset, &m_furniturePositions,

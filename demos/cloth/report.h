@@ -16,7 +16,7 @@ struct qcClothStep
     int manifolds = 0;
     qcSoftBodyStatistics statistics;
     qcClothResults results;
-    bool compared = false; ///< all results are there; otherwise only that of the sweep, which runs in each step
+    bool compared = false; ///< false: only the methods that run in each step have results
 
     /// Pairs at the end of the step, by the exact test.
     size_t Penetrating() const
@@ -29,7 +29,7 @@ struct qcClothStep
 struct qcClothRun
 {
     bool selfCollision = false;
-    std::string fallback; ///< why another method than the requested one ran, the last time; empty if none did
+    std::string fallback; ///< reason why another method than the requested one ran, the last time; empty if none did
     std::vector<qcClothStep> steps;
 };
 

@@ -52,7 +52,7 @@ qcClothWorld::~qcClothWorld()
 void qcClothWorld::AddCloth(unsigned triangleCount, bool selfCollision)
 {
     int side = int(std::ceil(std::sqrt(triangleCount / 2.0)));
-    // A little off the middle, so that the folds are not all alike.
+    // A little off the centre, so that the folds are not symmetric.
     btScalar x = btScalar(0.06), z = btScalar(-0.04), y = qcClothTable::height + btScalar(0.05);
     m_cloth = btSoftBodyHelpers::CreatePatch(m_world.getWorldInfo(), btVector3(x - 1, y, z - 1),
                                              btVector3(x + 1, y, z - 1), btVector3(x - 1, y, z + 1),

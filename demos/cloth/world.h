@@ -41,7 +41,7 @@ class qcClothWorld
     {
         return m_dispatcher.getNumManifolds();
     }
-    /// Three floats a vertex, of this moment.
+    /// Present positions, three floats a vertex.
     const std::vector<float>& Positions();
     const std::vector<uint32_t>& Indices() const
     {

@@ -10,22 +10,22 @@
 extern "C" {
 #endif
 
-/// With all folders above it.
+/// Makes a folder, with all folders above it.
 bool qcFiles_MakeFolder(const char* path, qcMessage* message);
 
-/// False: no such file. True also where the file can't be read.
+/// False: no such file. True even if the file can't be read.
 bool qcFiles_IsThere(const char* path);
 
-/// Makes the folder and checks that "FOLDER/NAME" can be written; call it before long work.
+/// Makes the folder and checks that "FOLDER/NAME" can be written. Call it before long work.
 bool qcFiles_Check(const char* folder, const char* name, qcMessage* message);
 
-/// qcOutput_Open of "FOLDER/NAME".
+/// Opens "FOLDER/NAME" by qcOutput_Open.
 bool qcFiles_Open(const char* folder, const char* name, qcOutput* output, qcMessage* message);
 
-/// A field of a CSV, in quotes.
+/// Writes a field of a CSV, in quotes.
 void qcFiles_WriteQuoted(FILE* stream, const char* text);
 
-/// Runs "gnuplot SCRIPT" in the folder; without gnuplot a message on standard error. False: gnuplot failed.
+/// Runs "gnuplot SCRIPT" in the folder. Without gnuplot it prints a message on standard error. False: gnuplot failed.
 bool qcFiles_Draw(const char* folder, const char* script, qcMessage* message);
 
 #ifdef __cplusplus

@@ -14,7 +14,7 @@ extern "C" {
 /// (nohup) stays ignored.
 void qcInterrupt_Watch(void);
 
-/// The signal that came, or 0.
+/// The first signal received, or 0.
 int qcInterrupt_Signal(void);
 
 #ifdef __cplusplus

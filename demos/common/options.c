@@ -222,7 +222,7 @@ static uint32_t CountRows(const qcOption* rows)
     return count;
 }
 
-/// Lists of marks of which none is named stand for all.
+/// Marks every word of a list in which none is named.
 static void CompleteMarks(const qcOption* rows)
 {
     for (; rows->name != NULL || rows->help != NULL; ++rows)
@@ -281,7 +281,7 @@ static error_t ReadOption(int key, char* text, struct argp_state* state)
     }
 }
 
-/// Puts the default in the place of "%s"; argp frees the text.
+/// Replaces "%s" by the default; argp frees the text.
 static char* WriteDefault(int key, const char* text, void* input)
 {
     const Parse* parse = input;

@@ -1,9 +1,10 @@
-// A command line as a table: a row an option, with the variable that it sets and the values that are allowed. A mistake
-// ends the program with qc_exitUsage and a message that names the option.
+// A command line as a table: each row has an option, its variable and the allowed values. A mistake ends the program
+// with qc_exitUsage and a message that names the option.
 //
-//     const qcOption rows[] = {{1, "steps", "N", "Steps of the simulation; %s by default", qcOption_Number(&steps, 1,
-//     99)},
-//                              {0}};
+//     const qcOption rows[] = {
+//         {1, "steps", "N", "Steps of the simulation; %s by default", qcOption_Number(&steps, 1, 99)},
+//         {0},
+//     };
 #ifndef QC_DEMOS_COMMON_OPTIONS_H
 #define QC_DEMOS_COMMON_OPTIONS_H
 
@@ -25,7 +26,7 @@ typedef struct qcWord
 /// The kinds of devices.
 extern const qcWord qcDeviceWords[];
 
-/// Reads a text of a kind of its own; refuses it by argp_error.
+/// Reads an option's text in a format of its own; rejects it by argp_error.
 typedef void qcTakeText(const struct argp_state* state, const char* text, void* context);
 
 typedef enum qcOptionKind

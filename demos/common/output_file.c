@@ -106,7 +106,8 @@ static bool OpenTemporary(qcOutput* output, mode_t mode)
     return opened;
 }
 
-/// The path that a symbolic link leads to, from the link's folder where it is relative. Null, and errno: it is none.
+/// The target of a symbolic link, relative to the link's folder if it is relative. Null with errno: the path is no
+/// link.
 static char* ReadLink(const char* path)
 {
     char target[PATH_MAX];
@@ -129,7 +130,7 @@ static char* ReadLink(const char* path)
     return joined;
 }
 
-/// Where a file that doesn't exist is to appear: at the end of the symbolic links, if the path is one. Null: see errno.
+/// The path of a file to be created: the end of the chain of symbolic links, if the path is one. Null: see errno.
 static char* FollowLinks(const char* path)
 {
     char* at = strdup(path);

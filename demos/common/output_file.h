@@ -1,5 +1,5 @@
-// A file that appears under its name only when it is complete: until then the old one stays. Where the path is a
-// symbolic link, that is the file it leads to, there already or not; the link stays.
+// A file that appears under its name only when it is complete: until then the old one stays. A symbolic link stays a
+// link: the file at its end is replaced, or created.
 //
 // Thread-safety: one thread; a few files may be open at once.
 #ifndef QC_DEMOS_COMMON_OUTPUT_FILE_H

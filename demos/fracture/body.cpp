@@ -63,7 +63,7 @@ bool qcReadFractureModel(const std::string& path, uint32_t triangleCount, btScal
         *message = failure.text;
         return false;
     }
-    // Vertices are only merged: what was closed stays closed.
+    // Vertices are only merged: a closed mesh stays closed.
     qcMesh coarse;
     if (mesh.triangleCount > triangleCount && qcMesh_Decimate(&mesh, triangleCount, &coarse))
     {

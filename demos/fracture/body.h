@@ -1,4 +1,4 @@
-// A mesh that moves: a model from a file that is to break, or a piece of it.
+// A rigid mesh: a model from a file that is going to break, or a piece of it.
 #ifndef QC_DEMOS_FRACTURE_BODY_H
 #define QC_DEMOS_FRACTURE_BODY_H
 
@@ -16,15 +16,15 @@ struct qcFractureModel
     std::vector<btVector3> vertices;
     std::vector<uint32_t> indices;
     btScalar volume = 0;
-    btMatrix3x3 upright = btMatrix3x3::getIdentity(); ///< turns it as it lies in the file
+    btMatrix3x3 upright = btMatrix3x3::getIdentity(); ///< rotation to its orientation in the file
 };
 
-/// Reads a PLY or OBJ file, makes it `extent` long, and coarser if it has more than `triangleCount` triangles. False
-/// with a message: it can't be read, or has no inside.
+/// Reads a PLY or OBJ file, scales it to a length of `extent`, and decimates it if it has more than `triangleCount`
+/// triangles. False with a message: it can't be read, or has no inside.
 bool qcReadFractureModel(const std::string& path, uint32_t triangleCount, btScalar extent, qcFractureModel* model,
                          std::string* message);
 
-/// About the world's origin.
+/// Momentum and angular momentum about the world's origin.
 struct qcMomentum
 {
     btVector3 linear{0, 0, 0}, angular{0, 0, 0};
@@ -42,7 +42,7 @@ ATTRIBUTE_ALIGNED16(struct) qcFractureBody
     btScalar Lowest() const;
     double KineticEnergy() const;
     void AddMomentum(qcMomentum * sum) const;
-    /// At its current transform, without self-collision.
+    /// Adds the mesh to a scene at its current transform, without self-collision.
     qcStatus AddTo(qcScene * scene) const;
 
     qcMeshShape shape;

@@ -76,7 +76,7 @@ bool Simulate(const Options& options, qcDevice* device, const qcDeviceInfo& info
             return qcDemo_Fail("step " + std::to_string(step) + ": " + message);
         if (measured.fallback != nullptr)
             run->fallback = measured.fallback;
-        measured.fallback = nullptr; // The text ends with the world.
+        measured.fallback = nullptr; // the world owns the text
         run->steps.push_back(measured);
         bool isFrame = step % options.common.frameEvery == 0 || step == options.common.steps;
         if (info.kind != qc_deviceNone && isFrame &&

@@ -11,10 +11,10 @@ struct qcFractureRun
 {
     uint32_t triangles = 0; ///< of the whole body
     btScalar mass = 0;      ///< kg
-    std::string fallback;   ///< why another method than the requested one ran, the last time; empty if none did
+    std::string fallback;   ///< reason why another method than the requested one ran, the last time; empty if none did
     std::vector<qcFractureStep> steps;
     qcBreak broken;
-    size_t penetratingPairs = 0; ///< of triangles of two pieces, exactly, at the end
+    size_t penetratingPairs = 0; ///< pairs of triangles of two pieces at the end, by the exact test
 };
 
 /// False with a message.

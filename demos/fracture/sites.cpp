@@ -54,7 +54,7 @@ std::vector<btVector3> qcScatterSitesInside(const qcMeshShape& shape, uint32_t c
     btVector3 lower, upper;
     shape.getAabb(btTransform::getIdentity(), lower, upper);
     std::vector<btVector3> sites;
-    // Bodies fill a sixteenth of their box at least, or make do with fewer sites.
+    // Most bodies fill at least a sixteenth of their box; others get fewer sites.
     uint32_t candidates = 16 * count;
     TakeInside(shape, qcScatterSites(lower, upper, candidates, seed, &impact), upper.y(), count / 3, &sites);
     TakeInside(shape, qcScatterSites(lower, upper, candidates, ~seed), upper.y(), count, &sites);

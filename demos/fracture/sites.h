@@ -6,8 +6,8 @@
 
 #include <vector>
 
-/// Sites inside a closed mesh, so that each has a piece at least, a third of them near the impact. They depend on the
-/// seed alone.
+/// Sites inside a closed mesh, so that each site has at least one piece; a third of them near the impact. They depend
+/// on the seed alone.
 std::vector<btVector3> qcScatterSitesInside(const qcMeshShape& shape, uint32_t count, uint64_t seed,
                                             const btVector3& impact);
 

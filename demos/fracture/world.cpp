@@ -43,9 +43,8 @@ qcFractureWorld::qcFractureWorld(const qcFractureModel& model, const qcFractureR
     m_meshContact.addTo(&m_world);
     m_meshContact.setMethod(request.method);
     m_meshContact.setThreadCount(request.threads);
-    // Ten layers of pieces land on each other: in Bullet's 10 iterations the impulses of the upper ones don't reach the
-    // lowest, and the deepest are 13 to 24 mm in each other in most steps; with 50 it is 3 to 5, and a step takes no
-    // longer.
+    // With ten layers of pieces, the impulses of the upper ones don't reach the lowest in Bullet's 10 iterations: the
+    // deepest penetrate by 13 to 24 mm in most steps. With 50 iterations it is 3 to 5 mm, and a step takes no longer.
     m_world.getSolverInfo().m_numIterations = 50;
     // Penetration of any depth is resolved without adding speed.
     m_world.getSolverInfo().m_splitImpulsePenetrationThreshold = 0;
@@ -145,7 +144,7 @@ bool qcFractureWorld::BreakBody(const btVector3& impact)
         made->body.setAngularVelocity(motion.angularVelocity);
         m_break.triangles += piece.indices.size() / 3;
         Add(std::move(made));
-        // The world has given its bodies the gravity of this step already.
+        // The world has applied the gravity of this step before the piece was added.
         m_bodies.back()->body.applyGravity();
     }
     m_break.pieces = m_bodies.size();

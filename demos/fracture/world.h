@@ -21,24 +21,24 @@ struct qcFractureRequest
 struct qcBreak
 {
     bool happened = false;
-    btScalar speed = 0;                            ///< at which it met the floor, m/s
+    btScalar speed = 0;                            ///< speed of the impact on the floor, m/s
     double sitesMs = 0, splitMs = 0, bodiesMs = 0; ///< cells; cutting the mesh; making bodies of the pieces
     size_t pieces = 0, triangles = 0;              ///< of all pieces
     qcMomentum before, after;
-    btScalar lostVolume = 0; ///< what is in no piece, as a part of the mesh
+    btScalar lostVolume = 0; ///< volume in no piece, relative to the mesh
 };
 
 struct qcFractureStep
 {
     qcStepCosts costs;
     bool breaks = false;              ///< in this step
-    qcMethod method = qc_methodSweep; ///< that answered
-    const char* fallback = nullptr;   ///< why another method than the requested one ran
+    qcMethod method = qc_methodSweep; ///< method of the last query
+    const char* fallback = nullptr;   ///< reason why another method than the requested one ran
     size_t bodies = 0;                ///< the whole body, or its pieces
-    size_t awake = 0;                 ///< of these, that Bullet simulates
+    size_t awake = 0;                 ///< bodies that Bullet simulates
     int pairs = 0;                    ///< of overlapping boxes
     int points = 0;                   ///< contact points in Bullet's manifolds
-    btScalar penetration = 0;         ///< of the deepest of these, shells included; m
+    btScalar penetration = 0;         ///< depth of the deepest of these points, margins included; m
     btScalar lowest = 0;              ///< height of the lowest vertex above the floor; m
     double energy = 0;                ///< kinetic, J
 };
@@ -103,7 +103,7 @@ class qcFractureWorld
     std::vector<std::unique_ptr<qcFractureBody>> m_bodies;
     qcBreak m_break;
     std::vector<qcMeshContactStatistics> m_queries; ///< of this step
-    uint64_t m_batches = 0;                         ///< queries before
+    uint64_t m_batches = 0;                         ///< total queries at the last NoteContact
     std::string m_failure;
 };
 

@@ -32,7 +32,7 @@ static qcStatus OpenDevice(qcDeviceKind kind, qcDevice** device, qcDeviceInfo* i
     return status == qc_statusOk ? qcDevice_GetInfo(*device, info) : status;
 }
 
-/// Opens a device only if this run needs one: a GL context takes longer than many queries.
+/// Opens a device only if this run needs one: creating a GL context takes longer than many queries.
 static qcExitStatus OpenDevices(qcPairsRun* run, qcMessage* message)
 {
     const qcPairsOptions* options = run->options;
@@ -200,7 +200,7 @@ static qcExitStatus WriteResults(const qcPairsRun* run, qcMessage* message)
 static qcExitStatus Run(qcPairsRun* run, qcMessage* message)
 {
     const qcPairsOptions* options = run->options;
-    // Better now than after minutes of work.
+    // Fails here, not after minutes of work.
     if ((options->out != NULL && !qcOutput_Check(options->out, message)) ||
         (options->picture != NULL && !qcOutput_Check(options->picture, message)))
         return qc_exitFailed;

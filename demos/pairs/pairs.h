@@ -1,4 +1,4 @@
-// What the parts of qc-pairs share: the options, and one run with all that it found.
+// Types and functions of qc-pairs: the options, and one run with its results.
 #ifndef QC_DEMOS_PAIRS_PAIRS_H
 #define QC_DEMOS_PAIRS_PAIRS_H
 
@@ -38,7 +38,7 @@ typedef struct qcPairsRun
 {
     const qcPairsOptions* options;
     qcMesh* meshes; ///< options->pathCount
-    /// `device` runs the queries, null: none; `pictureDevice` is the same one where that can draw.
+    /// `device` runs the queries; null: none is needed. `pictureDevice` is the same device if that can draw.
     qcDevice* device;
     qcDevice* pictureDevice;
     qcDeviceInfo deviceInfo;
@@ -51,9 +51,9 @@ typedef struct qcPairsRun
 /// Reads the command line; ends the program after --help and on a mistake.
 void qcPairs_ReadOptions(int argumentCount, char** arguments, qcPairsOptions* options);
 
-/// A line a pair into options->out.
+/// Writes the pairs to options->out, one a line.
 bool qcPairs_WritePairs(const qcPairsRun* run, qcMessage* message);
-/// The report for a reader, or the JSON object, on standard output.
+/// Prints the readable report, or the JSON object, on standard output.
 bool qcPairs_WriteReport(const qcPairsRun* run, qcMessage* message);
 /// Draws the meshes with the PCS in red into options->picture.
 qcExitStatus qcPairs_DrawPicture(const qcPairsRun* run, qcMessage* message);

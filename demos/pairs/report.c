@@ -1,5 +1,5 @@
-// The output of qc-pairs: the pairs as lines, the profile for a reader or as JSON.
-// The names in the JSON object are those of qcProfile and qcPassRecord.
+// The output of qc-pairs: the pairs as lines, the profile as a readable report or as JSON. The names in the JSON object
+// are those of qcProfile and qcPassRecord.
 #include "pairs/pairs.h"
 
 #include "common/output_file.h"

@@ -1,4 +1,4 @@
-// qcParallelFor: loops of a caller's run on the threads of the library's loops.
+// qcParallelFor: a caller's loops run on the threads of the library's own loops.
 #include "quickcullide/base.h"
 
 #include "support/check_ok.h"
@@ -33,7 +33,7 @@ static void CountIndex(size_t index, uint32_t worker, void* loopContext)
     atomic_flag_clear(&counts->isBusy[worker]);
 }
 
-/// Runs a loop on at most `workers` threads (0: all), of which there are to be no more than `limit`.
+/// Runs a loop on at most `workers` threads (0: all) and checks that worker numbers are below `limit`.
 static void CheckLoop(uint32_t workers, size_t count, uint32_t limit)
 {
     Counts* counts = calloc(1, sizeof *counts);

@@ -52,7 +52,7 @@ static bool IsIn(const Mode* mode)
     return is;
 }
 
-/// Returns to the default; checks first that the mode is still the one that was entered.
+/// Returns to the default mode; checks first that the entered mode is unchanged.
 static void Leave(const Mode* mode)
 {
     bool is = IsIn(mode);
@@ -136,9 +136,9 @@ END_TEST
 typedef struct Question
 {
     qcMethod method;
-    bool floats;        ///< positions are floats
+    bool floats;        ///< positions are floats; otherwise doubles
     int exponent;       ///< the scene is scaled by this power of two
-    bool rest;          ///< segments, proximities, manifolds, contacts
+    bool rest;          ///< also segments, proximities, manifolds and contacts
     double marginShare; ///< margin relative to the size
 } Question;
 
@@ -155,7 +155,7 @@ enum
     qc_questionCount = sizeof s_questions / sizeof s_questions[0]
 };
 
-/// The two bodies of a question, positions in its type.
+/// The two bodies of a question, with its type of positions.
 typedef struct Bodies
 {
     qcSoup soups[2];
@@ -191,7 +191,7 @@ static void FreeBodies(Bodies* bodies)
     }
 }
 
-/// Creates a scene, moves it and detects, all in a mode. The result lives as long as the scene.
+/// Creates a scene, moves it and detects, all in one mode. The result lives as long as the scene.
 static const qcResult* Detect(const Mode* mode, const Question* question, qcDevice* device, qcScene** scene)
 {
     Bodies bodies = MakeBodies(question);

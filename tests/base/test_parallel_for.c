@@ -218,7 +218,7 @@ static uint64_t Hash(uint64_t hash, const void* data, size_t size)
     return hash;
 }
 
-/// The hash of all arrays, which have no padding, and of the counts.
+/// The hash of the counts and of all arrays, whose elements have no padding.
 static uint64_t HashOf(const qcResult* r)
 {
     const size_t counts[] = {r->pairCount,     r->pcsCount,           r->contactCount,
@@ -263,8 +263,8 @@ typedef struct Question
     const char* name;
     qcMethod method;
     double margin, contactMargin;
-    bool rest;      ///< segments, proximities, manifolds
-    uint32_t loops; ///< minimum count of loops on threads, in each step after the first
+    bool rest;      ///< also segments, proximities and manifolds
+    uint32_t loops; ///< min number of loops on threads, in each step after the first
 } Question;
 
 static const Question s_questions[] = {

@@ -54,7 +54,7 @@ static inline void qcModel_Free(qcModel* model)
     ck_assert_uint_eq(qcGetByteCount(), 0);
 }
 
-/// Whether a pair a < b overlapped at the last search for changes.
+/// True if a pair a < b overlapped at the last search for changes.
 static inline bool qcModel_Overlapped(const qcModel* model, uint32_t a, uint32_t b)
 {
     size_t bit = a * (size_t)qc_modelRoom + b;

@@ -9,7 +9,8 @@ typedef struct Path
     double from[3], to[3], castLower[3], castUpper[3];
 } Path;
 
-/// The exact fraction of the path at which the box is first hit; false: not up to `last`. All numbers are finite.
+/// The exact fraction of the path at which the box is first hit. False: it is not hit up to `last`. All numbers are
+/// finite.
 static bool HitExactly(const Path* path, const double lower[3], const double upper[3], double last, mpq_t entry)
 {
     mpq_t leave, p, d, side[2], low;
@@ -53,7 +54,7 @@ typedef struct Visits
     uint8_t times[qc_modelRoom];
     uint32_t total;
     double fraction;
-    const Path* shortening; ///< each visit ends the path where its box is hit; null: none does
+    const Path* shortening; ///< each visit ends this path where its box is hit; null: no visit ends the query
     const qcModel* model;
 } Visits;
 

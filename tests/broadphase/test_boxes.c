@@ -525,7 +525,7 @@ static bool GrowCloud(qcBoxes* set, uint32_t step)
 /// Returns whether a search ran out of memory; the next search finds all pairs.
 static bool SearchCloud(qcBoxes* set, uint32_t step, bool changes)
 {
-    // Neighbours in a grid of 30 by 10, corners too.
+    // Neighbours in a grid of 30 by 10, diagonal ones included.
     const size_t expected = 29 * 10 + 30 * 9 + 2 * 29 * 9;
     const qcBoxPair* pairs;
     qcBoxChanges found;

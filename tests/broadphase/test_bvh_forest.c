@@ -29,7 +29,7 @@ static uint32_t GrowTree(qcForest* forest, uint64_t seed, uint32_t count, bool i
     return tree;
 }
 
-/// The lanes that overlap the rows, as bits like those of a hit.
+/// The lanes that overlap the rows, as a bit mask like that of the kernels.
 static uint64_t OverlapByHand(const qcForest* forest, const uint32_t* rows, const uint32_t* lanes)
 {
     const qcFloatBox* boxes = forest->boxes.data;
@@ -105,7 +105,7 @@ START_TEST(build_order_keeps_every_item_and_neighbours_together)
     static qcFloatBox boxes[count];
     static qcBoxItem items[count];
     bool seen[count] = {false};
-    // A line, backwards: an order that is bad for naive splits. One box is far away, one is infinite.
+    // A line in descending order, which is bad for naive splits. One box is far away, one is infinite.
     for (uint32_t i = 0; i < count; i++)
     {
         float x = (float)(count - i);
@@ -163,7 +163,7 @@ START_TEST(a_search_without_moves_does_nothing)
 }
 END_TEST
 
-/// Moves boxes that follow 1000 stationary ones, for 100 steps. Returns the sum of the searches' profiles.
+/// Moves boxes added after 1000 stationary ones, for 100 steps. Returns the sum of the searches' profiles.
 static qcBoxProfile MoveSteps(qcModel* model, uint32_t count)
 {
     qcRandom random = {5};

@@ -1,4 +1,4 @@
-// A btIDebugDraw that keeps what it is given, for tests.
+// A btIDebugDraw that records its calls, for tests.
 #ifndef QC_TESTS_BULLET_DEBUG_RECORDER_H
 #define QC_TESTS_BULLET_DEBUG_RECORDER_H
 

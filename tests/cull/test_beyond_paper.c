@@ -45,7 +45,7 @@ static void AddStack(qcScene* scene, bool nearestFirst)
     }
 }
 
-/// Bodies that one round leaves in the PCS.
+/// Number of bodies in the PCS after one round.
 static uint32_t CountLeft(qcScene* scene, qcMethod method, const char* views, bool backToFront, bool fromBack)
 {
     qcDetectDef def = Request(method, views, 256, 1);
@@ -65,7 +65,7 @@ START_TEST(back_to_front_one_round_prunes_a_stack_in_any_order)
         {
             qcScene* scene = qcMakeScene(device);
             AddStack(scene, nearestFirst == 1);
-            // In the order of their numbers: the farthest first by chance, or all but the nearest one left.
+            // In the order of their numbers: the farthest is first by chance, or all but the nearest remain.
             ck_assert_uint_eq(CountLeft(scene, qc_methodQuick, "z", false, false), nearestFirst ? qc_stackSize - 1 : 0);
             ck_assert_uint_eq(CountLeft(scene, qc_methodQuick, "z", true, false), 0);
             // CULLIDE renders all in both passes: only the nearest is visible in both.
@@ -86,7 +86,8 @@ START_TEST(a_second_pass_from_the_back_prunes_primitives_fully_behind)
         qcScene_Destroy(scene);
         scene = qcMakeScene(device);
         AddStack(scene, true);
-        // Nearest first, nothing is in front of those before it, nor behind those after it, but the ends.
+        // Nearest first: apart from the ends of the stack, no sheet has another one in front of it among those before
+        // it, nor behind it among those after it.
         ck_assert_uint_eq(CountLeft(scene, qc_methodCullide, "z", false, true), qc_stackSize);
         ck_assert_uint_eq(CountLeft(scene, qc_methodCullide, "z", true, true), 0);
         qcScene_Destroy(scene);
@@ -204,7 +205,7 @@ static void AddSparks(qcScene* scene, uint64_t seed)
     }
 }
 
-/// A heap of spheres, some seen edge-on as flat ones, far away or tiny for some seeds.
+/// A heap of spheres. For some seeds, some are flattened and seen edge-on, far away or tiny.
 static void AddHeap(qcScene* scene, uint64_t seed)
 {
     static const double scales[] = {1.0, 1e-30, 1e30, 1e-300}, offsets[] = {0.0, 1e7, -3e6};
@@ -236,9 +237,9 @@ enum
 
 typedef struct Tally
 {
-    size_t culled; ///< triangles that reliable culling took out of the PCS
-    size_t pairs;  ///< found, and all there are
-    size_t missed; ///< by the same culling when it is not reliable
+    size_t culled; ///< triangles that reliable culling removed from the PCS
+    size_t pairs;  ///< all pairs, found by reliable culling
+    size_t missed; ///< pairs missed by the same culling without `reliable`
 } Tally;
 
 /// Random switches, views and resolution: the pairs are those of the sweep.
@@ -296,7 +297,7 @@ START_TEST(reliable_culling_finds_all_pairs_of_the_sweep_and_no_other)
             CheckReliable(scene, &random, 0.0, &tally[seed % qc_sceneCount]);
             qcScene_Destroy(scene);
         }
-        // The scenes put it to the test: there is something to cull, to find, and to miss between the samples.
+        // The scenes exercise reliable culling: triangles are culled, and sampled culling misses pairs.
         size_t culled = 0;
         for (int scene = 0; scene < qc_sceneCount; scene++)
         {

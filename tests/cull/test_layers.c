@@ -11,7 +11,7 @@
 
 //  ---- comparison ------------------------------------------------------------------------------------------------
 
-/// `layers` on this scene against another method on it; the result of `layers`.
+/// Compares `layers` with another method on this scene. Returns the result of `layers`.
 static const qcResult* CheckAgainst(qcMethod method, qcScene* scene, const qcDetectDef* given, const char* what)
 {
     qcDetectDef def = *given;
@@ -33,7 +33,7 @@ static void CheckOnDevice(const qcResult* result)
     ck_assert_int_eq(result->profile.method, qc_methodLayers);
 }
 
-/// CheckAgainst the sweep; the pairs came from the device.
+/// Compares `layers` with the sweep, and checks that the device found the pairs.
 static const qcResult* CheckLayers(qcScene* scene, const qcDetectDef* def, const char* what)
 {
     const qcResult* result = CheckAgainst(qc_methodSweep, scene, def, what);
@@ -57,8 +57,8 @@ static qcBodyId AddDeforming(qcScene* scene, const qcSoup* soup)
 
 //  ---- lists that grow, uploads ------------------------------------------------------------------------------------
 
-/// Lists of pairs grow on the device; where the processor reads the image, the image does: with more columns than are
-/// chosen, large triangles cover many cells.
+/// Lists of pairs grow on the device; if the processor reads the image, the image grows instead: with more columns than
+/// by default, large triangles cover many cells.
 static void CheckCollapse(const char* refinedBy, uint32_t columns)
 {
     enum
@@ -109,7 +109,7 @@ typedef struct Row
     qcSoup ball;
     qcBodyId ids[7];
     double vertexBytes; ///< of one of them, on the device
-    double tableBytes;  ///< at most: of all bodies, and of all numbers of nodes
+    double tableBytes;  ///< upper bound for the tables of all bodies and of all numbers of nodes
 } Row;
 
 static void MoveBall(const Row* row, uint32_t number, double by)
@@ -136,7 +136,7 @@ static double CheckUpload(const Row* row, const char* what)
     return (double)result->profile.uploadedBytes;
 }
 
-/// First those that deform, and a step with them.
+/// Adds deforming bodies first and runs a step with them.
 static Row MakeRow(qcDevice* device)
 {
     Row row = {.scene = qcMakeScene(device), .ball = qcSoup_MakeSphere(3, 0.5)};
@@ -353,7 +353,7 @@ END_TEST
 
 //  ---- sharing a device ---------------------------------------------------------------------------------------------
 
-/// A scene of its own that changes and grows, on a device that others use too.
+/// A scene that changes and grows, on a device shared with other scenes.
 typedef struct User
 {
     qcScene* scene;
@@ -455,7 +455,7 @@ START_TEST(the_pairs_do_not_depend_on_device_columns_or_depth_axis)
 }
 END_TEST
 
-/// Whether the grid has this number of cells along each axis. 0: more than one.
+/// Checks the number of cells of the grid along each axis. 0: more than one.
 static void CheckCells(const qcResult* result, uint32_t columns, uint32_t rows, uint32_t slices, const char* what)
 {
     const uint32_t cells[3] = {result->profile.columns, result->profile.rows, result->profile.slices},

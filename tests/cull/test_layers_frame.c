@@ -25,7 +25,7 @@ static double Pick(qcRandom* random, const double values[], uint32_t count)
     return values[qcRandom_Below(random, count)];
 }
 
-/// Any size, far from the origin or not, with axes of no extent or little.
+/// Bounds of any size, far from the origin or not, with axes of little or no extent.
 static qcGridBounds MakeBounds(qcRandom* random)
 {
     static const double s_sizes[] = {0.0, 0x1p-900, 1e-6, 1.0, 1.0, 1.0, 1e6, 0x1p900};
@@ -41,7 +41,7 @@ static qcGridBounds MakeBounds(qcRandom* random)
         bounds.lower[axis] = qcRandom_Uniform(random, -1.0, 1.0) * size * offset;
         bounds.upper[axis] = bounds.lower[axis] + qcRandom_Uniform(random, 0.1, 1.0) * size * Pick(random, s_shares, 5);
     }
-    // A reach of 1e6 times the extent and more is refused: another test's.
+    // A query distance of 1e6 times the extent and more is refused, which another test checks.
     double widest = 0.0;
     for (int axis = 0; axis < 3; axis++)
         widest = fmax(widest, bounds.upper[axis] - bounds.lower[axis]);
@@ -61,7 +61,7 @@ static void PickInside(qcRandom* random, const qcGridBounds* bounds, double p[3]
 
 //  ---- exact -----------------------------------------------------------------------------------------------------
 
-/// |x - (world - origin) * 2^-exponent| <= bound?
+/// True if |x - (world - origin) * 2^-exponent| <= bound.
 static bool IsWithin(double x, double world, double origin, int exponent, double bound)
 {
     mpq_t error, term;
@@ -82,7 +82,7 @@ static bool IsWithin(double x, double world, double origin, int exponent, double
     return within;
 }
 
-/// The number nearest to x - reach (below) or x + reach that is no further from x than that.
+/// The number nearest to x - reach (below) or x + reach whose exact distance from x is at most `reach`.
 static double StepOut(double x, double reach, bool below)
 {
     double to = below ? x - reach : x + reach;
@@ -91,7 +91,7 @@ static double StepOut(double x, double reach, bool below)
     return to;
 }
 
-/// |p - q| <= reach?
+/// True if |p - q| <= reach.
 static bool AreWithinReach(const double p[3], const double q[3], double reach)
 {
     mpq_t sum, term, other;
@@ -126,7 +126,7 @@ static float Round(double exact, int direction)
     return fabs((double)further - exact) <= unit ? further : nearest;
 }
 
-/// The coordinate furthest in this direction that the device's buffer may hold.
+/// The coordinate furthest in this direction that the point error allows in the device's buffer.
 static float Misplace(double exact, double pointError, int direction)
 {
     float x = (float)(exact + direction * pointError);
@@ -209,7 +209,7 @@ START_TEST(boxes_of_points_within_the_query_distance_overlap_under_any_rounding)
         MakeEnd(&frame, bounds.upper, -1, lower);
         apart += lower[0] > upper[0];
     }
-    // It is the slack that makes them overlap, not a frame without levels.
+    // The slack makes them overlap, not a frame without levels.
     ck_assert_uint_gt(apart, 5000);
 }
 END_TEST
@@ -295,7 +295,7 @@ static void AddRandomBody(qcRandom* random, qcBodies* bodies, qcGridBounds* boun
     }
 }
 
-/// The number of bodies that the device transforms.
+/// Checks transforms on the device. Returns the number of bodies that it transforms.
 static uint32_t CheckTransforms(qcRandom* random, uint32_t bodyCount)
 {
     qcBodies bodies = {0};
@@ -378,7 +378,7 @@ START_TEST(the_thinnest_axis_is_the_depth_unless_another_is_given)
 }
 END_TEST
 
-/// Whether a frame for the first bounds suits the second.
+/// True if a frame for the first bounds fits the second ones.
 static bool Stays(const qcGridBounds* first, const qcGridBounds* second)
 {
     qcGridFrame frame = {0};

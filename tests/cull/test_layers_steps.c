@@ -18,8 +18,8 @@ enum
 typedef struct Thing
 {
     bool deforming;
-    qcSoup soup;      ///< at rest
-    double* vertices; ///< now; of deforming ones
+    qcSoup soup;      ///< rest positions
+    double* vertices; ///< present positions of deforming bodies
     qcTransform transform;
     qcBodyId id; ///< the same in all scenes
 } Thing;
@@ -30,16 +30,16 @@ typedef struct World
     qcScene* scenes[1 + qc_testDeviceCount]; ///< the first has no device; all have the same bodies
     int sceneCount;
     uint32_t sceneTriangles, bodyTriangles; ///< at most
-    double offset[3];                       ///< about where things are
+    double offset[3];                       ///< approximate centre of the scene
     Thing things[qc_maxThings];
     uint32_t count;
-    char log[400]; ///< the changes of the step
+    char log[400]; ///< list of the step's changes
 } World;
 
 typedef struct Tally
 {
     uint64_t steps, runs, pairs, contacts, reruns;
-    uint64_t large, fallbacks; ///< runs that fell back: since the scene was too large for a frame, otherwise
+    uint64_t large, fallbacks; ///< fallbacks because the scene was too large for a frame, and other fallbacks
     uint64_t kept;             ///< runs that uploaded less than half of all vertices
 } Tally;
 
@@ -62,7 +62,7 @@ static uint32_t CountTriangles(const World* world)
     return count;
 }
 
-/// Distances to which a body may move: far out only few, or all others would share one pixel.
+/// Distance by which a body moves. Only few move far, since otherwise all others would share one pixel.
 static double Distance(World* world)
 {
     static const double s_distances[] = {0.3, 0.3, 0.3, 1, 1, 30}, s_far[] = {1e3, 1e4, 1e9, 1e150, 1e300};
@@ -88,7 +88,7 @@ static qcSoup MakeSoup(World* world)
     }
 }
 
-/// By a rational angle about one axis, scaled, and now and then flattened.
+/// Turns by a rational angle about one axis, scales, and sometimes flattens.
 static void Turn(World* world, qcTransform* transform)
 {
     static const double s_scales[] = {1, 1, 1, 0.1, 2.5};
@@ -196,7 +196,7 @@ static void MoveVertices(World* world, Thing* thing)
     Log(world, kind < 2 ? "deform" : kind == 2 ? "jitter" : "one vertex", thing->id.slot);
 }
 
-/// Everything elsewhere: far from the origin single precision can't transform rigid bodies.
+/// Moves the whole scene: far from the origin single precision can't transform rigid bodies.
 static void MoveAll(World* world)
 {
     static const double s_distances[] = {0, 10, 1e6, 1e12};
@@ -255,7 +255,7 @@ static void Change(World* world)
 
 //  ---- questions ---------------------------------------------------------------------------------------------------
 
-/// A question, often that of the step before, so that the frame can stay.
+/// Chooses a question, often that of the previous step, so that the frame can stay.
 static void ChooseQuestion(World* world, qcDetectDef* def)
 {
     static const double s_margins[] = {0, 0, 0, 1e-6, 0.003, 0.02, 0.5, 4}, s_contacts[] = {0, 0, 0, 0.005};
@@ -347,7 +347,7 @@ static void RunWorld(uint64_t seed, uint32_t bodyTriangles, int steps, qcDevice*
 
 START_TEST(after_any_sequence_of_changes_layers_finds_the_pairs_of_a_scene_without_a_device)
 {
-    // Few triangles: all is tried, often. More: several nodes to a body, lists that grow.
+    // Few triangles: all options, often. More triangles: several nodes to a body, lists that grow.
     static const struct
     {
         uint32_t bodyTriangles;

@@ -259,7 +259,7 @@ static int CompareRefs(const void* x, const void* y)
     return a->triangle < b->triangle ? -1 : a->triangle > b->triangle;
 }
 
-/// quick's PCS lies in cullide's, and both report nothing that brute force does not.
+/// Checks that quick's PCS is a subset of cullide's, and that both report only pairs of brute force.
 static void CheckInvariants(qcScene* scene, const char* views, uint32_t resolution, uint32_t iterations)
 {
     qcDetectDef brute = qcDefaultDetectDef();

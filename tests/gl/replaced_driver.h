@@ -1,4 +1,4 @@
-// Drivers that behave unlike those at hand: some functions of a device are replaced. Shared by the tests of drivers.
+// Devices with some functions replaced, so that they behave like other drivers. Shared by the tests of drivers.
 #ifndef QC_TESTS_GL_REPLACED_DRIVER_H
 #define QC_TESTS_GL_REPLACED_DRIVER_H
 

@@ -1,4 +1,4 @@
-// Drivers that do all that GL allows: `layers` loses no pair, and visibility queries run.
+// Drivers that use all freedom that GL allows: `layers` loses no pair, and visibility queries run.
 #define _POSIX_C_SOURCE 200809L
 #include "gl/replaced_driver.h"
 #include "support/suite.h"
@@ -224,7 +224,7 @@ static void MakeLarge(struct qcGlFunctions* gl)
     gl->GetInteger64v = GetLargeLimit64;
 }
 
-START_TEST(a_limit_of_4_gib_is_no_limit_below_0)
+START_TEST(a_limit_of_4_gib_is_not_read_as_negative)
 {
     QC_FOR_EACH_DEVICE(device)
     {
@@ -238,4 +238,4 @@ START_TEST(a_limit_of_4_gib_is_no_limit_below_0)
 END_TEST
 
 QC_RUN_TESTS("conforming drivers", a_driver_that_flushes_denormals_loses_no_pair, an_axis_has_one_value_in_all_products,
-             occlusion_queries_have_a_complete_framebuffer_below_gl_4_1, a_limit_of_4_gib_is_no_limit_below_0)
+             occlusion_queries_have_a_complete_framebuffer_below_gl_4_1, a_limit_of_4_gib_is_not_read_as_negative)

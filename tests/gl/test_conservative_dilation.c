@@ -51,7 +51,7 @@ static void MakeTriangle(qcRandom* random, Shape shape, int axis, double size, d
     }
 }
 
-/// Moves a triangle so that a random point of it, often of its border, is at `to`.
+/// Moves a triangle so that a random point of it, often on its border, is at `to`.
 static void PutThrough(qcRandom* random, const double to[3], double t[3][3])
 {
     double weights[3] = {qcRandom_Uniform(random, 0.0, 1.0), qcRandom_Uniform(random, 0.0, 1.0), 1.0};
@@ -225,7 +225,7 @@ END_TEST
 
 //  ---- visibility ----------------------------------------------------------------------------------
 
-/// Whether the first triangle of two is fully visible after the second is rendered.
+/// True if the first triangle of two is fully visible after the second is rendered.
 static bool IsVisible(qcDevice* device, const qcVisibilityDef* def, int axis, bool fromBack)
 {
     const qcVisibilityStep steps[2] = {{1, 1, false, true}, {0, 1, true, false}};

@@ -179,7 +179,7 @@ static qcStatus OpenGpu(int32_t index, const char* name, const uint8_t* uuid, qc
     return qcDevice_Create(&def, device);
 }
 
-/// Whether this GPU opens by this choice; a failure names each GPU that EGL lists, or those that were tried.
+/// True if this choice opens this GPU. A failure message lists the GPUs of EGL, or those that were tried.
 static bool OpensAs(int32_t index, const char* name, const uint8_t* uuid, const char* renderer)
 {
     qcDevice* device = NULL;
@@ -316,7 +316,7 @@ static void FreeMemory(void* memory, size_t size, void* context)
     free(memory);
 }
 
-START_TEST(no_memory_for_a_device_is_a_status)
+START_TEST(a_device_without_memory_fails_with_a_status)
 {
     ck_assert_int_eq(qcSetAllocator(RefuseMemory, FreeMemory, NULL), qc_statusOk);
     qcDevice* device = NULL;
@@ -563,7 +563,7 @@ QC_RUN_TESTS("device", a_named_kind_opens_or_gives_a_reason, the_device_none_alw
              auto_prefers_surfaceless_where_the_environment_names_a_driver, osmesa_refuses_drivers_that_it_crashes_with,
              a_bad_definition_is_refused_by_name, a_gpu_is_chosen_by_number_by_name_and_by_uuid,
              a_device_that_is_reopened_draws_again, a_device_that_does_not_reopen_stays_lost_until_it_does,
-             software_devices_are_identified, no_memory_for_a_device_is_a_status,
+             software_devices_are_identified, a_device_without_memory_fails_with_a_status,
              devices_open_and_close_many_times_and_side_by_side, a_job_finds_a_context_of_gl_3_3_or_more,
              status_and_message_of_a_job_reach_the_caller, a_gl_error_is_a_status_and_the_device_goes_on,
              a_job_finds_the_initial_state, many_callers_are_served_one_after_another_each_with_its_own_message,

@@ -77,7 +77,7 @@ static void MakeIdle(struct qcGlFunctions* gl)
     gl->DispatchComputeIndirect = DispatchNothingIndirect;
 }
 
-/// Only the last kernel, the filter, does not run.
+/// Runs all kernels but the last one, the filter.
 static void APIENTRY DispatchAllButLast(GLintptr at)
 {
     if (s_failures <= 0 || at != 3 * 64 + 4)

@@ -17,7 +17,7 @@ START_TEST(every_required_gl_device_opens)
         printf("%s: %s, GL %s\n", qc_testDeviceNames[qcGetTestName(i)], info.renderer, info.version);
     }
     if (count == 0)
-        printf("Skipped: no GL device opened\n"); // what device.cmake looks for
+        printf("Skipped: no GL device opened\n"); // device.cmake searches for this line
     qcCloseTestDevices(devices);
 }
 END_TEST

@@ -18,8 +18,8 @@ static struct
 {
     GLint bits;
     uint64_t clock;
-    uint64_t times[fake_maxQueries + 1]; ///< by query; 0: not issued, or not passed when it is read
-    uint32_t issued, passed;             ///< timestamps: all, and those before the thread's last wait
+    uint64_t times[fake_maxQueries + 1]; ///< by query; 0: not issued, or not reached by the GPU when read
+    uint32_t issued, passed;             ///< timestamps issued, and those before the thread's last wait
     uint32_t order[fake_maxQueries + 1]; ///< by query: index in the order of issue
     uint32_t calls, stalls;
 } s_fake;

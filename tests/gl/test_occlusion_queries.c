@@ -317,7 +317,7 @@ static int Cover(const float* corner, int px, int py, double* depth)
     return cover;
 }
 
-/// '1' visible, '0' hidden, '?' undecided, ' ' not tested. Draws the step, too.
+/// Tests and draws a step. '1' visible, '0' hidden, '?' undecided, ' ' not tested.
 static char StepOnCpu(DepthBuffer* buffer, const float* corners, const qcVisibilityStep* step)
 {
     char answer = step->test ? '1' : ' ';
@@ -410,7 +410,7 @@ START_TEST(random_passes_agree_with_a_rasteriser_on_the_cpu_in_tiles_of_any_size
             expected[i] = StepOnCpu(&buffer, image, &steps[i]);
             ++answers[(int)expected[i]];
         }
-        // The comparison means something.
+        // Enough decided results for the comparison to be meaningful.
         ck_assert_int_gt(answers['1'], 50);
         ck_assert_int_gt(answers['0'], 50);
         ck_assert_int_lt(answers['?'], qc_soupSteps / 10);
@@ -432,7 +432,8 @@ START_TEST(random_passes_agree_with_a_rasteriser_on_the_cpu_in_tiles_of_any_size
                     RunPass(visibility, axis, s_compares[c], fromBack, steps, qc_soupSteps, visible[c]);
                     for (int i = 0; i < qc_soupSteps; ++i)
                     {
-                        // A step that meets its own triangles at equal depth is open, so both comparisons agree here.
+                        // Visibility of a step against its own triangles at equal depth is not specified, so both
+                        // comparisons agree here.
                         char seen = !steps[i].test ? ' ' : (visible[c][i] ? '1' : '0');
                         ck_assert_msg(expected[i] == '?' || expected[i] == seen,
                                       "seed %d, variant %d, comparison %d, step %d: %c instead of %c", (int)seed, t, c,

@@ -76,7 +76,7 @@ static bool IsBackground(const Picture* picture, const uint8_t* rgb)
     return true;
 }
 
-START_TEST(front_in_the_middle_background_in_the_corners)
+START_TEST(a_mesh_is_drawn_in_the_middle_and_background_in_the_corners)
 {
     QC_FOR_EACH_DEVICE(device)
     {
@@ -170,7 +170,7 @@ START_TEST(the_nearer_mesh_hides_the_farther_one)
 }
 END_TEST
 
-START_TEST(edges_are_darker_lines)
+START_TEST(edges_are_drawn_as_darker_lines)
 {
     QC_FOR_EACH_DEVICE(device)
     {
@@ -380,8 +380,8 @@ START_TEST(a_bad_mesh_is_refused_by_number)
 }
 END_TEST
 
-QC_RUN_TESTS("picture", front_in_the_middle_background_in_the_corners, the_back_is_seen_from_behind,
+QC_RUN_TESTS("picture", a_mesh_is_drawn_in_the_middle_and_background_in_the_corners, the_back_is_seen_from_behind,
              marked_triangles_and_only_they_have_the_mark_colour, the_top_row_is_first_and_the_left_column_too,
-             the_nearer_mesh_hides_the_farther_one, edges_are_darker_lines, a_slanted_edge_is_antialiased,
+             the_nearer_mesh_hides_the_farther_one, edges_are_drawn_as_darker_lines, a_slanted_edge_is_antialiased,
              smooth_shading_changes_within_a_triangle_flat_shading_does_not, a_picture_larger_than_a_tile_has_no_seam,
              an_empty_picture_is_background, a_bad_camera_is_refused_by_name, a_bad_mesh_is_refused_by_number)

@@ -91,7 +91,7 @@ typedef struct Nodes
     qcBox8 clusters[qc_clustersInTest], nodes[qc_nodesInTest];
 } Nodes;
 
-/// The boxes of clusters are unrelated to those of triangles, so that the test shows which were read.
+/// Makes nodes. Boxes of clusters are unrelated to those of triangles, so that the test detects which were read.
 static inline void MakeNodes(qcRandom* random, int spread, Nodes* nodes)
 {
     for (int i = 0; i < qc_clustersInTest; i++)

@@ -16,7 +16,7 @@ typedef enum PairClass
     class_dropped ///< beyond the query distance
 } PairClass;
 
-/// The class of the last pair of the batch, at any position. No pair may be lost or doubled.
+/// The class of the last pair of the batch, at a random position. No pair may be lost or duplicated.
 static PairClass ClassOfLast(const qcTriangleKernels* k, const qcBatch* batch, const qcDistanceThresholds* thresholds,
                              qcRandom* random)
 {
@@ -50,7 +50,7 @@ typedef struct Counts
     qcRandom random;
     int pairs, disjoint;
     int byClass[class_dropped + 1];  ///< disjoint pairs by class, of the first kernels
-    int classifiedBy[qc_maxKernels]; ///< disjoint pairs that are classified, by kernels
+    int classifiedBy[qc_maxKernels]; ///< disjoint pairs that are classified, by instruction set
 } Counts;
 
 /// Checks the class of the last pair of the batch. `distance`: that of the pair; `unit`: from its lengths to those of

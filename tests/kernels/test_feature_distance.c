@@ -1,5 +1,5 @@
-// Features that the kernels of every instruction set prove without a contact have none in double arithmetic either: for
-// pairs of all kinds and scales, also at the margin. Most features without a contact are proven so.
+// Features that the kernels of every instruction set prove to be without a contact have none in double arithmetic
+// either: for pairs of all kinds and scales, also at the margin. Most features without a contact are proven.
 #include "narrowphase/feature_contacts.h"
 #include "support/pairs.h"
 #include "support/suite.h"
@@ -53,7 +53,7 @@ typedef struct Counts
     Pair pairs[qc_featurePairs];
     size_t count;
     int contacts, without;     ///< pairs of features with a contact, and without
-    int proven[qc_maxKernels]; ///< of the latter
+    int proven[qc_maxKernels]; ///< features that are proven to be without a contact
 } Counts;
 
 static void AskOne(Counts* q, const Pair* pair, qcFeatureMask near, size_t kernel, const char* name)
@@ -96,7 +96,7 @@ static void CheckMargin(Counts* q, const double a[3][3], const double b[3][3], d
         Flush(q);
 }
 
-/// With margins at and about the distances of its features.
+/// Tests with margins at the distances of the features and near them.
 static void AskAtDistances(Counts* q, const qcTrianglePair* pair, double off)
 {
     Pair made;

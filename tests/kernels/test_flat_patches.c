@@ -86,7 +86,7 @@ static bool AreBoxesWithin(const Feature* f, const Feature* g, double query)
     return true;
 }
 
-/// Their projections on a direction prove them farther disjoint than the distance. For coordinates up to 1.
+/// True if projections on a direction prove the features farther apart than the distance. Coordinates are up to 1.
 static bool Separates(const double w[3], const Feature* f, const Feature* g, double query)
 {
     double length = sqrt(qcDot(w, w)), low[2] = {INFINITY, INFINITY}, high[2] = {-INFINITY, -INFINITY};
@@ -102,7 +102,8 @@ static bool Separates(const double w[3], const Feature* f, const Feature* g, dou
     return fmax(low[0] - high[1], low[1] - high[0]) > (query + 1e-14) * length;
 }
 
-/// By edges and normals of both, and by directions across edges: few pairs remain for the oracle.
+/// True if normals and edges of both, or directions across edges, prove the features farther apart: few pairs remain
+/// for the oracle.
 static bool AreProvenFarther(const Feature* f, const Feature* g, double query)
 {
     const Feature* both[2] = {f, g};

@@ -6,7 +6,8 @@
 
 //  ---- filter --------------------------------------------------------------------------------------
 
-/// True if the last pair is kept, at any position. The pairs kept must be some of the given ones, in the same order.
+/// True if the filter keeps the last pair, at a random position. Kept pairs must be some of the given ones, in their
+/// order.
 static bool Keeps(const qcTriangleKernels* k, const qcBatch* batch, const qcDistanceThresholds* thresholds,
                   qcRandom* random)
 {
@@ -102,7 +103,7 @@ static void MakeNearlyPiercing(qcRandom* random, qcTrianglePair* pair)
                            v * (pair->a[2][axis] - pair->a[0][axis]) + off;
 }
 
-START_TEST(a_proven_intersection_is_one)
+START_TEST(pairs_proven_to_intersect_do_intersect)
 {
     qcRandom random = {19};
     qcBatch batch = {.count = 0};
@@ -129,7 +130,7 @@ START_TEST(a_proven_intersection_is_one)
             proven += isProven && i % 2 == 1 && k == qcTriangleKernels_Get();
         }
     }
-    // Nearly all of those that aren't built to be on the border.
+    // Nearly all pairs that aren't constructed to be on the border.
     ck_assert_int_gt(penetrating, count / 20);
     ck_assert_int_gt(proven, penetrating * 8 / 10);
 }
@@ -303,7 +304,7 @@ START_TEST(the_filter_separates_triangles_in_one_plane)
 }
 END_TEST
 
-QC_RUN_TESTS("separating_axis", a_proven_intersection_is_one, the_filter_keeps_pairs_that_meet,
+QC_RUN_TESTS("separating_axis", pairs_proven_to_intersect_do_intersect, the_filter_keeps_pairs_that_meet,
              the_filter_keeps_pairs_exactly_at_the_query_distance,
              the_filter_keeps_pairs_that_meet_in_exact_coordinates,
              the_filter_keeps_pairs_that_only_errors_of_points_separate,

@@ -253,7 +253,7 @@ static bool HasTriangle(const qcCorners* corners, const uint32_t* triangles, siz
     return found == 1;
 }
 
-/// Finds the batch and the lane of a vertex. False: there is none. No vertex has two.
+/// Finds the batch and the lane of a vertex. False: there is none. A vertex has at most one.
 static bool FindFan(const qcVertexFans* fans, uint32_t vertex, const qcVertexFanBatch** batch, uint32_t* lane)
 {
     int found = 0;

@@ -45,7 +45,7 @@ static inline qcSoup qcMakeRoughFloor(uint64_t seed, uint32_t side, double heigh
     return floor;
 }
 
-/// The unit cube, each face a grid of its own: its edges are seams. Vertices of two faces are at the same positions.
+/// The unit cube. Each face is a grid of its own, so vertices at its edges coincide in position only.
 static inline qcSoup qcMakeBox(uint32_t side)
 {
     qcSoup grid = qcSoup_MakeGrid(side);
@@ -89,7 +89,7 @@ static inline qcSoup qcMakeTorus(uint32_t around, uint32_t tube, double radius)
     return torus;
 }
 
-/// Turns by a rotation that is no symmetry of anything: about (1, 2, 2), cosine 0.8.
+/// Rotates about (1, 2, 2), with cosine 0.8: a symmetry of none of the shapes.
 static inline void qcTurn(double p[3])
 {
     const double c = 0.8, s = 0.6, k[3] = {1.0 / 3.0, 2.0 / 3.0, 2.0 / 3.0};

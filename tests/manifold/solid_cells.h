@@ -203,7 +203,7 @@ static inline void qcCells_Free(qcCells* cells)
     free(cells->cell);
 }
 
-/// A fan over each face from one of its corners, chosen at random: the two sides of a cut are not cut alike.
+/// Triangulates each face as a fan from a random corner: the two sides of a cut have different triangles.
 static inline qcSoup qcCell_Soup(const qcCell* cell, qcRandom* random)
 {
     uint32_t triangles = 0, at = 0;

@@ -41,7 +41,7 @@ static void FreeWorld(World* world)
         qcSoup_Free(&world->soups[i]);
 }
 
-/// The bodies whose bits are set; deforming ones collide with themselves too. The scene is the caller's.
+/// Detects the bodies whose bits are set; deforming ones collide with themselves too. The caller destroys the scene.
 static const qcResult* Find(const World* world, unsigned bodies, bool proximities, uint32_t threads, qcScene** scene)
 {
     *scene = qcMakeScene(NULL);
@@ -75,7 +75,8 @@ static size_t FirstOf(const qcResult* result, uint32_t a, uint32_t b)
     return i;
 }
 
-/// Bodies a and b of one scene have the manifolds of c and d in another one. Returns the number of their points.
+/// Checks that bodies a and b of one scene have the manifolds of c and d in another one. Returns the number of their
+/// points.
 static size_t CheckSame(const qcResult* m, uint32_t a, uint32_t b, const qcResult* n, uint32_t c, uint32_t d)
 {
     size_t i = FirstOf(m, a, b), end = FirstOf(m, a, b + 1), k = FirstOf(n, c, d), points = 0;

@@ -13,12 +13,12 @@ enum
 typedef enum Rounding
 {
     qc_exact,  ///< both sides of a cut have the same corners, in double precision
-    qc_local,  ///< corners in single precision around the mean of the cell
-    qc_placed, ///< and the mean too
+    qc_local,  ///< corners in single precision, relative to the mean of the cell
+    qc_placed, ///< like qc_local, with the mean in single precision too
     qc_roundings
 } Rounding;
 
-/// As shares of the cube's size: none, smaller than a cell's edge, and larger.
+/// Margins relative to the cube's size: none, smaller than a cell's edge, and larger.
 static const double s_margins[] = {0.0, 0.002, 0.05, 1.0};
 
 enum
@@ -261,7 +261,7 @@ static double NearestPoint(const Split* split, const qcResult* result, const qcM
     return nearest;
 }
 
-/// Where corners are nearer than the tolerance of merged points, one or two may represent all.
+/// Where corners are closer than the tolerance of merged points, one or two points may represent all.
 static void CheckCuts(const Split* split, double margin)
 {
     const double merged = 1.0 / 16.0;

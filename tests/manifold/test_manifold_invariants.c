@@ -275,7 +275,7 @@ static bool AreSameOrNeighbours(const qcSoup* soup, uint32_t s, uint32_t t)
     return s == t;
 }
 
-/// True if a point is of this pair or an adjacent one, or at the place of such a point.
+/// True if a point is of this pair or an adjacent one, or lies within `near` of one of the pair's triangles.
 static bool Speaks(const qcManifoldScene* m, const qcPair* pair, const qcManifold* manifold,
                    const qcManifoldPoint* point, double near)
 {
@@ -307,8 +307,7 @@ static bool HasPoint(const qcManifoldScene* m, const qcPair* pair, double near)
     return false;
 }
 
-/// True if another pair with one of its triangles is closer, and its closest point lies on the other one's triangle
-/// too.
+/// True if a closer pair shares one of the two triangles, and its other triangle contains this pair's closest point.
 static bool IsSurpassed(const qcManifoldScene* m, size_t index)
 {
     const qcPair* pair = &m->result->pairs[index];

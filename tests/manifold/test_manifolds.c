@@ -181,7 +181,7 @@ START_TEST(a_plate_on_the_edge_of_another_one_has_a_point)
 }
 END_TEST
 
-START_TEST(a_seam_is_no_contact)
+START_TEST(coincident_edges_of_one_body_are_no_contact)
 {
     qcSoup box = qcMakeBox(3);
     qcManifoldScene m = qcFindManifolds(&box, NULL, qc_bodyWithItself, 0.0, 1);
@@ -376,7 +376,7 @@ START_TEST(a_sheet_in_a_slit_is_held_from_both_sides)
 }
 END_TEST
 
-/// Unit cubes above and below z = 0, as far from it as the gaps say: one body.
+/// Unit cubes above and below z = 0 at the given gaps, as one body.
 static qcSoup MakeTwoBoxes(double gapAbove, double gapBelow)
 {
     qcSoup box = qcMakeBox(2), two = qcMakeEmptySoup(2 * box.vertexCount, 2 * box.triangleCount);
@@ -458,7 +458,7 @@ static int LayerOf(const qcSoup* cloth, uint32_t triangle, uint32_t side)
     return (int)(along / side);
 }
 
-/// In all points of a manifold A is above B, or in all below, and the normals say so.
+/// Checks that A is above B in all points of a manifold, or below in all, and that normals agree.
 static void CheckLayers(const qcSoup* cloth, uint32_t side, const qcResult* result, double least)
 {
     size_t pointsBetween[4] = {0, 0, 0, 0};
@@ -517,7 +517,7 @@ int main(void)
     tcase_add_test(testCase, a_box_in_a_corner_touches_the_floor_and_the_wall);
     tcase_add_test(testCase, tiles_beside_a_box_are_no_contact);
     tcase_add_test(testCase, a_plate_on_the_edge_of_another_one_has_a_point);
-    tcase_add_test(testCase, a_seam_is_no_contact);
+    tcase_add_test(testCase, coincident_edges_of_one_body_are_no_contact);
     LOOP(balls_touch_along_the_line_of_their_centres, 15);
     LOOP(linked_rings_push_each_other_back_into_the_link, 5);
     LOOP(a_ring_sunk_into_the_floor_of_a_deep_bin_is_pushed_back_in, 5);

@@ -164,7 +164,7 @@ START_TEST(no_pair_of_edges_is_reported_twice)
 }
 END_TEST
 
-/// In a scene of its own: a method's first step with a body is another than its later ones.
+/// Each call uses a new scene: a method's first step with a body differs from its later ones.
 static void CheckSameContacts(qcDevice* device, qcMethod method, const qcSoup soups[2], const qcContact* expected,
                               size_t count)
 {

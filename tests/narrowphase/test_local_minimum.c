@@ -10,7 +10,7 @@ typedef struct Contacts
     size_t count;
 } Contacts;
 
-/// Between the two, of which the first deforms; a copy.
+/// Returns a copy of the contacts between two bodies, the first of which deforms.
 static Contacts Find(const qcSoup* soft, const qcSoup* rigid, double margin, bool nearest)
 {
     qcScene* scene = qcMakeScene(NULL);
@@ -55,7 +55,7 @@ static double NearestOfAll(const Contacts* found)
     return nearest;
 }
 
-/// Those that are left are some of all, in the same order; and of each vertex the nearest is.
+/// Checks that the remaining contacts are some of all, in their order, and that each vertex keeps its nearest contact.
 static void CheckNearest(const qcSoup* soft, const Contacts* all, const Contacts* nearest)
 {
     size_t at = 0;

@@ -11,7 +11,7 @@
 static const qcMethod s_methods[2][3] = {{qc_methodSweep, qc_methodBrute, qc_methodAuto},
                                          {qc_methodLayers, qc_methodAuto, qc_methodQuick}};
 
-/// Whole numbers with 20 bits behind the point and 24 before it: 44 of a double's 53.
+/// Integers with 20 bits behind the point and 24 before it: 44 of a double's 53.
 static const double s_offsets[][3] = {{1e7, 0.0, 0.0}, {-1e7, 1e7, 9999999.0}, {0.0, 16777215.0, -1e7}};
 
 enum
@@ -20,7 +20,7 @@ enum
     qc_offsetCount = sizeof s_offsets / sizeof s_offsets[0]
 };
 
-/// Onto the lattice of 2^-bits: a coarse one makes touching pairs and coplanar ones.
+/// Rounds positions to the lattice of 2^-bits. A coarse one makes touching and coplanar pairs.
 static void Snap(qcSoup* soup, int bits)
 {
     for (uint32_t i = 0; i < 3 * soup->vertexCount; i++)
@@ -78,7 +78,7 @@ static qcScene* MakeFarScene(qcDevice* device, uint64_t seed, const double offse
     return scene;
 }
 
-/// The result at the origin, to be compared with the one far away.
+/// Compares the result at the origin with the one far away.
 static void CheckSame(qcScene* near, qcScene* far, const qcDetectDef* def, const double offset[3], const char* what)
 {
     qcDetectDef brute = *def;

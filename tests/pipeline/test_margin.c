@@ -85,7 +85,7 @@ static qcPairList ListExpected(const Expected* e, const qcDetectDef* def)
     return list;
 }
 
-/// Returns how many pairs were near but apart, over all margins.
+/// Returns the number of pairs, over all margins, that are near but disjoint.
 static size_t CheckSoup(qcSoup soup, const double margins[qc_marginCount], const char* what)
 {
     qcScene* scene = qcMakeScene(NULL);

@@ -276,7 +276,7 @@ END_TEST
 
 START_TEST(sweep_equals_brute_force_under_many_partners)
 {
-    // A grid with more bodies above it than are looked at one by one, and a few.
+    // A grid with more bodies above it than the sweep tests one by one, and with fewer.
     for (int partners = 3; partners <= 12; partners += 9)
     {
         qcScene* scene = qcMakeScene(NULL);

@@ -21,7 +21,7 @@ enum
 
 //  ---- pairs -----------------------------------------------------------------------------------------------------
 
-/// How the pairs of a scene are made and laid out.
+/// Rules by which the pairs of a scene are made and arranged.
 typedef struct Recipe
 {
     double unit;      ///< the largest triangles are about this large; a power of two
@@ -54,7 +54,7 @@ static void MoveToOrigin(qcTrianglePair* pair)
     Move(pair->b, corner, -1);
 }
 
-/// By a power of two, so that the largest coordinate is within (size / 2, size].
+/// Scales a pair by a power of two, so that the largest coordinate is within (size / 2, size].
 static void FitSize(qcTrianglePair* pair, double size)
 {
     double largest = qcTrianglePair_GetLargest(pair);
@@ -118,7 +118,8 @@ static void MakeNearlyApart(qcRandom* random, const Recipe* recipe, qcTrianglePa
     } while (!(largest <= recipe->unit));
 }
 
-/// In the scene: a cell of its own, or anywhere in a heap, by steps that keep the pair as it is where bits suffice.
+/// Places a pair in the scene: in a cell of its own, or anywhere in a heap, by steps that preserve the pair exactly if
+/// bits suffice.
 static void Place(qcRandom* random, const Recipe* recipe, uint32_t number, qcTrianglePair* pair)
 {
     // 11^3 cells hold qc_pairsInScene; a cell holds a pair and twice the margin. In the heap each overlaps a few.
@@ -203,7 +204,7 @@ static void SetTransform(qcRandom* random, const Recipe* recipe, qcTransform* tr
         transform->translation[axis] = recipe->offset[axis] + recipe->unit * qcRandom_Integer(random, -range, range);
 }
 
-/// Where a corner has to be for its transform to bring it to `world`, rounded.
+/// The local corner whose transform is `world`, rounded.
 static void ToLocal(const qcTransform* transform, const double world[3], double local[3])
 {
     for (int axis = 0; axis < 3; axis++)
@@ -317,7 +318,7 @@ static qcScene* MakeScene(const Plan* plan, qcDevice* device)
 /// Counts over all scenes of a test.
 typedef struct Tally
 {
-    uint64_t built, found, verified;         ///< pairs made; of these, reported by brute force; shown to the oracle
+    uint64_t built, found, verified;         ///< pairs made; reported by brute force; tested by the oracle
     uint64_t runs, fallbacks;                ///< of `layers`
     uint64_t hashes[3 + qc_testDeviceCount]; ///< over all lists of brute, sweep, auto, `layers` by device
 } Tally;

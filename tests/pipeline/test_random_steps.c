@@ -64,7 +64,7 @@ static bool OneIn(World* w, uint32_t count)
     return Below(w, count) == 0;
 }
 
-/// Between two powers of two, each magnitude as likely.
+/// A random number between two powers of two, uniform in the exponent.
 static double Magnitude(World* w, int lower, int upper)
 {
     return ldexp(qcRandom_Uniform(&w->random, 0.5, 1.0), (int)qcRandom_Integer(&w->random, lower, upper));
@@ -89,7 +89,7 @@ static qcSoup MakeSoup(World* w)
     }
 }
 
-/// Some triangles are nothing but a vertex, twice the same, or leave vertices without a triangle.
+/// Makes some triangles a single vertex or duplicates, or leaves vertices without a triangle.
 static void Spoil(World* w, qcSoup* soup)
 {
     for (uint32_t i = Below(w, 8); i > 0; i--)
@@ -109,7 +109,7 @@ static void Spoil(World* w, qcSoup* soup)
                soup->positions + 3 * (size_t)Below(w, soup->vertexCount), 3 * sizeof(double));
 }
 
-/// On a coarse lattice, so that triangles touch, lie in each other's planes and coincide.
+/// Rounds to a coarse lattice, so that triangles touch, are coplanar and coincide.
 static void Snap(World* w, qcSoup* soup)
 {
     double step = ldexp(1.0, -(int)(2 + Below(w, 4)));
@@ -130,7 +130,7 @@ static void Keep(Body* body)
 
 //  ---- changes of a scene ------------------------------------------------------------------------------
 
-/// Positions as the body has them, with garbage between them.
+/// Positions in the body's type, with garbage between them.
 static void* Pack(World* w, const Body* body, size_t* stride)
 {
     size_t least = body->isSingle ? 3 * sizeof(float) : 3 * sizeof(double);
@@ -144,7 +144,7 @@ static void* Pack(World* w, const Body* body, size_t* stride)
         float single[3] = {(float)p[0], (float)p[1], (float)p[2]};
         memcpy(data + *stride * v, body->isSingle ? (const void*)single : (const void*)p, least);
     }
-    // Behind the last one is nothing: a reader that goes there is found out.
+    // No memory follows the last position, so that a memory checker finds reads beyond it.
     return realloc(data, *stride * (body->soup.vertexCount - 1) + least);
 }
 
@@ -179,7 +179,7 @@ static void RemoveBody(World* w, Body* body)
     body->isUsed = false;
 }
 
-/// Some vertices go some way from where they are or were; others come back.
+/// Moves some vertices from their present or previous positions; others return to previous ones.
 static void Bend(World* w, Body* body)
 {
     qcSoup* soup = &body->soup;

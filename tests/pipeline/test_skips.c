@@ -56,7 +56,7 @@ START_TEST(a_sleeping_world_of_10_000_bodies_has_no_refit_and_no_candidate)
     }
     // Nothing has changed: the last result is reused.
     ck_assert(Detect(scene, 0.0)->reused);
-    // One wakes up: its neighbours are looked at, and no others.
+    // One body wakes up: only its neighbours are tested.
     CHECK_OK(qcScene_SetActivity(scene, last, qc_activityMoving));
     const qcProfile* profile = Detect(scene, 0.0);
     ck_assert_uint_gt(profile->candidates, 0);

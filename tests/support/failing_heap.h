@@ -1,4 +1,4 @@
-// A heap for qcSetAllocator of which one allocation fails.
+// A heap for qcSetAllocator in which one allocation fails.
 #ifndef QC_TESTS_SUPPORT_FAILING_HEAP_H
 #define QC_TESTS_SUPPORT_FAILING_HEAP_H
 

@@ -1,4 +1,4 @@
-// The relation of two triangles as a question about a polytope, answered in integers without any geometry.
+// The relation of two triangles from the vertices of a polytope, in integer arithmetic without geometric cases.
 // Rockafellar, Convex Analysis (1970), theorem 6.9; vertices by integer pivoting: Edmonds 1967, Bareiss 1968.
 // Proof: plugin/docs/proofs/oracle.md.
 #include "support/oracle.h"

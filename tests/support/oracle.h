@@ -49,9 +49,9 @@ int qcOracleDistance_Compare(const qcOracleDistance* distance, double margin);
 /// The distance with a relative error of 2^-51; infinity on overflow.
 double qcOracleDistance_Get(const qcOracleDistance* distance);
 
-/// The penetration depth of A and B, which meet: the minimum, over face normals and cross products of edges in both
-/// directions, of the distance that A moves until their projections onto this axis no longer overlap. With a relative
-/// error of 2^-51.
+/// The penetration depth of two intersecting triangles: the minimum, over face normals and cross products of edges in
+/// both directions, of the distance that A moves until the projections onto this axis no longer overlap. With a
+/// relative error of 2^-51.
 double qcOracle_Depth(const double a[3][3], const double b[3][3]);
 
 #ifdef __cplusplus

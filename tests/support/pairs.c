@@ -366,8 +366,7 @@ void qcTrianglePair_MakeAny(qcRandom* random, qcTrianglePair* pair)
     qcTrianglePair_Disturb(random, pair);
 }
 
-//  ---- at a known distance
-//  -------------------------------------------------------------------------------------------------
+//  ---- at a known distance ------------------------------------------------------------------------------------------
 
 // Corners 0 .. count - 1 lie in the plane h = 0 with the origin in their hull, the others in it or on one side of it.
 static void SetAround(qcRandom* random, double corners[3][3], int count, int side)

@@ -48,7 +48,7 @@ static inline void qcSide_Fit(qcSide* side, double margin, const qcTriangleKerne
     qcBvhScratch_Free(&scratch);
 }
 
-/// How often each two triangles were found, and their class: a row for each triangle of the first side.
+/// The number of times that each pair of triangles was found, and its class: a row for each triangle of the first side.
 typedef struct qcFoundPairs
 {
     const qcSide *a, *b;

@@ -63,7 +63,7 @@ START_TEST(a_large_body_has_the_same_pairs_by_strips_and_then_by_a_bvh)
     uint64_t candidates = 0;
     for (int step = 0; step < 5; step++)
     {
-        // The same positions again on the second step.
+        // The second step repeats the positions of the first.
         qcSoup next = qcSoup_MakeFoldedCloth(step < 2 ? 1 : (uint64_t)step, qc_largeSide, 0.01, 0.01);
         CHECK_OK(qcScene_SetVertices(scene, id, next.positions, qc_positionF64, 0));
         qcSoup_Free(&next);

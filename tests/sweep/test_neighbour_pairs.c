@@ -12,7 +12,7 @@
 
 enum
 {
-    qc_checked = 11 ///< one of so many dropped pairs is tested in rational arithmetic
+    qc_checked = 11 ///< one in this number of dropped pairs is tested in rational arithmetic
 };
 
 typedef struct Corner
@@ -30,7 +30,7 @@ typedef struct Neighbours
 
 //  ---- the oracle ----------------------------------------------------------------------------------
 
-/// Two features, by their corners.
+/// The corners of two features.
 typedef struct Features
 {
     double a[3][3], b[3][3];
@@ -51,7 +51,7 @@ static bool SetFeatures(Features* f, const Corner* a, int countA, const Corner* 
     return true;
 }
 
-/// Corners with triangles and edges with edges, without a common vertex. Returns their number.
+/// Lists pairs of a corner and a triangle, and of two edges, without a common vertex. Returns their number.
 static int ListFeatures(const Neighbours* n, Features features[16])
 {
     int count = 0;
@@ -68,7 +68,7 @@ static int ListFeatures(const Neighbours* n, Features features[16])
     return count;
 }
 
-/// By their boxes.
+/// True if their boxes are farther apart.
 static bool AreBoxesFarther(const Features* f, double query)
 {
     for (int axis = 0; axis < 3; axis++)
@@ -118,7 +118,7 @@ static double FindLeastDistance(const Neighbours* n)
 
 //  ---- the kernel ----------------------------------------------------------------------------------
 
-/// Tests a pair among copies of another one, so that it is in any lane.
+/// Tests a pair among copies of another one, in a random lane.
 static bool Keeps(const qcTriangleKernels* k, const Neighbours* n, float query, qcRandom* random)
 {
     enum
@@ -341,7 +341,8 @@ static Neighbours NeighboursOf(const qcBody* body, uint32_t a, uint32_t b)
     return n;
 }
 
-/// Each pair of neighbours is listed once, or has no such contact; some of the latter are tested. Returns their number.
+/// Checks that each pair of neighbours is listed once, or has no such contact; some of the latter are tested. Returns
+/// the number of pairs.
 static size_t CheckListed(const Found* found, double margin, const char* what)
 {
     size_t missing = 0, at = 0;

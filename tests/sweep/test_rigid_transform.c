@@ -150,7 +150,7 @@ static void MakeBox(qcRandom* random, const double x[3], double size, qcRigidTra
     }
 }
 
-/// False: the first transform is not invertible.
+/// Makes two bodies with points that coincide in the world. False: the first transform is not invertible.
 static bool Meet(qcRandom* random, Meeting* m)
 {
     int range = (int)qcRandom_Below(random, 3) * 60;
@@ -177,7 +177,7 @@ static bool Meet(qcRandom* random, Meeting* m)
     InvertWell(a->linear, inverse);
     if (!qcTransform_IsInvertible(a))
         return false;
-    // The second body is moved so that the points meet; then the first body's point is searched near the image.
+    // The second body is moved so that the points coincide; then the first body's point is searched near the image.
     double to[3];
     GetWorld(a, m->x[0], to);
     GetWorld(&m->placement[1].transform, m->x[1], world);
@@ -458,7 +458,7 @@ END_TEST
 
 //  ---- fits ----------------------------------------------------------------------------------------
 
-/// True if it was fitted anew. A fit writes all points; the first is marked before.
+/// True if the BVH was fitted anew. A fit writes all points; the first point is overwritten before, to detect that.
 static bool FitsAnew(qcTriangleBvh* bvh, const qcBody* body, double margin)
 {
     qcBvhScratch scratch = {0};

@@ -156,7 +156,7 @@ START_TEST(a_list_serves_smaller_margins)
 }
 END_TEST
 
-START_TEST(partially_refitted_bodies_meet_others_at_their_current_positions)
+START_TEST(partially_refitted_bodies_have_pairs_at_their_current_positions)
 {
     for (uint64_t seed = 1; seed <= 3; seed++)
     {
@@ -276,7 +276,7 @@ START_TEST(a_body_that_slept_while_the_list_was_filled_is_fitted)
 END_TEST
 
 QC_RUN_TESTS("verlet_list", small_motion_is_refitted_partially, large_motion_loses_no_pair,
-             a_list_serves_smaller_margins, partially_refitted_bodies_meet_others_at_their_current_positions,
+             a_list_serves_smaller_margins, partially_refitted_bodies_have_pairs_at_their_current_positions,
              no_pair_is_lost_far_from_the_origin_where_margins_are_rounded,
              a_body_is_fitted_anew_if_much_of_it_moved_or_left_its_box,
              a_step_that_needs_more_than_the_list_searches_anew, a_list_ends_with_its_body,

@@ -1,4 +1,4 @@
-// Mesh files built byte by byte, and checks of what the readers return for them.
+// Mesh files built byte by byte, and checks of the meshes that readers return for them.
 #ifndef QC_TESTS_TOOLS_MESH_BYTES_H
 #define QC_TESTS_TOOLS_MESH_BYTES_H
 

@@ -22,11 +22,11 @@ extern TestMesh g_meshes[qc_meshCount];
 /// Fixture: an empty folder with the meshes as 0.ply, 1.ply and 2.ply.
 void EnterWithMeshes(void);
 
-/// Whether two triangles share a vertex index.
+/// True if two triangles share a vertex index.
 bool AreNeighbours(const uint32_t a[3], const uint32_t b[3]);
 /// The corners of a triangle of each body, nine numbers each.
 void GetTriangles(uint32_t bodyA, uint32_t a, uint32_t bodyB, uint32_t b, double triangles[2][9]);
-/// Near: disjoint, and no further apart than the margin.
+/// The relation. Near: disjoint, and no further apart than the margin.
 qcRelation Relate(uint32_t bodyA, uint32_t a, uint32_t bodyB, uint32_t b, double margin);
 
 #endif

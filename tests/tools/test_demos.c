@@ -32,7 +32,7 @@ static const char* FindLine(const char* text, const char* part)
     return found;
 }
 
-/// The numbers after a label; returns how many.
+/// Reads the numbers after a label; returns their count.
 static int ReadColumns(const char* line, double values[qc_maxColumns])
 {
     int count = 0;
@@ -165,7 +165,7 @@ START_TEST(a_body_breaks_once_keeps_its_momentum_and_its_pieces_stay_above_the_f
     ck_assert_int_eq(ForEachRow("o/p/fracture.csv", s_header, CheckStep, &course), 300);
     ck_assert_int_eq(course.breaks, 1);
     ck_assert_double_ge(course.bodies, 12.0);
-    // What falls on a floor at 4 m/s in steps of 1/240 s is seen less than 2 cm in it.
+    // At 4 m/s and steps of 1/240 s a piece moves less than 2 cm into the floor in a step. Millimetres.
     ck_assert_double_gt(course.lowest, -60.0);
     ck_assert_double_lt(course.energy, 0.5 * course.energyAtBreak);
     ck_assert_double_lt(LastNumber(FindLine(GetOutput(), "  momentum, kg m/s")), 1e-5);

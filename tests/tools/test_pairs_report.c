@@ -62,7 +62,7 @@ START_TEST(a_method_that_cannot_draw_reports_which_one_ran)
 }
 END_TEST
 
-/// Whether some device draws here; auto opens one then.
+/// True if some device draws here; auto opens one then.
 static bool CanDraw(void)
 {
     qcDeviceDef def = qcDefaultDeviceDef();

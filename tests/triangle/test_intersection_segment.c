@@ -1,5 +1,5 @@
-// The ends of the segment in which two triangles meet, against the corners of the exact intersection.
-// QC_TEST_PAIRS in the environment raises the number of generated pairs.
+// The ends of the intersection segment of two triangles, against the corners of the exact intersection. QC_TEST_PAIRS
+// in the environment raises the number of generated pairs.
 #include "triangle/exact.h"
 #include "support/oracle.h"
 #include "support/pairs.h"

@@ -86,7 +86,7 @@ static void CheckNear(const double got[3], const double expected[3], double tole
                       got[1], got[2]);
 }
 
-START_TEST(the_example_has_this_answer)
+START_TEST(each_example_has_its_known_proximity)
 {
     const Example* e = &s_examples[_i];
     qcProximity p = Find(e->a, e->b);
@@ -440,7 +440,7 @@ int main(void)
     for (int i = 0; i < qc_exampleCount; ++i)
     {
         TCase* example = tcase_create(s_examples[i].name);
-        tcase_add_loop_test(example, the_example_has_this_answer, i, i + 1);
+        tcase_add_loop_test(example, each_example_has_its_known_proximity, i, i + 1);
         suite_add_tcase(suite, example);
     }
     TCase* tcase = tcase_create("generated");

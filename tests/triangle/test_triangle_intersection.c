@@ -279,7 +279,7 @@ START_TEST(triangles_of_a_sphere_only_touch)
 }
 END_TEST
 
-START_TEST(layers_of_thin_sheets_do_not_meet)
+START_TEST(layers_of_thin_sheets_are_disjoint)
 {
     qcSoup one = qcSoup_MakeGrid(4);
     qcSoup three = qcSoup_MakeSheets(3, 4, 1e-9);
@@ -328,7 +328,7 @@ int main(void)
     tcase_add_test(tcase, the_filter_decides_pairs_in_general_position);
     tcase_add_test(tcase, triangles_of_a_flat_grid_only_touch);
     tcase_add_test(tcase, triangles_of_a_sphere_only_touch);
-    tcase_add_test(tcase, layers_of_thin_sheets_do_not_meet);
+    tcase_add_test(tcase, layers_of_thin_sheets_are_disjoint);
     tcase_add_test(tcase, noise_makes_the_layers_of_a_folded_cloth_penetrate);
     tcase_add_test(tcase, pairs_of_random_soups_have_the_relation_of_the_oracle);
     suite_add_tcase(suite, tcase);

@@ -88,7 +88,7 @@ void Solve(qcSoftConstraint& constraint)
     constraint.taken = taken;
 }
 
-/// Sets normal and distance: both sides stay on the sides of the start of the step.
+/// Sets normal and distance so that each side stays on its side of the other, as at the start of the step.
 void Orient(btScalar thickness, const btVector3& normal, qcSoftConstraint* constraint)
 {
     constraint->normal = normal;

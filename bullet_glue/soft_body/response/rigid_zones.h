@@ -1,7 +1,7 @@
 // Zones: nodes and meshes that separating planes could not keep apart, which move through the step as one rigid body.
 //
-// What was disjoint at the start of the step stays disjoint inside a zone. Its motion has the linear and angular
-// momentum of its members' own motions. A zone with a fixed member moves with that. Proof:
+// Members that are disjoint at the start of the step stay disjoint inside a zone. A zone's motion has the linear and
+// angular momentum of its members' own motions; a fixed member determines it alone. Proof:
 // plugin/docs/proofs/rigid_zones.md.
 #ifndef QC_GLUE_SOFT_BODY_RESPONSE_RIGID_ZONES_H
 #define QC_GLUE_SOFT_BODY_RESPONSE_RIGID_ZONES_H
@@ -17,8 +17,8 @@ class qcSoftZones
     }
 
     void Clear();
-    /// Unites the zones of both triangles of a pair. False: nothing has changed, since both are in one zone already and
-    /// that was returned to its start.
+    /// Unites the zones of both triangles of a pair. False: nothing has changed, since both are in one zone that has
+    /// been returned to its start already.
     bool Add(const qcPair& pair);
     /// Moves all zones from the start of the step.
     void Move();
@@ -32,7 +32,8 @@ class qcSoftZones
         qcSceneSoftBody* soft;
         qcSceneRigid* rigid; ///< null for a node
         uint32_t node;
-        btTransform target; ///< at the end of its own motion; of a node the position, without its shift
+        btTransform
+            target; ///< of an object: transform at the end of its own motion; of a node: position without its shift
     };
 
     void CollectMembers();

@@ -1,4 +1,4 @@
-// Tangles: what penetrates at the start of a step. Contact keeps apart what was disjoint then, and exempts the rest.
+// Tangles: pairs that penetrate at the start of a step. Contact response exempts them and keeps all others disjoint.
 #ifndef QC_GLUE_SOFT_BODY_RESPONSE_TANGLES_H
 #define QC_GLUE_SOFT_BODY_RESPONSE_TANGLES_H
 
@@ -20,9 +20,10 @@ class qcSoftTangles
     {
         return m_triangles.empty();
     }
-    /// Moves the exempt pairs from `pairs`, indices of the result's pairs, to `exempt`. Exempt is a pair of two tangled
-    /// triangles. Where two bodies have no more pairs than at the start, so is a pair of two triangles near the tangle:
-    /// a soft body's with a tangled vertex, a mesh's that is tangled itself. So a tangle may move but not grow.
+    /// Moves the exempt pairs from `pairs`, indices of the result's pairs, to `exempt`. A pair of two tangled triangles
+    /// is exempt. While two bodies have no more pairs than at the start, a pair of two triangles near the tangle is
+    /// exempt too: a soft body's triangle with a tangled vertex, or a tangled triangle of a mesh. So a tangle may move
+    /// but not grow.
     void MoveExempt(qcSoftBodyScene& scene, const qcResult& result, std::vector<size_t>* pairs,
                     std::vector<size_t>* exempt) const;
     /// True if all vertices of one side are tangled with the other side's body: the side on which they belong is

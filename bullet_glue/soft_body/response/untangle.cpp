@@ -114,7 +114,8 @@ bool MakePush(const Triangle& a, const Triangle& b, const btVector3& end, const 
     return true;
 }
 
-/// function(body, node, share): the node's part of the push's relative motion, negative for the nodes of the face.
+/// Calls function(body, node, share) for each node; share: the node's part of the push's relative motion, negative for
+/// the nodes of the face.
 template <typename Function> void ForEachNode(const Push& push, Function function)
 {
     btScalar sum = 0, largest = 0;

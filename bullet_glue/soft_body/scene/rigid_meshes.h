@@ -22,7 +22,7 @@ struct qcSceneMesh
     btTransform local = btTransform::getIdentity(); ///< from the shape's frame to the object's
     uint64_t revision = 0;                          ///< of the shape, when it was added to the scene
     qcBodyId id{};
-    btTransform sceneTransform = btTransform::getIdentity(); ///< that the scene has
+    btTransform sceneTransform = btTransform::getIdentity(); ///< of the mesh in the scene
 };
 
 /// An object with meshes.
@@ -40,12 +40,12 @@ struct qcSceneRigid
     btVector3 linear{0, 0, 0}, angular{0, 0, 0};
     btVector3 movedLinear{0, 0, 0}, movedAngular{0, 0, 0};
     bool fromStart = false; ///< a zone moves it from the start of the step, which determines its velocity, too
-    bool hasEnd = false;    ///< it was in the previous step, which
-    btTransform end = btTransform::getIdentity(); ///< left it here
+    bool hasEnd = false;    ///< the object was in the previous step
+    btTransform end = btTransform::getIdentity(); ///< of the object, at the end of the previous step
 
     /// Displacement of the point at `arm` from the centre, if `push` acts there: an impulse times the time step.
     btVector3 DisplacementAt(const btVector3& arm, const btVector3& push) const;
-    /// Adds that motion to `linear` and `angular`.
+    /// Adds the motion by this push to `linear` and `angular`.
     void Push(const btVector3& arm, const btVector3& push);
     /// True if it can take any rigid motion: it is dynamic, and no factor or infinite inertia restricts it.
     bool IsFree() const;
@@ -70,12 +70,12 @@ class qcSoftBodyMeshes
     void CollectOverlapping(btBroadphaseInterface* broadphase, const btVector3& lower, const btVector3& upper);
     /// Makes the scene's meshes those of the objects collected since the last call.
     qcStatus Sync(qcScene* scene, btScalar timeStep);
-    /// Gives the scene the objects' present transforms, or those of the start of the step.
+    /// Sets the objects' present transforms in the scene, or those of the start of the step.
     qcStatus SyncTransforms(qcScene* scene, bool atStart = false);
-    /// True if each of the objects was in the previous step, and starts where that one left it.
+    /// True if each of the objects was in the previous step and starts at its end transform.
     bool StartWhereTheyEnded() const;
 
-    /// Moves objects by what contacts pushed them since the last call.
+    /// Moves objects by the pushes of contacts since the last call.
     void Commit();
     /// Moves an object from its transform at the start of the step, if it is free.
     void MoveFromStart(qcSceneRigid& rigid, const btTransform& motion);

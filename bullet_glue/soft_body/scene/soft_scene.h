@@ -17,7 +17,7 @@ struct qcSceneSoftBody
     btSoftBody* body = nullptr;
     int uniqueId = 0; ///< see qcUniqueIdOf
     qcBodyId id{};
-    qcSoftTopology topology; ///< that the scene has
+    qcSoftTopology topology; ///< of the body in the scene
     qcSoftBodySettings settings;
     btScalar thickness = 0;           ///< settings.thickness, or the default where that is 0
     bool moves = true;                ///< false: Bullet does not simulate it at present, and contacts don't move it
@@ -25,7 +25,7 @@ struct qcSceneSoftBody
     std::vector<btVector3> start;     ///< node positions at the start of the step
     std::vector<btVector3> solved;    ///< after Bullet's own solvers
     std::vector<btVector3> positions; ///< after contacts so far; copied to Bullet's nodes at the end of the step
-    /// The parts of the positions that untangling added in this step: no velocity comes of them. Empty: none.
+    /// The parts of the positions that untangling added in this step; they give no velocity. Empty: none.
     std::vector<btVector3> shifts;
     std::vector<bool> pinned; ///< nodes that contacts don't move; empty: none
     bool inContact = false;   ///< it is in a constraint of this step
@@ -43,7 +43,7 @@ struct qcSceneSoftBody
     {
         return positions[node] - from - (shifts.empty() ? btVector3(0, 0, 0) : shifts[node]);
     }
-    /// function(node index) for each node that contacts moved.
+    /// Calls function(node index) for each node that contacts moved.
     template <typename Function> void ForEachMoved(Function function) const
     {
         for (size_t i = 0; i < positions.size(); i++)
@@ -79,12 +79,12 @@ class qcSoftBodyScene
     /// Reads the positions after Bullet's own solvers, and makes the scene's meshes those near the motions from the
     /// start of the step to there.
     qcStatus ReadSolved(btScalar timeStep);
-    /// Gives the scene the present positions of nodes and transforms of meshes.
+    /// Sets the present positions of nodes and transforms of meshes in the scene.
     qcStatus SyncPositions();
-    /// Gives the scene the positions of the start of the step.
+    /// Sets the positions of the start of the step in the scene.
     qcStatus SyncStartPositions();
-    /// True if all bodies and meshes start where the previous step left them, and all that decides which triangles are
-    /// tested is unchanged. After ReadSolved.
+    /// True if all bodies and meshes start where the previous step ended, and the settings that decide which triangles
+    /// are tested are unchanged. Call it after ReadSolved.
     bool StartsWhereStepEnded() const;
     /// The corners of a triangle at the start of the step.
     void GetStartCorners(uint32_t slot, uint32_t triangle, double corners[9]);

@@ -1,17 +1,17 @@
-// What each stage of manifolds is worth: scenes are run with all stages, then with each one switched off.
+// Ablation of manifolds: scenes are run with all stages, then with each stage switched off.
 #ifndef QC_DEMOS_BENCH_ABLATION_ABLATION_H
 #define QC_DEMOS_BENCH_ABLATION_ABLATION_H
 
 #include <functional>
 
-/// Means over the runs of a scene; below 0: not measured in it.
+/// Means over the runs of a scene; negative: not measured in this scene.
 struct qcAblationResult
 {
-    double ms = 0;          ///< of the manifold stages, a detection
-    double points = 0;      ///< a detection
-    double depth = -1;      ///< still scenes: the deepest point over the true depth; 1 is right
-    double penetration = 0; ///< moving scenes: the deepest overlap at the end, by all stages; mm
-    double speed = -1;      ///< moving scenes: half of the bodies are slower in the last second; mm/s
+    double ms = 0;          ///< of the manifold stages, per detection
+    double points = 0;      ///< per detection
+    double depth = -1;      ///< still scenes: depth of the deepest point relative to the true depth; 1 is exact
+    double penetration = 0; ///< moving scenes: the deepest overlap at the end, measured with all stages; mm
+    double speed = -1;      ///< moving scenes: median speed of the bodies in the last second; mm/s
 };
 
 struct qcAblationScene
@@ -25,11 +25,11 @@ struct qcAblationScene
 /// Switches a stage off for the detections that follow; "" switches all on.
 void qcSwitchOff(const char* stage);
 
-/// Scenes whose depth is known: a box sunk into tiles, cells of a cube that are displaced.
+/// Scenes of known depth: a box sunk into tiles; displaced cells of a cube.
 qcAblationResult qcRunSunkBox(unsigned seed, const char* stage);
 qcAblationResult qcRunDisplacedCells(unsigned seed, const char* stage);
 
-/// Simulations: piles of boxes and of tori in a bin, a cube that falls apart.
+/// Simulations: piles of boxes and of tori in a bin; a cube that falls apart.
 qcAblationResult qcRunBoxPile(unsigned seed, const char* stage, unsigned steps);
 qcAblationResult qcRunTorusPile(unsigned seed, const char* stage, unsigned steps);
 qcAblationResult qcRunFracture(unsigned seed, const char* stage, unsigned steps);

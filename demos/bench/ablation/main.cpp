@@ -1,5 +1,5 @@
-// qc-ablation: a table of the scenes with all stages of manifolds, and with each one switched off. Its core is compiled
-// with these switches, which the library has not.
+// qc-ablation: a table of the scenes with all stages of manifolds, and with each one switched off. It compiles the core
+// with these switches, which the library does not have.
 #include "bench/ablation/ablation.h"
 
 #include <algorithm>
@@ -42,7 +42,7 @@ void PrintRow(const char* scene, const char* stage, const qcAblationResult& resu
         std::printf(" %12s %12.2f %12.3f\n", "", result.penetration, result.speed);
     std::fflush(stdout);
 }
-/// Seed by seed, so that all stages find the machine alike.
+/// All stages of one seed in turn, so that disturbances of the machine affect all stages equally.
 void PrintScene(const qcAblationScene& scene)
 {
     qcAblationResult results[s_stageCount];

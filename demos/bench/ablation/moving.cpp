@@ -1,4 +1,4 @@
-// Simulations in Bullet: how deep bodies end up in each other, and how calm they are.
+// Simulations in Bullet: final penetration and final speeds of the bodies.
 #include "bench/ablation/ablation.h"
 #include "bench/ablation/shapes.h"
 
@@ -33,7 +33,7 @@ class World
     World(const World&) = delete;
     World& operator=(const World&) = delete;
 
-    /// A mass of 0: it does not move.
+    /// Adds a body; mass 0: static.
     void Add(const qcAblationMesh& mesh, btScalar mass, const btTransform& place)
     {
         Body body;
@@ -99,7 +99,7 @@ class World
                 speeds->push_back(double(body.rigid->getLinearVelocity().length()));
     }
 
-    /// The deepest overlap of the bodies, by a detection of its own.
+    /// The deepest overlap of the bodies, by a new detection with all stages.
     double FindPenetration() const
     {
         qcSceneDef sceneDef = qcDefaultSceneDef();

@@ -15,17 +15,17 @@ struct qcAblationMesh
     std::vector<btVector3> vertices;
     std::vector<uint32_t> indices;
 
-    /// Packed, as the scene takes them.
+    /// Three numbers a vertex, packed, as qcScene expects them.
     std::vector<double> Positions() const;
 };
 
-/// A grid of `n` by `n` squares from `corner` along two sides.
+/// Adds a grid of `n` by `n` squares from `corner` along two sides.
 void qcAddTiles(qcAblationMesh* mesh, const btVector3& corner, const btVector3& side1, const btVector3& side2, int n);
-/// The box of a size about the origin, faces of `n` by `n` squares that meet without a gap.
+/// A box about the origin. Each face is a grid of `n` by `n` squares; faces join without a gap.
 qcAblationMesh qcBoxOf(btScalar size, int n);
-/// About the y axis, of the radii 1 and `tube`, times `size`.
+/// A torus about the y axis with the radii 1 and `tube`, scaled by `size`.
 qcAblationMesh qcTorusOf(btScalar size, btScalar tube);
-/// Five walls, open at the top, the inside `width` wide; the floor is at height 0.
+/// A bin of five walls, open at the top, `width` wide inside; the floor is at height 0.
 qcAblationMesh qcBinOf(btScalar width, btScalar height);
 /// Pieces of a cube, in Voronoi cells. Exits with a message if it can't be split.
 std::vector<qcPiece> qcBreakCube(btScalar size, unsigned cells, unsigned seed);

@@ -7,9 +7,9 @@
 
 namespace
 {
-constexpr unsigned s_repeats = 5; // the fastest counts
+constexpr unsigned s_repeats = 5; // the fastest is reported
 
-/// Bodies, each displaced from where it only touches the others.
+/// Bodies, each displaced from a position in which it only touches the others.
 struct Displaced
 {
     qcScene* scene = nullptr;
@@ -36,7 +36,7 @@ struct Displaced
         displacements.push_back(displacement);
     }
 
-    /// All bodies are moved by a trifle: a detection of an unchanged scene would repeat its result.
+    /// Moves all bodies by `trifle`, since a detection of an unchanged scene would repeat its result.
     void Place(double trifle)
     {
         for (size_t i = 0; i < bodies.size(); i++)
@@ -77,14 +77,14 @@ struct Displaced
         return measured;
     }
 
-    /// The deepest point of a manifold over the length that would separate its bodies.
+    /// Depth of a manifold's deepest point relative to the displacement that would separate its bodies.
     double RelativeDepth(const qcResult& result, const qcManifold& manifold) const
     {
         if (manifold.pointCount == 0)
             return 0;
         double depth = -result.manifoldPoints[manifold.firstPoint].distance;
         double length = double((displacements[manifold.bodyA] - displacements[manifold.bodyB]).length());
-        // Bodies that did not touch before overlap by less: they count too.
+        // Bodies without contact before their displacement overlap by less; they are included.
         return length > 0 ? depth / length : 0;
     }
 };

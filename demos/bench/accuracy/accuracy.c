@@ -19,7 +19,7 @@ typedef struct Run
 static qcExitStatus Prepare(Run* run, qcMessage* message)
 {
     const qcAccuracyOptions* options = &run->options;
-    // Better now than after minutes of work.
+    // Fails here, not after minutes of work.
     if (!qcFiles_Check(options->out, "accuracy.csv", message))
         return qc_exitFailed;
     qcDeviceDef def = qcDefaultDeviceDef();
@@ -58,12 +58,12 @@ static qcExitStatus MeasureScene(Run* run, int index, qcMessage* message)
     if (!measured)
         return qc_exitFailed;
     qcAccuracy_PrintTable(table);
-    // Rows of a long run can be read while it goes on, and stay if it ends early.
+    // Rows of a long run are readable while it continues, and remain if it ends early.
     fflush(stdout);
     return qcAccuracy_WriteCsv(&run->options, run->tables, run->tableCount, message) ? qc_exitDone : qc_exitFailed;
 }
 
-/// Methods that never miss must not miss here.
+/// Fails if a method that never misses has missed a pair.
 static qcExitStatus CheckPromise(const Run* run, qcMessage* message)
 {
     for (uint32_t t = 0; t < run->tableCount; ++t)

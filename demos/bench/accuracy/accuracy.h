@@ -1,4 +1,4 @@
-// What the parts of `qc-bench accuracy` share: the options, the settings tried on a scene, a row for each.
+// Types and functions of `qc-bench accuracy`: the options, the settings tried on a scene, a row for each.
 #ifndef QC_DEMOS_BENCH_ACCURACY_ACCURACY_H
 #define QC_DEMOS_BENCH_ACCURACY_ACCURACY_H
 
@@ -16,7 +16,7 @@ enum
     qc_maxViews = 15,       // ordered choices of 1 to 3 of three axes
     qc_switchCount = 8,     // what goes beyond the paper, on and off
     qc_maxRuns = 15,
-    // `layers` and `cullide` once and `quick` with all its switches over the images, and each method once without.
+    // Over the images: `layers` and `cullide` once, `quick` with all its switches; each method once without an image.
     qc_maxSettings = qc_maxResolutions * qc_maxViews * (2 + qc_switchCount) + qc_methodCount
 };
 
@@ -30,7 +30,7 @@ typedef struct qcAccuracyOptions
     uint32_t viewCount;
     bool thin;     ///< fewer settings on all scenes but the first
     bool full;     ///< all switches of quick; brute force on large scenes too
-    uint32_t runs; ///< of a quick setting, at most
+    uint32_t runs; ///< max runs of a fast setting
     uint32_t rounds;
     uint32_t threads;
     double margin; ///< as a share of the scene's extent
@@ -54,14 +54,15 @@ typedef struct qcAccuracySetting
     bool backToFront, secondPassFromBack, reliable;
 } qcAccuracySetting;
 
-/// The settings for a scene and its number of triangles; at most qc_maxSettings.
+/// Lists the settings for a scene by its number of triangles; at most qc_maxSettings.
 uint32_t qcAccuracy_ListSettings(const qcAccuracyOptions* options, int scene, uint32_t triangleCount,
                                  qcAccuracySetting* settings);
 
-/// The reference: brute force where that takes seconds, otherwise the sweep, which the tests compare with brute force.
+/// The method for the reference: brute force where it takes seconds, otherwise the sweep, which the tests compare with
+/// brute force.
 qcMethod qcAccuracy_ChooseReference(const qcAccuracyOptions* options, uint32_t triangleCount);
 
-/// The settings that differ by their image alone: a line of the report, and of the plot's legend.
+/// Settings that differ only in their image: a line of the report and of the plot's legend.
 typedef struct qcAccuracySeries
 {
     qcAccuracySetting setting; ///< without image
@@ -74,12 +75,12 @@ enum
     qc_accuracySeriesCount = 12
 };
 
-/// All but that of `auto`.
+/// All series but that of `auto`.
 extern const qcAccuracySeries qcAccuracySeries_all[qc_accuracySeriesCount];
 
 bool qcAccuracy_IsOf(const qcAccuracySeries* series, const qcAccuracySetting* setting);
 
-/// `cullide` and `quick`, which sample at pixels.
+/// True for `cullide` and `quick`, which sample at pixels.
 bool qcAccuracy_IsSampled(qcMethod method);
 
 //  ---- rows ----------------------------------------------------------------------------------------
@@ -87,12 +88,12 @@ bool qcAccuracy_IsSampled(qcMethod method);
 typedef struct qcAccuracyRow
 {
     qcAccuracySetting setting;
-    char skipped[256]; ///< why it did not run; empty: it did
-    char note[256];    ///< why another method ran for `auto`; or empty
+    char skipped[256]; ///< reason why it did not run; empty: it ran
+    char note[256];    ///< reason why another method ran for `auto`; or empty
     qcMethod ran;
     uint32_t image;   ///< pixels on a side or columns that were used; 0: none
-    uint32_t runs;    ///< timed
-    double ms, minMs; ///< new vertices in, pairs out: median and least of the runs
+    uint32_t runs;    ///< timed runs
+    double ms, minMs; ///< new vertices in, pairs out: median and minimum of the runs
     uint64_t queries; ///< visibility queries; 0: the image was not used
     uint64_t pcs, candidates, found, missed, extra;
 } qcAccuracyRow;
@@ -100,7 +101,7 @@ typedef struct qcAccuracyRow
 /// One scene and what was measured on it.
 typedef struct qcAccuracyTable
 {
-    int scene; ///< its number
+    int scene; ///< index of the scene
     uint32_t bodyCount, triangleCount;
     double margin; ///< scene units
     qcMethod reference;
@@ -119,15 +120,15 @@ double qcAccuracy_MissedShare(const qcAccuracyTable* table, const qcAccuracyRow*
 bool qcAccuracy_Measure(const qcAccuracyOptions* options, const qcBenchScene* scene, qcDevice* device,
                         qcAccuracyTable* table, qcMessage* message);
 
-/// Draws a little with each method that needs GL, so that no measurement pays for the first use of the device.
+/// Runs each method that needs GL on a small scene, so that no measurement includes the first use of the device.
 void qcAccuracy_WarmUp(const qcAccuracyOptions* options, qcDevice* device);
 
 //  ---- reports -------------------------------------------------------------------------------------
 
-/// What was found on one scene, for a reader, on standard output.
+/// Prints a readable summary of one scene on standard output.
 void qcAccuracy_PrintTable(const qcAccuracyTable* table);
 
-/// All rows as CSV.
+/// Writes all rows as CSV.
 bool qcAccuracy_WriteCsv(const qcAccuracyOptions* options, const qcAccuracyTable* tables, uint32_t tableCount,
                          qcMessage* message);
 

@@ -1,7 +1,7 @@
 // One scene with every setting: time, number of pairs, and those that the reference lacks or has in addition.
 //
-// A timed run is what a step of a deforming scene costs: new vertices for each body, then the detection. Before it the
-// scene was in another pose, so that no earlier result can be reused.
+// A timed run is a step of a deforming scene: new vertices for each body, then the detection. The scene was in another
+// pose before it, so that no earlier result can be reused.
 #include "bench/accuracy/accuracy.h"
 
 #include "bench/scenes/shapes.h"
@@ -39,7 +39,7 @@ static size_t PositionSize(const qcMesh* mesh)
     return 3 * (size_t)mesh->vertexCount * (mesh->isDouble ? sizeof(double) : sizeof(float));
 }
 
-/// About the motion of a vertex in a step of a simulation.
+/// Moves each vertex by up to `distance` along each axis: about its motion in a step of a simulation.
 static void MakePose(const qcMesh* mesh, double distance, void* pose)
 {
     uint64_t seed = 1;
@@ -142,7 +142,7 @@ static qcDetectDef MakeDef(const Bench* bench, const qcAccuracySetting* setting)
     return def;
 }
 
-/// New vertices in, pairs out.
+/// Sets new vertices and detects.
 static qcStatus Step(Bench* bench, const qcDetectDef* def, bool pose, double* ms)
 {
     double start = qcStopwatch_NowMs();
@@ -165,7 +165,7 @@ static int ComparePairs(const qcPair* a, const qcPair* b)
     return 0;
 }
 
-/// Both lists are sorted. A pair reported with another relation is missed, and too many.
+/// Both lists are sorted. A pair reported with another relation is counted as missed and as additional.
 static void CountPairs(const Bench* bench, qcAccuracyRow* row)
 {
     const qcPair* found = bench->result->pairs;
@@ -200,7 +200,7 @@ static void TakeAnswer(const Bench* bench, qcAccuracyRow* row)
                  profile->fallback);
 }
 
-/// A first run slower than this is not repeated: noise is small beside it.
+/// A first run slower than this is not repeated: noise is small relative to it.
 static double SlowMs(const qcAccuracySetting* setting)
 {
     if (qcAccuracy_IsSampled(setting->method) || setting->method == qc_methodBrute)
@@ -210,7 +210,7 @@ static double SlowMs(const qcAccuracySetting* setting)
     return setting->resolution != 0 ? 1000.0 : HUGE_VAL;
 }
 
-/// Takes the first run's time alone where it is slow; otherwise leaves it out: it may have paid for memory.
+/// A slow first run is the only one. A fast one is discarded, since it may include allocation.
 static qcStatus Time(Bench* bench, const qcDetectDef* def, double firstMs, qcAccuracyRow* row)
 {
     double times[qc_maxRuns] = {firstMs}, spent = 0.0, other;
@@ -237,7 +237,7 @@ static qcStatus MeasureSetting(Bench* bench, qcAccuracyRow* row)
 {
     qcDetectDef def = MakeDef(bench, &row->setting);
     double ms;
-    // Whatever pose the last setting left, this one begins from the other.
+    // Begins from the other pose, whatever the last setting left.
     qcStatus status = SetVertices(bench, true);
     if (status == qc_statusOk)
         status = Step(bench, &def, false, &ms);
@@ -301,7 +301,7 @@ static bool MeasureAll(Bench* bench, qcMessage* message)
         qcMethod method = row->setting.method;
         if (MeasureSetting(bench, row) != qc_statusOk)
         {
-            // These must run: there is no reason to skip them.
+            // These methods must run: there is no reason to skip them.
             if (method == qc_methodAuto || method == qc_methodSweep || method == qc_methodBrute)
                 measured = Fail(message, qcMethod_Name(method));
             snprintf(row->skipped, sizeof row->skipped, "%s", qcLastMessage());
@@ -334,7 +334,7 @@ void qcAccuracy_WarmUp(const qcAccuracyOptions* options, qcDevice* device)
     qcAccuracyTable table = {0};
     qcMessage message;
     Bench bench = {.options = options, .bodies = &scene, .table = &table};
-    // Whatever goes wrong here goes wrong again where it is reported.
+    // Failures are ignored here: they recur in the measurement, which reports them.
     if (Open(&bench, device, &message))
     {
         for (int i = 0; i < qc_methodCount; ++i)

@@ -117,7 +117,7 @@ static int CountDecimals(double ms)
 
 static void PrintFamily(const qcAccuracyTable* table, const Family* f)
 {
-    // The first row of a method that never misses is the one that a user gets.
+    // The first row of a method that never misses has the user's default settings.
     if (f->ran != 0 && !qcAccuracy_IsSampled(f->rows[0].setting.method))
         PrintRow(f, f->rows[0].skipped[0] == 0 ? f->rows : f->quickest);
     if (f->ran > 1)
@@ -137,7 +137,7 @@ static void PrintFamily(const qcAccuracyTable* table, const Family* f)
            skipped->skipped);
 }
 
-/// Is the default to the left of everything sampled that is of any use?
+/// Compares `auto` with the sampled settings that miss less than half of the pairs: prints how many of them are slower.
 static void PrintVerdict(const qcAccuracyTable* table)
 {
     const qcAccuracyRow *standard = NULL, *rival = NULL;
@@ -147,7 +147,7 @@ static void PrintVerdict(const qcAccuracyTable* table)
     for (uint32_t i = 0; standard != NULL && i < table->rowCount; ++i)
     {
         const qcAccuracyRow* row = &table->rows[i];
-        // Without visibility queries only the sweep ran: `reliable` with a single body.
+        // Without visibility queries only the sweep ran, as in `reliable` with a single body.
         if (!qcAccuracy_IsSampled(row->setting.method) || row->skipped[0] != 0 || row->queries == 0)
             continue;
         ++sampled;

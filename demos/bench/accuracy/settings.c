@@ -1,5 +1,5 @@
-// Which settings are tried on a scene. A pure function of the options and the scene's size, so that two runs on two
-// machines have the same rows.
+// The settings tried on a scene: a pure function of the options and the scene's size, so that runs on two machines have
+// equal rows.
 #include "bench/accuracy/accuracy.h"
 
 #include <string.h>
@@ -58,7 +58,7 @@ qcMethod qcAccuracy_ChooseReference(const qcAccuracyOptions* options, uint32_t t
     return CanBrute(options, triangleCount) ? qc_methodBrute : qc_methodSweep;
 }
 
-/// Does a run of a few minutes have time for this image of a sampled method? The first scene gets them all.
+/// True if a run of a few minutes includes this image of a sampled method. The first scene includes all.
 static bool IsKept(int scene, uint32_t triangleCount, uint32_t resolution, const char* views)
 {
     size_t viewCount = strlen(views);
@@ -91,7 +91,7 @@ static void AddImages(List* list, const qcAccuracySetting* base)
     uint32_t count = layers ? options->layerResolutionCount : options->resolutionCount;
     for (uint32_t v = 0; v < options->viewCount; ++v)
     {
-        // One view is all that `layers` takes.
+        // `layers` draws one view only.
         if (layers && options->views[v][1] != 0)
             continue;
         for (uint32_t r = 0; r < count; ++r)
@@ -111,7 +111,7 @@ static void AddQuick(List* list)
 {
     for (unsigned switches = 0; switches < qc_switchCount; ++switches)
     {
-        // 0, 1, 3, 7: as published, then one switch more each time.
+        // 0, 1, 3, 7: as published, then with one more switch each time.
         if (!list->options->full && (switches & (switches + 1)) != 0)
             continue;
         qcAccuracySetting base = {.method = qc_methodQuick,

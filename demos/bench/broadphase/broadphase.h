@@ -15,12 +15,12 @@ enum
     qc_maxBroadphases = 5
 };
 
-/// Broadphases that are measured in turns, on one scene.
+/// Broadphases that are measured in turns on one scene.
 typedef struct qcBroadphaseScene
 {
-    uint32_t boxes, percent; ///< so many boxes, of which this part moves
-    bool setsAll;            ///< setAabb is called for all boxes, as a world does by default, or for those that move
-    uint32_t frames;         ///< at most
+    uint32_t boxes, percent; ///< number of boxes; percentage of them that moves
+    bool setsAll;    ///< setAabb is called for all boxes, as a world does by default; false: for moved boxes only
+    uint32_t frames; ///< max number of frames
 } qcBroadphaseScene;
 
 /// One broadphase in a scene. Times are milliseconds, and medians unless named otherwise.
@@ -31,14 +31,14 @@ typedef struct qcBroadphaseRow
     double setMs, findMs;         ///< setAabb; calculateOverlappingPairs
     double frameMs, minMs, maxMs; ///< both together
     size_t held;                  ///< pairs in the cache after the last frame
-    size_t overlapping;           ///< those of them whose boxes overlap
+    size_t overlapping;           ///< pairs among `held` whose boxes overlap
 } qcBroadphaseRow;
 
 typedef struct qcBroadphaseResult
 {
     qcBroadphaseRow rows[qc_maxBroadphases]; ///< ours first
     uint32_t count;
-    size_t expected; ///< pairs that overlap after the last frame, counted without a broadphase
+    size_t expected; ///< overlapping pairs after the last frame, counted without a broadphase
     uint32_t frames;
 } qcBroadphaseResult;
 

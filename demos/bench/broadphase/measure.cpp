@@ -70,7 +70,7 @@ class Boxes
         }
     }
 
-    /// Along one axis: needs no broadphase.
+    /// The number of overlaps, by sorting along one axis and without a broadphase.
     size_t CountOverlaps() const
     {
         std::vector<uint32_t> order(lower.size());
@@ -169,8 +169,7 @@ class Contestant
     const char* m_name;
     btDefaultCollisionConfiguration m_configuration;
     btCollisionDispatcher m_dispatcher{&m_configuration};
-    // Freed with its proxies in it: Bullet takes them out one by one in time that grows with the square of their
-    // number.
+    // Destroyed with its proxies in it: Bullet removes proxies one by one in time quadratic in their number.
     std::unique_ptr<btBroadphaseInterface> m_broadphase;
     std::vector<btBroadphaseProxy*> m_proxies;
     double m_createMs = 0;
@@ -211,7 +210,7 @@ void Measure(const qcBroadphaseScene& scene, qcBroadphaseResult* result)
     for (uint32_t frame = 0; result->frames < scene.frames; frame++)
     {
         boxes.Move();
-        // Each is first, and after each other one, equally often.
+        // Each broadphase is first, and follows each other one, equally often.
         for (size_t i = 0; i < contestants.size(); i++)
             spent += contestants[(i + frame) % contestants.size()]->Step(boxes, scene.setsAll ? scene.boxes : moving,
                                                                          frame >= c_warmFrames);

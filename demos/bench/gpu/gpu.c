@@ -13,7 +13,7 @@ static qcExitStatus MeasureScene(const qcGpuOptions* options, const qcGpuDevice*
         if (!qcGpu_Measure(options, device, scene, size, &table->rows[table->rowCount], message))
             return qc_exitFailed;
         ++table->rowCount;
-        // Rows of a long run stay if it ends early.
+        // Rows of a long run remain if it ends early.
         if (!qcGpu_WriteFiles(options, device, table, message))
             return qc_exitFailed;
     }
@@ -45,7 +45,7 @@ static qcExitStatus CheckRows(const qcGpuTable* table, qcMessage* message)
 
 static qcExitStatus Measure(const qcGpuOptions* options, qcGpuDevice* device, qcGpuTable* table, qcMessage* message)
 {
-    // Better now than after minutes of work.
+    // Fails here, not after minutes of work.
     if (!qcFiles_Check(options->out, "gpu.csv", message))
         return qc_exitFailed;
     qcExitStatus ending = qcGpu_OpenDevice(options, device, message);

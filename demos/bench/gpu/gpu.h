@@ -1,4 +1,4 @@
-// What the parts of `qc-bench gpu` share: the options, the scenes and their sizes, a row for each.
+// Types and functions of `qc-bench gpu`: the options, the scenes and their sizes, a row for each.
 #ifndef QC_DEMOS_BENCH_GPU_GPU_H
 #define QC_DEMOS_BENCH_GPU_GPU_H
 
@@ -21,7 +21,7 @@ typedef struct qcGpuOptions
 {
     bool scenes[qc_gpuSceneCount];
     uint32_t maxTriangles; ///< larger sizes are left out
-    uint32_t threads;      ///< all
+    uint32_t threads;      ///< of layers, and of the sweep on all threads
     qcDeviceKind device;
     int32_t gpuIndex;    ///< see qcDeviceDef
     const char* gpuName; ///< likewise
@@ -36,7 +36,7 @@ void qcGpu_ReadOptions(int argumentCount, char** arguments, qcGpuOptions* option
 /// "cloth"; `scene` below qc_gpuSceneCount.
 const char* qcGpuScene_Name(int scene);
 const char* qcGpuScene_Title(int scene);
-/// Sizes of the scene that are no larger than the options allow.
+/// Number of sizes of the scene within the options' limit.
 uint32_t qcGpuScene_CountSizes(int scene, const qcGpuOptions* options);
 /// Makes the bodies of the scene in a size and their frames; empty unless it was made. Deterministic to the bit.
 bool qcGpuScene_Make(int scene, uint32_t size, qcAnimation* animation, qcMessage* message);
@@ -48,9 +48,9 @@ typedef struct qcGpuDevice
 {
     qcDevice* device;
     qcDeviceInfo info;
-    double openMs, firstStepMs; ///< in the first step kernels are compiled
+    double openMs, firstStepMs; ///< the first step includes compiling kernels
     char processor[128];        ///< "" where the system does not report it
-    char noGpu[512];            ///< why `auto` took software GL; otherwise ""
+    char noGpu[512];            ///< reason why `auto` opened software GL; otherwise ""
 } qcGpuDevice;
 
 /// A method on a number of threads.
@@ -58,22 +58,22 @@ typedef struct qcGpuRun
 {
     qcMethod method;
     uint32_t threads;
-    uint32_t steps;   ///< timed
-    double ms, minMs; ///< positions in, pairs out: median and least
+    uint32_t steps;   ///< timed steps
+    double ms, minMs; ///< positions in, pairs out: median and minimum
     double firstMs;
     uint64_t candidates, pairs;    ///< in the first frame
     uint64_t hashes[qc_gpuFrames]; ///< of the list of pairs in each frame
-    bool steady;                   ///< each later step of a frame had the same hash
+    bool steady;                   ///< every step of a frame had the same hash
 } qcGpuRun;
 
-/// A part of a step of layers: medians; below 0: did not run, or was not measured.
+/// A part of a step of layers: median times; negative: did not run, or was not measured.
 typedef struct qcGpuStage
 {
     const char* name;
     double threadMs, deviceMs;
 } qcGpuStage;
 
-/// A scene in a size.
+/// A scene in one size.
 typedef struct qcGpuRow
 {
     int scene;
@@ -83,7 +83,7 @@ typedef struct qcGpuRow
     qcGpuStage stages[qc_maxGpuStages];
     uint32_t stageCount;
     uint64_t entries, uploadedBytes, deviceBytes; ///< of layers, in its last step
-    char failure[256];                            ///< why layers did not run; empty: it did
+    char failure[256];                            ///< reason why layers did not run; empty: it ran
 } qcGpuRow;
 
 typedef struct qcGpuTable
@@ -92,12 +92,13 @@ typedef struct qcGpuTable
     uint32_t rowCount;
 } qcGpuTable;
 
-/// Opens the device and runs a small step of layers on it. A device that can't is closed, and qc_exitDevice returned.
+/// Opens the device and runs a small step of layers on it. Returns qc_exitDevice, with the device closed, if that
+/// fails.
 qcExitStatus qcGpu_OpenDevice(const qcGpuOptions* options, qcGpuDevice* device, qcMessage* message);
-/// Measures a scene in a size. False with a message: out of memory, or the sweep failed.
+/// Measures a scene in one size. False with a message: out of memory, or the sweep failed.
 bool qcGpu_Measure(const qcGpuOptions* options, const qcGpuDevice* device, int scene, uint32_t size, qcGpuRow* row,
                    qcMessage* message);
-/// All methods found the same list of pairs in each frame, in every step.
+/// True if all methods found the same list of pairs in each frame, in every step.
 static inline bool qcGpuRow_Agrees(const qcGpuRow* row)
 {
     for (uint32_t i = 0; i < row->runCount; ++i)
@@ -109,11 +110,11 @@ static inline bool qcGpuRow_Agrees(const qcGpuRow* row)
 
 //  ---- reports -------------------------------------------------------------------------------------
 
-/// The device, for a reader: loudly where it is no GPU.
+/// Writes a readable description of the device, with a warning if it is no GPU.
 void qcGpu_WriteDevice(FILE* stream, const qcGpuOptions* options, const qcGpuDevice* device);
-/// The rows of a scene, for a reader; nothing if there are none.
+/// Writes a readable table of the rows of a scene; nothing if there are none.
 void qcGpu_WriteScene(FILE* stream, const qcGpuTable* table, int scene);
-/// gpu.csv, gpu_stages.csv, and gpu.txt, which is what a reader sees.
+/// Writes gpu.csv, gpu_stages.csv, and gpu.txt, the readable report.
 bool qcGpu_WriteFiles(const qcGpuOptions* options, const qcGpuDevice* device, const qcGpuTable* table,
                       qcMessage* message);
 

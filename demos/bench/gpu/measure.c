@@ -1,5 +1,5 @@
-// A scene by layers and by sweep. Steps are timed without the timers of layers; steps that follow, with them, give the
-// times of its parts. The pairs of every step are compared.
+// A scene by layers and by sweep. Timed steps run without the timers of layers; further steps with timers give the
+// times of its parts. The pairs of all steps are compared.
 #include "bench/gpu/gpu.h"
 
 #include "common/stopwatch.h"
@@ -30,7 +30,7 @@ typedef struct Bench
     const qcAnimation* animation;
     qcAnimatedScene ours;
     qcDetectDef def;
-    uint32_t frame; ///< the next
+    uint32_t frame; ///< next frame
     double ms;      ///< of the last step
     char failure[256];
 } Bench;
@@ -220,7 +220,7 @@ static void ReadProcessor(char* name, size_t size)
         fclose(stream);
 }
 
-/// A step of the smallest cloth, to find out whether the device works.
+/// Runs a step of the smallest cloth, to test whether the device works.
 static bool Try(const qcGpuOptions* options, qcGpuDevice* device, qcMessage* message)
 {
     qcAnimation animation;

@@ -40,7 +40,7 @@ static void WriteRuns(FILE* stream, const qcGpuRow* row)
                                    : "DIFFERENT");
 }
 
-/// Times of one clock: a line a stage, a column a row of the table.
+/// Times by one clock: a line for each stage, a column for each row of the table.
 static void WriteStages(FILE* stream, const qcGpuRow* rows, uint32_t rowCount, bool byDevice)
 {
     for (uint32_t stage = 0; stage < rows[0].stageCount; ++stage)

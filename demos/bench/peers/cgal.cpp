@@ -15,7 +15,7 @@ const qcPeerMethod s_methods[] = {{"cgal-boxes", true}};
 /// as long as this, 100 half as long again, 1000 the same.
 const std::ptrdiff_t s_cutoff = 2000;
 
-/// A triangle's box, in the words that CGAL expects.
+/// A triangle's box, with the members that CGAL requires.
 struct Box
 {
     typedef float NT;
@@ -67,7 +67,7 @@ class Boxes
   private:
     typedef std::vector<const Box*> List;
 
-    /// Around all of a body, from the boxes of its triangles.
+    /// Finds the box around a body, from the boxes of its triangles.
     void FindBoxes(uint32_t body)
     {
         const float far = std::numeric_limits<float>::infinity();

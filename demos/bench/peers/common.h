@@ -1,4 +1,4 @@
-// What the modules of peer libraries share: boxes of triangles, and lists of pairs that several threads fill.
+// Shared by the modules of peer libraries: boxes of triangles, and lists of pairs that several threads fill.
 #ifndef QC_DEMOS_BENCH_PEERS_COMMON_H
 #define QC_DEMOS_BENCH_PEERS_COMMON_H
 
@@ -41,7 +41,7 @@ inline qcPeerBox qcPeerBox_Find(const qcPeerBody& body, const qcPeerPose& pose, 
         }
         return box;
     }
-    // Half an ulp at most is lost; twice that is given back.
+    // At most half an ulp is lost by rounding; the box is enlarged by twice that.
     const float ulp = std::numeric_limits<float>::epsilon(), least = std::numeric_limits<float>::min();
     const double *a = pose.doubles + 3 * std::size_t(t[0]), *b = pose.doubles + 3 * std::size_t(t[1]),
                  *c = pose.doubles + 3 * std::size_t(t[2]);

@@ -15,7 +15,7 @@ namespace
 enum Method
 {
     method_refit,   ///< the tree of the first frame, fitted to new bounds
-    method_rebuild, ///< low quality, built anew in each step: Embree's road for what moves
+    method_rebuild, ///< low quality, built anew in each step, which Embree recommends for moving geometry
     method_medium   ///< the default quality, built anew in each step
 };
 
@@ -98,8 +98,8 @@ class Embree
         rtcReleaseGeometry(body.geometry);
     }
 
-    /// Copies what may lie in main memory: read in order here, it is in the cache when Embree requests the bounds of
-    /// triangles in the order of its tree. That takes a tenth off the whole step of 250 K triangles.
+    /// Copies positions, which may lie in main memory. Read in order here, they are in the cache when Embree requests
+    /// the bounds of triangles in the order of its tree. That saves a tenth of the whole step of 250 K triangles.
     void Take(const qcPeerPose* poses)
     {
         for (uint32_t i = 0; i < m_bodies.size(); ++i)
@@ -134,7 +134,8 @@ class Embree
         Embree* e = static_cast<Pair*>(context)->owner;
         for (unsigned i = 0; i < count; ++i)
         {
-            // Both orders come; and a leaf of a fitted tree holds several triangles whose own boxes may be apart.
+            // Pairs come in both orders. A leaf of a refitted tree holds several triangles, whose own boxes may be
+            // disjoint.
             uint32_t a = collisions[i].primID0, b = collisions[i].primID1;
             if (a < b && qcPeerBox_Meet(e->m_boxes[a], e->m_boxes[b]))
                 qcPeerLanes_Test(e->m_lanes, e->m_task, e->m_poses.data(), 0, a, 0, b);

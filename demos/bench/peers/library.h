@@ -31,7 +31,7 @@ typedef struct qcPeerTask
 {
     const qcPeerBody* bodies;
     uint32_t bodyCount;
-    bool self; ///< triangles of one body; otherwise those of two
+    bool self; ///< true: pairs of triangles of one body; false: of two bodies
     uint32_t threads;
 } qcPeerTask;
 
@@ -52,7 +52,7 @@ typedef struct qcPeerAnswer
 typedef struct qcPeerMethod
 {
     const char* name; ///< "embree-refit"
-    bool threaded;    ///< false: one thread is all it can use
+    bool threaded;    ///< false: one thread at most
 } qcPeerMethod;
 
 typedef struct qcPeerLibrary
@@ -60,10 +60,10 @@ typedef struct qcPeerLibrary
     const char* name; ///< "Embree 3.13.5"
     const qcPeerMethod* methods;
     uint32_t methodCount;
-    /// Builds the structures that are kept from step to step, for the current positions. Null: it failed. The task
-    /// outlives it.
+    /// Builds the structures that persist from step to step, for the current positions. Null: it failed. The task
+    /// outlives the state.
     void* (*open)(const qcPeerTask* task, uint32_t method, const qcPeerPose* poses);
-    /// New positions in (a pose a body, valid until the next step), pairs out. False: it failed.
+    /// Takes new positions (a pose a body, valid until the next step), gives pairs. False: it failed.
     bool (*step)(void* state, const qcPeerPose* poses, qcPeerAnswer* answer);
     void (*close)(void* state);
 } qcPeerLibrary;

@@ -1,6 +1,6 @@
-// All methods on one scene in one run. They take turns: in each round each goes through the frames once, so that what
-// slows the machine down for a while slows them all. The first frame of a turn brings a method's data back into the
-// caches and is not timed.
+// All methods on one scene in one run. They take turns: in each round each goes through the frames once, so that a
+// disturbance of the machine slows all methods. The first frame of a turn brings a method's data back into the caches
+// and is not timed.
 #include "bench/peers/peers.h"
 
 #include "common/stopwatch.h"
@@ -12,7 +12,7 @@
 
 enum
 {
-    // A turn with slow frames ends here: more would not change the median by much.
+    // A turn with slow frames ends here: more frames would hardly change the median.
     qc_leastTimed = 2
 };
 
@@ -23,10 +23,10 @@ static const double s_enoughMs = 400.0;
 typedef struct Runner
 {
     qcPeerRow* row;
-    qcAnimatedScene ours; ///< or a peer:
+    qcAnimatedScene ours; ///< for this library's methods; for a peer:
     void* state;
     qcPeerAnswer answer;
-    uint32_t next; ///< frame
+    uint32_t next; ///< next frame
     double times[qc_maxPeerRounds * qc_maxPeerFrames];
 } Runner;
 
@@ -46,7 +46,7 @@ typedef struct Race
 
 //  ---- where the bodies are ------------------------------------------------------------------------
 
-/// World positions as the library computes them, to the last bit. A peer's work: it has no transforms of its own.
+/// World positions as the library computes them, to the last bit. Timed as a peer's work: peers have no transforms.
 static void Carry(const qcMesh* body, const qcTransform* t, uint32_t threads, double* out)
 {
     const float* in = body->positions;
@@ -145,7 +145,7 @@ static uint64_t HashPair(uint32_t bodyA, uint32_t triangleA, uint32_t bodyB, uin
     return z ^ (z >> 31);
 }
 
-/// After a step of a frame.
+/// Records the pairs of the last step under their frame.
 static void Look(Runner* runner, uint32_t frame)
 {
     qcPeerSeen* seen = &runner->row->seen[frame];
@@ -171,7 +171,7 @@ static void Look(Runner* runner, uint32_t frame)
     }
 }
 
-/// The next frame; its time, or 0 where it failed.
+/// Runs the next frame and returns its time. A method that fails is skipped.
 static double Step(Race* race, Runner* runner)
 {
     const qcPeerEntrant* entrant = &runner->row->entrant;
@@ -202,7 +202,7 @@ static double Step(Race* race, Runner* runner)
 
 //  ---- turns ---------------------------------------------------------------------------------------
 
-/// A turn that is not timed: structures are built, and buffers grow.
+/// Runs a turn that is not timed: structures are built, and buffers grow.
 static void WarmUp(Race* race, Runner* runner)
 {
     Open(race, runner);
@@ -227,7 +227,7 @@ static void TakeTurn(Race* race, Runner* runner)
     }
 }
 
-/// A method is compared with our sweep in the frames in which both ran.
+/// Compares a method with our sweep in the frames in which both ran.
 static void Compare(const qcPeerRow* ours, qcPeerRow* row)
 {
     row->pairs = row->seen[0].pairs;

@@ -1,4 +1,4 @@
-// Finds the modules of peer libraries: files beside the program, where the build has put those whose library it found.
+// Finds the modules of peer libraries: files beside the program. The build makes those whose library it found.
 #define _POSIX_C_SOURCE 200809L
 #include "bench/peers/peers.h"
 

@@ -38,7 +38,7 @@ void qcPeers_ReadOptions(int argumentCount, char** arguments, qcPeersOptions* op
         {.group = 2, .help = "How it is measured:"},
         {2, "threads", "LIST", "Numbers of threads; %s by default",
          qcOption_Numbers(options->threads, &options->threadsCount, qc_maxPeerThreads, 1, 1024, true)},
-        // In a closed motion of two frames the second would be the way back.
+        // In a closed motion of two frames the second frame would be the way back.
         {2, "frames", "N", "Frames of the motion, 3 to 32; %s by default",
          qcOption_Number(&options->frames, 3, qc_maxPeerFrames)},
         {2, "rounds", "N", "Times that each method goes through the frames, in turn; %s by default",

@@ -23,7 +23,7 @@ static void AddOurs(Run* run, qcMethod method)
     run->entrants[run->entrantCount++] = (qcPeerEntrant){qcMethod_Name(method), NULL, method, true};
 }
 
-/// The libraries of --peers that are there. Prints which packages the others need.
+/// Adds the libraries of --peers that are available. Prints the packages that the others need.
 static qcExitStatus AddPeers(Run* run, qcMessage* message)
 {
     char packages[256] = "", missing[64] = "";
@@ -89,7 +89,7 @@ static qcExitStatus Prepare(Run* run, qcMessage* message)
     qcExitStatus ending = AddDevice(run, message);
     if (ending == qc_exitDone)
         ending = AddPeers(run, message);
-    // Better now than after minutes of work.
+    // Fails here, not after minutes of work.
     if (ending == qc_exitDone && !qcFiles_Check(run->options.out, "peers.csv", message))
         ending = qc_exitFailed;
     return ending;
@@ -122,12 +122,12 @@ static qcExitStatus MeasureWork(Run* run, int index, qcMessage* message)
     if (!measured)
         return qc_exitFailed;
     qcPeers_PrintTable(table);
-    // Rows of a long run can be read while it goes on, and stay if it ends early.
+    // Rows of a long run are readable while it continues, and remain if it ends early.
     fflush(stdout);
     return qcPeers_WriteCsv(options, run->tables, run->tableCount, message) ? qc_exitDone : qc_exitFailed;
 }
 
-/// All tests are exact: if a method finds other pairs than ours, one of both is wrong.
+/// All tests are exact: a method that finds other pairs than ours is wrong, or ours is.
 static qcExitStatus CheckPairs(const Run* run, qcMessage* message)
 {
     for (uint32_t t = 0; t < run->tableCount; ++t)

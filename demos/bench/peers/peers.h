@@ -1,4 +1,4 @@
-// What the parts of `qc-bench peers` share: the options, the scenes, the methods, a row for each.
+// Types and functions of `qc-bench peers`: the options, the scenes, the methods, a row for each.
 #ifndef QC_DEMOS_BENCH_PEERS_PEERS_H
 #define QC_DEMOS_BENCH_PEERS_PEERS_H
 
@@ -48,10 +48,10 @@ qcBenchMade qcPeerScene_Make(int index, const qcBenchModels* models, uint32_t fr
 
 /// "embree"; `library` below qc_peerLibraryCount.
 const char* qcPeerModule_Name(int library);
-/// What has to be installed before it can be built.
+/// The packages to install before the library's module can be built.
 const char* qcPeerModule_Packages(int library);
-/// Loads a library's module from beside the program; null where it is not there. It stays until the program ends.
-/// False with a message: it is there and does not load.
+/// Loads a library's module from beside the program; null where there is none. It stays loaded until the program ends.
+/// False with a message: the module exists and does not load.
 bool qcPeerModule_Load(int library, const qcPeerLibrary** loaded, qcMessage* message);
 
 /// A method of this library or of a peer.
@@ -65,23 +65,23 @@ typedef struct qcPeerEntrant
 
 //  ---- rows ----------------------------------------------------------------------------------------
 
-/// What a method found in a frame.
+/// The pairs that a method found in a frame.
 typedef struct qcPeerSeen
 {
     bool ran;
     uint64_t pairs;
-    uint64_t sum; ///< over the pairs, whatever their order: equal sums are equal pairs, but for chance
+    uint64_t sum; ///< of hashes of the pairs, independent of their order: unequal sums prove unequal pairs
 } qcPeerSeen;
 
 typedef struct qcPeerRow
 {
     qcPeerEntrant entrant;
     uint32_t threads;
-    char skipped[256]; ///< why it did not run; empty: it did
+    char skipped[256]; ///< reason why it did not run; empty: it ran
     double openMs;     ///< structures for bodies at rest, and their copies
     double firstMs, secondMs;
-    uint32_t steps;   ///< timed
-    double ms, minMs; ///< positions in, pairs out: median and least
+    uint32_t steps;   ///< timed steps
+    double ms, minMs; ///< positions in, pairs out: median and minimum
     qcPeerSeen seen[qc_maxPeerFrames];
     uint64_t pairs; ///< in the first frame
     bool agrees;    ///< with our sweep, in every frame that both saw
@@ -102,7 +102,7 @@ bool qcPeers_Measure(const qcPeersOptions* options, const qcAnimation* animation
                      uint32_t entrantCount, qcDevice* device, uint32_t threads, qcPeersTable* table,
                      qcMessage* message);
 
-/// Our sweep's row of this number of threads.
+/// The row of our sweep with this number of threads.
 const qcPeerRow* qcPeersTable_FindOurs(const qcPeersTable* table, uint32_t threads);
 /// The quickest row of Embree with this number of threads; null: none ran.
 const qcPeerRow* qcPeersTable_FindEmbree(const qcPeersTable* table, uint32_t threads);
@@ -112,7 +112,7 @@ double qcPeersTable_Preprocessing(const qcPeersTable* table, const qcPeerRow* ou
 
 //  ---- reports -------------------------------------------------------------------------------------
 
-/// What was found on one scene, for a reader, on standard output.
+/// Prints a readable summary of one scene on standard output.
 void qcPeers_PrintTable(const qcPeersTable* table);
 bool qcPeers_WriteCsv(const qcPeersOptions* options, const qcPeersTable* tables, uint32_t tableCount,
                       qcMessage* message);

@@ -49,7 +49,7 @@ static inline void qcPeerTriangle_Subtract(const double a[3], const double b[3],
         out[i] = a[i] - b[i];
 }
 
-/// On which sides of the plane of a triangle do `count` points lie? -1, 1, or 0: too near to decide.
+/// The side of a triangle's plane on which each of `count` points lies: -1, 1, or 0: too near to decide.
 static inline void qcPeerTriangle_Sides(const double* a, const double* b, const double* c, const double* const* points,
                                         int count, int* sides)
 {
@@ -68,7 +68,7 @@ static inline void qcPeerTriangle_Sides(const double* a, const double* b, const 
     }
 }
 
-/// Brings the corner that is alone on its side to the front, in turn, so that the orientation stays.
+/// Rotates the corner that is alone on its side to the front, which keeps the orientation.
 static inline void qcPeerTriangle_PutFirst(const double* p[3], int sides[3])
 {
     int alone = sides[1] == sides[2] ? 0 : sides[0] == sides[2] ? 1 : 2;
@@ -104,8 +104,9 @@ static inline int qcPeerTriangle_Guess(const double* a, const double* b)
         if (ofP[i] == 0 || ofQ[i] == 0)
             return -1;
     }
-    // Each first corner alone, and above the other's plane: then the planes' common line meets the four edges from the
-    // first corners, and the two segments on it overlap if neither ends before the other begins.
+    // The first corner of each triangle is alone on its side, above the other's plane. Then the planes' common line
+    // intersects the four edges from the first corners, and the two segments on it overlap if neither ends before the
+    // other begins.
     qcPeerTriangle_PutFirst(p, ofP);
     qcPeerTriangle_PutFirst(q, ofQ);
     if (ofP[0] < 0)

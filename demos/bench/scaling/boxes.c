@@ -1,4 +1,4 @@
-// Time of a step of moving boxes, against their number and the part that moves.
+// Time of a step of moving boxes, against their number and the share that moves.
 #include "bench/scaling/scaling.h"
 
 #include "bench/scenes/shapes.h"
@@ -49,8 +49,8 @@ typedef struct World
     size_t pairCount;
 } World;
 
-/// Edges of 1 to 2, so dense that each overlaps four others: two boxes overlap if their middles are nearer than half
-/// the sum of their edges, 1.5 in the mean, along each axis.
+/// Edges of 1 to 2, so dense that each box overlaps four others: two boxes overlap if the distance of their centres is
+/// less than half the sum of their edges, 1.5 in the mean, along each axis.
 static void Scatter(World* world)
 {
     uint64_t seed = world->count;
@@ -68,7 +68,7 @@ static void Scatter(World* world)
     }
 }
 
-/// On a straight way, back at the walls.
+/// Moves a box along a straight line, reflected at the walls.
 static void Drift(const World* world, Box* box)
 {
     for (int axis = 0; axis < 3; ++axis)
@@ -94,7 +94,7 @@ static qcStatus Fill(World* world)
     return status;
 }
 
-/// The boxes are moved before the clock starts: in a simulation that is not the broadphase's work.
+/// The boxes are moved before the clock starts: in a simulation moving them is not the broadphase's work.
 static qcStatus Step(World* world, uint32_t moving, double* ms)
 {
     for (uint32_t i = 0; i < moving; ++i)

@@ -96,7 +96,7 @@ static qcStatus Open(const Cloth* cloth, Bench* bench)
     return qcScene_AddBody(bench->scene, &def, &bench->body);
 }
 
-/// New vertices in, pairs out; the time of the former alone too.
+/// Sets new vertices and detects; `verticesMs`: the time of the former alone.
 static qcStatus Step(Bench* bench, uint32_t threads, double* ms, double* verticesMs)
 {
     qcDetectDef def = qcDefaultDetectDef();
@@ -131,7 +131,7 @@ static void Keep(const qcProfile* profile, double ms, double verticesMs, uint32_
 static qcStatus Time(Bench* bench, Times* times, qcScalingMeshRow* row)
 {
     double ms, verticesMs, spent = 0.0;
-    // The BVH is built in the second step; in the third buffers may grow a last time.
+    // The BVH is built in the second step; buffers may grow a last time in the third.
     qcStatus status = Step(bench, row->threads, &row->firstMs, &verticesMs);
     if (status == qc_statusOk)
         status = Step(bench, row->threads, &row->secondMs, &verticesMs);

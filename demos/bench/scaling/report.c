@@ -1,4 +1,4 @@
-// What was measured, as CSVs and as a summary for a reader.
+// The results: CSVs, and a readable summary.
 #include "bench/scaling/scaling.h"
 
 #include "common/files.h"

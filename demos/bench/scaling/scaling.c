@@ -1,4 +1,4 @@
-// Time and memory against size: cloths of 1 K to 4 M triangles, 100 to 200 K boxes of which a part moves.
+// Time and memory against size: cloths of 1 K to 4 M triangles, 100 to 200 K boxes, a share of which moves.
 #include "bench/scaling/scaling.h"
 
 #include "common/files.h"
@@ -8,7 +8,7 @@
 
 static qcExitStatus Measure(const qcScalingOptions* options, qcScalingTable* table, qcMessage* message)
 {
-    // Better now than after minutes of work.
+    // Fails here, not after minutes of work.
     if (!qcFiles_Check(options->out, "scaling_meshes.csv", message))
         return qc_exitFailed;
     for (uint32_t i = 0; i < qcScaling_CountMeshSizes(options); ++i)

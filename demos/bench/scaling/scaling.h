@@ -1,4 +1,4 @@
-// What the parts of `qc-bench scaling` share: the options, and a row for each size.
+// Types and functions of `qc-bench scaling`: the options, and a row for each size.
 #ifndef QC_DEMOS_BENCH_SCALING_SCALING_H
 #define QC_DEMOS_BENCH_SCALING_SCALING_H
 
@@ -37,7 +37,7 @@ typedef enum qcScalingStage
     qc_stageObjects,  ///< plan, culling and sweep of bodies
     qc_stageTriangles,
     qc_stageExact,
-    qc_stageOther, ///< whatever the profile does not name
+    qc_stageOther, ///< the rest of the step
     qc_scalingStageCount
 } qcScalingStage;
 
@@ -48,29 +48,29 @@ const char* qcScalingStage_Name(qcScalingStage stage);
 typedef struct qcScalingMeshRow
 {
     uint32_t triangles, threads;
-    uint32_t steps;   ///< timed
-    double ms, minMs; ///< new vertices in, pairs out: median and least
+    uint32_t steps;   ///< timed steps
+    double ms, minMs; ///< new vertices in, pairs out: median and minimum
     double firstMs, secondMs;
     double stages[qc_scalingStageCount]; ///< medians
-    double bytes;                        ///< of the library, for a triangle
+    double bytes;                        ///< memory of the library, per triangle
     uint64_t candidates, pairs;          ///< of the last step
 } qcScalingMeshRow;
 
-/// The sizes that the options leave.
+/// Number of sizes within the options' limit.
 uint32_t qcScaling_CountMeshSizes(const qcScalingOptions* options);
 /// Fills the rows of a size, one for each number of threads.
 bool qcScaling_MeasureMesh(const qcScalingOptions* options, uint32_t size, qcScalingMeshRow* rows, qcMessage* message);
 
 //  ---- boxes ---------------------------------------------------------------------------------------
 
-/// Boxes of which a part moves.
+/// Moving boxes: a size and the share that moves.
 typedef struct qcScalingBoxRow
 {
     uint32_t boxes, percent, moving;
-    uint32_t steps;   ///< timed
-    double ms, minMs; ///< moves in, pairs out: median and least
-    double addMs;     ///< all boxes, and the pairs among them
-    double bytes;     ///< of the library, for a box
+    uint32_t steps;   ///< timed steps
+    double ms, minMs; ///< moves in, pairs out: median and minimum
+    double addMs;     ///< time to add all boxes and to find the pairs among them
+    double bytes;     ///< memory of the library, per box
     uint64_t pairs;   ///< of boxes that moved, in the last step
 } qcScalingBoxRow;
 
@@ -93,7 +93,7 @@ typedef struct qcScalingTable
 double qcScaling_FindExponent(const qcScalingTable* table, uint32_t threads);
 
 void qcScaling_PrintTable(const qcScalingOptions* options, const qcScalingTable* table);
-/// scaling_meshes.csv and scaling_boxes.csv.
+/// Writes scaling_meshes.csv and scaling_boxes.csv.
 bool qcScaling_WriteCsv(const qcScalingOptions* options, const qcScalingTable* table, qcMessage* message);
 /// Writes the gnuplot script beside them and runs it.
 bool qcScaling_Plot(const qcScalingOptions* options, const qcScalingTable* table, qcMessage* message);

@@ -28,7 +28,7 @@ static bool MakeDeforming(qcAnimation* animation, const qcTransform* places)
 
 static bool MakeRigid(qcAnimation* animation, const qcTransform* places)
 {
-    // The bodies lie upon each other in local space: the extent of one is what the motion is measured by.
+    // The bodies coincide in local space: motion is relative to the extent of one of them.
     qcBenchMotion motion = qcBenchMotion_Make(animation->bodies, animation->bodyCount, animation->frameCount);
     animation->transforms = calloc((size_t)animation->frameCount * animation->bodyCount, sizeof *animation->transforms);
     for (uint32_t k = 0; animation->transforms != NULL && k < animation->frameCount * animation->bodyCount; ++k)

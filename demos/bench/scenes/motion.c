@@ -8,7 +8,7 @@
 
 static const double s_pi = 3.14159265358979323846;
 
-// What moves in a frame, as a share of the diagonal: 0.3 %, as a cloth's vertex or a falling body does in a step.
+// Motion in a frame relative to the diagonal: 0.3 %, about that of a cloth's vertex or a falling body in a step.
 static const double s_step = 0.003;
 
 qcBenchMotion qcBenchMotion_Make(const qcMesh* bodies, uint32_t bodyCount, uint32_t frameCount)
@@ -30,7 +30,7 @@ void qcBenchMotion_Deform(const qcBenchMotion* motion, const qcMesh* body, uint3
 {
     const float* in = body->positions;
     double turn = 2.0 * s_pi * frame / motion->frameCount, radius = FindRadius(motion) / sqrt(1.5);
-    // A wave to the diagonal and a half: neighbours differ by a few hundredths of what they move.
+    // One and a half waves along the diagonal: the motions of neighbours differ by a few hundredths.
     double wave = 3.0 * s_pi / motion->diagonal;
     for (size_t vertex = 0; vertex < body->vertexCount; ++vertex, in += 3, positions += 3)
     {
@@ -46,7 +46,7 @@ qcTransform qcBenchMotion_Carry(const qcBenchMotion* motion, const qcTransform* 
 {
     uint64_t seed = body;
     double turn = 2.0 * s_pi * frame / motion->frameCount + qcBenchShapes_Random(&seed, 0.0, 2.0 * s_pi);
-    // Half of the way by turning: a bunny's ears are about its size from its middle.
+    // Half of the motion is rotation: a bunny's ears are about its size from its centre.
     double radius = 0.5 * FindRadius(motion), angle = 0.5 * FindRadius(motion) / motion->diagonal * sin(turn);
     int axis = (int)(body % 3), a = (axis + 1) % 3, b = (axis + 2) % 3;
     qcTransform moved = *place;

@@ -20,12 +20,12 @@ typedef struct qcBenchMotion
 /// The motion of these bodies, together.
 qcBenchMotion qcBenchMotion_Make(const qcMesh* bodies, uint32_t bodyCount, uint32_t frameCount);
 
-/// Positions of a body of floats in a frame: each vertex goes around a closed curve, by 0.3 % of the diagonal a frame,
-/// and vertices near each other nearly alike.
+/// Positions of a body of floats in a frame. Each vertex moves along a closed curve, by 0.3 % of the diagonal a frame;
+/// motions of adjacent vertices are similar.
 void qcBenchMotion_Deform(const qcBenchMotion* motion, const qcMesh* body, uint32_t frame, float* positions);
 
-/// Where a rigid body is in a frame: it sways about its place and turns a little to and fro, each body in its own way,
-/// by about 0.3 % of the diagonal a frame.
+/// The transform of a rigid body in a frame: it sways about its place and turns a little to and fro, each body in its
+/// own way, by about 0.3 % of the diagonal a frame.
 qcTransform qcBenchMotion_Carry(const qcBenchMotion* motion, const qcTransform* place, uint32_t body, uint32_t frame);
 
 #ifdef __cplusplus

@@ -10,18 +10,18 @@
 extern "C" {
 #endif
 
-/// A copy of floats. False: out of memory; then it is empty.
+/// Copies a model with positions as floats. False: out of memory; the copy is then empty.
 bool qcBenchPile_Copy(const qcMesh* model, qcMesh* copy);
 
-/// The model as floats, its middle at the origin and 1 in extent. False: out of memory, or all its vertices are one
-/// point.
+/// Copies the model as floats, with its centre at the origin and an extent of 1. False: out of memory, or all its
+/// vertices are one point.
 bool qcBenchPile_Normalize(const qcMesh* model, qcMesh* body, qcMessage* message);
 
 /// Transforms of `count` bodies of extent 1: on a lattice 0.8 apart, each turned in its own way. Deterministic to the
 /// bit.
 void qcBenchPile_Place(uint32_t count, qcTransform* places);
 
-/// The positions of a body at its place, as floats.
+/// Transforms the positions of a body by `place`, to floats.
 void qcBenchPile_Put(const qcMesh* body, const qcTransform* place, float* positions);
 
 #ifdef __cplusplus

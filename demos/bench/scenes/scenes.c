@@ -65,16 +65,16 @@ bool qcBenchScene_Mark(const char* name, bool marks[qc_benchSceneCount])
 
 //  ---- models --------------------------------------------------------------------------------------
 
-/// Where a bunny of extent 1 lies: turned about the vertical axis, then about x, then moved.
+/// The transform of a bunny of extent 1: turned about the vertical axis, then about x, then moved.
 typedef struct Place
 {
     double heading, lean, x, y, z;
 } Place;
 
-/// Two side by side and one on top, each in the others by a few hundredths.
+/// Two side by side and one on top, each overlapping the others by a few hundredths.
 static const Place s_pile[] = {{0.0, 0.0, 0.0, 0.0, 0.0}, {2.1, 0.1, 0.74, 0.0, 0.12}, {4.0, -0.2, 0.36, 0.6, 0.05}};
 
-/// Copies of a model with floats, so that the pile is made of stored numbers that have been rounded.
+/// Copies a model to floats, so that the pile consists of stored numbers that have been rounded.
 static bool PutBunny(const qcMesh* model, const Place* place, const double lower[3], double extent, qcMesh* bunny)
 {
     size_t indexSize = (size_t)model->triangleCount * 3 * sizeof(uint32_t);

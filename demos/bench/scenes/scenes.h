@@ -27,7 +27,7 @@ typedef struct qcBenchModels
 typedef enum qcBenchMade
 {
     qc_benchMade,
-    qc_benchSkipped, ///< a model is not there; how to get it is in the message
+    qc_benchSkipped, ///< a model is missing; the message explains how to get it
     qc_benchFailed   ///< a model that is there can't be read, or out of memory
 } qcBenchMade;
 
@@ -40,7 +40,7 @@ enum
 const char* qcBenchScene_Name(int index);
 /// "folded cloth", for a heading.
 const char* qcBenchScene_Title(int index);
-/// Marks the scene of that name, or all whose names begin with it and a hyphen ("sheets"); false: there is none.
+/// Marks the scene of that name, or all scenes whose names begin with it and a hyphen ("sheets"). False: there is none.
 bool qcBenchScene_Mark(const char* name, bool marks[qc_benchSceneCount]);
 
 /// Makes a scene; empty unless it was made. Deterministic to the bit.

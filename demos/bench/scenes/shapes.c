@@ -90,7 +90,7 @@ enum
     qc_waveCount = 24
 };
 
-/// A sum of waves over the sheet, for each coordinate one.
+/// A sum of waves over the sheet for each coordinate.
 typedef struct Wrinkles
 {
     double u[3][qc_waveCount], v[3][qc_waveCount], phase[3][qc_waveCount], height[qc_waveCount];
@@ -190,7 +190,7 @@ bool qcBenchShapes_MakeSheets(double gap, qcMesh sheets[2])
     {
         for (uint32_t i = 0; i <= qc_sheetSide; ++i)
         {
-            // One above the other vertex by vertex: the triangles are parallel, however close the sheets are.
+            // Vertices one above the other: the triangles are parallel, however close the sheets are.
             uint32_t vertex = j * (qc_sheetSide + 1) + i;
             double x = cell * (i + qcBenchShapes_Random(&seed, -0.2, 0.2));
             double y = cell * (j + qcBenchShapes_Random(&seed, -0.2, 0.2)), z = WaveHeight(x, y);
@@ -202,7 +202,7 @@ bool qcBenchShapes_MakeSheets(double gap, qcMesh sheets[2])
     {
         uint32_t vertex = (uint32_t)qcBenchShapes_Random(&seed, 0.0, sheets[0].vertexCount);
         const float* p = (const float*)sheets[0].positions + 3 * (size_t)vertex;
-        // A little aside, or edges would cross edges exactly; the sheet's slope is taken along.
+        // Displaced a little along the sheet, since otherwise edges would cross edges exactly.
         double x = p[0] + cell * qcBenchShapes_Random(&seed, -0.2, 0.2);
         double y = p[1] + cell * qcBenchShapes_Random(&seed, -0.2, 0.2);
         double z = p[2] + WaveHeight(x, y) - WaveHeight(p[0], p[1]);
@@ -265,7 +265,7 @@ bool qcBenchShapes_MakeSlivers(uint32_t count, qcMesh* mesh)
         }
         else
         {
-            // A point inside the needle before, and the tip just beyond it.
+            // A point inside the previous needle, and the tip just beyond it.
             double b = qcBenchShapes_Random(&seed, 0.3, 0.6), c = qcBenchShapes_Random(&seed, 0.1, 0.3), p[3];
             for (int k = 0; k < 3; ++k)
                 p[k] = (1.0 - b - c) * corners[0][k] + b * corners[1][k] + c * corners[2][k];

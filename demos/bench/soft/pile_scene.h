@@ -31,7 +31,7 @@ struct qcPileMeasure
 {
     btScalar height = 0; ///< mean of the cloth's nodes, metres
     btScalar speed = 0;  ///< mean of the nodes, m/s
-    int still = 0;       ///< nodes that are exactly where they were a step before
+    int still = 0;       ///< nodes that did not move at all in the last step
     size_t below = 0;    ///< nodes under the ground
 };
 

@@ -13,7 +13,7 @@
 #include <memory>
 #include <vector>
 
-/// What computes the contact of rope and cylinder.
+/// The contact model of rope and cylinder.
 enum class qcRopeContact
 {
     ours,          ///< qcSoftBodySolver, a qcMeshShape
@@ -24,16 +24,17 @@ enum class qcRopeContact
 struct qcRopeSceneDef
 {
     qcRopeContact contact = qcRopeContact::ours;
-    /// The cylinder, metres. Its axis is z, and its middle the origin.
+    /// Radius of the cylinder, metres. Its axis is z, and its centre the origin.
     btScalar radius = btScalar(0.25);
     btScalar length = 2;
     int sides = 32;
     int rings = 8; ///< of triangles along the axis
-    /// The rope, two metres long, begins to fall above the cylinder, by as much.
+    /// Initial height of the rope, two metres long, above the cylinder, metres.
     btScalar height = btScalar(0.05);
     int nodes = 41;
-    int iterations = 4; ///< of the rope's links, in each step
-    /// Coulomb friction between both. Bullet's own slows sliding by this share of it in each iteration instead.
+    int iterations = 4; ///< of the rope's links in each step
+    /// Coefficient of Coulomb friction between rope and cylinder. Bullet's own contact instead slows sliding by this
+    /// share in each iteration.
     btScalar friction = btScalar(0.5);
     btVector3 velocity{0, -2, 0};
 };
@@ -43,10 +44,10 @@ struct qcRopeMeasure
     btScalar highest = 0;               ///< height of the highest node, metres
     btScalar leftEnd = 0, rightEnd = 0; ///< heights of the rope's ends, metres
     btScalar speed = 0;                 ///< mean of the nodes, m/s
-    btScalar depth = 0;                 ///< of the rope in the round cylinder, links included, metres
-    btScalar stretch = 0;               ///< its length by that at the beginning
+    btScalar depth = 0;                 ///< of the rope in the exact cylinder, links included, metres
+    btScalar stretch = 0;               ///< length of the rope relative to its initial length
 
-    /// It hangs over the cylinder: both ends below its axis, and the top above it.
+    /// True if the rope hangs over the cylinder: both ends are below its axis, and the highest node is above it.
     bool IsDraped(btScalar radius) const
     {
         return leftEnd < 0 && rightEnd < 0 && highest > radius * btScalar(0.8);

@@ -1,5 +1,5 @@
-// qc-bench soft: soft bodies by this library beside Bullet alone, in scenes that are hard for either: a cloth over a
-// pile of moving meshes, bodies that are tangled at the start, a rope over a cylinder.
+// qc-bench soft: soft bodies by this library beside Bullet alone, in difficult scenes: a cloth over a pile of moving
+// meshes, bodies that are tangled at the start, a rope over a cylinder.
 #include "bench/soft/pile_scene.h"
 #include "bench/soft/rope_scene.h"
 #include "bench/soft/tangle_scene.h"
@@ -36,7 +36,7 @@ struct Row
 
 using Rows = std::vector<Row>;
 
-/// Time of the steps alone.
+/// Sums the time of steps.
 class StepTime
 {
   public:

@@ -14,7 +14,7 @@
 #include <random>
 #include <vector>
 
-/// Pairs of triangles that penetrate, in and among soft bodies; computed here, whatever the worlds have found.
+/// Pairs of triangles that penetrate, in and among soft bodies, counted independently of the worlds' own contact.
 inline size_t qcCountTangled(const std::vector<const btSoftBody*>& bodies)
 {
     qcSceneDef sceneDef = qcDefaultSceneDef();
@@ -74,7 +74,7 @@ class qcScrambledScene
         MakeCube(cells);
         world->addSoftBody(cube);
         world->addForce(cube, &elasticity);
-        // After the rest shape was taken.
+        // After the rest shape was computed.
         std::minstd_rand random(1);
         std::uniform_real_distribution<double> place(-1, 1);
         for (int i = 0; i < cube->m_nodes.size(); i++)

@@ -10,7 +10,7 @@
 
 namespace
 {
-// Those that never miss, but for brute force, which would take minutes a step.
+// Methods that never miss, without brute force, which would take minutes a step.
 const qcWord s_methods[] = {
     {"layers", qc_methodLayers}, {"auto", qc_methodAuto}, {"sweep", qc_methodSweep}, {nullptr, 0}};
 

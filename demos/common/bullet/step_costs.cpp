@@ -48,8 +48,8 @@ constexpr const char* s_labels[qc_costCount] = {
 
 struct Zone
 {
-    int cost;     ///< or -1
-    double start; ///< or -1: part of the zone that it is in
+    int cost;     ///< index of the cost; -1: none
+    double start; ///< -1: included in the enclosing zone
 };
 
 std::vector<Zone> s_stack;
@@ -72,7 +72,7 @@ void Enter(const char* name)
 
 void Leave()
 {
-    // A zone that was open before.
+    // A zone that was entered before timing began.
     if (s_stack.empty())
         return;
     Zone zone = s_stack.back();

@@ -50,9 +50,9 @@ template <typename Iterator> qcStepCosts qcMeanCosts(Iterator begin, Iterator en
     return mean;
 }
 
-/// Makes one step of `seconds`, timed by Bullet's own profile zones: all but what is marked as ours above, which is
-/// still part of what it is in. Without such zones, which a Bullet may be built without, all is `rest`. One thread at a
-/// time.
+/// Makes one step of `seconds` and times it by Bullet's own profile zones. Costs marked `ours` stay 0: their time is
+/// included in the cost of the enclosing zone; see Move. If Bullet was built without zones, all time is in qc_costRest.
+/// One thread at a time.
 qcStepCosts qcTimeStep(btDynamicsWorld* world, double seconds);
 
 /// Prints a table to standard output, a column for each step or mean of steps. Rows of zeros are left out.

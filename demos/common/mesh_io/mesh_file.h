@@ -32,7 +32,7 @@ typedef enum qcMeshPrecision
     /// Doubles where the file declares more than a float holds (PLY: double, int, uint), otherwise floats. OBJ declares
     /// nothing: floats.
     qc_meshAsDeclared = 0,
-    /// Doubles; of numbers in a text all digits count, whatever is declared.
+    /// Doubles; all digits of a number in text are used, whatever type is declared.
     qc_meshDouble = 1
 } qcMeshPrecision;
 

@@ -1,4 +1,4 @@
-// What the PLY and the OBJ reader share: a cursor with its line, and a mesh that grows.
+// Shared by the PLY and the OBJ reader: a cursor with its line, and a mesh that grows.
 #ifndef QC_DEMOS_COMMON_MESH_IO_MESH_PARSER_H
 #define QC_DEMOS_COMMON_MESH_IO_MESH_PARSER_H
 
@@ -34,7 +34,7 @@ bool qcMeshParser_ParseCoordinate(const qcMeshParser* parser, bool isDouble, con
 bool qcReadPly(qcMeshParser* parser);
 bool qcReadObj(qcMeshParser* parser);
 
-/// Separates words; a line end is not among them.
+/// True for characters that separate words; a line end is not among them.
 static inline bool qcIsBlank(char c)
 {
     return c == ' ' || c == '\t' || c == '\r' || c == '\v' || c == '\f';

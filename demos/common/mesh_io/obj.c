@@ -8,12 +8,12 @@ typedef struct ObjReader
 {
     qcMeshParser* parser;
     uint64_t faceCount;
-    /// The largest vertex number that a face has used: its vertex may still follow, so it is checked last.
+    /// The largest vertex number in a face so far. Its vertex may follow later, so the range is checked last.
     int64_t largest;
     uint64_t largestFace, largestLine;
 } ObjReader;
 
-/// Bytes of a backslash that joins the next line to this one, its line end included; 0: no such thing here.
+/// Length of a backslash that joins the next line to this one, with its line end; 0: no such join here.
 static size_t GetJointLength(const char* p, const char* end)
 {
     if (end - p >= 2 && p[0] == '\\' && p[1] == '\n')
@@ -21,7 +21,7 @@ static size_t GetJointLength(const char* p, const char* end)
     return end - p >= 3 && p[0] == '\\' && p[1] == '\r' && p[2] == '\n' ? 3 : 0;
 }
 
-/// The next word of a statement; false at its end, which a line end or a comment is.
+/// Moves to the next word of a statement. False at a line end or a comment, which end the statement.
 static bool NextWord(qcMeshParser* parser, const char** word, const char** wordEnd)
 {
     const char* p = parser->cursor;
@@ -68,7 +68,7 @@ static bool ReadVertex(qcMeshParser* parser)
     return qcMeshParser_PushVertex(parser, position);
 }
 
-/// A corner is v, v/vt, v//vn or v/vt/vn; a number behind a slash may be missing, but is a number if it is there.
+/// Parses v, v/vt, v//vn or v/vt/vn. The text behind a slash may be missing; otherwise it must be a number.
 static bool ParseCorner(const char* word, const char* wordEnd, int64_t* vertex)
 {
     for (int part = 0; part < 3; ++part)
@@ -128,7 +128,7 @@ static bool ReadFace(ObjReader* reader)
     return count >= 3 || qcMeshParser_Fail(parser, "a face with fewer than 3 corners");
 }
 
-/// Moves to the next line. A comment can't be joined to it: a backslash that ends one is just text.
+/// Moves to the next line. A backslash at the end of a comment is just text and joins nothing.
 static void EndStatement(qcMeshParser* parser)
 {
     const char *word, *wordEnd;

@@ -61,8 +61,8 @@ static bool ReadCorners(qcPlyReader* reader, const qcPlyType* type, int64_t coun
     return true;
 }
 
-/// The last three vertices of a strip. Every second triangle is wound the other way. One that names a vertex twice only
-/// joins two runs of the strip: it is no triangle of the mesh.
+/// Adds the last three vertices of a strip as a triangle. Every second triangle is wound the other way. A triangle that
+/// names a vertex twice only joins two runs of the strip and is dropped.
 static bool PushStripTriangle(qcPlyReader* reader, const uint32_t v[3], int64_t length)
 {
     if (length < 3 || v[0] == v[1] || v[1] == v[2] || v[2] == v[0])
@@ -174,7 +174,7 @@ static bool ReadElements(qcPlyReader* reader)
                 return false;
         }
     }
-    // More of it means that the header does not fit the data: what was read may be wrong too.
+    // Further data means that the header does not fit the data: the values read may be wrong too.
     qcMeshParser_SkipEmptyLines(parser);
     return parser->cursor == parser->end || qcMeshParser_Fail(parser, "more data than the header declares");
 }

@@ -1,4 +1,4 @@
-// What the parts of the PLY reader share: the declared elements, and values as text or in either byte order.
+// Shared by the parts of the PLY reader: the declared elements, and values as text or in either byte order.
 #ifndef QC_DEMOS_COMMON_MESH_IO_PLY_H
 #define QC_DEMOS_COMMON_MESH_IO_PLY_H
 
@@ -82,7 +82,7 @@ bool qcPly_ReadHeader(qcPlyReader* reader);
 bool qcPly_FailHere(qcPlyReader* reader, const char* text);
 bool qcPly_FailWord(qcPlyReader* reader, const char* word, const char* wordEnd, const char* text);
 
-/// Reads the next value; false: it isn't there, or not of its type, with a message.
+/// Reads the next value. False with a message: it is missing, or not of its type.
 typedef struct qcPlyEncoding
 {
     bool (*skip)(qcPlyReader* reader, const qcPlyType* type);

@@ -225,7 +225,7 @@ static bool ReadHeader(qcPlyReader* reader)
     return hasFormat || qcMeshParser_Fail(parser, "the header names no format");
 }
 
-/// The minimum of bytes that an element takes in the file.
+/// The minimum size of an element in the file, in bytes.
 static uint64_t GetMinSize(const qcPlyReader* reader, const qcPlyElement* element)
 {
     uint64_t size = 0;

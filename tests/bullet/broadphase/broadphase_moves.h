@@ -32,7 +32,7 @@ inline void qcRandomBounds(qcRandom* random, const qcBoxKinds& kinds, btVector3*
     }
 }
 
-/// One box of a model grows, shrinks, turns inside out or steps aside.
+/// Makes one box of a model grow, shrink, turn inside out or step aside.
 inline void qcMoveOne(qcBroadphaseModel& model, qcRandom* random, const qcBoxKinds& kinds, size_t i)
 {
     btVector3 aabbMin = model.proxies[i].aabbMin, aabbMax = model.proxies[i].aabbMax;

@@ -8,7 +8,7 @@
 
 namespace
 {
-/// Accepts other pairs each time that its mood changes.
+/// A filter that accepts other pairs each time that its mood changes.
 struct Moody : btOverlapFilterCallback
 {
     int mood = 0;
@@ -23,7 +23,7 @@ struct Moody : btOverlapFilterCallback
     }
 };
 
-/// A ghost-pair callback that keeps the pairs that have begun and not ended.
+/// A ghost-pair callback that lists the pairs that have begun and not ended.
 struct Ghosts : btOverlappingPairCallback
 {
     std::map<qcIdPair, int> pairs;
@@ -122,7 +122,7 @@ size_t LiveThrough(const Life& life, btOverlappingPairCache* given = nullptr, Gh
     return seen;
 }
 
-/// All combinations.
+/// All combinations of options.
 std::vector<Life> Lives(uint64_t seeds = 1)
 {
     std::vector<Life> lives;
@@ -278,7 +278,7 @@ END_TEST
 
 START_TEST(a_filter_changed_before_set_aabb_takes_effect_in_the_same_step)
 {
-    // All are set again, or one after the changed one, as in a world that leaves out sleeping objects.
+    // All boxes are set again, or only those after the changed one, as in a world that leaves out sleeping objects.
     for (size_t first : {size_t(0), size_t(2)})
     {
         qcBroadphaseModel model;

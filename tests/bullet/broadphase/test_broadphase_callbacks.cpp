@@ -52,7 +52,7 @@ START_TEST(a_filter_may_create_move_and_destroy_proxies)
             vandal.countdown = moment;
             model.broadphase.calculateOverlappingPairs(&model.dispatcher);
             vandal.countdown = 0;
-            // New and moved proxies have their pairs after the next step. The others have no pair that ended.
+            // New and moved proxies get their pairs by the next step. The other proxies' pairs have not ended.
             std::map<int, const qcModelProxy*> alive;
             for (const qcModelProxy& p : model.proxies)
                 alive[p.proxy->m_uniqueId] = &p;
@@ -194,7 +194,7 @@ END_TEST
 
 namespace
 {
-/// Accepts every pair, whatever the groups.
+/// A filter that accepts every pair.
 struct Generous : btOverlapFilterCallback
 {
     bool needBroadphaseCollision(btBroadphaseProxy*, btBroadphaseProxy*) const override

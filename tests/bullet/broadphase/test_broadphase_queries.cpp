@@ -50,7 +50,8 @@ bool Includes(const std::vector<int>& all, const std::vector<int>& some)
     return std::includes(all.begin(), all.end(), some.begin(), some.end());
 }
 
-/// Unique ids of the proxies whose box, grown by `slack` times its size and distance, is hit on the way.
+/// Unique ids of the proxies whose boxes are hit by the path; `slack`: enlargement of the boxes relative to the
+/// coordinates of the path's ends.
 std::vector<int> Met(const qcBroadphaseModel& model, const btVector3& from, const btVector3& to,
                      const btVector3& castMin, const btVector3& castMax, double slack)
 {
@@ -237,7 +238,7 @@ START_TEST(a_ray_covers_the_way_of_the_callback_and_that_of_the_caller)
     elsewhere.Aim(btVector3(0, 1, 0), 100);
     model.broadphase.rayTest(from, to, elsewhere);
     ck_assert(Includes(elsewhere.Sorted(), {1, 2, 11}));
-    // A way of length 0 hits the boxes that contain its point.
+    // A path of length 0 hits the boxes that contain its point.
     Visits standing;
     standing.Aim(btVector3(nan, nan, nan), nan);
     model.broadphase.rayTest(to, to, standing);

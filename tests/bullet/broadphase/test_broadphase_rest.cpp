@@ -27,8 +27,8 @@ void FillDominoes(qcWorld& world)
 }
 
 /// Crosses of two bars in layers, each turned and tilted, that fall onto each other. (A heap that tumbles apart comes
-/// to rest elsewhere on each of Bullet's own broadphases: they hold different pairs that don't overlap, and the order
-/// of the several manifolds of two compounds follows from all that were made.)
+/// to rest differently on each of Bullet's own broadphases: they hold different non-overlapping pairs, and the order of
+/// the manifolds of two compounds depends on all manifolds created before.)
 void FillPile(qcWorld& world)
 {
     btCollisionShape* bar = world.Make<btBoxShape>(btVector3(btScalar(0.6), btScalar(0.2), btScalar(0.2)));
@@ -45,7 +45,7 @@ void FillPile(qcWorld& world)
     }
 }
 
-/// Ten seconds on both, in which at least one body moves by `least`.
+/// Simulates ten seconds on both broadphases. At least one body must move by `least`.
 void Compare(void (*fill)(qcWorld& world), double least)
 {
     qcWorld ours(qcWorldKind::discrete, new qcBroadphase), theirs(qcWorldKind::discrete, new btDbvtBroadphase);

@@ -1,4 +1,4 @@
-// Calls of the pair cache, counted: none for boxes that stay, one for each pair that begins or ends.
+// Calls of the pair cache: none for unchanged boxes, one for each pair that begins or ends.
 #include "bullet/broadphase/broadphase_model.h"
 
 namespace

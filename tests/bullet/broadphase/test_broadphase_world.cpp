@@ -42,7 +42,7 @@ struct World : qcWorld
         return Make<btBvhTriangleMeshShape>(&hills->mesh, true);
     }
 
-    /// Shapes of all kinds that fall on hills over a plane, past a sensor.
+    /// Adds shapes of all kinds that fall onto hills over a plane, past a sensor.
     void FillWithEverything(bool compounds = true)
     {
         AddBody(0, btVector3(0, -5, 0), Make<btStaticPlaneShape>(btVector3(0, 1, 0), btScalar(0)));
@@ -63,7 +63,7 @@ struct World : qcWorld
         }
     }
 
-    /// Adds and removes bodies between two steps, equal ones in every world.
+    /// Adds and removes bodies between two steps; equal calls in every world.
     void ComeAndGo(int step)
     {
         if (step % 10 == 3)
@@ -136,7 +136,7 @@ struct Shadow
     }
 };
 
-/// The sensor's overlaps are those of the pair cache.
+/// Checks that the sensor's overlaps are those of the pair cache.
 void CheckGhost(World& world)
 {
     auto* ghost = static_cast<btPairCachingGhostObject*>(world.objects[2].get());

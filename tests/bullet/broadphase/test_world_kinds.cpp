@@ -84,7 +84,7 @@ struct Chaos
     }
 };
 
-/// The callback that strikes.
+/// The callback in which bodies are created and destroyed.
 enum Moment
 {
     beforeTick,

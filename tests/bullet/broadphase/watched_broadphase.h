@@ -11,7 +11,7 @@ class qcWatchedBroadphase : public qcBroadphase
 {
   public:
     size_t comparisons = 0; ///< number of times that pairs were calculated
-    size_t pairs = 0;       ///< sum of the numbers of pairs held then
+    size_t pairs = 0;       ///< sum over the comparisons of the number of pairs
     uint64_t order = 0;     ///< hash of all these pairs, in the order of the cache
 
     btBroadphaseProxy* createProxy(const btVector3& aabbMin, const btVector3& aabbMax, int shapeType, void* userPtr,
@@ -83,7 +83,7 @@ class qcWatchedBroadphase : public qcBroadphase
         pairs += held.size();
     }
 
-    /// By groups and masks only: a filter callback may count its calls.
+    /// True if groups and masks agree. A filter callback is not called, since it may count its calls.
     static bool Agree(const btBroadphaseProxy* a, const btBroadphaseProxy* b)
     {
         return (a->m_collisionFilterGroup & b->m_collisionFilterMask) != 0 &&

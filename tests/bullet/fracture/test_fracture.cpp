@@ -22,7 +22,7 @@ const double s_rounding = sizeof(btScalar) == sizeof(float) ? 2e-6 : 1e-12;
 
 //  ---- checks ----------------------------------------------------------------------------------------
 
-/// How far a piece leaves its cell.
+/// Max distance of a piece's points from its cell.
 double Excess(const qcFractureDef& def, const qcPiece& piece)
 {
     double max = 0;
@@ -105,7 +105,7 @@ START_TEST(pieces_are_closed_lie_in_their_cells_and_fill_the_mesh)
             qcScatterInside(def, count, seed);
         qcFracture fracture = qcFracture_Split(box);
         CheckPieces(box, fracture, 8, "box");
-        ck_assert_uint_eq(fracture.pieces.size(), count); // a convex mesh: one a cell
+        ck_assert_uint_eq(fracture.pieces.size(), count); // a convex mesh: one piece for each cell
         CheckPieces(hollow, qcFracture_Split(hollow), 8 - 0.064, "hollow");
         qcFracture ring = qcFracture_Split(torus);
         double exact = 0;

@@ -58,7 +58,7 @@ Point InMesh(const qcPiece& piece, const btVector3& vertex)
     return p;
 }
 
-/// How often the triangles go round a point, by solid angles (Van Oosterom, Strackee: The solid angle of a plane
+/// Winding number of the triangles around a point, by solid angles (Van Oosterom, Strackee: The solid angle of a plane
 /// triangle, 1983).
 double WindingOf(const std::vector<Point>& vertices, const std::vector<uint32_t>& indices, const Point& point)
 {
@@ -82,7 +82,7 @@ double WindingOf(const std::vector<Point>& vertices, const std::vector<uint32_t>
     return sum / (4 * 3.14159265358979323846);
 }
 
-/// From a place in the mesh's frame, divided by a scale: angles and volumes neither overflow nor cancel.
+/// A point relative to a place in the mesh's frame, divided by a scale: angles and volumes neither overflow nor cancel.
 Point Near(const Point& p, const Point& place, double scale)
 {
     return {(p[0] - place[0]) / scale, (p[1] - place[1]) / scale, (p[2] - place[2]) / scale};
@@ -98,7 +98,7 @@ double VolumeOf(const std::vector<btVector3>& vertices, const std::vector<uint32
     return qcVolumeOf(scaled, indices);
 }
 
-/// Each point around the place is in as many pieces as in the mesh: in none or one.
+/// Checks that each point around the place is in as many pieces as in the mesh: none or one.
 void CheckNoOverlap(const qcFractureDef& def, const qcFracture& fracture, double scale, const Point& place,
                     const std::string& what)
 {
@@ -126,7 +126,7 @@ void CheckNoOverlap(const qcFractureDef& def, const qcFracture& fracture, double
     }
 }
 
-/// Pieces of a mesh that is about `scale` long, at `place`: closed, as large together as the mesh, none in another.
+/// Checks the pieces of a mesh that is about `scale` long, at `place`: closed, with the volume of the mesh, disjoint.
 qcFracture CheckPieces(const qcFractureDef& def, double scale, const Point& place, const std::string& what)
 {
     qcFracture fracture = qcFracture_Split(def);
@@ -171,7 +171,7 @@ bool HavePointsAtTheSamePlace(const std::vector<btVector3>& points)
     return std::adjacent_find(sorted.begin(), sorted.end()) != sorted.end();
 }
 
-/// Whether two fractures differ by a power of two alone: each number is the other one times it, rounded nowhere.
+/// Checks that two fractures differ by a power of two alone: each number is scaled by it without rounding.
 void CheckScaled(const qcFracture& one, const qcFracture& other, int exponent)
 {
     double scale = std::ldexp(1, exponent);

@@ -23,7 +23,7 @@ std::atomic<int> s_started{0}; ///< threads that this process has started
 struct SequentialHost
 {
     uint32_t workers;
-    bool isLastOnly; ///< leaves out all tasks but the last one, as a host may
+    bool isLastOnly; ///< skips all tasks but the last one, as a host may
     int loops = 0;
     uint32_t maxTasks = 0;
 };
@@ -75,7 +75,7 @@ void CheckEqual(const std::vector<qcFracture>& fractures, const std::vector<qcFr
 }
 } // namespace
 
-/// In the place of the C library's, which it calls.
+/// Replaces the C library's function, counts and calls it.
 extern "C" int pthread_create(pthread_t* thread, const pthread_attr_t* attributes, void* (*run)(void*), void* argument)
 {
     using Create = int(pthread_t*, const pthread_attr_t*, void* (*)(void*), void*);

@@ -7,7 +7,7 @@
 #include "common/mesh_io/decimate.h"
 #include "common/mesh_io/mesh_file.h"
 
-/// Its origin is its centre of mass; 1 high, with about this many triangles.
+/// The bunny with its centre of mass at the origin, 1 high, with about this many triangles.
 inline qcModel qcBunnyModel(const char* path, uint32_t triangles = 2000)
 {
     qcMesh mesh, coarse;

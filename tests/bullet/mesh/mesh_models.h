@@ -99,7 +99,7 @@ inline void qcAddGrid(qcModel* model, const btVector3& corner, const btVector3& 
         }
 }
 
-/// Closed, facing outwards; each side is a grid of its own, so vertices are shared by position only.
+/// A closed box, facing outwards. Each side is a grid of its own, so vertices at its edges coincide in position only.
 inline qcModel qcBoxModel(const btVector3& half, int n)
 {
     qcModel model;

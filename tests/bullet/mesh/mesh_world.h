@@ -203,7 +203,7 @@ enum qcFloor
     qc_floorCount
 };
 
-/// Returns the floor's margin.
+/// Adds a floor of this kind. Returns its margin.
 inline btScalar qcAddFloor(qcMeshWorld& world, qcFloor floor)
 {
     static const float heights[81] = {};

@@ -80,7 +80,7 @@ struct qcSoftWorld
         return AddBody(KeepMesh(model), mass, at);
     }
 
-    /// The last one of the list.
+    /// Removes the last soft body of the list.
     void RemoveCloth()
     {
         world.removeSoftBody(cloths.back());

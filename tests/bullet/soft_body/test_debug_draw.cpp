@@ -106,7 +106,7 @@ START_TEST(bullet_draws_the_contact_points_of_meshes_on_the_mesh_below)
     ck_assert_int_eq(recorder.points.size(), qcContactsOf(world.dispatcher).points);
     for (const qcDebugRecorder::Point& point : recorder.points)
     {
-        // On the surface of one enlarged by its margin, with the normal towards the other.
+        // The point lies on the surface of one mesh enlarged by its margin, with the normal towards the other.
         ck_assert_double_eq_tol(std::fabs(double(point.normal.y())), 1, 1e-4);
         ck_assert_double_eq_tol(double(point.onB.y()), double(margin), 2e-3);
         ck_assert_double_le(std::fabs(double(point.onB.x())), 0.5001);
@@ -314,7 +314,8 @@ START_TEST(candidate_triangles_of_cloth_and_mesh_are_drawn_in_red)
     size_t ofMesh = CountDrawn(recorder, TrianglesOf(*world.mesh, world.floor.getWorldTransform()));
     ck_assert_uint_eq(ofCloth + ofMesh, recorder.triangles.size());
     ck_assert_uint_eq(recorder.lines.size(), 0);
-    // The cloth lies on the mesh with all its faces, over 4 by 4 of its 16 by 16 squares; a row more is within reach.
+    // All faces of the cloth lie on the mesh, over 4 by 4 of its 16 by 16 squares; one more row of squares is within
+    // the contact distance.
     ck_assert_uint_eq(ofCloth, size_t(world.cloth->m_faces.size()));
     ck_assert_uint_ge(ofMesh, 32);
     ck_assert_uint_le(ofMesh, 72);

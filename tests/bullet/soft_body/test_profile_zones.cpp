@@ -17,8 +17,8 @@
 namespace
 {
 std::vector<const char*> s_open;                        ///< zones, outermost first
-std::set<std::pair<std::string, std::string>> s_nested; ///< a zone that was entered, and each one around it, or ""
-bool s_broken;                                          ///< left more often than entered
+std::set<std::pair<std::string, std::string>> s_nested; ///< each entered zone, with "" and with each zone around it
+bool s_broken;                                          ///< a zone was left more often than entered
 
 bool IsOurs(const std::string& name)
 {
@@ -66,7 +66,7 @@ struct Recording
         ck_assert(!s_broken && s_open.empty());
     }
 
-    /// `around`: a zone that this one has to be in.
+    /// Checks that a zone was entered, and within the zone `around`.
     static void CheckZone(const std::string& zone, const std::string& around = "")
     {
         ck_assert_msg(s_nested.count({zone, around}) == 1, "no zone %s in %s", zone.c_str(), around.c_str());

@@ -41,7 +41,7 @@ struct World : qcSoftWorld
         cloth = nullptr;
     }
 
-    /// A square metre at a height; fixed: +1 +2 +4 +8 for its corners.
+    /// Adds a cloth of one square metre at a height; `fixed`: +1 +2 +4 +8 for its corners.
     void AddCloth(btScalar y, int side, int fixed = 0)
     {
         cloth = btSoftBodyHelpers::CreatePatch(world.getWorldInfo(), btVector3(-0.5, y, -0.5), btVector3(0.5, y, -0.5),

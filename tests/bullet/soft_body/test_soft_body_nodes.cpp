@@ -39,7 +39,7 @@ struct World : qcSoftWorld
         world.addSoftBody(body);
     }
 
-    /// No node ever sinks into the floor.
+    /// Steps the world and checks that no node sinks into the floor.
     void Step(int steps, btScalar deepest = btScalar(0.009))
     {
         for (int i = 0; i < steps; i++)
@@ -64,7 +64,7 @@ START_TEST(a_rope_lies_on_a_mesh)
 }
 END_TEST
 
-/// Five to a cube, of 3 * 3 * 3 cubes; faces of their own or none.
+/// Five tetrahedra for each of 3 * 3 * 3 cubes, with faces or without.
 btSoftBody* MakeTetrahedra(btSoftBodyWorldInfo& info, bool faces)
 {
     const int n = 4;

@@ -148,7 +148,7 @@ START_TEST(a_rope_thrown_along_itself_stays_where_friction_holds_it)
 }
 END_TEST
 
-/// Prints the rope's fate with Bullet's own solver: it creeps for twenty seconds, and falls off in most scenes.
+/// Prints the motion of the rope with Bullet's own solver: it creeps for twenty seconds, and falls off in most scenes.
 START_TEST(a_rope_stays_where_it_creeps_with_bullets_own_solver)
 {
     const char* names[] = {"qcMeshShape", "btBvhTriangleMeshShape", "btCylinderShape"};

@@ -213,7 +213,7 @@ struct SoftScene
     }
 };
 
-/// `tangled`: two sheets start in each other.
+/// Hashes a soft world. `tangled`: two sheets penetrate at the start.
 void HashSoft(const char* name, unsigned threads, bool tangled)
 {
     btSoftBodyRigidBodyCollisionConfiguration configuration;
@@ -305,7 +305,7 @@ void HashDeformable(const char* name, unsigned threads)
 //  ---- fracture ----------------------------------------------------------------------------------------------------
 
 #ifdef QC_GOLDEN_FRACTURE
-/// The pieces of a mesh, and how they fall.
+/// Hashes the pieces of a mesh, and their fall.
 void HashFracture(const char* name, uint32_t kind)
 {
     Model model(MakeMesh(kind));

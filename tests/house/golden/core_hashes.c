@@ -64,7 +64,7 @@ static void Hashes_Add(Hashes* hashes, const qcResult* r)
     qcHash_AddArray(&hashes->work, work, sizeof work / sizeof work[0], sizeof work[0]);
 }
 
-/// Pairs of bodies of which one has the slot 0, or with an even sum of slots.
+/// A filter for pairs of bodies: one has slot 0, or the sum of slots is even.
 static bool FilterPairs(void* context, uint32_t slotA, uint32_t slotB)
 {
     (void)context;
@@ -119,7 +119,7 @@ typedef struct Run
     const char* name;
     qcMethod method;
     uint32_t threads;
-    bool exact;  ///< never misses: answers every question
+    bool exact;  ///< never misses; answers every question
     bool fixed;  ///< candidates don't depend on measured times
     bool quick;  ///< on small scenes only
     bool beyond; ///< reliable, back to front, second pass from the back

@@ -56,7 +56,7 @@ static uint32_t AddBody(World* world, qcMesh mesh, bool deforming, qcActivity ac
     return body;
 }
 
-/// The last body takes its place in the list.
+/// Removes a body; the last body takes its position in the list.
 static void RemoveBody(World* world, uint32_t body)
 {
     CHECK_OK(qcScene_RemoveBody(world->scene, world->ids[body]));
@@ -67,7 +67,7 @@ static void RemoveBody(World* world, uint32_t body)
     memcpy(world->places[body], world->places[last], sizeof world->places[body]);
 }
 
-/// Odd steps give positions as floats.
+/// Sets a body's positions, as floats in odd steps.
 static void SetVertices(World* world, uint32_t body, uint32_t step)
 {
     const qcMesh* mesh = &world->meshes[body];
@@ -83,7 +83,7 @@ static void SetVertices(World* world, uint32_t body, uint32_t step)
     free(floats);
 }
 
-/// Turned by up to `turn` quarters about two axes, then moved.
+/// Turns a body by up to `turn` quarters about two axes, then moves it.
 static void Place(World* world, uint32_t body, double turn, double x, double y, double z)
 {
     double c, s, d, t;
@@ -130,7 +130,7 @@ static void StepDegenerate(World* world, uint32_t step)
     Place(world, 0, step < 3 ? 0.0 : 4.0, 0.0, 0.25 * step, 0.0);
 }
 
-/// Where a double holds 2^-22, a float 2^7 of the meshes' length.
+/// A scene so far from the origin that a double resolves 2^-22, and a float 2^7, of the meshes' length.
 static void StepFar(World* world, uint32_t step)
 {
     for (uint32_t i = 0; i < 4 && step == 0; i++)
@@ -239,7 +239,7 @@ static void StepTwisted(World* world, uint32_t step)
     SetVertices(world, 0, step);
 }
 
-/// Two crumpled cloths in each other; later one of another mesh in the place of the second.
+/// Two crumpled cloths that penetrate each other; later the second one is replaced by another mesh.
 static void StepTangled(World* world, uint32_t step)
 {
     const uint32_t sides[2] = {20, 24};

@@ -48,7 +48,7 @@ static inline uint64_t qcRandom_Next(qcRandom* random)
     return z ^ (z >> 31);
 }
 
-/// 0 .. bound - 1, bound > 0.
+/// A number in 0 .. bound - 1; bound > 0.
 static inline uint32_t qcRandom_Below(qcRandom* random, uint32_t bound)
 {
     return (uint32_t)((qcRandom_Next(random) >> 32) * bound >> 32);

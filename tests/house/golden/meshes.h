@@ -26,7 +26,7 @@ qcMesh qcMesh_MakeSoup(qcRandom* random, uint32_t triangleCount, double size, ui
 /// Turns some triangles into points, segments, or triangles that name a vertex twice.
 void qcMesh_MakeDegenerate(qcRandom* random, qcMesh* mesh);
 
-/// `columns` * `rows` squares, at the origin; `closedColumns`, `closedRows`: joined to a ring that way.
+/// `columns` * `rows` squares from the origin; `closedColumns`, `closedRows`: joined to a ring in that direction.
 qcMesh qcMesh_MakeGrid(uint32_t columns, uint32_t rows, bool closedColumns, bool closedRows);
 
 /// A point of the unit circle; `turn` in 0..4 goes around once.
@@ -34,14 +34,14 @@ void qcGetCirclePoint(double turn, double* c, double* s);
 
 qcMesh qcMesh_MakeTorus(double radius, double tube, uint32_t around, uint32_t across);
 
-/// Closed: the faces of a cube of `side` * `side` squares each, `round`: pushed onto a sphere.
+/// A closed mesh: the faces of a cube of `side` * `side` squares each. `round`: projected onto a sphere.
 qcMesh qcMesh_MakeBox(double radius, uint32_t side, bool round);
 
 /// Folds a sheet twice onto itself, layers `gap` apart.
 void qcMesh_Fold(qcMesh* mesh, uint32_t side, double gap, double noise, qcRandom* random);
 
-/// Folds a sheet, then turns its rows around its middle line, by up to `turns` quarter turns: the turned layers are
-/// nearer to each other the further out they are.
+/// Folds a sheet, then turns its rows around its middle line, by up to `turns` quarter turns: distances between turned
+/// layers decrease outwards.
 void qcMesh_Twist(qcMesh* mesh, uint32_t side, double turns, qcRandom* random);
 
 void qcMesh_Move(qcMesh* mesh, double scale, double x, double y, double z);
