@@ -53,6 +53,7 @@ START_TEST(random_worlds_hold_the_pairs_of_brute_force_hit_as_on_btDbvtBroadphas
 {
     const int worlds = CountWorlds(12);
     size_t pairs = 0, hits = 0;
+    uint64_t motion = 0;
     for (int seed = 1; seed <= worlds; seed++)
     {
         const Life first = LiveThrough(seed), second = LiveThrough(seed);
@@ -61,12 +62,15 @@ START_TEST(random_worlds_hold_the_pairs_of_brute_force_hit_as_on_btDbvtBroadphas
                 ck_abort_msg("world %d (%s) moves differently in step %d", seed, qcWorldKindNames[int(KindOf(seed))],
                              int(step));
         CHECK_QUICKLY(first.order == second.order);
+        for (uint64_t step : first.steps)
+            motion = motion * 0x100000001b3ULL ^ step;
         pairs += first.pairs;
         hits += first.hits;
     }
     ck_assert_uint_gt(pairs, size_t(worlds) * qc_steps * 20);
     ck_assert_uint_gt(hits, size_t(worlds) * 50);
-    printf("%d worlds of %d steps: %zu pairs, %zu hits of rays and sweeps\n", worlds, qc_steps, pairs, hits);
+    printf("%d worlds of %d steps: %zu pairs, %zu hits of rays and sweeps, hash of all motion %016llx\n", worlds,
+           qc_steps, pairs, hits, (unsigned long long)motion);
 }
 END_TEST
 
