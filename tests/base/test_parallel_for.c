@@ -17,7 +17,7 @@
 
 enum
 {
-    qc_mostTasks = 8
+    qc_maxTasks = 8
 };
 
 /// One loop as passed to the host.
@@ -68,7 +68,7 @@ static void* RunShare(void* context)
 
 static void RunOn(const Loop* loop, uint32_t threads)
 {
-    Share shares[qc_mostTasks];
+    Share shares[qc_maxTasks];
     for (uint32_t i = 0; i < threads; i++)
     {
         shares[i] = (Share){.loop = loop, .first = i, .step = threads};
@@ -117,7 +117,7 @@ typedef struct Host
 
 static Host s_hosts[] = {
     {"a thread a task", RunThreads, 3, 0},
-    {"more tasks than cores", RunThreads, qc_mostTasks, 0},
+    {"more tasks than cores", RunThreads, qc_maxTasks, 0},
     {"tasks on two threads, last ones first", RunTwoThreads, 5, 0},
     {"one after another", RunAscending, 4, 0},
     {"one after another, backwards", RunDescending, 4, 0},

@@ -556,9 +556,9 @@ START_TEST(out_of_memory_is_a_status_and_the_next_try_finds_everything)
     CHECK_OK(qcSetAllocator(qcFailingHeap_Allocate, qcFailingHeap_Release, &heap));
     for (int changes = 0; changes <= 1; changes++)
     {
-        size_t failures = 0, quiet = 0;
+        size_t failures = 0, successes = 0;
         // Some failures are harmless: trees stay unmerged, lists long.
-        for (size_t failAt = 1; quiet < 5; failAt++)
+        for (size_t failAt = 1; successes < 5; failAt++)
         {
             heap = (qcFailingHeap){heap.live, 0, failAt};
             qcBoxes* set;
@@ -576,7 +576,7 @@ START_TEST(out_of_memory_is_a_status_and_the_next_try_finds_everything)
             qcBoxes_Destroy(set);
             ck_assert_uint_eq(qcGetByteCount(), 0);
             failures += failed;
-            quiet = failed ? 0 : quiet + 1;
+            successes = failed ? 0 : successes + 1;
         }
         ck_assert_uint_gt(failures, 15);
     }

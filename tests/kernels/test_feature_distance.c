@@ -56,7 +56,7 @@ typedef struct Counts
     int proven[qc_maxKernels]; ///< features that are proven to be without a contact
 } Counts;
 
-static void AskOne(Counts* q, const Pair* pair, qcFeatureMask near, size_t kernel, const char* name)
+static void CheckPair(Counts* q, const Pair* pair, qcFeatureMask near, size_t kernel, const char* name)
 {
     qcContact all[qc_maxContactsPerPair], found[qc_maxContactsPerPair];
     memset(all, 0, sizeof all);
@@ -84,7 +84,7 @@ static void Flush(Counts* q)
     {
         qcContact_FindNear(k, pairs, q->count, near);
         for (size_t i = 0; i < q->count; i++)
-            AskOne(q, &q->pairs[i], near[i], (size_t)kernelIndex, k->name);
+            CheckPair(q, &q->pairs[i], near[i], (size_t)kernelIndex, k->name);
     }
     q->count = 0;
 }
@@ -97,7 +97,7 @@ static void CheckMargin(Counts* q, const double a[3][3], const double b[3][3], d
 }
 
 /// Tests with margins at the distances of the features and near them.
-static void AskAtDistances(Counts* q, const qcTrianglePair* pair, double off)
+static void CheckAtDistances(Counts* q, const qcTrianglePair* pair, double off)
 {
     Pair made;
     qcContact contacts[qc_maxContactsPerPair];
@@ -121,7 +121,7 @@ START_TEST(no_contact_is_lost)
     {
         qcTrianglePair pair;
         qcTrianglePair_MakeAny(&random, &pair);
-        AskAtDistances(&q, &pair, ldexp(1.0, -i % 50));
+        CheckAtDistances(&q, &pair, ldexp(1.0, -i % 50));
         CheckMargin(&q, pair.a, pair.b, 0.0);
         // Also batches that are not full.
         if (i % 3 == 0)
@@ -147,7 +147,7 @@ START_TEST(nearly_parallel_edges_keep_their_contacts)
                 pair.b[c][axis] =
                     pair.a[c][axis] + turn * qcRandom_Uniform(&random, -1.0, 1.0) + (axis == i % 3 ? apart : 0.0);
             }
-        AskAtDistances(&q, &pair, ldexp(1.0, -i % 23));
+        CheckAtDistances(&q, &pair, ldexp(1.0, -i % 23));
     }
     Flush(&q);
     ck_assert_int_gt(q.contacts, 20000);
@@ -169,7 +169,7 @@ START_TEST(the_smallest_and_the_largest_numbers_lose_no_contact)
                 pair.a[c][axis] = size * qcRandom_Uniform(&random, -1.0, 1.0);
                 pair.b[c][axis] = size * qcRandom_Uniform(&random, -1.0, 1.0);
             }
-        AskAtDistances(&q, &pair, ldexp(1.0, -i % 30));
+        CheckAtDistances(&q, &pair, ldexp(1.0, -i % 30));
     }
     Flush(&q);
     ck_assert_int_gt(q.contacts, 4000);

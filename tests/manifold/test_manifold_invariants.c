@@ -276,8 +276,8 @@ static bool AreSameOrNeighbours(const qcSoup* soup, uint32_t s, uint32_t t)
 }
 
 /// True if a point is of this pair or an adjacent one, or lies within `near` of one of the pair's triangles.
-static bool Speaks(const qcManifoldScene* m, const qcPair* pair, const qcManifold* manifold,
-                   const qcManifoldPoint* point, double near)
+static bool HasPointOf(const qcManifoldScene* m, const qcPair* pair, const qcManifold* manifold,
+                       const qcManifoldPoint* point, double near)
 {
     const qcSoup *a = SoupOf(m, pair->bodyA), *b = SoupOf(m, pair->bodyB);
     if (manifold->bodyA != pair->bodyA || manifold->bodyB != pair->bodyB)
@@ -301,14 +301,14 @@ static bool HasPoint(const qcManifoldScene* m, const qcPair* pair, double near)
     const qcResult* result = m->result;
     for (size_t k = 0; k < result->manifoldCount; k++)
         for (uint32_t p = 0; p < result->manifolds[k].pointCount; p++)
-            if (Speaks(m, pair, &result->manifolds[k], &result->manifoldPoints[result->manifolds[k].firstPoint + p],
-                       near))
+            if (HasPointOf(m, pair, &result->manifolds[k], &result->manifoldPoints[result->manifolds[k].firstPoint + p],
+                           near))
                 return true;
     return false;
 }
 
 /// True if a closer pair shares one of the two triangles, and its other triangle contains this pair's closest point.
-static bool IsSurpassed(const qcManifoldScene* m, size_t index)
+static bool IsNoLocalMinimum(const qcManifoldScene* m, size_t index)
 {
     const qcPair* pair = &m->result->pairs[index];
     const qcProximity* proximity = &m->result->proximities[index];
@@ -343,7 +343,7 @@ START_TEST(every_pair_is_covered)
         const qcPair* pair = &result->pairs[i];
         bool seam = pair->relation == qc_relationTouching && pair->bodyA == pair->bodyB &&
                     AreSameOrNeighbours(&soups[pair->bodyA], pair->triangleA, pair->triangleB);
-        ck_assert_msg(seam || HasPoint(&m, pair, longest / 64.0) || IsSurpassed(&m, i),
+        ck_assert_msg(seam || HasPoint(&m, pair, longest / 64.0) || IsNoLocalMinimum(&m, i),
                       "%s: pair %zu (%u %u %u %u, %s) has no point", s_cases[_i].name, i, pair->bodyA, pair->triangleA,
                       pair->bodyB, pair->triangleB, qcRelation_Name(pair->relation));
     }

@@ -16,7 +16,7 @@ enum
     qc_pairsInGroup = 24,  ///< where there are many bodies
     qc_minPairs = 36000,   ///< by test
     qc_oracleStride = 400, ///< one pair in 400 goes through the oracle
-    qc_mostBodies = 2 * qc_pairsInScene / qc_pairsInGroup
+    qc_maxBodies = 2 * qc_pairsInScene / qc_pairsInGroup
 };
 
 //  ---- pairs -----------------------------------------------------------------------------------------------------
@@ -152,8 +152,8 @@ typedef struct Plan
     Recipe recipe;
     Layout layout;
     uint32_t bodyCount;
-    qcBodyDef defs[qc_mostBodies];
-    double* positions[qc_mostBodies];
+    qcBodyDef defs[qc_maxBodies];
+    double* positions[qc_maxBodies];
     uint32_t indices[6 * qc_pairsInScene];
 } Plan;
 

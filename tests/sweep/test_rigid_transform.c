@@ -100,12 +100,12 @@ END_TEST
 //  ---- relative transforms -------------------------------------------------------------------------
 
 /// Two bodies whose local points x[0] and x[1] coincide in the world, and boxes around the points.
-typedef struct Meeting
+typedef struct BodyPair
 {
     qcRigidTransform placement[2];
     double x[2][3];
     double apart; ///< max difference of a coordinate of the two points in the world
-} Meeting;
+} BodyPair;
 
 static double FindApart(const qcTransform* transform, const double x[3], const double world[3])
 {
@@ -117,7 +117,7 @@ static double FindApart(const qcTransform* transform, const double x[3], const d
 }
 
 /// Another local point with the same image in the world, or nearly the same.
-static void MoveWithin(qcRandom* random, Meeting* m, const long double inverse[9], const double world[3])
+static void MoveWithin(qcRandom* random, BodyPair* m, const long double inverse[9], const double world[3])
 {
     const qcTransform* t = &m->placement[0].transform;
     for (int attempt = 0; attempt < 12; attempt++)
@@ -151,7 +151,7 @@ static void MakeBox(qcRandom* random, const double x[3], double size, qcRigidTra
 }
 
 /// Makes two bodies with points that coincide in the world. False: the first transform is not invertible.
-static bool Meet(qcRandom* random, Meeting* m)
+static bool PlaceClose(qcRandom* random, BodyPair* m)
 {
     int range = (int)qcRandom_Below(random, 3) * 60;
     double size = ldexp(1.0, (int)qcRandom_Integer(random, -range, range)), world[3], scale[2];
@@ -205,8 +205,8 @@ START_TEST(points_that_coincide_in_the_world_coincide_in_local_coordinates)
     double worst = 0.0;
     for (int i = 0; i < 100000; i++)
     {
-        Meeting m;
-        if (!Meet(&random, &m))
+        BodyPair m;
+        if (!PlaceClose(&random, &m))
             continue;
         same += m.apart == 0.0;
         qcRelativeTransform r = qcRelativeTransform_Find(&m.placement[0], &m.placement[1]);

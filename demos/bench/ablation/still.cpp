@@ -36,8 +36,8 @@ struct Displaced
         displacements.push_back(displacement);
     }
 
-    /// Moves all bodies by `trifle`, since a detection of an unchanged scene would repeat its result.
-    void Place(double trifle)
+    /// Moves all bodies by `offset`, since a detection of an unchanged scene would repeat its result.
+    void Place(double offset)
     {
         for (size_t i = 0; i < bodies.size(); i++)
         {
@@ -47,7 +47,7 @@ struct Displaced
             {
                 for (int column = 0; column < 3; column++)
                     transform.linear[3 * row + column] = double(place.getBasis()[row][column]);
-                transform.translation[row] = double(place.getOrigin()[row]) + double(displacements[i][row]) + trifle;
+                transform.translation[row] = double(place.getOrigin()[row]) + double(displacements[i][row]) + offset;
             }
             qcExpectOk(qcScene_SetTransform(scene, bodies[i], &transform));
         }

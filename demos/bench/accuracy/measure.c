@@ -14,7 +14,7 @@
 
 enum
 {
-    qc_leastRuns = 3
+    qc_minRuns = 3
 };
 
 // The time limit of one setting.
@@ -217,7 +217,7 @@ static qcStatus Time(Bench* bench, const qcDetectDef* def, double firstMs, qcAcc
     row->runs = 1;
     if (bench->options->runs > 1 && firstMs < SlowMs(&row->setting))
     {
-        uint32_t most = bench->options->runs, least = most < qc_leastRuns ? most : qc_leastRuns;
+        uint32_t most = bench->options->runs, least = most < qc_minRuns ? most : qc_minRuns;
         for (row->runs = 0; row->runs < least || (row->runs < most && spent < s_enoughMs); ++row->runs)
         {
             qcStatus status = Step(bench, def, true, &other);

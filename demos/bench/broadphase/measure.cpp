@@ -22,12 +22,12 @@
 
 namespace
 {
-constexpr uint32_t c_warmFrames = 10, c_leastFrames = 10;
+constexpr uint32_t c_warmFrames = 10, c_minFrames = 10;
 // The time limit of one scene.
 constexpr double c_enoughMs = 10000.0;
 // Creating 50 000 proxies takes bt32BitAxisSweep3 half a minute. A frame of 1000 takes btSimpleBroadphase 11 ms, and
 // all others then start with cold caches.
-constexpr uint32_t c_mostForSweep = 10000, c_mostForSimple = 500;
+constexpr uint32_t c_maxForSweep = 10000, c_maxForSimple = 500;
 
 /// Boxes with edges of 1 to 2 that go 0.1 a frame, in a cube so dense that each overlaps about four others.
 class Boxes
@@ -191,9 +191,9 @@ Contestants Invite(const Boxes& boxes)
     deferred->m_deferedcollide = true;
     invite("btDbvtBroadphase deferred", deferred);
     btVector3 reach(4, 4, 4), end = btVector3(1, 1, 1) * btScalar(boxes.side) + reach;
-    if (count <= c_mostForSweep)
+    if (count <= c_maxForSweep)
         invite("bt32BitAxisSweep3", new bt32BitAxisSweep3(-reach, end, count + 2, nullptr, true));
-    if (count <= c_mostForSimple)
+    if (count <= c_maxForSimple)
         invite("btSimpleBroadphase", new btSimpleBroadphase(int(count) + 2));
     return contestants;
 }
@@ -215,7 +215,7 @@ void Measure(const qcBroadphaseScene& scene, qcBroadphaseResult* result)
             spent += contestants[(i + frame) % contestants.size()]->Step(boxes, scene.setsAll ? scene.boxes : moving,
                                                                          frame >= c_warmFrames);
         result->frames += frame >= c_warmFrames;
-        if (result->frames >= c_leastFrames && spent > c_enoughMs)
+        if (result->frames >= c_minFrames && spent > c_enoughMs)
             break;
     }
     for (auto& contestant : contestants)

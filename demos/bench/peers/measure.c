@@ -13,7 +13,7 @@
 enum
 {
     // A turn with slow frames ends here: more frames would hardly change the median.
-    qc_leastTimed = 2
+    qc_minTimed = 2
 };
 
 // The time limit of one turn.
@@ -218,7 +218,7 @@ static void TakeTurn(Race* race, Runner* runner)
     qcStopwatch_Rest();
     for (uint32_t i = 0; i < race->animation->frameCount && runner->row->skipped[0] == 0; ++i)
     {
-        if (i > qc_leastTimed && spent > s_enoughMs)
+        if (i > qc_minTimed && spent > s_enoughMs)
             break;
         double ms = Step(race, runner);
         spent += ms;

@@ -13,8 +13,8 @@
 
 enum
 {
-    qc_leastSteps = 10,
-    qc_mostSteps = 200,
+    qc_minSteps = 10,
+    qc_maxSteps = 200,
     qc_warmSteps = 3
 };
 
@@ -111,11 +111,11 @@ static qcStatus Step(World* world, uint32_t moving, double* ms)
 
 static qcStatus Time(World* world, qcScalingBoxRow* row)
 {
-    double times[qc_mostSteps], ms, spent = 0.0;
+    double times[qc_maxSteps], ms, spent = 0.0;
     qcStatus status = qc_statusOk;
     for (int i = 0; status == qc_statusOk && i < qc_warmSteps; ++i)
         status = Step(world, row->moving, &ms);
-    while (status == qc_statusOk && (row->steps < qc_leastSteps || (row->steps < qc_mostSteps && spent < s_enoughMs)))
+    while (status == qc_statusOk && (row->steps < qc_minSteps || (row->steps < qc_maxSteps && spent < s_enoughMs)))
     {
         status = Step(world, row->moving, &times[row->steps]);
         spent += times[row->steps++];

@@ -15,8 +15,8 @@
 enum
 {
     qc_frameCount = 4,
-    qc_leastSteps = 8,
-    qc_mostSteps = 64
+    qc_minSteps = 8,
+    qc_maxSteps = 64
 };
 
 // The time limit of one size.
@@ -68,7 +68,7 @@ static bool MakeCloth(uint32_t triangles, Cloth* cloth)
 
 typedef struct Times
 {
-    double total[qc_mostSteps], stages[qc_scalingStageCount][qc_mostSteps];
+    double total[qc_maxSteps], stages[qc_scalingStageCount][qc_maxSteps];
 } Times;
 
 typedef struct Bench
@@ -137,7 +137,7 @@ static qcStatus Time(Bench* bench, Times* times, qcScalingMeshRow* row)
         status = Step(bench, row->threads, &row->secondMs, &verticesMs);
     if (status == qc_statusOk)
         status = Step(bench, row->threads, &ms, &verticesMs);
-    while (status == qc_statusOk && (row->steps < qc_leastSteps || (row->steps < qc_mostSteps && spent < s_enoughMs)))
+    while (status == qc_statusOk && (row->steps < qc_minSteps || (row->steps < qc_maxSteps && spent < s_enoughMs)))
     {
         status = Step(bench, row->threads, &ms, &verticesMs);
         if (status != qc_statusOk)

@@ -10,7 +10,7 @@
 
 namespace
 {
-constexpr uint32_t qc_mostObjects = 70;
+constexpr uint32_t qc_maxObjects = 70;
 
 /// An object that was hit, and the fraction of the way.
 typedef std::pair<int, btScalar> Hit;
@@ -202,7 +202,7 @@ void qcRandomWorld::Change()
     for (uint32_t changes = Below(4); changes > 0; changes--)
     {
         const uint32_t movable = uint32_t(world.objects.size()) - uint32_t(m_sceneryCount);
-        if (movable < 5 || (Below(5) == 0 && world.objects.size() < qc_mostObjects))
+        if (movable < 5 || (Below(5) == 0 && world.objects.size() < qc_maxObjects))
         {
             AddSomething();
             continue;

@@ -26,7 +26,7 @@ struct Broadphase : qcBroadphase
 
 struct AxisSweep : Broadphase
 {
-    AxisSweep(const btVector3& /*worldMin*/, const btVector3& /*worldMax*/, unsigned short /*mostHandles*/ = 16384,
+    AxisSweep(const btVector3& /*worldMin*/, const btVector3& /*worldMax*/, unsigned short /*maxHandles*/ = 16384,
               btOverlappingPairCache* pairCache = nullptr, bool /*withoutAccelerator*/ = false)
         : Broadphase(pairCache)
     {

@@ -9,7 +9,7 @@
 namespace
 {
 /// A filter that accepts other pairs each time that its mood changes.
-struct Moody : btOverlapFilterCallback
+struct ChangingFilter : btOverlapFilterCallback
 {
     int mood = 0;
     mutable size_t calls = 0;
@@ -49,9 +49,9 @@ struct Life
 {
     uint64_t seed;
     qcBoxKinds kinds;
-    bool filters = false; ///< groups and masks change
-    bool moody = false;   ///< a filter callback is set, removed and changed
-    bool meddle = false;  ///< the cache is changed by others
+    bool filters = false;        ///< groups and masks change
+    bool changingFilter = false; ///< a filter callback is set, removed and changed
+    bool foreignChanges = false; ///< the cache is changed by others
 };
 
 void Meddle(qcBroadphaseModel& model, qcRandom* random)
@@ -78,7 +78,7 @@ size_t LiveThrough(const Life& life, btOverlappingPairCache* given = nullptr, Gh
 {
     qcRandom random = {life.seed};
     qcBroadphaseModel model(given);
-    Moody moody;
+    ChangingFilter changingFilter;
     size_t seen = 0;
     model.cache->setInternalGhostPairCallback(ghosts);
     for (int step = 0; step < 150; step++)
@@ -91,22 +91,22 @@ size_t LiveThrough(const Life& life, btOverlappingPairCache* given = nullptr, Gh
             model.Create(aabbMin, aabbMax, group, life.filters ? int(qcRandom_Below(&random, 8)) : -1);
         }
         // Now and then all boxes are set, as a world does.
-        bool quiet = qcRandom_Below(&random, 4) == 0, inOrder = qcRandom_Below(&random, 3) == 0;
+        bool atRest = qcRandom_Below(&random, 4) == 0, inOrder = qcRandom_Below(&random, 3) == 0;
         for (size_t i = 0; i < model.proxies.size(); i++)
         {
             // Before setAabb: a later change takes effect one step later.
             if (life.filters && qcRandom_Below(&random, 20) == 0)
                 model.proxies[i].proxy->m_collisionFilterMask = int(qcRandom_Below(&random, 8));
-            if (!quiet && (inOrder || qcRandom_Below(&random, 2) == 0))
+            if (!atRest && (inOrder || qcRandom_Below(&random, 2) == 0))
                 qcMoveOne(model, &random, life.kinds, i);
             if (qcRandom_Below(&random, 50) == 0)
                 model.Destroy(i);
         }
-        if (life.moody && qcRandom_Below(&random, 5) == 0)
-            model.cache->setOverlapFilterCallback(qcRandom_Below(&random, 3) == 0 ? nullptr : &moody);
+        if (life.changingFilter && qcRandom_Below(&random, 5) == 0)
+            model.cache->setOverlapFilterCallback(qcRandom_Below(&random, 3) == 0 ? nullptr : &changingFilter);
         if (qcRandom_Below(&random, 3) == 0)
-            moody.mood++;
-        if (life.meddle && !model.proxies.empty())
+            changingFilter.mood++;
+        if (life.foreignChanges && !model.proxies.empty())
             Meddle(model, &random);
         seen += model.Check();
         if (ghosts != nullptr)
@@ -117,8 +117,8 @@ size_t LiveThrough(const Life& life, btOverlappingPairCache* given = nullptr, Gh
                 CHECK_QUICKLY(ghosts->pairs.count(pair) == 1);
         }
     }
-    if (life.moody)
-        ck_assert_uint_gt(moody.calls, 0);
+    if (life.changingFilter)
+        ck_assert_uint_gt(changingFilter.calls, 0);
     return seen;
 }
 
@@ -134,7 +134,7 @@ std::vector<Life> Lives(uint64_t seeds = 1)
             life.kinds.grid = kinds & 1;
             life.kinds.strange = kinds & 2;
             life.filters = kinds & 4;
-            life.moody = kinds & 8;
+            life.changingFilter = kinds & 8;
             lives.push_back(life);
         }
     return lives;
@@ -165,7 +165,7 @@ START_TEST(a_cache_changed_by_others_is_corrected_in_the_next_step)
 {
     for (Life life : Lives())
     {
-        life.meddle = true;
+        life.foreignChanges = true;
         btHashedOverlappingPairCache cache;
         ck_assert_uint_gt(LiveThrough(life, &cache), 500);
     }

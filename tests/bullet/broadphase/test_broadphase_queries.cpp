@@ -52,8 +52,8 @@ bool Includes(const std::vector<int>& all, const std::vector<int>& some)
 
 /// Unique ids of the proxies whose boxes are hit by the path; `slack`: enlargement of the boxes relative to the
 /// coordinates of the path's ends.
-std::vector<int> Met(const qcBroadphaseModel& model, const btVector3& from, const btVector3& to,
-                     const btVector3& castMin, const btVector3& castMax, double slack)
+std::vector<int> OverlapsOnPath(const qcBroadphaseModel& model, const btVector3& from, const btVector3& to,
+                                const btVector3& castMin, const btVector3& castMax, double slack)
 {
     std::vector<int> met;
     for (const qcModelProxy& p : model.proxies)
@@ -189,10 +189,10 @@ START_TEST(a_ray_visits_all_proxies_that_bullet_visits_and_that_geometry_require
             static_cast<btBroadphaseRayCallback&>(theirs) = ours;
             model.broadphase.rayTest(from, to, ours, castMin, castMax);
             peer.broadphase.rayTest(from, to, theirs, castMin, castMax);
-            std::vector<int> sorted = ours.Sorted(), exact = Met(model, from, to, castMin, castMax, 0);
+            std::vector<int> sorted = ours.Sorted(), exact = OverlapsOnPath(model, from, to, castMin, castMax, 0);
             CHECK_QUICKLY(Includes(sorted, exact));
             CHECK_QUICKLY(Includes(sorted, theirs.Sorted()));
-            CHECK_QUICKLY(Includes(Met(model, from, to, castMin, castMax, 1e-5), sorted));
+            CHECK_QUICKLY(Includes(OverlapsOnPath(model, from, to, castMin, castMax, 1e-5), sorted));
             met += exact.size();
             visited += sorted.size();
         }
@@ -282,10 +282,10 @@ START_TEST(several_threads_may_cast_rays_at_once)
             Visits visits;
             visits.Aim((to - from).normalized(), (to - from).length());
             model.broadphase.rayTest(from, to, visits);
-            CHECK_QUICKLY(Includes(visits.Sorted(), Met(model, from, to, zero, zero, 0)));
+            CHECK_QUICKLY(Includes(visits.Sorted(), OverlapsOnPath(model, from, to, zero, zero, 0)));
             Visits inBox;
             model.broadphase.aabbTest(from, from, inBox);
-            CHECK_QUICKLY(inBox.Sorted() == Met(model, from, from, zero, zero, 0));
+            CHECK_QUICKLY(inBox.Sorted() == OverlapsOnPath(model, from, from, zero, zero, 0));
         }
     };
     std::vector<std::thread> threads;
