@@ -29,10 +29,6 @@ class qcPairCacheSync
     {
         return m_proxies;
     }
-    const qcProxySet& GetProxies() const
-    {
-        return m_proxies;
-    }
     btOverlappingPairCache* GetCache() const
     {
         return m_cache;

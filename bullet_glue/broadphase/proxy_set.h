@@ -40,8 +40,6 @@ class qcProxySet
     void Requery(qcProxy* proxy);
     /// True if the proxy's pairs must be queried: the changes between boxes don't determine them.
     bool NeedsQuery(const qcProxy* proxy) const;
-    /// Requeries the proxy if its filter has changed since the last comparison.
-    void CompareFilter(Entry& entry);
     /// Compares the proxy's filter if all before it in the list have been compared. A world sets boxes in the order in
     /// which its objects were added, which is the order of the list: the proxy is then in the processor's cache.
     void CompareFilterInTurn(const qcProxy* proxy);
@@ -73,11 +71,7 @@ class qcProxySet
     {
         return static_cast<qcProxy*>(qcBoxes_GetUserData(m_boxes, box));
     }
-    const qcBoxes* GetBoxes() const
-    {
-        return m_boxes;
-    }
-    qcBoxes* GetBoxes()
+    qcBoxes* GetBoxes() const
     {
         return m_boxes;
     }
@@ -109,6 +103,7 @@ class qcProxySet
     }
 
   private:
+    void CompareFilter(Entry& entry);
     void CompareFilterRange(int first, int end);
     bool Grow();
     void AddBox(qcProxy* proxy);

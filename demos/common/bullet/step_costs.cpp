@@ -32,7 +32,7 @@ constexpr const char* s_labels[qc_costCount] = {
     "Bullet: boxes, handed to the broadphase",
     "qcBroadphase: pairs of boxes",
     "glue: geometry gathered, bookkeeping",
-    "queries: moments ahead, of fast bodies",
+    "queries: impact sampling of fast bodies",
     "query: culling",
     "query: sweep",
     "query: exact test",
