@@ -141,6 +141,10 @@ QC_API qcStatus qcScene_SetTransform(qcScene* scene, qcBodyId id, const qcTransf
 /// packed). They are copied. O(n). qc_statusBadInput: also if the body is rigid or a position is not finite.
 QC_API qcStatus qcScene_SetVertices(qcScene* scene, qcBodyId id, const void* positions, qcPositionType type,
                                     size_t stride);
+/// The present positions of all bodies become the start of their motion: see qcDetectDef::motion. A body that is added
+/// later has no motion until the next mark. O(bodies); the first mark of a deforming body allocates O(vertices).
+/// qc_statusOutOfMemory: nothing has changed.
+QC_API qcStatus qcScene_MarkStart(qcScene* scene);
 /// See qcBodyDef::activity.
 QC_API qcStatus qcScene_SetActivity(qcScene* scene, qcBodyId id, qcActivity activity);
 /// See qcBodyDef::group.
@@ -217,6 +221,14 @@ typedef struct qcProximity
 /// corner, both orders have the same normal.
 QC_API bool qcTrianglesWithin(const double* a, const double* b, double margin, qcProximity* proximity);
 
+/// Does one direction separate two triangles at the start and at the end of a motion? Then it separates them at every
+/// time between, if all corners move along straight lines with constant speed. Nine doubles each, corner by corner;
+/// equal corners make a segment or a point. Sufficient, not necessary: false proves nothing. True is exact for the
+/// given coordinates, in spite of rounding. Fills `direction` (may be null) if true, from B towards A, of any length.
+/// O(1). Any thread.
+QC_API bool qcTrianglesStayApart(const double* startA, const double* endA, const double* startB, const double* endB,
+                                 double direction[3]);
+
 /// Should the triangles of two different bodies, named by their slots, be tested? The answer for a pair must not change
 /// during a call of qcScene_Detect. It may be called several times for a pair and on several threads at once, and must
 /// not call functions of the scene.
@@ -272,6 +284,14 @@ typedef struct qcDetectDef
     /// missed at any resolution. Applies to bodies and to triangles of different bodies. Self-collision is left to
     /// `sweep`, since grown neighbours overlap in every view.
     bool reliable;
+    uint8_t reserved[5]; ///< 0: padding of definitions in older headers
+    /// Report the pairs that are not proven apart over the motion from the last qcScene_MarkStart to the present, in
+    /// which all vertices, also those of rigid bodies, move along straight lines: pairs that no direction separates at
+    /// both ends (qcTrianglesStayApart). A pair that isn't reported has no common point at any time of the motion.
+    /// Relations and proximities of pairs are those of the start, where reported pairs may be disjoint. With
+    /// `neighbours`: also pairs that share a vertex and aren't proven to meet there only. `touching` has no effect.
+    /// Margins, segments and manifolds are refused; so are `cullide` and `quick`. `layers` leaves it to `sweep`.
+    bool motion;
 } qcDetectDef;
 
 /// The default step: method auto, penetrating pairs only.
@@ -303,6 +323,9 @@ static inline qcDetectDef qcDefaultDetectDef(void)
     def.backToFront = false;
     def.secondPassFromBack = false;
     def.reliable = false;
+    for (int i = 0; i < 5; i++)
+        def.reserved[i] = 0;
+    def.motion = false;
     return def;
 }
 
@@ -313,7 +336,7 @@ typedef struct qcPair
     uint32_t triangleA;  ///< index of A in its body
     uint32_t bodyB;      ///< slot of B's body
     uint32_t triangleB;  ///< index of B in its body
-    qcRelation relation; ///< touching, penetrating or near
+    qcRelation relation; ///< touching, penetrating or near; of a motion also disjoint
 } qcPair;
 
 /// The intersection of two penetrating triangles, in world space, rounded. For coplanar triangles: the two corners of

@@ -7,6 +7,7 @@
 #include "base/status.h"
 #include "narrowphase/feature_contacts.h"
 #include "triangle/exact.h"
+#include "triangle/motion_certificate.h"
 #include "triangle/proximity.h"
 
 #include <string.h>
@@ -53,7 +54,9 @@ typedef struct Corners
     bool filled;
     uint32_t global;
     const qcBody* body;
-    double corner[3][3];
+    double corner[3][3];     ///< at the start of a motion
+    qcMovingTriangle moving; ///< of a motion only
+    const uint32_t* indices;
 } Corners;
 
 static void LoadCorners(const Job* job, uint32_t global, Corners* corners)
@@ -64,7 +67,15 @@ static void LoadCorners(const Job* job, uint32_t global, Corners* corners)
     corners->filled = true;
     corners->global = global;
     corners->body = qcStepTriangles_Body(job->triangles, side.body);
-    qcBody_GetTriangle(corners->body, side.triangle, corners->corner);
+    corners->indices = corners->body->indices + 3 * (size_t)side.triangle;
+    if (!job->def->motion)
+    {
+        qcBody_GetTriangle(corners->body, side.triangle, corners->corner);
+        return;
+    }
+    qcBody_GetStartTriangle(corners->body, side.triangle, corners->corner);
+    memcpy(corners->moving.start, corners->corner, sizeof corners->corner);
+    qcBody_GetTriangle(corners->body, side.triangle, corners->moving.end);
 }
 
 static void LoadPair(const Job* job, uint64_t key, Corners corners[2])
@@ -73,18 +84,28 @@ static void LoadPair(const Job* job, uint64_t key, Corners corners[2])
     LoadCorners(job, (uint32_t)key, &corners[1]);
 }
 
+/// True if the triangles are proven apart over the motion.
+static bool StaysApart(const Corners corners[2])
+{
+    return corners[0].body == corners[1].body ? qcMotion_SeparatesNeighbours(&corners[0].moving, corners[0].indices,
+                                                                             &corners[1].moving, corners[1].indices)
+                                              : qcMotion_Separates(&corners[0].moving, &corners[1].moving, NULL);
+}
+
 static void TestPair(const Job* job, qcNarrowphaseWorker* worker, uint64_t key, Corners corners[2])
 {
     LoadPair(job, key, corners);
     const double(*p)[3] = (const double(*)[3])corners[0].corner;
     const double(*q)[3] = (const double(*)[3])corners[1].corner;
     double margin = qcBody_PairMargin(corners[0].body, corners[1].body, job->def->margin);
+    worker->tests++;
+    if (job->def->motion && StaysApart(corners))
+        return;
     uint64_t undecided = 0;
     qcRelation relation = qcExact_Within(p, q, margin, &undecided);
-    worker->tests++;
     worker->fallbacks += undecided != 0;
     bool touching = job->def->touching || job->def->margin > 0.0;
-    if (relation == qc_relationDisjoint || (relation == qc_relationTouching && !touching))
+    if (!job->def->motion && (relation == qc_relationDisjoint || (relation == qc_relationTouching && !touching)))
         return;
     qcStatus status = qcArray_Reserve(&worker->found, worker->found.count + 1, sizeof(qcSortItem), "pairs");
     if (qcWorkerResult_Add(&worker->result, status))

@@ -22,8 +22,8 @@ static qcPlan MakePlan(const qcDetectDef* def, qcDevice* device)
     qcDeviceInfo info = {.kind = qc_deviceNone, .name = "none"};
     if (device != NULL)
         qcDevice_GetInfo(device, &info);
-    const qcPlanInput input = {def->method, def->resolution, info.kind != qc_deviceNone, info.compute,
-                               info.maxResolution};
+    const qcPlanInput input = {def->method,  def->resolution,    info.kind != qc_deviceNone,
+                               info.compute, info.maxResolution, def->motion};
     return qcPlan_Make(&input);
 }
 
@@ -56,6 +56,7 @@ static qcStatus BeginStep(const qcStep* step, qcBodies* bodies, qcStepTriangles*
         QC_TRY(qcBody_FindFeatureOwners(&QC_AT(qcBody, bodies->slots, slot)));
     triangles->filter = step->def->pairFilter;
     triangles->filterContext = step->def->pairFilterContext;
+    triangles->motion = step->def->motion;
     QC_TRY(qcStepTriangles_Number(triangles, bodies));
     QC_TRY(qcPcs_Reset(triangles->bodyCount, triangles->count, pcs));
     profile->bodies = triangles->bodyCount;
@@ -172,7 +173,7 @@ static bool IsSameRequest(const qcDetectDef* a, const qcDetectDef* b)
            a->nearestContacts == b->nearestContacts && a->layerColumns == b->layerColumns &&
            a->layerDepthAxis == b->layerDepthAxis && strncmp(a->views, b->views, 4) == 0 &&
            a->resolution == b->resolution && a->iterations == b->iterations && a->backToFront == b->backToFront &&
-           a->secondPassFromBack == b->secondPassFromBack && a->reliable == b->reliable;
+           a->secondPassFromBack == b->secondPassFromBack && a->reliable == b->reliable && a->motion == b->motion;
 }
 
 static void Reuse(qcProfile* profile)

@@ -141,6 +141,12 @@ qcStatus qcScene_SetSelfCollision(qcScene* scene, qcBodyId id, bool selfCollisio
     return qc_statusOk;
 }
 
+qcStatus qcScene_MarkStart(qcScene* scene)
+{
+    QC_TRY(CheckPointer(scene, "qcScene_MarkStart", "scene"));
+    return qcBodies_MarkStart(&scene->bodies);
+}
+
 bool qcScene_IsValid(const qcScene* scene, qcBodyId id)
 {
     if (scene == NULL || id.slot >= scene->bodies.slots.count || (id.generation & 1) == 0)
@@ -206,6 +212,12 @@ static qcStatus CheckDetectDef(const qcDetectDef* def)
     if (def->layerDepthAxis != 0 && (def->layerDepthAxis < 'x' || def->layerDepthAxis > 'z'))
         return qcFail(qc_statusBadInput, "qcScene_Detect: layerDepthAxis is none of 'x', 'y', 'z' and 0");
     bool image = def->method == qc_methodCullide || def->method == qc_methodQuick;
+    if (def->motion && image)
+        return qcFail(qc_statusBadInput, "qcScene_Detect: %s has no motion", qcMethod_Name(def->method));
+    if (def->motion && (def->margin > 0.0 || def->contactMargin > 0.0))
+        return qcFail(qc_statusBadInput, "qcScene_Detect: a motion has neither margin nor contactMargin");
+    if (def->motion && (def->segments || def->manifolds))
+        return qcFail(qc_statusBadInput, "qcScene_Detect: a motion has neither segments nor manifolds");
     if (image && def->contactMargin > 0.0)
         return qcFail(qc_statusBadInput, "qcScene_Detect: %s culls what does not intersect, so it has no contactMargin",
                       qcMethod_Name(def->method));

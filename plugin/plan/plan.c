@@ -22,7 +22,7 @@ qcPlan qcPlan_Make(const qcPlanInput* input)
         case qc_methodAuto:
             // Sweep misses nothing and runs on every machine.
             plan.method = qc_methodSweep;
-            plan.chooseIslands = input->haveCompute;
+            plan.chooseIslands = input->haveCompute && !input->motion;
             break;
         case qc_methodCullide:
         case qc_methodQuick:
@@ -36,11 +36,12 @@ qcPlan qcPlan_Make(const qcPlanInput* input)
             plan.resolution = input->resolution < input->maxResolution ? input->resolution : input->maxResolution;
             break;
         case qc_methodLayers:
-            plan.useLayers = input->haveCompute;
+            plan.useLayers = input->haveCompute && !input->motion;
             if (!plan.useLayers)
             {
                 plan.method = qc_methodSweep;
-                plan.fallback = "no compute shaders on this device: sweep answered on the CPU";
+                plan.fallback = input->motion ? "layers has no motion: sweep answered on the CPU"
+                                              : "no compute shaders on this device: sweep answered on the CPU";
             }
             break;
         case qc_methodBrute:

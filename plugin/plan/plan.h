@@ -12,6 +12,7 @@ typedef struct qcPlanInput
     uint32_t resolution; ///< requested
     bool haveGl, haveCompute;
     uint32_t maxResolution; ///< of the device
+    bool motion;            ///< pairs over a motion: the sweep and brute force only
 } qcPlanInput;
 
 typedef struct qcPlan

@@ -86,6 +86,26 @@ static bool TransformBox(const double lower[3], const double upper[3], const qcT
     return finite;
 }
 
+/// Before the first move since the mark: the present becomes the start.
+static void DepartFromStart(qcBody* body)
+{
+    qcBodyStart* start = &body->start;
+    if (!start->isMarked || start->differs)
+        return;
+    start->differs = true;
+    start->transform = body->transform;
+    start->isIdentity = body->isIdentity;
+    memcpy(start->lower, body->lower, sizeof start->lower);
+    memcpy(start->upper, body->upper, sizeof start->upper);
+    start->moved = body->moved;
+    if (body->deforming)
+    {
+        double* world = body->world;
+        body->world = start->world;
+        start->world = world;
+    }
+}
+
 /// Sets the body's transform and its box; a refused transform changes nothing. O(1); O(vertices) where the transformed
 /// box overflows.
 static qcStatus Place(qcBody* body, uint32_t slot, const qcTransform* transform)
@@ -113,6 +133,8 @@ static qcStatus Place(qcBody* body, uint32_t slot, const qcTransform* transform)
         if (placed.used == NULL || placed.used[v])
             Include(p, placed.lower, placed.upper);
     }
+    DepartFromStart(body);
+    placed.start = body->start;
     *body = placed;
     return qc_statusOk;
 }
@@ -139,6 +161,7 @@ static void FreeBody(qcBody* body)
 {
     qcFree(body->local, 3 * sizeof(double) * body->vertexCount);
     qcFree(body->world, 3 * sizeof(double) * body->vertexCount);
+    qcFree(body->start.world, 3 * sizeof(double) * body->vertexCount);
     qcFree(body->indices, 3 * sizeof(uint32_t) * body->triangleCount);
     qcFree(body->used, body->vertexCount);
     qcFree(body->owned, sizeof(qcOwnedFeatures) * body->triangleCount);
@@ -275,9 +298,32 @@ qcStatus qcBodies_SetVertices(qcBodies* bodies, uint32_t slot, const void* posit
     qcBody* body = &QC_AT(qcBody, bodies->slots, slot);
     qcVertexInput source = {positions, type, stride, body->vertexCount};
     QC_TRY(qcVertexInput_Check(&source, slot));
+    DepartFromStart(body);
     qcVertexInput_Read(&source, body->world);
     FindBounds(body, body->world, body->lower, body->upper);
     body->moved = ++bodies->revision;
+    return qc_statusOk;
+}
+
+qcStatus qcBodies_MarkStart(qcBodies* bodies)
+{
+    for (size_t i = 0; i < bodies->slots.count; i++)
+    {
+        qcBody* body = &QC_AT(qcBody, bodies->slots, i);
+        size_t bytes = 3 * sizeof(double) * body->vertexCount;
+        if (!qcBody_IsUsed(body) || !body->deforming || bytes == 0 || body->start.world != NULL)
+            continue;
+        body->start.world = qcAllocate(bytes);
+        if (body->start.world == NULL)
+            return qcFailMemory(bytes, "positions at the start");
+    }
+    for (size_t i = 0; i < bodies->slots.count; i++)
+    {
+        qcBody* body = &QC_AT(qcBody, bodies->slots, i);
+        body->start.isMarked = qcBody_IsUsed(body);
+        body->start.differs = false;
+    }
+    bodies->revision++;
     return qc_statusOk;
 }
 

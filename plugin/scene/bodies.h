@@ -9,6 +9,19 @@
 /// edge from corner c to the next.
 typedef uint8_t qcOwnedFeatures;
 
+/// Where a body was at the last qcScene_MarkStart.
+typedef struct qcBodyStart
+{
+    bool isMarked; ///< false: the body was added since, and has no motion
+    /// The body has been moved since the mark; the fields below are valid. Otherwise the start is the present.
+    bool differs;
+    double* world; ///< like qcBody::world; null before the first mark
+    qcTransform transform;
+    bool isIdentity;
+    double lower[3], upper[3];
+    uint64_t moved; ///< qcBody::moved of these positions
+} qcBodyStart;
+
 typedef struct qcBody
 {
     uint32_t generation; ///< odd while the slot is taken, so that ids of removed bodies never match
@@ -29,6 +42,7 @@ typedef struct qcBody
     double lower[3], upper[3];             ///< world AABB of all triangles; lower > upper if there are none
     double localLower[3], localUpper[3];   ///< their AABB in `local`
     double vertexLower[3], vertexUpper[3]; ///< AABB of all vertices in `local`
+    qcBodyStart start;
 } qcBody;
 
 typedef struct qcBodies
@@ -47,6 +61,9 @@ void qcBodies_Remove(qcBodies* bodies, qcBodyId id);
 qcStatus qcBodies_SetTransform(qcBodies* bodies, uint32_t slot, const qcTransform* transform);
 qcStatus qcBodies_SetVertices(qcBodies* bodies, uint32_t slot, const void* positions, qcPositionType type,
                               size_t stride);
+/// The present positions become the start of the motion. O(bodies); the first call allocates O(vertices). On failure
+/// nothing has changed.
+qcStatus qcBodies_MarkStart(qcBodies* bodies);
 void qcBodies_Free(qcBodies* bodies);
 
 static inline bool qcBody_IsUsed(const qcBody* body)
@@ -73,18 +90,33 @@ static inline double qcContactDistance(double margin)
     return margin * (1.0 + 2e-9);
 }
 
+static inline void qcTransform_Apply(const qcTransform* transform, bool isIdentity, const double p[3],
+                                     double position[3])
+{
+    for (int axis = 0; axis < 3; axis++)
+    {
+        const double* row = transform->linear + 3 * axis;
+        // Identity is copied: 0 * x would lose the sign of a zero.
+        position[axis] =
+            isIdentity ? p[axis] : row[0] * p[0] + row[1] * p[1] + row[2] * p[2] + transform->translation[axis];
+    }
+}
+
 /// World position. A rigid body's vertices are transformed on each call: a new transform costs O(1).
 static inline void qcBody_GetVertex(const qcBody* body, uint32_t vertex, double position[3])
 {
     const double* p = (body->world != NULL ? body->world : body->local) + 3 * (size_t)vertex;
-    for (int axis = 0; axis < 3; axis++)
-    {
-        const double* row = body->transform.linear + 3 * axis;
-        // Identity is copied: 0 * x would lose the sign of a zero.
-        position[axis] = body->isIdentity
-                             ? p[axis]
-                             : row[0] * p[0] + row[1] * p[1] + row[2] * p[2] + body->transform.translation[axis];
-    }
+    qcTransform_Apply(&body->transform, body->isIdentity, p, position);
+}
+
+/// World position at the start of the motion.
+static inline void qcBody_GetStartVertex(const qcBody* body, uint32_t vertex, double position[3])
+{
+    if (!body->start.differs)
+        qcBody_GetVertex(body, vertex, position);
+    else
+        qcTransform_Apply(&body->start.transform, body->start.isIdentity,
+                          (body->deforming ? body->start.world : body->local) + 3 * (size_t)vertex, position);
 }
 
 static inline void qcBody_GetTriangle(const qcBody* body, uint32_t triangle, double corners[3][3])
@@ -92,6 +124,13 @@ static inline void qcBody_GetTriangle(const qcBody* body, uint32_t triangle, dou
     const uint32_t* index = body->indices + 3 * (size_t)triangle;
     for (int c = 0; c < 3; c++)
         qcBody_GetVertex(body, index[c], corners[c]);
+}
+
+static inline void qcBody_GetStartTriangle(const qcBody* body, uint32_t triangle, double corners[3][3])
+{
+    const uint32_t* index = body->indices + 3 * (size_t)triangle;
+    for (int c = 0; c < 3; c++)
+        qcBody_GetStartVertex(body, index[c], corners[c]);
 }
 
 static inline void qcBody_GetTriangleBox(const qcBody* body, uint32_t triangle, double lower[3], double upper[3])

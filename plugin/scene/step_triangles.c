@@ -3,6 +3,8 @@
 
 #include "base/status.h"
 
+#include <string.h>
+
 static qcStatus Number(qcStepTriangles* t, const qcBodies* bodies)
 {
     uint64_t total = 0;
@@ -43,6 +45,37 @@ qcStatus qcStepTriangles_Number(qcStepTriangles* t, const qcBodies* bodies)
         t->numbered = bodies->added;
     }
     return qc_statusOk;
+}
+
+static void Enclose(const double startLower[3], const double startUpper[3], double lower[3], double upper[3])
+{
+    for (int axis = 0; axis < 3; axis++)
+    {
+        lower[axis] = startLower[axis] < lower[axis] ? startLower[axis] : lower[axis];
+        upper[axis] = startUpper[axis] > upper[axis] ? startUpper[axis] : upper[axis];
+    }
+}
+
+void qcStepTriangles_GetBodyBox(const qcStepTriangles* t, uint32_t body, double lower[3], double upper[3])
+{
+    const qcBody* b = qcStepTriangles_Body(t, body);
+    memcpy(lower, b->lower, sizeof b->lower);
+    memcpy(upper, b->upper, sizeof b->upper);
+    if (t->motion && b->start.differs)
+        Enclose(b->start.lower, b->start.upper, lower, upper);
+}
+
+void qcStepTriangles_GetTriangleBox(const qcStepTriangles* t, uint32_t body, uint32_t triangle, double lower[3],
+                                    double upper[3])
+{
+    const qcBody* b = qcStepTriangles_Body(t, body);
+    qcBody_GetTriangleBox(b, triangle, lower, upper);
+    if (!t->motion || !b->start.differs)
+        return;
+    double corners[3][3];
+    qcBody_GetStartTriangle(b, triangle, corners);
+    for (int c = 0; c < 3; c++)
+        Enclose(corners[c], corners[c], lower, upper);
 }
 
 void qcStepTriangles_Free(qcStepTriangles* t)

@@ -12,6 +12,7 @@ typedef struct qcStepTriangles
     const qcBodies* bodies;
     qcPairFilter filter; ///< of the step; may be null
     void* filterContext;
+    bool motion; ///< boxes are those of the motion from the start to the present
     uint32_t bodyCount, count;
     uint64_t numbered; ///< qcBodies::added at the last numbering; 0: none yet
     qcArray slots;     ///< uint32_t: slot of a body
@@ -42,6 +43,12 @@ static inline uint32_t qcStepTriangles_BodyOf(const qcStepTriangles* t, uint32_t
 {
     return QC_AT(uint32_t, t->bodyOf, global);
 }
+
+/// The box of a body in the step.
+void qcStepTriangles_GetBodyBox(const qcStepTriangles* t, uint32_t body, double lower[3], double upper[3]);
+/// The box of triangle `triangle` of a body in the step.
+void qcStepTriangles_GetTriangleBox(const qcStepTriangles* t, uint32_t body, uint32_t triangle, double lower[3],
+                                    double upper[3]);
 
 /// The candidate key of two global triangle indices, in any order: lower << 32 | higher.
 static inline uint64_t qcStepTriangles_Key(uint32_t a, uint32_t b)

@@ -93,11 +93,11 @@ qcStatus qcBodyPairs_Find(const qcStepTriangles* triangles, const qcPcs* pcs, do
     {
         if (!IsPresent(triangles, pcs, body))
             continue;
-        const qcBody* b = qcStepTriangles_Body(triangles, body);
+        double lower[3], upper[3];
+        qcStepTriangles_GetBodyBox(triangles, body, lower, upper);
         if (count == 0)
-            for (int axis = 0; axis < 3; axis++)
-                frame.origin[axis] = b->lower[axis];
-        QC_AT(qcSweepBox, pairs->boxes, count++) = qcSweepFrame_Map(&frame, b->lower, b->upper, body, body);
+            memcpy(frame.origin, lower, sizeof frame.origin);
+        QC_AT(qcSweepBox, pairs->boxes, count++) = qcSweepFrame_Map(&frame, lower, upper, body, body);
     }
     Search search = {triangles, pcs, &pairs->pairs, profile, qc_statusOk};
     // One thread: the counters are shared, and bodies are few beside triangles.
@@ -124,8 +124,10 @@ qcStatus qcBodyPairs_FindBrute(const qcStepTriangles* triangles, const qcPcs* pc
     for (uint32_t a = 0; a < triangles->bodyCount; a++)
         for (uint32_t b = a + 1; b < triangles->bodyCount && IsPresent(triangles, pcs, a); b++)
         {
-            const qcBody *p = qcStepTriangles_Body(triangles, a), *q = qcStepTriangles_Body(triangles, b);
-            if (IsPresent(triangles, pcs, b) && AreNear(p->lower, p->upper, q->lower, q->upper, queryDistance))
+            double lowerA[3], upperA[3], lowerB[3], upperB[3];
+            qcStepTriangles_GetBodyBox(triangles, a, lowerA, upperA);
+            qcStepTriangles_GetBodyBox(triangles, b, lowerB, upperB);
+            if (IsPresent(triangles, pcs, b) && AreNear(lowerA, upperA, lowerB, upperB, queryDistance))
                 OfferPair(&search, a, b);
         }
     QC_TRY(search.status);
@@ -134,18 +136,19 @@ qcStatus qcBodyPairs_FindBrute(const qcStepTriangles* triangles, const qcPcs* pc
 }
 
 /// Marks the triangles of `body` whose boxes come within the distance of the box of `partner`.
-static void MarkNear(const qcStepTriangles* triangles, uint32_t body, const qcBody* partner, double distance,
-                     qcPcs* pcs)
+static void MarkNear(const qcStepTriangles* triangles, uint32_t body, uint32_t partner, double distance, qcPcs* pcs)
 {
     const qcBody* b = qcStepTriangles_Body(triangles, body);
+    double partnerLower[3], partnerUpper[3];
+    qcStepTriangles_GetBodyBox(triangles, partner, partnerLower, partnerUpper);
     uint8_t* sets = &QC_AT(uint8_t, pcs->triangleSets, qcStepTriangles_First(triangles, body));
     for (uint32_t t = 0; t < b->triangleCount; t++)
     {
         if (qcPcs_InterSet(sets[t]) != qc_setBfv)
             continue;
         double lower[3], upper[3];
-        qcBody_GetTriangleBox(b, t, lower, upper);
-        if (AreNear(lower, upper, partner->lower, partner->upper, distance))
+        qcStepTriangles_GetTriangleBox(triangles, body, t, lower, upper);
+        if (AreNear(lower, upper, partnerLower, partnerUpper, distance))
             sets[t] |= qcPcs_Pack(qc_setNfv, qc_setBfv);
     }
 }
@@ -169,9 +172,9 @@ static void MarkAgainstPartners(const qcBodyPairs* pairs, const qcStepTriangles*
         if (handledElsewhere[pair.a])
             continue;
         if (partners[pair.a] <= qc_maxPartners)
-            MarkNear(triangles, pair.a, qcStepTriangles_Body(triangles, pair.b), queryDistance, pcs);
+            MarkNear(triangles, pair.a, pair.b, queryDistance, pcs);
         if (partners[pair.b] <= qc_maxPartners)
-            MarkNear(triangles, pair.b, qcStepTriangles_Body(triangles, pair.a), queryDistance, pcs);
+            MarkNear(triangles, pair.b, pair.a, queryDistance, pcs);
     }
 }
 

@@ -54,7 +54,7 @@ qcStatus qcCandidates_Brute(const qcCandidateRules* rules, qcCandidates* candida
             continue;
         uint32_t body = qcStepTriangles_BodyOf(t, triangle), row = search.count++;
         double lower[3], upper[3];
-        qcBody_GetTriangleBox(qcStepTriangles_Body(t, body), triangle - qcStepTriangles_First(t, body), lower, upper);
+        qcStepTriangles_GetTriangleBox(t, body, triangle - qcStepTriangles_First(t, body), lower, upper);
         for (int axis = 0; axis < 3; axis++)
         {
             rows[(size_t)axis * t->count + row] = lower[axis];

@@ -107,7 +107,7 @@ static uint32_t FillBoxes(const qcCandidateRules* rules, qcSweepBox* boxes)
             if (QC_AT(uint8_t, rules->pcs->triangleSets, first + i) == 0)
                 continue;
             double lower[3], upper[3];
-            qcBody_GetTriangleBox(b, i, lower, upper);
+            qcStepTriangles_GetTriangleBox(t, body, i, lower, upper);
             // Any origin is correct; one in the scene loses the least in single precision.
             if (count == 0)
                 memcpy(frame.origin, lower, sizeof frame.origin);
