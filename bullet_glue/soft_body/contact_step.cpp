@@ -1,7 +1,8 @@
 // The stages of contact in a step: continuous collision of nodes and links, untangling, contacts in rounds, then
-// separating planes and rigid zones for pairs that still penetrate.
+// separating planes and rigid zones for pairs that are not proven apart over the step.
 #include "soft_body/contact_step.h"
 
+#include "common/shape_triangles.h"
 #include "common/stopwatch.h"
 #include "soft_body/response/node_ccd.h"
 #include "soft_body/response/untangle.h"
@@ -9,6 +10,7 @@
 #include <LinearMath/btQuickprof.h>
 
 #include <algorithm>
+#include <cstring>
 
 namespace
 {
@@ -40,21 +42,17 @@ void qcSoftBodyContact::Implementation::ReadStart(const btAlignedObjectArray<btS
 
 //  ---- detection and projection ------------------------------------------------------------------------------------
 
-/// Adds the times of the last detection to the statistics, and records which method ran.
+/// Adds the times of the last detection to the statistics.
 void qcSoftBodyContact::Implementation::AddProfile()
 {
     const qcProfile& profile = m_result->profile;
-    statistics.method = profile.method;
-    statistics.device = profile.device;
-    if (profile.fallback != nullptr)
-        statistics.fallback = profile.fallback;
     statistics.cullMs += profile.cullObjectsMs + profile.cullTrianglesMs;
     statistics.sweepMs += profile.sweepObjectsMs + profile.sweepTrianglesMs;
     statistics.exactMs += profile.exactMs;
     statistics.contactMs += profile.contactMs;
 }
 
-/// Fills m_result for the present positions, and sorts its penetrating pairs into unproven and exempt ones.
+/// Fills m_result for the present positions, and m_exempt.
 qcStatus qcSoftBodyContact::Implementation::Detect(btScalar contactMargin, bool segments)
 {
     BT_PROFILE("qcSoftBodyContact detect");
@@ -68,12 +66,16 @@ qcStatus qcSoftBodyContact::Implementation::Detect(btScalar contactMargin, bool 
     if (status != qc_statusOk)
         return status;
     AddProfile();
-    m_unproven.clear();
+    statistics.method = m_result->profile.method;
+    statistics.device = m_result->profile.device;
+    if (m_result->profile.fallback != nullptr)
+        statistics.fallback = m_result->profile.fallback;
+    std::vector<size_t> penetrating;
     for (size_t i = 0; i < m_result->pairCount; i++)
         if (qcHasResponse(scene, m_result->pairs[i].bodyA, m_result->pairs[i].bodyB))
-            m_unproven.push_back(i);
-    statistics.remaining = int(m_unproven.size());
-    m_tangles.MoveExempt(scene, *m_result, &m_unproven, &m_exempt);
+            penetrating.push_back(i);
+    statistics.remaining = int(penetrating.size());
+    m_tangles.MoveExempt(scene, *m_result, &penetrating, &m_exempt);
     return qc_statusOk;
 }
 
@@ -88,7 +90,108 @@ void qcSoftBodyContact::Implementation::SolveConstraints()
         qcCollectLinks(scene, &m_links);
     qcSolveSoftConstraints(&m_constraints, m_links, &m_rigidNodeContacts, s_iterations);
     scene.meshes.Commit();
+    m_isCertified = false;
     statistics.respondMs += qcNowMs() - begin;
+}
+
+//  ---- certificates --------------------------------------------------------------------------------------------------
+
+/// Sets the positions of the start of the step in the scene, as the start of the motion.
+qcStatus qcSoftBodyContact::Implementation::MarkStart()
+{
+    double begin = qcNowMs();
+    m_isCertified = false;
+    qcStatus status = scene.MarkStart();
+    statistics.gatherMs += qcNowMs() - begin;
+    return status;
+}
+
+/// True if the motion of one of the bodies is certified against all others.
+bool qcSoftBodyContact::Implementation::IsContinuous(const qcPair& pair)
+{
+    const qcSceneSoftBody *a = scene.Find(pair.bodyA), *b = scene.Find(pair.bodyB);
+    return (a != nullptr && a->settings.continuous) || (b != nullptr && b->settings.continuous);
+}
+
+/// Fills m_unproven and m_nearTangles from the result.
+void qcSoftBodyContact::Implementation::SortMotionPairs()
+{
+    m_unproven.clear();
+    m_nearTangles.clear();
+    m_exemptMotions = 0;
+    for (size_t i = 0; i < m_result->pairCount; i++)
+    {
+        const qcPair& pair = m_result->pairs[i];
+        const qcProximity& start = m_result->proximities[i];
+        if (!IsContinuous(pair) || !qcHasResponse(scene, pair.bodyA, pair.bodyB))
+            continue;
+        const qcUnprovenPair unproven = {pair, qcVectorOf(start.normal), btScalar(start.distance)};
+        qcTouchingMotion touching =
+            pair.relation == qc_relationTouching ? qcClassifyTouching(scene, unproven) : qcTouchingMotion::Unproven;
+        if (pair.relation == qc_relationPenetrating || touching == qcTouchingMotion::Entangled)
+            m_exemptMotions++;
+        else if (touching == qcTouchingMotion::Unproven)
+            (m_tangles.IsNear(scene, pair) ? m_nearTangles : m_unproven).push_back(unproven);
+    }
+}
+
+/// Moves pairs near a tangle that has grown to m_unproven; exempts the others.
+qcStatus qcSoftBodyContact::Implementation::ExemptNearTangles()
+{
+    if (m_nearTangles.empty())
+        return qc_statusOk;
+    qcStatus status = Detect(0);
+    if (status != qc_statusOk)
+        return status;
+    for (const qcUnprovenPair& near : m_nearTangles)
+        if (m_tangles.HasGrown(*m_result, near.pair.bodyA, near.pair.bodyB))
+            m_unproven.push_back(near);
+        else
+            m_exemptMotions++;
+    return qc_statusOk;
+}
+
+/// Finds the pairs that are not proven apart from the start of the step to the present positions.
+qcStatus qcSoftBodyContact::Implementation::Certify()
+{
+    BT_PROFILE("qcSoftBodyContact certify");
+    double begin = qcNowMs();
+    qcStatus status = scene.SyncPositions();
+    double gathered = qcNowMs();
+    statistics.gatherMs += gathered - begin;
+    if (status == qc_statusOk)
+        status = scene.DetectMotion(&m_result);
+    statistics.detectMs += qcNowMs() - gathered;
+    if (status != qc_statusOk)
+        return status;
+    AddProfile();
+    SortMotionPairs();
+    m_isCertified = true;
+    return ExemptNearTangles();
+}
+
+/// Finds the tangles of the end of the step, which are among the pairs that were exempt or are unproven.
+qcStatus qcSoftBodyContact::Implementation::ReadEnd()
+{
+    statistics.unproven = int(m_unproven.size());
+    statistics.remaining = statistics.exempt = 0;
+    m_tangles.Clear();
+    m_tanglesAreOfEnd = true;
+    if (m_exemptMotions == 0 && m_unproven.empty() && scene.IsContinuous())
+        return qc_statusOk;
+    qcStatus status = Detect(0);
+    if (status != qc_statusOk)
+        return status;
+    m_tangles.Read(scene, *m_result);
+    auto isUnproven = [this](const qcPair& pair)
+    {
+        return std::any_of(m_unproven.begin(), m_unproven.end(),
+                           [&pair](const qcUnprovenPair& unproven)
+                           { return std::memcmp(&unproven.pair, &pair, offsetof(qcPair, relation)) == 0; });
+    };
+    auto count = std::count_if(m_result->pairs, m_result->pairs + m_result->pairCount, isUnproven);
+    statistics.exempt = statistics.remaining - int(count);
+    return qc_statusOk;
 }
 
 //  ---- stages, in their order --------------------------------------------------------------------------------------
@@ -132,16 +235,7 @@ qcStatus qcSoftBodyContact::Implementation::Untangle()
     return status;
 }
 
-/// True if a rope link is on the other side of a mesh's edge than at the start of the step. A link that has passed a
-/// thin mesh completely penetrates nothing.
-bool qcSoftBodyContact::Implementation::HaveLinksCrossed()
-{
-    m_constraints.clear();
-    qcAddLinkCcdConstraints(scene, &m_constraints);
-    return !m_constraints.empty();
-}
-
-/// Alternates detection and projection until nothing penetrates, for a limited number of rounds.
+/// Alternates detection and projection until the motion is proven, for a limited number of rounds.
 qcStatus qcSoftBodyContact::Implementation::SolveContacts()
 {
     btScalar margin = scene.ContactDistance();
@@ -164,8 +258,8 @@ qcStatus qcSoftBodyContact::Implementation::SolveContacts()
             return qc_statusOk;
         SolveConstraints();
         statistics.rounds++;
-        status = Detect(0);
-        if (status != qc_statusOk || (m_unproven.empty() && !HaveLinksCrossed()))
+        status = Certify();
+        if (status != qc_statusOk || m_unproven.empty())
             return status;
     }
     return qc_statusOk;
@@ -174,28 +268,25 @@ qcStatus qcSoftBodyContact::Implementation::SolveContacts()
 /// Pushes unproven pairs apart along the directions in which they were separated at the start of the step.
 qcStatus qcSoftBodyContact::Implementation::SolvePlanes()
 {
-    if (m_unproven.empty())
-        return qc_statusOk;
     BT_PROFILE("qcSoftBodyContact push apart");
     m_planes.Clear();
-    for (int round = 0; round < s_planeRounds && !m_unproven.empty(); round++)
+    qcStatus status = m_isCertified ? qc_statusOk : Certify();
+    for (int round = 0; status == qc_statusOk && round < s_planeRounds && !m_unproven.empty(); round++)
     {
         double begin = qcNowMs();
-        for (size_t i : m_unproven)
-            m_planes.Add(scene, m_result->pairs[i]);
+        for (const qcUnprovenPair& pair : m_unproven)
+            m_planes.Add(scene, pair);
         m_planes.Solve(s_planeSweeps);
         scene.meshes.Commit();
         statistics.respondMs += qcNowMs() - begin;
-        qcStatus status = Detect(0);
-        if (status != qc_statusOk)
-            return status;
+        status = Certify();
     }
     statistics.planes = int(m_planes.Count());
-    return qc_statusOk;
+    return status;
 }
 
 /// Moves nodes and meshes that planes could not separate in zones, as one rigid body each, from the start of the step.
-/// Each round unites zones or returns one to its start, so the loop ends.
+/// Each round unites zones or restricts the motion of one, so the loop ends.
 qcStatus qcSoftBodyContact::Implementation::MoveZones()
 {
     if (m_unproven.empty())
@@ -205,10 +296,10 @@ qcStatus qcSoftBodyContact::Implementation::MoveZones()
     for (bool changed = true; changed && !m_unproven.empty();)
     {
         changed = false;
-        for (size_t i : m_unproven)
-            changed = m_zones.Add(m_result->pairs[i]) || changed;
+        for (const qcUnprovenPair& unproven : m_unproven)
+            changed = m_zones.Add(unproven.pair) || changed;
         m_zones.Move();
-        qcStatus status = Detect(0);
+        qcStatus status = Certify();
         if (status != qc_statusOk)
             return status;
     }
@@ -227,6 +318,8 @@ qcStatus qcSoftBodyContact::Implementation::RunStages(btScalar timeStep)
     if (status == qc_statusOk)
         status = FindTangles();
     if (status == qc_statusOk)
+        status = MarkStart();
+    if (status == qc_statusOk)
     {
         SolveCcd();
         status = Untangle();
@@ -237,13 +330,7 @@ qcStatus qcSoftBodyContact::Implementation::RunStages(btScalar timeStep)
         status = SolvePlanes();
     if (status == qc_statusOk)
         status = MoveZones();
-    if (status != qc_statusOk)
-        return status;
-    statistics.unproven = int(m_unproven.size());
-    statistics.exempt = statistics.remaining - statistics.unproven;
-    m_tangles.Read(scene, *m_result);
-    m_tanglesAreOfEnd = true;
-    return qc_statusOk;
+    return status == qc_statusOk ? ReadEnd() : status;
 }
 
 bool qcSoftBodyContact::Implementation::Resolve(btScalar timeStep)
@@ -252,6 +339,7 @@ bool qcSoftBodyContact::Implementation::Resolve(btScalar timeStep)
         return false;
     BT_PROFILE("qcSoftBodyContact resolve");
     statistics.status = RunStages(timeStep);
+    scene.EndStep(statistics.status != qc_statusOk);
     if (statistics.status != qc_statusOk)
     {
         scene.meshes.Restore();

@@ -42,10 +42,15 @@ struct qcSoftBodyContact::Implementation
     void AddProfile();
     void SolveConstraints();
     qcStatus FindTangles();
+    qcStatus MarkStart();
+    bool IsContinuous(const qcPair& pair);
+    void SortMotionPairs();
+    qcStatus ExemptNearTangles();
+    qcStatus Certify();
+    qcStatus ReadEnd();
     void SolveCcd();
     qcStatus Untangle();
     qcStatus SolveContacts();
-    bool HaveLinksCrossed();
     qcStatus SolvePlanes();
     qcStatus MoveZones();
     qcStatus RunStages(btScalar timeStep);
@@ -56,11 +61,13 @@ struct qcSoftBodyContact::Implementation
     std::vector<qcRigidNodeContact> m_rigidNodeContacts;
     const qcResult* m_result = nullptr; ///< of the last detection
     qcSoftCandidates m_candidates;      ///< of the first detection of the step
-    /// The penetrating pairs of the result, by index: `unproven` pairs have to be moved apart, `exempt` ones are
-    /// tangled since the start of the step.
-    std::vector<size_t> m_unproven, m_exempt;
-    qcSoftTangles m_tangles;        ///< of the start of the step; after the step, of its end
-    bool m_tanglesAreOfEnd = false; ///< m_tangles are those of the end of the previous step
+    std::vector<size_t> m_exempt;       ///< penetrating pairs of the result that may penetrate, by index
+    bool m_isCertified = false;         ///< m_unproven are those of the present positions
+    std::vector<qcUnprovenPair> m_unproven;
+    std::vector<qcUnprovenPair> m_nearTangles; ///< not proven apart, but allowed if their tangle doesn't grow
+    size_t m_exemptMotions = 0;                ///< pairs that penetrate at the start, or can't be separated there
+    qcSoftTangles m_tangles;                   ///< of the start of the step; after the step, of its end
+    bool m_tanglesAreOfEnd = false;            ///< m_tangles are those of the end of the previous step
     qcSeparationPlanes m_planes;
     qcSoftZones m_zones;
 };

@@ -25,6 +25,10 @@ struct qcSoftBodySettings
     /// More than half the shortest edge makes cloth stiff. Two bodies use the mean of both; a body and a mesh use half
     /// the body's thickness plus the mesh's margin.
     btScalar thickness = 0;
+    /// No triangle of the body that is apart from another one (its own, another soft body's, a mesh's) passes it within
+    /// a step, whatever the speed. false: only contacts at the end of a step hold it, and only against bodies whose
+    /// setting is false, too.
+    bool continuous = true;
     /// Coulomb friction. Two bodies use the mean of both; a rigid body has btRigidBody's own.
     btScalar friction = btScalar(0.3);
 };
@@ -45,12 +49,15 @@ struct qcSoftBodyStatistics
     /// one rigid body. Many in each step: cloth is squeezed between meshes, or too thin for the step.
     int zoneNodes = 0;
     int frozenNodes = 0; ///< deprecated: equal to zoneNodes
-    int remaining = 0;   ///< pairs that penetrate at the end of the step: exempt + unproven
-    int exempt = 0;      ///< pairs tangled since the start of the step, which are untangled over several steps
-    int unproven = 0;   ///< pairs that did not penetrate at the start: only kinematic meshes that leave no room do this
+    int remaining = 0;   ///< pairs that penetrate at the end of the step
+    int exempt = 0; ///< of these, pairs tangled since the start of the step, which are untangled over several steps
+    /// Pairs that are not proven apart over the step, though they were apart at its start: only kinematic meshes that
+    /// leave no room do this.
+    int unproven = 0;
     int meshes = 0;     ///< bodies with a qcMeshShape near a soft body
     int sweptNodes = 0; ///< nodes and rope links that passed through one of these within the step and were held back
-    /// The method of the step's last query; never qc_methodAuto: `layers` if the device answered for a part.
+    /// The method of the step's last query for contacts; never qc_methodAuto: `layers` if the device answered for a
+    /// part.
     qcMethod method = qc_methodSweep;
     const char* device = "none";    ///< name of the device that was used; "none" if the CPU answered alone
     const char* fallback = nullptr; ///< why another method than the requested one ran, or null; valid for one step

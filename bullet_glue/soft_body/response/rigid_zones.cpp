@@ -58,13 +58,13 @@ class RigidMotion
         m_angular += inertia * (axis * angle);
     }
 
-    btTransform Find() const
+    btTransform Find(bool rotates) const
     {
         btVector3 linear = m_linear / m_mass;
         // The tensor of nodes on one line is singular: they don't rotate.
         btScalar size = m_inertia[0][0] + m_inertia[1][1] + m_inertia[2][2];
         btVector3 turn(0, 0, 0);
-        if (m_inertia.determinant() > s_minDeterminant * size * size * size)
+        if (rotates && m_inertia.determinant() > s_minDeterminant * size * size * size)
             turn = m_inertia.inverse() * m_angular;
         btScalar angle = turn.length();
         btMatrix3x3 basis = btMatrix3x3::getIdentity();
@@ -100,7 +100,8 @@ void qcSoftZones::CollectMembers()
         m_members.push_back({nullptr, rigid.get(), 0, rigid->object->getWorldTransform()});
     m_sets.Reset(m_members.size());
     m_isInZone.assign(m_members.size(), false);
-    m_isFrozen.assign(m_members.size(), false);
+    m_states.assign(m_members.size(), State());
+    m_moved.assign(m_members.size(), Motion::Rigid);
     m_zones.assign(m_members.size(), s_none);
 }
 
@@ -128,22 +129,29 @@ bool qcSoftZones::Add(const qcPair& pair)
     std::vector<uint32_t> members;
     AppendMembersOf(pair.bodyA, pair.triangleA, &members);
     AppendMembersOf(pair.bodyB, pair.triangleB, &members);
+    const uint32_t last = m_zones[members[0]];
+    bool movedAsOne = last != s_none;
     uint32_t root = m_sets.Find(members[0]);
-    bool movedAsOne = true, isFrozen = false;
+    State united = m_states[root];
     for (uint32_t member : members)
     {
-        movedAsOne = movedAsOne && m_zones[member] != s_none && m_zones[member] == m_zones[members[0]];
-        isFrozen = isFrozen || m_isFrozen[m_sets.Find(member)];
+        movedAsOne = movedAsOne && m_zones[member] == last;
+        const State& other = m_states[m_sets.Find(member)];
+        united.min = std::max(united.min, other.min);
+        united.hasGrown = united.hasGrown || other.hasGrown;
         root = m_sets.Unite(root, member);
         m_isInZone[member] = true;
     }
-    // They have moved as one and still penetrate: by rounding alone, or since fixed members have different motions.
-    m_isFrozen[root] = isFrozen || movedAsOne;
-    return !movedAsOne || !isFrozen;
+    Motion moved = movedAsOne ? m_moved[last] : Motion::Rigid;
+    united.hasGrown = united.hasGrown || !movedAsOne;
+    if (movedAsOne)
+        united.min = std::max(united.min, moved == Motion::Rigid ? Motion::Translation : Motion::None);
+    m_states[root] = united;
+    return !movedAsOne || moved != Motion::None;
 }
 
 /// The motion of a zone from the start of the step. A fixed member determines it.
-btTransform qcSoftZones::FindMotion(const std::vector<uint32_t>& zone) const
+btTransform qcSoftZones::FindMotion(const std::vector<uint32_t>& zone, bool rotates) const
 {
     RigidMotion mean;
     for (uint32_t index : zone)
@@ -171,13 +179,19 @@ btTransform qcSoftZones::FindMotion(const std::vector<uint32_t>& zone) const
             mean.AddMotion(member.soft->start[member.node], member.target.getOrigin(),
                            1 / member.soft->InverseMass(member.node));
     }
-    return mean.Find();
+    return mean.Find(rotates);
 }
 
 void qcSoftZones::MoveZone(const std::vector<uint32_t>& zone)
 {
     uint32_t root = m_sets.Find(zone[0]);
-    btTransform motion = m_isFrozen[root] ? btTransform::getIdentity() : FindMotion(zone);
+    State& state = m_states[root];
+    // A zone that has grown is not returned to its start before it has moved.
+    if (state.hasGrown)
+        state = {std::min(state.min, Motion::Translation), false};
+    m_moved[root] = state.min;
+    btTransform motion =
+        state.min == Motion::None ? btTransform::getIdentity() : FindMotion(zone, state.min == Motion::Rigid);
     bool stays = motion == btTransform::getIdentity();
     for (uint32_t index : zone)
     {

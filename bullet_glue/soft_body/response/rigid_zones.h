@@ -1,7 +1,7 @@
 // Zones: nodes and meshes that separating planes could not keep apart, which move through the step as one rigid body.
 //
-// Members that are disjoint at the start of the step stay disjoint inside a zone. A zone's motion has the linear and
-// angular momentum of its members' own motions; a fixed member determines it alone. Proof:
+// A zone's motion has the linear and angular momentum of its members' own motions; a fixed member determines it alone.
+// A pair in a zone that is still not proven apart takes the zone's rotation, then all its motion. Proof:
 // plugin/docs/proofs/rigid_zones.md.
 #ifndef QC_GLUE_SOFT_BODY_RESPONSE_RIGID_ZONES_H
 #define QC_GLUE_SOFT_BODY_RESPONSE_RIGID_ZONES_H
@@ -17,8 +17,8 @@ class qcSoftZones
     }
 
     void Clear();
-    /// Unites the zones of both triangles of a pair. False: nothing has changed, since both are in one zone that has
-    /// been returned to its start already.
+    /// Unites the zones of both triangles of a pair that is not proven apart. False: nothing has changed, since both
+    /// are in one zone that has been returned to its start already.
     bool Add(const qcPair& pair);
     /// Moves all zones from the start of the step.
     void Move();
@@ -26,6 +26,20 @@ class qcSoftZones
     int NodeCount() const;
 
   private:
+    /// How a zone moves, from the first that is tried to the last.
+    enum class Motion : uint8_t
+    {
+        Rigid,
+        Translation,
+        None ///< the zone returns to its start, exactly
+    };
+
+    struct State
+    {
+        Motion min = Motion::Rigid; ///< the first motion that is left to it
+        bool hasGrown = false;      ///< since the last Move
+    };
+
     /// A node, or an object with meshes.
     struct Member
     {
@@ -38,7 +52,7 @@ class qcSoftZones
 
     void CollectMembers();
     void AppendMembersOf(uint32_t slot, uint32_t triangle, std::vector<uint32_t>* members) const;
-    btTransform FindMotion(const std::vector<uint32_t>& zone) const;
+    btTransform FindMotion(const std::vector<uint32_t>& zone, bool rotates) const;
     void MoveZone(const std::vector<uint32_t>& zone);
 
     qcSoftBodyScene& m_scene;
@@ -46,7 +60,8 @@ class qcSoftZones
     qcUnionFind m_sets;                ///< of members: the zones
     std::vector<bool> m_isInZone;      ///< by member
     std::vector<uint32_t> m_zones;     ///< by member: its zone in the last Move
-    std::vector<bool> m_isFrozen;      ///< by representative: the zone returns to its start, exactly
+    std::vector<State> m_states;       ///< by representative
+    std::vector<Motion> m_moved;       ///< by representative in the last Move
     std::vector<uint32_t> m_firstNode; ///< member index, by soft body
     uint32_t m_firstObject = 0;        ///< member index
 };

@@ -4,7 +4,6 @@
 #include "common/shape_triangles.h"
 
 #include <algorithm>
-#include <cmath>
 
 namespace
 {
@@ -29,7 +28,9 @@ qcPlaneSide SideOf(qcSoftBodyScene& scene, uint32_t slot, uint32_t triangle)
 /// A corner of a triangle, relative to a plane.
 struct Corner
 {
+    btVector3 motion;         ///< in the step so far
     btScalar height = 0;      ///< along the plane's normal, away from the plane
+    btScalar startHeight = 0; ///< at the start of the step
     btScalar inverseMass = 0; ///< along the normal; 0: fixed
     btVector3 arm;            ///< of a mesh: from the centre of its object
 };
@@ -38,12 +39,14 @@ struct Corners
 {
     const qcPlaneSide* side;
     btVector3 outward; ///< the plane's normal, away from the plane
+    btVector3 origin;  ///< of heights, near the triangle: heights are small, and little is rounded
     Corner corner[3];
     btScalar lowest = BT_LARGE_FLOAT;       ///< min height
     btScalar lowestPinned = BT_LARGE_FLOAT; ///< min height of fixed corners
     bool moves = false;
 
-    Corners(const qcPlaneSide& measured, const btVector3& direction) : side(&measured), outward(direction)
+    Corners(const qcPlaneSide& measured, const btVector3& direction, const btVector3& zero)
+        : side(&measured), outward(direction), origin(zero)
     {
         for (int i = 0; i < side->count; i++)
         {
@@ -59,7 +62,9 @@ struct Corners
     Corner OfSoft(uint32_t vertex) const
     {
         Corner made;
-        made.height = outward.dot(side->soft->positions[vertex]);
+        made.motion = side->soft->MotionOf(vertex, side->soft->start[vertex]);
+        made.height = outward.dot(side->soft->positions[vertex] - origin);
+        made.startHeight = outward.dot(side->soft->start[vertex] - origin);
         made.inverseMass = side->soft->InverseMass(vertex);
         return made;
     }
@@ -69,9 +74,12 @@ struct Corners
         const qcSceneRigid& rigid = *side->rigid;
         const btTransform& now = rigid.object->getWorldTransform();
         Corner made;
-        btVector3 point = now * (side->mesh->local * side->mesh->shape->getVertices()[vertex]);
+        btVector3 local = side->mesh->local * side->mesh->shape->getVertices()[vertex], point = now * local;
         made.arm = point - now.getOrigin();
-        made.height = outward.dot(point + rigid.linear + rigid.angular.cross(made.arm));
+        point += rigid.linear + rigid.angular.cross(made.arm);
+        made.motion = point - rigid.start * local;
+        made.height = outward.dot(point - origin);
+        made.startHeight = outward.dot(rigid.start * local - origin);
         made.inverseMass = outward.dot(rigid.DisplacementAt(made.arm, outward));
         return made;
     }
@@ -102,24 +110,62 @@ struct Corners
         return sum;
     }
 
-    void Raise(btScalar floor) const
+    /// The motion of the corners that the floor raises, weighted by impulses, or their mean if none can move; `raised`:
+    /// likewise, the distance.
+    btVector3 MeanMotion(btScalar floor, btScalar* raised) const
+    {
+        btVector3 sum(0, 0, 0), all(0, 0, 0);
+        btScalar weights = 0, distances = 0;
+        for (int i = 0; i < side->count; i++)
+        {
+            btScalar distance = std::max(btScalar(0), floor - corner[i].height);
+            btScalar weight = corner[i].inverseMass > 0 ? distance / corner[i].inverseMass : btScalar(0);
+            sum += corner[i].motion * weight;
+            distances += distance * weight;
+            weights += weight;
+            all += corner[i].motion / btScalar(side->count);
+        }
+        *raised = weights > 0 ? distances / weights : btScalar(0);
+        return weights > 0 ? sum / weights : all;
+    }
+
+    /// Raises all corners to the floor; `sliding`: the motion against friction, for each unit of distance raised.
+    void Raise(btScalar floor, const btVector3& sliding) const
     {
         if (side->rigid != nullptr)
         {
             if (const Corner* deepest = Deepest(floor))
-                side->rigid->Push(deepest->arm, outward * ((floor - deepest->height) / deepest->inverseMass));
+                side->rigid->Push(deepest->arm,
+                                  (outward + sliding) * ((floor - deepest->height) / deepest->inverseMass));
             return;
         }
         for (int i = 0; i < side->count; i++)
             if (corner[i].inverseMass > 0 && corner[i].height < floor)
-                side->soft->positions[side->vertices[i]] += outward * (floor - corner[i].height);
+                side->soft->positions[side->vertices[i]] += (outward + sliding) * (floor - corner[i].height);
     }
 };
+
+/// The displacement of the upper side by friction, for each unit of distance raised: at most the coefficient, and not
+/// more than stops the sliding. The lower side has the opposite one, so impulses stay equal and opposite.
+btVector3 FindFriction(const qcSeparationPlane& plane, const Corners& above, btScalar floorAbove, const Corners& below,
+                       btScalar floorBelow)
+{
+    btScalar raisedAbove, raisedBelow;
+    btVector3 motion = above.MeanMotion(floorAbove, &raisedAbove) - below.MeanMotion(floorBelow, &raisedBelow);
+    btVector3 sliding = motion - plane.normal * plane.normal.dot(motion);
+    btScalar length = sliding.length(), raised = raisedAbove + raisedBelow;
+    if (length <= SIMD_EPSILON || raised <= 0)
+        return btVector3(0, 0, 0);
+    return sliding * (-std::min(plane.friction / length, 1 / raised));
+}
 
 /// Divides the missing gap between both sides so that they get the same impulse.
 void SolvePlane(const qcSeparationPlane& plane)
 {
-    Corners above(plane.above, plane.normal), below(plane.below, -plane.normal);
+    btVector3 origin = plane.above.soft != nullptr   ? plane.above.soft->positions[plane.above.vertices[0]]
+                       : plane.below.soft != nullptr ? plane.below.soft->positions[plane.below.vertices[0]]
+                                                     : plane.above.rigid->start.getOrigin();
+    Corners above(plane.above, plane.normal, origin), below(plane.below, -plane.normal, origin);
     btScalar missing = plane.gap - above.lowest - below.lowest;
     if (missing <= 0 || (!above.moves && !below.moves))
         return;
@@ -141,15 +187,41 @@ void SolvePlane(const qcSeparationPlane& plane)
             above.Impulse(above.lowest + share * missing) > below.Impulse(below.lowest + (1 - share) * missing);
         (isTooLarge ? max : min) = share;
     }
-    above.Raise(above.lowest + min * missing);
-    below.Raise(below.lowest + (1 - min) * missing);
+    btScalar floorAbove = above.lowest + min * missing, floorBelow = below.lowest + (1 - min) * missing;
+    btVector3 friction = FindFriction(plane, above, floorAbove, below, floorBelow);
+    above.Raise(floorAbove, friction);
+    below.Raise(floorBelow, -friction);
 }
 
 btScalar ThicknessOf(const qcPlaneSide& side)
 {
     return side.soft != nullptr ? side.soft->thickness / 2 : side.mesh->shape->getMargin();
 }
+
+btScalar FrictionOf(const qcPlaneSide& side)
+{
+    return side.soft != nullptr ? side.soft->settings.friction : side.rigid->object->getFriction();
+}
 } // namespace
+
+qcTouchingMotion qcClassifyTouching(qcSoftBodyScene& scene, const qcUnprovenPair& unproven)
+{
+    const qcPlaneSide above = SideOf(scene, unproven.pair.bodyA, unproven.pair.triangleA),
+                      below = SideOf(scene, unproven.pair.bodyB, unproven.pair.triangleB);
+    const btVector3 zero(0, 0, 0);
+    Corners a(above, unproven.normal, zero), b(below, -unproven.normal, zero);
+    btScalar startA = BT_LARGE_FLOAT, startB = BT_LARGE_FLOAT, size = 0;
+    for (int i = 0; i < above.count; i++)
+        startA = std::min(startA, a.corner[i].startHeight);
+    for (int i = 0; i < below.count; i++)
+    {
+        startB = std::min(startB, b.corner[i].startHeight);
+        size = std::max(size, btFabs(b.corner[i].startHeight));
+    }
+    if (startA + startB < -8 * SIMD_EPSILON * size)
+        return qcTouchingMotion::Entangled;
+    return a.lowest + b.lowest > 0 ? qcTouchingMotion::Proven : qcTouchingMotion::Unproven;
+}
 
 void qcSeparationPlanes::Clear()
 {
@@ -157,23 +229,19 @@ void qcSeparationPlanes::Clear()
     m_pairs.clear();
 }
 
-void qcSeparationPlanes::Add(qcSoftBodyScene& scene, const qcPair& pair)
+void qcSeparationPlanes::Add(qcSoftBodyScene& scene, const qcUnprovenPair& unproven)
 {
+    const qcPair& pair = unproven.pair;
     if (!m_pairs.insert({pair.bodyA, pair.triangleA, pair.bodyB, pair.triangleB}).second)
-        return;
-    double above[9], below[9];
-    scene.GetStartCorners(pair.bodyA, pair.triangleA, above);
-    scene.GetStartCorners(pair.bodyB, pair.triangleB, below);
-    qcProximity start;
-    if (!qcTrianglesWithin(above, below, HUGE_VAL, &start))
         return;
     qcSeparationPlane plane;
     plane.above = SideOf(scene, pair.bodyA, pair.triangleA);
     plane.below = SideOf(scene, pair.bodyB, pair.triangleB);
-    plane.normal = qcVectorOf(start.normal);
+    plane.normal = unproven.normal;
     // Contacts restore the thickness; a plane only restores a gap, no larger than that of the start.
     btScalar thickness = ThicknessOf(plane.above) + ThicknessOf(plane.below);
-    plane.gap = std::min(btScalar(start.distance), thickness / 4);
+    plane.gap = std::min(unproven.distance, thickness / 4);
+    plane.friction = (FrictionOf(plane.above) + FrictionOf(plane.below)) / 2;
     m_planes.push_back(plane);
 }
 

@@ -1,6 +1,6 @@
-// Separating planes between triangles that are disjoint at the start of a step and penetrate at its end. The normal is
-// the direction between their closest points at the start. Both triangles are pushed out of the gap that they had along
-// it, by equal and opposite momentum: the response is the same in any frame of reference.
+// Separating planes between triangles that are disjoint at the start of a step and not proven apart over it. The normal
+// is the direction between their closest points at the start. Both triangles are pushed out of the gap that they had
+// along it, by equal and opposite momentum, with Coulomb friction: the response is the same in any frame of reference.
 #ifndef QC_GLUE_SOFT_BODY_RESPONSE_SEPARATING_PLANES_H
 #define QC_GLUE_SOFT_BODY_RESPONSE_SEPARATING_PLANES_H
 
@@ -19,24 +19,47 @@ struct qcPlaneSide
     int count = 0;
 };
 
+/// A pair that is not proven apart over the step.
+struct qcUnprovenPair
+{
+    qcPair pair;
+    btVector3 normal;  ///< of the start: from the closest point of B to that of A; of least penetration if they touch
+    btScalar distance; ///< at the start
+};
+
+/// How a pair that touches at the start moves along its direction of least penetration.
+enum class qcTouchingMotion
+{
+    Proven,   ///< the direction separates at the end, and up to rounding at the start
+    Unproven, ///< it separates at the start only
+    Entangled ///< it doesn't separate at the start: no plane can keep the pair apart
+};
+
+qcTouchingMotion qcClassifyTouching(qcSoftBodyScene& scene, const qcUnprovenPair& pair);
+
 struct qcSeparationPlane
 {
     qcPlaneSide above, below;
     btVector3 normal; ///< unit, from below to above
     btScalar gap;     ///< required distance of the two triangles along the normal
+    btScalar friction;
 };
 
 class qcSeparationPlanes
 {
   public:
     void Clear();
-    /// Adds a plane for a pair that penetrates now and was disjoint at the start of the step, unless the pair has one.
-    void Add(qcSoftBodyScene& scene, const qcPair& pair);
+    /// Adds a plane for a pair, unless the pair has one.
+    void Add(qcSoftBodyScene& scene, const qcUnprovenPair& unproven);
     /// Gauss-Seidel sweeps over all planes. Moves positions of nodes; meshes move with the next Commit.
     void Solve(int sweeps);
     size_t Count() const
     {
         return m_planes.size();
+    }
+    const std::vector<qcSeparationPlane>& Planes() const
+    {
+        return m_planes;
     }
 
   private:

@@ -51,11 +51,30 @@ void qcSoftTangles::MoveExempt(qcSoftBodyScene& scene, const qcResult& result, s
     pairs->erase(middle, pairs->end());
 }
 
-void qcSoftTangles::Read(qcSoftBodyScene& scene, const qcResult& result)
+void qcSoftTangles::Clear()
 {
     m_triangles.clear();
     m_vertices.clear();
     m_counts.clear();
+}
+
+bool qcSoftTangles::IsNear(qcSoftBodyScene& scene, const qcPair& pair) const
+{
+    return !IsEmpty() && IsNearTangle(scene, pair.bodyA, pair.triangleA, pair.bodyB) &&
+           IsNearTangle(scene, pair.bodyB, pair.triangleB, pair.bodyA);
+}
+
+bool qcSoftTangles::HasGrown(const qcResult& result, uint32_t bodyA, uint32_t bodyB) const
+{
+    auto isTheirs = [=](const qcPair& pair) { return pair.bodyA == bodyA && pair.bodyB == bodyB; };
+    auto atStart = m_counts.find({bodyA, bodyB});
+    return size_t(std::count_if(result.pairs, result.pairs + result.pairCount, isTheirs)) >
+           (atStart == m_counts.end() ? 0 : atStart->second);
+}
+
+void qcSoftTangles::Read(qcSoftBodyScene& scene, const qcResult& result)
+{
+    Clear();
     for (size_t i = 0; i < result.pairCount; i++)
     {
         const qcPair& pair = result.pairs[i];

@@ -26,6 +26,12 @@ class qcSoftTangles
     /// but not grow.
     void MoveExempt(qcSoftBodyScene& scene, const qcResult& result, std::vector<size_t>* pairs,
                     std::vector<size_t>* exempt) const;
+    void Clear();
+    /// True if both triangles are near a tangle of their bodies: a soft body's triangle with a tangled vertex, or a
+    /// tangled triangle of a mesh.
+    bool IsNear(qcSoftBodyScene& scene, const qcPair& pair) const;
+    /// True if the result has more pairs of these two bodies than the start of the step.
+    bool HasGrown(const qcResult& result, uint32_t bodyA, uint32_t bodyB) const;
     /// True if all vertices of one side are tangled with the other side's body: the side on which they belong is
     /// unknown.
     bool IsExempt(const qcContact& contact) const;

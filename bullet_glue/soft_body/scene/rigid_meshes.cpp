@@ -158,17 +158,6 @@ bool qcFindTransform(const qcSceneRigid& rigid, const qcSceneMesh& mesh, btTrans
     return true;
 }
 
-void qcTransformVertex(const qcSceneMesh& mesh, const btTransform& transform, uint32_t vertex, double position[3])
-{
-    const btVector3& p = mesh.shape->getVertices()[vertex];
-    qcTransform t = qcTransformOf(transform);
-    for (int axis = 0; axis < 3; axis++)
-    {
-        const double* row = &t.linear[3 * axis];
-        position[axis] = row[0] * double(p.x()) + row[1] * double(p.y()) + row[2] * double(p.z()) + t.translation[axis];
-    }
-}
-
 btVector3 qcSceneRigid::DisplacementAt(const btVector3& arm, const btVector3& push) const
 {
     if (body == nullptr)

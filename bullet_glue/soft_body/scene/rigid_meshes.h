@@ -59,9 +59,6 @@ btScalar qcMaxDisplacement(const qcSceneMesh& mesh, const btTransform& from, con
 /// The present transform of a mesh of the object. False if the object no longer has this mesh, unchanged.
 bool qcFindTransform(const qcSceneRigid& rigid, const qcSceneMesh& mesh, btTransform* transform);
 
-/// A vertex in world space under this transform of the mesh, rounded as the scene rounds it.
-void qcTransformVertex(const qcSceneMesh& mesh, const btTransform& transform, uint32_t vertex, double position[3]);
-
 class qcSoftBodyMeshes
 {
   public:

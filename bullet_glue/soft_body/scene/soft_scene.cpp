@@ -24,6 +24,22 @@ void FindPinned(qcSceneSoftBody& tracked)
     }
 }
 
+/// True if no node is further from the end of the previous step than half the size that the body had there.
+bool IsNearEnd(const qcSceneSoftBody& tracked, btVector3 btSoftBody::Node::*start)
+{
+    if (!tracked.hasEnd || tracked.positions.size() != size_t(tracked.NodeCount()) || tracked.positions.empty())
+        return false;
+    btVector3 lower = tracked.positions[0], upper = lower;
+    btScalar largest = 0;
+    for (size_t i = 0; i < tracked.positions.size(); i++)
+    {
+        lower.setMin(tracked.positions[i]);
+        upper.setMax(tracked.positions[i]);
+        largest = std::max(largest, tracked.positions[i].distance2(tracked.body->m_nodes[int(i)].*start));
+    }
+    return 4 * largest <= (upper - lower).length2();
+}
+
 /// The box of a soft body's motion from the start of the step to its solved positions. False: it has no finite box.
 bool BoxOf(const qcSceneSoftBody& tracked, btVector3 box[2])
 {
@@ -100,8 +116,8 @@ void qcSoftBodyScene::ApplySettings(qcSceneSoftBody& tracked)
         found->second.uniqueId = tracked.uniqueId;
     qcSoftBodySettings settings = GetSettings(tracked.body);
     // The previous result has no pairs of sleeping bodies, nor self-collisions that were off.
-    tracked.startsWhereItEnded =
-        tracked.moves == tracked.body->isActive() && tracked.settings.selfCollision == settings.selfCollision;
+    tracked.startsWhereItEnded = tracked.startsWhereItEnded && tracked.moves == tracked.body->isActive() &&
+                                 tracked.settings.selfCollision == settings.selfCollision;
     tracked.settings = settings;
     tracked.thickness = tracked.settings.thickness > 0 ? tracked.settings.thickness
                                                        : std::min(tracked.topology.defaultThickness,
@@ -122,11 +138,15 @@ qcStatus qcSoftBodyScene::CreateScene()
 void qcSoftBodyScene::ReadStart(qcSceneSoftBody& tracked, btVector3 btSoftBody::Node::*start)
 {
     ApplySettings(tracked);
-    tracked.start.resize(size_t(tracked.NodeCount()));
     // A body that Bullet does not simulate stays where it is.
-    for (int n = 0; n < tracked.NodeCount(); n++)
-        tracked.start[size_t(n)] = tracked.moves ? tracked.body->m_nodes[n].*start : tracked.body->m_nodes[n].m_x;
-    tracked.startsWhereItEnded = tracked.startsWhereItEnded && tracked.start == tracked.positions;
+    auto member = tracked.moves ? start : &btSoftBody::Node::m_x;
+    bool isNearEnd = IsNearEnd(tracked, member);
+    tracked.start.resize(size_t(tracked.NodeCount()));
+    for (int n = 0; n < tracked.NodeCount() && !isNearEnd; n++)
+        tracked.start[size_t(n)] = tracked.body->m_nodes[n].*member;
+    if (isNearEnd)
+        tracked.start = tracked.positions;
+    tracked.startsWhereItEnded = tracked.startsWhereItEnded && isNearEnd;
     FindPinned(tracked);
 }
 
@@ -202,30 +222,37 @@ qcStatus qcSoftBodyScene::SyncStartPositions()
     return status == qc_statusOk ? meshes.SyncTransforms(m_scene, true) : status;
 }
 
+qcStatus qcSoftBodyScene::MarkStart()
+{
+    // Bodies of the previous step are where it left them.
+    bool isThere = StartsWhereStepEnded();
+    qcStatus status = isThere ? qc_statusOk : SetVertices(&qcSceneSoftBody::start);
+    if (status == qc_statusOk)
+        status = meshes.SyncTransforms(m_scene, true);
+    return status == qc_statusOk ? qcScene_MarkStart(m_scene) : status;
+}
+
+void qcSoftBodyScene::EndStep(bool solved)
+{
+    for (qcSceneSoftBody& tracked : m_bodies)
+    {
+        tracked.hasEnd = true;
+        if (solved)
+            tracked.positions = tracked.solved;
+        tracked.startsWhereItEnded = !solved;
+    }
+}
+
+bool qcSoftBodyScene::IsContinuous() const
+{
+    return std::all_of(m_bodies.begin(), m_bodies.end(),
+                       [](const qcSceneSoftBody& tracked) { return tracked.settings.continuous; });
+}
+
 bool qcSoftBodyScene::StartsWhereStepEnded() const
 {
     auto startsThere = [](const qcSceneSoftBody& tracked) { return tracked.startsWhereItEnded; };
     return std::all_of(m_bodies.begin(), m_bodies.end(), startsThere) && meshes.StartWhereTheyEnded();
-}
-
-void qcSoftBodyScene::GetStartCorners(uint32_t slot, uint32_t triangle, double corners[9])
-{
-    const qcSceneSoftBody* soft = Find(slot);
-    qcSceneRigid* rigid = nullptr;
-    const qcSceneMesh* mesh = soft == nullptr ? meshes.Find(slot, &rigid) : nullptr;
-    for (size_t c = 0; c < 3; c++)
-    {
-        size_t corner = 3 * size_t(triangle) + c;
-        if (mesh != nullptr)
-        {
-            uint32_t vertex = mesh->shape->getIndices()[corner];
-            qcTransformVertex(*mesh, rigid->start * mesh->local, vertex, &corners[3 * c]);
-            continue;
-        }
-        const btVector3& point = soft->start[soft->topology.indices[corner]];
-        for (size_t axis = 0; axis < 3; axis++)
-            corners[3 * c + axis] = double(point[int(axis)]);
-    }
 }
 
 qcStatus qcSoftBodyScene::Detect(btScalar contactMargin, bool segments, const qcResult** result)
@@ -235,6 +262,16 @@ qcStatus qcSoftBodyScene::Detect(btScalar contactMargin, bool segments, const qc
     def.contactMargin = double(contactMargin);
     def.nearestContacts = true;
     def.segments = segments;
+    def.threads = threads;
+    return qcScene_Detect(m_scene, &def, result);
+}
+
+qcStatus qcSoftBodyScene::DetectMotion(const qcResult** result)
+{
+    qcDetectDef def = qcDefaultDetectDef();
+    def.method = method;
+    def.motion = true;
+    def.proximities = true;
     def.threads = threads;
     return qcScene_Detect(m_scene, &def, result);
 }

@@ -19,10 +19,14 @@ struct qcSceneSoftBody
     qcBodyId id{};
     qcSoftTopology topology; ///< of the body in the scene
     qcSoftBodySettings settings;
-    btScalar thickness = 0;           ///< settings.thickness, or the default where that is 0
-    bool moves = true;                ///< false: Bullet does not simulate it at present, and contacts don't move it
-    bool startsWhereItEnded = false;  ///< its state is that of the end of the previous step
-    std::vector<btVector3> start;     ///< node positions at the start of the step
+    btScalar thickness = 0;          ///< settings.thickness, or the default where that is 0
+    bool moves = true;               ///< false: Bullet does not simulate it at present, and contacts don't move it
+    bool startsWhereItEnded = false; ///< its state is that of the end of the previous step
+    bool hasEnd = false;             ///< `positions` are those of the end of the previous step
+    /// Node positions at the start of the step: where the previous step left them, so that nodes that the application
+    /// moves between two steps don't jump through anything. A body that it moves by more than half its size is put
+    /// elsewhere, and starts there.
+    std::vector<btVector3> start;
     std::vector<btVector3> solved;    ///< after Bullet's own solvers
     std::vector<btVector3> positions; ///< after contacts so far; copied to Bullet's nodes at the end of the step
     /// The parts of the positions that untangling added in this step; they give no velocity. Empty: none.
@@ -83,12 +87,21 @@ class qcSoftBodyScene
     qcStatus SyncPositions();
     /// Sets the positions of the start of the step in the scene.
     qcStatus SyncStartPositions();
+    /// Sets the positions of the start of the step, and marks them as the start of the motion. Call it after
+    /// ReadSolved.
+    qcStatus MarkStart();
+    /// Ends the step: the next one starts from the present positions (`solved`: from those after Bullet's own solvers),
+    /// unless bodies are put elsewhere in between.
+    void EndStep(bool solved);
+    /// True if the motion of each soft body is certified.
+    bool IsContinuous() const;
     /// True if all bodies and meshes start where the previous step ended, and the settings that decide which triangles
     /// are tested are unchanged. Call it after ReadSolved.
     bool StartsWhereStepEnded() const;
-    /// The corners of a triangle at the start of the step.
-    void GetStartCorners(uint32_t slot, uint32_t triangle, double corners[9]);
     qcStatus Detect(btScalar contactMargin, bool segments, const qcResult** result);
+    /// Finds the pairs that are not proven apart from the start of the step to the present positions, with proximities
+    /// of the start.
+    qcStatus DetectMotion(const qcResult** result);
 
     /// The soft body of a slot, or null.
     qcSceneSoftBody* Find(uint32_t slot);

@@ -123,7 +123,7 @@ START_TEST(a_scrambled_body_recovers_as_it_does_in_bullet)
         bullets.Step();
         const qcSoftBodyStatistics& statistics = ours.quick->getStatistics();
         ck_assert_int_eq(statistics.status, qc_statusOk);
-        ck_assert_int_eq(statistics.remaining, statistics.exempt + statistics.unproven);
+        ck_assert_int_le(statistics.remaining, statistics.exempt + statistics.unproven);
         ck_assert_uint_eq(size_t(statistics.remaining), ours.CountTangled());
         oursLast = statistics.remaining > 0 ? step : oursLast;
         bulletsLast = bullets.CountTangled() > 0 ? step : bulletsLast;
@@ -235,7 +235,7 @@ START_TEST(a_cloth_crushed_between_two_meshes_is_reported_and_not_thrown_away)
         world.world.stepSimulation(s_step, 0);
         const qcSoftBodyStatistics& statistics = world.softSolver.getStatistics();
         ck_assert_int_eq(statistics.status, qc_statusOk);
-        ck_assert_int_eq(statistics.remaining, statistics.exempt + statistics.unproven);
+        ck_assert_int_le(statistics.remaining, statistics.exempt + statistics.unproven);
         if (70 - step > 22)
             ck_assert_int_eq(statistics.remaining, 0);
         unproven += statistics.unproven;
