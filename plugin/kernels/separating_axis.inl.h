@@ -79,9 +79,11 @@ QC_INLINE Vectors TransformPoints(const qcDistanceThresholds* thresholds, Vector
     return (Vectors){x[0], x[1], x[2]};
 }
 
-/// The first QC_LANES pairs; past the end the last one is repeated.
-QC_INLINE PairLanes LoadPairs(const qcIndexedTriangles* a, const qcIndexedTriangles* b,
-                              const qcDistanceThresholds* thresholds, const qcSlotPair* pairs, size_t count)
+/// The first QC_LANES pairs; past the end the last one is repeated. `frameA` transforms the points of a; null: they are
+/// in the frame already.
+QC_INLINE PairLanes LoadFramedPairs(const qcIndexedTriangles* a, const qcDistanceThresholds* frameA,
+                                    const qcIndexedTriangles* b, const qcDistanceThresholds* thresholds,
+                                    const qcSlotPair* pairs, size_t count)
 {
     uint32_t id[6][QC_LANES];
     for (size_t lane = 0; lane < QC_LANES; lane++)
@@ -94,9 +96,16 @@ QC_INLINE PairLanes LoadPairs(const qcIndexedTriangles* a, const qcIndexedTriang
             id[3 + c][lane] = q[c];
         }
     }
-    Vectors first = LoadPoints(a->points, id[0]);
-    PairLanes l = {.b = Subtract(LoadPoints(a->points, id[1]), first),
-                   .c = Subtract(LoadPoints(a->points, id[2]), first),
+    Vectors corner[3];
+    for (int c = 0; c < 3; c++)
+    {
+        corner[c] = LoadPoints(a->points, id[c]);
+        if (frameA != NULL)
+            corner[c] = TransformPoints(frameA, corner[c]);
+    }
+    Vectors first = corner[0];
+    PairLanes l = {.b = Subtract(corner[1], first),
+                   .c = Subtract(corner[2], first),
                    .d = Subtract(TransformPoints(thresholds, LoadPoints(b->points, id[3])), first),
                    .e = Subtract(TransformPoints(thresholds, LoadPoints(b->points, id[4])), first),
                    .f = Subtract(TransformPoints(thresholds, LoadPoints(b->points, id[5])), first)};
@@ -110,6 +119,12 @@ QC_INLINE PairLanes LoadPairs(const qcIndexedTriangles* a, const qcIndexedTriang
     l.error = thresholds->pointError * scale;
     l.gap = (4.0f * thresholds->pointError + thresholds->query) * scale * 1.0001f + 4e-6f;
     return l;
+}
+
+QC_INLINE PairLanes LoadPairs(const qcIndexedTriangles* a, const qcIndexedTriangles* b,
+                              const qcDistanceThresholds* thresholds, const qcSlotPair* pairs, size_t count)
+{
+    return LoadFramedPairs(a, NULL, b, thresholds, pairs, count);
 }
 
 /// The planes of both triangles: they separate most pairs.

@@ -51,6 +51,38 @@ static inline uint64_t FindBoxOverlaps(const qcBox8* a, const qcBox8* b)
     return ~disjoint;
 }
 
+/// The same for a motion: an axis counts if it separates in the same order at both ends.
+static inline uint64_t FindMotionBoxOverlaps(const qcBox8* const a[2], const qcBox8* const b[2])
+{
+    __m256i ends[2][3], limits[2][3];
+    for (int t = 0; t < 2; t++)
+        for (int axis = 0; axis < 3; axis++)
+        {
+            ends[t][axis] = _mm256_loadu_si256((const __m256i*)a[t]->ends[axis]);
+            __m256i other = _mm256_loadu_si256((const __m256i*)b[t]->ends[axis]);
+            limits[t][axis] = _mm256_xor_si256(_mm256_permute4x64_epi64(other, 0x4e), _mm256_set1_epi8(-1));
+        }
+    uint64_t disjoint = 0;
+    for (int j = 0; j < qc_boxLanes; j += 2)
+    {
+        __m256i row[2];
+        for (int k = 0; k < 2; k++)
+        {
+            __m256i pick = _mm256_set1_epi16((short)(0x0100 + 0x0202 * (j + k)));
+            row[k] = _mm256_setzero_si256();
+            for (int axis = 0; axis < 3; axis++)
+                row[k] = _mm256_or_si256(
+                    row[k],
+                    _mm256_and_si256(_mm256_cmpgt_epi16(ends[0][axis], _mm256_shuffle_epi8(limits[0][axis], pick)),
+                                     _mm256_cmpgt_epi16(ends[1][axis], _mm256_shuffle_epi8(limits[1][axis], pick))));
+        }
+        __m256i both = _mm256_packs_epi16(row[0], row[1]);
+        __m128i either = _mm_or_si128(_mm256_castsi256_si128(both), _mm256_extracti128_si256(both, 1));
+        disjoint |= (uint64_t)(uint32_t)_mm_movemask_epi8(either) << 8 * j;
+    }
+    return ~disjoint;
+}
+
 #include "kernels/triangle_kernels.inl.h"
 
 /// Four floats of lanes 0 to 3 and of lanes 4 to 7 side by side, then columns to vectors.

@@ -47,6 +47,33 @@ static inline uint64_t FindBoxOverlaps(const qcBox8* a, const qcBox8* b)
     return overlaps;
 }
 
+/// The same for a motion: an axis counts if it separates in the same order at both ends.
+static inline uint64_t FindMotionBoxOverlaps(const qcBox8* const a[2], const qcBox8* const b[2])
+{
+    __m512i ends[2][3], limits[2][3];
+    for (int t = 0; t < 2; t++)
+        for (int axis = 0; axis < 3; axis++)
+        {
+            ends[t][axis] = _mm512_broadcast_i64x4(_mm256_loadu_si256((const __m256i*)a[t]->ends[axis]));
+            __m256i other = _mm256_loadu_si256((const __m256i*)b[t]->ends[axis]);
+            limits[t][axis] =
+                _mm512_broadcast_i64x4(_mm256_xor_si256(_mm256_permute4x64_epi64(other, 0x4e), _mm256_set1_epi8(-1)));
+        }
+    uint64_t overlaps = 0;
+    for (int j = 0; j < qc_boxLanes; j += 2)
+    {
+        __m512i pick = _mm512_inserti64x4(_mm512_set1_epi16((short)(0x0100 + 0x0202 * j)),
+                                          _mm256_set1_epi16((short)(0x0100 + 0x0202 * (j + 1))), 1);
+        __mmask32 both = ~(__mmask32)0;
+        for (int axis = 0; axis < 3; axis++)
+            both &= _mm512_cmple_epi16_mask(ends[0][axis], _mm512_shuffle_epi8(limits[0][axis], pick)) |
+                    _mm512_cmple_epi16_mask(ends[1][axis], _mm512_shuffle_epi8(limits[1][axis], pick));
+        uint32_t rows = both & both >> 8 & 0x00ff00ffu;
+        overlaps |= (uint64_t)((rows | rows >> 8) & 0xffffu) << 8 * j;
+    }
+    return overlaps;
+}
+
 #include "kernels/triangle_kernels.inl.h"
 
 /// The four floats of every fourth lane side by side, then columns to vectors.

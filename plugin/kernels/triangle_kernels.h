@@ -96,6 +96,15 @@ typedef struct qcTransformedBvh
     qcBoxTransform points; ///< from its points to the lattice of the first
 } qcTransformedBvh;
 
+/// One of two BVHs of a motion, at the start and at the end. Lattices and frames have world axes: those of a BVH in
+/// world coordinates, or those that the other one is transformed to.
+typedef struct qcMotionBvh
+{
+    qcTransformedBvh at[2];         ///< the transforms are unused unless isTransformed
+    qcDistanceThresholds frames[2]; ///< query distance 0; the point errors are those of the pair of BVHs
+    bool isTransformed;
+} qcMotionBvh;
+
 /// A patch of triangles (mesh/flat_patches.h), and the vertices of its boundary loop in order.
 typedef struct qcPatchGeometry
 {
@@ -194,6 +203,20 @@ typedef struct qcTriangleKernels
     /// True: no two features of the patch without a common vertex are within the query distance. With distance 0, no
     /// two triangles without a common vertex intersect.
     bool (*isPatchFlat)(const qcPatchGeometry* patch);
+
+    //  Motions: pairs that no tested direction separates at both ends, in the same order.
+
+    /// Like findOverlaps; boxes at the start and at the end.
+    uint64_t (*findMotionOverlaps)(const qcBox8* const a[2], const qcBox8* const b[2]);
+    /// Like collectPairs.
+    qcSlotPair* (*collectMotionPairs)(const qcMotionBvh* a, uint32_t nodeA, const qcMotionBvh* b, uint32_t nodeB,
+                                      const uint64_t* pairMasks, const qcPairExclusion* exclusions, int exclusionCount,
+                                      qcSlotPair* pairs);
+    /// Like filter.
+    size_t (*filterMotion)(const qcMotionBvh* a, const qcMotionBvh* b, qcSlotPair* pairs, size_t count);
+    /// True: no two triangles of the patch without a common vertex meet during the motion. `patches`: at the start and
+    /// at the end; times the scales, 1 or smaller powers of two, lengths of both are comparable.
+    bool (*isPatchFlatInMotion)(const qcPatchGeometry patches[2], const float scales[2]);
 
     //  Contacts.
 

@@ -1,8 +1,8 @@
 // The kernels, written once for all instruction sets: boxes here, the rest in the headers that this one includes. The
 // source of an instruction set defines before it includes this header: QC_LANES (floats in a vector), Shorts (eight
 // int16_t), MinShorts, MinFloats, MaxFloats, SquareRoot, Transpose (eight rows to eight columns), TransformVertex (one
-// vertex) and FindBoxOverlaps (see findOverlaps); and after it: LoadPoints (QC_LANES points to three vectors) and
-// SignBits (a bit for each lane that is true).
+// vertex), FindBoxOverlaps and FindMotionBoxOverlaps (see findOverlaps and findMotionOverlaps); and after it:
+// LoadPoints (QC_LANES points to three vectors) and SignBits (a bit for each lane that is true).
 #ifndef QC_KERNELS_TRIANGLE_KERNELS_INL_H
 #define QC_KERNELS_TRIANGLE_KERNELS_INL_H
 
@@ -118,7 +118,9 @@ static qcSlotPair* CollectPairs(const qcBvhBoxes* a, uint32_t nodeA, const qcBvh
 
 #include "kernels/feature_distance.inl.h"
 #include "kernels/flat_patch_test.inl.h"
+#include "kernels/flat_patch_motion.inl.h"
 #include "kernels/lattice_transform.inl.h"
+#include "kernels/motion.inl.h"
 #include "kernels/triangle_distance.inl.h"
 #include "kernels/neighbour_pairs.inl.h"
 #include "kernels/vertex_fan_test.inl.h"
@@ -130,7 +132,9 @@ static qcSlotPair* CollectPairs(const qcBvhBoxes* a, uint32_t nodeA, const qcBvh
         .transformBoxes = TransformBoxes, .transformTriangles = TransformTriangles,                                    \
         .collectTransformedPairs = CollectTransformedPairs, .filter = Filter, .classify = Classify,                    \
         .filterNeighbours = FilterNeighbours, .findSeparatedFans = FindSeparatedFans,                                  \
-        .findIntersecting = FindIntersecting, .findNearFeatures = FindNearFeatures                                     \
+        .findIntersecting = FindIntersecting, .findMotionOverlaps = FindMotionOverlaps,                                \
+        .collectMotionPairs = CollectMotionPairs, .filterMotion = FilterMotion,                                        \
+        .isPatchFlatInMotion = IsPatchFlatInMotion, .findNearFeatures = FindNearFeatures                               \
     }
 
 #endif

@@ -85,6 +85,31 @@ static inline uint64_t FindBoxOverlaps(const qcBox8* a, const qcBox8* b)
     return overlaps;
 }
 
+/// The same for a motion: an axis counts if it separates in the same order at both ends.
+static inline uint64_t FindMotionBoxOverlaps(const qcBox8* const a[2], const qcBox8* const b[2])
+{
+    uint64_t overlaps = 0;
+    for (int j = 0; j < qc_boxLanes; j++)
+    {
+        Shorts disjoint = {0};
+        for (int axis = 0; axis < 3; axis++)
+        {
+            Shorts above = ~(Shorts){0}, below = above;
+            for (int t = 0; t < 2; t++)
+            {
+                Shorts lower, upper;
+                __builtin_memcpy(&lower, a[t]->ends[axis], sizeof(Shorts));
+                __builtin_memcpy(&upper, a[t]->ends[axis] + qc_boxLanes, sizeof(Shorts));
+                above &= lower > (int16_t)~b[t]->ends[axis][qc_boxLanes + j];
+                below &= upper > (int16_t)~b[t]->ends[axis][j];
+            }
+            disjoint |= above | below;
+        }
+        overlaps |= (uint64_t)ToBits(~disjoint) << 8 * j;
+    }
+    return overlaps;
+}
+
 #include "kernels/triangle_kernels.inl.h"
 
 QC_INLINE Vectors LoadPoints(const qcPoint* points, const uint32_t vertex[QC_LANES])

@@ -24,7 +24,7 @@ typedef struct qcStep
 /// boxes.
 static inline bool qcStep_UsesBvhs(const qcStep* step)
 {
-    return !step->plan.useImage && step->plan.method != qc_methodBrute && !step->def->motion;
+    return !step->plan.useImage && step->plan.method != qc_methodBrute;
 }
 
 /// Whether neighbours are listed, apart from the candidates: contacts exist between their features.

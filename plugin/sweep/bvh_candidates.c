@@ -98,7 +98,7 @@ static void AddJob(const Run* run, uint32_t a, uint32_t b)
     qcBvhCandidates* sweep = run->sweep;
     const qcBvhCandidatesJob* job = run->job;
     // World coordinates come first: the local BVH is transformed into them, and no transform is inverted.
-    if (BvhOf(run, a)->bvh.isLocal && !BvhOf(run, b)->bvh.isLocal)
+    if (BvhOf(run, a)->bvh.fit.isLocal && !BvhOf(run, b)->bvh.fit.isLocal)
     {
         uint32_t first = b;
         b = a;
@@ -117,6 +117,7 @@ static void AddJob(const Run* run, uint32_t a, uint32_t b)
                         .near = qcBody_PairMargin(bodyA, bodyB, job->margin),
                         .includeNeighbours = job->testNeighbours,
                         .skipFlatPatches = run->flatPatches && a == b,
+                        .motion = job->triangles->motion,
                         .visitedA = VisitedOf(sweep, a),
                         .visitedB = VisitedOf(sweep, b),
                         .function = AddKeys,
@@ -132,7 +133,8 @@ static bool FindsSelfPairs(const Run* run, uint32_t body)
 /// Whether the body's pairs with itself come from the Verlet list. The flag is valid for prepared bodies only.
 static bool UsesVerlet(const Run* run, uint32_t body)
 {
-    return FindsSelfPairs(run, body) && QC_AT(uint8_t, run->sweep->partlyRefitted, body) != 0;
+    return FindsSelfPairs(run, body) && !run->job->triangles->motion &&
+           QC_AT(uint8_t, run->sweep->partlyRefitted, body) != 0;
 }
 
 /// Makes all jobs of the step together, so that threads have enough work with many small bodies. The first
@@ -263,13 +265,24 @@ static void CountTriangles(const Run* run, uint32_t body, qcProfile* profile)
     profile->skippedTriangles += b->triangleCount - left;
 }
 
-static void FindFlatPatches(const Run* run, uint32_t body, qcProfile* profile)
+static qcStatus FindFlatPatches(const Run* run, uint32_t body, qcProfile* profile)
 {
     qcBodyBvh* bvh = BvhOf(run, body);
     if (!run->flatPatches || UsesVerlet(run, body))
-        return;
-    qcPatchState_Test(&bvh->patches, &bvh->bvh, run->sweep->kernels, run->job->threads);
-    profile->flatTriangles += qcPatchState_CountFlat(&bvh->patches);
+        return qc_statusOk;
+    const qcTriangleKernels* kernels = run->sweep->kernels;
+    const qcPatchFlags* flags = &bvh->patches.present;
+    if (run->job->triangles->motion)
+    {
+        const qcBody* b = qcStepTriangles_Body(run->job->triangles, body);
+        QC_TRY(qcPatchState_TestMotion(&bvh->patches, &bvh->bvh, qcTriangleBvh_StartFit(&bvh->bvh, b), kernels,
+                                       run->job->threads));
+        flags = &bvh->patches.motion;
+    }
+    else
+        qcPatchState_Test(&bvh->patches, &bvh->bvh, kernels, run->job->threads);
+    profile->flatTriangles += qcPatchState_CountFlat(&bvh->patches, flags);
+    return qc_statusOk;
 }
 
 qcStatus qcBvhCandidates_Run(const qcBvhCandidatesJob* job, qcBvhCandidates* sweep, qcCandidates* candidates,
@@ -284,7 +297,7 @@ qcStatus qcBvhCandidates_Run(const qcBvhCandidatesJob* job, qcBvhCandidates* swe
         QC_TRY(BeginVerlet(&run));
     for (uint32_t body = 0; body < t->bodyCount; body++)
         if (FindsSelfPairs(&run, body) || job->neighboursOnly[body])
-            FindFlatPatches(&run, body, profile);
+            QC_TRY(FindFlatPatches(&run, body, profile));
     QC_TRY(FindPairs(&run));
     if (run.fillsVerlet)
         QC_TRY(EndVerlet(&run));

@@ -26,16 +26,15 @@ static qcStatus SyncSlots(const qcStepTriangles* t, qcBvhCandidates* sweep)
     return qc_statusOk;
 }
 
-/// Whether the body may have a BVH in this step. A large new body with self-collision has none: its build takes as long
-/// as a step without it, and the topology may not live for another step. Neighbours are an exception: listing them
-/// without a BVH would take twice as long.
-static bool MayHaveBvh(qcBvhCandidates* sweep, uint32_t slot, const qcBody* body, bool listNeighbours)
+/// Whether the body may have a BVH in this step. A large new body with self-collision has none, unless it is needed:
+/// its build takes as long as a step without it, and the topology may not live for another step.
+static bool MayHaveBvh(qcBvhCandidates* sweep, uint32_t slot, const qcBody* body, bool isNeeded)
 {
     uint32_t* seen = &QC_AT(uint32_t, sweep->seen, slot);
     bool isNew = *seen != body->generation;
     *seen = body->generation;
     return qcBvhCandidates_At(sweep, slot)->bvh.generation != 0 || !isNew || !qcBody_HasSelfCollision(body) ||
-           body->triangleCount <= qc_smallBody || listNeighbours;
+           body->triangleCount <= qc_smallBody || isNeeded;
 }
 
 typedef struct Tasks
@@ -101,10 +100,13 @@ static void RefitOne(void* context, size_t i, uint32_t worker)
     const qcBvhCandidates* sweep = tasks->sweep;
     qcRefitTask* task = TaskAt(sweep, i);
     qcBodyBvh* bvh = qcBvhCandidates_At(sweep, qcStepTriangles_Slot(tasks->triangles, task->body));
+    const qcBody* body = qcStepTriangles_Body(tasks->triangles, task->body);
+    qcBvhScratch* scratch = &QC_AT(qcBvhScratch, sweep->refitScratch, worker);
     AddResult(sweep, worker,
-              qcTriangleBvh_Fit(&bvh->bvh, qcStepTriangles_Body(tasks->triangles, task->body), tasks->margin,
-                                sweep->kernels, tasks->threads, &QC_AT(qcBvhScratch, sweep->refitScratch, worker),
-                                &task->upToDate));
+              tasks->triangles->motion
+                  ? qcTriangleBvh_FitMotion(&bvh->bvh, body, sweep->kernels, tasks->threads, scratch, &task->upToDate)
+                  : qcTriangleBvh_Fit(&bvh->bvh, body, tasks->margin, sweep->kernels, tasks->threads, scratch,
+                                      &task->upToDate));
 }
 
 /// Refits only the moved vertices, if the Verlet list allows for their motion: its pairs were found within a larger
@@ -115,11 +117,18 @@ static qcStatus TryPartialRefit(const qcBvhCandidatesJob* job, uint32_t body, qc
     const qcBody* b = qcStepTriangles_Body(job->triangles, body);
     bool done = false;
     if (qcBody_HasSelfCollision(b) && !job->testNeighbours && !job->listNeighbours &&
-        job->queryDistance <= bvh->bvh.margin)
+        job->queryDistance <= bvh->bvh.fit.margin)
         QC_TRY(qcBodyBvh_PartialRefit(bvh, b, (bvh->verlet.margin - qcBvhCandidates_PairDistance(job, b, b)) / 2.0,
                                       sweep->kernels, &QC_AT(qcBvhScratch, sweep->refitScratch, 0), &done));
     QC_AT(uint8_t, sweep->partlyRefitted, body) = done;
     return qc_statusOk;
+}
+
+static bool IsUpToDate(const qcBvhCandidatesJob* job, uint32_t slot, const qcBody* body, const qcBvhCandidates* sweep)
+{
+    const qcTriangleBvh* bvh = &qcBvhCandidates_At(sweep, slot)->bvh;
+    return job->triangles->motion ? qcTriangleBvh_IsMotionUpToDate(bvh, body)
+                                  : qcTriangleBvh_IsUpToDate(bvh, body, job->queryDistance);
 }
 
 /// Partial refits where they suffice, tasks for the other BVHs that aren't up to date.
@@ -133,18 +142,16 @@ static qcStatus QueueRefits(const qcBvhCandidatesJob* job, const uint8_t* flags,
     {
         const qcBody* b = qcStepTriangles_Body(triangles, body);
         QC_AT(uint8_t, sweep->partlyRefitted, body) = 0;
-        if (!flags[body] ||
-            qcTriangleBvh_IsUpToDate(&qcBvhCandidates_At(sweep, qcStepTriangles_Slot(triangles, body))->bvh, b,
-                                     job->queryDistance))
+        if (!flags[body] || IsUpToDate(job, qcStepTriangles_Slot(triangles, body), b, sweep))
             continue;
         QC_TRY(TryPartialRefit(job, body, sweep));
         if (QC_AT(uint8_t, sweep->partlyRefitted, body))
-        {
             sweep->partlyRefittedTriangles += b->triangleCount;
+        if (QC_AT(uint8_t, sweep->partlyRefitted, body) &&
+            (!triangles->motion || IsUpToDate(job, qcStepTriangles_Slot(triangles, body), b, sweep)))
             continue;
-        }
         QC_TRY(AddTask(sweep, body));
-        sweep->refittedTriangles += b->triangleCount;
+        sweep->refittedTriangles += QC_AT(uint8_t, sweep->partlyRefitted, body) ? 0 : b->triangleCount;
     }
     return qc_statusOk;
 }
@@ -190,7 +197,7 @@ qcStatus qcBvhCandidates_Prepare(const qcBvhCandidatesJob* job, qcBvhCandidates*
     for (uint32_t body = 0; body < triangles->bodyCount; body++)
     {
         bool may = MayHaveBvh(sweep, qcStepTriangles_Slot(triangles, body), qcStepTriangles_Body(triangles, body),
-                              job->listNeighbours && !job->testNeighbours);
+                              (job->listNeighbours && !job->testNeighbours) || triangles->motion);
         flags[body] = flags[body] && may;
     }
     QC_TRY(BuildBvhs(triangles, job->threads, flags, sweep));

@@ -290,7 +290,7 @@ static inline size_t qcCheckPairs(qcSide* a, qcSide* b, double margin, bool incl
         qcFoundPairs_Free(&found);
         free(visited[0]);
         free(visited[1]);
-        a->bvh.bvh.fitted = b->bvh.bvh.fitted = false; // for the next kernels
+        a->bvh.bvh.fit.fitted = b->bvh.bvh.fit.fitted = false; // for the next kernels
     }
     return count;
 }

@@ -463,7 +463,7 @@ static bool FitsAnew(qcTriangleBvh* bvh, const qcBody* body, double margin)
 {
     qcBvhScratch scratch = {0};
     bool fits;
-    float* mark = &QC_AT(qcPoint, bvh->points, 0).x[0];
+    float* mark = &QC_AT(qcPoint, bvh->fit.points, 0).x[0];
     *mark = -5.0f;
     CHECK_OK(qcTriangleBvh_Fit(bvh, body, margin, qcTriangleKernels_Get(), 1, &scratch, &fits));
     ck_assert(fits);
@@ -485,27 +485,27 @@ START_TEST(a_rigid_body_without_self_collision_is_fitted_once)
     qcTransform t = qcIdentityTransform(), flat = t;
     flat.linear[8] = 0.0;
     body->selfCollision = false;
-    ck_assert(FitsAnew(&bvh, body, 0.0) && bvh.isLocal);
+    ck_assert(FitsAnew(&bvh, body, 0.0) && bvh.fit.isLocal);
     for (int i = 0; i < 20; i++)
     {
         qcMakeAnyLinear(&random, -10, 10, t.linear);
         if (!qcTransform_IsInvertible(&t))
             continue;
         CHECK_OK(qcBodies_SetTransform(&bodies, 0, &t));
-        ck_assert(!FitsAnew(&bvh, body, 0.01 * i) && bvh.isLocal);
+        ck_assert(!FitsAnew(&bvh, body, 0.01 * i) && bvh.fit.isLocal);
     }
     for (int i = 0; i < 2; i++)
     {
         CHECK_OK(qcBodies_SetTransform(&bodies, 0, &flat));
-        ck_assert(FitsAnew(&bvh, body, 0.0) && !bvh.isLocal);
+        ck_assert(FitsAnew(&bvh, body, 0.0) && !bvh.fit.isLocal);
         ck_assert(!FitsAnew(&bvh, body, 0.0));
         ck_assert(FitsAnew(&bvh, body, 0.5));
         CHECK_OK(qcBodies_SetTransform(&bodies, 0, &t));
-        ck_assert(FitsAnew(&bvh, body, 0.5) && bvh.isLocal && bvh.margin == 0.0);
+        ck_assert(FitsAnew(&bvh, body, 0.5) && bvh.fit.isLocal && bvh.fit.margin == 0.0);
         body->selfCollision = true;
-        ck_assert(FitsAnew(&bvh, body, 0.5) && !bvh.isLocal && bvh.margin == 0.5);
+        ck_assert(FitsAnew(&bvh, body, 0.5) && !bvh.fit.isLocal && bvh.fit.margin == 0.5);
         body->activity = qc_activitySleeping;
-        ck_assert(FitsAnew(&bvh, body, 0.5) && bvh.isLocal);
+        ck_assert(FitsAnew(&bvh, body, 0.5) && bvh.fit.isLocal);
         body->activity = qc_activityMoving;
         body->selfCollision = false;
         ck_assert(!FitsAnew(&bvh, body, 0.5));

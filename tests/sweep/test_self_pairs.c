@@ -102,13 +102,14 @@ START_TEST(nearly_all_patches_of_a_smooth_sheet_are_flat)
     for (double margin = 0.0; margin <= 0.25 / 40; margin += 0.125 / 40)
         FOR_EACH_KERNELS(k)
         {
-            a.bvh.bvh.fitted = false;
+            a.bvh.bvh.fit.fitted = false;
             qcSide_Fit(&a, margin, k, 1);
             qcPatchState_Test(&a.bvh.patches, &a.bvh.bvh, k, 1);
             uint32_t flat = 0, nodes = a.bvh.patches.patches.nodeCount;
             for (uint32_t node = 0; node < nodes; node++)
-                flat += qcPatchState_IsFlat(&a.bvh.patches, qcFlatPatches_Large(&a.bvh.patches.patches, node)) ||
-                        qcPatchState_IsFlat(&a.bvh.patches, node);
+                flat +=
+                    qcPatchFlags_IsFlat(&a.bvh.patches.present, qcFlatPatches_Large(&a.bvh.patches.patches, node)) ||
+                    qcPatchFlags_IsFlat(&a.bvh.patches.present, node);
             CHECK_THAT(flat > nodes * 9 / 10, "%s, margin %g: %u of %u nodes are flat", k->name, margin, flat, nodes);
         }
     qcSide_Free(&a);

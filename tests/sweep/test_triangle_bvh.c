@@ -19,7 +19,7 @@ typedef struct Box
 
 static Box BoxAt(const qcTriangleBvh* s, uint32_t level, size_t i)
 {
-    const qcBox8* box8 = qcTriangleBvh_Box8At(s, level, (uint32_t)(i / qc_boxLanes));
+    const qcBox8* box8 = qcTriangleBvh_Box8At(s, &s->fit, level, (uint32_t)(i / qc_boxLanes));
     Box box;
     for (int axis = 0; axis < 3; axis++)
     {
@@ -69,7 +69,7 @@ static bool AreClearlyApart(const qcTriangleBvh* s, const qcBody* body, uint32_t
     for (int axis = 0; axis < 3; axis++)
     {
         double slack =
-            1.01 / s->lattice.scale[axis] + 0x1p-50 * (fabs(body->lower[axis]) + fabs(body->upper[axis]) + margin);
+            1.01 / s->fit.lattice.scale[axis] + 0x1p-50 * (fabs(body->lower[axis]) + fabs(body->upper[axis]) + margin);
         if (lowerA[axis] - upperB[axis] > margin + slack || lowerB[axis] - upperA[axis] > margin + slack)
             return true;
     }
@@ -105,9 +105,10 @@ static void CheckPoints(const qcTriangleBvh* s, const qcBody* body)
         {
             // A difference of doubles times a power of two: 64 bits suffice.
             long double x = body->world[3 * (size_t)QC_AT(uint32_t, s->vertexOf, v) + axis];
-            long double point = (x - s->lattice.origin[axis]) * s->lattice.unit[axis];
-            CHECK_THAT(fabsl(QC_AT(qcPoint, s->points, v).x[axis] - point) <= s->pointError && fabsl(point) <= 1.0L,
-                       "vertex %u is at %Lg, not %g", v, point, (double)QC_AT(qcPoint, s->points, v).x[axis]);
+            long double point = (x - s->fit.lattice.origin[axis]) * s->fit.lattice.unit[axis];
+            CHECK_THAT(fabsl(QC_AT(qcPoint, s->fit.points, v).x[axis] - point) <= s->fit.pointError &&
+                           fabsl(point) <= 1.0L,
+                       "vertex %u is at %Lg, not %g", v, point, (double)QC_AT(qcPoint, s->fit.points, v).x[axis]);
         }
 }
 
@@ -176,10 +177,10 @@ static void CheckBvh(const qcTriangleBvh* s, const qcBody* body, double margin)
 
 static bool AreSame(const qcTriangleBvh* a, const qcTriangleBvh* b)
 {
-    return a->boxes.count == b->boxes.count && a->points.count == b->points.count &&
-           memcmp(a->boxes.data, b->boxes.data, a->boxes.count * sizeof(qcBox8)) == 0 &&
-           memcmp(a->points.data, b->points.data, a->points.count * sizeof(qcPoint)) == 0 &&
-           memcmp(&a->root, &b->root, sizeof a->root) == 0;
+    return a->fit.boxes.count == b->fit.boxes.count && a->fit.points.count == b->fit.points.count &&
+           memcmp(a->fit.boxes.data, b->fit.boxes.data, a->fit.boxes.count * sizeof(qcBox8)) == 0 &&
+           memcmp(a->fit.points.data, b->fit.points.data, a->fit.points.count * sizeof(qcPoint)) == 0 &&
+           memcmp(&a->fit.root, &b->fit.root, sizeof a->fit.root) == 0;
 }
 
 /// With all kernels, on one thread and on three: all fits are equal and right.
@@ -379,9 +380,10 @@ START_TEST(a_fit_follows_the_body_and_the_margin)
     // A body that has not moved is not read.
     qcBodyAt(&bodies, slot)->world[0] += 1.0;
     qcTriangleBvh before = bvh;
-    float x = QC_AT(qcPoint, bvh.points, 0).x[0];
+    float x = QC_AT(qcPoint, bvh.fit.points, 0).x[0];
     CHECK_OK(qcTriangleBvh_Fit(&bvh, qcBodyAt(&bodies, slot), 0.0, qcTriangleKernels_Get(), 1, &scratch, &fits));
-    ck_assert(fits && QC_AT(qcPoint, bvh.points, 0).x[0] == x && before.root.ends[0][0] == bvh.root.ends[0][0]);
+    ck_assert(fits && QC_AT(qcPoint, bvh.fit.points, 0).x[0] == x &&
+              before.fit.root.ends[0][0] == bvh.fit.root.ends[0][0]);
     qcBvhScratch_Free(&scratch);
     qcTriangleBvh_Free(&bvh);
     qcBodies_Free(&bodies);
@@ -408,7 +410,7 @@ START_TEST(a_body_too_large_for_a_lattice_does_not_fit_and_may_fit_later)
         CHECK_OK(qcTriangleBvh_Fit(&bvh, qcBodyAt(&bodies, slot), margins[i / 2], qcTriangleKernels_Get(), 1, &scratch,
                                    &fits));
         ck_assert_int_eq(fits, expected);
-        ck_assert_int_eq(bvh.fitted, expected);
+        ck_assert_int_eq(bvh.fit.fitted, expected);
         if (fits)
             CheckBvh(&bvh, qcBodyAt(&bodies, slot), 0.0);
         qcSoup_Free(&next);
@@ -433,7 +435,7 @@ static qcStatus BuildAndFit(const qcBody* body, qcBodyBvh* bvh, qcBvhScratch* sc
     if (status != qc_statusOk && bvh->bvh.generation != 0)
     {
         // The BVH is whole: the same call, with memory, succeeds.
-        ck_assert(!bvh->bvh.fitted);
+        ck_assert(!bvh->bvh.fit.fitted);
         CHECK_OK(qcTriangleBvh_Fit(&bvh->bvh, body, 0.0, qcTriangleKernels_Get(), 1, scratch, &fits));
         CheckBvh(&bvh->bvh, body, 0.0);
     }

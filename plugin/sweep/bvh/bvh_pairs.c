@@ -38,7 +38,8 @@ typedef struct Search
     qcIndexedTriangles sides[2];
     qcDistanceThresholds thresholds;
     bool same;
-    bool filters; ///< false: the thresholds are too inexact for the filter
+    bool filters;        ///< false: the thresholds are too inexact for the filter
+    qcMotionBvh* motion; ///< of a and of b; null: no motion
 } Search;
 
 /// The pairs that one worker has found and not yet reported.
@@ -61,14 +62,16 @@ static void Flush(Queue* queue)
     if (count == 0 || !queue->isOpen)
         return;
     qcClassifiedPairs found = {.pairs = queue->pairs, .count = count};
-    if (s->filters)
+    if (s->filters && s->motion != NULL)
+        found.count = s->job->kernels->filterMotion(&s->motion[0], &s->motion[1], found.pairs, count);
+    else if (s->filters)
         qcClassifiedPairs_Filter(&found, s->job->kernels, s->sides, &s->thresholds);
     queue->isOpen = found.count == 0 || s->job->function(s->job->context, &found, queue->worker);
 }
 
-static qcBvhBoxes BoxesOf(const qcTriangleBvh* bvh)
+static qcBvhBoxes BoxesOf(const qcTriangleBvh* bvh, const qcBvhFit* fit)
 {
-    const qcBox8* boxes = bvh->boxes.data;
+    const qcBox8* boxes = fit->boxes.data;
     return (qcBvhBoxes){boxes, boxes + bvh->firstBox8[1]};
 }
 
@@ -96,7 +99,9 @@ static bool FindRules(const qcBvhPairsJob* job, uint32_t a, uint32_t b, Rules* r
         return true;
     rules->pairMasks = qcClusters_PairMask(clusters, link);
     if (job->skipFlatPatches)
-        rules->exclusionCount = qcPatchState_FindExclusions(&job->a->patches, clusters, a, link, rules->exclusions);
+        rules->exclusionCount = qcPatchState_FindExclusions(
+            &job->a->patches, job->motion ? &job->a->patches.motion : &job->a->patches.present, clusters, a, link,
+            rules->exclusions);
     for (int i = 0; i < rules->exclusionCount; i++)
         if ((rules->exclusions[i].a & rules->exclusions[i].b) == UINT64_MAX)
             return false;
@@ -113,23 +118,56 @@ static void CompareLeafNodes(Queue* queue, uint32_t a, uint32_t b)
         __atomic_store_n(&job->visitedB[b], 1, __ATOMIC_RELAXED);
     if (queue->end - queue->pairs >= qc_queueFull)
         Flush(queue);
-    qcBvhBoxes boxesA = BoxesOf(s->a);
+    Rules rules = {.pairMasks = NULL};
+    if (s->same && !FindRules(job, a, b, &rules))
+        return;
+    if (s->motion != NULL)
+    {
+        queue->end = job->kernels->collectMotionPairs(&s->motion[0], a, &s->motion[1], b, rules.pairMasks,
+                                                      rules.exclusions, rules.exclusionCount, queue->end);
+        return;
+    }
+    qcBvhBoxes boxesA = BoxesOf(s->a, &s->a->fit);
     if (!s->same)
     {
         queue->end = job->kernels->collectTransformedPairs(&boxesA, a, &s->transformed, b, queue->end);
         return;
     }
-    Rules rules;
-    if (FindRules(job, a, b, &rules))
-        queue->end = job->kernels->collectPairs(&boxesA, a, &boxesA, b, rules.pairMasks, rules.exclusions,
-                                                rules.exclusionCount, queue->end);
+    queue->end = job->kernels->collectPairs(&boxesA, a, &boxesA, b, rules.pairMasks, rules.exclusions,
+                                            rules.exclusionCount, queue->end);
+}
+
+/// Eight boxes of a node at the start and at the end, in the reference lattices; transformed ones are put into `own`.
+static void GetMotionBoxes(const Search* s, const qcMotionBvh* motion, const qcTriangleBvh* bvh,
+                           const qcBvhFit* startFit, uint32_t level, uint32_t node, qcBox8 own[2],
+                           const qcBox8* boxes[2])
+{
+    boxes[0] = qcTriangleBvh_Box8At(bvh, startFit, level, node);
+    boxes[1] = qcTriangleBvh_Box8At(bvh, &bvh->fit, level, node);
+    for (int t = 0; t < 2 && motion->isTransformed; t++)
+    {
+        s->job->kernels->transformBoxes(boxes[t], &motion->at[t].levels, &own[t]);
+        boxes[t] = &own[t];
+    }
+}
+
+static uint64_t FindMotionOverlaps(const Search* s, uint32_t level, NodePair nodes)
+{
+    qcBox8 ownA[2], ownB[2];
+    const qcBox8 *a[2], *b[2];
+    GetMotionBoxes(s, &s->motion[0], s->a, qcTriangleBvh_StartFit(s->a, s->job->bodyA), level, nodes.a, ownA, a);
+    GetMotionBoxes(s, &s->motion[1], s->b, qcTriangleBvh_StartFit(s->b, s->job->bodyB), level, nodes.b, ownB, b);
+    uint64_t overlaps = s->job->kernels->findMotionOverlaps(a, b);
+    return s->same && nodes.a == nodes.b ? overlaps & s_inOrder : overlaps;
 }
 
 /// The overlapping children of two nodes: bit i + 8 j.
 static uint64_t FindOverlaps(const Search* s, uint32_t level, NodePair nodes)
 {
-    const qcBox8* a = qcTriangleBvh_Box8At(s->a, level, nodes.a);
-    const qcBox8* b = qcTriangleBvh_Box8At(s->b, level, nodes.b);
+    if (s->motion != NULL)
+        return FindMotionOverlaps(s, level, nodes);
+    const qcBox8* a = qcTriangleBvh_Box8At(s->a, &s->a->fit, level, nodes.a);
+    const qcBox8* b = qcTriangleBvh_Box8At(s->b, &s->b->fit, level, nodes.b);
     if (!s->same)
     {
         qcBox8 transformed;
@@ -161,9 +199,9 @@ static void Descend(Queue* queue, uint32_t level, NodePair nodes)
 
 static qcRigidTransform TransformOf(const qcTriangleBvh* bvh, const qcBody* body)
 {
-    qcRigidTransform t = {.transform = bvh->isLocal ? body->transform : qcIdentityTransform()};
-    memcpy(t.lower, bvh->isLocal ? body->localLower : body->lower, sizeof t.lower);
-    memcpy(t.upper, bvh->isLocal ? body->localUpper : body->upper, sizeof t.upper);
+    qcRigidTransform t = {.transform = bvh->fit.isLocal ? body->transform : qcIdentityTransform()};
+    memcpy(t.lower, bvh->fit.isLocal ? body->localLower : body->lower, sizeof t.lower);
+    memcpy(t.upper, bvh->fit.isLocal ? body->localUpper : body->upper, sizeof t.upper);
     return t;
 }
 
@@ -187,74 +225,199 @@ static void SetNear(qcDistanceThresholds* thresholds, double near, double growth
 
 qcDistanceThresholds qcTriangleBvh_Thresholds(const qcTriangleBvh* bvh, double query, double near)
 {
-    qcDistanceThresholds thresholds = {.pointError = bvh->pointError,
+    qcDistanceThresholds thresholds = {.pointError = bvh->fit.pointError,
                                        .query = qcTriangleBvh_DistanceInFrame(bvh, query)};
     // For bodies in the world: in their frames lengths are those of the world, scaled.
-    SetNear(&thresholds, near * bvh->lattice.unit[0], 1.0, 1.0);
+    SetNear(&thresholds, near * bvh->fit.lattice.unit[0], 1.0, 1.0);
     return thresholds;
 }
 
-/// Row i of the transforms from b's lattice and frame to a's: back to b's coordinates, then to a's coordinates, then to
-/// a's lattice and frame. Coordinates of points, in units of b's frame, are 1 at most.
-static void FindTransformRow(Search* s, const qcRelativeTransform* r, int i)
+/// The transforms from one BVH's lattice and frame to those of another one, row by row.
+typedef struct LatticeMap
 {
-    const qcTriangleBvh *a = s->a, *b = s->b;
-    const qcLatticeTransform *latticeA = &a->lattice, *latticeB = &b->lattice;
-    qcBoxTransform *levels = &s->transformed.levels, *points = &s->transformed.points;
+    const qcLatticeTransform *to, *from;
+    const qcRelativeTransform* relative;
+    double fromPointError;
+    bool rounds;     ///< false: both BVHs are in world coordinates, which are compared unchanged
+    double query;    ///< boxes and points grow by it, points also where nothing is local
+    bool growsBoxes; ///< world boxes include the margin. Local ones don't
+    qcTransformedBvh* transformed;
+    qcDistanceThresholds* thresholds;
+} LatticeMap;
+
+/// Row i: back to coordinates of the first, then to coordinates of the second, then to its lattice and frame.
+/// Coordinates of points, in units of their frame, are 1 at most. False: the result is too inexact for the filter.
+static bool FindTransformRow(const LatticeMap* map, int i)
+{
+    const qcLatticeTransform *to = map->to, *from = map->from;
+    const qcRelativeTransform* r = map->relative;
+    qcBoxTransform *levels = &map->transformed->levels, *points = &map->transformed->points;
     const double half = 32768.0;
-    double origin = r->shift[i] - latticeA->origin[i], level = 0.0, levelSizes = 0.0, pointSizes = 0.0, ratios = 0.0;
+    double origin = r->shift[i] - to->origin[i], level = 0.0, levelSizes = 0.0, pointSizes = 0.0, ratios = 0.0;
     for (int k = 0; k < 3; k++)
-        origin += r->linear[i][k] * latticeB->origin[k];
+        origin += r->linear[i][k] * from->origin[k];
     for (int k = 0; k < 3; k++)
     {
-        double scale = latticeA->scale[i] * r->linear[i][k] / latticeB->scale[k];
-        double pointScale = latticeA->scale[i] * r->linear[i][k] / latticeB->unit[k];
-        double ratio = latticeA->unit[i] * r->linear[i][k] / latticeB->unit[k];
+        double scale = to->scale[i] * r->linear[i][k] / from->scale[k];
+        double pointScale = to->scale[i] * r->linear[i][k] / from->unit[k];
+        double ratio = to->unit[i] * r->linear[i][k] / from->unit[k];
         levels->linear[i][k] = (float)scale;
         points->linear[i][k] = (float)pointScale;
-        s->thresholds.linear[i][k] = (float)ratio;
+        map->thresholds->linear[i][k] = (float)ratio;
         level += half * scale;
         levelSizes += 2.0 * half * fabs(scale);
         pointSizes += fabs(pointScale);
         ratios += fabs(ratio);
     }
-    double offset = origin * latticeA->scale[i], at = origin * latticeA->unit[i];
-    // If both BVHs are in world coordinates, these are compared unchanged: nothing is rounded.
-    double rounding = a->isLocal || b->isLocal ? r->error[i] : 0.0;
-    // World boxes include the margin. Local boxes and points don't: then b's boxes get the margin, at both ends.
-    double margin = s->job->query * r->reach[i] * (1.0 + 1e-8);
+    double offset = origin * to->scale[i], at = origin * to->unit[i];
+    double rounding = map->rounds ? r->error[i] : 0.0;
+    double margin = map->query * r->reach[i] * (1.0 + 1e-8);
     levels->shift[i] = (float)(offset + level);
-    levels->grow[i] = FindGrowth(fabs(offset) + levelSizes,
-                                 latticeA->scale[i] * (rounding + (a->isLocal || b->isLocal ? margin : 0.0)));
+    levels->grow[i] =
+        FindGrowth(fabs(offset) + levelSizes, to->scale[i] * (rounding + (map->growsBoxes ? margin : 0.0)));
     points->shift[i] = (float)offset;
-    points->grow[i] = FindGrowth(fabs(offset) + pointSizes,
-                                 latticeA->scale[i] * (rounding + margin) + pointSizes * (double)b->pointError);
-    s->thresholds.shift[i] = (float)at;
-    double error = (12.0 * ratios + 6.0 * fabs(at)) * 0x1p-24 + rounding * latticeA->unit[i];
-    s->thresholds.pointError = fmaxf(s->thresholds.pointError, nextafterf((float)error, INFINITY));
-    s->filters = s->filters && error < 1e6;
+    points->grow[i] =
+        FindGrowth(fabs(offset) + pointSizes, to->scale[i] * (rounding + margin) + pointSizes * map->fromPointError);
+    map->thresholds->shift[i] = (float)at;
+    double error = (12.0 * ratios + 6.0 * fabs(at)) * 0x1p-24 + rounding * to->unit[i];
+    map->thresholds->pointError = fmaxf(map->thresholds->pointError, nextafterf((float)error, INFINITY));
+    return error < 1e6;
 }
 
 static void FindTransforms(Search* s)
 {
     qcRigidTransform transformA = TransformOf(s->a, s->job->bodyA), transformB = TransformOf(s->b, s->job->bodyB);
     qcRelativeTransform r = qcRelativeTransform_Find(&transformA, &transformB);
+    bool isLocal = s->a->fit.isLocal || s->b->fit.isLocal;
+    const LatticeMap map = {.to = &s->a->fit.lattice,
+                            .from = &s->b->fit.lattice,
+                            .relative = &r,
+                            .fromPointError = (double)s->b->fit.pointError,
+                            .rounds = isLocal,
+                            .query = s->job->query,
+                            .growsBoxes = isLocal,
+                            .transformed = &s->transformed,
+                            .thresholds = &s->thresholds};
     for (int i = 0; i < 3; i++)
-        FindTransformRow(s, &r, i);
+        s->filters = FindTransformRow(&map, i) && s->filters;
     s->thresholds.query = qcTriangleBvh_DistanceInFrame(s->a, s->job->query * r.stretch);
-    if (s->a->isLocal)
-        SetNear(&s->thresholds, s->job->near * s->a->lattice.unit[0], r.growth, r.stretch);
+    if (s->a->fit.isLocal)
+        SetNear(&s->thresholds, s->job->near * s->a->fit.lattice.unit[0], r.growth, r.stretch);
     s->thresholds.isTransformed = true;
-    s->transformed.boxes = BoxesOf(s->b);
+    s->transformed.boxes = BoxesOf(s->b, &s->b->fit);
     s->transformed.triangles = s->sides[1];
 }
 
-static void Prepare(Search* s, const qcBvhPairsJob* job)
+//  ---- motions ---------------------------------------------------------------------------------------
+
+/// A body at one end of a motion.
+typedef struct MotionEnd
 {
-    *s = (Search){.job = job, .a = &job->a->bvh, .b = &job->b->bvh, .same = job->a == job->b, .filters = true};
+    const qcBody* body;
+    const qcTriangleBvh* bvh;
+    const qcBvhFit* fit;
+    const qcTransform* transform;
+    const double *lower, *upper;
+} MotionEnd;
+
+static MotionEnd EndOf(const qcTriangleBvh* bvh, const qcBody* body, int t)
+{
+    if (t == 1 || !body->start.differs)
+        return (MotionEnd){body, bvh, &bvh->fit, &body->transform, body->lower, body->upper};
+    return (MotionEnd){
+        body, bvh, qcTriangleBvh_StartFit(bvh, body), &body->start.transform, body->start.lower, body->start.upper};
+}
+
+/// A lattice with world axes around the box of a body.
+static qcLatticeTransform LatticeAround(const MotionEnd* end)
+{
+    qcLatticeTransform lattice = {.origin = {0.0}};
+    double widest = 0.0;
+    for (int axis = 0; axis < 3; axis++)
+    {
+        lattice.origin[axis] = end->lower[axis];
+        widest = fmax(widest, end->upper[axis] - end->lower[axis]);
+    }
+    int exponent = 0;
+    if (widest > 0.0 && isfinite(widest))
+        frexp(widest, &exponent);
+    for (int axis = 0; axis < 3; axis++)
+    {
+        lattice.unit[axis] = ldexp(1.0, -exponent);
+        lattice.scale[axis] = ldexp(65533.0, -exponent);
+    }
+    return lattice;
+}
+
+/// Maps one end of a body to the reference lattice.
+static bool MapEnd(const MotionEnd* end, const qcLatticeTransform* reference, qcTransformedBvh* at,
+                   qcDistanceThresholds* frame)
+{
+    qcRigidTransform world = {.transform = qcIdentityTransform()}, own = world;
+    memcpy(world.lower, end->lower, sizeof world.lower);
+    memcpy(world.upper, end->upper, sizeof world.upper);
+    memcpy(own.lower, end->fit->isLocal ? end->body->localLower : end->lower, sizeof own.lower);
+    memcpy(own.upper, end->fit->isLocal ? end->body->localUpper : end->upper, sizeof own.upper);
+    own.transform = end->fit->isLocal ? *end->transform : world.transform;
+    qcRelativeTransform relative = qcRelativeTransform_Find(&world, &own);
+    const LatticeMap map = {.to = reference,
+                            .from = &end->fit->lattice,
+                            .relative = &relative,
+                            .fromPointError = (double)end->fit->pointError,
+                            .rounds = end->fit->isLocal,
+                            .transformed = at,
+                            .thresholds = frame};
+    frame->isTransformed = true;
+    bool filters = true;
+    for (int i = 0; i < 3; i++)
+        filters = FindTransformRow(&map, i) && filters;
+    return filters;
+}
+
+/// Both bodies at both ends, in lattices with world axes: those of a if it is in world coordinates, otherwise lattices
+/// around it.
+static void FindMotion(Search* s)
+{
+    const qcTriangleBvh* bvhs[2] = {s->a, s->b};
+    const qcBody* bodies[2] = {s->job->bodyA, s->job->bodyB};
+    for (int t = 0; t < 2; t++)
+    {
+        MotionEnd first = EndOf(s->a, bodies[0], t);
+        qcLatticeTransform reference = first.fit->isLocal ? LatticeAround(&first) : first.fit->lattice;
+        float pointError = first.fit->pointError;
+        for (int side = 0; side < 2; side++)
+        {
+            MotionEnd end = EndOf(bvhs[side], bodies[side], t);
+            qcMotionBvh* motion = &s->motion[side];
+            motion->isTransformed = side == 0 ? end.fit->isLocal : !s->same;
+            motion->at[t].boxes = BoxesOf(bvhs[side], end.fit);
+            motion->at[t].triangles = (qcIndexedTriangles){bvhs[side]->corners.data, end.fit->points.data};
+            motion->frames[t] = (qcDistanceThresholds){.pointError = end.fit->pointError};
+            if (motion->isTransformed)
+                s->filters = MapEnd(&end, &reference, &motion->at[t], &motion->frames[t]) && s->filters;
+            pointError = fmaxf(pointError, motion->frames[t].pointError);
+        }
+        for (int side = 0; side < 2; side++)
+            s->motion[side].frames[t].pointError = pointError;
+    }
+}
+
+static void Prepare(Search* s, const qcBvhPairsJob* job, qcMotionBvh* motion)
+{
+    *s = (Search){.job = job,
+                  .a = &job->a->bvh,
+                  .b = &job->b->bvh,
+                  .same = job->a == job->b,
+                  .filters = true,
+                  .motion = job->motion ? motion : NULL};
     assert(!s->same || job->includeNeighbours || job->a->hasAdjacency);
-    s->sides[0] = (qcIndexedTriangles){s->a->corners.data, s->a->points.data};
-    s->sides[1] = (qcIndexedTriangles){s->b->corners.data, s->b->points.data};
+    if (job->motion)
+    {
+        FindMotion(s);
+        return;
+    }
+    s->sides[0] = (qcIndexedTriangles){s->a->corners.data, s->a->fit.points.data};
+    s->sides[1] = (qcIndexedTriangles){s->b->corners.data, s->b->fit.points.data};
     s->thresholds = qcTriangleBvh_Thresholds(s->a, job->query, job->near);
     if (!s->same)
         FindTransforms(s);
@@ -280,7 +443,8 @@ static void PrepareBlock(void* context, size_t block, uint32_t worker)
     (void)worker;
     const Run* run = context;
     for (size_t i = block * qc_searchBlock; i < run->jobCount && i < (block + 1) * qc_searchBlock; i++)
-        Prepare(SearchAt(run, i), &run->jobs[i]);
+        Prepare(SearchAt(run, i), &run->jobs[i],
+                run->memory->motions.count != 0 ? &QC_AT(qcMotionBvh, run->memory->motions, 2 * i) : NULL);
 }
 
 /// From the roots down, level by level, until there are `enough` pairs of nodes.
@@ -353,6 +517,8 @@ qcStatus qcBvhPairs_Find(qcBvhPairs* pairs, const qcBvhPairsJob* jobs, size_t jo
 {
     Run run = {.memory = pairs, .jobs = jobs, .jobCount = jobCount};
     QC_TRY(qcArray_Resize(&pairs->searches, jobCount, sizeof(Search), "searches of BVHs"));
+    bool isMotion = jobCount != 0 && jobs[0].motion;
+    QC_TRY(qcArray_Resize(&pairs->motions, isMotion ? 2 * jobCount : 0, sizeof(qcMotionBvh), "searches of BVHs"));
     QC_TRY(qcArray_Resize(&pairs->queues, (size_t)threads * qc_queueRoom, sizeof(qcSlotPair), "pairs of slots"));
     qcParallel_For(threads, (jobCount + qc_searchBlock - 1) / qc_searchBlock, qc_minSearchBlocks, PrepareBlock, &run);
     QC_TRY(FindAllNodePairs(&run, threads));
@@ -367,5 +533,6 @@ void qcBvhPairs_Free(qcBvhPairs* pairs)
 {
     qcArray_Free(&pairs->searches);
     qcArray_Free(&pairs->nodePairs);
+    qcArray_Free(&pairs->motions);
     qcArray_Free(&pairs->queues);
 }

@@ -20,7 +20,10 @@ typedef struct qcBvhPairsJob
     double query;           ///< max distance of a pair; at most the margin of both fits
     double near;            ///< pairs at most this far apart are near
     bool includeNeighbours; ///< within one body: also pairs that share a vertex index
-    bool skipFlatPatches;   ///< within one body: leave out pairs within patches that qcPatchState_Test proved flat
+    bool skipFlatPatches;   ///< within one body: leave out pairs within patches that were proven flat
+    /// Pairs that may meet between the start and the present: of BVHs fitted by qcTriangleBvh_FitMotion. The distances
+    /// are 0, and all pairs are undecided.
+    bool motion;
     uint8_t *visitedA, *visitedB; ///< by leaf node: set to 1 if it was compared with one of the other. May be null
     qcBvhPairsFunction* function;
     void* context;
@@ -31,6 +34,7 @@ typedef struct qcBvhPairs
 {
     qcArray searches;  ///< of Search: one for each job
     qcArray nodePairs; ///< of NodePair, of all searches
+    qcArray motions;   ///< of qcMotionBvh: two for each job, if one is a motion
     qcArray queues;    ///< of qcSlotPair, a part for each worker
 } qcBvhPairs;
 

@@ -101,13 +101,13 @@ qcStatus qcNeighbourPairs_Find(const qcNeighbourPairsJob* job)
     QC_TRY(qcArray_Resize(&body->isSeparated, bvh->vertexCount, 1, "vertex fans"));
     if (bvh->vertexCount != 0)
         memset(body->isSeparated.data, 0, bvh->vertexCount);
-    Search search = {
-        .job = job,
-        .bvh = bvh,
-        .fans = &body->fans,
-        .isSeparated = body->isSeparated.data,
-        .triangles = {bvh->corners.data, bvh->points.data},
-        .thresholds = {.pointError = bvh->pointError, .query = qcTriangleBvh_DistanceInFrame(bvh, bvh->margin)}};
+    Search search = {.job = job,
+                     .bvh = bvh,
+                     .fans = &body->fans,
+                     .isSeparated = body->isSeparated.data,
+                     .triangles = {bvh->corners.data, bvh->fit.points.data},
+                     .thresholds = {.pointError = bvh->fit.pointError,
+                                    .query = qcTriangleBvh_DistanceInFrame(bvh, bvh->fit.margin)}};
     size_t batches = (body->fans.batches.count + qc_batchBlock - 1) / qc_batchBlock;
     qcParallel_For(job->threads, batches, qc_minBlocks, TestFans, &search);
     size_t blocks = ((size_t)bvh->vertexCount + qc_vertexBlock - 1) / qc_vertexBlock;

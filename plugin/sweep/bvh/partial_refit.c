@@ -22,8 +22,8 @@ static const double s_minMotion = 1e-300;
 static bool IsInLattice(const qcTriangleBvh* bvh, const double x[3])
 {
     for (int axis = 0; axis < 3; axis++)
-        if (x[axis] < bvh->lattice.origin[axis] ||
-            x[axis] + bvh->lattice.margin[axis] - bvh->lattice.origin[axis] > bvh->latticeExtent[axis])
+        if (x[axis] < bvh->fit.lattice.origin[axis] ||
+            x[axis] + bvh->fit.lattice.margin[axis] - bvh->fit.lattice.origin[axis] > bvh->fit.latticeExtent[axis])
             return false;
     return true;
 }
@@ -67,10 +67,10 @@ static bool FindMovedVertices(qcBodyBvh* bodyBvh, const qcBody* body, size_t max
 /// Enlarges the boxes around a slot by the row, level by level, up to the first that contains it.
 static void Grow(qcTriangleBvh* bvh, size_t slot, const qcBoxRow* row)
 {
-    qcBox8* boxes = bvh->boxes.data;
+    qcBox8* boxes = bvh->fit.boxes.data;
     for (uint32_t level = 0; level <= bvh->levels; level++, slot /= qc_boxLanes)
     {
-        qcBox8* box8 = level == bvh->levels ? &bvh->root : &boxes[bvh->firstBox8[level] + slot / qc_boxLanes];
+        qcBox8* box8 = level == bvh->levels ? &bvh->fit.root : &boxes[bvh->firstBox8[level] + slot / qc_boxLanes];
         bool grows = false;
         for (int axis = 0; axis < 3; axis++)
             for (int side = 0; side < 2; side++)
@@ -119,7 +119,7 @@ static void MoveVertices(qcBodyBvh* bodyBvh, const qcBody* body, double maxMotio
         uint32_t vertex = QC_AT(uint32_t, reference->movedVertices, k);
         size_t at = 3 * (size_t)QC_AT(uint32_t, bvh->vertexOf, vertex);
         qcVertexRange one = {body->world, bvh->vertexOf.data, vertex, vertex + 1};
-        kernels->transformVertices(&bvh->lattice, &one, bvh->points.data, rows);
+        kernels->transformVertices(&bvh->fit.lattice, &one, bvh->fit.points.data, rows);
         MoveFan(bodyBvh, vertex, FlagOf(positions + at, body->world + at, maxMotion), &rows[vertex]);
     }
 }
@@ -148,8 +148,8 @@ qcStatus qcBodyBvh_PartialRefit(qcBodyBvh* bodyBvh, const qcBody* body, double m
     if (moved->count > previous)
         memmove(moved->data, &QC_AT(uint32_t, *moved, previous), (moved->count - previous) * sizeof(uint32_t));
     moved->count -= previous;
-    bvh->revision = body->moved;
-    reference->fitCount = ++bvh->fitCount;
+    bvh->fit.revision = body->moved;
+    reference->fitCount = bvh->fit.fitCount = ++bvh->fitCount;
     *refitted = true;
     return qc_statusOk;
 }

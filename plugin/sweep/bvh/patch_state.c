@@ -13,12 +13,17 @@ enum
     qc_cooldownFits = 7
 };
 
+static qcStatus AllocateFlags(const qcPatchState* state, qcPatchFlags* flags)
+{
+    QC_TRY(qcArray_Resize(&flags->isFlat, state->patches.patches.count, 1, "flat patches"));
+    return qcArray_GrowZeroed(&flags->cooldown, state->patches.patches.count, 1, "flat patches");
+}
+
 static qcStatus Build(qcPatchState* state, const qcTriangleBvh* bvh, const qcAdjacency* adjacency, uint32_t threads)
 {
     QC_TRY(
         qcFlatPatches_Build(&state->patches, &bvh->clusters, adjacency, bvh->corners.data, bvh->vertexCount, threads));
-    QC_TRY(qcArray_Resize(&state->isFlat, state->patches.patches.count, 1, "flat patches"));
-    return qcArray_GrowZeroed(&state->cooldown, state->patches.patches.count, 1, "flat patches");
+    return AllocateFlags(state, &state->present);
 }
 
 qcStatus qcPatchState_Build(qcPatchState* state, const qcTriangleBvh* bvh, const qcAdjacency* adjacency,
@@ -33,16 +38,43 @@ qcStatus qcPatchState_Build(qcPatchState* state, const qcTriangleBvh* bvh, const
 
 typedef struct Testing
 {
-    qcPatchState* state;
+    const qcFlatPatches* patches;
+    qcPatchFlags* flags;
     const qcTriangleBvh* bvh;
+    const qcBvhFit* startFit; ///< null: the present alone
     const qcTriangleKernels* kernels;
 } Testing;
 
+static qcPatchGeometry GeometryOf(const Testing* t, const qcFlatPatch* patch, const qcBvhFit* fit)
+{
+    return (qcPatchGeometry){.corners = t->bvh->corners.data,
+                             .points = fit->points.data,
+                             .slots = &QC_AT(uint32_t, t->patches->slots, patch->firstSlot),
+                             .loop = &QC_AT(uint32_t, t->patches->loops, patch->firstLoop),
+                             .slotCount = patch->slotCount,
+                             .loopCount = patch->loopCount,
+                             .pointError = fit->pointError};
+}
+
+static bool IsFlat(const Testing* t, const qcFlatPatch* patch)
+{
+    const qcBvhFit* fit = &t->bvh->fit;
+    qcPatchGeometry geometry = GeometryOf(t, patch, fit);
+    if (t->startFit == NULL)
+    {
+        geometry.query = qcTriangleBvh_DistanceInFrame(t->bvh, fit->margin);
+        return t->kernels->isPatchFlat(&geometry);
+    }
+    const qcPatchGeometry patches[2] = {GeometryOf(t, patch, t->startFit), geometry};
+    double start = t->startFit->lattice.unit[0], end = fit->lattice.unit[0], unit = start < end ? start : end;
+    const float scales[2] = {(float)(unit / start), (float)(unit / end)};
+    return t->kernels->isPatchFlatInMotion(patches, scales);
+}
+
 static void TestPatch(const Testing* t, uint32_t patch)
 {
-    const qcFlatPatches* patches = &t->state->patches;
-    const qcFlatPatch* p = &QC_AT(qcFlatPatch, patches->patches, patch);
-    uint8_t *isFlat = &QC_AT(uint8_t, t->state->isFlat, patch), *cooldown = &QC_AT(uint8_t, t->state->cooldown, patch);
+    const qcFlatPatch* p = &QC_AT(qcFlatPatch, t->patches->patches, patch);
+    uint8_t *isFlat = &QC_AT(uint8_t, t->flags->isFlat, patch), *cooldown = &QC_AT(uint8_t, t->flags->cooldown, patch);
     *isFlat = 0;
     if (p->slotCount == 0)
         return;
@@ -51,15 +83,7 @@ static void TestPatch(const Testing* t, uint32_t patch)
         (*cooldown)--;
         return;
     }
-    qcPatchGeometry geometry = {.corners = t->bvh->corners.data,
-                                .points = t->bvh->points.data,
-                                .slots = &QC_AT(uint32_t, patches->slots, p->firstSlot),
-                                .loop = &QC_AT(uint32_t, patches->loops, p->firstLoop),
-                                .slotCount = p->slotCount,
-                                .loopCount = p->loopCount,
-                                .pointError = t->bvh->pointError,
-                                .query = qcTriangleBvh_DistanceInFrame(t->bvh, t->bvh->margin)};
-    *isFlat = t->kernels->isPatchFlat(&geometry);
+    *isFlat = IsFlat(t, p);
     *cooldown = *isFlat ? 0 : qc_cooldownFits;
 }
 
@@ -68,7 +92,7 @@ static void TestBlock(void* context, size_t block, uint32_t worker)
 {
     (void)worker;
     const Testing* t = context;
-    const qcFlatPatches* patches = &t->state->patches;
+    const qcFlatPatches* patches = t->patches;
     uint32_t nodes = patches->nodeCount, first = (uint32_t)block * qc_patchBlock * qc_patchNodes;
     uint32_t end = nodes - first < qc_patchBlock * qc_patchNodes ? nodes : first + qc_patchBlock * qc_patchNodes;
     for (uint32_t node = first; node < end; node++)
@@ -76,41 +100,59 @@ static void TestBlock(void* context, size_t block, uint32_t worker)
         uint32_t large = qcFlatPatches_Large(patches, node);
         if (node % qc_patchNodes == 0)
             TestPatch(t, large);
-        if (!qcPatchState_IsFlat(t->state, large))
+        if (!qcPatchFlags_IsFlat(t->flags, large))
             TestPatch(t, node);
         else
-            QC_AT(uint8_t, t->state->isFlat, node) = 0;
+            QC_AT(uint8_t, t->flags->isFlat, node) = 0;
     }
+}
+
+static void RunTests(Testing* testing, uint32_t threads)
+{
+    size_t blockNodes = (size_t)qc_patchBlock * qc_patchNodes;
+    size_t blocks = (testing->patches->nodeCount + blockNodes - 1) / blockNodes;
+    qcParallel_For(threads, blocks, qc_minBlocks, TestBlock, testing);
+    testing->flags->fitCount = testing->bvh->fit.fitCount;
 }
 
 void qcPatchState_Test(qcPatchState* state, const qcTriangleBvh* bvh, const qcTriangleKernels* kernels,
                        uint32_t threads)
 {
-    if (state->fitCount == bvh->fitCount)
+    if (state->present.fitCount == bvh->fit.fitCount)
         return;
-    Testing testing = {state, bvh, kernels};
-    size_t blockNodes = (size_t)qc_patchBlock * qc_patchNodes;
-    size_t blocks = (state->patches.nodeCount + blockNodes - 1) / blockNodes;
-    qcParallel_For(threads, blocks, qc_minBlocks, TestBlock, &testing);
-    state->fitCount = bvh->fitCount;
+    Testing testing = {&state->patches, &state->present, bvh, NULL, kernels};
+    RunTests(&testing, threads);
 }
 
-uint64_t qcPatchState_CountFlat(const qcPatchState* state)
+qcStatus qcPatchState_TestMotion(qcPatchState* state, const qcTriangleBvh* bvh, const qcBvhFit* startFit,
+                                 const qcTriangleKernels* kernels, uint32_t threads)
+{
+    qcPatchFlags* flags = &state->motion;
+    if (flags->fitCount == bvh->fit.fitCount && flags->startFitCount == startFit->fitCount)
+        return qc_statusOk;
+    QC_TRY(AllocateFlags(state, flags));
+    Testing testing = {&state->patches, flags, bvh, startFit, kernels};
+    RunTests(&testing, threads);
+    flags->startFitCount = startFit->fitCount;
+    return qc_statusOk;
+}
+
+uint64_t qcPatchState_CountFlat(const qcPatchState* state, const qcPatchFlags* flags)
 {
     const qcFlatPatches* patches = &state->patches;
     uint64_t count = 0;
     for (uint32_t node = 0; node < patches->nodeCount; node++)
     {
         const uint64_t* own = &QC_AT(uint64_t, patches->own, qc_patchSizes * (size_t)node);
-        uint64_t flat = (qcPatchState_IsFlat(state, node) ? own[0] : 0) |
-                        (qcPatchState_IsFlat(state, qcFlatPatches_Large(patches, node)) ? own[1] : 0);
+        uint64_t flat = (qcPatchFlags_IsFlat(flags, node) ? own[0] : 0) |
+                        (qcPatchFlags_IsFlat(flags, qcFlatPatches_Large(patches, node)) ? own[1] : 0);
         count += (uint64_t)__builtin_popcountll(flat);
     }
     return count;
 }
 
-int qcPatchState_FindExclusions(const qcPatchState* state, const qcClusters* clusters, uint32_t node, uint32_t link,
-                                qcPairExclusion exclusions[qc_maxExclusions])
+int qcPatchState_FindExclusions(const qcPatchState* state, const qcPatchFlags* flags, const qcClusters* clusters,
+                                uint32_t node, uint32_t link, qcPairExclusion exclusions[qc_maxExclusions])
 {
     const qcFlatPatches* patches = &state->patches;
     const qcPatchLink* patchLink = &QC_AT(qcPatchLink, patches->links, link);
@@ -121,9 +163,9 @@ int qcPatchState_FindExclusions(const qcPatchState* state, const qcClusters* clu
     {
         uint32_t patch = size == 0 ? node : qcFlatPatches_Large(patches, node),
                  patchOfOther = size == 0 ? other : qcFlatPatches_Large(patches, other);
-        if (qcPatchState_IsFlat(state, patch) && patchLink->ofNode[size] != 0)
+        if (qcPatchFlags_IsFlat(flags, patch) && patchLink->ofNode[size] != 0)
             exclusions[count++] = (qcPairExclusion){own[qc_patchSizes * (size_t)node + size], patchLink->ofNode[size]};
-        if (patch != patchOfOther && qcPatchState_IsFlat(state, patchOfOther) && patchLink->ofOther[size] != 0)
+        if (patch != patchOfOther && qcPatchFlags_IsFlat(flags, patchOfOther) && patchLink->ofOther[size] != 0)
             exclusions[count++] =
                 (qcPairExclusion){patchLink->ofOther[size], own[qc_patchSizes * (size_t)other + size]};
     }
@@ -133,7 +175,9 @@ int qcPatchState_FindExclusions(const qcPatchState* state, const qcClusters* clu
 void qcPatchState_Free(qcPatchState* state)
 {
     qcFlatPatches_Free(&state->patches);
-    qcArray_Free(&state->isFlat);
-    qcArray_Free(&state->cooldown);
+    qcArray_Free(&state->present.isFlat);
+    qcArray_Free(&state->present.cooldown);
+    qcArray_Free(&state->motion.isFlat);
+    qcArray_Free(&state->motion.cooldown);
     *state = (qcPatchState){0};
 }

@@ -6,12 +6,20 @@
 #include "mesh/flat_patches.h"
 #include "sweep/bvh/triangle_bvh.h"
 
+/// The result of a test.
+typedef struct qcPatchFlags
+{
+    qcArray isFlat;         ///< uint8_t by patch: proven flat by the last test
+    qcArray cooldown;       ///< uint8_t by patch: tests left until its flatness is computed again
+    uint64_t fitCount;      ///< of the fit at the last test; 0: none yet
+    uint64_t startFitCount; ///< of the fit to the start of a motion
+} qcPatchFlags;
+
 typedef struct qcPatchState
 {
     qcFlatPatches patches;
-    qcArray isFlat;    ///< uint8_t by patch: proven flat by the last test
-    qcArray cooldown;  ///< uint8_t by patch: fits left until its flatness is tested again
-    uint64_t fitCount; ///< qcTriangleBvh::fitCount at the last test; 0: none yet
+    qcPatchFlags present; ///< at the last fit
+    qcPatchFlags motion;  ///< over the motion
 } qcPatchState;
 
 /// Builds the patches of a BVH whose clusters are linked; `adjacency` is that of its corners. O(triangles). On failure
@@ -24,17 +32,21 @@ qcStatus qcPatchState_Build(qcPatchState* state, const qcTriangleBvh* bvh, const
 void qcPatchState_Test(qcPatchState* state, const qcTriangleBvh* bvh, const qcTriangleKernels* kernels,
                        uint32_t threads);
 
+/// Tests which patches have no self-contact over the motion between both fits; once for each two fits.
+qcStatus qcPatchState_TestMotion(qcPatchState* state, const qcTriangleBvh* bvh, const qcBvhFit* startFit,
+                                 const qcTriangleKernels* kernels, uint32_t threads);
+
 /// Triangles in patches that are flat.
-uint64_t qcPatchState_CountFlat(const qcPatchState* state);
+uint64_t qcPatchState_CountFlat(const qcPatchState* state, const qcPatchFlags* flags);
 
 /// The pairs of triangles of a leaf node and the other node of its link that lie in one flat patch. Returns the number
 /// of exclusions.
-int qcPatchState_FindExclusions(const qcPatchState* state, const qcClusters* clusters, uint32_t node, uint32_t link,
-                                qcPairExclusion exclusions[qc_maxExclusions]);
+int qcPatchState_FindExclusions(const qcPatchState* state, const qcPatchFlags* flags, const qcClusters* clusters,
+                                uint32_t node, uint32_t link, qcPairExclusion exclusions[qc_maxExclusions]);
 
-static inline bool qcPatchState_IsFlat(const qcPatchState* state, uint32_t patch)
+static inline bool qcPatchFlags_IsFlat(const qcPatchFlags* flags, uint32_t patch)
 {
-    return QC_AT(uint8_t, state->isFlat, patch) != 0;
+    return QC_AT(uint8_t, flags->isFlat, patch) != 0;
 }
 
 void qcPatchState_Free(qcPatchState* state);

@@ -23,7 +23,7 @@ enum
 //  ---- topology ------------------------------------------------------------------------------------
 
 /// Lays out the boxes of each level, up to the level with one qcBox8.
-static qcStatus LayLevels(qcTriangleBvh* bvh)
+static void LayLevels(qcTriangleBvh* bvh)
 {
     size_t count = (size_t)bvh->clusters.nodeCount * qc_boxLanes, total = 0;
     do
@@ -33,7 +33,15 @@ static qcStatus LayLevels(qcTriangleBvh* bvh)
         total += count;
         count = (count + qc_boxLanes - 1) / qc_boxLanes;
     } while (bvh->box8Count[bvh->levels - 1] > 1);
-    return qcArray_Resize(&bvh->boxes, total, sizeof(qcBox8), "boxes of a BVH");
+    bvh->totalBox8Count = total;
+}
+
+static qcStatus AllocateFit(const qcTriangleBvh* bvh, qcBvhFit* fit)
+{
+    QC_TRY(qcArray_Resize(&fit->boxes, bvh->totalBox8Count, sizeof(qcBox8), "boxes of a BVH"));
+    QC_TRY(qcArray_Resize(&fit->points, (size_t)bvh->vertexCount + 1, sizeof(qcPoint), "points of a BVH"));
+    QC_AT(qcPoint, fit->points, bvh->vertexCount) = (qcPoint){{0}};
+    return qc_statusOk;
 }
 
 static qcStatus Build(qcTriangleBvh* bvh, const qcBody* body, uint32_t threads)
@@ -42,9 +50,8 @@ static qcStatus Build(qcTriangleBvh* bvh, const qcBody* body, uint32_t threads)
                               body->deforming ? body->world : body->local, body->vertexCount, threads));
     QC_TRY(qcClusters_NumberVertices(&bvh->clusters, body->indices, body->vertexCount, &bvh->corners, &bvh->vertexOf));
     bvh->vertexCount = (uint32_t)bvh->vertexOf.count;
-    QC_TRY(LayLevels(bvh));
-    QC_TRY(qcArray_Resize(&bvh->points, (size_t)bvh->vertexCount + 1, sizeof(qcPoint), "points of a BVH"));
-    QC_AT(qcPoint, bvh->points, bvh->vertexCount) = (qcPoint){{0}};
+    LayLevels(bvh);
+    QC_TRY(AllocateFit(bvh, &bvh->fit));
     bvh->generation = body->generation;
     return qc_statusOk;
 }
@@ -92,7 +99,8 @@ static bool ChooseLattice(qcLatticeTransform* lattice, const double lower[3], co
 
 typedef struct Fitting
 {
-    qcTriangleBvh* bvh;
+    const qcTriangleBvh* bvh;
+    qcBvhFit* fit;
     const qcTriangleKernels* kernels;
     qcVertexRange range;
     qcBoxRow *vertices, *rows;
@@ -105,7 +113,7 @@ static void TransformBlock(void* context, size_t block, uint32_t worker)
     qcVertexRange range = f->range;
     range.first = block * qc_vertexBlock;
     range.end = range.end - range.first < qc_vertexBlock ? range.end : range.first + qc_vertexBlock;
-    f->kernels->transformVertices(&f->bvh->lattice, &range, f->bvh->points.data, f->vertices);
+    f->kernels->transformVertices(&f->fit->lattice, &range, f->fit->points.data, f->vertices);
 }
 
 /// Clusters, and their leaf nodes.
@@ -116,7 +124,7 @@ static void FitBlock(void* context, size_t block, uint32_t worker)
     const qcTriangleBvh* bvh = f->bvh;
     size_t first = block * qc_clusterBlock, end = first + qc_clusterBlock;
     end = end < bvh->box8Count[0] ? end : bvh->box8Count[0];
-    qcBox8* boxes = bvh->boxes.data;
+    qcBox8* boxes = f->fit->boxes.data;
     f->kernels->fitTriangles(bvh->corners.data, f->vertices, first, end, boxes, f->rows);
     f->kernels->fitBoxes(f->rows, first / qc_boxLanes, end / qc_boxLanes, boxes + bvh->firstBox8[1],
                          f->rows + bvh->box8Count[0]);
@@ -137,7 +145,7 @@ static void PadWithEmptyRows(qcBoxRow* rows, size_t count)
 
 static void FitUpperLevels(const Fitting* f)
 {
-    qcTriangleBvh* bvh = f->bvh;
+    const qcTriangleBvh* bvh = f->bvh;
     qcBoxRow* rows = f->rows + bvh->box8Count[0];
     size_t count = bvh->box8Count[1];
     for (uint32_t level = 2; level < bvh->levels; level++)
@@ -145,35 +153,61 @@ static void FitUpperLevels(const Fitting* f)
         PadWithEmptyRows(rows, count);
         qcBoxRow* next = rows + BlockCount(count, qc_boxLanes) * qc_boxLanes;
         count = bvh->box8Count[level];
-        f->kernels->fitBoxes(rows, 0, count, (qcBox8*)bvh->boxes.data + bvh->firstBox8[level], next);
+        f->kernels->fitBoxes(rows, 0, count, (qcBox8*)f->fit->boxes.data + bvh->firstBox8[level], next);
         rows = next;
     }
     qcBoxRow around;
     PadWithEmptyRows(rows, 1);
-    f->kernels->fitBoxes(rows, 0, 1, &bvh->root, &around);
+    f->kernels->fitBoxes(rows, 0, 1, &f->fit->root, &around);
 }
 
-static bool FitsLocally(const qcBody* body)
+/// Where a body is at the present, or at the start of a motion.
+typedef struct Pose
 {
-    return !body->deforming && !qcBody_HasSelfCollision(body) && qcTransform_IsInvertible(&body->transform);
+    const double* world; ///< of a deforming body
+    const qcTransform* transform;
+    bool isIdentity;
+    const double *lower, *upper;
+    uint64_t moved;
+} Pose;
+
+static Pose PresentPose(const qcBody* body)
+{
+    return (Pose){body->world, &body->transform, body->isIdentity, body->lower, body->upper, body->moved};
+}
+
+static Pose StartPose(const qcBody* body)
+{
+    const qcBodyStart* start = &body->start;
+    if (!start->differs)
+        return PresentPose(body);
+    return (Pose){start->world, &start->transform, start->isIdentity, start->lower, start->upper, start->moved};
+}
+
+static bool FitsLocally(const qcBody* body, const Pose* pose)
+{
+    return !body->deforming && !qcBody_HasSelfCollision(body) && qcTransform_IsInvertible(pose->transform);
 }
 
 bool qcTriangleBvh_IsUpToDate(const qcTriangleBvh* bvh, const qcBody* body, double margin)
 {
-    bool isLocal = FitsLocally(body);
-    return bvh->fitted && bvh->isLocal == isLocal &&
-           (isLocal || (bvh->revision == body->moved && bvh->margin == margin));
+    const Pose pose = PresentPose(body);
+    bool isLocal = FitsLocally(body, &pose);
+    return bvh->fit.fitted && bvh->fit.isLocal == isLocal &&
+           (isLocal || (bvh->fit.revision == body->moved && bvh->fit.margin == margin));
 }
 
 /// The positions to fit: the body's own, or those of a rigid body in the world, which are computed into the scratch.
-static qcStatus GetPositions(const qcBody* body, bool isLocal, qcBvhScratch* scratch, const double** positions)
+static qcStatus GetPositions(const qcBody* body, const Pose* pose, bool isLocal, qcBvhScratch* scratch,
+                             const double** positions)
 {
-    *positions = isLocal ? body->local : body->world;
+    *positions = isLocal ? body->local : pose->world;
     if (*positions != NULL || body->vertexCount == 0)
         return qc_statusOk;
     QC_TRY(qcArray_Resize(&scratch->positions, 3 * (size_t)body->vertexCount, sizeof(double), "fitting a BVH"));
     for (uint32_t v = 0; v < body->vertexCount; v++)
-        qcBody_GetVertex(body, v, &QC_AT(double, scratch->positions, 3 * (size_t)v));
+        qcTransform_Apply(pose->transform, pose->isIdentity, body->local + 3 * (size_t)v,
+                          &QC_AT(double, scratch->positions, 3 * (size_t)v));
     *positions = scratch->positions.data;
     return qc_statusOk;
 }
@@ -187,10 +221,11 @@ static qcStatus ReserveRows(const qcTriangleBvh* bvh, qcBvhScratch* scratch)
     return qcArray_Resize(&scratch->rows, rowCount, sizeof(qcBoxRow), "fitting a BVH");
 }
 
-static void FitTo(qcTriangleBvh* bvh, const double* positions, const qcTriangleKernels* kernels, uint32_t threads,
-                  qcBvhScratch* scratch)
+static void FitTo(const qcTriangleBvh* bvh, qcBvhFit* fit, const double* positions, const qcTriangleKernels* kernels,
+                  uint32_t threads, qcBvhScratch* scratch)
 {
     Fitting fitting = {.bvh = bvh,
+                       .fit = fit,
                        .kernels = kernels,
                        .range = {positions, bvh->vertexOf.data, 0, bvh->vertexCount},
                        .vertices = scratch->vertices.data,
@@ -202,35 +237,96 @@ static void FitTo(qcTriangleBvh* bvh, const double* positions, const qcTriangleK
     FitUpperLevels(&fitting);
 }
 
+/// What a fit needs besides the BVH and the body.
+typedef struct Means
+{
+    const qcTriangleKernels* kernels;
+    uint32_t threads;
+    qcBvhScratch* scratch;
+} Means;
+
+static qcStatus FitPose(qcTriangleBvh* bvh, qcBvhFit* fit, const qcBody* body, const Pose* pose, bool isLocal,
+                        double margin, const Means* means, bool* fits)
+{
+    fit->fitted = false;
+    fit->isLocal = isLocal;
+    margin = isLocal ? 0.0 : margin;
+    *fits = ChooseLattice(&fit->lattice, isLocal ? body->localLower : pose->lower,
+                          isLocal ? body->localUpper : pose->upper, margin, fit->latticeExtent);
+    if (!*fits)
+        return qc_statusOk;
+    const double* positions;
+    QC_TRY(GetPositions(body, pose, isLocal, means->scratch, &positions));
+    QC_TRY(ReserveRows(bvh, means->scratch));
+    FitTo(bvh, fit, positions, means->kernels, means->threads, means->scratch);
+    fit->pointError = 0x1p-24f;
+    fit->revision = pose->moved;
+    fit->margin = margin;
+    fit->fitted = true;
+    fit->fitCount = ++bvh->fitCount;
+    return qc_statusOk;
+}
+
+/// Moves the last fit to the start of the motion if it is that of its positions.
+static qcStatus KeepStart(qcTriangleBvh* bvh, const qcBody* body)
+{
+    const qcBodyStart* start = &body->start;
+    if (!start->differs || !bvh->fit.fitted || bvh->fit.isLocal || bvh->fit.revision != start->moved ||
+        (bvh->startFit.fitted && bvh->startFit.revision == start->moved))
+        return qc_statusOk;
+    QC_TRY(AllocateFit(bvh, &bvh->startFit));
+    qcBvhFit fit = bvh->fit;
+    bvh->fit = bvh->startFit;
+    bvh->startFit = fit;
+    bvh->fit.fitted = false;
+    return qc_statusOk;
+}
+
 qcStatus qcTriangleBvh_Fit(qcTriangleBvh* bvh, const qcBody* body, double margin, const qcTriangleKernels* kernels,
                            uint32_t threads, qcBvhScratch* scratch, bool* fits)
 {
     *fits = true;
     if (qcTriangleBvh_IsUpToDate(bvh, body, margin))
         return qc_statusOk;
-    bool isLocal = FitsLocally(body);
-    bvh->fitted = false;
-    bvh->isLocal = isLocal;
-    margin = isLocal ? 0.0 : margin;
-    *fits = ChooseLattice(&bvh->lattice, isLocal ? body->localLower : body->lower,
-                          isLocal ? body->localUpper : body->upper, margin, bvh->latticeExtent);
-    if (!*fits)
+    QC_TRY(KeepStart(bvh, body));
+    const Pose pose = PresentPose(body);
+    const Means means = {kernels, threads, scratch};
+    return FitPose(bvh, &bvh->fit, body, &pose, FitsLocally(body, &pose), margin, &means, fits);
+}
+
+bool qcTriangleBvh_IsMotionUpToDate(const qcTriangleBvh* bvh, const qcBody* body)
+{
+    const Pose present = PresentPose(body), start = StartPose(body);
+    bool isLocal = FitsLocally(body, &present) && FitsLocally(body, &start);
+    if (!bvh->fit.fitted || bvh->fit.isLocal != isLocal)
+        return false;
+    return isLocal || (bvh->fit.revision == body->moved &&
+                       (!body->start.differs ||
+                        (bvh->startFit.fitted && !bvh->startFit.isLocal && bvh->startFit.revision == start.moved)));
+}
+
+qcStatus qcTriangleBvh_FitMotion(qcTriangleBvh* bvh, const qcBody* body, const qcTriangleKernels* kernels,
+                                 uint32_t threads, qcBvhScratch* scratch, bool* fits)
+{
+    *fits = true;
+    if (qcTriangleBvh_IsMotionUpToDate(bvh, body))
         return qc_statusOk;
-    const double* positions;
-    QC_TRY(GetPositions(body, isLocal, scratch, &positions));
-    QC_TRY(ReserveRows(bvh, scratch));
-    FitTo(bvh, positions, kernels, threads, scratch);
-    bvh->pointError = 0x1p-24f;
-    bvh->revision = body->moved;
-    bvh->margin = margin;
-    bvh->fitted = true;
-    bvh->fitCount++;
-    return qc_statusOk;
+    const Pose present = PresentPose(body), start = StartPose(body);
+    const Means means = {kernels, threads, scratch};
+    bool isLocal = FitsLocally(body, &present) && FitsLocally(body, &start);
+    QC_TRY(KeepStart(bvh, body));
+    if (!bvh->fit.fitted || bvh->fit.isLocal != isLocal || (!isLocal && bvh->fit.revision != body->moved))
+        QC_TRY(FitPose(bvh, &bvh->fit, body, &present, isLocal, 0.0, &means, fits));
+    if (!*fits || isLocal || !body->start.differs ||
+        (bvh->startFit.fitted && !bvh->startFit.isLocal && bvh->startFit.revision == start.moved))
+        return qc_statusOk;
+    QC_TRY(AllocateFit(bvh, &bvh->startFit));
+    return FitPose(bvh, &bvh->startFit, body, &start, false, 0.0, &means, fits);
 }
 
 float qcTriangleBvh_DistanceInFrame(const qcTriangleBvh* bvh, double distance)
 {
-    double scaled = distance * bvh->lattice.unit[0];
+    double scaled = distance * bvh->fit.lattice.unit[0];
     return scaled > 0.0 ? nextafterf((float)scaled, INFINITY) : 0.0f;
 }
 
@@ -239,8 +335,10 @@ void qcTriangleBvh_Free(qcTriangleBvh* bvh)
     qcClusters_Free(&bvh->clusters);
     qcArray_Free(&bvh->vertexOf);
     qcArray_Free(&bvh->corners);
-    qcArray_Free(&bvh->points);
-    qcArray_Free(&bvh->boxes);
+    qcArray_Free(&bvh->fit.points);
+    qcArray_Free(&bvh->fit.boxes);
+    qcArray_Free(&bvh->startFit.points);
+    qcArray_Free(&bvh->startFit.boxes);
     *bvh = (qcTriangleBvh){0};
 }
 

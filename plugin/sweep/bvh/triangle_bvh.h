@@ -14,6 +14,22 @@ enum
     qc_maxLevels = 12
 };
 
+/// The geometry of a BVH at one set of positions.
+typedef struct qcBvhFit
+{
+    qcArray points; ///< of qcPoint by vertex; one more, at 0
+    qcArray boxes;  ///< of qcBox8: triangles of clusters, clusters of leaf nodes, and so on
+    qcBox8 root;    ///< one box around all
+    bool fitted;
+    bool isLocal;      ///< in the local coordinates of a rigid body, without a margin: valid wherever it moves
+    uint64_t fitCount; ///< qcTriangleBvh::fitCount at the fit or partial refit
+    uint64_t revision; ///< qcBody::moved of the positions
+    double margin;
+    qcLatticeTransform lattice;
+    double latticeExtent[3]; ///< max of x + margin - origin
+    float pointError;        ///< max error of a coordinate of points
+} qcBvhFit;
+
 typedef struct qcTriangleBvh
 {
     //  Topology.
@@ -25,19 +41,11 @@ typedef struct qcTriangleBvh
     uint32_t levels;      ///< of boxes; the last has one qcBox8
     size_t firstBox8[qc_maxLevels];
     size_t box8Count[qc_maxLevels];
+    size_t totalBox8Count;
 
-    //  Geometry, of the last fit.
-    qcArray points; ///< of qcPoint by vertex; one more, at 0
-    qcArray boxes;  ///< of qcBox8: triangles of clusters, clusters of leaf nodes, and so on
-    qcBox8 root;    ///< one box around all
-    bool fitted;
-    bool isLocal;      ///< in the local coordinates of a rigid body, without a margin: valid wherever it moves
     uint64_t fitCount; ///< fits and partial refits so far
-    uint64_t revision; ///< qcBody::moved at the last fit
-    double margin;     ///< of the last fit
-    qcLatticeTransform lattice;
-    double latticeExtent[3]; ///< max of x + margin - origin
-    float pointError;        ///< max error of a coordinate of points
+    qcBvhFit fit;      ///< to the present positions
+    qcBvhFit startFit; ///< to those of the start of a motion; unused where they are equal, and for local fits
 } qcTriangleBvh;
 
 /// Memory for fitting, reused for one BVH after another.
@@ -57,18 +65,33 @@ qcStatus qcTriangleBvh_Build(qcTriangleBvh* bvh, const qcBody* body, uint32_t th
 qcStatus qcTriangleBvh_Fit(qcTriangleBvh* bvh, const qcBody* body, double margin, const qcTriangleKernels* kernels,
                            uint32_t threads, qcBvhScratch* scratch, bool* fits);
 
+/// Fits the BVH for a motion: `startFit` to the start, `fit` to the present with a margin of 0 or more, or both to
+/// local coordinates. The last fit becomes the start's if it is that of these positions.
+qcStatus qcTriangleBvh_FitMotion(qcTriangleBvh* bvh, const qcBody* body, const qcTriangleKernels* kernels,
+                                 uint32_t threads, qcBvhScratch* scratch, bool* fits);
+
+/// True if qcTriangleBvh_FitMotion has nothing to do.
+bool qcTriangleBvh_IsMotionUpToDate(const qcTriangleBvh* bvh, const qcBody* body);
+
+/// The fit to the start of a motion, after qcTriangleBvh_FitMotion.
+static inline const qcBvhFit* qcTriangleBvh_StartFit(const qcTriangleBvh* bvh, const qcBody* body)
+{
+    return bvh->fit.isLocal || !body->start.differs ? &bvh->fit : &bvh->startFit;
+}
+
 /// True if qcTriangleBvh_Fit has nothing to do.
 bool qcTriangleBvh_IsUpToDate(const qcTriangleBvh* bvh, const qcBody* body, double margin);
 
-/// A distance in the frame of the BVH's points, rounded up.
+/// A distance in the frame of the points, rounded up.
 float qcTriangleBvh_DistanceInFrame(const qcTriangleBvh* bvh, double distance);
 
 /// Eight boxes of a level: those of node i's children. Above the last level is the root alone.
-static inline const qcBox8* qcTriangleBvh_Box8At(const qcTriangleBvh* bvh, uint32_t level, uint32_t i)
+static inline const qcBox8* qcTriangleBvh_Box8At(const qcTriangleBvh* bvh, const qcBvhFit* fit, uint32_t level,
+                                                 uint32_t i)
 {
     if (level >= bvh->levels)
-        return &bvh->root;
-    return &QC_AT(qcBox8, bvh->boxes, bvh->firstBox8[level] + i);
+        return &fit->root;
+    return &QC_AT(qcBox8, fit->boxes, bvh->firstBox8[level] + i);
 }
 
 void qcTriangleBvh_Free(qcTriangleBvh* bvh);

@@ -141,7 +141,8 @@ static void PushFarPair(Search* s, uint32_t slot, uint32_t far)
 
 static void Descend(Search* s, const FarTriangles* far, uint32_t level, size_t at)
 {
-    uint64_t overlaps = s->job->kernels->findOverlaps(qcTriangleBvh_Box8At(s->bvh, level, (uint32_t)at), &far->boxes);
+    uint64_t overlaps =
+        s->job->kernels->findOverlaps(qcTriangleBvh_Box8At(s->bvh, &s->bvh->fit, level, (uint32_t)at), &far->boxes);
     for (uint32_t i = 0; overlaps != 0; i++, overlaps >>= 1)
     {
         // Bits i + 8 k for all k.
@@ -178,7 +179,7 @@ static void AddFarTriangle(FarTriangles* far, const Search* s, uint32_t slot)
 {
     const qcTriangleBvh* bvh = s->bvh;
     const uint32_t* vertex = QC_AT(qcCorners, bvh->corners, slot).vertex;
-    double spare = bvh->margin - s->job->query;
+    double spare = bvh->fit.margin - s->job->query;
     const double* p[3];
     for (int c = 0; c < 3; c++)
         p[c] = s->job->bodyA->world + 3 * (size_t)QC_AT(uint32_t, bvh->vertexOf, vertex[c]);
@@ -188,10 +189,10 @@ static void AddFarTriangle(FarTriangles* far, const Search* s, uint32_t slot)
     {
         double lower = fmin(p[0][axis], fmin(p[1][axis], p[2][axis]));
         double upper = fmax(p[0][axis], fmax(p[1][axis], p[2][axis]));
-        double rounding = 0x1p-50 * (fabs(lower) + bvh->margin);
+        double rounding = 0x1p-50 * (fabs(lower) + bvh->fit.margin);
         int16_t* ends = far->boxes.ends[axis];
-        ends[to] = LevelOf(&bvh->lattice, axis, lower + spare - rounding);
-        ends[qc_boxLanes + to] = (int16_t)~LevelOf(&bvh->lattice, axis, upper + s->job->query);
+        ends[to] = LevelOf(&bvh->fit.lattice, axis, lower + spare - rounding);
+        ends[qc_boxLanes + to] = (int16_t)~LevelOf(&bvh->fit.lattice, axis, upper + s->job->query);
     }
 }
 
@@ -231,7 +232,7 @@ static void PushFarTriangles(Search* s)
 void qcVerletList_Find(const qcVerletList* list, uint32_t slot, const qcBvhPairsJob* job, uint32_t worker)
 {
     const qcTriangleBvh* bvh = &job->a->bvh;
-    const qcIndexedTriangles triangles = {bvh->corners.data, bvh->points.data};
+    const qcIndexedTriangles triangles = {bvh->corners.data, bvh->fit.points.data};
     Search search;
     search.job = job;
     search.bvh = bvh;

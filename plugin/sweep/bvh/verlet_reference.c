@@ -29,7 +29,7 @@ qcStatus qcVerletReference_Set(qcVerletReference* reference, const qcTriangleBvh
     QC_TRY(qcArray_Resize(&reference->positions, count, sizeof(double), "a Verlet list"));
     memset(reference->motionFlags.data, qc_motionNone, reference->motionFlags.count);
     memcpy(reference->positions.data, body->world, count * sizeof(double));
-    reference->fitCount = bvh->fitCount;
+    reference->fitCount = bvh->fit.fitCount;
     reference->margin = margin;
     return qc_statusOk;
 }
@@ -42,7 +42,7 @@ void qcVerletReference_Clear(qcVerletReference* reference)
 
 bool qcVerletReference_IsValid(const qcVerletReference* reference, const qcTriangleBvh* bvh)
 {
-    return bvh->fitted && reference->positions.count != 0 && reference->fitCount == bvh->fitCount;
+    return bvh->fit.fitted && reference->positions.count != 0 && reference->fitCount == bvh->fit.fitCount;
 }
 
 void qcVerletReference_Free(qcVerletReference* reference)
