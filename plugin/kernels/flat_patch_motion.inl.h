@@ -13,19 +13,39 @@ typedef struct MovingLoop
     size_t count;
 } MovingLoop;
 
-/// The products of direction (u, v) with the vertices of edges i and k leave a gap, in the same order at both ends.
-static bool DirectionSeparates(const MovingLoop* loop, float u, float v, size_t i, size_t k)
+QC_INLINE float Greater(float a, float b)
+{
+    return a > b ? a : b;
+}
+
+QC_INLINE float Less(float a, float b)
+{
+    return a < b ? a : b;
+}
+
+/// The vertices from a to endA and those from b to endB leave a gap along (u, v), in the same order at both ends.
+QC_INLINE bool DirectionSeparates(const MovingLoop* loop, float u, float v, size_t a, size_t endA, size_t b,
+                                  size_t endB)
 {
     bool above = true, below = true;
     for (int t = 0; t < 2; t++)
     {
         const Loop* l = loop->at[t];
-        float a0 = u * l->u[i] + v * l->v[i], a1 = u * l->u[i + 1] + v * l->v[i + 1];
-        float b0 = u * l->u[k] + v * l->v[k], b1 = u * l->u[k + 1] + v * l->v[k + 1];
+        float lowA = INFINITY, highA = -INFINITY, lowB = INFINITY, highB = -INFINITY;
+        for (size_t i = a; i <= endA; i++)
+        {
+            float at = u * l->u[i] + v * l->v[i];
+            lowA = Less(at, lowA), highA = Greater(at, highA);
+        }
+        for (size_t i = b; i <= endB; i++)
+        {
+            float at = u * l->u[i] + v * l->v[i];
+            lowB = Less(at, lowB), highB = Greater(at, highB);
+        }
         // Products with a vertex are wrong by its error and by rounding.
         float gap = (__builtin_fabsf(u) + __builtin_fabsf(v)) * (2.0f * l->coordinateError + 0x1p-20f * l->size);
-        above = above && __builtin_fminf(a0, a1) - __builtin_fmaxf(b0, b1) > gap;
-        below = below && __builtin_fminf(b0, b1) - __builtin_fmaxf(a0, a1) > gap;
+        above = above && lowA - highB > gap;
+        below = below && lowB - highA > gap;
     }
     return above || below;
 }
@@ -40,9 +60,9 @@ static bool KeepsTurning(const MovingLoop* loop, size_t i)
         u[t] = l->u[i + 1] - l->u[i], v[t] = l->v[i + 1] - l->v[i];
         nextU[t] = l->u[i + 2] - l->u[i + 1], nextV[t] = l->v[i + 2] - l->v[i + 1];
     }
-    float error = __builtin_fmaxf(loop->at[0]->productError, loop->at[1]->productError) +
-                  __builtin_fmaxf(loop->at[0]->size, loop->at[1]->size) *
-                      (16.0f * __builtin_fmaxf(loop->at[0]->coordinateError, loop->at[1]->coordinateError));
+    float error = Greater(loop->at[0]->productError, loop->at[1]->productError) +
+                  Greater(loop->at[0]->size, loop->at[1]->size) *
+                      (16.0f * Greater(loop->at[0]->coordinateError, loop->at[1]->coordinateError));
     bool left = true, right = true, ahead = true;
     const int first[3] = {0, 0, 1}, second[3] = {0, 1, 1};
     for (int c = 0; c < 3; c++)
@@ -71,7 +91,8 @@ static bool AreEdgesApart(const MovingLoop* loop, size_t i, size_t k)
             const Loop* l = loop->at[t];
             size_t e = side == 0 ? i : k;
             float u = l->u[e + 1] - l->u[e], v = l->v[e + 1] - l->v[e];
-            if (DirectionSeparates(loop, -v, u, i, k) || DirectionSeparates(loop, u, v, i, k))
+            if (DirectionSeparates(loop, -v, u, i, i + 1, k, k + 1) ||
+                DirectionSeparates(loop, u, v, i, i + 1, k, k + 1))
                 return true;
         }
     return false;
@@ -104,6 +125,19 @@ static bool StayMonotone(const MovingLoop* loop, const Arc* a, const Arc* b)
                     return false;
     }
     return true;
+}
+
+/// The direction between the middles of two arcs separates them.
+static bool DoMiddlesSeparate(const MovingLoop* loop, const Arc* a, const Arc* b)
+{
+    float u = 0.0f, v = 0.0f;
+    for (int t = 0; t < 2; t++)
+    {
+        const Loop* l = loop->at[t];
+        u += l->u[a->first] + l->u[a->end] - l->u[b->first] - l->u[b->end];
+        v += l->v[a->first] + l->v[a->end] - l->v[b->first] - l->v[b->end];
+    }
+    return DirectionSeparates(loop, u, v, a->first, a->end, b->first, b->end);
 }
 
 /// The boxes of two arcs are apart along one axis in the same order at both ends.
@@ -145,7 +179,8 @@ static bool StaysSimple(const MovingLoop* loop)
             if (a == 0 && b == arcCount - 1)
                 continue;
             const Arc *const ofA[2] = {&arcs[0][a], &arcs[1][a]}, *const ofB[2] = {&arcs[0][b], &arcs[1][b]};
-            if (!AreArcBoxesApart(loop, ofA, ofB) && !AreMovingArcsApart(loop, arc, &arcs[0][b]))
+            if (!AreArcBoxesApart(loop, ofA, ofB) && !DoMiddlesSeparate(loop, arc, &arcs[0][b]) &&
+                !AreMovingArcsApart(loop, arc, &arcs[0][b]))
                 return false;
         }
     }
@@ -175,7 +210,7 @@ QC_INLINE Ints FacesForward(const Loop* loop, const Vectors e[2], const Vectors 
 static bool FacesOneWayInMotion(const qcPatchGeometry patches[2], const float scales[2], const Loop* loop)
 {
     const qcPatchGeometry* start = &patches[0];
-    float pointError = __builtin_fmaxf(patches[0].pointError * scales[0], patches[1].pointError * scales[1]);
+    float pointError = Greater(patches[0].pointError * scales[0], patches[1].pointError * scales[1]);
     for (size_t at = 0; at < start->slotCount; at += QC_LANES)
     {
         size_t count = start->slotCount - at < QC_LANES ? start->slotCount - at : QC_LANES;
