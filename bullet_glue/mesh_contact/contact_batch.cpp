@@ -170,8 +170,12 @@ void qcMeshBatch::FindPoints(const qcPlacedMesh& a, const qcPlacedMesh& b, btSca
         // belongs to a new step.
         bool checked =
             *check != m_validity.GetNumber() && m_validity.IsAsChecked(a.object) && m_validity.IsAsChecked(b.object);
-        if (!checked && !(m_validity.Check() && m_result != nullptr))
-            Run();
+        if (!checked)
+        {
+            m_limiter.MarkStarts();
+            if (!m_validity.Check() || m_result == nullptr)
+                Run();
+        }
         *check = m_validity.GetNumber();
         if (ReadPair(a, b, points))
             return;
@@ -214,6 +218,13 @@ void qcMeshBatch::InvalidateShape(const btCollisionShape* shape)
 {
     std::lock_guard<std::mutex> lock(m_mutex);
     m_scene.InvalidateShape(shape);
+    m_limiter.InvalidateShape(shape);
+}
+
+void qcMeshBatch::LimitMotion(btScalar timeStep)
+{
+    std::lock_guard<std::mutex> lock(m_mutex);
+    m_limiter.Limit(timeStep, &statistics);
 }
 
 void qcMeshBatch::Draw(btIDebugDraw* drawer)

@@ -5,6 +5,7 @@
 #include "mesh_contact/batch_scene.h"
 #include "mesh_contact/batch_validity.h"
 #include "mesh_contact/impact_sampling.h"
+#include "mesh_contact/motion_limiter.h"
 
 #include <mutex>
 
@@ -22,7 +23,8 @@ struct qcPlacedMesh
 class qcMeshBatch
 {
   public:
-    explicit qcMeshBatch(qcDevice* device) : m_device(device), m_scene(settings), m_validity(m_scene)
+    explicit qcMeshBatch(qcDevice* device)
+        : m_device(device), m_scene(settings), m_validity(m_scene), m_limiter(settings)
     {
     }
     qcMeshBatch(const qcMeshBatch&) = delete;
@@ -35,6 +37,8 @@ class qcMeshBatch
                     std::vector<qcMeshPoint>* points);
     /// Appends the contact points of a pair whose triangles are at most `distance` apart, from a query for it alone.
     void QueryPair(const qcPlacedMesh& a, const qcPlacedMesh& b, btScalar distance, std::vector<qcMeshPoint>* points);
+    /// Ends a step, after Bullet has integrated the transforms: see qcMotionLimiter.
+    void LimitMotion(btScalar timeStep);
     /// Call it after the triangles of a shape have changed.
     void InvalidateShape(const btCollisionShape* shape);
     /// Draws the candidate triangles of the last batch, at the present transforms of their objects.
@@ -55,6 +59,7 @@ class qcMeshBatch
     qcDevice* m_device;
     qcBatchScene m_scene;
     qcBatchValidity m_validity;
+    qcMotionLimiter m_limiter;
     qcImpactSampler m_impacts;          ///< of the last batch
     const qcResult* m_result = nullptr; ///< of the last batch; null: none, or it failed
     std::mutex m_mutex;

@@ -9,6 +9,8 @@
 #include <BulletCollision/CollisionDispatch/btEmptyCollisionAlgorithm.h>
 #include <BulletCollision/CollisionDispatch/btCollisionObjectWrapper.h>
 #include <BulletCollision/Gimpact/btGImpactCollisionAlgorithm.h>
+#include <BulletDynamics/Dynamics/btActionInterface.h>
+#include <BulletDynamics/Dynamics/btDynamicsWorld.h>
 
 namespace
 {
@@ -69,6 +71,25 @@ struct MeshPlaneCreate : btCollisionAlgorithmCreateFunc
     qcMeshBatch* batch;
     bool query;
 };
+
+/// Bullet's worlds run actions right after they have integrated the transforms.
+struct LimitAction : btActionInterface
+{
+    explicit LimitAction(qcMeshBatch* batch) : batch(batch)
+    {
+    }
+
+    void updateAction(btCollisionWorld*, btScalar timeStep) override
+    {
+        batch->LimitMotion(timeStep);
+    }
+
+    void debugDraw(btIDebugDraw*) override
+    {
+    }
+
+    qcMeshBatch* batch;
+};
 } // namespace
 
 struct qcMeshContact::Implementation
@@ -82,6 +103,7 @@ struct qcMeshContact::Implementation
     qcMeshBatch batch;
     btCollisionDispatcher* dispatcher = nullptr;
     MeshMeshCreate meshContact{&batch, false}, meshQuery{&batch, true};
+    LimitAction limitAction{&batch};
     MeshPlaneCreate planeContact{&batch, false}, planeQuery{&batch, true};
 };
 
@@ -106,6 +128,8 @@ void qcMeshContact::addTo(btCollisionWorld* world)
     Implementation& my = *m_implementation;
     my.batch.settings.world = world;
     my.dispatcher = static_cast<btCollisionDispatcher*>(world->getDispatcher());
+    if (auto* dynamics = dynamic_cast<btDynamicsWorld*>(world))
+        dynamics->addAction(&my.limitAction);
     for (int type : s_meshTypes)
         my.Register(FAST_CONCAVE_MESH_PROXYTYPE, type, &my.meshContact, &my.meshQuery);
     my.Register(FAST_CONCAVE_MESH_PROXYTYPE, GIMPACT_SHAPE_PROXYTYPE, &my.meshContact, &my.meshQuery);

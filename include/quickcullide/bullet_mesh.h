@@ -151,6 +151,9 @@ struct qcMeshContactStatistics
     const char* device = "none";    ///< name of the device that was used; "none" if the CPU answered alone
     const char* fallback = nullptr; ///< why another method than the requested one ran, or null
     int moments = 0;                ///< times within the step at which fast bodies were sampled
+    int limited = 0;                ///< bodies whose motion in the last step was cut back, or that were carried along
+    int unproven = 0;               ///< pairs of objects that could not be kept apart in the last step
+    double limitMs = 0;             ///< milliseconds of certifying the last step's motions
     double gatherMs = 0;            ///< milliseconds of reading from Bullet
     double aheadMs = 0;             ///< milliseconds of sampling fast bodies
     double detectMs = 0;            ///< milliseconds of the query; the following are parts of it

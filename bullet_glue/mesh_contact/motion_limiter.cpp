@@ -1,0 +1,386 @@
+// Meshes never pass each other: motions that are not proven apart over a step are cut back to a part that is.
+#include "mesh_contact/motion_limiter.h"
+
+#include "common/stopwatch.h"
+
+#include <LinearMath/btQuickprof.h>
+#include <LinearMath/btTransformUtil.h>
+
+#include <algorithm>
+
+namespace
+{
+// Bisections of a motion: a part of 1e-5 of it is left undecided.
+constexpr int s_bisections = 16;
+// A stopped pair keeps this part of the sum of its margins, where contact of the next step finds it with a reliable
+// normal.
+constexpr btScalar s_floor = btScalar(0.25);
+// A stopped pair makes at most this part of what it made before, and nothing once it is below s_minPart.
+constexpr btScalar s_maxPart = btScalar(0.99), s_minPart = btScalar(1e-4);
+// From this round on, objects that are still not proven apart return to their starts: chains of objects that stop each
+// other are shorter.
+constexpr int s_maxCuts = 12;
+
+void CornersOf(const qcMeshTriangles& triangles, uint32_t triangle, const btTransform& transform, double corners[9])
+{
+    for (size_t c = 0; c < 3; c++)
+    {
+        btVector3 p = transform * triangles.points[triangles.indices[3 * size_t(triangle) + c]];
+        for (int axis = 0; axis < 3; axis++)
+            corners[3 * c + size_t(axis)] = double(p[axis]);
+    }
+}
+
+} // namespace
+
+qcMotionLimiter::~qcMotionLimiter()
+{
+    qcScene_Destroy(m_scene);
+}
+
+void qcMotionLimiter::InvalidateShape(const btCollisionShape* shape)
+{
+    for (qcSweptObject* swept : m_objects.Get())
+        for (qcSweptMesh& mesh : swept->meshes)
+            if (mesh.shape == shape)
+                mesh.revision = 0; // stale: no shape has revision 0
+}
+
+/// Brings the scene's meshes of an object up to date.
+qcStatus qcMotionLimiter::AddMeshes(qcSweptObject* swept)
+{
+    std::vector<qcBatchMesh> present;
+    qcCollectMeshes(swept->object->getCollisionShape(), btTransform::getIdentity(), &present);
+    auto isSame = [](const qcSweptMesh& mesh, const qcBatchMesh& now)
+    {
+        return mesh.shape == now.shape && qcAreSame(mesh.local, now.transform) &&
+               mesh.revision == qcMeshRevision(now.shape);
+    };
+    if (std::equal(swept->meshes.begin(), swept->meshes.end(), present.begin(), present.end(), isSame))
+        return qc_statusOk;
+    for (qcSweptMesh& mesh : swept->meshes)
+        qcScene_RemoveBody(m_scene, mesh.id);
+    swept->meshes.clear();
+    for (const qcBatchMesh& now : present)
+    {
+        qcSweptMesh mesh{now.shape, now.transform, qcMeshRevision(now.shape), {}, nullptr};
+        mesh.triangles.reset(new qcMeshTriangles(now.shape, nullptr));
+        const qcMeshTriangles& all = *mesh.triangles;
+        qcBodyDef def = qcMeshBodyDef(all.points, all.pointCount, all.indices, all.count, swept->start * mesh.local,
+                                      qc_activityMoving);
+        def.owner = swept->number + 1;
+        qcStatus status = qcScene_AddBody(m_scene, &def, &mesh.id);
+        if (status != qc_statusOk)
+            return status;
+        m_meshOfSlot.resize(std::max(m_meshOfSlot.size(), size_t(mesh.id.slot) + 1));
+        m_meshOfSlot[mesh.id.slot] = {swept, swept->meshes.size()};
+        swept->meshes.push_back(std::move(mesh));
+    }
+    return qc_statusOk;
+}
+
+/// Places the meshes of all pairs at the start or the end of the step.
+qcStatus qcMotionLimiter::PlaceMeshes(bool atStart)
+{
+    qcStatus status = qc_statusOk;
+    for (const qcSweptPair& pair : m_pairs)
+        for (const qcSweptObject* swept : {pair.first, pair.second})
+            for (const qcSweptMesh& mesh : swept->meshes)
+            {
+                qcTransform transform = qcTransformOf((atStart ? swept->start : swept->end) * mesh.local);
+                qcStatus set = qcScene_SetTransform(m_scene, mesh.id, &transform);
+                status = status == qc_statusOk ? set : status;
+            }
+    return status;
+}
+
+bool qcMotionLimiter::TestPair(void* context, uint32_t slotA, uint32_t slotB)
+{
+    const auto* limiter = static_cast<const qcMotionLimiter*>(context);
+    qcSweptPair pair(limiter->m_meshOfSlot[slotA].first, limiter->m_meshOfSlot[slotB].first);
+    if (pair.first->number > pair.second->number)
+        std::swap(pair.first, pair.second);
+    auto isBefore = [](const qcSweptPair& x, const qcSweptPair& y)
+    { return std::make_pair(x.first->number, x.second->number) < std::make_pair(y.first->number, y.second->number); };
+    return std::binary_search(limiter->m_pairs.begin(), limiter->m_pairs.end(), pair, isBefore);
+}
+
+/// Finds the pairs of triangles that are not proven apart.
+qcStatus qcMotionLimiter::Detect(const qcResult** result)
+{
+    qcStatus status = qc_statusOk;
+    if (m_scene == nullptr)
+    {
+        qcSceneDef def = qcDefaultSceneDef();
+        status = qcScene_Create(&def, &m_scene);
+    }
+    for (const qcSweptPair& pair : m_pairs)
+        for (qcSweptObject* swept : {pair.first, pair.second})
+            status = status == qc_statusOk ? AddMeshes(swept) : status;
+    if (status == qc_statusOk)
+        status = PlaceMeshes(true);
+    if (status == qc_statusOk)
+        status = qcScene_MarkStart(m_scene);
+    if (status == qc_statusOk)
+        status = PlaceMeshes(false);
+    if (status != qc_statusOk)
+        return status;
+    qcDetectDef def = qcDefaultDetectDef();
+    def.method = qc_methodSweep;
+    def.motion = true;
+    def.proximities = true;
+    def.threads = m_settings.threads;
+    def.pairFilter = TestPair;
+    def.pairFilterContext = this;
+    return qcScene_Detect(m_scene, &def, result);
+}
+
+qcMotionLimiter::Side qcMotionLimiter::SideOf(uint32_t slot) const
+{
+    const auto& [swept, mesh] = m_meshOfSlot[slot];
+    return {swept, &swept->meshes[mesh]};
+}
+
+bool qcMotionLimiter::IsExempt(const qcSweptObject& a, const qcSweptObject& b) const
+{
+    return a.MovesWith(b) || m_exempt.count(std::minmax(a.number, b.number)) > 0;
+}
+
+/// Objects that meet at the start are exempt as a whole: a triangle inside another object has to leave it.
+void qcMotionLimiter::CollectTangles(const qcResult& result)
+{
+    for (size_t i = 0; i < result.pairCount; i++)
+        if (result.pairs[i].relation != qc_relationDisjoint)
+            m_exempt.insert(
+                std::minmax(SideOf(result.pairs[i].bodyA).swept->number, SideOf(result.pairs[i].bodyB).swept->number));
+}
+
+/// The largest part of the motions, up to `limit` and bisection, over which two triangles are proven apart; below 0:
+/// none. Objects that don't move freely make all of their motion.
+btScalar qcMotionLimiter::CertifiedPart(const qcPair& pair, const Side& a, const Side& b, btScalar limit) const
+{
+    auto cornersAt = [](const Side& side, uint32_t triangle, const btTransform& transform, double corners[9])
+    { CornersOf(*side.mesh->triangles, triangle, transform * side.mesh->local, corners); };
+    auto endOf = [](const qcSweptObject& swept, btScalar part)
+    { return swept.IsFree() && part < swept.fraction ? swept.At(part) : swept.end; };
+    double startA[9], startB[9];
+    cornersAt(a, pair.triangleA, a.swept->start, startA);
+    cornersAt(b, pair.triangleB, b.swept->start, startB);
+    auto isCertified = [&](btScalar part)
+    {
+        double endA[9], endB[9];
+        cornersAt(a, pair.triangleA, endOf(*a.swept, part), endA);
+        cornersAt(b, pair.triangleB, endOf(*b.swept, part), endB);
+        return qcTrianglesStayApart(startA, endA, startB, endB, nullptr);
+    };
+    if (isCertified(limit))
+        return limit;
+    if (!isCertified(0))
+        return -1;
+    btScalar low = 0, high = limit;
+    for (int i = 0; i < s_bisections; i++)
+    {
+        btScalar middle = (low + high) / 2;
+        (isCertified(middle) ? low : high) = middle;
+    }
+    return low;
+}
+
+/// Cuts the motions of a pair back to a part. False: neither moves freely.
+bool qcMotionLimiter::Stop(const qcSweptPair& pair, btScalar part, btScalar distance)
+{
+    btScalar made = 0, travel = 0;
+    for (const qcSweptObject* swept : {pair.first, pair.second})
+    {
+        made = swept->IsFree() ? std::max(made, swept->fraction) : made;
+        travel += qcDisplacementBound(swept->start, swept->target,
+                                      swept->object->getCollisionShape()->getAngularMotionDisc());
+    }
+    // The pair keeps a distance, but approaches by at least half of what is proven. The part is less than what is made,
+    // also where the scene's rounding differs.
+    part =
+        std::min(std::max(part / 2, part - distance / travel), made / 2 < s_minPart ? btScalar(0) : made * s_maxPart);
+    for (qcSweptObject* swept : {pair.first, pair.second})
+        if (swept->IsFree() && swept->fraction > part)
+        {
+            swept->fraction = part;
+            swept->end = swept->At(part);
+        }
+    return made > 0;
+}
+
+/// Returns a carried object to its start: the carrier sweeps over it.
+void qcMotionLimiter::Hold(qcSweptObject* swept)
+{
+    if (swept->carrier == nullptr)
+        return;
+    Exempt(*swept, *swept->carrier);
+    swept->carrier = nullptr;
+    swept->isHeld = true;
+    swept->end = swept->start;
+}
+
+/// The pair can't be kept apart in this step.
+void qcMotionLimiter::Exempt(const qcSweptObject& a, const qcSweptObject& b)
+{
+    m_exempt.insert(std::minmax(a.number, b.number));
+    m_unproven++;
+}
+
+/// An object that doesn't give way sweeps over the start of a free one, which it takes along. What is carried against
+/// another one that doesn't give way is held at its start.
+void qcMotionLimiter::Carry(const qcSweptPair& pair)
+{
+    qcSweptObject *fixed = pair.first, *free = pair.second;
+    if (fixed->IsFree())
+        std::swap(fixed, free);
+    if (!fixed->IsFree() && free->IsFree())
+    {
+        free->carrier = fixed->carrier != nullptr ? fixed->carrier : fixed;
+        free->fraction = 0;
+        free->end = free->carrier->end * free->carrier->start.inverse() * free->start;
+    }
+    else if (fixed->carrier != nullptr || free->carrier != nullptr)
+    {
+        Hold(fixed);
+        Hold(free);
+    }
+    else
+        Exempt(*fixed, *free);
+}
+
+/// Moves the objects of pairs that are not proven apart. False: there are none.
+bool qcMotionLimiter::Respond(const qcResult& result, bool toStart)
+{
+    std::map<Numbers, Block> blocks;
+    for (size_t i = 0; i < result.pairCount; i++)
+    {
+        const qcPair& pair = result.pairs[i];
+        Side a = SideOf(pair.bodyA), b = SideOf(pair.bodyB);
+        if (IsExempt(*a.swept, *b.swept))
+            continue;
+        Block& block = blocks[std::minmax(a.swept->number, b.swept->number)];
+        btScalar part = CertifiedPart(pair, a, b, block.part);
+        if (block.pair.first != nullptr && part >= block.part)
+            continue;
+        const qcProximity& nearest = result.proximities[i];
+        block = {{a.swept, b.swept},
+                 part,
+                 a.swept->start.invXform(qcVectorOf(nearest.pointA)),
+                 b.swept->start.invXform(qcVectorOf(nearest.pointB)),
+                 qcVectorOf(nearest.normal)};
+    }
+    for (const auto& [numbers, block] : blocks)
+    {
+        btScalar margins = block.pair.first->object->getCollisionShape()->getMargin() +
+                           block.pair.second->object->getCollisionShape()->getMargin();
+        if (block.part < 0 || !Stop(block.pair, toStart ? btScalar(0) : block.part, s_floor * margins))
+            Carry(block.pair);
+        m_blocks.insert({numbers, block});
+    }
+    return !blocks.empty();
+}
+
+/// Where contact has not stopped a pair since the previous step, an impulse without restitution does.
+void qcMotionLimiter::RemoveApproach(const Block& block)
+{
+    btRigidBody *a = block.pair.first->body, *b = block.pair.second->body;
+    btVector3 armA = block.pair.first->end.getBasis() * block.onA, armB = block.pair.second->end.getBasis() * block.onB;
+    auto velocityAt = [](const qcSweptObject& swept, const btVector3& arm)
+    {
+        const btRigidBody* body = btRigidBody::upcast(swept.object);
+        return body != nullptr ? body->getVelocityInLocalPoint(arm) : btVector3(0, 0, 0);
+    };
+    auto inverseMass = [&](const btRigidBody* body, const btVector3& arm)
+    {
+        return body == nullptr ? btScalar(0)
+                               : body->computeImpulseDenominator(body->getCenterOfMassPosition() + arm, block.normal);
+    };
+    btScalar approach = -block.normal.dot(velocityAt(*block.pair.first, armA) - velocityAt(*block.pair.second, armB));
+    btScalar denominator = inverseMass(a, armA) + inverseMass(b, armB);
+    if (!(approach > 0 && denominator > 0))
+        return;
+    btVector3 impulse = block.normal * (approach / denominator);
+    if (a != nullptr)
+        a->applyImpulse(impulse, armA);
+    if (b != nullptr)
+        b->applyImpulse(-impulse, armB);
+}
+
+/// Moves the bodies. A body that makes a part of its motion gets that part of the step's forces, so that it gains no
+/// energy from a fall that it doesn't make; one that is carried has the carrier's velocity.
+void qcMotionLimiter::Commit(const qcSweptObject& swept, btScalar timeStep)
+{
+    btRigidBody* body = swept.body;
+    if (swept.carrier != nullptr)
+    {
+        btVector3 linear, angular;
+        btTransformUtil::calculateVelocity(swept.start, swept.end, timeStep, linear, angular);
+        body->setLinearVelocity(linear * body->getLinearFactor());
+        body->setAngularVelocity(angular * body->getAngularFactor());
+    }
+    else
+    {
+        btScalar lost = (1 - swept.fraction) * timeStep;
+        body->setLinearVelocity(body->getLinearVelocity() - body->getTotalForce() * (body->getInvMass() * lost));
+        body->setAngularVelocity(body->getAngularVelocity() -
+                                 body->getInvInertiaTensorWorld() * body->getTotalTorque() * lost);
+    }
+    body->proceedToTransform(swept.end);
+    body->activate();
+}
+
+void qcMotionLimiter::CommitAll(btScalar timeStep, qcMeshContactStatistics* statistics)
+{
+    for (const qcSweptObject* swept : m_objects.Get())
+    {
+        bool isCut = swept->fraction < 1;
+        statistics->limited += isCut;
+        if (isCut)
+            Commit(*swept, timeStep);
+    }
+    for (const auto& [numbers, block] : m_blocks)
+        if (m_previousBlocks.count(numbers) > 0)
+            RemoveApproach(block);
+    m_previousBlocks.clear();
+    for (const auto& [numbers, block] : m_blocks)
+        m_previousBlocks.insert(numbers);
+}
+
+/// Rounds of certificates and cuts, until all pairs are proven apart or exempt.
+qcStatus qcMotionLimiter::Certify()
+{
+    for (int round = 0;; round++)
+    {
+        m_objects.FindPairs(&m_pairs);
+        if (m_pairs.empty())
+            return qc_statusOk;
+        const qcResult* result = nullptr;
+        qcStatus status = Detect(&result);
+        if (status != qc_statusOk)
+            return status;
+        CollectTangles(*result);
+        if (!Respond(*result, round >= s_maxCuts))
+            return qc_statusOk;
+    }
+}
+
+void qcMotionLimiter::Limit(btScalar timeStep, qcMeshContactStatistics* statistics)
+{
+    BT_PROFILE("qcMeshContact limit");
+    double start = qcNowMs();
+    m_exempt.clear();
+    m_blocks.clear();
+    m_unproven = 0;
+    statistics->limited = 0;
+    if (m_objects.Update(timeStep, m_scene))
+    {
+        qcStatus status = Certify();
+        if (status != qc_statusOk)
+            statistics->status = status;
+        CommitAll(timeStep, statistics);
+    }
+    m_objects.RecordEnds();
+    statistics->unproven = m_unproven;
+    statistics->limitMs = qcNowMs() - start;
+}

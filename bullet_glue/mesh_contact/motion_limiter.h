@@ -1,0 +1,79 @@
+// Meshes never pass each other: motions that are not proven apart over a step are cut back to a part that is.
+// Proof: plugin/docs/proofs/rigid_motion_limits.md.
+#ifndef QC_GLUE_MESH_CONTACT_MOTION_LIMITER_H
+#define QC_GLUE_MESH_CONTACT_MOTION_LIMITER_H
+
+#include "mesh_contact/swept_objects.h"
+
+#include <map>
+#include <set>
+
+/// Runs at the end of a step, after Bullet has integrated the transforms. Not for several threads.
+class qcMotionLimiter
+{
+  public:
+    explicit qcMotionLimiter(const qcBatchSettings& settings) : m_settings(settings), m_objects(settings)
+    {
+    }
+    ~qcMotionLimiter();
+    qcMotionLimiter(const qcMotionLimiter&) = delete;
+    qcMotionLimiter& operator=(const qcMotionLimiter&) = delete;
+
+    /// The step starts: call it before Bullet has integrated the transforms. See qcSweptObjects.
+    void MarkStarts()
+    {
+        m_objects.MarkStarts();
+    }
+    /// Certifies the step, and moves bodies where it can't be certified. Writes the limiter's part of the statistics.
+    void Limit(btScalar timeStep, qcMeshContactStatistics* statistics);
+    /// Call it after the triangles of a shape have changed.
+    void InvalidateShape(const btCollisionShape* shape);
+
+  private:
+    using Numbers = std::pair<uint32_t, uint32_t>; ///< of two objects, the lower one first
+
+    /// Where two objects were stopped: the pair of triangles that met first.
+    struct Block
+    {
+        qcSweptPair pair{nullptr, nullptr};
+        btScalar part = 1;  ///< of the motions that is proven apart; below 0: none
+        btVector3 onA, onB; ///< closest points at the start, in the frames of the objects
+        btVector3 normal;   ///< unit vector from B to A
+    };
+
+    struct Side
+    {
+        qcSweptObject* swept;
+        const qcSweptMesh* mesh;
+    };
+
+    qcStatus AddMeshes(qcSweptObject* swept);
+    qcStatus PlaceMeshes(bool atStart);
+    qcStatus Detect(const qcResult** result);
+    Side SideOf(uint32_t slot) const;
+    void CollectTangles(const qcResult& result);
+    bool IsExempt(const qcSweptObject& a, const qcSweptObject& b) const;
+    btScalar CertifiedPart(const qcPair& pair, const Side& a, const Side& b, btScalar limit) const;
+    static bool Stop(const qcSweptPair& pair, btScalar part, btScalar distance);
+    void Hold(qcSweptObject* swept);
+    void Exempt(const qcSweptObject& a, const qcSweptObject& b);
+    void Carry(const qcSweptPair& pair);
+    bool Respond(const qcResult& result, bool toStart);
+    qcStatus Certify();
+    static void RemoveApproach(const Block& block);
+    static void Commit(const qcSweptObject& swept, btScalar timeStep);
+    void CommitAll(btScalar timeStep, qcMeshContactStatistics* statistics);
+    static bool TestPair(void* context, uint32_t slotA, uint32_t slotB);
+
+    const qcBatchSettings& m_settings;
+    qcSweptObjects m_objects;
+    qcScene* m_scene = nullptr;
+    std::vector<qcSweptPair> m_pairs;                            ///< to certify
+    std::vector<std::pair<qcSweptObject*, size_t>> m_meshOfSlot; ///< object and index of its mesh
+    std::set<Numbers> m_exempt; ///< objects that meet at the start of the step, or can't be kept apart in it
+    std::map<Numbers, Block> m_blocks;
+    std::set<Numbers> m_previousBlocks; ///< of the previous step
+    int m_unproven = 0;
+};
+
+#endif

@@ -1,0 +1,192 @@
+// The objects of a world that hold meshes, with their motion in a step, and the pairs whose motions overlap.
+#include "mesh_contact/swept_objects.h"
+
+#include "common/compound_children.h"
+
+#include <BulletCollision/BroadphaseCollision/btDispatcher.h>
+#include <BulletCollision/BroadphaseCollision/btOverlappingPairCache.h>
+#include <LinearMath/btTransformUtil.h>
+
+#include <algorithm>
+
+namespace
+{
+/// True if contact of a mesh in the shape with any other mesh is computed here.
+bool IsOurs(const btCollisionShape* shape, bool gimpact)
+{
+    bool isOurs = false;
+    qcForEachSimpleShape(shape, btTransform::getIdentity(),
+                         [&](const btCollisionShape* simple, const btTransform&) {
+                             isOurs =
+                                 isOurs || qcAsMeshShape(simple) != nullptr || (gimpact && qcIsGImpactMesh(simple));
+                         });
+    return isOurs;
+}
+
+/// The body, if Bullet moves it.
+btRigidBody* DynamicBody(btCollisionObject* object)
+{
+    btRigidBody* body = btRigidBody::upcast(object);
+    return body != nullptr && !body->isStaticOrKinematicObject() ? body : nullptr;
+}
+
+bool IsBelow(const btVector3& a, const btVector3& b)
+{
+    return a.x() <= b.x() && a.y() <= b.y() && a.z() <= b.z();
+}
+} // namespace
+
+bool qcSweptObject::MovesWith(const qcSweptObject& other) const
+{
+    return carrier == &other || other.carrier == this || (carrier != nullptr && carrier == other.carrier);
+}
+
+btTransform qcSweptObject::At(btScalar part) const
+{
+    if (part >= 1)
+        return target;
+    if (part <= 0)
+        return start;
+    btVector3 axis;
+    btScalar angle;
+    btTransformUtil::calculateDiffAxisAngle(start, target, axis, angle);
+    btMatrix3x3 turn(btQuaternion(axis, part * angle));
+    return btTransform(turn * start.getBasis(), start.getOrigin().lerp(target.getOrigin(), part));
+}
+
+void qcSweptObject::FindBox()
+{
+    object->getCollisionShape()->getAabb(start, lower, upper);
+    moves = !qcAreSame(start, end);
+    if (!moves)
+        return;
+    btVector3 lowerEnd, upperEnd;
+    object->getCollisionShape()->getAabb(end, lowerEnd, upperEnd);
+    lower.setMin(lowerEnd);
+    upper.setMax(upperEnd);
+}
+
+/// Finds the start of a dynamic object: the end of the previous step if the velocities have moved it from there since,
+/// else the application has put it elsewhere, and it starts where the velocities took it from.
+void qcSweptObjects::FindStart(btScalar timeStep, qcSweptObject* swept)
+{
+    const btVector3 &linear = swept->body->getLinearVelocity(), &angular = swept->body->getAngularVelocity();
+    btTransform expected;
+    btTransformUtil::integrateTransform(swept->start, linear, angular, timeStep, expected);
+    btScalar radius = swept->object->getCollisionShape()->getAngularMotionDisc();
+    if (!(qcDisplacementBound(expected, swept->target, radius) <= gContactBreakingThreshold))
+        btTransformUtil::integrateTransform(swept->target, linear, angular, -timeStep, swept->start);
+}
+
+/// The entry of an object, which is added if it is new: it has not moved yet.
+qcSweptObject* qcSweptObjects::Find(btCollisionObject* object)
+{
+    std::unique_ptr<qcSweptObject>& entry = m_objects[qcObjectKey(object)];
+    if (entry == nullptr)
+    {
+        entry.reset(new qcSweptObject);
+        entry->object = object;
+        entry->number = m_count++;
+        entry->start = object->getWorldTransform();
+        m_sorted.push_back(entry.get());
+    }
+    return entry.get();
+}
+
+void qcSweptObjects::MarkStarts()
+{
+    m_isMarked = true;
+    btCollisionObjectArray& objects = m_settings.world->getCollisionObjectArray();
+    for (int i = 0; i < objects.size(); i++)
+        if (qcMayHoldMeshes(objects[i]->getCollisionShape()) && DynamicBody(objects[i]) != nullptr)
+            Find(objects[i])->start = objects[i]->getWorldTransform();
+}
+
+void qcSweptObjects::RemoveGone(qcScene* scene)
+{
+    auto isGone = [this](const qcSweptObject* swept) { return swept->step != m_step; };
+    for (qcSweptObject* swept : m_sorted)
+        if (isGone(swept))
+            for (qcSweptMesh& mesh : swept->meshes)
+                qcScene_RemoveBody(scene, mesh.id);
+    m_sorted.erase(std::remove_if(m_sorted.begin(), m_sorted.end(), isGone), m_sorted.end());
+    for (auto entry = m_objects.begin(); entry != m_objects.end();)
+        entry = isGone(entry->second.get()) ? m_objects.erase(entry) : std::next(entry);
+}
+
+bool qcSweptObjects::Update(btScalar timeStep, qcScene* scene)
+{
+    m_step++;
+    bool anyMoved = false;
+    size_t present = 0;
+    btCollisionObjectArray& objects = m_settings.world->getCollisionObjectArray();
+    for (int i = 0; i < objects.size(); i++)
+    {
+        if (!qcMayHoldMeshes(objects[i]->getCollisionShape()))
+            continue;
+        present++;
+        qcSweptObject& swept = *Find(objects[i]);
+        swept.step = m_step;
+        swept.body = DynamicBody(objects[i]);
+        swept.target = swept.end = objects[i]->getWorldTransform();
+        swept.fraction = 1;
+        swept.carrier = nullptr;
+        swept.isHeld = false;
+        if (!m_isMarked && swept.body != nullptr && !qcAreSame(swept.start, swept.target))
+            FindStart(timeStep, &swept);
+        anyMoved = anyMoved || !qcAreSame(swept.start, swept.target);
+    }
+    m_isMarked = false;
+    if (present != m_sorted.size())
+        RemoveGone(scene);
+    return anyMoved;
+}
+
+/// True if Bullet would make contact between the two.
+bool qcSweptObjects::Collide(const qcSweptObject& a, const qcSweptObject& b) const
+{
+    btCollisionWorld* world = m_settings.world;
+    if ((a.body == nullptr && b.body == nullptr) || !(IsOurs(a.object->getCollisionShape(), m_settings.gimpact) ||
+                                                      IsOurs(b.object->getCollisionShape(), m_settings.gimpact)))
+        return false;
+    btBroadphaseProxy *proxyA = a.object->getBroadphaseHandle(), *proxyB = b.object->getBroadphaseHandle();
+    if (proxyA == nullptr || proxyB == nullptr)
+        return false;
+    btOverlapFilterCallback* filter = world->getPairCache()->getOverlapFilterCallback();
+    bool agree = filter != nullptr ? filter->needBroadphaseCollision(proxyA, proxyB)
+                                   : (proxyA->m_collisionFilterGroup & proxyB->m_collisionFilterMask) != 0 &&
+                                         (proxyB->m_collisionFilterGroup & proxyA->m_collisionFilterMask) != 0;
+    return agree && a.object->checkCollideWith(b.object) && b.object->checkCollideWith(a.object) &&
+           world->getDispatcher()->needsResponse(a.object, b.object);
+}
+
+void qcSweptObjects::FindPairs(std::vector<qcSweptPair>* pairs)
+{
+    pairs->clear();
+    for (qcSweptObject* swept : m_sorted)
+        swept->FindBox();
+    m_byLower = m_sorted;
+    std::sort(m_byLower.begin(), m_byLower.end(),
+              [](const qcSweptObject* a, const qcSweptObject* b)
+              { return std::make_pair(a->lower.x(), a->number) < std::make_pair(b->lower.x(), b->number); });
+    for (size_t i = 0; i < m_byLower.size(); i++)
+        for (size_t j = i + 1; j < m_byLower.size() && m_byLower[j]->lower.x() <= m_byLower[i]->upper.x(); j++)
+        {
+            qcSweptObject *a = m_byLower[i], *b = m_byLower[j];
+            if (a->number > b->number)
+                std::swap(a, b);
+            if ((a->moves || b->moves) && IsBelow(a->lower, b->upper) && IsBelow(b->lower, a->upper) && Collide(*a, *b))
+                pairs->emplace_back(a, b);
+        }
+    std::sort(pairs->begin(), pairs->end(),
+              [](const qcSweptPair& x, const qcSweptPair& y) {
+                  return std::make_pair(x.first->number, x.second->number) <
+                         std::make_pair(y.first->number, y.second->number);
+              });
+}
+
+void qcSweptObjects::RecordEnds()
+{
+    for (qcSweptObject* swept : m_sorted)
+        swept->start = swept->object->getWorldTransform();
+}

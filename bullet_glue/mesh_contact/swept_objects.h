@@ -1,0 +1,89 @@
+// The objects of a world that hold meshes, with their motion in a step, and the pairs whose motions overlap.
+#ifndef QC_GLUE_MESH_CONTACT_SWEPT_OBJECTS_H
+#define QC_GLUE_MESH_CONTACT_SWEPT_OBJECTS_H
+
+#include "mesh_contact/batch_scene.h"
+
+#include <BulletDynamics/Dynamics/btRigidBody.h>
+
+#include <memory>
+
+/// A mesh of an object in the scene of motions.
+struct qcSweptMesh
+{
+    const btCollisionShape* shape;
+    btTransform local; ///< from the mesh's frame to the object's
+    uint64_t revision; ///< of the shape when the mesh was added; see qcMeshRevision
+    qcBodyId id;
+    std::unique_ptr<qcMeshTriangles> triangles;
+};
+
+struct qcSweptObject
+{
+    btCollisionObject* object = nullptr;
+    btRigidBody* body = nullptr; ///< null: the application alone moves the object
+    uint32_t number = 0;         ///< in the order in which objects entered the world
+    unsigned step = 0;           ///< the last step that found the object in the world
+    bool moves = false;          ///< its end is not its start
+    btTransform start, target;   ///< before and after the step, as Bullet or the application moves the object
+    btTransform end;             ///< after the step, as the limiter has it so far
+    btScalar fraction = 1;       ///< of the motion that the object makes
+    const qcSweptObject* carrier = nullptr; ///< the object moves from its start as this one does
+    bool isHeld = false;                    ///< the object stays at its start, whatever sweeps over it
+    btVector3 lower, upper;                 ///< box around the meshes at start and end
+    std::vector<qcSweptMesh> meshes;        ///< empty until the object is near another one
+
+    /// True if its motion may be cut back.
+    bool IsFree() const
+    {
+        return body != nullptr && carrier == nullptr && !isHeld;
+    }
+    /// True if the two have the same motion.
+    bool MovesWith(const qcSweptObject& other) const;
+    /// The transform after this part of the motion; start and target exactly for 0 and 1.
+    btTransform At(btScalar part) const;
+    /// Sets `moves` and the box, from start and end.
+    void FindBox();
+};
+
+using qcSweptPair = std::pair<qcSweptObject*, qcSweptObject*>; ///< the lower number first
+
+class qcSweptObjects
+{
+  public:
+    explicit qcSweptObjects(const qcBatchSettings& settings) : m_settings(settings)
+    {
+    }
+
+    /// Dynamic objects start the step here. Without this call within the step, starts follow from velocities.
+    void MarkStarts();
+    /// Reads the motions of the step that ends now. Meshes of objects that left the world are removed from the scene.
+    /// True if an object has moved.
+    bool Update(btScalar timeStep, qcScene* scene);
+    /// The pairs that collide and whose boxes overlap, sorted; at least one of the two has moved.
+    void FindPairs(std::vector<qcSweptPair>* pairs);
+    /// Ends the step: the next one starts here.
+    void RecordEnds();
+
+    /// All objects, by number.
+    const std::vector<qcSweptObject*>& Get() const
+    {
+        return m_sorted;
+    }
+
+  private:
+    qcSweptObject* Find(btCollisionObject* object);
+    static void FindStart(btScalar timeStep, qcSweptObject* swept);
+    void RemoveGone(qcScene* scene);
+    bool Collide(const qcSweptObject& a, const qcSweptObject& b) const;
+
+    const qcBatchSettings& m_settings;
+    std::unordered_map<qcObjectKey, std::unique_ptr<qcSweptObject>, qcObjectKeyHash> m_objects;
+    std::vector<qcSweptObject*> m_sorted;
+    std::vector<qcSweptObject*> m_byLower; ///< along the first axis
+    uint32_t m_count = 0;
+    unsigned m_step = 0;
+    bool m_isMarked = false; ///< the starts of the present step
+};
+
+#endif
