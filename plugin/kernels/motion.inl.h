@@ -36,7 +36,7 @@ QC_INLINE void GetClusterBoxes(const qcMotionBvh* bvh, uint32_t cluster, qcBox8 
     }
 }
 
-/// Of the pairs of clusters whose boxes overlap, one in twenty has triangles whose boxes around both ends overlap.
+/// One in twenty pairs of clusters whose boxes overlap has triangles whose boxes around both ends overlap.
 /// Where these don't, an axis separates in the same order at both ends.
 static qcSlotPair* CollectMotionPairs(const qcMotionBvh* a, uint32_t nodeA, const qcMotionBvh* b, uint32_t nodeB,
                                       const uint64_t* pairMasks, const qcPairExclusion* exclusions, int exclusionCount,
