@@ -13,7 +13,9 @@
 
 enum
 {
-    qc_maxRounds = 24
+    // Among 4.4 million certificates of test_motion_certificate and 160 thousand of cloth, none took more than 12 and 10
+    // rounds; half of them take 3 or 4. Pairs that touch may go round for ever.
+    qc_maxRounds = 16
 };
 
 /// Corners relative to the first corner of A at the start and at the end, scaled so that no coordinate exceeds 1.

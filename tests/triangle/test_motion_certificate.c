@@ -291,7 +291,7 @@ static void MakeLayers(qcRandom* random, const Class* c, Pair* pair)
     for (int i = 0; i < qc_cornerCount; i++)
         pair->at[0][i][2] = (i < 3 ? 0.0 : gap) + Round(qcRandom_Uniform(random, -0.3, 0.3) * gap);
     memcpy(pair->at[1], pair->at[0], sizeof pair->at[1]);
-    Jitter(random, 0.1 * gap, pair);
+    Jitter(random, 0.7 * gap, pair);
     RandomVector(random, MotionOf(random, c), v);
     Translate(pair, 1, 2, v);
 }
