@@ -196,6 +196,9 @@ static size_t UseMotion(qcMethod method, const qcSoup* cloth, const qcSoup* sphe
     found[1] = DetectMotion(scene, method, &failures);
     if (qcScene_MarkStart(scene) != qc_statusOk)
     {
+        // The new body has no start, and no motion.
+        Shake(scene, second, cloth, 4);
+        CHECK_OK(qcScene_SetVertices(scene, second, cloth->positions, qc_positionF64, 0));
         qcPairList again = DetectMotion(scene, method, &failures);
         qcCheckSamePairs(&found[1], &again, "after a mark without memory");
         free(again.pairs);
