@@ -23,6 +23,13 @@ QC_INLINE float Less(float a, float b)
     return a < b ? a : b;
 }
 
+/// Products of (u, v) with two vertices, or with a difference of vertices, are wrong by their errors, by rounding, and
+/// where they underflow.
+QC_INLINE float MinProjectedGap(const Loop* loop, float u, float v)
+{
+    return (__builtin_fabsf(u) + __builtin_fabsf(v)) * (2.0f * loop->coordinateError + 0x1p-20f * loop->size) + 1e-30f;
+}
+
 /// The vertices from a to endA and those from b to endB leave a gap along (u, v), in the same order at both ends.
 QC_INLINE bool DirectionSeparates(const MovingLoop* loop, float u, float v, size_t a, size_t endA, size_t b,
                                   size_t endB)
@@ -42,8 +49,7 @@ QC_INLINE bool DirectionSeparates(const MovingLoop* loop, float u, float v, size
             float at = u * l->u[i] + v * l->v[i];
             lowB = Less(at, lowB), highB = Greater(at, highB);
         }
-        // Products with a vertex are wrong by its error and by rounding.
-        float gap = (__builtin_fabsf(u) + __builtin_fabsf(v)) * (2.0f * l->coordinateError + 0x1p-20f * l->size);
+        float gap = MinProjectedGap(l, u, v);
         above = above && lowA - highB > gap;
         below = below && lowB - highA > gap;
     }
@@ -114,11 +120,10 @@ static bool StayMonotone(const MovingLoop* loop, const Arc* a, const Arc* b)
     const Loop *start = loop->at[0], *end = loop->at[1];
     float u = start->u[b->end] - start->u[a->first] + end->u[b->end] - end->u[a->first];
     float v = start->v[b->end] - start->v[a->first] + end->v[b->end] - end->v[a->first];
-    float size = __builtin_fabsf(u) + __builtin_fabsf(v);
     for (int t = 0; t < 2; t++)
     {
         const Loop* l = loop->at[t];
-        float minStep = size * (2.0f * l->coordinateError + 0x1p-20f * l->size);
+        float minStep = MinProjectedGap(l, u, v);
         for (int n = 0; n < 2; n++)
             for (size_t i = arcs[n]->first; i < arcs[n]->end; i++)
                 if (!(u * (l->u[i + 1] - l->u[i]) + v * (l->v[i + 1] - l->v[i]) > minStep))
