@@ -101,6 +101,7 @@ qcStatus qcSoftBodyContact::Implementation::MarkStart()
 {
     double begin = qcNowMs();
     m_isCertified = false;
+    m_zones.Clear();
     qcStatus status = scene.MarkStart();
     statistics.gatherMs += qcNowMs() - begin;
     return status;
@@ -130,7 +131,7 @@ void qcSoftBodyContact::Implementation::SortMotionPairs()
             pair.relation == qc_relationTouching ? qcClassifyTouching(scene, unproven) : qcTouchingMotion::Unproven;
         if (pair.relation == qc_relationPenetrating || touching == qcTouchingMotion::Entangled)
             m_exemptMotions++;
-        else if (touching == qcTouchingMotion::Unproven)
+        else if (touching == qcTouchingMotion::Unproven && !m_zones.KeepsApart(pair, unproven.distance))
             (m_tangles.IsNear(scene, pair) ? m_nearTangles : m_unproven).push_back(unproven);
     }
 }
