@@ -1,0 +1,149 @@
+// qc-bench through: scenes in which bodies are thrown at each other so fast that they could pass through each other,
+// judged by exact tests within each step, beside version 0.2.0.
+#include "bench/through/measure.h"
+#include "bench/through/report.h"
+
+#include "bench/bench.h"
+#include "common/interrupt.h"
+#include "common/options.h"
+#include "common/output_file.h"
+#include "common/progress.h"
+
+#include <cstdio>
+#include <string>
+
+namespace
+{
+constexpr uint32_t s_runs = 10, s_quickRuns = 1;
+
+enum Worlds
+{
+    s_classic,
+    s_deformable,
+    s_both
+};
+
+const qcWord s_worldWords[] = {{"classic", s_classic}, {"deformable", s_deformable}, {"both", s_both}, {nullptr, 0}};
+
+struct Options
+{
+    std::vector<const qcThroughScene*> scenes;
+    int worlds = s_both;
+    uint32_t hz = 0;
+    uint32_t runs = 0;
+    bool quick = false, brute = false, steps = false;
+    const char* csv = nullptr;
+};
+
+void TakeScene(const struct argp_state* state, const char* text, void* context)
+{
+    auto* scenes = static_cast<std::vector<const qcThroughScene*>*>(context);
+    const qcThroughScene* scene = qcFindThroughScene(text);
+    if (scene != nullptr)
+    {
+        scenes->push_back(scene);
+        return;
+    }
+    std::string known;
+    for (const qcThroughScene& each : qcThroughScenes())
+        known += std::string(known.empty() ? "" : ", ") + each.name;
+    argp_error(state, "--scene: there is no scene '%s', only: %s", text, known.c_str());
+}
+
+void TakeWorld(const struct argp_state* state, const char* text, void* context)
+{
+    *static_cast<int*>(context) = qcOption_ReadWord(state, "--world", text, s_worldWords);
+}
+
+/// All rows that the options select.
+std::vector<qcThroughDef> DefsOf(const Options& options)
+{
+    std::vector<qcThroughDef> defs;
+    for (const qcThroughScene* scene : options.scenes)
+        for (int hz : {60, 240})
+            for (qcThroughKind kind : {qc_throughClassic, qc_throughDeformable, qc_throughRigid})
+            {
+                bool isDeformable = kind == qc_throughDeformable, isRigid = kind == qc_throughRigid;
+                if (isRigid == scene->isSoft || (hz == 240 && !scene->isFast) ||
+                    (options.hz != 0 && options.hz != uint32_t(hz)) ||
+                    (!isRigid && options.worlds != s_both && isDeformable != (options.worlds == s_deformable)))
+                    continue;
+                defs.push_back({scene, kind, hz, int(options.runs), options.brute, options.steps});
+            }
+    return defs;
+}
+
+bool MeasureAll(const Options& options, std::vector<qcThroughRow>* rows, qcMessage* message)
+{
+    qcPrintThroughHead();
+    for (const qcThroughDef& def : DefsOf(options))
+    {
+        qcProgress_Begin(0, def.scene->name);
+        qcThroughRow row;
+        bool measured = qcMeasureThrough(def, &row);
+        qcProgress_End();
+        if (!measured)
+            return qcMessage_Fail(message, "%s: %s", def.scene->name, qcLastMessage());
+        if (row.runs == 0 || qcInterrupt_Signal() != 0)
+            break;
+        qcPrintThroughRow(row);
+        rows->push_back(row);
+    }
+    qcPrintThroughEnd(*rows);
+    return true;
+}
+
+qcExitStatus Run(const Options& options, qcMessage* message)
+{
+    qcInterrupt_Watch();
+    if (options.csv != nullptr && !qcOutput_Check(options.csv, message))
+        return qc_exitFailed;
+    std::vector<qcThroughRow> rows;
+    if (!MeasureAll(options, &rows, message))
+        return qc_exitFailed;
+    if (options.csv != nullptr && !qcWriteThroughCsv(options.csv, rows, message))
+        return qc_exitFailed;
+    if (qcInterrupt_Signal() != 0)
+        return qcExitStatus(qc_exitSignal + qcInterrupt_Signal());
+    return qc_exitDone;
+}
+
+const char s_help[] =
+    "Bodies that are thrown, dropped, wrung and crushed, so fast that they could pass through each other in a step. In "
+    "each step the pairs of triangles without a common vertex that penetrate are counted, by exact tests, at its end "
+    "and at 16 times inside it, on straight lines between the stored positions; pairs that penetrate at its start are "
+    "counted apart (tangled). \"Uncertified\" are pairs that the library's motion query, run on these positions by the "
+    "benchmark, does not prove apart. Each run starts with other small displacements. Bullet's own shapes are judged "
+    "by triangles inside of them, at 9/10 of their size.\v"
+    "Exit status: as for qc-bench.";
+} // namespace
+
+extern "C" qcExitStatus qcBench_RunThrough(int argumentCount, char** arguments)
+{
+    Options options;
+    const qcOption table[] = {
+        {1, "scene", "NAME,...", "Which scenes; all by default", qcOption_Texts(TakeScene, &options.scenes)},
+        {1, "world", "WORLD", "classic (qcSoftBodySolver), deformable (qcDeformableWorld), or both, the default",
+         qcOption_Texts(TakeWorld, &options.worlds)},
+        {1, "hz", "N", "Only rows with this many steps a second; 0, the default: all",
+         qcOption_Number(&options.hz, 0, 240)},
+        {1, "runs", "N", "Runs of each scene; 10 by default, 1 with --quick", qcOption_Number(&options.runs, 0, 1000)},
+        {1, "quick", nullptr, "One run of each scene", qcOption_Flag(&options.quick, true)},
+        {1, "brute", nullptr, "Count by testing every pair of triangles, which takes long",
+         qcOption_Flag(&options.brute, true)},
+        {1, "steps", nullptr, "Print each step on standard error", qcOption_Flag(&options.steps, true)},
+        {2, "csv", "FILE", "Write the rows to this file", qcOption_Text(&options.csv)},
+        {}};
+    qcCommandLine line = {table, s_help, nullptr, nullptr, 0, nullptr, nullptr};
+    qcCommandLine_Parse(&line, argumentCount, arguments);
+    if (options.runs == 0)
+        options.runs = options.quick ? s_quickRuns : s_runs;
+    if (options.scenes.empty())
+        for (const qcThroughScene& scene : qcThroughScenes())
+            options.scenes.push_back(&scene);
+    qcMessage message;
+    qcExitStatus status = Run(options, &message);
+    if (status == qc_exitFailed)
+        std::fprintf(stderr, "%s: %s\n", arguments[0], message.text);
+    return status;
+}
