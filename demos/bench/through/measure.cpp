@@ -83,23 +83,33 @@ bool AddStatistics(const qcThroughWorld& world, qcThroughKind kind, qcThroughRow
     return soft.status == qc_statusOk;
 }
 
+/// Pairs that penetrate at the end of the last step, as the library counts them.
+size_t RemainingIn(const qcThroughWorld& world)
+{
+    return size_t(world.SoftStatistics().remaining);
+}
+
 void PrintStep(int run, int step, const qcThroughPairs& pairs, const qcThroughWorld& world)
 {
     const qcSoftBodyStatistics& soft = world.SoftStatistics();
-    std::fprintf(stderr,
-                 "run %d step %3d: ends %zu inside %zu tangled %zu uncertified %zu; remaining %d exempt %d unproven %d "
-                 "(meshes %zu) rounds %d planes %d zone nodes %d; energy %.6g momentum %.5g %.5g %.5g; detect %.1f "
-                 "respond %.1f ms\n",
-                 run, step, pairs.ends, pairs.inside, pairs.tangled, pairs.uncertified, soft.remaining, soft.exempt,
-                 soft.unproven, UnprovenOf(world.MeshStatistics(), 0), soft.rounds, soft.planes, soft.zoneNodes,
-                 world.Energy(), double(world.Momentum().x()), double(world.Momentum().y()),
-                 double(world.Momentum().z()), soft.detectMs, soft.respondMs);
+    btVector3 momentum = world.Momentum();
+    std::fprintf(stderr, "run %d step %3d: ends %zu inside %zu tangled %zu uncertified %zu", run, step, pairs.ends,
+                 pairs.inside, pairs.tangled, pairs.uncertified);
+    const auto& pair = pairs.example;
+    if (pairs.ends + pairs.inside > 0)
+        std::fprintf(stderr, " (body %u triangle %u, body %u triangle %u)", pair[0], pair[1], pair[2], pair[3]);
+    std::fprintf(stderr, "; remaining %d exempt %d unproven %d, of meshes %zu; rounds %d planes %d zone nodes %d",
+                 soft.remaining, soft.exempt, soft.unproven, UnprovenOf(world.MeshStatistics(), 0), soft.rounds,
+                 soft.planes, soft.zoneNodes);
+    std::fprintf(stderr, "; energy %.6g, kinetic %.6g, momentum %.5g %.5g %.5g; detect %.1f respond %.1f ms\n",
+                 world.Energy(), world.KineticEnergy(), double(momentum.x()), double(momentum.y()),
+                 double(momentum.z()), soft.detectMs, soft.respondMs);
 }
 
 bool RunOnce(const qcThroughDef& def, int run, qcThroughRow* row)
 {
     const qcThroughScene& scene = *def.scene;
-    qcThroughWorld world(def.kind == qc_throughDeformable, scene.gravity);
+    qcThroughWorld world(def.kind, scene.gravity, def.hz);
     qcJitter jitter{unsigned(run)};
     scene.build(&world, &jitter, scene.speed);
     qcThroughOracle oracle(world, def.brute);
@@ -111,10 +121,9 @@ bool RunOnce(const qcThroughDef& def, int run, qcThroughRow* row)
         if (scene.drive != nullptr)
             scene.drive(&world, double(step) / def.hz, scene.speed);
         double start = qcStopwatch_NowMs();
-        world.Step(1.0 / def.hz);
+        world.Step();
         row->stepMs += qcStopwatch_NowMs() - start;
         kept.Step(world);
-        size_t unproven = row->unproven;
         fails = !AddStatistics(world, def.kind, row) || fails;
         qcThroughPairs pairs;
         if (!oracle.Step(&pairs))
@@ -124,13 +133,14 @@ bool RunOnce(const qcThroughDef& def, int run, qcThroughRow* row)
         row->inside += pairs.inside;
         row->tangled += pairs.tangled;
         row->uncertified += pairs.uncertified;
-        bool isReported = scene.crushes && row->unproven - unproven >= pairs.ends;
+        // The library finds what is crushed, too.
+        bool isReported = scene.crushes && pairs.atEnd <= RemainingIn(world);
         fails = fails || (pairs.ends + pairs.inside > 0 && !isReported);
         if (def.prints)
             PrintStep(run, step, pairs, world);
     }
     row->failingRuns += fails;
-    double energy = scene.keeps == qc_keepsNothing ? NAN : kept.MaxEnergy();
+    double energy = scene.keeps == qc_keepsNothing || def.kind == qc_throughImplicit ? NAN : kept.MaxEnergy();
     row->energy = run > 0 && energy <= row->energy ? row->energy : energy;
     double momentum = scene.keeps == qc_keepsMomentum ? kept.Momentum() : NAN;
     bool isWorse = run == 0 || !(std::fabs(momentum - 1) <= std::fabs(row->momentum - 1));
@@ -141,7 +151,7 @@ bool RunOnce(const qcThroughDef& def, int run, qcThroughRow* row)
 
 const char* qcThroughKindName(qcThroughKind kind)
 {
-    static const char* const names[] = {"classic", "deformable", "rigid"};
+    static const char* const names[] = {"classic", "deformable", "implicit", "rigid"};
     return names[kind];
 }
 

@@ -7,14 +7,7 @@
 #include <string>
 #include <vector>
 
-enum qcThroughKind
-{
-    qc_throughClassic,
-    qc_throughDeformable,
-    qc_throughRigid ///< rigid meshes without soft bodies
-};
-
-/// "classic", "deformable", "rigid".
+/// "classic", "deformable", "implicit", "rigid".
 const char* qcThroughKindName(qcThroughKind kind);
 
 /// A row of the table: a scene in a world at a rate. Sums over all runs, unless a field says otherwise.

@@ -121,11 +121,16 @@ bool qcThroughOracle::Step(qcThroughPairs* pairs)
         body.start.swap(body.end);
         Read(*body.body, &body.end);
     }
-    auto countNew = [this](const std::vector<Pair>& found)
+    auto countNew = [this, pairs](const std::vector<Pair>& found)
     {
-        return size_t(std::count_if(found.begin(), found.end(),
-                                    [this](const Pair& pair)
-                                    { return !std::binary_search(m_tangled.begin(), m_tangled.end(), pair); }));
+        size_t count = 0;
+        for (const Pair& pair : found)
+        {
+            bool isNew = !std::binary_search(m_tangled.begin(), m_tangled.end(), pair);
+            count += isNew;
+            pairs->example = isNew ? pair : pairs->example;
+        }
+        return count;
     };
     std::vector<Pair> found;
     // The scene is where the last step ended.
@@ -137,6 +142,7 @@ bool qcThroughOracle::Step(qcThroughPairs* pairs)
     }
     m_isOk = m_isOk && Move(s_ticks) && Detect(&found);
     pairs->ends = countNew(found);
+    pairs->atEnd = found.size();
     std::vector<Pair> end = found;
     qcDetectDef motion = m_def;
     if (m_isOk && RequestMotion(&motion, 0))
@@ -144,7 +150,9 @@ bool qcThroughOracle::Step(qcThroughPairs* pairs)
         std::swap(motion, m_def);
         m_isOk = Detect(&found);
         std::swap(motion, m_def);
+        Pair example = pairs->example;
         pairs->uncertified = countNew(found);
+        pairs->example = example;
     }
     m_tangled.swap(end);
     return m_isOk;

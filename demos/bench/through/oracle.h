@@ -19,9 +19,13 @@ struct qcThroughPairs
     size_t ends = 0;    ///< at the end of the step
     size_t inside = 0;  ///< at t = 1/32, 3/32 .. 31/32: a pair counts once a time
     size_t tangled = 0; ///< at the start of the step
+    size_t atEnd = 0;   ///< at the end of the step, those of its start included
     /// Apart at the start, and not proven apart until the end by the library's motion query, which the oracle runs on
     /// its own positions; 0 where the library has no such query.
     size_t uncertified = 0;
+    /// A pair that penetrates inside the step or at its end: body, triangle, body, triangle; bodies in the order in
+    /// which they were added to the world.
+    std::array<uint32_t, 4> example{};
 };
 
 class qcThroughOracle

@@ -141,6 +141,15 @@ void BuildDropDynamic(qcThroughWorld* world, qcJitter* jitter, btScalar speed)
     AddDropped(world, jitter, speed, btScalar(0.5));
 }
 
+/// The mesh lies on another one: what the cloth pushes must not go through the floor.
+void BuildDropResting(qcThroughWorld* world, qcJitter* jitter, btScalar speed)
+{
+    btVector3 half(btScalar(0.15), btScalar(0.05), btScalar(0.15));
+    world->AddMesh(qcMakeFloor(btScalar(1.5), 12), 0, At(btVector3(0, 0, 0)));
+    world->AddMesh(qcMakeBox(half), btScalar(0.2), At(btVector3(0, btScalar(0.08), 0)));
+    AddDropped(world, jitter, speed, btScalar(0.5));
+}
+
 void BuildDropTetrahedra(qcThroughWorld* world, qcJitter* jitter, btScalar speed)
 {
     world->AddMesh(qcMakeTetrahedra(btScalar(0.006), 5, btScalar(0.18)), 0, At(btVector3(0, 0, 0)));
@@ -267,6 +276,8 @@ const std::vector<qcThroughScene> s_scenes = {
      BuildDropKinematic, DriveDropKinematic},
     {"drop-dynamic", "cloth on a dynamic mesh, 50 m/s", true, false, false, qc_keepsMomentum, 0.2, 0, 50,
      BuildDropDynamic, nullptr},
+    {"drop-resting", "cloth on a mesh that lies on another, 50 m/s", true, false, false, qc_keepsEnergy, 0.3, 10, 50,
+     BuildDropResting, nullptr},
     {"drop-tetrahedra", "cloth on tetrahedra of 6 mm, 50 m/s", true, false, false, qc_keepsEnergy, 0.2, 10, 50,
      BuildDropTetrahedra, nullptr},
     {"drop-bunny", "cloth on a bunny, 50 m/s", true, false, false, qc_keepsEnergy, 0.3, 10, 50, BuildDropBunny,

@@ -20,10 +20,12 @@ enum Worlds
 {
     s_classic,
     s_deformable,
+    s_implicit,
     s_both
 };
 
-const qcWord s_worldWords[] = {{"classic", s_classic}, {"deformable", s_deformable}, {"both", s_both}, {nullptr, 0}};
+const qcWord s_worldWords[] = {
+    {"classic", s_classic}, {"deformable", s_deformable}, {"implicit", s_implicit}, {"both", s_both}, {nullptr, 0}};
 
 struct Options
 {
@@ -55,21 +57,25 @@ void TakeWorld(const struct argp_state* state, const char* text, void* context)
     *static_cast<int*>(context) = qcOption_ReadWord(state, "--world", text, s_worldWords);
 }
 
-/// All rows that the options select.
+/// True if the options select this row.
+bool IsSelected(const Options& options, const qcThroughScene& scene, qcThroughKind kind, int hz)
+{
+    static const int worlds[] = {s_classic, s_deformable, s_implicit};
+    if ((hz == 240 && !scene.isFast) || (options.hz != 0 && options.hz != uint32_t(hz)))
+        return false;
+    if (kind == qc_throughRigid || !scene.isSoft)
+        return (kind == qc_throughRigid) != scene.isSoft;
+    return options.worlds == worlds[kind] || (options.worlds == s_both && kind != qc_throughImplicit);
+}
+
 std::vector<qcThroughDef> DefsOf(const Options& options)
 {
     std::vector<qcThroughDef> defs;
     for (const qcThroughScene* scene : options.scenes)
         for (int hz : {60, 240})
-            for (qcThroughKind kind : {qc_throughClassic, qc_throughDeformable, qc_throughRigid})
-            {
-                bool isDeformable = kind == qc_throughDeformable, isRigid = kind == qc_throughRigid;
-                if (isRigid == scene->isSoft || (hz == 240 && !scene->isFast) ||
-                    (options.hz != 0 && options.hz != uint32_t(hz)) ||
-                    (!isRigid && options.worlds != s_both && isDeformable != (options.worlds == s_deformable)))
-                    continue;
-                defs.push_back({scene, kind, hz, int(options.runs), options.brute, options.steps});
-            }
+            for (qcThroughKind kind : {qc_throughClassic, qc_throughDeformable, qc_throughImplicit, qc_throughRigid})
+                if (IsSelected(options, *scene, kind, hz))
+                    defs.push_back({scene, kind, hz, int(options.runs), options.brute, options.steps});
     return defs;
 }
 
@@ -123,7 +129,9 @@ extern "C" qcExitStatus qcBench_RunThrough(int argumentCount, char** arguments)
     Options options;
     const qcOption table[] = {
         {1, "scene", "NAME,...", "Which scenes; all by default", qcOption_Texts(TakeScene, &options.scenes)},
-        {1, "world", "WORLD", "classic (qcSoftBodySolver), deformable (qcDeformableWorld), or both, the default",
+        {1, "world", "WORLD",
+         "classic (qcSoftBodySolver), deformable (qcDeformableWorld), both, the default, or implicit: deformable with "
+         "stiff springs, where Bullet's implicit integration throws nodes about",
          qcOption_Texts(TakeWorld, &options.worlds)},
         {1, "hz", "N", "Only rows with this many steps a second; 0, the default: all",
          qcOption_Number(&options.hz, 0, 240)},

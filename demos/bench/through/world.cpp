@@ -5,8 +5,11 @@
 
 namespace
 {
-// Stiffness N/m and damping of the deformable world's springs.
-constexpr btScalar s_stiffness = 40, s_damping = btScalar(0.02);
+// Stiffness of a spring of the deformable world, relative to a node's mass over the square of the step: Bullet's
+// explicit integration is stable below 0.25 with eight springs a node. Damping, relative to mass over step.
+constexpr btScalar s_stiffness = btScalar(0.1), s_damping = btScalar(0.02);
+// N/m: a cloth of 1 kg that hangs is stretched by a tenth.
+constexpr btScalar s_implicitStiffness = 40;
 constexpr btScalar s_margin = btScalar(0.01);
 // Of an edge.
 constexpr btScalar s_thickness = btScalar(0.4), s_jitter = btScalar(1e-4);
@@ -35,15 +38,16 @@ btTransform qcJitter::Rotation(const btVector3& center, btScalar angle)
     return btTransform(turn, center - quatRotate(turn, center));
 }
 
-qcThroughWorld::qcThroughWorld(bool deformable, btScalar gravity) : m_gravity(gravity)
+qcThroughWorld::qcThroughWorld(qcThroughKind kind, btScalar gravity, int hz) : m_gravity(gravity), m_hz(hz)
 {
-    if (deformable)
+    if (kind == qc_throughDeformable || kind == qc_throughImplicit)
     {
         m_deformableConstraints.setDeformableSolver(&m_deformableSolver);
         m_deformable.reset(new qcDeformableWorld(&m_dispatcher, &m_broadphase, &m_deformableConstraints,
                                                  &m_configuration, &m_deformableSolver));
-        m_deformable->setImplicit(true);
-        m_springs.reset(new btDeformableMassSpringForce(s_stiffness, s_damping, true));
+        m_isImplicit = kind == qc_throughImplicit;
+        m_deformable->setImplicit(m_isImplicit);
+        m_deformable->setUseProjection(m_isImplicit);
         m_gravityForce.reset(new btDeformableGravityForce(btVector3(0, -gravity, 0)));
         m_world = m_deformable.get();
     }
@@ -64,7 +68,8 @@ qcThroughWorld::~qcThroughWorld()
     {
         if (body.soft != nullptr && m_deformable)
         {
-            m_deformable->removeForce(body.soft, m_springs.get());
+            for (const auto& springs : m_springs)
+                m_deformable->removeForce(body.soft, springs.get());
             m_deformable->removeForce(body.soft, m_gravityForce.get());
             m_deformable->removeSoftBody(body.soft);
         }
@@ -89,6 +94,9 @@ void qcThroughWorld::AddSoft(btSoftBody* soft, const btVector3& velocity, btScal
     for (int i = 0; i < soft->m_nodes.size(); i++)
         if (soft->m_nodes[i].m_im > 0)
             soft->m_nodes[i].m_v = soft->m_nodes[i].m_vn = velocity;
+    btScalar mass = soft->getTotalMass() / btScalar(soft->m_nodes.size());
+    btScalar stiffness = m_isImplicit ? s_implicitStiffness : s_stiffness * mass * btScalar(m_hz * m_hz);
+    btScalar damping = s_damping * mass * btScalar(m_hz);
     qcSoftBodySettings settings;
     settings.thickness = thickness;
     if (m_deformable)
@@ -96,7 +104,8 @@ void qcThroughWorld::AddSoft(btSoftBody* soft, const btVector3& velocity, btScal
         soft->m_cfg.collisions = btSoftBody::fCollision::SDF_RD;
         m_deformable->setSettings(soft, settings);
         m_deformable->addSoftBody(soft);
-        m_deformable->addForce(soft, m_springs.get());
+        m_springs.emplace_back(new btDeformableMassSpringForce(stiffness, damping, true));
+        m_deformable->addForce(soft, m_springs.back().get());
         m_deformable->addForce(soft, m_gravityForce.get());
     }
     else
@@ -106,6 +115,7 @@ void qcThroughWorld::AddSoft(btSoftBody* soft, const btVector3& velocity, btScal
     }
     m_bodies.emplace_back();
     m_bodies.back().soft = soft;
+    m_bodies.back().stiffness = stiffness;
     qcTriangles& triangles = m_bodies.back().triangles;
     auto indexOf = [soft](const btSoftBody::Node* node) { return uint32_t(node - &soft->m_nodes[0]); };
     for (int i = 0; i < soft->m_faces.size(); i++)
@@ -179,9 +189,9 @@ btRigidBody* qcThroughWorld::AddShape(std::unique_ptr<btCollisionShape> shape, c
     return AddRigid(core, 0, place);
 }
 
-void qcThroughWorld::Step(double seconds)
+void qcThroughWorld::Step()
 {
-    m_world->stepSimulation(btScalar(seconds), 0);
+    m_world->stepSimulation(btScalar(1) / btScalar(m_hz), 0);
 }
 
 double qcThroughWorld::KineticEnergy() const
@@ -215,7 +225,7 @@ double qcThroughWorld::SpringEnergy() const
         {
             const btSoftBody::Link& link = body.soft->m_links[i];
             double stretch = double((link.m_n[1]->m_x - link.m_n[0]->m_x).length() - link.m_rl);
-            sum += double(s_stiffness) * stretch * stretch / 2;
+            sum += double(body.stiffness) * stretch * stretch / 2;
         }
     return sum;
 }
@@ -233,7 +243,7 @@ double qcThroughWorld::Energy() const
         if (body.rigid != nullptr && !body.rigid->isStaticOrKinematicObject())
             sum += double(body.rigid->getMass() * m_gravity * body.rigid->getWorldTransform().getOrigin().y());
     }
-    return m_springs ? sum + SpringEnergy() : sum;
+    return m_deformable ? sum + SpringEnergy() : sum;
 }
 
 btVector3 qcThroughWorld::Momentum() const

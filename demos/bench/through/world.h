@@ -40,6 +40,7 @@ struct qcThroughBody
 {
     btSoftBody* soft = nullptr;
     btRigidBody* rigid = nullptr;
+    btScalar stiffness = 0; ///< N/m, of its springs in the deformable world
     /// Local to the body where it is rigid. A rope's links are triangles with two equal corners.
     qcTriangles triangles;
 };
@@ -54,10 +55,21 @@ struct qcClothDef
     btVector3 velocity{0, 0, 0};
 };
 
+enum qcThroughKind
+{
+    qc_throughClassic,
+    qc_throughDeformable, ///< with explicit integration of springs that are soft enough for it
+    /// Deformable, with stiff springs, integrated implicitly. Where they are compressed this is unstable in Bullet,
+    /// which throws nodes about: a test of endurance.
+    qc_throughImplicit,
+    qc_throughRigid ///< rigid meshes without soft bodies
+};
+
 class qcThroughWorld
 {
   public:
-    qcThroughWorld(bool deformable, btScalar gravity);
+    /// `hz`: steps a second.
+    qcThroughWorld(qcThroughKind kind, btScalar gravity, int hz);
     ~qcThroughWorld();
     qcThroughWorld(const qcThroughWorld&) = delete;
     qcThroughWorld& operator=(const qcThroughWorld&) = delete;
@@ -69,7 +81,7 @@ class qcThroughWorld
     btRigidBody* AddMesh(const qcTriangles& triangles, btScalar mass, const btTransform& place);
     /// A static body of one of Bullet's own shapes; `core`: triangles inside of it, to judge by.
     btRigidBody* AddShape(std::unique_ptr<btCollisionShape> shape, const qcTriangles& core, const btTransform& place);
-    void Step(double seconds);
+    void Step();
 
     const std::vector<qcThroughBody>& Bodies() const
     {
@@ -85,10 +97,6 @@ class qcThroughWorld
     const qcMeshContactStatistics& MeshStatistics() const
     {
         return m_contact.getStatistics();
-    }
-    bool IsDeformable() const
-    {
-        return m_deformable != nullptr;
     }
 
   private:
@@ -106,12 +114,14 @@ class qcThroughWorld
     qcSoftBodySolver m_softSolver;
     qcMeshContact m_contact;
     std::vector<std::unique_ptr<btCollisionShape>> m_shapes;
-    std::unique_ptr<btDeformableMassSpringForce> m_springs;
+    std::vector<std::unique_ptr<btDeformableMassSpringForce>> m_springs; ///< a body's in the deformable world
     std::unique_ptr<btDeformableGravityForce> m_gravityForce;
     std::unique_ptr<btSoftRigidDynamicsWorld> m_classic; ///< or
     std::unique_ptr<qcDeformableWorld> m_deformable;
     btDiscreteDynamicsWorld* m_world;
     btScalar m_gravity;
+    int m_hz;
+    bool m_isImplicit = false;
     std::vector<qcThroughBody> m_bodies;
 };
 
