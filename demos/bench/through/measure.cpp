@@ -109,8 +109,14 @@ void PrintStep(int run, int step, const qcThroughPairs& pairs, const qcThroughWo
 bool RunOnce(const qcThroughDef& def, int run, qcThroughRow* row)
 {
     const qcThroughScene& scene = *def.scene;
-    qcThroughWorld world(def.kind, scene.gravity, def.hz);
-    qcJitter jitter{unsigned(run)};
+    qcThroughWorldDef worldDef;
+    worldDef.kind = def.kind;
+    worldDef.gravity = scene.gravity;
+    worldDef.hz = def.hz;
+    worldDef.continuous = def.continuous;
+    worldDef.threads = def.threads;
+    qcThroughWorld world(worldDef);
+    qcJitter jitter{unsigned(def.firstRun + run)};
     scene.build(&world, &jitter, scene.speed);
     qcThroughOracle oracle(world, def.brute);
     Kept kept(world);
@@ -137,7 +143,7 @@ bool RunOnce(const qcThroughDef& def, int run, qcThroughRow* row)
         bool isReported = scene.crushes && pairs.atEnd <= RemainingIn(world);
         fails = fails || (pairs.ends + pairs.inside > 0 && !isReported);
         if (def.prints)
-            PrintStep(run, step, pairs, world);
+            PrintStep(def.firstRun + run, step, pairs, world);
     }
     row->failingRuns += fails;
     double energy = scene.keeps == qc_keepsNothing || def.kind == qc_throughImplicit ? NAN : kept.MaxEnergy();

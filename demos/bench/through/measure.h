@@ -36,8 +36,11 @@ struct qcThroughDef
     qcThroughKind kind;
     int hz;
     int runs;
-    bool brute;          ///< the oracle tests every pair
-    bool prints = false; ///< each step, on standard error
+    int firstRun;    ///< number of the first run, which its displacements depend on
+    bool continuous; ///< qcSoftBodySettings::continuous
+    bool brute;      ///< the oracle tests every pair
+    bool prints;     ///< each step, on standard error
+    unsigned threads;
 };
 
 /// False: the oracle's query failed; the reason is in qcLastMessage. Ends before its time on Ctrl-C.

@@ -1,6 +1,7 @@
 // qc-bench through: scenes in which bodies are thrown at each other so fast that they could pass through each other,
 // judged by exact tests within each step, beside version 0.2.0.
 #include "bench/through/measure.h"
+#include "bench/through/motion_query.h"
 #include "bench/through/report.h"
 
 #include "bench/bench.h"
@@ -10,11 +11,14 @@
 #include "common/progress.h"
 
 #include <cstdio>
+#include <cstring>
 #include <string>
 
 namespace
 {
 constexpr uint32_t s_runs = 10, s_quickRuns = 1;
+constexpr uint32_t s_triangles = 1000000, s_quickTriangles = 20000; ///< of the motion query
+const char s_motionQuery[] = "motion-query";
 
 enum Worlds
 {
@@ -30,26 +34,30 @@ const qcWord s_worldWords[] = {
 struct Options
 {
     std::vector<const qcThroughScene*> scenes;
+    bool motionQuery = false;
     int worlds = s_both;
     uint32_t hz = 0;
     uint32_t runs = 0;
-    bool quick = false, brute = false, steps = false;
+    uint32_t firstRun = 0, threads = 0;
+    bool quick = false, discrete = false, brute = false, steps = false;
     const char* csv = nullptr;
 };
 
 void TakeScene(const struct argp_state* state, const char* text, void* context)
 {
-    auto* scenes = static_cast<std::vector<const qcThroughScene*>*>(context);
+    auto* options = static_cast<Options*>(context);
     const qcThroughScene* scene = qcFindThroughScene(text);
     if (scene != nullptr)
+        options->scenes.push_back(scene);
+    else if (std::strcmp(text, s_motionQuery) == 0)
+        options->motionQuery = true;
+    else
     {
-        scenes->push_back(scene);
-        return;
+        std::string known;
+        for (const qcThroughScene& each : qcThroughScenes())
+            known += std::string(each.name) + ", ";
+        argp_error(state, "--scene: there is no scene '%s', only: %s%s", text, known.c_str(), s_motionQuery);
     }
-    std::string known;
-    for (const qcThroughScene& each : qcThroughScenes())
-        known += std::string(known.empty() ? "" : ", ") + each.name;
-    argp_error(state, "--scene: there is no scene '%s', only: %s", text, known.c_str());
 }
 
 void TakeWorld(const struct argp_state* state, const char* text, void* context)
@@ -75,7 +83,8 @@ std::vector<qcThroughDef> DefsOf(const Options& options)
         for (int hz : {60, 240})
             for (qcThroughKind kind : {qc_throughClassic, qc_throughDeformable, qc_throughImplicit, qc_throughRigid})
                 if (IsSelected(options, *scene, kind, hz))
-                    defs.push_back({scene, kind, hz, int(options.runs), options.brute, options.steps});
+                    defs.push_back({scene, kind, hz, int(options.runs), int(options.firstRun), !options.discrete,
+                                    options.brute, options.steps, options.threads});
     return defs;
 }
 
@@ -105,7 +114,10 @@ qcExitStatus Run(const Options& options, qcMessage* message)
     if (options.csv != nullptr && !qcOutput_Check(options.csv, message))
         return qc_exitFailed;
     std::vector<qcThroughRow> rows;
-    if (!MeasureAll(options, &rows, message))
+    if (!options.scenes.empty() && !MeasureAll(options, &rows, message))
+        return qc_exitFailed;
+    uint32_t triangles = options.quick ? s_quickTriangles : s_triangles;
+    if (options.motionQuery && qcInterrupt_Signal() == 0 && !qcMeasureMotionQuery(triangles, message))
         return qc_exitFailed;
     if (options.csv != nullptr && !qcWriteThroughCsv(options.csv, rows, message))
         return qc_exitFailed;
@@ -128,7 +140,8 @@ extern "C" qcExitStatus qcBench_RunThrough(int argumentCount, char** arguments)
 {
     Options options;
     const qcOption table[] = {
-        {1, "scene", "NAME,...", "Which scenes; all by default", qcOption_Texts(TakeScene, &options.scenes)},
+        {1, "scene", "NAME,...", "Which scenes, or motion-query, the time of the library's query; all by default",
+         qcOption_Texts(TakeScene, &options)},
         {1, "world", "WORLD",
          "classic (qcSoftBodySolver), deformable (qcDeformableWorld), both, the default, or implicit: deformable with "
          "stiff springs, where Bullet's implicit integration throws nodes about",
@@ -136,6 +149,12 @@ extern "C" qcExitStatus qcBench_RunThrough(int argumentCount, char** arguments)
         {1, "hz", "N", "Only rows with this many steps a second; 0, the default: all",
          qcOption_Number(&options.hz, 0, 240)},
         {1, "runs", "N", "Runs of each scene; 10 by default, 1 with --quick", qcOption_Number(&options.runs, 0, 1000)},
+        {1, "first-run", "N", "Number of the first run, to repeat a later one; %s by default",
+         qcOption_Number(&options.firstRun, 0, 1000000)},
+        {1, "threads", "N", "Threads of the library's queries; 0, the default: one per core",
+         qcOption_Number(&options.threads, 0, 1024)},
+        {1, "discrete", nullptr, "Soft bodies without qcSoftBodySettings::continuous",
+         qcOption_Flag(&options.discrete, true)},
         {1, "quick", nullptr, "One run of each scene", qcOption_Flag(&options.quick, true)},
         {1, "brute", nullptr, "Count by testing every pair of triangles, which takes long",
          qcOption_Flag(&options.brute, true)},
@@ -146,7 +165,9 @@ extern "C" qcExitStatus qcBench_RunThrough(int argumentCount, char** arguments)
     qcCommandLine_Parse(&line, argumentCount, arguments);
     if (options.runs == 0)
         options.runs = options.quick ? s_quickRuns : s_runs;
-    if (options.scenes.empty())
+    bool all = options.scenes.empty() && !options.motionQuery;
+    options.motionQuery = options.motionQuery || all;
+    if (all)
         for (const qcThroughScene& scene : qcThroughScenes())
             options.scenes.push_back(&scene);
     qcMessage message;

@@ -14,6 +14,18 @@ constexpr btScalar s_margin = btScalar(0.01);
 // Of an edge.
 constexpr btScalar s_thickness = btScalar(0.4), s_jitter = btScalar(1e-4);
 
+//  Version 0.2.0, which is measured with these sources too, has no such setting.
+
+template <class Settings>
+auto SetContinuous(Settings* settings, bool continuous, int) -> decltype(settings->continuous = continuous)
+{
+    return settings->continuous = continuous;
+}
+
+template <class Settings> void SetContinuous(Settings*, bool, long)
+{
+}
+
 btSoftBodyWorldInfo& InfoOf(btSoftRigidDynamicsWorld* classic, qcDeformableWorld* deformable)
 {
     return classic != nullptr ? classic->getWorldInfo() : deformable->getWorldInfo();
@@ -38,17 +50,18 @@ btTransform qcJitter::Rotation(const btVector3& center, btScalar angle)
     return btTransform(turn, center - quatRotate(turn, center));
 }
 
-qcThroughWorld::qcThroughWorld(qcThroughKind kind, btScalar gravity, int hz) : m_gravity(gravity), m_hz(hz)
+qcThroughWorld::qcThroughWorld(const qcThroughWorldDef& worldDef) : m_def(worldDef)
 {
-    if (kind == qc_throughDeformable || kind == qc_throughImplicit)
+    btVector3 gravity(0, -m_def.gravity, 0);
+    if (m_def.kind == qc_throughDeformable || m_def.kind == qc_throughImplicit)
     {
         m_deformableConstraints.setDeformableSolver(&m_deformableSolver);
         m_deformable.reset(new qcDeformableWorld(&m_dispatcher, &m_broadphase, &m_deformableConstraints,
                                                  &m_configuration, &m_deformableSolver));
-        m_isImplicit = kind == qc_throughImplicit;
-        m_deformable->setImplicit(m_isImplicit);
-        m_deformable->setUseProjection(m_isImplicit);
-        m_gravityForce.reset(new btDeformableGravityForce(btVector3(0, -gravity, 0)));
+        m_deformable->setThreadCount(m_def.threads);
+        m_deformable->setImplicit(m_def.kind == qc_throughImplicit);
+        m_deformable->setUseProjection(m_def.kind == qc_throughImplicit);
+        m_gravityForce.reset(new btDeformableGravityForce(gravity));
         m_world = m_deformable.get();
     }
     else
@@ -58,7 +71,9 @@ qcThroughWorld::qcThroughWorld(qcThroughKind kind, btScalar gravity, int hz) : m
         m_world = m_classic.get();
     }
     m_contact.addTo(m_world);
-    m_world->setGravity(btVector3(0, -gravity, 0));
+    m_contact.setThreadCount(m_def.threads);
+    m_softSolver.setThreadCount(m_def.threads);
+    m_world->setGravity(gravity);
     InfoOf(m_classic.get(), m_deformable.get()).m_gravity = m_world->getGravity();
 }
 
@@ -95,10 +110,12 @@ void qcThroughWorld::AddSoft(btSoftBody* soft, const btVector3& velocity, btScal
         if (soft->m_nodes[i].m_im > 0)
             soft->m_nodes[i].m_v = soft->m_nodes[i].m_vn = velocity;
     btScalar mass = soft->getTotalMass() / btScalar(soft->m_nodes.size());
-    btScalar stiffness = m_isImplicit ? s_implicitStiffness : s_stiffness * mass * btScalar(m_hz * m_hz);
-    btScalar damping = s_damping * mass * btScalar(m_hz);
+    btScalar stiffness =
+        m_def.kind == qc_throughImplicit ? s_implicitStiffness : s_stiffness * mass * btScalar(m_def.hz * m_def.hz);
+    btScalar damping = s_damping * mass * btScalar(m_def.hz);
     qcSoftBodySettings settings;
     settings.thickness = thickness;
+    SetContinuous(&settings, m_def.continuous, 0);
     if (m_deformable)
     {
         soft->m_cfg.collisions = btSoftBody::fCollision::SDF_RD;
@@ -191,7 +208,7 @@ btRigidBody* qcThroughWorld::AddShape(std::unique_ptr<btCollisionShape> shape, c
 
 void qcThroughWorld::Step()
 {
-    m_world->stepSimulation(btScalar(1) / btScalar(m_hz), 0);
+    m_world->stepSimulation(btScalar(1) / btScalar(m_def.hz), 0);
 }
 
 double qcThroughWorld::KineticEnergy() const
@@ -238,10 +255,10 @@ double qcThroughWorld::Energy() const
         for (int i = 0; body.soft != nullptr && i < body.soft->m_nodes.size(); i++)
         {
             const btSoftBody::Node& node = body.soft->m_nodes[i];
-            sum += node.m_im > 0 ? double(m_gravity) * double(node.m_x.y()) / double(node.m_im) : 0;
+            sum += node.m_im > 0 ? double(m_def.gravity) * double(node.m_x.y()) / double(node.m_im) : 0;
         }
         if (body.rigid != nullptr && !body.rigid->isStaticOrKinematicObject())
-            sum += double(body.rigid->getMass() * m_gravity * body.rigid->getWorldTransform().getOrigin().y());
+            sum += double(body.rigid->getMass() * m_def.gravity * body.rigid->getWorldTransform().getOrigin().y());
     }
     return m_deformable ? sum + SpringEnergy() : sum;
 }

@@ -65,11 +65,19 @@ enum qcThroughKind
     qc_throughRigid ///< rigid meshes without soft bodies
 };
 
+struct qcThroughWorldDef
+{
+    qcThroughKind kind = qc_throughClassic;
+    btScalar gravity = 0;
+    int hz = 60;            ///< steps a second
+    bool continuous = true; ///< qcSoftBodySettings::continuous, for soft bodies
+    unsigned threads = 0;   ///< of the library's queries; 0: one a core
+};
+
 class qcThroughWorld
 {
   public:
-    /// `hz`: steps a second.
-    qcThroughWorld(qcThroughKind kind, btScalar gravity, int hz);
+    explicit qcThroughWorld(const qcThroughWorldDef& worldDef);
     ~qcThroughWorld();
     qcThroughWorld(const qcThroughWorld&) = delete;
     qcThroughWorld& operator=(const qcThroughWorld&) = delete;
@@ -119,9 +127,7 @@ class qcThroughWorld
     std::unique_ptr<btSoftRigidDynamicsWorld> m_classic; ///< or
     std::unique_ptr<qcDeformableWorld> m_deformable;
     btDiscreteDynamicsWorld* m_world;
-    btScalar m_gravity;
-    int m_hz;
-    bool m_isImplicit = false;
+    qcThroughWorldDef m_def;
     std::vector<qcThroughBody> m_bodies;
 };
 
