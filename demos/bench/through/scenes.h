@@ -30,6 +30,8 @@ struct qcThroughScene
 };
 
 const std::vector<qcThroughScene>& qcThroughScenes();
+/// Not in that list.
+const qcThroughScene& qcThroughFilmScene();
 /// Null: there is none of that name.
 const qcThroughScene* qcFindThroughScene(const char* name);
 

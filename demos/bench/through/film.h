@@ -1,0 +1,15 @@
+// The film of `qc-bench through`: a cloth thrown at 20 m/s and 60 Hz at one whose corners are fixed, by version 0.2.0
+// and by this one, side by side.
+#ifndef QC_DEMOS_BENCH_THROUGH_FILM_H
+#define QC_DEMOS_BENCH_THROUGH_FILM_H
+
+#include "common/message.h"
+
+/// Simulates the scene and draws both, four pictures a step, into FOLDER/frame_0000.png and so on; the positions of
+/// 0.2.0 are recorded ones, which are part of the program. False with a message.
+bool qcDrawThroughFilm(const char* folder, qcMessage* message);
+
+/// Simulates the scene and writes the positions at the ends of steps to a file: how before_film.txt was made.
+bool qcRecordThroughFilm(const char* path, qcMessage* message);
+
+#endif
