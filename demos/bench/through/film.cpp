@@ -17,7 +17,7 @@
 
 namespace
 {
-constexpr int s_hz = 60, s_steps = 24, s_picturesPerStep = 4;
+constexpr int s_hz = 60, s_steps = 24;
 constexpr uint32_t s_halfWidth = 640, s_height = 560;
 constexpr double s_halfRange = 4;
 constexpr int s_levels = 1 << 18;
@@ -107,10 +107,10 @@ Film ReadBefore()
 }
 
 /// Positions at a picture's time: straight lines from the start of its step to the end.
-std::vector<float> At(const Film& film, size_t picture)
+std::vector<float> At(const Film& film, size_t picture, size_t picturesPerStep)
 {
-    size_t step = picture / s_picturesPerStep;
-    float t = float(picture % s_picturesPerStep) / s_picturesPerStep;
+    size_t step = picture / picturesPerStep;
+    float t = float(picture % picturesPerStep) / float(picturesPerStep);
     std::vector<float> positions = film[step];
     for (size_t i = 0; t > 0 && i < positions.size(); i++)
         positions[i] += t * (film[step + 1][i] - positions[i]);
@@ -135,7 +135,7 @@ bool Draw(qcDevice* device, const std::vector<float>& positions, const Topology&
     return qcDrawInto(device, def, image, 2 * s_halfWidth, left, message);
 }
 
-bool DrawAll(qcDevice* device, const char* folder, std::string* message)
+bool DrawAll(qcDevice* device, const char* folder, size_t picturesPerStep, std::string* message)
 {
     Topology topology;
     Film now = Simulate(&topology), before = ReadBefore();
@@ -145,12 +145,12 @@ bool DrawAll(qcDevice* device, const char* folder, std::string* message)
         return false;
     }
     std::vector<uint8_t> image;
-    for (size_t picture = 0; picture <= size_t(s_steps) * s_picturesPerStep && qcInterrupt_Signal() == 0; picture++)
+    for (size_t picture = 0; picture <= s_steps * picturesPerStep && qcInterrupt_Signal() == 0; picture++)
     {
         char name[32];
         std::snprintf(name, sizeof name, "/frame_%04zu.png", picture);
-        if (!Draw(device, At(before, picture), topology, 0, &image, message) ||
-            !Draw(device, At(now, picture), topology, s_halfWidth, &image, message) ||
+        if (!Draw(device, At(before, picture, picturesPerStep), topology, 0, &image, message) ||
+            !Draw(device, At(now, picture, picturesPerStep), topology, s_halfWidth, &image, message) ||
             !qcWritePng(std::string(folder) + name, image, 2 * s_halfWidth, s_height, message))
             return false;
     }
@@ -158,7 +158,7 @@ bool DrawAll(qcDevice* device, const char* folder, std::string* message)
 }
 } // namespace
 
-bool qcDrawThroughFilm(const char* folder, qcMessage* message)
+bool qcDrawThroughFilm(const char* folder, int picturesPerStep, qcMessage* message)
 {
     qcDeviceDef def = qcDefaultDeviceDef();
     qcDevice* device = nullptr;
@@ -167,7 +167,8 @@ bool qcDrawThroughFilm(const char* folder, qcMessage* message)
     if (qcDevice_Create(&def, &device) != qc_statusOk)
         return qcMessage_Fail(message, "no film: %s", qcLastMessage());
     std::string reason;
-    bool drawn = DrawAll(device, folder, &reason) || qcMessage_Fail(message, "no film: %s", reason.c_str());
+    bool drawn = DrawAll(device, folder, size_t(picturesPerStep), &reason) ||
+                 qcMessage_Fail(message, "no film: %s", reason.c_str());
     qcDevice_Destroy(device);
     return drawn;
 }

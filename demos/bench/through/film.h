@@ -5,9 +5,9 @@
 
 #include "common/message.h"
 
-/// Simulates the scene and draws both, four pictures a step, into FOLDER/frame_0000.png and so on; the positions of
-/// 0.2.0 are recorded ones, which are part of the program. False with a message.
-bool qcDrawThroughFilm(const char* folder, qcMessage* message);
+/// Simulates the scene and draws both into FOLDER/frame_0000.png and so on; the positions of 0.2.0 are recorded ones,
+/// which are part of the program. False with a message.
+bool qcDrawThroughFilm(const char* folder, int picturesPerStep, qcMessage* message);
 
 /// Simulates the scene and writes the positions at the ends of steps to a file: how before_film.txt was made.
 bool qcRecordThroughFilm(const char* path, qcMessage* message);

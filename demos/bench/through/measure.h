@@ -10,7 +10,7 @@
 /// "classic", "deformable", "implicit", "rigid".
 const char* qcThroughKindName(qcThroughKind kind);
 
-/// A row of the table: a scene in a world at a rate. Sums over all runs, unless a field says otherwise.
+/// A row of the table: a scene in a world at a rate. Sums over all runs, but for the fields that are means or maxima.
 struct qcThroughRow
 {
     std::string scene, world, precision;

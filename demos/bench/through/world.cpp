@@ -11,7 +11,7 @@ constexpr btScalar s_stiffness = btScalar(0.1), s_damping = btScalar(0.02);
 // N/m: a cloth of 1 kg that hangs is stretched by a tenth.
 constexpr btScalar s_implicitStiffness = 40;
 constexpr btScalar s_margin = btScalar(0.01);
-// Of an edge.
+// Relative to an edge.
 constexpr btScalar s_thickness = btScalar(0.4), s_jitter = btScalar(1e-4);
 
 //  Version 0.2.0, which is measured with these sources too, has no such setting.
