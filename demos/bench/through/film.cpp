@@ -158,19 +158,28 @@ bool DrawAll(qcDevice* device, const char* folder, size_t picturesPerStep, std::
 }
 } // namespace
 
-bool qcDrawThroughFilm(const char* folder, int picturesPerStep, qcMessage* message)
+qcExitStatus qcDrawThroughFilm(const char* folder, int picturesPerStep, qcMessage* message)
 {
     qcDeviceDef def = qcDefaultDeviceDef();
     qcDevice* device = nullptr;
     if (!qcFiles_MakeFolder(folder, message))
-        return false;
-    if (qcDevice_Create(&def, &device) != qc_statusOk)
-        return qcMessage_Fail(message, "no film: %s", qcLastMessage());
+        return qc_exitFailed;
+    qcDeviceInfo info{};
+    if (qcDevice_Create(&def, &device) == qc_statusOk)
+        qcDevice_GetInfo(device, &info);
+    if (info.kind == qc_deviceNone || device == nullptr)
+    {
+        qcDevice_Destroy(device);
+        qcMessage_Fail(message, "no film: nothing here draws");
+        return qc_exitDevice;
+    }
     std::string reason;
-    bool drawn = DrawAll(device, folder, size_t(picturesPerStep), &reason) ||
-                 qcMessage_Fail(message, "no film: %s", reason.c_str());
+    bool drawn = DrawAll(device, folder, size_t(picturesPerStep), &reason);
     qcDevice_Destroy(device);
-    return drawn;
+    if (drawn)
+        return qc_exitDone;
+    qcMessage_Fail(message, "no film: %s", reason.c_str());
+    return qc_exitFailed;
 }
 
 bool qcRecordThroughFilm(const char* path, qcMessage* message)

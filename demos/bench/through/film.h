@@ -3,11 +3,12 @@
 #ifndef QC_DEMOS_BENCH_THROUGH_FILM_H
 #define QC_DEMOS_BENCH_THROUGH_FILM_H
 
+#include "common/exit_status.h"
 #include "common/message.h"
 
 /// Simulates the scene and draws both into FOLDER/frame_0000.png and so on; the positions of 0.2.0 are recorded ones,
-/// which are part of the program. False with a message.
-bool qcDrawThroughFilm(const char* folder, int picturesPerStep, qcMessage* message);
+/// which are part of the program. Fills the message unless it returns qc_exitDone.
+qcExitStatus qcDrawThroughFilm(const char* folder, int picturesPerStep, qcMessage* message);
 
 /// Simulates the scene and writes the positions at the ends of steps to a file: how before_film.txt was made.
 bool qcRecordThroughFilm(const char* path, qcMessage* message);

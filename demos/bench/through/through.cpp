@@ -30,6 +30,7 @@ enum Worlds
     s_both
 };
 
+const qcWord s_hzWords[] = {{"60", 60}, {"240", 240}, {"all", 0}, {nullptr, 0}};
 const qcWord s_worldWords[] = {
     {"classic", s_classic}, {"deformable", s_deformable}, {"implicit", s_implicit}, {"both", s_both}, {nullptr, 0}};
 
@@ -38,7 +39,7 @@ struct Options
     std::vector<const qcThroughScene*> scenes;
     bool motionQuery = false, film = false; ///< named as scenes
     int worlds = s_both;
-    uint32_t hz = 0;
+    int hz = 0;
     uint32_t runs = 0;
     uint32_t firstRun = 0, threads = 0;
     bool quick = false, discrete = false, brute = false, steps = false;
@@ -70,11 +71,16 @@ void TakeWorld(const struct argp_state* state, const char* text, void* context)
     *static_cast<int*>(context) = qcOption_ReadWord(state, "--world", text, s_worldWords);
 }
 
+void TakeHz(const struct argp_state* state, const char* text, void* context)
+{
+    *static_cast<int*>(context) = qcOption_ReadWord(state, "--hz", text, s_hzWords);
+}
+
 /// True if the options select this row.
 bool IsSelected(const Options& options, const qcThroughScene& scene, qcThroughKind kind, int hz)
 {
     static const int worlds[] = {s_classic, s_deformable, s_implicit};
-    if ((hz == 240 && !scene.isFast) || (options.hz != 0 && options.hz != uint32_t(hz)))
+    if ((hz == 240 && !scene.isFast) || (options.hz != 0 && options.hz != hz))
         return false;
     if (kind == qc_throughRigid || !scene.isSoft)
         return (kind == qc_throughRigid) != scene.isSoft;
@@ -126,11 +132,14 @@ qcExitStatus Run(const Options& options, qcMessage* message)
         return qc_exitFailed;
     if (options.record != nullptr && !qcRecordThroughFilm(options.record, message))
         return qc_exitFailed;
-    if (options.frames != nullptr && qcInterrupt_Signal() == 0 &&
-        !qcDrawThroughFilm(options.frames, options.quick ? s_quickPictures : s_pictures, message))
-        return qc_exitFailed;
     if (options.csv != nullptr && !qcWriteThroughCsv(options.csv, rows, message))
         return qc_exitFailed;
+    if (options.frames != nullptr && qcInterrupt_Signal() == 0)
+    {
+        qcExitStatus drawn = qcDrawThroughFilm(options.frames, options.quick ? s_quickPictures : s_pictures, message);
+        if (drawn != qc_exitDone)
+            return drawn;
+    }
     if (qcInterrupt_Signal() != 0)
         return qcExitStatus(qc_exitSignal + qcInterrupt_Signal());
     return qc_exitDone;
@@ -157,9 +166,9 @@ extern "C" qcExitStatus qcBench_RunThrough(int argumentCount, char** arguments)
          "classic (qcSoftBodySolver), deformable (qcDeformableWorld), both, the default, or implicit: deformable with "
          "stiff springs, where Bullet's implicit integration throws nodes about",
          qcOption_Texts(TakeWorld, &options.worlds)},
-        {1, "hz", "N", "Only rows with this many steps a second; 0, the default: all",
-         qcOption_Number(&options.hz, 0, 240)},
-        {1, "runs", "N", "Runs of each scene; 10 by default, 1 with --quick", qcOption_Number(&options.runs, 0, 1000)},
+        {1, "hz", "N", "Only rows with this many steps a second: 60, 240, or all, the default",
+         qcOption_Texts(TakeHz, &options.hz)},
+        {1, "runs", "N", "Runs of each scene; 10 by default, 1 with --quick", qcOption_Number(&options.runs, 1, 1000)},
         {1, "first-run", "N", "Number of the first run, to repeat a later one; %s by default",
          qcOption_Number(&options.firstRun, 0, 1000000)},
         {1, "threads", "N", "Threads of the library's queries; 0, the default: one per core",
@@ -191,7 +200,7 @@ extern "C" qcExitStatus qcBench_RunThrough(int argumentCount, char** arguments)
             options.scenes.push_back(&scene);
     qcMessage message;
     qcExitStatus status = Run(options, &message);
-    if (status == qc_exitFailed)
+    if (status == qc_exitFailed || status == qc_exitDevice)
         std::fprintf(stderr, "%s: %s\n", arguments[0], message.text);
     return status;
 }
