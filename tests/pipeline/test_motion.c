@@ -315,16 +315,22 @@ START_TEST(steps_of_a_cloth_report_the_same_as_a_new_scene)
     MovingScene s = {.scene = qcMakeScene(NULL)};
     qcSoup cloth = qcSoup_MakeFoldedCloth(5, 20, 0.01, 0.001);
     AddBody(&s, cloth, CopyOf(&cloth), true, true);
-    for (int step = 0; step < 8; step++)
+    for (int step = 0; step < 12; step++)
     {
         Moving* b = &s.bodies[0];
+        // No detection has seen the start in some steps. Flat patches crumple in the last ones.
+        if (step % 4 == 3)
+        {
+            Jitter(&random, 0.01, &b->end);
+            CHECK_OK(qcScene_SetVertices(s.scene, b->id, b->end.positions, qc_positionF64, 0));
+        }
         CHECK_OK(qcScene_MarkStart(s.scene));
         memcpy(b->start.positions, b->end.positions, 3 * sizeof(double) * b->end.vertexCount);
         // Few vertices in some steps: then only these are refitted.
         if (step % 3 == 2)
             b->end.positions[3 * 50 + 2] += 0.02;
         else
-            Jitter(&random, 0.004, &b->end);
+            Jitter(&random, step < 6 ? 0.004 : 0.03, &b->end);
         CHECK_OK(qcScene_SetVertices(s.scene, b->id, b->end.positions, qc_positionF64, 0));
         qcDetectDef def = qcDefaultDetectDef();
         def.method = qc_methodSweep;
