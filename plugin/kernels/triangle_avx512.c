@@ -47,7 +47,7 @@ static inline uint64_t FindBoxOverlaps(const qcBox8* a, const qcBox8* b)
     return overlaps;
 }
 
-/// The same for a motion: an axis counts if it separates in the same order at both ends.
+/// For a motion: an axis counts if it separates in one order at both ends.
 static inline uint64_t FindMotionBoxOverlaps(const qcBox8* const a[2], const qcBox8* const b[2])
 {
     __m512i ends[2][3], limits[2][3];
