@@ -13,8 +13,8 @@
 
 enum
 {
-    // Among 4.4 million certificates of test_motion_certificate and 160 thousand of cloth, none took more than 12 and 10
-    // rounds; half of them take 3 or 4. Pairs that touch may go round for ever.
+    // Among 4.4 million certificates of test_motion_certificate and 160 thousand of cloth, none took more than 12 and
+    // 10 rounds; half of them take 3 or 4. Pairs that touch may go round for ever.
     qc_maxRounds = 16
 };
 
@@ -171,8 +171,9 @@ static qcVector DirectionOf(const Simplex* s)
     qcVector sum = {0.0, 0.0, 0.0}, along = qcMinus(s->point[1], s->point[0]);
     for (int i = 0; i < s->count; i++)
         sum = qcPlusScaled(sum, s->point[i], s->weight[i]);
-    if (s->count == 2)
-        return qcPlusScaled(sum, along, -qcDot(sum, along) / LengthSquared(along));
+    double length2 = LengthSquared(along);
+    if (s->count == 2 && length2 > 0.0)
+        return qcPlusScaled(sum, along, -qcDot(sum, along) / length2);
     if (s->count == 3)
     {
         qcVector normal = qcCross(along, qcMinus(s->point[2], s->point[0]));

@@ -138,7 +138,7 @@ enum
     qc_motionDetections = 3
 };
 
-/// Counts a lack of memory. The same call then succeeds.
+/// Counts a lack of memory, after which a second call succeeds.
 #define TRY_TWICE(failures, call)                                                                                      \
     do                                                                                                                 \
     {                                                                                                                  \
