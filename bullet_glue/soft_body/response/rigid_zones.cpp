@@ -193,8 +193,11 @@ void qcSoftZones::MoveZone(const std::vector<uint32_t>& zone)
     if (state.hasGrown)
         state = {std::min(state.min, Motion::Translation), false};
     m_moved[root] = state.min;
-    btTransform motion =
-        state.min == Motion::None ? btTransform::getIdentity() : FindMotion(zone, state.min == Motion::Rigid);
+    // What touches a kinematic mesh would be run through if it stayed while the mesh moves on.
+    auto isCarrier = [this](uint32_t index)
+    { return m_members[index].rigid != nullptr && !m_members[index].rigid->IsFree(); };
+    bool moves = state.min != Motion::None || std::any_of(zone.begin(), zone.end(), isCarrier);
+    btTransform motion = moves ? FindMotion(zone, state.min == Motion::Rigid) : btTransform::getIdentity();
     m_motions[root] = motion;
     bool stays = motion == btTransform::getIdentity();
     for (uint32_t index : zone)

@@ -112,6 +112,21 @@ bool qcThroughOracle::Detect(std::vector<Pair>* pairs)
     return true;
 }
 
+/// The scene is at the end of the step.
+bool qcThroughOracle::CountUncertified(qcThroughPairs* pairs)
+{
+    qcDetectDef motion = m_def;
+    const qcResult* result = nullptr;
+    if (!RequestMotion(&motion, 0))
+        return true;
+    if (qcScene_Detect(m_scene, &motion, &result) != qc_statusOk)
+        return false;
+    // Relations are those of the start.
+    for (size_t i = 0; i < result->pairCount; i++)
+        pairs->uncertified += result->pairs[i].relation == qc_relationDisjoint;
+    return true;
+}
+
 bool qcThroughOracle::Step(qcThroughPairs* pairs)
 {
     *pairs = qcThroughPairs();
@@ -143,17 +158,7 @@ bool qcThroughOracle::Step(qcThroughPairs* pairs)
     m_isOk = m_isOk && Move(s_ticks) && Detect(&found);
     pairs->ends = countNew(found);
     pairs->atEnd = found.size();
-    std::vector<Pair> end = found;
-    qcDetectDef motion = m_def;
-    if (m_isOk && RequestMotion(&motion, 0))
-    {
-        std::swap(motion, m_def);
-        m_isOk = Detect(&found);
-        std::swap(motion, m_def);
-        Pair example = pairs->example;
-        pairs->uncertified = countNew(found);
-        pairs->example = example;
-    }
-    m_tangled.swap(end);
+    m_isOk = m_isOk && CountUncertified(pairs);
+    m_tangled.swap(found);
     return m_isOk;
 }

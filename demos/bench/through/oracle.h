@@ -20,8 +20,8 @@ struct qcThroughPairs
     size_t inside = 0;  ///< at t = 1/32, 3/32 .. 31/32: a pair counts once a time
     size_t tangled = 0; ///< at the start of the step
     size_t atEnd = 0;   ///< at the end of the step, those of its start included
-    /// Apart at the start, and not proven apart until the end by the library's motion query, which the oracle runs on
-    /// its own positions; 0 where the library has no such query.
+    /// Disjoint at the start, and not proven apart until the end by the library's motion query, which the oracle runs
+    /// on its own positions; 0 where the library has no such query.
     size_t uncertified = 0;
     /// A pair that penetrates inside the step or at its end: body, triangle, body, triangle; bodies in the order in
     /// which they were added to the world.
@@ -55,6 +55,7 @@ class qcThroughOracle
     void Read(const qcThroughBody& body, std::vector<double>* positions) const;
     bool Move(int time);
     bool Detect(std::vector<Pair>* pairs);
+    bool CountUncertified(qcThroughPairs* pairs);
 
     qcScene* m_scene = nullptr;
     qcDetectDef m_def;

@@ -149,7 +149,8 @@ const char s_help[] =
     "Bodies that are thrown, dropped, wrung and crushed, so fast that they could pass through each other in a step. In "
     "each step the pairs of triangles without a common vertex that penetrate are counted, by exact tests, at its end "
     "and at 16 times inside it, on straight lines between the stored positions; pairs that penetrate at its start are "
-    "counted apart (tangled). \"Uncertified\" are pairs that the library's motion query, run on these positions by the "
+    "counted apart (tangled). \"Uncertified\" are pairs disjoint at the start that the library's motion query, run on "
+    "these positions by the "
     "benchmark, does not prove apart. Each run starts with other small displacements. Bullet's own shapes are judged "
     "by triangles inside of them, at 9/10 of their size.\v"
     "Exit status: as for qc-bench.";

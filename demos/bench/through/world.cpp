@@ -13,6 +13,7 @@ constexpr btScalar s_implicitStiffness = 40;
 constexpr btScalar s_margin = btScalar(0.01);
 // Relative to an edge.
 constexpr btScalar s_thickness = btScalar(0.4), s_jitter = btScalar(1e-4);
+constexpr btScalar s_maxThickness = btScalar(0.03); ///< metres
 
 //  Version 0.2.0, which is measured with these sources too, has no such setting.
 
@@ -158,7 +159,7 @@ btSoftBody* qcThroughWorld::AddCloth(const qcClothDef& def, qcJitter* jitter, bt
         cloth->m_nodes[i].m_q = cloth->m_nodes[i].m_x;
     }
     cloth->setTotalMass(def.mass);
-    AddSoft(cloth, def.velocity, s_thickness * edge);
+    AddSoft(cloth, def.velocity, std::min(s_thickness * edge, s_maxThickness));
     return cloth;
 }
 
