@@ -2,6 +2,7 @@
 #include "mesh_contact/swept_objects.h"
 
 #include "common/compound_children.h"
+#include "common/object_motion.h"
 
 #include <BulletCollision/BroadphaseCollision/btDispatcher.h>
 #include <BulletCollision/BroadphaseCollision/btOverlappingPairCache.h>
@@ -146,6 +147,11 @@ bool qcSweptObjects::ReadMotions(btScalar timeStep, qcScene* scene)
     bool anyMoved = false;
     for (qcSweptObject* swept : m_sorted)
     {
+        btVector3 motion = swept->target.getOrigin() - swept->start.getOrigin();
+        if (swept->body == nullptr && !qcAreSame(swept->start, swept->target) &&
+            !qcIsMotion(swept->object, swept->start, swept->target, swept->motion, timeStep))
+            swept->start = swept->target;
+        swept->motion = motion;
         if (!m_isMarked && swept->body != nullptr && !qcAreSame(swept->start, swept->target))
             FindStart(timeStep, swept);
         swept->carried = swept->start;

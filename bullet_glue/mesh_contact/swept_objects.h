@@ -32,6 +32,7 @@ struct qcSweptObject
     btTransform next;            ///< where the next step starts
     bool isPushed = false;       ///< planes have moved the end
     btScalar fraction = 1;       ///< of the motion from `carried` to the target that the object makes
+    btVector3 motion{0, 0, 0};   ///< of the origin in the previous step, for objects that Bullet does not move
     btScalar lost = 0;           ///< part of its own motion that the object has not made in this step
     bool isLimited = false;      ///< it does not end this step where Bullet had moved it
     btVector3 lower, upper;      ///< box around the meshes at start and end

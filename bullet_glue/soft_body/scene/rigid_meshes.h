@@ -4,6 +4,7 @@
 #define QC_GLUE_SOFT_BODY_SCENE_RIGID_MESHES_H
 
 #include "quickcullide/bullet_mesh.h"
+#include "soft_body/scene/object_starts.h"
 
 #include <BulletDynamics/Dynamics/btRigidBody.h>
 
@@ -62,11 +63,15 @@ bool qcFindTransform(const qcSceneRigid& rigid, const qcSceneMesh& mesh, btTrans
 class qcSoftBodyMeshes
 {
   public:
-    /// Collects the objects with meshes whose proxies overlap this box, for the next Sync. Proxies of rigid bodies span
-    /// the motion that Bullet predicted for the step.
+    /// Reads where all objects start and end the step. Call it before CollectOverlapping.
+    void ReadMotions(const std::set<btBroadphaseInterface*>& broadphases, btScalar timeStep)
+    {
+        m_starts.Read(broadphases, timeStep);
+    }
+    /// Collects the objects with meshes whose proxies or motions over the step overlap this box, for the next Sync.
     void CollectOverlapping(btBroadphaseInterface* broadphase, const btVector3& lower, const btVector3& upper);
     /// Makes the scene's meshes those of the objects collected since the last call.
-    qcStatus Sync(qcScene* scene, btScalar timeStep);
+    qcStatus Sync(qcScene* scene);
     /// Sets the objects' present transforms in the scene, or those of the start of the step.
     qcStatus SyncTransforms(qcScene* scene, bool atStart = false);
     /// True if each of the objects was in the previous step and starts at its end transform.
@@ -90,10 +95,11 @@ class qcSoftBodyMeshes
 
   private:
     std::vector<std::unique_ptr<qcSceneRigid>> TakeTracked();
-    qcStatus Track(qcScene* scene, std::unique_ptr<qcSceneRigid> rigid, btScalar timeStep);
+    qcStatus Track(qcScene* scene, std::unique_ptr<qcSceneRigid> rigid);
     void IndexSlots();
     void RecordEnds();
 
+    qcObjectStarts m_starts;
     std::vector<btCollisionObject*> m_overlapping;
     std::vector<std::unique_ptr<qcSceneRigid>> m_rigids; ///< by unique id: in the order in which they were added
     std::vector<std::pair<qcSceneRigid*, size_t>> m_meshOfSlot;

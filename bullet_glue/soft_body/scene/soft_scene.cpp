@@ -180,6 +180,11 @@ qcStatus qcSoftBodyScene::Sync(const btAlignedObjectArray<btSoftBody*>& bodies, 
 qcStatus qcSoftBodyScene::ReadSolved(btScalar timeStep)
 {
     BT_PROFILE("qcSoftBodyContact gather");
+    std::set<btBroadphaseInterface*> broadphases;
+    for (const qcSceneSoftBody& tracked : m_bodies)
+        if (tracked.CollidesWithRigidBodies() && tracked.body->getWorldInfo()->m_broadphase != nullptr)
+            broadphases.insert(tracked.body->getWorldInfo()->m_broadphase);
+    meshes.ReadMotions(broadphases, timeStep);
     for (qcSceneSoftBody& tracked : m_bodies)
     {
         tracked.solved.resize(size_t(tracked.NodeCount()));
@@ -193,7 +198,7 @@ qcStatus qcSoftBodyScene::ReadSolved(btScalar timeStep)
         if (tracked.CollidesWithRigidBodies() && info->m_broadphase != nullptr && BoxOf(tracked, box))
             meshes.CollectOverlapping(info->m_broadphase, box[0], box[1]);
     }
-    return meshes.Sync(m_scene, timeStep);
+    return meshes.Sync(m_scene);
 }
 
 qcStatus qcSoftBodyScene::SetVertices(std::vector<btVector3> qcSceneSoftBody::*positions)
