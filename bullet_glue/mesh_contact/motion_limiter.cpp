@@ -449,6 +449,8 @@ void qcMotionLimiter::Limit(btScalar timeStep, qcMeshContactStatistics* statisti
 void qcMotionLimiter::LimitAgain(btScalar timeStep, const std::vector<const btCollisionObject*>& held,
                                  std::vector<const btCollisionObject*>* moved, qcMeshContactStatistics* statistics)
 {
+    if (held.empty() && m_objects.AreAtEnds())
+        return;
     double start = qcNowMs();
     for (const btCollisionObject* object : held)
     {

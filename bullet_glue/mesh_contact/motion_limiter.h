@@ -28,7 +28,7 @@ class qcMotionLimiter
     /// Reads the motions of the step that ends now, certifies them, and moves bodies where it can't. Writes the
     /// limiter's part of the statistics.
     void Limit(btScalar timeStep, qcMeshContactStatistics* statistics);
-    /// Certifies a step that Limit has read already, after the bodies have been moved further. Objects in `held`
+    /// Certifies a step that Limit has read already again, if bodies have been moved since. Objects in `held`
     /// stay at their starts. Appends the objects that it moves to `moved`.
     void LimitAgain(btScalar timeStep, const std::vector<const btCollisionObject*>& held,
                     std::vector<const btCollisionObject*>* moved, qcMeshContactStatistics* statistics);

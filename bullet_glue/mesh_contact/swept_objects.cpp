@@ -215,3 +215,17 @@ qcSweptObject* qcSweptObjects::Find(const btCollisionObject* object) const
     auto found = m_objects.find(qcObjectKey(object));
     return found != m_objects.end() ? found->second.get() : nullptr;
 }
+
+bool qcSweptObjects::AreAtEnds() const
+{
+    const btCollisionObjectArray& objects = m_settings.world->getCollisionObjectArray();
+    for (int i = 0; i < objects.size(); i++)
+    {
+        if (!qcMayHoldMeshes(objects[i]->getCollisionShape()))
+            continue;
+        const qcSweptObject* swept = Find(objects[i]);
+        if (swept == nullptr || !qcAreSame(swept->next, objects[i]->getWorldTransform()))
+            return false;
+    }
+    return true;
+}

@@ -64,6 +64,8 @@ class qcSweptObjects
     void FindPairs(std::vector<qcSweptPair>* pairs);
     /// The next step starts at the present transforms.
     void RecordEnds();
+    /// True if all objects in the world are where RecordEnds has seen them.
+    bool AreAtEnds() const;
     /// The entry of an object in the world, or null.
     qcSweptObject* Find(const btCollisionObject* object) const;
 

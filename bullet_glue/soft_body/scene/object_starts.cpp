@@ -4,25 +4,20 @@
 #include "common/object_motion.h"
 
 #include <BulletDynamics/Dynamics/btRigidBody.h>
-#include <LinearMath/btTransformUtil.h>
 
 namespace
 {
-/// The start of a body that Bullet integrates. The previous end is exact, also where the body has not made the motion
-/// of its velocity: triangles that were disjoint there must not seem to penetrate.
-btTransform StartOfBody(const btRigidBody& body, const btTransform* end, btScalar timeStep)
+/// True if Bullet moves the object.
+bool IsDynamic(const btCollisionObject* object)
 {
-    btTransform start;
-    btTransformUtil::integrateTransform(body.getWorldTransform(), body.getLinearVelocity(), body.getAngularVelocity(),
-                                        -timeStep, start);
-    const btCollisionShape* shape = body.getCollisionShape();
-    return end != nullptr && qcMaxDisplacement(shape, *end, start) <= qcHalfSize(shape) ? *end : start;
+    const btRigidBody* body = btRigidBody::upcast(object);
+    return body != nullptr && !body->isStaticOrKinematicObject();
 }
-} // namespace
 
-struct qcObjectStarts::ReadCallback : btBroadphaseAabbCallback
+/// Calls function(object) for each object of the broadphases that is not a soft body.
+template <typename Function> struct ObjectCallback : btBroadphaseAabbCallback
 {
-    ReadCallback(qcObjectStarts* starts, btScalar timeStep) : starts(starts), timeStep(timeStep)
+    explicit ObjectCallback(const Function& function) : function(function)
     {
     }
 
@@ -30,13 +25,22 @@ struct qcObjectStarts::ReadCallback : btBroadphaseAabbCallback
     {
         auto* object = static_cast<btCollisionObject*>(proxy->m_clientObject);
         if (object->getInternalType() != btCollisionObject::CO_SOFT_BODY)
-            starts->ReadObject(object, timeStep);
+            function(object);
         return true;
     }
 
-    qcObjectStarts* starts;
-    btScalar timeStep;
+    const Function& function;
 };
+
+template <typename Function>
+void ForEachObject(const std::set<btBroadphaseInterface*>& broadphases, const Function& function)
+{
+    ObjectCallback<Function> callback(function);
+    const btVector3 far(BT_LARGE_FLOAT, BT_LARGE_FLOAT, BT_LARGE_FLOAT);
+    for (btBroadphaseInterface* broadphase : broadphases)
+        broadphase->aabbTest(-far, far, callback);
+}
+} // namespace
 
 void qcObjectStarts::ReadObject(btCollisionObject* object, btScalar timeStep)
 {
@@ -47,14 +51,16 @@ void qcObjectStarts::ReadObject(btCollisionObject* object, btScalar timeStep)
     state.step = m_step;
     m_count++;
     const btTransform& now = object->getWorldTransform();
-    const btRigidBody* body = btRigidBody::upcast(object);
-    bool isDynamic = body != nullptr && !body->isStaticOrKinematicObject();
-    if (!isNew && qcAreSame(state.end, now))
+    if (isNew)
         state.start = now;
-    else if (isDynamic && body->isActive())
-        state.start = StartOfBody(*body, isNew ? nullptr : &state.end, timeStep);
+    else if (IsDynamic(object))
+    {
+        const btCollisionShape* shape = object->getCollisionShape();
+        bool isNear = qcMaxDisplacement(shape, state.end, state.begin) <= qcHalfSize(shape);
+        state.start = isNear ? state.end : state.begin;
+    }
     else
-        state.start = !isNew && qcIsMotion(object, state.end, now, state.motion, timeStep) ? state.end : now;
+        state.start = qcIsMotion(object, state.end, now, state.motion, timeStep) ? state.end : now;
     // A jump is remembered, too: the next one like it is a motion.
     state.motion = isNew ? btVector3(0, 0, 0) : now.getOrigin() - state.end.getOrigin();
     state.end = now;
@@ -69,15 +75,26 @@ void qcObjectStarts::ReadObject(btCollisionObject* object, btScalar timeStep)
     m_moved.push_back(moved);
 }
 
+void qcObjectStarts::Begin(const std::set<btBroadphaseInterface*>& broadphases)
+{
+    ForEachObject(broadphases,
+                  [this](btCollisionObject* object)
+                  {
+                      if (!IsDynamic(object))
+                          return;
+                      auto [found, isNew] = m_states.emplace(qcObjectKey(object), State());
+                      found->second.begin = object->getWorldTransform();
+                      if (isNew)
+                          found->second.end = found->second.begin;
+                  });
+}
+
 void qcObjectStarts::Read(const std::set<btBroadphaseInterface*>& broadphases, btScalar timeStep)
 {
     m_step++;
     m_count = 0;
     m_moved.clear();
-    ReadCallback callback(this, timeStep);
-    const btVector3 far(BT_LARGE_FLOAT, BT_LARGE_FLOAT, BT_LARGE_FLOAT);
-    for (btBroadphaseInterface* broadphase : broadphases)
-        broadphase->aabbTest(-far, far, callback);
+    ForEachObject(broadphases, [this, timeStep](btCollisionObject* object) { ReadObject(object, timeStep); });
     for (auto state = m_states.begin(); m_count < m_states.size() && state != m_states.end();)
         state = state->second.step != m_step ? m_states.erase(state) : std::next(state);
 }

@@ -15,8 +15,10 @@
 class qcObjectStarts
 {
   public:
-    /// Reads the objects of a step, after Bullet has moved them. Objects that have left the broadphases are forgotten.
-    /// O(objects).
+    /// The step starts: reads where the application has left the bodies that Bullet moves. O(objects).
+    void Begin(const std::set<btBroadphaseInterface*>& broadphases);
+    /// Reads the objects of the step, after Bullet has moved them. Objects that have left the broadphases are
+    /// forgotten. O(objects).
     void Read(const std::set<btBroadphaseInterface*>& broadphases, btScalar timeStep);
     /// The object's transform at the start of the step: where the previous one left it, unless it was put elsewhere
     /// since. Read has seen it.
@@ -35,7 +37,9 @@ class qcObjectStarts
   private:
     struct State
     {
-        btTransform start = btTransform::getIdentity(), end = start;    ///< of the step; `end` is that of the previous one before Read
+        btTransform start = btTransform::getIdentity(); ///< of the step
+        btTransform begin = start; ///< of the step as the application has left it, for bodies that Bullet moves
+        btTransform end = start;   ///< of the step; before Read that of the previous one
         btVector3 motion{0, 0, 0}; ///< of the origin in the step
         unsigned step = 0;         ///< the last one that has read the object
     };
@@ -45,8 +49,6 @@ class qcObjectStarts
         btCollisionObject* object;
         btVector3 lower, upper;
     };
-
-    struct ReadCallback;
 
     void ReadObject(btCollisionObject* object, btScalar timeStep);
 

@@ -114,7 +114,7 @@ void ReadState(qcSceneRigid* rigid, const btTransform& start)
     rigid->start = start;
     rigid->movedLinear.setZero();
     rigid->movedAngular.setZero();
-    rigid->fromStart = false;
+    rigid->fromStart = rigid->isFixed = false;
 }
 } // namespace
 
@@ -144,7 +144,7 @@ bool qcFindTransform(const qcSceneRigid& rigid, const qcSceneMesh& mesh, btTrans
 
 btVector3 qcSceneRigid::DisplacementAt(const btVector3& arm, const btVector3& push) const
 {
-    if (body == nullptr)
+    if (body == nullptr || isFixed)
         return btVector3(0, 0, 0);
     btVector3 turn = body->getInvInertiaTensorWorld() * arm.cross(push) * body->getAngularFactor();
     return push * body->getLinearFactor() * body->getInvMass() + turn.cross(arm);
@@ -152,7 +152,7 @@ btVector3 qcSceneRigid::DisplacementAt(const btVector3& arm, const btVector3& pu
 
 void qcSceneRigid::Push(const btVector3& arm, const btVector3& push)
 {
-    if (body == nullptr)
+    if (body == nullptr || isFixed)
         return;
     linear += push * body->getLinearFactor() * body->getInvMass();
     angular += body->getInvInertiaTensorWorld() * arm.cross(push) * body->getAngularFactor();
@@ -161,7 +161,7 @@ void qcSceneRigid::Push(const btVector3& arm, const btVector3& push)
 bool qcSceneRigid::IsFree() const
 {
     const btVector3 all(1, 1, 1);
-    if (body == nullptr || body->getInvMass() <= 0)
+    if (body == nullptr || isFixed || body->getInvMass() <= 0)
         return false;
     const btVector3& turns = body->getInvInertiaDiagLocal();
     return turns[turns.minAxis()] > 0 && body->getLinearFactor() == all && body->getAngularFactor() == all;
@@ -332,8 +332,20 @@ void qcSoftBodyMeshes::UpdateVelocities(btScalar timeStep)
         }
         // Also sets Bullet's interpolation transform and the inertia tensor in world space.
         body->setCenterOfMassTransform(btTransform(rigid->object->getWorldTransform()));
+        rigid->fromStart = false;
+        rigid->movedLinear.setZero();
+        rigid->movedAngular.setZero();
     }
     RecordEnds();
+}
+
+bool qcSoftBodyMeshes::Fix(const std::vector<const btCollisionObject*>& objects)
+{
+    bool any = false;
+    for (const std::unique_ptr<qcSceneRigid>& rigid : m_rigids)
+        if (std::find(objects.begin(), objects.end(), rigid->object) != objects.end())
+            rigid->isFixed = any = true;
+    return any;
 }
 
 void qcSoftBodyMeshes::RecordEnds()

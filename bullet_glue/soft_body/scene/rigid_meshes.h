@@ -40,6 +40,7 @@ struct qcSceneRigid
     //  Translation of the centre and rotation vector that contacts gave it since the last Commit, and in the step.
     btVector3 linear{0, 0, 0}, angular{0, 0, 0};
     btVector3 movedLinear{0, 0, 0}, movedAngular{0, 0, 0};
+    bool isFixed = false;   ///< contacts of this step move it no further: another rigid mesh has stopped it
     bool fromStart = false; ///< a zone moves it from the start of the step, which determines its velocity, too
     bool hasEnd = false;    ///< the object was in the previous step
     btTransform end = btTransform::getIdentity(); ///< of the object, at the end of the previous step
@@ -63,6 +64,11 @@ bool qcFindTransform(const qcSceneRigid& rigid, const qcSceneMesh& mesh, btTrans
 class qcSoftBodyMeshes
 {
   public:
+    /// The step starts: Bullet has moved nothing yet.
+    void BeginStep(const std::set<btBroadphaseInterface*>& broadphases)
+    {
+        m_starts.Begin(broadphases);
+    }
     /// Reads where all objects start and end the step. Call it before CollectOverlapping.
     void ReadMotions(const std::set<btBroadphaseInterface*>& broadphases, btScalar timeStep)
     {
@@ -81,8 +87,10 @@ class qcSoftBodyMeshes
     void Commit();
     /// Moves an object from its transform at the start of the step, if it is free.
     void MoveFromStart(qcSceneRigid& rigid, const btTransform& motion);
-    /// Ends the step: changes velocities by the motions of Commit and MoveFromStart.
+    /// Changes velocities by the motions of Commit and MoveFromStart since the last call. The step ends here, so far.
     void UpdateVelocities(btScalar timeStep);
+    /// Contacts of this step move these objects no further. False: none of them is near a soft body.
+    bool Fix(const std::vector<const btCollisionObject*>& objects);
     /// Ends the step, and undoes all motions.
     void Restore();
 

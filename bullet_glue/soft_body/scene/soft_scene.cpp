@@ -150,6 +150,15 @@ void qcSoftBodyScene::ReadStart(qcSceneSoftBody& tracked, btVector3 btSoftBody::
     FindPinned(tracked);
 }
 
+void qcSoftBodyScene::BeginStep(const btAlignedObjectArray<btSoftBody*>& bodies)
+{
+    std::set<btBroadphaseInterface*> broadphases;
+    for (int i = 0; i < bodies.size(); i++)
+        if (bodies[i]->getWorldInfo()->m_broadphase != nullptr)
+            broadphases.insert(bodies[i]->getWorldInfo()->m_broadphase);
+    meshes.BeginStep(broadphases);
+}
+
 qcStatus qcSoftBodyScene::Sync(const btAlignedObjectArray<btSoftBody*>& bodies, btVector3 btSoftBody::Node::*start)
 {
     qcStatus status = m_scene == nullptr ? CreateScene() : qc_statusOk;
