@@ -102,7 +102,8 @@ struct BetweenWorld
     {
         shapes.push_back(model.MakeShape());
         btVector3 inertia(0, 0, 0);
-        shapes.back()->calculateLocalInertia(mass, inertia);
+        if (mass > 0)
+            shapes.back()->calculateLocalInertia(mass, inertia);
         btRigidBody::btRigidBodyConstructionInfo info(mass, nullptr, shapes.back().get(), inertia);
         info.m_startWorldTransform = at;
         bodies.emplace_back(new btRigidBody(info));
@@ -158,19 +159,56 @@ START_TEST(nothing_passes_where_two_cubes_hit_a_cloth_from_both_sides)
 }
 END_TEST
 
+/// Throws a heavy cloth at a sheet that rests close to another one, of this mass.
+static void ThrowCloth(bool deformable, btScalar mass, int start)
+{
+    BetweenWorld world(deformable);
+    world.AddCloth(btScalar(0.6), 13);
+    world.cloth->setTotalMass(20);
+    world.cloth->setVelocity(btVector3(0, -30, 0));
+    btRigidBody* near = world.AddMesh(qcFloorModel(0.3, 1), Place(start, btScalar(-0.5)), 1, 0);
+    btTransform below = near->getWorldTransform();
+    below.getOrigin() -= btVector3(0, btScalar(0.05), 0);
+    world.AddMesh(qcFloorModel(0.3, 1), below, mass, 0);
+    for (int step = 0; step < 12; step++)
+    {
+        world.Step();
+        ck_assert_int_eq(world.soft->getStatistics().unproven, 0);
+        ck_assert_int_eq(world.contact.getStatistics().unproven, 0);
+        ck_assert_uint_eq(world.oracle.Count(), 0);
+    }
+}
+
 START_TEST(a_heavy_cloth_does_not_push_a_sheet_through_a_sheet)
 {
-    // The cloth pushes the middle sheet, which rests close to another one.
+    for (int start = 0; start < s_starts; start++)
+        ThrowCloth(_i == 1, 1, start);
+}
+END_TEST
+
+START_TEST(a_heavy_cloth_does_not_pass_a_sheet_that_another_one_stops)
+{
+    for (int start = 0; start < s_starts; start++)
+        ThrowCloth(_i == 1, 0, start);
+}
+END_TEST
+
+START_TEST(a_cloth_on_a_floor_is_not_pierced_by_stacked_sheets_that_are_hit)
+{
     for (int start = 0; start < s_starts; start++)
     {
         BetweenWorld world(_i == 1);
         world.AddCloth(btScalar(0.6), 13);
-        world.cloth->setTotalMass(20);
-        world.cloth->setVelocity(btVector3(0, -30, 0));
-        btRigidBody* near = world.AddMesh(qcFloorModel(0.3, 1), Place(start, btScalar(-0.5)), 1, 0);
-        btTransform below = near->getWorldTransform();
-        below.getOrigin() -= btVector3(0, btScalar(0.05), 0);
-        world.AddMesh(qcFloorModel(0.3, 1), below, 1, 0);
+        btTransform below = btTransform::getIdentity();
+        below.setOrigin(btVector3(0, btScalar(-0.02), 0));
+        world.AddMesh(qcFloorModel(2, 4), below, 0, 0);
+        for (int i = 0; i < 3; i++)
+        {
+            btScalar y = btScalar(0.04 + 0.3 * i) + Jitter(start, i) / 10 + btScalar(0.007);
+            btTransform at(btQuaternion(btVector3(1, 0, btScalar(0.3)).normalized(), Jitter(start, 3 + i) / 4),
+                           btVector3(Jitter(start, 6), y, Jitter(start, 7)));
+            world.AddMesh(qcFloorModel(0.2, 1), at, 1, i > 0 ? btScalar(-60) : btScalar(-5));
+        }
         for (int step = 0; step < 12; step++)
         {
             world.Step();
@@ -190,6 +228,8 @@ int main()
     tcase_add_loop_test(tests, nothing_passes_where_two_thin_sheets_hit_a_cloth_from_both_sides, 0, 2);
     tcase_add_loop_test(tests, nothing_passes_where_two_cubes_hit_a_cloth_from_both_sides, 0, 2);
     tcase_add_loop_test(tests, a_heavy_cloth_does_not_push_a_sheet_through_a_sheet, 0, 2);
+    tcase_add_loop_test(tests, a_heavy_cloth_does_not_pass_a_sheet_that_another_one_stops, 0, 2);
+    tcase_add_loop_test(tests, a_cloth_on_a_floor_is_not_pierced_by_stacked_sheets_that_are_hit, 0, 2);
     suite_add_tcase(suite, tests);
     return qcRunSuite(suite);
 }
