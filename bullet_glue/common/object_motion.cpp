@@ -28,7 +28,10 @@ btScalar qcMaxDisplacement(const btCollisionShape* shape, const btTransform& fro
     for (int corner = 0; corner < 8; corner++)
     {
         btVector3 point(box[corner & 1].x(), box[corner >> 1 & 1].y(), box[corner >> 2].z());
-        largest = std::max(largest, (from * point).distance2(to * point));
+        btScalar squared = (from * point).distance2(to * point);
+        if (std::isnan(squared))
+            return squared;
+        largest = std::max(largest, squared);
     }
     return btSqrt(largest);
 }

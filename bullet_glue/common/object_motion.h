@@ -8,7 +8,8 @@
 /// Half the diagonal of a shape's box.
 btScalar qcHalfSize(const btCollisionShape* shape);
 
-/// Upper bound of the displacement of a shape's points from one transform to another.
+/// Upper bound of the displacement of a shape's points from one transform to another. Not a number if one of these has
+/// such.
 btScalar qcMaxDisplacement(const btCollisionShape* shape, const btTransform& from, const btTransform& to);
 
 /// True if the object, which Bullet does not integrate, has moved from one transform to another; false if it was put
