@@ -1,4 +1,4 @@
-// Motion of objects that the application moves between steps, and how it is told from putting them elsewhere.
+// Objects that the application gives another transform between steps: they move there, or are put elsewhere.
 #include "common/object_motion.h"
 
 #include <BulletDynamics/Dynamics/btRigidBody.h>

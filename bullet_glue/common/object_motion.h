@@ -1,4 +1,4 @@
-// Motion of objects that the application moves between steps, and how it is told from putting them elsewhere.
+// Objects that the application gives another transform between steps: they move there, or are put elsewhere.
 #ifndef QC_GLUE_COMMON_OBJECT_MOTION_H
 #define QC_GLUE_COMMON_OBJECT_MOTION_H
 

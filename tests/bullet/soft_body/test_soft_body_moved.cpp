@@ -163,7 +163,7 @@ START_TEST(a_ball_that_moves_by_more_than_its_size_is_no_less_in_motion)
         {
             world.Move(y -= btScalar(0.5));
             world.Step();
-            // Without a velocity of its own, the first motion is not told from a jump.
+            // The first motion of an object without a velocity of its own is a jump, above the cloth.
             ck_assert_uint_eq(world.oracle.Count(), 0);
         }
         ck_assert_double_lt(double(world.Height()), -0.5);
