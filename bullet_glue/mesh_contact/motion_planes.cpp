@@ -37,7 +37,7 @@ struct Extreme
 /// Displacement of the point at `arm` along the direction by a unit impulse there, times the time step.
 btScalar InverseMassAt(const qcSweptObject& swept, const btVector3& arm, const btVector3& direction)
 {
-    if (!swept.IsFree())
+    if (swept.body == nullptr)
         return 0;
     const btRigidBody& body = *swept.body;
     btVector3 turn = body.getInvInertiaTensorWorld() * arm.cross(direction) * body.getAngularFactor();
@@ -46,7 +46,7 @@ btScalar InverseMassAt(const qcSweptObject& swept, const btVector3& arm, const b
 
 void Push(qcSweptObject* swept, const btVector3& arm, const btVector3& push)
 {
-    if (!swept->IsFree())
+    if (swept->body == nullptr)
         return;
     const btRigidBody& body = *swept->body;
     swept->end.setOrigin(swept->end.getOrigin() + push * body.getLinearFactor() * body.getInvMass());

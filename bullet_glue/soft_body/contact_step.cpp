@@ -2,6 +2,7 @@
 // separating planes and rigid zones for pairs that are not proven apart over the step.
 #include "soft_body/contact_step.h"
 
+#include "common/object_key.h"
 #include "common/shape_triangles.h"
 #include "common/stopwatch.h"
 #include "soft_body/response/node_ccd.h"
@@ -25,6 +26,7 @@ constexpr int s_planeRounds = 6, s_planeSweeps = 6;
 void qcSoftBodyContact::Implementation::BeginStep(const btAlignedObjectArray<btSoftBody*>& bodies)
 {
     manifolds.Release();
+    scene.BeginStep(bodies);
     for (int i = 0; i < bodies.size(); i++)
         algorithmOverride.Register(bodies[i]->getWorldInfo()->m_dispatcher);
 }
@@ -282,7 +284,7 @@ qcStatus qcSoftBodyContact::Implementation::SolvePlanes()
         statistics.respondMs += qcNowMs() - begin;
         status = Certify();
     }
-    statistics.planes = int(m_planes.Count());
+    statistics.planes += int(m_planes.Count());
     return status;
 }
 
@@ -304,13 +306,65 @@ qcStatus qcSoftBodyContact::Implementation::MoveZones()
         if (status != qc_statusOk)
             return status;
     }
-    statistics.zoneNodes = statistics.frozenNodes = m_zones.NodeCount();
+    statistics.zoneNodes = statistics.frozenNodes = std::max(statistics.zoneNodes, m_zones.NodeCount());
+    return qc_statusOk;
+}
+
+/// The certificates of the world's rigid meshes, or null.
+qcRigidLimits* qcSoftBodyContact::Implementation::FindLimits()
+{
+    return scene.Bodies().empty() ? nullptr : qcFindRigidLimits(scene.Bodies()[0].body->getWorldInfo()->m_dispatcher);
+}
+
+/// The bodies with meshes in pairs that are not proven apart.
+std::vector<const btCollisionObject*> qcSoftBodyContact::Implementation::UnprovenRigids()
+{
+    std::vector<const btCollisionObject*> objects;
+    for (const qcUnprovenPair& unproven : m_unproven)
+        for (uint32_t slot : {unproven.pair.bodyA, unproven.pair.bodyB})
+        {
+            qcSceneRigid* rigid = nullptr;
+            bool isBody = scene.meshes.Find(slot, &rigid) != nullptr && rigid->body != nullptr;
+            if (isBody && !qcAreSame(rigid->object->getWorldTransform(), rigid->start))
+                objects.push_back(rigid->object);
+        }
+    return objects;
+}
+
+/// Certifies the meshes that contacts have moved against other meshes. What that stops is fixed for contacts of soft
+/// bodies, which are moved apart from it; what then is unproven returns to the start of the step. Each round fixes
+/// further objects.
+qcStatus qcSoftBodyContact::Implementation::LimitRigids(btScalar timeStep)
+{
+    qcRigidLimits* limits = FindLimits();
+    std::vector<const btCollisionObject*> held, moved;
+    const size_t maxRounds = limits != nullptr ? 2 * scene.meshes.Rigids().size() + 1 : 0;
+    for (size_t round = 0; round < maxRounds; round++)
+    {
+        scene.meshes.UpdateVelocities(timeStep);
+        moved.clear();
+        limits->LimitAgain(timeStep, held, &moved);
+        if (!scene.meshes.Fix(moved))
+            return qc_statusOk;
+        qcStatus status = Certify();
+        if (status == qc_statusOk)
+            status = SolvePlanes();
+        if (status == qc_statusOk)
+            status = MoveZones();
+        if (status != qc_statusOk)
+            return status;
+        held = UnprovenRigids();
+    }
     return qc_statusOk;
 }
 
 qcStatus qcSoftBodyContact::Implementation::RunStages(btScalar timeStep)
 {
     double begin = qcNowMs();
+    // The deformable world runs actions, which limit rigid meshes, after the soft bodies.
+    qcRigidLimits* limits = FindLimits();
+    if (!solvesLinks && limits != nullptr)
+        limits->LimitFirst(timeStep);
     qcStatus status = scene.ReadSolved(timeStep);
     statistics.meshes = int(scene.meshes.Rigids().size());
     if (status == qc_statusOk)
@@ -331,6 +385,8 @@ qcStatus qcSoftBodyContact::Implementation::RunStages(btScalar timeStep)
         status = SolvePlanes();
     if (status == qc_statusOk)
         status = MoveZones();
+    if (status == qc_statusOk)
+        status = LimitRigids(timeStep);
     return status == qc_statusOk ? ReadEnd() : status;
 }
 

@@ -3,6 +3,7 @@
 #ifndef QC_GLUE_SOFT_BODY_CONTACT_STEP_H
 #define QC_GLUE_SOFT_BODY_CONTACT_STEP_H
 
+#include "common/rigid_limits.h"
 #include "soft_body/algorithm_override.h"
 #include "soft_body/contact_manifolds.h"
 #include "soft_body/draw_contacts.h"
@@ -53,6 +54,9 @@ struct qcSoftBodyContact::Implementation
     qcStatus SolveContacts();
     qcStatus SolvePlanes();
     qcStatus MoveZones();
+    qcRigidLimits* FindLimits();
+    std::vector<const btCollisionObject*> UnprovenRigids();
+    qcStatus LimitRigids(btScalar timeStep);
     qcStatus RunStages(btScalar timeStep);
 
     std::vector<qcSoftConstraint> m_constraints;

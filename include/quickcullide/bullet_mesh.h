@@ -151,7 +151,7 @@ struct qcMeshContactStatistics
     const char* device = "none";    ///< name of the device that was used; "none" if the CPU answered alone
     const char* fallback = nullptr; ///< why another method than the requested one ran, or null
     int moments = 0;                ///< times within the step at which fast bodies were sampled
-    int limited = 0;                ///< bodies whose motion in the last step was cut back, or that were carried along
+    int limited = 0;                ///< bodies that the limits of the last step have moved
     int unproven = 0;               ///< pairs of objects that could not be kept apart in the last step
     double limitMs = 0;             ///< milliseconds of certifying the last step's motions
     double gatherMs = 0;            ///< milliseconds of reading from Bullet
@@ -182,6 +182,13 @@ struct qcMeshContactStatistics
 /// Fast bodies: rigid bodies that pass each other by more than the threshold and 5 % of the smaller one are sampled at
 /// up to sixteen times in the step, along their initial velocities, and stop where they touch, together with bodies
 /// that follow them. Changes of velocity by the solver within the step are not foreseen, nor are children of compounds.
+///
+/// Limits: no two meshes that don't touch at the start of a step pass each other in it, whatever their speed, children of
+/// compounds included. After Bullet has integrated the transforms, in an action of the world, bodies whose motions are
+/// not proven apart are pushed apart or cut back. Static and kinematic objects are not; `unproven` counts pairs that they
+/// press together. A kinematic body moves to where the application sets its transform, and takes along what is between;
+/// one that is put elsewhere needs setInterpolationWorldTransform, too. Convex shapes have Bullet's own continuous
+/// collision detection (setCcdMotionThreshold).
 ///
 /// Rest: as long as no point of a body has moved by 3 % of the threshold, its contact points move with it and nothing
 /// is searched.

@@ -54,27 +54,6 @@ qcStatus AddMesh(qcScene* scene, qcSceneMesh& mesh, qcActivity activity)
     return qcScene_AddBody(scene, &def, &mesh.id);
 }
 
-/// The object's transform at the start of the step: where the previous step left it, otherwise one step back along its
-/// velocity. Bullet gives kinematic bodies the velocity that led to where they are.
-btTransform StartOf(const qcSceneRigid& rigid, btScalar timeStep)
-{
-    const btTransform& now = rigid.object->getWorldTransform();
-    const btRigidBody* body = btRigidBody::upcast(rigid.object);
-    if (body == nullptr || !body->isActive() || body->isStaticObject())
-        return now;
-    btTransform start;
-    btTransformUtil::integrateTransform(now, body->getLinearVelocity(), body->getAngularVelocity(), -timeStep, start);
-    // The previous end is exact, also where Bullet moved the object by more than its velocity: triangles that were
-    // disjoint there must not seem to penetrate. An object further from it than half its size was put elsewhere since.
-    auto isNear = [&](const qcSceneMesh& mesh)
-    {
-        btVector3 box[2];
-        mesh.shape->getAabb(btTransform::getIdentity(), box[0], box[1]);
-        return qcMaxDisplacement(mesh, rigid.end * mesh.local, start * mesh.local) <= (box[1] - box[0]).length() / 2;
-    };
-    return rigid.hasEnd && std::all_of(rigid.meshes.begin(), rigid.meshes.end(), isNear) ? rigid.end : start;
-}
-
 class OverlapCallback : public btBroadphaseAabbCallback
 {
   public:
@@ -84,11 +63,15 @@ class OverlapCallback : public btBroadphaseAabbCallback
 
     bool process(const btBroadphaseProxy* proxy) override
     {
-        auto* object = static_cast<btCollisionObject*>(proxy->m_clientObject);
+        Add(static_cast<btCollisionObject*>(proxy->m_clientObject));
+        return true;
+    }
+
+    void Add(btCollisionObject* object)
+    {
         const btCollisionShape* shape = object->getCollisionShape();
         if (shape->isCompound() || qcAsMeshShape(shape) != nullptr)
             m_objects->push_back(object);
-        return true;
     }
 
   private:
@@ -115,22 +98,23 @@ void RemoveMeshes(qcScene* scene, const qcSceneRigid& rigid)
 }
 
 /// Reads what may differ in each step.
-void ReadState(qcSceneRigid* rigid, btScalar timeStep)
+void ReadState(qcSceneRigid* rigid, const btTransform& start)
 {
     btRigidBody* body = btRigidBody::upcast(rigid->object);
     bool isPushed = body != nullptr && body->isActive() && !body->isStaticOrKinematicObject();
     rigid->body = isPushed ? body : nullptr;
-    qcActivity activity = rigid->object->isStaticObject() ? qc_activityStatic
-                          : rigid->object->isActive()     ? qc_activityMoving
-                                                          : qc_activitySleeping;
+    bool moves = rigid->object->isActive() && !rigid->object->isStaticObject();
+    qcActivity activity = moves || !qcAreSame(start, rigid->object->getWorldTransform()) ? qc_activityMoving
+                          : rigid->object->isStaticObject()                              ? qc_activityStatic
+                                                                                         : qc_activitySleeping;
     // The previous result has no pairs of two sleeping bodies.
     rigid->hasEnd = rigid->hasEnd && activity == rigid->activity;
     rigid->activity = activity;
     rigid->solved = rigid->object->getWorldTransform();
-    rigid->start = StartOf(*rigid, timeStep);
+    rigid->start = start;
     rigid->movedLinear.setZero();
     rigid->movedAngular.setZero();
-    rigid->fromStart = false;
+    rigid->fromStart = rigid->isFixed = false;
 }
 } // namespace
 
@@ -160,7 +144,7 @@ bool qcFindTransform(const qcSceneRigid& rigid, const qcSceneMesh& mesh, btTrans
 
 btVector3 qcSceneRigid::DisplacementAt(const btVector3& arm, const btVector3& push) const
 {
-    if (body == nullptr)
+    if (body == nullptr || isFixed)
         return btVector3(0, 0, 0);
     btVector3 turn = body->getInvInertiaTensorWorld() * arm.cross(push) * body->getAngularFactor();
     return push * body->getLinearFactor() * body->getInvMass() + turn.cross(arm);
@@ -168,7 +152,7 @@ btVector3 qcSceneRigid::DisplacementAt(const btVector3& arm, const btVector3& pu
 
 void qcSceneRigid::Push(const btVector3& arm, const btVector3& push)
 {
-    if (body == nullptr)
+    if (body == nullptr || isFixed)
         return;
     linear += push * body->getLinearFactor() * body->getInvMass();
     angular += body->getInvInertiaTensorWorld() * arm.cross(push) * body->getAngularFactor();
@@ -177,7 +161,7 @@ void qcSceneRigid::Push(const btVector3& arm, const btVector3& push)
 bool qcSceneRigid::IsFree() const
 {
     const btVector3 all(1, 1, 1);
-    if (body == nullptr || body->getInvMass() <= 0)
+    if (body == nullptr || isFixed || body->getInvMass() <= 0)
         return false;
     const btVector3& turns = body->getInvInertiaDiagLocal();
     return turns[turns.minAxis()] > 0 && body->getLinearFactor() == all && body->getAngularFactor() == all;
@@ -193,6 +177,7 @@ void qcSoftBodyMeshes::CollectOverlapping(btBroadphaseInterface* broadphase, con
 {
     OverlapCallback callback(&m_overlapping);
     broadphase->aabbTest(lower, upper, callback);
+    m_starts.ForEachMoved(lower, upper, [&callback](btCollisionObject* object) { callback.Add(object); });
 }
 
 /// The collected objects that have meshes. Those that are tracked already, unchanged, are moved out of m_rigids.
@@ -226,10 +211,10 @@ std::vector<std::unique_ptr<qcSceneRigid>> qcSoftBodyMeshes::TakeTracked()
 }
 
 /// Appends the object, with its meshes in the scene. After a failure it is not tracked, and none of them is there.
-qcStatus qcSoftBodyMeshes::Track(qcScene* scene, std::unique_ptr<qcSceneRigid> rigid, btScalar timeStep)
+qcStatus qcSoftBodyMeshes::Track(qcScene* scene, std::unique_ptr<qcSceneRigid> rigid)
 {
     qcActivity previous = rigid->activity;
-    ReadState(rigid.get(), timeStep);
+    ReadState(rigid.get(), m_starts.StartOf(rigid->object));
     qcStatus status = qc_statusOk;
     if (rigid->meshes[0].id.generation == 0)
         status = AddMeshes(scene, rigid.get());
@@ -256,7 +241,7 @@ void qcSoftBodyMeshes::IndexSlots()
         }
 }
 
-qcStatus qcSoftBodyMeshes::Sync(qcScene* scene, btScalar timeStep)
+qcStatus qcSoftBodyMeshes::Sync(qcScene* scene)
 {
     std::vector<std::unique_ptr<qcSceneRigid>> rigids = TakeTracked();
     for (const std::unique_ptr<qcSceneRigid>& gone : m_rigids)
@@ -266,7 +251,7 @@ qcStatus qcSoftBodyMeshes::Sync(qcScene* scene, btScalar timeStep)
     qcStatus status = qc_statusOk;
     for (std::unique_ptr<qcSceneRigid>& rigid : rigids)
     {
-        qcStatus tracked = Track(scene, std::move(rigid), timeStep);
+        qcStatus tracked = Track(scene, std::move(rigid));
         if (status == qc_statusOk)
             status = tracked;
     }
@@ -347,8 +332,20 @@ void qcSoftBodyMeshes::UpdateVelocities(btScalar timeStep)
         }
         // Also sets Bullet's interpolation transform and the inertia tensor in world space.
         body->setCenterOfMassTransform(btTransform(rigid->object->getWorldTransform()));
+        rigid->fromStart = false;
+        rigid->movedLinear.setZero();
+        rigid->movedAngular.setZero();
     }
     RecordEnds();
+}
+
+bool qcSoftBodyMeshes::Fix(const std::vector<const btCollisionObject*>& objects)
+{
+    bool any = false;
+    for (const std::unique_ptr<qcSceneRigid>& rigid : m_rigids)
+        if (std::find(objects.begin(), objects.end(), rigid->object) != objects.end())
+            rigid->isFixed = any = true;
+    return any;
 }
 
 void qcSoftBodyMeshes::RecordEnds()
@@ -357,6 +354,7 @@ void qcSoftBodyMeshes::RecordEnds()
     {
         rigid->hasEnd = true;
         rigid->end = rigid->object->getWorldTransform();
+        m_starts.RecordEnd(rigid->object);
     }
 }
 

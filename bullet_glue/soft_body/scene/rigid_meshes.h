@@ -4,6 +4,7 @@
 #define QC_GLUE_SOFT_BODY_SCENE_RIGID_MESHES_H
 
 #include "quickcullide/bullet_mesh.h"
+#include "soft_body/scene/object_starts.h"
 
 #include <BulletDynamics/Dynamics/btRigidBody.h>
 
@@ -39,6 +40,7 @@ struct qcSceneRigid
     //  Translation of the centre and rotation vector that contacts gave it since the last Commit, and in the step.
     btVector3 linear{0, 0, 0}, angular{0, 0, 0};
     btVector3 movedLinear{0, 0, 0}, movedAngular{0, 0, 0};
+    bool isFixed = false;   ///< contacts of this step move it no further: another rigid mesh has stopped it
     bool fromStart = false; ///< a zone moves it from the start of the step, which determines its velocity, too
     bool hasEnd = false;    ///< the object was in the previous step
     btTransform end = btTransform::getIdentity(); ///< of the object, at the end of the previous step
@@ -62,11 +64,20 @@ bool qcFindTransform(const qcSceneRigid& rigid, const qcSceneMesh& mesh, btTrans
 class qcSoftBodyMeshes
 {
   public:
-    /// Collects the objects with meshes whose proxies overlap this box, for the next Sync. Proxies of rigid bodies span
-    /// the motion that Bullet predicted for the step.
+    /// The step starts: Bullet has moved nothing yet.
+    void BeginStep(const std::set<btBroadphaseInterface*>& broadphases)
+    {
+        m_starts.Begin(broadphases);
+    }
+    /// Reads where all objects start and end the step. Call it before CollectOverlapping.
+    void ReadMotions(const std::set<btBroadphaseInterface*>& broadphases, btScalar timeStep)
+    {
+        m_starts.Read(broadphases, timeStep);
+    }
+    /// Collects the objects with meshes whose proxies or motions over the step overlap this box, for the next Sync.
     void CollectOverlapping(btBroadphaseInterface* broadphase, const btVector3& lower, const btVector3& upper);
     /// Makes the scene's meshes those of the objects collected since the last call.
-    qcStatus Sync(qcScene* scene, btScalar timeStep);
+    qcStatus Sync(qcScene* scene);
     /// Sets the objects' present transforms in the scene, or those of the start of the step.
     qcStatus SyncTransforms(qcScene* scene, bool atStart = false);
     /// True if each of the objects was in the previous step and starts at its end transform.
@@ -76,8 +87,10 @@ class qcSoftBodyMeshes
     void Commit();
     /// Moves an object from its transform at the start of the step, if it is free.
     void MoveFromStart(qcSceneRigid& rigid, const btTransform& motion);
-    /// Ends the step: changes velocities by the motions of Commit and MoveFromStart.
+    /// Changes velocities by the motions of Commit and MoveFromStart since the last call. The step ends here, so far.
     void UpdateVelocities(btScalar timeStep);
+    /// Contacts of this step move these objects no further. False: none of them is near a soft body.
+    bool Fix(const std::vector<const btCollisionObject*>& objects);
     /// Ends the step, and undoes all motions.
     void Restore();
 
@@ -90,10 +103,11 @@ class qcSoftBodyMeshes
 
   private:
     std::vector<std::unique_ptr<qcSceneRigid>> TakeTracked();
-    qcStatus Track(qcScene* scene, std::unique_ptr<qcSceneRigid> rigid, btScalar timeStep);
+    qcStatus Track(qcScene* scene, std::unique_ptr<qcSceneRigid> rigid);
     void IndexSlots();
     void RecordEnds();
 
+    qcObjectStarts m_starts;
     std::vector<btCollisionObject*> m_overlapping;
     std::vector<std::unique_ptr<qcSceneRigid>> m_rigids; ///< by unique id: in the order in which they were added
     std::vector<std::pair<qcSceneRigid*, size_t>> m_meshOfSlot;

@@ -150,6 +150,15 @@ void qcSoftBodyScene::ReadStart(qcSceneSoftBody& tracked, btVector3 btSoftBody::
     FindPinned(tracked);
 }
 
+void qcSoftBodyScene::BeginStep(const btAlignedObjectArray<btSoftBody*>& bodies)
+{
+    std::set<btBroadphaseInterface*> broadphases;
+    for (int i = 0; i < bodies.size(); i++)
+        if (bodies[i]->getWorldInfo()->m_broadphase != nullptr)
+            broadphases.insert(bodies[i]->getWorldInfo()->m_broadphase);
+    meshes.BeginStep(broadphases);
+}
+
 qcStatus qcSoftBodyScene::Sync(const btAlignedObjectArray<btSoftBody*>& bodies, btVector3 btSoftBody::Node::*start)
 {
     qcStatus status = m_scene == nullptr ? CreateScene() : qc_statusOk;
@@ -180,6 +189,11 @@ qcStatus qcSoftBodyScene::Sync(const btAlignedObjectArray<btSoftBody*>& bodies, 
 qcStatus qcSoftBodyScene::ReadSolved(btScalar timeStep)
 {
     BT_PROFILE("qcSoftBodyContact gather");
+    std::set<btBroadphaseInterface*> broadphases;
+    for (const qcSceneSoftBody& tracked : m_bodies)
+        if (tracked.CollidesWithRigidBodies() && tracked.body->getWorldInfo()->m_broadphase != nullptr)
+            broadphases.insert(tracked.body->getWorldInfo()->m_broadphase);
+    meshes.ReadMotions(broadphases, timeStep);
     for (qcSceneSoftBody& tracked : m_bodies)
     {
         tracked.solved.resize(size_t(tracked.NodeCount()));
@@ -193,7 +207,7 @@ qcStatus qcSoftBodyScene::ReadSolved(btScalar timeStep)
         if (tracked.CollidesWithRigidBodies() && info->m_broadphase != nullptr && BoxOf(tracked, box))
             meshes.CollectOverlapping(info->m_broadphase, box[0], box[1]);
     }
-    return meshes.Sync(m_scene, timeStep);
+    return meshes.Sync(m_scene);
 }
 
 qcStatus qcSoftBodyScene::SetVertices(std::vector<btVector3> qcSceneSoftBody::*positions)

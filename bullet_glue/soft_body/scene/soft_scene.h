@@ -77,6 +77,8 @@ class qcSoftBodyScene
     qcSoftBodyScene(const qcSoftBodyScene&) = delete;
     qcSoftBodyScene& operator=(const qcSoftBodyScene&) = delete;
 
+    /// The step starts: Bullet has moved nothing yet.
+    void BeginStep(const btAlignedObjectArray<btSoftBody*>& bodies);
     /// Makes the scene's soft bodies those of the array, and reads their positions at the start of the step from this
     /// member of their nodes.
     qcStatus Sync(const btAlignedObjectArray<btSoftBody*>& bodies, btVector3 btSoftBody::Node::*start);
