@@ -130,6 +130,8 @@ void qcSoftBodyContact::Implementation::SortMotionPairs()
             pair.relation == qc_relationTouching ? qcClassifyTouching(scene, unproven) : qcTouchingMotion::Unproven;
         if (pair.relation == qc_relationPenetrating || touching == qcTouchingMotion::Entangled)
             m_exemptMotions++;
+        else if (touching == qcTouchingMotion::Unproven && m_tangles.MayLeave(scene, pair))
+            m_exemptMotions++;
         else if (touching == qcTouchingMotion::Unproven)
             (m_tangles.IsNear(scene, pair) ? m_nearTangles : m_unproven).push_back(unproven);
     }
@@ -229,10 +231,17 @@ qcStatus qcSoftBodyContact::Implementation::Untangle()
     if (m_tangles.IsEmpty())
         return qc_statusOk;
     BT_PROFILE("qcSoftBodyContact untangle");
-    qcStatus status = Detect(0, true);
-    if (status == qc_statusOk)
-        qcUntangle(scene, *m_result, m_exempt);
-    return status;
+    double begin = qcNowMs();
+    std::vector<qcPair> pairs;
+    for (const qcPair& pair : m_tangles.Pairs())
+        if (qcHasResponse(scene, pair.bodyA, pair.bodyB))
+            pairs.push_back(pair);
+    m_curves.Find(scene, pairs);
+    m_untanglements = qcFindUntanglements(m_curves);
+    m_tangles.MarkParts(m_untanglements);
+    qcUntangle(scene, m_untanglements);
+    statistics.respondMs += qcNowMs() - begin;
+    return qc_statusOk;
 }
 
 /// Alternates detection and projection until the motion is proven, for a limited number of rounds.

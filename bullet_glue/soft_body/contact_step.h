@@ -9,6 +9,7 @@
 #include "soft_body/response/position_constraints.h"
 #include "soft_body/response/rigid_zones.h"
 #include "soft_body/response/separating_planes.h"
+#include "soft_body/response/untangle.h"
 
 /// A world's step calls, in this order, BeginStep before collision detection, ReadStart while nodes have the positions
 /// of the start of the step, Resolve after Bullet's own solvers, and DispatchCallbacks at its end.
@@ -67,6 +68,8 @@ struct qcSoftBodyContact::Implementation
     std::vector<qcUnprovenPair> m_nearTangles; ///< not proven apart, but allowed if their tangle doesn't grow
     size_t m_exemptMotions = 0;                ///< pairs that penetrate at the start, or can't be separated there
     qcSoftTangles m_tangles;                   ///< of the start of the step; after the step, of its end
+    qcIntersectionCurves m_curves;
+    std::vector<qcUntanglement> m_untanglements;
     bool m_tanglesAreOfEnd = false;            ///< m_tangles are those of the end of the previous step
     qcSeparationPlanes m_planes;
     qcSoftZones m_zones;

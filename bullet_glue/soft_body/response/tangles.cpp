@@ -19,12 +19,57 @@ bool qcSoftTangles::Contains(const std::vector<Key>& keys, uint32_t body, uint32
 
 bool qcSoftTangles::IsNearTangle(qcSoftBodyScene& scene, uint32_t body, uint32_t triangle, uint32_t other) const
 {
+    return HasVertexIn(m_vertices, scene, body, triangle, other);
+}
+
+bool qcSoftTangles::HasVertexIn(const std::vector<Key>& keys, qcSoftBodyScene& scene, uint32_t body, uint32_t triangle, uint32_t other) const
+{
     const qcSceneSoftBody* soft = scene.Find(body);
-    if (soft == nullptr)
+    auto graph = m_graphs.find(body);
+    if (soft == nullptr && graph == m_graphs.end())
         return Contains(m_triangles, body, triangle, other);
-    const uint32_t* corners = &soft->topology.indices[3 * size_t(triangle)];
-    return std::any_of(corners, corners + 3,
-                       [&](uint32_t corner) { return Contains(m_vertices, body, corner, other); });
+    const uint32_t* corners = soft != nullptr ? &soft->topology.indices[3 * size_t(triangle)] : graph->second->Corners(triangle);
+    return std::any_of(corners, corners + 3, [&](uint32_t corner) { return Contains(keys, body, corner, other); });
+}
+
+bool qcSoftTangles::MayLeave(qcSoftBodyScene& scene, const qcPair& pair) const
+{
+    uint32_t a = pair.bodyA, b = pair.bodyB;
+    return !m_wrong.empty() && IsNearTangle(scene, a, pair.triangleA, b) && IsNearTangle(scene, b, pair.triangleB, a) &&
+           (HasVertexIn(m_wrong, scene, a, pair.triangleA, b) || HasVertexIn(m_wrong, scene, b, pair.triangleB, a));
+}
+
+void qcSoftTangles::MarkParts(const std::vector<qcUntanglement>& untanglements)
+{
+    m_wrong.clear();
+    std::vector<Key> known;
+    for (const qcUntanglement& tangle : untanglements)
+        for (int side = 0; side < 2; side++)
+        {
+            const qcCurveSide& mine = tangle.curve->sides[side];
+            uint32_t other = tangle.curve->sides[1 - side].slot;
+            m_graphs[mine.slot] = mine.graph;
+            std::vector<uint32_t> part;
+            if (tangle.hasPart[side])
+                part = mine.part;
+            std::sort(part.begin(), part.end());
+            for (const qcPair& pair : tangle.curve->pairs)
+                for (int c = 0; c < 3; c++)
+                {
+                    uint32_t vertex = mine.graph->Corners(side == 0 ? pair.triangleA : pair.triangleB)[c];
+                    if (mine.graph->soft == nullptr)
+                        m_vertices.push_back({mine.slot, vertex, other});
+                    if (std::binary_search(part.begin(), part.end(), vertex))
+                        m_wrong.push_back({mine.slot, vertex, other});
+                    if (tangle.hasPart[0] || tangle.hasPart[1])
+                        known.push_back({mine.slot, vertex, other});
+                }
+        }
+    SortUnique(&m_vertices);
+    SortUnique(&m_wrong);
+    SortUnique(&known);
+    m_free.clear();
+    std::set_difference(m_vertices.begin(), m_vertices.end(), known.begin(), known.end(), std::back_inserter(m_free));
 }
 
 void qcSoftTangles::MoveExempt(qcSoftBodyScene& scene, const qcResult& result, std::vector<size_t>* pairs,
@@ -42,9 +87,10 @@ void qcSoftTangles::MoveExempt(qcSoftBodyScene& scene, const qcResult& result, s
         uint32_t a = pair.bodyA, b = pair.bodyB;
         if (Contains(m_triangles, a, pair.triangleA, b) && Contains(m_triangles, b, pair.triangleB, a))
             return false;
+        if (MayLeave(scene, pair))
+            return false;
         auto atStart = m_counts.find({a, b});
-        return atStart == m_counts.end() || counts[{a, b}] > atStart->second ||
-               !IsNearTangle(scene, a, pair.triangleA, b) || !IsNearTangle(scene, b, pair.triangleB, a);
+        return atStart == m_counts.end() || counts[{a, b}] > atStart->second || !IsNear(scene, pair);
     };
     auto middle = std::stable_partition(pairs->begin(), pairs->end(), isNotExempt);
     exempt->assign(middle, pairs->end());
@@ -53,15 +99,19 @@ void qcSoftTangles::MoveExempt(qcSoftBodyScene& scene, const qcResult& result, s
 
 void qcSoftTangles::Clear()
 {
+    m_pairs.clear();
     m_triangles.clear();
     m_vertices.clear();
     m_counts.clear();
+    m_wrong.clear();
+    m_free.clear();
+    m_graphs.clear();
 }
 
 bool qcSoftTangles::IsNear(qcSoftBodyScene& scene, const qcPair& pair) const
 {
-    return !IsEmpty() && IsNearTangle(scene, pair.bodyA, pair.triangleA, pair.bodyB) &&
-           IsNearTangle(scene, pair.bodyB, pair.triangleB, pair.bodyA);
+    return !IsEmpty() && HasVertexIn(m_free, scene, pair.bodyA, pair.triangleA, pair.bodyB) &&
+           HasVertexIn(m_free, scene, pair.bodyB, pair.triangleB, pair.bodyA);
 }
 
 bool qcSoftTangles::HasGrown(const qcResult& result, uint32_t bodyA, uint32_t bodyB) const
@@ -75,6 +125,7 @@ bool qcSoftTangles::HasGrown(const qcResult& result, uint32_t bodyA, uint32_t bo
 void qcSoftTangles::Read(qcSoftBodyScene& scene, const qcResult& result)
 {
     Clear();
+    m_pairs.assign(result.pairs, result.pairs + result.pairCount);
     for (size_t i = 0; i < result.pairCount; i++)
     {
         const qcPair& pair = result.pairs[i];
@@ -88,19 +139,22 @@ void qcSoftTangles::Read(qcSoftBodyScene& scene, const qcResult& result)
             for (size_t corner = 0; corner < 3; corner++)
                 m_vertices.push_back({key[0], soft->topology.indices[3 * size_t(key[1]) + corner], key[2]});
     SortUnique(&m_vertices);
+    m_free = m_vertices;
 }
 
 bool qcSoftTangles::IsExempt(const qcContact& contact) const
 {
     if (IsEmpty())
         return false;
-    bool tangledA = true, tangledB = true;
+    bool tangledA = true, tangledB = true, isWrong = false;
     for (size_t i = 0; i < 3; i++)
     {
-        tangledA = tangledA && (contact.weightsA[i] == 0 ||
-                                Contains(m_vertices, contact.bodyA, contact.verticesA[i], contact.bodyB));
-        tangledB = tangledB && (contact.weightsB[i] == 0 ||
-                                Contains(m_vertices, contact.bodyB, contact.verticesB[i], contact.bodyA));
+        const Key a = {contact.bodyA, contact.verticesA[i], contact.bodyB};
+        const Key b = {contact.bodyB, contact.verticesB[i], contact.bodyA};
+        tangledA = tangledA && (contact.weightsA[i] == 0 || Contains(m_free, a[0], a[1], a[2]));
+        tangledB = tangledB && (contact.weightsB[i] == 0 || Contains(m_free, b[0], b[1], b[2]));
+        isWrong = isWrong || (contact.weightsA[i] != 0 && Contains(m_wrong, a[0], a[1], a[2])) ||
+                  (contact.weightsB[i] != 0 && Contains(m_wrong, b[0], b[1], b[2]));
     }
-    return tangledA || tangledB;
+    return tangledA || tangledB || isWrong;
 }

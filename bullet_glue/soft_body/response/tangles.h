@@ -2,7 +2,7 @@
 #ifndef QC_GLUE_SOFT_BODY_RESPONSE_TANGLES_H
 #define QC_GLUE_SOFT_BODY_RESPONSE_TANGLES_H
 
-#include "soft_body/scene/soft_scene.h"
+#include "soft_body/response/intersection_curves.h"
 
 #include <array>
 #include <map>
@@ -27,6 +27,15 @@ class qcSoftTangles
     void MoveExempt(qcSoftBodyScene& scene, const qcResult& result, std::vector<size_t>* pairs,
                     std::vector<size_t>* exempt) const;
     void Clear();
+    /// The pairs that penetrate.
+    const std::vector<qcPair>& Pairs() const
+    {
+        return m_pairs;
+    }
+    /// Marks the vertices of parts that curves cut off, which are on the wrong side of the other surface.
+    void MarkParts(const std::vector<qcUntanglement>& untanglements);
+    /// True if both triangles are near a tangle of their bodies, and one has a vertex on the wrong side.
+    bool MayLeave(qcSoftBodyScene& scene, const qcPair& pair) const;
     /// True if both triangles are near a tangle of their bodies: a soft body's triangle with a tangled vertex, or a
     /// tangled triangle of a mesh.
     bool IsNear(qcSoftBodyScene& scene, const qcPair& pair) const;
@@ -41,9 +50,15 @@ class qcSoftTangles
     using Slots = std::pair<uint32_t, uint32_t>;
 
     bool IsNearTangle(qcSoftBodyScene& scene, uint32_t body, uint32_t triangle, uint32_t other) const;
+    bool HasVertexIn(const std::vector<Key>& keys, qcSoftBodyScene& scene, uint32_t body, uint32_t triangle,
+                     uint32_t other) const;
     static bool Contains(const std::vector<Key>& keys, uint32_t body, uint32_t index, uint32_t other);
 
+    std::vector<qcPair> m_pairs;
     std::vector<Key> m_triangles, m_vertices; ///< sorted
+    std::vector<Key> m_wrong;                 ///< sorted: vertices on the wrong side
+    std::vector<Key> m_free;                  ///< sorted: vertices of tangles that cut off no part
+    std::map<uint32_t, const qcSurfaceGraph*> m_graphs;
     std::map<Slots, size_t> m_counts;         ///< of pairs
 };
 

@@ -1,173 +1,321 @@
 // Works tangled surfaces apart.
 //
-// At each end of a pair's segment an edge of one triangle passes through the other triangle, the face. With e the edge,
-// n the normal of the face, and r the direction of the segment from that end, a motion d of the edge moves the end by
-// d - e (n.d) / (n.e), and so shortens the segment by d . (r - n (e.r) / (n.e)).
+// If a curve cuts off a part of a surface, the direction is the mean normal of the triangles through which the edges of
+// its border pass. Otherwise it is the direction that shortens the curve most: with e an edge that passes through a
+// triangle of normal n, and r the direction of the curve from there, a motion d of the edge shortens it by
+// d . (r - n (e.r) / (n.e)). Volino, Magnenat-Thalmann: Resolving Surface Collisions through Intersection Contour
+// Minimization, 2006.
 #include "soft_body/response/untangle.h"
-
-#include "common/shape_triangles.h"
 
 #include <algorithm>
 
 namespace
 {
-// The largest motion of a node in a step, as a share of the thickness.
-constexpr btScalar s_maxShift = btScalar(0.25);
+// The relative motion of both sides in a step, as a share of the thickness.
+constexpr btScalar s_shift = btScalar(0.5);
 // Edges with a smaller sine to the face give no reliable direction.
-constexpr btScalar s_minEdgeSlope = btScalar(0.05);
+constexpr btScalar s_minSlope = btScalar(0.05);
+// A mean of unit vectors that is shorter than this has no reliable direction.
+constexpr btScalar s_minCoherence = btScalar(0.3);
 
-/// Moves an edge one way and a face the other.
-struct Push
+btVector3 NormalOf(const qcSurfaceGraph& graph, uint32_t triangle)
 {
-    qcSceneSoftBody *edgeBody, *faceBody; ///< null: a mesh, which stays
-    uint32_t nodes[5];                    ///< of the edge two, of the face three
-    btScalar weights[5];
-    btVector3 direction; ///< of the edge, no longer than 1
-};
-
-struct Triangle
-{
-    qcSceneSoftBody* soft;
-    uint32_t nodes[3];
-    btVector3 corners[3];
-
-    Triangle(qcSoftBodyScene& scene, uint32_t slot, uint32_t triangle) : soft(scene.Find(slot))
-    {
-        qcSceneRigid* rigid = nullptr;
-        const qcSceneMesh* mesh = soft == nullptr ? scene.meshes.Find(slot, &rigid) : nullptr;
-        for (size_t c = 0; c < 3; c++)
-        {
-            nodes[c] = soft != nullptr ? soft->topology.indices[3 * size_t(triangle) + c]
-                                       : mesh->shape->getIndices()[3 * size_t(triangle) + c];
-            corners[c] = soft != nullptr ? soft->positions[nodes[c]]
-                                         : mesh->sceneTransform * mesh->shape->getVertices()[nodes[c]];
-        }
-    }
-
-    btVector3 Normal() const
-    {
-        btVector3 normal = (corners[1] - corners[0]).cross(corners[2] - corners[0]);
-        return normal.fuzzyZero() ? btVector3(0, 0, 0) : normal.normalized();
-    }
-};
-
-/// The parameter of the point of an edge that is nearest to a point, and the squared distance.
-btScalar NearestOnEdge(const Triangle& triangle, int edge, const btVector3& point, btScalar* distance2)
-{
-    btVector3 from = triangle.corners[edge], along = triangle.corners[(edge + 1) % 3] - from;
-    btScalar length2 = along.length2();
-    btScalar share = length2 > 0 ? btClamped(along.dot(point - from) / length2, btScalar(0), btScalar(1)) : btScalar(0);
-    *distance2 = point.distance2(from + along * share);
-    return share;
+    const uint32_t* corners = graph.Corners(triangle);
+    btVector3 origin = graph.Position(corners[0]);
+    btVector3 normal = (graph.Position(corners[1]) - origin).cross(graph.Position(corners[2]) - origin);
+    btScalar length = normal.length();
+    return length > 0 ? normal / length : btVector3(0, 0, 0);
 }
 
-void Barycentric(const Triangle& face, const btVector3& normal, const btVector3& point, btScalar weights[3])
+btVector3 EdgeOf(const qcSurfaceGraph& graph, const qcEdgeCrossing& crossing)
 {
-    btScalar sum = 0;
-    for (int c = 0; c < 3; c++)
-    {
-        const btVector3 &next = face.corners[(c + 1) % 3], &last = face.corners[(c + 2) % 3];
-        weights[c] = btMax(btScalar(0), normal.dot((next - point).cross(last - point)));
-        sum += weights[c];
-    }
-    for (int c = 0; c < 3; c++)
-        weights[c] = sum > 0 ? weights[c] / sum : btScalar(1) / 3;
+    btVector3 edge = graph.Position(crossing.to) - graph.Position(crossing.from);
+    btScalar length = edge.length();
+    return length > 0 ? edge / length : btVector3(0, 0, 0);
 }
 
-/// False: the edge is too flat in the face to shorten the segment reliably.
-bool MakePush(const Triangle& a, const Triangle& b, const btVector3& end, const btVector3& along, Push* push)
+/// The direction in which the part of a side leaves the other side, its length at most 1, 0 if there is none.
+btVector3 DirectionOfPart(const qcIntersectionCurve& curve, int side, btScalar* distance)
 {
-    const Triangle* best = nullptr;
-    int bestEdge = 0;
-    btScalar nearest = BT_LARGE_FLOAT, share = 0;
-    for (const Triangle* triangle : {&a, &b})
-        for (int edge = 0; edge < 3; edge++)
+    const qcCurveSide &edges = curve.sides[side], &faces = curve.sides[1 - side];
+    btVector3 sum(0, 0, 0), center(0, 0, 0);
+    btScalar weights = 0;
+    int count = 0;
+    for (const qcEdgeCrossing& crossing : edges.crossings)
+    {
+        if (!crossing.bordersPart)
+            continue;
+        btVector3 normal = NormalOf(*faces.graph, crossing.triangle);
+        btScalar slope = normal.dot(EdgeOf(*edges.graph, crossing));
+        sum += normal * slope;
+        weights += btFabs(slope);
+        center += crossing.point;
+        count++;
+    }
+    if (weights <= s_minSlope * btScalar(count))
+        return btVector3(0, 0, 0);
+    center /= btScalar(count);
+    btVector3 direction = sum.normalized();
+    *distance = 0;
+    for (uint32_t vertex : edges.part)
+        *distance = std::max(*distance, direction.dot(center - edges.graph->Position(vertex)));
+    return sum / weights;
+}
+
+/// The relative motion of the first side that shortens the curve most, as a mean over its crossings.
+btVector3 ShorteningDirection(const qcIntersectionCurve& curve)
+{
+    btVector3 sum(0, 0, 0);
+    int count = 0;
+    for (int side = 0; side < 2; side++)
+        for (const qcEdgeCrossing& crossing : curve.sides[side].crossings)
         {
-            btScalar distance2, at = NearestOnEdge(*triangle, edge, end, &distance2);
-            if (distance2 >= nearest)
+            btVector3 normal = NormalOf(*curve.sides[1 - side].graph, crossing.triangle);
+            btVector3 edge = EdgeOf(*curve.sides[side].graph, crossing);
+            btScalar slope = normal.dot(edge);
+            count++;
+            if (btFabs(slope) < s_minSlope)
                 continue;
-            nearest = distance2;
-            best = triangle;
-            bestEdge = edge;
-            share = at;
+            btVector3 motion = crossing.along - normal * (edge.dot(crossing.along) / slope);
+            btScalar length = motion.length();
+            if (length > 1)
+                motion /= length;
+            sum += side == 0 ? motion : -motion;
         }
-    const Triangle& face = best == &a ? b : a;
-    btVector3 normal = face.Normal(), edge = best->corners[(bestEdge + 1) % 3] - best->corners[bestEdge];
-    if (edge.fuzzyZero())
+    return count > 0 ? sum / btScalar(count) : sum;
+}
+
+bool FindUntanglement(const qcIntersectionCurve& curve, qcUntanglement* found)
+{
+    btScalar distances[2] = {0, 0}, best = BT_LARGE_FLOAT;
+    btVector3 directions[2];
+    found->curve = &curve;
+    found->side = -1;
+    for (int side = 0; side < 2; side++)
+    {
+        directions[side] = DirectionOfPart(curve, side, &distances[side]);
+        btScalar coherence = directions[side].length();
+        found->hasPart[side] = coherence >= s_minCoherence;
+        if (!found->hasPart[side])
+            continue;
+        directions[side] /= coherence;
+        if (distances[side] / coherence < best)
+        {
+            best = distances[side] / coherence;
+            found->side = side;
+        }
+    }
+    if (found->side >= 0)
+    {
+        found->direction = directions[found->side];
+        found->distance = distances[found->side];
+        int other = 1 - found->side;
+        found->hasPart[other] = found->hasPart[other] && directions[other].dot(found->direction) < -s_minCoherence;
+        return true;
+    }
+    found->side = 0;
+    found->distance = BT_LARGE_FLOAT;
+    found->direction = ShorteningDirection(curve);
+    if (curve.sides[0].crossings.empty() && curve.sides[1].crossings.empty())
+        found->direction = NormalOf(*curve.sides[0].graph, curve.pairs[0].triangleA);
+    btScalar length = found->direction.length();
+    if (length <= SIMD_EPSILON)
         return false;
-    edge.normalize();
-    btScalar slope = normal.dot(edge);
-    if (btFabs(slope) < s_minEdgeSlope)
-        return false;
-    push->edgeBody = best->soft;
-    push->faceBody = face.soft;
-    push->nodes[0] = best->nodes[bestEdge];
-    push->nodes[1] = best->nodes[(bestEdge + 1) % 3];
-    push->weights[0] = 1 - share;
-    push->weights[1] = share;
-    std::copy_n(face.nodes, 3, &push->nodes[2]);
-    Barycentric(face, normal, end, &push->weights[2]);
-    push->direction = along - normal * (edge.dot(along) / slope);
-    btScalar length = push->direction.length();
-    if (length > 1)
-        push->direction /= length;
+    found->direction /= length;
     return true;
 }
 
-/// Calls function(body, node, share) for each node; share: the node's part of the push's relative motion, negative for
-/// the nodes of the face.
-template <typename Function> void ForEachNode(const Push& push, Function function)
+/// The nodes of one side that move, each by a share: 1 at the curve, less further from it.
+struct Field
 {
-    btScalar sum = 0, largest = 0;
-    for (int pass = 0; pass < 2; pass++)
-        for (int i = 0; i < 5; i++)
+    const qcCurveSide* side;
+    std::vector<uint32_t> nodes;
+    std::vector<btScalar> shares;
+    btScalar mass = 0;       ///< sum of mass * share
+    btScalar squareMass = 0; ///< sum of mass * share^2
+    bool isHeld = false;     ///< a fixed node is among them
+
+    btScalar MassOf(size_t i) const
+    {
+        btScalar inverse = side->graph->soft->InverseMass(nodes[i]);
+        return inverse > 0 ? 1 / inverse : btScalar(0);
+    }
+};
+
+/// The greatest number of edges from the border of a part to a vertex of it.
+uint32_t DepthOf(const qcCurveSide& side, std::vector<uint32_t>* hops)
+{
+    hops->assign(side.graph->VertexCount(), UINT32_MAX);
+    std::vector<uint32_t> queue;
+    for (uint32_t vertex : side.part)
+        (*hops)[vertex] = 0; // in the part, not reached
+    for (const qcEdgeCrossing& crossing : side.crossings)
+        if (crossing.bordersPart && (*hops)[crossing.from] == 0)
         {
-            qcSceneSoftBody* body = i < 2 ? push.edgeBody : push.faceBody;
-            if (body == nullptr)
-                continue;
-            btScalar share = push.weights[i] * body->InverseMass(push.nodes[i]);
-            if (pass == 0)
-            {
-                sum += push.weights[i] * share;
-                largest = std::max(largest, share);
-            }
-            else if (share > 0)
-                function(body, push.nodes[i], (i < 2 ? share : -share) / std::max(sum, largest));
+            (*hops)[crossing.from] = 1;
+            queue.push_back(crossing.from);
         }
+    uint32_t depth = 1;
+    for (size_t i = 0; i < queue.size(); i++)
+    {
+        depth = (*hops)[queue[i]];
+        side.graph->ForEachNeighbour(queue[i],
+                                     [&](uint32_t neighbour)
+                                     {
+                                         if ((*hops)[neighbour] != 0)
+                                             return;
+                                         (*hops)[neighbour] = depth + 1;
+                                         queue.push_back(neighbour);
+                                     });
+    }
+    return depth;
+}
+
+Field MakeField(const qcIntersectionCurve& curve, int sideIndex, bool movesPart, uint32_t reach,
+                std::vector<uint32_t>* hops)
+{
+    const qcCurveSide& side = curve.sides[sideIndex];
+    Field field;
+    field.side = &side;
+    if (side.graph->soft == nullptr)
+        return field;
+    hops->assign(side.graph->VertexCount(), UINT32_MAX);
+    auto add = [&](uint32_t vertex, uint32_t hop)
+    {
+        if ((*hops)[vertex] != UINT32_MAX)
+            return;
+        (*hops)[vertex] = hop;
+        field.nodes.push_back(vertex);
+        field.shares.push_back(1 - btScalar(hop) / btScalar(reach + 1));
+    };
+    if (movesPart)
+        for (uint32_t vertex : side.part)
+            add(vertex, 0);
+    for (const qcEdgeCrossing& crossing : side.crossings)
+    {
+        add(crossing.from, 0);
+        add(crossing.to, 0);
+    }
+    for (const qcPair& pair : curve.pairs)
+        for (int c = 0; c < 3; c++)
+            add(side.graph->Corners(sideIndex == 0 ? pair.triangleA : pair.triangleB)[c], 0);
+    for (size_t i = 0; i < field.nodes.size(); i++)
+        if ((*hops)[field.nodes[i]] < reach)
+        {
+            uint32_t hop = (*hops)[field.nodes[i]] + 1;
+            side.graph->ForEachNeighbour(field.nodes[i], [&](uint32_t neighbour) { add(neighbour, hop); });
+        }
+    for (size_t i = 0; i < field.nodes.size(); i++)
+    {
+        btScalar mass = field.MassOf(i);
+        field.isHeld = field.isHeld || mass == 0;
+        field.mass += mass * field.shares[i];
+        field.squareMass += mass * field.shares[i] * field.shares[i];
+    }
+    return field;
+}
+
+/// The mean motion of a side's nodes in the step so far along a direction.
+btScalar MeanMotion(const Field& field, const btVector3& direction, const btVector3& center)
+{
+    const qcSurfaceGraph& graph = *field.side->graph;
+    if (graph.soft == nullptr)
+        return direction.dot(graph.rigid->object->getWorldTransform() * (graph.rigid->start.inverse() * center) -
+                             center);
+    btScalar sum = 0;
+    for (size_t i = 0; i < field.nodes.size(); i++)
+        sum += field.MassOf(i) * field.shares[i] *
+               direction.dot(graph.soft->MotionOf(field.nodes[i], graph.soft->start[field.nodes[i]]));
+    return field.mass > 0 ? sum / field.mass : btScalar(0);
+}
+
+btVector3 CenterOf(const qcIntersectionCurve& curve)
+{
+    btVector3 sum(0, 0, 0);
+    btScalar count = 0;
+    for (const qcCurveSide& side : curve.sides)
+        for (const qcEdgeCrossing& crossing : side.crossings)
+        {
+            sum += crossing.point;
+            count += 1;
+        }
+    return count > 0 ? sum / count : sum;
+}
+
+/// Moves the nodes; `isShift`: without velocity.
+void Move(const Field& field, const btVector3& by, bool isShift)
+{
+    qcSceneSoftBody* soft = field.side->graph->soft;
+    for (size_t i = 0; i < field.nodes.size(); i++)
+        if (soft->InverseMass(field.nodes[i]) > 0)
+        {
+            if (isShift)
+                soft->shifts[field.nodes[i]] += by * field.shares[i];
+            soft->positions[field.nodes[i]] += by * field.shares[i];
+        }
+}
+
+btScalar ThicknessOf(const qcIntersectionCurve& curve)
+{
+    btScalar sum = 0;
+    for (const qcCurveSide& side : curve.sides)
+        sum += side.graph->soft != nullptr ? side.graph->soft->thickness / 2 : side.graph->mesh->shape->getMargin();
+    return sum;
+}
+
+void Untangle(const qcUntanglement& tangle, std::vector<uint32_t>* hops)
+{
+    const qcIntersectionCurve& curve = *tangle.curve;
+    const qcCurveSide& moved = curve.sides[tangle.side];
+    bool hasPart = tangle.hasPart[tangle.side];
+    uint32_t reach = hasPart ? DepthOf(moved, hops)
+                             : uint32_t(curve.sides[0].crossings.size() + curve.sides[1].crossings.size()) / 2;
+    Field field = MakeField(curve, tangle.side, hasPart, reach, hops);
+    Field other = MakeField(curve, 1 - tangle.side, false, reach, hops);
+    btScalar mobility = field.mass > 0 && (!field.isHeld || other.isHeld || other.mass == 0) ? 1 / field.mass : btScalar(0);
+    btScalar otherMobility =
+        other.mass > 0 && (!other.isHeld || field.isHeld || field.mass == 0) ? 1 / other.mass : btScalar(0);
+    if (mobility + otherMobility <= 0)
+        return;
+    const btVector3& direction = tangle.direction;
+    // Motion that tangles further ends, as in an inelastic contact.
+    btVector3 center = CenterOf(curve);
+    btScalar motion = MeanMotion(field, direction, center) - MeanMotion(other, direction, center);
+    if (motion < 0 && hasPart)
+    {
+        btScalar effective = mobility * mobility * field.squareMass + otherMobility * otherMobility * other.squareMass;
+        btScalar impulse = -motion / effective;
+        if (mobility > 0)
+            Move(field, direction * (impulse * mobility), false);
+        if (otherMobility > 0)
+            Move(other, direction * (-impulse * otherMobility), false);
+    }
+    btScalar thickness = ThicknessOf(curve);
+    btScalar shift = std::min(s_shift * thickness, tangle.distance + thickness) / (mobility + otherMobility);
+    if (mobility > 0)
+        Move(field, direction * (shift * mobility), true);
+    if (otherMobility > 0)
+        Move(other, direction * (-shift * otherMobility), true);
 }
 } // namespace
 
-void qcUntangle(qcSoftBodyScene& scene, const qcResult& result, const std::vector<size_t>& pairs)
+std::vector<qcUntanglement> qcFindUntanglements(const qcIntersectionCurves& curves)
 {
-    std::vector<Push> pushes;
-    for (size_t i : pairs)
+    std::vector<qcUntanglement> untanglements;
+    for (const qcIntersectionCurve& curve : curves.Curves())
     {
-        const qcPair& pair = result.pairs[i];
-        Triangle a(scene, pair.bodyA, pair.triangleA), b(scene, pair.bodyB, pair.triangleB);
-        btVector3 p = qcVectorOf(result.segments[i].p), q = qcVectorOf(result.segments[i].q), along = q - p;
-        if (along.fuzzyZero())
-            continue;
-        along.normalize();
-        Push push;
-        if (MakePush(a, b, p, along, &push))
-            pushes.push_back(push);
-        if (MakePush(a, b, q, -along, &push))
-            pushes.push_back(push);
+        qcUntanglement found;
+        if (FindUntanglement(curve, &found))
+            untanglements.push_back(found);
     }
-    // One factor for all nodes, given by the one that would move furthest, keeps momentum.
-    btScalar maxShare = 0;
+    return untanglements;
+}
+
+void qcUntangle(qcSoftBodyScene& scene, const std::vector<qcUntanglement>& untanglements)
+{
     for (qcSceneSoftBody& soft : scene.Bodies())
         soft.shifts.assign(soft.positions.size(), btVector3(0, 0, 0));
-    for (const Push& push : pushes)
-        ForEachNode(push, [&](qcSceneSoftBody* body, uint32_t node, btScalar share)
-                    { body->shifts[node] += push.direction * share; });
-    for (const qcSceneSoftBody& soft : scene.Bodies())
-        for (const btVector3& shift : soft.shifts)
-            maxShare = std::max(maxShare, shift.length() / (s_maxShift * soft.thickness));
-    for (qcSceneSoftBody& soft : scene.Bodies())
-        for (size_t i = 0; i < soft.shifts.size() && maxShare > 0; i++)
-        {
-            soft.shifts[i] /= maxShare;
-            soft.positions[i] += soft.shifts[i];
-        }
+    std::vector<uint32_t> hops;
+    for (const qcUntanglement& tangle : untanglements)
+        Untangle(tangle, &hops);
 }

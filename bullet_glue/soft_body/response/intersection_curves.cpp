@@ -1,0 +1,218 @@
+// Intersection curves: crossings of edges with triangles, chained by common crossings, and floods of the surfaces
+// between them.
+#include "soft_body/response/intersection_curves.h"
+
+#include <algorithm>
+
+namespace
+{
+void PutCorner(const btVector3& point, double* corner)
+{
+    for (int axis = 0; axis < 3; axis++)
+        corner[axis] = double(point[axis]);
+}
+
+/// Exact, and so the same for both triangles that have the edge.
+bool Crosses(const btVector3& from, const btVector3& to, const btVector3 face[3])
+{
+    double edge[9], corners[9];
+    PutCorner(from, edge);
+    PutCorner(to, edge + 3);
+    PutCorner(to, edge + 6);
+    for (int c = 0; c < 3; c++)
+        PutCorner(face[c], corners + 3 * c);
+    return qcRelateTriangles(edge, corners) == qc_relationPenetrating;
+}
+
+btVector3 CrossingPoint(const qcSurfaceGraph& edges, uint32_t from, uint32_t to, const qcSurfaceGraph& faces,
+                        uint32_t triangle)
+{
+    const uint32_t* corners = faces.Corners(triangle);
+    btVector3 a = edges.Position(from), b = edges.Position(to), origin = faces.Position(corners[0]);
+    btVector3 normal = (faces.Position(corners[1]) - origin).cross(faces.Position(corners[2]) - origin);
+    btScalar heightA = normal.dot(a - origin), heightB = normal.dot(b - origin), sum = btFabs(heightA) + btFabs(heightB);
+    return sum > 0 ? a + (b - a) * (btFabs(heightA) / sum) : (a + b) / 2;
+}
+} // namespace
+
+const qcSurfaceGraph* qcIntersectionCurves::GraphOf(qcSoftBodyScene& scene, uint32_t slot)
+{
+    std::unique_ptr<qcSurfaceGraph>& graph = m_graphs[slot];
+    if (graph == nullptr)
+        graph.reset(new qcSurfaceGraph(scene, slot));
+    return graph.get();
+}
+
+/// Finds the edges of each pair that pass through the other triangle.
+void qcIntersectionCurves::FindCrossings(const std::vector<qcPair>& pairs)
+{
+    m_pairEdges.clear();
+    for (size_t i = 0; i < pairs.size(); i++)
+    {
+        const uint32_t slots[2] = {pairs[i].bodyA, pairs[i].bodyB};
+        const uint32_t triangles[2] = {pairs[i].triangleA, pairs[i].triangleB};
+        btVector3 points[2][3];
+        const uint32_t* corners[2];
+        for (int side = 0; side < 2; side++)
+        {
+            const qcSurfaceGraph& graph = *m_graphs[slots[side]];
+            corners[side] = graph.Corners(triangles[side]);
+            for (int c = 0; c < 3; c++)
+                points[side][c] = graph.Position(corners[side][c]);
+        }
+        for (int side = 0; side < 2; side++)
+            for (int c = 0; c < 3; c++)
+            {
+                int to = (c + 1) % 3;
+                uint32_t u = corners[side][c], v = corners[side][to];
+                if (u != v && Crosses(points[side][c], points[side][to], points[1 - side]))
+                    m_pairEdges.push_back({slots[side], std::min(u, v), std::max(u, v), slots[1 - side],
+                                           triangles[1 - side], i, side});
+            }
+    }
+    // A rope link has its edge twice.
+    std::sort(m_pairEdges.begin(), m_pairEdges.end());
+    auto isSame = [](const PairEdge& a, const PairEdge& b) { return !(a < b) && !(b < a); };
+    m_pairEdges.erase(std::unique(m_pairEdges.begin(), m_pairEdges.end(), isSame), m_pairEdges.end());
+}
+
+/// Chains pairs that have a crossing in common.
+void qcIntersectionCurves::Trace(const std::vector<qcPair>& pairs)
+{
+    std::vector<std::vector<size_t>> edgesOfPair(pairs.size());
+    for (size_t e = 0; e < m_pairEdges.size(); e++)
+        edgesOfPair[m_pairEdges[e].pair].push_back(e);
+    std::vector<int> sideOf(pairs.size(), -1); // the curve's side of the pair's first triangle
+    std::vector<size_t> chain;
+    for (size_t seed = 0; seed < pairs.size(); seed++)
+    {
+        if (sideOf[seed] >= 0)
+            continue;
+        m_curves.emplace_back();
+        qcIntersectionCurve& curve = m_curves.back();
+        const uint32_t slots[2] = {pairs[seed].bodyA, pairs[seed].bodyB};
+        for (int side = 0; side < 2; side++)
+        {
+            curve.sides[side].slot = slots[side];
+            curve.sides[side].graph = m_graphs[slots[side]].get();
+        }
+        sideOf[seed] = 0;
+        chain.assign(1, seed);
+        std::map<std::array<uint32_t, 5>, std::pair<int, size_t>> known; // side and index of a crossing
+        for (size_t next = 0; next < chain.size(); next++)
+        {
+            size_t pair = chain[next];
+            curve.pairs.push_back(pairs[pair]);
+            if (sideOf[pair] == 1)
+                std::swap(curve.pairs.back().triangleA, curve.pairs.back().triangleB);
+            std::pair<int, size_t> ends[6];
+            int endCount = 0;
+            for (size_t e : edgesOfPair[pair])
+            {
+                const PairEdge& edge = m_pairEdges[e];
+                int side = edge.side ^ sideOf[pair];
+                auto inserted = known.insert({edge.Crossing(), {side, curve.sides[side].crossings.size()}});
+                if (inserted.second)
+                    curve.sides[side].crossings.push_back(
+                        {edge.from, edge.to, edge.triangle,
+                         CrossingPoint(*curve.sides[side].graph, edge.from, edge.to, *curve.sides[1 - side].graph,
+                                       edge.triangle),
+                         btVector3(0, 0, 0), false});
+                if (endCount < 6)
+                    ends[endCount++] = inserted.first->second;
+                // Pairs with the same crossing: neighbours in the sorted array.
+                size_t same = e;
+                while (same > 0 && m_pairEdges[same - 1].Crossing() == edge.Crossing())
+                    same--;
+                for (; same < m_pairEdges.size() && m_pairEdges[same].Crossing() == edge.Crossing(); same++)
+                    if (sideOf[m_pairEdges[same].pair] < 0)
+                    {
+                        sideOf[m_pairEdges[same].pair] = side ^ m_pairEdges[same].side;
+                        chain.push_back(m_pairEdges[same].pair);
+                    }
+            }
+            if (endCount != 2)
+                continue;
+            qcEdgeCrossing& p = curve.sides[ends[0].first].crossings[ends[0].second];
+            qcEdgeCrossing& q = curve.sides[ends[1].first].crossings[ends[1].second];
+            btVector3 along = q.point - p.point;
+            if (along.fuzzyZero())
+                continue;
+            along.normalize();
+            p.along += along;
+            q.along -= along;
+        }
+    }
+}
+
+/// Floods the surface from both ends of a cut edge, in turns, so that the smaller part ends first.
+void qcIntersectionCurves::Divide(qcCurveSide* side, uint32_t otherSlot)
+{
+    const qcSurfaceGraph& graph = *side->graph;
+    auto isCut = [&](uint32_t u, uint32_t v)
+    { return m_cuts.count({side->slot, otherSlot, std::min(u, v), std::max(u, v)}) != 0; };
+    auto first = std::find_if(side->crossings.begin(), side->crossings.end(),
+                              [&](const qcEdgeCrossing& crossing) { return isCut(crossing.from, crossing.to); });
+    if (first == side->crossings.end())
+        return;
+    std::vector<uint8_t> floodOf(graph.VertexCount(), 0);
+    std::vector<uint32_t> floods[2] = {{first->from}, {first->to}};
+    floodOf[first->from] = 1;
+    floodOf[first->to] = 2;
+    bool isConnected = false;
+    size_t next = 0;
+    for (; !isConnected && next < floods[0].size() && next < floods[1].size(); next++)
+        for (uint8_t f = 0; f < 2; f++)
+        {
+            uint32_t vertex = floods[f][next];
+            graph.ForEachNeighbour(vertex,
+                                   [&](uint32_t neighbour)
+                                   {
+                                       if (floodOf[neighbour] == f + 1 || isCut(vertex, neighbour))
+                                           return;
+                                       isConnected = isConnected || floodOf[neighbour] != 0;
+                                       if (floodOf[neighbour] == 0)
+                                           floods[f].push_back(neighbour);
+                                       floodOf[neighbour] = uint8_t(f + 1);
+                                   });
+        }
+    if (isConnected)
+        return;
+    uint8_t smaller = next >= floods[0].size() ? 0 : 1;
+    side->part = floods[smaller];
+    for (qcEdgeCrossing& crossing : side->crossings)
+    {
+        if (floodOf[crossing.to] == smaller + 1)
+            std::swap(crossing.from, crossing.to);
+        crossing.bordersPart = floodOf[crossing.from] == smaller + 1 && floodOf[crossing.to] != smaller + 1;
+    }
+}
+
+void qcIntersectionCurves::Clear()
+{
+    m_graphs.clear();
+    m_curves.clear();
+    m_cuts.clear();
+}
+
+void qcIntersectionCurves::Find(qcSoftBodyScene& scene, const std::vector<qcPair>& pairs)
+{
+    Clear();
+    for (const qcPair& pair : pairs)
+    {
+        GraphOf(scene, pair.bodyA);
+        GraphOf(scene, pair.bodyB);
+    }
+    FindCrossings(pairs);
+    Trace(pairs);
+    std::map<CutEdge, size_t> counts;
+    for (size_t e = 0; e < m_pairEdges.size(); e++)
+        if (e == 0 || m_pairEdges[e].Crossing() != m_pairEdges[e - 1].Crossing())
+            counts[{m_pairEdges[e].slot, m_pairEdges[e].otherSlot, m_pairEdges[e].from, m_pairEdges[e].to}]++;
+    for (const auto& count : counts)
+        if (count.second % 2 == 1)
+            m_cuts.insert(count.first);
+    for (qcIntersectionCurve& curve : m_curves)
+        for (int side = 0; side < 2; side++)
+            Divide(&curve.sides[side], curve.sides[1 - side].slot);
+}
