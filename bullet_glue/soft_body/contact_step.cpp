@@ -19,6 +19,8 @@ namespace
 constexpr int s_iterations = 8;
 constexpr int s_contactRounds = 4;
 // Rounds of planes, and sweeps over all planes in each.
+// Displacement of coordinates against exact contact, as a share of the contact distance.
+constexpr btScalar s_perturbation = btScalar(1e-4);
 constexpr int s_planeRounds = 6, s_planeSweeps = 6;
 } // namespace
 
@@ -232,11 +234,20 @@ qcStatus qcSoftBodyContact::Implementation::Untangle()
         return qc_statusOk;
     BT_PROFILE("qcSoftBodyContact untangle");
     double begin = qcNowMs();
+    // The scene has the positions of the start.
+    btScalar perturbation = s_perturbation * scene.ContactDistance();
+    const qcResult* result = nullptr;
+    qcStatus status = scene.DetectWithin(4 * perturbation, &result);
+    if (status != qc_statusOk)
+        return status;
     std::vector<qcPair> pairs;
-    for (const qcPair& pair : m_tangles.Pairs())
-        if (qcHasResponse(scene, pair.bodyA, pair.bodyB))
+    for (size_t i = 0; i < result->pairCount; i++)
+    {
+        const qcPair& pair = result->pairs[i];
+        if (m_tangles.Contains(pair.bodyA, pair.bodyB) && qcHasResponse(scene, pair.bodyA, pair.bodyB))
             pairs.push_back(pair);
-    m_curves.Find(scene, pairs);
+    }
+    m_curves.Find(scene, pairs, perturbation);
     m_untanglements = qcFindUntanglements(m_curves);
     m_tangles.MarkParts(m_untanglements);
     qcUntangle(scene, m_untanglements);

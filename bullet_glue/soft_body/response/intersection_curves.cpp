@@ -2,25 +2,40 @@
 // between them.
 #include "soft_body/response/intersection_curves.h"
 
+#include "common/hash_table.h"
+
 #include <algorithm>
 
 namespace
 {
-void PutCorner(const btVector3& point, double* corner)
+struct Point
 {
+    double at[3];
+};
+
+/// A vertex, displaced along each axis by at most the perturbation: always the same way.
+Point Perturbed(const qcSurfaceGraph& graph, uint32_t slot, uint32_t vertex, double perturbation)
+{
+    btVector3 position = graph.Position(vertex);
+    Point point;
+    uint64_t bits = qcHashOf(uint64_t(slot) << 32 | vertex);
     for (int axis = 0; axis < 3; axis++)
-        corner[axis] = double(point[axis]);
+    {
+        bits = qcHashOf(bits + 1);
+        point.at[axis] = double(position[axis]) + perturbation * (double(bits >> 11) / double(1ull << 52) - 1);
+    }
+    return point;
 }
 
 /// Exact, and so the same for both triangles that have the edge.
-bool Crosses(const btVector3& from, const btVector3& to, const btVector3 face[3])
+bool Crosses(const Point& from, const Point& to, const Point face[3])
 {
     double edge[9], corners[9];
-    PutCorner(from, edge);
-    PutCorner(to, edge + 3);
-    PutCorner(to, edge + 6);
-    for (int c = 0; c < 3; c++)
-        PutCorner(face[c], corners + 3 * c);
+    for (int i = 0; i < 9; i++)
+    {
+        edge[i] = (i < 3 ? from : to).at[i % 3];
+        corners[i] = face[i / 3].at[i % 3];
+    }
     return qcRelateTriangles(edge, corners) == qc_relationPenetrating;
 }
 
@@ -44,21 +59,21 @@ const qcSurfaceGraph* qcIntersectionCurves::GraphOf(qcSoftBodyScene& scene, uint
 }
 
 /// Finds the edges of each pair that pass through the other triangle.
-void qcIntersectionCurves::FindCrossings(const std::vector<qcPair>& pairs)
+void qcIntersectionCurves::FindCrossings(const std::vector<qcPair>& pairs, btScalar perturbation)
 {
     m_pairEdges.clear();
     for (size_t i = 0; i < pairs.size(); i++)
     {
         const uint32_t slots[2] = {pairs[i].bodyA, pairs[i].bodyB};
         const uint32_t triangles[2] = {pairs[i].triangleA, pairs[i].triangleB};
-        btVector3 points[2][3];
+        Point points[2][3];
         const uint32_t* corners[2];
         for (int side = 0; side < 2; side++)
         {
             const qcSurfaceGraph& graph = *m_graphs[slots[side]];
             corners[side] = graph.Corners(triangles[side]);
             for (int c = 0; c < 3; c++)
-                points[side][c] = graph.Position(corners[side][c]);
+                points[side][c] = Perturbed(graph, slots[side], corners[side][c], double(perturbation));
         }
         for (int side = 0; side < 2; side++)
             for (int c = 0; c < 3; c++)
@@ -86,7 +101,8 @@ void qcIntersectionCurves::Trace(const std::vector<qcPair>& pairs)
     std::vector<size_t> chain;
     for (size_t seed = 0; seed < pairs.size(); seed++)
     {
-        if (sideOf[seed] >= 0)
+        // A pair without a crossing touches only, or its triangles lie in one plane.
+        if (sideOf[seed] >= 0 || edgesOfPair[seed].empty())
             continue;
         m_curves.emplace_back();
         qcIntersectionCurve& curve = m_curves.back();
@@ -195,7 +211,7 @@ void qcIntersectionCurves::Clear()
     m_cuts.clear();
 }
 
-void qcIntersectionCurves::Find(qcSoftBodyScene& scene, const std::vector<qcPair>& pairs)
+void qcIntersectionCurves::Find(qcSoftBodyScene& scene, const std::vector<qcPair>& pairs, btScalar perturbation)
 {
     Clear();
     for (const qcPair& pair : pairs)
@@ -203,7 +219,7 @@ void qcIntersectionCurves::Find(qcSoftBodyScene& scene, const std::vector<qcPair
         GraphOf(scene, pair.bodyA);
         GraphOf(scene, pair.bodyB);
     }
-    FindCrossings(pairs);
+    FindCrossings(pairs, perturbation);
     Trace(pairs);
     std::map<CutEdge, size_t> counts;
     for (size_t e = 0; e < m_pairEdges.size(); e++)

@@ -51,9 +51,10 @@ struct qcUntanglement
 class qcIntersectionCurves
 {
   public:
-    /// Finds the curves of pairs that penetrate at the start of the step. O(triangles of the bodies + size of the parts
-    /// + pairs log pairs).
-    void Find(qcSoftBodyScene& scene, const std::vector<qcPair>& pairs);
+    /// Finds the curves. `pairs`: those that penetrate at the start of the step or are no further apart than four times
+    /// the perturbation, the largest displacement by which coordinates are made general: surfaces that touch exactly,
+    /// in vertices or along edges, cross or don't. O(triangles of the bodies + size of the parts + pairs log pairs).
+    void Find(qcSoftBodyScene& scene, const std::vector<qcPair>& pairs, btScalar perturbation);
     const std::vector<qcIntersectionCurve>& Curves() const
     {
         return m_curves;
@@ -82,7 +83,7 @@ class qcIntersectionCurves
     using CutEdge = std::array<uint32_t, 4>;
 
     const qcSurfaceGraph* GraphOf(qcSoftBodyScene& scene, uint32_t slot);
-    void FindCrossings(const std::vector<qcPair>& pairs);
+    void FindCrossings(const std::vector<qcPair>& pairs, btScalar perturbation);
     void Trace(const std::vector<qcPair>& pairs);
     void Divide(qcCurveSide* side, uint32_t otherSlot);
 

@@ -99,7 +99,6 @@ void qcSoftTangles::MoveExempt(qcSoftBodyScene& scene, const qcResult& result, s
 
 void qcSoftTangles::Clear()
 {
-    m_pairs.clear();
     m_triangles.clear();
     m_vertices.clear();
     m_counts.clear();
@@ -125,7 +124,6 @@ bool qcSoftTangles::HasGrown(const qcResult& result, uint32_t bodyA, uint32_t bo
 void qcSoftTangles::Read(qcSoftBodyScene& scene, const qcResult& result)
 {
     Clear();
-    m_pairs.assign(result.pairs, result.pairs + result.pairCount);
     for (size_t i = 0; i < result.pairCount; i++)
     {
         const qcPair& pair = result.pairs[i];

@@ -27,10 +27,10 @@ class qcSoftTangles
     void MoveExempt(qcSoftBodyScene& scene, const qcResult& result, std::vector<size_t>* pairs,
                     std::vector<size_t>* exempt) const;
     void Clear();
-    /// The pairs that penetrate.
-    const std::vector<qcPair>& Pairs() const
+    /// True if some triangles of these two bodies penetrate each other.
+    bool Contains(uint32_t bodyA, uint32_t bodyB) const
     {
-        return m_pairs;
+        return m_counts.count({bodyA, bodyB}) != 0;
     }
     /// Marks the vertices of parts that curves cut off, which are on the wrong side of the other surface.
     void MarkParts(const std::vector<qcUntanglement>& untanglements);
@@ -54,7 +54,6 @@ class qcSoftTangles
                      uint32_t other) const;
     static bool Contains(const std::vector<Key>& keys, uint32_t body, uint32_t index, uint32_t other);
 
-    std::vector<qcPair> m_pairs;
     std::vector<Key> m_triangles, m_vertices; ///< sorted
     std::vector<Key> m_wrong;                 ///< sorted: vertices on the wrong side
     std::vector<Key> m_free;                  ///< sorted: vertices of tangles that cut off no part

@@ -8,6 +8,8 @@
 #include "soft_body/response/untangle.h"
 
 #include <algorithm>
+#include <cstdio>
+#include <cstdlib>
 
 namespace
 {
@@ -116,9 +118,14 @@ bool FindUntanglement(const qcIntersectionCurve& curve, qcUntanglement* found)
     found->side = 0;
     found->distance = BT_LARGE_FLOAT;
     found->direction = ShorteningDirection(curve);
-    if (curve.sides[0].crossings.empty() && curve.sides[1].crossings.empty())
-        found->direction = NormalOf(*curve.sides[0].graph, curve.pairs[0].triangleA);
     btScalar length = found->direction.length();
+    if (length <= SIMD_EPSILON)
+    {
+        // Surfaces that coincide.
+        for (const qcPair& pair : curve.pairs)
+            found->direction += NormalOf(*curve.sides[0].graph, pair.triangleA);
+        length = found->direction.length();
+    }
     if (length <= SIMD_EPSILON)
         return false;
     found->direction /= length;
@@ -305,7 +312,10 @@ std::vector<qcUntanglement> qcFindUntanglements(const qcIntersectionCurves& curv
     for (const qcIntersectionCurve& curve : curves.Curves())
     {
         qcUntanglement found;
-        if (FindUntanglement(curve, &found))
+        bool ok = FindUntanglement(curve, &found);
+        if (getenv("UT"))
+            printf("  curve pairs %zu cross %zu %zu part %zu %zu has %d %d side %d dir %.2f %.2f %.2f dist %.3f ok %d\n", curve.pairs.size(), curve.sides[0].crossings.size(), curve.sides[1].crossings.size(), curve.sides[0].part.size(), curve.sides[1].part.size(), found.hasPart[0], found.hasPart[1], found.side, double(found.direction.x()), double(found.direction.y()), double(found.direction.z()), double(found.distance), ok);
+        if (ok)
             untanglements.push_back(found);
     }
     return untanglements;

@@ -266,6 +266,16 @@ qcStatus qcSoftBodyScene::Detect(btScalar contactMargin, bool segments, const qc
     return qcScene_Detect(m_scene, &def, result);
 }
 
+qcStatus qcSoftBodyScene::DetectWithin(btScalar margin, const qcResult** result)
+{
+    qcDetectDef def = qcDefaultDetectDef();
+    def.method = method;
+    def.margin = double(margin);
+    def.touching = true;
+    def.threads = threads;
+    return qcScene_Detect(m_scene, &def, result);
+}
+
 qcStatus qcSoftBodyScene::DetectMotion(const qcResult** result)
 {
     qcDetectDef def = qcDefaultDetectDef();

@@ -99,6 +99,8 @@ class qcSoftBodyScene
     /// are tested are unchanged. Call it after ReadSolved.
     bool StartsWhereStepEnded() const;
     qcStatus Detect(btScalar contactMargin, bool segments, const qcResult** result);
+    /// Finds the pairs that penetrate, touch or are no further apart than the margin, in the positions last set.
+    qcStatus DetectWithin(btScalar margin, const qcResult** result);
     /// Finds the pairs that are not proven apart from the start of the step to the present positions, with proximities
     /// of the start.
     qcStatus DetectMotion(const qcResult** result);
