@@ -161,6 +161,34 @@ void qcIntersectionCurves::Trace(const std::vector<qcPair>& pairs)
     }
 }
 
+/// Finds the edges that floods must not cross: those that pass through the other surface an odd number of times. Where
+/// a curve ends inside of a triangle at the boundary of its surface, since the other surface ends there, it is continued
+/// to the boundary: cloths of equal width that intersect from side to side divide each other.
+void qcIntersectionCurves::FindCuts()
+{
+    std::map<CutEdge, size_t> counts;
+    std::set<CutEdge> continued;
+    for (size_t first = 0, end; first < m_pairEdges.size(); first = end)
+    {
+        const PairEdge& edge = m_pairEdges[first];
+        for (end = first + 1; end < m_pairEdges.size() && m_pairEdges[end].Crossing() == edge.Crossing();)
+            end++;
+        counts[{edge.slot, edge.otherSlot, edge.from, edge.to}]++;
+        const qcSurfaceGraph& other = *m_graphs[edge.otherSlot];
+        const uint32_t* corners = other.Corners(edge.triangle);
+        for (int c = 0; c < 3 && end == first + 1; c++)
+        {
+            uint32_t u = corners[c], v = corners[(c + 1) % 3];
+            if (u != v && other.IsOnBoundary(u, v))
+                continued.insert({edge.otherSlot, edge.slot, std::min(u, v), std::max(u, v)});
+        }
+    }
+    m_cuts.swap(continued);
+    for (const auto& count : counts)
+        if (count.second % 2 == 1)
+            m_cuts.insert(count.first);
+}
+
 /// Floods the surface from both ends of a cut edge, in turns, so that the smaller part ends first.
 void qcIntersectionCurves::Divide(qcCurveSide* side, uint32_t otherSlot)
 {
@@ -221,13 +249,7 @@ void qcIntersectionCurves::Find(qcSoftBodyScene& scene, const std::vector<qcPair
     }
     FindCrossings(pairs, perturbation);
     Trace(pairs);
-    std::map<CutEdge, size_t> counts;
-    for (size_t e = 0; e < m_pairEdges.size(); e++)
-        if (e == 0 || m_pairEdges[e].Crossing() != m_pairEdges[e - 1].Crossing())
-            counts[{m_pairEdges[e].slot, m_pairEdges[e].otherSlot, m_pairEdges[e].from, m_pairEdges[e].to}]++;
-    for (const auto& count : counts)
-        if (count.second % 2 == 1)
-            m_cuts.insert(count.first);
+    FindCuts();
     for (qcIntersectionCurve& curve : m_curves)
         for (int side = 0; side < 2; side++)
             Divide(&curve.sides[side], curve.sides[1 - side].slot);

@@ -85,6 +85,7 @@ class qcIntersectionCurves
     const qcSurfaceGraph* GraphOf(qcSoftBodyScene& scene, uint32_t slot);
     void FindCrossings(const std::vector<qcPair>& pairs, btScalar perturbation);
     void Trace(const std::vector<qcPair>& pairs);
+    void FindCuts();
     void Divide(qcCurveSide* side, uint32_t otherSlot);
 
     std::map<uint32_t, std::unique_ptr<qcSurfaceGraph>> m_graphs; ///< by slot

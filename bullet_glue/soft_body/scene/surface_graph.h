@@ -4,6 +4,8 @@
 
 #include "soft_body/scene/soft_scene.h"
 
+#include <algorithm>
+
 class qcSurfaceGraph
 {
   public:
@@ -20,6 +22,11 @@ class qcSurfaceGraph
     uint32_t VertexCount() const
     {
         return m_vertexCount;
+    }
+    /// True if one triangle only has the edge.
+    bool IsOnBoundary(uint32_t from, uint32_t to) const
+    {
+        return std::count(&m_neighbours[m_first[from]], &m_neighbours[m_first[from + 1]], to) == 1;
     }
     /// Calls function(vertex) for each vertex that has a common edge with this one, maybe more than once.
     template <typename Function> void ForEachNeighbour(uint32_t vertex, Function function) const
