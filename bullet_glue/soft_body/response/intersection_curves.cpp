@@ -127,20 +127,22 @@ void qcIntersectionCurves::Trace(const std::vector<qcPair>& pairs)
             {
                 const PairEdge& edge = m_pairEdges[e];
                 int side = edge.side ^ sideOf[pair];
+                // Pairs with the same crossing: neighbours in the sorted array.
+                size_t first = e, end = e + 1;
+                while (first > 0 && m_pairEdges[first - 1].Crossing() == edge.Crossing())
+                    first--;
+                while (end < m_pairEdges.size() && m_pairEdges[end].Crossing() == edge.Crossing())
+                    end++;
                 auto inserted = known.insert({edge.Crossing(), {side, curve.sides[side].crossings.size()}});
                 if (inserted.second)
                     curve.sides[side].crossings.push_back(
                         {edge.from, edge.to, edge.triangle,
                          CrossingPoint(*curve.sides[side].graph, edge.from, edge.to, *curve.sides[1 - side].graph,
                                        edge.triangle),
-                         btVector3(0, 0, 0), false});
+                         btVector3(0, 0, 0), end == first + 1, false});
                 if (endCount < 6)
                     ends[endCount++] = inserted.first->second;
-                // Pairs with the same crossing: neighbours in the sorted array.
-                size_t same = e;
-                while (same > 0 && m_pairEdges[same - 1].Crossing() == edge.Crossing())
-                    same--;
-                for (; same < m_pairEdges.size() && m_pairEdges[same].Crossing() == edge.Crossing(); same++)
+                for (size_t same = first; same < end; same++)
                     if (sideOf[m_pairEdges[same].pair] < 0)
                     {
                         sideOf[m_pairEdges[same].pair] = side ^ m_pairEdges[same].side;

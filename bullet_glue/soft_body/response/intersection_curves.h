@@ -19,6 +19,7 @@ struct qcEdgeCrossing
     uint32_t triangle;
     btVector3 point;
     btVector3 along;  ///< sum of the unit directions from this point to the next ones on the curve
+    bool isEnd;       ///< of the curve: one triangle only with this edge is in it
     bool bordersPart; ///< `from` is in the part that the curve cuts off, and `to` isn't
 };
 
@@ -44,6 +45,7 @@ struct qcUntanglement
     const qcIntersectionCurve* curve;
     int side;                ///< which moves along the direction
     bool hasPart[2];         ///< the curve's parts that are on the wrong side of the other surface
+    const qcEdgeCrossing* end; ///< the end of the curve that moves; null: all of it does
     btVector3 direction;     ///< unit
     btScalar distance;       ///< that the part has to move; without a part unlimited
 };

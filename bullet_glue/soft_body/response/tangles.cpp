@@ -49,6 +49,7 @@ void qcSoftTangles::MarkParts(const std::vector<qcUntanglement>& untanglements)
             const qcCurveSide& mine = tangle.curve->sides[side];
             uint32_t other = tangle.curve->sides[1 - side].slot;
             m_graphs[mine.slot] = mine.graph;
+            bool divides = tangle.hasPart[0] || tangle.hasPart[1];
             std::vector<uint32_t> part;
             if (tangle.hasPart[side])
                 part = mine.part;
@@ -59,10 +60,9 @@ void qcSoftTangles::MarkParts(const std::vector<qcUntanglement>& untanglements)
                     uint32_t vertex = mine.graph->Corners(side == 0 ? pair.triangleA : pair.triangleB)[c];
                     if (mine.graph->soft == nullptr)
                         m_vertices.push_back({mine.slot, vertex, other});
-                    if (std::binary_search(part.begin(), part.end(), vertex))
+                    if (!divides || std::binary_search(part.begin(), part.end(), vertex))
                         m_wrong.push_back({mine.slot, vertex, other});
-                    if (tangle.hasPart[0] || tangle.hasPart[1])
-                        known.push_back({mine.slot, vertex, other});
+                    known.push_back({mine.slot, vertex, other});
                 }
         }
     SortUnique(&m_vertices);

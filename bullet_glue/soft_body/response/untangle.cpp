@@ -8,8 +8,6 @@
 #include "soft_body/response/untangle.h"
 
 #include <algorithm>
-#include <cstdio>
-#include <cstdlib>
 
 namespace
 {
@@ -19,6 +17,10 @@ constexpr btScalar s_shift = btScalar(0.5);
 constexpr btScalar s_minSlope = btScalar(0.05);
 // A mean of unit vectors that is shorter than this has no reliable direction.
 constexpr btScalar s_minCoherence = btScalar(0.3);
+// Edges from a curve as far as which nodes move with it: with the end of a curve that divides no surface; with a part,
+// at least, and for each edge from the border of the part to its far end. Links that this compresses give the nodes a
+// velocity: the further, the less.
+constexpr uint32_t s_endReach = 3, s_partReach = 32, s_reachPerDepth = 8;
 
 btVector3 NormalOf(const qcSurfaceGraph& graph, uint32_t triangle)
 {
@@ -64,27 +66,44 @@ btVector3 DirectionOfPart(const qcIntersectionCurve& curve, int side, btScalar* 
     return sum / weights;
 }
 
+/// The motion of a crossing's edge that shortens the curve most. Its length is at most 1; 0 if there is none.
+btVector3 ShorteningMotion(const qcIntersectionCurve& curve, int side, const qcEdgeCrossing& crossing)
+{
+    btVector3 normal = NormalOf(*curve.sides[1 - side].graph, crossing.triangle);
+    btVector3 edge = EdgeOf(*curve.sides[side].graph, crossing);
+    btScalar slope = normal.dot(edge);
+    if (btFabs(slope) < s_minSlope)
+        return btVector3(0, 0, 0);
+    btVector3 motion = crossing.along - normal * (edge.dot(crossing.along) / slope);
+    btScalar length = motion.length();
+    return length > 1 ? motion / length : motion;
+}
+
 /// The relative motion of the first side that shortens the curve most, as a mean over its crossings.
 btVector3 ShorteningDirection(const qcIntersectionCurve& curve)
 {
     btVector3 sum(0, 0, 0);
-    int count = 0;
+    for (int side = 0; side < 2; side++)
+        for (const qcEdgeCrossing& crossing : curve.sides[side].crossings)
+            sum += ShorteningMotion(curve, side, crossing) * btScalar(side == 0 ? 1 : -1);
+    return sum / btScalar(curve.sides[0].crossings.size() + curve.sides[1].crossings.size());
+}
+
+/// Adds the ends of a curve that divides no surface. False: it is closed.
+bool AddEnds(const qcIntersectionCurve& curve, std::vector<qcUntanglement>* untanglements)
+{
+    bool hasEnds = false;
     for (int side = 0; side < 2; side++)
         for (const qcEdgeCrossing& crossing : curve.sides[side].crossings)
         {
-            btVector3 normal = NormalOf(*curve.sides[1 - side].graph, crossing.triangle);
-            btVector3 edge = EdgeOf(*curve.sides[side].graph, crossing);
-            btScalar slope = normal.dot(edge);
-            count++;
-            if (btFabs(slope) < s_minSlope)
-                continue;
-            btVector3 motion = crossing.along - normal * (edge.dot(crossing.along) / slope);
+            btVector3 motion = ShorteningMotion(curve, side, crossing);
             btScalar length = motion.length();
-            if (length > 1)
-                motion /= length;
-            sum += side == 0 ? motion : -motion;
+            if (!crossing.isEnd || length <= SIMD_EPSILON)
+                continue;
+            hasEnds = true;
+            untanglements->push_back({&curve, side, {false, false}, &crossing, motion / length, BT_LARGE_FLOAT});
         }
-    return count > 0 ? sum / btScalar(count) : sum;
+    return hasEnds;
 }
 
 bool FindUntanglement(const qcIntersectionCurve& curve, qcUntanglement* found)
@@ -92,6 +111,7 @@ bool FindUntanglement(const qcIntersectionCurve& curve, qcUntanglement* found)
     btScalar distances[2] = {0, 0}, best = BT_LARGE_FLOAT;
     btVector3 directions[2];
     found->curve = &curve;
+    found->end = nullptr;
     found->side = -1;
     for (int side = 0; side < 2; side++)
     {
@@ -115,6 +135,11 @@ bool FindUntanglement(const qcIntersectionCurve& curve, qcUntanglement* found)
         found->hasPart[other] = found->hasPart[other] && directions[other].dot(found->direction) < -s_minCoherence;
         return true;
     }
+    return false;
+}
+
+bool FindShortening(const qcIntersectionCurve& curve, qcUntanglement* found)
+{
     found->side = 0;
     found->distance = BT_LARGE_FLOAT;
     found->direction = ShorteningDirection(curve);
@@ -178,9 +203,10 @@ uint32_t DepthOf(const qcCurveSide& side, std::vector<uint32_t>* hops)
     return depth;
 }
 
-Field MakeField(const qcIntersectionCurve& curve, int sideIndex, bool movesPart, uint32_t reach,
-                std::vector<uint32_t>* hops)
+Field MakeField(const qcUntanglement& tangle, int sideIndex, uint32_t reach, std::vector<uint32_t>* hops)
 {
+    const qcIntersectionCurve& curve = *tangle.curve;
+    bool isMoved = sideIndex == tangle.side;
     const qcCurveSide& side = curve.sides[sideIndex];
     Field field;
     field.side = &side;
@@ -193,19 +219,25 @@ Field MakeField(const qcIntersectionCurve& curve, int sideIndex, bool movesPart,
             return;
         (*hops)[vertex] = hop;
         field.nodes.push_back(vertex);
-        field.shares.push_back(1 - btScalar(hop) / btScalar(reach + 1));
+        field.shares.push_back(std::min(btScalar(1), 2 - 2 * btScalar(hop) / btScalar(reach + 1)));
     };
-    if (movesPart)
-        for (uint32_t vertex : side.part)
-            add(vertex, 0);
-    for (const qcEdgeCrossing& crossing : side.crossings)
+    auto addTriangle = [&](uint32_t triangle)
+    { std::for_each(side.graph->Corners(triangle), side.graph->Corners(triangle) + 3, [&](uint32_t v) { add(v, 0); }); };
+    if (tangle.end != nullptr && isMoved)
     {
-        add(crossing.from, 0);
-        add(crossing.to, 0);
+        add(tangle.end->from, 0);
+        add(tangle.end->to, 0);
     }
-    for (const qcPair& pair : curve.pairs)
-        for (int c = 0; c < 3; c++)
-            add(side.graph->Corners(sideIndex == 0 ? pair.triangleA : pair.triangleB)[c], 0);
+    else if (tangle.end != nullptr)
+        addTriangle(tangle.end->triangle);
+    else
+    {
+        if (isMoved && tangle.hasPart[sideIndex])
+            for (uint32_t vertex : side.part)
+                add(vertex, 0);
+        for (const qcPair& pair : curve.pairs)
+            addTriangle(sideIndex == 0 ? pair.triangleA : pair.triangleB);
+    }
     for (size_t i = 0; i < field.nodes.size(); i++)
         if ((*hops)[field.nodes[i]] < reach)
         {
@@ -270,15 +302,24 @@ btScalar ThicknessOf(const qcIntersectionCurve& curve)
     return sum;
 }
 
+/// Edges from the curve as far as which nodes move with it.
+uint32_t ReachOf(const qcUntanglement& tangle, std::vector<uint32_t>* hops)
+{
+    const qcCurveSide* sides = tangle.curve->sides;
+    if (tangle.end != nullptr)
+        return s_endReach;
+    if (!tangle.hasPart[tangle.side])
+        return uint32_t(sides[0].crossings.size() + sides[1].crossings.size()) / 2;
+    uint32_t depth = DepthOf(sides[tangle.side], hops);
+    return sides[0].slot == sides[1].slot ? depth : std::max(s_partReach, s_reachPerDepth * depth);
+}
+
 void Untangle(const qcUntanglement& tangle, std::vector<uint32_t>* hops)
 {
     const qcIntersectionCurve& curve = *tangle.curve;
-    const qcCurveSide& moved = curve.sides[tangle.side];
-    bool hasPart = tangle.hasPart[tangle.side];
-    uint32_t reach = hasPart ? DepthOf(moved, hops)
-                             : uint32_t(curve.sides[0].crossings.size() + curve.sides[1].crossings.size()) / 2;
-    Field field = MakeField(curve, tangle.side, hasPart, reach, hops);
-    Field other = MakeField(curve, 1 - tangle.side, false, reach, hops);
+    uint32_t reach = ReachOf(tangle, hops);
+    Field field = MakeField(tangle, tangle.side, reach, hops);
+    Field other = MakeField(tangle, 1 - tangle.side, reach, hops);
     btScalar mobility = field.mass > 0 && (!field.isHeld || other.isHeld || other.mass == 0) ? 1 / field.mass : btScalar(0);
     btScalar otherMobility =
         other.mass > 0 && (!other.isHeld || field.isHeld || field.mass == 0) ? 1 / other.mass : btScalar(0);
@@ -288,7 +329,7 @@ void Untangle(const qcUntanglement& tangle, std::vector<uint32_t>* hops)
     // Motion that tangles further ends, as in an inelastic contact.
     btVector3 center = CenterOf(curve);
     btScalar motion = MeanMotion(field, direction, center) - MeanMotion(other, direction, center);
-    if (motion < 0 && hasPart)
+    if (motion < 0)
     {
         btScalar effective = mobility * mobility * field.squareMass + otherMobility * otherMobility * other.squareMass;
         btScalar impulse = -motion / effective;
@@ -298,7 +339,10 @@ void Untangle(const qcUntanglement& tangle, std::vector<uint32_t>* hops)
             Move(other, direction * (-impulse * otherMobility), false);
     }
     btScalar thickness = ThicknessOf(curve);
-    btScalar shift = std::min(s_shift * thickness, tangle.distance + thickness) / (mobility + otherMobility);
+    btScalar missing = std::min(s_shift * thickness, tangle.distance + thickness) - std::max(btScalar(0), motion);
+    if (missing <= 0)
+        return;
+    btScalar shift = missing / (mobility + otherMobility);
     if (mobility > 0)
         Move(field, direction * (shift * mobility), true);
     if (otherMobility > 0)
@@ -312,10 +356,8 @@ std::vector<qcUntanglement> qcFindUntanglements(const qcIntersectionCurves& curv
     for (const qcIntersectionCurve& curve : curves.Curves())
     {
         qcUntanglement found;
-        bool ok = FindUntanglement(curve, &found);
-        if (getenv("UT"))
-            printf("  curve pairs %zu cross %zu %zu part %zu %zu has %d %d side %d dir %.2f %.2f %.2f dist %.3f ok %d\n", curve.pairs.size(), curve.sides[0].crossings.size(), curve.sides[1].crossings.size(), curve.sides[0].part.size(), curve.sides[1].part.size(), found.hasPart[0], found.hasPart[1], found.side, double(found.direction.x()), double(found.direction.y()), double(found.direction.z()), double(found.distance), ok);
-        if (ok)
+        if (FindUntanglement(curve, &found) ||
+            (!AddEnds(curve, &untanglements) && FindShortening(curve, &found)))
             untanglements.push_back(found);
     }
     return untanglements;
