@@ -268,17 +268,20 @@ btScalar MeanMotion(const Field& field, const btVector3& direction, const btVect
     return field.mass > 0 ? sum / field.mass : btScalar(0);
 }
 
-btVector3 CenterOf(const qcIntersectionCurve& curve)
+/// The mean of the crossings that move.
+btVector3 CenterOf(const qcUntanglement& tangle)
 {
+    if (tangle.end != nullptr)
+        return tangle.end->point;
     btVector3 sum(0, 0, 0);
     btScalar count = 0;
-    for (const qcCurveSide& side : curve.sides)
+    for (const qcCurveSide& side : tangle.curve->sides)
         for (const qcEdgeCrossing& crossing : side.crossings)
         {
             sum += crossing.point;
             count += 1;
         }
-    return count > 0 ? sum / count : sum;
+    return sum / count;
 }
 
 /// Moves the nodes; `isShift`: without velocity.
@@ -302,51 +305,78 @@ btScalar ThicknessOf(const qcIntersectionCurve& curve)
     return sum;
 }
 
-/// Edges from the curve as far as which nodes move with it.
-uint32_t ReachOf(const qcUntanglement& tangle, std::vector<uint32_t>* hops)
+/// Both sides of a tangle, and the displacement of each by a unit of momentum, 0 for a side that stays.
+struct Fields
 {
-    const qcCurveSide* sides = tangle.curve->sides;
-    if (tangle.end != nullptr)
-        return s_endReach;
-    if (!tangle.hasPart[tangle.side])
-        return uint32_t(sides[0].crossings.size() + sides[1].crossings.size()) / 2;
-    uint32_t depth = DepthOf(sides[tangle.side], hops);
-    return sides[0].slot == sides[1].slot ? depth : std::max(s_partReach, s_reachPerDepth * depth);
+    Field sides[2]; ///< the side that leaves, and the other
+    btScalar mobility[2] = {0, 0};
+
+    Fields(const qcUntanglement& tangle, uint32_t reach, std::vector<uint32_t>* hops)
+        : sides{MakeField(tangle, tangle.side, reach, hops), MakeField(tangle, 1 - tangle.side, reach, hops)}
+    {
+        // A side with fixed nodes stays if the other one can move freely.
+        for (int i = 0; i < 2; i++)
+        {
+            const Field &field = sides[i], &other = sides[1 - i];
+            if (field.mass > 0 && (!field.isHeld || other.isHeld || other.mass == 0))
+                mobility[i] = 1 / field.mass;
+        }
+    }
+
+    void MoveApart(const btVector3& by, bool isShift) const
+    {
+        for (int i = 0; i < 2; i++)
+            if (mobility[i] > 0)
+                Move(sides[i], by * (i == 0 ? mobility[i] : -mobility[i]), isShift);
+    }
+};
+
+/// Ends motion that tangles further, as in an inelastic contact. Returns the relative motion that is left.
+btScalar StopTangling(const qcUntanglement& tangle, const Fields& fields)
+{
+    btVector3 center = CenterOf(tangle);
+    btScalar motion =
+        MeanMotion(fields.sides[0], tangle.direction, center) - MeanMotion(fields.sides[1], tangle.direction, center);
+    if (motion >= 0)
+        return motion;
+    btScalar effective = 0;
+    qcSceneRigid* rigids[2];
+    btVector3 arms[2];
+    for (int i = 0; i < 2; i++)
+    {
+        effective += fields.mobility[i] * fields.mobility[i] * fields.sides[i].squareMass;
+        rigids[i] = fields.sides[i].side->graph->rigid;
+        if (rigids[i] == nullptr)
+            continue;
+        arms[i] = center - rigids[i]->object->getWorldTransform().getOrigin();
+        effective += rigids[i]->DisplacementAt(arms[i], tangle.direction).dot(tangle.direction);
+    }
+    if (effective <= 0)
+        return motion;
+    btVector3 impulse = tangle.direction * (-motion / effective);
+    fields.MoveApart(impulse, false);
+    for (int i = 0; i < 2; i++)
+        if (rigids[i] != nullptr)
+            rigids[i]->Push(arms[i], i == 0 ? impulse : -impulse);
+    return 0;
 }
 
 void Untangle(const qcUntanglement& tangle, std::vector<uint32_t>* hops)
 {
-    const qcIntersectionCurve& curve = *tangle.curve;
-    uint32_t reach = ReachOf(tangle, hops);
-    Field field = MakeField(tangle, tangle.side, reach, hops);
-    Field other = MakeField(tangle, 1 - tangle.side, reach, hops);
-    btScalar mobility = field.mass > 0 && (!field.isHeld || other.isHeld || other.mass == 0) ? 1 / field.mass : btScalar(0);
-    btScalar otherMobility =
-        other.mass > 0 && (!other.isHeld || field.isHeld || field.mass == 0) ? 1 / other.mass : btScalar(0);
-    if (mobility + otherMobility <= 0)
-        return;
-    const btVector3& direction = tangle.direction;
-    // Motion that tangles further ends, as in an inelastic contact.
-    btVector3 center = CenterOf(curve);
-    btScalar motion = MeanMotion(field, direction, center) - MeanMotion(other, direction, center);
-    if (motion < 0)
-    {
-        btScalar effective = mobility * mobility * field.squareMass + otherMobility * otherMobility * other.squareMass;
-        btScalar impulse = -motion / effective;
-        if (mobility > 0)
-            Move(field, direction * (impulse * mobility), false);
-        if (otherMobility > 0)
-            Move(other, direction * (-impulse * otherMobility), false);
-    }
-    btScalar thickness = ThicknessOf(curve);
-    btScalar missing = std::min(s_shift * thickness, tangle.distance + thickness) - std::max(btScalar(0), motion);
-    if (missing <= 0)
-        return;
-    btScalar shift = missing / (mobility + otherMobility);
-    if (mobility > 0)
-        Move(field, direction * (shift * mobility), true);
-    if (otherMobility > 0)
-        Move(other, direction * (-shift * otherMobility), true);
+    const qcCurveSide* sides = tangle.curve->sides;
+    uint32_t reach = tangle.end != nullptr ? s_endReach
+                     : tangle.hasPart[tangle.side]
+                         ? DepthOf(sides[tangle.side], hops)
+                         : uint32_t(sides[0].crossings.size() + sides[1].crossings.size()) / 2;
+    Fields fields(tangle, reach, hops);
+    btScalar motion = StopTangling(tangle, fields);
+    if (tangle.hasPart[tangle.side] && sides[0].slot != sides[1].slot)
+        fields = Fields(tangle, std::max(s_partReach, s_reachPerDepth * reach), hops);
+    btScalar thickness = ThicknessOf(*tangle.curve);
+    btScalar missing = std::min(s_shift * thickness, tangle.distance + thickness) - motion;
+    btScalar mobility = fields.mobility[0] + fields.mobility[1];
+    if (missing > 0 && mobility > 0)
+        fields.MoveApart(tangle.direction * (missing / mobility), true);
 }
 } // namespace
 
