@@ -11,6 +11,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <iterator>
 
 namespace
 {
@@ -128,8 +129,9 @@ void qcSoftBodyContact::Implementation::SortMotionPairs()
         if (!IsContinuous(pair) || !qcHasResponse(scene, pair.bodyA, pair.bodyB))
             continue;
         const qcUnprovenPair unproven = {pair, qcVectorOf(start.normal), btScalar(start.distance)};
-        qcTouchingMotion touching =
-            pair.relation == qc_relationTouching ? qcClassifyTouching(scene, unproven) : qcTouchingMotion::Unproven;
+        qcTouchingMotion touching = pair.relation == qc_relationTouching
+                                        ? qcClassifyTouching(scene, unproven, m_movesZones)
+                                        : qcTouchingMotion::Unproven;
         if (pair.relation == qc_relationPenetrating || touching == qcTouchingMotion::Entangled)
             m_exemptMotions++;
         else if (touching == qcTouchingMotion::Unproven && m_tangles.MayLeave(scene, pair))
@@ -180,6 +182,7 @@ qcStatus qcSoftBodyContact::Implementation::ReadEnd()
     statistics.unproven = int(m_unproven.size());
     statistics.remaining = statistics.exempt = 0;
     m_tangles.Clear();
+    m_curves.Clear();
     m_tanglesAreOfEnd = true;
     if (m_exemptMotions == 0 && m_unproven.empty() && scene.IsContinuous())
         return qc_statusOk;
@@ -227,6 +230,14 @@ void qcSoftBodyContact::Implementation::SolveCcd()
     SolveConstraints();
 }
 
+/// True if tangles of these two bodies are worked apart.
+bool qcSoftBodyContact::Implementation::IsUntangled(uint32_t slotA, uint32_t slotB)
+{
+    const qcSceneSoftBody *a = scene.Find(slotA), *b = scene.Find(slotB);
+    return (a == nullptr || a->settings.untangle) && (b == nullptr || b->settings.untangle) &&
+           m_tangles.Contains(slotA, slotB) && qcHasResponse(scene, slotA, slotB);
+}
+
 /// Moves tangled surfaces towards separation.
 qcStatus qcSoftBodyContact::Implementation::Untangle()
 {
@@ -236,22 +247,20 @@ qcStatus qcSoftBodyContact::Implementation::Untangle()
     double begin = qcNowMs();
     // The scene has the positions of the start.
     btScalar perturbation = s_perturbation * scene.ContactDistance();
-    const qcResult* result = nullptr;
-    qcStatus status = scene.DetectWithin(4 * perturbation, &result);
+    qcStatus status = scene.DetectWithin(4 * perturbation, &m_result);
+    double detected = qcNowMs();
+    statistics.detectMs += detected - begin;
     if (status != qc_statusOk)
         return status;
     std::vector<qcPair> pairs;
-    for (size_t i = 0; i < result->pairCount; i++)
-    {
-        const qcPair& pair = result->pairs[i];
-        if (m_tangles.Contains(pair.bodyA, pair.bodyB) && qcHasResponse(scene, pair.bodyA, pair.bodyB))
-            pairs.push_back(pair);
-    }
+    std::copy_if(m_result->pairs, m_result->pairs + m_result->pairCount, std::back_inserter(pairs),
+                 [this](const qcPair& pair) { return IsUntangled(pair.bodyA, pair.bodyB); });
     m_curves.Find(scene, pairs, perturbation);
-    m_untanglements = qcFindUntanglements(m_curves);
-    m_tangles.MarkParts(m_untanglements);
-    qcUntangle(scene, m_untanglements);
-    statistics.respondMs += qcNowMs() - begin;
+    std::vector<qcUntanglement> untanglements = qcFindUntanglements(m_curves);
+    m_tangles.MarkParts(untanglements);
+    qcUntangle(scene, untanglements);
+    scene.meshes.Commit();
+    statistics.respondMs += qcNowMs() - detected;
     return qc_statusOk;
 }
 
@@ -290,6 +299,7 @@ qcStatus qcSoftBodyContact::Implementation::SolvePlanes()
 {
     BT_PROFILE("qcSoftBodyContact push apart");
     m_planes.Clear();
+    m_movesZones = false;
     qcStatus status = m_isCertified ? qc_statusOk : Certify();
     for (int round = 0; status == qc_statusOk && round < s_planeRounds && !m_unproven.empty(); round++)
     {
@@ -313,6 +323,7 @@ qcStatus qcSoftBodyContact::Implementation::MoveZones()
         return qc_statusOk;
     BT_PROFILE("qcSoftBodyContact move zones");
     m_zones.Clear();
+    m_movesZones = true;
     for (bool changed = true; changed && !m_unproven.empty();)
     {
         changed = false;

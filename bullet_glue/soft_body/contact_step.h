@@ -50,6 +50,7 @@ struct qcSoftBodyContact::Implementation
     qcStatus Certify();
     qcStatus ReadEnd();
     void SolveCcd();
+    bool IsUntangled(uint32_t slotA, uint32_t slotB);
     qcStatus Untangle();
     qcStatus SolveContacts();
     qcStatus SolvePlanes();
@@ -68,11 +69,11 @@ struct qcSoftBodyContact::Implementation
     std::vector<qcUnprovenPair> m_nearTangles; ///< not proven apart, but allowed if their tangle doesn't grow
     size_t m_exemptMotions = 0;                ///< pairs that penetrate at the start, or can't be separated there
     qcSoftTangles m_tangles;                   ///< of the start of the step; after the step, of its end
-    qcIntersectionCurves m_curves;
-    std::vector<qcUntanglement> m_untanglements;
+    qcIntersectionCurves m_curves;             ///< of the tangles that are worked apart
     bool m_tanglesAreOfEnd = false;            ///< m_tangles are those of the end of the previous step
     qcSeparationPlanes m_planes;
     qcSoftZones m_zones;
+    bool m_movesZones = false; ///< the step has come to its zones
 };
 
 #endif

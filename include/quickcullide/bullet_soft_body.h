@@ -29,6 +29,10 @@ struct qcSoftBodySettings
     /// a step, whatever the speed. false: only contacts at the end of a step hold it, and only against bodies whose
     /// setting is false, too.
     bool continuous = true;
+    /// Triangles that penetrate at the start of a step are worked apart over the next steps: a body may start tangled.
+    /// false: the body's tangles stay as they are; they may move along the surfaces but don't grow. Two bodies are
+    /// worked apart if both settings are true.
+    bool untangle = true;
     /// Coulomb friction. Two bodies use the mean of both; a rigid body has btRigidBody's own.
     btScalar friction = btScalar(0.3);
 };

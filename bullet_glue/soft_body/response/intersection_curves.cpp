@@ -45,7 +45,8 @@ btVector3 CrossingPoint(const qcSurfaceGraph& edges, uint32_t from, uint32_t to,
     const uint32_t* corners = faces.Corners(triangle);
     btVector3 a = edges.Position(from), b = edges.Position(to), origin = faces.Position(corners[0]);
     btVector3 normal = (faces.Position(corners[1]) - origin).cross(faces.Position(corners[2]) - origin);
-    btScalar heightA = normal.dot(a - origin), heightB = normal.dot(b - origin), sum = btFabs(heightA) + btFabs(heightB);
+    btScalar heightA = normal.dot(a - origin), heightB = normal.dot(b - origin),
+             sum = btFabs(heightA) + btFabs(heightB);
     return sum > 0 ? a + (b - a) * (btFabs(heightA) / sum) : (a + b) / 2;
 }
 } // namespace
@@ -81,8 +82,8 @@ void qcIntersectionCurves::FindCrossings(const std::vector<qcPair>& pairs, btSca
                 int to = (c + 1) % 3;
                 uint32_t u = corners[side][c], v = corners[side][to];
                 if (u != v && Crosses(points[side][c], points[side][to], points[1 - side]))
-                    m_pairEdges.push_back({slots[side], std::min(u, v), std::max(u, v), slots[1 - side],
-                                           triangles[1 - side], i, side});
+                    m_pairEdges.push_back(
+                        {slots[side], std::min(u, v), std::max(u, v), slots[1 - side], triangles[1 - side], i, side});
             }
     }
     // A rope link has its edge twice.
@@ -135,11 +136,10 @@ void qcIntersectionCurves::Trace(const std::vector<qcPair>& pairs)
                     end++;
                 auto inserted = known.insert({edge.Crossing(), {side, curve.sides[side].crossings.size()}});
                 if (inserted.second)
-                    curve.sides[side].crossings.push_back(
-                        {edge.from, edge.to, edge.triangle,
-                         CrossingPoint(*curve.sides[side].graph, edge.from, edge.to, *curve.sides[1 - side].graph,
-                                       edge.triangle),
-                         btVector3(0, 0, 0), end == first + 1, false});
+                    curve.sides[side].crossings.push_back({edge.from, edge.to, edge.triangle,
+                                                           CrossingPoint(*curve.sides[side].graph, edge.from, edge.to,
+                                                                         *curve.sides[1 - side].graph, edge.triangle),
+                                                           btVector3(0, 0, 0), end == first + 1, false});
                 if (endCount < 6)
                     ends[endCount++] = inserted.first->second;
                 for (size_t same = first; same < end; same++)
@@ -164,8 +164,8 @@ void qcIntersectionCurves::Trace(const std::vector<qcPair>& pairs)
 }
 
 /// Finds the edges that floods must not cross: those that pass through the other surface an odd number of times. Where
-/// a curve ends inside of a triangle at the boundary of its surface, since the other surface ends there, it is continued
-/// to the boundary: cloths of equal width that intersect from side to side divide each other.
+/// a curve ends inside of a triangle at the boundary of its surface, since the other surface ends there, it is
+/// continued to the boundary: cloths of equal width that intersect from side to side divide each other.
 void qcIntersectionCurves::FindCuts()
 {
     std::map<CutEdge, size_t> counts;
@@ -195,8 +195,9 @@ void qcIntersectionCurves::FindCuts()
 void qcIntersectionCurves::Divide(qcCurveSide* side, uint32_t otherSlot)
 {
     const qcSurfaceGraph& graph = *side->graph;
-    auto isCut = [&](uint32_t u, uint32_t v)
-    { return m_cuts.count({side->slot, otherSlot, std::min(u, v), std::max(u, v)}) != 0; };
+    auto isCut = [&](uint32_t u, uint32_t v) {
+        return m_cuts.count({side->slot, otherSlot, std::min(u, v), std::max(u, v)}) != 0;
+    };
     auto first = std::find_if(side->crossings.begin(), side->crossings.end(),
                               [&](const qcEdgeCrossing& crossing) { return isCut(crossing.from, crossing.to); });
     if (first == side->crossings.end())

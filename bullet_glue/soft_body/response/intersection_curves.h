@@ -43,11 +43,11 @@ struct qcIntersectionCurve
 struct qcUntanglement
 {
     const qcIntersectionCurve* curve;
-    int side;                ///< which moves along the direction
-    bool hasPart[2];         ///< the curve's parts that are on the wrong side of the other surface
+    int side;                  ///< which moves along the direction
+    bool hasPart[2];           ///< the curve's parts that are on the wrong side of the other surface
     const qcEdgeCrossing* end; ///< the end of the curve that moves; null: all of it does
-    btVector3 direction;     ///< unit
-    btScalar distance;       ///< that the part has to move; without a part unlimited
+    btVector3 direction;       ///< unit
+    btScalar distance;         ///< that the part has to move; without a part unlimited
 };
 
 class qcIntersectionCurves
@@ -93,7 +93,7 @@ class qcIntersectionCurves
     std::map<uint32_t, std::unique_ptr<qcSurfaceGraph>> m_graphs; ///< by slot
     std::vector<qcIntersectionCurve> m_curves;
     std::vector<PairEdge> m_pairEdges; ///< sorted by crossing
-    std::set<CutEdge> m_cuts;          ///< slot, slot of the other surface, ends: edges that cross it an odd number of times
+    std::set<CutEdge> m_cuts; ///< slot, slot of the other surface, ends: edges that cross it an odd number of times
 };
 
 #endif

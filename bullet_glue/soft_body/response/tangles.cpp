@@ -22,13 +22,15 @@ bool qcSoftTangles::IsNearTangle(qcSoftBodyScene& scene, uint32_t body, uint32_t
     return HasVertexIn(m_vertices, scene, body, triangle, other);
 }
 
-bool qcSoftTangles::HasVertexIn(const std::vector<Key>& keys, qcSoftBodyScene& scene, uint32_t body, uint32_t triangle, uint32_t other) const
+bool qcSoftTangles::HasVertexIn(const std::vector<Key>& keys, qcSoftBodyScene& scene, uint32_t body, uint32_t triangle,
+                                uint32_t other) const
 {
     const qcSceneSoftBody* soft = scene.Find(body);
     auto graph = m_graphs.find(body);
     if (soft == nullptr && graph == m_graphs.end())
         return Contains(m_triangles, body, triangle, other);
-    const uint32_t* corners = soft != nullptr ? &soft->topology.indices[3 * size_t(triangle)] : graph->second->Corners(triangle);
+    const uint32_t* corners =
+        soft != nullptr ? &soft->topology.indices[3 * size_t(triangle)] : graph->second->Corners(triangle);
     return std::any_of(corners, corners + 3, [&](uint32_t corner) { return Contains(keys, body, corner, other); });
 }
 

@@ -58,7 +58,7 @@ class qcSoftTangles
     std::vector<Key> m_wrong;                 ///< sorted: vertices on the wrong side
     std::vector<Key> m_free;                  ///< sorted: vertices of tangles that cut off no part
     std::map<uint32_t, const qcSurfaceGraph*> m_graphs;
-    std::map<Slots, size_t> m_counts;         ///< of pairs
+    std::map<Slots, size_t> m_counts; ///< of pairs
 };
 
 #endif

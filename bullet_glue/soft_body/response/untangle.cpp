@@ -221,8 +221,9 @@ Field MakeField(const qcUntanglement& tangle, int sideIndex, uint32_t reach, std
         field.nodes.push_back(vertex);
         field.shares.push_back(std::min(btScalar(1), 2 - 2 * btScalar(hop) / btScalar(reach + 1)));
     };
-    auto addTriangle = [&](uint32_t triangle)
-    { std::for_each(side.graph->Corners(triangle), side.graph->Corners(triangle) + 3, [&](uint32_t v) { add(v, 0); }); };
+    auto addTriangle = [&](uint32_t triangle) {
+        std::for_each(side.graph->Corners(triangle), side.graph->Corners(triangle) + 3, [&](uint32_t v) { add(v, 0); });
+    };
     if (tangle.end != nullptr && isMoved)
     {
         add(tangle.end->from, 0);
@@ -386,8 +387,7 @@ std::vector<qcUntanglement> qcFindUntanglements(const qcIntersectionCurves& curv
     for (const qcIntersectionCurve& curve : curves.Curves())
     {
         qcUntanglement found;
-        if (FindUntanglement(curve, &found) ||
-            (!AddEnds(curve, &untanglements) && FindShortening(curve, &found)))
+        if (FindUntanglement(curve, &found) || (!AddEnds(curve, &untanglements) && FindShortening(curve, &found)))
             untanglements.push_back(found);
     }
     return untanglements;

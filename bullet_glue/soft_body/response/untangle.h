@@ -8,8 +8,8 @@
 /// Chooses a direction for each curve that has one.
 std::vector<qcUntanglement> qcFindUntanglements(const qcIntersectionCurves& curves);
 
-/// Moves nodes by a share of the thickness, and takes away motion that tangles them further. Momentum is kept. The first
-/// motion is recorded in qcSceneSoftBody::shifts and gives no velocity.
+/// Moves nodes by a share of the thickness, and takes away motion that tangles them further. Momentum is kept. The
+/// first motion is recorded in qcSceneSoftBody::shifts and gives no velocity.
 void qcUntangle(qcSoftBodyScene& scene, const std::vector<qcUntanglement>& untanglements);
 
 #endif
