@@ -82,14 +82,62 @@ void qcIntersectionCurves::FindCrossings(const std::vector<qcPair>& pairs, btSca
                 int to = (c + 1) % 3;
                 uint32_t u = corners[side][c], v = corners[side][to];
                 if (u != v && Crosses(points[side][c], points[side][to], points[1 - side]))
-                    m_pairEdges.push_back(
-                        {slots[side], std::min(u, v), std::max(u, v), slots[1 - side], triangles[1 - side], i, side});
+                    m_pairEdges.push_back({slots[side], std::min(u, v), std::max(u, v), slots[1 - side],
+                                           triangles[1 - side], i, side, 0});
             }
     }
+    GroupCrossings();
+}
+
+void qcIntersectionCurves::GroupCrossings()
+{
     // A rope link has its edge twice.
     std::sort(m_pairEdges.begin(), m_pairEdges.end());
     auto isSame = [](const PairEdge& a, const PairEdge& b) { return !(a < b) && !(b < a); };
     m_pairEdges.erase(std::unique(m_pairEdges.begin(), m_pairEdges.end(), isSame), m_pairEdges.end());
+    m_crossings.clear();
+    for (size_t e = 0; e < m_pairEdges.size(); e++)
+    {
+        if (e == 0 || !m_pairEdges[e].IsSameCrossing(m_pairEdges[e - 1]))
+            m_crossings.push_back({e, e, 0, SIZE_MAX});
+        m_crossings.back().end = e + 1;
+        m_pairEdges[e].crossing = m_crossings.size() - 1;
+    }
+}
+
+/// Adds a pair, with the crossings of its edges, to a curve. `firstSide`: the curve's side of its first triangle.
+void qcIntersectionCurves::AddPair(const qcPair& pair, const std::vector<size_t>& edges, int firstSide,
+                                   qcIntersectionCurve* curve)
+{
+    curve->pairs.push_back(pair);
+    if (firstSide == 1)
+        std::swap(curve->pairs.back().triangleA, curve->pairs.back().triangleB);
+    for (size_t e : edges)
+    {
+        const PairEdge& edge = m_pairEdges[e];
+        Crossing& crossing = m_crossings[edge.crossing];
+        if (crossing.index != SIZE_MAX)
+            continue;
+        crossing.side = edge.side ^ firstSide;
+        qcCurveSide& side = curve->sides[crossing.side];
+        crossing.index = side.crossings.size();
+        btVector3 point =
+            CrossingPoint(*side.graph, edge.from, edge.to, *curve->sides[1 - crossing.side].graph, edge.triangle);
+        side.crossings.push_back(
+            {edge.from, edge.to, edge.triangle, point, btVector3(0, 0, 0), crossing.end == crossing.first + 1, false});
+    }
+    if (edges.size() != 2)
+        return;
+    const Crossing &start = m_crossings[m_pairEdges[edges[0]].crossing],
+                   &end = m_crossings[m_pairEdges[edges[1]].crossing];
+    qcEdgeCrossing& p = curve->sides[start.side].crossings[start.index];
+    qcEdgeCrossing& q = curve->sides[end.side].crossings[end.index];
+    btVector3 along = q.point - p.point;
+    if (along.fuzzyZero())
+        return;
+    along.normalize();
+    p.along += along;
+    q.along -= along;
 }
 
 /// Chains pairs that have a crossing in common.
@@ -115,50 +163,20 @@ void qcIntersectionCurves::Trace(const std::vector<qcPair>& pairs)
         }
         sideOf[seed] = 0;
         chain.assign(1, seed);
-        std::map<std::array<uint32_t, 5>, std::pair<int, size_t>> known; // side and index of a crossing
         for (size_t next = 0; next < chain.size(); next++)
         {
             size_t pair = chain[next];
-            curve.pairs.push_back(pairs[pair]);
-            if (sideOf[pair] == 1)
-                std::swap(curve.pairs.back().triangleA, curve.pairs.back().triangleB);
-            std::pair<int, size_t> ends[6];
-            int endCount = 0;
+            AddPair(pairs[pair], edgesOfPair[pair], sideOf[pair], &curve);
             for (size_t e : edgesOfPair[pair])
             {
-                const PairEdge& edge = m_pairEdges[e];
-                int side = edge.side ^ sideOf[pair];
-                // Pairs with the same crossing: neighbours in the sorted array.
-                size_t first = e, end = e + 1;
-                while (first > 0 && m_pairEdges[first - 1].Crossing() == edge.Crossing())
-                    first--;
-                while (end < m_pairEdges.size() && m_pairEdges[end].Crossing() == edge.Crossing())
-                    end++;
-                auto inserted = known.insert({edge.Crossing(), {side, curve.sides[side].crossings.size()}});
-                if (inserted.second)
-                    curve.sides[side].crossings.push_back({edge.from, edge.to, edge.triangle,
-                                                           CrossingPoint(*curve.sides[side].graph, edge.from, edge.to,
-                                                                         *curve.sides[1 - side].graph, edge.triangle),
-                                                           btVector3(0, 0, 0), end == first + 1, false});
-                if (endCount < 6)
-                    ends[endCount++] = inserted.first->second;
-                for (size_t same = first; same < end; same++)
+                const Crossing& crossing = m_crossings[m_pairEdges[e].crossing];
+                for (size_t same = crossing.first; same < crossing.end; same++)
                     if (sideOf[m_pairEdges[same].pair] < 0)
                     {
-                        sideOf[m_pairEdges[same].pair] = side ^ m_pairEdges[same].side;
+                        sideOf[m_pairEdges[same].pair] = crossing.side ^ m_pairEdges[same].side;
                         chain.push_back(m_pairEdges[same].pair);
                     }
             }
-            if (endCount != 2)
-                continue;
-            qcEdgeCrossing& p = curve.sides[ends[0].first].crossings[ends[0].second];
-            qcEdgeCrossing& q = curve.sides[ends[1].first].crossings[ends[1].second];
-            btVector3 along = q.point - p.point;
-            if (along.fuzzyZero())
-                continue;
-            along.normalize();
-            p.along += along;
-            q.along -= along;
         }
     }
 }
@@ -170,15 +188,13 @@ void qcIntersectionCurves::FindCuts()
 {
     std::map<CutEdge, size_t> counts;
     std::set<CutEdge> continued;
-    for (size_t first = 0, end; first < m_pairEdges.size(); first = end)
+    for (const Crossing& crossing : m_crossings)
     {
-        const PairEdge& edge = m_pairEdges[first];
-        for (end = first + 1; end < m_pairEdges.size() && m_pairEdges[end].Crossing() == edge.Crossing();)
-            end++;
+        const PairEdge& edge = m_pairEdges[crossing.first];
         counts[{edge.slot, edge.otherSlot, edge.from, edge.to}]++;
         const qcSurfaceGraph& other = *m_graphs[edge.otherSlot];
         const uint32_t* corners = other.Corners(edge.triangle);
-        for (int c = 0; c < 3 && end == first + 1; c++)
+        for (int c = 0; c < 3 && crossing.end == crossing.first + 1; c++)
         {
             uint32_t u = corners[c], v = corners[(c + 1) % 3];
             if (u != v && other.IsOnBoundary(u, v))

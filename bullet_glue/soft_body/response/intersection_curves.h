@@ -70,11 +70,13 @@ class qcIntersectionCurves
         uint32_t slot, from, to; ///< of the edge, from < to
         uint32_t otherSlot, triangle;
         size_t pair;
-        int side; ///< of the pair, which has the edge
+        int side;        ///< of the pair, which has the edge
+        size_t crossing; ///< index in m_crossings
 
-        std::array<uint32_t, 5> Crossing() const
+        bool IsSameCrossing(const PairEdge& other) const
         {
-            return {slot, otherSlot, from, to, triangle};
+            return std::tie(slot, otherSlot, from, to, triangle) ==
+                   std::tie(other.slot, other.otherSlot, other.from, other.to, other.triangle);
         }
         bool operator<(const PairEdge& other) const
         {
@@ -82,17 +84,27 @@ class qcIntersectionCurves
                    std::tie(other.slot, other.otherSlot, other.from, other.to, other.triangle, other.pair, other.side);
         }
     };
+    /// The edges of pairs that are one edge passing through one triangle.
+    struct Crossing
+    {
+        size_t first, end; ///< in m_pairEdges
+        int side;          ///< of its curve
+        size_t index;      ///< in the side's crossings; SIZE_MAX: it is on no curve yet
+    };
     using CutEdge = std::array<uint32_t, 4>;
 
     const qcSurfaceGraph* GraphOf(qcSoftBodyScene& scene, uint32_t slot);
     void FindCrossings(const std::vector<qcPair>& pairs, btScalar perturbation);
+    void GroupCrossings();
     void Trace(const std::vector<qcPair>& pairs);
+    void AddPair(const qcPair& pair, const std::vector<size_t>& edges, int firstSide, qcIntersectionCurve* curve);
     void FindCuts();
     void Divide(qcCurveSide* side, uint32_t otherSlot);
 
     std::map<uint32_t, std::unique_ptr<qcSurfaceGraph>> m_graphs; ///< by slot
     std::vector<qcIntersectionCurve> m_curves;
     std::vector<PairEdge> m_pairEdges; ///< sorted by crossing
+    std::vector<Crossing> m_crossings;
     std::set<CutEdge> m_cuts; ///< slot, slot of the other surface, ends: edges that cross it an odd number of times
 };
 
