@@ -38,6 +38,8 @@ void qcSoftBodyContact::Implementation::ReadStart(const btAlignedObjectArray<btS
     BT_PROFILE("qcSoftBodyContact gather");
     double begin = qcNowMs();
     m_candidates.Clear();
+    m_planes.Clear();
+    m_zones.Clear();
     statistics = qcSoftBodyStatistics();
     statistics.status = scene.Sync(bodies, start);
     statistics.gatherMs = qcNowMs() - begin;
@@ -298,7 +300,6 @@ qcStatus qcSoftBodyContact::Implementation::SolveContacts()
 qcStatus qcSoftBodyContact::Implementation::SolvePlanes()
 {
     BT_PROFILE("qcSoftBodyContact push apart");
-    m_planes.Clear();
     m_movesZones = false;
     qcStatus status = m_isCertified ? qc_statusOk : Certify();
     for (int round = 0; status == qc_statusOk && round < s_planeRounds && !m_unproven.empty(); round++)
@@ -322,7 +323,6 @@ qcStatus qcSoftBodyContact::Implementation::MoveZones()
     if (m_unproven.empty())
         return qc_statusOk;
     BT_PROFILE("qcSoftBodyContact move zones");
-    m_zones.Clear();
     m_movesZones = true;
     for (bool changed = true; changed && !m_unproven.empty();)
     {

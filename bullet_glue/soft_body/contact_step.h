@@ -3,6 +3,7 @@
 #ifndef QC_GLUE_SOFT_BODY_CONTACT_STEP_H
 #define QC_GLUE_SOFT_BODY_CONTACT_STEP_H
 
+#include "common/live_objects.h"
 #include "soft_body/algorithm_override.h"
 #include "soft_body/contact_manifolds.h"
 #include "soft_body/draw_contacts.h"
@@ -26,7 +27,7 @@ struct qcSoftBodyContact::Implementation
     /// Moves the scene's positions and the meshes apart; the caller then writes the positions to Bullet's nodes. False:
     /// a query failed, and everything is as Bullet's solvers left it.
     bool Resolve(btScalar timeStep);
-    /// Draws the candidate triangles of the step's first query.
+    /// Draws the candidate triangles of the step's first query, its planes and its zones.
     void Draw(btIDebugDraw* drawer);
     /// Calls Bullet's contact callbacks. The last call of a step: they may remove bodies.
     void DispatchCallbacks();
@@ -39,6 +40,7 @@ struct qcSoftBodyContact::Implementation
     bool solvesLinks = false;
 
   private:
+    void DrawCandidates(qcLiveObjects& liveObjects, btIDebugDraw* drawer);
     qcStatus Detect(btScalar contactMargin, bool segments = false);
     void AddProfile();
     void SolveConstraints();

@@ -143,7 +143,9 @@ class QC_API qcSoftBodyContact
     void setMethod(qcMethod method);
 
     /// Draws in red the potentially colliding set of the first query of the last step, at the bodies' present places:
-    /// the triangles in a candidate pair or with a contact, and a cross for each such node without a face. Bodies that
+    /// the triangles in a candidate pair or with a contact, and a cross for each such node without a face. In yellow the
+    /// separating planes of the last step (qcSoftBodyStatistics::planes): a square of the thickness between the closest
+    /// points of both triangles, with its normal. In magenta a cross at each node of a zone (zoneNodes). Bodies that
     /// have left the world since, and meshes that an object no longer has, are left out. Call it between steps, after
     /// debugDrawWorld. The drawer's debug mode is ignored. Changes nothing. O(triangles log contacts).
     void debugDraw(btIDebugDraw* drawer) const;
