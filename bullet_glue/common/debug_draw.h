@@ -9,13 +9,11 @@ inline btVector3 qcCandidateColor()
     return btVector3(1, 0, 0);
 }
 
-/// Of separating planes.
 inline btVector3 qcPlaneColor()
 {
     return btVector3(1, 1, 0);
 }
 
-/// Of nodes in zones.
 inline btVector3 qcZoneColor()
 {
     return btVector3(1, 0, 1);

@@ -57,8 +57,8 @@ void qcSoftBodyContact::Implementation::AddProfile()
     statistics.contactMs += profile.contactMs;
 }
 
-/// Fills m_result for the present positions, and m_exempt.
-qcStatus qcSoftBodyContact::Implementation::Detect(btScalar contactMargin, bool segments)
+/// Fills m_result for the present positions.
+qcStatus qcSoftBodyContact::Implementation::Detect(btScalar contactMargin)
 {
     BT_PROFILE("qcSoftBodyContact detect");
     double begin = qcNowMs();
@@ -66,7 +66,7 @@ qcStatus qcSoftBodyContact::Implementation::Detect(btScalar contactMargin, bool 
     double gathered = qcNowMs();
     statistics.gatherMs += gathered - begin;
     if (status == qc_statusOk)
-        status = scene.Detect(contactMargin, segments, &m_result);
+        status = scene.Detect(contactMargin, &m_result);
     statistics.detectMs += qcNowMs() - gathered;
     if (status != qc_statusOk)
         return status;
@@ -75,12 +75,8 @@ qcStatus qcSoftBodyContact::Implementation::Detect(btScalar contactMargin, bool 
     statistics.device = m_result->profile.device;
     if (m_result->profile.fallback != nullptr)
         statistics.fallback = m_result->profile.fallback;
-    std::vector<size_t> penetrating;
-    for (size_t i = 0; i < m_result->pairCount; i++)
-        if (qcHasResponse(scene, m_result->pairs[i].bodyA, m_result->pairs[i].bodyB))
-            penetrating.push_back(i);
-    statistics.remaining = int(penetrating.size());
-    m_tangles.MoveExempt(scene, *m_result, &penetrating, &m_exempt);
+    auto hasResponse = [this](const qcPair& pair) { return qcHasResponse(scene, pair.bodyA, pair.bodyB); };
+    statistics.remaining = int(std::count_if(m_result->pairs, m_result->pairs + m_result->pairCount, hasResponse));
     return qc_statusOk;
 }
 
@@ -118,11 +114,11 @@ bool qcSoftBodyContact::Implementation::IsContinuous(const qcPair& pair)
     return (a != nullptr && a->settings.continuous) || (b != nullptr && b->settings.continuous);
 }
 
-/// Fills m_unproven and m_nearTangles from the result.
+/// Fills m_unproven and m_keptTangles from the result.
 void qcSoftBodyContact::Implementation::SortMotionPairs()
 {
     m_unproven.clear();
-    m_nearTangles.clear();
+    m_keptTangles.clear();
     m_exemptMotions = 0;
     for (size_t i = 0; i < m_result->pairCount; i++)
     {
@@ -139,21 +135,21 @@ void qcSoftBodyContact::Implementation::SortMotionPairs()
         else if (touching == qcTouchingMotion::Unproven && m_tangles.MayLeave(scene, pair))
             m_exemptMotions++;
         else if (touching == qcTouchingMotion::Unproven)
-            (m_tangles.IsNear(scene, pair) ? m_nearTangles : m_unproven).push_back(unproven);
+            (m_tangles.IsKept(scene, pair) ? m_keptTangles : m_unproven).push_back(unproven);
     }
 }
 
-/// Moves pairs near a tangle that has grown to m_unproven; exempts the others.
-qcStatus qcSoftBodyContact::Implementation::ExemptNearTangles()
+/// Moves pairs near a kept tangle that has grown to m_unproven; exempts the others.
+qcStatus qcSoftBodyContact::Implementation::ExemptKeptTangles()
 {
-    if (m_nearTangles.empty())
+    if (m_keptTangles.empty())
         return qc_statusOk;
     qcStatus status = Detect(0);
     if (status != qc_statusOk)
         return status;
-    for (const qcUnprovenPair& near : m_nearTangles)
-        if (m_tangles.HasGrown(*m_result, near.pair.bodyA, near.pair.bodyB))
-            m_unproven.push_back(near);
+    for (const qcUnprovenPair& kept : m_keptTangles)
+        if (m_tangles.HasGrown(*m_result, kept.pair.bodyA, kept.pair.bodyB))
+            m_unproven.push_back(kept);
         else
             m_exemptMotions++;
     return qc_statusOk;
@@ -175,7 +171,7 @@ qcStatus qcSoftBodyContact::Implementation::Certify()
     AddProfile();
     SortMotionPairs();
     m_isCertified = true;
-    return ExemptNearTangles();
+    return ExemptKeptTangles();
 }
 
 /// Finds the tangles of the end of the step, which are among the pairs that were exempt or are unproven.
@@ -216,7 +212,7 @@ qcStatus qcSoftBodyContact::Implementation::FindTangles()
     double begin = qcNowMs();
     qcStatus status = scene.SyncStartPositions();
     if (status == qc_statusOk)
-        status = scene.Detect(0, false, &m_result);
+        status = scene.Detect(0, &m_result);
     if (status == qc_statusOk)
         m_tangles.Read(scene, *m_result);
     statistics.detectMs += qcNowMs() - begin;

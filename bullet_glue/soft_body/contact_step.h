@@ -41,14 +41,14 @@ struct qcSoftBodyContact::Implementation
 
   private:
     void DrawCandidates(qcLiveObjects& liveObjects, btIDebugDraw* drawer);
-    qcStatus Detect(btScalar contactMargin, bool segments = false);
+    qcStatus Detect(btScalar contactMargin);
     void AddProfile();
     void SolveConstraints();
     qcStatus FindTangles();
     qcStatus MarkStart();
     bool IsContinuous(const qcPair& pair);
     void SortMotionPairs();
-    qcStatus ExemptNearTangles();
+    qcStatus ExemptKeptTangles();
     qcStatus Certify();
     qcStatus ReadEnd();
     void SolveCcd();
@@ -65,10 +65,9 @@ struct qcSoftBodyContact::Implementation
     std::vector<qcRigidNodeContact> m_rigidNodeContacts;
     const qcResult* m_result = nullptr; ///< of the last detection
     qcSoftCandidates m_candidates;      ///< of the first detection of the step
-    std::vector<size_t> m_exempt;       ///< penetrating pairs of the result that may penetrate, by index
     bool m_isCertified = false;         ///< m_unproven are those of the present positions
     std::vector<qcUnprovenPair> m_unproven;
-    std::vector<qcUnprovenPair> m_nearTangles; ///< not proven apart, but allowed if their tangle doesn't grow
+    std::vector<qcUnprovenPair> m_keptTangles; ///< not proven apart, but allowed if their tangle doesn't grow
     size_t m_exemptMotions = 0;                ///< pairs that penetrate at the start, or can't be separated there
     qcSoftTangles m_tangles;                   ///< of the start of the step; after the step, of its end
     qcIntersectionCurves m_curves;             ///< of the tangles that are worked apart

@@ -71,7 +71,7 @@ void PrintMeanAndMax(const char* label, const qcClothRun& with, const qcClothRun
 /// What kept surfaces apart where contacts did not suffice.
 void PrintFilter(const qcClothRun& with, const qcClothRun& without)
 {
-    std::printf("\n  %-46s %17s %17s\n", "What kept surfaces from passing, in a step:", "with", "without");
+    std::printf("\n  %-46s %17s %17s\n", "What kept surfaces from passing, in a step:", "self-collision on", "off");
     std::printf("  %-46s %8s %8s %8s %8s\n", "", "mean", "max", "mean", "max");
     PrintMeanAndMax("planes (pairs pushed apart)", with, without,
                     [](const qcClothStep& s) { return s.statistics.planes; });
@@ -158,8 +158,8 @@ void qcPrintClothTable(const qcClothRun& with, const qcClothRun& without, size_t
                       {"off", qcMeanCosts(without.steps.begin(), without.steps.end())}});
     std::printf("\n");
     PrintTwo("self-contacts in a step, mean", Mean(with, contacts), Mean(without, contacts), 0);
-    PrintTwo("self-contacts in a step, most", Largest(with, contacts), Largest(without, contacts), 0);
-    PrintTwo("self-penetrating pairs after a step, most", Largest(with, penetrating), Largest(without, penetrating), 0);
+    PrintTwo("self-contacts in a step, max", Largest(with, contacts), Largest(without, contacts), 0);
+    PrintTwo("self-penetrating pairs after a step, max", Largest(with, penetrating), Largest(without, penetrating), 0);
     PrintTwo("self-penetrating pairs at the end", double(with.steps.empty() ? 0 : with.steps.back().Penetrating()),
              double(without.steps.empty() ? 0 : without.steps.back().Penetrating()), 0);
     PrintFilter(with, without);

@@ -218,7 +218,8 @@ void qcIntersectionCurves::Divide(qcCurveSide* side, uint32_t otherSlot)
                               [&](const qcEdgeCrossing& crossing) { return isCut(crossing.from, crossing.to); });
     if (first == side->crossings.end())
         return;
-    std::vector<uint8_t> floodOf(graph.VertexCount(), 0);
+    std::vector<uint8_t>& floodOf = m_floodOf;
+    floodOf.resize(std::max(floodOf.size(), size_t(graph.VertexCount())), 0);
     std::vector<uint32_t> floods[2] = {{first->from}, {first->to}};
     floodOf[first->from] = 1;
     floodOf[first->to] = 2;
@@ -239,16 +240,20 @@ void qcIntersectionCurves::Divide(qcCurveSide* side, uint32_t otherSlot)
                                        floodOf[neighbour] = uint8_t(f + 1);
                                    });
         }
-    if (isConnected)
-        return;
-    uint8_t smaller = next >= floods[0].size() ? 0 : 1;
-    side->part = floods[smaller];
-    for (qcEdgeCrossing& crossing : side->crossings)
+    if (!isConnected)
     {
-        if (floodOf[crossing.to] == smaller + 1)
-            std::swap(crossing.from, crossing.to);
-        crossing.bordersPart = floodOf[crossing.from] == smaller + 1 && floodOf[crossing.to] != smaller + 1;
+        uint8_t smaller = next >= floods[0].size() ? 0 : 1;
+        for (qcEdgeCrossing& crossing : side->crossings)
+        {
+            if (floodOf[crossing.to] == smaller + 1)
+                std::swap(crossing.from, crossing.to);
+            crossing.bordersPart = floodOf[crossing.from] == smaller + 1 && floodOf[crossing.to] != smaller + 1;
+        }
+        side->part = floods[smaller];
     }
+    for (const std::vector<uint32_t>& flood : floods)
+        for (uint32_t vertex : flood)
+            floodOf[vertex] = 0;
 }
 
 void qcIntersectionCurves::Clear()

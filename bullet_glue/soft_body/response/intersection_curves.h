@@ -105,6 +105,7 @@ class qcIntersectionCurves
     std::vector<qcIntersectionCurve> m_curves;
     std::vector<PairEdge> m_pairEdges; ///< sorted by crossing
     std::vector<Crossing> m_crossings;
+    std::vector<uint8_t> m_floodOf; ///< scratch of Divide: for each vertex, 0 before and after
     std::set<CutEdge> m_cuts; ///< slot, slot of the other surface, ends: edges that cross it an odd number of times
 };
 

@@ -174,10 +174,10 @@ struct Field
     }
 };
 
-/// The greatest number of edges from the border of a part to a vertex of it.
+/// The greatest number of edges from the border of a part to a vertex of it. `hops`: scratch, a value for each vertex,
+/// UINT32_MAX before and after.
 uint32_t DepthOf(const qcCurveSide& side, std::vector<uint32_t>* hops)
 {
-    hops->assign(side.graph->VertexCount(), UINT32_MAX);
     std::vector<uint32_t> queue;
     for (uint32_t vertex : side.part)
         (*hops)[vertex] = 0; // in the part, not reached
@@ -200,9 +200,12 @@ uint32_t DepthOf(const qcCurveSide& side, std::vector<uint32_t>* hops)
                                          queue.push_back(neighbour);
                                      });
     }
+    for (uint32_t vertex : side.part)
+        (*hops)[vertex] = UINT32_MAX;
     return depth;
 }
 
+/// `hops`: as for DepthOf.
 Field MakeField(const qcUntanglement& tangle, int sideIndex, uint32_t reach, std::vector<uint32_t>* hops)
 {
     const qcIntersectionCurve& curve = *tangle.curve;
@@ -212,7 +215,6 @@ Field MakeField(const qcUntanglement& tangle, int sideIndex, uint32_t reach, std
     field.side = &side;
     if (side.graph->soft == nullptr)
         return field;
-    hops->assign(side.graph->VertexCount(), UINT32_MAX);
     auto add = [&](uint32_t vertex, uint32_t hop)
     {
         if ((*hops)[vertex] != UINT32_MAX)
@@ -251,6 +253,7 @@ Field MakeField(const qcUntanglement& tangle, int sideIndex, uint32_t reach, std
         field.isHeld = field.isHeld || mass == 0;
         field.mass += mass * field.shares[i];
         field.squareMass += mass * field.shares[i] * field.shares[i];
+        (*hops)[field.nodes[i]] = UINT32_MAX;
     }
     return field;
 }
@@ -397,7 +400,11 @@ void qcUntangle(qcSoftBodyScene& scene, const std::vector<qcUntanglement>& untan
 {
     for (qcSceneSoftBody& soft : scene.Bodies())
         soft.shifts.assign(soft.positions.size(), btVector3(0, 0, 0));
-    std::vector<uint32_t> hops;
+    uint32_t vertexCount = 0;
+    for (const qcUntanglement& tangle : untanglements)
+        for (const qcCurveSide& side : tangle.curve->sides)
+            vertexCount = std::max(vertexCount, side.graph->VertexCount());
+    std::vector<uint32_t> hops(vertexCount, UINT32_MAX);
     for (const qcUntanglement& tangle : untanglements)
         Untangle(tangle, &hops);
 }

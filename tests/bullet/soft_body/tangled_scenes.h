@@ -145,7 +145,7 @@ inline void qcMakeCorner(qcTangledWorld* world)
                  { return btVector3(at.x(), btScalar(0.15) * (at.x() + at.z()) + btScalar(0.08), at.z()); });
 }
 
-/// The same cloth above a static sheet.
+/// A cloth one corner of which is below a static sheet.
 inline void qcMakeCornerBelowSheet(qcTangledWorld* world)
 {
     world->AddMesh(qcFloorModel(4, 7), 0, btVector3(0, 0, 0));
