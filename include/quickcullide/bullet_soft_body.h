@@ -79,10 +79,17 @@ struct qcSoftBodyStatistics
 /// Response: Bullet's own constraints run first. Then nodes are moved apart by contacts of vertices with faces and
 /// edges with edges within the thickness, on the side from which they came. At the end of a step no two triangles
 /// without a common node penetrate that did not at its start, by the exact test; only kinematic meshes that leave no
-/// room are an exception. Momentum is conserved. Triangles that penetrate at the start of a step (tangled) are exempt:
-/// contacts don't hold them together, and each step shortens their intersection curve, by at most a quarter of the
-/// thickness and without adding velocity. A tangle may move along the surfaces but doesn't grow. A cloth that passes
-/// straight through another one or a mesh may stay so, since its curve can't shrink.
+/// room are an exception. Momentum is conserved.
+///
+/// Tangled starts: triangles that penetrate at the start of a step are exempt, so a scene may start tangled. Each step
+/// works them apart (qcSoftBodySettings::untangle), over half the thickness and without a velocity for that:
+/// - Where an intersection curve cuts off a part of a surface, the part goes back through the other surface. The smaller
+///   part moves: the body returns to the side on which most of it is.
+/// - Where a curve ends inside of both surfaces, it is shortened from its ends.
+/// Motion that tangles further ends as in an inelastic contact. Links that untangling compresses give nodes some
+/// velocity. Away from the curve nothing passes. A body that is inside of a closed one as a whole has no curve and
+/// stays. Triangles that touch at the start, without penetration, are kept apart; surfaces that cross exactly in common
+/// positions don't penetrate, and are not worked apart.
 ///
 /// Time: between start and end of a step only nodes and rope links that pass through meshes are detected. Everything
 /// else that moves by more than the thickness, relative to the other surface, may pass it.
