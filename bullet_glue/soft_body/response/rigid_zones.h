@@ -27,6 +27,13 @@ class qcSoftZones
     bool KeepsApart(const qcPair& pair, btScalar distance) const;
     /// Nodes in zones.
     int NodeCount() const;
+    /// Calls function(body, node) for each node in a zone.
+    template <typename Function> void ForEachNode(Function function) const
+    {
+        for (size_t i = 0; i < m_members.size(); i++)
+            if (m_isInZone[i] && m_members[i].rigid == nullptr)
+                function(*m_members[i].soft, m_members[i].node);
+    }
 
   private:
     /// How a zone moves, from the first that is tried to the last.

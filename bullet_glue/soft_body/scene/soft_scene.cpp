@@ -269,13 +269,22 @@ bool qcSoftBodyScene::StartsWhereStepEnded() const
     return std::all_of(m_bodies.begin(), m_bodies.end(), startsThere) && meshes.StartWhereTheyEnded();
 }
 
-qcStatus qcSoftBodyScene::Detect(btScalar contactMargin, bool segments, const qcResult** result)
+qcStatus qcSoftBodyScene::Detect(btScalar contactMargin, const qcResult** result)
 {
     qcDetectDef def = qcDefaultDetectDef();
     def.method = method;
     def.contactMargin = double(contactMargin);
     def.nearestContacts = true;
-    def.segments = segments;
+    def.threads = threads;
+    return qcScene_Detect(m_scene, &def, result);
+}
+
+qcStatus qcSoftBodyScene::DetectWithin(btScalar margin, const qcResult** result)
+{
+    qcDetectDef def = qcDefaultDetectDef();
+    def.method = method;
+    def.margin = double(margin);
+    def.touching = true;
     def.threads = threads;
     return qcScene_Detect(m_scene, &def, result);
 }

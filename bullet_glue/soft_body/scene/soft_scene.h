@@ -100,7 +100,9 @@ class qcSoftBodyScene
     /// True if all bodies and meshes start where the previous step ended, and the settings that decide which triangles
     /// are tested are unchanged. Call it after ReadSolved.
     bool StartsWhereStepEnded() const;
-    qcStatus Detect(btScalar contactMargin, bool segments, const qcResult** result);
+    qcStatus Detect(btScalar contactMargin, const qcResult** result);
+    /// Finds the pairs that penetrate, touch or are no further apart than the margin, in the positions last set.
+    qcStatus DetectWithin(btScalar margin, const qcResult** result);
     /// Finds the pairs that are not proven apart from the start of the step to the present positions, with proximities
     /// of the start.
     qcStatus DetectMotion(const qcResult** result);
