@@ -77,9 +77,11 @@ struct qcSoftBodyStatistics
 /// Contact of a world's soft bodies: settings and statistics. Base class of qcSoftBodySolver and qcDeformableWorld.
 ///
 /// Response: Bullet's own constraints run first. Then nodes are moved apart by contacts of vertices with faces and
-/// edges with edges within the thickness, on the side from which they came. At the end of a step no two triangles
-/// without a common node penetrate that did not at its start, by the exact test; only kinematic meshes that leave no
-/// room are an exception. Momentum is conserved.
+/// edges with edges within the thickness, on the side from which they came. Last, every pair of triangles without a
+/// common node that was apart at the start of the step is proven to be apart over the whole of it
+/// (qcSoftBodySettings::continuous): nothing passes anything at any speed. What can't be proven is pushed apart, moved
+/// as one, or returned to its start. Only kinematic meshes and pinned nodes that leave no room are an exception
+/// (qcSoftBodyStatistics::unproven). Momentum is conserved. The theorem and its limits: plugin/docs/never_through.md.
 ///
 /// Tangled starts: triangles that penetrate at the start of a step are exempt, so a scene may start tangled. Each step
 /// works them apart (qcSoftBodySettings::untangle), over half the thickness and without a velocity for that:
@@ -91,8 +93,8 @@ struct qcSoftBodyStatistics
 /// stays. Triangles that touch at the start, without penetration, are kept apart; surfaces that cross exactly in common
 /// positions don't penetrate, and are not worked apart.
 ///
-/// Time: between start and end of a step only nodes and rope links that pass through meshes are detected. Everything
-/// else that moves by more than the thickness, relative to the other surface, may pass it.
+/// Time: a step starts where the previous one ended. A node or an object that the application moves in between moves
+/// within the step; one that is put elsewhere, by more than half its size, starts there.
 ///
 /// Meshes: a soft body collides with each qcMeshShape, static, kinematic or moving, also in compounds, unless its
 /// collision flags have none of fCollision::RVSmask. Both move, by mass; links of multibodies don't. Nodes that passed
