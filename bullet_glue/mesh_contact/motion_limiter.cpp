@@ -1,4 +1,4 @@
-// Meshes never pass each other: motions that are not proven apart over a step are cut back to a part that is.
+// Meshes never pass each other: objects whose motions are not proven apart over a step are pushed apart, or cut back.
 #include "mesh_contact/motion_limiter.h"
 
 #include "common/stopwatch.h"
@@ -20,6 +20,10 @@ constexpr btScalar s_maxPart = btScalar(0.99), s_minPart = btScalar(1e-4);
 // From this round on, objects that are still not proven apart return to their starts: chains of objects that stop each
 // other are shorter.
 constexpr int s_maxCuts = 12;
+// Rounds of planes, and sweeps over all planes in each.
+constexpr int s_planeRounds = 6, s_planeSweeps = 8;
+// Sweeps of impulses over the planes of pairs that contact did not stop.
+constexpr int s_impulseSweeps = 4;
 
 void CornersOf(const qcMeshTriangles& triangles, uint32_t triangle, const btTransform& transform, double corners[9])
 {
@@ -31,6 +35,14 @@ void CornersOf(const qcMeshTriangles& triangles, uint32_t triangle, const btTran
     }
 }
 
+/// The part of the step's motion along the force that a body does not make.
+btScalar LostPart(const qcSweptObject& swept)
+{
+    const btVector3 &from = swept.start.getOrigin(), force = swept.body->getTotalForce();
+    btScalar all = force.dot(swept.body->getWorldTransform().getOrigin() - from);
+    btScalar made = force.dot(swept.end.getOrigin() - from);
+    return all > 0 ? btClamped(1 - made / all, btScalar(0), btScalar(1)) : 1 - swept.fraction;
+}
 } // namespace
 
 qcMotionLimiter::~qcMotionLimiter()
@@ -249,8 +261,45 @@ void qcMotionLimiter::Carry(const qcSweptPair& pair)
         Exempt(*fixed, *free);
 }
 
-/// Moves the objects of pairs that are not proven apart. False: there are none.
-bool qcMotionLimiter::Respond(const qcResult& result, bool toStart)
+bool qcMotionLimiter::HasUnproven(const qcResult& result) const
+{
+    return std::any_of(result.pairs, result.pairs + result.pairCount,
+                       [this](const qcPair& pair)
+                       { return !IsExempt(*SideOf(pair.bodyA).swept, *SideOf(pair.bodyB).swept); });
+}
+
+/// Adds planes for the pairs of triangles that are not proven apart, and solves all planes.
+void qcMotionLimiter::PushApart(const qcResult& result)
+{
+    auto planeSideOf = [](const Side& side, uint32_t triangle)
+    {
+        qcMotionPlaneSide made{side.swept, {}};
+        for (size_t c = 0; c < 3; c++)
+            made.corners[c] = side.mesh->local *
+                              side.mesh->triangles->points[side.mesh->triangles->indices[3 * size_t(triangle) + c]];
+        return made;
+    };
+    for (size_t i = 0; i < result.pairCount; i++)
+    {
+        const qcPair& pair = result.pairs[i];
+        Side a = SideOf(pair.bodyA), b = SideOf(pair.bodyB);
+        if (IsExempt(*a.swept, *b.swept))
+            continue;
+        m_planes.Add(pair, planeSideOf(a, pair.triangleA), planeSideOf(b, pair.triangleB), result.proximities[i]);
+        m_stopped.insert(std::minmax(a.swept->number, b.swept->number));
+    }
+    m_planes.Solve(s_planeSweeps);
+}
+
+/// From now on motions are those to the ends that the planes have found.
+void qcMotionLimiter::EndPlanes()
+{
+    for (qcSweptObject* swept : m_objects.Get())
+        swept->target = swept->end;
+}
+
+/// Cuts back the motions of objects that are not proven apart.
+void qcMotionLimiter::Cut(const qcResult& result, bool toStart)
 {
     std::map<Numbers, Block> blocks;
     for (size_t i = 0; i < result.pairCount; i++)
@@ -261,14 +310,8 @@ bool qcMotionLimiter::Respond(const qcResult& result, bool toStart)
             continue;
         Block& block = blocks[std::minmax(a.swept->number, b.swept->number)];
         btScalar part = CertifiedPart(pair, a, b, block.part);
-        if (block.pair.first != nullptr && part >= block.part)
-            continue;
-        const qcProximity& nearest = result.proximities[i];
-        block = {{a.swept, b.swept},
-                 part,
-                 a.swept->start.invXform(qcVectorOf(nearest.pointA)),
-                 b.swept->start.invXform(qcVectorOf(nearest.pointB)),
-                 qcVectorOf(nearest.normal)};
+        if (block.pair.first == nullptr || part < block.part)
+            block = {{a.swept, b.swept}, part};
     }
     for (const auto& [numbers, block] : blocks)
     {
@@ -276,39 +319,11 @@ bool qcMotionLimiter::Respond(const qcResult& result, bool toStart)
                            block.pair.second->object->getCollisionShape()->getMargin();
         if (block.part < 0 || !Stop(block.pair, toStart ? btScalar(0) : block.part, s_floor * margins))
             Carry(block.pair);
-        m_blocks.insert({numbers, block});
     }
-    return !blocks.empty();
 }
 
-/// Where contact has not stopped a pair since the previous step, an impulse without restitution does.
-void qcMotionLimiter::RemoveApproach(const Block& block)
-{
-    btRigidBody *a = block.pair.first->body, *b = block.pair.second->body;
-    btVector3 armA = block.pair.first->end.getBasis() * block.onA, armB = block.pair.second->end.getBasis() * block.onB;
-    auto velocityAt = [](const qcSweptObject& swept, const btVector3& arm)
-    {
-        const btRigidBody* body = btRigidBody::upcast(swept.object);
-        return body != nullptr ? body->getVelocityInLocalPoint(arm) : btVector3(0, 0, 0);
-    };
-    auto inverseMass = [&](const btRigidBody* body, const btVector3& arm)
-    {
-        return body == nullptr ? btScalar(0)
-                               : body->computeImpulseDenominator(body->getCenterOfMassPosition() + arm, block.normal);
-    };
-    btScalar approach = -block.normal.dot(velocityAt(*block.pair.first, armA) - velocityAt(*block.pair.second, armB));
-    btScalar denominator = inverseMass(a, armA) + inverseMass(b, armB);
-    if (!(approach > 0 && denominator > 0))
-        return;
-    btVector3 impulse = block.normal * (approach / denominator);
-    if (a != nullptr)
-        a->applyImpulse(impulse, armA);
-    if (b != nullptr)
-        b->applyImpulse(-impulse, armB);
-}
-
-/// Moves the bodies. A body that makes a part of its motion gets that part of the step's forces, so that it gains no
-/// energy from a fall that it doesn't make; one that is carried has the carrier's velocity.
+/// Moves a body. One that makes a part of its motion gets that part of the step's forces, so that it gains no energy
+/// from a fall that it doesn't make; one that is carried has the carrier's velocity.
 void qcMotionLimiter::Commit(const qcSweptObject& swept, btScalar timeStep)
 {
     btRigidBody* body = swept.body;
@@ -321,7 +336,7 @@ void qcMotionLimiter::Commit(const qcSweptObject& swept, btScalar timeStep)
     }
     else
     {
-        btScalar lost = (1 - swept.fraction) * timeStep;
+        btScalar lost = LostPart(swept) * timeStep;
         body->setLinearVelocity(body->getLinearVelocity() - body->getTotalForce() * (body->getInvMass() * lost));
         body->setAngularVelocity(body->getAngularVelocity() -
                                  body->getInvInertiaTensorWorld() * body->getTotalTorque() * lost);
@@ -330,24 +345,23 @@ void qcMotionLimiter::Commit(const qcSweptObject& swept, btScalar timeStep)
     body->activate();
 }
 
+/// Where contact has not stopped a pair since the previous step, impulses without restitution do.
 void qcMotionLimiter::CommitAll(btScalar timeStep, qcMeshContactStatistics* statistics)
 {
     for (const qcSweptObject* swept : m_objects.Get())
     {
-        bool isCut = swept->fraction < 1;
-        statistics->limited += isCut;
-        if (isCut)
+        bool isMoved = swept->isPushed || swept->fraction < 1;
+        statistics->limited += isMoved;
+        if (isMoved)
             Commit(*swept, timeStep);
     }
-    for (const auto& [numbers, block] : m_blocks)
-        if (m_previousBlocks.count(numbers) > 0)
-            RemoveApproach(block);
-    m_previousBlocks.clear();
-    for (const auto& [numbers, block] : m_blocks)
-        m_previousBlocks.insert(numbers);
+    auto isStoppedAgain = [this](const qcSweptObject& a, const qcSweptObject& b)
+    { return m_previouslyStopped.count(std::minmax(a.number, b.number)) > 0; };
+    m_planes.RemoveApproaches(s_impulseSweeps, isStoppedAgain);
+    m_previouslyStopped.swap(m_stopped);
 }
 
-/// Rounds of certificates and cuts, until all pairs are proven apart or exempt.
+/// Rounds of certificates and planes, then cuts, until all pairs are proven apart or exempt.
 qcStatus qcMotionLimiter::Certify()
 {
     for (int round = 0;; round++)
@@ -360,21 +374,28 @@ qcStatus qcMotionLimiter::Certify()
         if (status != qc_statusOk)
             return status;
         CollectTangles(*result);
-        if (!Respond(*result, round >= s_maxCuts))
+        if (!HasUnproven(*result))
             return qc_statusOk;
+        if (round == s_planeRounds)
+            EndPlanes();
+        if (round < s_planeRounds)
+            PushApart(*result);
+        else
+            Cut(*result, round >= s_planeRounds + s_maxCuts);
     }
 }
 
 void qcMotionLimiter::Limit(btScalar timeStep, qcMeshContactStatistics* statistics)
 {
-    BT_PROFILE("qcMeshContact limit");
     double start = qcNowMs();
     m_exempt.clear();
-    m_blocks.clear();
+    m_planes.Clear();
+    m_stopped.clear();
     m_unproven = 0;
     statistics->limited = 0;
     if (m_objects.Update(timeStep, m_scene))
     {
+        BT_PROFILE("qcMeshContact limit");
         qcStatus status = Certify();
         if (status != qc_statusOk)
             statistics->status = status;

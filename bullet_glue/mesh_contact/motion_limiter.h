@@ -1,12 +1,12 @@
-// Meshes never pass each other: motions that are not proven apart over a step are cut back to a part that is.
-// Proof: plugin/docs/proofs/rigid_motion_limits.md.
+// Meshes never pass each other: objects whose motions are not proven apart over a step are pushed apart at its end;
+// where that does not suffice, their motions are cut back to a part that is proven. Proof:
+// plugin/docs/proofs/rigid_motion_limits.md.
 #ifndef QC_GLUE_MESH_CONTACT_MOTION_LIMITER_H
 #define QC_GLUE_MESH_CONTACT_MOTION_LIMITER_H
 
-#include "mesh_contact/swept_objects.h"
+#include "mesh_contact/motion_planes.h"
 
 #include <map>
-#include <set>
 
 /// Runs at the end of a step, after Bullet has integrated the transforms. Not for several threads.
 class qcMotionLimiter
@@ -32,13 +32,11 @@ class qcMotionLimiter
   private:
     using Numbers = std::pair<uint32_t, uint32_t>; ///< of two objects, the lower one first
 
-    /// Where two objects were stopped: the pair of triangles that met first.
+    /// Two objects whose motions are cut back.
     struct Block
     {
         qcSweptPair pair{nullptr, nullptr};
-        btScalar part = 1;  ///< of the motions that is proven apart; below 0: none
-        btVector3 onA, onB; ///< closest points at the start, in the frames of the objects
-        btVector3 normal;   ///< unit vector from B to A
+        btScalar part = 1; ///< of the motions that is proven apart; below 0: none
     };
 
     struct Side
@@ -58,9 +56,11 @@ class qcMotionLimiter
     void Hold(qcSweptObject* swept);
     void Exempt(const qcSweptObject& a, const qcSweptObject& b);
     void Carry(const qcSweptPair& pair);
-    bool Respond(const qcResult& result, bool toStart);
+    void PushApart(const qcResult& result);
+    void EndPlanes();
+    void Cut(const qcResult& result, bool toStart);
+    bool HasUnproven(const qcResult& result) const;
     qcStatus Certify();
-    static void RemoveApproach(const Block& block);
     static void Commit(const qcSweptObject& swept, btScalar timeStep);
     void CommitAll(btScalar timeStep, qcMeshContactStatistics* statistics);
     static bool TestPair(void* context, uint32_t slotA, uint32_t slotB);
@@ -71,8 +71,8 @@ class qcMotionLimiter
     std::vector<qcSweptPair> m_pairs;                            ///< to certify
     std::vector<std::pair<qcSweptObject*, size_t>> m_meshOfSlot; ///< object and index of its mesh
     std::set<Numbers> m_exempt; ///< objects that meet at the start of the step, or can't be kept apart in it
-    std::map<Numbers, Block> m_blocks;
-    std::set<Numbers> m_previousBlocks; ///< of the previous step
+    qcMotionPlanes m_planes;
+    std::set<Numbers> m_stopped, m_previouslyStopped; ///< objects with planes, in this step and in the previous one
     int m_unproven = 0;
 };
 

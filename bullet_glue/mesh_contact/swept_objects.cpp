@@ -129,6 +129,7 @@ bool qcSweptObjects::Update(btScalar timeStep, qcScene* scene)
         swept.step = m_step;
         swept.body = DynamicBody(objects[i]);
         swept.target = swept.end = objects[i]->getWorldTransform();
+        swept.isPushed = false;
         swept.fraction = 1;
         swept.carrier = nullptr;
         swept.isHeld = false;

@@ -25,9 +25,10 @@ struct qcSweptObject
     uint32_t number = 0;         ///< in the order in which objects entered the world
     unsigned step = 0;           ///< the last step that found the object in the world
     bool moves = false;          ///< its end is not its start
-    btTransform start, target;   ///< before and after the step, as Bullet or the application moves the object
+    btTransform start, target;   ///< before and after the step; the target is Bullet's, or where planes have pushed it
     btTransform end;             ///< after the step, as the limiter has it so far
-    btScalar fraction = 1;       ///< of the motion that the object makes
+    bool isPushed = false;       ///< planes have moved the end
+    btScalar fraction = 1;       ///< of the motion to `target` that the object makes
     const qcSweptObject* carrier = nullptr; ///< the object moves from its start as this one does
     bool isHeld = false;                    ///< the object stays at its start, whatever sweeps over it
     btVector3 lower, upper;                 ///< box around the meshes at start and end
