@@ -393,20 +393,20 @@ Shift MakeShift(const qcUntanglement& tangle, std::vector<uint32_t>* hops)
 /// move one of its nodes further than a single one may.
 void Apply(const std::vector<Shift>& shifts)
 {
-    std::map<const qcSceneSoftBody*, std::vector<btScalar>> sums;
+    std::map<const qcSceneSoftBody*, std::vector<btVector3>> sums;
     for (const Shift& shift : shifts)
         shift.fields.ForEachMoved(shift.impulse,
                                   [&](qcSceneSoftBody& soft, uint32_t node, const btVector3& by)
                                   {
-                                      std::vector<btScalar>& sum = sums[&soft];
-                                      sum.resize(soft.positions.size(), 0);
-                                      sum[node] += by.length();
+                                      std::vector<btVector3>& sum = sums[&soft];
+                                      sum.resize(soft.positions.size(), btVector3(0, 0, 0));
+                                      sum[node] += by;
                                   });
     for (const Shift& shift : shifts)
     {
         btScalar factor = 1;
         shift.fields.ForEachMoved(shift.impulse, [&](qcSceneSoftBody& soft, uint32_t node, const btVector3&)
-                                  { factor = std::max(factor, sums[&soft][node] / (s_shift * shift.thickness)); });
+                                  { factor = std::max(factor, sums[&soft][node].length() / (s_shift * shift.thickness)); });
         shift.fields.ForEachMoved(shift.impulse / factor,
                                   [&](qcSceneSoftBody& soft, uint32_t node, const btVector3& by)
                                   {
