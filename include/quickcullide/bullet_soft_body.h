@@ -85,13 +85,14 @@ struct qcSoftBodyStatistics
 ///
 /// Tangled starts: triangles that penetrate at the start of a step are exempt, so a scene may start tangled. Each step
 /// works them apart (qcSoftBodySettings::untangle), over half the thickness and without a velocity for that:
-/// - Where an intersection curve cuts off a part of a surface, the part goes back through the other surface. The smaller
+/// - Where an intersection curve cuts off a part of a surface, the part goes back through the other surface. The
+/// smaller
 ///   part moves: the body returns to the side on which most of it is.
 /// - Where a curve ends inside of both surfaces, it is shortened from its ends.
 /// Motion that tangles further ends as in an inelastic contact. Links that untangling compresses give nodes some
 /// velocity. Away from the curve nothing passes. A body that is inside of a closed one as a whole has no curve and
 /// stays. Triangles that touch at the start, without penetration, are kept apart; surfaces that cross exactly in common
-/// positions don't penetrate, and are not worked apart.
+/// positions are worked apart as soon as they penetrate.
 ///
 /// Time: a step starts where the previous one ended. A node or an object that the application moves in between moves
 /// within the step; one that is put elsewhere, by more than half its size, starts there.
@@ -152,11 +153,11 @@ class QC_API qcSoftBodyContact
     void setMethod(qcMethod method);
 
     /// Draws in red the potentially colliding set of the first query of the last step, at the bodies' present places:
-    /// the triangles in a candidate pair or with a contact, and a cross for each such node without a face. In yellow the
-    /// separating planes of the last step (qcSoftBodyStatistics::planes): a square of the thickness between the closest
-    /// points of both triangles, with its normal. In magenta a cross at each node of a zone (zoneNodes). Bodies that
-    /// have left the world since, and meshes that an object no longer has, are left out. Call it between steps, after
-    /// debugDrawWorld. The drawer's debug mode is ignored. Changes nothing. O(triangles log contacts).
+    /// the triangles in a candidate pair or with a contact, and a cross for each such node without a face. In yellow
+    /// the separating planes of the last step (qcSoftBodyStatistics::planes): a square of the thickness between the
+    /// closest points of both triangles, with its normal. In magenta a cross at each node of a zone (zoneNodes). Bodies
+    /// that have left the world since, and meshes that an object no longer has, are left out. Call it between steps,
+    /// after debugDrawWorld. The drawer's debug mode is ignored. Changes nothing. O(triangles log contacts).
     void debugDraw(btIDebugDraw* drawer) const;
 
   protected:
