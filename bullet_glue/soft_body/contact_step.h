@@ -14,7 +14,7 @@
 /// of the start of the step, Resolve after Bullet's own solvers, and DispatchCallbacks at its end.
 struct qcSoftBodyContact::Implementation
 {
-    explicit Implementation(qcDevice* device) : scene(device), m_zones(scene)
+    explicit Implementation(qcDevice* device) : scene(device), algorithmOverride(scene), m_zones(scene)
     {
     }
 

@@ -138,7 +138,8 @@ void qcSoftBodyContact::Implementation::Draw(btIDebugDraw* drawer)
         for (const qcSceneMesh& mesh : rigid->meshes)
         {
             btTransform transform;
-            if (liveObjects.Contains(rigid->object, rigid->uniqueId) && qcFindTransform(*rigid, mesh, &transform))
+            if (liveObjects.Contains(rigid->object, rigid->uniqueId) &&
+                scene.meshes.FindTransform(*rigid, mesh, &transform))
                 DrawMesh(m_candidates, mesh, transform, drawer);
         }
     drawer->flushLines();

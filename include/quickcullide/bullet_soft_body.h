@@ -31,6 +31,9 @@ struct qcSoftBodySettings
     bool continuous = true;
     /// Coulomb friction. Two bodies use the mean of both; a rigid body has btRigidBody's own.
     btScalar friction = btScalar(0.3);
+    /// Contact with rigid bodies that are no qcMeshShape is left to Bullet: it tests nodes by themselves, at the end of
+    /// a step. Edges and faces then have no contact with these bodies, and fast cloth passes them.
+    bool bulletNodeContacts = false;
 };
 
 /// The work of the last step. plugin/docs/troubleshooting.md explains what to do about unusual values.
@@ -54,7 +57,7 @@ struct qcSoftBodyStatistics
     /// Pairs that are not proven apart over the step, though they were apart at its start: only kinematic meshes that
     /// leave no room do this.
     int unproven = 0;
-    int meshes = 0;     ///< bodies with a qcMeshShape near a soft body
+    int meshes = 0;     ///< rigid bodies near a soft body, other than those left to Bullet
     int sweptNodes = 0; ///< nodes and rope links that passed through one of these within the step and were held back
     /// The method of the step's last query for contacts; never qc_methodAuto: `layers` if the device answered for a
     /// part.

@@ -187,10 +187,11 @@ void qcAddLinkCcdConstraints(qcSoftBodyScene& scene, std::vector<qcSoftConstrain
         for (const std::unique_ptr<qcSceneRigid>& rigid : scene.meshes.Rigids())
         {
             const qcSoftTopology& topology = soft.topology;
-            if (topology.ropeCount == 0 || !qcHasResponse(soft, *rigid))
+            if (topology.ropeCount == 0)
                 continue;
             for (const qcSceneMesh& mesh : rigid->meshes)
-                for (size_t i = topology.faceCount; i < topology.faceCount + topology.ropeCount; i++)
+                for (size_t i = topology.faceCount;
+                     qcHasResponse(soft, *rigid, mesh) && i < topology.faceCount + topology.ropeCount; i++)
                     AddLinkCcd(soft, &topology.indices[3 * i], *rigid, mesh, constraints);
         }
 }
@@ -206,10 +207,10 @@ void qcMakeNodeCcdConstraints(qcSoftBodyScene& scene, std::vector<qcSoftConstrai
         btScalar softMotion = MaxMotionOf(soft);
         for (const std::unique_ptr<qcSceneRigid>& rigid : scene.meshes.Rigids())
         {
-            if (!qcHasResponse(soft, *rigid))
-                continue;
             for (const qcSceneMesh& mesh : rigid->meshes)
             {
+                if (!qcHasResponse(soft, *rigid, mesh))
+                    continue;
                 btScalar distance = soft.thickness / 2 + mesh.shape->getMargin();
                 btScalar motion =
                     qcMaxDisplacement(mesh, rigid->start * mesh.local, rigid->object->getWorldTransform() * mesh.local);

@@ -132,11 +132,12 @@ bool AreFiltered(const btSoftBody* soft, const btCollisionObject* other)
 }
 } // namespace
 
-bool qcHasResponse(const qcSceneSoftBody& soft, const qcSceneRigid& rigid)
+bool qcHasResponse(const qcSceneSoftBody& soft, const qcSceneRigid& rigid, const qcSceneMesh& mesh)
 {
     const auto& disabled = soft.body->m_collisionDisabledObjects;
-    return soft.CollidesWithRigidBodies() && rigid.object->hasContactResponse() &&
-           !AreFiltered(soft.body, rigid.object) && disabled.findLinearSearch(rigid.object) == disabled.size();
+    return (mesh.isSurface ? soft.CollidesWithSurfaces() : soft.CollidesWithRigidBodies()) &&
+           rigid.object->hasContactResponse() && !AreFiltered(soft.body, rigid.object) &&
+           disabled.findLinearSearch(rigid.object) == disabled.size();
 }
 
 bool qcHasResponse(qcSoftBodyScene& scene, uint32_t slotA, uint32_t slotB)
@@ -145,8 +146,8 @@ bool qcHasResponse(qcSoftBodyScene& scene, uint32_t slotA, uint32_t slotB)
     qcSceneRigid* rigid = nullptr;
     if (a == nullptr || b == nullptr)
     {
-        scene.meshes.Find(a == nullptr ? slotA : slotB, &rigid);
-        return qcHasResponse(a == nullptr ? *b : *a, *rigid);
+        const qcSceneMesh* mesh = scene.meshes.Find(a == nullptr ? slotA : slotB, &rigid);
+        return qcHasResponse(a == nullptr ? *b : *a, *rigid, *mesh);
     }
     // A body has pairs with itself only where its self-collision is on. Pairs of bodies are filtered here and not
     // gathered from processCollision: Bullet's boxes are of predicted positions, and its constraints may bring together

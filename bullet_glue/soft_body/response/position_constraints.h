@@ -47,7 +47,7 @@ struct qcSoftConstraint
 
 /// True if contacts between the bodies of these two slots (or of one with itself) push them apart.
 bool qcHasResponse(qcSoftBodyScene& scene, uint32_t slotA, uint32_t slotB);
-bool qcHasResponse(const qcSceneSoftBody& soft, const qcSceneRigid& rigid);
+bool qcHasResponse(const qcSceneSoftBody& soft, const qcSceneRigid& rigid, const qcSceneMesh& mesh);
 
 /// Makes a constraint between a soft body and a point of a mesh, in the object's frame. False: nothing can move.
 bool qcMakeMeshConstraint(qcSceneSoftBody& soft, const uint32_t vertices[3], const double weights[3],

@@ -11,6 +11,9 @@
 #include <utility>
 #include <vector>
 
+/// True if the body collides with the surfaces of Bullet's own shapes, and not by Bullet's tests of nodes or clusters.
+bool qcCollidesWithSurfaces(const btSoftBody* body, const qcSoftBodySettings& settings);
+
 /// A soft body of the scene.
 struct qcSceneSoftBody
 {
@@ -63,6 +66,10 @@ struct qcSceneSoftBody
     bool CollidesWithRigidBodies() const
     {
         return (body->m_cfg.collisions & btSoftBody::fCollision::RVSmask) != 0;
+    }
+    bool CollidesWithSurfaces() const
+    {
+        return qcCollidesWithSurfaces(body, settings);
     }
 };
 
