@@ -70,7 +70,7 @@ class qcAlgorithmOverride::Gate : public btCollisionAlgorithm
     bool IsOurs(const btCollisionObjectWrapper& soft, const btCollisionObjectWrapper& rigid) const
     {
         const btSoftBody* body = btSoftBody::upcast(soft.getCollisionObject());
-        return body != nullptr && qcHasSurfaces(rigid.getCollisionObject()) &&
+        return body != nullptr && !m_scene.hasFailed && qcHasSurfaces(rigid.getCollisionObject()) &&
                qcHasSurface(rigid.getCollisionShape()) && qcCollidesWithSurfaces(body, m_scene.GetSettings(body));
     }
 

@@ -72,7 +72,7 @@ qcStatus qcSoftBodyContact::Implementation::Detect(btScalar contactMargin, bool 
         statistics.fallback = m_result->profile.fallback;
     std::vector<size_t> penetrating;
     for (size_t i = 0; i < m_result->pairCount; i++)
-        if (qcHasResponse(scene, m_result->pairs[i].bodyA, m_result->pairs[i].bodyB))
+        if (qcHasResponse(scene, m_result->pairs[i]))
             penetrating.push_back(i);
     statistics.remaining = int(penetrating.size());
     m_tangles.MoveExempt(scene, *m_result, &penetrating, &m_exempt);
@@ -123,7 +123,7 @@ void qcSoftBodyContact::Implementation::SortMotionPairs()
     {
         const qcPair& pair = m_result->pairs[i];
         const qcProximity& start = m_result->proximities[i];
-        if (!IsContinuous(pair) || !qcHasResponse(scene, pair.bodyA, pair.bodyB))
+        if (!IsContinuous(pair) || !qcHasResponse(scene, pair))
             continue;
         const qcUnprovenPair unproven = {pair, qcVectorOf(start.normal), btScalar(start.distance)};
         qcTouchingMotion touching =
@@ -335,12 +335,14 @@ qcStatus qcSoftBodyContact::Implementation::RunStages(btScalar timeStep)
 
 bool qcSoftBodyContact::Implementation::Resolve(btScalar timeStep)
 {
-    if (statistics.status != qc_statusOk)
+    scene.hasFailed = statistics.status != qc_statusOk;
+    if (scene.hasFailed)
         return false;
     BT_PROFILE("qcSoftBodyContact resolve");
     statistics.status = RunStages(timeStep);
-    scene.EndStep(statistics.status != qc_statusOk);
-    if (statistics.status != qc_statusOk)
+    scene.hasFailed = statistics.status != qc_statusOk;
+    scene.EndStep(scene.hasFailed);
+    if (scene.hasFailed)
     {
         scene.meshes.Restore();
         return false;
@@ -382,6 +384,11 @@ const qcSoftBodyStatistics& qcSoftBodyContact::getStatistics() const
 void qcSoftBodyContact::debugDraw(btIDebugDraw* drawer) const
 {
     m_implementation->Draw(drawer);
+}
+
+void qcSoftBodyContact::updateShape(const btCollisionShape* shape)
+{
+    m_implementation->scene.meshes.Forget(shape);
 }
 
 void qcSoftBodyContact::setThreadCount(unsigned threads)

@@ -135,6 +135,11 @@ class QC_API qcSoftBodyContact
     /// The work of the last step. Valid until this object is destroyed; changes with each step.
     const qcSoftBodyStatistics& getStatistics() const;
 
+    /// Reports that the triangles of one of Bullet's shapes (static triangle mesh, terrain, btGImpactMeshShape) have
+    /// moved: call it where Bullet requires refitTree or postUpdate. They are copied when a soft body first comes near,
+    /// and again only after this call. Scaling and margins are detected without it.
+    void updateShape(const btCollisionShape* shape);
+
     /// Threads of the queries; 0, the default: one per core.
     void setThreadCount(unsigned threads);
     /// The method of the queries; qc_methodAuto by default. It changes the cost, not the simulation. `cullide` and

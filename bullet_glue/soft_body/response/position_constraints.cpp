@@ -130,6 +130,15 @@ bool AreFiltered(const btSoftBody* soft, const btCollisionObject* other)
     return !info->m_dispatcher->needsCollision(soft, other) ||
            !info->m_broadphase->getOverlappingPairCache()->needsBroadphaseCollision(proxyA, proxyB);
 }
+
+/// True if contacts between two soft bodies, or of one with itself, push them apart.
+bool HaveResponse(const qcSceneSoftBody& a, const qcSceneSoftBody& b)
+{
+    // A body has pairs with itself only where its self-collision is on. Pairs of bodies are filtered here and not
+    // gathered from processCollision: Bullet's boxes are of predicted positions, and its constraints may bring together
+    // bodies whose boxes were disjoint.
+    return &a == &b || !AreFiltered(a.body, b.body);
+}
 } // namespace
 
 bool qcHasResponse(const qcSceneSoftBody& soft, const qcSceneRigid& rigid, const qcSceneMesh& mesh)
@@ -140,19 +149,19 @@ bool qcHasResponse(const qcSceneSoftBody& soft, const qcSceneRigid& rigid, const
            disabled.findLinearSearch(rigid.object) == disabled.size();
 }
 
-bool qcHasResponse(qcSoftBodyScene& scene, uint32_t slotA, uint32_t slotB)
+bool qcHasResponse(qcSoftBodyScene& scene, const qcPair& pair)
 {
-    const qcSceneSoftBody *a = scene.Find(slotA), *b = scene.Find(slotB);
-    qcSceneRigid* rigid = nullptr;
+    const qcSceneSoftBody *a = scene.Find(pair.bodyA), *b = scene.Find(pair.bodyB);
     if (a == nullptr || b == nullptr)
     {
-        const qcSceneMesh* mesh = scene.meshes.Find(a == nullptr ? slotA : slotB, &rigid);
-        return qcHasResponse(a == nullptr ? *b : *a, *rigid, *mesh);
+        const qcSceneSoftBody& soft = a != nullptr ? *a : *b;
+        uint32_t triangle = a != nullptr ? pair.triangleA : pair.triangleB;
+        qcSceneRigid* rigid = nullptr;
+        const qcSceneMesh* mesh = scene.meshes.Find(a == nullptr ? pair.bodyA : pair.bodyB, &rigid);
+        return qcHasResponse(soft, *rigid, *mesh) &&
+               !soft.IsAnchored(&soft.topology.indices[3 * size_t(triangle)], rigid->object);
     }
-    // A body has pairs with itself only where its self-collision is on. Pairs of bodies are filtered here and not
-    // gathered from processCollision: Bullet's boxes are of predicted positions, and its constraints may bring together
-    // bodies whose boxes were disjoint.
-    return a == b || !AreFiltered(a->body, b->body);
+    return HaveResponse(*a, *b);
 }
 
 bool qcViewContact(qcSoftBodyScene& scene, const qcContact& contact, qcSoftContactView* view)
@@ -173,15 +182,14 @@ bool qcViewContact(qcSoftBodyScene& scene, const qcContact& contact, qcSoftConta
         view->thickness = (view->a->thickness + view->b->thickness) / 2;
         view->friction = (view->a->settings.friction + view->b->settings.friction) / 2;
         view->onB = PointOf(*view->b, view->verticesB, view->weightsB);
+        return view->distance <= view->thickness && HaveResponse(*view->a, *view->b);
     }
-    else
-    {
-        const qcSceneMesh& mesh = *scene.meshes.Find(slotB, &view->rigid);
-        view->thickness = view->a->thickness / 2 + mesh.shape->getMargin();
-        view->friction = (view->a->settings.friction + view->rigid->object->getFriction()) / 2;
-        view->onB = PointOf(mesh, view->verticesB, view->weightsB);
-    }
-    return view->distance <= view->thickness && qcHasResponse(scene, slotA, slotB);
+    const qcSceneMesh& mesh = *scene.meshes.Find(slotB, &view->rigid);
+    view->thickness = view->a->thickness / 2 + mesh.shape->getMargin();
+    view->friction = (view->a->settings.friction + view->rigid->object->getFriction()) / 2;
+    view->onB = PointOf(mesh, view->verticesB, view->weightsB);
+    return view->distance <= view->thickness && qcHasResponse(*view->a, *view->rigid, mesh) &&
+           !view->a->IsAnchored(view->verticesA, view->rigid->object);
 }
 
 bool qcMakeMeshConstraint(qcSceneSoftBody& soft, const uint32_t vertices[3], const double weights[3],

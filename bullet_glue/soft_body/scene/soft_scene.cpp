@@ -24,6 +24,17 @@ void FindPinned(qcSceneSoftBody& tracked)
     }
 }
 
+void FindAnchors(qcSceneSoftBody& tracked)
+{
+    const btSoftBody& body = *tracked.body;
+    tracked.anchors.clear();
+    for (int i = 0; i < body.m_anchors.size(); i++)
+        tracked.anchors.emplace_back(uint32_t(tracked.IndexOf(body.m_anchors[i].m_node)), body.m_anchors[i].m_body);
+    for (int i = 0; i < body.m_deformableAnchors.size(); i++)
+        tracked.anchors.emplace_back(uint32_t(tracked.IndexOf(body.m_deformableAnchors[i].m_node)),
+                                     body.m_deformableAnchors[i].m_cti.m_colObj);
+}
+
 /// True if no node is further from the end of the previous step than half the size that the body had there.
 bool IsNearEnd(const qcSceneSoftBody& tracked, btVector3 btSoftBody::Node::*start)
 {
@@ -160,6 +171,7 @@ void qcSoftBodyScene::ReadStart(qcSceneSoftBody& tracked, btVector3 btSoftBody::
         tracked.start = tracked.positions;
     tracked.startsWhereItEnded = tracked.startsWhereItEnded && isNearEnd;
     FindPinned(tracked);
+    FindAnchors(tracked);
 }
 
 qcStatus qcSoftBodyScene::Sync(const btAlignedObjectArray<btSoftBody*>& bodies, btVector3 btSoftBody::Node::*start)

@@ -35,7 +35,10 @@ struct qcSceneSoftBody
     /// The parts of the positions that untangling added in this step; they give no velocity. Empty: none.
     std::vector<btVector3> shifts;
     std::vector<bool> pinned; ///< nodes that contacts don't move; empty: none
-    bool inContact = false;   ///< it is in a constraint of this step
+    /// Nodes that are anchored to a rigid object: their triangles don't collide with that, since an anchor may lie
+    /// inside.
+    std::vector<std::pair<uint32_t, const btCollisionObject*>> anchors;
+    bool inContact = false; ///< it is in a constraint of this step
 
     int NodeCount() const
     {
@@ -66,6 +69,15 @@ struct qcSceneSoftBody
     bool CollidesWithRigidBodies() const
     {
         return (body->m_cfg.collisions & btSoftBody::fCollision::RVSmask) != 0;
+    }
+    /// True if one of the three nodes is anchored to the object.
+    bool IsAnchored(const uint32_t nodes[3], const btCollisionObject* object) const
+    {
+        for (const auto& anchor : anchors)
+            if (anchor.second == object &&
+                (anchor.first == nodes[0] || anchor.first == nodes[1] || anchor.first == nodes[2]))
+                return true;
+        return false;
     }
     bool CollidesWithSurfaces() const
     {
@@ -125,6 +137,7 @@ class qcSoftBodyScene
     qcSoftBodyMeshes meshes;
     unsigned threads = 0;
     qcMethod method = qc_methodAuto;
+    bool hasFailed = false; ///< a query of the previous step failed: Bullet holds rigid bodies off in the next one
 
   private:
     struct Setting
