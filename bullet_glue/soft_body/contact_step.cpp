@@ -311,7 +311,8 @@ qcStatus qcSoftBodyContact::Implementation::RunStages(btScalar timeStep)
 {
     double begin = qcNowMs();
     qcStatus status = scene.ReadSolved(timeStep);
-    statistics.meshes = int(scene.meshes.Rigids().size());
+    statistics.meshes = scene.meshes.CountWith(false);
+    statistics.surfaces = scene.meshes.CountWith(true);
     if (status == qc_statusOk)
         qcCollectRigidNodeContacts(scene, &m_rigidNodeContacts);
     statistics.gatherMs += qcNowMs() - begin;

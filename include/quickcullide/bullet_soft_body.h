@@ -57,7 +57,8 @@ struct qcSoftBodyStatistics
     /// Pairs that are not proven apart over the step, though they were apart at its start: only kinematic meshes that
     /// leave no room do this.
     int unproven = 0;
-    int meshes = 0;     ///< rigid bodies near a soft body, other than those left to Bullet
+    int meshes = 0;     ///< bodies with a qcMeshShape near a soft body
+    int surfaces = 0;   ///< bodies near a soft body with other shapes that collide as triangles
     int sweptNodes = 0; ///< nodes and rope links that passed through one of these within the step and were held back
     /// The method of the step's last query for contacts; never qc_methodAuto: `layers` if the device answered for a
     /// part.

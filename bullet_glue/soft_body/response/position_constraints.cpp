@@ -131,6 +131,13 @@ bool AreFiltered(const btSoftBody* soft, const btCollisionObject* other)
            !info->m_broadphase->getOverlappingPairCache()->needsBroadphaseCollision(proxyA, proxyB);
 }
 
+/// True for a contact with a convex surface from inside. Between start and end of the step a node may come in through
+/// one face near the edge to another one, which must not push it further in.
+bool PushesInwards(const qcSoftConstraint& constraint, const qcSceneRigid& rigid, const qcSceneMesh& mesh)
+{
+    return constraint.normal.dot(constraint.point - rigid.object->getWorldTransform() * mesh.inside) <= 0;
+}
+
 /// True if contacts between two soft bodies, or of one with itself, push them apart.
 bool HaveResponse(const qcSceneSoftBody& a, const qcSceneSoftBody& b)
 {
@@ -185,6 +192,7 @@ bool qcViewContact(qcSoftBodyScene& scene, const qcContact& contact, qcSoftConta
         return view->distance <= view->thickness && HaveResponse(*view->a, *view->b);
     }
     const qcSceneMesh& mesh = *scene.meshes.Find(slotB, &view->rigid);
+    view->mesh = &mesh;
     view->thickness = view->a->thickness / 2 + mesh.shape->getMargin();
     view->friction = (view->a->settings.friction + view->rigid->object->getFriction()) / 2;
     view->onB = PointOf(mesh, view->verticesB, view->weightsB);
@@ -226,7 +234,8 @@ void qcMakeSoftConstraints(qcSoftBodyScene& scene, const qcSoftTangles& tangles,
         {
             btVector3 point = view.rigid->object->getWorldTransform().invXform(view.onB);
             if (!qcMakeMeshConstraint(*view.a, view.verticesA, view.weightsA, *view.rigid, point, view.normal,
-                                      view.thickness, &constraint))
+                                      view.thickness, &constraint) ||
+                (view.mesh->isConvex && PushesInwards(constraint, *view.rigid, *view.mesh)))
                 continue;
         }
         else

@@ -11,6 +11,7 @@ struct qcSoftContactView
 {
     qcSceneSoftBody *a = nullptr, *b = nullptr; ///< b: null for a mesh
     qcSceneRigid* rigid = nullptr;              ///< null for a soft body b
+    const qcSceneMesh* mesh = nullptr;          ///< of the rigid object
     const uint32_t *verticesA, *verticesB;
     const double *weightsA, *weightsB;
     btVector3 normal; ///< towards A

@@ -282,6 +282,8 @@ void qcSoftBodyMeshes::FindMeshes(qcSceneRigid* rigid, const Overlap& overlap)
             ToFrame(rigid->object->getWorldTransform() * shape.local, overlap.box, box);
             shape.surface = m_surfaces.Find(shape.shape, shape.revision, rigid->object, box);
             mesh.shape = shape.surface->mesh.get();
+            mesh.isConvex = shape.surface->isConvex;
+            mesh.inside = shape.local * shape.surface->inside;
         }
         mesh.local = shape.local;
         mesh.index = i;
@@ -468,6 +470,14 @@ void qcSoftBodyMeshes::Restore()
             rigid->object->setWorldTransform(rigid->solved);
     }
     RecordEnds();
+}
+
+int qcSoftBodyMeshes::CountWith(bool surface) const
+{
+    auto isIt = [surface](const qcSceneMesh& mesh) { return mesh.isSurface == surface; };
+    auto has = [&](const std::unique_ptr<qcSceneRigid>& rigid)
+    { return std::any_of(rigid->meshes.begin(), rigid->meshes.end(), isIt); };
+    return int(std::count_if(m_rigids.begin(), m_rigids.end(), has));
 }
 
 const qcSceneMesh* qcSoftBodyMeshes::Find(uint32_t slot, qcSceneRigid** rigid)

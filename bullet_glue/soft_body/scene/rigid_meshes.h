@@ -32,6 +32,8 @@ struct qcSceneMesh
     bool isSurface = false;
     btTransform local = btTransform::getIdentity(); ///< from the shape's frame to the object's
     size_t index = 0;                               ///< of the shape among those of the object
+    bool isConvex = false;                          ///< a closed convex surface
+    btVector3 inside{0, 0, 0};                      ///< a point inside of it, in the object's frame
     qcBodyId id{};
     btTransform sceneTransform = btTransform::getIdentity(); ///< of the mesh in the scene
 };
@@ -105,6 +107,8 @@ class qcSoftBodyMeshes
     bool FindTransform(const qcSceneRigid& rigid, const qcSceneMesh& mesh, btTransform* transform) const;
     /// The mesh of a slot and its object, or null.
     const qcSceneMesh* Find(uint32_t slot, qcSceneRigid** rigid);
+    /// The number of objects with a surface of one of Bullet's own shapes, or with a qcMeshShape.
+    int CountWith(bool surface) const;
     const std::vector<std::unique_ptr<qcSceneRigid>>& Rigids() const
     {
         return m_rigids;

@@ -161,7 +161,12 @@ std::shared_ptr<const qcShapeSurface> MakeSurface(const btCollisionShape* shape,
     surface->region[0] = box[0] - enlargement;
     surface->region[1] = box[1] + enlargement;
     if (shape->isConvex())
+    {
+        surface->isConvex = true;
         surface->mesh = MakeConvexMesh(static_cast<const btConvexShape*>(shape));
+        for (uint32_t i = 0; surface->mesh != nullptr && i < surface->mesh->getVertexCount(); i++)
+            surface->inside += surface->mesh->getVertices()[i] / btScalar(surface->mesh->getVertexCount());
+    }
     else if (shape->getShapeType() == STATIC_PLANE_PROXYTYPE)
     {
         surface->isWhole = false;

@@ -17,8 +17,10 @@ struct qcShapeSurface
 {
     /// Its margin is the distance at which soft bodies are kept from the triangles. Null: there are no triangles.
     std::unique_ptr<qcMeshShape> mesh;
-    bool isWhole = true; ///< false: the mesh has what lies in the region
-    btVector3 region[2]; ///< lower and upper corner, in the shape's frame
+    bool isWhole = true;       ///< false: the mesh has what lies in the region
+    bool isConvex = false;     ///< a closed convex surface
+    btVector3 inside{0, 0, 0}; ///< a point inside of it, in the shape's frame
+    btVector3 region[2];       ///< lower and upper corner, in the shape's frame
 
     /// True if the mesh has all of the surface that overlaps the box.
     bool Covers(const btVector3 box[2]) const;

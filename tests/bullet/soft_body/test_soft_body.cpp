@@ -450,6 +450,7 @@ START_TEST(a_method_without_contacts_leaves_a_step_to_bullet)
     btSoftBody* same = plain.AddUprightCloth(6);
     qcSoftBodySettings settings;
     settings.selfCollision = false;
+    settings.bulletNodeContacts = true;
     plain.softSolver.setSettings(same, settings);
     world.softSolver.setMethod(qc_methodQuick);
     for (int i = 0; i < 60; i++)
