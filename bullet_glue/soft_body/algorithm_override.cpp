@@ -8,16 +8,19 @@
 #include "common/shape_triangles.h"
 #include "soft_body/scene/soft_scene.h"
 
+#include <BulletCollision/BroadphaseCollision/btCollisionAlgorithm.h>
 #include <BulletCollision/CollisionDispatch/btCollisionConfiguration.h>
 #include <BulletCollision/CollisionDispatch/btCollisionCreateFunc.h>
 #include <BulletCollision/CollisionDispatch/btCollisionDispatcher.h>
 #include <BulletCollision/CollisionDispatch/btCollisionObjectWrapper.h>
-#include <BulletCollision/CollisionDispatch/btEmptyCollisionAlgorithm.h>
+
+#include <mutex>
 
 namespace
 {
 /// Bullet's algorithm is running: those that it creates for single triangles of a concave shape are its own, too.
 thread_local bool t_isInBullets = false;
+std::mutex s_liveObjects;
 
 /// The rigid one of the two.
 const btCollisionObjectWrapper* RigidOf(const btCollisionObjectWrapper* a, const btCollisionObjectWrapper* b)
@@ -30,7 +33,7 @@ const btCollisionObjectWrapper* RigidOf(const btCollisionObjectWrapper* a, const
 class qcAlgorithmOverride::Gate : public btCollisionAlgorithm
 {
   public:
-    Gate(btCollisionAlgorithmConstructionInfo& info, btCollisionAlgorithm* original, const qcSoftBodyScene& scene)
+    Gate(btCollisionAlgorithmConstructionInfo& info, btCollisionAlgorithm* original, qcSoftBodyScene& scene)
         : btCollisionAlgorithm(info), m_original(original), m_scene(scene)
     {
     }
@@ -39,6 +42,8 @@ class qcAlgorithmOverride::Gate : public btCollisionAlgorithm
 
     ~Gate() override
     {
+        if (m_original == nullptr)
+            return;
         m_original->~btCollisionAlgorithm();
         m_dispatcher->freeCollisionAlgorithm(m_original);
     }
@@ -48,7 +53,12 @@ class qcAlgorithmOverride::Gate : public btCollisionAlgorithm
     {
         const btCollisionObjectWrapper *rigid = RigidOf(body0, body1), *soft = rigid == body0 ? body1 : body0;
         if (!t_isInBullets && IsOurs(*soft, *rigid))
+        {
+            // Bullet may dispatch pairs on several threads.
+            std::lock_guard<std::mutex> lock(s_liveObjects);
+            m_scene.liveObjects.emplace_back(rigid->getCollisionObject());
             return;
+        }
         const bool wasInBullets = t_isInBullets;
         t_isInBullets = true;
         m_original->processCollision(body0, body1, info, result);
@@ -58,29 +68,32 @@ class qcAlgorithmOverride::Gate : public btCollisionAlgorithm
     btScalar calculateTimeOfImpact(btCollisionObject* body0, btCollisionObject* body1, const btDispatcherInfo& info,
                                    btManifoldResult* result) override
     {
-        return m_original->calculateTimeOfImpact(body0, body1, info, result);
+        return m_original != nullptr ? m_original->calculateTimeOfImpact(body0, body1, info, result) : btScalar(1);
     }
 
     void getAllContactManifolds(btManifoldArray& manifolds) override
     {
-        m_original->getAllContactManifolds(manifolds);
+        if (m_original != nullptr)
+            m_original->getAllContactManifolds(manifolds);
     }
 
   private:
     bool IsOurs(const btCollisionObjectWrapper& soft, const btCollisionObjectWrapper& rigid) const
     {
+        if (m_original == nullptr)
+            return true;
         const btSoftBody* body = btSoftBody::upcast(soft.getCollisionObject());
         return body != nullptr && !m_scene.hasFailed && qcHasSurfaces(rigid.getCollisionObject()) &&
                qcHasSurface(rigid.getCollisionShape()) && qcCollidesWithSurfaces(body, m_scene.GetSettings(body));
     }
 
-    btCollisionAlgorithm* m_original;
-    const qcSoftBodyScene& m_scene;
+    btCollisionAlgorithm* m_original; ///< null for a qcMeshShape
+    qcSoftBodyScene& m_scene;
 };
 
 struct qcAlgorithmOverride::CreateFunc : btCollisionAlgorithmCreateFunc
 {
-    explicit CreateFunc(const qcSoftBodyScene& softScene) : scene(softScene)
+    explicit CreateFunc(qcSoftBodyScene& softScene) : scene(softScene)
     {
     }
 
@@ -88,16 +101,14 @@ struct qcAlgorithmOverride::CreateFunc : btCollisionAlgorithmCreateFunc
                                                    const btCollisionObjectWrapper* body0,
                                                    const btCollisionObjectWrapper* body1) override
     {
-        if (qcAsMeshShape(RigidOf(body0, body1)->getCollisionShape()) != nullptr)
-            return new (info.m_dispatcher1->allocateCollisionAlgorithm(sizeof(btEmptyAlgorithm)))
-                btEmptyAlgorithm(info);
-        btCollisionAlgorithm* bullets = original->CreateCollisionAlgorithm(info, body0, body1);
-        if (bullets == nullptr)
+        bool isMesh = qcAsMeshShape(RigidOf(body0, body1)->getCollisionShape()) != nullptr;
+        btCollisionAlgorithm* bullets = isMesh ? nullptr : original->CreateCollisionAlgorithm(info, body0, body1);
+        if (!isMesh && bullets == nullptr)
             return nullptr;
         return new (info.m_dispatcher1->allocateCollisionAlgorithm(sizeof(Gate))) Gate(info, bullets, scene);
     }
 
-    const qcSoftBodyScene& scene;
+    qcSoftBodyScene& scene;
     btCollisionAlgorithmCreateFunc* original = nullptr;
 };
 
@@ -111,7 +122,7 @@ bool IsOverridden(int type)
 }
 } // namespace
 
-qcAlgorithmOverride::qcAlgorithmOverride(const qcSoftBodyScene& scene)
+qcAlgorithmOverride::qcAlgorithmOverride(qcSoftBodyScene& scene)
 {
     for (int i = 0; i < 2 * MAX_BROADPHASE_COLLISION_TYPES; i++)
         m_createFuncs.emplace_back(new CreateFunc(scene));

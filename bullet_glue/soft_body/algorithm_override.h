@@ -13,8 +13,8 @@ class qcSoftBodyScene;
 class qcAlgorithmOverride
 {
   public:
-    /// `scene` has the settings of soft bodies.
-    explicit qcAlgorithmOverride(const qcSoftBodyScene& scene);
+    /// `scene` has the settings of soft bodies, and receives its liveObjects.
+    explicit qcAlgorithmOverride(qcSoftBodyScene& scene);
     ~qcAlgorithmOverride();
 
     /// Overrides the algorithms of this dispatcher; the previous one gets its own back. Null, and a dispatcher without

@@ -25,6 +25,7 @@ constexpr int s_planeRounds = 6, s_planeSweeps = 6;
 void qcSoftBodyContact::Implementation::BeginStep(const btAlignedObjectArray<btSoftBody*>& bodies)
 {
     manifolds.Release();
+    scene.liveObjects.clear();
     for (int i = 0; i < bodies.size(); i++)
         algorithmOverride.Register(bodies[i]->getWorldInfo()->m_dispatcher);
 }
@@ -348,6 +349,7 @@ bool qcSoftBodyContact::Implementation::Resolve(btScalar timeStep)
         scene.meshes.Restore();
         return false;
     }
+    qcHeldContacts::Keep(scene, m_constraints);
     scene.meshes.UpdateVelocities(timeStep);
     qcApplyRigidNodeImpulses(m_rigidNodeContacts, timeStep);
     return true;

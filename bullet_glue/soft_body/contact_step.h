@@ -6,6 +6,7 @@
 #include "soft_body/algorithm_override.h"
 #include "soft_body/contact_manifolds.h"
 #include "soft_body/draw_contacts.h"
+#include "soft_body/response/held_contacts.h"
 #include "soft_body/response/position_constraints.h"
 #include "soft_body/response/rigid_zones.h"
 #include "soft_body/response/separating_planes.h"
@@ -31,6 +32,7 @@ struct qcSoftBodyContact::Implementation
     void DispatchCallbacks();
 
     qcSoftBodyScene scene;
+    qcHeldContacts heldContacts;
     qcContactManifolds manifolds;
     qcAlgorithmOverride algorithmOverride;
     qcSoftBodyStatistics statistics;

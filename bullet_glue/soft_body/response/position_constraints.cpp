@@ -92,6 +92,7 @@ void Solve(qcSoftConstraint& constraint)
 void Orient(btScalar thickness, const btVector3& normal, qcSoftConstraint* constraint)
 {
     constraint->normal = normal;
+    constraint->thickness = thickness;
     btScalar startDistance = normal.dot(constraint->startOffset);
     if (startDistance < 0)
     {

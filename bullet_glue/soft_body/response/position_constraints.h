@@ -38,6 +38,7 @@ struct qcSoftConstraint
     btVector3 normal;
     btVector3 startOffset{0, 0, 0}; ///< the weighted sum at the start of the step
     btScalar distance = 0;
+    btScalar thickness = 0; ///< contact distance; `distance` is less where a gap is restored over several steps
     btScalar friction = 0;
     /// For ropes: friction and normal push are bounded as sums over all sweeps, so that friction takes back what links,
     /// solved in alternation, pull loose. Otherwise they are bounded in each sweep by itself.

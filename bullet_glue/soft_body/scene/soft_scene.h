@@ -2,6 +2,7 @@
 #ifndef QC_GLUE_SOFT_BODY_SCENE_SOFT_SCENE_H
 #define QC_GLUE_SOFT_BODY_SCENE_SOFT_SCENE_H
 
+#include "common/object_key.h"
 #include "soft_body/scene/rigid_meshes.h"
 #include "soft_body/scene/topology.h"
 
@@ -13,6 +14,18 @@
 
 /// True if the body collides with the surfaces of Bullet's own shapes, and not by Bullet's tests of nodes or clusters.
 bool qcCollidesWithSurfaces(const btSoftBody* body, const qcSoftBodySettings& settings);
+
+/// A contact of a soft body with a rigid object that it can't move, at the end of a step.
+struct qcHeldContact
+{
+    qcObjectKey object{nullptr, -1};
+    int count = 0; ///< of nodes
+    uint32_t nodes[3] = {0, 0, 0};
+    btScalar weights[3] = {0, 0, 0}; ///< their sum is 1
+    btVector3 point;                 ///< on the object
+    btVector3 localPoint, localNormal;
+    btScalar thickness = 0, friction = 0;
+};
 
 /// A soft body of the scene.
 struct qcSceneSoftBody
@@ -38,7 +51,8 @@ struct qcSceneSoftBody
     /// Nodes that are anchored to a rigid object: their triangles don't collide with that, since an anchor may lie
     /// inside.
     std::vector<std::pair<uint32_t, const btCollisionObject*>> anchors;
-    bool inContact = false; ///< it is in a constraint of this step
+    std::vector<qcHeldContact> heldContacts; ///< of the previous step
+    bool inContact = false;                  ///< it is in a constraint of this step
 
     int NodeCount() const
     {
@@ -137,6 +151,8 @@ class qcSoftBodyScene
     qcSoftBodyMeshes meshes;
     unsigned threads = 0;
     qcMethod method = qc_methodAuto;
+    /// Rigid objects whose pairs with soft bodies Bullet has dispatched in this step.
+    std::vector<qcObjectKey> liveObjects;
     bool hasFailed = false; ///< a query of the previous step failed: Bullet holds rigid bodies off in the next one
 
   private:
