@@ -9,6 +9,9 @@ namespace
 constexpr btScalar s_pointShare = btScalar(0.01);
 // The share of a missing gap that one step restores, as in contacts.
 constexpr btScalar s_recovery = btScalar(0.2);
+// The share of the thickness at which contacts are held: at the whole thickness, rounding would decide in each step
+// whether they are found again.
+constexpr btScalar s_heldShare = btScalar(0.98);
 
 /// The soft body that has the position, and the position's index. Null: none.
 qcSceneSoftBody* FindOwner(qcSoftBodyScene& scene, const btVector3* position, uint32_t* index)
@@ -125,7 +128,8 @@ void qcHeldContacts::Insert(qcSoftBodyScene& scene)
         m_nodes[i].m_q = inserted.start;
         m_nodes[i].m_x = inserted.end;
         btScalar gap = inserted.normal.dot(StartOf(*inserted.soft, *inserted.contact) - inserted.start);
-        btScalar distance = std::max(gap, gap + s_recovery * (inserted.contact->thickness - gap));
+        const btScalar held = s_heldShare * inserted.contact->thickness;
+        btScalar distance = gap < held ? gap + s_recovery * (held - gap) : held;
         btSoftBody::SContact contact;
         Fill(*inserted.soft, *inserted.contact, inserted.normal, distance, &m_nodes[i], &m_faces[i], &contact);
         inserted.soft->body->m_scontacts.push_back(contact);
@@ -143,7 +147,7 @@ void qcHeldContacts::Remove(qcSoftBodyScene& scene)
         const qcHeldContact& held = *inserted.contact;
         btSoftBody& body = *inserted.soft->body;
         // Coulomb friction takes back sliding, at most the normal push times the coefficient.
-        btScalar pushed = inserted.normal.dot(inserted.end - m_nodes[i].m_x) / s_pointShare / SquaredWeights(held);
+        btScalar pushed = inserted.normal.dot(inserted.end - m_nodes[i].m_x) / s_pointShare;
         btVector3 motion = inserted.start - inserted.end - StartOf(*inserted.soft, held);
         for (int k = 0; k < held.count; k++)
             motion += body.m_nodes[int(held.nodes[k])].m_x * held.weights[k];
