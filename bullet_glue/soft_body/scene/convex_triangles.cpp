@@ -18,9 +18,11 @@ namespace
 constexpr btScalar s_maxMargin = btScalar(0.01);
 constexpr int s_minSegments = 16, s_maxSegments = 64;
 // Of a hull by support function.
-constexpr size_t s_maxPoints = 512;
+constexpr size_t s_maxPoints = 1024;
 // A hull whose inner radius is a smaller share of its size is flat.
 constexpr btScalar s_flat = btScalar(1e-3);
+// Of a face, area by the square of its length.
+constexpr btScalar s_thin = btScalar(1e-3);
 
 //  ---- surfaces of revolution --------------------------------------------------------------------------------------
 
@@ -121,18 +123,25 @@ struct Support
 /// A face of a hull: a plane, and its corners.
 struct Face
 {
-    btVector3 normal; ///< unit, outward
+    btVector3 normal; ///< unit, outward; see NormalOf
     btScalar level;   ///< min of normal . corner
     std::vector<uint32_t> corners;
 };
 
+/// Zero for a face too thin to have a reliable one.
 btVector3 NormalOf(const std::vector<btVector3>& points, const std::vector<uint32_t>& corners)
 {
     btVector3 normal(0, 0, 0);
+    btScalar longest2 = 0;
     for (size_t i = 1; i + 1 < corners.size(); i++)
-        normal += (points[corners[i]] - points[corners[0]]).cross(points[corners[i + 1]] - points[corners[0]]);
+    {
+        const btVector3 first = points[corners[i]] - points[corners[0]];
+        const btVector3 second = points[corners[i + 1]] - points[corners[0]];
+        normal += first.cross(second);
+        longest2 = std::max(longest2, std::max(first.length2(), second.length2()));
+    }
     btScalar length = normal.length();
-    return length > 0 ? normal / length : btVector3(0, 0, 0);
+    return length > s_thin * longest2 ? normal / length : btVector3(0, 0, 0);
 }
 
 /// The hull's faces, with corners among the points given: btConvexHullComputer rounds its own to a grid.
@@ -151,9 +160,6 @@ std::vector<Face> FacesOf(const std::vector<btVector3>& points)
             edge = edge->getNextEdgeOfFace();
         } while (edge != first);
         face.normal = NormalOf(points, face.corners);
-        // No area: a face of points on a line.
-        if (face.normal.isZero())
-            continue;
         face.level = BT_LARGE_FLOAT;
         for (uint32_t corner : face.corners)
             face.level = std::min(face.level, face.normal.dot(points[corner]));
@@ -175,7 +181,8 @@ bool IsSolid(const std::vector<Face>& faces, const btVector3& center, btScalar s
 {
     return faces.size() >= 4 &&
            std::all_of(faces.begin(), faces.end(),
-                       [&](const Face& face) { return face.level - face.normal.dot(center) > s_flat * size; });
+                       [&](const Face& face)
+                       { return face.normal.isZero() || face.level - face.normal.dot(center) > s_flat * size; });
 }
 
 std::vector<btVector3> FirstPoints(const Support& support)
@@ -194,6 +201,8 @@ bool Refine(const Support& support, const std::vector<Face>& faces, btScalar err
     size_t count = points->size();
     for (const Face& face : faces)
     {
+        if (face.normal.isZero())
+            continue;
         btVector3 point = support(face.normal);
         if (face.normal.dot(point) > face.level + error && points->size() < s_maxPoints &&
             std::find(points->begin(), points->end(), point) == points->end())
@@ -202,10 +211,10 @@ bool Refine(const Support& support, const std::vector<Face>& faces, btScalar err
     return points->size() > count;
 }
 
-/// Scales the points about the center until the hull contains the body.
-void Enclose(const Support& support, const std::vector<Face>& faces, const btVector3& center,
-             std::vector<btVector3>* points)
+/// Scales the points about the center until the hull contains the shape, if it doesn't yet.
+void Enclose(Support support, const std::vector<Face>& faces, const btVector3& center, std::vector<btVector3>* points)
 {
+    support.ball = 0;
     btScalar scale = 1;
     for (const Face& face : faces)
         scale =
@@ -223,12 +232,13 @@ void AddFaces(const std::vector<Face>& faces, const std::vector<btVector3>& poin
                                       {face.corners[0], face.corners[i], face.corners[i + 1]});
 }
 
-/// The hull of points of the body, refined to within `error`. False: it is flat.
-bool MakeHull(const Support& support, btScalar error, btScalar size, qcConvexTriangles* triangles)
+/// The hull of points of the body. If it comes within the radius of the body's ball in all directions, it contains the
+/// shape. False: it is flat.
+bool MakeHull(const Support& support, btScalar size, qcConvexTriangles* triangles)
 {
     std::vector<btVector3> points = FirstPoints(support);
     std::vector<Face> faces = FacesOf(points);
-    while (Refine(support, faces, error, &points))
+    while (Refine(support, faces, support.ball, &points))
         faces = FacesOf(points);
     btVector3 center = CenterOf(points);
     if (!IsSolid(faces, center, size))
@@ -258,11 +268,10 @@ bool MakePolyhedron(const btConvexShape* shape, btScalar size, qcConvexTriangles
 bool MakeAny(const btConvexShape* shape, btScalar size, qcConvexTriangles* triangles)
 {
     const bool isPolyhedron = shape->isPolyhedral();
-    if (isPolyhedron && MakePolyhedron(shape, size, triangles))
-        return true;
-    const btScalar error = std::max(triangles->margin / 2, size / 1000);
-    return MakeHull({shape, !isPolyhedron, 0}, error, size, triangles) ||
-           MakeHull({shape, true, size / 100}, error, size, triangles);
+    const btScalar error = std::max(triangles->margin / 2, size / 200);
+    return (isPolyhedron && MakePolyhedron(shape, size, triangles)) ||
+           MakeHull({shape, !isPolyhedron, error}, size, triangles) ||
+           MakeHull({shape, true, size / 50}, size, triangles);
 }
 
 void MakeCylinder(const btCylinderShape& cylinder, qcConvexTriangles* triangles)

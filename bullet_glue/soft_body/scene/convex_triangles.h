@@ -18,9 +18,10 @@ struct qcConvexTriangles
     btScalar margin = 0;
 };
 
-/// Contains the shape. Curved surfaces lie inside of it by at most half the margin or, if the count of triangles is at
-/// its limit, by at most a 400th (sphere, capsule, cylinder, cone) or about a 50th (others) of the size. Same shape,
-/// same triangles. At most 4096 triangles, but for hulls of many vertices. False: the shape is empty or not finite.
+/// The triangles contain the shape. Flat faces are exact. Curved ones are approximated from outside to half the margin
+/// or, at the limit of triangles, to a 400th of the radius (sphere, capsule, cylinder, cone) or a 100th of the half
+/// extent (others). A flat hull is thickened by a 50th of it. Same shape, same triangles; at most 4096, but for hulls
+/// of more vertices. False: the shape is empty or not finite.
 bool qcMakeConvexTriangles(const btConvexShape* shape, qcConvexTriangles* triangles);
 
 #endif

@@ -38,8 +38,8 @@ inline qcModel qcRevolvedModel(const std::vector<std::pair<double, double>>& cir
     qcModel model;
     for (const auto& circle : circles)
         for (int i = 0; i < segments; i++)
-            model.Add(circle.first * std::cos(2 * qcPi * i / segments), circle.first * std::sin(2 * qcPi * i / segments),
-                      circle.second);
+            model.Add(circle.first * std::cos(2 * qcPi * i / segments),
+                      circle.first * std::sin(2 * qcPi * i / segments), circle.second);
     for (uint32_t r = 0; r + 1 < circles.size(); r++)
         for (uint32_t i = 0; i < uint32_t(segments); i++)
         {
@@ -133,126 +133,125 @@ inline void qcMakeHeightfield(qcShapeModel* made)
         }
 }
 
-/// `radius` of thin poles: 1 cm.
+/// Thin poles have a radius of 1 cm.
 inline qcShapeModel qcMakeShape(qcShapeKind kind)
 {
     qcShapeModel made;
-    const btTransform identity = btTransform::getIdentity();
     const btQuaternion turn(btVector3(1, 2, 3).normalized(), btScalar(0.9));
     const double thin = 0.01;
     switch (kind)
     {
-    case qc_shapeSphere:
-        made.name = "sphere";
-        made.top = btScalar(0.5);
-        made.shape.reset(new btSphereShape(btScalar(0.5)));
-        made.model = qcSphereModel(0.5, 4);
-        break;
-    case qc_shapeBox:
-        made.name = "box";
-        made.top = btScalar(0.3);
-        made.shape.reset(new btBoxShape(btVector3(btScalar(0.4), btScalar(0.3), btScalar(0.5))));
-        made.model = qcBoxModel(btVector3(btScalar(0.4), btScalar(0.3), btScalar(0.5)), 1);
-        break;
-    case qc_shapeTiltedBox:
-    {
-        made.name = "tilted box";
-        made.top = btScalar(0.6);
-        auto* compound = new btCompoundShape;
-        made.shape.reset(compound);
-        made.children.emplace_back(new btBoxShape(btVector3(btScalar(0.4), btScalar(0.3), btScalar(0.5))));
-        compound->addChildShape(btTransform(turn), made.children[0].get());
-        qcAddModel(&made.model, qcBoxModel(btVector3(btScalar(0.4), btScalar(0.3), btScalar(0.5)), 1), btTransform(turn));
-        break;
+        case qc_shapeSphere:
+            made.name = "sphere";
+            made.top = btScalar(0.5);
+            made.shape.reset(new btSphereShape(btScalar(0.5)));
+            made.model = qcSphereModel(0.5, 4);
+            break;
+        case qc_shapeBox:
+            made.name = "box";
+            made.top = btScalar(0.3);
+            made.shape.reset(new btBoxShape(btVector3(btScalar(0.4), btScalar(0.3), btScalar(0.5))));
+            made.model = qcBoxModel(btVector3(btScalar(0.4), btScalar(0.3), btScalar(0.5)), 1);
+            break;
+        case qc_shapeTiltedBox:
+        {
+            made.name = "tilted box";
+            made.top = btScalar(0.6);
+            auto* compound = new btCompoundShape;
+            made.shape.reset(compound);
+            made.children.emplace_back(new btBoxShape(btVector3(btScalar(0.4), btScalar(0.3), btScalar(0.5))));
+            compound->addChildShape(btTransform(turn), made.children[0].get());
+            qcAddModel(&made.model, qcBoxModel(btVector3(btScalar(0.4), btScalar(0.3), btScalar(0.5)), 1),
+                       btTransform(turn));
+            break;
+        }
+        case qc_shapeCapsule:
+            made.name = "capsule";
+            made.top = btScalar(0.2);
+            made.shape.reset(new btCapsuleShapeZ(btScalar(0.2), btScalar(0.6)));
+            made.model = qcCapsuleModel(0.2, 0.3);
+            break;
+        case qc_shapeThinCapsule:
+            made.name = "thin capsule";
+            made.top = btScalar(thin);
+            made.shape.reset(new btCapsuleShapeZ(btScalar(thin), 3));
+            made.model = qcCapsuleModel(thin, 1.5);
+            break;
+        case qc_shapeThinCylinder:
+            made.name = "thin cylinder";
+            made.top = btScalar(thin);
+            made.shape.reset(new btCylinderShapeZ(btVector3(btScalar(thin), btScalar(thin), btScalar(1.5))));
+            made.model = qcCylinderModel(thin, 1.5);
+            break;
+        case qc_shapeCylinder:
+            made.name = "cylinder";
+            made.top = btScalar(0.3);
+            made.shape.reset(new btCylinderShapeZ(btVector3(btScalar(0.3), btScalar(0.3), btScalar(0.3))));
+            made.model = qcCylinderModel(0.3, 0.3);
+            break;
+        case qc_shapeCone:
+            made.name = "cone";
+            made.top = btScalar(0.4);
+            made.shape.reset(new btConeShape(btScalar(0.4), btScalar(0.8)));
+            made.model = qcRevolvedModel({{0, -0.4}, {0.4, -0.4}, {0, 0.4}}, 48);
+            made.model.Move(btTransform(btQuaternion(btVector3(1, 0, 0), -SIMD_HALF_PI)));
+            break;
+        case qc_shapeHull:
+        {
+            made.name = "hull";
+            made.top = btScalar(0.5);
+            made.model = qcSphereModel(0.5, 0);
+            auto* hull = new btConvexHullShape;
+            made.shape.reset(hull);
+            for (size_t i = 0; i < made.model.positions.size(); i += 3)
+                hull->addPoint(
+                    btVector3(made.model.positions[i], made.model.positions[i + 1], made.model.positions[i + 2]));
+            break;
+        }
+        case qc_shapeMultiSphere:
+        {
+            made.name = "multisphere";
+            made.top = btScalar(0.3);
+            const btVector3 centers[2] = {btVector3(0, 0, btScalar(-0.3)), btVector3(0, 0, btScalar(0.3))};
+            const btScalar radii[2] = {btScalar(0.3), btScalar(0.1)};
+            made.shape.reset(new btMultiSphereShape(centers, radii, 2));
+            qcAddModel(&made.model, qcSphereModel(0.3, 3), btTransform(btQuaternion::getIdentity(), centers[0]));
+            qcAddModel(&made.model, qcSphereModel(0.1, 3), btTransform(btQuaternion::getIdentity(), centers[1]));
+            break;
+        }
+        case qc_shapeCompound:
+            made.name = "compound";
+            made.top = btScalar(0.3);
+            qcMakeCompound(&made);
+            break;
+        case qc_shapeMesh:
+        {
+            made.name = "btBvhTriangleMeshShape";
+            made.top = btScalar(0.15);
+            made.model = qcTorusModel(0.5, 0.15, 24, 12);
+            made.triangles = made.model.MakeInterface();
+            made.shape.reset(new btBvhTriangleMeshShape(made.triangles.get(), true));
+            break;
+        }
+        case qc_shapePlane:
+        case qc_shapeTiltedPlane:
+        {
+            made.name = kind == qc_shapePlane ? "plane" : "tilted plane";
+            made.top = btScalar(kind == qc_shapePlane ? 0.1 : 0.5);
+            btVector3 normal =
+                kind == qc_shapePlane ? btVector3(0, 1, 0) : btVector3(btScalar(0.3), 1, btScalar(0.2)).normalized();
+            made.shape.reset(new btStaticPlaneShape(normal, btScalar(0.1)));
+            made.model = qcFloorModel(40, 2);
+            made.model.Move(btTransform(shortestArcQuat(btVector3(0, 1, 0), normal), normal * btScalar(0.1)));
+            break;
+        }
+        case qc_shapeHeightfield:
+            made.name = "heightfield";
+            made.top = btScalar(0.1);
+            qcMakeHeightfield(&made);
+            break;
+        default: break;
     }
-    case qc_shapeCapsule:
-        made.name = "capsule";
-        made.top = btScalar(0.2);
-        made.shape.reset(new btCapsuleShapeZ(btScalar(0.2), btScalar(0.6)));
-        made.model = qcCapsuleModel(0.2, 0.3);
-        break;
-    case qc_shapeThinCapsule:
-        made.name = "thin capsule";
-        made.top = btScalar(thin);
-        made.shape.reset(new btCapsuleShapeZ(btScalar(thin), 3));
-        made.model = qcCapsuleModel(thin, 1.5);
-        break;
-    case qc_shapeThinCylinder:
-        made.name = "thin cylinder";
-        made.top = btScalar(thin);
-        made.shape.reset(new btCylinderShapeZ(btVector3(btScalar(thin), btScalar(thin), btScalar(1.5))));
-        made.model = qcCylinderModel(thin, 1.5);
-        break;
-    case qc_shapeCylinder:
-        made.name = "cylinder";
-        made.top = btScalar(0.3);
-        made.shape.reset(new btCylinderShapeZ(btVector3(btScalar(0.3), btScalar(0.3), btScalar(0.3))));
-        made.model = qcCylinderModel(0.3, 0.3);
-        break;
-    case qc_shapeCone:
-        made.name = "cone";
-        made.top = btScalar(0.4);
-        made.shape.reset(new btConeShape(btScalar(0.4), btScalar(0.8)));
-        made.model = qcRevolvedModel({{0, -0.4}, {0.4, -0.4}, {0, 0.4}}, 48);
-        made.model.Move(btTransform(btQuaternion(btVector3(1, 0, 0), -SIMD_HALF_PI)));
-        break;
-    case qc_shapeHull:
-    {
-        made.name = "hull";
-        made.top = btScalar(0.5);
-        made.model = qcSphereModel(0.5, 0);
-        auto* hull = new btConvexHullShape;
-        made.shape.reset(hull);
-        for (size_t i = 0; i < made.model.positions.size(); i += 3)
-            hull->addPoint(btVector3(made.model.positions[i], made.model.positions[i + 1], made.model.positions[i + 2]));
-        break;
-    }
-    case qc_shapeMultiSphere:
-    {
-        made.name = "multisphere";
-        made.top = btScalar(0.3);
-        const btVector3 centers[2] = {btVector3(0, 0, btScalar(-0.3)), btVector3(0, 0, btScalar(0.3))};
-        const btScalar radii[2] = {btScalar(0.3), btScalar(0.1)};
-        made.shape.reset(new btMultiSphereShape(centers, radii, 2));
-        qcAddModel(&made.model, qcSphereModel(0.3, 3), btTransform(btQuaternion::getIdentity(), centers[0]));
-        qcAddModel(&made.model, qcSphereModel(0.1, 3), btTransform(btQuaternion::getIdentity(), centers[1]));
-        break;
-    }
-    case qc_shapeCompound:
-        made.name = "compound";
-        made.top = btScalar(0.3);
-        qcMakeCompound(&made);
-        break;
-    case qc_shapeMesh:
-    {
-        made.name = "btBvhTriangleMeshShape";
-        made.top = btScalar(0.15);
-        made.model = qcTorusModel(0.5, 0.15, 24, 12);
-        made.triangles = made.model.MakeInterface();
-        made.shape.reset(new btBvhTriangleMeshShape(made.triangles.get(), true));
-        break;
-    }
-    case qc_shapePlane:
-    case qc_shapeTiltedPlane:
-    {
-        made.name = kind == qc_shapePlane ? "plane" : "tilted plane";
-        made.top = btScalar(kind == qc_shapePlane ? 0.1 : 0.5);
-        btVector3 normal = kind == qc_shapePlane ? btVector3(0, 1, 0)
-                                                 : btVector3(btScalar(0.3), 1, btScalar(0.2)).normalized();
-        made.shape.reset(new btStaticPlaneShape(normal, btScalar(0.1)));
-        made.model = qcFloorModel(40, 2);
-        made.model.Move(btTransform(shortestArcQuat(btVector3(0, 1, 0), normal), normal * btScalar(0.1)));
-        break;
-    }
-    case qc_shapeHeightfield:
-        made.name = "heightfield";
-        made.top = btScalar(0.1);
-        qcMakeHeightfield(&made);
-        break;
-    default:
-        break;
-    }
-    (void)identity;
     return made;
 }
 
