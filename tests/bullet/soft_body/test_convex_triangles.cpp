@@ -112,12 +112,25 @@ void CheckAround(const btConvexShape& shape, const qcConvexTriangles& triangles,
     }
 }
 
+/// True if the shape without its margin has no volume, along an axis.
+bool IsFlat(const btConvexShape& shape)
+{
+    for (int axis = 0; axis < 3; axis++)
+    {
+        btVector3 up(0, 0, 0);
+        up[axis] = 1;
+        if (Furthest(shape, up)[axis] <= Furthest(shape, -up)[axis])
+            return true;
+    }
+    return false;
+}
+
 /// No corner is outside of the shape by more than a bound, in many directions.
 void CheckNear(const btConvexShape& shape, const qcConvexTriangles& triangles, btScalar size)
 {
-    bool isRound = shape.getShapeType() != BOX_SHAPE_PROXYTYPE && !shape.isPolyhedral();
-    // A flat hull is thickened.
-    btScalar bound = isRound ? std::max(triangles.margin * btScalar(0.51), size / 200) : size / 90;
+    btScalar bound = std::max(triangles.margin * btScalar(0.51), size / 200);
+    if (shape.getShapeType() == BOX_SHAPE_PROXYTYPE || (shape.isPolyhedral() && !IsFlat(shape)))
+        bound = size * btScalar(1e-5);
     // Bullet rounds the rims of a cylinder by its margin.
     if (shape.getShapeType() == CYLINDER_SHAPE_PROXYTYPE)
         bound += btScalar(0.42) * shape.getMargin();
