@@ -17,11 +17,11 @@ namespace
 // The default margin of qcMeshShape, too.
 constexpr btScalar s_maxMargin = btScalar(0.01);
 constexpr int s_minSegments = 16, s_maxSegments = 64;
-// Of a hull by support function.
+// Points of a hull by support function.
 constexpr size_t s_maxPoints = 1024;
 // A hull whose inner radius is a smaller share of its size is flat.
 constexpr btScalar s_flat = btScalar(1e-3);
-// Of a face, area by the square of its length.
+// Area of a face by the square of its length: below it the normal is not reliable.
 constexpr btScalar s_thin = btScalar(1e-3);
 
 //  ---- surfaces of revolution --------------------------------------------------------------------------------------

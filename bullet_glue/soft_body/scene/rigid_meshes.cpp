@@ -7,6 +7,7 @@
 #include "common/weld_vertices.h"
 
 #include <BulletCollision/BroadphaseCollision/btBroadphaseInterface.h>
+#include <LinearMath/btAabbUtil2.h>
 #include <LinearMath/btTransformUtil.h>
 
 #include <algorithm>
@@ -82,28 +83,38 @@ btTransform StartOf(const qcSceneRigid& rigid, btScalar timeStep)
     return rigid.hasEnd && std::all_of(rigid.meshes.begin(), rigid.meshes.end(), isNear) ? rigid.end : start;
 }
 
-/// Collects objects that may have meshes.
-class OverlapCallback : public btBroadphaseAabbCallback
+/// True if the object may have meshes.
+bool MayHaveMeshes(const btCollisionObject* object, bool withSurfaces)
+{
+    const btCollisionShape* shape = object->getCollisionShape();
+    return shape->isCompound() || qcAsMeshShape(shape) != nullptr || (withSurfaces && qcHasSurface(shape));
+}
+
+/// Calls function(object) for each proxy that it gets.
+template <typename Function> class ObjectCallback : public btBroadphaseAabbCallback
 {
   public:
-    OverlapCallback(bool withSurfaces, std::vector<btCollisionObject*>* objects)
-        : m_withSurfaces(withSurfaces), m_objects(objects)
+    explicit ObjectCallback(const Function& function) : m_function(function)
     {
     }
 
     bool process(const btBroadphaseProxy* proxy) override
     {
-        auto* object = static_cast<btCollisionObject*>(proxy->m_clientObject);
-        const btCollisionShape* shape = object->getCollisionShape();
-        if (shape->isCompound() || qcAsMeshShape(shape) != nullptr || (m_withSurfaces && qcHasSurface(shape)))
-            m_objects->push_back(object);
+        m_function(static_cast<btCollisionObject*>(proxy->m_clientObject), *proxy);
         return true;
     }
 
   private:
-    bool m_withSurfaces;
-    std::vector<btCollisionObject*>* m_objects;
+    const Function& m_function;
 };
+
+template <typename Function>
+void ForEachIn(btBroadphaseInterface* broadphase, const btVector3& lower, const btVector3& upper,
+               const Function& function)
+{
+    ObjectCallback<Function> callback(function);
+    broadphase->aabbTest(lower, upper, callback);
+}
 
 qcStatus AddMeshes(qcScene* scene, qcSceneRigid* rigid)
 {
@@ -196,11 +207,37 @@ bool qcHasSurfaces(const btCollisionObject* object)
 void qcSoftBodyMeshes::CollectOverlapping(btBroadphaseInterface* broadphase, const btVector3& lower,
                                           const btVector3& upper, bool withSurfaces)
 {
-    std::vector<btCollisionObject*> objects;
-    OverlapCallback callback(withSurfaces, &objects);
-    broadphase->aabbTest(lower, upper, callback);
-    for (btCollisionObject* object : objects)
-        m_overlaps.push_back({object, withSurfaces, {lower, upper}});
+    auto add = [&](btCollisionObject* object, const btBroadphaseProxy&)
+    {
+        if (MayHaveMeshes(object, withSurfaces))
+            m_overlaps.push_back({object, withSurfaces, {lower, upper}});
+    };
+    ForEachIn(broadphase, lower, upper, add);
+    for (const SweptObject& swept : m_kinematic)
+        if (TestAabbAgainstAabb2(lower, upper, swept.box[0], swept.box[1]) && MayHaveMeshes(swept.object, withSurfaces))
+            m_overlaps.push_back({swept.object, withSurfaces, {lower, upper}});
+}
+
+void qcSoftBodyMeshes::FindKinematic(btBroadphaseInterface* broadphase, btScalar timeStep)
+{
+    m_kinematic.clear();
+    auto add = [&](btCollisionObject* object, const btBroadphaseProxy& proxy)
+    {
+        const btRigidBody* body = object->isKinematicObject() ? btRigidBody::upcast(object) : nullptr;
+        if (body == nullptr || (body->getLinearVelocity().isZero() && body->getAngularVelocity().isZero()))
+            return;
+        btTransform start;
+        btTransformUtil::integrateTransform(body->getWorldTransform(), body->getLinearVelocity(),
+                                            body->getAngularVelocity(), -timeStep, start);
+        SweptObject swept = {object, {proxy.m_aabbMin, proxy.m_aabbMax}};
+        btVector3 box[2];
+        object->getCollisionShape()->getAabb(start, box[0], box[1]);
+        swept.box[0].setMin(box[0]);
+        swept.box[1].setMax(box[1]);
+        m_kinematic.push_back(swept);
+    };
+    const btVector3 far(BT_LARGE_FLOAT, BT_LARGE_FLOAT, BT_LARGE_FLOAT);
+    ForEachIn(broadphase, -far, far, add);
 }
 
 /// Enlarges the box by the object's motion in the step.

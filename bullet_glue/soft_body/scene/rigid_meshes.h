@@ -78,6 +78,9 @@ bool qcHasSurfaces(const btCollisionObject* object);
 class qcSoftBodyMeshes
 {
   public:
+    /// Finds the kinematic objects that move, for the next calls of CollectOverlapping. Their proxies are where the
+    /// motion ends. O(objects).
+    void FindKinematic(btBroadphaseInterface* broadphase, btScalar timeStep);
     /// Collects the objects with meshes whose proxies overlap this box, for the next Sync. Proxies of rigid bodies span
     /// the motion that Bullet predicted for the step. `withSurfaces`: also those with other shapes.
     void CollectOverlapping(btBroadphaseInterface* broadphase, const btVector3& lower, const btVector3& upper,
@@ -132,7 +135,15 @@ class qcSoftBodyMeshes
     void IndexSlots();
     void RecordEnds();
 
+    /// An object and a box around its motion in the step.
+    struct SweptObject
+    {
+        btCollisionObject* object;
+        btVector3 box[2];
+    };
+
     qcSurfaceCache m_surfaces;
+    std::vector<SweptObject> m_kinematic;
     std::vector<Overlap> m_overlaps;
     std::vector<std::unique_ptr<qcSceneRigid>> m_rigids; ///< by unique id: in the order in which they were added
     std::vector<std::pair<qcSceneRigid*, size_t>> m_meshOfSlot;

@@ -204,6 +204,9 @@ qcStatus qcSoftBodyScene::Sync(const btAlignedObjectArray<btSoftBody*>& bodies, 
 qcStatus qcSoftBodyScene::ReadSolved(btScalar timeStep)
 {
     BT_PROFILE("qcSoftBodyContact gather");
+    btBroadphaseInterface* broadphase = m_bodies.empty() ? nullptr : m_bodies[0].body->getWorldInfo()->m_broadphase;
+    if (broadphase != nullptr)
+        meshes.FindKinematic(broadphase, timeStep);
     for (qcSceneSoftBody& tracked : m_bodies)
     {
         tracked.solved.resize(size_t(tracked.NodeCount()));
