@@ -12,6 +12,8 @@ Demos:
             ffmpeg is installed, go to out/cloth/.
   fracture  A bunny falls and breaks in the midst of a step, and its pieces come to rest. Pictures, and a film,
             go to out/fracture/.
+  through   Bodies thrown at each other so fast that they could pass: a table of penetrating pairs inside each step, beside
+            version 0.2.0, and pictures of a thrown cloth, and a film, in out/through/. About ten minutes; --quick: one.
   pairs     Finds the triangles of meshes that intersect: demos/run.sh pairs MESH...
   bench     Measures: demos/run.sh bench [accuracy] compares the methods, "bench peers" other libraries
             (which it installs), "bench scaling" sizes, "bench broadphase" the broadphase with Bullet's own, "bench soft"
@@ -22,26 +24,50 @@ Arguments are the demo's own; "demos/run.sh DEMO --help" explains them.
 END
 }
 
+# clear_film NAME: frames of a longer run before would end up in the film.
+clear_film()
+{
+    mkdir -p "$root/out/$1"
+    rm -f "$root/out/$1"/frame_*.png "$root/out/$1/$1.mp4"
+}
+
+# make_film NAME FRAMES_A_SECOND: from the frames in out/NAME.
+make_film()
+{
+    out=$root/out/$1
+    if [ -f "$out/frame_0000.png" ] && command -v ffmpeg >/dev/null; then
+        ffmpeg -loglevel error -y -framerate "$2" -i "$out/frame_%04d.png" -c:v libx264 -pix_fmt yuv420p \
+            -vf 'pad=ceil(iw/2)*2:ceil(ih/2)*2' "$out/$1.mp4"
+        echo "The film is $out/$1.mp4"
+    fi
+}
+
 # run_filmed NAME FRAMES_A_SECOND [ARGUMENT...]: a demo that draws, and a film of its frames.
 run_filmed()
 {
     name=$1
     rate=$2
     shift 2
-    out=$root/out/$name
-    mkdir -p "$out"
-    # Frames of a longer run before would end up in the film.
-    rm -f "$out"/frame_*.png "$out/$name.mp4"
+    clear_film "$name"
     # Ctrl-C ends the demo, not this script: what was drawn becomes a film.
     trap : INT
     status=0
-    "$root/build/demos/qc-$name" --out "$out" "$@" || status=$?
+    "$root/build/demos/qc-$name" --out "$root/out/$name" "$@" || status=$?
     trap - INT
-    if [ -f "$out/frame_0000.png" ] && command -v ffmpeg >/dev/null; then
-        ffmpeg -loglevel error -y -framerate "$rate" -i "$out/frame_%04d.png" -c:v libx264 -pix_fmt yuv420p \
-            -vf 'pad=ceil(iw/2)*2:ceil(ih/2)*2' "$out/$name.mp4"
-        echo "The film is $out/$name.mp4"
-    fi
+    make_film "$name" "$rate"
+    return "$status"
+}
+
+run_through()
+{
+    clear_film through
+    trap : INT
+    status=0
+    "$root/build/demos/qc-bench" through --frames "$root/out/through" --csv "$root/out/through/through.csv" "$@" ||
+        status=$?
+    trap - INT
+    # Four pictures a step.
+    make_film through 12
     return "$status"
 }
 
@@ -76,7 +102,7 @@ case ${1-} in
         show_help
         exit 0
         ;;
-    cloth | fracture | pairs | bench)
+    cloth | fracture | through | pairs | bench)
         demo=$1
         shift
         ;;
@@ -93,7 +119,7 @@ root=$(CDPATH='' cd -- "$(dirname -- "$0")/.." && pwd)
 
 case $demo in
     cloth) qc_install build demos ;;
-    fracture) qc_install build demos models ;;
+    fracture | through) qc_install build demos models ;;
     bench)
         if [ "${1-}" = peers ]; then
             qc_install build bench peers
@@ -103,16 +129,21 @@ case $demo in
         ;;
     *) qc_install build ;;
 esac
+program=qc-$demo
+if [ "$demo" = through ]; then
+    program=qc-bench
+fi
 # The tests need more packages: they are built where tests/run.sh has been.
 if [ -f "$root/build/CMakeCache.txt" ]; then
-    qc_build "$root" "qc-$demo"
+    qc_build "$root" "$program"
 else
-    qc_build "$root" "qc-$demo" -DQC_BUILD_TESTS=OFF
+    qc_build "$root" "$program" -DQC_BUILD_TESTS=OFF
 fi
 case $demo in
     # 120 steps a second, a frame every 10; 240 steps.
     cloth) run_filmed cloth 12 "$@" ;;
     fracture) run_filmed fracture 24 "$@" ;;
+    through) run_through "$@" ;;
     pairs) "$root/build/demos/qc-pairs" "$@" ;;
     bench) run_bench "$@" ;;
 esac

@@ -224,7 +224,26 @@ void qcMeshBatch::InvalidateShape(const btCollisionShape* shape)
 void qcMeshBatch::LimitMotion(btScalar timeStep)
 {
     std::lock_guard<std::mutex> lock(m_mutex);
+    std::vector<const btCollisionObject*> moved;
+    if (m_isLimited)
+        m_limiter.LimitAgain(timeStep, {}, &moved, &statistics);
+    else
+        m_limiter.Limit(timeStep, &statistics);
+    m_isLimited = false;
+}
+
+void qcMeshBatch::LimitFirst(btScalar timeStep)
+{
+    std::lock_guard<std::mutex> lock(m_mutex);
     m_limiter.Limit(timeStep, &statistics);
+    m_isLimited = true;
+}
+
+void qcMeshBatch::LimitAgain(btScalar timeStep, const std::vector<const btCollisionObject*>& held,
+                             std::vector<const btCollisionObject*>* moved)
+{
+    std::lock_guard<std::mutex> lock(m_mutex);
+    m_limiter.LimitAgain(timeStep, held, moved, &statistics);
 }
 
 void qcMeshBatch::Draw(btIDebugDraw* drawer)

@@ -2,6 +2,7 @@
 #ifndef QC_GLUE_MESH_CONTACT_CONTACT_BATCH_H
 #define QC_GLUE_MESH_CONTACT_CONTACT_BATCH_H
 
+#include "common/rigid_limits.h"
 #include "mesh_contact/batch_scene.h"
 #include "mesh_contact/batch_validity.h"
 #include "mesh_contact/impact_sampling.h"
@@ -20,7 +21,7 @@ struct qcPlacedMesh
 };
 
 /// Thread-safety: the functions may run on several threads at once, except where noted.
-class qcMeshBatch
+class qcMeshBatch : public qcRigidLimits
 {
   public:
     explicit qcMeshBatch(qcDevice* device)
@@ -37,8 +38,11 @@ class qcMeshBatch
                     std::vector<qcMeshPoint>* points);
     /// Appends the contact points of a pair whose triangles are at most `distance` apart, from a query for it alone.
     void QueryPair(const qcPlacedMesh& a, const qcPlacedMesh& b, btScalar distance, std::vector<qcMeshPoint>* points);
-    /// Ends a step, after Bullet has integrated the transforms: see qcMotionLimiter.
+    /// Ends a step, after Bullet has integrated the transforms: see qcMotionLimiter. Soft bodies may have done it.
     void LimitMotion(btScalar timeStep);
+    void LimitFirst(btScalar timeStep) override;
+    void LimitAgain(btScalar timeStep, const std::vector<const btCollisionObject*>& held,
+                    std::vector<const btCollisionObject*>* moved) override;
     /// Call it after the triangles of a shape have changed.
     void InvalidateShape(const btCollisionShape* shape);
     /// Draws the candidate triangles of the last batch, at the present transforms of their objects.
@@ -60,6 +64,7 @@ class qcMeshBatch
     qcBatchScene m_scene;
     qcBatchValidity m_validity;
     qcMotionLimiter m_limiter;
+    bool m_isLimited = false;           ///< the present step, by LimitFirst
     qcImpactSampler m_impacts;          ///< of the last batch
     const qcResult* m_result = nullptr; ///< of the last batch; null: none, or it failed
     std::mutex m_mutex;

@@ -97,6 +97,10 @@ struct qcMeshContact::Implementation
     explicit Implementation(qcDevice* device) : batch(device)
     {
     }
+    ~Implementation()
+    {
+        qcRemoveRigidLimits(&batch);
+    }
 
     void Register(int type0, int type1, btCollisionAlgorithmCreateFunc* contact, btCollisionAlgorithmCreateFunc* query);
 
@@ -129,7 +133,10 @@ void qcMeshContact::addTo(btCollisionWorld* world)
     my.batch.settings.world = world;
     my.dispatcher = static_cast<btCollisionDispatcher*>(world->getDispatcher());
     if (auto* dynamics = dynamic_cast<btDynamicsWorld*>(world))
+    {
         dynamics->addAction(&my.limitAction);
+        qcAddRigidLimits(my.dispatcher, &my.batch);
+    }
     for (int type : s_meshTypes)
         my.Register(FAST_CONCAVE_MESH_PROXYTYPE, type, &my.meshContact, &my.meshQuery);
     my.Register(FAST_CONCAVE_MESH_PROXYTYPE, GIMPACT_SHAPE_PROXYTYPE, &my.meshContact, &my.meshQuery);

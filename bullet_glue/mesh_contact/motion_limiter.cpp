@@ -1,4 +1,4 @@
-// Meshes never pass each other: motions that are not proven apart over a step are cut back to a part that is.
+// Meshes never pass each other: objects whose motions are not proven apart over a step are pushed apart, or cut back.
 #include "mesh_contact/motion_limiter.h"
 
 #include "common/stopwatch.h"
@@ -15,11 +15,17 @@ constexpr int s_bisections = 16;
 // A stopped pair keeps this part of the sum of its margins, where contact of the next step finds it with a reliable
 // normal.
 constexpr btScalar s_floor = btScalar(0.25);
+// A pair nearer than this part of its margins comes no nearer: certificates need a gap above rounding.
+constexpr btScalar s_minGap = btScalar(0.01);
 // A stopped pair makes at most this part of what it made before, and nothing once it is below s_minPart.
 constexpr btScalar s_maxPart = btScalar(0.99), s_minPart = btScalar(1e-4);
-// From this round on, objects that are still not proven apart return to their starts: chains of objects that stop each
-// other are shorter.
-constexpr int s_maxCuts = 12;
+// From these rounds on, objects that are still not proven apart make only the common motion of their island, then none:
+// chains of objects that stop each other are shorter.
+constexpr int s_maxCuts = 12, s_maxCommon = 24;
+// Rounds of planes, and sweeps over all planes in each.
+constexpr int s_planeRounds = 6, s_planeSweeps = 8;
+// Sweeps of impulses over the planes of pairs that contact did not stop.
+constexpr int s_impulseSweeps = 4;
 
 void CornersOf(const qcMeshTriangles& triangles, uint32_t triangle, const btTransform& transform, double corners[9])
 {
@@ -31,6 +37,20 @@ void CornersOf(const qcMeshTriangles& triangles, uint32_t triangle, const btTran
     }
 }
 
+/// The part of the step's motion along the force that a body does not make.
+btScalar LostPart(const qcSweptObject& swept)
+{
+    const btVector3 &from = swept.start.getOrigin(), force = swept.body->getTotalForce();
+    btScalar all = force.dot(swept.body->getWorldTransform().getOrigin() - from);
+    btScalar made = force.dot(swept.end.getOrigin() - from);
+    return all > 0 ? btClamped(1 - made / all, btScalar(0), btScalar(1)) : 1 - swept.fraction;
+}
+
+/// True if the application moves the object.
+bool IsSwept(const qcSweptObject& swept)
+{
+    return swept.body == nullptr && swept.moves;
+}
 } // namespace
 
 qcMotionLimiter::~qcMotionLimiter()
@@ -143,7 +163,7 @@ qcMotionLimiter::Side qcMotionLimiter::SideOf(uint32_t slot) const
 
 bool qcMotionLimiter::IsExempt(const qcSweptObject& a, const qcSweptObject& b) const
 {
-    return a.MovesWith(b) || m_exempt.count(std::minmax(a.number, b.number)) > 0;
+    return m_islands.MoveAsOne(a, b) || m_exempt.count(std::minmax(a.number, b.number)) > 0;
 }
 
 /// Objects that meet at the start are exempt as a whole: a triangle inside another object has to leave it.
@@ -162,7 +182,7 @@ btScalar qcMotionLimiter::CertifiedPart(const qcPair& pair, const Side& a, const
     auto cornersAt = [](const Side& side, uint32_t triangle, const btTransform& transform, double corners[9])
     { CornersOf(*side.mesh->triangles, triangle, transform * side.mesh->local, corners); };
     auto endOf = [](const qcSweptObject& swept, btScalar part)
-    { return swept.IsFree() && part < swept.fraction ? swept.At(part) : swept.end; };
+    { return swept.body != nullptr && part < swept.fraction ? swept.At(part) : swept.end; };
     double startA[9], startB[9];
     cornersAt(a, pair.triangleA, a.swept->start, startA);
     cornersAt(b, pair.triangleB, b.swept->start, startB);
@@ -186,14 +206,14 @@ btScalar qcMotionLimiter::CertifiedPart(const qcPair& pair, const Side& a, const
     return low;
 }
 
-/// Cuts the motions of a pair back to a part. False: neither moves freely.
+/// Cuts the motions of a pair, relative to their island's, back to a part. False: they make none.
 bool qcMotionLimiter::Stop(const qcSweptPair& pair, btScalar part, btScalar distance)
 {
     btScalar made = 0, travel = 0;
     for (const qcSweptObject* swept : {pair.first, pair.second})
     {
-        made = swept->IsFree() ? std::max(made, swept->fraction) : made;
-        travel += qcDisplacementBound(swept->start, swept->target,
+        made = swept->body != nullptr ? std::max(made, swept->fraction) : made;
+        travel += qcDisplacementBound(swept->carried, swept->target,
                                       swept->object->getCollisionShape()->getAngularMotionDisc());
     }
     // The pair keeps a distance, but approaches by at least half of what is proven. The part is less than what is made,
@@ -201,56 +221,88 @@ bool qcMotionLimiter::Stop(const qcSweptPair& pair, btScalar part, btScalar dist
     part =
         std::min(std::max(part / 2, part - distance / travel), made / 2 < s_minPart ? btScalar(0) : made * s_maxPart);
     for (qcSweptObject* swept : {pair.first, pair.second})
-        if (swept->IsFree() && swept->fraction > part)
-        {
-            swept->fraction = part;
-            swept->end = swept->At(part);
-        }
+        if (swept->body != nullptr)
+            swept->fraction = std::min(swept->fraction, part);
     return made > 0;
 }
 
-/// Returns a carried object to its start: the carrier sweeps over it.
-void qcMotionLimiter::Hold(qcSweptObject* swept)
+/// True if the common motion of the pair's island is none, so that its objects would be stopped in the air.
+bool qcMotionLimiter::IsStill(const qcSweptPair& pair) const
 {
-    if (swept->carrier == nullptr)
-        return;
-    Exempt(*swept, *swept->carrier);
-    swept->carrier = nullptr;
-    swept->isHeld = true;
-    swept->end = swept->start;
+    const qcSweptObject& free = pair.first->body != nullptr ? *pair.first : *pair.second;
+    const qcSweptObject* carrier = m_islands.CarrierOf(free);
+    return !m_islands.IsFree(free) && (carrier == nullptr || !carrier->moves);
 }
 
-/// The pair can't be kept apart in this step.
-void qcMotionLimiter::Exempt(const qcSweptObject& a, const qcSweptObject& b)
+/// Holds the islands of a pair. False: they are held already.
+bool qcMotionLimiter::Hold(const qcSweptPair& pair)
 {
-    m_exempt.insert(std::minmax(a.number, b.number));
+    bool changes = false;
+    for (const qcSweptObject* swept : {pair.first, pair.second})
+        changes = (swept->body != nullptr && m_islands.Hold(*swept)) || changes;
+    return changes;
+}
+
+/// The common motion does not keep a pair apart, by rounding or since carriers have different motions: its islands stay
+/// at their starts. If they do already, the pair can't be kept apart in this step.
+void qcMotionLimiter::Release(const qcSweptPair& pair)
+{
+    if (Hold(pair))
+        return;
+    m_exempt.insert(std::minmax(pair.first->number, pair.second->number));
     m_unproven++;
 }
 
-/// An object that doesn't give way sweeps over the start of a free one, which it takes along. What is carried against
-/// another one that doesn't give way is held at its start.
-void qcMotionLimiter::Carry(const qcSweptPair& pair)
+bool qcMotionLimiter::HasUnproven(const qcResult& result) const
 {
-    qcSweptObject *fixed = pair.first, *free = pair.second;
-    if (fixed->IsFree())
-        std::swap(fixed, free);
-    if (!fixed->IsFree() && free->IsFree())
-    {
-        free->carrier = fixed->carrier != nullptr ? fixed->carrier : fixed;
-        free->fraction = 0;
-        free->end = free->carrier->end * free->carrier->start.inverse() * free->start;
-    }
-    else if (fixed->carrier != nullptr || free->carrier != nullptr)
-    {
-        Hold(fixed);
-        Hold(free);
-    }
-    else
-        Exempt(*fixed, *free);
+    return std::any_of(result.pairs, result.pairs + result.pairCount,
+                       [this](const qcPair& pair)
+                       { return !IsExempt(*SideOf(pair.bodyA).swept, *SideOf(pair.bodyB).swept); });
 }
 
-/// Moves the objects of pairs that are not proven apart. False: there are none.
-bool qcMotionLimiter::Respond(const qcResult& result, bool toStart)
+/// Adds planes for the pairs of triangles that are not proven apart, and solves all planes.
+void qcMotionLimiter::PushApart(const qcResult& result)
+{
+    auto planeSideOf = [](const Side& side, uint32_t triangle)
+    {
+        qcMotionPlaneSide made{side.swept, {}};
+        for (size_t c = 0; c < 3; c++)
+            made.corners[c] = side.mesh->local *
+                              side.mesh->triangles->points[side.mesh->triangles->indices[3 * size_t(triangle) + c]];
+        return made;
+    };
+    for (size_t i = 0; i < result.pairCount; i++)
+    {
+        const qcPair& pair = result.pairs[i];
+        Side a = SideOf(pair.bodyA), b = SideOf(pair.bodyB);
+        if (IsExempt(*a.swept, *b.swept))
+            continue;
+        m_planes.Add(pair, planeSideOf(a, pair.triangleA), planeSideOf(b, pair.triangleB), result.proximities[i]);
+        m_stopped.insert(std::minmax(a.swept->number, b.swept->number));
+    }
+    m_planes.Solve(s_planeSweeps);
+}
+
+/// From now on motions are those to the ends that the planes have found.
+void qcMotionLimiter::EndPlanes()
+{
+    for (qcSweptObject* swept : m_objects.Get())
+        swept->target = swept->end;
+}
+
+/// Unites the islands of objects that are not proven apart.
+void qcMotionLimiter::JoinBlocked(const qcResult& result)
+{
+    for (size_t i = 0; i < result.pairCount; i++)
+    {
+        const qcSweptObject &a = *SideOf(result.pairs[i].bodyA).swept, &b = *SideOf(result.pairs[i].bodyB).swept;
+        if (!IsExempt(a, b))
+            m_islands.Join(a, b);
+    }
+}
+
+/// The first pair of triangles that meets, for each two objects that are not proven apart.
+std::map<qcMotionLimiter::Numbers, qcMotionLimiter::Block> qcMotionLimiter::FindBlocks(const qcResult& result) const
 {
     std::map<Numbers, Block> blocks;
     for (size_t i = 0; i < result.pairCount; i++)
@@ -261,93 +313,80 @@ bool qcMotionLimiter::Respond(const qcResult& result, bool toStart)
             continue;
         Block& block = blocks[std::minmax(a.swept->number, b.swept->number)];
         btScalar part = CertifiedPart(pair, a, b, block.part);
-        if (block.pair.first != nullptr && part >= block.part)
-            continue;
-        const qcProximity& nearest = result.proximities[i];
-        block = {{a.swept, b.swept},
-                 part,
-                 a.swept->start.invXform(qcVectorOf(nearest.pointA)),
-                 b.swept->start.invXform(qcVectorOf(nearest.pointB)),
-                 qcVectorOf(nearest.normal)};
+        if (block.pair.first == nullptr || part < block.part)
+            block = {{a.swept, b.swept}, part, btScalar(result.proximities[i].distance)};
     }
-    for (const auto& [numbers, block] : blocks)
+    return blocks;
+}
+
+/// Cuts the motions of objects that are not proven apart back to the common motion of their island and a part of what
+/// differs from it.
+void qcMotionLimiter::Cut(const qcResult& result, int round)
+{
+    JoinBlocked(result);
+    m_islands.Move();
+    for (const auto& [numbers, block] : FindBlocks(result))
     {
         btScalar margins = block.pair.first->object->getCollisionShape()->getMargin() +
                            block.pair.second->object->getCollisionShape()->getMargin();
-        if (block.part < 0 || !Stop(block.pair, toStart ? btScalar(0) : block.part, s_floor * margins))
-            Carry(block.pair);
-        m_blocks.insert({numbers, block});
+        bool common = round >= s_maxCuts || (block.distance < s_minGap * margins && !IsStill(block.pair));
+        btScalar part = common ? std::min(block.part, btScalar(0)) : block.part;
+        if (part < 0 || !Stop(block.pair, part, s_floor * margins))
+            Release(block.pair);
+        else if (round >= s_maxCommon)
+            Hold(block.pair);
+        m_cut.insert(numbers);
     }
-    return !blocks.empty();
+    m_islands.Move();
 }
 
-/// Where contact has not stopped a pair since the previous step, an impulse without restitution does.
-void qcMotionLimiter::RemoveApproach(const Block& block)
+/// Moves a body. One that makes a part of its motion gets that part of the step's forces, so that it gains no energy
+/// from a fall that it doesn't make; one that is carried has the carrier's velocity.
+void qcMotionLimiter::Commit(qcSweptObject* swept, btScalar timeStep) const
 {
-    btRigidBody *a = block.pair.first->body, *b = block.pair.second->body;
-    btVector3 armA = block.pair.first->end.getBasis() * block.onA, armB = block.pair.second->end.getBasis() * block.onB;
-    auto velocityAt = [](const qcSweptObject& swept, const btVector3& arm)
-    {
-        const btRigidBody* body = btRigidBody::upcast(swept.object);
-        return body != nullptr ? body->getVelocityInLocalPoint(arm) : btVector3(0, 0, 0);
-    };
-    auto inverseMass = [&](const btRigidBody* body, const btVector3& arm)
-    {
-        return body == nullptr ? btScalar(0)
-                               : body->computeImpulseDenominator(body->getCenterOfMassPosition() + arm, block.normal);
-    };
-    btScalar approach = -block.normal.dot(velocityAt(*block.pair.first, armA) - velocityAt(*block.pair.second, armB));
-    btScalar denominator = inverseMass(a, armA) + inverseMass(b, armB);
-    if (!(approach > 0 && denominator > 0))
-        return;
-    btVector3 impulse = block.normal * (approach / denominator);
-    if (a != nullptr)
-        a->applyImpulse(impulse, armA);
-    if (b != nullptr)
-        b->applyImpulse(-impulse, armB);
-}
-
-/// Moves the bodies. A body that makes a part of its motion gets that part of the step's forces, so that it gains no
-/// energy from a fall that it doesn't make; one that is carried has the carrier's velocity.
-void qcMotionLimiter::Commit(const qcSweptObject& swept, btScalar timeStep)
-{
-    btRigidBody* body = swept.body;
-    if (swept.carrier != nullptr)
+    btRigidBody* body = swept->body;
+    const qcSweptObject* carrier = m_islands.CarrierOf(*swept);
+    if (carrier != nullptr && carrier->moves && swept->fraction <= 0)
     {
         btVector3 linear, angular;
-        btTransformUtil::calculateVelocity(swept.start, swept.end, timeStep, linear, angular);
+        btTransformUtil::calculateVelocity(swept->start, swept->end, timeStep, linear, angular);
         body->setLinearVelocity(linear * body->getLinearFactor());
         body->setAngularVelocity(angular * body->getAngularFactor());
+        swept->lost = 1;
     }
     else
     {
-        btScalar lost = (1 - swept.fraction) * timeStep;
-        body->setLinearVelocity(body->getLinearVelocity() - body->getTotalForce() * (body->getInvMass() * lost));
+        btScalar lost = LostPart(*swept) * (1 - swept->lost);
+        body->setLinearVelocity(body->getLinearVelocity() -
+                                body->getTotalForce() * (body->getInvMass() * lost * timeStep));
         body->setAngularVelocity(body->getAngularVelocity() -
-                                 body->getInvInertiaTensorWorld() * body->getTotalTorque() * lost);
+                                 body->getInvInertiaTensorWorld() * body->getTotalTorque() * (lost * timeStep));
+        swept->lost += lost;
     }
-    body->proceedToTransform(swept.end);
+    swept->isLimited = true;
+    body->proceedToTransform(swept->end);
     body->activate();
 }
 
-void qcMotionLimiter::CommitAll(btScalar timeStep, qcMeshContactStatistics* statistics)
+/// Moves the bodies. Pairs that were stopped in the previous step, too, lose the velocities that stop them: contact has
+/// not done it. Nor does it where the application sweeps an object over a body: Bullet finds contact at the end of the
+/// sweep.
+void qcMotionLimiter::CommitAll(btScalar timeStep)
 {
-    for (const qcSweptObject* swept : m_objects.Get())
-    {
-        bool isCut = swept->fraction < 1;
-        statistics->limited += isCut;
-        if (isCut)
-            Commit(*swept, timeStep);
-    }
-    for (const auto& [numbers, block] : m_blocks)
-        if (m_previousBlocks.count(numbers) > 0)
-            RemoveApproach(block);
-    m_previousBlocks.clear();
-    for (const auto& [numbers, block] : m_blocks)
-        m_previousBlocks.insert(numbers);
+    for (qcSweptObject* swept : m_objects.Get())
+        if (swept->isPushed || swept->fraction < 1)
+            Commit(swept, timeStep);
+    auto isStoppedAgain = [this](const qcSweptObject& a, const qcSweptObject& b)
+    { return IsSwept(a) || IsSwept(b) || m_previouslyStopped.count(std::minmax(a.number, b.number)) > 0; };
+    m_planes.RemoveApproaches(s_impulseSweeps, isStoppedAgain);
+    std::set<uint32_t> cutAgain;
+    for (const Numbers& numbers : m_cut)
+        if (m_previouslyCut.count(numbers) > 0)
+            cutAgain.insert({numbers.first, numbers.second});
+    m_islands.Damp(cutAgain);
 }
 
-/// Rounds of certificates and cuts, until all pairs are proven apart or exempt.
+/// Rounds of certificates and planes, then cuts, until all pairs are proven apart or exempt.
 qcStatus qcMotionLimiter::Certify()
 {
     for (int round = 0;; round++)
@@ -360,27 +399,76 @@ qcStatus qcMotionLimiter::Certify()
         if (status != qc_statusOk)
             return status;
         CollectTangles(*result);
-        if (!Respond(*result, round >= s_maxCuts))
+        if (!HasUnproven(*result))
             return qc_statusOk;
+        if (round == s_planeRounds)
+            EndPlanes();
+        if (round < s_planeRounds)
+            PushApart(*result);
+        else
+            Cut(*result, round - s_planeRounds);
     }
+}
+
+void qcMotionLimiter::WriteStatistics(double start, qcMeshContactStatistics* statistics)
+{
+    statistics->limited = 0;
+    for (const qcSweptObject* swept : m_objects.Get())
+        statistics->limited += swept->isLimited;
+    statistics->unproven = m_unproven;
+    statistics->limitMs += qcNowMs() - start;
+}
+
+void qcMotionLimiter::Run(btScalar timeStep, qcMeshContactStatistics* statistics)
+{
+    BT_PROFILE("qcMeshContact limit");
+    m_planes.Clear();
+    m_islands.Reset(m_objects.Get());
+    qcStatus status = Certify();
+    if (status != qc_statusOk)
+        statistics->status = status;
+    CommitAll(timeStep);
 }
 
 void qcMotionLimiter::Limit(btScalar timeStep, qcMeshContactStatistics* statistics)
 {
-    BT_PROFILE("qcMeshContact limit");
     double start = qcNowMs();
+    m_previouslyStopped.swap(m_stopped);
+    m_previouslyCut.swap(m_cut);
+    m_stopped.clear();
+    m_cut.clear();
     m_exempt.clear();
-    m_blocks.clear();
     m_unproven = 0;
-    statistics->limited = 0;
-    if (m_objects.Update(timeStep, m_scene))
-    {
-        qcStatus status = Certify();
-        if (status != qc_statusOk)
-            statistics->status = status;
-        CommitAll(timeStep, statistics);
-    }
+    statistics->limitMs = 0;
+    if (m_objects.ReadMotions(timeStep, m_scene))
+        Run(timeStep, statistics);
     m_objects.RecordEnds();
-    statistics->unproven = m_unproven;
-    statistics->limitMs = qcNowMs() - start;
+    WriteStatistics(start, statistics);
+}
+
+void qcMotionLimiter::LimitAgain(btScalar timeStep, const std::vector<const btCollisionObject*>& held,
+                                 std::vector<const btCollisionObject*>* moved, qcMeshContactStatistics* statistics)
+{
+    if (held.empty() && m_objects.AreAtEnds())
+        return;
+    double start = qcNowMs();
+    for (const btCollisionObject* object : held)
+    {
+        qcSweptObject* swept = m_objects.Find(object);
+        if (swept == nullptr || swept->body == nullptr)
+            continue;
+        swept->body->proceedToTransform(swept->start);
+        swept->isLimited = true;
+        moved->push_back(object);
+    }
+    m_objects.ReadTargets(m_scene);
+    for (const btCollisionObject* object : held)
+        if (qcSweptObject* swept = m_objects.Find(object))
+            swept->body = nullptr; // like a static one
+    Run(timeStep, statistics);
+    for (const qcSweptObject* swept : m_objects.Get())
+        if (swept->isPushed || swept->fraction < 1)
+            moved->push_back(swept->object);
+    m_objects.RecordEnds();
+    WriteStatistics(start, statistics);
 }

@@ -1,12 +1,13 @@
-// Meshes never pass each other: motions that are not proven apart over a step are cut back to a part that is.
-// Proof: plugin/docs/proofs/rigid_motion_limits.md.
+// Meshes never pass each other: objects whose motions are not proven apart over a step are pushed apart at its end;
+// where that does not suffice, their motions are cut back to a part that is proven. Proof:
+// plugin/docs/proofs/rigid_motion_limits.md.
 #ifndef QC_GLUE_MESH_CONTACT_MOTION_LIMITER_H
 #define QC_GLUE_MESH_CONTACT_MOTION_LIMITER_H
 
-#include "mesh_contact/swept_objects.h"
+#include "mesh_contact/motion_islands.h"
+#include "mesh_contact/motion_planes.h"
 
 #include <map>
-#include <set>
 
 /// Runs at the end of a step, after Bullet has integrated the transforms. Not for several threads.
 class qcMotionLimiter
@@ -24,21 +25,25 @@ class qcMotionLimiter
     {
         m_objects.MarkStarts();
     }
-    /// Certifies the step, and moves bodies where it can't be certified. Writes the limiter's part of the statistics.
+    /// Reads the motions of the step that ends now, certifies them, and moves bodies where it can't. Writes the
+    /// limiter's part of the statistics.
     void Limit(btScalar timeStep, qcMeshContactStatistics* statistics);
+    /// Certifies a step that Limit has read already again, if bodies have been moved since. Objects in `held`
+    /// stay at their starts. Appends the objects that it moves to `moved`.
+    void LimitAgain(btScalar timeStep, const std::vector<const btCollisionObject*>& held,
+                    std::vector<const btCollisionObject*>* moved, qcMeshContactStatistics* statistics);
     /// Call it after the triangles of a shape have changed.
     void InvalidateShape(const btCollisionShape* shape);
 
   private:
     using Numbers = std::pair<uint32_t, uint32_t>; ///< of two objects, the lower one first
 
-    /// Where two objects were stopped: the pair of triangles that met first.
+    /// Two objects whose motions are cut back.
     struct Block
     {
         qcSweptPair pair{nullptr, nullptr};
-        btScalar part = 1;  ///< of the motions that is proven apart; below 0: none
-        btVector3 onA, onB; ///< closest points at the start, in the frames of the objects
-        btVector3 normal;   ///< unit vector from B to A
+        btScalar part = 1;     ///< of the motions that is proven apart; below 0: none
+        btScalar distance = 0; ///< of the two triangles at the start
     };
 
     struct Side
@@ -54,25 +59,33 @@ class qcMotionLimiter
     void CollectTangles(const qcResult& result);
     bool IsExempt(const qcSweptObject& a, const qcSweptObject& b) const;
     btScalar CertifiedPart(const qcPair& pair, const Side& a, const Side& b, btScalar limit) const;
-    static bool Stop(const qcSweptPair& pair, btScalar part, btScalar distance);
-    void Hold(qcSweptObject* swept);
-    void Exempt(const qcSweptObject& a, const qcSweptObject& b);
-    void Carry(const qcSweptPair& pair);
-    bool Respond(const qcResult& result, bool toStart);
+    bool Stop(const qcSweptPair& pair, btScalar part, btScalar distance);
+    bool IsStill(const qcSweptPair& pair) const;
+    bool Hold(const qcSweptPair& pair);
+    void Release(const qcSweptPair& pair);
+    bool HasUnproven(const qcResult& result) const;
+    void PushApart(const qcResult& result);
+    void EndPlanes();
+    void JoinBlocked(const qcResult& result);
+    std::map<Numbers, Block> FindBlocks(const qcResult& result) const;
+    void Cut(const qcResult& result, int round);
     qcStatus Certify();
-    static void RemoveApproach(const Block& block);
-    static void Commit(const qcSweptObject& swept, btScalar timeStep);
-    void CommitAll(btScalar timeStep, qcMeshContactStatistics* statistics);
+    void Commit(qcSweptObject* swept, btScalar timeStep) const;
+    void CommitAll(btScalar timeStep);
+    void Run(btScalar timeStep, qcMeshContactStatistics* statistics);
+    void WriteStatistics(double start, qcMeshContactStatistics* statistics);
     static bool TestPair(void* context, uint32_t slotA, uint32_t slotB);
 
     const qcBatchSettings& m_settings;
     qcSweptObjects m_objects;
+    qcMotionIslands m_islands;
     qcScene* m_scene = nullptr;
     std::vector<qcSweptPair> m_pairs;                            ///< to certify
     std::vector<std::pair<qcSweptObject*, size_t>> m_meshOfSlot; ///< object and index of its mesh
     std::set<Numbers> m_exempt; ///< objects that meet at the start of the step, or can't be kept apart in it
-    std::map<Numbers, Block> m_blocks;
-    std::set<Numbers> m_previousBlocks; ///< of the previous step
+    qcMotionPlanes m_planes;
+    std::set<Numbers> m_stopped, m_previouslyStopped; ///< objects with planes, in this step and in the previous one
+    std::set<Numbers> m_cut, m_previouslyCut;         ///< objects whose motions were cut, likewise
     int m_unproven = 0;
 };
 

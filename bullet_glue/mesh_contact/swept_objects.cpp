@@ -2,6 +2,7 @@
 #include "mesh_contact/swept_objects.h"
 
 #include "common/compound_children.h"
+#include "common/object_motion.h"
 
 #include <BulletCollision/BroadphaseCollision/btDispatcher.h>
 #include <BulletCollision/BroadphaseCollision/btOverlappingPairCache.h>
@@ -27,7 +28,7 @@ bool IsOurs(const btCollisionShape* shape, bool gimpact)
 btRigidBody* DynamicBody(btCollisionObject* object)
 {
     btRigidBody* body = btRigidBody::upcast(object);
-    return body != nullptr && !body->isStaticOrKinematicObject() ? body : nullptr;
+    return body != nullptr && !body->isStaticOrKinematicObject() && body->getInvMass() > 0 ? body : nullptr;
 }
 
 bool IsBelow(const btVector3& a, const btVector3& b)
@@ -36,22 +37,17 @@ bool IsBelow(const btVector3& a, const btVector3& b)
 }
 } // namespace
 
-bool qcSweptObject::MovesWith(const qcSweptObject& other) const
-{
-    return carrier == &other || other.carrier == this || (carrier != nullptr && carrier == other.carrier);
-}
-
 btTransform qcSweptObject::At(btScalar part) const
 {
     if (part >= 1)
         return target;
     if (part <= 0)
-        return start;
+        return carried;
     btVector3 axis;
     btScalar angle;
-    btTransformUtil::calculateDiffAxisAngle(start, target, axis, angle);
+    btTransformUtil::calculateDiffAxisAngle(carried, target, axis, angle);
     btMatrix3x3 turn(btQuaternion(axis, part * angle));
-    return btTransform(turn * start.getBasis(), start.getOrigin().lerp(target.getOrigin(), part));
+    return btTransform(turn * carried.getBasis(), carried.getOrigin().lerp(target.getOrigin(), part));
 }
 
 void qcSweptObject::FindBox()
@@ -79,7 +75,7 @@ void qcSweptObjects::FindStart(btScalar timeStep, qcSweptObject* swept)
 }
 
 /// The entry of an object, which is added if it is new: it has not moved yet.
-qcSweptObject* qcSweptObjects::Find(btCollisionObject* object)
+qcSweptObject* qcSweptObjects::Add(btCollisionObject* object)
 {
     std::unique_ptr<qcSweptObject>& entry = m_objects[qcObjectKey(object)];
     if (entry == nullptr)
@@ -87,7 +83,7 @@ qcSweptObject* qcSweptObjects::Find(btCollisionObject* object)
         entry.reset(new qcSweptObject);
         entry->object = object;
         entry->number = m_count++;
-        entry->start = object->getWorldTransform();
+        entry->start = entry->next = object->getWorldTransform();
         m_sorted.push_back(entry.get());
     }
     return entry.get();
@@ -99,7 +95,7 @@ void qcSweptObjects::MarkStarts()
     btCollisionObjectArray& objects = m_settings.world->getCollisionObjectArray();
     for (int i = 0; i < objects.size(); i++)
         if (qcMayHoldMeshes(objects[i]->getCollisionShape()) && DynamicBody(objects[i]) != nullptr)
-            Find(objects[i])->start = objects[i]->getWorldTransform();
+            Add(objects[i])->next = objects[i]->getWorldTransform();
 }
 
 void qcSweptObjects::RemoveGone(qcScene* scene)
@@ -114,7 +110,7 @@ void qcSweptObjects::RemoveGone(qcScene* scene)
         entry = isGone(entry->second.get()) ? m_objects.erase(entry) : std::next(entry);
 }
 
-bool qcSweptObjects::Update(btScalar timeStep, qcScene* scene)
+bool qcSweptObjects::ReadTargets(qcScene* scene)
 {
     m_step++;
     bool anyMoved = false;
@@ -125,20 +121,43 @@ bool qcSweptObjects::Update(btScalar timeStep, qcScene* scene)
         if (!qcMayHoldMeshes(objects[i]->getCollisionShape()))
             continue;
         present++;
-        qcSweptObject& swept = *Find(objects[i]);
+        qcSweptObject& swept = *Add(objects[i]);
         swept.step = m_step;
         swept.body = DynamicBody(objects[i]);
         swept.target = swept.end = objects[i]->getWorldTransform();
+        swept.carried = swept.start;
+        swept.isPushed = false;
         swept.fraction = 1;
-        swept.carrier = nullptr;
-        swept.isHeld = false;
-        if (!m_isMarked && swept.body != nullptr && !qcAreSame(swept.start, swept.target))
-            FindStart(timeStep, &swept);
         anyMoved = anyMoved || !qcAreSame(swept.start, swept.target);
     }
-    m_isMarked = false;
     if (present != m_sorted.size())
         RemoveGone(scene);
+    return anyMoved;
+}
+
+bool qcSweptObjects::ReadMotions(btScalar timeStep, qcScene* scene)
+{
+    for (qcSweptObject* swept : m_sorted)
+    {
+        swept->start = swept->next;
+        swept->lost = 0;
+        swept->isLimited = false;
+    }
+    ReadTargets(scene);
+    bool anyMoved = false;
+    for (qcSweptObject* swept : m_sorted)
+    {
+        btVector3 motion = swept->target.getOrigin() - swept->start.getOrigin();
+        if (swept->body == nullptr && !qcAreSame(swept->start, swept->target) &&
+            !qcIsMotion(swept->object, swept->start, swept->target, swept->motion, timeStep))
+            swept->start = swept->target;
+        swept->motion = motion;
+        if (!m_isMarked && swept->body != nullptr && !qcAreSame(swept->start, swept->target))
+            FindStart(timeStep, swept);
+        swept->carried = swept->start;
+        anyMoved = anyMoved || !qcAreSame(swept->start, swept->target);
+    }
+    m_isMarked = false;
     return anyMoved;
 }
 
@@ -188,5 +207,25 @@ void qcSweptObjects::FindPairs(std::vector<qcSweptPair>* pairs)
 void qcSweptObjects::RecordEnds()
 {
     for (qcSweptObject* swept : m_sorted)
-        swept->start = swept->object->getWorldTransform();
+        swept->next = swept->object->getWorldTransform();
+}
+
+qcSweptObject* qcSweptObjects::Find(const btCollisionObject* object) const
+{
+    auto found = m_objects.find(qcObjectKey(object));
+    return found != m_objects.end() ? found->second.get() : nullptr;
+}
+
+bool qcSweptObjects::AreAtEnds() const
+{
+    const btCollisionObjectArray& objects = m_settings.world->getCollisionObjectArray();
+    for (int i = 0; i < objects.size(); i++)
+    {
+        if (!qcMayHoldMeshes(objects[i]->getCollisionShape()))
+            continue;
+        const qcSweptObject* swept = Find(objects[i]);
+        if (swept == nullptr || !qcAreSame(swept->next, objects[i]->getWorldTransform()))
+            return false;
+    }
+    return true;
 }

@@ -21,26 +21,24 @@ struct qcSweptMesh
 struct qcSweptObject
 {
     btCollisionObject* object = nullptr;
-    btRigidBody* body = nullptr; ///< null: the application alone moves the object
+    btRigidBody* body = nullptr; ///< null: the application alone moves the object, and its motion is not cut
     uint32_t number = 0;         ///< in the order in which objects entered the world
-    unsigned step = 0;           ///< the last step that found the object in the world
+    uint32_t index = 0;          ///< in the present list of objects
+    unsigned step = 0;           ///< the last update that found the object in the world
     bool moves = false;          ///< its end is not its start
-    btTransform start, target;   ///< before and after the step, as Bullet or the application moves the object
+    btTransform start, target;   ///< before and after the step; the target is Bullet's, or where planes have pushed it
+    btTransform carried;         ///< the start, moved by the common motion of its island
     btTransform end;             ///< after the step, as the limiter has it so far
-    btScalar fraction = 1;       ///< of the motion that the object makes
-    const qcSweptObject* carrier = nullptr; ///< the object moves from its start as this one does
-    bool isHeld = false;                    ///< the object stays at its start, whatever sweeps over it
-    btVector3 lower, upper;                 ///< box around the meshes at start and end
-    std::vector<qcSweptMesh> meshes;        ///< empty until the object is near another one
+    btTransform next;            ///< where the next step starts
+    bool isPushed = false;       ///< planes have moved the end
+    btScalar fraction = 1;       ///< of the motion from `carried` to the target that the object makes
+    btVector3 motion{0, 0, 0};   ///< of the origin in the previous step, for objects that Bullet does not move
+    btScalar lost = 0;           ///< part of its own motion that the object has not made in this step
+    bool isLimited = false;      ///< it does not end this step where Bullet had moved it
+    btVector3 lower, upper;      ///< box around the meshes at start and end
+    std::vector<qcSweptMesh> meshes; ///< empty until the object is near another one
 
-    /// True if its motion may be cut back.
-    bool IsFree() const
-    {
-        return body != nullptr && carrier == nullptr && !isHeld;
-    }
-    /// True if the two have the same motion.
-    bool MovesWith(const qcSweptObject& other) const;
-    /// The transform after this part of the motion; start and target exactly for 0 and 1.
+    /// The transform after this part of the motion; `carried` and target exactly for 0 and 1.
     btTransform At(btScalar part) const;
     /// Sets `moves` and the box, from start and end.
     void FindBox();
@@ -57,13 +55,19 @@ class qcSweptObjects
 
     /// Dynamic objects start the step here. Without this call within the step, starts follow from velocities.
     void MarkStarts();
-    /// Reads the motions of the step that ends now. Meshes of objects that left the world are removed from the scene.
+    /// Finds the starts of the step that ends now, then does what ReadTargets does.
+    bool ReadMotions(btScalar timeStep, qcScene* scene);
+    /// Reads the present transforms as the targets. Meshes of objects that left the world are removed from the scene.
     /// True if an object has moved.
-    bool Update(btScalar timeStep, qcScene* scene);
+    bool ReadTargets(qcScene* scene);
     /// The pairs that collide and whose boxes overlap, sorted; at least one of the two has moved.
     void FindPairs(std::vector<qcSweptPair>* pairs);
-    /// Ends the step: the next one starts here.
+    /// The next step starts at the present transforms.
     void RecordEnds();
+    /// True if all objects in the world are where RecordEnds has seen them.
+    bool AreAtEnds() const;
+    /// The entry of an object in the world, or null.
+    qcSweptObject* Find(const btCollisionObject* object) const;
 
     /// All objects, by number.
     const std::vector<qcSweptObject*>& Get() const
@@ -72,7 +76,7 @@ class qcSweptObjects
     }
 
   private:
-    qcSweptObject* Find(btCollisionObject* object);
+    qcSweptObject* Add(btCollisionObject* object);
     static void FindStart(btScalar timeStep, qcSweptObject* swept);
     void RemoveGone(qcScene* scene);
     bool Collide(const qcSweptObject& a, const qcSweptObject& b) const;

@@ -2,6 +2,7 @@
 // separating planes and rigid zones for pairs that are not proven apart over the step.
 #include "soft_body/contact_step.h"
 
+#include "common/object_key.h"
 #include "common/shape_triangles.h"
 #include "common/stopwatch.h"
 #include "soft_body/response/node_ccd.h"
@@ -11,6 +12,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <iterator>
 
 namespace
 {
@@ -19,6 +21,8 @@ namespace
 constexpr int s_iterations = 8;
 constexpr int s_contactRounds = 4;
 // Rounds of planes, and sweeps over all planes in each.
+// Displacement of coordinates against exact contact, as a share of the contact distance.
+constexpr btScalar s_perturbation = btScalar(1e-4);
 constexpr int s_planeRounds = 6, s_planeSweeps = 6;
 } // namespace
 
@@ -26,6 +30,7 @@ void qcSoftBodyContact::Implementation::BeginStep(const btAlignedObjectArray<btS
 {
     manifolds.Release();
     scene.liveObjects.clear();
+    scene.BeginStep(bodies);
     for (int i = 0; i < bodies.size(); i++)
         algorithmOverride.Register(bodies[i]->getWorldInfo()->m_dispatcher);
 }
@@ -36,6 +41,8 @@ void qcSoftBodyContact::Implementation::ReadStart(const btAlignedObjectArray<btS
     BT_PROFILE("qcSoftBodyContact gather");
     double begin = qcNowMs();
     m_candidates.Clear();
+    m_planes.Clear();
+    m_zones.Clear();
     statistics = qcSoftBodyStatistics();
     statistics.status = scene.Sync(bodies, start);
     statistics.gatherMs = qcNowMs() - begin;
@@ -53,8 +60,8 @@ void qcSoftBodyContact::Implementation::AddProfile()
     statistics.contactMs += profile.contactMs;
 }
 
-/// Fills m_result for the present positions, and m_exempt.
-qcStatus qcSoftBodyContact::Implementation::Detect(btScalar contactMargin, bool segments)
+/// Fills m_result for the present positions.
+qcStatus qcSoftBodyContact::Implementation::Detect(btScalar contactMargin)
 {
     BT_PROFILE("qcSoftBodyContact detect");
     double begin = qcNowMs();
@@ -62,7 +69,7 @@ qcStatus qcSoftBodyContact::Implementation::Detect(btScalar contactMargin, bool 
     double gathered = qcNowMs();
     statistics.gatherMs += gathered - begin;
     if (status == qc_statusOk)
-        status = scene.Detect(contactMargin, segments, &m_result);
+        status = scene.Detect(contactMargin, &m_result);
     statistics.detectMs += qcNowMs() - gathered;
     if (status != qc_statusOk)
         return status;
@@ -71,12 +78,8 @@ qcStatus qcSoftBodyContact::Implementation::Detect(btScalar contactMargin, bool 
     statistics.device = m_result->profile.device;
     if (m_result->profile.fallback != nullptr)
         statistics.fallback = m_result->profile.fallback;
-    std::vector<size_t> penetrating;
-    for (size_t i = 0; i < m_result->pairCount; i++)
-        if (qcHasResponse(scene, m_result->pairs[i]))
-            penetrating.push_back(i);
-    statistics.remaining = int(penetrating.size());
-    m_tangles.MoveExempt(scene, *m_result, &penetrating, &m_exempt);
+    auto hasResponse = [this](const qcPair& pair) { return qcHasResponse(scene, pair); };
+    statistics.remaining = int(std::count_if(m_result->pairs, m_result->pairs + m_result->pairCount, hasResponse));
     return qc_statusOk;
 }
 
@@ -102,6 +105,7 @@ qcStatus qcSoftBodyContact::Implementation::MarkStart()
 {
     double begin = qcNowMs();
     m_isCertified = false;
+    m_zones.Clear();
     qcStatus status = scene.MarkStart();
     statistics.gatherMs += qcNowMs() - begin;
     return status;
@@ -114,11 +118,11 @@ bool qcSoftBodyContact::Implementation::IsContinuous(const qcPair& pair)
     return (a != nullptr && a->settings.continuous) || (b != nullptr && b->settings.continuous);
 }
 
-/// Fills m_unproven and m_nearTangles from the result.
+/// Fills m_unproven and m_keptTangles from the result.
 void qcSoftBodyContact::Implementation::SortMotionPairs()
 {
     m_unproven.clear();
-    m_nearTangles.clear();
+    m_keptTangles.clear();
     m_exemptMotions = 0;
     for (size_t i = 0; i < m_result->pairCount; i++)
     {
@@ -127,26 +131,31 @@ void qcSoftBodyContact::Implementation::SortMotionPairs()
         if (!IsContinuous(pair) || !qcHasResponse(scene, pair))
             continue;
         const qcUnprovenPair unproven = {pair, qcVectorOf(start.normal), btScalar(start.distance)};
-        qcTouchingMotion touching =
-            pair.relation == qc_relationTouching ? qcClassifyTouching(scene, unproven) : qcTouchingMotion::Unproven;
+        qcTouchingMotion touching = pair.relation == qc_relationTouching
+                                        ? qcClassifyTouching(scene, unproven, m_movesZones)
+                                        : qcTouchingMotion::Unproven;
         if (pair.relation == qc_relationPenetrating || touching == qcTouchingMotion::Entangled)
             m_exemptMotions++;
-        else if (touching == qcTouchingMotion::Unproven)
-            (m_tangles.IsNear(scene, pair) ? m_nearTangles : m_unproven).push_back(unproven);
+        else if (touching == qcTouchingMotion::Proven || m_zones.KeepsApart(pair, unproven.distance))
+            continue;
+        else if (m_tangles.MayLeave(scene, pair))
+            m_exemptMotions++;
+        else
+            (m_tangles.IsKept(scene, pair) ? m_keptTangles : m_unproven).push_back(unproven);
     }
 }
 
-/// Moves pairs near a tangle that has grown to m_unproven; exempts the others.
-qcStatus qcSoftBodyContact::Implementation::ExemptNearTangles()
+/// Moves pairs near a kept tangle that has grown to m_unproven; exempts the others.
+qcStatus qcSoftBodyContact::Implementation::ExemptKeptTangles()
 {
-    if (m_nearTangles.empty())
+    if (m_keptTangles.empty())
         return qc_statusOk;
     qcStatus status = Detect(0);
     if (status != qc_statusOk)
         return status;
-    for (const qcUnprovenPair& near : m_nearTangles)
-        if (m_tangles.HasGrown(*m_result, near.pair.bodyA, near.pair.bodyB))
-            m_unproven.push_back(near);
+    for (const qcUnprovenPair& kept : m_keptTangles)
+        if (m_tangles.HasGrown(*m_result, kept.pair.bodyA, kept.pair.bodyB))
+            m_unproven.push_back(kept);
         else
             m_exemptMotions++;
     return qc_statusOk;
@@ -168,7 +177,7 @@ qcStatus qcSoftBodyContact::Implementation::Certify()
     AddProfile();
     SortMotionPairs();
     m_isCertified = true;
-    return ExemptNearTangles();
+    return ExemptKeptTangles();
 }
 
 /// Finds the tangles of the end of the step, which are among the pairs that were exempt or are unproven.
@@ -177,6 +186,7 @@ qcStatus qcSoftBodyContact::Implementation::ReadEnd()
     statistics.unproven = int(m_unproven.size());
     statistics.remaining = statistics.exempt = 0;
     m_tangles.Clear();
+    m_curves.Clear();
     m_tanglesAreOfEnd = true;
     if (m_exemptMotions == 0 && m_unproven.empty() && scene.IsContinuous())
         return qc_statusOk;
@@ -208,7 +218,7 @@ qcStatus qcSoftBodyContact::Implementation::FindTangles()
     double begin = qcNowMs();
     qcStatus status = scene.SyncStartPositions();
     if (status == qc_statusOk)
-        status = scene.Detect(0, false, &m_result);
+        status = scene.Detect(0, &m_result);
     if (status == qc_statusOk)
         m_tangles.Read(scene, *m_result);
     statistics.detectMs += qcNowMs() - begin;
@@ -224,16 +234,38 @@ void qcSoftBodyContact::Implementation::SolveCcd()
     SolveConstraints();
 }
 
+/// True if tangles of these two bodies are worked apart.
+bool qcSoftBodyContact::Implementation::IsUntangled(uint32_t slotA, uint32_t slotB)
+{
+    const qcSceneSoftBody *a = scene.Find(slotA), *b = scene.Find(slotB);
+    return (a == nullptr || a->settings.untangle) && (b == nullptr || b->settings.untangle) &&
+           m_tangles.Contains(slotA, slotB) && qcHasResponse(scene, slotA, slotB);
+}
+
 /// Moves tangled surfaces towards separation.
 qcStatus qcSoftBodyContact::Implementation::Untangle()
 {
     if (m_tangles.IsEmpty())
         return qc_statusOk;
     BT_PROFILE("qcSoftBodyContact untangle");
-    qcStatus status = Detect(0, true);
-    if (status == qc_statusOk)
-        qcUntangle(scene, *m_result, m_exempt);
-    return status;
+    double begin = qcNowMs();
+    // The scene has the positions of the start.
+    btScalar perturbation = s_perturbation * scene.ContactDistance();
+    qcStatus status = scene.DetectWithin(4 * perturbation, &m_result);
+    double detected = qcNowMs();
+    statistics.detectMs += detected - begin;
+    if (status != qc_statusOk)
+        return status;
+    std::vector<qcPair> pairs;
+    std::copy_if(m_result->pairs, m_result->pairs + m_result->pairCount, std::back_inserter(pairs),
+                 [this](const qcPair& pair) { return IsUntangled(pair.bodyA, pair.bodyB); });
+    m_curves.Find(scene, pairs, perturbation);
+    std::vector<qcUntanglement> untanglements = qcFindUntanglements(m_curves);
+    m_tangles.MarkParts(untanglements);
+    qcUntangle(scene, untanglements);
+    scene.meshes.Commit();
+    statistics.respondMs += qcNowMs() - detected;
+    return qc_statusOk;
 }
 
 /// Alternates detection and projection until the motion is proven, for a limited number of rounds.
@@ -270,7 +302,7 @@ qcStatus qcSoftBodyContact::Implementation::SolveContacts()
 qcStatus qcSoftBodyContact::Implementation::SolvePlanes()
 {
     BT_PROFILE("qcSoftBodyContact push apart");
-    m_planes.Clear();
+    m_movesZones = false;
     qcStatus status = m_isCertified ? qc_statusOk : Certify();
     for (int round = 0; status == qc_statusOk && round < s_planeRounds && !m_unproven.empty(); round++)
     {
@@ -282,7 +314,7 @@ qcStatus qcSoftBodyContact::Implementation::SolvePlanes()
         statistics.respondMs += qcNowMs() - begin;
         status = Certify();
     }
-    statistics.planes = int(m_planes.Count());
+    statistics.planes += int(m_planes.Count());
     return status;
 }
 
@@ -293,7 +325,7 @@ qcStatus qcSoftBodyContact::Implementation::MoveZones()
     if (m_unproven.empty())
         return qc_statusOk;
     BT_PROFILE("qcSoftBodyContact move zones");
-    m_zones.Clear();
+    m_movesZones = true;
     for (bool changed = true; changed && !m_unproven.empty();)
     {
         changed = false;
@@ -304,13 +336,65 @@ qcStatus qcSoftBodyContact::Implementation::MoveZones()
         if (status != qc_statusOk)
             return status;
     }
-    statistics.zoneNodes = statistics.frozenNodes = m_zones.NodeCount();
+    statistics.zoneNodes = statistics.frozenNodes = std::max(statistics.zoneNodes, m_zones.NodeCount());
+    return qc_statusOk;
+}
+
+/// The certificates of the world's rigid meshes, or null.
+qcRigidLimits* qcSoftBodyContact::Implementation::FindLimits()
+{
+    return scene.Bodies().empty() ? nullptr : qcFindRigidLimits(scene.Bodies()[0].body->getWorldInfo()->m_dispatcher);
+}
+
+/// The bodies with meshes in pairs that are not proven apart.
+std::vector<const btCollisionObject*> qcSoftBodyContact::Implementation::UnprovenRigids()
+{
+    std::vector<const btCollisionObject*> objects;
+    for (const qcUnprovenPair& unproven : m_unproven)
+        for (uint32_t slot : {unproven.pair.bodyA, unproven.pair.bodyB})
+        {
+            qcSceneRigid* rigid = nullptr;
+            bool isBody = scene.meshes.Find(slot, &rigid) != nullptr && rigid->body != nullptr;
+            if (isBody && !qcAreSame(rigid->object->getWorldTransform(), rigid->start))
+                objects.push_back(rigid->object);
+        }
+    return objects;
+}
+
+/// Certifies the meshes that contacts have moved against other meshes. What that stops is fixed for contacts of soft
+/// bodies, which are moved apart from it; what then is unproven returns to the start of the step. Each round fixes
+/// further objects.
+qcStatus qcSoftBodyContact::Implementation::LimitRigids(btScalar timeStep)
+{
+    qcRigidLimits* limits = FindLimits();
+    std::vector<const btCollisionObject*> held, moved;
+    const size_t maxRounds = limits != nullptr ? 2 * scene.meshes.Rigids().size() + 1 : 0;
+    for (size_t round = 0; round < maxRounds; round++)
+    {
+        scene.meshes.UpdateVelocities(timeStep);
+        moved.clear();
+        limits->LimitAgain(timeStep, held, &moved);
+        if (!scene.meshes.Fix(moved))
+            return qc_statusOk;
+        qcStatus status = Certify();
+        if (status == qc_statusOk)
+            status = SolvePlanes();
+        if (status == qc_statusOk)
+            status = MoveZones();
+        if (status != qc_statusOk)
+            return status;
+        held = UnprovenRigids();
+    }
     return qc_statusOk;
 }
 
 qcStatus qcSoftBodyContact::Implementation::RunStages(btScalar timeStep)
 {
     double begin = qcNowMs();
+    // The deformable world runs actions, which limit rigid meshes, after the soft bodies.
+    qcRigidLimits* limits = FindLimits();
+    if (!solvesLinks && limits != nullptr)
+        limits->LimitFirst(timeStep);
     qcStatus status = scene.ReadSolved(timeStep);
     statistics.meshes = scene.meshes.CountWith(false);
     statistics.surfaces = scene.meshes.CountWith(true);
@@ -332,6 +416,8 @@ qcStatus qcSoftBodyContact::Implementation::RunStages(btScalar timeStep)
         status = SolvePlanes();
     if (status == qc_statusOk)
         status = MoveZones();
+    if (status == qc_statusOk)
+        status = LimitRigids(timeStep);
     return status == qc_statusOk ? ReadEnd() : status;
 }
 

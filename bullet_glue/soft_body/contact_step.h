@@ -3,6 +3,8 @@
 #ifndef QC_GLUE_SOFT_BODY_CONTACT_STEP_H
 #define QC_GLUE_SOFT_BODY_CONTACT_STEP_H
 
+#include "common/live_objects.h"
+#include "common/rigid_limits.h"
 #include "soft_body/algorithm_override.h"
 #include "soft_body/contact_manifolds.h"
 #include "soft_body/draw_contacts.h"
@@ -10,6 +12,7 @@
 #include "soft_body/response/position_constraints.h"
 #include "soft_body/response/rigid_zones.h"
 #include "soft_body/response/separating_planes.h"
+#include "soft_body/response/untangle.h"
 
 /// A world's step calls, in this order, BeginStep before collision detection, ReadStart while nodes have the positions
 /// of the start of the step, Resolve after Bullet's own solvers, and DispatchCallbacks at its end.
@@ -26,7 +29,7 @@ struct qcSoftBodyContact::Implementation
     /// Moves the scene's positions and the meshes apart; the caller then writes the positions to Bullet's nodes. False:
     /// a query failed, and everything is as Bullet's solvers left it.
     bool Resolve(btScalar timeStep);
-    /// Draws the candidate triangles of the step's first query.
+    /// Draws the candidate triangles of the step's first query, its planes and its zones.
     void Draw(btIDebugDraw* drawer);
     /// Calls Bullet's contact callbacks. The last call of a step: they may remove bodies.
     void DispatchCallbacks();
@@ -40,21 +43,26 @@ struct qcSoftBodyContact::Implementation
     bool solvesLinks = false;
 
   private:
-    qcStatus Detect(btScalar contactMargin, bool segments = false);
+    void DrawCandidates(qcLiveObjects& liveObjects, btIDebugDraw* drawer);
+    qcStatus Detect(btScalar contactMargin);
     void AddProfile();
     void SolveConstraints();
     qcStatus FindTangles();
     qcStatus MarkStart();
     bool IsContinuous(const qcPair& pair);
     void SortMotionPairs();
-    qcStatus ExemptNearTangles();
+    qcStatus ExemptKeptTangles();
     qcStatus Certify();
     qcStatus ReadEnd();
     void SolveCcd();
+    bool IsUntangled(uint32_t slotA, uint32_t slotB);
     qcStatus Untangle();
     qcStatus SolveContacts();
     qcStatus SolvePlanes();
     qcStatus MoveZones();
+    qcRigidLimits* FindLimits();
+    std::vector<const btCollisionObject*> UnprovenRigids();
+    qcStatus LimitRigids(btScalar timeStep);
     qcStatus RunStages(btScalar timeStep);
 
     std::vector<qcSoftConstraint> m_constraints;
@@ -63,15 +71,16 @@ struct qcSoftBodyContact::Implementation
     std::vector<qcRigidNodeContact> m_rigidNodeContacts;
     const qcResult* m_result = nullptr; ///< of the last detection
     qcSoftCandidates m_candidates;      ///< of the first detection of the step
-    std::vector<size_t> m_exempt;       ///< penetrating pairs of the result that may penetrate, by index
     bool m_isCertified = false;         ///< m_unproven are those of the present positions
     std::vector<qcUnprovenPair> m_unproven;
-    std::vector<qcUnprovenPair> m_nearTangles; ///< not proven apart, but allowed if their tangle doesn't grow
+    std::vector<qcUnprovenPair> m_keptTangles; ///< not proven apart, but allowed if their tangle doesn't grow
     size_t m_exemptMotions = 0;                ///< pairs that penetrate at the start, or can't be separated there
     qcSoftTangles m_tangles;                   ///< of the start of the step; after the step, of its end
+    qcIntersectionCurves m_curves;             ///< of the tangles that are worked apart
     bool m_tanglesAreOfEnd = false;            ///< m_tangles are those of the end of the previous step
     qcSeparationPlanes m_planes;
     qcSoftZones m_zones;
+    bool m_movesZones = false; ///< the step has come to its zones
 };
 
 #endif

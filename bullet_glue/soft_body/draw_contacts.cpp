@@ -1,22 +1,22 @@
-// The candidate triangles of a step's first query, as lines.
+// The candidate triangles of a step's first query, its separating planes and the nodes of its zones, as lines.
 #include "soft_body/draw_contacts.h"
 
 #include "common/debug_draw.h"
+#include "common/shape_triangles.h"
 #include "common/weld_vertices.h"
-#include "common/live_objects.h"
 #include "soft_body/contact_step.h"
 
 #include <algorithm>
 
 namespace
 {
-void DrawNode(const btVector3& node, btScalar size, btIDebugDraw* drawer)
+void DrawNode(const btVector3& node, btScalar size, const btVector3& color, btIDebugDraw* drawer)
 {
     for (int axis = 0; axis < 3; axis++)
     {
         btVector3 arm(0, 0, 0);
         arm[axis] = size;
-        drawer->drawLine(node - arm, node + arm, qcCandidateColor());
+        drawer->drawLine(node - arm, node + arm, color);
     }
 }
 
@@ -36,7 +36,7 @@ void DrawTriangle(const qcSceneSoftBody& soft, uint32_t triangle, btIDebugDraw* 
     else if (triangle < soft.topology.faceCount + soft.topology.ropeCount)
         drawer->drawLine(corners[0], corners[1], qcCandidateColor());
     else
-        DrawNode(corners[0], soft.thickness / 2, drawer);
+        DrawNode(corners[0], soft.thickness / 2, qcCandidateColor(), drawer);
 }
 
 void DrawSoft(const qcSoftCandidates& candidates, const qcSceneSoftBody& soft, btIDebugDraw* drawer)
@@ -61,6 +61,46 @@ void DrawMesh(const qcSoftCandidates& candidates, const qcSceneMesh& mesh, const
             qcDrawCandidate(drawer, transform * vertices[index[0]], transform * vertices[index[1]],
                             transform * vertices[index[2]]);
     }
+}
+/// Fills `corners` with the present corners of a plane's triangle. False: its body has left or has changed.
+bool FindCorners(const qcSoftBodyMeshes& meshes, const qcPlaneSide& side, qcLiveObjects& liveObjects, double corners[9])
+{
+    btTransform transform;
+    if (side.soft != nullptr ? !liveObjects.Contains(side.soft->body, side.soft->uniqueId)
+                             : !liveObjects.Contains(side.rigid->object, side.rigid->uniqueId) ||
+                                   !meshes.FindTransform(*side.rigid, *side.mesh, &transform))
+        return false;
+    for (int c = 0; c < 3; c++)
+    {
+        uint32_t vertex = side.vertices[std::min(c, side.count - 1)];
+        if (side.soft != nullptr && int(vertex) >= side.soft->NodeCount())
+            return false;
+        btVector3 corner = side.soft != nullptr ? side.soft->body->m_nodes[int(vertex)].m_x
+                                                : transform * side.mesh->shape->getVertices()[vertex];
+        for (int axis = 0; axis < 3; axis++)
+            corners[3 * c + axis] = double(corner[axis]);
+    }
+    return true;
+}
+
+/// Draws a square between the closest points of both triangles, and the normal.
+void DrawPlane(const qcSoftBodyMeshes& meshes, const qcSeparationPlane& plane, qcLiveObjects& liveObjects,
+               btIDebugDraw* drawer)
+{
+    double above[9], below[9];
+    if (!FindCorners(meshes, plane.above, liveObjects, above) || !FindCorners(meshes, plane.below, liveObjects, below))
+        return;
+    qcProximity proximity;
+    if (!qcTrianglesWithin(above, below, double(BT_LARGE_FLOAT), &proximity))
+        return;
+    btVector3 center = (qcVectorOf(proximity.pointA) + qcVectorOf(proximity.pointB)) / 2, u, v;
+    btPlaneSpace1(plane.normal, u, v);
+    const qcSceneSoftBody& soft = plane.above.soft != nullptr ? *plane.above.soft : *plane.below.soft;
+    const btVector3 corners[4] = {u + v, u - v, -u - v, v - u};
+    for (int c = 0; c < 4; c++)
+        drawer->drawLine(center + corners[c] * (soft.thickness / 2),
+                         center + corners[(c + 1) % 4] * (soft.thickness / 2), qcPlaneColor());
+    drawer->drawLine(center, center + plane.normal * soft.thickness, qcPlaneColor());
 }
 } // namespace
 
@@ -125,12 +165,9 @@ bool qcSoftCandidates::Contains(uint32_t slot, uint32_t triangle, const uint32_t
     return ContainsFeature(MakeFeature(slot, corners[0], corners[1], corners[2]));
 }
 
-void qcSoftBodyContact::Implementation::Draw(btIDebugDraw* drawer)
+void qcSoftBodyContact::Implementation::DrawCandidates(qcLiveObjects& liveObjects, btIDebugDraw* drawer)
 {
-    if (m_candidates.AreEmpty() || manifolds.GetBroadphase() == nullptr)
-        return;
     m_candidates.Sort();
-    qcLiveObjects liveObjects(manifolds.GetBroadphase());
     for (const qcSceneSoftBody& soft : scene.Bodies())
         if (liveObjects.Contains(soft.body, soft.uniqueId))
             DrawSoft(m_candidates, soft, drawer);
@@ -142,5 +179,22 @@ void qcSoftBodyContact::Implementation::Draw(btIDebugDraw* drawer)
                 scene.meshes.FindTransform(*rigid, mesh, &transform))
                 DrawMesh(m_candidates, mesh, transform, drawer);
         }
+}
+
+void qcSoftBodyContact::Implementation::Draw(btIDebugDraw* drawer)
+{
+    if ((m_candidates.AreEmpty() && m_planes.Count() == 0) || manifolds.GetBroadphase() == nullptr)
+        return;
+    qcLiveObjects liveObjects(manifolds.GetBroadphase());
+    if (!m_candidates.AreEmpty())
+        DrawCandidates(liveObjects, drawer);
+    for (const qcSeparationPlane& plane : m_planes.Planes())
+        DrawPlane(scene.meshes, plane, liveObjects, drawer);
+    m_zones.ForEachNode(
+        [&](const qcSceneSoftBody& soft, uint32_t node)
+        {
+            if (liveObjects.Contains(soft.body, soft.uniqueId) && int(node) < soft.NodeCount())
+                DrawNode(soft.body->m_nodes[int(node)].m_x, soft.thickness, qcZoneColor(), drawer);
+        });
     drawer->flushLines();
 }

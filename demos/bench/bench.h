@@ -21,6 +21,8 @@ qcExitStatus qcBench_RunGpu(int argumentCount, char** arguments);
 qcExitStatus qcBench_RunBroadphase(int argumentCount, char** arguments);
 /// Soft bodies beside Bullet alone. Only where Bullet was found.
 qcExitStatus qcBench_RunSoft(int argumentCount, char** arguments);
+/// Fast bodies, judged within each step, beside version 0.2.0. Only where Bullet was found.
+qcExitStatus qcBench_RunThrough(int argumentCount, char** arguments);
 
 #ifdef __cplusplus
 }

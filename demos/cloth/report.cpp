@@ -11,8 +11,8 @@ namespace
 void WriteHeading(FILE* stream)
 {
     std::fprintf(stream, "self_collision,step,seconds,step_ms,method,device,detect_ms,cull_ms,sweep_ms,exact_ms,"
-                         "contact_ms,respond_ms,contacts,penetrating_before,rounds,planes,zone_nodes,manifolds,"
-                         "penetrating_after");
+                         "contact_ms,respond_ms,contacts,penetrating_before,rounds,planes,zone_nodes,exempt,"
+                         "unproven,manifolds,penetrating_after");
     for (const qcClothQueryDef& query : qcClothQueries)
         std::fprintf(stream, ",%s_pcs,%s_found,%s_missed,%s_ms", query.column, query.column, query.column,
                      query.column);
@@ -25,11 +25,11 @@ void WriteRows(FILE* stream, const qcClothRun& run, double stepSeconds)
     {
         const qcClothStep& step = run.steps[i];
         const qcSoftBodyStatistics& s = step.statistics;
-        std::fprintf(stream, "%s,%zu,%.4f,%.3f,%s,%s,%.3f,%.3f,%.3f,%.3f,%.3f,%.3f,%d,%d,%d,%d,%d,%d,%zu",
+        std::fprintf(stream, "%s,%zu,%.4f,%.3f,%s,%s,%.3f,%.3f,%.3f,%.3f,%.3f,%.3f,%d,%d,%d,%d,%d,%d,%d,%d,%zu",
                      run.selfCollision ? "with" : "without", i + 1, double(i + 1) * stepSeconds, step.costs.Total(),
                      qcMethod_Name(s.method), s.device, s.detectMs, s.cullMs, s.sweepMs, s.exactMs, s.contactMs,
-                     s.respondMs, s.contacts, s.penetrating, s.rounds, s.planes, s.zoneNodes, step.manifolds,
-                     step.Penetrating());
+                     s.respondMs, s.contacts, s.penetrating, s.rounds, s.planes, s.zoneNodes, s.exempt, s.unproven,
+                     step.manifolds, step.Penetrating());
         for (const qcClothResult& result : step.results)
             if (step.compared)
                 std::fprintf(stream, ",%" PRIu32 ",%zu,%zu,%.3f", result.pcs, result.found, result.missed, result.ms);
@@ -58,6 +58,27 @@ template <typename Value> double Largest(const qcClothRun& run, Value value)
 void PrintTwo(const char* label, double with, double without, int digits)
 {
     std::printf("  %-46s %12.*f %12.*f\n", label, digits, with, digits, without);
+}
+
+/// A count of each step: mean and max, with self-collision and without.
+template <typename Value>
+void PrintMeanAndMax(const char* label, const qcClothRun& with, const qcClothRun& without, Value value)
+{
+    std::printf("  %-46s %8.1f %8.0f %8.1f %8.0f\n", label, Mean(with, value), Largest(with, value),
+                Mean(without, value), Largest(without, value));
+}
+
+/// What kept surfaces apart where contacts did not suffice.
+void PrintFilter(const qcClothRun& with, const qcClothRun& without)
+{
+    std::printf("\n  %-46s %17s %17s\n", "What kept surfaces from passing, in a step:", "self-collision on", "off");
+    std::printf("  %-46s %8s %8s %8s %8s\n", "", "mean", "max", "mean", "max");
+    PrintMeanAndMax("planes (pairs pushed apart)", with, without,
+                    [](const qcClothStep& s) { return s.statistics.planes; });
+    PrintMeanAndMax("nodes in zones (moved as one)", with, without,
+                    [](const qcClothStep& s) { return s.statistics.zoneNodes; });
+    PrintMeanAndMax("exempt pairs (tangled)", with, without, [](const qcClothStep& s) { return s.statistics.exempt; });
+    PrintMeanAndMax("unproven pairs", with, without, [](const qcClothStep& s) { return s.statistics.unproven; });
 }
 
 /// Means and sums over the steps that were compared.
@@ -129,7 +150,6 @@ void qcPrintClothTable(const qcClothRun& with, const qcClothRun& without, size_t
 {
     auto contacts = [](const qcClothStep& s) { return s.statistics.contacts; };
     auto penetrating = [](const qcClothStep& s) { return s.Penetrating(); };
-    auto inZones = [](const qcClothStep& s) { return s.statistics.zoneNodes; };
 
     std::printf("\nCloth over a table: %zu triangles, %zu steps\n\n", triangles, with.steps.size());
     PrintLoop(with, method, device);
@@ -138,12 +158,11 @@ void qcPrintClothTable(const qcClothRun& with, const qcClothRun& without, size_t
                       {"off", qcMeanCosts(without.steps.begin(), without.steps.end())}});
     std::printf("\n");
     PrintTwo("self-contacts in a step, mean", Mean(with, contacts), Mean(without, contacts), 0);
-    PrintTwo("self-contacts in a step, most", Largest(with, contacts), Largest(without, contacts), 0);
-    PrintTwo("self-penetrating pairs after a step, most", Largest(with, penetrating), Largest(without, penetrating), 0);
+    PrintTwo("self-contacts in a step, max", Largest(with, contacts), Largest(without, contacts), 0);
+    PrintTwo("self-penetrating pairs after a step, max", Largest(with, penetrating), Largest(without, penetrating), 0);
     PrintTwo("self-penetrating pairs at the end", double(with.steps.empty() ? 0 : with.steps.back().Penetrating()),
              double(without.steps.empty() ? 0 : without.steps.back().Penetrating()), 0);
-    PrintTwo("nodes that moved as one with what they touch, in all", Mean(with, inZones) * double(with.steps.size()),
-             Mean(without, inZones) * double(without.steps.size()), 0);
+    PrintFilter(with, without);
 
     if (device.kind == qc_deviceNone)
     {

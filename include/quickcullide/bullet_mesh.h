@@ -151,7 +151,7 @@ struct qcMeshContactStatistics
     const char* device = "none";    ///< name of the device that was used; "none" if the CPU answered alone
     const char* fallback = nullptr; ///< why another method than the requested one ran, or null
     int moments = 0;                ///< times within the step at which fast bodies were sampled
-    int limited = 0;                ///< bodies whose motion in the last step was cut back, or that were carried along
+    int limited = 0;                ///< bodies that the limits of the last step have moved
     int unproven = 0;               ///< pairs of objects that could not be kept apart in the last step
     double limitMs = 0;             ///< milliseconds of certifying the last step's motions
     double gatherMs = 0;            ///< milliseconds of reading from Bullet
@@ -183,6 +183,13 @@ struct qcMeshContactStatistics
 /// up to sixteen times in the step, along their initial velocities, and stop where they touch, together with bodies
 /// that follow them. Changes of velocity by the solver within the step are not foreseen, nor are children of compounds.
 ///
+/// Limits: no two meshes that don't touch at the start of a step pass each other in it, whatever their speed, children of
+/// compounds included. After Bullet has integrated the transforms, in an action of the world, bodies whose motions are
+/// not proven apart are pushed apart or cut back. Static and kinematic objects are not; `unproven` counts pairs that they
+/// press together. A kinematic body moves to where the application sets its transform, and takes along what is between;
+/// one that is put elsewhere needs setInterpolationWorldTransform, too. Convex shapes have Bullet's own continuous
+/// collision detection (setCcdMotionThreshold).
+///
 /// Rest: as long as no point of a body has moved by 3 % of the threshold, its contact points move with it and nothing
 /// is searched.
 ///
@@ -191,7 +198,7 @@ struct qcMeshContactStatistics
 ///
 /// Profile zones (BT_PROFILE), at the first pair of a step: "qcMeshContact batch", and in it "qcMeshContact gather",
 /// "qcMeshContact look ahead" and "qcMeshContact detect"; at each pair "qcMeshContact manifolds"; at a pair computed
-/// alone "qcMeshContact query".
+/// alone "qcMeshContact query"; at the end of a step in which a mesh has moved "qcMeshContact limit".
 ///
 /// Must outlive the world. Thread-safety: the algorithms may run on several threads at once; the functions below belong
 /// to the world's thread.

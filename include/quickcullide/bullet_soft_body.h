@@ -29,6 +29,10 @@ struct qcSoftBodySettings
     /// in a step, whatever the speed. false: only contacts at the end of a step hold it, and only against bodies whose
     /// setting is false, too.
     bool continuous = true;
+    /// Triangles that penetrate at the start of a step are worked apart over the next steps: a body may start tangled.
+    /// false: the body's tangles stay as they are; they may move along the surfaces but don't grow. Two bodies are
+    /// worked apart if both settings are true.
+    bool untangle = true;
     /// Coulomb friction. Two bodies use the mean of both; a rigid body has btRigidBody's own.
     btScalar friction = btScalar(0.3);
     /// Contact with the shapes of rigid bodies is left to Bullet, but for qcMeshShape: nodes are tested by themselves,
@@ -79,10 +83,17 @@ struct qcSoftBodyStatistics
 /// Response: Bullet's own constraints run first. Then nodes are moved apart by contacts of vertices with faces and
 /// edges with edges within the thickness, on the side from which they came. At the end of a step no two triangles
 /// without a common node penetrate that did not at its start, by the exact test; only kinematic meshes that leave no
-/// room are an exception. Momentum is conserved. Triangles that penetrate at the start of a step (tangled) are exempt:
-/// contacts don't hold them together, and each step shortens their intersection curve, by at most a quarter of the
-/// thickness and without adding velocity. A tangle may move along the surfaces but doesn't grow. A cloth that passes
-/// straight through another one or a mesh may stay so, since its curve can't shrink.
+/// room are an exception. Momentum is conserved.
+///
+/// Tangled starts: triangles that penetrate at the start of a step are exempt, so a scene may start tangled. Each step
+/// works them apart (qcSoftBodySettings::untangle), over half the thickness and without a velocity for that:
+/// - Where an intersection curve cuts off a part of a surface, the part goes back through the other surface. The smaller
+///   part moves: the body returns to the side on which most of it is.
+/// - Where a curve ends inside of both surfaces, it is shortened from its ends.
+/// Motion that tangles further ends as in an inelastic contact. Links that untangling compresses give nodes some
+/// velocity. Away from the curve nothing passes. A body that is inside of a closed one as a whole has no curve and
+/// stays. Triangles that touch at the start, without penetration, are kept apart; surfaces that cross exactly in common
+/// positions don't penetrate, and are not worked apart.
 ///
 /// Time: between start and end of a step only nodes and rope links that pass through meshes are detected. Everything
 /// else that moves by more than the thickness, relative to the other surface, may pass it.
@@ -161,7 +172,9 @@ class QC_API qcSoftBodyContact
     void setMethod(qcMethod method);
 
     /// Draws in red the potentially colliding set of the first query of the last step, at the bodies' present places:
-    /// the triangles in a candidate pair or with a contact, and a cross for each such node without a face. Bodies that
+    /// the triangles in a candidate pair or with a contact, and a cross for each such node without a face. In yellow the
+    /// separating planes of the last step (qcSoftBodyStatistics::planes): a square of the thickness between the closest
+    /// points of both triangles, with its normal. In magenta a cross at each node of a zone (zoneNodes). Bodies that
     /// have left the world since, and meshes that an object no longer has, are left out. Call it between steps, after
     /// debugDrawWorld. The drawer's debug mode is ignored. Changes nothing. O(triangles log contacts).
     void debugDraw(btIDebugDraw* drawer) const;

@@ -288,6 +288,8 @@ typedef struct qcDetectDef
     /// Report the pairs that are not proven apart over the motion from the last qcScene_MarkStart to the present, in
     /// which all vertices, also those of rigid bodies, move along straight lines: pairs that no direction separates at
     /// both ends (qcTrianglesStayApart). A pair that isn't reported has no common point at any time of the motion.
+    /// `sweep` proves more pairs than `brute` where a surface turns by more than some 40 degrees: those of parts that
+    /// stay flat.
     /// Relations and proximities of pairs are those of the start, where reported pairs may be disjoint. With
     /// `neighbours`: also pairs that share a vertex and aren't proven to meet there only. `touching` has no effect.
     /// Margins, segments and manifolds are refused; so are `cullide` and `quick`. `layers` leaves it to `sweep`.

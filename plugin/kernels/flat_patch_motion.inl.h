@@ -23,6 +23,13 @@ QC_INLINE float Less(float a, float b)
     return a < b ? a : b;
 }
 
+/// Products of (u, v) with two vertices, or with a difference of vertices, are wrong by their errors, by rounding, and
+/// where they underflow.
+QC_INLINE float MinProjectedGap(const Loop* loop, float u, float v)
+{
+    return (__builtin_fabsf(u) + __builtin_fabsf(v)) * (2.0f * loop->coordinateError + 0x1p-20f * loop->size) + 1e-30f;
+}
+
 /// The vertices from a to endA and those from b to endB leave a gap along (u, v), in the same order at both ends.
 QC_INLINE bool DirectionSeparates(const MovingLoop* loop, float u, float v, size_t a, size_t endA, size_t b,
                                   size_t endB)
@@ -42,8 +49,7 @@ QC_INLINE bool DirectionSeparates(const MovingLoop* loop, float u, float v, size
             float at = u * l->u[i] + v * l->v[i];
             lowB = Less(at, lowB), highB = Greater(at, highB);
         }
-        // Products with a vertex are wrong by its error and by rounding.
-        float gap = (__builtin_fabsf(u) + __builtin_fabsf(v)) * (2.0f * l->coordinateError + 0x1p-20f * l->size);
+        float gap = MinProjectedGap(l, u, v);
         above = above && lowA - highB > gap;
         below = below && lowB - highA > gap;
     }
@@ -114,11 +120,10 @@ static bool StayMonotone(const MovingLoop* loop, const Arc* a, const Arc* b)
     const Loop *start = loop->at[0], *end = loop->at[1];
     float u = start->u[b->end] - start->u[a->first] + end->u[b->end] - end->u[a->first];
     float v = start->v[b->end] - start->v[a->first] + end->v[b->end] - end->v[a->first];
-    float size = __builtin_fabsf(u) + __builtin_fabsf(v);
     for (int t = 0; t < 2; t++)
     {
         const Loop* l = loop->at[t];
-        float minStep = size * (2.0f * l->coordinateError + 0x1p-20f * l->size);
+        float minStep = MinProjectedGap(l, u, v);
         for (int n = 0; n < 2; n++)
             for (size_t i = arcs[n]->first; i < arcs[n]->end; i++)
                 if (!(u * (l->u[i + 1] - l->u[i]) + v * (l->v[i + 1] - l->v[i]) > minStep))
@@ -187,24 +192,36 @@ static bool StaysSimple(const MovingLoop* loop)
     return true;
 }
 
-/// The smallest of the Bernstein coefficients of the area of QC_LANES triangles, seen along d, is positive.
-QC_INLINE Ints FacesForward(const Loop* loop, const Vectors e[2], const Vectors f[2], float pointError)
+/// Two edges of QC_LANES triangles, projected along the direction of the loop.
+typedef struct ProjectedEdges
 {
-    const int first[3] = {0, 0, 1}, second[3] = {0, 1, 1};
-    Floats size =
-        MaxFloats(MaxFloats(MaxAbsolute(e[0]), MaxAbsolute(f[0])), MaxFloats(MaxAbsolute(e[1]), MaxAbsolute(f[1])));
-    Floats rounding = size * (64.0f * pointError + 96.0f * 0x1p-24f * size);
-    Ints forward = ~(Ints){0};
-    for (int c = 0; c < 3; c++)
+    Floats u[2], v[2];
+    Floats size; ///< the largest coordinate of the edges in space
+} ProjectedEdges;
+
+QC_INLINE ProjectedEdges ProjectEdges(const qcPoint* points, uint32_t id[3][QC_LANES], float scale, const Loop* loop)
+{
+    Vectors corner = LoadPoints(points, id[0]);
+    const Floats zero = {0};
+    ProjectedEdges made = {.size = zero};
+    for (int k = 0; k < 2; k++)
     {
-        int s = first[c], t = second[c];
-        Vectors p = Cross(e[s], f[t]), q = Cross(e[t], f[s]);
-        Floats normal[3] = {0.5f * (p.x + q.x), 0.5f * (p.y + q.y), 0.5f * (p.z + q.z)};
-        Floats facing =
-            (normal[loop->axes[0]] * loop->p + normal[loop->axes[1]] * loop->q + normal[loop->axes[2]]) * loop->sign;
-        forward &= facing > rounding;
+        Vectors e = Times(Subtract(LoadPoints(points, id[k + 1]), corner), zero + scale);
+        const Floats of[3] = {e.x, e.y, e.z};
+        made.u[k] = of[loop->axes[0]] - loop->p * of[loop->axes[2]];
+        made.v[k] = of[loop->axes[1]] - loop->q * of[loop->axes[2]];
+        made.size = MaxFloats(made.size, MaxAbsolute(e));
     }
-    return forward;
+    return made;
+}
+
+/// The Bernstein coefficients of the areas, seen along the direction, are positive.
+QC_INLINE Ints FacesForward(const ProjectedEdges* a, const ProjectedEdges* b, float sign, float pointError)
+{
+    Floats size = MaxFloats(a->size, b->size), rounding = size * (64.0f * pointError + 96.0f * 0x1p-24f * size);
+    Floats start = a->u[0] * a->v[1] - a->v[0] * a->u[1], end = b->u[0] * b->v[1] - b->v[0] * b->u[1];
+    Floats middle = 0.5f * ((a->u[0] * b->v[1] - a->v[0] * b->u[1]) + (b->u[0] * a->v[1] - b->v[0] * a->u[1]));
+    return (start * sign > rounding) & (middle * sign > rounding) & (end * sign > rounding);
 }
 
 static bool FacesOneWayInMotion(const qcPatchGeometry patches[2], const float scales[2], const Loop* loop)
@@ -221,15 +238,9 @@ static bool FacesOneWayInMotion(const qcPatchGeometry patches[2], const float sc
             for (int c = 0; c < 3; c++)
                 id[c][lane] = vertex[c];
         }
-        Vectors e[2], f[2];
-        for (int t = 0; t < 2; t++)
-        {
-            Floats scale = (Floats){0} + scales[t];
-            Vectors corner = LoadPoints(patches[t].points, id[0]);
-            e[t] = Times(Subtract(LoadPoints(patches[t].points, id[1]), corner), scale);
-            f[t] = Times(Subtract(LoadPoints(patches[t].points, id[2]), corner), scale);
-        }
-        if (SignBits(~FacesForward(loop, e, f, pointError)) != 0)
+        ProjectedEdges a = ProjectEdges(patches[0].points, id, scales[0], loop),
+                       b = ProjectEdges(patches[1].points, id, scales[1], loop);
+        if (SignBits(~FacesForward(&a, &b, loop->sign, pointError)) != 0)
             return false;
     }
     return true;

@@ -36,6 +36,8 @@ QC_INLINE void GetClusterBoxes(const qcMotionBvh* bvh, uint32_t cluster, qcBox8 
     }
 }
 
+/// One in twenty pairs of clusters whose boxes overlap has triangles whose boxes around both ends overlap.
+/// Where these don't, an axis separates in the same order at both ends.
 static qcSlotPair* CollectMotionPairs(const qcMotionBvh* a, uint32_t nodeA, const qcMotionBvh* b, uint32_t nodeB,
                                       const uint64_t* pairMasks, const qcPairExclusion* exclusions, int exclusionCount,
                                       qcSlotPair* pairs)
@@ -46,7 +48,7 @@ static qcSlotPair* CollectMotionPairs(const qcMotionBvh* a, uint32_t nodeA, cons
     const qcBox8 *boxesA[2], *boxesB[2];
     GetNodeBoxes(a, nodeA, ownA, boxesA);
     GetNodeBoxes(b, nodeB, ownB, boxesB);
-    uint64_t clusters = FindMotionBoxOverlaps(boxesA, boxesB) & ~pairMasks[1];
+    uint64_t clusters = FindUnitedOverlaps(boxesA, boxesB) & ~pairMasks[1];
     for (uint32_t previousB = UINT32_MAX; clusters != 0; clusters &= clusters - 1)
     {
         uint32_t bit = (uint32_t)__builtin_ctzll(clusters);
@@ -60,7 +62,9 @@ static qcSlotPair* CollectMotionPairs(const qcMotionBvh* a, uint32_t nodeA, cons
         if (clusterB != previousB)
             GetClusterBoxes(b, clusterB, ownB, boxesB);
         previousB = clusterB;
-        pairs = AddPairs(FindMotionBoxOverlaps(boxesA, boxesB) & word, clusterA, clusterB, pairs);
+        word &= FindUnitedOverlaps(boxesA, boxesB);
+        if (word != 0)
+            pairs = AddPairs(FindMotionBoxOverlaps(boxesA, boxesB) & word, clusterA, clusterB, pairs);
     }
     return pairs;
 }

@@ -13,6 +13,28 @@ static inline Shorts MinShorts(Shorts a, Shorts b)
     return _mm_min_epi16(a, b);
 }
 
+/// The ends of eight boxes by axis.
+typedef struct Ends
+{
+    __m256i axis[3];
+} Ends;
+
+static inline Ends EndsOf(const qcBox8* boxes)
+{
+    Ends ends;
+    for (int axis = 0; axis < 3; axis++)
+        ends.axis[axis] = _mm256_loadu_si256((const __m256i*)boxes->ends[axis]);
+    return ends;
+}
+
+static inline Ends UnitedEndsOf(const qcBox8* const boxes[2])
+{
+    Ends ends = EndsOf(boxes[0]), other = EndsOf(boxes[1]);
+    for (int axis = 0; axis < 3; axis++)
+        ends.axis[axis] = _mm256_min_epi16(ends.axis[axis], other.axis[axis]);
+    return ends;
+}
+
 static inline void Transpose(const Shorts row[8], Shorts column[8])
 {
     Shorts pairs[8], fours[8];

@@ -22,14 +22,14 @@ static inline __m256 MaxFloats(__m256 a, __m256 b)
 }
 
 /// Two boxes of b at a time, against all boxes of a.
-static inline uint64_t FindBoxOverlaps(const qcBox8* a, const qcBox8* b)
+static inline uint64_t FindEndsOverlaps(const Ends* a, const Ends* b)
 {
     __m256i ends[3], limits[3];
     for (int axis = 0; axis < 3; axis++)
     {
-        ends[axis] = _mm256_loadu_si256((const __m256i*)a->ends[axis]);
+        ends[axis] = a->axis[axis];
         // Lower ends of a are compared with upper ends of b, and vice versa.
-        __m256i other = _mm256_loadu_si256((const __m256i*)b->ends[axis]);
+        __m256i other = b->axis[axis];
         limits[axis] = _mm256_xor_si256(_mm256_permute4x64_epi64(other, 0x4e), _mm256_set1_epi8(-1));
     }
     uint64_t disjoint = 0;
@@ -51,7 +51,20 @@ static inline uint64_t FindBoxOverlaps(const qcBox8* a, const qcBox8* b)
     return ~disjoint;
 }
 
-/// The same for a motion: an axis counts if it separates in the same order at both ends.
+static inline uint64_t FindBoxOverlaps(const qcBox8* a, const qcBox8* b)
+{
+    Ends endsA = EndsOf(a), endsB = EndsOf(b);
+    return FindEndsOverlaps(&endsA, &endsB);
+}
+
+/// The boxes around both ends.
+static inline uint64_t FindUnitedOverlaps(const qcBox8* const a[2], const qcBox8* const b[2])
+{
+    Ends endsA = UnitedEndsOf(a), endsB = UnitedEndsOf(b);
+    return FindEndsOverlaps(&endsA, &endsB);
+}
+
+/// An axis separates a motion if it separates in the same order at both ends.
 static inline uint64_t FindMotionBoxOverlaps(const qcBox8* const a[2], const qcBox8* const b[2])
 {
     __m256i ends[2][3], limits[2][3];

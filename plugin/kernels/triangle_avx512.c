@@ -22,14 +22,14 @@ static inline __m512 MaxFloats(__m512 a, __m512 b)
 }
 
 /// Two boxes of b at a time, against all boxes of a.
-static inline uint64_t FindBoxOverlaps(const qcBox8* a, const qcBox8* b)
+static inline uint64_t FindEndsOverlaps(const Ends* a, const Ends* b)
 {
     __m512i ends[3], limits[3];
     for (int axis = 0; axis < 3; axis++)
     {
-        ends[axis] = _mm512_broadcast_i64x4(_mm256_loadu_si256((const __m256i*)a->ends[axis]));
+        ends[axis] = _mm512_broadcast_i64x4(a->axis[axis]);
         // Lower ends of a are compared with upper ends of b, and vice versa.
-        __m256i other = _mm256_loadu_si256((const __m256i*)b->ends[axis]);
+        __m256i other = b->axis[axis];
         limits[axis] =
             _mm512_broadcast_i64x4(_mm256_xor_si256(_mm256_permute4x64_epi64(other, 0x4e), _mm256_set1_epi8(-1)));
     }
@@ -47,7 +47,20 @@ static inline uint64_t FindBoxOverlaps(const qcBox8* a, const qcBox8* b)
     return overlaps;
 }
 
-/// The same for a motion: an axis counts if it separates in the same order at both ends.
+static inline uint64_t FindBoxOverlaps(const qcBox8* a, const qcBox8* b)
+{
+    Ends endsA = EndsOf(a), endsB = EndsOf(b);
+    return FindEndsOverlaps(&endsA, &endsB);
+}
+
+/// The boxes around both ends.
+static inline uint64_t FindUnitedOverlaps(const qcBox8* const a[2], const qcBox8* const b[2])
+{
+    Ends endsA = UnitedEndsOf(a), endsB = UnitedEndsOf(b);
+    return FindEndsOverlaps(&endsA, &endsB);
+}
+
+/// An axis separates a motion if it separates in the same order at both ends.
 static inline uint64_t FindMotionBoxOverlaps(const qcBox8* const a[2], const qcBox8* const b[2])
 {
     __m512i ends[2][3], limits[2][3];

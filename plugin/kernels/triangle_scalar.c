@@ -85,7 +85,20 @@ static inline uint64_t FindBoxOverlaps(const qcBox8* a, const qcBox8* b)
     return overlaps;
 }
 
-/// The same for a motion: an axis counts if it separates in the same order at both ends.
+/// The boxes around both ends.
+static inline uint64_t FindUnitedOverlaps(const qcBox8* const a[2], const qcBox8* const b[2])
+{
+    qcBox8 united[2];
+    for (int axis = 0; axis < 3; axis++)
+        for (int i = 0; i < 2 * qc_boxLanes; i++)
+        {
+            united[0].ends[axis][i] = a[a[1]->ends[axis][i] < a[0]->ends[axis][i]]->ends[axis][i];
+            united[1].ends[axis][i] = b[b[1]->ends[axis][i] < b[0]->ends[axis][i]]->ends[axis][i];
+        }
+    return FindBoxOverlaps(&united[0], &united[1]);
+}
+
+/// An axis separates a motion if it separates in the same order at both ends.
 static inline uint64_t FindMotionBoxOverlaps(const qcBox8* const a[2], const qcBox8* const b[2])
 {
     uint64_t overlaps = 0;

@@ -13,7 +13,9 @@
 
 enum
 {
-    qc_maxRounds = 24
+    // Among 4.4 million certificates of test_motion_certificate and 160 thousand of cloth, none took more than 12 and
+    // 10 rounds; half of them take 3 or 4. Pairs that touch may go round for ever.
+    qc_maxRounds = 16
 };
 
 /// Corners relative to the first corner of A at the start and at the end, scaled so that no coordinate exceeds 1.
@@ -162,8 +164,27 @@ static bool ContainsOrigin(const qcVector point[4])
     return true;
 }
 
-/// Finds the closest point, and drops the corners that it doesn't depend on. False: the origin is inside.
-static bool Reduce(Simplex* s, qcVector* closest)
+/// A vector in the direction of the closest point. With two corners or three that point is a small sum of large terms,
+/// whose rounding errors would hide gaps below 1e-8 of the triangles' size.
+static qcVector DirectionOf(const Simplex* s)
+{
+    qcVector sum = {0.0, 0.0, 0.0}, along = qcMinus(s->point[1], s->point[0]);
+    for (int i = 0; i < s->count; i++)
+        sum = qcPlusScaled(sum, s->point[i], s->weight[i]);
+    double length2 = LengthSquared(along);
+    if (s->count == 2 && length2 > 0.0)
+        return qcPlusScaled(sum, along, -qcDot(sum, along) / length2);
+    if (s->count == 3)
+    {
+        qcVector normal = qcCross(along, qcMinus(s->point[2], s->point[0]));
+        double height = qcDot(normal, s->point[0]);
+        return height > 0.0 ? normal : height < 0.0 ? qcNegated(normal) : sum;
+    }
+    return sum;
+}
+
+/// Drops the corners that the closest point doesn't depend on, and finds its direction. False: the origin is inside.
+static bool Reduce(Simplex* s, qcVector* direction)
 {
     switch (s->count)
     {
@@ -176,15 +197,15 @@ static bool Reduce(Simplex* s, qcVector* closest)
             SolveFaces(s->point, s->weight);
     }
     int kept = 0;
-    *closest = (qcVector){0.0, 0.0, 0.0};
     for (int i = 0; i < s->count; i++)
     {
         if (!(s->weight[i] > 0.0))
             continue;
-        *closest = qcPlusScaled(*closest, s->point[i], s->weight[i]);
+        s->weight[kept] = s->weight[i];
         s->point[kept++] = s->point[i];
     }
     s->count = kept;
+    *direction = DirectionOf(s);
     return kept > 0;
 }
 

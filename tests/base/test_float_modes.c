@@ -131,6 +131,31 @@ START_TEST(proximities_are_the_same_in_every_mode)
 }
 END_TEST
 
+START_TEST(certificates_of_motion_are_the_same_in_every_mode)
+{
+    const Mode* mode = &s_modes[_i];
+    qcRandom random = {3};
+    int certified = 0;
+    for (int i = 0; i < 20000; i++)
+    {
+        qcTrianglePair start, end;
+        MakePair(&random, i, &start);
+        end = start;
+        qcTrianglePair_MoveByUlps(&random, &end);
+        double expected[3] = {0.0, 0.0, 0.0}, found[3] = {0.0, 0.0, 0.0};
+        bool isApart = qcTrianglesStayApart(&start.a[0][0], &end.a[0][0], &start.b[0][0], &end.b[0][0], expected);
+        Enter(mode);
+        bool foundApart = qcTrianglesStayApart(&start.a[0][0], &end.a[0][0], &start.b[0][0], &end.b[0][0], found);
+        Leave(mode);
+        char text[1024];
+        if (foundApart != isApart || memcmp(found, expected, sizeof found) != 0)
+            ck_abort_msg("%s: another certificate: %s", mode->name, qcTrianglePair_Print(&start, text));
+        certified += isApart;
+    }
+    ck_assert_int_gt(certified, 2000);
+}
+END_TEST
+
 //  ---- scenes --------------------------------------------------------------------------------------
 
 typedef struct Question
@@ -473,6 +498,7 @@ int main(void)
     tcase_set_timeout(tests, 300); // a bound against hanging, not a claim about speed
     tcase_add_loop_test(tests, relations_of_triangles_are_the_same_in_every_mode, 0, qc_modeCount);
     tcase_add_loop_test(tests, proximities_are_the_same_in_every_mode, 0, qc_modeCount);
+    tcase_add_loop_test(tests, certificates_of_motion_are_the_same_in_every_mode, 0, qc_modeCount);
     tcase_add_loop_test(tests, results_of_scenes_are_the_same_in_every_mode, 0, qc_questionCount);
     tcase_add_loop_test(tests, a_device_opened_in_any_mode_gives_the_same_results, 0, qc_modeCount);
     tcase_add_loop_test(tests, pictures_are_the_same_in_every_mode, 0, qc_modeCount);

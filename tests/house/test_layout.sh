@@ -56,6 +56,7 @@ demos/bench/ablation
 demos/bench/scaling         demos/bench demos/bench/scenes demos/common/... demos/common
 demos/bench/gpu             demos/bench demos/bench/scenes demos/common/... demos/common
 demos/bench/soft            demos/bench demos/bench/scenes demos/common/... demos/common
+demos/bench/through         demos/bench demos/bench/scenes demos/common/... demos/common
 
 tests/support
 tests/base                  tests/support plugin/base

@@ -233,6 +233,59 @@ START_TEST(bits_are_set_for_overlapping_boxes)
 }
 END_TEST
 
+/// Apart along one axis, in the same order at both ends.
+static bool StayApart(const Box a[2], const Box b[2])
+{
+    for (int axis = 0; axis < 3; axis++)
+    {
+        bool above = true, below = true;
+        for (int t = 0; t < 2; t++)
+        {
+            above = above && a[t].lower[axis] > b[t].upper[axis];
+            below = below && a[t].upper[axis] < b[t].lower[axis];
+        }
+        if (above || below)
+            return true;
+    }
+    return false;
+}
+
+START_TEST(bits_of_a_motion_are_set_for_boxes_that_no_order_separates)
+{
+    qcRandom random = {6};
+    size_t meetings = 0, swaps = 0, all = 0;
+    FOR_EACH_KERNELS(k)
+    for (size_t r = 0; r < LENGTH(s_ranges); r++)
+        for (int round = 0; round < 3000; round++)
+        {
+            qcBox8 a[2], b[2];
+            for (int t = 0; t < 2; t++)
+            {
+                MakeBox8(&random, s_ranges[r].first, s_ranges[r].spread, &a[t]);
+                MakeBox8(&random, s_ranges[r].first, s_ranges[r].spread, &b[t]);
+            }
+            const qcBox8 *const ofA[2] = {&a[0], &a[1]}, *const ofB[2] = {&b[0], &b[1]};
+            uint64_t expected = 0;
+            for (int i = 0; i < qc_boxLanes; i++)
+                for (int j = 0; j < qc_boxLanes; j++)
+                {
+                    const Box p[2] = {BoxAt(&a[0], i), BoxAt(&a[1], i)}, q[2] = {BoxAt(&b[0], j), BoxAt(&b[1], j)};
+                    bool apart = StayApart(p, q);
+                    expected |= (uint64_t)!apart << (i + 8 * j);
+                    swaps += !apart && !Overlap(p[0], q[0]) && !Overlap(p[1], q[1]);
+                }
+            uint64_t found = k->findMotionOverlaps(ofA, ofB);
+            CHECK_THAT(found == expected, "%s: %llx, expected %llx", k->name, (unsigned long long)found,
+                       (unsigned long long)expected);
+            meetings += (size_t)__builtin_popcountll(expected);
+            all += 64;
+        }
+    ck_assert_uint_gt(meetings, all / 8);
+    ck_assert_uint_lt(meetings, all / 8 * 7);
+    ck_assert_uint_gt(swaps, all / 100);
+}
+END_TEST
+
 //  ---- pairs of two nodes --------------------------------------------------------------------------
 
 /// The arguments of collectPairs besides the nodes.
@@ -320,4 +373,5 @@ END_TEST
 
 QC_RUN_TESTS("triangle_kernels", a_vertex_becomes_its_point_and_its_levels, boxes_of_triangles_and_their_rows_are_tight,
              boxes_of_nodes_are_those_of_their_children, bits_are_set_for_overlapping_boxes,
+             bits_of_a_motion_are_set_for_boxes_that_no_order_separates,
              collected_pairs_overlap_have_their_bit_set_and_are_not_excluded, the_environment_selects_the_kernels)

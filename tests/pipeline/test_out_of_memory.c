@@ -131,6 +131,125 @@ START_TEST(a_failed_allocation_in_layers_leaves_the_scene_valid)
 }
 END_TEST
 
+//  ---- motions -----------------------------------------------------------------------------------------------------
+
+enum
+{
+    qc_motionDetections = 3
+};
+
+/// Counts a lack of memory, after which a second call succeeds.
+#define TRY_TWICE(failures, call)                                                                                      \
+    do                                                                                                                 \
+    {                                                                                                                  \
+        if ((call) != qc_statusOk)                                                                                     \
+        {                                                                                                              \
+            ck_assert_ptr_nonnull(strstr(qcLastMessage(), "out of memory"));                                           \
+            (failures)++;                                                                                              \
+            CHECK_OK(call);                                                                                            \
+        }                                                                                                              \
+    } while (0)
+
+/// Moves all vertices of a body to and fro.
+static void Shake(qcScene* scene, qcBodyId id, const qcSoup* soup, uint64_t seed)
+{
+    qcRandom random = {seed};
+    double* moved = malloc(3 * sizeof(double) * soup->vertexCount);
+    for (size_t i = 0; i < 3 * (size_t)soup->vertexCount; i++)
+        moved[i] = soup->positions[i] + qcRandom_Uniform(&random, -0.05, 0.05);
+    CHECK_OK(qcScene_SetVertices(scene, id, moved, qc_positionF64, 0));
+    free(moved);
+}
+
+static qcPairList DetectMotion(qcScene* scene, qcMethod method, size_t* failures)
+{
+    const qcResult* result;
+    qcDetectDef def = qcDefaultDetectDef();
+    def.method = method;
+    def.motion = def.proximities = true;
+    def.threads = 1;
+    TRY_TWICE(*failures, qcScene_Detect(scene, &def, &result));
+    qcPairList list = {malloc((result->pairCount + 1) * sizeof(qcPair)), result->pairCount};
+    if (list.count != 0)
+        memcpy(list.pairs, result->pairs, list.count * sizeof(qcPair));
+    return list;
+}
+
+/// Two steps, with a body that is added between them. A mark that fails leaves the motion as it was.
+static size_t UseMotion(qcMethod method, const qcSoup* cloth, const qcSoup* sphere,
+                        qcPairList found[qc_motionDetections])
+{
+    size_t failures = 0;
+    qcSceneDef sceneDef = qcDefaultSceneDef();
+    qcScene* scene = NULL;
+    qcBodyDef bodyDef = qcBodyDefOf(sphere);
+    qcBodyId rigid, first, second;
+    TRY_TWICE(failures, qcScene_Create(&sceneDef, &scene));
+    TRY_TWICE(failures, qcScene_AddBody(scene, &bodyDef, &rigid));
+    bodyDef = qcBodyDefOf(cloth);
+    bodyDef.deforming = bodyDef.selfCollision = true;
+    TRY_TWICE(failures, qcScene_AddBody(scene, &bodyDef, &first));
+    TRY_TWICE(failures, qcScene_MarkStart(scene));
+    Shake(scene, first, cloth, 1);
+    found[0] = DetectMotion(scene, method, &failures);
+    TRY_TWICE(failures, qcScene_AddBody(scene, &bodyDef, &second));
+    found[1] = DetectMotion(scene, method, &failures);
+    if (qcScene_MarkStart(scene) != qc_statusOk)
+    {
+        // The new body has no start, and no motion.
+        Shake(scene, second, cloth, 4);
+        CHECK_OK(qcScene_SetVertices(scene, second, cloth->positions, qc_positionF64, 0));
+        qcPairList again = DetectMotion(scene, method, &failures);
+        qcCheckSamePairs(&found[1], &again, "after a mark without memory");
+        free(again.pairs);
+        CHECK_OK(qcScene_MarkStart(scene));
+        failures++;
+    }
+    qcTransform transform = qcIdentityTransform();
+    transform.translation[2] = 0.2;
+    CHECK_OK(qcScene_SetTransform(scene, rigid, &transform));
+    Shake(scene, first, cloth, 2);
+    Shake(scene, second, cloth, 3);
+    found[2] = DetectMotion(scene, method, &failures);
+    qcScene_Destroy(scene);
+    return failures;
+}
+
+static void FailEachOfMotion(qcMethod method)
+{
+    qcFailingHeap heap = {0, 0, 0};
+    CHECK_OK(qcSetAllocator(qcFailingHeap_Allocate, qcFailingHeap_Release, &heap));
+    qcSoup cloth = qcSoup_MakeFoldedCloth(2, 6, 0.02, 0.0), sphere = qcSoup_MakeSphere(0, 0.3);
+    qcPairList expected[qc_motionDetections], found[qc_motionDetections];
+    ck_assert_uint_eq(UseMotion(method, &cloth, &sphere, expected), 0);
+    for (size_t i = 1, calls = heap.calls; i <= calls; i++)
+    {
+        heap = (qcFailingHeap){0, 0, i};
+        ck_assert_uint_eq(UseMotion(method, &cloth, &sphere, found), 1);
+        ck_assert_uint_eq(heap.live, 0);
+        for (int k = 0; k < qc_motionDetections; k++)
+        {
+            qcCheckSamePairs(&expected[k], &found[k], "a motion");
+            free(found[k].pairs);
+        }
+    }
+    for (int k = 0; k < qc_motionDetections; k++)
+    {
+        ck_assert_uint_gt(expected[k].count, k == 0 ? 0 : expected[k - 1].count);
+        free(expected[k].pairs);
+    }
+    qcSoup_Free(&cloth);
+    qcSoup_Free(&sphere);
+    CHECK_OK(qcSetAllocator(NULL, NULL, NULL));
+}
+
+START_TEST(a_failed_allocation_in_a_motion_leaves_the_scene_valid)
+{
+    FailEachOfMotion(qc_methodSweep);
+    FailEachOfMotion(qc_methodBrute);
+}
+END_TEST
+
 START_TEST(the_allocator_cannot_change_while_bytes_are_held)
 {
     qcFailingHeap heap = {0, 0, 0};
@@ -145,4 +264,5 @@ QC_RUN_TESTS("out of memory", a_failed_allocation_in_sweep_leaves_the_scene_vali
              a_failed_allocation_in_brute_force_leaves_the_scene_valid,
              a_failed_allocation_in_contacts_leaves_the_scene_valid,
              a_failed_allocation_in_manifolds_leaves_the_scene_valid,
-             a_failed_allocation_in_layers_leaves_the_scene_valid, the_allocator_cannot_change_while_bytes_are_held)
+             a_failed_allocation_in_layers_leaves_the_scene_valid,
+             a_failed_allocation_in_a_motion_leaves_the_scene_valid, the_allocator_cannot_change_while_bytes_are_held)

@@ -2,6 +2,8 @@
 #include "soft_body/response/held_contacts.h"
 
 #include <algorithm>
+#include <cmath>
+#include <functional>
 
 namespace
 {
@@ -116,7 +118,8 @@ void qcHeldContacts::Insert(qcSoftBodyScene& scene)
             const btTransform& now = held.object.object->getWorldTransform();
             Inserted inserted = {&soft, &held, now.getBasis() * held.localNormal, held.point, now * held.localPoint};
             btScalar gap = inserted.normal.dot(StartOf(soft, held) - held.point);
-            if (gap > 0 && gap <= held.thickness * btScalar(1.1))
+            // The scene's query reports a transform that is not finite.
+            if (gap > 0 && gap <= held.thickness * btScalar(1.1) && std::isfinite(inserted.end.length2()))
                 m_inserted.push_back(inserted);
         }
     }

@@ -157,6 +157,16 @@ bool qcHasResponse(const qcSceneSoftBody& soft, const qcSceneRigid& rigid, const
            disabled.findLinearSearch(rigid.object) == disabled.size();
 }
 
+bool qcHasResponse(qcSoftBodyScene& scene, uint32_t slotA, uint32_t slotB)
+{
+    const qcSceneSoftBody *a = scene.Find(slotA), *b = scene.Find(slotB);
+    if (a != nullptr && b != nullptr)
+        return HaveResponse(*a, *b);
+    qcSceneRigid* rigid = nullptr;
+    const qcSceneMesh* mesh = scene.meshes.Find(a == nullptr ? slotA : slotB, &rigid);
+    return qcHasResponse(a == nullptr ? *b : *a, *rigid, *mesh);
+}
+
 bool qcHasResponse(qcSoftBodyScene& scene, const qcPair& pair)
 {
     const qcSceneSoftBody *a = scene.Find(pair.bodyA), *b = scene.Find(pair.bodyB);
@@ -165,11 +175,11 @@ bool qcHasResponse(qcSoftBodyScene& scene, const qcPair& pair)
         const qcSceneSoftBody& soft = a != nullptr ? *a : *b;
         uint32_t triangle = a != nullptr ? pair.triangleA : pair.triangleB;
         qcSceneRigid* rigid = nullptr;
-        const qcSceneMesh* mesh = scene.meshes.Find(a == nullptr ? pair.bodyA : pair.bodyB, &rigid);
-        return qcHasResponse(soft, *rigid, *mesh) &&
-               !soft.IsAnchored(&soft.topology.indices[3 * size_t(triangle)], rigid->object);
+        scene.meshes.Find(a == nullptr ? pair.bodyA : pair.bodyB, &rigid);
+        if (soft.IsAnchored(&soft.topology.indices[3 * size_t(triangle)], rigid->object))
+            return false;
     }
-    return HaveResponse(*a, *b);
+    return qcHasResponse(scene, pair.bodyA, pair.bodyB);
 }
 
 bool qcViewContact(qcSoftBodyScene& scene, const qcContact& contact, qcSoftContactView* view)

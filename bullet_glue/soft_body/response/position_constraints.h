@@ -47,7 +47,9 @@ struct qcSoftConstraint
     btVector3 taken{0, 0, 0}; ///< sliding that friction has taken back so far
 };
 
-/// True if a contact between the triangles of a pair pushes them apart.
+/// True if contacts between the bodies of these two slots (or of one with itself) push them apart.
+bool qcHasResponse(qcSoftBodyScene& scene, uint32_t slotA, uint32_t slotB);
+/// True if contacts between the triangles of a pair push them apart.
 bool qcHasResponse(qcSoftBodyScene& scene, const qcPair& pair);
 /// True if contacts between the two bodies push them apart.
 bool qcHasResponse(const qcSceneSoftBody& soft, const qcSceneRigid& rigid, const qcSceneMesh& mesh);

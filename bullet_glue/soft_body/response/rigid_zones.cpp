@@ -11,6 +11,8 @@ namespace
 constexpr uint32_t s_none = UINT32_MAX;
 // A tensor of inertia is inverted if its determinant, relative to its trace cubed, is at least this.
 constexpr btScalar s_minDeterminant = btScalar(1e-4);
+// Relative rounding of a transformed point, with room.
+constexpr btScalar s_rounding = 64 * SIMD_EPSILON;
 
 btTransform Translation(const btVector3& by)
 {
@@ -102,6 +104,7 @@ void qcSoftZones::CollectMembers()
     m_isInZone.assign(m_members.size(), false);
     m_states.assign(m_members.size(), State());
     m_moved.assign(m_members.size(), Motion::Rigid);
+    m_motions.assign(m_members.size(), btTransform::getIdentity());
     m_zones.assign(m_members.size(), s_none);
 }
 
@@ -190,8 +193,12 @@ void qcSoftZones::MoveZone(const std::vector<uint32_t>& zone)
     if (state.hasGrown)
         state = {std::min(state.min, Motion::Translation), false};
     m_moved[root] = state.min;
-    btTransform motion =
-        state.min == Motion::None ? btTransform::getIdentity() : FindMotion(zone, state.min == Motion::Rigid);
+    // What touches a kinematic mesh would be run through if it stayed while the mesh moves on.
+    auto isCarrier = [this](uint32_t index)
+    { return m_members[index].rigid != nullptr && !m_members[index].rigid->IsFree(); };
+    bool moves = state.min != Motion::None || std::any_of(zone.begin(), zone.end(), isCarrier);
+    btTransform motion = moves ? FindMotion(zone, state.min == Motion::Rigid) : btTransform::getIdentity();
+    m_motions[root] = motion;
     bool stays = motion == btTransform::getIdentity();
     for (uint32_t index : zone)
     {
@@ -216,6 +223,50 @@ void qcSoftZones::Move()
             zones[m_zones[i] = m_sets.Find(i)].push_back(i);
     for (const auto& zone : zones)
         MoveZone(zone.second);
+}
+
+/// Upper bound of the distance of the triangle's corners at the end from where the motion takes them, with the rounding
+/// of both and of itself.
+btScalar qcSoftZones::DeviationOf(uint32_t slot, uint32_t triangle, const btTransform& motion) const
+{
+    btScalar deviation = 0, size = motion.getOrigin().length();
+    if (const qcSceneSoftBody* soft = m_scene.Find(slot))
+    {
+        for (size_t c = 0; c < 3; c++)
+        {
+            uint32_t node = soft->topology.indices[3 * size_t(triangle) + c];
+            deviation = std::max(deviation, (motion * soft->start[node]).distance(soft->positions[node]));
+            size = std::max(size, soft->start[node].length() + soft->positions[node].length());
+        }
+        return deviation + s_rounding * size;
+    }
+    qcSceneRigid* rigid = nullptr;
+    const qcSceneMesh* mesh = m_scene.meshes.Find(slot, &rigid);
+    const btTransform &start = rigid->start, &now = rigid->object->getWorldTransform();
+    deviation = qcMaxDisplacement(*mesh, motion * start * mesh->local, now * mesh->local);
+    size += start.getOrigin().length() + now.getOrigin().length() +
+            2 * rigid->object->getCollisionShape()->getAngularMotionDisc();
+    return deviation + s_rounding * size;
+}
+
+bool qcSoftZones::KeepsApart(const qcPair& pair, btScalar distance) const
+{
+    if (m_members.empty())
+        return false;
+    std::vector<uint32_t> members;
+    AppendMembersOf(pair.bodyA, pair.triangleA, &members);
+    AppendMembersOf(pair.bodyB, pair.triangleB, &members);
+    const uint32_t zone = m_zones[members[0]];
+    if (zone == s_none || std::any_of(members.begin(), members.end(), [&](uint32_t m) { return m_zones[m] != zone; }))
+        return false;
+    // On the way from the identity to a rotation by an angle, an affine motion shortens no vector below the cosine of
+    // half the angle.
+    const btTransform& motion = m_motions[zone];
+    const btMatrix3x3& basis = motion.getBasis();
+    btScalar cosine = (basis[0][0] + basis[1][1] + basis[2][2] - 1) / 2;
+    btScalar minStretch = btSqrt(std::max(btScalar(0), (1 + cosine) / 2)) - s_rounding;
+    return distance * minStretch >
+           DeviationOf(pair.bodyA, pair.triangleA, motion) + DeviationOf(pair.bodyB, pair.triangleB, motion);
 }
 
 int qcSoftZones::NodeCount() const

@@ -22,8 +22,18 @@ class qcSoftZones
     bool Add(const qcPair& pair);
     /// Moves all zones from the start of the step.
     void Move();
+    /// True if both triangles have made the motion of one zone, up to rounding that is too small to close their
+    /// distance at the start: they are apart at every time, whatever the rotation.
+    bool KeepsApart(const qcPair& pair, btScalar distance) const;
     /// Nodes in zones.
     int NodeCount() const;
+    /// Calls function(body, node) for each node in a zone.
+    template <typename Function> void ForEachNode(Function function) const
+    {
+        for (size_t i = 0; i < m_members.size(); i++)
+            if (m_isInZone[i] && m_members[i].rigid == nullptr)
+                function(*m_members[i].soft, m_members[i].node);
+    }
 
   private:
     /// How a zone moves, from the first that is tried to the last.
@@ -54,16 +64,18 @@ class qcSoftZones
     void AppendMembersOf(uint32_t slot, uint32_t triangle, std::vector<uint32_t>* members) const;
     btTransform FindMotion(const std::vector<uint32_t>& zone, bool rotates) const;
     void MoveZone(const std::vector<uint32_t>& zone);
+    btScalar DeviationOf(uint32_t slot, uint32_t triangle, const btTransform& motion) const;
 
     qcSoftBodyScene& m_scene;
-    std::vector<Member> m_members;     ///< all nodes by body, then all objects; empty before the first Add
-    qcUnionFind m_sets;                ///< of members: the zones
-    std::vector<bool> m_isInZone;      ///< by member
-    std::vector<uint32_t> m_zones;     ///< by member: its zone in the last Move
-    std::vector<State> m_states;       ///< by representative
-    std::vector<Motion> m_moved;       ///< by representative in the last Move
-    std::vector<uint32_t> m_firstNode; ///< member index, by soft body
-    uint32_t m_firstObject = 0;        ///< member index
+    std::vector<Member> m_members;      ///< all nodes by body, then all objects; empty before the first Add
+    qcUnionFind m_sets;                 ///< of members: the zones
+    std::vector<bool> m_isInZone;       ///< by member
+    std::vector<uint32_t> m_zones;      ///< by member: its zone in the last Move
+    std::vector<State> m_states;        ///< by representative
+    std::vector<Motion> m_moved;        ///< by representative in the last Move
+    std::vector<btTransform> m_motions; ///< likewise
+    std::vector<uint32_t> m_firstNode;  ///< member index, by soft body
+    uint32_t m_firstObject = 0;         ///< member index
 };
 
 #endif

@@ -9,6 +9,9 @@ namespace
 {
 // Bisection steps for the level of a plane: the interval that is left is below the rounding of a float.
 constexpr int s_halvings = 24;
+// The gap of triangles that touch at the start, as a share of the thickness: a direction that is not strict at the
+// start has to be at the end.
+constexpr btScalar s_touchingGap = btScalar(1e-3);
 
 qcPlaneSide SideOf(qcSoftBodyScene& scene, uint32_t slot, uint32_t triangle)
 {
@@ -28,6 +31,7 @@ qcPlaneSide SideOf(qcSoftBodyScene& scene, uint32_t slot, uint32_t triangle)
 /// A corner of a triangle, relative to a plane.
 struct Corner
 {
+    btVector3 start, end;     ///< positions at the start of the step and at present
     btVector3 motion;         ///< in the step so far
     btScalar height = 0;      ///< along the plane's normal, away from the plane
     btScalar startHeight = 0; ///< at the start of the step
@@ -62,9 +66,11 @@ struct Corners
     Corner OfSoft(uint32_t vertex) const
     {
         Corner made;
-        made.motion = side->soft->MotionOf(vertex, side->soft->start[vertex]);
-        made.height = outward.dot(side->soft->positions[vertex] - origin);
-        made.startHeight = outward.dot(side->soft->start[vertex] - origin);
+        made.start = side->soft->start[vertex];
+        made.end = side->soft->positions[vertex];
+        made.motion = side->soft->MotionOf(vertex, made.start);
+        made.height = outward.dot(made.end - origin);
+        made.startHeight = outward.dot(made.start - origin);
         made.inverseMass = side->soft->InverseMass(vertex);
         return made;
     }
@@ -74,12 +80,14 @@ struct Corners
         const qcSceneRigid& rigid = *side->rigid;
         const btTransform& now = rigid.object->getWorldTransform();
         Corner made;
-        btVector3 local = side->mesh->local * side->mesh->shape->getVertices()[vertex], point = now * local;
-        made.arm = point - now.getOrigin();
-        point += rigid.linear + rigid.angular.cross(made.arm);
-        made.motion = point - rigid.start * local;
-        made.height = outward.dot(point - origin);
-        made.startHeight = outward.dot(rigid.start * local - origin);
+        btVector3 local = side->mesh->local * side->mesh->shape->getVertices()[vertex];
+        made.start = rigid.start * local;
+        made.end = now * local;
+        made.arm = made.end - now.getOrigin();
+        made.end += rigid.linear + rigid.angular.cross(made.arm);
+        made.motion = made.end - made.start;
+        made.height = outward.dot(made.end - origin);
+        made.startHeight = outward.dot(made.start - origin);
         made.inverseMass = outward.dot(rigid.DisplacementAt(made.arm, outward));
         return made;
     }
@@ -202,25 +210,65 @@ btScalar FrictionOf(const qcPlaneSide& side)
 {
     return side.soft != nullptr ? side.soft->settings.friction : side.rigid->object->getFriction();
 }
+
+/// The corners of both triangles.
+struct TouchingPair
+{
+    qcPlaneSide sides[2];
+    Corners above, below;
+
+    TouchingPair(qcSoftBodyScene& scene, const qcUnprovenPair& unproven)
+        : sides{SideOf(scene, unproven.pair.bodyA, unproven.pair.triangleA),
+                SideOf(scene, unproven.pair.bodyB, unproven.pair.triangleB)},
+          above(sides[0], unproven.normal, btVector3(0, 0, 0)), below(sides[1], -unproven.normal, btVector3(0, 0, 0))
+    {
+    }
+
+    /// True if the direction separates the triangles at the start, up to rounding.
+    bool SeparatesAtStart(const btVector3& direction) const
+    {
+        btScalar lowest = BT_LARGE_FLOAT, highest = -BT_LARGE_FLOAT, size = 0;
+        for (int i = 0; i < sides[0].count; i++)
+            lowest = std::min(lowest, direction.dot(above.corner[i].start));
+        for (int i = 0; i < sides[1].count; i++)
+        {
+            highest = std::max(highest, direction.dot(below.corner[i].start));
+            size = std::max(size, btFabs(direction.dot(below.corner[i].start)));
+        }
+        return lowest - highest >= -8 * SIMD_EPSILON * size;
+    }
+
+    /// The relation at present; `normal`: from the closest point of B to that of A, if they are disjoint.
+    qcRelation FindEnd(btVector3* normal) const
+    {
+        double a[9], b[9];
+        for (int i = 0; i < 9; i++)
+        {
+            a[i] = double(above.corner[std::min(i / 3, sides[0].count - 1)].end[i % 3]);
+            b[i] = double(below.corner[std::min(i / 3, sides[1].count - 1)].end[i % 3]);
+        }
+        qcProximity proximity;
+        qcTrianglesWithin(a, b, double(BT_LARGE_FLOAT), &proximity);
+        *normal = qcVectorOf(proximity.normal);
+        return proximity.distance > 0 ? qc_relationDisjoint : qcRelateTriangles(a, b);
+    }
+};
 } // namespace
 
-qcTouchingMotion qcClassifyTouching(qcSoftBodyScene& scene, const qcUnprovenPair& unproven)
+qcTouchingMotion qcClassifyTouching(qcSoftBodyScene& scene, const qcUnprovenPair& unproven, bool isInZone)
 {
-    const qcPlaneSide above = SideOf(scene, unproven.pair.bodyA, unproven.pair.triangleA),
-                      below = SideOf(scene, unproven.pair.bodyB, unproven.pair.triangleB);
-    const btVector3 zero(0, 0, 0);
-    Corners a(above, unproven.normal, zero), b(below, -unproven.normal, zero);
-    btScalar startA = BT_LARGE_FLOAT, startB = BT_LARGE_FLOAT, size = 0;
-    for (int i = 0; i < above.count; i++)
-        startA = std::min(startA, a.corner[i].startHeight);
-    for (int i = 0; i < below.count; i++)
-    {
-        startB = std::min(startB, b.corner[i].startHeight);
-        size = std::max(size, btFabs(b.corner[i].startHeight));
-    }
-    if (startA + startB < -8 * SIMD_EPSILON * size)
+    TouchingPair pair(scene, unproven);
+    if (!pair.SeparatesAtStart(unproven.normal))
         return qcTouchingMotion::Entangled;
-    return a.lowest + b.lowest > 0 ? qcTouchingMotion::Proven : qcTouchingMotion::Unproven;
+    if (pair.above.lowest + pair.below.lowest > 0)
+        return qcTouchingMotion::Proven;
+    // Triangles that touch along edges have more than one direction of least penetration: that of the end may separate
+    // them at the start, too.
+    btVector3 normal;
+    qcRelation end = pair.FindEnd(&normal);
+    bool isProven =
+        isInZone ? end != qc_relationPenetrating : end == qc_relationDisjoint && pair.SeparatesAtStart(normal);
+    return isProven ? qcTouchingMotion::Proven : qcTouchingMotion::Unproven;
 }
 
 void qcSeparationPlanes::Clear()
@@ -240,7 +288,7 @@ void qcSeparationPlanes::Add(qcSoftBodyScene& scene, const qcUnprovenPair& unpro
     plane.normal = unproven.normal;
     // Contacts restore the thickness; a plane only restores a gap, no larger than that of the start.
     btScalar thickness = ThicknessOf(plane.above) + ThicknessOf(plane.below);
-    plane.gap = std::min(unproven.distance, thickness / 4);
+    plane.gap = unproven.distance > 0 ? std::min(unproven.distance, thickness / 4) : s_touchingGap * thickness;
     plane.friction = (FrictionOf(plane.above) + FrictionOf(plane.below)) / 2;
     m_planes.push_back(plane);
 }

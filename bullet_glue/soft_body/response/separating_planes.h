@@ -30,12 +30,13 @@ struct qcUnprovenPair
 /// How a pair that touches at the start moves along its direction of least penetration.
 enum class qcTouchingMotion
 {
-    Proven,   ///< the direction separates at the end, and up to rounding at the start
+    Proven,   ///< a direction separates at the end, and up to rounding at the start
     Unproven, ///< it separates at the start only
     Entangled ///< it doesn't separate at the start: no plane can keep the pair apart
 };
 
-qcTouchingMotion qcClassifyTouching(qcSoftBodyScene& scene, const qcUnprovenPair& pair);
+/// `isInZone`: the pair may have moved as one rigid body, and is proven unless it penetrates at the end.
+qcTouchingMotion qcClassifyTouching(qcSoftBodyScene& scene, const qcUnprovenPair& pair, bool isInZone);
 
 struct qcSeparationPlane
 {

@@ -17,38 +17,57 @@ bool qcSoftTangles::Contains(const std::vector<Key>& keys, uint32_t body, uint32
     return std::binary_search(keys.begin(), keys.end(), Key{body, index, other});
 }
 
-bool qcSoftTangles::IsNearTangle(qcSoftBodyScene& scene, uint32_t body, uint32_t triangle, uint32_t other) const
+bool qcSoftTangles::HasVertexIn(const std::vector<Key>& keys, qcSoftBodyScene& scene, uint32_t body, uint32_t triangle,
+                                uint32_t other) const
 {
     const qcSceneSoftBody* soft = scene.Find(body);
-    if (soft == nullptr)
-        return Contains(m_triangles, body, triangle, other);
-    const uint32_t* corners = &soft->topology.indices[3 * size_t(triangle)];
-    return std::any_of(corners, corners + 3,
-                       [&](uint32_t corner) { return Contains(m_vertices, body, corner, other); });
+    auto graph = m_graphs.find(body);
+    if (soft == nullptr && graph == m_graphs.end())
+        return false;
+    const uint32_t* corners =
+        soft != nullptr ? &soft->topology.indices[3 * size_t(triangle)] : graph->second->Corners(triangle);
+    return std::any_of(corners, corners + 3, [&](uint32_t corner) { return Contains(keys, body, corner, other); });
 }
 
-void qcSoftTangles::MoveExempt(qcSoftBodyScene& scene, const qcResult& result, std::vector<size_t>* pairs,
-                               std::vector<size_t>* exempt) const
+bool qcSoftTangles::MayLeave(qcSoftBodyScene& scene, const qcPair& pair) const
 {
-    exempt->clear();
-    if (IsEmpty())
-        return;
-    std::map<Slots, size_t> counts;
-    for (size_t i : *pairs)
-        counts[{result.pairs[i].bodyA, result.pairs[i].bodyB}]++;
-    auto isNotExempt = [&](size_t i)
-    {
-        const qcPair& pair = result.pairs[i];
-        uint32_t a = pair.bodyA, b = pair.bodyB;
-        if (Contains(m_triangles, a, pair.triangleA, b) && Contains(m_triangles, b, pair.triangleB, a))
-            return false;
-        auto atStart = m_counts.find({a, b});
-        return atStart == m_counts.end() || counts[{a, b}] > atStart->second ||
-               !IsNearTangle(scene, a, pair.triangleA, b) || !IsNearTangle(scene, b, pair.triangleB, a);
-    };
-    auto middle = std::stable_partition(pairs->begin(), pairs->end(), isNotExempt);
-    exempt->assign(middle, pairs->end());
-    pairs->erase(middle, pairs->end());
+    uint32_t a = pair.bodyA, b = pair.bodyB;
+    return !m_leaving.empty() && HasVertexIn(m_vertices, scene, a, pair.triangleA, b) &&
+           HasVertexIn(m_vertices, scene, b, pair.triangleB, a) &&
+           (HasVertexIn(m_leaving, scene, a, pair.triangleA, b) || HasVertexIn(m_leaving, scene, b, pair.triangleB, a));
+}
+
+void qcSoftTangles::MarkParts(const std::vector<qcUntanglement>& untanglements)
+{
+    m_leaving.clear();
+    std::vector<Key> known;
+    for (const qcUntanglement& tangle : untanglements)
+        for (int side = 0; side < 2; side++)
+        {
+            const qcCurveSide& mine = tangle.curve->sides[side];
+            uint32_t other = tangle.curve->sides[1 - side].slot;
+            m_graphs[mine.slot] = mine.graph;
+            bool divides = tangle.hasPart[0] || tangle.hasPart[1];
+            std::vector<uint32_t> part;
+            if (tangle.hasPart[side])
+                part = mine.part;
+            std::sort(part.begin(), part.end());
+            for (const qcPair& pair : tangle.curve->pairs)
+                for (int c = 0; c < 3; c++)
+                {
+                    uint32_t vertex = mine.graph->Corners(side == 0 ? pair.triangleA : pair.triangleB)[c];
+                    if (mine.graph->soft == nullptr)
+                        m_vertices.push_back({mine.slot, vertex, other});
+                    if (!divides || std::binary_search(part.begin(), part.end(), vertex))
+                        m_leaving.push_back({mine.slot, vertex, other});
+                    known.push_back({mine.slot, vertex, other});
+                }
+        }
+    SortUnique(&m_vertices);
+    SortUnique(&m_leaving);
+    SortUnique(&known);
+    m_kept.clear();
+    std::set_difference(m_vertices.begin(), m_vertices.end(), known.begin(), known.end(), std::back_inserter(m_kept));
 }
 
 void qcSoftTangles::Clear()
@@ -56,12 +75,20 @@ void qcSoftTangles::Clear()
     m_triangles.clear();
     m_vertices.clear();
     m_counts.clear();
+    m_leaving.clear();
+    m_kept.clear();
+    m_graphs.clear();
 }
 
-bool qcSoftTangles::IsNear(qcSoftBodyScene& scene, const qcPair& pair) const
+bool qcSoftTangles::IsKept(qcSoftBodyScene& scene, const qcPair& pair) const
 {
-    return !IsEmpty() && IsNearTangle(scene, pair.bodyA, pair.triangleA, pair.bodyB) &&
-           IsNearTangle(scene, pair.bodyB, pair.triangleB, pair.bodyA);
+    auto isNear = [&](uint32_t body, uint32_t triangle, uint32_t other)
+    {
+        return scene.Find(body) != nullptr ? HasVertexIn(m_kept, scene, body, triangle, other)
+                                           : Contains(m_triangles, body, triangle, other);
+    };
+    return !m_kept.empty() && isNear(pair.bodyA, pair.triangleA, pair.bodyB) &&
+           isNear(pair.bodyB, pair.triangleB, pair.bodyA);
 }
 
 bool qcSoftTangles::HasGrown(const qcResult& result, uint32_t bodyA, uint32_t bodyB) const
@@ -88,19 +115,22 @@ void qcSoftTangles::Read(qcSoftBodyScene& scene, const qcResult& result)
             for (size_t corner = 0; corner < 3; corner++)
                 m_vertices.push_back({key[0], soft->topology.indices[3 * size_t(key[1]) + corner], key[2]});
     SortUnique(&m_vertices);
+    m_kept = m_vertices;
 }
 
 bool qcSoftTangles::IsExempt(const qcContact& contact) const
 {
     if (IsEmpty())
         return false;
-    bool tangledA = true, tangledB = true;
+    bool keptA = true, keptB = true, isLeaving = false;
     for (size_t i = 0; i < 3; i++)
     {
-        tangledA = tangledA && (contact.weightsA[i] == 0 ||
-                                Contains(m_vertices, contact.bodyA, contact.verticesA[i], contact.bodyB));
-        tangledB = tangledB && (contact.weightsB[i] == 0 ||
-                                Contains(m_vertices, contact.bodyB, contact.verticesB[i], contact.bodyA));
+        const Key a = {contact.bodyA, contact.verticesA[i], contact.bodyB};
+        const Key b = {contact.bodyB, contact.verticesB[i], contact.bodyA};
+        keptA = keptA && (contact.weightsA[i] == 0 || Contains(m_kept, a[0], a[1], a[2]));
+        keptB = keptB && (contact.weightsB[i] == 0 || Contains(m_kept, b[0], b[1], b[2]));
+        isLeaving = isLeaving || (contact.weightsA[i] != 0 && Contains(m_leaving, a[0], a[1], a[2])) ||
+                    (contact.weightsB[i] != 0 && Contains(m_leaving, b[0], b[1], b[2]));
     }
-    return tangledA || tangledB;
+    return keptA || keptB || isLeaving;
 }

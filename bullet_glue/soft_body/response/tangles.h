@@ -2,7 +2,7 @@
 #ifndef QC_GLUE_SOFT_BODY_RESPONSE_TANGLES_H
 #define QC_GLUE_SOFT_BODY_RESPONSE_TANGLES_H
 
-#include "soft_body/scene/soft_scene.h"
+#include "soft_body/response/intersection_curves.h"
 
 #include <array>
 #include <map>
@@ -20,31 +20,41 @@ class qcSoftTangles
     {
         return m_triangles.empty();
     }
-    /// Moves the exempt pairs from `pairs`, indices of the result's pairs, to `exempt`. A pair of two tangled triangles
-    /// is exempt. While two bodies have no more pairs than at the start, a pair of two triangles near the tangle is
-    /// exempt too: a soft body's triangle with a tangled vertex, or a tangled triangle of a mesh. So a tangle may move
-    /// but not grow.
-    void MoveExempt(qcSoftBodyScene& scene, const qcResult& result, std::vector<size_t>* pairs,
-                    std::vector<size_t>* exempt) const;
     void Clear();
-    /// True if both triangles are near a tangle of their bodies: a soft body's triangle with a tangled vertex, or a
-    /// tangled triangle of a mesh.
-    bool IsNear(qcSoftBodyScene& scene, const qcPair& pair) const;
+    /// True if some triangles of these two bodies penetrate each other.
+    bool Contains(uint32_t bodyA, uint32_t bodyB) const
+    {
+        return m_counts.count({bodyA, bodyB}) != 0;
+    }
+    /// Marks the vertices that leave the other surface: those in parts that curves cut off, and all of curves that
+    /// divide no surface. Refers to the curves.
+    void MarkParts(const std::vector<qcUntanglement>& untanglements);
+    /// True if both triangles have tangled vertices, and one has a vertex that leaves. Other triangles near the tangle
+    /// are on the right side already and stay there, so a part that leaves does not come back.
+    bool MayLeave(qcSoftBodyScene& scene, const qcPair& pair) const;
+    /// True if both triangles are near a tangle that isn't worked apart: a soft body's triangle with a tangled vertex,
+    /// or a tangled triangle of a mesh. Such a pair is exempt while the tangle hasn't grown.
+    bool IsKept(qcSoftBodyScene& scene, const qcPair& pair) const;
     /// True if the result has more pairs of these two bodies than the start of the step.
     bool HasGrown(const qcResult& result, uint32_t bodyA, uint32_t bodyB) const;
-    /// True if all vertices of one side are tangled with the other side's body: the side on which they belong is
-    /// unknown.
+    /// True if the side on which the contact's vertices belong is unknown: one of them leaves, or all vertices of one
+    /// side are in tangles that aren't worked apart.
     bool IsExempt(const qcContact& contact) const;
 
   private:
     using Key = std::array<uint32_t, 3>; ///< slot, index in the body, slot of the other body
     using Slots = std::pair<uint32_t, uint32_t>;
 
-    bool IsNearTangle(qcSoftBodyScene& scene, uint32_t body, uint32_t triangle, uint32_t other) const;
+    bool HasVertexIn(const std::vector<Key>& keys, qcSoftBodyScene& scene, uint32_t body, uint32_t triangle,
+                     uint32_t other) const;
     static bool Contains(const std::vector<Key>& keys, uint32_t body, uint32_t index, uint32_t other);
 
-    std::vector<Key> m_triangles, m_vertices; ///< sorted
-    std::map<Slots, size_t> m_counts;         ///< of pairs
+    //  Sorted. Vertices of meshes are in the second only after MarkParts.
+    std::vector<Key> m_triangles, m_vertices;
+    std::vector<Key> m_leaving;                         ///< vertices
+    std::vector<Key> m_kept;                            ///< vertices of tangles that aren't worked apart
+    std::map<uint32_t, const qcSurfaceGraph*> m_graphs; ///< of slots with curves
+    std::map<Slots, size_t> m_counts;                   ///< of pairs
 };
 
 #endif

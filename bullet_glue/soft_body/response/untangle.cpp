@@ -1,173 +1,410 @@
 // Works tangled surfaces apart.
 //
-// At each end of a pair's segment an edge of one triangle passes through the other triangle, the face. With e the edge,
-// n the normal of the face, and r the direction of the segment from that end, a motion d of the edge moves the end by
-// d - e (n.d) / (n.e), and so shortens the segment by d . (r - n (e.r) / (n.e)).
+// If a curve cuts off a part of a surface, the direction is the mean normal of the triangles through which the edges of
+// its border pass. Otherwise it is the direction that shortens the curve most: with e an edge that passes through a
+// triangle of normal n, and r the direction of the curve from there, a motion d of the edge shortens it by
+// d . (r - n (e.r) / (n.e)). Volino, Magnenat-Thalmann: Resolving Surface Collisions through Intersection Contour
+// Minimization, 2006.
 #include "soft_body/response/untangle.h"
-
-#include "common/shape_triangles.h"
 
 #include <algorithm>
 
 namespace
 {
-// The largest motion of a node in a step, as a share of the thickness.
-constexpr btScalar s_maxShift = btScalar(0.25);
+// The relative motion of both sides in a step, as a share of the thickness.
+constexpr btScalar s_shift = btScalar(0.5);
 // Edges with a smaller sine to the face give no reliable direction.
-constexpr btScalar s_minEdgeSlope = btScalar(0.05);
+constexpr btScalar s_minSlope = btScalar(0.05);
+// A mean of unit vectors that is shorter than this has no reliable direction.
+constexpr btScalar s_minCoherence = btScalar(0.3);
+// Edges from a curve as far as which nodes move with it: with the end of a curve that divides no surface; with a part,
+// at least, and for each edge from the border of the part to its far end. Links that this compresses give the nodes a
+// velocity: the further, the less.
+constexpr uint32_t s_endReach = 3, s_partReach = 32, s_reachPerDepth = 8;
 
-/// Moves an edge one way and a face the other.
-struct Push
+btVector3 NormalOf(const qcSurfaceGraph& graph, uint32_t triangle)
 {
-    qcSceneSoftBody *edgeBody, *faceBody; ///< null: a mesh, which stays
-    uint32_t nodes[5];                    ///< of the edge two, of the face three
-    btScalar weights[5];
-    btVector3 direction; ///< of the edge, no longer than 1
-};
-
-struct Triangle
-{
-    qcSceneSoftBody* soft;
-    uint32_t nodes[3];
-    btVector3 corners[3];
-
-    Triangle(qcSoftBodyScene& scene, uint32_t slot, uint32_t triangle) : soft(scene.Find(slot))
-    {
-        qcSceneRigid* rigid = nullptr;
-        const qcSceneMesh* mesh = soft == nullptr ? scene.meshes.Find(slot, &rigid) : nullptr;
-        for (size_t c = 0; c < 3; c++)
-        {
-            nodes[c] = soft != nullptr ? soft->topology.indices[3 * size_t(triangle) + c]
-                                       : mesh->shape->getIndices()[3 * size_t(triangle) + c];
-            corners[c] = soft != nullptr ? soft->positions[nodes[c]]
-                                         : mesh->sceneTransform * mesh->shape->getVertices()[nodes[c]];
-        }
-    }
-
-    btVector3 Normal() const
-    {
-        btVector3 normal = (corners[1] - corners[0]).cross(corners[2] - corners[0]);
-        return normal.fuzzyZero() ? btVector3(0, 0, 0) : normal.normalized();
-    }
-};
-
-/// The parameter of the point of an edge that is nearest to a point, and the squared distance.
-btScalar NearestOnEdge(const Triangle& triangle, int edge, const btVector3& point, btScalar* distance2)
-{
-    btVector3 from = triangle.corners[edge], along = triangle.corners[(edge + 1) % 3] - from;
-    btScalar length2 = along.length2();
-    btScalar share = length2 > 0 ? btClamped(along.dot(point - from) / length2, btScalar(0), btScalar(1)) : btScalar(0);
-    *distance2 = point.distance2(from + along * share);
-    return share;
+    const uint32_t* corners = graph.Corners(triangle);
+    btVector3 origin = graph.Position(corners[0]);
+    btVector3 normal = (graph.Position(corners[1]) - origin).cross(graph.Position(corners[2]) - origin);
+    btScalar length = normal.length();
+    return length > 0 ? normal / length : btVector3(0, 0, 0);
 }
 
-void Barycentric(const Triangle& face, const btVector3& normal, const btVector3& point, btScalar weights[3])
+btVector3 EdgeOf(const qcSurfaceGraph& graph, const qcEdgeCrossing& crossing)
 {
-    btScalar sum = 0;
-    for (int c = 0; c < 3; c++)
-    {
-        const btVector3 &next = face.corners[(c + 1) % 3], &last = face.corners[(c + 2) % 3];
-        weights[c] = btMax(btScalar(0), normal.dot((next - point).cross(last - point)));
-        sum += weights[c];
-    }
-    for (int c = 0; c < 3; c++)
-        weights[c] = sum > 0 ? weights[c] / sum : btScalar(1) / 3;
+    btVector3 edge = graph.Position(crossing.to) - graph.Position(crossing.from);
+    btScalar length = edge.length();
+    return length > 0 ? edge / length : btVector3(0, 0, 0);
 }
 
-/// False: the edge is too flat in the face to shorten the segment reliably.
-bool MakePush(const Triangle& a, const Triangle& b, const btVector3& end, const btVector3& along, Push* push)
+/// The direction in which the part of a side leaves the other side, its length at most 1, 0 if there is none.
+btVector3 DirectionOfPart(const qcIntersectionCurve& curve, int side, btScalar* distance)
 {
-    const Triangle* best = nullptr;
-    int bestEdge = 0;
-    btScalar nearest = BT_LARGE_FLOAT, share = 0;
-    for (const Triangle* triangle : {&a, &b})
-        for (int edge = 0; edge < 3; edge++)
-        {
-            btScalar distance2, at = NearestOnEdge(*triangle, edge, end, &distance2);
-            if (distance2 >= nearest)
-                continue;
-            nearest = distance2;
-            best = triangle;
-            bestEdge = edge;
-            share = at;
-        }
-    const Triangle& face = best == &a ? b : a;
-    btVector3 normal = face.Normal(), edge = best->corners[(bestEdge + 1) % 3] - best->corners[bestEdge];
-    if (edge.fuzzyZero())
-        return false;
-    edge.normalize();
+    const qcCurveSide &edges = curve.sides[side], &faces = curve.sides[1 - side];
+    btVector3 sum(0, 0, 0), center(0, 0, 0);
+    btScalar weights = 0;
+    int count = 0;
+    for (const qcEdgeCrossing& crossing : edges.crossings)
+    {
+        if (!crossing.bordersPart)
+            continue;
+        btVector3 normal = NormalOf(*faces.graph, crossing.triangle);
+        btScalar slope = normal.dot(EdgeOf(*edges.graph, crossing));
+        sum += normal * slope;
+        weights += btFabs(slope);
+        center += crossing.point;
+        count++;
+    }
+    if (weights <= s_minSlope * btScalar(count))
+        return btVector3(0, 0, 0);
+    center /= btScalar(count);
+    btVector3 direction = sum.normalized();
+    *distance = 0;
+    for (uint32_t vertex : edges.part)
+        *distance = std::max(*distance, direction.dot(center - edges.graph->Position(vertex)));
+    return sum / weights;
+}
+
+/// The motion of a crossing's edge that shortens the curve most. Its length is at most 1; 0 if there is none.
+btVector3 ShorteningMotion(const qcIntersectionCurve& curve, int side, const qcEdgeCrossing& crossing)
+{
+    btVector3 normal = NormalOf(*curve.sides[1 - side].graph, crossing.triangle);
+    btVector3 edge = EdgeOf(*curve.sides[side].graph, crossing);
     btScalar slope = normal.dot(edge);
-    if (btFabs(slope) < s_minEdgeSlope)
+    if (btFabs(slope) < s_minSlope)
+        return btVector3(0, 0, 0);
+    btVector3 motion = crossing.along - normal * (edge.dot(crossing.along) / slope);
+    btScalar length = motion.length();
+    return length > 1 ? motion / length : motion;
+}
+
+/// The relative motion of the first side that shortens the curve most, as a mean over its crossings.
+btVector3 ShorteningDirection(const qcIntersectionCurve& curve)
+{
+    btVector3 sum(0, 0, 0);
+    for (int side = 0; side < 2; side++)
+        for (const qcEdgeCrossing& crossing : curve.sides[side].crossings)
+            sum += ShorteningMotion(curve, side, crossing) * btScalar(side == 0 ? 1 : -1);
+    return sum / btScalar(curve.sides[0].crossings.size() + curve.sides[1].crossings.size());
+}
+
+/// Adds the ends of a curve that divides no surface. False: it is closed.
+bool AddEnds(const qcIntersectionCurve& curve, std::vector<qcUntanglement>* untanglements)
+{
+    bool hasEnds = false;
+    for (int side = 0; side < 2; side++)
+        for (const qcEdgeCrossing& crossing : curve.sides[side].crossings)
+        {
+            btVector3 motion = ShorteningMotion(curve, side, crossing);
+            btScalar length = motion.length();
+            if (!crossing.isEnd || length <= SIMD_EPSILON)
+                continue;
+            hasEnds = true;
+            untanglements->push_back({&curve, side, {false, false}, &crossing, motion / length, BT_LARGE_FLOAT});
+        }
+    return hasEnds;
+}
+
+bool FindUntanglement(const qcIntersectionCurve& curve, qcUntanglement* found)
+{
+    btScalar distances[2] = {0, 0}, best = BT_LARGE_FLOAT;
+    btVector3 directions[2];
+    found->curve = &curve;
+    found->end = nullptr;
+    found->side = -1;
+    for (int side = 0; side < 2; side++)
+    {
+        directions[side] = DirectionOfPart(curve, side, &distances[side]);
+        btScalar coherence = directions[side].length();
+        found->hasPart[side] = coherence >= s_minCoherence;
+        if (!found->hasPart[side])
+            continue;
+        directions[side] /= coherence;
+        if (distances[side] / coherence < best)
+        {
+            best = distances[side] / coherence;
+            found->side = side;
+        }
+    }
+    if (found->side >= 0)
+    {
+        found->direction = directions[found->side];
+        found->distance = distances[found->side];
+        int other = 1 - found->side;
+        found->hasPart[other] = found->hasPart[other] && directions[other].dot(found->direction) < -s_minCoherence;
+        return true;
+    }
+    return false;
+}
+
+bool FindShortening(const qcIntersectionCurve& curve, qcUntanglement* found)
+{
+    found->side = 0;
+    found->distance = BT_LARGE_FLOAT;
+    found->direction = ShorteningDirection(curve);
+    btScalar length = found->direction.length();
+    if (length <= SIMD_EPSILON)
+    {
+        // Surfaces that coincide.
+        for (const qcPair& pair : curve.pairs)
+            found->direction += NormalOf(*curve.sides[0].graph, pair.triangleA);
+        length = found->direction.length();
+    }
+    if (length <= SIMD_EPSILON)
         return false;
-    push->edgeBody = best->soft;
-    push->faceBody = face.soft;
-    push->nodes[0] = best->nodes[bestEdge];
-    push->nodes[1] = best->nodes[(bestEdge + 1) % 3];
-    push->weights[0] = 1 - share;
-    push->weights[1] = share;
-    std::copy_n(face.nodes, 3, &push->nodes[2]);
-    Barycentric(face, normal, end, &push->weights[2]);
-    push->direction = along - normal * (edge.dot(along) / slope);
-    btScalar length = push->direction.length();
-    if (length > 1)
-        push->direction /= length;
+    found->direction /= length;
     return true;
 }
 
-/// Calls function(body, node, share) for each node; share: the node's part of the push's relative motion, negative for
-/// the nodes of the face.
-template <typename Function> void ForEachNode(const Push& push, Function function)
+/// The nodes of one side that move, each by a share: 1 at the curve, less further from it.
+struct Field
 {
-    btScalar sum = 0, largest = 0;
-    for (int pass = 0; pass < 2; pass++)
-        for (int i = 0; i < 5; i++)
+    const qcCurveSide* side;
+    std::vector<uint32_t> nodes;
+    std::vector<btScalar> shares;
+    btScalar mass = 0;       ///< sum of mass * share
+    btScalar squareMass = 0; ///< sum of mass * share^2
+    bool isHeld = false;     ///< a fixed node is among them
+
+    btScalar MassOf(size_t i) const
+    {
+        btScalar inverse = side->graph->soft->InverseMass(nodes[i]);
+        return inverse > 0 ? 1 / inverse : btScalar(0);
+    }
+};
+
+/// The greatest number of edges from the border of a part to a vertex of it. `hops`: scratch, a value for each vertex,
+/// UINT32_MAX before and after.
+uint32_t DepthOf(const qcCurveSide& side, std::vector<uint32_t>* hops)
+{
+    std::vector<uint32_t> queue;
+    for (uint32_t vertex : side.part)
+        (*hops)[vertex] = 0; // in the part, not reached
+    for (const qcEdgeCrossing& crossing : side.crossings)
+        if (crossing.bordersPart && (*hops)[crossing.from] == 0)
         {
-            qcSceneSoftBody* body = i < 2 ? push.edgeBody : push.faceBody;
-            if (body == nullptr)
-                continue;
-            btScalar share = push.weights[i] * body->InverseMass(push.nodes[i]);
-            if (pass == 0)
-            {
-                sum += push.weights[i] * share;
-                largest = std::max(largest, share);
-            }
-            else if (share > 0)
-                function(body, push.nodes[i], (i < 2 ? share : -share) / std::max(sum, largest));
+            (*hops)[crossing.from] = 1;
+            queue.push_back(crossing.from);
         }
+    uint32_t depth = 1;
+    for (size_t i = 0; i < queue.size(); i++)
+    {
+        depth = (*hops)[queue[i]];
+        side.graph->ForEachNeighbour(queue[i],
+                                     [&](uint32_t neighbour)
+                                     {
+                                         if ((*hops)[neighbour] != 0)
+                                             return;
+                                         (*hops)[neighbour] = depth + 1;
+                                         queue.push_back(neighbour);
+                                     });
+    }
+    for (uint32_t vertex : side.part)
+        (*hops)[vertex] = UINT32_MAX;
+    return depth;
+}
+
+/// `hops`: as for DepthOf.
+Field MakeField(const qcUntanglement& tangle, int sideIndex, uint32_t reach, std::vector<uint32_t>* hops)
+{
+    const qcIntersectionCurve& curve = *tangle.curve;
+    bool isMoved = sideIndex == tangle.side;
+    const qcCurveSide& side = curve.sides[sideIndex];
+    Field field;
+    field.side = &side;
+    if (side.graph->soft == nullptr)
+        return field;
+    auto add = [&](uint32_t vertex, uint32_t hop)
+    {
+        if ((*hops)[vertex] != UINT32_MAX)
+            return;
+        (*hops)[vertex] = hop;
+        field.nodes.push_back(vertex);
+        field.shares.push_back(std::min(btScalar(1), 2 - 2 * btScalar(hop) / btScalar(reach + 1)));
+    };
+    auto addTriangle = [&](uint32_t triangle) {
+        std::for_each(side.graph->Corners(triangle), side.graph->Corners(triangle) + 3, [&](uint32_t v) { add(v, 0); });
+    };
+    if (tangle.end != nullptr && isMoved)
+    {
+        add(tangle.end->from, 0);
+        add(tangle.end->to, 0);
+    }
+    else if (tangle.end != nullptr)
+        addTriangle(tangle.end->triangle);
+    else
+    {
+        if (isMoved && tangle.hasPart[sideIndex])
+            for (uint32_t vertex : side.part)
+                add(vertex, 0);
+        for (const qcPair& pair : curve.pairs)
+            addTriangle(sideIndex == 0 ? pair.triangleA : pair.triangleB);
+    }
+    for (size_t i = 0; i < field.nodes.size(); i++)
+        if ((*hops)[field.nodes[i]] < reach)
+        {
+            uint32_t hop = (*hops)[field.nodes[i]] + 1;
+            side.graph->ForEachNeighbour(field.nodes[i], [&](uint32_t neighbour) { add(neighbour, hop); });
+        }
+    for (size_t i = 0; i < field.nodes.size(); i++)
+    {
+        btScalar mass = field.MassOf(i);
+        field.isHeld = field.isHeld || mass == 0;
+        field.mass += mass * field.shares[i];
+        field.squareMass += mass * field.shares[i] * field.shares[i];
+        (*hops)[field.nodes[i]] = UINT32_MAX;
+    }
+    return field;
+}
+
+/// The mean motion of a side's nodes in the step so far along a direction.
+btScalar MeanMotion(const Field& field, const btVector3& direction, const btVector3& center)
+{
+    const qcSurfaceGraph& graph = *field.side->graph;
+    if (graph.soft == nullptr)
+        return direction.dot(graph.rigid->object->getWorldTransform() * (graph.rigid->start.inverse() * center) -
+                             center);
+    btScalar sum = 0;
+    for (size_t i = 0; i < field.nodes.size(); i++)
+        sum += field.MassOf(i) * field.shares[i] *
+               direction.dot(graph.soft->MotionOf(field.nodes[i], graph.soft->start[field.nodes[i]]));
+    return field.mass > 0 ? sum / field.mass : btScalar(0);
+}
+
+/// The mean of the crossings that move.
+btVector3 CenterOf(const qcUntanglement& tangle)
+{
+    if (tangle.end != nullptr)
+        return tangle.end->point;
+    btVector3 sum(0, 0, 0);
+    btScalar count = 0;
+    for (const qcCurveSide& side : tangle.curve->sides)
+        for (const qcEdgeCrossing& crossing : side.crossings)
+        {
+            sum += crossing.point;
+            count += 1;
+        }
+    return sum / count;
+}
+
+/// Moves the nodes; `isShift`: without velocity.
+void Move(const Field& field, const btVector3& by, bool isShift)
+{
+    qcSceneSoftBody* soft = field.side->graph->soft;
+    for (size_t i = 0; i < field.nodes.size(); i++)
+        if (soft->InverseMass(field.nodes[i]) > 0)
+        {
+            if (isShift)
+                soft->shifts[field.nodes[i]] += by * field.shares[i];
+            soft->positions[field.nodes[i]] += by * field.shares[i];
+        }
+}
+
+btScalar ThicknessOf(const qcIntersectionCurve& curve)
+{
+    btScalar sum = 0;
+    for (const qcCurveSide& side : curve.sides)
+        sum += side.graph->soft != nullptr ? side.graph->soft->thickness / 2 : side.graph->mesh->shape->getMargin();
+    return sum;
+}
+
+/// Both sides of a tangle, and the displacement of each by a unit of momentum, 0 for a side that stays.
+struct Fields
+{
+    Field sides[2]; ///< the side that leaves, and the other
+    btScalar mobility[2] = {0, 0};
+
+    Fields(const qcUntanglement& tangle, uint32_t reach, std::vector<uint32_t>* hops)
+        : sides{MakeField(tangle, tangle.side, reach, hops), MakeField(tangle, 1 - tangle.side, reach, hops)}
+    {
+        // A side with fixed nodes stays if the other one can move freely.
+        for (int i = 0; i < 2; i++)
+        {
+            const Field &field = sides[i], &other = sides[1 - i];
+            if (field.mass > 0 && (!field.isHeld || other.isHeld || other.mass == 0))
+                mobility[i] = 1 / field.mass;
+        }
+    }
+
+    void MoveApart(const btVector3& by, bool isShift) const
+    {
+        for (int i = 0; i < 2; i++)
+            if (mobility[i] > 0)
+                Move(sides[i], by * (i == 0 ? mobility[i] : -mobility[i]), isShift);
+    }
+};
+
+/// Ends motion that tangles further, as in an inelastic contact. Returns the relative motion that is left.
+btScalar StopTangling(const qcUntanglement& tangle, const Fields& fields)
+{
+    btVector3 center = CenterOf(tangle);
+    btScalar motion =
+        MeanMotion(fields.sides[0], tangle.direction, center) - MeanMotion(fields.sides[1], tangle.direction, center);
+    if (motion >= 0)
+        return motion;
+    btScalar effective = 0;
+    qcSceneRigid* rigids[2];
+    btVector3 arms[2];
+    for (int i = 0; i < 2; i++)
+    {
+        effective += fields.mobility[i] * fields.mobility[i] * fields.sides[i].squareMass;
+        rigids[i] = fields.sides[i].side->graph->rigid;
+        if (rigids[i] == nullptr)
+            continue;
+        arms[i] = center - rigids[i]->object->getWorldTransform().getOrigin();
+        effective += rigids[i]->DisplacementAt(arms[i], tangle.direction).dot(tangle.direction);
+    }
+    if (effective <= 0)
+        return motion;
+    btVector3 impulse = tangle.direction * (-motion / effective);
+    fields.MoveApart(impulse, false);
+    for (int i = 0; i < 2; i++)
+        if (rigids[i] != nullptr)
+            rigids[i]->Push(arms[i], i == 0 ? impulse : -impulse);
+    return 0;
+}
+
+void Untangle(const qcUntanglement& tangle, std::vector<uint32_t>* hops)
+{
+    const qcCurveSide* sides = tangle.curve->sides;
+    uint32_t reach = tangle.end != nullptr ? s_endReach
+                     : tangle.hasPart[tangle.side]
+                         ? DepthOf(sides[tangle.side], hops)
+                         : uint32_t(sides[0].crossings.size() + sides[1].crossings.size()) / 2;
+    Fields fields(tangle, reach, hops);
+    btScalar motion = StopTangling(tangle, fields);
+    if (tangle.hasPart[tangle.side] && sides[0].slot != sides[1].slot)
+        fields = Fields(tangle, std::max(s_partReach, s_reachPerDepth * reach), hops);
+    btScalar thickness = ThicknessOf(*tangle.curve);
+    btScalar missing = std::min(s_shift * thickness, tangle.distance + thickness) - motion;
+    btScalar mobility = fields.mobility[0] + fields.mobility[1];
+    if (missing > 0 && mobility > 0)
+        fields.MoveApart(tangle.direction * (missing / mobility), true);
 }
 } // namespace
 
-void qcUntangle(qcSoftBodyScene& scene, const qcResult& result, const std::vector<size_t>& pairs)
+std::vector<qcUntanglement> qcFindUntanglements(const qcIntersectionCurves& curves)
 {
-    std::vector<Push> pushes;
-    for (size_t i : pairs)
+    std::vector<qcUntanglement> untanglements;
+    for (const qcIntersectionCurve& curve : curves.Curves())
     {
-        const qcPair& pair = result.pairs[i];
-        Triangle a(scene, pair.bodyA, pair.triangleA), b(scene, pair.bodyB, pair.triangleB);
-        btVector3 p = qcVectorOf(result.segments[i].p), q = qcVectorOf(result.segments[i].q), along = q - p;
-        if (along.fuzzyZero())
-            continue;
-        along.normalize();
-        Push push;
-        if (MakePush(a, b, p, along, &push))
-            pushes.push_back(push);
-        if (MakePush(a, b, q, -along, &push))
-            pushes.push_back(push);
+        qcUntanglement found;
+        if (FindUntanglement(curve, &found) || (!AddEnds(curve, &untanglements) && FindShortening(curve, &found)))
+            untanglements.push_back(found);
     }
-    // One factor for all nodes, given by the one that would move furthest, keeps momentum.
-    btScalar maxShare = 0;
+    return untanglements;
+}
+
+void qcUntangle(qcSoftBodyScene& scene, const std::vector<qcUntanglement>& untanglements)
+{
     for (qcSceneSoftBody& soft : scene.Bodies())
         soft.shifts.assign(soft.positions.size(), btVector3(0, 0, 0));
-    for (const Push& push : pushes)
-        ForEachNode(push, [&](qcSceneSoftBody* body, uint32_t node, btScalar share)
-                    { body->shifts[node] += push.direction * share; });
-    for (const qcSceneSoftBody& soft : scene.Bodies())
-        for (const btVector3& shift : soft.shifts)
-            maxShare = std::max(maxShare, shift.length() / (s_maxShift * soft.thickness));
-    for (qcSceneSoftBody& soft : scene.Bodies())
-        for (size_t i = 0; i < soft.shifts.size() && maxShare > 0; i++)
-        {
-            soft.shifts[i] /= maxShare;
-            soft.positions[i] += soft.shifts[i];
-        }
+    uint32_t vertexCount = 0;
+    for (const qcUntanglement& tangle : untanglements)
+        for (const qcCurveSide& side : tangle.curve->sides)
+            vertexCount = std::max(vertexCount, side.graph->VertexCount());
+    std::vector<uint32_t> hops(vertexCount, UINT32_MAX);
+    for (const qcUntanglement& tangle : untanglements)
+        Untangle(tangle, &hops);
 }

@@ -7,7 +7,6 @@
 #include "common/weld_vertices.h"
 
 #include <BulletCollision/BroadphaseCollision/btBroadphaseInterface.h>
-#include <LinearMath/btAabbUtil2.h>
 #include <LinearMath/btTransformUtil.h>
 
 #include <algorithm>
@@ -32,21 +31,6 @@ void ToFrame(const btTransform& frame, const btVector3 box[2], btVector3 local[2
     local[1] = center + extent;
 }
 
-/// True if the object's surfaces, where they were read by region, have what lies in the box.
-bool Cover(const qcSceneRigid& rigid, const btVector3 box[2])
-{
-    for (const qcSceneShape& shape : rigid.shapes)
-    {
-        btVector3 local[2];
-        if (shape.surface == nullptr || shape.surface->isWhole)
-            continue;
-        ToFrame(rigid.object->getWorldTransform() * shape.local, box, local);
-        if (!shape.surface->Covers(local))
-            return false;
-    }
-    return true;
-}
-
 /// Adds a mesh with its vertices welded: contacts at corners and edges that triangles share are found once.
 qcStatus AddMesh(qcScene* scene, qcSceneMesh& mesh, qcActivity activity)
 {
@@ -60,27 +44,6 @@ qcStatus AddMesh(qcScene* scene, qcSceneMesh& mesh, qcActivity activity)
     def.group = mesh.isSurface ? qcSurfaceGroup : qcMeshGroup;
     def.mask = qcSoftGroup;
     return qcScene_AddBody(scene, &def, &mesh.id);
-}
-
-/// The object's transform at the start of the step: where the previous step left it, otherwise one step back along its
-/// velocity. Bullet gives kinematic bodies the velocity that led to where they are.
-btTransform StartOf(const qcSceneRigid& rigid, btScalar timeStep)
-{
-    const btTransform& now = rigid.object->getWorldTransform();
-    const btRigidBody* body = btRigidBody::upcast(rigid.object);
-    if (body == nullptr || !body->isActive() || body->isStaticObject())
-        return now;
-    btTransform start;
-    btTransformUtil::integrateTransform(now, body->getLinearVelocity(), body->getAngularVelocity(), -timeStep, start);
-    // The previous end is exact, also where Bullet moved the object by more than its velocity: triangles that were
-    // disjoint there must not seem to penetrate. An object further from it than half its size was put elsewhere since.
-    auto isNear = [&](const qcSceneMesh& mesh)
-    {
-        btVector3 box[2];
-        mesh.shape->getAabb(btTransform::getIdentity(), box[0], box[1]);
-        return qcMaxDisplacement(mesh, rigid.end * mesh.local, start * mesh.local) <= (box[1] - box[0]).length() / 2;
-    };
-    return rigid.hasEnd && std::all_of(rigid.meshes.begin(), rigid.meshes.end(), isNear) ? rigid.end : start;
 }
 
 /// True if the object may have meshes.
@@ -100,7 +63,7 @@ template <typename Function> class ObjectCallback : public btBroadphaseAabbCallb
 
     bool process(const btBroadphaseProxy* proxy) override
     {
-        m_function(static_cast<btCollisionObject*>(proxy->m_clientObject), *proxy);
+        m_function(static_cast<btCollisionObject*>(proxy->m_clientObject));
         return true;
     }
 
@@ -136,22 +99,23 @@ void RemoveMeshes(qcScene* scene, const qcSceneRigid& rigid)
 }
 
 /// Reads what may differ in each step.
-void ReadState(qcSceneRigid* rigid, btScalar timeStep)
+void ReadState(qcSceneRigid* rigid, const btTransform& start)
 {
     btRigidBody* body = btRigidBody::upcast(rigid->object);
     bool isPushed = body != nullptr && body->isActive() && !body->isStaticOrKinematicObject();
     rigid->body = isPushed ? body : nullptr;
-    qcActivity activity = rigid->object->isStaticObject() ? qc_activityStatic
-                          : rigid->object->isActive()     ? qc_activityMoving
-                                                          : qc_activitySleeping;
+    bool moves = rigid->object->isActive() && !rigid->object->isStaticObject();
+    qcActivity activity = moves || !qcAreSame(start, rigid->object->getWorldTransform()) ? qc_activityMoving
+                          : rigid->object->isStaticObject()                              ? qc_activityStatic
+                                                                                         : qc_activitySleeping;
     // The previous result has no pairs of two sleeping bodies.
     rigid->hasEnd = rigid->hasEnd && activity == rigid->activity;
     rigid->activity = activity;
     rigid->solved = rigid->object->getWorldTransform();
-    rigid->start = StartOf(*rigid, timeStep);
+    rigid->start = start;
     rigid->movedLinear.setZero();
     rigid->movedAngular.setZero();
-    rigid->fromStart = false;
+    rigid->fromStart = rigid->isFixed = false;
 }
 } // namespace
 
@@ -171,7 +135,7 @@ btScalar qcMaxDisplacement(const qcSceneMesh& mesh, const btTransform& from, con
 
 btVector3 qcSceneRigid::DisplacementAt(const btVector3& arm, const btVector3& push) const
 {
-    if (body == nullptr)
+    if (body == nullptr || isFixed)
         return btVector3(0, 0, 0);
     btVector3 turn = body->getInvInertiaTensorWorld() * arm.cross(push) * body->getAngularFactor();
     return push * body->getLinearFactor() * body->getInvMass() + turn.cross(arm);
@@ -179,7 +143,7 @@ btVector3 qcSceneRigid::DisplacementAt(const btVector3& arm, const btVector3& pu
 
 void qcSceneRigid::Push(const btVector3& arm, const btVector3& push)
 {
-    if (body == nullptr)
+    if (body == nullptr || isFixed)
         return;
     linear += push * body->getLinearFactor() * body->getInvMass();
     angular += body->getInvInertiaTensorWorld() * arm.cross(push) * body->getAngularFactor();
@@ -188,7 +152,7 @@ void qcSceneRigid::Push(const btVector3& arm, const btVector3& push)
 bool qcSceneRigid::IsFree() const
 {
     const btVector3 all(1, 1, 1);
-    if (body == nullptr || body->getInvMass() <= 0)
+    if (body == nullptr || isFixed || body->getInvMass() <= 0)
         return false;
     const btVector3& turns = body->getInvInertiaDiagLocal();
     return turns[turns.minAxis()] > 0 && body->getLinearFactor() == all && body->getAngularFactor() == all;
@@ -207,49 +171,13 @@ bool qcHasSurfaces(const btCollisionObject* object)
 void qcSoftBodyMeshes::CollectOverlapping(btBroadphaseInterface* broadphase, const btVector3& lower,
                                           const btVector3& upper, bool withSurfaces)
 {
-    auto add = [&](btCollisionObject* object, const btBroadphaseProxy&)
+    auto add = [&](btCollisionObject* object)
     {
         if (MayHaveMeshes(object, withSurfaces))
             m_overlaps.push_back({object, withSurfaces, {lower, upper}});
     };
     ForEachIn(broadphase, lower, upper, add);
-    for (const SweptObject& swept : m_kinematic)
-        if (TestAabbAgainstAabb2(lower, upper, swept.box[0], swept.box[1]) && MayHaveMeshes(swept.object, withSurfaces))
-            m_overlaps.push_back({swept.object, withSurfaces, {lower, upper}});
-}
-
-void qcSoftBodyMeshes::FindKinematic(btBroadphaseInterface* broadphase, btScalar timeStep)
-{
-    m_kinematic.clear();
-    auto add = [&](btCollisionObject* object, const btBroadphaseProxy& proxy)
-    {
-        const btRigidBody* body = object->isKinematicObject() ? btRigidBody::upcast(object) : nullptr;
-        if (body == nullptr || (body->getLinearVelocity().isZero() && body->getAngularVelocity().isZero()))
-            return;
-        btTransform start;
-        btTransformUtil::integrateTransform(body->getWorldTransform(), body->getLinearVelocity(),
-                                            body->getAngularVelocity(), -timeStep, start);
-        SweptObject swept = {object, {proxy.m_aabbMin, proxy.m_aabbMax}};
-        btVector3 box[2];
-        object->getCollisionShape()->getAabb(start, box[0], box[1]);
-        swept.box[0].setMin(box[0]);
-        swept.box[1].setMax(box[1]);
-        m_kinematic.push_back(swept);
-    };
-    const btVector3 far(BT_LARGE_FLOAT, BT_LARGE_FLOAT, BT_LARGE_FLOAT);
-    ForEachIn(broadphase, -far, far, add);
-}
-
-/// Enlarges the box by the object's motion in the step.
-void qcSoftBodyMeshes::AddMotion(Overlap* overlap, btScalar timeStep)
-{
-    const btRigidBody* body = btRigidBody::upcast(overlap->object);
-    if (body == nullptr || body->isStaticObject())
-        return;
-    btScalar arm = ((overlap->box[0] + overlap->box[1]) / 2 - body->getWorldTransform().getOrigin()).length();
-    btScalar motion = (body->getLinearVelocity().length() + body->getAngularVelocity().length() * arm) * timeStep;
-    overlap->box[0] -= btVector3(motion, motion, motion);
-    overlap->box[1] += btVector3(motion, motion, motion);
+    m_starts.ForEachMoved(lower, upper, add);
 }
 
 /// Leaves one overlap for each object, in the order in which they were added to the world.
@@ -304,6 +232,31 @@ bool qcSoftBodyMeshes::FindTransform(const qcSceneRigid& rigid, const qcSceneMes
     return true;
 }
 
+/// The box around the soft bodies near an object over the step, in the frame of a shape of the object.
+void qcSoftBodyMeshes::FindBox(const Overlap& overlap, const btTransform& local, btVector3 box[2]) const
+{
+    btVector3 start[2];
+    ToFrame(overlap.object->getWorldTransform() * local, overlap.box, box);
+    ToFrame(m_starts.StartOf(overlap.object) * local, overlap.box, start);
+    box[0].setMin(start[0]);
+    box[1].setMax(start[1]);
+}
+
+/// True if the object's surfaces, where they were read by region, have what lies near the soft bodies.
+bool qcSoftBodyMeshes::Cover(const qcSceneRigid& rigid, const Overlap& overlap) const
+{
+    for (const qcSceneShape& shape : rigid.shapes)
+    {
+        btVector3 box[2];
+        if (shape.surface == nullptr || shape.surface->isWhole)
+            continue;
+        FindBox(overlap, shape.local, box);
+        if (!shape.surface->Covers(box))
+            return false;
+    }
+    return true;
+}
+
 /// Finds the surfaces of an object's shapes near the soft bodies, and its meshes.
 void qcSoftBodyMeshes::FindMeshes(qcSceneRigid* rigid, const Overlap& overlap)
 {
@@ -316,7 +269,7 @@ void qcSoftBodyMeshes::FindMeshes(qcSceneRigid* rigid, const Overlap& overlap)
         if (mesh.isSurface)
         {
             btVector3 box[2];
-            ToFrame(rigid->object->getWorldTransform() * shape.local, overlap.box, box);
+            FindBox(overlap, shape.local, box);
             shape.surface = m_surfaces.Find(shape.shape, shape.revision, rigid->object, box);
             mesh.shape = shape.surface->mesh.get();
             mesh.isConvex = shape.surface->isConvex;
@@ -330,11 +283,11 @@ void qcSoftBodyMeshes::FindMeshes(qcSceneRigid* rigid, const Overlap& overlap)
 }
 
 /// The collected objects that have meshes. Those that are tracked already, unchanged, are moved out of m_rigids.
-std::vector<std::unique_ptr<qcSceneRigid>> qcSoftBodyMeshes::TakeTracked(btScalar timeStep)
+std::vector<std::unique_ptr<qcSceneRigid>> qcSoftBodyMeshes::TakeTracked()
 {
     MergeOverlaps();
     std::vector<std::unique_ptr<qcSceneRigid>> rigids;
-    for (Overlap& overlap : m_overlaps)
+    for (const Overlap& overlap : m_overlaps)
     {
         std::unique_ptr<qcSceneRigid> rigid(new qcSceneRigid);
         rigid->object = overlap.object;
@@ -343,11 +296,10 @@ std::vector<std::unique_ptr<qcSceneRigid>> qcSoftBodyMeshes::TakeTracked(btScala
         rigid->shapes = ShapesOf(overlap.object, overlap.withSurfaces);
         if (rigid->shapes.empty())
             continue;
-        AddMotion(&overlap, timeStep);
         auto isSame = [&](const std::unique_ptr<qcSceneRigid>& other)
         {
             return other && other->object == rigid->object && other->uniqueId == rigid->uniqueId &&
-                   AreSame(other->shapes, rigid->shapes) && Cover(*other, overlap.box);
+                   AreSame(other->shapes, rigid->shapes) && Cover(*other, overlap);
         };
         auto found = std::find_if(m_rigids.begin(), m_rigids.end(), isSame);
         if (found != m_rigids.end())
@@ -362,10 +314,10 @@ std::vector<std::unique_ptr<qcSceneRigid>> qcSoftBodyMeshes::TakeTracked(btScala
 }
 
 /// Appends the object, with its meshes in the scene. After a failure it is not tracked, and none of them is there.
-qcStatus qcSoftBodyMeshes::Track(qcScene* scene, std::unique_ptr<qcSceneRigid> rigid, btScalar timeStep)
+qcStatus qcSoftBodyMeshes::Track(qcScene* scene, std::unique_ptr<qcSceneRigid> rigid)
 {
     qcActivity previous = rigid->activity;
-    ReadState(rigid.get(), timeStep);
+    ReadState(rigid.get(), m_starts.StartOf(rigid->object));
     qcStatus status = qc_statusOk;
     if (rigid->meshes[0].id.generation == 0)
         status = AddMeshes(scene, rigid.get());
@@ -392,9 +344,9 @@ void qcSoftBodyMeshes::IndexSlots()
         }
 }
 
-qcStatus qcSoftBodyMeshes::Sync(qcScene* scene, btScalar timeStep)
+qcStatus qcSoftBodyMeshes::Sync(qcScene* scene)
 {
-    std::vector<std::unique_ptr<qcSceneRigid>> rigids = TakeTracked(timeStep);
+    std::vector<std::unique_ptr<qcSceneRigid>> rigids = TakeTracked();
     for (const std::unique_ptr<qcSceneRigid>& gone : m_rigids)
         if (gone)
             RemoveMeshes(scene, *gone);
@@ -403,7 +355,7 @@ qcStatus qcSoftBodyMeshes::Sync(qcScene* scene, btScalar timeStep)
     qcStatus status = qc_statusOk;
     for (std::unique_ptr<qcSceneRigid>& rigid : rigids)
     {
-        qcStatus tracked = Track(scene, std::move(rigid), timeStep);
+        qcStatus tracked = Track(scene, std::move(rigid));
         if (status == qc_statusOk)
             status = tracked;
     }
@@ -484,8 +436,20 @@ void qcSoftBodyMeshes::UpdateVelocities(btScalar timeStep)
         }
         // Also sets Bullet's interpolation transform and the inertia tensor in world space.
         body->setCenterOfMassTransform(btTransform(rigid->object->getWorldTransform()));
+        rigid->fromStart = false;
+        rigid->movedLinear.setZero();
+        rigid->movedAngular.setZero();
     }
     RecordEnds();
+}
+
+bool qcSoftBodyMeshes::Fix(const std::vector<const btCollisionObject*>& objects)
+{
+    bool any = false;
+    for (const std::unique_ptr<qcSceneRigid>& rigid : m_rigids)
+        if (std::find(objects.begin(), objects.end(), rigid->object) != objects.end())
+            rigid->isFixed = any = true;
+    return any;
 }
 
 void qcSoftBodyMeshes::RecordEnds()
@@ -494,6 +458,7 @@ void qcSoftBodyMeshes::RecordEnds()
     {
         rigid->hasEnd = true;
         rigid->end = rigid->object->getWorldTransform();
+        m_starts.RecordEnd(rigid->object);
     }
 }
 

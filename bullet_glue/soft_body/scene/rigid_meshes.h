@@ -3,6 +3,7 @@
 #ifndef QC_GLUE_SOFT_BODY_SCENE_RIGID_MESHES_H
 #define QC_GLUE_SOFT_BODY_SCENE_RIGID_MESHES_H
 
+#include "soft_body/scene/object_starts.h"
 #include "soft_body/scene/shape_surface.h"
 
 #include <BulletDynamics/Dynamics/btRigidBody.h>
@@ -54,6 +55,7 @@ struct qcSceneRigid
     //  Translation of the centre and rotation vector that contacts gave it since the last Commit, and in the step.
     btVector3 linear{0, 0, 0}, angular{0, 0, 0};
     btVector3 movedLinear{0, 0, 0}, movedAngular{0, 0, 0};
+    bool isFixed = false;   ///< contacts of this step move it no further: another rigid mesh has stopped it
     bool fromStart = false; ///< a zone moves it from the start of the step, which determines its velocity, too
     bool hasEnd = false;    ///< the object was in the previous step
     btTransform end = btTransform::getIdentity(); ///< of the object, at the end of the previous step
@@ -78,11 +80,18 @@ bool qcHasSurfaces(const btCollisionObject* object);
 class qcSoftBodyMeshes
 {
   public:
-    /// Finds the kinematic objects that move, for the next calls of CollectOverlapping. Their proxies are where the
-    /// motion ends. O(objects).
-    void FindKinematic(btBroadphaseInterface* broadphase, btScalar timeStep);
-    /// Collects the objects with meshes whose proxies overlap this box, for the next Sync. Proxies of rigid bodies span
-    /// the motion that Bullet predicted for the step. `withSurfaces`: also those with other shapes.
+    /// The step starts: Bullet has moved nothing yet.
+    void BeginStep(const std::set<btBroadphaseInterface*>& broadphases)
+    {
+        m_starts.Begin(broadphases);
+    }
+    /// Reads where all objects start and end the step. Call it before CollectOverlapping.
+    void ReadMotions(const std::set<btBroadphaseInterface*>& broadphases, btScalar timeStep)
+    {
+        m_starts.Read(broadphases, timeStep);
+    }
+    /// Collects the objects with meshes whose proxies or motions over the step overlap this box, for the next Sync.
+    /// `withSurfaces`: also objects without a qcMeshShape.
     void CollectOverlapping(btBroadphaseInterface* broadphase, const btVector3& lower, const btVector3& upper,
                             bool withSurfaces);
     /// See qcSurfaceCache.
@@ -91,7 +100,7 @@ class qcSoftBodyMeshes
         m_surfaces.Forget(shape);
     }
     /// Makes the scene's meshes those of the objects collected since the last call.
-    qcStatus Sync(qcScene* scene, btScalar timeStep);
+    qcStatus Sync(qcScene* scene);
     /// Sets the objects' present transforms in the scene, or those of the start of the step.
     qcStatus SyncTransforms(qcScene* scene, bool atStart = false);
     /// True if each of the objects was in the previous step and starts at its end transform.
@@ -101,8 +110,10 @@ class qcSoftBodyMeshes
     void Commit();
     /// Moves an object from its transform at the start of the step, if it is free.
     void MoveFromStart(qcSceneRigid& rigid, const btTransform& motion);
-    /// Ends the step: changes velocities by the motions of Commit and MoveFromStart.
+    /// Changes velocities by the motions of Commit and MoveFromStart since the last call. The step ends here, so far.
     void UpdateVelocities(btScalar timeStep);
+    /// Contacts of this step move these objects no further. False: none of them is near a soft body.
+    bool Fix(const std::vector<const btCollisionObject*>& objects);
     /// Ends the step, and undoes all motions.
     void Restore();
 
@@ -128,22 +139,16 @@ class qcSoftBodyMeshes
 
     void MergeOverlaps();
     std::vector<qcSceneShape> ShapesOf(const btCollisionObject* object, bool withSurfaces) const;
-    static void AddMotion(Overlap* overlap, btScalar timeStep);
+    void FindBox(const Overlap& overlap, const btTransform& local, btVector3 box[2]) const;
+    bool Cover(const qcSceneRigid& rigid, const Overlap& overlap) const;
     void FindMeshes(qcSceneRigid* rigid, const Overlap& overlap);
-    std::vector<std::unique_ptr<qcSceneRigid>> TakeTracked(btScalar timeStep);
-    qcStatus Track(qcScene* scene, std::unique_ptr<qcSceneRigid> rigid, btScalar timeStep);
+    std::vector<std::unique_ptr<qcSceneRigid>> TakeTracked();
+    qcStatus Track(qcScene* scene, std::unique_ptr<qcSceneRigid> rigid);
     void IndexSlots();
     void RecordEnds();
 
-    /// An object and a box around its motion in the step.
-    struct SweptObject
-    {
-        btCollisionObject* object;
-        btVector3 box[2];
-    };
-
+    qcObjectStarts m_starts;
     qcSurfaceCache m_surfaces;
-    std::vector<SweptObject> m_kinematic;
     std::vector<Overlap> m_overlaps;
     std::vector<std::unique_ptr<qcSceneRigid>> m_rigids; ///< by unique id: in the order in which they were added
     std::vector<std::pair<qcSceneRigid*, size_t>> m_meshOfSlot;

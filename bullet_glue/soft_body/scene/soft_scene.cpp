@@ -174,6 +174,15 @@ void qcSoftBodyScene::ReadStart(qcSceneSoftBody& tracked, btVector3 btSoftBody::
     FindAnchors(tracked);
 }
 
+void qcSoftBodyScene::BeginStep(const btAlignedObjectArray<btSoftBody*>& bodies)
+{
+    std::set<btBroadphaseInterface*> broadphases;
+    for (int i = 0; i < bodies.size(); i++)
+        if (bodies[i]->getWorldInfo()->m_broadphase != nullptr)
+            broadphases.insert(bodies[i]->getWorldInfo()->m_broadphase);
+    meshes.BeginStep(broadphases);
+}
+
 qcStatus qcSoftBodyScene::Sync(const btAlignedObjectArray<btSoftBody*>& bodies, btVector3 btSoftBody::Node::*start)
 {
     qcStatus status = m_scene == nullptr ? CreateScene() : qc_statusOk;
@@ -204,9 +213,11 @@ qcStatus qcSoftBodyScene::Sync(const btAlignedObjectArray<btSoftBody*>& bodies, 
 qcStatus qcSoftBodyScene::ReadSolved(btScalar timeStep)
 {
     BT_PROFILE("qcSoftBodyContact gather");
-    btBroadphaseInterface* broadphase = m_bodies.empty() ? nullptr : m_bodies[0].body->getWorldInfo()->m_broadphase;
-    if (broadphase != nullptr)
-        meshes.FindKinematic(broadphase, timeStep);
+    std::set<btBroadphaseInterface*> broadphases;
+    for (const qcSceneSoftBody& tracked : m_bodies)
+        if (tracked.CollidesWithRigidBodies() && tracked.body->getWorldInfo()->m_broadphase != nullptr)
+            broadphases.insert(tracked.body->getWorldInfo()->m_broadphase);
+    meshes.ReadMotions(broadphases, timeStep);
     for (qcSceneSoftBody& tracked : m_bodies)
     {
         tracked.solved.resize(size_t(tracked.NodeCount()));
@@ -220,7 +231,7 @@ qcStatus qcSoftBodyScene::ReadSolved(btScalar timeStep)
         if (tracked.CollidesWithRigidBodies() && info->m_broadphase != nullptr && BoxOf(tracked, box))
             meshes.CollectOverlapping(info->m_broadphase, box[0], box[1], tracked.CollidesWithSurfaces());
     }
-    return meshes.Sync(m_scene, timeStep);
+    return meshes.Sync(m_scene);
 }
 
 qcStatus qcSoftBodyScene::SetVertices(std::vector<btVector3> qcSceneSoftBody::*positions)
@@ -282,13 +293,22 @@ bool qcSoftBodyScene::StartsWhereStepEnded() const
     return std::all_of(m_bodies.begin(), m_bodies.end(), startsThere) && meshes.StartWhereTheyEnded();
 }
 
-qcStatus qcSoftBodyScene::Detect(btScalar contactMargin, bool segments, const qcResult** result)
+qcStatus qcSoftBodyScene::Detect(btScalar contactMargin, const qcResult** result)
 {
     qcDetectDef def = qcDefaultDetectDef();
     def.method = method;
     def.contactMargin = double(contactMargin);
     def.nearestContacts = true;
-    def.segments = segments;
+    def.threads = threads;
+    return qcScene_Detect(m_scene, &def, result);
+}
+
+qcStatus qcSoftBodyScene::DetectWithin(btScalar margin, const qcResult** result)
+{
+    qcDetectDef def = qcDefaultDetectDef();
+    def.method = method;
+    def.margin = double(margin);
+    def.touching = true;
     def.threads = threads;
     return qcScene_Detect(m_scene, &def, result);
 }

@@ -110,6 +110,8 @@ class qcSoftBodyScene
     qcSoftBodyScene(const qcSoftBodyScene&) = delete;
     qcSoftBodyScene& operator=(const qcSoftBodyScene&) = delete;
 
+    /// The step starts: Bullet has moved nothing yet.
+    void BeginStep(const btAlignedObjectArray<btSoftBody*>& bodies);
     /// Makes the scene's soft bodies those of the array, and reads their positions at the start of the step from this
     /// member of their nodes.
     qcStatus Sync(const btAlignedObjectArray<btSoftBody*>& bodies, btVector3 btSoftBody::Node::*start);
@@ -131,7 +133,9 @@ class qcSoftBodyScene
     /// True if all bodies and meshes start where the previous step ended, and the settings that decide which triangles
     /// are tested are unchanged. Call it after ReadSolved.
     bool StartsWhereStepEnded() const;
-    qcStatus Detect(btScalar contactMargin, bool segments, const qcResult** result);
+    qcStatus Detect(btScalar contactMargin, const qcResult** result);
+    /// Finds the pairs that penetrate, touch or are no further apart than the margin, in the positions last set.
+    qcStatus DetectWithin(btScalar margin, const qcResult** result);
     /// Finds the pairs that are not proven apart from the start of the step to the present positions, with proximities
     /// of the start.
     qcStatus DetectMotion(const qcResult** result);

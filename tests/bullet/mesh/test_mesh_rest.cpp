@@ -113,7 +113,9 @@ struct Outcome
     std::vector<btVector3> places;
 };
 
-/// Five bodies in a bin, after six seconds.
+constexpr int s_binSteps = 720;
+
+/// Five bodies in a bin, after twelve seconds: one that balances on another may tip over late.
 Outcome RunBin(const qcModel& model, bool gimpact)
 {
     qcMeshWorld world;
@@ -128,11 +130,11 @@ Outcome RunBin(const qcModel& model, bool gimpact)
         body->setSpinningFriction(btScalar(0.01));
     }
     Outcome outcome = {0, 0, 0, {}};
-    for (int i = 0; i < 360; i++)
+    for (int i = 0; i < s_binSteps; i++)
     {
         world.Step();
-        outcome.ms += world.stepMs / 360;
-        if (i > 240)
+        outcome.ms += world.stepMs / s_binSteps;
+        if (i > s_binSteps / 2)
             outcome.deepest = std::min(outcome.deepest, qcContactsOf(world.dispatcher).deepest);
     }
     Report(world, gimpact ? "  GImpact" : "  qcMeshShape", outcome.ms);

@@ -6,12 +6,13 @@
 #include "bullet/debug_recorder.h"
 #include "bullet/soft_body/soft_models.h"
 #include "bullet/soft_body/soft_world.h"
+#include "bullet/soft_body/tangled_scenes.h"
 // After the standard headers: check defines a macro named fail.
 #include "bullet/mesh/mesh_world.h"
 
 namespace
 {
-const btVector3 s_red(1, 0, 0);
+const btVector3 s_red(1, 0, 0), s_yellow(1, 1, 0), s_magenta(1, 0, 1);
 
 /// Corners as numbers, to be compared to the last bit.
 typedef std::array<btScalar, 9> Corners;
@@ -419,6 +420,68 @@ START_TEST(soft_bodies_and_meshes_that_left_are_not_drawn)
 }
 END_TEST
 
+std::vector<qcDebugRecorder::Line> LinesOf(const qcDebugRecorder& recorder, const btVector3& color)
+{
+    std::vector<qcDebugRecorder::Line> lines;
+    std::copy_if(recorder.lines.begin(), recorder.lines.end(), std::back_inserter(lines),
+                 [&](const qcDebugRecorder::Line& line) { return line.color == color; });
+    return lines;
+}
+
+START_TEST(planes_are_drawn_as_yellow_squares_with_normals_and_zone_nodes_as_magenta_crosses)
+{
+    qcTangledWorld world;
+    qcMakeTouching(&world);
+    qcDebugRecorder recorder;
+    world.softSolver.debugDraw(&recorder);
+    ck_assert_uint_eq(recorder.lines.size(), 0);
+    world.Step();
+    const qcSoftBodyStatistics& statistics = world.softSolver.getStatistics();
+    ck_assert_int_gt(statistics.planes, 10);
+    ck_assert_int_gt(statistics.zoneNodes, 10);
+    world.softSolver.debugDraw(&recorder);
+    ck_assert_int_eq(recorder.flushes, 1);
+    std::vector<qcDebugRecorder::Line> planes = LinesOf(recorder, s_yellow), zones = LinesOf(recorder, s_magenta);
+    ck_assert_uint_eq(planes.size(), 5 * size_t(statistics.planes));
+    ck_assert_uint_eq(zones.size(), 3 * size_t(statistics.zoneNodes));
+    const double thickness = 0.01;
+    for (size_t i = 0; i < planes.size(); i += 5)
+    {
+        btVector3 center = planes[i + 4].from, normal = planes[i + 4].to - center;
+        // The cloths touch along the x axis.
+        ck_assert_double_le(std::fabs(double(center.x())), 0.51);
+        ck_assert_double_le(std::hypot(double(center.y()), double(center.z())), 0.01);
+        ck_assert_double_eq_tol(double(normal.length()), thickness, 1e-6);
+        for (size_t side = i; side < i + 4; side++)
+        {
+            ck_assert(planes[side].to == planes[side + 1 < i + 4 ? side + 1 : i].from);
+            ck_assert_double_eq_tol(double(planes[side].to.distance(planes[side].from)), thickness, 1e-6);
+            ck_assert_double_eq_tol(double(normal.dot(planes[side].from - center)), 0, 1e-8);
+        }
+    }
+    std::vector<btVector3> nodes;
+    for (const btSoftBody* cloth : world.cloths)
+        for (int i = 0; i < cloth->m_nodes.size(); i++)
+            nodes.push_back(cloth->m_nodes[i].m_x);
+    for (const qcDebugRecorder::Line& line : zones)
+    {
+        btVector3 center = (line.from + line.to) / 2;
+        ck_assert(std::any_of(nodes.begin(), nodes.end(),
+                              [&](const btVector3& node) { return node.distance(center) < btScalar(1e-6); }));
+    }
+    // A body that has left takes its planes along.
+    world.RemoveCloth();
+    recorder.Clear();
+    world.softSolver.debugDraw(&recorder);
+    ck_assert_uint_eq(LinesOf(recorder, s_yellow).size(), 0);
+    // A step without planes has none.
+    world.Step();
+    recorder.Clear();
+    world.softSolver.debugDraw(&recorder);
+    ck_assert_uint_eq(recorder.lines.size(), 0);
+}
+END_TEST
+
 START_TEST(drawing_changes_nothing_in_the_simulation)
 {
     ClothOnMesh drawn, plain;
@@ -459,4 +522,5 @@ QC_RUN_TESTS("debug_draw", bullet_draws_each_triangle_of_a_mesh_and_its_box,
              meshes_that_left_or_changed_are_not_drawn, candidate_triangles_of_cloth_and_mesh_are_drawn_in_red,
              bullet_draws_the_contact_points_of_cloth_on_the_mesh, a_single_node_is_drawn_as_a_cross,
              a_rope_is_drawn_as_its_links, soft_bodies_and_meshes_that_left_are_not_drawn,
+             planes_are_drawn_as_yellow_squares_with_normals_and_zone_nodes_as_magenta_crosses,
              drawing_changes_nothing_in_the_simulation)

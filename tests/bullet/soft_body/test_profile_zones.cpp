@@ -114,6 +114,7 @@ START_TEST(mesh_contact_shows_its_stages_in_the_batch)
     for (const char* zone : s_meshZones)
         Recording::CheckZone(zone, "qcMeshContact batch");
     Recording::CheckZone("qcMeshContact manifolds", "dispatchAllCollisionPairs");
+    Recording::CheckZone("qcMeshContact limit", "internalSingleStepSimulation");
 }
 END_TEST
 

@@ -452,6 +452,8 @@ START_TEST(a_method_without_contacts_leaves_a_step_to_bullet)
     settings.selfCollision = false;
     settings.bulletNodeContacts = true;
     plain.softSolver.setSettings(same, settings);
+    settings.selfCollision = true;
+    world.softSolver.setSettings(cloth, settings);
     world.softSolver.setMethod(qc_methodQuick);
     for (int i = 0; i < 60; i++)
     {

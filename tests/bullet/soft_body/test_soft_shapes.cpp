@@ -243,6 +243,26 @@ START_TEST(bullets_contacts_stay_for_links_of_multibodies)
 }
 END_TEST
 
+START_TEST(after_a_failed_query_bullets_contacts_hold)
+{
+    qcShapeScene scene(qc_shapeBox, 16, 1);
+    scene.softSolver.setMethod(qc_methodQuick);
+    int nodes = 0;
+    for (int step = 0; step < 40; step++)
+    {
+        scene.world.stepSimulation(btScalar(1.0 / 60), 0);
+        ck_assert_int_eq(scene.softSolver.getStatistics().status, qc_statusBadInput);
+        nodes += scene.cloth->m_rcontacts.size();
+    }
+    ck_assert_int_gt(nodes, 100);
+    scene.softSolver.setMethod(qc_methodAuto);
+    scene.Step();
+    scene.Step();
+    ck_assert_int_eq(scene.cloth->m_rcontacts.size(), 0);
+    ck_assert_int_eq(scene.softSolver.getStatistics().surfaces, 1);
+}
+END_TEST
+
 START_TEST(filters_sensors_and_disabled_pairs_let_cloth_pass)
 {
     for (int kind = 0; kind < 4; kind++)
@@ -375,6 +395,7 @@ static int RunAll()
     tcase_add_loop_test(tests, a_kinematic_shape_takes_cloth_along_at_20_metres_a_second, 0, 4);
     tcase_add_test(tests, cloth_slides_along_a_plane_for_any_distance);
     tcase_add_test(tests, bullets_contacts_stay_for_links_of_multibodies);
+    tcase_add_test(tests, after_a_failed_query_bullets_contacts_hold);
     tcase_add_test(tests, filters_sensors_and_disabled_pairs_let_cloth_pass);
     tcase_add_test(tests, a_changed_shape_is_read_again);
     tcase_add_test(tests, moved_triangles_are_read_again_after_updateShape);

@@ -1,0 +1,22 @@
+// Objects that the application gives another transform between steps: they move there, or are put elsewhere.
+#ifndef QC_GLUE_COMMON_OBJECT_MOTION_H
+#define QC_GLUE_COMMON_OBJECT_MOTION_H
+
+#include <BulletCollision/CollisionDispatch/btCollisionObject.h>
+#include <BulletCollision/CollisionShapes/btCollisionShape.h>
+
+/// Half the diagonal of a shape's box.
+btScalar qcHalfSize(const btCollisionShape* shape);
+
+/// Upper bound of the displacement of a shape's points from one transform to another. Not a number if one of these has
+/// such.
+btScalar qcMaxDisplacement(const btCollisionShape* shape, const btTransform& from, const btTransform& to);
+
+/// True if the object, which Bullet does not integrate, has moved from one transform to another; false if it was put
+/// elsewhere. It moves if that is by at most half its size, or by its velocity in a whole number of steps: Bullet gives
+/// an active kinematic body the velocity of its motion over all substeps, unless the application sets its interpolation
+/// transform, too. Any other object has the velocity of its previous motion, `previous`, a step.
+bool qcIsMotion(const btCollisionObject* object, const btTransform& from, const btTransform& to,
+                const btVector3& previous, btScalar timeStep);
+
+#endif

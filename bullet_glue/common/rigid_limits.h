@@ -1,0 +1,33 @@
+// The certificates of a world's rigid meshes (qcMeshContact), for the soft bodies of the same world: each of the two
+// moves bodies that the other has proven apart.
+#ifndef QC_GLUE_COMMON_RIGID_LIMITS_H
+#define QC_GLUE_COMMON_RIGID_LIMITS_H
+
+#include <BulletCollision/CollisionDispatch/btCollisionObject.h>
+
+#include <vector>
+
+class btDispatcher;
+
+class qcRigidLimits
+{
+  public:
+    virtual ~qcRigidLimits() = default;
+    /// Certifies the motions of the step before soft bodies do, in worlds whose actions run after the soft bodies.
+    virtual void LimitFirst(btScalar timeStep) = 0;
+    /// Certifies them again if bodies have been moved since. Bodies in `held` return to the start of the step. Appends
+    /// the objects that it moves to `moved`.
+    virtual void LimitAgain(btScalar timeStep, const std::vector<const btCollisionObject*>& held,
+                            std::vector<const btCollisionObject*>* moved) = 0;
+};
+
+/// Registers the limits of the world with this dispatcher. Thread-safe.
+void qcAddRigidLimits(const btDispatcher* dispatcher, qcRigidLimits* limits);
+
+/// Undoes qcAddRigidLimits. Thread-safe.
+void qcRemoveRigidLimits(const qcRigidLimits* limits);
+
+/// The limits of the world with this dispatcher, or null. Thread-safe.
+qcRigidLimits* qcFindRigidLimits(const btDispatcher* dispatcher);
+
+#endif

@@ -1,0 +1,139 @@
+// Separating planes between triangles of two meshes that are not proven apart over a step.
+#include "mesh_contact/motion_planes.h"
+
+#include <algorithm>
+
+namespace
+{
+// A pair keeps this part of the sum of its margins, where contact of the next step finds it with a reliable normal, or
+// the distance that it had.
+constexpr btScalar s_floor = btScalar(0.25);
+// Relative rounding of a stored corner: of the transform's rotation, the product and the sum.
+constexpr btScalar s_rounding = 16 * SIMD_EPSILON;
+// The largest rotation by one push, in radians: a push is linear in it.
+constexpr btScalar s_maxRotation = btScalar(0.25);
+
+/// The corner that is furthest against the direction.
+struct Extreme
+{
+    btScalar height = BT_LARGE_FLOAT; ///< along the direction
+    btVector3 arm;                    ///< from the object's centre
+
+    Extreme(const qcMotionPlaneSide& side, const btVector3& direction)
+    {
+        for (const btVector3& local : side.corners)
+        {
+            btVector3 point = side.swept->end * local;
+            btScalar level = direction.dot(point);
+            if (level < height)
+            {
+                height = level;
+                arm = point - side.swept->end.getOrigin();
+            }
+        }
+    }
+};
+
+/// Displacement of the point at `arm` along the direction by a unit impulse there, times the time step.
+btScalar InverseMassAt(const qcSweptObject& swept, const btVector3& arm, const btVector3& direction)
+{
+    if (swept.body == nullptr)
+        return 0;
+    const btRigidBody& body = *swept.body;
+    btVector3 turn = body.getInvInertiaTensorWorld() * arm.cross(direction) * body.getAngularFactor();
+    return direction.dot(direction * body.getLinearFactor()) * body.getInvMass() + direction.dot(turn.cross(arm));
+}
+
+void Push(qcSweptObject* swept, const btVector3& arm, const btVector3& push)
+{
+    if (swept->body == nullptr)
+        return;
+    const btRigidBody& body = *swept->body;
+    swept->end.setOrigin(swept->end.getOrigin() + push * body.getLinearFactor() * body.getInvMass());
+    btVector3 turn = body.getInvInertiaTensorWorld() * arm.cross(push) * body.getAngularFactor();
+    btScalar angle = turn.length();
+    if (angle > SIMD_EPSILON)
+    {
+        btQuaternion rotation(turn / angle, std::min(angle, s_maxRotation));
+        swept->end.setRotation((rotation * swept->end.getRotation()).normalized());
+    }
+    swept->isPushed = true;
+}
+
+void SolvePlane(qcMotionPlane* plane)
+{
+    Extreme lowest(plane->above, plane->normal), highest(plane->below, -plane->normal);
+    btScalar lack = plane->gap - lowest.height - highest.height;
+    btScalar inverseMass = InverseMassAt(*plane->above.swept, lowest.arm, plane->normal) +
+                           InverseMassAt(*plane->below.swept, highest.arm, plane->normal);
+    if (!(lack > 0) || !(inverseMass > 0))
+        return;
+    btVector3 push = plane->normal * (lack / inverseMass);
+    Push(plane->above.swept, lowest.arm, push);
+    Push(plane->below.swept, highest.arm, -push);
+    plane->pushed += lack / inverseMass;
+    plane->arms[0] = lowest.arm;
+    plane->arms[1] = highest.arm;
+}
+
+btVector3 VelocityAt(const qcSweptObject& swept, const btVector3& arm)
+{
+    const btRigidBody* body = btRigidBody::upcast(swept.object);
+    return body != nullptr ? body->getVelocityInLocalPoint(arm) : btVector3(0, 0, 0);
+}
+} // namespace
+
+void qcMotionPlanes::Clear()
+{
+    m_planes.clear();
+    m_pairs.clear();
+}
+
+void qcMotionPlanes::Add(const qcPair& pair, const qcMotionPlaneSide& a, const qcMotionPlaneSide& b,
+                         const qcProximity& nearest)
+{
+    if (!m_pairs.insert({pair.bodyA, pair.triangleA, pair.bodyB, pair.triangleB}).second)
+        return;
+    const btVector3& center = a.swept->end.getOrigin();
+    btScalar rounding = s_rounding * (std::max(center.length(), b.swept->end.getOrigin().length()) +
+                                      a.swept->object->getCollisionShape()->getAngularMotionDisc() +
+                                      b.swept->object->getCollisionShape()->getAngularMotionDisc());
+    btScalar floor = s_floor * (a.swept->object->getCollisionShape()->getMargin() +
+                                b.swept->object->getCollisionShape()->getMargin());
+    qcMotionPlane plane;
+    plane.above = a;
+    plane.below = b;
+    plane.normal = qcVectorOf(nearest.normal);
+    plane.gap = std::max(std::min(btScalar(nearest.distance), floor), rounding);
+    plane.pushed = 0;
+    plane.arms[0] = plane.arms[1] = btVector3(0, 0, 0);
+    m_planes.push_back(plane);
+}
+
+void qcMotionPlanes::Solve(int sweeps)
+{
+    for (int sweep = 0; sweep < sweeps; sweep++)
+        for (qcMotionPlane& plane : m_planes)
+            SolvePlane(&plane);
+}
+
+void qcMotionPlanes::RemoveApproach(const qcMotionPlane& plane)
+{
+    btScalar approach = -plane.normal.dot(VelocityAt(*plane.above.swept, plane.arms[0]) -
+                                          VelocityAt(*plane.below.swept, plane.arms[1]));
+    auto inverseMass = [&](const qcSweptObject& swept, const btVector3& arm)
+    {
+        return swept.body == nullptr
+                   ? btScalar(0)
+                   : swept.body->computeImpulseDenominator(swept.body->getCenterOfMassPosition() + arm, plane.normal);
+    };
+    btScalar denominator =
+        inverseMass(*plane.above.swept, plane.arms[0]) + inverseMass(*plane.below.swept, plane.arms[1]);
+    if (!(approach > 0 && denominator > 0))
+        return;
+    btVector3 impulse = plane.normal * (approach / denominator);
+    if (plane.above.swept->body != nullptr)
+        plane.above.swept->body->applyImpulse(impulse, plane.arms[0]);
+    if (plane.below.swept->body != nullptr)
+        plane.below.swept->body->applyImpulse(-impulse, plane.arms[1]);
+}

@@ -1,0 +1,50 @@
+// Separating planes between triangles of two meshes that are not proven apart over a step. Bodies are pushed apart
+// along the normal of the closest points at the start, by equal and opposite impulses on their transforms at the end.
+#ifndef QC_GLUE_MESH_CONTACT_MOTION_PLANES_H
+#define QC_GLUE_MESH_CONTACT_MOTION_PLANES_H
+
+#include "mesh_contact/swept_objects.h"
+
+#include <array>
+#include <set>
+
+struct qcMotionPlaneSide
+{
+    qcSweptObject* swept;
+    btVector3 corners[3]; ///< of the triangle, in the object's frame
+};
+
+struct qcMotionPlane
+{
+    qcMotionPlaneSide above, below;
+    btVector3 normal;  ///< unit, from below to above
+    btScalar gap;      ///< required distance of the two triangles along the normal
+    btScalar pushed;   ///< sum of impulses so far, times the time step
+    btVector3 arms[2]; ///< of the last push, from the centres of above and below
+};
+
+class qcMotionPlanes
+{
+  public:
+    void Clear();
+    /// Adds a plane for a pair of triangles, unless it has one.
+    void Add(const qcPair& pair, const qcMotionPlaneSide& a, const qcMotionPlaneSide& b, const qcProximity& nearest);
+    /// Gauss-Seidel sweeps over all planes. Moves the ends of free objects.
+    void Solve(int sweeps);
+    /// Impulses without restitution where planes have pushed pairs that `isStopped` names; kinetic energy doesn't grow.
+    template <class IsStopped> void RemoveApproaches(int sweeps, const IsStopped& isStopped) const
+    {
+        for (int sweep = 0; sweep < sweeps; sweep++)
+            for (const qcMotionPlane& plane : m_planes)
+                if (plane.pushed > 0 && isStopped(*plane.above.swept, *plane.below.swept))
+                    RemoveApproach(plane);
+    }
+
+  private:
+    static void RemoveApproach(const qcMotionPlane& plane);
+
+    std::vector<qcMotionPlane> m_planes;
+    std::set<std::array<uint32_t, 4>> m_pairs; ///< those that have a plane
+};
+
+#endif

@@ -1,0 +1,114 @@
+// Where the objects of a world were at the start of a step.
+#include "soft_body/scene/object_starts.h"
+
+#include "common/object_motion.h"
+
+#include <BulletDynamics/Dynamics/btRigidBody.h>
+
+namespace
+{
+/// True if Bullet moves the object.
+bool IsDynamic(const btCollisionObject* object)
+{
+    const btRigidBody* body = btRigidBody::upcast(object);
+    return body != nullptr && !body->isStaticOrKinematicObject();
+}
+
+/// Calls function(object) for each object of the broadphases that is not a soft body.
+template <typename Function> struct ObjectCallback : btBroadphaseAabbCallback
+{
+    explicit ObjectCallback(const Function& function) : function(function)
+    {
+    }
+
+    bool process(const btBroadphaseProxy* proxy) override
+    {
+        auto* object = static_cast<btCollisionObject*>(proxy->m_clientObject);
+        if (object->getInternalType() != btCollisionObject::CO_SOFT_BODY)
+            function(object);
+        return true;
+    }
+
+    const Function& function;
+};
+
+template <typename Function>
+void ForEachObject(const std::set<btBroadphaseInterface*>& broadphases, const Function& function)
+{
+    ObjectCallback<Function> callback(function);
+    const btVector3 far(BT_LARGE_FLOAT, BT_LARGE_FLOAT, BT_LARGE_FLOAT);
+    for (btBroadphaseInterface* broadphase : broadphases)
+        broadphase->aabbTest(-far, far, callback);
+}
+} // namespace
+
+void qcObjectStarts::ReadObject(btCollisionObject* object, btScalar timeStep)
+{
+    auto [found, isNew] = m_states.emplace(qcObjectKey(object), State());
+    State& state = found->second;
+    if (state.step == m_step)
+        return;
+    state.step = m_step;
+    m_count++;
+    const btTransform& now = object->getWorldTransform();
+    if (isNew)
+        state.start = now;
+    else if (IsDynamic(object))
+    {
+        const btCollisionShape* shape = object->getCollisionShape();
+        bool isNear = qcMaxDisplacement(shape, state.end, state.begin) <= qcHalfSize(shape);
+        state.start = isNear ? state.end : state.begin;
+    }
+    else
+        state.start = qcIsMotion(object, state.end, now, state.motion, timeStep) ? state.end : now;
+    // A jump is remembered, too: the next one like it is a motion.
+    state.motion = isNew ? btVector3(0, 0, 0) : now.getOrigin() - state.end.getOrigin();
+    state.end = now;
+    if (qcAreSame(state.start, now))
+        return;
+    Moved moved{object, {}, {}};
+    btVector3 lower, upper;
+    object->getCollisionShape()->getAabb(state.start, moved.lower, moved.upper);
+    object->getCollisionShape()->getAabb(now, lower, upper);
+    moved.lower.setMin(lower);
+    moved.upper.setMax(upper);
+    m_moved.push_back(moved);
+}
+
+void qcObjectStarts::Begin(const std::set<btBroadphaseInterface*>& broadphases)
+{
+    ForEachObject(broadphases,
+                  [this](btCollisionObject* object)
+                  {
+                      if (!IsDynamic(object))
+                          return;
+                      auto [found, isNew] = m_states.emplace(qcObjectKey(object), State());
+                      found->second.begin = object->getWorldTransform();
+                      if (isNew)
+                          found->second.end = found->second.begin;
+                  });
+}
+
+void qcObjectStarts::Read(const std::set<btBroadphaseInterface*>& broadphases, btScalar timeStep)
+{
+    m_step++;
+    m_count = 0;
+    m_moved.clear();
+    ForEachObject(broadphases, [this, timeStep](btCollisionObject* object) { ReadObject(object, timeStep); });
+    for (auto state = m_states.begin(); m_count < m_states.size() && state != m_states.end();)
+        state = state->second.step != m_step ? m_states.erase(state) : std::next(state);
+}
+
+const btTransform& qcObjectStarts::StartOf(const btCollisionObject* object) const
+{
+    auto found = m_states.find(qcObjectKey(object));
+    return found != m_states.end() ? found->second.start : object->getWorldTransform();
+}
+
+void qcObjectStarts::RecordEnd(const btCollisionObject* object)
+{
+    auto found = m_states.find(qcObjectKey(object));
+    if (found == m_states.end())
+        return;
+    found->second.end = object->getWorldTransform();
+}

@@ -1,0 +1,61 @@
+// Where the objects of a world were at the start of a step: the application may move any of them between two steps, and
+// over soft bodies.
+#ifndef QC_GLUE_SOFT_BODY_SCENE_OBJECT_STARTS_H
+#define QC_GLUE_SOFT_BODY_SCENE_OBJECT_STARTS_H
+
+#include "common/object_key.h"
+
+#include <BulletCollision/BroadphaseCollision/btBroadphaseInterface.h>
+#include <LinearMath/btAabbUtil2.h>
+
+#include <set>
+#include <unordered_map>
+#include <vector>
+
+class qcObjectStarts
+{
+  public:
+    /// The step starts: reads where the application has left the bodies that Bullet moves. O(objects).
+    void Begin(const std::set<btBroadphaseInterface*>& broadphases);
+    /// Reads the objects of the step, after Bullet has moved them. Objects that have left the broadphases are
+    /// forgotten. O(objects).
+    void Read(const std::set<btBroadphaseInterface*>& broadphases, btScalar timeStep);
+    /// The object's transform at the start of the step: where the previous one left it, unless it was put elsewhere
+    /// since. Read has seen it.
+    const btTransform& StartOf(const btCollisionObject* object) const;
+    /// The object's motion ends the step at its present transform. For those that contacts have moved since Read.
+    void RecordEnd(const btCollisionObject* object);
+    /// Calls function(object) for each object whose motion over the step overlaps a box.
+    template <typename Function>
+    void ForEachMoved(const btVector3& lower, const btVector3& upper, Function function) const
+    {
+        for (const Moved& moved : m_moved)
+            if (TestAabbAgainstAabb2(moved.lower, moved.upper, lower, upper))
+                function(moved.object);
+    }
+
+  private:
+    struct State
+    {
+        btTransform start = btTransform::getIdentity(); ///< of the step
+        btTransform begin = start; ///< of the step as the application has left it, for bodies that Bullet moves
+        btTransform end = start;   ///< of the step; before Read that of the previous one
+        btVector3 motion{0, 0, 0}; ///< of the origin in the step
+        unsigned step = 0;         ///< the last one that has read the object
+    };
+
+    struct Moved
+    {
+        btCollisionObject* object;
+        btVector3 lower, upper;
+    };
+
+    void ReadObject(btCollisionObject* object, btScalar timeStep);
+
+    std::unordered_map<qcObjectKey, State, qcObjectKeyHash> m_states;
+    std::vector<Moved> m_moved;
+    size_t m_count = 0; ///< objects read in this step
+    unsigned m_step = 0;
+};
+
+#endif

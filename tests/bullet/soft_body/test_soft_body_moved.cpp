@@ -1,0 +1,201 @@
+// Objects that the application moves between steps, of all kinds, take a cloth along and never jump past it; what it
+// puts elsewhere leaves the cloth alone.
+#include "bullet/soft_body/soft_world.h"
+
+#include <BulletCollision/CollisionDispatch/btGhostObject.h>
+#include <LinearMath/btDefaultMotionState.h>
+
+// After the standard headers: check defines a macro named fail.
+#include "bullet/soft_body/motion_oracle.h"
+
+namespace
+{
+constexpr btScalar s_step = btScalar(1.0 / 60);
+
+btTransform At(btScalar y)
+{
+    return btTransform(btQuaternion(btVector3(1, 0, 0), btScalar(0.02)),
+                       btVector3(btScalar(0.013), y, btScalar(0.007)));
+}
+
+/// The kinds of objects that the application moves.
+enum Kind
+{
+    MovedStatic,
+    MovedKinematic,
+    MotionStateKinematic,
+    PlainObject,
+    Ghost,
+    KindCount
+};
+
+/// A cloth at height 0 without gravity, 2 wide, and a plate that the application moves.
+struct MovedWorld : qcSoftWorld
+{
+    btDefaultMotionState state{At(0)};
+    std::unique_ptr<btCollisionObject> object;
+    btSoftBody* cloth;
+    const qcMeshShape* shape;
+    qcMotionOracle oracle;
+    int m_kind;
+
+    MovedWorld(int kind, const qcModel& model, btScalar y) : m_kind(kind)
+    {
+        SetGravity(btVector3(0, 0, 0));
+        cloth = btSoftBodyHelpers::CreatePatch(world.getWorldInfo(), btVector3(-1, 0, -1), btVector3(1, 0, -1),
+                                               btVector3(-1, 0, 1), btVector3(1, 0, 1), 21, 21, 0, true);
+        cloth->setTotalMass(1);
+        cloth->m_cfg.piterations = 4;
+        world.addSoftBody(cloth);
+        cloths.push_back(cloth);
+        shape = KeepMesh(model);
+        if (kind == PlainObject || kind == Ghost)
+            object.reset(kind == Ghost ? new btPairCachingGhostObject : new btCollisionObject);
+        else
+            object.reset(
+                new btRigidBody(0, kind == MotionStateKinematic ? &state : nullptr, const_cast<qcMeshShape*>(shape)));
+        object->setCollisionShape(const_cast<qcMeshShape*>(shape));
+        if (kind == MovedKinematic || kind == MotionStateKinematic)
+        {
+            object->setCollisionFlags(btCollisionObject::CF_KINEMATIC_OBJECT);
+            object->setActivationState(DISABLE_DEACTIVATION);
+        }
+        PutElsewhere(y);
+        if (auto* body = btRigidBody::upcast(object.get()))
+            world.addRigidBody(body);
+        else
+            world.addCollisionObject(object.get());
+        oracle.Add(cloth);
+        oracle.Add(shape, object.get());
+    }
+
+    ~MovedWorld()
+    {
+        world.removeCollisionObject(object.get());
+    }
+
+    void Move(btScalar y)
+    {
+        state.setWorldTransform(At(y));
+        object->setWorldTransform(At(y));
+    }
+
+    /// Without a motion: Bullet gives a kinematic body no velocity.
+    void PutElsewhere(btScalar y)
+    {
+        Move(y);
+        object->setInterpolationWorldTransform(At(y));
+    }
+
+    void Step()
+    {
+        world.stepSimulation(s_step, 0);
+        ck_assert_int_eq(softSolver.getStatistics().status, qc_statusOk);
+    }
+
+    /// The height of the node at the cloth's centre.
+    btScalar Height() const
+    {
+        return cloth->m_nodes[21 * 10 + 10].m_x.y();
+    }
+};
+
+qcModel PlateModel()
+{
+    return qcFloorModel(0.5, 2);
+}
+} // namespace
+
+START_TEST(a_plate_that_the_application_moves_takes_a_cloth_along)
+{
+    for (int start = 0; start < 10; start++)
+    {
+        btScalar y = btScalar(0.61 + 0.043 * start);
+        MovedWorld world(_i, PlateModel(), y);
+        for (int step = 0; step < 8; step++)
+        {
+            world.Move(y -= btScalar(0.4)); // 24 m/s
+            world.Step();
+            ck_assert_int_eq(world.softSolver.getStatistics().unproven, 0);
+            ck_assert_uint_eq(world.oracle.Count(), 0);
+        }
+        ck_assert_double_lt(double(world.Height()), double(y));
+    }
+}
+END_TEST
+
+START_TEST(a_kinematic_plate_far_from_the_cloth_does_not_jump_over_it)
+{
+    // Kinds with a velocity of their own.
+    for (btScalar height : {btScalar(2), btScalar(20)})
+    {
+        MovedWorld world(_i, PlateModel(), height);
+        world.Step();
+        world.oracle.Count();
+        world.Move(-height);
+        world.Step();
+        ck_assert_uint_eq(world.oracle.Count(), 0);
+        ck_assert_double_lt(double(world.Height()), double(-height));
+    }
+}
+END_TEST
+
+START_TEST(a_motion_in_several_substeps_does_not_jump_over_the_cloth)
+{
+    MovedWorld world(_i, PlateModel(), 2);
+    world.Step();
+    world.oracle.Count();
+    // Bullet moves the plate in the first of three substeps, with the velocity of a third of the motion.
+    world.Move(-2);
+    world.world.stepSimulation(3 * s_step, 3, s_step);
+    ck_assert_double_lt(double(world.Height()), -2);
+}
+END_TEST
+
+START_TEST(a_ball_that_moves_by_more_than_its_size_is_no_less_in_motion)
+{
+    qcModel ball = qcSphereModel(0.1, 2);
+    for (int start = 0; start < 10; start++)
+    {
+        btScalar y = btScalar(1.31 + 0.047 * start);
+        MovedWorld world(_i, ball, y);
+        for (int step = 0; step < 6; step++)
+        {
+            world.Move(y -= btScalar(0.5));
+            world.Step();
+            // The first motion of an object without a velocity of its own is a jump, above the cloth.
+            ck_assert_uint_eq(world.oracle.Count(), 0);
+        }
+        ck_assert_double_lt(double(world.Height()), -0.5);
+    }
+}
+END_TEST
+
+START_TEST(an_object_that_is_put_elsewhere_sweeps_over_nothing)
+{
+    MovedWorld world(_i, PlateModel(), 2);
+    world.Step();
+    world.PutElsewhere(-2);
+    world.Step();
+    ck_assert_double_eq_tol(double(world.Height()), 0, 1e-3);
+    world.PutElsewhere(3);
+    world.Step();
+    ck_assert_double_eq_tol(double(world.Height()), 0, 1e-3);
+}
+END_TEST
+
+int main()
+{
+    Suite* suite = suite_create("moved objects");
+    TCase* tests = tcase_create("moved");
+    tcase_set_timeout(tests, 300); // a bound against hanging, not a claim about speed
+    tcase_add_loop_test(tests, a_plate_that_the_application_moves_takes_a_cloth_along, 0, KindCount);
+    tcase_add_loop_test(tests, a_kinematic_plate_far_from_the_cloth_does_not_jump_over_it, MovedKinematic,
+                        MotionStateKinematic + 1);
+    tcase_add_loop_test(tests, a_motion_in_several_substeps_does_not_jump_over_the_cloth, MovedKinematic,
+                        MotionStateKinematic + 1);
+    tcase_add_loop_test(tests, a_ball_that_moves_by_more_than_its_size_is_no_less_in_motion, 0, KindCount);
+    tcase_add_loop_test(tests, an_object_that_is_put_elsewhere_sweeps_over_nothing, 0, KindCount);
+    suite_add_tcase(suite, tests);
+    return qcRunSuite(suite);
+}

@@ -1,0 +1,298 @@
+// Soft bodies that penetrate or touch at the start: they come apart, without being thrown, and nothing else passes.
+#include "bullet/soft_body/tangled_scenes.h"
+
+#include <array>
+#include <set>
+
+// After the standard headers: check defines a macro named fail.
+#include "bullet/soft_body/soft_models.h"
+
+namespace
+{
+const int s_sceneCount = int(sizeof(qcTangledScenes) / sizeof(qcTangledScenes[0]));
+
+using Key = std::array<uint32_t, 3>; ///< body, triangle or vertex, other body
+using Pair = std::array<uint32_t, 4>;
+
+std::vector<qcSoup> SoupsOf(const qcTangledWorld& world)
+{
+    std::vector<qcSoup> soups;
+    for (const btSoftBody* cloth : world.cloths)
+        soups.push_back(qcSoupOf(cloth));
+    return soups;
+}
+
+/// Penetrating pairs in and among the soft bodies, found without the glue.
+std::set<Pair> FindPenetrating(const std::vector<qcSoup>& soups)
+{
+    qcSceneDef sceneDef = qcDefaultSceneDef();
+    qcScene* scene = nullptr;
+    ck_assert_int_eq(qcScene_Create(&sceneDef, &scene), qc_statusOk);
+    for (const qcSoup& soup : soups)
+    {
+        qcBodyDef def = qcDefaultBodyDef();
+        def.positions = soup.positions.data();
+        def.positionType = qc_positionF64;
+        def.vertexCount = uint32_t(soup.positions.size() / 3);
+        def.indices = soup.indices.data();
+        def.triangleCount = uint32_t(soup.indices.size() / 3);
+        def.selfCollision = true;
+        qcBodyId id;
+        ck_assert_int_eq(qcScene_AddBody(scene, &def, &id), qc_statusOk);
+        ck_assert_uint_eq(id.slot, uint32_t(&soup - soups.data()));
+    }
+    qcDetectDef def = qcDefaultDetectDef();
+    const qcResult* result = nullptr;
+    ck_assert_int_eq(qcScene_Detect(scene, &def, &result), qc_statusOk);
+    std::set<Pair> pairs;
+    for (size_t i = 0; i < result->pairCount; i++)
+        pairs.insert(
+            {result->pairs[i].bodyA, result->pairs[i].triangleA, result->pairs[i].bodyB, result->pairs[i].triangleB});
+    qcScene_Destroy(scene);
+    return pairs;
+}
+
+size_t CountPenetrating(const qcTangledWorld& world)
+{
+    std::vector<qcSoup> soups = SoupsOf(world);
+    size_t count = FindPenetrating(soups).size();
+    for (const auto& body : world.bodies)
+        for (const qcSoup& soup : SoupsOf(world))
+            count += qcCountPenetrating(
+                {soup, qcSoupOf(*static_cast<qcMeshShape*>(body->getCollisionShape()), body->getWorldTransform())},
+                true);
+    return count;
+}
+
+/// The pairs that began to penetrate away from all pairs that did before.
+size_t CountPassed(const std::vector<qcSoup>& soups, const std::set<Pair>& before, const std::set<Pair>& after)
+{
+    std::set<Key> tangled;
+    auto add = [&](uint32_t body, uint32_t triangle, uint32_t other)
+    {
+        for (size_t c = 0; c < 3; c++)
+            tangled.insert({body, soups[body].indices[3 * size_t(triangle) + c], other});
+    };
+    for (const Pair& pair : before)
+    {
+        add(pair[0], pair[1], pair[2]);
+        add(pair[2], pair[3], pair[0]);
+    }
+    auto isNear = [&](uint32_t body, uint32_t triangle, uint32_t other)
+    {
+        const uint32_t* corners = &soups[body].indices[3 * size_t(triangle)];
+        return std::any_of(corners, corners + 3,
+                           [&](uint32_t corner) {
+                               return tangled.count({body, corner, other}) != 0;
+                           });
+    };
+    return size_t(std::count_if(after.begin(), after.end(),
+                                [&](const Pair& pair)
+                                { return !isNear(pair[0], pair[1], pair[2]) || !isNear(pair[2], pair[3], pair[0]); }));
+}
+
+btVector3 MomentumOf(const qcTangledWorld& world)
+{
+    btVector3 sum(0, 0, 0);
+    for (const btSoftBody* cloth : world.cloths)
+        sum += qcMomentumOf(cloth);
+    return sum;
+}
+
+void CheckStep(const qcTangledWorld& world)
+{
+    const qcSoftBodyStatistics& statistics = world.softSolver.getStatistics();
+    ck_assert_int_eq(statistics.status, qc_statusOk);
+    ck_assert_int_eq(statistics.unproven, 0);
+    ck_assert_int_eq(statistics.remaining, statistics.exempt);
+    ck_assert_uint_eq(size_t(statistics.remaining), CountPenetrating(world));
+}
+} // namespace
+
+START_TEST(what_starts_tangled_comes_apart_and_is_not_thrown)
+{
+    const qcTangledSceneDef& def = qcTangledScenes[_i];
+    qcTangledWorld world(def.gravity);
+    def.make(&world);
+    ck_assert_uint_gt(CountPenetrating(world), 20);
+    int last = 0; // step after which something was tangled
+    for (int step = 1; step <= 150; step++)
+    {
+        world.Step();
+        CheckStep(world);
+        last = world.softSolver.getStatistics().remaining > 0 ? step : last;
+        if (def.gravity > 0)
+            continue;
+        // A part moves by half the thickness of 1 cm in a step, 0.3 m/s, but gets no such speed.
+        ck_assert_double_lt(double(world.MaxSpeed()), 1.5);
+        ck_assert_double_lt(double(world.Energy()), 0.02);
+        if (world.bodies.empty())
+            ck_assert_double_lt(double(MomentumOf(world).length()), 1e-4);
+    }
+    ck_assert_int_lt(last, 120);
+}
+END_TEST
+
+START_TEST(nothing_passes_away_from_a_tangle)
+{
+    const qcTangledSceneDef& def = qcTangledScenes[_i];
+    qcTangledWorld world(def.gravity);
+    def.make(&world);
+    std::vector<qcSoup> soups = SoupsOf(world);
+    std::set<Pair> before = FindPenetrating(soups);
+    for (int step = 1; step <= 60; step++)
+    {
+        world.Step();
+        std::set<Pair> after = FindPenetrating(SoupsOf(world));
+        ck_assert_uint_eq(CountPassed(soups, before, after), 0);
+        before = after;
+    }
+}
+END_TEST
+
+START_TEST(the_smaller_part_goes_back_to_the_side_of_the_larger_one)
+{
+    void (*const makes[])(qcTangledWorld*) = {qcMakeThroughSheet, qcMakeCornerBelowSheet};
+    for (auto make : makes)
+    {
+        qcTangledWorld world(10);
+        make(&world);
+        for (int step = 0; step < 150; step++)
+            world.Step();
+        ck_assert_double_gt(double(qcLowestNode(world.cloths[0])), 0);
+    }
+}
+END_TEST
+
+START_TEST(tangles_stay_where_the_setting_is_off)
+{
+    qcTangledWorld world;
+    qcMakeCrossed(&world);
+    qcSoftBodySettings settings;
+    settings.untangle = false;
+    // One of two is enough.
+    world.softSolver.setSettings(world.cloths[1], settings);
+    std::vector<qcSoup> start = SoupsOf(world);
+    int count = int(CountPenetrating(world));
+    for (int step = 0; step < 10; step++)
+    {
+        world.Step();
+        CheckStep(world);
+        ck_assert_int_eq(world.softSolver.getStatistics().exempt, count);
+    }
+    std::vector<qcSoup> end = SoupsOf(world);
+    for (size_t body = 0; body < 2; body++)
+        for (size_t i = 0; i < start[body].positions.size(); i++)
+            ck_assert_double_eq_tol(start[body].positions[i], end[body].positions[i], 1e-6);
+    // Tangles that don't come apart don't grow either, where the cloths are pulled further into each other.
+    world.cloths[1]->addVelocity(btVector3(0, 1, 0));
+    for (int step = 0; step < 30; step++)
+    {
+        world.Step();
+        CheckStep(world);
+        ck_assert_int_le(world.softSolver.getStatistics().exempt, count);
+    }
+}
+END_TEST
+
+START_TEST(the_setting_changes_nothing_where_nothing_is_tangled)
+{
+    std::vector<qcSoup> ends[2];
+    for (int untangle = 0; untangle < 2; untangle++)
+    {
+        qcTangledWorld world(10);
+        btSoftBody* cloth = world.AddCloth(btScalar(0.5), btScalar(0.5), 21, 21);
+        qcTurn(cloth, btVector3(1, 0, 0), btScalar(1.2), btVector3(0, btScalar(0.6), 0));
+        world.AddMesh(qcFloorModel(4, 7), 0, btVector3(0, 0, 0));
+        qcSoftBodySettings settings;
+        settings.untangle = untangle == 1;
+        world.softSolver.setSettings(cloth, settings);
+        int contacts = 0;
+        for (int step = 0; step < 80; step++)
+        {
+            world.Step();
+            contacts += world.softSolver.getStatistics().contacts;
+            ck_assert_int_eq(world.softSolver.getStatistics().exempt, 0);
+        }
+        ck_assert_int_gt(contacts, 1000);
+        ends[untangle] = SoupsOf(world);
+    }
+    ck_assert(ends[0][0].positions == ends[1][0].positions);
+}
+END_TEST
+
+START_TEST(a_tangle_with_a_free_mesh_keeps_momentum)
+{
+    qcTangledWorld world;
+    btRigidBody* box = world.AddMesh(qcBoxModel(btVector3(btScalar(0.2), btScalar(0.2), btScalar(0.2)), 3), 2,
+                                     btVector3(btScalar(0.01), btScalar(-0.1), btScalar(0.02)));
+    btSoftBody* cloth = world.AddCloth(btScalar(0.6), btScalar(0.6), 25, 25);
+    // It moves further through the cloth.
+    box->setLinearVelocity(btVector3(0, 1, 0));
+    box->setDamping(0, 0);
+    bool isTangled = true;
+    for (int step = 0; step < 60; step++)
+    {
+        world.Step();
+        CheckStep(world);
+        isTangled = world.softSolver.getStatistics().remaining > 0;
+        btVector3 momentum = qcMomentumOf(cloth) + box->getLinearVelocity() * 2;
+        ck_assert_double_le(double((momentum - btVector3(0, 2, 0)).length()), 2e-2);
+        ck_assert_double_le(double(world.Energy() + box->getLinearVelocity().length2()), 1.01);
+    }
+    ck_assert(!isTangled);
+}
+END_TEST
+
+START_TEST(surfaces_that_touch_at_the_start_come_apart)
+{
+    qcTangledWorld world;
+    qcMakeTouching(&world);
+    for (int step = 0; step < 60; step++)
+    {
+        world.Step();
+        CheckStep(world);
+        ck_assert_double_lt(double(world.MaxSpeed()), 1);
+    }
+    ck_assert_int_eq(world.softSolver.getStatistics().remaining, 0);
+    ck_assert_int_eq(world.softSolver.getStatistics().planes, 0);
+    ck_assert_int_eq(world.softSolver.getStatistics().zoneNodes, 0);
+}
+END_TEST
+
+START_TEST(cloths_that_cross_along_common_positions_fall_and_don_t_tangle)
+{
+    qcTangledWorld world(10);
+    qcMakeCrossedAtNodes(&world);
+    for (int step = 0; step < 30; step++)
+    {
+        world.Step();
+        CheckStep(world);
+        ck_assert_int_eq(world.softSolver.getStatistics().remaining, 0);
+    }
+    // Free fall, not held by what touches.
+    ck_assert_double_eq_tol(double(MomentumOf(world).y()), -10 * 30 / 60.0 * 2, 0.1);
+}
+END_TEST
+
+static int RunAll()
+{
+    Suite* suite = suite_create("soft tangles");
+    TCase* tests = tcase_create("tangles");
+    tcase_set_timeout(tests, 300); // a bound against hanging, not a claim about speed
+    tcase_add_loop_test(tests, what_starts_tangled_comes_apart_and_is_not_thrown, 0, s_sceneCount);
+    tcase_add_loop_test(tests, nothing_passes_away_from_a_tangle, 0, s_sceneCount);
+    tcase_add_test(tests, the_smaller_part_goes_back_to_the_side_of_the_larger_one);
+    tcase_add_test(tests, tangles_stay_where_the_setting_is_off);
+    tcase_add_test(tests, the_setting_changes_nothing_where_nothing_is_tangled);
+    tcase_add_test(tests, a_tangle_with_a_free_mesh_keeps_momentum);
+    tcase_add_test(tests, surfaces_that_touch_at_the_start_come_apart);
+    tcase_add_test(tests, cloths_that_cross_along_common_positions_fall_and_don_t_tangle);
+    suite_add_tcase(suite, tests);
+    return qcRunSuite(suite);
+}
+
+int main()
+{
+    return RunAll();
+}
