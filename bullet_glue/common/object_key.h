@@ -24,6 +24,9 @@ struct qcObjectKey
     explicit qcObjectKey(const btCollisionObject* object) : object(object), uniqueId(qcUniqueIdOf(object))
     {
     }
+    qcObjectKey(const btCollisionObject* object, int uniqueId) : object(object), uniqueId(uniqueId)
+    {
+    }
     bool operator==(const qcObjectKey& other) const
     {
         return object == other.object && uniqueId == other.uniqueId;

@@ -29,6 +29,7 @@ constexpr int s_planeRounds = 6, s_planeSweeps = 6;
 void qcSoftBodyContact::Implementation::BeginStep(const btAlignedObjectArray<btSoftBody*>& bodies)
 {
     manifolds.Release();
+    scene.liveObjects.clear();
     scene.BeginStep(bodies);
     for (int i = 0; i < bodies.size(); i++)
         algorithmOverride.Register(bodies[i]->getWorldInfo()->m_dispatcher);
@@ -77,7 +78,7 @@ qcStatus qcSoftBodyContact::Implementation::Detect(btScalar contactMargin)
     statistics.device = m_result->profile.device;
     if (m_result->profile.fallback != nullptr)
         statistics.fallback = m_result->profile.fallback;
-    auto hasResponse = [this](const qcPair& pair) { return qcHasResponse(scene, pair.bodyA, pair.bodyB); };
+    auto hasResponse = [this](const qcPair& pair) { return qcHasResponse(scene, pair); };
     statistics.remaining = int(std::count_if(m_result->pairs, m_result->pairs + m_result->pairCount, hasResponse));
     return qc_statusOk;
 }
@@ -126,7 +127,7 @@ void qcSoftBodyContact::Implementation::SortMotionPairs()
     {
         const qcPair& pair = m_result->pairs[i];
         const qcProximity& start = m_result->proximities[i];
-        if (!IsContinuous(pair) || !qcHasResponse(scene, pair.bodyA, pair.bodyB))
+        if (!IsContinuous(pair) || !qcHasResponse(scene, pair))
             continue;
         const qcUnprovenPair unproven = qcMakeUnproven(scene, pair, start);
         qcTouchingMotion touching = unproven.distance == 0 && pair.relation != qc_relationPenetrating
@@ -393,7 +394,8 @@ qcStatus qcSoftBodyContact::Implementation::RunStages(btScalar timeStep)
     if (!solvesLinks && limits != nullptr)
         limits->LimitFirst(timeStep);
     qcStatus status = scene.ReadSolved(timeStep);
-    statistics.meshes = int(scene.meshes.Rigids().size());
+    statistics.meshes = scene.meshes.CountWith(false);
+    statistics.surfaces = scene.meshes.CountWith(true);
     if (status == qc_statusOk)
         qcCollectRigidNodeContacts(scene, &m_rigidNodeContacts);
     statistics.gatherMs += qcNowMs() - begin;
@@ -419,16 +421,19 @@ qcStatus qcSoftBodyContact::Implementation::RunStages(btScalar timeStep)
 
 bool qcSoftBodyContact::Implementation::Resolve(btScalar timeStep)
 {
-    if (statistics.status != qc_statusOk)
+    scene.hasFailed = statistics.status != qc_statusOk;
+    if (scene.hasFailed)
         return false;
     BT_PROFILE("qcSoftBodyContact resolve");
     statistics.status = RunStages(timeStep);
-    scene.EndStep(statistics.status != qc_statusOk);
-    if (statistics.status != qc_statusOk)
+    scene.hasFailed = statistics.status != qc_statusOk;
+    scene.EndStep(scene.hasFailed);
+    if (scene.hasFailed)
     {
         scene.meshes.Restore();
         return false;
     }
+    qcHeldContacts::Keep(scene, m_constraints);
     scene.meshes.UpdateVelocities(timeStep);
     qcApplyRigidNodeImpulses(m_rigidNodeContacts, timeStep);
     return true;
@@ -466,6 +471,11 @@ const qcSoftBodyStatistics& qcSoftBodyContact::getStatistics() const
 void qcSoftBodyContact::debugDraw(btIDebugDraw* drawer) const
 {
     m_implementation->Draw(drawer);
+}
+
+void qcSoftBodyContact::updateShape(const btCollisionShape* shape)
+{
+    m_implementation->scene.meshes.Forget(shape);
 }
 
 void qcSoftBodyContact::setThreadCount(unsigned threads)

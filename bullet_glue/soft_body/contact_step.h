@@ -8,6 +8,7 @@
 #include "soft_body/algorithm_override.h"
 #include "soft_body/contact_manifolds.h"
 #include "soft_body/draw_contacts.h"
+#include "soft_body/response/held_contacts.h"
 #include "soft_body/response/position_constraints.h"
 #include "soft_body/response/rigid_zones.h"
 #include "soft_body/response/separating_planes.h"
@@ -17,7 +18,7 @@
 /// of the start of the step, Resolve after Bullet's own solvers, and DispatchCallbacks at its end.
 struct qcSoftBodyContact::Implementation
 {
-    explicit Implementation(qcDevice* device) : scene(device), m_zones(scene)
+    explicit Implementation(qcDevice* device) : scene(device), algorithmOverride(scene), m_zones(scene)
     {
     }
 
@@ -34,6 +35,7 @@ struct qcSoftBodyContact::Implementation
     void DispatchCallbacks();
 
     qcSoftBodyScene scene;
+    qcHeldContacts heldContacts;
     qcContactManifolds manifolds;
     qcAlgorithmOverride algorithmOverride;
     qcSoftBodyStatistics statistics;

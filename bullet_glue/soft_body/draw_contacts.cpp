@@ -63,12 +63,12 @@ void DrawMesh(const qcSoftCandidates& candidates, const qcSceneMesh& mesh, const
     }
 }
 /// Fills `corners` with the present corners of a plane's triangle. False: its body has left or has changed.
-bool FindCorners(const qcPlaneSide& side, qcLiveObjects& liveObjects, double corners[9])
+bool FindCorners(const qcSoftBodyMeshes& meshes, const qcPlaneSide& side, qcLiveObjects& liveObjects, double corners[9])
 {
     btTransform transform;
     if (side.soft != nullptr ? !liveObjects.Contains(side.soft->body, side.soft->uniqueId)
                              : !liveObjects.Contains(side.rigid->object, side.rigid->uniqueId) ||
-                                   !qcFindTransform(*side.rigid, *side.mesh, &transform))
+                                   !meshes.FindTransform(*side.rigid, *side.mesh, &transform))
         return false;
     for (int c = 0; c < 3; c++)
     {
@@ -84,10 +84,11 @@ bool FindCorners(const qcPlaneSide& side, qcLiveObjects& liveObjects, double cor
 }
 
 /// Draws a square between the closest points of both triangles, and the normal.
-void DrawPlane(const qcSeparationPlane& plane, qcLiveObjects& liveObjects, btIDebugDraw* drawer)
+void DrawPlane(const qcSoftBodyMeshes& meshes, const qcSeparationPlane& plane, qcLiveObjects& liveObjects,
+               btIDebugDraw* drawer)
 {
     double above[9], below[9];
-    if (!FindCorners(plane.above, liveObjects, above) || !FindCorners(plane.below, liveObjects, below))
+    if (!FindCorners(meshes, plane.above, liveObjects, above) || !FindCorners(meshes, plane.below, liveObjects, below))
         return;
     qcProximity proximity;
     if (!qcTrianglesWithin(above, below, double(BT_LARGE_FLOAT), &proximity))
@@ -174,7 +175,8 @@ void qcSoftBodyContact::Implementation::DrawCandidates(qcLiveObjects& liveObject
         for (const qcSceneMesh& mesh : rigid->meshes)
         {
             btTransform transform;
-            if (liveObjects.Contains(rigid->object, rigid->uniqueId) && qcFindTransform(*rigid, mesh, &transform))
+            if (liveObjects.Contains(rigid->object, rigid->uniqueId) &&
+                scene.meshes.FindTransform(*rigid, mesh, &transform))
                 DrawMesh(m_candidates, mesh, transform, drawer);
         }
 }
@@ -187,7 +189,7 @@ void qcSoftBodyContact::Implementation::Draw(btIDebugDraw* drawer)
     if (!m_candidates.AreEmpty())
         DrawCandidates(liveObjects, drawer);
     for (const qcSeparationPlane& plane : m_planes.Planes())
-        DrawPlane(plane, liveObjects, drawer);
+        DrawPlane(scene.meshes, plane, liveObjects, drawer);
     m_zones.ForEachNode(
         [&](const qcSceneSoftBody& soft, uint32_t node)
         {

@@ -42,7 +42,9 @@ void qcSoftBodySolver::solveConstraints(btScalar timeStep)
     Implementation& my = *m_implementation;
     // m_q is where Bullet's step started from; its drift constraints overwrite it.
     my.ReadStart(m_softBodySet, &btSoftBody::Node::m_q);
+    my.heldContacts.Insert(my.scene);
     btDefaultSoftBodySolver::solveConstraints(timeStep);
+    my.heldContacts.Remove(my.scene);
     if (!my.Resolve(timeStep))
         return;
     for (const qcSceneSoftBody& soft : my.scene.Bodies())

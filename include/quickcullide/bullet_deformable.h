@@ -1,5 +1,5 @@
 /// @file
-/// Self-collision of deformable bodies, and contact among them and with qcMeshShape, in place of VF_DD:
+/// Self-collision of deformable bodies, and contact among them and with rigid bodies, in place of VF_DD:
 ///
 ///     qcDeformableWorld world(&dispatcher, &broadphase, &solver, &configuration, &deformableSolver);
 ///
@@ -13,7 +13,7 @@
 #include <BulletSoftBody/btDeformableBodySolver.h>
 #include <BulletSoftBody/btDeformableMultiBodyDynamicsWorld.h>
 
-/// A drop-in for btDeformableMultiBodyDynamicsWorld. Only contact among soft bodies and with qcMeshShape differs:
+/// A drop-in for btDeformableMultiBodyDynamicsWorld. Only contact among soft bodies and with rigid ones differs:
 /// Bullet moves the bodies, then nodes are moved apart and their velocities adapted, as qcSoftBodySolver does.
 /// qcSoftBodySettings::selfCollision replaces VF_DD and btSoftBody::setSelfCollision, which are ignored; Bullet's
 /// repulsion and its geometric collisions don't run.

@@ -1,5 +1,5 @@
 /// @file
-/// Self-collision of soft bodies, and contact among them and with qcMeshShape, for btSoftRigidDynamicsWorld; Bullet is
+/// Self-collision of soft bodies, and contact among them and with rigid bodies, for btSoftRigidDynamicsWorld; Bullet is
 /// not patched. For the deformable world see bullet_deformable.h.
 ///
 ///     qcSoftBodySolver softSolver;
@@ -16,17 +16,17 @@
 
 class btIDebugDraw;
 
-/// How one soft body collides with itself, other soft bodies and meshes.
+/// How one soft body collides with itself, other soft bodies and rigid bodies.
 struct qcSoftBodySettings
 {
     bool selfCollision = true; ///< contacts of the body with itself
     /// Distance at which surfaces are kept apart, in world units. 0: half the mean edge of the body's faces when it was
     /// added to the world (without faces: an eighth of the mean rope link, or 0), at most the collision shape's margin.
-    /// More than half the shortest edge makes cloth stiff. Two bodies use the mean of both; a body and a mesh use half
-    /// the body's thickness plus the mesh's margin.
+    /// More than half the shortest edge makes cloth stiff. Two bodies use the mean of both; a body and a rigid one use
+    /// half the body's thickness plus the margin of the mesh or surface (see qcSoftBodyContact).
     btScalar thickness = 0;
-    /// No triangle of the body that is apart from another one (its own, another soft body's, a mesh's) passes it within
-    /// a step, whatever the speed. false: only contacts at the end of a step hold it, and only against bodies whose
+    /// No triangle of the body that is apart from another one (its own, another soft body's, a rigid one's) passes it
+    /// in a step, whatever the speed. false: only contacts at the end of a step hold it, and only against bodies whose
     /// setting is false, too.
     bool continuous = true;
     /// Triangles that penetrate at the start of a step are worked apart over the next steps: a body may start tangled.
@@ -35,6 +35,9 @@ struct qcSoftBodySettings
     bool untangle = true;
     /// Coulomb friction. Two bodies use the mean of both; a rigid body has btRigidBody's own.
     btScalar friction = btScalar(0.3);
+    /// Contact with the shapes of rigid bodies is left to Bullet, but for qcMeshShape: nodes are tested by themselves,
+    /// at the end of a step. Edges and faces then have no contact with these shapes, and fast cloth passes them.
+    bool bulletNodeContacts = false;
 };
 
 /// The work of the last step. plugin/docs/troubleshooting.md explains what to do about unusual values.
@@ -59,6 +62,7 @@ struct qcSoftBodyStatistics
     /// leave no room do this.
     int unproven = 0;
     int meshes = 0;     ///< bodies with a qcMeshShape near a soft body
+    int surfaces = 0;   ///< bodies near a soft body with other shapes that collide as triangles
     int sweptNodes = 0; ///< nodes and rope links that passed through one of these within the step and were held back
     /// The method of the step's last query for contacts; never qc_methodAuto: `layers` if the device answered for a
     /// part.
@@ -97,9 +101,22 @@ struct qcSoftBodyStatistics
 /// Time: a step starts where the previous one ended. A node or an object that the application moves in between moves
 /// within the step; one that is put elsewhere, by more than half its size, starts there.
 ///
-/// Meshes: a soft body collides with each qcMeshShape, static, kinematic or moving, also in compounds, unless its
-/// collision flags have none of fCollision::RVSmask. Both move, by mass; links of multibodies don't. Nodes that passed
-/// through triangles within the step, and rope links that passed through edges, are brought back.
+/// Rigid bodies: a soft body collides with each qcMeshShape, and with the surfaces of Bullet's own shapes as triangles;
+/// static, kinematic or moving, also in compounds; unless its collision flags have none of fCollision::RVSmask. Both
+/// move, by mass; links of multibodies don't. Triangles with an anchored node don't collide with the body of the
+/// anchor.
+/// - Boxes and polyhedra have their own faces. Spheres, capsules, cylinders, cones and any other convex shape have
+///   triangles around them that are at most half the surface's margin away or, at the limit of 4096, a hundredth of
+///   their size. Static triangle meshes, btGImpactMeshShape and terrains have theirs; of planes, and of meshes with
+///   more than a million triangles, what lies near soft bodies. Triangles are made when a soft body first comes near
+///   and kept; see updateShape.
+/// - The margin of a surface: Bullet's, where the shape proper lies inside of it (polyhedra, cones, meshes), but at
+///   least that of a qcMeshShape; otherwise 1 cm, at most an eighth of the smallest half extent.
+/// - Bullet's own tests, of nodes or clusters, stay for bodies with qcSoftBodySettings::bulletNodeContacts or
+///   fCollision::CL_RS or of the reduced model, for links of multibodies, objects without contact response,
+///   btSdfCollisionShape and compounds of GImpact, and for the step after a failed query.
+/// In the classic world, contacts with fixed bodies are in Bullet's solver too, as soft contacts while it runs: links
+/// don't pull cloth that hangs over an edge into the body.
 ///
 /// Ropes: a link with an end that no face has collides as a segment with the body's thickness, with meshes, faces of
 /// soft bodies, other ropes and itself; links with a common node are neighbours and don't collide. Three kinds of links
@@ -115,7 +132,7 @@ struct qcSoftBodyStatistics
 ///
 /// Manifolds: after a step its contacts, as they were before the response, are in manifolds of the world's dispatcher,
 /// four points each, until the next step begins. Body 0 is soft; body 1 is another soft body, the same one
-/// (self-collision), or one with a qcMeshShape. If both are soft, body 0 was added first. A manifold may name a body
+/// (self-collision), or a rigid one. If both are soft, body 0 was added first. A manifold may name a body
 /// that was removed after the step.
 ///
 /// Callbacks run at the end of the step. Starts and ends are reported once for two bodies (or for one with itself),
@@ -145,6 +162,11 @@ class QC_API qcSoftBodyContact
     qcSoftBodySettings getSettings(const btSoftBody* body) const;
     /// The work of the last step. Valid until this object is destroyed; changes with each step.
     const qcSoftBodyStatistics& getStatistics() const;
+
+    /// Reports that the triangles of one of Bullet's shapes (static triangle mesh, terrain, btGImpactMeshShape) have
+    /// moved: call it where Bullet requires refitTree or postUpdate. They are copied when a soft body first comes near,
+    /// and again only after this call. Scaling and margins are detected without it.
+    void updateShape(const btCollisionShape* shape);
 
     /// Threads of the queries; 0, the default: one per core.
     void setThreadCount(unsigned threads);
@@ -191,8 +213,7 @@ class QC_API qcSoftBodySolver : public btDefaultSoftBodySolver, public qcSoftBod
     void solveConstraints(btScalar timeStep) override;
     /// Updates normals and bounds, then calls contact callbacks.
     void updateSoftBodies() override;
-    /// Two soft bodies: nothing; solveConstraints handles them if the filters of broadphase and dispatcher agree. A
-    /// soft and a rigid body: as btDefaultSoftBodySolver.
+    /// Two soft bodies: nothing; solveConstraints handles them if the filters of broadphase and dispatcher agree.
     void processCollision(btSoftBody* body, btSoftBody* other) override;
     using btDefaultSoftBodySolver::processCollision;
 };

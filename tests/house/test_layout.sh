@@ -74,7 +74,7 @@ tests/pipeline              tests/support demos/common/mesh_io
 tests/bullet                tests/support
 tests/bullet/broadphase     tests/support tests/bullet
 tests/bullet/mesh           tests/support tests/bullet demos/common/mesh_io
-tests/bullet/soft_body      tests/support tests/bullet tests/bullet/mesh demos/bench/soft demos/cloth
+tests/bullet/soft_body      tests/support tests/bullet tests/bullet/mesh bullet_glue/soft_body/scene demos/bench/soft demos/cloth
 tests/bullet/fracture       tests/support tests/bullet
 tests/bullet/preload
 tests/tools                 tests/support demos/...

@@ -136,7 +136,8 @@ void AddNodeCcd(qcSceneSoftBody& soft, qcSceneRigid& rigid, const qcSceneMesh& m
     for (size_t i = 0; i < soft.positions.size(); i++)
     {
         btVector3 start = from * soft.start[i], end = to * soft.positions[i];
-        if (start.distance2(end) <= distance * distance)
+        const uint32_t vertices[3] = {uint32_t(i), uint32_t(i), uint32_t(i)};
+        if (start.distance2(end) <= distance * distance || soft.IsAnchored(vertices, rigid.object))
             continue;
         FirstHit ray(start, end);
         btVector3 lower = start, upper = start;
@@ -145,7 +146,6 @@ void AddNodeCcd(qcSceneSoftBody& soft, qcSceneRigid& rigid, const qcSceneMesh& m
         mesh.shape->processAllTriangles(&ray, lower, upper);
         if (!ray.hit)
             continue;
-        const uint32_t vertices[3] = {uint32_t(i), uint32_t(i), uint32_t(i)};
         btVector3 point = mesh.local * (start + (end - start) * ray.m_hitFraction);
         btVector3 normal = rigid.object->getWorldTransform().getBasis() * (mesh.local.getBasis() * ray.hitNormal);
         qcSoftConstraint constraint;
@@ -157,6 +157,9 @@ void AddNodeCcd(qcSceneSoftBody& soft, qcSceneRigid& rigid, const qcSceneMesh& m
 void AddLinkCcd(qcSceneSoftBody& soft, const uint32_t ends[2], qcSceneRigid& rigid, const qcSceneMesh& mesh,
                 std::vector<qcSoftConstraint>* constraints)
 {
+    const uint32_t vertices[3] = {ends[0], ends[1], ends[1]};
+    if (soft.IsAnchored(vertices, rigid.object))
+        return;
     btTransform from = (rigid.start * mesh.local).inverse(), now = rigid.object->getWorldTransform();
     btTransform to = (now * mesh.local).inverse();
     const btVector3 start[2] = {from * soft.start[ends[0]], from * soft.start[ends[1]]};
@@ -171,7 +174,6 @@ void AddLinkCcd(qcSceneSoftBody& soft, const uint32_t ends[2], qcSceneRigid& rig
     mesh.shape->processAllTriangles(&crossing, lower, upper);
     if (crossing.time > 1)
         return;
-    const uint32_t vertices[3] = {ends[0], ends[1], ends[1]};
     const double weights[3] = {1 - double(crossing.onLink), double(crossing.onLink), 0};
     qcSoftConstraint constraint;
     if (qcMakeMeshConstraint(soft, vertices, weights, rigid, mesh.local * crossing.point,
@@ -187,10 +189,11 @@ void qcAddLinkCcdConstraints(qcSoftBodyScene& scene, std::vector<qcSoftConstrain
         for (const std::unique_ptr<qcSceneRigid>& rigid : scene.meshes.Rigids())
         {
             const qcSoftTopology& topology = soft.topology;
-            if (topology.ropeCount == 0 || !qcHasResponse(soft, *rigid))
+            if (topology.ropeCount == 0)
                 continue;
             for (const qcSceneMesh& mesh : rigid->meshes)
-                for (size_t i = topology.faceCount; i < topology.faceCount + topology.ropeCount; i++)
+                for (size_t i = topology.faceCount;
+                     qcHasResponse(soft, *rigid, mesh) && i < topology.faceCount + topology.ropeCount; i++)
                     AddLinkCcd(soft, &topology.indices[3 * i], *rigid, mesh, constraints);
         }
 }
@@ -206,10 +209,10 @@ void qcMakeNodeCcdConstraints(qcSoftBodyScene& scene, std::vector<qcSoftConstrai
         btScalar softMotion = MaxMotionOf(soft);
         for (const std::unique_ptr<qcSceneRigid>& rigid : scene.meshes.Rigids())
         {
-            if (!qcHasResponse(soft, *rigid))
-                continue;
             for (const qcSceneMesh& mesh : rigid->meshes)
             {
+                if (!qcHasResponse(soft, *rigid, mesh))
+                    continue;
                 btScalar distance = soft.thickness / 2 + mesh.shape->getMargin();
                 btScalar motion =
                     qcMaxDisplacement(mesh, rigid->start * mesh.local, rigid->object->getWorldTransform() * mesh.local);

@@ -92,6 +92,7 @@ void Solve(qcSoftConstraint& constraint)
 void Orient(btScalar thickness, const btVector3& normal, qcSoftConstraint* constraint)
 {
     constraint->normal = normal;
+    constraint->thickness = thickness;
     btScalar startDistance = normal.dot(constraint->startOffset);
     if (startDistance < 0)
     {
@@ -130,28 +131,55 @@ bool AreFiltered(const btSoftBody* soft, const btCollisionObject* other)
     return !info->m_dispatcher->needsCollision(soft, other) ||
            !info->m_broadphase->getOverlappingPairCache()->needsBroadphaseCollision(proxyA, proxyB);
 }
+
+/// True for a contact with a convex surface from inside. Between start and end of the step a node may come in through
+/// one face near the edge to another one, which must not push it further in.
+bool PushesInwards(const qcSoftConstraint& constraint, const qcSceneRigid& rigid, const qcSceneMesh& mesh)
+{
+    return constraint.normal.dot(constraint.point - rigid.object->getWorldTransform() * mesh.inside) <= 0;
+}
+
+/// True if contacts between two soft bodies, or of one with itself, push them apart.
+bool HaveResponse(const qcSceneSoftBody& a, const qcSceneSoftBody& b)
+{
+    // A body has pairs with itself only where its self-collision is on. Pairs of bodies are filtered here and not
+    // gathered from processCollision: Bullet's boxes are of predicted positions, and its constraints may bring together
+    // bodies whose boxes were disjoint.
+    return &a == &b || !AreFiltered(a.body, b.body);
+}
 } // namespace
 
-bool qcHasResponse(const qcSceneSoftBody& soft, const qcSceneRigid& rigid)
+bool qcHasResponse(const qcSceneSoftBody& soft, const qcSceneRigid& rigid, const qcSceneMesh& mesh)
 {
     const auto& disabled = soft.body->m_collisionDisabledObjects;
-    return soft.CollidesWithRigidBodies() && rigid.object->hasContactResponse() &&
-           !AreFiltered(soft.body, rigid.object) && disabled.findLinearSearch(rigid.object) == disabled.size();
+    return (mesh.isSurface ? soft.CollidesWithSurfaces() : soft.CollidesWithRigidBodies()) &&
+           rigid.object->hasContactResponse() && !AreFiltered(soft.body, rigid.object) &&
+           disabled.findLinearSearch(rigid.object) == disabled.size();
 }
 
 bool qcHasResponse(qcSoftBodyScene& scene, uint32_t slotA, uint32_t slotB)
 {
     const qcSceneSoftBody *a = scene.Find(slotA), *b = scene.Find(slotB);
+    if (a != nullptr && b != nullptr)
+        return HaveResponse(*a, *b);
     qcSceneRigid* rigid = nullptr;
+    const qcSceneMesh* mesh = scene.meshes.Find(a == nullptr ? slotA : slotB, &rigid);
+    return qcHasResponse(a == nullptr ? *b : *a, *rigid, *mesh);
+}
+
+bool qcHasResponse(qcSoftBodyScene& scene, const qcPair& pair)
+{
+    const qcSceneSoftBody *a = scene.Find(pair.bodyA), *b = scene.Find(pair.bodyB);
     if (a == nullptr || b == nullptr)
     {
-        scene.meshes.Find(a == nullptr ? slotA : slotB, &rigid);
-        return qcHasResponse(a == nullptr ? *b : *a, *rigid);
+        const qcSceneSoftBody& soft = a != nullptr ? *a : *b;
+        uint32_t triangle = a != nullptr ? pair.triangleA : pair.triangleB;
+        qcSceneRigid* rigid = nullptr;
+        scene.meshes.Find(a == nullptr ? pair.bodyA : pair.bodyB, &rigid);
+        if (soft.IsAnchored(&soft.topology.indices[3 * size_t(triangle)], rigid->object))
+            return false;
     }
-    // A body has pairs with itself only where its self-collision is on. Pairs of bodies are filtered here and not
-    // gathered from processCollision: Bullet's boxes are of predicted positions, and its constraints may bring together
-    // bodies whose boxes were disjoint.
-    return a == b || !AreFiltered(a->body, b->body);
+    return qcHasResponse(scene, pair.bodyA, pair.bodyB);
 }
 
 bool qcViewContact(qcSoftBodyScene& scene, const qcContact& contact, qcSoftContactView* view)
@@ -172,15 +200,15 @@ bool qcViewContact(qcSoftBodyScene& scene, const qcContact& contact, qcSoftConta
         view->thickness = (view->a->thickness + view->b->thickness) / 2;
         view->friction = (view->a->settings.friction + view->b->settings.friction) / 2;
         view->onB = PointOf(*view->b, view->verticesB, view->weightsB);
+        return view->distance <= view->thickness && HaveResponse(*view->a, *view->b);
     }
-    else
-    {
-        const qcSceneMesh& mesh = *scene.meshes.Find(slotB, &view->rigid);
-        view->thickness = view->a->thickness / 2 + mesh.shape->getMargin();
-        view->friction = (view->a->settings.friction + view->rigid->object->getFriction()) / 2;
-        view->onB = PointOf(mesh, view->verticesB, view->weightsB);
-    }
-    return view->distance <= view->thickness && qcHasResponse(scene, slotA, slotB);
+    const qcSceneMesh& mesh = *scene.meshes.Find(slotB, &view->rigid);
+    view->mesh = &mesh;
+    view->thickness = view->a->thickness / 2 + mesh.shape->getMargin();
+    view->friction = (view->a->settings.friction + view->rigid->object->getFriction()) / 2;
+    view->onB = PointOf(mesh, view->verticesB, view->weightsB);
+    return view->distance <= view->thickness && qcHasResponse(*view->a, *view->rigid, mesh) &&
+           !view->a->IsAnchored(view->verticesA, view->rigid->object);
 }
 
 bool qcMakeMeshConstraint(qcSceneSoftBody& soft, const uint32_t vertices[3], const double weights[3],
@@ -217,7 +245,8 @@ void qcMakeSoftConstraints(qcSoftBodyScene& scene, const qcSoftTangles& tangles,
         {
             btVector3 point = view.rigid->object->getWorldTransform().invXform(view.onB);
             if (!qcMakeMeshConstraint(*view.a, view.verticesA, view.weightsA, *view.rigid, point, view.normal,
-                                      view.thickness, &constraint))
+                                      view.thickness, &constraint) ||
+                (view.mesh->isConvex && PushesInwards(constraint, *view.rigid, *view.mesh)))
                 continue;
         }
         else

@@ -11,6 +11,7 @@ struct qcSoftContactView
 {
     qcSceneSoftBody *a = nullptr, *b = nullptr; ///< b: null for a mesh
     qcSceneRigid* rigid = nullptr;              ///< null for a soft body b
+    const qcSceneMesh* mesh = nullptr;          ///< of the rigid object
     const uint32_t *verticesA, *verticesB;
     const double *weightsA, *weightsB;
     btVector3 normal; ///< towards A
@@ -37,6 +38,7 @@ struct qcSoftConstraint
     btVector3 normal;
     btVector3 startOffset{0, 0, 0}; ///< the weighted sum at the start of the step
     btScalar distance = 0;
+    btScalar thickness = 0; ///< contact distance; `distance` is less where a gap is restored over several steps
     btScalar friction = 0;
     /// For ropes: friction and normal push are bounded as sums over all sweeps, so that friction takes back what links,
     /// solved in alternation, pull loose. Otherwise they are bounded in each sweep by itself.
@@ -47,7 +49,10 @@ struct qcSoftConstraint
 
 /// True if contacts between the bodies of these two slots (or of one with itself) push them apart.
 bool qcHasResponse(qcSoftBodyScene& scene, uint32_t slotA, uint32_t slotB);
-bool qcHasResponse(const qcSceneSoftBody& soft, const qcSceneRigid& rigid);
+/// True if contacts between the triangles of a pair push them apart.
+bool qcHasResponse(qcSoftBodyScene& scene, const qcPair& pair);
+/// True if contacts between the two bodies push them apart.
+bool qcHasResponse(const qcSceneSoftBody& soft, const qcSceneRigid& rigid, const qcSceneMesh& mesh);
 
 /// Makes a constraint between a soft body and a point of a mesh, in the object's frame. False: nothing can move.
 bool qcMakeMeshConstraint(qcSceneSoftBody& soft, const uint32_t vertices[3], const double weights[3],

@@ -13,30 +13,22 @@
 
 namespace
 {
-/// The qcMeshShapes that a shape consists of; `local` of each is the given transform times its own in the shape.
-std::vector<qcSceneMesh> MeshesOf(const btCollisionShape* shape, const btTransform& transform)
+bool AreSame(const std::vector<qcSceneShape>& a, const std::vector<qcSceneShape>& b)
 {
-    std::vector<qcSceneMesh> meshes;
-    auto add = [&meshes](const btCollisionShape* simple, const btTransform& local)
-    {
-        const qcMeshShape* mesh = qcAsMeshShape(simple);
-        if (mesh != nullptr && mesh->getTriangleCount() > 0)
-        {
-            meshes.emplace_back();
-            meshes.back().shape = mesh;
-            meshes.back().local = local;
-            meshes.back().revision = mesh->getRevision();
-        }
-    };
-    qcForEachSimpleShape(shape, transform, add);
-    return meshes;
+    auto isSame = [](const qcSceneShape& m, const qcSceneShape& n)
+    { return m.shape == n.shape && m.revision == n.revision && m.local == n.local; };
+    return a.size() == b.size() && std::equal(a.begin(), a.end(), b.begin(), isSame);
 }
 
-bool AreSame(const std::vector<qcSceneMesh>& a, const std::vector<qcSceneMesh>& b)
+/// The box around a box of world space in a frame.
+void ToFrame(const btTransform& frame, const btVector3 box[2], btVector3 local[2])
 {
-    auto isSame = [](const qcSceneMesh& m, const qcSceneMesh& n)
-    { return m.shape == n.shape && m.revision == n.revision && m.local == n.local; };
-    return std::equal(a.begin(), a.end(), b.begin(), b.end(), isSame);
+    const btTransform inverse = frame.inverse();
+    const btVector3 center = inverse * ((box[0] + box[1]) / 2), half = (box[1] - box[0]) / 2;
+    const btVector3 extent =
+        half.dot3(inverse.getBasis()[0].absolute(), inverse.getBasis()[1].absolute(), inverse.getBasis()[2].absolute());
+    local[0] = center - extent;
+    local[1] = center + extent;
 }
 
 /// Adds a mesh with its vertices welded: contacts at corners and edges that triangles share are found once.
@@ -49,34 +41,43 @@ qcStatus AddMesh(qcScene* scene, qcSceneMesh& mesh, qcActivity activity)
         index = first[index];
     qcBodyDef def = qcMeshBodyDef(shape.getVertices(), shape.getVertexCount(), indices.data(), shape.getTriangleCount(),
                                   mesh.sceneTransform, activity);
-    def.group = qcMeshGroup;
+    def.group = mesh.isSurface ? qcSurfaceGroup : qcMeshGroup;
     def.mask = qcSoftGroup;
     return qcScene_AddBody(scene, &def, &mesh.id);
 }
 
-class OverlapCallback : public btBroadphaseAabbCallback
+/// True if the object may have meshes.
+bool MayHaveMeshes(const btCollisionObject* object, bool withSurfaces)
+{
+    const btCollisionShape* shape = object->getCollisionShape();
+    return shape->isCompound() || qcAsMeshShape(shape) != nullptr || (withSurfaces && qcHasSurface(shape));
+}
+
+/// Calls function(object) for each proxy that it gets.
+template <typename Function> class ObjectCallback : public btBroadphaseAabbCallback
 {
   public:
-    explicit OverlapCallback(std::vector<btCollisionObject*>* objects) : m_objects(objects)
+    explicit ObjectCallback(const Function& function) : m_function(function)
     {
     }
 
     bool process(const btBroadphaseProxy* proxy) override
     {
-        Add(static_cast<btCollisionObject*>(proxy->m_clientObject));
+        m_function(static_cast<btCollisionObject*>(proxy->m_clientObject));
         return true;
     }
 
-    void Add(btCollisionObject* object)
-    {
-        const btCollisionShape* shape = object->getCollisionShape();
-        if (shape->isCompound() || qcAsMeshShape(shape) != nullptr)
-            m_objects->push_back(object);
-    }
-
   private:
-    std::vector<btCollisionObject*>* m_objects;
+    const Function& m_function;
 };
+
+template <typename Function>
+void ForEachIn(btBroadphaseInterface* broadphase, const btVector3& lower, const btVector3& upper,
+               const Function& function)
+{
+    ObjectCallback<Function> callback(function);
+    broadphase->aabbTest(lower, upper, callback);
+}
 
 qcStatus AddMeshes(qcScene* scene, qcSceneRigid* rigid)
 {
@@ -132,16 +133,6 @@ btScalar qcMaxDisplacement(const qcSceneMesh& mesh, const btTransform& from, con
     return btSqrt(largest);
 }
 
-bool qcFindTransform(const qcSceneRigid& rigid, const qcSceneMesh& mesh, btTransform* transform)
-{
-    std::vector<qcSceneMesh> present = MeshesOf(rigid.object->getCollisionShape(), rigid.object->getWorldTransform());
-    size_t index = size_t(&mesh - rigid.meshes.data());
-    if (index >= present.size() || present[index].shape != mesh.shape || present[index].revision != mesh.revision)
-        return false;
-    *transform = present[index].local;
-    return true;
-}
-
 btVector3 qcSceneRigid::DisplacementAt(const btVector3& arm, const btVector3& push) const
 {
     if (body == nullptr || isFixed)
@@ -172,41 +163,153 @@ btTransform qcSceneRigid::MotionTo(const btTransform& transform) const
     return transform == start ? btTransform::getIdentity() : transform * start.inverse();
 }
 
-void qcSoftBodyMeshes::CollectOverlapping(btBroadphaseInterface* broadphase, const btVector3& lower,
-                                          const btVector3& upper)
+bool qcHasSurfaces(const btCollisionObject* object)
 {
-    OverlapCallback callback(&m_overlapping);
-    broadphase->aabbTest(lower, upper, callback);
-    m_starts.ForEachMoved(lower, upper, [&callback](btCollisionObject* object) { callback.Add(object); });
+    return object->hasContactResponse() && object->getInternalType() != btCollisionObject::CO_FEATHERSTONE_LINK;
+}
+
+void qcSoftBodyMeshes::CollectOverlapping(btBroadphaseInterface* broadphase, const btVector3& lower,
+                                          const btVector3& upper, bool withSurfaces)
+{
+    auto add = [&](btCollisionObject* object)
+    {
+        if (MayHaveMeshes(object, withSurfaces))
+            m_overlaps.push_back({object, withSurfaces, {lower, upper}});
+    };
+    ForEachIn(broadphase, lower, upper, add);
+    m_starts.ForEachMoved(lower, upper, add);
+}
+
+/// Leaves one overlap for each object, in the order in which they were added to the world.
+void qcSoftBodyMeshes::MergeOverlaps()
+{
+    auto isBefore = [](const Overlap& a, const Overlap& b) { return qcUniqueIdOf(a.object) < qcUniqueIdOf(b.object); };
+    std::sort(m_overlaps.begin(), m_overlaps.end(), isBefore);
+    size_t count = 0;
+    for (const Overlap& overlap : m_overlaps)
+    {
+        if (count == 0 || m_overlaps[count - 1].object != overlap.object)
+        {
+            m_overlaps[count++] = overlap;
+            continue;
+        }
+        Overlap& merged = m_overlaps[count - 1];
+        merged.withSurfaces = merged.withSurfaces || overlap.withSurfaces;
+        merged.box[0].setMin(overlap.box[0]);
+        merged.box[1].setMax(overlap.box[1]);
+    }
+    m_overlaps.resize(count);
+}
+
+/// The simple shapes of an object that have triangles, without their surfaces.
+std::vector<qcSceneShape> qcSoftBodyMeshes::ShapesOf(const btCollisionObject* object, bool withSurfaces) const
+{
+    std::vector<qcSceneShape> shapes;
+    withSurfaces = withSurfaces && qcHasSurfaces(object);
+    auto add = [&](const btCollisionShape* simple, const btTransform& local)
+    {
+        const qcMeshShape* mesh = qcAsMeshShape(simple);
+        bool isUsed = mesh != nullptr ? mesh->getTriangleCount() > 0 : withSurfaces && qcHasSurface(simple);
+        if (!isUsed)
+            return;
+        shapes.emplace_back();
+        shapes.back().shape = simple;
+        shapes.back().local = local;
+        shapes.back().revision = m_surfaces.RevisionOf(simple);
+    };
+    qcForEachSimpleShape(object->getCollisionShape(), btTransform::getIdentity(), add);
+    return shapes;
+}
+
+bool qcSoftBodyMeshes::FindTransform(const qcSceneRigid& rigid, const qcSceneMesh& mesh, btTransform* transform) const
+{
+    const std::vector<qcSceneShape> present = ShapesOf(rigid.object, rigid.withSurfaces);
+    const qcSceneShape& shape = rigid.shapes[mesh.index];
+    if (mesh.index >= present.size() || present[mesh.index].shape != shape.shape ||
+        present[mesh.index].revision != shape.revision)
+        return false;
+    *transform = rigid.object->getWorldTransform() * present[mesh.index].local;
+    return true;
+}
+
+/// The box around the soft bodies near an object over the step, in the frame of a shape of the object.
+void qcSoftBodyMeshes::FindBox(const Overlap& overlap, const btTransform& local, btVector3 box[2]) const
+{
+    btVector3 start[2];
+    ToFrame(overlap.object->getWorldTransform() * local, overlap.box, box);
+    ToFrame(m_starts.StartOf(overlap.object) * local, overlap.box, start);
+    box[0].setMin(start[0]);
+    box[1].setMax(start[1]);
+}
+
+/// True if the object's surfaces, where they were read by region, have what lies near the soft bodies.
+bool qcSoftBodyMeshes::Cover(const qcSceneRigid& rigid, const Overlap& overlap) const
+{
+    for (const qcSceneShape& shape : rigid.shapes)
+    {
+        btVector3 box[2];
+        if (shape.surface == nullptr || shape.surface->isWhole)
+            continue;
+        FindBox(overlap, shape.local, box);
+        if (!shape.surface->Covers(box))
+            return false;
+    }
+    return true;
+}
+
+/// Finds the surfaces of an object's shapes near the soft bodies, and its meshes.
+void qcSoftBodyMeshes::FindMeshes(qcSceneRigid* rigid, const Overlap& overlap)
+{
+    for (size_t i = 0; i < rigid->shapes.size(); i++)
+    {
+        qcSceneShape& shape = rigid->shapes[i];
+        qcSceneMesh mesh;
+        mesh.shape = qcAsMeshShape(shape.shape);
+        mesh.isSurface = mesh.shape == nullptr;
+        if (mesh.isSurface)
+        {
+            btVector3 box[2];
+            FindBox(overlap, shape.local, box);
+            shape.surface = m_surfaces.Find(shape.shape, shape.revision, rigid->object, box);
+            mesh.shape = shape.surface->mesh.get();
+            mesh.isConvex = shape.surface->isConvex;
+            mesh.inside = shape.local * shape.surface->inside;
+        }
+        mesh.local = shape.local;
+        mesh.index = i;
+        if (mesh.shape != nullptr)
+            rigid->meshes.push_back(mesh);
+    }
 }
 
 /// The collected objects that have meshes. Those that are tracked already, unchanged, are moved out of m_rigids.
 std::vector<std::unique_ptr<qcSceneRigid>> qcSoftBodyMeshes::TakeTracked()
 {
-    auto isBefore = [](const btCollisionObject* a, const btCollisionObject* b)
-    { return qcUniqueIdOf(a) < qcUniqueIdOf(b); };
-    std::sort(m_overlapping.begin(), m_overlapping.end(), isBefore);
-    m_overlapping.erase(std::unique(m_overlapping.begin(), m_overlapping.end()), m_overlapping.end());
+    MergeOverlaps();
     std::vector<std::unique_ptr<qcSceneRigid>> rigids;
-    for (btCollisionObject* object : m_overlapping)
+    for (const Overlap& overlap : m_overlaps)
     {
         std::unique_ptr<qcSceneRigid> rigid(new qcSceneRigid);
-        rigid->meshes = MeshesOf(object->getCollisionShape(), btTransform::getIdentity());
-        if (rigid->meshes.empty())
+        rigid->object = overlap.object;
+        rigid->uniqueId = qcUniqueIdOf(overlap.object);
+        rigid->withSurfaces = overlap.withSurfaces;
+        rigid->shapes = ShapesOf(overlap.object, overlap.withSurfaces);
+        if (rigid->shapes.empty())
             continue;
-        rigid->object = object;
-        rigid->uniqueId = qcUniqueIdOf(object);
         auto isSame = [&](const std::unique_ptr<qcSceneRigid>& other)
         {
-            return other && other->object == object && other->uniqueId == rigid->uniqueId &&
-                   AreSame(other->meshes, rigid->meshes);
+            return other && other->object == rigid->object && other->uniqueId == rigid->uniqueId &&
+                   AreSame(other->shapes, rigid->shapes) && Cover(*other, overlap);
         };
         auto found = std::find_if(m_rigids.begin(), m_rigids.end(), isSame);
         if (found != m_rigids.end())
             rigid = std::move(*found);
-        rigids.push_back(std::move(rigid));
+        else
+            FindMeshes(rigid.get(), overlap);
+        if (!rigid->meshes.empty())
+            rigids.push_back(std::move(rigid));
     }
-    m_overlapping.clear();
+    m_overlaps.clear();
     return rigids;
 }
 
@@ -248,6 +351,7 @@ qcStatus qcSoftBodyMeshes::Sync(qcScene* scene)
         if (gone)
             RemoveMeshes(scene, *gone);
     m_rigids.clear();
+    m_surfaces.EndStep();
     qcStatus status = qc_statusOk;
     for (std::unique_ptr<qcSceneRigid>& rigid : rigids)
     {
@@ -368,6 +472,14 @@ void qcSoftBodyMeshes::Restore()
             rigid->object->setWorldTransform(rigid->solved);
     }
     RecordEnds();
+}
+
+int qcSoftBodyMeshes::CountWith(bool surface) const
+{
+    auto isIt = [surface](const qcSceneMesh& mesh) { return mesh.isSurface == surface; };
+    auto has = [&](const std::unique_ptr<qcSceneRigid>& rigid)
+    { return std::any_of(rigid->meshes.begin(), rigid->meshes.end(), isIt); };
+    return int(std::count_if(m_rigids.begin(), m_rigids.end(), has));
 }
 
 const qcSceneMesh* qcSoftBodyMeshes::Find(uint32_t slot, qcSceneRigid** rigid)

@@ -1,10 +1,10 @@
-// The qcMeshShapes near soft bodies, as rigid bodies of the soft bodies' scene. Contacts move them; the scene never
-// tests them against each other.
+// The rigid objects near soft bodies, as meshes of the soft bodies' scene: qcMeshShapes, and the surfaces of Bullet's
+// own shapes. Contacts move them; the scene never tests them against each other.
 #ifndef QC_GLUE_SOFT_BODY_SCENE_RIGID_MESHES_H
 #define QC_GLUE_SOFT_BODY_SCENE_RIGID_MESHES_H
 
-#include "quickcullide/bullet_mesh.h"
 #include "soft_body/scene/object_starts.h"
+#include "soft_body/scene/shape_surface.h"
 
 #include <BulletDynamics/Dynamics/btRigidBody.h>
 
@@ -13,15 +13,28 @@
 
 class btBroadphaseInterface;
 
-/// Filter groups of the scene: soft bodies collide with each other and with meshes, meshes with soft bodies only.
-constexpr uint32_t qcSoftGroup = 1, qcMeshGroup = 2;
+/// Filter groups of the scene: soft bodies collide with each other, with qcMeshShapes and, if their settings say so,
+/// with the surfaces of Bullet's own shapes; rigid ones with soft bodies only.
+constexpr uint32_t qcSoftGroup = 1, qcMeshGroup = 2, qcSurfaceGroup = 4;
 
-/// A qcMeshShape of an object. A compound may have several.
-struct qcSceneMesh
+/// A simple shape of an object. A compound may have several.
+struct qcSceneShape
 {
-    const qcMeshShape* shape = nullptr;
+    const btCollisionShape* shape = nullptr;
     btTransform local = btTransform::getIdentity(); ///< from the shape's frame to the object's
     uint64_t revision = 0;                          ///< of the shape, when it was added to the scene
+    std::shared_ptr<const qcShapeSurface> surface;  ///< null for a qcMeshShape
+};
+
+/// The triangles of a simple shape.
+struct qcSceneMesh
+{
+    const qcMeshShape* shape = nullptr; ///< of the object, or the surface of one of its shapes
+    bool isSurface = false;
+    btTransform local = btTransform::getIdentity(); ///< from the shape's frame to the object's
+    size_t index = 0;                               ///< of the shape among those of the object
+    bool isConvex = false;                          ///< a closed convex surface
+    btVector3 inside{0, 0, 0};                      ///< a point inside of it, in the object's frame
     qcBodyId id{};
     btTransform sceneTransform = btTransform::getIdentity(); ///< of the mesh in the scene
 };
@@ -30,8 +43,10 @@ struct qcSceneMesh
 struct qcSceneRigid
 {
     btCollisionObject* object = nullptr;
-    int uniqueId = 0; ///< see qcUniqueIdOf
-    std::vector<qcSceneMesh> meshes;
+    int uniqueId = 0;          ///< see qcUniqueIdOf
+    bool withSurfaces = false; ///< `shapes` are not only qcMeshShapes
+    std::vector<qcSceneShape> shapes;
+    std::vector<qcSceneMesh> meshes; ///< one for each shape that has triangles
     qcActivity activity = qc_activityMoving;
     btRigidBody* body = nullptr;                     ///< null: contacts can't move the object
     btTransform start = btTransform::getIdentity();  ///< of the object, at the start of the step
@@ -58,8 +73,9 @@ struct qcSceneRigid
 /// The largest displacement of a point of the mesh's box from one transform of the mesh to another.
 btScalar qcMaxDisplacement(const qcSceneMesh& mesh, const btTransform& from, const btTransform& to);
 
-/// The present transform of a mesh of the object. False if the object no longer has this mesh, unchanged.
-bool qcFindTransform(const qcSceneRigid& rigid, const qcSceneMesh& mesh, btTransform* transform);
+/// True if the surfaces of the object's shapes collide with soft bodies: false for links of multibodies and for objects
+/// without contact response.
+bool qcHasSurfaces(const btCollisionObject* object);
 
 class qcSoftBodyMeshes
 {
@@ -75,7 +91,14 @@ class qcSoftBodyMeshes
         m_starts.Read(broadphases, timeStep);
     }
     /// Collects the objects with meshes whose proxies or motions over the step overlap this box, for the next Sync.
-    void CollectOverlapping(btBroadphaseInterface* broadphase, const btVector3& lower, const btVector3& upper);
+    /// `withSurfaces`: also objects without a qcMeshShape.
+    void CollectOverlapping(btBroadphaseInterface* broadphase, const btVector3& lower, const btVector3& upper,
+                            bool withSurfaces);
+    /// See qcSurfaceCache.
+    void Forget(const btCollisionShape* shape)
+    {
+        m_surfaces.Forget(shape);
+    }
     /// Makes the scene's meshes those of the objects collected since the last call.
     qcStatus Sync(qcScene* scene);
     /// Sets the objects' present transforms in the scene, or those of the start of the step.
@@ -94,21 +117,39 @@ class qcSoftBodyMeshes
     /// Ends the step, and undoes all motions.
     void Restore();
 
+    /// The present transform of a mesh of the object. False if the object no longer has this mesh, unchanged.
+    bool FindTransform(const qcSceneRigid& rigid, const qcSceneMesh& mesh, btTransform* transform) const;
     /// The mesh of a slot and its object, or null.
     const qcSceneMesh* Find(uint32_t slot, qcSceneRigid** rigid);
+    /// The number of objects with a surface of one of Bullet's own shapes, or with a qcMeshShape.
+    int CountWith(bool surface) const;
     const std::vector<std::unique_ptr<qcSceneRigid>>& Rigids() const
     {
         return m_rigids;
     }
 
   private:
+    /// An object near a soft body.
+    struct Overlap
+    {
+        btCollisionObject* object;
+        bool withSurfaces;
+        btVector3 box[2]; ///< around the soft bodies near it
+    };
+
+    void MergeOverlaps();
+    std::vector<qcSceneShape> ShapesOf(const btCollisionObject* object, bool withSurfaces) const;
+    void FindBox(const Overlap& overlap, const btTransform& local, btVector3 box[2]) const;
+    bool Cover(const qcSceneRigid& rigid, const Overlap& overlap) const;
+    void FindMeshes(qcSceneRigid* rigid, const Overlap& overlap);
     std::vector<std::unique_ptr<qcSceneRigid>> TakeTracked();
     qcStatus Track(qcScene* scene, std::unique_ptr<qcSceneRigid> rigid);
     void IndexSlots();
     void RecordEnds();
 
     qcObjectStarts m_starts;
-    std::vector<btCollisionObject*> m_overlapping;
+    qcSurfaceCache m_surfaces;
+    std::vector<Overlap> m_overlaps;
     std::vector<std::unique_ptr<qcSceneRigid>> m_rigids; ///< by unique id: in the order in which they were added
     std::vector<std::pair<qcSceneRigid*, size_t>> m_meshOfSlot;
 };

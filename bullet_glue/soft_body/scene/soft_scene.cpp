@@ -24,6 +24,17 @@ void FindPinned(qcSceneSoftBody& tracked)
     }
 }
 
+void FindAnchors(qcSceneSoftBody& tracked)
+{
+    const btSoftBody& body = *tracked.body;
+    tracked.anchors.clear();
+    for (int i = 0; i < body.m_anchors.size(); i++)
+        tracked.anchors.emplace_back(uint32_t(tracked.IndexOf(body.m_anchors[i].m_node)), body.m_anchors[i].m_body);
+    for (int i = 0; i < body.m_deformableAnchors.size(); i++)
+        tracked.anchors.emplace_back(uint32_t(tracked.IndexOf(body.m_deformableAnchors[i].m_node)),
+                                     body.m_deformableAnchors[i].m_cti.m_colObj);
+}
+
 /// True if no node is further from the end of the previous step than half the size that the body had there.
 bool IsNearEnd(const qcSceneSoftBody& tracked, btVector3 btSoftBody::Node::*start)
 {
@@ -64,6 +75,15 @@ bool BoxOf(const qcSceneSoftBody& tracked, btVector3 box[2])
 }
 } // namespace
 
+bool qcCollidesWithSurfaces(const btSoftBody* body, const qcSoftBodySettings& settings)
+{
+    using Collision = btSoftBody::fCollision;
+    // Bullet places the nodes of a reduced model itself.
+    const int flags = body->m_cfg.collisions;
+    return (flags & Collision::RVSmask) != 0 && (flags & Collision::CL_RS) == 0 && !settings.bulletNodeContacts &&
+           !body->m_reducedModel;
+}
+
 qcSoftBodyScene::~qcSoftBodyScene()
 {
     qcScene_Destroy(m_scene);
@@ -84,7 +104,7 @@ qcStatus qcSoftBodyScene::Track(btSoftBody* body)
     def.triangleCount = uint32_t(added.topology.indices.size() / 3);
     def.deforming = true;
     def.group = qcSoftGroup;
-    def.mask = qcSoftGroup | qcMeshGroup;
+    def.mask = qcSoftGroup | qcMeshGroup | qcSurfaceGroup;
     qcStatus status = qcScene_AddBody(m_scene, &def, &added.id);
     if (status == qc_statusOk)
         m_bodies.push_back(std::move(added));
@@ -115,9 +135,10 @@ void qcSoftBodyScene::ApplySettings(qcSceneSoftBody& tracked)
     if (found != m_settings.end() && found->second.uniqueId == -1)
         found->second.uniqueId = tracked.uniqueId;
     qcSoftBodySettings settings = GetSettings(tracked.body);
-    // The previous result has no pairs of sleeping bodies, nor self-collisions that were off.
+    // The previous result has no pairs of sleeping bodies, nor of kinds that were off.
     tracked.startsWhereItEnded = tracked.startsWhereItEnded && tracked.moves == tracked.body->isActive() &&
-                                 tracked.settings.selfCollision == settings.selfCollision;
+                                 tracked.settings.selfCollision == settings.selfCollision &&
+                                 tracked.settings.bulletNodeContacts == settings.bulletNodeContacts;
     tracked.settings = settings;
     tracked.thickness = tracked.settings.thickness > 0 ? tracked.settings.thickness
                                                        : std::min(tracked.topology.defaultThickness,
@@ -126,6 +147,8 @@ void qcSoftBodyScene::ApplySettings(qcSceneSoftBody& tracked)
     qcScene_SetMargin(m_scene, tracked.id, double(tracked.thickness) / 2);
     qcScene_SetSelfCollision(m_scene, tracked.id, tracked.settings.selfCollision);
     qcScene_SetActivity(m_scene, tracked.id, tracked.moves ? qc_activityMoving : qc_activitySleeping);
+    qcScene_SetFilter(m_scene, tracked.id, qcSoftGroup,
+                      qcSoftGroup | qcMeshGroup | (tracked.CollidesWithSurfaces() ? qcSurfaceGroup : 0u));
 }
 
 qcStatus qcSoftBodyScene::CreateScene()
@@ -148,6 +171,7 @@ void qcSoftBodyScene::ReadStart(qcSceneSoftBody& tracked, btVector3 btSoftBody::
         tracked.start = tracked.positions;
     tracked.startsWhereItEnded = tracked.startsWhereItEnded && isNearEnd;
     FindPinned(tracked);
+    FindAnchors(tracked);
 }
 
 void qcSoftBodyScene::BeginStep(const btAlignedObjectArray<btSoftBody*>& bodies)
@@ -205,7 +229,7 @@ qcStatus qcSoftBodyScene::ReadSolved(btScalar timeStep)
         const btSoftBodyWorldInfo* info = tracked.body->getWorldInfo();
         btVector3 box[2];
         if (tracked.CollidesWithRigidBodies() && info->m_broadphase != nullptr && BoxOf(tracked, box))
-            meshes.CollectOverlapping(info->m_broadphase, box[0], box[1]);
+            meshes.CollectOverlapping(info->m_broadphase, box[0], box[1], tracked.CollidesWithSurfaces());
     }
     return meshes.Sync(m_scene);
 }

@@ -2,6 +2,7 @@
 #ifndef QC_GLUE_SOFT_BODY_SCENE_SOFT_SCENE_H
 #define QC_GLUE_SOFT_BODY_SCENE_SOFT_SCENE_H
 
+#include "common/object_key.h"
 #include "soft_body/scene/rigid_meshes.h"
 #include "soft_body/scene/topology.h"
 
@@ -10,6 +11,21 @@
 #include <map>
 #include <utility>
 #include <vector>
+
+/// True if the body collides with the surfaces of Bullet's own shapes, and not by Bullet's tests of nodes or clusters.
+bool qcCollidesWithSurfaces(const btSoftBody* body, const qcSoftBodySettings& settings);
+
+/// A contact of a soft body with a rigid object that it can't move, at the end of a step.
+struct qcHeldContact
+{
+    qcObjectKey object{nullptr, -1};
+    int count = 0; ///< of nodes
+    uint32_t nodes[3] = {0, 0, 0};
+    btScalar weights[3] = {0, 0, 0}; ///< their sum is 1
+    btVector3 point;                 ///< on the object
+    btVector3 localPoint, localNormal;
+    btScalar thickness = 0, friction = 0;
+};
 
 /// A soft body of the scene.
 struct qcSceneSoftBody
@@ -32,7 +48,11 @@ struct qcSceneSoftBody
     /// The parts of the positions that untangling added in this step; they give no velocity. Empty: none.
     std::vector<btVector3> shifts;
     std::vector<bool> pinned; ///< nodes that contacts don't move; empty: none
-    bool inContact = false;   ///< it is in a constraint of this step
+    /// Nodes that are anchored to a rigid object: their triangles don't collide with that, since an anchor may lie
+    /// inside.
+    std::vector<std::pair<uint32_t, const btCollisionObject*>> anchors;
+    std::vector<qcHeldContact> heldContacts; ///< of the previous step
+    bool inContact = false;                  ///< it is in a constraint of this step
 
     int NodeCount() const
     {
@@ -63,6 +83,19 @@ struct qcSceneSoftBody
     bool CollidesWithRigidBodies() const
     {
         return (body->m_cfg.collisions & btSoftBody::fCollision::RVSmask) != 0;
+    }
+    /// True if one of the three nodes is anchored to the object.
+    bool IsAnchored(const uint32_t nodes[3], const btCollisionObject* object) const
+    {
+        for (const auto& anchor : anchors)
+            if (anchor.second == object &&
+                (anchor.first == nodes[0] || anchor.first == nodes[1] || anchor.first == nodes[2]))
+                return true;
+        return false;
+    }
+    bool CollidesWithSurfaces() const
+    {
+        return qcCollidesWithSurfaces(body, settings);
     }
 };
 
@@ -122,6 +155,9 @@ class qcSoftBodyScene
     qcSoftBodyMeshes meshes;
     unsigned threads = 0;
     qcMethod method = qc_methodAuto;
+    /// Rigid objects whose pairs with soft bodies Bullet has dispatched in this step.
+    std::vector<qcObjectKey> liveObjects;
+    bool hasFailed = false; ///< a query of the previous step failed: Bullet holds rigid bodies off in the next one
 
   private:
     struct Setting

@@ -101,6 +101,7 @@ START_TEST(a_falling_cloth_penetrates_itself_without_self_collision)
     btSoftBody* cloth = world.AddUprightCloth(24);
     qcSoftBodySettings settings;
     settings.selfCollision = false;
+    settings.bulletNodeContacts = true; // contacts with the floor are not counted
     world.softSolver.setSettings(cloth, settings);
     ck_assert(!world.softSolver.getSettings(cloth).selfCollision);
     for (int i = 0; i < 150; i++)
@@ -176,6 +177,9 @@ START_TEST(self_contacts_stand_in_manifolds_until_the_next_step)
 {
     World world;
     btSoftBody* cloth = world.AddUprightCloth(16);
+    qcSoftBodySettings settings;
+    settings.bulletNodeContacts = true; // contacts with the floor are not counted
+    world.softSolver.setSettings(cloth, settings);
     int seen = 0;
     for (int i = 0; i < 120; i++)
     {
@@ -446,7 +450,10 @@ START_TEST(a_method_without_contacts_leaves_a_step_to_bullet)
     btSoftBody* same = plain.AddUprightCloth(6);
     qcSoftBodySettings settings;
     settings.selfCollision = false;
+    settings.bulletNodeContacts = true;
     plain.softSolver.setSettings(same, settings);
+    settings.selfCollision = true;
+    world.softSolver.setSettings(cloth, settings);
     world.softSolver.setMethod(qc_methodQuick);
     for (int i = 0; i < 60; i++)
     {

@@ -1,0 +1,169 @@
+// Contacts of the previous step in Bullet's own solver.
+#include "soft_body/response/held_contacts.h"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+
+namespace
+{
+// The rigid point's share of a correction. From its displacement the sum of all corrections is read.
+constexpr btScalar s_pointShare = btScalar(0.01);
+// The share of a missing gap that one step restores, as in contacts.
+constexpr btScalar s_recovery = btScalar(0.2);
+// The share of the thickness at which contacts are held: at the whole thickness, rounding would decide in each step
+// whether they are found again.
+constexpr btScalar s_heldShare = btScalar(0.98);
+
+/// The soft body that has the position, and the position's index. Null: none.
+qcSceneSoftBody* FindOwner(qcSoftBodyScene& scene, const btVector3* position, uint32_t* index)
+{
+    for (qcSceneSoftBody& soft : scene.Bodies())
+        if (position >= soft.positions.data() && position < soft.positions.data() + soft.positions.size())
+        {
+            *index = uint32_t(position - soft.positions.data());
+            return &soft;
+        }
+    return nullptr;
+}
+
+bool IsLess(const qcObjectKey& a, const qcObjectKey& b)
+{
+    return a.object != b.object ? std::less<const void*>()(a.object, b.object) : a.uniqueId < b.uniqueId;
+}
+
+btScalar SquaredWeights(const qcHeldContact& contact)
+{
+    btScalar sum = 0;
+    for (int i = 0; i < contact.count; i++)
+        sum += contact.weights[i] * contact.weights[i];
+    return sum;
+}
+
+btVector3 StartOf(const qcSceneSoftBody& soft, const qcHeldContact& contact)
+{
+    btVector3 sum(0, 0, 0);
+    for (int i = 0; i < contact.count; i++)
+        sum += soft.start[contact.nodes[i]] * contact.weights[i];
+    return sum;
+}
+
+/// Fills Bullet's contact of a face with a node, whose normal is towards the node.
+void Fill(const qcSceneSoftBody& soft, const qcHeldContact& held, const btVector3& normal, btScalar distance,
+          btSoftBody::Node* node, btSoftBody::Face* face, btSoftBody::SContact* contact)
+{
+    contact->m_weights.setZero();
+    for (int i = 0; i < 3; i++)
+    {
+        int used = std::min(i, held.count - 1);
+        face->m_n[i] = &soft.body->m_nodes[int(held.nodes[used])];
+        contact->m_weights[i] = i < held.count ? held.weights[i] : btScalar(0);
+    }
+    contact->m_node = node;
+    contact->m_face = face;
+    contact->m_normal = -normal;
+    contact->m_margin = distance;
+    contact->m_friction = 0;
+    contact->m_cfm[0] = s_pointShare;
+    contact->m_cfm[1] = 1 / SquaredWeights(held);
+}
+} // namespace
+
+void qcHeldContacts::Keep(qcSoftBodyScene& scene, const std::vector<qcSoftConstraint>& constraints)
+{
+    for (qcSceneSoftBody& soft : scene.Bodies())
+        soft.heldContacts.clear();
+    for (const qcSoftConstraint& constraint : constraints)
+    {
+        // Ropes solve links and contacts in turns; what contacts move has to take its share.
+        if (constraint.rigid == nullptr || constraint.rigid->body != nullptr || constraint.accumulates)
+            continue;
+        qcHeldContact held;
+        qcSceneSoftBody* soft = nullptr;
+        bool isFree = true;
+        for (int i = 0; i < constraint.nodeCount; i++)
+        {
+            soft = FindOwner(scene, constraint.position[i], &held.nodes[i]);
+            held.weights[i] = constraint.weight[i];
+            // Bullet would move pinned nodes, too.
+            isFree = isFree && constraint.inverseMass[i] > 0;
+        }
+        if (soft == nullptr || !isFree)
+            continue;
+        const btTransform& now = constraint.rigid->object->getWorldTransform();
+        held.count = constraint.nodeCount;
+        held.object = qcObjectKey(constraint.rigid->object);
+        held.point = constraint.point;
+        held.localPoint = now.invXform(constraint.point);
+        held.localNormal = now.getBasis().transpose() * constraint.normal;
+        held.thickness = constraint.thickness;
+        held.friction = constraint.friction;
+        soft->heldContacts.push_back(held);
+    }
+}
+
+void qcHeldContacts::Insert(qcSoftBodyScene& scene)
+{
+    m_inserted.clear();
+    m_counts.clear();
+    std::sort(scene.liveObjects.begin(), scene.liveObjects.end(), IsLess);
+    for (qcSceneSoftBody& soft : scene.Bodies())
+    {
+        m_counts.push_back(soft.body->m_scontacts.size());
+        for (const qcHeldContact& held : soft.heldContacts)
+        {
+            if (!soft.moves ||
+                !std::binary_search(scene.liveObjects.begin(), scene.liveObjects.end(), held.object, IsLess))
+                continue;
+            const btTransform& now = held.object.object->getWorldTransform();
+            Inserted inserted = {&soft, &held, now.getBasis() * held.localNormal, held.point, now * held.localPoint};
+            btScalar gap = inserted.normal.dot(StartOf(soft, held) - held.point);
+            // The scene's query reports a transform that is not finite.
+            if (gap > 0 && gap <= held.thickness * btScalar(1.1) && std::isfinite(inserted.end.length2()))
+                m_inserted.push_back(inserted);
+        }
+    }
+    m_nodes.assign(m_inserted.size(), btSoftBody::Node());
+    m_faces.assign(m_inserted.size(), btSoftBody::Face());
+    for (size_t i = 0; i < m_inserted.size(); i++)
+    {
+        const Inserted& inserted = m_inserted[i];
+        m_nodes[i].m_q = inserted.start;
+        m_nodes[i].m_x = inserted.end;
+        btScalar gap = inserted.normal.dot(StartOf(*inserted.soft, *inserted.contact) - inserted.start);
+        const btScalar held = s_heldShare * inserted.contact->thickness;
+        btScalar distance = gap < held ? gap + s_recovery * (held - gap) : held;
+        btSoftBody::SContact contact;
+        Fill(*inserted.soft, *inserted.contact, inserted.normal, distance, &m_nodes[i], &m_faces[i], &contact);
+        inserted.soft->body->m_scontacts.push_back(contact);
+    }
+    scene.liveObjects.clear();
+}
+
+void qcHeldContacts::Remove(qcSoftBodyScene& scene)
+{
+    for (size_t i = 0; i < m_counts.size(); i++)
+        scene.Bodies()[i].body->m_scontacts.resize(m_counts[i]);
+    for (size_t i = 0; i < m_inserted.size(); i++)
+    {
+        const Inserted& inserted = m_inserted[i];
+        const qcHeldContact& held = *inserted.contact;
+        btSoftBody& body = *inserted.soft->body;
+        // Coulomb friction takes back sliding, at most the normal push times the coefficient.
+        btScalar pushed = inserted.normal.dot(inserted.end - m_nodes[i].m_x) / s_pointShare;
+        btVector3 motion = inserted.start - inserted.end - StartOf(*inserted.soft, held);
+        for (int k = 0; k < held.count; k++)
+            motion += body.m_nodes[int(held.nodes[k])].m_x * held.weights[k];
+        btVector3 sliding = motion - inserted.normal * inserted.normal.dot(motion);
+        btScalar length = sliding.length(), largest = held.friction * std::max(btScalar(0), pushed);
+        if (length <= SIMD_EPSILON)
+            continue;
+        sliding *= std::min(btScalar(1), largest / length) / SquaredWeights(held);
+        for (int k = 0; k < held.count; k++)
+        {
+            btSoftBody::Node& node = body.m_nodes[int(held.nodes[k])];
+            node.m_x -= sliding * held.weights[k];
+            node.m_v -= sliding * held.weights[k] * (body.m_sst.isdt * (1 - body.m_cfg.kDP));
+        }
+    }
+}

@@ -1,0 +1,34 @@
+// Contacts of the previous step with rigid objects that soft bodies can't move, for Bullet's own solver.
+//
+// Bullet solves links before contacts are found here. Where cloth hangs over an edge they would pull it into the shape,
+// by more than an edge of the cloth in a step, and contacts that are found there have the wrong direction.
+#ifndef QC_GLUE_SOFT_BODY_RESPONSE_HELD_CONTACTS_H
+#define QC_GLUE_SOFT_BODY_RESPONSE_HELD_CONTACTS_H
+
+#include "soft_body/response/position_constraints.h"
+
+class qcHeldContacts
+{
+  public:
+    /// Keeps the contacts among the constraints, at the end of a step.
+    static void Keep(qcSoftBodyScene& scene, const std::vector<qcSoftConstraint>& constraints);
+    /// Adds the contacts that still hold to Bullet's soft bodies, as contacts of faces with nodes of this object.
+    void Insert(qcSoftBodyScene& scene);
+    /// Removes them after Bullet has solved, and applies their friction.
+    void Remove(qcSoftBodyScene& scene);
+
+  private:
+    struct Inserted
+    {
+        qcSceneSoftBody* soft;
+        const qcHeldContact* contact;
+        btVector3 normal, start, end; ///< of the rigid point, at the start and at the end of the step
+    };
+
+    std::vector<btSoftBody::Node> m_nodes; ///< a point of the rigid object each
+    std::vector<btSoftBody::Face> m_faces; ///< up to three nodes of the soft body each
+    std::vector<Inserted> m_inserted;
+    std::vector<int> m_counts; ///< by soft body: of its own contacts
+};
+
+#endif

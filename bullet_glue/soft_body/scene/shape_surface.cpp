@@ -1,0 +1,266 @@
+// Triangles of convex shapes, of Bullet's meshes and of planes near soft bodies.
+#include "soft_body/scene/shape_surface.h"
+
+#include "common/hash_table.h"
+#include "common/shape_triangles.h"
+#include "common/weld_vertices.h"
+#include "quickcullide/bullet_positions.h"
+#include "soft_body/scene/convex_triangles.h"
+
+#include <BulletCollision/CollisionShapes/btPolyhedralConvexShape.h>
+#include <BulletCollision/CollisionShapes/btStaticPlaneShape.h>
+#include <BulletCollision/CollisionShapes/btTriangleMeshShape.h>
+#include <LinearMath/btAabbUtil2.h>
+
+#include <algorithm>
+#include <cstring>
+
+namespace
+{
+// Meshes with more triangles are read by region.
+constexpr size_t s_maxTriangles = 1000000;
+// Squares along each side of a plane's patch. A patch of few triangles has a box that contains all of a cloth on a
+// slope.
+constexpr int s_planeSquares = 16;
+// Steps for which an unused surface is kept.
+constexpr unsigned s_unusedSteps = 600;
+
+//  ---- revisions ---------------------------------------------------------------------------------------------------
+
+uint64_t MixScalar(uint64_t hash, btScalar value)
+{
+    double wide = double(value) + 0.0;
+    uint64_t bits;
+    std::memcpy(&bits, &wide, sizeof bits);
+    return qcMixHash(hash, bits);
+}
+
+uint64_t MixVector(uint64_t hash, const btVector3& vector)
+{
+    return MixScalar(MixScalar(MixScalar(hash, vector.x()), vector.y()), vector.z());
+}
+
+uint64_t MixConvex(uint64_t hash, const btConvexShape* shape)
+{
+    if (const auto* polyhedron = dynamic_cast<const btPolyhedralConvexShape*>(shape))
+        for (int i = 0; i < polyhedron->getNumVertices(); i++)
+        {
+            btVector3 vertex;
+            polyhedron->getVertex(i, vertex);
+            hash = MixVector(hash, vertex);
+        }
+    // The corners of a cube tell capsules and cones of different axes apart, too.
+    for (int i = 0; i < 8; i++)
+    {
+        const btVector3 corner((i & 1) != 0 ? 1 : -1, (i & 2) != 0 ? 1 : -1, (i & 4) != 0 ? 1 : -1);
+        hash = MixVector(hash, shape->localGetSupportingVertex(corner));
+    }
+    return hash;
+}
+
+//  ---- triangles ---------------------------------------------------------------------------------------------------
+
+std::unique_ptr<qcMeshShape> MakeMesh(const std::vector<btVector3>& points, const std::vector<uint32_t>& indices)
+{
+    return std::unique_ptr<qcMeshShape>(new qcMeshShape(points.data(), qcBulletPositions, sizeof(btVector3),
+                                                        uint32_t(points.size()), indices.data(),
+                                                        uint32_t(indices.size() / 3)));
+}
+
+std::unique_ptr<qcMeshShape> MakeConvexMesh(const btConvexShape* shape)
+{
+    qcConvexTriangles triangles;
+    if (!qcMakeConvexTriangles(shape, &triangles))
+        return nullptr;
+    std::unique_ptr<qcMeshShape> mesh = MakeMesh(triangles.points, triangles.indices);
+    mesh->setMargin(triangles.margin);
+    return mesh;
+}
+
+/// The part of a plane in a rectangle around the box, as a grid.
+std::unique_ptr<qcMeshShape> MakePlaneMesh(const btStaticPlaneShape* plane, const btVector3 box[2])
+{
+    btVector3 axes[2];
+    btPlaneSpace1(plane->getPlaneNormal(), axes[0], axes[1]);
+    btScalar lower[2], upper[2];
+    const btVector3 center = (box[0] + box[1]) / 2, half = (box[1] - box[0]) / 2;
+    for (int a = 0; a < 2; a++)
+    {
+        btScalar extent = half.dot(axes[a].absolute()), middle = center.dot(axes[a]);
+        lower[a] = middle - extent;
+        upper[a] = middle + extent;
+    }
+    std::vector<btVector3> points;
+    std::vector<uint32_t> indices;
+    for (int i = 0; i <= s_planeSquares; i++)
+        for (int j = 0; j <= s_planeSquares; j++)
+        {
+            btScalar s = btScalar(i) / s_planeSquares, t = btScalar(j) / s_planeSquares;
+            points.push_back(plane->getPlaneNormal() * plane->getPlaneConstant() +
+                             axes[0] * (lower[0] + (upper[0] - lower[0]) * s) +
+                             axes[1] * (lower[1] + (upper[1] - lower[1]) * t));
+            if (i == s_planeSquares || j == s_planeSquares)
+                continue;
+            uint32_t a = uint32_t(i * (s_planeSquares + 1) + j), b = a + s_planeSquares + 1;
+            indices.insert(indices.end(), {a, b, b + 1, a, b + 1, a + 1});
+        }
+    std::unique_ptr<qcMeshShape> mesh = MakeMesh(points, indices);
+    mesh->setMargin(std::max(plane->getMargin(), mesh->getMargin()));
+    return mesh;
+}
+
+class TriangleCounter : public btTriangleCallback
+{
+  public:
+    void processTriangle(btVector3*, int, int) override
+    {
+        count++;
+    }
+
+    size_t count = 0;
+};
+
+bool IsTooLarge(const btConcaveShape* shape)
+{
+    btVector3 lower, upper;
+    shape->getAabb(btTransform::getIdentity(), lower, upper);
+    TriangleCounter counter;
+    shape->processAllTriangles(&counter, lower, upper);
+    return counter.count > s_maxTriangles;
+}
+
+/// `box`: null for the whole shape.
+std::unique_ptr<qcMeshShape> MakeConcaveMesh(const btConcaveShape* shape, const btVector3* box)
+{
+    qcMeshTriangles triangles(shape, box);
+    std::vector<uint32_t> first = qcFirstAtPosition(triangles.points, triangles.pointCount), welded(first.size());
+    std::vector<btVector3> points;
+    for (uint32_t i = 0; i < triangles.pointCount; i++)
+    {
+        if (first[i] == i)
+        {
+            welded[i] = uint32_t(points.size());
+            points.push_back(triangles.points[i]);
+        }
+        else
+            welded[i] = welded[first[i]];
+    }
+    std::vector<uint32_t> indices(triangles.indices, triangles.indices + 3 * size_t(triangles.count));
+    for (uint32_t& index : indices)
+        index = welded[index];
+    std::unique_ptr<qcMeshShape> mesh = MakeMesh(points, indices);
+    mesh->setMargin(std::max(shape->getMargin(), mesh->getMargin()));
+    return mesh;
+}
+
+/// The surface, with a region twice as large as the box where it has one.
+std::shared_ptr<const qcShapeSurface> MakeSurface(const btCollisionShape* shape, const btVector3 box[2])
+{
+    std::shared_ptr<qcShapeSurface> surface(new qcShapeSurface);
+    const btVector3 enlargement = (box[1] - box[0]) / 2;
+    surface->region[0] = box[0] - enlargement;
+    surface->region[1] = box[1] + enlargement;
+    if (shape->isConvex())
+    {
+        surface->isConvex = true;
+        surface->mesh = MakeConvexMesh(static_cast<const btConvexShape*>(shape));
+        for (uint32_t i = 0; surface->mesh != nullptr && i < surface->mesh->getVertexCount(); i++)
+            surface->inside += surface->mesh->getVertices()[i] / btScalar(surface->mesh->getVertexCount());
+    }
+    else if (shape->getShapeType() == STATIC_PLANE_PROXYTYPE)
+    {
+        surface->isWhole = false;
+        surface->mesh = MakePlaneMesh(static_cast<const btStaticPlaneShape*>(shape), surface->region);
+    }
+    else
+    {
+        const auto* concave = static_cast<const btConcaveShape*>(shape);
+        surface->isWhole = qcIsGImpactMesh(shape) || !IsTooLarge(concave);
+        surface->mesh = MakeConcaveMesh(concave, surface->isWhole ? nullptr : surface->region);
+    }
+    if (surface->mesh != nullptr && surface->mesh->getTriangleCount() == 0)
+        surface->mesh.reset();
+    return surface;
+}
+} // namespace
+
+bool qcHasSurface(const btCollisionShape* shape)
+{
+    switch (shape->getShapeType())
+    {
+        case STATIC_PLANE_PROXYTYPE:
+        case TRIANGLE_MESH_SHAPE_PROXYTYPE:
+        case SCALED_TRIANGLE_MESH_SHAPE_PROXYTYPE:
+        case MULTIMATERIAL_TRIANGLE_MESH_PROXYTYPE:
+        case TERRAIN_SHAPE_PROXYTYPE: return true;
+        case FAST_CONCAVE_MESH_PROXYTYPE: return qcAsMeshShape(shape) == nullptr;
+        case GIMPACT_SHAPE_PROXYTYPE: return qcIsGImpactMesh(shape);
+        default: return shape->isConvex();
+    }
+}
+
+bool qcShapeSurface::Covers(const btVector3 box[2]) const
+{
+    if (isWhole)
+        return true;
+    for (int axis = 0; axis < 3; axis++)
+        if (box[0][axis] < region[0][axis] || box[1][axis] > region[1][axis])
+            return false;
+    return true;
+}
+
+uint64_t qcSurfaceCache::RevisionOf(const btCollisionShape* shape) const
+{
+    if (const qcMeshShape* mesh = qcAsMeshShape(shape))
+        return mesh->getRevision();
+    auto changes = m_changes.find(shape);
+    uint64_t hash = qcMixHash(changes != m_changes.end() ? changes->second : 0, uint64_t(shape->getShapeType()));
+    hash = MixScalar(hash, shape->getMargin());
+    if (shape->getShapeType() == STATIC_PLANE_PROXYTYPE)
+    {
+        const auto* plane = static_cast<const btStaticPlaneShape*>(shape);
+        return MixScalar(MixVector(hash, plane->getPlaneNormal()), plane->getPlaneConstant());
+    }
+    hash = qcMixHash(hash, qcMeshRevision(shape));
+    if (shape->isConvex())
+        return MixConvex(hash, static_cast<const btConvexShape*>(shape));
+    if (const auto* mesh = dynamic_cast<const btTriangleMeshShape*>(shape))
+        hash = qcMixHash(hash, reinterpret_cast<uintptr_t>(mesh->getMeshInterface()));
+    return hash;
+}
+
+std::shared_ptr<const qcShapeSurface> qcSurfaceCache::Find(const btCollisionShape* shape, uint64_t revision,
+                                                           const void* object, const btVector3 box[2])
+{
+    for (const void* owner : {static_cast<const void*>(nullptr), object})
+    {
+        auto found = m_entries.find(std::make_tuple(shape, owner));
+        if (found == m_entries.end() || found->second.revision != revision || !found->second.surface->Covers(box))
+            continue;
+        found->second.lastStep = m_step;
+        return found->second.surface;
+    }
+    std::shared_ptr<const qcShapeSurface> surface = MakeSurface(shape, box);
+    m_entries[std::make_tuple(shape, surface->isWhole ? nullptr : object)] = {revision, surface, m_step};
+    return surface;
+}
+
+void qcSurfaceCache::Forget(const btCollisionShape* shape)
+{
+    m_changes[shape]++;
+}
+
+void qcSurfaceCache::EndStep()
+{
+    m_step++;
+    for (auto entry = m_entries.begin(); entry != m_entries.end();)
+    {
+        // Objects near soft bodies hold their surfaces.
+        if (entry->second.surface.use_count() > 1)
+            entry->second.lastStep = m_step;
+        if (m_step - entry->second.lastStep > s_unusedSteps)
+            entry = m_entries.erase(entry);
+        else
+            ++entry;
+    }
+}
