@@ -386,18 +386,41 @@ void qcMotionLimiter::CommitAll(btScalar timeStep)
     m_islands.Damp(cutAgain);
 }
 
+/// Leaves out the pairs that are exempt, and those that the last detection did not report and that have not moved
+/// since.
+void qcMotionLimiter::SkipSettledPairs(const std::set<Numbers>& reported)
+{
+    auto isSettled = [&](const qcSweptPair& pair)
+    {
+        Numbers numbers = std::minmax(pair.first->number, pair.second->number);
+        return m_exempt.count(numbers) > 0 ||
+               (reported.count(numbers) == 0 && qcAreSame(pair.first->end, pair.first->tested) &&
+                qcAreSame(pair.second->end, pair.second->tested));
+    };
+    m_pairs.erase(std::remove_if(m_pairs.begin(), m_pairs.end(), isSettled), m_pairs.end());
+}
+
 /// Rounds of certificates and planes, then cuts, until all pairs are proven apart or exempt.
 qcStatus qcMotionLimiter::Certify()
 {
+    std::set<Numbers> reported;
     for (int round = 0;; round++)
     {
         m_objects.FindPairs(&m_pairs);
+        if (round > 0)
+            SkipSettledPairs(reported);
         if (m_pairs.empty())
             return qc_statusOk;
         const qcResult* result = nullptr;
         qcStatus status = Detect(&result);
         if (status != qc_statusOk)
             return status;
+        for (qcSweptObject* swept : m_objects.Get())
+            swept->tested = swept->end;
+        reported.clear();
+        for (size_t i = 0; i < result->pairCount; i++)
+            reported.insert(std::minmax(SideOf(result->pairs[i].bodyA).swept->number,
+                                        SideOf(result->pairs[i].bodyB).swept->number));
         CollectTangles(*result);
         if (!HasUnproven(*result))
             return qc_statusOk;

@@ -69,6 +69,7 @@ class qcMotionLimiter
     void JoinBlocked(const qcResult& result);
     std::map<Numbers, Block> FindBlocks(const qcResult& result) const;
     void Cut(const qcResult& result, int round);
+    void SkipSettledPairs(const std::set<Numbers>& reported);
     qcStatus Certify();
     void Commit(qcSweptObject* swept, btScalar timeStep) const;
     void CommitAll(btScalar timeStep);

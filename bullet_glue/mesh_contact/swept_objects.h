@@ -29,6 +29,7 @@ struct qcSweptObject
     btTransform start, target;   ///< before and after the step; the target is Bullet's, or where planes have pushed it
     btTransform carried;         ///< the start, moved by the common motion of its island
     btTransform end;             ///< after the step, as the limiter has it so far
+    btTransform tested;          ///< the end at the last detection of this step
     btTransform next;            ///< where the next step starts
     bool isPushed = false;       ///< planes have moved the end
     btScalar fraction = 1;       ///< of the motion from `carried` to the target that the object makes

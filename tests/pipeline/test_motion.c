@@ -267,7 +267,7 @@ END_TEST
 
 START_TEST(what_the_sweep_leaves_out_of_a_turning_cloth_never_meets)
 {
-    // It proves pairs of flat parts that have no certificate; brute force reports them.
+    // It proves pairs of flat parts together, which brute force proves one by one.
     UseKernels(_i);
     qcRandom random = {(uint64_t)_i + 300};
     MovingScene s = {.scene = qcMakeScene(NULL)};
@@ -300,8 +300,6 @@ START_TEST(what_the_sweep_leaves_out_of_a_turning_cloth_never_meets)
     for (size_t i = 0; i < found.count; i++)
         ck_assert(Contains(&all, &found.pairs[i]));
     ck_assert_uint_gt(CheckOthersStayApart(&s, &found), 1000);
-    // 1 rad: the sweep proves more.
-    ck_assert(_i != 4 || found.count < all.count);
     free(all.pairs);
     free(found.pairs);
     FreeScene(&s);

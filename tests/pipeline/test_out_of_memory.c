@@ -235,7 +235,7 @@ static void FailEachOfMotion(qcMethod method)
     }
     for (int k = 0; k < qc_motionDetections; k++)
     {
-        ck_assert_uint_gt(expected[k].count, k == 0 ? 0 : expected[k - 1].count);
+        ck_assert_uint_gt(expected[k].count, 0);
         free(expected[k].pairs);
     }
     qcSoup_Free(&cloth);
