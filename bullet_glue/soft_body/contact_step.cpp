@@ -105,7 +105,6 @@ qcStatus qcSoftBodyContact::Implementation::MarkStart()
 {
     double begin = qcNowMs();
     m_isCertified = false;
-    m_zones.Clear();
     qcStatus status = scene.MarkStart();
     statistics.gatherMs += qcNowMs() - begin;
     return status;
@@ -130,17 +129,16 @@ void qcSoftBodyContact::Implementation::SortMotionPairs()
         const qcProximity& start = m_result->proximities[i];
         if (!IsContinuous(pair) || !qcHasResponse(scene, pair))
             continue;
-        const qcUnprovenPair unproven = {pair, qcVectorOf(start.normal), btScalar(start.distance)};
-        qcTouchingMotion touching = pair.relation == qc_relationTouching
+        const qcUnprovenPair unproven = qcMakeUnproven(scene, pair, start);
+        qcTouchingMotion touching = unproven.distance == 0 && pair.relation != qc_relationPenetrating
                                         ? qcClassifyTouching(scene, unproven, m_movesZones)
                                         : qcTouchingMotion::Unproven;
-        if (pair.relation == qc_relationPenetrating || touching == qcTouchingMotion::Entangled)
+        bool isProven = touching == qcTouchingMotion::Proven ||
+                        (touching == qcTouchingMotion::Unproven && m_zones.KeepsApart(pair, btScalar(start.distance)));
+        if (pair.relation == qc_relationPenetrating || touching == qcTouchingMotion::Entangled ||
+            (!isProven && m_tangles.MayLeave(scene, pair)))
             m_exemptMotions++;
-        else if (touching == qcTouchingMotion::Proven || m_zones.KeepsApart(pair, unproven.distance))
-            continue;
-        else if (m_tangles.MayLeave(scene, pair))
-            m_exemptMotions++;
-        else
+        else if (!isProven)
             (m_tangles.IsKept(scene, pair) ? m_keptTangles : m_unproven).push_back(unproven);
     }
 }

@@ -183,12 +183,12 @@ struct qcMeshContactStatistics
 /// up to sixteen times in the step, along their initial velocities, and stop where they touch, together with bodies
 /// that follow them. Changes of velocity by the solver within the step are not foreseen, nor are children of compounds.
 ///
-/// Limits: no two meshes that don't touch at the start of a step pass each other in it, whatever their speed, children of
-/// compounds included. After Bullet has integrated the transforms, in an action of the world, bodies whose motions are
-/// not proven apart are pushed apart or cut back. Static and kinematic objects are not; `unproven` counts pairs that they
-/// press together. A kinematic body moves to where the application sets its transform, and takes along what is between;
-/// one that is put elsewhere needs setInterpolationWorldTransform, too. Convex shapes have Bullet's own continuous
-/// collision detection (setCcdMotionThreshold).
+/// Limits: no two meshes that don't touch at the start of a step pass each other in it, whatever their speed, children
+/// of compounds included. After Bullet has integrated the transforms, in an action of the world, bodies whose motions
+/// are not proven apart are pushed apart or cut back. Static and kinematic objects are not; `unproven` counts pairs
+/// that they press together. A kinematic body moves to where the application sets its transform, and takes along what
+/// is between; one that is put elsewhere needs setInterpolationWorldTransform, too. Convex shapes have Bullet's own
+/// continuous collision detection (setCcdMotionThreshold).
 ///
 /// Rest: as long as no point of a body has moved by 3 % of the threshold, its contact points move with it and nothing
 /// is searched.

@@ -81,22 +81,25 @@ struct qcSoftBodyStatistics
 /// Contact of a world's soft bodies: settings and statistics. Base class of qcSoftBodySolver and qcDeformableWorld.
 ///
 /// Response: Bullet's own constraints run first. Then nodes are moved apart by contacts of vertices with faces and
-/// edges with edges within the thickness, on the side from which they came. At the end of a step no two triangles
-/// without a common node penetrate that did not at its start, by the exact test; only kinematic meshes that leave no
-/// room are an exception. Momentum is conserved.
+/// edges with edges within the thickness, on the side from which they came. Last, every pair of triangles without a
+/// common node that was apart at the start of the step is proven to be apart over the whole of it
+/// (qcSoftBodySettings::continuous): nothing passes anything at any speed. What can't be proven is pushed apart, moved
+/// as one, or returned to its start. Only kinematic meshes and pinned nodes that leave no room are an exception
+/// (qcSoftBodyStatistics::unproven). Momentum is conserved. The theorem and its limits: plugin/docs/never_through.md.
 ///
 /// Tangled starts: triangles that penetrate at the start of a step are exempt, so a scene may start tangled. Each step
 /// works them apart (qcSoftBodySettings::untangle), over half the thickness and without a velocity for that:
-/// - Where an intersection curve cuts off a part of a surface, the part goes back through the other surface. The smaller
+/// - Where an intersection curve cuts off a part of a surface, the part goes back through the other surface. The
+/// smaller
 ///   part moves: the body returns to the side on which most of it is.
 /// - Where a curve ends inside of both surfaces, it is shortened from its ends.
 /// Motion that tangles further ends as in an inelastic contact. Links that untangling compresses give nodes some
 /// velocity. Away from the curve nothing passes. A body that is inside of a closed one as a whole has no curve and
 /// stays. Triangles that touch at the start, without penetration, are kept apart; surfaces that cross exactly in common
-/// positions don't penetrate, and are not worked apart.
+/// positions are worked apart as soon as they penetrate.
 ///
-/// Time: between start and end of a step only nodes and rope links that pass through meshes are detected. Everything
-/// else that moves by more than the thickness, relative to the other surface, may pass it.
+/// Time: a step starts where the previous one ended. A node or an object that the application moves in between moves
+/// within the step; one that is put elsewhere, by more than half its size, starts there.
 ///
 /// Rigid bodies: a soft body collides with each qcMeshShape, and with the surfaces of Bullet's own shapes as triangles;
 /// static, kinematic or moving, also in compounds; unless its collision flags have none of fCollision::RVSmask. Both
@@ -172,11 +175,11 @@ class QC_API qcSoftBodyContact
     void setMethod(qcMethod method);
 
     /// Draws in red the potentially colliding set of the first query of the last step, at the bodies' present places:
-    /// the triangles in a candidate pair or with a contact, and a cross for each such node without a face. In yellow the
-    /// separating planes of the last step (qcSoftBodyStatistics::planes): a square of the thickness between the closest
-    /// points of both triangles, with its normal. In magenta a cross at each node of a zone (zoneNodes). Bodies that
-    /// have left the world since, and meshes that an object no longer has, are left out. Call it between steps, after
-    /// debugDrawWorld. The drawer's debug mode is ignored. Changes nothing. O(triangles log contacts).
+    /// the triangles in a candidate pair or with a contact, and a cross for each such node without a face. In yellow
+    /// the separating planes of the last step (qcSoftBodyStatistics::planes): a square of the thickness between the
+    /// closest points of both triangles, with its normal. In magenta a cross at each node of a zone (zoneNodes). Bodies
+    /// that have left the world since, and meshes that an object no longer has, are left out. Call it between steps,
+    /// after debugDrawWorld. The drawer's debug mode is ignored. Changes nothing. O(triangles log contacts).
     void debugDraw(btIDebugDraw* drawer) const;
 
   protected:

@@ -292,6 +292,8 @@ typedef struct qcDetectDef
     /// stay flat.
     /// Relations and proximities of pairs are those of the start, where reported pairs may be disjoint. With
     /// `neighbours`: also pairs that share a vertex and aren't proven to meet there only. `touching` has no effect.
+    /// Pairs without a common vertex are left out, too, if each half, quarter, eighth or sixteenth of the motion has a
+    /// direction of its own, as where two surfaces turn as one body.
     /// Margins, segments and manifolds are refused; so are `cullide` and `quick`. `layers` leaves it to `sweep`.
     bool motion;
 } qcDetectDef;

@@ -7,7 +7,7 @@
 #include "base/status.h"
 #include "narrowphase/feature_contacts.h"
 #include "triangle/exact.h"
-#include "triangle/motion_certificate.h"
+#include "triangle/motion_in_parts.h"
 #include "triangle/proximity.h"
 
 #include <string.h>
@@ -84,12 +84,21 @@ static void LoadPair(const Job* job, uint64_t key, Corners corners[2])
     LoadCorners(job, (uint32_t)key, &corners[1]);
 }
 
+static bool HaveCommonIndex(const uint32_t a[3], const uint32_t b[3])
+{
+    for (int i = 0; i < 9; i++)
+        if (a[i / 3] == b[i % 3])
+            return true;
+    return false;
+}
+
 /// True if the triangles are proven apart over the motion.
 static bool StaysApart(const Corners corners[2])
 {
-    return corners[0].body == corners[1].body ? qcMotion_SeparatesNeighbours(&corners[0].moving, corners[0].indices,
-                                                                             &corners[1].moving, corners[1].indices)
-                                              : qcMotion_Separates(&corners[0].moving, &corners[1].moving, NULL);
+    const qcMovingTriangle *a = &corners[0].moving, *b = &corners[1].moving;
+    if (corners[0].body == corners[1].body && HaveCommonIndex(corners[0].indices, corners[1].indices))
+        return qcMotion_SeparatesNeighbours(a, corners[0].indices, b, corners[1].indices);
+    return qcMotion_StaysApart(a, b);
 }
 
 static void TestPair(const Job* job, qcNarrowphaseWorker* worker, uint64_t key, Corners corners[2])

@@ -219,6 +219,21 @@ static void Place(qcRandom* random, double error, Motion* motion)
         motion->scales[qcRandom_Below(random, 2)] = ldexpf(1.0f, -(int)qcRandom_Below(random, 4));
 }
 
+/// With the largest errors of points for which the motion is proven flat.
+static void PlaceWithErrors(qcRandom* random, Motion* motion)
+{
+    const Motion plane = *motion;
+    const qcRandom start = *random;
+    for (double error = 0x1p-6; error > 0x1p-18; error /= 1.3)
+    {
+        *random = start;
+        *motion = plane;
+        Place(random, error, motion);
+        if (IsFlat(&qcTriangleKernels_scalar, motion))
+            return;
+    }
+}
+
 /// Flat where it is, in its own plane.
 static bool IsFlatInPlane(const qcPatch* patch)
 {
@@ -310,8 +325,7 @@ static void MakeMotion(qcRandom* random, MotionKind kind, Motion* motion)
 {
     qcPatch *start = &motion->at[0], *end = &motion->at[1];
     double height = qcRandom_Below(random, 2) == 0 ? 0.0 : qcRandom_Uniform(random, 0.0, 0.3);
-    // Errors that are as large as the gaps of strips, and smaller than their width.
-    double error = qcRandom_Below(random, 2) == 0 ? ldexp(1.0, -8 - (int)qcRandom_Below(random, 8)) : 0.0;
+    bool hasErrors = kind != qc_motionTwist && qcRandom_Below(random, 2) == 0;
     switch (kind)
     {
         case qc_motionUnrelated:
@@ -320,7 +334,6 @@ static void MakeMotion(qcRandom* random, MotionKind kind, Motion* motion)
         case qc_motionTwist:
             MakeRings(start);
             Twist(random, start, end);
-            error = 0.0;
             break;
         case qc_motionOfGrown:
             qcPatch_MakeGrown(random, 4 + qcRandom_Below(random, 20), 0.4, height, start);
@@ -330,7 +343,10 @@ static void MakeMotion(qcRandom* random, MotionKind kind, Motion* motion)
             MakeStripOrTeeth(random, kind == qc_motionOfTeeth, 4 + qcRandom_Below(random, 12), height, start);
             MoveInPlane(random, start, end);
     }
-    Place(random, error, motion);
+    if (hasErrors)
+        PlaceWithErrors(random, motion);
+    else
+        Place(random, 0.0, motion);
 }
 
 //  ---- tests -------------------------------------------------------------------------------------------------------

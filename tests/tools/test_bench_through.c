@@ -45,6 +45,23 @@ START_TEST(no_pair_penetrates_in_thrown_cloth_sheets_and_cloth_on_small_meshes)
 }
 END_TEST
 
+static void CheckHeld(const Row* row, void* context)
+{
+    (void)context;
+    ck_assert_msg(Is(row, "failing_runs", "0"), "%s, %s: %s pairs at ends", Get(row, "scene"), Get(row, "world"),
+                  Get(row, "ends"));
+    ck_assert(Is(row, "ends", "0") && Is(row, "inside", "0"));
+}
+
+START_TEST(a_mesh_that_turns_does_not_go_through_the_cloth_around_it)
+{
+    EnterFolder();
+    RunThrough(QC_THROUGH_PROGRAM, "--runs 4 --scene drop-kinematic");
+    ck_assert_int_eq(ForEachRow("o.csv", HEADER, CheckHeld, NULL), 2);
+    LeaveFolder();
+}
+END_TEST
+
 static void CheckFound(const Row* row, void* context)
 {
     ck_assert_msg(GetNumber(row, "ends") + GetNumber(row, "inside") > 10.0, "%s", Get(row, "world"));
@@ -176,9 +193,9 @@ START_TEST(mistakes_are_refused_with_a_message)
 END_TEST
 
 QC_RUN_TESTS("bench through", no_pair_penetrates_in_thrown_cloth_sheets_and_cloth_on_small_meshes,
-             pairs_are_found_where_contact_is_not_continuous, testing_every_pair_finds_the_same_ones,
-             what_is_crushed_is_reported, each_row_stands_beside_that_of_the_version_before,
-             the_film_is_drawn_where_there_is_a_device,
+             a_mesh_that_turns_does_not_go_through_the_cloth_around_it, pairs_are_found_where_contact_is_not_continuous,
+             testing_every_pair_finds_the_same_ones, what_is_crushed_is_reported,
+             each_row_stands_beside_that_of_the_version_before, the_film_is_drawn_where_there_is_a_device,
 #ifdef QC_THROUGH_DOUBLE_PROGRAM
              no_pair_penetrates_in_double_precision,
 #endif

@@ -4,11 +4,15 @@
 #include "common/shape_triangles.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace
 {
 // Bisection steps for the level of a plane: the interval that is left is below the rounding of a float.
 constexpr int s_halvings = 24;
+// Triangles at a smaller distance, relative to their coordinates, nearly touch: certificates can't tell their distance
+// from rounding.
+constexpr double s_minDistance = 1e-12;
 // The gap of triangles that touch at the start, as a share of the thickness: a direction that is not strict at the
 // start has to be at the end.
 constexpr btScalar s_touchingGap = btScalar(1e-3);
@@ -238,6 +242,47 @@ struct TouchingPair
         return lowest - highest >= -8 * SIMD_EPSILON * size;
     }
 
+    /// The direction that separates the triangles best at the start: a face normal, or normal to two edges.
+    btVector3 FindDirection() const
+    {
+        btVector3 edges[2][3], axes[17], best(0, 1, 0);
+        for (int c = 0; c < 3; c++)
+        {
+            edges[0][c] = StartOf(0, c + 1) - StartOf(0, c);
+            edges[1][c] = StartOf(1, c + 1) - StartOf(1, c);
+        }
+        int count = 0;
+        for (int side = 0; side < 2; side++)
+        {
+            btVector3 normal = axes[count++] = edges[side][0].cross(edges[side][1]);
+            for (int c = 0; c < 3; c++)
+                axes[count++] = normal.cross(edges[side][c]);
+        }
+        for (int i = 0; i < 9; i++)
+            axes[count++] = edges[0][i / 3].cross(edges[1][i % 3]);
+        btScalar widest = -BT_LARGE_FLOAT;
+        for (int i = 0; i < 2 * count; i++)
+        {
+            btScalar length = axes[i / 2].length();
+            if (length <= 0)
+                continue;
+            btVector3 axis = axes[i / 2] * ((i & 1 ? 1 : -1) / length);
+            btScalar gap = BT_LARGE_FLOAT;
+            for (int k = 0; k < 9; k++)
+                gap = std::min(gap, axis.dot(StartOf(0, k / 3) - StartOf(1, k % 3)));
+            if (gap <= widest)
+                continue;
+            widest = gap;
+            best = axis;
+        }
+        return best;
+    }
+
+    btVector3 StartOf(int side, int c) const
+    {
+        return (side == 0 ? above : below).corner[c % 3 < sides[side].count ? c % 3 : 0].start;
+    }
+
     /// The relation at present; `normal`: from the closest point of B to that of A, if they are disjoint.
     qcRelation FindEnd(btVector3* normal) const
     {
@@ -254,6 +299,21 @@ struct TouchingPair
     }
 };
 } // namespace
+
+qcUnprovenPair qcMakeUnproven(qcSoftBodyScene& scene, const qcPair& pair, const qcProximity& start)
+{
+    qcUnprovenPair unproven = {pair, qcVectorOf(start.normal), btScalar(start.distance)};
+    if (pair.relation == qc_relationPenetrating || start.distance <= 0)
+        return unproven;
+    double size = 0;
+    for (int axis = 0; axis < 3; axis++)
+        size = std::max(size, std::fabs(start.pointA[axis]));
+    if (start.distance > s_minDistance * (1 + size))
+        return unproven;
+    unproven.normal = TouchingPair(scene, unproven).FindDirection();
+    unproven.distance = 0;
+    return unproven;
+}
 
 qcTouchingMotion qcClassifyTouching(qcSoftBodyScene& scene, const qcUnprovenPair& unproven, bool isInZone)
 {

@@ -24,8 +24,11 @@ struct qcUnprovenPair
 {
     qcPair pair;
     btVector3 normal;  ///< of the start: from the closest point of B to that of A; of least penetration if they touch
-    btScalar distance; ///< at the start
+    btScalar distance; ///< at the start; 0 too where no direction is proven to separate since they nearly touch
 };
+
+/// `start`: the proximity of the pair at the start of the step.
+qcUnprovenPair qcMakeUnproven(qcSoftBodyScene& scene, const qcPair& pair, const qcProximity& start);
 
 /// How a pair that touches at the start moves along its direction of least penetration.
 enum class qcTouchingMotion

@@ -11,7 +11,7 @@
 
 namespace
 {
-// The relative motion of both sides in a step, as a share of the thickness.
+// The relative motion of both sides in a step, and the largest motion of a node, as a share of the thickness.
 constexpr btScalar s_shift = btScalar(0.5);
 // Edges with a smaller sine to the face give no reliable direction.
 constexpr btScalar s_minSlope = btScalar(0.05);
@@ -288,17 +288,13 @@ btVector3 CenterOf(const qcUntanglement& tangle)
     return sum / count;
 }
 
-/// Moves the nodes; `isShift`: without velocity.
-void Move(const Field& field, const btVector3& by, bool isShift)
+/// Calls function(body, node, displacement) for each node that moves if its side does.
+template <typename Function> void ForEachMoved(const Field& field, const btVector3& by, Function function)
 {
     qcSceneSoftBody* soft = field.side->graph->soft;
     for (size_t i = 0; i < field.nodes.size(); i++)
         if (soft->InverseMass(field.nodes[i]) > 0)
-        {
-            if (isShift)
-                soft->shifts[field.nodes[i]] += by * field.shares[i];
-            soft->positions[field.nodes[i]] += by * field.shares[i];
-        }
+            function(*soft, field.nodes[i], by * field.shares[i]);
 }
 
 btScalar ThicknessOf(const qcIntersectionCurve& curve)
@@ -327,11 +323,12 @@ struct Fields
         }
     }
 
-    void MoveApart(const btVector3& by, bool isShift) const
+    /// Calls function(body, node, displacement) for each node that an impulse, times the time step, moves.
+    template <typename Function> void ForEachMoved(const btVector3& impulse, Function function) const
     {
         for (int i = 0; i < 2; i++)
             if (mobility[i] > 0)
-                Move(sides[i], by * (i == 0 ? mobility[i] : -mobility[i]), isShift);
+                ::ForEachMoved(sides[i], impulse * (i == 0 ? mobility[i] : -mobility[i]), function);
     }
 };
 
@@ -358,29 +355,65 @@ btScalar StopTangling(const qcUntanglement& tangle, const Fields& fields)
     if (effective <= 0)
         return motion;
     btVector3 impulse = tangle.direction * (-motion / effective);
-    fields.MoveApart(impulse, false);
+    fields.ForEachMoved(impulse,
+                        [](qcSceneSoftBody& soft, uint32_t node, const btVector3& by) { soft.positions[node] += by; });
     for (int i = 0; i < 2; i++)
         if (rigids[i] != nullptr)
             rigids[i]->Push(arms[i], i == 0 ? impulse : -impulse);
     return 0;
 }
 
-void Untangle(const qcUntanglement& tangle, std::vector<uint32_t>* hops)
+/// A motion without velocity.
+struct Shift
+{
+    Fields fields;
+    btVector3 impulse; ///< times the time step
+    btScalar thickness;
+};
+
+Shift MakeShift(const qcUntanglement& tangle, std::vector<uint32_t>* hops)
 {
     const qcCurveSide* sides = tangle.curve->sides;
     uint32_t reach = tangle.end != nullptr ? s_endReach
                      : tangle.hasPart[tangle.side]
                          ? DepthOf(sides[tangle.side], hops)
                          : uint32_t(sides[0].crossings.size() + sides[1].crossings.size()) / 2;
-    Fields fields(tangle, reach, hops);
-    btScalar motion = StopTangling(tangle, fields);
+    Shift shift = {Fields(tangle, reach, hops), btVector3(0, 0, 0), ThicknessOf(*tangle.curve)};
+    btScalar motion = StopTangling(tangle, shift.fields);
     if (tangle.hasPart[tangle.side] && sides[0].slot != sides[1].slot)
-        fields = Fields(tangle, std::max(s_partReach, s_reachPerDepth * reach), hops);
-    btScalar thickness = ThicknessOf(*tangle.curve);
-    btScalar missing = std::min(s_shift * thickness, tangle.distance + thickness) - motion;
-    btScalar mobility = fields.mobility[0] + fields.mobility[1];
+        shift.fields = Fields(tangle, std::max(s_partReach, s_reachPerDepth * reach), hops);
+    btScalar missing = std::min(s_shift * shift.thickness, tangle.distance + shift.thickness) - motion;
+    btScalar mobility = shift.fields.mobility[0] + shift.fields.mobility[1];
     if (missing > 0 && mobility > 0)
-        fields.MoveApart(tangle.direction * (missing / mobility), true);
+        shift.impulse = tangle.direction * (missing / mobility);
+    return shift;
+}
+
+/// Adds the shifts to the positions. A shift is reduced as a whole, so that momentum is kept, if the sum of all would
+/// move one of its nodes further than a single one may.
+void Apply(const std::vector<Shift>& shifts)
+{
+    std::map<const qcSceneSoftBody*, std::vector<btVector3>> sums;
+    for (const Shift& shift : shifts)
+        shift.fields.ForEachMoved(shift.impulse,
+                                  [&](qcSceneSoftBody& soft, uint32_t node, const btVector3& by)
+                                  {
+                                      std::vector<btVector3>& sum = sums[&soft];
+                                      sum.resize(soft.positions.size(), btVector3(0, 0, 0));
+                                      sum[node] += by;
+                                  });
+    for (const Shift& shift : shifts)
+    {
+        btScalar factor = 1;
+        shift.fields.ForEachMoved(shift.impulse, [&](qcSceneSoftBody& soft, uint32_t node, const btVector3&)
+                                  { factor = std::max(factor, sums[&soft][node].length() / (s_shift * shift.thickness)); });
+        shift.fields.ForEachMoved(shift.impulse / factor,
+                                  [&](qcSceneSoftBody& soft, uint32_t node, const btVector3& by)
+                                  {
+                                      soft.shifts[node] += by;
+                                      soft.positions[node] += by;
+                                  });
+    }
 }
 } // namespace
 
@@ -405,6 +438,8 @@ void qcUntangle(qcSoftBodyScene& scene, const std::vector<qcUntanglement>& untan
         for (const qcCurveSide& side : tangle.curve->sides)
             vertexCount = std::max(vertexCount, side.graph->VertexCount());
     std::vector<uint32_t> hops(vertexCount, UINT32_MAX);
+    std::vector<Shift> shifts;
     for (const qcUntanglement& tangle : untanglements)
-        Untangle(tangle, &hops);
+        shifts.push_back(MakeShift(tangle, &hops));
+    Apply(shifts);
 }

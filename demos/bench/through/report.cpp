@@ -62,7 +62,7 @@ std::string TextOf(const char* format, double value)
     return std::isnan(value) ? "-" : text;
 }
 
-/// "before > now"; only "now" if there is no row of before.
+/// "before > now"; "? > now" if there is no row of before.
 std::string Both(const qcThroughRow* before, const char* format, double old, double now)
 {
     return (before != nullptr ? TextOf(format, old) : std::string("?")) + " > " + TextOf(format, now);
@@ -140,7 +140,7 @@ void qcPrintThroughEnd(const std::vector<qcThroughRow>& rows)
     for (const qcThroughRow& row : rows)
     {
         free += qcIsThroughFree(row);
-        if (!(row.energy <= 1 + s_energyTolerance) && !std::isnan(row.energy))
+        if (row.energy > 1 + s_energyTolerance)
             std::printf("Energy grew: %s, %s, %d Hz, by a factor of %.4f\n", row.scene.c_str(), row.world.c_str(),
                         row.hz, row.energy);
         for (const qcThroughRow& old : qcThroughRowsBefore())

@@ -115,21 +115,19 @@ START_TEST(what_starts_tangled_comes_apart_and_is_not_thrown)
     qcTangledWorld world(def.gravity);
     def.make(&world);
     ck_assert_uint_gt(CountPenetrating(world), 20);
-    int last = 0; // step after which something was tangled
-    for (int step = 1; step <= 150; step++)
+    for (int step = 1; step <= def.steps; step++)
     {
         world.Step();
         CheckStep(world);
-        last = world.softSolver.getStatistics().remaining > 0 ? step : last;
         if (def.gravity > 0)
             continue;
         // A part moves by half the thickness of 1 cm in a step, 0.3 m/s, but gets no such speed.
-        ck_assert_double_lt(double(world.MaxSpeed()), 1.5);
+        ck_assert_double_lt(double(world.MaxSpeed()), def.speed);
         ck_assert_double_lt(double(world.Energy()), 0.02);
         if (world.bodies.empty())
             ck_assert_double_lt(double(MomentumOf(world).length()), 1e-4);
     }
-    ck_assert_int_lt(last, 120);
+    ck_assert_uint_le(CountPenetrating(world), def.left);
 }
 END_TEST
 
@@ -247,7 +245,7 @@ END_TEST
 START_TEST(surfaces_that_touch_at_the_start_come_apart)
 {
     qcTangledWorld world;
-    qcMakeTouching(&world);
+    (_i == 0 ? qcMakeTouching : qcMakeNearlyTouching)(&world);
     for (int step = 0; step < 60; step++)
     {
         world.Step();
@@ -260,18 +258,19 @@ START_TEST(surfaces_that_touch_at_the_start_come_apart)
 }
 END_TEST
 
-START_TEST(cloths_that_cross_along_common_positions_fall_and_don_t_tangle)
+START_TEST(cloths_that_cross_along_common_positions_fall_freely_and_come_apart)
 {
     qcTangledWorld world(10);
     qcMakeCrossedAtNodes(&world);
-    for (int step = 0; step < 30; step++)
+    ck_assert_uint_eq(CountPenetrating(world), 0);
+    for (int step = 0; step < 200; step++)
     {
         world.Step();
         CheckStep(world);
-        ck_assert_int_eq(world.softSolver.getStatistics().remaining, 0);
     }
-    // Free fall, not held by what touches.
-    ck_assert_double_eq_tol(double(MomentumOf(world).y()), -10 * 30 / 60.0 * 2, 0.1);
+    ck_assert_int_eq(world.softSolver.getStatistics().remaining, 0);
+    // What touches does not hold them.
+    ck_assert_double_eq_tol(double(MomentumOf(world).y()), -10 * 200 / 60.0 * 2, 0.1);
 }
 END_TEST
 
@@ -286,8 +285,8 @@ static int RunAll()
     tcase_add_test(tests, tangles_stay_where_the_setting_is_off);
     tcase_add_test(tests, the_setting_changes_nothing_where_nothing_is_tangled);
     tcase_add_test(tests, a_tangle_with_a_free_mesh_keeps_momentum);
-    tcase_add_test(tests, surfaces_that_touch_at_the_start_come_apart);
-    tcase_add_test(tests, cloths_that_cross_along_common_positions_fall_and_don_t_tangle);
+    tcase_add_loop_test(tests, surfaces_that_touch_at_the_start_come_apart, 0, 2);
+    tcase_add_test(tests, cloths_that_cross_along_common_positions_fall_freely_and_come_apart);
     suite_add_tcase(suite, tests);
     return qcRunSuite(suite);
 }
