@@ -433,7 +433,7 @@ bool qcSoftBodyContact::Implementation::Resolve(btScalar timeStep)
         scene.meshes.Restore();
         return false;
     }
-    qcHeldContacts::Keep(scene, m_constraints);
+    qcHeldContacts::Keep(scene, m_tangles, m_constraints);
     scene.meshes.UpdateVelocities(timeStep);
     qcApplyRigidNodeImpulses(m_rigidNodeContacts, timeStep);
     return true;

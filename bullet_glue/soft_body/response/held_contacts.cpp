@@ -27,6 +27,15 @@ qcSceneSoftBody* FindOwner(qcSoftBodyScene& scene, const btVector3* position, ui
     return nullptr;
 }
 
+bool AreTangled(const qcSoftTangles& tangles, const qcSceneSoftBody& soft, const qcSceneRigid& rigid)
+{
+    return std::any_of(rigid.meshes.begin(), rigid.meshes.end(),
+                       [&](const qcSceneMesh& mesh) {
+                           return tangles.Contains(soft.id.slot, mesh.id.slot) ||
+                                  tangles.Contains(mesh.id.slot, soft.id.slot);
+                       });
+}
+
 bool IsLess(const qcObjectKey& a, const qcObjectKey& b)
 {
     return a.object != b.object ? std::less<const void*>()(a.object, b.object) : a.uniqueId < b.uniqueId;
@@ -69,7 +78,8 @@ void Fill(const qcSceneSoftBody& soft, const qcHeldContact& held, const btVector
 }
 } // namespace
 
-void qcHeldContacts::Keep(qcSoftBodyScene& scene, const std::vector<qcSoftConstraint>& constraints)
+void qcHeldContacts::Keep(qcSoftBodyScene& scene, const qcSoftTangles& tangles,
+                          const std::vector<qcSoftConstraint>& constraints)
 {
     for (qcSceneSoftBody& soft : scene.Bodies())
         soft.heldContacts.clear();
@@ -88,7 +98,7 @@ void qcHeldContacts::Keep(qcSoftBodyScene& scene, const std::vector<qcSoftConstr
             // Bullet would move pinned nodes, too.
             isFree = isFree && constraint.inverseMass[i] > 0;
         }
-        if (soft == nullptr || !isFree)
+        if (soft == nullptr || !isFree || AreTangled(tangles, *soft, *constraint.rigid))
             continue;
         const btTransform& now = constraint.rigid->object->getWorldTransform();
         held.count = constraint.nodeCount;

@@ -10,8 +10,10 @@
 class qcHeldContacts
 {
   public:
-    /// Keeps the contacts among the constraints, at the end of a step.
-    static void Keep(qcSoftBodyScene& scene, const std::vector<qcSoftConstraint>& constraints);
+    /// Keeps the contacts among the constraints, at the end of a step. Tangled bodies have none: parts of them are on
+    /// the wrong side. `tangles`: of the end of the step.
+    static void Keep(qcSoftBodyScene& scene, const qcSoftTangles& tangles,
+                     const std::vector<qcSoftConstraint>& constraints);
     /// Adds the contacts that still hold to Bullet's soft bodies, as contacts of faces with nodes of this object.
     void Insert(qcSoftBodyScene& scene);
     /// Removes them after Bullet has solved, and applies their friction.

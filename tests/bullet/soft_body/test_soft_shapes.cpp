@@ -7,6 +7,9 @@
 
 #include <cmath>
 
+#include <BulletSoftBody/btDeformableGravityForce.h>
+#include <BulletSoftBody/btDeformableMassSpringForce.h>
+
 namespace
 {
 const double s_speeds[] = {5, 20, 50};
@@ -51,6 +54,74 @@ START_TEST(a_cloth_of_20000_triangles_passes_no_pole_and_no_sphere)
 {
     qcShapeScene scene(_i == 0 ? qc_shapeThinCylinder : qc_shapeSphere, 100);
     CheckThrow(scene, 50, 3);
+}
+END_TEST
+
+START_TEST(thrown_cloth_passes_no_shape_in_the_deformable_world)
+{
+    qcShapeModel model = qcMakeShape(qcShapeKind(_i));
+    btRigidBody body(0, nullptr, model.shape.get());
+    btDeformableMassSpringForce springs(10, btScalar(0.05), true);
+    btDeformableGravityForce gravity(btVector3(0, -10, 0));
+    qcDeformableTestWorld<qcDeformableWorld> test;
+    test.world->addRigidBody(&body);
+    const btScalar y = model.top + btScalar(0.2);
+    btSoftBody* cloth =
+        btSoftBodyHelpers::CreatePatch(test.world->getWorldInfo(), btVector3(-1, y, -1), btVector3(1, y, -1),
+                                       btVector3(-1, y + btScalar(0.05), 1), btVector3(1, y, 1), 25, 25, 0, true);
+    cloth->getCollisionShape()->setMargin(btScalar(0.01));
+    cloth->m_cfg.collisions = btSoftBody::fCollision::SDF_RD | btSoftBody::fCollision::SDF_RDN;
+    cloth->setTotalMass(1);
+    test.world->addSoftBody(cloth);
+    test.world->addForce(cloth, &springs);
+    test.world->addForce(cloth, &gravity);
+    test.cloths.push_back(cloth);
+    cloth->setVelocity(btVector3(0, -20, 0));
+    qcPassOracle oracle(cloth, &body, model.model);
+    int contacts = 0;
+    for (int step = 0; step < 15; step++)
+    {
+        test.world->stepSimulation(btScalar(1.0 / 60), 0);
+        const qcSoftBodyStatistics& statistics = test.world->getStatistics();
+        contacts += statistics.contacts;
+        ck_assert_int_eq(statistics.status, qc_statusOk);
+        ck_assert_int_eq(statistics.unproven, 0);
+        ck_assert_uint_eq(oracle.Count(), 0);
+        ck_assert_int_eq(cloth->m_nodeRigidContacts.size(), 0);
+    }
+    ck_assert_int_gt(contacts, 50);
+    test.world->removeRigidBody(&body);
+}
+END_TEST
+
+START_TEST(cloth_that_hangs_over_a_rim_needs_no_planes)
+{
+    // A round table of 1.2 m and a cloth of 2 m.
+    qcSoftWorld world;
+    btCylinderShape shape(btVector3(btScalar(0.6), btScalar(0.05), btScalar(0.6)));
+    btRigidBody* table = world.AddBody(&shape, 0, btVector3(0, 0, 0));
+    table->setFriction(btScalar(0.6));
+    const btScalar y = btScalar(0.1);
+    btSoftBody* cloth =
+        btSoftBodyHelpers::CreatePatch(world.world.getWorldInfo(), btVector3(-1, y, -1), btVector3(1, y, -1),
+                                       btVector3(-1, y, 1), btVector3(1, y, 1), 61, 61, 0, true);
+    cloth->m_cfg.piterations = 8;
+    cloth->setTotalMass(1);
+    world.world.addSoftBody(cloth);
+    world.cloths.push_back(cloth);
+    int planes = 0, rounds = 0;
+    for (int step = 0; step < 150; step++)
+    {
+        world.world.stepSimulation(btScalar(1.0 / 120), 0);
+        planes += world.softSolver.getStatistics().planes;
+        rounds += world.softSolver.getStatistics().rounds;
+    }
+    ck_assert_int_le(planes, 50);
+    ck_assert_int_le(rounds, 180);
+    ck_assert_int_gt(world.softSolver.getStatistics().contacts, 100);
+    world.RemoveCloth();
+    world.world.removeRigidBody(table);
+    world.bodies.clear();
 }
 END_TEST
 
@@ -388,6 +459,8 @@ static int RunAll()
     tcase_set_timeout(tests, 300); // a bound against hanging, not a claim about speed
     tcase_add_loop_test(tests, thrown_cloth_passes_no_shape, 0, 3 * qc_shapeCount);
     tcase_add_loop_test(tests, a_cloth_of_20000_triangles_passes_no_pole_and_no_sphere, 0, 2);
+    tcase_add_loop_test(tests, thrown_cloth_passes_no_shape_in_the_deformable_world, 0, qc_shapeCount);
+    tcase_add_test(tests, cloth_that_hangs_over_a_rim_needs_no_planes);
     tcase_add_test(tests, thrown_cloth_passes_with_bullets_contacts_of_nodes);
     tcase_add_loop_test(tests, cloth_rests_on_a_shape_quieter_than_by_bullets_contacts, 0, 11);
     tcase_add_test(tests, friction_on_a_slope_is_coulombs);
