@@ -1,6 +1,6 @@
 // Meshes that move by more than the contact distance in a step: they stop where they touch, not deep inside.
 // The pile of bunnies is left out where their file is missing.
-#include "bullet/mesh/mesh_world.h"
+#include "bullet/mesh/step_oracle.h"
 
 #ifdef QC_BUNNY
 #include "bullet/mesh/mesh_bunny.h"
@@ -107,18 +107,25 @@ START_TEST(the_end_of_a_spinning_bar_does_not_pass_through_a_post)
     {
         qcMeshWorld world;
         world.world.setGravity(btVector3(0, 0, 0));
-        world.Add(world.Keep(post.MakeShape()), 0, btVector3(btScalar(0.1), 0, btScalar(0.85)));
+        btRigidBody* fixed = world.Add(world.Keep(post.MakeShape()), 0, btVector3(btScalar(0.1), 0, btScalar(0.85)));
         btRigidBody* spinning =
             world.Add(world.Keep(bar.MakeShape()), 1,
                       btTransform(btQuaternion(btVector3(0, 1, 0), btScalar(0.023 * i)), btVector3(0, 0, 0)));
         // Its end moves by 0.2 m in a step, twice its width.
         spinning->setAngularVelocity(btVector3(0, -12, 0));
+        qcStepOracle oracle;
+        oracle.Add(post, fixed);
+        oracle.Add(bar, spinning);
+        double slowest = -12;
         for (int step = 0; step < 30; step++)
         {
             world.Step();
             deepest = std::min(deepest, qcContactsOf(world.dispatcher).deepest);
+            slowest = std::max(slowest, double(spinning->getAngularVelocity().y()));
+            ck_assert_uint_eq(oracle.Count(), 0);
         }
-        ck_assert_double_gt(double(spinning->getAngularVelocity().y()), -4);
+        // The impact takes more than two thirds of the spin. A bar that was hit at a corner wobbles on.
+        ck_assert_double_gt(slowest, -4);
     }
     // Its way in a step is curved. Without sampling it penetrates beyond its middle: 95 mm.
     ck_assert_double_gt(deepest, -0.04);
