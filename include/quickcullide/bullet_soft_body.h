@@ -48,7 +48,7 @@ struct qcSoftBodyStatistics
     qcStatus status = qc_statusOk;
     int contacts = 0;    ///< contacts within the thickness after Bullet's own constraints
     int penetrating = 0; ///< pairs of triangles that penetrated then
-    int rounds = 0;      ///< rounds in which contacts were solved
+    int rounds = 0;      ///< rounds in which contacts or planes were solved
     /// Pairs of triangles that contacts could not keep apart, and that were pushed apart along the direction that
     /// separated them at the start of the step.
     int planes = 0;

@@ -178,7 +178,7 @@ void AddLinkCcd(qcSceneSoftBody& soft, const uint32_t ends[2], qcSceneRigid& rig
     qcSoftConstraint constraint;
     if (qcMakeMeshConstraint(soft, vertices, weights, rigid, mesh.local * crossing.point,
                              now.getBasis() * (mesh.local.getBasis() * crossing.normal),
-                             soft.thickness / 2 + mesh.shape->getMargin(), &constraint))
+                             mesh.ContactDistance(soft.thickness), &constraint))
         constraints->push_back(constraint);
 }
 } // namespace
@@ -213,7 +213,7 @@ void qcMakeNodeCcdConstraints(qcSoftBodyScene& scene, std::vector<qcSoftConstrai
             {
                 if (!qcHasResponse(soft, *rigid, mesh))
                     continue;
-                btScalar distance = soft.thickness / 2 + mesh.shape->getMargin();
+                btScalar distance = mesh.ContactDistance(soft.thickness);
                 btScalar motion =
                     qcMaxDisplacement(mesh, rigid->start * mesh.local, rigid->object->getWorldTransform() * mesh.local);
                 if (softMotion + motion > distance)

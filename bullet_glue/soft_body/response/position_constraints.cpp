@@ -204,7 +204,7 @@ bool qcViewContact(qcSoftBodyScene& scene, const qcContact& contact, qcSoftConta
     }
     const qcSceneMesh& mesh = *scene.meshes.Find(slotB, &view->rigid);
     view->mesh = &mesh;
-    view->thickness = view->a->thickness / 2 + mesh.shape->getMargin();
+    view->thickness = mesh.ContactDistance(view->a->thickness);
     view->friction = (view->a->settings.friction + view->rigid->object->getFriction()) / 2;
     view->onB = PointOf(mesh, view->verticesB, view->weightsB);
     return view->distance <= view->thickness && qcHasResponse(*view->a, *view->rigid, mesh) &&

@@ -8,6 +8,7 @@
 
 #include <BulletDynamics/Dynamics/btRigidBody.h>
 
+#include <algorithm>
 #include <memory>
 #include <vector>
 
@@ -37,6 +38,15 @@ struct qcSceneMesh
     btVector3 inside{0, 0, 0};                      ///< a point inside of it, in the object's frame
     qcBodyId id{};
     btTransform sceneTransform = btTransform::getIdentity(); ///< of the mesh in the scene
+
+    /// Distance from the triangles at which a soft body of this thickness is kept. The margin of a surface is bounded:
+    /// all queries for contacts look as far as the largest distance, also those of the body with itself. With half the
+    /// thickness links pull ten times as many nodes through the surface in a step.
+    btScalar ContactDistance(btScalar thickness) const
+    {
+        btScalar margin = shape->getMargin();
+        return thickness / 2 + (isSurface ? std::min(margin, thickness * btScalar(0.75)) : margin);
+    }
 };
 
 /// An object with meshes.

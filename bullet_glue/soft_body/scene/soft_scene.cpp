@@ -342,11 +342,11 @@ qcSoftBodySettings qcSoftBodyScene::GetSettings(const btSoftBody* body) const
 
 btScalar qcSoftBodyScene::ContactDistance() const
 {
-    btScalar soft = 0, rigid = 0;
+    btScalar soft = 0, distance = 0;
     for (const qcSceneSoftBody& tracked : m_bodies)
         soft = std::max(soft, tracked.thickness);
     for (const std::unique_ptr<qcSceneRigid>& tracked : meshes.Rigids())
         for (const qcSceneMesh& mesh : tracked->meshes)
-            rigid = std::max(rigid, mesh.shape->getMargin());
-    return std::max(soft, soft / 2 + rigid);
+            distance = std::max(distance, mesh.ContactDistance(soft));
+    return std::max(soft, distance);
 }
