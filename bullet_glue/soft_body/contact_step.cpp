@@ -20,7 +20,7 @@ namespace
 // round in most steps with deep folds, 8 seldom.
 constexpr int s_iterations = 8;
 // One round would cost least, but leaves tangles and crumpled folds to planes.
-constexpr int s_contactRounds = 3;
+constexpr int s_contactRounds = 4;
 // Rounds of planes, and sweeps over all planes in each.
 // Displacement of coordinates against exact contact, as a share of the contact distance.
 constexpr btScalar s_perturbation = btScalar(1e-4);

@@ -45,7 +45,7 @@ struct qcSceneMesh
     btScalar ContactDistance(btScalar thickness) const
     {
         btScalar margin = shape->getMargin();
-        return thickness / 2 + (isSurface ? std::min(margin, thickness * btScalar(0.75)) : margin);
+        return thickness / 2 + (isSurface ? std::min(margin, thickness) : margin);
     }
 };
 
