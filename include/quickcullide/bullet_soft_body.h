@@ -23,7 +23,8 @@ struct qcSoftBodySettings
     /// Distance at which surfaces are kept apart, in world units. 0: half the mean edge of the body's faces when it was
     /// added to the world (without faces: an eighth of the mean rope link, or 0), at most the collision shape's margin.
     /// More than half the shortest edge makes cloth stiff. Two bodies use the mean of both; a body and a rigid one use
-    /// half the body's thickness plus the margin of the mesh or surface (see qcSoftBodyContact).
+    /// half the body's thickness plus the margin of the mesh or surface (see qcSoftBodyContact; of a surface's margin
+    /// at most the thickness).
     btScalar thickness = 0;
     /// No triangle of the body that is apart from another one (its own, another soft body's, a rigid one's) passes it
     /// in a step, whatever the speed. false: only contacts at the end of a step hold it, and only against bodies whose
