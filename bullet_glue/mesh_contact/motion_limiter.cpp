@@ -12,9 +12,6 @@ namespace
 {
 // Bisections of a motion: a part of 1e-5 of it is left undecided.
 constexpr int s_bisections = 16;
-// A stopped pair keeps this part of the sum of its margins, where contact of the next step finds it with a reliable
-// normal.
-constexpr btScalar s_floor = btScalar(0.25);
 // A pair nearer than this part of its margins comes no nearer: certificates need a gap above rounding.
 constexpr btScalar s_minGap = btScalar(0.01);
 // A stopped pair makes at most this part of what it made before, and nothing once it is below s_minPart.
@@ -161,6 +158,11 @@ qcMotionLimiter::Side qcMotionLimiter::SideOf(uint32_t slot) const
     return {swept, &swept->meshes[mesh]};
 }
 
+qcMotionLimiter::Numbers qcMotionLimiter::NumbersOf(const qcPair& pair) const
+{
+    return std::minmax(SideOf(pair.bodyA).swept->number, SideOf(pair.bodyB).swept->number);
+}
+
 bool qcMotionLimiter::IsExempt(const qcSweptObject& a, const qcSweptObject& b) const
 {
     return m_islands.MoveAsOne(a, b) || m_exempt.count(std::minmax(a.number, b.number)) > 0;
@@ -171,8 +173,7 @@ void qcMotionLimiter::CollectTangles(const qcResult& result)
 {
     for (size_t i = 0; i < result.pairCount; i++)
         if (result.pairs[i].relation != qc_relationDisjoint)
-            m_exempt.insert(
-                std::minmax(SideOf(result.pairs[i].bodyA).swept->number, SideOf(result.pairs[i].bodyB).swept->number));
+            m_exempt.insert(NumbersOf(result.pairs[i]));
 }
 
 /// The largest part of the motions, up to `limit` and bisection, over which two triangles are proven apart; below 0:
@@ -278,7 +279,7 @@ void qcMotionLimiter::PushApart(const qcResult& result)
         if (IsExempt(*a.swept, *b.swept))
             continue;
         m_planes.Add(pair, planeSideOf(a, pair.triangleA), planeSideOf(b, pair.triangleB), result.proximities[i]);
-        m_stopped.insert(std::minmax(a.swept->number, b.swept->number));
+        m_stopped.insert(NumbersOf(pair));
     }
     m_planes.Solve(s_planeSweeps);
 }
@@ -311,7 +312,7 @@ std::map<qcMotionLimiter::Numbers, qcMotionLimiter::Block> qcMotionLimiter::Find
         Side a = SideOf(pair.bodyA), b = SideOf(pair.bodyB);
         if (IsExempt(*a.swept, *b.swept))
             continue;
-        Block& block = blocks[std::minmax(a.swept->number, b.swept->number)];
+        Block& block = blocks[NumbersOf(pair)];
         btScalar part = CertifiedPart(pair, a, b, block.part);
         if (block.pair.first == nullptr || part < block.part)
             block = {{a.swept, b.swept}, part, btScalar(result.proximities[i].distance)};
@@ -331,7 +332,7 @@ void qcMotionLimiter::Cut(const qcResult& result, int round)
                            block.pair.second->object->getCollisionShape()->getMargin();
         bool common = round >= s_maxCuts || (block.distance < s_minGap * margins && !IsStill(block.pair));
         btScalar part = common ? std::min(block.part, btScalar(0)) : block.part;
-        if (part < 0 || !Stop(block.pair, part, s_floor * margins))
+        if (part < 0 || !Stop(block.pair, part, qcMotionFloor * margins))
             Release(block.pair);
         else if (round >= s_maxCommon)
             Hold(block.pair);
@@ -419,8 +420,7 @@ qcStatus qcMotionLimiter::Certify()
             swept->tested = swept->end;
         reported.clear();
         for (size_t i = 0; i < result->pairCount; i++)
-            reported.insert(std::minmax(SideOf(result->pairs[i].bodyA).swept->number,
-                                        SideOf(result->pairs[i].bodyB).swept->number));
+            reported.insert(NumbersOf(result->pairs[i]));
         CollectTangles(*result);
         if (!HasUnproven(*result))
             return qc_statusOk;

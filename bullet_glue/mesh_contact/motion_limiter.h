@@ -56,6 +56,7 @@ class qcMotionLimiter
     qcStatus PlaceMeshes(bool atStart);
     qcStatus Detect(const qcResult** result);
     Side SideOf(uint32_t slot) const;
+    Numbers NumbersOf(const qcPair& pair) const;
     void CollectTangles(const qcResult& result);
     bool IsExempt(const qcSweptObject& a, const qcSweptObject& b) const;
     btScalar CertifiedPart(const qcPair& pair, const Side& a, const Side& b, btScalar limit) const;

@@ -5,9 +5,6 @@
 
 namespace
 {
-// A pair keeps this part of the sum of its margins, where contact of the next step finds it with a reliable normal, or
-// the distance that it had.
-constexpr btScalar s_floor = btScalar(0.25);
 // Relative rounding of a stored corner: of the transform's rotation, the product and the sum.
 constexpr btScalar s_rounding = 16 * SIMD_EPSILON;
 // The largest rotation by one push, in radians: a push is linear in it.
@@ -98,8 +95,8 @@ void qcMotionPlanes::Add(const qcPair& pair, const qcMotionPlaneSide& a, const q
     btScalar rounding = s_rounding * (std::max(center.length(), b.swept->end.getOrigin().length()) +
                                       a.swept->object->getCollisionShape()->getAngularMotionDisc() +
                                       b.swept->object->getCollisionShape()->getAngularMotionDisc());
-    btScalar floor = s_floor * (a.swept->object->getCollisionShape()->getMargin() +
-                                b.swept->object->getCollisionShape()->getMargin());
+    btScalar floor = qcMotionFloor * (a.swept->object->getCollisionShape()->getMargin() +
+                                      b.swept->object->getCollisionShape()->getMargin());
     qcMotionPlane plane;
     plane.above = a;
     plane.below = b;

@@ -8,6 +8,10 @@
 #include <array>
 #include <set>
 
+/// A stopped pair keeps this part of the sum of its margins, or the distance that it had if that is less. There contact
+/// of the next step finds it with a reliable normal.
+constexpr btScalar qcMotionFloor = btScalar(0.25);
+
 struct qcMotionPlaneSide
 {
     qcSweptObject* swept;

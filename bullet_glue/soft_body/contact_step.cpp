@@ -22,9 +22,9 @@ constexpr int s_iterations = 8;
 // One round would cost least, but leaves tangles and crumpled folds to planes.
 constexpr int s_contactRounds = 4;
 // Rounds of planes, and sweeps over all planes in each.
+constexpr int s_planeRounds = 6, s_planeSweeps = 6;
 // Displacement of coordinates against exact contact, as a share of the contact distance.
 constexpr btScalar s_perturbation = btScalar(1e-4);
-constexpr int s_planeRounds = 6, s_planeSweeps = 6;
 } // namespace
 
 void qcSoftBodyContact::Implementation::BeginStep(const btAlignedObjectArray<btSoftBody*>& bodies)

@@ -35,6 +35,22 @@ static inline Ends UnitedEndsOf(const qcBox8* const boxes[2])
     return ends;
 }
 
+/// Bit i + 8 j: box i of a overlaps box j of b.
+static inline uint64_t FindEndsOverlaps(const Ends* a, const Ends* b);
+
+static inline uint64_t FindBoxOverlaps(const qcBox8* a, const qcBox8* b)
+{
+    Ends endsA = EndsOf(a), endsB = EndsOf(b);
+    return FindEndsOverlaps(&endsA, &endsB);
+}
+
+/// The boxes around both ends.
+static inline uint64_t FindUnitedOverlaps(const qcBox8* const a[2], const qcBox8* const b[2])
+{
+    Ends endsA = UnitedEndsOf(a), endsB = UnitedEndsOf(b);
+    return FindEndsOverlaps(&endsA, &endsB);
+}
+
 static inline void Transpose(const Shorts row[8], Shorts column[8])
 {
     Shorts pairs[8], fours[8];

@@ -47,19 +47,6 @@ static inline uint64_t FindEndsOverlaps(const Ends* a, const Ends* b)
     return overlaps;
 }
 
-static inline uint64_t FindBoxOverlaps(const qcBox8* a, const qcBox8* b)
-{
-    Ends endsA = EndsOf(a), endsB = EndsOf(b);
-    return FindEndsOverlaps(&endsA, &endsB);
-}
-
-/// The boxes around both ends.
-static inline uint64_t FindUnitedOverlaps(const qcBox8* const a[2], const qcBox8* const b[2])
-{
-    Ends endsA = UnitedEndsOf(a), endsB = UnitedEndsOf(b);
-    return FindEndsOverlaps(&endsA, &endsB);
-}
-
 /// An axis separates a motion if it separates in the same order at both ends.
 static inline uint64_t FindMotionBoxOverlaps(const qcBox8* const a[2], const qcBox8* const b[2])
 {

@@ -5,6 +5,7 @@
 #include "soft_body/response/node_ccd.h"
 
 #include "common/double_vector.h"
+#include "common/object_motion.h"
 
 #include <BulletCollision/NarrowPhaseCollision/btRaycastCallback.h>
 #include <LinearMath/btQuickprof.h>
@@ -214,8 +215,8 @@ void qcMakeNodeCcdConstraints(qcSoftBodyScene& scene, std::vector<qcSoftConstrai
                 if (!qcHasResponse(soft, *rigid, mesh))
                     continue;
                 btScalar distance = mesh.ContactDistance(soft.thickness);
-                btScalar motion =
-                    qcMaxDisplacement(mesh, rigid->start * mesh.local, rigid->object->getWorldTransform() * mesh.local);
+                btScalar motion = qcMaxDisplacement(mesh.shape, rigid->start * mesh.local,
+                                                    rigid->object->getWorldTransform() * mesh.local);
                 if (softMotion + motion > distance)
                     AddNodeCcd(soft, *rigid, mesh, distance, constraints);
             }

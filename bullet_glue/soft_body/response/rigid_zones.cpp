@@ -1,6 +1,8 @@
 // Zones of nodes and meshes that move through a step as one rigid body.
 #include "soft_body/response/rigid_zones.h"
 
+#include "common/object_motion.h"
+
 #include <LinearMath/btTransformUtil.h>
 
 #include <algorithm>
@@ -243,7 +245,7 @@ btScalar qcSoftZones::DeviationOf(uint32_t slot, uint32_t triangle, const btTran
     qcSceneRigid* rigid = nullptr;
     const qcSceneMesh* mesh = m_scene.meshes.Find(slot, &rigid);
     const btTransform &start = rigid->start, &now = rigid->object->getWorldTransform();
-    deviation = qcMaxDisplacement(*mesh, motion * start * mesh->local, now * mesh->local);
+    deviation = qcMaxDisplacement(mesh->shape, motion * start * mesh->local, now * mesh->local);
     size += start.getOrigin().length() + now.getOrigin().length() +
             2 * rigid->object->getCollisionShape()->getAngularMotionDisc();
     return deviation + s_rounding * size;

@@ -119,20 +119,6 @@ void ReadState(qcSceneRigid* rigid, const btTransform& start)
 }
 } // namespace
 
-btScalar qcMaxDisplacement(const qcSceneMesh& mesh, const btTransform& from, const btTransform& to)
-{
-    // A corner of the box moves furthest: the difference of two transforms is affine.
-    btVector3 box[2];
-    mesh.shape->getAabb(btTransform::getIdentity(), box[0], box[1]);
-    btScalar largest = 0;
-    for (int corner = 0; corner < 8; corner++)
-    {
-        btVector3 point(box[corner & 1].x(), box[corner >> 1 & 1].y(), box[corner >> 2].z());
-        largest = std::max(largest, (from * point).distance2(to * point));
-    }
-    return btSqrt(largest);
-}
-
 btVector3 qcSceneRigid::DisplacementAt(const btVector3& arm, const btVector3& push) const
 {
     if (body == nullptr || isFixed)

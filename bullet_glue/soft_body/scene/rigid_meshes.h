@@ -80,9 +80,6 @@ struct qcSceneRigid
     btTransform MotionTo(const btTransform& transform) const;
 };
 
-/// The largest displacement of a point of the mesh's box from one transform of the mesh to another.
-btScalar qcMaxDisplacement(const qcSceneMesh& mesh, const btTransform& from, const btTransform& to);
-
 /// True if the surfaces of the object's shapes collide with soft bodies: false for links of multibodies and for objects
 /// without contact response.
 bool qcHasSurfaces(const btCollisionObject* object);
