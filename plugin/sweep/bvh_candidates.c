@@ -5,6 +5,7 @@
 #include "base/status.h"
 #include "sweep/bvh/partial_refit.h"
 
+#include <math.h>
 #include <string.h>
 
 typedef struct Run
@@ -24,11 +25,15 @@ typedef struct PairSides
     uint32_t verletSlot;          ///< slot of the body whose pairs go to the Verlet list, or UINT32_MAX
 } PairSides;
 
+double qcBvhCandidates_DistanceWithin(const qcBvhCandidatesJob* job, double margins)
+{
+    double near = fmin(job->margin, margins), contacts = qcContactDistance(fmin(job->contactMargin, margins));
+    return fmax(near, contacts);
+}
+
 double qcBvhCandidates_PairDistance(const qcBvhCandidatesJob* job, const qcBody* a, const qcBody* b)
 {
-    double near = qcBody_PairMargin(a, b, job->margin);
-    double contacts = qcContactDistance(qcBody_PairMargin(a, b, job->contactMargin));
-    return near > contacts ? near : contacts;
+    return qcBvhCandidates_DistanceWithin(job, a->margin + b->margin);
 }
 
 static uint64_t KeyOf(const void* context, qcSlotPair pair)

@@ -42,7 +42,7 @@ typedef struct qcBvhCandidatesJob
     const qcBodyPairs* pairs;
     const uint8_t* bodies;         ///< by body: a flag, equal for both bodies of a pair; set: pairs are found here
     const uint8_t* neighboursOnly; ///< by body: a flag; set: only neighbours are found here. Never both
-    double queryDistance;          ///< the refit's margin: no less than any pair needs
+    double queryDistance;          ///< no less than the distance of any pair
     double margin;                 ///< qcDetectDef::margin: pairs proven no further apart are classified near
     double contactMargin;          ///< pairs within its qcContactDistance are candidates too
     bool testNeighbours;           ///< triangles of one body that share a vertex are candidates too
@@ -66,6 +66,9 @@ static inline qcBodyBvh* qcBvhCandidates_At(const qcBvhCandidates* sweep, uint32
 {
     return &QC_AT(qcBodyBvh, sweep->bvhs, slot);
 }
+
+/// The distance within which pairs of two bodies are candidates, by the sum of both bodies' margins.
+double qcBvhCandidates_DistanceWithin(const qcBvhCandidatesJob* job, double margins);
 
 /// The distance within which pairs of two bodies, or of one, are candidates.
 double qcBvhCandidates_PairDistance(const qcBvhCandidatesJob* job, const qcBody* a, const qcBody* b);

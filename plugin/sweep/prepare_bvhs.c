@@ -40,8 +40,8 @@ static bool MayHaveBvh(qcBvhCandidates* sweep, uint32_t slot, const qcBody* body
 typedef struct Tasks
 {
     qcBvhCandidates* sweep;
-    const qcStepTriangles* triangles;
-    double margin;
+    const qcBvhCandidatesJob* job;
+    double maxMargin; ///< of the bodies whose boxes need one
     uint32_t threads; ///< of each task
 } Tasks;
 
@@ -67,17 +67,19 @@ static void BuildOne(void* context, size_t i, uint32_t worker)
 {
     const Tasks* tasks = context;
     const qcRefitTask* task = TaskAt(tasks->sweep, i);
-    const qcBody* body = qcStepTriangles_Body(tasks->triangles, task->body);
-    qcBodyBvh* bvh = qcBvhCandidates_At(tasks->sweep, qcStepTriangles_Slot(tasks->triangles, task->body));
+    const qcStepTriangles* triangles = tasks->job->triangles;
+    const qcBody* body = qcStepTriangles_Body(triangles, task->body);
+    qcBodyBvh* bvh = qcBvhCandidates_At(tasks->sweep, qcStepTriangles_Slot(triangles, task->body));
     AddResult(tasks->sweep, worker,
               bvh->bvh.generation == 0 ? qcBodyBvh_Build(bvh, body, tasks->threads)
                                        : qcBodyBvh_BuildAdjacency(bvh, body, tasks->threads));
 }
 
 /// Builds the flagged BVHs that don't exist yet, and the adjacency of those whose body has self-collision only now.
-static qcStatus BuildBvhs(const qcStepTriangles* triangles, uint32_t threads, const uint8_t* flags,
-                          qcBvhCandidates* sweep)
+static qcStatus BuildBvhs(const qcBvhCandidatesJob* job, const uint8_t* flags, qcBvhCandidates* sweep)
 {
+    const qcStepTriangles* triangles = job->triangles;
+    uint32_t threads = job->threads;
     sweep->tasks.count = 0;
     for (uint32_t body = 0; body < triangles->bodyCount; body++)
     {
@@ -89,9 +91,30 @@ static qcStatus BuildBvhs(const qcStepTriangles* triangles, uint32_t threads, co
     QC_TRY(qcWorkerResults_Begin(&sweep->results, threads, sizeof(qcWorkerResult), "BVHs"));
     // Several side by side, or one by all threads.
     size_t count = sweep->tasks.count;
-    Tasks tasks = {.sweep = sweep, .triangles = triangles, .threads = count == 1 ? threads : 1};
+    Tasks tasks = {.sweep = sweep, .job = job, .threads = count == 1 ? threads : 1};
     qcParallel_For(count == 1 ? 1 : threads, count, 2, BuildOne, &tasks);
     return qcWorkerResults_End(&sweep->results, sizeof(qcWorkerResult));
+}
+
+/// The largest margin of the flagged bodies that aren't fitted in local coordinates.
+static double MaxWorldMargin(const qcBvhCandidatesJob* job, const uint8_t* flags)
+{
+    double max = 0.0;
+    for (uint32_t i = 0; i < job->triangles->bodyCount; i++)
+    {
+        const qcBody* body = qcStepTriangles_Body(job->triangles, i);
+        if (flags[i] && body->margin > max && !qcTriangleBvh_FitsLocally(body))
+            max = body->margin;
+    }
+    return max;
+}
+
+/// The margin of a body's boxes: the distance within which its pairs with itself and with bodies in world coordinates
+/// are candidates. Boxes in local coordinates grow where the pair is searched. A cloth's boxes, which are tested
+/// against each other, so don't grow with the margin of what it lies on.
+static double FitMargin(const qcBvhCandidatesJob* job, const qcBody* body, double maxMargin)
+{
+    return qcBvhCandidates_DistanceWithin(job, body->margin + maxMargin);
 }
 
 static void RefitOne(void* context, size_t i, uint32_t worker)
@@ -99,40 +122,43 @@ static void RefitOne(void* context, size_t i, uint32_t worker)
     const Tasks* tasks = context;
     const qcBvhCandidates* sweep = tasks->sweep;
     qcRefitTask* task = TaskAt(sweep, i);
-    qcBodyBvh* bvh = qcBvhCandidates_At(sweep, qcStepTriangles_Slot(tasks->triangles, task->body));
-    const qcBody* body = qcStepTriangles_Body(tasks->triangles, task->body);
+    const qcStepTriangles* triangles = tasks->job->triangles;
+    qcBodyBvh* bvh = qcBvhCandidates_At(sweep, qcStepTriangles_Slot(triangles, task->body));
+    const qcBody* body = qcStepTriangles_Body(triangles, task->body);
     qcBvhScratch* scratch = &QC_AT(qcBvhScratch, sweep->refitScratch, worker);
     AddResult(sweep, worker,
-              tasks->triangles->motion
+              triangles->motion
                   ? qcTriangleBvh_FitMotion(&bvh->bvh, body, sweep->kernels, tasks->threads, scratch, &task->upToDate)
-                  : qcTriangleBvh_Fit(&bvh->bvh, body, tasks->margin, sweep->kernels, tasks->threads, scratch,
-                                      &task->upToDate));
+                  : qcTriangleBvh_Fit(&bvh->bvh, body, FitMargin(tasks->job, body, tasks->maxMargin), sweep->kernels,
+                                      tasks->threads, scratch, &task->upToDate));
 }
 
 /// Refits only the moved vertices, if the Verlet list allows for their motion: its pairs were found within a larger
 /// distance than this step's.
-static qcStatus TryPartialRefit(const qcBvhCandidatesJob* job, uint32_t body, qcBvhCandidates* sweep)
+static qcStatus TryPartialRefit(const qcBvhCandidatesJob* job, uint32_t body, double maxMargin, qcBvhCandidates* sweep)
 {
     qcBodyBvh* bvh = qcBvhCandidates_At(sweep, qcStepTriangles_Slot(job->triangles, body));
     const qcBody* b = qcStepTriangles_Body(job->triangles, body);
     bool done = false;
     if (qcBody_HasSelfCollision(b) && !job->testNeighbours && !job->listNeighbours &&
-        job->queryDistance <= bvh->bvh.fit.margin)
+        FitMargin(job, b, maxMargin) <= bvh->bvh.fit.margin)
         QC_TRY(qcBodyBvh_PartialRefit(bvh, b, (bvh->verlet.margin - qcBvhCandidates_PairDistance(job, b, b)) / 2.0,
                                       sweep->kernels, &QC_AT(qcBvhScratch, sweep->refitScratch, 0), &done));
     QC_AT(uint8_t, sweep->partlyRefitted, body) = done;
     return qc_statusOk;
 }
 
-static bool IsUpToDate(const qcBvhCandidatesJob* job, uint32_t slot, const qcBody* body, const qcBvhCandidates* sweep)
+static bool IsUpToDate(const qcBvhCandidatesJob* job, uint32_t slot, const qcBody* body, double maxMargin,
+                       const qcBvhCandidates* sweep)
 {
     const qcTriangleBvh* bvh = &qcBvhCandidates_At(sweep, slot)->bvh;
     return job->triangles->motion ? qcTriangleBvh_IsMotionUpToDate(bvh, body)
-                                  : qcTriangleBvh_IsUpToDate(bvh, body, job->queryDistance);
+                                  : qcTriangleBvh_IsUpToDate(bvh, body, FitMargin(job, body, maxMargin));
 }
 
 /// Partial refits where they suffice, tasks for the other BVHs that aren't up to date.
-static qcStatus QueueRefits(const qcBvhCandidatesJob* job, const uint8_t* flags, qcBvhCandidates* sweep)
+static qcStatus QueueRefits(const qcBvhCandidatesJob* job, const uint8_t* flags, double maxMargin,
+                            qcBvhCandidates* sweep)
 {
     const qcStepTriangles* triangles = job->triangles;
     QC_TRY(qcArray_Resize(&sweep->partlyRefitted, triangles->bodyCount, 1, "BVHs"));
@@ -142,13 +168,13 @@ static qcStatus QueueRefits(const qcBvhCandidatesJob* job, const uint8_t* flags,
     {
         const qcBody* b = qcStepTriangles_Body(triangles, body);
         QC_AT(uint8_t, sweep->partlyRefitted, body) = 0;
-        if (!flags[body] || IsUpToDate(job, qcStepTriangles_Slot(triangles, body), b, sweep))
+        if (!flags[body] || IsUpToDate(job, qcStepTriangles_Slot(triangles, body), b, maxMargin, sweep))
             continue;
-        QC_TRY(TryPartialRefit(job, body, sweep));
+        QC_TRY(TryPartialRefit(job, body, maxMargin, sweep));
         if (QC_AT(uint8_t, sweep->partlyRefitted, body))
             sweep->partlyRefittedTriangles += b->triangleCount;
         if (QC_AT(uint8_t, sweep->partlyRefitted, body) &&
-            (!triangles->motion || IsUpToDate(job, qcStepTriangles_Slot(triangles, body), b, sweep)))
+            (!triangles->motion || IsUpToDate(job, qcStepTriangles_Slot(triangles, body), b, maxMargin, sweep)))
             continue;
         QC_TRY(AddTask(sweep, body));
         sweep->refittedTriangles += QC_AT(uint8_t, sweep->partlyRefitted, body) ? 0 : b->triangleCount;
@@ -163,10 +189,11 @@ static qcStatus RefitBvhs(const qcBvhCandidatesJob* job, qcBvhCandidates* sweep,
     uint32_t threads = job->threads;
     QC_TRY(qcArray_GrowZeroed(&sweep->refitScratch, threads, sizeof(qcBvhScratch), "refits"));
     QC_TRY(qcWorkerResults_Begin(&sweep->results, threads, sizeof(qcWorkerResult), "refits"));
-    QC_TRY(QueueRefits(job, flags, sweep));
+    double maxMargin = MaxWorldMargin(job, flags);
+    QC_TRY(QueueRefits(job, flags, maxMargin, sweep));
     uint64_t left = sweep->refittedTriangles;
     uint64_t large = left / (4 * (uint64_t)threads);
-    Tasks tasks = {sweep, triangles, job->queryDistance, threads};
+    Tasks tasks = {sweep, job, maxMargin, threads};
     size_t small = 0;
     for (size_t i = 0; i < sweep->tasks.count; i++)
     {
@@ -200,6 +227,6 @@ qcStatus qcBvhCandidates_Prepare(const qcBvhCandidatesJob* job, qcBvhCandidates*
                               (job->listNeighbours && !job->testNeighbours) || triangles->motion);
         flags[body] = flags[body] && may;
     }
-    QC_TRY(BuildBvhs(triangles, job->threads, flags, sweep));
+    QC_TRY(BuildBvhs(job, flags, sweep));
     return RefitBvhs(job, sweep, flags);
 }

@@ -189,10 +189,15 @@ static bool FitsLocally(const qcBody* body, const Pose* pose)
     return !body->deforming && !qcBody_HasSelfCollision(body) && qcTransform_IsInvertible(pose->transform);
 }
 
-bool qcTriangleBvh_IsUpToDate(const qcTriangleBvh* bvh, const qcBody* body, double margin)
+bool qcTriangleBvh_FitsLocally(const qcBody* body)
 {
     const Pose pose = PresentPose(body);
-    bool isLocal = FitsLocally(body, &pose);
+    return FitsLocally(body, &pose);
+}
+
+bool qcTriangleBvh_IsUpToDate(const qcTriangleBvh* bvh, const qcBody* body, double margin)
+{
+    bool isLocal = qcTriangleBvh_FitsLocally(body);
     return bvh->fit.fitted && bvh->fit.isLocal == isLocal &&
            (isLocal || (bvh->fit.revision == body->moved && bvh->fit.margin == margin));
 }

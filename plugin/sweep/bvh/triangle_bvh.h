@@ -79,6 +79,9 @@ static inline const qcBvhFit* qcTriangleBvh_StartFit(const qcTriangleBvh* bvh, c
     return bvh->fit.isLocal || !body->start.differs ? &bvh->fit : &bvh->startFit;
 }
 
+/// True if qcTriangleBvh_Fit fits the body's BVH in local coordinates, without a margin.
+bool qcTriangleBvh_FitsLocally(const qcBody* body);
+
 /// True if qcTriangleBvh_Fit has nothing to do.
 bool qcTriangleBvh_IsUpToDate(const qcTriangleBvh* bvh, const qcBody* body, double margin);
 
