@@ -19,7 +19,7 @@ namespace
 // Sweeps over all contacts in a round. On the falling cloth of the main demo, 4 leave penetrating pairs for the next
 // round in most steps with deep folds, 8 seldom.
 constexpr int s_iterations = 8;
-// One round would cost least, but leaves tangles and crumpled folds to planes.
+// One round would cost least, but leaves tangles and crumpled folds to planes alone.
 constexpr int s_contactRounds = 4;
 // Rounds of planes, and sweeps over all planes in each.
 constexpr int s_planeRounds = 6, s_planeSweeps = 6;
@@ -267,28 +267,51 @@ qcStatus qcSoftBodyContact::Implementation::Untangle()
     return qc_statusOk;
 }
 
-/// Alternates detection and projection until the motion is proven, for a limited number of rounds.
+/// Detects and makes constraints of the contacts. Those of the first round are published.
+qcStatus qcSoftBodyContact::Implementation::FindContacts(bool isFirst)
+{
+    qcStatus status = Detect(scene.ContactDistance());
+    if (status != qc_statusOk)
+        return status;
+    qcMakeSoftConstraints(scene, m_tangles, *m_result, &m_constraints, &m_contactOfConstraint);
+    if (isFirst)
+    {
+        statistics.contacts = int(m_constraints.size());
+        statistics.penetrating = statistics.remaining;
+        m_candidates.Record(*m_result);
+        manifolds.Publish(scene, *m_result, m_contactOfConstraint);
+    }
+    qcAddLinkCcdConstraints(scene, &m_constraints);
+    return qc_statusOk;
+}
+
+/// Pushes unproven pairs apart along the directions in which they were separated at the start of the step.
+void qcSoftBodyContact::Implementation::PushApart()
+{
+    double begin = qcNowMs();
+    for (const qcUnprovenPair& pair : m_unproven)
+        m_planes.Add(scene, pair);
+    m_planes.Solve(s_planeSweeps);
+    scene.meshes.Commit();
+    m_isCertified = false;
+    statistics.respondMs += qcNowMs() - begin;
+}
+
+/// Projects positions onto contacts until the motion is proven, for a limited number of rounds.
 qcStatus qcSoftBodyContact::Implementation::SolveContacts()
 {
-    btScalar margin = scene.ContactDistance();
     for (int round = 0; round < s_contactRounds; round++)
     {
         BT_PROFILE("qcSoftBodyContact round");
-        qcStatus status = Detect(margin);
-        if (status != qc_statusOk)
+        // Contacts of the first round hold for the whole step, except where surfaces pass each other. Finding them
+        // again costs more than all else in a round.
+        bool finds = round == 0 || !m_tangles.IsEmpty() || m_exemptMotions > 0;
+        qcStatus status = finds ? FindContacts(round == 0) : qc_statusOk;
+        if (status != qc_statusOk || m_constraints.empty())
             return status;
-        qcMakeSoftConstraints(scene, m_tangles, *m_result, &m_constraints, &m_contactOfConstraint);
-        if (round == 0)
-        {
-            statistics.contacts = int(m_constraints.size());
-            statistics.penetrating = statistics.remaining;
-            m_candidates.Record(*m_result);
-            manifolds.Publish(scene, *m_result, m_contactOfConstraint);
-        }
-        qcAddLinkCcdConstraints(scene, &m_constraints);
-        if (m_constraints.empty())
-            return qc_statusOk;
         SolveConstraints();
+        if (!finds)
+            PushApart();
         statistics.rounds++;
         status = Certify();
         if (status != qc_statusOk || m_unproven.empty())
@@ -297,7 +320,7 @@ qcStatus qcSoftBodyContact::Implementation::SolveContacts()
     return qc_statusOk;
 }
 
-/// Pushes unproven pairs apart along the directions in which they were separated at the start of the step.
+/// Pushes unproven pairs apart, without contacts, which may hold them together.
 qcStatus qcSoftBodyContact::Implementation::SolvePlanes()
 {
     BT_PROFILE("qcSoftBodyContact push apart");
@@ -305,13 +328,8 @@ qcStatus qcSoftBodyContact::Implementation::SolvePlanes()
     qcStatus status = m_isCertified ? qc_statusOk : Certify();
     for (int round = 0; status == qc_statusOk && round < s_planeRounds && !m_unproven.empty(); round++)
     {
-        double begin = qcNowMs();
-        for (const qcUnprovenPair& pair : m_unproven)
-            m_planes.Add(scene, pair);
-        m_planes.Solve(s_planeSweeps);
+        PushApart();
         statistics.rounds++;
-        scene.meshes.Commit();
-        statistics.respondMs += qcNowMs() - begin;
         status = Certify();
     }
     statistics.planes += int(m_planes.Count());

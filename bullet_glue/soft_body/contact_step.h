@@ -57,6 +57,8 @@ struct qcSoftBodyContact::Implementation
     void SolveCcd();
     bool IsUntangled(uint32_t slotA, uint32_t slotB);
     qcStatus Untangle();
+    qcStatus FindContacts(bool isFirst);
+    void PushApart();
     qcStatus SolveContacts();
     qcStatus SolvePlanes();
     qcStatus MoveZones();

@@ -12,6 +12,19 @@ template <typename Key> void SortUnique(std::vector<Key>* keys)
 }
 } // namespace
 
+/// True if the curve is a crossing of a rope link.
+static bool IsRope(const qcIntersectionCurve& curve)
+{
+    auto isLink = [](const qcCurveSide& side, uint32_t triangle)
+    {
+        const uint32_t* corners = side.graph->Corners(triangle);
+        return corners[1] == corners[2] || corners[0] == corners[1] || corners[0] == corners[2];
+    };
+    return std::any_of(curve.pairs.begin(), curve.pairs.end(),
+                       [&](const qcPair& pair)
+                       { return isLink(curve.sides[0], pair.triangleA) || isLink(curve.sides[1], pair.triangleB); });
+}
+
 bool qcSoftTangles::Contains(const std::vector<Key>& keys, uint32_t body, uint32_t index, uint32_t other)
 {
     return std::binary_search(keys.begin(), keys.end(), Key{body, index, other});
@@ -40,6 +53,7 @@ bool qcSoftTangles::MayLeave(qcSoftBodyScene& scene, const qcPair& pair) const
 void qcSoftTangles::MarkParts(const std::vector<qcUntanglement>& untanglements)
 {
     m_leaving.clear();
+    m_leavingRopes.clear();
     std::vector<Key> known;
     for (const qcUntanglement& tangle : untanglements)
         for (int side = 0; side < 2; side++)
@@ -47,7 +61,7 @@ void qcSoftTangles::MarkParts(const std::vector<qcUntanglement>& untanglements)
             const qcCurveSide& mine = tangle.curve->sides[side];
             uint32_t other = tangle.curve->sides[1 - side].slot;
             m_graphs[mine.slot] = mine.graph;
-            bool divides = tangle.hasPart[0] || tangle.hasPart[1];
+            bool divides = tangle.hasPart[0] || tangle.hasPart[1], isRope = IsRope(*tangle.curve);
             std::vector<uint32_t> part;
             if (tangle.hasPart[side])
                 part = mine.part;
@@ -58,13 +72,16 @@ void qcSoftTangles::MarkParts(const std::vector<qcUntanglement>& untanglements)
                     uint32_t vertex = mine.graph->Corners(side == 0 ? pair.triangleA : pair.triangleB)[c];
                     if (mine.graph->soft == nullptr)
                         m_vertices.push_back({mine.slot, vertex, other});
-                    if (!divides || std::binary_search(part.begin(), part.end(), vertex))
-                        m_leaving.push_back({mine.slot, vertex, other});
-                    known.push_back({mine.slot, vertex, other});
+                    bool leaves = !divides || std::binary_search(part.begin(), part.end(), vertex);
+                    if (leaves)
+                        (isRope ? m_leavingRopes : m_leaving).push_back({mine.slot, vertex, other});
+                    if (!isRope)
+                        known.push_back({mine.slot, vertex, other});
                 }
         }
     SortUnique(&m_vertices);
     SortUnique(&m_leaving);
+    SortUnique(&m_leavingRopes);
     SortUnique(&known);
     m_kept.clear();
     std::set_difference(m_vertices.begin(), m_vertices.end(), known.begin(), known.end(), std::back_inserter(m_kept));
@@ -76,6 +93,7 @@ void qcSoftTangles::Clear()
     m_vertices.clear();
     m_counts.clear();
     m_leaving.clear();
+    m_leavingRopes.clear();
     m_kept.clear();
     m_graphs.clear();
 }
@@ -129,8 +147,9 @@ bool qcSoftTangles::IsExempt(const qcContact& contact) const
         const Key b = {contact.bodyB, contact.verticesB[i], contact.bodyA};
         keptA = keptA && (contact.weightsA[i] == 0 || Contains(m_kept, a[0], a[1], a[2]));
         keptB = keptB && (contact.weightsB[i] == 0 || Contains(m_kept, b[0], b[1], b[2]));
-        isLeaving = isLeaving || (contact.weightsA[i] != 0 && Contains(m_leaving, a[0], a[1], a[2])) ||
-                    (contact.weightsB[i] != 0 && Contains(m_leaving, b[0], b[1], b[2]));
+        for (const std::vector<Key>* keys : {&m_leaving, &m_leavingRopes})
+            isLeaving = isLeaving || (contact.weightsA[i] != 0 && Contains(*keys, a[0], a[1], a[2])) ||
+                        (contact.weightsB[i] != 0 && Contains(*keys, b[0], b[1], b[2]));
     }
     return keptA || keptB || isLeaving;
 }

@@ -52,7 +52,8 @@ class qcSoftTangles
     //  Sorted. Vertices of meshes are in the second only after MarkParts.
     std::vector<Key> m_triangles, m_vertices;
     std::vector<Key> m_leaving;                         ///< vertices
-    std::vector<Key> m_kept;                            ///< vertices of tangles that aren't worked apart
+    std::vector<Key> m_leavingRopes;                    ///< vertices of rope links that cross something, and of that
+    std::vector<Key> m_kept;                            ///< vertices whose tangles must not grow
     std::map<uint32_t, const qcSurfaceGraph*> m_graphs; ///< of slots with curves
     std::map<Slots, size_t> m_counts;                   ///< of pairs
 };
