@@ -17,7 +17,7 @@ typedef struct qcBvhPairsJob
     const qcTriangleKernels* kernels;
     const qcBodyBvh *a, *b; ///< equal: pairs within the body, each once
     const qcBody *bodyA, *bodyB;
-    double query;           ///< max distance of a pair; at most the margin of both fits
+    double query;           ///< max distance of a pair
     double near;            ///< pairs at most this far apart are near
     bool includeNeighbours; ///< within one body: also pairs that share a vertex index
     bool skipFlatPatches;   ///< within one body: leave out pairs within patches that were proven flat
@@ -38,7 +38,7 @@ typedef struct qcBvhPairs
     qcArray queues;    ///< of qcSlotPair, a part for each worker
 } qcBvhPairs;
 
-/// Does all jobs, in parallel. The BVHs of each are fitted with the same margin.
+/// Does all jobs, in parallel. The BVHs of a job are fitted with a margin of `query` or more, unless one is local.
 qcStatus qcBvhPairs_Find(qcBvhPairs* pairs, const qcBvhPairsJob* jobs, size_t jobCount, uint32_t threads);
 void qcBvhPairs_Free(qcBvhPairs* pairs);
 
