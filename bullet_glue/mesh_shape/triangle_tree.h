@@ -45,10 +45,16 @@ class qcMeshTree
         Walk(isBelow, visit);
     }
 
-    /// Calls visit(triangle) for each triangle whose box the ray hits before `fraction` of its way; visit may lower
+    /// A box that moves along a line; a ray if it has no size.
+    struct Sweep
+    {
+        btVector3 from, to;     ///< the ends of the line
+        btVector3 lower, upper; ///< of the box, relative to its point on the line
+    };
+
+    /// Calls visit(triangle) for each triangle whose box the sweep hits before `fraction` of its way; visit may lower
     /// `fraction`. Nearer blocks come first.
-    template <class Visit>
-    void VisitRay(const btVector3& from, const btVector3& to, const btScalar& fraction, Visit visit) const;
+    template <class Visit> void VisitSweep(const Sweep& sweep, const btScalar& fraction, Visit visit) const;
 
   private:
     static constexpr int s_width = 8;
@@ -80,8 +86,7 @@ class qcMeshTree
     static void Clear(Block* block);
     void AddLevel();
 
-    static bool IsHit(const Block& block, int i, const btVector3& from, const btScalar way[3], btScalar fraction,
-                      btScalar* near);
+    static bool IsHit(const Block& block, int i, const Sweep& sweep, btScalar fraction, btScalar* near);
 
     /// test(block, hit) sets a flag for each box of a block whose contents are visited.
     template <class Test, class Visit> void Walk(Test test, Visit visit) const
@@ -114,37 +119,35 @@ class qcMeshTree
     std::vector<Level> m_levels; ///< from the boxes of triangles up
 };
 
-/// True if the ray hits box `i` before `fraction` of its way. `near` receives the fraction at which it enters.
-inline bool qcMeshTree::IsHit(const Block& block, int i, const btVector3& from, const btScalar way[3],
-                              btScalar fraction, btScalar* near)
+/// True if the sweep hits box `i` before `fraction` of its way. `near` receives the fraction at which it enters.
+inline bool qcMeshTree::IsHit(const Block& block, int i, const Sweep& sweep, btScalar fraction, btScalar* near)
 {
     *near = 0;
     btScalar far = fraction;
     for (int axis = 0; axis < 3; axis++)
     {
         btScalar lower = block.lower[axis][i], upper = block.upper[axis][i];
+        btScalar way = sweep.to[axis] - sweep.from[axis];
         // Bullet's test of ray and triangle accepts rays that miss an edge by a ten thousandth of the triangle.
-        btScalar slack = (upper - lower + btFabs(way[axis])) * btScalar(1e-3);
-        lower -= slack + from[axis];
-        upper += slack - from[axis];
-        if (way[axis] == 0)
+        btScalar slack = (upper - lower + btFabs(way)) * btScalar(1e-3);
+        lower -= slack + sweep.from[axis] + sweep.upper[axis];
+        upper += slack - sweep.from[axis] - sweep.lower[axis];
+        if (way == 0)
         {
             far = lower <= 0 && upper >= 0 ? far : btScalar(-1);
             continue;
         }
-        btScalar enter = lower / way[axis], leave = upper / way[axis];
+        btScalar enter = lower / way, leave = upper / way;
         *near = btMax(*near, btMin(enter, leave));
         far = btMin(far, btMax(enter, leave));
     }
     return *near <= far && block.lower[0][i] <= block.upper[0][i];
 }
 
-template <class Visit>
-void qcMeshTree::VisitRay(const btVector3& from, const btVector3& to, const btScalar& fraction, Visit visit) const
+template <class Visit> void qcMeshTree::VisitSweep(const Sweep& sweep, const btScalar& fraction, Visit visit) const
 {
     if (m_levels.empty())
         return;
-    const btScalar way[3] = {to.x() - from.x(), to.y() - from.y(), to.z() - from.z()};
     RayItem stack[s_stack];
     int depth = 0;
     stack[depth++] = {{uint32_t(m_levels.size()) - 1, 0}, 0};
@@ -158,7 +161,7 @@ void qcMeshTree::VisitRay(const btVector3& from, const btVector3& to, const btSc
         for (int i = 0; i < s_width; i++)
         {
             btScalar near;
-            if (!IsHit(block, i, from, way, fraction, &near))
+            if (!IsHit(block, i, sweep, fraction, &near))
                 continue;
             uint32_t child = entry.item.block * s_width + uint32_t(i);
             if (entry.item.level == 0)

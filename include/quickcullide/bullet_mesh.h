@@ -110,8 +110,9 @@ ATTRIBUTE_ALIGNED16(class) QC_API qcMeshShape : public btConcaveShape
     const btVector3& getLocalScaling() const override; ///< the scaling; (1, 1, 1) by default
     const char* getName() const override;              ///< "QCMESH"
 
-    /// Reports every triangle whose box overlaps the closed box. A btTriangleRaycastCallback receives only triangles
-    /// that its ray may still hit, nearer ones first, as far as the tree can order them.
+    /// Reports every triangle whose box overlaps the closed box. A btTriangleRaycastCallback or
+    /// btTriangleConvexcastCallback receives only triangles that its ray or shape may still hit, nearer ones first, as
+    /// far as the tree can order them.
     void processAllTriangles(btTriangleCallback * callback, const btVector3& aabbMin, const btVector3& aabbMax)
         const override;
     /// Reports every triangle with a point below the plane normal . x = distance, and a few others.

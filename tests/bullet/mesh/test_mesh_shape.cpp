@@ -4,6 +4,7 @@
 #include "bullet/mesh/mesh_models.h"
 #include "support/soups.h"
 
+#include <BulletCollision/NarrowPhaseCollision/btRaycastCallback.h>
 #include <btBulletCollisionCommon.h>
 
 #include <algorithm>
@@ -220,6 +221,8 @@ START_TEST(swept_shapes_hit_what_they_hit_in_bullets_static_mesh)
         btConvexShape* cast = i % 2 == 0 ? static_cast<btConvexShape*>(&box) : &sphere;
         btTransform from(btQuaternion(btScalar(i), 1, 2), RandomPoint(&random, -2, 2)), to = from;
         to.setOrigin(RandomPoint(&random, -1, 1));
+        if (i % 4 == 0)
+            to.setRotation(btQuaternion(2, btScalar(i), 1));
         btCollisionWorld::ClosestConvexResultCallback hit(from.getOrigin(), to.getOrigin()),
             expected(from.getOrigin(), to.getOrigin());
         worlds.a.world.convexSweepTest(cast, from, to, hit);
@@ -229,6 +232,57 @@ START_TEST(swept_shapes_hit_what_they_hit_in_bullets_static_mesh)
         hits += expected.hasHit();
     }
     ck_assert_int_gt(hits, 50);
+}
+END_TEST
+
+/// Counts the triangles that a sweep receives.
+struct CountingCast : btTriangleConvexcastCallback
+{
+    using btTriangleConvexcastCallback::btTriangleConvexcastCallback;
+    int count = 0;
+
+    void processTriangle(btVector3*, int, int) override
+    {
+        count++;
+    }
+    btScalar reportHit(const btVector3&, const btVector3&, btScalar, int, int) override
+    {
+        return 1;
+    }
+};
+
+START_TEST(a_long_sweep_receives_the_triangles_along_its_way_only)
+{
+    // A terrain of 60 m: the box around the diagonal holds all of it.
+    constexpr int cells = 120;
+    std::vector<btVector3> points;
+    std::vector<uint32_t> indices;
+    for (int z = 0; z <= cells; z++)
+        for (int x = 0; x <= cells; x++)
+            points.emplace_back(btScalar(x) / 2, btSin(btScalar(x)) / 4, btScalar(z) / 2);
+    for (uint32_t z = 0; z < cells; z++)
+        for (uint32_t x = 0; x < cells; x++)
+        {
+            uint32_t a = z * (cells + 1) + x, b = a + cells + 1;
+            indices.insert(indices.end(), {a, b, a + 1, a + 1, b, b + 1});
+        }
+    qcMeshShape shape(points.data(), qcBulletPositions, sizeof(btVector3), uint32_t(points.size()), indices.data(),
+                      uint32_t(indices.size() / 3));
+    btSphereShape ball(btScalar(0.2));
+    btTransform place = SomePlace(), from = place, to = place;
+    from.setOrigin(place * btVector3(0, 1, 0));
+    to.setOrigin(place * btVector3(60, btScalar(-0.5), 60));
+    CountingCast cast(&ball, from, to, place, 0);
+    cast.m_hitFraction = 1;
+    shape.processAllTriangles(&cast, btVector3(-1, -1, -1), btVector3(61, 2, 61));
+    int along = cast.count;
+    ck_assert_int_gt(along, 4 * cells);
+    ck_assert_int_lt(along, 2 * cells * cells / 4);
+    // What lies behind a hit is not visited.
+    cast.count = 0;
+    cast.m_hitFraction = btScalar(0.1);
+    shape.processAllTriangles(&cast, btVector3(-1, -1, -1), btVector3(61, 2, 61));
+    ck_assert_int_lt(cast.count, along / 4);
 }
 END_TEST
 
@@ -478,7 +532,8 @@ END_TEST
 
 QC_RUN_TESTS("mesh_shape", a_box_query_reports_exactly_the_triangles_whose_boxes_overlap_it,
              every_triangle_with_a_point_below_a_plane_is_reported, rays_hit_what_they_hit_in_bullets_static_mesh,
-             swept_shapes_hit_what_they_hit_in_bullets_static_mesh, the_aabb_contains_every_vertex_and_the_margin,
+             swept_shapes_hit_what_they_hit_in_bullets_static_mesh,
+             a_long_sweep_receives_the_triangles_along_its_way_only, the_aabb_contains_every_vertex_and_the_margin,
              a_mesh_of_a_box_has_the_mass_properties_of_a_box,
              a_fine_mesh_of_a_sphere_has_the_mass_properties_of_a_sphere,
              principal_axes_of_a_turned_and_moved_box_are_its_sides,
