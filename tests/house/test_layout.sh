@@ -48,6 +48,7 @@ demos/hello
 demos/cloth                 demos/common/... demos/common
 demos/fracture              demos/common/... demos/common
 demos/pairs                 demos/common/... demos/common
+demos/replay                demos/common
 demos/bench/scenes          demos/common/... demos/common
 demos/bench                 demos/common
 demos/bench/accuracy        demos/bench demos/bench/scenes demos/common/... demos/common
