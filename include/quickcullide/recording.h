@@ -9,6 +9,7 @@
 #ifndef QUICKCULLIDE_RECORDING_H
 #define QUICKCULLIDE_RECORDING_H
 
+#include "boxes.h"
 #include "scene.h"
 
 #ifdef __cplusplus
@@ -35,6 +36,59 @@ extern "C" {
 /// replaced, and several processes write different files. If a file can't be created, that is logged, or written to
 /// standard error where there is no log function. After fork() only the parent goes on recording.
 QC_API qcStatus qcScene_Record(qcScene* scene, const char* path);
+
+//  ---- writing a broadphase ------------------------------------------------------------------------
+
+/// Writes the calls that a broadphase receives, and what it answered. For authors of broadphases: qcBroadphase records
+/// itself (qcBroadphase::record, or QC_RECORD). Any thread.
+///
+/// Boxes have ids of the caller's choice, unique among those that are there. Between a Begin and its End, functions
+/// other than SetFilter are written behind the End: changes by a callback take effect after its query.
+/// Failures are those of qcScene_Record: recording stops, and only Close reports it.
+typedef struct qcBoxRecorder qcBoxRecorder;
+
+/// Creates a file; path null: as QC_RECORD has it, or no recorder (null) if it is not set. `scalarSize`: 4 or 8, the
+/// bytes of the broadphase's own numbers, in which bounds are written.
+QC_API qcStatus qcBoxRecorder_Open(const char* path, uint32_t scalarSize, qcBoxRecorder** recorder);
+/// Ends the recording. The first failure since Open. Null is allowed.
+QC_API qcStatus qcBoxRecorder_Close(qcBoxRecorder* recorder);
+/// A new box; bounds[0..2] are its lower corner, bounds[3..5] its upper one.
+QC_API void qcBoxRecorder_Add(qcBoxRecorder* recorder, uint32_t id, const double bounds[6], uint32_t group,
+                              uint32_t mask);
+/// A box is gone.
+QC_API void qcBoxRecorder_Remove(qcBoxRecorder* recorder, uint32_t id);
+/// A box has moved.
+QC_API void qcBoxRecorder_Move(qcBoxRecorder* recorder, uint32_t id, const double bounds[6]);
+/// A box has another filter. Within a search for pairs: one that the search used already.
+QC_API void qcBoxRecorder_SetFilter(qcBoxRecorder* recorder, uint32_t id, uint32_t group, uint32_t mask);
+/// All boxes are gone, and the broadphase is as new.
+QC_API void qcBoxRecorder_Reset(qcBoxRecorder* recorder);
+/// A query, or the search for pairs, begins. Several threads may have one each.
+QC_API void qcBoxRecorder_Begin(qcBoxRecorder* recorder);
+/// A search for pairs ends. `pairs`: all that overlap and whose filters agree, sorted. `hasCallback`: a filter callback
+/// decides in place of groups and masks; `rejected` are the overlapping pairs that it rejected, sorted.
+QC_API void qcBoxRecorder_EndPairs(qcBoxRecorder* recorder, const qcBoxPair* pairs, size_t pairCount, bool hasCallback,
+                                   const qcBoxPair* rejected, size_t rejectedCount);
+/// A query of a box ends; `ids` are the boxes that were reported, sorted.
+QC_API void qcBoxRecorder_EndQuery(qcBoxRecorder* recorder, const double bounds[6], const uint32_t* ids, size_t count);
+
+/// A cast as Bullet has it. Coordinates of the moving box are relative to the moving point; zeros cast a ray.
+typedef struct qcBoxCast
+{
+    double from[3];             ///< start of the path
+    double to[3];               ///< its end
+    double bounds[6];           ///< lower and upper corner of the moving box
+    double directionInverse[3]; ///< btBroadphaseRayCallback::m_rayDirectionInverse
+    double lambda;              ///< btBroadphaseRayCallback::m_lambda_max at the start
+} qcBoxCast;
+
+/// A cast ends; `ids` are the boxes that were reported, in this order, and lambdas[i] is the callback's m_lambda_max
+/// after ids[i].
+QC_API void qcBoxRecorder_EndCast(qcBoxRecorder* recorder, const qcBoxCast* cast, const uint32_t* ids,
+                                  const double* lambdas, size_t count);
+
+/// The hash by which pairs are compared. O(count).
+QC_API uint64_t qcBoxPairs_Hash(const qcBoxPair* pairs, size_t count);
 
 //  ---- hashes of results ---------------------------------------------------------------------------
 
@@ -73,6 +127,8 @@ typedef struct qcRecordingInfo
 {
     uint32_t formatVersion;  ///< 1
     uint32_t libraryVersion; ///< qcVersion() of the program that recorded
+    /// 0: operations of a scene. 4 or 8: a broadphase's, with numbers of this many bytes.
+    uint32_t boxScalarSize;
     const char* device; ///< the scene's GL device, such as "llvmpipe ..."; "none". Valid until the recording is closed
 } qcRecordingInfo;
 
@@ -97,11 +153,37 @@ typedef enum qcOperationKind
     qc_operationSetSelfCollision = 7, ///< qcScene_SetSelfCollision
     qc_operationSetMargin = 8,        ///< qcScene_SetMargin
     qc_operationMarkStart = 9,        ///< qcScene_MarkStart
-    qc_operationDetect = 10           ///< qcScene_Detect
+    qc_operationDetect = 10,          ///< qcScene_Detect
+    qc_operationAddBox = 20,          ///< qcBoxRecorder_Add
+    qc_operationRemoveBox = 21,       ///< qcBoxRecorder_Remove
+    qc_operationMoveBoxes = 22,       ///< qcBoxRecorder_Move, one call or several
+    qc_operationSetBoxFilter = 23,    ///< qcBoxRecorder_SetFilter
+    qc_operationResetBoxes = 24,      ///< qcBoxRecorder_Reset
+    qc_operationFindPairs = 25,       ///< qcBoxRecorder_EndPairs
+    qc_operationQueryBox = 26,        ///< qcBoxRecorder_EndQuery
+    qc_operationCastBox = 27          ///< qcBoxRecorder_EndCast
 } qcOperationKind;
 
 /// "end", "add body", "remove body" ... Static.
 QC_API const char* qcOperationKind_Name(qcOperationKind kind);
+
+/// An operation of a broadphase.
+typedef struct qcBoxOperation
+{
+    const uint32_t* ids;       ///< add, remove, filter: one box; move: several; query, cast: the boxes reported
+    size_t count;              ///< number of ids
+    const double* bounds;      ///< add, move: six for each box; query: six
+    const double* lambdas;     ///< cast: one for each box
+    qcBoxCast cast;            ///< cast
+    uint32_t group;            ///< add, filter
+    uint32_t mask;             ///< add, filter
+    size_t pairCount;          ///< find pairs: number of pairs
+    uint64_t pairHash;         ///< find pairs: qcBoxPairs_Hash of them
+    bool hasCallback;          ///< find pairs: the rejected pairs decide in place of groups and masks
+    bool isDisturbed;          ///< find pairs, query, cast: a callback changed the broadphase meanwhile
+    const qcBoxPair* rejected; ///< find pairs: overlapping pairs that a callback rejected, sorted
+    size_t rejectedCount;      ///< find pairs: number of them
+} qcBoxOperation;
 
 /// One operation. Fields that its kind does not name are zero.
 typedef struct qcOperation
@@ -130,6 +212,7 @@ typedef struct qcOperation
     bool hasResult;
     qcStatus resultStatus;   ///< detect: what qcScene_Detect returned
     qcResultHash resultHash; ///< detect: if resultStatus is qc_statusOk
+    qcBoxOperation boxes;    ///< operations of a broadphase
     /// End: the recording was closed by its program. False: the program ended first, or writing failed.
     bool isComplete;
 } qcOperation;

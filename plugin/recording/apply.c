@@ -32,8 +32,8 @@ static qcStatus Apply(const qcOperation* o, qcScene* scene, const qcResult** res
         case qc_operationSetMargin: return qcScene_SetMargin(scene, o->id, o->margin);
         case qc_operationMarkStart: return qcScene_MarkStart(scene);
         case qc_operationDetect: return qcScene_Detect(scene, &o->detect, result != NULL ? result : &unused);
+        default: return qcFail(qc_statusBadInput, "it is no operation of a scene");
     }
-    return qcFail(qc_statusBadInput, "unknown operation %d", (int)o->kind);
 }
 
 qcStatus qcOperation_Apply(const qcOperation* operation, qcScene* scene, const qcResult** result)

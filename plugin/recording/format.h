@@ -28,7 +28,8 @@ typedef enum qcRecordKind
 {
     qc_recordDevice = 64, ///< the first record; data: name of the device, ended by a zero
     qc_recordResult = 65, ///< behind each detection that returned
-    qc_recordEnd = 66     ///< the recording was closed
+    qc_recordEnd = 66,    ///< the recording was closed
+    qc_recordBoxes = 67   ///< in place of qc_recordDevice: of a broadphase; data: one number, the size of its numbers
 } qcRecordKind;
 
 typedef struct qcRecordHead
@@ -111,6 +112,25 @@ typedef struct qcResultRecord
     uint32_t status, padding;
     uint64_t hashes[10]; ///< the fields of qcResultHash
 } qcResultRecord;
+
+/// Moved boxes, and boxes that were reported: then ids (4 bytes each), then bounds or numbers of the broadphase's type.
+typedef struct qcBoxesRecord
+{
+    uint32_t count, isDisturbed;
+} qcBoxesRecord;
+
+/// Then the bounds.
+typedef struct qcBoxRecord
+{
+    uint32_t group, mask;
+} qcBoxRecord;
+
+/// Then the rejected pairs, 8 bytes each.
+typedef struct qcPairsRecord
+{
+    uint32_t hasCallback, isDisturbed;
+    uint64_t pairCount, pairHash;
+} qcPairsRecord;
 
 static_assert(sizeof(qcFileHeader) == 24 && sizeof(qcRecordHead) == 16 && sizeof(qcBodyRecord) == 136, "no padding");
 static_assert(sizeof(qcVerticesRecord) == 8 && sizeof(qcDetectRecord) == 48 && sizeof(qcResultRecord) == 88,

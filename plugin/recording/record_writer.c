@@ -8,6 +8,7 @@
 
 #include <errno.h>
 #include <stdarg.h>
+#include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
@@ -128,6 +129,29 @@ qcStatus qcRecordWriter_Open(qcRecordWriter* writer, const char* path, bool* exi
         qcBytes_Free(&writer->path);
     }
     return status;
+}
+
+bool qcRecordWriter_OpenFromEnvironment(qcRecordWriter* writer)
+{
+    const char* prefix = getenv("QC_RECORD");
+    if (prefix == NULL || prefix[0] == 0)
+        return false;
+    char path[4096];
+    bool exists = true;
+    for (uint32_t number = 1; exists; number++)
+    {
+        int length = snprintf(path, sizeof path, "%s.%u.qcr", prefix, number);
+        exists = false;
+        if (length < 0 || (size_t)length >= sizeof path)
+            qcFail(qc_statusFile, "QC_RECORD is longer than a path may be");
+        else if (qcRecordWriter_Open(writer, path, &exists) == qc_statusOk)
+            return true;
+    }
+    if (qcHasLog())
+        qcLog("%s", qcLastMessage());
+    else
+        fprintf(stderr, "quickcullide: %s\n", qcLastMessage());
+    return false;
 }
 
 qcStatus qcRecordWriter_Close(qcRecordWriter* writer)

@@ -34,6 +34,9 @@ typedef struct qcRecordWriter
 /// Creates the file and writes its header. Replaces an old file, or fails if there is one: *exists (may be null, which
 /// means to replace) is then set.
 qcStatus qcRecordWriter_Open(qcRecordWriter* writer, const char* path, bool* exists);
+/// Creates the file that QC_RECORD names for a new object. False: the variable is not set, or the file can't be
+/// created, which is reported.
+bool qcRecordWriter_OpenFromEnvironment(qcRecordWriter* writer);
 void qcRecordWriter_Begin(qcRecordWriter* writer, uint32_t kind, uint32_t slot);
 void qcRecordWriter_Put(qcRecordWriter* writer, const void* data, size_t size);
 /// Room for `size` bytes, to be filled before the next call. Null: writing has stopped.

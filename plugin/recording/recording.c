@@ -3,7 +3,7 @@
 #include "quickcullide/recording.h"
 
 #include "base/status.h"
-#include "recording/record_reader.h"
+#include "recording/box_reader.h"
 #include "recording/recorded_bodies.h"
 #include "recording/rejected_pairs.h"
 
@@ -20,7 +20,8 @@ typedef struct RejectedList
 struct qcRecording
 {
     qcRecordReader reader;
-    qcRecord deviceRecord, record, result;
+    qcRecord firstRecord, record, result;
+    qcBoxReader boxes;
     bool isPending;    ///< `result` was read behind a detection, and is the next record, or its failure
     bool pendingAtEnd; ///< it is the end of the file
     qcStatus pendingStatus;
@@ -34,78 +35,49 @@ struct qcRecording
 
 const char* qcOperationKind_Name(qcOperationKind kind)
 {
-    static const char* names[] = {"end",          "add body",     "remove body", "set transform",
-                                  "set vertices", "set activity", "set filter",  "set self-collision",
-                                  "set margin",   "mark start",   "detect"};
-    return (unsigned)kind < sizeof names / sizeof names[0] ? names[kind] : "unknown operation";
-}
-
-//  ---- data of records ---------------------------------------------------------------------------------------------
-
-/// What is left of a record's data.
-typedef struct Data
-{
-    const char* at;
-    uint64_t left;
-} Data;
-
-static Data DataOf(const qcRecord* record)
-{
-    return (Data){(const char*)record->data.data + sizeof(qcRecordHead), record->head.size};
-}
-
-/// The next bytes and the zeros behind them; null, with a message, if there are fewer.
-static const void* Take(Data* data, uint64_t size)
-{
-    uint64_t padded = size + (8 - size % 8) % 8;
-    if (padded > data->left)
+    switch (kind)
     {
-        qcFail(qc_statusFile, "its data is too short");
-        return NULL;
+        case qc_operationEnd: return "end";
+        case qc_operationAddBody: return "add body";
+        case qc_operationRemoveBody: return "remove body";
+        case qc_operationSetTransform: return "set transform";
+        case qc_operationSetVertices: return "set vertices";
+        case qc_operationSetActivity: return "set activity";
+        case qc_operationSetFilter: return "set filter";
+        case qc_operationSetSelfCollision: return "set self-collision";
+        case qc_operationSetMargin: return "set margin";
+        case qc_operationMarkStart: return "mark start";
+        case qc_operationDetect: return "detect";
+        case qc_operationAddBox: return "add box";
+        case qc_operationRemoveBox: return "remove box";
+        case qc_operationMoveBoxes: return "move boxes";
+        case qc_operationSetBoxFilter: return "set filter of box";
+        case qc_operationResetBoxes: return "reset boxes";
+        case qc_operationFindPairs: return "find pairs";
+        case qc_operationQueryBox: return "query box";
+        case qc_operationCastBox: return "cast box";
     }
-    data->at += padded;
-    data->left -= padded;
-    return data->at - padded;
-}
-
-static qcStatus TakeInto(Data* data, void* to, size_t size)
-{
-    const void* from = Take(data, size);
-    if (from == NULL)
-        return qc_statusFile;
-    memcpy(to, from, size);
-    return qc_statusOk;
-}
-
-static qcStatus CheckDone(const Data* data)
-{
-    return data->left == 0 ? qc_statusOk : qcFail(qc_statusFile, "its data is too long");
-}
-
-/// A record that is nothing but these bytes.
-static qcStatus TakeAll(const qcRecord* record, void* to, size_t size)
-{
-    Data data = DataOf(record);
-    QC_TRY(TakeInto(&data, to, size));
-    return CheckDone(&data);
+    return "unknown operation";
 }
 
 //  ---- bodies ------------------------------------------------------------------------------------------------------
 
-static qcStatus TakePositions(Data* data, uint32_t vertexCount, qcPositionType type, const void** positions)
+static qcStatus TakePositions(qcRecordData* data, uint32_t vertexCount, qcPositionType type, const void** positions)
 {
-    *positions = Take(data, (type == qc_positionF64 ? 3 * sizeof(double) : 3 * sizeof(float)) * (uint64_t)vertexCount);
+    *positions = qcRecordData_Take(data, (type == qc_positionF64 ? 3 * sizeof(double) : 3 * sizeof(float)) *
+                                             (uint64_t)vertexCount);
     return *positions != NULL ? qc_statusOk : qc_statusFile;
 }
 
 /// The indices of a body: those that follow, or those of an earlier body.
-static qcStatus TakeIndices(qcRecordedBodies* bodies, Data* data, const qcBodyRecord* record, const uint32_t** indices)
+static qcStatus TakeIndices(qcRecordedBodies* bodies, qcRecordData* data, const qcBodyRecord* record,
+                            const uint32_t** indices)
 {
     size_t count = bodies->indexSets.count;
     bool isNew = (record->flags & qc_bodyNewIndices) != 0;
     if (isNew)
     {
-        const uint32_t* taken = Take(data, 3 * sizeof(uint32_t) * (uint64_t)record->triangleCount);
+        const uint32_t* taken = qcRecordData_Take(data, 3 * sizeof(uint32_t) * (uint64_t)record->triangleCount);
         if (taken == NULL)
             return qc_statusFile;
         QC_TRY(qcRecordedBodies_AddIndices(bodies, taken, record->triangleCount));
@@ -132,9 +104,9 @@ static qcStatus StartHistory(qcRecordedBody* body, const void* positions, qcPosi
 
 static qcStatus ReadAddBody(qcRecording* recording, qcOperation* operation)
 {
-    Data data = DataOf(&recording->record);
+    qcRecordData data = qcRecordData_Of(&recording->record);
     qcBodyRecord record;
-    QC_TRY(TakeInto(&data, &record, sizeof record));
+    QC_TRY(qcRecordData_TakeInto(&data, &record, sizeof record));
     if ((record.flags & ~(uint32_t)qc_bodyFlags) != 0)
         return qcFail(qc_statusFile, "unknown flags 0x%x", record.flags);
     qcBodyDef* def = &operation->body;
@@ -142,7 +114,7 @@ static qcStatus ReadAddBody(qcRecording* recording, qcOperation* operation)
     def->positionType = (record.flags & qc_bodyDoubles) != 0 ? qc_positionF64 : qc_positionF32;
     QC_TRY(TakePositions(&data, record.vertexCount, def->positionType, &def->positions));
     QC_TRY(TakeIndices(&recording->bodies, &data, &record, &def->indices));
-    QC_TRY(CheckDone(&data));
+    QC_TRY(qcRecordData_CheckDone(&data));
     def->vertexCount = record.vertexCount;
     def->triangleCount = record.triangleCount;
     def->deforming = (record.flags & qc_bodyDeforming) != 0;
@@ -162,7 +134,7 @@ static qcStatus ReadAddBody(qcRecording* recording, qcOperation* operation)
 }
 
 /// Positions that are coded as differences.
-static qcStatus Unpack(qcRecordedBody* body, Data* data, qcOperation* operation)
+static qcStatus Unpack(qcRecordedBody* body, qcRecordData* data, qcOperation* operation)
 {
     qcPositionHistory* history = &body->positions;
     if (history->type != operation->positionType)
@@ -170,16 +142,16 @@ static qcStatus Unpack(qcRecordedBody* body, Data* data, qcOperation* operation)
     size_t size = qcPositions_Decode(history, (const unsigned char*)data->at, data->left);
     if (body->vertexCount != 0 && size == 0)
         return qcFail(qc_statusFile, "its positions are damaged");
-    Take(data, size);
+    qcRecordData_Take(data, size);
     operation->positions = history->last;
-    return CheckDone(data);
+    return qcRecordData_CheckDone(data);
 }
 
 static qcStatus ReadSetVertices(const qcRecording* recording, qcRecordedBody* body, qcOperation* operation)
 {
-    Data data = DataOf(&recording->record);
+    qcRecordData data = qcRecordData_Of(&recording->record);
     qcVerticesRecord record;
-    QC_TRY(TakeInto(&data, &record, sizeof record));
+    QC_TRY(qcRecordData_TakeInto(&data, &record, sizeof record));
     if (!body->deforming)
         return qcFail(qc_statusFile, "body %u is rigid", recording->record.head.slot);
     if (record.vertexCount != body->vertexCount)
@@ -194,7 +166,7 @@ static qcStatus ReadSetVertices(const qcRecording* recording, qcRecordedBody* bo
         return Unpack(body, &data, operation);
     QC_TRY(TakePositions(&data, record.vertexCount, operation->positionType, &operation->positions));
     QC_TRY(StartHistory(body, operation->positions, operation->positionType));
-    return CheckDone(&data);
+    return qcRecordData_CheckDone(&data);
 }
 
 /// An operation on a body that is there.
@@ -211,15 +183,15 @@ static qcStatus ReadChange(qcRecording* recording, qcOperation* operation)
         case qc_operationSetTransform:
             if (body->deforming)
                 return qcFail(qc_statusFile, "body %u is deforming", slot);
-            return TakeAll(record, &operation->transform, sizeof operation->transform);
+            return qcRecord_TakeAll(record, &operation->transform, sizeof operation->transform);
         case qc_operationSetVertices: return ReadSetVertices(recording, body, operation);
-        case qc_operationSetMargin: return TakeAll(record, &operation->margin, sizeof operation->margin);
+        case qc_operationSetMargin: return qcRecord_TakeAll(record, &operation->margin, sizeof operation->margin);
         case qc_operationRemoveBody:
-            QC_TRY(TakeAll(record, NULL, 0));
+            QC_TRY(qcRecord_TakeAll(record, NULL, 0));
             return qcRecordedBodies_Remove(&recording->bodies, slot);
         default: break;
     }
-    QC_TRY(TakeAll(record, &words, sizeof words));
+    QC_TRY(qcRecord_TakeAll(record, &words, sizeof words));
     if (operation->kind == qc_operationSetActivity)
         operation->activity = (qcActivity)words.words[0];
     if (operation->kind == qc_operationSetSelfCollision)
@@ -253,7 +225,7 @@ static bool FilterRecorded(void* context, uint32_t slotA, uint32_t slotB)
 static qcStatus ReadDef(qcRecording* recording, qcDetectDef* def)
 {
     qcDetectRecord record;
-    QC_TRY(TakeAll(&recording->record, &record, sizeof record));
+    QC_TRY(qcRecord_TakeAll(&recording->record, &record, sizeof record));
     if ((record.flags & ~(uint32_t)qc_detectFlags) != 0)
         return qcFail(qc_statusFile, "unknown flags 0x%x", record.flags);
     *def = qcDefaultDetectDef();
@@ -284,9 +256,9 @@ static qcStatus ReadDef(qcRecording* recording, qcDetectDef* def)
 
 static qcStatus ReadResult(qcRecording* recording, qcOperation* operation)
 {
-    Data data = DataOf(&recording->result);
+    qcRecordData data = qcRecordData_Of(&recording->result);
     qcResultRecord record;
-    QC_TRY(TakeInto(&data, &record, sizeof record));
+    QC_TRY(qcRecordData_TakeInto(&data, &record, sizeof record));
     recording->rejected = (RejectedList){(const uint64_t*)(const void*)data.at, (size_t)(data.left / sizeof(uint64_t))};
     operation->rejectedPairCount = recording->rejected.count;
     operation->hasResult = true;
@@ -349,6 +321,11 @@ static qcStatus ReadOperation(qcRecording* recording, qcOperation* operation)
         return qc_statusOk;
     }
     operation->kind = (qcOperationKind)kind;
+    bool isBoxes = kind >= qc_operationAddBox && kind <= qc_operationCastBox;
+    if (isBoxes && recording->boxes.scalarSize != 0)
+        return qcBoxReader_Read(&recording->boxes, &recording->record, &operation->boxes);
+    if (recording->boxes.scalarSize != 0)
+        return qcFail(qc_statusFile, "unknown operation %u of a broadphase", kind);
     switch (operation->kind)
     {
         case qc_operationAddBody: return ReadAddBody(recording, operation);
@@ -359,28 +336,26 @@ static qcStatus ReadOperation(qcRecording* recording, qcOperation* operation)
         case qc_operationSetFilter:
         case qc_operationSetSelfCollision:
         case qc_operationSetMargin: return ReadChange(recording, operation);
-        case qc_operationMarkStart: return TakeAll(&recording->record, NULL, 0);
+        case qc_operationMarkStart: return qcRecord_TakeAll(&recording->record, NULL, 0);
         case qc_operationDetect: return ReadDetect(recording, operation);
-        case qc_operationEnd: break;
+        default: return qcFail(qc_statusFile, "unknown operation %u", kind);
     }
-    return qcFail(qc_statusFile, "unknown operation %u", kind);
 }
 
-static qcStatus OpenDevice(qcRecording* recording)
+/// The first record: the device of a scene, or the numbers of a broadphase.
+static qcStatus ReadFirst(qcRecording* recording)
 {
     bool atEnd = false;
-    qcRecord* record = &recording->deviceRecord;
-    qcStatus status = qcRecordReader_Next(&recording->reader, record, &atEnd);
-    if (status == qc_statusOk && atEnd)
-        status = qcFail(qc_statusFile, "the file ends before it");
-    Data data = DataOf(record);
-    if (status == qc_statusOk &&
-        (record->head.kind != qc_recordDevice || data.left == 0 || data.at[data.left - 1] != 0))
-        status = qcFail(qc_statusFile, "it does not name a device");
-    if (status == qc_statusOk)
-        return status;
-    Fail(recording, record->byteOffset, status);
-    return qcFail(status, "%s", recording->message);
+    qcRecord* record = &recording->firstRecord;
+    QC_TRY(qcRecordReader_Next(&recording->reader, record, &atEnd));
+    if (atEnd)
+        return qcFail(qc_statusFile, "the file ends before it");
+    if (record->head.kind == qc_recordBoxes)
+        return qcBoxReader_Open(&recording->boxes, record);
+    qcRecordData data = qcRecordData_Of(record);
+    if (record->head.kind != qc_recordDevice || data.left == 0 || data.at[data.left - 1] != 0)
+        return qcFail(qc_statusFile, "it does not name a device");
+    return qc_statusOk;
 }
 
 qcStatus qcRecording_Open(const char* path, qcRecording** recording)
@@ -392,11 +367,19 @@ qcStatus qcRecording_Open(const char* path, qcRecording** recording)
         return qcFailMemory(sizeof *opened, "a recording");
     qcStatus status = qcRecordReader_Open(&opened->reader, path);
     if (status == qc_statusOk)
-        status = OpenDevice(opened);
+    {
+        status = ReadFirst(opened);
+        if (status != qc_statusOk)
+            Fail(opened, opened->firstRecord.byteOffset, status);
+    }
     if (status == qc_statusOk)
         *recording = opened;
     else
+    {
+        if (opened->failure != qc_statusOk)
+            qcFail(status, "%s", opened->message);
         qcRecording_Close(opened);
+    }
     return status;
 }
 
@@ -405,10 +388,11 @@ void qcRecording_Close(qcRecording* recording)
     if (recording == NULL)
         return;
     qcRecordReader_Close(&recording->reader);
-    qcArray_Free(&recording->deviceRecord.data);
+    qcArray_Free(&recording->firstRecord.data);
     qcArray_Free(&recording->record.data);
     qcArray_Free(&recording->result.data);
     qcRecordedBodies_Free(&recording->bodies);
+    qcBoxReader_Free(&recording->boxes);
     qcFree(recording, sizeof *recording);
 }
 
@@ -416,8 +400,11 @@ qcRecordingInfo qcRecording_GetInfo(const qcRecording* recording)
 {
     if (recording == NULL)
         return (qcRecordingInfo){.device = "none"};
-    return (qcRecordingInfo){recording->reader.header.formatVersion, recording->reader.header.libraryVersion,
-                             DataOf(&recording->deviceRecord).at};
+    bool isScene = recording->boxes.scalarSize == 0;
+    return (qcRecordingInfo){.formatVersion = recording->reader.header.formatVersion,
+                             .libraryVersion = recording->reader.header.libraryVersion,
+                             .boxScalarSize = recording->boxes.scalarSize,
+                             .device = isScene ? qcRecordData_Of(&recording->firstRecord).at : "none"};
 }
 
 qcStatus qcRecording_Next(qcRecording* recording, const qcOperation** operation)

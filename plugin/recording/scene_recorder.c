@@ -10,8 +10,6 @@
 #include "recording/snapshot.h"
 #include "recording/xxh64.h"
 
-#include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 /// The indices of a body, written once.
@@ -32,17 +30,16 @@ struct qcSceneRecorder
 
 //  ---- the file ----------------------------------------------------------------------------------------------------
 
-static qcStatus Open(const char* path, bool* exists, qcDevice* device, qcSceneRecorder** recorder)
+/// A recorder that owns the open file; on failure it is closed.
+static qcStatus Start(qcRecordWriter* writer, qcDevice* device, qcSceneRecorder** recorder)
 {
     qcSceneRecorder* opened = qcAllocateZeroed(sizeof *opened);
     if (opened == NULL)
-        return qcFailMemory(sizeof *opened, "a recording");
-    qcStatus status = qcRecordWriter_Open(&opened->writer, path, exists);
-    if (status != qc_statusOk)
     {
-        qcFree(opened, sizeof *opened);
-        return status;
+        qcRecordWriter_Close(writer);
+        return qcFailMemory(sizeof *opened, "a recording");
     }
+    opened->writer = *writer;
     qcRejectedPairs_Init(&opened->rejected);
     qcDeviceInfo info = {.kind = qc_deviceNone};
     if (device != NULL)
@@ -73,8 +70,10 @@ static void Free(qcSceneRecorder* recorder)
 
 qcStatus qcSceneRecorder_Open(const char* path, qcDevice* device, const qcBodies* bodies, qcSceneRecorder** recorder)
 {
+    qcRecordWriter writer;
     qcSceneRecorder* opened = NULL;
-    QC_TRY(Open(path, NULL, device, &opened));
+    QC_TRY(qcRecordWriter_Open(&writer, path, NULL));
+    QC_TRY(Start(&writer, device, &opened));
     qcSnapshot_Write(opened, bodies);
     // A full disk shows at once.
     qcRecordWriter_Flush(&opened->writer);
@@ -88,33 +87,15 @@ qcStatus qcSceneRecorder_Open(const char* path, qcDevice* device, const qcBodies
     return status;
 }
 
-static void Report(const char* line, bool hasLog)
-{
-    if (hasLog)
-        qcLog("%s", line);
-    else
-        fprintf(stderr, "quickcullide: %s\n", line);
-}
-
 qcSceneRecorder* qcSceneRecorder_OpenFromEnvironment(qcDevice* device)
 {
-    const char* prefix = getenv("QC_RECORD");
-    if (prefix == NULL || prefix[0] == 0)
+    qcRecordWriter writer;
+    if (!qcRecordWriter_OpenFromEnvironment(&writer))
         return NULL;
-    char path[4096];
-    bool exists = true;
     qcSceneRecorder* recorder = NULL;
-    for (uint32_t number = 1; exists; number++)
-    {
-        int length = snprintf(path, sizeof path, "%s.%u.qcr", prefix, number);
-        exists = false;
-        if (length < 0 || (size_t)length >= sizeof path)
-            qcFail(qc_statusFile, "QC_RECORD is longer than a path may be");
-        else if (Open(path, &exists, device, &recorder) == qc_statusOk)
-            return recorder;
-    }
-    Report(qcLastMessage(), qcHasLog());
-    return NULL;
+    if (Start(&writer, device, &recorder) != qc_statusOk)
+        qcLog("%s", qcLastMessage());
+    return recorder;
 }
 
 qcStatus qcSceneRecorder_Close(qcSceneRecorder* recorder)
