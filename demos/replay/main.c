@@ -1,4 +1,5 @@
 // qc-replay: runs a recording again, and compares its results with the recorded ones.
+#define _POSIX_C_SOURCE 200809L // unsetenv
 #include "replay/replay.h"
 
 #include "common/interrupt.h"
@@ -15,12 +16,6 @@ typedef struct Report
     uint64_t printed; ///< lines of detections that differ
     bool hasColumns;
 } Report;
-
-enum
-{
-    // Lines of detections that differ, unless all are printed: the first ones tell what is wrong.
-    qc_maxDifferences = 10
-};
 
 static void ReportDetection(const qcDetection* detection, void* context)
 {
@@ -59,11 +54,17 @@ static qcExitStatus Replay(const qcReplayOptions* options, qcRecording* recordin
     if (options->csv != NULL && !qcOutput_Open(options->csv, &output, message))
         return qc_exitFailed;
     report.csv = output.stream;
-    if (report.csv != NULL)
-        qcReplay_WriteCsvHead(report.csv);
     qcReplay_PrintHeading(options, recording, device);
     qcReplayTotals totals;
-    qcExitStatus ending = qcReplay_Run(options, recording, device, ReportDetection, &report, &totals, message);
+    qcExitStatus ending;
+    if (qcRecording_GetInfo(recording).boxScalarSize != 0)
+        ending = qcReplay_RunBoxes(options, recording, report.csv, &totals, message);
+    else
+    {
+        if (report.csv != NULL)
+            qcReplay_WriteCsvHead(report.csv);
+        ending = qcReplay_Run(options, recording, device, ReportDetection, &report, &totals, message);
+    }
     qcReplay_PrintTotals(options, &totals);
     free(totals.times);
     if (report.csv != NULL && !qcOutput_Commit(&output, message))
@@ -107,6 +108,8 @@ int main(int argumentCount, char** arguments)
 {
     qcReplayOptions options;
     qcReplay_ReadOptions(argumentCount, arguments, &options);
+    // Meant for the program that is recorded.
+    unsetenv("QC_RECORD");
     qcInterrupt_Watch();
     qcMessage message = {""};
     qcExitStatus ending = Run(&options, &message);

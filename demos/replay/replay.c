@@ -122,9 +122,8 @@ static bool AddTime(qcReplayTotals* totals, double ms)
     return true;
 }
 
-static void Count(qcReplayTotals* totals, const qcDetection* detection)
+bool qcReplay_Count(qcReplayTotals* totals, const qcDetection* detection)
 {
-    totals->pairs += detection->pairs;
     totals->same += detection->verdict == qc_verdictSame;
     totals->differing += detection->verdict == qc_verdictDiffers;
     totals->notCompared += detection->verdict == qc_verdictNotCompared;
@@ -134,6 +133,7 @@ static void Count(qcReplayTotals* totals, const qcDetection* detection)
                               ? detection->recordedPairs
                               : 0;
     totals->fallback = detection->fallback != NULL ? detection->fallback : totals->fallback;
+    return AddTime(totals, detection->ms);
 }
 
 /// The definition as options change it. Methods that sample find intersections only.
@@ -196,9 +196,9 @@ static qcExitStatus Detect(Run* run, const qcOperation* operation)
         Compare(operation, &def, result, &detection);
     if (ending != qc_exitDone)
         return ending;
-    Count(totals, &detection);
+    totals->pairs += detection.pairs;
     run->function(&detection, run->context);
-    if (AddTime(totals, detection.ms))
+    if (qcReplay_Count(totals, &detection))
         return qc_exitDone;
     qcMessage_Fail(run->message, "out of memory");
     return qc_exitFailed;

@@ -9,8 +9,14 @@
 
 #include <stdio.h>
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 enum
 {
+    // Lines of results that differ, unless all are printed: the first ones tell what is wrong.
+    qc_maxDifferences = 10,
     qc_recordedMethod = 100,         ///< in place of a qcMethod: the method of each recorded detection
     qc_recordedThreads = UINT32_MAX, ///< likewise
     qc_maxThreads = 1024
@@ -73,6 +79,16 @@ typedef void qcDetectionFunction(const qcDetection* detection, void* context);
 qcExitStatus qcReplay_Run(const qcReplayOptions* options, qcRecording* recording, qcDevice* device,
                           qcDetectionFunction* function, void* context, qcReplayTotals* totals, qcMessage* message);
 
+/// Likewise for a recorded broadphase. `csv`: a line for each search, or null.
+qcExitStatus qcReplay_RunBoxes(const qcReplayOptions* options, qcRecording* recording, FILE* csv,
+                               qcReplayTotals* totals, qcMessage* message);
+
+/// Adds a result to the totals. False: out of memory.
+bool qcReplay_Count(qcReplayTotals* totals, const qcDetection* detection);
+
+/// "same", "DIFFERS in", "not compared:" ...
+const char* qcReplay_VerdictName(qcVerdict verdict);
+
 /// Prints each operation on a line.
 qcExitStatus qcReplay_List(const qcReplayOptions* options, qcRecording* recording, qcMessage* message);
 
@@ -84,5 +100,9 @@ void qcReplay_PrintDetection(const qcDetection* detection);
 void qcReplay_PrintTotals(const qcReplayOptions* options, qcReplayTotals* totals);
 void qcReplay_WriteCsvHead(FILE* stream);
 void qcReplay_WriteCsvLine(FILE* stream, const qcDetection* detection);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

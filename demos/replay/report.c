@@ -42,7 +42,7 @@ static void PrintOperation(const qcOperation* o)
 {
     static const char* activities[] = {"moving", "sleeping", "static"};
     printf("%8" PRIu64 " %12" PRIu64 "  %s", o->number, o->byteOffset, qcOperationKind_Name(o->kind));
-    if (o->kind != qc_operationMarkStart && o->kind != qc_operationDetect && o->kind != qc_operationEnd)
+    if (o->kind >= qc_operationAddBody && o->kind <= qc_operationSetMargin)
         printf(" %" PRIu32, o->id.slot);
     switch (o->kind)
     {
@@ -66,8 +66,22 @@ static void PrintOperation(const qcOperation* o)
         case qc_operationSetMargin: printf(": %.9g", o->margin); break;
         case qc_operationDetect: PrintDef(o); break;
         case qc_operationEnd: printf("%s", o->isComplete ? "" : ": the program ended without closing it"); break;
+        case qc_operationAddBox:
+        case qc_operationSetBoxFilter:
+            printf(" %" PRIu32 ": group 0x%" PRIx32 ", mask 0x%" PRIx32, *o->boxes.ids, o->boxes.group, o->boxes.mask);
+            break;
+        case qc_operationRemoveBox: printf(" %" PRIu32, *o->boxes.ids); break;
+        case qc_operationMoveBoxes: printf(": %zu", o->boxes.count); break;
+        case qc_operationFindPairs:
+            printf(": %zu", o->boxes.pairCount);
+            if (o->boxes.hasCallback)
+                printf(", a callback rejected %zu", o->boxes.rejectedCount);
+            break;
+        case qc_operationQueryBox:
+        case qc_operationCastBox: printf(": %zu boxes", o->boxes.count); break;
         case qc_operationRemoveBody:
-        case qc_operationMarkStart: break;
+        case qc_operationMarkStart:
+        case qc_operationResetBoxes: break;
     }
     putchar('\n');
 }
@@ -98,8 +112,15 @@ void qcReplay_PrintHeading(const qcReplayOptions* options, const qcRecording* re
     qcDeviceInfo own = {.name = "none", .renderer = ""};
     if (device != NULL)
         qcDevice_GetInfo(device, &own);
-    printf("%s: recorded by version %u.%u.%u, device %s\n", options->path, info.libraryVersion / 10000,
-           info.libraryVersion / 100 % 100, info.libraryVersion % 100, info.device);
+    printf("%s: recorded by version %u.%u.%u, ", options->path, info.libraryVersion / 10000,
+           info.libraryVersion / 100 % 100, info.libraryVersion % 100);
+    if (info.boxScalarSize != 0)
+    {
+        printf("a broadphase of %s precision; method %s\n", info.boxScalarSize == sizeof(float) ? "single" : "double",
+               options->methodName);
+        return;
+    }
+    printf("device %s\n", info.device);
     printf("method %s, device %s%s%s\n", options->methodName, own.name, own.renderer[0] != 0 ? ", " : "", own.renderer);
 }
 
@@ -108,16 +129,24 @@ void qcReplay_PrintColumns(void)
     printf("detection  operation  method         ms      pairs   contacts     points  result\n");
 }
 
+const char* qcReplay_VerdictName(qcVerdict verdict)
+{
+    switch (verdict)
+    {
+        case qc_verdictSame: return "same";
+        case qc_verdictDiffers: return "DIFFERS in";
+        case qc_verdictNotCompared: return "not compared:";
+        case qc_verdictNoneMissed: return "none missed";
+        case qc_verdictMissed: return "misses";
+    }
+    return "";
+}
+
 static void PrintVerdict(FILE* stream, const qcDetection* d)
 {
-    switch (d->verdict)
-    {
-        case qc_verdictSame: fputs("same", stream); break;
-        case qc_verdictDiffers: fprintf(stream, "DIFFERS in %s", d->reason); break;
-        case qc_verdictNotCompared: fprintf(stream, "not compared: %s", d->reason); break;
-        case qc_verdictNoneMissed: fputs("none missed", stream); break;
-        case qc_verdictMissed: fprintf(stream, "misses %" PRIu64 " of %" PRIu64, d->missed, d->recordedPairs); break;
-    }
+    fprintf(stream, "%s%s%s", qcReplay_VerdictName(d->verdict), d->reason[0] != 0 ? " " : "", d->reason);
+    if (d->verdict == qc_verdictMissed)
+        fprintf(stream, " %" PRIu64 " of %" PRIu64, d->missed, d->recordedPairs);
 }
 
 void qcReplay_PrintDetection(const qcDetection* d)
@@ -139,7 +168,7 @@ void qcReplay_PrintTotals(const qcReplayOptions* options, qcReplayTotals* totals
         max = totals->times[i] > max ? totals->times[i] : max;
     }
     double median = qcStopwatch_Median(totals->times, totals->timeCount);
-    printf("%" PRIu64 " operations, %zu detections replayed", totals->operations, totals->timeCount);
+    printf("%" PRIu64 " operations, %zu results replayed", totals->operations, totals->timeCount);
     if (totals->timeCount != 0)
         printf(" in %.1f ms (median %.3f, max %.3f), %" PRIu64 " pairs", sum, median, max, totals->pairs);
     putchar('\n');

@@ -143,6 +143,7 @@ qcStatus qcBoxRecorder_Open(const char* path, uint32_t scalarSize, qcBoxRecorder
     qcRecordWriter_Begin(&opened->writer, qc_recordBoxes, 0);
     qcRecordWriter_Put(&opened->writer, words, sizeof words);
     qcRecordWriter_End(&opened->writer);
+    qcRecordWriter_Flush(&opened->writer);
     *recorder = opened;
     return qc_statusOk;
 }

@@ -48,6 +48,7 @@ static qcStatus Start(qcRecordWriter* writer, qcDevice* device, qcSceneRecorder*
     qcRecordWriter_Begin(&opened->writer, qc_recordDevice, 0);
     qcRecordWriter_Put(&opened->writer, name, strlen(name) + 1);
     qcRecordWriter_End(&opened->writer);
+    qcRecordWriter_Flush(&opened->writer);
     *recorder = opened;
     return qc_statusOk;
 }
