@@ -80,6 +80,7 @@ tests/bullet/mesh           tests/support tests/bullet demos/common/mesh_io
 tests/bullet/soft_body      tests/support tests/bullet tests/bullet/mesh bullet_glue/soft_body/scene demos/bench/soft demos/cloth
 tests/bullet/fracture       tests/support tests/bullet
 tests/bullet/preload
+tests/bullet/recording       tests/support tests/bullet/broadphase tests/bullet/mesh
 tests/tools                 tests/support demos/...
 tests/house/golden
 tests/house                 tests/support
