@@ -14,6 +14,9 @@ typedef struct Bytes
 
 static char s_path[64];
 
+/// What is recorded, by the index of a test.
+static const uint32_t s_scalarSizes[] = {0, 4, 8};
+
 static Bytes ReadFile(const char* path)
 {
     FILE* file = fopen(path, "rb");
@@ -36,10 +39,9 @@ static void WriteFile(const unsigned char* data, size_t size)
     fclose(file);
 }
 
-/// A small history with every kind of operation; the file's bytes.
-static Bytes MakeRecording(void)
+/// A small history with every kind of operation.
+static void RecordScene(void)
 {
-    snprintf(s_path, sizeof s_path, "damaged.%d.qcr", (int)getpid());
     qcScene* scene = qcMakeScene(NULL);
     CHECK_OK(qcScene_Record(scene, s_path));
     History history = History_Start(11, scene, 1);
@@ -47,6 +49,44 @@ static Bytes MakeRecording(void)
         History_Step(&history);
     qcScene_Destroy(scene);
     History_End(&history);
+}
+
+/// Calls of a broadphase of every kind.
+static void RecordBoxes(uint32_t scalarSize)
+{
+    qcBoxRecorder* recorder = NULL;
+    CHECK_OK(qcBoxRecorder_Open(s_path, scalarSize, &recorder));
+    double bounds[6] = {0, 1, 2, 3, 4, 5};
+    const uint32_t ids[] = {1, 3};
+    const double lambdas[] = {0.5, 0.25};
+    const qcBoxPair pairs[] = {{1, 2}, {1, 3}};
+    const qcBoxCast cast = {{1, 2, 3}, {4, 5, 6}, {0, 0, 0, 1, 1, 1}, {1, 2, 3}, 7};
+    for (uint32_t id = 1; id < 5; id++)
+        qcBoxRecorder_Add(recorder, id, bounds, id, 3);
+    for (uint32_t id = 1; id < 4; id++)
+        qcBoxRecorder_Move(recorder, id, bounds);
+    qcBoxRecorder_SetFilter(recorder, 2, 5, 6);
+    qcBoxRecorder_Begin(recorder);
+    // Behind the search.
+    qcBoxRecorder_Move(recorder, 1, bounds);
+    qcBoxRecorder_Remove(recorder, 3);
+    qcBoxRecorder_EndPairs(recorder, pairs, 2, true, pairs, 1);
+    qcBoxRecorder_Begin(recorder);
+    qcBoxRecorder_EndQuery(recorder, bounds, ids, 2);
+    qcBoxRecorder_Begin(recorder);
+    qcBoxRecorder_EndCast(recorder, &cast, ids, lambdas, 2);
+    qcBoxRecorder_Reset(recorder);
+    CHECK_OK(qcBoxRecorder_Close(recorder));
+}
+
+/// 0: a scene; 4 and 8: a broadphase with numbers of this size. The file's bytes.
+static Bytes MakeRecording(uint32_t scalarSize)
+{
+    snprintf(s_path, sizeof s_path, "damaged.%d.qcr", (int)getpid());
+    if (scalarSize == 0)
+        RecordScene();
+    else
+        RecordBoxes(scalarSize);
     return ReadFile(s_path);
 }
 
@@ -84,7 +124,7 @@ static uint64_t ReadAll(qcStatus* status, bool* isComplete)
 
 START_TEST(each_flipped_byte_is_found_and_named)
 {
-    Bytes whole = MakeRecording();
+    Bytes whole = MakeRecording(s_scalarSizes[_i]);
     qcStatus status;
     bool isComplete;
     uint64_t operations = ReadAll(&status, &isComplete), previous = 0;
@@ -120,7 +160,7 @@ END_TEST
 
 START_TEST(a_file_cut_anywhere_is_read_up_to_the_cut)
 {
-    Bytes whole = MakeRecording();
+    Bytes whole = MakeRecording(s_scalarSizes[_i]);
     qcStatus status;
     bool isComplete;
     uint64_t operations = ReadAll(&status, &isComplete), previous = 0;
@@ -167,15 +207,15 @@ static void Rehash(Bytes* bytes)
     }
 }
 
-/// QC_TEST_FILES: the number of files.
+/// QC_TEST_FILES: the number of files; QC_TEST_SEED: their seed.
 START_TEST(forged_files_with_right_hashes_crash_nothing)
 {
-    Bytes whole = MakeRecording();
+    Bytes whole = MakeRecording(s_scalarSizes[_i]);
     unsigned char* data = malloc(whole.size);
     ck_assert_ptr_nonnull(data);
-    const char* files = getenv("QC_TEST_FILES");
+    const char *files = getenv("QC_TEST_FILES"), *seed = getenv("QC_TEST_SEED");
     long count = files != NULL ? atol(files) : 4000;
-    qcRandom random = {files != NULL ? (uint64_t)count : 1};
+    qcRandom random = {seed != NULL ? (uint64_t)atoll(seed) : 1};
     size_t refused = 0;
     for (long i = 0; i < count; i++)
     {
@@ -206,6 +246,40 @@ START_TEST(forged_files_with_right_hashes_crash_nothing)
 }
 END_TEST
 
+START_TEST(calls_of_a_broadphase_are_read_as_they_were_made)
+{
+    free(MakeRecording(4).data);
+    qcRecording* recording = NULL;
+    CHECK_OK(qcRecording_Open(s_path, &recording));
+    ck_assert_uint_eq(qcRecording_GetInfo(recording).boxScalarSize, 4);
+    const qcOperationKind kinds[] = {qc_operationAddBox,    qc_operationAddBox,    qc_operationAddBox,
+                                     qc_operationAddBox,    qc_operationMoveBoxes, qc_operationSetBoxFilter,
+                                     qc_operationFindPairs, qc_operationMoveBoxes, qc_operationRemoveBox,
+                                     qc_operationQueryBox,  qc_operationCastBox,   qc_operationResetBoxes,
+                                     qc_operationEnd};
+    const qcOperation* operation;
+    for (size_t i = 0; i < sizeof kinds / sizeof kinds[0]; i++)
+    {
+        CHECK_OK(qcRecording_Next(recording, &operation));
+        ck_assert_int_eq(operation->kind, kinds[i]);
+        const qcBoxOperation* boxes = &operation->boxes;
+        if (i == 4)
+            ck_assert(boxes->count == 3 && boxes->ids[2] == 3 && boxes->bounds[17] == 5.0);
+        if (i == 6)
+            ck_assert(boxes->pairCount == 2 && boxes->hasCallback && boxes->isDisturbed && boxes->rejectedCount == 1 &&
+                      boxes->rejected[0].b == 2);
+        if (i == 10)
+            ck_assert(boxes->count == 2 && boxes->ids[1] == 3 && boxes->lambdas[1] == 0.25 &&
+                      boxes->cast.directionInverse[2] == 3.0 && boxes->cast.lambda == 7.0 && !boxes->isDisturbed);
+        if (i < 12)
+            ck_assert_int_eq(qcOperation_Apply(operation, NULL, NULL), qc_statusBadInput);
+    }
+    ck_assert(operation->isComplete);
+    qcRecording_Close(recording);
+    remove(s_path);
+}
+END_TEST
+
 START_TEST(what_is_no_recording_is_refused_with_its_name)
 {
     qcRecording* recording = NULL;
@@ -225,7 +299,7 @@ END_TEST
 
 START_TEST(a_newer_format_is_refused_with_both_versions)
 {
-    Bytes whole = MakeRecording();
+    Bytes whole = MakeRecording(0);
     uint32_t version = 2;
     memcpy(whole.data + 8, &version, sizeof version);
     uint64_t hash = qcXxh64(whole.data, 16, 0);
@@ -267,6 +341,20 @@ START_TEST(an_operation_on_a_body_that_is_missing_is_named)
 }
 END_TEST
 
-QC_RUN_TESTS("damaged_files", each_flipped_byte_is_found_and_named, a_file_cut_anywhere_is_read_up_to_the_cut,
-             forged_files_with_right_hashes_crash_nothing, what_is_no_recording_is_refused_with_its_name,
-             a_newer_format_is_refused_with_both_versions, an_operation_on_a_body_that_is_missing_is_named)
+int main(void)
+{
+    const TTest* const each[] = {each_flipped_byte_is_found_and_named, a_file_cut_anywhere_is_read_up_to_the_cut,
+                                 forged_files_with_right_hashes_crash_nothing};
+    const TTest* const once[] = {
+        calls_of_a_broadphase_are_read_as_they_were_made, what_is_no_recording_is_refused_with_its_name,
+        a_newer_format_is_refused_with_both_versions, an_operation_on_a_body_that_is_missing_is_named};
+    Suite* suite = suite_create("damaged_files");
+    TCase* testCase = tcase_create("damaged_files");
+    tcase_set_timeout(testCase, 300); // a bound against hanging, not a claim about speed
+    for (size_t i = 0; i < sizeof each / sizeof each[0]; i++)
+        tcase_add_loop_test(testCase, each[i], 0, sizeof s_scalarSizes / sizeof s_scalarSizes[0]);
+    for (size_t i = 0; i < sizeof once / sizeof once[0]; i++)
+        tcase_add_test(testCase, once[i]);
+    suite_add_tcase(suite, testCase);
+    return qcRunSuite(suite);
+}
