@@ -229,7 +229,7 @@ static qcExitStatus ApplyAll(Run* run)
         qcStatus status = qcRecording_Next(run->recording, &operation);
         if (status != qc_statusOk)
             return Fail(run, status, "");
-        run->totals->isComplete = operation->isComplete;
+        run->totals->isUnclosed = operation->kind == qc_operationEnd && !operation->isComplete;
         if (operation->kind == qc_operationEnd)
             return qc_exitDone;
         run->totals->operations++;

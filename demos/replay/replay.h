@@ -64,7 +64,8 @@ typedef struct qcReplayTotals
     uint64_t pairs;
     double* times; ///< milliseconds of each replayed detection
     size_t timeCount, timeCapacity;
-    bool isComplete, isInterrupted;
+    bool isInterrupted;
+    bool isUnclosed;      ///< the recording ends without an end
     const char* fallback; ///< of the last detection that fell back
 } qcReplayTotals;
 

@@ -183,7 +183,7 @@ qcExitStatus ApplyAll(BoxRun& run, qcRecording* recording)
             qcMessage_Fail(run.message, "%s", qcLastMessage());
             return status == qc_statusOutOfMemory ? qc_exitFailed : qc_exitBadInput;
         }
-        run.totals->isComplete = operation->isComplete;
+        run.totals->isUnclosed = operation->kind == qc_operationEnd && !operation->isComplete;
         if (operation->kind == qc_operationEnd)
             return qc_exitDone;
         run.totals->operations++;

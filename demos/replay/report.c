@@ -184,6 +184,8 @@ void qcReplay_PrintTotals(const qcReplayOptions* options, qcReplayTotals* totals
         printf("%" PRIu64 " results were not compared; --each gives the reasons\n", totals->notCompared);
     if (totals->isInterrupted)
         printf("interrupted\n");
+    else if (totals->isUnclosed)
+        printf("the program that recorded ended without closing the file\n");
 }
 
 //  ---- CSV ---------------------------------------------------------------------------------------------------------

@@ -87,6 +87,10 @@ START_TEST(a_recording_replays_equal_by_every_method_that_never_misses)
         ck_assert_ptr_nonnull(strstr(GetOutput(), "4 results are the recorded ones, 0 differ"));
     }
     ck_assert_ptr_null(strstr(GetOutput(), "not compared"));
+    ck_assert_ptr_null(strstr(GetOutput(), "without closing"));
+    // The record of the end is 24 bytes long.
+    ck_assert_int_eq(Run("head -c -24 a.qcr >b.qcr; " REPLAY " b.qcr"), 0);
+    ck_assert_ptr_nonnull(strstr(GetOutput(), "the program that recorded ended without closing the file"));
     LeaveFolder();
 }
 END_TEST
