@@ -1,6 +1,7 @@
 // The broadphase of a Bullet world: proxies (proxy_set.h), the pair cache (pair_cache_sync.h), and queries.
 #include "quickcullide/bullet_broadphase.h"
 
+#include "broadphase/broadphase_recorder.h"
 #include "broadphase/pair_cache_sync.h"
 
 #include <LinearMath/btIDebugDraw.h>
@@ -12,6 +13,8 @@
 struct qcBroadphase::Data : qcPairCacheSync
 {
     using qcPairCacheSync::qcPairCacheSync;
+
+    qcBroadphaseRecorder recorder;
 };
 
 namespace
@@ -25,6 +28,25 @@ bool IsFinite(const btVector3& point)
 struct Path
 {
     double from[3], to[3], castLower[3], castUpper[3];
+};
+
+/// A cast that runs.
+struct Cast
+{
+    btBroadphaseRayCallback* callback;
+    btScalar lambda;                          ///< the callback's at the start
+    double fraction;                          ///< of the path that is searched
+    qcBroadphaseRecorder::Reported* reported; ///< null: the cast is not recorded
+
+    void Process(qcProxy* proxy)
+    {
+        if (proxy->state().destroyed)
+            return;
+        uint32_t id = uint32_t(proxy->m_uniqueId);
+        callback->process(proxy);
+        if (reported != nullptr)
+            reported->Add(id, double(callback->m_lambda_max));
+    }
 };
 
 /// Bullet's tree goes along the callback's direction to its largest lambda and ignores rayTo; other broadphases do the
@@ -86,22 +108,33 @@ btBroadphaseProxy* qcBroadphase::createProxy(const btVector3& aabbMin, const btV
                                              btDispatcher* /*dispatcher*/)
 {
     qcProxy* proxy = m_data->GetProxies().Create(aabbMin, aabbMax, userPtr, collisionFilterGroup, collisionFilterMask);
-    if (proxy != nullptr)
-        m_data->Add(proxy);
+    if (proxy == nullptr)
+        return nullptr;
+    if (m_data->recorder.IsOn())
+        m_data->recorder.Add(proxy);
+    m_data->Add(proxy);
     return proxy;
 }
 
 void qcBroadphase::destroyProxy(btBroadphaseProxy* proxy, btDispatcher* dispatcher)
 {
-    if (proxy != nullptr)
-        m_data->Destroy(static_cast<qcProxy*>(proxy), dispatcher);
+    qcProxy* own = static_cast<qcProxy*>(proxy);
+    if (own == nullptr)
+        return;
+    if (m_data->recorder.IsOn() && !own->state().destroyed)
+        m_data->recorder.Remove(own);
+    m_data->Destroy(own, dispatcher);
 }
 
 void qcBroadphase::setAabb(btBroadphaseProxy* proxy, const btVector3& aabbMin, const btVector3& aabbMax,
                            btDispatcher* /*dispatcher*/)
 {
-    if (proxy != nullptr)
-        m_data->Move(static_cast<qcProxy*>(proxy), aabbMin, aabbMax);
+    qcProxy* own = static_cast<qcProxy*>(proxy);
+    if (own == nullptr)
+        return;
+    if (m_data->recorder.IsOn())
+        m_data->recorder.Move(own, aabbMin, aabbMax, m_data->IsIterating());
+    m_data->Move(own, aabbMin, aabbMax);
 }
 
 void qcBroadphase::getAabb(btBroadphaseProxy* proxy, btVector3& aabbMin, btVector3& aabbMax) const
@@ -115,45 +148,65 @@ void qcBroadphase::getAabb(btBroadphaseProxy* proxy, btVector3& aabbMin, btVecto
 void qcBroadphase::aabbTest(const btVector3& aabbMin, const btVector3& aabbMax, btBroadphaseAabbCallback& callback)
 {
     qcPairCacheSync::IterationGuard guard(*m_data);
-    m_data->GetProxies().VisitBox(aabbMin, aabbMax, [&](qcProxy* proxy) { callback.process(proxy); });
+    if (!m_data->recorder.IsOn())
+    {
+        m_data->GetProxies().VisitBox(aabbMin, aabbMax, [&](qcProxy* proxy) { callback.process(proxy); });
+        return;
+    }
+    qcBroadphaseRecorder::Reported reported;
+    m_data->recorder.Begin();
+    m_data->GetProxies().VisitBox(aabbMin, aabbMax,
+                                  [&](qcProxy* proxy)
+                                  {
+                                      reported.Add(uint32_t(proxy->m_uniqueId));
+                                      callback.process(proxy);
+                                  });
+    m_data->recorder.EndQuery(aabbMin, aabbMax, reported);
 }
 
 void qcBroadphase::rayTest(const btVector3& rayFrom, const btVector3& rayTo, btBroadphaseRayCallback& rayCallback,
                            const btVector3& aabbMin, const btVector3& aabbMax)
 {
     qcPairCacheSync::IterationGuard guard(*m_data);
-    struct Cast
-    {
-        btBroadphaseRayCallback* callback;
-        btScalar lambda;
-        double fraction;
-    } cast = {&rayCallback, rayCallback.m_lambda_max, 1.0};
+    qcBroadphaseRecorder* recorder = m_data->recorder.IsOn() ? &m_data->recorder : nullptr;
+    qcBroadphaseRecorder::Reported reported;
+    Cast cast = {&rayCallback, rayCallback.m_lambda_max, 1.0, recorder != nullptr ? &reported : nullptr};
     auto function = [](uint32_t, void* userData, void* context)
     {
         Cast* cast = static_cast<Cast*>(context);
-        if (!static_cast<qcProxy*>(userData)->state().destroyed)
-            cast->callback->process(static_cast<qcProxy*>(userData));
+        cast->Process(static_cast<qcProxy*>(userData));
         if (cast->callback->m_lambda_max < cast->lambda)
             cast->fraction = double(cast->callback->m_lambda_max) / double(cast->lambda);
         return true;
     };
+    qcBoxCast recorded;
+    if (recorder != nullptr)
+    {
+        recorded = qcBoxCastOf(rayFrom, rayTo, rayCallback, aabbMin, aabbMax);
+        recorder->Begin();
+    }
     Path path = MakePath(rayFrom, rayTo, rayCallback, aabbMin, aabbMax);
     qcBoxes_CastBox(m_data->GetProxies().GetBoxes(), path.from, path.to, path.castLower, path.castUpper, &cast.fraction,
                     function, &cast);
-    m_data->GetProxies().VisitOutside(
-        [&](qcProxy* proxy)
-        {
-            if (!proxy->state().destroyed)
-                rayCallback.process(proxy);
-        });
+    m_data->GetProxies().VisitOutside([&](qcProxy* proxy) { cast.Process(proxy); });
+    if (recorder != nullptr)
+        recorder->EndCast(recorded, reported);
 }
 
 //  ---- pairs -----------------------------------------------------------------------------------------
 
 void qcBroadphase::calculateOverlappingPairs(btDispatcher* dispatcher)
 {
-    if (!m_data->IsIterating())
+    if (m_data->IsIterating())
+        return;
+    if (!m_data->recorder.IsOn())
+    {
         m_data->Update(dispatcher);
+        return;
+    }
+    m_data->recorder.Begin();
+    m_data->Update(dispatcher);
+    m_data->recorder.EndPairs(*m_data);
 }
 
 btOverlappingPairCache* qcBroadphase::getOverlappingPairCache()
@@ -180,6 +233,8 @@ void qcBroadphase::resetPool(btDispatcher* /*dispatcher*/)
 {
     if (m_data->GetProxies().GetCount() > 0 || m_data->IsIterating())
         return;
+    if (m_data->recorder.IsOn())
+        m_data->recorder.Reset();
     m_data->GetProxies().Reset();
     m_data->ResetEarlyQueries();
 }
@@ -209,6 +264,11 @@ void qcBroadphase::debugDraw(btIDebugDraw* drawer) const
             drawer->drawLine(from, to, colors.m_contactPoint);
     }
     drawer->flushLines();
+}
+
+qcStatus qcBroadphase::record(const char* path)
+{
+    return m_data->IsIterating() ? qc_statusBadInput : m_data->recorder.Start(path, m_data->GetProxies());
 }
 
 qcStatus qcBroadphase::getStatus() const

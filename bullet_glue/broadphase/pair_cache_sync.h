@@ -29,6 +29,10 @@ class qcPairCacheSync
     {
         return m_proxies;
     }
+    const qcProxySet& GetProxies() const
+    {
+        return m_proxies;
+    }
     btOverlappingPairCache* GetCache() const
     {
         return m_cache;
@@ -46,6 +50,18 @@ class qcPairCacheSync
     void Update(btDispatcher* dispatcher);
     /// Allows the next few proxies that change to get their pairs before the search.
     void ResetEarlyQueries();
+
+    /// Whether a filter callback decided in the last search.
+    bool HasFilterCallback() const
+    {
+        return m_filter != nullptr;
+    }
+    /// Calls visit(a, b) for each overlapping pair that the filter callback rejected in the last search.
+    template <class Visit> void VisitRejected(Visit visit) const
+    {
+        for (int i = 0; i < m_rejected.size(); i += 2)
+            visit(m_rejected[i], m_rejected[i + 1]);
+    }
 
     /// While one lives, the set of proxies stays as it is.
     class IterationGuard

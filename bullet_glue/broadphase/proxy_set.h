@@ -63,6 +63,11 @@ class qcProxySet
     {
         return m_entries[index].proxy;
     }
+    /// Group and mask (qcFilterOf) when they were last compared.
+    uint64_t FilterAt(int index) const
+    {
+        return m_entries[index].filter;
+    }
     int GetCount() const
     {
         return m_count;

@@ -91,6 +91,13 @@ class QC_API qcBroadphase : public btBroadphaseInterface
     /// which draws the AABBs of shapes and not these. The drawer's debug mode is ignored. Changes nothing.
     void debugDraw(btIDebugDraw* drawer) const;
 
+    /// Records all calls from now on, and the pairs and boxes that are found, in a new file for qc-replay; it begins
+    /// with the present proxies. Null ends the recording. Failures are those of qcScene_Record (recording.h), and so is
+    /// QC_RECORD, which records every broadphase from its creation. Filter callbacks are recorded by the pairs that
+    /// they reject; a pair cache that filters otherwise is not. qc_statusBadInput: called by a callback of the
+    /// broadphase.
+    qcStatus record(const char* path);
+
     /// qc_statusOutOfMemory from a failed allocation until a calculateOverlappingPairs has found memory for everything.
     qcStatus getStatus() const;
 

@@ -5,6 +5,10 @@
 #include <stdbool.h>
 #include <stddef.h>
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 /// The last program's standard output and standard error.
 const char* GetOutput(void);
 const char* GetErrors(void);
@@ -21,5 +25,9 @@ void WriteText(const char* path, const char* text);
 bool ReadText(const char* path, char* text, size_t size);
 /// The number of entries of the folder, without "." and "..".
 size_t CountEntries(void);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif
