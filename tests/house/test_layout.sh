@@ -46,6 +46,7 @@ demos/common/bullet         demos/common
 demos/hello
 demos/cloth                 demos/common/... demos/common
 demos/fracture              demos/common/... demos/common
+demos/breaking              demos/common/... demos/common
 demos/pairs                 demos/common/... demos/common
 demos/bench/scenes          demos/common/... demos/common
 demos/bench                 demos/common
