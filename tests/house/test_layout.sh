@@ -48,6 +48,7 @@ demos/hello
 demos/cloth                 demos/common/... demos/common
 demos/fracture              demos/common/... demos/common
 demos/breaking              demos/common/... demos/common
+demos/leaves                demos/common/... demos/common
 demos/pairs                 demos/common/... demos/common
 demos/replay                demos/common
 demos/bench/scenes          demos/common/... demos/common
@@ -55,6 +56,7 @@ demos/bench                 demos/common
 demos/bench/accuracy        demos/bench demos/bench/scenes demos/common/... demos/common
 demos/bench/broadphase      demos/bench demos/bench/scenes demos/common/... demos/common
 demos/bench/peers           demos/bench demos/bench/scenes demos/common/... demos/common
+demos/bench/paper           demos/bench demos/bench/peers demos/common
 demos/bench/ablation
 demos/bench/scaling         demos/bench demos/bench/scenes demos/common/... demos/common
 demos/bench/gpu             demos/bench demos/bench/scenes demos/common/... demos/common
