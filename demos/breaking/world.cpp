@@ -346,10 +346,8 @@ void qcBreakingWorld::Measure(qcBreakingStep* step) const
     step->pairs = m_broadphase.getOverlappingPairCache()->getNumOverlappingPairs();
     const btCollisionObjectArray& objects = m_world.getCollisionObjectArray();
     for (int i = 0; i < objects.size(); i++)
-    {
-        step->bodies += !objects[i]->isStaticOrKinematicObject();
-        step->awake += !objects[i]->isStaticOrKinematicObject() && objects[i]->isActive();
-    }
+        step->bodies += !objects[i]->isStaticObject();
+    step->resting = m_settling.RestingCount();
     for (int m = 0; m < m_dispatcher.getNumManifolds(); m++)
     {
         const btPersistentManifold& manifold = *m_dispatcher.getManifoldByIndexInternal(m);

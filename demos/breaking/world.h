@@ -23,8 +23,8 @@ struct qcBreakingStep
     size_t newPieces = 0;             ///< pieces and islands that broke off in this step
     size_t loosePieces = 0;           ///< that have broken off since the beginning
     size_t brokenBonds = 0;           ///< since the beginning
-    size_t bodies = 0;                ///< bodies that may move
-    size_t awake = 0;                 ///< of these, bodies that Bullet simulates
+    size_t bodies = 0;                ///< bodies that move, the bunny included
+    size_t resting = 0;               ///< pieces that have come to rest
     int pairs = 0;                    ///< of overlapping boxes
     int points = 0;                   ///< contact points in Bullet's manifolds
     btScalar penetration = 0;         ///< depth of the deepest of these points, margins included; m
