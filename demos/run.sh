@@ -81,9 +81,10 @@ run_bench()
         -h | --help) "$bench" --help ;;
         '' | -*) run_benchmark accuracy "$@" ;;
         paper)
-            for scene in cloth breaking leaves; do
-                make_recording "$scene"
-            done
+            case "$*" in
+                *--help* | *--recordings*) ;;
+                *) for scene in cloth breaking leaves; do make_recording "$scene"; done ;;
+            esac
             run_benchmark "$@"
             ;;
         *) run_benchmark "$@" ;;
