@@ -8,8 +8,8 @@ show_help()
 Usage: demos/run.sh [DEMO] [ARGUMENT...]
 
 Demos:
-  cloth     A cloth falls over a table, folds and meets itself (the default). Pictures, and a film where
-            ffmpeg is installed, go to out/cloth/.
+  cloth     A cloth falls over a table, folds and meets itself, and is pulled away (the default). Pictures, and a film
+            where ffmpeg is installed, go to out/cloth/.
   fracture  A bunny falls and breaks in the midst of a step, and its pieces come to rest. Pictures, and a film,
             go to out/fracture/.
   through   Bodies thrown at each other so fast that they could pass: a table of penetrating pairs inside each step, beside
@@ -140,7 +140,7 @@ else
     qc_build "$root" "$program" -DQC_BUILD_TESTS=OFF
 fi
 case $demo in
-    # 120 steps a second, a frame every 10; 240 steps.
+    # 120 steps a second, a frame every 10; 600 steps.
     cloth) run_filmed cloth 12 "$@" ;;
     fracture) run_filmed fracture 24 "$@" ;;
     through) run_through "$@" ;;
