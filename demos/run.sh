@@ -19,6 +19,7 @@ Demos:
             (which it installs), "bench scaling" sizes, "bench broadphase" the broadphase with Bullet's own, "bench soft"
             cloth, tangles and ropes with Bullet's, "bench gpu" layers on a GL device with sweep. Tables and pictures
             go to out/bench/. demos/gpu.sh runs the GL tests first, and packs all that for a machine with a GPU.
+  gallery   Makes the README's pictures from the frames in out/.
 
 Arguments are the demo's own; "demos/run.sh DEMO --help" explains them.
 END
@@ -102,6 +103,7 @@ case ${1-} in
         show_help
         exit 0
         ;;
+    gallery) exec "$(dirname -- "$0")/gallery.sh" ;;
     cloth | fracture | through | pairs | bench)
         demo=$1
         shift
