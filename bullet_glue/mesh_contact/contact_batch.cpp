@@ -1,6 +1,7 @@
 // Contact of all pairs of meshes in a world from one query a step.
 #include "mesh_contact/contact_batch.h"
 
+#include "common/profiled_detect.h"
 #include "common/stopwatch.h"
 #include "mesh_contact/draw_candidates.h"
 
@@ -38,7 +39,7 @@ void qcMeshBatch::Note(qcStatus status)
 
 qcDetectDef qcMeshBatch::DetectDef(btScalar margin) const
 {
-    qcDetectDef def = qcDefaultDetectDef();
+    qcDetectDef def = qcProfiledDetectDef();
     def.method = settings.method;
     def.margin = double(margin);
     def.manifolds = true;

@@ -149,7 +149,7 @@ struct qcSoftBodyStatistics
 /// "qcSoftBodyContact sweep" of nodes, "qcSoftBodyContact untangle", "qcSoftBodyContact round" for each round,
 /// "qcSoftBodyContact push apart" and "qcSoftBodyContact move zones" if rounds did not suffice, and in these
 /// "qcSoftBodyContact detect", "qcSoftBodyContact manifolds" and "qcSoftBodyContact respond"; last "qcSoftBodyContact
-/// callbacks".
+/// callbacks". Within "detect" are the stages of the query: see qcDetectDef::enterStage.
 ///
 /// Cost: one run of qcScene_Detect in a step without contacts, two with contacts, a few more if these don't suffice.
 /// Thread-safety: as the world's.
