@@ -239,6 +239,11 @@ class QC_API qcMeshContact
     /// out. Call it between steps, after debugDrawWorld. The drawer's debug mode is ignored. Changes nothing.
     /// O(candidates + triangles of Bullet's own shapes).
     void debugDraw(btIDebugDraw* drawer) const;
+    /// Draws only what the bits of qcDebugDrawMode select.
+    void debugDraw(btIDebugDraw* drawer, int modes) const;
+    /// true: candidate pairs are kept for debugDraw with qc_drawCandidates, from the next query on, at the cost of a
+    /// sort of them. false, the default: they are not. qcDebugDraw calls it.
+    void setReportCandidates(bool report);
 
   private:
     struct Implementation;

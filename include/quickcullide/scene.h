@@ -425,7 +425,8 @@ typedef struct qcManifold
     uint32_t pointCount; ///< 1 or more
 } qcManifold;
 
-/// A candidate: a pair of triangles that the culling left, ordered as in qcPair.
+/// A candidate: a pair of triangles that the culling left, also for contacts alone; ordered as in qcPair. Neighbours
+/// that are tested for contacts alone are left out.
 typedef struct qcCandidate
 {
     uint32_t bodyA;     ///< slot of A's body

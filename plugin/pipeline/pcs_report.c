@@ -72,23 +72,50 @@ static qcTriangleRef RefOf(const qcStepTriangles* triangles, uint32_t global)
     return (qcTriangleRef){qcStepTriangles_Slot(triangles, body), global - qcStepTriangles_First(triangles, body)};
 }
 
+static bool AreNeighbours(const qcStepTriangles* triangles, uint64_t key)
+{
+    uint32_t a = (uint32_t)(key >> 32), b = (uint32_t)key, body = qcStepTriangles_BodyOf(triangles, a);
+    uint32_t first = qcStepTriangles_First(triangles, body);
+    return body == qcStepTriangles_BodyOf(triangles, b) &&
+           qcBody_AreNeighbours(qcStepTriangles_Body(triangles, body), a - first, b - first);
+}
+
+/// Fills report->items with the keys, in order. Pairs for contacts, but for neighbours, are candidates too.
+static qcStatus SortKeys(const qcStepTriangles* triangles, const qcCandidates* candidates, qcPcsReport* report)
+{
+    const uint64_t *keys = candidates->keys.data, *contactKeys = candidates->contactKeys.data;
+    const qcSortItem* classified = candidates->classified.data;
+    size_t count = 0;
+    QC_TRY(qcArray_Resize(&report->items,
+                          candidates->keys.count + candidates->contactKeys.count + candidates->classified.count,
+                          sizeof(qcSortItem), "the candidates"));
+    qcSortItem* items = report->items.data;
+    for (size_t i = 0; i < candidates->keys.count; i++)
+        items[count++] = (qcSortItem){keys[i], 0};
+    for (size_t i = 0; i < candidates->classified.count; i++)
+        items[count++] = (qcSortItem){classified[i].key, 0};
+    for (size_t i = 0; i < candidates->contactKeys.count; i++)
+        if (!AreNeighbours(triangles, contactKeys[i]))
+            items[count++] = (qcSortItem){contactKeys[i], 0};
+    report->items.count = count;
+    return qcSort_Items(items, count, &report->scratch);
+}
+
 static qcStatus ListCandidates(const qcStepTriangles* triangles, const qcCandidates* candidates, qcPcsReport* report)
 {
-    const uint64_t* keys = candidates->keys.data;
-    const qcSortItem* classified = candidates->classified.data;
-    size_t open = candidates->keys.count, count = open + candidates->classified.count;
-    QC_TRY(qcArray_Resize(&report->items, count, sizeof(qcSortItem), "the candidates"));
-    QC_TRY(qcArray_Resize(&report->pairs, count, sizeof(qcCandidate), "the candidates"));
-    qcSortItem* items = report->items.data;
-    for (size_t i = 0; i < count; i++)
-        items[i] = (qcSortItem){i < open ? keys[i] : classified[i - open].key, 0};
-    QC_TRY(qcSort_Items(items, count, &report->scratch));
-    for (size_t i = 0; i < count; i++)
+    QC_TRY(SortKeys(triangles, candidates, report));
+    QC_TRY(qcArray_Resize(&report->pairs, report->items.count, sizeof(qcCandidate), "the candidates"));
+    size_t at = 0;
+    for (size_t i = 0; i < report->items.count; i++)
     {
-        qcTriangleRef a = RefOf(triangles, (uint32_t)(items[i].key >> 32)),
-                      b = RefOf(triangles, (uint32_t)items[i].key);
-        QC_AT(qcCandidate, report->pairs, i) = (qcCandidate){a.body, a.triangle, b.body, b.triangle};
+        uint64_t key = QC_AT(qcSortItem, report->items, i).key;
+        // Classified pairs are listed for contacts, too.
+        if (i != 0 && key == QC_AT(qcSortItem, report->items, i - 1).key)
+            continue;
+        qcTriangleRef a = RefOf(triangles, (uint32_t)(key >> 32)), b = RefOf(triangles, (uint32_t)key);
+        QC_AT(qcCandidate, report->pairs, at++) = (qcCandidate){a.body, a.triangle, b.body, b.triangle};
     }
+    report->pairs.count = at;
     return qc_statusOk;
 }
 

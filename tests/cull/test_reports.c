@@ -171,6 +171,37 @@ START_TEST(candidates_are_sorted_and_contain_every_pair_and_the_pcs)
 }
 END_TEST
 
+START_TEST(candidates_for_contacts_are_candidates_without_neighbours)
+{
+    qcScene* scene = qcMakeScene(NULL);
+    AddCrossingBodies(scene);
+    qcDetectDef def = qcDefaultDetectDef();
+    def.method = qc_methodSweep;
+    def.contactMargin = 0.02;
+    def.candidates = true;
+    const qcResult* result;
+    CHECK_OK(qcScene_Detect(scene, &def, &result));
+    size_t between = 0;
+    for (size_t i = 0; i < result->contactCount; i++)
+        between += result->contacts[i].bodyA != result->contacts[i].bodyB;
+    ck_assert_uint_gt(between, 0);
+    ck_assert_uint_gt(result->candidateCount, result->profile.candidates);
+    for (size_t i = 1; i < result->candidateCount; i++)
+        if (CompareCandidates(&result->candidates[i - 1], &result->candidates[i]) >= 0)
+            ck_abort_msg("candidate %zu is not in order", i);
+    qcSoup sheet = qcSoup_MakeGrid(24);
+    for (size_t i = 0; i < result->candidateCount; i++)
+    {
+        const qcCandidate* c = &result->candidates[i];
+        for (int k = 0; c->bodyA == 0 && c->bodyB == 0 && k < 9; k++)
+            if (sheet.indices[3 * c->triangleA + (uint32_t)k / 3] == sheet.indices[3 * c->triangleB + (uint32_t)k % 3])
+                ck_abort_msg("candidate %zu: triangles %u and %u share a vertex", i, c->triangleA, c->triangleB);
+    }
+    qcSoup_Free(&sheet);
+    qcScene_Destroy(scene);
+}
+END_TEST
+
 START_TEST(what_is_not_requested_is_null_and_changes_nothing)
 {
     QC_FOR_EACH_DEVICE(device)
@@ -239,4 +270,5 @@ END_TEST
 
 QC_RUN_TESTS("reports", the_sets_are_disjoint_and_their_union_is_the_pcs,
              no_candidate_lies_within_one_collision_free_set, candidates_are_sorted_and_contain_every_pair_and_the_pcs,
+             candidates_for_contacts_are_candidates_without_neighbours,
              what_is_not_requested_is_null_and_changes_nothing, a_profiler_receives_the_stages_in_order)

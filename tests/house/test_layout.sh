@@ -32,6 +32,7 @@ plugin/pipeline             plugin/...
 
 bullet_glue/common
 bullet_glue/broadphase      bullet_glue/common
+bullet_glue/debug_draw      bullet_glue/common
 bullet_glue/mesh_shape      bullet_glue/common
 bullet_glue/mesh_contact    bullet_glue/common
 bullet_glue/soft_body/scene bullet_glue/common

@@ -300,6 +300,7 @@ qcStatus qcSoftBodyScene::Detect(btScalar contactMargin, const qcResult** result
     def.method = method;
     def.contactMargin = double(contactMargin);
     def.nearestContacts = true;
+    def.candidates = reportsCandidates;
     def.threads = threads;
     return qcScene_Detect(m_scene, &def, result);
 }
