@@ -44,9 +44,10 @@ bullet_glue/preload
 demos/common
 demos/common/mesh_io        demos/common
 demos/common/bullet         demos/common
+demos/view                  demos/common/... demos/common
 demos/hello
-demos/cloth                 demos/common/... demos/common
-demos/fracture              demos/common/... demos/common
+demos/cloth                 demos/common/... demos/common demos/view
+demos/fracture              demos/common/... demos/common demos/view
 demos/pairs                 demos/common/... demos/common
 demos/bench/scenes          demos/common/... demos/common
 demos/bench                 demos/common

@@ -1,0 +1,50 @@
+// Debug lines and triangles.
+#include "view/overlay.h"
+
+namespace
+{
+void Add(const btVector3& position, const btVector3& color, std::vector<qcColoredVertex>* vertices)
+{
+    vertices->push_back({{float(position.x()), float(position.y()), float(position.z())},
+                         {float(color.x()), float(color.y()), float(color.z())}});
+}
+} // namespace
+
+void qcViewOverlay::Begin(btScalar size)
+{
+    m_size = size;
+    m_lines.clear();
+    m_triangles.clear();
+}
+
+void qcViewOverlay::drawLine(const btVector3& from, const btVector3& to, const btVector3& color)
+{
+    Add(from, color, &m_lines);
+    Add(to, color, &m_lines);
+}
+
+void qcViewOverlay::drawTriangle(const btVector3& a, const btVector3& b, const btVector3& c, const btVector3& color,
+                                 btScalar)
+{
+    for (const btVector3& corner : {a, b, c})
+        Add(corner, color, &m_triangles);
+}
+
+/// A cross in the plane of contact, and the normal.
+void qcViewOverlay::drawContactPoint(const btVector3& point, const btVector3& normal, btScalar, int, const btVector3&)
+{
+    const btVector3 green(btScalar(0.1), btScalar(0.75), btScalar(0.2));
+    btVector3 u, v;
+    btPlaneSpace1(normal, u, v);
+    drawLine(point - u * (m_size / 3), point + u * (m_size / 3), green);
+    drawLine(point - v * (m_size / 3), point + v * (m_size / 3), green);
+    drawLine(point, point + normal * m_size, green);
+}
+
+btIDebugDraw::DefaultColors qcViewOverlay::getDefaultColors() const
+{
+    DefaultColors colors;
+    colors.m_aabb = btVector3(btScalar(0.55), btScalar(0.35), btScalar(0.85));
+    colors.m_contactPoint = btVector3(btScalar(0.55), btScalar(0.35), btScalar(0.85));
+    return colors;
+}
