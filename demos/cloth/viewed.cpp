@@ -92,7 +92,8 @@ std::string qcViewedCloth::NameOf(const btCollisionObject* object) const
 bool qcViewedCloth::ColorsOf(const btCollisionObject* object, qcViewColors* colors) const
 {
     if (object == &m_world->Cloth())
-        *colors = {{0.70f, 0.36f, 0.10f}, {0.10f, 0.28f, 0.55f}};
+        // The upper side of Bullet's patch is its back.
+        *colors = {{0.10f, 0.28f, 0.55f}, {0.70f, 0.33f, 0.09f}};
     else
         *colors = {{0.30f, 0.17f, 0.09f}, {0.30f, 0.17f, 0.09f}};
     return true;

@@ -109,7 +109,7 @@ void qcViewCulling::Read(const qcResult& result, const std::vector<qcViewSurface
     }
 }
 
-bool qcViewCulling::Run(const std::vector<qcViewSurface>& surfaces, uint32_t resolution, std::string* message)
+bool qcViewCulling::Run(const std::vector<qcViewSurface>& surfaces, const qcViewRequest& request, std::string* message)
 {
     qcSceneDef sceneDef = qcDefaultSceneDef();
     sceneDef.device = m_device;
@@ -117,8 +117,10 @@ bool qcViewCulling::Run(const std::vector<qcViewSurface>& surfaces, uint32_t res
         return false;
     qcDetectDef def = qcDefaultDetectDef();
     def.method = qc_methodQuick;
-    def.resolution = resolution;
-    def.iterations = 2;
+    def.resolution = 1u << request.resolutionPower;
+    def.iterations = uint32_t(request.rounds);
+    std::memset(def.views, 0, sizeof def.views);
+    std::memcpy(def.views, qcViewAxes[request.views], std::strlen(qcViewAxes[request.views]));
     def.sets = true;
     const qcResult* result;
     if (!Sync(surfaces, message) || !Check(qcScene_Detect(m_scene, &def, &result), message))

@@ -8,6 +8,21 @@
 
 #include <string>
 
+/// How Quick-CULLIDE is run. Few views and rounds leave large sets.
+struct qcViewRequest
+{
+    int resolutionPower = 9; ///< pixels on a side, as a power of two
+    int views = 1;           ///< index in qcViewAxes
+    int rounds = 1;          ///< over the views
+
+    bool operator==(const qcViewRequest& other) const
+    {
+        return resolutionPower == other.resolutionPower && views == other.views && rounds == other.rounds;
+    }
+};
+
+constexpr const char* qcViewAxes[] = {"z", "xz", "xyz"};
+
 /// Sizes and time of the last query.
 struct qcViewSets
 {
@@ -29,7 +44,7 @@ class qcViewCulling
     qcViewCulling& operator=(const qcViewCulling&) = delete;
 
     /// Runs the query on these surfaces. False with a message.
-    bool Run(const std::vector<qcViewSurface>& surfaces, uint32_t resolution, std::string* message);
+    bool Run(const std::vector<qcViewSurface>& surfaces, const qcViewRequest& request, std::string* message);
 
     const qcViewSets& Sets() const
     {

@@ -33,12 +33,12 @@ void qcViewOverlay::drawTriangle(const btVector3& a, const btVector3& b, const b
 /// A cross in the plane of contact, and the normal.
 void qcViewOverlay::drawContactPoint(const btVector3& point, const btVector3& normal, btScalar, int, const btVector3&)
 {
-    const btVector3 green(btScalar(0.1), btScalar(0.75), btScalar(0.2));
+    const btVector3 dark(btScalar(0.05), btScalar(0.05), btScalar(0.1));
     btVector3 u, v;
     btPlaneSpace1(normal, u, v);
-    drawLine(point - u * (m_size / 3), point + u * (m_size / 3), green);
-    drawLine(point - v * (m_size / 3), point + v * (m_size / 3), green);
-    drawLine(point, point + normal * m_size, green);
+    drawLine(point - u * (m_size / 3), point + u * (m_size / 3), dark);
+    drawLine(point - v * (m_size / 3), point + v * (m_size / 3), dark);
+    drawLine(point, point + normal * m_size, dark);
 }
 
 btIDebugDraw::DefaultColors qcViewOverlay::getDefaultColors() const

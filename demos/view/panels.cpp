@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cinttypes>
 #include <cstdio>
+#include <iterator>
 #include <set>
 #include <unistd.h>
 
@@ -89,9 +90,14 @@ void Legend(const btVector3& color, const char* text, bool sameLine)
 
 void DrawSets(const qcViewSets& sets, qcViewState* state)
 {
-    ImGui::SetNextItemWidth(120);
-    ImGui::SliderInt("image", &state->resolutionPower, 6, 12,
-                     Format("%d x %d", 1 << state->resolutionPower, 1 << state->resolutionPower).c_str());
+    qcViewRequest& request = state->request;
+    std::string size = Format("%d x %d", 1 << request.resolutionPower, 1 << request.resolutionPower);
+    ImGui::SetNextItemWidth(150);
+    ImGui::SliderInt("pixels", &request.resolutionPower, 6, 12, size.c_str());
+    ImGui::SetNextItemWidth(150);
+    ImGui::Combo("views", &request.views, qcViewAxes, int(std::size(qcViewAxes)));
+    ImGui::SetNextItemWidth(150);
+    ImGui::SliderInt("rounds", &request.rounds, 1, 4);
     if (state->marks == qc_marksSets)
     {
         Legend(qcColorOfSet(qc_setFfv), Format("FFV %u", sets.ffv).c_str(), false);
@@ -273,6 +279,8 @@ void qcStylePanels()
     style.ItemSpacing = ImVec2(8, 3);
     style.WindowBorderSize = 0;
     style.Colors[ImGuiCol_WindowBg] = ImVec4(0.98f, 0.98f, 0.99f, 0.86f);
+    style.Colors[ImGuiCol_FrameBg] = ImVec4(0.88f, 0.90f, 0.93f, 1);
+    style.Colors[ImGuiCol_SliderGrab] = ImVec4(0.45f, 0.65f, 0.88f, 0.6f);
     style.Colors[ImGuiCol_PlotLines] = ImVec4(0.16f, 0.38f, 0.62f, 1);
     ImGuiIO& io = ImGui::GetIO();
     io.IniFilename = nullptr;

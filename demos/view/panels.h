@@ -17,7 +17,7 @@ struct qcViewState
     uint64_t steps = 0;                                           ///< since the beginning
     qcViewMarks marks = qc_marksNone;
     int modes = 0;             ///< bits of qcDebugDrawMode
-    int resolutionPower = 10;  ///< of Quick-CULLIDE's image: pixels on a side, as a power of two
+    qcViewRequest request;     ///< of Quick-CULLIDE
     bool hasGl = false;        ///< Quick-CULLIDE can run
     std::string message;       ///< of the last failure
     size_t changedSetting = 0; ///< index + 1 of a setting to be changed to `newValue`; 0: none

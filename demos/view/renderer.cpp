@@ -15,7 +15,7 @@ constexpr int s_shadowSize = 2048;
 
 btVector3 Sun()
 {
-    return btVector3(btScalar(0.55), btScalar(1.25), btScalar(0.45)).normalized();
+    return btVector3(btScalar(-0.7), btScalar(1.2), btScalar(0.35)).normalized();
 }
 
 /// 0 with a message if it does not compile.

@@ -50,15 +50,13 @@ float Line(vec2 at, float spacing)
 void main()
 {
     vec3 toEye = normalize(eye - worldPosition), normal = normalize(worldNormal);
-    vec3 face = cross(dFdx(worldPosition), dFdy(worldPosition));
-    // The side of the triangle that is seen; a smooth normal may point away from it near an outline.
     bool isFront = gl_FrontFacing;
     if (!isFront)
         normal = -normal;
     vec3 base = isFront ? front : back;
     float lit = Lit(), incidence = max(dot(normal, sun), 0.0);
-    vec3 sky = mix(vec3(0.22, 0.21, 0.20), vec3(0.46, 0.50, 0.56), normal.y * 0.5 + 0.5);
-    vec3 shaded = base * (sky + 0.95 * vec3(1.0, 0.96, 0.88) * incidence * lit);
+    vec3 sky = mix(vec3(0.16, 0.15, 0.14), vec3(0.36, 0.39, 0.44), normal.y * 0.5 + 0.5);
+    vec3 shaded = base * (sky + 1.05 * vec3(1.0, 0.96, 0.88) * incidence * lit);
     float gleam = pow(max(dot(normal, normalize(sun + toEye)), 0.0), 40.0);
     float alpha = 1.0;
     if (isGround)

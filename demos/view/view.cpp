@@ -133,7 +133,7 @@ class View
     std::vector<qcViewSetting> m_settings;
     std::unique_ptr<qcDebugDraw> m_drawing;
     uint64_t m_changes = 0, m_culled = 0; ///< number of the present state, and of the one last culled
-    int m_culledPower = 0;
+    qcViewRequest m_culledRequest;
     bool m_placed = false; ///< the camera
     double m_frameStart = 0;
     ImVec2 m_pressed{0, 0};
@@ -221,17 +221,17 @@ void View::ReadGeometry()
 void View::Cull()
 {
     if (m_state.marks < qc_marksQuick || !m_state.hasGl ||
-        (m_culled == m_changes && m_culledPower == m_state.resolutionPower))
+        (m_culled == m_changes && m_culledRequest == m_state.request))
         return;
     std::string message;
-    if (!m_culling.Run(m_geometry.Surfaces(), 1u << m_state.resolutionPower, &message))
+    if (!m_culling.Run(m_geometry.Surfaces(), m_state.request, &message))
     {
         m_state.message = message;
         m_state.marks = qc_marksNone;
         return;
     }
     m_culled = m_changes;
-    m_culledPower = m_state.resolutionPower;
+    m_culledRequest = m_state.request;
 }
 
 void View::AddMark(const qcViewSurface& surface, uint32_t triangle, const btVector3& color)
@@ -265,7 +265,7 @@ void View::CollectMarks()
 
 void View::CollectLines()
 {
-    m_lines.Begin(m_camera.Distance() * btScalar(0.012));
+    m_lines.Begin(m_camera.Distance() * btScalar(0.005));
     m_drawing->setModes(m_state.modes);
     m_drawing->debugDraw(&m_lines);
     if (m_state.picked == nullptr)
