@@ -20,6 +20,8 @@ Demos:
             cloth, tangles and ropes with Bullet's, "bench gpu" layers on a GL device with sweep. Tables and pictures
             go to out/bench/. demos/gpu.sh runs the GL tests first, and packs all that for a machine with a GPU.
 
+With --view, cloth and fracture open a live window in place of files.
+
 Arguments are the demo's own; "demos/run.sh DEMO --help" explains them.
 END
 }
@@ -117,6 +119,10 @@ root=$(CDPATH='' cd -- "$(dirname -- "$0")/.." && pwd)
 # shellcheck source=/dev/null
 . "$root/tests/setup.sh"
 
+# shellcheck disable=SC2034 # Read by qc_install.
+case " $* " in
+    *' --view '*) qc_wishes=view ;;
+esac
 case $demo in
     cloth) qc_install build demos ;;
     fracture | through) qc_install build demos models ;;
@@ -139,6 +145,10 @@ if [ -f "$root/build/CMakeCache.txt" ]; then
 else
     qc_build "$root" "$program" -DQC_BUILD_TESTS=OFF
 fi
+# A live window has no frames and no film.
+case " $* " in
+    *' --view '*) exec "$root/build/demos/$program" --out "$root/out/$demo" "$@" ;;
+esac
 case $demo in
     # 120 steps a second, a frame every 10; 240 steps.
     cloth) run_filmed cloth 12 "$@" ;;

@@ -1,17 +1,19 @@
 // The breaking body in the live window: its settings and statistics.
 #include "fracture/viewed.h"
 
+#include <cstdio>
+
 qcViewedFracture::qcViewedFracture(const qcFractureModel& model, const qcFractureRequest& request, qcDevice* device)
     : m_model(model), m_request(request), m_devices(device)
 {
-    Restart();
-    m_margin = double(m_world->Bodies().front()->shape.getMargin());
+    MakeWorld();
 }
 
-void qcViewedFracture::Restart()
+void qcViewedFracture::MakeWorld()
 {
     m_step = qcFractureStep();
     m_world = std::make_unique<qcFractureWorld>(m_model, m_request, m_devices.Present());
+    m_margin = double(m_world->Bodies().front()->shape.getMargin());
 }
 
 bool qcViewedFracture::Step(std::string* message)
@@ -22,10 +24,12 @@ bool qcViewedFracture::Step(std::string* message)
 
 std::vector<qcViewStatistic> qcViewedFracture::Statistics() const
 {
+    char depth[32];
+    std::snprintf(depth, sizeof depth, "%.2f mm", 1000 * double(m_step.penetration));
     return {{"queries by", qcMethod_Name(m_step.method)},
             {"pieces", std::to_string(m_step.bodies)},
             {"awake", std::to_string(m_step.awake)},
-            {"deepest penetration", std::to_string(1000 * double(m_step.penetration)) + " mm"}};
+            {"deepest penetration", depth}};
 }
 
 std::vector<qcViewSetting> qcViewedFracture::Settings()
@@ -42,7 +46,7 @@ std::vector<qcViewSetting> qcViewedFracture::Settings()
                                 m_request.method = method;
                                 m_world->MeshContact().setMethod(method);
                             }),
-            m_devices.Setting([this] { Restart(); }),
+            m_devices.Setting([this] { MakeWorld(); }),
             qcNumberSetting(
                 "margin", 0.001, 0.05, "%.3f m", [this] { return m_margin; }, setMargin),
             qcNumberSetting(
@@ -50,7 +54,7 @@ std::vector<qcViewSetting> qcViewedFracture::Settings()
                 [this](double cells)
                 {
                     m_request.pieces = unsigned(cells);
-                    Restart();
+                    MakeWorld();
                 })};
 }
 

@@ -24,7 +24,10 @@ class qcViewedFracture : public qcViewedScene
         return qcFractureWorld::stepSeconds;
     }
     bool Step(std::string* message) override;
-    void Restart() override;
+    void Restart() override
+    {
+        MakeWorld();
+    }
     void AddTo(qcDebugDraw* drawing) override
     {
         drawing->add(&m_world->MeshContact());
@@ -38,11 +41,13 @@ class qcViewedFracture : public qcViewedScene
     qcViewPlace Place() const override;
 
   private:
+    void MakeWorld();
+
     const qcFractureModel& m_model;
     qcFractureRequest m_request;
     qcViewDevices m_devices;
     qcFractureStep m_step;
-    double m_margin = 0;                      ///< of all meshes; 0: their own
+    double m_margin = 0;                      ///< of all meshes
     std::unique_ptr<qcFractureWorld> m_world; ///< ends before the devices
 };
 

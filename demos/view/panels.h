@@ -34,7 +34,7 @@ class qcViewCosts
   public:
     void Add(const qcStepCosts& costs);
     void Clear();
-    /// Of the last steps, later ones weigh more.
+    /// Mean of the last steps; later ones weigh more.
     const qcStepCosts& Mean() const
     {
         return m_mean;

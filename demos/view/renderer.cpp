@@ -1,4 +1,4 @@
-// OpenGL 3.3 core through epoxy, which knows the window's context (GLX, EGL).
+// OpenGL 3.3 core through epoxy, which loads functions for any kind of context.
 #include "view/renderer.h"
 
 #include "view/shaders.h"
@@ -192,7 +192,7 @@ void qcViewRenderer::DrawShadows(const qcViewFrame& frame, const qcMatrix& light
     glUseProgram(m_shadowProgram);
     SetMatrix(m_shadowProgram, "light", light);
     glEnable(GL_POLYGON_OFFSET_FILL);
-    glPolygonOffset(2.5f, 6.0f);
+    glPolygonOffset(4.0f, 64.0f);
     for (const qcViewItem& item : frame.items)
     {
         const Buffer& buffer = Upload(*item.surface->triangles);

@@ -36,7 +36,7 @@ float Lit()
     float texel = 1.0 / float(textureSize(shadowMap, 0).x), sum = 0.0;
     for (int x = -1; x <= 1; x++)
         for (int y = -1; y <= 1; y++)
-            sum += texture(shadowMap, vec3(at.xy + 1.4 * texel * vec2(x, y), at.z));
+            sum += texture(shadowMap, vec3(at.xy + 1.4 * texel * vec2(x, y), at.z - 0.0006));
     return sum / 9.0;
 }
 

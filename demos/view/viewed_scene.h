@@ -46,7 +46,7 @@ class qcViewedScene
   public:
     virtual ~qcViewedScene() = default;
 
-    /// Of the window.
+    /// The title of the window.
     virtual const char* Title() const = 0;
     /// The present world: Restart and settings may make another one.
     virtual btDiscreteDynamicsWorld& World() = 0;
@@ -58,9 +58,9 @@ class qcViewedScene
     /// Adds the world's contact classes.
     virtual void AddTo(qcDebugDraw* drawing) = 0;
 
-    /// Of the last step.
+    /// Those of the last step.
     virtual qcStepCosts Costs() const = 0;
-    /// Of the last step.
+    /// Those of the last step.
     virtual std::vector<qcViewStatistic> Statistics() const
     {
         return {};
