@@ -1,8 +1,14 @@
 // Debug lines and triangles.
 #include "view/overlay.h"
 
+#include <algorithm>
+#include <array>
+#include <cmath>
+
 namespace
 {
+constexpr btScalar s_inPlane = btScalar(1e-4); // world units
+
 void Add(const btVector3& position, const btVector3& color, std::vector<qcColoredVertex>* vertices)
 {
     vertices->push_back({{float(position.x()), float(position.y()), float(position.z())},
@@ -13,8 +19,14 @@ void Add(const btVector3& position, const btVector3& color, std::vector<qcColore
 void qcViewOverlay::Begin(btScalar size)
 {
     m_size = size;
+    m_leftOut.clear();
     m_lines.clear();
     m_triangles.clear();
+}
+
+void qcViewOverlay::LeaveOut(const btVector3& point, const btVector3& normal)
+{
+    m_leftOut.push_back({point, normal});
 }
 
 void qcViewOverlay::drawLine(const btVector3& from, const btVector3& to, const btVector3& color)
@@ -26,7 +38,13 @@ void qcViewOverlay::drawLine(const btVector3& from, const btVector3& to, const b
 void qcViewOverlay::drawTriangle(const btVector3& a, const btVector3& b, const btVector3& c, const btVector3& color,
                                  btScalar)
 {
-    for (const btVector3& corner : {a, b, c})
+    const std::array<btVector3, 3> corners = {a, b, c};
+    for (const Plane& plane : m_leftOut)
+        if (std::all_of(corners.begin(), corners.end(),
+                        [&](const btVector3& corner)
+                        { return std::abs((corner - plane.point).dot(plane.normal)) < s_inPlane; }))
+            return;
+    for (const btVector3& corner : corners)
         Add(corner, color, &m_triangles);
 }
 

@@ -16,6 +16,8 @@ class qcViewOverlay : public btIDebugDraw
   public:
     /// `size`: of crosses and normals of contact points, in world units.
     void Begin(btScalar size);
+    /// Leaves out triangles in the plane through a point until the next Begin: a ground hides nothing by its marks.
+    void LeaveOut(const btVector3& point, const btVector3& normal);
     /// Two vertices a line.
     const std::vector<qcColoredVertex>& Lines() const
     {
@@ -50,7 +52,13 @@ class qcViewOverlay : public btIDebugDraw
     DefaultColors getDefaultColors() const override;
 
   private:
+    struct Plane
+    {
+        btVector3 point, normal;
+    };
+
     btScalar m_size = 1;
+    std::vector<Plane> m_leftOut;
     std::vector<qcColoredVertex> m_lines, m_triangles;
 };
 

@@ -236,14 +236,15 @@ void qcViewRenderer::DrawSurfaces(const qcViewFrame& frame, const qcMatrix& view
 }
 
 void qcViewRenderer::DrawColored(const std::vector<qcColoredVertex>& vertices, unsigned mode,
-                                 const qcMatrix& viewProjection, bool shaded)
+                                 const qcMatrix& viewProjection, float alpha)
 {
     if (vertices.empty())
         return;
     glUseProgram(m_coloredProgram);
     SetMatrix(m_coloredProgram, "viewProjection", viewProjection);
     SetVector(m_coloredProgram, "sun", Sun());
-    glUniform1i(glGetUniformLocation(m_coloredProgram, "shaded"), shaded);
+    glUniform1i(glGetUniformLocation(m_coloredProgram, "shaded"), mode == GL_TRIANGLES);
+    glUniform1f(glGetUniformLocation(m_coloredProgram, "alpha"), alpha);
     glBindVertexArray(m_coloredArray);
     glBindBuffer(GL_ARRAY_BUFFER, m_coloredVertices);
     glBufferData(GL_ARRAY_BUFFER, GLsizeiptr(vertices.size() * sizeof(qcColoredVertex)), vertices.data(),
@@ -273,11 +274,14 @@ void qcViewRenderer::Draw(const qcViewFrame& frame)
     // In front of the surfaces that they lie on.
     glEnable(GL_POLYGON_OFFSET_FILL);
     glPolygonOffset(-1.0f, -1.0f);
-    DrawColored(frame.marks->Triangles(), GL_TRIANGLES, viewProjection, true);
+    DrawColored(frame.marks->Triangles(), GL_TRIANGLES, viewProjection, 1);
     glDisable(GL_POLYGON_OFFSET_FILL);
-    // Contacts lie within the surfaces: lines are seen through these.
+    // Contacts lie between two surfaces: lines are moved to the front a little, and seen faintly through all.
+    glDepthRange(0, 0.9996);
+    DrawColored(frame.lines->Lines(), GL_LINES, viewProjection, 1);
+    glDepthRange(0, 1);
     glDisable(GL_DEPTH_TEST);
-    DrawColored(frame.lines->Lines(), GL_LINES, viewProjection, false);
+    DrawColored(frame.lines->Lines(), GL_LINES, viewProjection, 0.12f);
     glDisable(GL_BLEND);
     ReleaseUnused();
 }

@@ -48,7 +48,7 @@ class qcViewRenderer
     void DrawShadows(const qcViewFrame& frame, const qcMatrix& light);
     void DrawSurfaces(const qcViewFrame& frame, const qcMatrix& viewProjection, const qcMatrix& light);
     void DrawColored(const std::vector<qcColoredVertex>& vertices, unsigned mode, const qcMatrix& viewProjection,
-                     bool shaded);
+                     float alpha);
 
     unsigned m_surfaceProgram = 0, m_shadowProgram = 0, m_coloredProgram = 0, m_skyProgram = 0;
     unsigned m_shadowMap = 0, m_shadowTarget = 0;

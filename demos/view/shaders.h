@@ -104,13 +104,14 @@ constexpr char qcColoredFragmentShader[] = R"(#version 330 core
 in vec3 worldPosition, flatColor;
 uniform vec3 sun;
 uniform bool shaded;
+uniform float alpha;
 out vec4 color;
 void main()
 {
     float light = 1.0;
     if (shaded)
-        light = 0.78 + 0.22 * abs(dot(normalize(cross(dFdx(worldPosition), dFdy(worldPosition))), sun));
-    color = vec4(flatColor * light, 1.0);
+        light = 0.60 + 0.40 * abs(dot(normalize(cross(dFdx(worldPosition), dFdy(worldPosition))), sun));
+    color = vec4(flatColor * light, alpha);
 }
 )";
 

@@ -249,6 +249,14 @@ void View::AddMark(const qcViewSurface& surface, uint32_t triangle, const btVect
 void View::CollectMarks()
 {
     m_marks.Begin(1);
+    for (const qcViewSurface& surface : m_geometry.Surfaces())
+        if (surface.unbounded)
+        {
+            const qcShadedVertex& vertex = surface.triangles->shaded.front();
+            m_marks.LeaveOut(surface.place * btVector3(vertex.position[0], vertex.position[1], vertex.position[2]),
+                             surface.place.getBasis() *
+                                 btVector3(vertex.normal[0], vertex.normal[1], vertex.normal[2]));
+        }
     if (m_state.marks == qc_marksPcs)
     {
         m_drawing->setModes(qc_drawPcs);
