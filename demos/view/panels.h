@@ -12,9 +12,9 @@
 struct qcViewState
 {
     bool paused = false;
-    bool stepOnce = false, restart = false, lookAtPicked = false; ///< requests; the loop clears them
-    bool finished = false;                                        ///< a step failed
-    uint64_t steps = 0;                                           ///< since the beginning
+    bool stepOnce = false, restart = false; ///< requests; the loop clears them
+    bool finished = false;                  ///< a step failed
+    uint64_t steps = 0;                     ///< since the beginning
     qcViewMarks marks = qc_marksNone;
     int modes = 0;             ///< bits of qcDebugDrawMode
     qcViewRequest request;     ///< of Quick-CULLIDE

@@ -225,7 +225,7 @@ void qcViewRenderer::DrawSurfaces(const qcViewFrame& frame, const qcMatrix& view
     {
         const Buffer& buffer = Upload(*item.surface->triangles);
         const qcViewColors& c = item.colors;
-        btScalar add = item.selected ? btScalar(0.18) : btScalar(0);
+        btScalar add = item.selected ? btScalar(0.06) : btScalar(0);
         SetMatrix(m_surfaceProgram, "place", MatrixOf(item.surface->place));
         SetVector(m_surfaceProgram, "front", btVector3(c.front[0] + add, c.front[1] + add, c.front[2] + add));
         SetVector(m_surfaceProgram, "back", btVector3(c.back[0] + add, c.back[1] + add, c.back[2] + add));

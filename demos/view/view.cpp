@@ -26,10 +26,17 @@
 namespace
 {
 std::string s_glfwMessage;
+std::vector<int> s_keys; ///< pressed since the last frame, also if it has been released already
 
 void TakeGlfwError(int, const char* text)
 {
     s_glfwMessage = text;
+}
+
+void TakeKey(GLFWwindow*, int key, int, int action, int)
+{
+    if (action != GLFW_RELEASE)
+        s_keys.push_back(key);
 }
 
 int Fail(int status, const std::string& message)
@@ -90,6 +97,8 @@ bool Window::Open(const char* title, bool waits, std::string* message)
     glfwSwapInterval(waits ? 1 : 0);
     ImGui::CreateContext();
     qcStylePanels();
+    // Dear ImGui's own callback calls it.
+    glfwSetKeyCallback(m_window, TakeKey);
     ImGui_ImplGlfw_InitForOpenGL(m_window, true);
     ImGui_ImplOpenGL3_Init("#version 330 core");
     m_hasPanels = true;
@@ -105,6 +114,7 @@ class View
   private:
     void Handle();
     void HandleMouse();
+    void HandleKey(int key);
     void Pick(btScalar x, btScalar y);
     void BeginWorld();
     void Restart();
@@ -307,7 +317,7 @@ void View::Draw()
     qcViewFrame frame;
     frame.camera = &m_camera;
     for (const qcViewSurface& surface : m_geometry.Surfaces())
-        frame.items.push_back({&surface, ColorsOf(surface), surface.object == m_state.picked});
+        frame.items.push_back({&surface, ColorsOf(surface), surface.object == m_state.picked && !surface.unbounded});
     frame.marks = &m_marks;
     frame.lines = &m_lines;
     frame.lower = m_geometry.Lower();
@@ -338,7 +348,11 @@ void View::HandleMouse()
         return;
     btScalar right = btScalar(io.MouseDelta.x), up = btScalar(-io.MouseDelta.y);
     if (ImGui::IsMouseClicked(ImGuiMouseButton_Left))
+    {
+        // The motion up to the click is no dragging.
         m_pressed = io.MousePos;
+        return;
+    }
     bool isStill = std::abs(io.MousePos.x - m_pressed.x) + std::abs(io.MousePos.y - m_pressed.y) < 4;
     if (ImGui::IsMouseReleased(ImGuiMouseButton_Left) && isStill)
         Pick(btScalar(io.MousePos.x), btScalar(io.MousePos.y));
@@ -351,25 +365,31 @@ void View::HandleMouse()
         m_camera.Zoom(std::pow(btScalar(0.88), btScalar(io.MouseWheel)));
 }
 
+void View::HandleKey(int key)
+{
+    if (key == GLFW_KEY_SPACE)
+        m_state.paused = !m_state.paused || m_state.finished;
+    else if (key == GLFW_KEY_N)
+        m_state.paused = m_state.stepOnce = true;
+    else if (key == GLFW_KEY_R)
+        m_state.restart = true;
+    else if (key == GLFW_KEY_ESCAPE)
+        m_state.picked = nullptr;
+    else if (key == GLFW_KEY_F && m_state.picked != nullptr)
+    {
+        const btBroadphaseProxy* proxy = m_state.picked->getBroadphaseHandle();
+        m_camera.LookAt((proxy->m_aabbMin + proxy->m_aabbMax) / 2);
+    }
+}
+
 /// Mouse, keys, and what the panels have requested.
 void View::Handle()
 {
     HandleMouse();
-    if (!ImGui::GetIO().WantCaptureKeyboard)
-    {
-        if (ImGui::IsKeyPressed(GLFW_KEY_SPACE, false))
-            m_state.paused = !m_state.paused || m_state.finished;
-        if (ImGui::IsKeyPressed(GLFW_KEY_N))
-            m_state.paused = m_state.stepOnce = true;
-        m_state.restart = m_state.restart || ImGui::IsKeyPressed(GLFW_KEY_R, false);
-        if (ImGui::IsKeyPressed(GLFW_KEY_ESCAPE, false))
-            m_state.picked = nullptr;
-        if (ImGui::IsKeyPressed(GLFW_KEY_F, false) && m_state.picked != nullptr)
-        {
-            const btBroadphaseProxy* proxy = m_state.picked->getBroadphaseHandle();
-            m_camera.LookAt((proxy->m_aabbMin + proxy->m_aabbMax) / 2);
-        }
-    }
+    for (int key : s_keys)
+        if (!ImGui::GetIO().WantCaptureKeyboard)
+            HandleKey(key);
+    s_keys.clear();
     if (m_state.changedSetting != 0)
         ChangeSetting();
     if (m_state.restart)
