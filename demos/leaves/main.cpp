@@ -14,12 +14,16 @@
 
 namespace
 {
+// Contact leaves no pair that penetrates. The methods are compared on the state that they would get in a simulation
+// whose contact is resolved after its collisions are found, 30 times a second.
+constexpr double s_secondsAhead = 1.0 / 30;
+
 struct Options
 {
     // 120 steps a second: 15 frames.
     qcDemoOptions common = {"out/leaves", 840, 8, qc_methodAuto, qc_deviceAuto, 0};
     qcLeavesRequest world;
-    uint32_t pcsEvery = 3;      ///< frames from one on which quick runs to the next; its PCS is drawn until then
+    uint32_t pcsEvery = 4;      ///< frames from one on which quick runs to the next; its PCS is drawn until then
     uint32_t compareEvery = 35; ///< frames from one on which all methods run to the next
     const char* record = nullptr;
     qcDetectDef request = qcDefaultDetectDef();
@@ -88,7 +92,7 @@ bool Demo::Begin(qcLeavesRun* run)
     for (size_t i = 0; i < m_leaves.size() && added; i++)
     {
         std::vector<float> positions;
-        m_world.AppendPositions(i, &positions);
+        m_world.AppendPositions(i, s_secondsAhead, &positions);
         def.positions = positions.data();
         def.vertexCount = uint32_t(positions.size() / 3);
         added = m_comparison.Add(def, &m_leaves[i]);
@@ -106,7 +110,7 @@ void Demo::FindPcs()
         m_pcs.leaves.push_back(m_comparison.Marked(qc_queryQuick, leaf));
 }
 
-/// Runs the methods on the present state.
+/// Runs the methods on the leaves where they would be without contact.
 bool Demo::Compare(size_t frame, bool isLast, qcLeavesStep* measured)
 {
     bool done = true;
@@ -114,7 +118,7 @@ bool Demo::Compare(size_t frame, bool isLast, qcLeavesStep* measured)
     for (size_t i = 0; i < m_leaves.size() && done; i++)
     {
         positions.clear();
-        m_world.AppendPositions(i, &positions);
+        m_world.AppendPositions(i, s_secondsAhead, &positions);
         done = m_comparison.SetVertices(m_leaves[i], positions);
     }
     done = done && m_comparison.RunEachStep(&measured->results);

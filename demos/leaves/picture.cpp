@@ -46,7 +46,7 @@ bool qcLeavesPicture::Write(qcDevice* device, const qcLeavesWorld& world, const 
     for (size_t i = 0; i < world.LeafCount(); i++)
     {
         m_positions[i].clear();
-        world.AppendPositions(i, &m_positions[i]);
+        world.AppendPositions(i, 0, &m_positions[i]);
         qcFrameMesh leaf;
         leaf.SetTriangles(m_positions[i], world.LeafIndices());
         SetAutumnColor(i, &leaf);
