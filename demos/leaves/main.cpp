@@ -81,6 +81,7 @@ bool Demo::Begin(qcLeavesRun* run)
     def.activity = qc_activityStatic;
     bool added = m_comparison.Add(def, &m_tree);
     run->leaves = m_world.LeafCount();
+    run->requestedLeaves = m_options.world.leaves;
     run->treeTriangles = def.triangleCount;
     def.positionType = qc_positionF32;
     def.positionStride = 0;
