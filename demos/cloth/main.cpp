@@ -3,9 +3,11 @@
 // table.
 #include "cloth/picture.h"
 #include "cloth/report.h"
+#include "cloth/viewed.h"
 #include "cloth/world.h"
 #include "common/bullet/demo_options.h"
 #include "common/bullet/query_comparison.h"
+#include "view/view.h"
 
 #include "common/interrupt.h"
 #include "common/progress.h"
@@ -25,6 +27,7 @@ struct Options
     uint32_t compareEvery = 12; ///< frames from one on which all methods run to the next
     const char* record = nullptr;
     qcDetectDef request = qcDefaultDetectDef();
+    qcViewOptions view;
 };
 
 const char s_help[] =
@@ -187,6 +190,12 @@ int Run(const Options& options, qcDevice* device)
     qcPrintClothTable(runs, options.common.method, options.request, info);
     return qcInterrupt_Signal() == 0 ? qc_exitDone : qc_exitSignal + qcInterrupt_Signal();
 }
+
+int View(const Options& options, qcDevice* device)
+{
+    qcViewedCloth cloth(options.triangles, device, options.common.method, options.common.threads);
+    return qcView_Run(&cloth, options.view, device);
+}
 } // namespace
 
 int main(int argumentCount, char** arguments)
@@ -194,7 +203,7 @@ int main(int argumentCount, char** arguments)
     Options options;
     std::memcpy(options.request.views, "xz", 3);
     options.request.iterations = 2;
-    const std::vector<qcOption> rows = {
+    std::vector<qcOption> rows = {
         {1, "triangles", "N", "Triangles of the cloth, at least; %s by default",
          qcOption_Number(&options.triangles, 2, 2000000)},
         {1, "pull-steps", "N", "Steps of the second act; %s by default, 0 leaves it out",
@@ -211,12 +220,13 @@ int main(int argumentCount, char** arguments)
          qcOption_Number(&options.request.resolution, 1, 4096)},
         {2, "iterations", "N", "Rounds over the views; %s by default, 0: until nothing changes",
          qcOption_Number(&options.request.iterations, 0, UINT32_MAX)}};
+    qcView_AddOptions(&rows, &options.view);
     qcDevice* device = nullptr;
     int status = qcDemo_Begin(rows, s_help, argumentCount, arguments, &options.common, &device);
     if (status != qc_exitDone)
         return status;
     options.request.threads = options.common.threads;
-    status = Run(options, device);
+    status = options.view.on ? View(options, device) : Run(options, device);
     qcDevice_Destroy(device);
     return status;
 }

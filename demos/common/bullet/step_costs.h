@@ -2,6 +2,8 @@
 #ifndef QC_DEMOS_COMMON_BULLET_STEP_COSTS_H
 #define QC_DEMOS_COMMON_BULLET_STEP_COSTS_H
 
+#include "quickcullide/bullet_soft_body.h"
+
 #include <BulletDynamics/Dynamics/btDynamicsWorld.h>
 
 #include <array>
@@ -38,6 +40,8 @@ struct qcStepCosts
     double Total() const;
     /// Moves a part of the cost `from` to the cost `to`.
     void Move(qcStepCost from, qcStepCost to, double part);
+    /// Moves the parts of soft bodies' contact out of qc_costRest.
+    void MoveSoft(const qcSoftBodyStatistics& statistics);
     void Add(const qcStepCosts& other, double weight);
 };
 
@@ -54,6 +58,9 @@ template <typename Iterator> qcStepCosts qcMeanCosts(Iterator begin, Iterator en
 /// included in the cost of the enclosing zone; see Move. If Bullet was built without zones, all time is in qc_costRest.
 /// One thread at a time.
 qcStepCosts qcTimeStep(btDynamicsWorld* world, double seconds);
+
+/// The label of a cost in tables.
+const char* qcStepCostLabel(qcStepCost cost);
 
 /// Prints a table to standard output, a column for each step or mean of steps. Rows of zeros are left out.
 void qcPrintStepCosts(const char* heading, const std::vector<std::pair<std::string, qcStepCosts>>& columns);
