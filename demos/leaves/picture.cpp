@@ -1,6 +1,8 @@
 // Frames of the leaves demo, after figure 6 of the paper.
 #include "leaves/picture.h"
 
+#include <iterator>
+
 namespace
 {
 // Green and yellow to red and brown; each leaf has one of them, a little lighter or darker. Linear RGB.
