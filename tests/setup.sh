@@ -21,6 +21,9 @@ qc_packages()
             loaders) echo libegl1 libopengl0 ;;
             # A client of libBulletCollision, to be run with qc-preload; without it that test is skipped.
             clients) echo libdart-dev libdart-collision-bullet-dev ;;
+            # The live window of the demos, --view, and a display for its test; without them the demos have no window.
+            view) echo libglfw3-dev libimgui-dev fonts-dejavu-core ;;
+            display) echo xvfb xauth ;;
             # For the target docs and its test; without it that test is skipped.
             docs) echo doxygen ;;
         esac

@@ -61,6 +61,14 @@ class qcFractureWorld
     {
         return m_break;
     }
+    btDiscreteDynamicsWorld& Bullet()
+    {
+        return m_world;
+    }
+    qcMeshContact& MeshContact()
+    {
+        return m_meshContact;
+    }
     /// The whole body, or its pieces.
     const std::vector<std::unique_ptr<qcFractureBody>>& Bodies() const
     {
