@@ -12,15 +12,18 @@ Demos:
             ffmpeg is installed, go to out/cloth/.
   fracture  A bunny falls and breaks in the midst of a step, and its pieces come to rest. Pictures, and a film,
             go to out/fracture/.
+  leaves    Leaves fall from a tree, collide with each other, its branches and the ground. Pictures, and a film, go to
+            out/leaves/.
   through   Bodies thrown at each other so fast that they could pass: a table of penetrating pairs inside each step, beside
             version 0.2.0, and pictures of a thrown cloth, and a film, in out/through/. About ten minutes; --quick: one.
   pairs     Finds the triangles of meshes that intersect: demos/run.sh pairs MESH...
   bench     Measures: demos/run.sh bench [accuracy] compares the methods, "bench peers" other libraries
             (which it installs), "bench scaling" sizes, "bench broadphase" the broadphase with Bullet's own, "bench soft"
-            cloth, tangles and ropes with Bullet's, "bench gpu" layers on a GL device with sweep. Tables and pictures
+            cloth, tangles and ropes with Bullet's, "bench paper" the paper's scenes, tables and figures (on recordings
+            of the demos, made first where they are missing), "bench gpu" layers on a GL device with sweep. Tables and pictures
             go to out/bench/. demos/gpu.sh runs the GL tests first, and packs all that for a machine with a GPU.
 
-With --view, cloth and fracture open a live window in place of files.
+With --view, cloth, fracture, breaking and leaves open a live window in place of files.
 
 Arguments are the demo's own; "demos/run.sh DEMO --help" explains them.
 END
@@ -79,8 +82,29 @@ run_bench()
     case ${1-} in
         -h | --help) "$bench" --help ;;
         '' | -*) run_benchmark accuracy "$@" ;;
+        paper)
+            for scene in cloth breaking leaves; do
+                make_recording "$scene"
+            done
+            run_benchmark "$@"
+            ;;
         *) run_benchmark "$@" ;;
     esac
+}
+
+# make_recording DEMO: its recording for "bench paper", if it is missing. No device: all methods give the same run.
+make_recording()
+{
+    folder=$root/out/recordings
+    if [ -f "$folder/$1.qcr" ]; then
+        return 0
+    fi
+    qc_build "$root" "qc-$1" >/dev/null || return 0
+    echo "Recording the demo $1"
+    mkdir -p "$folder/new"
+    "$root/build/demos/qc-$1" --device none --method sweep --out "$folder/new" --record "$folder/new/$1.qcr" >/dev/null
+    mv "$folder/new"/*.qcr "$folder/"
+    rm -r "$folder/new"
 }
 
 # run_benchmark NAME [ARGUMENT...]
@@ -88,6 +112,9 @@ run_benchmark()
 {
     name=$1
     shift
+    if [ "$name" = paper ]; then
+        set -- --recordings "$root/out/recordings" "$@"
+    fi
     # tests/dragon.sh leaves it there.
     dragon=$root/build/models/dragon_vrip.ply
     if [ -f "$dragon" ]; then
@@ -104,7 +131,7 @@ case ${1-} in
         show_help
         exit 0
         ;;
-    cloth | fracture | through | pairs | bench)
+    cloth | fracture | leaves | through | pairs | bench)
         demo=$1
         shift
         ;;
@@ -124,14 +151,14 @@ case " $* " in
     *' --view '*) qc_wishes=view ;;
 esac
 case $demo in
-    cloth) qc_install build demos ;;
+    cloth | leaves) qc_install build demos ;;
     fracture | through) qc_install build demos models ;;
     bench)
-        if [ "${1-}" = peers ]; then
-            qc_install build bench peers
-        else
-            qc_install build bench
-        fi
+        case ${1-} in
+            peers) qc_install build bench peers ;;
+            paper) qc_install build bench peers models ;;
+            *) qc_install build bench ;;
+        esac
         ;;
     *) qc_install build ;;
 esac
@@ -153,6 +180,8 @@ case $demo in
     # 120 steps a second, a frame every 10; 240 steps.
     cloth) run_filmed cloth 12 "$@" ;;
     fracture) run_filmed fracture 24 "$@" ;;
+    # 120 steps a second, a frame every 8.
+    leaves) run_filmed leaves 15 "$@" ;;
     through) run_through "$@" ;;
     pairs) "$root/build/demos/qc-pairs" "$@" ;;
     bench) run_bench "$@" ;;

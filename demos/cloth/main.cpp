@@ -22,6 +22,7 @@ struct Options
     qcDemoOptions common = {"out/cloth", 360, 10, qc_methodLayers, qc_deviceAuto, 0};
     uint32_t triangles = 20000;
     uint32_t compareEvery = 4; ///< frames from one on which all methods run to the next
+    const char* record = nullptr;
     qcDetectDef request = qcDefaultDetectDef();
     qcViewOptions view;
 };
@@ -45,7 +46,7 @@ class Demo
 
   private:
     bool MeasureStep(qcClothWorld& world, size_t step, qcClothRun* run);
-    bool Begin(qcClothWorld& world);
+    bool Begin(qcClothWorld& world, bool selfCollision);
     bool Draw(qcClothWorld& world, qcComparedQuery query, const char* prefix, size_t frame);
 
     const Options& m_options;
@@ -56,8 +57,18 @@ class Demo
     qcClothPicture m_picture;
 };
 
+/// A file for each run: "cloth.qcr", "cloth_without.qcr".
+std::string RecordingPath(const std::string& path, bool selfCollision)
+{
+    if (selfCollision)
+        return path;
+    size_t dot = path.find_last_of("./");
+    bool hasEnding = dot != std::string::npos && path[dot] == '.';
+    return hasEnding ? path.substr(0, dot) + "_without" + path.substr(dot) : path + "_without";
+}
+
 /// Starts comparing a new cloth.
-bool Demo::Begin(qcClothWorld& world)
+bool Demo::Begin(qcClothWorld& world, bool selfCollision)
 {
     qcBodyDef def = qcDefaultBodyDef();
     def.positions = world.Positions().data();
@@ -66,7 +77,10 @@ bool Demo::Begin(qcClothWorld& world)
     def.triangleCount = uint32_t(world.Indices().size() / 3);
     def.deforming = true;
     m_comparison.Clear();
-    return (m_comparison.Add(def, &m_cloth) && m_comparison.Warm()) || qcDemo_Fail(m_comparison.Message());
+    bool begun = m_comparison.Add(def, &m_cloth) && m_comparison.Warm();
+    if (begun && m_options.record != nullptr)
+        begun = m_comparison.Record(RecordingPath(m_options.record, selfCollision));
+    return begun || qcDemo_Fail(m_comparison.Message());
 }
 
 /// The cloth, and the PCS of a query.
@@ -108,7 +122,7 @@ bool Demo::Simulate(bool selfCollision, qcClothRun* run, size_t* triangles)
     run->selfCollision = selfCollision;
     qcClothWorld world(m_options.triangles, selfCollision, m_device, m_options.common.method, m_options.common.threads);
     *triangles = world.Indices().size() / 3;
-    if (!Begin(world))
+    if (!Begin(world, selfCollision))
         return false;
     qcProgress_Begin(m_options.common.steps,
                      selfCollision ? "cloth with self-collision" : "cloth without self-collision");
@@ -170,6 +184,9 @@ int main(int argumentCount, char** arguments)
          qcOption_Number(&options.triangles, 2, 2000000)},
         {1, "compare-every", "N", "Frames from one on which all methods are compared to the next; %s by default",
          qcOption_Number(&options.compareEvery, 1, 1000000)},
+        {1, "record", "FILE",
+         "Record each step's cloth for \"qc-bench paper\" in FILE; without self-collision in FILE_without",
+         qcOption_Text(&options.record)},
         {2, nullptr, nullptr, "For quick and cullide:", {}},
         {2, "views", "LETTERS", "Axes to look along; xz by default, as in the paper",
          qcOption_Views(&options.request.views)},

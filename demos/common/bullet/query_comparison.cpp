@@ -200,6 +200,11 @@ bool qcQueryComparison::Warm()
     return RunEachStep(&results);
 }
 
+bool qcQueryComparison::Record(const std::string& path)
+{
+    return CreateScenes() && Check(qcScene_Record(m_queried[qc_querySweep].scene, path.c_str()));
+}
+
 bool qcQueryComparison::CountMissed(qcQueryResults* results)
 {
     std::vector<qcPair> all, merged;

@@ -75,6 +75,9 @@ class qcQueryComparison
     /// Runs the methods that run in each step once: shaders are compiled and the planner is calibrated before the first
     /// step. Call it with bodies added.
     bool Warm();
+    /// Records the bodies, all their changes and each run of `sweep` in a file, until Clear: a recording for `qc-bench
+    /// paper`, which takes views, resolution and rounds from it. Call it after Warm.
+    bool Record(const std::string& path);
     /// Fills all of the result but `missed`.
     bool Run(qcComparedQuery query, qcQueryResult* result);
     /// Runs sweep, auto and layers. In each step, as in a simulation: their data persist from query to query, and a

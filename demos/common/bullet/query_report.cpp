@@ -1,6 +1,8 @@
 // CSV columns and tables of compared queries.
 #include "common/bullet/query_report.h"
 
+#include "common/stopwatch.h"
+
 #include <cinttypes>
 
 void qcWriteQueryHeading(FILE* stream)
@@ -45,25 +47,25 @@ void qcPrintQuerySettings(const qcDetectDef& request, uint32_t resolution, const
 void qcPrintQueryTable(const char* label, const std::vector<const qcQueryResults*>& frames)
 {
     std::printf("  %s: %zu frame%s\n", label, frames.size(), frames.size() == 1 ? "" : "s");
-    std::printf("    %-34s %10s %10s %8s %8s %10s\n", "", "PCS, mean", "ms, mean", "found", "missed", "by device");
+    std::printf("    %-34s %10s %10s %8s %8s %10s\n", "", "PCS, mean", "ms, median", "found", "missed", "by device");
     for (size_t i = 0; i < qcComparedQueries.size(); i++)
     {
-        double pcs = 0, ms = 0;
-        size_t found = 0, missed = 0, byDevice = 0, runs = 0;
+        double pcs = 0;
+        std::vector<double> ms;
+        size_t found = 0, missed = 0, byDevice = 0;
         for (const qcQueryResults* frame : frames)
         {
             const qcQueryResult& result = (*frame)[i];
             if (!result.counted)
                 continue;
             pcs += double(result.pcs);
-            ms += result.ms;
+            ms.push_back(result.ms);
             found += result.found;
             missed += result.missed;
             byDevice += result.byDevice;
-            runs++;
         }
-        if (runs != 0)
-            std::printf("    %-34s %10.0f %10.1f %8zu %8zu %10zu\n", qcComparedQueries[i].label, pcs / double(runs),
-                        ms / double(runs), found, missed, byDevice);
+        if (!ms.empty())
+            std::printf("    %-34s %10.0f %10.1f %8zu %8zu %10zu\n", qcComparedQueries[i].label,
+                        pcs / double(ms.size()), qcStopwatch_Median(ms.data(), ms.size()), found, missed, byDevice);
     }
 }
