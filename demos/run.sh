@@ -26,7 +26,7 @@ Demos:
             go to out/bench/. demos/gpu.sh runs the GL tests first, and packs all that for a machine with a GPU.
   gallery   Makes the README's pictures from the frames in out/.
 
-With --view, cloth and fracture open a live window in place of files.
+With --view, cloth, fracture, breaking and leaves open a live window in place of files.
 
 Arguments are the demo's own; "demos/run.sh DEMO --help" explains them.
 END

@@ -3,7 +3,9 @@
 #include "breaking/comparison.h"
 #include "breaking/picture.h"
 #include "breaking/report.h"
+#include "breaking/viewed.h"
 #include "breaking/world.h"
+#include "view/view.h"
 #include "common/bullet/demo_options.h"
 
 #include "common/files.h"
@@ -28,6 +30,7 @@ struct Options
     const char* record = nullptr;
     uint32_t compareEvery = 68; ///< frames from one on which all methods run to the next
     qcDetectDef request = qcDefaultDetectDef();
+    qcViewOptions view;
 };
 
 const char s_help[] =
@@ -162,6 +165,16 @@ int Run(const Options& options, qcDevice* device)
     qcPrintBreakingTable(run, options.request, info);
     return qcInterrupt_Signal() == 0 ? qc_exitDone : qc_exitSignal + qcInterrupt_Signal();
 }
+
+int View(const Options& options, qcDevice* device)
+{
+    qcBreakingModel model;
+    qcBreakingRun run;
+    if (!LoadModel(options, &model, &run))
+        return qc_exitFailed;
+    qcViewedBreaking scene(model, options.common.method, options.common.threads, device);
+    return qcView_Run(&scene, options.view, device);
+}
 } // namespace
 
 int main(int argumentCount, char** arguments)
@@ -169,7 +182,7 @@ int main(int argumentCount, char** arguments)
     Options options;
     std::memcpy(options.request.views, "xyz", 4);
     options.request.iterations = 1;
-    const std::vector<qcOption> rows = {
+    std::vector<qcOption> rows = {
         {1, "dragon", "FILE",
          "What breaks: a closed mesh, PLY or OBJ; a knot by default. \"demos/run.sh breaking\" fetches the dragon",
          qcOption_Text(&options.dragon)},
@@ -192,12 +205,13 @@ int main(int argumentCount, char** arguments)
          qcOption_Number(&options.request.resolution, 1, 4096)},
         {2, "iterations", "N", "Rounds over the views; %s by default, 0: until nothing changes",
          qcOption_Number(&options.request.iterations, 0, UINT32_MAX)}};
+    qcView_AddOptions(&rows, &options.view);
     qcDevice* device = nullptr;
     int status = qcDemo_Begin(rows, s_help, argumentCount, arguments, &options.common, &device);
     if (status != qc_exitDone)
         return status;
     options.request.threads = options.common.threads;
-    status = Run(options, device);
+    status = options.view.on ? View(options, device) : Run(options, device);
     qcDevice_Destroy(device);
     return status;
 }

@@ -77,7 +77,7 @@ class qcBreakingWorld
     {
         return m_world;
     }
-    const qcMeshContact& MeshContact() const
+    qcMeshContact& MeshContact()
     {
         return m_meshContact;
     }

@@ -13,7 +13,6 @@ void qcViewedFracture::MakeWorld()
 {
     m_step = qcFractureStep();
     m_world = std::make_unique<qcFractureWorld>(m_model, m_request, m_devices.Present());
-    m_margin = double(m_world->Bodies().front()->shape.getMargin());
 }
 
 bool qcViewedFracture::Step(std::string* message)
@@ -34,21 +33,13 @@ std::vector<qcViewStatistic> qcViewedFracture::Statistics() const
 
 std::vector<qcViewSetting> qcViewedFracture::Settings()
 {
-    auto setMargin = [this](double margin)
-    {
-        m_margin = margin;
-        for (const auto& body : m_world->Bodies())
-            body->shape.setMargin(btScalar(margin));
-    };
     return {qcMethodSetting([this] { return m_request.method; },
                             [this](qcMethod method)
                             {
                                 m_request.method = method;
                                 m_world->MeshContact().setMethod(method);
                             }),
-            m_devices.Setting([this] { MakeWorld(); }),
-            qcNumberSetting(
-                "margin", 0.001, 0.05, "%.3f m", [this] { return m_margin; }, setMargin),
+            m_devices.Setting([this] { MakeWorld(); }), qcMarginSetting(m_world->Bullet(), 0.05),
             qcNumberSetting(
                 "cells", 2, 1000, "%.0f", [this] { return double(m_request.pieces); },
                 [this](double cells)

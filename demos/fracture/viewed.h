@@ -47,7 +47,6 @@ class qcViewedFracture : public qcViewedScene
     qcFractureRequest m_request;
     qcViewDevices m_devices;
     qcFractureStep m_step;
-    double m_margin = 0;                      ///< of all meshes
     std::unique_ptr<qcFractureWorld> m_world; ///< ends before the devices
 };
 

@@ -4,7 +4,9 @@
 #include "common/bullet/query_comparison.h"
 #include "leaves/picture.h"
 #include "leaves/report.h"
+#include "leaves/viewed.h"
 #include "leaves/world.h"
+#include "view/view.h"
 
 #include "common/interrupt.h"
 #include "common/progress.h"
@@ -27,6 +29,7 @@ struct Options
     uint32_t compareEvery = 26; ///< frames from one on which all methods run to the next
     const char* record = nullptr;
     qcDetectDef request = qcDefaultDetectDef();
+    qcViewOptions view;
 };
 
 const char s_help[] =
@@ -191,6 +194,12 @@ int Run(const Options& options, qcDevice* device)
     qcPrintLeavesTable(run, options.common.method, options.request, info);
     return qcInterrupt_Signal() == 0 ? qc_exitDone : qc_exitSignal + qcInterrupt_Signal();
 }
+
+int View(const Options& options, qcDevice* device)
+{
+    qcViewedLeaves scene(options.world, device);
+    return qcView_Run(&scene, options.view, device);
+}
 } // namespace
 
 int main(int argumentCount, char** arguments)
@@ -198,7 +207,7 @@ int main(int argumentCount, char** arguments)
     Options options;
     std::memcpy(options.request.views, "xz", 3);
     options.request.iterations = 2;
-    const std::vector<qcOption> rows = {
+    std::vector<qcOption> rows = {
         {1, "leaves", "N", "Leaves, at most: one grows where there is room; %s by default",
          qcOption_Number(&options.world.leaves, 1, 10000)},
         {1, "seed", "N", "Of the tree, its leaves and when they let go; %s by default",
@@ -217,13 +226,14 @@ int main(int argumentCount, char** arguments)
          qcOption_Number(&options.request.resolution, 1, 4096)},
         {2, "iterations", "N", "Rounds over the views; %s by default, 0: until nothing changes",
          qcOption_Number(&options.request.iterations, 0, UINT32_MAX)}};
+    qcView_AddOptions(&rows, &options.view);
     qcDevice* device = nullptr;
     int status = qcDemo_Begin(rows, s_help, argumentCount, arguments, &options.common, &device);
     if (status != qc_exitDone)
         return status;
     options.request.threads = options.world.threads = options.common.threads;
     options.world.method = options.common.method;
-    status = Run(options, device);
+    status = options.view.on ? View(options, device) : Run(options, device);
     qcDevice_Destroy(device);
     return status;
 }

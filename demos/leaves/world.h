@@ -40,6 +40,14 @@ class qcLeavesWorld
     {
         return m_softSolver.getStatistics();
     }
+    btSoftRigidDynamicsWorld& Bullet()
+    {
+        return m_world;
+    }
+    qcSoftBodySolver& SoftSolver()
+    {
+        return m_softSolver;
+    }
     const qcTree& Tree() const
     {
         return m_tree;

@@ -1,10 +1,28 @@
 // Settings that most scenes have.
 #include "view/settings.h"
 
+#include "quickcullide/bullet_mesh.h"
+
 namespace
 {
 constexpr qcMethod s_methods[] = {qc_methodAuto, qc_methodSweep, qc_methodLayers};
 const char* const s_deviceNames[] = {"egl (GPU)", "osmesa", "surfaceless", "none (CPU)"};
+
+/// Calls function(shape) for the shapes of meshes and soft bodies.
+template <typename Function> void ForEachShape(btCollisionShape* shape, Function function)
+{
+    if (shape->isCompound())
+        for (int i = 0; i < static_cast<btCompoundShape*>(shape)->getNumChildShapes(); i++)
+            ForEachShape(static_cast<btCompoundShape*>(shape)->getChildShape(i), function);
+    else if (dynamic_cast<qcMeshShape*>(shape) != nullptr || shape->isSoftBody())
+        function(shape);
+}
+
+template <typename Function> void ForEachShapeOf(btCollisionWorld& world, Function function)
+{
+    for (int i = 0; i < world.getNumCollisionObjects(); i++)
+        ForEachShape(world.getCollisionObjectArray()[i]->getCollisionShape(), function);
+}
 } // namespace
 
 qcViewSetting qcNumberSetting(const char* label, double lowest, double highest, const char* format,
@@ -48,6 +66,41 @@ qcViewSetting qcMethodSetting(std::function<qcMethod()> get, std::function<void(
     for (qcMethod method : s_methods)
         setting.choices.push_back(qcMethod_Name(method));
     return setting;
+}
+
+qcViewSetting qcThicknessSetting(btSoftRigidDynamicsWorld& world, qcSoftBodySolver& solver, double highest)
+{
+    return qcNumberSetting(
+        "thickness", 0.05 * highest, highest, "%.4f m",
+        [&world, &solver]
+        {
+            const btSoftBodyArray& bodies = world.getSoftBodyArray();
+            return bodies.size() == 0 ? 0 : double(solver.getSettings(bodies[0]).thickness);
+        },
+        [&world, &solver](double value)
+        {
+            for (int i = 0; i < world.getSoftBodyArray().size(); i++)
+            {
+                qcSoftBodySettings settings = solver.getSettings(world.getSoftBodyArray()[i]);
+                settings.thickness = btScalar(value);
+                solver.setSettings(world.getSoftBodyArray()[i], settings);
+            }
+        });
+}
+
+qcViewSetting qcMarginSetting(btCollisionWorld& world, double highest)
+{
+    return qcNumberSetting(
+        "margin", 0.02 * highest, highest, "%.4f m",
+        [&world]
+        {
+            double margin = -1;
+            ForEachShapeOf(world,
+                           [&](btCollisionShape* shape) { margin = margin < 0 ? double(shape->getMargin()) : margin; });
+            return margin;
+        },
+        [&world](double value)
+        { ForEachShapeOf(world, [&](btCollisionShape* shape) { shape->setMargin(btScalar(value)); }); });
 }
 
 qcViewDevices::qcViewDevices(qcDevice* first) : m_first(first), m_present(first)

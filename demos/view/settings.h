@@ -6,6 +6,8 @@
 
 #include "quickcullide/bullet_soft_body.h"
 
+#include <BulletSoftBody/btSoftRigidDynamicsWorld.h>
+
 #include <array>
 
 /// `set` can't fail.
@@ -14,6 +16,11 @@ qcViewSetting qcNumberSetting(const char* label, double lowest, double highest, 
 qcViewSetting qcFlagSetting(const char* label, std::function<bool()> get, std::function<void(bool)> set);
 /// Methods that never miss, but for brute force.
 qcViewSetting qcMethodSetting(std::function<qcMethod()> get, std::function<void(qcMethod)> set);
+
+/// Thickness of all soft bodies; that of the first is shown.
+qcViewSetting qcThicknessSetting(btSoftRigidDynamicsWorld& world, qcSoftBodySolver& solver, double highest);
+/// Margin of all meshes and soft bodies; that of the first is shown.
+qcViewSetting qcMarginSetting(btCollisionWorld& world, double highest);
 
 /// The devices of this machine, opened when they are first chosen.
 class qcViewDevices

@@ -50,8 +50,8 @@ demos/view                  demos/common/... demos/common
 demos/hello
 demos/cloth                 demos/common/... demos/common demos/view
 demos/fracture              demos/common/... demos/common demos/view
-demos/breaking              demos/common/... demos/common
-demos/leaves                demos/common/... demos/common
+demos/breaking              demos/common/... demos/common demos/view
+demos/leaves                demos/common/... demos/common demos/view
 demos/pairs                 demos/common/... demos/common
 demos/replay                demos/common
 demos/bench/scenes          demos/common/... demos/common
