@@ -90,7 +90,7 @@ class Boxes
         list.clear();
         for (const Box& box : m_boxes[body])
         {
-            if (qcPeerBox_Meet(box.box, reach))
+            if (qcPeerBox_Overlap(box.box, reach))
                 list.push_back(&box);
         }
     }
@@ -113,7 +113,7 @@ class Boxes
         {
             for (uint32_t b = a + 1; b < m_task.bodyCount; ++b)
             {
-                if (!qcPeerBox_Meet(m_whole[a], m_whole[b]))
+                if (!qcPeerBox_Overlap(m_whole[a], m_whole[b]))
                     continue;
                 Gather(a, m_whole[b], m_listA);
                 Gather(b, m_whole[a], m_listB);

@@ -137,7 +137,7 @@ class Embree
             // Pairs come in both orders. A leaf of a refitted tree holds several triangles, whose own boxes may be
             // disjoint.
             uint32_t a = collisions[i].primID0, b = collisions[i].primID1;
-            if (a < b && qcPeerBox_Meet(e->m_boxes[a], e->m_boxes[b]))
+            if (a < b && qcPeerBox_Overlap(e->m_boxes[a], e->m_boxes[b]))
                 qcPeerLanes_Test(e->m_lanes, e->m_task, e->m_poses.data(), 0, a, 0, b);
         }
     }
