@@ -8,7 +8,7 @@ qc_packages()
         case $group in
             build) echo build-essential cmake pkg-config libepoxy-dev libbullet-dev libpng-dev libjson-c-dev \
                 voro++-dev libglu1-mesa-dev ;;
-            tests) echo check libgmp-dev libbullet-extras-dev glmark2-data ;;
+            tests) echo check libgmp-dev libbullet-extras-dev glmark2-data libxml2-utils ;;
             demos) echo ffmpeg ;;
             models) echo glmark2-data ;;
             bench) echo gnuplot-nox glmark2-data ;;

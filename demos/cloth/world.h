@@ -41,6 +41,10 @@ class qcClothWorld
     {
         return m_dispatcher.getNumManifolds();
     }
+    btDiscreteDynamicsWorld& DynamicsWorld()
+    {
+        return m_world;
+    }
     /// Present positions, three floats a vertex.
     const std::vector<float>& Positions();
     const std::vector<uint32_t>& Indices() const

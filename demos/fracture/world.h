@@ -57,6 +57,10 @@ class qcFractureWorld
     /// One step. False with a message: the mesh could not be broken, or a query failed.
     bool Step(qcFractureStep* step, std::string* message);
 
+    btDiscreteDynamicsWorld& DynamicsWorld()
+    {
+        return m_world;
+    }
     const qcBreak& Break() const
     {
         return m_break;

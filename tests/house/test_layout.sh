@@ -47,6 +47,7 @@ demos/hello
 demos/cloth                 demos/common/... demos/common
 demos/fracture              demos/common/... demos/common
 demos/pairs                 demos/common/... demos/common
+demos/report                demos/common/... demos/common
 demos/bench/scenes          demos/common/... demos/common
 demos/bench                 demos/common
 demos/bench/accuracy        demos/bench demos/bench/scenes demos/common/... demos/common
@@ -57,6 +58,7 @@ demos/bench/scaling         demos/bench demos/bench/scenes demos/common/... demo
 demos/bench/gpu             demos/bench demos/bench/scenes demos/common/... demos/common
 demos/bench/soft            demos/bench demos/bench/scenes demos/common/... demos/common
 demos/bench/through         demos/bench demos/bench/scenes demos/common/... demos/common
+demos/bench/stability       demos/bench demos/bench/soft demos/bench/through demos/cloth demos/fracture demos/common/... demos/common
 
 tests/support
 tests/base                  tests/support plugin/base

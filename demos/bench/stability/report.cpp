@@ -1,0 +1,133 @@
+// The table, the CSV and the pictures of long runs.
+#include "bench/stability/report.h"
+
+#include "common/files.h"
+#include "stability_script.h"
+
+#include <algorithm>
+#include <cstdio>
+
+namespace
+{
+const char s_header[] = "scene,step,seconds,energy,contacts,depth,remaining,pairs,soft_pairs,bytes,resident,ms";
+
+struct Maxima
+{
+    int contacts = 0;
+    size_t pairs = 0;
+    double ms = 0; ///< mean
+};
+
+Maxima MaximaOf(const qcStabilityHistory& history)
+{
+    Maxima maxima;
+    for (const qcStabilityRow& row : history.Rows())
+    {
+        maxima.contacts = std::max(maxima.contacts, row.world.contacts);
+        maxima.pairs = std::max(maxima.pairs, row.pairs.all);
+        maxima.ms += row.ms / double(history.Rows().size());
+    }
+    return maxima;
+}
+
+/// Of the first row after the scene has settled; of the last one if there is none.
+double EnergyAtRest(const qcStabilityHistory& history)
+{
+    for (const qcStabilityRow& row : history.Rows())
+        if (row.step >= history.SettledStep())
+            return row.world.energy;
+    return history.Rows().back().world.energy;
+}
+
+std::string Both(const char* format, double a, double b)
+{
+    char text[64];
+    std::snprintf(text, sizeof text, format, a, b);
+    return text;
+}
+} // namespace
+
+void qcPrintStabilityHead()
+{
+    std::printf("%-11s %6s %8s %10s %10s %8s %17s %13s %13s %15s %15s %8s  %s\n", "scene", "steps", "seconds",
+                "released,", "growth,", "as lift,",
+                "deepest, mm:", "penetrating:", "contacts:", "library, KiB:", "process, MiB:", "ms", "verdict");
+    std::printf("%-11s %6s %8s %10s %10s %8s %17s %13s %13s %15s %15s %8s\n", "", "", "", "J", "J", "mm",
+                "ever > at rest", "max > end", "max > end", "early > late", "early > late", "a step");
+}
+
+void qcPrintStabilityRow(const qcStabilityHistory& history)
+{
+    Maxima maxima = MaximaOf(history);
+    const qcStabilityRow& end = history.Rows().back();
+    qcStabilityHistory::Memory bytes = history.Bytes(), resident = history.Resident();
+    constexpr double kib = 1024, mib = 1024 * 1024;
+    std::printf("%-11s %6u %8.1f %10.4g %10.3g %8.3g %17s %13s %13s %15s %15s %8.3f  %s\n", history.Def().name,
+                history.Steps(), history.Seconds(history.Steps()), history.Released(), history.Growth(),
+                1e3 * history.Lift(),
+                Both("%.2f > %.2f", 1e3 * history.DeepestEver(), 1e3 * history.DeepestSettled()).c_str(),
+                Both("%.0f > %.0f", double(maxima.pairs), double(end.pairs.all)).c_str(),
+                Both("%.0f > %.0f", double(maxima.contacts), double(end.world.contacts)).c_str(),
+                Both("%.0f > %.0f", double(bytes.early) / kib, double(bytes.late) / kib).c_str(),
+                Both("%.1f > %.1f", double(resident.early) / mib, double(resident.late) / mib).c_str(), maxima.ms,
+                history.Complaints().empty() ? "stable" : "NOT STABLE");
+    std::fflush(stdout);
+}
+
+void qcPrintStabilityEnd(const std::vector<qcStabilityHistory>& histories)
+{
+    std::printf(
+        "\nReleased: kinetic energy and that of gravity given off since the start; what stretched or bent bodies "
+        "store is left out.\n"
+        "Growth: its largest rise after the scene has come to rest; lift: by how much that would raise the "
+        "whole scene.\n"
+        "Deepest: of Bullet's contact points, margins and the thickness of cloth included, before the "
+        "response. Penetrating: pairs of\n"
+        "triangles of meshes and soft bodies, by the exact test at the end of every row's step. Early, late: "
+        "maxima of the second\n"
+        "and the last quarter. No body may sleep.\n\n");
+    size_t stable = 0;
+    for (const qcStabilityHistory& history : histories)
+    {
+        std::vector<std::string> complaints = history.Complaints();
+        stable += complaints.empty();
+        for (const std::string& complaint : complaints)
+            std::printf("%s: %s\n", history.Def().name, complaint.c_str());
+    }
+    std::printf("%zu of %zu scenes are stable\n", stable, histories.size());
+}
+
+bool qcWriteStabilityCsv(const char* folder, const std::vector<qcStabilityHistory>& histories, qcMessage* message)
+{
+    qcOutput output;
+    if (!qcFiles_Open(folder, "stability.csv", &output, message))
+        return false;
+    std::fprintf(output.stream, "%s\n", s_header);
+    for (const qcStabilityHistory& history : histories)
+        for (const qcStabilityRow& row : history.Rows())
+            std::fprintf(output.stream, "%s,%u,%.4f,%.9g,%d,%.6g,%d,%zu,%zu,%zu,%zu,%.5g\n", history.Def().name,
+                         row.step, history.Seconds(row.step), row.world.energy, row.world.contacts, row.world.depth,
+                         row.remaining, row.pairs.all, row.pairs.soft, row.bytes, row.resident, row.ms);
+    return qcOutput_Commit(&output, message);
+}
+
+bool qcPlotStability(const char* folder, const std::vector<qcStabilityHistory>& histories, qcMessage* message)
+{
+    qcOutput output;
+    if (!qcFiles_Open(folder, "stability.gp", &output, message))
+        return false;
+    size_t count = histories.size();
+    std::fprintf(output.stream,
+                 "# What was measured.\narray scenes[%zu]\narray titles[%zu]\narray settled[%zu]\narray atRest[%zu]\n",
+                 count, count, count, count);
+    for (size_t i = 0; i < count; i++)
+    {
+        const qcStabilityHistory& history = histories[i];
+        std::fprintf(output.stream,
+                     "scenes[%zu] = '%s'\ntitles[%zu] = '%s: %s'\nsettled[%zu] = %g\natRest[%zu] = %.9g\n", i + 1,
+                     history.Def().name, i + 1, history.Def().name, history.Def().title, i + 1,
+                     history.Seconds(history.SettledStep()), i + 1, EnergyAtRest(history));
+    }
+    std::fprintf(output.stream, "\n%s", s_stabilityScript);
+    return qcOutput_Commit(&output, message) && qcFiles_Draw(folder, "stability.gp", message);
+}
