@@ -41,7 +41,7 @@ class qcClothWorld
     {
         return m_dispatcher.getNumManifolds();
     }
-    btDiscreteDynamicsWorld& DynamicsWorld()
+    btDiscreteDynamicsWorld& Bullet()
     {
         return m_world;
     }

@@ -57,7 +57,7 @@ class qcFractureWorld
     /// One step. False with a message: the mesh could not be broken, or a query failed.
     bool Step(qcFractureStep* step, std::string* message);
 
-    btDiscreteDynamicsWorld& DynamicsWorld()
+    btDiscreteDynamicsWorld& Bullet()
     {
         return m_world;
     }

@@ -33,7 +33,7 @@ class Cloth : public qcStabilityScene
     }
     btDiscreteDynamicsWorld& World() override
     {
-        return m_world.DynamicsWorld();
+        return m_world.Bullet();
     }
     const qcSoftBodyStatistics* SoftStatistics() const override
     {
@@ -66,7 +66,7 @@ class Fracture : public qcStabilityScene
     }
     btDiscreteDynamicsWorld& World() override
     {
-        return m_world->DynamicsWorld();
+        return m_world->Bullet();
     }
 
   private:

@@ -6,8 +6,8 @@ set datafile columnheaders
 set datafile missing NaN
 cairo = strstrt(GPVAL_TERMINALS, 'pngcairo') > 0 && !exists('svg')
 ending = cairo ? '.png' : '.svg'
-if (cairo) { set terminal pngcairo size 1400, 660 font 'sans,10' } \
-else { set terminal svg size 1400, 660 font 'sans,11' background 'white' }
+if (cairo) { set terminal pngcairo size 760, 1000 font 'sans,10' } \
+else { set terminal svg size 760, 1000 font 'sans,11' background 'white' }
 set tics out nomirror
 set border 3 lc rgb '#444444'
 set grid xtics ytics lt 1 lc rgb '#e4e4e4' lw 0.8
@@ -24,7 +24,7 @@ do for [n = 1:|scenes|] {
     set output 'stability_'.scenes[n].ending
     # Behind the curves: from here on the scene is at rest.
     set arrow 1 from settled[n], graph 0 to settled[n], graph 1 nohead dt 2 lc rgb '#777777' back
-    set multiplot layout 2, 4 title titles[n] font ',14'
+    set multiplot layout 4, 2 title titles[n] font ',14'
     set yrange [*:*]
     set title 'energy, J'
     plot csv using (of(n, 'seconds')):(of(n, 'energy')) with lines lw 1.5 lc rgb blue notitle

@@ -4,11 +4,13 @@
 #include "quickcullide/bullet_mesh.h"
 #include "quickcullide/bullet_positions.h"
 
+#include <BulletCollision/CollisionShapes/btCompoundShape.h>
 #include <BulletDynamics/Dynamics/btRigidBody.h>
 #include <BulletSoftBody/btSoftBody.h>
 
 #include <algorithm>
 #include <memory>
+#include <vector>
 
 namespace
 {
@@ -58,7 +60,7 @@ void AddRigidEnergy(const btRigidBody& rigid, const btVector3& gravity, qcWorldM
 }
 
 /// Faces, and the links of ropes as triangles with two equal corners.
-qcStatus AddSoft(qcScene* scene, const btSoftBody& soft, bool* isAdded)
+qcStatus AddSoft(qcScene* scene, const btSoftBody& soft)
 {
     std::vector<uint32_t> indices;
     auto add = [&](const btSoftBody::Node* node) { indices.push_back(uint32_t(node - &soft.m_nodes[0])); };
@@ -78,34 +80,48 @@ qcStatus AddSoft(qcScene* scene, const btSoftBody& soft, bool* isAdded)
     def.deforming = true;
     def.group = s_moving;
     qcBodyId id;
-    *isAdded = true;
     return qcScene_AddBody(scene, &def, &id);
 }
 
-qcStatus AddMesh(qcScene* scene, const btCollisionObject& object, bool* isAdded)
+/// `owner`: the same for all meshes of an object.
+qcStatus AddMesh(qcScene* scene, const qcMeshShape& mesh, const btTransform& place, bool isFixed, uint32_t owner)
 {
-    *isAdded = false;
-    auto mesh = dynamic_cast<const qcMeshShape*>(object.getCollisionShape());
-    if (mesh == nullptr)
-        return qc_statusOk;
     qcBodyDef def = qcDefaultBodyDef();
-    def.positions = mesh->getVertices();
+    def.positions = mesh.getVertices();
     def.positionType = qcBulletPositions;
     def.positionStride = sizeof(btVector3);
-    def.vertexCount = mesh->getVertexCount();
-    def.indices = mesh->getIndices();
-    def.triangleCount = mesh->getTriangleCount();
+    def.vertexCount = mesh.getVertexCount();
+    def.indices = mesh.getIndices();
+    def.triangleCount = mesh.getTriangleCount();
     def.selfCollision = false;
-    def.group = object.isStaticOrKinematicObject() ? s_fixed : s_moving;
-    def.mask = object.isStaticOrKinematicObject() ? s_moving : s_moving | s_fixed;
-    const btTransform& place = object.getWorldTransform();
+    def.group = isFixed ? s_fixed : s_moving;
+    def.mask = isFixed ? s_moving : s_moving | s_fixed;
+    def.owner = owner;
     for (int i = 0; i < 9; i++)
         def.transform.linear[i] = double(place.getBasis()[i / 3][i % 3]);
     for (int axis = 0; axis < 3; axis++)
         def.transform.translation[axis] = double(place.getOrigin()[axis]);
     qcBodyId id;
-    *isAdded = true;
     return qcScene_AddBody(scene, &def, &id);
+}
+
+/// The meshes of a shape, also in compounds; `count` grows by their number.
+qcStatus AddShape(qcScene* scene, const btCollisionShape& shape, const btTransform& place, bool isFixed, uint32_t owner,
+                  size_t* count)
+{
+    qcStatus status = qc_statusOk;
+    if (auto mesh = dynamic_cast<const qcMeshShape*>(&shape))
+    {
+        ++*count;
+        return AddMesh(scene, *mesh, place, isFixed, owner);
+    }
+    if (!shape.isCompound())
+        return qc_statusOk;
+    const auto& compound = static_cast<const btCompoundShape&>(shape);
+    for (int i = 0; i < compound.getNumChildShapes() && status == qc_statusOk; i++)
+        status =
+            AddShape(scene, *compound.getChildShape(i), place * compound.getChildTransform(i), isFixed, owner, count);
+    return status;
 }
 } // namespace
 
@@ -147,11 +163,13 @@ bool qcCountPenetrating(const btDiscreteDynamicsWorld& world, qcPenetratingPairs
     std::vector<bool> isSoft; // of each body of the scene
     for (int i = 0; i < objects.size() && status == qc_statusOk; i++)
     {
-        bool isAdded;
         const btSoftBody* soft = btSoftBody::upcast(objects[i]);
-        status = soft != nullptr ? AddSoft(scene.get(), *soft, &isAdded) : AddMesh(scene.get(), *objects[i], &isAdded);
-        if (isAdded)
-            isSoft.push_back(soft != nullptr);
+        size_t count = soft != nullptr;
+        status = soft != nullptr
+                     ? AddSoft(scene.get(), *soft)
+                     : AddShape(scene.get(), *objects[i]->getCollisionShape(), objects[i]->getWorldTransform(),
+                                objects[i]->isStaticOrKinematicObject(), uint32_t(i + 1), &count);
+        isSoft.insert(isSoft.end(), count, soft != nullptr);
     }
     qcDetectDef def = qcDefaultDetectDef();
     def.method = qc_methodSweep;
