@@ -75,17 +75,15 @@ static void WriteMedium(FILE* page, const qcReportFile* file, const char* bytes,
     fputs("</figcaption></figure>\n", page);
 }
 
-/// What demos/run.sh kept: a line "$ COMMAND", then what the command printed.
+/// The first line of what demos/run.sh kept is "$ COMMAND"; 0: there is none.
+static size_t FindCommand(const char* text)
+{
+    return strncmp(text, "$ ", 2) == 0 ? strcspn(text, "\n") : 0;
+}
+
 static void WriteOutput(FILE* page, const char* text)
 {
-    if (strncmp(text, "$ ", 2) == 0)
-    {
-        size_t length = strcspn(text, "\n");
-        fputs("<p class=\"command\"><code>", page);
-        qcReport_WriteEscaped(page, text + 2, length - 2);
-        fputs("</code></p>\n", page);
-        text += length;
-    }
+    text += FindCommand(text);
     text += strspn(text, "\n");
     fputs("<pre tabindex=\"0\">", page);
     qcReport_WriteText(page, text);
@@ -146,6 +144,29 @@ static bool WriteFiles(FILE* page, const qcReportPart* part, const char* films, 
     return true;
 }
 
+/// The commands of the part's texts, above everything else.
+static bool WriteCommands(FILE* page, const qcReportPart* part, qcMessage* message)
+{
+    for (size_t i = 0; i < part->fileCount; ++i)
+    {
+        if (part->files[i].kind != qc_reportText)
+            continue;
+        size_t size;
+        char* text = qcReport_ReadFile(part->files[i].path, &size, message);
+        if (text == NULL)
+            return false;
+        size_t length = FindCommand(text);
+        if (length != 0)
+        {
+            fputs("<p class=\"command\"><code>", page);
+            qcReport_WriteEscaped(page, text + 2, length - 2);
+            fputs("</code></p>\n", page);
+        }
+        free(text);
+    }
+    return true;
+}
+
 static bool WritePart(FILE* page, const qcReportPart* part, const char* films, qcMessage* message)
 {
     fputs("<section id=\"", page);
@@ -168,7 +189,7 @@ static bool WritePart(FILE* page, const qcReportPart* part, const char* films, q
         WriteTime(page, newest);
         fputs("</p>\n", page);
     }
-    bool isWritten = WriteFiles(page, part, films, message);
+    bool isWritten = WriteCommands(page, part, message) && WriteFiles(page, part, films, message);
     fputs("</section>\n", page);
     return isWritten;
 }

@@ -8,7 +8,7 @@
 
 namespace
 {
-constexpr uint32_t s_rows = 1000;
+constexpr uint32_t s_rows = 500;
 // Heights in metres: what a scene at rest may gain is less than lifting it by a millimetre.
 constexpr double s_maxLift = 1e-3, s_gravity = 9.81;
 // Growth of the library's memory, which follows the number of contacts, and of the process.
@@ -38,7 +38,7 @@ template <class... Values> std::string Text(const char* format, Values... values
 
 qcStabilityHistory::qcStabilityHistory(const qcStabilitySceneDef& def, uint32_t steps)
     : m_def(def), m_steps(steps), m_interval(std::max(1u, steps / s_rows)),
-      m_settledStep(std::min(uint32_t(std::lround(def.settledSeconds / def.stepSeconds)), steps / 2))
+      m_settledStep(uint32_t(std::lround(def.settledSeconds / def.stepSeconds)))
 {
 }
 
@@ -91,7 +91,7 @@ bool qcStabilityHistory::Take(qcStabilityScene& scene, double ms, std::string* m
 
 double qcStabilityHistory::Lift() const
 {
-    return m_first.mass > 0 ? m_growth / (m_first.mass * s_gravity) : 0;
+    return IsSettled() && m_first.mass > 0 ? m_growth / (m_first.mass * s_gravity) : 0;
 }
 
 qcStabilityHistory::Memory qcStabilityHistory::Compare(size_t qcStabilityRow::*member) const

@@ -24,7 +24,7 @@ struct qcStabilityRow
 class qcStabilityHistory
 {
   public:
-    /// `steps`: of the whole run; a row is kept for each thousandth part.
+    /// `steps`: of the whole run; five hundred rows are kept.
     qcStabilityHistory(const qcStabilitySceneDef& def, uint32_t steps);
 
     /// Takes the scene's state after its next step, which took `ms`. False with a message: a query failed.
@@ -49,10 +49,15 @@ class qcStabilityHistory
     {
         return step * m_def.stepSeconds;
     }
-    /// From this step on the scene is at rest: after the definition's time, at the latest after half the run.
+    /// From this step on the scene is at rest.
     uint32_t SettledStep() const
     {
         return m_settledStep;
+    }
+    /// False: the run ended before its energy at rest could be judged.
+    bool IsSettled() const
+    {
+        return m_taken > m_settledStep;
     }
     /// Energy given off from the first step to the lowest state, J.
     double Released() const

@@ -70,7 +70,9 @@ void qcPrintStabilityRow(const qcStabilityHistory& history)
                 Both("%.0f > %.0f", double(maxima.contacts), double(end.world.contacts)).c_str(),
                 Both("%.0f > %.0f", double(bytes.early) / kib, double(bytes.late) / kib).c_str(),
                 Both("%.1f > %.1f", double(resident.early) / mib, double(resident.late) / mib).c_str(), maxima.ms,
-                history.Complaints().empty() ? "stable" : "NOT STABLE");
+                !history.Complaints().empty() ? "NOT STABLE"
+                : history.IsSettled()         ? "stable"
+                                              : "stable, but too short for the energy");
     std::fflush(stdout);
 }
 
@@ -126,7 +128,7 @@ bool qcPlotStability(const char* folder, const std::vector<qcStabilityHistory>& 
         std::fprintf(output.stream,
                      "scenes[%zu] = '%s'\ntitles[%zu] = '%s: %s'\nsettled[%zu] = %g\natRest[%zu] = %.9g\n", i + 1,
                      history.Def().name, i + 1, history.Def().name, history.Def().title, i + 1,
-                     history.Seconds(history.SettledStep()), i + 1, EnergyAtRest(history));
+                     history.IsSettled() ? history.Seconds(history.SettledStep()) : -1, i + 1, EnergyAtRest(history));
     }
     std::fprintf(output.stream, "\n%s", s_stabilityScript);
     return qcOutput_Commit(&output, message) && qcFiles_Draw(folder, "stability.gp", message);

@@ -295,11 +295,11 @@ const std::vector<qcStabilitySceneDef>& qcStabilityScenes()
          10, Make<Cloth>},
 #ifdef QC_HAS_FRACTURE
         {"fracture", "a bunny breaks and its pieces come to rest", "1 000 triangles, 40 pieces",
-         "5 000 triangles, 200 pieces", qcFractureWorld::stepSeconds, 10, Make<Fracture>},
+         "5 000 triangles, 200 pieces", qcFractureWorld::stepSeconds, 5, Make<Fracture>},
 #endif
         {"meshes", "tori, balls and boxes of triangles fall into a heap", "40 meshes", "200 meshes", Rigid::stepSeconds,
-         15, Make<Meshes>},
-        {"boxes", "a wall and a tower of convex boxes", "60 boxes", "215 boxes", Rigid::stepSeconds, 5, Make<Boxes>},
+         10, Make<Meshes>},
+        {"boxes", "a wall and a tower of convex boxes", "60 boxes", "215 boxes", Rigid::stepSeconds, 2, Make<Boxes>},
         {"cloth-pile", "a cloth falls over a pile of moving tori", "24 x 24 nodes, 8 tori", "50 x 50 nodes, 20 tori",
          1.0 / 60, 20, Make<ClothPile>},
         // Tetrahedra that were turned inside out snap back one by one; what they store is no part of the energy.

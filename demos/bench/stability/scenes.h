@@ -31,7 +31,8 @@ struct qcStabilitySceneDef
     /// Size by default and with --full.
     const char *size, *fullSize;
     double stepSeconds;
-    /// Seconds after which the scene has come to rest: from here on its energy must not grow.
+    /// Seconds after which the scene has come to rest: from here on its energy must not grow, which
+    /// shorter runs don't show.
     double settledSeconds;
     std::unique_ptr<qcStabilityScene> (*make)(bool full);
 };

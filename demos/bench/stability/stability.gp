@@ -22,15 +22,18 @@ blue = '#1f78b4'
 green = '#1b9e77'
 do for [n = 1:|scenes|] {
     set output 'stability_'.scenes[n].ending
-    # Behind the curves: from here on the scene is at rest.
-    set arrow 1 from settled[n], graph 0 to settled[n], graph 1 nohead dt 2 lc rgb '#777777' back
+    # Behind the curves: from here on the scene is at rest. Negative: the run ended before.
+    unset arrow 1
+    if (settled[n] >= 0) { set arrow 1 from settled[n], graph 0 to settled[n], graph 1 nohead dt 2 lc rgb '#777777' back }
     set multiplot layout 4, 2 title titles[n] font ',14'
     set yrange [*:*]
     set title 'energy, J'
     plot csv using (of(n, 'seconds')):(of(n, 'energy')) with lines lw 1.5 lc rgb blue notitle
     set title 'the same at rest, change in mJ'
-    plot csv using (of(n, 'seconds') >= settled[n] ? of(n, 'seconds') : NaN):(1e3 * (of(n, 'energy') - atRest[n])) \
-        with lines lw 1.5 lc rgb blue notitle
+    if (settled[n] >= 0) {
+        plot csv using (of(n, 'seconds') >= settled[n] ? of(n, 'seconds') : NaN):(1e3 * (of(n, 'energy') - atRest[n])) \
+            with lines lw 1.5 lc rgb blue notitle
+    } else { set multiplot next }
     set yrange [0:*]
     set title 'deepest contact, mm'
     plot csv using (of(n, 'seconds')):(1e3 * of(n, 'depth')) with lines lw 1.5 lc rgb red notitle
