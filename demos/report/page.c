@@ -10,8 +10,9 @@
 
 enum
 {
-    qc_openRows = 30, ///< a table with more is closed at first
-    qc_maxRows = 150  ///< a table with more is thinned
+    qc_openRows = 30,    ///< a table with more is closed at first
+    qc_maxRows = 150,    ///< a table with more is thinned
+    qc_wideColumns = 180 ///< a text with more is printed in landscape format
 };
 
 static void WriteTime(FILE* page, time_t time)
@@ -81,11 +82,26 @@ static size_t FindCommand(const char* text)
     return strncmp(text, "$ ", 2) == 0 ? strcspn(text, "\n") : 0;
 }
 
+/// Characters of the longest line of UTF-8.
+static size_t FindColumns(const char* text)
+{
+    size_t columns = 0, length = 0;
+    for (; *text != 0; ++text)
+    {
+        length = *text == '\n' ? 0 : length + (((unsigned char)*text & 0xc0) != 0x80);
+        columns = length > columns ? length : columns;
+    }
+    return columns;
+}
+
 static void WriteOutput(FILE* page, const char* text)
 {
     text += FindCommand(text);
     text += strspn(text, "\n");
-    fputs("<pre tabindex=\"0\">", page);
+    size_t columns = FindColumns(text);
+    // On paper a line is as long as the page is wide.
+    fprintf(page, "<pre tabindex=\"0\"%s style=\"--columns: %zu\">", columns > qc_wideColumns ? " class=\"wide\"" : "",
+            columns);
     qcReport_WriteText(page, text);
     fputs("</pre>\n", page);
 }
