@@ -1,10 +1,10 @@
 // qc-cloth, the main demo: the paper's cloth scene in Bullet with this library's broadphase and self-collision, and
 // again without self-collision; pictures, a CSV, a table.
-#include "cloth/measure.h"
 #include "cloth/picture.h"
 #include "cloth/report.h"
 #include "cloth/world.h"
 #include "common/bullet/demo_options.h"
+#include "common/bullet/query_comparison.h"
 
 #include "common/interrupt.h"
 #include "common/progress.h"
@@ -20,6 +20,7 @@ struct Options
     qcDemoOptions common = {"out/cloth", 360, 10, qc_methodLayers, qc_deviceAuto, 0};
     uint32_t triangles = 20000;
     uint32_t compareEvery = 4; ///< frames from one on which all methods run to the next
+    const char* record = nullptr;
     qcDetectDef request = qcDefaultDetectDef();
 };
 
@@ -33,7 +34,7 @@ class Demo
 {
   public:
     Demo(const Options& options, qcDevice* device, const qcDeviceInfo& info)
-        : m_options(options), m_device(device), m_info(info), m_measure(device, options.request)
+        : m_options(options), m_device(device), m_info(info), m_comparison(device, options.request)
     {
     }
 
@@ -42,62 +43,60 @@ class Demo
 
   private:
     bool MeasureStep(qcClothWorld& world, size_t step, qcClothRun* run);
-    bool Run(qcClothQuery query, qcClothStep* measured);
-    bool Draw(qcClothWorld& world, const char* prefix, size_t frame);
-    bool Compare(size_t step, qcClothStep* measured);
+    bool Begin(qcClothWorld& world, bool selfCollision);
+    bool Draw(qcClothWorld& world, qcComparedQuery query, const char* prefix, size_t frame);
 
     const Options& m_options;
     qcDevice* m_device;
     qcDeviceInfo m_info;
-    qcClothMeasure m_measure;
+    qcQueryComparison m_comparison;
+    qcBodyId m_cloth{};
     qcClothPicture m_picture;
 };
 
-bool Demo::Run(qcClothQuery query, qcClothStep* measured)
+/// A file for each run: "cloth.qcr", "cloth_without.qcr".
+std::string RecordingPath(const std::string& path, bool selfCollision)
 {
-    return m_measure.Run(query, &measured->results[query]) || qcDemo_Fail(m_measure.Message());
+    if (selfCollision)
+        return path;
+    size_t dot = path.find_last_of("./");
+    bool hasEnding = dot != std::string::npos && path[dot] == '.';
+    return hasEnding ? path.substr(0, dot) + "_without" + path.substr(dot) : path + "_without";
 }
 
-/// The cloth, and the PCS of the last query.
-bool Demo::Draw(qcClothWorld& world, const char* prefix, size_t frame)
+/// Starts comparing a new cloth.
+bool Demo::Begin(qcClothWorld& world, bool selfCollision)
+{
+    qcBodyDef def = qcDefaultBodyDef();
+    def.positions = world.Positions().data();
+    def.vertexCount = uint32_t(world.Positions().size() / 3);
+    def.indices = world.Indices().data();
+    def.triangleCount = uint32_t(world.Indices().size() / 3);
+    def.deforming = true;
+    m_comparison.Clear();
+    bool begun = m_comparison.Add(def, &m_cloth) && m_comparison.Warm();
+    if (begun && m_options.record != nullptr)
+        begun = m_comparison.Record(RecordingPath(m_options.record, selfCollision));
+    return begun || qcDemo_Fail(m_comparison.Message());
+}
+
+/// The cloth, and the PCS of a query.
+bool Demo::Draw(qcClothWorld& world, qcComparedQuery query, const char* prefix, size_t frame)
 {
     char name[64];
     std::snprintf(name, sizeof name, "/%s_%04zu.png", prefix, frame);
     std::string message;
-    return m_picture.Write(m_device, world.Positions(), world.Indices(), m_measure.Marked(),
+    return m_picture.Write(m_device, world.Positions(), world.Indices(), m_comparison.Marked(query, m_cloth),
                            std::string(m_options.common.out) + name, &message) ||
            qcDemo_Fail(message);
-}
-
-/// Runs the methods that are left, and compares all results.
-bool Demo::Compare(size_t step, qcClothStep* measured)
-{
-    for (qcClothQuery query : {qc_clothQuickSorted, qc_clothQuickSortedBack})
-        if (!Run(query, measured))
-            return false;
-    m_measure.CountMissed(&measured->results);
-    for (size_t i = 0; i < measured->results.size(); i++)
-    {
-        const qcClothResult& result = measured->results[i];
-        if (qcClothQueries[i].neverMisses && result.missed != 0)
-            return qcDemo_Fail("step " + std::to_string(step) + ": " + qcClothQueries[i].label + " missed " +
-                               std::to_string(result.missed) + " of " + std::to_string(result.found + result.missed) +
-                               " pairs");
-    }
-    return true;
 }
 
 /// Measures the frame of a step: runs the other methods and draws.
 bool Demo::MeasureStep(qcClothWorld& world, size_t step, qcClothRun* run)
 {
     qcClothStep& measured = run->steps.back();
-    if (!m_measure.Update(world.Positions()))
-        return qcDemo_Fail(m_measure.Message());
-    // Run in each step, as in a simulation: their data persist from query to query, and a body that has moved far costs
-    // more time.
-    for (qcClothQuery query : {qc_clothSweep, qc_clothAuto, qc_clothLayers})
-        if (!Run(query, &measured))
-            return false;
+    if (!m_comparison.SetVertices(m_cloth, world.Positions()) || !m_comparison.RunEachStep(&measured.results))
+        return qcDemo_Fail(m_comparison.Message());
     bool isLast = step == m_options.common.steps;
     if (m_info.kind == qc_deviceNone || (step % m_options.common.frameEvery != 0 && !isLast))
         return true;
@@ -106,12 +105,13 @@ bool Demo::MeasureStep(qcClothWorld& world, size_t step, qcClothRun* run)
     // Without self-collision only frames for the table and the last picture are used.
     if (!run->selfCollision && !measured.compared)
         return true;
-    if (!Run(qc_clothQuick, &measured) || (run->selfCollision && !Draw(world, "frame", frame)))
+    if (!(measured.compared ? m_comparison.RunSampled(&measured.results) && m_comparison.CountMissed(&measured.results)
+                            : m_comparison.Run(qc_queryQuick, &measured.results[qc_queryQuick])))
+        return qcDemo_Fail("step " + std::to_string(step) + ": " + m_comparison.Message());
+    if (run->selfCollision && !Draw(world, qc_queryQuick, "frame", frame))
         return false;
-    if (!measured.compared)
-        return true;
-    return Run(qc_clothCullide, &measured) &&
-           Draw(world, run->selfCollision ? "with_cullide" : "without_cullide", frame) && Compare(step, &measured);
+    return !measured.compared ||
+           Draw(world, qc_queryCullide, run->selfCollision ? "with_cullide" : "without_cullide", frame);
 }
 
 bool Demo::Simulate(bool selfCollision, qcClothRun* run, size_t* triangles)
@@ -119,8 +119,8 @@ bool Demo::Simulate(bool selfCollision, qcClothRun* run, size_t* triangles)
     run->selfCollision = selfCollision;
     qcClothWorld world(m_options.triangles, selfCollision, m_device, m_options.common.method, m_options.common.threads);
     *triangles = world.Indices().size() / 3;
-    if (!m_measure.Begin(world.Positions(), world.Indices()))
-        return qcDemo_Fail(m_measure.Message());
+    if (!Begin(world, selfCollision))
+        return false;
     qcProgress_Begin(m_options.common.steps,
                      selfCollision ? "cloth with self-collision" : "cloth without self-collision");
     for (size_t step = 1; step <= m_options.common.steps && qcInterrupt_Signal() == 0; step++)
@@ -175,6 +175,9 @@ int main(int argumentCount, char** arguments)
          qcOption_Number(&options.triangles, 2, 2000000)},
         {1, "compare-every", "N", "Frames from one on which all methods are compared to the next; %s by default",
          qcOption_Number(&options.compareEvery, 1, 1000000)},
+        {1, "record", "FILE",
+         "Record each step's cloth for \"qc-bench paper\" in FILE; without self-collision in FILE_without",
+         qcOption_Text(&options.record)},
         {2, nullptr, nullptr, "For quick and cullide:", {}},
         {2, "views", "LETTERS", "Axes to look along; xz by default, as in the paper",
          qcOption_Views(&options.request.views)},

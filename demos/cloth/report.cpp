@@ -1,10 +1,10 @@
 // CSV and closing table of the cloth demo.
 #include "cloth/report.h"
 
+#include "common/bullet/query_report.h"
 #include "common/output_file.h"
 
 #include <algorithm>
-#include <cinttypes>
 
 namespace
 {
@@ -13,9 +13,7 @@ void WriteHeading(FILE* stream)
     std::fprintf(stream, "self_collision,step,seconds,step_ms,method,device,detect_ms,cull_ms,sweep_ms,exact_ms,"
                          "contact_ms,respond_ms,contacts,penetrating_before,rounds,planes,zone_nodes,exempt,"
                          "unproven,manifolds,penetrating_after");
-    for (const qcClothQueryDef& query : qcClothQueries)
-        std::fprintf(stream, ",%s_pcs,%s_found,%s_missed,%s_ms", query.column, query.column, query.column,
-                     query.column);
+    qcWriteQueryHeading(stream);
     std::fprintf(stream, "\n");
 }
 
@@ -30,11 +28,7 @@ void WriteRows(FILE* stream, const qcClothRun& run, double stepSeconds)
                      qcMethod_Name(s.method), s.device, s.detectMs, s.cullMs, s.sweepMs, s.exactMs, s.contactMs,
                      s.respondMs, s.contacts, s.penetrating, s.rounds, s.planes, s.zoneNodes, s.exempt, s.unproven,
                      step.manifolds, step.Penetrating());
-        for (const qcClothResult& result : step.results)
-            if (step.compared)
-                std::fprintf(stream, ",%" PRIu32 ",%zu,%zu,%.3f", result.pcs, result.found, result.missed, result.ms);
-            else
-                std::fprintf(stream, ",,,,");
+        qcWriteQueryColumns(stream, step.results);
         std::fprintf(stream, "\n");
     }
 }
@@ -81,32 +75,13 @@ void PrintFilter(const qcClothRun& with, const qcClothRun& without)
     PrintMeanAndMax("unproven pairs", with, without, [](const qcClothStep& s) { return s.statistics.unproven; });
 }
 
-/// Means and sums over the steps that were compared.
 void PrintCompared(const char* label, const qcClothRun& run)
 {
-    size_t steps = 0;
+    std::vector<const qcQueryResults*> frames;
     for (const qcClothStep& step : run.steps)
-        steps += step.compared;
-    std::printf("  %s: %zu frame%s\n", label, steps, steps == 1 ? "" : "s");
-    std::printf("    %-34s %10s %10s %8s %8s %10s\n", "", "PCS, mean", "ms, mean", "found", "missed", "by device");
-    for (size_t i = 0; i < qcClothQueries.size() && steps != 0; i++)
-    {
-        double pcs = 0, ms = 0;
-        size_t found = 0, missed = 0, byDevice = 0;
-        for (const qcClothStep& step : run.steps)
-        {
-            const qcClothResult& result = step.results[i];
-            if (!step.compared)
-                continue;
-            pcs += double(result.pcs) / double(steps);
-            ms += result.ms / double(steps);
-            found += result.found;
-            missed += result.missed;
-            byDevice += result.byDevice;
-        }
-        std::printf("    %-34s %10.0f %10.1f %8zu %8zu %10zu\n", qcClothQueries[i].label, pcs, ms, found, missed,
-                    byDevice);
-    }
+        if (step.compared)
+            frames.push_back(&step.results);
+    qcPrintQueryTable(label, frames);
 }
 
 /// The method that the simulation requested, and where it ran.
@@ -164,18 +139,11 @@ void qcPrintClothTable(const qcClothRun& with, const qcClothRun& without, size_t
              double(without.steps.empty() ? 0 : without.steps.back().Penetrating()), 0);
     PrintFilter(with, without);
 
+    qcPrintQuerySettings(
+        request, uint32_t(Largest(with, [](const qcClothStep& s) { return s.results[qc_queryQuick].resolution; })),
+        device);
     if (device.kind == qc_deviceNone)
-    {
-        std::printf("\n  No GL on this machine: no pictures, and the methods were not compared.\n");
         return;
-    }
-    auto resolution = uint32_t(Largest(with, [](const qcClothStep& s) { return s.results[qc_clothQuick].resolution; }));
-    std::printf("\nAll methods on the same frames, %s (%s); cullide and quick: views %s, %u x %u pixels, ", device.name,
-                device.renderer, request.views, resolution, resolution);
-    if (request.iterations == 0)
-        std::printf("until nothing changes\n\n");
-    else
-        std::printf("%u round%s\n\n", request.iterations, request.iterations == 1 ? "" : "s");
     PrintCompared("with self-collision", with);
     PrintCompared("without", without);
 }

@@ -2,7 +2,7 @@
 #ifndef QC_DEMOS_CLOTH_REPORT_H
 #define QC_DEMOS_CLOTH_REPORT_H
 
-#include "cloth/measure.h"
+#include "common/bullet/query_comparison.h"
 #include "common/bullet/step_costs.h"
 
 #include "quickcullide/bullet_soft_body.h"
@@ -15,13 +15,13 @@ struct qcClothStep
     qcStepCosts costs;
     int manifolds = 0;
     qcSoftBodyStatistics statistics;
-    qcClothResults results;
+    qcQueryResults results;
     bool compared = false; ///< false: only the methods that run in each step have results
 
     /// Pairs at the end of the step, by the exact test.
     size_t Penetrating() const
     {
-        return results[qc_clothSweep].found;
+        return results[qc_querySweep].found;
     }
 };
 

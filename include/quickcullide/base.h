@@ -51,7 +51,9 @@ typedef enum qcStatus
     /// An allocation failed.
     qc_statusOutOfMemory = 3,
     /// The GL context of the device is lost, for example after a GPU reset; qcDevice_Reopen opens a new one.
-    qc_statusDeviceLost = 4
+    qc_statusDeviceLost = 4,
+    /// A file could not be created, written or read, or it is damaged; qcLastMessage names it and the place.
+    qc_statusFile = 5
 } qcStatus;
 
 /// The message of this thread's last call that failed. Never null. Valid until the thread's next failing call.

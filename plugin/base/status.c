@@ -22,6 +22,7 @@ const char* qcStatus_Name(qcStatus status)
         case qc_statusDevice: return "device";
         case qc_statusOutOfMemory: return "out of memory";
         case qc_statusDeviceLost: return "device lost";
+        case qc_statusFile: return "file";
     }
     return "unknown status";
 }
@@ -42,6 +43,11 @@ void qcLog(const char* format, ...)
     vsnprintf(line, sizeof line, format, arguments);
     va_end(arguments);
     s_log(line, s_logContext);
+}
+
+bool qcHasLog(void)
+{
+    return s_log != NULL;
 }
 
 qcStatus qcFail(qcStatus status, const char* format, ...)

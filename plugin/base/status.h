@@ -13,6 +13,9 @@ qcStatus qcFailMemory(size_t size, const char* purpose);
 /// Sends a line to the host's log function, if there is one.
 __attribute__((format(printf, 1, 2))) void qcLog(const char* format, ...);
 
+/// Whether there is one.
+bool qcHasLog(void);
+
 /// Returns from the calling function if a call fails, with the call's status.
 #define QC_TRY(call)                                                                                                   \
     do                                                                                                                 \

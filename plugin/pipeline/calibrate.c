@@ -4,6 +4,7 @@
 #include "base/clock.h"
 #include "base/memory.h"
 #include "gl/device.h"
+#include "pipeline/scene_api.h"
 
 #include <math.h>
 
@@ -83,7 +84,8 @@ static void MeasureSheet(qcDevice* device, Sheet* sheet, uint32_t side, uint32_t
     def.deforming = true;
     qcScene* scene = NULL;
     qcBodyId body;
-    if (qcScene_Create(&sceneDef, &scene) != qc_statusOk || qcScene_AddBody(scene, &def, &body) != qc_statusOk)
+    if (qcScene_CreateUnrecorded(&sceneDef, &scene) != qc_statusOk ||
+        qcScene_AddBody(scene, &def, &body) != qc_statusOk)
     {
         qcScene_Destroy(scene);
         return;

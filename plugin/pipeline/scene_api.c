@@ -5,6 +5,9 @@
 #include "base/float_mode.h"
 #include "base/status.h"
 #include "pipeline/calibrate.h"
+#include "pipeline/scene_api.h"
+#include "quickcullide/recording.h"
+#include "recording/scene_recorder.h"
 
 #include <math.h>
 #include <string.h>
@@ -14,14 +17,23 @@ struct qcScene
     qcDevice* device;
     qcBodies bodies;
     qcDetector detector;
+    qcSceneRecorder* recorder; ///< null: the scene is not recorded
 };
+
+/// Records an operation, NAME and its arguments, if the scene is recorded.
+#define RECORD(scene, NAME, ...)                                                                                       \
+    do                                                                                                                 \
+    {                                                                                                                  \
+        if ((scene)->recorder != NULL)                                                                                 \
+            qcSceneRecorder_##NAME((scene)->recorder, __VA_ARGS__);                                                    \
+    } while (0)
 
 static qcStatus CheckPointer(const void* pointer, const char* function, const char* argument)
 {
     return pointer != NULL ? qc_statusOk : qcFail(qc_statusBadInput, "%s: %s is null", function, argument);
 }
 
-qcStatus qcScene_Create(const qcSceneDef* given, qcScene** scene)
+qcStatus qcScene_CreateUnrecorded(const qcSceneDef* given, qcScene** scene)
 {
     QC_TRY(CheckPointer(given, "qcScene_Create", "def"));
     QC_TRY(CheckPointer(scene, "qcScene_Create", "scene"));
@@ -35,10 +47,26 @@ qcStatus qcScene_Create(const qcSceneDef* given, qcScene** scene)
     return qc_statusOk;
 }
 
+qcStatus qcScene_Create(const qcSceneDef* def, qcScene** scene)
+{
+    QC_TRY(qcScene_CreateUnrecorded(def, scene));
+    (*scene)->recorder = qcSceneRecorder_OpenFromEnvironment((*scene)->device);
+    return qc_statusOk;
+}
+
+qcStatus qcScene_Record(qcScene* scene, const char* path)
+{
+    QC_TRY(CheckPointer(scene, "qcScene_Record", "scene"));
+    qcStatus status = qcSceneRecorder_Close(scene->recorder);
+    scene->recorder = NULL;
+    return path == NULL ? status : qcSceneRecorder_Open(path, scene->device, &scene->bodies, &scene->recorder);
+}
+
 void qcScene_Destroy(qcScene* scene)
 {
     if (scene == NULL)
         return;
+    qcSceneRecorder_Close(scene->recorder);
     qcDetector_Free(&scene->detector);
     qcBodies_Free(&scene->bodies);
     qcFree(scene, sizeof *scene);
@@ -54,6 +82,8 @@ qcStatus qcScene_AddBody(qcScene* scene, const qcBodyDef* given, qcBodyId* id)
     qcFloatMode mode = qcFloatMode_Begin();
     qcStatus status = qcBodies_Add(&scene->bodies, &def, id);
     qcFloatMode_End(mode);
+    if (status == qc_statusOk)
+        RECORD(scene, AddBody, id->slot, &def);
     return status;
 }
 
@@ -71,8 +101,10 @@ static qcBody* Find(qcScene* scene, qcBodyId id, const char* function, qcStatus*
 qcStatus qcScene_RemoveBody(qcScene* scene, qcBodyId id)
 {
     qcStatus status;
-    if (Find(scene, id, "qcScene_RemoveBody", &status) != NULL)
-        qcBodies_Remove(&scene->bodies, id);
+    if (Find(scene, id, "qcScene_RemoveBody", &status) == NULL)
+        return status;
+    qcBodies_Remove(&scene->bodies, id);
+    RECORD(scene, RemoveBody, id.slot);
     return status;
 }
 
@@ -88,6 +120,8 @@ qcStatus qcScene_SetTransform(qcScene* scene, qcBodyId id, const qcTransform* tr
     qcFloatMode mode = qcFloatMode_Begin();
     status = qcBodies_SetTransform(&scene->bodies, id.slot, transform);
     qcFloatMode_End(mode);
+    if (status == qc_statusOk)
+        RECORD(scene, SetTransform, id.slot, transform);
     return status;
 }
 
@@ -102,6 +136,8 @@ qcStatus qcScene_SetVertices(qcScene* scene, qcBodyId id, const void* positions,
     qcFloatMode mode = qcFloatMode_Begin();
     status = qcBodies_SetVertices(&scene->bodies, id.slot, positions, type, stride);
     qcFloatMode_End(mode);
+    if (status == qc_statusOk)
+        RECORD(scene, SetVertices, id.slot, positions, type, stride, body->vertexCount);
     return status;
 }
 
@@ -115,6 +151,7 @@ qcStatus qcScene_SetActivity(qcScene* scene, qcBodyId id, qcActivity activity)
         return qcFail(qc_statusBadInput, "qcScene_SetActivity: body %u: unknown activity %d", id.slot, (int)activity);
     scene->bodies.revision += body->activity != activity;
     body->activity = activity;
+    RECORD(scene, SetActivity, id.slot, activity);
     return qc_statusOk;
 }
 
@@ -127,6 +164,7 @@ qcStatus qcScene_SetFilter(qcScene* scene, qcBodyId id, uint32_t group, uint32_t
     scene->bodies.revision += body->group != group || body->mask != mask;
     body->group = group;
     body->mask = mask;
+    RECORD(scene, SetFilter, id.slot, group, mask);
     return qc_statusOk;
 }
 
@@ -138,13 +176,17 @@ qcStatus qcScene_SetSelfCollision(qcScene* scene, qcBodyId id, bool selfCollisio
         return status;
     scene->bodies.revision += body->selfCollision != selfCollision;
     body->selfCollision = selfCollision;
+    RECORD(scene, SetSelfCollision, id.slot, selfCollision);
     return qc_statusOk;
 }
 
 qcStatus qcScene_MarkStart(qcScene* scene)
 {
     QC_TRY(CheckPointer(scene, "qcScene_MarkStart", "scene"));
-    return qcBodies_MarkStart(&scene->bodies);
+    QC_TRY(qcBodies_MarkStart(&scene->bodies));
+    if (scene->recorder != NULL)
+        qcSceneRecorder_MarkStart(scene->recorder);
+    return qc_statusOk;
 }
 
 bool qcScene_IsValid(const qcScene* scene, qcBodyId id)
@@ -182,6 +224,7 @@ __attribute__((noinline)) static qcStatus SetMargin(qcScene* scene, qcBodyId id,
                       margin);
     scene->bodies.revision += body->margin != margin;
     body->margin = margin;
+    RECORD(scene, SetMargin, id.slot, margin);
     return qc_statusOk;
 }
 
@@ -232,6 +275,21 @@ static qcStatus CheckDetectDef(const qcDetectDef* def)
     return CheckViews(def->views);
 }
 
+static qcStatus RunDetector(qcScene* scene, const qcDetectDef* def)
+{
+    return qcDetector_Run(def, scene->device, qcCalibrate, &scene->bodies, &scene->detector);
+}
+
+/// Records the definition before the step, so that a crash in it can be replayed, and its result.
+static qcStatus RunRecorded(qcScene* scene, const qcDetectDef* given)
+{
+    qcDetectDef def = *given;
+    qcSceneRecorder_BeginDetect(scene->recorder, &def);
+    qcStatus status = RunDetector(scene, &def);
+    qcSceneRecorder_EndDetect(scene->recorder, status, &scene->detector.result);
+    return status;
+}
+
 __attribute__((noinline)) static qcStatus Detect(qcScene* scene, const qcDetectDef* given, const qcResult** result)
 {
     QC_TRY(CheckPointer(scene, "qcScene_Detect", "scene"));
@@ -240,7 +298,7 @@ __attribute__((noinline)) static qcStatus Detect(qcScene* scene, const qcDetectD
     qcDetectDef def = qcDefaultDetectDef();
     QC_TRY(qcDef_Take(given, QC_DEF_LAYOUT("qcScene_Detect", qcDetectDef, method), &def));
     QC_TRY(CheckDetectDef(&def));
-    QC_TRY(qcDetector_Run(&def, scene->device, qcCalibrate, &scene->bodies, &scene->detector));
+    QC_TRY(scene->recorder != NULL ? RunRecorded(scene, &def) : RunDetector(scene, &def));
     *result = &scene->detector.result;
     return qc_statusOk;
 }

@@ -10,11 +10,20 @@
 
 enum
 {
-    /// Queries whose mean is the cost of a method. Several, since a step of a host may consist of different queries.
+    /// Queries whose median is the cost of a method. Several, since a step of a host may consist of different queries.
     qc_recentQueries = 8,
-    /// Queries of a trial: the first ones build data that the later ones reuse.
-    qc_trialQueries = qc_recentQueries + 2,
-    /// Queries between trials: initially and at most. Trials at five times the cost then add 8 %.
+    /// First queries of a method, which build data that the later ones reuse. They don't count as costs.
+    qc_buildingQueries = 2,
+    /// Queries of a trial, unless the first ones show that it is lost.
+    qc_trialQueries = qc_buildingQueries + qc_recentQueries,
+    /// Queries after which a trial may be lost: more than one counts, since other processes delay some.
+    qc_lostQueries = qc_buildingQueries + 3,
+    /// Number of the first query at which a trial may start. A method's first query takes as long as some ten others
+    /// (cloth of 20 K triangles): a short run has no trial, and in a longer one it adds less than 10 %.
+    qc_firstTrial = 128,
+    /// Queries from a switch to a trial of the previous method.
+    qc_confirmGap = 32,
+    /// Queries between trials: initially and at most.
     qc_firstTrialGap = 512,
     qc_maxTrialGap = 8192
 };
@@ -23,7 +32,7 @@ enum
 typedef struct qcCostRecord
 {
     double perTriangle[qc_recentQueries];
-    uint32_t count; ///< all queries so far, a ring buffer's position
+    uint32_t count; ///< queries since the first one or the start of the last trial; a ring buffer's position
 } qcCostRecord;
 
 /// All zero before the first query.
@@ -31,9 +40,10 @@ typedef struct qcPlanHistory
 {
     qcCostRecord sweep, layers;
     uint32_t queries;   ///< so far
-    uint32_t nextTrial; ///< number of the query at which the other method may be tried
-    uint32_t trialGap;  ///< 0: there was no trial yet
+    uint32_t nextTrial; ///< number of the query at which the other method may be tried; 0: there was no trial yet
+    uint32_t trialGap;  ///< from nextTrial to the one after it
     uint32_t trialLeft; ///< remaining queries of a trial
+    uint32_t costly;    ///< successive queries at which the other method's last cost was lower
     bool onDevice;      ///< the current method
 } qcPlanHistory;
 

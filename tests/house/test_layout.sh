@@ -28,6 +28,7 @@ plugin/cull/layers          plugin/base plugin/mesh plugin/scene plugin/kernels 
 plugin/sweep                plugin/base plugin/plan plugin/scene plugin/kernels plugin/sweep/bvh
 plugin/narrowphase          plugin/base plugin/mesh plugin/scene plugin/triangle plugin/kernels plugin/sweep
 plugin/manifold             plugin/base plugin/scene plugin/triangle
+plugin/recording            plugin/base plugin/scene
 plugin/pipeline             plugin/...
 
 bullet_glue/common
@@ -73,6 +74,7 @@ tests/cull                  tests/support plugin/base plugin/scene plugin/cull/l
 tests/narrowphase           tests/support
 tests/manifold              tests/support
 tests/pipeline              tests/support demos/common/mesh_io
+tests/recording             tests/support plugin/recording
 tests/bullet                tests/support
 tests/bullet/broadphase     tests/support tests/bullet
 tests/bullet/mesh           tests/support tests/bullet demos/common/mesh_io

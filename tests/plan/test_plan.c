@@ -137,6 +137,59 @@ START_TEST(a_method_that_is_slower_than_calibrated_costs_no_more_than_a_trial)
 }
 END_TEST
 
+/// Total milliseconds of the queries of a scene, each method's own: the first ones of a method take many times as long,
+/// and other processes delay one query in ten. Delays don't count: they would be the same for any choice.
+static double RunDelayed(const qcPlanCosts* calibrated, const qcPlanCosts* actual, int queries)
+{
+    const double triangles = 20000.0;
+    qcPlanHistory history = {.queries = 0};
+    uint64_t random = 1;
+    uint32_t ran[2] = {0, 0};
+    double sum = 0.0;
+    for (int i = 0; i < queries; i++)
+    {
+        bool onDevice = qcPlanHistory_Choose(&history, calibrated, triangles);
+        double ms = triangles * (onDevice ? actual->layersPerTriangle : actual->sweepPerTriangle);
+        if (ran[onDevice]++ == 0)
+            ms *= 10.0;
+        sum += ms;
+        random = random * 6364136223846793005u + 1442695040888963407u;
+        qcPlanHistory_Add(&history, onDevice, triangles, (random >> 33) % 10 == 0 ? ms + 5.0 : ms);
+    }
+    return sum;
+}
+
+START_TEST(delays_and_first_queries_cost_less_than_a_tenth)
+{
+    // A folding cloth on two cores: sweep 0.6 ms, layers 1.1; calibrated 1.2 and 0.9.
+    const qcPlanCosts actual = {0.00003, 0.0, 0.000055}, calibrated = {0.00006, 0.3, 0.00003};
+    const qcPlanCosts mirrored = {0.000055, 0.0, 0.00003}, mirroredCalibrated = {0.00003, 0.0, 0.00006};
+    const int counts[] = {100, 360, 3000};
+    for (int i = 0; i < 3; i++)
+    {
+        double best = (counts[i] + 9) * 0.6;
+        ck_assert_double_le(RunDelayed(&actual, &actual, counts[i]), 1.1 * best);
+        ck_assert_double_le(RunDelayed(&mirrored, &mirrored, counts[i]), 1.1 * best);
+    }
+    // A wrong calibration costs a trial, and the method's first query.
+    ck_assert_double_le(RunDelayed(&calibrated, &actual, 3000), 1.1 * 3009 * 0.6);
+    ck_assert_double_le(RunDelayed(&mirroredCalibrated, &mirrored, 3000), 1.1 * 3009 * 0.6);
+}
+END_TEST
+
+START_TEST(a_lost_trial_ends_early)
+{
+    // The scheduled trial of layers at query 128, and no other up to 500: sweep 0.6 ms, layers 0.8.
+    const qcPlanCosts costs = {0.00003, 0.0, 0.00004};
+    qcPlanHistory history = {.queries = 0};
+    RunQueries(&history, &costs, &costs, qc_firstTrial);
+    ck_assert_uint_eq(history.layers.count, 0);
+    RunQueries(&history, &costs, &costs, 500 - qc_firstTrial);
+    ck_assert_uint_eq(history.layers.count, qc_lostQueries);
+    ck_assert(!history.onDevice);
+}
+END_TEST
+
 START_TEST(a_sweep_that_would_take_many_times_as_long_is_never_tried)
 {
     qcPlanHistory history = {.queries = 0};
@@ -149,7 +202,7 @@ END_TEST
 START_TEST(a_scene_that_changes_switches_method_after_its_next_trial)
 {
     qcPlanHistory history = {.queries = 0};
-    const qcPlanCosts first = {0.00005, 0.0, 0.0001}, later = {0.0004, 0.0, 0.0001};
+    const qcPlanCosts first = {0.00005, 0.0, 0.00011}, later = {0.0004, 0.0, 0.0001};
     RunQueries(&history, &s_deviceIsQuick, &first, 1000);
     ck_assert(!history.onDevice);
     RunQueries(&history, &s_deviceIsQuick, &later, 2 * qc_maxTrialGap);
@@ -158,6 +211,7 @@ START_TEST(a_scene_that_changes_switches_method_after_its_next_trial)
 END_TEST
 
 QC_RUN_TESTS("plan", a_method_that_is_slower_than_calibrated_costs_no_more_than_a_trial,
+             delays_and_first_queries_cost_less_than_a_tenth, a_lost_trial_ends_early,
              a_sweep_that_would_take_many_times_as_long_is_never_tried,
              a_scene_that_changes_switches_method_after_its_next_trial, auto_is_the_sweep_without_compute_shaders,
              auto_chooses_by_island_with_compute_shaders, layers_without_compute_shaders_fall_back_to_the_sweep,
