@@ -2,14 +2,12 @@
 #include "cloth/picture.h"
 
 #include "cloth/world.h"
-#include "common/bullet/demo_picture.h"
+#include "common/bullet/demo_frame.h"
 
 #include <cmath>
 
 namespace
 {
-constexpr uint32_t s_halfWidth = 800, s_height = 640;
-
 /// A closed cylinder around the y axis.
 void AddCylinder(float radius, float bottom, float top, std::vector<float>* positions, std::vector<uint32_t>* indices)
 {
@@ -31,51 +29,35 @@ void AddCylinder(float radius, float bottom, float top, std::vector<float>* posi
 }
 } // namespace
 
-qcClothPicture::qcClothPicture()
+qcClothPicture::qcClothPicture() : m_frame(800, 640)
 {
     // Bullet keeps the nodes of a soft body off the table, not the faces between them, which cut across its rim.
     constexpr float inset = 0.015f;
     constexpr float bottom = qcClothTable::height - qcClothTable::thickness;
-    AddCylinder(qcClothTable::radius - inset, bottom, qcClothTable::height - inset, &m_furniturePositions,
-                &m_tableIndices);
-    AddCylinder(0.05f, 0.0f, bottom, &m_furniturePositions, &m_tableIndices);
-    qcAddFloor(0, 0, 40, &m_furniturePositions, &m_floorIndices);
-}
-
-bool qcClothPicture::Draw(qcDevice* device, const qcPictureMesh& cloth, uint32_t left, std::string* message)
-{
-    qcPictureMesh floor = qcPlainMesh(m_furniturePositions, m_floorIndices, 0.62f, 0.63f, 0.64f);
-    qcPictureMesh table = qcPlainMesh(m_furniturePositions, m_tableIndices, 0.30f, 0.17f, 0.09f);
-    const qcPictureMesh meshes[] = {floor, table, cloth};
-
-    qcPictureDef def = qcDefaultPictureDef();
-    def.width = s_halfWidth;
-    def.height = s_height;
-    qcSet3(def.eye, 1.7f, 1.75f, 2.25f);
-    qcSet3(def.target, 0.05f, 0.34f, 0.0f);
-    def.fieldOfView = 32.0f;
-    def.meshes = meshes;
-    def.meshCount = 3;
-    return qcDrawInto(device, def, &m_image, m_width, left, message);
+    AddCylinder(qcClothTable::radius - inset, bottom, qcClothTable::height - inset, &m_tablePositions, &m_tableIndices);
+    AddCylinder(0.05f, 0.0f, bottom, &m_tablePositions, &m_tableIndices);
+    qcSet3(m_frame.camera.eye, 1.7f, 1.75f, 2.25f);
+    qcSet3(m_frame.camera.target, 0.05f, 0.34f, 0.0f);
+    m_frame.camera.fieldOfView = 32;
 }
 
 bool qcClothPicture::Write(qcDevice* device, const std::vector<float>& positions, const std::vector<uint32_t>& indices,
                            const std::vector<uint8_t>& marked, const std::string& path, std::string* message)
 {
-    m_width = marked.empty() ? s_halfWidth : 2 * s_halfWidth;
-    qcPictureMesh cloth = qcPlainMesh(positions, indices, 0.70f, 0.42f, 0.16f);
+    m_frame.Clear();
+    qcFrameMesh table;
+    table.SetTriangles(m_tablePositions, m_tableIndices);
+    table.isScenery = true;
+    qcSet3(table.color, 0.30f, 0.17f, 0.09f);
+    qcSet3(table.backColor, 0.30f, 0.17f, 0.09f);
+    m_frame.Add(table);
+
+    qcFrameMesh cloth;
+    cloth.SetTriangles(positions, indices);
     cloth.smooth = true;
+    qcSet3(cloth.color, 0.70f, 0.42f, 0.16f);
     qcSet3(cloth.backColor, 0.10f, 0.28f, 0.55f);
-    if (!Draw(device, cloth, 0, message))
-        return false;
-    if (!marked.empty())
-    {
-        qcSet3(cloth.color, 0.52f, 0.52f, 0.50f);
-        qcSet3(cloth.backColor, 0.66f, 0.66f, 0.62f);
-        qcSet3(cloth.markColor, 0.80f, 0.02f, 0.02f);
-        cloth.marked = marked.data();
-        if (!Draw(device, cloth, s_halfWidth, message))
-            return false;
-    }
-    return qcWritePng(path, m_image, m_width, s_height, message);
+    cloth.pcs = marked.empty() ? nullptr : marked.data();
+    m_frame.Add(cloth);
+    return m_frame.Write(device, path, message);
 }

@@ -2,10 +2,7 @@
 #ifndef QC_DEMOS_CLOTH_PICTURE_H
 #define QC_DEMOS_CLOTH_PICTURE_H
 
-#include "quickcullide/quickcullide.h"
-
-#include <string>
-#include <vector>
+#include "common/bullet/demo_frame.h"
 
 class qcClothPicture
 {
@@ -17,12 +14,9 @@ class qcClothPicture
                const std::vector<uint8_t>& marked, const std::string& path, std::string* message);
 
   private:
-    bool Draw(qcDevice* device, const qcPictureMesh& cloth, uint32_t left, std::string* message);
-
-    std::vector<float> m_furniturePositions; ///< table and floor
-    std::vector<uint32_t> m_tableIndices, m_floorIndices;
-    std::vector<uint8_t> m_image;
-    uint32_t m_width = 0; ///< of the image
+    qcDemoFrame m_frame;
+    std::vector<float> m_tablePositions;
+    std::vector<uint32_t> m_tableIndices;
 };
 
 #endif

@@ -83,15 +83,7 @@ void qcClothWorld::AddCloth(unsigned triangleCount, bool selfCollision)
 qcStepCosts qcClothWorld::Step()
 {
     qcStepCosts costs = qcTimeStep(&m_world, stepSeconds);
-    const qcSoftBodyStatistics& statistics = m_softSolver.getStatistics();
-    double stages = statistics.cullMs + statistics.sweepMs + statistics.exactMs + statistics.contactMs;
-    costs.Move(qc_costRest, qc_costGather, statistics.gatherMs);
-    costs.Move(qc_costRest, qc_costCull, statistics.cullMs);
-    costs.Move(qc_costRest, qc_costSweep, statistics.sweepMs);
-    costs.Move(qc_costRest, qc_costExact, statistics.exactMs);
-    costs.Move(qc_costRest, qc_costPoints, statistics.contactMs);
-    costs.Move(qc_costRest, qc_costOther, statistics.detectMs - stages);
-    costs.Move(qc_costRest, qc_costRespond, statistics.respondMs);
+    costs.MoveSoft(m_softSolver.getStatistics());
     return costs;
 }
 

@@ -2,13 +2,10 @@
 #ifndef QC_DEMOS_FRACTURE_PICTURE_H
 #define QC_DEMOS_FRACTURE_PICTURE_H
 
+#include "common/bullet/demo_frame.h"
 #include "fracture/body.h"
 
-#include "quickcullide/quickcullide.h"
-
 #include <memory>
-#include <string>
-#include <vector>
 
 class qcFracturePicture
 {
@@ -20,8 +17,7 @@ class qcFracturePicture
                std::string* message);
 
   private:
-    std::vector<float> m_floor;
-    std::vector<uint32_t> m_lightTiles, m_darkTiles;
+    qcDemoFrame m_frame;
 };
 
 #endif

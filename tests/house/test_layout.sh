@@ -47,6 +47,7 @@ demos/common/bullet         demos/common
 demos/hello
 demos/cloth                 demos/common/... demos/common
 demos/fracture              demos/common/... demos/common
+demos/leaves                demos/common/... demos/common
 demos/pairs                 demos/common/... demos/common
 demos/report                demos/common/... demos/common
 demos/bench/scenes          demos/common/... demos/common

@@ -104,6 +104,18 @@ void qcStepCosts::Move(qcStepCost from, qcStepCost to, double part)
     ms[to] += part;
 }
 
+void qcStepCosts::MoveSoft(const qcSoftBodyStatistics& statistics)
+{
+    double stages = statistics.cullMs + statistics.sweepMs + statistics.exactMs + statistics.contactMs;
+    Move(qc_costRest, qc_costGather, statistics.gatherMs);
+    Move(qc_costRest, qc_costCull, statistics.cullMs);
+    Move(qc_costRest, qc_costSweep, statistics.sweepMs);
+    Move(qc_costRest, qc_costExact, statistics.exactMs);
+    Move(qc_costRest, qc_costPoints, statistics.contactMs);
+    Move(qc_costRest, qc_costOther, statistics.detectMs - stages);
+    Move(qc_costRest, qc_costRespond, statistics.respondMs);
+}
+
 void qcStepCosts::Add(const qcStepCosts& other, double weight)
 {
     for (size_t i = 0; i < ms.size(); i++)

@@ -2,6 +2,8 @@
 #ifndef QC_DEMOS_COMMON_BULLET_STEP_COSTS_H
 #define QC_DEMOS_COMMON_BULLET_STEP_COSTS_H
 
+#include "quickcullide/bullet_soft_body.h"
+
 #include <BulletDynamics/Dynamics/btDynamicsWorld.h>
 
 #include <array>
@@ -38,6 +40,8 @@ struct qcStepCosts
     double Total() const;
     /// Moves a part of the cost `from` to the cost `to`.
     void Move(qcStepCost from, qcStepCost to, double part);
+    /// Moves the parts of soft bodies' contact out of qc_costRest.
+    void MoveSoft(const qcSoftBodyStatistics& statistics);
     void Add(const qcStepCosts& other, double weight);
 };
 

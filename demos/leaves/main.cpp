@@ -1,0 +1,204 @@
+// qc-leaves: the paper's third scene in Bullet: deforming leaves fall from a tree and collide with each other, its
+// branches and the ground; pictures, a CSV, a table.
+#include "common/bullet/demo_options.h"
+#include "common/bullet/query_comparison.h"
+#include "leaves/picture.h"
+#include "leaves/report.h"
+#include "leaves/world.h"
+
+#include "common/interrupt.h"
+#include "common/progress.h"
+
+#include <cstdio>
+#include <cstring>
+
+namespace
+{
+struct Options
+{
+    // 120 steps a second: 12 frames.
+    qcDemoOptions common = {"out/leaves", 840, 10, qc_methodAuto, qc_deviceAuto, 0};
+    qcLeavesRequest world;
+    uint32_t compareEvery = 12; ///< frames from one on which all methods run to the next
+    qcDetectDef request = qcDefaultDetectDef();
+};
+
+const char s_help[] =
+    "Leaves let go of a tree in gusts of wind, bend, collide with each other and the branches, and pile up.\v"
+    "Ctrl-C ends it with a table of what was done.\n\n"
+    "Exit status: 0 done; 1 output could not be written, a query failed, or a method that never misses missed; 2 a "
+    "mistake on the command line; 4 the device does not work here; 130 ended by Ctrl-C.";
+
+class Demo
+{
+  public:
+    Demo(const Options& options, qcDevice* device, const qcDeviceInfo& info)
+        : m_options(options), m_device(device), m_info(info), m_world(options.world, device),
+          m_comparison(device, options.request), m_picture(m_world)
+    {
+    }
+
+    /// False with a message on standard error.
+    bool Simulate(qcLeavesRun* run);
+
+  private:
+    bool Begin(qcLeavesRun* run);
+    bool Compare(size_t frame, bool isLast, qcLeavesStep* measured);
+    bool Draw(size_t frame);
+
+    const Options& m_options;
+    qcDevice* m_device;
+    qcDeviceInfo m_info;
+    qcLeavesWorld m_world;
+    qcQueryComparison m_comparison;
+    qcLeavesPicture m_picture;
+    qcBodyId m_tree{};
+    std::vector<qcBodyId> m_leaves;
+};
+
+/// Adds the tree and the leaves to the comparison.
+bool Demo::Begin(qcLeavesRun* run)
+{
+    if (m_world.LeafCount() == 0)
+        return qcDemo_Fail(std::string("no leaf has grown: ") + qcLastMessage());
+    const qcTree& tree = m_world.Tree();
+    qcBodyDef def = qcDefaultBodyDef();
+    def.selfCollision = false;
+    def.positions = tree.vertices.data();
+    def.positionType = qcBulletPositions;
+    def.positionStride = sizeof(btVector3);
+    def.vertexCount = uint32_t(tree.vertices.size());
+    def.indices = tree.indices.data();
+    def.triangleCount = uint32_t(tree.indices.size() / 3);
+    def.activity = qc_activityStatic;
+    bool added = m_comparison.Add(def, &m_tree);
+    run->leaves = m_world.LeafCount();
+    run->treeTriangles = def.triangleCount;
+    def.positionType = qc_positionF32;
+    def.positionStride = 0;
+    def.indices = m_world.LeafIndices().data();
+    def.triangleCount = uint32_t(m_world.LeafIndices().size() / 3);
+    def.activity = qc_activityMoving;
+    def.deforming = true;
+    m_leaves.resize(m_world.LeafCount());
+    for (size_t i = 0; i < m_leaves.size() && added; i++)
+    {
+        std::vector<float> positions;
+        m_world.AppendPositions(i, &positions);
+        def.positions = positions.data();
+        def.vertexCount = uint32_t(positions.size() / 3);
+        added = m_comparison.Add(def, &m_leaves[i]);
+    }
+    run->triangles = m_leaves.size() * def.triangleCount;
+    return (added && m_comparison.Warm()) || qcDemo_Fail(m_comparison.Message());
+}
+
+/// Runs the methods on the present state.
+bool Demo::Compare(size_t frame, bool isLast, qcLeavesStep* measured)
+{
+    bool done = true;
+    std::vector<float> positions;
+    for (size_t i = 0; i < m_leaves.size() && done; i++)
+    {
+        positions.clear();
+        m_world.AppendPositions(i, &positions);
+        done = m_comparison.SetVertices(m_leaves[i], positions);
+    }
+    done = done && m_comparison.RunEachStep(&measured->results);
+    if (frame % m_options.compareEvery == m_options.compareEvery - 1 || isLast)
+        done = done && m_comparison.RunSampled(&measured->results) && m_comparison.CountMissed(&measured->results);
+    else
+        done = done && m_comparison.Run(qc_queryQuick, &measured->results[qc_queryQuick]);
+    return done || qcDemo_Fail(m_comparison.Message());
+}
+
+bool Demo::Draw(size_t frame)
+{
+    qcLeavesMarks marks;
+    marks.tree = m_comparison.Marked(qc_queryQuick, m_tree);
+    for (qcBodyId leaf : m_leaves)
+        marks.leaves.push_back(m_comparison.Marked(qc_queryQuick, leaf));
+    char name[64];
+    std::snprintf(name, sizeof name, "/frame_%04zu.png", frame);
+    std::string message;
+    return m_picture.Write(m_device, m_world, marks, std::string(m_options.common.out) + name, &message) ||
+           qcDemo_Fail(message);
+}
+
+bool Demo::Simulate(qcLeavesRun* run)
+{
+    if (!Begin(run))
+        return false;
+    qcProgress_Begin(m_options.common.steps, "leaves fall");
+    for (size_t step = 1; step <= m_options.common.steps && qcInterrupt_Signal() == 0; step++)
+    {
+        qcLeavesStep measured;
+        measured.costs = m_world.Step();
+        measured.statistics = m_world.Statistics();
+        measured.hanging = m_world.HangingCount();
+        measured.energy = m_world.KineticEnergy();
+        measured.lowest = m_world.Lowest();
+        if (measured.statistics.fallback != nullptr)
+            run->fallback = measured.statistics.fallback;
+        // The solver owns the text, which is invalid after the solver's end.
+        measured.statistics.fallback = nullptr;
+        if (measured.statistics.status != qc_statusOk)
+            return qcDemo_Fail(std::string("step ") + std::to_string(step) + ": " + qcLastMessage());
+        bool isLast = step == m_options.common.steps;
+        size_t frame = (step - 1) / m_options.common.frameEvery;
+        bool isFrame = m_info.kind != qc_deviceNone && (step % m_options.common.frameEvery == 0 || isLast);
+        if (isFrame && !(Compare(frame, isLast, &measured) && Draw(frame)))
+            return false;
+        run->steps.push_back(measured);
+        qcProgress_Update(step);
+    }
+    qcProgress_End();
+    return true;
+}
+
+int Run(const Options& options, qcDevice* device)
+{
+    qcDeviceInfo info;
+    qcDevice_GetInfo(device, &info);
+    Demo demo(options, device, info);
+    qcLeavesRun run;
+    if (!demo.Simulate(&run))
+        return qc_exitFailed;
+    std::string message;
+    if (!qcWriteLeavesCsv(std::string(options.common.out) + "/leaves.csv", run, &message))
+    {
+        qcDemo_Fail(message);
+        return qc_exitFailed;
+    }
+    qcPrintLeavesTable(run, options.common.method, options.request, info);
+    return qcInterrupt_Signal() == 0 ? qc_exitDone : qc_exitSignal + qcInterrupt_Signal();
+}
+} // namespace
+
+int main(int argumentCount, char** arguments)
+{
+    Options options;
+    options.request.iterations = 2;
+    const std::vector<qcOption> rows = {
+        {1, "leaves", "N", "Leaves, at most: one grows where there is room; %s by default",
+         qcOption_Number(&options.world.leaves, 1, 10000)},
+        {1, "seed", "N", "Of the tree, its leaves and when they let go; %s by default",
+         qcOption_Number(&options.world.seed, 0, UINT32_MAX)},
+        {1, "compare-every", "N", "Frames from one on which all methods are compared to the next; %s by default",
+         qcOption_Number(&options.compareEvery, 1, 1000000)},
+        {2, nullptr, nullptr, "For quick and cullide:", {}},
+        {2, "views", "LETTERS", "Axes to look along; xyz by default", qcOption_Views(&options.request.views)},
+        {2, "resolution", "N", "Pixels on a side, 1..4096; 4096 by default",
+         qcOption_Number(&options.request.resolution, 1, 4096)},
+        {2, "iterations", "N", "Rounds over the views; %s by default, 0: until nothing changes",
+         qcOption_Number(&options.request.iterations, 0, UINT32_MAX)}};
+    qcDevice* device = nullptr;
+    int status = qcDemo_Begin(rows, s_help, argumentCount, arguments, &options.common, &device);
+    if (status != qc_exitDone)
+        return status;
+    options.request.threads = options.world.threads = options.common.threads;
+    options.world.method = options.common.method;
+    status = Run(options, device);
+    qcDevice_Destroy(device);
+    return status;
+}
