@@ -40,6 +40,10 @@ class qcLeavesWorld
     {
         return m_softSolver.getStatistics();
     }
+    btDiscreteDynamicsWorld& Bullet()
+    {
+        return m_world;
+    }
     const qcTree& Tree() const
     {
         return m_tree;

@@ -78,7 +78,7 @@ bool qcStabilityHistory::Take(qcStabilityScene& scene, double ms, std::string* m
     m_row.bytes = qcGetByteCount();
     m_row.resident = ResidentBytes();
     // A scene whose positions are not finite can't be queried.
-    if (m_isFinite && !qcCountPenetrating(scene.World(), &m_row.pairs))
+    if (m_isFinite && !qcCountPenetrating(scene.World(), m_def.selfCollision, &m_row.pairs))
     {
         *message = qcLastMessage();
         return false;
@@ -123,7 +123,7 @@ std::vector<std::string> qcStabilityHistory::Complaints() const
     std::vector<std::string> complaints;
     if (!m_isFinite)
         complaints.push_back(Text("the energy is not finite from step %u on", m_notFiniteStep));
-    else if (Lift() > s_maxLift)
+    else if (m_def.driven == nullptr && Lift() > s_maxLift)
         complaints.push_back(Text("energy grew by %.3g J, enough to lift the scene by %.3g mm (at most %.0f)", m_growth,
                                   1e3 * Lift(), 1e3 * s_maxLift));
     if (!m_rows.empty() && m_rows.back().pairs.all > 0)

@@ -39,6 +39,15 @@ double EnergyAtRest(const qcStabilityHistory& history)
     return history.Rows().back().world.energy;
 }
 
+std::string VerdictOf(const qcStabilityHistory& history)
+{
+    if (!history.Complaints().empty())
+        return "NOT STABLE";
+    if (history.Def().driven != nullptr)
+        return std::string("stable; energy not judged: ") + history.Def().driven;
+    return history.IsSettled() ? "stable" : "stable, but too short for the energy";
+}
+
 std::string Both(const char* format, double a, double b)
 {
     char text[64];
@@ -70,9 +79,7 @@ void qcPrintStabilityRow(const qcStabilityHistory& history)
                 Both("%.0f > %.0f", double(maxima.contacts), double(end.world.contacts)).c_str(),
                 Both("%.0f > %.0f", double(bytes.early) / kib, double(bytes.late) / kib).c_str(),
                 Both("%.1f > %.1f", double(resident.early) / mib, double(resident.late) / mib).c_str(), maxima.ms,
-                !history.Complaints().empty() ? "NOT STABLE"
-                : history.IsSettled()         ? "stable"
-                                              : "stable, but too short for the energy");
+                VerdictOf(history).c_str());
     std::fflush(stdout);
 }
 

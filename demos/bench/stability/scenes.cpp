@@ -11,6 +11,7 @@
 #ifdef QC_HAS_FRACTURE
 #include "fracture/world.h"
 #endif
+#include "leaves/world.h"
 
 #include <BulletCollision/CollisionShapes/btBoxShape.h>
 
@@ -282,6 +283,38 @@ class Rope : public qcStabilityScene
     qcRopeScene m_scene;
 };
 
+/// Leaves fall from a tree and lie on the ground; a few stay on the tree, in the wind.
+class Leaves : public qcStabilityScene
+{
+  public:
+    explicit Leaves(bool full) : m_world(Request(full), nullptr)
+    {
+    }
+    bool Step(std::string*) override
+    {
+        m_world.Step();
+        return true;
+    }
+    btDiscreteDynamicsWorld& World() override
+    {
+        return m_world.Bullet();
+    }
+    const qcSoftBodyStatistics* SoftStatistics() const override
+    {
+        return &m_world.Statistics();
+    }
+
+  private:
+    static qcLeavesRequest Request(bool full)
+    {
+        qcLeavesRequest request;
+        request.leaves = full ? 384 : 32;
+        return request;
+    }
+
+    qcLeavesWorld m_world;
+};
+
 template <class Scene> std::unique_ptr<qcStabilityScene> Make(bool full)
 {
     return std::make_unique<Scene>(full);
@@ -297,6 +330,8 @@ const std::vector<qcStabilitySceneDef>& qcStabilityScenes()
         {"fracture", "a bunny breaks and its pieces come to rest", "1 000 triangles, 40 pieces",
          "5 000 triangles, 200 pieces", qcFractureWorld::stepSeconds, 5, Make<Fracture>},
 #endif
+        {"leaves", "leaves fall from a tree", "32 leaves", "384 leaves", qcLeavesWorld::stepSeconds, 12, Make<Leaves>,
+         "the wind blows on", false},
         {"meshes", "tori, balls and boxes of triangles fall into a heap", "40 meshes", "200 meshes", Rigid::stepSeconds,
          10, Make<Meshes>},
         {"boxes", "a wall and a tower of convex boxes", "60 boxes", "215 boxes", Rigid::stepSeconds, 2, Make<Boxes>},

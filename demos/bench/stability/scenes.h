@@ -35,6 +35,9 @@ struct qcStabilitySceneDef
     /// shorter runs don't show.
     double settledSeconds;
     std::unique_ptr<qcStabilityScene> (*make)(bool full);
+    /// What adds energy to the scene as long as it runs, so that its growth is no failure; null: nothing.
+    const char* driven = nullptr;
+    bool selfCollision = true; ///< of its soft bodies
 };
 
 const std::vector<qcStabilitySceneDef>& qcStabilityScenes();

@@ -60,7 +60,7 @@ void AddRigidEnergy(const btRigidBody& rigid, const btVector3& gravity, qcWorldM
 }
 
 /// Faces, and the links of ropes as triangles with two equal corners.
-qcStatus AddSoft(qcScene* scene, const btSoftBody& soft)
+qcStatus AddSoft(qcScene* scene, const btSoftBody& soft, bool selfCollision)
 {
     std::vector<uint32_t> indices;
     auto add = [&](const btSoftBody::Node* node) { indices.push_back(uint32_t(node - &soft.m_nodes[0])); };
@@ -78,6 +78,7 @@ qcStatus AddSoft(qcScene* scene, const btSoftBody& soft)
     def.indices = indices.data();
     def.triangleCount = uint32_t(indices.size() / 3);
     def.deforming = true;
+    def.selfCollision = selfCollision;
     def.group = s_moving;
     qcBodyId id;
     return qcScene_AddBody(scene, &def, &id);
@@ -152,7 +153,7 @@ qcWorldMeasure qcMeasureWorld(const btDiscreteDynamicsWorld& world)
     return measure;
 }
 
-bool qcCountPenetrating(const btDiscreteDynamicsWorld& world, qcPenetratingPairs* pairs)
+bool qcCountPenetrating(const btDiscreteDynamicsWorld& world, bool selfCollision, qcPenetratingPairs* pairs)
 {
     *pairs = qcPenetratingPairs();
     qcSceneDef sceneDef = qcDefaultSceneDef();
@@ -166,7 +167,7 @@ bool qcCountPenetrating(const btDiscreteDynamicsWorld& world, qcPenetratingPairs
         const btSoftBody* soft = btSoftBody::upcast(objects[i]);
         size_t count = soft != nullptr;
         status = soft != nullptr
-                     ? AddSoft(scene.get(), *soft)
+                     ? AddSoft(scene.get(), *soft, selfCollision)
                      : AddShape(scene.get(), *objects[i]->getCollisionShape(), objects[i]->getWorldTransform(),
                                 objects[i]->isStaticOrKinematicObject(), uint32_t(i + 1), &count);
         isSoft.insert(isSoft.end(), count, soft != nullptr);

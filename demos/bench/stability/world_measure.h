@@ -31,8 +31,9 @@ struct qcPenetratingPairs
     size_t soft = 0; ///< those with a triangle or link of a soft body
 };
 
-/// Counts them by a scene of its own, independently of the world's contact. False: the reason is in qcLastMessage.
-bool qcCountPenetrating(const btDiscreteDynamicsWorld& world, qcPenetratingPairs* pairs);
+/// Counts them by a scene of its own, independently of the world's contact. `selfCollision`: of soft bodies with
+/// themselves too. False: the reason is in qcLastMessage.
+bool qcCountPenetrating(const btDiscreteDynamicsWorld& world, bool selfCollision, qcPenetratingPairs* pairs);
 
 /// Keeps all bodies awake from now on: what only sleep would stop goes on moving, and shows.
 void qcKeepAwake(btDiscreteDynamicsWorld* world);
