@@ -48,28 +48,31 @@ static void WriteField(FILE* page, const char* text, size_t length)
     }
 }
 
-static void WriteRow(FILE* page, const char* row, const char* rowEnd, const char* tag)
+static const char* NextRow(const char* rowEnd)
+{
+    return *rowEnd == 0 ? rowEnd : rowEnd + 1;
+}
+
+/// Fields are aligned like those of `model`, a row of values.
+static void WriteRow(FILE* page, const char* row, const char* rowEnd, const char* model, const char* tag)
 {
     if (rowEnd > row && rowEnd[-1] == '\r')
         --rowEnd;
+    const char* modelEnd = FindRowEnd(model);
     fputs("<tr>", page);
     for (const char* field = row;; ++field)
     {
         const char* end = FindFieldEnd(field, rowEnd);
-        size_t length = (size_t)(end - field);
-        fprintf(page, "<%s%s>", tag, IsNumber(field, length) ? " class=\"n\"" : "");
-        WriteField(page, field, length);
+        const char* likeEnd = FindFieldEnd(model, modelEnd);
+        fprintf(page, "<%s%s>", tag, IsNumber(model, (size_t)(likeEnd - model)) ? " class=\"n\"" : "");
+        WriteField(page, field, (size_t)(end - field));
         fprintf(page, "</%s>", tag);
+        model = likeEnd < modelEnd ? likeEnd + 1 : modelEnd;
         field = end;
         if (field >= rowEnd)
             break;
     }
     fputs("</tr>\n", page);
-}
-
-static const char* NextRow(const char* rowEnd)
-{
-    return *rowEnd == 0 ? rowEnd : rowEnd + 1;
 }
 
 size_t qcReport_CountRows(const char* csv)
@@ -86,14 +89,14 @@ size_t qcReport_WriteCsv(FILE* page, const char* csv, size_t maxRows)
     size_t every = (rows + maxRows - 1) / maxRows;
     fputs("<table>\n<thead>", page);
     const char* end = FindRowEnd(csv);
-    WriteRow(page, csv, end, "th");
+    WriteRow(page, csv, end, NextRow(end), "th");
     fputs("</thead>\n<tbody>\n", page);
     size_t number = 0;
     for (const char* row = NextRow(end); *row != 0; row = NextRow(end), ++number)
     {
         end = FindRowEnd(row);
         if (number % every == 0)
-            WriteRow(page, row, end, "td");
+            WriteRow(page, row, end, row, "td");
     }
     fputs("</tbody>\n</table>\n", page);
     return rows;

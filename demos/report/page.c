@@ -106,10 +106,10 @@ static void WriteOutput(FILE* page, const char* text)
     fputs("</pre>\n", page);
 }
 
-static void WriteTable(FILE* page, const char* name, const char* csv, size_t size)
+static void WriteTable(FILE* page, const char* name, const char* csv, size_t size, bool isOpen)
 {
     size_t rows = qcReport_CountRows(csv);
-    fprintf(page, "<details%s><summary>", rows <= qc_openRows ? " open=\"open\"" : "");
+    fprintf(page, "<details%s><summary>", isOpen && rows <= qc_openRows ? " open=\"open\"" : "");
     qcReport_WriteText(page, name);
     fprintf(page, ": %zu %s%s", rows, rows == 1 ? "row" : "rows", rows > qc_maxRows ? ", evenly thinned here" : "");
     fputs("</summary>\n<p><a download=\"", page);
@@ -121,7 +121,18 @@ static void WriteTable(FILE* page, const char* name, const char* csv, size_t siz
     fputs("</div></details>\n", page);
 }
 
-static bool WriteFile(FILE* page, const qcReportFile* file, const char* films, qcMessage* message)
+static bool HasText(const qcReportPart* part)
+{
+    for (size_t i = 0; i < part->fileCount; ++i)
+    {
+        if (part->files[i].kind == qc_reportText)
+            return true;
+    }
+    return false;
+}
+
+static bool WriteFile(FILE* page, const qcReportPart* part, const qcReportFile* file, const char* films,
+                      qcMessage* message)
 {
     char* path = NULL;
     if (file->kind == qc_reportFilm && films != NULL && asprintf(&path, "%s/%s", films, file->name) < 0)
@@ -134,7 +145,7 @@ static bool WriteFile(FILE* page, const qcReportFile* file, const char* films, q
     switch (file->kind)
     {
         case qc_reportText: WriteOutput(page, bytes); break;
-        case qc_reportTable: WriteTable(page, file->name, bytes, size); break;
+        case qc_reportTable: WriteTable(page, file->name, bytes, size, !HasText(part)); break;
         default: WriteMedium(page, file, bytes, size);
     }
     free(bytes);
@@ -152,12 +163,25 @@ static bool WriteFiles(FILE* page, const qcReportPart* part, const char* films, 
         if (isMedium != inGrid)
             fputs(isMedium ? "<div class=\"media\">\n" : "</div>\n", page);
         inGrid = isMedium;
-        if (!WriteFile(page, &part->files[i], films, message))
+        if (!WriteFile(page, part, &part->files[i], films, message))
             return false;
     }
     if (inGrid)
         fputs("</div>\n", page);
     return true;
+}
+
+/// When the part ran: plots may have been drawn again later.
+static time_t FindTime(const qcReportPart* part)
+{
+    time_t newest = 0;
+    for (size_t i = 0; i < part->fileCount; ++i)
+    {
+        const qcReportFile* file = &part->files[i];
+        bool counts = file->kind == qc_reportText || !HasText(part);
+        newest = counts && file->time > newest ? file->time : newest;
+    }
+    return newest;
 }
 
 /// The commands of the part's texts, above everything else.
@@ -190,9 +214,6 @@ static bool WritePart(FILE* page, const qcReportPart* part, const char* films, q
     fputs("\">\n<h2>", page);
     qcReport_WriteText(page, part->title != NULL ? part->title : part->name);
     fputs("</h2>\n", page);
-    time_t newest = 0;
-    for (size_t i = 0; i < part->fileCount; ++i)
-        newest = part->files[i].time > newest ? part->files[i].time : newest;
     if (part->fileCount == 0)
     {
         fputs("<p class=\"missing\">Nothing is there. This makes it: <code>demos/run.sh ", page);
@@ -202,7 +223,7 @@ static bool WritePart(FILE* page, const qcReportPart* part, const char* films, q
     else
     {
         fputs("<p class=\"time\">", page);
-        WriteTime(page, newest);
+        WriteTime(page, FindTime(part));
         fputs("</p>\n", page);
     }
     bool isWritten = WriteCommands(page, part, message) && WriteFiles(page, part, films, message);
