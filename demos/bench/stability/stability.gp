@@ -34,7 +34,7 @@ do for [n = 1:|scenes|] {
         plot csv using (of(n, 'seconds') >= settled[n] ? of(n, 'seconds') : NaN):(1e3 * (of(n, 'energy') - atRest[n])) \
             with lines lw 1.5 lc rgb blue notitle
     } else { set multiplot next }
-    set yrange [0:*]
+    set yrange [0:0.001<*]
     set title 'deepest contact, mm'
     plot csv using (of(n, 'seconds')):(1e3 * of(n, 'depth')) with lines lw 1.5 lc rgb red notitle
     set yrange [0:1<*]
@@ -42,7 +42,7 @@ do for [n = 1:|scenes|] {
     plot csv using (of(n, 'seconds')):(of(n, 'pairs')) with lines lw 2 lc rgb red title 'exact test', \
         csv using (of(n, 'seconds')):(of(n, 'remaining') >= 0 ? of(n, 'remaining') : NaN) \
         with lines lw 1 dt 2 lc rgb blue title 'reported'
-    set yrange [0:*]
+    set yrange [0:0.001<*]
     set title 'contact points a step'
     plot csv using (of(n, 'seconds')):(of(n, 'contacts')) with lines lw 1.5 lc rgb green notitle
     set title 'memory of the library, KiB'
