@@ -4,6 +4,7 @@
 // of the mesh.
 #include "quickcullide/bullet_fracture.h"
 
+#include "fracture/bonds.h"
 #include "fracture/cell_sites.h"
 #include "fracture/parallel_cells.h"
 #include "fracture/voronoi_cells.h"
@@ -180,7 +181,8 @@ void JoinHollows(std::vector<qcFacetedMesh>* islands)
 struct CellPieces
 {
     std::vector<qcPiece> pieces;
-    double volume = 0; ///< of all islands, lost ones included; islands that are inside out count negative
+    std::vector<qcPieceCuts> cuts; ///< of each piece
+    double volume = 0;             ///< of all islands, lost ones included; islands that are inside out count negative
     double lostVolume = 0;
 };
 
@@ -199,11 +201,11 @@ void PutInFrame(const qcFacetedMesh& island, const qcClipPoint& center, const qc
         piece->vertices.emplace_back(btScalar(v[0]), btScalar(v[1]), btScalar(v[2]));
     }
     // In units, so that no moment of inertia overflows.
-    btMatrix3x3 axes =
+    const qcMassProperties mass =
         qcMeshShape(piece->vertices.data(), qcBulletPositions, sizeof(btVector3), uint32_t(piece->vertices.size()),
                     piece->indices.data(), uint32_t(piece->indices.size() / 3))
-            .getMassProperties()
-            .principalFrame.getBasis();
+            .getMassProperties();
+    const btMatrix3x3& axes = mass.principalFrame.getBasis();
     for (size_t i = 0; i < island.points.size(); i++)
     {
         // Rounded once, so that coinciding cut faces of two pieces also coincide in their frames.
@@ -213,9 +215,27 @@ void PutInFrame(const qcFacetedMesh& island, const qcClipPoint& center, const qc
                 (v[0] * double(axes[0][k]) + v[1] * double(axes[1][k]) + v[2] * double(axes[2][k])) * units.length);
     }
     piece->frame.setBasis(axes);
+    for (int k = 0; k < 3; k++)
+    {
+        btScalar moment = btScalar(double(mass.principalInertia[k]) * units.length * units.length);
+        piece->inertia[k] = std::isnormal(double(moment)) ? moment : btScalar(0);
+    }
 }
 
-void AddPiece(const Job& job, const qcFacetedMesh& island, uint32_t site, CellPieces* cellPieces)
+/// The triangles of an island in cuts.
+qcPieceCuts CutsOf(const Job& job, const qcFacetedMesh& island, uint32_t cell)
+{
+    qcPieceCuts cuts;
+    cuts.cell = cell;
+    for (const qcClipTriangle& triangle : island.triangles)
+        if (triangle.face >= job.firstCut && triangle.face < job.firstCut + job.sites.numbers.size())
+            cuts.triangles.push_back({triangle.face - job.firstCut,
+                                      {island.points[triangle.corner[0]], island.points[triangle.corner[1]],
+                                       island.points[triangle.corner[2]]}});
+    return cuts;
+}
+
+void AddPiece(const Job& job, const qcFacetedMesh& island, uint32_t cell, CellPieces* cellPieces)
 {
     qcClipPoint first;
     double volume = qcFacetedMesh_Measure(island, &first);
@@ -226,7 +246,7 @@ void AddPiece(const Job& job, const qcFacetedMesh& island, uint32_t site, CellPi
         return;
     }
     qcPiece piece;
-    piece.site = site;
+    piece.site = job.sites.numbers[cell];
     piece.volume = job.units.GlobalVolume(volume);
     piece.vertices.reserve(island.points.size());
     piece.indices.reserve(3 * island.triangles.size());
@@ -239,6 +259,7 @@ void AddPiece(const Job& job, const qcFacetedMesh& island, uint32_t site, CellPi
             }
     PutInFrame(island, {first[0] / volume, first[1] / volume, first[2] / volume}, job.units, &piece);
     cellPieces->pieces.push_back(std::move(piece));
+    cellPieces->cuts.push_back(CutsOf(job, island, cell));
 }
 
 /// The pieces of a solid that is clipped to the cell of a site.
@@ -250,7 +271,7 @@ CellPieces PiecesOf(const Job& job, uint32_t site, qcClipSolid* solid, qcClipScr
     std::vector<qcFacetedMesh> islands = qcFacetedMesh_FindIslands(mesh, scratch);
     JoinHollows(&islands);
     for (const qcFacetedMesh& island : islands)
-        AddPiece(job, island, job.sites.numbers[site], &cellPieces);
+        AddPiece(job, island, site, &cellPieces);
     return cellPieces;
 }
 
@@ -328,12 +349,15 @@ qcFracture qcFracture_Split(const qcFractureDef& def)
     qcFracture fracture;
     fracture.volume = job.units.GlobalVolume(job.volume);
     double lost = 0;
+    std::vector<qcPieceCuts> cuts;
     for (CellPieces& some : cellPieces)
     {
         std::move(some.pieces.begin(), some.pieces.end(), std::back_inserter(fracture.pieces));
+        std::move(some.cuts.begin(), some.cuts.end(), std::back_inserter(cuts));
         lost += some.lostVolume;
     }
     fracture.lostVolume = job.units.GlobalVolume(lost);
+    fracture.bonds = qcFindBonds(cuts, job.units);
     return fracture;
 }
 

@@ -42,6 +42,18 @@ struct qcPiece
     /// The centre is rounded to btScalar: for a mesh at 1e6, in float, it is off by up to 0.03.
     btTransform frame = btTransform::getIdentity();
     double volume = 0; ///< in cubed units of length; a btScalar might overflow
+    /// Moments of inertia for mass 1, along the frame's axes: times the mass, that of a btRigidBody. 0 where btScalar
+    /// can't hold a moment.
+    btVector3 inertia{0, 0, 0};
+};
+
+/// Two pieces, and what they share of the cut between them. In the mesh's frame.
+struct qcBond
+{
+    uint32_t pieceA = 0, pieceB = 0; ///< indices of pieces, pieceA < pieceB
+    double area = 0;                 ///< in squared units of length
+    btVector3 center{0, 0, 0};       ///< centroid of the area
+    btVector3 normal{0, 0, 0};       ///< of length 1, from pieceA to pieceB
 };
 
 /// The pieces of a mesh.
@@ -50,6 +62,7 @@ struct qcFracture
     qcStatus status = qc_statusOk; ///< qc_statusBadInput: there are no pieces
     std::string message;           ///< the defect of the input, and its place
     std::vector<qcPiece> pieces;   ///< in an order that depends on the input only
+    std::vector<qcBond> bonds;     ///< of all pairs of pieces that share an area, by pieceA, then pieceB
     double volume = 0;             ///< of the mesh
     double lostVolume = 0;         ///< of dropped splinters, each below 1e-9 of the mesh's volume
 };
@@ -88,5 +101,54 @@ struct qcPieceMotion
 /// The motion of a piece of `body`. `fracture` must be of the body's mesh in the body's frame, whose origin is its
 /// centre of mass. O(1).
 QC_API qcPieceMotion qcMotionOfPiece(const btRigidBody& body, const qcFracture& fracture, const qcPiece& piece);
+
+/// @name Partial breaks
+/// A mesh is split at load time, and its pieces hold together over their bonds until impacts have broken these:
+///
+///     std::vector<double> strength = qcBondEnergies(fracture, 200);
+///     ... an impact: qcBreakBonds(fracture, {piece, place, energy}, &strength);
+///     for (const qcIsland& island : qcFindIslands(fracture, strength)) { a body for each island ... }
+///
+/// A body of several pieces is a btCompoundShape with each piece at island.frame.inverse() * piece.frame.
+/// @{
+
+/// The energy that breaks each bond: its area times `toughness`, the energy for a squared unit of length (Griffith's
+/// criterion). Entries may be changed: 0 is a broken bond, infinity one that never breaks. O(bonds).
+QC_API std::vector<double> qcBondEnergies(const qcFracture& fracture, double toughness);
+
+/// An impact on a piece, in the mesh's frame.
+struct qcImpact
+{
+    uint32_t piece = 0;             ///< index of the piece that was hit
+    btVector3 place{0, 0, 0};       ///< position of the impact
+    double energy = 0;              ///< that is there to break bonds
+    btScalar reach = SIMD_INFINITY; ///< bonds whose centre is further from the place are not broken
+};
+
+/// Breaks bonds, in the order of the distance of their centres from the impact, beginning at the piece that was hit and
+/// going on over bonds that the impact broke. Each takes its energy. The last one may get less than it needs: it holds,
+/// and is weaker from then on. Returns the energy that was taken. O(broken bonds * log(broken bonds)) plus O(bonds).
+QC_API double qcBreakBonds(const qcFracture& fracture, const qcImpact& impact, std::vector<double>* energies);
+
+/// Pieces that hold together.
+struct qcIsland
+{
+    std::vector<uint32_t> pieces; ///< indices, ascending
+    /// Centre of mass and principal axes, in the mesh's frame; for a single piece, its frame.
+    btTransform frame = btTransform::getIdentity();
+    double volume = 0;          ///< in cubed units of length
+    btVector3 inertia{0, 0, 0}; ///< for mass 1, along the frame's axes
+};
+
+/// The islands: pieces connected by bonds of an energy above 0. Each piece is in one island; islands are ordered by
+/// their first pieces. O(pieces + bonds).
+QC_API std::vector<qcIsland> qcFindIslands(const qcFracture& fracture, const std::vector<double>& energies);
+
+/// The motion of an island that breaks off `body`. `frame`: of the body in the mesh's frame, that of the island that it
+/// was; identity if the body is the mesh. `density` gives the mass, since a static body has none. If the body has that
+/// density, momentum and angular momentum are kept. O(1).
+QC_API qcPieceMotion qcMotionOfIsland(const btRigidBody& body, const btTransform& frame, const qcIsland& island,
+                                      double density);
+/// @}
 
 #endif

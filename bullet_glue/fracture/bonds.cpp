@@ -1,0 +1,160 @@
+// A cut face of a piece lies in the bisector of two sites. All faces in one bisector are on one side or the other, and
+// faces on one side don't overlap, as their pieces don't. Overlaps of triangles: Sutherland, Hodgman: Reentrant polygon
+// clipping, 1974.
+#include "fracture/bonds.h"
+
+#include <algorithm>
+#include <cmath>
+#include <tuple>
+
+namespace
+{
+// In squared units: below it, corners that rounding moved make areas of pieces that touch along an edge.
+constexpr double s_minArea = 1e-13;
+
+/// The triangles of a piece in one cut.
+struct CutFace
+{
+    uint32_t lowCell, highCell;
+    bool isHigh; ///< the piece is in the cell of the higher number
+    uint32_t piece;
+    std::vector<std::array<qcClipPoint, 3>> triangles;
+};
+
+/// A part of a plane: its area, the integral of positions over it, and its vector area.
+struct Area
+{
+    double area = 0;
+    qcClipPoint first = {0, 0, 0}, normal = {0, 0, 0};
+
+    void Add(const qcClipPoint& a, const qcClipPoint& b, const qcClipPoint& c)
+    {
+        qcClipPoint cross = qcCrossOf(qcMinus(b, a), qcMinus(c, a));
+        double size = std::sqrt(qcDotOf(cross, cross)) / 2;
+        area += size;
+        for (size_t axis = 0; axis < 3; axis++)
+        {
+            first[axis] += size * (a[axis] + b[axis] + c[axis]) / 3;
+            normal[axis] += cross[axis] / 2;
+        }
+    }
+};
+
+Area AreaOf(const CutFace& face)
+{
+    Area area;
+    for (const auto& corner : face.triangles)
+        area.Add(corner[0], corner[1], corner[2]);
+    return area;
+}
+
+/// What the part of a convex polygon inside one edge of a counterclockwise triangle is. `across`: normal of the edge in
+/// the triangle's plane, to the outside.
+void ClipPolygon(const qcClipPoint& on, const qcClipPoint& across, std::vector<qcClipPoint>* polygon)
+{
+    std::vector<qcClipPoint> kept;
+    for (size_t i = 0; i < polygon->size(); i++)
+    {
+        const qcClipPoint &from = (*polygon)[i], &to = (*polygon)[(i + 1) % polygon->size()];
+        double start = qcDotOf(qcMinus(from, on), across), end = qcDotOf(qcMinus(to, on), across);
+        if (start <= 0)
+            kept.push_back(from);
+        if ((start < 0 && end > 0) || (start > 0 && end < 0))
+        {
+            qcClipPoint crossing;
+            for (size_t axis = 0; axis < 3; axis++)
+                crossing[axis] = from[axis] + (to[axis] - from[axis]) * (start / (start - end));
+            kept.push_back(crossing);
+        }
+    }
+    polygon->swap(kept);
+}
+
+/// The overlap of two faces on different sides of a cut. O(triangles * triangles).
+Area Overlap(const CutFace& one, const CutFace& other)
+{
+    Area area;
+    std::vector<qcClipPoint> polygon;
+    for (const auto& subject : one.triangles)
+        for (const auto& corner : other.triangles)
+        {
+            polygon.assign(subject.begin(), subject.end());
+            qcClipPoint normal = qcCrossOf(qcMinus(corner[1], corner[0]), qcMinus(corner[2], corner[0]));
+            for (size_t edge = 0; edge < 3 && !polygon.empty(); edge++)
+                ClipPolygon(corner[edge], qcCrossOf(qcMinus(corner[(edge + 1) % 3], corner[edge]), normal), &polygon);
+            for (size_t i = 2; i < polygon.size(); i++)
+                area.Add(polygon[0], polygon[i - 1], polygon[i]);
+        }
+    return area;
+}
+
+void AddBond(const CutFace& low, const CutFace& high, const Area& area, const qcFractureUnits& units,
+             std::vector<qcBond>* bonds)
+{
+    if (area.area < s_minArea)
+        return;
+    qcBond bond;
+    bond.pieceA = low.piece;
+    bond.pieceB = high.piece;
+    bond.area = area.area * units.length * units.length;
+    bond.center = units.Global({area.first[0] / area.area, area.first[1] / area.area, area.first[2] / area.area});
+    qcClipPoint normal = AreaOf(low).normal;
+    double length = std::sqrt(qcDotOf(normal, normal));
+    bond.normal = btVector3(btScalar(normal[0] / length), btScalar(normal[1] / length), btScalar(normal[2] / length));
+    bonds->push_back(bond);
+}
+
+/// The bonds in one cut: the faces from `begin` to `middle` are on its lower side, those up to `end` on the other.
+void AddBonds(const CutFace* begin, const CutFace* middle, const CutFace* end, const qcFractureUnits& units,
+              std::vector<qcBond>* bonds)
+{
+    for (const CutFace* low = begin; low != middle; low++)
+        for (const CutFace* high = middle; high != end; high++)
+            if (middle - begin > 1 && end - middle > 1)
+                AddBond(*low, *high, Overlap(*low, *high), units, bonds);
+            else // The other side has one face, to which the faces on this side belong.
+                AddBond(*low, *high, AreaOf(end - middle > 1 ? *high : *low), units, bonds);
+}
+
+std::vector<CutFace> FindFaces(const std::vector<qcPieceCuts>& pieces)
+{
+    std::vector<CutFace> faces;
+    for (uint32_t piece = 0; piece < pieces.size(); piece++)
+    {
+        std::vector<const qcCutTriangle*> sorted;
+        for (const qcCutTriangle& triangle : pieces[piece].triangles)
+            sorted.push_back(&triangle);
+        std::stable_sort(sorted.begin(), sorted.end(),
+                         [](const qcCutTriangle* a, const qcCutTriangle* b) { return a->otherCell < b->otherCell; });
+        for (size_t i = 0; i < sorted.size(); i++)
+        {
+            uint32_t cell = pieces[piece].cell, other = sorted[i]->otherCell;
+            if (i == 0 || other != sorted[i - 1]->otherCell)
+                faces.push_back({std::min(cell, other), std::max(cell, other), cell > other, piece, {}});
+            faces.back().triangles.push_back(sorted[i]->corner);
+        }
+    }
+    auto key = [](const CutFace& face) { return std::tie(face.lowCell, face.highCell, face.isHigh, face.piece); };
+    std::sort(faces.begin(), faces.end(), [&](const CutFace& a, const CutFace& b) { return key(a) < key(b); });
+    return faces;
+}
+} // namespace
+
+std::vector<qcBond> qcFindBonds(const std::vector<qcPieceCuts>& pieces, const qcFractureUnits& units)
+{
+    std::vector<CutFace> faces = FindFaces(pieces);
+    std::vector<qcBond> bonds;
+    for (const CutFace *begin = faces.data(), *last = begin + faces.size(); begin != last;)
+    {
+        const CutFace* end = std::find_if(
+            begin, last,
+            [&](const CutFace& face) { return face.lowCell != begin->lowCell || face.highCell != begin->highCell; });
+        const CutFace* middle = std::find_if(begin, end, [](const CutFace& face) { return face.isHigh; });
+        AddBonds(begin, middle, end, units, &bonds);
+        begin = end;
+    }
+    std::sort(bonds.begin(), bonds.end(),
+              [](const qcBond& a, const qcBond& b)
+              { return std::tie(a.pieceA, a.pieceB) < std::tie(b.pieceA, b.pieceB); });
+    return bonds;
+}

@@ -1,0 +1,25 @@
+// Bonds of a fracture: which pieces share cut faces, and how large these are.
+#ifndef QC_GLUE_FRACTURE_BONDS_H
+#define QC_GLUE_FRACTURE_BONDS_H
+
+#include "fracture/unit_scale.h"
+
+/// A triangle of a piece in the cut between its cell and another one, in local positions.
+struct qcCutTriangle
+{
+    uint32_t otherCell;
+    std::array<qcClipPoint, 3> corner;
+};
+
+/// The cuts of a piece.
+struct qcPieceCuts
+{
+    uint32_t cell;
+    std::vector<qcCutTriangle> triangles;
+};
+
+/// The bonds between pieces, ordered by the two pieces. Where at most one piece of a cell borders on a cut, its whole
+/// face there counts; otherwise the overlap of faces is computed. About O(cut triangles * log(cut triangles)).
+std::vector<qcBond> qcFindBonds(const std::vector<qcPieceCuts>& pieces, const qcFractureUnits& units);
+
+#endif
