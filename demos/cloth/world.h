@@ -37,13 +37,25 @@ class qcClothWorld
     {
         return m_softSolver.getStatistics();
     }
+    btSoftRigidDynamicsWorld& Bullet()
+    {
+        return m_world;
+    }
+    qcSoftBodySolver& SoftSolver()
+    {
+        return m_softSolver;
+    }
+    btSoftBody& Cloth()
+    {
+        return *m_cloth;
+    }
+    btRigidBody& Table()
+    {
+        return m_table;
+    }
     int ManifoldCount() const
     {
         return m_dispatcher.getNumManifolds();
-    }
-    btDiscreteDynamicsWorld& Bullet()
-    {
-        return m_world;
     }
     /// Present positions, three floats a vertex.
     const std::vector<float>& Positions();

@@ -57,13 +57,17 @@ class qcFractureWorld
     /// One step. False with a message: the mesh could not be broken, or a query failed.
     bool Step(qcFractureStep* step, std::string* message);
 
+    const qcBreak& Break() const
+    {
+        return m_break;
+    }
     btDiscreteDynamicsWorld& Bullet()
     {
         return m_world;
     }
-    const qcBreak& Break() const
+    qcMeshContact& MeshContact()
     {
-        return m_break;
+        return m_meshContact;
     }
     /// The whole body, or its pieces.
     const std::vector<std::unique_ptr<qcFractureBody>>& Bodies() const
