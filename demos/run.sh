@@ -17,8 +17,9 @@ Demos:
   pairs     Finds the triangles of meshes that intersect: demos/run.sh pairs MESH...
   bench     Measures: demos/run.sh bench [accuracy] compares the methods, "bench peers" other libraries
             (which it installs), "bench scaling" sizes, "bench broadphase" the broadphase with Bullet's own, "bench soft"
-            cloth, tangles and ropes with Bullet's, "bench stability" runs of 10 000 steps, "bench ablation" the stages
-            of manifolds, "bench gpu" layers on a GL device with sweep. Tables and pictures go to out/bench/.
+            cloth, tangles and ropes with Bullet's, "bench paper" the paper's scenes, tables and figures (on recordings
+            of the demos, made first where they are missing), "bench stability" runs of 10 000 steps, "bench ablation"
+            the stages of manifolds, "bench gpu" layers on a GL device with sweep. Tables and pictures go to out/bench/.
             demos/gpu.sh runs the GL tests first, and packs all that for a machine with a GPU.
   report    One page with every table, plot, picture and film in out/, out/report/index.html. What is missing is run
             first, in small sizes; "report --all" runs everything afresh.
@@ -113,8 +114,29 @@ run_bench()
             shift
             keep_output "$root/out/bench/ablation.txt" "$root/build/demos/qc-ablation" "$@"
             ;;
+        paper)
+            for scene in cloth breaking leaves; do
+                make_recording "$scene"
+            done
+            run_benchmark "$@"
+            ;;
         *) run_benchmark "$@" ;;
     esac
+}
+
+# make_recording DEMO: its recording for "bench paper", if it is missing. No device: all methods give the same run.
+make_recording()
+{
+    folder=$root/out/recordings
+    if [ -f "$folder/$1.qcr" ]; then
+        return 0
+    fi
+    qc_build "$root" "qc-$1" >/dev/null || return 0
+    echo "Recording the demo $1"
+    mkdir -p "$folder/new"
+    "$root/build/demos/qc-$1" --device none --method sweep --out "$folder/new" --record "$folder/new/$1.qcr" >/dev/null
+    mv "$folder/new"/*.qcr "$folder/"
+    rm -r "$folder/new"
 }
 
 # run_benchmark NAME [ARGUMENT...]
@@ -122,6 +144,9 @@ run_benchmark()
 {
     name=$1
     shift
+    if [ "$name" = paper ]; then
+        set -- --recordings "$root/out/recordings" "$@"
+    fi
     # tests/dragon.sh leaves it there.
     dragon=$root/build/models/dragon_vrip.ply
     if [ -f "$dragon" ]; then
@@ -162,11 +187,11 @@ case $demo in
     cloth) qc_install build demos ;;
     fracture | through) qc_install build demos models ;;
     bench)
-        if [ "${1-}" = peers ]; then
-            qc_install build bench peers
-        else
-            qc_install build bench
-        fi
+        case ${1-} in
+            peers) qc_install build bench peers ;;
+            paper) qc_install build bench peers models ;;
+            *) qc_install build bench ;;
+        esac
         ;;
     *) qc_install build ;;
 esac

@@ -17,6 +17,8 @@ qcExitStatus qcBench_RunPeers(int argumentCount, char** arguments);
 qcExitStatus qcBench_RunScaling(int argumentCount, char** arguments);
 /// layers on a GL device beside sweep.
 qcExitStatus qcBench_RunGpu(int argumentCount, char** arguments);
+/// The paper's scenes from recordings: its tables, figures and factors.
+qcExitStatus qcBench_RunPaper(int argumentCount, char** arguments);
 /// qcBroadphase beside Bullet's own. Only where Bullet was found (QC_HAS_BULLET).
 qcExitStatus qcBench_RunBroadphase(int argumentCount, char** arguments);
 /// Soft bodies beside Bullet alone. Only where Bullet was found.

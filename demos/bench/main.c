@@ -18,6 +18,7 @@ static const Benchmark s_benchmarks[] = {
     {"peers", "qc-bench peers", qcBench_RunPeers},
     {"scaling", "qc-bench scaling", qcBench_RunScaling},
     {"gpu", "qc-bench gpu", qcBench_RunGpu},
+    {"paper", "qc-bench paper", qcBench_RunPaper},
 // clang-format on
 #ifdef QC_HAS_BULLET
     {"broadphase", "qc-bench broadphase", qcBench_RunBroadphase},
@@ -73,13 +74,15 @@ static const char s_help[] =
     "  peers      run time beside Embree, Bullet and CGAL, on the same meshes in the same run\n"
     "  scaling    run time and memory of 1 K to 4 M triangles and of 100 to 200 K boxes\n"
     "  gpu        layers on a GL device beside sweep: pairs compared, each kernel timed by the device's clock\n"
+    "  paper      the scenes, tables, figures and factors of the paper's section 5, from recordings of the demos\n"
     "  broadphase moving boxes inside Bullet, beside its own broadphases\n"
     "  soft       hard scenes of cloth, tangles and ropes, beside Bullet alone\n"
     "  through    bodies thrown so fast that they could pass each other, beside version 0.2.0\n"
     "  stability  long runs of scenes that come to rest: energy, penetration, contacts, memory"
     "\v\"qc-bench BENCHMARK --help\" lists the options of one.\n\n"
     "Exit status: 0 done; 1 output could not be written, out of memory, or a method that never misses missed; 2 a "
-    "mistake on the command line; 3 a model can't be read; 4 the device does not work here; 5 no peer library was "
+    "mistake on the command line; 3 a model or recording can't be read; 4 the device does not work here; 5 no peer "
+    "library was "
     "there "
     "when this was built.";
 

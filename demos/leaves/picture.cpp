@@ -25,8 +25,8 @@ qcLeavesPicture::qcLeavesPicture(const qcLeavesWorld& world) : m_frame(800, 720)
 {
     for (const btVector3& vertex : world.Tree().vertices)
         m_treePositions.insert(m_treePositions.end(), {float(vertex.x()), float(vertex.y()), float(vertex.z())});
-    qcSet3(m_frame.camera.eye, 1.2f, 1.9f, 6.4f);
-    qcSet3(m_frame.camera.target, 0.15f, 1.33f, 0.0f);
+    qcSet3(m_frame.camera.eye, 1.2f, 2.0f, 6.6f);
+    qcSet3(m_frame.camera.target, 0.35f, 1.27f, 0.0f);
     m_frame.camera.fieldOfView = 31;
     qcSet3(m_frame.ground.color, 0.40f, 0.42f, 0.30f);
     qcSet3(m_frame.background, 0.72f, 0.80f, 0.86f);

@@ -15,6 +15,7 @@ namespace
 constexpr btScalar s_thickness = btScalar(0.006);  // of a leaf, m
 constexpr btScalar s_treeMargin = btScalar(0.004); // m
 constexpr btScalar s_leafMass = btScalar(0.003);   // kg
+constexpr btScalar s_springiness = btScalar(0.07);
 constexpr btScalar s_air = btScalar(1.2);          // kg/m3
 
 // Gusts, in which most leaves let go.
@@ -103,6 +104,9 @@ void qcLeavesWorld::AddLeaf(const qcLeafMesh& mesh, double letsGo)
     bending->m_kLST = btScalar(0.6);
     body->generateBendingConstraints(2, bending);
     body->setTotalMass(s_leafMass);
+    // The shape that a leaf goes back to when it was bent, at this share of the way in a step.
+    body->setPose(false, true);
+    body->m_cfg.kMT = s_springiness;
     body->m_cfg.piterations = 4;
     body->m_cfg.collisions = btSoftBody::fCollision::SDF_RS;
     body->m_cfg.kKHR = 1;

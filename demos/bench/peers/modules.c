@@ -1,6 +1,6 @@
 // Finds the modules of peer libraries: files beside the program. The build makes those whose library it found.
 #define _POSIX_C_SOURCE 200809L
-#include "bench/peers/peers.h"
+#include "bench/peers/modules.h"
 
 #include "common/files.h"
 
@@ -15,8 +15,9 @@ typedef struct Module
     const char* packages; ///< of Debian and Ubuntu
 } Module;
 
-static const Module s_modules[qc_peerLibraryCount] = {
-    {"embree", "libembree-dev"}, {"bullet", "libbullet-dev"}, {"cgal", "libcgal-dev libtbb-dev"}};
+static const Module s_modules[qc_peerLibraryCount] = {[qc_peerEmbree] = {"embree", "libembree-dev"},
+                                                      [qc_peerBullet] = {"bullet", "libbullet-dev"},
+                                                      [qc_peerCgal] = {"cgal", "libcgal-dev libtbb-dev"}};
 
 const char* qcPeerModule_Name(int library)
 {

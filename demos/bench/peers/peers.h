@@ -5,14 +5,13 @@
 #include "bench/scenes/animated_scene.h"
 #include "bench/scenes/scenes.h"
 #include "bench/bench.h"
-#include "bench/peers/library.h"
+#include "bench/peers/modules.h"
 
 #include <quickcullide/quickcullide.h>
 
 enum
 {
     qc_peerSceneCount = 11,
-    qc_peerLibraryCount = 3,
     qc_peerLibraryMethods = 4, // of one library, at most
     qc_maxPeerMethods = 2 + qc_peerLibraryCount * qc_peerLibraryMethods,
     qc_maxPeerFrames = 32,
@@ -45,14 +44,6 @@ const char* qcPeerScene_Title(int index);
 qcBenchMade qcPeerScene_Make(int index, const qcBenchModels* models, uint32_t frameCount, qcAnimation* animation,
                              qcMessage* message);
 //  ---- methods -------------------------------------------------------------------------------------
-
-/// "embree"; `library` below qc_peerLibraryCount.
-const char* qcPeerModule_Name(int library);
-/// The packages to install before the library's module can be built.
-const char* qcPeerModule_Packages(int library);
-/// Loads a library's module from beside the program; null where there is none. It stays loaded until the program ends.
-/// False with a message: the module exists and does not load.
-bool qcPeerModule_Load(int library, const qcPeerLibrary** loaded, qcMessage* message);
 
 /// A method of this library or of a peer.
 typedef struct qcPeerEntrant
