@@ -12,6 +12,8 @@ Demos:
             ffmpeg is installed, go to out/cloth/.
   fracture  A bunny falls and breaks in the midst of a step, and its pieces come to rest. Pictures, and a film,
             go to out/fracture/.
+  leaves    Leaves fall from a tree, collide with each other, its branches and the ground. Pictures, and a film, go to
+            out/leaves/.
   through   Bodies thrown at each other so fast that they could pass: a table of penetrating pairs inside each step, beside
             version 0.2.0, and pictures of a thrown cloth, and a film, in out/through/. About ten minutes; --quick: one.
   pairs     Finds the triangles of meshes that intersect: demos/run.sh pairs MESH...
@@ -168,7 +170,7 @@ case ${1-} in
         shift
         exec "$(dirname -- "$0")/report/run.sh" "$@"
         ;;
-    cloth | fracture | through | pairs | bench)
+    cloth | fracture | leaves | through | pairs | bench)
         demo=$1
         shift
         ;;
@@ -184,7 +186,7 @@ root=$(CDPATH='' cd -- "$(dirname -- "$0")/.." && pwd)
 . "$root/tests/setup.sh"
 
 case $demo in
-    cloth) qc_install build demos ;;
+    cloth | leaves) qc_install build demos ;;
     fracture | through) qc_install build demos models ;;
     bench)
         case ${1-} in
@@ -210,6 +212,8 @@ case $demo in
     # 120 steps a second, a frame every 10; 240 steps.
     cloth) run_filmed cloth 12 "$@" ;;
     fracture) run_filmed fracture 24 "$@" ;;
+    # 120 steps a second, a frame every 8.
+    leaves) run_filmed leaves 15 "$@" ;;
     through) run_through "$@" ;;
     pairs) "$root/build/demos/qc-pairs" "$@" ;;
     bench) run_bench "$@" ;;

@@ -16,10 +16,12 @@ namespace
 {
 struct Options
 {
-    // 120 steps a second: 12 frames.
-    qcDemoOptions common = {"out/leaves", 840, 10, qc_methodAuto, qc_deviceAuto, 0};
+    // 120 steps a second: 15 frames.
+    qcDemoOptions common = {"out/leaves", 840, 8, qc_methodAuto, qc_deviceAuto, 0};
     qcLeavesRequest world;
-    uint32_t compareEvery = 12; ///< frames from one on which all methods run to the next
+    uint32_t pcsEvery = 3;      ///< frames from one on which quick runs to the next; its PCS is drawn until then
+    uint32_t compareEvery = 35; ///< frames from one on which all methods run to the next
+    const char* record = nullptr;
     qcDetectDef request = qcDefaultDetectDef();
 };
 
@@ -43,6 +45,7 @@ class Demo
 
   private:
     bool Begin(qcLeavesRun* run);
+    void FindPcs();
     bool Compare(size_t frame, bool isLast, qcLeavesStep* measured);
     bool Draw(size_t frame);
 
@@ -54,6 +57,7 @@ class Demo
     qcLeavesPicture m_picture;
     qcBodyId m_tree{};
     std::vector<qcBodyId> m_leaves;
+    qcLeavesMarks m_pcs; ///< of quick, the last time
 };
 
 /// Adds the tree and the leaves to the comparison.
@@ -90,7 +94,16 @@ bool Demo::Begin(qcLeavesRun* run)
         added = m_comparison.Add(def, &m_leaves[i]);
     }
     run->triangles = m_leaves.size() * def.triangleCount;
-    return (added && m_comparison.Warm()) || qcDemo_Fail(m_comparison.Message());
+    bool begun = added && m_comparison.Warm() && (m_options.record == nullptr || m_comparison.Record(m_options.record));
+    return begun || qcDemo_Fail(m_comparison.Message());
+}
+
+void Demo::FindPcs()
+{
+    m_pcs.tree = m_comparison.Marked(qc_queryQuick, m_tree);
+    m_pcs.leaves.clear();
+    for (qcBodyId leaf : m_leaves)
+        m_pcs.leaves.push_back(m_comparison.Marked(qc_queryQuick, leaf));
 }
 
 /// Runs the methods on the present state.
@@ -105,23 +118,23 @@ bool Demo::Compare(size_t frame, bool isLast, qcLeavesStep* measured)
         done = m_comparison.SetVertices(m_leaves[i], positions);
     }
     done = done && m_comparison.RunEachStep(&measured->results);
-    if (frame % m_options.compareEvery == m_options.compareEvery - 1 || isLast)
+    bool isCompared = frame % m_options.compareEvery == m_options.compareEvery - 1 || isLast;
+    bool hasDevice = m_info.kind != qc_deviceNone;
+    if (isCompared && hasDevice)
         done = done && m_comparison.RunSampled(&measured->results) && m_comparison.CountMissed(&measured->results);
-    else
+    else if (frame % m_options.pcsEvery == 0 && hasDevice)
         done = done && m_comparison.Run(qc_queryQuick, &measured->results[qc_queryQuick]);
+    if (done && measured->results[qc_queryQuick].ran)
+        FindPcs();
     return done || qcDemo_Fail(m_comparison.Message());
 }
 
 bool Demo::Draw(size_t frame)
 {
-    qcLeavesMarks marks;
-    marks.tree = m_comparison.Marked(qc_queryQuick, m_tree);
-    for (qcBodyId leaf : m_leaves)
-        marks.leaves.push_back(m_comparison.Marked(qc_queryQuick, leaf));
     char name[64];
     std::snprintf(name, sizeof name, "/frame_%04zu.png", frame);
     std::string message;
-    return m_picture.Write(m_device, m_world, marks, std::string(m_options.common.out) + name, &message) ||
+    return m_picture.Write(m_device, m_world, m_pcs, std::string(m_options.common.out) + name, &message) ||
            qcDemo_Fail(message);
 }
 
@@ -146,8 +159,8 @@ bool Demo::Simulate(qcLeavesRun* run)
             return qcDemo_Fail(std::string("step ") + std::to_string(step) + ": " + qcLastMessage());
         bool isLast = step == m_options.common.steps;
         size_t frame = (step - 1) / m_options.common.frameEvery;
-        bool isFrame = m_info.kind != qc_deviceNone && (step % m_options.common.frameEvery == 0 || isLast);
-        if (isFrame && !(Compare(frame, isLast, &measured) && Draw(frame)))
+        bool isFrame = step % m_options.common.frameEvery == 0 || isLast;
+        if (isFrame && !(Compare(frame, isLast, &measured) && (m_info.kind == qc_deviceNone || Draw(frame))))
             return false;
         run->steps.push_back(measured);
         qcProgress_Update(step);
@@ -184,8 +197,13 @@ int main(int argumentCount, char** arguments)
          qcOption_Number(&options.world.leaves, 1, 10000)},
         {1, "seed", "N", "Of the tree, its leaves and when they let go; %s by default",
          qcOption_Number(&options.world.seed, 0, UINT32_MAX)},
+        {1, "pcs-every", "N",
+         "Frames from one on which quick runs to the next, its PCS in red until then; %s by default",
+         qcOption_Number(&options.pcsEvery, 1, 1000000)},
         {1, "compare-every", "N", "Frames from one on which all methods are compared to the next; %s by default",
          qcOption_Number(&options.compareEvery, 1, 1000000)},
+        {1, "record", "FILE", "Record the bodies of each frame for \"qc-bench paper\" in FILE",
+         qcOption_Text(&options.record)},
         {2, nullptr, nullptr, "For quick and cullide:", {}},
         {2, "views", "LETTERS", "Axes to look along; xyz by default", qcOption_Views(&options.request.views)},
         {2, "resolution", "N", "Pixels on a side, 1..4096; 4096 by default",

@@ -16,7 +16,7 @@ constexpr btScalar s_thickness = btScalar(0.006);  // of a leaf, m
 constexpr btScalar s_treeMargin = btScalar(0.004); // m
 constexpr btScalar s_leafMass = btScalar(0.003);   // kg
 constexpr btScalar s_springiness = btScalar(0.07);
-constexpr btScalar s_air = btScalar(1.2);          // kg/m3
+constexpr btScalar s_air = btScalar(1.2); // kg/m3
 
 // Gusts, in which most leaves let go.
 struct Gust

@@ -10,7 +10,7 @@
 
 enum
 {
-    qc_maxFields = 32
+    qc_maxFields = 64
 };
 
 typedef struct Row
