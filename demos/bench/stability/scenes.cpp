@@ -331,7 +331,7 @@ const std::vector<qcStabilitySceneDef>& qcStabilityScenes()
          "5 000 triangles, 200 pieces", qcFractureWorld::stepSeconds, 5, Make<Fracture>},
 #endif
         {"leaves", "leaves fall from a tree", "32 leaves", "384 leaves", qcLeavesWorld::stepSeconds, 12, Make<Leaves>,
-         "the wind blows on", false},
+         nullptr, false},
         {"meshes", "tori, balls and boxes of triangles fall into a heap", "40 meshes", "200 meshes", Rigid::stepSeconds,
          10, Make<Meshes>},
         {"boxes", "a wall and a tower of convex boxes", "60 boxes", "215 boxes", Rigid::stepSeconds, 2, Make<Boxes>},
