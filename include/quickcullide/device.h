@@ -113,7 +113,8 @@ typedef struct qcPictureMesh
     bool wireframe;     ///< draw the triangles' edges as thin darker lines
 } qcPictureMesh;
 
-/// A perspective picture of meshes over a plain background, lit from above the eye. Make it with qcDefaultPictureDef.
+/// A perspective picture of meshes over a plain background, lit by a light with soft shadows and by the sky with
+/// ambient occlusion. Make it with qcDefaultPictureDef.
 typedef struct qcPictureDef
 {
     uint32_t structSize;         ///< sizeof(qcPictureDef)
@@ -126,6 +127,16 @@ typedef struct qcPictureDef
     float background[3];         ///< linear RGB in 0..1
     const qcPictureMesh* meshes; ///< `meshCount` meshes
     uint32_t meshCount;          ///< number of meshes
+    uint8_t reserved[4];         ///< 0: padding of definitions in older headers
+    float light[3];              ///< direction towards the light, any length; 0: above the eye, from its left
+    float groundHeight;          ///< of the ground, along `up` from the origin, in scene units
+    float groundColor[3];        ///< linear RGB in 0..1
+    float groundTile;            ///< width of the tiles of a chequered ground, in scene units; 0: plain
+    /// Distance from `target` at which the ground has faded into the background, in scene units. 0: four pictures'
+    /// heights.
+    float groundExtent;
+    bool hasGround;       ///< draw a ground: a plane across `up`. It is left out if the eye is below it.
+    uint8_t reserved2[3]; ///< 0
 } qcPictureDef;
 
 /// The default picture: 1280 x 720 pixels, seen from (0, 0, 5) towards the origin, without meshes.
@@ -145,6 +156,17 @@ static inline qcPictureDef qcDefaultPictureDef(void)
     def.background[2] = 0.95f;
     def.meshes = NULL;
     def.meshCount = 0;
+    for (int i = 0; i < 4; i++)
+        def.reserved[i] = 0;
+    for (int axis = 0; axis < 3; axis++)
+    {
+        def.light[axis] = 0.0f;
+        def.groundColor[axis] = 0.6f;
+    }
+    def.groundHeight = def.groundTile = def.groundExtent = 0.0f;
+    def.hasGround = false;
+    for (int i = 0; i < 3; i++)
+        def.reserved2[i] = 0;
     return def;
 }
 

@@ -100,6 +100,8 @@ void qcGlFunctions_ResetState(const struct qcGlFunctions* gl)
     gl->BindVertexArray(0);
     gl->BindBuffer(GL_ARRAY_BUFFER, 0);
     gl->UseProgram(0);
+    gl->ActiveTexture(GL_TEXTURE0);
+    gl->BindTexture(GL_TEXTURE_2D, 0);
     gl->Disable(GL_DEPTH_TEST);
     gl->DepthMask(GL_TRUE);
     gl->DepthFunc(GL_LESS);

@@ -39,6 +39,7 @@
     X(PFNGLDEPTHFUNCPROC, DepthFunc)                                                                                   \
     X(PFNGLDEPTHMASKPROC, DepthMask)                                                                                   \
     X(PFNGLDISABLEPROC, Disable)                                                                                       \
+    X(PFNGLDRAWARRAYSPROC, DrawArrays)                                                                                 \
     X(PFNGLDRAWBUFFERPROC, DrawBuffer)                                                                                 \
     X(PFNGLDRAWELEMENTSPROC, DrawElements)                                                                             \
     X(PFNGLENABLEPROC, Enable)                                                                                         \
@@ -46,6 +47,7 @@
     X(PFNGLENDQUERYPROC, EndQuery)                                                                                     \
     X(PFNGLFLUSHPROC, Flush)                                                                                           \
     X(PFNGLFRAMEBUFFERRENDERBUFFERPROC, FramebufferRenderbuffer)                                                       \
+    X(PFNGLFRAMEBUFFERTEXTURE2DPROC, FramebufferTexture2D)                                                             \
     X(PFNGLFRONTFACEPROC, FrontFace)                                                                                   \
     X(PFNGLGENBUFFERSPROC, GenBuffers)                                                                                 \
     X(PFNGLGENFRAMEBUFFERSPROC, GenFramebuffers)                                                                       \
@@ -78,6 +80,8 @@
     X(PFNGLRENDERBUFFERSTORAGEMULTISAMPLEPROC, RenderbufferStorageMultisample)                                         \
     X(PFNGLSHADERSOURCEPROC, ShaderSource)                                                                             \
     X(PFNGLTEXBUFFERPROC, TexBuffer)                                                                                   \
+    X(PFNGLTEXIMAGE2DPROC, TexImage2D)                                                                                 \
+    X(PFNGLTEXPARAMETERIPROC, TexParameteri)                                                                           \
     X(PFNGLUNIFORM1FPROC, Uniform1f)                                                                                   \
     X(PFNGLUNIFORM1IPROC, Uniform1i)                                                                                   \
     X(PFNGLUNIFORM1UIPROC, Uniform1ui)                                                                                 \
@@ -92,8 +96,8 @@
 
 enum
 {
-    // A handful: one for each way of drawing that the library has.
-    qc_maxPrograms = 16
+    // One for each kernel and each way of drawing that the library has.
+    qc_maxPrograms = 24
 };
 
 /// Programs live as long as their device: compiling a program takes longer than drawing with it.

@@ -62,7 +62,9 @@ typedef struct qcBodyRecord
 typedef enum qcPositionCoding
 {
     qc_codingF32 = 0, ///< as they are
-    qc_codingF64 = 1
+    qc_codingF64 = 1,
+    qc_codingPackedF32 = 2, ///< position_coding.h, from the body's last two positions of this type
+    qc_codingPackedF64 = 3
 } qcPositionCoding;
 
 /// Then the positions.

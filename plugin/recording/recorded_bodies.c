@@ -15,12 +15,14 @@ qcStatus qcRecordedBodies_Add(qcRecordedBodies* bodies, uint32_t slot, bool defo
     if (free == bodies->slots.count)
         QC_TRY(qcArray_GrowZeroed(&bodies->slots, (size_t)free + 1, sizeof(qcRecordedBody), "the recorded bodies"));
     qcRecordedBody* body = &QC_AT(qcRecordedBody, bodies->slots, slot);
-    *body = (qcRecordedBody){body->generation + 1, deforming, vertexCount};
+    body->generation++;
+    body->deforming = deforming;
+    body->vertexCount = vertexCount;
     bodies->lowestFree = slot + 1;
     return qc_statusOk;
 }
 
-qcStatus qcRecordedBodies_Find(const qcRecordedBodies* bodies, uint32_t slot, const qcRecordedBody** body)
+qcStatus qcRecordedBodies_Find(const qcRecordedBodies* bodies, uint32_t slot, qcRecordedBody** body)
 {
     if (slot >= bodies->slots.count || (QC_AT(qcRecordedBody, bodies->slots, slot).generation & 1) == 0)
         return qcFail(qc_statusFile, "body %u is not there", slot);
@@ -30,9 +32,10 @@ qcStatus qcRecordedBodies_Find(const qcRecordedBodies* bodies, uint32_t slot, co
 
 qcStatus qcRecordedBodies_Remove(qcRecordedBodies* bodies, uint32_t slot)
 {
-    const qcRecordedBody* body;
+    qcRecordedBody* body = NULL;
     QC_TRY(qcRecordedBodies_Find(bodies, slot, &body));
-    QC_AT(qcRecordedBody, bodies->slots, slot).generation++;
+    qcPositionHistory_Free(&body->positions);
+    body->generation++;
     if (slot < bodies->lowestFree)
         bodies->lowestFree = slot;
     return qc_statusOk;
@@ -61,6 +64,8 @@ void qcRecordedBodies_Free(qcRecordedBodies* bodies)
         qcIndexSet* set = &QC_AT(qcIndexSet, bodies->indexSets, i);
         qcFree(set->indices, 3 * sizeof(uint32_t) * set->triangleCount);
     }
+    for (size_t i = 0; i < bodies->slots.count; i++)
+        qcPositionHistory_Free(&QC_AT(qcRecordedBody, bodies->slots, i).positions);
     qcArray_Free(&bodies->indexSets);
     qcArray_Free(&bodies->slots);
 }

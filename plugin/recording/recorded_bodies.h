@@ -4,12 +4,14 @@
 
 #include "base/memory.h"
 #include "quickcullide/recording.h"
+#include "recording/position_coding.h"
 
 typedef struct qcRecordedBody
 {
     uint32_t generation; ///< odd while the body is there, as in a scene
     bool deforming;
     uint32_t vertexCount;
+    qcPositionHistory positions; ///< of deforming bodies
 } qcRecordedBody;
 
 /// Indices that several bodies may have.
@@ -29,7 +31,7 @@ typedef struct qcRecordedBodies
 
 /// The messages of all functions name the body.
 qcStatus qcRecordedBodies_Add(qcRecordedBodies* bodies, uint32_t slot, bool deforming, uint32_t vertexCount);
-qcStatus qcRecordedBodies_Find(const qcRecordedBodies* bodies, uint32_t slot, const qcRecordedBody** body);
+qcStatus qcRecordedBodies_Find(const qcRecordedBodies* bodies, uint32_t slot, qcRecordedBody** body);
 qcStatus qcRecordedBodies_Remove(qcRecordedBodies* bodies, uint32_t slot);
 /// Copies indices as the next set.
 qcStatus qcRecordedBodies_AddIndices(qcRecordedBodies* bodies, const uint32_t* indices, uint32_t triangleCount);

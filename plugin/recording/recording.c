@@ -123,6 +123,13 @@ static qcStatus TakeIndices(qcRecordedBodies* bodies, Data* data, const qcBodyRe
     return qc_statusOk;
 }
 
+static qcStatus StartHistory(qcRecordedBody* body, const void* positions, qcPositionType type)
+{
+    if (qcPositionHistory_Start(&body->positions, positions, type, 0, body->vertexCount))
+        return qc_statusOk;
+    return qcFailMemory(6 * sizeof(double) * body->vertexCount, "recorded positions");
+}
+
 static qcStatus ReadAddBody(qcRecording* recording, qcOperation* operation)
 {
     Data data = DataOf(&recording->record);
@@ -149,11 +156,26 @@ static qcStatus ReadAddBody(qcRecording* recording, qcOperation* operation)
     def->margin = record.margin;
     uint32_t slot = recording->record.head.slot;
     QC_TRY(qcRecordedBodies_Add(&recording->bodies, slot, def->deforming, def->vertexCount));
-    operation->id = (qcBodyId){slot, QC_AT(qcRecordedBody, recording->bodies.slots, slot).generation};
-    return qc_statusOk;
+    qcRecordedBody* body = &QC_AT(qcRecordedBody, recording->bodies.slots, slot);
+    operation->id = (qcBodyId){slot, body->generation};
+    return def->deforming ? StartHistory(body, def->positions, def->positionType) : qc_statusOk;
 }
 
-static qcStatus ReadSetVertices(const qcRecording* recording, const qcRecordedBody* body, qcOperation* operation)
+/// Positions that are coded as differences.
+static qcStatus Unpack(qcRecordedBody* body, Data* data, qcOperation* operation)
+{
+    qcPositionHistory* history = &body->positions;
+    if (history->type != operation->positionType)
+        return qcFail(qc_statusFile, "its positions are differences to positions of another type");
+    size_t size = qcPositions_Decode(history, (const unsigned char*)data->at, data->left);
+    if (body->vertexCount != 0 && size == 0)
+        return qcFail(qc_statusFile, "its positions are damaged");
+    Take(data, size);
+    operation->positions = history->last;
+    return CheckDone(data);
+}
+
+static qcStatus ReadSetVertices(const qcRecording* recording, qcRecordedBody* body, qcOperation* operation)
 {
     Data data = DataOf(&recording->record);
     qcVerticesRecord record;
@@ -163,11 +185,15 @@ static qcStatus ReadSetVertices(const qcRecording* recording, const qcRecordedBo
     if (record.vertexCount != body->vertexCount)
         return qcFail(qc_statusFile, "body %u has %u vertices, not %u", recording->record.head.slot, body->vertexCount,
                       record.vertexCount);
-    if (record.coding > qc_codingF64)
+    if (record.coding > qc_codingPackedF64)
         return qcFail(qc_statusFile, "unknown coding %u", record.coding);
+    bool isPacked = record.coding >= qc_codingPackedF32;
     operation->vertexCount = record.vertexCount;
-    operation->positionType = record.coding == qc_codingF64 ? qc_positionF64 : qc_positionF32;
+    operation->positionType = record.coding % 2 == qc_codingF64 ? qc_positionF64 : qc_positionF32;
+    if (isPacked)
+        return Unpack(body, &data, operation);
     QC_TRY(TakePositions(&data, record.vertexCount, operation->positionType, &operation->positions));
+    QC_TRY(StartHistory(body, operation->positions, operation->positionType));
     return CheckDone(&data);
 }
 
@@ -176,7 +202,7 @@ static qcStatus ReadChange(qcRecording* recording, qcOperation* operation)
 {
     const qcRecord* record = &recording->record;
     uint32_t slot = record->head.slot;
-    const qcRecordedBody* body;
+    qcRecordedBody* body;
     QC_TRY(qcRecordedBodies_Find(&recording->bodies, slot, &body));
     operation->id = (qcBodyId){slot, body->generation};
     qcWordsRecord words = {{0}};

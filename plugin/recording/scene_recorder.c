@@ -4,6 +4,7 @@
 #include "base/status.h"
 #include "quickcullide/recording.h"
 #include "recording/format.h"
+#include "recording/position_coding.h"
 #include "recording/record_writer.h"
 #include "recording/rejected_pairs.h"
 #include "recording/snapshot.h"
@@ -24,6 +25,7 @@ struct qcSceneRecorder
 {
     qcRecordWriter writer;
     qcBytes indexSets; ///< of IndexSet, in the order in which they were written
+    qcBytes histories; ///< of qcPositionHistory, by slot; empty for rigid bodies
     qcRejectedPairs rejected;
     bool hasFilter; ///< of the detection that runs
 };
@@ -53,8 +55,17 @@ static qcStatus Open(const char* path, bool* exists, qcDevice* device, qcSceneRe
     return qc_statusOk;
 }
 
+static qcPositionHistory* HistoriesOf(const qcSceneRecorder* recorder)
+{
+    return (qcPositionHistory*)(void*)recorder->histories.data;
+}
+
 static void Free(qcSceneRecorder* recorder)
 {
+    qcPositionHistory* histories = HistoriesOf(recorder);
+    for (size_t i = 0; i < recorder->histories.count / sizeof *histories; i++)
+        qcPositionHistory_Free(&histories[i]);
+    qcBytes_Free(&recorder->histories);
     qcBytes_Free(&recorder->indexSets);
     qcRejectedPairs_Free(&recorder->rejected);
     qcFree(recorder, sizeof *recorder);
@@ -154,6 +165,30 @@ static uint32_t FindIndexSet(qcSceneRecorder* recorder, const qcBodyDef* def, bo
     return (uint32_t)i;
 }
 
+/// The history of a slot; null: out of memory, recording has stopped.
+static qcPositionHistory* HistoryOf(qcSceneRecorder* recorder, uint32_t slot)
+{
+    size_t end = (slot + (size_t)1) * sizeof(qcPositionHistory), count = recorder->histories.count;
+    void* room = end > count ? qcBytes_Extend(&recorder->histories, end - count) : recorder->histories.data;
+    if (room == NULL)
+    {
+        qcRecordWriter_Stop(&recorder->writer, qc_statusOutOfMemory, "out of memory: the list of bodies");
+        return NULL;
+    }
+    if (end > count)
+        memset(room, 0, end - count);
+    return HistoriesOf(recorder) + slot;
+}
+
+/// Positions to which the next ones are compared.
+static void StartHistory(qcSceneRecorder* recorder, uint32_t slot, const void* positions, qcPositionType type,
+                         size_t stride, uint32_t count)
+{
+    qcPositionHistory* history = HistoryOf(recorder, slot);
+    if (history != NULL && !qcPositionHistory_Start(history, positions, type, stride, count))
+        qcRecordWriter_Stop(&recorder->writer, qc_statusOutOfMemory, "out of memory: positions of body %u", slot);
+}
+
 void qcSceneRecorder_AddBody(qcSceneRecorder* recorder, uint32_t slot, const qcBodyDef* def)
 {
     qcRecordWriter* writer = &recorder->writer;
@@ -178,6 +213,8 @@ void qcSceneRecorder_AddBody(qcSceneRecorder* recorder, uint32_t slot, const qcB
     if (isNew)
         qcRecordWriter_Put(writer, def->indices, 3 * sizeof(uint32_t) * def->triangleCount);
     qcRecordWriter_End(writer);
+    if (def->deforming)
+        StartHistory(recorder, slot, def->positions, def->positionType, def->positionStride, def->vertexCount);
 }
 
 /// A record with a few bytes of data, or none.
@@ -201,11 +238,28 @@ void qcSceneRecorder_SetTransform(qcSceneRecorder* recorder, uint32_t slot, cons
 void qcSceneRecorder_SetVertices(qcSceneRecorder* recorder, uint32_t slot, const void* positions, qcPositionType type,
                                  size_t stride, uint32_t count)
 {
-    const qcVerticesRecord record = {type == qc_positionF64 ? qc_codingF64 : qc_codingF32, count};
-    qcRecordWriter_Begin(&recorder->writer, qc_operationSetVertices, slot);
-    qcRecordWriter_Put(&recorder->writer, &record, sizeof record);
-    PutPositions(&recorder->writer, positions, type, stride, count);
-    qcRecordWriter_End(&recorder->writer);
+    qcRecordWriter* writer = &recorder->writer;
+    qcPositionHistory* history = writer->file != NULL ? HistoryOf(recorder, slot) : NULL;
+    if (history == NULL)
+        return;
+    bool isPacked = history->last != NULL && history->type == type && history->vertexCount == count;
+    qcVerticesRecord record = {type == qc_positionF64 ? qc_codingF64 : qc_codingF32, count};
+    record.coding += isPacked ? (uint32_t)qc_codingPackedF32 : 0;
+    qcRecordWriter_Begin(writer, qc_operationSetVertices, slot);
+    qcRecordWriter_Put(writer, &record, sizeof record);
+    if (!isPacked)
+    {
+        PutPositions(writer, positions, type, stride, count);
+        StartHistory(recorder, slot, positions, type, stride, count);
+    }
+    else
+    {
+        size_t maxSize = qcPositions_MaxSize(history);
+        unsigned char* room = qcRecordWriter_Extend(writer, maxSize);
+        if (room != NULL)
+            writer->buffer.count -= maxSize - qcPositions_Encode(history, positions, stride, room);
+    }
+    qcRecordWriter_End(writer);
 }
 
 void qcSceneRecorder_SetActivity(qcSceneRecorder* recorder, uint32_t slot, qcActivity activity)

@@ -63,14 +63,6 @@ const float* qcDemoFrame::Place(const btVector3* vertices, size_t count, const b
 bool qcDemoFrame::Draw(qcDevice* device, bool showsPcs, uint32_t left, uint32_t imageWidth, std::string* message)
 {
     m_pictureMeshes.clear();
-    std::vector<float> floorPositions;
-    std::vector<uint32_t> floorIndices;
-    qcAddFloor(0, 0, 40, &floorPositions, &floorIndices);
-    for (size_t i = 1; i < floorPositions.size(); i += 3)
-        floorPositions[i] = ground.height;
-    if (ground.isDrawn)
-        m_pictureMeshes.push_back(
-            qcPlainMesh(floorPositions, floorIndices, ground.color[0], ground.color[1], ground.color[2]));
     for (const qcFrameMesh& mesh : m_meshes)
     {
         m_pictureMeshes.push_back(PictureMesh(mesh));
@@ -84,6 +76,12 @@ bool qcDemoFrame::Draw(qcDevice* device, bool showsPcs, uint32_t left, uint32_t 
     std::copy_n(camera.target, 3, def.target);
     def.fieldOfView = camera.fieldOfView;
     std::copy_n(background, 3, def.background);
+    std::copy_n(light, 3, def.light);
+    def.hasGround = ground.isDrawn;
+    def.groundHeight = ground.height;
+    def.groundTile = ground.tile;
+    def.groundExtent = ground.extent;
+    std::copy_n(ground.color, 3, def.groundColor);
     def.meshes = m_pictureMeshes.data();
     def.meshCount = uint32_t(m_pictureMeshes.size());
     return qcDrawInto(device, def, &m_image, imageWidth, left, message);

@@ -1,0 +1,112 @@
+// The bodies of the breaking scene in a comparison of all methods.
+#include "breaking/comparison.h"
+
+#include "quickcullide/bullet_positions.h"
+
+namespace
+{
+qcTransform TransformOf(const btTransform& place)
+{
+    qcTransform transform;
+    for (int i = 0; i < 9; i++)
+        transform.linear[i] = double(place.getBasis()[i / 3][i % 3]);
+    for (int axis = 0; axis < 3; axis++)
+        transform.translation[axis] = double(place.getOrigin()[axis]);
+    return transform;
+}
+
+qcBodyDef BodyOf(const qcMeshShape& shape, const btTransform& place, qcActivity activity)
+{
+    qcBodyDef def = qcDefaultBodyDef();
+    def.positions = shape.getVertices();
+    def.positionType = qcBulletPositions;
+    def.positionStride = sizeof(btVector3);
+    def.vertexCount = shape.getVertexCount();
+    def.indices = shape.getIndices();
+    def.triangleCount = shape.getTriangleCount();
+    def.selfCollision = false;
+    def.transform = TransformOf(place);
+    def.activity = activity;
+    return def;
+}
+} // namespace
+
+bool qcBreakingComparison::Add(const qcMeshShape& shape, const btTransform& place, qcActivity activity, qcBodyId* id)
+{
+    return m_comparison.Add(BodyOf(shape, place, activity), id);
+}
+
+bool qcBreakingComparison::Begin(const char* record)
+{
+    const qcBreakingModel& model = m_world.Model();
+    size_t count = model.shapes.size();
+    m_pieces.resize(count);
+    m_isStanding.assign(count, true);
+    bool added = Add(*model.bunny.shape, m_world.BunnyPlace(), qc_activityMoving, &m_bunny);
+    for (uint32_t i = 0; i < count && added; i++)
+    {
+        m_places.push_back(m_world.PiecePlace(i));
+        added = Add(*model.shapes[i], m_places[i], qc_activityStatic, &m_pieces[i]);
+    }
+    return added && m_comparison.Warm() && (record == nullptr || m_comparison.Record(record));
+}
+
+/// Takes over what has moved and what has broken off.
+bool qcBreakingComparison::Place()
+{
+    bool done = m_comparison.SetTransform(m_bunny, TransformOf(m_world.BunnyPlace()));
+    for (uint32_t i = 0; i < m_pieces.size() && done; i++)
+    {
+        if (m_isStanding[i] && m_world.PieceState(i) != qc_pieceStanding)
+        {
+            m_isStanding[i] = false;
+            done = m_comparison.SetActivity(m_pieces[i], qc_activityMoving);
+        }
+        btTransform place = m_world.PiecePlace(i);
+        if (done && !(place == m_places[i]))
+            done = m_comparison.SetTransform(m_pieces[i], TransformOf(place));
+        m_places[i] = place;
+    }
+    return done;
+}
+
+bool qcBreakingComparison::Run(bool compareAll, qcQueryResults* results)
+{
+    return Place() && m_comparison.RunEachStep(results) &&
+           (!compareAll || (m_comparison.RunSampled(results) && m_comparison.CountMissed(results)));
+}
+
+qcBreakingMarks qcBreakingComparison::Marks(qcComparedQuery query) const
+{
+    qcBreakingMarks marks;
+    marks.bunny = m_comparison.Marked(query, m_bunny);
+    for (qcBodyId piece : m_pieces)
+        marks.pieces.push_back(m_comparison.Marked(query, piece));
+    return marks;
+}
+
+bool qcCountPenetrating(const qcBreakingWorld& world, size_t* pairs)
+{
+    const qcBreakingModel& model = world.Model();
+    qcSceneDef sceneDef = qcDefaultSceneDef();
+    qcScene* scene = nullptr;
+    qcBodyId id;
+    qcStatus status = qcScene_Create(&sceneDef, &scene);
+    qcBodyDef bunny = BodyOf(*model.bunny.shape, world.BunnyPlace(), qc_activityMoving);
+    if (status == qc_statusOk)
+        status = qcScene_AddBody(scene, &bunny, &id);
+    for (uint32_t i = 0; i < model.shapes.size() && status == qc_statusOk; i++)
+    {
+        bool stands = world.PieceState(i) == qc_pieceStanding;
+        qcBodyDef def = BodyOf(*model.shapes[i], world.PiecePlace(i), stands ? qc_activityStatic : qc_activityMoving);
+        status = qcScene_AddBody(scene, &def, &id);
+    }
+    qcDetectDef def = qcDefaultDetectDef();
+    const qcResult* result = nullptr;
+    if (status == qc_statusOk)
+        status = qcScene_Detect(scene, &def, &result);
+    if (status == qc_statusOk)
+        *pairs = result->pairCount;
+    qcScene_Destroy(scene);
+    return status == qc_statusOk;
+}

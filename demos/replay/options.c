@@ -1,0 +1,64 @@
+// The command line of qc-replay.
+#include "replay/replay.h"
+
+#include "common/options.h"
+
+#include <stdlib.h>
+
+static const qcWord s_methods[] = {{"recorded", qc_recordedMethod}, {"brute", qc_methodBrute},
+                                   {"sweep", qc_methodSweep},       {"layers", qc_methodLayers},
+                                   {"quick", qc_methodQuick},       {"cullide", qc_methodCullide},
+                                   {"auto", qc_methodAuto},         {NULL, 0}};
+
+static void CheckTogether(const struct argp_state* state, void* context)
+{
+    qcReplayOptions* options = context;
+    options->method = qcOption_ReadWord(state, "--method", options->methodName, s_methods);
+    if (options->deviceName != NULL)
+        options->device = (qcDeviceKind)qcOption_ReadWord(state, "--device", options->deviceName, qcDeviceWords);
+    if (options->from > options->to)
+        argp_error(state, "--from: %u lies behind --to, %u", options->from, options->to);
+}
+
+static const char s_help[] =
+    "Replays a recording of a scene: qcScene_Record or QC_RECORD=PREFIX in the environment of any program writes it. "
+    "The results are compared with the recorded ones by their hashes. Methods that sample (quick, cullide) find the "
+    "intersecting pairs only, and are compared with the sweep: the pairs that they miss are counted.\v"
+    "Exit status: 0 all results are the recorded ones; 1 some differ, or output could not be written; 2 a mistake on "
+    "the command line; 3 the recording can't be read, or is damaged: what lies before the damage is replayed; 4 the "
+    "device does not work here.";
+
+void qcReplay_ReadOptions(int argumentCount, char** arguments, qcReplayOptions* options)
+{
+    *options = (qcReplayOptions){.methodName = "recorded", .threads = qc_recordedThreads, .from = 1, .to = UINT32_MAX};
+    const qcOption rows[] = {
+        {1, "method", "METHOD",
+         "recorded (the default), brute, sweep, layers, quick (Quick-CULLIDE), cullide (CULLIDE) or auto",
+         qcOption_Text(&options->methodName)},
+        {1, "threads", "N", "Threads; 0: one per core. By default as recorded",
+         qcOption_Number(&options->threads, 0, qc_maxThreads)},
+        {1, "device", "DEVICE",
+         "What layers, quick and cullide draw with: auto (the default), egl (a GPU), osmesa or surfaceless (software), "
+         "or none (sweep then answers for them)",
+         qcOption_Text(&options->deviceName)},
+        {1, "from", "N", "The first detection to run; they count from 1",
+         qcOption_Number(&options->from, 1, UINT32_MAX)},
+        {1, "to", "N", "The last detection to run; by default all", qcOption_Number(&options->to, 1, UINT32_MAX)},
+        {.group = 2, .help = "Output:"},
+        {2, "each", NULL, "Print a line for each detection, not only for those that differ",
+         qcOption_Flag(&options->each, true)},
+        {2, "list", NULL, "Print the operations, and replay nothing", qcOption_Flag(&options->list, true)},
+        {2, "csv", "FILE", "Write a line for each detection: times, counts, what differs",
+         qcOption_Text(&options->csv)},
+        {0},
+    };
+    qcCommandLine line = {
+        .options = rows, .help = s_help, .arguments = "FILE", .complete = CheckTogether, .context = options};
+    qcCommandLine_Parse(&line, argumentCount, arguments);
+    if (line.pathCount > 1)
+    {
+        fprintf(stderr, "%s: one recording at a time, please: '%s' follows\n", arguments[0], line.paths[1]);
+        exit(qc_exitUsage);
+    }
+    options->path = line.paths[0];
+}

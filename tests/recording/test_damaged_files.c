@@ -1,0 +1,272 @@
+// A recording is read as far as it is whole, and the message names the operation and the byte where it is not.
+#include "recording/random_history.h"
+#include "recording/xxh64.h"
+#include "support/suite.h"
+
+#include <stdio.h>
+#include <unistd.h>
+
+typedef struct Bytes
+{
+    unsigned char* data;
+    size_t size;
+} Bytes;
+
+static char s_path[64];
+
+static Bytes ReadFile(const char* path)
+{
+    FILE* file = fopen(path, "rb");
+    ck_assert_ptr_nonnull(file);
+    fseek(file, 0, SEEK_END);
+    Bytes bytes = {NULL, (size_t)ftell(file)};
+    rewind(file);
+    bytes.data = malloc(bytes.size);
+    ck_assert_ptr_nonnull(bytes.data);
+    ck_assert_uint_eq(fread(bytes.data, 1, bytes.size, file), bytes.size);
+    fclose(file);
+    return bytes;
+}
+
+static void WriteFile(const unsigned char* data, size_t size)
+{
+    FILE* file = fopen(s_path, "wb");
+    ck_assert_ptr_nonnull(file);
+    ck_assert_uint_eq(fwrite(data, 1, size, file), size);
+    fclose(file);
+}
+
+/// A small history with every kind of operation; the file's bytes.
+static Bytes MakeRecording(void)
+{
+    snprintf(s_path, sizeof s_path, "damaged.%d.qcr", (int)getpid());
+    qcScene* scene = qcMakeScene(NULL);
+    CHECK_OK(qcScene_Record(scene, s_path));
+    History history = History_Start(11, scene, 1);
+    for (int i = 0; i < 8; i++)
+        History_Step(&history);
+    qcScene_Destroy(scene);
+    History_End(&history);
+    return ReadFile(s_path);
+}
+
+/// Reads a file to its end, applying the operations; the number of those that were read. The status is that of the
+/// call that failed.
+static uint64_t ReadAll(qcStatus* status, bool* isComplete)
+{
+    qcRecording* recording = NULL;
+    *isComplete = false;
+    *status = qcRecording_Open(s_path, &recording);
+    uint64_t count = 0;
+    const qcOperation* operation;
+    qcScene* scene = qcMakeScene(NULL);
+    while (*status == qc_statusOk)
+    {
+        *status = qcRecording_Next(recording, &operation);
+        if (*status != qc_statusOk)
+            // The recording stays where it is.
+            ck_assert_int_eq(qcRecording_Next(recording, &operation), *status);
+        else if (operation->kind == qc_operationEnd)
+        {
+            *isComplete = operation->isComplete;
+            break;
+        }
+        else
+        {
+            qcOperation_Apply(operation, scene, NULL);
+            count++;
+        }
+    }
+    qcScene_Destroy(scene);
+    qcRecording_Close(recording);
+    return count;
+}
+
+START_TEST(each_flipped_byte_is_found_and_named)
+{
+    Bytes whole = MakeRecording();
+    qcStatus status;
+    bool isComplete;
+    uint64_t operations = ReadAll(&status, &isComplete), previous = 0;
+    ck_assert(status == qc_statusOk && isComplete);
+    for (size_t i = 0; i < whole.size; i++)
+    {
+        whole.data[i] ^= (unsigned char)(1u << i % 8);
+        WriteFile(whole.data, whole.size);
+        whole.data[i] ^= (unsigned char)(1u << i % 8);
+        uint64_t count = ReadAll(&status, &isComplete);
+        ck_assert_msg(status == qc_statusFile, "byte %zu: status %d", i, (int)status);
+        // What lies before the damage is read.
+        ck_assert_uint_ge(count, previous);
+        previous = count;
+        if (i < 24)
+            ck_assert_ptr_nonnull(strstr(qcLastMessage(), i < 8 ? "is no recording" : "bytes 0 to 23"));
+        else
+        {
+            unsigned long long operation, byte;
+            const char* place = strstr(qcLastMessage(), "operation ");
+            ck_assert_msg(place != NULL && sscanf(place, "operation %llu at byte %llu:", &operation, &byte) == 2, "%s",
+                          qcLastMessage());
+            ck_assert_uint_eq(operation, count);
+            ck_assert_uint_le(byte, i);
+        }
+    }
+    ck_assert_uint_eq(previous, operations);
+    ck_assert_uint_eq(qcGetByteCount(), 0);
+    free(whole.data);
+    remove(s_path);
+}
+END_TEST
+
+START_TEST(a_file_cut_anywhere_is_read_up_to_the_cut)
+{
+    Bytes whole = MakeRecording();
+    qcStatus status;
+    bool isComplete;
+    uint64_t operations = ReadAll(&status, &isComplete), previous = 0;
+    size_t clean = 0;
+    for (size_t size = 0; size < whole.size; size++)
+    {
+        WriteFile(whole.data, size);
+        uint64_t count = ReadAll(&status, &isComplete);
+        ck_assert(!isComplete);
+        ck_assert_uint_ge(count, previous);
+        previous = count;
+        // Between two records nothing is missing but the end.
+        clean += status == qc_statusOk;
+        if (status != qc_statusOk)
+        {
+            ck_assert_int_eq(status, qc_statusFile);
+            char place[64];
+            snprintf(place, sizeof place, "at byte %zu", size);
+            ck_assert_msg(strstr(qcLastMessage(), size < 8 ? "is no recording" : place) != NULL, "%zu: %s", size,
+                          qcLastMessage());
+        }
+    }
+    ck_assert_uint_eq(previous, operations);
+    // Behind each operation, and between a detection and its result.
+    ck_assert_uint_ge(clean, operations);
+    free(whole.data);
+    remove(s_path);
+}
+END_TEST
+
+/// Corrects the hashes of all records, up to one that reaches beyond the end.
+static void Rehash(Bytes* bytes)
+{
+    size_t at = 24;
+    for (uint64_t number = 0; at + 24 <= bytes->size; number++)
+    {
+        uint64_t size;
+        memcpy(&size, bytes->data + at + 8, sizeof size);
+        if (size > bytes->size - at - 24)
+            return;
+        uint64_t hash = qcXxh64(bytes->data + at, 16 + (size_t)size, number);
+        memcpy(bytes->data + at + 16 + size, &hash, sizeof hash);
+        at += 24 + (size_t)size;
+    }
+}
+
+/// QC_TEST_FILES: the number of files.
+START_TEST(forged_files_with_right_hashes_crash_nothing)
+{
+    Bytes whole = MakeRecording();
+    unsigned char* data = malloc(whole.size);
+    ck_assert_ptr_nonnull(data);
+    const char* files = getenv("QC_TEST_FILES");
+    long count = files != NULL ? atol(files) : 4000;
+    qcRandom random = {files != NULL ? (uint64_t)count : 1};
+    size_t refused = 0;
+    for (long i = 0; i < count; i++)
+    {
+        memcpy(data, whole.data, whole.size);
+        Bytes forged = {data, whole.size};
+        for (uint32_t k = 1 + qcRandom_Below(&random, 3); k > 0; k--)
+        {
+            size_t at = 24 + qcRandom_Below(&random, (uint32_t)whole.size - 24);
+            // Numbers in the head and in front of the data are what sizes are computed from.
+            unsigned char byte = (unsigned char)qcRandom_Below(&random, 256);
+            data[at] = qcRandom_Below(&random, 2) == 0 ? byte : (unsigned char)(data[at] + byte % 3 - 1);
+            if (qcRandom_Below(&random, 8) == 0)
+                memset(data + at, byte % 2 == 0 ? 0xff : 0x00, whole.size - at < 4 ? whole.size - at : 4);
+        }
+        Rehash(&forged);
+        WriteFile(data, whole.size);
+        qcStatus status;
+        bool isComplete;
+        ReadAll(&status, &isComplete);
+        refused += status != qc_statusOk;
+        ck_assert_uint_eq(qcGetByteCount(), 0);
+    }
+    ck_assert_uint_gt(refused, 0);
+    ck_assert_uint_lt(refused, (size_t)count);
+    free(data);
+    free(whole.data);
+    remove(s_path);
+}
+END_TEST
+
+START_TEST(what_is_no_recording_is_refused_with_its_name)
+{
+    qcRecording* recording = NULL;
+    ck_assert_int_eq(qcRecording_Open("/no/such/file.qcr", &recording), qc_statusFile);
+    ck_assert_ptr_nonnull(strstr(qcLastMessage(), "/no/such/file.qcr can't be opened: No such file"));
+    ck_assert_int_eq(qcRecording_Open("/", &recording), qc_statusFile);
+    ck_assert_ptr_nonnull(strstr(qcLastMessage(), "/ can't be read: Is a directory"));
+    ck_assert_int_eq(qcRecording_Open(NULL, &recording), qc_statusBadInput);
+    ck_assert_int_eq(qcRecording_Open("/", NULL), qc_statusBadInput);
+    const qcOperation* operation;
+    ck_assert_int_eq(qcRecording_Next(NULL, &operation), qc_statusBadInput);
+    ck_assert_int_eq(qcOperation_Apply(NULL, NULL, NULL), qc_statusBadInput);
+    ck_assert_ptr_null(recording);
+    qcRecording_Close(NULL);
+}
+END_TEST
+
+START_TEST(a_newer_format_is_refused_with_both_versions)
+{
+    Bytes whole = MakeRecording();
+    uint32_t version = 2;
+    memcpy(whole.data + 8, &version, sizeof version);
+    uint64_t hash = qcXxh64(whole.data, 16, 0);
+    memcpy(whole.data + 16, &hash, sizeof hash);
+    WriteFile(whole.data, whole.size);
+    qcRecording* recording;
+    ck_assert_int_eq(qcRecording_Open(s_path, &recording), qc_statusFile);
+    ck_assert_ptr_nonnull(strstr(qcLastMessage(), "the format is version 2"));
+    ck_assert_ptr_nonnull(strstr(qcLastMessage(), "reads version 1"));
+    free(whole.data);
+    remove(s_path);
+}
+END_TEST
+
+START_TEST(an_operation_on_a_body_that_is_missing_is_named)
+{
+    snprintf(s_path, sizeof s_path, "missing.%d.qcr", (int)getpid());
+    qcScene* scene = qcMakeScene(NULL);
+    CHECK_OK(qcScene_Record(scene, s_path));
+    qcSoup soup = qcSoup_MakeGrid(2);
+    qcBodyId id = qcAddSoup(scene, &soup);
+    CHECK_OK(qcScene_SetMargin(scene, id, 0.5));
+    qcScene_Destroy(scene);
+    qcSoup_Free(&soup);
+    Bytes bytes = ReadFile(s_path);
+    // The margin's record is the last but one: 16 + 8 + 8 bytes before 24 of the end.
+    uint32_t slot = 3;
+    memcpy(bytes.data + bytes.size - 24 - 32 + 4, &slot, sizeof slot);
+    Rehash(&bytes);
+    WriteFile(bytes.data, bytes.size);
+    qcStatus status;
+    bool isComplete;
+    ck_assert_uint_eq(ReadAll(&status, &isComplete), 1);
+    char expected[64];
+    snprintf(expected, sizeof expected, "operation 1 at byte %zu: body 3 is not there", bytes.size - 24 - 32);
+    ck_assert_msg(strstr(qcLastMessage(), expected) != NULL, "%s", qcLastMessage());
+    free(bytes.data);
+    remove(s_path);
+}
+END_TEST
+
+QC_RUN_TESTS("damaged_files", each_flipped_byte_is_found_and_named, a_file_cut_anywhere_is_read_up_to_the_cut,
+             forged_files_with_right_hashes_crash_nothing, what_is_no_recording_is_refused_with_its_name,
+             a_newer_format_is_refused_with_both_versions, an_operation_on_a_body_that_is_missing_is_named)
