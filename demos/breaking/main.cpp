@@ -83,12 +83,15 @@ bool Demo::Step(qcBreakingRun* run)
     return done || qcDemo_Fail("step " + std::to_string(run->rows.size()) + ": " + message);
 }
 
-/// Compares the methods on the present state, and draws it with a PCS.
+/// Compares the methods on the present state, and draws it with a PCS. Without a device it is only recorded.
 bool Demo::Frame(size_t frame, bool isLast, qcQueryResults* results)
 {
-    bool comparesAll = frame % m_options.compareEvery == m_options.compareEvery - 1 || isLast;
+    bool hasDevice = m_info.kind != qc_deviceNone;
+    bool comparesAll = hasDevice && (frame % m_options.compareEvery == m_options.compareEvery - 1 || isLast);
     if (!m_comparison.Run(comparesAll, results))
         return qcDemo_Fail(m_comparison.Message());
+    if (!hasDevice)
+        return true;
     char name[64];
     std::snprintf(name, sizeof name, "/frame_%04zu.png", frame);
     std::string message;
@@ -99,7 +102,7 @@ bool Demo::Frame(size_t frame, bool isLast, qcQueryResults* results)
 
 bool Demo::Simulate(qcBreakingRun* run)
 {
-    bool compares = m_info.kind != qc_deviceNone;
+    bool compares = m_info.kind != qc_deviceNone || m_options.record != nullptr;
     if (compares && !m_comparison.Begin(m_options.record))
         return qcDemo_Fail(m_comparison.Message());
     qcProgress_Begin(m_options.common.steps, "a bunny breaks a dragon");

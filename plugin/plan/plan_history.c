@@ -8,6 +8,10 @@
 static const double s_maxSweepRatio = 4.0, s_maxLayersRatio = 1.5;
 // A switch, and a trial out of turn, require this ratio of costs, so that methods of equal cost don't alternate.
 static const double s_maxSwitchRatio = 0.95;
+// A trial out of turn starts when the queries since the other method became cheaper have cost this many of its queries
+// more: a few queries if it is many times as fast, many if it is a little faster. A trial that is lost costs about
+// five.
+static const double s_maxRegret = 8.0;
 // A trial is lost when even its cheapest query costs this many times the other method's median.
 static const double s_lostRatio = 1.25;
 
@@ -37,7 +41,7 @@ static void StartTrial(qcPlanHistory* history)
 {
     history->onDevice = !history->onDevice;
     history->trialLeft = qc_trialQueries;
-    history->costly = 0;
+    history->regret = 0.0;
     // Costs of long ago are no costs of this trial.
     (history->onDevice ? &history->layers : &history->sweep)->count = 0;
 }
@@ -85,10 +89,10 @@ bool qcPlanHistory_Choose(qcPlanHistory* history, const qcPlanCosts* costs, doub
         history->onDevice = layers < sweep;
     else if (history->trialLeft > 0)
         JudgeTrial(history, query, current, other);
-    else if (record->count >= qc_trialQueries)
+    else if (record->count >= qc_lostQueries)
     {
-        history->costly = other < s_maxSwitchRatio * current ? history->costly + 1 : 0;
-        if (history->costly >= qc_recentQueries || IsTimeForTrial(history, query, sweep, layers, costs, layersEstimate))
+        history->regret = other < s_maxSwitchRatio * current ? history->regret + (current - other) / other : 0.0;
+        if (history->regret > s_maxRegret || IsTimeForTrial(history, query, sweep, layers, costs, layersEstimate))
             StartTrial(history);
     }
     return history->onDevice;

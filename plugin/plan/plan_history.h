@@ -43,8 +43,9 @@ typedef struct qcPlanHistory
     uint32_t nextTrial; ///< number of the query at which the other method may be tried; 0: there was no trial yet
     uint32_t trialGap;  ///< from nextTrial to the one after it
     uint32_t trialLeft; ///< remaining queries of a trial
-    uint32_t costly;    ///< successive queries at which the other method's last cost was lower
     bool onDevice;      ///< the current method
+    /// Excess cost of the successive queries at which the other method's last cost was lower, in queries of its.
+    double regret;
 } qcPlanHistory;
 
 /// True if the next query, with this count of triangles, is to run by `layers`. Depends on its arguments alone.

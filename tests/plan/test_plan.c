@@ -177,6 +177,19 @@ START_TEST(delays_and_first_queries_cost_less_than_a_tenth)
 }
 END_TEST
 
+START_TEST(a_method_far_slower_than_calibrated_is_left_soon)
+{
+    // 105 frames of falling leaves: the sweep takes four times its calibrated cost, since they move far.
+    const qcPlanCosts calibrated = {0.00003, 0.0, 0.00005}, actual = {0.00012, 0.0, 0.00005};
+    qcPlanHistory history = {.queries = 0};
+    RunQueries(&history, &calibrated, &actual, 20);
+    ck_assert_uint_lt(history.sweep.count, 11);
+    RunQueries(&history, &calibrated, &actual, 85);
+    ck_assert(history.onDevice);
+    ck_assert_uint_lt(history.sweep.count, 20);
+}
+END_TEST
+
 START_TEST(a_lost_trial_ends_early)
 {
     // The scheduled trial of layers at query 128, and no other up to 500: sweep 0.6 ms, layers 0.8.
@@ -211,8 +224,8 @@ START_TEST(a_scene_that_changes_switches_method_after_its_next_trial)
 END_TEST
 
 QC_RUN_TESTS("plan", a_method_that_is_slower_than_calibrated_costs_no_more_than_a_trial,
-             delays_and_first_queries_cost_less_than_a_tenth, a_lost_trial_ends_early,
-             a_sweep_that_would_take_many_times_as_long_is_never_tried,
+             a_method_far_slower_than_calibrated_is_left_soon, delays_and_first_queries_cost_less_than_a_tenth,
+             a_lost_trial_ends_early, a_sweep_that_would_take_many_times_as_long_is_never_tried,
              a_scene_that_changes_switches_method_after_its_next_trial, auto_is_the_sweep_without_compute_shaders,
              auto_chooses_by_island_with_compute_shaders, layers_without_compute_shaders_fall_back_to_the_sweep,
              few_triangles_stay_off_the_device, islands_go_to_the_device_when_that_saves_more_than_the_transfer,

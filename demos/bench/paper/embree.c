@@ -134,6 +134,7 @@ bool qcPaper_MeasureEmbree(const qcPaperOptions* options, const char* path, uint
     qcPaperReplay replay;
     bool more = true, done = qcPaperReplay_Open(path, NULL, &replay, message);
     replay.soup = &soup;
+    replay.frameLimit = table->info.frameCount;
     qcProgress_Begin(table->info.frameCount, round == 0 ? "Embree, and its pairs compared" : "Embree");
     while (done && more)
     {

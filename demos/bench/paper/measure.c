@@ -124,6 +124,7 @@ static bool RunPass(const Run* run, qcPaperMethod method, qcMessage* message)
     snprintf(label, sizeof label, "%s: %s", run->table->scene->name, qcPaperMethods[method].column);
     qcPaperReplay replay;
     bool more = true, done = qcPaperReplay_Open(run->path, run->device, &replay, message);
+    replay.frameLimit = run->table->info.frameCount;
     qcProgress_Begin(run->table->info.frameCount, label);
     while (done && more)
     {

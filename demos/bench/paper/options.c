@@ -24,7 +24,7 @@ static void TakeFrames(const struct argp_state* state, const char* word, void* c
 
 void qcPaper_ReadOptions(int argumentCount, char** arguments, qcPaperOptions* options)
 {
-    *options = (qcPaperOptions){.rounds = 3, .resolution = 4096, .recordings = "out/recordings", .out = "out/bench"};
+    *options = (qcPaperOptions){.rounds = 5, .resolution = 4096, .recordings = "out/recordings", .out = "out/bench"};
     qcWord parts[qc_paperPartCount + 1] = {{NULL, 0}};
     for (int i = 0; i < qc_paperSceneCount; ++i)
         parts[i] = (qcWord){qcPaperScenes[i].name, i};

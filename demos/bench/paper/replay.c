@@ -76,6 +76,8 @@ bool qcPaperReplay_Next(qcPaperReplay* replay, bool* more, qcMessage* message)
             return true;
         if (operation->kind == qc_operationDetect)
         {
+            if (replay->frameLimit != 0 && replay->nextFrame >= replay->frameLimit)
+                return qcMessage_Fail(message, "%s: it has grown since it was opened", replay->path);
             replay->detection = operation;
             replay->frame = replay->nextFrame++;
             return true;

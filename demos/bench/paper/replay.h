@@ -29,6 +29,7 @@ typedef struct qcPaperReplay
     double moveMs;                ///< the operations of this frame, in the scene
     uint32_t frame;               ///< from 0
     uint32_t nextFrame;
+    uint32_t frameLimit; ///< the file has changed if it has more frames; 0: none
 } qcPaperReplay;
 
 /// Opens a recording, and a scene on the device (null: none). Close it in any case.
