@@ -53,7 +53,8 @@ keep_output()
     } | tee -i "$kept.new"
     trap - INT
     status=$(cat "$kept.status")
-    if [ -s "$kept.new" ]; then
+    # Statuses from 2 on: nothing was measured. 130: Ctrl-C ended it.
+    if [ -s "$kept.new" ] && { [ "$status" -le 1 ] || [ "$status" -ge 128 ]; }; then
         {
             echo "$ $typed"
             cat "$kept.new"
@@ -129,16 +130,16 @@ run_bench()
 # make_recording DEMO: its recording for "bench paper", if it is missing. No device: all methods give the same run.
 make_recording()
 {
-    folder=$root/out/recordings
-    if [ -f "$folder/$1.qcr" ]; then
+    recordings=$root/out/recordings
+    if [ -f "$recordings/$1.qcr" ]; then
         return 0
     fi
     qc_build "$root" "qc-$1" >/dev/null || return 0
     echo "Recording the demo $1"
-    mkdir -p "$folder/new"
-    "$root/build/demos/qc-$1" --device none --method sweep --out "$folder/new" --record "$folder/new/$1.qcr" >/dev/null
-    mv "$folder/new"/*.qcr "$folder/"
-    rm -r "$folder/new"
+    mkdir -p "$recordings/new"
+    "$root/build/demos/qc-$1" --device none --method sweep --out "$recordings/new" --record "$recordings/new/$1.qcr" >/dev/null
+    mv "$recordings/new"/*.qcr "$recordings/"
+    rm -r "$recordings/new"
 }
 
 # run_benchmark NAME [ARGUMENT...]

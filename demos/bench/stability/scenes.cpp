@@ -9,6 +9,7 @@
 #include "common/files.h"
 #include "common/mesh_io/bunny_path.h"
 #ifdef QC_HAS_FRACTURE
+#include "breaking/world.h"
 #include "fracture/world.h"
 #endif
 #include "leaves/world.h"
@@ -85,6 +86,39 @@ class Fracture : public qcStabilityScene
     qcFractureModel m_model;
     std::string m_failure;
     std::unique_ptr<qcFractureWorld> m_world;
+};
+
+/// A bunny falls on a dragon again and again, which breaks into pieces. Both are shapes of the demo's own.
+class Breaking : public qcStabilityScene
+{
+  public:
+    explicit Breaking(bool full)
+    {
+        qcBreakingModelDef def;
+        if (!full)
+        {
+            def.dragonTriangles = 4000;
+            def.bunnyTriangles = 500;
+            def.cells = 60;
+        }
+        if (qcMakeBreakingModel(def, &m_model, &m_failure))
+            m_world.reset(new qcBreakingWorld(m_model, qc_methodAuto, 0, nullptr));
+    }
+    bool Step(std::string* message) override
+    {
+        qcBreakingStep step;
+        *message = m_failure;
+        return m_world != nullptr && m_world->Step(&step, message);
+    }
+    btDiscreteDynamicsWorld& World() override
+    {
+        return m_world->Bullet();
+    }
+
+  private:
+    qcBreakingModel m_model;
+    std::string m_failure;
+    std::unique_ptr<qcBreakingWorld> m_world;
 };
 #endif
 
@@ -329,6 +363,8 @@ const std::vector<qcStabilitySceneDef>& qcStabilityScenes()
 #ifdef QC_HAS_FRACTURE
         {"fracture", "a bunny breaks and its pieces come to rest", "1 000 triangles, 40 pieces",
          "5 000 triangles, 200 pieces", qcFractureWorld::stepSeconds, 5, Make<Fracture>},
+        {"breaking", "a bunny falls on a dragon, again and again", "4 000 triangles, 60 cells",
+         "250 000 triangles, 700 cells", qcBreakingWorld::stepSeconds, 2, Make<Breaking>, "a crane lifts the bunny"},
 #endif
         {"leaves", "leaves fall from a tree", "32 leaves", "384 leaves", qcLeavesWorld::stepSeconds, 12, Make<Leaves>,
          nullptr, false},

@@ -42,13 +42,14 @@ bool RunScene(const Options& options, qcStabilityHistory* history, qcMessage* me
     bool isOk = true;
     for (uint32_t step = 1; step <= options.steps && isOk && qcInterrupt_Signal() == 0; step++)
     {
-        // A scene may add bodies in a step.
-        qcKeepAwake(&scene->World());
         std::string reason;
         double start = qcStopwatch_NowMs();
         isOk = scene->Step(&reason);
         double ms = qcStopwatch_NowMs() - start;
         isOk = isOk && history->Take(*scene, ms, &reason);
+        // After each step: it may have added bodies.
+        if (isOk)
+            qcKeepAwake(&scene->World());
         if (!isOk)
             qcMessage_Fail(message, "%s, step %u: %s", history->Def().name, unsigned(step), reason.c_str());
         qcProgress_Update(step);
