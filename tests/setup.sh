@@ -21,6 +21,8 @@ qc_packages()
             loaders) echo libegl1 libopengl0 ;;
             # A client of libBulletCollision, to be run with qc-preload; without it that test is skipped.
             clients) echo libdart-dev libdart-collision-bullet-dev ;;
+            # To look at the report's page; without it that test is skipped. 100 MB: qc_wishes=browser tests/run.sh
+            browser) echo chromium ;;
             # For the target docs and its test; without it that test is skipped.
             docs) echo doxygen ;;
         esac
