@@ -48,7 +48,8 @@ std::string VerdictOf(const qcStabilityHistory& history)
     return history.IsSettled() ? "stable" : "stable, but too short for the energy";
 }
 
-std::string Both(const char* format, double a, double b)
+/// A text with one number or two.
+std::string TextOf(const char* format, double a, double b = 0)
 {
     char text[64];
     std::snprintf(text, sizeof text, format, a, b);
@@ -71,14 +72,17 @@ void qcPrintStabilityRow(const qcStabilityHistory& history)
     const qcStabilityRow& end = history.Rows().back();
     qcStabilityHistory::Memory bytes = history.Bytes(), resident = history.Resident();
     constexpr double kib = 1024, mib = 1024 * 1024;
-    std::printf("%-11s %6u %8.1f %10.4g %10.3g %8.3g %17s %13s %13s %15s %15s %8.3f  %s\n", history.Def().name,
-                history.Steps(), history.Seconds(history.Steps()), history.Released(), history.Growth(),
-                1e3 * history.Lift(),
-                Both("%.2f > %.2f", 1e3 * history.DeepestEver(), 1e3 * history.DeepestSettled()).c_str(),
-                Both("%.0f > %.0f", double(maxima.pairs), double(end.pairs.all)).c_str(),
-                Both("%.0f > %.0f", double(maxima.contacts), double(end.world.contacts)).c_str(),
-                Both("%.0f > %.0f", double(bytes.early) / kib, double(bytes.late) / kib).c_str(),
-                Both("%.1f > %.1f", double(resident.early) / mib, double(resident.late) / mib).c_str(), maxima.ms,
+    bool isJudged = history.IsSettled() && history.Def().driven == nullptr;
+    auto judged = [isJudged](const char* format, double value)
+    { return isJudged ? TextOf(format, value) : std::string("-"); };
+    std::printf("%-11s %6u %8.1f %10.4g %10s %8s %17s %13s %13s %15s %15s %8.3f  %s\n", history.Def().name,
+                history.Steps(), history.Seconds(history.Steps()), history.Released(),
+                judged("%.3g", history.Growth()).c_str(), judged("%.3g", 1e3 * history.Lift()).c_str(),
+                TextOf("%.2f > %.2f", 1e3 * history.DeepestEver(), 1e3 * history.DeepestSettled()).c_str(),
+                TextOf("%.0f > %.0f", double(maxima.pairs), double(end.pairs.all)).c_str(),
+                TextOf("%.0f > %.0f", double(maxima.contacts), double(end.world.contacts)).c_str(),
+                TextOf("%.0f > %.0f", double(bytes.early) / kib, double(bytes.late) / kib).c_str(),
+                TextOf("%.1f > %.1f", double(resident.early) / mib, double(resident.late) / mib).c_str(), maxima.ms,
                 VerdictOf(history).c_str());
     std::fflush(stdout);
 }

@@ -97,9 +97,9 @@ class Breaking : public qcStabilityScene
         qcBreakingModelDef def;
         if (!full)
         {
-            def.dragonTriangles = 4000;
-            def.bunnyTriangles = 500;
-            def.cells = 60;
+            def.dragonTriangles = 2000;
+            def.bunnyTriangles = 300;
+            def.cells = 30;
         }
         if (qcMakeBreakingModel(def, &m_model, &m_failure))
             m_world.reset(new qcBreakingWorld(m_model, qc_methodAuto, 0, nullptr));
@@ -363,7 +363,7 @@ const std::vector<qcStabilitySceneDef>& qcStabilityScenes()
 #ifdef QC_HAS_FRACTURE
         {"fracture", "a bunny breaks and its pieces come to rest", "1 000 triangles, 40 pieces",
          "5 000 triangles, 200 pieces", qcFractureWorld::stepSeconds, 5, Make<Fracture>},
-        {"breaking", "a bunny falls on a dragon, again and again", "4 000 triangles, 60 cells",
+        {"breaking", "a bunny falls on a dragon, again and again", "2 000 triangles, 30 cells",
          "250 000 triangles, 700 cells", qcBreakingWorld::stepSeconds, 2, Make<Breaking>, "a crane lifts the bunny"},
 #endif
         {"leaves", "leaves fall from a tree", "32 leaves", "384 leaves", qcLeavesWorld::stepSeconds, 12, Make<Leaves>,
