@@ -110,7 +110,12 @@ static qcExitStatus Measure(Run* run, qcMessage* message)
         qcPaper_PrintTables(run->tables, run->tableCount);
     if (run->factors.rowCount != 0)
         qcPaper_PrintFactors(&run->factors);
-    printf("\nAll rows: %s/paper.csv, %s/paper_factors.csv\n", run->options.out, run->options.out);
+    printf("\nAll rows:");
+    if (run->tableCount != 0)
+        printf(" %s/paper.csv", run->options.out);
+    if (run->factors.rowCount != 0)
+        printf(" %s/paper_factors.csv", run->options.out);
+    printf("\n");
     bool drawn = qcPaper_Plot(&run->options, run->tables, run->tableCount, &run->factors, message);
     return drawn ? qc_exitDone : qc_exitFailed;
 }

@@ -130,5 +130,5 @@ if (hasFactors) {
 }
 set output
 set print '-'
-print sprintf('Pictures: paper_pcs_SCENE%s (figure 7), paper_ms_SCENE%s (figure 8)%s', ending, ending, \
-    hasFactors ? ', paper_factors'.ending : '')
+if (sceneCount > 0) { print sprintf('Pictures: paper_pcs_SCENE%s (figure 7), paper_ms_SCENE%s (figure 8)', ending, ending) }
+if (hasFactors) { print 'Picture: paper_factors'.ending }
