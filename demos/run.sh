@@ -8,8 +8,8 @@ show_help()
 Usage: demos/run.sh [DEMO] [ARGUMENT...]
 
 Demos:
-  cloth     A cloth falls over a table, folds and meets itself (the default). Pictures, and a film where
-            ffmpeg is installed, go to out/cloth/.
+  cloth     A cloth falls over a table, folds and meets itself, and is pulled away (the default). Pictures, and a film
+            where ffmpeg is installed, go to out/cloth/.
   fracture  A bunny falls and breaks in the midst of a step, and its pieces come to rest. Pictures, and a film,
             go to out/fracture/.
   leaves    Leaves fall from a tree, collide with each other, its branches and the ground. Pictures, and a film, go to
@@ -25,6 +25,9 @@ Demos:
             demos/gpu.sh runs the GL tests first, and packs all that for a machine with a GPU.
   report    One page with every table, plot, picture and film in out/, out/report/index.html. What is missing is run
             first, in small sizes; "report --all" runs everything afresh.
+  gallery   Makes the README's pictures from the frames in out/.
+
+With --view, cloth and fracture open a live window in place of files.
 
 Arguments are the demo's own; "demos/run.sh DEMO --help" explains them.
 END
@@ -171,6 +174,7 @@ case ${1-} in
         shift
         exec "$(dirname -- "$0")/report/run.sh" "$@"
         ;;
+    gallery) exec "$(dirname -- "$0")/gallery.sh" ;;
     cloth | fracture | leaves | through | pairs | bench)
         demo=$1
         shift
@@ -186,6 +190,10 @@ root=$(CDPATH='' cd -- "$(dirname -- "$0")/.." && pwd)
 # shellcheck source=/dev/null
 . "$root/tests/setup.sh"
 
+# shellcheck disable=SC2034 # Read by qc_install.
+case " $* " in
+    *' --view '*) qc_wishes=view ;;
+esac
 case $demo in
     cloth | leaves) qc_install build demos ;;
     fracture | through) qc_install build demos models ;;
@@ -209,8 +217,12 @@ if [ -f "$root/build/CMakeCache.txt" ]; then
 else
     qc_build "$root" "$program" -DQC_BUILD_TESTS=OFF
 fi
+# A live window has no frames and no film.
+case " $* " in
+    *' --view '*) exec "$root/build/demos/$program" --out "$root/out/$demo" "$@" ;;
+esac
 case $demo in
-    # 120 steps a second, a frame every 10; 240 steps.
+    # 120 steps a second, a frame every 10; 600 steps.
     cloth) run_filmed cloth 12 "$@" ;;
     fracture) run_filmed fracture 24 "$@" ;;
     # 120 steps a second, a frame every 8.

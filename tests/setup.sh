@@ -23,6 +23,9 @@ qc_packages()
             clients) echo libdart-dev libdart-collision-bullet-dev ;;
             # To look at the report's page; without it that test is skipped. 100 MB: qc_wishes=browser tests/run.sh
             browser) echo chromium ;;
+            # The live window of the demos, --view, and a display for its test; without them the demos have no window.
+            view) echo libglfw3-dev libimgui-dev fonts-dejavu-core ;;
+            display) echo xvfb xauth ;;
             # For the target docs and its test; without it that test is skipped.
             docs) echo doxygen ;;
         esac

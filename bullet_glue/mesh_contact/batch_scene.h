@@ -70,6 +70,7 @@ struct qcBatchSettings
     bool gimpact = false; ///< contact of GImpact meshes with each other is computed here, too
     unsigned threads = 0;
     qcMethod method = qc_methodAuto;
+    bool reportsCandidates = false; ///< the result of a batch has candidate pairs
 };
 
 class qcBatchScene

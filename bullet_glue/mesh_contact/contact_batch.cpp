@@ -1,6 +1,7 @@
 // Contact of all pairs of meshes in a world from one query a step.
 #include "mesh_contact/contact_batch.h"
 
+#include "common/profiled_detect.h"
 #include "common/stopwatch.h"
 #include "mesh_contact/draw_candidates.h"
 
@@ -38,7 +39,7 @@ void qcMeshBatch::Note(qcStatus status)
 
 qcDetectDef qcMeshBatch::DetectDef(btScalar margin) const
 {
-    qcDetectDef def = qcDefaultDetectDef();
+    qcDetectDef def = qcProfiledDetectDef();
     def.method = settings.method;
     def.margin = double(margin);
     def.manifolds = true;
@@ -79,6 +80,7 @@ qcStatus qcMeshBatch::Detect()
 {
     BT_PROFILE("qcMeshContact detect");
     qcDetectDef def = DetectDef(m_scene.GetMargin());
+    def.candidates = settings.reportsCandidates;
     qcStatus status = qcScene_Detect(m_scene.Get(), &def, &m_result);
     if (status != qc_statusOk)
         return status;
@@ -246,9 +248,9 @@ void qcMeshBatch::LimitAgain(btScalar timeStep, const std::vector<const btCollis
     m_limiter.LimitAgain(timeStep, held, moved, &statistics);
 }
 
-void qcMeshBatch::Draw(btIDebugDraw* drawer)
+void qcMeshBatch::Draw(btIDebugDraw* drawer, int modes)
 {
     std::lock_guard<std::mutex> lock(m_mutex);
     if (m_result != nullptr)
-        qcDrawCandidates(m_scene, *m_result, drawer);
+        qcDrawCandidates(m_scene, *m_result, modes, drawer);
 }

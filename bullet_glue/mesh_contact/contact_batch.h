@@ -45,8 +45,8 @@ class qcMeshBatch : public qcRigidLimits
                     std::vector<const btCollisionObject*>* moved) override;
     /// Call it after the triangles of a shape have changed.
     void InvalidateShape(const btCollisionShape* shape);
-    /// Draws the candidate triangles of the last batch, at the present transforms of their objects.
-    void Draw(btIDebugDraw* drawer);
+    /// Draws the candidates of the last batch, at the present transforms of their objects. `modes`: qcDebugDrawMode.
+    void Draw(btIDebugDraw* drawer, int modes);
 
     qcBatchSettings settings;           ///< between steps only
     qcMeshContactStatistics statistics; ///< between steps only

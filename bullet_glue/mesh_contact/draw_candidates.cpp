@@ -1,51 +1,79 @@
-// Debug drawing of a batch's candidate triangles.
+// Debug drawing of a batch's candidates.
 #include "mesh_contact/draw_candidates.h"
 
 #include "common/debug_draw.h"
+#include "quickcullide/bullet_debug_draw.h"
 
-#include <algorithm>
+#include <map>
+#include <memory>
 
 namespace
 {
-void DrawMesh(const qcBatchMesh& mesh, const btTransform& transform, const qcResult& result, btIDebugDraw* drawer)
+/// The present triangles of the meshes in a result, by slot.
+class PresentMeshes
 {
-    auto [first, last] =
-        std::equal_range(result.pcs, result.pcs + result.pcsCount, qcTriangleRef{mesh.id.slot, 0},
-                         [](const qcTriangleRef& a, const qcTriangleRef& b) { return a.body < b.body; });
-    if (first == last)
-        return;
-    qcMeshTriangles triangles(mesh.shape, nullptr);
-    for (; first != last && first->triangle < triangles.count; ++first)
+  public:
+    explicit PresentMeshes(const qcBatchScene& scene)
     {
-        const uint32_t* corners = &triangles.indices[3 * size_t(first->triangle)];
-        qcDrawCandidate(drawer, transform * triangles.points[corners[0]], transform * triangles.points[corners[1]],
-                        transform * triangles.points[corners[2]]);
+        const btCollisionObjectArray& objects = scene.GetSettings().world->getCollisionObjectArray();
+        for (int i = 0; i < objects.size(); i++)
+            if (qcMayHoldMeshes(objects[i]->getCollisionShape()))
+                if (const qcBatchObject* gathered = scene.Find(objects[i]))
+                    Add(*objects[i], *gathered);
     }
-}
 
-void DrawObject(const btCollisionObject* object, const qcBatchObject& gathered, const qcResult& result,
-                btIDebugDraw* drawer)
-{
-    std::vector<qcBatchMesh> present;
-    qcCollectMeshes(object->getCollisionShape(), object->getWorldTransform(), &present);
-    for (size_t i = 0; i < std::min(gathered.meshes.size(), present.size()); i++)
+    /// Fills the corners of a triangle. False: its mesh has left or has changed.
+    bool Find(uint32_t slot, uint32_t triangle, btVector3 corners[3])
     {
-        const qcBatchMesh& mesh = gathered.meshes[i];
-        if (mesh.inScene && mesh.shape == present[i].shape && mesh.revision == qcMeshRevision(mesh.shape))
-            DrawMesh(mesh, present[i].transform, result, drawer);
+        auto found = m_meshes.find(slot);
+        if (found == m_meshes.end())
+            return false;
+        Mesh& mesh = found->second;
+        if (mesh.triangles == nullptr)
+            mesh.triangles = std::make_unique<qcMeshTriangles>(mesh.shape, nullptr);
+        if (triangle >= mesh.triangles->count)
+            return false;
+        for (size_t c = 0; c < 3; c++)
+            corners[c] = mesh.transform * mesh.triangles->points[mesh.triangles->indices[3 * size_t(triangle) + c]];
+        return true;
     }
-}
+
+  private:
+    struct Mesh
+    {
+        const btCollisionShape* shape;
+        btTransform transform;
+        std::unique_ptr<qcMeshTriangles> triangles;
+    };
+
+    void Add(const btCollisionObject& object, const qcBatchObject& gathered)
+    {
+        std::vector<qcBatchMesh> present;
+        qcCollectMeshes(object.getCollisionShape(), object.getWorldTransform(), &present);
+        for (size_t i = 0; i < std::min(gathered.meshes.size(), present.size()); i++)
+        {
+            const qcBatchMesh& mesh = gathered.meshes[i];
+            if (mesh.inScene && mesh.shape == present[i].shape && mesh.revision == qcMeshRevision(mesh.shape))
+                m_meshes[mesh.id.slot] = {mesh.shape, present[i].transform, nullptr};
+        }
+    }
+
+    std::map<uint32_t, Mesh> m_meshes;
+};
 } // namespace
 
-void qcDrawCandidates(const qcBatchScene& scene, const qcResult& result, btIDebugDraw* drawer)
+void qcDrawCandidates(const qcBatchScene& scene, const qcResult& result, int modes, btIDebugDraw* drawer)
 {
-    const btCollisionObjectArray& objects = scene.GetSettings().world->getCollisionObjectArray();
-    for (int i = 0; i < objects.size(); i++)
+    PresentMeshes meshes(scene);
+    btVector3 a[3], b[3];
+    for (size_t i = 0; (modes & qc_drawPcs) != 0 && i < result.pcsCount; i++)
+        if (meshes.Find(result.pcs[i].body, result.pcs[i].triangle, a))
+            qcDrawCandidate(drawer, a[0], a[1], a[2]);
+    for (size_t i = 0; (modes & qc_drawCandidates) != 0 && i < result.candidateCount; i++)
     {
-        if (!qcMayHoldMeshes(objects[i]->getCollisionShape()))
-            continue;
-        if (const qcBatchObject* gathered = scene.Find(objects[i]))
-            DrawObject(objects[i], *gathered, result, drawer);
+        const qcCandidate& pair = result.candidates[i];
+        if (meshes.Find(pair.bodyA, pair.triangleA, a) && meshes.Find(pair.bodyB, pair.triangleB, b))
+            qcDrawCandidatePair(drawer, a, b);
     }
     drawer->flushLines();
 }

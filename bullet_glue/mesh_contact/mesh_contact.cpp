@@ -2,6 +2,7 @@
 #include "quickcullide/bullet_mesh.h"
 
 #include "mesh_contact/collision_algorithm.h"
+#include "quickcullide/bullet_debug_draw.h"
 
 #include <BulletCollision/CollisionDispatch/btCollisionCreateFunc.h>
 #include <BulletCollision/CollisionDispatch/btCollisionDispatcher.h>
@@ -172,7 +173,17 @@ qcStatus qcMeshContact::setMethod(qcMethod method)
 
 void qcMeshContact::debugDraw(btIDebugDraw* drawer) const
 {
-    m_implementation->batch.Draw(drawer);
+    m_implementation->batch.Draw(drawer, qc_drawPcs);
+}
+
+void qcMeshContact::debugDraw(btIDebugDraw* drawer, int modes) const
+{
+    m_implementation->batch.Draw(drawer, modes);
+}
+
+void qcMeshContact::setReportCandidates(bool report)
+{
+    m_implementation->batch.settings.reportsCandidates = report;
 }
 
 const qcMeshContactStatistics& qcMeshContact::getStatistics() const

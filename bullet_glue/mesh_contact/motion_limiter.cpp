@@ -1,6 +1,7 @@
 // Meshes never pass each other: objects whose motions are not proven apart over a step are pushed apart, or cut back.
 #include "mesh_contact/motion_limiter.h"
 
+#include "common/profiled_detect.h"
 #include "common/stopwatch.h"
 
 #include <LinearMath/btQuickprof.h>
@@ -145,7 +146,7 @@ qcStatus qcMotionLimiter::Detect(const qcResult** result)
         status = PlaceMeshes(false);
     if (status != qc_statusOk)
         return status;
-    qcDetectDef def = qcDefaultDetectDef();
+    qcDetectDef def = qcProfiledDetectDef();
     def.method = qc_methodSweep;
     def.motion = true;
     def.proximities = true;

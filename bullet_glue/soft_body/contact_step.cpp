@@ -5,6 +5,7 @@
 #include "common/object_key.h"
 #include "common/shape_triangles.h"
 #include "common/stopwatch.h"
+#include "quickcullide/bullet_debug_draw.h"
 #include "soft_body/response/node_ccd.h"
 #include "soft_body/response/untangle.h"
 
@@ -472,7 +473,17 @@ const qcSoftBodyStatistics& qcSoftBodyContact::getStatistics() const
 
 void qcSoftBodyContact::debugDraw(btIDebugDraw* drawer) const
 {
-    m_implementation->Draw(drawer);
+    m_implementation->Draw(qc_drawPcs | qc_drawPlanes, drawer);
+}
+
+void qcSoftBodyContact::debugDraw(btIDebugDraw* drawer, int modes) const
+{
+    m_implementation->Draw(modes, drawer);
+}
+
+void qcSoftBodyContact::setReportCandidates(bool report)
+{
+    m_implementation->scene.reportsCandidates = report;
 }
 
 void qcSoftBodyContact::updateShape(const btCollisionShape* shape)

@@ -29,8 +29,8 @@ struct qcSoftBodyContact::Implementation
     /// Moves the scene's positions and the meshes apart; the caller then writes the positions to Bullet's nodes. False:
     /// a query failed, and everything is as Bullet's solvers left it.
     bool Resolve(btScalar timeStep);
-    /// Draws the candidate triangles of the step's first query, its planes and its zones.
-    void Draw(btIDebugDraw* drawer);
+    /// Draws the candidates of the step's first query, its planes and its zones. `modes`: bits of qcDebugDrawMode.
+    void Draw(int modes, btIDebugDraw* drawer);
     /// Calls Bullet's contact callbacks. The last call of a step: they may remove bodies.
     void DispatchCallbacks();
 
@@ -43,7 +43,10 @@ struct qcSoftBodyContact::Implementation
     bool solvesLinks = false;
 
   private:
-    void DrawCandidates(qcLiveObjects& liveObjects, btIDebugDraw* drawer);
+    void DrawPcs(qcLiveObjects& liveObjects, btIDebugDraw* drawer);
+    void DrawCandidatePairs(qcLiveObjects& liveObjects, btIDebugDraw* drawer);
+    void DrawPlanes(qcLiveObjects& liveObjects, btIDebugDraw* drawer);
+    bool FindTriangle(uint32_t slot, uint32_t triangle, qcLiveObjects& liveObjects, btVector3 corners[3]);
     qcStatus Detect(btScalar contactMargin);
     void AddProfile();
     void SolveConstraints();

@@ -4,6 +4,7 @@
 #include "common/debug_draw.h"
 #include "common/shape_triangles.h"
 #include "common/weld_vertices.h"
+#include "quickcullide/bullet_debug_draw.h"
 #include "soft_body/contact_step.h"
 
 #include <algorithm>
@@ -108,11 +109,13 @@ void qcSoftCandidates::Clear()
 {
     m_pcs.clear();
     m_features.clear();
+    m_pairs.clear();
 }
 
 void qcSoftCandidates::Record(const qcResult& result)
 {
     m_pcs.assign(result.pcs, result.pcs + result.pcsCount);
+    m_pairs.assign(result.candidates, result.candidates + result.candidateCount);
     m_features.clear();
     for (size_t i = 0; i < result.contactCount; i++)
     {
@@ -165,8 +168,10 @@ bool qcSoftCandidates::Contains(uint32_t slot, uint32_t triangle, const uint32_t
     return ContainsFeature(MakeFeature(slot, corners[0], corners[1], corners[2]));
 }
 
-void qcSoftBodyContact::Implementation::DrawCandidates(qcLiveObjects& liveObjects, btIDebugDraw* drawer)
+void qcSoftBodyContact::Implementation::DrawPcs(qcLiveObjects& liveObjects, btIDebugDraw* drawer)
 {
+    if (m_candidates.AreEmpty())
+        return;
     m_candidates.Sort();
     for (const qcSceneSoftBody& soft : scene.Bodies())
         if (liveObjects.Contains(soft.body, soft.uniqueId))
@@ -181,13 +186,45 @@ void qcSoftBodyContact::Implementation::DrawCandidates(qcLiveObjects& liveObject
         }
 }
 
-void qcSoftBodyContact::Implementation::Draw(btIDebugDraw* drawer)
+/// Fills the present corners of a triangle of the scene. False: its body has left or has changed.
+bool qcSoftBodyContact::Implementation::FindTriangle(uint32_t slot, uint32_t triangle, qcLiveObjects& liveObjects,
+                                                     btVector3 corners[3])
 {
-    if ((m_candidates.AreEmpty() && m_planes.Count() == 0) || manifolds.GetBroadphase() == nullptr)
-        return;
-    qcLiveObjects liveObjects(manifolds.GetBroadphase());
-    if (!m_candidates.AreEmpty())
-        DrawCandidates(liveObjects, drawer);
+    if (const qcSceneSoftBody* soft = scene.Find(slot))
+    {
+        if (!liveObjects.Contains(soft->body, soft->uniqueId))
+            return false;
+        for (size_t c = 0; c < 3; c++)
+        {
+            uint32_t node = soft->topology.indices[3 * size_t(triangle) + c];
+            if (int(node) >= soft->NodeCount())
+                return false;
+            corners[c] = soft->body->m_nodes[int(node)].m_x;
+        }
+        return true;
+    }
+    qcSceneRigid* rigid;
+    btTransform transform;
+    const qcSceneMesh* mesh = scene.meshes.Find(slot, &rigid);
+    if (mesh == nullptr || !liveObjects.Contains(rigid->object, rigid->uniqueId) ||
+        !scene.meshes.FindTransform(*rigid, *mesh, &transform))
+        return false;
+    for (size_t c = 0; c < 3; c++)
+        corners[c] = transform * mesh->shape->getVertices()[mesh->shape->getIndices()[3 * size_t(triangle) + c]];
+    return true;
+}
+
+void qcSoftBodyContact::Implementation::DrawCandidatePairs(qcLiveObjects& liveObjects, btIDebugDraw* drawer)
+{
+    btVector3 a[3], b[3];
+    for (const qcCandidate& pair : m_candidates.Pairs())
+        if (FindTriangle(pair.bodyA, pair.triangleA, liveObjects, a) &&
+            FindTriangle(pair.bodyB, pair.triangleB, liveObjects, b))
+            qcDrawCandidatePair(drawer, a, b);
+}
+
+void qcSoftBodyContact::Implementation::DrawPlanes(qcLiveObjects& liveObjects, btIDebugDraw* drawer)
+{
     for (const qcSeparationPlane& plane : m_planes.Planes())
         DrawPlane(scene.meshes, plane, liveObjects, drawer);
     m_zones.ForEachNode(
@@ -196,5 +233,18 @@ void qcSoftBodyContact::Implementation::Draw(btIDebugDraw* drawer)
             if (liveObjects.Contains(soft.body, soft.uniqueId) && int(node) < soft.NodeCount())
                 DrawNode(soft.body->m_nodes[int(node)].m_x, soft.thickness, qcZoneColor(), drawer);
         });
+}
+
+void qcSoftBodyContact::Implementation::Draw(int modes, btIDebugDraw* drawer)
+{
+    if ((m_candidates.AreEmpty() && m_planes.Count() == 0) || manifolds.GetBroadphase() == nullptr)
+        return;
+    qcLiveObjects liveObjects(manifolds.GetBroadphase());
+    if ((modes & qc_drawPcs) != 0)
+        DrawPcs(liveObjects, drawer);
+    if ((modes & qc_drawCandidates) != 0)
+        DrawCandidatePairs(liveObjects, drawer);
+    if ((modes & qc_drawPlanes) != 0)
+        DrawPlanes(liveObjects, drawer);
     drawer->flushLines();
 }

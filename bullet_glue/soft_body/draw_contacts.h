@@ -17,6 +17,11 @@ class qcSoftCandidates
     void Clear();
     void Record(const qcResult& result);
     bool AreEmpty() const;
+    /// The candidate pairs, if the query reported them.
+    const std::vector<qcCandidate>& Pairs() const
+    {
+        return m_pairs;
+    }
     /// Call it before Contains.
     void Sort();
     /// True if the triangle of the body in a slot, with these corners, is a candidate. O(log contacts).
@@ -40,6 +45,7 @@ class qcSoftCandidates
 
     std::vector<qcTriangleRef> m_pcs; ///< sorted
     std::vector<Feature> m_features;
+    std::vector<qcCandidate> m_pairs;
 };
 
 #endif

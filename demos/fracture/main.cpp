@@ -3,7 +3,9 @@
 #include "common/bullet/demo_options.h"
 #include "fracture/picture.h"
 #include "fracture/report.h"
+#include "fracture/viewed.h"
 #include "fracture/world.h"
+#include "view/view.h"
 
 #include "common/files.h"
 #include "common/mesh_io/bunny_path.h"
@@ -23,6 +25,7 @@ struct Options
     const char* mesh = QC_BUNNY_PATH;
     uint32_t triangles = 5000;
     qcFractureRequest request;
+    qcViewOptions view;
 };
 
 const char s_help[] =
@@ -115,12 +118,21 @@ int Run(const Options& options, qcDevice* device)
     qcPrintFractureTable(run, info);
     return qcInterrupt_Signal() == 0 ? qc_exitDone : qc_exitSignal + qcInterrupt_Signal();
 }
+
+int View(const Options& options, qcDevice* device)
+{
+    qcFractureModel model;
+    if (!ReadModel(options, &model))
+        return qc_exitFailed;
+    qcViewedFracture scene(model, options.request, device);
+    return qcView_Run(&scene, options.view, device);
+}
 } // namespace
 
 int main(int argumentCount, char** arguments)
 {
     Options options;
-    const std::vector<qcOption> rows = {
+    std::vector<qcOption> rows = {
         {1, "mesh", "FILE", "What breaks: a closed mesh, PLY or OBJ; the bunny of the package glmark2-data by default",
          qcOption_Text(&options.mesh)},
         {1, "triangles", "N", "The mesh is made coarser until it has about as many; %s by default",
@@ -128,13 +140,14 @@ int main(int argumentCount, char** arguments)
         {1, "pieces", "N", "Voronoi cells, each with a piece or more; %s by default",
          qcOption_Number(&options.request.pieces, 1, 10000)},
         {1, "seed", "N", "Where the cells are; %s by default", qcOption_Number(&options.request.seed, 0, UINT32_MAX)}};
+    qcView_AddOptions(&rows, &options.view);
     qcDevice* device = nullptr;
     int status = qcDemo_Begin(rows, s_help, argumentCount, arguments, &options.common, &device);
     if (status != qc_exitDone)
         return status;
     options.request.method = options.common.method;
     options.request.threads = options.common.threads;
-    status = Run(options, device);
+    status = options.view.on ? View(options, device) : Run(options, device);
     qcDevice_Destroy(device);
     return status;
 }

@@ -5,6 +5,7 @@
 #define QUICKCULLIDE_BULLET_H
 
 #include "bullet_broadphase.h"
+#include "bullet_debug_draw.h"
 #include "bullet_mesh.h"
 #include "bullet_positions.h"
 #include "bullet_soft_body.h"

@@ -198,7 +198,8 @@ struct qcMeshContactStatistics
 ///
 /// Profile zones (BT_PROFILE), at the first pair of a step: "qcMeshContact batch", and in it "qcMeshContact gather",
 /// "qcMeshContact look ahead" and "qcMeshContact detect"; at each pair "qcMeshContact manifolds"; at a pair computed
-/// alone "qcMeshContact query"; at the end of a step in which a mesh has moved "qcMeshContact limit".
+/// alone "qcMeshContact query"; at the end of a step in which a mesh has moved "qcMeshContact limit". Within are the
+/// stages of each query: see qcDetectDef::enterStage.
 ///
 /// Must outlive the world. Thread-safety: the algorithms may run on several threads at once; the functions below belong
 /// to the world's thread.
@@ -238,6 +239,11 @@ class QC_API qcMeshContact
     /// out. Call it between steps, after debugDrawWorld. The drawer's debug mode is ignored. Changes nothing.
     /// O(candidates + triangles of Bullet's own shapes).
     void debugDraw(btIDebugDraw* drawer) const;
+    /// Draws only what the bits of qcDebugDrawMode select.
+    void debugDraw(btIDebugDraw* drawer, int modes) const;
+    /// true: candidate pairs are kept for debugDraw with qc_drawCandidates, from the next query on, at the cost of a
+    /// sort of them. false, the default: they are not. qcDebugDraw calls it.
+    void setReportCandidates(bool report);
 
   private:
     struct Implementation;

@@ -149,7 +149,7 @@ struct qcSoftBodyStatistics
 /// "qcSoftBodyContact sweep" of nodes, "qcSoftBodyContact untangle", "qcSoftBodyContact round" for each round,
 /// "qcSoftBodyContact push apart" and "qcSoftBodyContact move zones" if rounds did not suffice, and in these
 /// "qcSoftBodyContact detect", "qcSoftBodyContact manifolds" and "qcSoftBodyContact respond"; last "qcSoftBodyContact
-/// callbacks".
+/// callbacks". Within "detect" are the stages of the query: see qcDetectDef::enterStage.
 ///
 /// Cost: one run of qcScene_Detect in a step without contacts, two with contacts, a few more if these don't suffice.
 /// Thread-safety: as the world's.
@@ -182,6 +182,11 @@ class QC_API qcSoftBodyContact
     /// that have left the world since, and meshes that an object no longer has, are left out. Call it between steps,
     /// after debugDrawWorld. The drawer's debug mode is ignored. Changes nothing. O(triangles log contacts).
     void debugDraw(btIDebugDraw* drawer) const;
+    /// Draws only what the bits of qcDebugDrawMode select.
+    void debugDraw(btIDebugDraw* drawer, int modes) const;
+    /// true: candidate pairs are kept for debugDraw with qc_drawCandidates, from the next query on, at the cost of a
+    /// sort of them. false, the default: they are not. qcDebugDraw calls it.
+    void setReportCandidates(bool report);
 
   protected:
     /// `device` runs the methods that need GL; null is the same as a device of kind none. It must outlive this object

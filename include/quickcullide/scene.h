@@ -296,6 +296,13 @@ typedef struct qcDetectDef
     /// direction of its own, as where two surfaces turn as one body.
     /// Margins, segments and manifolds are refused; so are `cullide` and `quick`. `layers` leaves it to `sweep`.
     bool motion;
+    /// For a profiler: called on the calling thread where a stage of the step begins, with its name ("qcScene cull
+    /// bodies", "sweep bodies", "cull triangles", "sweep triangles", "exact", "manifolds"; static), and where it ends.
+    /// Stages don't nest. Both or none; they must not call functions of the scene.
+    void (*enterStage)(const char* name);
+    void (*leaveStage)(void); ///< see enterStage
+    bool candidates;          ///< report qcResult::candidates
+    bool sets;                ///< report qcResult::pcsSets
 } qcDetectDef;
 
 /// The default step: method auto, penetrating pairs only.
@@ -330,6 +337,10 @@ static inline qcDetectDef qcDefaultDetectDef(void)
     for (int i = 0; i < 5; i++)
         def.reserved[i] = 0;
     def.motion = false;
+    def.enterStage = NULL;
+    def.leaveStage = NULL;
+    def.candidates = false;
+    def.sets = false;
     return def;
 }
 
@@ -413,6 +424,32 @@ typedef struct qcManifold
     uint32_t firstPoint; ///< index in qcResult::manifoldPoints; points are sorted by distance, the deepest first
     uint32_t pointCount; ///< 1 or more
 } qcManifold;
+
+/// A candidate: a pair of triangles that the culling left, also for contacts alone; ordered as in qcPair. Neighbours
+/// that are tested for contacts alone are left out.
+typedef struct qcCandidate
+{
+    uint32_t bodyA;     ///< slot of A's body
+    uint32_t triangleA; ///< index of A in its body
+    uint32_t bodyB;     ///< slot of B's body
+    uint32_t triangleB; ///< index of B in its body
+} qcCandidate;
+
+/// The sets of Quick-CULLIDE (section 4.1). BFV is pruned; the other three make up the PCS.
+typedef enum qcVisibilitySet
+{
+    qc_setBfv = 0, ///< fully visible in both passes
+    qc_setFfv = 1, ///< fully visible in the first pass only; collision-free
+    qc_setSfv = 2, ///< fully visible in the second pass only; collision-free
+    qc_setNfv = 3  ///< fully visible in neither
+} qcVisibilitySet;
+
+/// The sets of a triangle of the PCS after the last pass, as values of qcVisibilitySet. At least one of them isn't BFV.
+typedef struct qcTriangleSets
+{
+    uint8_t others; ///< against triangles of other bodies
+    uint8_t self;   ///< against triangles of its own body
+} qcTriangleSets;
 
 /// What a pass of the visibility culling tests.
 typedef enum qcCullLevel
@@ -532,6 +569,10 @@ typedef struct qcResult
     /// candidate pair (other methods).
     const qcTriangleRef* pcs;
     size_t pcsCount;                       ///< number of triangles in it
+    const qcTriangleSets* pcsSets;         ///< one for each triangle of the PCS; null unless qcDetectDef::sets is set,
+                                           ///< and for methods other than `cullide` and `quick`
+    const qcCandidate* candidates;         ///< sorted as pairs are; null unless qcDetectDef::candidates is set
+    size_t candidateCount;                 ///< number of candidates
     const qcContact* contacts;             ///< see qcDetectDef::contactMargin
     size_t contactCount;                   ///< number of contacts
     const qcManifold* manifolds;           ///< sorted by bodies; empty unless qcDetectDef::manifolds is set

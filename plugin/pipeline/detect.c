@@ -120,6 +120,9 @@ static qcResult MakeResult(const qcDetector* d, const qcDetectDef* def, const qc
                       .proximities = def->proximities ? n->proximities.data : NULL,
                       .pcs = d->pcsReport.triangles.data,
                       .pcsCount = d->pcsReport.triangles.count,
+                      .pcsSets = def->sets && d->pcsReport.sets.count != 0 ? d->pcsReport.sets.data : NULL,
+                      .candidates = def->candidates ? d->pcsReport.pairs.data : NULL,
+                      .candidateCount = d->pcsReport.pairs.count,
                       .contacts = n->contacts.data,
                       .contactCount = n->contacts.count,
                       .manifolds = d->manifolds.manifolds.data,
@@ -127,6 +130,20 @@ static qcResult MakeResult(const qcDetector* d, const qcDetectDef* def, const qc
                       .manifoldPoints = d->manifolds.points.data,
                       .manifoldPointCount = d->manifolds.points.count,
                       .profile = *profile};
+}
+
+static void Enter(const qcStep* step, const char* stage)
+{
+    if (step->def->enterStage != NULL)
+        step->def->enterStage(stage);
+}
+
+/// Ends the stage, whether it succeeded or not. Returns `status`.
+static qcStatus Leave(const qcStep* step, qcStatus status)
+{
+    if (step->def->leaveStage != NULL)
+        step->def->leaveStage();
+    return status;
 }
 
 static qcStatus RunStages(const qcStep* step, qcBodies* bodies, double start, qcDetector* d)
@@ -137,15 +154,20 @@ static qcStatus RunStages(const qcStep* step, qcBodies* bodies, double start, qc
     QC_TRY(BeginStep(step, bodies, &d->triangles, &d->pcs, &profile));
     const qcStepTriangles* triangles = &d->triangles;
     profile.planMs = Lap(&lap);
-    QC_TRY(CullBodies(step, triangles, &d->imageCull, &d->pcs, &profile));
+    Enter(step, "qcScene cull bodies");
+    QC_TRY(Leave(step, CullBodies(step, triangles, &d->imageCull, &d->pcs, &profile)));
     profile.cullObjectsMs = Lap(&lap);
-    QC_TRY(SweepBodies(step, triangles, &d->pcs, &d->bodyPairs, &profile));
+    Enter(step, "qcScene sweep bodies");
+    QC_TRY(Leave(step, SweepBodies(step, triangles, &d->pcs, &d->bodyPairs, &profile)));
     profile.sweepObjectsMs = Lap(&lap);
 
     double planned = profile.planMs;
-    QC_TRY(qcMethodStage_Cull(step, triangles, &d->bodyPairs, &d->triangleStage, &d->imageCull, &d->pcs, &profile));
+    Enter(step, "qcScene cull triangles");
+    QC_TRY(Leave(
+        step, qcMethodStage_Cull(step, triangles, &d->bodyPairs, &d->triangleStage, &d->imageCull, &d->pcs, &profile)));
     profile.cullTrianglesMs = Lap(&lap) - (profile.planMs - planned);
-    QC_TRY(qcMethodStage_Sweep(step, triangles, &d->bodyPairs, &d->pcs, &d->triangleStage, &profile));
+    Enter(step, "qcScene sweep triangles");
+    QC_TRY(Leave(step, qcMethodStage_Sweep(step, triangles, &d->bodyPairs, &d->pcs, &d->triangleStage, &profile)));
     profile.sweepTrianglesMs = Lap(&lap);
     const qcIslandRouting* routing = &d->triangleStage.routing;
     qcPlanHistory_Add(&d->triangleStage.routing.history, profile.partsOnDevice != 0, routing->plannedTriangles,
@@ -153,10 +175,12 @@ static qcStatus RunStages(const qcStep* step, qcBodies* bodies, double start, qc
     ReportDevice(step, &profile);
 
     const qcCandidates* candidates = &d->triangleStage.candidates;
-    QC_TRY(qcPcsReport_Fill(triangles, &d->pcs, candidates, step->plan.useImage, &d->pcsReport));
-    QC_TRY(qcNarrowphase_Run(triangles, candidates, step->def, step->threads, &d->narrowphase, &profile));
+    QC_TRY(qcPcsReport_Fill(triangles, &d->pcs, candidates, step->plan.useImage, step->def, &d->pcsReport));
+    Enter(step, "qcScene exact");
+    QC_TRY(Leave(step, qcNarrowphase_Run(triangles, candidates, step->def, step->threads, &d->narrowphase, &profile)));
     Lap(&lap);
-    QC_TRY(BuildManifolds(step, triangles, &d->narrowphase, &d->manifolds));
+    Enter(step, "qcScene manifolds");
+    QC_TRY(Leave(step, BuildManifolds(step, triangles, &d->narrowphase, &d->manifolds)));
     profile.manifoldMs = Lap(&lap);
     profile.totalMs = lap - start;
     ReportPasses(&d->imageCull.records, &profile);
@@ -173,7 +197,8 @@ static bool IsSameRequest(const qcDetectDef* a, const qcDetectDef* b)
            a->nearestContacts == b->nearestContacts && a->layerColumns == b->layerColumns &&
            a->layerDepthAxis == b->layerDepthAxis && strncmp(a->views, b->views, 4) == 0 &&
            a->resolution == b->resolution && a->iterations == b->iterations && a->backToFront == b->backToFront &&
-           a->secondPassFromBack == b->secondPassFromBack && a->reliable == b->reliable && a->motion == b->motion;
+           a->secondPassFromBack == b->secondPassFromBack && a->reliable == b->reliable && a->motion == b->motion &&
+           a->candidates == b->candidates && a->sets == b->sets;
 }
 
 static void Reuse(qcProfile* profile)

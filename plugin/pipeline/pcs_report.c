@@ -1,4 +1,4 @@
-// A bitmap of global triangle indices, then a list.
+// A bitmap of global triangle indices, then lists.
 #include "pipeline/pcs_report.h"
 
 #include "base/status.h"
@@ -30,15 +30,11 @@ static void MarkAll(const qcStepTriangles* triangles, const qcPcs* pcs, const qc
         MarkKey(bits, classified[i].key);
 }
 
-qcStatus qcPcsReport_Fill(const qcStepTriangles* triangles, const qcPcs* pcs, const qcCandidates* candidates,
-                          bool ofImage, qcPcsReport* report)
+/// Lists the marked triangles.
+static qcStatus ListTriangles(const qcStepTriangles* triangles, size_t words, qcPcsReport* report)
 {
-    size_t words = ((size_t)triangles->count + 63) / 64, count = 0, at = 0;
-    QC_TRY(qcArray_Resize(&report->bits, words, sizeof(uint64_t), "the PCS"));
-    uint64_t* bits = report->bits.data;
-    if (words != 0)
-        memset(bits, 0, words * sizeof *bits);
-    MarkAll(triangles, pcs, candidates, ofImage, bits);
+    const uint64_t* bits = report->bits.data;
+    size_t count = 0, at = 0;
     for (size_t w = 0; w < words; w++)
         count += bits[w] != 0 ? (size_t)__builtin_popcountll(bits[w]) : 0;
     QC_TRY(qcArray_Resize(&report->triangles, count, sizeof(qcTriangleRef), "the PCS"));
@@ -55,8 +51,95 @@ qcStatus qcPcsReport_Fill(const qcStepTriangles* triangles, const qcPcs* pcs, co
     return qc_statusOk;
 }
 
+/// Fills the sets of the listed triangles, in the same order.
+static qcStatus ListSets(const qcPcs* pcs, qcPcsReport* report)
+{
+    QC_TRY(qcArray_Resize(&report->sets, report->triangles.count, sizeof(qcTriangleSets), "the sets of the PCS"));
+    size_t at = 0;
+    for (size_t triangle = 0; triangle < pcs->triangleSets.count; triangle++)
+    {
+        uint8_t packed = QC_AT(uint8_t, pcs->triangleSets, triangle);
+        if (packed != 0)
+            QC_AT(qcTriangleSets, report->sets, at++) =
+                (qcTriangleSets){(uint8_t)qcPcs_InterSet(packed), (uint8_t)qcPcs_SelfSet(packed)};
+    }
+    return qc_statusOk;
+}
+
+static qcTriangleRef RefOf(const qcStepTriangles* triangles, uint32_t global)
+{
+    uint32_t body = qcStepTriangles_BodyOf(triangles, global);
+    return (qcTriangleRef){qcStepTriangles_Slot(triangles, body), global - qcStepTriangles_First(triangles, body)};
+}
+
+static bool AreNeighbours(const qcStepTriangles* triangles, uint64_t key)
+{
+    uint32_t a = (uint32_t)(key >> 32), b = (uint32_t)key, body = qcStepTriangles_BodyOf(triangles, a);
+    uint32_t first = qcStepTriangles_First(triangles, body);
+    return body == qcStepTriangles_BodyOf(triangles, b) &&
+           qcBody_AreNeighbours(qcStepTriangles_Body(triangles, body), a - first, b - first);
+}
+
+/// Fills report->items with the keys, in order. Pairs for contacts, but for neighbours, are candidates too.
+static qcStatus SortKeys(const qcStepTriangles* triangles, const qcCandidates* candidates, qcPcsReport* report)
+{
+    const uint64_t *keys = candidates->keys.data, *contactKeys = candidates->contactKeys.data;
+    const qcSortItem* classified = candidates->classified.data;
+    size_t count = 0;
+    QC_TRY(qcArray_Resize(&report->items,
+                          candidates->keys.count + candidates->contactKeys.count + candidates->classified.count,
+                          sizeof(qcSortItem), "the candidates"));
+    qcSortItem* items = report->items.data;
+    for (size_t i = 0; i < candidates->keys.count; i++)
+        items[count++] = (qcSortItem){keys[i], 0};
+    for (size_t i = 0; i < candidates->classified.count; i++)
+        items[count++] = (qcSortItem){classified[i].key, 0};
+    for (size_t i = 0; i < candidates->contactKeys.count; i++)
+        if (!AreNeighbours(triangles, contactKeys[i]))
+            items[count++] = (qcSortItem){contactKeys[i], 0};
+    report->items.count = count;
+    return qcSort_Items(items, count, &report->scratch);
+}
+
+static qcStatus ListCandidates(const qcStepTriangles* triangles, const qcCandidates* candidates, qcPcsReport* report)
+{
+    QC_TRY(SortKeys(triangles, candidates, report));
+    QC_TRY(qcArray_Resize(&report->pairs, report->items.count, sizeof(qcCandidate), "the candidates"));
+    size_t at = 0;
+    for (size_t i = 0; i < report->items.count; i++)
+    {
+        uint64_t key = QC_AT(qcSortItem, report->items, i).key;
+        // Classified pairs are listed for contacts, too.
+        if (i != 0 && key == QC_AT(qcSortItem, report->items, i - 1).key)
+            continue;
+        qcTriangleRef a = RefOf(triangles, (uint32_t)(key >> 32)), b = RefOf(triangles, (uint32_t)key);
+        QC_AT(qcCandidate, report->pairs, at++) = (qcCandidate){a.body, a.triangle, b.body, b.triangle};
+    }
+    report->pairs.count = at;
+    return qc_statusOk;
+}
+
+qcStatus qcPcsReport_Fill(const qcStepTriangles* triangles, const qcPcs* pcs, const qcCandidates* candidates,
+                          bool ofImage, const qcDetectDef* def, qcPcsReport* report)
+{
+    size_t words = ((size_t)triangles->count + 63) / 64;
+    report->sets.count = report->pairs.count = 0;
+    QC_TRY(qcArray_Resize(&report->bits, words, sizeof(uint64_t), "the PCS"));
+    if (words != 0)
+        memset(report->bits.data, 0, words * sizeof(uint64_t));
+    MarkAll(triangles, pcs, candidates, ofImage, report->bits.data);
+    QC_TRY(ListTriangles(triangles, words, report));
+    if (def->sets && ofImage)
+        QC_TRY(ListSets(pcs, report));
+    return def->candidates ? ListCandidates(triangles, candidates, report) : qc_statusOk;
+}
+
 void qcPcsReport_Free(qcPcsReport* report)
 {
     qcArray_Free(&report->triangles);
+    qcArray_Free(&report->sets);
+    qcArray_Free(&report->pairs);
     qcArray_Free(&report->bits);
+    qcArray_Free(&report->items);
+    qcArray_Free(&report->scratch);
 }

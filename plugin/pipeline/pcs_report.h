@@ -1,4 +1,4 @@
-// The PCS as the result reports it.
+// The PCS and the candidates as the result reports them.
 #ifndef QC_PIPELINE_PCS_REPORT_H
 #define QC_PIPELINE_PCS_REPORT_H
 
@@ -7,12 +7,16 @@
 typedef struct qcPcsReport
 {
     qcArray triangles; ///< of qcTriangleRef, sorted
+    qcArray sets;      ///< of qcTriangleSets, one for each triangle; empty unless requested
+    qcArray pairs;     ///< of qcCandidate, sorted; empty unless requested
     qcArray bits;      ///< scratch: a bit a triangle, since most triangles of most scenes are not in the PCS
+    qcArray items, scratch;
 } qcPcsReport;
 
-/// With an image: the triangles left by culling. Otherwise: the triangles of candidate pairs.
+/// With an image: the triangles left by culling, and their sets if `def` requests them. Otherwise: the triangles of
+/// candidate pairs. In both cases the candidate pairs if `def` requests them.
 qcStatus qcPcsReport_Fill(const qcStepTriangles* triangles, const qcPcs* pcs, const qcCandidates* candidates,
-                          bool ofImage, qcPcsReport* report);
+                          bool ofImage, const qcDetectDef* def, qcPcsReport* report);
 void qcPcsReport_Free(qcPcsReport* report);
 
 #endif

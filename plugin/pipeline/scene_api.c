@@ -247,6 +247,8 @@ static qcStatus CheckDetectDef(const qcDetectDef* def)
 {
     if ((unsigned)def->method > qc_methodLayers)
         return qcFail(qc_statusBadInput, "qcScene_Detect: unknown method %d", (int)def->method);
+    if ((def->enterStage == NULL) != (def->leaveStage == NULL))
+        return qcFail(qc_statusBadInput, "qcScene_Detect: enterStage and leaveStage go together");
     QC_TRY(CheckMargin(def->margin, "margin"));
     QC_TRY(CheckMargin(def->contactMargin, "contactMargin"));
     if (def->layerColumns > 4096)

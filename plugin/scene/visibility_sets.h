@@ -2,17 +2,7 @@
 #ifndef QC_SCENE_VISIBILITY_SETS_H
 #define QC_SCENE_VISIBILITY_SETS_H
 
-#include <stdbool.h>
-#include <stdint.h>
-
-/// BFV is pruned; the other three make up the PCS. FFV and SFV are collision-free (lemma 2).
-typedef enum qcVisibilitySet
-{
-    qc_setBfv = 0, ///< fully visible in both passes
-    qc_setFfv = 1, ///< fully visible in the first pass only
-    qc_setSfv = 2, ///< fully visible in the second pass only
-    qc_setNfv = 3  ///< fully visible in neither
-} qcVisibilitySet;
+#include "quickcullide/scene.h"
 
 /// Whether a primitive of this set is tested in this pass (1 or 2). Quick: lemma 3 spares FFV the first pass, lemma 4
 /// SFV the second. CULLIDE: all but BFV.

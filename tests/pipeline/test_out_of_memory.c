@@ -48,7 +48,7 @@ static qcStatus UseScene(qcDevice* device, const qcSoup* soup, qcMethod method, 
         status = qcScene_SetVertices(scene, id, soup->positions, qc_positionF64, 0);
     qcDetectDef def = qcDefaultDetectDef();
     def.method = method;
-    def.touching = def.segments = def.proximities = true;
+    def.touching = def.segments = def.proximities = def.candidates = def.sets = true;
     def.manifolds = manifolds;
     def.contactMargin = margin;
     def.nearestContacts = true;

@@ -2,6 +2,7 @@
 #include "soft_body/scene/soft_scene.h"
 
 #include "common/object_key.h"
+#include "common/profiled_detect.h"
 #include "quickcullide/bullet_positions.h"
 
 #include <LinearMath/btQuickprof.h>
@@ -295,17 +296,18 @@ bool qcSoftBodyScene::StartsWhereStepEnded() const
 
 qcStatus qcSoftBodyScene::Detect(btScalar contactMargin, const qcResult** result)
 {
-    qcDetectDef def = qcDefaultDetectDef();
+    qcDetectDef def = qcProfiledDetectDef();
     def.method = method;
     def.contactMargin = double(contactMargin);
     def.nearestContacts = true;
+    def.candidates = reportsCandidates;
     def.threads = threads;
     return qcScene_Detect(m_scene, &def, result);
 }
 
 qcStatus qcSoftBodyScene::DetectWithin(btScalar margin, const qcResult** result)
 {
-    qcDetectDef def = qcDefaultDetectDef();
+    qcDetectDef def = qcProfiledDetectDef();
     def.method = method;
     def.margin = double(margin);
     def.touching = true;
@@ -315,7 +317,7 @@ qcStatus qcSoftBodyScene::DetectWithin(btScalar margin, const qcResult** result)
 
 qcStatus qcSoftBodyScene::DetectMotion(const qcResult** result)
 {
-    qcDetectDef def = qcDefaultDetectDef();
+    qcDetectDef def = qcProfiledDetectDef();
     def.method = method;
     def.motion = true;
     def.proximities = true;

@@ -155,6 +155,7 @@ class qcSoftBodyScene
     qcSoftBodyMeshes meshes;
     unsigned threads = 0;
     qcMethod method = qc_methodAuto;
+    bool reportsCandidates = false; ///< Detect reports candidate pairs
     /// Rigid objects whose pairs with soft bodies Bullet has dispatched in this step.
     std::vector<qcObjectKey> liveObjects;
     bool hasFailed = false; ///< a query of the previous step failed: Bullet holds rigid bodies off in the next one

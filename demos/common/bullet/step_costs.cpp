@@ -138,6 +138,11 @@ qcStepCosts qcTimeStep(btDynamicsWorld* world, double seconds)
     return s_costs;
 }
 
+const char* qcStepCostLabel(qcStepCost cost)
+{
+    return s_labels[cost];
+}
+
 void qcPrintStepCosts(const char* heading, const std::vector<std::pair<std::string, qcStepCosts>>& columns)
 {
     std::printf("  %-46s", heading);

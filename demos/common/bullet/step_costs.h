@@ -59,6 +59,9 @@ template <typename Iterator> qcStepCosts qcMeanCosts(Iterator begin, Iterator en
 /// One thread at a time.
 qcStepCosts qcTimeStep(btDynamicsWorld* world, double seconds);
 
+/// The label of a cost in tables.
+const char* qcStepCostLabel(qcStepCost cost);
+
 /// Prints a table to standard output, a column for each step or mean of steps. Rows of zeros are left out.
 void qcPrintStepCosts(const char* heading, const std::vector<std::pair<std::string, qcStepCosts>>& columns);
 

@@ -113,6 +113,8 @@ START_TEST(mesh_contact_shows_its_stages_in_the_batch)
     Recording::CheckZone("qcMeshContact batch", "dispatchAllCollisionPairs");
     for (const char* zone : s_meshZones)
         Recording::CheckZone(zone, "qcMeshContact batch");
+    for (const char* stage : {"cull triangles", "sweep triangles", "exact", "manifolds"})
+        Recording::CheckZone(std::string("qcScene ") + stage, "qcMeshContact detect");
     Recording::CheckZone("qcMeshContact manifolds", "dispatchAllCollisionPairs");
     Recording::CheckZone("qcMeshContact limit", "internalSingleStepSimulation");
 }
@@ -181,6 +183,8 @@ void CheckSoftZones()
     Recording::CheckZone("qcSoftBodyContact round", "qcSoftBodyContact resolve");
     for (const char* zone : {"detect", "respond", "manifolds"})
         Recording::CheckZone(std::string("qcSoftBodyContact ") + zone, "qcSoftBodyContact round");
+    for (const char* stage : {"cull triangles", "sweep triangles", "exact"})
+        Recording::CheckZone(std::string("qcScene ") + stage, "qcSoftBodyContact detect");
     Recording::CheckZone("qcSoftBodyContact callbacks");
 }
 
