@@ -30,13 +30,14 @@ Maxima MaximaOf(const qcStabilityHistory& history)
     return maxima;
 }
 
-/// Of the first row after the scene has settled; of the last one if there is none.
-double EnergyAtRest(const qcStabilityHistory& history)
+/// The first row at rest, if there are two of them; null otherwise.
+const qcStabilityRow* FindRest(const qcStabilityHistory& history)
 {
-    for (const qcStabilityRow& row : history.Rows())
-        if (row.step >= history.SettledStep())
-            return row.world.energy;
-    return history.Rows().back().world.energy;
+    const std::vector<qcStabilityRow>& rows = history.Rows();
+    for (size_t i = 0; i + 1 < rows.size(); i++)
+        if (rows[i].step >= history.SettledStep())
+            return &rows[i];
+    return nullptr;
 }
 
 std::string VerdictOf(const qcStabilityHistory& history)
@@ -131,15 +132,19 @@ bool qcPlotStability(const char* folder, const std::vector<qcStabilityHistory>& 
         return false;
     size_t count = histories.size();
     std::fprintf(output.stream,
-                 "# What was measured.\narray scenes[%zu]\narray titles[%zu]\narray settled[%zu]\narray atRest[%zu]\n",
-                 count, count, count, count);
+                 "# What was measured.\narray scenes[%zu]\narray titles[%zu]\narray settled[%zu]\narray "
+                 "atRest[%zu]\narray isSoft[%zu]\n",
+                 count, count, count, count, count);
     for (size_t i = 0; i < count; i++)
     {
         const qcStabilityHistory& history = histories[i];
-        std::fprintf(output.stream,
-                     "scenes[%zu] = '%s'\ntitles[%zu] = '%s: %s'\nsettled[%zu] = %g\natRest[%zu] = %.9g\n", i + 1,
-                     history.Def().name, i + 1, history.Def().name, history.Def().title, i + 1,
-                     history.IsSettled() ? history.Seconds(history.SettledStep()) : -1, i + 1, EnergyAtRest(history));
+        const qcStabilityRow* rest = FindRest(history);
+        std::fprintf(
+            output.stream,
+            "scenes[%zu] = '%s'\ntitles[%zu] = '%s: %s'\nsettled[%zu] = %g\natRest[%zu] = %.9g\nisSoft[%zu] = %d\n",
+            i + 1, history.Def().name, i + 1, history.Def().name, history.Def().title, i + 1,
+            rest != nullptr ? history.Seconds(rest->step) : -1, i + 1, rest != nullptr ? rest->world.energy : 0, i + 1,
+            history.Rows().back().remaining >= 0);
     }
     std::fprintf(output.stream, "\n%s", s_stabilityScript);
     return qcOutput_Commit(&output, message) && qcFiles_Draw(folder, "stability.gp", message);

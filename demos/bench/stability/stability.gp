@@ -34,17 +34,23 @@ do for [n = 1:|scenes|] {
         plot csv using (of(n, 'seconds') >= settled[n] ? of(n, 'seconds') : NaN):(1e3 * (of(n, 'energy') - atRest[n])) \
             with lines lw 1.5 lc rgb blue notitle
     } else { set multiplot next }
-    set yrange [0:0.001<*]
+    # An axis needs a value that is not zero.
+    set yrange [0:*]
     set title 'deepest contact, mm'
-    plot csv using (of(n, 'seconds')):(1e3 * of(n, 'depth')) with lines lw 1.5 lc rgb red notitle
-    set yrange [0:1<*]
+    plot csv using (of(n, 'seconds')):(1e3 * of(n, 'depth')) with lines lw 1.5 lc rgb red notitle, \
+        0.1 with dots lc rgb '#ffffffff' notitle
     set title 'pairs that penetrate'
-    plot csv using (of(n, 'seconds')):(of(n, 'pairs')) with lines lw 2 lc rgb red title 'exact test', \
-        csv using (of(n, 'seconds')):(of(n, 'remaining') >= 0 ? of(n, 'remaining') : NaN) \
-        with lines lw 1 dt 2 lc rgb blue title 'reported'
-    set yrange [0:0.001<*]
+    if (isSoft[n]) {
+        plot csv using (of(n, 'seconds')):(of(n, 'pairs')) with lines lw 2 lc rgb red title 'exact test', \
+            csv using (of(n, 'seconds')):(of(n, 'remaining')) with lines lw 1 dt 2 lc rgb blue title 'reported', \
+            1 with dots lc rgb '#ffffffff' notitle
+    } else {
+        plot csv using (of(n, 'seconds')):(of(n, 'pairs')) with lines lw 2 lc rgb red title 'exact test', \
+            1 with dots lc rgb '#ffffffff' notitle
+    }
     set title 'contact points a step'
-    plot csv using (of(n, 'seconds')):(of(n, 'contacts')) with lines lw 1.5 lc rgb green notitle
+    plot csv using (of(n, 'seconds')):(of(n, 'contacts')) with lines lw 1.5 lc rgb green notitle, \
+        1 with dots lc rgb '#ffffffff' notitle
     set title 'memory of the library, KiB'
     plot csv using (of(n, 'seconds')):(of(n, 'bytes') / 1024) with lines lw 1.5 lc rgb green notitle
     set title 'memory of the process, MiB'
