@@ -225,8 +225,8 @@ case $demo in
     # 120 steps a second, a frame every 10; 600 steps.
     cloth) run_filmed cloth 12 "$@" ;;
     fracture) run_filmed fracture 24 "$@" ;;
-    # 120 steps a second, a frame every 8.
-    leaves) run_filmed leaves 15 "$@" ;;
+    # 120 steps a second, a frame every 10.
+    leaves) run_filmed leaves 12 "$@" ;;
     through) run_through "$@" ;;
     pairs) "$root/build/demos/qc-pairs" "$@" ;;
     bench) run_bench "$@" ;;

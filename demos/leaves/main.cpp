@@ -20,11 +20,11 @@ constexpr double s_secondsAhead = 1.0 / 30;
 
 struct Options
 {
-    // 120 steps a second: 15 frames.
-    qcDemoOptions common = {"out/leaves", 840, 8, qc_methodAuto, qc_deviceAuto, 0};
+    // 120 steps a second: 12 frames.
+    qcDemoOptions common = {"out/leaves", 780, 10, qc_methodAuto, qc_deviceAuto, 0};
     qcLeavesRequest world;
-    uint32_t pcsEvery = 4;      ///< frames from one on which quick runs to the next; its PCS is drawn until then
-    uint32_t compareEvery = 35; ///< frames from one on which all methods run to the next
+    uint32_t pcsEvery = 3;      ///< frames from one on which quick runs to the next; its PCS is drawn until then
+    uint32_t compareEvery = 26; ///< frames from one on which all methods run to the next
     const char* record = nullptr;
     qcDetectDef request = qcDefaultDetectDef();
 };

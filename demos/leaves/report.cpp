@@ -6,6 +6,7 @@
 #include "leaves/world.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace
 {
