@@ -20,13 +20,13 @@ namespace
 {
 struct Options
 {
-    // 120 steps a second: 15 frames.
-    qcDemoOptions common = {"out/breaking", 1400, 8, qc_methodAuto, qc_deviceAuto, 0};
+    // 120 steps a second: 12 frames.
+    qcDemoOptions common = {"out/breaking", 1350, 10, qc_methodAuto, qc_deviceAuto, 0};
     qcBreakingModelDef model;
     const char* dragon = "";
     const char* bunny = QC_BUNNY_PATH;
     const char* record = nullptr;
-    uint32_t compareEvery = 45; ///< frames from one on which all methods run to the next
+    uint32_t compareEvery = 68; ///< frames from one on which all methods run to the next
     qcDetectDef request = qcDefaultDetectDef();
 };
 
@@ -181,8 +181,6 @@ int main(int argumentCount, char** arguments)
          qcOption_Number(&options.model.bunnyTriangles, 100, 10000000)},
         {1, "pieces", "N", "Voronoi cells of the dragon, each with a piece or more; %s by default",
          qcOption_Number(&options.model.cells, 1, 100000)},
-        {1, "drops", "N", "Places on which the bunny falls, one after the other; %s by default",
-         qcOption_Number(&options.model.drops, 1, 1000)},
         {1, "seed", "N", "Where the cells are; %s by default", qcOption_Number(&options.model.seed, 0, UINT32_MAX)},
         {1, "compare-every", "N", "Frames from one on which all methods are compared to the next; %s by default",
          qcOption_Number(&options.compareEvery, 1, 1000000)},

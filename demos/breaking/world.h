@@ -121,6 +121,7 @@ class qcBreakingWorld
         btScalar speed, inverseMass; ///< closing speed, and inverse of the mass that the impact has there
     };
 
+    btVector3 FindTarget() const;
     void Warm();
     void NoteContact();
     bool Break();
@@ -145,9 +146,9 @@ class qcBreakingWorld
     btStaticPlaneShape m_floorShape;
     btRigidBody m_floor;
     btRigidBody m_bunny;
-    qcCrane m_crane;
-    qcSettling m_settling;
     std::vector<Piece> m_pieces;
+    qcCrane m_crane; ///< its first target depends on the pieces
+    qcSettling m_settling;
     std::vector<std::unique_ptr<Island>> m_islands;
     std::vector<double> m_bondEnergies;
     std::vector<qcMeshContactStatistics> m_queries; ///< of this step
