@@ -132,9 +132,10 @@ run_bench()
             keep_output "$root/out/bench/ablation.txt" "$root/build/demos/qc-ablation" "$@"
             ;;
         paper)
-            for scene in cloth breaking leaves; do
-                make_recording "$scene"
-            done
+            case "$*" in
+                *--help* | *--recordings*) ;;
+                *) for scene in cloth breaking leaves; do make_recording "$scene"; done ;;
+            esac
             run_benchmark "$@"
             ;;
         *) run_benchmark "$@" ;;

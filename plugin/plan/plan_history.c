@@ -13,7 +13,10 @@ static const double s_maxSwitchRatio = 0.95;
 // five.
 static const double s_maxRegret = 8.0;
 // A trial is lost when even its cheapest query costs this many times the other method's median.
-static const double s_lostRatio = 1.25;
+// With one query less it takes a ratio that delays hardly explain.
+static const double s_lostRatio = 1.25, s_clearlyLostRatio = 2.0;
+// A method that was this many times as expensive before a switch is not tried again soon.
+static const double s_clearRatio = 4.0;
 
 /// Median of the recent queries (other processes delay some); of a few queries the cheapest one; the estimate before
 /// any counts. Where a step has two queries, the middle two costs are one of either.
@@ -67,15 +70,16 @@ static void JudgeTrial(qcPlanHistory* history, uint32_t query, double tried, dou
 {
     history->trialLeft--;
     const qcCostRecord* record = history->onDevice ? &history->layers : &history->sweep;
-    bool isLost = record->count >= qc_lostQueries && tried > s_lostRatio * other;
+    bool isLost = (record->count >= qc_lostQueries && tried > s_lostRatio * other) ||
+                  (record->count >= qc_lostQueries - 1 && tried > s_clearlyLostRatio * other);
     if (!isLost && history->trialLeft > 0)
         return;
     history->trialLeft = 0;
     if (isLost || tried >= s_maxSwitchRatio * other)
         history->onDevice = !history->onDevice;
-    else
-        // Most of the other method's recent queries may have been delayed.
-        history->nextTrial = query + qc_confirmGap;
+    else // most of the other method's recent queries may have been delayed
+        history->nextTrial =
+            query + (other < s_clearRatio * tried ? (uint32_t)qc_confirmGap : (uint32_t)qc_firstTrialGap);
 }
 
 bool qcPlanHistory_Choose(qcPlanHistory* history, const qcPlanCosts* costs, double triangles)

@@ -187,6 +187,10 @@ START_TEST(a_method_far_slower_than_calibrated_is_left_soon)
     RunQueries(&history, &calibrated, &actual, 85);
     ck_assert(history.onDevice);
     ck_assert_uint_lt(history.sweep.count, 20);
+    // Ten times: it is not tried again for hundreds of queries.
+    const qcPlanCosts slow = {0.0005, 0.0, 0.00005};
+    history = (qcPlanHistory){.queries = 0};
+    ck_assert_double_le(RunQueries(&history, &calibrated, &slow, 500), (500 + 6 * 9) * 1.0);
 }
 END_TEST
 
@@ -200,6 +204,11 @@ START_TEST(a_lost_trial_ends_early)
     RunQueries(&history, &costs, &costs, 500 - qc_firstTrial);
     ck_assert_uint_eq(history.layers.count, qc_lostQueries);
     ck_assert(!history.onDevice);
+    // At twice the cost and more one query less is enough.
+    const qcPlanCosts clear = {0.00003, 0.0, 0.00004}, actual = {0.00003, 0.0, 0.00009};
+    history = (qcPlanHistory){.queries = 0};
+    RunQueries(&history, &clear, &actual, 500);
+    ck_assert_uint_eq(history.layers.count, qc_lostQueries - 1);
 }
 END_TEST
 

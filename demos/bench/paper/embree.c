@@ -1,5 +1,6 @@
 // Embree beside the library's methods: it gets all bodies as one soup of triangles in world space, whose positions are
-// computed in its time. Where bodies come or go it starts anew, in that frame's time.
+// computed in its time. Where bodies come or go it starts anew, in that frame's time. It is left out where most bodies
+// have no self-collision: in one soup it would find the pairs within them, too.
 #include "bench/paper/paper.h"
 
 #include "bench/peers/modules.h"
@@ -128,6 +129,8 @@ bool qcPaper_MeasureEmbree(const qcPaperOptions* options, const char* path, uint
     if (embree.library == NULL)
         return true;
     snprintf(table->embree, sizeof table->embree, "%s", embree.library->name);
+    if (!table->info.isOneSoup)
+        return true;
     uint32_t threads = options->threads != 0 ? options->threads : qcGetWorkerCount();
     embree.task = (qcPeerTask){&embree.body, 1, true, threads};
     qcPaperSoup soup = {0};

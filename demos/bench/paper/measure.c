@@ -184,7 +184,7 @@ static bool RunAll(const Run* run, bool hasGl, bool hasCompute, qcMessage* messa
             if (!RunPass(run, method, message))
                 return false;
         }
-        if (!qcPaper_MeasureEmbree(run->options, run->path, round, run->table, message))
+        if (round % 2 == 0 && !qcPaper_MeasureEmbree(run->options, run->path, round, run->table, message))
             return false;
     }
     for (int method = 0; hasGl && method < qc_paperMethodCount; ++method)

@@ -13,17 +13,17 @@ static bool Fail(const char* path, qcMessage* message)
 /// Counts an operation, and the bodies and triangles that are there.
 static void Count(const qcOperation* operation, const qcPaperSoup* soup, qcPaperRecordingInfo* info)
 {
-    bool changes = operation->kind == qc_operationAddBody || operation->kind == qc_operationRemoveBody;
-    if (changes && info->frameCount > 0)
-        info->isFixed = false;
     if (operation->kind != qc_operationDetect)
         return;
-    uint32_t bodies = 0, triangles = 0;
+    uint32_t bodies = 0, triangles = 0, own = 0;
     for (uint32_t slot = 0; slot < soup->bodyCount; ++slot)
     {
         bodies += soup->bodies[slot].isThere;
         triangles += soup->bodies[slot].triangleCount;
+        own += soup->bodies[slot].selfCollision ? soup->bodies[slot].triangleCount : 0;
     }
+    if (info->frameCount == 0)
+        info->isOneSoup = 2 * own > triangles;
     info->bodyCount = bodies > info->bodyCount ? bodies : info->bodyCount;
     info->triangleCount = triangles > info->triangleCount ? triangles : info->triangleCount;
     memcpy(info->views, operation->detect.views, sizeof info->views);
@@ -33,7 +33,7 @@ static void Count(const qcOperation* operation, const qcPaperSoup* soup, qcPaper
 
 bool qcPaperRecording_Inspect(const char* path, qcPaperRecordingInfo* info, qcMessage* message)
 {
-    *info = (qcPaperRecordingInfo){.isFixed = true};
+    *info = (qcPaperRecordingInfo){0};
     qcRecording* recording = NULL;
     qcPaperSoup soup = {0};
     const qcOperation* operation = NULL;

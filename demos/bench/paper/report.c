@@ -83,11 +83,10 @@ static void PrintTimes(const qcPaperTable* tables, uint32_t tableCount)
         PrintNumber(7, 2, Ratio(all[qc_paperAuto].ms, better), better > 0.0);
         printf("\n");
     }
-    printf("\n  Without the first %d frames, in which methods build data.", qc_paperBuildingFrames);
-    if (tableCount != 0 && tables[0].embree[0] != 0)
-        printf(" %s: all bodies as one soup, refitted; a new tree where bodies come or go.\n", tables[0].embree);
-    else
-        printf(" Embree: not built with it.\n");
+    printf("\n  Without the first %d frames, in which methods build data. Embree: all bodies as one soup, refitted; "
+           "left out "
+           "where most\n  bodies have no self-collision.\n",
+           qc_paperBuildingFrames);
 }
 
 static void PrintMissed(const qcPaperTable* tables, uint32_t tableCount)
@@ -122,6 +121,8 @@ static void PrintMissed(const qcPaperTable* tables, uint32_t tableCount)
 void qcPaper_PrintTables(const qcPaperTable* tables, uint32_t tableCount)
 {
     printf("\n");
+    if (tableCount != 0)
+        printf("%s\n", tables[0].embree[0] != 0 ? tables[0].embree : "Embree: not built with it");
     for (uint32_t t = 0; t < tableCount; ++t)
     {
         const qcPaperTable* table = &tables[t];

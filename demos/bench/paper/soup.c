@@ -41,6 +41,7 @@ static bool AddBody(qcPaperSoup* soup, const qcOperation* operation)
         return false;
     body->isThere = true;
     body->deforming = def->deforming;
+    body->selfCollision = def->selfCollision;
     body->vertexCount = def->vertexCount;
     body->triangleCount = def->triangleCount;
     body->transform = def->transform;

@@ -6,7 +6,7 @@
 
 typedef struct qcPaperSoupBody
 {
-    bool isThere, deforming;
+    bool isThere, deforming, selfCollision;
     double* positions; ///< in local space, of a deforming body in world space
     uint32_t* indices;
     uint32_t vertexCount, triangleCount;
