@@ -22,14 +22,52 @@ Demos:
   bench     Measures: demos/run.sh bench [accuracy] compares the methods, "bench peers" other libraries
             (which it installs), "bench scaling" sizes, "bench broadphase" the broadphase with Bullet's own, "bench soft"
             cloth, tangles and ropes with Bullet's, "bench paper" the paper's scenes, tables and figures (on recordings
-            of the demos, made first where they are missing), "bench gpu" layers on a GL device with sweep. Tables and pictures
-            go to out/bench/. demos/gpu.sh runs the GL tests first, and packs all that for a machine with a GPU.
+            of the demos, made first where they are missing), "bench stability" runs of 10 000 steps, "bench ablation"
+            the stages of manifolds, "bench gpu" layers on a GL device with sweep. Tables and pictures go to out/bench/.
+            demos/gpu.sh runs the GL tests first, and packs all that for a machine with a GPU.
+  report    One page with every table, plot, picture and film in out/, out/report/index.html. What is missing is run
+            first, in small sizes; "report --all" runs everything afresh.
   gallery   Makes the README's pictures from the frames in out/.
 
 With --view, cloth, fracture, breaking and leaves open a live window in place of files.
 
 Arguments are the demo's own; "demos/run.sh DEMO --help" explains them.
 END
+}
+
+# keep_output FILE COMMAND [ARGUMENT...]: keeps what a program prints in a file, below the command line, for the report.
+keep_output()
+{
+    kept=$1
+    shift
+    case " $* " in
+        *' --help '* | *' -? '* | *' --usage '*)
+            "$@"
+            return
+            ;;
+    esac
+    mkdir -p "${kept%/*}"
+    # Ctrl-C ends the program, not this script: what was done is kept, and what was drawn becomes a film.
+    trap : INT
+    {
+        trap : INT
+        status=0
+        # By lines: a pipe would hold them back for minutes.
+        stdbuf -oL "$@" || status=$?
+        echo "$status" >"$kept.status"
+    } | tee -i "$kept.new"
+    trap - INT
+    status=$(cat "$kept.status")
+    # Statuses from 2 on: nothing was measured. 130: Ctrl-C ended it.
+    if [ -s "$kept.new" ] && { [ "$status" -le 1 ] || [ "$status" -ge 128 ]; }; then
+        {
+            echo "$ $typed"
+            cat "$kept.new"
+            [ "$status" -eq 0 ] || echo "Exit status $status"
+        } >"$kept"
+    fi
+    rm -f "$kept.new" "$kept.status"
+    return "$status"
 }
 
 # clear_film NAME: frames of a longer run before would end up in the film.
@@ -57,11 +95,8 @@ run_filmed()
     rate=$2
     shift 2
     clear_film "$name"
-    # Ctrl-C ends the demo, not this script: what was drawn becomes a film.
-    trap : INT
     status=0
-    "$root/build/demos/qc-$name" --out "$root/out/$name" "$@" || status=$?
-    trap - INT
+    keep_output "$root/out/$name/$name.txt" "$root/build/demos/qc-$name" --out "$root/out/$name" "$@" || status=$?
     make_film "$name" "$rate"
     return "$status"
 }
@@ -78,11 +113,9 @@ run_breaking()
 run_through()
 {
     clear_film through
-    trap : INT
     status=0
-    "$root/build/demos/qc-bench" through --frames "$root/out/through" --csv "$root/out/through/through.csv" "$@" ||
-        status=$?
-    trap - INT
+    keep_output "$root/out/through/through.txt" "$root/build/demos/qc-bench" through --frames "$root/out/through" \
+        --csv "$root/out/through/through.csv" "$@" || status=$?
     # Four pictures a step.
     make_film through 12
     return "$status"
@@ -94,6 +127,10 @@ run_bench()
     case ${1-} in
         -h | --help) "$bench" --help ;;
         '' | -*) run_benchmark accuracy "$@" ;;
+        ablation)
+            shift
+            keep_output "$root/out/bench/ablation.txt" "$root/build/demos/qc-ablation" "$@"
+            ;;
         paper)
             case "$*" in
                 *--help* | *--recordings*) ;;
@@ -108,16 +145,16 @@ run_bench()
 # make_recording DEMO: its recording for "bench paper", if it is missing. No device: all methods give the same run.
 make_recording()
 {
-    folder=$root/out/recordings
-    if [ -f "$folder/$1.qcr" ]; then
+    recordings=$root/out/recordings
+    if [ -f "$recordings/$1.qcr" ]; then
         return 0
     fi
     qc_build "$root" "qc-$1" >/dev/null || return 0
     echo "Recording the demo $1"
-    mkdir -p "$folder/new"
-    "$root/build/demos/qc-$1" --device none --method sweep --out "$folder/new" --record "$folder/new/$1.qcr" >/dev/null
-    mv "$folder/new"/*.qcr "$folder/"
-    rm -r "$folder/new"
+    mkdir -p "$recordings/new"
+    "$root/build/demos/qc-$1" --device none --method sweep --out "$recordings/new" --record "$recordings/new/$1.qcr" >/dev/null
+    mv "$recordings/new"/*.qcr "$recordings/"
+    rm -r "$recordings/new"
 }
 
 # run_benchmark NAME [ARGUMENT...]
@@ -135,14 +172,19 @@ run_benchmark()
             accuracy | peers) set -- --dragon "$dragon" "$@" ;;
         esac
     fi
-    "$bench" "$name" --out "$root/out/bench" "$@"
+    keep_output "$root/out/bench/$name.txt" "$bench" "$name" --out "$root/out/bench" "$@"
 }
 
+typed="demos/run.sh${*:+ $*}"
 demo=cloth
 case ${1-} in
     -h | --help)
         show_help
         exit 0
+        ;;
+    report)
+        shift
+        exec "$(dirname -- "$0")/report/run.sh" "$@"
         ;;
     gallery) exec "$(dirname -- "$0")/gallery.sh" ;;
     cloth | fracture | breaking | leaves | through | pairs | bench)
@@ -177,9 +219,10 @@ case $demo in
     *) qc_install build ;;
 esac
 program=qc-$demo
-if [ "$demo" = through ]; then
-    program=qc-bench
-fi
+case $demo${1:+ $1} in
+    through*) program=qc-bench ;;
+    'bench ablation') program=qc-ablation ;;
+esac
 # The tests need more packages: they are built where tests/run.sh has been.
 if [ -f "$root/build/CMakeCache.txt" ]; then
     qc_build "$root" "$program"

@@ -11,7 +11,7 @@ root=$(CDPATH='' cd -- "$(dirname -- "$0")/.." && pwd)
 . "$root/tests/setup.sh"
 
 # shellcheck disable=SC2034 # Read by qc_install.
-qc_wishes='clients docs view display'
+qc_wishes="clients docs view display ${qc_wishes-}"
 qc_install build tests
 qc_build "$root" all -DQC_BUILD_TESTS=ON -DQC_BUILD_DEMOS=ON -DQC_BUILD_BULLET=ON
 QC_TEST_DEVICES=${QC_TEST_DEVICES-$(qc_gl_devices)}

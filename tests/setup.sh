@@ -8,7 +8,7 @@ qc_packages()
         case $group in
             build) echo build-essential cmake pkg-config libepoxy-dev libbullet-dev libpng-dev libjson-c-dev \
                 voro++-dev libglu1-mesa-dev ;;
-            tests) echo check libgmp-dev libbullet-extras-dev glmark2-data ;;
+            tests) echo check libgmp-dev libbullet-extras-dev glmark2-data libxml2-utils ;;
             demos) echo ffmpeg ;;
             models) echo glmark2-data ;;
             bench) echo gnuplot-nox glmark2-data ;;
@@ -21,6 +21,8 @@ qc_packages()
             loaders) echo libegl1 libopengl0 ;;
             # A client of libBulletCollision, to be run with qc-preload; without it that test is skipped.
             clients) echo libdart-dev libdart-collision-bullet-dev ;;
+            # To look at the report's page; without it that test is skipped. 100 MB: qc_wishes=browser tests/run.sh
+            browser) echo chromium ;;
             # The live window of the demos, --view, and a display for its test; without them the demos have no window.
             view) echo libglfw3-dev libimgui-dev fonts-dejavu-core ;;
             display) echo xvfb xauth ;;

@@ -25,6 +25,8 @@ qcExitStatus qcBench_RunBroadphase(int argumentCount, char** arguments);
 qcExitStatus qcBench_RunSoft(int argumentCount, char** arguments);
 /// Fast bodies, judged within each step, beside version 0.2.0. Only where Bullet was found.
 qcExitStatus qcBench_RunThrough(int argumentCount, char** arguments);
+/// Long runs of scenes that come to rest. Only where Bullet was found.
+qcExitStatus qcBench_RunStability(int argumentCount, char** arguments);
 
 #ifdef __cplusplus
 }

@@ -24,6 +24,7 @@ static const Benchmark s_benchmarks[] = {
     {"broadphase", "qc-bench broadphase", qcBench_RunBroadphase},
     {"soft", "qc-bench soft", qcBench_RunSoft},
     {"through", "qc-bench through", qcBench_RunThrough},
+    {"stability", "qc-bench stability", qcBench_RunStability},
 #endif
 };
 
@@ -76,7 +77,8 @@ static const char s_help[] =
     "  paper      the scenes, tables, figures and factors of the paper's section 5, from recordings of the demos\n"
     "  broadphase moving boxes inside Bullet, beside its own broadphases\n"
     "  soft       hard scenes of cloth, tangles and ropes, beside Bullet alone\n"
-    "  through    bodies thrown so fast that they could pass each other, beside version 0.2.0"
+    "  through    bodies thrown so fast that they could pass each other, beside version 0.2.0\n"
+    "  stability  long runs of scenes that come to rest: energy, penetration, contacts, memory"
     "\v\"qc-bench BENCHMARK --help\" lists the options of one.\n\n"
     "Exit status: 0 done; 1 output could not be written, out of memory, or a method that never misses missed; 2 a "
     "mistake on the command line; 3 a model or recording can't be read; 4 the device does not work here; 5 no peer "

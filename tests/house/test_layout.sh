@@ -53,6 +53,7 @@ demos/fracture              demos/common/... demos/common demos/view
 demos/breaking              demos/common/... demos/common demos/view
 demos/leaves                demos/common/... demos/common demos/view
 demos/pairs                 demos/common/... demos/common
+demos/report                demos/common/... demos/common
 demos/replay                demos/common
 demos/bench/scenes          demos/common/... demos/common
 demos/bench                 demos/common
@@ -65,6 +66,7 @@ demos/bench/scaling         demos/bench demos/bench/scenes demos/common/... demo
 demos/bench/gpu             demos/bench demos/bench/scenes demos/common/... demos/common
 demos/bench/soft            demos/bench demos/bench/scenes demos/common/... demos/common
 demos/bench/through         demos/bench demos/bench/scenes demos/common/... demos/common
+demos/bench/stability       demos/bench demos/bench/soft demos/bench/through demos/cloth demos/fracture demos/breaking demos/leaves demos/common/... demos/common
 
 tests/support
 tests/base                  tests/support plugin/base

@@ -41,7 +41,7 @@ do for [n = 1:hasAuto * sceneCount] {
     autoMissed[n] = A_mean
 }
 
-cairo = strstrt(GPVAL_TERMINALS, 'pngcairo') > 0
+cairo = strstrt(GPVAL_TERMINALS, 'pngcairo') > 0 && !exists('svg')
 ending = cairo ? '.png' : '.svg'
 open(width, height, points) = cairo ? \
     sprintf("set terminal pngcairo size %d, %d font 'sans,%d'", width, height, points) : \

@@ -6,7 +6,7 @@ set datafile separator comma
 set datafile columnheaders
 # Rows of other lines don't interrupt a line.
 set datafile missing NaN
-cairo = strstrt(GPVAL_TERMINALS, 'pngcairo') > 0
+cairo = strstrt(GPVAL_TERMINALS, 'pngcairo') > 0 && !exists('svg')
 ending = cairo ? '.png' : '.svg'
 open(width, height) = cairo ? \
     sprintf("set terminal pngcairo size %d, %d font 'sans,11'", width, height) : \

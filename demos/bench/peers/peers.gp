@@ -9,7 +9,7 @@ count = words(methods)
 width = 0.8 / count
 at(m) = place(strcol('scene'), scenes) + (m - 0.5 * (count + 1)) * width
 
-cairo = strstrt(GPVAL_TERMINALS, 'pngcairo') > 0
+cairo = strstrt(GPVAL_TERMINALS, 'pngcairo') > 0 && !exists('svg')
 ending = cairo ? '.png' : '.svg'
 high = 420 * words(threads) + 40
 wide = 400 + 130 * (words(scenes) > 3 ? words(scenes) : 3)

@@ -5,7 +5,7 @@ set datafile separator comma
 set datafile columnheaders
 # Rows of other lines don't interrupt a line.
 set datafile missing NaN
-cairo = strstrt(GPVAL_TERMINALS, 'pngcairo') > 0
+cairo = strstrt(GPVAL_TERMINALS, 'pngcairo') > 0 && !exists('svg')
 ending = cairo ? '.png' : '.svg'
 down = hasMeshes && hasBoxes ? 2 : 1
 if (cairo) { set terminal pngcairo size 1300, 480 * down font 'sans,10' } \
