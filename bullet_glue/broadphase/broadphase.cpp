@@ -154,7 +154,7 @@ void qcBroadphase::aabbTest(const btVector3& aabbMin, const btVector3& aabbMax, 
         return;
     }
     qcBroadphaseRecorder::Reported reported;
-    m_data->recorder.Begin();
+    m_data->recorder.BeginQuery();
     m_data->GetProxies().VisitBox(aabbMin, aabbMax,
                                   [&](qcProxy* proxy)
                                   {
@@ -183,7 +183,7 @@ void qcBroadphase::rayTest(const btVector3& rayFrom, const btVector3& rayTo, btB
     if (recorder != nullptr)
     {
         recorded = qcBoxCastOf(rayFrom, rayTo, rayCallback, aabbMin, aabbMax);
-        recorder->Begin();
+        recorder->BeginQuery();
     }
     Path path = MakePath(rayFrom, rayTo, rayCallback, aabbMin, aabbMax);
     qcBoxes_CastBox(m_data->GetProxies().GetBoxes(), path.from, path.to, path.castLower, path.castUpper, &cast.fraction,
@@ -204,7 +204,7 @@ void qcBroadphase::calculateOverlappingPairs(btDispatcher* dispatcher)
         m_data->Update(dispatcher);
         return;
     }
-    m_data->recorder.Begin();
+    m_data->recorder.BeginPairs();
     m_data->Update(dispatcher);
     m_data->recorder.EndPairs(*m_data);
 }

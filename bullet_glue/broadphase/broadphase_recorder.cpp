@@ -128,10 +128,15 @@ void qcBroadphaseRecorder::Reset()
 
 //  ---- queries ---------------------------------------------------------------------------------------
 
-void qcBroadphaseRecorder::Begin()
+void qcBroadphaseRecorder::BeginPairs()
 {
     qcBoxRecorder_Begin(m_recorder);
     m_newestId = uint32_t(m_filters.size());
+}
+
+void qcBroadphaseRecorder::BeginQuery()
+{
+    qcBoxRecorder_Begin(m_recorder);
 }
 
 /// The filters that the search has used. Proxies that a callback created meanwhile are recorded behind it.

@@ -31,8 +31,8 @@ class qcBroadphaseRecorder
     /// A box is set. A box that stays as it is counts only while an iteration runs: other moves of it may be pending.
     void Move(const qcProxy* proxy, const btVector3& aabbMin, const btVector3& aabbMax, bool isIterating);
     void Reset();
-    /// A search for pairs, or a query, begins. Its End does nothing if the recording has ended meanwhile.
-    void Begin();
+    /// A search for pairs. Its end does nothing if the recording has ended meanwhile; likewise below.
+    void BeginPairs();
     void EndPairs(const qcPairCacheSync& sync);
 
     /// What a query reports: a list of its own for each, since queries run on several threads.
@@ -44,6 +44,8 @@ class qcBroadphaseRecorder
         /// Without memory the box is left out.
         void Add(uint32_t id, double lambda = 0.0);
     };
+    /// A query, on any thread.
+    void BeginQuery();
     void EndQuery(const btVector3& aabbMin, const btVector3& aabbMax, Reported& reported);
     void EndCast(const qcBoxCast& cast, const Reported& reported);
 

@@ -319,6 +319,7 @@ START_TEST(methods_relations_and_statuses_have_names)
     ck_assert_str_eq(qcRelation_Name(qc_relationTouching), "touching");
     ck_assert_str_eq(qcStatus_Name(qc_statusOutOfMemory), "out of memory");
     ck_assert_str_eq(qcStatus_Name(qc_statusDeviceLost), "device lost");
+    ck_assert_str_eq(qcStatus_Name(qc_statusFile), "file");
     ck_assert_str_eq(qcMethod_Name((qcMethod)99), "unknown method");
 }
 END_TEST

@@ -1,10 +1,12 @@
 // A recorded qcBroadphase replays with the pairs and boxes that it found, by another one and by brute force.
+// Standard headers first: check defines a macro named fail.
+#include <cstdlib>
+#include <cstring>
+#include <thread>
+
 #include "bullet/broadphase/broadphase_moves.h"
 
 #include "support/run_program.h"
-
-#include <cstdlib>
-#include <cstring>
 
 namespace
 {
@@ -155,6 +157,40 @@ START_TEST(a_broadphase_goes_on_where_its_recording_cannot)
 }
 END_TEST
 
+START_TEST(queries_on_several_threads_are_all_recorded)
+{
+    EnterFolder();
+    {
+        qcBroadphaseModel model;
+        qcRandom random = {9};
+        SaltedFilter filter;
+        ck_assert_int_eq(model.broadphase.record("a.qcr"), qc_statusOk);
+        for (int i = 0; i < 10; i++)
+            Step(model, &random, {}, &filter);
+        model.cache->setOverlapFilterCallback(nullptr);
+        std::vector<std::thread> threads;
+        for (uint64_t t = 0; t < 4; t++)
+            threads.emplace_back(
+                [&model, t]
+                {
+                    qcRandom own = {100 + t};
+                    for (int i = 0; i < 50; i++)
+                    {
+                        CountingQuery query;
+                        btVector3 corner = qcRandomPoint(&own, 7);
+                        model.broadphase.aabbTest(corner, corner + btVector3(2, 2, 2), query);
+                        CastRay(model, &own);
+                    }
+                });
+        for (std::thread& thread : threads)
+            thread.join();
+    }
+    // 10 steps of three results, and 4 * 50 * 2 queries.
+    CheckReplay("recorded", "\n430 results are the recorded ones, 0 differ");
+    LeaveFolder();
+}
+END_TEST
+
 START_TEST(the_other_precision_is_refused_with_the_programs_name)
 {
     EnterFolder();
@@ -171,4 +207,5 @@ END_TEST
 
 QC_RUN_TESTS("recorded_broadphase", a_recording_from_the_start_replays_to_the_last_box,
              a_recording_that_starts_late_begins_with_the_present_boxes,
-             a_broadphase_goes_on_where_its_recording_cannot, the_other_precision_is_refused_with_the_programs_name)
+             a_broadphase_goes_on_where_its_recording_cannot, queries_on_several_threads_are_all_recorded,
+             the_other_precision_is_refused_with_the_programs_name)
