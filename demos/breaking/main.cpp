@@ -58,6 +58,7 @@ class Demo
 
   private:
     bool Step(qcBreakingRun* run);
+    bool Draw(const char* prefix, size_t frame, const qcBreakingMarks& marks);
     bool Frame(size_t frame, bool isLast, qcQueryResults* results);
 
     const Options& m_options;
@@ -83,18 +84,25 @@ bool Demo::Step(qcBreakingRun* run)
     return done || qcDemo_Fail("step " + std::to_string(run->rows.size()) + ": " + message);
 }
 
-/// Compares the methods on the present state, and draws it with a PCS.
+bool Demo::Draw(const char* prefix, size_t frame, const qcBreakingMarks& marks)
+{
+    char name[64];
+    std::snprintf(name, sizeof name, "/%s_%04zu.png", prefix, frame);
+    std::string message;
+    return m_picture.Write(m_device, m_world, marks, m_options.common.out + std::string(name), &message) ||
+           qcDemo_Fail(message);
+}
+
+/// Compares the methods on the present state, and draws it with what is near to another body in red; where all methods
+/// are compared, also with the PCS of the paper's.
 bool Demo::Frame(size_t frame, bool isLast, qcQueryResults* results)
 {
     bool comparesAll = frame % m_options.compareEvery == m_options.compareEvery - 1 || isLast;
     if (!m_comparison.Run(comparesAll, results))
         return qcDemo_Fail(m_comparison.Message());
-    char name[64];
-    std::snprintf(name, sizeof name, "/frame_%04zu.png", frame);
-    std::string message;
-    return m_picture.Write(m_device, m_world, m_comparison.Marks(qc_queryAuto),
-                           m_options.common.out + std::string(name), &message) ||
-           qcDemo_Fail(message);
+    return Draw("frame", frame, m_comparison.NearMarks()) &&
+           (!comparesAll || (Draw("quick", frame, m_comparison.Marks(qc_queryQuick)) &&
+                             Draw("cullide", frame, m_comparison.Marks(qc_queryCullide))));
 }
 
 bool Demo::Simulate(qcBreakingRun* run)
