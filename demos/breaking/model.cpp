@@ -15,8 +15,7 @@ namespace
 {
 constexpr double s_dragonLength = 4, s_bunnyLength = 1.3; // m
 constexpr btScalar s_margin = btScalar(0.001);            // m; adjacent pieces begin with overlapping margins
-constexpr btScalar s_targetRadius = btScalar(0.6);        // m; nearer to a target cells are smaller
-constexpr size_t s_sparseness = 3;                        // by this factor there are fewer of them elsewhere
+constexpr size_t s_sparseness = 2;                        // in the lower half there are fewer cells by this factor
 // Gaps of a tenth of a millimetre. Where faces of two bodies coincide, exact tests need exact arithmetic, and the body
 // pair counts as touching, which exempts it from the limits of motion in that step.
 constexpr btScalar s_pieceScale = btScalar(0.999);
@@ -69,40 +68,17 @@ std::unique_ptr<qcMeshShape> ShapeOf(const std::vector<btVector3>& vertices, con
     return shape;
 }
 
-/// Points on top of the dragon, spread along it, in an order in which neighbours don't follow each other.
-std::vector<btVector3> FindTargets(const qcBreakingMesh& dragon, const btVector3& lower, const btVector3& upper,
-                                   uint32_t count)
-{
-    std::vector<btVector3> targets;
-    uint32_t stride = count % 3 == 0 ? 5 : 3; // coprime to most counts: every part of the dragon is hit early
-    for (uint32_t i = 0; i < count; i++)
-    {
-        btScalar share = (btScalar(i * stride % count) + btScalar(0.5)) / btScalar(count);
-        btScalar x = lower.x() + (upper.x() - lower.x()) * share, half = (upper.x() - lower.x()) / btScalar(2 * count);
-        btVector3 top(x, lower.y(), 0);
-        for (const btVector3& vertex : dragon.vertices)
-            if (btFabs(vertex.x() - x) < half && vertex.y() > top.y())
-                top = vertex;
-        targets.push_back(top);
-    }
-    return targets;
-}
-
-/// Sites inside the dragon, denser near the targets.
+/// Sites inside the dragon, denser in its upper half.
 std::vector<btVector3> ScatterSites(const qcMeshShape& shape, const qcBreakingModelDef& def,
                                     const qcBreakingModel& model)
 {
-    // A dragon fills about an eighth of its box; others may get fewer cells.
-    std::vector<btVector3> candidates, sites;
-    const std::vector<btVector3> all = qcScatterSites(model.lower, model.upper, 32 * def.cells, def.seed);
-    for (size_t i = 0; i < all.size(); i++)
-    {
-        bool isNear = std::any_of(model.targets.begin(), model.targets.end(),
-                                  [&](const btVector3& target) { return target.distance(all[i]) < s_targetRadius; });
-        if (isNear || i % s_sparseness == 0)
-            candidates.push_back(all[i]);
-    }
-    return qcPointsInside(shape, candidates, def.cells);
+    btScalar middle = (model.lower.y() + model.upper.y()) / 2;
+    // A dragon fills about a sixth of its box; others may get fewer cells.
+    std::vector<btVector3> candidates = qcScatterSites(model.lower, model.upper, 32 * def.cells, def.seed), kept;
+    for (size_t i = 0; i < candidates.size(); i++)
+        if (candidates[i].y() > middle || i % s_sparseness == 0)
+            kept.push_back(candidates[i]);
+    return qcPointsInside(shape, kept, def.cells);
 }
 
 bool CutDragon(const qcBreakingModelDef& def, const qcBreakingMesh& dragon, qcBreakingModel* model,
@@ -112,7 +88,6 @@ bool CutDragon(const qcBreakingModelDef& def, const qcBreakingMesh& dragon, qcBr
     whole->setMargin(0);
     whole->getAabb(btTransform::getIdentity(), model->lower, model->upper);
     model->dragonTriangles = whole->getTriangleCount();
-    model->targets = FindTargets(dragon, model->lower, model->upper, def.drops);
     qcFractureDef fracture;
     fracture.vertices = dragon.vertices;
     fracture.indices = dragon.indices;

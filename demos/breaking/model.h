@@ -14,8 +14,7 @@ struct qcBreakingModelDef
     std::string dragon, bunny;         ///< mesh files; empty: a shape of this program's own
     uint32_t dragonTriangles = 250000; ///< a finer mesh is made coarser
     uint32_t bunnyTriangles = 35000;
-    uint32_t cells = 700; ///< Voronoi cells of the dragon; about as many pieces
-    uint32_t drops = 10;  ///< places where the bunny falls
+    uint32_t cells = 900; ///< Voronoi cells of the dragon; about as many pieces
     uint32_t seed = 1;
 };
 
@@ -34,7 +33,6 @@ struct qcBreakingModel
     std::vector<std::unique_ptr<qcMeshShape>> shapes; ///< of each piece
     std::vector<bool> grounded;                       ///< the piece stands on the ground
     btVector3 lower{0, 0, 0}, upper{0, 0, 0};         ///< box of the dragon
-    std::vector<btVector3> targets;                   ///< points on the dragon that the bunny falls on, in order
     uint32_t dragonTriangles = 0;
     qcBreakingBunny bunny;
 };

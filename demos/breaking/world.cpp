@@ -13,7 +13,10 @@ constexpr btScalar s_density = 2500;      // of stone, kg/m3
 constexpr double s_toughness = 5000;      // energy of a break, J/m2
 constexpr btScalar s_hardSpeed = 1;       // below that nothing breaks, m/s
 constexpr double s_hardEnergy = 100;      // nor below that, J
-constexpr btScalar s_bunnyDensity = 2500; // kg/m3
+constexpr btScalar s_bunnyDensity = 4000; // kg/m3
+
+// m: parts of the dragon that are lower by that count as equally high.
+constexpr btScalar s_nearlyAsHigh = btScalar(0.3);
 
 btRigidBody::btRigidBodyConstructionInfo Material(btScalar mass, btCollisionShape* shape, const btVector3& inertia,
                                                   const btTransform& place)
@@ -49,10 +52,10 @@ qcBreakingWorld::qcBreakingWorld(const qcBreakingModel& model, qcMethod method, 
       m_floor(Material(0, &m_floorShape, btVector3(0, 0, 0), btTransform::getIdentity())),
       m_bunny(Material(BunnyMass(model), model.bunny.shape.get(), model.bunny.inertia * BunnyMass(model),
                        btTransform::getIdentity())),
+      m_pieces(model.fracture.pieces.size()),
       m_crane(&m_bunny, BunnyMass(model), model.bunny.inertia * BunnyMass(model), model.bunny.upright.getRotation(),
-              model.targets),
-      m_settling(&m_world), m_pieces(model.fracture.pieces.size()),
-      m_bondEnergies(qcBondEnergies(model.fracture, s_toughness))
+              [this] { return FindTarget(); }),
+      m_settling(&m_world), m_bondEnergies(qcBondEnergies(model.fracture, s_toughness))
 {
     m_meshContact.addTo(&m_world);
     m_meshContact.setMethod(method);
@@ -97,6 +100,35 @@ void qcBreakingWorld::Warm()
     m_world.stepSimulation(btScalar(stepSeconds), 0);
     m_world.removeRigidBody(&probe);
     NoteContact();
+}
+
+/// The top of the dragon, or of a part of it that is nearly as high and further from where the bunny fell before.
+btVector3 qcBreakingWorld::FindTarget() const
+{
+    std::vector<btVector3> tops;
+    btScalar highest = 0;
+    for (uint32_t i = 0; i < m_model.shapes.size(); i++)
+    {
+        if (m_pieces[i].state != qc_pieceStanding)
+            continue;
+        btVector3 lower, upper;
+        m_model.shapes[i]->getAabb(m_model.fracture.pieces[i].frame, lower, upper);
+        tops.push_back((lower + upper) / 2);
+        tops.back().setY(upper.y());
+        highest = std::max(highest, upper.y());
+    }
+    btVector3 best(0, 0, 0), from = m_bunny.getWorldTransform().getOrigin();
+    btScalar bestDistance = -1;
+    for (const btVector3& top : tops)
+    {
+        btScalar distance = btVector3(top.x() - from.x(), 0, top.z() - from.z()).length();
+        if (top.y() > highest - s_nearlyAsHigh && distance > bestDistance)
+        {
+            best = top;
+            bestDistance = distance;
+        }
+    }
+    return best;
 }
 
 qcBreakingWorld::~qcBreakingWorld()

@@ -68,6 +68,12 @@ class qcBreakingWorld
     {
         return m_pieces[piece].state;
     }
+    /// The two pieces are parts of one body, or both of the dragon that stands.
+    bool AreJoined(uint32_t a, uint32_t b) const
+    {
+        return m_pieces[a].state == m_pieces[b].state && m_pieces[a].state != qc_pieceSingle &&
+               m_pieces[a].island == m_pieces[b].island;
+    }
     /// Number of times that the bunny has been dropped.
     size_t Drops() const
     {
@@ -121,6 +127,7 @@ class qcBreakingWorld
         btScalar speed, inverseMass; ///< closing speed, and inverse of the mass that the impact has there
     };
 
+    btVector3 FindTarget() const;
     void Warm();
     void NoteContact();
     bool Break();
@@ -145,9 +152,9 @@ class qcBreakingWorld
     btStaticPlaneShape m_floorShape;
     btRigidBody m_floor;
     btRigidBody m_bunny;
-    qcCrane m_crane;
-    qcSettling m_settling;
     std::vector<Piece> m_pieces;
+    qcCrane m_crane; ///< its first target depends on the pieces
+    qcSettling m_settling;
     std::vector<std::unique_ptr<Island>> m_islands;
     std::vector<double> m_bondEnergies;
     std::vector<qcMeshContactStatistics> m_queries; ///< of this step
