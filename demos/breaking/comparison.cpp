@@ -5,6 +5,9 @@
 
 namespace
 {
+constexpr double s_nearMargin = 0.01; // m
+constexpr uint32_t s_noPiece = UINT32_MAX;
+
 qcTransform TransformOf(const btTransform& place)
 {
     qcTransform transform;
@@ -29,11 +32,38 @@ qcBodyDef BodyOf(const qcMeshShape& shape, const btTransform& place, qcActivity 
     def.activity = activity;
     return def;
 }
+
+qcDetectDef NearRequest(const qcDetectDef& request, bool (*filter)(void*, uint32_t, uint32_t), void* context)
+{
+    qcDetectDef near = request;
+    near.margin = s_nearMargin;
+    near.pairFilter = filter;
+    near.pairFilterContext = context;
+    return near;
+}
 } // namespace
 
+qcBreakingComparison::qcBreakingComparison(const qcBreakingWorld& world, qcDevice* device, const qcDetectDef& request)
+    : m_world(world), m_comparison(device, request), m_near(device, NearRequest(request, MayMeet, this))
+{
+}
+
+/// False for two pieces of one island.
+bool qcBreakingComparison::MayMeet(void* context, uint32_t slotA, uint32_t slotB)
+{
+    auto* comparison = static_cast<const qcBreakingComparison*>(context);
+    uint32_t a = comparison->m_pieceOfSlot[slotA], b = comparison->m_pieceOfSlot[slotB];
+    return a == s_noPiece || b == s_noPiece || !comparison->m_world.AreJoined(a, b);
+}
+
+/// Adds a body to both comparisons, which name it alike.
 bool qcBreakingComparison::Add(const qcMeshShape& shape, const btTransform& place, qcActivity activity, qcBodyId* id)
 {
-    return m_comparison.Add(BodyOf(shape, place, activity), id);
+    qcBodyDef def = BodyOf(shape, place, activity);
+    bool added = m_comparison.Add(def, id) && m_near.Add(def, id);
+    if (added && m_pieceOfSlot.size() <= id->slot)
+        m_pieceOfSlot.resize(id->slot + 1, s_noPiece);
+    return added;
 }
 
 bool qcBreakingComparison::Begin(const char* record)
@@ -47,6 +77,8 @@ bool qcBreakingComparison::Begin(const char* record)
     {
         m_places.push_back(m_world.PiecePlace(i));
         added = Add(*model.shapes[i], m_places[i], qc_activityStatic, &m_pieces[i]);
+        if (added)
+            m_pieceOfSlot[m_pieces[i].slot] = i;
     }
     return added && m_comparison.Warm() && (record == nullptr || m_comparison.Record(record));
 }
@@ -54,17 +86,20 @@ bool qcBreakingComparison::Begin(const char* record)
 /// Takes over what has moved and what has broken off.
 bool qcBreakingComparison::Place()
 {
-    bool done = m_comparison.SetTransform(m_bunny, TransformOf(m_world.BunnyPlace()));
+    auto move = [this](qcBodyId id, const btTransform& place)
+    { return m_comparison.SetTransform(id, TransformOf(place)) && m_near.SetTransform(id, TransformOf(place)); };
+    bool done = move(m_bunny, m_world.BunnyPlace());
     for (uint32_t i = 0; i < m_pieces.size() && done; i++)
     {
         if (m_isStanding[i] && m_world.PieceState(i) != qc_pieceStanding)
         {
             m_isStanding[i] = false;
-            done = m_comparison.SetActivity(m_pieces[i], qc_activityMoving);
+            done = m_comparison.SetActivity(m_pieces[i], qc_activityMoving) &&
+                   m_near.SetActivity(m_pieces[i], qc_activityMoving);
         }
         btTransform place = m_world.PiecePlace(i);
         if (done && !(place == m_places[i]))
-            done = m_comparison.SetTransform(m_pieces[i], TransformOf(place));
+            done = move(m_pieces[i], place);
         m_places[i] = place;
     }
     return done;
@@ -72,16 +107,17 @@ bool qcBreakingComparison::Place()
 
 bool qcBreakingComparison::Run(bool compareAll, qcQueryResults* results)
 {
-    return Place() && m_comparison.RunEachStep(results) &&
+    qcQueryResult near;
+    return Place() && m_near.Run(qc_querySweep, &near) && m_comparison.RunEachStep(results) &&
            (!compareAll || (m_comparison.RunSampled(results) && m_comparison.CountMissed(results)));
 }
 
-qcBreakingMarks qcBreakingComparison::Marks(qcComparedQuery query) const
+qcBreakingMarks qcBreakingComparison::MarksOf(const qcQueryComparison& comparison, qcComparedQuery query) const
 {
     qcBreakingMarks marks;
-    marks.bunny = m_comparison.Marked(query, m_bunny);
+    marks.bunny = comparison.Marked(query, m_bunny);
     for (qcBodyId piece : m_pieces)
-        marks.pieces.push_back(m_comparison.Marked(query, piece));
+        marks.pieces.push_back(comparison.Marked(query, piece));
     return marks;
 }
 

@@ -61,6 +61,7 @@ class Demo
 
   private:
     bool Step(qcBreakingRun* run);
+    bool Draw(const char* prefix, size_t frame, const qcBreakingMarks& marks);
     bool Frame(size_t frame, bool isLast, qcQueryResults* results);
 
     const Options& m_options;
@@ -86,7 +87,17 @@ bool Demo::Step(qcBreakingRun* run)
     return done || qcDemo_Fail("step " + std::to_string(run->rows.size()) + ": " + message);
 }
 
-/// Compares the methods on the present state, and draws it with a PCS. Without a device it is only recorded.
+bool Demo::Draw(const char* prefix, size_t frame, const qcBreakingMarks& marks)
+{
+    char name[64];
+    std::snprintf(name, sizeof name, "/%s_%04zu.png", prefix, frame);
+    std::string message;
+    return m_picture.Write(m_device, m_world, marks, m_options.common.out + std::string(name), &message) ||
+           qcDemo_Fail(message);
+}
+
+/// Compares the methods on the present state, and draws it with what is near to another body in red; where all methods
+/// are compared, also with the PCS of the paper's. Without a device it is only recorded.
 bool Demo::Frame(size_t frame, bool isLast, qcQueryResults* results)
 {
     bool hasDevice = m_info.kind != qc_deviceNone;
@@ -95,12 +106,9 @@ bool Demo::Frame(size_t frame, bool isLast, qcQueryResults* results)
         return qcDemo_Fail(m_comparison.Message());
     if (!hasDevice)
         return true;
-    char name[64];
-    std::snprintf(name, sizeof name, "/frame_%04zu.png", frame);
-    std::string message;
-    return m_picture.Write(m_device, m_world, m_comparison.Marks(qc_queryAuto),
-                           m_options.common.out + std::string(name), &message) ||
-           qcDemo_Fail(message);
+    return Draw("frame", frame, m_comparison.NearMarks()) &&
+           (!comparesAll || (Draw("quick", frame, m_comparison.Marks(qc_queryQuick)) &&
+                             Draw("cullide", frame, m_comparison.Marks(qc_queryCullide))));
 }
 
 bool Demo::Simulate(qcBreakingRun* run)

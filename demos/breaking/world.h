@@ -68,6 +68,12 @@ class qcBreakingWorld
     {
         return m_pieces[piece].state;
     }
+    /// The two pieces are parts of one body, or both of the dragon that stands.
+    bool AreJoined(uint32_t a, uint32_t b) const
+    {
+        return m_pieces[a].state == m_pieces[b].state && m_pieces[a].state != qc_pieceSingle &&
+               m_pieces[a].island == m_pieces[b].island;
+    }
     /// Number of times that the bunny has been dropped.
     size_t Drops() const
     {

@@ -95,8 +95,10 @@ static void CheckRow(const Row* row, void* context)
 START_TEST(each_method_has_a_row_for_each_of_its_frames)
 {
     MakeRecording("cloth.qcr");
-    ck_assert_int_eq(Run("%s paper --recordings . --parts cloth --frames 2 --resolution 64 --rounds 2 --out o", BENCH),
-                     0);
+    ck_assert_int_eq(
+        Run("%s paper --recordings . --parts cloth --frames 2 --resolution 64 --iterations 1 --rounds 2 --out o",
+            BENCH),
+        0);
     Seen seen = {0, 0};
     ForEachRow("o/paper.csv", HEADER, CheckRow, &seen);
     // Four sampled methods, if there is GL; sweep and auto, layers where there is GL, Embree if it is built in.
@@ -107,7 +109,8 @@ START_TEST(each_method_has_a_row_for_each_of_its_frames)
         ck_assert_int_eq(Run("test -s o/paper_pcs_cloth.png -a -s o/paper_ms_cloth.png -o -s o/paper_pcs_cloth.svg"),
                          0);
 
-    ck_assert_int_eq(Run("%s paper --recordings . --parts cloth --frames all --device none --out p", BENCH), 0);
+    ck_assert_int_eq(
+        Run("%s paper --recordings . --parts cloth --frames all --iterations 1 --device none --out p", BENCH), 0);
     seen = (Seen){0, 0};
     ForEachRow("p/paper.csv", HEADER, CheckRow, &seen);
     ck_assert(seen.sampled == 0 && seen.exact >= 2 * qc_frames);

@@ -29,7 +29,6 @@ typedef struct Work
     qcDevice* device;
     qcPaperFactors* factors;
     Mesh frame;
-    uint32_t iterations;
 } Work;
 
 //  ---- meshes --------------------------------------------------------------------------------------
@@ -59,8 +58,6 @@ static bool ReadFrame(const char* path, uint32_t frame, Work* work, qcMessage* m
     replay.soup = &soup;
     while (done && more && replay.nextFrame <= frame)
         done = qcPaperReplay_Next(&replay, &more, message);
-    if (done && more)
-        work->iterations = replay.detection->detect.iterations;
     if (done && !qcPaperSoup_Collect(&soup))
         done = qcMessage_Fail(message, "out of memory");
     if (done)
@@ -267,7 +264,7 @@ static bool AddRows(Work* work, const Mesh* mesh, const qcPaperFactorRow* patter
         def.backToFront = qcPaperMethods[method].backToFront;
         def.secondPassFromBack = qcPaperMethods[method].secondPassFromBack;
         def.resolution = resolution;
-        def.iterations = work->iterations;
+        def.iterations = work->options->iterations;
         def.threads = work->options->threads;
         snprintf(def.views, sizeof def.views, "%s", views);
         if (!Query(work, mesh, &def, row, message))

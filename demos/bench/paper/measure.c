@@ -102,6 +102,7 @@ static bool RunFrame(const Run* run, qcPaperReplay* replay, qcPaperMethod method
     def.backToFront = info->backToFront;
     def.secondPassFromBack = info->secondPassFromBack;
     def.resolution = resolution;
+    def.iterations = run->options->iterations;
     def.threads = run->options->threads;
     const qcResult* result;
     double ms;
@@ -196,7 +197,7 @@ static bool RunAll(const Run* run, bool hasGl, bool hasCompute, qcMessage* messa
 bool qcPaper_Measure(const qcPaperOptions* options, const qcPaperScene* scene, const char* path,
                      const qcPaperRecordingInfo* info, qcDevice* device, qcPaperTable* table, qcMessage* message)
 {
-    *table = (qcPaperTable){.scene = scene, .info = *info};
+    *table = (qcPaperTable){.scene = scene, .info = *info, .iterations = options->iterations};
     const Run run = {options, path, device, table};
     qcDeviceInfo gl;
     if (!Allocate(table, message))

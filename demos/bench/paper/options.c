@@ -24,7 +24,8 @@ static void TakeFrames(const struct argp_state* state, const char* word, void* c
 
 void qcPaper_ReadOptions(int argumentCount, char** arguments, qcPaperOptions* options)
 {
-    *options = (qcPaperOptions){.rounds = 5, .resolution = 4096, .recordings = "out/recordings", .out = "out/bench"};
+    *options = (qcPaperOptions){
+        .rounds = 5, .resolution = 4096, .iterations = 2, .recordings = "out/recordings", .out = "out/bench"};
     qcWord parts[qc_paperPartCount + 1] = {{NULL, 0}};
     for (int i = 0; i < qc_paperSceneCount; ++i)
         parts[i] = (qcWord){qcPaperScenes[i].name, i};
@@ -38,6 +39,8 @@ void qcPaper_ReadOptions(int argumentCount, char** arguments, qcPaperOptions* op
         {.group = 2, .help = "How it is measured:"},
         {2, "resolution", "N", "Pixels on a side for cullide and quick; %s by default, as in the paper",
          qcOption_Number(&options->resolution, 1, 4096)},
+        {2, "iterations", "N", "Rounds of cullide and quick over the views; %s by default, 0: until nothing changes",
+         qcOption_Number(&options->iterations, 0, UINT32_MAX)},
         {2, "rounds", "N", "Times that each other method goes through a recording; %s by default, the median counts",
          qcOption_Number(&options->rounds, 1, qc_maxPaperRounds)},
         {2, "threads", "N", "Threads; 0, the default: one per core", qcOption_Number(&options->threads, 0, 1024)},

@@ -61,6 +61,7 @@ typedef struct qcPaperOptions
     bool allFrames;
     uint32_t rounds; ///< of the methods that never miss
     uint32_t resolution;
+    uint32_t iterations; ///< rounds of cullide and quick over the views
     uint32_t threads;
     qcDeviceKind device;
     const char* recordings;
@@ -88,7 +89,7 @@ typedef struct qcPaperTable
 {
     const qcPaperScene* scene;
     qcPaperRecordingInfo info;
-    uint32_t resolution;
+    uint32_t resolution, iterations;
     bool* isChosen; ///< frames of the sampled methods
     uint32_t chosenCount;
     uint64_t *exact, *hashes; ///< of each frame: number and hash of the pairs of `sweep`

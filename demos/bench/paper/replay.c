@@ -27,7 +27,6 @@ static void Count(const qcOperation* operation, const qcPaperSoup* soup, qcPaper
     info->bodyCount = bodies > info->bodyCount ? bodies : info->bodyCount;
     info->triangleCount = triangles > info->triangleCount ? triangles : info->triangleCount;
     memcpy(info->views, operation->detect.views, sizeof info->views);
-    info->iterations = operation->detect.iterations;
     ++info->frameCount;
 }
 
@@ -96,7 +95,6 @@ qcDetectDef qcPaperReplay_PlainDef(const qcPaperReplay* replay)
     const qcDetectDef* recorded = &replay->detection->detect;
     qcDetectDef def = qcDefaultDetectDef();
     memcpy(def.views, recorded->views, sizeof def.views);
-    def.iterations = recorded->iterations;
     def.pairFilter = recorded->pairFilter;
     def.pairFilterContext = recorded->pairFilterContext;
     return def;

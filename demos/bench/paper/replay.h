@@ -12,8 +12,7 @@ typedef struct qcPaperRecordingInfo
     uint32_t frameCount;
     uint32_t bodyCount, triangleCount; ///< the maximum of all frames
     char views[4];                     ///< of the last detection
-    uint32_t iterations;
-    bool isOneSoup; ///< in the first frame most triangles belong to bodies with self-collision
+    bool isOneSoup;                    ///< in the first frame most triangles belong to bodies with self-collision
 } qcPaperRecordingInfo;
 
 /// Reads the whole file.

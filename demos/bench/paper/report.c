@@ -129,7 +129,7 @@ void qcPaper_PrintTables(const qcPaperTable* tables, uint32_t tableCount)
         printf("%s: up to %" PRIu32 " bodies, %" PRIu32 " triangles, %" PRIu32 " frames; cullide and quick: views %s, "
                "%" PRIu32 " x %" PRIu32 " pixels, %" PRIu32 " rounds\n",
                table->scene->title, table->info.bodyCount, table->info.triangleCount, table->info.frameCount,
-               table->info.views, table->resolution, table->resolution, table->info.iterations);
+               table->info.views, table->resolution, table->resolution, table->iterations);
     }
     PrintSizes(tables, tableCount);
     PrintTimes(tables, tableCount);
@@ -177,8 +177,8 @@ bool qcPaper_WriteCsv(const qcPaperOptions* options, const qcPaperTable* tables,
                             "%s,%" PRIu32 ",%s,%s,%" PRIu32 ",%" PRIu32 ",%" PRIu32 ",%.4f,%" PRIu64 ",%" PRIu64
                             ",%" PRIu64 "\n",
                             table->scene->name, frame, qcPaperMethods[method].column, table->info.views,
-                            table->resolution, table->info.iterations, cell->pcs, cell->ms, table->exact[frame],
-                            cell->found, cell->missed);
+                            table->resolution, table->iterations, cell->pcs, cell->ms, table->exact[frame], cell->found,
+                            cell->missed);
             }
     }
     return qcOutput_Commit(&output, message);

@@ -76,7 +76,7 @@ class qcQueryComparison
     /// step. Call it with bodies added.
     bool Warm();
     /// Records the bodies, all their changes and each run of `sweep` in a file, until Clear: a recording for `qc-bench
-    /// paper`, which takes views, resolution and rounds from it. Call it after Warm.
+    /// paper`, which takes the views from it. Call it after Warm.
     bool Record(const std::string& path);
     /// Fills all of the result but `missed`.
     bool Run(qcComparedQuery query, qcQueryResult* result);
