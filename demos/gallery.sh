@@ -1,6 +1,7 @@
 #!/bin/sh
 # Makes the README's pictures from the frames that the demos have left in out/: demos/run.sh gallery
 #   demos/NAME/NAME.png: moments of a run side by side; below them the same with the PCS in red, where frames have it.
+#   demos/view/view.png: the live window, drawn anew where xvfb-run is installed.
 set -eu
 
 root=$(CDPATH='' cd -- "$(dirname -- "$0")/.." && pwd)
@@ -51,7 +52,20 @@ strip()
     echo "$picture: $(($(wc -c <"$picture") / 1024)) KB"
 }
 
-strip cloth 2 760:560:20:50 380 59 80 100
+strip cloth 2 800:590:0:30 380 59 78 100
 strip breaking 2 in_w:in_h:0:0 380 10 50 100
-strip leaves 2 in_w:in_h:0:0 380 5 50 100
+strip leaves 2 in_w:in_h:0:0 380 4 40 76
 strip fracture 1 in_w:in_h:0:0 380 0 20 100
+
+window=$(mktemp -d)
+trap 'rm -rf "$window"' EXIT
+if command -v xvfb-run >/dev/null && [ -x "$root/build/demos/qc-cloth" ] &&
+    xvfb-run -a -s '-screen 0 1280x800x24' "$root/build/demos/qc-cloth" --view --triangles 8000 --method sweep \
+        --view-frames 100 --view-show pcs,candidates,contacts --view-screenshot "$window/view.png" --out "$window"; then
+    picture=$root/demos/view/view.png
+    ffmpeg -loglevel error -y -i "$window/view.png" -filter_complex \
+        "[0]scale=1140:-2:flags=area,split[x][y];[x]palettegen=max_colors=255[p];[y][p]paletteuse=dither=none" "$picture"
+    echo "$picture: $(($(wc -c <"$picture") / 1024)) KB"
+else
+    echo "view: no picture of the window"
+fi
