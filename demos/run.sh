@@ -8,8 +8,8 @@ show_help()
 Usage: demos/run.sh [DEMO] [ARGUMENT...]
 
 Demos:
-  cloth     A cloth falls over a table, folds and meets itself (the default). Pictures, and a film where
-            ffmpeg is installed, go to out/cloth/.
+  cloth     A cloth falls over a table, folds and meets itself, and is pulled away (the default). Pictures, and a film
+            where ffmpeg is installed, go to out/cloth/.
   fracture  A bunny falls and breaks in the midst of a step, and its pieces come to rest. Pictures, and a film,
             go to out/fracture/.
   leaves    Leaves fall from a tree, collide with each other, its branches and the ground. Pictures, and a film, go to
@@ -22,6 +22,7 @@ Demos:
             cloth, tangles and ropes with Bullet's, "bench paper" the paper's scenes, tables and figures (on recordings
             of the demos, made first where they are missing), "bench gpu" layers on a GL device with sweep. Tables and pictures
             go to out/bench/. demos/gpu.sh runs the GL tests first, and packs all that for a machine with a GPU.
+  gallery   Makes the README's pictures from the frames in out/.
 
 With --view, cloth, fracture, breaking and leaves open a live window in place of files.
 
@@ -131,6 +132,7 @@ case ${1-} in
         show_help
         exit 0
         ;;
+    gallery) exec "$(dirname -- "$0")/gallery.sh" ;;
     cloth | fracture | leaves | through | pairs | bench)
         demo=$1
         shift
@@ -177,11 +179,11 @@ case " $* " in
     *' --view '*) exec "$root/build/demos/$program" --out "$root/out/$demo" "$@" ;;
 esac
 case $demo in
-    # 120 steps a second, a frame every 10; 240 steps.
+    # 120 steps a second, a frame every 10; 600 steps.
     cloth) run_filmed cloth 12 "$@" ;;
     fracture) run_filmed fracture 24 "$@" ;;
-    # 120 steps a second, a frame every 8.
-    leaves) run_filmed leaves 15 "$@" ;;
+    # 120 steps a second, a frame every 10.
+    leaves) run_filmed leaves 12 "$@" ;;
     through) run_through "$@" ;;
     pairs) "$root/build/demos/qc-pairs" "$@" ;;
     bench) run_bench "$@" ;;

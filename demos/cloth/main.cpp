@@ -1,5 +1,6 @@
-// qc-cloth, the main demo: the paper's cloth scene in Bullet with this library's broadphase and self-collision, and
-// again without self-collision; pictures, a CSV, a table.
+// qc-cloth, the main demo: the paper's cloth scene in Bullet with this library's broadphase and self-collision; a
+// second act, in which the cloth is pulled off the table; the first again without self-collision; pictures, a CSV, a
+// table.
 #include "cloth/picture.h"
 #include "cloth/report.h"
 #include "cloth/viewed.h"
@@ -11,6 +12,7 @@
 #include "common/interrupt.h"
 #include "common/progress.h"
 
+#include <algorithm>
 #include <cstdio>
 #include <cstring>
 
@@ -21,14 +23,16 @@ struct Options
     // 120 steps a second: 12 frames.
     qcDemoOptions common = {"out/cloth", 360, 10, qc_methodLayers, qc_deviceAuto, 0};
     uint32_t triangles = 20000;
-    uint32_t compareEvery = 4; ///< frames from one on which all methods run to the next
+    uint32_t pullSteps = 240;
+    uint32_t compareEvery = 12; ///< frames from one on which all methods run to the next
     const char* record = nullptr;
     qcDetectDef request = qcDefaultDetectDef();
     qcViewOptions view;
 };
 
 const char s_help[] =
-    "A cloth falls over a round table and folds on itself: twice, with and without self-collision.\v"
+    "A cloth falls over a round table and folds on itself; then it is pulled off the table. The first act again "
+    "without self-collision.\v"
     "Ctrl-C ends it with a table of what was done.\n\n"
     "Exit status: 0 done; 1 output could not be written, a query failed, or a method that never misses missed; 2 a "
     "mistake on the command line; 4 the device does not work here; 130 ended by Ctrl-C.";
@@ -41,12 +45,13 @@ class Demo
     {
     }
 
-    /// Simulates once. False with a message on standard error.
-    bool Simulate(bool selfCollision, qcClothRun* run, size_t* triangles);
+    /// Simulates once; `pulled`, if not null, is the second act. False with a message on standard error.
+    bool Simulate(qcClothRun* run, qcClothRun* pulled);
 
   private:
-    bool MeasureStep(qcClothWorld& world, size_t step, qcClothRun* run);
-    bool Begin(qcClothWorld& world, bool selfCollision);
+    bool RunAct(qcClothWorld& world, size_t steps, const char* label, qcClothRun* run);
+    bool MeasureStep(qcClothWorld& world, size_t step, bool isLast, qcClothRun* run);
+    bool Begin(qcClothWorld& world, const std::string& recording);
     bool Draw(qcClothWorld& world, qcComparedQuery query, const char* prefix, size_t frame);
 
     const Options& m_options;
@@ -55,20 +60,22 @@ class Demo
     qcQueryComparison m_comparison;
     qcBodyId m_cloth{};
     qcClothPicture m_picture;
+    size_t m_frames = 0; ///< of this simulation
 };
 
 /// A file for each run: "cloth.qcr", "cloth_without.qcr".
-std::string RecordingPath(const std::string& path, bool selfCollision)
+std::string RecordingPath(const char* given, bool selfCollision)
 {
-    if (selfCollision)
+    std::string path = given == nullptr ? "" : given;
+    if (selfCollision || path.empty())
         return path;
     size_t dot = path.find_last_of("./");
     bool hasEnding = dot != std::string::npos && path[dot] == '.';
     return hasEnding ? path.substr(0, dot) + "_without" + path.substr(dot) : path + "_without";
 }
 
-/// Starts comparing a new cloth.
-bool Demo::Begin(qcClothWorld& world, bool selfCollision)
+/// Starts comparing a new cloth. `recording`: path, or empty.
+bool Demo::Begin(qcClothWorld& world, const std::string& recording)
 {
     qcBodyDef def = qcDefaultBodyDef();
     def.positions = world.Positions().data();
@@ -78,8 +85,8 @@ bool Demo::Begin(qcClothWorld& world, bool selfCollision)
     def.deforming = true;
     m_comparison.Clear();
     bool begun = m_comparison.Add(def, &m_cloth) && m_comparison.Warm();
-    if (begun && m_options.record != nullptr)
-        begun = m_comparison.Record(RecordingPath(m_options.record, selfCollision));
+    if (begun && !recording.empty())
+        begun = m_comparison.Record(recording);
     return begun || qcDemo_Fail(m_comparison.Message());
 }
 
@@ -89,21 +96,22 @@ bool Demo::Draw(qcClothWorld& world, qcComparedQuery query, const char* prefix, 
     char name[64];
     std::snprintf(name, sizeof name, "/%s_%04zu.png", prefix, frame);
     std::string message;
+    btVector3 grip = world.Grip();
+    m_picture.SetGrip(world.IsHeld() ? &grip : nullptr);
     return m_picture.Write(m_device, world.Positions(), world.Indices(), m_comparison.Marked(query, m_cloth),
                            std::string(m_options.common.out) + name, &message) ||
            qcDemo_Fail(message);
 }
 
 /// Measures the frame of a step: runs the other methods and draws.
-bool Demo::MeasureStep(qcClothWorld& world, size_t step, qcClothRun* run)
+bool Demo::MeasureStep(qcClothWorld& world, size_t step, bool isLast, qcClothRun* run)
 {
     qcClothStep& measured = run->steps.back();
     if (!m_comparison.SetVertices(m_cloth, world.Positions()) || !m_comparison.RunEachStep(&measured.results))
         return qcDemo_Fail(m_comparison.Message());
-    bool isLast = step == m_options.common.steps;
     if (m_info.kind == qc_deviceNone || (step % m_options.common.frameEvery != 0 && !isLast))
         return true;
-    size_t frame = (step - 1) / m_options.common.frameEvery;
+    size_t frame = m_frames++;
     measured.compared = frame % m_options.compareEvery == m_options.compareEvery - 1 || isLast;
     // Without self-collision only frames for the table and the last picture are used.
     if (!run->selfCollision && !measured.compared)
@@ -117,16 +125,10 @@ bool Demo::MeasureStep(qcClothWorld& world, size_t step, qcClothRun* run)
            Draw(world, qc_queryCullide, run->selfCollision ? "with_cullide" : "without_cullide", frame);
 }
 
-bool Demo::Simulate(bool selfCollision, qcClothRun* run, size_t* triangles)
+bool Demo::RunAct(qcClothWorld& world, size_t steps, const char* label, qcClothRun* run)
 {
-    run->selfCollision = selfCollision;
-    qcClothWorld world(m_options.triangles, selfCollision, m_device, m_options.common.method, m_options.common.threads);
-    *triangles = world.Indices().size() / 3;
-    if (!Begin(world, selfCollision))
-        return false;
-    qcProgress_Begin(m_options.common.steps,
-                     selfCollision ? "cloth with self-collision" : "cloth without self-collision");
-    for (size_t step = 1; step <= m_options.common.steps && qcInterrupt_Signal() == 0; step++)
+    qcProgress_Begin(steps, label);
+    for (size_t step = 1; step <= steps && qcInterrupt_Signal() == 0; step++)
     {
         qcClothStep measured;
         measured.costs = world.Step();
@@ -139,7 +141,9 @@ bool Demo::Simulate(bool selfCollision, qcClothRun* run, size_t* triangles)
         run->steps.push_back(measured);
         if (measured.statistics.status != qc_statusOk)
             return qcDemo_Fail(std::string("step ") + std::to_string(step) + ": " + qcLastMessage());
-        if (!MeasureStep(world, step, run))
+        if (run->isPulled)
+            m_picture.Follow(std::min(float(step) * float(qcClothWorld::stepSeconds) / 1.2f, 1.0f));
+        if (!MeasureStep(world, step, step == steps, run))
             return false;
         qcProgress_Update(step);
     }
@@ -147,23 +151,43 @@ bool Demo::Simulate(bool selfCollision, qcClothRun* run, size_t* triangles)
     return true;
 }
 
+bool Demo::Simulate(qcClothRun* run, qcClothRun* pulled)
+{
+    qcClothWorld world(m_options.triangles, run->selfCollision, m_device, m_options.common.method,
+                       m_options.common.threads);
+    run->triangles = world.Indices().size() / 3;
+    m_frames = 0;
+    m_picture.Follow(0);
+    if (!Begin(world, RecordingPath(m_options.record, run->selfCollision)) ||
+        !RunAct(world, m_options.common.steps,
+                run->selfCollision ? "cloth with self-collision" : "cloth without self-collision", run))
+        return false;
+    if (pulled == nullptr || m_options.pullSteps == 0 || qcInterrupt_Signal() != 0)
+        return true;
+    world.PullAway();
+    // A recording holds the paper's scene: the first act.
+    return Begin(world, "") && RunAct(world, m_options.pullSteps, "cloth pulled away", pulled);
+}
+
 int Run(const Options& options, qcDevice* device)
 {
     qcDeviceInfo info;
     qcDevice_GetInfo(device, &info);
     Demo demo(options, device, info);
-    qcClothRun with, without;
-    size_t triangles = 0;
-    if (!demo.Simulate(true, &with, &triangles) || !demo.Simulate(false, &without, &triangles))
+    qcClothRun with, pulled, without;
+    with.selfCollision = pulled.selfCollision = pulled.isPulled = true;
+    if (!demo.Simulate(&with, &pulled) || !demo.Simulate(&without, nullptr))
         return qc_exitFailed;
+    std::vector<const qcClothRun*> runs = {&with, &without};
+    if (!pulled.steps.empty())
+        runs.push_back(&pulled);
     std::string message;
-    if (!qcWriteClothCsv(std::string(options.common.out) + "/cloth.csv", with, without, qcClothWorld::stepSeconds,
-                         &message))
+    if (!qcWriteClothCsv(std::string(options.common.out) + "/cloth.csv", runs, qcClothWorld::stepSeconds, &message))
     {
         qcDemo_Fail(message);
         return qc_exitFailed;
     }
-    qcPrintClothTable(with, without, triangles, options.common.method, options.request, info);
+    qcPrintClothTable(runs, options.common.method, options.request, info);
     return qcInterrupt_Signal() == 0 ? qc_exitDone : qc_exitSignal + qcInterrupt_Signal();
 }
 
@@ -182,6 +206,8 @@ int main(int argumentCount, char** arguments)
     std::vector<qcOption> rows = {
         {1, "triangles", "N", "Triangles of the cloth, at least; %s by default",
          qcOption_Number(&options.triangles, 2, 2000000)},
+        {1, "pull-steps", "N", "Steps of the second act; %s by default, 0 leaves it out",
+         qcOption_Number(&options.pullSteps, 0, 1000000)},
         {1, "compare-every", "N", "Frames from one on which all methods are compared to the next; %s by default",
          qcOption_Number(&options.compareEvery, 1, 1000000)},
         {1, "record", "FILE",

@@ -9,14 +9,18 @@ class qcClothPicture
   public:
     qcClothPicture();
 
+    /// Moves the camera after the cloth that is pulled away. 0: the first act's camera; 1: the second act's at its end.
+    void Follow(float part);
+    /// Draws the bar that pulls the cloth in the following pictures, at this place; null: none.
+    void SetGrip(const btVector3* middle);
     /// Writes a PNG. Empty `marked`: the left half alone. False with a message.
     bool Write(qcDevice* device, const std::vector<float>& positions, const std::vector<uint32_t>& indices,
                const std::vector<uint8_t>& marked, const std::string& path, std::string* message);
 
   private:
     qcDemoFrame m_frame;
-    std::vector<float> m_tablePositions;
-    std::vector<uint32_t> m_tableIndices;
+    std::vector<float> m_tablePositions, m_gripPositions;
+    std::vector<uint32_t> m_tableIndices, m_gripIndices;
 };
 
 #endif

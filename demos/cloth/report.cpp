@@ -12,7 +12,7 @@ void WriteHeading(FILE* stream)
 {
     std::fprintf(stream, "self_collision,step,seconds,step_ms,method,device,detect_ms,cull_ms,sweep_ms,exact_ms,"
                          "contact_ms,respond_ms,contacts,penetrating_before,rounds,planes,zone_nodes,exempt,"
-                         "unproven,manifolds,penetrating_after");
+                         "unproven,manifolds,penetrating_after,remaining,act");
     qcWriteQueryHeading(stream);
     std::fprintf(stream, "\n");
 }
@@ -23,11 +23,11 @@ void WriteRows(FILE* stream, const qcClothRun& run, double stepSeconds)
     {
         const qcClothStep& step = run.steps[i];
         const qcSoftBodyStatistics& s = step.statistics;
-        std::fprintf(stream, "%s,%zu,%.4f,%.3f,%s,%s,%.3f,%.3f,%.3f,%.3f,%.3f,%.3f,%d,%d,%d,%d,%d,%d,%d,%d,%zu",
+        std::fprintf(stream, "%s,%zu,%.4f,%.3f,%s,%s,%.3f,%.3f,%.3f,%.3f,%.3f,%.3f,%d,%d,%d,%d,%d,%d,%d,%d,%zu,%d,%d",
                      run.selfCollision ? "with" : "without", i + 1, double(i + 1) * stepSeconds, step.costs.Total(),
                      qcMethod_Name(s.method), s.device, s.detectMs, s.cullMs, s.sweepMs, s.exactMs, s.contactMs,
                      s.respondMs, s.contacts, s.penetrating, s.rounds, s.planes, s.zoneNodes, s.exempt, s.unproven,
-                     step.manifolds, step.Penetrating());
+                     step.manifolds, step.Penetrating(), s.remaining, run.isPulled ? 2 : 1);
         qcWriteQueryColumns(stream, step.results);
         std::fprintf(stream, "\n");
     }
@@ -49,30 +49,45 @@ template <typename Value> double Largest(const qcClothRun& run, Value value)
     return largest;
 }
 
-void PrintTwo(const char* label, double with, double without, int digits)
+const char* Label(const qcClothRun& run)
 {
-    std::printf("  %-46s %12.*f %12.*f\n", label, digits, with, digits, without);
+    return run.isPulled ? "pulled away" : run.selfCollision ? "on" : "off";
 }
 
-/// A count of each step: mean and max, with self-collision and without.
-template <typename Value>
-void PrintMeanAndMax(const char* label, const qcClothRun& with, const qcClothRun& without, Value value)
+/// A number of each run.
+template <typename Value> void PrintRow(const char* label, const qcClothRuns& runs, Value value)
 {
-    std::printf("  %-46s %8.1f %8.0f %8.1f %8.0f\n", label, Mean(with, value), Largest(with, value),
-                Mean(without, value), Largest(without, value));
+    std::printf("  %-46s", label);
+    for (const qcClothRun* run : runs)
+        std::printf(" %12.0f", double(value(*run)));
+    std::printf("\n");
 }
 
-/// What kept surfaces apart where contacts did not suffice.
-void PrintFilter(const qcClothRun& with, const qcClothRun& without)
+/// A count of each step: mean and max.
+template <typename Value> void PrintMeanAndMax(const char* label, const qcClothRuns& runs, Value value)
 {
-    std::printf("\n  %-46s %17s %17s\n", "What kept surfaces from passing, in a step:", "self-collision on", "off");
-    std::printf("  %-46s %8s %8s %8s %8s\n", "", "mean", "max", "mean", "max");
-    PrintMeanAndMax("planes (pairs pushed apart)", with, without,
-                    [](const qcClothStep& s) { return s.statistics.planes; });
-    PrintMeanAndMax("nodes in zones (moved as one)", with, without,
-                    [](const qcClothStep& s) { return s.statistics.zoneNodes; });
-    PrintMeanAndMax("exempt pairs (tangled)", with, without, [](const qcClothStep& s) { return s.statistics.exempt; });
-    PrintMeanAndMax("unproven pairs", with, without, [](const qcClothStep& s) { return s.statistics.unproven; });
+    std::printf("  %-46s", label);
+    for (const qcClothRun* run : runs)
+        std::printf(" %8.1f %8.0f", Mean(*run, value), Largest(*run, value));
+    std::printf("\n");
+}
+
+/// What kept surfaces apart where contacts did not suffice, and what it left.
+void PrintFilter(const qcClothRuns& runs)
+{
+    std::printf("\n  %-46s", "What kept surfaces from passing, in a step:");
+    for (const qcClothRun* run : runs)
+        std::printf(" %17s", Label(*run));
+    std::printf("\n  %-46s", "");
+    for (size_t i = 0; i < runs.size(); i++)
+        std::printf(" %8s %8s", "mean", "max");
+    std::printf("\n");
+    PrintMeanAndMax("planes (pairs pushed apart)", runs, [](const qcClothStep& s) { return s.statistics.planes; });
+    PrintMeanAndMax("nodes in zones (moved as one)", runs, [](const qcClothStep& s) { return s.statistics.zoneNodes; });
+    PrintMeanAndMax("exempt pairs (tangled)", runs, [](const qcClothStep& s) { return s.statistics.exempt; });
+    PrintMeanAndMax("unproven pairs", runs, [](const qcClothStep& s) { return s.statistics.unproven; });
+    PrintMeanAndMax("remaining (penetrating, with table and floor)", runs,
+                    [](const qcClothStep& s) { return s.statistics.remaining; });
 }
 
 void PrintCompared(const char* label, const qcClothRun& run)
@@ -101,8 +116,7 @@ void PrintLoop(const qcClothRun& run, qcMethod method, const qcDeviceInfo& devic
 }
 } // namespace
 
-bool qcWriteClothCsv(const std::string& path, const qcClothRun& with, const qcClothRun& without, double stepSeconds,
-                     std::string* message)
+bool qcWriteClothCsv(const std::string& path, const qcClothRuns& runs, double stepSeconds, std::string* message)
 {
     qcOutput output;
     qcMessage failure;
@@ -112,38 +126,43 @@ bool qcWriteClothCsv(const std::string& path, const qcClothRun& with, const qcCl
         return false;
     }
     WriteHeading(output.stream);
-    WriteRows(output.stream, with, stepSeconds);
-    WriteRows(output.stream, without, stepSeconds);
+    for (const qcClothRun* run : runs)
+        WriteRows(output.stream, *run, stepSeconds);
     if (qcOutput_Commit(&output, &failure))
         return true;
     *message = failure.text;
     return false;
 }
 
-void qcPrintClothTable(const qcClothRun& with, const qcClothRun& without, size_t triangles, qcMethod method,
-                       const qcDetectDef& request, const qcDeviceInfo& device)
+void qcPrintClothTable(const qcClothRuns& runs, qcMethod method, const qcDetectDef& request, const qcDeviceInfo& device)
 {
     auto contacts = [](const qcClothStep& s) { return s.statistics.contacts; };
     auto penetrating = [](const qcClothStep& s) { return s.Penetrating(); };
+    const qcClothRun& first = *runs.front();
 
-    std::printf("\nCloth over a table: %zu triangles, %zu steps\n\n", triangles, with.steps.size());
-    PrintLoop(with, method, device);
-    qcPrintStepCosts("self-collision; mean milliseconds of a step:",
-                     {{"on", qcMeanCosts(with.steps.begin(), with.steps.end())},
-                      {"off", qcMeanCosts(without.steps.begin(), without.steps.end())}});
+    std::printf("\nCloth over a table: %zu triangles; steps:", first.triangles);
+    for (const qcClothRun* run : runs)
+        std::printf(" %zu (%s)", run->steps.size(), Label(*run));
+    std::printf("\n\n");
+    PrintLoop(first, method, device);
+    std::vector<std::pair<std::string, qcStepCosts>> costs;
+    for (const qcClothRun* run : runs)
+        costs.emplace_back(Label(*run), qcMeanCosts(run->steps.begin(), run->steps.end()));
+    qcPrintStepCosts("self-collision; mean milliseconds of a step:", costs);
     std::printf("\n");
-    PrintTwo("self-contacts in a step, mean", Mean(with, contacts), Mean(without, contacts), 0);
-    PrintTwo("self-contacts in a step, max", Largest(with, contacts), Largest(without, contacts), 0);
-    PrintTwo("self-penetrating pairs after a step, max", Largest(with, penetrating), Largest(without, penetrating), 0);
-    PrintTwo("self-penetrating pairs at the end", double(with.steps.empty() ? 0 : with.steps.back().Penetrating()),
-             double(without.steps.empty() ? 0 : without.steps.back().Penetrating()), 0);
-    PrintFilter(with, without);
+    PrintRow("self-contacts in a step, mean", runs, [&](const qcClothRun& run) { return Mean(run, contacts); });
+    PrintRow("self-contacts in a step, max", runs, [&](const qcClothRun& run) { return Largest(run, contacts); });
+    PrintRow("self-penetrating pairs after a step, max", runs,
+             [&](const qcClothRun& run) { return Largest(run, penetrating); });
+    PrintRow("self-penetrating pairs at the end", runs,
+             [](const qcClothRun& run) { return run.steps.empty() ? 0 : run.steps.back().Penetrating(); });
+    PrintFilter(runs);
 
     qcPrintQuerySettings(
-        request, uint32_t(Largest(with, [](const qcClothStep& s) { return s.results[qc_queryQuick].resolution; })),
+        request, uint32_t(Largest(first, [](const qcClothStep& s) { return s.results[qc_queryQuick].resolution; })),
         device);
     if (device.kind == qc_deviceNone)
         return;
-    PrintCompared("with self-collision", with);
-    PrintCompared("without", without);
+    for (const qcClothRun* run : runs)
+        PrintCompared(run->isPulled ? "pulled away" : run->selfCollision ? "with self-collision" : "without", *run);
 }

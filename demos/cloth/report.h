@@ -25,21 +25,25 @@ struct qcClothStep
     }
 };
 
-/// One simulation from start to end.
+/// One act of a simulation.
 struct qcClothRun
 {
     bool selfCollision = false;
+    bool isPulled = false; ///< the second act
+    size_t triangles = 0;
     std::string fallback; ///< reason why another method than the requested one ran, the last time; empty if none did
     std::vector<qcClothStep> steps;
 };
 
-/// Writes both runs. False with a message.
-bool qcWriteClothCsv(const std::string& path, const qcClothRun& with, const qcClothRun& without, double stepSeconds,
-                     std::string* message);
+/// A column of the report for each run.
+using qcClothRuns = std::vector<const qcClothRun*>;
+
+/// Writes all runs. False with a message.
+bool qcWriteClothCsv(const std::string& path, const qcClothRuns& runs, double stepSeconds, std::string* message);
 
 /// Prints the closing table to standard output. `method`: requested by the simulation; `request`: the settings of the
 /// sampled methods; `device`: where they ran.
-void qcPrintClothTable(const qcClothRun& with, const qcClothRun& without, size_t triangles, qcMethod method,
-                       const qcDetectDef& request, const qcDeviceInfo& device);
+void qcPrintClothTable(const qcClothRuns& runs, qcMethod method, const qcDetectDef& request,
+                       const qcDeviceInfo& device);
 
 #endif

@@ -25,7 +25,8 @@ qcClothWorld::qcClothWorld(unsigned triangleCount, bool selfCollision, qcDevice*
       m_tableShape(btVector3(qcClothTable::radius, qcClothTable::thickness / 2, qcClothTable::radius)),
       m_floorShape(btVector3(0, 1, 0), 0),
       m_table(Fixed(&m_tableShape, btVector3(0, qcClothTable::height - qcClothTable::thickness / 2, 0))),
-      m_floor(Fixed(&m_floorShape, btVector3(0, 0, 0)))
+      m_floor(Fixed(&m_floorShape, btVector3(0, 0, 0))), m_gripShape(btVector3(gripHalf, gripHalf, gripHalfLength)),
+      m_grip(0, &m_gripMotion, &m_gripShape), m_gripStart(0, 0, 0)
 {
     m_tableShape.setMargin(s_margin);
     m_world.addRigidBody(&m_table);
@@ -44,6 +45,8 @@ qcClothWorld::qcClothWorld(unsigned triangleCount, bool selfCollision, qcDevice*
 qcClothWorld::~qcClothWorld()
 {
     m_world.removeSoftBody(m_cloth);
+    if (m_pulled >= 0)
+        m_world.removeRigidBody(&m_grip);
     delete m_cloth;
     m_world.removeRigidBody(&m_floor);
     m_world.removeRigidBody(&m_table);
@@ -51,7 +54,7 @@ qcClothWorld::~qcClothWorld()
 
 void qcClothWorld::AddCloth(unsigned triangleCount, bool selfCollision)
 {
-    int side = int(std::ceil(std::sqrt(triangleCount / 2.0)));
+    int side = m_side = int(std::ceil(std::sqrt(triangleCount / 2.0)));
     // A little off the centre, so that the folds are not symmetric.
     btScalar x = btScalar(0.06), z = btScalar(-0.04), y = qcClothTable::height + btScalar(0.05);
     m_cloth = btSoftBodyHelpers::CreatePatch(m_world.getWorldInfo(), btVector3(x - 1, y, z - 1),
@@ -80,8 +83,53 @@ void qcClothWorld::AddCloth(unsigned triangleCount, bool selfCollision)
             m_indices.push_back(uint32_t(node - &m_cloth->m_nodes[0]));
 }
 
+void qcClothWorld::PullAway()
+{
+    // Nodes of the middle fifth of the edge x = 1, which hangs between two corners.
+    std::vector<int> held;
+    for (int i = 2 * m_side / 5; i <= 3 * m_side / 5; i++)
+        held.push_back(i * (m_side + 1) + m_side);
+    m_gripStart.setZero();
+    for (int node : held)
+        m_gripStart += m_cloth->m_nodes[node].m_x / btScalar(held.size());
+    btTransform place(btQuaternion::getIdentity(), m_gripStart);
+    m_gripMotion.setWorldTransform(place);
+    m_grip.setWorldTransform(place);
+    m_grip.setCollisionFlags(m_grip.getCollisionFlags() | btCollisionObject::CF_KINEMATIC_OBJECT);
+    m_grip.setActivationState(DISABLE_DEACTIVATION);
+    // It holds the cloth and collides with nothing.
+    m_world.addRigidBody(&m_grip, btBroadphaseProxy::KinematicFilter, 0);
+    for (int node : held)
+        m_cloth->appendAnchor(node, &m_grip, true);
+    // Over a table as rough as in the first act, the cloth stretches rather than slips.
+    m_table.setFriction(btScalar(0.1));
+    m_cloth->m_cfg.kDF = btScalar(0.1);
+    // The pull has to reach the other side, a hundred edges away: with 8 rounds in a step the cloth is rubber.
+    m_cloth->m_cfg.piterations = 20;
+    m_pulled = 0;
+}
+
+/// Speeds up, pulls up to the height of the table and away, and lets go.
+void qcClothWorld::MoveGrip()
+{
+    constexpr btScalar speed = btScalar(1.4), rampSeconds = btScalar(0.5), riseMetres = btScalar(0.8);
+    m_pulled += stepSeconds;
+    if (m_pulled > pullSeconds)
+    {
+        m_cloth->m_anchors.clear();
+        return;
+    }
+    auto t = btScalar(m_pulled);
+    btScalar away = t < rampSeconds ? speed * t * t / (2 * rampSeconds) : speed * (t - rampSeconds / 2);
+    btScalar height = qcClothTable::height - btScalar(0.1) - m_gripStart.y();
+    btVector3 offset(away, height * btMin(away / riseMetres, btScalar(1)), 0);
+    m_gripMotion.setWorldTransform(btTransform(btQuaternion::getIdentity(), m_gripStart + offset));
+}
+
 qcStepCosts qcClothWorld::Step()
 {
+    if (m_pulled >= 0)
+        MoveGrip();
     qcStepCosts costs = qcTimeStep(&m_world, stepSeconds);
     costs.MoveSoft(m_softSolver.getStatistics());
     return costs;

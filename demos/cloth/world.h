@@ -1,4 +1,4 @@
-// The paper's first scene in Bullet: a cloth falls over a round table and folds on itself.
+// The paper's first scene in Bullet: a cloth falls over a round table and folds on itself; then it is pulled away.
 // Govindaraju, Lin, Manocha: Quick-CULLIDE, VR 2005, section 5, cloth simulation, and figure 4.
 #ifndef QC_DEMOS_CLOTH_WORLD_H
 #define QC_DEMOS_CLOTH_WORLD_H
@@ -29,6 +29,11 @@ class qcClothWorld
     qcClothWorld(const qcClothWorld&) = delete;
     qcClothWorld& operator=(const qcClothWorld&) = delete;
 
+    /// The second act: a bar takes hold of an edge of the cloth and pulls the cloth off the table. It lets go after
+    /// `pullSeconds`.
+    void PullAway();
+    static constexpr double pullSeconds = 1.5;
+
     /// One step of `stepSeconds`.
     qcStepCosts Step();
     static constexpr double stepSeconds = 1.0 / 120;
@@ -57,6 +62,17 @@ class qcClothWorld
     {
         return m_dispatcher.getNumManifolds();
     }
+    /// Middle of the bar; meaningless before PullAway.
+    btVector3 Grip() const
+    {
+        return m_grip.getWorldTransform().getOrigin();
+    }
+    bool IsHeld() const
+    {
+        return m_pulled >= 0 && m_pulled <= pullSeconds;
+    }
+    /// Half of the bar's width, and of its length, along z.
+    static constexpr float gripHalf = 0.012f, gripHalfLength = 0.25f;
     /// Present positions, three floats a vertex.
     const std::vector<float>& Positions();
     const std::vector<uint32_t>& Indices() const
@@ -66,6 +82,7 @@ class qcClothWorld
 
   private:
     void AddCloth(unsigned triangleCount, bool selfCollision);
+    void MoveGrip();
 
     btSoftBodyRigidBodyCollisionConfiguration m_configuration;
     btCollisionDispatcher m_dispatcher;
@@ -76,6 +93,12 @@ class qcClothWorld
     btCylinderShape m_tableShape;
     btStaticPlaneShape m_floorShape;
     btRigidBody m_table, m_floor;
+    btBoxShape m_gripShape;
+    btDefaultMotionState m_gripMotion;
+    btRigidBody m_grip;    ///< kinematic: the bar of the second act
+    btVector3 m_gripStart; ///< where it took hold
+    double m_pulled = -1;  ///< seconds of the second act; -1: it has not begun
+    int m_side = 0;        ///< edges of the cloth along a side
     btSoftBody* m_cloth = nullptr;
     std::vector<float> m_positions;
     std::vector<uint32_t> m_indices;

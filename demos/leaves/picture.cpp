@@ -1,6 +1,8 @@
 // Frames of the leaves demo, after figure 6 of the paper.
 #include "leaves/picture.h"
 
+#include <iterator>
+
 namespace
 {
 // Green and yellow to red and brown; each leaf has one of them, a little lighter or darker. Linear RGB.
@@ -28,7 +30,9 @@ qcLeavesPicture::qcLeavesPicture(const qcLeavesWorld& world) : m_frame(800, 720)
     qcSet3(m_frame.camera.eye, 1.2f, 2.0f, 6.6f);
     qcSet3(m_frame.camera.target, 0.35f, 1.27f, 0.0f);
     m_frame.camera.fieldOfView = 31;
-    qcSet3(m_frame.ground.color, 0.40f, 0.42f, 0.30f);
+    // Contact holds most leaves 9 mm above the ground; they seem to float unless it is drawn higher.
+    m_frame.ground.height = 0.004f;
+    qcSet3(m_frame.ground.color, 0.33f, 0.38f, 0.22f);
     qcSet3(m_frame.background, 0.72f, 0.80f, 0.86f);
 }
 
@@ -46,7 +50,7 @@ bool qcLeavesPicture::Write(qcDevice* device, const qcLeavesWorld& world, const 
     for (size_t i = 0; i < world.LeafCount(); i++)
     {
         m_positions[i].clear();
-        world.AppendPositions(i, &m_positions[i]);
+        world.AppendPositions(i, 0, &m_positions[i]);
         qcFrameMesh leaf;
         leaf.SetTriangles(m_positions[i], world.LeafIndices());
         SetAutumnColor(i, &leaf);

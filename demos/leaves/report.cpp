@@ -6,6 +6,7 @@
 #include "leaves/world.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace
 {
@@ -86,6 +87,8 @@ void qcPrintLeavesTable(const qcLeavesRun& run, qcMethod method, const qcDetectD
 {
     std::printf("\nLeaves fall from a tree: %zu leaves of %zu triangles in all, a tree of %zu, %zu steps\n\n",
                 run.leaves, run.triangles, run.treeTriangles, run.steps.size());
+    if (run.leaves < run.requestedLeaves)
+        std::printf("  There was no room for more leaves: %zu were requested.\n", run.requestedLeaves);
     auto byDevice = std::count_if(run.steps.begin(), run.steps.end(),
                                   [](const qcLeavesStep& step) { return step.statistics.method == qc_methodLayers; });
     std::printf("  Collisions by %s: on the device in %zu of %zu steps, otherwise on the CPU\n", qcMethod_Name(method),

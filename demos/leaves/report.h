@@ -20,7 +20,7 @@ struct qcLeavesStep
 
 struct qcLeavesRun
 {
-    size_t leaves = 0, triangles = 0, treeTriangles = 0;
+    size_t leaves = 0, requestedLeaves = 0, triangles = 0, treeTriangles = 0;
     std::string fallback; ///< reason why another method than the requested one ran, the last time; empty if none did
     std::vector<qcLeavesStep> steps;
 };

@@ -168,12 +168,14 @@ qcStepCosts qcLeavesWorld::Step()
     return costs;
 }
 
-void qcLeavesWorld::AppendPositions(size_t leaf, std::vector<float>* positions) const
+void qcLeavesWorld::AppendPositions(size_t leaf, double seconds, std::vector<float>* positions) const
 {
     const btSoftBody::tNodeArray& nodes = m_leaves[leaf].body->m_nodes;
     for (int i = 0; i < nodes.size(); i++)
-        for (int axis = 0; axis < 3; axis++)
-            positions->push_back(float(nodes[i].m_x[axis]));
+    {
+        btVector3 place = nodes[i].m_x + nodes[i].m_v * btScalar(seconds);
+        positions->insert(positions->end(), {float(place.x()), float(place.y()), float(place.z())});
+    }
 }
 
 size_t qcLeavesWorld::HangingCount() const

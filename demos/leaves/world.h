@@ -56,8 +56,9 @@ class qcLeavesWorld
     {
         return m_leaves.size();
     }
-    /// Present positions of a leaf, three floats a vertex, appended.
-    void AppendPositions(size_t leaf, std::vector<float>* positions) const;
+    /// Appends the positions that a leaf has after `seconds` if nothing stops it, three floats a vertex. 0: the present
+    /// ones.
+    void AppendPositions(size_t leaf, double seconds, std::vector<float>* positions) const;
     /// Those of each leaf.
     const std::vector<uint32_t>& LeafIndices() const
     {

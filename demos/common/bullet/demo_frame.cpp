@@ -30,7 +30,7 @@ float Brightness(const float color[3])
 /// Colours of the right half: greys, so that nothing but the PCS is red.
 void MakeGrey(const qcFrameMesh& mesh, qcPictureMesh* picture)
 {
-    float front = 0.62f, back = 0.46f;
+    float front = 0.78f, back = 0.52f;
     if (mesh.isScenery)
     {
         front = Brightness(mesh.color);

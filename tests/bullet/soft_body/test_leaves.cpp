@@ -63,7 +63,7 @@ size_t CountPenetrating(const qcLeavesWorld& world)
     for (size_t i = 0; i < world.LeafCount(); i++)
     {
         std::vector<float> positions;
-        world.AppendPositions(i, &positions);
+        world.AppendPositions(i, 0, &positions);
         soup.Add(positions.data(), qc_positionF32, 0, positions.size() / 3, world.LeafIndices());
     }
     return soup.CountWithin(0);
@@ -80,7 +80,7 @@ std::vector<float> PositionsAfter(uint32_t seed, uint32_t threads, int steps)
         world.Step();
     std::vector<float> positions;
     for (size_t i = 0; i < world.LeafCount(); i++)
-        world.AppendPositions(i, &positions);
+        world.AppendPositions(i, 0, &positions);
     return positions;
 }
 } // namespace

@@ -1,0 +1,57 @@
+#!/bin/sh
+# Makes the README's pictures from the frames that the demos have left in out/: demos/run.sh gallery
+#   demos/NAME/NAME.png: moments of a run side by side; below them the same with the PCS in red, where frames have it.
+set -eu
+
+root=$(CDPATH='' cd -- "$(dirname -- "$0")/.." && pwd)
+command -v ffmpeg >/dev/null || { echo "demos/gallery.sh: ffmpeg is missing; install the package ffmpeg" >&2; exit 1; }
+
+# frame NAME PERCENT: the frame at this part of the run. 100: the last one.
+frame()
+{
+    count=$(find "$root/out/$1/" -name 'frame_*.png' | wc -l)
+    printf '%s/out/%s/frame_%04d.png' "$root" "$1" $(((count - 1) * $2 / 100))
+}
+
+# strip NAME ROWS CROP WIDTH PERCENT...: CROP is width:height:left:top in a half of a frame; ROWS is 2 where frames have a
+# half with the PCS; WIDTH is that of a cell in the picture. 255 colours keep the file small.
+strip()
+{
+    name=$1
+    rows=$2
+    crop=$3
+    width=$4
+    shift 4
+    if [ ! -f "$root/out/$name/frame_0000.png" ]; then
+        echo "$name: no frames in out/$name; run demos/run.sh $name first"
+        return
+    fi
+    picture=$root/demos/$name/$name.png
+    columns=$#
+    parts=
+    inputs=
+    cells=
+    i=0
+    for percent; do
+        parts="$parts -i $(frame "$name" "$percent")"
+        scale="scale=$width:-2:flags=area"
+        if [ "$rows" = 2 ]; then
+            cells="${cells}[$i]split[a$i][b$i];[a$i]crop=in_w/2:in_h:0:0,crop=$crop,${scale}[l$i];"
+            cells="${cells}[b$i]crop=in_w/2:in_h:in_w/2:0,crop=$crop,${scale}[r$i];[l$i][r$i]vstack[c$i];"
+        else
+            cells="${cells}[$i]crop=$crop,${scale}[c$i];"
+        fi
+        inputs="${inputs}[c$i]"
+        i=$((i + 1))
+    done
+    # shellcheck disable=SC2086 # Options and paths, which have no blanks but those of the folder.
+    ffmpeg -loglevel error -y $parts -filter_complex \
+        "$cells${inputs}hstack=inputs=$columns,split[x][y];[x]palettegen=max_colors=255[p];[y][p]paletteuse=dither=none" \
+        "$picture"
+    echo "$picture: $(($(wc -c <"$picture") / 1024)) KB"
+}
+
+strip cloth 2 760:560:20:50 380 59 80 100
+strip breaking 2 in_w:in_h:0:0 380 10 50 100
+strip leaves 2 in_w:in_h:0:0 380 5 50 100
+strip fracture 1 in_w:in_h:0:0 380 0 20 100
