@@ -41,7 +41,7 @@ std::vector<qcViewSetting> qcViewedBreaking::Settings()
 qcViewPlace qcViewedBreaking::Place() const
 {
     qcViewPlace place;
-    place.eye = btVector3(btScalar(2.3), btScalar(4.2), btScalar(11.5));
-    place.target = btVector3(0, btScalar(1.7), 0);
+    place.eye = btVector3(btScalar(2.8), btScalar(4.8), btScalar(13.5));
+    place.target = btVector3(0, btScalar(2.1), 0);
     return place;
 }
