@@ -73,7 +73,7 @@ draw_again()
     command -v gnuplot >/dev/null || return 0
     for script in "$out"/bench/*.gp; do
         [ -f "$script" ] || continue
-        (cd "$out/bench" && gnuplot -e 'svg = 1' "${script##*/}") >/dev/null || true
+        (cd "$out/bench" && gnuplot -e 'svg = 1' "${script##*/}") >/dev/null 2>&1 || true
     done
 }
 
