@@ -47,10 +47,15 @@ run_part()
     [ "$status" -eq 0 ] || echo "demos/run.sh report: $1 ended with status $status" >&2
 }
 
-# True if there are results of a part.
+# True if there are results of a part, of a run that was not ended by Ctrl-C.
 is_there()
 {
-    [ -f "$out/$1/$1.txt" ] || [ -f "$out/bench/$1.txt" ]
+    for text in "$out/$1/$1.txt" "$out/bench/$1.txt"; do
+        if [ -f "$text" ] && ! tail -n 1 "$text" | grep -q '^Exit status 130$'; then
+            return 0
+        fi
+    done
+    return 1
 }
 
 run_parts()
