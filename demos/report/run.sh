@@ -47,10 +47,15 @@ run_part()
     [ "$status" -eq 0 ] || echo "demos/run.sh report: $1 ended with status $status" >&2
 }
 
-# True if there are results of a part.
+# True if there are results of a part, of a run that was not ended by Ctrl-C.
 is_there()
 {
-    [ -f "$out/$1/$1.txt" ] || [ -f "$out/bench/$1.txt" ]
+    for text in "$out/$1/$1.txt" "$out/bench/$1.txt"; do
+        if [ -f "$text" ] && ! tail -n 1 "$text" | grep -q '^Exit status 130$'; then
+            return 0
+        fi
+    done
+    return 1
 }
 
 run_parts()
@@ -73,7 +78,7 @@ draw_again()
     command -v gnuplot >/dev/null || return 0
     for script in "$out"/bench/*.gp; do
         [ -f "$script" ] || continue
-        (cd "$out/bench" && gnuplot -e 'svg = 1' "${script##*/}") >/dev/null || true
+        (cd "$out/bench" && gnuplot -e 'svg = 1' "${script##*/}") >/dev/null 2>&1 || true
     done
 }
 
