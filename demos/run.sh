@@ -145,22 +145,22 @@ run_bench()
 # make_recording DEMO: its recording for "bench paper", if it is missing. No device: all methods give the same run.
 make_recording()
 {
-    folder=$root/out/recordings
-    if [ -f "$folder/$1.qcr" ]; then
+    recordings=$root/out/recordings
+    if [ -f "$recordings/$1.qcr" ]; then
         return 0
     fi
     qc_build "$root" "qc-$1" >/dev/null || return 0
     echo "Recording the demo $1"
-    mkdir -p "$folder/new"
+    mkdir -p "$recordings/new"
     demo=$1
     shift
     if [ "$demo" = breaking ] && "$root/demos/breaking/fetch_dragon.sh" "$root/build/models"; then
         set -- --dragon "$root/build/models/dragon_vrip.ply"
     fi
-    "$root/build/demos/qc-$demo" "$@" --device none --method sweep --out "$folder/new" \
-        --record "$folder/new/$demo.qcr" >/dev/null
-    mv "$folder/new"/*.qcr "$folder/"
-    rm -r "$folder/new"
+    "$root/build/demos/qc-$demo" "$@" --device none --method sweep --out "$recordings/new" \
+        --record "$recordings/new/$demo.qcr" >/dev/null
+    mv "$recordings/new"/*.qcr "$recordings/"
+    rm -r "$recordings/new"
 }
 
 # run_benchmark NAME [ARGUMENT...]
