@@ -53,7 +53,7 @@ strip()
 }
 
 strip cloth 2 800:590:0:30 380 59 78 100
-strip breaking 2 in_w:in_h:0:0 380 10 50 100
+strip breaking 2 in_w:in_h:0:0 380 5 50 100
 strip leaves 2 in_w:in_h:0:0 380 4 40 76
 strip fracture 1 in_w:in_h:0:0 380 0 20 100
 
