@@ -21,6 +21,7 @@ void qcViewedCloth::Apply()
 void qcViewedCloth::Restart()
 {
     m_world = std::make_unique<qcClothWorld>(m_triangleCount, true, m_devices.Present(), m_method, m_threads);
+    m_isPulled = false;
     Apply();
 }
 
@@ -74,6 +75,14 @@ std::vector<qcViewSetting> qcViewedCloth::Settings()
             number("margin", 0.001, 0.03, "%.4f m", &m_margin),
             number("friction", 0, 1, "%.2f", &m_settings.friction),
             qcFlagSetting(
+                "pulled away", [this] { return m_isPulled; },
+                [this](bool on)
+                {
+                    if (on && !m_isPulled)
+                        m_world->PullAway();
+                    m_isPulled = m_isPulled || on;
+                }),
+            qcFlagSetting(
                 "self-collision", [this] { return m_settings.selfCollision; },
                 [this](bool on)
                 {
@@ -86,7 +95,7 @@ std::string qcViewedCloth::NameOf(const btCollisionObject* object) const
 {
     if (object == &m_world->Cloth())
         return "the cloth";
-    return object == &m_world->Table() ? "the table" : "the floor";
+    return object == &m_world->Table() ? "the table" : "";
 }
 
 bool qcViewedCloth::ColorsOf(const btCollisionObject* object, qcViewColors* colors) const

@@ -51,7 +51,8 @@ class qcViewedCloth : public qcViewedScene
     qcMethod m_method;
     qcViewDevices m_devices;
     qcSoftBodySettings m_settings;
-    btScalar m_margin = 0; ///< of cloth and table
+    btScalar m_margin = 0;   ///< of cloth and table
+    bool m_isPulled = false; ///< the second act has begun
     qcStepCosts m_costs;
     std::unique_ptr<qcClothWorld> m_world; ///< ends before the devices
 };
