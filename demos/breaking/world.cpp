@@ -10,7 +10,7 @@
 namespace
 {
 constexpr btScalar s_density = 2500;      // of stone, kg/m3
-constexpr double s_toughness = 5000;      // energy of a break, J/m2
+constexpr double s_toughness = 3000;      // energy of a break, J/m2
 constexpr btScalar s_hardSpeed = 1;       // below that nothing breaks, m/s
 constexpr double s_hardEnergy = 100;      // nor below that, J
 constexpr btScalar s_bunnyDensity = 4000; // kg/m3
@@ -254,13 +254,40 @@ std::vector<qcBreakingWorld::Impact> qcBreakingWorld::FindImpacts() const
     return impacts;
 }
 
-/// Breaks bonds, and takes the energy of that from the two bodies.
+/// Keeps the hardest blow that the solver has passed on to the dragon in this step, over rubble that lies on it, say:
+/// the impulse times half the bunny's speed. It breaks bonds in the next step.
+void qcBreakingWorld::NoteBlow()
+{
+    m_blow = Impact();
+    for (int m = 0; m < m_dispatcher.getNumManifolds() && m_bunnySpeed > s_hardSpeed; m++)
+    {
+        const btPersistentManifold& manifold = *m_dispatcher.getManifoldByIndexInternal(m);
+        btScalar impulse = 0;
+        for (int i = 0; i < manifold.getNumContacts(); i++)
+            impulse += manifold.getContactPoint(i).m_appliedImpulse;
+        double energy = std::min(0.5 * double(impulse * m_bunnySpeed),
+                                 0.5 * double(BunnyMass(m_model) * m_bunnySpeed * m_bunnySpeed));
+        for (const btCollisionObject* object : {manifold.getBody0(), manifold.getBody1()})
+        {
+            auto* body = const_cast<btRigidBody*>(btRigidBody::upcast(object));
+            if (energy < std::max(s_hardEnergy, m_blow.onPiece.energy) || !IsBonded(*body))
+                continue;
+            m_blow.bodyB = body;
+            m_blow.place = manifold.getContactPoint(0).getPositionWorldOnB();
+            m_blow.onPiece.energy = energy;
+        }
+    }
+}
+
+/// Breaks bonds, and takes the energy of that from the two bodies. After a blow they have lost it already.
 void qcBreakingWorld::Strike(const Impact& impact)
 {
     qcImpact onPiece = impact.onPiece;
     onPiece.piece = NearestPiece(*impact.bodyB, impact.place);
     onPiece.place = FrameOf(*impact.bodyB) * (impact.bodyB->getWorldTransform().inverse() * impact.place);
     double taken = qcBreakBonds(m_model.fracture, onPiece, &m_bondEnergies);
+    if (impact.bodyA == nullptr)
+        return;
     btScalar speed = btSqrt(btScalar(std::max(0.0, 1 - taken / onPiece.energy))) * impact.speed;
     btVector3 impulse = impact.normal * ((impact.speed - speed) / impact.inverseMass);
     impact.bodyA->applyImpulse(impulse, impact.place - impact.bodyA->getWorldTransform().getOrigin());
@@ -354,10 +381,13 @@ bool qcBreakingWorld::Break()
 {
     double start = qcStopwatch_NowMs();
     std::vector<Impact> impacts = FindImpacts();
+    if (impacts.empty() && m_blow.bodyB != nullptr)
+        impacts.push_back(m_blow);
+    m_blow = Impact();
     for (const Impact& impact : impacts)
     {
         Strike(impact);
-        if (impact.bodyA == &m_bunny)
+        if (impact.bodyA == &m_bunny || impact.bodyA == nullptr)
             m_crane.NoteImpact();
     }
     size_t count = impacts.empty() ? 0 : Separate();
@@ -398,8 +428,10 @@ bool qcBreakingWorld::Step(qcBreakingStep* step, std::string* message)
     m_breakMs = 0;
     m_crane.Update(btScalar(stepSeconds));
     m_settling.Wake();
+    m_bunnySpeed = m_crane.IsCarrying() ? btScalar(0) : m_bunny.getLinearVelocity().length();
     step->costs = qcTimeStep(&m_world, stepSeconds);
     m_settling.Settle(btScalar(stepSeconds));
+    NoteBlow();
     step->costs.Move(qc_costRest, qc_costBreak, m_breakMs);
     for (const qcMeshContactStatistics& query : m_queries)
     {

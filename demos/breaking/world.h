@@ -121,15 +121,16 @@ class qcBreakingWorld
 
     struct Impact
     {
-        btRigidBody *bodyA, *bodyB;
-        qcImpact onPiece;            ///< in the dragon's frame; of pieces of bodyB
-        btVector3 place, normal;     ///< in world space; towards bodyA
-        btScalar speed, inverseMass; ///< closing speed, and inverse of the mass that the impact has there
+        btRigidBody *bodyA = nullptr, *bodyB = nullptr;
+        qcImpact onPiece;                    ///< in the dragon's frame; of pieces of bodyB
+        btVector3 place, normal;             ///< in world space; towards bodyA
+        btScalar speed = 0, inverseMass = 0; ///< closing speed, and inverse of the mass that the impact has there
     };
 
     btVector3 FindTarget() const;
     void Warm();
     void NoteContact();
+    void NoteBlow();
     bool Break();
     std::vector<Impact> FindImpacts() const;
     bool IsBonded(const btRigidBody& body) const;
@@ -159,6 +160,8 @@ class qcBreakingWorld
     std::vector<double> m_bondEnergies;
     std::vector<qcMeshContactStatistics> m_queries; ///< of this step
     uint64_t m_batches = 0;                         ///< total queries at the last NoteContact
+    Impact m_blow;                                  ///< of the previous step; energy 0: none
+    btScalar m_bunnySpeed = 0;                      ///< before this step; 0 while it is carried
     size_t m_newPieces = 0;                         ///< in this step
     double m_breakMs = 0;                           ///< in this step
 };
