@@ -221,18 +221,27 @@ static qcPictureMesh Ball(float y)
                            .smooth = true};
 }
 
-START_TEST(the_inside_of_a_closed_mesh_is_not_seen_at_its_silhouette)
+START_TEST(a_steep_surface_hides_what_is_just_behind_it)
 {
     QC_FOR_EACH_DEVICE(device)
     {
-        qcPictureMesh ball = Ball(0.0f);
-        qcPictureDef def = Scene(&ball, 1);
+        // Seen from (0, 0, 5). The far end of the first, seen nearly edge on, is just before all of the second.
+        const float steep[12] = {-1, -1, 0, 3.4f, -1, -12, 3.4f, 1, -12, -1, 1, 0};
+        const float behind[12] = {2.4f, -0.5f, -12.02f, 3.4f, -0.5f, -12.02f, 3.4f, 0.5f, -12.02f, 2.4f, 0.5f, -12.02f};
+        qcPictureMesh meshes[2] = {Square(steep), Square(behind)};
+        memcpy(meshes[1].color, meshes[1].backColor, sizeof meshes[1].color);
+        qcPictureDef def = Scene(meshes, 2);
         def.hasGround = false;
-        def.background[0] = 0.9f;
-        def.background[1] = def.background[2] = 0.05f;
+        def.eye[1] = 0.0f;
+        def.eye[2] = 5.0f;
         Draw(device, &def);
+        int red = 0;
         for (int i = 0; i < qc_width * qc_height; i++)
-            ck_assert_int_gt(s_rgb[3 * i], s_rgb[3 * i + 2]);
+        {
+            ck_assert_int_le(s_rgb[3 * i + 2], s_rgb[3 * i] + 20);
+            red += s_rgb[3 * i] > s_rgb[3 * i + 2] + 40;
+        }
+        ck_assert_int_gt(red, 100);
     }
 }
 END_TEST
@@ -289,5 +298,5 @@ END_TEST
 QC_RUN_TESTS("picture_light", a_ground_ends_in_the_background, a_ground_above_the_eye_is_left_out,
              a_mesh_shadows_the_ground_below_it_and_not_beside, a_shadow_begins_at_the_foot_of_what_casts_it,
              a_plane_has_no_shadow_of_its_own_at_any_angle_of_light, a_mesh_that_lies_in_the_ground_hides_it,
-             the_inside_of_a_closed_mesh_is_not_seen_at_its_silhouette, the_picture_is_the_same_on_every_device,
+             a_steep_surface_hides_what_is_just_behind_it, the_picture_is_the_same_on_every_device,
              definitions_of_older_headers_are_drawn)
