@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <tuple>
 
 namespace
@@ -99,7 +100,7 @@ void AddBond(const CutFace& low, const CutFace& high, const Area& area, const qc
     bond.area = area.area * units.length * units.length;
     bond.center = units.Global({area.first[0] / area.area, area.first[1] / area.area, area.first[2] / area.area});
     qcClipPoint normal = AreaOf(low).normal;
-    double length = std::sqrt(qcDotOf(normal, normal));
+    double length = std::max(std::sqrt(qcDotOf(normal, normal)), std::numeric_limits<double>::min());
     bond.normal = btVector3(btScalar(normal[0] / length), btScalar(normal[1] / length), btScalar(normal[2] / length));
     bonds->push_back(bond);
 }
