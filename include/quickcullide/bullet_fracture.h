@@ -50,10 +50,11 @@ struct qcPiece
 /// Two pieces, and what they share of the cut between them. In the mesh's frame.
 struct qcBond
 {
-    uint32_t pieceA = 0, pieceB = 0; ///< indices of pieces, pieceA < pieceB
-    double area = 0;                 ///< in squared units of length
-    btVector3 center{0, 0, 0};       ///< centroid of the area
-    btVector3 normal{0, 0, 0};       ///< of length 1, from pieceA to pieceB
+    uint32_t pieceA = 0;       ///< index of a piece
+    uint32_t pieceB = 0;       ///< index of the other piece, more than pieceA
+    double area = 0;           ///< in squared units of length
+    btVector3 center{0, 0, 0}; ///< centroid of the area
+    btVector3 normal{0, 0, 0}; ///< of length 1, from pieceA to pieceB
 };
 
 /// The pieces of a mesh.
