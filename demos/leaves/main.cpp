@@ -218,14 +218,8 @@ int main(int argumentCount, char** arguments)
         {1, "compare-every", "N", "Frames from one on which all methods are compared to the next; %s by default",
          qcOption_Number(&options.compareEvery, 1, 1000000)},
         {1, "record", "FILE", "Record the bodies of each frame for \"qc-bench paper\" in FILE",
-         qcOption_Text(&options.record)},
-        {2, nullptr, nullptr, "For quick and cullide:", {}},
-        {2, "views", "LETTERS", "Axes to look along; xz by default, as in the paper's cloth",
-         qcOption_Views(&options.request.views)},
-        {2, "resolution", "N", "Pixels on a side, 1..4096; 4096 by default",
-         qcOption_Number(&options.request.resolution, 1, 4096)},
-        {2, "iterations", "N", "Rounds over the views; %s by default, 0: until nothing changes",
-         qcOption_Number(&options.request.iterations, 0, UINT32_MAX)}};
+         qcOption_Text(&options.record)}};
+    qcDemo_AddSampledOptions(&rows, "Axes to look along; xz by default, as in the paper's cloth", &options.request);
     qcView_AddOptions(&rows, &options.view);
     qcDevice* device = nullptr;
     int status = qcDemo_Begin(rows, s_help, argumentCount, arguments, &options.common, &device);

@@ -39,6 +39,17 @@ void Parse(std::vector<qcOption> rows, const char* help, int argumentCount, char
 }
 } // namespace
 
+void qcDemo_AddSampledOptions(std::vector<qcOption>* rows, const char* viewsHelp, qcDetectDef* request)
+{
+    const qcOption sampled[] = {{2, nullptr, nullptr, "For quick and cullide:", {}},
+                                {2, "views", "LETTERS", viewsHelp, qcOption_Views(&request->views)},
+                                {2, "resolution", "N", "Pixels on a side, 1..4096; 4096 by default",
+                                 qcOption_Number(&request->resolution, 1, 4096)},
+                                {2, "iterations", "N", "Rounds over the views; %s by default, 0: until nothing changes",
+                                 qcOption_Number(&request->iterations, 0, UINT32_MAX)}};
+    rows->insert(rows->end(), std::begin(sampled), std::end(sampled));
+}
+
 int qcDemo_Begin(const std::vector<qcOption>& rows, const char* help, int argumentCount, char** arguments,
                  qcDemoOptions* options, qcDevice** device)
 {

@@ -19,6 +19,10 @@ struct qcDemoOptions
     uint32_t threads = 0;
 };
 
+/// Appends the options of quick and cullide: views, resolution, rounds. `viewsHelp` is the help of the views, and
+/// outlives the rows.
+void qcDemo_AddSampledOptions(std::vector<qcOption>* rows, const char* viewsHelp, qcDetectDef* request);
+
 /// Parses the command line: the shared options, which hold the demo's defaults, and the demo's own rows (groups 1 and
 /// up). Then makes the folder, opens the device and starts watching for Ctrl-C. On failure it prints a message that
 /// begins with the program's name and returns another exit status than qc_exitDone.
