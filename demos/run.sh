@@ -106,8 +106,8 @@ run_breaking()
     if "$root/demos/breaking/fetch_dragon.sh" "$root/build/models"; then
         set -- --dragon "$root/build/models/dragon_vrip.ply" "$@"
     fi
-    # 120 steps a second, a frame every 10.
-    run_filmed breaking 12 "$@"
+    # 120 steps a second, a frame every 12.
+    run_filmed breaking 10 "$@"
 }
 
 run_through()

@@ -22,13 +22,13 @@ namespace
 {
 struct Options
 {
-    // 120 steps a second: 12 frames.
-    qcDemoOptions common = {"out/breaking", 1350, 10, qc_methodAuto, qc_deviceAuto, 0};
+    // 120 steps a second: 10 frames. Four drops.
+    qcDemoOptions common = {"out/breaking", 640, 12, qc_methodAuto, qc_deviceAuto, 0};
     qcBreakingModelDef model;
     const char* dragon = "";
     const char* bunny = QC_BUNNY_PATH;
     const char* record = nullptr;
-    uint32_t compareEvery = 68; ///< frames from one on which all methods run to the next
+    uint32_t compareEvery = 26; ///< frames from one on which all methods run to the next
     qcDetectDef request = qcDefaultDetectDef();
     qcViewOptions view;
 };
