@@ -63,6 +63,17 @@ int Run(const char* format, ...)
     return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
 }
 
+void CheckMistakes(const char* command, const Mistake* mistakes, size_t count)
+{
+    for (size_t i = 0; i < count; ++i)
+    {
+        int status = Run("%s %s", command, mistakes[i].options);
+        ck_assert_msg(status == mistakes[i].status, "%s: %d", mistakes[i].options, status);
+        ck_assert_msg(strstr(GetErrors(), mistakes[i].message) != NULL, "%s: %s", mistakes[i].options, GetErrors());
+        ck_assert_str_eq(GetOutput(), "");
+    }
+}
+
 void WriteText(const char* path, const char* text)
 {
     FILE* stream = fopen(path, "w");

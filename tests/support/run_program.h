@@ -20,6 +20,17 @@ void LeaveFolder(void);
 /// Runs a command line of the shell and returns its exit status, or 128 + the signal that ended it.
 __attribute__((format(printf, 1, 2))) int Run(const char* format, ...);
 
+/// A mistake on a command line.
+typedef struct Mistake
+{
+    const char* options;
+    int status;          ///< exit status that it gives
+    const char* message; ///< a part of its standard error
+} Mistake;
+
+/// Runs the command with each mistake: its status and message, and nothing on standard output.
+void CheckMistakes(const char* command, const Mistake* mistakes, size_t count);
+
 void WriteText(const char* path, const char* text);
 /// Reads a file into `text`, terminated by a zero. False: there is no such file.
 bool ReadText(const char* path, char* text, size_t size);

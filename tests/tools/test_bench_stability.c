@@ -70,12 +70,7 @@ END_TEST
 
 START_TEST(mistakes_are_refused_with_a_message)
 {
-    static const struct
-    {
-        const char* options;
-        int status;
-        const char* message;
-    } wrong[] = {
+    static const Mistake wrong[] = {
         {"--scene clot", 2, "there is no scene 'clot', only: cloth, "},
         {"--steps 3", 2, "--steps: '3' is not a whole number in 4.."},
         {"--out ''", 2, "--out: no folder is named"},
@@ -83,13 +78,7 @@ START_TEST(mistakes_are_refused_with_a_message)
         {"--scene boxes --steps 4 --out /dev/null/o", 1, "/dev/null"},
     };
     EnterFolder();
-    for (size_t i = 0; i < sizeof wrong / sizeof wrong[0]; ++i)
-    {
-        int status = Run(QC_BENCH_PROGRAM " stability %s", wrong[i].options);
-        ck_assert_msg(status == wrong[i].status, "%s: %d", wrong[i].options, status);
-        ck_assert_msg(strstr(GetErrors(), wrong[i].message) != NULL, "%s: %s", wrong[i].options, GetErrors());
-        ck_assert_str_eq(GetOutput(), "");
-    }
+    CheckMistakes(QC_BENCH_PROGRAM " stability", wrong, sizeof wrong / sizeof wrong[0]);
     ck_assert_int_eq(Run(QC_BENCH_PROGRAM " stability --help"), 0);
     ck_assert_ptr_nonnull(strstr(GetOutput(), "--scene=NAME"));
     LeaveFolder();

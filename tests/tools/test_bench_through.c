@@ -162,12 +162,7 @@ END_TEST
 
 START_TEST(mistakes_are_refused_with_a_message)
 {
-    static const struct
-    {
-        const char* options;
-        int status;
-        const char* message;
-    } wrong[] = {
+    static const Mistake wrong[] = {
         {"--scene throw-21", 2, "there is no scene 'throw-21', only: throw-5, throw-20"},
         {"--world clasic", 2, "--world: 'clasic' is not one of classic, deformable"},
         {"--hz 50", 2, "--hz: '50' is not one of 60, 240"},
@@ -179,13 +174,7 @@ START_TEST(mistakes_are_refused_with_a_message)
         {"--quick --scene soft-sheets --csv none/o.csv", 1, "none/o.csv"},
     };
     EnterFolder();
-    for (size_t i = 0; i < sizeof wrong / sizeof wrong[0]; ++i)
-    {
-        int status = Run(QC_THROUGH_PROGRAM " %s", wrong[i].options);
-        ck_assert_msg(status == wrong[i].status, "%s: %d", wrong[i].options, status);
-        ck_assert_msg(strstr(GetErrors(), wrong[i].message) != NULL, "%s: %s", wrong[i].options, GetErrors());
-        ck_assert_str_eq(GetOutput(), "");
-    }
+    CheckMistakes(QC_THROUGH_PROGRAM, wrong, sizeof wrong / sizeof wrong[0]);
     ck_assert_int_eq(Run(QC_THROUGH_PROGRAM " --help"), 0);
     ck_assert_ptr_nonnull(strstr(GetOutput(), "--scene=NAME"));
     LeaveFolder();

@@ -220,12 +220,7 @@ END_TEST
 
 START_TEST(mistakes_are_refused_with_a_message)
 {
-    static const struct
-    {
-        const char* options;
-        int status;
-        const char* said;
-    } wrong[] = {
+    static const Mistake wrong[] = {
         {"--pices 3", 2, "unrecognized option '--pices'"},
         {"--pieces 0", 2, "--pieces: '0' is not a whole number in 1..10000"},
         {"--pieces 1e3", 2, "--pieces: '1e3' is not"},
@@ -242,13 +237,7 @@ START_TEST(mistakes_are_refused_with_a_message)
     EnterFolder();
     WriteAngle();
     WriteText("open.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
-    for (size_t i = 0; i < sizeof wrong / sizeof wrong[0]; ++i)
-    {
-        int status = Run(FRACTURE " --device none --steps 2 %s", wrong[i].options);
-        ck_assert_msg(status == wrong[i].status, "%s: %d", wrong[i].options, status);
-        ck_assert_msg(strstr(GetErrors(), wrong[i].said) != NULL, "%s: %s", wrong[i].options, GetErrors());
-        ck_assert_str_eq(GetOutput(), "");
-    }
+    CheckMistakes(FRACTURE " --device none --steps 2", wrong, sizeof wrong / sizeof wrong[0]);
     ck_assert_int_eq(Run(CLOTH " --steps 0 --device none"), 2);
     ck_assert_int_eq(Run(FRACTURE " --help"), 0);
     ck_assert_ptr_nonnull(strstr(GetOutput(), "--pieces=N"));

@@ -63,12 +63,7 @@ END_TEST
 
 START_TEST(mistakes_are_refused_with_a_message)
 {
-    static const struct
-    {
-        const char* options;
-        int status;
-        const char* message;
-    } wrong[] = {
+    static const Mistake wrong[] = {
         {"--leafs 3", 2, "unrecognized option '--leafs'"},
         {"--leaves 0", 2, "--leaves: '0' is not"},
         {"--pcs-every x", 2, "--pcs-every: 'x' is not"},
@@ -77,13 +72,7 @@ START_TEST(mistakes_are_refused_with_a_message)
     };
     EnterFolder();
     ck_assert_int_eq(Run("touch file"), 0);
-    for (size_t i = 0; i < sizeof wrong / sizeof wrong[0]; ++i)
-    {
-        int status = Run(LEAVES " --device none --leaves 5 --steps 2 %s", wrong[i].options);
-        ck_assert_msg(status == wrong[i].status, "%s: %d", wrong[i].options, status);
-        ck_assert_msg(strstr(GetErrors(), wrong[i].message) != NULL, "%s: %s", wrong[i].options, GetErrors());
-        ck_assert_str_eq(GetOutput(), "");
-    }
+    CheckMistakes(LEAVES " --device none --leaves 5 --steps 2", wrong, sizeof wrong / sizeof wrong[0]);
     LeaveFolder();
 }
 END_TEST
