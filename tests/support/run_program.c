@@ -63,7 +63,7 @@ int Run(const char* format, ...)
     return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
 }
 
-void CheckMistakes(const char* command, const Mistake* mistakes, size_t count)
+void CheckMistakes(const char* command, const CommandMistake* mistakes, size_t count)
 {
     for (size_t i = 0; i < count; ++i)
     {

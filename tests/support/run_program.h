@@ -21,15 +21,15 @@ void LeaveFolder(void);
 __attribute__((format(printf, 1, 2))) int Run(const char* format, ...);
 
 /// A mistake on a command line.
-typedef struct Mistake
+typedef struct CommandMistake
 {
     const char* options;
     int status;          ///< exit status that it gives
     const char* message; ///< a part of its standard error
-} Mistake;
+} CommandMistake;
 
 /// Runs the command with each mistake: its status and message, and nothing on standard output.
-void CheckMistakes(const char* command, const Mistake* mistakes, size_t count);
+void CheckMistakes(const char* command, const CommandMistake* mistakes, size_t count);
 
 void WriteText(const char* path, const char* text);
 /// Reads a file into `text`, terminated by a zero. False: there is no such file.

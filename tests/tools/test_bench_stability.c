@@ -70,7 +70,7 @@ END_TEST
 
 START_TEST(mistakes_are_refused_with_a_message)
 {
-    static const Mistake wrong[] = {
+    static const CommandMistake wrong[] = {
         {"--scene clot", 2, "there is no scene 'clot', only: cloth, "},
         {"--steps 3", 2, "--steps: '3' is not a whole number in 4.."},
         {"--out ''", 2, "--out: no folder is named"},

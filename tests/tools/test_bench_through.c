@@ -162,7 +162,7 @@ END_TEST
 
 START_TEST(mistakes_are_refused_with_a_message)
 {
-    static const Mistake wrong[] = {
+    static const CommandMistake wrong[] = {
         {"--scene throw-21", 2, "there is no scene 'throw-21', only: throw-5, throw-20"},
         {"--world clasic", 2, "--world: 'clasic' is not one of classic, deformable"},
         {"--hz 50", 2, "--hz: '50' is not one of 60, 240"},

@@ -220,7 +220,7 @@ END_TEST
 
 START_TEST(mistakes_are_refused_with_a_message)
 {
-    static const Mistake wrong[] = {
+    static const CommandMistake wrong[] = {
         {"--pices 3", 2, "unrecognized option '--pices'"},
         {"--pieces 0", 2, "--pieces: '0' is not a whole number in 1..10000"},
         {"--pieces 1e3", 2, "--pieces: '1e3' is not"},

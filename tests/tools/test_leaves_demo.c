@@ -63,7 +63,7 @@ END_TEST
 
 START_TEST(mistakes_are_refused_with_a_message)
 {
-    static const Mistake wrong[] = {
+    static const CommandMistake wrong[] = {
         {"--leafs 3", 2, "unrecognized option '--leafs'"},
         {"--leaves 0", 2, "--leaves: '0' is not"},
         {"--pcs-every x", 2, "--pcs-every: 'x' is not"},
