@@ -205,6 +205,8 @@ void qcBroadphase::calculateOverlappingPairs(btDispatcher* dispatcher)
         return;
     }
     m_data->recorder.BeginPairs();
+    // New pairs are made by the filters as they are: a filter that is compared later could not be replayed.
+    m_data->GetProxies().CompareAllFilters();
     m_data->Update(dispatcher);
     m_data->recorder.EndPairs(*m_data);
 }

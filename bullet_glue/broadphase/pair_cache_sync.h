@@ -130,7 +130,7 @@ inline void qcPairCacheSync::Move(qcProxy* proxy, const btVector3& aabbMin, cons
         PendMove(proxy, aabbMin, aabbMax);
         return;
     }
-    m_proxies.CompareFilterInTurn(proxy);
+    m_proxies.CompareFilterOf(proxy);
     if (!qcAreSame(aabbMin, proxy->m_aabbMin) || !qcAreSame(aabbMax, proxy->m_aabbMax))
         MoveNow(proxy, aabbMin, aabbMax);
 }

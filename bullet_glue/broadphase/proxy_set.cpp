@@ -227,11 +227,12 @@ void qcProxySet::Requery(qcProxy* proxy)
         CompareFilter(m_entries[i]);
 }
 
-void qcProxySet::CompareFilters()
+/// Looks at several entries together: nearly all are unchanged.
+void qcProxySet::CompareFiltersFrom(int first, int end)
 {
     constexpr int atOnce = 8;
-    int i = m_comparedCount;
-    for (; i + atOnce <= m_count; i += atOnce)
+    int i = first;
+    for (; i + atOnce <= end; i += atOnce)
     {
         const Entry* entries = &m_entries[i];
         uint64_t differ = 0;
@@ -240,7 +241,27 @@ void qcProxySet::CompareFilters()
         if (differ != 0)
             CompareFilterRange(i, i + atOnce);
     }
-    CompareFilterRange(i, m_count);
+    CompareFilterRange(i, end);
+}
+
+void qcProxySet::CompareAllFilters()
+{
+    CompareFiltersFrom(m_comparedCount, m_count);
+    m_comparedCount = m_count;
+}
+
+void qcProxySet::CompareFilters()
+{
+    if (m_count - m_comparedCount <= c_comparedAtOnce)
+    {
+        CompareAllFilters();
+        return;
+    }
+    if (m_nextCompared < m_comparedCount || m_nextCompared >= m_count)
+        m_nextCompared = m_comparedCount;
+    const int end = std::min(m_nextCompared + c_comparedAtOnce, m_count);
+    CompareFiltersFrom(m_nextCompared, end);
+    m_nextCompared = end;
 }
 
 qcBoxChanges qcProxySet::FindChanges()

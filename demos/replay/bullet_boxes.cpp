@@ -97,6 +97,8 @@ class BroadphaseReplay : public qcBoxReplay
     {
         m_proxies[id]->m_collisionFilterGroup = int(group);
         m_proxies[id]->m_collisionFilterMask = int(mask);
+        // Set again, so that the filter is read in this step.
+        m_broadphase.setAabb(m_proxies[id], m_proxies[id]->m_aabbMin, m_proxies[id]->m_aabbMax, &m_dispatcher);
     }
     void Reset() override
     {

@@ -4,7 +4,8 @@
 ///     qcBroadphase broadphase;
 ///     btDiscreteDynamicsWorld world(&dispatcher, &broadphase, &solver, &configuration);
 ///
-/// Cost follows what moved: a proxy whose box did not change costs one comparison and one read of its filter.
+/// Cost follows what moved: a proxy whose box is set but did not change costs one comparison and one read of its
+/// filter, one whose box is not set costs nothing.
 #ifndef QUICKCULLIDE_BULLET_BROADPHASE_H
 #define QUICKCULLIDE_BULLET_BROADPHASE_H
 
@@ -20,10 +21,12 @@ class btIDebugDraw;
 /// (TestAabbAgainstAabb2) and whose filters agree. Other pairs are removed with the dispatcher, which destroys their
 /// algorithms and manifolds. The order of pairs depends only on the calls made, not on addresses, threads or time.
 ///
-/// Filters: groups and masks may change at any time. They are read once a step: when the object's box is set, or else
-/// when pairs are calculated. A change between the two takes effect in the next step. A filter callback is called for
-/// every overlapping pair in every step. A pair cache of your own that overrides needsBroadphaseCollision and has no
-/// filter callback is queried when a pair begins to overlap or a group or mask has changed.
+/// Filters: groups and masks may change at any time. They are read once a step when the object's box is set; a change
+/// after that takes effect in the next step. Of the objects whose boxes are not set, such as sleeping ones in a world
+/// with setForceUpdateAllAabbs(false), the filters of 4096 are read in each step, in turn: with more of them a change
+/// takes effect within (their number / 4096) steps, or at once if the present box is set again. A filter callback is
+/// called for every overlapping pair in every step. A pair cache of your own that overrides needsBroadphaseCollision
+/// and has no filter callback is queried when a pair begins to overlap or a group or mask has changed.
 ///
 /// Bounds that are NaN count as unbounded: the object then overlaps everything.
 ///

@@ -27,7 +27,7 @@ typedef struct qcBroadphaseScene
 typedef struct qcBroadphaseRow
 {
     const char* name;
-    double createMs;              ///< all proxies, once
+    double createMs, firstMs;     ///< all proxies, once; the first calculateOverlappingPairs
     double setMs, findMs;         ///< setAabb; calculateOverlappingPairs
     double frameMs, minMs, maxMs; ///< both together
     size_t held;                  ///< pairs in the cache after the last frame

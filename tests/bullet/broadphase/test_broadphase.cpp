@@ -298,6 +298,39 @@ START_TEST(a_filter_changed_before_set_aabb_takes_effect_in_the_same_step)
 }
 END_TEST
 
+START_TEST(filters_of_many_boxes_at_rest_are_read_in_turn_or_when_a_box_is_set_again)
+{
+    // Twos that overlap; boxes are not set again.
+    qcBroadphaseModel model;
+    for (int i = 0; i < 10000; i++)
+        model.Create(btVector3(btScalar(i - i % 2), 0, 0), btVector3(btScalar(i - i % 2) + btScalar(0.5), 1, 1));
+    ck_assert_uint_eq(model.Check(), 5000);
+    auto takesEffectAfter = [&model](size_t box, int mask)
+    {
+        btBroadphaseProxy *a = model.proxies[box].proxy, *b = model.proxies[box ^ 1].proxy;
+        a->m_collisionFilterMask = mask;
+        int steps = 0;
+        do
+        {
+            model.broadphase.calculateOverlappingPairs(&model.dispatcher);
+            steps++;
+        } while ((model.cache->findPair(a, b) == nullptr) == (mask != 0) && steps < 10);
+        return steps;
+    };
+    for (int mask : {0, -1})
+        for (size_t box : {size_t(0), size_t(4999), size_t(9998)})
+            ck_assert_int_le(takesEffectAfter(box, mask), 3);
+    for (int mask : {0, -1})
+        for (size_t box : {size_t(0), size_t(4999), size_t(9998)})
+        {
+            model.proxies[box].proxy->m_collisionFilterMask = mask;
+            model.Move(box, model.proxies[box].proxy->m_aabbMin, model.proxies[box].proxy->m_aabbMax);
+            ck_assert_int_eq(takesEffectAfter(box, mask), 1);
+        }
+    ck_assert_uint_eq(model.Check(), 5000);
+}
+END_TEST
+
 START_TEST(a_thousand_new_boxes_in_one_place_are_all_pairs)
 {
     qcBroadphaseModel model;
@@ -538,6 +571,7 @@ QC_RUN_TESTS("broadphase", the_cache_holds_exactly_the_overlapping_pairs_that_fi
              the_first_boxes_moved_after_a_step_have_their_pairs_at_once,
              a_filter_changed_after_set_aabb_takes_effect_in_the_next_step,
              a_filter_changed_before_set_aabb_takes_effect_in_the_same_step,
+             filters_of_many_boxes_at_rest_are_read_in_turn_or_when_a_box_is_set_again,
              a_thousand_new_boxes_in_one_place_are_all_pairs, the_same_calls_give_the_same_pairs_in_the_same_order,
              unique_ids_are_not_used_twice, the_broadphase_box_is_the_smallest_around_all_proxies,
              statistics_count_proxies_and_pairs, null_proxies_are_ignored,
