@@ -22,11 +22,11 @@ class btIDebugDraw;
 /// algorithms and manifolds. The order of pairs depends only on the calls made, not on addresses, threads or time.
 ///
 /// Filters: groups and masks may change at any time. They are read once a step when the object's box is set; a change
-/// after that takes effect in the next step. Of the objects whose boxes are not set, such as sleeping ones in a world
-/// with setForceUpdateAllAabbs(false), the filters of 4096 are read in each step, in turn: with more of them a change
-/// takes effect within (their number / 4096) steps, or at once if the present box is set again. A filter callback is
-/// called for every overlapping pair in every step. A pair cache of your own that overrides needsBroadphaseCollision
-/// and has no filter callback is queried when a pair begins to overlap or a group or mask has changed.
+/// after that takes effect in the next step. Each step also reads 4096 filters of objects whose boxes are not set, such
+/// as sleeping ones in a world with setForceUpdateAllAabbs(false), in turn: with more such objects a change takes
+/// effect within (their number / 4096) steps, or at once if the present box is set again. A filter callback is called
+/// for every overlapping pair in every step. A pair cache of your own that overrides needsBroadphaseCollision and has
+/// no filter callback is queried when a pair begins to overlap or a group or mask has changed.
 ///
 /// Bounds that are NaN count as unbounded: the object then overlaps everything.
 ///

@@ -15,6 +15,10 @@ enum
     qc_largeBy = 3
 };
 
+/// An item in one register. Copied in two halves, an item just stored could not be loaded from the store buffer, and a
+/// partition took three times as long.
+typedef int32_t Register __attribute__((vector_size(16), aligned(4), may_alias));
+
 static float Finite(float x)
 {
     // True for NaN, too: the result of infinities that cancel.
@@ -23,27 +27,46 @@ static float Finite(float x)
     return x < 1e30f ? x : 1e30f;
 }
 
+typedef union Bits
+{
+    float f;
+    int32_t i;
+} Bits;
+
+/// An integer that compares like the float, and back.
+static int32_t OrderOf(float x)
+{
+    Bits bits = {.f = x + 0.0f};
+    return bits.i ^ (bits.i >> 31 & INT32_MAX);
+}
+
+static float FloatOf(int32_t order)
+{
+    Bits bits = {.i = order ^ (order >> 31 & INT32_MAX)};
+    return bits.f;
+}
+
 qcBoxItem qcBoxItem_Make(const qcFloatBox* box, uint32_t id)
 {
     qcBoxItem item = {.id = id};
     for (int k = 0; k < 3; k++)
-        item.center[k] = Finite(0.5f * box->lower[k] + 0.5f * box->upper[k]);
+        item.center[k] = OrderOf(Finite(0.5f * box->lower[k] + 0.5f * box->upper[k]));
     return item;
 }
 
 //  ---- splits ----------------------------------------------------------------------------------------
 
 /// A strict order of all items: by centre, then by id.
-static inline bool Before(const qcBoxItem* a, const qcBoxItem* b, int axis)
+static inline int64_t KeyOf(const qcBoxItem* item, int axis)
 {
-    return (a->center[axis] < b->center[axis]) | ((a->center[axis] == b->center[axis]) & (a->id < b->id));
+    return (int64_t)item->center[axis] * ((int64_t)1 << 32) + item->id;
 }
 
-static void Exchange(qcBoxItem* a, qcBoxItem* b)
+static inline void Exchange(qcBoxItem* a, qcBoxItem* b)
 {
-    qcBoxItem item = *a;
-    *a = *b;
-    *b = item;
+    Register item = *(Register*)a;
+    *(Register*)a = *(Register*)b;
+    *(Register*)b = item;
 }
 
 /// Moves the median of three samples to the end. The samples are scattered: at fixed positions a regular order of the
@@ -53,11 +76,11 @@ static void ChoosePivot(qcBoxItem* items, size_t count, int axis)
     size_t sample[3];
     for (size_t i = 0; i < 3; i++)
         sample[i] = (size_t)((count + i) * 0x9e3779b97f4a7c15u >> 32) % count;
-    if (Before(&items[sample[1]], &items[sample[0]], axis))
+    if (KeyOf(&items[sample[1]], axis) < KeyOf(&items[sample[0]], axis))
         Exchange(&items[sample[0]], &items[sample[1]]);
-    if (Before(&items[sample[2]], &items[sample[1]], axis))
+    if (KeyOf(&items[sample[2]], axis) < KeyOf(&items[sample[1]], axis))
         Exchange(&items[sample[1]], &items[sample[2]]);
-    if (Before(&items[sample[1]], &items[sample[0]], axis))
+    if (KeyOf(&items[sample[1]], axis) < KeyOf(&items[sample[0]], axis))
         Exchange(&items[sample[0]], &items[sample[1]]);
     Exchange(&items[sample[1]], &items[count - 1]);
 }
@@ -68,15 +91,14 @@ static void Select(qcBoxItem* items, size_t count, size_t nth, int axis)
     while (count > 1)
     {
         ChoosePivot(items, count, axis);
-        const qcBoxItem pivot = items[count - 1];
+        const int64_t pivot = KeyOf(&items[count - 1], axis);
         size_t smaller = 0;
         for (size_t i = 0; i + 1 < count; i++)
         {
             // Without a branch: the side of an item is unpredictable.
-            qcBoxItem item = items[i];
-            items[i] = items[smaller];
-            items[smaller] = item;
-            smaller += Before(&item, &pivot, axis);
+            int64_t key = KeyOf(&items[i], axis);
+            Exchange(&items[i], &items[smaller]);
+            smaller += key < pivot;
         }
         Exchange(&items[smaller], &items[count - 1]);
         if (nth == smaller)
@@ -94,20 +116,21 @@ static void Select(qcBoxItem* items, size_t count, size_t nth, int axis)
 
 static int LongestAxis(const qcBoxItem* items, size_t count)
 {
-    float lower[3], upper[3];
-    memcpy(lower, items[0].center, sizeof lower);
-    memcpy(upper, items[0].center, sizeof upper);
+    Register lower = *(const Register*)&items[0], upper = lower;
     for (size_t i = 1; i < count; i++)
-        for (int k = 0; k < 3; k++)
-        {
-            float center = items[i].center[k];
-            lower[k] = center < lower[k] ? center : lower[k];
-            upper[k] = center > upper[k] ? center : upper[k];
-        }
+    {
+        Register item = *(const Register*)&items[i], less = item<lower, more = item> upper;
+        lower = (item & less) | (lower & ~less);
+        upper = (item & more) | (upper & ~more);
+    }
     int longest = 0;
-    for (int k = 1; k < 3; k++)
-        if (upper[k] - lower[k] > upper[longest] - lower[longest])
-            longest = k;
+    float length = -1.0f;
+    for (int k = 0; k < 3; k++)
+    {
+        float edge = FloatOf(upper[k]) - FloatOf(lower[k]);
+        longest = edge > length ? k : longest;
+        length = edge > length ? edge : length;
+    }
     return longest;
 }
 

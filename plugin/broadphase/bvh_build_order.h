@@ -7,7 +7,7 @@
 /// A box's centre and id.
 typedef struct qcBoxItem
 {
-    float center[3]; ///< finite
+    int32_t center[3]; ///< floats as integers of the same order
     uint32_t id;
 } qcBoxItem;
 
