@@ -198,6 +198,25 @@ START_TEST(every_method_finds_the_pairs_of_a_pile)
 }
 END_TEST
 
+START_TEST(the_tangles_are_tangled)
+{
+    static const struct
+    {
+        const char* name;
+        double minPairs, maxPairs;
+    } tangles[] = {{"tangle-92k", 0.5 * 92450, 92450}, {"wrung-80k", 1000, 4000}};
+    for (int i = 0; i < 2; ++i)
+    {
+        Seen seen = {.pairs = -1.0, .kind = "self", .bodies = 1};
+        ck_assert_int_eq(Run("%s peers --scenes %s --threads 1 --frames 3 --rounds 1 --out .", BENCH, tangles[i].name),
+                         0);
+        ForEachRow("peers.csv", s_header, CheckRow, &seen);
+        ck_assert_double_ge(seen.pairs, tangles[i].minPairs);
+        ck_assert_double_le(seen.pairs, tangles[i].maxPairs);
+    }
+}
+END_TEST
+
 START_TEST(gnuplot_draws_a_picture)
 {
     if (Run("command -v gnuplot") != 0)
@@ -329,6 +348,7 @@ int main(void)
     {
         tcase_add_test(tcase, every_method_finds_the_pairs_of_a_cloth);
         tcase_add_test(tcase, every_method_finds_the_pairs_of_a_pile);
+        tcase_add_test(tcase, the_tangles_are_tangled);
         tcase_add_test(tcase, gnuplot_draws_a_picture);
     }
     tcase_add_test(tcase, without_peers_the_packages_are_named);

@@ -11,6 +11,8 @@
 typedef enum Source
 {
     source_cloth,
+    source_spunCloth,
+    source_wrungTube,
     source_bunny,
     source_dragon
 } Source;
@@ -21,7 +23,7 @@ typedef struct Recipe
     const char* title;
     qcAnimationKind kind;
     Source source;
-    uint32_t size; ///< cells on a side of a cloth, or about how many triangles to leave a model; 0: all
+    uint32_t size; ///< cells on a side of a cloth or around a tube; triangles to leave a model, about; 0: all
     uint32_t bodyCount;
     double wrinkles; ///< of a cloth
 } Recipe;
@@ -30,6 +32,8 @@ static const Recipe s_recipes[qc_peerSceneCount] = {
     {"cloth-1k", "folded cloth with itself", qc_animatedSelf, source_cloth, 22, 1, 1.0},
     {"cloth-20k", "folded cloth with itself", qc_animatedSelf, source_cloth, 100, 1, 1.0},
     {"tangle-20k", "tangled cloth with itself", qc_animatedSelf, source_cloth, 100, 1, 2.5},
+    {"tangle-92k", "cloth tangled on a spinning ball with itself", qc_animatedSelf, source_spunCloth, 215, 1, 0.0},
+    {"wrung-80k", "wrung tube with itself", qc_animatedSelf, source_wrungTube, 100, 1, 0.0},
     {"cloth-250k", "folded cloth with itself", qc_animatedSelf, source_cloth, 354, 1, 1.0},
     {"cloth-1m", "folded cloth with itself", qc_animatedSelf, source_cloth, 707, 1, 1.0},
     {"bunny", "bunny with itself", qc_animatedSelf, source_bunny, 0, 1, 0.0},
@@ -71,15 +75,18 @@ static qcBenchMade ReadModel(const Recipe* recipe, const char* path, qcMesh* bod
     return made ? qc_benchMade : qc_benchFailed;
 }
 
+static qcBenchMade Report(bool made, qcMessage* message)
+{
+    return made || qcMessage_Fail(message, "out of memory") ? qc_benchMade : qc_benchFailed;
+}
+
 static qcBenchMade MakeModel(const Recipe* recipe, const qcBenchModels* models, qcMesh* body, qcMessage* message)
 {
     switch (recipe->source)
     {
-        case source_cloth:
-            return qcBenchShapes_MakeCloth(recipe->size, recipe->wrinkles, body) ||
-                           qcMessage_Fail(message, "out of memory")
-                       ? qc_benchMade
-                       : qc_benchFailed;
+        case source_cloth: return Report(qcBenchShapes_MakeCloth(recipe->size, recipe->wrinkles, body), message);
+        case source_spunCloth: return Report(qcBenchShapes_MakeSpunCloth(recipe->size, body), message);
+        case source_wrungTube: return Report(qcBenchShapes_MakeWrungTube(recipe->size, body), message);
         case source_bunny:
             if (qcFiles_IsThere(models->bunny))
                 return ReadModel(recipe, models->bunny, body, message);

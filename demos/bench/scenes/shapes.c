@@ -1,4 +1,5 @@
-// Triangle soups made by rule for the benchmark: a folded cloth, sheets with dips, needles that cross.
+// Triangle soups made by rule for the benchmark: a folded cloth, a spun one, a wrung tube, sheets with dips,
+// needles that cross.
 // Random numbers: Steele, Lea, Flood: Fast splittable pseudorandom number generators, OOPSLA 2014 (splitmix64).
 #include "bench/scenes/shapes.h"
 
@@ -35,17 +36,19 @@ static void PutVertex(qcMesh* mesh, uint32_t vertex, double x, double y, double 
     p[2] = (float)z;
 }
 
-/// A square lattice of side * side cells; the diagonals alternate, as a cloth simulation's do.
-static bool AllocateLattice(qcMesh* mesh, uint32_t side)
+/// A lattice of width * height cells; the diagonals alternate, as a cloth simulation's do. `closed`: a ring, whose rows
+/// have `width` vertices, otherwise one more.
+static bool AllocateLattice(qcMesh* mesh, uint32_t width, uint32_t height, bool closed)
 {
-    if (!Allocate(mesh, (side + 1) * (side + 1), 2 * side * side))
+    uint32_t row = closed ? width : width + 1;
+    if (!Allocate(mesh, row * (height + 1), 2 * width * height))
         return false;
     uint32_t* t = mesh->indices;
-    for (uint32_t j = 0; j < side; ++j)
+    for (uint32_t j = 0; j < height; ++j)
     {
-        for (uint32_t i = 0; i < side; ++i, t += 6)
+        for (uint32_t i = 0; i < width; ++i, t += 6)
         {
-            uint32_t a = j * (side + 1) + i, b = a + 1, c = a + side + 1, d = c + 1;
+            uint32_t a = j * row + i, b = j * row + (i + 1) % row, c = a + row, d = b + row;
             uint32_t odd = (i + j) % 2;
             const uint32_t corners[6] = {a, b, odd ? c : d, odd ? d : a, odd ? c : d, odd ? b : c};
             for (int k = 0; k < 6; ++k)
@@ -144,7 +147,7 @@ bool qcBenchShapes_MakeCloth(uint32_t side, double wrinkles, qcMesh* mesh)
     static const Fold first = {4, 0.014, 0.2}, second = {3, 0.058, 0.21};
     double lengths[2] = {4 * first.length + 3 * s_pi * first.radius, 3 * second.length + 2 * s_pi * second.radius};
     Wrinkles waves = MakeWrinkles(2005, 0.0112 * wrinkles);
-    if (!AllocateLattice(mesh, side))
+    if (!AllocateLattice(mesh, side, side, false))
         return false;
     for (uint32_t j = 0; j <= side; ++j)
     {
@@ -158,6 +161,70 @@ bool qcBenchShapes_MakeCloth(uint32_t side, double wrinkles, qcMesh* mesh)
                 p[axis] += SumWaves(&waves, axis, u, v);
             Turn(p);
             PutVertex(mesh, j * (side + 1) + i, p[0], p[1], p[2]);
+        }
+    }
+    return true;
+}
+
+//  ---- the cloth over a spinning ball -------------------------------------------------------------
+
+/// Where the point at distance r and angle a from the middle of the sheet lies: on the ball down to its equator, then
+/// on a cylinder below. What the sheet is too wide for its place lies in pleats, which wind around the axis.
+static void DrapeAndSpin(double r, double a, double p[3])
+{
+    const double radius = 0.3, quarter = 0.5 * s_pi * radius;
+    double depth = r > quarter ? r - quarter : 0.0, polar = (r < quarter ? r : quarter) / radius;
+    double width = radius * sin(polar), excess = r > 0.0 ? 1.0 - width / r : 0.0;
+    double spun = a + 5.0 * depth * depth;
+    // 14 pleats lean over: above 1 they lie in three layers. Seven larger folds take them along.
+    double angle = spun + 6.0 * excess / 14.0 * sin(14.0 * a) + 1.6 * excess / 7.0 * sin(7.0 * a + 1.0);
+    double height = width + 0.03 * excess * cos(14.0 * a + 9.0 * r) + 0.02 * excess * cos(7.0 * a);
+    p[0] = height * cos(angle);
+    p[1] = height * sin(angle);
+    p[2] = radius * cos(polar) - 0.8 * depth;
+}
+
+bool qcBenchShapes_MakeSpunCloth(uint32_t side, qcMesh* mesh)
+{
+    Wrinkles waves = MakeWrinkles(92, 0.2);
+    if (!AllocateLattice(mesh, side, side, false))
+        return false;
+    for (uint32_t j = 0; j <= side; ++j)
+    {
+        for (uint32_t i = 0; i <= side; ++i)
+        {
+            double u = (double)i / side, v = (double)j / side, x = 2.0 * u - 1.0, y = 2.0 * v - 1.0, p[3];
+            DrapeAndSpin(sqrt(x * x + y * y), atan2(y, x), p);
+            for (int axis = 0; axis < 3; ++axis)
+                p[axis] += SumWaves(&waves, axis, u, v);
+            Turn(p);
+            PutVertex(mesh, j * (side + 1) + i, p[0], p[1], p[2]);
+        }
+    }
+    return true;
+}
+
+//  ---- the wrung tube ------------------------------------------------------------------------------
+
+bool qcBenchShapes_MakeWrungTube(uint32_t side, qcMesh* mesh)
+{
+    const uint32_t around = side, along = 4 * side;
+    Wrinkles waves = MakeWrinkles(80, 0.001);
+    if (!AllocateLattice(mesh, around, along, true))
+        return false;
+    for (uint32_t j = 0; j <= along; ++j)
+    {
+        for (uint32_t i = 0; i < around; ++i)
+        {
+            double u = (double)i / around, v = (double)j / along, wrung = s_pi * v - 0.5 * sin(2.0 * s_pi * v);
+            // Eight flutes; thinner in the middle, where it is wrung most.
+            double radius = (0.06 + 0.05 * sin(16.0 * s_pi * u)) * (1.0 - 0.5 * sin(s_pi * v));
+            double angle = 2.0 * s_pi * u + 35.0 * wrung;
+            double p[3] = {radius * cos(angle), radius * sin(angle), v - 0.5};
+            for (int axis = 0; axis < 3; ++axis)
+                p[axis] += SumWaves(&waves, axis, cos(2.0 * s_pi * u) / s_pi, v);
+            Turn(p);
+            PutVertex(mesh, j * around + i, p[0], p[1], p[2]);
         }
     }
     return true;
@@ -179,7 +246,8 @@ static double WaveHeight(double x, double y)
 bool qcBenchShapes_MakeSheets(double gap, qcMesh sheets[2])
 {
     sheets[0] = sheets[1] = (qcMesh){0};
-    if (!AllocateLattice(&sheets[0], qc_sheetSide) || !AllocateLattice(&sheets[1], qc_sheetSide))
+    if (!AllocateLattice(&sheets[0], qc_sheetSide, qc_sheetSide, false) ||
+        !AllocateLattice(&sheets[1], qc_sheetSide, qc_sheetSide, false))
     {
         qcMesh_Free(&sheets[0]);
         return false;

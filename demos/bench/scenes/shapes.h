@@ -16,6 +16,15 @@ double qcBenchShapes_Random(uint64_t* state, double lower, double upper);
 /// `wrinkles`: their depth; at 1 some layers cross, at 2.5 (a tangle) most do. False: out of memory.
 bool qcBenchShapes_MakeCloth(uint32_t side, double wrinkles, qcMesh* mesh);
 
+/// A square cloth of 2 * side * side triangles over a ball that spins: it hangs down in pleats that wind around the
+/// axis and cross each other, in about 0.63 pairs of triangles for each of its triangles. False: out of memory.
+bool qcBenchShapes_MakeSpunCloth(uint32_t side, qcMesh* mesh);
+
+/// An open tube of 8 * side * side triangles, with deep flutes, wrung by 17 turns: its triangles are long and lie close
+/// together: the boxes of 15 times as many pairs overlap (neighbours not counted), but only few intersect. False: out
+/// of memory.
+bool qcBenchShapes_MakeWrungTube(uint32_t side, qcMesh* mesh);
+
 /// Two wavy sheets over the unit square, `gap` apart; in some places the upper one dips through the lower one, by up
 /// to the gap.
 bool qcBenchShapes_MakeSheets(double gap, qcMesh sheets[2]);
