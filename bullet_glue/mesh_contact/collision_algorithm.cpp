@@ -130,15 +130,16 @@ btScalar MaxTravelAgainst(const btCollisionObjectWrapper& mesh, const btVector3&
     return std::max(speed * timeStep, btScalar(0));
 }
 
-/// Makes contact points of a plane with the corners of triangles.
+/// Makes contact points of a plane with the vertices of a mesh.
 class PlanePoints : public btTriangleCallback
 {
   public:
     /// `swapped`: the plane is the first body.
-    PlanePoints(const btTransform& mesh, const btTransform& plane, const btStaticPlaneShape& shape, bool swapped,
-                std::vector<qcMeshPoint>* points)
-        : m_mesh(mesh), m_normal(plane.getBasis() * shape.getPlaneNormal()),
-          m_offset(shape.getPlaneConstant() + m_normal.dot(plane.getOrigin())), m_swapped(swapped), m_points(points)
+    PlanePoints(const qcMeshShape& mesh, const btTransform& meshPlace, const btTransform& planePlace,
+                const btStaticPlaneShape& plane, bool swapped, std::vector<qcMeshPoint>* points)
+        : m_mesh(mesh), m_place(meshPlace), m_normal(planePlace.getBasis() * plane.getPlaneNormal()),
+          m_offset(plane.getPlaneConstant() + m_normal.dot(planePlace.getOrigin())), m_swapped(swapped),
+          m_points(points)
     {
     }
 
@@ -147,20 +148,25 @@ class PlanePoints : public btTriangleCallback
         return m_normal;
     }
 
-    /// Collects corners at most `maxDistance` above the plane.
-    void Collect(const qcMeshShape& mesh, btScalar maxDistance)
+    /// Collects vertices at most `maxDistance` above the plane, each once, with the first of its triangles.
+    void Collect(btScalar maxDistance)
     {
         m_maxDistance = maxDistance;
-        btVector3 localNormal = m_mesh.getBasis().transpose() * m_normal;
-        btScalar localOffset = m_offset - m_normal.dot(m_mesh.getOrigin());
-        mesh.processTrianglesBelow(this, localNormal, localOffset + maxDistance);
+        m_isTaken.assign(m_mesh.getVertexCount(), false);
+        btVector3 localNormal = m_place.getBasis().transpose() * m_normal;
+        btScalar localOffset = m_offset - m_normal.dot(m_place.getOrigin());
+        m_mesh.processTrianglesBelow(this, localNormal, localOffset + maxDistance);
     }
 
     void processTriangle(btVector3* triangle, int part, int index) override
     {
         for (int c = 0; c < 3; c++)
         {
-            btVector3 corner = m_mesh * triangle[c];
+            uint32_t vertex = m_mesh.getIndices()[3 * size_t(index) + size_t(c)];
+            if (m_isTaken[vertex])
+                continue;
+            m_isTaken[vertex] = true;
+            btVector3 corner = m_place * triangle[c];
             btScalar distance = m_normal.dot(corner) - m_offset;
             if (distance > m_maxDistance)
                 continue;
@@ -173,10 +179,12 @@ class PlanePoints : public btTriangleCallback
     }
 
   private:
-    btTransform m_mesh;
+    const qcMeshShape& m_mesh;
+    btTransform m_place;
     btVector3 m_normal;
     btScalar m_offset, m_maxDistance = 0;
     bool m_swapped;
+    std::vector<bool> m_isTaken; ///< by vertex
     std::vector<qcMeshPoint>* m_points;
 };
 
@@ -346,9 +354,9 @@ void qcMeshPlaneAlgorithm::FindPoints(const btCollisionObjectWrapper& body0, con
     if (mesh == nullptr || planeBody.getCollisionShape()->getShapeType() != STATIC_PLANE_PROXYTYPE)
         return;
     const auto* plane = static_cast<const btStaticPlaneShape*>(planeBody.getCollisionShape());
-    PlanePoints collector(meshBody.getWorldTransform(), planeBody.getWorldTransform(), *plane, swapped, points);
-    collector.Collect(*mesh, contactDistance + mesh->getMargin() +
-                                 MaxTravelAgainst(meshBody, collector.GetNormal(), timeStep));
+    PlanePoints collector(*mesh, meshBody.getWorldTransform(), planeBody.getWorldTransform(), *plane, swapped, points);
+    collector.Collect(contactDistance + mesh->getMargin() +
+                      MaxTravelAgainst(meshBody, collector.GetNormal(), timeStep));
 }
 
 btScalar qcMeshPlaneAlgorithm::MarginOf(const btCollisionShape* shape) const

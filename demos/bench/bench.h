@@ -27,6 +27,8 @@ qcExitStatus qcBench_RunSoft(int argumentCount, char** arguments);
 qcExitStatus qcBench_RunThrough(int argumentCount, char** arguments);
 /// Long runs of scenes that come to rest. Only where Bullet was found.
 qcExitStatus qcBench_RunStability(int argumentCount, char** arguments);
+/// Piles of meshes beside Bullet's own shapes. Only where Bullet was found.
+qcExitStatus qcBench_RunPiles(int argumentCount, char** arguments);
 
 #ifdef __cplusplus
 }

@@ -25,6 +25,7 @@ static const Benchmark s_benchmarks[] = {
     {"soft", "qc-bench soft", qcBench_RunSoft},
     {"through", "qc-bench through", qcBench_RunThrough},
     {"stability", "qc-bench stability", qcBench_RunStability},
+    {"piles", "qc-bench piles", qcBench_RunPiles},
 #endif
 };
 
@@ -78,7 +79,8 @@ static const char s_help[] =
     "  broadphase moving boxes inside Bullet, beside its own broadphases\n"
     "  soft       hard scenes of cloth, tangles and ropes, beside Bullet alone\n"
     "  through    bodies thrown so fast that they could pass each other, beside version 0.2.0\n"
-    "  stability  long runs of scenes that come to rest: energy, penetration, contacts, memory"
+    "  stability  long runs of scenes that come to rest: energy, penetration, contacts, memory\n"
+    "  piles      small meshes that fall on each other, beside btGImpactMeshShape and btConvexHullShape"
     "\v\"qc-bench BENCHMARK --help\" lists the options of one.\n\n"
     "Exit status: 0 done; 1 output could not be written, out of memory, or a method that never misses missed; 2 a "
     "mistake on the command line; 3 a model or recording can't be read; 4 the device does not work here; 5 no peer "

@@ -66,6 +66,7 @@ demos/bench/scaling         demos/bench demos/bench/scenes demos/common/... demo
 demos/bench/gpu             demos/bench demos/bench/scenes demos/common/... demos/common
 demos/bench/soft            demos/bench demos/bench/scenes demos/common/... demos/common
 demos/bench/through         demos/bench demos/bench/scenes demos/common/... demos/common
+demos/bench/piles           demos/bench demos/bench/through demos/common/... demos/common
 demos/bench/stability       demos/bench demos/bench/soft demos/bench/through demos/cloth demos/fracture demos/breaking demos/leaves demos/common/... demos/common
 
 tests/support
