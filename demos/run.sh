@@ -20,8 +20,8 @@ Demos:
             version 0.2.0, and pictures of a thrown cloth, and a film, in out/through/. About ten minutes; --quick: one.
   pairs     Finds the triangles of meshes that intersect: demos/run.sh pairs MESH...
   bench     Measures: demos/run.sh bench [accuracy] compares the methods, "bench peers" other libraries
-            (which it installs), "bench scaling" sizes, "bench broadphase" the broadphase with Bullet's own, "bench soft"
-            cloth, tangles and ropes with Bullet's, "bench paper" the paper's scenes, tables and figures (on recordings
+            (which it installs), "bench scaling" sizes, "bench broadphase" the broadphase with Bullet's own, "bench queries"
+            rays and sweeps, "bench soft" cloth, tangles and ropes with Bullet's, "bench paper" the paper's scenes, tables and figures (on recordings
             of the demos, made first where they are missing), "bench stability" runs of 10 000 steps, "bench ablation"
             the stages of manifolds, "bench gpu" layers on a GL device with sweep. Tables and pictures go to out/bench/.
             demos/gpu.sh runs the GL tests first, and packs all that for a machine with a GPU.
