@@ -1,13 +1,13 @@
 // A triangle soup as a Bullet shape.
 #include "quickcullide/bullet_mesh.h"
 
+#include "mesh_shape/convex_cast.h"
 #include "mesh_shape/mass_properties.h"
 #include "mesh_shape/serialize.h"
 #include "mesh_shape/triangle_tree.h"
 #include "quickcullide/bullet_positions.h"
 
 #include <BulletCollision/CollisionShapes/btStridingMeshInterface.h>
-#include <BulletCollision/CollisionShapes/btConvexShape.h>
 #include <BulletCollision/NarrowPhaseCollision/btRaycastCallback.h>
 #include <LinearMath/btAabbUtil2.h>
 #include <LinearMath/btSerializer.h>
@@ -266,26 +266,6 @@ const char* qcMeshShape::getName() const
     return "QCMESH";
 }
 
-/// The way of a convex shape in the mesh's frame; the box encloses it everywhere on its way.
-static qcMeshTree::Sweep SweepOf(const btTriangleConvexcastCallback& cast, const btVector3& aabbMin,
-                                 const btVector3& aabbMax)
-{
-    qcMeshTree::Sweep sweep;
-    sweep.from = cast.m_triangleToWorld.invXform(cast.m_convexShapeFrom.getOrigin());
-    sweep.to = cast.m_triangleToWorld.invXform(cast.m_convexShapeTo.getOrigin());
-    btVector3 lower = sweep.from, upper = sweep.from;
-    lower.setMin(sweep.to);
-    upper.setMax(sweep.to);
-    // A shape that turns may be wider on its way than at its end, for which Bullet makes the box.
-    btScalar margin = cast.m_triangleCollisionMargin;
-    btScalar radius = cast.m_convexShape->getAngularMotionDisc();
-    bool turns = !(cast.m_convexShapeFrom.getBasis() == cast.m_convexShapeTo.getBasis());
-    btVector3 reach(radius, radius, radius), extent(margin, margin, margin);
-    sweep.lower = (turns ? -reach : aabbMin - lower) - extent;
-    sweep.upper = (turns ? reach : aabbMax - upper) + extent;
-    return sweep;
-}
-
 void qcMeshShape::processAllTriangles(btTriangleCallback* callback, const btVector3& aabbMin,
                                       const btVector3& aabbMax) const
 {
@@ -299,8 +279,8 @@ void qcMeshShape::processAllTriangles(btTriangleCallback* callback, const btVect
         const btVector3 point(0, 0, 0);
         my.GetTree().VisitSweep({ray->m_from, ray->m_to, point, point}, ray->m_hitFraction, report);
     }
-    else if (const auto* cast = dynamic_cast<const btTriangleConvexcastCallback*>(callback))
-        my.GetTree().VisitSweep(SweepOf(*cast, aabbMin, aabbMax), cast->m_hitFraction, report);
+    else if (auto* cast = dynamic_cast<btTriangleConvexcastCallback*>(callback))
+        qcCastThroughMesh(my.GetTree(), my.points.data(), my.indices.data(), cast);
     else
         my.GetTree().VisitBox(aabbMin, aabbMax, report);
 }

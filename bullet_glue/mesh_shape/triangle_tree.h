@@ -5,7 +5,9 @@
 
 #include <LinearMath/btVector3.h>
 
+#include <algorithm>
 #include <cstdint>
+#include <limits>
 #include <type_traits>
 #include <vector>
 
@@ -56,6 +58,11 @@ class qcMeshTree
     /// `fraction`. Nearer blocks come first.
     template <class Visit> void VisitSweep(const Sweep& sweep, const btScalar& fraction, Visit visit) const;
 
+    /// Visits the triangles of VisitSweep in the order of bound(triangle), a fraction of the way before which the
+    /// triangle is not hit.
+    template <class Bound, class Visit>
+    void VisitInOrder(const Sweep& sweep, const btScalar& fraction, Bound bound, Visit visit) const;
+
   private:
     static constexpr int s_width = 8;
     /// The result type of a vectorized comparison of coordinates: an integer of their size.
@@ -82,11 +89,27 @@ class qcMeshTree
         Item item;
         btScalar near; ///< fraction of the way at which the ray enters the block
     };
+    /// A sweep, prepared for tests of blocks.
+    struct Slabs
+    {
+        explicit Slabs(const Sweep& sweep);
+
+        bool backward[3];
+        btScalar entry[3], exit[3]; ///< where the sides of a box lie that the sweep enters or leaves at its beginning
+        btScalar perWay[3];         ///< fractions of the way for a unit of length
+        btScalar slack[3];          ///< fractions of the way for a unit of a box's length
+    };
 
     static void Clear(Block* block);
     void AddLevel();
+    const Block& GetBlock(const Item& item) const
+    {
+        return m_blocks[m_levels[item.level].first + item.block];
+    }
 
-    static bool IsHit(const Block& block, int i, const Sweep& sweep, btScalar fraction, btScalar* near);
+    /// The boxes of a block, a bit each, that the sweep enters before `fraction` of its way. `near` receives where.
+    static unsigned EnteredBoxes(const Block& block, const Slabs& slabs, btScalar fraction, btScalar near[s_width]);
+    static unsigned BitsOf(const Lane hit[s_width]);
 
     /// test(block, hit) sets a flag for each box of a block whose contents are visited.
     template <class Test, class Visit> void Walk(Test test, Visit visit) const
@@ -100,7 +123,7 @@ class qcMeshTree
         {
             Item item = stack[--depth];
             Lane hit[s_width];
-            test(m_blocks[m_levels[item.level].first + item.block], hit);
+            test(GetBlock(item), hit);
             for (int i = 0; i < s_width; i++)
             {
                 if (hit[i] == 0)
@@ -119,35 +142,72 @@ class qcMeshTree
     std::vector<Level> m_levels; ///< from the boxes of triangles up
 };
 
-/// True if the sweep hits box `i` before `fraction` of its way. `near` receives the fraction at which it enters.
-inline bool qcMeshTree::IsHit(const Block& block, int i, const Sweep& sweep, btScalar fraction, btScalar* near)
+inline qcMeshTree::Slabs::Slabs(const Sweep& sweep)
 {
-    *near = 0;
-    btScalar far = fraction;
+    constexpr btScalar epsilon = std::numeric_limits<btScalar>::epsilon();
+    btScalar scale = std::numeric_limits<btScalar>::min() / (epsilon * epsilon);
+    for (int axis = 0; axis < 3; axis++)
+        for (const btVector3* place : {&sweep.from, &sweep.to, &sweep.lower, &sweep.upper})
+            scale = btMax(scale, btFabs((*place)[axis]));
     for (int axis = 0; axis < 3; axis++)
     {
-        btScalar lower = block.lower[axis][i], upper = block.upper[axis][i];
-        btScalar way = sweep.to[axis] - sweep.from[axis];
+        // Rounding moves a side by less. A way of less along an axis is none.
+        btScalar error = 16 * epsilon * scale, way = sweep.to[axis] - sweep.from[axis];
+        backward[axis] = way < 0;
+        btScalar ahead = sweep.from[axis] + sweep.upper[axis] + error,
+                 behind = sweep.from[axis] + sweep.lower[axis] - error;
+        entry[axis] = backward[axis] ? behind : ahead;
+        exit[axis] = backward[axis] ? ahead : behind;
+        btScalar size = 1 / btMax(btFabs(way), epsilon / 16 * scale);
+        perWay[axis] = backward[axis] ? -size : size;
         // Bullet's test of ray and triangle accepts rays that miss an edge by a ten thousandth of the triangle.
-        btScalar slack = (upper - lower + btFabs(way)) * btScalar(1e-3);
-        lower -= slack + sweep.from[axis] + sweep.upper[axis];
-        upper += slack - sweep.from[axis] - sweep.lower[axis];
-        if (way == 0)
-        {
-            far = lower <= 0 && upper >= 0 ? far : btScalar(-1);
-            continue;
-        }
-        btScalar enter = lower / way, leave = upper / way;
-        *near = btMax(*near, btMin(enter, leave));
-        far = btMin(far, btMax(enter, leave));
+        slack[axis] = size * btScalar(1e-3);
     }
-    return *near <= far && block.lower[0][i] <= block.upper[0][i];
+}
+
+inline unsigned qcMeshTree::BitsOf(const Lane hit[s_width])
+{
+    unsigned bits = 0;
+    for (int i = 0; i < s_width; i++)
+        bits |= unsigned(hit[i] != 0) << i;
+    return bits;
+}
+
+inline unsigned qcMeshTree::EnteredBoxes(const Block& block, const Slabs& slabs, btScalar fraction,
+                                         btScalar near[s_width])
+{
+    btScalar far[s_width];
+    for (int i = 0; i < s_width; i++)
+    {
+        near[i] = 0;
+        far[i] = fraction;
+    }
+    for (int axis = 0; axis < 3; axis++)
+    {
+        const btScalar *lower = block.lower[axis], *upper = block.upper[axis];
+        const btScalar* first = slabs.backward[axis] ? upper : lower;
+        const btScalar* last = slabs.backward[axis] ? lower : upper;
+        btScalar entry = slabs.entry[axis], exit = slabs.exit[axis], perWay = slabs.perWay[axis],
+                 slack = slabs.slack[axis];
+        for (int i = 0; i < s_width; i++)
+        {
+            btScalar wider = (upper[i] - lower[i]) * slack;
+            btScalar enter = (first[i] - entry) * perWay - wider, leave = (last[i] - exit) * perWay + wider;
+            near[i] = enter > near[i] ? enter : near[i];
+            far[i] = leave < far[i] ? leave : far[i];
+        }
+    }
+    Lane hit[s_width];
+    for (int i = 0; i < s_width; i++)
+        hit[i] = Lane(near[i] <= far[i]) & Lane(block.lower[0][i] <= block.upper[0][i]);
+    return BitsOf(hit);
 }
 
 template <class Visit> void qcMeshTree::VisitSweep(const Sweep& sweep, const btScalar& fraction, Visit visit) const
 {
     if (m_levels.empty())
         return;
+    const Slabs slabs(sweep);
     RayItem stack[s_stack];
     int depth = 0;
     stack[depth++] = {{uint32_t(m_levels.size()) - 1, 0}, 0};
@@ -156,13 +216,11 @@ template <class Visit> void qcMeshTree::VisitSweep(const Sweep& sweep, const btS
         RayItem entry = stack[--depth];
         if (entry.near > fraction)
             continue;
-        const Block& block = m_blocks[m_levels[entry.item.level].first + entry.item.block];
+        btScalar near[s_width];
         int first = depth;
-        for (int i = 0; i < s_width; i++)
+        for (unsigned boxes = EnteredBoxes(GetBlock(entry.item), slabs, fraction, near); boxes != 0; boxes &= boxes - 1)
         {
-            btScalar near;
-            if (!IsHit(block, i, sweep, fraction, &near))
-                continue;
+            int i = __builtin_ctz(boxes);
             uint32_t child = entry.item.block * s_width + uint32_t(i);
             if (entry.item.level == 0)
             {
@@ -171,9 +229,49 @@ template <class Visit> void qcMeshTree::VisitSweep(const Sweep& sweep, const btS
             }
             // Sorted in, so that the nearest child is on top.
             int at = depth++;
-            for (; at > first && stack[at - 1].near < near; at--)
+            for (; at > first && stack[at - 1].near < near[i]; at--)
                 stack[at] = stack[at - 1];
-            stack[at] = {{entry.item.level - 1, child}, near};
+            stack[at] = {{entry.item.level - 1, child}, near[i]};
+        }
+    }
+}
+
+template <class Bound, class Visit>
+void qcMeshTree::VisitInOrder(const Sweep& sweep, const btScalar& fraction, Bound bound, Visit visit) const
+{
+    if (m_levels.empty())
+        return;
+    // Best first: a heap of blocks and triangles.
+    constexpr uint32_t triangle = UINT32_MAX; // as a level
+    const Slabs slabs(sweep);
+    auto isLater = [](const RayItem& a, const RayItem& b) { return a.near > b.near; };
+    std::vector<RayItem> heap;
+    heap.reserve(256);
+    heap.push_back({{uint32_t(m_levels.size()) - 1, 0}, 0});
+    while (!heap.empty() && heap.front().near < fraction)
+    {
+        std::pop_heap(heap.begin(), heap.end(), isLater);
+        RayItem entry = heap.back();
+        heap.pop_back();
+        if (entry.item.level == triangle)
+        {
+            visit(entry.item.block);
+            continue;
+        }
+        btScalar near[s_width];
+        for (unsigned boxes = EnteredBoxes(GetBlock(entry.item), slabs, fraction, near); boxes != 0; boxes &= boxes - 1)
+        {
+            int i = __builtin_ctz(boxes);
+            RayItem child = {{entry.item.level - 1, entry.item.block * s_width + uint32_t(i)}, near[i]};
+            if (entry.item.level == 0)
+            {
+                child.item = {triangle, m_order[child.item.block]};
+                child.near = btMax(child.near, bound(child.item.block));
+            }
+            if (child.near >= fraction)
+                continue;
+            heap.push_back(child);
+            std::push_heap(heap.begin(), heap.end(), isLater);
         }
     }
 }

@@ -21,6 +21,8 @@ qcExitStatus qcBench_RunGpu(int argumentCount, char** arguments);
 qcExitStatus qcBench_RunPaper(int argumentCount, char** arguments);
 /// qcBroadphase beside Bullet's own. Only where Bullet was found (QC_HAS_BULLET).
 qcExitStatus qcBench_RunBroadphase(int argumentCount, char** arguments);
+/// Rays, sweeps and boxes on qcMeshShape beside Bullet's BVH shape. Only where Bullet was found.
+qcExitStatus qcBench_RunQueries(int argumentCount, char** arguments);
 /// Soft bodies beside Bullet alone. Only where Bullet was found.
 qcExitStatus qcBench_RunSoft(int argumentCount, char** arguments);
 /// Fast bodies, judged within each step, beside version 0.2.0. Only where Bullet was found.

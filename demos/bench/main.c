@@ -22,6 +22,7 @@ static const Benchmark s_benchmarks[] = {
 // clang-format on
 #ifdef QC_HAS_BULLET
     {"broadphase", "qc-bench broadphase", qcBench_RunBroadphase},
+    {"queries", "qc-bench queries", qcBench_RunQueries},
     {"soft", "qc-bench soft", qcBench_RunSoft},
     {"through", "qc-bench through", qcBench_RunThrough},
     {"stability", "qc-bench stability", qcBench_RunStability},
@@ -77,6 +78,7 @@ static const char s_help[] =
     "  gpu        layers on a GL device beside sweep: pairs compared, each kernel timed by the device's clock\n"
     "  paper      the scenes, tables, figures and factors of the paper's section 5, from recordings of the demos\n"
     "  broadphase moving boxes inside Bullet, beside its own broadphases\n"
+    "  queries    rays, sweeps and boxes on static meshes, beside Bullet's BVH shape\n"
     "  soft       hard scenes of cloth, tangles and ropes, beside Bullet alone\n"
     "  through    bodies thrown so fast that they could pass each other, beside version 0.2.0\n"
     "  stability  long runs of scenes that come to rest: energy, penetration, contacts, memory\n"

@@ -8,6 +8,7 @@
 #include "bullet_debug_draw.h"
 #include "bullet_mesh.h"
 #include "bullet_positions.h"
+#include "bullet_queries.h"
 #include "bullet_soft_body.h"
 #include "bullet_threads.h"
 

@@ -113,6 +113,10 @@ ATTRIBUTE_ALIGNED16(class) QC_API qcMeshShape : public btConcaveShape
     /// Reports every triangle whose box overlaps the closed box. A btTriangleRaycastCallback or
     /// btTriangleConvexcastCallback receives only triangles that its ray or shape may still hit, nearer ones first, as
     /// far as the tree can order them.
+    ///
+    /// btCollisionWorld's convex sweeps end at a hit whose fraction the ConvexResultCallback returns, as Bullet's
+    /// closest-hit callbacks do: triangles behind it are not tested. A callback that collects all hits must return
+    /// another number, 1 for example.
     void processAllTriangles(btTriangleCallback * callback, const btVector3& aabbMin, const btVector3& aabbMax)
         const override;
     /// Reports every triangle with a point below the plane normal . x = distance, and a few others.

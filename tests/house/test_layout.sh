@@ -37,6 +37,7 @@ bullet_glue/broadphase      bullet_glue/common
 bullet_glue/debug_draw      bullet_glue/common
 bullet_glue/mesh_shape      bullet_glue/common
 bullet_glue/mesh_contact    bullet_glue/common
+bullet_glue/queries         bullet_glue/common
 bullet_glue/soft_body/scene bullet_glue/common
 bullet_glue/soft_body/response bullet_glue/common bullet_glue/soft_body/scene
 bullet_glue/soft_body       bullet_glue/common bullet_glue/soft_body/scene bullet_glue/soft_body/response
@@ -62,6 +63,7 @@ demos/bench/broadphase      demos/bench demos/bench/scenes demos/common/... demo
 demos/bench/peers           demos/bench demos/bench/scenes demos/common/... demos/common
 demos/bench/paper           demos/bench demos/bench/peers demos/common
 demos/bench/ablation
+demos/bench/queries         demos/bench demos/bench/scenes demos/common/... demos/common
 demos/bench/scaling         demos/bench demos/bench/scenes demos/common/... demos/common
 demos/bench/gpu             demos/bench demos/bench/scenes demos/common/... demos/common
 demos/bench/soft            demos/bench demos/bench/scenes demos/common/... demos/common

@@ -276,8 +276,8 @@ START_TEST(a_long_sweep_receives_the_triangles_along_its_way_only)
     cast.m_hitFraction = 1;
     shape.processAllTriangles(&cast, btVector3(-1, -1, -1), btVector3(61, 2, 61));
     int along = cast.count;
-    ck_assert_int_gt(along, 4 * cells);
-    ck_assert_int_lt(along, 2 * cells * cells / 4);
+    ck_assert_int_gt(along, cells);
+    ck_assert_int_lt(along, 4 * cells);
     // What lies behind a hit is not visited.
     cast.count = 0;
     cast.m_hitFraction = btScalar(0.1);
