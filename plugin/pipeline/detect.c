@@ -227,6 +227,7 @@ qcStatus qcDetector_Run(const qcDetectDef* def, qcDevice* device, qcMeasureCosts
                          .threads = qcParallel_Threads(def->threads),
                          .queryDistance = def->margin > contactDistance ? def->margin : contactDistance};
     detector->valid = false;
+    bodies->threads = step.threads;
     QC_TRY(RunStages(&step, bodies, start, detector));
     detector->valid = true;
     detector->revision = bodies->revision;
