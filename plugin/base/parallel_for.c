@@ -172,6 +172,12 @@ void qcParallel_For(uint32_t threads, size_t count, size_t minCount, qcParallelF
         RunParts(&loop, threads, count - loop.first < UINT32_MAX ? count - loop.first : UINT32_MAX);
 }
 
+void qcParallel_Wake(uint32_t threads)
+{
+    if (threads > 1 && s_parallelFor == NULL)
+        qcPool_Wake(threads);
+}
+
 typedef struct PublicLoop
 {
     qcLoopFunction* function;

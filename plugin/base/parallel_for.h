@@ -18,6 +18,9 @@ typedef void qcParallelFunction(void* context, size_t index, uint32_t worker);
 /// workers of the host's qcSetParallelFor.
 uint32_t qcParallel_Threads(uint32_t requested);
 
+/// Wakes our own threads, if they sleep, before a step whose first loops are too short to do so.
+void qcParallel_Wake(uint32_t threads);
+
 /// Calls the function once for each index below `count`; returns once all calls have returned. `minCount` indices (2 or
 /// more) take as long as waking a thread, 20 to 100 microseconds: fewer run on the calling thread alone. While our own
 /// threads are awake, that is in the loops of a step after the first, an eighth of it is enough.

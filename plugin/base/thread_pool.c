@@ -25,9 +25,9 @@ static const double s_maxSpin = 0.1;
 typedef struct Thread
 {
     _Alignas(64) pthread_t handle;
-    uint32_t index;       ///< its index in each loop: what it has in its caches is that index's share of the data
-    pthread_cond_t begun; ///< a loop with this index has begun, or the process ends
-    atomic_bool sleeps;
+    uint32_t index; ///< its index in each loop: what it has in its caches is that index's share of the data
+    pthread_cond_t woken;
+    atomic_bool sleeps; ///< cleared by whoever wakes it
 } Thread;
 
 typedef struct Pool
@@ -98,21 +98,28 @@ static bool HasBegun(const Pool* pool, uint32_t index, uint32_t last)
     return NumberOf(word) != last && index < CountOf(word);
 }
 
-/// Waits for a loop. False: the process ends.
-static bool WaitForLoop(Pool* pool, Thread* thread, uint32_t last)
+/// Sleeps until a loop has begun, threads are woken, or the process ends. False: it ends.
+static bool Sleep(Pool* pool, Thread* thread, uint32_t last)
 {
-    if (Spin(pool, HasBegun, thread->index, last))
-        return true;
     pthread_mutex_lock(&pool->mutex);
-    // The caller looks at `sleeps` after it has changed the word: either it wakes this thread, or the thread sees the
+    // A caller looks at `sleeps` after it has changed the word: either it wakes this thread, or the thread sees the
     // loop here.
     atomic_store(&thread->sleeps, true);
-    while (!pool->ending && !HasBegun(pool, thread->index, last))
-        pthread_cond_wait(&thread->begun, &pool->mutex);
+    while (!pool->ending && atomic_load(&thread->sleeps) && !HasBegun(pool, thread->index, last))
+        pthread_cond_wait(&thread->woken, &pool->mutex);
     atomic_store(&thread->sleeps, false);
     bool ending = pool->ending;
     pthread_mutex_unlock(&pool->mutex);
     return !ending;
+}
+
+/// Waits for a loop. False: the process ends.
+static bool WaitForLoop(Pool* pool, Thread* thread, uint32_t last)
+{
+    while (!Spin(pool, HasBegun, thread->index, last))
+        if (!Sleep(pool, thread, last))
+            return false;
+    return true;
 }
 
 /// False: the loop has been closed. Otherwise *last becomes its number.
@@ -169,7 +176,7 @@ static bool StartThreads(Pool* pool, uint32_t requested)
     bool starts = pool->watchesForks && !pool->ending;
     for (uint32_t i = atomic_load(&pool->threadCount); starts && i < requested; i++)
     {
-        pool->threads[i] = (Thread){.index = i + 1, .begun = PTHREAD_COND_INITIALIZER};
+        pool->threads[i] = (Thread){.index = i + 1, .woken = PTHREAD_COND_INITIALIZER};
         starts = pthread_create(&pool->threads[i].handle, NULL, Serve, &pool->threads[i]) == 0;
         if (starts)
             atomic_store(&pool->threadCount, i + 1);
@@ -193,8 +200,17 @@ static void Wake(Pool* pool, Thread* thread)
     if (!atomic_load(&thread->sleeps))
         return;
     pthread_mutex_lock(&pool->mutex);
-    pthread_cond_signal(&thread->begun);
+    atomic_store(&thread->sleeps, false);
+    pthread_cond_signal(&thread->woken);
     pthread_mutex_unlock(&pool->mutex);
+}
+
+/// Wakes the threads of a loop of `count` indices.
+static void WakeThreads(Pool* pool, uint32_t count)
+{
+    uint32_t threads = atomic_load(&pool->threadCount);
+    for (uint32_t i = 0; i + 1 < count && i < threads; i++)
+        Wake(pool, &pool->threads[i]);
 }
 
 static void Begin(Pool* pool, uint32_t count, qcTask* task, void* taskContext)
@@ -203,9 +219,7 @@ static void Begin(Pool* pool, uint32_t count, qcTask* task, void* taskContext)
     pool->taskContext = taskContext;
     uint64_t next = (uint64_t)(NumberOf(atomic_load(&pool->word)) + 1) << 32;
     atomic_store(&pool->word, next | (uint64_t)count << 16);
-    uint32_t threads = atomic_load(&pool->threadCount);
-    for (uint32_t i = 0; i + 1 < count && i < threads; i++)
-        Wake(pool, &pool->threads[i]);
+    WakeThreads(pool, count);
 }
 
 static void End(Pool* pool, uint32_t count)
@@ -239,6 +253,11 @@ void qcPool_Run(uint32_t count, qcTask* task, void* taskContext)
     atomic_store(&pool->busy, false);
 }
 
+void qcPool_Wake(uint32_t count)
+{
+    WakeThreads(&s_pool, count);
+}
+
 bool qcPool_IsAwake(void)
 {
     return atomic_load(&s_pool.threadCount) != 0 && !atomic_load(&s_pool.threads[0].sleeps);
@@ -261,7 +280,7 @@ __attribute__((destructor)) static void EndThreads(void)
     pool->ending = true;
     uint32_t count = atomic_load(&pool->threadCount);
     for (uint32_t i = 0; i < count; i++)
-        pthread_cond_signal(&pool->threads[i].begun);
+        pthread_cond_signal(&pool->threads[i].woken);
     atomic_store(&pool->threadCount, 0);
     pthread_mutex_unlock(&pool->mutex);
     for (uint32_t i = 0; i < count; i++)

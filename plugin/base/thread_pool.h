@@ -16,6 +16,10 @@
 /// thread may call it, but only one loop runs at a time: during another thread's loop it calls task(0) alone.
 void qcPool_Run(uint32_t count, qcTask* task, void* taskContext);
 
+/// Wakes the threads that sleep, before the first loop of `count` indices begins. It costs some 10 microseconds if
+/// there are any.
+void qcPool_Wake(uint32_t count);
+
 /// Whether threads spin for the next loop, and begin it within a microsecond. They do so for a while after each loop.
 bool qcPool_IsAwake(void);
 

@@ -344,6 +344,7 @@ qcStatus qcBodies_SetVertices(qcBodies* bodies, uint32_t slot, const void* posit
     qcBody* body = &QC_AT(qcBody, bodies->slots, slot);
     uint32_t threads = bodies->threads != 0 ? qcParallel_Threads(bodies->threads) : 1;
     qcVertexInput source = {positions, type, stride, body->vertexCount};
+    qcParallel_Wake(threads);
     QC_TRY(qcVertexInput_Check(&source, slot, threads));
     DepartFromStart(body);
     ReadVertices(body, &source, threads);
