@@ -1,5 +1,10 @@
-// Loops over threads of the host or of our own pool. Each thread gets one task, which takes indices until none is left:
-// the host need not number its workers, and may run any number of its threads at any time.
+// Loops over threads of the host or of our own pool. Each thread gets one task: the host need not number its workers,
+// and may run any number of its threads at any time.
+//
+// Worker w begins with the w-th part of the indices: what it wrote in one loop it finds in its own core's caches in the
+// next loop, and in the next step (cloth of 20 K triangles, two cores: 0.43 ms a step, 0.72 if each takes the next free
+// index). A worker without indices steals half of another one's: Blumofe, Leiserson: Scheduling Multithreaded
+// Computations by Work Stealing, 1999.
 #include "base/parallel_for.h"
 
 #include "base/thread_pool.h"
@@ -7,16 +12,30 @@
 
 #include <fenv.h>
 #include <stdatomic.h>
+#include <stdbool.h>
+
+enum
+{
+    // The hand-over to threads that are awake takes so many times less than waking them.
+    qc_hotFactor = 8
+};
+
+/// Indices of a worker that have not begun: `next` from bit 32, `end` below it. On a cache line of its own, since it is
+/// written for each index.
+typedef struct Part
+{
+    _Alignas(64) _Atomic uint64_t range;
+} Part;
 
 typedef struct Loop
 {
     qcParallelFunction* function;
     void* context;
-    size_t count;
+    size_t first; ///< index 0 of the parts
+    uint32_t partCount;
     /// The caller's floating-point environment. Threads of a host may flush subnormals, which the error bounds exclude.
     fenv_t environment;
-    /// On a cache line of its own, since it is written for each index; the rest is only read.
-    _Alignas(64) atomic_size_t next;
+    Part parts[qc_maxWorkers];
 } Loop;
 
 static qcParallelForFunction* s_parallelFor;
@@ -43,15 +62,67 @@ uint32_t qcParallel_Threads(uint32_t requested)
     return threads < qc_maxWorkers ? threads : qc_maxWorkers;
 }
 
+static uint64_t MakeRange(uint64_t next, uint64_t end)
+{
+    return next << 32 | end;
+}
+
+static uint32_t NextOf(uint64_t range)
+{
+    return (uint32_t)(range >> 32);
+}
+
+static uint32_t EndOf(uint64_t range)
+{
+    return (uint32_t)range;
+}
+
+/// Takes the next index of a part. False: none is left.
+static bool TakeIndex(Part* part, uint32_t* index)
+{
+    uint64_t range = atomic_load(&part->range);
+    do
+    {
+        *index = NextOf(range);
+        if (*index >= EndOf(range))
+            return false;
+    } while (!atomic_compare_exchange_weak(&part->range, &range, MakeRange(*index + 1, EndOf(range))));
+    return true;
+}
+
+/// Moves the upper half of another part, at least one index, to the worker's own, which is empty. No thread changes an
+/// empty part but its own worker.
+static bool StealFrom(Part* other, Part* own)
+{
+    uint64_t range = atomic_load(&other->range);
+    uint32_t next, end, middle;
+    do
+    {
+        next = NextOf(range);
+        end = EndOf(range);
+        if (next >= end)
+            return false;
+        middle = next + (end - next) / 2;
+    } while (!atomic_compare_exchange_weak(&other->range, &range, MakeRange(next, middle)));
+    atomic_store(&own->range, MakeRange(middle, end));
+    return true;
+}
+
+static bool Steal(Loop* loop, uint32_t worker)
+{
+    for (uint32_t k = 1; k < loop->partCount; k++)
+        if (StealFrom(&loop->parts[(worker + k) % loop->partCount], &loop->parts[worker]))
+            return true;
+    return false;
+}
+
 static void TakeIndices(Loop* loop, uint32_t worker)
 {
-    for (;;)
-    {
-        size_t i = atomic_fetch_add_explicit(&loop->next, 1, memory_order_relaxed);
-        if (i >= loop->count)
-            return;
-        loop->function(loop->context, i, worker);
-    }
+    uint32_t index;
+    do
+        while (TakeIndex(&loop->parts[worker], &index))
+            loop->function(loop->context, loop->first + index, worker);
+    while (Steal(loop, worker));
 }
 
 static void RunTask(uint32_t index, void* taskContext)
@@ -64,22 +135,47 @@ static void RunTask(uint32_t index, void* taskContext)
     fesetenv(&own);
 }
 
+/// Runs `count` indices from loop->first on, 2^32 - 1 at most.
+static void RunParts(Loop* loop, uint32_t threads, size_t count)
+{
+    loop->partCount = count < threads ? (uint32_t)count : threads;
+    for (uint64_t k = 0; k < loop->partCount; k++)
+        atomic_init(&loop->parts[k].range, MakeRange(k * count / loop->partCount, (k + 1) * count / loop->partCount));
+    if (s_parallelFor != NULL)
+        s_parallelFor(loop->partCount, RunTask, loop, s_context);
+    else
+        qcPool_Run(loop->partCount, RunTask, loop);
+    TakeIndices(loop, 0);
+}
+
+/// Whether the loop takes longer than its hand-over to threads.
+static bool IsWorthThreads(uint32_t threads, size_t count, size_t minCount)
+{
+    if (threads < 2 || count < 2)
+        return false;
+    return count >= minCount || (s_parallelFor == NULL && count >= minCount / qc_hotFactor && qcPool_IsAwake());
+}
+
 void qcParallel_For(uint32_t threads, size_t count, size_t minCount, qcParallelFunction* function, void* context)
 {
-    if (threads > 1 && count >= minCount)
+    if (!IsWorthThreads(threads, count, minCount))
     {
-        Loop loop = {.function = function, .context = context, .count = count};
-        fegetenv(&loop.environment);
-        uint32_t tasks = count < threads ? (uint32_t)count : threads;
-        if (s_parallelFor != NULL)
-            s_parallelFor(tasks, RunTask, &loop, s_context);
-        else
-            qcPool_Run(tasks, RunTask, &loop);
-        TakeIndices(&loop, 0);
+        for (size_t i = 0; i < count; i++)
+            function(context, i, 0);
         return;
     }
-    for (size_t i = 0; i < count; i++)
-        function(context, i, 0);
+    Loop loop;
+    loop.function = function;
+    loop.context = context;
+    fegetenv(&loop.environment);
+    for (loop.first = 0; loop.first < count; loop.first += UINT32_MAX)
+        RunParts(&loop, threads, count - loop.first < UINT32_MAX ? count - loop.first : UINT32_MAX);
+}
+
+void qcParallel_Wake(uint32_t threads)
+{
+    if (threads > 1 && s_parallelFor == NULL)
+        qcPool_Wake(threads);
 }
 
 typedef struct PublicLoop

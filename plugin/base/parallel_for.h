@@ -18,8 +18,15 @@ typedef void qcParallelFunction(void* context, size_t index, uint32_t worker);
 /// workers of the host's qcSetParallelFor.
 uint32_t qcParallel_Threads(uint32_t requested);
 
-/// Calls the function once for each index below `count`; returns once all calls have returned. Fewer than `minCount`
-/// indices (2 or more) run on the calling thread alone: waking another one takes 20 to 100 microseconds.
+/// Wakes our own threads, if they sleep, before a step whose first loops are too short to do so.
+void qcParallel_Wake(uint32_t threads);
+
+/// Calls the function once for each index below `count`; returns once all calls have returned. `minCount` indices (2 or
+/// more) take as long as waking a thread, 20 to 100 microseconds: fewer run on the calling thread alone. While our own
+/// threads are awake, that is in the loops of a step after the first, an eighth of it is enough.
+///
+/// Worker w begins with the w-th of equal parts of the indices, in ascending order. Loops over the same data should
+/// number it in the same order: each core then finds its part in its caches.
 void qcParallel_For(uint32_t threads, size_t count, size_t minCount, qcParallelFunction* function, void* context);
 
 #endif

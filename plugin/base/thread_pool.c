@@ -1,6 +1,6 @@
-// Threads that wait on a condition variable; one loop at a time. The loops of a step follow each other closely, and
-// waking a thread takes up to 100 microseconds (two cores, a virtual machine): a thread spins for the next loop before
-// it goes to sleep.
+// Threads that spin for the next loop, then sleep on a condition variable; one loop at a time. The loops of a step
+// follow each other closely: a thread that spins begins within a microsecond, waking one takes 20 to 100 (two cores, a
+// virtual machine). One atomic word holds which loop runs and how many threads are in it: no lock while nobody sleeps.
 #define _GNU_SOURCE // sched_getaffinity
 
 #include "base/thread_pool.h"
@@ -22,24 +22,47 @@ enum
 // Milliseconds that a thread spins for the next loop, and the caller for the end of one.
 static const double s_maxSpin = 0.1;
 
+typedef struct Thread
+{
+    _Alignas(64) pthread_t handle;
+    uint32_t index; ///< its index in each loop: what it has in its caches is that index's share of the data
+    pthread_cond_t woken;
+    atomic_bool sleeps; ///< cleared by whoever wakes it
+} Thread;
+
 typedef struct Pool
 {
-    pthread_mutex_t mutex;
-    pthread_cond_t begun;    ///< a loop has begun, or the process ends
-    pthread_cond_t finished; ///< no thread is in the loop
-    pthread_t threads[qc_maxThreads];
-    uint32_t threadCount;
-    bool busy, ending, watchesForks;
+    pthread_mutex_t mutex;   ///< of starting threads, and of going to sleep
+    pthread_cond_t finished; ///< the last thread has left the loop
+    Thread threads[qc_maxThreads];
+    atomic_uint threadCount;
+    bool ending, watchesForks;
     //  the loop
     qcTask* task;
     void* taskContext;
-    uint32_t next, count; ///< the next free index, and all; none is free if next >= count
-    atomic_uint inside;   ///< threads in the loop
-    atomic_uint begins;   ///< loops begun so far; the end of the process counts as one
+    /// The number of the loop, from bit 32; its count of indices, from bit 16, 0 once it is closed to threads; the
+    /// number of threads in it.
+    _Alignas(64) _Atomic uint64_t word;
+    _Alignas(64) atomic_bool busy;
+    atomic_bool callerSleeps;
 } Pool;
 
-static Pool s_pool = {
-    .mutex = PTHREAD_MUTEX_INITIALIZER, .begun = PTHREAD_COND_INITIALIZER, .finished = PTHREAD_COND_INITIALIZER};
+static Pool s_pool = {.mutex = PTHREAD_MUTEX_INITIALIZER, .finished = PTHREAD_COND_INITIALIZER};
+
+static uint32_t NumberOf(uint64_t word)
+{
+    return (uint32_t)(word >> 32);
+}
+
+static uint32_t CountOf(uint64_t word)
+{
+    return (uint32_t)word >> 16;
+}
+
+static uint32_t InsideOf(uint64_t word)
+{
+    return (uint32_t)word & 0xffff;
+}
 
 static void Pause(void)
 {
@@ -48,106 +71,196 @@ static void Pause(void)
 #endif
 }
 
-/// Spins until the number changes, for s_maxSpin at most.
-static void SpinWait(atomic_uint* number, unsigned last)
+/// Whether a thread waits no longer: threads for a loop with their index, the caller (index 0) for an empty loop.
+typedef bool IsOver(const Pool* pool, uint32_t index, uint32_t last);
+
+/// Spins until the wait is over, for s_maxSpin at most. True: it is over.
+static bool Spin(const Pool* pool, IsOver* isOver, uint32_t index, uint32_t last)
 {
     double start = qcClock_Now();
     do
         for (int i = 0; i < qc_spinsPerClockRead; i++)
         {
-            if (atomic_load_explicit(number, memory_order_acquire) != last)
-                return;
+            if (isOver(pool, index, last))
+                return true;
             Pause();
         }
     while (qcClock_Now() - start < s_maxSpin);
+    return false;
+}
+
+//  ---- threads -----------------------------------------------------------------------------------------
+
+/// Whether an open loop has the index. `last`: the number of the thread's last loop, which may still be open.
+static bool HasBegun(const Pool* pool, uint32_t index, uint32_t last)
+{
+    uint64_t word = atomic_load(&pool->word);
+    return NumberOf(word) != last && index < CountOf(word);
+}
+
+/// Sleeps until a loop has begun, threads are woken, or the process ends. False: it ends.
+static bool Sleep(Pool* pool, Thread* thread, uint32_t last)
+{
+    pthread_mutex_lock(&pool->mutex);
+    // A caller looks at `sleeps` after it has changed the word: either it wakes this thread, or the thread sees the
+    // loop here.
+    atomic_store(&thread->sleeps, true);
+    while (!pool->ending && atomic_load(&thread->sleeps) && !HasBegun(pool, thread->index, last))
+        pthread_cond_wait(&thread->woken, &pool->mutex);
+    atomic_store(&thread->sleeps, false);
+    bool ending = pool->ending;
+    pthread_mutex_unlock(&pool->mutex);
+    return !ending;
+}
+
+/// Waits for a loop. False: the process ends.
+static bool WaitForLoop(Pool* pool, Thread* thread, uint32_t last)
+{
+    while (!Spin(pool, HasBegun, thread->index, last))
+        if (!Sleep(pool, thread, last))
+            return false;
+    return true;
+}
+
+/// False: the loop has been closed. Otherwise *last becomes its number.
+static bool Enter(Pool* pool, uint32_t index, uint32_t* last)
+{
+    uint64_t word = atomic_load(&pool->word);
+    do
+        if (index >= CountOf(word))
+            return false;
+    while (!atomic_compare_exchange_weak(&pool->word, &word, word + 1));
+    *last = NumberOf(word);
+    return true;
+}
+
+static void Leave(Pool* pool)
+{
+    uint64_t word = atomic_fetch_sub(&pool->word, 1);
+    if (InsideOf(word) != 1 || CountOf(word) != 0 || !atomic_load(&pool->callerSleeps))
+        return;
+    pthread_mutex_lock(&pool->mutex);
+    pthread_cond_signal(&pool->finished);
+    pthread_mutex_unlock(&pool->mutex);
 }
 
 static void* Serve(void* argument)
 {
-    Pool* pool = argument;
-    pthread_mutex_lock(&pool->mutex);
-    for (;;)
-    {
-        if (!pool->ending && pool->next >= pool->count)
+    Pool* pool = &s_pool;
+    Thread* thread = argument;
+    uint32_t last = 0;
+    while (WaitForLoop(pool, thread, last))
+        if (Enter(pool, thread->index, &last))
         {
-            unsigned begins = atomic_load(&pool->begins);
-            pthread_mutex_unlock(&pool->mutex);
-            SpinWait(&pool->begins, begins);
-            pthread_mutex_lock(&pool->mutex);
+            pool->task(thread->index, pool->taskContext);
+            Leave(pool);
         }
-        while (!pool->ending && pool->next >= pool->count)
-            pthread_cond_wait(&pool->begun, &pool->mutex);
-        if (pool->ending)
-            break;
-        uint32_t index = pool->next++;
-        atomic_fetch_add(&pool->inside, 1);
-        qcTask* task = pool->task;
-        void* taskContext = pool->taskContext;
-        pthread_mutex_unlock(&pool->mutex);
-        task(index, taskContext);
-        pthread_mutex_lock(&pool->mutex);
-        if (atomic_fetch_sub(&pool->inside, 1) == 1)
-            pthread_cond_signal(&pool->finished);
-    }
-    pthread_mutex_unlock(&pool->mutex);
     return NULL;
 }
 
 /// After a fork: the child process has none of the threads, and no loop runs there.
 static void ResetInChild(void)
 {
-    s_pool = (Pool){.mutex = PTHREAD_MUTEX_INITIALIZER,
-                    .begun = PTHREAD_COND_INITIALIZER,
-                    .finished = PTHREAD_COND_INITIALIZER,
-                    .watchesForks = true};
+    s_pool = (Pool){.mutex = PTHREAD_MUTEX_INITIALIZER, .finished = PTHREAD_COND_INITIALIZER, .watchesForks = true};
 }
 
-/// Starts up to `requested` threads; none if the fork handler can't be installed.
-static void StartThreads(Pool* pool, uint32_t requested)
+/// Starts up to `requested` threads; none if the fork handler can't be installed. False: the process ends.
+static bool StartThreads(Pool* pool, uint32_t requested)
 {
+    requested = requested < qc_maxThreads ? requested : qc_maxThreads;
+    if (atomic_load(&pool->threadCount) >= requested)
+        return true;
+    pthread_mutex_lock(&pool->mutex);
     if (!pool->watchesForks)
         pool->watchesForks = pthread_atfork(NULL, NULL, ResetInChild) == 0;
-    while (pool->watchesForks && pool->threadCount < requested && pool->threadCount < qc_maxThreads)
+    bool starts = pool->watchesForks && !pool->ending;
+    for (uint32_t i = atomic_load(&pool->threadCount); starts && i < requested; i++)
     {
-        if (pthread_create(&pool->threads[pool->threadCount], NULL, Serve, pool) != 0)
-            return;
-        pool->threadCount++;
+        pool->threads[i] = (Thread){.index = i + 1, .woken = PTHREAD_COND_INITIALIZER};
+        starts = pthread_create(&pool->threads[i].handle, NULL, Serve, &pool->threads[i]) == 0;
+        if (starts)
+            atomic_store(&pool->threadCount, i + 1);
     }
+    bool ending = pool->ending;
+    pthread_mutex_unlock(&pool->mutex);
+    return !ending;
+}
+
+//  ---- the caller ----------------------------------------------------------------------------------------
+
+static bool IsEmpty(const Pool* pool, uint32_t index, uint32_t last)
+{
+    (void)index;
+    (void)last;
+    return InsideOf(atomic_load(&pool->word)) == 0;
+}
+
+static void Wake(Pool* pool, Thread* thread)
+{
+    if (!atomic_load(&thread->sleeps))
+        return;
+    pthread_mutex_lock(&pool->mutex);
+    atomic_store(&thread->sleeps, false);
+    pthread_cond_signal(&thread->woken);
+    pthread_mutex_unlock(&pool->mutex);
+}
+
+/// Wakes the threads of a loop of `count` indices.
+static void WakeThreads(Pool* pool, uint32_t count)
+{
+    uint32_t threads = atomic_load(&pool->threadCount);
+    for (uint32_t i = 0; i + 1 < count && i < threads; i++)
+        Wake(pool, &pool->threads[i]);
+}
+
+static void Begin(Pool* pool, uint32_t count, qcTask* task, void* taskContext)
+{
+    pool->task = task;
+    pool->taskContext = taskContext;
+    uint64_t next = (uint64_t)(NumberOf(atomic_load(&pool->word)) + 1) << 32;
+    atomic_store(&pool->word, next | (uint64_t)count << 16);
+    WakeThreads(pool, count);
+}
+
+static void End(Pool* pool, uint32_t count)
+{
+    atomic_fetch_sub(&pool->word, (uint64_t)count << 16);
+    if (Spin(pool, IsEmpty, 0, 0))
+        return;
+    pthread_mutex_lock(&pool->mutex);
+    atomic_store(&pool->callerSleeps, true);
+    while (!IsEmpty(pool, 0, 0))
+        pthread_cond_wait(&pool->finished, &pool->mutex);
+    atomic_store(&pool->callerSleeps, false);
+    pthread_mutex_unlock(&pool->mutex);
 }
 
 void qcPool_Run(uint32_t count, qcTask* task, void* taskContext)
 {
     Pool* pool = &s_pool;
-    pthread_mutex_lock(&pool->mutex);
-    bool own = !pool->busy && !pool->ending && count > 1;
-    if (own)
+    count = count <= qc_maxThreads ? count : qc_maxThreads + 1;
+    if (count < 2 || atomic_exchange(&pool->busy, true))
     {
-        pool->busy = true;
-        StartThreads(pool, count - 1);
-        pool->task = task;
-        pool->taskContext = taskContext;
-        pool->next = 1;
-        pool->count = count;
-        atomic_fetch_add(&pool->begins, 1);
-        pthread_cond_broadcast(&pool->begun);
-    }
-    pthread_mutex_unlock(&pool->mutex);
-    task(0, taskContext);
-    if (!own)
+        task(0, taskContext);
         return;
-    pthread_mutex_lock(&pool->mutex);
-    pool->next = pool->count = 0;
-    unsigned inside = atomic_load(&pool->inside);
-    if (inside != 0)
-    {
-        pthread_mutex_unlock(&pool->mutex);
-        SpinWait(&pool->inside, inside);
-        pthread_mutex_lock(&pool->mutex);
     }
-    while (atomic_load(&pool->inside) != 0)
-        pthread_cond_wait(&pool->finished, &pool->mutex);
-    pool->busy = false;
-    pthread_mutex_unlock(&pool->mutex);
+    bool own = StartThreads(pool, count - 1);
+    if (own)
+        Begin(pool, count, task, taskContext);
+    task(0, taskContext);
+    if (own)
+        End(pool, count);
+    atomic_store(&pool->busy, false);
+}
+
+void qcPool_Wake(uint32_t count)
+{
+    WakeThreads(&s_pool, count);
+}
+
+bool qcPool_IsAwake(void)
+{
+    return atomic_load(&s_pool.threadCount) != 0 && !atomic_load(&s_pool.threads[0].sleeps);
 }
 
 uint32_t qcPool_CoreCount(void)
@@ -165,11 +278,11 @@ __attribute__((destructor)) static void EndThreads(void)
     Pool* pool = &s_pool;
     pthread_mutex_lock(&pool->mutex);
     pool->ending = true;
-    atomic_fetch_add(&pool->begins, 1);
-    pthread_cond_broadcast(&pool->begun);
-    uint32_t count = pool->threadCount;
-    pool->threadCount = 0;
+    uint32_t count = atomic_load(&pool->threadCount);
+    for (uint32_t i = 0; i < count; i++)
+        pthread_cond_signal(&pool->threads[i].woken);
+    atomic_store(&pool->threadCount, 0);
     pthread_mutex_unlock(&pool->mutex);
     for (uint32_t i = 0; i < count; i++)
-        pthread_join(pool->threads[i], NULL);
+        pthread_join(pool->threads[i].handle, NULL);
 }

@@ -9,6 +9,12 @@
 
 #include <string.h>
 
+enum
+{
+    // A step with so many triangles takes about 20 times as long as waking a thread.
+    qc_minThreadedTriangles = 16384
+};
+
 /// Returns the milliseconds since *last, and sets *last to now.
 static double Lap(double* last)
 {
@@ -48,7 +54,7 @@ static void ReportDevice(const qcStep* step, qcProfile* profile)
     profile->softwareDevice = info.software;
 }
 
-/// Numbers the step's bodies and triangles; finds the owners of features for contacts.
+/// Numbers the step's bodies and triangles; finds the owners of features for contacts; wakes threads.
 static qcStatus BeginStep(const qcStep* step, qcBodies* bodies, qcStepTriangles* triangles, qcPcs* pcs,
                           qcProfile* profile)
 {
@@ -58,6 +64,8 @@ static qcStatus BeginStep(const qcStep* step, qcBodies* bodies, qcStepTriangles*
     triangles->filterContext = step->def->pairFilterContext;
     triangles->motion = step->def->motion;
     QC_TRY(qcStepTriangles_Number(triangles, bodies));
+    bodies->threads = triangles->count < qc_minThreadedTriangles ? 1 : step->threads;
+    qcParallel_Wake(bodies->threads);
     QC_TRY(qcPcs_Reset(triangles->bodyCount, triangles->count, pcs));
     profile->bodies = triangles->bodyCount;
     profile->triangles = triangles->count;

@@ -69,12 +69,17 @@ static qcBvhCandidatesJob BvhJob(const qcStep* step, const qcStepTriangles* tria
                                 .threads = step->threads};
 }
 
-static uint32_t CountInPcs(const qcPcs* pcs)
+/// Triangles of bodies that are handled elsewhere are in no set.
+static uint32_t CountInPcs(const qcStepTriangles* triangles, const uint8_t* handledElsewhere, const qcPcs* pcs)
 {
     uint32_t count = 0;
     const uint8_t* sets = pcs->triangleSets.data;
-    for (size_t i = 0; i < pcs->triangleSets.count; i++)
-        count += sets[i] != 0;
+    for (uint32_t body = 0; body < triangles->bodyCount; body++)
+    {
+        uint32_t end = handledElsewhere[body] ? 0 : qcStepTriangles_First(triangles, body + 1);
+        for (uint32_t i = qcStepTriangles_First(triangles, body); i < end; i++)
+            count += sets[i] != 0;
+    }
     return count;
 }
 
@@ -95,7 +100,7 @@ qcStatus qcMethodStage_Cull(const qcStep* step, const qcStepTriangles* triangles
         const qcImageCullJob job = {step->device, &step->plan, step->def};
         QC_TRY(qcImageCull_Triangles(&job, triangles, imageCull, pcs));
     }
-    profile->trianglePcs += CountInPcs(pcs);
+    profile->trianglePcs += CountInPcs(triangles, routing->handledElsewhere.data, pcs);
     return qc_statusOk;
 }
 

@@ -2,6 +2,7 @@
 #include "scene/bodies.h"
 
 #include "base/aabb.h"
+#include "base/parallel_for.h"
 #include "base/status.h"
 #include "scene/vertex_input.h"
 
@@ -52,16 +53,16 @@ static void EmptyBox(double lower[3], double upper[3])
     }
 }
 
-/// The box around all triangles at these positions. Vertices without a triangle are left out: they would enlarge the
-/// box and the image.
-static void FindBounds(const qcBody* body, const double* positions, double lower[3], double upper[3])
+/// Extends a box by triangles at these positions, from vertex `first` on. Vertices without a triangle are left out:
+/// they would enlarge the box and the image.
+static void IncludeVertices(const qcBody* body, const double* positions, size_t first, size_t count, double lower[3],
+                            double upper[3])
 {
-    EmptyBox(lower, upper);
     if (body->used == NULL)
-        qcBounds_Include(positions, body->vertexCount, lower, upper);
-    for (uint32_t v = 0; v < body->vertexCount && body->used != NULL; v++)
+        qcBounds_Include(positions + 3 * first, count, lower, upper);
+    for (size_t v = first; v < first + count && body->used != NULL; v++)
         if (body->used[v])
-            Include(positions + 3 * (size_t)v, lower, upper);
+            Include(positions + 3 * v, lower, upper);
 }
 
 /// A box around a transformed box. Each operation is monotone in each operand: the same operations on the matching ends
@@ -224,7 +225,8 @@ static qcStatus MakeBody(const qcBodyDef* def, const qcVertexInput* source, uint
     qcStatus status = FindUsed(body);
     if (status == qc_statusOk)
     {
-        FindBounds(body, positions, body->localLower, body->localUpper);
+        EmptyBox(body->localLower, body->localUpper);
+        IncludeVertices(body, positions, 0, body->vertexCount, body->localLower, body->localUpper);
         EmptyBox(body->vertexLower, body->vertexUpper);
         qcBounds_Include(positions, body->vertexCount, body->vertexLower, body->vertexUpper);
         status = Place(body, slot, &body->transform);
@@ -241,7 +243,7 @@ qcStatus qcBodies_Add(qcBodies* bodies, const qcBodyDef* def, qcBodyId* id)
         slot++;
     QC_TRY(CheckDef(def, slot));
     const qcVertexInput source = {def->positions, def->positionType, def->positionStride, def->vertexCount};
-    QC_TRY(qcVertexInput_Check(&source, slot));
+    QC_TRY(qcVertexInput_Check(&source, slot, 1));
     QC_TRY(qcArray_Reserve(&bodies->slots, slot + 1, sizeof(qcBody), "the list of bodies"));
     qcBody body;
     QC_TRY(MakeBody(def, &source, slot, &body));
@@ -292,15 +294,60 @@ qcStatus qcBodies_SetTransform(qcBodies* bodies, uint32_t slot, const qcTransfor
     return qc_statusOk;
 }
 
+/// The box of the vertices that a worker has read; workers share no cache line.
+typedef struct WorkerBox
+{
+    _Alignas(64) double lower[3];
+    double upper[3];
+} WorkerBox;
+
+typedef struct Reading
+{
+    const qcBody* body;
+    const qcVertexInput* source;
+    WorkerBox boxes[qc_maxWorkers];
+} Reading;
+
+static void ReadBlock(void* context, size_t block, uint32_t worker)
+{
+    Reading* reading = context;
+    const qcVertexInput part = qcVertexInput_Block(reading->source, block);
+    double* world = reading->body->world;
+    size_t first = block * qc_inputBlock;
+    WorkerBox* box = &reading->boxes[worker];
+    qcVertexInput_Read(&part, world + 3 * first);
+    IncludeVertices(reading->body, world, first, part.count, box->lower, box->upper);
+}
+
+/// Reads checked positions into body->world, and finds the body's box.
+static void ReadVertices(qcBody* body, const qcVertexInput* source, uint32_t threads)
+{
+    Reading reading;
+    reading.body = body;
+    reading.source = source;
+    for (uint32_t i = 0; i < threads; i++)
+        EmptyBox(reading.boxes[i].lower, reading.boxes[i].upper);
+    qcParallel_For(threads, qcVertexInput_BlockCount(source), qc_minInputBlocks, ReadBlock, &reading);
+    EmptyBox(body->lower, body->upper);
+    for (uint32_t i = 0; i < threads; i++)
+        for (int axis = 0; axis < 3; axis++)
+        {
+            const WorkerBox* box = &reading.boxes[i];
+            body->lower[axis] = box->lower[axis] < body->lower[axis] ? box->lower[axis] : body->lower[axis];
+            body->upper[axis] = box->upper[axis] > body->upper[axis] ? box->upper[axis] : body->upper[axis];
+        }
+}
+
 qcStatus qcBodies_SetVertices(qcBodies* bodies, uint32_t slot, const void* positions, qcPositionType type,
                               size_t stride)
 {
     qcBody* body = &QC_AT(qcBody, bodies->slots, slot);
+    uint32_t threads = bodies->threads != 0 ? qcParallel_Threads(bodies->threads) : 1;
     qcVertexInput source = {positions, type, stride, body->vertexCount};
-    QC_TRY(qcVertexInput_Check(&source, slot));
+    qcParallel_Wake(threads);
+    QC_TRY(qcVertexInput_Check(&source, slot, threads));
     DepartFromStart(body);
-    qcVertexInput_Read(&source, body->world);
-    FindBounds(body, body->world, body->lower, body->upper);
+    ReadVertices(body, &source, threads);
     body->moved = ++bodies->revision;
     return qc_statusOk;
 }

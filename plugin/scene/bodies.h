@@ -52,6 +52,7 @@ typedef struct qcBodies
     uint32_t lowestFree; ///< all slots below are in use
     uint64_t revision;   ///< grows with each change
     uint64_t added;      ///< the revision in which a body was last added or removed
+    uint32_t threads;    ///< that read new vertices: those of the last step, 1 if it was small; 0 before the first
 } qcBodies;
 
 qcStatus qcBodies_Add(qcBodies* bodies, const qcBodyDef* def, qcBodyId* id);

@@ -1,9 +1,11 @@
 // A number is finite unless all bits of its exponent are set. Integer tests on the bits let the compiler vectorise.
 #include "scene/vertex_input.h"
 
+#include "base/parallel_for.h"
 #include "base/status.h"
 
 #include <math.h>
+#include <stdatomic.h>
 #include <stdbool.h>
 #include <string.h>
 
@@ -92,7 +94,31 @@ static bool AreAllFinite(const qcVertexInput* p)
     return true;
 }
 
-qcStatus qcVertexInput_Check(const qcVertexInput* p, uint32_t slot)
+qcVertexInput qcVertexInput_Block(const qcVertexInput* p, size_t block)
+{
+    qcVertexInput part = *p;
+    size_t first = block * qc_inputBlock, left = p->count - first;
+    part.data = (const char*)p->data + StrideOf(p) * first;
+    part.count = left < qc_inputBlock ? (uint32_t)left : qc_inputBlock;
+    return part;
+}
+
+typedef struct Check
+{
+    const qcVertexInput* input;
+    atomic_bool failed;
+} Check;
+
+static void CheckBlock(void* context, size_t block, uint32_t worker)
+{
+    (void)worker;
+    Check* check = context;
+    const qcVertexInput part = qcVertexInput_Block(check->input, block);
+    if (!AreAllFinite(&part))
+        atomic_store(&check->failed, true);
+}
+
+qcStatus qcVertexInput_Check(const qcVertexInput* p, uint32_t slot, uint32_t threads)
 {
     if (p->type != qc_positionF32 && p->type != qc_positionF64)
         return qcFail(qc_statusBadInput, "body %u: unknown position type %d", slot, (int)p->type);
@@ -101,7 +127,9 @@ qcStatus qcVertexInput_Check(const qcVertexInput* p, uint32_t slot)
     if (StrideOf(p) < SizeOf(p->type))
         return qcFail(qc_statusBadInput, "body %u: a stride of %zu bytes is less than a position's %zu", slot,
                       p->stride, SizeOf(p->type));
-    if (p->count == 0 || AreAllFinite(p))
+    Check check = {.input = p};
+    qcParallel_For(threads, qcVertexInput_BlockCount(p), qc_minInputBlocks, CheckBlock, &check);
+    if (!atomic_load(&check.failed))
         return qc_statusOk;
     uint32_t vertex = 0;
     while (IsFinite(p, vertex))

@@ -4,6 +4,14 @@
 
 #include "quickcullide/scene.h"
 
+enum
+{
+    // Vertices that are checked or copied at a time, in about a microsecond; a multiple of eight, so that no two blocks
+    // share a cache line of doubles. Fewer than so many blocks take less time than waking a thread.
+    qc_inputBlock = 512,
+    qc_minInputBlocks = 32
+};
+
 typedef struct qcVertexInput
 {
     const void* data;
@@ -14,7 +22,15 @@ typedef struct qcVertexInput
 
 /// qc_statusBadInput, with the body's slot and the vertex in the message: type, pointer or stride are invalid, or a
 /// position isn't finite.
-qcStatus qcVertexInput_Check(const qcVertexInput* positions, uint32_t slot);
+qcStatus qcVertexInput_Check(const qcVertexInput* positions, uint32_t slot, uint32_t threads);
+
+static inline size_t qcVertexInput_BlockCount(const qcVertexInput* positions)
+{
+    return ((size_t)positions->count + qc_inputBlock - 1) / qc_inputBlock;
+}
+
+/// A block of checked positions. It begins at vertex `block` * qc_inputBlock.
+qcVertexInput qcVertexInput_Block(const qcVertexInput* positions, size_t block);
 
 /// Copies checked positions, three doubles each.
 void qcVertexInput_Read(const qcVertexInput* positions, double* out);

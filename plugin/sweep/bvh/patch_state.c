@@ -7,8 +7,8 @@
 enum
 {
     // Large patches, each with its small ones.
-    qc_patchBlock = 4,
-    qc_minBlocks = 4,
+    qc_patchBlock = 1,
+    qc_minBlocks = 16,
     // A patch that isn't flat is tested again after so many fits.
     qc_cooldownFits = 7
 };

@@ -12,10 +12,10 @@
 
 enum
 {
-    // Vertices, and clusters: a block takes some 10 microseconds.
-    qc_vertexBlock = 2048,
-    qc_clusterBlock = 256,
-    qc_minBlocks = 4,
+    // Vertices, and clusters (a multiple of the lanes): a block takes about a microsecond.
+    qc_vertexBlock = 512,
+    qc_clusterBlock = 128,
+    qc_minBlocks = 32,
     // Beyond these a power of two, or its inverse, or a product with one, may leave the range of double.
     qc_maxExponent = 960
 };
