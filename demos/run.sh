@@ -176,7 +176,7 @@ run_benchmark()
     dragon=$root/build/models/dragon_vrip.ply
     if [ -f "$dragon" ]; then
         case $name in
-            accuracy | peers) set -- --dragon "$dragon" "$@" ;;
+            accuracy | peers | first) set -- --dragon "$dragon" "$@" ;;
         esac
     fi
     keep_output "$root/out/bench/$name.txt" "$bench" "$name" --out "$root/out/bench" "$@"
@@ -218,7 +218,7 @@ case $demo in
     fracture | breaking | through) qc_install build demos models ;;
     bench)
         case ${1-} in
-            peers) qc_install build bench peers ;;
+            peers | first) qc_install build bench peers ;;
             paper) qc_install build bench peers models ;;
             *) qc_install build bench ;;
         esac

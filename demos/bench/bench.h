@@ -13,6 +13,8 @@ extern "C" {
 qcExitStatus qcBench_RunAccuracy(int argumentCount, char** arguments);
 /// This library's sweep beside other libraries.
 qcExitStatus qcBench_RunPeers(int argumentCount, char** arguments);
+/// The first steps of new meshes.
+qcExitStatus qcBench_RunFirst(int argumentCount, char** arguments);
 /// Time and memory against size.
 qcExitStatus qcBench_RunScaling(int argumentCount, char** arguments);
 /// layers on a GL device beside sweep.

@@ -16,6 +16,7 @@ static const Benchmark s_benchmarks[] = {
     // clang-format off
     {"accuracy", "qc-bench accuracy", qcBench_RunAccuracy},
     {"peers", "qc-bench peers", qcBench_RunPeers},
+    {"first", "qc-bench first", qcBench_RunFirst},
     {"scaling", "qc-bench scaling", qcBench_RunScaling},
     {"gpu", "qc-bench gpu", qcBench_RunGpu},
     {"paper", "qc-bench paper", qcBench_RunPaper},
@@ -74,6 +75,7 @@ static const char s_help[] =
     "Measures the methods of the library against each other, against other libraries, and against size.\n\n"
     "  accuracy   run time against error: each method, resolution, views and order over scenes with known answers\n"
     "  peers      run time beside Embree, Bullet and CGAL, on the same meshes in the same run\n"
+    "  first      the first steps of new meshes, and a new topology in every step, beside Embree's build and query\n"
     "  scaling    run time and memory of 1 K to 4 M triangles and of 100 to 200 K boxes\n"
     "  gpu        layers on a GL device beside sweep: pairs compared, each kernel timed by the device's clock\n"
     "  paper      the scenes, tables, figures and factors of the paper's section 5, from recordings of the demos\n"

@@ -83,6 +83,27 @@ static inline uint64_t FindMotionBoxOverlaps(const qcBox8* const a[2], const qcB
     return ~disjoint;
 }
 
+/// One triangle of b at a time, against all of a.
+static inline uint64_t FindCommonVertices(const qcClusterVertices* a, const qcClusterVertices* b)
+{
+    __m256i corner[3];
+    uint64_t common = 0;
+    for (int k = 0; k < 3; k++)
+        corner[k] = _mm256_loadu_si256((const __m256i*)a->vertex[k]);
+    for (int v = 0; v < qc_clusterSize; v++)
+    {
+        __m256i equal = _mm256_setzero_si256();
+        for (int k = 0; k < 3; k++)
+        {
+            __m256i vertex = _mm256_set1_epi32((int)b->vertex[k][v]);
+            for (int c = 0; c < 3; c++)
+                equal = _mm256_or_si256(equal, _mm256_cmpeq_epi32(corner[c], vertex));
+        }
+        common |= (uint64_t)(uint32_t)_mm256_movemask_ps(_mm256_castsi256_ps(equal)) << 8 * v;
+    }
+    return common;
+}
+
 #include "kernels/triangle_kernels.inl.h"
 
 /// Four floats of lanes 0 to 3 and of lanes 4 to 7 side by side, then columns to vectors.

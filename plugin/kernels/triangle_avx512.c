@@ -74,6 +74,31 @@ static inline uint64_t FindMotionBoxOverlaps(const qcBox8* const a[2], const qcB
     return overlaps;
 }
 
+/// Two triangles of b at a time, against all of a. Equal vertices have a difference of zero, below all others.
+static inline uint64_t FindCommonVertices(const qcClusterVertices* a, const qcClusterVertices* b)
+{
+    __m512i corner[3], other[3], pick = _mm512_inserti64x4(_mm512_setzero_si512(), _mm256_set1_epi32(1), 1);
+    uint64_t common = 0;
+    for (int k = 0; k < 3; k++)
+    {
+        corner[k] = _mm512_broadcast_i64x4(_mm256_loadu_si256((const __m256i*)a->vertex[k]));
+        other[k] = _mm512_broadcast_i64x4(_mm256_loadu_si256((const __m256i*)b->vertex[k]));
+    }
+    for (int v = 0; v < qc_clusterSize; v += 2)
+    {
+        __m512i least = _mm512_set1_epi32(-1);
+        for (int k = 0; k < 3; k++)
+        {
+            __m512i vertex = _mm512_permutexvar_epi32(pick, other[k]);
+            for (int c = 0; c < 3; c++)
+                least = _mm512_min_epu32(least, _mm512_xor_si512(corner[c], vertex));
+        }
+        common |= (uint64_t)_mm512_testn_epi32_mask(least, least) << 8 * v;
+        pick = _mm512_add_epi32(pick, _mm512_set1_epi32(2));
+    }
+    return common;
+}
+
 #include "kernels/triangle_kernels.inl.h"
 
 /// The four floats of every fourth lane side by side, then columns to vectors.

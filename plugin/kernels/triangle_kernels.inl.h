@@ -1,7 +1,8 @@
 // The kernels, written once for all instruction sets: boxes here, the rest in the headers that this one includes. The
 // source of an instruction set defines before it includes this header: QC_LANES (floats in a vector), Shorts (eight
 // int16_t), MinShorts, MinFloats, MaxFloats, SquareRoot, Transpose (eight rows to eight columns), TransformVertex (one
-// vertex), FindBoxOverlaps and FindMotionBoxOverlaps (see findOverlaps and findMotionOverlaps); and after it:
+// vertex), FindBoxOverlaps, FindMotionBoxOverlaps (see findOverlaps and findMotionOverlaps) and FindCommonVertices (bit
+// u + 8 v: triangle u of one cluster and triangle v of another have a common vertex); and after it:
 // LoadPoints (QC_LANES points to three vectors) and SignBits (a bit for each lane that is true).
 #ifndef QC_KERNELS_TRIANGLE_KERNELS_INL_H
 #define QC_KERNELS_TRIANGLE_KERNELS_INL_H
@@ -114,6 +115,7 @@ static qcSlotPair* CollectPairs(const qcBvhBoxes* a, uint32_t nodeA, const qcBvh
     return pairs;
 }
 
+#include "kernels/common_vertices.inl.h"
 #include "kernels/separating_axis.inl.h"
 
 #include "kernels/feature_distance.inl.h"
@@ -129,7 +131,7 @@ static qcSlotPair* CollectPairs(const qcBvhBoxes* a, uint32_t nodeA, const qcBvh
     {                                                                                                                  \
         .name = title, .transformVertices = TransformVertices, .fitTriangles = FitTriangles, .fitBoxes = FitBoxes,     \
         .findOverlaps = FindOverlaps, .collectPairs = CollectPairs, .isPatchFlat = IsPatchFlat,                        \
-        .transformBoxes = TransformBoxes, .transformTriangles = TransformTriangles,                                    \
+        .findPairMask = FindPairMask, .transformBoxes = TransformBoxes, .transformTriangles = TransformTriangles,      \
         .collectTransformedPairs = CollectTransformedPairs, .filter = Filter, .classify = Classify,                    \
         .filterNeighbours = FilterNeighbours, .findSeparatedFans = FindSeparatedFans,                                  \
         .findIntersecting = FindIntersecting, .findMotionOverlaps = FindMotionOverlaps,                                \

@@ -4,6 +4,7 @@
 #include "base/status.h"
 
 #include <stdbool.h>
+#include <string.h>
 
 enum
 {
@@ -33,28 +34,52 @@ static uint32_t FindAcross(const qcAdjacency* a, const qcCorners* corners, uint3
     return found;
 }
 
-static qcStatus Build(qcAdjacency* a, const qcCorners* corners, size_t slotCount, uint32_t vertexCount)
+static qcStatus Begin(qcAdjacency* a, const qcCorners* corners, size_t slotCount, uint32_t vertexCount)
 {
     QC_TRY(qcVertexTriangles_Build(&a->around, (const uint32_t*)corners, slotCount, vertexCount));
     QC_TRY(qcArray_Resize(&a->across, 3 * slotCount, sizeof(uint32_t), "triangles over edges"));
-    for (size_t slot = 0; slot < slotCount; slot++)
+    if (slotCount != 0)
+        memset(a->across.data, 0xff, 3 * slotCount * sizeof(uint32_t));
+    return qc_statusOk;
+}
+
+qcStatus qcAdjacency_Begin(qcAdjacency* adjacency, const qcCorners* corners, size_t slotCount, uint32_t vertexCount)
+{
+    *adjacency = (qcAdjacency){.across = {0}};
+    qcStatus status = Begin(adjacency, corners, slotCount, vertexCount);
+    if (status != qc_statusOk)
+        qcAdjacency_Free(adjacency);
+    return status;
+}
+
+void qcAdjacency_FindAcross(qcAdjacency* adjacency, const qcCorners* corners, uint32_t vertexCount, size_t first,
+                            size_t end)
+{
+    uint32_t* across = adjacency->across.data;
+    for (size_t slot = first; slot < end; slot++)
     {
         const uint32_t* v = corners[slot].vertex;
         bool proper = v[0] != vertexCount && v[0] != v[1] && v[1] != v[2] && v[2] != v[0];
-        for (int c = 0; c < 3; c++)
-            QC_AT(uint32_t, a->across, 3 * slot + c) =
-                proper ? FindAcross(a, corners, (uint32_t)slot, v[c], v[(c + 1) % 3]) : QC_NO_SLOT;
+        for (int c = 0; c < 3 && proper; c++)
+        {
+            uint32_t u = v[c], w = v[(c + 1) % 3];
+            if (across[3 * slot + c] != QC_NO_SLOT)
+                continue;
+            uint32_t other = FindAcross(adjacency, corners, (uint32_t)slot, u, w);
+            across[3 * slot + c] = other;
+            // Each is the only other triangle of the other one's edge.
+            for (int k = 0; k < 3 && other != QC_NO_SLOT; k++)
+                if (corners[other].vertex[k] == w)
+                    across[3 * (size_t)other + k] = (uint32_t)slot;
+        }
     }
-    return qc_statusOk;
 }
 
 qcStatus qcAdjacency_Build(qcAdjacency* adjacency, const qcCorners* corners, size_t slotCount, uint32_t vertexCount)
 {
-    *adjacency = (qcAdjacency){.across = {0}};
-    qcStatus status = Build(adjacency, corners, slotCount, vertexCount);
-    if (status != qc_statusOk)
-        qcAdjacency_Free(adjacency);
-    return status;
+    QC_TRY(qcAdjacency_Begin(adjacency, corners, slotCount, vertexCount));
+    qcAdjacency_FindAcross(adjacency, corners, vertexCount, 0, slotCount);
+    return qc_statusOk;
 }
 
 void qcAdjacency_Free(qcAdjacency* adjacency)

@@ -7,6 +7,8 @@
 #include "base/memory.h"
 #include "mesh/pair_mask.h"
 
+#include <stdbool.h>
+
 /// Slots of two triangles.
 typedef struct qcSlotPair
 {
@@ -26,9 +28,17 @@ typedef struct qcCorners
     uint32_t vertex[3];
 } qcCorners;
 
+/// The vertices of a cluster's triangles by corner. A slot without a triangle has three times a number that no other
+/// slot has.
+typedef struct qcClusterVertices
+{
+    uint32_t vertex[3][qc_clusterSize];
+} qcClusterVertices;
+
 typedef struct qcClusters
 {
     uint32_t nodeCount;
+    bool hasHub;       ///< a vertex has so many triangles that pair masks are to be shared: qcClusters_Link is needed
     qcArray triangles; ///< uint32_t by slot, qc_nodeSize a node: each triangle of the body once, or QC_NO_TRIANGLE
     qcArray firstLink; ///< uint32_t, nodeCount + 1: where a node's links begin
     qcArray links;     ///< of qcLeafLink: each node's ordered by `other`, itself first
@@ -68,6 +78,11 @@ static inline const uint64_t* qcClusters_PairMask(const qcClusters* clusters, ui
 /// `vertexOf` (uint32_t: the body's number of each).
 qcStatus qcClusters_NumberVertices(const qcClusters* clusters, const uint32_t* indices, uint32_t vertexCount,
                                    qcArray* corners, qcArray* vertexOf);
+
+/// Fills `vertices` (of qcClusterVertices, by cluster) from corners by slot; `vertexCount` stands in slots without a
+/// triangle.
+qcStatus qcClusters_ListVertices(const qcClusters* clusters, const qcCorners* corners, uint32_t vertexCount,
+                                 qcArray* vertices);
 
 /// Writes the pairs of neighbours between a node and the other of its link, each once, in no order; there is room for
 /// qc_nodeSize^2. Returns the new end.

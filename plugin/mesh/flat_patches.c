@@ -27,13 +27,10 @@ typedef struct PatchVertex
 } PatchVertex;
 
 /// The growth of the patches of one size.
-typedef struct Builder
+typedef struct qcPatchBuilder
 {
     qcFlatPatches* patches;
-    const qcClusters* clusters;
-    const qcAdjacency* adjacency;
-    const qcCorners* corners;
-    uint32_t vertexCount;
+    qcPatchSource source;
     int size;
     qcWorkerResult result;
     qcArray slots, loops; ///< of these patches, as in qcFlatPatches
@@ -43,7 +40,8 @@ typedef struct Builder
     qcArray masks;        ///< uint64_t by node: its triangles in the patch
     //  the patch that grows, its number from 1 on
     uint32_t patch, firstNode, endNode;
-    uint32_t start; ///< a vertex of the loop
+    uint32_t start;               ///< a vertex of the loop
+    uint32_t beginNode, stopNode; ///< whose patches are made in this part
 } Builder;
 
 static void Free(Builder* b)
@@ -55,7 +53,7 @@ static void Free(Builder* b)
 
 static bool HasTriangle(const Builder* b, size_t slot)
 {
-    return QC_AT(uint32_t, b->clusters->triangles, slot) != QC_NO_TRIANGLE;
+    return QC_AT(uint32_t, b->source.clusters->triangles, slot) != QC_NO_TRIANGLE;
 }
 
 //  ---- growth --------------------------------------------------------------------------------------
@@ -72,7 +70,7 @@ static bool IsInPatch(const Builder* b, uint32_t slot)
 
 static void Begin(Builder* b, uint32_t seed)
 {
-    const uint32_t* v = b->corners[seed].vertex;
+    const uint32_t* v = b->source.corners[seed].vertex;
     for (int c = 0; c < 3; c++)
     {
         VertexAt(b, v[c])->patch = b->patch;
@@ -85,7 +83,8 @@ static void Begin(Builder* b, uint32_t seed)
 /// triangle is no notch and `notchesOnly` is set.
 static bool Join(Builder* b, uint32_t slot, bool notchesOnly)
 {
-    const uint32_t *v = b->corners[slot].vertex, *across = &QC_AT(uint32_t, b->adjacency->across, 3 * (size_t)slot);
+    const uint32_t *v = b->source.corners[slot].vertex,
+                   *across = &QC_AT(uint32_t, b->source.adjacency->across, 3 * (size_t)slot);
     bool shared[3];
     int count = 0;
     for (int c = 0; c < 3; c++)
@@ -124,7 +123,7 @@ static bool IsInBlock(const Builder* b, uint32_t slot)
 /// True for triangles that share a vertex with the block.
 static bool TouchesBlock(const Builder* b, uint32_t slot)
 {
-    const uint32_t* v = b->corners[slot].vertex;
+    const uint32_t* v = b->source.corners[slot].vertex;
     return VertexAt(b, v[0])->block == b->patch || VertexAt(b, v[1])->block == b->patch ||
            VertexAt(b, v[2])->block == b->patch;
 }
@@ -135,7 +134,7 @@ static qcStatus PushAcross(Builder* b, uint32_t slot)
     QC_TRY(qcArray_Reserve(&b->queue, b->queue.count + 3, sizeof(uint32_t), "flat patches"));
     for (int c = 0; c < 3; c++)
     {
-        uint32_t other = QC_AT(uint32_t, b->adjacency->across, 3 * (size_t)slot + c);
+        uint32_t other = QC_AT(uint32_t, b->source.adjacency->across, 3 * (size_t)slot + c);
         if (other != QC_NO_SLOT && !IsInPatch(b, other))
             QC_AT(uint32_t, b->queue, b->queue.count++) = other;
     }
@@ -230,7 +229,7 @@ static qcStatus KeepLoop(Builder* b, qcFlatPatch* patch)
 /// Writes the patch's masks to the links between its block and the nodes around.
 static void FillLinks(const Builder* b, const qcFlatPatch* patch)
 {
-    const qcClusters* c = b->clusters;
+    const qcClusters* c = b->source.clusters;
     const uint32_t *firstLink = c->firstLink.data, *slots = &QC_AT(uint32_t, b->slots, patch->firstSlot);
     const qcLeafLink* links = c->links.data;
     const uint64_t* masks = b->masks.data;
@@ -260,11 +259,11 @@ static void MarkBlock(Builder* b)
     for (size_t p = (size_t)b->firstNode * qc_nodeSize; p < (size_t)b->endNode * qc_nodeSize; p++)
         for (int c = 0; c < 3 && HasTriangle(b, p); c++)
         {
-            uint32_t v = b->corners[p].vertex[c];
+            uint32_t v = b->source.corners[p].vertex[c];
             VertexAt(b, v)->block = b->patch;
-            const uint32_t* first = &QC_AT(uint32_t, b->adjacency->around.first, v);
+            const uint32_t* first = &QC_AT(uint32_t, b->source.adjacency->around.first, v);
             for (uint32_t i = first[0]; i < first[1]; i++)
-                masks[QC_AT(uint32_t, b->adjacency->around.triangles, i) / qc_nodeSize] = 0;
+                masks[QC_AT(uint32_t, b->source.adjacency->around.triangles, i) / qc_nodeSize] = 0;
         }
 }
 
@@ -297,18 +296,20 @@ static qcStatus GrowAround(Builder* b, uint32_t patch, uint32_t firstNode, uint3
     return qc_statusOk;
 }
 
-static qcStatus GrowAll(Builder* b)
+static qcStatus Reserve(Builder* b, const qcPatchSource* source)
 {
-    size_t slots = b->clusters->triangles.count;
+    size_t slots = source->clusters->triangles.count;
+    QC_TRY(qcArray_GrowZeroed(&b->patchOf, slots, sizeof(uint32_t), "flat patches"));
+    QC_TRY(qcArray_GrowZeroed(&b->vertices, source->vertexCount, sizeof(PatchVertex), "flat patches"));
+    return qcArray_Resize(&b->masks, source->clusters->nodeCount, sizeof(uint64_t), "flat patches");
+}
+
+static qcStatus GrowPart(Builder* b)
+{
     uint32_t nodes = b->patches->nodeCount, block = b->size == 0 ? 1 : qc_patchNodes;
-    QC_TRY(qcArray_Resize(&b->patchOf, slots, sizeof(uint32_t), "flat patches"));
-    QC_TRY(qcArray_Resize(&b->vertices, b->vertexCount, sizeof(PatchVertex), "flat patches"));
-    QC_TRY(qcArray_Resize(&b->masks, nodes, sizeof(uint64_t), "flat patches"));
-    memset(b->patchOf.data, 0, slots * sizeof(uint32_t));
-    memset(b->vertices.data, 0, b->vertexCount * sizeof(PatchVertex));
-    uint32_t patch = b->size == 0 ? 0 : nodes;
-    for (uint32_t first = 0; first < nodes; first += block)
-        QC_TRY(GrowAround(b, patch++, first, nodes - first < block ? nodes - first : block));
+    for (uint32_t first = b->beginNode; first < b->stopNode; first += block)
+        QC_TRY(GrowAround(b, (b->size == 0 ? 0 : nodes) + first / block, first,
+                          nodes - first < block ? nodes - first : block));
     return qc_statusOk;
 }
 
@@ -316,7 +317,7 @@ static void GrowSize(void* context, size_t size, uint32_t worker)
 {
     (void)worker;
     Builder* builder = (Builder*)context + size;
-    (void)qcWorkerResult_Add(&builder->result, GrowAll(builder));
+    (void)qcWorkerResult_Add(&builder->result, GrowPart(builder));
 }
 
 /// Appends the slots and loops of the patches of one size.
@@ -333,38 +334,52 @@ static qcStatus AddSize(qcFlatPatches* d, const Builder* b)
     return qcArray_Append(&d->loops, &b->loops, sizeof(uint32_t), "flat patches");
 }
 
-static qcStatus Build(qcFlatPatches* d, Builder builders[qc_patchSizes], uint32_t threads)
+qcStatus qcFlatPatches_Begin(qcFlatPatches* patches, qcPatchGrowth* growth, const qcPatchSource* source)
 {
-    const qcClusters* c = builders[0].clusters;
-    uint32_t nodes = d->nodeCount, large = (nodes + qc_patchNodes - 1) / qc_patchNodes;
-    QC_TRY(qcArray_GrowZeroed(&d->patches, (size_t)nodes + large, sizeof(qcFlatPatch), "flat patches"));
-    QC_TRY(qcArray_GrowZeroed(&d->own, qc_patchSizes * (size_t)nodes, sizeof(uint64_t), "flat patches"));
-    QC_TRY(qcArray_GrowZeroed(&d->links, c->links.count, sizeof(qcPatchLink), "flat patches"));
-    // The two sizes in parallel: each writes to elements of its own.
-    qcParallel_For(threads, qc_patchSizes, qc_patchSizes, GrowSize, builders);
+    uint32_t nodes = source->clusters->nodeCount, large = (nodes + qc_patchNodes - 1) / qc_patchNodes;
+    *patches = (qcFlatPatches){.nodeCount = nodes};
+    *growth = (qcPatchGrowth){.builders = qcAllocateZeroed(qc_patchSizes * sizeof(Builder))};
+    if (growth->builders == NULL)
+        return qcFailMemory(qc_patchSizes * sizeof(Builder), "flat patches");
+    QC_TRY(qcArray_GrowZeroed(&patches->patches, (size_t)nodes + large, sizeof(qcFlatPatch), "flat patches"));
+    QC_TRY(qcArray_GrowZeroed(&patches->own, qc_patchSizes * (size_t)nodes, sizeof(uint64_t), "flat patches"));
+    QC_TRY(qcArray_GrowZeroed(&patches->links, source->clusters->links.count, sizeof(qcPatchLink), "flat patches"));
     for (int size = 0; size < qc_patchSizes; size++)
-        QC_TRY(AddSize(d, &builders[size]));
+        QC_TRY(Reserve(&growth->builders[size], source));
     return qc_statusOk;
 }
 
-qcStatus qcFlatPatches_Build(qcFlatPatches* patches, const qcClusters* clusters, const qcAdjacency* adjacency,
-                             const qcCorners* corners, uint32_t vertexCount, uint32_t threads)
+qcStatus qcFlatPatches_Grow(qcFlatPatches* patches, qcPatchGrowth* growth, const qcPatchSource* source,
+                            uint32_t nodeCount, uint32_t threads)
 {
-    *patches = (qcFlatPatches){.nodeCount = clusters->nodeCount};
-    Builder builders[qc_patchSizes];
+    uint32_t left = patches->nodeCount - growth->nextNode;
+    uint32_t count = nodeCount < left ? (nodeCount + qc_patchNodes - 1) / qc_patchNodes * qc_patchNodes : left;
+    uint32_t end = growth->nextNode + (count < left ? count : left);
     for (int size = 0; size < qc_patchSizes; size++)
-        builders[size] = (Builder){.patches = patches,
-                                   .clusters = clusters,
-                                   .adjacency = adjacency,
-                                   .corners = corners,
-                                   .vertexCount = vertexCount,
-                                   .size = size};
-    qcStatus status = Build(patches, builders, threads);
+    {
+        Builder* b = &growth->builders[size];
+        b->patches = patches;
+        b->source = *source;
+        b->size = size;
+        b->beginNode = growth->nextNode;
+        b->stopNode = end;
+    }
+    // The two sizes in parallel: each writes to elements of its own.
+    qcParallel_For(threads, qc_patchSizes, qc_patchSizes, GrowSize, growth->builders);
+    growth->nextNode = end;
     for (int size = 0; size < qc_patchSizes; size++)
-        Free(&builders[size]);
-    if (status != qc_statusOk)
-        qcFlatPatches_Free(patches);
-    return status;
+        QC_TRY(qcWorkerResult_Check(&growth->builders[size].result));
+    for (int size = 0; size < qc_patchSizes && end == patches->nodeCount; size++)
+        QC_TRY(AddSize(patches, &growth->builders[size]));
+    return qc_statusOk;
+}
+
+void qcPatchGrowth_Free(qcPatchGrowth* growth)
+{
+    for (int size = 0; size < qc_patchSizes && growth->builders != NULL; size++)
+        Free(&growth->builders[size]);
+    qcFree(growth->builders, qc_patchSizes * sizeof(Builder));
+    *growth = (qcPatchGrowth){.builders = NULL};
 }
 
 void qcFlatPatches_Free(qcFlatPatches* patches)

@@ -45,9 +45,30 @@ static inline uint32_t qcFlatPatches_Large(const qcFlatPatches* patches, uint32_
     return patches->nodeCount + node / qc_patchNodes;
 }
 
-/// `corners` by slot, `adjacency` of them; the clusters have links. O(triangles). On failure nothing is left.
-qcStatus qcFlatPatches_Build(qcFlatPatches* patches, const qcClusters* clusters, const qcAdjacency* adjacency,
-                             const qcCorners* corners, uint32_t vertexCount, uint32_t threads);
+/// What patches are made from.
+typedef struct qcPatchSource
+{
+    const qcClusters* clusters; ///< with links
+    const qcAdjacency* adjacency;
+    const qcCorners* corners; ///< by slot
+    uint32_t vertexCount;
+} qcPatchSource;
+
+/// Patches in the making, in parts, so that no step has to wait for all of them. All zero: none.
+typedef struct qcPatchGrowth
+{
+    struct qcPatchBuilder* builders; ///< qc_patchSizes of them, or null
+    uint32_t nextNode;               ///< patches of the nodes before it are made
+} qcPatchGrowth;
+
+/// Begins. O(triangles). Free both on failure.
+qcStatus qcFlatPatches_Begin(qcFlatPatches* patches, qcPatchGrowth* growth, const qcPatchSource* source);
+/// Makes the patches of the next nodes: at least so many, or those that are left; all are made once growth->nextNode is
+/// the number of nodes. O(nodes).
+qcStatus qcFlatPatches_Grow(qcFlatPatches* patches, qcPatchGrowth* growth, const qcPatchSource* source,
+                            uint32_t nodeCount, uint32_t threads);
+/// Frees what only the making needs.
+void qcPatchGrowth_Free(qcPatchGrowth* growth);
 void qcFlatPatches_Free(qcFlatPatches* patches);
 
 #endif

@@ -7,11 +7,13 @@
 
 #include "mesh/limits.h"
 
+#include <stdbool.h>
 #include <stddef.h>
 
 enum
 {
-    qc_pairMaskWords = 64,
+    qc_clustersOfNode = qc_nodeSize / qc_clusterSize,
+    qc_pairMaskWords = qc_clustersOfNode * qc_clustersOfNode,
     qc_maxPairMaskSize = 2 + qc_pairMaskWords ///< packed
 };
 
@@ -31,6 +33,17 @@ static inline uint64_t qcPairMask_Product(unsigned a, unsigned b)
 static inline unsigned qcPairMask_OfCluster(uint64_t nodeBits, uint32_t cluster)
 {
     return (unsigned)(nodeBits >> qc_clusterSize * cluster & 0xffu);
+}
+
+/// A word's pairs of existing triangles, each pair of one node once. `filledA`, `filledB`: a bit for each triangle that
+/// exists in the nodes.
+static inline uint64_t qcPairMask_PairsOfWord(uint32_t word, uint64_t filledA, uint64_t filledB, bool isSame)
+{
+    uint32_t i = word % qc_clustersOfNode, j = word / qc_clustersOfNode;
+    uint64_t all = qcPairMask_Product(qcPairMask_OfCluster(filledA, i), qcPairMask_OfCluster(filledB, j));
+    if (!isSame || i < j)
+        return all;
+    return i == j ? all & QC_PAIRS_IN_ORDER : 0;
 }
 
 enum

@@ -123,6 +123,7 @@ static void AddJob(const Run* run, uint32_t a, uint32_t b)
                         .includeNeighbours = job->testNeighbours,
                         .skipFlatPatches = run->flatPatches && a == b,
                         .motion = job->triangles->motion,
+                        .neighbourCount = &BvhOf(run, a)->neighbourCount,
                         .visitedA = VisitedOf(sweep, a),
                         .visitedB = VisitedOf(sweep, b),
                         .function = AddKeys,
@@ -140,6 +141,17 @@ static bool UsesVerlet(const Run* run, uint32_t body)
 {
     return FindsSelfPairs(run, body) && !run->job->triangles->motion &&
            QC_AT(uint8_t, run->sweep->partlyRefitted, body) != 0;
+}
+
+static void AddSelfJob(const Run* run, uint32_t body, bool verlet)
+{
+    qcBodyBvh* bvh = BvhOf(run, body);
+    if (!verlet)
+    {
+        bvh->searches++;
+        bvh->neighbourCount = 0;
+    }
+    AddJob(run, body, body);
 }
 
 /// Makes all jobs of the step together, so that threads have enough work with many small bodies. The first
@@ -163,7 +175,7 @@ static qcStatus MakeJobs(const Run* run, size_t* searchCount)
     {
         for (uint32_t body = 0; body < job->triangles->bodyCount; body++)
             if (FindsSelfPairs(run, body) && UsesVerlet(run, body) == (verlet != 0))
-                AddJob(run, body, body);
+                AddSelfJob(run, body, verlet != 0);
         if (!verlet)
             *searchCount = sweep->jobs.count;
     }
@@ -242,7 +254,7 @@ static qcStatus AddNeighbourPairs(const Run* run, uint32_t body, qcProfile* prof
     qcBodyBvh* bvh = BvhOf(run, body);
     if (run->job->testNeighbours)
         return qc_statusOk;
-    profile->skippedNeighbours += bvh->bvh.clusters.neighbourCount;
+    profile->skippedNeighbours += bvh->hasAdjacency ? bvh->bvh.clusters.neighbourCount : bvh->neighbourCount;
     PairSides sides = MakeSides(run, body, body);
     qcNeighbourPairsJob job = {.kernels = run->sweep->kernels,
                                .body = bvh,
@@ -273,7 +285,7 @@ static void CountTriangles(const Run* run, uint32_t body, qcProfile* profile)
 static qcStatus FindFlatPatches(const Run* run, uint32_t body, qcProfile* profile)
 {
     qcBodyBvh* bvh = BvhOf(run, body);
-    if (!run->flatPatches || UsesVerlet(run, body))
+    if (!run->flatPatches || !bvh->hasAdjacency || UsesVerlet(run, body))
         return qc_statusOk;
     const qcTriangleKernels* kernels = run->sweep->kernels;
     const qcPatchFlags* flags = &bvh->patches.present;
@@ -330,8 +342,8 @@ void qcBvhCandidates_Free(qcBvhCandidates* sweep)
         qcBvhScratch_Free(&QC_AT(qcBvhScratch, sweep->refitScratch, i));
     qcBvhPairs_Free(&sweep->pairs);
     qcVerletList_Free(&sweep->verletList);
-    qcArray* arrays[] = {&sweep->bvhs,           &sweep->seen, &sweep->tasks, &sweep->results, &sweep->refitScratch,
-                         &sweep->partlyRefitted, &sweep->jobs, &sweep->sides, &sweep->visited, &sweep->firstVisited};
+    qcArray* arrays[] = {&sweep->bvhs, &sweep->tasks, &sweep->results, &sweep->refitScratch, &sweep->partlyRefitted,
+                         &sweep->jobs, &sweep->sides, &sweep->visited, &sweep->firstVisited};
     for (size_t i = 0; i < sizeof arrays / sizeof arrays[0]; i++)
         qcArray_Free(arrays[i]);
 }

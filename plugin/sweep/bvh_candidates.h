@@ -19,7 +19,6 @@ typedef struct qcBvhCandidates
 {
     const qcTriangleKernels* kernels; ///< chosen at first use
     qcArray bvhs;                     ///< of qcBodyBvh, by slot
-    qcArray seen;                     ///< uint32_t, by slot: generation of the body in the last step
     qcVerletList verletList;
     //  Of the step.
     qcArray partlyRefitted; ///< uint8_t, by body: only the moved vertices were refitted
@@ -50,10 +49,8 @@ typedef struct qcBvhCandidatesJob
     uint32_t threads;
 } qcBvhCandidatesJob;
 
-/// Builds or refits the BVHs of the flagged bodies. Clears the flag where none is built:
-/// - of a large new body with self-collision, whose topology may change again before a BVH pays, unless neighbours are
-///   listed;
-/// - of a body whose coordinates no 16-bit lattice can hold.
+/// Builds or refits the BVHs of the flagged bodies. Clears the flag of a body whose coordinates no 16-bit lattice can
+/// hold.
 qcStatus qcBvhCandidates_Prepare(const qcBvhCandidatesJob* job, qcBvhCandidates* sweep, uint8_t* flags);
 
 /// Adds pairs to the candidates, with neighbours listed also classified ones to contactKeys. All bodies of the job are

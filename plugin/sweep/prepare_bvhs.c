@@ -6,8 +6,11 @@
 
 enum
 {
-    // The build of a BVH for a body no larger takes at most about a millisecond.
-    qc_smallBody = 4096
+    // The refit of a BVH for a body no larger takes some ten microseconds.
+    qc_smallBody = 4096,
+    // The topology of a body may not live for many steps. Its adjacency, which costs several searches, is built from
+    // this search on.
+    qc_searchesBefore = 2
 };
 
 /// Room for all slots; frees BVHs of removed bodies.
@@ -16,7 +19,6 @@ static qcStatus SyncSlots(const qcStepTriangles* t, qcBvhCandidates* sweep)
     const qcArray* slots = &t->bodies->slots;
     size_t old = sweep->bvhs.count;
     QC_TRY(qcArray_GrowZeroed(&sweep->bvhs, slots->count, sizeof(qcBodyBvh), "BVHs"));
-    QC_TRY(qcArray_GrowZeroed(&sweep->seen, slots->count, sizeof(uint32_t), "BVHs"));
     for (uint32_t slot = 0; slot < old; slot++)
     {
         qcBodyBvh* bvh = qcBvhCandidates_At(sweep, slot);
@@ -24,17 +26,6 @@ static qcStatus SyncSlots(const qcStepTriangles* t, qcBvhCandidates* sweep)
             qcBodyBvh_Free(bvh);
     }
     return qc_statusOk;
-}
-
-/// Whether the body may have a BVH in this step. A large new body with self-collision has none, unless it is needed:
-/// its build takes as long as a step without it, and the topology may not live for another step.
-static bool MayHaveBvh(qcBvhCandidates* sweep, uint32_t slot, const qcBody* body, bool isNeeded)
-{
-    uint32_t* seen = &QC_AT(uint32_t, sweep->seen, slot);
-    bool isNew = *seen != body->generation;
-    *seen = body->generation;
-    return qcBvhCandidates_At(sweep, slot)->bvh.generation != 0 || !isNew || !qcBody_HasSelfCollision(body) ||
-           body->triangleCount <= qc_smallBody || isNeeded;
 }
 
 typedef struct Tasks
@@ -70,12 +61,24 @@ static void BuildOne(void* context, size_t i, uint32_t worker)
     const qcStepTriangles* triangles = tasks->job->triangles;
     const qcBody* body = qcStepTriangles_Body(triangles, task->body);
     qcBodyBvh* bvh = qcBvhCandidates_At(tasks->sweep, qcStepTriangles_Slot(triangles, task->body));
-    AddResult(tasks->sweep, worker,
-              bvh->bvh.generation == 0 ? qcBodyBvh_Build(bvh, body, tasks->threads)
-                                       : qcBodyBvh_BuildAdjacency(bvh, body, tasks->threads));
+    if (bvh->bvh.generation == 0)
+        AddResult(tasks->sweep, worker, qcBodyBvh_Build(bvh, body, tasks->threads));
+    else if (!qcBodyBvh_FindsSelfPairs(bvh))
+        AddResult(tasks->sweep, worker, qcBodyBvh_PrepareSelf(bvh, tasks->threads));
+    else
+        AddResult(tasks->sweep, worker, qcBodyBvh_ContinueAdjacency(bvh, tasks->threads));
 }
 
-/// Builds the flagged BVHs that don't exist yet, and the adjacency of those whose body has self-collision only now.
+/// Whether the body's BVH has to be built, made ready for self pairs, or given more adjacency.
+static bool NeedsBuild(const qcBodyBvh* bvh, const qcBody* body)
+{
+    if (bvh->bvh.generation == 0)
+        return true;
+    return qcBody_HasSelfCollision(body) && !bvh->hasAdjacency &&
+           (!qcBodyBvh_FindsSelfPairs(bvh) || bvh->searches >= qc_searchesBefore);
+}
+
+/// Builds the flagged BVHs that don't exist yet, and the adjacency of those whose body has lived for some steps.
 static qcStatus BuildBvhs(const qcBvhCandidatesJob* job, const uint8_t* flags, qcBvhCandidates* sweep)
 {
     const qcStepTriangles* triangles = job->triangles;
@@ -83,9 +86,8 @@ static qcStatus BuildBvhs(const qcBvhCandidatesJob* job, const uint8_t* flags, q
     sweep->tasks.count = 0;
     for (uint32_t body = 0; body < triangles->bodyCount; body++)
     {
-        const qcBodyBvh* bvh = qcBvhCandidates_At(sweep, qcStepTriangles_Slot(triangles, body));
-        bool lacksAdjacency = qcBody_HasSelfCollision(qcStepTriangles_Body(triangles, body)) && !bvh->hasAdjacency;
-        if (flags[body] && (bvh->bvh.generation == 0 || lacksAdjacency))
+        qcBodyBvh* bvh = qcBvhCandidates_At(sweep, qcStepTriangles_Slot(triangles, body));
+        if (flags[body] && NeedsBuild(bvh, qcStepTriangles_Body(triangles, body)))
             QC_TRY(AddTask(sweep, body));
     }
     QC_TRY(qcWorkerResults_Begin(&sweep->results, threads, sizeof(qcWorkerResult), "BVHs"));
@@ -217,16 +219,9 @@ static qcStatus RefitBvhs(const qcBvhCandidatesJob* job, qcBvhCandidates* sweep,
 
 qcStatus qcBvhCandidates_Prepare(const qcBvhCandidatesJob* job, qcBvhCandidates* sweep, uint8_t* flags)
 {
-    const qcStepTriangles* triangles = job->triangles;
     if (sweep->kernels == NULL)
         sweep->kernels = qcTriangleKernels_Get();
-    QC_TRY(SyncSlots(triangles, sweep));
-    for (uint32_t body = 0; body < triangles->bodyCount; body++)
-    {
-        bool may = MayHaveBvh(sweep, qcStepTriangles_Slot(triangles, body), qcStepTriangles_Body(triangles, body),
-                              (job->listNeighbours && !job->testNeighbours) || triangles->motion);
-        flags[body] = flags[body] && may;
-    }
+    QC_TRY(SyncSlots(job->triangles, sweep));
     QC_TRY(BuildBvhs(job, flags, sweep));
     return RefitBvhs(job, sweep, flags);
 }

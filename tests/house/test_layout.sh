@@ -61,6 +61,7 @@ demos/bench                 demos/common
 demos/bench/accuracy        demos/bench demos/bench/scenes demos/common/... demos/common
 demos/bench/broadphase      demos/bench demos/bench/scenes demos/common/... demos/common
 demos/bench/peers           demos/bench demos/bench/scenes demos/common/... demos/common
+demos/bench/first           demos/bench demos/bench/peers demos/bench/scenes demos/common
 demos/bench/paper           demos/bench demos/bench/peers demos/common
 demos/bench/ablation
 demos/bench/queries         demos/bench demos/bench/scenes demos/common/... demos/common

@@ -132,8 +132,11 @@ END_TEST
 START_TEST(flat_patches_are_skipped_unless_the_margin_is_as_wide_as_triangles)
 {
     qcScene* scene = qcMakeScene(NULL);
-    qcSoup cloth = qcSoup_MakeFoldedCloth(2, 40, 0.02, 0.0);
+    qcSoup cloth = qcSoup_MakeFoldedCloth(2, 40, 0.2, 0.0);
     qcAddSoup(scene, &cloth);
+    qcDetectDef def = qcDefaultDetectDef();
+    def.method = qc_methodSweep;
+    qcLetBodiesLive(scene, def);
     const qcProfile* profile = Detect(scene, 0.0);
     ck_assert_uint_gt(profile->flatTriangles, cloth.triangleCount / 4);
     ck_assert_uint_le(profile->flatTriangles, cloth.triangleCount);

@@ -38,6 +38,19 @@ static inline qcBodyId qcAddSoup(qcScene* scene, const qcSoup* soup)
     return id;
 }
 
+/// Runs so many steps that the sweep has built all that it keeps of a body: it builds the adjacency of triangles in
+/// parts, one a step.
+static inline void qcLetBodiesLive(qcScene* scene, qcDetectDef def)
+{
+    for (int step = 0; step < 40; step++)
+    {
+        // Another request in each step: the last result is not reused.
+        const qcResult* result;
+        def.candidates = step % 2 == 0;
+        CHECK_OK(qcScene_Detect(scene, &def, &result));
+    }
+}
+
 /// A copy of a result's pairs, since the next detection overwrites them.
 typedef struct qcPairList
 {

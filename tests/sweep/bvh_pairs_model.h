@@ -28,7 +28,7 @@ static inline qcSide qcSide_Make(qcSoup soup)
     qcSide side = {.soup = soup};
     const qcBody* body = qcBodyAt(&side.bodies, qcAddToBodies(&side.bodies, &soup));
     CHECK_OK(qcBodyBvh_Build(&side.bvh, body, 1));
-    CHECK_OK(qcBodyBvh_BuildAdjacency(&side.bvh, body, 1));
+    CHECK_OK(qcBodyBvh_BuildAdjacency(&side.bvh, 1));
     return side;
 }
 
@@ -246,15 +246,25 @@ static inline void qcFoundPairs_Check(qcFoundPairs* found, qcPairOracle* oracle,
         }
 }
 
-/// Finds the pairs with all kernels, on one thread and, with half the near distance, on three; without and with flat
-/// patches. Returns their number, with the last kernels.
+/// Takes the adjacency away, as if it were not built yet, or gives it back.
+static inline void qcSide_SetAdjacency(qcSide* side, bool hasAdjacency)
+{
+    const qcTriangleBvh* bvh = &side->bvh.bvh;
+    side->bvh.hasAdjacency = hasAdjacency;
+    qcArray_Free(&side->bvh.vertices);
+    if (!hasAdjacency)
+        CHECK_OK(qcClusters_ListVertices(&bvh->clusters, bvh->corners.data, bvh->vertexCount, &side->bvh.vertices));
+}
+
+/// Finds the pairs with all kernels, on one thread and, with half the near distance, on three; without flat patches,
+/// with them, and without adjacency. Returns their number, with the last kernels.
 static inline size_t qcCheckPairs(qcSide* a, qcSide* b, double margin, bool includeNeighbours, qcPairOracle* oracle,
                                   const char* what)
 {
     size_t count = 0;
     bool flat = a == b && !includeNeighbours;
     FOR_EACH_KERNELS(k)
-    for (int run = 0; run < (flat ? 4 : 2); run++)
+    for (int run = 0; run < (flat ? 6 : 2); run++)
     {
         uint32_t threads = run % 2 == 0 ? 1 : qc_maxThreads;
         qcSide_Fit(a, margin, k, threads);
@@ -266,6 +276,9 @@ static inline size_t qcCheckPairs(qcSide* a, qcSide* b, double margin, bool incl
         found.visitedA = visited[0];
         found.visitedB = a == b ? visited[0] : visited[1];
         qcBvhPairs pairs = {0};
+        uint64_t neighbours = 0;
+        if (run == 4)
+            qcSide_SetAdjacency(a, false);
         qcBvhPairsJob job = {.kernels = k,
                              .a = &a->bvh,
                              .b = &b->bvh,
@@ -274,7 +287,8 @@ static inline size_t qcCheckPairs(qcSide* a, qcSide* b, double margin, bool incl
                              .query = margin,
                              .near = found.half ? 0.5 * margin : margin,
                              .includeNeighbours = includeNeighbours,
-                             .skipFlatPatches = run > 1,
+                             .skipFlatPatches = run / 2 == 1,
+                             .neighbourCount = &neighbours,
                              .visitedA = visited[0],
                              .visitedB = a == b ? visited[0] : visited[1],
                              .function = qcFoundPairs_Add,
@@ -286,6 +300,10 @@ static inline size_t qcCheckPairs(qcSide* a, qcSide* b, double margin, bool incl
         CHECK_THAT(run % 2 == 0 || count == found.count, "%s: %zu pairs on one thread, %zu on three", what, count,
                    found.count);
         count = found.count;
+        CHECK_THAT(neighbours == (run < 4 ? 0 : a->bvh.bvh.clusters.neighbourCount), "%s: %zu neighbours", what,
+                   (size_t)neighbours);
+        if (run == 5)
+            qcSide_SetAdjacency(a, true);
         qcBvhPairs_Free(&pairs);
         qcFoundPairs_Free(&found);
         free(visited[0]);

@@ -55,32 +55,34 @@ static qcScene* MakeDeforming(const qcSoup* soup, qcBodyId* id)
     return scene;
 }
 
-START_TEST(a_large_body_has_the_same_pairs_by_strips_and_then_by_a_bvh)
+START_TEST(a_large_new_body_has_all_pairs_in_each_step_of_its_life)
 {
-    qcSoup soup = qcSoup_MakeFoldedCloth(1, qc_largeSide, 0.01, 0.01);
+    qcSoup soup = qcSoup_MakeFoldedCloth(1, qc_largeSide, 0.15, 0.2);
     qcBodyId id;
     qcScene* scene = MakeDeforming(&soup, &id);
-    uint64_t candidates = 0;
-    for (int step = 0; step < 5; step++)
+    uint64_t flat = 0, neighbours = 0;
+    // Through all parts of the adjacency, and some steps more.
+    for (int step = 0; step < 30; step++)
     {
-        // The second step repeats the positions of the first.
-        qcSoup next = qcSoup_MakeFoldedCloth(step < 2 ? 1 : (uint64_t)step, qc_largeSide, 0.01, 0.01);
+        qcSoup next = qcSoup_MakeFoldedCloth(1 + (uint64_t)step % 5, qc_largeSide, 0.15, 0.2);
         CHECK_OK(qcScene_SetVertices(scene, id, next.positions, qc_positionF64, 0));
         qcSoup_Free(&next);
         qcDetectDef def = qcDefaultDetectDef();
         def.touching = true;
-        def.margin = step == 3 ? 0.002 : 0.0;
+        def.margin = step % 4 == 3 ? 0.002 : 0.0;
         qcProfile profile, expected;
         uint64_t hash = Detect(scene, def, qc_methodSweep, 1 + (uint32_t)step % 3, &profile);
         CHECK_THAT(hash == Detect(scene, def, qc_methodBrute, 2, &expected), "step %d: other pairs", step);
         ck_assert_uint_gt(expected.pairs, 10);
         ck_assert_uint_eq(profile.pairs, expected.pairs);
-        // Strips compare boxes only; BVHs classify most of the pairs that overlap.
-        if (step == 0)
-            candidates = profile.candidates;
-        else if (step == 1)
-            ck_assert_uint_lt(profile.candidates, candidates / 2);
+        // Boxes alone would leave ten times as many.
+        ck_assert_uint_lt(profile.candidates, 2 * soup.triangleCount);
+        ck_assert(step == 0 || profile.skippedNeighbours == neighbours);
+        neighbours = profile.skippedNeighbours;
+        flat = profile.flatTriangles;
+        ck_assert(step != 0 || flat == 0);
     }
+    ck_assert_uint_gt(flat, 0);
     qcScene_Destroy(scene);
     qcSoup_Free(&soup);
     ck_assert_uint_eq(qcGetByteCount(), 0);
@@ -276,7 +278,7 @@ START_TEST(a_body_too_large_for_a_lattice_has_its_pairs_too)
 }
 END_TEST
 
-QC_RUN_TESTS("bvh_scenes", a_large_body_has_the_same_pairs_by_strips_and_then_by_a_bvh,
+QC_RUN_TESTS("bvh_scenes", a_large_new_body_has_all_pairs_in_each_step_of_its_life,
              large_bodies_without_self_collision_have_a_bvh_at_once, a_large_new_body_with_contacts_has_a_bvh_at_once,
              changing_scenes_have_the_pairs_of_brute_force_with_all_kernels,
              a_smooth_sheet_has_all_pairs_within_a_changing_margin, a_body_too_large_for_a_lattice_has_its_pairs_too)

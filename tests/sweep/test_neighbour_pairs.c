@@ -299,7 +299,7 @@ static Found FindKeys(const qcTriangleKernels* kernels, const qcSoup* soup, doub
     qcBvhScratch scratch = {0};
     bool fits;
     CHECK_OK(qcBodyBvh_Build(&bvh, found.body, 1));
-    CHECK_OK(qcBodyBvh_BuildAdjacency(&bvh, found.body, 1));
+    CHECK_OK(qcBodyBvh_BuildAdjacency(&bvh, 1));
     CHECK_OK(qcTriangleBvh_Fit(&bvh.bvh, found.body, margin, kernels, threads, &scratch, &fits));
     ck_assert(fits);
     Given given = {.bvh = &bvh.bvh};

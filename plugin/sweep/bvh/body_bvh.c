@@ -1,49 +1,120 @@
 // Builds a body's BVH, its adjacency, fans and Verlet reference.
 #include "sweep/bvh/body_bvh.h"
 
-#include "base/parallel_for.h"
 #include "base/status.h"
-#include "base/worker_results.h"
 
-/// Two tasks that don't depend on each other.
-typedef struct Linking
+enum
 {
-    qcTriangleBvh* bvh;
-    const qcBody* body;
-    qcAdjacency adjacency;
-    qcWorkerResult results[2];
-} Linking;
+    // Work in a step, and that of the stages, in units of about 10 ns a triangle. A search takes 3 to 6.
+    qc_stepWork = 3,
+    qc_linksWork = 4,
+    qc_masksWork = 7,
+    qc_aroundWork = 1,
+    qc_acrossWork = 8,
+    qc_patchesWork = 26,
+    // Steps of small bodies are short in any case.
+    qc_minNodes = 16
+};
 
-static void LinkTask(void* context, size_t task, uint32_t worker)
+/// The nodes of a stage whose work is left, at least one.
+static uint32_t NodesFor(int64_t work, int64_t nodeWork, uint32_t left)
 {
-    (void)worker;
-    Linking* l = context;
-    qcTriangleBvh* bvh = l->bvh;
-    qcStatus status = task == 0
-                          ? qcClusters_Link(&bvh->clusters, l->body->indices, l->body->vertexCount)
-                          : qcAdjacency_Build(&l->adjacency, bvh->corners.data, bvh->corners.count, bvh->vertexCount);
-    (void)qcWorkerResult_Add(&l->results[task], status);
+    int64_t nodes = work / nodeWork + 1;
+    return nodes < left ? (uint32_t)nodes : left;
 }
 
-static qcStatus BuildAdjacency(qcBodyBvh* bodyBvh, Linking* linking, uint32_t threads)
+static void EndAdjacency(qcBodyBvh* bodyBvh)
 {
-    qcParallel_For(threads, 2, 2, LinkTask, linking);
-    for (int i = 0; i < 2; i++)
-        QC_TRY(qcWorkerResult_Check(&linking->results[i]));
-    return qcPatchState_Build(&bodyBvh->patches, &bodyBvh->bvh, &linking->adjacency, threads);
+    bodyBvh->hasAdjacency = true;
+    qcLinking_Free(&bodyBvh->adjacency.linking);
+    qcAdjacency_Free(&bodyBvh->adjacency.adjacency);
+    qcArray_Free(&bodyBvh->vertices);
 }
 
-qcStatus qcBodyBvh_BuildAdjacency(qcBodyBvh* bodyBvh, const qcBody* body, uint32_t threads)
+/// A stage, or as much of it as there is work for.
+static qcStatus RunStage(qcBodyBvh* bodyBvh, int64_t* work, uint32_t threads)
 {
-    if (bodyBvh->hasAdjacency)
-        return qc_statusOk;
-    Linking linking = {.bvh = &bodyBvh->bvh, .body = body};
-    qcStatus status = BuildAdjacency(bodyBvh, &linking, threads);
-    qcAdjacency_Free(&linking.adjacency);
-    if (status != qc_statusOk)
-        qcClusters_Unlink(&bodyBvh->bvh.clusters);
-    bodyBvh->hasAdjacency = status == qc_statusOk;
+    qcTriangleBvh* bvh = &bodyBvh->bvh;
+    qcAdjacencyBuild* build = &bodyBvh->adjacency;
+    const qcCorners* corners = bvh->corners.data;
+    uint32_t nodes = bvh->clusters.nodeCount, count;
+    switch (build->stage)
+    {
+        case qc_adjacencyLinks:
+            QC_TRY(qcLinking_Begin(&build->linking, &bvh->clusters, corners, bvh->vertexCount));
+            *work -= qc_linksWork * (int64_t)nodes;
+            build->stage++;
+            break;
+        case qc_adjacencyMasks:
+            count = NodesFor(*work, qc_masksWork, nodes - build->linking.nextNode);
+            QC_TRY(qcLinking_Continue(&build->linking, &bvh->clusters, count));
+            *work -= qc_masksWork * (int64_t)count;
+            build->stage += build->linking.nextNode == nodes;
+            break;
+        case qc_adjacencyAround:
+            QC_TRY(qcAdjacency_Begin(&build->adjacency, corners, bvh->corners.count, bvh->vertexCount));
+            *work -= qc_aroundWork * (int64_t)nodes;
+            build->stage++;
+            break;
+        case qc_adjacencyAcross:
+            count = NodesFor(*work, qc_acrossWork, nodes - build->nextNode);
+            qcAdjacency_FindAcross(&build->adjacency, corners, bvh->vertexCount, (size_t)build->nextNode * qc_nodeSize,
+                                   (size_t)(build->nextNode + count) * qc_nodeSize);
+            build->nextNode += count;
+            *work -= qc_acrossWork * (int64_t)count;
+            build->stage += build->nextNode == nodes;
+            break;
+        case qc_adjacencyPatches:
+            count = NodesFor(*work, qc_patchesWork, nodes);
+            QC_TRY(qcPatchState_Build(&bodyBvh->patches, bvh, &build->adjacency, count, threads));
+            *work -= qc_patchesWork * (int64_t)count;
+            if (qcPatchState_IsBuilt(&bodyBvh->patches))
+                EndAdjacency(bodyBvh);
+            break;
+    }
+    return qc_statusOk;
+}
+
+static void FreeAdjacency(qcBodyBvh* bodyBvh)
+{
+    qcLinking_Free(&bodyBvh->adjacency.linking);
+    qcAdjacency_Free(&bodyBvh->adjacency.adjacency);
+    qcPatchState_Free(&bodyBvh->patches);
+    bodyBvh->adjacency = (qcAdjacencyBuild){.stage = qc_adjacencyLinks};
+}
+
+/// Stages until the work is done. On failure there is no adjacency.
+static qcStatus RunStages(qcBodyBvh* bodyBvh, int64_t work, uint32_t threads)
+{
+    qcStatus status = qc_statusOk;
+    while (status == qc_statusOk && !bodyBvh->hasAdjacency && work > 0)
+        status = RunStage(bodyBvh, &work, threads);
+    if (status == qc_statusOk)
+        return status;
+    FreeAdjacency(bodyBvh);
+    qcClusters_Unlink(&bodyBvh->bvh.clusters);
     return status;
+}
+
+qcStatus qcBodyBvh_BuildAdjacency(qcBodyBvh* bodyBvh, uint32_t threads)
+{
+    return RunStages(bodyBvh, INT64_MAX, threads);
+}
+
+qcStatus qcBodyBvh_ContinueAdjacency(qcBodyBvh* bodyBvh, uint32_t threads)
+{
+    uint32_t nodes = bodyBvh->bvh.clusters.nodeCount;
+    return RunStages(bodyBvh, qc_stepWork * (int64_t)(nodes > qc_minNodes ? nodes : qc_minNodes), threads);
+}
+
+qcStatus qcBodyBvh_PrepareSelf(qcBodyBvh* bodyBvh, uint32_t threads)
+{
+    const qcTriangleBvh* bvh = &bodyBvh->bvh;
+    if (qcBodyBvh_FindsSelfPairs(bodyBvh))
+        return qc_statusOk;
+    if (bvh->clusters.hasHub)
+        return qcBodyBvh_BuildAdjacency(bodyBvh, threads);
+    return qcClusters_ListVertices(&bvh->clusters, bvh->corners.data, bvh->vertexCount, &bodyBvh->vertices);
 }
 
 qcStatus qcBodyBvh_Build(qcBodyBvh* bodyBvh, const qcBody* body, uint32_t threads)
@@ -51,7 +122,7 @@ qcStatus qcBodyBvh_Build(qcBodyBvh* bodyBvh, const qcBody* body, uint32_t thread
     *bodyBvh = (qcBodyBvh){.hasAdjacency = false};
     qcStatus status = qcTriangleBvh_Build(&bodyBvh->bvh, body, threads);
     if (status == qc_statusOk && qcBody_HasSelfCollision(body))
-        status = qcBodyBvh_BuildAdjacency(bodyBvh, body, threads);
+        status = qcBodyBvh_PrepareSelf(bodyBvh, threads);
     if (status != qc_statusOk)
         qcBodyBvh_Free(bodyBvh);
     return status;
@@ -73,9 +144,10 @@ qcStatus qcBodyBvh_SetVerletReference(qcBodyBvh* bodyBvh, const qcBody* body, do
 void qcBodyBvh_Free(qcBodyBvh* bodyBvh)
 {
     qcTriangleBvh_Free(&bodyBvh->bvh);
-    qcPatchState_Free(&bodyBvh->patches);
+    FreeAdjacency(bodyBvh);
     qcVertexFans_Free(&bodyBvh->fans);
     qcArray_Free(&bodyBvh->isSeparated);
+    qcArray_Free(&bodyBvh->vertices);
     qcVerletReference_Free(&bodyBvh->verlet);
     bodyBvh->hasAdjacency = false;
 }

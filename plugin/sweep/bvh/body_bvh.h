@@ -3,26 +3,62 @@
 #ifndef QC_SWEEP_BVH_BODY_BVH_H
 #define QC_SWEEP_BVH_BODY_BVH_H
 
+#include "mesh/linking.h"
 #include "mesh/vertex_fans.h"
 #include "sweep/bvh/patch_state.h"
 #include "sweep/bvh/verlet_reference.h"
 
+typedef enum qcAdjacencyStage
+{
+    qc_adjacencyLinks,
+    qc_adjacencyMasks,
+    qc_adjacencyAround,
+    qc_adjacencyAcross,
+    qc_adjacencyPatches,
+} qcAdjacencyStage;
+
+/// What self pairs without neighbours need, made in parts, so that no step has to wait for all of it.
+typedef struct qcAdjacencyBuild
+{
+    qcAdjacencyStage stage; ///< the next
+    qcLinking linking;
+    qcAdjacency adjacency;
+    uint32_t nextNode; ///< across edges of the nodes before it all is found
+} qcAdjacencyBuild;
+
 typedef struct qcBodyBvh
 {
     qcTriangleBvh bvh;
-    bool hasAdjacency; ///< the clusters are linked and the patches built, for self pairs without neighbours
+    bool hasAdjacency;          ///< the clusters are linked and the patches built, for self pairs without neighbours
+    qcArray vertices;           ///< of qcClusterVertices, for self pairs until there is adjacency
+    uint64_t neighbourCount;    ///< pairs of neighbours that the last search left out; counted until there is adjacency
+    uint32_t searches;          ///< of self pairs
+    qcAdjacencyBuild adjacency; ///< in the making
     qcPatchState patches;
     qcVertexFans fans;   ///< made when first needed
     qcArray isSeparated; ///< uint8_t by vertex: its fan had no self-contact within the margin (neighbour_pairs.h)
     qcVerletReference verlet;
 } qcBodyBvh;
 
-/// For a body with triangles; with adjacency if the body has self-collision. O(triangles log triangles). On failure
-/// nothing is left.
+/// For a body with triangles; ready for self pairs if the body has self-collision. O(triangles log triangles). On
+/// failure nothing is left.
 qcStatus qcBodyBvh_Build(qcBodyBvh* bodyBvh, const qcBody* body, uint32_t threads);
 
-/// Builds the adjacency if there is none. The body is the one that the BVH was built for. O(pairs of neighbours).
-qcStatus qcBodyBvh_BuildAdjacency(qcBodyBvh* bodyBvh, const qcBody* body, uint32_t threads);
+/// Makes the BVH ready for self pairs: lists the vertices of clusters, or builds the adjacency where a vertex has so
+/// many triangles that pair masks have to be shared. O(triangles).
+qcStatus qcBodyBvh_PrepareSelf(qcBodyBvh* bodyBvh, uint32_t threads);
+
+/// Whether self pairs can be found.
+static inline bool qcBodyBvh_FindsSelfPairs(const qcBodyBvh* bodyBvh)
+{
+    return bodyBvh->hasAdjacency || bodyBvh->vertices.count != 0;
+}
+
+/// Builds the adjacency, if there is none. O(pairs of neighbours).
+qcStatus qcBodyBvh_BuildAdjacency(qcBodyBvh* bodyBvh, uint32_t threads);
+
+/// Builds the next part of the adjacency, if there is none: about as much work as a search.
+qcStatus qcBodyBvh_ContinueAdjacency(qcBodyBvh* bodyBvh, uint32_t threads);
 
 /// Makes the fans if there are none. O(triangles).
 qcStatus qcBodyBvh_MakeFans(qcBodyBvh* bodyBvh);

@@ -79,18 +79,38 @@ static qcBvhBoxes BoxesOf(const qcTriangleBvh* bvh, const qcBvhFit* fit)
 typedef struct Rules
 {
     const uint64_t* pairMasks; ///< null: all pairs are tested
+    uint64_t ownMask[qc_maxPairMaskSize + 1];
     qcPairExclusion exclusions[qc_maxExclusions];
     int exclusionCount;
 } Rules;
 
-/// False: all pairs are left out.
-static bool FindRules(const qcBvhPairsJob* job, uint32_t a, uint32_t b, Rules* rules)
+/// The mask of two nodes of a body without links.
+static void FindMask(const Search* s, uint32_t a, uint32_t b, Rules* rules)
 {
+    const qcClusterVertices* vertices = s->job->a->vertices.data;
+    const qcBox8* nodes = BoxesOf(s->a, &s->a->fit).nodes;
+    uint64_t clusters = s->motion != NULL ? UINT64_MAX : s->job->kernels->findOverlaps(&nodes[a], &nodes[b]);
+    uint32_t neighbours = s->job->kernels->findPairMask(vertices + (size_t)a * qc_boxLanes,
+                                                        vertices + (size_t)b * qc_boxLanes, clusters, rules->ownMask);
+    if (neighbours != 0 && s->job->neighbourCount != NULL)
+        __atomic_fetch_add(s->job->neighbourCount, neighbours, __ATOMIC_RELAXED);
+    rules->pairMasks = rules->ownMask;
+}
+
+/// False: all pairs are left out.
+static bool FindRules(const Search* s, uint32_t a, uint32_t b, Rules* rules)
+{
+    const qcBvhPairsJob* job = s->job;
     rules->pairMasks = NULL;
     rules->exclusionCount = 0;
     if (job->includeNeighbours)
     {
         rules->pairMasks = a == b ? qcPairMask_OfOneNode() : NULL;
+        return true;
+    }
+    if (!job->a->hasAdjacency)
+    {
+        FindMask(s, a, b, rules);
         return true;
     }
     const qcClusters* clusters = &job->a->bvh.clusters;
@@ -118,8 +138,10 @@ static void CompareLeafNodes(Queue* queue, uint32_t a, uint32_t b)
         __atomic_store_n(&job->visitedB[b], 1, __ATOMIC_RELAXED);
     if (queue->end - queue->pairs >= qc_queueFull)
         Flush(queue);
-    Rules rules = {.pairMasks = NULL};
-    if (s->same && !FindRules(job, a, b, &rules))
+    Rules rules;
+    rules.pairMasks = NULL;
+    rules.exclusionCount = 0;
+    if (s->same && !FindRules(s, a, b, &rules))
         return;
     if (s->motion != NULL)
     {
@@ -410,7 +432,7 @@ static void Prepare(Search* s, const qcBvhPairsJob* job, qcMotionBvh* motion)
                   .same = job->a == job->b,
                   .filters = true,
                   .motion = job->motion ? motion : NULL};
-    assert(!s->same || job->includeNeighbours || job->a->hasAdjacency);
+    assert(!s->same || job->includeNeighbours || qcBodyBvh_FindsSelfPairs(job->a));
     if (job->motion)
     {
         FindMotion(s);

@@ -24,6 +24,8 @@ typedef struct qcBvhPairsJob
     /// Pairs that may meet between the start and the present: of BVHs fitted by qcTriangleBvh_FitMotion. The distances
     /// are 0, and all pairs are undecided.
     bool motion;
+    /// Grows by the pairs of neighbours that are left out, of a body without adjacency. May be null.
+    uint64_t* neighbourCount;
     uint8_t *visitedA, *visitedB; ///< by leaf node: set to 1 if it was compared with one of the other. May be null
     qcBvhPairsFunction* function;
     void* context;

@@ -19,18 +19,22 @@ static qcStatus AllocateFlags(const qcPatchState* state, qcPatchFlags* flags)
     return qcArray_GrowZeroed(&flags->cooldown, state->patches.patches.count, 1, "flat patches");
 }
 
-static qcStatus Build(qcPatchState* state, const qcTriangleBvh* bvh, const qcAdjacency* adjacency, uint32_t threads)
+static qcStatus Build(qcPatchState* state, const qcPatchSource* source, uint32_t nodeCount, uint32_t threads)
 {
-    QC_TRY(
-        qcFlatPatches_Build(&state->patches, &bvh->clusters, adjacency, bvh->corners.data, bvh->vertexCount, threads));
+    if (state->growth.builders == NULL)
+        QC_TRY(qcFlatPatches_Begin(&state->patches, &state->growth, source));
+    QC_TRY(qcFlatPatches_Grow(&state->patches, &state->growth, source, nodeCount, threads));
+    if (state->growth.nextNode < state->patches.nodeCount)
+        return qc_statusOk;
+    qcPatchGrowth_Free(&state->growth);
     return AllocateFlags(state, &state->present);
 }
 
 qcStatus qcPatchState_Build(qcPatchState* state, const qcTriangleBvh* bvh, const qcAdjacency* adjacency,
-                            uint32_t threads)
+                            uint32_t nodeCount, uint32_t threads)
 {
-    *state = (qcPatchState){0};
-    qcStatus status = Build(state, bvh, adjacency, threads);
+    const qcPatchSource source = {&bvh->clusters, adjacency, bvh->corners.data, bvh->vertexCount};
+    qcStatus status = Build(state, &source, nodeCount, threads);
     if (status != qc_statusOk)
         qcPatchState_Free(state);
     return status;
@@ -175,6 +179,7 @@ int qcPatchState_FindExclusions(const qcPatchState* state, const qcPatchFlags* f
 void qcPatchState_Free(qcPatchState* state)
 {
     qcFlatPatches_Free(&state->patches);
+    qcPatchGrowth_Free(&state->growth);
     qcArray_Free(&state->present.isFlat);
     qcArray_Free(&state->present.cooldown);
     qcArray_Free(&state->motion.isFlat);

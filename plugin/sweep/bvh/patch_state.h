@@ -18,14 +18,21 @@ typedef struct qcPatchFlags
 typedef struct qcPatchState
 {
     qcFlatPatches patches;
+    qcPatchGrowth growth; ///< until all patches are made
     qcPatchFlags present; ///< at the last fit
     qcPatchFlags motion;  ///< over the motion
 } qcPatchState;
 
-/// Builds the patches of a BVH whose clusters are linked; `adjacency` is that of its corners. O(triangles). On failure
-/// nothing is left.
+/// Makes the patches of the next nodes, of a BVH whose clusters are linked: at least so many, or those that are left.
+/// `adjacency` is that of its corners. O(nodes); the first call: O(triangles). On failure nothing is left.
 qcStatus qcPatchState_Build(qcPatchState* state, const qcTriangleBvh* bvh, const qcAdjacency* adjacency,
-                            uint32_t threads);
+                            uint32_t nodeCount, uint32_t threads);
+
+/// Whether all patches are made.
+static inline bool qcPatchState_IsBuilt(const qcPatchState* state)
+{
+    return state->present.isFlat.count != 0;
+}
 
 /// Tests which patches have no self-contact within the margin of the fit; once for each fit. A patch that isn't flat is
 /// skipped for the next seven fits. O(triangles).
