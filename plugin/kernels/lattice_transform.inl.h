@@ -125,9 +125,11 @@ static void TransformTriangles(const qcTransformedBvh* bvh, uint32_t cluster, qc
 }
 
 static qcSlotPair* CollectTransformedPairs(const qcBvhBoxes* a, uint32_t nodeA, const qcTransformedBvh* b,
-                                           uint32_t nodeB, qcSlotPair* pairs)
+                                           uint32_t nodeB, const qcPlaneTest* planes, qcSlotPair* pairs)
 {
     qcBox8 transformed;
+    ClusterPair found[qc_pairMaskWords + 1];
+    uint32_t count = 0;
     TransformBoxes(&b->boxes.nodes[nodeB], &b->levels, &transformed);
     uint64_t clusters = FindBoxOverlaps(&a->nodes[nodeA], &transformed);
     for (uint32_t j = 0; j < qc_boxLanes; j++)
@@ -139,11 +141,13 @@ static qcSlotPair* CollectTransformedPairs(const qcBvhBoxes* a, uint32_t nodeA, 
         TransformTriangles(b, clusterB, &transformed);
         for (; row != 0; row &= row - 1)
         {
-            size_t clusterA = (size_t)nodeA * qc_boxLanes + (uint32_t)__builtin_ctz(row);
-            pairs = AddPairs(FindBoxOverlaps(&a->clusters[clusterA], &transformed), clusterA, clusterB, pairs);
+            uint32_t clusterA = nodeA * qc_boxLanes + (uint32_t)__builtin_ctz(row);
+            uint64_t word = FindBoxOverlaps(&a->clusters[clusterA], &transformed);
+            found[count] = (ClusterPair){word, clusterA, clusterB};
+            count += word != 0;
         }
     }
-    return pairs;
+    return AddClusterPairs(planes, found, count, pairs);
 }
 
 #endif

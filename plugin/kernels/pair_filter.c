@@ -2,17 +2,25 @@
 #include "kernels/pair_filter.h"
 
 void qcClassifiedPairs_Filter(qcClassifiedPairs* found, const qcTriangleKernels* kernels,
-                              const qcIndexedTriangles sides[2], const qcDistanceThresholds* thresholds)
+                              const qcIndexedTriangles sides[2], const qcDistanceThresholds* thresholds,
+                              bool planesTested)
 {
-    found->count = kernels->filter(&sides[0], &sides[1], thresholds, found->pairs, found->count);
-    if (thresholds->query > 0.0f)
+    const qcIndexedTriangles *a = &sides[0], *b = &sides[1];
+    if (thresholds->query <= 0.0f)
     {
-        qcClassifiedCounts counts = kernels->classify(&sides[0], &sides[1], thresholds, found->pairs, found->count);
-        found->nearCount = counts.nearCount;
-        found->separateCount = counts.separateCount;
+        if (!planesTested)
+            found->count = kernels->filter(a, b, thresholds, found->pairs, found->count);
+        qcRelatedCounts counts = kernels->relate(a, b, thresholds, found->pairs, found->count);
+        found->intersectingCount = counts.intersectingCount;
         found->count = counts.count;
+        return;
     }
-    size_t disjoint = found->nearCount + found->separateCount;
+    found->count = kernels->filter(a, b, thresholds, found->pairs, found->count);
+    qcClassifiedCounts counts = kernels->classify(a, b, thresholds, found->pairs, found->count);
+    size_t disjoint = counts.nearCount + counts.separateCount;
+    found->nearCount = counts.nearCount;
+    found->separateCount = counts.separateCount;
+    found->count = counts.count;
     found->intersectingCount =
-        kernels->findIntersecting(&sides[0], &sides[1], thresholds, found->pairs + disjoint, found->count - disjoint);
+        kernels->findIntersecting(a, b, thresholds, found->pairs + disjoint, found->count - disjoint);
 }

@@ -22,8 +22,9 @@ typedef struct qcClassifiedPairs
 } qcClassifiedPairs;
 
 /// Drops pairs that are proven farther apart than the query distance, and classifies the others. The pairs come in any
-/// order.
+/// order. `planesTested`: those that the second triangle's plane separates are not among them.
 void qcClassifiedPairs_Filter(qcClassifiedPairs* found, const qcTriangleKernels* kernels,
-                              const qcIndexedTriangles sides[2], const qcDistanceThresholds* thresholds);
+                              const qcIndexedTriangles sides[2], const qcDistanceThresholds* thresholds,
+                              bool planesTested);
 
 #endif

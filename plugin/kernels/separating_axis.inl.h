@@ -194,8 +194,7 @@ static size_t Filter(const qcIndexedTriangles* a, const qcIndexedTriangles* b, c
     // more axes would.
     if (thresholds->query > 0.0f)
         return KeepUnseparated(a, b, thresholds, pairs, count, SeparatedByCentroidsOrPlane);
-    count = KeepUnseparated(a, b, thresholds, pairs, count, SeparatedByPlane);
-    return KeepUnseparated(a, b, thresholds, pairs, count, SeparatedByEdges);
+    return KeepUnseparated(a, b, thresholds, pairs, count, SeparatedByPlane);
 }
 
 //  ---- proven intersections ------------------------------------------------------------------------

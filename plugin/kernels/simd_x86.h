@@ -90,4 +90,44 @@ static inline void TransformVertex(const qcLatticeTransform* lattice, const doub
     _mm_storeu_si128((__m128i*)row, _mm_xor_si128(ends, _mm_set_epi64x(-1, 0)));
 }
 
+//  ---- kernels/cluster_planes.inl.h ----------------------------------------------------------------
+
+enum
+{
+    qc_planeLanes = 8
+};
+
+typedef __m256 PlaneFloats;
+
+static inline __m256 MinPlane(__m256 a, __m256 b)
+{
+    return _mm256_min_ps(a, b);
+}
+
+static inline __m256 MaxPlane(__m256 a, __m256 b)
+{
+    return _mm256_max_ps(a, b);
+}
+
+static inline uint32_t FindApart(const __m256 x[3], __m256 lower, __m256 upper)
+{
+    __m256 above = _mm256_cmp_ps(MinPlane(x[0], MinPlane(x[1], x[2])), upper, _CMP_GT_OQ);
+    __m256 below = _mm256_cmp_ps(MaxPlane(x[0], MaxPlane(x[1], x[2])), lower, _CMP_LT_OQ);
+    return (uint32_t)_mm256_movemask_ps(_mm256_or_ps(above, below));
+}
+
+/// The points of triangles i and 4 + i side by side, then columns to vectors.
+static inline void LoadPlanePoints(const qcPoint* points, const qcCorners* corners, int c, __m256 out[3])
+{
+    __m256 row[4];
+    for (int i = 0; i < 4; i++)
+        row[i] = _mm256_insertf128_ps(_mm256_castps128_ps256(_mm_loadu_ps(points[corners[i].vertex[c]].x)),
+                                      _mm_loadu_ps(points[corners[4 + i].vertex[c]].x), 1);
+    __m256 xy01 = _mm256_unpacklo_ps(row[0], row[1]), z01 = _mm256_unpackhi_ps(row[0], row[1]);
+    __m256 xy23 = _mm256_unpacklo_ps(row[2], row[3]), z23 = _mm256_unpackhi_ps(row[2], row[3]);
+    out[0] = _mm256_shuffle_ps(xy01, xy23, 0x44);
+    out[1] = _mm256_shuffle_ps(xy01, xy23, 0xee);
+    out[2] = _mm256_shuffle_ps(z01, z23, 0x44);
+}
+
 #endif

@@ -1,10 +1,29 @@
 // Kernels for x86-64 with AVX2 and FMA.
 #include "kernels/simd_x86.h"
 
+#include <string.h>
+
 enum
 {
     QC_LANES = 8
 };
+
+typedef int32_t LaneMask __attribute__((vector_size(32)));
+
+static inline LaneMask AllLanes(void)
+{
+    return ~(LaneMask){0};
+}
+
+static inline LaneMask IsAbove(__m256 a, __m256 b)
+{
+    return a > b;
+}
+
+static inline uint32_t LaneBits(LaneMask lanes)
+{
+    return (uint32_t)_mm256_movemask_ps((__m256)lanes);
+}
 
 static inline __m256 MinFloats(__m256 a, __m256 b)
 {
@@ -19,6 +38,24 @@ static inline __m256 SquareRoot(__m256 a)
 static inline __m256 MaxFloats(__m256 a, __m256 b)
 {
     return _mm256_max_ps(a, b);
+}
+
+/// By a row's lower and upper half: the lanes whose bits are set, in order.
+static const uint8_t s_lanes[16][4] = {{0}, {0},    {1},    {0, 1},    {2},    {0, 2},    {1, 2},    {0, 1, 2},
+                                       {3}, {0, 3}, {1, 3}, {0, 1, 3}, {2, 3}, {0, 2, 3}, {1, 2, 3}, {0, 1, 2, 3}};
+
+static inline qcSlotPair* AddRow(uint32_t row, uint32_t first, uint32_t other, qcSlotPair* pairs)
+{
+    for (uint32_t half = 0; half < 2; half++)
+    {
+        uint32_t bits = row >> 4 * half & 0xfu, lanes;
+        memcpy(&lanes, s_lanes[bits], sizeof lanes);
+        __m256i all = _mm256_set1_epi64x((int64_t)((uint64_t)other << 32 | (first + 4 * half)));
+        _mm256_storeu_si256((__m256i*)pairs,
+                            _mm256_add_epi64(all, _mm256_cvtepu8_epi64(_mm_cvtsi32_si128((int)lanes))));
+        pairs += __builtin_popcount(bits);
+    }
+    return pairs;
 }
 
 /// Two boxes of b at a time, against all boxes of a.

@@ -6,6 +6,23 @@ enum
     QC_LANES = 16
 };
 
+typedef __mmask16 LaneMask;
+
+static inline LaneMask AllLanes(void)
+{
+    return 0xffff;
+}
+
+static inline LaneMask IsAbove(__m512 a, __m512 b)
+{
+    return _mm512_cmp_ps_mask(a, b, _CMP_GT_OQ);
+}
+
+static inline uint32_t LaneBits(LaneMask lanes)
+{
+    return lanes;
+}
+
 static inline __m512 MinFloats(__m512 a, __m512 b)
 {
     return _mm512_min_ps(a, b);
@@ -19,6 +36,14 @@ static inline __m512 SquareRoot(__m512 a)
 static inline __m512 MaxFloats(__m512 a, __m512 b)
 {
     return _mm512_max_ps(a, b);
+}
+
+static inline qcSlotPair* AddRow(uint32_t row, uint32_t first, uint32_t other, qcSlotPair* pairs)
+{
+    __m512i all = _mm512_add_epi64(_mm512_set1_epi64((int64_t)((uint64_t)other << 32 | first)),
+                                   _mm512_set_epi64(7, 6, 5, 4, 3, 2, 1, 0));
+    _mm512_storeu_si512(pairs, _mm512_maskz_compress_epi64((__mmask8)row, all));
+    return pairs + __builtin_popcount(row);
 }
 
 /// Two boxes of b at a time, against all boxes of a.

@@ -1,9 +1,11 @@
 // The kernels, written once for all instruction sets: boxes here, the rest in the headers that this one includes. The
 // source of an instruction set defines before it includes this header: QC_LANES (floats in a vector), Shorts (eight
 // int16_t), MinShorts, MinFloats, MaxFloats, SquareRoot, Transpose (eight rows to eight columns), TransformVertex (one
-// vertex), FindBoxOverlaps, FindMotionBoxOverlaps (see findOverlaps and findMotionOverlaps) and FindCommonVertices (bit
-// u + 8 v: triangle u of one cluster and triangle v of another have a common vertex); and after it:
-// LoadPoints (QC_LANES points to three vectors) and SignBits (a bit for each lane that is true).
+// vertex), FindBoxOverlaps, FindMotionBoxOverlaps (see findOverlaps and findMotionOverlaps), FindCommonVertices (bit
+// u + 8 v: triangle u of one cluster and triangle v of another have a common vertex), and what
+// kernels/cluster_planes.inl.h needs; and after it:
+// LoadPoints (QC_LANES points to three vectors) and SignBits (a bit for each lane that is true). LaneMask is the
+// instruction set's own form of comparisons, with AllLanes, IsAbove and LaneBits.
 #ifndef QC_KERNELS_TRIANGLE_KERNELS_INL_H
 #define QC_KERNELS_TRIANGLE_KERNELS_INL_H
 
@@ -86,6 +88,8 @@ QC_INLINE qcSlotPair* AddPairs(uint64_t triangles, size_t clusterA, size_t clust
     return pairs;
 }
 
+#include "kernels/cluster_planes.inl.h"
+
 /// Clears the bits of excluded pairs of two clusters.
 QC_INLINE uint64_t RemoveExcluded(uint64_t word, const qcPairExclusion* exclusion, uint32_t i, uint32_t j)
 {
@@ -94,10 +98,12 @@ QC_INLINE uint64_t RemoveExcluded(uint64_t word, const qcPairExclusion* exclusio
 
 static qcSlotPair* CollectPairs(const qcBvhBoxes* a, uint32_t nodeA, const qcBvhBoxes* b, uint32_t nodeB,
                                 const uint64_t* pairMasks, const qcPairExclusion* exclusions, int exclusionCount,
-                                qcSlotPair* pairs)
+                                const qcPlaneTest* planes, qcSlotPair* pairs)
 {
     static const uint64_t all[] = {0, 0, 0};
     pairMasks = pairMasks != NULL ? pairMasks : all;
+    ClusterPair found[qc_pairMaskWords + 1];
+    uint32_t count = 0;
     uint64_t clusters = FindBoxOverlaps(&a->nodes[nodeA], &b->nodes[nodeB]) & ~pairMasks[1];
     for (; clusters != 0; clusters &= clusters - 1)
     {
@@ -107,18 +113,19 @@ static qcSlotPair* CollectPairs(const qcBvhBoxes* a, uint32_t nodeA, const qcBvh
             word = RemoveExcluded(word, &exclusions[i], bit % qc_boxLanes, bit / qc_boxLanes);
         if (exclusionCount != 0 && word == 0)
             continue;
-        size_t clusterA = (size_t)nodeA * qc_boxLanes + bit % qc_boxLanes;
-        size_t clusterB = (size_t)nodeB * qc_boxLanes + bit / qc_boxLanes;
-        pairs =
-            AddPairs(FindBoxOverlaps(&a->clusters[clusterA], &b->clusters[clusterB]) & word, clusterA, clusterB, pairs);
+        uint32_t clusterA = nodeA * qc_boxLanes + bit % qc_boxLanes, clusterB = nodeB * qc_boxLanes + bit / qc_boxLanes;
+        word &= FindBoxOverlaps(&a->clusters[clusterA], &b->clusters[clusterB]);
+        found[count] = (ClusterPair){word, clusterA, clusterB};
+        count += word != 0;
     }
-    return pairs;
+    return AddClusterPairs(planes, found, count, pairs);
 }
 
 #include "kernels/common_vertices.inl.h"
 #include "kernels/separating_axis.inl.h"
 
 #include "kernels/feature_distance.inl.h"
+#include "kernels/relate.inl.h"
 #include "kernels/flat_patch_test.inl.h"
 #include "kernels/flat_patch_motion.inl.h"
 #include "kernels/lattice_transform.inl.h"
@@ -132,7 +139,7 @@ static qcSlotPair* CollectPairs(const qcBvhBoxes* a, uint32_t nodeA, const qcBvh
         .name = title, .transformVertices = TransformVertices, .fitTriangles = FitTriangles, .fitBoxes = FitBoxes,     \
         .findOverlaps = FindOverlaps, .collectPairs = CollectPairs, .isPatchFlat = IsPatchFlat,                        \
         .findPairMask = FindPairMask, .transformBoxes = TransformBoxes, .transformTriangles = TransformTriangles,      \
-        .collectTransformedPairs = CollectTransformedPairs, .filter = Filter, .classify = Classify,                    \
+        .collectTransformedPairs = CollectTransformedPairs, .filter = Filter, .relate = Relate, .classify = Classify,  \
         .filterNeighbours = FilterNeighbours, .findSeparatedFans = FindSeparatedFans,                                  \
         .findIntersecting = FindIntersecting, .findMotionOverlaps = FindMotionOverlaps,                                \
         .collectMotionPairs = CollectMotionPairs, .filterMotion = FilterMotion,                                        \

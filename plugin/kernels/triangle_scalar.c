@@ -16,6 +16,23 @@ static inline Shorts MinShorts(Shorts a, Shorts b)
     return (a & less) | (b & ~less);
 }
 
+typedef FourInts LaneMask;
+
+static inline LaneMask AllLanes(void)
+{
+    return ~(LaneMask){0};
+}
+
+static inline LaneMask IsAbove(FourFloats a, FourFloats b)
+{
+    return a > b;
+}
+
+static inline uint32_t LaneBits(LaneMask lanes)
+{
+    return (uint32_t)((lanes[0] & 1) | (lanes[1] & 2) | (lanes[2] & 4) | (lanes[3] & 8));
+}
+
 static inline FourFloats MinFloats(FourFloats a, FourFloats b)
 {
     FourInts less = a < b;
@@ -149,6 +166,51 @@ static inline uint64_t FindCommonVertices(const qcClusterVertices* a, const qcCl
     return common;
 }
 
+//  ---- kernels/cluster_planes.inl.h ----------------------------------------------------------------
+
+enum
+{
+    qc_planeLanes = 4
+};
+
+typedef FourFloats PlaneFloats;
+
+static inline PlaneFloats MinPlane(PlaneFloats a, PlaneFloats b)
+{
+    return MinFloats(a, b);
+}
+
+static inline PlaneFloats MaxPlane(PlaneFloats a, PlaneFloats b)
+{
+    return MaxFloats(a, b);
+}
+
+static inline uint32_t ToSignBits(FourInts lanes)
+{
+    return (uint32_t)((lanes[0] & 1) | (lanes[1] & 2) | (lanes[2] & 4) | (lanes[3] & 8));
+}
+
+static inline uint32_t FindApart(const PlaneFloats x[3], PlaneFloats lower, PlaneFloats upper)
+{
+    return ToSignBits(((x[0] > upper) & (x[1] > upper) & (x[2] > upper)) |
+                      ((x[0] < lower) & (x[1] < lower) & (x[2] < lower)));
+}
+
+static inline void LoadPlanePoints(const qcPoint* points, const qcCorners* corners, int corner, PlaneFloats out[3])
+{
+    const float *a = points[corners[0].vertex[corner]].x, *b = points[corners[1].vertex[corner]].x,
+                *c = points[corners[2].vertex[corner]].x, *d = points[corners[3].vertex[corner]].x;
+    for (int axis = 0; axis < 3; axis++)
+        out[axis] = (PlaneFloats){a[axis], b[axis], c[axis], d[axis]};
+}
+
+static inline qcSlotPair* AddRow(uint32_t row, uint32_t first, uint32_t other, qcSlotPair* pairs)
+{
+    for (; row != 0; row &= row - 1)
+        *pairs++ = (qcSlotPair){first + (uint32_t)__builtin_ctz(row), other};
+    return pairs;
+}
+
 #include "kernels/triangle_kernels.inl.h"
 
 QC_INLINE Vectors LoadPoints(const qcPoint* points, const uint32_t vertex[QC_LANES])
@@ -159,7 +221,7 @@ QC_INLINE Vectors LoadPoints(const qcPoint* points, const uint32_t vertex[QC_LAN
 
 QC_INLINE uint32_t SignBits(Ints lanes)
 {
-    return (uint32_t)((lanes[0] & 1) | (lanes[1] & 2) | (lanes[2] & 4) | (lanes[3] & 8));
+    return ToSignBits(lanes);
 }
 
 const qcTriangleKernels qcTriangleKernels_scalar = QC_KERNELS("plain");

@@ -304,7 +304,7 @@ START_TEST(collected_pairs_of_two_lattices_are_those_whose_transformed_boxes_ove
         }
         uint32_t nodeA = qcRandom_Below(&random, qc_nodesInTest), nodeB = qcRandom_Below(&random, qc_nodesInTest);
         qcBvhBoxes sideA = {a.clusters, a.nodes};
-        size_t count = (size_t)(k->collectTransformedPairs(&sideA, nodeA, &b.transformed, nodeB, found) - found);
+        size_t count = (size_t)(k->collectTransformedPairs(&sideA, nodeA, &b.transformed, nodeB, NULL, found) - found);
         size_t expectedCount = CollectOneByOne(k, &a, nodeA, &b, nodeB, expected);
         CheckSamePairs(found, count, expected, expectedCount, k->name);
         pairs += count;

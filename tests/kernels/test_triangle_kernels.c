@@ -343,7 +343,7 @@ START_TEST(collected_pairs_overlap_have_their_bit_set_and_are_not_excluded)
         uint32_t nodeA = qcRandom_Below(&random, qc_nodesInTest), nodeB = qcRandom_Below(&random, qc_nodesInTest);
         qcBvhBoxes sideA = {a.clusters, a.nodes}, sideB = {b.clusters, b.nodes};
         size_t count = (size_t)(k->collectPairs(&sideA, nodeA, &sideB, nodeB, choice.words != NULL ? table : NULL,
-                                                skips, choice.skipCount, found) -
+                                                skips, choice.skipCount, NULL, found) -
                                 found);
         size_t expectedCount = CollectOneByOne(&a, nodeA, &b, nodeB, &choice, expected);
         CheckSamePairs(found, count, expected, expectedCount, k->name);

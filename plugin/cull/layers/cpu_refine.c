@@ -49,7 +49,7 @@ static void Flush(Queue* queue)
     qcClassifiedPairs found = {.pairs = queue->pairs, .count = (size_t)(queue->end - queue->pairs)};
     queue->count += found.count;
     queue->end = queue->pairs;
-    qcClassifiedPairs_Filter(&found, r->memory->kernels, r->sides, &r->bound);
+    qcClassifiedPairs_Filter(&found, r->memory->kernels, r->sides, &r->bound, false);
     qcPairBuffer_Add(&QC_AT(qcPairBuffer, r->memory->buffers, queue->worker), &found, r->job->listClassified, KeyOf, r);
 }
 
@@ -86,7 +86,7 @@ static void FindPairs(Queue* queue, const qcLayersEntry* p, const qcLayersEntry*
     if (queue->end - queue->pairs >= qc_queueFull)
         Flush(queue);
     const qcBvhBoxes boxes = {r->job->image->clusterGroups, r->job->image->nodeGroups};
-    queue->end = r->memory->kernels->collectPairs(&boxes, a, &boxes, b, pairMasks, NULL, 0, queue->end);
+    queue->end = r->memory->kernels->collectPairs(&boxes, a, &boxes, b, pairMasks, NULL, 0, NULL, queue->end);
 }
 
 /// OVERLAP of common.glsl: no subtraction borrows from a top bit.

@@ -20,7 +20,7 @@ enum
     // a thread for.
     qc_searchBlock = 16,
     qc_minSearchBlocks = 8,
-    qc_queueRoom = qc_queueFull + qc_nodeSize * qc_nodeSize
+    qc_queueRoom = qc_queueFull + qc_maxCollected
 };
 
 /// Two nodes of the current level of their search.
@@ -47,6 +47,7 @@ typedef struct Queue
 {
     const Search* search;
     qcSlotPair *pairs, *end;
+    qcPlaneCache* planes;
     uint32_t worker;
     bool isOpen; ///< false: the job's function has stopped the search
 } Queue;
@@ -65,7 +66,7 @@ static void Flush(Queue* queue)
     if (s->filters && s->motion != NULL)
         found.count = s->job->kernels->filterMotion(&s->motion[0], &s->motion[1], found.pairs, count);
     else if (s->filters)
-        qcClassifiedPairs_Filter(&found, s->job->kernels, s->sides, &s->thresholds);
+        qcClassifiedPairs_Filter(&found, s->job->kernels, s->sides, &s->thresholds, true);
     queue->isOpen = found.count == 0 || s->job->function(s->job->context, &found, queue->worker);
 }
 
@@ -128,8 +129,9 @@ static bool FindRules(const Search* s, uint32_t a, uint32_t b, Rules* rules)
     return true;
 }
 
-static void CompareLeafNodes(Queue* queue, uint32_t a, uint32_t b)
+static void CompareLeafNodes(Queue* queue, NodePair nodes)
 {
+    uint32_t number = nodes.search, a = nodes.a, b = nodes.b;
     const Search* s = queue->search;
     const qcBvhPairsJob* job = s->job;
     if (job->visitedA != NULL)
@@ -150,13 +152,19 @@ static void CompareLeafNodes(Queue* queue, uint32_t a, uint32_t b)
         return;
     }
     qcBvhBoxes boxesA = BoxesOf(s->a, &s->a->fit);
+    const qcPlaneTest test = {.sides = {s->sides[0], s->sides[1]},
+                              .thresholds = &s->thresholds,
+                              .isOne = s->same,
+                              .key = (uint64_t)number << 32,
+                              .cache = queue->planes};
+    const qcPlaneTest* planes = s->filters ? &test : NULL;
     if (!s->same)
     {
-        queue->end = job->kernels->collectTransformedPairs(&boxesA, a, &s->transformed, b, queue->end);
+        queue->end = job->kernels->collectTransformedPairs(&boxesA, a, &s->transformed, b, planes, queue->end);
         return;
     }
     queue->end = job->kernels->collectPairs(&boxesA, a, &boxesA, b, rules.pairMasks, rules.exclusions,
-                                            rules.exclusionCount, queue->end);
+                                            rules.exclusionCount, planes, queue->end);
 }
 
 /// Eight boxes of a node at the start and at the end, in the reference lattices; transformed ones are put into `own`.
@@ -210,7 +218,7 @@ static void Descend(Queue* queue, uint32_t level, NodePair nodes)
 {
     if (level == 1)
     {
-        CompareLeafNodes(queue, nodes.a, nodes.b);
+        CompareLeafNodes(queue, nodes);
         return;
     }
     for (uint64_t overlaps = FindOverlaps(queue->search, level, nodes); overlaps != 0; overlaps &= overlaps - 1)
@@ -520,6 +528,8 @@ static void SearchTask(void* context, size_t task, uint32_t worker)
     const Run* run = context;
     const qcArray* nodePairs = &run->memory->nodePairs;
     Queue queue = {.worker = worker, .isOpen = true};
+    queue.planes = &QC_AT(qcPlaneCache, run->memory->planes, worker);
+    memset(queue.planes->keys, 0xff, sizeof queue.planes->keys);
     queue.pairs = queue.end = &QC_AT(qcSlotPair, run->memory->queues, (size_t)worker * qc_queueRoom);
     size_t first = task * run->share, left = nodePairs->count - first,
            end = first + (left < run->share ? left : run->share);
@@ -542,6 +552,7 @@ qcStatus qcBvhPairs_Find(qcBvhPairs* pairs, const qcBvhPairsJob* jobs, size_t jo
     bool isMotion = jobCount != 0 && jobs[0].motion;
     QC_TRY(qcArray_Resize(&pairs->motions, isMotion ? 2 * jobCount : 0, sizeof(qcMotionBvh), "searches of BVHs"));
     QC_TRY(qcArray_Resize(&pairs->queues, (size_t)threads * qc_queueRoom, sizeof(qcSlotPair), "pairs of slots"));
+    QC_TRY(qcArray_Resize(&pairs->planes, threads, sizeof(qcPlaneCache), "planes of clusters"));
     qcParallel_For(threads, (jobCount + qc_searchBlock - 1) / qc_searchBlock, qc_minSearchBlocks, PrepareBlock, &run);
     QC_TRY(FindAllNodePairs(&run, threads));
     size_t count = pairs->nodePairs.count;
@@ -557,4 +568,5 @@ void qcBvhPairs_Free(qcBvhPairs* pairs)
     qcArray_Free(&pairs->nodePairs);
     qcArray_Free(&pairs->motions);
     qcArray_Free(&pairs->queues);
+    qcArray_Free(&pairs->planes);
 }

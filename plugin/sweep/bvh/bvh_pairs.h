@@ -38,6 +38,7 @@ typedef struct qcBvhPairs
     qcArray nodePairs; ///< of NodePair, of all searches
     qcArray motions;   ///< of qcMotionBvh: two for each job, if one is a motion
     qcArray queues;    ///< of qcSlotPair, a part for each worker
+    qcArray planes;    ///< of qcPlaneCache, one for each worker
 } qcBvhPairs;
 
 /// Does all jobs, in parallel. The BVHs of a job are fitted with a margin of `query` or more, unless one is local.

@@ -80,7 +80,7 @@ static void Flush(Search* s)
     s->count = 0;
     if (found.count == 0 || !s->isOpen)
         return;
-    qcClassifiedPairs_Filter(&found, s->job->kernels, s->sides, &s->thresholds);
+    qcClassifiedPairs_Filter(&found, s->job->kernels, s->sides, &s->thresholds, false);
     s->isOpen = found.count == 0 || s->job->function(s->job->context, &found, s->worker);
 }
 

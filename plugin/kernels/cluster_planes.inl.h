@@ -1,0 +1,177 @@
+// The planes of a cluster's eight triangles against the triangles of another cluster, eight at a time and without a
+// gather: corners side by side are cached by cluster. Planes separate most pairs whose boxes overlap. Proof:
+// plugin/docs/proofs/cluster_planes.md.
+//
+// The source of an instruction set defines before: PlaneFloats (qc_planeLanes of them, 4 or 8), LoadPlanePoints (a
+// corner of each of qc_planeLanes triangles to three vectors), FindApart (a bit for each lane whose three products are
+// all above the upper end or all below the lower one), MinPlane and MaxPlane, and AddRow (the pairs of up to eight
+// triangles with one; may write eight pairs).
+#ifndef QC_KERNELS_CLUSTER_PLANES_INL_H
+#define QC_KERNELS_CLUSTER_PLANES_INL_H
+
+#include "kernels/triangle_kernels.h"
+
+typedef int32_t PlaneInts __attribute__((vector_size(4 * qc_planeLanes)));
+
+typedef struct PlaneVectors
+{
+    PlaneFloats x, y, z;
+} PlaneVectors;
+
+QC_INLINE PlaneFloats LoadLanes(const float* lanes)
+{
+    PlaneFloats loaded;
+    memcpy(&loaded, lanes, sizeof loaded);
+    return loaded;
+}
+
+QC_INLINE void StoreLanes(PlaneFloats x, float* lanes)
+{
+    memcpy(lanes, &x, sizeof x);
+}
+
+QC_INLINE PlaneFloats DotPlanes(PlaneVectors a, PlaneVectors b)
+{
+    return a.x * b.x + a.y * b.y + a.z * b.z;
+}
+
+/// Corner c of triangles, in the frame of the first BVH.
+QC_INLINE PlaneVectors LoadCorner(const qcPlaneTest* test, int side, const qcCorners* corners, int c)
+{
+    PlaneFloats p[3], x[3];
+    LoadPlanePoints(test->sides[side].points, corners, c, p);
+    if (side == 0 || !test->thresholds->isTransformed)
+        return (PlaneVectors){p[0], p[1], p[2]};
+    for (int i = 0; i < 3; i++)
+    {
+        const float* row = test->thresholds->linear[i];
+        x[i] = p[0] * row[0] + p[1] * row[1] + p[2] * row[2] + test->thresholds->shift[i];
+    }
+    return (PlaneVectors){x[0], x[1], x[2]};
+}
+
+QC_INLINE PlaneFloats AbsoluteLanes(PlaneFloats x)
+{
+    return (PlaneFloats)((PlaneInts)x & 0x7fffffff);
+}
+
+/// Triangles at .. at + qc_planeLanes - 1 of a cluster.
+QC_INLINE void FillLanes(const qcPlaneTest* test, int side, const qcCorners* corners, int at, qcClusterPlanes* planes)
+{
+    PlaneVectors p[3];
+    for (int c = 0; c < 3; c++)
+    {
+        p[c] = LoadCorner(test, side, corners + at, c);
+        StoreLanes(p[c].x, planes->corner[c][0] + at);
+        StoreLanes(p[c].y, planes->corner[c][1] + at);
+        StoreLanes(p[c].z, planes->corner[c][2] + at);
+    }
+    PlaneVectors u = {p[1].x - p[0].x, p[1].y - p[0].y, p[1].z - p[0].z};
+    PlaneVectors v = {p[2].x - p[0].x, p[2].y - p[0].y, p[2].z - p[0].z};
+    PlaneVectors n = {u.y * v.z - u.z * v.y, u.z * v.x - u.x * v.z, u.x * v.y - u.y * v.x};
+    PlaneFloats x[3] = {DotPlanes(n, p[0]), DotPlanes(n, p[1]), DotPlanes(n, p[2])};
+    PlaneFloats size = AbsoluteLanes(n.x) + AbsoluteLanes(n.y) + AbsoluteLanes(n.z);
+    const qcDistanceThresholds* thresholds = test->thresholds;
+    PlaneFloats margin = size * ((4.0f * thresholds->pointError + thresholds->query) * 1.0001f + 12.0f * 0x1p-24f);
+    // Normals so short that products may underflow separate nothing.
+    const PlaneFloats infinite = (PlaneFloats){0} + INFINITY;
+    PlaneInts isShort = ~(size > 1e-20f);
+    margin = (PlaneFloats)(((PlaneInts)margin & ~isShort) | ((PlaneInts)infinite & isShort));
+    StoreLanes(n.x, planes->normal[0] + at);
+    StoreLanes(n.y, planes->normal[1] + at);
+    StoreLanes(n.z, planes->normal[2] + at);
+    StoreLanes(MinPlane(x[0], MinPlane(x[1], x[2])) - margin, planes->lower + at);
+    StoreLanes(MaxPlane(x[0], MaxPlane(x[1], x[2])) + margin, planes->upper + at);
+}
+
+static __attribute__((noinline)) void FillPlanes(const qcPlaneTest* test, int side, uint32_t cluster,
+                                                 qcClusterPlanes* planes)
+{
+    for (int at = 0; at < qc_boxLanes; at += qc_planeLanes)
+        FillLanes(test, side, test->sides[side].corners + (size_t)cluster * qc_clusterSize, at, planes);
+}
+
+static const qcClusterPlanes* FindPlanes(const qcPlaneTest* test, int side, uint32_t cluster)
+{
+    uint32_t entry = cluster % qc_planeCacheSize;
+    uint64_t key = test->key | cluster;
+    if (test->cache->keys[side][entry] != key)
+    {
+        test->cache->keys[side][entry] = key;
+        FillPlanes(test, side, cluster, &test->cache->planes[side][entry]);
+    }
+    return &test->cache->planes[side][entry];
+}
+
+QC_INLINE PlaneFloats Broadcast(float x)
+{
+    return x - (PlaneFloats){0};
+}
+
+/// A bit for each triangle of a that the plane of triangle j of b does not separate.
+QC_INLINE uint32_t FindUnseparated(const qcClusterPlanes* a, const qcClusterPlanes* b, uint32_t j)
+{
+    PlaneFloats x[3], n[3] = {Broadcast(b->normal[0][j]), Broadcast(b->normal[1][j]), Broadcast(b->normal[2][j])};
+    PlaneFloats lower = Broadcast(b->lower[j]), upper = Broadcast(b->upper[j]);
+    uint32_t apart = 0;
+    for (int at = 0; at < qc_boxLanes; at += qc_planeLanes)
+    {
+        for (int c = 0; c < 3; c++)
+            x[c] = n[0] * LoadLanes(a->corner[c][0] + at) + n[1] * LoadLanes(a->corner[c][1] + at) +
+                   n[2] * LoadLanes(a->corner[c][2] + at);
+        apart |= FindApart(x, lower, upper) << at;
+    }
+    return ~apart;
+}
+
+/// Pairs of triangles of two clusters: bit i + 8 j.
+typedef struct ClusterPair
+{
+    uint64_t pairs;
+    uint32_t a, b;
+} ClusterPair;
+
+/// Adds the pairs of triangles that the plane of the second does not separate. The clusters are those of one leaf node
+/// of each side: no two of a side share a cache entry.
+static qcSlotPair* AddUnseparatedPairs(const qcPlaneTest* test, const ClusterPair* clusters, uint32_t count,
+                                       qcSlotPair* pairs)
+{
+    const qcClusterPlanes* planes[2][qc_pairMaskWords];
+    uint16_t rows[qc_pairMaskWords * qc_boxLanes + 1];
+    uint32_t rowCount = 0;
+    // Within one BVH both sides share entries, unless those of the two nodes are the same.
+    uint32_t apart = (clusters[0].a ^ clusters[0].b) / qc_boxLanes;
+    int sideB = test->isOne && (apart == 0 || apart % (qc_planeCacheSize / qc_boxLanes) != 0) ? 0 : 1;
+    for (uint32_t i = 0; i < count; i++)
+    {
+        planes[0][i] = FindPlanes(test, 0, clusters[i].a);
+        planes[1][i] = FindPlanes(test, sideB, clusters[i].b);
+        // No branch here and below: which triangles have pairs follows no pattern.
+        for (uint32_t j = 0; j < qc_boxLanes; j++)
+        {
+            rows[rowCount] = (uint16_t)(i * qc_boxLanes + j);
+            rowCount += (clusters[i].pairs >> qc_boxLanes * j & 0xffu) != 0;
+        }
+    }
+    for (uint32_t k = 0; k < rowCount; k++)
+    {
+        uint32_t i = rows[k] / qc_boxLanes, j = rows[k] % qc_boxLanes;
+        uint32_t row = (uint32_t)(clusters[i].pairs >> qc_boxLanes * j) & 0xffu;
+        row &= FindUnseparated(planes[0][i], planes[1][i], j);
+        pairs = AddRow(row, clusters[i].a * qc_clusterSize, clusters[i].b * qc_clusterSize + j, pairs);
+    }
+    return pairs;
+}
+
+/// Adds the pairs of triangles of the clusters of two leaf nodes.
+QC_INLINE qcSlotPair* AddClusterPairs(const qcPlaneTest* planes, const ClusterPair* clusters, uint32_t count,
+                                      qcSlotPair* pairs)
+{
+    if (planes != NULL)
+        return AddUnseparatedPairs(planes, clusters, count, pairs);
+    for (uint32_t i = 0; i < count; i++)
+        pairs = AddPairs(clusters[i].pairs, clusters[i].a, clusters[i].b, pairs);
+    return pairs;
+}
+
+#endif
