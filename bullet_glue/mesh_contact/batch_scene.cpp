@@ -10,10 +10,6 @@
 
 namespace
 {
-// The scene keeps a mesh's transform until a point has moved by this part of the contact breaking threshold: meshes at
-// rest, which creep by a thousandth of that in each step, need no query. The query distance is larger by the same
-// length.
-constexpr btScalar s_tolerance = btScalar(0.03);
 // Contact of fine meshes is searched no further than this part of an edge: within 4 cm of a triangle of 1 cm lie a
 // hundred others.
 constexpr btScalar s_maxEdges = btScalar(0.5);
@@ -40,16 +36,6 @@ btScalar RadiusOf(const btCollisionShape* shape)
     return far.length();
 }
 } // namespace
-
-bool qcBatchMesh::IsAt(const btTransform& at) const
-{
-    return placed && qcDisplacementBound(transform, at, radius) <= tolerance;
-}
-
-bool qcBatchMesh::IsCurrent(const btCollisionShape* present, const btTransform& at) const
-{
-    return shape == present && margin == present->getMargin() && IsAt(at) && revision == qcMeshRevision(present);
-}
 
 void qcCollectMeshes(const btCollisionShape* shape, const btTransform& transform, std::vector<qcBatchMesh>* meshes)
 {
@@ -103,14 +89,15 @@ qcBatchObject* qcBatchScene::Find(const btCollisionObject* object)
     return found != m_objects.end() ? &found->second : nullptr;
 }
 
-bool qcBatchScene::IsUpToDate(const btCollisionObject* object, const qcBatchObject& gathered) const
+btScalar qcBatchScene::MaxClosing(const btCollisionObject* object, const qcBatchObject& gathered) const
 {
-    if (gathered.gathered != m_gathering)
-        return false;
-    // An impulse since the gathering may have made the object faster.
-    btScalar maxClosing =
-        qcMaxClosingDistance(object, gathered.radius, m_timeStep, gathered.maxContactDistance, m_meanMotion);
-    return maxClosing <= gathered.maxClosing + s_restDistance * gathered.threshold / 2;
+    return qcMaxClosingDistance(object, gathered.radius, m_timeStep, gathered.maxContactDistance, m_meanMotion);
+}
+
+btScalar qcBatchScene::ContactDistance(const qcBatchObject& a, const qcBatchObject& b)
+{
+    btScalar rest = s_restDistance * std::min(a.threshold, b.threshold);
+    return std::min({a.maxContactDistance, b.maxContactDistance, rest + a.maxClosing + b.maxClosing});
 }
 
 void qcBatchScene::InvalidateShape(const btCollisionShape* shape)
@@ -126,59 +113,60 @@ void qcBatchScene::Measure(const btCollisionShape& root, qcBatchObject* object) 
 {
     object->threshold =
         std::min(root.getContactBreakingThreshold(gContactBreakingThreshold), 2 * gContactBreakingThreshold);
+    object->tolerance = s_tolerance * object->threshold;
     object->isOurs = false;
     object->radius = RadiusOf(&root);
+    object->margin = 0;
     for (qcBatchMesh& mesh : object->meshes)
     {
-        mesh.tolerance = s_tolerance * object->threshold;
         mesh.radius = RadiusOf(mesh.shape);
         const qcMeshShape* ours = qcAsMeshShape(mesh.shape);
         if (ours != nullptr)
             mesh.edgeLength = EdgeLengthOf(ours, ours->getTriangleCount());
         object->isOurs = object->isOurs || ours != nullptr ||
                          (m_settings.gimpact && mesh.shape->getShapeType() == GIMPACT_SHAPE_PROXYTYPE);
+        object->margin = std::max(object->margin, mesh.margin + object->tolerance);
     }
 }
 
-/// Takes over the object's present meshes, and keeps those in the scene that are unchanged.
-void qcBatchScene::Refresh(const btCollisionObject* object, qcBatchObject* gathered)
+bool qcBatchScene::IsUnchanged(const btCollisionObject* object, const qcBatchObject& gathered) const
 {
     m_present.clear();
-    qcCollectMeshes(object->getCollisionShape(), object->getWorldTransform(), &m_present);
+    qcCollectMeshes(object->getCollisionShape(), btTransform::getIdentity(), &m_present);
+    auto isSame = [](const qcBatchMesh& mesh, const qcBatchMesh& now)
+    {
+        return mesh.shape == now.shape && mesh.margin == now.shape->getMargin() &&
+               mesh.revision == qcMeshRevision(now.shape) && qcAreSame(mesh.local, now.transform);
+    };
+    return std::equal(gathered.meshes.begin(), gathered.meshes.end(), m_present.begin(), m_present.end(), isSame);
+}
+
+bool qcBatchScene::Refresh(const btCollisionObject* object, qcBatchObject* gathered)
+{
+    if (IsUnchanged(object, *gathered))
+        return false;
+    gathered->version++;
     for (qcBatchMesh& mesh : m_present)
     {
         mesh.revision = qcMeshRevision(mesh.shape);
         mesh.margin = mesh.shape->getMargin();
+        mesh.local = mesh.transform;
     }
     auto isSame = [](const qcBatchMesh& a, const qcBatchMesh& b)
     { return a.shape == b.shape && a.revision == b.revision; };
-    bool same =
-        std::equal(m_present.begin(), m_present.end(), gathered->meshes.begin(), gathered->meshes.end(), isSame);
-    for (size_t i = 0; same && i < m_present.size(); i++)
-    {
-        qcBatchMesh& mesh = gathered->meshes[i];
-        mesh.margin = m_present[i].margin;
-        if (mesh.IsAt(m_present[i].transform))
-            continue;
-        mesh.placed = false;
-        mesh.transform = m_present[i].transform;
-    }
-    if (!same)
+    if (std::equal(m_present.begin(), m_present.end(), gathered->meshes.begin(), gathered->meshes.end(), isSame))
+        for (size_t i = 0; i < m_present.size(); i++)
+        {
+            gathered->meshes[i].margin = m_present[i].margin;
+            gathered->meshes[i].local = m_present[i].local;
+        }
+    else
     {
         RemoveMeshes(gathered);
         gathered->meshes.swap(m_present);
-        Measure(*object->getCollisionShape(), gathered);
     }
-    btScalar edgeLength = BT_LARGE_FLOAT;
-    for (const qcBatchMesh& mesh : gathered->meshes)
-        edgeLength = std::min(edgeLength, mesh.edgeLength);
-    gathered->maxContactDistance =
-        std::min(gathered->threshold, std::max(s_restDistance * gathered->threshold, s_maxEdges * edgeLength));
-    gathered->maxClosing =
-        qcMaxClosingDistance(object, gathered->radius, m_timeStep, gathered->maxContactDistance, m_meanMotion);
-    gathered->margin = 0;
-    for (const qcBatchMesh& mesh : gathered->meshes)
-        gathered->margin = std::max(gathered->margin, mesh.margin + mesh.tolerance);
+    Measure(*object->getCollisionShape(), gathered);
+    return true;
 }
 
 void qcBatchScene::RemoveMeshes(qcBatchObject* object)
@@ -189,18 +177,35 @@ void qcBatchScene::RemoveMeshes(qcBatchObject* object)
     object->meshes.clear();
 }
 
-/// Updates the object once a gathering, and adds it if it is new.
-qcBatchObject* qcBatchScene::Update(const btCollisionObject* object)
+qcBatchObject* qcBatchScene::FindOrAdd(const btCollisionObject* object)
 {
     qcBatchObject& gathered = m_objects[qcObjectKey(object)];
-    if (gathered.gathered == m_gathering)
-        return &gathered;
     if (gathered.owner == 0)
+    {
         gathered.owner = ++m_ownerCount;
-    gathered.gathered = gathered.present = m_gathering;
-    gathered.state = qcObjectState::Of(object);
-    Refresh(object, &gathered);
+        gathered.present = m_gathering;
+        Refresh(object, &gathered);
+    }
     return &gathered;
+}
+
+/// Updates the object once a gathering.
+void qcBatchScene::Update(const btCollisionObject* object, qcBatchObject* gathered)
+{
+    if (gathered->gathered == m_gathering)
+        return;
+    gathered->gathered = m_gathering;
+    btScalar edgeLength = BT_LARGE_FLOAT;
+    for (qcBatchMesh& mesh : gathered->meshes)
+    {
+        edgeLength = std::min(edgeLength, mesh.edgeLength);
+        btTransform now = object->getWorldTransform() * mesh.local;
+        mesh.placed = mesh.placed && qcAreSame(mesh.transform, now);
+        mesh.transform = now;
+    }
+    gathered->maxContactDistance =
+        std::min(gathered->threshold, std::max(s_restDistance * gathered->threshold, s_maxEdges * edgeLength));
+    gathered->maxClosing = MaxClosing(object, *gathered);
 }
 
 /// Sets the mean motion of the bodies that may hold meshes if most of their motion is common, else none. Fragments of a
@@ -235,22 +240,18 @@ void qcBatchScene::FindMeanMotion()
         m_meanMotion = mean;
 }
 
-/// Updates the objects of pairs, marks those whose pairs are computed here, and sets the margin of the query.
-void qcBatchScene::UpdatePairs()
+/// Updates the objects of pairs, and sets the margin of the query.
+void qcBatchScene::UpdatePairs(const std::vector<qcBatchPair>& pairs)
 {
     m_margin = 0;
-    ForEachPair(
-        [this](const btCollisionObject* object0, const btCollisionObject* object1)
-        {
-            qcBatchObject &a = *Update(object0), &b = *Update(object1);
-            if (a.meshes.empty() || b.meshes.empty() || !(a.isOurs || b.isOurs))
-                return;
-            a.inScene = b.inScene = true;
-            btScalar rest = s_restDistance * std::min(a.threshold, b.threshold);
-            btScalar contactDistance =
-                std::min({a.maxContactDistance, b.maxContactDistance, rest + a.maxClosing + b.maxClosing});
-            m_margin = std::max(m_margin, contactDistance + a.margin + b.margin);
-        });
+    for (const qcBatchPair& pair : pairs)
+    {
+        qcBatchObject &a = *pair.gathered0, &b = *pair.gathered1;
+        Update(pair.object0, &a);
+        Update(pair.object1, &b);
+        a.inScene = b.inScene = true;
+        m_margin = std::max(m_margin, ContactDistance(a, b) + a.margin + b.margin);
+    }
 }
 
 qcStatus qcBatchScene::UpdateMesh(qcBatchMesh* mesh, const qcBatchObject& gathered, qcActivity activity)
@@ -277,8 +278,9 @@ qcStatus qcBatchScene::UpdateMesh(qcBatchMesh* mesh, const qcBatchObject& gather
     // The sum over two bodies is at least the distance that UpdatePairs requires for them.
     btScalar contactDistance =
         std::min(gathered.maxContactDistance, s_restDistance * gathered.threshold / 2 + gathered.maxClosing);
+    mesh->reach = contactDistance + mesh->margin + gathered.tolerance;
     if (status == qc_statusOk)
-        status = qcScene_SetMargin(m_scene, mesh->id, double(contactDistance + mesh->margin + mesh->tolerance));
+        status = qcScene_SetMargin(m_scene, mesh->id, double(mesh->reach));
     mesh->placed = status == qc_statusOk;
     return status;
 }
@@ -294,7 +296,6 @@ void qcBatchScene::UpdateScene(const btCollisionObject* object, qcBatchObject* g
         qcStatus status = UpdateMesh(&mesh, *gathered, activity);
         if (status != qc_statusOk)
             m_status = status;
-        m_bodyCount += mesh.inScene;
     }
     gathered->activity = activity;
 }
@@ -323,7 +324,7 @@ void qcBatchScene::RemoveGone()
     }
 }
 
-qcStatus qcBatchScene::Gather()
+qcStatus qcBatchScene::Gather(const std::vector<qcBatchPair>& pairs)
 {
     BT_PROFILE("qcMeshContact gather");
     m_gathering++;
@@ -331,15 +332,18 @@ qcStatus qcBatchScene::Gather()
     m_bodyCount = 0;
     RemoveGone();
     FindMeanMotion();
-    UpdatePairs();
+    UpdatePairs(pairs);
+    // In the order in which the world has the objects: slots must not depend on that of pairs.
     const btCollisionObjectArray& objects = m_settings.world->getCollisionObjectArray();
     for (int i = 0; i < objects.size(); i++)
     {
-        if (!qcMayHoldMeshes(objects[i]->getCollisionShape()) || Find(objects[i]) == nullptr)
+        qcBatchObject* gathered = qcMayHoldMeshes(objects[i]->getCollisionShape()) ? Find(objects[i]) : nullptr;
+        if (gathered == nullptr || !gathered->inScene)
             continue;
-        qcBatchObject* gathered = Update(objects[i]);
-        if (gathered->inScene)
+        if (gathered->gathered == m_gathering)
             UpdateScene(objects[i], gathered);
+        for (const qcBatchMesh& mesh : gathered->meshes)
+            m_bodyCount += mesh.inScene;
     }
     return m_status;
 }

@@ -12,21 +12,17 @@
 struct qcBatchMesh
 {
     const btCollisionShape* shape;
-    btTransform transform;
+    btTransform transform; ///< in the scene
+    btTransform local;     ///< from the mesh's frame to the object's
     uint64_t revision = 0; ///< see qcMeshRevision; 0: stale
     btScalar margin = 0;
     bool inScene = false;
     bool placed = false;                  ///< the mesh is in the scene, at this transform
     btScalar radius = 0;                  ///< upper bound of its points' distance from its origin
     btScalar edgeLength = BT_LARGE_FLOAT; ///< estimate; this value until triangles of Bullet's shapes are counted
-    btScalar tolerance = 0;               ///< its points may move this far before the scene is updated
+    btScalar reach = 0;                   ///< its margin in the scene
     qcBodyId id{};
     std::vector<qcTriangleSource> sources;
-
-    /// True if the scene has the mesh at this transform, within the tolerance.
-    bool IsAt(const btTransform& at) const;
-    /// True if the scene has the mesh with the shape's present triangles, at this transform within the tolerance.
-    bool IsCurrent(const btCollisionShape* present, const btTransform& at) const;
 };
 
 /// Appends the meshes of a shape, at the transforms of Bullet's compound algorithms, to the last bit.
@@ -48,19 +44,34 @@ struct qcBatchObject
 {
     uint32_t owner = 0;    ///< of its meshes: children of a compound aren't tested with each other
     unsigned gathered = 0; ///< number of the last gathering that updated the object
-    unsigned present = 0;  ///< number of the last gathering that found the object in the world
+    unsigned present = 0;  ///< number of the last gathering that found the object in the world, or added it
+    unsigned version = 0;  ///< changes with its meshes and their places in the object
     bool isOurs = false;   ///< the library computes contact of one of its meshes with any other mesh
     bool inScene = false;  ///< its meshes are in the scene: from its first pair that the library computes
     qcActivity activity = qc_activityMoving;
     btScalar threshold = 0;          ///< upper bound of its contact breaking threshold
+    btScalar tolerance = 0;          ///< see qcBatchScene::s_tolerance
     btScalar margin = 0;             ///< largest of its meshes, tolerance included
     btScalar radius = 0;             ///< upper bound of its points' distance from its origin
     btScalar maxContactDistance = 0; ///< upper bound of its contact distance and of maxClosing
     btScalar maxClosing = 0;         ///< upper bound of its motion in a step relative to the mean motion
-    qcObjectState state;             ///< at the last gathering or check
+    qcObjectState state;             ///< at the last check
     unsigned checked = 0;            ///< number of the last check of the object (qcBatchValidity)
-    bool isValid = false;            ///< result of that check
+    bool isChanged = false;          ///< result of that check: nothing that is known of its pairs holds
     std::vector<qcBatchMesh> meshes;
+
+    /// True if contact of the two is computed here.
+    bool MeetsHere(const qcBatchObject& other) const
+    {
+        return !meshes.empty() && !other.meshes.empty() && (isOurs || other.isOurs);
+    }
+};
+
+/// Two objects whose pair is queried.
+struct qcBatchPair
+{
+    const btCollisionObject *object0, *object1;
+    qcBatchObject *gathered0, *gathered1;
 };
 
 /// Settings of the application.
@@ -84,16 +95,25 @@ class qcBatchScene
     qcBatchScene& operator=(const qcBatchScene&) = delete;
 
     qcStatus Create(qcDevice* device);
-    /// Brings the scene up to date with the world. Returns the last error; an object with an error has no contact.
-    qcStatus Gather();
+    /// Brings the objects of these pairs up to date in the scene. Returns the last error; an object with an error has
+    /// no contact.
+    qcStatus Gather(const std::vector<qcBatchPair>& pairs);
+    /// The object, added if it is new, with its present meshes.
+    qcBatchObject* FindOrAdd(const btCollisionObject* object);
+    /// Reads the object's meshes anew if they are not as last read. True if they were not.
+    bool Refresh(const btCollisionObject* object, qcBatchObject* gathered);
     /// Makes the next gathering read the shape anew.
     void InvalidateShape(const btCollisionShape* shape);
 
     /// The object as last gathered; null: never gathered.
     const qcBatchObject* Find(const btCollisionObject* object) const;
     qcBatchObject* Find(const btCollisionObject* object);
-    /// True if the last gathering updated the object, and its contact distance covers the object's motion in the step.
-    bool IsUpToDate(const btCollisionObject* object, const qcBatchObject& gathered) const;
+    /// True if the object's meshes are as last read, at the same places in the object.
+    bool IsUnchanged(const btCollisionObject* object, const qcBatchObject& gathered) const;
+    /// Upper bound of the object's motion in the step; see qcBatchObject::maxClosing.
+    btScalar MaxClosing(const btCollisionObject* object, const qcBatchObject& gathered) const;
+    /// Distance between the margins of two objects up to which contact is searched.
+    static btScalar ContactDistance(const qcBatchObject& a, const qcBatchObject& b);
     /// Calls function(object0, object1) for the world's pairs of objects that may hold meshes.
     template <typename Function> void ForEachPair(Function function) const;
 
@@ -126,15 +146,18 @@ class qcBatchScene
         return m_bodyCount;
     }
 
-  private:
     /// Contact is searched up to the motion of the bodies in the step, plus this part of the threshold.
     static constexpr btScalar s_restDistance = btScalar(0.05);
+    /// What is known of a pair holds until two of its points have moved against each other by this part of both
+    /// thresholds: meshes at rest, which creep by a thousandth of that in each step, need no query. The query distance
+    /// is larger by the same length.
+    static constexpr btScalar s_tolerance = btScalar(0.03);
 
+  private:
     void Measure(const btCollisionShape& root, qcBatchObject* object) const;
-    void Refresh(const btCollisionObject* object, qcBatchObject* gathered);
-    qcBatchObject* Update(const btCollisionObject* object);
+    void Update(const btCollisionObject* object, qcBatchObject* gathered);
     void FindMeanMotion();
-    void UpdatePairs();
+    void UpdatePairs(const std::vector<qcBatchPair>& pairs);
     qcStatus UpdateMesh(qcBatchMesh* mesh, const qcBatchObject& gathered, qcActivity activity);
     void UpdateScene(const btCollisionObject* object, qcBatchObject* gathered);
     void RemoveMeshes(qcBatchObject* object);
@@ -143,8 +166,8 @@ class qcBatchScene
     const qcBatchSettings& m_settings;
     qcScene* m_scene = nullptr;
     std::unordered_map<qcObjectKey, qcBatchObject, qcObjectKeyHash> m_objects;
-    std::vector<qcBatchMesh> m_present; ///< scratch
-    unsigned m_gathering = 0;           ///< number of the last gathering
+    mutable std::vector<qcBatchMesh> m_present; ///< scratch
+    unsigned m_gathering = 0;                   ///< number of the last gathering
     uint32_t m_ownerCount = 0;
     int m_bodyCount = 0;
     qcStatus m_status = qc_statusOk;

@@ -1,56 +1,68 @@
-// Decides whether the last batch holds for the pairs of a step.
+// Decides which pairs of a step have to be queried.
 #include "mesh_contact/batch_validity.h"
 
 #include <BulletCollision/BroadphaseCollision/btDispatcher.h>
 
 #include <algorithm>
 
-/// True if the last gathering has all meshes of the object at their present transforms.
-bool qcBatchValidity::IsValid(const btCollisionObject* object, const qcBatchObject& gathered)
+bool qcBatchValidity::IsChanged(const btCollisionObject* object, qcBatchObject* gathered) const
 {
-    if (!m_scene.IsUpToDate(object, gathered))
-        return false;
+    if (m_scene.Refresh(object, gathered))
+        return true;
     // Fast objects were sampled along the velocities that they had.
-    bool isFast = 2 * qcRigidMotion(object).MaxSpeed(gathered.radius) * m_scene.GetTimeStep() > gathered.threshold;
-    if (isFast && !gathered.state.IsStateOf(object))
-        return false;
-    m_present.clear();
-    qcCollectMeshes(object->getCollisionShape(), object->getWorldTransform(), &m_present);
-    auto isCurrent = [](const qcBatchMesh& mesh, const qcBatchMesh& now)
-    { return mesh.IsCurrent(now.shape, now.transform); };
-    return std::equal(gathered.meshes.begin(), gathered.meshes.end(), m_present.begin(), m_present.end(), isCurrent);
+    bool isFast = 2 * qcRigidMotion(object).MaxSpeed(gathered->radius) * m_scene.GetTimeStep() > gathered->threshold;
+    return isFast && !gathered->state.IsStateOf(object);
 }
 
-/// Checks an object once a check. Null: it was never gathered.
-const qcBatchObject* qcBatchValidity::CheckObject(const btCollisionObject* object)
+/// Checks an object once a check.
+qcBatchObject* qcBatchValidity::CheckObject(const btCollisionObject* object)
 {
-    qcBatchObject* gathered = m_scene.Find(object);
-    if (gathered != nullptr && gathered->checked != m_number)
+    qcBatchObject* gathered = m_scene.FindOrAdd(object);
+    if (gathered->checked != m_number)
     {
+        gathered->isChanged = IsChanged(object, gathered);
         gathered->checked = m_number;
-        gathered->isValid = IsValid(object, *gathered);
         gathered->state = qcObjectState::Of(object);
+        gathered->maxClosing = m_scene.MaxClosing(object, *gathered);
     }
     return gathered;
+}
+
+/// True if the points of a pair are those that contact of the present step needs. `a` was added before `b`.
+bool qcBatchValidity::Holds(const qcPairContact& pair, const qcBatchObject& a, const qcBatchObject& b) const
+{
+    // A pair that the previous check left out may have been fast then. An impulse since the query may have made the
+    // objects faster.
+    return pair.isKnown && pair.checked + 1 == m_number && !a.isChanged && !b.isChanged &&
+           std::min({a.maxContactDistance, b.maxContactDistance, a.maxClosing + b.maxClosing}) <= pair.reach &&
+           qcRelativeDisplacementBound({pair.a, a.state.transform, a.radius}, {pair.b, b.state.transform, b.radius}) <=
+               a.tolerance + b.tolerance;
 }
 
 bool qcBatchValidity::Check()
 {
     m_number++;
-    bool all = true;
+    m_due.clear();
     btDispatcher* dispatcher = m_scene.GetSettings().world->getDispatcher();
     m_scene.ForEachPair(
         [&](const btCollisionObject* object0, const btCollisionObject* object1)
         {
-            const qcBatchObject *a = CheckObject(object0), *b = CheckObject(object1);
-            bool gathered = a != nullptr && b != nullptr;
-            bool isOurs = !gathered || (!a->meshes.empty() && !b->meshes.empty() && (a->isOurs || b->isOurs));
-            if (!isOurs || !dispatcher->needsCollision(object0, object1))
+            qcBatchObject *a = CheckObject(object0), *b = CheckObject(object1);
+            if (!a->MeetsHere(*b) || !dispatcher->needsCollision(object0, object1))
                 return;
-            all = all && gathered && a->isValid && b->isValid &&
-                  (a->activity == qc_activityMoving || b->activity == qc_activityMoving);
+            if (a->owner > b->owner)
+            {
+                std::swap(a, b);
+                std::swap(object0, object1);
+            }
+            qcPairContact& pair = m_pairs.FindOrAdd(a->owner, b->owner);
+            pair.isDue = !Holds(pair, *a, *b);
+            pair.checked = m_number;
+            if (pair.isDue)
+                m_due.push_back({object0, object1, a, b});
         });
-    return all;
+    m_pairs.RemoveOld(m_number);
+    return m_due.empty();
 }
 
 bool qcBatchValidity::IsAsChecked(const btCollisionObject* object) const

@@ -1,19 +1,25 @@
-// Decides whether the last batch holds for the pairs of a step.
+// Decides which pairs of a step have to be queried.
 #ifndef QC_GLUE_MESH_CONTACT_BATCH_VALIDITY_H
 #define QC_GLUE_MESH_CONTACT_BATCH_VALIDITY_H
 
 #include "mesh_contact/batch_scene.h"
+#include "mesh_contact/pair_contacts.h"
 
-/// The first pair of a step has the objects of all pairs checked, so that results don't depend on the order of pairs.
+/// The first pair of a step has all pairs checked, so that results don't depend on the order of pairs.
 class qcBatchValidity
 {
   public:
-    explicit qcBatchValidity(qcBatchScene& scene) : m_scene(scene)
+    qcBatchValidity(qcBatchScene& scene, qcPairContacts& pairs) : m_scene(scene), m_pairs(pairs)
     {
     }
 
-    /// Checks all pairs of the world. True if the last gathering holds for each of them that the library computes.
+    /// Checks all pairs of the world that the library computes. True if what is known holds for each of them.
     bool Check();
+    /// The pairs for which it does not hold.
+    const std::vector<qcBatchPair>& GetDue() const
+    {
+        return m_due;
+    }
     /// True if the object is in the state in which the last check found it.
     bool IsAsChecked(const btCollisionObject* object) const;
     /// Number of the last check; 0: none.
@@ -23,12 +29,14 @@ class qcBatchValidity
     }
 
   private:
-    bool IsValid(const btCollisionObject* object, const qcBatchObject& gathered);
-    const qcBatchObject* CheckObject(const btCollisionObject* object);
+    bool IsChanged(const btCollisionObject* object, qcBatchObject* gathered) const;
+    qcBatchObject* CheckObject(const btCollisionObject* object);
+    bool Holds(const qcPairContact& pair, const qcBatchObject& a, const qcBatchObject& b) const;
 
     qcBatchScene& m_scene;
+    qcPairContacts& m_pairs;
+    std::vector<qcBatchPair> m_due;
     unsigned m_number = 0;
-    std::vector<qcBatchMesh> m_present; ///< scratch
 };
 
 #endif

@@ -47,6 +47,22 @@ qcDetectDef qcMeshBatch::DetectDef(btScalar margin) const
     return def;
 }
 
+/// Leaves what is known of all pairs, without the work of a step.
+void qcMeshBatch::ClearStatistics()
+{
+    qcMeshContactStatistics known;
+    known.status = statistics.status;
+    known.batches = statistics.batches;
+    known.queries = statistics.queries;
+    known.bodies = statistics.bodies;
+    known.manifolds = statistics.manifolds;
+    known.points = statistics.points;
+    known.method = statistics.method;
+    known.device = statistics.device;
+    known.fallback = statistics.fallback;
+    statistics = known;
+}
+
 /// Finds contacts that fast pairs will have within the step.
 void qcMeshBatch::SampleImpacts()
 {
@@ -60,20 +76,42 @@ void qcMeshBatch::SampleImpacts()
                             gathered.radius, gathered.threshold,
                             mesh.margin,     gathered.maxContactDistance};
     };
-    m_scene.ForEachPair(
-        [&](const btCollisionObject* object0, const btCollisionObject* object1)
-        {
-            const qcBatchObject &a = *m_scene.Find(object0), &b = *m_scene.Find(object1);
-            if (!(a.isOurs || b.isOurs) || !settings.world->getDispatcher()->needsCollision(object0, object1))
-                return;
-            for (const qcBatchMesh& meshA : a.meshes)
-                for (const qcBatchMesh& meshB : b.meshes)
-                    if (meshA.placed && meshB.placed)
-                        m_impacts.AddPair(moving(object0, a, meshA), moving(object1, b, meshB));
-        });
+    for (const qcBatchPair& pair : m_validity.GetDue())
+        for (const qcBatchMesh& meshA : pair.gathered0->meshes)
+            for (const qcBatchMesh& meshB : pair.gathered1->meshes)
+                if (meshA.placed && meshB.placed)
+                    m_impacts.AddPair(moving(pair.object0, *pair.gathered0, meshA),
+                                      moving(pair.object1, *pair.gathered1, meshB));
     Note(m_impacts.Sample(m_scene.Get(), DetectDef(m_scene.GetMargin())));
     statistics.moments = m_impacts.GetSampleCount();
     statistics.aheadMs = qcNowMs() - start;
+}
+
+/// The pair of two meshes' objects if it is to be queried; null otherwise.
+qcPairContact* qcMeshBatch::FindDue(uint32_t slotA, uint32_t slotB)
+{
+    size_t count = m_ownerOfSlot.size();
+    uint32_t a = slotA < count ? m_ownerOfSlot[slotA] : 0, b = slotB < count ? m_ownerOfSlot[slotB] : 0;
+    qcPairContact* pair = a != 0 && b != 0 ? m_pairs.Find(a, b) : nullptr;
+    return pair != nullptr && pair->isDue && pair->checked == m_validity.GetNumber() ? pair : nullptr;
+}
+
+bool qcMeshBatch::IsDue(void* context, uint32_t slotA, uint32_t slotB)
+{
+    return static_cast<qcMeshBatch*>(context)->FindDue(slotA, slotB) != nullptr;
+}
+
+void qcMeshBatch::NumberSlots()
+{
+    m_ownerOfSlot.clear();
+    for (const qcBatchPair& pair : m_validity.GetDue())
+        for (const qcBatchObject* gathered : {pair.gathered0, pair.gathered1})
+            for (const qcBatchMesh& mesh : gathered->meshes)
+                if (mesh.placed)
+                {
+                    m_ownerOfSlot.resize(std::max(m_ownerOfSlot.size(), size_t(mesh.id.slot) + 1));
+                    m_ownerOfSlot[mesh.id.slot] = gathered->owner;
+                }
 }
 
 qcStatus qcMeshBatch::Detect()
@@ -81,12 +119,13 @@ qcStatus qcMeshBatch::Detect()
     BT_PROFILE("qcMeshContact detect");
     qcDetectDef def = DetectDef(m_scene.GetMargin());
     def.candidates = settings.reportsCandidates;
+    def.proximities = true;
+    def.pairFilter = IsDue;
+    def.pairFilterContext = this;
     qcStatus status = qcScene_Detect(m_scene.Get(), &def, &m_result);
     if (status != qc_statusOk)
         return status;
     const qcProfile& profile = m_result->profile;
-    statistics.manifolds = int(m_result->manifoldCount);
-    statistics.points = int(m_result->manifoldPointCount);
     statistics.method = profile.method;
     statistics.device = profile.device;
     statistics.fallback = profile.fallback;
@@ -101,15 +140,71 @@ qcStatus qcMeshBatch::Detect()
     return qc_statusOk;
 }
 
-/// One query for all pairs of the world.
+/// Keeps the points of a pair from the last query.
+void qcMeshBatch::StorePoints(const qcBatchPair& pair, qcPairContact* contact) const
+{
+    std::vector<qcMeshPoint> points;
+    const qcBatchObject &a = *pair.gathered0, &b = *pair.gathered1;
+    for (uint32_t i = 0; i < a.meshes.size(); i++)
+        for (uint32_t j = 0; j < b.meshes.size(); j++)
+        {
+            const qcBatchMesh &meshA = a.meshes[i], &meshB = b.meshes[j];
+            contact->gap = std::min(contact->gap, meshA.placed && meshB.placed ? double(meshA.reach + meshB.reach) : 0);
+            if (!meshA.placed || !meshB.placed)
+                continue;
+            points.clear();
+            qcAppendPoints(*m_result, meshA.id, meshA.sources, meshB.id, meshB.sources, &points);
+            size_t found = points.size();
+            for (size_t k = 0; k < found; k++)
+                contact->regions += k == 0 || points[k].region != points[k - 1].region;
+            m_impacts.AppendPoints(meshA.id, meshA.transform, meshB.id, meshB.transform, &points);
+            for (qcMeshPoint& point : points)
+            {
+                point.onA = meshA.transform.invXform(point.onA);
+                point.onB = meshB.transform.invXform(point.onB);
+                point.normal = point.normal * meshB.transform.getBasis();
+                contact->points.push_back({i, j, size_t(&point - points.data()) >= found, point});
+            }
+        }
+}
+
+/// Keeps what the query has found of the due pairs.
+void qcMeshBatch::Store()
+{
+    for (const qcBatchPair& pair : m_validity.GetDue())
+    {
+        const qcBatchObject &a = *pair.gathered0, &b = *pair.gathered1;
+        qcPairContact& contact = *m_pairs.Find(a.owner, b.owner);
+        contact.points.clear();
+        contact.regions = 0;
+        // A scene does not test two bodies that both rest.
+        contact.isKnown = m_result != nullptr && (a.activity == qc_activityMoving || b.activity == qc_activityMoving);
+        contact.versionA = a.version;
+        contact.versionB = b.version;
+        contact.a = pair.object0->getWorldTransform();
+        contact.b = pair.object1->getWorldTransform();
+        contact.reach = qcBatchScene::ContactDistance(a, b);
+        contact.gap = double(m_scene.GetMargin());
+        if (m_result != nullptr)
+            StorePoints(pair, &contact);
+    }
+    for (size_t i = 0; m_result != nullptr && i < m_result->pairCount; i++)
+    {
+        const qcPair& pair = m_result->pairs[i];
+        if (qcPairContact* contact = FindDue(pair.bodyA, pair.bodyB))
+            contact->gap = std::min(contact->gap, m_result->proximities[i].distance);
+    }
+    m_pairs.Count(m_validity.GetNumber(), &statistics.manifolds, &statistics.points);
+}
+
+/// One query for all due pairs of the world.
 void qcMeshBatch::Run()
 {
     BT_PROFILE("qcMeshContact batch");
     double start = qcNowMs();
-    uint64_t batches = statistics.batches, queries = statistics.queries;
-    statistics = qcMeshContactStatistics();
-    statistics.batches = batches + 1;
-    statistics.queries = queries;
+    statistics.batches++;
+    statistics.pairs = int(m_validity.GetDue().size());
+    statistics.status = qc_statusOk;
     m_result = nullptr;
     if (m_scene.Get() == nullptr)
     {
@@ -117,7 +212,8 @@ void qcMeshBatch::Run()
         if (m_scene.Get() == nullptr)
             return;
     }
-    Note(m_scene.Gather());
+    Note(m_scene.Gather(m_validity.GetDue()));
+    NumberSlots();
     statistics.bodies = m_scene.GetBodyCount();
     double gathered = qcNowMs();
     // Before the query at the beginning of the step: the scene keeps its last result only.
@@ -126,39 +222,47 @@ void qcMeshBatch::Run()
     if (status != qc_statusOk)
         m_result = nullptr;
     Note(status);
+    Store();
     statistics.gatherMs = gathered - start;
     statistics.detectMs = qcNowMs() - gathered - statistics.aheadMs;
 }
 
-/// The mesh as the last batch has it; null if it has changed since.
-const qcBatchMesh* qcMeshBatch::FindMesh(const qcPlacedMesh& mesh, bool* moving) const
+/// The index of a mesh at its present transform among those of its object; -1: it is not there, or has changed since
+/// the check.
+int qcMeshBatch::FindMesh(const qcBatchObject& gathered, const qcPlacedMesh& mesh) const
 {
-    const qcBatchObject* gathered = m_scene.Find(mesh.object);
-    if (gathered == nullptr || !m_scene.IsUpToDate(mesh.object, *gathered))
-        return nullptr;
-    *moving = *moving || gathered->activity == qc_activityMoving;
-    // The pair may be new since the check, which then left out the mesh.
-    auto isCurrent = [&](const qcBatchMesh& candidate) { return candidate.IsCurrent(mesh.shape, mesh.transform); };
-    auto found = std::find_if(gathered->meshes.begin(), gathered->meshes.end(), isCurrent);
-    return found != gathered->meshes.end() ? &*found : nullptr;
+    const btTransform& object = mesh.object->getWorldTransform();
+    auto isPlaced = [&](const qcBatchMesh& candidate)
+    {
+        return candidate.shape == mesh.shape && candidate.margin == mesh.shape->getMargin() &&
+               candidate.revision == qcMeshRevision(mesh.shape) &&
+               qcDisplacementBound(object * candidate.local, mesh.transform, candidate.radius) <= gathered.tolerance;
+    };
+    auto found = std::find_if(gathered.meshes.begin(), gathered.meshes.end(), isPlaced);
+    return found != gathered.meshes.end() ? int(found - gathered.meshes.begin()) : -1;
 }
 
-/// Appends the pair's points of the last batch. False if the batch does not contain the pair.
+/// Appends the pair's known points. False if the last check did not have the pair.
 bool qcMeshBatch::ReadPair(const qcPlacedMesh& a, const qcPlacedMesh& b, std::vector<qcMeshPoint>* points) const
 {
-    bool moving = false;
-    const qcBatchMesh *meshA = FindMesh(a, &moving), *meshB = FindMesh(b, &moving);
-    if (m_result == nullptr || meshA == nullptr || meshB == nullptr || !moving)
+    const qcBatchObject *gatheredA = m_scene.Find(a.object), *gatheredB = m_scene.Find(b.object);
+    if (gatheredA == nullptr || gatheredB == nullptr)
         return false;
-    qcAppendPoints(*m_result, meshA->id, meshA->sources, meshB->id, meshB->sources, points);
-    // Points have moved with their bodies since the query, as those of a btPersistentManifold do.
-    for (qcMeshPoint& point : *points)
+    if (gatheredA->owner > gatheredB->owner)
     {
-        point.onA = a.transform * meshA->transform.invXform(point.onA);
-        point.onB = b.transform * meshB->transform.invXform(point.onB);
-        point.distance = (point.onA - point.onB).dot(point.normal);
+        size_t first = points->size();
+        bool isRead = ReadPair(b, a, points);
+        for (size_t i = first; i < points->size(); i++)
+            (*points)[i].Swap();
+        return isRead;
     }
-    m_impacts.AppendPoints(meshA->id, a.transform, meshB->id, b.transform, points);
+    const qcPairContact* pair = m_pairs.Find(gatheredA->owner, gatheredB->owner);
+    int meshA = FindMesh(*gatheredA, a), meshB = FindMesh(*gatheredB, b);
+    if (pair == nullptr || !pair->isKnown || pair->checked != m_validity.GetNumber() || meshA < 0 || meshB < 0)
+        return false;
+    for (const qcKnownPoint& known : pair->points)
+        if (known.meshA == uint32_t(meshA) && known.meshB == uint32_t(meshB))
+            points->push_back(known.At(a.transform, b.transform));
     return true;
 }
 
@@ -175,7 +279,9 @@ void qcMeshBatch::FindPoints(const qcPlacedMesh& a, const qcPlacedMesh& b, btSca
         if (!checked)
         {
             m_limiter.MarkStarts();
-            if (!m_validity.Check() || m_result == nullptr)
+            bool holds = m_validity.Check();
+            ClearStatistics();
+            if (!holds)
                 Run();
         }
         *check = m_validity.GetNumber();
@@ -214,6 +320,21 @@ void qcMeshBatch::QueryPair(const qcPlacedMesh& a, const qcPlacedMesh& b, btScal
     std::lock_guard<std::mutex> lock(m_mutex);
     statistics.queries++;
     Note(status);
+}
+
+bool qcMeshBatch::StayApart(const btCollisionObject* a, const qcStepMotion& motionA, const btCollisionObject* b,
+                            const qcStepMotion& motionB) const
+{
+    const qcBatchObject *gatheredA = m_scene.Find(a), *gatheredB = m_scene.Find(b);
+    if (gatheredA == nullptr || gatheredB == nullptr)
+        return false;
+    if (gatheredA->owner > gatheredB->owner)
+        return StayApart(b, motionB, a, motionA);
+    const qcPairContact* pair = m_pairs.Find(gatheredA->owner, gatheredB->owner);
+    return pair != nullptr && pair->versionA == gatheredA->version && pair->versionB == gatheredB->version &&
+           m_scene.IsUnchanged(a, *gatheredA) && m_scene.IsUnchanged(b, *gatheredB) &&
+           qcPairContacts::StayApart(*pair, {motionA.start, motionA.end, gatheredA->radius},
+                                     {motionB.start, motionB.end, gatheredB->radius});
 }
 
 void qcMeshBatch::InvalidateShape(const btCollisionShape* shape)

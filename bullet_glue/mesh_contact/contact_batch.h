@@ -21,19 +21,19 @@ struct qcPlacedMesh
 };
 
 /// Thread-safety: the functions may run on several threads at once, except where noted.
-class qcMeshBatch : public qcRigidLimits
+class qcMeshBatch : public qcRigidLimits, public qcKnownGaps
 {
   public:
     explicit qcMeshBatch(qcDevice* device)
-        : m_device(device), m_scene(settings), m_validity(m_scene), m_limiter(settings)
+        : m_device(device), m_scene(settings), m_validity(m_scene, m_pairs), m_limiter(settings, *this)
     {
     }
     qcMeshBatch(const qcMeshBatch&) = delete;
     qcMeshBatch& operator=(const qcMeshBatch&) = delete;
 
     /// Appends the contact points of a pair, up to the contact distance and within the motion of the step: from the
-    /// last batch if it holds for all pairs of the world, else from a new one. Pairs that are not in the batch are
-    /// queried alone. `check`: state of the pair's algorithm, 0 at first.
+    /// last batch that had the pair if it still holds, else from a new one, for all pairs of the world of which nothing
+    /// holds. Pairs that are not in the batch are queried alone. `check`: state of the pair's algorithm, 0 at first.
     void FindPoints(const qcPlacedMesh& a, const qcPlacedMesh& b, btScalar timeStep, unsigned* check,
                     std::vector<qcMeshPoint>* points);
     /// Appends the contact points of a pair whose triangles are at most `distance` apart, from a query for it alone.
@@ -43,6 +43,8 @@ class qcMeshBatch : public qcRigidLimits
     void LimitFirst(btScalar timeStep) override;
     void LimitAgain(btScalar timeStep, const std::vector<const btCollisionObject*>& held,
                     std::vector<const btCollisionObject*>* moved) override;
+    bool StayApart(const btCollisionObject* a, const qcStepMotion& motionA, const btCollisionObject* b,
+                   const qcStepMotion& motionB) const override;
     /// Call it after the triangles of a shape have changed.
     void InvalidateShape(const btCollisionShape* shape);
     /// Draws the candidates of the last batch, at the present transforms of their objects. `modes`: qcDebugDrawMode.
@@ -53,16 +55,24 @@ class qcMeshBatch : public qcRigidLimits
 
   private:
     void Note(qcStatus status);
+    void ClearStatistics();
     qcDetectDef DetectDef(btScalar margin) const;
     void SampleImpacts();
     qcStatus Detect();
+    qcPairContact* FindDue(uint32_t slotA, uint32_t slotB);
+    static bool IsDue(void* context, uint32_t slotA, uint32_t slotB);
+    void NumberSlots();
+    void StorePoints(const qcBatchPair& pair, qcPairContact* contact) const;
+    void Store();
     void Run();
-    const qcBatchMesh* FindMesh(const qcPlacedMesh& mesh, bool* moving) const;
+    int FindMesh(const qcBatchObject& gathered, const qcPlacedMesh& mesh) const;
     bool ReadPair(const qcPlacedMesh& a, const qcPlacedMesh& b, std::vector<qcMeshPoint>* points) const;
 
     qcDevice* m_device;
     qcBatchScene m_scene;
+    qcPairContacts m_pairs;
     qcBatchValidity m_validity;
+    std::vector<uint32_t> m_ownerOfSlot; ///< of the meshes of due pairs
     qcMotionLimiter m_limiter;
     bool m_isLimited = false;           ///< the present step, by LimitFirst
     qcImpactSampler m_impacts;          ///< of the last batch

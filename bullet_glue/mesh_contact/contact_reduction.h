@@ -4,6 +4,8 @@
 
 #include "common/shape_triangles.h"
 
+#include <utility>
+
 /// A contact point of two triangles.
 struct qcMeshPoint
 {
@@ -14,6 +16,14 @@ struct qcMeshPoint
     int region = 0;                        ///< number of its region of contact
     bool isKnown = false;                  ///< near a point of the previous step
     btScalar endDistance = BT_LARGE_FLOAT; ///< at the end of the step, for the velocities at its beginning
+
+    /// Exchanges A and B.
+    void Swap()
+    {
+        std::swap(onA, onB);
+        std::swap(sourceA, sourceB);
+        normal = -normal;
+    }
 };
 
 /// Appends the contact points of bodies `a` and `b` in a result.

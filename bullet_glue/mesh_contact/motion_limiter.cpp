@@ -388,6 +388,17 @@ void qcMotionLimiter::CommitAll(btScalar timeStep)
     m_islands.Damp(cutAgain);
 }
 
+/// Leaves out the pairs whose motion is small against the gap between them.
+void qcMotionLimiter::SkipProvenPairs()
+{
+    auto isProven = [this](const qcSweptPair& pair)
+    {
+        const qcSweptObject &a = *pair.first, &b = *pair.second;
+        return m_gaps.StayApart(a.object, {a.start, a.end}, b.object, {b.start, b.end});
+    };
+    m_pairs.erase(std::remove_if(m_pairs.begin(), m_pairs.end(), isProven), m_pairs.end());
+}
+
 /// Leaves out the pairs that are exempt, and those that the last detection did not report and that have not moved
 /// since.
 void qcMotionLimiter::SkipSettledPairs(const std::set<Numbers>& reported)
@@ -409,6 +420,7 @@ qcStatus qcMotionLimiter::Certify()
     for (int round = 0;; round++)
     {
         m_objects.FindPairs(&m_pairs);
+        SkipProvenPairs();
         if (round > 0)
             SkipSettledPairs(reported);
         if (m_pairs.empty())

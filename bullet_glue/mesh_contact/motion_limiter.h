@@ -9,11 +9,29 @@
 
 #include <map>
 
+/// The transforms of an object at both ends of a step.
+struct qcStepMotion
+{
+    const btTransform &start, &end;
+};
+
+/// Lower bounds of the distances between objects, from their contact.
+class qcKnownGaps
+{
+  public:
+    virtual ~qcKnownGaps() = default;
+    /// True if the meshes of two objects have no common point at any time of a step in which their vertices move along
+    /// straight lines. False proves nothing.
+    virtual bool StayApart(const btCollisionObject* a, const qcStepMotion& motionA, const btCollisionObject* b,
+                           const qcStepMotion& motionB) const = 0;
+};
+
 /// Runs at the end of a step, after Bullet has integrated the transforms. Not for several threads.
 class qcMotionLimiter
 {
   public:
-    explicit qcMotionLimiter(const qcBatchSettings& settings) : m_settings(settings), m_objects(settings)
+    qcMotionLimiter(const qcBatchSettings& settings, const qcKnownGaps& gaps)
+        : m_settings(settings), m_gaps(gaps), m_objects(settings)
     {
     }
     ~qcMotionLimiter();
@@ -70,6 +88,7 @@ class qcMotionLimiter
     void JoinBlocked(const qcResult& result);
     std::map<Numbers, Block> FindBlocks(const qcResult& result) const;
     void Cut(const qcResult& result, int round);
+    void SkipProvenPairs();
     void SkipSettledPairs(const std::set<Numbers>& reported);
     qcStatus Certify();
     void Commit(qcSweptObject* swept, btScalar timeStep) const;
@@ -79,6 +98,7 @@ class qcMotionLimiter
     static bool TestPair(void* context, uint32_t slotA, uint32_t slotB);
 
     const qcBatchSettings& m_settings;
+    const qcKnownGaps& m_gaps;
     qcSweptObjects m_objects;
     qcMotionIslands m_islands;
     qcScene* m_scene = nullptr;

@@ -140,7 +140,7 @@ ATTRIBUTE_ALIGNED16(class) QC_API qcMeshShape : public btConcaveShape
 /// Returns the new shapes, which must outlive the objects and compounds that use them. The importer keeps the old ones.
 QC_API std::vector<std::unique_ptr<qcMeshShape>> qcRestoreMeshes(btCollisionWorld* world);
 
-/// The work of the last batch.
+/// The work of the last step. Where what was known of all pairs still held, there was none.
 struct qcMeshContactStatistics
 {
     /// Anything but qc_statusOk: a query failed, for example because a transform is not finite; its pairs then have no
@@ -149,7 +149,8 @@ struct qcMeshContactStatistics
     uint64_t batches = 0; ///< queries for all pairs, since the beginning: at most one in each step
     uint64_t queries = 0; ///< queries for a single pair, since the beginning: contactTest, contactPairTest
     int bodies = 0;       ///< meshes in the scene; a compound has one for each mesh in it
-    int manifolds = 0;    ///< regions of contact
+    int pairs = 0;        ///< pairs of objects that were queried; of the others what was known still held
+    int manifolds = 0;    ///< regions of contact, of all pairs
     int points = 0;       ///< contact points of these
     /// The method that ran; never qc_methodAuto: `layers` if the device answered for a part.
     qcMethod method = qc_methodSweep;
@@ -195,8 +196,8 @@ struct qcMeshContactStatistics
 /// is between; one that is put elsewhere needs setInterpolationWorldTransform, too. Convex shapes have Bullet's own
 /// continuous collision detection (setCcdMotionThreshold).
 ///
-/// Rest: as long as no point of a body has moved by 3 % of the threshold, its contact points move with it and nothing
-/// is searched.
+/// Rest: as long as no two points of a pair have moved against each other by 6 % of the threshold, its contact points
+/// move with the bodies and nothing is searched.
 ///
 /// debugDrawWorld draws qcMeshShapes like any concave shape (DBG_DrawWireframe, DBG_DrawAabb) and their contact points
 /// (DBG_DrawContactPoints); debugDraw draws the triangles that the culling left.
@@ -235,7 +236,7 @@ class QC_API qcMeshContact
     void setThreadCount(unsigned threads);
     /// The method of the queries; qc_methodAuto by default. qc_statusBadInput: `cullide` and `quick`, which miss pairs.
     qcStatus setMethod(qcMethod method);
-    /// The work of the last batch. Valid until this object is destroyed; changes with each batch.
+    /// The work of the last step. Valid until this object is destroyed; changes with each step.
     const qcMeshContactStatistics& getStatistics() const;
 
     /// Draws in red the potentially colliding set of the last batch: the triangles in candidate pairs, at their

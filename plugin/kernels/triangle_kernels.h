@@ -208,91 +208,71 @@ typedef struct qcTriangleKernels
     qcSlotPair* (*collectPairs)(const qcBvhBoxes* a, uint32_t nodeA, const qcBvhBoxes* b, uint32_t nodeB,
                                 const uint64_t* pairMasks, const qcPairExclusion* exclusions, int exclusionCount,
                                 const qcPlaneTest* planes, qcSlotPair* pairs);
-                                qcSlotPair* pairs);
-                                /// The pair mask of two leaf nodes of one body (the same or in order), packed, from the
-                                /// vertices of their clusters and one word more; only words of `clusters` (bit i + 8 j:
-                                /// cluster i of a, cluster j of b) are valid. Returns the number of pairs of neighbours
-                                /// in these.
-                                uint32_t (*findPairMask)(const qcClusterVertices* a, const qcClusterVertices* b,
-                                                         uint64_t clusters, uint64_t packed[qc_maxPairMaskSize + 1]);
-                                /// Transforms boxes to another lattice, rounded outward. A box that the transform can't
-                                /// bound becomes unbounded.
-                                void (*transformBoxes)(const qcBox8* boxes, const qcBoxTransform* transform,
-                                                       qcBox8* transformed);
-                                /// Boxes of a cluster's triangles in another lattice, from their corners, rounded
-                                /// outward: tighter than those of transformBoxes.
-                                void (*transformTriangles)(const qcTransformedBvh* bvh, uint32_t cluster,
-                                                           qcBox8* transformed);
-                                /// Like collectPairs, for two BVHs.
-                                qcSlotPair* (*collectTransformedPairs)(const qcBvhBoxes* a, uint32_t nodeA,
-                                                                       const qcTransformedBvh* b, uint32_t nodeB,
-                                                                       const qcPlaneTest* planes, qcSlotPair* pairs);
+    /// The pair mask of two leaf nodes of one body (the same or in order), packed, from the vertices of their clusters
+    /// and one word more; only words of `clusters` (bit i + 8 j: cluster i of a, cluster j of b) are valid. Returns the
+    /// number of pairs of neighbours in these.
+    uint32_t (*findPairMask)(const qcClusterVertices* a, const qcClusterVertices* b, uint64_t clusters,
+                             uint64_t packed[qc_maxPairMaskSize + 1]);
+    /// Transforms boxes to another lattice, rounded outward. A box that the transform can't bound becomes unbounded.
+    void (*transformBoxes)(const qcBox8* boxes, const qcBoxTransform* transform, qcBox8* transformed);
+    /// Boxes of a cluster's triangles in another lattice, from their corners, rounded outward: tighter than those of
+    /// transformBoxes.
+    void (*transformTriangles)(const qcTransformedBvh* bvh, uint32_t cluster, qcBox8* transformed);
+    /// Like collectPairs, for two BVHs.
+    qcSlotPair* (*collectTransformedPairs)(const qcBvhBoxes* a, uint32_t nodeA, const qcTransformedBvh* b,
+                                           uint32_t nodeB, const qcPlaneTest* planes, qcSlotPair* pairs);
 
-                                //  Pairs of triangles.
+    //  Pairs of triangles.
 
-                                /// Drops pairs that planes, or with a query distance centroids, prove farther apart
-                                /// than it, and keeps the others in their order. Returns their number.
-                                size_t (*filter)(const qcIndexedTriangles* a, const qcIndexedTriangles* b,
-                                                 const qcDistanceThresholds* thresholds, qcSlotPair* pairs,
-                                                 size_t count);
-                                /// Drops pairs that are proven disjoint, and moves to the front the pairs that are
-                                /// proven to intersect in their interiors. The query distance is 0.
-                                qcRelatedCounts (*relate)(const qcIndexedTriangles* a, const qcIndexedTriangles* b,
-                                                          const qcDistanceThresholds* thresholds, qcSlotPair* pairs,
-                                                          size_t count);
-                                /// Drops pairs that are proven farther apart than the query distance. Moves to the
-                                /// front the pairs that are proven disjoint and near, then those proven farther apart
-                                /// than `far`.
-                                qcClassifiedCounts (*classify)(const qcIndexedTriangles* a, const qcIndexedTriangles* b,
-                                                               const qcDistanceThresholds* thresholds,
-                                                               qcSlotPair* pairs, size_t count);
-                                /// Moves to the front the pairs that are proven to intersect in their interiors.
-                                /// Returns their number.
-                                size_t (*findIntersecting)(const qcIndexedTriangles* a, const qcIndexedTriangles* b,
-                                                           const qcDistanceThresholds* thresholds, qcSlotPair* pairs,
-                                                           size_t count);
+    /// Drops pairs that planes, or with a query distance centroids, prove farther apart than it, and keeps the others
+    /// in their order. Returns their number.
+    size_t (*filter)(const qcIndexedTriangles* a, const qcIndexedTriangles* b, const qcDistanceThresholds* thresholds,
+                     qcSlotPair* pairs, size_t count);
+    /// Drops pairs that are proven disjoint, and moves to the front the pairs that are proven to intersect in their
+    /// interiors. The query distance is 0.
+    qcRelatedCounts (*relate)(const qcIndexedTriangles* a, const qcIndexedTriangles* b,
+                              const qcDistanceThresholds* thresholds, qcSlotPair* pairs, size_t count);
+    /// Drops pairs that are proven farther apart than the query distance. Moves to the front the pairs that are proven
+    /// disjoint and near, then those proven farther apart than `far`.
+    qcClassifiedCounts (*classify)(const qcIndexedTriangles* a, const qcIndexedTriangles* b,
+                                   const qcDistanceThresholds* thresholds, qcSlotPair* pairs, size_t count);
+    /// Moves to the front the pairs that are proven to intersect in their interiors. Returns their number.
+    size_t (*findIntersecting)(const qcIndexedTriangles* a, const qcIndexedTriangles* b,
+                               const qcDistanceThresholds* thresholds, qcSlotPair* pairs, size_t count);
 
-                                //  Self-collision near common vertices.
+    //  Self-collision near common vertices.
 
-                                /// Keeps those pairs of triangles sharing a vertex whose other features (vertices,
-                                /// edges and faces without a common vertex) may be within the query distance. At most
-                                /// qc_nodeSize^2 pairs. Returns the number kept.
-                                size_t (*filterNeighbours)(const qcIndexedTriangles* triangles,
-                                                           const qcDistanceThresholds* thresholds, qcSlotPair* pairs,
-                                                           size_t count);
-                                /// A bit for each vertex fan of a batch (mesh/vertex_fans.h), set if no two of its
-                                /// features without a common vertex are within the query distance.
-                                uint32_t (*findSeparatedFans)(const qcPoint* points, const uint32_t* vertices,
-                                                              uint32_t valence, const qcDistanceThresholds* thresholds);
-                                /// True: no two features of the patch without a common vertex are within the query
-                                /// distance. With distance 0, no two triangles without a common vertex intersect.
-                                bool (*isPatchFlat)(const qcPatchGeometry* patch);
+    /// Keeps those pairs of triangles sharing a vertex whose other features (vertices, edges and faces without a common
+    /// vertex) may be within the query distance. At most qc_nodeSize^2 pairs. Returns the number kept.
+    size_t (*filterNeighbours)(const qcIndexedTriangles* triangles, const qcDistanceThresholds* thresholds,
+                               qcSlotPair* pairs, size_t count);
+    /// A bit for each vertex fan of a batch (mesh/vertex_fans.h), set if no two of its features without a common vertex
+    /// are within the query distance.
+    uint32_t (*findSeparatedFans)(const qcPoint* points, const uint32_t* vertices, uint32_t valence,
+                                  const qcDistanceThresholds* thresholds);
+    /// True: no two features of the patch without a common vertex are within the query distance. With distance 0, no
+    /// two triangles without a common vertex intersect.
+    bool (*isPatchFlat)(const qcPatchGeometry* patch);
 
-                                //  Motions: pairs that no tested direction separates at both ends, in the same order.
+    //  Motions: pairs that no tested direction separates at both ends, in the same order.
 
-                                /// Like findOverlaps; boxes at the start and at the end.
-                                uint64_t (*findMotionOverlaps)(const qcBox8* const a[2], const qcBox8* const b[2]);
-                                /// Like collectPairs.
-                                qcSlotPair* (*collectMotionPairs)(const qcMotionBvh* a, uint32_t nodeA,
-                                                                  const qcMotionBvh* b, uint32_t nodeB,
-                                                                  const uint64_t* pairMasks,
-                                                                  const qcPairExclusion* exclusions, int exclusionCount,
-                                                                  qcSlotPair* pairs);
-                                /// Like filter.
-                                size_t (*filterMotion)(const qcMotionBvh* a, const qcMotionBvh* b, qcSlotPair* pairs,
-                                                       size_t count);
-                                /// True: no two triangles of the patch without a common vertex meet during the motion.
-                                /// `patches`: at the start and at the end; times the scales, 1 or smaller powers of
-                                /// two, lengths of both are comparable.
-                                bool (*isPatchFlatInMotion)(const qcPatchGeometry patches[2], const float scales[2]);
+    /// Like findOverlaps; boxes at the start and at the end.
+    uint64_t (*findMotionOverlaps)(const qcBox8* const a[2], const qcBox8* const b[2]);
+    /// Like collectPairs.
+    qcSlotPair* (*collectMotionPairs)(const qcMotionBvh* a, uint32_t nodeA, const qcMotionBvh* b, uint32_t nodeB,
+                                      const uint64_t* pairMasks, const qcPairExclusion* exclusions, int exclusionCount,
+                                      qcSlotPair* pairs);
+    /// Like filter.
+    size_t (*filterMotion)(const qcMotionBvh* a, const qcMotionBvh* b, qcSlotPair* pairs, size_t count);
+    /// True: no two triangles of the patch without a common vertex meet during the motion. `patches`: at the start and
+    /// at the end; times the scales, 1 or smaller powers of two, lengths of both are comparable.
+    bool (*isPatchFlatInMotion)(const qcPatchGeometry patches[2], const float scales[2]);
 
-                                //  Contacts.
+    //  Contacts.
 
-                                /// A clear bit proves a corner and a face farther apart than the margin, by more than
-                                /// the rounding error of their distance in double. For two edges it proves that, or
-                                /// that an end of one is among the closest points.
-                                void (*findNearFeatures)(const qcFeaturePairs* pairs,
-                                                         qcFeatureMask near[qc_featurePairs]);
+    /// A clear bit proves a corner and a face farther apart than the margin, by more than the rounding error of their
+    /// distance in double. For two edges it proves that, or that an end of one is among the closest points.
+    void (*findNearFeatures)(const qcFeaturePairs* pairs, qcFeatureMask near[qc_featurePairs]);
 } qcTriangleKernels;
 
 extern const qcTriangleKernels qcTriangleKernels_scalar;

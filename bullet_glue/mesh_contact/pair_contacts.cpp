@@ -1,0 +1,97 @@
+// What is known of the pairs of objects in a world.
+#include "mesh_contact/pair_contacts.h"
+
+#include <algorithm>
+
+namespace
+{
+// Pairs whose boxes have been apart for this many checks are forgotten.
+constexpr unsigned s_keptChecks = 64;
+
+btScalar SizeOf(const btTransform& transform)
+{
+    return transform.getOrigin().length();
+}
+} // namespace
+
+qcMeshPoint qcKnownPoint::At(const btTransform& a, const btTransform& b) const
+{
+    qcMeshPoint moved = point;
+    moved.onA = a * point.onA;
+    moved.onB = b * point.onB;
+    moved.normal = b.getBasis() * point.normal;
+    // Points move with their bodies, as those of a btPersistentManifold do.
+    moved.distance = (moved.onA - moved.onB).dot(moved.normal);
+    if (isAhead)
+    {
+        // Bullet requires ends on a line along the normal: each end takes half of the difference.
+        btVector3 aside = (moved.onA - moved.onB - moved.distance * moved.normal) / 2;
+        moved.onA -= aside;
+        moved.onB += aside;
+    }
+    return moved;
+}
+
+btScalar qcRelativeDisplacementBound(const qcObjectMotion& a, const qcObjectMotion& b)
+{
+    // The motion of the larger one is common to both.
+    const qcObjectMotion &small = a.radius < b.radius ? a : b, &large = a.radius < b.radius ? b : a;
+    return qcDisplacementBound(large.to * large.from.inverse() * small.from, small.to, small.radius);
+}
+
+qcPairContact& qcPairContacts::FindOrAdd(uint32_t a, uint32_t b)
+{
+    return m_pairs[KeyOf(a, b)];
+}
+
+const qcPairContact* qcPairContacts::Find(uint32_t a, uint32_t b) const
+{
+    auto found = m_pairs.find(KeyOf(a, b));
+    return found != m_pairs.end() ? &found->second : nullptr;
+}
+
+qcPairContact* qcPairContacts::Find(uint32_t a, uint32_t b)
+{
+    auto found = m_pairs.find(KeyOf(a, b));
+    return found != m_pairs.end() ? &found->second : nullptr;
+}
+
+void qcPairContacts::Count(unsigned check, int* regions, int* points) const
+{
+    *regions = *points = 0;
+    for (const auto& [key, pair] : m_pairs)
+        if (pair.checked == check)
+        {
+            *regions += pair.regions;
+            *points += int(pair.points.size());
+        }
+}
+
+void qcPairContacts::RemoveOld(unsigned check)
+{
+    if (check - m_removed < s_keptChecks)
+        return;
+    m_removed = check;
+    for (auto pair = m_pairs.begin(); pair != m_pairs.end();)
+        pair = check - pair->second.checked > s_keptChecks ? m_pairs.erase(pair) : std::next(pair);
+}
+
+bool qcPairContacts::StayApart(const qcPairContact& pair, const qcObjectMotion& a, const qcObjectMotion& b)
+{
+    if (!pair.isKnown || !(pair.gap > 0))
+        return false;
+    bool isSmallA = a.radius < b.radius;
+    const qcObjectMotion &small = isSmallA ? a : b, &large = isSmallA ? b : a;
+    const btTransform &knownSmall = isSmallA ? pair.a : pair.b, &knownLarge = isSmallA ? pair.b : pair.a;
+    // The pair as known, moved as one to where the larger object starts, and along with its origin.
+    btTransform expected = large.from * knownLarge.inverse() * knownSmall, carried = large.from;
+    btScalar start = qcDisplacementBound(expected, small.from, small.radius);
+    btVector3 shift = large.to.getOrigin() - large.from.getOrigin();
+    expected.getOrigin() += shift;
+    carried.getOrigin() += shift;
+    btScalar end =
+        qcDisplacementBound(expected, small.to, small.radius) + qcDisplacementBound(carried, large.to, large.radius);
+    btScalar size = SizeOf(small.from) + SizeOf(small.to) + SizeOf(large.from) + SizeOf(large.to) + SizeOf(pair.a) +
+                    SizeOf(pair.b) + small.radius + large.radius;
+    return 2 * double(std::max(start, end)) + double(64 * SIMD_EPSILON * size) < pair.gap;
+}

@@ -1,0 +1,71 @@
+// What is known of the pairs of objects in a world: contact points, and how far their meshes are apart, as of the last
+// query of each pair. It holds until the two move against each other. Proof: plugin/docs/proofs/pair_reuse.md.
+#ifndef QC_GLUE_MESH_CONTACT_PAIR_CONTACTS_H
+#define QC_GLUE_MESH_CONTACT_PAIR_CONTACTS_H
+
+#include "mesh_contact/contact_reduction.h"
+#include "mesh_contact/rigid_motion.h"
+
+#include <unordered_map>
+
+/// A contact point of two meshes of a pair: its ends are in the frames of the meshes, its normal in that of B.
+struct qcKnownPoint
+{
+    uint32_t meshA, meshB; ///< indices in their objects
+    bool isAhead;          ///< found by impact sampling
+    qcMeshPoint point;
+
+    /// The point in world space, at these transforms of the meshes.
+    qcMeshPoint At(const btTransform& a, const btTransform& b) const;
+};
+
+/// A pair of objects. A is the one that was added to the batch first.
+struct qcPairContact
+{
+    bool isKnown = false;                ///< it has been queried
+    bool isDue = false;                  ///< the present check requires a query
+    unsigned checked = 0;                ///< number of the last check that found the pair in the world
+    unsigned versionA = 0, versionB = 0; ///< of the objects at the query; see qcBatchObject
+    btTransform a, b;                    ///< of the objects at the query
+    btScalar reach = 0;                  ///< contact distance up to which the query has all points
+    double gap = 0;                      ///< lower bound of the distance between triangles of the two
+    int regions = 0;                     ///< of contact
+    std::vector<qcKnownPoint> points;    ///< sorted by meshes
+};
+
+/// A motion of a pair, or of one object from a transform to another.
+struct qcObjectMotion
+{
+    btTransform from, to;
+    btScalar radius; ///< upper bound of the distance of its points from its origin
+};
+
+/// Upper bound of the displacement of points of two objects against each other.
+btScalar qcRelativeDisplacementBound(const qcObjectMotion& a, const qcObjectMotion& b);
+
+class qcPairContacts
+{
+  public:
+    /// `a` and `b`: numbers of the objects, in either order; see qcBatchObject::owner.
+    qcPairContact& FindOrAdd(uint32_t a, uint32_t b);
+    const qcPairContact* Find(uint32_t a, uint32_t b) const;
+    qcPairContact* Find(uint32_t a, uint32_t b);
+    /// Sums the regions and points of the pairs that a check has found.
+    void Count(unsigned check, int* regions, int* points) const;
+    /// Forgets pairs that no check has found lately. `check`: number of the present one.
+    void RemoveOld(unsigned check);
+    /// True if the meshes of a known pair have no common point at any time of a step in which their vertices move along
+    /// straight lines. A and B as in qcPairContact.
+    static bool StayApart(const qcPairContact& pair, const qcObjectMotion& a, const qcObjectMotion& b);
+
+  private:
+    static uint64_t KeyOf(uint32_t a, uint32_t b)
+    {
+        return a < b ? uint64_t(a) << 32 | b : uint64_t(b) << 32 | a;
+    }
+
+    std::unordered_map<uint64_t, qcPairContact> m_pairs;
+    unsigned m_removed = 0; ///< number of the check of the last removal
+};
+
+#endif

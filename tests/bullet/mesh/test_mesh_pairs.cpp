@@ -1,0 +1,198 @@
+// What is known of a pair of meshes is used as long as it holds, and no longer: plugin/docs/proofs/pair_reuse.md.
+#include "bullet/mesh/mesh_world.h"
+
+#include "mesh_contact/pair_contacts.h"
+
+#include <random>
+
+namespace
+{
+using Random = std::minstd_rand;
+
+btScalar Draw(Random* random, btScalar size)
+{
+    return size * btScalar(std::uniform_real_distribution<double>(-1, 1)(*random));
+}
+
+btVector3 DrawVector(Random* random, btScalar size)
+{
+    btScalar x = Draw(random, size), y = Draw(random, size), z = Draw(random, size);
+    return btVector3(x, y, z);
+}
+
+btTransform DrawMotion(Random* random, btScalar shift, btScalar turn)
+{
+    btVector3 axis = DrawVector(random, 1);
+    btQuaternion rotation = axis.length2() > 0 ? btQuaternion(axis, Draw(random, turn)) : btQuaternion::getIdentity();
+    return btTransform(rotation, DrawVector(random, shift));
+}
+
+/// A triangle in the frame of its object.
+struct Triangle
+{
+    btVector3 corners[3];
+
+    btScalar Radius() const
+    {
+        return std::max({corners[0].length(), corners[1].length(), corners[2].length()});
+    }
+    /// Its corners on the way from one transform to another.
+    void At(const btTransform& from, const btTransform& to, double time, double out[9]) const
+    {
+        for (int c = 0; c < 3; c++)
+        {
+            btVector3 start = from * corners[c], end = to * corners[c];
+            for (int axis = 0; axis < 3; axis++)
+                out[3 * c + axis] = (1 - time) * double(start[axis]) + time * double(end[axis]);
+        }
+    }
+};
+
+double DistanceOf(const double a[9], const double b[9])
+{
+    qcProximity proximity;
+    ck_assert(qcTrianglesWithin(a, b, 1e9, &proximity));
+    return proximity.distance;
+}
+
+START_TEST(no_pair_that_stays_apart_meets_on_the_way)
+{
+    Random random(1);
+    int proven = 0, met = 0;
+    for (int i = 0; i < 20000; i++)
+    {
+        // Sizes from 0.1 to 10, places up to 50 away.
+        Triangle triangles[2];
+        btScalar sizes[2];
+        for (int k = 0; k < 2; k++)
+        {
+            sizes[k] = btPow(btScalar(10), Draw(&random, 1));
+            for (btVector3& corner : triangles[k].corners)
+                corner = DrawVector(&random, sizes[k]);
+        }
+        btTransform place = DrawMotion(&random, 50, 3);
+        btScalar near = 2 * (sizes[0] + sizes[1]);
+        btTransform known[2] = {place, place * DrawMotion(&random, near, 3)};
+        double a[9], b[9];
+        triangles[0].At(known[0], known[0], 0, a);
+        triangles[1].At(known[1], known[1], 0, b);
+        qcPairContact pair;
+        pair.isKnown = true;
+        pair.a = known[0];
+        pair.b = known[1];
+        pair.gap = DistanceOf(a, b);
+        // Both move as one, then against each other within the step.
+        btTransform common = DrawMotion(&random, 5, 1), motions[2][2];
+        btScalar part = btScalar(pair.gap) * btPow(btScalar(10), Draw(&random, 1));
+        for (int k = 0; k < 2; k++)
+        {
+            btScalar turn = part / (sizes[0] + sizes[1]);
+            motions[k][0] = common * known[k];
+            motions[k][0].getOrigin() += DrawVector(&random, part / 4);
+            motions[k][1] = motions[k][0] * DrawMotion(&random, 0, turn);
+            motions[k][1].getOrigin() += DrawVector(&random, part);
+        }
+        bool apart = qcPairContacts::StayApart(pair, {motions[0][0], motions[0][1], triangles[0].Radius()},
+                                               {motions[1][0], motions[1][1], triangles[1].Radius()});
+        bool meets = false;
+        for (int sample = 0; sample <= 16 && !meets; sample++)
+        {
+            triangles[0].At(motions[0][0], motions[0][1], sample / 16.0, a);
+            triangles[1].At(motions[1][0], motions[1][1], sample / 16.0, b);
+            meets = DistanceOf(a, b) <= 0;
+        }
+        ck_assert(!apart || !meets);
+        proven += apart;
+        met += meets;
+    }
+    ck_assert_int_gt(proven, 2000);
+    ck_assert_int_gt(met, 100);
+}
+END_TEST
+
+/// The floor, and a cube that lies on it and never sleeps.
+struct RestingCube : qcMeshWorld
+{
+    explicit RestingCube(btScalar x = 0)
+    {
+        btScalar margin = qcAddFloor(*this, qc_floorStatic);
+        shape = Keep(qcCubeModel().MakeShape());
+        cube = Add(shape, 1, btVector3(x, btScalar(0.5) + shape->getMargin() + margin, 0));
+        cube->setActivationState(DISABLE_DEACTIVATION);
+        Step(60);
+    }
+
+    btCollisionShape* shape;
+    btRigidBody* cube;
+};
+
+START_TEST(a_pair_at_rest_is_not_queried_while_another_moves)
+{
+    RestingCube world;
+    btRigidBody* other = world.Add(world.shape, 1, btVector3(3, btScalar(0.6), 0));
+    other->setActivationState(DISABLE_DEACTIVATION);
+    int queried = 0;
+    for (int step = 0; step < 60; step++)
+    {
+        other->setLinearVelocity(btVector3(btScalar(0.5), other->getLinearVelocity().y(), 0));
+        world.Step();
+        queried += world.contact.getStatistics().pairs;
+        ck_assert_int_le(world.contact.getStatistics().pairs, 1);
+        // Known regions count as well.
+        ck_assert_int_ge(world.contact.getStatistics().manifolds, 1);
+    }
+    ck_assert_int_gt(queried, 30);
+    ck_assert_double_lt(double(world.cube->getLinearVelocity().length()), 1e-3);
+}
+END_TEST
+
+START_TEST(bodies_that_move_as_one_are_queried_once)
+{
+    qcMeshWorld world;
+    world.world.setGravity(btVector3(0, 0, 0));
+    btCollisionShape* shape = world.Keep(qcCubeModel().MakeShape());
+    btVector3 velocity(btScalar(0.1), btScalar(0.15), 0);
+    for (int i = 0; i < 2; i++)
+        world.Add(shape, 1, btVector3(btScalar(1.02) * btScalar(i), 0, 0))->setLinearVelocity(velocity);
+    world.Step();
+    ck_assert_int_eq(world.contact.getStatistics().pairs, 1);
+    for (int step = 0; step < 60; step++)
+    {
+        world.Step();
+        ck_assert_int_eq(world.contact.getStatistics().pairs, 0);
+        ck_assert_int_gt(qcContactsOf(world.dispatcher).points, 0);
+    }
+    // One that leaves is queried.
+    world.bodies[1]->setLinearVelocity(velocity + btVector3(btScalar(0.1), 0, 0));
+    world.Step(2);
+    ck_assert_int_eq(world.contact.getStatistics().pairs, 1);
+}
+END_TEST
+
+START_TEST(a_shape_that_changes_while_its_pair_is_apart_is_queried_when_they_meet_again)
+{
+    RestingCube world;
+    btVector3 place = world.cube->getWorldTransform().getOrigin();
+    btRigidBody* other = world.Add(world.Keep(qcCubeModel().MakeShape()), 1, place + btVector3(0, 20, 0));
+    other->setGravity(btVector3(0, 0, 0));
+    world.Step(2);
+    // Known, then away, where the shape grows while another pair has its mesh read anew.
+    btVector3 away = place + btVector3(4, 20, 0);
+    world.cube->setWorldTransform(btTransform(btQuaternion::getIdentity(), away));
+    other->setWorldTransform(btTransform(btQuaternion::getIdentity(), away + btVector3(btScalar(1.03), 0, 0)));
+    world.Step();
+    world.shape->setLocalScaling(btVector3(btScalar(1.04), btScalar(1.04), btScalar(1.04)));
+    world.Step();
+    world.cube->setWorldTransform(btTransform(btQuaternion::getIdentity(), place));
+    world.cube->setLinearVelocity(btVector3(0, 0, 0));
+    world.cube->setAngularVelocity(btVector3(0, 0, 0));
+    world.Step(120);
+    // It has grown into the floor, and rises.
+    ck_assert_double_eq_tol(double(world.cube->getWorldTransform().getOrigin().y()), double(place.y()) + 0.02, 2e-3);
+}
+END_TEST
+} // namespace
+
+QC_RUN_TESTS("mesh pairs", no_pair_that_stays_apart_meets_on_the_way, a_pair_at_rest_is_not_queried_while_another_moves,
+             bodies_that_move_as_one_are_queried_once,
+             a_shape_that_changes_while_its_pair_is_apart_is_queried_when_they_meet_again)
