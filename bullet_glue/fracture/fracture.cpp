@@ -235,6 +235,13 @@ qcPieceCuts CutsOf(const Job& job, const qcFacetedMesh& island, uint32_t cell)
     return cuts;
 }
 
+/// The site on the other side of a cut face.
+uint32_t SiteAcross(const Job& job, uint32_t face)
+{
+    uint32_t cell = face - job.firstCut;
+    return cell < job.sites.numbers.size() ? job.sites.numbers[cell] : UINT32_MAX;
+}
+
 void AddPiece(const Job& job, const qcFacetedMesh& island, uint32_t cell, CellPieces* cellPieces)
 {
     qcClipPoint first;
@@ -250,12 +257,14 @@ void AddPiece(const Job& job, const qcFacetedMesh& island, uint32_t cell, CellPi
     piece.volume = job.units.GlobalVolume(volume);
     piece.vertices.reserve(island.points.size());
     piece.indices.reserve(3 * island.triangles.size());
+    piece.sources.reserve(island.triangles.size());
     for (bool isCut : {false, true})
         for (const qcClipTriangle& triangle : island.triangles)
             if ((triangle.face >= job.firstCut) == isCut)
             {
                 piece.firstCutTriangle += !isCut;
                 piece.indices.insert(piece.indices.end(), triangle.corner.begin(), triangle.corner.end());
+                piece.sources.push_back(isCut ? SiteAcross(job, triangle.face) : triangle.face);
             }
     PutInFrame(island, {first[0] / volume, first[1] / volume, first[2] / volume}, job.units, &piece);
     cellPieces->pieces.push_back(std::move(piece));
@@ -348,6 +357,8 @@ qcFracture qcFracture_Split(const qcFractureDef& def)
                     " of the mesh's volume: rounding errors of the cuts are too large");
     qcFracture fracture;
     fracture.volume = job.units.GlobalVolume(job.volume);
+    fracture.triangleCount = uint32_t(def.indices.size() / 3);
+    fracture.siteCount = uint32_t(def.sites.size());
     double lost = 0;
     std::vector<qcPieceCuts> cuts;
     for (CellPieces& some : cellPieces)

@@ -1,6 +1,6 @@
 /// @file
-/// Breaks a closed triangle mesh into pieces, one or more in each cell of a Voronoi diagram, with their cut faces. Link
-/// quickcullide::fracture (or fracture_double), which is built where voro++ and GLU are installed.
+/// Breaks a closed triangle mesh into pieces, one or more in each cell of a Voronoi diagram. Pieces have materials and
+/// texture coordinates, and can be saved. Link quickcullide::fracture (or fracture_double), where voro++ and GLU are.
 ///
 ///     qcFractureDef def;
 ///     def.vertices = ..., def.indices = ..., def.sites = qcScatterSites(lower, upper, 100, 1, &impact);
@@ -38,6 +38,9 @@ struct qcPiece
     std::vector<uint32_t> indices; ///< three for each triangle, counterclockwise as seen from outside
     uint32_t firstCutTriangle = 0; ///< triangles from this one on lie in cuts, the others on the mesh's surface
     uint32_t site = 0;             ///< index of the cell's site; a cell may hold several pieces
+    /// For each triangle: below firstCutTriangle the triangle of the mesh that it is part of, from there on the site on
+    /// the other side of the cut (UINT32_MAX: none, for splinters of rounding).
+    std::vector<uint32_t> sources;
     /// Centre of mass and principal axes, in the mesh's frame: the tensor of a btRigidBody is diagonal in this frame.
     /// The centre is rounded to btScalar: for a mesh at 1e6, in float, it is off by up to 0.03.
     btTransform frame = btTransform::getIdentity();
@@ -66,6 +69,8 @@ struct qcFracture
     std::vector<qcBond> bonds;     ///< of all pairs of pieces that share an area, by pieceA, then pieceB
     double volume = 0;             ///< of the mesh
     double lostVolume = 0;         ///< of dropped splinters, each below 1e-9 of the mesh's volume
+    uint32_t triangleCount = 0;    ///< of the mesh
+    uint32_t siteCount = 0;        ///< of the definition
 };
 
 /// Splits a mesh. Equal input gives equal pieces; input scaled by a power of two gives the pieces scaled, bit by bit.
@@ -102,6 +107,56 @@ struct qcPieceMotion
 /// The motion of a piece of `body`. `fracture` must be of the body's mesh in the body's frame, whose origin is its
 /// centre of mass. O(1).
 QC_API qcPieceMotion qcMotionOfPiece(const btRigidBody& body, const qcFracture& fracture, const qcPiece& piece);
+
+/// @name Materials and texture coordinates
+/// @{
+
+/// What the mesh looks like, and its inside.
+struct qcTextureDef
+{
+    /// u and v of each corner of each triangle of the mesh, six a triangle. Empty: all are 0.
+    std::vector<float> coordinates;
+    std::vector<uint32_t> materials; ///< of each triangle of the mesh. Empty: all are 0
+    uint32_t cutMaterial = 1;        ///< of the faces inside
+    double cutScale = 1;             ///< change of u or v for a unit of length on these faces
+};
+
+/// What a piece looks like.
+struct qcPieceTexture
+{
+    qcStatus status = qc_statusOk; ///< qc_statusBadInput: the rest is empty
+    std::string message;           ///< the defect of the input, and its place
+    /// u and v of each corner of each triangle of the piece, six a triangle: on the mesh's surface interpolated, in a
+    /// cut planar and equal on both of its sides.
+    std::vector<float> coordinates;
+    std::vector<uint32_t> materials; ///< of each triangle of the piece
+};
+
+/// Materials and texture coordinates of a piece of `mesh`, whose sites are not used. qc_statusBadInput: a list of the
+/// definition is neither empty nor as long as the mesh's triangles need it, an index is out of range, or the piece is
+/// not one of this mesh. O(triangles of the piece). Thread-safety: any thread, several at once.
+QC_API qcPieceTexture qcTexturePiece(const qcFractureDef& mesh, const qcPiece& piece, const qcTextureDef& texture);
+
+/// For each corner of the triangles below piece.firstCutTriangle, the weights of its source triangle's three corners, 0
+/// to 1, which add up to 1: they interpolate any other attribute of the mesh. Empty if the piece is not one of this
+/// mesh. O(triangles of the piece).
+QC_API std::vector<btVector3> qcWeightsOfPiece(const qcFractureDef& mesh, const qcPiece& piece);
+/// @}
+
+/// @name Pieces in files
+/// A mesh is split offline, and its pieces are loaded at start.
+/// @{
+
+/// Writes a fracture, with its bonds, to a new file (plugin/docs/piece_files.md), in place of an old one.
+/// qc_statusBadInput: the fracture is not one that qcFracture_Split or qcFracture_Load returns without an error; no
+/// file is written. qc_statusFile: the file can't be written. `message` (may be null) then names the place. O(size).
+QC_API qcStatus qcFracture_Save(const qcFracture& fracture, const char* path, std::string* message = nullptr);
+
+/// Reads a file of qcFracture_Save, bit by bit what was saved; between float and double the numbers are rounded.
+/// qc_statusFile: it is missing, not such a file, of another version or damaged, and there are no pieces; the message
+/// names the file, the record and the byte. No content, however damaged, does more harm. O(size).
+QC_API qcFracture qcFracture_Load(const char* path);
+/// @}
 
 /// @name Partial breaks
 /// A mesh is split at load time, and its pieces hold together over their bonds until impacts have broken these:

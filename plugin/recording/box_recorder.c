@@ -4,7 +4,7 @@
 #include "quickcullide/recording.h"
 #include "recording/format.h"
 #include "recording/record_writer.h"
-#include "recording/xxh64.h"
+#include "quickcullide/hash.h"
 
 #include <pthread.h>
 #include <string.h>

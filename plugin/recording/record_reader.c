@@ -2,7 +2,7 @@
 #include "recording/record_reader.h"
 
 #include "base/status.h"
-#include "recording/xxh64.h"
+#include "quickcullide/hash.h"
 
 #include <errno.h>
 #include <string.h>

@@ -4,7 +4,7 @@
 #include "base/memory.h"
 #include "base/status.h"
 #include "recording/format.h"
-#include "recording/xxh64.h"
+#include "quickcullide/hash.h"
 
 #include <errno.h>
 #include <stdarg.h>

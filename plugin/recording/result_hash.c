@@ -1,7 +1,7 @@
 // Hashes of the arrays of a result. None of their structs has padding.
 #include "quickcullide/recording.h"
 
-#include "recording/xxh64.h"
+#include "quickcullide/hash.h"
 
 #include <assert.h>
 

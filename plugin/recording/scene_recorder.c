@@ -8,7 +8,7 @@
 #include "recording/record_writer.h"
 #include "recording/rejected_pairs.h"
 #include "recording/snapshot.h"
-#include "recording/xxh64.h"
+#include "quickcullide/hash.h"
 
 #include <string.h>
 

@@ -1,6 +1,6 @@
 // A recording is read as far as it is whole, and the message names the operation and the byte where it is not.
 #include "recording/random_history.h"
-#include "recording/xxh64.h"
+#include "quickcullide/hash.h"
 #include "support/suite.h"
 
 #include <stdio.h>

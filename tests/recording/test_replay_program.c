@@ -1,6 +1,6 @@
 // qc-replay as a user runs it.
 #include "recording/replay.h"
-#include "recording/xxh64.h"
+#include "quickcullide/hash.h"
 #include "support/devices.h"
 #include "support/run_program.h"
 #include "support/suite.h"

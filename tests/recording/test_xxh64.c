@@ -1,5 +1,5 @@
 // Hashes by the reference implementation (xxHash 0.8), for sizes that end in each part of the algorithm.
-#include "recording/xxh64.h"
+#include "quickcullide/hash.h"
 #include "support/suite.h"
 
 #include <string.h>

@@ -1,0 +1,227 @@
+// Writes a fracture to a file.
+#include "fracture/piece_format.h"
+
+#include <cerrno>
+#include <cmath>
+#include <cstddef>
+#include <cstdio>
+#include <cstring>
+
+namespace
+{
+bool IsFinite(const btVector3& v)
+{
+    return std::isfinite(double(v.x())) && std::isfinite(double(v.y())) && std::isfinite(double(v.z()));
+}
+
+/// The bytes of a file, record by record.
+class Records
+{
+  public:
+    Records()
+    {
+        qcPieceFileHeader header = {};
+        std::memcpy(header.magic, QC_PIECE_FILE_MAGIC, sizeof header.magic);
+        header.formatVersion = qc_pieceFileVersion;
+        header.libraryVersion = qcVersion();
+        header.hash = qcXxh64(&header, offsetof(qcPieceFileHeader, hash), 0);
+        Put(&header, sizeof header);
+    }
+
+    void Begin(uint32_t kind, uint32_t slot)
+    {
+        m_start = m_bytes.size();
+        qcPieceRecordHead head = {kind, slot, 0};
+        Put(&head, sizeof head);
+    }
+
+    /// Padded to 8 bytes.
+    void Put(const void* data, size_t size)
+    {
+        const char* bytes = static_cast<const char*>(data);
+        m_bytes.insert(m_bytes.end(), bytes, bytes + size);
+        m_bytes.resize((m_bytes.size() + 7) / 8 * 8);
+    }
+
+    void End()
+    {
+        uint64_t size = m_bytes.size() - m_start - sizeof(qcPieceRecordHead);
+        std::memcpy(&m_bytes[m_start + offsetof(qcPieceRecordHead, size)], &size, sizeof size);
+        uint64_t hash = qcXxh64(&m_bytes[m_start], m_bytes.size() - m_start, m_count++);
+        Put(&hash, sizeof hash);
+    }
+
+    const std::vector<char>& GetBytes() const
+    {
+        return m_bytes;
+    }
+
+  private:
+    std::vector<char> m_bytes;
+    size_t m_start = 0;
+    uint64_t m_count = 0;
+};
+
+void PutPiece(const qcPiece& piece, Records* records)
+{
+    qcPieceRecord record = {};
+    record.vertexCount = uint32_t(piece.vertices.size());
+    record.triangleCount = uint32_t(piece.sources.size());
+    record.firstCutTriangle = piece.firstCutTriangle;
+    record.site = piece.site;
+    record.volume = piece.volume;
+    for (int i = 0; i < 3; i++)
+    {
+        for (int k = 0; k < 3; k++)
+            record.frame[3 * i + k] = double(piece.frame.getBasis()[i][k]);
+        record.frame[9 + i] = double(piece.frame.getOrigin()[i]);
+        record.inertia[i] = double(piece.inertia[i]);
+    }
+    records->Put(&record, sizeof record);
+    std::vector<btScalar> coordinates;
+    for (const btVector3& vertex : piece.vertices)
+        coordinates.insert(coordinates.end(), &vertex.m_floats[0], &vertex.m_floats[0] + 3);
+    records->Put(coordinates.data(), coordinates.size() * sizeof(btScalar));
+    records->Put(piece.indices.data(), piece.indices.size() * sizeof(uint32_t));
+    records->Put(piece.sources.data(), piece.sources.size() * sizeof(uint32_t));
+}
+
+void PutBonds(const std::vector<qcBond>& bonds, Records* records)
+{
+    for (const qcBond& bond : bonds)
+    {
+        qcBondRecord record = {bond.pieceA, bond.pieceB, bond.area, {}, {}};
+        for (int i = 0; i < 3; i++)
+        {
+            record.center[i] = double(bond.center[i]);
+            record.normal[i] = double(bond.normal[i]);
+        }
+        records->Put(&record, sizeof record);
+    }
+}
+
+std::string FindDefect(const qcFracture& fracture)
+{
+    if (fracture.status != qc_statusOk)
+        return "its status is " + std::string(qcStatus_Name(fracture.status));
+    if (!std::isfinite(fracture.volume) || !std::isfinite(fracture.lostVolume))
+        return "its volume is not finite";
+    for (size_t i = 0; i < fracture.pieces.size(); i++)
+    {
+        std::string defect = qcFindPieceDefect(fracture.pieces[i], fracture);
+        if (!defect.empty())
+            return "piece " + std::to_string(i) + ": " + defect;
+    }
+    for (size_t i = 0; i < fracture.bonds.size(); i++)
+    {
+        std::string defect = qcFindBondDefect(fracture.bonds[i], fracture);
+        if (!defect.empty())
+            return "bond " + std::to_string(i) + ": " + defect;
+    }
+    return "";
+}
+
+/// The reason why the file could not be written, or an empty text.
+std::string WriteFile(const char* path, const std::vector<char>& bytes)
+{
+    std::FILE* file = std::fopen(path, "wb");
+    if (file == nullptr)
+        return std::string(path) + " can't be created: " + std::strerror(errno);
+    bool written = std::fwrite(bytes.data(), 1, bytes.size(), file) == bytes.size();
+    int error = errno;
+    // Some file systems report a full disk here only.
+    if (std::fclose(file) != 0 && written)
+    {
+        written = false;
+        error = errno;
+    }
+    return written ? "" : std::string(path) + " can't be written: " + std::strerror(error);
+}
+} // namespace
+
+std::string qcFindPieceDefect(const qcPiece& piece, const qcFracture& fracture)
+{
+    size_t triangles = piece.sources.size();
+    if (piece.indices.size() != 3 * triangles)
+        return std::to_string(piece.indices.size()) + " indices for " + std::to_string(triangles) + " sources";
+    if (piece.firstCutTriangle > triangles)
+        return "the first triangle in a cut is " + std::to_string(piece.firstCutTriangle) + " of " +
+               std::to_string(triangles);
+    if (piece.site >= fracture.siteCount)
+        return "its site is " + std::to_string(piece.site) + " of " + std::to_string(fracture.siteCount);
+    for (size_t i = 0; i < piece.vertices.size(); i++)
+        if (!IsFinite(piece.vertices[i]))
+            return "vertex " + std::to_string(i) + " is not finite";
+    for (size_t i = 0; i < piece.indices.size(); i++)
+        if (piece.indices[i] >= piece.vertices.size())
+            return "index " + std::to_string(i) + " is " + std::to_string(piece.indices[i]) + " of " +
+                   std::to_string(piece.vertices.size()) + " vertices";
+    for (size_t t = 0; t < triangles; t++)
+    {
+        bool isCut = t >= piece.firstCutTriangle;
+        uint32_t count = isCut ? fracture.siteCount : fracture.triangleCount;
+        if (piece.sources[t] >= count && !(isCut && piece.sources[t] == UINT32_MAX))
+            return "the source of triangle " + std::to_string(t) + " is " + std::to_string(piece.sources[t]) + " of " +
+                   std::to_string(count);
+    }
+    const btMatrix3x3& axes = piece.frame.getBasis();
+    if (!std::isfinite(piece.volume) || !IsFinite(piece.inertia) || !IsFinite(piece.frame.getOrigin()) ||
+        !IsFinite(axes[0]) || !IsFinite(axes[1]) || !IsFinite(axes[2]))
+        return "its volume, its inertia or its frame is not finite";
+    return "";
+}
+
+std::string qcFindBondDefect(const qcBond& bond, const qcFracture& fracture)
+{
+    if (bond.pieceA >= bond.pieceB || bond.pieceB >= fracture.pieces.size())
+        return "it joins pieces " + std::to_string(bond.pieceA) + " and " + std::to_string(bond.pieceB) + " of " +
+               std::to_string(fracture.pieces.size());
+    if (!(bond.area >= 0) || !std::isfinite(bond.area) || !IsFinite(bond.center) || !IsFinite(bond.normal))
+        return "its area, its centre or its normal is not finite";
+    return "";
+}
+
+qcStatus qcFracture_Save(const qcFracture& fracture, const char* path, std::string* message)
+{
+    std::string ignored;
+    std::string& text = message != nullptr ? *message : ignored;
+    std::string defect = FindDefect(fracture);
+    if (!defect.empty())
+    {
+        text = "qcFracture_Save: the fracture can't be saved: " + defect;
+        return qc_statusBadInput;
+    }
+    if (__BYTE_ORDER__ != __ORDER_LITTLE_ENDIAN__)
+    {
+        text = "qcFracture_Save: files of pieces need a little-endian machine";
+        return qc_statusFile;
+    }
+    Records records;
+    records.Begin(qc_recordFracture, 0);
+    qcFractureRecord record = {uint32_t(sizeof(btScalar)),
+                               uint32_t(fracture.pieces.size()),
+                               uint32_t(fracture.bonds.size()),
+                               fracture.triangleCount,
+                               fracture.siteCount,
+                               0,
+                               fracture.volume,
+                               fracture.lostVolume};
+    records.Put(&record, sizeof record);
+    records.End();
+    for (size_t i = 0; i < fracture.pieces.size(); i++)
+    {
+        records.Begin(qc_recordPiece, uint32_t(i));
+        PutPiece(fracture.pieces[i], &records);
+        records.End();
+    }
+    records.Begin(qc_recordBonds, 0);
+    PutBonds(fracture.bonds, &records);
+    records.End();
+    records.Begin(qc_recordPiecesEnd, 0);
+    records.End();
+    defect = WriteFile(path, records.GetBytes());
+    if (defect.empty())
+        return qc_statusOk;
+    text = "qcFracture_Save: " + defect;
+    return qc_statusFile;
+}
