@@ -48,6 +48,7 @@ ATTRIBUTE_ALIGNED16(struct) qcFractureBody
     qcMeshShape shape;
     btRigidBody body;
     uint32_t firstCutTriangle;
+    std::vector<uint32_t> cuts; ///< for each triangle from there on, the number of its cut
 };
 
 #endif

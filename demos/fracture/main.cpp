@@ -2,6 +2,7 @@
 // come to rest; pictures, a CSV, a table.
 #include "common/bullet/demo_options.h"
 #include "fracture/picture.h"
+#include "fracture/pieces.h"
 #include "fracture/report.h"
 #include "fracture/viewed.h"
 #include "fracture/world.h"
@@ -25,6 +26,7 @@ struct Options
     const char* mesh = QC_BUNNY_PATH;
     uint32_t triangles = 5000;
     qcFractureRequest request;
+    const char* load = nullptr;
     qcViewOptions view;
 };
 
@@ -92,22 +94,31 @@ bool Simulate(const Options& options, qcDevice* device, const qcDeviceInfo& info
     return CountPenetrating(world.Bodies(), &run->penetratingPairs);
 }
 
-bool ReadModel(const Options& options, qcFractureModel* model)
+/// Reads the mesh and, into `pieces`, its pieces if they are in a file.
+bool ReadModel(Options* given, qcFractureModel* model, qcFracture* pieces)
 {
+    const Options& options = *given;
     std::string message;
     if (std::string(options.mesh) == QC_BUNNY_PATH && !qcFiles_IsThere(QC_BUNNY_PATH))
         return qcDemo_Fail(std::string(options.mesh) +
                            " is not there; the package glmark2-data has it, or name another mesh with --mesh");
-    return qcReadFractureModel(options.mesh, options.triangles, s_extent, model, &message) || qcDemo_Fail(message);
+    bool read = qcReadFractureModel(options.mesh, options.triangles, s_extent, model, &message);
+    if (read && options.load != nullptr)
+    {
+        read = qcLoadPieces(options.load, model->indices.size() / 3, pieces, &message);
+        given->request.loaded = pieces;
+    }
+    return read || qcDemo_Fail(message);
 }
 
-int Run(const Options& options, qcDevice* device)
+int Run(Options options, qcDevice* device)
 {
     qcFractureModel model;
+    qcFracture pieces;
     qcFractureRun run;
     qcDeviceInfo info;
     qcDevice_GetInfo(device, &info);
-    if (!ReadModel(options, &model) || !Simulate(options, device, info, model, &run))
+    if (!ReadModel(&options, &model, &pieces) || !Simulate(options, device, info, model, &run))
         return qc_exitFailed;
     std::string message;
     if (!qcWriteFractureCsv(std::string(options.common.out) + "/fracture.csv", run, &message))
@@ -119,10 +130,11 @@ int Run(const Options& options, qcDevice* device)
     return qcInterrupt_Signal() == 0 ? qc_exitDone : qc_exitSignal + qcInterrupt_Signal();
 }
 
-int View(const Options& options, qcDevice* device)
+int View(Options options, qcDevice* device)
 {
     qcFractureModel model;
-    if (!ReadModel(options, &model))
+    qcFracture pieces;
+    if (!ReadModel(&options, &model, &pieces))
         return qc_exitFailed;
     qcViewedFracture scene(model, options.request, device);
     return qcView_Run(&scene, options.view, device);
@@ -137,6 +149,8 @@ int main(int argumentCount, char** arguments)
          qcOption_Text(&options.mesh)},
         {1, "triangles", "N", "The mesh is made coarser until it has about as many; %s by default",
          qcOption_Number(&options.triangles, 100, 10000000)},
+        {1, "save", "FILE", "The pieces go to a file when they are cut", qcOption_Text(&options.request.save)},
+        {1, "load", "FILE", "The pieces come from a file; then there is nothing to cut", qcOption_Text(&options.load)},
         {1, "pieces", "N", "Voronoi cells, each with a piece or more; %s by default",
          qcOption_Number(&options.request.pieces, 1, 10000)},
         {1, "seed", "N", "Where the cells are; %s by default", qcOption_Number(&options.request.seed, 0, UINT32_MAX)}};

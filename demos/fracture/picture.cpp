@@ -3,7 +3,7 @@
 
 namespace
 {
-/// Outside and cuts of a body: two meshes over the same vertices.
+/// Outside and cuts of a body: meshes over the same vertices. Both sides of a cut have one colour.
 void AddMeshes(const qcFractureBody& body, const float color[3], qcDemoFrame* frame)
 {
     const qcMeshShape& shape = body.shape;
@@ -15,17 +15,22 @@ void AddMeshes(const qcFractureBody& body, const float color[3], qcDemoFrame* fr
     outside.smooth = true;
     qcSet3(outside.color, color[0], color[1], color[2]);
     qcSet3(outside.backColor, color[0], color[1], color[2]);
-    qcFrameMesh cuts = outside;
-    cuts.indices += 3 * size_t(body.firstCutTriangle);
-    cuts.triangleCount = shape.getTriangleCount() - body.firstCutTriangle;
-    cuts.smooth = false;
-    for (float* part : {cuts.color, cuts.backColor})
-        for (int i = 0; i < 3; i++)
-            part[i] *= 0.45f;
     if (outside.triangleCount > 0)
         frame->Add(outside);
-    if (cuts.triangleCount > 0)
-        frame->Add(cuts);
+    // Triangles of one cut follow each other.
+    for (size_t begin = 0, end; begin < body.cuts.size(); begin = end)
+    {
+        for (end = begin; end < body.cuts.size() && body.cuts[end] == body.cuts[begin]; end++)
+            continue;
+        qcFrameMesh cut = outside;
+        cut.indices += 3 * (size_t(body.firstCutTriangle) + begin);
+        cut.triangleCount = uint32_t(end - begin);
+        cut.smooth = false;
+        qcPieceColor(body.cuts[begin], cut.color);
+        for (int i = 0; i < 3; i++)
+            cut.backColor[i] = cut.color[i] *= 0.55f;
+        frame->Add(cut);
+    }
 }
 } // namespace
 

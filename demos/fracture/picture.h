@@ -1,4 +1,5 @@
-// Frames of the fracture demo: the body, or its pieces in colours of their own, cuts darker, on a tiled floor.
+// Frames of the fracture demo: the body, or its pieces in colours of their own, on a tiled floor. Faces inside are
+// darker, in the colour of their cut: those that fitted have the same.
 #ifndef QC_DEMOS_FRACTURE_PICTURE_H
 #define QC_DEMOS_FRACTURE_PICTURE_H
 

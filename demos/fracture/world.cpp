@@ -3,6 +3,7 @@
 // with each other. If the body broke after the solver, all pieces would have been stopped as one.
 #include "fracture/world.h"
 
+#include "fracture/pieces.h"
 #include "fracture/sites.h"
 
 #include "common/stopwatch.h"
@@ -130,7 +131,7 @@ bool qcFractureWorld::BreakBody(const btVector3& impact)
     def.sites = qcScatterSitesInside(whole->shape, m_request.pieces, m_request.seed,
                                      whole->body.getWorldTransform().invXform(impact));
     double scattered = qcStopwatch_NowMs();
-    qcFracture fracture = qcFracture_Split(def);
+    qcFracture fracture = m_request.loaded != nullptr ? *m_request.loaded : qcSplitAndSave(def, m_request.save);
     double split = qcStopwatch_NowMs();
     m_world.removeRigidBody(&whole->body);
     m_bodies.clear();
@@ -140,6 +141,7 @@ bool qcFractureWorld::BreakBody(const btVector3& impact)
         qcPieceMotion motion = qcMotionOfPiece(whole->body, fracture, piece);
         auto made = std::make_unique<qcFractureBody>(piece.vertices, piece.indices, piece.firstCutTriangle, motion.mass,
                                                      motion.transform);
+        made->cuts = qcCutNumbers(piece);
         made->body.setLinearVelocity(motion.linearVelocity);
         made->body.setAngularVelocity(motion.angularVelocity);
         m_break.triangles += piece.indices.size() / 3;

@@ -15,6 +15,8 @@ struct qcFractureRequest
     unsigned seed = 1;
     qcMethod method = qc_methodAuto;
     uint32_t threads = 0;
+    const char* save = nullptr;         ///< the file that the pieces go to; null: none
+    const qcFracture* loaded = nullptr; ///< pieces to break into; null: they are cut. Must outlive the world
 };
 
 /// How the body broke.

@@ -203,6 +203,28 @@ START_TEST(the_result_depends_on_the_seed_and_not_on_method_and_threads)
 }
 END_TEST
 
+START_TEST(pieces_from_a_file_move_as_those_that_were_saved)
+{
+    static const char* const options[] = {"--save p.qcp", "--load p.qcp"};
+    static char texts[2][qc_textSize];
+    EnterFolder();
+    WriteAngle();
+    for (int i = 0; i < 2; ++i)
+    {
+        ck_assert_msg(Run(FRACTURE " --mesh angle.obj --pieces 5 --steps 130 --device none --out o %s", options[i]) ==
+                          0,
+                      "%s", GetErrors());
+        ForEachRow("o/fracture.csv", s_header, KeepCourse, texts[i]);
+    }
+    ck_assert_str_eq(texts[0], texts[1]);
+    FindLine(GetOutput(), "It broke in step ");
+    ck_assert_int_eq(Run("truncate -s -9 p.qcp && " FRACTURE " --mesh angle.obj --load p.qcp --device none --out o"),
+                     1);
+    ck_assert_ptr_nonnull(strstr(GetErrors(), "qcFracture_Load: p.qcp: the last record at byte "));
+    LeaveFolder();
+}
+END_TEST
+
 START_TEST(frames_are_drawn_where_there_is_a_device)
 {
     EnterFolder();
@@ -231,6 +253,7 @@ START_TEST(mistakes_are_refused_with_a_message)
         {"--out ''", 2, "--out: no folder is named"},
         {"bunny.obj", 2, "'bunny.obj': options only"},
         {"--mesh none.obj", 1, "none.obj: No such file"},
+        {"--mesh angle.obj --load none.qcp", 1, "none.qcp: it can't be opened: No such file"},
         {"--mesh open.obj", 1, "open.obj: the mesh is not closed"},
         {"--out angle.obj/o", 1, "angle.obj/o"},
     };
@@ -269,5 +292,6 @@ END_TEST
 
 QC_RUN_TESTS("demos", the_costs_of_a_step_add_up_to_it,
              a_body_breaks_once_keeps_its_momentum_and_its_pieces_stay_above_the_floor,
-             the_result_depends_on_the_seed_and_not_on_method_and_threads, frames_are_drawn_where_there_is_a_device,
+             the_result_depends_on_the_seed_and_not_on_method_and_threads,
+             pieces_from_a_file_move_as_those_that_were_saved, frames_are_drawn_where_there_is_a_device,
              mistakes_are_refused_with_a_message, a_signal_ends_them_with_a_table)
