@@ -51,19 +51,27 @@ class MovingShape
         if (normal.dot(aside) < 0)
             normal = -normal;
         btScalar square = normal.length2();
-        if (square > 0)
+        if (HasRoot(square))
             bound = BoundAlong(normal / btSqrt(square), a, b, c);
         // From the line of the way to the triangle.
         square = m_way.length2();
-        if (bound < s_never && square > 0)
+        if (bound < s_never && HasRoot(square))
             aside -= m_way * (aside.dot(m_way) / square);
         square = aside.length2();
-        if (bound < s_never && square > 0)
+        if (bound < s_never && HasRoot(square))
             bound = btMax(bound, BoundAlong(aside / btSqrt(square), a, b, c));
         return bound;
     }
 
   private:
+    /// True if a vector with this square of its length can be scaled to a length of 1 with all digits.
+    static bool HasRoot(btScalar square)
+    {
+        constexpr btScalar lowest = std::numeric_limits<btScalar>::min() * btScalar(1e8);
+        constexpr btScalar highest = std::numeric_limits<btScalar>::max() * btScalar(1e-8);
+        return square > lowest && square < highest;
+    }
+
     /// How far the shape reaches from its origin in a direction of length 1, at any time.
     btScalar Extent(const btVector3& direction) const
     {
