@@ -116,6 +116,7 @@ void qcBatchScene::Measure(const btCollisionShape& root, qcBatchObject* object) 
     object->tolerance = s_tolerance * object->threshold;
     object->isOurs = false;
     object->radius = RadiusOf(&root);
+    root.getAabb(btTransform::getIdentity(), object->lower, object->upper);
     object->margin = 0;
     for (qcBatchMesh& mesh : object->meshes)
     {

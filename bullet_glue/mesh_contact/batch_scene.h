@@ -53,6 +53,7 @@ struct qcBatchObject
     btScalar tolerance = 0;          ///< see qcBatchScene::s_tolerance
     btScalar margin = 0;             ///< largest of its meshes, tolerance included
     btScalar radius = 0;             ///< upper bound of its points' distance from its origin
+    btVector3 lower, upper;          ///< box around it in its frame, margins included
     btScalar maxContactDistance = 0; ///< upper bound of its contact distance and of maxClosing
     btScalar maxClosing = 0;         ///< upper bound of its motion in a step relative to the mean motion
     qcObjectState state;             ///< at the last check

@@ -1,6 +1,8 @@
 // Decides which pairs of a step have to be queried.
 #include "mesh_contact/batch_validity.h"
 
+#include "mesh_contact/box_gap.h"
+
 #include <BulletCollision/BroadphaseCollision/btDispatcher.h>
 
 #include <algorithm>
@@ -39,6 +41,40 @@ bool qcBatchValidity::Holds(const qcPairContact& pair, const qcBatchObject& a, c
                a.tolerance + b.tolerance;
 }
 
+/// Upper bound of the distance by which the objects may close in on each other in the step, also if others stop one of
+/// them.
+btScalar qcBatchValidity::MaxTravel(const qcBatchPair& pair) const
+{
+    const qcBatchObject &a = *pair.gathered0, &b = *pair.gathered1;
+    qcRigidMotion motionA(pair.object0), motionB(pair.object1);
+    bool isSmallA = a.radius < b.radius;
+    // Relative to each other they move fastest where the smaller one is.
+    const btVector3& centre = isSmallA ? motionA.centre : motionB.centre;
+    btScalar relative = (motionA.VelocityAt(centre) - motionB.VelocityAt(centre)).length() +
+                        (motionA.angular - motionB.angular).length() * std::min(a.radius, b.radius);
+    return std::max({relative, motionA.MaxSpeed(a.radius), motionB.MaxSpeed(b.radius)}) * m_scene.GetTimeStep();
+}
+
+/// True if the boxes of a pair are so far apart that its meshes have no contact in the step. What is known of the pair
+/// is then that.
+bool qcBatchValidity::AreFar(const qcBatchPair& pair, qcPairContact* contact) const
+{
+    const qcBatchObject &a = *pair.gathered0, &b = *pair.gathered1;
+    btScalar gap = qcBoxGap({a.lower, a.upper, a.state.transform}, {b.lower, b.upper, b.state.transform}) -
+                   a.tolerance - b.tolerance;
+    if (!(gap > std::max({MaxTravel(pair), a.maxContactDistance, b.maxContactDistance})) || m_scene.GetTimeStep() <= 0)
+        return false;
+    *contact = qcPairContact();
+    contact->isKnown = true;
+    contact->versionA = a.version;
+    contact->versionB = b.version;
+    contact->a = a.state.transform;
+    contact->b = b.state.transform;
+    contact->reach = gap;
+    contact->gap = double(gap);
+    return true;
+}
+
 bool qcBatchValidity::Check()
 {
     m_number++;
@@ -55,11 +91,12 @@ bool qcBatchValidity::Check()
                 std::swap(a, b);
                 std::swap(object0, object1);
             }
+            qcBatchPair due{object0, object1, a, b};
             qcPairContact& pair = m_pairs.FindOrAdd(a->owner, b->owner);
-            pair.isDue = !Holds(pair, *a, *b);
+            pair.isDue = !Holds(pair, *a, *b) && !AreFar(due, &pair);
             pair.checked = m_number;
             if (pair.isDue)
-                m_due.push_back({object0, object1, a, b});
+                m_due.push_back(due);
         });
     m_pairs.RemoveOld(m_number);
     return m_due.empty();

@@ -32,6 +32,8 @@ class qcBatchValidity
     bool IsChanged(const btCollisionObject* object, qcBatchObject* gathered) const;
     qcBatchObject* CheckObject(const btCollisionObject* object);
     bool Holds(const qcPairContact& pair, const qcBatchObject& a, const qcBatchObject& b) const;
+    btScalar MaxTravel(const qcBatchPair& pair) const;
+    bool AreFar(const qcBatchPair& pair, qcPairContact* contact) const;
 
     qcBatchScene& m_scene;
     qcPairContacts& m_pairs;

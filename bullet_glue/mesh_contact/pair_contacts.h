@@ -22,15 +22,16 @@ struct qcKnownPoint
 /// A pair of objects. A is the one that was added to the batch first.
 struct qcPairContact
 {
-    bool isKnown = false;                ///< it has been queried
-    bool isDue = false;                  ///< the present check requires a query
-    unsigned checked = 0;                ///< number of the last check that found the pair in the world
-    unsigned versionA = 0, versionB = 0; ///< of the objects at the query; see qcBatchObject
-    btTransform a, b;                    ///< of the objects at the query
-    btScalar reach = 0;                  ///< contact distance up to which the query has all points
-    double gap = 0;                      ///< lower bound of the distance between triangles of the two
-    int regions = 0;                     ///< of contact
-    std::vector<qcKnownPoint> points;    ///< sorted by meshes
+    bool isKnown = false;                       ///< it has been queried
+    bool isDue = false;                         ///< the present check requires a query
+    unsigned checked = 0;                       ///< number of the last check that found the pair in the world
+    unsigned versionA = 0, versionB = 0;        ///< of the objects at the query; see qcBatchObject
+    btTransform a = btTransform::getIdentity(); ///< of the objects at the query
+    btTransform b = btTransform::getIdentity();
+    btScalar reach = 0;               ///< contact distance up to which the query has all points
+    double gap = 0;                   ///< lower bound of the distance between triangles of the two
+    int regions = 0;                  ///< of contact
+    std::vector<qcKnownPoint> points; ///< sorted by meshes
 };
 
 /// A motion of a pair, or of one object from a transform to another.

@@ -1,6 +1,7 @@
 // What is known of a pair of meshes is used as long as it holds, and no longer: plugin/docs/proofs/pair_reuse.md.
 #include "bullet/mesh/mesh_world.h"
 
+#include "mesh_contact/box_gap.h"
 #include "mesh_contact/pair_contacts.h"
 
 #include <random>
@@ -110,6 +111,73 @@ START_TEST(no_pair_that_stays_apart_meets_on_the_way)
 }
 END_TEST
 
+START_TEST(no_points_of_two_boxes_are_nearer_than_their_gap)
+{
+    Random random(2);
+    int apart = 0;
+    double largest = 0;
+    for (int i = 0; i < 4000; i++)
+    {
+        qcPlacedBox boxes[2];
+        for (qcPlacedBox& box : boxes)
+        {
+            btVector3 p = DrawVector(&random, 1), q = DrawVector(&random, 1);
+            box = {p, p, DrawMotion(&random, 3, 3)};
+            box.lower.setMin(q);
+            box.upper.setMax(q);
+        }
+        // Parallel edges, too.
+        if (i % 4 == 0)
+            boxes[1].transform.setBasis(boxes[0].transform.getBasis());
+        btScalar gap = qcBoxGap(boxes[0], boxes[1]);
+        apart += gap > 0;
+        btScalar nearest = BT_LARGE_FLOAT;
+        for (int k = 0; k < 64 * 64; k++)
+        {
+            // Points of a grid on each box, its corners among them.
+            btVector3 points[2];
+            for (int side = 0; side < 2; side++)
+            {
+                int index = side == 0 ? k % 64 : k / 64;
+                btVector3 part(btScalar(index % 4) / 3, btScalar(index / 4 % 4) / 3, btScalar(index / 16) / 3);
+                const qcPlacedBox& box = boxes[side];
+                points[side] = box.transform * (box.lower + (box.upper - box.lower) * part);
+            }
+            nearest = std::min(nearest, points[0].distance(points[1]));
+        }
+        ck_assert_double_le(double(gap), double(nearest));
+        largest = std::max(largest, double(gap / nearest));
+    }
+    ck_assert_int_gt(apart, 1000);
+    // It is no weak bound either.
+    ck_assert_double_gt(largest, 0.99);
+}
+END_TEST
+
+START_TEST(meshes_whose_boxes_are_apart_are_not_queried_until_they_come_near)
+{
+    qcMeshWorld world;
+    world.world.setGravity(btVector3(0, 0, 0));
+    // Long thin bars, side by side along a diagonal: their axis-aligned boxes overlap.
+    btCollisionShape* shape = world.Keep(qcBoxModel(btVector3(2, btScalar(0.1), btScalar(0.1)), 2).MakeShape());
+    btQuaternion turn(btVector3(0, 0, 1), SIMD_PI / 4);
+    world.Add(shape, 1, btTransform(turn, btVector3(0, 0, 0)));
+    btRigidBody* other = world.Add(shape, 1, btTransform(turn, btVector3(btScalar(0.6), btScalar(-0.6), 0)));
+    world.Step(3);
+    ck_assert_int_eq(world.world.getPairCache()->getNumOverlappingPairs(), 1);
+    ck_assert_uint_eq(world.contact.getStatistics().batches, 0);
+    // 0.65 between their faces, and margins.
+    other->setLinearVelocity(btVector3(btScalar(-1), 1, 0));
+    for (int step = 0; step < 120 && qcContactsOf(world.dispatcher).points == 0; step++)
+        world.Step();
+    ck_assert_uint_gt(world.contact.getStatistics().batches, 0);
+    world.Step(30);
+    ck_assert_double_lt(double(other->getLinearVelocity().length()), 1.2);
+    btVector3 between = world.bodies[0]->getWorldTransform().getOrigin() - other->getWorldTransform().getOrigin();
+    ck_assert_double_gt(double(between.dot(btVector3(-1, 1, 0).normalized())), 0.2);
+}
+END_TEST
+
 /// The floor, and a cube that lies on it and never sleeps.
 struct RestingCube : qcMeshWorld
 {
@@ -193,6 +261,7 @@ START_TEST(a_shape_that_changes_while_its_pair_is_apart_is_queried_when_they_mee
 END_TEST
 } // namespace
 
-QC_RUN_TESTS("mesh pairs", no_pair_that_stays_apart_meets_on_the_way, a_pair_at_rest_is_not_queried_while_another_moves,
-             bodies_that_move_as_one_are_queried_once,
+QC_RUN_TESTS("mesh pairs", no_pair_that_stays_apart_meets_on_the_way, no_points_of_two_boxes_are_nearer_than_their_gap,
+             meshes_whose_boxes_are_apart_are_not_queried_until_they_come_near,
+             a_pair_at_rest_is_not_queried_while_another_moves, bodies_that_move_as_one_are_queried_once,
              a_shape_that_changes_while_its_pair_is_apart_is_queried_when_they_meet_again)
