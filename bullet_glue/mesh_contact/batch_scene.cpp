@@ -35,6 +35,15 @@ btScalar RadiusOf(const btCollisionShape* shape)
     far.setMax(upper.absolute());
     return far.length();
 }
+
+/// The same of a mesh, by its vertices: a box's corners lie half as far again from the origin.
+btScalar RadiusOf(const qcMeshShape& mesh)
+{
+    btScalar squared = 0;
+    for (uint32_t i = 0; i < mesh.getVertexCount(); i++)
+        squared = std::max(squared, mesh.getVertices()[i].length2());
+    return btSqrt(squared) * (1 + 4 * SIMD_EPSILON) + mesh.getMargin();
+}
 } // namespace
 
 void qcCollectMeshes(const btCollisionShape* shape, const btTransform& transform, std::vector<qcBatchMesh>* meshes)
@@ -115,13 +124,15 @@ void qcBatchScene::Measure(const btCollisionShape& root, qcBatchObject* object) 
         std::min(root.getContactBreakingThreshold(gContactBreakingThreshold), 2 * gContactBreakingThreshold);
     object->tolerance = s_tolerance * object->threshold;
     object->isOurs = false;
-    object->radius = RadiusOf(&root);
+    object->boxRadius = RadiusOf(&root);
+    object->radius = 0;
     root.getAabb(btTransform::getIdentity(), object->lower, object->upper);
     object->margin = 0;
     for (qcBatchMesh& mesh : object->meshes)
     {
-        mesh.radius = RadiusOf(mesh.shape);
         const qcMeshShape* ours = qcAsMeshShape(mesh.shape);
+        mesh.radius = ours != nullptr ? RadiusOf(*ours) : RadiusOf(mesh.shape);
+        object->radius = std::max(object->radius, mesh.local.getOrigin().length() + mesh.radius);
         if (ours != nullptr)
             mesh.edgeLength = EdgeLengthOf(ours, ours->getTriangleCount());
         object->isOurs = object->isOurs || ours != nullptr ||

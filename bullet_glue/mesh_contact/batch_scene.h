@@ -52,7 +52,8 @@ struct qcBatchObject
     btScalar threshold = 0;          ///< upper bound of its contact breaking threshold
     btScalar tolerance = 0;          ///< see qcBatchScene::s_tolerance
     btScalar margin = 0;             ///< largest of its meshes, tolerance included
-    btScalar radius = 0;             ///< upper bound of its points' distance from its origin
+    btScalar radius = 0;             ///< upper bound of its meshes' points' distance from its origin
+    btScalar boxRadius = 0;          ///< that of its box
     btVector3 lower, upper;          ///< box around it in its frame, margins included
     btScalar maxContactDistance = 0; ///< upper bound of its contact distance and of maxClosing
     btScalar maxClosing = 0;         ///< upper bound of its motion in a step relative to the mean motion

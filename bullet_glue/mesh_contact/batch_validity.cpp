@@ -12,7 +12,7 @@ bool qcBatchValidity::IsChanged(const btCollisionObject* object, qcBatchObject* 
     if (m_scene.Refresh(object, gathered))
         return true;
     // Fast objects were sampled along the velocities that they had.
-    bool isFast = 2 * qcRigidMotion(object).MaxSpeed(gathered->radius) * m_scene.GetTimeStep() > gathered->threshold;
+    bool isFast = 2 * qcRigidMotion(object).MaxSpeed(gathered->boxRadius) * m_scene.GetTimeStep() > gathered->threshold;
     return isFast && !gathered->state.IsStateOf(object);
 }
 

@@ -71,10 +71,14 @@ void qcMeshBatch::SampleImpacts()
     m_impacts.Begin(m_scene.GetTimeStep());
     auto moving = [](const btCollisionObject* object, const qcBatchObject& gathered, const qcBatchMesh& mesh)
     {
-        return qcMovingMesh{object,          mesh.id,
-                            mesh.transform,  &mesh.sources,
-                            gathered.radius, gathered.threshold,
-                            mesh.margin,     gathered.maxContactDistance};
+        return qcMovingMesh{object,
+                            mesh.id,
+                            mesh.transform,
+                            &mesh.sources,
+                            gathered.boxRadius,
+                            gathered.threshold,
+                            mesh.margin,
+                            gathered.maxContactDistance};
     };
     for (const qcBatchPair& pair : m_validity.GetDue())
         for (const qcBatchMesh& meshA : pair.gathered0->meshes)
