@@ -36,7 +36,7 @@ btScalar RadiusOf(const btCollisionShape* shape)
     return far.length();
 }
 
-/// The same of a mesh, by its vertices: a box's corners lie half as far again from the origin.
+/// Likewise for a mesh, by its vertices: the corners of its box lie half as far again from the origin.
 btScalar RadiusOf(const qcMeshShape& mesh)
 {
     btScalar squared = 0;
