@@ -52,6 +52,28 @@ START_TEST(every_shape_falls_in_the_same_scene)
 }
 END_TEST
 
+static void TakeChain(const Row* row, void* context)
+{
+    ++*(int*)context;
+    ck_assert(Is(row, "penetrating", "0"));
+    // It lands on the ground, a plane, 32 mm deep.
+    ck_assert_double_lt(GetNumber(row, "deepest"), 0.05);
+    ck_assert_double_gt(GetNumber(row, "rest_seconds"), 0.0);
+    ck_assert_double_lt(GetNumber(row, "drift"), 0.05);
+}
+
+START_TEST(linked_rings_stay_linked_and_come_to_rest)
+{
+    EnterFolder();
+    ck_assert_msg(Run(QC_BENCH_PROGRAM " piles --scene chain-6 --shape mesh --steps 360 --out o") == 0, "%s",
+                  GetErrors());
+    int rows = 0;
+    ck_assert_int_eq(ForEachRow("o/piles.csv", HEADER, TakeChain, &rows), 1);
+    ck_assert_int_eq(rows, 1);
+    LeaveFolder();
+}
+END_TEST
+
 START_TEST(one_shape_can_be_chosen)
 {
     EnterFolder();
@@ -81,5 +103,5 @@ START_TEST(mistakes_are_refused_with_a_message)
 }
 END_TEST
 
-QC_RUN_TESTS("bench piles", every_shape_falls_in_the_same_scene, one_shape_can_be_chosen,
-             mistakes_are_refused_with_a_message)
+QC_RUN_TESTS("bench piles", every_shape_falls_in_the_same_scene, linked_rings_stay_linked_and_come_to_rest,
+             one_shape_can_be_chosen, mistakes_are_refused_with_a_message)
