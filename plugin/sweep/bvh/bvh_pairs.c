@@ -13,9 +13,11 @@
 
 enum
 {
-    // Pairs of nodes that are dealt to threads: enough that no thread waits long for the last.
+    // Pairs of nodes that are dealt to threads, at least, and one for so many clusters: enough that no thread waits
+    // long for the last.
     qc_nodePairsPerThread = 64,
-    qc_tasksPerThread = 16,
+    qc_clustersPerNodePair = 512,
+    qc_tasksPerThread = 64,
     // Searches that are prepared together, in about ten microseconds, and the min number of blocks that is worth waking
     // a thread for.
     qc_searchBlock = 16,
@@ -511,9 +513,10 @@ static size_t SizeOf(const qcBvhPairsJob* job)
 static qcStatus FindAllNodePairs(const Run* run, uint32_t threads)
 {
     qcArray* nodePairs = &run->memory->nodePairs;
-    double total = threads > 1 ? (double)threads * qc_nodePairsPerThread : 0.0, clusters = 0.0;
+    double clusters = 0.0;
     for (size_t i = 0; i < run->jobCount; i++)
         clusters += (double)SizeOf(&run->jobs[i]);
+    double total = threads > 1 ? fmax((double)threads * qc_nodePairsPerThread, clusters / qc_clustersPerNodePair) : 0.0;
     nodePairs->count = 0;
     for (size_t i = 0; i < run->jobCount; i++)
     {
