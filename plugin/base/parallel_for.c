@@ -120,7 +120,7 @@ static void TakeIndices(Loop* loop, uint32_t worker)
 {
     uint32_t index;
     do
-        while (TakeIndex(&loop->parts[worker], &index))
+        while (TakeIndex(&loop->parts[worker % loop->partCount], &index))
             loop->function(loop->context, loop->first + index, worker);
     while (Steal(loop, worker));
 }
@@ -135,16 +135,17 @@ static void RunTask(uint32_t index, void* taskContext)
     fesetenv(&own);
 }
 
-/// Runs `count` indices from loop->first on, 2^32 - 1 at most.
-static void RunParts(Loop* loop, uint32_t threads, size_t count)
+/// Runs `count` indices from loop->first on, 2^32 - 1 at most: of a part for each task, or of one part.
+static void RunParts(Loop* loop, uint32_t threads, size_t count, bool dealt)
 {
-    loop->partCount = count < threads ? (uint32_t)count : threads;
+    uint32_t tasks = count < threads ? (uint32_t)count : threads;
+    loop->partCount = dealt ? tasks : 1;
     for (uint64_t k = 0; k < loop->partCount; k++)
         atomic_init(&loop->parts[k].range, MakeRange(k * count / loop->partCount, (k + 1) * count / loop->partCount));
     if (s_parallelFor != NULL)
-        s_parallelFor(loop->partCount, RunTask, loop, s_context);
+        s_parallelFor(tasks, RunTask, loop, s_context);
     else
-        qcPool_Run(loop->partCount, RunTask, loop);
+        qcPool_Run(tasks, RunTask, loop);
     TakeIndices(loop, 0);
 }
 
@@ -156,20 +157,35 @@ static bool IsWorthThreads(uint32_t threads, size_t count, size_t minCount)
     return count >= minCount || (s_parallelFor == NULL && count >= minCount / qc_hotFactor && qcPool_IsAwake());
 }
 
-void qcParallel_For(uint32_t threads, size_t count, size_t minCount, qcParallelFunction* function, void* context)
+/// All indices; `loop` has the function and its context.
+static void Run(Loop* loop, uint32_t threads, size_t count, size_t minCount, bool dealt)
 {
     if (!IsWorthThreads(threads, count, minCount))
     {
         for (size_t i = 0; i < count; i++)
-            function(context, i, 0);
+            loop->function(loop->context, i, 0);
         return;
     }
+    fegetenv(&loop->environment);
+    for (loop->first = 0; loop->first < count; loop->first += UINT32_MAX)
+        RunParts(loop, threads, count - loop->first < UINT32_MAX ? count - loop->first : UINT32_MAX, dealt);
+}
+
+void qcParallel_For(uint32_t threads, size_t count, size_t minCount, qcParallelFunction* function, void* context)
+{
     Loop loop;
     loop.function = function;
     loop.context = context;
-    fegetenv(&loop.environment);
-    for (loop.first = 0; loop.first < count; loop.first += UINT32_MAX)
-        RunParts(&loop, threads, count - loop.first < UINT32_MAX ? count - loop.first : UINT32_MAX);
+    Run(&loop, threads, count, minCount, true);
+}
+
+void qcParallel_ForLargestFirst(uint32_t threads, size_t count, size_t minCount, qcParallelFunction* function,
+                                void* context)
+{
+    Loop loop;
+    loop.function = function;
+    loop.context = context;
+    Run(&loop, threads, count, minCount, false);
 }
 
 void qcParallel_Wake(uint32_t threads)

@@ -29,4 +29,8 @@ void qcParallel_Wake(uint32_t threads);
 /// number it in the same order: each core then finds its part in its caches.
 void qcParallel_For(uint32_t threads, size_t count, size_t minCount, qcParallelFunction* function, void* context);
 
+/// Like qcParallel_For, but each worker takes the next index: for few indices of unequal work, the largest first.
+void qcParallel_ForLargestFirst(uint32_t threads, size_t count, size_t minCount, qcParallelFunction* function,
+                                void* context);
+
 #endif

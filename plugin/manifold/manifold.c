@@ -15,8 +15,8 @@ enum
 {
     // A body pair takes from 1 to 1 000 microseconds.
     qc_minBodyPairs = 4,
-    // Min pairs for which waking threads at every stage pays: they take some milliseconds.
-    qc_minSharedPairs = 2048,
+    // Min pairs for which threads at every stage pay: they take about a millisecond.
+    qc_minSharedPairs = 256,
     // More than fits into the memory of any machine. Numbers of pair sides have 32 bits, with room for two more bits.
     qc_maxManifoldPairs = 1 << 28
 };
@@ -135,14 +135,14 @@ static qcStatus BuildAll(Job* job, uint32_t threads)
     const qcAllManifolds* all = job->all;
     for (; threads > 1 && job->shared < all->bodyPairs.count; job->shared++)
     {
-        // The largest body pairs come first. One with more than half of a thread's share of the pairs is built by all
-        // threads: begun last by one worker, it would delay the end.
+        // The largest body pairs come first. One with more than a thread's share of the pairs is built by all threads:
+        // one worker would delay the end.
         qcBodyPairRange* bodyPair = BodyPairAt(all, job->shared);
-        if (bodyPair->pairCount < qc_minSharedPairs || bodyPair->pairCount < job->input->count / (2 * threads))
+        if (bodyPair->pairCount < qc_minSharedPairs || bodyPair->pairCount < job->input->count / threads)
             break;
         QC_TRY(Build(job, bodyPair, 0, threads));
     }
-    qcParallel_For(threads, all->bodyPairs.count - job->shared, qc_minBodyPairs, BuildOne, job);
+    qcParallel_ForLargestFirst(threads, all->bodyPairs.count - job->shared, qc_minBodyPairs, BuildOne, job);
     return qcWorkerResults_End(&all->builders, sizeof(qcManifoldBuilder));
 }
 

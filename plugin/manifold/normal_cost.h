@@ -6,9 +6,9 @@
 
 enum
 {
-    /// Unsettled pairs at once; a block takes some 100 microseconds.
-    qc_normalBlock = 128,
-    qc_minNormalBlocks = 4
+    /// Unsettled pairs at once; a block takes some 20 microseconds.
+    qc_normalBlock = 32,
+    qc_minNormalBlocks = 16
 };
 
 /// Another normal must be cheaper by this factor, so that rounding never decides.

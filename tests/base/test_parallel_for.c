@@ -1,5 +1,5 @@
 // Loops on threads of the host: results are those of one thread, however the host runs its tasks.
-#define _POSIX_C_SOURCE 200809L
+#define _DEFAULT_SOURCE // usleep
 
 #include "support/devices.h"
 #include "base/parallel_for.h"
@@ -205,6 +205,114 @@ START_TEST(tasks_run_in_the_rounding_mode_of_the_caller)
     fesetround(FE_TONEAREST);
     ck_assert_int_eq(after, FE_DOWNWARD);
     ck_assert_int_eq(counts.wrong, 0);
+}
+END_TEST
+
+//  ---- parts -------------------------------------------------------------------------------------------------------
+
+typedef void Loops(uint32_t threads, size_t count, size_t minCount, qcParallelFunction* function, void* context);
+
+static Loops* const s_loops[] = {qcParallel_For, qcParallel_ForLargestFirst};
+
+START_TEST(each_index_runs_once_on_the_librarys_own_threads)
+{
+    Use(NULL);
+    for (uint32_t threads = 1; threads <= 6; threads++)
+        for (size_t count = 0; count <= qc_loopCount; count = 3 * count + 1)
+        {
+            static Counts counts;
+            memset(&counts, 0, sizeof counts);
+            counts.rounding = FE_TONEAREST;
+            counts.threads = threads;
+            qcParallel_Wake(threads);
+            s_loops[_i](threads, count, 2, CountIndex, &counts);
+            ck_assert_int_eq(counts.wrong, 0);
+            for (size_t i = 0; i < qc_loopCount; i++)
+                ck_assert_uint_eq(counts.byIndex[i], i < count);
+        }
+}
+END_TEST
+
+enum
+{
+    qc_partWorkers = 4
+};
+
+/// What each worker has run.
+typedef struct Ranges
+{
+    size_t first[qc_partWorkers];
+    atomic_size_t count[qc_partWorkers];
+} Ranges;
+
+static void RecordIndex(void* context, size_t index, uint32_t worker)
+{
+    Ranges* ranges = context;
+    if (ranges->count[worker]++ == 0)
+        ranges->first[worker] = index;
+}
+
+/// Runs the last task alone.
+static void RunLastTask(uint32_t count, qcTask* task, void* taskContext, void* context)
+{
+    (void)context;
+    task(count - 1, taskContext);
+}
+
+START_TEST(a_worker_begins_with_its_own_part_and_takes_those_of_others_when_it_is_done)
+{
+    static Ranges ranges;
+    CHECK_OK(qcSetParallelFor(RunLastTask, qc_partWorkers, NULL));
+    qcParallel_For(qc_partWorkers, qc_loopCount, 2, RecordIndex, &ranges);
+    ck_assert_uint_eq(ranges.count[qc_partWorkers - 1], qc_loopCount);
+    ck_assert_uint_eq(ranges.first[qc_partWorkers - 1], qc_loopCount * (qc_partWorkers - 1) / qc_partWorkers);
+}
+END_TEST
+
+START_TEST(the_largest_come_first_if_one_worker_takes_all)
+{
+    static Ranges ranges;
+    CHECK_OK(qcSetParallelFor(RunLastTask, qc_partWorkers, NULL));
+    qcParallel_ForLargestFirst(qc_partWorkers, qc_loopCount, 2, RecordIndex, &ranges);
+    ck_assert_uint_eq(ranges.count[qc_partWorkers - 1], qc_loopCount);
+    ck_assert_uint_eq(ranges.first[qc_partWorkers - 1], 0);
+}
+END_TEST
+
+static void Wait(void* context, size_t index, uint32_t worker)
+{
+    (void)worker;
+    Ranges* ranges = context;
+    // The first index of worker 0 lasts until all others have run: the rest of its part is stolen.
+    if (index == 0)
+        while (ranges->count[1] < qc_loopCount - 1)
+            usleep(100);
+    else
+        ranges->count[1]++;
+}
+
+START_TEST(indices_behind_a_long_one_are_stolen)
+{
+    static Ranges ranges;
+    Use(NULL);
+    qcParallel_For(2, qc_loopCount, 2, Wait, &ranges);
+    ck_assert_uint_eq(ranges.count[1], qc_loopCount - 1);
+}
+END_TEST
+
+START_TEST(threads_that_sleep_are_woken_by_the_next_loop)
+{
+    static Ranges ranges;
+    Use(NULL);
+    for (int i = 0; i < 3; i++)
+    {
+        ranges.count[1] = 0;
+        qcParallel_For(2, qc_loopCount, 2, Wait, &ranges);
+        ck_assert_uint_eq(ranges.count[1], qc_loopCount - 1);
+        usleep(5000);
+        if (i == 1)
+            qcParallel_Wake(2);
+    }
 }
 END_TEST
 
@@ -450,6 +558,11 @@ int main(void)
     tcase_set_timeout(tests, 300);
     tcase_add_loop_test(tests, each_index_runs_once_and_concurrent_calls_have_different_workers, 0, qc_hostCount);
     tcase_add_loop_test(tests, tasks_run_in_the_rounding_mode_of_the_caller, 0, qc_hostCount);
+    tcase_add_loop_test(tests, each_index_runs_once_on_the_librarys_own_threads, 0, 2);
+    tcase_add_test(tests, a_worker_begins_with_its_own_part_and_takes_those_of_others_when_it_is_done);
+    tcase_add_test(tests, the_largest_come_first_if_one_worker_takes_all);
+    tcase_add_test(tests, indices_behind_a_long_one_are_stolen);
+    tcase_add_test(tests, threads_that_sleep_are_woken_by_the_next_loop);
     tcase_add_loop_test(tests, hosts_that_change_step_by_step_give_the_results_of_one_thread, 0, qc_questionCount);
     tcase_add_test(tests, scenes_on_two_threads_share_a_host);
     tcase_add_test(tests, scenes_on_two_threads_share_the_librarys_own_threads);
