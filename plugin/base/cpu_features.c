@@ -12,7 +12,8 @@ static bool IsAvailable(size_t set)
         return __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma");
     if (set == qc_instructionsAvx512)
         return IsAvailable(qc_instructionsAvx2) && __builtin_cpu_supports("avx512f") &&
-               __builtin_cpu_supports("avx512bw") && __builtin_cpu_supports("avx512vl");
+               __builtin_cpu_supports("avx512bw") && __builtin_cpu_supports("avx512vl") &&
+               __builtin_cpu_supports("bmi") && __builtin_cpu_supports("bmi2") && __builtin_cpu_supports("popcnt");
 #endif
     return set == qc_instructionsScalar;
 }

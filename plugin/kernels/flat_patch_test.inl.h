@@ -72,6 +72,9 @@ static void LoadLoop(const qcPatchGeometry* patch, Loop* loop)
 static bool ChooseDirection(size_t count, Loop* loop)
 {
     float area[3];
+    Ints lanes;
+    for (int lane = 0; lane < QC_LANES; lane++)
+        lanes[lane] = lane;
     for (int axis = 0; axis < 3; axis++)
     {
         const float *y = loop->x[(axis + 1) % 3], *z = loop->x[(axis + 2) % 3];
@@ -79,9 +82,7 @@ static bool ChooseDirection(size_t count, Loop* loop)
         for (size_t i = 0; i < count; i += QC_LANES)
         {
             Floats products = LoadFloats(y + i) * LoadFloats(z + i + 1) - LoadFloats(z + i) * LoadFloats(y + i + 1);
-            for (size_t lane = count - i; lane < QC_LANES; lane++)
-                products[lane] = 0.0f;
-            sum += products;
+            sum += (Floats)((Ints)products & (lanes < (int32_t)(count - i)));
         }
         area[axis] = Sum(sum);
     }

@@ -6,8 +6,9 @@
 
 enum
 {
-    // A worker filters its queue when it holds this many pairs: 16 KiB.
-    qc_queueFull = 2048
+    // A worker filters its queue when it holds this many pairs: 4 KiB, so that their points are still in a near cache
+    // (5 % of a step of the bench's tangle-92k against 2048).
+    qc_queueFull = 512
 };
 
 /// Candidate pairs, classified ones first: near, separate, intersecting, then undecided. `a` is a slot of the first

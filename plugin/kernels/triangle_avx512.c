@@ -1,4 +1,4 @@
-// Kernels for x86-64 with AVX-512 F, BW and VL.
+// Kernels for x86-64 with AVX-512 F, BW and VL, and BMI2.
 #include "kernels/simd_x86.h"
 
 enum
@@ -44,32 +44,6 @@ static inline qcSlotPair* AddRow(uint32_t row, uint32_t first, uint32_t other, q
                                    _mm512_set_epi64(7, 6, 5, 4, 3, 2, 1, 0));
     _mm512_storeu_si512(pairs, _mm512_maskz_compress_epi64((__mmask8)row, all));
     return pairs + __builtin_popcount(row);
-}
-
-/// Two boxes of b at a time, against all boxes of a.
-static inline uint64_t FindEndsOverlaps(const Ends* a, const Ends* b)
-{
-    __m512i ends[3], limits[3];
-    for (int axis = 0; axis < 3; axis++)
-    {
-        ends[axis] = _mm512_broadcast_i64x4(a->axis[axis]);
-        // Lower ends of a are compared with upper ends of b, and vice versa.
-        __m256i other = b->axis[axis];
-        limits[axis] =
-            _mm512_broadcast_i64x4(_mm256_xor_si256(_mm256_permute4x64_epi64(other, 0x4e), _mm256_set1_epi8(-1)));
-    }
-    uint64_t overlaps = 0;
-    for (int j = 0; j < qc_boxLanes; j += 2)
-    {
-        __m512i pick = _mm512_inserti64x4(_mm512_set1_epi16((short)(0x0100 + 0x0202 * j)),
-                                          _mm256_set1_epi16((short)(0x0100 + 0x0202 * (j + 1))), 1);
-        __mmask32 both = _mm512_cmple_epi16_mask(ends[0], _mm512_shuffle_epi8(limits[0], pick));
-        both = _mm512_mask_cmple_epi16_mask(both, ends[1], _mm512_shuffle_epi8(limits[1], pick));
-        both = _mm512_mask_cmple_epi16_mask(both, ends[2], _mm512_shuffle_epi8(limits[2], pick));
-        uint32_t rows = both & both >> 8 & 0x00ff00ffu;
-        overlaps |= (uint64_t)((rows | rows >> 8) & 0xffffu) << 8 * j;
-    }
-    return overlaps;
 }
 
 /// An axis separates a motion if it separates in the same order at both ends.

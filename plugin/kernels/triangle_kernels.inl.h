@@ -16,11 +16,21 @@
 
 #define QC_INLINE static inline __attribute__((always_inline))
 
+enum
+{
+    // Positions that are fetched before they are read: the order of the BVH is not that of the body.
+    qc_verticesAhead = 24
+};
+
 static void TransformVertices(const qcLatticeTransform* lattice, const qcVertexRange* range, qcPoint* points,
                               qcBoxRow* rows)
 {
     for (size_t i = range->first; i < range->end; i++)
+    {
+        if (i + qc_verticesAhead < range->end)
+            __builtin_prefetch(range->positions + 3 * (size_t)range->vertexOf[i + qc_verticesAhead]);
         TransformVertex(lattice, range->positions + 3 * (size_t)range->vertexOf[i], &points[i], &rows[i]);
+    }
 }
 
 /// Stores eight rows side by side; returns the row around them.

@@ -32,6 +32,17 @@ static inline Filtered Determinant3(const double a[3], const double b[3], const 
     return f;
 }
 
+static bool AreSame(const double a[3], const double b[3])
+{
+    return a[0] == b[0] && a[1] == b[1] && a[2] == b[2];
+}
+
+/// Two of four points are one: their determinant is 0.
+static bool HaveSame(const double a[3], const double b[3], const double c[3], const double d[3])
+{
+    return AreSame(a, b) || AreSame(a, c) || AreSame(a, d) || AreSame(b, c) || AreSame(b, d) || AreSame(c, d);
+}
+
 int qcOrient3d(const double a[3], const double b[3], const double c[3], const double d[3], uint64_t* undecided)
 {
     Filtered f = Determinant3(a, b, c, d);
@@ -39,6 +50,8 @@ int qcOrient3d(const double a[3], const double b[3], const double c[3], const do
         return 1;
     if (-f.determinant > f.bound)
         return -1;
+    if (HaveSame(a, b, c, d))
+        return 0;
     if (undecided != NULL)
         ++*undecided;
     double exact = qcExactDeterminant3(a, b, c, d).mantissa;

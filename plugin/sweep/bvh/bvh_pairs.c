@@ -25,6 +25,9 @@ enum
     // a thread for.
     qc_searchBlock = 16,
     qc_minSearchBlocks = 8,
+    // Clusters of a BVH that exceeds the cache next to a core: 1.5 MB. A dragon of 871 K triangles takes 5 % less with
+    // prefetches, a cloth of 20 K 2 % more.
+    qc_minPrefetched = 16384,
     qc_queueRoom = qc_queueFull + qc_maxCollected
 };
 
@@ -219,6 +222,28 @@ static NodePair ChildAt(NodePair nodes, uint32_t bit)
                       nodes.b * qc_boxLanes + bit / qc_boxLanes};
 }
 
+/// The boxes of a leaf node that is compared soon, and of its clusters.
+static void Prefetch(const qcTriangleBvh* bvh, uint32_t node)
+{
+    const qcBvhBoxes boxes = BoxesOf(bvh, &bvh->fit);
+    const char *own = (const char*)&boxes.nodes[node], *clusters = (const char*)&boxes.clusters[node * qc_boxLanes];
+    __builtin_prefetch(own);
+    __builtin_prefetch(own + sizeof(qcBox8) - 1);
+    for (size_t at = 0; at < qc_boxLanes * sizeof(qcBox8); at += 64)
+        __builtin_prefetch(clusters + at);
+}
+
+static void PrefetchChildren(const Search* s, NodePair nodes, uint64_t overlaps)
+{
+    for (uint32_t i = 0; i < qc_boxLanes; i++)
+    {
+        if ((overlaps >> i & UINT64_C(0x0101010101010101)) != 0)
+            Prefetch(s->a, nodes.a * qc_boxLanes + i);
+        if ((overlaps >> qc_boxLanes * i & 0xffu) != 0 && (nodes.a != nodes.b || !s->same))
+            Prefetch(s->b, nodes.b * qc_boxLanes + i);
+    }
+}
+
 static void Descend(Queue* queue, uint32_t level, NodePair nodes)
 {
     if (level == 1)
@@ -226,7 +251,10 @@ static void Descend(Queue* queue, uint32_t level, NodePair nodes)
         CompareLeafNodes(queue, nodes);
         return;
     }
-    for (uint64_t overlaps = FindOverlaps(queue->search, level, nodes); overlaps != 0; overlaps &= overlaps - 1)
+    uint64_t overlaps = FindOverlaps(queue->search, level, nodes);
+    if (level == 2 && queue->search->a->box8Count[0] > qc_minPrefetched)
+        PrefetchChildren(queue->search, nodes, overlaps);
+    for (; overlaps != 0; overlaps &= overlaps - 1)
         Descend(queue, level - 1, ChildAt(nodes, (uint32_t)__builtin_ctzll(overlaps)));
 }
 
