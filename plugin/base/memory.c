@@ -22,7 +22,7 @@ enum
 
 static atomic_size_t s_byteCount;
 
-/// Asks for huge pages: the first use of a large array then takes a tenth of the time. Whatever comes of it is fine.
+/// Huge pages make the first use of a large array several times as fast. The advice may be ignored.
 static void AdviseHugePages(void* memory, size_t size)
 {
 #ifdef __linux__
