@@ -123,6 +123,19 @@ static inline uint64_t FindMotionBoxOverlaps(const qcBox8* const a[2], const qcB
     return overlaps;
 }
 
+#include "kernels/triangle_kernels.inl.h"
+
+QC_INLINE Vectors LoadPoints(const qcPoint* points, const uint32_t vertex[QC_LANES])
+{
+    const float *a = points[vertex[0]].x, *b = points[vertex[1]].x, *c = points[vertex[2]].x, *d = points[vertex[3]].x;
+    return (Vectors){{a[0], b[0], c[0], d[0]}, {a[1], b[1], c[1], d[1]}, {a[2], b[2], c[2], d[2]}};
+}
+
+QC_INLINE uint32_t SignBits(Ints lanes)
+{
+    return (uint32_t)((lanes[0] & 1) | (lanes[1] & 2) | (lanes[2] & 4) | (lanes[3] & 8));
+}
+
 /// One triangle of b at a time, against all of a.
 static inline uint64_t FindCommonVertices(const qcClusterVertices* a, const qcClusterVertices* b)
 {
@@ -147,19 +160,6 @@ static inline uint64_t FindCommonVertices(const qcClusterVertices* a, const qcCl
         common |= (uint64_t)(uint32_t)(sum[0] | sum[1] | sum[2] | sum[3]) << 8 * v;
     }
     return common;
-}
-
-#include "kernels/triangle_kernels.inl.h"
-
-QC_INLINE Vectors LoadPoints(const qcPoint* points, const uint32_t vertex[QC_LANES])
-{
-    const float *a = points[vertex[0]].x, *b = points[vertex[1]].x, *c = points[vertex[2]].x, *d = points[vertex[3]].x;
-    return (Vectors){{a[0], b[0], c[0], d[0]}, {a[1], b[1], c[1], d[1]}, {a[2], b[2], c[2], d[2]}};
-}
-
-QC_INLINE uint32_t SignBits(Ints lanes)
-{
-    return (uint32_t)((lanes[0] & 1) | (lanes[1] & 2) | (lanes[2] & 4) | (lanes[3] & 8));
 }
 
 const qcTriangleKernels qcTriangleKernels_scalar = QC_KERNELS("plain");
