@@ -1,9 +1,12 @@
 // The pair mask of two leaf nodes of one body, from the vertices of their triangles: for bodies whose masks are not
-// stored. Needs FindCommonVertices (see commonVertices in the source of an instruction set).
+// stored. The source of an instruction set defines FindCommonVertices.
 #ifndef QC_KERNELS_COMMON_VERTICES_INL_H
 #define QC_KERNELS_COMMON_VERTICES_INL_H
 
 #include "kernels/triangle_kernels.h"
+
+/// Bit u + 8 v: triangle u of the first cluster and triangle v of the second have a common vertex.
+static inline uint64_t FindCommonVertices(const qcClusterVertices* a, const qcClusterVertices* b);
 
 static uint32_t FindPairMask(const qcClusterVertices* a, const qcClusterVertices* b, uint64_t clusters,
                              uint64_t packed[qc_maxPairMaskSize + 1])

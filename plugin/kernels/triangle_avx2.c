@@ -90,6 +90,26 @@ static inline uint64_t FindMotionBoxOverlaps(const qcBox8* const a[2], const qcB
     return ~disjoint;
 }
 
+#include "kernels/triangle_kernels.inl.h"
+
+/// Four floats of lanes 0 to 3 and of lanes 4 to 7 side by side, then columns to vectors.
+QC_INLINE Vectors LoadPoints(const qcPoint* points, const uint32_t vertex[QC_LANES])
+{
+    __m256 row[4];
+    for (int i = 0; i < 4; i++)
+        row[i] = _mm256_insertf128_ps(_mm256_castps128_ps256(_mm_loadu_ps(points[vertex[i]].x)),
+                                      _mm_loadu_ps(points[vertex[4 + i]].x), 1);
+    __m256 xy01 = _mm256_unpacklo_ps(row[0], row[1]), z01 = _mm256_unpackhi_ps(row[0], row[1]);
+    __m256 xy23 = _mm256_unpacklo_ps(row[2], row[3]), z23 = _mm256_unpackhi_ps(row[2], row[3]);
+    return (Vectors){_mm256_shuffle_ps(xy01, xy23, 0x44), _mm256_shuffle_ps(xy01, xy23, 0xee),
+                     _mm256_shuffle_ps(z01, z23, 0x44)};
+}
+
+QC_INLINE uint32_t SignBits(Ints lanes)
+{
+    return (uint32_t)_mm256_movemask_ps((__m256)lanes);
+}
+
 /// One triangle of b at a time, against all of a.
 static inline uint64_t FindCommonVertices(const qcClusterVertices* a, const qcClusterVertices* b)
 {
@@ -109,26 +129,6 @@ static inline uint64_t FindCommonVertices(const qcClusterVertices* a, const qcCl
         common |= (uint64_t)(uint32_t)_mm256_movemask_ps(_mm256_castsi256_ps(equal)) << 8 * v;
     }
     return common;
-}
-
-#include "kernels/triangle_kernels.inl.h"
-
-/// Four floats of lanes 0 to 3 and of lanes 4 to 7 side by side, then columns to vectors.
-QC_INLINE Vectors LoadPoints(const qcPoint* points, const uint32_t vertex[QC_LANES])
-{
-    __m256 row[4];
-    for (int i = 0; i < 4; i++)
-        row[i] = _mm256_insertf128_ps(_mm256_castps128_ps256(_mm_loadu_ps(points[vertex[i]].x)),
-                                      _mm_loadu_ps(points[vertex[4 + i]].x), 1);
-    __m256 xy01 = _mm256_unpacklo_ps(row[0], row[1]), z01 = _mm256_unpackhi_ps(row[0], row[1]);
-    __m256 xy23 = _mm256_unpacklo_ps(row[2], row[3]), z23 = _mm256_unpackhi_ps(row[2], row[3]);
-    return (Vectors){_mm256_shuffle_ps(xy01, xy23, 0x44), _mm256_shuffle_ps(xy01, xy23, 0xee),
-                     _mm256_shuffle_ps(z01, z23, 0x44)};
-}
-
-QC_INLINE uint32_t SignBits(Ints lanes)
-{
-    return (uint32_t)_mm256_movemask_ps((__m256)lanes);
 }
 
 const qcTriangleKernels qcTriangleKernels_avx2 = QC_KERNELS("avx2");

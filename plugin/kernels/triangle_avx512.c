@@ -73,6 +73,30 @@ static inline uint64_t FindMotionBoxOverlaps(const qcBox8* const a[2], const qcB
     return overlaps;
 }
 
+#include "kernels/triangle_kernels.inl.h"
+
+/// The four floats of every fourth lane side by side, then columns to vectors.
+QC_INLINE Vectors LoadPoints(const qcPoint* points, const uint32_t vertex[QC_LANES])
+{
+    __m512 row[4];
+    for (int i = 0; i < 4; i++)
+    {
+        row[i] = _mm512_castps128_ps512(_mm_loadu_ps(points[vertex[i]].x));
+        row[i] = _mm512_insertf32x4(row[i], _mm_loadu_ps(points[vertex[4 + i]].x), 1);
+        row[i] = _mm512_insertf32x4(row[i], _mm_loadu_ps(points[vertex[8 + i]].x), 2);
+        row[i] = _mm512_insertf32x4(row[i], _mm_loadu_ps(points[vertex[12 + i]].x), 3);
+    }
+    __m512 xy01 = _mm512_unpacklo_ps(row[0], row[1]), z01 = _mm512_unpackhi_ps(row[0], row[1]);
+    __m512 xy23 = _mm512_unpacklo_ps(row[2], row[3]), z23 = _mm512_unpackhi_ps(row[2], row[3]);
+    return (Vectors){_mm512_shuffle_ps(xy01, xy23, 0x44), _mm512_shuffle_ps(xy01, xy23, 0xee),
+                     _mm512_shuffle_ps(z01, z23, 0x44)};
+}
+
+QC_INLINE uint32_t SignBits(Ints lanes)
+{
+    return _mm512_cmplt_epi32_mask((__m512i)lanes, _mm512_setzero_si512());
+}
+
 /// Two triangles of b at a time, against all of a. Equal vertices have a difference of zero, below all others.
 static inline uint64_t FindCommonVertices(const qcClusterVertices* a, const qcClusterVertices* b)
 {
@@ -96,30 +120,6 @@ static inline uint64_t FindCommonVertices(const qcClusterVertices* a, const qcCl
         pick = _mm512_add_epi32(pick, _mm512_set1_epi32(2));
     }
     return common;
-}
-
-#include "kernels/triangle_kernels.inl.h"
-
-/// The four floats of every fourth lane side by side, then columns to vectors.
-QC_INLINE Vectors LoadPoints(const qcPoint* points, const uint32_t vertex[QC_LANES])
-{
-    __m512 row[4];
-    for (int i = 0; i < 4; i++)
-    {
-        row[i] = _mm512_castps128_ps512(_mm_loadu_ps(points[vertex[i]].x));
-        row[i] = _mm512_insertf32x4(row[i], _mm_loadu_ps(points[vertex[4 + i]].x), 1);
-        row[i] = _mm512_insertf32x4(row[i], _mm_loadu_ps(points[vertex[8 + i]].x), 2);
-        row[i] = _mm512_insertf32x4(row[i], _mm_loadu_ps(points[vertex[12 + i]].x), 3);
-    }
-    __m512 xy01 = _mm512_unpacklo_ps(row[0], row[1]), z01 = _mm512_unpackhi_ps(row[0], row[1]);
-    __m512 xy23 = _mm512_unpacklo_ps(row[2], row[3]), z23 = _mm512_unpackhi_ps(row[2], row[3]);
-    return (Vectors){_mm512_shuffle_ps(xy01, xy23, 0x44), _mm512_shuffle_ps(xy01, xy23, 0xee),
-                     _mm512_shuffle_ps(z01, z23, 0x44)};
-}
-
-QC_INLINE uint32_t SignBits(Ints lanes)
-{
-    return _mm512_cmplt_epi32_mask((__m512i)lanes, _mm512_setzero_si512());
 }
 
 const qcTriangleKernels qcTriangleKernels_avx512 = QC_KERNELS("avx512");

@@ -208,11 +208,6 @@ typedef struct qcTriangleKernels
     qcSlotPair* (*collectPairs)(const qcBvhBoxes* a, uint32_t nodeA, const qcBvhBoxes* b, uint32_t nodeB,
                                 const uint64_t* pairMasks, const qcPairExclusion* exclusions, int exclusionCount,
                                 const qcPlaneTest* planes, qcSlotPair* pairs);
-    /// The pair mask of two leaf nodes of one body (the same or in order), packed, from the vertices of their clusters
-    /// and one word more; only words of `clusters` (bit i + 8 j: cluster i of a, cluster j of b) are valid. Returns the
-    /// number of pairs of neighbours in these.
-    uint32_t (*findPairMask)(const qcClusterVertices* a, const qcClusterVertices* b, uint64_t clusters,
-                             uint64_t packed[qc_maxPairMaskSize + 1]);
     /// Transforms boxes to another lattice, rounded outward. A box that the transform can't bound becomes unbounded.
     void (*transformBoxes)(const qcBox8* boxes, const qcBoxTransform* transform, qcBox8* transformed);
     /// Boxes of a cluster's triangles in another lattice, from their corners, rounded outward: tighter than those of
@@ -253,6 +248,12 @@ typedef struct qcTriangleKernels
     /// True: no two features of the patch without a common vertex are within the query distance. With distance 0, no
     /// two triangles without a common vertex intersect.
     bool (*isPatchFlat)(const qcPatchGeometry* patch);
+
+    /// The pair mask of two leaf nodes of one body (the same or in order), packed, from the vertices of their clusters
+    /// and one word more; only words of `clusters` (bit i + 8 j: cluster i of a, cluster j of b) are valid. Returns the
+    /// number of pairs of neighbours in these.
+    uint32_t (*findPairMask)(const qcClusterVertices* a, const qcClusterVertices* b, uint64_t clusters,
+                             uint64_t packed[qc_maxPairMaskSize + 1]);
 
     //  Motions: pairs that no tested direction separates at both ends, in the same order.
 

@@ -1,8 +1,7 @@
 // The kernels, written once for all instruction sets: boxes here, the rest in the headers that this one includes. The
 // source of an instruction set defines before it includes this header: QC_LANES (floats in a vector), Shorts (eight
 // int16_t), MinShorts, MinFloats, MaxFloats, SquareRoot, Transpose (eight rows to eight columns), TransformVertex (one
-// vertex), FindBoxOverlaps, FindMotionBoxOverlaps (see findOverlaps and findMotionOverlaps), FindCommonVertices (bit
-// u + 8 v: triangle u of one cluster and triangle v of another have a common vertex), and what
+// vertex), FindBoxOverlaps and FindMotionBoxOverlaps (see findOverlaps and findMotionOverlaps), and what
 // kernels/cluster_planes.inl.h needs; and after it:
 // LoadPoints (QC_LANES points to three vectors) and SignBits (a bit for each lane that is true). LaneMask is the
 // instruction set's own form of comparisons, with AllLanes, IsAbove and LaneBits.
@@ -131,7 +130,6 @@ static qcSlotPair* CollectPairs(const qcBvhBoxes* a, uint32_t nodeA, const qcBvh
     return AddClusterPairs(planes, found, count, pairs);
 }
 
-#include "kernels/common_vertices.inl.h"
 #include "kernels/separating_axis.inl.h"
 
 #include "kernels/feature_distance.inl.h"
@@ -143,17 +141,18 @@ static qcSlotPair* CollectPairs(const qcBvhBoxes* a, uint32_t nodeA, const qcBvh
 #include "kernels/triangle_distance.inl.h"
 #include "kernels/neighbour_pairs.inl.h"
 #include "kernels/vertex_fan_test.inl.h"
+#include "kernels/common_vertices.inl.h"
 
 #define QC_KERNELS(title)                                                                                              \
     {                                                                                                                  \
         .name = title, .transformVertices = TransformVertices, .fitTriangles = FitTriangles, .fitBoxes = FitBoxes,     \
         .findOverlaps = FindOverlaps, .collectPairs = CollectPairs, .isPatchFlat = IsPatchFlat,                        \
-        .findPairMask = FindPairMask, .transformBoxes = TransformBoxes, .transformTriangles = TransformTriangles,      \
+        .transformBoxes = TransformBoxes, .transformTriangles = TransformTriangles,                                    \
         .collectTransformedPairs = CollectTransformedPairs, .filter = Filter, .relate = Relate, .classify = Classify,  \
         .filterNeighbours = FilterNeighbours, .findSeparatedFans = FindSeparatedFans,                                  \
         .findIntersecting = FindIntersecting, .findMotionOverlaps = FindMotionOverlaps,                                \
         .collectMotionPairs = CollectMotionPairs, .filterMotion = FilterMotion,                                        \
-        .isPatchFlatInMotion = IsPatchFlatInMotion, .findNearFeatures = FindNearFeatures                               \
+        .isPatchFlatInMotion = IsPatchFlatInMotion, .findNearFeatures = FindNearFeatures, .findPairMask = FindPairMask \
     }
 
 #endif

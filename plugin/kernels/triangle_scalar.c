@@ -140,32 +140,6 @@ static inline uint64_t FindMotionBoxOverlaps(const qcBox8* const a[2], const qcB
     return overlaps;
 }
 
-/// One triangle of b at a time, against all of a.
-static inline uint64_t FindCommonVertices(const qcClusterVertices* a, const qcClusterVertices* b)
-{
-    typedef int32_t EightInts __attribute__((vector_size(32)));
-    EightInts corner[3];
-    uint64_t common = 0;
-    for (int k = 0; k < 3; k++)
-        __builtin_memcpy(&corner[k], a->vertex[k], sizeof corner[k]);
-    for (int v = 0; v < qc_clusterSize; v++)
-    {
-        EightInts equal = {0};
-        for (int k = 0; k < 3; k++)
-        {
-            int32_t vertex = (int32_t)b->vertex[k][v];
-            equal |= (corner[0] == vertex) | (corner[1] == vertex) | (corner[2] == vertex);
-        }
-        const EightInts weights = {1, 2, 4, 8, 16, 32, 64, 128};
-        FourInts halves[2];
-        equal &= weights;
-        __builtin_memcpy(halves, &equal, sizeof halves);
-        FourInts sum = halves[0] | halves[1];
-        common |= (uint64_t)(uint32_t)(sum[0] | sum[1] | sum[2] | sum[3]) << 8 * v;
-    }
-    return common;
-}
-
 //  ---- kernels/cluster_planes.inl.h ----------------------------------------------------------------
 
 enum
@@ -222,6 +196,32 @@ QC_INLINE Vectors LoadPoints(const qcPoint* points, const uint32_t vertex[QC_LAN
 QC_INLINE uint32_t SignBits(Ints lanes)
 {
     return ToSignBits(lanes);
+}
+
+/// One triangle of b at a time, against all of a.
+static inline uint64_t FindCommonVertices(const qcClusterVertices* a, const qcClusterVertices* b)
+{
+    typedef int32_t EightInts __attribute__((vector_size(32)));
+    EightInts corner[3];
+    uint64_t common = 0;
+    for (int k = 0; k < 3; k++)
+        __builtin_memcpy(&corner[k], a->vertex[k], sizeof corner[k]);
+    for (int v = 0; v < qc_clusterSize; v++)
+    {
+        EightInts equal = {0};
+        for (int k = 0; k < 3; k++)
+        {
+            int32_t vertex = (int32_t)b->vertex[k][v];
+            equal |= (corner[0] == vertex) | (corner[1] == vertex) | (corner[2] == vertex);
+        }
+        const EightInts weights = {1, 2, 4, 8, 16, 32, 64, 128};
+        FourInts halves[2];
+        equal &= weights;
+        __builtin_memcpy(halves, &equal, sizeof halves);
+        FourInts sum = halves[0] | halves[1];
+        common |= (uint64_t)(uint32_t)(sum[0] | sum[1] | sum[2] | sum[3]) << 8 * v;
+    }
+    return common;
 }
 
 const qcTriangleKernels qcTriangleKernels_scalar = QC_KERNELS("plain");

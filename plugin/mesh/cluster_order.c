@@ -3,6 +3,7 @@
 #include "mesh/cluster_order.h"
 
 #include "mesh/limits.h"
+#include "base/four_floats.h"
 #include "base/parallel_for.h"
 #include "base/radix_sort.h"
 #include "base/status.h"
@@ -146,21 +147,24 @@ typedef struct Axis
 
 static Axis FindAxis(const Item* items, uint32_t count)
 {
-    float low[3], high[3];
-    memcpy(low, items[0].at, sizeof low);
-    memcpy(high, items[0].at, sizeof high);
-    for (uint32_t i = 1; i < count; i++)
-        for (int k = 0; k < 3; k++)
+    // Two sets, so that no comparison waits for the last one. The lane of the triangle is not used.
+    qcFourFloats low[2], high[2];
+    low[0] = low[1] = high[0] = high[1] = qcFourFloats_Load(&items[count - 1]);
+    for (uint32_t i = 0; i + 1 < count; i += 2)
+        for (int set = 0; set < 2; set++)
         {
-            float x = items[i].at[k];
-            low[k] = x < low[k] ? x : low[k];
-            high[k] = x > high[k] ? x : high[k];
+            qcFourFloats item = qcFourFloats_Load(&items[i + (uint32_t)set]);
+            low[set] = qcFourFloats_Min(item, low[set]);
+            high[set] = qcFourFloats_Max(item, high[set]);
         }
+    low[0] = qcFourFloats_Min(low[0], low[1]);
+    high[0] = qcFourFloats_Max(high[0], high[1]);
+    qcFourFloats extent = high[0] - low[0];
     int longest = 0;
     for (int k = 1; k < 3; k++)
-        if (high[k] - low[k] > high[longest] - low[longest])
+        if (extent[k] > extent[longest])
             longest = k;
-    return (Axis){longest, low[longest], high[longest]};
+    return (Axis){longest, low[0][longest], high[0][longest]};
 }
 
 static void FindBounds(const Item* items, uint32_t count, Axis* axis)
@@ -203,27 +207,27 @@ static uint32_t FindBin(const Item* items, uint32_t count, const Axis* axis, flo
     return bin;
 }
 
-/// Moves the items of lower bins to the front, those of higher bins to the end. Returns the range of the bin's own,
-/// and their number in *own. Without branches: each item is written to all places where it may belong.
-static uint32_t SplitByBin(const Range* range, const Axis* axis, float scale, uint32_t bin, uint32_t* own)
+/// Moves the items of lower bins to the front, those of higher bins to the end. Returns the range of the bin's own
+/// items. Without branches: each item is written to all places where it may belong.
+static Range SplitByBin(const Range* range, const Axis* axis, float scale, uint32_t bin)
 {
-    Item *items = range->items, *scratch = range->scratch;
-    uint32_t lower = 0, higher = 0, equal = 0, last = range->count - 1;
-    for (uint32_t i = 0; i <= last; i++)
+    const float first = (float)bin, end = (float)(bin + 1);
+    Item *lower = range->items, *higher = range->scratch, *last = range->scratch + range->count - 1, *equal = last;
+    for (const Item *item = lower, *stop = lower + range->count; item != stop; item++)
     {
-        Item item = items[i];
-        uint32_t b = BinOf(&item, axis, scale);
-        items[lower] = item;
-        scratch[higher] = item;
-        scratch[last - equal] = item;
-        lower += b < bin;
-        higher += b > bin;
-        equal += b == bin;
+        float at = (item->at[axis->index] - axis->low) * scale;
+        qcFourFloats copy = qcFourFloats_Load(item);
+        qcFourFloats_Store(copy, lower);
+        qcFourFloats_Store(copy, higher);
+        qcFourFloats_Store(copy, equal);
+        lower += at < first;
+        higher += at >= end;
+        equal -= (at >= first) & (at < end);
     }
-    memcpy(items + lower, scratch + last + 1 - equal, equal * sizeof(Item));
-    memcpy(items + lower + equal, scratch, higher * sizeof(Item));
-    *own = equal;
-    return lower;
+    size_t count = (size_t)(last - equal), higherCount = (size_t)(higher - range->scratch);
+    memcpy(lower, equal + 1, count * sizeof(Item));
+    memcpy(lower + count, range->scratch, higherCount * sizeof(Item));
+    return (Range){lower, range->scratch, (uint32_t)count};
 }
 
 /// Moves the `lower` items with the lowest values along the axis to the front.
@@ -231,17 +235,16 @@ static void Partition(Range range, uint32_t lower, Axis axis)
 {
     while (lower != 0 && lower < range.count && range.count > qc_maxInserted && axis.low < axis.high)
     {
-        uint32_t binCount = range.count / qc_binItems < qc_maxBins ? range.count / qc_binItems : qc_maxBins, own;
+        uint32_t binCount = range.count / qc_binItems < qc_maxBins ? range.count / qc_binItems : qc_maxBins;
         // Rounding must not lead behind the last bin.
         float scale = (float)binCount * (1.0f - 0x1p-20f) / (axis.high - axis.low);
         if (!(scale < FLT_MAX))
             break;
         uint32_t bin = FindBin(range.items, range.count, &axis, scale, binCount, lower);
-        uint32_t first = SplitByBin(&range, &axis, scale, bin, &own);
-        range = (Range){range.items + first, range.scratch, own};
-        lower -= first;
-        if (own != 0)
-            FindBounds(range.items, own, &axis);
+        Range own = SplitByBin(&range, &axis, scale, bin);
+        lower -= (uint32_t)(own.items - range.items);
+        range = own;
+        FindBounds(range.items, range.count, &axis);
     }
     if (range.count <= qc_maxInserted)
         InsertAlong(range.items, range.count, axis.index);

@@ -7,6 +7,12 @@
 
 #include <string.h>
 
+enum
+{
+    // Triangles whose indices are on their way from memory.
+    qc_prefetched = 16
+};
+
 uint32_t qcClusters_FindLink(const qcClusters* clusters, uint32_t node, uint32_t other)
 {
     const qcLeafLink* links = clusters->links.data;
@@ -23,24 +29,28 @@ qcStatus qcClusters_NumberVertices(const qcClusters* c, const uint32_t* indices,
     qcArray numbers = {0};
     vertexOf->count = 0;
     QC_TRY(qcArray_Resize(corners, c->triangles.count, sizeof(qcCorners), "vertices of nodes"));
-    QC_TRY(qcArray_Reserve(vertexOf, vertexCount, sizeof(uint32_t), "vertices of nodes"));
+    QC_TRY(qcArray_Reserve(vertexOf, (size_t)vertexCount + 1, sizeof(uint32_t), "vertices of nodes"));
     QC_TRY(qcArray_Resize(&numbers, vertexCount, sizeof(uint32_t), "vertices of nodes"));
     if (vertexCount != 0)
         memset(numbers.data, 0xff, vertexCount * sizeof(uint32_t));
+    const uint32_t* triangles = c->triangles.data;
+    uint32_t *number = numbers.data, *used = vertexOf->data, count = 0;
     for (size_t i = 0; i < c->triangles.count; i++)
     {
-        uint32_t t = QC_AT(uint32_t, c->triangles, i);
-        for (int k = 0; k < 3 && t != QC_NO_TRIANGLE; k++)
+        size_t later = i + qc_prefetched < c->triangles.count ? i + qc_prefetched : i;
+        __builtin_prefetch(indices + 3 * (size_t)(triangles[later] != QC_NO_TRIANGLE ? triangles[later] : 0));
+        const uint32_t* v = indices + 3 * (size_t)triangles[i];
+        for (int k = 0; k < 3 && triangles[i] != QC_NO_TRIANGLE; k++)
         {
-            uint32_t vertex = indices[3 * (size_t)t + k], *number = &QC_AT(uint32_t, numbers, vertex);
-            if (*number == UINT32_MAX)
-            {
-                *number = (uint32_t)vertexOf->count;
-                QC_AT(uint32_t, *vertexOf, vertexOf->count++) = vertex;
-            }
-            QC_AT(qcCorners, *corners, i).vertex[k] = *number;
+            // Without branches: a new vertex comes as if by chance.
+            bool isNew = number[v[k]] == UINT32_MAX;
+            used[count] = v[k];
+            number[v[k]] = isNew ? count : number[v[k]];
+            count += isNew;
+            QC_AT(qcCorners, *corners, i).vertex[k] = number[v[k]];
         }
     }
+    vertexOf->count = count;
     qcArray_Free(&numbers);
     for (size_t i = 0; i < c->triangles.count; i++)
         for (int k = 0; k < 3 && QC_AT(uint32_t, c->triangles, i) == QC_NO_TRIANGLE; k++)
@@ -86,6 +96,7 @@ void qcClusters_Unlink(qcClusters* clusters)
 static qcStatus Link(qcLinking* linking, qcClusters* c, const qcCorners* corners, uint32_t vertexCount)
 {
     QC_TRY(qcLinking_Begin(linking, c, corners, vertexCount));
+    QC_TRY(qcLinking_FindLinks(linking, c));
     return qcLinking_Continue(linking, c, c->nodeCount);
 }
 

@@ -229,7 +229,12 @@ static qcStatus Finish(qcLinking* b)
 qcStatus qcLinking_Begin(qcLinking* linking, qcClusters* clusters, const qcCorners* corners, uint32_t vertexCount)
 {
     *linking = (qcLinking){.clusters = clusters, .corners = corners, .vertexCount = vertexCount};
-    QC_TRY(FindShares(linking));
+    return FindShares(linking);
+}
+
+qcStatus qcLinking_FindLinks(qcLinking* linking, qcClusters* clusters)
+{
+    linking->clusters = clusters;
     QC_TRY(FindLinks(linking));
     // All zero: the shared mask.
     static const uint64_t zero[qc_pairMaskWords] = {0};

@@ -20,9 +20,12 @@ typedef struct qcLinking
     qcArray words; ///< uint64_t: the masks of the node that is visited, not packed
 } qcLinking;
 
-/// Finds the links of clusters without links; pair masks follow. `corners` by slot, vertexCount where there is no
-/// triangle; they stay until the end. O(pairs of nodes that share a vertex).
+/// Begins with clusters without links: finds the nodes of each vertex. `corners` by slot, vertexCount where there is no
+/// triangle; they stay until the end. O(triangles).
 qcStatus qcLinking_Begin(qcLinking* linking, qcClusters* clusters, const qcCorners* corners, uint32_t vertexCount);
+
+/// Then finds the links; pair masks follow. O(pairs of nodes that share a vertex).
+qcStatus qcLinking_FindLinks(qcLinking* linking, qcClusters* clusters);
 
 /// Makes the pair masks of the next `nodeCount` nodes, or of those that are left. O(pairs of neighbours).
 qcStatus qcLinking_Continue(qcLinking* linking, qcClusters* clusters, uint32_t nodeCount);

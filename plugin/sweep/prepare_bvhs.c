@@ -61,6 +61,8 @@ static void BuildOne(void* context, size_t i, uint32_t worker)
     const qcStepTriangles* triangles = tasks->job->triangles;
     const qcBody* body = qcStepTriangles_Body(triangles, task->body);
     qcBodyBvh* bvh = qcBvhCandidates_At(tasks->sweep, qcStepTriangles_Slot(triangles, task->body));
+    if (qcTriangleBvh_HasGrown(&bvh->bvh))
+        qcBodyBvh_Free(bvh);
     if (bvh->bvh.generation == 0)
         AddResult(tasks->sweep, worker, qcBodyBvh_Build(bvh, body, tasks->threads));
     else if (!qcBodyBvh_FindsSelfPairs(bvh))
@@ -69,10 +71,10 @@ static void BuildOne(void* context, size_t i, uint32_t worker)
         AddResult(tasks->sweep, worker, qcBodyBvh_ContinueAdjacency(bvh, tasks->threads));
 }
 
-/// Whether the body's BVH has to be built, made ready for self pairs, or given more adjacency.
+/// Whether the body's BVH has to be built, built anew, made ready for self pairs, or given more adjacency.
 static bool NeedsBuild(const qcBodyBvh* bvh, const qcBody* body)
 {
-    if (bvh->bvh.generation == 0)
+    if (bvh->bvh.generation == 0 || qcTriangleBvh_HasGrown(&bvh->bvh))
         return true;
     return qcBody_HasSelfCollision(body) && !bvh->hasAdjacency &&
            (!qcBodyBvh_FindsSelfPairs(bvh) || bvh->searches >= qc_searchesBefore);

@@ -278,7 +278,32 @@ START_TEST(a_body_too_large_for_a_lattice_has_its_pairs_too)
 }
 END_TEST
 
-QC_RUN_TESTS("bvh_scenes", a_large_new_body_has_all_pairs_in_each_step_of_its_life,
+START_TEST(layers_that_part_have_all_pairs_before_and_after_their_bvh_is_built_anew)
+{
+    qcSoup soup = qcSoup_MakeFoldedCloth(1, qc_largeSide, 1e-4, 0.0);
+    qcBodyId id;
+    qcScene* scene = MakeDeforming(&soup, &id);
+    for (int step = 0; step < 60; step++)
+    {
+        // The layers cross in places.
+        qcSoup next = qcSoup_MakeFoldedCloth(1 + (uint64_t)step, qc_largeSide, step < 5 ? 1e-4 : 0.2, 0.15);
+        CHECK_OK(qcScene_SetVertices(scene, id, next.positions, qc_positionF64, 0));
+        qcSoup_Free(&next);
+        qcDetectDef def = qcDefaultDetectDef();
+        qcProfile profile;
+        uint64_t hash = Detect(scene, def, qc_methodSweep, 1 + (uint32_t)step % 2, &profile);
+        ck_assert_uint_gt(profile.fittedTriangles, 0);
+        if (step % 6 == 5 || (step > 15 && step < 20))
+            CHECK_THAT(hash == Detect(scene, def, qc_methodBrute, 2, NULL), "step %d: other pairs", step);
+    }
+    qcScene_Destroy(scene);
+    qcSoup_Free(&soup);
+    ck_assert_uint_eq(qcGetByteCount(), 0);
+}
+END_TEST
+
+QC_RUN_TESTS("bvh_scenes", layers_that_part_have_all_pairs_before_and_after_their_bvh_is_built_anew,
+             a_large_new_body_has_all_pairs_in_each_step_of_its_life,
              large_bodies_without_self_collision_have_a_bvh_at_once, a_large_new_body_with_contacts_has_a_bvh_at_once,
              changing_scenes_have_the_pairs_of_brute_force_with_all_kernels,
              a_smooth_sheet_has_all_pairs_within_a_changing_margin, a_body_too_large_for_a_lattice_has_its_pairs_too)

@@ -392,6 +392,52 @@ START_TEST(a_fit_follows_the_body_and_the_margin)
 }
 END_TEST
 
+/// Fits often enough that one fit is measured.
+static bool HasGrown(qcTriangleBvh* bvh, qcBodies* bodies, uint32_t slot, const qcSoup* soup)
+{
+    qcBvhScratch scratch = {0};
+    bool fits;
+    for (int i = 0; i < 20; i++)
+    {
+        CHECK_OK(qcBodies_SetVertices(bodies, slot, soup->positions, qc_positionF64, 0));
+        CHECK_OK(qcTriangleBvh_Fit(bvh, qcBodyAt(bodies, slot), i % 2 == 0 ? 0.01 : 0.0, qcTriangleKernels_Get(), 1,
+                                   &scratch, &fits));
+    }
+    qcBvhScratch_Free(&scratch);
+    return qcTriangleBvh_HasGrown(bvh);
+}
+
+START_TEST(clusters_grow_if_layers_part_and_not_if_a_body_turns_or_crumples)
+{
+    // Three layers on top of each other, which share clusters.
+    qcSoup tight = qcSoup_MakeFoldedCloth(3, 60, 1e-4, 0.0), crumpled = qcSoup_MakeFoldedCloth(4, 60, 1e-4, 0.03),
+           parted = qcSoup_MakeFoldedCloth(3, 60, 0.3, 0.0), turned = qcSoup_MakeFoldedCloth(3, 60, 1e-4, 0.0);
+    for (size_t i = 0; i < 3 * (size_t)turned.vertexCount; i += 3)
+    {
+        double *p = turned.positions + i, x = p[0], z = p[2];
+        p[0] = 0.6 * x - 0.8 * z;
+        p[2] = 0.8 * x + 0.6 * z;
+    }
+    qcBodies bodies = {0};
+    uint32_t slot = qcAddToBodies(&bodies, &tight);
+    qcTriangleBvh bvh;
+    CHECK_OK(qcTriangleBvh_Build(&bvh, qcBodyAt(&bodies, slot), 1));
+    ck_assert(!HasGrown(&bvh, &bodies, slot, &tight));
+    ck_assert(!HasGrown(&bvh, &bodies, slot, &turned));
+    ck_assert(!HasGrown(&bvh, &bodies, slot, &crumpled));
+    ck_assert(HasGrown(&bvh, &bodies, slot, &parted));
+    // Built anew, it has not grown.
+    qcTriangleBvh_Free(&bvh);
+    CHECK_OK(qcTriangleBvh_Build(&bvh, qcBodyAt(&bodies, slot), 1));
+    ck_assert(!HasGrown(&bvh, &bodies, slot, &parted));
+    qcTriangleBvh_Free(&bvh);
+    qcBodies_Free(&bodies);
+    qcSoup* soups[] = {&tight, &crumpled, &parted, &turned};
+    for (size_t i = 0; i < 4; i++)
+        qcSoup_Free(soups[i]);
+}
+END_TEST
+
 START_TEST(a_body_too_large_for_a_lattice_does_not_fit_and_may_fit_later)
 {
     const double scales[] = {1e300, 1.0}, margins[] = {0.0, 1e300};
@@ -476,5 +522,5 @@ QC_RUN_TESTS("triangle_bvh", boxes_within_the_margin_overlap_and_few_others_do,
              boxes_within_the_margin_overlap_far_from_the_origin, boxes_within_the_margin_overlap_at_any_scale,
              boxes_exactly_at_the_margin_overlap, bodies_of_any_number_of_triangles_have_all_levels,
              large_bodies_are_fitted_on_any_number_of_threads, vertices_without_a_triangle_are_left_out,
-             a_fit_follows_the_body_and_the_margin, a_body_too_large_for_a_lattice_does_not_fit_and_may_fit_later,
-             a_failed_allocation_leaves_nothing)
+             a_fit_follows_the_body_and_the_margin, clusters_grow_if_layers_part_and_not_if_a_body_turns_or_crumples,
+             a_body_too_large_for_a_lattice_does_not_fit_and_may_fit_later, a_failed_allocation_leaves_nothing)

@@ -15,7 +15,7 @@ void qcFirst_ReadOptions(int argumentCount, char** arguments, qcFirstOptions* op
 {
     *options = (qcFirstOptions){.threads = {1, 2},
                                 .threadsCount = 2,
-                                .steps = 24,
+                                .steps = 40,
                                 .rounds = 5,
                                 .models = {.bunny = QC_BUNNY_PATH},
                                 .out = "out/bench"};

@@ -6,8 +6,9 @@
 enum
 {
     // Work in a step, and that of the stages, in units of about 10 ns a triangle. A search takes 3 to 6.
-    qc_stepWork = 3,
-    qc_linksWork = 4,
+    qc_stepWork = 2,
+    qc_nodesWork = 2,
+    qc_linksWork = 2,
     qc_masksWork = 7,
     qc_aroundWork = 1,
     qc_acrossWork = 8,
@@ -40,8 +41,13 @@ static qcStatus RunStage(qcBodyBvh* bodyBvh, int64_t* work, uint32_t threads)
     uint32_t nodes = bvh->clusters.nodeCount, count;
     switch (build->stage)
     {
-        case qc_adjacencyLinks:
+        case qc_adjacencyNodes:
             QC_TRY(qcLinking_Begin(&build->linking, &bvh->clusters, corners, bvh->vertexCount));
+            *work -= qc_nodesWork * (int64_t)nodes;
+            build->stage++;
+            break;
+        case qc_adjacencyLinks:
+            QC_TRY(qcLinking_FindLinks(&build->linking, &bvh->clusters));
             *work -= qc_linksWork * (int64_t)nodes;
             build->stage++;
             break;
@@ -80,7 +86,7 @@ static void FreeAdjacency(qcBodyBvh* bodyBvh)
     qcLinking_Free(&bodyBvh->adjacency.linking);
     qcAdjacency_Free(&bodyBvh->adjacency.adjacency);
     qcPatchState_Free(&bodyBvh->patches);
-    bodyBvh->adjacency = (qcAdjacencyBuild){.stage = qc_adjacencyLinks};
+    bodyBvh->adjacency = (qcAdjacencyBuild){.stage = qc_adjacencyNodes};
 }
 
 /// Stages until the work is done. On failure there is no adjacency.

@@ -10,6 +10,7 @@
 
 typedef enum qcAdjacencyStage
 {
+    qc_adjacencyNodes, ///< of each vertex
     qc_adjacencyLinks,
     qc_adjacencyMasks,
     qc_adjacencyAround,

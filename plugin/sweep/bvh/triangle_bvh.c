@@ -16,6 +16,8 @@ enum
     qc_vertexBlock = 512,
     qc_clusterBlock = 128,
     qc_minBlocks = 32,
+    // From one measured fit to the next.
+    qc_measuredFits = 16,
     // Beyond these a power of two, or its inverse, or a product with one, may leave the range of double.
     qc_maxExponent = 960
 };
@@ -242,6 +244,35 @@ static void FitTo(const qcTriangleBvh* bvh, qcBvhFit* fit, const double* positio
     FitUpperLevels(&fitting);
 }
 
+/// The sum of the extents of all clusters' boxes along all axes, without the margin.
+static double SumExtents(const qcTriangleBvh* bvh, const qcBvhFit* fit)
+{
+    const qcBox8* nodes = (const qcBox8*)fit->boxes.data + bvh->firstBox8[1];
+    double sum = 0.0;
+    for (int axis = 0; axis < 3; axis++)
+    {
+        int64_t levels = 0;
+        for (size_t node = 0; node < bvh->box8Count[1]; node++)
+            for (int i = 0; i < qc_boxLanes; i++)
+            {
+                int32_t extent = ~nodes[node].ends[axis][qc_boxLanes + i] - nodes[node].ends[axis][i];
+                levels += extent > 0 ? extent : 0;
+            }
+        sum += (double)levels / fit->lattice.scale[axis] - (double)bvh->box8Count[0] * fit->margin;
+    }
+    return sum;
+}
+
+static void MeasureExtent(qcTriangleBvh* bvh)
+{
+    if (bvh->fit.isLocal || (bvh->firstExtent > 0.0 && bvh->fitCount < bvh->measuredFit + qc_measuredFits))
+        return;
+    bvh->measuredFit = bvh->fitCount;
+    bvh->lastExtent = SumExtents(bvh, &bvh->fit);
+    if (!(bvh->firstExtent > 0.0))
+        bvh->firstExtent = bvh->lastExtent;
+}
+
 /// What a fit needs besides the BVH and the body.
 typedef struct Means
 {
@@ -296,7 +327,10 @@ qcStatus qcTriangleBvh_Fit(qcTriangleBvh* bvh, const qcBody* body, double margin
     QC_TRY(KeepStart(bvh, body));
     const Pose pose = PresentPose(body);
     const Means means = {kernels, threads, scratch};
-    return FitPose(bvh, &bvh->fit, body, &pose, FitsLocally(body, &pose), margin, &means, fits);
+    QC_TRY(FitPose(bvh, &bvh->fit, body, &pose, FitsLocally(body, &pose), margin, &means, fits));
+    if (*fits)
+        MeasureExtent(bvh);
+    return qc_statusOk;
 }
 
 bool qcTriangleBvh_IsMotionUpToDate(const qcTriangleBvh* bvh, const qcBody* body)

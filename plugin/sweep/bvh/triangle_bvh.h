@@ -43,8 +43,10 @@ typedef struct qcTriangleBvh
     size_t box8Count[qc_maxLevels];
     size_t totalBox8Count;
 
-    uint64_t fitCount; ///< fits and partial refits so far
-    qcBvhFit fit;      ///< to the present positions
+    uint64_t fitCount;              ///< fits and partial refits so far
+    double firstExtent, lastExtent; ///< of all clusters' boxes, at the first and the last fit that was measured
+    uint64_t measuredFit;           ///< fitCount of the latter
+    qcBvhFit fit;                   ///< to the present positions
     qcBvhFit startFit; ///< to those of the start of a motion; unused where they are equal, and for local fits
 } qcTriangleBvh;
 
@@ -84,6 +86,12 @@ bool qcTriangleBvh_FitsLocally(const qcBody* body);
 
 /// True if qcTriangleBvh_Fit has nothing to do.
 bool qcTriangleBvh_IsUpToDate(const qcTriangleBvh* bvh, const qcBody* body, double margin);
+
+/// True if clusters have become so long, since triangles that were close have parted, that a new order pays.
+static inline bool qcTriangleBvh_HasGrown(const qcTriangleBvh* bvh)
+{
+    return bvh->firstExtent > 0.0 && bvh->lastExtent > 3.0 * bvh->firstExtent;
+}
 
 /// A distance in the frame of the points, rounded up.
 float qcTriangleBvh_DistanceInFrame(const qcTriangleBvh* bvh, double distance);
