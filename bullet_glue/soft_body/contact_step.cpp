@@ -43,6 +43,7 @@ void qcSoftBodyContact::Implementation::ReadStart(const btAlignedObjectArray<btS
     BT_PROFILE("qcSoftBodyContact gather");
     double begin = qcNowMs();
     m_candidates.Clear();
+    m_clearance.Clear();
     m_planes.Clear();
     m_zones.Clear();
     statistics = qcSoftBodyStatistics();
@@ -82,6 +83,7 @@ qcStatus qcSoftBodyContact::Implementation::Detect(btScalar contactMargin)
         statistics.fallback = m_result->profile.fallback;
     auto hasResponse = [this](const qcPair& pair) { return qcHasResponse(scene, pair); };
     statistics.remaining = int(std::count_if(m_result->pairs, m_result->pairs + m_result->pairCount, hasResponse));
+    m_isDetected = true;
     return qc_statusOk;
 }
 
@@ -96,7 +98,7 @@ void qcSoftBodyContact::Implementation::SolveConstraints()
         qcCollectLinks(scene, &m_links);
     qcSolveSoftConstraints(&m_constraints, m_links, &m_rigidNodeContacts, s_iterations);
     scene.meshes.Commit();
-    m_isCertified = false;
+    m_isCertified = m_isDetected = false;
     statistics.respondMs += qcNowMs() - begin;
 }
 
@@ -106,7 +108,7 @@ void qcSoftBodyContact::Implementation::SolveConstraints()
 qcStatus qcSoftBodyContact::Implementation::MarkStart()
 {
     double begin = qcNowMs();
-    m_isCertified = false;
+    m_isCertified = m_isDetected = false;
     qcStatus status = scene.MarkStart();
     statistics.gatherMs += qcNowMs() - begin;
     return status;
@@ -165,18 +167,26 @@ qcStatus qcSoftBodyContact::Implementation::ExemptKeptTangles()
 qcStatus qcSoftBodyContact::Implementation::Certify()
 {
     BT_PROFILE("qcSoftBodyContact certify");
+    m_isCertified = true;
+    m_unproven.clear();
+    m_exemptMotions = 0;
+    if (scene.IsDiscrete())
+        return qc_statusOk;
+    m_isDetected = false;
     double begin = qcNowMs();
     qcStatus status = scene.SyncPositions();
     double gathered = qcNowMs();
     statistics.gatherMs += gathered - begin;
+    for (const qcSceneSoftBody& soft : scene.Bodies())
+        m_clearance.MeasureEnd(soft.id.slot, soft.positions);
     if (status == qc_statusOk)
-        status = scene.DetectMotion(&m_result);
+        status = scene.DetectMotion(
+            [this](uint32_t slotA, uint32_t slotB) { return m_clearance.KeepsApart(slotA, slotB); }, &m_result);
     statistics.detectMs += qcNowMs() - gathered;
     if (status != qc_statusOk)
         return status;
     AddProfile();
     SortMotionPairs();
-    m_isCertified = true;
     return ExemptKeptTangles();
 }
 
@@ -184,13 +194,16 @@ qcStatus qcSoftBodyContact::Implementation::Certify()
 qcStatus qcSoftBodyContact::Implementation::ReadEnd()
 {
     statistics.unproven = int(m_unproven.size());
-    statistics.remaining = statistics.exempt = 0;
+    statistics.exempt = 0;
     m_tangles.Clear();
     m_curves.Clear();
     m_tanglesAreOfEnd = true;
     if (m_exemptMotions == 0 && m_unproven.empty() && scene.IsContinuous())
+    {
+        statistics.remaining = 0;
         return qc_statusOk;
-    qcStatus status = Detect(0);
+    }
+    qcStatus status = m_isDetected ? qc_statusOk : Detect(0);
     if (status != qc_statusOk)
         return status;
     m_tangles.Read(scene, *m_result);
@@ -220,7 +233,10 @@ qcStatus qcSoftBodyContact::Implementation::FindTangles()
     if (status == qc_statusOk)
         status = scene.Detect(0, &m_result);
     if (status == qc_statusOk)
+    {
         m_tangles.Read(scene, *m_result);
+        scene.LimitThickness([this](uint32_t slot) { return m_tangles.Contains(slot, slot); });
+    }
     statistics.detectMs += qcNowMs() - begin;
     return status;
 }
@@ -274,6 +290,10 @@ qcStatus qcSoftBodyContact::Implementation::FindContacts(bool isFirst)
     qcStatus status = Detect(scene.ContactDistance());
     if (status != qc_statusOk)
         return status;
+    m_clearance.Clear();
+    for (const qcSceneSoftBody& soft : scene.Bodies())
+        m_clearance.Record(soft.id.slot, soft.thickness, soft.start, soft.positions);
+    m_clearance.RecordNear(*m_result);
     qcMakeSoftConstraints(scene, m_tangles, *m_result, &m_constraints, &m_contactOfConstraint);
     if (isFirst)
     {
@@ -294,7 +314,7 @@ void qcSoftBodyContact::Implementation::PushApart()
         m_planes.Add(scene, pair);
     m_planes.Solve(s_planeSweeps);
     scene.meshes.Commit();
-    m_isCertified = false;
+    m_isCertified = m_isDetected = false;
     statistics.respondMs += qcNowMs() - begin;
 }
 
@@ -351,6 +371,7 @@ qcStatus qcSoftBodyContact::Implementation::MoveZones()
         for (const qcUnprovenPair& unproven : m_unproven)
             changed = m_zones.Add(unproven.pair) || changed;
         m_zones.Move();
+        m_isDetected = false;
         qcStatus status = Certify();
         if (status != qc_statusOk)
             return status;

@@ -8,6 +8,7 @@
 #include "soft_body/algorithm_override.h"
 #include "soft_body/contact_manifolds.h"
 #include "soft_body/draw_contacts.h"
+#include "soft_body/response/clearance.h"
 #include "soft_body/response/held_contacts.h"
 #include "soft_body/response/position_constraints.h"
 #include "soft_body/response/rigid_zones.h"
@@ -76,6 +77,8 @@ struct qcSoftBodyContact::Implementation
     std::vector<qcRigidNodeContact> m_rigidNodeContacts;
     const qcResult* m_result = nullptr; ///< of the last detection
     qcSoftCandidates m_candidates;      ///< of the first detection of the step
+    qcSoftClearance m_clearance;        ///< of the last query for contacts
+    bool m_isDetected = false;          ///< m_result has the penetrating pairs of the present positions
     bool m_isCertified = false;         ///< m_unproven are those of the present positions
     std::vector<qcUnprovenPair> m_unproven;
     std::vector<qcUnprovenPair> m_keptTangles; ///< not proven apart, but allowed if their tangle doesn't grow

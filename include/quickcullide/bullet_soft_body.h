@@ -21,10 +21,11 @@ struct qcSoftBodySettings
 {
     bool selfCollision = true; ///< contacts of the body with itself
     /// Distance at which surfaces are kept apart, in world units. 0: half the mean edge of the body's faces when it was
-    /// added to the world (without faces: an eighth of the mean rope link, or 0), at most the collision shape's margin.
-    /// More than half the shortest edge makes cloth stiff. Two bodies use the mean of both; a body and a rigid one use
-    /// half the body's thickness plus the margin of the mesh or surface (see qcSoftBodyContact; of a surface's margin
-    /// at most the thickness).
+    /// added to the world, at most the collision shape's margin and, unless the body started tangled in itself, nine
+    /// tenths of the height that all faces but a hundredth exceed (without faces: an eighth of the mean rope link, or
+    /// 0). More than half the shortest edge makes cloth stiff. Two bodies use the mean of both; a body and a rigid one
+    /// use half the body's thickness plus the margin of the mesh or surface (see qcSoftBodyContact; of a surface's
+    /// margin at most the thickness).
     btScalar thickness = 0;
     /// No triangle of the body that is apart from another one (its own, another soft body's, a rigid one's) passes it
     /// in a step, whatever the speed. false: only contacts at the end of a step hold it, and only against bodies whose
@@ -151,8 +152,8 @@ struct qcSoftBodyStatistics
 /// "qcSoftBodyContact detect", "qcSoftBodyContact manifolds" and "qcSoftBodyContact respond"; last "qcSoftBodyContact
 /// callbacks". Within "detect" are the stages of the query: see qcDetectDef::enterStage.
 ///
-/// Cost: one run of qcScene_Detect in a step without contacts, two with contacts, a few more if these don't suffice.
-/// Thread-safety: as the world's.
+/// Cost: one run of qcScene_Detect in a step without contacts where no node moves by half the thickness, two else, a
+/// few more if these don't suffice. A body with `continuous` off has no second one. Thread-safety: as the world's.
 class QC_API qcSoftBodyContact
 {
   public:

@@ -63,7 +63,8 @@ void Push(const qcSoftConstraint& constraint, const btVector3& missing)
         constraint.rigid->Push(constraint.arm, -missing / largest);
 }
 
-void Solve(qcSoftConstraint& constraint)
+/// False: it was satisfied, and nothing has moved.
+bool Solve(qcSoftConstraint& constraint)
 {
     btVector3 offset = Offset(constraint);
     btScalar missing = constraint.distance - constraint.normal.dot(offset);
@@ -73,19 +74,20 @@ void Solve(qcSoftConstraint& constraint)
     if (constraint.pushed <= 0)
         constraint.pushed = 0;
     if (constraint.pushed == previous)
-        return;
+        return false;
     Push(constraint, constraint.normal * (constraint.pushed - previous));
     // Coulomb friction takes back sliding since the start, at most the normal push times the coefficient.
     btVector3 motion = offset - constraint.startOffset;
     btVector3 sliding = motion - constraint.normal * constraint.normal.dot(motion);
     if (sliding.length() <= SIMD_EPSILON)
-        return;
+        return true;
     btVector3 taken = previousTaken + sliding;
     btScalar length = taken.length(), largest = constraint.friction * constraint.pushed;
     if (length > largest)
         taken *= largest / length;
     Push(constraint, previousTaken - taken);
     constraint.taken = taken;
+    return true;
 }
 
 /// Sets normal and distance so that each side stays on its side of the other, as at the start of the step.
@@ -272,8 +274,11 @@ void qcSolveSoftConstraints(std::vector<qcSoftConstraint>* constraints, const st
         // Bullet has solved the links before the first sweep.
         if (i > 0)
             qcSolveLinks(links);
+        bool moved = false;
         for (qcSoftConstraint& constraint : *constraints)
-            Solve(constraint);
+            moved = Solve(constraint) || moved;
+        if (!moved && links.empty() && rigidNodeContacts->empty())
+            return;
         // Few of the nodes on rigid bodies are in a contact. The first sweep moves these; the last one checks all
         // nodes.
         if (i == 0)

@@ -130,6 +130,14 @@ void qcSoftBodyScene::UntrackRemoved(const btAlignedObjectArray<btSoftBody*>& bo
     m_bodies.erase(std::remove_if(m_bodies.begin(), m_bodies.end(), isRemoved), m_bodies.end());
 }
 
+void qcSoftBodyScene::ApplyThickness(qcSceneSoftBody& tracked)
+{
+    tracked.thickness = tracked.settings.thickness > 0 ? tracked.settings.thickness
+                                                       : std::min(tracked.topology.defaultThickness,
+                                                                  tracked.body->getCollisionShape()->getMargin());
+    qcScene_SetMargin(m_scene, tracked.id, double(tracked.thickness) / 2);
+}
+
 void qcSoftBodyScene::ApplySettings(qcSceneSoftBody& tracked)
 {
     auto found = m_settings.find(tracked.body);
@@ -141,11 +149,8 @@ void qcSoftBodyScene::ApplySettings(qcSceneSoftBody& tracked)
                                  tracked.settings.selfCollision == settings.selfCollision &&
                                  tracked.settings.bulletNodeContacts == settings.bulletNodeContacts;
     tracked.settings = settings;
-    tracked.thickness = tracked.settings.thickness > 0 ? tracked.settings.thickness
-                                                       : std::min(tracked.topology.defaultThickness,
-                                                                  tracked.body->getCollisionShape()->getMargin());
+    ApplyThickness(tracked);
     tracked.moves = tracked.body->isActive();
-    qcScene_SetMargin(m_scene, tracked.id, double(tracked.thickness) / 2);
     qcScene_SetSelfCollision(m_scene, tracked.id, tracked.settings.selfCollision);
     qcScene_SetActivity(m_scene, tracked.id, tracked.moves ? qc_activityMoving : qc_activitySleeping);
     qcScene_SetFilter(m_scene, tracked.id, qcSoftGroup,
@@ -173,6 +178,20 @@ void qcSoftBodyScene::ReadStart(qcSceneSoftBody& tracked, btVector3 btSoftBody::
     tracked.startsWhereItEnded = tracked.startsWhereItEnded && isNearEnd;
     FindPinned(tracked);
     FindAnchors(tracked);
+}
+
+void qcSoftBodyScene::LimitThickness(const std::function<bool(uint32_t)>& isTangled)
+{
+    for (qcSceneSoftBody& tracked : m_bodies)
+    {
+        if (tracked.isNew && !isTangled(tracked.id.slot))
+        {
+            btScalar& thickness = tracked.topology.defaultThickness;
+            thickness = std::min(thickness, qcClearHeightOf(tracked.body, tracked.topology));
+            ApplyThickness(tracked);
+        }
+        tracked.isNew = false;
+    }
 }
 
 void qcSoftBodyScene::BeginStep(const btAlignedObjectArray<btSoftBody*>& bodies)
@@ -288,6 +307,12 @@ bool qcSoftBodyScene::IsContinuous() const
                        [](const qcSceneSoftBody& tracked) { return tracked.settings.continuous; });
 }
 
+bool qcSoftBodyScene::IsDiscrete() const
+{
+    return std::none_of(m_bodies.begin(), m_bodies.end(),
+                        [](const qcSceneSoftBody& tracked) { return tracked.settings.continuous; });
+}
+
 bool qcSoftBodyScene::StartsWhereStepEnded() const
 {
     auto startsThere = [](const qcSceneSoftBody& tracked) { return tracked.startsWhereItEnded; };
@@ -315,14 +340,44 @@ qcStatus qcSoftBodyScene::DetectWithin(btScalar margin, const qcResult** result)
     return qcScene_Detect(m_scene, &def, result);
 }
 
-qcStatus qcSoftBodyScene::DetectMotion(const qcResult** result)
+qcStatus qcSoftBodyScene::SetSelfCollision(const std::vector<qcBodyId>& bodies, bool selfCollision)
 {
+    qcStatus status = qc_statusOk;
+    for (const qcBodyId& id : bodies)
+        status = std::max(status, qcScene_SetSelfCollision(m_scene, id, selfCollision));
+    return status;
+}
+
+qcStatus qcSoftBodyScene::DetectMotion(const std::function<bool(uint32_t, uint32_t)>& isProven, const qcResult** result)
+{
+    m_provenWithin.clear();
+    bool isAlone = m_bodies.size() < 2 && meshes.Rigids().empty(), isProvenWithin = true;
+    for (const qcSceneSoftBody& tracked : m_bodies)
+        if (tracked.moves && tracked.settings.selfCollision)
+        {
+            bool proven = isProven(tracked.id.slot, tracked.id.slot);
+            isProvenWithin = isProvenWithin && proven;
+            if (proven)
+                m_provenWithin.push_back(tracked.id);
+        }
+    if ((isAlone && isProvenWithin) || IsDiscrete())
+    {
+        *result = &m_noPairs;
+        return qc_statusOk;
+    }
     qcDetectDef def = qcProfiledDetectDef();
     def.method = method;
     def.motion = true;
     def.proximities = true;
     def.threads = threads;
-    return qcScene_Detect(m_scene, &def, result);
+    def.pairFilterContext = const_cast<void*>(static_cast<const void*>(&isProven));
+    if (m_bodies.size() > 1)
+        def.pairFilter = [](void* context, uint32_t slotA, uint32_t slotB)
+        { return !(*static_cast<const std::function<bool(uint32_t, uint32_t)>*>(context))(slotA, slotB); };
+    qcStatus status = SetSelfCollision(m_provenWithin, false);
+    if (status == qc_statusOk)
+        status = qcScene_Detect(m_scene, &def, result);
+    return std::max(status, SetSelfCollision(m_provenWithin, true));
 }
 
 qcSceneSoftBody* qcSoftBodyScene::Find(uint32_t slot)

@@ -8,6 +8,7 @@
 
 #include "quickcullide/bullet_soft_body.h"
 
+#include <functional>
 #include <map>
 #include <utility>
 #include <vector>
@@ -36,6 +37,7 @@ struct qcSceneSoftBody
     qcSoftTopology topology; ///< of the body in the scene
     qcSoftBodySettings settings;
     btScalar thickness = 0;          ///< settings.thickness, or the default where that is 0
+    bool isNew = true;               ///< not yet tested for tangles at its start
     bool moves = true;               ///< false: Bullet does not simulate it at present, and contacts don't move it
     bool startsWhereItEnded = false; ///< its state is that of the end of the previous step
     bool hasEnd = false;             ///< `positions` are those of the end of the previous step
@@ -128,8 +130,13 @@ class qcSoftBodyScene
     /// Ends the step: the next one starts from the present positions (`solved`: from those after Bullet's own solvers),
     /// unless bodies are put elsewhere in between.
     void EndStep(bool solved);
+    /// Limits the default thickness of new bodies to the heights of their faces, unless isTangled(slot) is true: a body
+    /// that starts tangled in itself has no shape yet that could be at rest.
+    void LimitThickness(const std::function<bool(uint32_t)>& isTangled);
     /// True if the motion of each soft body is certified.
     bool IsContinuous() const;
+    /// True if the motion of none is.
+    bool IsDiscrete() const;
     /// True if all bodies and meshes start where the previous step ended, and the settings that decide which triangles
     /// are tested are unchanged. Call it after ReadSolved.
     bool StartsWhereStepEnded() const;
@@ -137,8 +144,9 @@ class qcSoftBodyScene
     /// Finds the pairs that penetrate, touch or are no further apart than the margin, in the positions last set.
     qcStatus DetectWithin(btScalar margin, const qcResult** result);
     /// Finds the pairs that are not proven apart from the start of the step to the present positions, with proximities
-    /// of the start.
-    qcStatus DetectMotion(const qcResult** result);
+    /// of the start. Pairs of bodies (or of one with itself) for which isProven(slot, slot) is true are left out; it
+    /// may be called on several threads.
+    qcStatus DetectMotion(const std::function<bool(uint32_t, uint32_t)>& isProven, const qcResult** result);
 
     /// The soft body of a slot, or null.
     qcSceneSoftBody* Find(uint32_t slot);
@@ -172,13 +180,17 @@ class qcSoftBodyScene
     void UntrackRemoved(const btAlignedObjectArray<btSoftBody*>& bodies);
     void ReadStart(qcSceneSoftBody& tracked, btVector3 btSoftBody::Node::*start);
     void ApplySettings(qcSceneSoftBody& tracked);
+    void ApplyThickness(qcSceneSoftBody& tracked);
     qcStatus SetVertices(std::vector<btVector3> qcSceneSoftBody::*positions);
+    qcStatus SetSelfCollision(const std::vector<qcBodyId>& bodies, bool selfCollision);
 
     qcDevice* m_device;
     qcScene* m_scene = nullptr;
     std::vector<qcSceneSoftBody> m_bodies;
     std::vector<size_t> m_bodyOfSlot;
     std::map<const btSoftBody*, Setting> m_settings;
+    std::vector<qcBodyId> m_provenWithin; ///< scratch of DetectMotion
+    qcResult m_noPairs{};
 };
 
 #endif

@@ -9,6 +9,9 @@ namespace
 // share that cloth has, a rope of 20 links of 10 cm would lie 3 cm above a mesh.
 constexpr btScalar s_ropeThickness = btScalar(0.125);
 
+// Share of a small height that is free of contact even where the faces are compressed a little.
+constexpr btScalar s_shareOfHeight = btScalar(0.9);
+
 struct Neighbour
 {
     uint32_t node;
@@ -83,6 +86,16 @@ btScalar LengthOf(const btSoftBody* body, uint32_t a, uint32_t b)
     return (body->m_nodes[int(a)].m_x - body->m_nodes[int(b)].m_x).length();
 }
 
+/// The rest length of the link between two nodes, or their distance where there is none.
+btScalar RestLengthOf(const btSoftBody* body, const std::vector<std::vector<Neighbour>>& neighbours, uint32_t a,
+                      uint32_t b)
+{
+    for (const Neighbour& neighbour : neighbours[a])
+        if (neighbour.node == b)
+            return neighbour.length;
+    return LengthOf(body, a, b);
+}
+
 btScalar DefaultThicknessOf(const btSoftBody* body, const qcSoftTopology& topology)
 {
     btScalar sum = 0;
@@ -116,6 +129,30 @@ qcSoftTopology qcTopologyOf(const btSoftBody* body)
             topology.indices.insert(topology.indices.end(), 3, uint32_t(i));
     topology.defaultThickness = DefaultThicknessOf(body, topology);
     return topology;
+}
+
+btScalar qcClearHeightOf(const btSoftBody* body, const qcSoftTopology& topology)
+{
+    const std::vector<std::vector<Neighbour>> neighbours = NeighboursOf(body);
+    std::vector<btScalar> heights;
+    for (size_t i = 0; i < topology.faceCount; i++)
+    {
+        const uint32_t* node = &topology.indices[3 * i];
+        btScalar edges[3];
+        for (int e = 0; e < 3; e++)
+            edges[e] = RestLengthOf(body, neighbours, node[e], node[(e + 1) % 3]);
+        std::sort(edges, edges + 3);
+        // Heron's formula; rest lengths need not make a triangle.
+        const btScalar half = (edges[0] + edges[1] + edges[2]) / 2;
+        const btScalar square = half * (half - edges[0]) * (half - edges[1]) * (half - edges[2]);
+        if (square > 0)
+            heights.push_back(2 * btSqrt(square) / edges[2]);
+    }
+    if (heights.empty())
+        return BT_LARGE_FLOAT;
+    auto small = heights.begin() + std::ptrdiff_t(heights.size() / 100);
+    std::nth_element(heights.begin(), small, heights.end());
+    return s_shareOfHeight * *small;
 }
 
 bool qcIsTopologyOf(const qcSoftTopology& topology, const btSoftBody* body)

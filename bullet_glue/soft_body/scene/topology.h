@@ -26,6 +26,10 @@ struct qcSoftTopology
 
 /// O(faces + links * links at a node).
 qcSoftTopology qcTopologyOf(const btSoftBody* body);
+/// Nine tenths of the height that all faces but a hundredth exceed, each at rest over its longest edge. A thicker face
+/// pushes the corners of its neighbours across their edges, and so stiffens a mesh of uneven triangles at rest. O(faces
+/// + links).
+btScalar qcClearHeightOf(const btSoftBody* body, const qcSoftTopology& topology);
 /// True if a body with the same number of nodes still has this topology. O(faces + looseLinks).
 bool qcIsTopologyOf(const qcSoftTopology& topology, const btSoftBody* body);
 

@@ -1,14 +1,13 @@
 // qc-bench soft: soft bodies by this library beside Bullet alone, in difficult scenes: a cloth over a pile of moving
 // meshes, bodies that are tangled at the start, a rope over a cylinder.
+#include "bench/soft/demo_table.h"
+#include "bench/soft/model.h"
 #include "bench/soft/pile_scene.h"
 #include "bench/soft/rope_scene.h"
 #include "bench/soft/tangle_scene.h"
 
 #include "common/files.h"
-#include "bench/scenes/scenes.h"
 #include "common/stopwatch.h"
-#include "common/mesh_io/decimate.h"
-#include "common/mesh_io/mesh_file.h"
 #include "common/options.h"
 #include "common/output_file.h"
 #include "bench/bench.h"
@@ -24,6 +23,8 @@ constexpr int s_pileSteps = 120, s_tangleSteps = 80, s_ringSteps = 30;
 struct Options
 {
     const char* out = "out/bench";
+    bool demosOnly = false;
+    uint32_t demoSteps = 240;
 };
 
 /// One measure of a scene, by this library and by Bullet. NaN: none.
@@ -57,31 +58,11 @@ class StepTime
     int m_count = 0;
 };
 
-/// About 900 triangles; a torus where the model is missing.
 void MakePileMesh(qcPileSceneDef* def)
 {
-    qcMesh mesh, coarse;
-    qcMessage message;
-    if (qcMesh_ReadFile(QC_BUNNY_PATH, qc_meshAsDeclared, &mesh, &message))
-    {
-        if (qcMesh_Decimate(&mesh, 1000, &coarse))
-        {
-            const float* positions = static_cast<const float*>(coarse.positions);
-            for (size_t i = 0; i < 3 * size_t(coarse.vertexCount); i++)
-                def->positions.push_back(btScalar(0.5) * btScalar(positions[i]));
-            def->indices.assign(coarse.indices, coarse.indices + 3 * size_t(coarse.triangleCount));
-            qcMesh_Free(&coarse);
-        }
-        qcMesh_Free(&mesh);
-    }
-    if (def->indices.empty())
-    {
-        std::fprintf(stderr, "%s; tori stand in for bunnies\n", message.text);
-        qcTorus torus(btScalar(0.35), btScalar(0.15), 24, 12);
-        def->positions = torus.points;
-        def->indices.assign(torus.indices.begin(), torus.indices.end());
-        return;
-    }
+    qcModel model = qcMakeModel(btScalar(0.5));
+    def->positions = model.positions;
+    def->indices = model.indices;
     // The scene needs the centre of mass at the origin. qcMeshShape::makeRecentered rounds differently in the last bit.
     btTransform frame = qcMeshShape(def->positions.data(), qcBulletPositions, 0, uint32_t(def->positions.size() / 3),
                                     def->indices.data(), uint32_t(def->indices.size() / 3))
@@ -239,6 +220,17 @@ bool WriteRows(const Options& options, const Rows& rows, qcMessage* message)
     }
     return qcOutput_Commit(&output, message);
 }
+
+bool RunHardScenes(const Options& options, qcMessage* message)
+{
+    Rows rows;
+    MeasurePile(&rows);
+    MeasureScrambled(&rows);
+    MeasureRings(&rows);
+    MeasureRopes(&rows);
+    PrintRows(rows);
+    return WriteRows(options, rows, message);
+}
 } // namespace
 
 extern "C" qcExitStatus qcBench_RunSoft(int argumentCount, char** arguments)
@@ -246,26 +238,27 @@ extern "C" qcExitStatus qcBench_RunSoft(int argumentCount, char** arguments)
     static const char help[] =
         "Scenes that are hard for soft bodies, by this library and by Bullet alone: a cloth that falls over a pile of "
         "moving meshes (btGImpactMeshShape in Bullet), bodies that are tangled at the start, and a rope that is thrown "
-        "over a cylinder of triangles.\vExit status: as for qc-bench.";
+        "over a cylinder of triangles. Then small scenes like those of Bullet's SoftDemo, step by step in turn: the "
+        "cost of a "
+        "step beside Bullet's, with all promises of this library and with Bullet's own.\vExit status: as for qc-bench.";
     Options options;
     const qcOption table[] = {{0, "out", "FOLDER", "Where soft.csv goes; %s by default, made if it is missing",
                                qcOption_Folder(&options.out)},
+                              {0, "demos", nullptr, "Only the small scenes", qcOption_Flag(&options.demosOnly, true)},
+                              {0, "steps", "N", "Steps of each of the small scenes; %s by default",
+                               qcOption_Number(&options.demoSteps, 1, 100000)},
                               {}};
     qcCommandLine line = {table, help, nullptr, nullptr, 0, nullptr, nullptr};
     qcCommandLine_Parse(&line, argumentCount, arguments);
     qcMessage message;
-    if (!qcFiles_Check(options.out, "soft.csv", &message))
+    if ((!options.demosOnly && !qcFiles_Check(options.out, "soft.csv", &message)) ||
+        !qcFiles_Check(options.out, "soft_demos.csv", &message))
     {
         std::fprintf(stderr, "%s: %s\n", arguments[0], message.text);
         return qc_exitFailed;
     }
-    Rows rows;
-    MeasurePile(&rows);
-    MeasureScrambled(&rows);
-    MeasureRings(&rows);
-    MeasureRopes(&rows);
-    PrintRows(rows);
-    if (WriteRows(options, rows, &message))
+    bool written = options.demosOnly || RunHardScenes(options, &message);
+    if (written && qcDemoTable_Run(options.out, options.demoSteps, &message))
         return qc_exitDone;
     std::fprintf(stderr, "%s: %s\n", arguments[0], message.text);
     return qc_exitFailed;

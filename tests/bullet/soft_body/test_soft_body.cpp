@@ -95,6 +95,35 @@ START_TEST(a_falling_cloth_never_penetrates_itself)
 }
 END_TEST
 
+START_TEST(an_uneven_cloth_that_is_not_deformed_is_not_in_contact_with_itself)
+{
+    World world;
+    btSoftBody* cloth =
+        world.AddCloth(btVector3(-1, 5, -1), btVector3(1, 5, -1), btVector3(-1, 5, 1), btVector3(1, 5, 1), 20);
+    cloth->getCollisionShape()->setMargin(btScalar(0.25));
+    // Every fourth column is ten times as narrow as it was.
+    for (int i = 0; i < cloth->m_nodes.size(); i++)
+    {
+        btSoftBody::Node& node = cloth->m_nodes[i];
+        if (i % 21 % 4 == 1)
+            node.m_x.setX(node.m_x.x() - btScalar(0.09));
+        node.m_q = node.m_x;
+    }
+    cloth->updateConstants();
+    for (int i = 0; i < 20; i++)
+    {
+        world.Step();
+        ck_assert_int_eq(world.softSolver.getStatistics().contacts, 0);
+    }
+    // A thickness of the user's own is not reduced.
+    qcSoftBodySettings settings;
+    settings.thickness = btScalar(0.05);
+    world.softSolver.setSettings(cloth, settings);
+    world.Step();
+    ck_assert_int_gt(world.softSolver.getStatistics().contacts, 100);
+}
+END_TEST
+
 START_TEST(a_falling_cloth_penetrates_itself_without_self_collision)
 {
     World world;
@@ -497,6 +526,7 @@ END_TEST
 } // namespace
 
 QC_RUN_TESTS("soft body", a_falling_cloth_never_penetrates_itself,
+             an_uneven_cloth_that_is_not_deformed_is_not_in_contact_with_itself,
              a_falling_cloth_penetrates_itself_without_self_collision, cloths_that_fall_on_each_other_stay_apart,
              cloths_that_the_broadphase_filters_do_not_touch, layers_that_land_on_a_free_box_keep_momentum,
              self_contacts_stand_in_manifolds_until_the_next_step,
