@@ -138,7 +138,8 @@ QC_API qcStatus qcScene_RemoveBody(qcScene* scene, qcBodyId id);
 /// Moves a rigid body. qc_statusBadInput: also if the body deforms or the transform is not finite.
 QC_API qcStatus qcScene_SetTransform(qcScene* scene, qcBodyId id, const qcTransform* transform);
 /// Gives a deforming body new positions in world space, as many as it has vertices, `stride` bytes apart (0: tightly
-/// packed). They are copied. O(n). qc_statusBadInput: also if the body is rigid or a position is not finite.
+/// packed). They are copied, in large scenes on the threads of the last qcScene_Detect. O(n).
+/// qc_statusBadInput: also if the body is rigid or a position is not finite.
 QC_API qcStatus qcScene_SetVertices(qcScene* scene, qcBodyId id, const void* positions, qcPositionType type,
                                     size_t stride);
 /// The present positions of all bodies become the start of their motion: see qcDetectDef::motion. A body that is added
