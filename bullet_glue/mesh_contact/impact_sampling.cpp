@@ -203,6 +203,8 @@ btScalar qcImpactSampler::TakeRegion(qcMeshPoint* begin, qcMeshPoint* end, btSca
         {
             point->normal = -point->normal;
             point->distance = -point->distance;
+            // Bodies that overlapped at the previous sample, too, would have stopped before.
+            pair->isDone = pair->isDone || previous.DistanceOf(*point) < 0;
         }
         deepest = std::min(deepest, point->distance - margins);
     }
