@@ -199,7 +199,7 @@ btScalar qcImpactSampler::TakeRegion(qcMeshPoint* begin, qcMeshPoint* end, btSca
         point->onA = toA * point->onA;
         point->onB = toB * point->onB;
         // A separated point whose ends have passed each other is behind the surface that it passed.
-        if (point->distance > 0 && first.DistanceOf(*point) < 0)
+        if (m_isFine && point->distance > 0 && first.DistanceOf(*point) < 0)
         {
             point->normal = -point->normal;
             point->distance = -point->distance;
@@ -282,7 +282,7 @@ qcDetectDef qcImpactSampler::SampleDef(const qcDetectDef& def)
     qcDetectDef sampleDef = def;
     sampleDef.margin = margins + double(s_queryDistance) * std::max(def.margin - margins, 0.0);
     // Bodies overlap at a sample; TakeRegion finds by their motion on which side of a surface a point lies.
-    sampleDef.unoriented = true;
+    sampleDef.unoriented = m_isFine = def.spacing > 0;
     sampleDef.pairFilter = IsDue;
     sampleDef.pairFilterContext = this;
     // The planner's costs are those of the queries at the beginning of steps.
