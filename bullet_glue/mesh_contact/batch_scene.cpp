@@ -207,16 +207,17 @@ void qcBatchScene::Update(const btCollisionObject* object, qcBatchObject* gather
     if (gathered->gathered == m_gathering)
         return;
     gathered->gathered = m_gathering;
-    btScalar edgeLength = BT_LARGE_FLOAT;
+    gathered->pairDistance = 0;
+    gathered->edgeLength = BT_LARGE_FLOAT;
     for (qcBatchMesh& mesh : gathered->meshes)
     {
-        edgeLength = std::min(edgeLength, mesh.edgeLength);
+        gathered->edgeLength = std::min(gathered->edgeLength, mesh.edgeLength);
         btTransform now = object->getWorldTransform() * mesh.local;
         mesh.placed = mesh.placed && qcAreSame(mesh.transform, now);
         mesh.transform = now;
     }
-    gathered->maxContactDistance =
-        std::min(gathered->threshold, std::max(s_restDistance * gathered->threshold, s_maxEdges * edgeLength));
+    gathered->maxContactDistance = std::min(
+        gathered->threshold, std::max(s_restDistance * gathered->threshold, s_maxEdges * gathered->edgeLength));
     gathered->maxClosing = MaxClosing(object, *gathered);
 }
 
@@ -256,13 +257,20 @@ void qcBatchScene::FindMeanMotion()
 void qcBatchScene::UpdatePairs(const std::vector<qcBatchPair>& pairs)
 {
     m_margin = 0;
+    m_spacing = 0;
     for (const qcBatchPair& pair : pairs)
     {
         qcBatchObject &a = *pair.gathered0, &b = *pair.gathered1;
         Update(pair.object0, &a);
         Update(pair.object1, &b);
         a.inScene = b.inScene = true;
-        m_margin = std::max(m_margin, ContactDistance(a, b) + a.margin + b.margin);
+        btScalar contactDistance = ContactDistance(a, b);
+        a.pairDistance = std::max(a.pairDistance, contactDistance / 2);
+        b.pairDistance = std::max(b.pairDistance, contactDistance / 2);
+        m_margin = std::max(m_margin, contactDistance + a.margin + b.margin);
+        btScalar threshold = std::min(a.threshold, b.threshold);
+        if (std::min(a.edgeLength, b.edgeLength) < threshold)
+            m_spacing = m_spacing > 0 ? std::min(m_spacing, threshold) : threshold;
     }
 }
 
@@ -288,9 +296,7 @@ qcStatus qcBatchScene::UpdateMesh(qcBatchMesh* mesh, const qcBatchObject& gather
         }
     }
     // The sum over two bodies is at least the distance that UpdatePairs requires for them.
-    btScalar contactDistance =
-        std::min(gathered.maxContactDistance, s_restDistance * gathered.threshold / 2 + gathered.maxClosing);
-    mesh->reach = contactDistance + mesh->margin + gathered.tolerance;
+    mesh->reach = gathered.pairDistance + mesh->margin + gathered.tolerance;
     if (status == qc_statusOk)
         status = qcScene_SetMargin(m_scene, mesh->id, double(mesh->reach));
     mesh->placed = status == qc_statusOk;

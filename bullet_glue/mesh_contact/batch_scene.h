@@ -56,6 +56,8 @@ struct qcBatchObject
     btScalar boxRadius = 0;          ///< that of its box
     btVector3 lower, upper;          ///< box around it in its frame, margins included
     btScalar maxContactDistance = 0; ///< upper bound of its contact distance and of maxClosing
+    btScalar edgeLength = 0;         ///< estimate, of its finest mesh
+    btScalar pairDistance = 0;       ///< half of the largest contact distance of its pairs
     btScalar maxClosing = 0;         ///< upper bound of its motion in a step relative to the mean motion
     qcObjectState state;             ///< at the last check
     unsigned checked = 0;            ///< number of the last check of the object (qcBatchValidity)
@@ -142,6 +144,12 @@ class qcBatchScene
     {
         return m_margin;
     }
+    /// Distance below which Bullet's manifolds don't distinguish points, of the pairs of the last gathering with finer
+    /// triangles than that; 0: there are none.
+    btScalar GetSpacing() const
+    {
+        return m_spacing;
+    }
     /// Meshes in the scene that the last gathering updated.
     int GetBodyCount() const
     {
@@ -173,7 +181,7 @@ class qcBatchScene
     uint32_t m_ownerCount = 0;
     int m_bodyCount = 0;
     qcStatus m_status = qc_statusOk;
-    btScalar m_margin = 0;
+    btScalar m_margin = 0, m_spacing = 0;
     btScalar m_timeStep = 0;
     qcRigidMotion m_meanMotion; ///< of all moving bodies; closing distances are relative to it
 };

@@ -43,6 +43,7 @@ qcDetectDef qcMeshBatch::DetectDef(btScalar margin) const
     def.method = settings.method;
     def.margin = double(margin);
     def.manifolds = true;
+    def.spacing = double(m_scene.GetSpacing());
     def.threads = settings.threads;
     return def;
 }
@@ -123,7 +124,8 @@ qcStatus qcMeshBatch::Detect()
     BT_PROFILE("qcMeshContact detect");
     qcDetectDef def = DetectDef(m_scene.GetMargin());
     def.candidates = settings.reportsCandidates;
-    def.proximities = true;
+    // The distances of fine meshes take longer than what they save.
+    def.proximities = def.spacing == 0;
     def.pairFilter = IsDue;
     def.pairFilterContext = this;
     qcStatus status = qcScene_Detect(m_scene.Get(), &def, &m_result);
@@ -196,7 +198,8 @@ void qcMeshBatch::Store()
     {
         const qcPair& pair = m_result->pairs[i];
         if (qcPairContact* contact = FindDue(pair.bodyA, pair.bodyB))
-            contact->gap = std::min(contact->gap, m_result->proximities[i].distance);
+            contact->gap =
+                std::min(contact->gap, m_result->proximities != nullptr ? m_result->proximities[i].distance : 0);
     }
     m_pairs.Count(m_validity.GetNumber(), &statistics.manifolds, &statistics.points);
 }

@@ -194,13 +194,23 @@ btScalar qcImpactSampler::TakeRegion(qcMeshPoint* begin, qcMeshPoint* end, btSca
     btTransform toA = TransformAt(a, time).inverse(), toB = TransformAt(b, time).inverse();
     btScalar margins = a.moving.margin + b.moving.margin, travel = pair->maxSpeed * (time - pair->previousTime);
     btScalar deepest = 0, stopTime = BT_LARGE_FLOAT;
-    for (const qcMeshPoint* point = begin; point < end; point++)
-        deepest = std::min(deepest, point->distance - margins);
-    pair->isDone = pair->isDone || deepest < -s_maxPairDepth * travel;
     for (qcMeshPoint* point = begin; point < end; point++)
     {
         point->onA = toA * point->onA;
         point->onB = toB * point->onB;
+        // A separated point whose ends have passed each other is behind the surface that it passed.
+        if (m_isFine && point->distance > 0 && first.DistanceOf(*point) < 0)
+        {
+            point->normal = -point->normal;
+            point->distance = -point->distance;
+            // Bodies that overlapped at the previous sample, too, would have stopped before.
+            pair->isDone = pair->isDone || previous.DistanceOf(*point) < 0;
+        }
+        deepest = std::min(deepest, point->distance - margins);
+    }
+    pair->isDone = pair->isDone || deepest < -s_maxPairDepth * travel;
+    for (qcMeshPoint* point = begin; point < end; point++)
+    {
         btScalar distance = first.DistanceOf(*point) - margins, last = previous.DistanceOf(*point) - margins;
         if (point->distance <= margins && last > point->distance - margins)
             stopTime = std::min(stopTime, TouchTime(pair->previousTime, last, time, point->distance - margins));
@@ -271,6 +281,8 @@ qcDetectDef qcImpactSampler::SampleDef(const qcDetectDef& def)
         margins = std::max(margins, double(m_meshes[pair.a].moving.margin + m_meshes[pair.b].moving.margin));
     qcDetectDef sampleDef = def;
     sampleDef.margin = margins + double(s_queryDistance) * std::max(def.margin - margins, 0.0);
+    // Bodies overlap at a sample; TakeRegion finds by their motion on which side of a surface a point lies.
+    sampleDef.unoriented = m_isFine = def.spacing > 0;
     sampleDef.pairFilter = IsDue;
     sampleDef.pairFilterContext = this;
     // The planner's costs are those of the queries at the beginning of steps.

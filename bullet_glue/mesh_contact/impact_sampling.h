@@ -102,6 +102,7 @@ class qcImpactSampler
 
     btScalar m_timeStep = 0;
     int m_sampleCount = 0;
+    bool m_isFine = false; ///< points have no known side where fine meshes overlap
     std::vector<Mesh> m_meshes;
     std::vector<btScalar> m_stopTimes;              ///< of the meshes, found in the present pass
     std::unordered_map<uint32_t, size_t> m_indexOf; ///< of a mesh, by slot

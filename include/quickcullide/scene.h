@@ -304,6 +304,17 @@ typedef struct qcDetectDef
     void (*leaveStage)(void); ///< see enterStage
     bool candidates;          ///< report qcResult::candidates
     bool sets;                ///< report qcResult::pcsSets
+    /// With `spacing`, also for two fine meshes that intersect: only their near pairs then have points, with normals
+    /// along the shortest differences, so that a point behind a surface has the opposite normal. For callers who know
+    /// from the motion of the bodies which side is which.
+    bool unoriented;
+    uint8_t reserved2[5]; ///< 0: padding of definitions in older headers
+    /// For contact of fine meshes: manifolds of two bodies that don't touch need no points closer to each other than
+    /// this, in scene units. Near pairs whose smaller triangle is no longer than this are left out of them where a
+    /// nearer one covers them (plugin/docs/proofs/sparse_contact.md), so that the cost follows the area of the contact
+    /// rather than its triangles. A region of contact may then have several manifolds. Pairs are reported as ever; with
+    /// `proximities` it has no effect. 0: all pairs count.
+    double spacing;
 } qcDetectDef;
 
 /// The default step: method auto, penetrating pairs only.
@@ -342,6 +353,10 @@ static inline qcDetectDef qcDefaultDetectDef(void)
     def.leaveStage = NULL;
     def.candidates = false;
     def.sets = false;
+    def.unoriented = false;
+    for (int i = 0; i < 5; i++)
+        def.reserved2[i] = 0;
+    def.spacing = 0.0;
     return def;
 }
 

@@ -36,6 +36,17 @@ QC_INLINE void GetClusterBoxes(const qcMotionBvh* bvh, uint32_t cluster, qcBox8 
     }
 }
 
+/// The clusters of a node, bit by bit, with a triangle's box that one of the other boxes overlaps around both ends.
+/// `nodes`: the boxes of the clusters.
+QC_INLINE uint32_t FindNearClusters(const qcBox8* const nodes[2], const qcBox8* const triangles[2])
+{
+    uint64_t overlaps = FindUnitedOverlaps(nodes, triangles);
+    overlaps |= overlaps >> 32;
+    overlaps |= overlaps >> 16;
+    overlaps |= overlaps >> 8;
+    return (uint32_t)overlaps & 0xffu;
+}
+
 /// One in twenty pairs of clusters whose boxes overlap has triangles whose boxes around both ends overlap.
 /// Where these don't, an axis separates in the same order at both ends.
 static qcSlotPair* CollectMotionPairs(const qcMotionBvh* a, uint32_t nodeA, const qcMotionBvh* b, uint32_t nodeB,
@@ -44,27 +55,33 @@ static qcSlotPair* CollectMotionPairs(const qcMotionBvh* a, uint32_t nodeA, cons
 {
     static const uint64_t all[] = {0, 0, 0};
     pairMasks = pairMasks != NULL ? pairMasks : all;
-    qcBox8 ownA[2], ownB[2];
-    const qcBox8 *boxesA[2], *boxesB[2];
-    GetNodeBoxes(a, nodeA, ownA, boxesA);
-    GetNodeBoxes(b, nodeB, ownB, boxesB);
-    uint64_t clusters = FindUnitedOverlaps(boxesA, boxesB) & ~pairMasks[1];
-    for (uint32_t previousB = UINT32_MAX; clusters != 0; clusters &= clusters - 1)
+    qcBox8 ownA[qc_boxLanes][2], ownB[2], ownNodeA[2], ownNodeB[2];
+    const qcBox8 *boxesA[qc_boxLanes][2], *boxesB[2], *nodesA[2], *nodesB[2];
+    GetNodeBoxes(a, nodeA, ownNodeA, nodesA);
+    GetNodeBoxes(b, nodeB, ownNodeB, nodesB);
+    uint64_t clusters = FindUnitedOverlaps(nodesA, nodesB) & ~pairMasks[1];
+    uint32_t known = 0; // clusters of a whose boxes are here
+    for (uint32_t j = 0; j < qc_boxLanes; j++)
     {
-        uint32_t bit = (uint32_t)__builtin_ctzll(clusters);
-        uint64_t word = qcPairMask_Word(pairMasks, bit);
-        for (int i = 0; i < exclusionCount; i++)
-            word = RemoveExcluded(word, &exclusions[i], bit % qc_boxLanes, bit / qc_boxLanes);
-        if (exclusionCount != 0 && word == 0)
+        uint32_t row = (uint32_t)(clusters >> qc_boxLanes * j) & 0xffu, clusterB = nodeB * qc_boxLanes + j;
+        if (row == 0)
             continue;
-        uint32_t clusterA = nodeA * qc_boxLanes + bit % qc_boxLanes, clusterB = nodeB * qc_boxLanes + bit / qc_boxLanes;
-        GetClusterBoxes(a, clusterA, ownA, boxesA);
-        if (clusterB != previousB)
-            GetClusterBoxes(b, clusterB, ownB, boxesB);
-        previousB = clusterB;
-        word &= FindUnitedOverlaps(boxesA, boxesB);
-        if (word != 0)
-            pairs = AddPairs(FindMotionBoxOverlaps(boxesA, boxesB) & word, clusterA, clusterB, pairs);
+        GetClusterBoxes(b, clusterB, ownB, boxesB);
+        for (row &= FindNearClusters(nodesA, boxesB); row != 0; row &= row - 1)
+        {
+            uint32_t i = (uint32_t)__builtin_ctz(row), clusterA = nodeA * qc_boxLanes + i;
+            uint64_t word = qcPairMask_Word(pairMasks, i + qc_boxLanes * j);
+            for (int k = 0; k < exclusionCount; k++)
+                word = RemoveExcluded(word, &exclusions[k], i, j);
+            if (exclusionCount != 0 && word == 0)
+                continue;
+            if ((known >> i & 1u) == 0)
+                GetClusterBoxes(a, clusterA, ownA[i], boxesA[i]);
+            known |= 1u << i;
+            word &= FindUnitedOverlaps(boxesA[i], boxesB);
+            if (word != 0)
+                pairs = AddPairs(FindMotionBoxOverlaps(boxesA[i], boxesB) & word, clusterA, clusterB, pairs);
+        }
     }
     return pairs;
 }

@@ -24,7 +24,9 @@ typedef struct qcManifoldInput
     const qcProximity* proximities;    ///< null: those that are needed are computed
     const qcClosestFeatures* features; ///< of the proximities
     size_t count;
-    double margin; ///< max distance of a contact point, in scene units
+    double margin;   ///< max distance of a contact point, in scene units
+    double spacing;  ///< see qcDetectDef
+    bool unoriented; ///< see qcDetectDef
 } qcManifoldInput;
 
 /// Builds the manifolds of the pairs of a result, which are sorted as the ABI promises. O(n log n). Where two bodies

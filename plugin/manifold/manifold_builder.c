@@ -55,19 +55,22 @@ static qcStatus WriteResult(qcManifoldBuilder* b)
     return qc_statusOk;
 }
 
-qcStatus qcManifoldBuilder_Build(qcManifoldBuilder* b, const qcStepTriangles* triangles, const qcBodyPairInput* pairs,
+qcStatus qcManifoldBuilder_Build(qcManifoldBuilder* b, const qcStepTriangles* triangles, const qcBodyPairInput* all,
                                  uint32_t threads)
 {
     const qcContactTopology* topology = &b->topology;
-    QC_TRY(qcContactTopology_Gather(triangles, pairs, &b->topology));
+    qcManifoldInput reported;
+    qcBodyPairInput pairs;
+    QC_TRY(qcSparsePairs_Choose(triangles, all, b->kernels, &b->sparse, &reported, &pairs));
+    QC_TRY(qcContactTopology_Gather(triangles, &pairs, &b->topology));
     if (topology->pairs.count == 0)
         return qc_statusOk;
     QC_TRY(qcContactTopology_JoinRegions(&b->topology));
-    double margin = pairs->reported->margin;
+    double margin = pairs.reported->margin;
     if (topology->exponent != 0)
         margin = ldexp(margin, -topology->exponent);
     QC_TRY(qcContactRegions_Find(topology, b->kernels, margin, &b->regions));
-    QC_TRY(qcContactProximity_Find(pairs->reported, topology, &b->regions, threads, &b->proximity));
+    QC_TRY(qcContactProximity_Find(pairs.reported, topology, &b->regions, threads, &b->proximity));
     QC_TRY(qcPairAdjacency_Find(topology, &b->regions, &b->proximity, threads, &b->adjacency));
     const qcContactInput input = {.topology = topology,
                                   .regions = &b->regions,
@@ -88,6 +91,7 @@ qcStatus qcManifoldBuilder_Build(qcManifoldBuilder* b, const qcStepTriangles* tr
 
 void qcManifoldBuilder_Free(qcManifoldBuilder* b)
 {
+    qcSparsePairs_Free(&b->sparse);
     qcContactTopology_Free(&b->topology);
     qcContactRegions_Free(&b->regions);
     qcContactProximity_Free(&b->proximity);

@@ -3,11 +3,13 @@
 #define QC_MANIFOLD_MANIFOLD_BUILDER_H
 
 #include "manifold/points.h"
+#include "manifold/sparse_pairs.h"
 
 /// The stages and results of one worker. Memory is retained between builds.
 typedef struct qcManifoldBuilder
 {
     qcWorkerResult result;
+    qcSparsePairs sparse;
     qcContactTopology topology;
     qcContactRegions regions;
     qcContactProximity proximity;

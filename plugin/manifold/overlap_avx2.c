@@ -1,5 +1,5 @@
-// Kernels of the projected overlap for x86-64 with AVX2.
-#include "manifold/overlap_kernels.inl.h"
+// Kernels of the projected overlap and of distances for x86-64 with AVX2.
+#include "manifold/pair_distance.inl.h"
 
 #include <immintrin.h>
 
@@ -8,4 +8,4 @@ QC_INLINE unsigned MaskBits(Mask mask)
     return (unsigned)_mm256_movemask_pd((__m256d)mask) & 7u;
 }
 
-const qcOverlapKernels qcOverlapKernels_avx2 = {FindOverlap};
+const qcOverlapKernels qcOverlapKernels_avx2 = {FindOverlap, FindDistances};

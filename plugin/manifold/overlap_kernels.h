@@ -1,5 +1,5 @@
-// Kernels of the projected overlap: compiled once for each instruction set and chosen at run time. The result does not
-// depend on the instruction set: the operations are the same, side by side, and none is fused.
+// Kernels of the projected overlap, and of distances: compiled once for each instruction set and chosen at run time.
+// The result does not depend on the instruction set: the operations are the same, side by side, and none is fused.
 #ifndef QC_MANIFOLD_OVERLAP_KERNELS_H
 #define QC_MANIFOLD_OVERLAP_KERNELS_H
 
@@ -7,8 +7,15 @@
 
 enum
 {
-    qc_overlapLanes = 4 ///< of a triangle's corners or edges; the fourth is the first again
+    qc_overlapLanes = 4, ///< of a triangle's corners or edges; the fourth is the first again
+    qc_distanceLanes = 8 ///< pairs of a qcDistanceBatch
 };
+
+/// Pairs of triangles: by side, corner, axis and pair.
+typedef struct qcDistanceBatch
+{
+    float corner[2][3][3][qc_distanceLanes];
+} qcDistanceBatch;
 
 /// A triangle seen along a direction: the data that does not depend on the other triangle, computed at first use.
 typedef struct qcTriangleView
@@ -37,6 +44,10 @@ struct qcOverlapKernels
     /// else is equal. The views are of the two sides, along this direction.
     int (*findOverlap)(const qcManifoldPair* pair, qcVector direction, qcTriangleView* views[2],
                        qcRawPoint corners[qc_maxOverlapCorners]);
+    /// The shortest difference of each pair, from triangle 1 to triangle 0, and its squared length: that of two of
+    /// their points, up to rounding the closest ones. Infinity: coordinates are too large.
+    void (*findDistances)(const qcDistanceBatch* batch, float difference[3][qc_distanceLanes],
+                          float length2[qc_distanceLanes]);
 };
 
 extern const qcOverlapKernels qcOverlapKernels_scalar;

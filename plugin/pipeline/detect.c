@@ -99,7 +99,11 @@ static qcStatus BuildManifolds(const qcStep* step, const qcStepTriangles* triang
                                qcAllManifolds* manifolds)
 {
     size_t count = step->def->manifolds ? narrowphase->pairs.count : 0;
-    qcManifoldInput input = {narrowphase->pairs.data, NULL, NULL, count, step->def->margin};
+    qcManifoldInput input = {.pairs = narrowphase->pairs.data,
+                             .count = count,
+                             .margin = step->def->margin,
+                             .spacing = step->def->spacing,
+                             .unoriented = step->def->unoriented};
     if (step->def->proximities)
     {
         input.proximities = narrowphase->proximities.data;
@@ -206,7 +210,8 @@ static bool IsSameRequest(const qcDetectDef* a, const qcDetectDef* b)
            a->layerDepthAxis == b->layerDepthAxis && strncmp(a->views, b->views, 4) == 0 &&
            a->resolution == b->resolution && a->iterations == b->iterations && a->backToFront == b->backToFront &&
            a->secondPassFromBack == b->secondPassFromBack && a->reliable == b->reliable && a->motion == b->motion &&
-           a->candidates == b->candidates && a->sets == b->sets;
+           a->candidates == b->candidates && a->spacing == b->spacing && a->unoriented == b->unoriented &&
+           a->sets == b->sets;
 }
 
 static void Reuse(qcProfile* profile)

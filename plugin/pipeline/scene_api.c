@@ -251,6 +251,7 @@ static qcStatus CheckDetectDef(const qcDetectDef* def)
         return qcFail(qc_statusBadInput, "qcScene_Detect: enterStage and leaveStage go together");
     QC_TRY(CheckMargin(def->margin, "margin"));
     QC_TRY(CheckMargin(def->contactMargin, "contactMargin"));
+    QC_TRY(CheckMargin(def->spacing, "spacing"));
     if (def->layerColumns > 4096)
         return qcFail(qc_statusBadInput, "qcScene_Detect: layerColumns is %u; it must be within 0..4096",
                       def->layerColumns);

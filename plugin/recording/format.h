@@ -94,9 +94,12 @@ enum
     qc_detectReliable = 512,
     qc_detectMotion = 1024,
     qc_detectHasFilter = 2048,
-    qc_detectFlags = 4095
+    qc_detectHasSpacing = 4096,
+    qc_detectUnoriented = 8192,
+    qc_detectFlags = 16383
 };
 
+/// Then, with qc_detectHasSpacing, the spacing: a double.
 typedef struct qcDetectRecord
 {
     uint32_t method, flags, threads;

@@ -225,10 +225,15 @@ static bool FilterRecorded(void* context, uint32_t slotA, uint32_t slotB)
 static qcStatus ReadDef(qcRecording* recording, qcDetectDef* def)
 {
     qcDetectRecord record;
-    QC_TRY(qcRecord_TakeAll(&recording->record, &record, sizeof record));
+    qcRecordData data = qcRecordData_Of(&recording->record);
+    QC_TRY(qcRecordData_TakeInto(&data, &record, sizeof record));
     if ((record.flags & ~(uint32_t)qc_detectFlags) != 0)
         return qcFail(qc_statusFile, "unknown flags 0x%x", record.flags);
     *def = qcDefaultDetectDef();
+    if ((record.flags & qc_detectHasSpacing) != 0)
+        QC_TRY(qcRecordData_TakeInto(&data, &def->spacing, sizeof def->spacing));
+    QC_TRY(qcRecordData_CheckDone(&data));
+    def->unoriented = (record.flags & qc_detectUnoriented) != 0;
     def->method = (qcMethod)record.method;
     def->margin = record.margin;
     def->touching = (record.flags & qc_detectTouching) != 0;

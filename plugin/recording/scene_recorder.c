@@ -281,7 +281,8 @@ static uint32_t FlagsOf(const qcDetectDef* def)
            (def->manifolds ? qc_detectManifolds : 0) | (def->nearestContacts ? qc_detectNearestContacts : 0) |
            (def->layerTimes ? qc_detectLayerTimes : 0) | (def->backToFront ? qc_detectBackToFront : 0) |
            (def->secondPassFromBack ? qc_detectSecondPassFromBack : 0) | (def->reliable ? qc_detectReliable : 0) |
-           (def->motion ? qc_detectMotion : 0) | (def->pairFilter != NULL ? qc_detectHasFilter : 0);
+           (def->motion ? qc_detectMotion : 0) | (def->pairFilter != NULL ? qc_detectHasFilter : 0) |
+           (def->spacing > 0.0 ? qc_detectHasSpacing : 0) | (def->unoriented ? qc_detectUnoriented : 0);
 }
 
 void qcSceneRecorder_BeginDetect(qcSceneRecorder* recorder, qcDetectDef* def)
@@ -298,7 +299,11 @@ void qcSceneRecorder_BeginDetect(qcSceneRecorder* recorder, qcDetectDef* def)
                              .margin = def->margin,
                              .contactMargin = def->contactMargin};
     memcpy(record.views, def->views, sizeof record.views);
-    PutRecord(recorder, qc_operationDetect, 0, &record, sizeof record);
+    qcRecordWriter_Begin(&recorder->writer, qc_operationDetect, 0);
+    qcRecordWriter_Put(&recorder->writer, &record, sizeof record);
+    if (def->spacing > 0.0)
+        qcRecordWriter_Put(&recorder->writer, &def->spacing, sizeof def->spacing);
+    qcRecordWriter_End(&recorder->writer);
     qcRecordWriter_Flush(&recorder->writer);
     recorder->hasFilter = def->pairFilter != NULL;
     if (!recorder->hasFilter)

@@ -179,7 +179,7 @@ static void MarkAgainstPartners(const qcBodyPairs* pairs, const qcStepTriangles*
 }
 
 void qcBodyPairs_MarkTriangles(const qcBodyPairs* pairs, const qcStepTriangles* triangles, double queryDistance,
-                               bool wholeBodies, const uint8_t* handledElsewhere, qcPcs* pcs, qcProfile* profile)
+                               bool wholeBodies, uint8_t* handledElsewhere, qcPcs* pcs, qcProfile* profile)
 {
     MarkAgainstPartners(pairs, triangles, queryDistance, wholeBodies, handledElsewhere, pcs);
     for (uint32_t body = 0; body < triangles->bodyCount; body++)
@@ -187,6 +187,12 @@ void qcBodyPairs_MarkTriangles(const qcBodyPairs* pairs, const qcStepTriangles* 
         if (handledElsewhere[body])
             continue;
         bool self = qcBody_HasSelfCollision(qcStepTriangles_Body(triangles, body));
+        if (!self && QC_AT(uint32_t, pairs->partnerCounts, body) == 0)
+        {
+            handledElsewhere[body] = 1;
+            profile->skippedBodies++;
+            continue;
+        }
         if (self)
             MarkAll(triangles, body, qcPcs_Pack(qc_setBfv, qc_setNfv), pcs);
         profile->selfBodies += self;

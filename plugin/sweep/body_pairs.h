@@ -44,8 +44,9 @@ qcStatus qcBodyPairs_FindBrute(const qcStepTriangles* triangles, const qcPcs* pc
 /// - A body with one to a few partners: triangles whose boxes come within the query distance of a partner's box.
 /// - A body with many partners, or with `wholeBodies`: all triangles.
 /// `handledElsewhere`: a flag for each body, equal for both bodies of a pair; triangles of flagged bodies are left out.
+/// It is set for bodies without pairs: later stages need not visit their triangles.
 void qcBodyPairs_MarkTriangles(const qcBodyPairs* pairs, const qcStepTriangles* triangles, double queryDistance,
-                               bool wholeBodies, const uint8_t* handledElsewhere, qcPcs* pcs, qcProfile* profile);
+                               bool wholeBodies, uint8_t* handledElsewhere, qcPcs* pcs, qcProfile* profile);
 void qcBodyPairs_Free(qcBodyPairs* pairs);
 
 #endif

@@ -134,6 +134,8 @@ static inline void History_Detect(History* history, uint32_t* salt)
     def.margin = kind == 2 || kind == 3 ? 0.02 : 0.0;
     def.proximities = kind == 2;
     def.manifolds = kind == 3;
+    def.spacing = kind == 3 ? 0.1 : 0.0;
+    def.unoriented = kind == 3;
     def.contactMargin = kind == 4 ? 0.02 : 0.0;
     def.nearestContacts = kind == 4;
     def.motion = kind == 5;

@@ -61,7 +61,8 @@ bool RunScene(const Options& options, const qcPilesSceneDef& def, std::vector<qc
     std::vector<std::unique_ptr<qcPilesRun>> runs;
     uint32_t steps = options.steps != 0 ? options.steps : def.steps;
     for (qcPilesContestant contestant : options.contestants)
-        if (def.hulls || contestant != qcPilesContestant::hull)
+        if ((def.hulls || contestant != qcPilesContestant::hull) &&
+            (def.gimpact || contestant != qcPilesContestant::gimpact))
             runs.emplace_back(new qcPilesRun(def, setup, contestant, steps, options.threads));
     steps += qcPilesRun::asleepSteps;
     qcProgress_Begin(steps, def.name);

@@ -1,6 +1,8 @@
 // The scenes of `qc-bench piles`.
 #include "bench/piles/scenes.h"
 
+#include "quickcullide/bullet_fracture.h"
+
 #include <cstring>
 #include <random>
 
@@ -16,6 +18,12 @@ qcTriangles Torus()
 qcTriangles Bunny()
 {
     return qcMakeBunny(1000);
+}
+
+/// 69 666 triangles, about 1 high.
+qcTriangles FineBunny()
+{
+    return qcMakeBunny(UINT32_MAX);
 }
 
 using Random = std::minstd_rand;
@@ -76,6 +84,26 @@ template <int Count> void MakeChain(uint32_t seed, qcPilesSetup* setup)
                                                 btVector3(btScalar(0.42) * (btScalar(i) - middle), 1, 0))});
     }
 }
+/// Pieces of a fine bunny, each where it was in the whole.
+template <int Sites> void MakePieces(uint32_t seed, qcPilesSetup* setup)
+{
+    const qcTriangles& bunny = qcMakeBunny(UINT32_MAX);
+    qcFractureDef def;
+    for (size_t i = 0; i < bunny.positions.size(); i += 3)
+        def.vertices.emplace_back(bunny.positions[i], bunny.positions[i + 1], bunny.positions[i + 2]);
+    def.indices = bunny.indices;
+    def.sites = qcScatterSites(btVector3(-0.5, -0.5, -0.5), btVector3(0.5, 0.5, 0.5), Sites, seed, nullptr);
+    btTransform place(btQuaternion(btVector3(0, 0, 1), btScalar(0.3)), btVector3(0, btScalar(0.75), 0));
+    for (const qcPiece& piece : qcFracture_Split(def).pieces)
+    {
+        qcTriangles model;
+        for (const btVector3& vertex : piece.vertices)
+            model.Add(vertex);
+        model.indices = piece.indices;
+        setup->bodies.push_back({setup->models.size(), place * piece.frame});
+        setup->models.push_back(model);
+    }
+}
 } // namespace
 
 const std::vector<qcPilesSceneDef>& qcPilesScenes()
@@ -87,6 +115,8 @@ const std::vector<qcPilesSceneDef>& qcPilesScenes()
         {"bunnies-12", "12 bunnies in a bin", 900, MakeHeap<Bunny, 12, 125, 135>},
         {"stack-6", "6 tori that lie on each other", 900, MakeStack<6>},
         {"chain-6", "6 rings, each through the next, on the ground", 900, MakeChain<6>, false},
+        {"bunnies-20", "20 bunnies of 69 666 triangles in a bin", 180, MakeHeap<FineBunny, 20, 144, 150>, false, false},
+        {"pieces-31", "pieces of such a bunny that falls apart", 60, MakePieces<31>, false, false},
     };
     return scenes;
 }

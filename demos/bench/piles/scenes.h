@@ -31,6 +31,7 @@ struct qcPilesSceneDef
     void (*make)(uint32_t seed, qcPilesSetup* setup);
     /// False: the hulls of its bodies overlap from the beginning, so that convex shapes are left out.
     bool hulls = true;
+    bool gimpact = true; ///< false: btGImpactMeshShape would take minutes a step
 };
 
 const std::vector<qcPilesSceneDef>& qcPilesScenes();

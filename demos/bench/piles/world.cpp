@@ -101,7 +101,9 @@ std::unique_ptr<btCollisionShape> qcPilesWorld::MakeShape(const qcTriangles& mod
         hull->optimizeConvexHull();
         shape.reset(hull);
     }
-    shape->setMargin(margin);
+    // A qcMeshShape has this margin by default, and a smaller one if its triangles are fine.
+    if (contestant != qcPilesContestant::ours)
+        shape->setMargin(margin);
     if (contestant == qcPilesContestant::gimpact)
         static_cast<btGImpactMeshShape*>(shape.get())->updateBound();
     return shape;
