@@ -201,25 +201,24 @@ QC_INLINE uint32_t SignBits(Ints lanes)
 /// One triangle of b at a time, against all of a.
 static inline uint64_t FindCommonVertices(const qcClusterVertices* a, const qcClusterVertices* b)
 {
-    typedef int32_t EightInts __attribute__((vector_size(32)));
-    EightInts corner[3];
+    FourInts corner[3][2];
     uint64_t common = 0;
-    for (int k = 0; k < 3; k++)
-        __builtin_memcpy(&corner[k], a->vertex[k], sizeof corner[k]);
+    __builtin_memcpy(corner, a->vertex, sizeof corner);
     for (int v = 0; v < qc_clusterSize; v++)
     {
-        EightInts equal = {0};
+        FourInts equal[2] = {{0}, {0}};
         for (int k = 0; k < 3; k++)
         {
-            int32_t vertex = (int32_t)b->vertex[k][v];
-            equal |= (corner[0] == vertex) | (corner[1] == vertex) | (corner[2] == vertex);
+            int32_t one = (int32_t)b->vertex[k][v];
+            FourInts vertex = {one, one, one, one};
+            for (int half = 0; half < 2; half++)
+                equal[half] |= (corner[0][half] == vertex) | (corner[1][half] == vertex) | (corner[2][half] == vertex);
         }
-        const EightInts weights = {1, 2, 4, 8, 16, 32, 64, 128};
-        FourInts halves[2];
-        equal &= weights;
-        __builtin_memcpy(halves, &equal, sizeof halves);
-        FourInts sum = halves[0] | halves[1];
-        common |= (uint64_t)(uint32_t)(sum[0] | sum[1] | sum[2] | sum[3]) << 8 * v;
+        FourInts bits = (equal[0] & (FourInts){1, 2, 4, 8}) | (equal[1] & (FourInts){16, 32, 64, 128});
+        uint64_t halves[2];
+        __builtin_memcpy(halves, &bits, sizeof halves);
+        uint64_t any = halves[0] | halves[1];
+        common |= (uint64_t)(uint8_t)(any | any >> 32) << 8 * v;
     }
     return common;
 }
