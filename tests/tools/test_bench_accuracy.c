@@ -285,7 +285,7 @@ typedef struct Refused
 
 static const Refused s_refused[] = {
     {"", 2, "no BENCHMARK is named"},
-    {"acuracy", 2, "there is no benchmark 'acuracy', only: accuracy, peers, scaling"},
+    {"acuracy", 2, "there is no benchmark 'acuracy', only: accuracy, peers, first"},
     {"--scenes sheets accuracy", 2, "unrecognized option '--scenes'"},
     {"accuracy sheets", 2, "'sheets': options only"},
     {"accuracy --scene sheet", 2, "--scenes: 'sheet' is not one of all, cloth-20k,"},
