@@ -33,6 +33,8 @@ qcExitStatus qcBench_RunThrough(int argumentCount, char** arguments);
 qcExitStatus qcBench_RunStability(int argumentCount, char** arguments);
 /// Piles of meshes beside Bullet's own shapes. Only where Bullet was found.
 qcExitStatus qcBench_RunPiles(int argumentCount, char** arguments);
+/// A mesh that breaks, beside convex hulls. Only where Bullet and CGAL were found (QC_HAS_FRACTURE).
+qcExitStatus qcBench_RunFracture(int argumentCount, char** arguments);
 
 #ifdef __cplusplus
 }

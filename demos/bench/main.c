@@ -29,6 +29,9 @@ static const Benchmark s_benchmarks[] = {
     {"stability", "qc-bench stability", qcBench_RunStability},
     {"piles", "qc-bench piles", qcBench_RunPiles},
 #endif
+#ifdef QC_HAS_FRACTURE
+    {"fracture", "qc-bench fracture", qcBench_RunFracture},
+#endif
 };
 
 enum
@@ -84,7 +87,8 @@ static const char s_help[] =
     "  soft       hard scenes of cloth, tangles and ropes, beside Bullet alone\n"
     "  through    bodies thrown so fast that they could pass each other, beside version 0.2.0\n"
     "  stability  long runs of scenes that come to rest: energy, penetration, contacts, memory\n"
-    "  piles      small meshes that fall on each other, beside btGImpactMeshShape and btConvexHullShape"
+    "  piles      small meshes that fall on each other, beside btGImpactMeshShape and btConvexHullShape\n"
+    "  fracture   a mesh that falls and breaks into hundreds of pieces, beside convex hulls"
     "\v\"qc-bench BENCHMARK --help\" lists the options of one.\n\n"
     "Exit status: 0 done; 1 output could not be written, out of memory, or a method that never misses missed; 2 a "
     "mistake on the command line; 3 a model or recording can't be read; 4 the device does not work here; 5 no peer "

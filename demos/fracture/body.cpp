@@ -99,15 +99,25 @@ qcFractureBody::qcFractureBody(const std::vector<btVector3>& vertices, const std
     shape.setMargin(s_margin);
 }
 
+void qcFractureBody::UseHull()
+{
+    hull.reset(new btConvexHullShape(*shape.getVertices(), int(shape.getVertexCount()), sizeof(btVector3)));
+    hull->optimizeConvexHull();
+    hull->setMargin(s_margin);
+    body.setCollisionShape(hull.get());
+}
+
+btVector3 qcFractureBody::LowestVertex() const
+{
+    btVector3 down = body.getWorldTransform().getBasis()[1];
+    const btVector3* vertices = shape.getVertices();
+    return *std::min_element(vertices, vertices + shape.getVertexCount(),
+                             [&](const btVector3& a, const btVector3& b) { return down.dot(a) < down.dot(b); });
+}
+
 btScalar qcFractureBody::Lowest() const
 {
-    const btTransform& place = body.getWorldTransform();
-    btVector3 down = place.getBasis()[1];
-    const btVector3* vertices = shape.getVertices();
-    btScalar lowest = BT_LARGE_FLOAT;
-    for (uint32_t i = 0; i < shape.getVertexCount(); i++)
-        lowest = std::min(lowest, down.dot(vertices[i]));
-    return lowest + place.getOrigin().y();
+    return (body.getWorldTransform() * LowestVertex()).y();
 }
 
 double qcFractureBody::KineticEnergy() const
@@ -126,7 +136,18 @@ void qcFractureBody::AddMomentum(qcMomentum* sum) const
                     body.getWorldTransform().getOrigin().cross(linear);
 }
 
-qcStatus qcFractureBody::AddTo(qcScene* scene) const
+qcTransform qcFractureBody::Place() const
+{
+    qcTransform transform;
+    const btTransform& place = body.getWorldTransform();
+    for (int i = 0; i < 9; i++)
+        transform.linear[i] = double(place.getBasis()[i / 3][i % 3]);
+    for (int axis = 0; axis < 3; axis++)
+        transform.translation[axis] = double(place.getOrigin()[axis]);
+    return transform;
+}
+
+qcStatus qcFractureBody::AddTo(qcScene* scene, qcBodyId* id) const
 {
     qcBodyDef def = qcDefaultBodyDef();
     def.positions = shape.getVertices();
@@ -136,11 +157,6 @@ qcStatus qcFractureBody::AddTo(qcScene* scene) const
     def.indices = shape.getIndices();
     def.triangleCount = shape.getTriangleCount();
     def.selfCollision = false;
-    const btTransform& place = body.getWorldTransform();
-    for (int i = 0; i < 9; i++)
-        def.transform.linear[i] = double(place.getBasis()[i / 3][i % 3]);
-    for (int axis = 0; axis < 3; axis++)
-        def.transform.translation[axis] = double(place.getOrigin()[axis]);
-    qcBodyId id;
-    return qcScene_AddBody(scene, &def, &id);
+    def.transform = Place();
+    return qcScene_AddBody(scene, &def, id);
 }

@@ -7,6 +7,7 @@
 
 #include <btBulletDynamicsCommon.h>
 
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -38,14 +39,20 @@ ATTRIBUTE_ALIGNED16(struct) qcFractureBody
     qcFractureBody(const std::vector<btVector3>& vertices, const std::vector<uint32_t>& indices,
                    uint32_t firstCutTriangle, btScalar mass, const btTransform& place);
 
+    /// Collides as the convex hull of its vertices from now on.
+    void UseHull();
+    /// In the body's frame.
+    btVector3 LowestVertex() const;
     /// Height of its lowest vertex.
     btScalar Lowest() const;
     double KineticEnergy() const;
     void AddMomentum(qcMomentum * sum) const;
+    qcTransform Place() const; ///< its current transform
     /// Adds the mesh to a scene at its current transform, without self-collision.
-    qcStatus AddTo(qcScene * scene) const;
+    qcStatus AddTo(qcScene * scene, qcBodyId * id) const;
 
     qcMeshShape shape;
+    std::unique_ptr<btConvexHullShape> hull; ///< null: it collides as a mesh
     btRigidBody body;
     uint32_t firstCutTriangle;
     std::vector<uint32_t> cuts; ///< for each triangle from there on, the number of its cut

@@ -43,7 +43,10 @@ bool CountPenetrating(const std::vector<std::unique_ptr<qcFractureBody>>& bodies
     qcScene* scene = nullptr;
     qcStatus status = qcScene_Create(&sceneDef, &scene);
     for (size_t i = 0; i < bodies.size() && status == qc_statusOk; i++)
-        status = bodies[i]->AddTo(scene);
+    {
+        qcBodyId id;
+        status = bodies[i]->AddTo(scene, &id);
+    }
     qcDetectDef def = qcDefaultDetectDef();
     const qcResult* result = nullptr;
     if (status == qc_statusOk)
@@ -153,7 +156,9 @@ int main(int argumentCount, char** arguments)
         {1, "load", "FILE", "The pieces come from a file; then there is nothing to cut", qcOption_Text(&options.load)},
         {1, "pieces", "N", "Voronoi cells, each with a piece or more; %s by default",
          qcOption_Number(&options.request.pieces, 1, 10000)},
-        {1, "seed", "N", "Where the cells are; %s by default", qcOption_Number(&options.request.seed, 0, UINT32_MAX)}};
+        {1, "seed", "N", "Where the cells are; %s by default", qcOption_Number(&options.request.seed, 0, UINT32_MAX)},
+        {1, "precut", nullptr, "The pieces are cut when the mesh is loaded; by default when it breaks",
+         qcOption_Flag(&options.request.precut, true)}};
     qcView_AddOptions(&rows, &options.view);
     qcDevice* device = nullptr;
     int status = qcDemo_Begin(rows, s_help, argumentCount, arguments, &options.common, &device);

@@ -58,6 +58,8 @@ qcFractureWorld::qcFractureWorld(const qcFractureModel& model, const qcFractureR
     whole->body.setWorldTransform(place);
     whole->body.setInterpolationWorldTransform(place);
     whole->body.setAngularVelocity(btVector3(btScalar(0.2), btScalar(0.4), btScalar(0.1)));
+    if (request.precut)
+        Cut(*whole, whole->LowestVertex());
     Add(std::move(whole));
 }
 
@@ -118,44 +120,64 @@ qcMomentum qcFractureWorld::Momentum() const
     return sum;
 }
 
-/// Replaces the body by its pieces.
-bool qcFractureWorld::BreakBody(const btVector3& impact)
+/// Cuts the body, and makes bodies of the pieces. `impact`: in the body's frame.
+void qcFractureWorld::Cut(const qcFractureBody& whole, const btVector3& impact)
 {
     double start = qcStopwatch_NowMs();
-    std::unique_ptr<qcFractureBody> whole = std::move(m_bodies.front());
-    m_break.happened = true;
-    whole->AddMomentum(&m_break.before);
     qcFractureDef def;
     def.vertices = m_model.vertices;
     def.indices = m_model.indices;
-    def.sites = qcScatterSitesInside(whole->shape, m_request.pieces, m_request.seed,
-                                     whole->body.getWorldTransform().invXform(impact));
+    def.sites = qcScatterSitesInside(whole.shape, m_request.pieces, m_request.seed, impact);
     double scattered = qcStopwatch_NowMs();
-    qcFracture fracture = m_request.loaded != nullptr ? *m_request.loaded : qcSplitAndSave(def, m_request.save);
+    m_fracture = m_request.loaded != nullptr ? *m_request.loaded : qcSplitAndSave(def, m_request.save);
     double split = qcStopwatch_NowMs();
-    m_world.removeRigidBody(&whole->body);
-    m_bodies.clear();
-    m_failure = fracture.message;
-    for (const qcPiece& piece : fracture.pieces)
+    m_failure = m_fracture.message;
+    for (const qcPiece& piece : m_fracture.pieces)
     {
-        qcPieceMotion motion = qcMotionOfPiece(whole->body, fracture, piece);
-        auto made = std::make_unique<qcFractureBody>(piece.vertices, piece.indices, piece.firstCutTriangle, motion.mass,
-                                                     motion.transform);
-        made->cuts = qcCutNumbers(piece);
-        made->body.setLinearVelocity(motion.linearVelocity);
-        made->body.setAngularVelocity(motion.angularVelocity);
+        qcPieceMotion motion = qcMotionOfPiece(whole.body, m_fracture, piece);
+        m_pieces.push_back(std::make_unique<qcFractureBody>(piece.vertices, piece.indices, piece.firstCutTriangle,
+                                                            motion.mass, motion.transform));
+        m_pieces.back()->cuts = qcCutNumbers(piece);
+        if (m_request.hulls)
+            m_pieces.back()->UseHull();
         m_break.triangles += piece.indices.size() / 3;
-        Add(std::move(made));
-        // The world has applied the gravity of this step before the piece was added.
-        m_bodies.back()->body.applyGravity();
     }
-    m_break.pieces = m_bodies.size();
-    m_break.lostVolume = fracture.volume > 0 ? btScalar(fracture.lostVolume / fracture.volume) : btScalar(0);
-    m_break.after = Momentum();
+    m_break.lostVolume = m_fracture.volume > 0 ? btScalar(m_fracture.lostVolume / m_fracture.volume) : btScalar(0);
     m_break.sitesMs = scattered - start;
     m_break.splitMs = split - scattered;
     m_break.bodiesMs = qcStopwatch_NowMs() - split;
-    return fracture.status == qc_statusOk;
+}
+
+/// Replaces the body by its pieces.
+bool qcFractureWorld::BreakBody(const btVector3& impact)
+{
+    std::unique_ptr<qcFractureBody> whole = std::move(m_bodies.front());
+    m_break.happened = true;
+    whole->AddMomentum(&m_break.before);
+    if (m_request.precut)
+        m_break.sitesMs = m_break.splitMs = m_break.bodiesMs = 0;
+    else
+        Cut(*whole, whole->body.getWorldTransform().invXform(impact));
+    double start = qcStopwatch_NowMs();
+    m_world.removeRigidBody(&whole->body);
+    m_bodies.clear();
+    for (size_t i = 0; i < m_pieces.size(); i++)
+    {
+        qcPieceMotion motion = qcMotionOfPiece(whole->body, m_fracture, m_fracture.pieces[i]);
+        btRigidBody& body = m_pieces[i]->body;
+        body.setWorldTransform(motion.transform);
+        body.setInterpolationWorldTransform(motion.transform);
+        body.setLinearVelocity(motion.linearVelocity);
+        body.setAngularVelocity(motion.angularVelocity);
+        Add(std::move(m_pieces[i]));
+        // The world has applied the gravity of this step before the piece was added.
+        body.applyGravity();
+    }
+    m_pieces.clear();
+    m_break.pieces = m_bodies.size();
+    m_break.after = Momentum();
+    m_break.bodiesMs += qcStopwatch_NowMs() - start;
+    return m_fracture.status == qc_statusOk;
 }
 
 /// Fills the measures at the end of a step.

@@ -17,6 +17,8 @@ struct qcFractureRequest
     uint32_t threads = 0;
     const char* save = nullptr;         ///< the file that the pieces go to; null: none
     const qcFracture* loaded = nullptr; ///< pieces to break into; null: they are cut. Must outlive the world
+    bool precut = false; ///< pieces and bodies are made with the world, for an impact on the lowest vertex
+    bool hulls = false;  ///< pieces collide as convex hulls, by Bullet alone
 };
 
 /// How the body broke.
@@ -94,6 +96,7 @@ class qcFractureWorld
     };
 
     void Add(std::unique_ptr<qcFractureBody> body);
+    void Cut(const qcFractureBody& whole, const btVector3& impact);
     void NoteContact();
     bool FindImpact(btVector3* place, btScalar* speed) const;
     bool BreakBody(const btVector3& impact);
@@ -111,6 +114,8 @@ class qcFractureWorld
     btStaticPlaneShape m_floorShape;
     btRigidBody m_floor;
     std::vector<std::unique_ptr<qcFractureBody>> m_bodies;
+    qcFracture m_fracture;
+    std::vector<std::unique_ptr<qcFractureBody>> m_pieces; ///< cut, and not yet in the world
     qcBreak m_break;
     std::vector<qcMeshContactStatistics> m_queries; ///< of this step
     uint64_t m_batches = 0;                         ///< total queries at the last NoteContact
