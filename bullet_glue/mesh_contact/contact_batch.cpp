@@ -64,11 +64,12 @@ void qcMeshBatch::ClearStatistics()
     statistics = known;
 }
 
-/// Finds contacts that fast pairs will have within the step.
-void qcMeshBatch::SampleImpacts()
+/// Computes the pairs that planes separate, and passes on the others that are fast.
+void qcMeshBatch::ReadPairs()
 {
-    BT_PROFILE("qcMeshContact look ahead");
-    double start = qcNowMs();
+    BT_PROFILE("qcMeshContact planes");
+    m_axes.BeginStep();
+    m_planes.Begin(m_scene.GetTimeStep());
     m_impacts.Begin(m_scene.GetTimeStep());
     auto moving = [](const btCollisionObject* object, const qcBatchObject& gathered, const qcBatchMesh& mesh)
     {
@@ -82,11 +83,24 @@ void qcMeshBatch::SampleImpacts()
                             gathered.maxContactDistance};
     };
     for (const qcBatchPair& pair : m_validity.GetDue())
-        for (const qcBatchMesh& meshA : pair.gathered0->meshes)
-            for (const qcBatchMesh& meshB : pair.gathered1->meshes)
+    {
+        const qcBatchObject &a = *pair.gathered0, &b = *pair.gathered1;
+        if (m_planes.AddPair(pair.object0, a, pair.object1, b))
+            continue;
+        for (const qcBatchMesh& meshA : a.meshes)
+            for (const qcBatchMesh& meshB : b.meshes)
                 if (meshA.placed && meshB.placed)
-                    m_impacts.AddPair(moving(pair.object0, *pair.gathered0, meshA),
-                                      moving(pair.object1, *pair.gathered1, meshB));
+                    m_impacts.AddPair(moving(pair.object0, a, meshA), moving(pair.object1, b, meshB));
+    }
+    m_planes.End();
+    statistics.planes = m_planes.GetPairCount();
+}
+
+/// Finds contacts that fast pairs will have within the step.
+void qcMeshBatch::SampleImpacts()
+{
+    BT_PROFILE("qcMeshContact look ahead");
+    double start = qcNowMs();
     Note(m_impacts.Sample(m_scene.Get(), DetectDef(m_scene.GetMargin())));
     statistics.moments = m_impacts.GetSampleCount();
     statistics.aheadMs = qcNowMs() - start;
@@ -101,9 +115,10 @@ qcPairContact* qcMeshBatch::FindDue(uint32_t slotA, uint32_t slotB)
     return pair != nullptr && pair->isDue && pair->checked == m_validity.GetNumber() ? pair : nullptr;
 }
 
-bool qcMeshBatch::IsDue(void* context, uint32_t slotA, uint32_t slotB)
+bool qcMeshBatch::NeedsTriangles(void* context, uint32_t slotA, uint32_t slotB)
 {
-    return static_cast<qcMeshBatch*>(context)->FindDue(slotA, slotB) != nullptr;
+    auto* batch = static_cast<qcMeshBatch*>(context);
+    return !batch->m_planes.Has(slotA, slotB) && batch->FindDue(slotA, slotB) != nullptr;
 }
 
 void qcMeshBatch::NumberSlots()
@@ -126,7 +141,7 @@ qcStatus qcMeshBatch::Detect()
     def.candidates = settings.reportsCandidates;
     // The distances of fine meshes take longer than what they save.
     def.proximities = def.spacing == 0;
-    def.pairFilter = IsDue;
+    def.pairFilter = NeedsTriangles;
     def.pairFilterContext = this;
     qcStatus status = qcScene_Detect(m_scene.Get(), &def, &m_result);
     if (status != qc_statusOk)
@@ -159,7 +174,10 @@ void qcMeshBatch::StorePoints(const qcBatchPair& pair, qcPairContact* contact) c
             if (!meshA.placed || !meshB.placed)
                 continue;
             points.clear();
-            qcAppendPoints(*m_result, meshA.id, meshA.sources, meshB.id, meshB.sources, &points);
+            if (m_planes.Has(meshA.id.slot, meshB.id.slot))
+                contact->gap = m_planes.AppendPoints(meshA.id, meshB.id, &points);
+            else
+                qcAppendPoints(*m_result, meshA.id, meshA.sources, meshB.id, meshB.sources, &points);
             size_t found = points.size();
             for (size_t k = 0; k < found; k++)
                 contact->regions += k == 0 || points[k].region != points[k - 1].region;
@@ -222,6 +240,7 @@ void qcMeshBatch::Run()
     Note(m_scene.Gather(m_validity.GetDue()));
     NumberSlots();
     statistics.bodies = m_scene.GetBodyCount();
+    ReadPairs();
     double gathered = qcNowMs();
     // Before the query at the beginning of the step: the scene keeps its last result only.
     SampleImpacts();
@@ -348,6 +367,7 @@ void qcMeshBatch::InvalidateShape(const btCollisionShape* shape)
 {
     std::lock_guard<std::mutex> lock(m_mutex);
     m_scene.InvalidateShape(shape);
+    m_axes.InvalidateShape(shape);
     m_limiter.InvalidateShape(shape);
 }
 

@@ -7,6 +7,7 @@
 #include "mesh_contact/batch_validity.h"
 #include "mesh_contact/impact_sampling.h"
 #include "mesh_contact/motion_limiter.h"
+#include "mesh_contact/plane_pairs.h"
 
 #include <mutex>
 
@@ -25,7 +26,8 @@ class qcMeshBatch : public qcRigidLimits, public qcKnownGaps
 {
   public:
     explicit qcMeshBatch(qcDevice* device)
-        : m_device(device), m_scene(settings), m_validity(m_scene, m_pairs), m_limiter(settings, *this)
+        : m_device(device), m_scene(settings), m_validity(m_scene, m_pairs), m_limiter(settings, *this, m_axes),
+          m_planes(m_axes)
     {
     }
     qcMeshBatch(const qcMeshBatch&) = delete;
@@ -57,10 +59,11 @@ class qcMeshBatch : public qcRigidLimits, public qcKnownGaps
     void Note(qcStatus status);
     void ClearStatistics();
     qcDetectDef DetectDef(btScalar margin) const;
+    void ReadPairs();
     void SampleImpacts();
     qcStatus Detect();
     qcPairContact* FindDue(uint32_t slotA, uint32_t slotB);
-    static bool IsDue(void* context, uint32_t slotA, uint32_t slotB);
+    static bool NeedsTriangles(void* context, uint32_t slotA, uint32_t slotB);
     void NumberSlots();
     void StorePoints(const qcBatchPair& pair, qcPairContact* contact) const;
     void Store();
@@ -73,8 +76,10 @@ class qcMeshBatch : public qcRigidLimits, public qcKnownGaps
     qcPairContacts m_pairs;
     qcBatchValidity m_validity;
     std::vector<uint32_t> m_ownerOfSlot; ///< of the meshes of due pairs
+    qcAxisCache m_axes;
     qcMotionLimiter m_limiter;
     bool m_isLimited = false;           ///< the present step, by LimitFirst
+    qcPlanePairs m_planes;              ///< of the last batch
     qcImpactSampler m_impacts;          ///< of the last batch
     const qcResult* m_result = nullptr; ///< of the last batch; null: none, or it failed
     std::mutex m_mutex;

@@ -3,6 +3,7 @@
 
 #include "common/profiled_detect.h"
 #include "common/stopwatch.h"
+#include "mesh_contact/separating_axis.h"
 
 #include <LinearMath/btQuickprof.h>
 #include <LinearMath/btTransformUtil.h>
@@ -399,6 +400,42 @@ void qcMotionLimiter::SkipProvenPairs()
     m_pairs.erase(std::remove_if(m_pairs.begin(), m_pairs.end(), isProven), m_pairs.end());
 }
 
+/// True if one direction separates two small meshes as a whole at the start and at the end of the step. New objects
+/// that touch, up to rounding, such as the pieces of a cut, become exempt.
+bool qcMotionLimiter::IsSeparated(const qcSweptPair& pair)
+{
+    const qcSweptObject &a = *pair.first, &b = *pair.second;
+    if (a.hull == nullptr || b.hull == nullptr)
+        return false;
+    qcPlacedSupport startA{a.hull, a.start}, startB{b.hull, b.start}, endA{a.hull, a.end}, endB{b.hull, b.end};
+    btScalar error = qcGapError(startA, startB) + qcGapError(endA, endB);
+    auto isProof = [&](const btVector3& axis)
+    { return qcGapAlong(endA, endB, axis) > error && qcGapAlong(startA, startB, axis) > error; };
+    btVector3 kept = m_axes.GetAxis(a.object, a.end, b.object, b.end);
+    if (isProof(kept))
+        return true;
+    qcSeparation atStart = qcFindSeparation(startA, startB, kept, BT_LARGE_FLOAT, 0);
+    if ((a.isNew || b.isNew) && btFabs(atStart.gap) <= error)
+    {
+        m_exempt.insert(std::minmax(a.number, b.number));
+        return true;
+    }
+    if (atStart.gap <= error)
+        return false;
+    if (isProof(atStart.axis))
+        return true;
+    qcSeparation atEnd = qcFindSeparation(endA, endB, atStart.axis, BT_LARGE_FLOAT, 0);
+    btVector3 between = atStart.axis + atEnd.axis;
+    return atEnd.gap > error && (isProof(atEnd.axis) || (!between.fuzzyZero() && isProof(between.normalized())));
+}
+
+void qcMotionLimiter::SkipSeparatedPairs()
+{
+    m_pairs.erase(
+        std::remove_if(m_pairs.begin(), m_pairs.end(), [this](const qcSweptPair& pair) { return IsSeparated(pair); }),
+        m_pairs.end());
+}
+
 /// Leaves out the pairs that are exempt, and those that the last detection did not report and that have not moved
 /// since.
 void qcMotionLimiter::SkipSettledPairs(const std::set<Numbers>& reported)
@@ -423,6 +460,7 @@ qcStatus qcMotionLimiter::Certify()
         SkipProvenPairs();
         if (round > 0)
             SkipSettledPairs(reported);
+        SkipSeparatedPairs();
         if (m_pairs.empty())
             return qc_statusOk;
         const qcResult* result = nullptr;

@@ -4,6 +4,7 @@
 #ifndef QC_GLUE_MESH_CONTACT_MOTION_LIMITER_H
 #define QC_GLUE_MESH_CONTACT_MOTION_LIMITER_H
 
+#include "mesh_contact/axis_cache.h"
 #include "mesh_contact/motion_islands.h"
 #include "mesh_contact/motion_planes.h"
 
@@ -30,8 +31,8 @@ class qcKnownGaps
 class qcMotionLimiter
 {
   public:
-    qcMotionLimiter(const qcBatchSettings& settings, const qcKnownGaps& gaps)
-        : m_settings(settings), m_gaps(gaps), m_objects(settings)
+    qcMotionLimiter(const qcBatchSettings& settings, const qcKnownGaps& gaps, qcAxisCache& axes)
+        : m_settings(settings), m_gaps(gaps), m_axes(axes), m_objects(settings, axes)
     {
     }
     ~qcMotionLimiter();
@@ -89,6 +90,8 @@ class qcMotionLimiter
     std::map<Numbers, Block> FindBlocks(const qcResult& result) const;
     void Cut(const qcResult& result, int round);
     void SkipProvenPairs();
+    bool IsSeparated(const qcSweptPair& pair);
+    void SkipSeparatedPairs();
     void SkipSettledPairs(const std::set<Numbers>& reported);
     qcStatus Certify();
     void Commit(qcSweptObject* swept, btScalar timeStep) const;
@@ -99,6 +102,7 @@ class qcMotionLimiter
 
     const qcBatchSettings& m_settings;
     const qcKnownGaps& m_gaps;
+    qcAxisCache& m_axes;
     qcSweptObjects m_objects;
     qcMotionIslands m_islands;
     qcScene* m_scene = nullptr;

@@ -12,16 +12,16 @@
 
 namespace
 {
-/// True if contact of a mesh in the shape with any other mesh is computed here.
-bool IsOurs(const btCollisionShape* shape, bool gimpact)
+/// Finds what of an object's shape consists of triangles.
+void ReadShape(qcSweptObject* swept, bool gimpact)
 {
-    bool isOurs = false;
-    qcForEachSimpleShape(shape, btTransform::getIdentity(),
-                         [&](const btCollisionShape* simple, const btTransform&) {
-                             isOurs =
-                                 isOurs || qcAsMeshShape(simple) != nullptr || (gimpact && qcIsGImpactMesh(simple));
-                         });
-    return isOurs;
+    swept->hasMesh = swept->isOurs = false;
+    auto read = [swept, gimpact](const btCollisionShape* simple, const btTransform&)
+    {
+        swept->hasMesh = swept->hasMesh || qcIsMesh(simple);
+        swept->isOurs = swept->isOurs || qcAsMeshShape(simple) != nullptr || (gimpact && qcIsGImpactMesh(simple));
+    };
+    qcForEachSimpleShape(swept->object->getCollisionShape(), btTransform::getIdentity(), read);
 }
 
 /// The body, if Bullet moves it.
@@ -124,6 +124,8 @@ bool qcSweptObjects::ReadTargets(qcScene* scene)
         qcSweptObject& swept = *Add(objects[i]);
         swept.step = m_step;
         swept.body = DynamicBody(objects[i]);
+        ReadShape(&swept, m_settings.gimpact);
+        swept.hull = m_axes.FindMesh(objects[i]);
         swept.target = swept.end = objects[i]->getWorldTransform();
         swept.carried = swept.start;
         swept.isPushed = false;
@@ -165,8 +167,7 @@ bool qcSweptObjects::ReadMotions(btScalar timeStep, qcScene* scene)
 bool qcSweptObjects::Collide(const qcSweptObject& a, const qcSweptObject& b) const
 {
     btCollisionWorld* world = m_settings.world;
-    if ((a.body == nullptr && b.body == nullptr) || !(IsOurs(a.object->getCollisionShape(), m_settings.gimpact) ||
-                                                      IsOurs(b.object->getCollisionShape(), m_settings.gimpact)))
+    if ((a.body == nullptr && b.body == nullptr) || !a.hasMesh || !b.hasMesh || !(a.isOurs || b.isOurs))
         return false;
     btBroadphaseProxy *proxyA = a.object->getBroadphaseHandle(), *proxyB = b.object->getBroadphaseHandle();
     if (proxyA == nullptr || proxyB == nullptr)
@@ -207,7 +208,10 @@ void qcSweptObjects::FindPairs(std::vector<qcSweptPair>* pairs)
 void qcSweptObjects::RecordEnds()
 {
     for (qcSweptObject* swept : m_sorted)
+    {
         swept->next = swept->object->getWorldTransform();
+        swept->isNew = false;
+    }
 }
 
 qcSweptObject* qcSweptObjects::Find(const btCollisionObject* object) const

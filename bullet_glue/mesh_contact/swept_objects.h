@@ -2,6 +2,7 @@
 #ifndef QC_GLUE_MESH_CONTACT_SWEPT_OBJECTS_H
 #define QC_GLUE_MESH_CONTACT_SWEPT_OBJECTS_H
 
+#include "mesh_contact/axis_cache.h"
 #include "mesh_contact/batch_scene.h"
 
 #include <BulletDynamics/Dynamics/btRigidBody.h>
@@ -21,22 +22,26 @@ struct qcSweptMesh
 struct qcSweptObject
 {
     btCollisionObject* object = nullptr;
-    btRigidBody* body = nullptr; ///< null: the application alone moves the object, and its motion is not cut
-    uint32_t number = 0;         ///< in the order in which objects entered the world
-    uint32_t index = 0;          ///< in the present list of objects
-    unsigned step = 0;           ///< the last update that found the object in the world
-    bool moves = false;          ///< its end is not its start
-    btTransform start, target;   ///< before and after the step; the target is Bullet's, or where planes have pushed it
-    btTransform carried;         ///< the start, moved by the common motion of its island
-    btTransform end;             ///< after the step, as the limiter has it so far
-    btTransform tested;          ///< the end at the last detection of this step
-    btTransform next;            ///< where the next step starts
-    bool isPushed = false;       ///< planes have moved the end
-    btScalar fraction = 1;       ///< of the motion from `carried` to the target that the object makes
-    btVector3 motion{0, 0, 0};   ///< of the origin in the previous step, for objects that Bullet does not move
-    btScalar lost = 0;           ///< part of its own motion that the object has not made in this step
-    bool isLimited = false;      ///< it does not end this step where Bullet had moved it
-    btVector3 lower, upper;      ///< box around the meshes at start and end
+    btRigidBody* body = nullptr;         ///< null: the application alone moves the object, and its motion is not cut
+    uint32_t number = 0;                 ///< in the order in which objects entered the world
+    uint32_t index = 0;                  ///< in the present list of objects
+    unsigned step = 0;                   ///< the last update that found the object in the world
+    bool hasMesh = false;                ///< one of its shapes consists of triangles; planes do not
+    bool isOurs = false;                 ///< contact of one of its meshes with any other mesh is computed here
+    const qcSupportMesh* hull = nullptr; ///< its mesh, if it consists of one small mesh
+    bool isNew = true;                   ///< in its first step
+    bool moves = false;                  ///< its end is not its start
+    btTransform start, target; ///< before and after the step; the target is Bullet's, or where planes have pushed it
+    btTransform carried;       ///< the start, moved by the common motion of its island
+    btTransform end;           ///< after the step, as the limiter has it so far
+    btTransform tested;        ///< the end at the last detection of this step
+    btTransform next;          ///< where the next step starts
+    bool isPushed = false;     ///< planes have moved the end
+    btScalar fraction = 1;     ///< of the motion from `carried` to the target that the object makes
+    btVector3 motion{0, 0, 0}; ///< of the origin in the previous step, for objects that Bullet does not move
+    btScalar lost = 0;         ///< part of its own motion that the object has not made in this step
+    bool isLimited = false;    ///< it does not end this step where Bullet had moved it
+    btVector3 lower, upper;    ///< box around the meshes at start and end
     std::vector<qcSweptMesh> meshes; ///< empty until the object is near another one
 
     /// The transform after this part of the motion; `carried` and target exactly for 0 and 1.
@@ -50,7 +55,7 @@ using qcSweptPair = std::pair<qcSweptObject*, qcSweptObject*>; ///< the lower nu
 class qcSweptObjects
 {
   public:
-    explicit qcSweptObjects(const qcBatchSettings& settings) : m_settings(settings)
+    qcSweptObjects(const qcBatchSettings& settings, qcAxisCache& axes) : m_settings(settings), m_axes(axes)
     {
     }
 
@@ -83,6 +88,7 @@ class qcSweptObjects
     bool Collide(const qcSweptObject& a, const qcSweptObject& b) const;
 
     const qcBatchSettings& m_settings;
+    qcAxisCache& m_axes;
     std::unordered_map<qcObjectKey, std::unique_ptr<qcSweptObject>, qcObjectKeyHash> m_objects;
     std::vector<qcSweptObject*> m_sorted;
     std::vector<qcSweptObject*> m_byLower; ///< along the first axis

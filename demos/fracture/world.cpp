@@ -47,8 +47,11 @@ qcFractureWorld::qcFractureWorld(const qcFractureModel& model, const qcFractureR
     // With ten layers of pieces, the impulses of the upper ones don't reach the lowest in Bullet's 10 iterations: the
     // deepest penetrate by 13 to 24 mm in most steps. With 50 iterations it is 3 to 5 mm, and a step takes no longer.
     m_world.getSolverInfo().m_numIterations = 50;
-    // Penetration of any depth is resolved without adding speed.
+    // Penetration of any depth is resolved without adding speed, most of it in one step, and contacts in another order in
+    // each iteration: the deepest of five runs penetrate by 0 to 6 mm, and by 3 to 30 mm without the last two.
     m_world.getSolverInfo().m_splitImpulsePenetrationThreshold = 0;
+    m_world.getSolverInfo().m_erp2 = btScalar(0.8);
+    m_world.getSolverInfo().m_solverMode |= SOLVER_RANDMIZE_ORDER;
     m_world.addRigidBody(&m_floor);
     // The body lands on an edge.
     btTransform place(btMatrix3x3(btQuaternion(btVector3(0, 0, 1), btScalar(0.35))) * model.upright);

@@ -156,6 +156,7 @@ struct qcMeshContactStatistics
     qcMethod method = qc_methodSweep;
     const char* device = "none";    ///< name of the device that was used; "none" if the CPU answered alone
     const char* fallback = nullptr; ///< why another method than the requested one ran, or null
+    int planes = 0;                 ///< pairs of small meshes, near and far, whose contact is found by a plane between
     int moments = 0;                ///< times within the step at which fast bodies were sampled
     int limited = 0;                ///< bodies that the limits of the last step have moved
     int unproven = 0;               ///< pairs of objects that could not be kept apart in the last step

@@ -71,6 +71,7 @@ demos/bench/soft            demos/bench demos/bench/scenes demos/common/... demo
 demos/bench/through         demos/bench demos/bench/scenes demos/common/... demos/common
 demos/bench/piles           demos/bench demos/bench/through demos/common/... demos/common
 demos/bench/stability       demos/bench demos/bench/soft demos/bench/through demos/cloth demos/fracture demos/breaking demos/leaves demos/common/... demos/common
+demos/bench/fracture        demos/bench demos/fracture demos/common/... demos/common
 
 tests/support
 tests/base                  tests/support plugin/base

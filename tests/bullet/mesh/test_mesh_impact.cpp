@@ -33,16 +33,18 @@ void CheckFall(qcFloor floor, bool compound, btScalar turn)
                                       btTransform(btQuaternion(btVector3(0, 1, 0), turn),
                                                   btVector3(btScalar(0.1), btScalar(0.62 + 0.013 * i), btScalar(0.2))));
         cube->setLinearVelocity(btVector3(0, -s_speed, 0));
-        int moments = 0;
+        int moments = 0, planes = 0;
         for (int step = 0; step < 20; step++)
         {
             world.Step();
             moments = std::max(moments, world.contact.getStatistics().moments);
+            planes = std::max(planes, world.contact.getStatistics().planes);
             // The velocity at the beginning of the step lacks only the step's gravity.
             ck_assert_double_gt(double(HeightOf(cube)), double(rest) - 2e-3);
         }
         ck_assert_double_lt(double(HeightOf(cube)), double(rest) + 0.02);
-        ck_assert_int_ge(moments, 2);
+        // Meshes in compounds are sampled; a single one, as small as this, has contact on both sides of a plane.
+        ck_assert_int_ge(compound ? moments : planes, compound ? 2 : 1);
         // At rest.
         ck_assert_int_eq(world.contact.getStatistics().moments, 0);
     }
@@ -146,7 +148,7 @@ START_TEST(a_body_pushed_after_a_query_is_queried_again)
     ck_assert_uint_eq(world.contact.getStatistics().batches, batches); // at rest: no query
     cube->setLinearVelocity(btVector3(0, -20, 0));
     world.Step();
-    ck_assert_int_gt(world.contact.getStatistics().moments, 2);
+    ck_assert_int_gt(world.contact.getStatistics().planes, 0);
     ck_assert_double_gt(double(HeightOf(cube)), double(rest) - 1e-4);
     // Pushed the other way, it is free.
     cube->setLinearVelocity(btVector3(0, 20, 0));

@@ -113,9 +113,9 @@ struct Outcome
     std::vector<btVector3> places;
 };
 
-constexpr int s_binSteps = 720;
+constexpr int s_binSteps = 1200;
 
-/// Five bodies in a bin, after twelve seconds: one that balances on another may tip over late.
+/// Five bodies in a bin, after twenty seconds: one that balances on another may tip over late, here after 12 to 14.
 Outcome RunBin(const qcModel& model, bool gimpact)
 {
     qcMeshWorld world;

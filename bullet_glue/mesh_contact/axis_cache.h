@@ -1,0 +1,49 @@
+// What is kept from step to step to separate pairs of small meshes: the meshes as hulls, and the last axis of each
+// pair.
+#ifndef QC_GLUE_MESH_CONTACT_AXIS_CACHE_H
+#define QC_GLUE_MESH_CONTACT_AXIS_CACHE_H
+
+#include "common/object_key.h"
+#include "mesh_contact/support_mesh.h"
+
+#include <memory>
+#include <unordered_map>
+
+class qcAxisCache
+{
+  public:
+    /// Begins a step. Meshes and axes that have not been used for many steps are removed.
+    void BeginStep();
+    /// The object's mesh; null if it does not consist of one small mesh.
+    const qcSupportMesh* FindMesh(const btCollisionObject* object);
+    /// The kept axis of a pair, from the first object to the second; 0 for a new pair. It turns with the object that
+    /// entered the world first.
+    btVector3 GetAxis(const btCollisionObject* a, const btTransform& atA, const btCollisionObject* b,
+                      const btTransform& atB);
+    void KeepAxis(const btCollisionObject* a, const btTransform& atA, const btCollisionObject* b,
+                  const btTransform& atB, const btVector3& axis);
+    /// Call it after the triangles of a shape have changed.
+    void InvalidateShape(const btCollisionShape* shape);
+
+  private:
+    struct Mesh
+    {
+        std::unique_ptr<qcSupportMesh> mesh; ///< null: it is not small
+        uint64_t revision = 0;
+        unsigned step = 0; ///< the last one that used it
+    };
+
+    struct Axis
+    {
+        btVector3 axis;
+        unsigned step; ///< the last one that used it
+    };
+
+    Axis& AxisOf(const btCollisionObject* a, const btCollisionObject* b);
+
+    std::unordered_map<const btCollisionShape*, Mesh> m_meshes;
+    qcHashTable<uint64_t, Axis> m_axes; ///< by the unique ids of two objects
+    unsigned m_step = 0;
+};
+
+#endif

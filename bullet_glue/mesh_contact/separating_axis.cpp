@@ -1,0 +1,245 @@
+// A direction that separates two small meshes as a whole.
+#include "mesh_contact/separating_axis.h"
+
+#include <algorithm>
+#include <limits>
+
+namespace
+{
+constexpr int s_maxIterations = 24;
+// The search ends when the gap is within this part of the distance, or of the meshes' size.
+constexpr btScalar s_relative = btScalar(1e-3), s_absolute = btScalar(1e-6);
+// A face's normal is tried if its cosine with the axis is more than this.
+constexpr btScalar s_aligned = btScalar(0.9);
+
+/// A vertex of the set of differences of B's and A's points.
+struct Corner
+{
+    btVector3 point;
+    uint32_t a, b;
+};
+
+/// Up to four corners, and the point of their hull next to the origin.
+struct Simplex
+{
+    int count = 0;
+    Corner corners[4];
+    btVector3 nearest;
+
+    bool Has(const Corner& corner) const
+    {
+        return std::any_of(corners, corners + count,
+                           [&](const Corner& mine) { return mine.a == corner.a && mine.b == corner.b; });
+    }
+};
+
+/// The simplex of some corners of another one, if its nearest point is nearer than that of `best`.
+void Take(const Simplex& all, std::initializer_list<int> kept, const btVector3& nearest, Simplex* best)
+{
+    if (best->count > 0 && nearest.length2() >= best->nearest.length2())
+        return;
+    best->count = 0;
+    for (int i : kept)
+        best->corners[best->count++] = all.corners[i];
+    best->nearest = nearest;
+}
+
+void TakeSegment(const Simplex& all, int i, int j, Simplex* best)
+{
+    const btVector3 &a = all.corners[i].point, &b = all.corners[j].point;
+    btVector3 along = b - a;
+    btScalar length2 = along.length2(), t = -a.dot(along);
+    if (t <= 0)
+        Take(all, {i}, a, best);
+    else if (t >= length2)
+        Take(all, {j}, b, best);
+    else
+        Take(all, {i, j}, a + along * (t / length2), best);
+}
+
+void TakeTriangle(const Simplex& all, int i, int j, int k, Simplex* best)
+{
+    const btVector3 &a = all.corners[i].point, &b = all.corners[j].point, &c = all.corners[k].point;
+    btVector3 normal = (b - a).cross(c - a);
+    btScalar size2 = normal.length2();
+    bool inside =
+        size2 > 0 && a.cross(b).dot(normal) >= 0 && b.cross(c).dot(normal) >= 0 && c.cross(a).dot(normal) >= 0;
+    if (inside)
+        Take(all, {i, j, k}, normal * (a.dot(normal) / size2), best);
+    else
+    {
+        TakeSegment(all, i, j, best);
+        TakeSegment(all, j, k, best);
+        TakeSegment(all, k, i, best);
+    }
+}
+
+/// True if the origin is inside of the tetrahedron: on the inner side of each face.
+bool IsInside(const Simplex& all)
+{
+    for (int i = 0; i < 4; i++)
+    {
+        const btVector3 &a = all.corners[i].point, &b = all.corners[(i + 1) % 4].point,
+                        &c = all.corners[(i + 2) % 4].point, &d = all.corners[(i + 3) % 4].point;
+        btVector3 normal = (b - a).cross(c - a);
+        if (!(normal.dot(d - a) * -normal.dot(a) > 0))
+            return false;
+    }
+    return true;
+}
+
+/// Reduces the simplex to the corners that its nearest point needs. False: the origin is inside.
+bool Reduce(Simplex* simplex)
+{
+    Simplex best;
+    switch (simplex->count)
+    {
+        case 1: Take(*simplex, {0}, simplex->corners[0].point, &best); break;
+        case 2: TakeSegment(*simplex, 0, 1, &best); break;
+        case 3: TakeTriangle(*simplex, 0, 1, 2, &best); break;
+        default:
+            if (IsInside(*simplex))
+                return false;
+            TakeTriangle(*simplex, 0, 1, 2, &best);
+            TakeTriangle(*simplex, 0, 1, 3, &best);
+            TakeTriangle(*simplex, 0, 2, 3, &best);
+            TakeTriangle(*simplex, 1, 2, 3, &best);
+    }
+    *simplex = best;
+    return true;
+}
+
+/// Weights of a simplex's corners at its nearest point.
+void FindWeights(const Simplex& simplex, btScalar weights[3])
+{
+    const Corner* corners = simplex.corners;
+    weights[0] = 1;
+    weights[1] = weights[2] = 0;
+    if (simplex.count == 2)
+    {
+        btVector3 along = corners[1].point - corners[0].point;
+        weights[1] = (simplex.nearest - corners[0].point).dot(along) / along.length2();
+        weights[0] = 1 - weights[1];
+    }
+    else if (simplex.count == 3)
+    {
+        const btVector3 &p = simplex.nearest, &q = corners[0].point, &r = corners[1].point, &s = corners[2].point;
+        btVector3 normal = (r - q).cross(s - q);
+        weights[1] = (s - p).cross(q - p).dot(normal) / normal.length2();
+        weights[2] = (q - p).cross(r - p).dot(normal) / normal.length2();
+        weights[0] = 1 - weights[1] - weights[2];
+    }
+}
+
+void SetClosest(const qcPlacedSupport& a, const qcPlacedSupport& b, const Simplex& simplex, qcSeparation* separation)
+{
+    if (simplex.count == 0 || simplex.count > 3)
+        return;
+    btScalar weights[3];
+    FindWeights(simplex, weights);
+    separation->cornerCount = simplex.count;
+    separation->onA = separation->onB = btVector3(0, 0, 0);
+    for (int i = 0; i < simplex.count; i++)
+    {
+        separation->cornersA[i] = simplex.corners[i].a;
+        separation->cornersB[i] = simplex.corners[i].b;
+        separation->onA += weights[i] * a.VertexAt(simplex.corners[i].a);
+        separation->onB += weights[i] * b.VertexAt(simplex.corners[i].b);
+    }
+}
+
+/// Iterates to the largest gap. Ends early where the hulls touch or overlap: false.
+bool Iterate(const qcPlacedSupport& a, const qcPlacedSupport& b, btScalar enough, Simplex* simplex,
+             qcSeparation* separation)
+{
+    btScalar tiny = s_absolute * (a.mesh->Radius() + b.mesh->Radius());
+    btVector3 axis = separation->axis;
+    for (int i = 0; i < s_maxIterations; i++)
+    {
+        Corner corner;
+        corner.a = a.mesh->FindMax(a.ToLocal(axis));
+        corner.b = b.mesh->FindMax(b.ToLocal(-axis));
+        corner.point = b.VertexAt(corner.b) - a.VertexAt(corner.a);
+        btScalar gap = corner.point.dot(axis);
+        if (gap > separation->gap)
+        {
+            separation->gap = gap;
+            separation->axis = axis;
+        }
+        if (gap > enough || simplex->Has(corner) ||
+            (simplex->count > 0 && simplex->nearest.length() - gap <= s_relative * gap + tiny))
+            break;
+        simplex->corners[simplex->count++] = corner;
+        if (!Reduce(simplex) || simplex->nearest.length() <= tiny)
+            return false;
+        axis = simplex->nearest.normalized();
+    }
+    SetClosest(a, b, *simplex, separation);
+    return separation->gap > tiny;
+}
+
+/// Takes the normal of a face if its gap is larger than `least`, which becomes that gap. `closest`: corners of which
+/// some are where the meshes are close.
+void TryFaces(const qcPlacedSupport& a, const qcPlacedSupport& b, bool ofA, const Simplex& closest,
+              const btVector3& near, btScalar aligned, btScalar* least, btVector3* best)
+{
+    const qcPlacedSupport &own = ofA ? a : b, &other = ofA ? b : a;
+    btVector3 from = own.transform.getOrigin(), localNear = own.ToLocal(ofA ? near : -near);
+    btVector3 corners[4];
+    for (int i = 0; i < closest.count; i++)
+        corners[i] = own.ToLocal(other.VertexAt(ofA ? closest.corners[i].b : closest.corners[i].a) - from);
+    for (const qcSupportMesh::Face& face : own.mesh->Faces())
+    {
+        bool isLess = face.normal.dot(localNear) < aligned;
+        for (int i = 0; i < closest.count; i++)
+            isLess = isLess || face.normal.dot(corners[i]) - face.max <= *least;
+        if (isLess)
+            continue;
+        btVector3 axis = own.transform.getBasis() * face.normal * btScalar(ofA ? 1 : -1);
+        btScalar gap = qcGapAlong(a, b, axis);
+        if (gap <= *least)
+            continue;
+        *least = gap;
+        *best = axis;
+    }
+}
+} // namespace
+
+btScalar qcGapAlong(const qcPlacedSupport& a, const qcPlacedSupport& b, const btVector3& axis)
+{
+    return axis.dot(b.transform.getOrigin() - a.transform.getOrigin()) - b.mesh->Max(b.ToLocal(-axis)) -
+           a.mesh->Max(a.ToLocal(axis));
+}
+
+btScalar qcGapError(const qcPlacedSupport& a, const qcPlacedSupport& b)
+{
+    btScalar size = a.mesh->Radius() + b.mesh->Radius() + (b.transform.getOrigin() - a.transform.getOrigin()).length();
+    return 32 * std::numeric_limits<btScalar>::epsilon() * size;
+}
+
+qcSeparation qcFindSeparation(const qcPlacedSupport& a, const qcPlacedSupport& b, const btVector3& guess,
+                              btScalar enough, btScalar slack)
+{
+    qcSeparation separation;
+    btVector3 centres = b.transform.getOrigin() - a.transform.getOrigin();
+    separation.axis = guess.fuzzyZero() ? centres : guess;
+    if (separation.axis.fuzzyZero())
+        separation.axis = btVector3(0, 1, 0);
+    separation.axis.normalize();
+    separation.gap = qcGapAlong(a, b, separation.axis);
+    if (separation.gap > enough)
+        return separation;
+    Simplex closest;
+    bool isApart = Iterate(a, b, enough, &closest, &separation);
+    btScalar tiny = s_absolute * (a.mesh->Radius() + b.mesh->Radius());
+    if (separation.gap > enough || (!isApart && separation.gap > -tiny))
+        return separation;
+    btScalar least = isApart ? separation.gap - slack : separation.gap;
+    btVector3 best = separation.axis, near = isApart ? separation.axis : centres;
+    for (bool ofA : {true, false})
+        TryFaces(a, b, ofA, closest, near, isApart ? s_aligned : btScalar(0), &least, &best);
+    if (!isApart || best != separation.axis)
+        separation.gap = least;
+    separation.axis = best;
+    return separation;
+}

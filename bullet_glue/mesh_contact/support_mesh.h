@@ -1,0 +1,113 @@
+// Small meshes as their convex hulls: extreme vertices along a direction, and the directions of their faces.
+#ifndef QC_GLUE_MESH_CONTACT_SUPPORT_MESH_H
+#define QC_GLUE_MESH_CONTACT_SUPPORT_MESH_H
+
+#include "common/shape_triangles.h"
+
+/// A mesh in its own frame. Refers to the shape, as qcMeshTriangles does.
+class qcSupportMesh
+{
+  public:
+    /// O(triangles * faces).
+    explicit qcSupportMesh(const btCollisionShape* shape);
+
+    /// The mesh has few enough triangles that searching all of its vertices is quicker than any tree.
+    static bool IsSmall(size_t triangleCount);
+
+    /// The largest product of a vertex with the direction. O(vertices).
+    btScalar Max(const btVector3& direction) const;
+    /// A vertex with that product. O(vertices).
+    uint32_t FindMax(const btVector3& direction) const;
+    /// Appends the vertices whose product with the direction is at most `depth` less than the largest. O(vertices).
+    void AppendNear(const btVector3& direction, btScalar depth, std::vector<uint32_t>* vertices) const;
+
+    const qcMeshTriangles& Triangles() const
+    {
+        return m_triangles;
+    }
+    /// Unit normals of the triangles; 0 for degenerate ones.
+    const std::vector<btVector3>& Normals() const
+    {
+        return m_normals;
+    }
+
+    struct Edge
+    {
+        uint32_t from, to;
+        uint32_t triangle; ///< one of its triangles
+    };
+    /// Each edge once, but those within flat faces.
+    const std::vector<Edge>& Edges() const
+    {
+        return m_edges;
+    }
+
+    /// Numbers by vertex.
+    struct Lists
+    {
+        std::vector<uint32_t> starts, numbers;
+
+        const uint32_t* begin(uint32_t vertex) const
+        {
+            return numbers.data() + starts[vertex];
+        }
+        const uint32_t* end(uint32_t vertex) const
+        {
+            return numbers.data() + starts[vertex + 1];
+        }
+    };
+    const Lists& TrianglesOf() const
+    {
+        return m_trianglesOf;
+    }
+    const Lists& EdgesOf() const
+    {
+        return m_edgesOf;
+    }
+
+    struct Face
+    {
+        btVector3 normal; ///< of length 1
+        btScalar max;     ///< the largest product of a vertex with the normal
+    };
+    /// The largest faces, coplanar triangles together; the largest first.
+    const std::vector<Face>& Faces() const
+    {
+        return m_faces;
+    }
+    /// Upper bound of the vertices' distance from the origin.
+    btScalar Radius() const
+    {
+        return m_radius;
+    }
+
+  private:
+    void FindFaces();
+    void FindEdges();
+
+    qcMeshTriangles m_triangles;
+    std::vector<btScalar> m_x, m_y, m_z; ///< of the vertices; padded with copies of the last one
+    std::vector<btVector3> m_normals;
+    std::vector<Face> m_faces;
+    std::vector<Edge> m_edges;
+    Lists m_trianglesOf, m_edgesOf;
+    btScalar m_radius = 0;
+};
+
+/// A mesh in world space.
+struct qcPlacedSupport
+{
+    const qcSupportMesh* mesh;
+    btTransform transform;
+
+    btVector3 ToLocal(const btVector3& direction) const
+    {
+        return direction * transform.getBasis();
+    }
+    btVector3 VertexAt(uint32_t index) const
+    {
+        return transform * mesh->Triangles().points[index];
+    }
+};
+
+#endif

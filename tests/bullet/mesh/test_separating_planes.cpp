@@ -1,0 +1,222 @@
+// Planes between two small meshes, and contact points on both sides of them, beside exact distances of triangles.
+#include "bullet/mesh/mesh_models.h"
+#include "mesh_contact/plane_contact.h"
+#include "support/suite.h"
+
+#include <check.h>
+
+#include <random>
+
+namespace
+{
+constexpr int s_runs = 300;
+
+struct Placed
+{
+    std::unique_ptr<qcMeshShape> shape;
+    std::unique_ptr<qcSupportMesh> mesh;
+    qcPlacedSupport at;
+
+    Placed(const qcModel& model, const btTransform& transform)
+        : shape(model.MakeShape()), mesh(new qcSupportMesh(shape.get())), at{mesh.get(), transform}
+    {
+    }
+
+    void Corners(uint32_t triangle, double corners[9]) const
+    {
+        for (uint32_t c = 0; c < 3; c++)
+        {
+            btVector3 p = at.VertexAt(shape->getIndices()[3 * triangle + c]);
+            for (int axis = 0; axis < 3; axis++)
+                corners[3 * c + uint32_t(axis)] = double(p[axis]);
+        }
+    }
+};
+
+/// The distance of two meshes by all pairs of triangles; 0: they intersect.
+double DistanceOf(const Placed& a, const Placed& b)
+{
+    double least = 1e30;
+    for (uint32_t i = 0; i < a.shape->getTriangleCount(); i++)
+        for (uint32_t j = 0; j < b.shape->getTriangleCount(); j++)
+        {
+            double p[9], q[9];
+            qcProximity proximity;
+            a.Corners(i, p);
+            b.Corners(j, q);
+            if (qcTrianglesWithin(p, q, least, &proximity))
+                least = std::min(least, proximity.distance);
+        }
+    return least;
+}
+
+/// The distance of a point from a mesh.
+double DistanceFrom(const Placed& mesh, const btVector3& point)
+{
+    double least = 1e30;
+    for (uint32_t i = 0; i < mesh.shape->getTriangleCount(); i++)
+    {
+        double p[9], q[9];
+        qcProximity proximity;
+        mesh.Corners(i, p);
+        for (int k = 0; k < 9; k++)
+            q[k] = double(point[k % 3]);
+        if (qcTrianglesWithin(p, q, least, &proximity))
+            least = proximity.distance;
+    }
+    return least;
+}
+
+std::mt19937 s_random(7);
+
+btScalar Random(btScalar low, btScalar high)
+{
+    return std::uniform_real_distribution<btScalar>(low, high)(s_random);
+}
+
+btTransform RandomPlace(btScalar extent)
+{
+    btQuaternion turn(Random(-1, 1), Random(-1, 1), Random(-1, 1), Random(-1, 1));
+    return btTransform(turn.normalized(),
+                       btVector3(Random(-extent, extent), Random(-extent, extent), Random(-extent, extent)));
+}
+
+qcModel Box(btScalar x, btScalar y, btScalar z)
+{
+    return qcBoxModel(btVector3(x, y, z), 1);
+}
+
+START_TEST(the_gap_of_convex_meshes_is_their_distance)
+{
+    int apart = 0;
+    for (int run = 0; run < s_runs; run++)
+    {
+        Placed a(Box(Random(btScalar(0.1), 1), Random(btScalar(0.1), 1), Random(btScalar(0.1), 1)), RandomPlace(1));
+        Placed b(Box(btScalar(0.5), btScalar(0.5), btScalar(0.5)), RandomPlace(2));
+        double distance = DistanceOf(a, b);
+        qcSeparation found = qcFindSeparation(a.at, b.at, btVector3(0, 0, 0), BT_LARGE_FLOAT, 0);
+        if (distance > 1e-3)
+        {
+            apart++;
+            ck_assert_double_eq_tol(double(found.gap), distance, 1.1e-3 * distance + 1e-5);
+        }
+        else if (distance == 0)
+            ck_assert_double_lt(double(found.gap), 1e-5);
+    }
+    ck_assert_int_gt(apart, s_runs / 4);
+}
+END_TEST
+
+START_TEST(no_axis_has_a_gap_beyond_the_distance)
+{
+    int apart = 0;
+    for (int run = 0; run < s_runs / 10; run++)
+    {
+        Placed a(qcTorusModel(btScalar(0.5), btScalar(0.2), 8, 6), RandomPlace(btScalar(0.8)));
+        Placed b(qcTorusModel(btScalar(0.5), btScalar(0.2), 8, 6), RandomPlace(btScalar(0.8)));
+        double distance = DistanceOf(a, b), error = double(qcGapError(a.at, b.at));
+        btVector3 axis = RandomPlace(1).getBasis()[0];
+        ck_assert_double_le(double(qcGapAlong(a.at, b.at, axis)), distance + error);
+        qcSeparation found = qcFindSeparation(a.at, b.at, axis, BT_LARGE_FLOAT, 0);
+        ck_assert_double_le(double(found.gap), distance + error);
+        apart += double(found.gap) > error;
+    }
+    ck_assert_int_gt(apart, 3);
+}
+END_TEST
+
+START_TEST(points_of_cubes_on_each_other_are_the_corners_of_the_common_area)
+{
+    Placed a(Box(btScalar(0.5), btScalar(0.5), btScalar(0.5)), btTransform::getIdentity());
+    Placed b(Box(btScalar(0.5), btScalar(0.5), btScalar(0.5)),
+             btTransform(btQuaternion::getIdentity(), btVector3(btScalar(0.3), btScalar(1.003), btScalar(0.2))));
+    qcSeparation found = qcFindSeparation(a.at, b.at, btVector3(0, 0, 0), BT_LARGE_FLOAT, btScalar(1e-4));
+    ck_assert_double_eq_tol(double(found.axis.y()), 1, 1e-5);
+    std::vector<qcMeshPoint> points;
+    qcPlaneContact contact;
+    ck_assert(contact.Find(a.at, b.at, found, btScalar(0.01), true, &points));
+    bool corners[2][2] = {};
+    for (const qcMeshPoint& point : points)
+    {
+        ck_assert_double_eq_tol(double(point.distance), 0.003, 1e-5);
+        ck_assert_double_eq_tol(double(point.normal.y()), -1, 1e-5);
+        ck_assert_double_eq_tol(double(point.onA.y()), 0.5, 1e-5);
+        for (int x : {0, 1})
+            for (int z : {0, 1})
+                if (btFabs(point.onA.x() - btScalar(x == 0 ? -0.2 : 0.5)) < btScalar(1e-4) &&
+                    btFabs(point.onA.z() - btScalar(z == 0 ? -0.3 : 0.5)) < btScalar(1e-4))
+                    corners[x][z] = true;
+    }
+    ck_assert(corners[0][0] && corners[0][1] && corners[1][0] && corners[1][1]);
+    // Too far apart.
+    points.clear();
+    ck_assert(!contact.Find(a.at, b.at, found, btScalar(0.002), false, &points));
+    ck_assert(points.empty());
+}
+END_TEST
+
+START_TEST(points_lie_on_both_meshes_and_one_is_where_they_are_nearest)
+{
+    int found = 0, unknown = 0;
+    qcPlaneContact contact;
+    for (int run = 0; run < s_runs; run++)
+    {
+        Placed a(Box(btScalar(0.5), btScalar(0.5), btScalar(0.5)), RandomPlace(btScalar(0.1)));
+        Placed b(Box(Random(btScalar(0.1), 1), Random(btScalar(0.1), 1), Random(btScalar(0.1), 1)), RandomPlace(2));
+        double distance = DistanceOf(a, b);
+        qcSeparation separation = qcFindSeparation(a.at, b.at, btVector3(0, 0, 0), BT_LARGE_FLOAT, 0);
+        if (distance < 1e-3)
+            continue;
+        std::vector<qcMeshPoint> points;
+        // The closest points may lie on two triangles of one face: not known.
+        if (!contact.Find(a.at, b.at, separation, separation.gap + btScalar(0.05), true, &points))
+        {
+            unknown++;
+            continue;
+        }
+        found++;
+        double nearest = 1e30;
+        for (const qcMeshPoint& point : points)
+        {
+            ck_assert_double_lt(DistanceFrom(a, point.onA), 1e-4);
+            ck_assert_double_lt(DistanceFrom(b, point.onB), 1e-4);
+            nearest = std::min(nearest, double(point.distance));
+        }
+        ck_assert_double_eq_tol(nearest, distance, 2e-3 * distance + 1e-4);
+    }
+    ck_assert_int_gt(found, s_runs / 4);
+    ck_assert_int_lt(10 * unknown, found);
+}
+END_TEST
+
+START_TEST(a_body_in_the_mouth_of_another_has_no_points_in_the_air)
+{
+    // A U of three boxes, 1 m wide inside; a small cube in its mouth touches nothing.
+    qcModel u = Box(1, btScalar(0.1), btScalar(0.3));
+    for (int side : {-1, 1})
+    {
+        qcModel wall = Box(btScalar(0.1), btScalar(0.5), btScalar(0.3));
+        wall.Move(
+            btTransform(btQuaternion::getIdentity(), btVector3(btScalar(0.9) * btScalar(side), btScalar(0.6), 0)));
+        uint32_t first = uint32_t(u.positions.size() / 3);
+        u.positions.insert(u.positions.end(), wall.positions.begin(), wall.positions.end());
+        for (uint32_t index : wall.indices)
+            u.indices.push_back(first + index);
+    }
+    Placed a(u, btTransform::getIdentity());
+    Placed b(Box(btScalar(0.1), btScalar(0.1), btScalar(0.1)),
+             btTransform(btQuaternion(btVector3(0, 0, 1), btScalar(0.3)), btVector3(0, btScalar(1.25), 0)));
+    qcSeparation found = qcFindSeparation(a.at, b.at, btVector3(0, 0, 0), BT_LARGE_FLOAT, btScalar(1e-4));
+    ck_assert_double_gt(double(found.gap), 0);
+    std::vector<qcMeshPoint> points;
+    qcPlaneContact contact;
+    ck_assert(!contact.Find(a.at, b.at, found, found.gap + btScalar(0.02), true, &points));
+    ck_assert(points.empty());
+}
+END_TEST
+} // namespace
+
+QC_RUN_TESTS("separating planes", the_gap_of_convex_meshes_is_their_distance, no_axis_has_a_gap_beyond_the_distance,
+             points_of_cubes_on_each_other_are_the_corners_of_the_common_area,
+             points_lie_on_both_meshes_and_one_is_where_they_are_nearest,
+             a_body_in_the_mouth_of_another_has_no_points_in_the_air)
