@@ -19,12 +19,13 @@ Demos:
   through   Bodies thrown at each other so fast that they could pass: a table of penetrating pairs inside each step, beside
             version 0.2.0, and pictures of a thrown cloth, and a film, in out/through/. About ten minutes; --quick: one.
   pairs     Finds the triangles of meshes that intersect: demos/run.sh pairs MESH...
-  bench     Measures: demos/run.sh bench [accuracy] compares the methods, "bench peers" other libraries
-            (which it installs), "bench scaling" sizes, "bench broadphase" the broadphase with Bullet's own, "bench soft"
-            cloth, tangles and ropes with Bullet's, "bench paper" the paper's scenes, tables and figures (on recordings
-            of the demos, made first where they are missing), "bench stability" runs of 10 000 steps, "bench piles"
-            meshes in piles with Bullet's own shapes, "bench queries" rays and sweeps, "bench ablation" the stages of
-            manifolds, "bench gpu" layers on a GL device with sweep. Tables and pictures go to out/bench/.
+  bench     Measures: demos/run.sh bench [accuracy] compares the methods, "bench peers" other libraries (which it
+            installs), "bench first" the first steps of new meshes, "bench scaling" sizes, "bench broadphase" the
+            broadphase with Bullet's own, "bench soft" cloth, tangles and ropes with Bullet's, "bench paper" the paper's
+            scenes, tables and figures (on recordings of the demos, made first where they are missing), "bench
+            stability" runs of 10 000 steps, "bench piles" meshes in piles with Bullet's own shapes, "bench queries" rays
+            and sweeps, "bench fracture" a mesh that breaks with hulls, "bench ablation" the stages of manifolds, "bench
+            gpu" layers on a GL device with sweep. Tables and pictures go to out/bench/.
             demos/gpu.sh runs the GL tests first, and packs all that for a machine with a GPU.
   report    One page with every table, plot, picture and film in out/, out/report/index.html. What is missing is run
             first, in small sizes; "report --all" runs everything afresh.
