@@ -106,13 +106,24 @@ void qcMeshBatch::SampleImpacts()
     statistics.aheadMs = qcNowMs() - start;
 }
 
-/// The pair of two meshes' objects if it is to be queried; null otherwise.
-qcPairContact* qcMeshBatch::FindDue(uint32_t slotA, uint32_t slotB)
+/// The pair of two meshes' objects; null: the batch does not have it.
+qcPairContact* qcMeshBatch::FindPair(uint32_t slotA, uint32_t slotB)
 {
     size_t count = m_ownerOfSlot.size();
     uint32_t a = slotA < count ? m_ownerOfSlot[slotA] : 0, b = slotB < count ? m_ownerOfSlot[slotB] : 0;
-    qcPairContact* pair = a != 0 && b != 0 ? m_pairs.Find(a, b) : nullptr;
+    return a != 0 && b != 0 ? m_pairs.Find(a, b) : nullptr;
+}
+
+/// The pair of two meshes' objects if it is to be queried; null otherwise.
+qcPairContact* qcMeshBatch::FindDue(uint32_t slotA, uint32_t slotB)
+{
+    qcPairContact* pair = FindPair(slotA, slotB);
     return pair != nullptr && pair->isDue && pair->checked == m_validity.GetNumber() ? pair : nullptr;
+}
+
+bool qcMeshBatch::HasPair(void* context, uint32_t slotA, uint32_t slotB)
+{
+    return static_cast<qcMeshBatch*>(context)->FindPair(slotA, slotB) != nullptr;
 }
 
 bool qcMeshBatch::NeedsTriangles(void* context, uint32_t slotA, uint32_t slotB)
@@ -138,7 +149,7 @@ qcStatus qcMeshBatch::Detect()
 {
     BT_PROFILE("qcMeshContact detect");
     qcDetectDef def = DetectDef(m_scene.GetMargin());
-    def.candidates = settings.reportsCandidates;
+    def.candidates = m_reportsCandidates = settings.reportsCandidates;
     // The distances of fine meshes take longer than what they save.
     def.proximities = def.spacing == 0;
     def.pairFilter = NeedsTriangles;
@@ -399,6 +410,16 @@ void qcMeshBatch::LimitAgain(btScalar timeStep, const std::vector<const btCollis
 void qcMeshBatch::Draw(btIDebugDraw* drawer, int modes)
 {
     std::lock_guard<std::mutex> lock(m_mutex);
+    // The triangles of pairs that a plane separates are not queried before they are drawn.
+    if (m_result != nullptr && m_planes.GetPairCount() > 0)
+    {
+        qcDetectDef def = DetectDef(m_scene.GetMargin());
+        def.candidates = m_reportsCandidates;
+        def.pairFilter = HasPair;
+        def.pairFilterContext = this;
+        if (qcScene_Detect(m_scene.Get(), &def, &m_result) != qc_statusOk)
+            m_result = nullptr;
+    }
     if (m_result != nullptr)
         qcDrawCandidates(m_scene, *m_result, modes, drawer);
 }

@@ -62,7 +62,9 @@ class qcMeshBatch : public qcRigidLimits, public qcKnownGaps
     void ReadPairs();
     void SampleImpacts();
     qcStatus Detect();
+    qcPairContact* FindPair(uint32_t slotA, uint32_t slotB);
     qcPairContact* FindDue(uint32_t slotA, uint32_t slotB);
+    static bool HasPair(void* context, uint32_t slotA, uint32_t slotB);
     static bool NeedsTriangles(void* context, uint32_t slotA, uint32_t slotB);
     void NumberSlots();
     void StorePoints(const qcBatchPair& pair, qcPairContact* contact) const;
@@ -82,6 +84,7 @@ class qcMeshBatch : public qcRigidLimits, public qcKnownGaps
     qcPlanePairs m_planes;              ///< of the last batch
     qcImpactSampler m_impacts;          ///< of the last batch
     const qcResult* m_result = nullptr; ///< of the last batch; null: none, or it failed
+    bool m_reportsCandidates = false;   ///< the last batch was to report candidate pairs
     std::mutex m_mutex;
 };
 
