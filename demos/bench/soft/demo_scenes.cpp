@@ -42,7 +42,7 @@ btSoftBody* MakeTorus(qcDemoScene& scene)
 
 btSoftBody* MakeBunny(qcDemoScene& scene)
 {
-    qcModel model = qcMakeModel(4);
+    qcSoftModel model = qcMakeSoftModel(4);
     btSoftBody* body = MakeSoftMesh(scene, model.positions, {model.indices.begin(), model.indices.end()});
     body->m_cfg.kDF = btScalar(0.5);
     return body;

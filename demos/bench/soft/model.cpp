@@ -8,9 +8,9 @@
 
 #include <cstdio>
 
-qcModel qcMakeModel(btScalar size)
+qcSoftModel qcMakeSoftModel(btScalar size)
 {
-    qcModel model;
+    qcSoftModel model;
     qcMesh mesh, coarse;
     qcMessage message;
     if (qcMesh_ReadFile(QC_BUNNY_PATH, qc_meshAsDeclared, &mesh, &message))

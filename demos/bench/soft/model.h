@@ -8,7 +8,7 @@
 #include <vector>
 
 /// Three numbers a point, three indices a triangle.
-struct qcModel
+struct qcSoftModel
 {
     std::vector<btScalar> positions;
     std::vector<uint32_t> indices;
@@ -16,6 +16,6 @@ struct qcModel
 
 /// About 900 triangles, `size` times as large as in its file, where it is about two units high; a torus where the model
 /// is missing.
-qcModel qcMakeModel(btScalar size);
+qcSoftModel qcMakeSoftModel(btScalar size);
 
 #endif

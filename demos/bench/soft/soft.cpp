@@ -60,7 +60,7 @@ class StepTime
 
 void MakePileMesh(qcPileSceneDef* def)
 {
-    qcModel model = qcMakeModel(btScalar(0.5));
+    qcSoftModel model = qcMakeSoftModel(btScalar(0.5));
     def->positions = model.positions;
     def->indices = model.indices;
     // The scene needs the centre of mass at the origin. qcMeshShape::makeRecentered rounds differently in the last bit.
