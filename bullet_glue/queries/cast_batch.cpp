@@ -82,6 +82,16 @@ struct ClosestSweep : btCollisionWorld::ClosestConvexResultCallback
     qcCastHit* m_hit;
 };
 
+/// Copies what rays and sweeps call by the same names.
+template <typename Closest> void CopyClosest(const Closest& closest, qcCastHit* hit)
+{
+    hit->fraction = closest.m_closestHitFraction;
+    if (!closest.hasHit())
+        return;
+    hit->normal = Clean(closest.m_hitNormalWorld);
+    hit->point = Clean(closest.m_hitPointWorld);
+}
+
 qcCastHit CastOne(const btCollisionWorld& world, const qcRay& ray, const qcCastDef& def)
 {
     qcCastHit hit;
@@ -91,12 +101,7 @@ qcCastHit CastOne(const btCollisionWorld& world, const qcRay& ray, const qcCastD
     closest.m_flags = def.rayFlags;
     world.rayTest(ray.from, ray.to, closest);
     hit.object = closest.m_collisionObject;
-    hit.fraction = closest.m_closestHitFraction;
-    if (closest.hasHit())
-    {
-        hit.normal = Clean(closest.m_hitNormalWorld);
-        hit.point = Clean(closest.m_hitPointWorld);
-    }
+    CopyClosest(closest, &hit);
     return hit;
 }
 
@@ -108,12 +113,7 @@ qcCastHit CastOne(const btCollisionWorld& world, const btConvexShape& shape, con
     closest.m_collisionFilterMask = def.mask;
     world.convexSweepTest(&shape, sweep.from, sweep.to, closest, def.allowedPenetration);
     hit.object = closest.m_hitCollisionObject;
-    hit.fraction = closest.m_closestHitFraction;
-    if (closest.hasHit())
-    {
-        hit.normal = Clean(closest.m_hitNormalWorld);
-        hit.point = Clean(closest.m_hitPointWorld);
-    }
+    CopyClosest(closest, &hit);
     return hit;
 }
 

@@ -1,22 +1,14 @@
 // The bodies of the breaking scene in a comparison of all methods.
 #include "breaking/comparison.h"
 
+#include "common/bullet/body_transform.h"
+
 #include "quickcullide/bullet_positions.h"
 
 namespace
 {
 constexpr double s_nearMargin = 0.01; // m
 constexpr uint32_t s_noPiece = UINT32_MAX;
-
-qcTransform TransformOf(const btTransform& place)
-{
-    qcTransform transform;
-    for (int i = 0; i < 9; i++)
-        transform.linear[i] = double(place.getBasis()[i / 3][i % 3]);
-    for (int axis = 0; axis < 3; axis++)
-        transform.translation[axis] = double(place.getOrigin()[axis]);
-    return transform;
-}
 
 qcBodyDef BodyOf(const qcMeshShape& shape, const btTransform& place, qcActivity activity)
 {
@@ -28,7 +20,7 @@ qcBodyDef BodyOf(const qcMeshShape& shape, const btTransform& place, qcActivity 
     def.indices = shape.getIndices();
     def.triangleCount = shape.getTriangleCount();
     def.selfCollision = false;
-    def.transform = TransformOf(place);
+    def.transform = qcBodyTransformOf(place);
     def.activity = activity;
     return def;
 }
@@ -87,7 +79,10 @@ bool qcBreakingComparison::Begin(const char* record)
 bool qcBreakingComparison::Place()
 {
     auto move = [this](qcBodyId id, const btTransform& place)
-    { return m_comparison.SetTransform(id, TransformOf(place)) && m_near.SetTransform(id, TransformOf(place)); };
+    {
+        return m_comparison.SetTransform(id, qcBodyTransformOf(place)) &&
+               m_near.SetTransform(id, qcBodyTransformOf(place));
+    };
     bool done = move(m_bunny, m_world.BunnyPlace());
     for (uint32_t i = 0; i < m_pieces.size() && done; i++)
     {

@@ -1,23 +1,10 @@
 // One body for each bounded surface, in the order of the surfaces.
 #include "view/culling.h"
 
+#include "common/bullet/body_transform.h"
+
 #include <algorithm>
 #include <cstring>
-
-namespace
-{
-qcTransform TransformOf(const btTransform& place)
-{
-    qcTransform transform = qcIdentityTransform();
-    for (int row = 0; row < 3; row++)
-    {
-        for (int column = 0; column < 3; column++)
-            transform.linear[3 * row + column] = double(place.getBasis()[row][column]);
-        transform.translation[row] = double(place.getOrigin()[row]);
-    }
-    return transform;
-}
-} // namespace
 
 qcViewCulling::~qcViewCulling()
 {
@@ -44,7 +31,7 @@ bool qcViewCulling::Add(const qcViewSurface& surface, Body* body, std::string* m
     def.triangleCount = uint32_t(surface.triangles->indices.size() / 3);
     def.deforming = surface.deforming;
     if (!surface.deforming)
-        def.transform = TransformOf(surface.place);
+        def.transform = qcBodyTransformOf(surface.place);
     def.activity = surface.object->isStaticObject() ? qc_activityStatic : qc_activityMoving;
     def.owner = surface.number + 1;
     def.selfCollision = surface.deforming;
@@ -75,7 +62,7 @@ bool qcViewCulling::Sync(const std::vector<qcViewSurface>& surfaces, std::string
         }
         else if (body.id.generation != 0)
         {
-            qcTransform place = TransformOf(surface.place);
+            qcTransform place = qcBodyTransformOf(surface.place);
             if (!Check(qcScene_SetTransform(m_scene, body.id, &place), message))
                 return false;
         }

@@ -1,6 +1,8 @@
 // What a contestant's steps measured.
 #include "bench/piles/measure.h"
 
+#include "common/bullet/body_transform.h"
+
 #include <algorithm>
 
 namespace
@@ -13,16 +15,6 @@ enum Group : uint32_t
     s_fixed = 1,
     s_moving = 2
 };
-
-qcTransform TransformOf(const btTransform& place)
-{
-    qcTransform transform;
-    for (int i = 0; i < 9; i++)
-        transform.linear[i] = double(place.getBasis()[i / 3][i % 3]);
-    for (int axis = 0; axis < 3; axis++)
-        transform.translation[axis] = double(place.getOrigin()[axis]);
-    return transform;
-}
 
 /// How far the lowest vertex is below the ground.
 double DepthInGround(const qcTriangles& model, const btTransform& place)
@@ -76,7 +68,7 @@ bool qcPilesDepth::Measure(const qcPilesWorld& world, qcPilesFigures* figures)
     for (size_t i = 0; i < m_ids.size() && m_status == qc_statusOk; i++)
     {
         const btTransform& place = world.Bodies()[i]->getWorldTransform();
-        qcTransform transform = TransformOf(place);
+        qcTransform transform = qcBodyTransformOf(place);
         m_status = qcScene_SetTransform(m_scene, m_ids[i], &transform);
         figures->deepest = std::max(figures->deepest, DepthInGround(m_setup.models[m_setup.bodies[i].model], place));
     }

@@ -10,21 +10,12 @@
 #include <unistd.h>
 
 // After the standard headers: check defines a macro named fail.
+#include "support/run_program.h"
 #include "support/suite.h"
 
 namespace
 {
-std::string s_path;
-
-void SetPath()
-{
-    s_path = "/tmp/test_piece_files_" + std::to_string(getpid()) + ".qcp";
-}
-
-void RemoveFile()
-{
-    std::remove(s_path.c_str());
-}
+const std::string s_path = "pieces.qcp";
 
 std::vector<unsigned char> ReadBytes()
 {
@@ -99,7 +90,7 @@ START_TEST(pieces_are_loaded_as_they_were_saved_bit_by_bit)
         std::vector<unsigned char> bytes = ReadBytes();
         ck_assert_int_eq(qcFracture_Save(loaded, s_path.c_str()), qc_statusOk);
         ck_assert(ReadBytes() == bytes);
-        RemoveFile();
+        std::remove(s_path.c_str());
     }
 }
 END_TEST
@@ -146,7 +137,7 @@ START_TEST(a_file_that_ends_early_is_refused_wherever_it_ends)
     ck_assert(RefusedMessage().find("bytes follow its end") != std::string::npos);
     WriteBytes(whole);
     ck_assert_int_eq(qcFracture_Load(s_path.c_str()).status, qc_statusOk);
-    RemoveFile();
+    std::remove(s_path.c_str());
 }
 END_TEST
 
@@ -161,7 +152,7 @@ START_TEST(a_file_with_any_byte_changed_is_refused)
             RefusedMessage();
             bytes[i] ^= flip;
         }
-    RemoveFile();
+    std::remove(s_path.c_str());
 }
 END_TEST
 
@@ -227,7 +218,7 @@ START_TEST(contents_are_checked_although_their_hashes_are_right)
             ck_assert(bond.pieceA < bond.pieceB && bond.pieceB < fracture.pieces.size());
     }
     ck_assert_int_gt(refused, 200);
-    RemoveFile();
+    std::remove(s_path.c_str());
 }
 END_TEST
 
@@ -251,7 +242,7 @@ START_TEST(messages_name_the_place)
     bytes[3] = 'R'; // a recording
     WriteBytes(bytes);
     CheckRefused("it is no file of pieces");
-    RemoveFile();
+    std::remove(s_path.c_str());
     CheckRefused("it can't be opened: No such file or directory");
 }
 END_TEST
@@ -298,7 +289,7 @@ int main()
                                   pieces_that_were_changed_wrongly_are_not_saved};
     Suite* suite = suite_create("piece_files");
     TCase* testCase = tcase_create("piece_files");
-    tcase_add_checked_fixture(testCase, SetPath, RemoveFile);
+    tcase_add_checked_fixture(testCase, EnterFolder, LeaveFolder);
     tcase_set_timeout(testCase, 300);
     for (const TTest* test : tests)
         tcase_add_test(testCase, test);

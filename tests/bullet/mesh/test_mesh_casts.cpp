@@ -2,9 +2,8 @@
 // triangle.
 #include "quickcullide/bullet.h"
 
-#include "bullet/mesh/mesh_models.h"
+#include "bullet/mesh/soup_model.h"
 #include "bullet/thread_scheduler.h"
-#include "support/soups.h"
 
 #include <BulletCollision/NarrowPhaseCollision/btRaycastCallback.h>
 #include <btBulletCollisionCommon.h>
@@ -144,18 +143,9 @@ qcSweep RandomSweep(qcRandom* random, int i)
     return sweep;
 }
 
-qcModel ModelOf(qcSoup soup)
-{
-    qcModel model;
-    model.positions.assign(soup.positions, soup.positions + 3 * size_t(soup.vertexCount));
-    model.indices.assign(soup.indices, soup.indices + 3 * size_t(soup.triangleCount));
-    qcSoup_Free(&soup);
-    return model;
-}
-
 std::vector<qcModel> Models()
 {
-    return {qcSphereModel(0.5, 3), qcFloorModel(1, 12), ModelOf(qcSoup_MakeDegenerate(4, 300, 0.3, 0.2))};
+    return {qcSphereModel(0.5, 3), qcFloorModel(1, 12), qcModelOf(qcSoup_MakeDegenerate(4, 300, 0.3, 0.2))};
 }
 
 START_TEST(the_closest_hit_of_a_sweep_is_that_of_all_triangles_to_the_bit)

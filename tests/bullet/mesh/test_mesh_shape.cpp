@@ -1,8 +1,7 @@
 // qcMeshShape by itself: Bullet's interface of a shape, compared with brute force, btBvhTriangleMeshShape and formulas.
 #include "quickcullide/bullet.h"
 
-#include "bullet/mesh/mesh_models.h"
-#include "support/soups.h"
+#include "bullet/mesh/soup_model.h"
 
 #include <BulletCollision/NarrowPhaseCollision/btRaycastCallback.h>
 #include <btBulletCollisionCommon.h>
@@ -18,15 +17,6 @@
 
 namespace
 {
-qcModel ModelOf(qcSoup soup)
-{
-    qcModel model;
-    model.positions.assign(soup.positions, soup.positions + 3 * size_t(soup.vertexCount));
-    model.indices.assign(soup.indices, soup.indices + 3 * size_t(soup.triangleCount));
-    qcSoup_Free(&soup);
-    return model;
-}
-
 btVector3 RandomPoint(qcRandom* random, double low, double high)
 {
     double x = qcRandom_Uniform(random, low, high), y = qcRandom_Uniform(random, low, high);
@@ -69,7 +59,7 @@ START_TEST(a_box_query_reports_exactly_the_triangles_whose_boxes_overlap_it)
     qcRandom random = {1};
     for (uint32_t count : counts)
     {
-        qcModel model = ModelOf(qcSoup_MakeDegenerate(count, count, 0.1, 0.2));
+        qcModel model = qcModelOf(qcSoup_MakeDegenerate(count, count, 0.1, 0.2));
         auto shape = model.MakeShape();
         for (int i = 0; i < 40; i++)
         {
@@ -97,7 +87,7 @@ END_TEST
 
 START_TEST(every_triangle_with_a_point_below_a_plane_is_reported)
 {
-    qcModel model = ModelOf(qcSoup_MakeRandom(3, 700, 0.1));
+    qcModel model = qcModelOf(qcSoup_MakeRandom(3, 700, 0.1));
     auto shape = model.MakeShape();
     qcRandom random = {3};
     size_t left = 0;
@@ -185,7 +175,7 @@ START_TEST(rays_hit_what_they_hit_in_bullets_static_mesh)
     size_t hitCount = 0;
     for (int which = 0; which < 2; which++)
     {
-        TwoWorlds worlds(which == 0 ? ModelOf(qcSoup_MakeRandom(5, 2000, 0.3)) : qcSphereModel(0.5, 4), SomePlace());
+        TwoWorlds worlds(which == 0 ? qcModelOf(qcSoup_MakeRandom(5, 2000, 0.3)) : qcSphereModel(0.5, 4), SomePlace());
         qcRandom random = {5};
         for (int i = 0; i < 500; i++)
         {
@@ -288,7 +278,7 @@ END_TEST
 
 START_TEST(the_aabb_contains_every_vertex_and_the_margin)
 {
-    qcModel model = ModelOf(qcSoup_MakeRandom(9, 300, 0.3));
+    qcModel model = qcModelOf(qcSoup_MakeRandom(9, 300, 0.3));
     auto shape = model.MakeShape(btScalar(0.05));
     btVector3 lower, upper, low = model.Corner(0, 0), high = low;
     shape->getAabb(SomePlace(), lower, upper);
