@@ -74,11 +74,19 @@ START_TEST(a_mistake_is_refused_with_a_message_that_names_it)
         {"--rounds 17", 2, "--rounds: '17' is not a whole number in 1..16"},
         {"--out ''", 2, "--out: no folder is named"},
         {"--out file/below", 1, "file/below: Not a directory"},
-        {"--scenes dragon --dragon none.ply", 3, "none.ply"},
-        {"--scenes bunny --bunny file", 3, "file"},
     };
     WriteText("file", "no mesh");
     CheckMistakes(BENCH " first", wrong, sizeof wrong / sizeof wrong[0]);
+}
+END_TEST
+
+START_TEST(a_file_that_is_no_mesh_is_named)
+{
+    WriteText("file", "no mesh");
+    ck_assert_int_eq(Run("%s first --scenes dragon --dragon none.ply --out .", BENCH), 3);
+    ck_assert_ptr_nonnull(strstr(GetErrors(), "none.ply"));
+    ck_assert_int_eq(Run("%s first --scenes bunny --bunny file --out .", BENCH), 3);
+    ck_assert_ptr_nonnull(strstr(GetErrors(), "file"));
 }
 END_TEST
 
@@ -92,6 +100,7 @@ int main(void)
     tcase_add_test(tcase, without_embree_our_own_steps_are_measured);
     tcase_add_test(tcase, a_missing_model_is_skipped);
     tcase_add_test(tcase, a_mistake_is_refused_with_a_message_that_names_it);
+    tcase_add_test(tcase, a_file_that_is_no_mesh_is_named);
     suite_add_tcase(suite, tcase);
     return qcRunSuite(suite);
 }

@@ -53,16 +53,15 @@ static qcExitStatus CheckPairs(const Run* run, qcMessage* message)
 
 static qcExitStatus Measure(Run* run, qcMessage* message)
 {
-    if (!qcPeerModule_Load(qc_peerEmbree, &run->embree, message))
+    // Fails here, not after minutes of work.
+    if (!qcFiles_Check(run->options.out, "first.csv", message) ||
+        !qcPeerModule_Load(qc_peerEmbree, &run->embree, message))
         return qc_exitFailed;
     if (run->embree != NULL)
         printf("peer: %s\n", run->embree->name);
     else
         printf("without Embree: its package %s was not there when this was built\n",
                qcPeerModule_Packages(qc_peerEmbree));
-    // Fails here, not after minutes of work.
-    if (!qcFiles_Check(run->options.out, "first.csv", message))
-        return qc_exitFailed;
     for (int i = 0; i < qc_peerSceneCount; ++i)
     {
         qcExitStatus ending = run->options.scenes[i] ? MeasureScene(run, i, message) : qc_exitDone;
