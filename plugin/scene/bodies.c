@@ -54,15 +54,23 @@ static void EmptyBox(double lower[3], double upper[3])
 }
 
 /// Extends a box by triangles at these positions, from vertex `first` on. Vertices without a triangle are left out:
-/// they would enlarge the box and the image.
+/// they would enlarge the box and the image. They are few: between them lie runs of the others.
 static void IncludeVertices(const qcBody* body, const double* positions, size_t first, size_t count, double lower[3],
                             double upper[3])
 {
-    if (body->used == NULL)
-        qcBounds_Include(positions + 3 * first, count, lower, upper);
-    for (size_t v = first; v < first + count && body->used != NULL; v++)
-        if (body->used[v])
-            Include(positions + 3 * v, lower, upper);
+    const uint8_t* used = body->used;
+    for (size_t v = first, end = first + count; v < end;)
+    {
+        if (used != NULL && !used[v])
+        {
+            v++;
+            continue;
+        }
+        const uint8_t* unused = used != NULL ? memchr(used + v, 0, end - v) : NULL;
+        size_t runEnd = unused != NULL ? (size_t)(unused - used) : end;
+        qcBounds_Include(positions + 3 * v, runEnd - v, lower, upper);
+        v = runEnd;
+    }
 }
 
 /// A box around a transformed box. Each operation is monotone in each operand: the same operations on the matching ends
