@@ -1,5 +1,5 @@
-// The planes of a cluster's eight triangles against the triangles of another cluster, eight at a time and without a
-// gather: corners side by side are cached by cluster. Planes separate most pairs whose boxes overlap. Proof:
+// The planes of the triangles of two clusters against each other's triangles, eight at a time and without a gather:
+// corners side by side are cached by cluster. Planes separate most pairs whose boxes overlap. Proof:
 // plugin/docs/proofs/cluster_planes.md.
 //
 // The source of an instruction set defines before: PlaneFloats (qc_planeLanes of them, 4 or 8), LoadPlanePoints (a
@@ -108,7 +108,7 @@ QC_INLINE PlaneFloats Broadcast(float x)
     return x - (PlaneFloats){0};
 }
 
-/// A bit for each triangle of a that the plane of triangle j of b does not separate.
+/// A bit for each triangle of a that neither its plane nor that of triangle j of b separates from triangle j.
 QC_INLINE uint32_t FindUnseparated(const qcClusterPlanes* a, const qcClusterPlanes* b, uint32_t j)
 {
     PlaneFloats x[3], n[3] = {Broadcast(b->normal[0][j]), Broadcast(b->normal[1][j]), Broadcast(b->normal[2][j])};
@@ -120,6 +120,11 @@ QC_INLINE uint32_t FindUnseparated(const qcClusterPlanes* a, const qcClusterPlan
             x[c] = n[0] * LoadLanes(a->corner[c][0] + at) + n[1] * LoadLanes(a->corner[c][1] + at) +
                    n[2] * LoadLanes(a->corner[c][2] + at);
         apart |= FindApart(x, lower, upper) << at;
+        for (int c = 0; c < 3; c++)
+            x[c] = LoadLanes(a->normal[0] + at) * Broadcast(b->corner[c][0][j]) +
+                   LoadLanes(a->normal[1] + at) * Broadcast(b->corner[c][1][j]) +
+                   LoadLanes(a->normal[2] + at) * Broadcast(b->corner[c][2][j]);
+        apart |= FindApart(x, LoadLanes(a->lower + at), LoadLanes(a->upper + at)) << at;
     }
     return ~apart;
 }
@@ -131,7 +136,7 @@ typedef struct ClusterPair
     uint32_t a, b;
 } ClusterPair;
 
-/// Adds the pairs of triangles that the plane of the second does not separate. The clusters are those of one leaf node
+/// Adds the pairs of triangles that neither's plane separates. The clusters are those of one leaf node
 /// of each side: no two of a side share a cache entry.
 static qcSlotPair* AddUnseparatedPairs(const qcPlaneTest* test, const ClusterPair* clusters, uint32_t count,
                                        qcSlotPair* pairs)

@@ -1,6 +1,6 @@
 // The kernels that transform boxes of one BVH to the lattice of another, and compare them there. Boxes of clusters are
-// transformed as boxes: cheap, but larger than necessary. Boxes of triangles are computed from the corners: between
-// rotated bunnies, half as many pairs of triangles then reach the filter.
+// transformed as boxes: cheap, but larger than necessary if they are rotated. Boxes of rotated triangles are computed
+// from the corners: between rotated bunnies, half as many pairs of triangles then reach the filter.
 //
 // The rounding is in `grow`. If it is infinite, the transform is useless: ends are then infinite or NaN, and both are
 // clamped to the ends of the lattice. Proof: plugin/docs/proofs/bvh_pairs.md.
@@ -9,50 +9,14 @@
 
 #include "kernels/separating_axis.inl.h"
 
-// Eight lanes for every instruction set: the compiler splits them where necessary.
-typedef float EightFloats __attribute__((vector_size(32)));
-typedef int32_t EightInts __attribute__((vector_size(32)));
-typedef int16_t EightShorts __attribute__((vector_size(16)));
-
-QC_INLINE EightFloats SelectEight(EightInts mask, EightFloats yes, EightFloats no)
+/// Each end by itself: one rounding for each operation of the general case.
+QC_INLINE void ScaleBoxes(const qcBox8* boxes, const qcBoxTransform* transform, qcBox8* transformed)
 {
-    return (EightFloats)((mask & (EightInts)yes) | (~mask & (EightInts)no));
-}
-
-/// Clamps to levels, 0 to 65533. NaN becomes 0.
-QC_INLINE EightFloats ClampLower(EightFloats level)
-{
-    const EightFloats zero = {0}, largest = zero + 65533.0f;
-    level = SelectEight(level > zero, level, zero);
-    return SelectEight(level < largest, level, largest);
-}
-
-/// Clamps to levels. NaN becomes 65533.
-QC_INLINE EightFloats ClampUpper(EightFloats level)
-{
-    const EightFloats zero = {0}, largest = zero + 65533.0f;
-    level = SelectEight(level < largest, level, largest);
-    return SelectEight(level > zero, level, zero);
-}
-
-QC_INLINE EightShorts LoadEnds(const int16_t* ends)
-{
-    EightShorts loaded;
-    memcpy(&loaded, ends, sizeof loaded);
-    return loaded;
-}
-
-/// Stores the ends of boxes along an axis. Boxes that are empty in `source` stay empty.
-QC_INLINE void StoreEnds(EightFloats lower, EightFloats upper, const qcBox8* source, int axis, qcBox8* transformed)
-{
-    EightInts ends[2] = {__builtin_convertvector(ClampLower(lower), EightInts) - 32768,
-                         ~(__builtin_convertvector(ClampUpper(upper), EightInts) - 32768)};
-    EightShorts first = LoadEnds(source->ends[0]), empty = first == qc_emptyEnd;
-    for (int k = 0; k < 2; k++)
+    for (int axis = 0; axis < 3; axis++)
     {
-        EightShorts stored = __builtin_convertvector(ends[k], EightShorts);
-        stored = (stored & ~empty) | (first & empty);
-        memcpy(transformed->ends[axis] + k * qc_boxLanes, &stored, sizeof stored);
+        EightFloats lower = LoadEnds(boxes->ends[axis]), end = -LoadEnds(boxes->ends[axis] + qc_boxLanes);
+        float scale = transform->linear[axis][axis], shift = transform->shift[axis], grow = transform->grow[axis];
+        StoreEnds(lower * scale + (shift - grow), end * scale + (shift + grow), boxes, axis, transformed);
     }
 }
 
@@ -60,13 +24,16 @@ QC_INLINE void StoreEnds(EightFloats lower, EightFloats upper, const qcBox8* sou
 static void TransformBoxes(const qcBox8* boxes, const qcBoxTransform* transform, qcBox8* transformed)
 {
     EightFloats centre[3], half[3];
+    if (transform->isDiagonal)
+    {
+        ScaleBoxes(boxes, transform, transformed);
+        return;
+    }
     for (int axis = 0; axis < 3; axis++)
     {
-        // A level is an interval, up to the beginning of the next.
-        EightInts lower = __builtin_convertvector(LoadEnds(boxes->ends[axis]), EightInts),
-                  end = ~__builtin_convertvector(LoadEnds(boxes->ends[axis] + qc_boxLanes), EightInts) + 1;
-        centre[axis] = 0.5f * __builtin_convertvector(lower + end, EightFloats);
-        half[axis] = 0.5f * __builtin_convertvector(end - lower, EightFloats);
+        EightFloats lower = LoadEnds(boxes->ends[axis]), end = -LoadEnds(boxes->ends[axis] + qc_boxLanes);
+        centre[axis] = 0.5f * (lower + end);
+        half[axis] = 0.5f * (end - lower);
     }
     for (int axis = 0; axis < 3; axis++)
     {
@@ -78,49 +45,33 @@ static void TransformBoxes(const qcBox8* boxes, const qcBoxTransform* transform,
     }
 }
 
-/// Corner c of a cluster's triangles in the other lattice, by axis, before the shift.
-typedef struct TransformedCorners
-{
-    float x[3][(int)QC_LANES > (int)qc_boxLanes ? (int)QC_LANES : (int)qc_boxLanes];
-} TransformedCorners;
-
-QC_INLINE TransformedCorners TransformCorners(const qcTransformedBvh* bvh, uint32_t cluster, int c)
-{
-    TransformedCorners transformed;
-    const qcCorners* corners = bvh->triangles.corners + (size_t)cluster * qc_clusterSize;
-    for (int at = 0; at < qc_boxLanes; at += QC_LANES)
-    {
-        uint32_t vertex[QC_LANES];
-        for (int lane = 0; lane < QC_LANES; lane++)
-            vertex[lane] = corners[(at + lane) % qc_clusterSize].vertex[c];
-        Vectors p = LoadPoints(bvh->triangles.points, vertex);
-        for (int axis = 0; axis < 3; axis++)
-        {
-            const float* row = bvh->points.linear[axis];
-            Floats x = p.x * row[0] + p.y * row[1] + p.z * row[2];
-            memcpy(transformed.x[axis] + at, &x, sizeof x);
-        }
-    }
-    return transformed;
-}
-
 static void TransformTriangles(const qcTransformedBvh* bvh, uint32_t cluster, qcBox8* transformed)
 {
     const qcBoxTransform* transform = &bvh->points;
-    TransformedCorners corners[3];
-    for (int c = 0; c < 3; c++)
-        corners[c] = TransformCorners(bvh, cluster, c);
+    const qcCorners* corners = bvh->triangles.corners + (size_t)cluster * qc_clusterSize;
+    float lower[3][qc_boxLanes], upper[3][qc_boxLanes];
+    for (int at = 0; at < qc_boxLanes; at += qc_planeLanes)
+    {
+        PlaneFloats p[3][3];
+        for (int c = 0; c < 3; c++)
+            LoadPlanePoints(bvh->triangles.points, corners + at, c, p[c]);
+        for (int axis = 0; axis < 3; axis++)
+        {
+            const float* row = transform->linear[axis];
+            PlaneFloats x[3];
+            for (int c = 0; c < 3; c++)
+                x[c] = p[c][0] * row[0] + p[c][1] * row[1] + p[c][2] * row[2];
+            float shift = transform->shift[axis], grow = transform->grow[axis];
+            StoreLanes(MinPlane(x[0], MinPlane(x[1], x[2])) + shift - grow, lower[axis] + at);
+            StoreLanes(MaxPlane(x[0], MaxPlane(x[1], x[2])) + shift + grow, upper[axis] + at);
+        }
+    }
     for (int axis = 0; axis < 3; axis++)
     {
-        EightFloats x[3];
-        for (int c = 0; c < 3; c++)
-            memcpy(&x[c], corners[c].x[axis], sizeof x[c]);
-        EightFloats lower = SelectEight(x[0] < x[1], x[0], x[1]), upper = SelectEight(x[0] > x[1], x[0], x[1]);
-        lower = SelectEight(lower < x[2], lower, x[2]);
-        upper = SelectEight(upper > x[2], upper, x[2]);
-        StoreEnds(lower + transform->shift[axis] - transform->grow[axis],
-                  upper + transform->shift[axis] + transform->grow[axis], &bvh->boxes.clusters[cluster], axis,
-                  transformed);
+        EightFloats ends[2];
+        memcpy(&ends[0], lower[axis], sizeof ends[0]);
+        memcpy(&ends[1], upper[axis], sizeof ends[1]);
+        StoreEnds(ends[0], ends[1], &bvh->boxes.clusters[cluster], axis, transformed);
     }
 }
 
@@ -138,7 +89,10 @@ static qcSlotPair* CollectTransformedPairs(const qcBvhBoxes* a, uint32_t nodeA, 
         if (row == 0)
             continue;
         uint32_t clusterB = nodeB * qc_boxLanes + j;
-        TransformTriangles(b, clusterB, &transformed);
+        if (b->levels.isDiagonal)
+            ScaleBoxes(&b->boxes.clusters[clusterB], &b->levels, &transformed);
+        else
+            TransformTriangles(b, clusterB, &transformed);
         for (; row != 0; row &= row - 1)
         {
             uint32_t clusterA = nodeA * qc_boxLanes + (uint32_t)__builtin_ctz(row);

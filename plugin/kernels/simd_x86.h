@@ -118,6 +118,31 @@ static inline void TransformVertex(const qcLatticeTransform* lattice, const doub
     _mm_storeu_si128((__m128i*)row, _mm_xor_si128(ends, _mm_set_epi64x(-1, 0)));
 }
 
+//  ---- kernels/lattice_transform.inl.h -------------------------------------------------------------
+
+typedef __m256 EightFloats;
+
+static inline __m256 LoadEnds(const int16_t* ends)
+{
+    return _mm256_cvtepi32_ps(_mm256_cvtepi16_epi32(_mm_loadu_si128((const __m128i*)ends)));
+}
+
+static inline void StoreEnds(__m256 lower, __m256 upper, const qcBox8* source, int axis, qcBox8* transformed)
+{
+    const __m256 first = _mm256_setzero_ps(), last = _mm256_set1_ps(65533.0f);
+    // NaN gives the second operand.
+    lower = _mm256_min_ps(_mm256_max_ps(lower, first), last);
+    upper = _mm256_max_ps(_mm256_min_ps(upper, last), first);
+    const __m256i offset = _mm256_set1_epi32(32768);
+    __m256i low = _mm256_sub_epi32(_mm256_cvttps_epi32(lower), offset),
+            high = _mm256_sub_epi32(_mm256_set1_epi32(32767), _mm256_cvttps_epi32(upper));
+    __m256i ends = _mm256_permute4x64_epi64(_mm256_packs_epi32(low, high), 0xd8);
+    const __m256i none = _mm256_set1_epi16(qc_emptyEnd);
+    __m256i own = _mm256_broadcastsi128_si256(_mm_loadu_si128((const __m128i*)source->ends[0]));
+    ends = _mm256_blendv_epi8(ends, none, _mm256_cmpeq_epi16(own, none));
+    _mm256_storeu_si256((__m256i*)transformed->ends[axis], ends);
+}
+
 //  ---- kernels/cluster_planes.inl.h ----------------------------------------------------------------
 
 enum

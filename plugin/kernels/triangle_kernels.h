@@ -85,6 +85,7 @@ typedef struct qcDistanceThresholds
 typedef struct qcBoxTransform
 {
     float linear[3][3], shift[3], grow[3];
+    bool isDiagonal; ///< both lattices have the same axes: `linear` is 0 off its diagonal, and positive on it
 } qcBoxTransform;
 
 /// The triangles of a cluster side by side, in the frame of a search, and their planes: a triangle lies apart from
@@ -203,8 +204,8 @@ typedef struct qcTriangleKernels
     /// Bit i + 8 j: box i of a and box j of b overlap.
     uint64_t (*findOverlaps)(const qcBox8* a, const qcBox8* b);
     /// Adds the pairs of triangles of two leaf nodes whose boxes overlap, whose bit is set in `pairMasks` (packed, see
-    /// qcClusters; null: all bits are set), which no exclusion contains, and which the second triangle's plane does not
-    /// separate (`planes` null: not tested). Returns the new end of `pairs`, which has room for qc_maxCollected more.
+    /// qcClusters; null: all bits are set), which no exclusion contains, and which neither triangle's plane separates
+    /// (`planes` null: not tested). Returns the new end of `pairs`, which has room for qc_maxCollected more.
     qcSlotPair* (*collectPairs)(const qcBvhBoxes* a, uint32_t nodeA, const qcBvhBoxes* b, uint32_t nodeB,
                                 const uint64_t* pairMasks, const qcPairExclusion* exclusions, int exclusionCount,
                                 const qcPlaneTest* planes, qcSlotPair* pairs);

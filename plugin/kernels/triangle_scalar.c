@@ -140,6 +140,43 @@ static inline uint64_t FindMotionBoxOverlaps(const qcBox8* const a[2], const qcB
     return overlaps;
 }
 
+//  ---- kernels/lattice_transform.inl.h -------------------------------------------------------------
+
+typedef float EightFloats __attribute__((vector_size(32)));
+typedef int32_t EightInts __attribute__((vector_size(32)));
+
+static inline EightFloats LoadEnds(const int16_t* ends)
+{
+    Shorts loaded;
+    __builtin_memcpy(&loaded, ends, sizeof loaded);
+    return __builtin_convertvector(loaded, EightFloats);
+}
+
+static inline EightFloats SelectEight(EightInts mask, EightFloats yes, EightFloats no)
+{
+    return (EightFloats)((mask & (EightInts)yes) | (~mask & (EightInts)no));
+}
+
+static inline void StoreEnds(EightFloats lower, EightFloats upper, const qcBox8* source, int axis, qcBox8* transformed)
+{
+    const EightFloats zero = {0}, largest = zero + 65533.0f;
+    lower = SelectEight(lower > zero, lower, zero);
+    lower = SelectEight(lower < largest, lower, largest);
+    upper = SelectEight(upper < largest, upper, largest);
+    upper = SelectEight(upper > zero, upper, zero);
+    EightInts ends[2] = {__builtin_convertvector(lower, EightInts) - 32768,
+                         32767 - __builtin_convertvector(upper, EightInts)};
+    Shorts first, empty;
+    __builtin_memcpy(&first, source->ends[0], sizeof first);
+    empty = first == qc_emptyEnd;
+    for (int k = 0; k < 2; k++)
+    {
+        Shorts stored = __builtin_convertvector(ends[k], Shorts);
+        stored = (stored & ~empty) | (first & empty);
+        __builtin_memcpy(transformed->ends[axis] + k * qc_boxLanes, &stored, sizeof stored);
+    }
+}
+
 //  ---- kernels/cluster_planes.inl.h ----------------------------------------------------------------
 
 enum

@@ -188,7 +188,7 @@ START_TEST(planes_of_triangles_without_area_separate_nothing)
     static uint8_t found[qc_side][qc_side];
     double point[3][3] = {{0.5, 0.5, 0.5}, {0.5, 0.5, 0.5}, {0.5, 0.5, 0.5}},
            tiny[3][3] = {{1e-15, 0, 0}, {0, 1e-15, 0}, {0, 0, 1e-15}},
-           far[3][3] = {{1, 1, 1}, {1, 1, 0.5}, {1, 0.5, 1}};
+           far[3][3] = {{1, 1, 1}, {1, 1, 0.5}, {1, 1, 0.75}};
     Begin(&s);
     for (uint32_t i = 0; i < qc_side; i++)
     {

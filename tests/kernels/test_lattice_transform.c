@@ -14,7 +14,7 @@ typedef struct ExactTransform
 /// The transform for the kernels. Its float error is at most eleven roundings of the largest numbers that occur.
 static qcBoxTransform ToBoxTransform(const ExactTransform* map)
 {
-    qcBoxTransform rounded;
+    qcBoxTransform rounded = {.isDiagonal = false};
     for (int axis = 0; axis < 3; axis++)
     {
         long double sum = 0.0L;
@@ -82,6 +82,7 @@ START_TEST(a_transformed_box_contains_the_image_of_the_box_and_is_little_larger)
     {
         ExactTransform map = MakeTrueMap(&random, round % 2 != 0);
         qcBoxTransform rounded = ToBoxTransform(&map);
+        rounded.isDiagonal = round % 4 == 0;
         qcBox8 boxes, transformed;
         MakeBox8(&random, round % 3 == 0 ? 0 : round % 3 == 1 ? 60000 : 30000, round % 5 == 0 ? 33 : 5533, &boxes);
         k->transformBoxes(&boxes, &rounded, &transformed);
@@ -114,7 +115,7 @@ START_TEST(a_transform_too_large_for_floats_gives_boxes_that_overlap_everything)
         for (size_t j = 0; j < LENGTH(large); j++)
             for (int round = 0; round < 20; round++)
             {
-                qcBoxTransform map = {{{0}}, {0}, {INFINITY, INFINITY, INFINITY}};
+                qcBoxTransform map = {.grow = {INFINITY, INFINITY, INFINITY}, .isDiagonal = round % 2 != 0};
                 for (int axis = 0; axis < 3; axis++)
                 {
                     map.linear[axis][axis] = large[i];

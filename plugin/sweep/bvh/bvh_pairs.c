@@ -367,6 +367,7 @@ static void FindTransforms(Search* s)
     if (s->a->fit.isLocal)
         SetNear(&s->thresholds, s->job->near * s->a->fit.lattice.unit[0], r.growth, r.stretch);
     s->thresholds.isTransformed = true;
+    s->transformed.levels.isDiagonal = !isLocal;
     s->transformed.boxes = BoxesOf(s->b, &s->b->fit);
     s->transformed.triangles = s->sides[1];
 }
