@@ -4,8 +4,8 @@
 #include "sweep/bvh/bvh_pairs.h"
 
 #include "base/parallel_for.h"
-#include "base/rigid_transform.h"
 #include "base/status.h"
+#include "sweep/bvh/lattice_map.h"
 
 #include <assert.h>
 #include <math.h>
@@ -43,6 +43,10 @@ typedef struct Search
     const qcTriangleBvh *a, *b;
     uint32_t level;               ///< of its node pairs
     qcTransformedBvh transformed; ///< b in the lattice of a
+    /// b is local: boxes are compared in its lattice too, above leaf nodes. In these that would take as long as it
+    /// saves.
+    bool isTurned;
+    qcBoxTransform reverse; ///< from the lattice of a to that of b, if isTurned
     qcIndexedTriangles sides[2];
     qcDistanceThresholds thresholds;
     bool same;
@@ -210,7 +214,11 @@ static uint64_t FindOverlaps(const Search* s, uint32_t level, NodePair nodes)
     {
         qcBox8 transformed;
         s->job->kernels->transformBoxes(b, &s->transformed.levels, &transformed);
-        return s->job->kernels->findOverlaps(a, &transformed);
+        uint64_t overlaps = s->job->kernels->findOverlaps(a, &transformed);
+        if (!s->isTurned || overlaps == 0)
+            return overlaps;
+        s->job->kernels->transformBoxes(a, &s->reverse, &transformed);
+        return overlaps & s->job->kernels->findOverlaps(&transformed, b);
     }
     uint64_t overlaps = s->job->kernels->findOverlaps(a, b);
     return nodes.a == nodes.b ? overlaps & s_inOrder : overlaps;
@@ -268,15 +276,6 @@ static qcRigidTransform TransformOf(const qcTriangleBvh* bvh, const qcBody* body
     return t;
 }
 
-/// The error of a transform in levels. Floats round each number and each operation by 2^-24 of the operands, at most
-/// eight times; this allows 16 times, and 2^-4 of a level for levels as the kernels compute them.
-static float FindGrowth(double sizes, double error)
-{
-    double grow = 0x1p-20 * sizes + 0x1p-4 + error;
-    // Numbers that are too large for floats, or whose products may overflow, make boxes that overlap everything.
-    return grow < 0x1p80 ? nextafterf((float)grow, INFINITY) : INFINITY;
-}
-
 /// Thresholds of a distance in a's frame. Vectors of the frame are at most `growth` times as long in the world, so
 /// pairs within near / growth are near; vectors of the world are at most `stretch` times as long in the frame, so pairs
 /// farther apart than near * stretch are not.
@@ -295,56 +294,24 @@ qcDistanceThresholds qcTriangleBvh_Thresholds(const qcTriangleBvh* bvh, double q
     return thresholds;
 }
 
-/// The transforms from one BVH's lattice and frame to those of another one, row by row.
-typedef struct LatticeMap
+/// From the lattice of a to that of b, for boxes.
+static void FindReverse(Search* s, const qcRigidTransform* transformA, const qcRigidTransform* transformB)
 {
-    const qcLatticeTransform *to, *from;
-    const qcRelativeTransform* relative;
-    double fromPointError;
-    bool rounds;     ///< false: both BVHs are in world coordinates, which are compared unchanged
-    double query;    ///< boxes and points grow by it, points also where nothing is local
-    bool growsBoxes; ///< world boxes include the margin. Local ones don't
-    qcTransformedBvh* transformed;
-    qcDistanceThresholds* thresholds;
-} LatticeMap;
-
-/// Row i: back to coordinates of the first, then to coordinates of the second, then to its lattice and frame.
-/// Coordinates of points, in units of their frame, are 1 at most. False: the result is too inexact for the filter.
-static bool FindTransformRow(const LatticeMap* map, int i)
-{
-    const qcLatticeTransform *to = map->to, *from = map->from;
-    const qcRelativeTransform* r = map->relative;
-    qcBoxTransform *levels = &map->transformed->levels, *points = &map->transformed->points;
-    const double half = 32768.0;
-    double origin = r->shift[i] - to->origin[i], level = 0.0, levelSizes = 0.0, pointSizes = 0.0, ratios = 0.0;
-    for (int k = 0; k < 3; k++)
-        origin += r->linear[i][k] * from->origin[k];
-    for (int k = 0; k < 3; k++)
-    {
-        double scale = to->scale[i] * r->linear[i][k] / from->scale[k];
-        double pointScale = to->scale[i] * r->linear[i][k] / from->unit[k];
-        double ratio = to->unit[i] * r->linear[i][k] / from->unit[k];
-        levels->linear[i][k] = (float)scale;
-        points->linear[i][k] = (float)pointScale;
-        map->thresholds->linear[i][k] = (float)ratio;
-        level += half * scale;
-        levelSizes += 2.0 * half * fabs(scale);
-        pointSizes += fabs(pointScale);
-        ratios += fabs(ratio);
-    }
-    double offset = origin * to->scale[i], at = origin * to->unit[i];
-    double rounding = map->rounds ? r->error[i] : 0.0;
-    double margin = map->query * r->reach[i] * (1.0 + 1e-8);
-    levels->shift[i] = (float)(offset + level);
-    levels->grow[i] =
-        FindGrowth(fabs(offset) + levelSizes, to->scale[i] * (rounding + (map->growsBoxes ? margin : 0.0)));
-    points->shift[i] = (float)offset;
-    points->grow[i] =
-        FindGrowth(fabs(offset) + pointSizes, to->scale[i] * (rounding + margin) + pointSizes * map->fromPointError);
-    map->thresholds->shift[i] = (float)at;
-    double error = (12.0 * ratios + 6.0 * fabs(at)) * 0x1p-24 + rounding * to->unit[i];
-    map->thresholds->pointError = fmaxf(map->thresholds->pointError, nextafterf((float)error, INFINITY));
-    return error < 1e6;
+    qcRelativeTransform r = qcRelativeTransform_Find(transformB, transformA);
+    qcTransformedBvh transformed;
+    qcDistanceThresholds unused = {.pointError = 0.0f};
+    const qcLatticeMap map = {.to = &s->b->fit.lattice,
+                              .from = &s->a->fit.lattice,
+                              .relative = &r,
+                              .fromPointError = (double)s->a->fit.pointError,
+                              .rounds = true,
+                              .query = s->job->query,
+                              .growsBoxes = true,
+                              .transformed = &transformed,
+                              .thresholds = &unused};
+    (void)qcLatticeMap_Find(&map);
+    s->reverse = transformed.levels;
+    s->reverse.isDiagonal = false;
 }
 
 static void FindTransforms(Search* s)
@@ -352,22 +319,25 @@ static void FindTransforms(Search* s)
     qcRigidTransform transformA = TransformOf(s->a, s->job->bodyA), transformB = TransformOf(s->b, s->job->bodyB);
     qcRelativeTransform r = qcRelativeTransform_Find(&transformA, &transformB);
     bool isLocal = s->a->fit.isLocal || s->b->fit.isLocal;
-    const LatticeMap map = {.to = &s->a->fit.lattice,
-                            .from = &s->b->fit.lattice,
-                            .relative = &r,
-                            .fromPointError = (double)s->b->fit.pointError,
-                            .rounds = isLocal,
-                            .query = s->job->query,
-                            .growsBoxes = isLocal,
-                            .transformed = &s->transformed,
-                            .thresholds = &s->thresholds};
-    for (int i = 0; i < 3; i++)
-        s->filters = FindTransformRow(&map, i) && s->filters;
+    const qcLatticeMap map = {.to = &s->a->fit.lattice,
+                              .from = &s->b->fit.lattice,
+                              .relative = &r,
+                              .fromPointError = (double)s->b->fit.pointError,
+                              .rounds = isLocal,
+                              .query = s->job->query,
+                              .growsBoxes = isLocal,
+                              .transformed = &s->transformed,
+                              .thresholds = &s->thresholds};
+    s->filters = qcLatticeMap_Find(&map);
     s->thresholds.query = qcTriangleBvh_DistanceInFrame(s->a, s->job->query * r.stretch);
     if (s->a->fit.isLocal)
         SetNear(&s->thresholds, s->job->near * s->a->fit.lattice.unit[0], r.growth, r.stretch);
     s->thresholds.isTransformed = true;
     s->transformed.levels.isDiagonal = !isLocal;
+    // Pairs of single leaf nodes are compared in less time.
+    s->isTurned = s->b->fit.isLocal && (s->a->clusters.nodeCount > 1 || s->b->clusters.nodeCount > 1);
+    if (s->isTurned)
+        FindReverse(s, &transformA, &transformB);
     s->transformed.boxes = BoxesOf(s->b, &s->b->fit);
     s->transformed.triangles = s->sides[1];
 }
@@ -424,18 +394,15 @@ static bool MapEnd(const MotionEnd* end, const qcLatticeTransform* reference, qc
     memcpy(own.upper, end->fit->isLocal ? end->body->localUpper : end->upper, sizeof own.upper);
     own.transform = end->fit->isLocal ? *end->transform : world.transform;
     qcRelativeTransform relative = qcRelativeTransform_Find(&world, &own);
-    const LatticeMap map = {.to = reference,
-                            .from = &end->fit->lattice,
-                            .relative = &relative,
-                            .fromPointError = (double)end->fit->pointError,
-                            .rounds = end->fit->isLocal,
-                            .transformed = at,
-                            .thresholds = frame};
+    const qcLatticeMap map = {.to = reference,
+                              .from = &end->fit->lattice,
+                              .relative = &relative,
+                              .fromPointError = (double)end->fit->pointError,
+                              .rounds = end->fit->isLocal,
+                              .transformed = at,
+                              .thresholds = frame};
     frame->isTransformed = true;
-    bool filters = true;
-    for (int i = 0; i < 3; i++)
-        filters = FindTransformRow(&map, i) && filters;
-    return filters;
+    return qcLatticeMap_Find(&map);
 }
 
 /// Both bodies at both ends, in lattices with world axes: those of a if it is in world coordinates, otherwise lattices
