@@ -106,15 +106,20 @@ static inline __m128i ToLevels(__m256d scaled)
     return _mm_sub_epi32(_mm256_cvttpd_epi32(scaled), _mm_set1_epi32(32768));
 }
 
-static inline void TransformVertex(const qcLatticeTransform* lattice, const double* position, qcPoint* point,
-                                   qcBoxRow* row)
+static inline void TransformVertex(const qcLatticeTransform* lattice, const double* position, bool hasMargin,
+                                   qcPoint* point, qcBoxRow* row)
 {
     __m256d x = _mm256_set_m128d(_mm_load_sd(position + 2), _mm_loadu_pd(position));
     __m256d origin = _mm256_loadu_pd(lattice->origin), scale = _mm256_loadu_pd(lattice->scale);
     __m256d lower = _mm256_sub_pd(x, origin);
-    __m256d upper = _mm256_sub_pd(_mm256_add_pd(x, _mm256_loadu_pd(lattice->margin)), origin);
+    __m128i low = ToLevels(_mm256_mul_pd(lower, scale)), high = low;
+    if (hasMargin)
+    {
+        __m256d upper = _mm256_sub_pd(_mm256_add_pd(x, _mm256_loadu_pd(lattice->margin)), origin);
+        high = ToLevels(_mm256_mul_pd(upper, scale));
+    }
     _mm_storeu_ps(point->x, _mm256_cvtpd_ps(_mm256_mul_pd(lower, _mm256_loadu_pd(lattice->unit))));
-    __m128i ends = _mm_packs_epi32(ToLevels(_mm256_mul_pd(lower, scale)), ToLevels(_mm256_mul_pd(upper, scale)));
+    __m128i ends = _mm_packs_epi32(low, high);
     _mm_storeu_si128((__m128i*)row, _mm_xor_si128(ends, _mm_set_epi64x(-1, 0)));
 }
 

@@ -22,15 +22,25 @@ enum
     qc_verticesAhead = 24
 };
 
-static void TransformVertices(const qcLatticeTransform* lattice, const qcVertexRange* range, qcPoint* points,
-                              qcBoxRow* rows)
+QC_INLINE void TransformRange(const qcLatticeTransform* lattice, const qcVertexRange* range, bool hasMargin,
+                              qcPoint* points, qcBoxRow* rows)
 {
     for (size_t i = range->first; i < range->end; i++)
     {
         if (i + qc_verticesAhead < range->end)
             __builtin_prefetch(range->positions + 3 * (size_t)range->vertexOf[i + qc_verticesAhead]);
-        TransformVertex(lattice, range->positions + 3 * (size_t)range->vertexOf[i], &points[i], &rows[i]);
+        TransformVertex(lattice, range->positions + 3 * (size_t)range->vertexOf[i], hasMargin, &points[i], &rows[i]);
     }
+}
+
+static void TransformVertices(const qcLatticeTransform* lattice, const qcVertexRange* range, qcPoint* points,
+                              qcBoxRow* rows)
+{
+    // Without a margin both ends are computed once.
+    if (lattice->margin[0] != 0.0 || lattice->margin[1] != 0.0 || lattice->margin[2] != 0.0)
+        TransformRange(lattice, range, true, points, rows);
+    else
+        TransformRange(lattice, range, false, points, rows);
 }
 
 /// Stores eight rows side by side; returns the row around them.

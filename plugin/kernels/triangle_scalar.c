@@ -56,14 +56,14 @@ static inline void Transpose(const Shorts row[8], Shorts column[8])
         column[i] = (Shorts){row[0][i], row[1][i], row[2][i], row[3][i], row[4][i], row[5][i], row[6][i], row[7][i]};
 }
 
-static inline void TransformVertex(const qcLatticeTransform* lattice, const double* position, qcPoint* point,
-                                   qcBoxRow* row)
+static inline void TransformVertex(const qcLatticeTransform* lattice, const double* position, bool hasMargin,
+                                   qcPoint* point, qcBoxRow* row)
 {
     *row = (qcBoxRow){{0}};
     for (int axis = 0; axis < 3; axis++)
     {
         double lower = position[axis] - lattice->origin[axis],
-               upper = position[axis] + lattice->margin[axis] - lattice->origin[axis];
+               upper = hasMargin ? position[axis] + lattice->margin[axis] - lattice->origin[axis] : lower;
         point->x[axis] = (float)(lower * lattice->unit[axis]);
         row->ends[axis] = (int16_t)((int32_t)(lower * lattice->scale[axis]) - 32768);
         row->ends[axis + 4] = (int16_t) ~((int32_t)(upper * lattice->scale[axis]) - 32768);
