@@ -75,6 +75,30 @@ static void TransformTriangles(const qcTransformedBvh* bvh, uint32_t cluster, qc
     }
 }
 
+/// Boxes of a cluster's triangles in the other lattice: in the cache, or in `own`.
+QC_INLINE const qcBox8* FindTransformed(const qcTransformedBvh* b, uint32_t cluster, const qcPlaneTest* planes,
+                                        qcBox8* own)
+{
+    if (b->levels.isDiagonal)
+    {
+        ScaleBoxes(&b->boxes.clusters[cluster], &b->levels, own);
+        return own;
+    }
+    if (planes == NULL)
+    {
+        TransformTriangles(b, cluster, own);
+        return own;
+    }
+    uint32_t entry = cluster % qc_planeCacheSize;
+    uint64_t key = planes->key | cluster;
+    if (planes->cache->boxKeys[entry] != key)
+    {
+        planes->cache->boxKeys[entry] = key;
+        TransformTriangles(b, cluster, &planes->cache->boxes[entry]);
+    }
+    return &planes->cache->boxes[entry];
+}
+
 static qcSlotPair* CollectTransformedPairs(const qcBvhBoxes* a, uint32_t nodeA, const qcTransformedBvh* b,
                                            uint32_t nodeB, const qcPlaneTest* planes, qcSlotPair* pairs)
 {
@@ -89,14 +113,11 @@ static qcSlotPair* CollectTransformedPairs(const qcBvhBoxes* a, uint32_t nodeA, 
         if (row == 0)
             continue;
         uint32_t clusterB = nodeB * qc_boxLanes + j;
-        if (b->levels.isDiagonal)
-            ScaleBoxes(&b->boxes.clusters[clusterB], &b->levels, &transformed);
-        else
-            TransformTriangles(b, clusterB, &transformed);
+        const qcBox8* triangles = FindTransformed(b, clusterB, planes, &transformed);
         for (; row != 0; row &= row - 1)
         {
             uint32_t clusterA = nodeA * qc_boxLanes + (uint32_t)__builtin_ctz(row);
-            uint64_t word = FindBoxOverlaps(&a->clusters[clusterA], &transformed);
+            uint64_t word = FindBoxOverlaps(&a->clusters[clusterA], triangles);
             found[count] = (ClusterPair){word, clusterA, clusterB};
             count += word != 0;
         }

@@ -100,16 +100,19 @@ typedef struct qcClusterPlanes
 
 enum
 {
-    // 115 KB a side: a pair of nodes finds the clusters of the pairs before it.
+    // 115 KB a side, and 24 KB of boxes: a pair of nodes finds the clusters of the pairs before it.
     qc_planeCacheSize = 256,
     qc_maxCollected = qc_nodeSize * qc_nodeSize + qc_boxLanes ///< the last are written, but not used
 };
 
-/// Planes of clusters, by side and cluster number modulo the size. A worker's own.
+/// Planes of clusters, by side and cluster number modulo the size, and boxes of triangles that were transformed. A
+/// worker's own.
 typedef struct qcPlaneCache
 {
     uint64_t keys[2][qc_planeCacheSize]; ///< qcPlaneTest::key | cluster; UINT64_MAX: none
+    uint64_t boxKeys[qc_planeCacheSize]; ///< likewise, of the second side
     qcClusterPlanes planes[2][qc_planeCacheSize];
+    qcBox8 boxes[qc_planeCacheSize];
 } qcPlaneCache;
 
 /// The triangles of two BVHs whose planes are tested.

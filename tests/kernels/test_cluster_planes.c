@@ -23,6 +23,7 @@ static void Begin(Search* s)
 {
     memset(s, 0, sizeof *s);
     memset(s->cache.keys, 0xff, sizeof s->cache.keys);
+    memset(s->cache.boxKeys, 0xff, sizeof s->cache.boxKeys);
     for (uint32_t i = 0; i < qc_side; i++)
         for (uint32_t c = 0; c < 3; c++)
             s->corners[i].vertex[c] = 3 * i + c;

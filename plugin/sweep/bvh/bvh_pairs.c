@@ -537,6 +537,7 @@ static void SearchTask(void* context, size_t task, uint32_t worker)
     Queue queue = {.worker = worker, .isOpen = true};
     queue.planes = &QC_AT(qcPlaneCache, run->memory->planes, worker);
     memset(queue.planes->keys, 0xff, sizeof queue.planes->keys);
+    memset(queue.planes->boxKeys, 0xff, sizeof queue.planes->boxKeys);
     queue.pairs = queue.end = &QC_AT(qcSlotPair, run->memory->queues, (size_t)worker * qc_queueRoom);
     size_t first = task * run->share, left = nodePairs->count - first,
            end = first + (left < run->share ? left : run->share);
