@@ -550,6 +550,8 @@ typedef struct qcProfile
     uint32_t reruns;         ///< reruns of the step because a device buffer was too small and had to grow
     uint64_t uploadedBytes;  ///< to the device, in this step
     uint64_t deviceBytes;    ///< held on the device
+    uint32_t deviceCalls;    ///< calls of GL in a step of `layers`
+    uint32_t deviceWaits;    ///< waits for the device in a step of `layers`: one a run
     /// All parts of the step of `layers`, in order, also those that did not run: prepare (with new vertices), hand-over
     /// (to the device's thread), upload, vertices (and empty lists), boxes, nodes, node pairs, triangle pairs, wait
     /// (for the device), hand-back, refine (on the CPU). All belong to cullTrianglesMs. Empty unless

@@ -53,6 +53,12 @@ static void CheckRow(const Row* row, void* context)
     ck_assert(GetNumber(row, "candidates") >= GetNumber(row, "pairs"));
     ck_assert((GetNumber(row, "entries") > 0.0) == layers && (GetNumber(row, "device_bytes") > 0.0) == layers);
     ck_assert(Is(row, "agrees", "1") && Is(row, "failure", "\"\""));
+    ck_assert_double_eq(GetNumber(row, "waits"), layers ? 1.0 : 0.0);
+    ck_assert_double_le(GetNumber(row, "gl_calls"), 20.0);
+    ck_assert((GetNumber(row, "gl_calls") > 0.0) == layers && (GetNumber(row, "processor_ms") > 0.0) == layers);
+    // Where threads share the work, their buffers grow in some later step.
+    if (layers && GetNumber(row, "threads") == 1.0)
+        ck_assert_double_eq(GetNumber(row, "allocations"), 0.0);
     // Layers stand first.
     if (layers)
         strcpy(hash, Get(row, "hash"));
@@ -62,7 +68,7 @@ static void CheckRow(const Row* row, void* context)
 
 #define HEADER                                                                                                         \
     "scene,bodies,triangles,method,threads,steps,ms,ms_least,first_ms,candidates,pairs,hash,agrees,entries,"           \
-    "uploaded_bytes,device_bytes,failure,renderer"
+    "uploaded_bytes,device_bytes,gl_calls,waits,allocations,processor_ms,failure,renderer"
 
 START_TEST(each_scene_and_size_has_its_rows_with_equal_lists)
 {
@@ -109,7 +115,7 @@ START_TEST(each_kernel_has_its_times_where_it_runs)
     ck_assert_int_eq(
         Run("QC_LAYERS_REFINE=device %s gpu --scenes cloth,pile --triangles 1000 --threads 1 --out all", BENCH), 0);
     ck_assert_int_eq(ForEachRow("all/gpu_stages.csv", "scene,triangles,stage,thread_ms,device_ms", CheckStage, &all),
-                     2 * 15);
+                     2 * 16);
     ck_assert_int_eq(Run("QC_LAYERS_REFINE=processor %s gpu --scenes cloth,pile --triangles 1000 --threads 1 "
                          "--out image",
                          BENCH),

@@ -159,11 +159,13 @@ static void FillProfile(const Step* step, const qcLayersStep* device, const qcLa
     profile->reruns = answer->reruns;
     profile->uploadedBytes = answer->uploadedBytes;
     profile->deviceBytes = answer->deviceBytes;
+    profile->deviceCalls = answer->glCalls;
+    profile->deviceWaits = answer->waits;
 }
 
 static const char* const s_partNames[qc_layersPartCount] = {"prepare", "hand-over", "upload",     "vertices",
                                                             "boxes",   "nodes",     "node pairs", "triangle pairs",
-                                                            "wait",    "hand-back", "refine"};
+                                                            "wait",    "timers",    "hand-back",  "refine"};
 
 /// `handed`, `answered`: when the step went to the device's thread and came back.
 static void FillTimes(const Step* step, const qcLayersAnswer* answer, double handed, double answered,

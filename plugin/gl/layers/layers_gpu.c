@@ -455,7 +455,7 @@ static qcStatus FinishStep(const struct qcGlFunctions* gl, qcLayers* layers)
     answer->deviceBytes = qcLayersBuffers_ByteCount(&layers->buffers) + qcLayersStream_ByteCount(&layers->stream);
     answer->glCalls += gl->programs->calls;
     qcGlTimers_Mark(gl, &layers->timers, qc_partWait);
-    qcGlTimers_End(gl, &layers->timers);
+    qcGlTimers_End(gl, &layers->timers, qc_partTimers);
     qcGl_KeepBindings(gl, gl->programs->bound);
     return qc_statusOk;
 }

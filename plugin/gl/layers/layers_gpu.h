@@ -88,6 +88,7 @@ typedef enum qcLayersPart
     qc_partNodePairs,
     qc_partTrianglePairs,
     qc_partWait,     ///< for the device; maps its results
+    qc_partTimers,   ///< reads the times of the parts
     qc_partHandBack, ///< reads errors, returns to the calling thread
     qc_partRefine,   ///< on the calling thread: from the results to pairs of triangles
     qc_layersPartCount

@@ -97,7 +97,7 @@ void qcLayersKernels_RunIndirect(const struct qcGlFunctions* gl, const qcLayersK
 }
 
 void qcLayersKernels_RunForeign(const struct qcGlFunctions* gl, const qcLayersKernels* kernels, uint32_t first,
-                                 uint32_t end)
+                                uint32_t end)
 {
     qcGl_Counted(gl)->UseProgram(kernels->programs[qc_kernelVertices]);
     qcGl_Counted(gl)->Uniform2ui(kernels->foreign, first, end);

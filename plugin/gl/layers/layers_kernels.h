@@ -55,6 +55,6 @@ void qcLayersKernels_RunIndirect(const struct qcGlFunctions* gl, const qcLayersK
                                  size_t offset);
 /// Runs qc_kernelVertices for chunks [first, end), whose floats lie in the buffer bound to storage block 3.
 void qcLayersKernels_RunForeign(const struct qcGlFunctions* gl, const qcLayersKernels* kernels, uint32_t first,
-                                 uint32_t end);
+                                uint32_t end);
 
 #endif
