@@ -500,8 +500,8 @@ typedef struct qcLayerTime
     /// part did not run.
     double threadMs;
     /// Milliseconds between the device's timestamps (GL_TIMESTAMP). Negative: the part did not run on the device, or
-    /// the device has no timestamps. "counters" and "results" are read back, so theirs is that of the previous measured
-    /// step: no step waits for its own timestamps.
+    /// the device has no timestamps. That of "wait" is from the previous measured step: no step waits for its own
+    /// timestamps.
     double deviceMs;
 } qcLayerTime;
 
@@ -550,10 +550,12 @@ typedef struct qcProfile
     uint32_t reruns;         ///< reruns of the step because a device buffer was too small and had to grow
     uint64_t uploadedBytes;  ///< to the device, in this step
     uint64_t deviceBytes;    ///< held on the device
-    /// All parts of the step of `layers`, in order, also those that did not run: prepare, hand-over (to the device's
-    /// thread), upload, vertices, boxes, clear (lists), nodes, node pairs, cluster pairs, triangle pairs, filter,
-    /// counters (the wait for the device and its counts), results, hand-back, refine (on the CPU). All belong to
-    /// cullTrianglesMs. Empty unless qcDetectDef::layerTimes is set. Valid as long as the result.
+    uint32_t deviceCalls;    ///< calls of GL in a step of `layers`
+    uint32_t deviceWaits;    ///< waits for the device in a step of `layers`: one a run
+    /// All parts of the step of `layers`, in order, also those that did not run: prepare (with new vertices), hand-over
+    /// (to the device's thread), upload, vertices (and empty lists), boxes, nodes, node pairs, triangle pairs, wait
+    /// (for the device), hand-back, refine (on the CPU). All belong to cullTrianglesMs. Empty unless
+    /// qcDetectDef::layerTimes is set. Valid as long as the result.
     const qcLayerTime* layerTimes;
     size_t layerTimeCount;      ///< number of layerTimes
     bool softwareDevice;        ///< the device draws on the CPU

@@ -68,6 +68,20 @@ static qcStatus LinkProgram(const struct qcGlFunctions* gl, const char* name, co
     return qcFail(qc_statusDevice, "%s: the program does not link: %s", name, log);
 }
 
+static bool HasExtension(const struct qcGlFunctions* gl, qcGlGetFunction* getFunction, const char* name)
+{
+    PFNGLGETSTRINGIPROC getStringi = (PFNGLGETSTRINGIPROC)getFunction("glGetStringi");
+    GLint count = 0;
+    gl->GetIntegerv(GL_NUM_EXTENSIONS, &count);
+    for (GLint i = 0; getStringi != NULL && i < count; i++)
+    {
+        const char* extension = (const char*)getStringi(GL_EXTENSIONS, (GLuint)i);
+        if (extension != NULL && strcmp(extension, name) == 0)
+            return true;
+    }
+    return false;
+}
+
 qcStatus qcGlFunctions_Load(struct qcGlFunctions* gl, qcGlGetFunction* getFunction)
 {
 #define QC_GL_LOAD(Type, Name)                                                                                         \
@@ -88,13 +102,19 @@ qcStatus qcGlFunctions_Load(struct qcGlFunctions* gl, qcGlGetFunction* getFuncti
         gl->DispatchCompute = (PFNGLDISPATCHCOMPUTEPROC)getFunction("glDispatchCompute");
         gl->DispatchComputeIndirect = (PFNGLDISPATCHCOMPUTEINDIRECTPROC)getFunction("glDispatchComputeIndirect");
         gl->MemoryBarrier = (PFNGLMEMORYBARRIERPROC)getFunction("glMemoryBarrier");
-        gl->ClearBufferData = (PFNGLCLEARBUFFERDATAPROC)getFunction("glClearBufferData");
     }
+    if (major * 10 + minor >= 44 || HasExtension(gl, getFunction, "GL_ARB_buffer_storage"))
+        gl->BufferStorage = (PFNGLBUFFERSTORAGEPROC)getFunction("glBufferStorage");
     return qc_statusOk;
 }
 
 void qcGlFunctions_ResetState(const struct qcGlFunctions* gl)
 {
+    bool keep = gl->programs->keepBindings;
+    gl->programs->keepBindings = false;
+    if (keep)
+        return;
+    gl->programs->bound = NULL;
     gl->BindFramebuffer(GL_FRAMEBUFFER, 0);
     gl->BindRenderbuffer(GL_RENDERBUFFER, 0);
     gl->BindVertexArray(0);

@@ -15,6 +15,7 @@
     X(PFNGLBINDATTRIBLOCATIONPROC, BindAttribLocation)                                                                 \
     X(PFNGLBINDBUFFERPROC, BindBuffer)                                                                                 \
     X(PFNGLBINDBUFFERBASEPROC, BindBufferBase)                                                                         \
+    X(PFNGLBINDBUFFERRANGEPROC, BindBufferRange)                                                                       \
     X(PFNGLBINDFRAMEBUFFERPROC, BindFramebuffer)                                                                       \
     X(PFNGLBINDRENDERBUFFERPROC, BindRenderbuffer)                                                                     \
     X(PFNGLBINDTEXTUREPROC, BindTexture)                                                                               \
@@ -25,7 +26,9 @@
     X(PFNGLCHECKFRAMEBUFFERSTATUSPROC, CheckFramebufferStatus)                                                         \
     X(PFNGLCLEARPROC, Clear)                                                                                           \
     X(PFNGLCLEARCOLORPROC, ClearColor)                                                                                 \
+    X(PFNGLCLIENTWAITSYNCPROC, ClientWaitSync)                                                                         \
     X(PFNGLCOMPILESHADERPROC, CompileShader)                                                                           \
+    X(PFNGLCOPYBUFFERSUBDATAPROC, CopyBufferSubData)                                                                   \
     X(PFNGLCREATEPROGRAMPROC, CreateProgram)                                                                           \
     X(PFNGLCREATESHADERPROC, CreateShader)                                                                             \
     X(PFNGLDELETEBUFFERSPROC, DeleteBuffers)                                                                           \
@@ -34,6 +37,7 @@
     X(PFNGLDELETEQUERIESPROC, DeleteQueries)                                                                           \
     X(PFNGLDELETERENDERBUFFERSPROC, DeleteRenderbuffers)                                                               \
     X(PFNGLDELETESHADERPROC, DeleteShader)                                                                             \
+    X(PFNGLDELETESYNCPROC, DeleteSync)                                                                                 \
     X(PFNGLDELETETEXTURESPROC, DeleteTextures)                                                                         \
     X(PFNGLDELETEVERTEXARRAYSPROC, DeleteVertexArrays)                                                                 \
     X(PFNGLDEPTHFUNCPROC, DepthFunc)                                                                                   \
@@ -45,6 +49,7 @@
     X(PFNGLENABLEPROC, Enable)                                                                                         \
     X(PFNGLENABLEVERTEXATTRIBARRAYPROC, EnableVertexAttribArray)                                                       \
     X(PFNGLENDQUERYPROC, EndQuery)                                                                                     \
+    X(PFNGLFENCESYNCPROC, FenceSync)                                                                                   \
     X(PFNGLFLUSHPROC, Flush)                                                                                           \
     X(PFNGLFRAMEBUFFERRENDERBUFFERPROC, FramebufferRenderbuffer)                                                       \
     X(PFNGLFRAMEBUFFERTEXTURE2DPROC, FramebufferTexture2D)                                                             \
@@ -85,6 +90,7 @@
     X(PFNGLUNIFORM1FPROC, Uniform1f)                                                                                   \
     X(PFNGLUNIFORM1IPROC, Uniform1i)                                                                                   \
     X(PFNGLUNIFORM1UIPROC, Uniform1ui)                                                                                 \
+    X(PFNGLUNIFORM2UIPROC, Uniform2ui)                                                                                 \
     X(PFNGLUNIFORM3UIPROC, Uniform3ui)                                                                                 \
     X(PFNGLUNIFORM3FVPROC, Uniform3fv)                                                                                 \
     X(PFNGLUNIFORM4FVPROC, Uniform4fv)                                                                                 \
@@ -103,6 +109,10 @@ enum
 /// Programs live as long as their device: compiling a program takes longer than drawing with it.
 struct qcGlPrograms
 {
+    /// The object whose bindings of buffers and textures are current, see qcGl_KeepBindings; null: none.
+    const void* bound;
+    bool keepBindings; ///< the present job calls no function whose effect has to be reset
+    uint32_t calls;    ///< calls counted by qcGl_Counted
     uint32_t count;
     struct
     {
@@ -122,9 +132,26 @@ struct qcGlFunctions
     PFNGLDISPATCHCOMPUTEPROC DispatchCompute;
     PFNGLDISPATCHCOMPUTEINDIRECTPROC DispatchComputeIndirect;
     PFNGLMEMORYBARRIERPROC MemoryBarrier;
-    PFNGLCLEARBUFFERDATAPROC ClearBufferData;
+    /// Null below GL 4.4 without ARB_buffer_storage.
+    PFNGLBUFFERSTORAGEPROC BufferStorage;
     struct qcGlPrograms* programs;
 };
+
+/// For a job that leaves all bindings and switches at their initial values, except for indexed bindings of buffers,
+/// buffer textures, and the targets of computing and copying: these stay for the next job of `owner`, and no state is
+/// reset after the job.
+static inline void qcGl_KeepBindings(const struct qcGlFunctions* gl, const void* owner)
+{
+    gl->programs->bound = owner;
+    gl->programs->keepBindings = true;
+}
+
+/// Counts the call that follows: qcGl_Counted(gl)->UseProgram(0).
+static inline const struct qcGlFunctions* qcGl_Counted(const struct qcGlFunctions* gl)
+{
+    gl->programs->calls++;
+    return gl;
+}
 
 /// "GL_INVALID_ENUM"; "a GL error" for values that GL doesn't define.
 const char* qcGl_ErrorName(GLenum error);

@@ -80,7 +80,7 @@ static void Read(const struct qcGlFunctions* gl, qcGlTimers* timers, qcGlTimesta
     }
 }
 
-void qcGlTimers_End(const struct qcGlFunctions* gl, qcGlTimers* timers)
+void qcGlTimers_End(const struct qcGlFunctions* gl, qcGlTimers* timers, int part)
 {
     if (!timers->on)
         return;
@@ -92,7 +92,9 @@ void qcGlTimers_End(const struct qcGlFunctions* gl, qcGlTimers* timers)
         timers->deviceMs[i] = -1.0;
     // Without a flush the last timestamps stay in the driver until the next job.
     gl->Flush();
-    timers->clock = qcClock_Now();
+    double now = qcClock_Now();
+    Add(&timers->threadMs[part], now - timers->clock);
+    timers->clock = now;
 }
 
 void qcGlTimers_Delete(const struct qcGlFunctions* gl, qcGlTimers* timers)

@@ -43,8 +43,9 @@ void qcGlTimers_Mark(const struct qcGlFunctions* gl, qcGlTimers* timers, int par
 /// Call it after the thread has waited for the device: the device has passed every mark so far.
 void qcGlTimers_MarkPassed(qcGlTimers* timers);
 /// Reads the timestamps that the device has passed. Later ones, which end the parts that read results back, are read at
-/// the end of the next job: deviceMs of these parts is that of the previous job.
-void qcGlTimers_End(const struct qcGlFunctions* gl, qcGlTimers* timers);
+/// the end of the next job: deviceMs of these parts is that of the previous job. The thread's work in this call belongs
+/// to `part`.
+void qcGlTimers_End(const struct qcGlFunctions* gl, qcGlTimers* timers, int part);
 void qcGlTimers_Delete(const struct qcGlFunctions* gl, qcGlTimers* timers);
 
 #endif

@@ -216,6 +216,7 @@ static qcStatus AllocateBody(qcBody* body)
 static qcStatus MakeBody(const qcBodyDef* def, const qcVertexInput* source, uint32_t slot, qcBody* body)
 {
     *body = (qcBody){.deforming = def->deforming,
+                     .hasFloats = def->positionType == qc_positionF32,
                      .selfCollision = def->selfCollision,
                      .activity = def->activity,
                      .group = def->group,
@@ -355,6 +356,7 @@ qcStatus qcBodies_SetVertices(qcBodies* bodies, uint32_t slot, const void* posit
     qcParallel_Wake(threads);
     QC_TRY(qcVertexInput_Check(&source, slot, threads));
     DepartFromStart(body);
+    body->hasFloats = type == qc_positionF32;
     ReadVertices(body, &source, threads);
     body->moved = ++bodies->revision;
     return qc_statusOk;

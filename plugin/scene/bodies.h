@@ -26,6 +26,7 @@ typedef struct qcBody
 {
     uint32_t generation; ///< odd while the slot is taken, so that ids of removed bodies never match
     bool deforming;
+    bool hasFloats; ///< of deforming bodies: the caller gave the present positions as floats
     bool selfCollision;
     qcActivity activity;
     uint32_t group, mask, owner;

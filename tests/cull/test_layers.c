@@ -109,6 +109,7 @@ typedef struct Row
     qcSoup ball;
     qcBodyId ids[7];
     double vertexBytes; ///< of one of them, on the device
+    double leastBytes;  ///< of one of them, as the caller gave them in floats
     double tableBytes;  ///< upper bound for the tables of all bodies and of all numbers of nodes
 } Row;
 
@@ -141,6 +142,7 @@ static Row MakeRow(qcDevice* device)
 {
     Row row = {.scene = qcMakeScene(device), .ball = qcSoup_MakeSphere(3, 0.5)};
     row.vertexBytes = 16.0 * row.ball.vertexCount;
+    row.leastBytes = 12.0 * row.ball.vertexCount;
     // 80 bytes a body, 4 a node of 64 triangles, which is at least a quarter full.
     row.tableBytes = 7 * 80.0 + 7 * (4.0 / 16) * row.ball.triangleCount;
     for (uint32_t k = 0; k < 7; k++)
@@ -172,7 +174,7 @@ START_TEST(only_changed_bodies_are_uploaded)
         ck_assert_double_le(CheckUpload(&row, "all rigid bodies moved"), row.tableBytes);
         MoveBall(&row, 4, 0.01);
         double bytes = CheckUpload(&row, "a deforming body moved");
-        ck_assert_double_ge(bytes, row.vertexBytes);
+        ck_assert_double_ge(bytes, row.leastBytes);
         ck_assert_double_le(bytes, row.vertexBytes + row.tableBytes);
         CHECK_OK(qcScene_SetFilter(row.scene, row.ids[2], 2, 5));
         CHECK_OK(qcScene_SetActivity(row.scene, row.ids[6], qc_activitySleeping));
@@ -185,7 +187,7 @@ START_TEST(only_changed_bodies_are_uploaded)
         {
             MoveBall(&row, 5, 100 * far);
             bytes = CheckUpload(&row, "another frame");
-            ck_assert_double_ge(bytes, 4 * row.vertexBytes);
+            ck_assert_double_ge(bytes, 4 * row.leastBytes);
             ck_assert_double_le(bytes, 4 * row.vertexBytes + row.tableBytes);
         }
         qcScene_Destroy(row.scene);

@@ -314,8 +314,8 @@ static uint32_t CheckTransforms(qcRandom* random, uint32_t bodyCount)
     CHECK_OK(qcStepTriangles_Number(&triangles, &bodies));
     const qcResidencyJob job = {&triangles, &frame, takesPart, hasSelfPairs, partnerBoxes, 1};
     CHECK_OK(qcGpuResidency_Prepare(&job, &onDevice));
-    qcLayersStep step;
-    qcGpuResidency_FillStep(&onDevice, &step);
+    qcLayersStep step = {0};
+    qcGpuResidency_FillStep(&onDevice, &frame, &step);
     for (size_t u = 0; u < step.uploadCount; u++)
     {
         const qcLayersUpload* upload = &step.uploads[u];
@@ -327,7 +327,7 @@ static uint32_t CheckTransforms(qcRandom* random, uint32_t bodyCount)
         if (!QC_AT(qcBodyResidency, onDevice.bodies, slot).transformed)
             continue;
         transformed++;
-        const qcLayersBody* entry = &QC_AT(qcLayersBody, onDevice.uploadedTable, slot);
+        const qcLayersBody* entry = &QC_AT(qcLayersBody, onDevice.table, slot);
         for (size_t i = 0; i < 9 * upload->count; i++)
         {
             size_t v = i / 9;

@@ -40,7 +40,7 @@ typedef struct Tally
 {
     uint64_t steps, runs, pairs, contacts, reruns;
     uint64_t large, fallbacks; ///< fallbacks because the scene was too large for a frame, and other fallbacks
-    uint64_t kept;             ///< runs that uploaded less than half of all vertices
+    uint64_t kept;             ///< runs that uploaded less than half of all vertices, beside the table of bodies
 } Tally;
 
 static void Log(World* world, const char* what, uint32_t slot)
@@ -313,7 +313,7 @@ static void AskAll(World* world, qcDetectDef def, const char* what, Tally* tally
         tally->fallbacks += found->profile.fallback != NULL && !large;
         tally->reruns += found->profile.reruns;
         tally->kept += found->profile.partsOnDevice != 0 && found->profile.fallback == NULL &&
-                       found->profile.uploadedBytes < 8 * CountVertices(world);
+                       found->profile.uploadedBytes < 8 * CountVertices(world) + 96 * world->count;
     }
 }
 

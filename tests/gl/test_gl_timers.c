@@ -10,6 +10,7 @@ enum
     part_begin,
     part_kernel,
     part_readback,
+    part_end,
     part_never,
     fake_maxQueries = 2 * qc_maxTimestamps
 };
@@ -91,7 +92,7 @@ static void RunJob(const struct qcGlFunctions* gl, qcGlTimers* timers, bool on, 
     s_fake.passed = s_fake.issued;
     qcGlTimers_MarkPassed(timers);
     qcGlTimers_Mark(gl, timers, part_readback);
-    qcGlTimers_End(gl, timers);
+    qcGlTimers_End(gl, timers, part_end);
 }
 
 START_TEST(timers_that_are_off_make_no_gl_call)

@@ -69,6 +69,7 @@ qcExitStatus qcBench_RunGpu(int argumentCount, char** arguments)
     qcGpuDevice device = {.device = NULL};
     qcMessage message = {""};
     qcGpu_ReadOptions(argumentCount, arguments, &options);
+    qcGpu_CountAllocations();
     qcExitStatus ending = qc_exitFailed;
     qcGpuTable* table = calloc(1, sizeof *table);
     if (table != NULL)

@@ -61,6 +61,7 @@ typedef struct qcGpuRun
     uint32_t steps;   ///< timed steps
     double ms, minMs; ///< positions in, pairs out: median and minimum
     double firstMs;
+    uint64_t allocations;          ///< in all timed steps
     uint64_t candidates, pairs;    ///< in the first frame
     uint64_t hashes[qc_gpuFrames]; ///< of the list of pairs in each frame
     bool steady;                   ///< every step of a frame had the same hash
@@ -83,7 +84,11 @@ typedef struct qcGpuRow
     qcGpuStage stages[qc_maxGpuStages];
     uint32_t stageCount;
     uint64_t entries, uploadedBytes, deviceBytes; ///< of layers, in its last step
-    char failure[256];                            ///< reason why layers did not run; empty: it ran
+    uint32_t deviceCalls, deviceWaits;            ///< likewise
+    /// The processor's share of a step of layers: everything but waiting and the exact test; with software GL, but the
+    /// kernels, too.
+    double processorMs;
+    char failure[256]; ///< reason why layers did not run; empty: it ran
 } qcGpuRow;
 
 typedef struct qcGpuTable
@@ -92,6 +97,8 @@ typedef struct qcGpuTable
     uint32_t rowCount;
 } qcGpuTable;
 
+/// Counts the library's allocations from now on.
+void qcGpu_CountAllocations(void);
 /// Opens the device and runs a small step of layers on it. Returns qc_exitDevice, with the device closed, if that
 /// fails.
 qcExitStatus qcGpu_OpenDevice(const qcGpuOptions* options, qcGpuDevice* device, qcMessage* message);

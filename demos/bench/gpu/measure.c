@@ -5,6 +5,7 @@
 #include "common/stopwatch.h"
 #include "common/progress.h"
 
+#include <stdatomic.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -34,6 +35,31 @@ typedef struct Bench
     double ms;      ///< of the last step
     char failure[256];
 } Bench;
+
+//  ---- allocations ---------------------------------------------------------------------------------
+
+static atomic_uint_fast64_t s_allocations;
+
+static void* Allocate(size_t size, void* context)
+{
+    (void)context;
+    atomic_fetch_add(&s_allocations, 1);
+    return aligned_alloc(64, (size + 63) / 64 * 64);
+}
+
+static void Release(void* memory, size_t size, void* context)
+{
+    (void)size;
+    (void)context;
+    free(memory);
+}
+
+void qcGpu_CountAllocations(void)
+{
+    qcSetAllocator(Allocate, Release, NULL);
+}
+
+//  ---- a step --------------------------------------------------------------------------------------
 
 /// FNV-1a over the list as it is reported.
 static uint64_t HashPairs(const qcResult* result)
@@ -143,22 +169,49 @@ static bool Time(Bench* bench, qcGpuRun* run)
         ran = Step(bench, run);
         run->firstMs = i == 0 ? bench->ms : run->firstMs;
     }
+    uint64_t allocations = s_allocations;
     while (ran && (run->steps < qc_minSteps || (run->steps < qc_maxSteps && spent < s_enoughMs)))
     {
         ran = Step(bench, run);
         times[run->steps++] = bench->ms;
         spent += bench->ms;
     }
+    run->allocations = s_allocations - allocations;
     run->ms = qcStopwatch_Median(times, run->steps);
     run->minMs = times[0];
     return ran;
 }
 
+/// Sums the parts of a step that are the processor's own.
+static double FindProcessorMs(const qcGpuRow* row, bool software)
+{
+    static const char* const others[] = {"hand-over", "wait", "timers", "exact"};
+    static const char* const kernels[] = {"vertices", "boxes", "nodes", "node pairs", "triangle pairs"};
+    double ms = 0.0;
+    for (uint32_t i = 0; i < row->stageCount; ++i)
+    {
+        const qcGpuStage* stage = &row->stages[i];
+        bool counts = stage->threadMs > 0.0;
+        for (int k = 0; k < 4; ++k)
+            counts = counts && strcmp(stage->name, others[k]) != 0;
+        for (int k = 0; software && k < 5; ++k)
+            counts = counts && strcmp(stage->name, kernels[k]) != 0;
+        ms += counts ? stage->threadMs : 0.0;
+    }
+    return ms;
+}
+
 static bool MeasureLayers(Bench* bench, qcGpuRun* run, qcGpuRow* row)
 {
-    if (!Time(bench, run) || !MeasureStages(bench, run, row))
+    if (!Time(bench, run))
         return false;
     const qcProfile* p = &bench->ours.result->profile;
+    row->deviceCalls = p->deviceCalls;
+    row->deviceWaits = p->deviceWaits;
+    if (!MeasureStages(bench, run, row))
+        return false;
+    p = &bench->ours.result->profile;
+    row->processorMs = FindProcessorMs(row, p->softwareDevice);
     row->entries = p->fragments;
     row->uploadedBytes = p->uploadedBytes;
     row->deviceBytes = p->deviceBytes;

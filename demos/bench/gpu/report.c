@@ -80,6 +80,28 @@ static void WriteSizes(FILE* stream, const char* title, const qcGpuRow* rows, ui
     fputc('\n', stream);
 }
 
+/// What a steady step of layers costs the processor.
+static void WriteCounts(FILE* stream, const qcGpuRow* rows, uint32_t rowCount)
+{
+    WriteSizes(stream, "a steady step", rows, rowCount);
+    fprintf(stream, "  %-15s", "GL calls");
+    for (uint32_t i = 0; i < rowCount; ++i)
+        fprintf(stream, " %9" PRIu32, rows[i].deviceCalls);
+    fprintf(stream, "\n  %-15s", "waits");
+    for (uint32_t i = 0; i < rowCount; ++i)
+        fprintf(stream, " %9" PRIu32, rows[i].deviceWaits);
+    fprintf(stream, "\n  %-15s", "bytes written");
+    for (uint32_t i = 0; i < rowCount; ++i)
+        fprintf(stream, " %9" PRIu64, rows[i].uploadedBytes);
+    fprintf(stream, "\n  %-15s", "allocations");
+    for (uint32_t i = 0; i < rowCount; ++i)
+        fprintf(stream, " %9" PRIu64, rows[i].runs[0].allocations);
+    fprintf(stream, "\n  %-15s", "processor, ms");
+    for (uint32_t i = 0; i < rowCount; ++i)
+        fprintf(stream, " %9.4f", rows[i].processorMs);
+    fputc('\n', stream);
+}
+
 void qcGpu_WriteScene(FILE* stream, const qcGpuTable* table, int scene)
 {
     const qcGpuRow* rows = table->rows;
@@ -104,6 +126,7 @@ void qcGpu_WriteScene(FILE* stream, const qcGpuTable* table, int scene)
         fputs("  n/a: the device has no timestamps\n", stream);
     WriteSizes(stream, "threads, ms", rows, rowCount);
     WriteStages(stream, rows, rowCount, false);
+    WriteCounts(stream, rows, rowCount);
 }
 
 static bool WriteText(const qcGpuOptions* options, const qcGpuDevice* device, const qcGpuTable* table,
@@ -131,8 +154,10 @@ static void WriteRow(FILE* stream, const qcGpuDevice* device, const qcGpuRow* ro
                 run->steps, run->ms, run->minMs, run->firstMs, run->candidates, run->pairs);
         for (int frame = 0; frame < qc_gpuFrames; ++frame)
             fprintf(stream, "%s%016" PRIx64, frame == 0 ? "," : "-", run->hashes[frame]);
-        fprintf(stream, ",%d,%" PRIu64 ",%" PRIu64 ",%" PRIu64 ",", qcGpuRow_Agrees(row), isLayers ? row->entries : 0,
-                isLayers ? row->uploadedBytes : 0, isLayers ? row->deviceBytes : 0);
+        fprintf(stream, ",%d,%" PRIu64 ",%" PRIu64 ",%" PRIu64 ",%" PRIu32 ",%" PRIu32 ",%" PRIu64 ",%.4f,",
+                qcGpuRow_Agrees(row), isLayers ? row->entries : 0, isLayers ? row->uploadedBytes : 0,
+                isLayers ? row->deviceBytes : 0, isLayers ? row->deviceCalls : 0, isLayers ? row->deviceWaits : 0,
+                run->allocations, isLayers ? row->processorMs : 0.0);
         qcFiles_WriteQuoted(stream, isLayers ? row->failure : "");
         fputc(',', stream);
         qcFiles_WriteQuoted(stream, isLayers ? device->info.renderer : "");
@@ -166,7 +191,7 @@ bool qcGpu_WriteFiles(const qcGpuOptions* options, const qcGpuDevice* device, co
     if (!qcFiles_Open(options->out, "gpu.csv", &rows, message))
         return false;
     fputs("scene,bodies,triangles,method,threads,steps,ms,ms_least,first_ms,candidates,pairs,hash,agrees,entries,"
-          "uploaded_bytes,device_bytes,failure,renderer\n",
+          "uploaded_bytes,device_bytes,gl_calls,waits,allocations,processor_ms,failure,renderer\n",
           rows.stream);
     for (uint32_t i = 0; i < table->rowCount; ++i)
         WriteRow(rows.stream, device, &table->rows[i]);

@@ -10,7 +10,9 @@
 
 enum
 {
-    qc_chunkSize = 64,
+    // The smallest float is 2^-126. A device may flush smaller ones to zero: in a frame whose unit is no smaller than
+    // this exponent of two, that is below 2^-26.
+    qc_minWorldExponent = -100,
     // 16384 vertices take about 60 microseconds.
     qc_vertexBlock = 4096,
     qc_minBlocks = 4
@@ -35,7 +37,7 @@ static qcBodyResidency* BodyAt(const qcGpuResidency* residency, uint32_t slot)
 
 static size_t PaddedVertices(const qcBody* body)
 {
-    return ((size_t)body->vertexCount + qc_chunkSize - 1) / qc_chunkSize * qc_chunkSize;
+    return ((size_t)body->vertexCount + qc_layersChunkSize - 1) / qc_layersChunkSize * qc_layersChunkSize;
 }
 
 /// The number of elements of each input buffer that a body needs.
@@ -45,10 +47,9 @@ static void FindNeeds(const qcGpuResidency* residency, const qcBody* body, const
     memset(needs, 0, qc_layersInputCount * sizeof needs[0]);
     needs[qc_layersVertices] = needs[qc_layersLocals] = PaddedVertices(body);
     needs[qc_layersTriangles] = (size_t)clusters->nodeCount * qc_nodeSize;
-    needs[qc_layersNodes] = needs[qc_layersActiveNodes] = clusters->nodeCount;
+    needs[qc_layersNodes] = clusters->nodeCount;
     needs[qc_layersLinks] = residency->imageOnly ? 0 : clusters->links.count;
     needs[qc_layersTables] = residency->imageOnly ? 0 : clusters->pairMasks.count;
-    needs[qc_layersChunks] = needs[qc_layersVertices] / qc_chunkSize;
 }
 
 static void AssignRanges(qcGpuResidency* residency, qcBodyResidency* resident, const qcBody* body)
@@ -113,7 +114,6 @@ static qcStatus AssignBodies(const Prepare* p)
     }
     if (residency->used[qc_layersTriangles] > UINT32_MAX - 1 || residency->used[qc_layersVertices] > UINT32_MAX - 1)
         return qcFail(qc_statusDevice, "layers: more than 2^32 - 2 triangles or vertices on the device");
-    residency->used[qc_layersBodies] = p->job->triangles->bodies->slots.count * qc_layersBodyTexels;
     bool grown = false;
     for (int i = 0; i < qc_layersInputCount; i++)
         if (residency->used[i] > residency->capacity[i])
@@ -121,8 +121,7 @@ static qcStatus AssignBodies(const Prepare* p)
             residency->capacity[i] = residency->used[i] + residency->used[i] / 4;
             grown = true;
         }
-    // A buffer that grows loses its contents. (The table of bodies grows with their number, and is then uploaded
-    // anyway.)
+    // A buffer that grows loses its contents.
     for (uint32_t slot = 0; grown && slot < residency->bodies.count; slot++)
         BodyAt(residency, slot)->frame = 0;
     return qc_statusOk;
@@ -148,7 +147,7 @@ static void* Stage(qcArray* array, size_t count, size_t elementSize)
 
 typedef struct StagingNeeds
 {
-    size_t vertices, locals, triangles, nodes, links;
+    size_t locals, triangles, nodes, links;
 } StagingNeeds;
 
 static bool HasMoved(const Prepare* p, const qcBodyResidency* resident, const qcBody* body)
@@ -164,10 +163,7 @@ static qcStatus ReserveStaging(const Prepare* p)
     {
         const qcBodyResidency* resident = BodyAt(residency, qcStepTriangles_Slot(p->job->triangles, body));
         const qcBody* b = qcStepTriangles_Body(p->job->triangles, body);
-        if (!p->job->takesPart[body])
-            continue;
-        needs.vertices += HasMoved(p, resident, b) ? b->vertexCount : 0;
-        if (resident->frame != 0)
+        if (!p->job->takesPart[body] || resident->frame != 0)
             continue;
         needs.locals += b->deforming ? 0 : b->vertexCount;
         needs.triangles += (size_t)resident->clusters.nodeCount * qc_nodeSize;
@@ -182,9 +178,8 @@ static qcStatus ReserveStaging(const Prepare* p)
         qcArray_Free(&residency->links);
         qcArray_Free(&residency->locals);
     }
-    residency->vertices.count = residency->locals.count = residency->triangles.count = 0;
+    residency->locals.count = residency->triangles.count = 0;
     residency->nodes.count = residency->links.count = residency->uploads.count = 0;
-    QC_TRY(qcArray_Reserve(&residency->vertices, needs.vertices, sizeof(Vertex), "vertices for the device"));
     QC_TRY(qcArray_Reserve(&residency->locals, needs.locals, sizeof(Vertex), "vertices for the device"));
     QC_TRY(qcArray_Reserve(&residency->triangles, needs.triangles, 4 * sizeof(uint32_t), "triangles for the device"));
     QC_TRY(qcArray_Reserve(&residency->nodes, needs.nodes, 4 * sizeof(uint32_t), "nodes for the device"));
@@ -305,41 +300,46 @@ static bool FindTransform(const qcBodyResidency* resident, const qcBody* body, c
     return true;
 }
 
-typedef struct Conversion
+/// The chunks of a body's new vertices. `at`: of their floats; `stride`: 0 for rigid bodies.
+static qcStatus AddChunks(qcGpuResidency* residency, const qcBodyResidency* resident, const qcBody* body,
+                          qcLayersChunkKind kind, size_t at, uint32_t stride)
 {
-    const qcBody* body;
-    const qcGridFrame* frame;
-    Vertex* staged;
-} Conversion;
-
-static void Convert(void* context, size_t block, uint32_t worker)
-{
-    (void)worker;
-    const Conversion* c = context;
-    const qcGridFrame frame = *c->frame;
-    uint32_t first = (uint32_t)block * qc_vertexBlock;
-    uint32_t count = c->body->vertexCount, end = count - first < qc_vertexBlock ? count : first + qc_vertexBlock;
-    for (uint32_t v = first; v < end; v++)
+    uint32_t chunkCount = (uint32_t)(PaddedVertices(body) / qc_layersChunkSize);
+    qcArray* chunks = &residency->chunks;
+    QC_TRY(qcArray_Reserve(chunks, chunks->count + chunkCount, sizeof(qcLayersChunk), "chunks of vertices"));
+    for (uint32_t first = 0; first < body->vertexCount; first += qc_layersChunkSize)
     {
-        double world[3], x[3];
-        qcBody_GetVertex(c->body, v, world);
-        qcGridFrame_Map(&frame, world, x);
-        c->staged[v] = (Vertex){{(float)x[0], (float)x[1], (float)x[2]}, 0};
+        uint32_t left = body->vertexCount - first;
+        QC_AT(qcLayersChunk, *chunks, chunks->count++) =
+            (qcLayersChunk){resident->firstVertex + first, left < qc_layersChunkSize ? left : qc_layersChunkSize,
+                            (uint32_t)(at + (size_t)first * stride), (uint32_t)kind | stride << 8};
     }
+    return qc_statusOk;
 }
 
-static qcStatus UploadVertices(const Prepare* p, const qcBodyResidency* resident, const qcBody* body)
+/// Plans the new vertices of a body that the device doesn't transform.
+static qcStatus AddVertices(const Prepare* p, const qcBodyResidency* resident, uint32_t body, const qcBody* b)
 {
-    Conversion c = {body, p->job->frame, NULL};
-    c.staged = Stage(&p->residency->vertices, body->vertexCount, sizeof(Vertex));
-    qcParallel_For(p->job->threads, (body->vertexCount + (size_t)qc_vertexBlock - 1) / qc_vertexBlock, qc_minBlocks,
-                   Convert, &c);
-    return AddUpload(p->residency, qc_layersVertices, resident->firstVertex, body->vertexCount, c.staged);
+    qcGpuResidency* residency = p->residency;
+    qcArray* jobs = &residency->vertexJobs;
+    qcVertexJob job = {.body = body,
+                       .firstVertex = resident->firstVertex,
+                       .at = residency->floatCount,
+                       .inWorld = b->hasFloats && p->job->frame->exponent >= qc_minWorldExponent};
+    QC_TRY(qcArray_Reserve(jobs, jobs->count + 1, sizeof job, "new vertices"));
+    QC_AT(qcVertexJob, *jobs, jobs->count++) = job;
+    if (residency->sharesVertices)
+    {
+        residency->vertexCount += b->vertexCount;
+        return qc_statusOk;
+    }
+    residency->floatCount += 3 * (size_t)b->vertexCount;
+    return AddChunks(residency, resident, b, job.inWorld ? qc_chunkWorld : qc_chunkInFrame, job.at, 3);
 }
 
 static qcStatus AddRange(qcArray* array, uint32_t first, uint32_t count)
 {
-    QC_TRY(qcArray_Reserve(array, array->count + count, sizeof(uint32_t), "nodes and chunks"));
+    QC_TRY(qcArray_Reserve(array, array->count + count, sizeof(uint32_t), "nodes"));
     for (uint32_t i = 0; i < count; i++)
         QC_AT(uint32_t, *array, array->count++) = first + i;
     return qc_statusOk;
@@ -363,10 +363,9 @@ static qcStatus UploadBody(const Prepare* p, uint32_t body)
     resident->transformed = !b->deforming && FindTransform(resident, b, p->job->frame, entry->transform);
     resident->changed = HasMoved(p, resident, b);
     if (resident->changed && resident->transformed)
-        QC_TRY(AddRange(&residency->chunks, resident->firstVertex / qc_chunkSize,
-                        (uint32_t)(PaddedVertices(b) / qc_chunkSize)));
+        QC_TRY(AddChunks(residency, resident, b, qc_chunkRigid, 0, 0));
     else if (resident->changed)
-        QC_TRY(UploadVertices(p, resident, b));
+        QC_TRY(AddVertices(p, resident, body, b));
     resident->moved = b->moved;
     resident->frame = p->job->frame->number;
     return qc_statusOk;
@@ -388,19 +387,7 @@ static qcStatus ListNodes(const Prepare* p)
         if (changed)
             residency->changedNodes = (uint32_t)residency->activeNodes.count;
     }
-    return AddUpload(residency, qc_layersActiveNodes, 0, residency->activeNodes.count, residency->activeNodes.data);
-}
-
-/// Uploads the table of bodies if it differs from the device's.
-static qcStatus UploadTable(qcGpuResidency* residency)
-{
-    size_t count = residency->table.count, bytes = count * sizeof(qcLayersBody);
-    if (residency->uploadedTable.count == count &&
-        memcmp(residency->uploadedTable.data, residency->table.data, bytes) == 0)
-        return qc_statusOk;
-    QC_TRY(qcArray_Resize(&residency->uploadedTable, count, sizeof(qcLayersBody), "bodies for the device"));
-    memcpy(residency->uploadedTable.data, residency->table.data, bytes);
-    return AddUpload(residency, qc_layersBodies, 0, count * qc_layersBodyTexels, residency->uploadedTable.data);
+    return qc_statusOk;
 }
 
 qcStatus qcGpuResidency_Prepare(const qcResidencyJob* job, qcGpuResidency* residency)
@@ -413,23 +400,101 @@ qcStatus qcGpuResidency_Prepare(const qcResidencyJob* job, qcGpuResidency* resid
     size_t slots = triangles->bodies->slots.count;
     QC_TRY(qcArray_Resize(&residency->table, slots, sizeof(qcLayersBody), "bodies for the device"));
     memset(residency->table.data, 0, slots * sizeof(qcLayersBody));
-    residency->chunks.count = 0;
+    residency->chunks.count = residency->vertexJobs.count = 0;
+    residency->floatCount = residency->vertexCount = 0;
     for (uint32_t body = 0; body < triangles->bodyCount; body++)
         if (job->takesPart[body])
             QC_TRY(UploadBody(&p, body));
-    QC_TRY(ListNodes(&p));
-    QC_TRY(AddUpload(residency, qc_layersChunks, 0, residency->chunks.count, residency->chunks.data));
-    return UploadTable(residency);
+    return ListNodes(&p);
 }
 
-void qcGpuResidency_FillStep(const qcGpuResidency* residency, qcLayersStep* step)
+void qcGpuResidency_FillStep(const qcGpuResidency* residency, const qcGridFrame* frame, qcLayersStep* step)
 {
     memcpy(step->capacity, residency->capacity, sizeof step->capacity);
     step->uploads = residency->uploads.data;
     step->uploadCount = residency->uploads.count;
+    step->bodies = residency->table.data;
+    step->bodyCount = (uint32_t)residency->table.count;
+    step->chunks = residency->chunks.data;
     step->chunkCount = (uint32_t)residency->chunks.count;
+    step->floatCount = residency->floatCount;
+    step->vertexCount = residency->vertexCount;
+    step->activeNodes = residency->activeNodes.data;
     step->changedNodes = residency->changedNodes;
-    step->activeNodes = (uint32_t)residency->activeNodes.count;
+    step->activeCount = (uint32_t)residency->activeNodes.count;
+    memcpy(step->frame.axes, frame->axes, sizeof step->frame.axes);
+    memcpy(step->frame.origin, frame->origin, sizeof step->frame.origin);
+    step->frame.unit = frame->unit;
+    memcpy(step->scale, frame->scale, sizeof step->scale);
+    memcpy(step->slack, frame->slack, sizeof step->slack);
+    step->pointError = frame->pointError;
+    step->queryDistance = frame->queryDistance;
+}
+
+typedef struct Writing
+{
+    const qcBody* body;
+    qcGridFrame frame;
+    bool inWorld;
+    float* floats;     ///< three a vertex; null: `vertices`
+    qcPoint* vertices; ///< in the frame
+} Writing;
+
+static void WriteInWorld(const double* world, size_t count, float* floats)
+{
+    // Exact: the caller gave floats.
+    for (size_t i = 0; i < count; i++)
+        floats[i] = (float)world[i];
+}
+
+static void WriteInFrame(const Writing* w, uint32_t first, uint32_t end)
+{
+    // Copies: nothing that is written overlaps them.
+    const qcGridFrame frame = w->frame;
+    const qcBody* body = w->body;
+    float* floats = w->floats;
+    qcPoint* vertices = w->vertices;
+    for (uint32_t v = first; v < end; v++)
+    {
+        double world[3], x[3];
+        qcBody_GetVertex(body, v, world);
+        qcGridFrame_Map(&frame, world, x);
+        if (floats == NULL)
+            vertices[v] = (qcPoint){{(float)x[0], (float)x[1], (float)x[2], 0.0f}};
+        else
+            for (int i = 0; i < 3; i++)
+                floats[3 * (size_t)v + (size_t)i] = (float)x[i];
+    }
+}
+
+static void WriteBlock(void* context, size_t block, uint32_t worker)
+{
+    (void)worker;
+    const Writing* w = context;
+    uint32_t first = (uint32_t)block * qc_vertexBlock, count = w->body->vertexCount;
+    uint32_t end = count - first < qc_vertexBlock ? count : first + qc_vertexBlock;
+    if (w->floats != NULL && w->inWorld)
+        WriteInWorld(w->body->world + 3 * (size_t)first, 3 * (size_t)(end - first), w->floats + 3 * (size_t)first);
+    else
+        WriteInFrame(w, first, end);
+}
+
+void qcGpuResidency_WriteVertices(const qcResidencyJob* job, const qcGpuResidency* residency,
+                                  const qcLayersMemory* memory)
+{
+    for (size_t i = 0; i < residency->vertexJobs.count; i++)
+    {
+        const qcVertexJob* vertexJob = &QC_AT(qcVertexJob, residency->vertexJobs, i);
+        Writing w = {.body = qcStepTriangles_Body(job->triangles, vertexJob->body),
+                     .frame = *job->frame,
+                     .inWorld = vertexJob->inWorld};
+        if (memory->vertices != NULL)
+            w.vertices = memory->vertices + vertexJob->firstVertex;
+        else
+            w.floats = memory->floats + vertexJob->at;
+        qcParallel_For(job->threads, (w.body->vertexCount + (size_t)qc_vertexBlock - 1) / qc_vertexBlock, qc_minBlocks,
+                       WriteBlock, &w);
+    }
 }
 
 void qcGpuResidency_Forget(qcGpuResidency* residency)
@@ -439,17 +504,15 @@ void qcGpuResidency_Forget(qcGpuResidency* residency)
     memset(residency->used, 0, sizeof residency->used);
     memset(residency->capacity, 0, sizeof residency->capacity);
     residency->freedNodes = 0;
-    residency->uploadedTable.count = 0;
 }
 
 void qcGpuResidency_Free(qcGpuResidency* residency)
 {
     for (uint32_t slot = 0; slot < residency->bodies.count; slot++)
         Release(residency, BodyAt(residency, slot));
-    qcArray* arrays[] = {&residency->bodies, &residency->nodeSlot,      &residency->corners,     &residency->vertices,
-                         &residency->locals, &residency->triangles,     &residency->nodes,       &residency->links,
-                         &residency->table,  &residency->uploadedTable, &residency->activeNodes, &residency->chunks,
-                         &residency->uploads};
+    qcArray* arrays[] = {&residency->bodies,      &residency->nodeSlot, &residency->corners,    &residency->locals,
+                         &residency->triangles,   &residency->nodes,    &residency->links,      &residency->table,
+                         &residency->activeNodes, &residency->chunks,   &residency->vertexJobs, &residency->uploads};
     for (size_t i = 0; i < sizeof arrays / sizeof arrays[0]; i++)
         qcArray_Free(arrays[i]);
 }

@@ -24,6 +24,7 @@ typedef struct qcBodyResidency
 typedef struct qcGpuResidency
 {
     bool imageOnly;                       ///< the device makes the image alone; set before the first step
+    bool sharesVertices;                  ///< see qcLayers_SharesVertices; likewise
     qcArray bodies;                       ///< of qcBodyResidency, by slot
     size_t capacity[qc_layersInputCount]; ///< elements of the device's buffers
     size_t used[qc_layersInputCount];     ///< elements assigned to bodies, removed ones included
@@ -31,12 +32,25 @@ typedef struct qcGpuResidency
     qcArray nodeSlot;                     ///< uint32_t: slot of the body of a leaf node
     qcArray corners;                      ///< of qcCorners, by triangle slot; with imageOnly
     uint32_t changedNodes;                ///< number of leaf nodes of changed bodies, which come first in activeNodes
-    //  Data of the step's uploads, valid until the step has run.
-    qcArray vertices, locals, triangles, nodes, links;
-    qcArray table, uploadedTable; ///< of qcLayersBody, by slot: of this step, and on the device
-    qcArray activeNodes, chunks;  ///< uint32_t
-    qcArray uploads;              ///< of qcLayersUpload
+    //  Data of the step and its uploads, valid until the step has run.
+    qcArray locals, triangles, nodes, links;
+    qcArray table;       ///< of qcLayersBody, by slot
+    qcArray activeNodes; ///< uint32_t
+    qcArray chunks;      ///< of qcLayersChunk
+    qcArray vertexJobs;  ///< of qcVertexJob
+    size_t floatCount;   ///< of all chunks
+    size_t vertexCount;  ///< of all vertex jobs that write vertices
+    qcArray uploads;     ///< of qcLayersUpload
 } qcGpuResidency;
+
+/// New vertices of a body, which the processor writes.
+typedef struct qcVertexJob
+{
+    uint32_t body;        ///< of the step
+    uint32_t firstVertex; ///< in qcLayersMemory::vertices, where these are shared
+    size_t at;            ///< otherwise: in qcLayersMemory::floats
+    bool inWorld;         ///< the device applies the frame: positions are floats
+} qcVertexJob;
 
 /// The bodies of a step. By body: flags of those that take part and of those with self-collision; four words each, the
 /// box of levels outside of which the body can't overlap a partner (qcLayers_PackBox).
@@ -52,8 +66,12 @@ typedef struct qcResidencyJob
 /// Plans the uploads of a step.
 qcStatus qcGpuResidency_Prepare(const qcResidencyJob* job, qcGpuResidency* residency);
 
-/// Fills the device's step with capacity, uploads, chunks and nodes.
-void qcGpuResidency_FillStep(const qcGpuResidency* residency, qcLayersStep* step);
+/// Fills the device's step: capacity, uploads, bodies, chunks, nodes and frame.
+void qcGpuResidency_FillStep(const qcGpuResidency* residency, const qcGridFrame* frame, qcLayersStep* step);
+
+/// Writes the step's new vertices where the device reads them: each is written once.
+void qcGpuResidency_WriteVertices(const qcResidencyJob* job, const qcGpuResidency* residency,
+                                  const qcLayersMemory* memory);
 
 /// The index in its body of the triangle at a slot of the device, and the body's slot.
 static inline uint32_t qcGpuResidency_TriangleAt(const qcGpuResidency* residency, uint32_t triangleSlot, uint32_t* slot)

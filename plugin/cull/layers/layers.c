@@ -113,7 +113,9 @@ static qcStatus OpenDevice(qcCullLayers* cull, qcDevice* device)
     cull->layers = NULL;
     qcGpuResidency_Forget(&cull->residency);
     cull->residency.imageOnly = RefinesOnCpu(device);
-    return qcLayers_Create(device, cull->residency.imageOnly, &cull->layers);
+    QC_TRY(qcLayers_Create(device, cull->residency.imageOnly, &cull->layers));
+    cull->residency.sharesVertices = qcLayers_SharesVertices(cull->layers);
+    return qc_statusOk;
 }
 
 /// Triangle pairs: from slots on the device to candidate keys.
@@ -157,11 +159,13 @@ static void FillProfile(const Step* step, const qcLayersStep* device, const qcLa
     profile->reruns = answer->reruns;
     profile->uploadedBytes = answer->uploadedBytes;
     profile->deviceBytes = answer->deviceBytes;
+    profile->deviceCalls = answer->glCalls;
+    profile->deviceWaits = answer->waits;
 }
 
-static const char* const s_partNames[qc_layersPartCount] = {
-    "prepare",       "hand-over",      "upload", "vertices", "boxes",   "clear",     "nodes", "node pairs",
-    "cluster pairs", "triangle pairs", "filter", "counters", "results", "hand-back", "refine"};
+static const char* const s_partNames[qc_layersPartCount] = {"prepare", "hand-over", "upload",     "vertices",
+                                                            "boxes",   "nodes",     "node pairs", "triangle pairs",
+                                                            "wait",    "timers",    "hand-back",  "refine"};
 
 /// `handed`, `answered`: when the step went to the device's thread and came back.
 static void FillTimes(const Step* step, const qcLayersAnswer* answer, double handed, double answered,
@@ -244,22 +248,20 @@ static qcStatus TryDevice(Step* step, const qcPairKeys* keys, qcProfile* profile
                                          .partnerBoxes = cull->partnerBoxes.data,
                                          .threads = job->threads};
     QC_TRY(qcGpuResidency_Prepare(&residencyJob, &cull->residency));
-    qcLayersStep device = {.pointError = cull->frame.pointError,
-                           .queryDistance = cull->frame.queryDistance,
-                           .testNeighbours = job->testNeighbours,
-                           .timed = job->timed};
-    qcGpuResidency_FillStep(&cull->residency, &device);
+    qcLayersStep device = {.testNeighbours = job->testNeighbours, .timed = job->timed};
+    qcGpuResidency_FillStep(&cull->residency, &cull->frame, &device);
     qcGridResolution_Choose(&cull->residency, job->triangles, &cull->frame, cull->bodyOf.data, job->columns,
                             device.cellsLog2);
-    memcpy(device.scale, cull->frame.scale, sizeof device.scale);
-    memcpy(device.slack, cull->frame.slack, sizeof device.slack);
+    qcLayersMemory memory;
+    QC_TRY(qcLayers_Open(cull->layers, &device, &memory));
+    qcGpuResidency_WriteVertices(&residencyJob, &cull->residency, &memory);
     qcLayersAnswer answer;
-    double handed = Now(job);
+    device.started = Now(job);
     QC_TRY(qcLayers_Run(cull->layers, &device, &answer));
     double answered = Now(job);
     QC_TRY(cull->residency.imageOnly ? Refine(step, &device, &answer, keys) : MapPairs(step, &answer, keys->keys));
     FillProfile(step, &device, &answer, profile);
-    FillTimes(step, &answer, handed, answered, profile);
+    FillTimes(step, &answer, device.started, answered, profile);
     return qc_statusOk;
 }
 

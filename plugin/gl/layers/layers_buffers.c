@@ -1,4 +1,4 @@
-// Allocation and upload of the buffers of `layers`. Kernels read most of them through buffer textures.
+// Allocation, mapping and upload of the buffers of `layers`. Kernels read most of them through buffer textures.
 #include "gl/layers/layers_buffers.h"
 
 #include "base/status.h"
@@ -11,35 +11,45 @@ typedef struct BufferShape
     const char* sampler; ///< name in the kernels; null: not sampled
     uint32_t elementSize;
     GLenum format;
+    GLbitfield mapping[2]; ///< 0: not mapped; for pairs, for the image
 } BufferShape;
 
+#define READ GL_MAP_READ_BIT
+#define READ_AND_WRITE (GL_MAP_READ_BIT | GL_MAP_WRITE_BIT)
+
 static const BufferShape s_shapes[qc_layersBufferCount] = {
-    [qc_layersVertices] = {"vertices", 16, GL_RGBA32F},
-    [qc_layersLocals] = {"locals", 16, GL_RGBA32UI},
-    [qc_layersTriangles] = {"triangles", 16, GL_RGBA32UI},
-    [qc_layersNodes] = {"nodes", 16, GL_RGBA32UI},
-    [qc_layersLinks] = {"links", 8, GL_RG32UI},
-    [qc_layersTables] = {"tables", 8, GL_RG32UI},
-    [qc_layersBodies] = {"bodies", 16, GL_RGBA32UI},
-    [qc_layersActiveNodes] = {"activeNodes", 4, GL_R32UI},
-    [qc_layersChunks] = {"chunks", 4, GL_R32UI},
-    [qc_workBoxes] = {"boxes", 16, GL_RGBA32UI},
-    [qc_workClusterBoxes] = {"clusterBoxes", 16, GL_RGBA32UI},
-    [qc_workNodeBoxes] = {"nodeBoxes", 16, GL_RGBA32UI},
-    [qc_workNodeGroups] = {NULL, sizeof(qcBox8), 0},
-    [qc_workEntries] = {"entries", 16, GL_RGBA32UI},
-    [qc_workNodePairs] = {"nodePairs", 8, GL_RG32UI},
-    [qc_workNodePairTables] = {"nodePairTables", 4, GL_R32UI},
-    [qc_workClusterPairs] = {"clusterPairs", 4, GL_R32UI},
-    [qc_workTrianglePairs] = {"trianglePairs", 4, GL_R32UI},
-    [qc_workSurvivors] = {NULL, 8, 0},
-    [qc_workHeads] = {NULL, 4, 0},
-    [qc_workCounters] = {"counted", 4, GL_R32UI},
+    [qc_layersVertices] = {"vertices", 16, GL_RGBA32F, {0, READ_AND_WRITE}},
+    [qc_layersLocals] = {"locals", 16, GL_RGBA32UI, {0, 0}},
+    [qc_layersTriangles] = {"triangles", 16, GL_RGBA32UI, {0, 0}},
+    [qc_layersNodes] = {"nodes", 16, GL_RGBA32UI, {0, 0}},
+    [qc_layersLinks] = {"links", 8, GL_RG32UI, {0, 0}},
+    [qc_layersTables] = {"tables", 8, GL_RG32UI, {0, 0}},
+    [qc_workBoxes] = {"boxes", 16, GL_RGBA32UI, {0, READ}},
+    [qc_workClusterBoxes] = {"clusterBoxes", 16, GL_RGBA32UI, {0, 0}},
+    [qc_workNodeBoxes] = {NULL, 16, 0, {0, READ}},
+    [qc_workEntries] = {"entries", 16, GL_RGBA32UI, {0, READ}},
+    [qc_workNodePairs] = {"nodePairs", 8, GL_RG32UI, {0, 0}},
+    [qc_workResults] = {NULL, 8, 0, {READ, 0}},
+    [qc_workLists] = {NULL, 4, 0, {0, READ_AND_WRITE}},
 };
 
-const char* qcLayersBuffers_SamplerName(int buffer)
+enum
 {
-    return s_shapes[buffer].sampler;
+    qc_storageBindings = 8, // as many as GL 4.3 guarantees
+    qc_streamBinding = -1
+};
+
+/// Buffers of the storage blocks, for pairs and for the image. The source of floats is the stream, too.
+static const int s_bindings[2][qc_storageBindings] = {
+    {qc_workLists, qc_layersVertices, qc_workBoxes, qc_streamBinding, qc_workEntries, qc_workNodePairs, qc_workResults,
+     qc_streamBinding},
+    {qc_workLists, qc_layersVertices, qc_workBoxes, qc_streamBinding, qc_workEntries, qc_workClusterBoxes,
+     qc_workNodeBoxes, qc_streamBinding}};
+
+const char* qcLayersBuffers_SamplerName(const qcLayersBuffers* b, int buffer)
+{
+    bool isGroup = b->imageOnly && buffer == qc_workBoxes;
+    return isGroup ? NULL : s_shapes[buffer].sampler;
 }
 
 size_t qcLayersBuffers_ElementSize(int buffer)
@@ -55,6 +65,7 @@ void qcLayersBuffers_Create(const struct qcGlFunctions* gl, qcLayersBuffers* b)
     gl->GetInteger64v(GL_MAX_TEXTURE_BUFFER_SIZE, &texels);
     b->maxBytes = bytes > 0 ? (size_t)bytes : 0;
     b->maxTexels = texels > 0 ? (size_t)texels : 0;
+    b->persistent = gl->BufferStorage != NULL;
     gl->GenBuffers(qc_layersBufferCount, b->buffers);
     gl->GenTextures(qc_layersBufferCount, b->textures);
 }
@@ -73,6 +84,25 @@ static qcStatus CheckError(const struct qcGlFunctions* gl, const char* moment)
                : qcFail(qc_statusDevice, "layers: %s: %s (0x%x)", moment, qcGl_ErrorName(error), error);
 }
 
+qcStatus qcLayersBuffers_Allocate(const struct qcGlFunctions* gl, size_t bytes, GLbitfield mapping, void** mapped)
+{
+    char purpose[64];
+    *mapped = NULL;
+    snprintf(purpose, sizeof purpose, "no memory for %zu bytes on the device", bytes);
+    if (gl->BufferStorage == NULL)
+    {
+        gl->BufferData(GL_SHADER_STORAGE_BUFFER, (GLsizeiptr)bytes, NULL, GL_DYNAMIC_COPY);
+        return CheckError(gl, purpose);
+    }
+    GLbitfield flags = mapping != 0 ? mapping | GL_MAP_PERSISTENT_BIT | GL_MAP_COHERENT_BIT : 0;
+    gl->BufferStorage(GL_SHADER_STORAGE_BUFFER, (GLsizeiptr)bytes, NULL, flags | GL_DYNAMIC_STORAGE_BIT);
+    QC_TRY(CheckError(gl, purpose));
+    if (mapping == 0)
+        return qc_statusOk;
+    *mapped = gl->MapBufferRange(GL_SHADER_STORAGE_BUFFER, 0, (GLsizeiptr)bytes, flags);
+    return *mapped != NULL ? qc_statusOk : CheckError(gl, "memory of the device can't be mapped");
+}
+
 static void BindTexture(const struct qcGlFunctions* gl, const qcLayersBuffers* b, int buffer)
 {
     gl->ActiveTexture(GL_TEXTURE0 + (GLenum)buffer);
@@ -82,20 +112,26 @@ static void BindTexture(const struct qcGlFunctions* gl, const qcLayersBuffers* b
 qcStatus qcLayersBuffers_Resize(const struct qcGlFunctions* gl, qcLayersBuffers* b, int buffer, size_t count)
 {
     const BufferShape* shape = &s_shapes[buffer];
+    const char* sampler = qcLayersBuffers_SamplerName(b, buffer);
     size_t bytes = count * shape->elementSize;
-    if (bytes > b->maxBytes || (shape->sampler != NULL && count > b->maxTexels))
+    if (bytes > b->maxBytes || (sampler != NULL && count > b->maxTexels))
         return qcFail(qc_statusDevice, "layers: %zu %s are more than the device's buffers hold", count,
-                      shape->sampler != NULL ? shape->sampler : "pairs");
+                      sampler != NULL ? sampler : "pairs");
     // An error of an earlier call is reported separately, not as the allocation's.
     QC_TRY(CheckError(gl, "before an allocation"));
     b->capacity[buffer] = 0;
+    gl->programs->bound = NULL;
+    if (b->persistent)
+    {
+        // Storage never changes its size.
+        gl->DeleteBuffers(1, &b->buffers[buffer]);
+        b->mapped[buffer] = NULL;
+        gl->GenBuffers(1, &b->buffers[buffer]);
+    }
     gl->BindBuffer(GL_SHADER_STORAGE_BUFFER, b->buffers[buffer]);
-    gl->BufferData(GL_SHADER_STORAGE_BUFFER, (GLsizeiptr)bytes, NULL, GL_DYNAMIC_COPY);
-    char purpose[64];
-    snprintf(purpose, sizeof purpose, "no memory for %zu bytes on the device", bytes);
-    QC_TRY(CheckError(gl, purpose));
+    QC_TRY(qcLayersBuffers_Allocate(gl, bytes, shape->mapping[b->imageOnly], &b->mapped[buffer]));
     b->capacity[buffer] = count;
-    if (shape->sampler != NULL)
+    if (sampler != NULL)
     {
         BindTexture(gl, b, buffer);
         gl->TexBuffer(GL_TEXTURE_BUFFER, shape->format, b->buffers[buffer]);
@@ -116,18 +152,48 @@ size_t qcLayersBuffers_Upload(const struct qcGlFunctions* gl, const qcLayersBuff
     assert(upload->first + upload->count <= b->capacity[upload->buffer]);
     if (upload->count == 0)
         return 0;
-    gl->BindBuffer(GL_SHADER_STORAGE_BUFFER, b->buffers[upload->buffer]);
-    gl->BufferSubData(GL_SHADER_STORAGE_BUFFER, (GLintptr)(upload->first * size), (GLsizeiptr)(upload->count * size),
-                      upload->data);
+    qcGl_Counted(gl)->BindBuffer(GL_SHADER_STORAGE_BUFFER, b->buffers[upload->buffer]);
+    qcGl_Counted(gl)->BufferSubData(GL_SHADER_STORAGE_BUFFER, (GLintptr)(upload->first * size),
+                                    (GLsizeiptr)(upload->count * size), upload->data);
     return upload->count * size;
 }
 
-void qcLayersBuffers_BindAll(const struct qcGlFunctions* gl, const qcLayersBuffers* b)
+void qcLayersBuffers_BindAll(const struct qcGlFunctions* gl, const qcLayersBuffers* b, GLuint stream)
 {
     for (int buffer = 0; buffer < qc_layersBufferCount; buffer++)
-        if (s_shapes[buffer].sampler != NULL)
+        if (qcLayersBuffers_SamplerName(b, buffer) != NULL)
             BindTexture(gl, b, buffer);
-    gl->BindBufferBase(GL_SHADER_STORAGE_BUFFER, 0, b->buffers[qc_workCounters]);
+    gl->ActiveTexture(GL_TEXTURE0);
+    const int* bindings = s_bindings[b->imageOnly];
+    for (GLuint i = 0; i < qc_storageBindings; i++)
+        gl->BindBufferBase(GL_SHADER_STORAGE_BUFFER, i,
+                           bindings[i] == qc_streamBinding ? stream : b->buffers[bindings[i]]);
+    gl->BindBuffer(GL_DISPATCH_INDIRECT_BUFFER, b->buffers[qc_workLists]);
+    gl->BindBuffer(GL_COPY_READ_BUFFER, b->buffers[qc_workLists]);
+    gl->BindBuffer(GL_COPY_WRITE_BUFFER, b->buffers[qc_workResults]);
+}
+
+const void* qcLayersBuffers_Read(const struct qcGlFunctions* gl, qcLayersBuffers* b, int buffer)
+{
+    size_t bytes = b->capacity[buffer] * s_shapes[buffer].elementSize;
+    if (b->mapped[buffer] != NULL)
+        return b->mapped[buffer];
+    qcGl_Counted(gl)->BindBuffer(GL_SHADER_STORAGE_BUFFER, b->buffers[buffer]);
+    b->mapped[buffer] =
+        qcGl_Counted(gl)->MapBufferRange(GL_SHADER_STORAGE_BUFFER, 0, (GLsizeiptr)bytes, GL_MAP_READ_BIT);
+    return b->mapped[buffer];
+}
+
+void qcLayersBuffers_UnmapAll(const struct qcGlFunctions* gl, qcLayersBuffers* b)
+{
+    for (int buffer = 0; !b->persistent && buffer < qc_layersBufferCount; buffer++)
+    {
+        if (b->mapped[buffer] == NULL)
+            continue;
+        qcGl_Counted(gl)->BindBuffer(GL_SHADER_STORAGE_BUFFER, b->buffers[buffer]);
+        qcGl_Counted(gl)->UnmapBuffer(GL_SHADER_STORAGE_BUFFER);
+        b->mapped[buffer] = NULL;
+    }
 }
 
 size_t qcLayersBuffers_ByteCount(const qcLayersBuffers* b)

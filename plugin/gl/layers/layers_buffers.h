@@ -1,4 +1,5 @@
-// The buffers of `layers` on the device: inputs uploaded by the caller, and outputs of the kernels.
+// The buffers of `layers` on the device: inputs uploaded by the caller, and outputs of the kernels. Where GL has
+// persistent storage (ARB_buffer_storage), buffers that the processor reads or writes stay mapped.
 #ifndef QC_GL_LAYERS_LAYERS_BUFFERS_H
 #define QC_GL_LAYERS_LAYERS_BUFFERS_H
 
@@ -8,46 +9,62 @@
 /// Buffers that the kernels fill; they follow the inputs, qcLayersBuffer.
 typedef enum qcLayersWork
 {
-    qc_workBoxes = qc_layersInputCount, ///< of triangles; for the image only: qcBox8, a cluster each
-    qc_workClusterBoxes,
-    qc_workNodeBoxes,
-    qc_workNodeGroups, ///< qcBox8, a node each: boxes of its clusters; for the image only
-    qc_workEntries,    ///< qcLayersEntry
+    /// qc_boxesOfNode a node: triangles, clusters, the node; for the image only: qcBox8, a cluster each
+    qc_workBoxes = qc_layersInputCount,
+    qc_workClusterBoxes, ///< for the image only
+    qc_workNodeBoxes,    ///< for the image only: of all nodes, then a qcBox8 a node, boxes of its clusters
+    qc_workEntries,      ///< qcLayersEntry
     qc_workNodePairs,
-    qc_workNodePairTables, ///< by node pair: its pair masks, or none
-    qc_workClusterPairs,   ///< node pair << 6 | cluster + 8 * cluster
-    qc_workTrianglePairs,  ///< cluster pair << 6 | triangle + 8 * triangle
-    qc_workSurvivors,      ///< slots of two triangles
-    qc_workHeads,          ///< by cell: its first entry
-    qc_workCounters,
+    qc_workResults, ///< a copy of the counters, then slots of two triangles each
+    qc_workLists,   ///< qc_counterWords of counters, then by cell its first entry
     qc_layersBufferCount
 } qcLayersWork;
 
+enum
+{
+    qc_boxesOfNode = 73,
+    qc_texelsOfImageNode = 7, ///< of qc_workNodeBoxes
+    qc_counterWords = 128,
+    qc_sourceBinding = 3 ///< storage block of the kernels that reads floats: the stream, or a qcLayersSource
+};
+
 typedef struct qcLayersBuffers
 {
+    bool imageOnly;
+    bool persistent; ///< GL has persistent storage
     GLuint buffers[qc_layersBufferCount], textures[qc_layersBufferCount];
     size_t capacity[qc_layersBufferCount]; ///< elements
+    void* mapped[qc_layersBufferCount];    ///< null: is not mapped
     size_t maxBytes;                       ///< of a buffer that a kernel reads
     size_t maxTexels;                      ///< elements of a buffer that is sampled
 } qcLayersBuffers;
 
+/// `imageOnly` has been set.
 void qcLayersBuffers_Create(const struct qcGlFunctions* gl, qcLayersBuffers* b);
 void qcLayersBuffers_Delete(const struct qcGlFunctions* gl, const qcLayersBuffers* b);
 
 /// Name of the sampler of a buffer in the kernels; null: it has none.
-const char* qcLayersBuffers_SamplerName(int buffer);
+const char* qcLayersBuffers_SamplerName(const qcLayersBuffers* b, int buffer);
 size_t qcLayersBuffers_ElementSize(int buffer);
 
-/// Resizes a buffer to exactly `count` elements; its content is lost. qc_statusDevice names the limit or the error.
+/// Resizes a buffer to exactly `count` elements; its content is lost, and so are all bindings. qc_statusDevice names
+/// the limit or the error.
 qcStatus qcLayersBuffers_Resize(const struct qcGlFunctions* gl, qcLayersBuffers* b, int buffer, size_t count);
 /// Makes room for `count` elements or more; the content stays if the buffer is large enough already.
 qcStatus qcLayersBuffers_Reserve(const struct qcGlFunctions* gl, qcLayersBuffers* b, int buffer, size_t count);
 
 /// Returns the number of bytes uploaded.
 size_t qcLayersBuffers_Upload(const struct qcGlFunctions* gl, const qcLayersBuffers* b, const qcLayersUpload* upload);
-/// Binds all samplers, and the counters as storage block 0.
-void qcLayersBuffers_BindAll(const struct qcGlFunctions* gl, const qcLayersBuffers* b);
+/// Binds all buffers and samplers. `stream`: the buffer of the steps' data.
+void qcLayersBuffers_BindAll(const struct qcGlFunctions* gl, const qcLayersBuffers* b, GLuint stream);
+/// The content, for reading; null: GL failed. Where nothing is persistent, it is mapped until UnmapAll.
+const void* qcLayersBuffers_Read(const struct qcGlFunctions* gl, qcLayersBuffers* b, int buffer);
+void qcLayersBuffers_UnmapAll(const struct qcGlFunctions* gl, qcLayersBuffers* b);
 /// Bytes of all buffers.
 size_t qcLayersBuffers_ByteCount(const qcLayersBuffers* b);
+
+/// Allocates storage for the buffer bound to GL_SHADER_STORAGE_BUFFER. `mapping`: GL_MAP_READ_BIT and GL_MAP_WRITE_BIT;
+/// 0: it is not mapped. `*mapped` is null where nothing is persistent. qc_statusDevice names the error.
+qcStatus qcLayersBuffers_Allocate(const struct qcGlFunctions* gl, size_t bytes, GLbitfield mapping, void** mapped);
 
 #endif

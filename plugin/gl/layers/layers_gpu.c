@@ -1,13 +1,14 @@
 // `layers` on the device: compute kernels from vertices to pairs of triangles. The image keeps, for each pixel and
 // slice of depth, a list of the nodes that cover it, and pairs are searched within a list. After per-pixel linked lists
-// (Yang et al.: Real-Time Concurrent Linked List Construction on the GPU, 2010). The README.md of this room lists the
-// kernels. Proof that no pair is lost: plugin/docs/proofs/layers.md.
+// (Yang et al.: Real-Time Concurrent Linked List Construction on the GPU, 2010). A step is one submission and one wait.
+// The README.md of this room lists the kernels. Proof that no pair is lost: plugin/docs/proofs/layers.md.
 #include "gl/layers/layers_gpu.h"
 
 #include "base/clock.h"
 #include "gl/device.h"
 #include "gl/layers/layers_buffers.h"
 #include "gl/layers/layers_kernels.h"
+#include "gl/layers/layers_stream.h"
 #include "gl/timers.h"
 #include "base/status.h"
 
@@ -18,29 +19,34 @@
 
 enum
 {
-    // A list's word holds the item that it comes from and six bits; an item yields at most 64 of the next list, so no
-    // counter overflows. (Two counters can, of entries and of node pairs: their kernels check.)
+    // A node's number of cells is below 2^25, and so is a pair of nodes' number of survivors: no counter overflows
+    // before its kernel notices.
     qc_maxItems = 1 << 25,
-    qc_maxReruns = 64
+    qc_maxReruns = 64,
+    // Calls for each job in device.c, beside those that are counted here: errors, and the context's state.
+    qc_callsOfJob = 2,
+    // Words that an invocation of the first kernel resets.
+    qc_resetShare = 8
 };
 
-/// The lists whose items are counted. List i is the input of kernel qc_kernelNodePairs + i.
+/// A device that needs more is lost.
+static const GLuint64 s_maxWait = 10000000000u;
+
+/// The lists whose items are counted. Lists 0 and 1 are the input of kernels qc_kernelNodePairs + i.
 typedef enum List
 {
     list_entries,
     list_nodePairs,
-    list_clusterPairs,
-    list_trianglePairs,
     list_survivors,
     list_count
 } List;
 
-static const qcLayersWork s_lists[list_count] = {qc_workEntries, qc_workNodePairs, qc_workClusterPairs,
-                                                 qc_workTrianglePairs, qc_workSurvivors};
+static const qcLayersWork s_lists[list_count] = {qc_workEntries, qc_workNodePairs, qc_workResults};
+/// Room in a list's buffer that is none of the list's: for the item that doesn't fit, and for the counters.
+static const uint32_t s_reserved[list_count] = {1, 1, 1 + qc_counterWords / 2};
 
-static const qcLayersPart s_kernelParts[qc_kernelCount] = {qc_partVertices,  qc_partBoxes,        qc_partNodes,
-                                                           qc_partNodePairs, qc_partClusterPairs, qc_partTrianglePairs,
-                                                           qc_partFilter};
+static const qcLayersPart s_kernelParts[qc_kernelCount] = {qc_partVertices, qc_partBoxes,     qc_partNodes,
+                                                           qc_partNodes,    qc_partNodePairs, qc_partTrianglePairs};
 
 /// A counter as the kernels define it (common.glsl), on a cache line of its own.
 typedef struct Counter
@@ -50,32 +56,33 @@ typedef struct Counter
 
 typedef struct Counters
 {
-    Counter lists[list_count], skippedNodes, stopped, overflow, finished;
+    Counter lists[list_count], trianglePairs, skippedNodes, stopped, overflow, finished;
 } Counters;
+_Static_assert(sizeof(Counters) == qc_counterWords * sizeof(uint32_t), "the counters of the kernels");
 
 struct qcLayers
 {
     qcDevice* device;
     uint32_t generation; ///< of the device
+    bool imageOnly;
     qcLayersBuffers buffers;
+    qcLayersStream stream;
     qcLayersKernels kernels;
     Counters counters;  ///< of the last run
     uint32_t runNumber; ///< of the last run, from 1; the last kernel writes it to `finished`
-    bool mapped;        ///< the buffers of s_mapped are, for the image
-    qcArray pairs;
+    GLsync fence;       ///< of the run on the device; null: there is none
     qcGlTimers timers;
-    double started; ///< time at which the calling thread handed the step over
-    const qcLayersStep* step;
-    qcLayersAnswer* answer;
+    qcLayersStep step; ///< the last one begun
+    qcLayersAnswer answer;
 };
 
 static qcStatus CreateObjects(const struct qcGlFunctions* gl, void* context)
 {
     qcLayers* layers = context;
-    QC_TRY(qcLayersKernels_Create(gl, &layers->kernels));
+    layers->kernels.imageOnly = layers->buffers.imageOnly = layers->imageOnly;
+    QC_TRY(qcLayersKernels_Create(gl, &layers->kernels, &layers->buffers));
     qcLayersBuffers_Create(gl, &layers->buffers);
-    return qcLayersBuffers_Resize(gl, &layers->buffers, qc_workCounters,
-                                  sizeof(Counters) / qcLayersBuffers_ElementSize(qc_workCounters));
+    return qc_statusOk;
 }
 
 bool qcLayers_IsAlive(const qcLayers* layers)
@@ -83,11 +90,142 @@ bool qcLayers_IsAlive(const qcLayers* layers)
     return layers != NULL && layers->generation == qcDevice_GetGeneration(layers->device);
 }
 
+bool qcLayers_SharesVertices(const qcLayers* layers)
+{
+    return layers->imageOnly && layers->buffers.persistent;
+}
+
 static qcStatus DeleteObjects(const struct qcGlFunctions* gl, void* context)
 {
     qcLayers* layers = context;
+    gl->DeleteSync(layers->fence);
     qcGlTimers_Delete(gl, &layers->timers);
+    qcLayersStream_Delete(gl, &layers->stream);
     qcLayersBuffers_Delete(gl, &layers->buffers);
+    return qc_statusOk;
+}
+
+//  ---- a step's data -----------------------------------------------------------------------------------------------
+
+/// Words from the start of a step's data.
+typedef struct Places
+{
+    size_t bodies, nodes, chunks, floats, end;
+} Places;
+
+static Places FindPlaces(const qcLayersStep* step)
+{
+    Places p = {.bodies = qc_parameterBytes / sizeof(uint32_t)};
+    p.nodes = p.bodies + step->bodyCount * (sizeof(qcLayersBody) / sizeof(uint32_t));
+    p.chunks = p.nodes + step->activeCount;
+    p.floats = p.chunks + step->chunkCount * (sizeof(qcLayersChunk) / sizeof(uint32_t));
+    p.end = p.floats + step->floatCount;
+    return p;
+}
+
+static uint32_t CellCount(const qcLayersStep* step)
+{
+    return 1u << (step->cellsLog2[0] + step->cellsLog2[1] + step->cellsLog2[2]);
+}
+
+/// Chunks whose floats lie in the stream.
+static uint32_t OwnChunkCount(const qcLayersStep* step)
+{
+    uint32_t count = step->chunkCount;
+    for (uint32_t i = 0; i < step->sourceCount; i++)
+        count -= step->sources[i].chunkCount;
+    return count;
+}
+
+/// Bytes that the processor writes for a step, beside its uploads and parameters.
+static size_t StepBytes(const qcLayersStep* step)
+{
+    return FindPlaces(step).end * sizeof(uint32_t) - qc_parameterBytes + step->vertexCount * sizeof(qcPoint);
+}
+
+/// The number of items that a list holds.
+static uint32_t ListCapacity(const qcLayers* layers, List list)
+{
+    size_t capacity = layers->buffers.capacity[s_lists[list]];
+    return capacity > s_reserved[list] ? (uint32_t)(capacity - s_reserved[list]) : 0;
+}
+
+static void WriteParameters(const qcLayers* layers)
+{
+    const qcLayersStep* step = &layers->step;
+    Places p = FindPlaces(step);
+    uint32_t start = (uint32_t)(qcLayersStream_Offset(&layers->stream) / sizeof(uint32_t));
+    qcLayersParameters values = {.chunkCount = OwnChunkCount(step),
+                                 .changedNodes = step->changedNodes,
+                                 .activeNodes = step->activeCount,
+                                 .runNumber = layers->runNumber,
+                                 .entryCapacity = ListCapacity(layers, list_entries),
+                                 .nodePairCapacity = ListCapacity(layers, list_nodePairs),
+                                 .survivorCapacity = ListCapacity(layers, list_survivors),
+                                 .cellCount = CellCount(step),
+                                 .bodiesAt = start + (uint32_t)p.bodies,
+                                 .nodesAt = start + (uint32_t)p.nodes,
+                                 .chunksAt = start + (uint32_t)p.chunks,
+                                 .floatsAt = start + (uint32_t)p.floats,
+                                 .testNeighbours = step->testNeighbours,
+                                 .pointError = step->pointError,
+                                 .queryDistance = step->queryDistance,
+                                 .unit = step->frame.unit};
+    values.groupsAt = (uint32_t)(layers->buffers.capacity[qc_workNodeBoxes] / qc_texelsOfImageNode * 4);
+    for (int i = 0; i < 3; i++)
+    {
+        values.cellShift[i] = 15 - step->cellsLog2[i];
+        values.axes[i] = (uint32_t)step->frame.axes[i];
+        values.origin[i] = step->frame.origin[i];
+    }
+    memcpy(values.scale, step->scale, sizeof values.scale);
+    memcpy(values.slack, step->slack, sizeof values.slack);
+    memcpy(qcLayersStream_Data(&layers->stream), &values, sizeof values);
+}
+
+static void WriteStep(const qcLayers* layers)
+{
+    const qcLayersStep* step = &layers->step;
+    Places p = FindPlaces(step);
+    uint32_t* words = (uint32_t*)(void*)qcLayersStream_Data(&layers->stream);
+    memcpy(words + p.bodies, step->bodies, step->bodyCount * sizeof(qcLayersBody));
+    memcpy(words + p.nodes, step->activeNodes, step->activeCount * sizeof(uint32_t));
+    if (step->chunkCount != 0)
+        memcpy(words + p.chunks, step->chunks, step->chunkCount * sizeof(qcLayersChunk));
+}
+
+typedef struct Opening
+{
+    qcLayers* layers;
+    const qcLayersStep* step;
+} Opening;
+
+static qcStatus GrowForStep(const struct qcGlFunctions* gl, void* context)
+{
+    const Opening* opening = context;
+    qcLayers* layers = opening->layers;
+    size_t bytes = FindPlaces(opening->step).end * sizeof(uint32_t);
+    if (bytes > layers->stream.partBytes)
+        QC_TRY(qcLayersStream_Grow(gl, &layers->stream, bytes));
+    if (!qcLayers_SharesVertices(layers))
+        return qc_statusOk;
+    return qcLayersBuffers_Reserve(gl, &layers->buffers, qc_layersVertices, opening->step->capacity[qc_layersVertices]);
+}
+
+qcStatus qcLayers_Open(qcLayers* layers, const qcLayersStep* step, qcLayersMemory* memory)
+{
+    Places p = FindPlaces(step);
+    bool shares = qcLayers_SharesVertices(layers);
+    if (p.end * sizeof(uint32_t) > layers->stream.partBytes ||
+        (shares && step->capacity[qc_layersVertices] > layers->buffers.capacity[qc_layersVertices]))
+    {
+        Opening opening = {layers, step};
+        QC_TRY(qcDevice_Run(layers->device, GrowForStep, &opening, "layers, memory"));
+    }
+    qcLayersStream_Next(&layers->stream);
+    float* words = (float*)(void*)qcLayersStream_Data(&layers->stream);
+    *memory = (qcLayersMemory){.floats = words + p.floats,
+                               .vertices = shares ? layers->buffers.mapped[qc_layersVertices] : NULL};
     return qc_statusOk;
 }
 
@@ -96,7 +234,7 @@ static qcStatus DeleteObjects(const struct qcGlFunctions* gl, void* context)
 /// The number of lists, up to the one with the result.
 static int ListCount(const qcLayers* layers)
 {
-    return layers->kernels.imageOnly ? list_entries + 1 : list_count;
+    return layers->imageOnly ? list_entries + 1 : list_count;
 }
 
 static uint32_t CountOf(const qcLayers* layers, List list)
@@ -104,82 +242,143 @@ static uint32_t CountOf(const qcLayers* layers, List list)
     return layers->counters.lists[list].count;
 }
 
-/// The number of items that a list holds, one less than the buffer's capacity: see WRITE_BITS in common.glsl.
-static uint32_t ListCapacity(const qcLayers* layers, int buffer)
+static void Run(const struct qcGlFunctions* gl, qcLayers* layers, qcLayersKernel kernel, uint64_t groups)
 {
-    return (uint32_t)(layers->buffers.capacity[buffer] - 1);
-}
-
-static qcLayersUniforms MakeUniforms(const qcLayers* layers, uint32_t nodeCount)
-{
-    const qcLayersStep* step = layers->step;
-    qcLayersUniforms values = {
-        .chunkCount = step->chunkCount,
-        .nodeCount = nodeCount,
-        .entryCapacity = ListCapacity(layers, qc_workEntries),
-        .nodePairCapacity = ListCapacity(layers, qc_workNodePairs),
-        .clusterPairCapacity = ListCapacity(layers, qc_workClusterPairs),
-        .trianglePairCapacity = ListCapacity(layers, qc_workTrianglePairs),
-        .survivorCapacity = ListCapacity(layers, qc_workSurvivors),
-        .testNeighbours = step->testNeighbours,
-        .runNumber = layers->runNumber,
-        .pointError = step->pointError,
-        .queryDistance = step->queryDistance,
-    };
-    for (int axis = 0; axis < 3; axis++)
-        values.cellShift[axis] = 15 - step->cellsLog2[axis];
-    memcpy(values.scale, step->scale, sizeof values.scale);
-    memcpy(values.slack, step->slack, sizeof values.slack);
-    return values;
-}
-
-static void RunKernel(const struct qcGlFunctions* gl, qcLayers* layers, qcLayersKernel kernel, uint64_t items,
-                      uint32_t nodeCount)
-{
-    qcLayersUniforms values = MakeUniforms(layers, nodeCount);
-    qcLayersKernels_Run(gl, &layers->kernels, &layers->buffers, kernel, &values, items);
+    qcLayersKernels_Run(gl, &layers->kernels, kernel, groups);
     qcGlTimers_Mark(gl, &layers->timers, s_kernelParts[kernel]);
 }
 
 /// Runs the kernel that reads a list. The number of items stays on the device.
-static void RunKernelOn(const struct qcGlFunctions* gl, qcLayers* layers, List list)
+static void RunOn(const struct qcGlFunctions* gl, qcLayers* layers, List list)
 {
     qcLayersKernel kernel = (qcLayersKernel)(qc_kernelNodePairs + (int)list);
-    qcLayersUniforms values = MakeUniforms(layers, 0);
-    qcLayersKernels_RunIndirect(gl, &layers->kernels, &layers->buffers, kernel, &values,
-                                list * sizeof(Counter) + offsetof(Counter, groups));
+    qcLayersKernels_RunIndirect(gl, &layers->kernels, kernel, list * sizeof(Counter) + offsetof(Counter, groups));
     qcGlTimers_Mark(gl, &layers->timers, s_kernelParts[kernel]);
 }
 
-/// Resets the counters and the lists' heads.
-static void ClearLists(const struct qcGlFunctions* gl, qcLayers* layers)
+/// Vertices in buffers of the caller's.
+static void RunSources(const struct qcGlFunctions* gl, qcLayers* layers)
 {
-    const GLuint none = UINT32_MAX;
-    const GLuint* buffers = layers->buffers.buffers;
-    layers->runNumber++;
-    layers->counters = (Counters){0};
-    for (int list = 0; list < list_survivors; list++)
-        for (int axis = 0; axis < 3; axis++)
-            layers->counters.lists[list].groups[axis] = 1;
-    gl->BindBuffer(GL_SHADER_STORAGE_BUFFER, buffers[qc_workCounters]);
-    gl->BufferSubData(GL_SHADER_STORAGE_BUFFER, 0, sizeof layers->counters, &layers->counters);
-    gl->BindBuffer(GL_SHADER_STORAGE_BUFFER, buffers[qc_workHeads]);
-    gl->ClearBufferData(GL_SHADER_STORAGE_BUFFER, GL_R32UI, GL_RED_INTEGER, GL_UNSIGNED_INT, &none);
-    gl->BindBuffer(GL_DISPATCH_INDIRECT_BUFFER, buffers[qc_workCounters]);
-    qcGlTimers_Mark(gl, &layers->timers, qc_partClear);
+    const qcLayersStep* step = &layers->step;
+    uint32_t first = OwnChunkCount(step);
+    for (uint32_t i = 0; i < step->sourceCount; i++)
+    {
+        qcGl_Counted(gl)->BindBufferBase(GL_SHADER_STORAGE_BUFFER, qc_sourceBinding, step->sources[i].buffer);
+        qcLayersKernels_RunForeign(gl, &layers->kernels, first, first + step->sources[i].chunkCount);
+        first += step->sources[i].chunkCount;
+    }
+    if (step->sourceCount != 0)
+        qcGl_Counted(gl)->BindBufferBase(GL_SHADER_STORAGE_BUFFER, qc_sourceBinding, layers->stream.buffer);
 }
 
-/// Runs the kernels from nodes on, and reads the counters. May be repeated.
-static void RunLists(const struct qcGlFunctions* gl, qcLayers* layers)
+/// New vertices into the frame; empty lists.
+static void RunVertices(const struct qcGlFunctions* gl, qcLayers* layers)
 {
-    ClearLists(gl, layers);
-    RunKernel(gl, layers, qc_kernelNodes, layers->step->activeNodes, layers->step->activeNodes);
-    for (int list = 0; list < ListCount(layers) - 1; list++)
-        RunKernelOn(gl, layers, (List)list);
-    gl->BindBuffer(GL_SHADER_STORAGE_BUFFER, layers->buffers.buffers[qc_workCounters]);
-    gl->GetBufferSubData(GL_SHADER_STORAGE_BUFFER, 0, sizeof layers->counters, &layers->counters);
+    const qcLayersStep* step = &layers->step;
+    void* lists = layers->buffers.mapped[qc_workLists];
+    size_t words = qc_counterWords + (size_t)CellCount(step);
+    uint64_t chunks = OwnChunkCount(step), share = qc_layersChunkSize * qc_resetShare;
+    uint64_t groups = (words + share - 1) / share;
+    if (qcLayers_SharesVertices(layers) && step->chunkCount == 0)
+    {
+        memset(lists, 0, qc_counterWords * sizeof(uint32_t));
+        memset((uint32_t*)lists + qc_counterWords, 0xff, CellCount(step) * sizeof(uint32_t));
+        qcGlTimers_Mark(gl, &layers->timers, qc_partUpload);
+        return;
+    }
+    Run(gl, layers, qc_kernelVertices, chunks > groups ? chunks : groups);
+    RunSources(gl, layers);
+}
+
+static void RunKernels(const struct qcGlFunctions* gl, qcLayers* layers)
+{
+    const qcLayersStep* step = &layers->step;
+    RunVertices(gl, layers);
+    if (layers->imageOnly)
+    {
+        if (step->changedNodes != 0)
+            Run(gl, layers, qc_kernelImageBoxes, (step->changedNodes + UINT64_C(7)) / 8);
+        Run(gl, layers, qc_kernelImageNodes, (step->activeCount + UINT64_C(15)) / 16);
+        return;
+    }
+    Run(gl, layers, qc_kernelNodes, step->activeCount);
+    RunOn(gl, layers, list_entries);
+    RunOn(gl, layers, list_nodePairs);
+    qcGl_Counted(gl)->CopyBufferSubData(GL_COPY_READ_BUFFER, GL_COPY_WRITE_BUFFER, 0, 0, sizeof(Counters));
+}
+
+/// Submits a run: all kernels, and a fence behind them. May be repeated.
+static void Submit(const struct qcGlFunctions* gl, qcLayers* layers)
+{
+    layers->runNumber++;
+    qcLayersBuffers_UnmapAll(gl, &layers->buffers);
+    WriteParameters(layers);
+    qcLayersStream_Submit(gl, &layers->stream, FindPlaces(&layers->step).end * sizeof(uint32_t));
+    if (gl->programs->bound != layers)
+        qcLayersBuffers_BindAll(gl, &layers->buffers, layers->stream.buffer);
+    qcGl_Counted(gl)->BindBufferRange(GL_UNIFORM_BUFFER, 0, layers->stream.buffer,
+                                      (GLintptr)qcLayersStream_Offset(&layers->stream), qc_parameterBytes);
+    qcGlTimers_Mark(gl, &layers->timers, qc_partUpload);
+    RunKernels(gl, layers);
+    layers->fence = qcGl_Counted(gl)->FenceSync(GL_SYNC_GPU_COMMANDS_COMPLETE, 0);
+    qcGl_Counted(gl)->UseProgram(0);
+    qcGl_KeepBindings(gl, layers);
+}
+
+/// Makes room for the step, as far as its sizes are known beforehand.
+static qcStatus ReserveAll(const struct qcGlFunctions* gl, qcLayers* layers)
+{
+    const qcLayersStep* step = &layers->step;
+    qcLayersBuffers* b = &layers->buffers;
+    size_t nodes = step->capacity[qc_layersNodes];
+    bool imageOnly = layers->imageOnly;
+    for (int buffer = 0; buffer < qc_layersInputCount; buffer++)
+        QC_TRY(qcLayersBuffers_Reserve(gl, b, buffer, step->capacity[buffer]));
+    QC_TRY(qcLayersBuffers_Reserve(gl, b, qc_workBoxes, imageOnly ? 48 * nodes : qc_boxesOfNode * nodes));
+    QC_TRY(qcLayersBuffers_Reserve(gl, b, qc_workClusterBoxes, imageOnly ? 8 * nodes : 0));
+    QC_TRY(qcLayersBuffers_Reserve(gl, b, qc_workNodeBoxes, imageOnly ? qc_texelsOfImageNode * nodes : 0));
+    QC_TRY(qcLayersBuffers_Reserve(gl, b, qc_workLists, qc_counterWords + (size_t)CellCount(step)));
+    // Items per node that a folded cloth needs; a scene that needs more takes one more run.
+    static const size_t s_itemsPerNode[list_count] = {4, 12, 8};
+    for (int list = 0; list < list_count; list++)
+        QC_TRY(qcLayersBuffers_Reserve(gl, b, s_lists[list],
+                                       list < ListCount(layers) ? s_itemsPerNode[list] * nodes + 128 : 0));
+    return qc_statusOk;
+}
+
+static qcStatus SubmitStep(const struct qcGlFunctions* gl, qcLayers* layers)
+{
+    const qcLayersStep* step = &layers->step;
+    gl->programs->calls = 0;
+    qcGlTimers_Begin(gl, &layers->timers, step->timed, step->started, qc_partHandOver);
+    layers->answer = (qcLayersAnswer){.uploadedBytes = StepBytes(step), .glCalls = qc_callsOfJob};
+    QC_TRY(ReserveAll(gl, layers));
+    for (size_t i = 0; i < step->uploadCount; i++)
+        layers->answer.uploadedBytes += qcLayersBuffers_Upload(gl, &layers->buffers, &step->uploads[i]);
+    WriteStep(layers);
+    Submit(gl, layers);
+    return qc_statusOk;
+}
+
+//  ---- results -----------------------------------------------------------------------------------------------------
+
+/// Waits for the run and reads its counters.
+static qcStatus Wait(const struct qcGlFunctions* gl, qcLayers* layers)
+{
+    GLenum reached = qcGl_Counted(gl)->ClientWaitSync(layers->fence, GL_SYNC_FLUSH_COMMANDS_BIT, s_maxWait);
+    layers->answer.waits++;
+    qcGl_Counted(gl)->DeleteSync(layers->fence);
+    layers->fence = NULL;
+    if (reached != GL_ALREADY_SIGNALED && reached != GL_CONDITION_SATISFIED)
+        return qcFail(qc_statusDevice, "layers: the device did not finish its kernels in time");
+    const void* counters =
+        qcLayersBuffers_Read(gl, &layers->buffers, layers->imageOnly ? qc_workLists : qc_workResults);
+    if (counters == NULL)
+        return qcFail(qc_statusDevice, "layers: the device's answer can't be read");
+    memcpy(&layers->counters, counters, sizeof layers->counters);
     qcGlTimers_MarkPassed(&layers->timers);
-    qcGlTimers_Mark(gl, &layers->timers, qc_partCounters);
+    qcGlTimers_Mark(gl, &layers->timers, qc_partWait);
+    return qc_statusOk;
 }
 
 /// Checks the run, and makes room for lists that overflowed; `*again`: some did.
@@ -196,153 +395,92 @@ static qcStatus GrowLists(const struct qcGlFunctions* gl, qcLayers* layers, bool
         uint32_t count = CountOf(layers, (List)list);
         if (count > qc_maxItems || layers->counters.overflow.count != 0)
             return qcFail(qc_statusDevice, "layers: more than %d pairs in one list", qc_maxItems);
-        if (count <= ListCapacity(layers, s_lists[list]))
+        if (count <= ListCapacity(layers, (List)list))
             continue;
-        QC_TRY(qcLayersBuffers_Resize(gl, &layers->buffers, s_lists[list], count + count / 4 + 2));
+        QC_TRY(qcLayersBuffers_Resize(gl, &layers->buffers, s_lists[list], count + count / 4 + s_reserved[list] + 1));
         *again = true;
     }
     return qc_statusOk;
 }
 
-//  ---- results -----------------------------------------------------------------------------------------------------
-
-static void FillCounts(qcLayers* layers)
+static qcStatus ReadImage(const struct qcGlFunctions* gl, qcLayers* layers)
 {
-    qcLayersAnswer* answer = layers->answer;
-    answer->entries = CountOf(layers, list_entries);
-    answer->trianglePairs = CountOf(layers, list_trianglePairs);
-    answer->skippedNodes = layers->counters.skippedNodes.count;
-    answer->deviceBytes = qcLayersBuffers_ByteCount(&layers->buffers);
+    static const int s_read[] = {qc_workEntries, qc_workNodeBoxes, qc_workBoxes, qc_layersVertices};
+    const void* data[sizeof s_read / sizeof s_read[0]];
+    qcLayersBuffers* b = &layers->buffers;
+    for (size_t i = 0; i < sizeof s_read / sizeof s_read[0]; i++)
+    {
+        data[i] = qcLayersBuffers_Read(gl, b, s_read[i]);
+        if (data[i] == NULL)
+            return qcFail(qc_statusDevice, "layers: the device's answer can't be read");
+    }
+    const uint32_t(*nodeBoxes)[4] = data[1];
+    layers->answer.image = (qcLayersImage){
+        .entries = data[0],
+        .entryCount = CountOf(layers, list_entries),
+        .nodeBoxes = nodeBoxes,
+        .clusterGroups = data[2],
+        .nodeGroups = (const qcBox8*)(const void*)(nodeBoxes + b->capacity[qc_workNodeBoxes] / qc_texelsOfImageNode),
+        .vertices = data[3]};
+    return qc_statusOk;
 }
 
 static qcStatus ReadPairs(const struct qcGlFunctions* gl, qcLayers* layers)
 {
-    size_t count = CountOf(layers, list_survivors);
-    QC_TRY(qcArray_Resize(&layers->pairs, 2 * count, sizeof(uint32_t), "pairs from the device"));
-    if (count != 0)
-    {
-        gl->BindBuffer(GL_SHADER_STORAGE_BUFFER, layers->buffers.buffers[qc_workSurvivors]);
-        // No triangle has this slot: it must be overwritten.
-        uint32_t* last = &QC_AT(uint32_t, layers->pairs, 2 * count - 1);
-        *last = QC_NO_TRIANGLE;
-        gl->GetBufferSubData(GL_SHADER_STORAGE_BUFFER, 0, (GLsizeiptr)(2 * count * sizeof(uint32_t)),
-                             layers->pairs.data);
-        if (*last == QC_NO_TRIANGLE)
-            return qcFail(qc_statusDevice, "layers: the device did not finish reading its pairs back");
-    }
-    layers->answer->pairs = layers->pairs.data;
-    layers->answer->pairCount = count;
+    const uint32_t* words = qcLayersBuffers_Read(gl, &layers->buffers, qc_workResults);
+    layers->answer.pairs = words + qc_counterWords;
+    layers->answer.pairCount = CountOf(layers, list_survivors);
     return qc_statusOk;
 }
 
-static const int s_mapped[] = {qc_workEntries, qc_workNodeBoxes, qc_workBoxes, qc_workNodeGroups, qc_layersVertices};
-enum
+/// Waits, and repeats the run until every list has room.
+static qcStatus FinishStep(const struct qcGlFunctions* gl, qcLayers* layers)
 {
-    qc_mappedCount = sizeof s_mapped / sizeof s_mapped[0]
-};
-
-static void UnmapImage(const struct qcGlFunctions* gl, qcLayers* layers)
-{
-    for (int i = 0; layers->mapped && i < qc_mappedCount; i++)
-    {
-        gl->BindBuffer(GL_SHADER_STORAGE_BUFFER, layers->buffers.buffers[s_mapped[i]]);
-        gl->UnmapBuffer(GL_SHADER_STORAGE_BUFFER);
-    }
-    layers->mapped = false;
-}
-
-/// Maps the image instead of copying it: it lies in the processor's own memory.
-static qcStatus MapImage(const struct qcGlFunctions* gl, qcLayers* layers)
-{
-    const void* data[qc_mappedCount];
-    layers->mapped = true;
-    for (int i = 0; i < qc_mappedCount; i++)
-    {
-        size_t bytes = layers->buffers.capacity[s_mapped[i]] * qcLayersBuffers_ElementSize(s_mapped[i]);
-        gl->BindBuffer(GL_SHADER_STORAGE_BUFFER, layers->buffers.buffers[s_mapped[i]]);
-        data[i] = gl->MapBufferRange(GL_SHADER_STORAGE_BUFFER, 0, (GLsizeiptr)bytes, GL_MAP_READ_BIT);
-        if (data[i] == NULL)
-            return qcFail(qc_statusDevice, "layers: the device's answer can't be read");
-    }
-    layers->answer->image = (qcLayersImage){.entries = data[0],
-                                            .entryCount = CountOf(layers, list_entries),
-                                            .nodeBoxes = data[1],
-                                            .clusterGroups = data[2],
-                                            .nodeGroups = data[3],
-                                            .vertices = data[4]};
-    return qc_statusOk;
-}
-
-//  ---- a step ------------------------------------------------------------------------------------------------------
-
-/// Makes room for the step, as far as its sizes are known beforehand.
-static qcStatus ReserveAll(const struct qcGlFunctions* gl, qcLayers* layers)
-{
-    const qcLayersStep* step = layers->step;
-    qcLayersBuffers* b = &layers->buffers;
-    size_t nodes = step->capacity[qc_layersNodes];
-    bool imageOnly = layers->kernels.imageOnly;
-    for (int buffer = 0; buffer < qc_layersInputCount; buffer++)
-        QC_TRY(qcLayersBuffers_Reserve(gl, b, buffer, step->capacity[buffer]));
-    QC_TRY(qcLayersBuffers_Reserve(gl, b, qc_workBoxes, imageOnly ? 48 * nodes : 64 * nodes));
-    QC_TRY(qcLayersBuffers_Reserve(gl, b, qc_workNodeGroups, imageOnly ? nodes : 0));
-    QC_TRY(qcLayersBuffers_Reserve(gl, b, qc_workClusterBoxes, 8 * nodes));
-    QC_TRY(qcLayersBuffers_Reserve(gl, b, qc_workNodeBoxes, nodes));
-    // Cleared as a whole, so exactly as large as the image.
-    size_t cells = (size_t)1 << (step->cellsLog2[0] + step->cellsLog2[1] + step->cellsLog2[2]);
-    if (b->capacity[qc_workHeads] != cells)
-        QC_TRY(qcLayersBuffers_Resize(gl, b, qc_workHeads, cells));
-    // Items per node that a folded cloth needs; a scene that needs more takes one more run.
-    static const size_t s_itemsPerNode[list_count] = {4, 12, 64, 64, 8};
-    for (int list = 0; list < ListCount(layers); list++)
-        QC_TRY(qcLayersBuffers_Reserve(gl, b, s_lists[list], s_itemsPerNode[list] * nodes + 64));
-    return qc_statusOk;
-}
-
-static void UploadAll(const struct qcGlFunctions* gl, qcLayers* layers)
-{
-    const qcLayersStep* step = layers->step;
-    for (size_t i = 0; i < step->uploadCount; i++)
-        layers->answer->uploadedBytes += qcLayersBuffers_Upload(gl, &layers->buffers, &step->uploads[i]);
-}
-
-/// Runs the kernels from nodes on until every list has room.
-static qcStatus RunUntilListsFit(const struct qcGlFunctions* gl, qcLayers* layers)
-{
+    qcLayersAnswer* answer = &layers->answer;
     bool again = true;
-    for (uint32_t run = 0; again; run++)
+    QC_TRY(Wait(gl, layers));
+    QC_TRY(GrowLists(gl, layers, &again));
+    for (; again; answer->reruns++)
     {
-        if (run == qc_maxReruns)
+        if (answer->reruns == qc_maxReruns)
             return qcFail(qc_statusDevice, "layers: the device does not finish");
-        layers->answer->reruns = run;
-        QC_TRY(qcLayersBuffers_Reserve(gl, &layers->buffers, qc_workNodePairTables,
-                                       layers->kernels.imageOnly ? 0 : layers->buffers.capacity[qc_workNodePairs]));
-        RunLists(gl, layers);
+        Submit(gl, layers);
+        QC_TRY(Wait(gl, layers));
         QC_TRY(GrowLists(gl, layers, &again));
     }
+    QC_TRY(layers->imageOnly ? ReadImage(gl, layers) : ReadPairs(gl, layers));
+    answer->entries = CountOf(layers, list_entries);
+    answer->trianglePairs = layers->counters.trianglePairs.count;
+    answer->skippedNodes = layers->counters.skippedNodes.count;
+    answer->deviceBytes = qcLayersBuffers_ByteCount(&layers->buffers) + qcLayersStream_ByteCount(&layers->stream);
+    answer->glCalls += gl->programs->calls;
+    qcGlTimers_Mark(gl, &layers->timers, qc_partWait);
+    qcGlTimers_End(gl, &layers->timers, qc_partTimers);
+    qcGl_KeepBindings(gl, gl->programs->bound);
     return qc_statusOk;
 }
 
-static qcStatus RunStep(const struct qcGlFunctions* gl, void* context)
+//  ---- jobs --------------------------------------------------------------------------------------------------------
+
+static qcStatus BeginJob(const struct qcGlFunctions* gl, void* context)
 {
     qcLayers* layers = context;
-    const qcLayersStep* step = layers->step;
-    qcGlTimers_Begin(gl, &layers->timers, step->timed, layers->started, qc_partHandOver);
-    UnmapImage(gl, layers);
-    QC_TRY(ReserveAll(gl, layers));
-    UploadAll(gl, layers);
-    qcLayersBuffers_BindAll(gl, &layers->buffers);
-    qcGlTimers_Mark(gl, &layers->timers, qc_partUpload);
-    if (step->chunkCount != 0)
-        RunKernel(gl, layers, qc_kernelVertices, 64 * (uint64_t)step->chunkCount, step->activeNodes);
-    if (step->changedNodes != 0)
-        RunKernel(gl, layers, qc_kernelBoxes, 8 * (uint64_t)step->changedNodes, step->changedNodes);
-    QC_TRY(RunUntilListsFit(gl, layers));
-    FillCounts(layers);
-    QC_TRY(layers->kernels.imageOnly ? MapImage(gl, layers) : ReadPairs(gl, layers));
-    qcGlTimers_Mark(gl, &layers->timers, qc_partResults);
-    qcGlTimers_End(gl, &layers->timers);
+    QC_TRY(SubmitStep(gl, layers));
+    layers->answer.glCalls += gl->programs->calls + qc_callsOfJob;
     return qc_statusOk;
+}
+
+static qcStatus EndJob(const struct qcGlFunctions* gl, void* context)
+{
+    gl->programs->calls = 0;
+    return FinishStep(gl, context);
+}
+
+static qcStatus RunJob(const struct qcGlFunctions* gl, void* context)
+{
+    qcLayers* layers = context;
+    QC_TRY(SubmitStep(gl, layers));
+    return FinishStep(gl, layers);
 }
 
 qcStatus qcLayers_Create(qcDevice* device, bool imageOnly, qcLayers** result)
@@ -352,7 +490,7 @@ qcStatus qcLayers_Create(qcDevice* device, bool imageOnly, qcLayers** result)
         return qcFailMemory(sizeof *layers, "layers");
     layers->device = device;
     layers->generation = qcDevice_GetGeneration(device);
-    layers->kernels.imageOnly = imageOnly;
+    layers->imageOnly = imageOnly;
     qcStatus status = qcDevice_Run(device, CreateObjects, layers, "layers, set-up");
     if (status != qc_statusOk)
     {
@@ -374,23 +512,44 @@ void qcLayers_Destroy(qcLayers* layers)
     if (qcLayers_IsAlive(layers) &&
         qcDevice_Run(layers->device, DeleteObjects, layers, "layers, release") != qc_statusOk)
         qcFail(qc_statusDevice, "%s", message);
-    qcArray_Free(&layers->pairs);
+    qcArray_Free(&layers->stream.staging);
     qcFree(layers, sizeof *layers);
+}
+
+static void KeepStep(qcLayers* layers, const qcLayersStep* step)
+{
+    assert(step->cellsLog2[0] <= 12 && step->cellsLog2[1] <= 12 && step->cellsLog2[2] <= 12);
+    assert(step->cellsLog2[0] + step->cellsLog2[1] + step->cellsLog2[2] <= 24);
+    layers->step = *step;
+}
+
+static void TakeAnswer(qcLayers* layers, qcLayersAnswer* answer)
+{
+    *answer = layers->answer;
+    if (!layers->step.timed)
+        return;
+    layers->timers.threadMs[qc_partHandBack] = qcClock_Now() - layers->timers.clock;
+    answer->threadMs = layers->timers.threadMs;
+    answer->deviceMs = layers->timers.deviceMs;
+}
+
+qcStatus qcLayers_Begin(qcLayers* layers, const qcLayersStep* step)
+{
+    KeepStep(layers, step);
+    return qcDevice_Run(layers->device, BeginJob, layers, "layers");
+}
+
+qcStatus qcLayers_End(qcLayers* layers, qcLayersAnswer* answer)
+{
+    QC_TRY(qcDevice_Run(layers->device, EndJob, layers, "layers"));
+    TakeAnswer(layers, answer);
+    return qc_statusOk;
 }
 
 qcStatus qcLayers_Run(qcLayers* layers, const qcLayersStep* step, qcLayersAnswer* answer)
 {
-    assert(step->cellsLog2[0] <= 12 && step->cellsLog2[1] <= 12 && step->cellsLog2[2] <= 12);
-    assert(step->cellsLog2[0] + step->cellsLog2[1] + step->cellsLog2[2] <= 24);
-    *answer = (qcLayersAnswer){0};
-    layers->step = step;
-    layers->answer = answer;
-    layers->started = step->timed ? qcClock_Now() : 0.0;
-    QC_TRY(qcDevice_Run(layers->device, RunStep, layers, "layers"));
-    if (!step->timed)
-        return qc_statusOk;
-    layers->timers.threadMs[qc_partHandBack] = qcClock_Now() - layers->timers.clock;
-    answer->threadMs = layers->timers.threadMs;
-    answer->deviceMs = layers->timers.deviceMs;
+    KeepStep(layers, step);
+    QC_TRY(qcDevice_Run(layers->device, RunJob, layers, "layers"));
+    TakeAnswer(layers, answer);
     return qc_statusOk;
 }

@@ -9,11 +9,11 @@
 #include "quickcullide/device.h"
 #include "kernels/triangle_kernels.h"
 
-/// Buffers that the caller uploads; they stay on the device. Elements are 16 bytes unless stated otherwise.
+/// Buffers whose contents stay on the device. Elements are 16 bytes unless stated otherwise.
 typedef enum qcLayersBuffer
 {
     /// By vertex: four floats, the position in the grid frame, within [0, 1], each coordinate within `pointError` of
-    /// the true one; the fourth is unused.
+    /// the true one; the fourth is unused. Not uploaded: see qcLayersChunk and qcLayersMemory.
     qc_layersVertices,
     /// By vertex of a rigid body: bits of three floats, the position about its centre, within [-1, 1]; the body's slot.
     qc_layersLocals,
@@ -25,12 +25,6 @@ typedef enum qcLayersBuffer
     qc_layersLinks,
     /// 8 bytes: words of packed pair masks, qcClusters::pairMasks.
     qc_layersTables,
-    /// qc_layersBodyTexels per body slot: see qcLayersBody.
-    qc_layersBodies,
-    /// 4 bytes: nodes of the step, changed ones first.
-    qc_layersActiveNodes,
-    /// 4 bytes: chunks of 64 vertices of rigid bodies that moved.
-    qc_layersChunks,
     qc_layersInputCount
 } qcLayersBuffer;
 
@@ -38,17 +32,42 @@ enum
 {
     qc_layersLevels =
         32767, ///< the highest level; the lowest is 1, so that an empty box, which ends at 0, is below all
-    qc_layersBodyTexels = 5,
+    qc_layersChunkSize = 64, ///< vertices
     qc_layersIsMoving = 1,
     qc_layersMeetsItself = 2
 };
 
+/// By slot of a body, in each step.
 typedef struct qcLayersBody
 {
     uint32_t group, mask, flags, owner;
     uint32_t interest[4]; ///< AABB of its partners, in levels (qcLayers_PackBox): nodes outside are skipped
     float transform[3][4];
 } qcLayersBody;
+
+/// What a chunk's vertices are made of.
+typedef enum qcLayersChunkKind
+{
+    qc_chunkRigid,   ///< qc_layersLocals and the body's transform
+    qc_chunkWorld,   ///< three floats each, in the world: the device applies the frame
+    qc_chunkInFrame, ///< three floats each, in the frame
+} qcLayersChunkKind;
+
+/// Up to qc_layersChunkSize vertices that are new in this step. The floats of a vertex lie at word `at` + k * `stride`
+/// of the step's floats, or of the buffer of a qcLayersSource.
+typedef struct qcLayersChunk
+{
+    uint32_t first, count; ///< in qc_layersVertices; `first` is a multiple of qc_layersChunkSize
+    uint32_t at;
+    uint32_t kindAndStride; ///< qcLayersChunkKind | stride << 8
+} qcLayersChunk;
+
+/// Chunks whose floats lie in a GL buffer of the device's context, which the caller keeps until the step has ended.
+typedef struct qcLayersSource
+{
+    uint32_t buffer;     ///< name of a GL buffer object; words are counted from its start
+    uint32_t chunkCount; ///< consecutive ones, after those of the sources before
+} qcLayersSource;
 
 typedef struct qcLayersUpload
 {
@@ -60,39 +79,63 @@ typedef struct qcLayersUpload
 /// The timed parts of a step, in the order of the work.
 typedef enum qcLayersPart
 {
-    qc_partPrepare,  ///< on the calling thread: selects bodies and uploads
+    qc_partPrepare,  ///< on the calling thread: selects bodies, writes vertices into mapped memory
     qc_partHandOver, ///< from the calling thread to the device's
     qc_partUpload,
-    qc_partVertices,
-    qc_partBoxes,
-    qc_partClear, ///< resets the lists
-    qc_partNodes,
+    qc_partVertices, ///< into the frame; resets the lists
+    qc_partBoxes,    ///< for the image only
+    qc_partNodes,    ///< boxes of nodes, and the cells they cover
     qc_partNodePairs,
-    qc_partClusterPairs,
     qc_partTrianglePairs,
-    qc_partFilter,
-    qc_partCounters, ///< waits for the device and reads its counters
-    qc_partResults,  ///< reads the results
-    qc_partHandBack, ///< resets GL's state, reads errors, returns to the calling thread
+    qc_partWait,     ///< for the device; maps its results
+    qc_partTimers,   ///< reads the times of the parts
+    qc_partHandBack, ///< reads errors, returns to the calling thread
     qc_partRefine,   ///< on the calling thread: from the results to pairs of triangles
     qc_layersPartCount
 } qcLayersPart;
 
+/// A world coordinate x along axes[i] is (x - origin[i]) * unit in the frame.
+typedef struct qcLayersFrame
+{
+    int axes[3];
+    double origin[3], unit;
+} qcLayersFrame;
+
+/// Pointers stay valid until qcLayers_End.
 typedef struct qcLayersStep
 {
     /// Elements of each input buffer. Where this exceeds the buffer's size, the buffer grows and loses its content.
     size_t capacity[qc_layersInputCount];
     const qcLayersUpload* uploads;
     size_t uploadCount;
-    uint32_t chunkCount;                ///< rigid vertices to transform first
-    uint32_t changedNodes, activeNodes; ///< counts in qc_layersActiveNodes
-    float scale[3];                     ///< levels = coordinate * scale
-    float slack[4];                     ///< levels by which boxes are enlarged; the fourth: along the diagonal
-    uint32_t cellsLog2[3];              ///< columns, rows and slices of the image: 0..12 each, 0..24 in all
-    float pointError, queryDistance;    ///< in the frame
+    const qcLayersBody* bodies;
+    uint32_t bodyCount;
+    const qcLayersChunk* chunks; ///< those of `sources` last
+    uint32_t chunkCount;
+    const qcLayersSource* sources;
+    uint32_t sourceCount;
+    size_t floatCount;           ///< words written to qcLayersMemory::floats
+    size_t vertexCount;          ///< vertices written to qcLayersMemory::vertices
+    const uint32_t* activeNodes; ///< nodes of the step, changed ones first
+    uint32_t changedNodes, activeCount;
+    qcLayersFrame frame;
+    float scale[3];                  ///< levels = coordinate * scale
+    float slack[4];                  ///< levels by which boxes are enlarged; the fourth: along the diagonal
+    uint32_t cellsLog2[3];           ///< columns, rows and slices of the image: 0..12 each, 0..24 in all
+    float pointError, queryDistance; ///< in the frame
     bool testNeighbours;
     bool timed;
+    double started; ///< `timed`: qcClock_Now at the hand-over
 } qcLayersStep;
+
+/// Memory of the next step that the caller writes, mapped where the device can.
+typedef struct qcLayersMemory
+{
+    float* floats; ///< of chunks; as many as were requested
+    /// By vertex: where this is not null, all vertices but those of rigid bodies are written here, in the frame, and
+    /// have no chunks. It keeps its content while the capacity stays.
+    qcPoint* vertices;
+} qcLayersMemory;
 
 #define QC_NO_ENTRY UINT32_MAX
 
@@ -122,6 +165,7 @@ typedef struct qcLayersAnswer
     uint64_t skippedNodes;  ///< nodes outside their body's interest
     uint32_t reruns;
     uint64_t uploadedBytes, deviceBytes;
+    uint32_t glCalls, waits; ///< of the step: calls of GL, and of those the ones that wait for the device
     /// By qcLayersPart, see qcGlTimers; null unless the step is timed. Valid until the next step.
     const double *threadMs, *deviceMs;
 } qcLayersAnswer;
@@ -133,9 +177,20 @@ typedef struct qcLayers qcLayers;
 qcStatus qcLayers_Create(qcDevice* device, bool imageOnly, qcLayers** layers);
 /// Whether the GL objects exist: false after the device was reopened, and for null.
 bool qcLayers_IsAlive(const qcLayers* layers);
+/// Whether the caller writes vertices in the frame: qcLayersMemory::vertices.
+bool qcLayers_SharesVertices(const qcLayers* layers);
 /// Null is allowed.
 void qcLayers_Destroy(qcLayers* layers);
-/// Runs a step. qc_statusDevice: the device's buffers can't hold the scene, or the device fails.
+
+/// A step: Open, then Begin and End, or Run instead of both. Memory for the step's vertices. Waits for the device only
+/// where buffers grow. Up to three steps may have been opened and not ended.
+qcStatus qcLayers_Open(qcLayers* layers, const qcLayersStep* step, qcLayersMemory* memory);
+/// Submits a step, and doesn't wait for the device. qc_statusDevice: the device's buffers can't hold the scene, or the
+/// device fails.
+qcStatus qcLayers_Begin(qcLayers* layers, const qcLayersStep* step);
+/// Waits for the step that was begun. Statuses as for qcLayers_Begin.
+qcStatus qcLayers_End(qcLayers* layers, qcLayersAnswer* answer);
+/// Begin and End with one hand-over to the device's thread.
 qcStatus qcLayers_Run(qcLayers* layers, const qcLayersStep* step, qcLayersAnswer* answer);
 
 /// Number of the cell at a column, row and slice.

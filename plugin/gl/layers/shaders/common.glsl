@@ -1,22 +1,45 @@
 // Shared code of the kernels of `layers`. The README.md of gl/layers gives their order. Proof: plugin/docs/proofs/layers.md.
 layout(local_size_x = LOCAL_SIZE) in;
 
-// Uploaded when bodies are added or move.
-uniform samplerBuffer vertices;           // in the frame; see gl/layers/layers_gpu.h
+// Uploaded when bodies are added.
 uniform usamplerBuffer triangles;         // by slot: three vertices; x = none: no triangle
 uniform usamplerBuffer nodes, links, tables;
-uniform usamplerBuffer bodies;            // BODY_TEXELS each
-uniform usamplerBuffer activeNodes;
 // Made in this step.
-uniform usamplerBuffer boxes, clusterBoxes, nodeBoxes, entries, nodePairs, nodePairTables, clusterPairs, trianglePairs;
+uniform samplerBuffer vertices;           // in the frame; see gl/layers/layers_gpu.h
+uniform usamplerBuffer boxes, clusterBoxes, entries, nodePairs;
 
-layout(std430, binding = 0) buffer Counters { uint counters[]; };
-uniform usamplerBuffer counted; // the counters as a texture, which takes a tenth of the time to read on llvmpipe
+layout(std430, binding = 0) buffer Lists { uint counters[]; }; // COUNTER_WORDS, then by cell its first entry
+layout(std430, binding = 7) readonly buffer Stream { uint stream[]; }; // data of the step
+
+// qcLayersParameters of gl/layers/layers_kernels.h.
+layout(std140, binding = 0) uniform Step
+{
+    uint chunkCount, changedNodes, activeNodes, runNumber;
+    uint entryCapacity, nodePairCapacity, survivorCapacity, cellCount;
+    uint bodiesAt, nodesAt, chunksAt, floatsAt; // words of the stream
+    uvec3 cellShift; // the image's cells are pixels, each cut into slices of depth: 2^cellShift levels of each axis
+    uint testNeighbours;
+    vec3 scale;
+    float pointError; // in the frame
+    vec4 slack;       // levels; w: of the diagonal
+    uvec3 axes;
+    float queryDistance; // in the frame
+    uint groupsAt;
+    dvec3 origin;
+    double unit;
+};
 
 const uint none = 0xffffffffu;
 
-// The image's cells: pixels, each cut into slices of depth. A cell is 2^shift levels of each axis.
-uniform uvec3 cellShift;
+uint activeNode(uint i)
+{
+    return stream[nodesAt + i];
+}
+
+uint bodyWord(uint body, uint word)
+{
+    return stream[bodiesAt + body * BODY_WORDS + word];
+}
 
 uint cellAt(uvec3 at)
 {
@@ -24,15 +47,15 @@ uint cellAt(uvec3 at)
 }
 
 // One invocation per item: a loop over several items takes twice as long on llvmpipe.
-#define ITEM ((gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x) * gl_WorkGroupSize.x + gl_LocalInvocationID.x)
+#define GROUP (gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x)
+#define ITEM (GROUP * gl_WorkGroupSize.x + gl_LocalInvocationID.x)
 
 // Indices of the counters, each on a cache line of its own. For a list: the number of items, then the workgroup counts of
 // the kernel that reads it.
-const int entryCounter = 0, nodePairCounter = 16, clusterPairCounter = 32, trianglePairCounter = 48,
-          survivorCounter = 64, skippedCounter = 80, stoppedCounter = 96, overflowCounter = 112, finishedCounter = 128;
+const uint entryCounter = 0u, nodePairCounter = 16u, survivorCounter = 32u, trianglePairCounter = 48u,
+           skippedCounter = 64u, stoppedCounter = 80u, overflowCounter = 96u, finishedCounter = 112u;
 
 // The last kernel writes the run's number: counters read back without it are not those of this run.
-uniform uint runNumber;
 #define MARK_FINISHED                                                                                                  \
     if (ITEM == 0u)                                                                                                    \
         counters[finishedCounter] = runNumber;
@@ -42,25 +65,23 @@ const uint isMoving = 1u, selfCollides = 2u;
 
 bool bodySelfCollides(uint body)
 {
-    return (texelFetch(bodies, int(body) * BODY_TEXELS).z & selfCollides) != 0u;
+    return (bodyWord(body, 2u) & selfCollides) != 0u;
 }
 
-// Number of items in a list of an earlier kernel.
-uint countOf(int counter, uint capacity)
-{
-    return min(texelFetch(counted, counter).x, capacity);
-}
+// Whether a node's box meets the AABB of its body's partners.
+#define IS_OF_INTEREST(box, body)                                                                                      \
+    OVERLAP(box, uvec4(bodyWord(body, 4u), bodyWord(body, 5u), bodyWord(body, 6u), bodyWord(body, 7u)))
 
 // Adds items to a list's count, and workgroups for those that fit. Returns the previous count.
-uint append(int counter, uint count, uint capacity)
+uint append(uint counter, uint count, uint capacity)
 {
     uint previous = atomicAdd(counters[counter], count);
-    uint consumerSize = CONSUMER_SIZES[counter / 16],
+    uint consumerSize = CONSUMER_SIZES[counter / 16u],
          groups = (min(previous + count, capacity) + consumerSize - 1u) / consumerSize;
     if (groups > (previous + consumerSize - 1u) / consumerSize)
     {
-        atomicMax(counters[counter + 1], min(groups, GROUPS_IN_ROW));
-        atomicMax(counters[counter + 2], (groups + GROUPS_IN_ROW - 1u) / GROUPS_IN_ROW);
+        atomicMax(counters[counter + 1u], min(groups, GROUPS_IN_ROW));
+        atomicMax(counters[counter + 2u], (groups + GROUPS_IN_ROW - 1u) / GROUPS_IN_ROW);
     }
     return previous;
 }
@@ -68,7 +89,6 @@ uint append(int counter, uint count, uint capacity)
 // A box of 15-bit levels: lower ends (x | y << 16, z | d << 16), upper ends likewise with the top bit of each half set.
 // d is the diagonal (x + y) / 2. Two boxes overlap if no subtraction borrows from a top bit: upper - lower >= 0.
 const uint guards = 0x80008000u;
-const uvec4 emptyBox = uvec4(0x7fff7fffu, 0x7fff7fffu, guards, guards);
 
 #define OVERLAP(p, q) (((p.z - q.x) & (q.z - p.x) & (p.w - q.y) & (q.w - p.y) & guards) == guards)
 
@@ -89,44 +109,31 @@ uvec4 upperEnds(uvec4 box)
 }
 
 // Boxes k and k + 1 of a qcBox8: by axis, lower ends, then complements of upper ends, two to a word.
-#define WRITE_TWO_OF_GROUP(groups, group, k, lower, upper)                                                             \
+#define WRITE_TWO_OF_GROUP(groups, at, k, lower, upper)                                                                \
     for (int axis = 0; axis < 3; axis++)                                                                               \
     {                                                                                                                  \
-        int word = (group) * 24 + axis * 8 + ((k) >> 1);                                                               \
+        int word = (at) + axis * 8 + ((k) >> 1);                                                                       \
         groups[word] = lower[0][axis] | lower[1][axis] << 16;                                                          \
         groups[word + 4] = ~(upper[0][axis] | upper[1][axis] << 16);                                                   \
     }
 
-// Eight boxes against eight: bit u + 8 v of the mask (low, high word) is set if u of the one overlaps v of the other.
-#define OVERLAP_BIT(p, q, bit) (OVERLAP(p, q) ? 1u << (bit) : 0u)
-#define ROW(q, bit)                                                                                                    \
-    (OVERLAP_BIT(p0, q, bit) | OVERLAP_BIT(p1, q, bit + 1) | OVERLAP_BIT(p2, q, bit + 2) |                             \
-     OVERLAP_BIT(p3, q, bit + 3) | OVERLAP_BIT(p4, q, bit + 4) | OVERLAP_BIT(p5, q, bit + 5) |                         \
-     OVERLAP_BIT(p6, q, bit + 6) | OVERLAP_BIT(p7, q, bit + 7))
-#define EIGHT_AGAINST_EIGHT(source, first, second, mask)                                                               \
-    uvec4 p0 = texelFetch(source, first), p1 = texelFetch(source, first + 1), p2 = texelFetch(source, first + 2),      \
-          p3 = texelFetch(source, first + 3), p4 = texelFetch(source, first + 4), p5 = texelFetch(source, first + 5),  \
-          p6 = texelFetch(source, first + 6), p7 = texelFetch(source, first + 7);                                      \
-    uvec4 q0 = texelFetch(source, second), q1 = texelFetch(source, second + 1), q2 = texelFetch(source, second + 2),   \
-          q3 = texelFetch(source, second + 3);                                                                         \
-    mask.x &= ROW(q0, 0) | ROW(q1, 8) | ROW(q2, 16) | ROW(q3, 24);                                                     \
-    q0 = texelFetch(source, second + 4), q1 = texelFetch(source, second + 5), q2 = texelFetch(source, second + 6),     \
-    q3 = texelFetch(source, second + 7);                                                                               \
-    mask.y &= ROW(q0, 0) | ROW(q1, 8) | ROW(q2, 16) | ROW(q3, 24);
+// Not below 1: an empty box ends at level 0 and begins at the highest, so it overlaps no other box.
+uvec4 toLevels(vec4 x)
+{
+    return uvec4(clamp(x, 1.0, 32767.0));
+}
 
-// Writes item << 6 | bit for each bit of the mask. One atomic per invocation: atomics cost most on a CPU. A list has room
-// for one item more than its capacity: items that do not fit go there, without a branch.
-#define WRITE_BITS(list, capacity, counter, item, mask)                                                                \
-    uint count = uint(bitCount(mask.x) + bitCount(mask.y));                                                            \
-    if (count != 0u)                                                                                                   \
-    {                                                                                                                  \
-        uint at = append(counter, count, capacity);                                                                    \
-        for (; (mask.x | mask.y) != 0u; at++)                                                                          \
-        {                                                                                                              \
-            bool isLow = mask.x != 0u;                                                                                 \
-            uint word = isLow ? mask.x : mask.y, bit = uint(findLSB(word)) + (isLow ? 0u : 32u);                       \
-            word &= word - 1u;                                                                                         \
-            mask = isLow ? uvec2(word, mask.y) : uvec2(0u, word);                                                      \
-            list[min(at, capacity)] = item << 6 | bit;                                                                 \
-        }                                                                                                              \
-    }
+// The box of the triangle at a slot, rounded outward to levels.
+void findBox(int slot, out uvec4 lower, out uvec4 upper)
+{
+    uvec4 t = texelFetch(triangles, slot);
+    bool exists = t.x != none;
+    vec3 a = texelFetch(vertices, int(exists ? t.x : 0u)).xyz * scale,
+         b = texelFetch(vertices, int(exists ? t.y : 0u)).xyz * scale,
+         c = texelFetch(vertices, int(exists ? t.z : 0u)).xyz * scale;
+    vec3 d = 0.5 * vec3(a.x + a.y, b.x + b.y, c.x + c.y);
+    vec4 low = vec4(min(a, min(b, c)), min(d.x, min(d.y, d.z))),
+         high = vec4(max(a, max(b, c)), max(d.x, max(d.y, d.z)));
+    lower = exists ? toLevels(low - slack) : uvec4(0x7fffu);
+    upper = exists ? toLevels(high + slack) : uvec4(0u);
+}

@@ -1,15 +1,19 @@
 // Pairs of nodes in one cell's list whose boxes overlap, each once; pairs within one body only if it self-collides.
-layout(std430, binding = 1) buffer NodePairs { uvec2 outNodePairs[]; }; // node, node not below it
-uniform uint entryCapacity, nodePairCapacity;
+layout(std430, binding = 5) buffer NodePairs { uvec2 outNodePairs[]; }; // node, node not below it
+
+uvec4 boxOf(uint node)
+{
+    return texelFetch(boxes, int(node) * BOXES_OF_NODE + BOXES_OF_NODE - 1);
+}
 
 void main()
 {
     uint i = ITEM;
-    if (i >= countOf(entryCounter, entryCapacity))
+    if (i >= min(counters[entryCounter], entryCapacity))
         return;
 
     uvec4 entry = texelFetch(entries, int(i));
-    uvec4 p = texelFetch(nodeBoxes, int(entry.x));
+    uvec4 p = boxOf(entry.x);
     bool selfCollides = bodySelfCollides(entry.w);
     uint next = entry.y;
     while (next != none)
@@ -19,7 +23,7 @@ void main()
         uint count = 0u;
         while (next != none && count < 4u)
         {
-            uvec4 other = texelFetch(entries, int(next)), q = texelFetch(nodeBoxes, int(other.x));
+            uvec4 other = texelFetch(entries, int(next)), q = boxOf(other.x);
             // Only in the first cell that both cover.
             bool isPair = OVERLAP(p, q) && cellAt(max(lowerEnds(p).xyz, lowerEnds(q).xyz) >> cellShift) == entry.z &&
                          (selfCollides || entry.w != other.w);

@@ -1,22 +1,60 @@
-// Transforms vertices of rigid bodies from local space to the grid frame. A chunk is 64 vertices of one body.
+// New vertices, from chunks of 64 of a body, to positions in the grid frame. Resets the lists, too.
 layout(std430, binding = 1) buffer Vertices { vec4 outVertices[]; };
+layout(std430, binding = 3) readonly buffer Source { uint source[]; }; // the stream, or another buffer with floats
 // xyz: bits of a position about the body's centre; w: the body's slot. Integer texels: a small integer read as a float is
 // denormal, and GLSL allows denormals to become 0.
 uniform usamplerBuffer locals;
-uniform usamplerBuffer chunks;
-uniform uint chunkCount;
+uniform uvec2 foreignChunks; // chunks [x, y) of another buffer; 0: all chunks of the stream
+
+const uint rigid = 0u, inFrame = 2u; // qcLayersChunkKind
+
+// The counters are 0, but the lists have one workgroup each at first; the cells' lists are empty.
+void resetLists()
+{
+    uint stride = gl_NumWorkGroups.x * gl_NumWorkGroups.y * gl_WorkGroupSize.x;
+    for (uint i = ITEM; i < COUNTER_WORDS + cellCount; i += stride)
+        counters[i] = i >= COUNTER_WORDS ? none : uint(i < survivorCounter && (i & 15u) - 1u < 3u);
+}
+
+vec3 transformed(int v)
+{
+    uvec4 bits = texelFetch(locals, v);
+    vec3 local = uintBitsToFloat(bits.xyz), result;
+    for (uint axis = 0u; axis < 3u; axis++)
+    {
+        vec4 row;
+        for (uint i = 0u; i < 4u; i++)
+            row[i] = uintBitsToFloat(bodyWord(bits.w, 8u + axis * 4u + i));
+        result[axis] = dot(row.xyz, local) + row.w;
+    }
+    return result;
+}
 
 void main()
 {
-    uint i = ITEM;
-    if (i >= chunkCount * 64u)
+    bool isForeign = foreignChunks.y != 0u;
+    if (!isForeign)
+        resetLists();
+    uint chunk = GROUP + foreignChunks.x, k = gl_LocalInvocationID.x, at = chunksAt + chunk * 4u;
+    if (chunk >= (isForeign ? foreignChunks.y : chunkCount))
         return;
 
-    int v = int(texelFetch(chunks, int(i >> 6)).x * 64u + (i & 63u));
-    uvec4 bits = texelFetch(locals, v);
-    vec3 local = uintBitsToFloat(bits.xyz);
-    int body = int(bits.w) * BODY_TEXELS;
-    vec4 x = uintBitsToFloat(texelFetch(bodies, body + 2)), y = uintBitsToFloat(texelFetch(bodies, body + 3)),
-         z = uintBitsToFloat(texelFetch(bodies, body + 4));
-    outVertices[v] = vec4(dot(x.xyz, local) + x.w, dot(y.xyz, local) + y.w, dot(z.xyz, local) + z.w, 0.0);
+    uint first = stream[at], count = stream[at + 1u], word = stream[at + 2u], kind = stream[at + 3u] & 255u;
+    if (k >= count)
+        return;
+
+    word += (isForeign ? 0u : floatsAt) + k * (stream[at + 3u] >> 8);
+    vec3 position;
+    if (kind == rigid)
+        position = transformed(int(first + k));
+    else if (kind == inFrame)
+        position = uintBitsToFloat(uvec3(source[word], source[word + 1u], source[word + 2u]));
+    else
+    {
+        vec3 world = uintBitsToFloat(uvec3(source[word + axes.x], source[word + axes.y], source[word + axes.z]));
+        // In double: the origin may be far away, compared with the scene's extent.
+        precise dvec3 offset = dvec3(world) - origin;
+        position = vec3(offset * unit);
+    }
+    outVertices[first + k] = vec4(position, 0.0);
 }
