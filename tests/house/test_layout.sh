@@ -21,11 +21,12 @@ plugin/kernels              plugin/base plugin/mesh
 plugin/gl                   plugin/base plugin/plan
 plugin/gl/picture           plugin/base plugin/gl
 plugin/gl/visibility        plugin/base plugin/gl
+plugin/gl/buffers           plugin/base plugin/gl
 plugin/gl/layers            plugin/base plugin/gl plugin/kernels
 plugin/broadphase           plugin/base
 plugin/sweep/bvh            plugin/base plugin/mesh plugin/scene plugin/kernels
 plugin/cull/visibility      plugin/base plugin/plan plugin/scene plugin/gl/visibility
-plugin/cull/layers          plugin/base plugin/mesh plugin/scene plugin/kernels plugin/gl plugin/gl/layers
+plugin/cull/layers          plugin/base plugin/mesh plugin/scene plugin/kernels plugin/gl plugin/gl/buffers plugin/gl/layers
 plugin/sweep                plugin/base plugin/plan plugin/scene plugin/kernels plugin/sweep/bvh
 plugin/narrowphase          plugin/base plugin/mesh plugin/scene plugin/triangle plugin/kernels plugin/sweep
 plugin/manifold             plugin/base plugin/scene plugin/triangle
