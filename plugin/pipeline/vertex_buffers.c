@@ -177,7 +177,7 @@ static qcStatus MakeParts(const qcStepTriangles* triangles, qcVertexBuffers* b)
 }
 
 qcStatus qcVertexBuffers_Gather(const qcStep* step, const qcStepTriangles* triangles, const qcCandidates* candidates,
-                                qcVertexBuffers* b, uint64_t* bytes)
+                                qcVertexBuffers* b, qcProfile* profile)
 {
     const Listing listing = {triangles, b};
     bool any;
@@ -201,7 +201,8 @@ qcStatus qcVertexBuffers_Gather(const qcStep* step, const qcStepTriangles* trian
         for (int axis = 0; axis < 3; axis++)
             world[axis] = (double)QC_AT(float, b->positions, 3 * i + (size_t)axis);
     }
-    *bytes += b->items.count * qc_positionBytes;
+    profile->readBackBytes += b->items.count * qc_positionBytes;
+    profile->uploadedBytes += b->items.count * sizeof(uint32_t);
     return qc_statusOk;
 }
 

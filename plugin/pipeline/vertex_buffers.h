@@ -35,7 +35,7 @@ qcStatus qcVertexBuffers_CompleteOthers(const qcStepTriangles* triangles, const 
 
 /// Reads back the positions of triangles in candidate pairs.
 qcStatus qcVertexBuffers_Gather(const qcStep* step, const qcStepTriangles* triangles, const qcCandidates* candidates,
-                                qcVertexBuffers* buffers, uint64_t* bytes);
+                                qcVertexBuffers* buffers, qcProfile* profile);
 void qcVertexBuffers_Free(qcVertexBuffers* buffers);
 
 #endif
