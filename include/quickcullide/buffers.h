@@ -36,8 +36,9 @@ typedef struct qcDeviceBufferDef
     /// VK_EXTERNAL_MEMORY_HANDLE_TYPE_OPAQUE_FD_BIT (GL_EXT_memory_object_fd). The library imports a duplicate; the
     /// caller's descriptor stays the caller's. -1, the default: none.
     int32_t memoryFd;
-    uint64_t memorySize;   ///< bytes of that allocation, all of it
-    uint64_t memoryOffset; ///< bytes from the allocation's begin to the buffer's, which ends with the allocation
+    /// Bytes of that allocation, all of it. Software GL (llvmpipe) makes a buffer of all but the last 64 bytes.
+    uint64_t memorySize;
+    uint64_t memoryOffset; ///< bytes from the allocation's begin to the buffer's, a multiple of 4
     bool dedicated;        ///< the allocation is a dedicated one (VkMemoryDedicatedAllocateInfo)
 } qcDeviceBufferDef;
 

@@ -31,6 +31,9 @@ static qcStatus CheckDef(const qcDevice* device, const qcDeviceBufferDef* def)
     if (def->memoryFd >= 0 && def->memoryOffset >= def->memorySize)
         return qcFail(qc_statusBadInput, "qcDevice_OpenBuffer: def->memoryOffset is %llu, memorySize %llu",
                       (unsigned long long)def->memoryOffset, (unsigned long long)def->memorySize);
+    if (def->memoryFd >= 0 && def->memoryOffset % 4 != 0)
+        return qcFail(qc_statusBadInput, "qcDevice_OpenBuffer: def->memoryOffset is %llu; it must be a multiple of 4",
+                      (unsigned long long)def->memoryOffset);
     if (def->name != 0 && !qcDevice_SharesContext(device))
         return qcFail(
             qc_statusBadInput,
@@ -44,6 +47,24 @@ static qcStatus FailBuffer(const char* function, GLuint name)
     return qcFail(qc_statusBadInput, "%s: %u is not the name of a buffer in the shared context", function, name);
 }
 
+/// A GL buffer of all the memory, since Mesa 22.3 ignores the offset of a buffer. Its llvmpipe keeps 48 bytes behind a
+/// buffer. Returns GL's error.
+static GLenum MakeStorage(const struct qcGlFunctions* gl, uint64_t size, qcDeviceBuffer* buffer)
+{
+    static const uint32_t s_reserves[] = {0, 64};
+    GLenum error = GL_OUT_OF_MEMORY;
+    for (int i = 0; i < 2 && error == GL_OUT_OF_MEMORY && size > s_reserves[i]; i++)
+    {
+        gl->GenBuffers(1, &buffer->name);
+        gl->BindBuffer(GL_SHADER_STORAGE_BUFFER, buffer->name);
+        gl->BufferStorageMem(GL_SHADER_STORAGE_BUFFER, (GLsizeiptr)(size - s_reserves[i]), buffer->memory, 0);
+        error = gl->GetError();
+        if (error != GL_NO_ERROR)
+            gl->DeleteBuffers(1, &buffer->name);
+    }
+    return error;
+}
+
 static qcStatus Import(const struct qcGlFunctions* gl, const qcDeviceBufferDef* def, qcDeviceBuffer* buffer)
 {
     if (gl->ImportMemoryFd == NULL)
@@ -54,6 +75,7 @@ static qcStatus Import(const struct qcGlFunctions* gl, const qcDeviceBufferDef* 
         return qcFail(qc_statusBadInput, "qcDevice_OpenBuffer: def->memoryFd %d is not an open file descriptor",
                       def->memoryFd);
     const GLint dedicated = GL_TRUE;
+    buffer->begin = def->memoryOffset;
     gl->CreateMemoryObjects(1, &buffer->memory);
     if (def->dedicated)
         gl->MemoryObjectParameteriv(buffer->memory, GL_DEDICATED_MEMORY_OBJECT_EXT, &dedicated);
@@ -62,17 +84,10 @@ static qcStatus Import(const struct qcGlFunctions* gl, const qcDeviceBufferDef* 
     // A successful import takes the descriptor.
     if (error != GL_NO_ERROR)
         close(fd);
-    gl->GenBuffers(1, &buffer->name);
-    gl->BindBuffer(GL_SHADER_STORAGE_BUFFER, buffer->name);
     if (error == GL_NO_ERROR)
-    {
-        gl->BufferStorageMem(GL_SHADER_STORAGE_BUFFER, (GLsizeiptr)(def->memorySize - def->memoryOffset),
-                             buffer->memory, def->memoryOffset);
-        error = gl->GetError();
-    }
+        error = MakeStorage(gl, def->memorySize, buffer);
     if (error == GL_NO_ERROR)
         return qc_statusOk;
-    gl->DeleteBuffers(1, &buffer->name);
     gl->DeleteMemoryObjects(1, &buffer->memory);
     return qcFail(qc_statusDevice,
                   "qcDevice_OpenBuffer: the device can't import the memory of def->memoryFd: %s (0x%x)",
@@ -143,14 +158,17 @@ qcStatus qcDeviceBuffer_Check(const qcDeviceBuffer* buffer, const qcDevice* devi
     return qc_statusOk;
 }
 
-qcStatus qcBufferRange_Check(const struct qcGlFunctions* gl, const qcBufferRange* range, const char* function)
+qcStatus qcBufferRange_Check(const struct qcGlFunctions* gl, const qcBufferRange* range, const char* function,
+                             uint64_t* first)
 {
-    GLint64 size = 0;
+    GLint64 whole = 0;
     if (!gl->IsBuffer(range->buffer->name))
         return FailBuffer(function, range->buffer->name);
     gl->BindBuffer(GL_SHADER_STORAGE_BUFFER, range->buffer->name);
-    gl->GetBufferParameteri64v(GL_SHADER_STORAGE_BUFFER, GL_BUFFER_SIZE, &size);
-    if (range->offset <= (uint64_t)size && range->bytes <= (uint64_t)size - range->offset)
+    gl->GetBufferParameteri64v(GL_SHADER_STORAGE_BUFFER, GL_BUFFER_SIZE, &whole);
+    uint64_t begin = range->buffer->begin, size = (uint64_t)whole > begin ? (uint64_t)whole - begin : 0;
+    *first = begin + range->offset;
+    if (range->offset <= size && range->bytes <= size - range->offset)
         return qc_statusOk;
     return qcFail(qc_statusBadInput, "%s: %llu bytes from byte %llu on are more than the buffer's %llu", function,
                   (unsigned long long)range->bytes, (unsigned long long)range->offset, (unsigned long long)size);
@@ -168,10 +186,11 @@ static qcStatus Write(const struct qcGlFunctions* gl, void* context)
 {
     const Writing* w = context;
     const uint32_t count = (uint32_t)w->count;
-    QC_TRY(qcBufferRange_Check(gl, w->room, w->function));
-    gl->BufferSubData(GL_SHADER_STORAGE_BUFFER, (GLintptr)w->room->offset, sizeof count, &count);
+    uint64_t first = 0;
+    QC_TRY(qcBufferRange_Check(gl, w->room, w->function, &first));
+    gl->BufferSubData(GL_SHADER_STORAGE_BUFFER, (GLintptr)first, sizeof count, &count);
     if (count != 0)
-        gl->BufferSubData(GL_SHADER_STORAGE_BUFFER, (GLintptr)(w->room->offset + sizeof count),
+        gl->BufferSubData(GL_SHADER_STORAGE_BUFFER, (GLintptr)(first + sizeof count),
                           (GLsizeiptr)(w->count * sizeof(qcPair)), w->pairs);
     gl->Finish();
     return qc_statusOk;

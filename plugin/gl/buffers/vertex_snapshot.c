@@ -99,12 +99,12 @@ static qcStatus CreateObjects(const struct qcGlFunctions* gl, qcVertexSnapshot* 
 }
 
 /// Binds the source from an aligned byte on. Returns the words before the first position.
-static uint32_t BindSource(const struct qcGlFunctions* gl, const qcBufferRange* range)
+static uint32_t BindSource(const struct qcGlFunctions* gl, const qcBufferRange* range, uint64_t firstByte)
 {
     GLint alignment = 0;
     gl->GetIntegerv(GL_SHADER_STORAGE_BUFFER_OFFSET_ALIGNMENT, &alignment);
-    uint64_t before = alignment > 0 ? range->offset % (uint64_t)alignment : 0;
-    gl->BindBufferRange(GL_SHADER_STORAGE_BUFFER, 0, range->buffer->name, (GLintptr)(range->offset - before),
+    uint64_t before = alignment > 0 ? firstByte % (uint64_t)alignment : 0;
+    gl->BindBufferRange(GL_SHADER_STORAGE_BUFFER, 0, range->buffer->name, (GLintptr)(firstByte - before),
                         (GLsizeiptr)(range->bytes + before));
     return (uint32_t)(before / sizeof(uint32_t));
 }
@@ -126,7 +126,8 @@ static qcStatus Copy(const struct qcGlFunctions* gl, void* context)
     const qcSnapshotSource* source = copying->source;
     const char* function = "qcScene_SetVertexBuffer";
     GLuint program;
-    QC_TRY(qcBufferRange_Check(gl, &source->range, function));
+    uint64_t firstByte = 0;
+    QC_TRY(qcBufferRange_Check(gl, &source->range, function, &firstByte));
     QC_TRY(CheckLimit(gl, source->range.bytes));
     QC_TRY(CreateObjects(gl, snapshot, source->used));
     QC_TRY(qcGl_WaitForHost(gl, source->fence, function));
@@ -134,7 +135,7 @@ static qcStatus Copy(const struct qcGlFunctions* gl, void* context)
     gl->BindBuffer(GL_SHADER_STORAGE_BUFFER, snapshot->bounds);
     memset(&copying->bounds, 0xff, sizeof copying->bounds);
     gl->BufferSubData(GL_SHADER_STORAGE_BUFFER, 0, sizeof copying->bounds, &copying->bounds);
-    SetUint(gl, program, "first", BindSource(gl, &source->range));
+    SetUint(gl, program, "first", BindSource(gl, &source->range, firstByte));
     SetUint(gl, program, "stride", source->stride / (uint32_t)sizeof(uint32_t));
     SetUint(gl, program, "vertexCount", snapshot->vertexCount);
     SetUint(gl, program, "skipsUnused", source->used != NULL);
