@@ -163,9 +163,11 @@ static bool RunFrame(Demo* demo, uint32_t frame, qcExitStatus* exitStatus)
         return false;
     }
     const qcProfile* profile = &demo->result->profile;
-    printf("%5u %7zu %10u %9u %9llu %9llu %8.3f%s\n", frame, demo->result->pairCount, 12 * demo->cloth.vertexCount, 0,
+    printf("%5u %7zu %10u %9u %9llu %9llu %8.3f\n", frame, demo->result->pairCount, 12 * demo->cloth.vertexCount, 0,
            (unsigned long long)(profile->uploadedBytes + 4 + sizeof(qcPair) * demo->result->pairCount),
-           (unsigned long long)profile->readBackBytes, ms, profile->fallback != NULL ? " (CPU)" : "");
+           (unsigned long long)profile->readBackBytes, ms);
+    if (profile->fallback != NULL)
+        printf("  %s\n", profile->fallback);
     if (demo->options.check && !Check(demo))
     {
         fprintf(stderr, "qc-gl-cloth: frame %u: the CPU finds other pairs in the same positions\n", frame);

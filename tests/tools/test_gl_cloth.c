@@ -45,7 +45,7 @@ START_TEST(positions_stay_on_the_device_and_the_pairs_are_the_cpus)
         }
         ck_assert_uint_eq(frames, 45);
         ck_assert_uint_gt(paired, 5);
-        ck_assert_ptr_null(strstr(GetOutput(), "(CPU)"));
+        ck_assert_ptr_null(strstr(GetOutput(), "on the CPU"));
         ck_assert_uint_eq(CountEntries(), 1);
     }
     LeaveFolder();

@@ -14,13 +14,15 @@ enum
     qc_lanes = 64,
     qc_copiedPerGroup = 1024, ///< snapshot.comp
     qc_groupsInRow = 1 << 15,
-    qc_positionBytes = 3 * sizeof(float)
+    qc_positionBytes = 3 * sizeof(float),
+    // More than a run has workgroups, and odd.
+    qc_runSpacing = 50331653
 };
 
 /// The kernel's answer: see snapshot.comp.
 typedef struct Bounds
 {
-    uint32_t lower[3], upper[3], firstBad;
+    uint32_t lower[3], upper[3], firstBad, finished;
 } Bounds;
 
 typedef struct Copying
@@ -60,13 +62,22 @@ static void SetUint(const struct qcGlFunctions* gl, GLuint program, const char* 
     gl->Uniform1ui(gl->GetUniformLocation(program, name), value);
 }
 
-static void Dispatch(const struct qcGlFunctions* gl, uint64_t items, uint32_t perGroup)
+/// Returns the number of workgroups.
+static uint32_t Dispatch(const struct qcGlFunctions* gl, uint64_t items, uint32_t perGroup)
 {
-    uint64_t groups = (items + perGroup - 1) / perGroup;
-    if (groups == 0)
-        return;
-    gl->DispatchCompute((GLuint)(groups < qc_groupsInRow ? groups : qc_groupsInRow),
-                        (GLuint)((groups + qc_groupsInRow - 1) / qc_groupsInRow), 1);
+    uint64_t groups = (items + perGroup - 1) / perGroup, rows = (groups + qc_groupsInRow - 1) / qc_groupsInRow;
+    uint64_t inRow = groups < qc_groupsInRow ? groups : qc_groupsInRow;
+    if (groups != 0)
+        gl->DispatchCompute((GLuint)inRow, (GLuint)rows, 1);
+    return (uint32_t)(inRow * rows);
+}
+
+/// What was read back must be of this run: a reset, or a fence that a driver signals too early, would leave old
+/// results.
+static qcStatus CheckFinished(uint32_t finished, uint32_t run, uint32_t groups)
+{
+    return finished == run + groups ? qc_statusOk
+                                    : qcFail(qc_statusDevice, "vertex buffer: the device did not finish its kernels");
 }
 
 //  ---- copies ------------------------------------------------------------------------------------------------------
@@ -134,6 +145,7 @@ static qcStatus Copy(const struct qcGlFunctions* gl, void* context)
     QC_TRY(Use(gl, "vertex buffer, snapshot", s_buffersSnapshot, &program));
     gl->BindBuffer(GL_SHADER_STORAGE_BUFFER, snapshot->bounds);
     memset(&copying->bounds, 0xff, sizeof copying->bounds);
+    copying->bounds.finished = ++snapshot->runNumber * qc_runSpacing;
     gl->BufferSubData(GL_SHADER_STORAGE_BUFFER, 0, sizeof copying->bounds, &copying->bounds);
     SetUint(gl, program, "first", BindSource(gl, &source->range, firstByte));
     SetUint(gl, program, "stride", source->stride / (uint32_t)sizeof(uint32_t));
@@ -142,13 +154,12 @@ static qcStatus Copy(const struct qcGlFunctions* gl, void* context)
     gl->BindBufferBase(GL_SHADER_STORAGE_BUFFER, 1, snapshot->buffers[1]);
     gl->BindBufferBase(GL_SHADER_STORAGE_BUFFER, 2, snapshot->bounds);
     gl->BindBufferBase(GL_SHADER_STORAGE_BUFFER, 3, snapshot->used);
-    Dispatch(gl, snapshot->vertexCount, qc_copiedPerGroup);
+    uint32_t groups = Dispatch(gl, snapshot->vertexCount, qc_copiedPerGroup);
     gl->MemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_BUFFER_UPDATE_BARRIER_BIT);
     gl->BindBuffer(GL_SHADER_STORAGE_BUFFER, snapshot->bounds);
-    // Zeros are no answer of the kernel: "vertex 0 is not finite" would be noticed.
     copying->bounds = (Bounds){0};
     gl->GetBufferSubData(GL_SHADER_STORAGE_BUFFER, 0, sizeof copying->bounds, &copying->bounds);
-    return qc_statusOk;
+    return CheckFinished(copying->bounds.finished, snapshot->runNumber * qc_runSpacing, groups);
 }
 
 /// The float of an ordered integer.
@@ -227,14 +238,17 @@ typedef struct Gathering
     float* positions;
 } Gathering;
 
-/// `buffers`: the list, and its positions.
+/// `buffers`: the list; the number of workgroups that have finished, and the positions.
 static qcStatus GatherInto(const struct qcGlFunctions* gl, const Gathering* g, GLuint buffers[2])
 {
-    size_t bytes = g->vertexCount * qc_positionBytes;
+    const GLsizeiptr head = sizeof(uint32_t), bytes = (GLsizeiptr)(g->vertexCount * qc_positionBytes);
+    const uint32_t run = g->parts[0].snapshot->listNumber * qc_runSpacing;
+    uint32_t groups = 0, finished = 0;
     GLuint program;
-    QC_TRY(CheckLimit(gl, bytes));
+    QC_TRY(CheckLimit(gl, (uint64_t)(head + bytes)));
     QC_TRY(Allocate(gl, &buffers[0], g->vertexCount * sizeof(uint32_t), g->vertices, GL_STREAM_DRAW));
-    QC_TRY(Allocate(gl, &buffers[1], bytes, NULL, GL_STREAM_READ));
+    QC_TRY(Allocate(gl, &buffers[1], (size_t)(head + bytes), NULL, GL_STREAM_READ));
+    gl->BufferSubData(GL_SHADER_STORAGE_BUFFER, 0, head, &run);
     QC_TRY(Use(gl, "vertex buffer, gather", s_buffersGather, &program));
     gl->BindBufferBase(GL_SHADER_STORAGE_BUFFER, 1, buffers[0]);
     gl->BindBufferBase(GL_SHADER_STORAGE_BUFFER, 2, buffers[1]);
@@ -243,16 +257,13 @@ static qcStatus GatherInto(const struct qcGlFunctions* gl, const Gathering* g, G
         gl->BindBufferBase(GL_SHADER_STORAGE_BUFFER, 0, g->parts[i].snapshot->buffers[0]);
         SetUint(gl, program, "first", (uint32_t)g->parts[i].first);
         SetUint(gl, program, "count", (uint32_t)g->parts[i].count);
-        Dispatch(gl, g->parts[i].count, qc_lanes);
+        groups += Dispatch(gl, g->parts[i].count, qc_lanes);
     }
     gl->MemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
     gl->BindBuffer(GL_SHADER_STORAGE_BUFFER, buffers[1]);
-    // NaN: no position is, and a reset may make reading do nothing.
-    memset(&g->positions[3 * g->vertexCount - 1], 0xff, sizeof(float));
-    gl->GetBufferSubData(GL_SHADER_STORAGE_BUFFER, 0, (GLsizeiptr)bytes, g->positions);
-    return isnan(g->positions[3 * g->vertexCount - 1])
-               ? qcFail(qc_statusDevice, "the device did not finish gathering positions")
-               : qc_statusOk;
+    gl->GetBufferSubData(GL_SHADER_STORAGE_BUFFER, 0, head, &finished);
+    gl->GetBufferSubData(GL_SHADER_STORAGE_BUFFER, head, bytes, g->positions);
+    return CheckFinished(finished, run, groups);
 }
 
 static qcStatus Gather(const struct qcGlFunctions* gl, void* context)

@@ -18,6 +18,7 @@ typedef struct qcVertexSnapshot
     GLuint bounds, used;
     qcArray marks; ///< uint32_t, by vertex: the number of the last list with it
     uint32_t listNumber;
+    uint32_t runNumber; ///< of the last copy
 } qcVertexSnapshot;
 
 typedef struct qcSnapshotSource

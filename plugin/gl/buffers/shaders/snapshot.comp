@@ -4,9 +4,9 @@
 layout(local_size_x = 64) in;
 layout(std430, binding = 0) readonly buffer Source { uint source[]; };
 layout(std430, binding = 1) writeonly buffer Snapshot { uint snapshot[]; };
-// All ones at first. Three lower ends, complements of three upper ends, as ordered integers; the first vertex that is not
-// finite.
-layout(std430, binding = 2) buffer Bounds { uint bounds[7]; };
+// Three lower ends, complements of three upper ends, as ordered integers; the first vertex that is not finite: all ones at
+// first. The number of workgroups that have finished, from the run's number on.
+layout(std430, binding = 2) buffer Bounds { uint bounds[8]; };
 layout(std430, binding = 3) readonly buffer Used { uint used[]; }; // a bit a vertex
 uniform uint vertexCount, first, stride; // words
 uniform uint skipsUnused;                // 1: the bounds are those of vertices with a bit in `used`
@@ -55,6 +55,10 @@ void main()
                     min(parts[i][gl_LocalInvocationID.x], parts[i][gl_LocalInvocationID.x + span]);
     }
     if (gl_LocalInvocationID.x == 0u)
+    {
         for (int i = 0; i < 6; i++)
             atomicMin(bounds[i], parts[i][0]);
+        memoryBarrierBuffer();
+        atomicAdd(bounds[7], 1u);
+    }
 }
