@@ -18,6 +18,7 @@ Demos:
             out/leaves/.
   through   Bodies thrown at each other so fast that they could pass: a table of penetrating pairs inside each step, beside
             version 0.2.0, and pictures of a thrown cloth, and a film, in out/through/. About ten minutes; --quick: one.
+  gl-cloth  A cloth in GL buffers on the GPU; its self-collisions are found there, and no vertex is uploaded. A table.
   pairs     Finds the triangles of meshes that intersect: demos/run.sh pairs MESH...
   bench     Measures: demos/run.sh bench [accuracy] compares the methods, "bench peers" other libraries (which it
             installs), "bench first" the first steps of new meshes, "bench scaling" sizes, "bench broadphase" the
@@ -195,7 +196,7 @@ case ${1-} in
         exec "$(dirname -- "$0")/report/run.sh" "$@"
         ;;
     gallery) exec "$(dirname -- "$0")/gallery.sh" ;;
-    cloth | fracture | breaking | leaves | through | pairs | bench)
+    cloth | fracture | breaking | leaves | gl-cloth | through | pairs | bench)
         demo=$1
         shift
         ;;
@@ -249,6 +250,7 @@ case $demo in
     # 120 steps a second, a frame every 10.
     leaves) run_filmed leaves 12 "$@" ;;
     through) run_through "$@" ;;
+    gl-cloth) "$root/build/demos/qc-gl-cloth" "$@" ;;
     pairs) "$root/build/demos/qc-pairs" "$@" ;;
     bench) run_bench "$@" ;;
 esac

@@ -47,9 +47,20 @@ typedef struct qcDeviceDef
     /// Part of the GPU's GL_RENDERER, at most 127 bytes, such as "RTX 4090". Null or empty: any.
     const char* gpuName;
     const uint8_t* gpuUuid; ///< 16 bytes, as qcDeviceInfo::uuid; null: any
+    /// An OpenGL context of the host's to share objects with: see buffers.h. An EGLContext, with its
+    /// EGLDisplay in shareDisplay (any platform; EGL_KHR_surfaceless_context is required), for the kinds auto, egl and
+    /// surfaceless; or an OSMesaContext, with a null shareDisplay, for auto and osmesa. The host must use the same
+    /// library, libEGL.so.1 or libOSMesa. Null, the default: the device shares nothing.
+    ///
+    /// The host's context is never made current by the library, and may stay current on the host's thread. It must
+    /// exist while the device opens, and during qcDevice_Reopen. No GPU may be selected beside it. A context that
+    /// reports resets (EGL_LOSE_CONTEXT_ON_RESET) is recommended: contexts that share have the same strategy, and
+    /// without it a loss is noticed late or never.
+    void* shareContext;
+    void* shareDisplay; ///< the EGLDisplay of shareContext; null for an OSMesaContext
 } qcDeviceDef;
 
-/// The default definition: kind auto, any GPU.
+/// The default definition: kind auto, any GPU, no sharing.
 static inline qcDeviceDef qcDefaultDeviceDef(void)
 {
     qcDeviceDef def;
@@ -58,6 +69,8 @@ static inline qcDeviceDef qcDefaultDeviceDef(void)
     def.gpuIndex = -1;
     def.gpuName = NULL;
     def.gpuUuid = NULL;
+    def.shareContext = NULL;
+    def.shareDisplay = NULL;
     return def;
 }
 

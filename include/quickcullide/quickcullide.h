@@ -6,6 +6,7 @@
 #include "base.h"
 #include "device.h"
 #include "scene.h"
+#include "buffers.h"
 #include "recording.h"
 #include "boxes.h"
 

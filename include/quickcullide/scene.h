@@ -573,6 +573,9 @@ typedef struct qcProfile
     uint64_t fittedTriangles;      ///< triangles of bodies whose hierarchies `sweep` built or refitted
     uint64_t followedTriangles;    ///< triangles of bodies of which `sweep` updated moved vertices only
     uint64_t flatTriangles;        ///< triangles in flat patches, proven to have no self-contact
+    /// Bytes of positions read back from the device in this step: of bodies with a vertex buffer
+    /// (qcScene_SetVertexBuffer), 12 a vertex.
+    uint64_t readBackBytes;
 } qcProfile;
 
 /// The result of a step. Owned by the scene; valid until the next call that changes the scene or detects again.

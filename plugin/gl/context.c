@@ -15,27 +15,10 @@ static bool IsSoftwareRenderer(const char* renderer)
     return false;
 }
 
-static bool HasExtension(const qcContext* context, const char* name)
-{
-    PFNGLGETINTEGERVPROC getIntegerv = (PFNGLGETINTEGERVPROC)context->getFunction("glGetIntegerv");
-    PFNGLGETSTRINGIPROC getStringi = (PFNGLGETSTRINGIPROC)context->getFunction("glGetStringi");
-    GLint count = 0;
-    if (getIntegerv == NULL || getStringi == NULL)
-        return false;
-    getIntegerv(GL_NUM_EXTENSIONS, &count);
-    for (GLint i = 0; i < count; ++i)
-    {
-        const char* extension = (const char*)getStringi(GL_EXTENSIONS, (GLuint)i);
-        if (extension != NULL && strcmp(extension, name) == 0)
-            return true;
-    }
-    return false;
-}
-
 static void ReadUuid(const qcContext* context, uint8_t uuid[16])
 {
     // A function may exist for a name that the driver doesn't support.
-    if (!HasExtension(context, "GL_EXT_memory_object"))
+    if (!qcGl_HasExtension(context->getFunction, "GL_EXT_memory_object"))
         return;
     PFNGLGETUNSIGNEDBYTEI_VEXTPROC getBytes =
         (PFNGLGETUNSIGNEDBYTEI_VEXTPROC)context->getFunction("glGetUnsignedBytei_vEXT");

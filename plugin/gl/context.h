@@ -4,13 +4,14 @@
 
 #include "gl/gl_functions.h"
 
-/// The requested GPU, see qcDeviceDef.
+/// The requested GPU, or the context to share objects with: see qcDeviceDef.
 typedef struct qcGpuChoice
 {
     int32_t index; ///< -1: any
     char name[128];
     bool hasUuid;
     uint8_t uuid[16];
+    void *shareDisplay, *shareContext; ///< null: none
 } qcGpuChoice;
 
 /// The renderer that the driver reports.
@@ -29,7 +30,7 @@ typedef struct qcContext
 } qcContext;
 
 /// Opens a context, GL 4.5 core or else 3.3 core, and leaves it current on the calling thread.
-/// qc_statusDevice: nothing is left open; the message names the reason. Only EGL's device platform uses `choice`.
+/// qc_statusDevice: nothing is left open; the message names the reason. Only EGL's device platform chooses a GPU.
 typedef qcStatus qcOpenContext(const qcGpuChoice* choice, qcContext* context);
 /// Closes a context, on the thread that opened it.
 typedef void qcCloseContext(qcContext* context);

@@ -282,6 +282,25 @@ static void FreeDevice(qcDevice* device)
     qcFree(device, sizeof *device);
 }
 
+/// The kinds that can share the context, if the definition gives one.
+static qcStatus CheckShare(const qcDeviceDef* def, bool gpuChosen)
+{
+    if (def->shareContext == NULL)
+        return def->shareDisplay == NULL
+                   ? qc_statusOk
+                   : qcFail(qc_statusBadInput, "qcDevice_Create: def->shareDisplay without def->shareContext");
+    if (gpuChosen)
+        return qcFail(qc_statusBadInput, "qcDevice_Create: def->shareContext has a GPU; def must choose none");
+    if (def->kind == qc_deviceNone)
+        return qcFail(qc_statusBadInput, "qcDevice_Create: the device none shares no context");
+    if (def->shareDisplay == NULL && def->kind != qc_deviceAuto && def->kind != qc_deviceOsmesa)
+        return qcFail(qc_statusBadInput, "qcDevice_Create: def->shareContext needs def->shareDisplay for kind %s",
+                      s_kinds[def->kind].name);
+    if (def->shareDisplay != NULL && def->kind == qc_deviceOsmesa)
+        return qcFail(qc_statusBadInput, "qcDevice_Create: kind osmesa shares no context of an EGLDisplay");
+    return qc_statusOk;
+}
+
 static qcStatus CheckDef(const qcDeviceDef* def)
 {
     if ((unsigned)def->kind > qc_deviceNone)
@@ -295,12 +314,15 @@ static qcStatus CheckDef(const qcDeviceDef* def)
     if (chosen && def->kind != qc_deviceEgl)
         return qcFail(qc_statusBadInput, "qcDevice_Create: def chooses a GPU, for kind egl alone; def->kind is %s",
                       s_kinds[def->kind].name);
-    return qc_statusOk;
+    return CheckShare(def, chosen);
 }
 
 static void KeepChoice(qcDevice* device, const qcDeviceDef* def)
 {
-    device->choice = (qcGpuChoice){.index = def->gpuIndex, .hasUuid = def->gpuUuid != NULL};
+    device->choice = (qcGpuChoice){.index = def->gpuIndex,
+                                   .hasUuid = def->gpuUuid != NULL,
+                                   .shareDisplay = def->shareDisplay,
+                                   .shareContext = def->shareContext};
     if (def->gpuName != NULL)
         snprintf(device->choice.name, sizeof device->choice.name, "%s", def->gpuName);
     if (def->gpuUuid != NULL)
@@ -351,6 +373,8 @@ qcStatus qcDevice_Create(const qcDeviceDef* given, qcDevice** result)
     pthread_cond_init(&device->changed, NULL);
 
     KeepChoice(device, &def);
+    if (def.kind == qc_deviceAuto && def.shareContext != NULL)
+        def.kind = def.shareDisplay != NULL ? qc_deviceEgl : qc_deviceOsmesa;
     qcStatus status = def.kind == qc_deviceAuto ? OpenAuto(device) : OpenKind(device, def.kind);
     if (status != qc_statusOk)
     {
@@ -423,6 +447,11 @@ qcStatus qcDevice_GetInfo(const qcDevice* device, qcDeviceInfo* info)
                            .lost = IsLost((qcDevice*)device)};
     memcpy(info->uuid, device->gpu.uuid, sizeof info->uuid);
     return qc_statusOk;
+}
+
+bool qcDevice_SharesContext(const qcDevice* device)
+{
+    return device->choice.shareContext != NULL;
 }
 
 uint32_t qcDevice_GetGeneration(qcDevice* device)

@@ -16,6 +16,9 @@ typedef qcStatus qcDeviceJob(const struct qcGlFunctions* gl, void* context);
 /// names it and `purpose`. qc_statusDeviceLost: the context is lost.
 qcStatus qcDevice_Run(qcDevice* device, qcDeviceJob* job, void* context, const char* purpose);
 
+/// Whether the device was opened with a context of the host's to share objects with.
+bool qcDevice_SharesContext(const qcDevice* device);
+
 /// Number of contexts that the device has opened. GL objects of another generation no longer exist.
 uint32_t qcDevice_GetGeneration(qcDevice* device);
 

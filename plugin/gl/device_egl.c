@@ -84,7 +84,7 @@ static void LoadLibrary(void)
     s_egl.QueryDeviceStringEXT = (PFNEGLQUERYDEVICESTRINGEXTPROC)s_egl.GetProcAddress("eglQueryDeviceStringEXT");
 }
 
-static EGLContext CreateContext(EGLDisplay display, EGLConfig config)
+static EGLContext CreateContext(EGLDisplay display, EGLConfig config, EGLContext share)
 {
     static const struct
     {
@@ -105,7 +105,7 @@ static EGLContext CreateContext(EGLDisplay display, EGLConfig config)
                                                              : EGL_NONE,
                                      EGL_LOSE_CONTEXT_ON_RESET_KHR,
                                      EGL_NONE};
-        EGLContext handle = s_egl.CreateContext(display, config, EGL_NO_CONTEXT, attributes);
+        EGLContext handle = s_egl.CreateContext(display, config, share, attributes);
         if (handle != EGL_NO_CONTEXT)
             return handle;
     }
@@ -114,7 +114,7 @@ static EGLContext CreateContext(EGLDisplay display, EGLConfig config)
 
 // The display stays initialised, on failure and after the last context: a process has one display per platform and
 // native device, the host may use the same one, and eglTerminate would end the host's contexts too.
-static qcStatus OpenOnDisplay(EGLDisplay display, qcContext* context)
+static qcStatus OpenOnDisplay(EGLDisplay display, EGLContext share, qcContext* context)
 {
     if (display == EGL_NO_DISPLAY)
         return qcFail(qc_statusDevice, "no EGL display (error 0x%x)", (unsigned)s_egl.GetError());
@@ -135,7 +135,12 @@ static qcStatus OpenOnDisplay(EGLDisplay display, qcContext* context)
         if (!s_egl.ChooseConfig(display, attributes, &config, 1, &count) || count == 0)
             return qcFail(qc_statusDevice, "EGL has no configuration for desktop GL");
     }
-    EGLContext handle = CreateContext(display, config);
+    EGLContext handle = CreateContext(display, config, share);
+    if (handle == EGL_NO_CONTEXT && share != EGL_NO_CONTEXT)
+        return qcFail(qc_statusDevice,
+                      "EGL gives no context of GL 3.3 core that shares objects with def->shareContext (error 0x%x): it "
+                      "must be a context of desktop GL on def->shareDisplay",
+                      (unsigned)s_egl.GetError());
     if (handle == EGL_NO_CONTEXT)
         return qcFail(qc_statusDevice, "EGL gives no context of GL 3.3 core (error 0x%x)", (unsigned)s_egl.GetError());
     if (!s_egl.MakeCurrent(display, EGL_NO_SURFACE, EGL_NO_SURFACE, handle))
@@ -168,7 +173,7 @@ static qcStatus OpenOnDevice(EGLDeviceEXT device, const qcGpuChoice* choice, qcC
 {
     if (!IsGiven(choice) && HasWord(s_egl.QueryDeviceStringEXT(device, EGL_EXTENSIONS), "EGL_MESA_device_software"))
         return qcFail(qc_statusDevice, "draws in software");
-    QC_TRY(OpenOnDisplay(s_egl.GetPlatformDisplayEXT(EGL_PLATFORM_DEVICE_EXT, device, NULL), context));
+    QC_TRY(OpenOnDisplay(s_egl.GetPlatformDisplayEXT(EGL_PLATFORM_DEVICE_EXT, device, NULL), EGL_NO_CONTEXT, context));
 
     // A driver may fall back to software behind a hardware device.
     qcGpuIdentity gpu;
@@ -208,6 +213,8 @@ qcStatus qcOpenEglContext(const qcGpuChoice* choice, qcContext* context)
     pthread_once(&s_once, LoadLibrary);
     if (s_egl.error[0] != 0)
         return qcFail(qc_statusDevice, "%s", s_egl.error);
+    if (choice->shareContext != NULL)
+        return OpenOnDisplay(choice->shareDisplay, choice->shareContext, context);
     bool listsDevices =
         HasWord(s_egl.extensions, "EGL_EXT_device_base") ||
         (HasWord(s_egl.extensions, "EGL_EXT_device_enumeration") && HasWord(s_egl.extensions, "EGL_EXT_device_query"));
@@ -227,14 +234,15 @@ qcStatus qcOpenEglContext(const qcGpuChoice* choice, qcContext* context)
 
 qcStatus qcOpenSurfacelessContext(const qcGpuChoice* choice, qcContext* context)
 {
-    (void)choice;
     pthread_once(&s_once, LoadLibrary);
     if (s_egl.error[0] != 0)
         return qcFail(qc_statusDevice, "%s", s_egl.error);
+    if (choice->shareContext != NULL)
+        return OpenOnDisplay(choice->shareDisplay, choice->shareContext, context);
     if (!HasWord(s_egl.extensions, "EGL_MESA_platform_surfaceless"))
         return qcFail(qc_statusDevice, "libEGL lacks EGL_MESA_platform_surfaceless");
     return OpenOnDisplay(s_egl.GetPlatformDisplayEXT(EGL_PLATFORM_SURFACELESS_MESA, EGL_DEFAULT_DISPLAY, NULL),
-                         context);
+                         EGL_NO_CONTEXT, context);
 }
 
 void qcCloseEglContext(qcContext* context)

@@ -65,7 +65,7 @@ static void LoadLibrary(void)
         snprintf(s_osmesa.error, sizeof s_osmesa.error, "libOSMesa lacks OSMesaCreateContextAttribs (Mesa 11.2)");
 }
 
-static void* CreateContext(int major, int minor)
+static void* CreateContext(int major, int minor, void* share)
 {
     const int attributes[] = {qc_osmesaFormat,
                               GL_RGBA,
@@ -76,7 +76,7 @@ static void* CreateContext(int major, int minor)
                               qc_osmesaMinorVersion,
                               minor,
                               0};
-    return s_osmesa.CreateContextAttribs(attributes, NULL);
+    return s_osmesa.CreateContextAttribs(attributes, share);
 }
 
 /// libOSMesa crashes if GALLIUM_DRIVER names a driver that it lacks, and with zink (Mesa 22.3).
@@ -90,16 +90,15 @@ static qcStatus CheckDriver(void)
 
 qcStatus qcOpenOsmesaContext(const qcGpuChoice* choice, qcContext* context)
 {
-    (void)choice;
     QC_TRY(CheckDriver());
     pthread_once(&s_once, LoadLibrary);
     if (s_osmesa.error[0] != 0)
         return qcFail(qc_statusDevice, "%s", s_osmesa.error);
 
     pthread_mutex_lock(&s_mutex);
-    void* handle = CreateContext(4, 5);
+    void* handle = CreateContext(4, 5, choice->shareContext);
     if (handle == NULL)
-        handle = CreateContext(3, 3);
+        handle = CreateContext(3, 3, choice->shareContext);
     GLboolean current = GL_FALSE;
     if (handle != NULL)
     {

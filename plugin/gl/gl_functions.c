@@ -68,18 +68,33 @@ static qcStatus LinkProgram(const struct qcGlFunctions* gl, const char* name, co
     return qcFail(qc_statusDevice, "%s: the program does not link: %s", name, log);
 }
 
-static bool HasExtension(const struct qcGlFunctions* gl, qcGlGetFunction* getFunction, const char* name)
+bool qcGl_HasExtension(qcGlGetFunction* getFunction, const char* name)
 {
+    PFNGLGETINTEGERVPROC getIntegerv = (PFNGLGETINTEGERVPROC)getFunction("glGetIntegerv");
     PFNGLGETSTRINGIPROC getStringi = (PFNGLGETSTRINGIPROC)getFunction("glGetStringi");
     GLint count = 0;
-    gl->GetIntegerv(GL_NUM_EXTENSIONS, &count);
-    for (GLint i = 0; getStringi != NULL && i < count; i++)
+    if (getIntegerv == NULL || getStringi == NULL)
+        return false;
+    getIntegerv(GL_NUM_EXTENSIONS, &count);
+    for (GLint i = 0; i < count; ++i)
     {
         const char* extension = (const char*)getStringi(GL_EXTENSIONS, (GLuint)i);
         if (extension != NULL && strcmp(extension, name) == 0)
             return true;
     }
     return false;
+}
+
+static void LoadMemoryObjects(struct qcGlFunctions* gl, qcGlGetFunction* getFunction)
+{
+    if (!qcGl_HasExtension(getFunction, "GL_EXT_memory_object") ||
+        !qcGl_HasExtension(getFunction, "GL_EXT_memory_object_fd"))
+        return;
+    gl->CreateMemoryObjects = (PFNGLCREATEMEMORYOBJECTSEXTPROC)getFunction("glCreateMemoryObjectsEXT");
+    gl->DeleteMemoryObjects = (PFNGLDELETEMEMORYOBJECTSEXTPROC)getFunction("glDeleteMemoryObjectsEXT");
+    gl->MemoryObjectParameteriv = (PFNGLMEMORYOBJECTPARAMETERIVEXTPROC)getFunction("glMemoryObjectParameterivEXT");
+    gl->ImportMemoryFd = (PFNGLIMPORTMEMORYFDEXTPROC)getFunction("glImportMemoryFdEXT");
+    gl->BufferStorageMem = (PFNGLBUFFERSTORAGEMEMEXTPROC)getFunction("glBufferStorageMemEXT");
 }
 
 qcStatus qcGlFunctions_Load(struct qcGlFunctions* gl, qcGlGetFunction* getFunction)
@@ -103,8 +118,9 @@ qcStatus qcGlFunctions_Load(struct qcGlFunctions* gl, qcGlGetFunction* getFuncti
         gl->DispatchComputeIndirect = (PFNGLDISPATCHCOMPUTEINDIRECTPROC)getFunction("glDispatchComputeIndirect");
         gl->MemoryBarrier = (PFNGLMEMORYBARRIERPROC)getFunction("glMemoryBarrier");
     }
-    if (major * 10 + minor >= 44 || HasExtension(gl, getFunction, "GL_ARB_buffer_storage"))
+    if (major * 10 + minor >= 44 || qcGl_HasExtension(getFunction, "GL_ARB_buffer_storage"))
         gl->BufferStorage = (PFNGLBUFFERSTORAGEPROC)getFunction("glBufferStorage");
+    LoadMemoryObjects(gl, getFunction);
     return qc_statusOk;
 }
 

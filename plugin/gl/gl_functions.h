@@ -50,6 +50,7 @@
     X(PFNGLENABLEVERTEXATTRIBARRAYPROC, EnableVertexAttribArray)                                                       \
     X(PFNGLENDQUERYPROC, EndQuery)                                                                                     \
     X(PFNGLFENCESYNCPROC, FenceSync)                                                                                   \
+    X(PFNGLFINISHPROC, Finish)                                                                                         \
     X(PFNGLFLUSHPROC, Flush)                                                                                           \
     X(PFNGLFRAMEBUFFERRENDERBUFFERPROC, FramebufferRenderbuffer)                                                       \
     X(PFNGLFRAMEBUFFERTEXTURE2DPROC, FramebufferTexture2D)                                                             \
@@ -60,6 +61,7 @@
     X(PFNGLGENRENDERBUFFERSPROC, GenRenderbuffers)                                                                     \
     X(PFNGLGENTEXTURESPROC, GenTextures)                                                                               \
     X(PFNGLGENVERTEXARRAYSPROC, GenVertexArrays)                                                                       \
+    X(PFNGLGETBUFFERPARAMETERI64VPROC, GetBufferParameteri64v)                                                         \
     X(PFNGLGETBUFFERSUBDATAPROC, GetBufferSubData)                                                                     \
     X(PFNGLGETERRORPROC, GetError)                                                                                     \
     X(PFNGLGETINTEGER64VPROC, GetInteger64v)                                                                           \
@@ -73,6 +75,8 @@
     X(PFNGLGETSHADERIVPROC, GetShaderiv)                                                                               \
     X(PFNGLGETSTRINGPROC, GetString)                                                                                   \
     X(PFNGLGETUNIFORMLOCATIONPROC, GetUniformLocation)                                                                 \
+    X(PFNGLISBUFFERPROC, IsBuffer)                                                                                     \
+    X(PFNGLISSYNCPROC, IsSync)                                                                                         \
     X(PFNGLLINKPROGRAMPROC, LinkProgram)                                                                               \
     X(PFNGLMAPBUFFERRANGEPROC, MapBufferRange)                                                                         \
     X(PFNGLPIXELSTOREIPROC, PixelStorei)                                                                               \
@@ -103,7 +107,7 @@
 enum
 {
     // One for each kernel and each way of drawing that the library has.
-    qc_maxPrograms = 24
+    qc_maxPrograms = 32
 };
 
 /// Programs live as long as their device: compiling a program takes longer than drawing with it.
@@ -134,6 +138,12 @@ struct qcGlFunctions
     PFNGLMEMORYBARRIERPROC MemoryBarrier;
     /// Null below GL 4.4 without ARB_buffer_storage.
     PFNGLBUFFERSTORAGEPROC BufferStorage;
+    /// GL_EXT_memory_object_fd; all null without it.
+    PFNGLCREATEMEMORYOBJECTSEXTPROC CreateMemoryObjects;
+    PFNGLDELETEMEMORYOBJECTSEXTPROC DeleteMemoryObjects;
+    PFNGLMEMORYOBJECTPARAMETERIVEXTPROC MemoryObjectParameteriv;
+    PFNGLIMPORTMEMORYFDEXTPROC ImportMemoryFd;
+    PFNGLBUFFERSTORAGEMEMEXTPROC BufferStorageMem;
     struct qcGlPrograms* programs;
 };
 
@@ -159,6 +169,9 @@ const char* qcGl_ErrorName(GLenum error);
 typedef void qcGlFunction(void);
 /// eglGetProcAddress or OSMesaGetProcAddress.
 typedef qcGlFunction* qcGlGetFunction(const char* name);
+
+/// Whether the current context has an extension. A function may exist for a name that the driver doesn't support.
+bool qcGl_HasExtension(qcGlGetFunction* getFunction, const char* name);
 
 /// Fills the functions. qc_statusDevice names the first that is missing.
 qcStatus qcGlFunctions_Load(struct qcGlFunctions* gl, qcGlGetFunction* getFunction);

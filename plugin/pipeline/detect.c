@@ -5,6 +5,7 @@
 #include "base/clock.h"
 #include "base/parallel_for.h"
 #include "base/status.h"
+#include "gl/buffers/vertex_snapshot.h"
 #include "scene/feature_owners.h"
 
 #include <string.h>
@@ -158,11 +159,22 @@ static qcStatus Leave(const qcStep* step, qcStatus status)
     return status;
 }
 
+/// Positions that were lost with a device are no longer anywhere.
+static qcStatus CheckVertexBuffers(const qcBodies* bodies)
+{
+    for (uint32_t slot = 0; slot < bodies->slots.count; slot++)
+        QC_TRY(qcVertexSnapshot_CheckAlive(QC_AT(qcBody, bodies->slots, slot).snapshot, slot));
+    return qc_statusOk;
+}
+
 static qcStatus RunStages(const qcStep* step, qcBodies* bodies, double start, qcDetector* d)
 {
     qcProfile profile = {0};
     double lap = start;
     ReportPlan(&step->plan, &profile);
+    QC_TRY(CheckVertexBuffers(bodies));
+    if (!qcVertexBuffers_SufficeFor(step))
+        QC_TRY(qcVertexBuffers_CompleteAll(bodies, &profile.readBackBytes));
     QC_TRY(BeginStep(step, bodies, &d->triangles, &d->pcs, &profile));
     const qcStepTriangles* triangles = &d->triangles;
     profile.planMs = Lap(&lap);
@@ -188,6 +200,7 @@ static qcStatus RunStages(const qcStep* step, qcBodies* bodies, double start, qc
 
     const qcCandidates* candidates = &d->triangleStage.candidates;
     QC_TRY(qcPcsReport_Fill(triangles, &d->pcs, candidates, step->plan.useImage, step->def, &d->pcsReport));
+    QC_TRY(qcVertexBuffers_Gather(step, triangles, candidates, &d->vertexBuffers, &profile));
     Enter(step, "qcScene exact");
     QC_TRY(Leave(step, qcNarrowphase_Run(triangles, candidates, step->def, step->threads, &d->narrowphase, &profile)));
     Lap(&lap);
@@ -220,6 +233,7 @@ static void Reuse(qcProfile* profile)
     profile->planMs = profile->cullObjectsMs = profile->sweepObjectsMs = profile->cullTrianglesMs = 0.0;
     profile->sweepTrianglesMs = profile->exactMs = profile->contactMs = profile->manifoldMs = 0.0;
     profile->totalMs = 0.0;
+    profile->readBackBytes = 0;
     profile->layerTimes = NULL;
     profile->layerTimeCount = 0;
 }
@@ -254,6 +268,7 @@ void qcDetector_Free(qcDetector* detector)
     qcImageCull_Free(&detector->imageCull);
     qcBodyPairs_Free(&detector->bodyPairs);
     qcMethodStage_Free(&detector->triangleStage);
+    qcVertexBuffers_Free(&detector->vertexBuffers);
     qcNarrowphase_Free(&detector->narrowphase);
     qcAllManifolds_Free(&detector->manifolds);
     qcPcsReport_Free(&detector->pcsReport);

@@ -6,6 +6,7 @@
 #include "narrowphase/narrowphase.h"
 #include "pipeline/pcs_report.h"
 #include "pipeline/method_stage.h"
+#include "pipeline/vertex_buffers.h"
 
 /// The memory of each stage, retained between steps, and the last result.
 typedef struct qcDetector
@@ -15,6 +16,7 @@ typedef struct qcDetector
     qcImageCull imageCull;
     qcBodyPairs bodyPairs;
     qcMethodStage triangleStage;
+    qcVertexBuffers vertexBuffers;
     qcNarrowphase narrowphase;
     qcAllManifolds manifolds;
     qcPcsReport pcsReport;

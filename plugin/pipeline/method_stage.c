@@ -2,6 +2,7 @@
 #include "pipeline/method_stage.h"
 
 #include "base/status.h"
+#include "pipeline/vertex_buffers.h"
 
 #include <stdio.h>
 
@@ -89,6 +90,7 @@ qcStatus qcMethodStage_Cull(const qcStep* step, const qcStepTriangles* triangles
     qcIslandRouting* routing = &stage->routing;
     QC_TRY(qcIslandRouting_ChooseDevice(step, triangles, pairs, routing, profile));
     QC_TRY(RunLayers(step, triangles, pairs, stage, profile));
+    QC_TRY(qcVertexBuffers_CompleteOthers(triangles, routing->onDevice.data, &profile->readBackBytes));
     const qcBvhCandidatesJob bvhJob = BvhJob(step, triangles, pairs, routing);
     QC_TRY(qcIslandRouting_PrepareBvhs(step, &bvhJob, &stage->bvhs, routing));
     // The paper culls whole bodies at the sub-object level; brute force leaves out nothing.

@@ -4,6 +4,7 @@
 #include "base/definition.h"
 #include "base/float_mode.h"
 #include "base/status.h"
+#include "gl/buffers/device_buffer.h"
 #include "pipeline/calibrate.h"
 #include "pipeline/scene_api.h"
 #include "quickcullide/recording.h"
@@ -57,8 +58,11 @@ qcStatus qcScene_Create(const qcSceneDef* def, qcScene** scene)
 qcStatus qcScene_Record(qcScene* scene, const char* path)
 {
     QC_TRY(CheckPointer(scene, "qcScene_Record", "scene"));
+    uint64_t bytes = 0;
     qcStatus status = qcSceneRecorder_Close(scene->recorder);
     scene->recorder = NULL;
+    if (path != NULL)
+        QC_TRY(qcVertexBuffers_CompleteAll(&scene->bodies, &bytes));
     return path == NULL ? status : qcSceneRecorder_Open(path, scene->device, &scene->bodies, &scene->recorder);
 }
 
@@ -67,6 +71,8 @@ void qcScene_Destroy(qcScene* scene)
     if (scene == NULL)
         return;
     qcSceneRecorder_Close(scene->recorder);
+    for (size_t slot = 0; slot < scene->bodies.slots.count; slot++)
+        qcVertexBuffers_Release(&QC_AT(qcBody, scene->bodies.slots, slot));
     qcDetector_Free(&scene->detector);
     qcBodies_Free(&scene->bodies);
     qcFree(scene, sizeof *scene);
@@ -101,8 +107,10 @@ static qcBody* Find(qcScene* scene, qcBodyId id, const char* function, qcStatus*
 qcStatus qcScene_RemoveBody(qcScene* scene, qcBodyId id)
 {
     qcStatus status;
-    if (Find(scene, id, "qcScene_RemoveBody", &status) == NULL)
+    qcBody* body = Find(scene, id, "qcScene_RemoveBody", &status);
+    if (body == NULL)
         return status;
+    qcVertexBuffers_Release(body);
     qcBodies_Remove(&scene->bodies, id);
     RECORD(scene, RemoveBody, id.slot);
     return status;
@@ -128,7 +136,7 @@ qcStatus qcScene_SetTransform(qcScene* scene, qcBodyId id, const qcTransform* tr
 qcStatus qcScene_SetVertices(qcScene* scene, qcBodyId id, const void* positions, qcPositionType type, size_t stride)
 {
     qcStatus status;
-    const qcBody* body = Find(scene, id, "qcScene_SetVertices", &status);
+    qcBody* body = Find(scene, id, "qcScene_SetVertices", &status);
     if (body == NULL)
         return status;
     if (!body->deforming)
@@ -136,8 +144,36 @@ qcStatus qcScene_SetVertices(qcScene* scene, qcBodyId id, const void* positions,
     qcFloatMode mode = qcFloatMode_Begin();
     status = qcBodies_SetVertices(&scene->bodies, id.slot, positions, type, stride);
     qcFloatMode_End(mode);
-    if (status == qc_statusOk)
-        RECORD(scene, SetVertices, id.slot, positions, type, stride, body->vertexCount);
+    if (status != qc_statusOk)
+        return status;
+    qcVertexBuffers_Leave(body);
+    RECORD(scene, SetVertices, id.slot, positions, type, stride, body->vertexCount);
+    return status;
+}
+
+/// A recording has the positions as those of qcScene_SetVertices.
+static qcStatus RecordVertexBuffer(qcScene* scene, const qcBody* body, uint32_t slot)
+{
+    uint64_t bytes = 0;
+    QC_TRY(qcVertexBuffers_Complete(body, slot, &bytes));
+    RECORD(scene, SetVertices, slot, body->world, qc_positionF64, 0, body->vertexCount);
+    return qc_statusOk;
+}
+
+qcStatus qcScene_SetVertexBuffer(qcScene* scene, qcBodyId id, const qcVertexBufferDef* def)
+{
+    qcStatus status;
+    const qcBody* body = Find(scene, id, "qcScene_SetVertexBuffer", &status);
+    if (body == NULL)
+        return status;
+    QC_TRY(CheckPointer(def, "qcScene_SetVertexBuffer", "def"));
+    if (!body->deforming)
+        return qcFail(qc_statusBadInput, "qcScene_SetVertexBuffer: body %u is rigid; give it a transform", id.slot);
+    qcFloatMode mode = qcFloatMode_Begin();
+    status = qcVertexBuffers_Set(&scene->bodies, id.slot, scene->device, def);
+    if (status == qc_statusOk && scene->recorder != NULL)
+        status = RecordVertexBuffer(scene, body, id.slot);
+    qcFloatMode_End(mode);
     return status;
 }
 
@@ -182,7 +218,9 @@ qcStatus qcScene_SetSelfCollision(qcScene* scene, qcBodyId id, bool selfCollisio
 
 qcStatus qcScene_MarkStart(qcScene* scene)
 {
+    uint64_t bytes = 0;
     QC_TRY(CheckPointer(scene, "qcScene_MarkStart", "scene"));
+    QC_TRY(qcVertexBuffers_CompleteAll(&scene->bodies, &bytes));
     QC_TRY(qcBodies_MarkStart(&scene->bodies));
     if (scene->recorder != NULL)
         qcSceneRecorder_MarkStart(scene->recorder);
@@ -312,4 +350,26 @@ qcStatus qcScene_Detect(qcScene* scene, const qcDetectDef* def, const qcResult**
     qcStatus status = Detect(scene, def, result);
     qcFloatMode_End(mode);
     return status;
+}
+
+qcStatus qcScene_WritePairs(qcScene* scene, const qcPairBufferDef* given)
+{
+    const char* function = "qcScene_WritePairs";
+    QC_TRY(CheckPointer(scene, function, "scene"));
+    QC_TRY(CheckPointer(given, function, "def"));
+    qcPairBufferDef def = qcDefaultPairBufferDef();
+    QC_TRY(qcDef_Take(given, QC_DEF_LAYOUT(function, qcPairBufferDef, capacity), &def));
+    QC_TRY(qcDeviceBuffer_Check(def.buffer, scene->device, function));
+    const qcResult* result = &scene->detector.result;
+    if (!scene->detector.valid)
+        return qcFail(qc_statusBadInput, "%s: there is no result", function);
+    if (result->pairCount > def.capacity)
+        return qcFail(qc_statusBadInput, "%s: there are %zu pairs; def->capacity is %u", function, result->pairCount,
+                      def.capacity);
+    if (def.offset % 4 != 0)
+        return qcFail(qc_statusBadInput, "%s: def->offset is %llu; it must be a multiple of 4", function,
+                      (unsigned long long)def.offset);
+    _Static_assert(sizeof(qcPair) == 20, "five words, as the header says");
+    const qcBufferRange room = {def.buffer, def.offset, 4 + sizeof(qcPair) * (uint64_t)def.capacity};
+    return qcDeviceBuffer_Write(&room, result->pairs, result->pairCount, function);
 }

@@ -362,6 +362,24 @@ qcStatus qcBodies_SetVertices(qcBodies* bodies, uint32_t slot, const void* posit
     return qc_statusOk;
 }
 
+void qcBodies_MoveOnDevice(qcBodies* bodies, uint32_t slot, const float lower[3], const float upper[3])
+{
+    qcBody* body = &QC_AT(qcBody, bodies->slots, slot);
+    bool departs = body->start.isMarked && !body->start.differs;
+    DepartFromStart(body);
+    // The buffer that took the place of `world` may hold no numbers at all.
+    if (departs && body->vertexCount != 0)
+        memcpy(body->world, body->start.world, 3 * sizeof(double) * body->vertexCount);
+    EmptyBox(body->lower, body->upper);
+    for (int axis = 0; axis < 3 && lower[0] <= upper[0]; axis++)
+    {
+        body->lower[axis] = (double)lower[axis];
+        body->upper[axis] = (double)upper[axis];
+    }
+    body->hasFloats = true;
+    body->moved = ++bodies->revision;
+}
+
 qcStatus qcBodies_MarkStart(qcBodies* bodies)
 {
     for (size_t i = 0; i < bodies->slots.count; i++)

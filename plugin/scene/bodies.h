@@ -44,6 +44,9 @@ typedef struct qcBody
     double localLower[3], localUpper[3];   ///< their AABB in `local`
     double vertexLower[3], vertexUpper[3]; ///< AABB of all vertices in `local`
     qcBodyStart start;
+    /// Positions on the device, which may be newer than `world`: see pipeline/vertex_buffers.h. Null: none. Released
+    /// there.
+    struct qcVertexSnapshot* snapshot;
 } qcBody;
 
 typedef struct qcBodies
@@ -63,6 +66,8 @@ void qcBodies_Remove(qcBodies* bodies, qcBodyId id);
 qcStatus qcBodies_SetTransform(qcBodies* bodies, uint32_t slot, const qcTransform* transform);
 qcStatus qcBodies_SetVertices(qcBodies* bodies, uint32_t slot, const void* positions, qcPositionType type,
                               size_t stride);
+/// New positions of a deforming body lie on the device, in these bounds; `world` keeps its content.
+void qcBodies_MoveOnDevice(qcBodies* bodies, uint32_t slot, const float lower[3], const float upper[3]);
 /// The present positions become the start of the motion. O(bodies); the first call allocates O(vertices). On failure
 /// nothing has changed.
 qcStatus qcBodies_MarkStart(qcBodies* bodies);

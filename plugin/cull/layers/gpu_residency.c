@@ -4,6 +4,8 @@
 
 #include "base/parallel_for.h"
 #include "base/status.h"
+#include "cull/layers/grid_resolution.h"
+#include "gl/buffers/vertex_snapshot.h"
 
 #include <math.h>
 #include <string.h>
@@ -109,6 +111,8 @@ static qcStatus AssignBodies(const Prepare* p)
         if (resident->generation == 0)
             QC_TRY(qcClusters_Build(&resident->clusters, b->indices, b->triangleCount,
                                     b->deforming ? b->world : b->local, b->vertexCount, p->job->threads));
+        if (resident->generation == 0)
+            resident->nodeExtent = qcGridResolution_FindNodeExtent(b, &resident->clusters);
         resident->generation = b->generation;
         AssignRanges(residency, resident, b);
     }
@@ -301,11 +305,10 @@ static bool FindTransform(const qcBodyResidency* resident, const qcBody* body, c
 }
 
 /// The chunks of a body's new vertices. `at`: of their floats; `stride`: 0 for rigid bodies.
-static qcStatus AddChunks(qcGpuResidency* residency, const qcBodyResidency* resident, const qcBody* body,
-                          qcLayersChunkKind kind, size_t at, uint32_t stride)
+static qcStatus AddChunks(qcArray* chunks, const qcBodyResidency* resident, const qcBody* body, qcLayersChunkKind kind,
+                          size_t at, uint32_t stride)
 {
     uint32_t chunkCount = (uint32_t)(PaddedVertices(body) / qc_layersChunkSize);
-    qcArray* chunks = &residency->chunks;
     QC_TRY(qcArray_Reserve(chunks, chunks->count + chunkCount, sizeof(qcLayersChunk), "chunks of vertices"));
     for (uint32_t first = 0; first < body->vertexCount; first += qc_layersChunkSize)
     {
@@ -334,7 +337,19 @@ static qcStatus AddVertices(const Prepare* p, const qcBodyResidency* resident, u
         return qc_statusOk;
     }
     residency->floatCount += 3 * (size_t)b->vertexCount;
-    return AddChunks(residency, resident, b, job.inWorld ? qc_chunkWorld : qc_chunkInFrame, job.at, 3);
+    return AddChunks(&residency->chunks, resident, b, job.inWorld ? qc_chunkWorld : qc_chunkInFrame, job.at, 3);
+}
+
+/// Plans the new vertices of a body whose floats are on the device.
+static qcStatus AddSource(qcGpuResidency* residency, const qcBodyResidency* resident, const qcBody* body)
+{
+    qcArray *sources = &residency->sources, *chunks = &residency->sourceChunks;
+    size_t first = chunks->count;
+    QC_TRY(AddChunks(chunks, resident, body, qc_chunkWorld, 0, 3));
+    QC_TRY(qcArray_Reserve(sources, sources->count + 1, sizeof(qcLayersSource), "bodies on the device"));
+    QC_AT(qcLayersSource, *sources, sources->count++) =
+        (qcLayersSource){body->snapshot->buffers[0], (uint32_t)(chunks->count - first)};
+    return qc_statusOk;
 }
 
 static qcStatus AddRange(qcArray* array, uint32_t first, uint32_t count)
@@ -363,7 +378,9 @@ static qcStatus UploadBody(const Prepare* p, uint32_t body)
     resident->transformed = !b->deforming && FindTransform(resident, b, p->job->frame, entry->transform);
     resident->changed = HasMoved(p, resident, b);
     if (resident->changed && resident->transformed)
-        QC_TRY(AddChunks(residency, resident, b, qc_chunkRigid, 0, 0));
+        QC_TRY(AddChunks(&residency->chunks, resident, b, qc_chunkRigid, 0, 0));
+    else if (resident->changed && qcVertexSnapshot_IsOnDevice(b->snapshot))
+        QC_TRY(AddSource(residency, resident, b));
     else if (resident->changed)
         QC_TRY(AddVertices(p, resident, body, b));
     resident->moved = b->moved;
@@ -400,11 +417,13 @@ qcStatus qcGpuResidency_Prepare(const qcResidencyJob* job, qcGpuResidency* resid
     size_t slots = triangles->bodies->slots.count;
     QC_TRY(qcArray_Resize(&residency->table, slots, sizeof(qcLayersBody), "bodies for the device"));
     memset(residency->table.data, 0, slots * sizeof(qcLayersBody));
-    residency->chunks.count = residency->vertexJobs.count = 0;
+    residency->chunks.count = residency->sourceChunks.count = residency->sources.count = 0;
+    residency->vertexJobs.count = 0;
     residency->floatCount = residency->vertexCount = 0;
     for (uint32_t body = 0; body < triangles->bodyCount; body++)
         if (job->takesPart[body])
             QC_TRY(UploadBody(&p, body));
+    QC_TRY(qcArray_Append(&residency->chunks, &residency->sourceChunks, sizeof(qcLayersChunk), "chunks of vertices"));
     return ListNodes(&p);
 }
 
@@ -417,6 +436,8 @@ void qcGpuResidency_FillStep(const qcGpuResidency* residency, const qcGridFrame*
     step->bodyCount = (uint32_t)residency->table.count;
     step->chunks = residency->chunks.data;
     step->chunkCount = (uint32_t)residency->chunks.count;
+    step->sources = residency->sources.data;
+    step->sourceCount = (uint32_t)residency->sources.count;
     step->floatCount = residency->floatCount;
     step->vertexCount = residency->vertexCount;
     step->activeNodes = residency->activeNodes.data;
@@ -510,9 +531,10 @@ void qcGpuResidency_Free(qcGpuResidency* residency)
 {
     for (uint32_t slot = 0; slot < residency->bodies.count; slot++)
         Release(residency, BodyAt(residency, slot));
-    qcArray* arrays[] = {&residency->bodies,      &residency->nodeSlot, &residency->corners,    &residency->locals,
-                         &residency->triangles,   &residency->nodes,    &residency->links,      &residency->table,
-                         &residency->activeNodes, &residency->chunks,   &residency->vertexJobs, &residency->uploads};
+    qcArray* arrays[] = {&residency->bodies,      &residency->nodeSlot, &residency->corners,      &residency->locals,
+                         &residency->triangles,   &residency->nodes,    &residency->links,        &residency->table,
+                         &residency->activeNodes, &residency->chunks,   &residency->sourceChunks, &residency->sources,
+                         &residency->vertexJobs,  &residency->uploads};
     for (size_t i = 0; i < sizeof arrays / sizeof arrays[0]; i++)
         qcArray_Free(arrays[i]);
 }

@@ -12,7 +12,8 @@ typedef struct qcBodyResidency
 {
     uint32_t generation; ///< of the body that the clusters belong to; 0: none
     qcClusters clusters;
-    bool assigned; ///< to ranges of the device's buffers, which begin here
+    double nodeExtent; ///< of a leaf node along an axis: the mean over nodes and axes when the clusters were built
+    bool assigned;     ///< to ranges of the device's buffers, which begin here
     uint32_t firstVertex, firstNode, firstLink, firstTable;
     bool transformed;      ///< by the device; otherwise its vertices are uploaded in world space
     double center[3];      ///< local: origin of qc_layersLocals
@@ -34,13 +35,15 @@ typedef struct qcGpuResidency
     uint32_t changedNodes;                ///< number of leaf nodes of changed bodies, which come first in activeNodes
     //  Data of the step and its uploads, valid until the step has run.
     qcArray locals, triangles, nodes, links;
-    qcArray table;       ///< of qcLayersBody, by slot
-    qcArray activeNodes; ///< uint32_t
-    qcArray chunks;      ///< of qcLayersChunk
-    qcArray vertexJobs;  ///< of qcVertexJob
-    size_t floatCount;   ///< of all chunks
-    size_t vertexCount;  ///< of all vertex jobs that write vertices
-    qcArray uploads;     ///< of qcLayersUpload
+    qcArray table;        ///< of qcLayersBody, by slot
+    qcArray activeNodes;  ///< uint32_t
+    qcArray chunks;       ///< of qcLayersChunk
+    qcArray sourceChunks; ///< of qcLayersChunk: those of the sources, the last of `chunks`
+    qcArray sources;      ///< of qcLayersSource
+    qcArray vertexJobs;   ///< of qcVertexJob
+    size_t floatCount;    ///< of all chunks
+    size_t vertexCount;   ///< of all vertex jobs that write vertices
+    qcArray uploads;      ///< of qcLayersUpload
 } qcGpuResidency;
 
 /// New vertices of a body, which the processor writes.

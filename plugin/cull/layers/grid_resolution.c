@@ -1,6 +1,8 @@
 // Chooses the grid resolution by the mean extent of sampled leaf nodes.
 #include "cull/layers/grid_resolution.h"
 
+#include "gl/buffers/vertex_snapshot.h"
+
 #include <float.h>
 
 enum
@@ -26,15 +28,9 @@ static uint32_t FloorLog2(uint32_t x)
     return log2;
 }
 
-/// Adds a node's extent along each axis of the frame, in levels.
-static void AddExtent(const qcGpuResidency* residency, const qcStepTriangles* triangles, const qcGridFrame* frame,
-                      const uint32_t* bodyOf, uint32_t node, double extent[3])
+/// A node's extent along the axes of the world, by the first corners of its triangles.
+static void FindExtent(const qcBody* body, const uint32_t* inNode, double extent[3])
 {
-    uint32_t slot = QC_AT(uint32_t, residency->nodeSlot, node);
-    const qcBodyResidency* resident = &QC_AT(qcBodyResidency, residency->bodies, slot);
-    const qcBody* body = qcStepTriangles_Body(triangles, bodyOf[slot]);
-    const uint32_t* inNode =
-        &QC_AT(uint32_t, resident->clusters.triangles, (size_t)(node - resident->firstNode) * qc_nodeSize);
     double lower[3] = {DBL_MAX, DBL_MAX, DBL_MAX}, upper[3] = {-DBL_MAX, -DBL_MAX, -DBL_MAX};
     for (int k = 0; k < qc_nodeSize; k++)
     {
@@ -48,11 +44,38 @@ static void AddExtent(const qcGpuResidency* residency, const qcStepTriangles* tr
             upper[axis] = p[axis] > upper[axis] ? p[axis] : upper[axis];
         }
     }
+    for (int axis = 0; axis < 3; axis++)
+        extent[axis] = upper[axis] - lower[axis];
+}
+
+/// Adds a node's extent along each axis of the frame, in levels.
+static void AddExtent(const qcGpuResidency* residency, const qcStepTriangles* triangles, const qcGridFrame* frame,
+                      const uint32_t* bodyOf, uint32_t node, double sum[3])
+{
+    uint32_t slot = QC_AT(uint32_t, residency->nodeSlot, node);
+    const qcBodyResidency* resident = &QC_AT(qcBodyResidency, residency->bodies, slot);
+    const qcBody* body = qcStepTriangles_Body(triangles, bodyOf[slot]);
+    double extent[3] = {resident->nodeExtent, resident->nodeExtent, resident->nodeExtent};
+    // The CPU doesn't have the present positions of a body on the device, nor the directions of its nodes.
+    if (!qcVertexSnapshot_IsOnlyCopy(body->snapshot))
+        FindExtent(body,
+                   &QC_AT(uint32_t, resident->clusters.triangles, (size_t)(node - resident->firstNode) * qc_nodeSize),
+                   extent);
     for (int i = 0; i < 3; i++)
+        sum[i] += extent[frame->axes[i]] * frame->unit * frame->scale[i] + 2.0 * frame->slack[i];
+}
+
+double qcGridResolution_FindNodeExtent(const qcBody* body, const qcClusters* clusters)
+{
+    size_t nodes = clusters->nodeCount, sampled = nodes < qc_sampleNodes ? nodes : qc_sampleNodes;
+    double sum = 0.0;
+    for (size_t i = 0; i < sampled; i++)
     {
-        int axis = frame->axes[i];
-        extent[i] += (upper[axis] - lower[axis]) * frame->unit * frame->scale[i] + 2.0 * frame->slack[i];
+        double extent[3];
+        FindExtent(body, &QC_AT(uint32_t, clusters->triangles, i * nodes / sampled * qc_nodeSize), extent);
+        sum += extent[0] + extent[1] + extent[2];
     }
+    return sampled != 0 ? sum / (3.0 * (double)sampled) : 0.0;
 }
 
 /// The axis with most cells: the depth, or, unless `onlyDepth`, a side of the image.

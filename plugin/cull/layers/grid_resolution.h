@@ -10,4 +10,7 @@
 void qcGridResolution_Choose(const qcGpuResidency* residency, const qcStepTriangles* triangles,
                              const qcGridFrame* frame, const uint32_t* bodyOf, uint32_t columns, uint32_t cellsLog2[3]);
 
+/// The extent of a leaf node along an axis, in scene units: the mean over sampled nodes and the three axes.
+double qcGridResolution_FindNodeExtent(const qcBody* body, const qcClusters* clusters);
+
 #endif

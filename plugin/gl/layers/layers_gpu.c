@@ -439,6 +439,13 @@ static qcStatus FinishStep(const struct qcGlFunctions* gl, qcLayers* layers)
     qcLayersAnswer* answer = &layers->answer;
     bool again = true;
     QC_TRY(Wait(gl, layers));
+    // Zink (Mesa 22.3) drops one run in some twenty while a context that shares its objects draws, too.
+    if (layers->counters.finished.count != layers->runNumber && layers->step.sourceCount != 0)
+    {
+        Submit(gl, layers);
+        QC_TRY(Wait(gl, layers));
+        answer->reruns++;
+    }
     QC_TRY(GrowLists(gl, layers, &again));
     for (; again; answer->reruns++)
     {

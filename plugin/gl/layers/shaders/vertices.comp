@@ -30,6 +30,15 @@ vec3 transformed(int v)
     return result;
 }
 
+// A denormal float converts as an integer: GLSL allows it to become 0 otherwise.
+double exactly(uint bits)
+{
+    if ((bits & 0x7f800000u) != 0u)
+        return double(uintBitsToFloat(bits));
+    double magnitude = double(bits & 0x7fffffu) * 1.4012984643248170709e-45LF;
+    return (bits >> 31) != 0u ? -magnitude : magnitude;
+}
+
 void main()
 {
     bool isForeign = foreignChunks.y != 0u;
@@ -51,9 +60,9 @@ void main()
         position = uintBitsToFloat(uvec3(source[word], source[word + 1u], source[word + 2u]));
     else
     {
-        vec3 world = uintBitsToFloat(uvec3(source[word + axes.x], source[word + axes.y], source[word + axes.z]));
+        dvec3 world = dvec3(exactly(source[word + axes.x]), exactly(source[word + axes.y]), exactly(source[word + axes.z]));
         // In double: the origin may be far away, compared with the scene's extent.
-        precise dvec3 offset = dvec3(world) - origin;
+        precise dvec3 offset = world - origin;
         position = vec3(offset * unit);
     }
     outVertices[first + k] = vec4(position, 0.0);

@@ -1,0 +1,41 @@
+// Bodies whose positions are on the device (qcScene_SetVertexBuffer): they are read back as far as a step needs them.
+#ifndef QC_PIPELINE_VERTEX_BUFFERS_H
+#define QC_PIPELINE_VERTEX_BUFFERS_H
+
+#include "pipeline/step.h"
+#include "quickcullide/buffers.h"
+#include "scene/step_triangles.h"
+#include "sweep/candidates.h"
+
+/// Retained between steps.
+typedef struct qcVertexBuffers
+{
+    qcArray items, scratch; ///< of qcSortItem: body of the step << 32 | vertex, of vertices to read
+    qcArray vertices;       ///< uint32_t: those vertices, sorted by body
+    qcArray parts;          ///< of qcSnapshotPart: those of a body
+    qcArray positions;      ///< three floats for each
+} qcVertexBuffers;
+
+/// qcScene_SetVertexBuffer, for a deforming body.
+qcStatus qcVertexBuffers_Set(qcBodies* bodies, uint32_t slot, qcDevice* device, const qcVertexBufferDef* def);
+/// The body's positions are those of the CPU from now on.
+void qcVertexBuffers_Leave(qcBody* body);
+/// Before a body is removed.
+void qcVertexBuffers_Release(qcBody* body);
+
+/// Whether the step can do with the positions of candidates, as far as `layers` finds them.
+bool qcVertexBuffers_SufficeFor(const qcStep* step);
+
+/// Reads all positions of a body back, unless the CPU has them. `bytes` grows by those read.
+qcStatus qcVertexBuffers_Complete(const qcBody* body, uint32_t slot, uint64_t* bytes);
+/// Those of all bodies of a scene.
+qcStatus qcVertexBuffers_CompleteAll(const qcBodies* bodies, uint64_t* bytes);
+/// Those of a step's bodies whose triangle pairs don't come from the device. `onDevice`: flags, by body of the step.
+qcStatus qcVertexBuffers_CompleteOthers(const qcStepTriangles* triangles, const uint8_t* onDevice, uint64_t* bytes);
+
+/// Reads back the positions of triangles in candidate pairs.
+qcStatus qcVertexBuffers_Gather(const qcStep* step, const qcStepTriangles* triangles, const qcCandidates* candidates,
+                                qcVertexBuffers* buffers, qcProfile* profile);
+void qcVertexBuffers_Free(qcVertexBuffers* buffers);
+
+#endif
