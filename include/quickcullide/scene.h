@@ -511,7 +511,7 @@ typedef struct qcProfile
     qcMethod method;    ///< the method that ran; never qc_methodAuto: `layers` if the device answered for a part
     const char* device; ///< name of the device that was used; "none" if the CPU answered alone
     /// Why another method than the requested one ran, or null. After failures in several successive steps a device is
-    /// tried again after 2, 4, 8 and at most 128 steps only.
+    /// tried again after 2, 4, 8 and at most 128 steps only, or at once in a scene of half or double the size.
     const char* fallback;
     /// Nothing changed since the last step: its result is returned again, and the counters are those of that step.
     bool reused;
