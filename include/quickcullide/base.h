@@ -86,7 +86,7 @@ typedef void qcTask(uint32_t index, void* taskContext);
 /// A parallel-for of the host: calls task(index, taskContext) once for each index below `count`, in any order, on any
 /// threads, and returns when all calls have returned. You may skip calls that haven't started once any call has
 /// returned. If you run none, the library does the work itself after you return. Must not throw. It is called on the
-/// thread that uses the scene; several threads may call it at once if they use different scenes.
+/// thread that runs the step (see qcScene_DetectBegin); several threads may call it at once if they run different ones.
 typedef void qcParallelForFunction(uint32_t count, qcTask* task, void* taskContext, void* context);
 
 /// Runs the library's loops on the host's threads, with at most one task for each of `workers` threads (1 to 256, more

@@ -231,7 +231,7 @@ QC_API bool qcTrianglesStayApart(const double* startA, const double* endA, const
                                  double direction[3]);
 
 /// Should the triangles of two different bodies, named by their slots, be tested? The answer for a pair must not change
-/// during a call of qcScene_Detect. It may be called several times for a pair and on several threads at once, and must
+/// during a step. It may be called several times for a pair and on several threads at once, and must
 /// not call functions of the scene.
 typedef bool (*qcPairFilter)(void* context, uint32_t slotA, uint32_t slotB);
 
@@ -297,9 +297,9 @@ typedef struct qcDetectDef
     /// direction of its own, as where two surfaces turn as one body.
     /// Margins, segments and manifolds are refused; so are `cullide` and `quick`. `layers` leaves it to `sweep`.
     bool motion;
-    /// For a profiler: called on the calling thread where a stage of the step begins, with its name ("qcScene cull
-    /// bodies", "sweep bodies", "cull triangles", "sweep triangles", "exact", "manifolds"; static), and where it ends.
-    /// Stages don't nest. Both or none; they must not call functions of the scene.
+    /// For a profiler: called on the thread that runs the step where a stage of the step begins, with its name
+    /// ("qcScene cull bodies", "sweep bodies", "cull triangles", "sweep triangles", "exact", "manifolds"; static), and
+    /// where it ends. Stages don't nest. Both or none; they must not call functions of the scene.
     void (*enterStage)(const char* name);
     void (*leaveStage)(void); ///< see enterStage
     bool candidates;          ///< report qcResult::candidates
@@ -511,7 +511,7 @@ typedef struct qcProfile
     qcMethod method;    ///< the method that ran; never qc_methodAuto: `layers` if the device answered for a part
     const char* device; ///< name of the device that was used; "none" if the CPU answered alone
     /// Why another method than the requested one ran, or null. After failures in several successive steps a device is
-    /// tried again after 2, 4, 8 and at most 128 steps only.
+    /// tried again after 2, 4, 8 and at most 128 steps only, or at once in a scene of half or double the size.
     const char* fallback;
     /// Nothing changed since the last step: its result is returned again, and the counters are those of that step.
     bool reused;
@@ -611,6 +611,36 @@ typedef struct qcResult
 /// qc_statusBadInput: `def` is invalid, or its method can't compute what it requests. qc_statusDevice and
 /// qc_statusDeviceLost: the device failed during `cullide` or `quick`; auto and `layers` fall back.
 QC_API qcStatus qcScene_Detect(qcScene* scene, const qcDetectDef* def, const qcResult** result);
+
+/// Begins a step in the background and returns: qcScene_DetectEnd gives its result, the same to the last bit as that of
+/// qcScene_Detect. In between the caller's thread is free for other work. The step runs on a thread that belongs to the
+/// scene, started by its first call, and on the threads of qcDetectDef::threads; what a device does, on the device's.
+///
+///     qcScene_SetVertices(scene, id, positions, ...); // and all other input of the step
+///     qcScene_DetectBegin(scene, &def);
+///     ...                                             // positions may be changed: they were copied
+///     qcScene_DetectEnd(scene, &result);
+///
+/// - The input is what the scene holds when this function is called. `def` and all arrays given to the scene before
+///   have been copied; the caller may change or free them.
+/// - The previous result is no longer valid.
+/// - Until the end, only these calls may use the scene: qcScene_DetectEnd, qcScene_IsValid, qcScene_GetBodyCount,
+///   qcScene_Destroy, which waits for the step and drops its result. All others return qc_statusBadInput, with a
+///   message that names the pending step, and change nothing. Other scenes may be used, also with the same device; the
+///   device must not be reopened or destroyed.
+/// - qcDetectDef::pairFilter, enterStage and leaveStage, the functions of qcSetParallelFor and qcSetLog are called on
+///   the scene's thread, or on the one that calls qcScene_DetectEnd: a step that has not started by then runs there.
+/// - fork() waits for steps that run; the child process may end them. A callback of the step must not wait for a
+///   fork() in another thread.
+/// - A recorded scene records a step as if by qcScene_Detect: a replay computes it at once.
+///
+/// If no thread can be started, the step runs in qcScene_DetectEnd. qc_statusBadInput: as qcScene_Detect, or a step is
+/// pending. qc_statusOutOfMemory: nothing has begun.
+QC_API qcStatus qcScene_DetectBegin(qcScene* scene, const qcDetectDef* def);
+/// Waits for the step that qcScene_DetectBegin began, and gives its status and result. After any failure of the step
+/// none is pending, and the scene is as before. qc_statusBadInput: no step is pending, or an argument is null; a
+/// pending step then stays pending.
+QC_API qcStatus qcScene_DetectEnd(qcScene* scene, const qcResult** result);
 
 #ifdef __cplusplus
 }

@@ -13,8 +13,14 @@ enum
     // Triangles: 2 * 16^2 and 2 * 64^2. Smaller ones measure overhead alone; larger ones take milliseconds each.
     qc_smallSheet = 16,
     qc_largeSheet = 64,
-    qc_repetitions = 4
+    qc_minSteps = 4 ///< of a period
 };
+
+// Steps are repeated for periods of so many milliseconds, until one of them has no faster step than those before by
+// more than 5 %, or the time is over.
+static const double s_period = 2.0, s_maxTime = 60.0, s_maxRatio = 0.95;
+// A GPU raises its clocks only after some time of work: its first measurement takes no less than this.
+static const double s_gpuWarmUp = 40.0;
 
 typedef struct Sheet
 {
@@ -48,23 +54,38 @@ static void MakeSheet(Sheet* sheet, uint32_t side)
         }
 }
 
-/// Milliseconds of the fastest repetition; infinity if the method fails or another method runs in its place.
-static double Measure(qcScene* scene, qcBodyId body, const Sheet* sheet, qcMethod method, uint32_t threads)
+/// One step with new positions. False: it failed, or another method ran in its place.
+static bool RunStep(qcScene* scene, qcBodyId body, const Sheet* sheet, const qcDetectDef* def)
+{
+    const qcResult* result;
+    return qcScene_SetVertices(scene, body, sheet->positions, qc_positionF32, 0) == qc_statusOk &&
+           qcScene_Detect(scene, def, &result) == qc_statusOk && result->profile.method == def->method;
+}
+
+/// Milliseconds of the fastest step of a method, after no less than `warmUp` milliseconds; infinity if it fails.
+static double Measure(qcScene* scene, qcBodyId body, const Sheet* sheet, qcMethod method, uint32_t threads,
+                      double warmUp)
 {
     qcDetectDef def = qcDefaultDetectDef();
     def.method = method;
     def.threads = threads;
-    double fastest = INFINITY;
-    // The first repetition allocates memory and compiles kernels: its time is left out.
-    for (int i = 0; i <= qc_repetitions; i++)
+    // The first step allocates memory and compiles kernels: its time is left out.
+    if (!RunStep(scene, body, sheet, &def))
+        return INFINITY;
+    double begin = qcClock_Now(), now = begin, fastest = INFINITY;
+    for (bool isSteady = false; !isSteady && now - begin < s_maxTime;)
     {
-        const qcResult* result;
-        double start = qcClock_Now();
-        if (qcScene_SetVertices(scene, body, sheet->positions, qc_positionF32, 0) != qc_statusOk ||
-            qcScene_Detect(scene, &def, &result) != qc_statusOk || result->profile.method != method)
-            return INFINITY;
-        double ms = qcClock_Now() - start;
-        fastest = i > 0 && ms < fastest ? ms : fastest;
+        double periodBegin = now, periodFastest = INFINITY;
+        for (int step = 0; step < qc_minSteps || now - periodBegin < s_period; step++)
+        {
+            double start = now;
+            if (!RunStep(scene, body, sheet, &def))
+                return INFINITY;
+            now = qcClock_Now();
+            periodFastest = fmin(periodFastest, now - start);
+        }
+        isSteady = now - begin >= warmUp && periodFastest >= s_maxRatio * fastest;
+        fastest = fmin(fastest, periodFastest);
     }
     return fastest;
 }
@@ -90,8 +111,10 @@ static void MeasureSheet(qcDevice* device, Sheet* sheet, uint32_t side, uint32_t
         qcScene_Destroy(scene);
         return;
     }
-    *layers = Measure(scene, body, sheet, qc_methodLayers, threads);
-    *sweep = Measure(scene, body, sheet, qc_methodSweep, threads);
+    qcDeviceInfo info = {.software = true};
+    qcDevice_GetInfo(device, &info);
+    *layers = Measure(scene, body, sheet, qc_methodLayers, threads, info.software ? 0.0 : s_gpuWarmUp);
+    *sweep = Measure(scene, body, sheet, qc_methodSweep, threads, 0.0);
     qcScene_Destroy(scene);
 }
 

@@ -4,9 +4,9 @@
 
 #include "plan/plan.h"
 
-/// The costs with this number of threads. The first call for a device and a number of threads measures them (a few
-/// milliseconds, plus the compilation of the device's kernels); later ones return the saved costs. Infinite for a
-/// device that fails.
+/// The costs with this number of threads. The first call for a device and a number of threads measures them (some 20
+/// milliseconds, at most 250, plus the compilation of the device's kernels); later ones return the saved costs.
+/// Infinite for a device that fails.
 qcPlanCosts qcCalibrate(qcDevice* device, uint32_t threads);
 
 #endif

@@ -1,25 +1,12 @@
-// The scene's entry points. Arguments are checked here; stages trust them.
-#include "pipeline/detect.h"
+// The scene's entry points but for detections. Arguments are checked here; stages trust them.
+#include "pipeline/scene_api.h"
 
 #include "base/definition.h"
 #include "base/float_mode.h"
 #include "base/status.h"
 #include "gl/buffers/device_buffer.h"
-#include "pipeline/calibrate.h"
-#include "pipeline/scene_api.h"
+#include "pipeline/scene_state.h"
 #include "quickcullide/recording.h"
-#include "recording/scene_recorder.h"
-
-#include <math.h>
-#include <string.h>
-
-struct qcScene
-{
-    qcDevice* device;
-    qcBodies bodies;
-    qcDetector detector;
-    qcSceneRecorder* recorder; ///< null: the scene is not recorded
-};
 
 /// Records an operation, NAME and its arguments, if the scene is recorded.
 #define RECORD(scene, NAME, ...)                                                                                       \
@@ -29,15 +16,10 @@ struct qcScene
             qcSceneRecorder_##NAME((scene)->recorder, __VA_ARGS__);                                                    \
     } while (0)
 
-static qcStatus CheckPointer(const void* pointer, const char* function, const char* argument)
-{
-    return pointer != NULL ? qc_statusOk : qcFail(qc_statusBadInput, "%s: %s is null", function, argument);
-}
-
 qcStatus qcScene_CreateUnrecorded(const qcSceneDef* given, qcScene** scene)
 {
-    QC_TRY(CheckPointer(given, "qcScene_Create", "def"));
-    QC_TRY(CheckPointer(scene, "qcScene_Create", "scene"));
+    QC_TRY(qcCheckPointer(given, "qcScene_Create", "def"));
+    QC_TRY(qcCheckPointer(scene, "qcScene_Create", "scene"));
     qcSceneDef def = qcDefaultSceneDef();
     QC_TRY(qcDef_Take(given, QC_DEF_LAYOUT("qcScene_Create", qcSceneDef, device), &def));
     qcScene* created = qcAllocateZeroed(sizeof(qcScene));
@@ -57,7 +39,7 @@ qcStatus qcScene_Create(const qcSceneDef* def, qcScene** scene)
 
 qcStatus qcScene_Record(qcScene* scene, const char* path)
 {
-    QC_TRY(CheckPointer(scene, "qcScene_Record", "scene"));
+    QC_TRY(qcScene_CheckIdle(scene, "qcScene_Record"));
     uint64_t bytes = 0;
     qcStatus status = qcSceneRecorder_Close(scene->recorder);
     scene->recorder = NULL;
@@ -70,6 +52,7 @@ void qcScene_Destroy(qcScene* scene)
 {
     if (scene == NULL)
         return;
+    qcScene_DropDetection(scene);
     qcSceneRecorder_Close(scene->recorder);
     for (size_t slot = 0; slot < scene->bodies.slots.count; slot++)
         qcVertexBuffers_Release(&QC_AT(qcBody, scene->bodies.slots, slot));
@@ -80,9 +63,9 @@ void qcScene_Destroy(qcScene* scene)
 
 qcStatus qcScene_AddBody(qcScene* scene, const qcBodyDef* given, qcBodyId* id)
 {
-    QC_TRY(CheckPointer(scene, "qcScene_AddBody", "scene"));
-    QC_TRY(CheckPointer(given, "qcScene_AddBody", "def"));
-    QC_TRY(CheckPointer(id, "qcScene_AddBody", "id"));
+    QC_TRY(qcScene_CheckIdle(scene, "qcScene_AddBody"));
+    QC_TRY(qcCheckPointer(given, "qcScene_AddBody", "def"));
+    QC_TRY(qcCheckPointer(id, "qcScene_AddBody", "id"));
     qcBodyDef def = qcDefaultBodyDef();
     QC_TRY(qcDef_Take(given, QC_DEF_LAYOUT("qcScene_AddBody", qcBodyDef, positions), &def));
     qcFloatMode mode = qcFloatMode_Begin();
@@ -96,7 +79,7 @@ qcStatus qcScene_AddBody(qcScene* scene, const qcBodyDef* given, qcBodyId* id)
 /// The body, or null with a status in *status.
 static qcBody* Find(qcScene* scene, qcBodyId id, const char* function, qcStatus* status)
 {
-    *status = CheckPointer(scene, function, "scene");
+    *status = qcScene_CheckIdle(scene, function);
     if (*status != qc_statusOk)
         return NULL;
     qcBody* body = qcBodies_Find(&scene->bodies, id, function);
@@ -122,7 +105,7 @@ qcStatus qcScene_SetTransform(qcScene* scene, qcBodyId id, const qcTransform* tr
     const qcBody* body = Find(scene, id, "qcScene_SetTransform", &status);
     if (body == NULL)
         return status;
-    QC_TRY(CheckPointer(transform, "qcScene_SetTransform", "transform"));
+    QC_TRY(qcCheckPointer(transform, "qcScene_SetTransform", "transform"));
     if (body->deforming)
         return qcFail(qc_statusBadInput, "qcScene_SetTransform: body %u is deforming; give it vertices", id.slot);
     qcFloatMode mode = qcFloatMode_Begin();
@@ -166,7 +149,7 @@ qcStatus qcScene_SetVertexBuffer(qcScene* scene, qcBodyId id, const qcVertexBuff
     const qcBody* body = Find(scene, id, "qcScene_SetVertexBuffer", &status);
     if (body == NULL)
         return status;
-    QC_TRY(CheckPointer(def, "qcScene_SetVertexBuffer", "def"));
+    QC_TRY(qcCheckPointer(def, "qcScene_SetVertexBuffer", "def"));
     if (!body->deforming)
         return qcFail(qc_statusBadInput, "qcScene_SetVertexBuffer: body %u is rigid; give it a transform", id.slot);
     qcFloatMode mode = qcFloatMode_Begin();
@@ -219,7 +202,7 @@ qcStatus qcScene_SetSelfCollision(qcScene* scene, qcBodyId id, bool selfCollisio
 qcStatus qcScene_MarkStart(qcScene* scene)
 {
     uint64_t bytes = 0;
-    QC_TRY(CheckPointer(scene, "qcScene_MarkStart", "scene"));
+    QC_TRY(qcScene_CheckIdle(scene, "qcScene_MarkStart"));
     QC_TRY(qcVertexBuffers_CompleteAll(&scene->bodies, &bytes));
     QC_TRY(qcBodies_MarkStart(&scene->bodies));
     if (scene->recorder != NULL)
@@ -237,18 +220,6 @@ bool qcScene_IsValid(const qcScene* scene, qcBodyId id)
 uint32_t qcScene_GetBodyCount(const qcScene* scene)
 {
     return scene != NULL ? scene->bodies.count : 0;
-}
-
-static qcStatus CheckViews(const char views[4])
-{
-    for (int i = 0; i < 4; i++)
-    {
-        if (views[i] == 0 && i > 0)
-            return qc_statusOk;
-        if (views[i] < 'x' || views[i] > 'z' || memchr(views, views[i], (size_t)i) != NULL)
-            break;
-    }
-    return qcFail(qc_statusBadInput, "qcScene_Detect: views must be 1 to 3 different letters of \"xyz\"");
 }
 
 __attribute__((noinline)) static qcStatus SetMargin(qcScene* scene, qcBodyId id, double margin)
@@ -274,89 +245,11 @@ qcStatus qcScene_SetMargin(qcScene* scene, qcBodyId id, double margin)
     return status;
 }
 
-static qcStatus CheckMargin(double margin, const char* name)
-{
-    if (!(margin >= 0.0) || isinf(margin))
-        return qcFail(qc_statusBadInput, "qcScene_Detect: %s is %g; it must be 0 or more", name, margin);
-    return qc_statusOk;
-}
-
-static qcStatus CheckDetectDef(const qcDetectDef* def)
-{
-    if ((unsigned)def->method > qc_methodLayers)
-        return qcFail(qc_statusBadInput, "qcScene_Detect: unknown method %d", (int)def->method);
-    if ((def->enterStage == NULL) != (def->leaveStage == NULL))
-        return qcFail(qc_statusBadInput, "qcScene_Detect: enterStage and leaveStage go together");
-    QC_TRY(CheckMargin(def->margin, "margin"));
-    QC_TRY(CheckMargin(def->contactMargin, "contactMargin"));
-    QC_TRY(CheckMargin(def->spacing, "spacing"));
-    if (def->layerColumns > 4096)
-        return qcFail(qc_statusBadInput, "qcScene_Detect: layerColumns is %u; it must be within 0..4096",
-                      def->layerColumns);
-    if (def->layerDepthAxis != 0 && (def->layerDepthAxis < 'x' || def->layerDepthAxis > 'z'))
-        return qcFail(qc_statusBadInput, "qcScene_Detect: layerDepthAxis is none of 'x', 'y', 'z' and 0");
-    bool image = def->method == qc_methodCullide || def->method == qc_methodQuick;
-    if (def->motion && image)
-        return qcFail(qc_statusBadInput, "qcScene_Detect: %s has no motion", qcMethod_Name(def->method));
-    if (def->motion && (def->margin > 0.0 || def->contactMargin > 0.0))
-        return qcFail(qc_statusBadInput, "qcScene_Detect: a motion has neither margin nor contactMargin");
-    if (def->motion && (def->segments || def->manifolds))
-        return qcFail(qc_statusBadInput, "qcScene_Detect: a motion has neither segments nor manifolds");
-    if (image && def->contactMargin > 0.0)
-        return qcFail(qc_statusBadInput, "qcScene_Detect: %s culls what does not intersect, so it has no contactMargin",
-                      qcMethod_Name(def->method));
-    if (image && def->margin > 0.0 && !def->reliable)
-        return qcFail(qc_statusBadInput, "qcScene_Detect: %s has a margin only if it is reliable",
-                      qcMethod_Name(def->method));
-    if (!image)
-        return qc_statusOk;
-    if (def->resolution < 1 || def->resolution > 4096)
-        return qcFail(qc_statusBadInput, "qcScene_Detect: resolution is %u; it must be within 1..4096",
-                      def->resolution);
-    return CheckViews(def->views);
-}
-
-static qcStatus RunDetector(qcScene* scene, const qcDetectDef* def)
-{
-    return qcDetector_Run(def, scene->device, qcCalibrate, &scene->bodies, &scene->detector);
-}
-
-/// Records the definition before the step, so that a crash in it can be replayed, and its result.
-static qcStatus RunRecorded(qcScene* scene, const qcDetectDef* given)
-{
-    qcDetectDef def = *given;
-    qcSceneRecorder_BeginDetect(scene->recorder, &def);
-    qcStatus status = RunDetector(scene, &def);
-    qcSceneRecorder_EndDetect(scene->recorder, status, &scene->detector.result);
-    return status;
-}
-
-__attribute__((noinline)) static qcStatus Detect(qcScene* scene, const qcDetectDef* given, const qcResult** result)
-{
-    QC_TRY(CheckPointer(scene, "qcScene_Detect", "scene"));
-    QC_TRY(CheckPointer(given, "qcScene_Detect", "def"));
-    QC_TRY(CheckPointer(result, "qcScene_Detect", "result"));
-    qcDetectDef def = qcDefaultDetectDef();
-    QC_TRY(qcDef_Take(given, QC_DEF_LAYOUT("qcScene_Detect", qcDetectDef, method), &def));
-    QC_TRY(CheckDetectDef(&def));
-    QC_TRY(scene->recorder != NULL ? RunRecorded(scene, &def) : RunDetector(scene, &def));
-    *result = &scene->detector.result;
-    return qc_statusOk;
-}
-
-qcStatus qcScene_Detect(qcScene* scene, const qcDetectDef* def, const qcResult** result)
-{
-    qcFloatMode mode = qcFloatMode_Begin();
-    qcStatus status = Detect(scene, def, result);
-    qcFloatMode_End(mode);
-    return status;
-}
-
 qcStatus qcScene_WritePairs(qcScene* scene, const qcPairBufferDef* given)
 {
     const char* function = "qcScene_WritePairs";
-    QC_TRY(CheckPointer(scene, function, "scene"));
-    QC_TRY(CheckPointer(given, function, "def"));
+    QC_TRY(qcScene_CheckIdle(scene, function));
+    QC_TRY(qcCheckPointer(given, function, "def"));
     qcPairBufferDef def = qcDefaultPairBufferDef();
     QC_TRY(qcDef_Take(given, QC_DEF_LAYOUT(function, qcPairBufferDef, capacity), &def));
     QC_TRY(qcDeviceBuffer_Check(def.buffer, scene->device, function));

@@ -18,18 +18,37 @@ static const double s_lostRatio = 1.25, s_clearlyLostRatio = 2.0;
 // A method that was this many times as expensive before a switch is not tried again soon.
 static const double s_clearRatio = 4.0;
 
-/// Median of the recent queries (other processes delay some); of a few queries the cheapest one; the estimate before
-/// any counts. Where a step has two queries, the middle two costs are one of either.
-static double Cost(const qcCostRecord* record, double estimate)
+/// The calibrated cost of a query by one method, in milliseconds: fixed + perTriangle * triangles.
+typedef struct Estimate
+{
+    double fixed, perTriangle;
+} Estimate;
+
+static double EstimateMs(const Estimate* estimate, double triangles)
+{
+    return estimate->fixed + estimate->perTriangle * triangles;
+}
+
+/// A query's milliseconds as if it had had this count of triangles: the error of the estimate is taken to be a factor.
+static double ScaledMs(const qcCostRecord* record, uint32_t at, const Estimate* estimate, double triangles)
+{
+    double then = EstimateMs(estimate, record->triangles[at]), now = EstimateMs(estimate, triangles);
+    bool isUsable = then > 0.0 && isfinite(then);
+    return record->ms[at] * (isUsable ? now / then : triangles / record->triangles[at]);
+}
+
+/// Milliseconds of a query: the median of the recent ones (other processes delay some); of a few the cheapest one; the
+/// estimate before any counts. Where a step has two queries, the middle two costs are one of either.
+static double Cost(const qcCostRecord* record, const Estimate* estimate, double triangles)
 {
     uint32_t first = record->count < qc_trialQueries ? qc_buildingQueries : record->count - qc_recentQueries;
     if (record->count <= first)
-        return estimate;
+        return EstimateMs(estimate, triangles);
     double sorted[qc_recentQueries];
     uint32_t count = 0;
     for (uint32_t i = first; i < record->count; i++, count++)
     {
-        double cost = record->perTriangle[i % qc_recentQueries];
+        double cost = ScaledMs(record, i % qc_recentQueries, estimate, triangles);
         uint32_t place = count;
         for (; place > 0 && sorted[place - 1] > cost; place--)
             sorted[place] = sorted[place - 1];
@@ -50,14 +69,13 @@ static void StartTrial(qcPlanHistory* history)
 }
 
 /// Whether the scheduled trial is to start now, which schedules the next one.
-static bool IsTimeForTrial(qcPlanHistory* history, uint32_t query, double sweep, double layers,
-                           const qcPlanCosts* costs, double layersEstimate)
+static bool IsTimeForTrial(qcPlanHistory* history, uint32_t query, double sweep, double layers, double sweepEstimate,
+                           double layersEstimate)
 {
     if (query < (history->nextTrial == 0 ? qc_firstTrial : history->nextTrial))
         return false;
     // The estimate, not an old measurement: the scene may have changed.
-    if (!(history->onDevice ? costs->sweepPerTriangle < s_maxSweepRatio * layers
-                            : layersEstimate < s_maxLayersRatio * sweep))
+    if (!(history->onDevice ? sweepEstimate < s_maxSweepRatio * layers : layersEstimate < s_maxLayersRatio * sweep))
         return false;
     history->trialGap = history->trialGap == 0 ? qc_firstTrialGap : history->trialGap;
     history->nextTrial = query + history->trialGap;
@@ -85,8 +103,8 @@ static void JudgeTrial(qcPlanHistory* history, uint32_t query, double tried, dou
 bool qcPlanHistory_Choose(qcPlanHistory* history, const qcPlanCosts* costs, double triangles)
 {
     uint32_t query = history->queries++;
-    double layersEstimate = costs->layersFixed / triangles + costs->layersPerTriangle;
-    double sweep = Cost(&history->sweep, costs->sweepPerTriangle), layers = Cost(&history->layers, layersEstimate);
+    const Estimate bySweep = {0.0, costs->sweepPerTriangle}, byLayers = {costs->layersFixed, costs->layersPerTriangle};
+    double sweep = Cost(&history->sweep, &bySweep, triangles), layers = Cost(&history->layers, &byLayers, triangles);
     double current = history->onDevice ? layers : sweep, other = history->onDevice ? sweep : layers;
     const qcCostRecord* record = history->onDevice ? &history->layers : &history->sweep;
     if (query == 0)
@@ -96,7 +114,9 @@ bool qcPlanHistory_Choose(qcPlanHistory* history, const qcPlanCosts* costs, doub
     else if (record->count >= qc_lostQueries)
     {
         history->regret = other < s_maxSwitchRatio * current ? history->regret + (current - other) / other : 0.0;
-        if (history->regret > s_maxRegret || IsTimeForTrial(history, query, sweep, layers, costs, layersEstimate))
+        if (history->regret > s_maxRegret ||
+            IsTimeForTrial(history, query, sweep, layers, EstimateMs(&bySweep, triangles),
+                           EstimateMs(&byLayers, triangles)))
             StartTrial(history);
     }
     return history->onDevice;
@@ -105,6 +125,9 @@ bool qcPlanHistory_Choose(qcPlanHistory* history, const qcPlanCosts* costs, doub
 void qcPlanHistory_Add(qcPlanHistory* history, bool onDevice, double triangles, double ms)
 {
     qcCostRecord* record = onDevice ? &history->layers : &history->sweep;
-    if (triangles > 0.0)
-        record->perTriangle[record->count++ % qc_recentQueries] = ms / triangles;
+    if (triangles <= 0.0)
+        return;
+    uint32_t at = record->count++ % qc_recentQueries;
+    record->ms[at] = ms;
+    record->triangles[at] = triangles;
 }

@@ -28,10 +28,10 @@ enum
     qc_maxTrialGap = 8192
 };
 
-/// Milliseconds per triangle of the last queries by one method.
+/// The last queries by one method.
 typedef struct qcCostRecord
 {
-    double perTriangle[qc_recentQueries];
+    double ms[qc_recentQueries], triangles[qc_recentQueries];
     uint32_t count; ///< queries since the first one or the start of the last trial; a ring buffer's position
 } qcCostRecord;
 

@@ -240,6 +240,40 @@ START_TEST(a_device_that_keeps_failing_is_tried_ever_less)
 }
 END_TEST
 
+START_TEST(a_device_that_failed_is_tried_at_once_when_the_scene_is_of_another_size)
+{
+    setenv("QC_LAYERS_REFINE", "device", 1);
+    qcSoup soup = qcSoup_MakeRandom(5, 1200, 0.25), small = qcSoup_MakeRandom(6, 200, 0.25);
+    QC_FOR_EACH_DEVICE(device)
+    {
+        if (!MakeDriver(device, MakeSmall))
+            continue;
+        s_failures = 1;
+        qcScene* scene = qcMakeScene(device);
+        qcBodyDef body = qcBodyDefOf(&soup);
+        body.deforming = true;
+        qcBodyId id;
+        CHECK_OK(qcScene_AddBody(scene, &body, &id));
+        const char* fallback = NULL;
+        for (int step = 0; step < 20; step++)
+        {
+            CHECK_OK(qcScene_SetVertices(scene, id, soup.positions, qc_positionF64, 0));
+            DetectLayers(scene, &fallback);
+        }
+        // 16 steps are left to the next attempt, but not for a scene of a sixth of the size.
+        CheckReason(fallback, "next attempt in");
+        CHECK_OK(qcScene_RemoveBody(scene, id));
+        qcAddSoup(scene, &small);
+        s_failures = 0;
+        DetectLayers(scene, &fallback);
+        ck_assert_ptr_null(fallback);
+        qcScene_Destroy(scene);
+    }
+    qcSoup_Free(&soup);
+    qcSoup_Free(&small);
+}
+END_TEST
+
 //  ---- lost devices --------------------------------------------------------------------------------------------------
 
 static GLenum APIENTRY ReportReset(void)
@@ -323,4 +357,5 @@ END_TEST
 QC_RUN_TESTS("failing drivers", a_gl_error_between_two_allocations_is_reported,
              a_readback_that_does_nothing_is_no_result, kernels_that_do_not_run_give_no_result,
              a_device_that_keeps_failing_is_tried_ever_less,
+             a_device_that_failed_is_tried_at_once_when_the_scene_is_of_another_size,
              a_lost_device_is_reported_and_its_scenes_go_on_once_it_is_reopened)

@@ -23,19 +23,26 @@ static void Choose(const qcPlanCosts* costs, qcPlanItem* islands, size_t count)
     qcPlan_ChooseIslands(costs, &history, islands, count, &triangles);
 }
 
-/// Total milliseconds of queries of 20000 triangles each, at the scene's actual costs.
-static double RunQueries(qcPlanHistory* history, const qcPlanCosts* calibrated, const qcPlanCosts* actual, int queries)
+/// Total milliseconds of queries at the scene's actual costs.
+static double RunSized(qcPlanHistory* history, const qcPlanCosts* calibrated, const qcPlanCosts* actual,
+                       double triangles, int queries)
 {
-    const double triangles = 20000.0;
     double sum = 0.0;
     for (int i = 0; i < queries; i++)
     {
         bool onDevice = qcPlanHistory_Choose(history, calibrated, triangles);
-        double ms = triangles * (onDevice ? actual->layersPerTriangle : actual->sweepPerTriangle);
+        double ms = onDevice ? actual->layersFixed + triangles * actual->layersPerTriangle
+                             : triangles * actual->sweepPerTriangle;
         qcPlanHistory_Add(history, onDevice, triangles, ms);
         sum += ms;
     }
     return sum;
+}
+
+/// Queries of 20000 triangles each.
+static double RunQueries(qcPlanHistory* history, const qcPlanCosts* calibrated, const qcPlanCosts* actual, int queries)
+{
+    return RunSized(history, calibrated, actual, 20000.0, queries);
 }
 
 START_TEST(auto_is_the_sweep_without_compute_shaders)
@@ -232,10 +239,27 @@ START_TEST(a_scene_that_changes_switches_method_after_its_next_trial)
 }
 END_TEST
 
+START_TEST(a_scene_that_changes_its_size_is_judged_at_the_new_one)
+{
+    // A device with a large fixed cost is the faster one from 20000 triangles on.
+    const qcPlanCosts costs = {0.0001, 1.8, 0.00001};
+    qcPlanHistory history = {.queries = 0};
+    for (int i = 0; i < 3; i++)
+    {
+        RunSized(&history, &costs, &costs, 200000.0, 20);
+        ck_assert(history.onDevice);
+        // With the trial that confirms the switch: the next one is hundreds of queries away.
+        RunSized(&history, &costs, &costs, 15000.0, 4 * qc_confirmGap);
+        ck_assert(!history.onDevice);
+    }
+}
+END_TEST
+
 QC_RUN_TESTS("plan", a_method_that_is_slower_than_calibrated_costs_no_more_than_a_trial,
              a_method_far_slower_than_calibrated_is_left_soon, delays_and_first_queries_cost_less_than_a_tenth,
              a_lost_trial_ends_early, a_sweep_that_would_take_many_times_as_long_is_never_tried,
-             a_scene_that_changes_switches_method_after_its_next_trial, auto_is_the_sweep_without_compute_shaders,
+             a_scene_that_changes_switches_method_after_its_next_trial,
+             a_scene_that_changes_its_size_is_judged_at_the_new_one, auto_is_the_sweep_without_compute_shaders,
              auto_chooses_by_island_with_compute_shaders, layers_without_compute_shaders_fall_back_to_the_sweep,
              few_triangles_stay_off_the_device, islands_go_to_the_device_when_that_saves_more_than_the_transfer,
              no_island_goes_to_a_device_that_is_slower_or_fails,

@@ -214,12 +214,26 @@ static qcStatus Refine(Step* step, const qcLayersStep* device, qcLayersAnswer* a
     return qcCpuRefine_Run(&job, &cull->refine, keys, &answer->trianglePairs);
 }
 
-/// Fails without an attempt while the device is paused after failures.
-static qcStatus CheckFailures(qcCullLayersFailures* failures, qcDevice* device)
+static uint64_t CountTriangles(const Step* step)
 {
-    if (failures->generation != qcDevice_GetGeneration(device))
-        *failures = (qcCullLayersFailures){.generation = qcDevice_GetGeneration(device)};
+    const qcStepTriangles* t = step->job->triangles;
+    uint64_t count = 0;
+    for (uint32_t body = 0; body < t->bodyCount; body++)
+        count += QC_AT(uint8_t, step->cull->takesPart, body) ? qcStepTriangles_Body(t, body)->triangleCount : 0;
+    return count;
+}
+
+/// Fails without an attempt while the device is paused after failures.
+static qcStatus CheckFailures(const Step* step)
+{
+    qcCullLayersFailures* failures = &step->cull->failures;
+    uint32_t generation = qcDevice_GetGeneration(step->job->device);
+    if (failures->generation != generation)
+        *failures = (qcCullLayersFailures){.generation = generation};
     if (failures->waiting == 0)
+        return qc_statusOk;
+    uint64_t triangles = CountTriangles(step);
+    if (2 * triangles <= failures->minTriangles || triangles >= 2 * failures->maxTriangles)
         return qc_statusOk;
     failures->waiting--;
     return qcFail(qc_statusDevice, "%s (next attempt in %u steps)", failures->reason, failures->waiting + 1);
@@ -228,8 +242,14 @@ static qcStatus CheckFailures(qcCullLayersFailures* failures, qcDevice* device)
 /// Sets the number of steps without an attempt. A failure costs an upload and the kernels. After the first failure the
 /// next step tries again, since the scene may have changed; further ones in a row pause the device for 1, 3, 7, ... up
 /// to 127 steps. In the long run less than one step in a hundred fails on the device.
-static void CountFailure(qcCullLayersFailures* failures)
+static void CountFailure(const Step* step)
 {
+    qcCullLayersFailures* failures = &step->cull->failures;
+    uint64_t triangles = CountTriangles(step);
+    failures->minTriangles =
+        failures->count > 0 && failures->minTriangles < triangles ? failures->minTriangles : triangles;
+    failures->maxTriangles =
+        failures->count > 0 && failures->maxTriangles > triangles ? failures->maxTriangles : triangles;
     snprintf(failures->reason, sizeof failures->reason, "%s", qcLastMessage());
     failures->waiting = (1u << (failures->count < 7 ? failures->count : 7)) - 1;
     failures->count++;
@@ -270,12 +290,12 @@ static qcStatus RunOnDevice(Step* step, const qcPairKeys* keys, qcProfile* profi
     qcCullLayers* cull = step->cull;
     if (!qcGridFrame_Fit(&cull->frame, &step->bounds))
         return qcFail(qc_statusDevice, "layers: the scene is too large for a frame");
-    QC_TRY(CheckFailures(&cull->failures, step->job->device));
+    QC_TRY(CheckFailures(step));
     qcStatus status = TryDevice(step, keys, profile);
     if (status == qc_statusOk)
-        cull->failures.count = 0;
+        cull->failures.count = cull->failures.waiting = 0;
     else if (status == qc_statusDevice)
-        CountFailure(&cull->failures);
+        CountFailure(step);
     return status;
 }
 

@@ -6,12 +6,14 @@
 #include "cull/layers/gpu_residency.h"
 #include "quickcullide/scene.h"
 
-/// Consecutive failures of the device: it is tried again after more and more steps.
+/// Consecutive failures of the device: it is tried again after more and more steps, or at once if the scene is half or
+/// double the size of those that failed.
 typedef struct qcCullLayersFailures
 {
-    uint32_t count, waiting; ///< waiting: steps until the next attempt
-    uint32_t generation;     ///< of the device: a reopened device is tried at once
-    char reason[200];        ///< of the last failure
+    uint32_t count, waiting;             ///< waiting: steps until the next attempt
+    uint64_t minTriangles, maxTriangles; ///< of the steps that failed
+    uint32_t generation;                 ///< of the device: a reopened device is tried at once
+    char reason[200];                    ///< of the last failure
 } qcCullLayersFailures;
 
 /// Retained between steps.
