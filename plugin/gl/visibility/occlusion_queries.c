@@ -32,10 +32,10 @@ enum
 /// How tests get their results. The results are the same.
 typedef enum Way
 {
-    qc_wayDefault, ///< the quickest for the device
+    qc_wayDefault, ///< sure results on software devices, else flags
     qc_wayQueries, ///< a query for each test
-    qc_wayFlags,   ///< flags by the fragments, where the device stores them; else queries
-    qc_waySure     ///< queries for the tests that geometry leaves open
+    qc_wayFlags,   ///< flags stored by fragments; queries where the device can't
+    qc_waySure     ///< the same for the tests that geometry leaves open
 } Way;
 
 struct qcVisibility
@@ -120,13 +120,7 @@ static void LayOutVertices(const struct qcGlFunctions* gl, const qcVisibility* v
     gl->VertexAttribPointer(1, 4, GL_FLOAT, GL_FALSE, sizeof(qcDilatedCorner), (void*)offsetof(qcDilatedCorner, base));
 }
 
-/// Software devices draw little faster with flags, and nothing is as fast as not drawing (qc-bench accuracy,
-/// cloth-20k).
-static bool WantsFlags(const qcVisibility* v)
-{
-    return !v->isDilated && (v->way == qc_wayDefault ? !v->isSoftware : v->way == qc_wayFlags);
-}
-
+/// GPUs draw faster than the CPU finds what is sure. On software GL nothing is as fast as not drawing.
 static bool WantsSureResults(const qcVisibility* v)
 {
     return !v->isDilated && (v->way == qc_wayDefault ? v->isSoftware : v->way == qc_waySure);
@@ -140,7 +134,7 @@ static qcStatus CreateObjects(const struct qcGlFunctions* gl, void* context)
                                         &v->program));
     else
         QC_TRY(qcGlFunctions_GetProgram(gl, "visibility", s_vertexShader, s_fragmentShader, &v->program));
-    v->storesFlags = WantsFlags(v) && qcFragmentFlags_AreSupported(gl);
+    v->storesFlags = !v->isDilated && v->way != qc_wayQueries && qcFragmentFlags_AreSupported(gl);
     if (v->storesFlags)
         QC_TRY(qcFragmentFlags_Create(gl, &v->corners, &v->flags));
 

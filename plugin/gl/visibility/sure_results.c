@@ -26,6 +26,13 @@ typedef struct Triangle
     uint32_t step;
 } Triangle;
 
+/// A render in a cell, with what most comparisons need.
+typedef struct Entry
+{
+    float lower[2], upper[2], nearest; ///< of the triangle
+    uint32_t triangle;
+} Entry;
+
 typedef struct Finder
 {
     const qcSureView* view;
@@ -164,12 +171,10 @@ static bool IsBeyondPlane(const Triangle* corners, const Triangle* plane, float 
 /// Whether a render may hide a test in some sample.
 static bool MayHide(const Triangle* render, const Triangle* test)
 {
-    if (render->nearest > test->farthest || SeparatesByEdge(test, render) || SeparatesByEdge(render, test) ||
-        SeparatesByCorner(test, render))
+    if (render->turn != 0.0f && test->turn != 0.0f &&
+        (IsBeyondPlane(render, test, 1.0f) || IsBeyondPlane(test, render, -1.0f)))
         return false;
-    if (render->turn == 0.0f || test->turn == 0.0f)
-        return true;
-    return !IsBeyondPlane(render, test, 1.0f) && !IsBeyondPlane(test, render, -1.0f);
+    return !SeparatesByEdge(test, render) && !SeparatesByEdge(render, test) && !SeparatesByCorner(test, render);
 }
 
 //  ---- cells ---------------------------------------------------------------------------------------
@@ -237,12 +242,13 @@ static void ChooseCells(Finder* f)
 static void BinRenders(const Finder* f, bool add)
 {
     size_t* first = f->results->cellFirst.data;
-    uint32_t* entries = f->results->entries.data;
+    Entry* entries = f->results->entries.data;
     for (size_t i = 0; i < f->results->triangles.count; ++i)
     {
         const Triangle* t = &QC_AT(Triangle, f->results->triangles, i);
         if (!f->steps[t->step].render || !HasSample(t))
             continue;
+        const Entry entry = {{t->lower[0], t->lower[1]}, {t->upper[0], t->upper[1]}, t->nearest, (uint32_t)i};
         CellBox box = FindCells(f, t);
         for (uint32_t y = box.y0; y <= box.y1; ++y)
         {
@@ -250,7 +256,7 @@ static void BinRenders(const Finder* f, bool add)
             {
                 size_t cell = (size_t)y * f->cellsPerSide + x;
                 if (add)
-                    entries[first[cell + 1]++] = (uint32_t)i;
+                    entries[first[cell + 1]++] = entry;
                 else
                     ++first[cell + 2];
             }
@@ -269,15 +275,15 @@ static qcStatus MakeCells(Finder* f)
     BinRenders(f, false);
     for (size_t cell = 1; cell < count + 2; ++cell)
         first[cell] += first[cell - 1];
-    QC_TRY(qcArray_Resize(&r->entries, first[count + 1], sizeof(uint32_t), "cells of visibility tests"));
+    QC_TRY(qcArray_Resize(&r->entries, first[count + 1], sizeof(Entry), "cells of visibility tests"));
     BinRenders(f, true);
     return qc_statusOk;
 }
 
 //  ---- results -------------------------------------------------------------------------------------
 
-/// Whether the sample nearest to a point of a triangle is surely hidden.
-static bool IsSampleHidden(const Finder* f, const Triangle* t, float x, float y)
+/// Whether the sample nearest to a point of a triangle is surely hidden by renders of triangles before `end`.
+static bool IsSampleHidden(const Finder* f, const Triangle* t, size_t end, float x, float y)
 {
     float px = floorf(x) + 0.5f, py = floorf(y) + 0.5f;
     if (!Covers(t, px, py))
@@ -285,50 +291,52 @@ static bool IsSampleHidden(const Finder* f, const Triangle* t, float x, float y)
     float depth = DepthAt(t, px, py) - t->slack;
     const size_t* first = f->results->cellFirst.data;
     size_t cell = (size_t)FindCell(f, py) * f->cellsPerSide + FindCell(f, px);
-    for (size_t i = first[cell]; i < first[cell + 1]; ++i)
+    const Entry* entries = f->results->entries.data;
+    for (size_t i = first[cell]; i < first[cell + 1] && entries[i].triangle < end; ++i)
     {
-        const Triangle* render = &QC_AT(Triangle, f->results->triangles, QC_AT(uint32_t, f->results->entries, i));
-        if (render->step >= t->step)
-            return false;
-        if (render->lower[0] < px && px < render->upper[0] && render->lower[1] < py && py < render->upper[1] &&
-            render->turn != 0.0f && DepthAt(render, px, py) + render->slack < depth && Covers(render, px, py))
+        const Entry* entry = &entries[i];
+        if (entry->nearest > depth || entry->lower[0] > px || entry->upper[0] < px || entry->lower[1] > py ||
+            entry->upper[1] < py)
+            continue;
+        const Triangle* render = &QC_AT(Triangle, f->results->triangles, entry->triangle);
+        if (render->turn != 0.0f && DepthAt(render, px, py) + render->slack < depth && Covers(render, px, py))
             return true;
     }
     return false;
 }
 
 /// Whether some sample of a triangle is surely hidden: near the centre, then near the corners.
-static bool IsHidden(const Finder* f, const Triangle* t)
+static bool IsHidden(const Finder* f, const Triangle* t, size_t end)
 {
     if (t->turn == 0.0f)
         return false;
     float x = (t->x[0] + t->x[1] + t->x[2]) / 3.0f, y = (t->y[0] + t->y[1] + t->y[2]) / 3.0f;
-    if (IsSampleHidden(f, t, x, y))
+    if (IsSampleHidden(f, t, end, x, y))
         return true;
     for (int i = 0; i < 3; ++i)
-        if (IsSampleHidden(f, t, 0.25f * x + 0.75f * t->x[i], 0.25f * y + 0.75f * t->y[i]))
+        if (IsSampleHidden(f, t, end, 0.25f * x + 0.75f * t->x[i], 0.25f * y + 0.75f * t->y[i]))
             return true;
     return false;
 }
 
-/// Marks the renders of a cell that may hide a triangle. Returns whether there are any.
-static bool MarkCell(const Finder* f, const Triangle* t, CellBox box, uint32_t cellX, uint32_t cellY)
+/// Marks the renders of a cell that may hide a triangle, of triangles before `end`. Returns whether there are any.
+static bool MarkCell(const Finder* f, const Triangle* t, size_t end, uint32_t cellX, uint32_t cellY)
 {
     bool any = false;
     const size_t* first = f->results->cellFirst.data;
     size_t cell = (size_t)cellY * f->cellsPerSide + cellX;
-    for (size_t i = first[cell]; i < first[cell + 1]; ++i)
+    const Entry* entries = f->results->entries.data;
+    for (size_t i = first[cell]; i < first[cell + 1] && entries[i].triangle < end; ++i)
     {
-        const Triangle* render = &QC_AT(Triangle, f->results->triangles, QC_AT(uint32_t, f->results->entries, i));
-        if (render->step >= t->step)
-            break;
-        if (render->lower[0] > t->upper[0] || render->upper[0] < t->lower[0] || render->lower[1] > t->upper[1] ||
-            render->upper[1] < t->lower[1])
+        const Entry* entry = &entries[i];
+        if (entry->nearest > t->farthest || entry->lower[0] > t->upper[0] || entry->upper[0] < t->lower[0] ||
+            entry->lower[1] > t->upper[1] || entry->upper[1] < t->lower[1])
             continue;
         // The first cell that both are in counts.
-        CellBox other = FindCells(f, render);
-        if ((other.x0 > box.x0 ? other.x0 : box.x0) != cellX || (other.y0 > box.y0 ? other.y0 : box.y0) != cellY)
+        if (FindCell(f, fmaxf(entry->lower[0], t->lower[0])) != cellX ||
+            FindCell(f, fmaxf(entry->lower[1], t->lower[1])) != cellY)
             continue;
+        const Triangle* render = &QC_AT(Triangle, f->results->triangles, entry->triangle);
         if (!MayHide(render, t))
             continue;
         QC_AT(uint8_t, f->results->needed, render->step) = 1;
@@ -337,7 +345,7 @@ static bool MarkCell(const Finder* f, const Triangle* t, CellBox box, uint32_t c
     return any;
 }
 
-static bool MarkHiders(const Finder* f, const Triangle* t)
+static bool MarkHiders(const Finder* f, const Triangle* t, size_t end)
 {
     if (!HasSample(t))
         return false;
@@ -345,7 +353,7 @@ static bool MarkHiders(const Finder* f, const Triangle* t)
     CellBox box = FindCells(f, t);
     for (uint32_t y = box.y0; y <= box.y1; ++y)
         for (uint32_t x = box.x0; x <= box.x1; ++x)
-            any = MarkCell(f, t, box, x, y) || any;
+            any = MarkCell(f, t, end, x, y) || any;
     return any;
 }
 
@@ -356,7 +364,7 @@ static void DecideStep(const Finder* f, uint32_t step, size_t firstTriangle, uin
     size_t end = firstTriangle + f->steps[step].triangleCount;
     for (size_t i = firstTriangle; i < end; ++i)
     {
-        if (!IsHidden(f, &QC_AT(Triangle, f->results->triangles, i)))
+        if (!IsHidden(f, &QC_AT(Triangle, f->results->triangles, i), firstTriangle))
             continue;
         visible[step] = 0;
         left->test = false;
@@ -364,7 +372,7 @@ static void DecideStep(const Finder* f, uint32_t step, size_t firstTriangle, uin
     }
     bool any = false;
     for (size_t i = firstTriangle; i < end; ++i)
-        any = MarkHiders(f, &QC_AT(Triangle, f->results->triangles, i)) || any;
+        any = MarkHiders(f, &QC_AT(Triangle, f->results->triangles, i), firstTriangle) || any;
     left->test = any;
     visible[step] = 1;
 }
