@@ -1,9 +1,11 @@
-// Visibility queries: depth only, one occlusion query for each test. Quick-CULLIDE, VR 2005, sections 3.1 and 3.2.
+// Visibility tests: depth only, one occlusion query or one flag for each. Quick-CULLIDE, VR 2005, sections 3.1 and 3.2.
 // gl/visibility/tile_schedule.c gives the order of drawing.
 #include "gl/visibility/occlusion_queries.h"
 
 #include "gl/device.h"
 #include "gl/visibility/conservative_dilation.h"
+#include "gl/visibility/fragment_flags.h"
+#include "gl/visibility/sure_results.h"
 #include "gl/visibility/tile_schedule.h"
 #include "gl/gl_functions.h"
 #include "base/status.h"
@@ -12,6 +14,7 @@
 #include <limits.h>
 #include <stddef.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 enum
@@ -26,6 +29,15 @@ enum
     qc_maxPending = 16384
 };
 
+/// How tests get their results. The results are the same.
+typedef enum Way
+{
+    qc_wayDefault, ///< sure results on software devices, else flags
+    qc_wayQueries, ///< a query for each test
+    qc_wayFlags,   ///< flags stored by fragments; queries where the device can't
+    qc_waySure     ///< the same for the tests that geometry leaves open
+} Way;
+
 struct qcVisibility
 {
     qcDevice* device;
@@ -38,6 +50,11 @@ struct qcVisibility
     int dilatedAxis; ///< the axis of those on the device, or -1
     qcTileSchedule schedule;
     GLuint program, vertexArray, vertexBuffer, indexBuffer, framebuffer, depthBuffer;
+    bool isSoftware;
+    Way way;
+    bool storesFlags; ///< and issues no queries
+    qcFragmentFlags flags;
+    qcSureResults sure;
     qcArray queries; ///< of GLuint
 };
 
@@ -45,6 +62,7 @@ struct qcVisibility
 // from the other side, with the same comparison.
 static const char* const s_vertexShader =
     "#version 330 core\n"
+    "invariant gl_Position;\n"
     "in vec3 position;\n"
     "uniform int axis;\n"
     "uniform float scale;\n"
@@ -102,6 +120,12 @@ static void LayOutVertices(const struct qcGlFunctions* gl, const qcVisibility* v
     gl->VertexAttribPointer(1, 4, GL_FLOAT, GL_FALSE, sizeof(qcDilatedCorner), (void*)offsetof(qcDilatedCorner, base));
 }
 
+/// GPUs draw faster than the CPU finds what is sure. On software GL nothing is as fast as not drawing.
+static bool WantsSureResults(const qcVisibility* v)
+{
+    return !v->isDilated && (v->way == qc_wayDefault ? v->isSoftware : v->way == qc_waySure);
+}
+
 static qcStatus CreateObjects(const struct qcGlFunctions* gl, void* context)
 {
     qcVisibility* v = context;
@@ -110,6 +134,9 @@ static qcStatus CreateObjects(const struct qcGlFunctions* gl, void* context)
                                         &v->program));
     else
         QC_TRY(qcGlFunctions_GetProgram(gl, "visibility", s_vertexShader, s_fragmentShader, &v->program));
+    v->storesFlags = !v->isDilated && v->way != qc_wayQueries && qcFragmentFlags_AreSupported(gl);
+    if (v->storesFlags)
+        QC_TRY(qcFragmentFlags_Create(gl, &v->corners, &v->flags));
 
     gl->GenBuffers(1, &v->vertexBuffer);
     gl->GenBuffers(1, &v->indexBuffer);
@@ -138,6 +165,7 @@ static qcStatus DeleteObjects(const struct qcGlFunctions* gl, void* context)
 {
     qcVisibility* v = context;
     gl->DeleteQueries((GLsizei)v->queries.count, v->queries.data);
+    qcFragmentFlags_Delete(gl, &v->flags);
     gl->DeleteFramebuffers(1, &v->framebuffer);
     gl->DeleteRenderbuffers(1, &v->depthBuffer);
     gl->DeleteVertexArrays(1, &v->vertexArray);
@@ -152,6 +180,7 @@ typedef struct PassJob
     const qcVisibilityPass* pass;
     GLint tileUniform; ///< location; dilated triangles only
     uint8_t* visible;
+    uint32_t stepCount;
     size_t firstPending, endPending; ///< tests that were issued and are not read yet
     size_t unflushed;
 } PassJob;
@@ -201,6 +230,23 @@ static void SelectDepth(const struct qcGlFunctions* gl, const PassJob* job, cons
     gl->Uniform3fv(job->tileUniform, 1, values);
 }
 
+static void DrawTests(const struct qcGlFunctions* gl, PassJob* job, const qcScheduleBatch* batch)
+{
+    const qcVisibility* v = job->visibility;
+    if (v->storesFlags)
+        qcFragmentFlags_Draw(gl, &v->flags, batch->firstTested, batch->testedCount, true);
+    for (size_t i = 0; !v->storesFlags && i < batch->testCount; ++i)
+        IssueTest(gl, job, &QC_AT(qcScheduleTest, v->schedule.tests, batch->firstTest + i));
+}
+
+static void DrawRenders(const struct qcGlFunctions* gl, const qcVisibility* v, const qcScheduleBatch* batch)
+{
+    if (v->storesFlags)
+        qcFragmentFlags_Draw(gl, &v->flags, batch->firstPolygon, batch->polygonCount, false);
+    else
+        DrawPolygons(gl, v, batch->firstPolygon, batch->polygonCount);
+}
+
 static void DrawTile(const struct qcGlFunctions* gl, PassJob* job, const qcScheduleTile* tile)
 {
     const qcVisibility* v = job->visibility;
@@ -215,15 +261,14 @@ static void DrawTile(const struct qcGlFunctions* gl, PassJob* job, const qcSched
             gl->DepthFunc(job->pass->compare == qc_compareGreater ? GL_GREATER : GL_GEQUAL);
             gl->DepthMask(GL_FALSE);
             SelectDepth(gl, job, tile, true);
-            for (size_t i = 0; i < batch->testCount; ++i)
-                IssueTest(gl, job, &QC_AT(qcScheduleTest, v->schedule.tests, batch->firstTest + i));
+            DrawTests(gl, job, batch);
             gl->DepthFunc(GL_LESS);
             gl->DepthMask(GL_TRUE);
         }
         if (batch->polygonCount > 0)
         {
             SelectDepth(gl, job, tile, false);
-            DrawPolygons(gl, v, batch->firstPolygon, batch->polygonCount);
+            DrawRenders(gl, v, batch);
         }
     }
 }
@@ -252,36 +297,54 @@ static void UploadDilated(const struct qcGlFunctions* gl, qcVisibility* v, int a
     v->dilatedAxis = axis;
 }
 
+/// Prepares the programs and the vertices of a pass.
+static qcStatus BeginPass(const struct qcGlFunctions* gl, PassJob* job)
+{
+    qcVisibility* v = job->visibility;
+    const qcVisibilityPass* pass = job->pass;
+    const qcTileSchedule* schedule = &v->schedule;
+    float scale = pass->fromBack ? -0.9f : 0.9f;
+    gl->BindFramebuffer(GL_FRAMEBUFFER, v->framebuffer);
+    gl->Enable(GL_DEPTH_TEST);
+    gl->BindVertexArray(v->vertexArray);
+    if (v->storesFlags)
+        return qcFragmentFlags_BeginPass(gl, &v->flags, &schedule->polygons, job->stepCount, pass->axis, scale);
+    gl->UseProgram(v->program);
+    gl->Uniform1f(gl->GetUniformLocation(v->program, "scale"), scale);
+    if (!v->isDilated)
+        gl->Uniform1i(gl->GetUniformLocation(v->program, "axis"), pass->axis);
+    else
+    {
+        job->tileUniform = gl->GetUniformLocation(v->program, "tile");
+        UploadDilated(gl, v, pass->axis);
+    }
+    gl->BufferData(GL_ELEMENT_ARRAY_BUFFER, (GLsizeiptr)(schedule->indices.count * sizeof(uint32_t)),
+                   schedule->indices.data, GL_STREAM_DRAW);
+    return qc_statusOk;
+}
+
 static qcStatus DrawPass(const struct qcGlFunctions* gl, void* context)
 {
     PassJob* job = context;
     qcVisibility* v = job->visibility;
-    const qcTileSchedule* schedule = &v->schedule;
-    gl->UseProgram(v->program);
-    gl->Uniform1f(gl->GetUniformLocation(v->program, "scale"), job->pass->fromBack ? -0.9f : 0.9f);
-    gl->BindVertexArray(v->vertexArray);
-    if (!v->isDilated)
-        gl->Uniform1i(gl->GetUniformLocation(v->program, "axis"), job->pass->axis);
-    else
+    QC_TRY(BeginPass(gl, job));
+    for (size_t i = 0; i < v->schedule.tiles.count; ++i)
     {
-        job->tileUniform = gl->GetUniformLocation(v->program, "tile");
-        UploadDilated(gl, v, job->pass->axis);
-    }
-    gl->BufferData(GL_ELEMENT_ARRAY_BUFFER, (GLsizeiptr)(schedule->indices.count * sizeof(uint32_t)),
-                   schedule->indices.data, GL_STREAM_DRAW);
-    gl->BindFramebuffer(GL_FRAMEBUFFER, v->framebuffer);
-    gl->Enable(GL_DEPTH_TEST);
-    for (size_t i = 0; i < schedule->tiles.count; ++i)
-    {
-        const qcScheduleTile* tile = &QC_AT(qcScheduleTile, schedule->tiles, i);
+        const qcScheduleTile* tile = &QC_AT(qcScheduleTile, v->schedule.tiles, i);
         if (tile->testCount == 0)
             continue;
-        if (job->endPending - job->firstPending + tile->testCount > qc_maxPending)
-            ReadPending(gl, job);
-        QC_TRY(GrowQueries(gl, &v->queries, job->endPending - job->firstPending + tile->testCount));
+        if (!v->storesFlags)
+        {
+            if (job->endPending - job->firstPending + tile->testCount > qc_maxPending)
+                ReadPending(gl, job);
+            QC_TRY(GrowQueries(gl, &v->queries, job->endPending - job->firstPending + tile->testCount));
+        }
         DrawTile(gl, job, tile);
     }
-    ReadPending(gl, job);
+    if (v->storesFlags)
+        qcFragmentFlags_Read(gl, &v->flags, job->visible);
+    else
+        ReadPending(gl, job);
     return qc_statusOk;
 }
 
@@ -297,6 +360,17 @@ static qcStatus CheckDef(const qcVisibilityDef* def, const qcDeviceInfo* info)
     if (def->triangleCount > max)
         return qcFail(qc_statusBadInput, "visibility queries: %u triangles are more than %u", def->triangleCount, max);
     return qc_statusOk;
+}
+
+/// QC_VISIBILITY chooses, so that tests can compare.
+static Way ChooseWay(void)
+{
+    static const char* const names[] = {[qc_wayQueries] = "queries", [qc_wayFlags] = "flags", [qc_waySure] = "sure"};
+    const char* choice = getenv("QC_VISIBILITY");
+    for (int way = qc_wayQueries; choice != NULL && way <= qc_waySure; ++way)
+        if (strcmp(choice, names[way]) == 0)
+            return (Way)way;
+    return qc_wayDefault;
 }
 
 qcStatus qcVisibility_Create(const qcVisibilityDef* def, qcVisibility** visibility)
@@ -315,6 +389,8 @@ qcStatus qcVisibility_Create(const qcVisibilityDef* def, qcVisibility** visibili
     v->tileSize = tileSize < def->resolution ? tileSize : def->resolution;
     v->isDilated = def->dilated;
     v->dilatedAxis = -1;
+    v->isSoftware = info.software;
+    v->way = ChooseWay();
     memcpy(v->dilation, def->dilation, sizeof v->dilation);
     size_t floatCount = (size_t)9 * def->triangleCount;
     qcStatus status = qcArray_Resize(&v->corners, floatCount, sizeof(float), "triangles of visibility queries");
@@ -345,6 +421,8 @@ void qcVisibility_Destroy(qcVisibility* v)
     qcArray_Free(&v->corners);
     qcArray_Free(&v->dilated);
     qcArray_Free(&v->queries);
+    qcFragmentFlags_Free(&v->flags);
+    qcSureResults_Free(&v->sure);
     qcTileSchedule_Free(&v->schedule);
     qcFree(v, sizeof *v);
 }
@@ -381,7 +459,13 @@ qcStatus qcVisibility_RunPass(qcVisibility* v, const qcVisibilityPass* pass, con
                            .polygonCorners = GetPolygonCorners(v)};
     if (v->isDilated)
         QC_TRY(Dilate(v, pass->axis, view.dilation));
+    if (WantsSureResults(v))
+    {
+        const qcSureView sure = {v->corners.data, v->resolution, pass->axis, pass->fromBack};
+        QC_TRY(qcSureResults_Find(&v->sure, &sure, steps, stepCount, visible));
+        steps = v->sure.steps.data;
+    }
     QC_TRY(qcTileSchedule_Build(&v->schedule, &view, steps, stepCount));
-    PassJob job = {.visibility = v, .pass = pass, .visible = visible};
+    PassJob job = {.visibility = v, .pass = pass, .visible = visible, .stepCount = stepCount};
     return qcDevice_Run(v->device, DrawPass, &job, "visibility queries, pass");
 }

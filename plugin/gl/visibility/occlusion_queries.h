@@ -1,4 +1,4 @@
-// Visibility queries of CULLIDE. Triangles are uploaded once. Each pass, for a view and a direction, tests and renders
+// Visibility tests of CULLIDE. Triangles are uploaded once. Each pass, for a view and a direction, tests and renders
 // them in a given order.
 #ifndef QC_GL_VISIBILITY_OCCLUSION_QUERIES_H
 #define QC_GL_VISIBILITY_OCCLUSION_QUERIES_H
@@ -11,7 +11,7 @@ typedef struct qcVisibility qcVisibility;
 typedef struct qcVisibilityStep
 {
     uint32_t firstTriangle, triangleCount;
-    /// Test against the depths rendered so far, with an occlusion query; nothing is drawn.
+    /// Test against the depths rendered so far; nothing is drawn.
     bool test;
     /// Then draw into the depth buffer, keeping the nearest depth.
     bool render;
@@ -53,7 +53,7 @@ typedef struct qcVisibilityPass
 
 /// Runs one pass from an empty buffer. The steps take effect in their order.
 /// visible[i] = 1 when step i has its test flag and no fragment of it fails; else 0.
-/// All queries are issued before they are read.
+/// All tests are issued before results are read.
 qcStatus qcVisibility_RunPass(qcVisibility* visibility, const qcVisibilityPass* pass, const qcVisibilityStep* steps,
                               uint32_t stepCount, uint8_t* visible);
 

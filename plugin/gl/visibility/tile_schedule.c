@@ -218,14 +218,15 @@ static qcStatus FindRuns(qcTileSchedule* s, const Pass* pass, const qcScheduleTi
 
 static size_t SortKey(const Run* run, const qcVisibilityStep* steps)
 {
-    // Runs that render come last in their level: one draw renders them all.
-    return (size_t)2 * run->level + (steps[run->step].render ? 1 : 0);
+    // In their level, runs that test come first and runs that render last: one draw can test or render them all.
+    const qcVisibilityStep* step = &steps[run->step];
+    return (size_t)3 * run->level + (step->render ? (step->test ? 1 : 2) : 0);
 }
 
 /// Counting sort of the runs by level.
 static qcStatus SortRuns(qcTileSchedule* s, const qcVisibilityStep* steps, uint32_t levelCount)
 {
-    size_t keyCount = (size_t)2 * levelCount + 1;
+    size_t keyCount = (size_t)3 * levelCount + 1;
     QC_TRY(qcArray_Resize(&s->keys, keyCount, sizeof(size_t), "levels of a tile"));
     QC_TRY(qcArray_Resize(&s->order, s->runs.count, sizeof(Run), "runs of a tile"));
     size_t* keys = s->keys.data;
@@ -261,6 +262,7 @@ static void WriteBatches(qcTileSchedule* s, const qcVisibilityStep* steps, uint3
     const Entry* entries = s->entries.data;
     size_t polygon = s->indices.count / qcTileSchedule_GetIndexCount(polygonCorners);
     uint32_t* index = &QC_AT(uint32_t, s->indices, s->indices.count);
+    qcSchedulePolygon* drawn = &QC_AT(qcSchedulePolygon, s->polygons, polygon);
     qcScheduleBatch* batch = NULL;
     for (size_t i = 0; i < s->order.count; ++i)
     {
@@ -268,13 +270,14 @@ static void WriteBatches(qcTileSchedule* s, const qcVisibilityStep* steps, uint3
         if (batch == NULL || run->level != runs[i - 1].level)
         {
             batch = &QC_AT(qcScheduleBatch, s->batches, s->batches.count++);
-            *batch = (qcScheduleBatch){s->tests.count, 0, polygon, 0};
+            *batch = (qcScheduleBatch){s->tests.count, 0, polygon, 0, polygon, 0};
         }
         if (steps[run->step].test)
         {
             QC_AT(qcScheduleTest, s->tests, s->tests.count++) =
                 (qcScheduleTest){run->step, run->triangleCount, polygon};
             ++batch->testCount;
+            batch->testedCount += run->triangleCount;
         }
         if (steps[run->step].render)
         {
@@ -284,8 +287,13 @@ static void WriteBatches(qcTileSchedule* s, const qcVisibilityStep* steps, uint3
         }
         polygon += run->triangleCount;
         for (uint32_t k = 0; k < run->triangleCount; ++k)
-            index = WriteFan(index, entries[run->firstEntry + k].triangle, polygonCorners);
+        {
+            uint32_t triangle = entries[run->firstEntry + k].triangle;
+            index = WriteFan(index, triangle, polygonCorners);
+            *drawn++ = (qcSchedulePolygon){triangle, run->step};
+        }
     }
+    s->polygons.count = polygon;
     s->indices.count = (size_t)(index - (uint32_t*)s->indices.data);
     tile->batchCount = s->batches.count - tile->firstBatch;
     tile->testCount = s->tests.count - tile->firstTest;
@@ -312,10 +320,11 @@ qcStatus qcTileSchedule_Build(qcTileSchedule* s, const qcScheduleView* view, con
                               uint32_t stepCount)
 {
     Pass pass = {view, steps, stepCount, (view->resolution + view->tileSize - 1) / view->tileSize};
-    s->indices.count = s->tests.count = s->batches.count = s->tiles.count = 0;
+    s->indices.count = s->polygons.count = s->tests.count = s->batches.count = s->tiles.count = 0;
     QC_TRY(BinTriangles(s, &pass));
     size_t indexCount = qcTileSchedule_GetIndexCount(view->polygonCorners);
     QC_TRY(qcArray_Reserve(&s->indices, indexCount * s->entries.count, sizeof(uint32_t), "visibility indices"));
+    QC_TRY(qcArray_Reserve(&s->polygons, s->entries.count, sizeof(qcSchedulePolygon), "visibility polygons"));
     const size_t* tileFirst = s->tileFirst.data;
     for (uint32_t ty = 0; ty < pass.tilesPerSide; ++ty)
     {
@@ -331,8 +340,8 @@ qcStatus qcTileSchedule_Build(qcTileSchedule* s, const qcScheduleView* view, con
 
 void qcTileSchedule_Free(qcTileSchedule* s)
 {
-    qcArray* arrays[] = {&s->indices, &s->tests, &s->batches, &s->tiles, &s->tileFirst,
-                         &s->entries, &s->runs,  &s->order,   &s->keys,  &s->cells};
+    qcArray* arrays[] = {&s->indices, &s->polygons, &s->tests, &s->batches, &s->tiles, &s->tileFirst,
+                         &s->entries, &s->runs,     &s->order, &s->keys,    &s->cells};
     for (size_t i = 0; i < sizeof arrays / sizeof arrays[0]; ++i)
         qcArray_Free(arrays[i]);
 }

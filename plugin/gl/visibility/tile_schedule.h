@@ -6,6 +6,11 @@
 #include "gl/visibility/occlusion_queries.h"
 #include "base/memory.h"
 
+typedef struct qcSchedulePolygon
+{
+    uint32_t triangle, step;
+} qcSchedulePolygon;
+
 /// One query: a run of the index list.
 typedef struct qcScheduleTest
 {
@@ -18,7 +23,8 @@ typedef struct qcScheduleTest
 typedef struct qcScheduleBatch
 {
     size_t firstTest, testCount;
-    size_t firstPolygon, polygonCount; ///< in the index list
+    size_t firstTested, testedCount;   ///< polygons of all tests, in the index list
+    size_t firstPolygon, polygonCount; ///< to draw, in the index list
 } qcScheduleBatch;
 
 typedef struct qcScheduleTile
@@ -31,7 +37,8 @@ typedef struct qcScheduleTile
 /// All zero at first; keeps its memory between passes.
 typedef struct qcTileSchedule
 {
-    qcArray indices; ///< uint32_t: a fan of triangles a polygon
+    qcArray indices;  ///< uint32_t: a fan of triangles a polygon
+    qcArray polygons; ///< qcSchedulePolygon: those of the index list
     qcArray tests, batches, tiles;
     qcArray tileFirst, entries, runs, order, keys, cells; // scratch
 } qcTileSchedule;
