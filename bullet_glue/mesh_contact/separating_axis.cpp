@@ -261,7 +261,7 @@ qcSeparation qcFindSeparation(const qcPlacedSupport& a, const qcPlacedSupport& b
         return separation;
     Simplex closest;
     bool isApart = Iterate(a, b, enough, &closest, &separation);
-    btScalar tiny = s_absolute * (a.mesh->Radius() + b.mesh->Radius());
+    btScalar tiny = std::min(s_absolute * (a.mesh->Radius() + b.mesh->Radius()), qcGapError(a, b));
     if (separation.gap > enough || (!isApart && separation.gap > -tiny))
         return separation;
     btScalar least = isApart ? separation.gap - slack : separation.gap;
