@@ -67,6 +67,13 @@ template <typename Key, typename Value> class qcHashTable
         return m_entries[slot - 1].value;
     }
 
+    /// The value of a key; null: it has none. Valid until the next call of FindOrAdd or Clear.
+    const Value* Find(const Key& key) const
+    {
+        uint32_t slot = m_size > 0 ? m_slots[FindSlot(key)] : 0;
+        return slot != 0 ? &m_entries[slot - 1].value : nullptr;
+    }
+
     /// In the order in which they were added.
     const std::vector<Entry>& Entries() const
     {
@@ -74,12 +81,17 @@ template <typename Key, typename Value> class qcHashTable
     }
 
   private:
-    uint32_t& SlotOf(const Key& key)
+    size_t FindSlot(const Key& key) const
     {
         size_t mask = m_size - 1, slot = qcHashOf(key) & mask;
         while (m_slots[slot] != 0 && m_entries[m_slots[slot] - 1].key != key)
             slot = (slot + 1) & mask;
-        return m_slots[slot];
+        return slot;
+    }
+
+    uint32_t& SlotOf(const Key& key)
+    {
+        return m_slots[FindSlot(key)];
     }
 
     void Rehash(size_t size)

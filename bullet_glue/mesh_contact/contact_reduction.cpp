@@ -114,8 +114,7 @@ bool IsFirstCarried(const qcPointGroup& group, const btVector3& normal, btScalar
         return EffectiveDistance(*point, contactDistance) <=
                EffectiveDistance(*points[0], contactDistance) + s_hardlyDeeper * contactDistance;
     };
-    return ExtentOf(others, normal, points[0]->onB) <= 0 &&
-           std::all_of(points + 1, points + 4, carries);
+    return ExtentOf(others, normal, points[0]->onB) <= 0 && std::all_of(points + 1, points + 4, carries);
 }
 
 void ChoosePoints(const Members& members, btScalar contactDistance, btScalar minSpacing, qcPointGroup* group)

@@ -263,8 +263,8 @@ bool qcMotionLimiter::HasUnproven(const qcResult& result) const
                        { return !IsExempt(*SideOf(pair.bodyA).swept, *SideOf(pair.bodyB).swept); });
 }
 
-/// Adds planes for the pairs of triangles that are not proven apart, and solves all planes.
-void qcMotionLimiter::PushApart(const qcResult& result)
+/// Adds planes for the pairs of triangles that are not proven apart.
+void qcMotionLimiter::AddPlanes(const qcResult& result)
 {
     auto planeSideOf = [](const Side& side, uint32_t triangle)
     {
@@ -283,7 +283,6 @@ void qcMotionLimiter::PushApart(const qcResult& result)
         m_planes.Add(pair, planeSideOf(a, pair.triangleA), planeSideOf(b, pair.triangleB), result.proximities[i]);
         m_stopped.insert(NumbersOf(pair));
     }
-    m_planes.Solve(s_planeSweeps);
 }
 
 /// From now on motions are those to the ends that the planes have found.
@@ -400,8 +399,19 @@ void qcMotionLimiter::SkipProvenPairs()
     m_pairs.erase(std::remove_if(m_pairs.begin(), m_pairs.end(), isProven), m_pairs.end());
 }
 
+/// Adds a plane between two objects that touch at the start, such as the pieces of a cut, unless they end apart.
+/// `axis`: along which they touch. `error`: of gaps.
+void qcMotionLimiter::KeepTouching(const qcSweptPair& pair, const btVector3& axis, btScalar error)
+{
+    qcPlacedSupport endA{pair.first->hull, pair.first->end}, endB{pair.second->hull, pair.second->end};
+    if (qcGapAlong(endA, endB, axis) > error || qcFindSeparation(endA, endB, axis, error, 0).gap > error)
+        return;
+    m_planes.AddHulls(pair.first, pair.second, axis, 2 * error);
+    m_areTouching = true;
+}
+
 /// True if one direction separates two small meshes as a whole at the start and at the end of the step. New objects
-/// that touch, up to rounding, such as the pieces of a cut, become exempt.
+/// that touch, up to rounding, are exempt: planes only keep them from going deeper.
 bool qcMotionLimiter::IsSeparated(const qcSweptPair& pair)
 {
     const qcSweptObject &a = *pair.first, &b = *pair.second;
@@ -417,7 +427,7 @@ bool qcMotionLimiter::IsSeparated(const qcSweptPair& pair)
     qcSeparation atStart = qcFindSeparation(startA, startB, kept, BT_LARGE_FLOAT, 0);
     if ((a.isNew || b.isNew) && btFabs(atStart.gap) <= error)
     {
-        m_exempt.insert(std::minmax(a.number, b.number));
+        KeepTouching(pair, atStart.axis, error);
         return true;
     }
     if (atStart.gap <= error)
@@ -431,6 +441,7 @@ bool qcMotionLimiter::IsSeparated(const qcSweptPair& pair)
 
 void qcMotionLimiter::SkipSeparatedPairs()
 {
+    m_areTouching = false;
     m_pairs.erase(
         std::remove_if(m_pairs.begin(), m_pairs.end(), [this](const qcSweptPair& pair) { return IsSeparated(pair); }),
         m_pairs.end());
@@ -450,10 +461,35 @@ void qcMotionLimiter::SkipSettledPairs(const std::set<Numbers>& reported)
     m_pairs.erase(std::remove_if(m_pairs.begin(), m_pairs.end(), isSettled), m_pairs.end());
 }
 
+/// Detects the pairs that are not proven apart, and adds planes for them or cuts them. False: there are none.
+bool qcMotionLimiter::StopPairs(int round, std::set<Numbers>* reported)
+{
+    const qcResult* result = nullptr;
+    m_status = Detect(&result);
+    if (m_status != qc_statusOk)
+        return false;
+    for (qcSweptObject* swept : m_objects.Get())
+        swept->tested = swept->end;
+    reported->clear();
+    for (size_t i = 0; i < result->pairCount; i++)
+        reported->insert(NumbersOf(result->pairs[i]));
+    CollectTangles(*result);
+    if (!HasUnproven(*result))
+        return false;
+    if (round == s_planeRounds)
+        EndPlanes();
+    if (round < s_planeRounds)
+        AddPlanes(*result);
+    else
+        Cut(*result, round - s_planeRounds);
+    return true;
+}
+
 /// Rounds of certificates and planes, then cuts, until all pairs are proven apart or exempt.
 qcStatus qcMotionLimiter::Certify()
 {
     std::set<Numbers> reported;
+    m_status = qc_statusOk;
     for (int round = 0;; round++)
     {
         m_objects.FindPairs(&m_pairs);
@@ -461,26 +497,11 @@ qcStatus qcMotionLimiter::Certify()
         if (round > 0)
             SkipSettledPairs(reported);
         SkipSeparatedPairs();
-        if (m_pairs.empty())
-            return qc_statusOk;
-        const qcResult* result = nullptr;
-        qcStatus status = Detect(&result);
-        if (status != qc_statusOk)
-            return status;
-        for (qcSweptObject* swept : m_objects.Get())
-            swept->tested = swept->end;
-        reported.clear();
-        for (size_t i = 0; i < result->pairCount; i++)
-            reported.insert(NumbersOf(result->pairs[i]));
-        CollectTangles(*result);
-        if (!HasUnproven(*result))
-            return qc_statusOk;
-        if (round == s_planeRounds)
-            EndPlanes();
+        bool isStopped = !m_pairs.empty() && StopPairs(round, &reported);
+        if (m_status != qc_statusOk || (!isStopped && (!m_areTouching || round >= s_planeRounds)))
+            return m_status;
         if (round < s_planeRounds)
-            PushApart(*result);
-        else
-            Cut(*result, round - s_planeRounds);
+            m_planes.Solve(s_planeSweeps);
     }
 }
 

@@ -84,15 +84,17 @@ class qcMotionLimiter
     bool Hold(const qcSweptPair& pair);
     void Release(const qcSweptPair& pair);
     bool HasUnproven(const qcResult& result) const;
-    void PushApart(const qcResult& result);
+    void AddPlanes(const qcResult& result);
     void EndPlanes();
     void JoinBlocked(const qcResult& result);
     std::map<Numbers, Block> FindBlocks(const qcResult& result) const;
     void Cut(const qcResult& result, int round);
     void SkipProvenPairs();
+    void KeepTouching(const qcSweptPair& pair, const btVector3& axis, btScalar error);
     bool IsSeparated(const qcSweptPair& pair);
     void SkipSeparatedPairs();
     void SkipSettledPairs(const std::set<Numbers>& reported);
+    bool StopPairs(int round, std::set<Numbers>* reported);
     qcStatus Certify();
     void Commit(qcSweptObject* swept, btScalar timeStep) const;
     void CommitAll(btScalar timeStep);
@@ -112,6 +114,8 @@ class qcMotionLimiter
     qcMotionPlanes m_planes;
     std::set<Numbers> m_stopped, m_previouslyStopped; ///< objects with planes, in this step and in the previous one
     std::set<Numbers> m_cut, m_previouslyCut;         ///< objects whose motions were cut, likewise
+    bool m_areTouching = false;                       ///< objects that touch at the start are not apart at the end
+    qcStatus m_status = qc_statusOk;                  ///< of the last detection
     int m_unproven = 0;
 };
 

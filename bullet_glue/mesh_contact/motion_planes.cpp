@@ -18,6 +18,14 @@ struct Extreme
 
     Extreme(const qcMotionPlaneSide& side, const btVector3& direction)
     {
+        if (side.isWhole)
+        {
+            const qcPlacedSupport hull{side.swept->hull, side.swept->end};
+            btVector3 point = hull.VertexAt(hull.mesh->FindMax(hull.ToLocal(-direction)));
+            height = direction.dot(point);
+            arm = point - side.swept->end.getOrigin();
+            return;
+        }
         for (const btVector3& local : side.corners)
         {
             btVector3 point = side.swept->end * local;
@@ -105,6 +113,14 @@ void qcMotionPlanes::Add(const qcPair& pair, const qcMotionPlaneSide& a, const q
     plane.pushed = 0;
     plane.arms[0] = plane.arms[1] = btVector3(0, 0, 0);
     m_planes.push_back(plane);
+}
+
+void qcMotionPlanes::AddHulls(qcSweptObject* below, qcSweptObject* above, const btVector3& normal, btScalar gap)
+{
+    if (!m_pairs.insert({below->number, UINT32_MAX, above->number, UINT32_MAX}).second)
+        return;
+    const btVector3 zero(0, 0, 0);
+    m_planes.push_back({{above, {}, true}, {below, {}, true}, normal, gap, 0, {zero, zero}});
 }
 
 void qcMotionPlanes::Solve(int sweeps)

@@ -1,5 +1,6 @@
-// Separating planes between triangles of two meshes that are not proven apart over a step. Bodies are pushed apart
-// along the normal of the closest points at the start, by equal and opposite impulses on their transforms at the end.
+// Separating planes between triangles of two meshes that are not proven apart over a step, or between two meshes that
+// touch at its start. Bodies are pushed apart along the normal of the closest points at the start, by equal and
+// opposite impulses on their transforms at the end.
 #ifndef QC_GLUE_MESH_CONTACT_MOTION_PLANES_H
 #define QC_GLUE_MESH_CONTACT_MOTION_PLANES_H
 
@@ -16,13 +17,14 @@ struct qcMotionPlaneSide
 {
     qcSweptObject* swept;
     btVector3 corners[3]; ///< of the triangle, in the object's frame
+    bool isWhole = false; ///< the object's hull takes the place of a triangle
 };
 
 struct qcMotionPlane
 {
     qcMotionPlaneSide above, below;
     btVector3 normal;  ///< unit, from below to above
-    btScalar gap;      ///< required distance of the two triangles along the normal
+    btScalar gap;      ///< required distance along the normal, of the two triangles or hulls
     btScalar pushed;   ///< sum of impulses so far, times the time step
     btVector3 arms[2]; ///< of the last push, from the centres of above and below
 };
@@ -33,6 +35,8 @@ class qcMotionPlanes
     void Clear();
     /// Adds a plane for a pair of triangles, unless it has one.
     void Add(const qcPair& pair, const qcMotionPlaneSide& a, const qcMotionPlaneSide& b, const qcProximity& nearest);
+    /// Adds a plane between the hulls of two objects, unless there is one. `normal`: from `below` to `above`.
+    void AddHulls(qcSweptObject* below, qcSweptObject* above, const btVector3& normal, btScalar gap);
     /// Gauss-Seidel sweeps over all planes. Moves the ends of free objects.
     void Solve(int sweeps);
     /// Impulses without restitution where planes have pushed pairs that `isStopped` names; kinetic energy doesn't grow.

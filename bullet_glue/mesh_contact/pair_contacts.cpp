@@ -41,29 +41,33 @@ btScalar qcRelativeDisplacementBound(const qcObjectMotion& a, const qcObjectMoti
 
 qcPairContact& qcPairContacts::FindOrAdd(uint32_t a, uint32_t b)
 {
-    return m_pairs[KeyOf(a, b)];
+    uint64_t key = KeyOf(a, b);
+    uint32_t index = m_indices.FindOrAdd(key, uint32_t(m_pairs.size()));
+    if (index == m_pairs.size())
+        m_pairs.push_back({key, {}});
+    return m_pairs[index].contact;
 }
 
 const qcPairContact* qcPairContacts::Find(uint32_t a, uint32_t b) const
 {
-    auto found = m_pairs.find(KeyOf(a, b));
-    return found != m_pairs.end() ? &found->second : nullptr;
+    const uint32_t* index = m_indices.Find(KeyOf(a, b));
+    return index != nullptr ? &m_pairs[*index].contact : nullptr;
 }
 
 qcPairContact* qcPairContacts::Find(uint32_t a, uint32_t b)
 {
-    auto found = m_pairs.find(KeyOf(a, b));
-    return found != m_pairs.end() ? &found->second : nullptr;
+    const uint32_t* index = m_indices.Find(KeyOf(a, b));
+    return index != nullptr ? &m_pairs[*index].contact : nullptr;
 }
 
 void qcPairContacts::Count(unsigned check, int* regions, int* points) const
 {
     *regions = *points = 0;
-    for (const auto& [key, pair] : m_pairs)
-        if (pair.checked == check)
+    for (const Pair& pair : m_pairs)
+        if (pair.contact.checked == check)
         {
-            *regions += pair.regions;
-            *points += int(pair.points.size());
+            *regions += pair.contact.regions;
+            *points += int(pair.contact.points.size());
         }
 }
 
@@ -72,8 +76,11 @@ void qcPairContacts::RemoveOld(unsigned check)
     if (check - m_removed < s_keptChecks)
         return;
     m_removed = check;
-    for (auto pair = m_pairs.begin(); pair != m_pairs.end();)
-        pair = check - pair->second.checked > s_keptChecks ? m_pairs.erase(pair) : std::next(pair);
+    auto isOld = [check](const Pair& pair) { return check - pair.contact.checked > s_keptChecks; };
+    m_pairs.erase(std::remove_if(m_pairs.begin(), m_pairs.end(), isOld), m_pairs.end());
+    m_indices.Clear(m_pairs.size());
+    for (const Pair& pair : m_pairs)
+        m_indices.FindOrAdd(pair.key, uint32_t(&pair - m_pairs.data()));
 }
 
 bool qcPairContacts::StayApart(const qcPairContact& pair, const qcObjectMotion& a, const qcObjectMotion& b)

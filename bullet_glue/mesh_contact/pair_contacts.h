@@ -3,10 +3,11 @@
 #ifndef QC_GLUE_MESH_CONTACT_PAIR_CONTACTS_H
 #define QC_GLUE_MESH_CONTACT_PAIR_CONTACTS_H
 
+#include "common/hash_table.h"
 #include "mesh_contact/contact_reduction.h"
 #include "mesh_contact/rigid_motion.h"
 
-#include <unordered_map>
+#include <vector>
 
 /// A contact point of two meshes of a pair: its ends are in the frames of the meshes, its normal in that of B.
 struct qcKnownPoint
@@ -47,7 +48,8 @@ btScalar qcRelativeDisplacementBound(const qcObjectMotion& a, const qcObjectMoti
 class qcPairContacts
 {
   public:
-    /// `a` and `b`: numbers of the objects, in either order; see qcBatchObject::owner.
+    /// `a` and `b`: numbers of the objects, in either order; see qcBatchObject::owner. Valid until the next pair is
+    /// added.
     qcPairContact& FindOrAdd(uint32_t a, uint32_t b);
     const qcPairContact* Find(uint32_t a, uint32_t b) const;
     qcPairContact* Find(uint32_t a, uint32_t b);
@@ -65,8 +67,15 @@ class qcPairContacts
         return a < b ? uint64_t(a) << 32 | b : uint64_t(b) << 32 | a;
     }
 
-    std::unordered_map<uint64_t, qcPairContact> m_pairs;
-    unsigned m_removed = 0; ///< number of the check of the last removal
+    struct Pair
+    {
+        uint64_t key;
+        qcPairContact contact;
+    };
+
+    std::vector<Pair> m_pairs;                 ///< in the order in which they were added
+    qcHashTable<uint64_t, uint32_t> m_indices; ///< of pairs, by key
+    unsigned m_removed = 0;                    ///< number of the check of the last removal
 };
 
 #endif

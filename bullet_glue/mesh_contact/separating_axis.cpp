@@ -11,6 +11,9 @@ constexpr int s_maxIterations = 24;
 constexpr btScalar s_relative = btScalar(1e-3), s_absolute = btScalar(1e-6);
 // A face's normal is tried if its cosine with the axis is more than this.
 constexpr btScalar s_aligned = btScalar(0.9);
+// Hulls that overlap are moved apart by this factor of their overlap, as long as that makes it less by this factor.
+constexpr btScalar s_moveFactor = 4, s_worthMoving = btScalar(0.7);
+constexpr int s_maxMoves = 4;
 
 /// A vertex of the set of differences of B's and A's points.
 struct Corner
@@ -203,6 +206,33 @@ void TryFaces(const qcPlacedSupport& a, const qcPlacedSupport& b, bool ofA, cons
         *best = axis;
     }
 }
+
+/// Moves hulls that overlap apart, and takes the axis between them if its gap without the move is larger than `least`,
+/// which becomes that gap: convex pieces that meet at an edge have a plane between them that no face lies in.
+void TryMovedApart(const qcPlacedSupport& a, const qcPlacedSupport& b, btScalar* least, btVector3* best)
+{
+    btVector3 apart = b.transform.getOrigin() - a.transform.getOrigin();
+    if (apart.fuzzyZero())
+        return;
+    apart.normalize();
+    for (int i = 0; i < s_maxMoves; i++)
+    {
+        qcPlacedSupport moved = b;
+        moved.transform.getOrigin() += apart * (s_moveFactor * -*least);
+        Simplex closest;
+        qcSeparation separation;
+        separation.axis = *best;
+        Iterate(a, moved, BT_LARGE_FLOAT, &closest, &separation);
+        btScalar gap = qcGapAlong(a, b, separation.axis);
+        if (gap <= *least)
+            return;
+        bool isBetter = gap > *least * s_worthMoving;
+        *least = gap;
+        *best = separation.axis;
+        if (!isBetter || gap >= 0)
+            return;
+    }
+}
 } // namespace
 
 btScalar qcGapAlong(const qcPlacedSupport& a, const qcPlacedSupport& b, const btVector3& axis)
@@ -231,13 +261,15 @@ qcSeparation qcFindSeparation(const qcPlacedSupport& a, const qcPlacedSupport& b
         return separation;
     Simplex closest;
     bool isApart = Iterate(a, b, enough, &closest, &separation);
-    btScalar tiny = s_absolute * (a.mesh->Radius() + b.mesh->Radius());
+    btScalar tiny = std::min(s_absolute * (a.mesh->Radius() + b.mesh->Radius()), qcGapError(a, b));
     if (separation.gap > enough || (!isApart && separation.gap > -tiny))
         return separation;
     btScalar least = isApart ? separation.gap - slack : separation.gap;
     btVector3 best = separation.axis, near = isApart ? separation.axis : centres;
     for (bool ofA : {true, false})
         TryFaces(a, b, ofA, closest, near, isApart ? s_aligned : btScalar(0), &least, &best);
+    if (!isApart && least < -tiny)
+        TryMovedApart(a, b, &least, &best);
     if (!isApart || best != separation.axis)
         separation.gap = least;
     separation.axis = best;

@@ -62,8 +62,8 @@ void qcSupportMesh::FindFaces()
 {
     struct SizedFace
     {
-        btVector3 normal;
-        btScalar area;
+        btVector3 normal; ///< of the first triangle
+        btVector3 sum;    ///< of the triangles' cross products: the normal of slivers is less exact
     };
     std::vector<SizedFace> faces;
     m_normals.reserve(m_triangles.count);
@@ -80,14 +80,17 @@ void qcSupportMesh::FindFaces()
         auto same = std::find_if(faces.rbegin(), faces.rend(),
                                  [&](const SizedFace& face) { return face.normal.dot(normal) > s_sameFace; });
         if (same != faces.rend())
-            same->area += area;
+            same->sum += cross;
         else
-            faces.push_back({normal, area});
+            faces.push_back({normal, cross});
     }
     std::stable_sort(faces.begin(), faces.end(),
-                     [](const SizedFace& a, const SizedFace& b) { return a.area > b.area; });
+                     [](const SizedFace& a, const SizedFace& b) { return a.sum.length2() > b.sum.length2(); });
     for (size_t i = 0; i < std::min(faces.size(), s_maxFaces); i++)
-        m_faces.push_back({faces[i].normal, Max(faces[i].normal)});
+    {
+        btVector3 normal = faces[i].sum.normalized();
+        m_faces.push_back({normal, Max(normal)});
+    }
 }
 
 void qcSupportMesh::FindEdges()

@@ -19,7 +19,7 @@ btRigidBody::btRigidBodyConstructionInfo Material(btScalar mass, btCollisionShap
     shape->calculateLocalInertia(mass, inertia);
     btRigidBody::btRigidBodyConstructionInfo info(mass, nullptr, shape, inertia);
     info.m_startWorldTransform = place;
-    info.m_friction = btScalar(0.6);
+    info.m_friction = btScalar(0.8); // Bullet multiplies those of both bodies: 0.64 is stone on stone
     info.m_rollingFriction = btScalar(0.01);
     return info;
 }

@@ -136,6 +136,32 @@ START_TEST(bodies_that_stop_each_other_do_not_hang_in_the_air)
 }
 END_TEST
 
+START_TEST(new_bodies_that_touch_do_not_sink_into_each_other)
+{
+    qcModel cube = qcCubeModel();
+    for (int start = 0; start < s_starts; start++)
+    {
+        qcMeshWorld world;
+        world.world.setGravity(btVector3(0, 0, 0));
+        // Contacts do nothing.
+        world.world.getSolverInfo().m_numIterations = 0;
+        btTransform common = At(btVector3(Jitter(start, 0), 2, Jitter(start, 1)),
+                                btVector3(1, btScalar(0.2), btScalar(0.3)).normalized(), 10 * Jitter(start, 3));
+        btCollisionShape* shape = world.Keep(cube.MakeShape());
+        btRigidBody* lower = world.Add(shape, 1, common);
+        btRigidBody* upper = world.Add(shape, 1, common * At(btVector3(Jitter(start, 2), 1, Jitter(start, 4))));
+        upper->setLinearVelocity(common.getBasis() * btVector3(0, -2, 0));
+        double energy = world.KineticEnergy();
+        for (int step = 0; step < 30; step++)
+        {
+            world.Step();
+            ck_assert_uint_eq(qcCountPenetrating({{&cube, lower}, {&cube, upper}}), 0);
+            ck_assert_double_le(world.KineticEnergy(), energy * s_drift);
+        }
+    }
+}
+END_TEST
+
 START_TEST(a_fast_spinning_bar_does_not_pass_a_thin_post)
 {
     qcModel bar = qcBoxModel(btVector3(1, btScalar(0.02), btScalar(0.02)), 2);
@@ -312,6 +338,7 @@ int main()
     tcase_add_test(tests, a_thrown_sheet_of_two_triangles_does_not_pass_another);
     tcase_add_test(tests, thin_sheets_in_compounds_do_not_pass_each_other);
     tcase_add_test(tests, bodies_that_stop_each_other_do_not_hang_in_the_air);
+    tcase_add_test(tests, new_bodies_that_touch_do_not_sink_into_each_other);
     tcase_add_test(tests, a_fast_spinning_bar_does_not_pass_a_thin_post);
     tcase_add_test(tests, a_kinematic_sheet_takes_along_what_it_sweeps_over);
     tcase_add_test(tests, what_a_kinematic_mesh_crushes_is_counted);

@@ -125,6 +125,38 @@ START_TEST(no_axis_has_a_gap_beyond_the_distance)
 }
 END_TEST
 
+/// A tetrahedron between an edge along x at height 0 and an edge along z at height `top`, moved by `aside`.
+qcModel Tetrahedron(double top, double aside)
+{
+    qcModel model;
+    model.Add(-1.0, 0.0, 0.0);
+    model.Add(1.0, 0.0, 0.0);
+    model.Add(aside, top, -1);
+    model.Add(aside, top, 1);
+    for (uint32_t i = 0; i < 4; i++)
+        model.Add(i, (i + 1) % 4, (i + 2) % 4);
+    return model;
+}
+
+START_TEST(bodies_that_meet_at_two_edges_have_a_plane_between_them)
+{
+    for (int run = 0; run < s_runs; run++)
+    {
+        // The edges cross at the origin. The meshes' own origins are elsewhere.
+        btTransform place = RandomPlace(1);
+        btVector3 aside(Random(-1, 1), 2, Random(-1, 1));
+        qcModel low = Tetrahedron(-1, double(Random(-1, 1))), high = Tetrahedron(1, double(Random(-1, 1)));
+        high.Move(btTransform(btQuaternion(btVector3(0, 1, 0), Random(btScalar(0.8), btScalar(2.2)))));
+        high.Move(btTransform(btQuaternion::getIdentity(), -aside));
+        Placed a(low, place);
+        Placed b(high, place * btTransform(btQuaternion::getIdentity(), aside));
+        qcSeparation found = qcFindSeparation(a.at, b.at, btVector3(0, 0, 0), BT_LARGE_FLOAT, 0);
+        ck_assert_double_gt(double(found.gap), -1e-4);
+        ck_assert_double_gt(double(found.axis.dot(place.getBasis().getColumn(1))), 0.9);
+    }
+}
+END_TEST
+
 START_TEST(points_of_cubes_on_each_other_are_the_corners_of_the_common_area)
 {
     Placed a(Box(btScalar(0.5), btScalar(0.5), btScalar(0.5)), btTransform::getIdentity());
@@ -217,6 +249,7 @@ END_TEST
 } // namespace
 
 QC_RUN_TESTS("separating planes", the_gap_of_convex_meshes_is_their_distance, no_axis_has_a_gap_beyond_the_distance,
+             bodies_that_meet_at_two_edges_have_a_plane_between_them,
              points_of_cubes_on_each_other_are_the_corners_of_the_common_area,
              points_lie_on_both_meshes_and_one_is_where_they_are_nearest,
              a_body_in_the_mouth_of_another_has_no_points_in_the_air)
