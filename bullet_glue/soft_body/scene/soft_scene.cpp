@@ -168,7 +168,7 @@ void qcSoftBodyScene::ApplySettings(qcSceneSoftBody& tracked)
 void qcSoftBodyScene::ApplyFilters(const qcSceneSoftBody& tracked)
 {
     const uint32_t mask = qcSoftGroup | qcMeshGroup | (tracked.CollidesWithSurfaces() ? qcSurfaceGroup : 0u);
-    qcScene_SetSelfCollision(m_scene, tracked.id, tracked.settings.selfCollision && !tracked.isAlone);
+    qcScene_SetSelfCollision(m_scene, tracked.id, tracked.settings.selfCollision && !tracked.isApart);
     qcScene_SetFilter(m_scene, tracked.id, qcSoftGroup, tracked.isAlone ? 0 : mask);
 }
 
@@ -308,13 +308,13 @@ bool qcSoftBodyScene::FindLone(bool starts)
     FindPartners();
     for (qcSceneSoftBody& tracked : m_bodies)
     {
-        const bool wasAlone = tracked.isAlone;
-        bool isApart =
-            !tracked.settings.selfCollision ||
-            (tracked.topology.isChain && qcIsStretchedChain(tracked.start, tracked.positions, tracked.thickness));
-        tracked.isAlone = mayLeaveOut && !tracked.hasPartner && isApart && (starts || wasAlone);
+        const bool wasAlone = tracked.isAlone, wasApart = tracked.isApart;
+        tracked.isApart = mayLeaveOut && tracked.topology.isChain &&
+                          qcIsStretchedChain(tracked.start, tracked.positions, tracked.thickness);
+        tracked.isAlone = mayLeaveOut && !tracked.hasPartner && (starts || wasAlone) &&
+                          (tracked.isApart || !tracked.settings.selfCollision);
         isFound = isFound || (wasAlone && !tracked.isAlone);
-        if (tracked.isAlone != wasAlone)
+        if (tracked.isAlone != wasAlone || tracked.isApart != wasApart)
             ApplyFilters(tracked);
     }
     return isFound;
@@ -344,7 +344,7 @@ qcStatus qcSoftBodyScene::SyncStartPositions()
     qcStatus status = qc_statusOk;
     for (qcSceneSoftBody& tracked : m_bodies)
     {
-        tracked.isAlone = false;
+        tracked.isAlone = tracked.isApart = false;
         ApplyFilters(tracked);
         status = std::max(status, SetVertices(tracked, tracked.start));
     }
@@ -440,7 +440,7 @@ qcStatus qcSoftBodyScene::DetectMotion(const std::function<bool(uint32_t, uint32
     for (const qcSceneSoftBody& tracked : m_bodies)
     {
         hasPartners = hasPartners || tracked.hasPartner;
-        if (tracked.moves && tracked.settings.selfCollision && !tracked.isAlone)
+        if (tracked.moves && tracked.settings.selfCollision && !tracked.isApart)
         {
             bool proven = isProven(tracked.id.slot, tracked.id.slot);
             isProvenWithin = isProvenWithin && proven;

@@ -56,6 +56,7 @@ struct qcSceneSoftBody
     std::vector<qcHeldContact> heldContacts; ///< of the previous step
     bool inContact = false;                  ///< it is in a constraint of this step
     bool hasPartner = true;                  ///< its motion may come near that of another soft body or a mesh
+    bool isApart = false;                    ///< it can't touch itself in this step: queries don't test it with itself
     /// Nothing comes near it in this step, itself included: queries leave it out.
     bool isAlone = false;
     bool isInScene = false; ///< the scene has its positions
