@@ -292,7 +292,8 @@ qcStatus qcSoftBodyContact::Implementation::FindContacts(bool isFirst)
         return status;
     m_clearance.Clear();
     for (const qcSceneSoftBody& soft : scene.Bodies())
-        m_clearance.Record(soft.id.slot, soft.thickness, soft.start, soft.positions);
+        if (!soft.isAlone)
+            m_clearance.Record(soft.id.slot, soft.thickness, soft.start, soft.positions);
     m_clearance.RecordNear(*m_result);
     qcMakeSoftConstraints(scene, m_tangles, *m_result, &m_constraints, &m_contactOfConstraint);
     if (isFirst)

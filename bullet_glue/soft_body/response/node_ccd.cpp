@@ -190,7 +190,7 @@ void qcAddLinkCcdConstraints(qcSoftBodyScene& scene, std::vector<qcSoftConstrain
         for (const std::unique_ptr<qcSceneRigid>& rigid : scene.meshes.Rigids())
         {
             const qcSoftTopology& topology = soft.topology;
-            if (topology.ropeCount == 0)
+            if (topology.ropeCount == 0 || !soft.hasPartner)
                 continue;
             for (const qcSceneMesh& mesh : rigid->meshes)
                 for (size_t i = topology.faceCount;
@@ -207,6 +207,8 @@ void qcMakeNodeCcdConstraints(qcSoftBodyScene& scene, std::vector<qcSoftConstrai
     BT_PROFILE("qcSoftBodyContact sweep");
     for (qcSceneSoftBody& soft : scene.Bodies())
     {
+        if (!soft.hasPartner)
+            continue;
         btScalar softMotion = MaxMotionOf(soft);
         for (const std::unique_ptr<qcSceneRigid>& rigid : scene.meshes.Rigids())
         {

@@ -374,6 +374,21 @@ qcStatus qcSoftBodyMeshes::SyncTransforms(qcScene* scene, bool atStart)
     return qc_statusOk;
 }
 
+void qcSoftBodyMeshes::AddMotionBoxes(btScalar reach, qcMotionBoxes* boxes) const
+{
+    for (const std::unique_ptr<qcSceneRigid>& rigid : m_rigids)
+        for (const qcSceneMesh& mesh : rigid->meshes)
+        {
+            btVector3 box[2], end[2];
+            mesh.shape->getAabb(rigid->start * mesh.local, box[0], box[1]);
+            mesh.shape->getAabb(rigid->object->getWorldTransform() * mesh.local, end[0], end[1]);
+            box[0].setMin(end[0]);
+            box[1].setMax(end[1]);
+            qcEnlarge(reach, box);
+            boxes->Add(box[0], box[1], true);
+        }
+}
+
 void qcSoftBodyMeshes::Commit()
 {
     for (const std::unique_ptr<qcSceneRigid>& rigid : m_rigids)

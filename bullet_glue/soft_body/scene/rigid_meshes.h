@@ -3,6 +3,7 @@
 #ifndef QC_GLUE_SOFT_BODY_SCENE_RIGID_MESHES_H
 #define QC_GLUE_SOFT_BODY_SCENE_RIGID_MESHES_H
 
+#include "soft_body/scene/lone_bodies.h"
 #include "soft_body/scene/object_starts.h"
 #include "soft_body/scene/shape_surface.h"
 
@@ -110,6 +111,8 @@ class qcSoftBodyMeshes
     qcStatus Sync(qcScene* scene);
     /// Sets the objects' present transforms in the scene, or those of the start of the step.
     qcStatus SyncTransforms(qcScene* scene, bool atStart = false);
+    /// Appends the boxes of the meshes' motions from the start of the step, enlarged by `reach`.
+    void AddMotionBoxes(btScalar reach, qcMotionBoxes* boxes) const;
     /// True if each of the objects was in the previous step and starts at its end transform.
     bool StartWhereTheyEnded() const;
 

@@ -85,6 +85,12 @@ bool qcCollidesWithSurfaces(const btSoftBody* body, const qcSoftBodySettings& se
            !body->m_reducedModel;
 }
 
+qcSoftBodyScene::qcSoftBodyScene(qcDevice* device) : m_device(device)
+{
+    m_noPairs.profile.method = qc_methodSweep;
+    m_noPairs.profile.device = "none";
+}
+
 qcSoftBodyScene::~qcSoftBodyScene()
 {
     qcScene_Destroy(m_scene);
@@ -114,10 +120,14 @@ qcStatus qcSoftBodyScene::Track(btSoftBody* body)
 
 void qcSoftBodyScene::UntrackRemoved(const btAlignedObjectArray<btSoftBody*>& bodies)
 {
+    // Both have the same order, but for bodies that are tracked anew.
+    int next = 0;
     auto isRemoved = [&](const qcSceneSoftBody& tracked)
     {
-        bool same =
-            bodies.findLinearSearch(tracked.body) < bodies.size() && tracked.uniqueId == qcUniqueIdOf(tracked.body);
+        const bool isNext = next < bodies.size() && bodies[next] == tracked.body;
+        next += isNext;
+        bool same = (isNext || bodies.findLinearSearch(tracked.body) < bodies.size()) &&
+                    tracked.uniqueId == qcUniqueIdOf(tracked.body);
         if (same && tracked.start.size() == size_t(tracked.NodeCount()) &&
             qcIsTopologyOf(tracked.topology, tracked.body))
             return false;
@@ -151,10 +161,15 @@ void qcSoftBodyScene::ApplySettings(qcSceneSoftBody& tracked)
     tracked.settings = settings;
     ApplyThickness(tracked);
     tracked.moves = tracked.body->isActive();
-    qcScene_SetSelfCollision(m_scene, tracked.id, tracked.settings.selfCollision);
     qcScene_SetActivity(m_scene, tracked.id, tracked.moves ? qc_activityMoving : qc_activitySleeping);
-    qcScene_SetFilter(m_scene, tracked.id, qcSoftGroup,
-                      qcSoftGroup | qcMeshGroup | (tracked.CollidesWithSurfaces() ? qcSurfaceGroup : 0u));
+    ApplyFilters(tracked);
+}
+
+void qcSoftBodyScene::ApplyFilters(const qcSceneSoftBody& tracked)
+{
+    const uint32_t mask = qcSoftGroup | qcMeshGroup | (tracked.CollidesWithSurfaces() ? qcSurfaceGroup : 0u);
+    qcScene_SetSelfCollision(m_scene, tracked.id, tracked.settings.selfCollision && !tracked.isApart);
+    qcScene_SetFilter(m_scene, tracked.id, qcSoftGroup, tracked.isAlone ? 0 : mask);
 }
 
 qcStatus qcSoftBodyScene::CreateScene()
@@ -212,7 +227,8 @@ qcStatus qcSoftBodyScene::Sync(const btAlignedObjectArray<btSoftBody*>& bodies, 
     for (int i = 0; i < bodies.size(); i++)
     {
         auto isIt = [&](const qcSceneSoftBody& tracked) { return tracked.body == bodies[i]; };
-        if (std::any_of(m_bodies.begin(), m_bodies.end(), isIt))
+        if ((size_t(i) < m_bodies.size() && isIt(m_bodies[size_t(i)])) ||
+            std::any_of(m_bodies.begin(), m_bodies.end(), isIt))
             continue;
         status = Track(bodies[i]);
         if (status != qc_statusOk)
@@ -254,40 +270,104 @@ qcStatus qcSoftBodyScene::ReadSolved(btScalar timeStep)
     return meshes.Sync(m_scene);
 }
 
-qcStatus qcSoftBodyScene::SetVertices(std::vector<btVector3> qcSceneSoftBody::*positions)
+//  ---- what the scene has of the bodies ----------------------------------------------------------------------------
+
+bool qcSoftBodyScene::AreAllAlone() const
 {
-    for (const qcSceneSoftBody& tracked : m_bodies)
+    auto isAlone = [](const qcSceneSoftBody& tracked) { return tracked.isAlone; };
+    return !m_bodies.empty() && std::all_of(m_bodies.begin(), m_bodies.end(), isAlone);
+}
+
+/// Finds which bodies may come near another soft body or a mesh over the step.
+void qcSoftBodyScene::FindPartners()
+{
+    const btScalar reach = ContactDistance() / 2;
+    m_boxes.Clear();
+    for (qcSceneSoftBody& tracked : m_bodies)
     {
-        if (tracked.positions.empty())
-            continue;
-        const std::vector<btVector3>& from = tracked.*positions;
-        qcStatus status = qcScene_SetVertices(m_scene, tracked.id, from.data(), qcBulletPositions, sizeof(btVector3));
-        if (status != qc_statusOk)
-            return status;
+        btVector3 box[2];
+        // The scene's query reports a node that is not finite.
+        tracked.hasPartner = !qcFindMotionBox(tracked.start, tracked.positions, reach, box);
+        if (tracked.hasPartner)
+            box[1] = -(box[0] = btVector3(-BT_LARGE_FLOAT, -BT_LARGE_FLOAT, -BT_LARGE_FLOAT));
+        m_boxes.Add(box[0], box[1], false);
     }
-    return qc_statusOk;
+    meshes.AddMotionBoxes(reach, &m_boxes);
+    m_boxes.Find();
+    for (size_t i = 0; i < m_bodies.size(); i++)
+        m_bodies[i].hasPartner = m_bodies[i].hasPartner || m_boxes.Overlaps(i);
+}
+
+/// Finds the bodies that are alone: at the start of the step (`starts`), or those that still are. True: one that was
+/// is no longer.
+bool qcSoftBodyScene::FindLone(bool starts)
+{
+    // `cullide` and `quick` find no contacts: their queries fail.
+    const bool mayLeaveOut = !reportsCandidates && method != qc_methodCullide && method != qc_methodQuick;
+    bool isFound = false;
+    FindPartners();
+    for (qcSceneSoftBody& tracked : m_bodies)
+    {
+        const bool wasAlone = tracked.isAlone, wasApart = tracked.isApart;
+        tracked.isApart = mayLeaveOut && tracked.topology.isChain &&
+                          qcIsStretchedChain(tracked.start, tracked.positions, tracked.thickness);
+        tracked.isAlone = mayLeaveOut && !tracked.hasPartner && (starts || wasAlone) &&
+                          (tracked.isApart || !tracked.settings.selfCollision);
+        isFound = isFound || (wasAlone && !tracked.isAlone);
+        if (tracked.isAlone != wasAlone || tracked.isApart != wasApart)
+            ApplyFilters(tracked);
+    }
+    return isFound;
+}
+
+qcStatus qcSoftBodyScene::SetVertices(qcSceneSoftBody& tracked, const std::vector<btVector3>& positions)
+{
+    tracked.isInScene = !tracked.isAlone;
+    if (tracked.positions.empty() || tracked.isAlone)
+        return qc_statusOk;
+    return qcScene_SetVertices(m_scene, tracked.id, positions.data(), qcBulletPositions, sizeof(btVector3));
 }
 
 qcStatus qcSoftBodyScene::SyncPositions()
 {
-    qcStatus status = SetVertices(&qcSceneSoftBody::positions);
+    if (AreAllAlone())
+        return qc_statusOk;
+    // What contacts have moved may have come near a body that was alone.
+    qcStatus status = FindLone(false) ? MarkStarts(false) : qc_statusOk;
+    for (size_t i = 0; i < m_bodies.size() && status == qc_statusOk; i++)
+        status = SetVertices(m_bodies[i], m_bodies[i].positions);
     return status == qc_statusOk ? meshes.SyncTransforms(m_scene) : status;
 }
 
 qcStatus qcSoftBodyScene::SyncStartPositions()
 {
-    qcStatus status = SetVertices(&qcSceneSoftBody::start);
+    qcStatus status = qc_statusOk;
+    for (qcSceneSoftBody& tracked : m_bodies)
+    {
+        tracked.isAlone = tracked.isApart = false;
+        ApplyFilters(tracked);
+        status = std::max(status, SetVertices(tracked, tracked.start));
+    }
     return status == qc_statusOk ? meshes.SyncTransforms(m_scene, true) : status;
+}
+
+/// `areThere`: bodies in the scene have their positions of the start there.
+qcStatus qcSoftBodyScene::MarkStarts(bool areThere)
+{
+    qcStatus status = qc_statusOk;
+    for (qcSceneSoftBody& tracked : m_bodies)
+        if (!areThere || !tracked.isInScene || tracked.isAlone)
+            status = std::max(status, SetVertices(tracked, tracked.start));
+    if (status == qc_statusOk)
+        status = meshes.SyncTransforms(m_scene, true);
+    return status == qc_statusOk ? qcScene_MarkStart(m_scene) : status;
 }
 
 qcStatus qcSoftBodyScene::MarkStart()
 {
+    FindLone(true);
     // Bodies of the previous step are where it left them.
-    bool isThere = StartsWhereStepEnded();
-    qcStatus status = isThere ? qc_statusOk : SetVertices(&qcSceneSoftBody::start);
-    if (status == qc_statusOk)
-        status = meshes.SyncTransforms(m_scene, true);
-    return status == qc_statusOk ? qcScene_MarkStart(m_scene) : status;
+    return MarkStarts(StartsWhereStepEnded());
 }
 
 void qcSoftBodyScene::EndStep(bool solved)
@@ -321,6 +401,11 @@ bool qcSoftBodyScene::StartsWhereStepEnded() const
 
 qcStatus qcSoftBodyScene::Detect(btScalar contactMargin, const qcResult** result)
 {
+    if (AreAllAlone())
+    {
+        *result = &m_noPairs;
+        return qc_statusOk;
+    }
     qcDetectDef def = qcProfiledDetectDef();
     def.method = method;
     def.contactMargin = double(contactMargin);
@@ -351,16 +436,19 @@ qcStatus qcSoftBodyScene::SetSelfCollision(const std::vector<qcBodyId>& bodies, 
 qcStatus qcSoftBodyScene::DetectMotion(const std::function<bool(uint32_t, uint32_t)>& isProven, const qcResult** result)
 {
     m_provenWithin.clear();
-    bool isAlone = m_bodies.size() < 2 && meshes.Rigids().empty(), isProvenWithin = true;
+    bool hasPartners = false, isProvenWithin = true;
     for (const qcSceneSoftBody& tracked : m_bodies)
-        if (tracked.moves && tracked.settings.selfCollision)
+    {
+        hasPartners = hasPartners || tracked.hasPartner;
+        if (tracked.moves && tracked.settings.selfCollision && !tracked.isApart)
         {
             bool proven = isProven(tracked.id.slot, tracked.id.slot);
             isProvenWithin = isProvenWithin && proven;
             if (proven)
                 m_provenWithin.push_back(tracked.id);
         }
-    if ((isAlone && isProvenWithin) || IsDiscrete())
+    }
+    if ((!hasPartners && isProvenWithin) || IsDiscrete())
     {
         *result = &m_noPairs;
         return qc_statusOk;

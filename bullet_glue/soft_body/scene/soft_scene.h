@@ -55,6 +55,11 @@ struct qcSceneSoftBody
     std::vector<std::pair<uint32_t, const btCollisionObject*>> anchors;
     std::vector<qcHeldContact> heldContacts; ///< of the previous step
     bool inContact = false;                  ///< it is in a constraint of this step
+    bool hasPartner = true;                  ///< its motion may come near that of another soft body or a mesh
+    bool isApart = false;                    ///< it can't touch itself in this step: queries don't test it with itself
+    /// Nothing comes near it in this step, itself included: queries leave it out.
+    bool isAlone = false;
+    bool isInScene = false; ///< the scene has its positions
 
     int NodeCount() const
     {
@@ -105,9 +110,7 @@ class qcSoftBodyScene
 {
   public:
     /// `device` may be null; it must outlive the scene.
-    explicit qcSoftBodyScene(qcDevice* device) : m_device(device)
-    {
-    }
+    explicit qcSoftBodyScene(qcDevice* device);
     ~qcSoftBodyScene();
     qcSoftBodyScene(const qcSoftBodyScene&) = delete;
     qcSoftBodyScene& operator=(const qcSoftBodyScene&) = delete;
@@ -180,8 +183,13 @@ class qcSoftBodyScene
     void UntrackRemoved(const btAlignedObjectArray<btSoftBody*>& bodies);
     void ReadStart(qcSceneSoftBody& tracked, btVector3 btSoftBody::Node::*start);
     void ApplySettings(qcSceneSoftBody& tracked);
+    void ApplyFilters(const qcSceneSoftBody& tracked);
     void ApplyThickness(qcSceneSoftBody& tracked);
-    qcStatus SetVertices(std::vector<btVector3> qcSceneSoftBody::*positions);
+    void FindPartners();
+    bool FindLone(bool starts);
+    bool AreAllAlone() const;
+    qcStatus MarkStarts(bool areThere);
+    qcStatus SetVertices(qcSceneSoftBody& tracked, const std::vector<btVector3>& positions);
     qcStatus SetSelfCollision(const std::vector<qcBodyId>& bodies, bool selfCollision);
 
     qcDevice* m_device;
@@ -190,6 +198,7 @@ class qcSoftBodyScene
     std::vector<size_t> m_bodyOfSlot;
     std::map<const btSoftBody*, Setting> m_settings;
     std::vector<qcBodyId> m_provenWithin; ///< scratch of DetectMotion
+    qcMotionBoxes m_boxes;                ///< scratch of FindPartners
     qcResult m_noPairs{};
 };
 

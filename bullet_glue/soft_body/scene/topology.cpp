@@ -107,6 +107,15 @@ btScalar DefaultThicknessOf(const btSoftBody* body, const qcSoftTopology& topolo
         sum += LengthOf(body, topology.indices[3 * i], topology.indices[3 * i + 1]);
     return topology.ropeCount > 0 ? sum / btScalar(topology.ropeCount) * s_ropeThickness : btScalar(0);
 }
+
+bool IsChain(const btSoftBody* body, const qcSoftTopology& topology)
+{
+    bool isChain = topology.faceCount == 0 && topology.ropeCount + 1 == size_t(body->m_nodes.size()) &&
+                   topology.indices.size() == 3 * topology.ropeCount;
+    for (size_t i = 0; isChain && i < topology.ropeCount; i++)
+        isChain = topology.indices[3 * i] == i && topology.indices[3 * i + 1] == i + 1;
+    return isChain;
+}
 } // namespace
 
 qcSoftTopology qcTopologyOf(const btSoftBody* body)
@@ -128,6 +137,7 @@ qcSoftTopology qcTopologyOf(const btSoftBody* body)
         if (loose[i])
             topology.indices.insert(topology.indices.end(), 3, uint32_t(i));
     topology.defaultThickness = DefaultThicknessOf(body, topology);
+    topology.isChain = IsChain(body, topology);
     return topology;
 }
 

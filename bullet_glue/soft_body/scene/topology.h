@@ -22,6 +22,8 @@ struct qcSoftTopology
     /// The thickness where the settings give 0: half the mean edge of the faces; in a body without faces an eighth of
     /// the mean length of its rope links; 0 without either.
     btScalar defaultThickness = 0;
+    /// Each node but the last has a rope link to the next one, and nothing else collides.
+    bool isChain = false;
 };
 
 /// O(faces + links * links at a node).
