@@ -24,8 +24,7 @@ static qcStatus ReserveAll(qcPairBuffer* buffer, size_t count)
     QC_TRY(qcArray_Reserve(&buffer->keys, buffer->keys.count + count, sizeof(uint64_t), "candidate pairs"));
     QC_TRY(
         qcArray_Reserve(&buffer->contactKeys, buffer->contactKeys.count + count, sizeof(uint64_t), "candidate pairs"));
-    return qcArray_Reserve(&buffer->classified, buffer->classified.count + count, sizeof(qcSortItem),
-                           "candidate pairs");
+    return qcArray_Reserve(&buffer->classified, buffer->classified.count + count, sizeof(uint64_t), "candidate pairs");
 }
 
 bool qcPairBuffer_Add(qcPairBuffer* buffer, const qcClassifiedPairs* found, bool listClassified,
@@ -40,8 +39,8 @@ bool qcPairBuffer_Add(qcPairBuffer* buffer, const qcClassifiedPairs* found, bool
         if (i >= classified)
             AddKey(&buffer->keys, key);
         else if (i < found->nearCount || i >= found->nearCount + found->separateCount)
-            QC_AT(qcSortItem, buffer->classified, buffer->classified.count++) =
-                (qcSortItem){key, i < found->nearCount ? qc_relationNear : qc_relationPenetrating};
+            AddKey(&buffer->classified,
+                   qcRelatedPair_Make(key, i < found->nearCount ? qc_relationNear : qc_relationPenetrating));
         if (i < classified && listClassified)
             AddKey(&buffer->contactKeys, key);
     }
@@ -67,7 +66,7 @@ qcStatus qcPairBuffers_End(const qcArray* buffers, const qcPairKeys* keys)
         const qcPairBuffer* buffer = &QC_AT(qcPairBuffer, *buffers, i);
         QC_TRY(qcArray_Append(keys->keys, &buffer->keys, sizeof(uint64_t), "candidate pairs"));
         QC_TRY(qcArray_Append(keys->contactKeys, &buffer->contactKeys, sizeof(uint64_t), "candidate pairs"));
-        QC_TRY(qcArray_Append(keys->classified, &buffer->classified, sizeof(qcSortItem), "candidate pairs"));
+        QC_TRY(qcArray_Append(keys->classified, &buffer->classified, sizeof(uint64_t), "candidate pairs"));
     }
     return qc_statusOk;
 }

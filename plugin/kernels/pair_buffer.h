@@ -2,7 +2,7 @@
 #ifndef QC_KERNELS_PAIR_BUFFER_H
 #define QC_KERNELS_PAIR_BUFFER_H
 
-#include "base/radix_sort.h"
+#include "base/related_pair.h"
 #include "base/worker_results.h"
 #include "kernels/pair_filter.h"
 #include "quickcullide/scene.h"
@@ -13,7 +13,7 @@ typedef struct qcPairBuffer
     qcWorkerResult result;
     qcArray keys;        ///< uint64_t: pairs that need the exact test
     qcArray contactKeys; ///< uint64_t: pairs needed for contacts only: neighbours, and classified ones
-    qcArray classified;  ///< of qcSortItem: key and relation of pairs that need no exact test
+    qcArray classified;  ///< uint64_t, as qcRelatedPair_Make: pairs that need no exact test
 } qcPairBuffer;
 
 /// The pairs of all workers, as in qcPairBuffer.
