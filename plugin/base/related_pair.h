@@ -10,6 +10,9 @@ enum
     qc_maxStepTriangles = INT32_MAX
 };
 
+/// Fails if there are more pairs than allowed.
+qcStatus qcRelatedPair_CheckCount(uint64_t count, uint64_t maxPairs);
+
 /// `key`: lower global triangle index << 32 | higher one.
 static inline uint64_t qcRelatedPair_Make(uint64_t key, qcRelation relation)
 {

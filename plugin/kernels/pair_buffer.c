@@ -8,19 +8,22 @@ static void AddKey(qcArray* keys, uint64_t key)
     QC_AT(uint64_t, *keys, keys->count++) = key;
 }
 
-qcStatus qcPairBuffers_Begin(qcArray* buffers, uint32_t threads)
+qcStatus qcPairBuffers_Begin(qcArray* buffers, uint32_t threads, uint64_t maxPairs)
 {
     QC_TRY(qcWorkerResults_Begin(buffers, threads, sizeof(qcPairBuffer), "candidate pairs"));
     for (size_t i = 0; i < buffers->count; i++)
     {
         qcPairBuffer* buffer = &QC_AT(qcPairBuffer, *buffers, i);
         buffer->keys.count = buffer->contactKeys.count = buffer->classified.count = 0;
+        buffer->maxPairs = maxPairs;
     }
     return qc_statusOk;
 }
 
 static qcStatus ReserveAll(qcPairBuffer* buffer, size_t count)
 {
+    QC_TRY(qcRelatedPair_CheckCount(buffer->keys.count + buffer->classified.count, buffer->maxPairs));
+    QC_TRY(qcRelatedPair_CheckCount(buffer->contactKeys.count, buffer->maxPairs));
     QC_TRY(qcArray_Reserve(&buffer->keys, buffer->keys.count + count, sizeof(uint64_t), "candidate pairs"));
     QC_TRY(
         qcArray_Reserve(&buffer->contactKeys, buffer->contactKeys.count + count, sizeof(uint64_t), "candidate pairs"));
@@ -50,8 +53,10 @@ bool qcPairBuffer_Add(qcPairBuffer* buffer, const qcClassifiedPairs* found, bool
 void qcPairBuffer_AddNeighbours(qcPairBuffer* buffer, const qcSlotPair* pairs, size_t count, qcPairKeyFunction* keyOf,
                                 const void* context)
 {
-    qcStatus status =
-        qcArray_Reserve(&buffer->contactKeys, buffer->contactKeys.count + count, sizeof(uint64_t), "neighbours");
+    qcStatus status = qcRelatedPair_CheckCount(buffer->contactKeys.count + count, buffer->maxPairs);
+    if (status == qc_statusOk)
+        status =
+            qcArray_Reserve(&buffer->contactKeys, buffer->contactKeys.count + count, sizeof(uint64_t), "neighbours");
     if (!qcWorkerResult_Add(&buffer->result, status))
         return;
     for (size_t i = 0; i < count; i++)

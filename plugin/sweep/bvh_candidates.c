@@ -310,7 +310,7 @@ qcStatus qcBvhCandidates_Run(const qcBvhCandidatesJob* job, qcBvhCandidates* swe
     const qcStepTriangles* t = job->triangles;
     Run run = {.sweep = sweep, .job = job, .flatPatches = !job->testNeighbours};
     run.fillsVerlet = FillsVerlet(&run);
-    QC_TRY(qcPairBuffers_Begin(&sweep->buffers, job->threads));
+    QC_TRY(qcPairBuffers_Begin(&sweep->buffers, job->threads, t->maxPairs));
     QC_TRY(ClearVisited(&run));
     if (run.fillsVerlet)
         QC_TRY(BeginVerlet(&run));

@@ -50,7 +50,9 @@ void qcCandidates_Offer(const qcCandidateRules* rules, uint32_t bodyA, uint32_t 
     }
     if (!qcWorkerResult_IsOk(&buffer->result))
         return;
-    qcStatus status = qcArray_Reserve(keys, keys->count + 1, sizeof(uint64_t), "candidate pairs");
+    qcStatus status = qcRelatedPair_CheckCount(keys->count + 1, t->maxPairs);
+    if (status == qc_statusOk)
+        status = qcArray_Reserve(keys, keys->count + 1, sizeof(uint64_t), "candidate pairs");
     if (qcWorkerResult_Add(&buffer->result, status))
         QC_AT(uint64_t, *keys, keys->count++) = qcStepTriangles_Key(triangleA, triangleB);
 }
@@ -165,7 +167,9 @@ qcStatus qcCandidates_Add(const qcStepTriangles* triangles, const qcPcs* pcs, co
 {
     QC_TRY(AppendFiltered(triangles, pcs, keys->keys, false, &candidates->keys));
     QC_TRY(AppendFiltered(triangles, pcs, keys->contactKeys, false, &candidates->contactKeys));
-    return AppendFiltered(triangles, pcs, keys->classified, true, &candidates->classified);
+    QC_TRY(AppendFiltered(triangles, pcs, keys->classified, true, &candidates->classified));
+    QC_TRY(qcRelatedPair_CheckCount(candidates->keys.count + candidates->classified.count, triangles->maxPairs));
+    return qcRelatedPair_CheckCount(candidates->contactKeys.count, triangles->maxPairs);
 }
 
 void qcCandidates_Free(qcCandidates* candidates)
